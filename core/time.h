@@ -1,0 +1,22 @@
+#pragma once
+
+#include <chrono>
+
+namespace touchline {
+
+/// Tag of the one time line of the system: the camera driver's monotonic clock, or the arena's virtual one.
+/// It has no now(): in the core, time comes in with the frame.
+struct CaptureClock {
+  using duration = std::chrono::nanoseconds;
+  using rep = duration::rep;
+  using period = duration::period;
+  using time_point = std::chrono::time_point<CaptureClock>;
+  static constexpr bool is_steady = true;
+};
+using Duration = CaptureClock::duration;
+using Instant = CaptureClock::time_point;
+
+constexpr double seconds(Duration d) { return std::chrono::duration<double>(d).count(); }
+constexpr Duration from_seconds(double s) { return Duration(static_cast<Duration::rep>(s * 1e9)); }
+
+}  // namespace touchline

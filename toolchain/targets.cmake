@@ -1,0 +1,40 @@
+# touchline_library(NAME SOURCES... [LINK LIBS...]): a static library with the project's options.
+function(touchline_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  if(ARG_SOURCES)
+    add_library(${name} STATIC ${ARG_SOURCES})
+    target_link_libraries(${name} PUBLIC touchline_options ${ARG_LINK})
+  else()
+    add_library(${name} INTERFACE)
+    target_link_libraries(${name} INTERFACE touchline_options ${ARG_LINK})
+  endif()
+endfunction()
+
+# touchline_core_library(NAME ...): the same for a stage of the core: no exceptions, no run-time type information,
+# no thread-safe statics, and Eigen neither allocates nor throws.
+function(touchline_core_library name)
+  touchline_library(${name} ${ARGN})
+  get_target_property(type ${name} TYPE)
+  if(NOT type STREQUAL "INTERFACE_LIBRARY")
+    target_link_libraries(${name} PUBLIC Eigen3::Eigen)
+    target_compile_options(${name} PRIVATE -fno-exceptions -fno-rtti -fno-threadsafe-statics)
+    target_compile_definitions(${name} PRIVATE EIGEN_NO_MALLOC EIGEN_NO_DEBUG)
+    set_property(GLOBAL APPEND PROPERTY TOUCHLINE_CORE_LIBRARIES ${name})
+  endif()
+endfunction()
+
+# touchline_program(NAME SOURCES... [LINK LIBS...]): an installed program.
+function(touchline_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE touchline_options ${ARG_LINK})
+  install(TARGETS ${name} RUNTIME)
+endfunction()
+
+# touchline_test(NAME SOURCES... [LINK LIBS...]): a GoogleTest program whose tests CTest runs one by one.
+function(touchline_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE touchline_options ${ARG_LINK} GTest::gtest_main)
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST)
+endfunction()

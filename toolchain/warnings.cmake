@@ -1,0 +1,16 @@
+# Warnings and sanitizers that every target of the project gets.
+add_library(touchline_options INTERFACE)
+target_include_directories(touchline_options INTERFACE ${CMAKE_SOURCE_DIR})
+target_compile_options(touchline_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wdouble-promotion -Wnon-virtual-dtor
+  -Wold-style-cast -Woverloaded-virtual -Wnull-dereference -Wimplicit-fallthrough -Wundef -Wunused)
+if(TOUCHLINE_WERROR)
+  target_compile_options(touchline_options INTERFACE -Werror)
+endif()
+# One rounding everywhere: without contraction x86 and ARM, gcc and clang compute the same bits.
+target_compile_options(touchline_options INTERFACE -ffp-contract=off)
+if(TOUCHLINE_SANITIZE)
+  target_compile_options(touchline_options INTERFACE -fsanitize=${TOUCHLINE_SANITIZE} -fno-omit-frame-pointer
+                                                     -fno-sanitize-recover=all)
+  target_link_options(touchline_options INTERFACE -fsanitize=${TOUCHLINE_SANITIZE})
+endif()

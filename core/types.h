@@ -224,6 +224,7 @@ struct StepTrace {
   Tracks tracks;
   Commands commands;
   Packet packet;
+  Status status;                                  // of the scan: kUnsupported (nothing seen), kFull (see overload)
   std::array<Duration, kStageCount> stage_time{};
   bool overload = false;                          // some capacity was reached; the counters say which
   std::uint32_t runs_dropped = 0, regions_dropped = 0;

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "core/light/shading.h"
+#include "core/types.h"
+
+namespace touchline {
+
+/// A box of one color class: low <= value <= high in each channel (R, G, B or Y, U, V).
+struct ColorBox {
+  ColorId color = kBackground;
+  std::array<std::uint8_t, 3> low{}, high{};
+};
+/// A color is the union of its boxes. Box i is bit i of the tables; where boxes meet, the lowest bit wins.
+using ColorBoxes = FixedVector<ColorBox, kMaxColorBoxes>;
+
+/// Two boxes of different colors that have a common point, by their bits; false when there are none.
+bool overlapping_boxes(const ColorBoxes& boxes, std::size_t& first, std::size_t& second);
+
+/// Klancar section 3.2: three 256-entry tables of 32-bit masks, ANDed. The definition of every kernel.
+class ColorTables {
+ public:
+  /// kOutOfRange: low above high, or color 0 or above kMaxColors.
+  Status build(const ColorBoxes& boxes, ColorSpace space);
+
+  /// The classes of a pixel as bits; level of each channel as in Shading.
+  [[nodiscard]] std::uint32_t mask(const std::array<std::uint8_t, 3>& value,
+                                   const std::array<std::uint8_t, 3>& level) const {
+    return table_[0][level[0]][value[0]] & table_[1][level[1]][value[1]] & table_[2][level[2]][value[2]];
+  }
+  [[nodiscard]] ColorId color_of(std::uint32_t mask) const;
+  using Table = std::array<std::uint32_t, 256>;
+  [[nodiscard]] const Table& table(std::size_t channel, std::uint8_t level) const { return table_[channel][level]; }
+
+ private:
+  std::array<std::array<Table, kLightLevels>, 3> table_{};
+  std::array<ColorId, kMaxColorBoxes> color_of_bit_{};
+};
+
+}  // namespace touchline

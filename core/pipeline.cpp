@@ -1,0 +1,72 @@
+#include "core/pipeline.h"
+
+namespace touchline {
+namespace {
+
+// Time between construction and destruction goes to the stage.
+class StageTimer {
+ public:
+  StageTimer(Pipeline::StageClock clock, Duration& spent) : clock_(clock), spent_(spent) {
+    if (clock_ != nullptr) begin_ = clock_();
+  }
+  ~StageTimer() {
+    if (clock_ != nullptr) spent_ = clock_() - begin_;
+  }
+  StageTimer(const StageTimer&) = delete;
+  StageTimer& operator=(const StageTimer&) = delete;
+
+ private:
+  Pipeline::StageClock clock_;
+  Duration& spent_;
+  Instant begin_{};
+};
+
+}  // namespace
+
+Status Pipeline::configure(const PipelineParameters& parameters, StageClock clock) {
+  clock_ = clock;
+  packet_sequence_ = 0;
+  if (Status s = scanner_.configure(parameters.scan); !s.ok()) return s;
+  if (Status s = camera_.configure(parameters.camera); !s.ok()) return s;
+  if (Status s = matcher_.configure(parameters.marker, camera_); !s.ok()) return s;
+  if (Status s = tracker_.configure(parameters.track); !s.ok()) return s;
+  return controller_.configure(parameters.control);
+}
+
+const StepTrace& Pipeline::step(const Frame& frame) {
+  trace_.frame = frame;
+  const auto timer = [this](Stage stage) {
+    return StageTimer(clock_, trace_.stage_time[static_cast<std::size_t>(stage)]);
+  };
+  {
+    const StageTimer t = timer(Stage::kRegion);
+    trace_.status = scanner_.scan(frame, trace_.runs, trace_.regions);
+    trace_.runs_dropped = static_cast<std::uint32_t>(trace_.runs.overflow());
+    trace_.regions_dropped = static_cast<std::uint32_t>(trace_.regions.overflow());
+  }
+  {
+    const StageTimer t = timer(Stage::kMarker);
+    matcher_.match(trace_.runs, trace_.regions, trace_.sightings);
+  }
+  trace_.overload = trace_.runs_dropped + trace_.regions_dropped + trace_.sightings.robots.overflow() > 0;
+  const Instant acts_at = frame.capture_time + action_delay_;
+  {
+    const StageTimer t = timer(Stage::kTrack);
+    tracker_.update(trace_.sightings, frame.capture_time, acts_at, trace_.tracks);
+  }
+  {
+    const StageTimer t = timer(Stage::kControl);
+    controller_.decide(trace_.tracks, trace_.commands);
+    trace_.commands.stop = halted_;
+    tracker_.commanded(trace_.commands, acts_at);
+  }
+  {
+    const StageTimer t = timer(Stage::kRadio);
+    // Every set of commands fits: both lists have the same capacity.
+    if (!encode(trace_.commands, packet_sequence_, trace_.packet).ok()) trace_.packet.clear();
+    ++packet_sequence_;
+  }
+  return trace_;
+}
+
+}  // namespace touchline

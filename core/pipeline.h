@@ -1,0 +1,52 @@
+#pragma once
+
+#include "core/control/controller.h"
+#include "core/geometry/camera_model.h"
+#include "core/marker/matcher.h"
+#include "core/radio/packet.h"
+#include "core/region/region_scanner.h"
+#include "core/track/tracker.h"
+#include "core/types.h"
+
+namespace touchline {
+
+struct PipelineParameters {
+  ScanParameters scan;
+  CameraParameters camera;
+  MarkerParameters marker;
+  TrackParameters track;
+  ControlParameters control;
+};
+
+/// The way of one frame, camera to packet. Large (fixed memory): make one, not on the stack.
+class Pipeline {
+ public:
+  /// Reads a clock for StepTrace::stage_time; null: times stay zero.
+  using StageClock = Instant (*)();
+
+  Status configure(const PipelineParameters& parameters, StageClock clock = nullptr);
+
+  /// From now on commands act this long after the capture of the frame they were computed from: measured loop latency
+  /// and the radio's and robots' delay. Range 0 to 1 s.
+  void set_action_delay(Duration delay) { action_delay_ = delay; }
+  /// The controller's output is replaced by stop commands while true.
+  void set_halted(bool halted) { halted_ = halted; }
+
+  /// The trace is valid until the next call. Never fails: a frame of another format or size gives an empty trace whose
+  /// `status` says so.
+  const StepTrace& step(const Frame& frame);
+
+ private:
+  RegionScanner scanner_;
+  CameraModel camera_;
+  Matcher matcher_;
+  Tracker tracker_;
+  Controller controller_;
+  StageClock clock_ = nullptr;
+  Duration action_delay_{};
+  bool halted_ = false;
+  std::uint8_t packet_sequence_ = 0;
+  StepTrace trace_;
+};
+
+}  // namespace touchline

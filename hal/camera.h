@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "core/status.h"
+#include "core/time.h"
+#include "core/types.h"
+
+namespace touchline::hal {
+
+class Camera;
+
+/// A frame that still lies in the driver's buffer. Move-only; the buffer goes back to the driver with the lease.
+/// The camera must outlive it, and stop() must not be called while one is held.
+class FrameLease {
+ public:
+  FrameLease() = default;
+  FrameLease(Camera& owner, const Frame& frame, std::uint32_t buffer)
+      : owner_(&owner), frame_(frame), buffer_(buffer) {}
+  FrameLease(FrameLease&& other) noexcept { swap(other); }
+  FrameLease& operator=(FrameLease&& other) noexcept {
+    FrameLease(std::move(other)).swap(*this);
+    return *this;
+  }
+  FrameLease(const FrameLease&) = delete;
+  FrameLease& operator=(const FrameLease&) = delete;
+  ~FrameLease();
+
+  [[nodiscard]] const Frame& frame() const { return frame_; }
+
+ private:
+  void swap(FrameLease& other) noexcept {
+    std::swap(owner_, other.owner_);
+    std::swap(frame_, other.frame_);
+    std::swap(buffer_, other.buffer_);
+  }
+  Camera* owner_ = nullptr;
+  Frame frame_;
+  std::uint32_t buffer_ = 0;
+};
+
+/// What open() was granted.
+struct CameraInfo {
+  PixelFormat format = PixelFormat::kRgb24;
+  std::uint16_t width_px = 0, height_px = 0;
+  double rate_hz = 0.0;              // 0: the input has no rate of its own
+};
+
+/// One source of frames. After any error but kTimeout, kShortFrame and kCorruptFrame: close() and open() again.
+class Camera {
+ public:
+  virtual ~Camera() = default;
+
+  /// Negotiates the format and allocates; may block. On error reason() tells a person what to do about it.
+  Status open() { return do_open(); }
+  /// Begins to stream. Nothing is allocated from here to stop().
+  Status start() { return do_start(); }
+  /// The oldest frame not yet handed out, waiting for it until `deadline` (of hal::Clock). kTimeout: none came.
+  /// kShortFrame, kCorruptFrame: this frame is lost, the next may be good. kEndOfStream: a recording is over.
+  Result<FrameLease> wait(Instant deadline) { return do_wait(deadline); }
+  void stop() { do_stop(); }
+  void close() { do_close(); }
+
+  /// Valid after open().
+  [[nodiscard]] virtual const CameraInfo& info() const = 0;
+  /// Device and cause of the last failure, and what was granted otherwise than asked; never empty after an error.
+  [[nodiscard]] virtual const std::string& reason() const = 0;
+
+ private:
+  friend class FrameLease;
+  virtual Status do_open() = 0;
+  virtual Status do_start() = 0;
+  virtual Result<FrameLease> do_wait(Instant deadline) = 0;
+  virtual void do_release(std::uint32_t buffer) noexcept = 0;
+  virtual void do_stop() = 0;
+  virtual void do_close() = 0;
+};
+
+inline FrameLease::~FrameLease() {
+  if (owner_ != nullptr) owner_->do_release(buffer_);
+}
+
+}  // namespace touchline::hal

@@ -205,7 +205,7 @@ struct Commands {
   FixedVector<RobotCommand, kMaxRobotsPerTeam> robots;
 };
 
-// Header, 11 robots of 5 bytes and the checksum are 66; the next power of two.
+// Header, 11 robots of 5 bytes and the checksum are 63 (docs/radio.md); twice that leaves room for a robot of 10 bytes.
 constexpr std::size_t kMaxPacketBytes = 128;
 using Packet = FixedVector<std::byte, kMaxPacketBytes>;
 

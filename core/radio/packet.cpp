@@ -1,0 +1,88 @@
+#include "core/radio/packet.h"
+
+#include <cmath>
+
+#include "core/radio/crc16.h"
+
+namespace touchline {
+namespace {
+
+std::int16_t wheel_steps(float speed_mps) {
+  if (std::isnan(speed_mps)) return 0;
+  const float steps = speed_mps / kWheelResolutionMps;
+  if (steps >= 32767.0f) return 32767;
+  if (steps <= -32767.0f) return -32767;  // symmetric: forward and backward saturate alike
+  return static_cast<std::int16_t>(std::lround(steps));
+}
+
+void put_word(std::uint16_t word, Packet& out) {
+  out.push_back(static_cast<std::byte>(word & 0xFFu));
+  out.push_back(static_cast<std::byte>(word >> 8u));
+}
+
+std::uint16_t word_at(std::span<const std::byte> bytes, std::size_t at) {
+  return static_cast<std::uint16_t>(std::to_integer<unsigned>(bytes[at]) | std::to_integer<unsigned>(bytes[at + 1])
+                                                                               << 8u);
+}
+
+float speed_at(std::span<const std::byte> bytes, std::size_t at) {
+  return static_cast<float>(static_cast<std::int16_t>(word_at(bytes, at))) * kWheelResolutionMps;
+}
+
+Status check_ids(const Commands& commands) {
+  if (commands.robots.overflow() > 0) return ErrorCode::kFull;
+  for (std::size_t i = 0; i < commands.robots.size(); ++i) {
+    if (commands.robots[i].id < 0) return ErrorCode::kOutOfRange;
+    for (std::size_t k = 0; k < i; ++k) {
+      if (commands.robots[k].id == commands.robots[i].id) return ErrorCode::kInconsistent;
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Status encode(const Commands& commands, std::uint8_t sequence, Packet& out) {
+  out.clear();
+  if (const Status status = check_ids(commands); !status.ok()) return status;
+  out.push_back(kPacketMagic0);
+  out.push_back(kPacketMagic1);
+  out.push_back(kPacketVersion);
+  out.push_back(commands.stop ? kPacketFlagStop : std::byte{0});
+  out.push_back(static_cast<std::byte>(sequence));
+  out.push_back(static_cast<std::byte>(commands.robots.size()));
+  for (const RobotCommand& robot : commands.robots) {
+    const WheelSpeeds wheels = commands.stop ? WheelSpeeds{} : robot.wheels;
+    out.push_back(static_cast<std::byte>(robot.id));
+    put_word(static_cast<std::uint16_t>(wheel_steps(wheels.left_mps)), out);
+    put_word(static_cast<std::uint16_t>(wheel_steps(wheels.right_mps)), out);
+  }
+  put_word(crc16_ccitt_false({out.data(), out.size()}), out);
+  return {};
+}
+
+Status decode(std::span<const std::byte> bytes, Commands& commands, std::uint8_t& sequence) {
+  if (bytes.size() < packet_bytes(0)) return ErrorCode::kCorruptFrame;
+  if (bytes[0] != kPacketMagic0 || bytes[1] != kPacketMagic1) return ErrorCode::kCorruptFrame;
+  if (bytes[2] != kPacketVersion) return ErrorCode::kCorruptFrame;
+  const std::size_t count = std::to_integer<std::size_t>(bytes[5]);
+  if (count > kMaxRobotsPerTeam || bytes.size() != packet_bytes(count)) return ErrorCode::kCorruptFrame;
+  const std::size_t end = bytes.size() - kPacketCrcBytes;
+  if (crc16_ccitt_false(bytes.first(end)) != word_at(bytes, end)) return ErrorCode::kCorruptFrame;
+
+  Commands read;
+  read.stop = (bytes[3] & kPacketFlagStop) != std::byte{0};
+  for (std::size_t at = kPacketHeaderBytes; at < end; at += kPacketRobotBytes) {
+    RobotCommand robot;
+    robot.id = static_cast<RobotId>(std::to_integer<unsigned>(bytes[at]));
+    robot.wheels = {speed_at(bytes, at + 1), speed_at(bytes, at + 3)};
+    if (read.stop) robot.wheels = {};
+    read.robots.push_back(robot);
+  }
+  if (!check_ids(read).ok()) return ErrorCode::kCorruptFrame;
+  commands = read;
+  sequence = std::to_integer<std::uint8_t>(bytes[4]);
+  return {};
+}
+
+}  // namespace touchline

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/radio/packet.h"
+
+namespace touchline {
+
+/// Bytes in, packets out: the receiving end of a line that loses, adds and turns bytes. After any fault the first
+/// whole packet that follows is found, as soon as the bytes that a damaged header promised have come; at most
+/// packet_bytes(kMaxRobotsPerTeam).
+///
+///   stream.push(byte);
+///   while (stream.next(commands, sequence)) ...
+class PacketStream {
+ public:
+  /// When the caller never asks next(), the oldest byte goes (counted as skipped).
+  void push(std::byte byte);
+  /// The oldest whole packet among the bytes pushed; false: more bytes are needed.
+  bool next(Commands& commands, std::uint8_t& sequence);
+  /// For a pause on the line longer than a packet: what has come so far is no packet's beginning.
+  void reset();
+
+  /// Bytes that belonged to no good packet.
+  [[nodiscard]] std::uint64_t skipped_bytes() const { return skipped_; }
+
+ private:
+  void drop(std::size_t count);
+
+  // Two packets: one that turns out to be damaged, and the one that comes after it.
+  std::array<std::byte, 2 * packet_bytes(kMaxRobotsPerTeam)> buffer_{};
+  std::size_t size_ = 0;
+  std::uint64_t skipped_ = 0;
+};
+
+/// Which packets a robot obeys: stop packets always, others when they are newer than the last one by 1 to 127 steps
+/// of the sequence number (RFC 1982's comparison of serial numbers). So a packet repeated or overtaken on the way
+/// does nothing.
+class SequenceFilter {
+ public:
+  [[nodiscard]] bool obey(std::uint8_t sequence, bool stop);
+  /// After a time-out (docs/radio.md) any number is new.
+  void reset() { last_known_ = false; }
+
+ private:
+  bool last_known_ = false;
+  std::uint8_t last_ = 0;
+};
+
+}  // namespace touchline

@@ -1,0 +1,69 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/radio/packet.h"
+
+namespace touchline {
+namespace {
+
+// Lines of two-digit hexadecimal numbers between ``` fences of docs/radio.md.
+std::vector<std::string> examples_of_the_page() {
+  std::ifstream page(TOUCHLINE_RADIO_PAGE);
+  std::vector<std::string> examples;
+  bool fenced = false;
+  for (std::string line; std::getline(page, line);) {
+    if (line.starts_with("```")) {
+      fenced = !fenced;
+    } else if (fenced) {
+      examples.push_back(line);
+    }
+  }
+  return examples;
+}
+
+std::string hexadecimal(const Packet& packet) {
+  constexpr const char* kDigits = "0123456789ABCDEF";
+  std::string text;
+  for (const std::byte byte : packet) {
+    const auto value = std::to_integer<std::size_t>(byte);
+    if (!text.empty()) text += ' ';
+    text += kDigits[value / 16];
+    text += kDigits[value % 16];
+  }
+  return text;
+}
+
+TEST(RadioPage, ShowsWhatTheCodeSends) {
+  Commands commands;
+  commands.stop = false;
+  commands.robots.push_back({0, {}, {0.5f, -0.25f}});
+  commands.robots.push_back({3, {}, {1.234f, 1.234f}});
+  std::vector<std::string> sent;
+  Packet packet;
+  ASSERT_TRUE(encode(commands, 42, packet).ok());
+  sent.push_back(hexadecimal(packet));
+  commands.stop = true;
+  ASSERT_TRUE(encode(commands, 43, packet).ok());
+  sent.push_back(hexadecimal(packet));
+  commands.robots.clear();
+  ASSERT_TRUE(encode(commands, 44, packet).ok());
+  sent.push_back(hexadecimal(packet));
+  EXPECT_EQ(examples_of_the_page(), sent);
+}
+
+TEST(RadioPage, NamesTheSizesThatTheCodeHas) {
+  std::ifstream page(TOUCHLINE_RADIO_PAGE);
+  std::stringstream text;
+  text << page.rdbuf();
+  EXPECT_NE(text.str().find("8 + 5 n bytes: 33 for five robots"), std::string::npos);
+  EXPECT_NE(text.str().find("63 for eleven"), std::string::npos);
+  EXPECT_EQ(packet_bytes(5), 33u);
+  EXPECT_EQ(packet_bytes(kMaxRobotsPerTeam), 63u);
+}
+
+}  // namespace
+}  // namespace touchline

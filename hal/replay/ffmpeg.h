@@ -1,0 +1,55 @@
+#pragma once
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/pixdesc.h>
+#include <libswscale/swscale.h>
+}
+
+#include <memory>
+#include <string>
+
+// Owners for FFmpeg's C objects, and its log turned into reasons. Private to hal/replay.
+namespace touchline::hal::ffmpeg {
+
+template <auto release>
+struct Deleter {
+  template <class T>
+  void operator()(T* object) const {
+    release(&object);
+  }
+};
+using FramePtr = std::unique_ptr<AVFrame, Deleter<av_frame_free>>;
+using PacketPtr = std::unique_ptr<AVPacket, Deleter<av_packet_free>>;
+using CodecPtr = std::unique_ptr<AVCodecContext, Deleter<avcodec_free_context>>;
+using InputPtr = std::unique_ptr<AVFormatContext, Deleter<avformat_close_input>>;
+
+struct ScalerDeleter {
+  void operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
+};
+using ScalerPtr = std::unique_ptr<SwsContext, ScalerDeleter>;
+
+/// What FFmpeg says of its own error code ("No such file or directory").
+std::string error_text(int code);
+
+/// While one lives, warnings and errors that FFmpeg logs on this thread are kept here; all others are dropped, so that
+/// nothing spills to the terminal. Decoders need thread_count 1 for it.
+class LogCapture {
+ public:
+  LogCapture();
+  ~LogCapture();
+  LogCapture(const LogCapture&) = delete;
+  LogCapture& operator=(const LogCapture&) = delete;
+
+  /// First line of the given severity or worse; empty when there was none.
+  [[nodiscard]] const std::string& first_error() const { return first_error_; }
+  [[nodiscard]] const std::string& first_warning() const { return first_warning_; }
+  void add(int level, const std::string& line);
+
+ private:
+  LogCapture* outer_;
+  std::string first_error_, first_warning_;
+};
+
+}  // namespace touchline::hal::ffmpeg

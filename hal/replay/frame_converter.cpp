@@ -1,0 +1,259 @@
+#include "hal/replay/frame_converter.h"
+
+extern "C" {
+#include <libavutil/opt.h>
+}
+
+#include <algorithm>
+
+namespace touchline::hal::ffmpeg {
+namespace {
+
+// Bit-exact on every CPU, chroma interpolated in both directions.
+constexpr int kScalerFlags = SWS_BILINEAR | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP | SWS_ACCURATE_RND | SWS_BITEXACT;
+// Where sizes differ, standard-definition video is BT.601 (ITU-R BT.709 begins at 720 rows).
+constexpr int kFirstHdRow = 720;
+
+bool full_range(const AVFrame& frame) {
+  switch (frame.format) {
+    case AV_PIX_FMT_YUVJ420P:
+    case AV_PIX_FMT_YUVJ422P:
+    case AV_PIX_FMT_YUVJ444P:
+    case AV_PIX_FMT_YUVJ440P:
+    case AV_PIX_FMT_YUVJ411P:
+      return true;
+    default:
+      return frame.color_range == AVCOL_RANGE_JPEG;
+  }
+}
+
+const int* matrix_of(const AVFrame& frame) {
+  int space = SWS_CS_ITU601;
+  switch (frame.colorspace) {
+    case AVCOL_SPC_BT709:
+      space = SWS_CS_ITU709;
+      break;
+    case AVCOL_SPC_FCC:
+      space = SWS_CS_FCC;
+      break;
+    case AVCOL_SPC_SMPTE240M:
+      space = SWS_CS_SMPTE240M;
+      break;
+    case AVCOL_SPC_BT2020_NCL:
+    case AVCOL_SPC_BT2020_CL:
+      space = SWS_CS_BT2020;
+      break;
+    case AVCOL_SPC_UNSPECIFIED:
+      space = frame.height >= kFirstHdRow ? SWS_CS_ITU709 : SWS_CS_ITU601;
+      break;
+    default:
+      break;
+  }
+  return sws_getCoefficients(space);
+}
+
+// swscale counts the place of chroma in 256ths of a pixel from the first luma sample.
+void set_chroma_place(SwsContext* scaler, const AVFrame& frame, const AVPixFmtDescriptor& layout) {
+  const bool centered = frame.chroma_location == AVCHROMA_LOC_CENTER || frame.chroma_location == AVCHROMA_LOC_TOP;
+  const bool on_top = frame.chroma_location == AVCHROMA_LOC_TOPLEFT || frame.chroma_location == AVCHROMA_LOC_TOP;
+  if (layout.log2_chroma_w == 1) av_opt_set_int(scaler, "src_h_chr_pos", centered ? 128 : 0, 0);
+  if (layout.log2_chroma_h == 1) av_opt_set_int(scaler, "src_v_chr_pos", on_top ? 0 : 128, 0);
+}
+
+std::uint32_t aligned(std::uint32_t bytes) { return (bytes + 3u) & ~3u; }
+
+}  // namespace
+
+bool stored_as_rgb(const AVFrame& source) {
+  const AVPixFmtDescriptor* layout = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(source.format));
+  return layout != nullptr &&
+         ((layout->flags & (AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL)) != 0 || layout->nb_components <= 2);
+}
+
+template <class Sample>
+Status read_rgb(const AVFrame& source, std::vector<std::uint16_t>& line, Sample* samples, std::size_t stride_samples) {
+  const AVPixFmtDescriptor* layout = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(source.format));
+  if (layout == nullptr || !stored_as_rgb(source)) return ErrorCode::kUnsupported;
+  if ((layout->flags & (AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BAYER)) != 0) return ErrorCode::kUnsupported;
+  const auto width = static_cast<std::size_t>(source.width);
+  const auto height = static_cast<std::size_t>(source.height);
+  constexpr std::uint32_t kTop = sizeof(Sample) == 1 ? 255 : 65535;
+  const bool palette = (layout->flags & AV_PIX_FMT_FLAG_PAL) != 0;
+  if (sizeof(Sample) == 1 && source.format == AV_PIX_FMT_RGB24) {
+    for (std::size_t y = 0; y < height; ++y) {
+      const std::uint8_t* row = source.data[0] + static_cast<std::ptrdiff_t>(y) * source.linesize[0];
+      std::copy_n(row, 3 * width, samples + y * stride_samples);
+    }
+    return {};
+  }
+  line.resize(width);
+  const std::uint8_t* data[4] = {source.data[0], source.data[1], source.data[2], source.data[3]};
+  for (std::size_t y = 0; y < height; ++y) {
+    Sample* row = samples + y * stride_samples;
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      const std::size_t component = palette || layout->nb_components > 2 ? channel : 0;
+      const std::uint32_t top = palette ? 255u : (1u << layout->comp[component].depth) - 1u;
+      av_read_image_line2(line.data(), data, source.linesize, layout, 0, static_cast<int>(y),
+                          static_cast<int>(component), source.width, palette ? 1 : 0, sizeof(std::uint16_t));
+      for (std::size_t x = 0; x < width; ++x) {
+        row[3 * x + channel] = static_cast<Sample>((line[x] * kTop + top / 2) / top);
+      }
+    }
+  }
+  return {};
+}
+template Status read_rgb(const AVFrame&, std::vector<std::uint16_t>&, std::uint8_t*, std::size_t);
+template Status read_rgb(const AVFrame&, std::vector<std::uint16_t>&, std::uint16_t*, std::size_t);
+
+Status FrameConverter::convert(const AVFrame& source, ConvertedFrame& out) {
+  if (source.width < 1 || source.height < 1 || source.width > static_cast<int>(kMaxFrameWidth) ||
+      source.height > static_cast<int>(kMaxFrameHeight)) {
+    return ErrorCode::kUnsupported;
+  }
+  out.view.format = format_;
+  out.view.width_px = static_cast<std::uint16_t>(source.width);
+  out.view.height_px = static_cast<std::uint16_t>(source.height);
+  return color_space(format_) == ColorSpace::kRgb ? to_rgb(source, out) : to_yuv(source, out);
+}
+
+Status FrameConverter::scale(const AVFrame& source, AVPixelFormat target, std::uint8_t* const data[],
+                             const int stride[]) {
+  const auto format = static_cast<AVPixelFormat>(source.format);
+  const AVPixFmtDescriptor* layout = av_pix_fmt_desc_get(format);
+  if (layout == nullptr || sws_isSupportedInput(format) == 0) return ErrorCode::kUnsupported;
+  if (scaler_ == nullptr || scaler_source_ != format || scaler_target_ != target || scaler_width_ != source.width ||
+      scaler_height_ != source.height) {
+    scaler_.reset(sws_alloc_context());
+    SwsContext* s = scaler_.get();
+    if (s == nullptr) return ErrorCode::kUnsupported;
+    av_opt_set_int(s, "srcw", source.width, 0);
+    av_opt_set_int(s, "srch", source.height, 0);
+    av_opt_set_int(s, "dstw", source.width, 0);
+    av_opt_set_int(s, "dsth", source.height, 0);
+    av_opt_set_int(s, "src_format", format, 0);
+    av_opt_set_int(s, "dst_format", target, 0);
+    av_opt_set_int(s, "sws_flags", kScalerFlags, 0);
+    set_chroma_place(s, source, *layout);
+    const bool from_rgb = stored_as_rgb(source);
+    const int* matrix = from_rgb ? sws_getCoefficients(SWS_CS_ITU601) : matrix_of(source);
+    const bool to_rgb = (av_pix_fmt_desc_get(target)->flags & AV_PIX_FMT_FLAG_RGB) != 0;
+    const int range = full_range(source) ? 1 : 0;
+    // From YUV to YUV the range stays the file's; RGB is full by definition.
+    sws_setColorspaceDetails(s, matrix, from_rgb ? 1 : range, matrix, to_rgb ? 1 : (from_rgb ? 0 : range), 0, 1 << 16,
+                             1 << 16);
+    if (sws_init_context(s, nullptr, nullptr) < 0) {
+      scaler_.reset();
+      return ErrorCode::kUnsupported;
+    }
+    scaler_source_ = format;
+    scaler_target_ = target;
+    scaler_width_ = source.width;
+    scaler_height_ = source.height;
+  }
+  const int rows = sws_scale(scaler_.get(), source.data, source.linesize, 0, source.height, data, stride);
+  return rows == source.height ? Status{} : Status{ErrorCode::kUnsupported};
+}
+
+Status FrameConverter::to_rgb(const AVFrame& source, ConvertedFrame& out) {
+  const std::uint32_t stride = aligned(3u * out.view.width_px);
+  out.bytes.resize(static_cast<std::size_t>(stride) * out.view.height_px + AV_INPUT_BUFFER_PADDING_SIZE);
+  out.view.plane = {out.bytes.data(), nullptr};
+  out.view.stride_bytes = {stride, 0};
+  if (!stored_as_rgb(source)) {
+    std::uint8_t* const data[4] = {out.bytes.data(), nullptr, nullptr, nullptr};
+    const int strides[4] = {static_cast<int>(stride), 0, 0, 0};
+    return scale(source, format_ == PixelFormat::kRgb24 ? AV_PIX_FMT_RGB24 : AV_PIX_FMT_BGR24, data, strides);
+  }
+  if (Status s = read_rgb(source, line_, out.bytes.data(), stride); !s.ok()) return s;
+  if (format_ == PixelFormat::kBgr24) {
+    for (std::size_t y = 0; y < out.view.height_px; ++y) {
+      std::uint8_t* row = out.bytes.data() + y * stride;
+      for (std::size_t x = 0; x < out.view.width_px; ++x) std::swap(row[3 * x], row[3 * x + 2]);
+    }
+  }
+  return {};
+}
+
+Status FrameConverter::to_yuv(const AVFrame& source, ConvertedFrame& out) {
+  const bool nv12 = format_ == PixelFormat::kNv12;
+  const std::size_t width = out.view.width_px, height = out.view.height_px;
+  const std::size_t half = (width + 1) / 2;
+  const auto layout = static_cast<AVPixelFormat>(source.format);
+  const bool stored_420 = layout == AV_PIX_FMT_YUV420P || layout == AV_PIX_FMT_YUVJ420P;
+  const bool stored_422 = layout == AV_PIX_FMT_YUV422P || layout == AV_PIX_FMT_YUVJ422P;
+
+  Planes planes{};
+  if (stored_420 || (stored_422 && !nv12)) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      planes.data[i] = source.data[i];
+      planes.stride[i] = source.linesize[i];
+    }
+    planes.chroma_shift = stored_420 ? 1 : 0;
+  } else {
+    const AVFrame* input = &source;
+    AVFrame rgb{};
+    if (stored_as_rgb(source)) {
+      rgb_.resize(3 * width * height + AV_INPUT_BUFFER_PADDING_SIZE);
+      if (Status s = read_rgb(source, line_, rgb_.data(), 3 * width); !s.ok()) return s;
+      rgb.format = AV_PIX_FMT_RGB24;
+      rgb.width = source.width;
+      rgb.height = source.height;
+      rgb.data[0] = rgb_.data();
+      rgb.linesize[0] = static_cast<int>(3 * width);
+      input = &rgb;
+    }
+    const std::size_t chroma_rows = nv12 ? (height + 1) / 2 : height;
+    planar_.resize(width * height + 2 * half * chroma_rows + AV_INPUT_BUFFER_PADDING_SIZE);
+    std::uint8_t* const data[4] = {planar_.data(), planar_.data() + width * height,
+                                   planar_.data() + width * height + half * chroma_rows, nullptr};
+    const int strides[4] = {static_cast<int>(width), static_cast<int>(half), static_cast<int>(half), 0};
+    const AVPixelFormat target = nv12 ? AV_PIX_FMT_YUV420P : AV_PIX_FMT_YUV422P;
+    if (Status s = scale(*input, target, data, strides); !s.ok()) return s;
+    for (std::size_t i = 0; i < 3; ++i) {
+      planes.data[i] = data[i];
+      planes.stride[i] = strides[i];
+    }
+    planes.chroma_shift = nv12 ? 1 : 0;
+  }
+
+  const auto row_of = [&planes](std::size_t plane, std::size_t row) {
+    return planes.data[plane] + static_cast<std::ptrdiff_t>(row) * planes.stride[plane];
+  };
+  if (nv12) {
+    const std::uint32_t stride = aligned(static_cast<std::uint32_t>(2 * half));
+    const std::size_t chroma_rows = (height + 1) / 2;
+    out.bytes.resize(stride * (height + chroma_rows));
+    std::uint8_t* chroma = out.bytes.data() + stride * height;
+    for (std::size_t y = 0; y < height; ++y) std::copy_n(row_of(0, y), width, out.bytes.data() + y * stride);
+    for (std::size_t y = 0; y < chroma_rows; ++y) {
+      const std::uint8_t *u = row_of(1, y), *v = row_of(2, y);
+      for (std::size_t x = 0; x < half; ++x) {
+        chroma[y * stride + 2 * x] = u[x];
+        chroma[y * stride + 2 * x + 1] = v[x];
+      }
+    }
+    out.view.plane = {out.bytes.data(), chroma};
+    out.view.stride_bytes = {stride, stride};
+    return {};
+  }
+  const auto stride = static_cast<std::uint32_t>(4 * half);
+  out.bytes.resize(stride * height);
+  const std::size_t luma = format_ == PixelFormat::kYuyv ? 0 : 1, chroma = 1 - luma;
+  for (std::size_t y = 0; y < height; ++y) {
+    const std::uint8_t* l = row_of(0, y);
+    const std::uint8_t* u = row_of(1, y >> planes.chroma_shift);
+    const std::uint8_t* v = row_of(2, y >> planes.chroma_shift);
+    std::uint8_t* row = out.bytes.data() + y * stride;
+    for (std::size_t x = 0; x < half; ++x) {
+      row[4 * x + luma] = l[2 * x];
+      row[4 * x + luma + 2] = l[std::min(2 * x + 1, width - 1)];
+      row[4 * x + chroma] = u[x];
+      row[4 * x + chroma + 2] = v[x];
+    }
+  }
+  out.view.plane = {out.bytes.data(), nullptr};
+  out.view.stride_bytes = {stride, 0};
+  return {};
+}
+
+}  // namespace touchline::hal::ffmpeg

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/status.h"
+#include "core/types.h"
+#include "hal/replay/ffmpeg.h"
+
+namespace touchline::hal::ffmpeg {
+
+/// A decoded picture in one of the project's pixel formats. Rows are 4-byte aligned and complete pairs (YUYV, UYVY).
+struct ConvertedFrame {
+  std::vector<std::uint8_t> bytes;
+  Frame view;  // capture_time and sequence are the caller's
+};
+
+/// Converts decoded frames. What happens to the values:
+/// - RGB file -> RGB format: nothing; more than 8 bits are rounded, alpha is dropped.
+/// - YUV file -> YUV format: nothing (same matrix, same range as in the file); chroma is resampled only where the
+/// file's
+///   is finer than the format's, and repeated where it is coarser.
+/// - YUV file -> RGB format: matrix and range as the file says; a file that does not say is ITU-R BT.601 below 720
+/// rows,
+///   else BT.709, in limited range (JPEG: full). Chroma is interpolated at the place where the file has it.
+/// - RGB file -> YUV format: ITU-R BT.601, limited range, as cameras deliver it.
+class FrameConverter {
+ public:
+  explicit FrameConverter(PixelFormat format) : format_(format) {}
+  /// kUnsupported: larger than the project's largest frame, or a layout that FFmpeg cannot convert.
+  Status convert(const AVFrame& source, ConvertedFrame& out);
+
+ private:
+  struct Planes {
+    const std::uint8_t* data[3];
+    int stride[3];
+    int chroma_shift;  // rows of the picture for one row of chroma, as a power of two
+  };
+  Status to_rgb(const AVFrame& source, ConvertedFrame& out);
+  Status to_yuv(const AVFrame& source, ConvertedFrame& out);
+  Status scale(const AVFrame& source, AVPixelFormat target, std::uint8_t* const data[], const int stride[]);
+
+  PixelFormat format_;
+  ScalerPtr scaler_;
+  AVPixelFormat scaler_source_ = AV_PIX_FMT_NONE, scaler_target_ = AV_PIX_FMT_NONE;
+  int scaler_width_ = 0, scaler_height_ = 0;
+  std::vector<std::uint8_t> planar_, rgb_;
+  std::vector<std::uint16_t> line_;
+};
+
+/// 8 or 16 bits a channel, exact for all that is stored as RGB, grey or palette. `samples` holds 3 * width * height.
+/// kUnsupported: a YUV layout.
+template <class Sample>
+Status read_rgb(const AVFrame& source, std::vector<std::uint16_t>& line, Sample* samples, std::size_t stride_samples);
+
+/// True for RGB, grey and palette.
+bool stored_as_rgb(const AVFrame& source);
+
+}  // namespace touchline::hal::ffmpeg

@@ -1,0 +1,89 @@
+#include "hal/replay/replay_source.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
+
+#include "hal/replay/picture_decoder.h"
+
+namespace touchline::hal::ffmpeg {
+namespace {
+
+bool digit(char c) { return c >= '0' && c <= '9'; }
+
+// The run of digits at the front of `text`, without leading zeros, is taken off.
+std::string_view take_number(std::string_view& text) {
+  const auto end = static_cast<std::size_t>(std::find_if_not(text.begin(), text.end(), digit) - text.begin());
+  std::string_view number = text.substr(0, end);
+  text.remove_prefix(end);
+  number.remove_prefix(std::min(number.find_first_not_of('0'), number.size()));
+  return number;
+}
+
+}  // namespace
+
+bool natural_less(const std::string& a, const std::string& b) {
+  std::string_view x = a, y = b;
+  while (!x.empty() && !y.empty()) {
+    if (digit(x.front()) && digit(y.front())) {
+      const std::string_view m = take_number(x), n = take_number(y);
+      if (m.size() != n.size()) return m.size() < n.size();
+      if (m != n) return m < n;
+      continue;
+    }
+    if (x.front() != y.front()) return static_cast<unsigned char>(x.front()) < static_cast<unsigned char>(y.front());
+    x.remove_prefix(1);
+    y.remove_prefix(1);
+  }
+  if (x.empty() != y.empty()) return x.empty();
+  return a < b;  // "01" and "1": any order, but always the same
+}
+
+bool is_picture_name(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  constexpr std::array<std::string_view, 5> kEndings{".png", ".ppm", ".pgm", ".jpg", ".jpeg"};
+  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+}
+
+Status PictureSource::open() {
+  files_.clear();
+  next_ = 0;
+  std::error_code error;
+  if (!std::filesystem::is_directory(path_, error)) {
+    files_.push_back(path_);
+    return {};
+  }
+  std::filesystem::directory_iterator entry(path_, error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    if (is_picture_name(entry->path()) && !entry->is_directory()) files_.push_back(entry->path());
+  }
+  if (error) {
+    reason_ = path_.string() + ": " + error.message();
+    return error == std::errc::permission_denied ? ErrorCode::kPermission : ErrorCode::kIo;
+  }
+  if (files_.empty()) {
+    reason_ = path_.string() + ": the folder holds no picture (png, ppm, pgm, jpg, jpeg)";
+    return ErrorCode::kNotFound;
+  }
+  std::sort(files_.begin(), files_.end(), [](const std::filesystem::path& a, const std::filesystem::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+  return {};
+}
+
+Status PictureSource::next(SourceFrame& out) {
+  if (next_ == files_.size()) {
+    reason_ = path_.string() + ": no more pictures";
+    return ErrorCode::kEndOfStream;
+  }
+  const std::filesystem::path& file = files_[next_];
+  out.file = file.filename().string();
+  out.stamp = from_seconds(static_cast<double>(next_) / rate_hz_);
+  ++next_;
+  return decode_picture(file.string(), out.picture, reason_);
+}
+
+}  // namespace touchline::hal::ffmpeg

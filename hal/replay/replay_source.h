@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "core/time.h"
+#include "hal/replay/ffmpeg.h"
+
+namespace touchline::hal::ffmpeg {
+
+/// A decoded frame, when it was taken (the first one: 0), and the file it stands in, without folder.
+struct SourceFrame {
+  FramePtr picture;
+  Duration stamp{};
+  std::string file;
+};
+
+/// Decoded pictures in their order. Every failure leaves a sentence in reason().
+class ReplaySource {
+ public:
+  virtual ~ReplaySource() = default;
+  virtual Status open() = 0;
+  /// kEndOfStream: no more. kCorruptFrame: this one is lost, the next may be good.
+  virtual Status next(SourceFrame& out) = 0;
+  /// 0: unknown.
+  [[nodiscard]] virtual std::uint64_t frame_count() const = 0;
+  [[nodiscard]] virtual double rate_hz() const = 0;
+  [[nodiscard]] const std::string& reason() const { return reason_; }
+
+ protected:
+  std::string reason_;
+};
+
+/// "picture9.png" before "picture10.png": runs of digits compare as numbers, all else byte by byte.
+bool natural_less(const std::string& a, const std::string& b);
+
+/// True for the endings png, ppm, pgm, jpg, jpeg in any case.
+bool is_picture_name(const std::filesystem::path& path);
+
+/// All pictures of a folder in natural order, or one picture.
+class PictureSource final : public ReplaySource {
+ public:
+  PictureSource(std::filesystem::path path, double rate_hz) : path_(std::move(path)), rate_hz_(rate_hz) {}
+  Status open() override;
+  Status next(SourceFrame& out) override;
+  [[nodiscard]] std::uint64_t frame_count() const override { return files_.size(); }
+  [[nodiscard]] double rate_hz() const override { return rate_hz_; }
+
+ private:
+  std::filesystem::path path_;
+  double rate_hz_;
+  std::vector<std::filesystem::path> files_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace touchline::hal::ffmpeg

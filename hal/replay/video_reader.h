@@ -1,0 +1,35 @@
+#pragma once
+
+#include "hal/replay/replay_source.h"
+
+namespace touchline::hal::ffmpeg {
+
+/// The first video stream of any file that FFmpeg reads. Stamps are the stream's own, counted from its first frame;
+/// where they are missing or do not grow, a frame follows the one before by the stream's mean period.
+class VideoReader final : public ReplaySource {
+ public:
+  /// rate_hz above 0 replaces the stream's stamps: frame n is at n / rate_hz.
+  VideoReader(std::string path, double rate_hz) : path_(std::move(path)), forced_rate_hz_(rate_hz) {}
+  Status open() override;
+  Status next(SourceFrame& out) override;
+  [[nodiscard]] std::uint64_t frame_count() const override { return frame_count_; }
+  [[nodiscard]] double rate_hz() const override { return rate_hz_; }
+
+ private:
+  Status fail(ErrorCode code, const std::string& cause);
+  Status feed_decoder();
+  Duration stamp_of(const AVFrame& frame);
+
+  std::string path_;
+  double forced_rate_hz_;
+  InputPtr input_;
+  CodecPtr codec_;
+  PacketPtr packet_;
+  int stream_ = -1;
+  double rate_hz_ = 0.0;
+  std::uint64_t frame_count_ = 0, frames_read_ = 0;
+  std::int64_t first_pts_ = AV_NOPTS_VALUE;
+  Duration last_stamp_{};
+};
+
+}  // namespace touchline::hal::ffmpeg

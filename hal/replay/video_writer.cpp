@@ -1,0 +1,156 @@
+#include "hal/replay/video_writer.h"
+
+extern "C" {
+#include <libavutil/opt.h>
+}
+
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+#include "hal/replay/ffmpeg.h"
+
+namespace touchline::hal {
+namespace {
+
+using namespace ffmpeg;
+
+constexpr AVRational kTick{1, 90000};  // fine enough for any frame rate, and what MPEG systems use
+
+struct OutputDeleter {
+  void operator()(AVFormatContext* context) const {
+    if (context->pb != nullptr) avio_closep(&context->pb);
+    avformat_free_context(context);
+  }
+};
+
+}  // namespace
+
+struct VideoWriter::Output {
+  std::unique_ptr<AVFormatContext, OutputDeleter> file;
+  CodecPtr codec;
+  FramePtr frame;
+  PacketPtr packet;
+  ScalerPtr scaler;
+  AVStream* stream = nullptr;
+};
+
+VideoWriter::VideoWriter() = default;
+
+VideoWriter::~VideoWriter() {
+  if (output_ == nullptr) return;
+  output_.reset();
+  std::remove((path_ + ".part").c_str());
+}
+
+Status VideoWriter::fail(ErrorCode code, const std::string& cause) {
+  reason_ = path_ + ": " + cause;
+  return code;
+}
+
+Status VideoWriter::open(const std::string& path, std::uint32_t width_px, std::uint32_t height_px, double rate_hz) {
+  const LogCapture log;
+  path_ = path;
+  if (width_px == 0 || height_px == 0 || width_px % 2 != 0 || height_px % 2 != 0 || !(rate_hz > 0.0)) {
+    return fail(ErrorCode::kOutOfRange, "a video needs an even width and height and a rate above 0");
+  }
+  auto output = std::make_unique<Output>();
+  const AVCodec* encoder = avcodec_find_encoder_by_name("libx264");
+  const bool h264 = encoder != nullptr;
+  if (!h264) encoder = avcodec_find_encoder(AV_CODEC_ID_MPEG4);
+  if (encoder == nullptr) return fail(ErrorCode::kUnsupported, "this FFmpeg has no encoder for H.264 or MPEG-4");
+  AVFormatContext* file = nullptr;
+  if (avformat_alloc_output_context2(&file, nullptr, "mp4", nullptr) < 0) {
+    return fail(ErrorCode::kUnsupported, "this FFmpeg cannot write MP4");
+  }
+  output->file.reset(file);
+  output->codec.reset(avcodec_alloc_context3(encoder));
+  AVCodecContext& codec = *output->codec;
+  codec.width = static_cast<int>(width_px);
+  codec.height = static_cast<int>(height_px);
+  codec.pix_fmt = AV_PIX_FMT_YUV420P;
+  codec.time_base = kTick;
+  codec.framerate = av_d2q(rate_hz, 100000);
+  codec.colorspace = AVCOL_SPC_SMPTE170M;
+  codec.color_range = AVCOL_RANGE_MPEG;
+  codec.flags |= AV_CODEC_FLAG_GLOBAL_HEADER;  // MP4 keeps them once, in front
+  if (h264) {
+    av_opt_set(codec.priv_data, "preset", "veryfast", 0);
+    av_opt_set(codec.priv_data, "crf", "18", 0);  // lines and small text stay sharp
+  } else {
+    codec.time_base = av_inv_q(codec.framerate);  // MPEG-4 allows 16 bits for its denominator
+    codec.flags |= AV_CODEC_FLAG_QSCALE;
+    codec.global_quality = 3 * FF_QP2LAMBDA;
+  }
+  int result = avcodec_open2(&codec, encoder, nullptr);
+  output->stream = avformat_new_stream(file, nullptr);
+  if (result < 0 || output->stream == nullptr)
+    return fail(ErrorCode::kUnsupported, "the encoder refuses: " + error_text(result));
+  avcodec_parameters_from_context(output->stream->codecpar, &codec);
+  output->stream->time_base = kTick;
+  output->stream->avg_frame_rate = codec.framerate;
+  result = avio_open(&file->pb, ("file:" + path_ + ".part").c_str(), AVIO_FLAG_WRITE);
+  if (result < 0) return fail(ErrorCode::kIo, error_text(result));
+  output_ = std::move(output);
+  result = avformat_write_header(file, nullptr);
+  if (result < 0) return fail(ErrorCode::kIo, error_text(result));
+
+  output_->packet.reset(av_packet_alloc());
+  output_->frame.reset(av_frame_alloc());
+  AVFrame& frame = *output_->frame;
+  frame.format = codec.pix_fmt;
+  frame.width = codec.width;
+  frame.height = codec.height;
+  result = av_frame_get_buffer(&frame, 0);
+  output_->scaler.reset(sws_getContext(codec.width, codec.height, AV_PIX_FMT_BGR0, codec.width, codec.height,
+                                       codec.pix_fmt, SWS_BICUBIC | SWS_ACCURATE_RND, nullptr, nullptr, nullptr));
+  if (result < 0 || output_->scaler == nullptr) return fail(ErrorCode::kUnsupported, "no conversion to the encoder");
+  return {};
+}
+
+Status VideoWriter::drain() {
+  for (;;) {
+    int result = avcodec_receive_packet(output_->codec.get(), output_->packet.get());
+    if (result == AVERROR(EAGAIN) || result == AVERROR_EOF) return {};
+    if (result >= 0) {
+      av_packet_rescale_ts(output_->packet.get(), output_->codec->time_base, output_->stream->time_base);
+      result = av_interleaved_write_frame(output_->file.get(), output_->packet.get());
+    }
+    if (result < 0) return fail(ErrorCode::kIo, error_text(result));
+  }
+}
+
+Status VideoWriter::write(std::span<const std::uint8_t> bgrx, std::size_t stride_bytes, Duration stamp) {
+  const LogCapture log;
+  if (output_ == nullptr) return fail(ErrorCode::kIo, "is not open");
+  AVFrame& frame = *output_->frame;
+  if (stride_bytes < 4 * static_cast<std::size_t>(frame.width) ||
+      bgrx.size() < stride_bytes * static_cast<std::size_t>(frame.height)) {
+    return fail(ErrorCode::kOutOfRange, "the picture is smaller than the video");
+  }
+  if (av_frame_make_writable(&frame) < 0) return fail(ErrorCode::kIo, "no memory");
+  const std::uint8_t* const data[4] = {bgrx.data(), nullptr, nullptr, nullptr};
+  const int stride[4] = {static_cast<int>(stride_bytes), 0, 0, 0};
+  sws_scale(output_->scaler.get(), data, stride, 0, frame.height, frame.data, frame.linesize);
+  frame.pts = av_rescale_q(stamp.count(), AVRational{1, 1000000000}, output_->codec->time_base);
+  const int result = avcodec_send_frame(output_->codec.get(), &frame);
+  if (result < 0) return fail(ErrorCode::kIo, error_text(result));
+  return drain();
+}
+
+Status VideoWriter::finish() {
+  const LogCapture log;
+  if (output_ == nullptr) return fail(ErrorCode::kIo, "is not open");
+  int result = avcodec_send_frame(output_->codec.get(), nullptr);
+  if (result < 0) return fail(ErrorCode::kIo, error_text(result));
+  if (Status s = drain(); !s.ok()) return s;
+  result = av_write_trailer(output_->file.get());
+  if (result >= 0) result = avio_closep(&output_->file->pb);
+  if (result < 0) return fail(ErrorCode::kIo, error_text(result));
+  if (std::rename((path_ + ".part").c_str(), path_.c_str()) != 0) return fail(ErrorCode::kIo, std::strerror(errno));
+  output_.reset();
+  return {};
+}
+
+}  // namespace touchline::hal

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "core/status.h"
+#include "core/time.h"
+
+namespace touchline::hal {
+
+/// An MP4 file (H.264 where this FFmpeg has libx264, else MPEG-4 part 2). It gets its name when finish() has completed
+/// it; before that, and for good when something fails, there is only NAME.part, which the destructor removes.
+class VideoWriter {
+ public:
+  VideoWriter();
+  ~VideoWriter();
+  VideoWriter(const VideoWriter&) = delete;
+  VideoWriter& operator=(const VideoWriter&) = delete;
+
+  /// Width and height must be even (4:2:0), else kOutOfRange. kUnsupported: no encoder. kIo: the file.
+  Status open(const std::string& path, std::uint32_t width_px, std::uint32_t height_px, double rate_hz);
+  /// BGRX rows of `stride_bytes` (Cairo's RGB24 on little-endian machines); stamps must grow.
+  Status write(std::span<const std::uint8_t> bgrx, std::size_t stride_bytes, Duration stamp);
+  Status finish();
+  [[nodiscard]] const std::string& reason() const { return reason_; }
+
+ private:
+  struct Output;
+  Status fail(ErrorCode code, const std::string& cause);
+  Status drain();
+
+  std::unique_ptr<Output> output_;
+  std::string path_, reason_;
+};
+
+}  // namespace touchline::hal

@@ -1,0 +1,30 @@
+#include "hal/linux/capture_stamp.h"
+
+#include <linux/videodev2.h>
+
+namespace touchline::hal {
+
+void CaptureStamp::restart(Duration exposure) { *this = CaptureStamp{}, exposure_ = exposure; }
+
+bool CaptureStamp::is_monotonic(std::uint32_t flags) {
+  return (flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
+}
+
+Instant CaptureStamp::middle_of_exposure(std::uint32_t flags, Instant stamp, Instant now) {
+  const bool monotonic = is_monotonic(flags);
+  const bool credible = monotonic && stamp > last_stamp_ && stamp <= now;
+  Instant capture = now - exposure_ / 2;
+  if (credible) {
+    last_stamp_ = stamp;
+    const bool start = (flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+    capture = start ? stamp + exposure_ / 2 : stamp - exposure_ / 2;
+  } else if (monotonic) {
+    ++replaced_;
+  }
+  // The filters need time to go forward, whatever the driver thinks; a nanosecond is the least that is forward.
+  if (capture <= last_capture_) capture = last_capture_ + Duration(1);
+  last_capture_ = capture;
+  return capture;
+}
+
+}  // namespace touchline::hal

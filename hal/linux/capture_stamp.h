@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/time.h"
+
+namespace touchline::hal {
+
+/// Turns a V4L2 buffer's stamp into the middle of its exposure.
+///
+/// Start-of-exposure stamps lie half an exposure early. End-of-frame stamps lie late by half an exposure and by the
+/// sensor's read-out; the read-out is unknown to V4L2 and stays in (at most half a frame for the picture's middle row).
+/// A stamp that is of no monotonic clock, not later than the one before, or in the future, is replaced by the instant
+/// of dequeuing, treated as end of frame.
+class CaptureStamp {
+ public:
+  /// `exposure` zero: unknown, nothing is corrected by it.
+  void restart(Duration exposure);
+  /// `flags` of v4l2_buffer; `now` at dequeuing.
+  Instant middle_of_exposure(std::uint32_t flags, Instant stamp, Instant now);
+
+  /// Stamps of a monotonic clock that were not credible, since restart().
+  [[nodiscard]] std::uint64_t replaced() const { return replaced_; }
+  [[nodiscard]] static bool is_monotonic(std::uint32_t flags);
+
+ private:
+  Duration exposure_{};
+  Instant last_stamp_{}, last_capture_{};
+  std::uint64_t replaced_ = 0;
+};
+
+}  // namespace touchline::hal

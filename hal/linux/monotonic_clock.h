@@ -1,0 +1,19 @@
+#pragma once
+
+#include "hal/clock.h"
+
+namespace touchline::hal {
+
+/// CLOCK_MONOTONIC, the clock of V4L2's time stamps. Neither call allocates.
+class MonotonicClock final : public Clock {
+ public:
+  [[nodiscard]] Instant now() const override { return read(); }
+  /// To an absolute instant, so that a loop of sleeps does not drift. Signals do not end it early.
+  void sleep_until(Instant instant) override { wait_for(instant); }
+
+  /// The same without an object; Pipeline::StageClock.
+  [[nodiscard]] static Instant read();
+  static void wait_for(Instant instant);
+};
+
+}  // namespace touchline::hal

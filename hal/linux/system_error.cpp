@@ -1,0 +1,46 @@
+#include "hal/linux/system_error.h"
+
+#include <cerrno>
+#include <cstring>
+
+namespace touchline::hal {
+
+ErrorCode open_error(int error) noexcept {
+  switch (error) {
+    case ENOENT:
+    case ENODEV:
+    case ENXIO:
+    case ENOTDIR:
+      return ErrorCode::kNotFound;
+    case EACCES:
+    case EPERM:
+      return ErrorCode::kPermission;
+    case EBUSY:
+    case EWOULDBLOCK:
+      return ErrorCode::kDeviceBusy;
+    default:
+      return ErrorCode::kIo;
+  }
+}
+
+ErrorCode use_error(int error) noexcept {
+  return error == ENODEV || error == ENXIO ? ErrorCode::kDisconnected : ErrorCode::kIo;
+}
+
+const char* system_text(int error) noexcept {
+  const char* text = strerrordesc_np(error);
+  return text != nullptr ? text : "unknown error";
+}
+
+ErrorCode say_busy(Reason& reason, const char* device) {
+  reason.set("%s: held by another process; `fuser -v %s` names it", device, device);
+  return ErrorCode::kDeviceBusy;
+}
+
+ErrorCode say_denied(Reason& reason, const char* device, const char* group) {
+  reason.set("%s: permission denied; add the user to the group %s (`sudo usermod -aG %s $USER`) and log in again",
+             device, group, group);
+  return ErrorCode::kPermission;
+}
+
+}  // namespace touchline::hal

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+
+#include "hal/camera.h"
+#include "hal/device_parameters.h"
+#include "hal/linux/capture_stamp.h"
+#include "hal/linux/reason.h"
+#include "hal/linux/v4l2_buffers.h"
+#include "hal/linux/v4l2_device.h"
+#include "hal/linux/v4l2_format.h"
+
+namespace touchline::hal {
+
+struct V4l2Counters {
+  std::uint64_t frames = 0;  // handed out
+  std::uint64_t lost = 0;    // gaps in the driver's count
+  std::uint64_t corrupt = 0, short_frames = 0;
+};
+
+/// A camera of the kernel: V4L2, single-planar capture, buffers mapped into our memory and lent to the caller.
+///
+/// wait() answers kTimeout, kShortFrame, kCorruptFrame (go on), kDisconnected and kIo (open again). With all buffers
+/// lent out nothing can come: wait() then runs into its deadline and says so.
+class V4l2Camera final : public Camera {
+ public:
+  explicit V4l2Camera(CameraSettings settings) : settings_(std::move(settings)) {}
+  ~V4l2Camera() override { V4l2Camera::do_close(); }
+
+  [[nodiscard]] const CameraInfo& info() const override { return info_; }
+  [[nodiscard]] const std::string& reason() const override { return reason_.text(); }
+
+  /// Since start().
+  [[nodiscard]] const V4l2Counters& counters() const { return counters_; }
+  [[nodiscard]] const CaptureStamp& stamps() const { return stamps_; }
+
+ private:
+  Status do_open() override;
+  Status do_start() override;
+  Result<FrameLease> do_wait(Instant deadline) override;
+  void do_release(std::uint32_t buffer) noexcept override;
+  void do_stop() override;
+  void do_close() override;
+
+  Status check_capabilities();
+  Status map_buffers();
+  void note_rate();
+  void tell_grants();
+  Result<FrameLease> deliver(const v4l2_buffer& buffer);
+  Result<FrameLease> give_back(std::uint32_t buffer, ErrorCode code);
+  std::uint32_t count_frame(std::uint32_t driver_sequence);
+  ErrorCode fail(const char* doing, int error) noexcept;
+  [[nodiscard]] const char* name() const { return settings_.device.c_str(); }
+
+  CameraSettings settings_;
+  V4l2Device device_;
+  V4l2Buffers buffers_;
+  V4l2Picture picture_;
+  CameraInfo info_;
+  CaptureStamp stamps_;
+  V4l2Counters counters_;
+  Reason reason_;
+  Reason grants_;  // what was granted otherwise than asked
+  std::size_t grants_before_controls_ = 0;
+  bool streaming_ = false;
+  ErrorCode lost_ = ErrorCode::kOk;  // an error after which only opening again helps
+  bool counted_ = false;             // a frame came since start()
+  std::uint32_t last_sequence_ = 0;
+};
+
+}  // namespace touchline::hal

@@ -1,0 +1,164 @@
+#include "hal/linux/v4l2_controls.h"
+
+#include <linux/videodev2.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+
+#include "hal/linux/system_error.h"
+
+namespace touchline::hal {
+namespace {
+
+// V4L2_CID_EXPOSURE_ABSOLUTE counts in steps of 100 us.
+constexpr int kExposureStepUs = 100;
+
+struct Control {
+  std::uint32_t id = 0;
+  std::int64_t low = 0, high = 0, step = 1;
+};
+
+bool find(const V4l2Device& device, std::uint32_t id, Control& found) {
+  v4l2_queryctrl query{};
+  query.id = id;
+  if (device.request(VIDIOC_QUERYCTRL, &query) != 0 || (query.flags & V4L2_CTRL_FLAG_DISABLED) != 0) return false;
+  found = {id, query.minimum, query.maximum, std::max(query.step, 1)};
+  return true;
+}
+
+/// The nearest value that the control can take: drivers differ in whether they round or refuse.
+int nearest(const Control& control, std::int64_t value) {
+  const std::int64_t inside = std::clamp(value, control.low, control.high);
+  const std::int64_t steps = (inside - control.low + control.step / 2) / control.step;
+  return static_cast<int>(std::min(control.low + steps * control.step, control.high));
+}
+
+int set(const V4l2Device& device, std::uint32_t id, int value) {
+  v4l2_control control{id, value};
+  return device.request(VIDIOC_S_CTRL, &control);
+}
+
+int get(const V4l2Device& device, std::uint32_t id, int& value) {
+  v4l2_control control{id, 0};
+  const int error = device.request(VIDIOC_G_CTRL, &control);
+  value = control.value;
+  return error;
+}
+
+/// What a person asked for: "exposure_us = 5000".
+struct Wish {
+  const char* key;
+  int value;
+};
+
+void note(Reason& grants, const Wish& wish) {
+  grants.append("%s%s = %d: ", grants.empty() ? "" : "; ", wish.key, wish.value);
+}
+
+/// Sets a control that a camera may lack without harm, such as the automatic twin of a value.
+void switch_off(const V4l2Device& device, std::uint32_t id, int off, const char* name, const Wish& wish,
+                Reason& grants) {
+  Control control;
+  if (!find(device, id, control)) return;
+  const int error = set(device, id, off);
+  int value = off;
+  if (error == 0 && get(device, id, value) == 0 && value == off) return;
+  note(grants, wish);
+  grants.append("%s stays on (%s)", name, error != 0 ? system_text(error) : "the driver kept it");
+}
+
+/// Sets `wish.value` in units of `unit` and reads it back; false when the camera has no such control.
+bool set_value(const V4l2Device& device, std::uint32_t id, int unit, const Wish& wish, Reason& grants) {
+  Control control;
+  if (!find(device, id, control)) return false;
+  const int error = set(device, id, nearest(control, (wish.value + unit / 2) / unit));
+  if (error != 0) {
+    note(grants, wish);
+    grants.append("refused (%s)", system_text(error));
+    return true;
+  }
+  int granted = 0;
+  const int read_error = get(device, id, granted);
+  if (read_error != 0) {
+    note(grants, wish);
+    grants.append("set, but cannot be read back (%s)", system_text(read_error));
+  } else if (std::int64_t{granted} * unit != wish.value) {
+    note(grants, wish);
+    grants.append("granted %lld (range %lld to %lld, step %lld)", static_cast<long long>(granted) * unit,
+                  static_cast<long long>(control.low * unit), static_cast<long long>(control.high * unit),
+                  static_cast<long long>(control.step * unit));
+  }
+  return true;
+}
+
+void lacking(const Wish& wish, Reason& grants) {
+  note(grants, wish);
+  grants.append("the camera has no such control");
+}
+
+void fix_exposure(const V4l2Device& device, int exposure_us, Reason& grants) {
+  const Wish wish{"exposure_us", exposure_us};
+  switch_off(device, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL, "automatic exposure", wish, grants);
+  // Else UVC cameras lower the frame rate in the dark.
+  switch_off(device, V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0, "exposure before frame rate", wish, grants);
+  if (!set_value(device, V4L2_CID_EXPOSURE_ABSOLUTE, kExposureStepUs, wish, grants)) lacking(wish, grants);
+}
+
+void fix_gain(const V4l2Device& device, int gain, Reason& grants) {
+  const Wish wish{"gain", gain};
+  switch_off(device, V4L2_CID_AUTOGAIN, 0, "automatic gain", wish, grants);
+  if (!set_value(device, V4L2_CID_GAIN, 1, wish, grants) &&
+      !set_value(device, V4L2_CID_ANALOGUE_GAIN, 1, wish, grants)) {
+    lacking(wish, grants);
+  }
+}
+
+void fix_white_balance(const V4l2Device& device, int white_balance_k, Reason& grants) {
+  const Wish wish{"white_balance_k", white_balance_k};
+  switch_off(device, V4L2_CID_AUTO_WHITE_BALANCE, 0, "automatic white balance", wish, grants);
+  if (!set_value(device, V4L2_CID_WHITE_BALANCE_TEMPERATURE, 1, wish, grants)) lacking(wish, grants);
+}
+
+void fix_power_line(const V4l2Device& device, PowerLine power_line, Reason& grants) {
+  const int hz = power_line == PowerLine::k50Hz ? 50 : power_line == PowerLine::k60Hz ? 60 : 0;
+  const int value = hz == 50   ? V4L2_CID_POWER_LINE_FREQUENCY_50HZ
+                    : hz == 60 ? V4L2_CID_POWER_LINE_FREQUENCY_60HZ
+                               : V4L2_CID_POWER_LINE_FREQUENCY_DISABLED;
+  Control control;
+  const bool there = find(device, V4L2_CID_POWER_LINE_FREQUENCY, control);
+  if (!there && hz == 0) return;  // a camera without the filter filters nothing, as asked
+  int granted = value;
+  const int error = there ? set(device, V4L2_CID_POWER_LINE_FREQUENCY, value) : EINVAL;
+  if (error == 0 && get(device, V4L2_CID_POWER_LINE_FREQUENCY, granted) == 0 && granted == value) return;
+  grants.append("%spower_line = %s: %s", grants.empty() ? "" : "; ",
+                hz == 50   ? "50hz"
+                : hz == 60 ? "60hz"
+                           : "off",
+                !there       ? "the camera has no such control"
+                : error != 0 ? system_text(error)
+                             : "the driver kept another");
+}
+
+Duration exposure_in_force(const V4l2Device& device) {
+  int mode = V4L2_EXPOSURE_MANUAL;
+  const int mode_error = get(device, V4L2_CID_EXPOSURE_AUTO, mode);
+  // In shutter priority the time is fixed and the aperture is automatic.
+  if (mode_error == 0 && mode != V4L2_EXPOSURE_MANUAL && mode != V4L2_EXPOSURE_SHUTTER_PRIORITY) return {};
+  int steps = 0;
+  if (get(device, V4L2_CID_EXPOSURE_ABSOLUTE, steps) != 0 || steps < 0) return {};
+  return std::chrono::microseconds(std::int64_t{steps} * kExposureStepUs);
+}
+
+}  // namespace
+
+Duration apply_controls(const V4l2Device& device, const CameraSettings& asked, Reason& grants) {
+  // Flicker first: it limits which exposures some cameras accept.
+  if (asked.power_line != PowerLine::kLeave) fix_power_line(device, asked.power_line, grants);
+  if (asked.exposure_us > 0) fix_exposure(device, asked.exposure_us, grants);
+  if (asked.gain > 0) fix_gain(device, asked.gain, grants);
+  if (asked.white_balance_k > 0) fix_white_balance(device, asked.white_balance_k, grants);
+  return exposure_in_force(device);
+}
+
+}  // namespace touchline::hal

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hal/replay/picture.h"
+
+// Small pictures and videos, made while the tests run.
+namespace touchline::media {
+
+/// A folder of its own, gone with the object.
+class Folder {
+ public:
+  Folder();
+  ~Folder();
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] std::string path() const { return path_.string(); }
+  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::vector<std::uint8_t> read_bytes(const std::string& path);
+void write_bytes(const std::string& path, std::span<const std::uint8_t> bytes);
+void write_text(const std::string& path, const std::string& text);
+
+/// Every pixel different from its neighbors; `seed` tells pictures apart.
+hal::Picture colorful(std::uint32_t width_px, std::uint32_t height_px, std::uint32_t seed = 0);
+void write_png(const std::string& path, const hal::Picture& picture);
+/// 4:2:0, as cameras write it.
+void write_jpeg(const std::string& path, const hal::Picture& picture);
+
+/// An uncompressed video (YUV4MPEG2); `frames` hold the planes Y, U, V one behind the other.
+void write_y4m(const std::string& path, int width_px, int height_px, const std::string& header,
+               const std::vector<std::vector<std::uint8_t>>& frames);
+
+/// PNG's and zlib's checksum (ISO 3309).
+std::uint32_t crc32(std::span<const std::uint8_t> bytes);
+
+}  // namespace touchline::media

@@ -1,0 +1,167 @@
+#include "hal/replay/picture.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "tests/replay/media.h"
+
+namespace touchline {
+namespace {
+
+using hal::Picture;
+
+// Reads a file that must be refused; gives the reason, and checks that nothing was printed and nothing half returned.
+std::string refused(const std::string& path, ErrorCode expected) {
+  Picture picture;
+  std::string reason;
+  testing::internal::CaptureStderr();
+  testing::internal::CaptureStdout();
+  const Status status = hal::read_picture(path, picture, reason);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(status.code(), expected) << path << ": " << reason;
+  EXPECT_TRUE(picture.rgb8.empty() && picture.rgb16.empty());
+  EXPECT_NE(reason.find(path), std::string::npos) << "the reason must name the file: " << reason;
+  return reason;
+}
+
+Picture read(const std::string& path) {
+  Picture picture;
+  std::string reason;
+  EXPECT_TRUE(hal::read_picture(path, picture, reason).ok()) << reason;
+  return picture;
+}
+
+TEST(Picture, EightBitsSurvivePng) {
+  const media::Folder folder;
+  const Picture written = media::colorful(37, 23);
+  media::write_png(folder / "a.png", written);
+  const Picture picture = read(folder / "a.png");
+  EXPECT_EQ(picture.width_px, 37u);
+  EXPECT_EQ(picture.height_px, 23u);
+  EXPECT_FALSE(picture.deep());
+  EXPECT_EQ(picture.rgb8, written.rgb8);
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.png.part"));
+}
+
+TEST(Picture, SixteenBitsSurvivePng) {
+  const media::Folder folder;
+  Picture written{5, 4, {}, {}};
+  for (std::uint32_t i = 0; i < 60; ++i) written.rgb16.push_back(static_cast<std::uint16_t>(i * 1109u + 7u));
+  media::write_png(folder / "deep.png", written);
+  const Picture picture = read(folder / "deep.png");
+  EXPECT_TRUE(picture.deep());
+  EXPECT_EQ(picture.rgb16, written.rgb16);
+}
+
+TEST(Picture, PpmAndPgm) {
+  const media::Folder folder;
+  media::write_text(folder / "a.ppm", std::string("P6\n# a comment\n2 1\n255\n") + "\x01\x02\x03\xfd\xfe\xff");
+  EXPECT_EQ(read(folder / "a.ppm").rgb8, (std::vector<std::uint8_t>{1, 2, 3, 253, 254, 255}));
+  media::write_text(folder / "grey.pgm", "P5 2 1 255\n\x10\xf0");
+  EXPECT_EQ(read(folder / "grey.pgm").rgb8, (std::vector<std::uint8_t>{16, 16, 16, 240, 240, 240}));
+  const std::string deep("P6 1 1 65535\n\x12\x34\x56\x78\x9a\xbc");
+  media::write_text(folder / "deep.ppm", deep);
+  EXPECT_EQ(read(folder / "deep.ppm").rgb16, (std::vector<std::uint16_t>{0x1234, 0x5678, 0x9abc}));
+}
+
+TEST(Picture, JpegHasTheColorsThatWentIn) {
+  const media::Folder folder;
+  Picture flat{32, 32, {}, {}};
+  for (int i = 0; i < 32 * 32; ++i) flat.rgb8.insert(flat.rgb8.end(), {200, 60, 30});
+  media::write_jpeg(folder / "a.jpg", flat);
+  const Picture picture = read(folder / "a.jpg");
+  ASSERT_EQ(picture.rgb8.size(), flat.rgb8.size());
+  for (std::size_t i = 0; i < picture.rgb8.size(); ++i) {
+    ASSERT_LE(std::abs(picture.rgb8[i] - flat.rgb8[i]), 3) << "value " << i;
+  }
+}
+
+TEST(Picture, PngCutAnywhereIsRefused) {
+  const media::Folder folder;
+  media::write_png(folder / "whole.png", media::colorful(64, 48));
+  const std::vector<std::uint8_t> whole = media::read_bytes(folder / "whole.png");
+  ASSERT_GT(whole.size(), 5000u);
+  for (std::size_t percent = 1; percent < 100; percent += 3) {
+    media::write_bytes(folder / "cut.png",
+                       std::span(whole).first(std::max<std::size_t>(8, whole.size() * percent / 100)));
+    refused(folder / "cut.png", ErrorCode::kCorruptFrame);
+  }
+  // The last chunk is 12 bytes long and holds no pixel: still the file is not whole.
+  for (std::size_t missing = 1; missing <= 16; ++missing) {
+    media::write_bytes(folder / "cut.png", std::span(whole).first(whole.size() - missing));
+    refused(folder / "cut.png", ErrorCode::kCorruptFrame);
+  }
+}
+
+TEST(Picture, PngWithOneBitTurnedIsRefused) {
+  const media::Folder folder;
+  media::write_png(folder / "whole.png", media::colorful(64, 48));
+  const std::vector<std::uint8_t> whole = media::read_bytes(folder / "whole.png");
+  for (std::size_t place = 60; place + 60 < whole.size(); place += 997) {
+    std::vector<std::uint8_t> bytes = whole;
+    bytes[place] ^= 0x10u;
+    media::write_bytes(folder / "bent.png", bytes);
+    refused(folder / "bent.png", ErrorCode::kCorruptFrame);
+  }
+}
+
+// Chunks and checksums are right, but the rows end early: only the decoder can know.
+TEST(Picture, PngWithTooFewRowsIsRefused) {
+  const media::Folder folder;
+  media::write_png(folder / "whole.png", media::colorful(64, 48));
+  std::vector<std::uint8_t> bytes = media::read_bytes(folder / "whole.png");
+  bytes[23] = 60;  // height, last byte: IHDR begins at 12, its data at 16
+  const std::uint32_t crc = media::crc32(std::span(bytes).subspan(12, 17));
+  for (std::size_t i = 0; i < 4; ++i) bytes[29 + i] = static_cast<std::uint8_t>(crc >> (24 - 8 * i));
+  media::write_bytes(folder / "short.png", bytes);
+  refused(folder / "short.png", ErrorCode::kCorruptFrame);
+}
+
+TEST(Picture, CutJpegIsRefused) {
+  const media::Folder folder;
+  media::write_jpeg(folder / "whole.jpg", media::colorful(64, 48));
+  const std::vector<std::uint8_t> whole = media::read_bytes(folder / "whole.jpg");
+  for (std::size_t percent = 10; percent < 100; percent += 10) {
+    media::write_bytes(folder / "cut.jpg", std::span(whole).first(whole.size() * percent / 100));
+    refused(folder / "cut.jpg", ErrorCode::kCorruptFrame);
+  }
+  media::write_bytes(folder / "cut.jpg", std::span(whole).first(whole.size() - 2));
+  refused(folder / "cut.jpg", ErrorCode::kCorruptFrame);
+}
+
+TEST(Picture, CutPpmIsRefused) {
+  const media::Folder folder;
+  media::write_text(folder / "cut.ppm", "P6 2 2 255\n12345678901");
+  refused(folder / "cut.ppm", ErrorCode::kCorruptFrame);
+  media::write_text(folder / "head.ppm", "P6 2");
+  refused(folder / "head.ppm", ErrorCode::kCorruptFrame);
+}
+
+TEST(Picture, FilesThatAreNoPictures) {
+  const media::Folder folder;
+  EXPECT_NE(refused(folder / "missing.png", ErrorCode::kNotFound).find("No such file"), std::string::npos);
+  media::write_text(folder / "empty.png", "");
+  EXPECT_NE(refused(folder / "empty.png", ErrorCode::kCorruptFrame).find("empty"), std::string::npos);
+  media::write_text(folder / "text.png", "these are words, not pixels");
+  refused(folder / "text.png", ErrorCode::kUnsupported);
+  refused(folder.path(), ErrorCode::kIo);
+}
+
+TEST(Picture, WhatCannotBeWritten) {
+  const media::Folder folder;
+  std::string reason;
+  EXPECT_EQ(hal::write_picture(folder / "a.png", {}, reason).code(), ErrorCode::kOutOfRange);
+  Picture short_one = media::colorful(4, 4);
+  short_one.rgb8.pop_back();
+  EXPECT_EQ(hal::write_picture(folder / "a.png", short_one, reason).code(), ErrorCode::kOutOfRange);
+  EXPECT_EQ(hal::write_picture(folder / "none/a.png", media::colorful(4, 4), reason).code(), ErrorCode::kNotFound);
+  EXPECT_NE(reason.find("none/a.png"), std::string::npos) << reason;
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+}  // namespace
+}  // namespace touchline

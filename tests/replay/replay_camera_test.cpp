@@ -1,0 +1,214 @@
+#include "hal/replay/replay_camera.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/replay/media.h"
+
+namespace touchline {
+namespace {
+
+using hal::FrameLease;
+using hal::ReplayCamera;
+
+constexpr Instant kForever = Instant::max();
+
+std::vector<std::uint8_t> pixels(const Frame& frame, std::size_t bytes_per_row) {
+  std::vector<std::uint8_t> all;
+  for (std::size_t y = 0; y < frame.height_px; ++y) {
+    const std::uint8_t* row = frame.plane[0] + y * frame.stride_bytes[0];
+    all.insert(all.end(), row, row + bytes_per_row);
+  }
+  return all;
+}
+
+// Opens an input that must be refused; gives the reason.
+std::string refused(const std::string& path, ErrorCode expected) {
+  ReplayCamera camera({.path = path});
+  testing::internal::CaptureStderr();
+  const Status status = camera.open();
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(status.code(), expected) << camera.reason();
+  EXPECT_NE(camera.reason().find(path), std::string::npos) << "the reason must name the input: " << camera.reason();
+  return camera.reason();
+}
+
+TEST(ReplayCamera, PicturesComeInNaturalOrderWithTheirStamps) {
+  const media::Folder folder;
+  const std::vector<std::string> names{"shot2.png", "shot9.PNG", "shot10.png", "shot010b.png"};
+  for (std::uint32_t i = 0; i < names.size(); ++i) media::write_png(folder / names[i], media::colorful(7, 5, i));
+  media::write_text(folder / "truth.jsonl", "{}");
+  std::filesystem::create_directory(folder / "more.png");
+
+  ReplayCamera camera({.path = folder.path(), .format = PixelFormat::kRgb24, .rate_hz = 8.0});
+  ASSERT_TRUE(camera.open().ok()) << camera.reason();
+  EXPECT_EQ(camera.info().width_px, 7);
+  EXPECT_EQ(camera.info().height_px, 5);
+  EXPECT_EQ(camera.info().rate_hz, 8.0);
+  EXPECT_EQ(camera.frame_count(), 4u);
+  ASSERT_TRUE(camera.start().ok());
+  for (std::uint32_t i = 0; i < names.size(); ++i) {
+    const Result<FrameLease> lease = camera.wait(kForever);
+    ASSERT_TRUE(lease.ok()) << camera.reason();
+    const Frame& frame = lease.value().frame();
+    EXPECT_EQ(camera.file(), names[i]);
+    EXPECT_EQ(frame.sequence, i);
+    EXPECT_EQ(frame.capture_time, Instant(from_seconds(i * 0.125)));
+    EXPECT_EQ(pixels(frame, 21), media::colorful(7, 5, i).rgb8);
+    EXPECT_EQ(hal::ReplayClock(camera).now(), frame.capture_time);
+  }
+  EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kEndOfStream);
+  EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kEndOfStream);
+}
+
+TEST(ReplayCamera, StartsOverAfterReopening) {
+  const media::Folder folder;
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    media::write_png(folder / (std::to_string(i) + ".png"), media::colorful(8, 8, i));
+  }
+  ReplayCamera camera({.path = folder.path()});
+  for (int round = 0; round < 2; ++round) {
+    ASSERT_TRUE(camera.open().ok());
+    ASSERT_TRUE(camera.start().ok());
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      const Result<FrameLease> lease = camera.wait(kForever);
+      ASSERT_TRUE(lease.ok());
+      EXPECT_EQ(lease.value().frame().sequence, i);
+    }
+    EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kEndOfStream);
+    camera.stop();
+    camera.close();
+  }
+}
+
+TEST(ReplayCamera, BgrAndYuvOfAPicture) {
+  const media::Folder folder;
+  hal::Picture picture{3, 2, {}, {}};  // odd: the last pair has one pixel
+  for (int i = 0; i < 6; ++i) picture.rgb8.insert(picture.rgb8.end(), {255, 0, 0});
+  media::write_png(folder / "red.png", picture);
+  const auto first_frame = [&folder](PixelFormat format, auto look) {
+    ReplayCamera camera({.path = folder / "red.png", .format = format});
+    ASSERT_TRUE(camera.open().ok() && camera.start().ok()) << camera.reason();
+    const Result<FrameLease> lease = camera.wait(kForever);
+    ASSERT_TRUE(lease.ok()) << camera.reason();
+    EXPECT_EQ(lease.value().frame().format, format);
+    look(lease.value().frame());
+  };
+  first_frame(PixelFormat::kBgr24, [](const Frame& frame) {
+    EXPECT_EQ(pixels(frame, 6), (std::vector<std::uint8_t>{0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255}));
+  });
+  // ITU-R BT.601, limited range: pure red is Y 81, U 90, V 240.
+  const auto near = [](const std::vector<std::uint8_t>& bytes, const std::vector<int>& expected) {
+    ASSERT_EQ(bytes.size(), expected.size());
+    for (std::size_t i = 0; i < bytes.size(); ++i) EXPECT_NEAR(bytes[i], expected[i], 1) << "byte " << i;
+  };
+  first_frame(PixelFormat::kYuyv, [&near](const Frame& frame) {
+    EXPECT_GE(frame.stride_bytes[0], 8u);
+    near(pixels(frame, 8), {81, 90, 81, 240, 81, 90, 81, 240, 81, 90, 81, 240, 81, 90, 81, 240});
+  });
+  first_frame(PixelFormat::kUyvy, [&near](const Frame& frame) {
+    near(pixels(frame, 8), {90, 81, 240, 81, 90, 81, 240, 81, 90, 81, 240, 81, 90, 81, 240, 81});
+  });
+  first_frame(PixelFormat::kNv12, [&near](const Frame& frame) {
+    near(pixels(frame, 3), {81, 81, 81, 81, 81, 81});
+    near({frame.plane[1], frame.plane[1] + 4}, {90, 240, 90, 240});
+  });
+}
+
+TEST(ReplayCamera, SixteenBitPicturesAreRoundedToEight) {
+  const media::Folder folder;
+  media::write_png(folder / "deep.png", {2, 1, {}, {0, 128, 129, 32896, 65535, 257}});
+  ReplayCamera camera({.path = folder.path()});
+  ASSERT_TRUE(camera.open().ok() && camera.start().ok());
+  const Result<FrameLease> lease = camera.wait(kForever);
+  ASSERT_TRUE(lease.ok());
+  EXPECT_EQ(pixels(lease.value().frame(), 6), (std::vector<std::uint8_t>{0, 0, 1, 128, 255, 1}));
+}
+
+TEST(ReplayCamera, InputsThatCannotBeOpened) {
+  const media::Folder folder;
+  refused(folder / "missing", ErrorCode::kNotFound);
+  EXPECT_NE(refused(folder.path(), ErrorCode::kNotFound).find("no picture"), std::string::npos);
+  media::write_text(folder / "empty.mp4", "");
+  refused(folder / "empty.mp4", ErrorCode::kUnsupported);
+  media::write_text(folder / "notes.txt", "not a video\n");
+  refused(folder / "notes.txt", ErrorCode::kUnsupported);
+  media::write_text(folder / "http:x.mp4", "");
+  refused(folder / "http:x.mp4", ErrorCode::kUnsupported);
+  media::write_png(folder / "huge.png", media::colorful(2600, 2));
+  EXPECT_NE(refused(folder / "huge.png", ErrorCode::kUnsupported).find("2600 x 2"), std::string::npos);
+}
+
+TEST(ReplayCamera, APictureOfAnotherSizeIsNamed) {
+  const media::Folder folder;
+  media::write_png(folder / "1.png", media::colorful(8, 8));
+  media::write_png(folder / "2.png", media::colorful(8, 6));
+  ReplayCamera camera({.path = folder.path()});
+  ASSERT_TRUE(camera.open().ok() && camera.start().ok());
+  ASSERT_TRUE(camera.wait(kForever).ok());
+  EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kInconsistent);
+  EXPECT_NE(camera.reason().find("2.png is 8 x 6, but 1.png is 8 x 8"), std::string::npos) << camera.reason();
+}
+
+TEST(ReplayCamera, ADamagedPictureIsALostFrame) {
+  const media::Folder folder;
+  media::write_png(folder / "1.png", media::colorful(8, 8));
+  media::write_png(folder / "3.png", media::colorful(8, 8));
+  const std::vector<std::uint8_t> whole = media::read_bytes(folder / "1.png");
+  media::write_bytes(folder / "2.png", std::span(whole).first(whole.size() / 2));
+  ReplayCamera camera({.path = folder.path(), .format = PixelFormat::kRgb24, .rate_hz = 10.0});
+  ASSERT_TRUE(camera.open().ok() && camera.start().ok());
+  ASSERT_TRUE(camera.wait(kForever).ok());
+  EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kCorruptFrame);
+  EXPECT_NE(camera.reason().find("2.png"), std::string::npos) << camera.reason();
+  const Result<FrameLease> next = camera.wait(kForever);
+  ASSERT_TRUE(next.ok());
+  EXPECT_EQ(camera.file(), "3.png");
+  EXPECT_EQ(next.value().frame().sequence, 2u);
+  EXPECT_EQ(next.value().frame().capture_time, Instant(from_seconds(0.2)));
+}
+
+TEST(ReplayCamera, LeasesHoldTheirBuffer) {
+  const media::Folder folder;
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    media::write_png(folder / (std::to_string(i) + ".png"), media::colorful(8, 8, i));
+  }
+  ReplayCamera camera({.path = folder.path()});
+  ASSERT_TRUE(camera.open().ok() && camera.start().ok());
+  Result<FrameLease> a = camera.wait(kForever), b = camera.wait(kForever), c = camera.wait(kForever);
+  ASSERT_TRUE(a.ok() && b.ok() && c.ok());
+  EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kBusy);
+  b.value() = FrameLease();
+  EXPECT_TRUE(camera.wait(kForever).ok());
+  EXPECT_EQ(pixels(a.value().frame(), 24), media::colorful(8, 8, 0).rgb8);
+  EXPECT_EQ(pixels(c.value().frame(), 24), media::colorful(8, 8, 2).rgb8);
+}
+
+class HandClock final : public hal::Clock {
+ public:
+  [[nodiscard]] Instant now() const override { return now_; }
+  void sleep_until(Instant instant) override { now_ = std::max(now_, instant); }
+  Instant now_{from_seconds(100.0)};
+};
+
+TEST(ReplayCamera, PacedFramesComeWhenTheyAreDue) {
+  const media::Folder folder;
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    media::write_png(folder / (std::to_string(i) + ".png"), media::colorful(8, 8, i));
+  }
+  HandClock clock;
+  ReplayCamera camera({.path = folder.path(), .format = PixelFormat::kRgb24, .rate_hz = 10.0}, &clock);
+  ASSERT_TRUE(camera.open().ok() && camera.start().ok());
+  ASSERT_TRUE(camera.wait(clock.now_).ok());
+  EXPECT_EQ(camera.wait(clock.now_ + from_seconds(0.04)).error(), ErrorCode::kTimeout);
+  EXPECT_EQ(clock.now_, Instant(from_seconds(100.04)));
+  const Result<FrameLease> lease = camera.wait(clock.now_ + from_seconds(1.0));
+  ASSERT_TRUE(lease.ok());
+  EXPECT_EQ(clock.now_, Instant(from_seconds(100.1)));
+  EXPECT_EQ(lease.value().frame().capture_time, Instant(from_seconds(100.1)));
+  EXPECT_EQ(lease.value().frame().sequence, 1u);
+}
+
+}  // namespace
+}  // namespace touchline

@@ -1,0 +1,215 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "hal/replay/replay_camera.h"
+#include "hal/replay/video_writer.h"
+#include "tests/replay/media.h"
+
+namespace touchline {
+namespace {
+
+using hal::FrameLease;
+using hal::ReplayCamera;
+using hal::VideoWriter;
+
+constexpr Instant kForever = Instant::max();
+
+// Gray pictures whose brightness tells them apart: 20, 40, 60...
+void write_video(const std::string& path, int frames, double rate_hz, std::uint32_t width = 64,
+                 std::uint32_t height = 48) {
+  VideoWriter writer;
+  ASSERT_TRUE(writer.open(path, width, height, rate_hz).ok()) << writer.reason();
+  for (int i = 0; i < frames; ++i) {
+    const std::vector<std::uint8_t> gray(std::size_t{4} * width * height, static_cast<std::uint8_t>(20 * (i + 1)));
+    ASSERT_TRUE(writer.write(gray, std::size_t{4} * width, from_seconds(i / rate_hz)).ok()) << writer.reason();
+  }
+  ASSERT_TRUE(writer.finish().ok()) << writer.reason();
+}
+
+TEST(Video, WhatIsWrittenIsRead) {
+  const media::Folder folder;
+  write_video(folder / "a.mp4", 10, 25.0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.mp4.part"));
+  ReplayCamera camera({.path = folder / "a.mp4"});
+  ASSERT_TRUE(camera.open().ok()) << camera.reason();
+  EXPECT_EQ(camera.info().width_px, 64);
+  EXPECT_EQ(camera.frame_count(), 10u);
+  EXPECT_NEAR(camera.info().rate_hz, 25.0, 0.01);
+  ASSERT_TRUE(camera.start().ok());
+  for (int i = 0; i < 10; ++i) {
+    const Result<FrameLease> lease = camera.wait(kForever);
+    ASSERT_TRUE(lease.ok()) << camera.reason();
+    const Frame& frame = lease.value().frame();
+    EXPECT_EQ(camera.file(), "a.mp4");
+    EXPECT_NEAR(seconds(frame.capture_time.time_since_epoch()), i * 0.04, 1e-6);
+    EXPECT_NEAR(frame.plane[0][frame.stride_bytes[0] * 24 + 96], 20 * (i + 1), 3) << "frame " << i;
+  }
+  EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kEndOfStream);
+}
+
+TEST(Video, UnevenStampsAreKept) {
+  const media::Folder folder;
+  VideoWriter writer;
+  ASSERT_TRUE(writer.open(folder / "a.mp4", 32, 32, 30.0).ok());
+  const std::vector<std::uint8_t> gray(32 * 32 * 4, 90);
+  const std::vector<double> stamps{0.0, 0.03, 0.07, 0.19};
+  for (const double stamp : stamps) ASSERT_TRUE(writer.write(gray, 128, from_seconds(stamp)).ok());
+  ASSERT_TRUE(writer.finish().ok());
+  ReplayCamera camera({.path = folder / "a.mp4"});
+  ASSERT_TRUE(camera.open().ok() && camera.start().ok());
+  for (const double stamp : stamps) {
+    const Result<FrameLease> lease = camera.wait(kForever);
+    ASSERT_TRUE(lease.ok()) << camera.reason();
+    EXPECT_NEAR(seconds(lease.value().frame().capture_time.time_since_epoch()), stamp, 2e-5);
+  }
+  // A rate that is asked for replaces them.
+  ReplayCamera forced({.path = folder / "a.mp4", .format = PixelFormat::kRgb24, .rate_hz = 50.0});
+  ASSERT_TRUE(forced.open().ok() && forced.start().ok());
+  for (int i = 0; i < 4; ++i) {
+    const Result<FrameLease> lease = forced.wait(kForever);
+    ASSERT_TRUE(lease.ok());
+    EXPECT_EQ(lease.value().frame().capture_time, Instant(from_seconds(i * 0.02)));
+  }
+}
+
+// Planes Y 6 x 4, U and V 3 x 2 with values that tell their place.
+std::vector<std::uint8_t> planes_420() {
+  std::vector<std::uint8_t> planes;
+  for (std::uint8_t i = 0; i < 24; ++i) planes.push_back(static_cast<std::uint8_t>(16 + 9 * i));
+  for (std::uint8_t i = 0; i < 6; ++i) planes.push_back(static_cast<std::uint8_t>(60 + i));
+  for (std::uint8_t i = 0; i < 6; ++i) planes.push_back(static_cast<std::uint8_t>(180 + i));
+  return planes;
+}
+
+TEST(Video, YuvGoesToYuvAsItIsStored) {
+  const media::Folder folder;
+  const std::vector<std::uint8_t> planes = planes_420();
+  for (const char* header : {"F25:1 C420mpeg2 XCOLORRANGE=LIMITED", "F25:1 C420jpeg XCOLORRANGE=FULL"}) {
+    media::write_y4m(folder / "a.y4m", 6, 4, header, {planes});
+    for (const PixelFormat format : {PixelFormat::kNv12, PixelFormat::kYuyv, PixelFormat::kUyvy}) {
+      ReplayCamera camera({.path = folder / "a.y4m", .format = format});
+      ASSERT_TRUE(camera.open().ok() && camera.start().ok()) << camera.reason();
+      const Result<FrameLease> lease = camera.wait(kForever);
+      ASSERT_TRUE(lease.ok()) << camera.reason();
+      const Frame& frame = lease.value().frame();
+      for (std::size_t y = 0; y < 4; ++y) {
+        for (std::size_t x = 0; x < 6; ++x) {
+          const std::uint8_t* row = frame.plane[0] + y * frame.stride_bytes[0];
+          std::uint8_t luma = 0, u = 0, v = 0;
+          if (format == PixelFormat::kNv12) {
+            const std::uint8_t* chroma = frame.plane[1] + (y / 2) * frame.stride_bytes[1];
+            luma = row[x], u = chroma[x / 2 * 2], v = chroma[x / 2 * 2 + 1];
+          } else {
+            const std::size_t first_luma = format == PixelFormat::kYuyv ? 0 : 1;
+            luma = row[2 * x + first_luma], u = row[x / 2 * 4 + 1 - first_luma], v = row[x / 2 * 4 + 3 - first_luma];
+          }
+          EXPECT_EQ(luma, planes[y * 6 + x]);
+          EXPECT_EQ(u, planes[24 + y / 2 * 3 + x / 2]);
+          EXPECT_EQ(v, planes[30 + y / 2 * 3 + x / 2]);
+        }
+      }
+    }
+  }
+}
+
+// ITU-R BT.601: gray of luma 126 is (126 - 16) * 255 / 219 = 128 in limited and 126 in full range.
+TEST(Video, RangeIsTheFiles) {
+  const media::Folder folder;
+  std::vector<std::uint8_t> gray(16 * 16, 126);
+  gray.resize(16 * 16 * 3 / 2, 128);
+  const auto value = [&](const std::string& header) {
+    media::write_y4m(folder / "a.y4m", 16, 16, header, {gray});
+    ReplayCamera camera({.path = folder / "a.y4m"});
+    EXPECT_TRUE(camera.open().ok() && camera.start().ok()) << camera.reason();
+    const Result<FrameLease> lease = camera.wait(kForever);
+    return lease.ok() ? static_cast<int>(lease.value().frame().plane[0][0]) : -1;
+  };
+  EXPECT_EQ(value("F30:1 C420mpeg2"), 128);
+  EXPECT_EQ(value("F30:1 C420mpeg2 XCOLORRANGE=FULL"), 126);
+}
+
+// A step in chroma must stay where it is: the centroids of patches depend on it.
+TEST(Video, ChromaIsInterpolatedInPlace) {
+  const media::Folder folder;
+  std::vector<std::uint8_t> planes(32 * 32, 126);
+  for (int plane = 0; plane < 2; ++plane) {
+    for (int y = 0; y < 16; ++y) {
+      for (int x = 0; x < 16; ++x) planes.push_back(plane == 1 && x >= 8 ? 200 : 128);
+    }
+  }
+  // Where red passes half way between both sides, in pixels: chroma sample 8 lies on pixel 16 (mpeg2) or 16.5 (jpeg).
+  const auto step = [&](const std::string& header) {
+    media::write_y4m(folder / "a.y4m", 32, 32, header, {planes});
+    ReplayCamera camera({.path = folder / "a.y4m"});
+    EXPECT_TRUE(camera.open().ok() && camera.start().ok()) << camera.reason();
+    const Result<FrameLease> lease = camera.wait(kForever);
+    if (!lease.ok()) return -1.0;
+    const std::uint8_t* row = lease.value().frame().plane[0] + 16 * lease.value().frame().stride_bytes[0];
+    const double half = (row[0] + row[31 * 3]) / 2.0;
+    std::size_t x = 0;
+    while (x < 31 && row[3 * x] < half) ++x;
+    return static_cast<double>(x) - (row[3 * x] - half) / (row[3 * x] - row[3 * (x - 1)]);
+  };
+  EXPECT_NEAR(step("F30:1 C420mpeg2"), 15.0, 0.15);
+  EXPECT_NEAR(step("F30:1 C420jpeg"), 15.5, 0.15);
+}
+
+TEST(Video, OneThatIsCutOffEndsWithAReason) {
+  const media::Folder folder;
+  write_video(folder / "whole.mp4", 10, 25.0);
+  const std::vector<std::uint8_t> whole = media::read_bytes(folder / "whole.mp4");
+  // The index stands at the end: without it there is nothing to play.
+  media::write_bytes(folder / "cut.mp4", std::span(whole).first(whole.size() / 2));
+  ReplayCamera camera({.path = folder / "cut.mp4"});
+  testing::internal::CaptureStderr();
+  EXPECT_FALSE(camera.open().ok());
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_NE(camera.reason().find("cut.mp4"), std::string::npos) << camera.reason();
+
+  // The third frame's header is damaged: what follows cannot be read, and that is not the end of the video.
+  const std::vector<std::uint8_t> gray(64 * 64 * 3 / 2, 128);
+  media::write_y4m(folder / "b.y4m", 64, 64, "F30:1 C420mpeg2", {gray, gray, gray});
+  std::vector<std::uint8_t> raw = media::read_bytes(folder / "b.y4m");
+  raw[raw.size() - gray.size() - 6] = 'X';
+  media::write_bytes(folder / "b.y4m", raw);
+  ReplayCamera damaged({.path = folder / "b.y4m"});
+  ASSERT_TRUE(damaged.open().ok() && damaged.start().ok()) << damaged.reason();
+  EXPECT_TRUE(damaged.wait(kForever).ok());
+  EXPECT_TRUE(damaged.wait(kForever).ok());
+  EXPECT_EQ(damaged.wait(kForever).error(), ErrorCode::kIo);
+  EXPECT_NE(damaged.reason().find("b.y4m: ends early, after frame 2"), std::string::npos) << damaged.reason();
+}
+
+TEST(Video, WithoutAnyFrame) {
+  const media::Folder folder;
+  write_video(folder / "none.mp4", 0, 25.0);
+  ReplayCamera camera({.path = folder / "none.mp4"});
+  EXPECT_FALSE(camera.open().ok());
+  EXPECT_NE(camera.reason().find("none.mp4"), std::string::npos) << camera.reason();
+  media::write_y4m(folder / "none.y4m", 16, 16, "F30:1 C420mpeg2", {});
+  ReplayCamera other({.path = folder / "none.y4m"});
+  EXPECT_FALSE(other.open().ok());
+  EXPECT_NE(other.reason().find("none.y4m"), std::string::npos) << other.reason();
+}
+
+TEST(VideoWriter, LeavesNothingHalfBehind) {
+  const media::Folder folder;
+  {
+    VideoWriter writer;
+    ASSERT_TRUE(writer.open(folder / "a.mp4", 32, 32, 30.0).ok());
+    const std::vector<std::uint8_t> gray(32 * 32 * 4, 90);
+    ASSERT_TRUE(writer.write(gray, 128, Duration{}).ok());
+    EXPECT_EQ(writer.write(std::span(gray).first(100), 128, Duration{1}).code(), ErrorCode::kOutOfRange);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  VideoWriter writer;
+  EXPECT_EQ(writer.open(folder / "odd.mp4", 33, 32, 30.0).code(), ErrorCode::kOutOfRange);
+  EXPECT_EQ(writer.open(folder / "none/a.mp4", 32, 32, 30.0).code(), ErrorCode::kIo);
+  EXPECT_NE(writer.reason().find("none/a.mp4"), std::string::npos) << writer.reason();
+  EXPECT_EQ(writer.finish().code(), ErrorCode::kIo);
+}
+
+}  // namespace
+}  // namespace touchline

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "core/parameter.h"
+#include "firmware/config/optional_section.h"
+#include "hal/device_parameters.h"
+
+namespace touchline::config {
+
+/// The version of the three files that this program reads and writes.
+inline constexpr int kFileVersion = 1;
+inline constexpr Range kVersionRange{kFileVersion, kFileVersion};
+
+/// [realtime] of the board file: what the loop asks of the kernel.
+struct RealtimeSettings {
+  int cpu = -1;
+  int priority = 0;
+  bool lock_memory = false;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.number("cpu", self.cpu, Range{-1, 1023}, "", "Processor that the loop is pinned to; -1: any");
+    visit.number("priority", self.priority, Range{0, 99}, "",
+                 "SCHED_FIFO priority of the loop; 0: ordinary scheduling");
+    visit.flag("lock_memory", self.lock_memory,
+               "Keep all memory in RAM (mlockall), so that no page fault delays a frame");
+  }
+};
+
+/// [faults] of the board file: how long the loop bears with a fault.
+struct FaultSettings {
+  double stop_after_s = 0.2;
+  double camera_timeout_s = 1.0;
+  double reopen_after_s = 0.5;
+  double leave_after_s = 0.0;
+  bool resume_after_emergency = true;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.number("stop_after_s", self.stop_after_s, Range{0.02, 5.0}, "s",
+                 "Robots are stopped when the last good frame is older");
+    visit.number("camera_timeout_s", self.camera_timeout_s, Range{0.1, 60.0}, "s",
+                 "A camera that gives no frame for so long is closed and opened again");
+    visit.number("reopen_after_s", self.reopen_after_s, Range{0.01, 8.0}, "s",
+                 "First pause before a lost device is opened again; doubles up to 8 s");
+    visit.number("leave_after_s", self.leave_after_s, Range{0.0, 86400.0}, "s",
+                 "The program gives up when a device stays away for so long; 0: never");
+    visit.flag("resume_after_emergency", self.resume_after_emergency,
+               "Robots move again when the emergency stop is released; else only after a new start");
+  }
+};
+
+/// board.toml (docs/files.md).
+struct BoardFile {
+  int version = kFileVersion;
+  std::string name;
+  std::string venue, team;  // relative to the board file
+  hal::CameraSettings camera;
+  hal::RadioSettings radio;
+  hal::GpioSettings gpio;
+  RealtimeSettings realtime;
+  FaultSettings faults;
+
+  static constexpr std::array<std::string_view, 4> kRequired{"camera", "radio", "camera.backend", "radio.backend"};
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.number("version", self.version, kVersionRange, "", "Of this file's keys");
+    visit.text("name", self.name, "What the board is called in reports");
+    visit.text("venue", self.venue, "Venue file, relative to this file; --venue overrides it");
+    visit.text("team", self.team, "Team file, relative to this file; --team overrides it");
+    visit.section("camera", self.camera, "Where frames come from");
+    visit.section("radio", self.radio, "The link to the robots");
+    visit.section("gpio", self.gpio, "Status light and emergency stop");
+    visit.section("realtime", self.realtime, "What the loop asks of the kernel; what is refused is reported once");
+    visit.section("faults", self.faults, "How long the loop bears with a fault");
+  }
+};
+
+}  // namespace touchline::config

@@ -1,0 +1,137 @@
+#include "firmware/config/configuration.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "firmware/config/key_list.h"
+#include "firmware/config/toml_writer.h"
+
+namespace touchline::config {
+namespace {
+
+constexpr std::string_view kBoardRemedy = "boards/ has one folder for each board that is known";
+constexpr std::string_view kVenueRemedy = "make it with touchline-calibrate field and touchline-calibrate colors";
+constexpr std::string_view kTeamRemedy = "docs/files.md shows what stands in it";
+
+template <class File>
+bool has_top_level_key(std::string_view key) {
+  static const std::vector<KeyInfo> keys = KeyLister::keys_of<File>();
+  return std::any_of(keys.begin(), keys.end(), [&](const KeyInfo& info) { return info.path == key; });
+}
+
+template <class File>
+void append_top_level(std::vector<std::string>& words) {
+  for (const KeyInfo& info : KeyLister::keys_of<File>()) {
+    if (info.path.find('.') == std::string::npos && info.path != "version") words.push_back(info.path);
+  }
+}
+
+std::string beside(const std::string& file, const std::string& path) {
+  return (std::filesystem::path(file).parent_path() / path).lexically_normal().string();
+}
+
+// The path of the command line, else the board's, else a problem.
+std::string path_of(const std::string& given, const std::string& named, const char* key, const Locations& board,
+                    Problems& problems) {
+  if (!given.empty()) return given;
+  if (!named.empty()) return beside(board.file(), named);
+  problems.add(board.file(), key, "no such file is named; write " + std::string(key) + " = \"FILE\" or give --" + key);
+  return {};
+}
+
+template <class File>
+void read_if_named(const std::string& path, std::string_view remedy, const std::vector<Override>& overrides, File& out,
+                   Locations& where, Problems& problems) {
+  if (path.empty()) return;
+  // What is wrong has been said in `problems`, which the caller looks at.
+  static_cast<void>(read_toml(path, remedy, overrides, out, where, problems));
+}
+
+}  // namespace
+
+Status sort_overrides(const std::vector<std::string>& texts, SortedOverrides& out, Problems& problems) {
+  const std::size_t before = problems.size();
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      problems.add("--set " + text, "", "expected key=value");
+      continue;
+    }
+    Override override{text.substr(0, equals), text.substr(equals + 1)};
+    std::string first = override.key.substr(0, override.key.find_first_of(".["));
+    std::vector<Override>* file = nullptr;
+    const bool prefixed = override.key.size() > first.size() && override.key[first.size()] == '.';
+    if (prefixed && (first == "board" || first == "venue" || first == "team")) {
+      file = first == "board" ? &out.board : first == "venue" ? &out.venue : &out.team;
+      override.key.erase(0, first.size() + 1);
+      first = override.key.substr(0, override.key.find_first_of(".["));
+    } else if (has_top_level_key<BoardFile>(first)) {
+      file = &out.board;
+    } else if (has_top_level_key<VenueFile>(first)) {
+      file = &out.venue;
+    } else if (has_top_level_key<TeamFile>(first)) {
+      file = &out.team;
+    }
+    if (first == "version") {
+      problems.add("--set " + text, "", "the version belongs to the file");
+    } else if (file == nullptr) {
+      std::vector<std::string> words;
+      append_top_level<BoardFile>(words);
+      append_top_level<VenueFile>(words);
+      append_top_level<TeamFile>(words);
+      const std::vector<std::string_view> views(words.begin(), words.end());
+      problems.add("--set " + text, override.key, "unknown key" + suggestion(first, views, "sections"));
+    } else {
+      file->push_back(std::move(override));
+    }
+  }
+  return problems.size() == before ? Status() : ErrorCode::kInconsistent;
+}
+
+Status load_venue_and_team(const FilePaths& paths, Configuration& out, Problems& problems) {
+  const std::size_t before = problems.size();
+  SortedOverrides overrides;
+  static_cast<void>(sort_overrides(paths.overrides, overrides, problems));
+  for (const Override& override : overrides.board) {
+    problems.add("--set " + override.key + "=" + override.value, "", "belongs to a board file, and none is used here");
+  }
+  read_if_named(paths.venue, kVenueRemedy, overrides.venue, out.venue, out.venue_where, problems);
+  read_if_named(paths.team, kTeamRemedy, overrides.team, out.team, out.team_where, problems);
+  return problems.size() == before ? Status() : ErrorCode::kInconsistent;
+}
+
+Status resolve(const InputFormat& input, Configuration& configuration, Problems& problems) {
+  const std::size_t before = problems.size();
+  resolve_venue(configuration.venue, configuration.venue_where, input, configuration.pipeline, problems);
+  resolve_team(configuration.team, configuration.team_where, configuration.venue, configuration.venue_where,
+               configuration.pipeline, problems);
+  return problems.size() == before ? Status() : ErrorCode::kInconsistent;
+}
+
+Status load(const FilePaths& paths, Configuration& out, Problems& problems) {
+  const std::size_t before = problems.size();
+  SortedOverrides overrides;
+  static_cast<void>(sort_overrides(paths.overrides, overrides, problems));
+  if (const Status status = read_toml(paths.board, kBoardRemedy, overrides.board, out.board, out.board_where, problems);
+      status.code() == ErrorCode::kNotFound) {
+    return status;
+  }
+  const std::string venue = path_of(paths.venue, out.board.venue, "venue", out.board_where, problems);
+  const std::string team = path_of(paths.team, out.board.team, "team", out.board_where, problems);
+  read_if_named(venue, kVenueRemedy, overrides.venue, out.venue, out.venue_where, problems);
+  read_if_named(team, kTeamRemedy, overrides.team, out.team, out.team_where, problems);
+  // Contradictions between values that are wrong already would only bury what is to be repaired first.
+  if (problems.size() != before) return ErrorCode::kInconsistent;
+  const hal::CameraSettings& camera = out.board.camera;
+  const InputFormat input{camera.format, camera.width_px, camera.height_px, "the camera of " + out.board_where.file()};
+  return resolve(input, out, problems);
+}
+
+std::string dump(const Configuration& configuration) {
+  const auto title = [](const Locations& where) { return "# --- " + where.file() + "\n"; };
+  return title(configuration.board_where) + TomlWriter::text_of(configuration.board) + "\n" +
+         title(configuration.venue_where) + TomlWriter::text_of(configuration.venue) + "\n" +
+         title(configuration.team_where) + TomlWriter::text_of(configuration.team);
+}
+
+}  // namespace touchline::config

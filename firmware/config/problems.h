@@ -1,0 +1,45 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace touchline::config {
+
+/// What is wrong with the configuration: everything that was found, so that a person repairs it in one go.
+class Problems {
+ public:
+  /// `where`: "file:line" or "file"; `key`: path of the key, may be empty.
+  void add(std::string_view where, std::string_view key, std::string_view message);
+
+  [[nodiscard]] bool empty() const { return lines_.empty(); }
+  [[nodiscard]] std::size_t size() const { return lines_.size(); }
+  /// One line each: "file:line: key: message".
+  [[nodiscard]] const std::vector<std::string>& lines() const { return lines_; }
+  /// All lines, each ended by a newline.
+  [[nodiscard]] std::string text() const;
+
+ private:
+  std::vector<std::string> lines_;
+};
+
+/// Where each key of a file stands, for checks that come after reading.
+class Locations {
+ public:
+  explicit Locations(std::string file = {}) : file_(std::move(file)) {}
+  void note(std::string_view key_path, std::string_view where) {
+    where_.insert_or_assign(std::string(key_path), where);
+  }
+  /// Of the key or of the nearest table around it ("own.robot[1].colors", "own.robot[1]", ...), else the file.
+  [[nodiscard]] const std::string& of(std::string_view key_path) const;
+  [[nodiscard]] bool has(std::string_view key_path) const { return where_.find(key_path) != where_.end(); }
+  [[nodiscard]] const std::string& file() const { return file_; }
+
+ private:
+  std::string file_;
+  std::map<std::string, std::string, std::less<>> where_;
+};
+
+}  // namespace touchline::config

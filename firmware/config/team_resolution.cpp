@@ -1,0 +1,157 @@
+#include <algorithm>
+
+#include "firmware/config/resolution.h"
+#include "firmware/config/wording.h"
+
+namespace touchline::config {
+namespace {
+
+std::string element(std::string_view list, std::size_t index) {
+  return std::string(list) + "[" + std::to_string(index) + "]";
+}
+
+class TeamResolver {
+ public:
+  TeamResolver(const TeamFile& file, const Locations& where, const VenueFile& venue, const Locations& venue_where,
+               Problems& problems)
+      : file_(file), where_(where), venue_(venue), venue_where_(venue_where), problems_(problems) {}
+
+  ColorId color(const std::string& name, const std::string& key) {
+    if (name.empty()) return kBackground;
+    const ColorId id = color_id(venue_, name);
+    if (id == kBackground) {
+      std::vector<std::string_view> names;
+      for (const ColorEntry& entry : venue_.color) names.push_back(entry.name);
+      add(key, "no color \"" + name + "\" in " + venue_where_.file() + suggestion(name, names, "colors"));
+    }
+    return id;
+  }
+
+  void team(const TeamEntry& entry, const std::string& name, TeamMarking& out) {
+    out.max_robots = static_cast<std::uint8_t>(entry.max_robots);
+    out.robots.clear();
+    out.team_color = color(entry.color, name + ".color");
+    if (!layout(entry.layout, name + ".layout", out.layout)) return;
+    const auto identification = std::count_if(out.layout.patches.begin(), out.layout.patches.end(),
+                                              [](const auto& p) { return p.role == PatchRole::kIdentification; });
+    if (entry.robot.size() > kMaxRobotsPerTeam) {
+      add(name + ".robot", std::to_string(entry.robot.size()) + " robots are more than the " +
+                               std::to_string(kMaxRobotsPerTeam) + " of a team");
+      return;
+    }
+    for (std::size_t i = 0; i < entry.robot.size(); ++i) {
+      robot(entry, i, element(name + ".robot", i), static_cast<std::size_t>(identification), out);
+    }
+  }
+
+  void add(const std::string& key, const std::string& message) { problems_.add(where_.of(key), key, message); }
+
+ private:
+  bool layout(const std::string& name, const std::string& key, MarkerLayout& out) {
+    for (std::size_t i = 0; i < file_.layout.size(); ++i) {
+      if (file_.layout[i].name == name) return patches(file_.layout[i], element("layout", i), out);
+    }
+    if (name == "paper") {
+      out = paper_layout();
+      return true;
+    }
+    std::vector<std::string_view> names{"paper"};
+    for (const LayoutEntry& entry : file_.layout) names.push_back(entry.name);
+    add(key, "no [[layout]] is named \"" + name + "\"" + suggestion(name, names, "layouts"));
+    return false;
+  }
+
+  bool patches(const LayoutEntry& entry, const std::string& key, MarkerLayout& out) {
+    out.robot_side_m = entry.robot_side_m;
+    out.height_m = entry.height_m;
+    out.patches.clear();
+    const std::size_t before = problems_.size();
+    if (entry.patch.empty()) add(key, "\"" + entry.name + "\" has no [[layout.patch]]");
+    if (entry.patch.size() > kMaxPatches) {
+      add(key + ".patch", std::to_string(entry.patch.size()) + " patches are more than the " +
+                              std::to_string(kMaxPatches) + " of a robot");
+    }
+    for (std::size_t i = 0; i < entry.patch.size(); ++i) {
+      const PatchEntry& patch = entry.patch[i];
+      const std::string patch_key = element(key + ".patch", i);
+      if ((patch.role == PatchRole::kTeam) != (i == 0)) {
+        add(patch_key + ".role", "the first patch is the team patch, and the only one");
+      }
+      if (patch.length_m <= 0.0f || patch.width_m <= 0.0f) {
+        add(patch_key, "length_m and width_m must be above 0");
+      }
+      if (std::max(std::abs(patch.x_m), std::abs(patch.y_m)) > entry.robot_side_m / 2) {
+        add(patch_key,
+            "the patch's center lies outside of the robot, whose side is " + number_text(entry.robot_side_m) + " m");
+      }
+      out.patches.push_back({patch.role, patch.outline, patch.x_m, patch.y_m, patch.length_m, patch.width_m});
+    }
+    return problems_.size() == before;
+  }
+
+  void robot(const TeamEntry& team, std::size_t index, const std::string& key, std::size_t identification,
+             TeamMarking& out) {
+    const RobotEntry& entry = team.robot[index];
+    const std::string list = key.substr(0, key.rfind('['));
+    for (std::size_t j = 0; j < index; ++j) {
+      const std::string there = " at " + where_.of(element(list, j));
+      if (team.robot[j].id == entry.id) {
+        add(key + ".id", "id " + std::to_string(entry.id) + " belongs already to the robot" + there);
+      }
+      if (team.robot[j].colors == entry.colors) {
+        add(key + ".colors", "robot " + std::to_string(entry.id) + " has the same colors as robot " +
+                                 std::to_string(team.robot[j].id) + there + "; they cannot be told apart");
+      }
+    }
+    if (entry.colors.size() != identification) {
+      add(key + ".colors", "the layout \"" + team.layout + "\" has " + std::to_string(identification) +
+                               " identification patches, the robot " + std::to_string(entry.colors.size()) + " colors");
+      return;
+    }
+    RobotMarking marking;
+    marking.id = static_cast<RobotId>(entry.id);
+    for (std::size_t i = 0; i < entry.colors.size(); ++i) {
+      const ColorId id = color(entry.colors[i], key + ".colors");
+      if (entry.colors[i].empty()) add(key + ".colors", "a color's name is empty");
+      marking.colors.push_back(id);
+    }
+    out.robots.push_back(marking);
+  }
+
+  const TeamFile& file_;
+  const Locations& where_;
+  const VenueFile& venue_;
+  const Locations& venue_where_;
+  Problems& problems_;
+};
+
+// Every patch of this color belongs to one thing only; otherwise nothing tells them apart.
+void check_distinct(TeamResolver& resolver, const TeamFile& team) {
+  const std::array<std::pair<const char*, const std::string*>, 3> things{
+      {{"own.color", &team.own.color}, {"opponent.color", &team.opponent.color}, {"ball.color", &team.ball.color}}};
+  for (std::size_t i = 0; i < things.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (things[i].second->empty() || *things[i].second != *things[j].second) continue;
+      resolver.add(things[i].first, "\"" + *things[i].second + "\" is " + things[j].first + " as well");
+    }
+  }
+}
+
+}  // namespace
+
+void resolve_team(const TeamFile& team, const Locations& where, const VenueFile& venue, const Locations& venue_where,
+                  PipelineParameters& out, Problems& problems) {
+  TeamResolver resolver(team, where, venue, venue_where, problems);
+  resolver.team(team.own, "own", out.marker.teams[static_cast<std::size_t>(Team::kOwn)]);
+  resolver.team(team.opponent, "opponent", out.marker.teams[static_cast<std::size_t>(Team::kOpponent)]);
+  if (team.own.robot.empty() && where.has("own")) {
+    resolver.add("own.robot", "no [[own.robot]] is there; whom to drive?");
+  }
+  out.marker.ball.color = resolver.color(team.ball.color, "ball.color");
+  out.marker.ball.radius_m = team.ball.radius_m;
+  check_distinct(resolver, team);
+  out.track = team.tracking;
+  out.control = team.control;
+}
+
+}  // namespace touchline::config

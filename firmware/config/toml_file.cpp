@@ -1,0 +1,167 @@
+#include "firmware/config/toml_file.h"
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+
+#include "firmware/config/board_file.h"
+
+namespace touchline::config {
+namespace {
+
+std::string option_text(const Override& override) { return "--set " + override.key + "=" + override.value; }
+
+// The value as a TOML node whose source is the option, so that messages name it.
+std::unique_ptr<toml::node> parse_value(const Override& override) {
+  const auto parse = [&](const std::string& value) -> std::unique_ptr<toml::node> {
+    try {
+      toml::table parsed = toml::parse("value = " + value + "\n", option_text(override));
+      if (parsed.size() != 1) return nullptr;  // a line break in the value began another key
+      std::unique_ptr<toml::node> node;
+      parsed.get("value")->visit([&](auto& found) {
+        using Node = std::remove_reference_t<decltype(found)>;
+        node = std::make_unique<Node>(std::move(found));
+      });
+      return node;
+    } catch (const toml::parse_error&) {
+      return nullptr;
+    }
+  };
+  std::unique_ptr<toml::node> node = parse(override.value);
+  return node != nullptr ? std::move(node) : parse(toml_string(override.value));
+}
+
+struct Step {
+  std::string key;
+  std::optional<std::size_t> index;  // of a list's element: key[index]
+};
+
+bool parse_steps(std::string_view path, std::vector<Step>& steps) {
+  while (true) {
+    const std::size_t dot = path.find('.');
+    std::string_view part = path.substr(0, dot);
+    Step step;
+    if (const std::size_t bracket = part.find('['); bracket != std::string_view::npos) {
+      const std::string_view digits = part.substr(bracket + 1);
+      std::size_t index = 0;
+      const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
+      if (error != std::errc() || std::string_view(end, digits.data() + digits.size()) != "]") return false;
+      step.index = index;
+      part = part.substr(0, bracket);
+    }
+    if (part.empty()) return false;
+    step.key = part;
+    steps.push_back(std::move(step));
+    if (dot == std::string_view::npos) return true;
+    path.remove_prefix(dot + 1);
+  }
+}
+
+}  // namespace
+
+std::optional<toml::table> parse_file(const std::string& path, std::string_view remedy, Problems& problems) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    problems.add(path, "", remedy.empty() ? "no such file" : "no such file; " + std::string(remedy));
+    return std::nullopt;
+  }
+  if (std::filesystem::is_directory(path, error)) {
+    problems.add(path, "", "is a folder, not a file");
+    return std::nullopt;
+  }
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream content;
+  if (!file || (file.peek() != std::ifstream::traits_type::eof() && !(content << file.rdbuf()))) {
+    problems.add(path, "", std::string("cannot be read: ") + std::strerror(errno != 0 ? errno : EIO));
+    return std::nullopt;
+  }
+  try {
+    return toml::parse(content.str(), path);
+  } catch (const toml::parse_error& fault) {
+    problems.add(path + ":" + std::to_string(fault.source().begin.line), "", fault.description());
+    return std::nullopt;
+  }
+}
+
+bool check_version(const toml::table& root, const std::string& path, Problems& problems) {
+  const toml::node* node = root.get("version");
+  const std::string known = std::to_string(kFileVersion);
+  if (node == nullptr) {
+    problems.add(path, "version", "is missing; the first line must be: version = " + known);
+    return false;
+  }
+  const std::string where = path + ":" + std::to_string(node->source().begin.line);
+  const auto* version = node->as_integer();
+  if (version == nullptr || version->get() < 1) {
+    problems.add(where, "version", "must be an integer from 1; this Touchline reads version " + known);
+    return false;
+  }
+  if (version->get() > kFileVersion) {
+    problems.add(
+        where, "version",
+        "made by a later Touchline (version " + std::to_string(version->get()) + "); this one reads version " + known);
+    return false;
+  }
+  return true;
+}
+
+void apply(const Override& override, toml::table& root, Problems& problems) {
+  std::vector<Step> steps;
+  if (!parse_steps(override.key, steps)) {
+    problems.add(option_text(override), "", "a key looks like camera.exposure_us or color[0].name");
+    return;
+  }
+  std::unique_ptr<toml::node> value = parse_value(override);
+  if (value == nullptr) {
+    problems.add(option_text(override), "", "the value cannot be read");
+    return;
+  }
+  const toml::source_region source = value->source();
+  toml::table* table = &root;
+  std::string path;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const Step& step = steps[i];
+    const bool last = i + 1 == steps.size();
+    path.append(path.empty() ? "" : ".").append(step.key);
+    if (!step.index) {
+      if (last) {
+        value->visit([&](auto& node) { table->insert_or_assign(toml::key(step.key, source), std::move(node)); });
+        return;
+      }
+      toml::node* inner = table->get(step.key);
+      if (inner == nullptr) inner = &table->insert(toml::key(step.key, source), toml::table{}).first->second;
+      table = inner->as_table();
+      if (table == nullptr) {
+        problems.add(option_text(override), path,
+                     inner->is_array() ? "is a list; name an element: " + path + "[0]" : "has no keys of its own");
+        return;
+      }
+      continue;
+    }
+    toml::array* array = table->get_as<toml::array>(step.key);
+    path += "[" + std::to_string(*step.index) + "]";
+    if (array == nullptr || *step.index >= array->size()) {
+      problems.add(option_text(override), path,
+                   "the list has " + std::to_string(array == nullptr ? 0 : array->size()) + " elements");
+      return;
+    }
+    if (last) {
+      value->visit([&](auto& node) {
+        array->replace(array->cbegin() + static_cast<std::ptrdiff_t>(*step.index), std::move(node));
+      });
+      return;
+    }
+    table = array->get(*step.index)->as_table();
+    if (table == nullptr) {
+      problems.add(option_text(override), path, "has no keys of its own");
+      return;
+    }
+  }
+}
+
+}  // namespace touchline::config

@@ -1,0 +1,156 @@
+#pragma once
+
+#include <toml++/toml.h>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "core/parameter.h"
+#include "firmware/config/problems.h"
+#include "firmware/config/wording.h"
+
+namespace touchline::config {
+
+/// Visitor of core/parameter.h that fills a struct from a TOML table. Keys that are absent keep their value. Every
+/// fault goes to Problems with its line; reading goes on, so that all faults of a file are reported at once.
+class TomlReader {
+ public:
+  /// `required`: paths that must be present, elements of lists without their index ("color.box.low"); they are
+  /// demanded wherever the table around them is present, and at the top level always.
+  TomlReader(const toml::table& root, std::span<const std::string_view> required, Locations& locations,
+             Problems& problems);
+
+  template <class Struct>
+  void read(Struct& out) {
+    table(*root_, "", "", out);
+  }
+
+  template <class T>
+  void number(std::string_view key, T& value, Range range, std::string_view unit, std::string_view /*help*/) {
+    if (const toml::node* node = take(key)) scalar(*node, path_of(key), value, range, unit);
+  }
+
+  template <class Container>
+  void numbers(std::string_view key, Container& values, Range range, std::string_view unit, std::string_view /*help*/) {
+    const toml::array* array = take_array(key);
+    if (array == nullptr || !resize(*array, path_of(key), values)) return;
+    for (std::size_t i = 0; i < array->size(); ++i) {
+      scalar(*array->get(i), path_of(key) + "[" + std::to_string(i) + "]", values[i], range, unit);
+    }
+  }
+
+  void flag(std::string_view key, bool& value, std::string_view help);
+  void text(std::string_view key, std::string& value, std::string_view help);
+  void texts(std::string_view key, std::vector<std::string>& values, std::string_view help);
+
+  template <class Enum>
+  void choice(std::string_view key, Enum& value, std::span<const Choice<Enum>> choices, std::string_view /*help*/) {
+    std::string word;
+    if (!take_text(key, word)) return;
+    for (const auto& choice : choices) {
+      if (choice.word == word) {
+        value = choice.value;
+        return;
+      }
+    }
+    refuse_word(key, word, words_of(choices));
+  }
+
+  template <class Struct>
+  void section(std::string_view key, Struct& value, std::string_view /*help*/) {
+    if (const toml::table* found = take_table(key)) table(*found, path_of(key), pattern_of(key), value);
+  }
+
+  template <class Container>
+  void list(std::string_view key, Container& values, std::string_view /*help*/) {
+    const toml::array* array = take_array(key);
+    if (array == nullptr || !resize(*array, path_of(key), values)) return;
+    const std::string path = path_of(key), pattern = pattern_of(key);
+    for (std::size_t i = 0; i < array->size(); ++i) {
+      const std::string element = path + "[" + std::to_string(i) + "]";
+      const toml::node& node = *array->get(i);
+      locations_.note(element, where(node));
+      if (const toml::table* found = node.as_table()) {
+        table(*found, element, pattern, values[i]);
+      } else {
+        refuse_type(node, element, "a table");
+      }
+    }
+  }
+
+ private:
+  template <class Struct>
+  void table(const toml::table& found, const std::string& path, const std::string& pattern, Struct& out) {
+    Level outer{&found, path, pattern, {}};
+    std::swap(outer, level_);
+    Struct::describe(out, *this);
+    finish_table();
+    std::swap(outer, level_);
+  }
+
+  template <class T>
+  void scalar(const toml::node& node, const std::string& path, T& value, Range range, std::string_view unit) {
+    double read = 0.0;
+    if (!take_number(node, path, std::is_integral_v<T>, narrowed<T>(range), unit, read)) return;
+    value = static_cast<T>(read);
+  }
+  // What does not fit into the variable is out of range as well.
+  template <class T>
+  static Range narrowed(Range range) {
+    if constexpr (std::is_integral_v<T>) {
+      range.low = std::max(range.low, static_cast<double>(std::numeric_limits<T>::min()));
+      range.high = std::min(range.high, static_cast<double>(std::numeric_limits<T>::max()));
+    }
+    return range;
+  }
+
+  // Exact length for std::array, at most the capacity for fixed containers, any for std::vector.
+  template <class Container>
+  bool resize(const toml::array& array, const std::string& path, Container& values) {
+    if constexpr (requires {
+                    values.capacity();
+                    values.overflow();
+                  }) {
+      if (array.size() > Container::capacity()) return refuse_size(array, path, "at most", Container::capacity());
+      values.resize(array.size());
+      for (auto& value : values) value = {};
+    } else if constexpr (requires { values.resize(array.size()); }) {
+      values.assign(array.size(), {});
+    } else {
+      if (array.size() != values.size()) return refuse_size(array, path, "exactly", values.size());
+    }
+    return true;
+  }
+
+  const toml::node* take(std::string_view key);
+  const toml::table* take_table(std::string_view key);
+  const toml::array* take_array(std::string_view key);
+  bool take_text(std::string_view key, std::string& value);
+  bool take_number(const toml::node& node, const std::string& path, bool integral, Range range, std::string_view unit,
+                   double& value);
+  void refuse_word(std::string_view key, std::string_view word, std::span<const std::string_view> known);
+  void refuse_type(const toml::node& node, const std::string& path, std::string_view expected);
+  bool refuse_size(const toml::array& array, const std::string& path, std::string_view relation, std::size_t size);
+  void finish_table();
+  [[nodiscard]] std::string where(const toml::node& node) const;
+  [[nodiscard]] std::string where(const toml::source_region& source) const;
+  [[nodiscard]] std::string path_of(std::string_view key) const;
+  [[nodiscard]] std::string pattern_of(std::string_view key) const;
+
+  struct Level {
+    const toml::table* table = nullptr;
+    std::string path, pattern;            // "own.robot[1]" and "own.robot"
+    std::vector<std::string_view> known;  // keys that the struct asked for
+  };
+
+  const toml::table* root_;
+  std::span<const std::string_view> required_;
+  Locations& locations_;
+  Problems& problems_;
+  Level level_;
+};
+
+}  // namespace touchline::config

@@ -1,0 +1,180 @@
+#include <filesystem>
+
+#include "core/color/color_tables.h"
+#include "firmware/config/light_map_file.h"
+#include "firmware/config/resolution.h"
+
+namespace touchline::config {
+namespace {
+
+std::string element(std::string_view list, std::size_t index) {
+  return std::string(list) + "[" + std::to_string(index) + "]";
+}
+
+std::string_view word_of(PixelFormat format) {
+  for (const auto& choice : hal::kPixelFormats) {
+    if (choice.value == format) return choice.word;
+  }
+  return "?";
+}
+std::string_view word_of(ColorSpace space) { return kColorSpaces[space == ColorSpace::kRgb ? 0 : 1].word; }
+
+std::string size_text(unsigned width, unsigned height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+// Which entry a bit of the tables came from.
+struct BoxSource {
+  std::size_t color = 0, box = 0;
+};
+
+std::string box_text(const ColorBoxEntry& box) {
+  std::string text;
+  for (const auto& [name, channel] : {std::pair{"low", &box.low}, std::pair{"high", &box.high}}) {
+    text.append(text.empty() ? "" : ", ").append(name).append(" [");
+    for (std::size_t i = 0; i < 3; ++i) text.append(i == 0 ? "" : ", ").append(std::to_string((*channel)[i]));
+    text += "]";
+  }
+  return text;
+}
+
+void check_overlap(const VenueFile& venue, const Locations& where, const std::vector<BoxSource>& sources,
+                   Problems& problems) {
+  const auto box_of = [&](const BoxSource& source) -> const ColorBoxEntry& {
+    return venue.color[source.color].box[source.box];
+  };
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (sources[i].color == sources[j].color) continue;
+      const ColorBoxEntry &a = box_of(sources[j]), &b = box_of(sources[i]);
+      ColorBoxEntry common;
+      bool meet = true;
+      for (std::size_t c = 0; c < 3; ++c) {
+        common.low[c] = std::max(a.low[c], b.low[c]);
+        common.high[c] = std::min(a.high[c], b.high[c]);
+        meet = meet && common.low[c] <= common.high[c];
+      }
+      if (!meet) continue;
+      const std::string key = element(element("color", sources[i].color) + ".box", sources[i].box);
+      const std::string other = element(element("color", sources[j].color) + ".box", sources[j].box);
+      problems.add(where.of(key), key,
+                   "box of \"" + venue.color[sources[i].color].name + "\" overlaps the box of \"" +
+                       venue.color[sources[j].color].name + "\" at " + where.of(other) + " in " + box_text(common));
+    }
+  }
+}
+
+void resolve_colors(const VenueFile& venue, const Locations& where, ColorBoxes& boxes, Problems& problems) {
+  boxes.clear();
+  std::vector<BoxSource> sources;
+  if (venue.color.empty()) {
+    problems.add(where.file(), "color", "no [[color]] is there; learn them with touchline-calibrate colors");
+  }
+  if (venue.color.size() > kMaxColors) {
+    problems.add(where.of("color"), "color",
+                 std::to_string(venue.color.size()) + " colors are more than the " + std::to_string(kMaxColors) +
+                     " that can be told apart");
+    return;
+  }
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < venue.color.size(); ++i) {
+    const ColorEntry& color = venue.color[i];
+    const std::string path = element("color", i);
+    for (std::size_t j = 0; j < i; ++j) {
+      if (venue.color[j].name == color.name) {
+        problems.add(where.of(path + ".name"), path + ".name",
+                     "\"" + color.name + "\" is there already at " + where.of(element("color", j) + ".name") +
+                         "; a color of several boxes has several [[color.box]]");
+      }
+    }
+    if (color.box.empty()) problems.add(where.of(path), path, "\"" + color.name + "\" has no [[color.box]]");
+    for (std::size_t j = 0; j < color.box.size(); ++j) {
+      const ColorBoxEntry& box = color.box[j];
+      const std::string key = element(path + ".box", j);
+      ++count;
+      bool valid = true;
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (box.low[c] <= box.high[c]) continue;
+        problems.add(where.of(key), key,
+                     "low " + std::to_string(box.low[c]) + " is above high " + std::to_string(box.high[c]) +
+                         " in channel " + std::to_string(c));
+        valid = false;
+      }
+      if (valid && boxes.push_back({static_cast<ColorId>(i + 1), box.low, box.high})) sources.push_back({i, j});
+    }
+  }
+  if (count > kMaxColorBoxes) {
+    problems.add(where.of("color"), "color",
+                 std::to_string(count) + " boxes are more than the " + std::to_string(kMaxColorBoxes) +
+                     " that the tables have bits for");
+  }
+  check_overlap(venue, where, sources, problems);
+}
+
+void resolve_region_of_interest(const VenueFile& venue, const Locations& where, Polygon& polygon, Problems& problems) {
+  polygon.clear();
+  const RegionOfInterestEntry& region = venue.region_of_interest;
+  const std::string key = "region_of_interest";
+  if (region.u_px.size() != region.v_px.size()) {
+    problems.add(
+        where.of(key), key,
+        "u_px has " + std::to_string(region.u_px.size()) + " corners, v_px " + std::to_string(region.v_px.size()));
+    return;
+  }
+  if (region.u_px.size() == 1 || region.u_px.size() == 2 || region.u_px.size() > kMaxPolygonPoints) {
+    problems.add(where.of(key), key,
+                 "a polygon has 3 to " + std::to_string(kMaxPolygonPoints) + " corners, this one " +
+                     std::to_string(region.u_px.size()));
+    return;
+  }
+  for (std::size_t i = 0; i < region.u_px.size(); ++i) polygon.push_back({region.u_px[i], region.v_px[i]});
+}
+
+}  // namespace
+
+ColorId color_id(const VenueFile& venue, std::string_view name) {
+  for (std::size_t i = 0; i < venue.color.size() && i < kMaxColors; ++i) {
+    if (venue.color[i].name == name) return static_cast<ColorId>(i + 1);
+  }
+  return kBackground;
+}
+
+void resolve_venue(const VenueFile& venue, const Locations& where, const InputFormat& input, PipelineParameters& out,
+                   Problems& problems) {
+  out.scan.format = input.format;
+  out.scan.width_px = input.width_px;
+  out.scan.height_px = input.height_px;
+  out.scan.min_area_px = venue.picture.min_area_px;
+  if (venue.picture.width_px != input.width_px || venue.picture.height_px != input.height_px) {
+    problems.add(where.of("picture.width_px"), "picture",
+                 "the calibration is for pictures of " + size_text(venue.picture.width_px, venue.picture.height_px) +
+                     " pixels, " + input.source + " gives " + size_text(input.width_px, input.height_px));
+  }
+  if (venue.colors.space != color_space(input.format)) {
+    problems.add(where.of("colors.space"), "colors.space",
+                 "the boxes are in " + std::string(word_of(venue.colors.space)) + ", but " + input.source + " gives " +
+                     std::string(word_of(input.format)) + ", which is " +
+                     std::string(word_of(color_space(input.format))));
+  }
+  resolve_colors(venue, where, out.scan.boxes, problems);
+  resolve_region_of_interest(venue, where, out.scan.region_of_interest, problems);
+
+  out.scan.light.columns = out.scan.light.rows = 0;
+  if (!venue.light.map.empty()) {
+    const auto path = std::filesystem::path(where.file()).parent_path() / venue.light.map;
+    std::string reason;
+    if (!read_light_map(path.string(), out.scan.light, reason).ok()) {
+      problems.add(where.of("light.map"), "light.map", reason);
+    }
+  }
+
+  out.camera = venue.camera_model;
+  const std::string kind = venue.camera_model.kind == CameraModelKind::kFull ? "full" : "paper";
+  if (where.has("camera_model.kind") && !where.has("camera_model." + kind)) {
+    problems.add(where.of("camera_model.kind"), "camera_model." + kind,
+                 "is missing; make it with touchline-calibrate field");
+  }
+  out.marker.field = venue.field;
+}
+
+}  // namespace touchline::config

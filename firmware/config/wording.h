@@ -1,0 +1,49 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "core/parameter.h"
+
+// How numbers, ranges and lists of words read in messages, dumps and documentation.
+namespace touchline::config {
+
+/// The shortest text that reads back as the same value, in TOML's syntax (a floating-point number has a point or an
+/// exponent).
+std::string number_text(double value);
+std::string number_text(float value);
+std::string number_text(long long value);
+template <class T>
+std::string value_text(T value) {
+  if constexpr (std::is_floating_point_v<T>) {
+    return number_text(value);
+  } else {
+    return number_text(static_cast<long long>(value));
+  }
+}
+
+/// "0 to 10 m", "at least 0 m", "at most 1", or "" for a range without bounds.
+std::string range_text(Range range, std::string_view unit);
+
+/// "a, b, c".
+std::string joined(std::span<const std::string_view> words);
+template <class Enum>
+std::vector<std::string_view> words_of(std::span<const Choice<Enum>> choices) {
+  std::vector<std::string_view> words;
+  for (const auto& choice : choices) words.push_back(choice.word);
+  return words;
+}
+
+/// The known word with the smallest edit distance, or "" when none is near (more than a third of the letters differ).
+std::string_view nearest_word(std::string_view word, std::span<const std::string_view> known);
+
+/// `; did you mean "x"?`, or `; known <what>: a, b, c` when no word is near, or "" when none is known.
+std::string suggestion(std::string_view word, std::span<const std::string_view> known, std::string_view what);
+
+/// A text as a TOML basic string.
+std::string toml_string(std::string_view text);
+
+}  // namespace touchline::config

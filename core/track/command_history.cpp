@@ -1,0 +1,65 @@
+#include "core/track/command_history.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace touchline {
+namespace {
+
+// Beyond any robot of any league; keeps a wild command from making the state overflow.
+constexpr float kMaxSpeed = 20.0f, kMaxTurn = 200.0f;
+
+float bounded(float value, float bound) { return std::isnan(value) ? 0.0f : std::clamp(value, -bound, bound); }
+
+}  // namespace
+
+void CommandHistory::clear() {
+  first_ = size_ = 0;
+  dropped_ = 0;
+}
+
+void CommandHistory::add(const Commands& commands, Instant acts_at) {
+  while (size_ > 0 && entry(size_ - 1).acts_at >= acts_at) --size_;
+  if (size_ == kCapacity) {
+    first_ = (first_ + 1) % kCapacity;
+    --size_;
+    ++dropped_;
+  }
+  Entry& added = entries_[(first_ + size_) % kCapacity];
+  ++size_;
+  added.acts_at = acts_at;
+  added.count = 0;
+  if (commands.stop) return;  // nobody listed: all are told to stand
+  for (const RobotCommand& robot : commands.robots) {
+    added.ids[added.count] = robot.id;
+    added.twists[added.count] = {bounded(robot.twist.v_mps, kMaxSpeed), bounded(robot.twist.w_radps, kMaxTurn)};
+    ++added.count;
+  }
+}
+
+void CommandHistory::forget_before(Instant instant) {
+  while (size_ >= 2 && entry(1).acts_at <= instant) {
+    first_ = (first_ + 1) % kCapacity;
+    --size_;
+  }
+}
+
+DriveInput CommandHistory::at(Instant instant, RobotId id) const {
+  std::size_t i = size_;
+  while (i > 0 && entry(i - 1).acts_at > instant) --i;
+  if (i == 0) return {};
+  const Entry& in_force = entry(i - 1);
+  for (std::size_t k = 0; k < in_force.count; ++k) {
+    if (in_force.ids[k] == id) return {true, in_force.twists[k]};
+  }
+  return {true, {}};
+}
+
+Instant CommandHistory::next_change(Instant instant, Instant limit) const {
+  for (std::size_t i = 0; i < size_; ++i) {
+    if (entry(i).acts_at > instant) return std::min(entry(i).acts_at, limit);
+  }
+  return limit;
+}
+
+}  // namespace touchline

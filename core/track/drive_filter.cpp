@@ -1,0 +1,185 @@
+#include "core/track/drive_filter.h"
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "core/track/angle.h"
+
+namespace touchline {
+namespace {
+
+constexpr int kN = static_cast<int>(DriveFilter::kStates);
+using Vector = Eigen::Matrix<double, kN, 1>;
+using Matrix = Eigen::Matrix<double, kN, kN, Eigen::RowMajor>;
+using VectorMap = Eigen::Map<Vector>;
+using MatrixMap = Eigen::Map<Matrix>;
+using ConstMatrixMap = Eigen::Map<const Matrix>;
+
+// A frame at 25 Hz: over longer times (lost frames) one midpoint of a fast turn is too coarse.
+constexpr double kMaxStep = 0.04;
+
+// How a velocity that follows its input u goes on over a step: mean = from_now * v + from_input * u, likewise for the
+// step's first half and for the velocity at its end.
+struct Response {
+  double mean_now, mean_input, half_now, half_input, end_now, end_input;
+};
+
+// dv/dt = (u - v) / lag, u constant: exact.
+Response follow(double dt, double lag) {
+  // Part of the initial difference that is there on average over time t.
+  const auto average = [lag](double t) { return lag / t * -std::expm1(-t / lag); };
+  const double mean = lag > 0.0 ? average(dt) : 0.0;
+  const double half = lag > 0.0 ? average(0.5 * dt) : 0.0;
+  const double end = lag > 0.0 ? std::exp(-dt / lag) : 0.0;
+  return {mean, 1.0 - mean, half, 1.0 - half, end, 1.0 - end};
+}
+
+// dv/dt = u, u an acceleration of mean zero.
+Response coast(double dt) { return {1.0, 0.5 * dt, 1.0, 0.25 * dt, 1.0, dt}; }
+
+struct InputModel {
+  Response response;
+  double v, w;          // input
+  double v_var, w_var;  // its variance over the step: V of eq. (5)
+};
+
+InputModel input_model(double dt, const DriveInput& input, const DriveFilter::State& x,
+                       const RobotFilterParameters& p) {
+  const auto square = [](double a) { return a * a; };
+  if (!input.known) {
+    return {coast(dt), 0.0, 0.0, square(p.free_noise_mps_rts) / dt, square(p.free_noise_radps_rts) / dt};
+  }
+  const double v = static_cast<double>(input.twist.v_mps), w = static_cast<double>(input.twist.w_radps);
+  const double speed = std::max(std::abs(v), std::abs(x[3])), turn = std::max(std::abs(w), std::abs(x[4]));
+  return {follow(dt, p.wheel_lag_s), v, w, (square(p.drive_noise_m_rts) + square(p.drive_error_rts * speed)) / dt,
+          (square(p.turn_noise_rad_rts) + square(p.turn_error_rts * turn)) / dt};
+}
+
+void symmetrize(MatrixMap p) { p = (0.5 * (p + p.transpose())).eval(); }
+
+// Eq. (6) in Joseph's form, which keeps the covariance positive whatever is rounded. The first Rows states are sighted.
+template <int Rows>
+void correct(VectorMap x, MatrixMap p, const Eigen::Matrix<double, Rows, 1>& innovation,
+             const Eigen::Matrix<double, Rows, Rows>& noise) {
+  const Eigen::Matrix<double, Rows, Rows> s = p.template topLeftCorner<Rows, Rows>() + noise;
+  const Eigen::Matrix<double, kN, Rows> gain = p.template leftCols<Rows>() * s.inverse();
+  x += gain * innovation;
+  x(2) = wrap_angle(x(2));
+  Matrix rest = Matrix::Identity();
+  rest.template leftCols<Rows>() -= gain;
+  p = (rest * p * rest.transpose() + gain * noise * gain.transpose()).eval();
+  symmetrize(p);
+}
+
+Eigen::Matrix3d pose_noise(const RobotFilterParameters& p) {
+  const double xy = p.position_sigma_m * p.position_sigma_m;
+  return Eigen::Vector3d(xy, xy, p.heading_sigma_rad * p.heading_sigma_rad).asDiagonal();
+}
+
+Eigen::Vector3d pose_innovation(const Pose& sighted, const DriveFilter::State& x) {
+  return {static_cast<double>(sighted.position.x_m) - x[0], static_cast<double>(sighted.position.y_m) - x[1],
+          wrap_angle(static_cast<double>(sighted.theta_rad) - x[2])};
+}
+
+Eigen::Vector2d position_innovation(FieldPoint sighted, const DriveFilter::State& x) {
+  return {static_cast<double>(sighted.x_m) - x[0], static_cast<double>(sighted.y_m) - x[1]};
+}
+
+}  // namespace
+
+void DriveFilter::start(const Pose& pose, const Velocity& velocity, double position_sigma_m, double heading_sigma_rad) {
+  x_ = {static_cast<double>(pose.position.x_m), static_cast<double>(pose.position.y_m),
+        wrap_angle(static_cast<double>(pose.theta_rad)), velocity.v_mps, velocity.w_radps};
+  const State sigma = {position_sigma_m, position_sigma_m, heading_sigma_rad, velocity.v_sigma_mps,
+                       velocity.w_sigma_radps};
+  p_.fill(0.0);
+  for (std::size_t i = 0; i < kStates; ++i) p_[i * kStates + i] = sigma[i] * sigma[i];
+}
+
+void DriveFilter::predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters) {
+  if (!(dt_s > 0.0)) return;
+  const int steps = static_cast<int>(std::ceil(dt_s / kMaxStep));
+  for (int i = 0; i < steps; ++i) step(dt_s / steps, input, parameters);
+}
+
+void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterParameters& parameters) {
+  const InputModel u = input_model(dt, input, x_, parameters);
+  const Response& r = u.response;
+  const double v = r.mean_now * x_[3] + r.mean_input * u.v;
+  const double w = r.mean_now * x_[4] + r.mean_input * u.w;
+  // Eq. (8): the heading at the middle of the step.
+  const double half_w = r.half_now * x_[4] + r.half_input * u.w;
+  const double middle = x_[2] + 0.5 * dt * half_w;
+  const double c = std::cos(middle), s = std::sin(middle);
+
+  // Eq. (9), with the velocities as further states.
+  Matrix a = Matrix::Identity();
+  a(0, 2) = -dt * v * s;
+  a(1, 2) = dt * v * c;
+  a(0, 3) = dt * r.mean_now * c;
+  a(1, 3) = dt * r.mean_now * s;
+  a(0, 4) = -0.5 * dt * dt * r.half_now * v * s;
+  a(1, 4) = 0.5 * dt * dt * r.half_now * v * c;
+  a(2, 4) = dt * r.mean_now;
+  a(3, 3) = a(4, 4) = r.end_now;
+  Eigen::Matrix<double, kN, 2> f = Eigen::Matrix<double, kN, 2>::Zero();
+  f(0, 0) = dt * r.mean_input * c;
+  f(1, 0) = dt * r.mean_input * s;
+  f(0, 1) = -0.5 * dt * dt * r.half_input * v * s;
+  f(1, 1) = 0.5 * dt * dt * r.half_input * v * c;
+  f(2, 1) = dt * r.mean_input;
+  f(3, 0) = f(4, 1) = r.end_input;
+
+  MatrixMap p(p_.data());
+  const Eigen::Vector2d noise(u.v_var, u.w_var);
+  p = (a * p * a.transpose() + f * noise.asDiagonal() * f.transpose()).eval();
+  const double slip = parameters.slip_m_rts * parameters.slip_m_rts * dt;
+  p(0, 0) += slip;
+  p(1, 1) += slip;
+  p(2, 2) += parameters.spin_rad_rts * parameters.spin_rad_rts * dt;
+  symmetrize(p);
+
+  x_[0] += dt * v * c;
+  x_[1] += dt * v * s;
+  x_[2] = wrap_angle(x_[2] + dt * w);
+  x_[3] = r.end_now * x_[3] + r.end_input * u.v;
+  x_[4] = r.end_now * x_[4] + r.end_input * u.w;
+}
+
+double DriveFilter::distance2(const Pose& sighted, const RobotFilterParameters& parameters) const {
+  const Eigen::Vector3d innovation = pose_innovation(sighted, x_);
+  const Eigen::Matrix3d s = ConstMatrixMap(p_.data()).topLeftCorner<3, 3>() + pose_noise(parameters);
+  return innovation.dot(s.inverse() * innovation);
+}
+
+void DriveFilter::update(const Pose& sighted, const RobotFilterParameters& parameters) {
+  correct<3>(VectorMap(x_.data()), MatrixMap(p_.data()), pose_innovation(sighted, x_), pose_noise(parameters));
+}
+
+double DriveFilter::distance2(FieldPoint patch, const RobotFilterParameters& parameters) const {
+  const Eigen::Vector2d innovation = position_innovation(patch, x_);
+  const double variance = parameters.patch_sigma_m * parameters.patch_sigma_m;
+  const Eigen::Matrix2d s =
+      ConstMatrixMap(p_.data()).topLeftCorner<2, 2>() + Eigen::Matrix2d(variance * Eigen::Matrix2d::Identity());
+  return innovation.dot(s.inverse() * innovation);
+}
+
+void DriveFilter::update(FieldPoint patch, const RobotFilterParameters& parameters) {
+  const double known = 0.5 * (p_[0] + p_[kStates + 1]);
+  const double best = parameters.patch_sigma_m * parameters.patch_sigma_m;
+  if (known <= best) return;
+  // The noise with which eq. (6) takes a variance `known` to `best`.
+  const double variance = known * best / (known - best);
+  correct<2>(VectorMap(x_.data()), MatrixMap(p_.data()), position_innovation(patch, x_),
+             variance * Eigen::Matrix2d::Identity());
+}
+
+Pose DriveFilter::pose() const {
+  return {{static_cast<float>(x_[0]), static_cast<float>(x_[1])}, wrap_to_float(x_[2])};
+}
+
+double DriveFilter::sigma(std::size_t i) const { return std::sqrt(std::max(0.0, p_[i * kStates + i])); }
+
+}  // namespace touchline

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+
+#include "core/track/command_history.h"
+#include "core/track/track_parameters.h"
+#include "core/types.h"
+
+namespace touchline {
+
+/// Extended Kalman filter of one robot with a differential drive, Klancar eq. (4)-(9). To the paper's state (x, y,
+/// heading) come the linear and angular velocity, which follow the commanded ones with the wheels' lag; with a lag of
+/// zero it is the paper's filter. A robot whose commands are not known keeps its velocities, up to noise.
+class DriveFilter {
+ public:
+  // x (m), y (m), heading (rad, in (-pi, pi]), v (m/s), w (rad/s).
+  static constexpr std::size_t kStates = 5;
+  using State = std::array<double, kStates>;
+  using Covariance = std::array<double, kStates * kStates>;  // row by row
+
+  struct Velocity {
+    double v_mps = 0.0, w_radps = 0.0, v_sigma_mps = 0.0, w_sigma_radps = 0.0;
+  };
+
+  void start(const Pose& pose, const Velocity& velocity, double position_sigma_m, double heading_sigma_rad);
+  /// Eq. (5) with the model of eq. (8), linearized at the middle of the step, eq. (9). dt_s >= 0; long ones are cut.
+  void predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
+
+  /// Squared Mahalanobis distance of a sighted pose from the prediction (chi-square with 3 degrees of freedom).
+  [[nodiscard]] double distance2(const Pose& sighted, const RobotFilterParameters& parameters) const;
+  /// Eq. (6); the heading's innovation is wrapped.
+  void update(const Pose& sighted, const RobotFilterParameters& parameters);
+
+  /// The same for the place of a team patch that was seen alone (2 degrees of freedom).
+  [[nodiscard]] double distance2(FieldPoint patch, const RobotFilterParameters& parameters) const;
+  /// The patch's offset from the robot's center is unknown but constant, not noise: many such sightings tell no more
+  /// than one. The position's variance therefore shrinks to patch_sigma_m^2 at the best, and nothing is changed when
+  /// it is known better already.
+  void update(FieldPoint patch, const RobotFilterParameters& parameters);
+
+  [[nodiscard]] const State& state() const { return x_; }
+  [[nodiscard]] const Covariance& covariance() const { return p_; }
+  [[nodiscard]] Pose pose() const;
+  [[nodiscard]] Twist twist() const { return {static_cast<float>(x_[3]), static_cast<float>(x_[4])}; }
+  /// Standard deviation of state i.
+  [[nodiscard]] double sigma(std::size_t i) const;
+
+ private:
+  void step(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
+
+  State x_{};
+  Covariance p_{};
+};
+
+}  // namespace touchline

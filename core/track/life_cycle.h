@@ -1,0 +1,46 @@
+#pragma once
+
+#include "core/types.h"
+
+namespace touchline {
+
+/// New -> (enough sightings) seen <-> coasting -> (long unseen) lost. A new one that is not seen again is soon lost.
+class LifeCycle {
+ public:
+  struct Limits {
+    int confirm_sightings = 1;
+    double forget_new_after_s = 0.0, lost_after_s = 0.0;
+  };
+
+  void start(Instant now, const Limits& limits) {
+    sightings_ = 0;
+    state_ = TrackState::kNew;
+    seen(now, limits);
+  }
+  void seen(Instant now, const Limits& limits) {
+    last_seen_ = now;
+    if (sightings_ < limits.confirm_sightings) ++sightings_;
+    state_ = sightings_ < limits.confirm_sightings ? TrackState::kNew : TrackState::kSeen;
+  }
+  void missed(Instant now, const Limits& limits) {
+    const bool is_new = state_ == TrackState::kNew;
+    const double unseen_s = seconds(now - last_seen_);
+    if (unseen_s > (is_new ? limits.forget_new_after_s : limits.lost_after_s)) {
+      state_ = TrackState::kLost;
+    } else if (state_ == TrackState::kSeen) {
+      state_ = TrackState::kCoasting;
+    }
+  }
+  void lose() { state_ = TrackState::kLost; }
+
+  [[nodiscard]] TrackState state() const { return state_; }
+  [[nodiscard]] bool lost() const { return state_ == TrackState::kLost; }
+  [[nodiscard]] Instant last_seen() const { return last_seen_; }
+
+ private:
+  TrackState state_ = TrackState::kLost;
+  int sightings_ = 0;
+  Instant last_seen_{};
+};
+
+}  // namespace touchline

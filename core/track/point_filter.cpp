@@ -1,0 +1,55 @@
+#include "core/track/point_filter.h"
+
+namespace touchline {
+
+void PointFilter::start(FieldPoint position, const Velocity& velocity, double position_sigma_m) {
+  x_ = static_cast<double>(position.x_m);
+  y_ = static_cast<double>(position.y_m);
+  vx_ = velocity.x_mps;
+  vy_ = velocity.y_mps;
+  p_ = position_sigma_m * position_sigma_m;
+  c_ = 0.0;
+  q_ = velocity.sigma_mps * velocity.sigma_mps;
+}
+
+void PointFilter::predict(double dt_s, const Noise& noise) {
+  const double g = 1.0 / (1.0 + dt_s * noise.damping_per_s);
+  vx_ *= g;
+  vy_ *= g;
+  x_ += dt_s * vx_;
+  y_ += dt_s * vy_;
+  // A P A' with A = [1 gT; 0 g].
+  const double h = g * dt_s;
+  p_ += 2.0 * h * c_ + h * h * q_;
+  c_ = g * (c_ + h * q_);
+  q_ *= g * g;
+  // White acceleration of constant density (Bar-Shalom, Li, Kirubarajan 2001, section 6.2).
+  const double density = noise.velocity_mps_rts * noise.velocity_mps_rts;
+  p_ += density * dt_s * dt_s * dt_s / 3.0;
+  c_ += density * dt_s * dt_s / 2.0;
+  q_ += density * dt_s;
+}
+
+double PointFilter::distance2(FieldPoint sighted, const Noise& noise) const {
+  const double dx = static_cast<double>(sighted.x_m) - x_, dy = static_cast<double>(sighted.y_m) - y_;
+  return (dx * dx + dy * dy) / (p_ + noise.position_sigma_m * noise.position_sigma_m);
+}
+
+void PointFilter::update(FieldPoint sighted, const Noise& noise) {
+  const double n = noise.position_sigma_m * noise.position_sigma_m;
+  const double k = p_ / (p_ + n), m = c_ / (p_ + n);
+  const double dx = static_cast<double>(sighted.x_m) - x_, dy = static_cast<double>(sighted.y_m) - y_;
+  x_ += k * dx;
+  y_ += k * dy;
+  vx_ += m * dx;
+  vy_ += m * dy;
+  // Joseph's form: stays positive whatever is rounded.
+  const double p = (1.0 - k) * (1.0 - k) * p_ + k * k * n;
+  const double c = (1.0 - k) * (c_ - m * p_) + k * m * n;
+  const double q = q_ - 2.0 * m * c_ + m * m * p_ + m * m * n;
+  p_ = p;
+  c_ = c;
+  q_ = q;
+}
+
+}  // namespace touchline

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "core/types.h"
+
+namespace touchline {
+
+/// Kalman filter of a point that rolls on, eq. (10), (11): the ball, and a robot whose heading nobody knows.
+/// The two axes are independent and have the same noise, so one covariance of position and velocity serves both.
+class PointFilter {
+ public:
+  struct Noise {
+    double position_sigma_m = 0.0;  // of a sighting, one axis
+    double velocity_mps_rts = 0.0;  // what the velocity changes by in a second
+    double damping_per_s = 0.0;     // lambda of eq. (10)
+  };
+  struct Velocity {
+    double x_mps = 0.0, y_mps = 0.0, sigma_mps = 0.0;
+  };
+
+  void start(FieldPoint position, const Velocity& velocity, double position_sigma_m);
+  /// Eq. (5) with the model of eq. (11); dt_s >= 0.
+  void predict(double dt_s, const Noise& noise);
+  /// Squared Mahalanobis distance of a sighting from the prediction (chi-square with 2 degrees of freedom).
+  [[nodiscard]] double distance2(FieldPoint sighted, const Noise& noise) const;
+  /// Eq. (6).
+  void update(FieldPoint sighted, const Noise& noise);
+
+  [[nodiscard]] double x_m() const { return x_; }
+  [[nodiscard]] double y_m() const { return y_; }
+  [[nodiscard]] double vx_mps() const { return vx_; }
+  [[nodiscard]] double vy_mps() const { return vy_; }
+  [[nodiscard]] FieldPoint position() const { return {static_cast<float>(x_), static_cast<float>(y_)}; }
+  [[nodiscard]] FieldPoint velocity() const { return {static_cast<float>(vx_), static_cast<float>(vy_)}; }
+  [[nodiscard]] double position_variance() const { return p_; }
+  [[nodiscard]] double cross_covariance() const { return c_; }
+  [[nodiscard]] double velocity_variance() const { return q_; }
+
+ private:
+  double x_ = 0.0, y_ = 0.0, vx_ = 0.0, vy_ = 0.0;
+  double p_ = 1.0, c_ = 0.0, q_ = 1.0;  // of each axis: position, cross term, velocity
+};
+
+}  // namespace touchline

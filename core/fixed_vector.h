@@ -27,6 +27,8 @@ class FixedVector {
     data_[size_++] = value;
     return true;
   }
+  /// Counts elements that were not even offered, because there was no room for them.
+  void refuse(std::size_t count) { overflow_ += count; }
   void pop_back() { --size_; }
   void clear() { size_ = overflow_ = 0; }
   /// Shrinks, or grows with elements whose values are unspecified; sizes above the capacity become the capacity.

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
-#include <span>
 
 #include "core/light/shading.h"
 #include "core/types.h"
@@ -17,13 +17,22 @@ struct ColorBox {
 /// A color is the union of its boxes. Box i is bit i of the tables; where boxes meet, the lowest bit wins.
 using ColorBoxes = FixedVector<ColorBox, kMaxColorBoxes>;
 
+/// kOutOfRange: low above high in some channel, or color 0 or above kMaxColors.
+Status check(const ColorBoxes& boxes);
+
 /// Two boxes of different colors that have a common point, by their bits; false when there are none.
 bool overlapping_boxes(const ColorBoxes& boxes, std::size_t& first, std::size_t& second);
 
 /// Klancar section 3.2: three 256-entry tables of 32-bit masks, ANDed. The definition of every kernel.
+/// There is one set of tables a light level, which holds the masks of the corrected values: shading correction costs
+/// another pointer and no arithmetic.
 class ColorTables {
  public:
-  /// kOutOfRange: low above high, or color 0 or above kMaxColors.
+  using Table = std::array<std::uint32_t, 256>;
+  /// Indexed by the lowest bit of a mask; the last entry, of the mask 0, is the background.
+  using ColorOfBit = std::array<ColorId, kMaxColorBoxes + 1>;
+
+  /// Errors of check(); then nothing is changed. In kYuv channels 1 and 2 are chroma (see corrected()).
   Status build(const ColorBoxes& boxes, ColorSpace space);
 
   /// The classes of a pixel as bits; level of each channel as in Shading.
@@ -31,13 +40,15 @@ class ColorTables {
                                    const std::array<std::uint8_t, 3>& level) const {
     return table_[0][level[0]][value[0]] & table_[1][level[1]][value[1]] & table_[2][level[2]][value[2]];
   }
-  [[nodiscard]] ColorId color_of(std::uint32_t mask) const;
-  using Table = std::array<std::uint32_t, 256>;
+  [[nodiscard]] ColorId color_of(std::uint32_t mask) const {
+    return color_of_bit_[static_cast<std::size_t>(std::countr_zero(mask))];
+  }
   [[nodiscard]] const Table& table(std::size_t channel, std::uint8_t level) const { return table_[channel][level]; }
+  [[nodiscard]] const ColorOfBit& color_of_bit() const { return color_of_bit_; }
 
  private:
   std::array<std::array<Table, kLightLevels>, 3> table_{};
-  std::array<ColorId, kMaxColorBoxes> color_of_bit_{};
+  ColorOfBit color_of_bit_{};
 };
 
 }  // namespace touchline

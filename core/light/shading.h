@@ -9,6 +9,7 @@
 namespace touchline {
 
 // A gain holds for a tile: constant inside it, so that kernels change tables between tiles and never between pixels.
+// Even sizes: pixels that share a chroma sample share a tile.
 constexpr std::uint16_t kTileWidth = 16, kTileHeight = 8;
 constexpr std::size_t kMaxTiles =
     ((kMaxFrameWidth + kTileWidth - 1) / kTileWidth) * ((kMaxFrameHeight + kTileHeight - 1) / kTileHeight);
@@ -17,22 +18,30 @@ constexpr std::size_t kMaxTiles =
 // the range is 1/4 to 4.
 constexpr std::uint8_t kLightLevels = 128, kNeutralLevel = 64;
 
-/// Gain of a level: 2^((level - 64) / 32).
+/// Gain of a level: 2^((level - 64) / 32). Range of level: below kLightLevels.
 float gain_of_level(std::uint8_t level);
 
-/// What a channel's value becomes: round(value * gain) up to 255; chroma (U, V) is scaled about 128.
+/// The level whose gain is nearest to `gain` by ratio; gains beyond the range get the last level on their side.
+/// Range of gain: above 0.
+std::uint8_t level_of_gain(float gain);
+
+/// What a channel's value becomes: round(value * gain) up to 255; chroma (U, V) is scaled about 128, and bounded on
+/// both sides. Never decreases when value grows.
 std::uint8_t corrected(std::uint8_t value, std::uint8_t level, bool is_chroma);
 
-/// Eq. (17) as levels a tile: 1 / illumination at the tile's center, interpolated bilinearly between the map's cells.
+/// Eq. (17) as levels a tile: 1 / illumination at the tile's center, interpolated bilinearly between the map's cells
+/// and constant beyond the outermost cell centers.
 class Shading {
  public:
-  /// kOutOfRange: an illumination that is not positive, or a picture larger than the capacity.
-  /// In YUV the luminance of the map (ITU-R BT.601 weights) gives all three channels one level.
+  /// A map without columns switches the correction off. In YUV the luminance of the map (ITU-R BT.601 weights) gives
+  /// all three channels one level.
+  /// kOutOfRange: an illumination that is not positive and finite, columns without rows, more cells than the capacity,
+  /// or a picture that is empty or larger than the capacity. After an error the correction is off.
   Status build(const LightMap& map, std::uint16_t width_px, std::uint16_t height_px, ColorSpace space);
   void clear() { active_ = false; }
 
   [[nodiscard]] bool active() const { return active_; }
-  /// Level of channel 0, 1, 2 in tile (u / kTileWidth, v / kTileHeight).
+  /// Level of channel 0, 1, 2 in tile (u / kTileWidth, v / kTileHeight); only when active().
   [[nodiscard]] std::uint8_t level(std::size_t channel, std::uint16_t column, std::uint16_t row) const {
     return level_[channel][row * columns_ + column];
   }

@@ -1,35 +1,58 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include "core/color/color_tables.h"
-#include "core/light/shading.h"
+#include "core/color/row_classifier.h"
+#include "core/color/run_extraction.h"
+#include "core/light/light_map.h"
+#include "core/region/labeling.h"
+#include "core/region/region_of_interest.h"
 #include "core/types.h"
 
 namespace touchline {
 
-// Chamfered corners and goal boxes of a real field need 12; the rest is for hands that draw.
-constexpr std::size_t kMaxPolygonPoints = 32;
-using Polygon = FixedVector<PixelPoint, kMaxPolygonPoints>;
-
 struct ScanParameters {
   PixelFormat format = PixelFormat::kRgb24;
   std::uint16_t width_px = 0, height_px = 0;
-  ColorBoxes boxes;                  // in the format's color space
-  LightMap light;                    // columns 0: none
-  Polygon region_of_interest;        // pixel centers inside count; fewer than 3 points: the whole picture
-  std::uint32_t min_area_px = 1;     // smaller regions are dropped and their runs have color kBackground's chain
+  ColorBoxes boxes;               // in the format's color space
+  LightMap light;                 // columns 0: none
+  Polygon region_of_interest;     // pixel centers inside count; fewer than 3 points: the whole picture
+  std::uint32_t min_area_px = 1;  // smaller regions are dropped with their runs
 };
 
 /// Classification and labeling in one scan of the frame (paper, sections 3.2 and 4.1), over runs instead of pixels:
 /// union-find gives the paper's regions without copying, in a bounded time.
+/// Large (fixed memory): make one, not on the stack.
 class RegionScanner {
  public:
-  /// kOutOfRange, kInconsistent (boxes of another color overlap is not an error here: the loader reports it).
+  /// kOutOfRange: a size of 0 or above the capacity, a bad box, light map or polygon; kInconsistent: a polygon without
+  /// a pixel. (Boxes of different colors that overlap are not an error here: the loader reports them.)
+  /// After an error no frame is accepted.
   Status configure(const ScanParameters& parameters);
 
-  /// Regions in raster order of their first pixel, 4-neighborhood; runs of a region chained by Run::next in raster
-  /// order. kUnsupported: frame of another format or size than configured. kFull: runs or regions did not fit; what is
-  /// in `regions` is complete up to the row where the runs ended; the counters of FixedVector::overflow() say how many.
+  /// Regions in raster order of their first pixel, 4-neighborhood, exact sums; `runs` holds the runs of these regions
+  /// in raster order, those of one region chained by Run::next, and no others.
+  /// kUnsupported: frame of another format or size than configured; kShortFrame: a plane is missing or its stride is
+  /// too small. Both leave `runs` and `regions` empty.
+  /// kFull: too much was found, one or both of
+  /// - more regions than fit: the largest are there; regions.overflow() counts the others;
+  /// - more runs than fit, even without those of dropped regions: rows before the one for which there was no room are
+  ///   as in kOk, regions that reached it are not reported but counted by regions.overflow(), and runs.overflow()
+  ///   counts the runs that it and all later rows would have had.
   Status scan(const Frame& frame, Runs& runs, Regions& regions);
+
+ private:
+  std::size_t extract_row(const Frame& frame, std::uint16_t v, Run* out);
+  void count_rows_from(const Frame& frame, std::uint16_t v, Runs& runs);
+
+  bool configured_ = false;
+  std::uint32_t min_area_px_ = 1;
+  RowClassifier classifier_;
+  RegionOfInterest region_of_interest_;
+  Labeling labeling_;
+  std::array<ColorId, kMaxFrameWidth + kColorRowPadding> colors_{};  // of the present row
 };
 
 }  // namespace touchline

@@ -1,0 +1,110 @@
+#include "core/color/row_classifier.h"
+
+#include <algorithm>
+
+namespace touchline {
+namespace {
+
+constexpr std::array<std::uint8_t, 3> kNeutral = {kNeutralLevel, kNeutralLevel, kNeutralLevel};
+
+constexpr std::size_t tiles_across(std::uint16_t pixels, std::uint16_t tile) { return (pixels + tile - 1u) / tile; }
+
+}  // namespace
+
+std::size_t row_bytes(PixelFormat format, std::size_t plane, std::uint16_t width_px) {
+  const std::size_t whole_pairs = (width_px + 1u) / 2u * 2u;
+  if (plane > 0) return plane == 1 && format == PixelFormat::kNv12 ? whole_pairs : 0;
+  if (color_space(format) == ColorSpace::kRgb) return std::size_t{width_px} * 3;
+  return format == PixelFormat::kNv12 ? width_px : whole_pairs * 2;
+}
+
+Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,
+                                const ColorBoxes& boxes, const LightMap& light) {
+  kernel_ = nullptr;
+  if (Status s = tables_.build(boxes, color_space(format)); !s.ok()) return s;
+  if (Status s = shading_.build(light, width_px, height_px, color_space(format)); !s.ok()) return s;
+  format_ = format;
+  width_px_ = width_px;
+  height_px_ = height_px;
+  find_floors(boxes);
+  kernel_ = scalar_kernel(format);
+  return {};
+}
+
+void RowClassifier::find_floors(const ColorBoxes& boxes) {
+  const ChannelFloors floors = floors_of(boxes);
+  if (!shading_.active()) {
+    floors_.fill(BackgroundFloor(format_, floors));
+    return;
+  }
+  std::array<std::array<std::uint16_t, kLightLevels>, 3> before{};
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    const bool is_chroma = color_space(format_) == ColorSpace::kYuv && channel > 0;
+    for (std::uint8_t level = 0; level < kLightLevels; ++level) {
+      before[channel][level] = floor_before_correction(floors[channel], level, is_chroma);
+    }
+  }
+  const std::size_t columns = tiles_across(width_px_, kTileWidth), rows = tiles_across(height_px_, kTileHeight);
+  for (std::size_t row = 0; row < rows; ++row) {
+    ChannelFloors lowest = {256, 256, 256};
+    for (std::size_t column = 0; column < columns; ++column) {
+      for (std::size_t channel = 0; channel < 3; ++channel) {
+        const std::uint8_t level =
+            shading_.level(channel, static_cast<std::uint16_t>(column), static_cast<std::uint16_t>(row));
+        lowest[channel] = std::min(lowest[channel], before[channel][level]);
+      }
+    }
+    floors_[row] = BackgroundFloor(format_, lowest);
+  }
+}
+
+Status RowClassifier::accepts(const Frame& frame) const {
+  if (kernel_ == nullptr || frame.format != format_ || frame.width_px != width_px_ || frame.height_px != height_px_) {
+    return ErrorCode::kUnsupported;
+  }
+  for (std::size_t plane = 0; plane < frame.plane.size(); ++plane) {
+    const std::size_t needed = row_bytes(format_, plane, width_px_);
+    if (needed > 0 && (frame.plane[plane] == nullptr || frame.stride_bytes[plane] < needed)) {
+      return ErrorCode::kShortFrame;
+    }
+  }
+  return {};
+}
+
+SpanTables RowClassifier::tables_at(const std::array<std::uint8_t, 3>& level, std::size_t tile_row) const {
+  return {{&tables_.table(0, level[0]), &tables_.table(1, level[1]), &tables_.table(2, level[2])},
+          &tables_.color_of_bit(),
+          &floors_[tile_row]};
+}
+
+void RowClassifier::classify(const Frame& frame, std::uint16_t v, std::uint16_t begin, std::uint16_t end,
+                             ColorId* colors) const {
+  RowPixels row;
+  row.samples = frame.plane[0] + std::size_t{v} * frame.stride_bytes[0];
+  if (format_ == PixelFormat::kNv12) row.chroma = frame.plane[1] + std::size_t{v / 2u} * frame.stride_bytes[1];
+
+  const std::uint16_t tile_row = v / kTileHeight;
+  if (!shading_.active()) {
+    kernel_(tables_at(kNeutral, tile_row), row, begin, end, colors);
+    return;
+  }
+  const auto level_of_tile = [&](std::uint32_t column) {
+    const auto tile = static_cast<std::uint16_t>(column);
+    return std::array{shading_.level(0, tile, tile_row), shading_.level(1, tile, tile_row),
+                      shading_.level(2, tile, tile_row)};
+  };
+  // Neighboring tiles of one level are one span.
+  for (std::uint32_t u = begin; u < end;) {
+    std::uint32_t tile = u / kTileWidth;
+    const std::array<std::uint8_t, 3> level = level_of_tile(tile);
+    std::uint32_t span_end = 0;
+    do {
+      ++tile;
+      span_end = std::min<std::uint32_t>(end, tile * kTileWidth);
+    } while (span_end < end && level_of_tile(tile) == level);
+    kernel_(tables_at(level, tile_row), row, u, span_end, colors);
+    u = span_end;
+  }
+}
+
+}  // namespace touchline

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/color/background_floor.h"
+#include "core/color/color_tables.h"
+#include "core/color/span_kernel.h"
+#include "core/light/shading.h"
+#include "core/types.h"
+
+namespace touchline {
+
+/// Bytes that a row of the plane holds; with shared chroma an odd width still has the last pair's whole chroma. Planes
+/// that the format does not have need none.
+std::size_t row_bytes(PixelFormat format, std::size_t plane, std::uint16_t width_px);
+
+/// Pixels -> colors, one row at a time, in the format in which they arrive; with or without shading correction.
+class RowClassifier {
+ public:
+  /// kOutOfRange: as ColorTables::build and Shading::build.
+  Status configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px, const ColorBoxes& boxes,
+                   const LightMap& light);
+
+  /// kUnsupported: another format or size than configured, or not configured. kShortFrame: a plane is missing, or its
+  /// stride is smaller than a row.
+  [[nodiscard]] Status accepts(const Frame& frame) const;
+
+  /// Writes colors[u] for begin <= u < end, the columns of row v. The frame has been accepted, v and end are in it.
+  void classify(const Frame& frame, std::uint16_t v, std::uint16_t begin, std::uint16_t end, ColorId* colors) const;
+
+  [[nodiscard]] const ColorTables& tables() const { return tables_; }
+  [[nodiscard]] const Shading& shading() const { return shading_; }
+
+ private:
+  void find_floors(const ColorBoxes& boxes);
+  [[nodiscard]] SpanTables tables_at(const std::array<std::uint8_t, 3>& level, std::size_t tile_row) const;
+
+  static constexpr std::size_t kMaxTileRows = (kMaxFrameHeight + kTileHeight - 1) / kTileHeight;
+
+  SpanKernel kernel_ = nullptr;
+  PixelFormat format_ = PixelFormat::kRgb24;
+  std::uint16_t width_px_ = 0, height_px_ = 0;
+  ColorTables tables_;
+  Shading shading_;
+  std::array<BackgroundFloor, kMaxTileRows> floors_;  // one a row of tiles: for its brightest tile
+};
+
+}  // namespace touchline

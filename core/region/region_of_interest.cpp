@@ -1,0 +1,63 @@
+#include "core/region/region_of_interest.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace touchline {
+namespace {
+
+using Crossings = FixedVector<double, kMaxPolygonPoints>;
+
+// Where the polygon's border crosses a row of pixel centers, from left to right.
+void cross(const Polygon& polygon, double v, Crossings& crossings) {
+  crossings.clear();
+  PixelPoint from = polygon.back();
+  for (const PixelPoint& to : polygon) {
+    const double v0 = static_cast<double>(from.v_px), v1 = static_cast<double>(to.v_px);
+    // Half open: a corner on the row counts for one of its two edges, or for both or none where the border turns.
+    if ((v0 <= v) != (v1 <= v)) {
+      const double u0 = static_cast<double>(from.u_px), u1 = static_cast<double>(to.u_px);
+      crossings.push_back(u0 + (v - v0) * (u1 - u0) / (v1 - v0));
+    }
+    from = to;
+  }
+  std::sort(crossings.begin(), crossings.end());
+}
+
+std::uint16_t first_column_from(double u, std::uint16_t width_px) {
+  return static_cast<std::uint16_t>(std::clamp(std::ceil(u), 0.0, static_cast<double>(width_px)));
+}
+
+}  // namespace
+
+Status RegionOfInterest::build(const Polygon& polygon, std::uint16_t width_px, std::uint16_t height_px) {
+  spans_.clear();
+  if (width_px > kMaxFrameWidth || height_px > kMaxFrameHeight) return ErrorCode::kOutOfRange;
+  for (const PixelPoint& point : polygon) {
+    if (!std::isfinite(point.u_px) || !std::isfinite(point.v_px)) return ErrorCode::kOutOfRange;
+  }
+  Crossings crossings;
+  for (std::uint16_t v = 0; v < height_px; ++v) {
+    const std::size_t first = spans_.size();
+    first_span_[v] = static_cast<std::uint32_t>(first);
+    if (polygon.size() < 3) {
+      spans_.push_back({0, width_px});
+      continue;
+    }
+    cross(polygon, static_cast<double>(v), crossings);
+    for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
+      const ColumnSpan span = {first_column_from(crossings[i], width_px),
+                               first_column_from(crossings[i + 1], width_px)};
+      if (span.begin == span.end) continue;
+      if (spans_.size() > first && spans_.back().end == span.begin) {
+        spans_.back().end = span.end;
+      } else {
+        spans_.push_back(span);
+      }
+    }
+  }
+  first_span_[height_px] = static_cast<std::uint32_t>(spans_.size());
+  return spans_.empty() ? Status(ErrorCode::kInconsistent) : Status();
+}
+
+}  // namespace touchline

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "core/color/color_tables.h"
+#include "core/types.h"
+
+// Pictures in every pixel format and, written down anew and slowly, what their pixels are.
+namespace touchline::testing {
+
+inline constexpr std::array kAllFormats = {PixelFormat::kRgb24, PixelFormat::kBgr24, PixelFormat::kYuyv,
+                                           PixelFormat::kUyvy, PixelFormat::kNv12};
+const char* name_of(PixelFormat format);
+
+using Channels = std::array<std::uint8_t, 3>;
+
+/// Owns exactly the bytes that the format needs, so that a sanitizer sees a read beyond them: nothing follows the last
+/// row. `padding` bytes lie between rows.
+class OwnedPicture {
+ public:
+  OwnedPicture(PixelFormat format, int width, int height, int padding);
+
+  [[nodiscard]] Frame frame() const;
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  /// With shared chroma the whole pair or block gets it.
+  void set(int u, int v, Channels value);
+  /// Every byte, padding included.
+  template <class Source>
+  void fill(Source source) {
+    for (auto& plane : bytes_) {
+      for (std::uint8_t& byte : plane) byte = source();
+    }
+  }
+
+ private:
+  PixelFormat format_;
+  int width_, height_;
+  std::array<std::size_t, 2> stride_{};
+  std::array<std::vector<std::uint8_t>, 2> bytes_;
+};
+
+/// R, G, B or Y, U, V of a pixel.
+Channels channels_at(const Frame& frame, int u, int v);
+
+/// The color of the first box that the corrected value lies in: the definition, without tables.
+ColorId color_by_boxes(const ColorBoxes& boxes, ColorSpace space, Channels value, Channels level);
+
+/// Boxes of any shape, thin ones and full ones among them.
+ColorBoxes random_boxes(std::mt19937& random, std::size_t count);
+
+/// A value that decides something: 0, 255, the bounds of a box and their neighbors; or any.
+std::uint8_t telling_value(std::mt19937& random, const ColorBoxes& boxes);
+
+/// Uniform in [low, high]. (The standard's distributions differ between libraries.)
+int pick(std::mt19937& random, int low, int high);
+
+}  // namespace touchline::testing

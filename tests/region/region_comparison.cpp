@@ -1,0 +1,124 @@
+#include "tests/region/region_comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace touchline::testing {
+namespace {
+
+bool in_raster_order(const Pixel& a, const Pixel& b) { return a.v != b.v ? a.v < b.v : a.u < b.u; }
+
+ExpectedRegion describe_list(const PixelList& list) {
+  ExpectedRegion region;
+  region.color = list.color;
+  region.pixels = list.pixels;
+  std::sort(region.pixels.begin(), region.pixels.end(), in_raster_order);
+  region.left = region.right = region.pixels.front().u;
+  region.top = region.pixels.front().v;
+  region.bottom = region.pixels.back().v;
+  std::int64_t sum_u = 0, sum_v = 0;
+  for (const Pixel& pixel : region.pixels) {
+    sum_u += pixel.u;
+    sum_v += pixel.v;
+    region.left = std::min(region.left, pixel.u);
+    region.right = std::max(region.right, pixel.u);
+  }
+  const auto area = static_cast<double>(region.pixels.size());
+  region.centroid_u = static_cast<double>(sum_u) / area;
+  region.centroid_v = static_cast<double>(sum_v) / area;
+  return region;
+}
+
+template <class... Parts>
+std::string sentence(const Parts&... parts) {
+  std::ostringstream text;
+  (text << ... << parts);
+  return text.str();
+}
+
+std::string chain_difference(const ExpectedRegion& expected, const Runs& runs, const Region& region,
+                             std::vector<bool>& chained) {
+  std::size_t pixel = 0;
+  std::uint32_t last = kNoRun;
+  for (std::uint32_t i = region.first_run; i != kNoRun; i = runs[i].next) {
+    if (i >= runs.size()) return sentence("the chain leaves the runs: ", i);
+    if (last != kNoRun && i <= last) return sentence("the chain goes back from run ", last, " to ", i);
+    if (chained[i]) return sentence("run ", i, " is in two chains");
+    chained[i] = true;
+    last = i;
+    const Run& run = runs[i];
+    if (run.color != expected.color) return sentence("run ", i, " has color ", int{run.color});
+    for (int u = run.begin; u < run.end; ++u, ++pixel) {
+      if (pixel >= expected.pixels.size()) return sentence("surplus pixel (", u, ", ", run.row, ")");
+      if (expected.pixels[pixel] != Pixel{u, run.row}) {
+        return sentence("pixel ", pixel, " is (", u, ", ", run.row, ") instead of (", expected.pixels[pixel].u, ", ",
+                        expected.pixels[pixel].v, ")");
+      }
+    }
+  }
+  if (pixel != expected.pixels.size()) return sentence(pixel, " pixels instead of ", expected.pixels.size());
+  return {};
+}
+
+std::string region_difference(const ExpectedRegion& expected, const Region& region) {
+  if (region.color != expected.color) return sentence("color ", int{region.color}, " instead of ", int{expected.color});
+  if (region.area_px != expected.pixels.size()) {
+    return sentence("area ", region.area_px, " instead of ", expected.pixels.size());
+  }
+  // The nearest float to the exact value, not one that is merely near.
+  if (region.centroid.u_px != static_cast<float>(expected.centroid_u) ||
+      region.centroid.v_px != static_cast<float>(expected.centroid_v)) {
+    return sentence("centroid (", region.centroid.u_px, ", ", region.centroid.v_px, ") instead of (",
+                    expected.centroid_u, ", ", expected.centroid_v, ")");
+  }
+  const PixelBox& box = region.box;
+  if (box.left != expected.left || box.top != expected.top || box.right != expected.right ||
+      box.bottom != expected.bottom) {
+    return sentence("box ", box.left, " ", box.top, " ", box.right, " ", box.bottom, " instead of ", expected.left, " ",
+                    expected.top, " ", expected.right, " ", expected.bottom);
+  }
+  return {};
+}
+
+std::string run_difference(const Runs& runs) {
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (runs[i].begin >= runs[i].end || runs[i].color == kBackground) return sentence("run ", i, " is empty");
+    if (i == 0 || runs[i - 1].row < runs[i].row) continue;
+    if (runs[i - 1].row > runs[i].row || runs[i - 1].end > runs[i].begin) return sentence("run ", i, " goes back");
+    if (runs[i - 1].end == runs[i].begin && runs[i - 1].color == runs[i].color) {
+      return sentence("run ", i, " continues the one before");
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<ExpectedRegion> expected_regions(const ColorGrid& grid, std::uint32_t min_area_px) {
+  LiteralLabeling literal;
+  std::vector<ExpectedRegion> regions;
+  for (const PixelList& list : literal.label(grid)) {
+    if (!list.pixels.empty() && list.pixels.size() >= min_area_px) regions.push_back(describe_list(list));
+  }
+  std::sort(regions.begin(), regions.end(), [](const ExpectedRegion& a, const ExpectedRegion& b) {
+    return in_raster_order(a.pixels.front(), b.pixels.front());
+  });
+  return regions;
+}
+
+std::string difference(const std::vector<ExpectedRegion>& expected, const Runs& runs, const Regions& regions) {
+  if (std::string text = run_difference(runs); !text.empty()) return text;
+  std::vector<bool> chained(runs.size());
+  for (std::size_t i = 0; i < std::min(expected.size(), regions.size()); ++i) {
+    std::string text = region_difference(expected[i], regions[i]);
+    if (text.empty()) text = chain_difference(expected[i], runs, regions[i], chained);
+    if (!text.empty()) return sentence("region ", i, ": ", text);
+  }
+  if (regions.size() != expected.size()) return sentence(regions.size(), " regions instead of ", expected.size());
+  const auto loose = std::find(chained.begin(), chained.end(), false);
+  if (loose != chained.end()) return sentence("run ", loose - chained.begin(), " is in no chain");
+  return {};
+}
+
+}  // namespace touchline::testing

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/types.h"
+#include "tests/region/literal_labeling.h"
+
+namespace touchline::testing {
+
+/// A region with everything that the paper asks of it, its pixels in raster order.
+struct ExpectedRegion {
+  ColorId color = kBackground;
+  std::vector<Pixel> pixels;
+  double centroid_u = 0.0, centroid_v = 0.0;
+  int left = 0, top = 0, right = 0, bottom = 0;
+};
+
+/// What a scan must report of the picture: the literal algorithm's regions of at least that area, in raster order of
+/// their first pixel.
+std::vector<ExpectedRegion> expected_regions(const ColorGrid& grid, std::uint32_t min_area_px = 1);
+
+/// The first difference, as a sentence; empty when there is none. Also looks at the runs themselves: in raster order,
+/// maximal, each in exactly one chain, chains in raster order.
+std::string difference(const std::vector<ExpectedRegion>& expected, const Runs& runs, const Regions& regions);
+
+}  // namespace touchline::testing

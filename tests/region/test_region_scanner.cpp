@@ -1,0 +1,166 @@
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <numeric>
+#include <utility>
+
+#include "core/region/region_scanner.h"
+#include "tests/region/patterns.h"
+#include "tests/region/region_comparison.h"
+
+namespace touchline::testing {
+namespace {
+
+class RegionScannerTest : public ::testing::Test {
+ protected:
+  // The first difference between the scan and the paper's algorithm on the defined colors.
+  std::string difference_on(const Frame& frame, const ScanParameters& parameters) {
+    if (Status s = scanner_->configure(parameters); !s.ok()) return describe(s.code());
+    if (Status s = scanner_->scan(frame, *runs_, *regions_); !s.ok()) return describe(s.code());
+    return difference(expected_regions(defined_colors(frame, parameters), parameters.min_area_px), *runs_, *regions_);
+  }
+
+  std::unique_ptr<RegionScanner> scanner_ = std::make_unique<RegionScanner>();
+  std::unique_ptr<Runs> runs_ = std::make_unique<Runs>();
+  std::unique_ptr<Regions> regions_ = std::make_unique<Regions>();
+  std::mt19937 random_{20260};
+};
+
+// Tall, flat, single rows and columns, and around every block and tile size.
+constexpr std::pair<int, int> kSizes[] = {{1, 1},   {1, 40},  {40, 1},  {2, 2},   {3, 5},   {7, 9},  {8, 8},
+                                          {15, 17}, {16, 16}, {17, 15}, {33, 31}, {64, 48}, {95, 61}};
+
+TEST_F(RegionScannerTest, FindsThePapersRegionsInEveryPatternFormatAndSize) {
+  std::size_t regions_seen = 0;
+  for (const Pattern pattern : kAllPatterns) {
+    for (const PixelFormat format : kAllFormats) {
+      for (const auto& [width, height] : kSizes) {
+        const OwnedPicture picture =
+            paint(make_pattern(pattern, width, height, random_), format, pick(random_, 0, 9), random_);
+        const Frame frame = picture.frame();
+        ASSERT_EQ(difference_on(frame, parameters_for(frame)), "")
+            << name_of(pattern) << ", " << name_of(format) << ", " << width << " x " << height;
+        regions_seen += regions_->size();
+      }
+    }
+  }
+  EXPECT_GT(regions_seen, 50000u);
+}
+
+LightMap random_light(std::mt19937& random) {
+  LightMap light;
+  light.columns = static_cast<std::uint16_t>(pick(random, 1, 6));
+  light.rows = static_cast<std::uint16_t>(pick(random, 1, 6));
+  for (auto& plane : light.illumination) {
+    for (int i = 0; i < light.columns * light.rows; ++i) {
+      plane[static_cast<std::size_t>(i)] = static_cast<float>(pick(random, 40, 250)) / 100.0f;
+    }
+  }
+  return light;
+}
+
+TEST_F(RegionScannerTest, FindsThemWithShadingInRandomRegionsOfInterestAndAboveAnArea) {
+  for (int round = 0; round < 500; ++round) {
+    const auto pattern = kAllPatterns[random_() % kAllPatterns.size()];
+    const auto format = kAllFormats[random_() % kAllFormats.size()];
+    const int width = pick(random_, 8, 90), height = pick(random_, 8, 70);
+    const OwnedPicture picture =
+        paint(make_pattern(pattern, width, height, random_), format, pick(random_, 0, 9), random_);
+    const Frame frame = picture.frame();
+    ScanParameters parameters = parameters_for(frame);
+    if (round % 2 == 0) parameters.light = random_light(random_);
+    if (round % 3 != 0) {
+      for (int i = pick(random_, 3, 12); i > 0; --i) {
+        parameters.region_of_interest.push_back({static_cast<float>(pick(random_, -20, 2 * width + 20)) / 2.0f,
+                                                 static_cast<float>(pick(random_, -20, 2 * height + 20)) / 2.0f});
+      }
+      if (scanner_->configure(parameters).code() == ErrorCode::kInconsistent) continue;  // covers no pixel
+    }
+    parameters.min_area_px = static_cast<std::uint32_t>(pick(random_, 0, 12));
+    ASSERT_EQ(difference_on(frame, parameters), "")
+        << "round " << round << ", " << name_of(pattern) << ", " << name_of(format) << ", " << width << " x " << height;
+  }
+}
+
+TEST_F(RegionScannerTest, FindsThemInPicturesOfRandomBytesAndBoxes) {
+  for (int round = 0; round < 300; ++round) {
+    const auto format = kAllFormats[random_() % kAllFormats.size()];
+    OwnedPicture picture(format, pick(random_, 1, 80), pick(random_, 1, 40), pick(random_, 0, 5));
+    ScanParameters parameters = parameters_for(picture.frame());
+    parameters.boxes = random_boxes(random_, static_cast<std::size_t>(pick(random_, 0, kMaxColorBoxes)));
+    picture.fill([&] { return telling_value(random_, parameters.boxes); });
+    ASSERT_EQ(difference_on(picture.frame(), parameters), "") << "round " << round << ", " << name_of(format);
+  }
+}
+
+TEST_F(RegionScannerTest, SumsOfTheLargestRegionAreExact) {
+  // Every pixel of the largest frame but one in the corner: a float sum is wrong by pixels here.
+  OwnedPicture picture(PixelFormat::kNv12, kMaxFrameWidth, kMaxFrameHeight, 0);
+  picture.fill([] { return std::uint8_t{50}; });
+  picture.set(0, 0, {0, 50, 50});
+  const Frame frame = picture.frame();
+  ASSERT_TRUE(scanner_->configure(parameters_for(frame)).ok());
+  ASSERT_TRUE(scanner_->scan(frame, *runs_, *regions_).ok());
+  ASSERT_EQ(regions_->size(), 1u);
+  const Region& region = (*regions_)[0];
+  const double pixels = double{kMaxFrameWidth} * double{kMaxFrameHeight};
+  EXPECT_EQ(region.area_px, static_cast<std::uint32_t>(pixels) - 1);
+  EXPECT_EQ(region.centroid.u_px, static_cast<float>(pixels * (kMaxFrameWidth - 1) / 2.0 / (pixels - 1.0)));
+  EXPECT_EQ(region.centroid.v_px, static_cast<float>(pixels * (kMaxFrameHeight - 1) / 2.0 / (pixels - 1.0)));
+  EXPECT_EQ(region.box.right, kMaxFrameWidth - 1);
+  EXPECT_EQ(region.box.bottom, kMaxFrameHeight - 1);
+}
+
+TEST_F(RegionScannerTest, AFrameThatCannotBeServedLeavesNothing) {
+  const OwnedPicture picture = paint(make_pattern(Pattern::kBlobs, 64, 48, random_), PixelFormat::kNv12, 0, random_);
+  const Frame good = picture.frame();
+  EXPECT_EQ(scanner_->scan(good, *runs_, *regions_).code(), ErrorCode::kUnsupported) << "not configured yet";
+
+  const auto status_of = [&](const Frame& frame) {
+    EXPECT_TRUE(scanner_->scan(good, *runs_, *regions_).ok());
+    EXPECT_FALSE(regions_->empty());
+    const ErrorCode code = scanner_->scan(frame, *runs_, *regions_).code();
+    EXPECT_TRUE(runs_->empty() && regions_->empty());
+    return code;
+  };
+  ASSERT_TRUE(scanner_->configure(parameters_for(good)).ok());
+  Frame frame = good;
+  frame.format = PixelFormat::kYuyv;
+  EXPECT_EQ(status_of(frame), ErrorCode::kUnsupported);
+  frame = good;
+  frame.width_px = 63;
+  EXPECT_EQ(status_of(frame), ErrorCode::kUnsupported);
+  frame = good;
+  frame.height_px = 49;
+  EXPECT_EQ(status_of(frame), ErrorCode::kUnsupported);
+  frame = good;
+  frame.plane[1] = nullptr;
+  EXPECT_EQ(status_of(frame), ErrorCode::kShortFrame);
+  frame = good;
+  frame.stride_bytes[0] = 63;
+  EXPECT_EQ(status_of(frame), ErrorCode::kShortFrame);
+}
+
+TEST_F(RegionScannerTest, RefusesParametersThatCannotBeServed) {
+  ScanParameters parameters = parameters_for(OwnedPicture(PixelFormat::kRgb24, 64, 48, 0).frame());
+  ASSERT_TRUE(scanner_->configure(parameters).ok());
+  const auto code_of = [&](auto change) {
+    ScanParameters changed = parameters;
+    change(changed);
+    return scanner_->configure(changed).code();
+  };
+  EXPECT_EQ(code_of([](ScanParameters& p) { p.width_px = 0; }), ErrorCode::kOutOfRange);
+  EXPECT_EQ(code_of([](ScanParameters& p) { p.height_px = kMaxFrameHeight + 1; }), ErrorCode::kOutOfRange);
+  EXPECT_EQ(code_of([](ScanParameters& p) { p.boxes[0].low[1] = 10, p.boxes[0].high[1] = 9; }), ErrorCode::kOutOfRange);
+  EXPECT_EQ(code_of([](ScanParameters& p) { p.light.columns = 1; }), ErrorCode::kOutOfRange);
+  EXPECT_EQ(code_of([](ScanParameters& p) {
+              for (int i = 0; i < 3; ++i) p.region_of_interest.push_back({-5.0f, -5.0f});
+            }),
+            ErrorCode::kInconsistent);
+  const OwnedPicture picture(PixelFormat::kRgb24, 64, 48, 0);
+  EXPECT_EQ(scanner_->scan(picture.frame(), *runs_, *regions_).code(), ErrorCode::kUnsupported)
+      << "nothing is scanned after an error";
+}
+
+}  // namespace
+}  // namespace touchline::testing

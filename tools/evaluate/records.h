@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+// What truth files, annotated pictures and results of touchline-replay say, with every key checked while it is read.
+namespace touchline::evaluate {
+
+struct Point {
+  double a = 0.0, b = 0.0;  // x, y in meters or u, v in pixels
+};
+
+struct PatchRecord {
+  bool identification = false;
+  std::string color;
+  Point center_px;
+};
+
+struct RobotRecord {
+  std::string team;
+  std::optional<int> id;
+  Point position_m;
+  std::optional<double> theta_rad;
+  std::vector<PatchRecord> patches;
+};
+
+struct BallRecord {
+  Point position_m;
+  std::optional<Point> center_px;
+};
+
+struct SceneRecord {
+  std::optional<BallRecord> ball;
+  std::vector<RobotRecord> robots;
+};
+
+struct FrameRecord {
+  std::string file;
+  std::int64_t frame = 0;
+  double t_s = 0.0;
+  SceneRecord sightings;  // of truth: what is there
+  SceneRecord tracks;     // of truth: the same
+};
+
+/// One picture annotated by hand.
+struct AnnotatedPicture {
+  std::string name;        // for the table: file name of the annotation without ending
+  std::string file;        // file name of the picture or video
+  std::int64_t frame = 0;  // in a video
+  std::vector<Point> balls_px;
+  struct Robot {
+    std::string team;
+    std::optional<Point> team_px;  // absent: the annotator could not tell
+    std::vector<PatchRecord> identification;
+  };
+  std::vector<Robot> robots;
+};
+
+/// Names of colors and teams in results -> names in the truth.
+using NameMap = std::map<std::string, std::string>;
+
+/// Each returns false with "file:line: reason" in `error` when anything is missing or of the wrong kind.
+bool read_truth(const std::string& path, std::vector<FrameRecord>& out, std::string& error);
+bool read_result(const std::string& path, const NameMap& names, std::vector<FrameRecord>& out, std::string& error);
+bool read_annotated(const std::string& path, AnnotatedPicture& out, std::string& error);
+
+}  // namespace touchline::evaluate

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cairo.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "core/types.h"
+
+namespace touchline::replay {
+
+struct Rgb {
+  double r = 1.0, g = 1.0, b = 1.0;
+};
+
+struct SurfaceDeleter {
+  void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
+};
+struct ContextDeleter {
+  void operator()(cairo_t* context) const { cairo_destroy(context); }
+};
+using SurfacePtr = std::unique_ptr<cairo_surface_t, SurfaceDeleter>;
+using ContextPtr = std::unique_ptr<cairo_t, ContextDeleter>;
+
+/// Cairo's pixels: B, G, R and an unused byte on little-endian machines.
+struct Pixels {
+  std::span<const std::uint8_t> bgrx;
+  std::size_t stride_bytes = 0;
+  std::uint32_t width = 0, height = 0;
+};
+Pixels pixels_of(cairo_surface_t& surface);
+
+/// A camera's frame of any format for showing to a person (YUV: ITU-R BT.601, limited range).
+SurfacePtr to_surface(const Frame& frame);
+
+/// Text with a dark rim, so that it is legible on any ground. `x`, `y`: left end of the base line.
+void draw_text(cairo_t& context, double x, double y, const std::string& text, const Rgb& color, double size);
+double text_width(cairo_t& context, const std::string& text, double size);
+
+void set_color(cairo_t& context, const Rgb& color, double alpha = 1.0);
+
+}  // namespace touchline::replay

@@ -1,0 +1,62 @@
+#include "hal/linux/capture_stamp.h"
+
+#include <gtest/gtest.h>
+#include <linux/videodev2.h>
+
+namespace touchline::hal {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr std::uint32_t kStart = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+constexpr std::uint32_t kEnd = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_EOF;
+constexpr Instant at(int ms) { return Instant(milliseconds(ms)); }
+
+TEST(CaptureStamp, MiddleOfExposureFromEitherEnd) {
+  CaptureStamp stamp;
+  stamp.restart(milliseconds(10));
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(100), at(120)), at(105));
+  EXPECT_EQ(stamp.middle_of_exposure(kEnd, at(200), at(220)), at(195));
+  EXPECT_EQ(stamp.replaced(), 0u);
+}
+
+TEST(CaptureStamp, OtherClocksAreNotBelieved) {
+  CaptureStamp stamp;
+  stamp.restart(milliseconds(10));
+  EXPECT_EQ(stamp.middle_of_exposure(V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN, at(100), at(120)), at(115));
+  EXPECT_EQ(stamp.middle_of_exposure(V4L2_BUF_FLAG_TIMESTAMP_COPY, at(130), at(140)), at(135));
+  EXPECT_EQ(stamp.replaced(), 0u);
+}
+
+TEST(CaptureStamp, RepeatedBackwardZeroAndFutureStampsAreReplaced) {
+  CaptureStamp stamp;
+  stamp.restart(Duration::zero());
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(0), at(50)), at(50));
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(100), at(120)), at(100));
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(100), at(140)), at(140));
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(90), at(160)), at(160));
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(999), at(180)), at(180));
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(190), at(200)), at(190)) << "and the next good one is believed again";
+  EXPECT_EQ(stamp.replaced(), 4u);
+}
+
+TEST(CaptureStamp, TimeGoesForwardEvenWhenAReplacementWasLaterThanTheNextStamp) {
+  CaptureStamp stamp;
+  stamp.restart(Duration::zero());
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(999), at(100)), at(100));
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(95), at(117)), at(100) + Duration(1));
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(112), at(134)), at(112));
+}
+
+TEST(CaptureStamp, RestartForgets) {
+  CaptureStamp stamp;
+  stamp.restart(milliseconds(10));
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(500), at(520)), at(505));
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(400), at(540)), at(535));
+  stamp.restart(milliseconds(20));
+  EXPECT_EQ(stamp.replaced(), 0u);
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(100), at(120)), at(110));
+}
+
+}  // namespace
+}  // namespace touchline::hal

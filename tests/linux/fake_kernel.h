@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+
+#include "core/time.h"
+
+// A kernel of our own, put under the code with `-Wl,--wrap=open,--wrap=ioctl,...`: files under /dev, the clock and
+// sleep are this one's, all other files are the real one's. Time is virtual: it stands still but for sleeping, waiting,
+// and a microsecond a look at the clock, so that tests neither wait nor depend on the machine, and no loop without an
+// end can hide.
+namespace touchline::fake {
+
+/// What stands behind a device file. Calls answer 0 (or a value) or a negative errno, as in the kernel.
+class File {
+ public:
+  virtual ~File() = default;
+  virtual int open() { return 0; }
+  virtual void close() {}
+  virtual int ioctl(unsigned long request, void* argument) = 0;
+  /// poll()'s events now, and the instant at which they may change (the far future: never).
+  virtual short events() { return 0; }
+  virtual Instant next_event() { return Instant::max(); }
+  /// Null: EINVAL.
+  virtual void* map(std::size_t length, long offset, int protection);
+  /// False: not this file's memory.
+  virtual bool unmap(void* memory);
+  virtual int lock() { return 0; }
+};
+
+/// While one lives, it is the kernel. Not copyable, one at a time.
+class Kernel {
+ public:
+  Kernel();
+  ~Kernel();
+  Kernel(const Kernel&) = delete;
+  Kernel& operator=(const Kernel&) = delete;
+
+  void add(const std::string& path, File& file) { files_[path] = &file; }
+  void remove(const std::string& path) { files_.erase(path); }
+  void refuse_open(const std::string& path, int error) { refusals_[path] = error; }
+  void link(const std::string& from, const std::string& to) { links_[from] = to; }
+  /// The next waits end early with EINTR, as when a signal comes.
+  void interrupt_waits(int times) { interruptions_ = times; }
+
+  [[nodiscard]] Instant now() const { return now_; }
+  void advance(Duration duration) { now_ += duration; }
+  [[nodiscard]] std::size_t open_files() const { return open_.size(); }
+
+  // Entry points of the wrapped functions.
+  int open(const char* path, int flags);
+  bool close(int number);
+  File* file(int number);
+  /// A file that somebody opened elsewhere, such as a serial port.
+  int adopt(File& file);
+  bool unmap(void* memory);
+  int wait(File& file, short events, Instant deadline, short& found);
+  bool take_interruption();
+  Instant look_at_clock();
+  const std::string* resolve(const std::string& path) const;
+
+ private:
+  std::map<std::string, File*> files_;
+  std::map<std::string, int> refusals_;
+  std::map<std::string, std::string> links_;
+  std::map<int, File*> open_;
+  int next_number_ = 10000;  // above any real one
+  int interruptions_ = 0;
+  Instant now_{std::chrono::seconds(1000)};
+};
+
+/// The kernel in force, null outside of tests.
+Kernel* kernel();
+
+}  // namespace touchline::fake

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "core/time.h"
+#include "tests/linux/fake_kernel.h"
+
+namespace touchline::fake {
+
+/// A serial port as libserialport shows it (sp_* are wrapped), with a transmit buffer that empties at the baud rate.
+class SerialPort final : public File {
+ public:
+  explicit SerialPort(std::string path) : path_(std::move(path)) {}
+
+  // What it is, and what goes wrong.
+  std::string description = "FT232R USB UART";
+  std::size_t buffer_bytes = 4096;
+  bool stalled = false;  // nothing leaves
+  int open_error = 0;
+  int granted_baud = 0;  // 0: as asked
+  int baud_error = 0, bits_error = 0, write_error = 0;
+  bool locked_by_another = false;
+  void hang_up(int error) { error_ = error; }
+
+  // What was seen.
+  [[nodiscard]] const std::vector<std::byte>& wire();
+  [[nodiscard]] bool is_open() const { return number_ >= 0; }
+  [[nodiscard]] std::size_t waiting();
+  [[nodiscard]] std::size_t flushed() const { return flushed_; }
+  int baud = 0, bits = 0, parity = -1, stop_bits = 0, flow_control = -1;
+  bool exclusive = false;
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+  int ioctl(unsigned long request, void* argument) override;
+  int lock() override { return locked_by_another ? -11 : 0; }  // EWOULDBLOCK
+
+  // Entry points of the wrapped functions: a value, or a negative errno.
+  int open_port();
+  void close_port();
+  int write(const std::byte* bytes, std::size_t count);
+  int output_waiting();
+  int flush();
+  [[nodiscard]] int number() const { return number_; }
+  [[nodiscard]] int trouble() const { return error_; }
+
+ private:
+  void transmit();
+  std::string path_;
+  int number_ = -1;
+  int error_ = 0;
+  std::vector<std::byte> buffer_, wire_;
+  std::size_t flushed_ = 0;
+  Instant sent_until_{};
+};
+
+/// All ports of the machine while it lives.
+class SerialPorts {
+ public:
+  explicit SerialPorts(std::vector<SerialPort*> ports);
+  ~SerialPorts();
+  SerialPorts(const SerialPorts&) = delete;
+  SerialPorts& operator=(const SerialPorts&) = delete;
+  [[nodiscard]] const std::vector<SerialPort*>& all() const { return ports_; }
+  [[nodiscard]] SerialPort* find(const std::string& path) const;
+  int last_error = 0;
+  int unfreed = 0;  // ports, lists and settings that the library handed out
+
+ private:
+  std::vector<SerialPort*> ports_;
+};
+
+}  // namespace touchline::fake

@@ -1,0 +1,322 @@
+#include "hal/linux/serial_radio.h"
+
+#include <gtest/gtest.h>
+#include <libserialport.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "tests/linux/allocation_counter.h"
+#include "tests/linux/fake_kernel.h"
+#include "tests/linux/fake_serial.h"
+#include "tests/linux/fake_v4l2.h"
+
+namespace touchline::testing {
+namespace {
+
+using hal::RadioSettings;
+using hal::SerialRadio;
+
+constexpr const char* kById = "/dev/serial/by-id/usb-FTDI_FT232R_USB_UART_A1-if00-port0";
+
+Packet packet(std::size_t size, int fill) {
+  Packet packet;
+  for (std::size_t i = 0; i < size; ++i) packet.push_back(static_cast<std::byte>(fill));
+  return packet;
+}
+
+std::vector<std::byte> operator+(std::vector<std::byte> bytes, const Packet& packet) {
+  bytes.insert(bytes.end(), packet.begin(), packet.end());
+  return bytes;
+}
+
+/// A machine with /dev/ttyUSB0, which has a stable name too, and /dev/ttyS0.
+class SerialRadioTest : public ::testing::Test {
+ protected:
+  SerialRadioTest() {
+    kernel_.add("/dev/ttyUSB0", adapter_);
+    kernel_.add("/dev/ttyS0", on_board_);
+    kernel_.link(kById, "/dev/ttyUSB0");
+    on_board_.description = "ttyS0";
+  }
+  void TearDown() override {
+    EXPECT_EQ(ports_.unfreed, 0);
+    EXPECT_EQ(kernel_.open_files(), 0u);
+    EXPECT_FALSE(adapter_.is_open());
+  }
+  static RadioSettings settings(int baud = 115200) {
+    RadioSettings settings;
+    settings.backend = hal::RadioBackend::kSerial;
+    settings.device = kById;
+    settings.baud = baud;
+    return settings;
+  }
+  static std::string text(const std::string& rest) { return std::string(kById) + ": " + rest; }
+  static void expect_status(SerialRadio& radio, Status status, ErrorCode code, const std::string& reason) {
+    EXPECT_EQ(describe(status.code()), std::string(describe(code)));
+    EXPECT_EQ(radio.reason(), reason);
+  }
+  static void expect_refusal(const RadioSettings& settings, ErrorCode code, const std::string& reason) {
+    SerialRadio radio(settings);
+    expect_status(radio, radio.open(), code, reason);
+    EXPECT_EQ(radio.send(packet(4, 0)).code(), ErrorCode::kDisconnected);
+  }
+
+  fake::Kernel kernel_;
+  fake::SerialPort adapter_{"/dev/ttyUSB0"}, on_board_{"/dev/ttyS0"};
+  fake::SerialPorts ports_{{&on_board_, &adapter_}};
+};
+
+TEST_F(SerialRadioTest, OpensRawForUsAlone) {
+  SerialRadio radio(settings());
+  ASSERT_TRUE(radio.open().ok()) << radio.reason();
+  EXPECT_EQ(radio.reason(), "");
+  EXPECT_EQ(adapter_.baud, 115200);
+  EXPECT_EQ(adapter_.bits, 8);
+  EXPECT_EQ(adapter_.parity, SP_PARITY_NONE);
+  EXPECT_EQ(adapter_.stop_bits, 1);
+  EXPECT_EQ(adapter_.flow_control, SP_FLOWCONTROL_NONE);
+  EXPECT_TRUE(adapter_.exclusive);
+}
+
+TEST_F(SerialRadioTest, BytesReachTheWireAsTheyAre) {
+  SerialRadio radio(settings());
+  ASSERT_TRUE(radio.open().ok());
+  Packet all;
+  for (int i = 0; i < 128; ++i) all.push_back(static_cast<std::byte>(2 * i));
+  ASSERT_TRUE(radio.send(all).ok());
+  EXPECT_TRUE(radio.drain(kernel_.now() + std::chrono::milliseconds(100)).ok());
+  EXPECT_EQ(adapter_.wire(), std::vector<std::byte>{} + all);
+  EXPECT_EQ(radio.counters().packets, 1u);
+  EXPECT_EQ(radio.counters().bytes, 128u);
+  EXPECT_EQ(radio.counters().refused, 0u);
+}
+
+TEST_F(SerialRadioTest, MissingPortListsThePortsThatAreHere) {
+  RadioSettings asked = settings();
+  asked.device = "/dev/ttyUSB7";
+  expect_refusal(asked, ErrorCode::kNotFound,
+                 "/dev/ttyUSB7: no such port; ports here: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART)");
+}
+
+TEST_F(SerialRadioTest, AFileThatIsNoPort) {
+  fake::VideoDevice camera;
+  kernel_.add("/dev/video0", camera);
+  RadioSettings asked = settings();
+  asked.device = "/dev/video0";
+  expect_refusal(asked, ErrorCode::kUnsupported,
+                 "/dev/video0: not a serial port; ports here: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART)");
+}
+
+TEST_F(SerialRadioTest, RefusedAccessSaysWhatToDo) {
+  adapter_.open_error = EACCES;
+  expect_refusal(
+      settings(), ErrorCode::kPermission,
+      text("permission denied; add the user to the group dialout (`sudo usermod -aG dialout $USER`) and log in "
+           "again"));
+  adapter_.open_error = EBUSY;
+  expect_refusal(settings(), ErrorCode::kDeviceBusy,
+                 text(std::string("held by another process; `fuser -v ") + kById + "` names it"));
+  adapter_.open_error = EIO;
+  expect_refusal(settings(), ErrorCode::kNotFound,
+                 text("no UART behind this port; ports here: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART)"));
+  adapter_.open_error = ENOMEM;
+  expect_refusal(settings(), ErrorCode::kIo, text("cannot be opened: Cannot allocate memory"));
+}
+
+TEST_F(SerialRadioTest, ALockOfAnotherProgramKeepsUsOut) {
+  adapter_.locked_by_another = true;
+  expect_refusal(settings(), ErrorCode::kDeviceBusy,
+                 text(std::string("held by another process; `fuser -v ") + kById + "` names it"));
+}
+
+TEST_F(SerialRadioTest, BaudRatesThatThePortCannotDo) {
+  adapter_.baud_error = EINVAL;
+  expect_refusal(settings(1234567), ErrorCode::kUnsupported, text("refuses baud = 1234567: Invalid argument"));
+  adapter_.baud_error = 0;
+  adapter_.granted_baud = 9600;
+  expect_refusal(settings(), ErrorCode::kUnsupported,
+                 text("baud = 115200: granted 9600, which is too far off for the robots to understand"));
+  adapter_.granted_baud = 115200 - 2400;  // 2.1 % too slow
+  expect_refusal(settings(), ErrorCode::kUnsupported,
+                 text("baud = 115200: granted 112800, which is too far off for the robots to understand"));
+  adapter_.granted_baud = 115200 + 2200;  // 1.9 % too fast
+  SerialRadio radio(settings());
+  EXPECT_TRUE(radio.open().ok());
+  EXPECT_EQ(radio.reason(), text("baud = 115200: granted 117400"));
+}
+
+TEST_F(SerialRadioTest, PortThatGoesAwayWhileItIsSetUp) {
+  adapter_.bits_error = EIO;
+  expect_refusal(settings(), ErrorCode::kDisconnected, text("the port went away (setting 8N1 without flow control)"));
+  adapter_.bits_error = 0;
+  adapter_.baud_error = ENODEV;
+  expect_refusal(settings(), ErrorCode::kDisconnected, text("the port went away (setting the baud rate)"));
+}
+
+TEST_F(SerialRadioTest, NoMoreThanTwoPacketsWait) {
+  SerialRadio radio(settings(9600));
+  ASSERT_TRUE(radio.open().ok());
+  ASSERT_TRUE(radio.send(packet(100, 1)).ok());
+  ASSERT_TRUE(radio.send(packet(100, 2)).ok());
+  expect_status(
+      radio, radio.send(packet(100, 3)), ErrorCode::kBusy,
+      text("200 bytes still wait to be sent; 9600 baud is too slow for the rate of packets, or the port stands "
+           "still"));
+  kernel_.advance(std::chrono::milliseconds(50));  // 48 bytes
+  EXPECT_EQ(radio.send(packet(105, 4)).code(), ErrorCode::kBusy) << "152 and 105 are 257";
+  EXPECT_TRUE(radio.send(packet(104, 5)).ok());
+  EXPECT_TRUE(radio.drain(kernel_.now() + std::chrono::seconds(1)).ok());
+  EXPECT_EQ(adapter_.wire(), std::vector<std::byte>{} + packet(100, 1) + packet(100, 2) + packet(104, 5));
+  EXPECT_EQ(radio.counters().packets, 3u);
+  EXPECT_EQ(radio.counters().refused, 2u);
+}
+
+TEST_F(SerialRadioTest, AFullBufferTakesNothing) {
+  adapter_.buffer_bytes = 100;
+  SerialRadio radio(settings());
+  ASSERT_TRUE(radio.open().ok());
+  ASSERT_TRUE(radio.send(packet(100, 1)).ok());
+  expect_status(radio, radio.send(packet(20, 2)), ErrorCode::kBusy, text("the port's buffer is full"));
+  EXPECT_EQ(adapter_.waiting(), 100u);
+  EXPECT_EQ(radio.split_packets(), 0u);
+}
+
+TEST_F(SerialRadioTest, ASplitPacketIsCompletedBeforeAnythingElse) {
+  adapter_.buffer_bytes = 120;
+  adapter_.stalled = true;
+  SerialRadio radio(settings());
+  ASSERT_TRUE(radio.open().ok());
+  ASSERT_TRUE(radio.send(packet(66, 1)).ok());
+  ASSERT_TRUE(radio.send(packet(66, 2)).ok()) << "54 bytes fit, 12 follow";
+  EXPECT_EQ(radio.split_packets(), 1u);
+  expect_status(radio, radio.send(packet(66, 3)), ErrorCode::kBusy,
+                text("the port has not yet taken the rest of the packet before"));
+  adapter_.stalled = false;
+  kernel_.advance(std::chrono::milliseconds(1));  // 11 bytes: one too few
+  EXPECT_EQ(radio.send(packet(66, 4)).code(), ErrorCode::kBusy);
+  kernel_.advance(std::chrono::milliseconds(20));
+  EXPECT_TRUE(radio.send(packet(66, 5)).ok());
+  EXPECT_TRUE(radio.drain(kernel_.now() + std::chrono::seconds(1)).ok());
+  EXPECT_EQ(adapter_.wire(), std::vector<std::byte>{} + packet(66, 1) + packet(66, 2) + packet(66, 5));
+  EXPECT_EQ(radio.counters().packets, 3u);
+  EXPECT_EQ(radio.counters().refused, 2u);
+}
+
+TEST_F(SerialRadioTest, DrainCompletesASplitPacket) {
+  adapter_.buffer_bytes = 40;
+  SerialRadio radio(settings());
+  ASSERT_TRUE(radio.open().ok());
+  ASSERT_TRUE(radio.send(packet(66, 1)).ok());
+  EXPECT_TRUE(radio.drain(kernel_.now() + std::chrono::milliseconds(100)).ok());
+  EXPECT_EQ(adapter_.wire(), std::vector<std::byte>{} + packet(66, 1));
+}
+
+TEST_F(SerialRadioTest, DrainTakesTheTimeOfTheLineAndOfTheFifoAndNoMore) {
+  SerialRadio radio(settings(9600));
+  ASSERT_TRUE(radio.open().ok());
+  ASSERT_TRUE(radio.send(packet(96, 1)).ok());
+  const Instant start = kernel_.now();
+  EXPECT_TRUE(radio.drain(start + std::chrono::seconds(1)).ok());
+  const double taken_s = seconds(kernel_.now() - start);
+  EXPECT_GE(taken_s, (96 + 64) * 10.0 / 9600);
+  EXPECT_LE(taken_s, (96 + 64) * 10.0 / 9600 + 0.002);
+}
+
+TEST_F(SerialRadioTest, DrainGivesUpAtTheDeadline) {
+  adapter_.stalled = true;
+  adapter_.buffer_bytes = 50;
+  SerialRadio radio(settings());
+  ASSERT_TRUE(radio.open().ok());
+  ASSERT_TRUE(radio.send(packet(66, 1)).ok());
+  const Instant deadline = kernel_.now() + std::chrono::milliseconds(30);
+  expect_status(radio, radio.drain(deadline), ErrorCode::kTimeout, text("66 bytes have not left before the deadline"));
+  EXPECT_GE(kernel_.now(), deadline);
+  EXPECT_LE(kernel_.now(), deadline + std::chrono::milliseconds(1));
+  radio.close();
+  EXPECT_EQ(adapter_.flushed(), 50u) << "else closing waits for a line that stands still";
+}
+
+TEST_F(SerialRadioTest, PluggedOutAndInAgainUnderAnotherNumber) {
+  SerialRadio radio(settings());
+  ASSERT_TRUE(radio.open().ok());
+  ASSERT_TRUE(radio.send(packet(10, 1)).ok());
+  adapter_.hang_up(EIO);
+  expect_status(radio, radio.send(packet(10, 2)), ErrorCode::kDisconnected,
+                text("the port went away (asking what waits)"));
+  adapter_.hang_up(0);
+  EXPECT_EQ(radio.send(packet(10, 3)).code(), ErrorCode::kDisconnected) << "it stays so until it is opened again";
+  EXPECT_EQ(radio.drain(kernel_.now()).code(), ErrorCode::kDisconnected);
+  radio.close();
+  kernel_.link(kById, "/dev/ttyS0");
+  ASSERT_TRUE(radio.open().ok()) << radio.reason();
+  ASSERT_TRUE(radio.send(packet(10, 4)).ok());
+  EXPECT_EQ(on_board_.waiting(), 10u);
+  EXPECT_EQ(radio.counters().refused, 2u);
+}
+
+TEST_F(SerialRadioTest, FailureWhileWriting) {
+  SerialRadio radio(settings());
+  ASSERT_TRUE(radio.open().ok());
+  adapter_.write_error = EIO;
+  expect_status(radio, radio.send(packet(10, 1)), ErrorCode::kDisconnected, text("the port went away (sending)"));
+  radio.close();
+  adapter_.write_error = EPERM;
+  ASSERT_TRUE(radio.open().ok());
+  expect_status(radio, radio.send(packet(10, 1)), ErrorCode::kIo, text("sending failed: Operation not permitted"));
+}
+
+TEST_F(SerialRadioTest, ReopeningForgetsTheRestOfASplitPacket) {
+  adapter_.buffer_bytes = 40;
+  adapter_.stalled = true;
+  SerialRadio radio(settings());
+  ASSERT_TRUE(radio.open().ok());
+  ASSERT_TRUE(radio.send(packet(66, 1)).ok());
+  ASSERT_TRUE(radio.open().ok());
+  adapter_.stalled = false;
+  ASSERT_TRUE(radio.send(packet(30, 2)).ok());
+  EXPECT_TRUE(radio.drain(kernel_.now() + std::chrono::milliseconds(100)).ok());
+  EXPECT_EQ(adapter_.wire(), std::vector<std::byte>{} + packet(30, 2));
+}
+
+TEST_F(SerialRadioTest, SendingAllocatesNothingWhateverComes) {
+  adapter_.buffer_bytes = 150;
+  SerialRadio radio(settings());
+  ASSERT_TRUE(radio.open().ok());
+  const Packet one = packet(66, 1);
+  int busy = 0, sent = 0, gone = 0;
+  const AllocationCounter counter;
+  for (int i = 0; i < 1000; ++i) {
+    kernel_.advance(std::chrono::milliseconds(i % 2 == 0 ? 3 : 5));
+    if (i == 900) adapter_.hang_up(EIO);
+    const ErrorCode code = radio.send(one).code();
+    (code == ErrorCode::kOk ? sent : code == ErrorCode::kBusy ? busy : gone) += 1;
+  }
+  const std::size_t allocations = counter.count();
+  EXPECT_EQ(allocations, 0u);
+  EXPECT_GT(sent, 400);
+  EXPECT_GT(busy, 100);
+  EXPECT_GT(radio.split_packets(), 10u);
+  EXPECT_EQ(gone, 100);
+}
+
+TEST_F(SerialRadioTest, NeverHalfAPacketOnTheWire) {
+  adapter_.buffer_bytes = 97;
+  SerialRadio radio(settings());
+  ASSERT_TRUE(radio.open().ok());
+  std::vector<std::byte> expected;
+  for (int i = 0; i < 300; ++i) {
+    kernel_.advance(std::chrono::microseconds(700 + 97 * (i % 13)));
+    const Packet next = packet(static_cast<std::size_t>(20 + i % 50), i % 251);
+    if (radio.send(next).ok()) expected = expected + next;
+  }
+  EXPECT_TRUE(radio.drain(kernel_.now() + std::chrono::seconds(1)).ok());
+  EXPECT_EQ(adapter_.wire(), expected);
+  EXPECT_GT(radio.counters().refused, 30u);
+  EXPECT_GT(radio.split_packets(), 5u);
+}
+
+}  // namespace
+}  // namespace touchline::testing

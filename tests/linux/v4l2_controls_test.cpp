@@ -1,0 +1,135 @@
+#include <cerrno>
+
+#include "tests/linux/v4l2_fixture.h"
+
+namespace touchline::testing {
+namespace {
+
+using V4l2ControlsTest = V4l2Test;
+using hal::CameraSettings;
+using hal::PowerLine;
+using hal::V4l2Camera;
+
+CameraSettings untouched(CameraSettings settings) {
+  settings.exposure_us = settings.gain = settings.white_balance_k = 0;
+  settings.power_line = PowerLine::kLeave;
+  return settings;
+}
+
+TEST_F(V4l2ControlsTest, FixesAllThatIsAskedAndReadsItBack) {
+  CameraSettings asked = settings();
+  asked.exposure_us = 5000;
+  asked.gain = 30;
+  asked.white_balance_k = 4600;
+  asked.power_line = PowerLine::k50Hz;
+  device_.controls[V4L2_CID_AUTOGAIN] = {0, 1, 1, 1};
+  expect_grants(asked, "");
+  const auto value = [&](std::uint32_t id) { return device_.controls.at(id).value; };
+  EXPECT_EQ(value(V4L2_CID_EXPOSURE_AUTO), V4L2_EXPOSURE_MANUAL);
+  EXPECT_EQ(value(V4L2_CID_EXPOSURE_AUTO_PRIORITY), 0);
+  EXPECT_EQ(value(V4L2_CID_EXPOSURE_ABSOLUTE), 50);
+  EXPECT_EQ(value(V4L2_CID_AUTOGAIN), 0);
+  EXPECT_EQ(value(V4L2_CID_GAIN), 30);
+  EXPECT_EQ(value(V4L2_CID_AUTO_WHITE_BALANCE), 0);
+  EXPECT_EQ(value(V4L2_CID_WHITE_BALANCE_TEMPERATURE), 4600);
+  EXPECT_EQ(value(V4L2_CID_POWER_LINE_FREQUENCY), V4L2_CID_POWER_LINE_FREQUENCY_50HZ);
+  for (const auto& [id, control] : device_.controls) EXPECT_GE(control.reads, control.writes) << id;
+}
+
+TEST_F(V4l2ControlsTest, ZeroLeavesTheDriverAlone) {
+  expect_grants(untouched(settings()), "");
+  for (const auto& [id, control] : device_.controls) EXPECT_EQ(control.writes, 0) << id;
+}
+
+TEST_F(V4l2ControlsTest, ValuesOutsideTheRangeAreClampedAndReported) {
+  CameraSettings asked = untouched(settings());
+  asked.exposure_us = 300000;
+  asked.gain = 1000;
+  asked.white_balance_k = 4604;
+  expect_grants(
+      asked,
+      "/dev/video0: exposure_us = 300000: granted 204700 (range 300 to 204700, step 100); gain = 1000: granted "
+      "255 (range 0 to 255, step 1); white_balance_k = 4604: granted 4600 (range 2000 to 6500, step 10)");
+}
+
+TEST_F(V4l2ControlsTest, ExposureIsRoundedToTheDriversHundredMicroseconds) {
+  CameraSettings asked = untouched(settings());
+  asked.exposure_us = 5060;
+  expect_grants(asked, "/dev/video0: exposure_us = 5060: granted 5100 (range 300 to 204700, step 100)");
+}
+
+TEST_F(V4l2ControlsTest, LackingControlsAreNamed) {
+  CameraSettings asked = settings();
+  asked.gain = 10;
+  asked.power_line = PowerLine::k60Hz;
+  device_.controls.clear();
+  expect_grants(asked,
+                "/dev/video0: power_line = 60hz: the camera has no such control; exposure_us = 5000: the camera has no "
+                "such control; gain = 10: the camera has no such control; white_balance_k = 4600: the camera has no "
+                "such control");
+  asked = untouched(asked);
+  asked.power_line = PowerLine::kOff;
+  expect_grants(asked, "");
+}
+
+TEST_F(V4l2ControlsTest, DisabledControlsCountAsLacking) {
+  device_.controls[V4L2_CID_WHITE_BALANCE_TEMPERATURE].flags = V4L2_CTRL_FLAG_DISABLED;
+  expect_grants(settings(), "/dev/video0: white_balance_k = 4600: the camera has no such control");
+}
+
+TEST_F(V4l2ControlsTest, RefusedControlsAreReportedAndTheCameraOpens) {
+  CameraSettings asked = settings();
+  asked.power_line = PowerLine::k50Hz;
+  device_.controls[V4L2_CID_EXPOSURE_AUTO].set_error = EBUSY;
+  device_.controls[V4L2_CID_EXPOSURE_ABSOLUTE].set_error = EIO;
+  device_.controls[V4L2_CID_AUTO_WHITE_BALANCE].stubborn = true;
+  device_.controls[V4L2_CID_POWER_LINE_FREQUENCY].stubborn = true;
+  expect_grants(asked,
+                "/dev/video0: power_line = 50hz: the driver kept another; exposure_us = 5000: automatic exposure stays "
+                "on (Device or resource busy); exposure_us = 5000: refused (Input/output error); white_balance_k = "
+                "4600: automatic white balance stays on (the driver kept it)");
+}
+
+TEST_F(V4l2ControlsTest, GainFallsBackToTheSensorsOwn) {
+  CameraSettings asked = untouched(settings());
+  asked.gain = 12;
+  device_.controls.erase(V4L2_CID_GAIN);
+  device_.controls[V4L2_CID_ANALOGUE_GAIN] = {1, 16, 1, 1};
+  expect_grants(asked, "");
+  EXPECT_EQ(device_.controls.at(V4L2_CID_ANALOGUE_GAIN).value, 12);
+}
+
+TEST_F(V4l2ControlsTest, AreSetAgainWhenTheStreamBegins) {
+  device_.forgets_controls_at_start = true;
+  V4l2Camera camera(settings());
+  ASSERT_TRUE(camera.open().ok());
+  ASSERT_TRUE(camera.start().ok());
+  EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_AUTO).value, V4L2_EXPOSURE_MANUAL);
+  EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 50);
+  camera.stop();
+}
+
+TEST_F(V4l2ControlsTest, AReportIsNotRepeatedByStart) {
+  device_.rates_hz = {30};
+  CameraSettings asked = settings();
+  asked.gain = 300;
+  V4l2Camera camera(asked);
+  ASSERT_TRUE(camera.open().ok());
+  const std::string report = camera.reason();
+  EXPECT_EQ(report, "/dev/video0: rate_hz = 60: granted 30; gain = 300: granted 255 (range 0 to 255, step 1)");
+  ASSERT_TRUE(camera.start().ok());
+  EXPECT_EQ(camera.reason(), report);
+}
+
+TEST_F(V4l2ControlsTest, EveryReopeningSetsThemAnew) {
+  V4l2Camera camera(settings());
+  for (int i = 0; i < 2; ++i) {
+    device_.controls[V4L2_CID_EXPOSURE_ABSOLUTE].value = 999;
+    ASSERT_TRUE(camera.open().ok());
+    EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 50);
+    camera.close();
+  }
+}
+
+}  // namespace
+}  // namespace touchline::testing

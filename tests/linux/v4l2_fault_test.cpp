@@ -1,0 +1,191 @@
+#include <cerrno>
+#include <optional>
+
+#include "tests/linux/v4l2_fixture.h"
+
+namespace touchline::testing {
+namespace {
+
+using hal::FrameLease;
+using hal::V4l2Camera;
+
+class V4l2FaultTest : public V4l2Test {
+ protected:
+  void begin() {
+    camera_.emplace(settings());
+    ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
+    ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
+  }
+  /// The same error again and again, and the driver is left in peace.
+  void expect_lost_for_good(ErrorCode code) {
+    const int requests = device_.requests(VIDIOC_DQBUF);
+    const std::string reason = camera_->reason();
+    expect_loss(*camera_, code, reason);
+    EXPECT_EQ(device_.requests(VIDIOC_DQBUF), requests);
+  }
+  void TearDown() override {
+    camera_.reset();
+    V4l2Test::TearDown();
+  }
+  std::optional<V4l2Camera> camera_;
+};
+
+TEST_F(V4l2FaultTest, DamagedAndShortFramesAreGivenBackAndTheNextIsGood) {
+  device_.frame_faults[1].damaged = true;
+  device_.frame_faults[2].bytes = 307200;
+  device_.frame_faults[3].bytes = 0;
+  begin();
+  expect_frame(*camera_, 0);
+  expect_loss(*camera_, ErrorCode::kCorruptFrame, "/dev/video0: the driver marks frame 1 as damaged");
+  EXPECT_EQ(device_.queued(), 4u);
+  expect_loss(*camera_, ErrorCode::kShortFrame, "/dev/video0: frame 2 has 307200 bytes instead of 614400");
+  expect_loss(*camera_, ErrorCode::kShortFrame, "/dev/video0: frame 3 has 0 bytes instead of 614400");
+  EXPECT_EQ(device_.queued(), 4u);
+  expect_frame(*camera_, 4);
+  EXPECT_EQ(camera_->counters().corrupt, 1u);
+  EXPECT_EQ(camera_->counters().short_frames, 2u);
+  EXPECT_EQ(camera_->counters().frames, 2u);
+  EXPECT_EQ(camera_->counters().lost, 0u) << "they came, if badly";
+}
+
+TEST_F(V4l2FaultTest, FailureInTheMiddleOfTheStreamNeedsAReopening) {
+  begin();
+  expect_frame(*camera_, 0);
+  device_.fail(VIDIOC_DQBUF, EIO);
+  expect_loss(*camera_, ErrorCode::kIo, "/dev/video0: fetching a frame failed: Input/output error");
+  expect_lost_for_good(ErrorCode::kIo);
+  camera_->close();
+  ASSERT_TRUE(camera_->open().ok());
+  ASSERT_TRUE(camera_->start().ok());
+  expect_frame(*camera_, 0);
+}
+
+TEST_F(V4l2FaultTest, PluggedOutAndInAgain) {
+  device_.gone_at_frame = 2;
+  begin();
+  expect_frame(*camera_, 0);
+  expect_frame(*camera_, 1);
+  expect_loss(*camera_, ErrorCode::kDisconnected, "/dev/video0: the camera went away (fetching a frame)");
+  expect_lost_for_good(ErrorCode::kDisconnected);
+  camera_->close();
+  EXPECT_EQ(kernel_.open_files(), 0u);
+  kernel_.remove("/dev/video0");
+  EXPECT_EQ(camera_->open().code(), ErrorCode::kNotFound);
+
+  fake::VideoDevice again;
+  kernel_.add("/dev/video0", again);
+  ASSERT_TRUE(camera_->open().ok());
+  ASSERT_TRUE(camera_->start().ok());
+  EXPECT_EQ(again.controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 50);
+  expect_frame(*camera_, 0);
+  camera_.reset();
+  EXPECT_EQ(again.mapped(), 0u);
+}
+
+TEST_F(V4l2FaultTest, PluggedOutWhileAFrameIsLent) {
+  begin();
+  {
+    const Result<FrameLease> frame = camera_->wait(soon());
+    ASSERT_TRUE(frame.ok());
+    device_.plug_out();
+  }
+  expect_loss(*camera_, ErrorCode::kDisconnected, "/dev/video0: the camera went away (queuing a buffer)");
+}
+
+TEST_F(V4l2FaultTest, ALostFrameThatCannotBeGivenBackIsTheDevicesFault) {
+  device_.frame_faults[0].damaged = true;
+  begin();
+  device_.fail(VIDIOC_QBUF, EIO);
+  expect_loss(*camera_, ErrorCode::kIo, "/dev/video0: queuing a buffer failed: Input/output error");
+}
+
+TEST_F(V4l2FaultTest, FalseAlarmsNeitherEndTheWaitNorBurnTheProcessor) {
+  begin();
+  device_.false_alarms = 1000000;
+  const int before = device_.requests(VIDIOC_DQBUF);
+  expect_loss(*camera_, ErrorCode::kTimeout, "/dev/video0: no frame before the deadline");
+  const int tries = device_.requests(VIDIOC_DQBUF) - before;
+  EXPECT_GE(tries, 150);
+  EXPECT_LE(tries, 210) << "100 ms at one look each 500 us";
+  device_.false_alarms = 5;
+  const Result<FrameLease> frame = camera_->wait(soon());
+  EXPECT_TRUE(frame.ok());
+}
+
+TEST_F(V4l2FaultTest, GapsInTheDriversCountAreLostFrames) {
+  device_.frame_faults[1].dropped = true;
+  device_.frame_faults[2].dropped = true;
+  device_.frame_faults[4].dropped = true;
+  begin();
+  expect_frame(*camera_, 0);
+  expect_frame(*camera_, 3);
+  expect_frame(*camera_, 5);
+  EXPECT_EQ(camera_->counters().lost, 3u);
+}
+
+TEST_F(V4l2FaultTest, ACountThatStandsStillOrGoesBackIsContinued) {
+  device_.frame_faults[1].sequence = 0;
+  device_.frame_faults[2].sequence = 0;
+  device_.frame_faults[4].sequence = 1;
+  begin();
+  for (std::uint32_t i = 0; i < 7; ++i) expect_frame(*camera_, i);
+  EXPECT_EQ(camera_->counters().lost, 0u);
+}
+
+TEST_F(V4l2FaultTest, TheCountWrapsAround) {
+  device_.frame_faults[0].sequence = 0xfffffffe;
+  device_.frame_faults[1].sequence = 0xffffffff;
+  device_.frame_faults[2].sequence = 1;
+  begin();
+  expect_frame(*camera_, 0xfffffffe);
+  expect_frame(*camera_, 0xffffffff);
+  expect_frame(*camera_, 1);
+  EXPECT_EQ(camera_->counters().lost, 1u);
+}
+
+TEST_F(V4l2FaultTest, StampsThatGoBackOrLieInTheFutureAreReplacedAndTimeGoesForward) {
+  device_.frame_faults[2].stamp_shift = -std::chrono::milliseconds(50);
+  device_.frame_faults[4].stamp_shift = std::chrono::hours(1);
+  begin();
+  Instant last{};
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    const Result<FrameLease> frame = camera_->wait(soon());
+    ASSERT_TRUE(frame.ok());
+    const Instant captured = frame.value().frame().capture_time;
+    EXPECT_GT(captured, last) << i;
+    EXPECT_LE(captured, kernel_.now()) << i;
+    EXPECT_GT(captured, kernel_.now() - std::chrono::milliseconds(17)) << i;
+    last = captured;
+  }
+  EXPECT_EQ(camera_->stamps().replaced(), 2u);
+}
+
+TEST_F(V4l2FaultTest, RefusalsAtTheStartOfTheStream) {
+  V4l2Camera camera(settings());
+  EXPECT_EQ(camera.start().code(), ErrorCode::kInconsistent);
+  EXPECT_EQ(camera.reason(), "/dev/video0: not open");
+  ASSERT_TRUE(camera.open().ok());
+  device_.fail(VIDIOC_STREAMON, ENOSPC);
+  EXPECT_EQ(camera.start().code(), ErrorCode::kUnsupported);
+  EXPECT_EQ(
+      camera.reason(),
+      "/dev/video0: the USB bus has no bandwidth left for 640x480 at 60 Hz; use another port or a smaller picture");
+  camera.close();
+  ASSERT_TRUE(camera.open().ok());
+  device_.fail(VIDIOC_STREAMON, EBUSY);
+  EXPECT_EQ(camera.start().code(), ErrorCode::kDeviceBusy);
+  EXPECT_EQ(camera.reason(), "/dev/video0: held by another process; `fuser -v /dev/video0` names it");
+  camera.close();
+  ASSERT_TRUE(camera.open().ok());
+  device_.fail(VIDIOC_STREAMON, EPIPE);
+  EXPECT_EQ(camera.start().code(), ErrorCode::kIo);
+  EXPECT_EQ(camera.reason(), "/dev/video0: starting the stream failed: Broken pipe");
+  camera.close();
+  ASSERT_TRUE(camera.open().ok());
+  device_.fail(VIDIOC_QBUF, ENODEV, 1);
+  EXPECT_EQ(camera.start().code(), ErrorCode::kDisconnected);
+  EXPECT_EQ(camera.reason(), "/dev/video0: the camera went away (queuing buffers)");
+}
+
+}  // namespace
+}  // namespace touchline::testing

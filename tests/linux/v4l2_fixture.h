@@ -1,0 +1,58 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "hal/linux/v4l2_camera.h"
+#include "tests/linux/fake_kernel.h"
+#include "tests/linux/fake_v4l2.h"
+
+namespace touchline::testing {
+
+/// A machine with one camera at /dev/video0. Whatever a test does, all must be given back at its end.
+class V4l2Test : public ::testing::Test {
+ protected:
+  V4l2Test() { kernel_.add("/dev/video0", device_); }
+  void TearDown() override {
+    EXPECT_EQ(kernel_.open_files(), 0u);
+    EXPECT_EQ(device_.mapped(), 0u);
+    EXPECT_EQ(device_.breaches(), std::vector<std::string>{});
+  }
+
+  static hal::CameraSettings settings() {
+    hal::CameraSettings settings;
+    settings.backend = hal::CameraBackend::kV4l2;
+    return settings;
+  }
+  [[nodiscard]] Instant soon() const { return kernel_.now() + std::chrono::milliseconds(100); }
+  /// open() must fail with `code` and say `reason`.
+  void expect_refusal(const hal::CameraSettings& settings, ErrorCode code, const std::string& reason) {
+    hal::V4l2Camera camera(settings);
+    EXPECT_EQ(describe(camera.open().code()), std::string(describe(code)));
+    EXPECT_EQ(camera.reason(), reason);
+  }
+  /// open() must succeed and say `reason`.
+  void expect_grants(const hal::CameraSettings& settings, const std::string& reason) {
+    hal::V4l2Camera camera(settings);
+    EXPECT_TRUE(camera.open().ok());
+    EXPECT_EQ(camera.reason(), reason);
+  }
+  /// The next frame must be lost with `code` and `reason`.
+  void expect_loss(hal::V4l2Camera& camera, ErrorCode code, const std::string& reason) {
+    const Result<hal::FrameLease> frame = camera.wait(soon());
+    EXPECT_EQ(describe(frame.error()), std::string(describe(code)));
+    EXPECT_EQ(camera.reason(), reason);
+  }
+  /// The next frame must be good and have this number.
+  void expect_frame(hal::V4l2Camera& camera, std::uint32_t sequence) {
+    const Result<hal::FrameLease> frame = camera.wait(soon());
+    ASSERT_TRUE(frame.ok()) << camera.reason();
+    EXPECT_EQ(frame.value().frame().sequence, sequence);
+  }
+
+  fake::Kernel kernel_;
+  fake::VideoDevice device_;
+};
+
+}  // namespace touchline::testing

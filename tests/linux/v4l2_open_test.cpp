@@ -1,0 +1,194 @@
+#include <cerrno>
+
+#include "tests/linux/v4l2_fixture.h"
+
+namespace touchline::testing {
+namespace {
+
+using V4l2OpenTest = V4l2Test;
+using hal::CameraSettings;
+using hal::V4l2Camera;
+
+TEST_F(V4l2OpenTest, GrantsWhatIsAskedAndHasNothingToSay) {
+  V4l2Camera camera(settings());
+  ASSERT_TRUE(camera.open().ok()) << camera.reason();
+  EXPECT_EQ(camera.reason(), "");
+  EXPECT_EQ(camera.info().format, PixelFormat::kYuyv);
+  EXPECT_EQ(camera.info().width_px, 640);
+  EXPECT_EQ(camera.info().height_px, 480);
+  EXPECT_DOUBLE_EQ(camera.info().rate_hz, 60.0);
+  EXPECT_EQ(device_.mapped(), 4u);
+  camera.close();
+  EXPECT_EQ(device_.mapped(), 0u);
+  EXPECT_EQ(kernel_.open_files(), 0u);
+}
+
+TEST_F(V4l2OpenTest, OpensAgainAfterCloseAndWithoutClose) {
+  V4l2Camera camera(settings());
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(camera.open().ok()) << camera.reason();
+    ASSERT_TRUE(camera.open().ok()) << camera.reason();
+    EXPECT_EQ(kernel_.open_files(), 1u);
+    camera.close();
+  }
+}
+
+TEST_F(V4l2OpenTest, MissingDeviceListsTheCamerasThatAreHere) {
+  kernel_.remove("/dev/video0");
+  expect_refusal(settings(), ErrorCode::kNotFound, "/dev/video0: no such device; cameras here: none");
+
+  fake::VideoDevice other, codec, planar;
+  other.card = "HD Webcam";
+  other.bus = "usb-0000:00:14.0-4";
+  codec.capabilities = V4L2_CAP_VIDEO_M2M | V4L2_CAP_STREAMING;
+  planar.capabilities = V4L2_CAP_VIDEO_CAPTURE_MPLANE | V4L2_CAP_STREAMING;
+  kernel_.add("/dev/video2", other);
+  kernel_.add("/dev/video10", codec);
+  kernel_.add("/dev/video11", planar);
+  kernel_.add("/dev/video12", device_);
+  expect_refusal(settings(), ErrorCode::kNotFound,
+                 "/dev/video0: no such device; cameras here: /dev/video2 (HD Webcam, usb-0000:00:14.0-4), "
+                 "/dev/video12 (Fake Camera, usb-0000:00:14.0-1)");
+}
+
+TEST_F(V4l2OpenTest, RefusedAccessSaysWhatToDo) {
+  kernel_.refuse_open("/dev/video0", EACCES);
+  expect_refusal(settings(), ErrorCode::kPermission,
+                 "/dev/video0: permission denied; add the user to the group video (`sudo usermod -aG video $USER`) and "
+                 "log in again");
+  kernel_.refuse_open("/dev/video0", EBUSY);
+  expect_refusal(settings(), ErrorCode::kDeviceBusy,
+                 "/dev/video0: held by another process; `fuser -v /dev/video0` names it");
+  kernel_.refuse_open("/dev/video0", EMFILE);
+  expect_refusal(settings(), ErrorCode::kIo, "/dev/video0: cannot be opened: Too many open files");
+}
+
+TEST_F(V4l2OpenTest, DevicesThatAreNoCameras) {
+  device_.fail(VIDIOC_QUERYCAP, ENOTTY);
+  expect_refusal(settings(), ErrorCode::kUnsupported,
+                 "/dev/video0: not a video device; cameras here: /dev/video0 (Fake Camera, usb-0000:00:14.0-1)");
+  device_.fail(VIDIOC_QUERYCAP, ENODEV);
+  expect_refusal(settings(), ErrorCode::kDisconnected, "/dev/video0: the camera went away (asking what it is)");
+
+  device_.capabilities = V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_STREAMING;
+  expect_refusal(settings(), ErrorCode::kUnsupported,
+                 "/dev/video0 (Fake Camera): does not capture video; cameras here: none");
+  device_.capabilities = V4L2_CAP_VIDEO_CAPTURE_MPLANE | V4L2_CAP_STREAMING;
+  expect_refusal(
+      settings(), ErrorCode::kUnsupported,
+      "/dev/video0 (Fake Camera): delivers pictures in several planes only (V4L2 multi-planar), which is not "
+      "supported; cameras here: none");
+  device_.capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_READWRITE;
+  expect_refusal(settings(), ErrorCode::kUnsupported,
+                 "/dev/video0 (Fake Camera): cannot stream into mapped buffers; cameras here: none");
+}
+
+TEST_F(V4l2OpenTest, AnotherFormatOrSizeIsRefusedWithTheListOfWhatThereIs) {
+  CameraSettings asked = settings();
+  asked.format = PixelFormat::kUyvy;
+  expect_refusal(
+      asked, ErrorCode::kUnsupported,
+      "/dev/video0: no uyvy 640x480 but MJPG 640x480; it offers MJPG 640x480, 1280x720; yuyv 640x480, 320x240");
+  asked.format = PixelFormat::kYuyv;
+  asked.width_px = 1280;
+  asked.height_px = 720;
+  expect_refusal(asked, ErrorCode::kUnsupported,
+                 "/dev/video0: no yuyv 1280x720 but yuyv 640x480; it offers MJPG 640x480, 1280x720; yuyv 640x480, "
+                 "320x240");
+  device_.formats = {{V4L2_PIX_FMT_NV12, {{32, 32}, {1920, 1080}}, true}, {V4L2_PIX_FMT_SBGGR10, {}, false}};
+  asked.format = PixelFormat::kRgb24;
+  expect_refusal(asked, ErrorCode::kUnsupported,
+                 "/dev/video0: no rgb24 1280x720 but nv12 1280x720; it offers nv12 32x32 to 1920x1080; BG10");
+  device_.fail(VIDIOC_S_FMT, EINVAL);
+  expect_refusal(asked, ErrorCode::kUnsupported,
+                 "/dev/video0: no rgb24 1280x720 (invalid argument); it offers nv12 32x32 to 1920x1080; BG10");
+}
+
+TEST_F(V4l2OpenTest, FailuresWhileNegotiating) {
+  device_.fail(VIDIOC_S_FMT, EBUSY);
+  expect_refusal(settings(), ErrorCode::kDeviceBusy,
+                 "/dev/video0: held by another process; `fuser -v /dev/video0` names it");
+  device_.fail(VIDIOC_S_FMT, EIO);
+  expect_refusal(settings(), ErrorCode::kIo, "/dev/video0: cannot set a format: Input/output error");
+  device_.fail(VIDIOC_S_FMT, ENODEV);
+  expect_refusal(settings(), ErrorCode::kDisconnected, "/dev/video0: cannot set a format: No such device");
+  device_.field = V4L2_FIELD_ALTERNATE;
+  expect_refusal(settings(), ErrorCode::kUnsupported,
+                 "/dev/video0: delivers single fields, not whole frames, at yuyv 640x480; half the height may be "
+                 "progressive");
+}
+
+TEST_F(V4l2OpenTest, RateIsReportedWhenItIsNotTheOneAsked) {
+  device_.rates_hz = {15, 30};
+  V4l2Camera camera(settings());
+  ASSERT_TRUE(camera.open().ok());
+  EXPECT_DOUBLE_EQ(camera.info().rate_hz, 30.0);
+  EXPECT_EQ(camera.reason(), "/dev/video0: rate_hz = 60: granted 30");
+
+  device_.tells_rate = false;
+  ASSERT_TRUE(camera.open().ok());
+  EXPECT_DOUBLE_EQ(camera.info().rate_hz, 0.0);
+  EXPECT_EQ(camera.reason(), "/dev/video0: rate_hz = 60: the driver does not tell its rate");
+}
+
+TEST_F(V4l2OpenTest, FractionalRateIsAskedInMillihertz) {
+  CameraSettings asked = settings();
+  asked.rate_hz = 29.97;
+  V4l2Camera camera(asked);
+  ASSERT_TRUE(camera.open().ok());
+  EXPECT_DOUBLE_EQ(camera.info().rate_hz, 30.0);
+  EXPECT_EQ(camera.reason(), "") << "29.97 is 30 to a person";
+}
+
+TEST_F(V4l2OpenTest, BuffersFewerOrMoreThanAskedAreReported) {
+  device_.most_buffers = 3;
+  expect_grants(settings(), "/dev/video0: buffers = 4: granted 3");
+  device_.most_buffers = 64;
+  device_.fewest_buffers = 40;
+  expect_grants(settings(), "/dev/video0: buffers = 4: granted 32");
+  device_.fewest_buffers = device_.most_buffers = 1;
+  expect_refusal(settings(), ErrorCode::kUnsupported, "/dev/video0: grants 1 buffers, at least 2 are needed");
+}
+
+TEST_F(V4l2OpenTest, FailuresOfBuffersLeaveNothingBehind) {
+  device_.fail(VIDIOC_REQBUFS, EBUSY);
+  expect_refusal(settings(), ErrorCode::kDeviceBusy,
+                 "/dev/video0: held by another process; `fuser -v /dev/video0` names it");
+  device_.fail(VIDIOC_REQBUFS, ENOMEM);
+  expect_refusal(settings(), ErrorCode::kIo, "/dev/video0: mapping buffers failed: Cannot allocate memory");
+  device_.fail(VIDIOC_QUERYBUF, EIO, 2);
+  expect_refusal(settings(), ErrorCode::kIo, "/dev/video0: mapping buffers failed: Input/output error");
+  device_.maps = false;
+  expect_refusal(settings(), ErrorCode::kIo, "/dev/video0: mapping buffers failed: Invalid argument");
+  device_.maps = true;
+  device_.missing_bytes = 2;
+  expect_refusal(settings(), ErrorCode::kUnsupported, "/dev/video0: a buffer has 614398 bytes, a picture needs 614400");
+}
+
+TEST_F(V4l2OpenTest, InterlacedPicturesAndForeignClocksAreReportedTogether) {
+  device_.field = V4L2_FIELD_INTERLACED;
+  device_.stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_COPY;
+  device_.rates_hz = {25};
+  expect_grants(settings(),
+                "/dev/video0: rate_hz = 60: granted 25; interlaced: odd and even rows are half a frame apart; the "
+                "driver's time stamps are of no monotonic clock: frames are stamped when they are fetched");
+}
+
+TEST_F(V4l2OpenTest, SignalsDoNotDisturb) {
+  kernel_.interrupt_waits(5);
+  expect_grants(settings(), "");
+}
+
+TEST_F(V4l2OpenTest, ListThatIsTooLongIsCutAndNothingElse) {
+  device_.formats.clear();
+  for (std::uint32_t i = 0; i < 64; ++i) {
+    device_.formats.push_back({v4l2_fourcc('A', 'B', 'C', '0' + i), {{1920, 1080}, {1280, 720}, {640, 480}}, false});
+  }
+  V4l2Camera camera(settings());
+  EXPECT_EQ(camera.open().code(), ErrorCode::kUnsupported);
+  EXPECT_EQ(camera.reason().size(), hal::Reason::kCapacity - 1);
+  EXPECT_EQ(camera.reason().rfind("/dev/video0: no yuyv 640x480 but ABC0 640x480; it offers ABC0 1920x1080, ", 0), 0u);
+}
+
+}  // namespace
+}  // namespace touchline::testing

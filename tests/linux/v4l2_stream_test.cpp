@@ -1,0 +1,253 @@
+#include <array>
+#include <cstring>
+#include <optional>
+#include <vector>
+
+#include "tests/linux/allocation_counter.h"
+#include "tests/linux/v4l2_fixture.h"
+
+namespace touchline::testing {
+namespace {
+
+using hal::CameraSettings;
+using hal::FrameLease;
+using hal::V4l2Camera;
+
+constexpr Duration kExposure = std::chrono::milliseconds(5);
+constexpr Duration kMicrosecond = std::chrono::microseconds(1);  // V4L2's stamps have no finer one
+
+class V4l2StreamTest : public V4l2Test {
+ protected:
+  void begin(const CameraSettings& asked) {
+    camera_.emplace(asked);
+    ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
+    ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
+  }
+  void TearDown() override {
+    camera_.reset();
+    V4l2Test::TearDown();
+  }
+  std::optional<V4l2Camera> camera_;
+};
+
+std::uint32_t number_in(const Frame& frame) {
+  std::uint32_t number = 0;
+  std::memcpy(&number, frame.plane[0], sizeof number);
+  return number;
+}
+
+TEST_F(V4l2StreamTest, FramesComeInOrderFromTheDriversOwnMemory) {
+  begin(settings());
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    Result<FrameLease> result = camera_->wait(soon());
+    ASSERT_TRUE(result.ok()) << camera_->reason();
+    const Frame& frame = result.value().frame();
+    EXPECT_EQ(frame.sequence, i);
+    EXPECT_EQ(number_in(frame), i);
+    EXPECT_EQ(frame.format, PixelFormat::kYuyv);
+    EXPECT_EQ(frame.width_px, 640);
+    EXPECT_EQ(frame.height_px, 480);
+    EXPECT_EQ(frame.stride_bytes[0], 1280u);
+    EXPECT_EQ(frame.plane[0][640 * 480 * 2 - 1], i);
+  }
+  EXPECT_EQ(camera_->counters().frames, 20u);
+  EXPECT_EQ(camera_->counters().lost, 0u);
+}
+
+TEST_F(V4l2StreamTest, PlanesAndStridesOfAllFormats) {
+  struct Case {
+    PixelFormat format;
+    std::uint32_t fourcc, bytes_per_pixel;
+  };
+  constexpr std::array<Case, 5> kCases{{{PixelFormat::kRgb24, V4L2_PIX_FMT_RGB24, 3},
+                                        {PixelFormat::kBgr24, V4L2_PIX_FMT_BGR24, 3},
+                                        {PixelFormat::kYuyv, V4L2_PIX_FMT_YUYV, 2},
+                                        {PixelFormat::kUyvy, V4L2_PIX_FMT_UYVY, 2},
+                                        {PixelFormat::kNv12, V4L2_PIX_FMT_NV12, 1}}};
+  device_.padding_bytes = 24;
+  for (const Case& c : kCases) {
+    device_.formats = {{c.fourcc, {{320, 240}}, false}};
+    CameraSettings asked = settings();
+    asked.format = c.format;
+    asked.width_px = 320;
+    asked.height_px = 240;
+    begin(asked);
+    const Result<FrameLease> result = camera_->wait(soon());
+    ASSERT_TRUE(result.ok()) << camera_->reason();
+    const Frame& frame = result.value().frame();
+    EXPECT_EQ(frame.format, c.format);
+    EXPECT_EQ(frame.stride_bytes[0], 320 * c.bytes_per_pixel + 24);
+    if (c.format == PixelFormat::kNv12) {
+      EXPECT_EQ(frame.plane[1], frame.plane[0] + std::size_t{344} * 240);
+      EXPECT_EQ(frame.stride_bytes[1], 344u);
+    } else {
+      EXPECT_EQ(frame.plane[1], nullptr);
+    }
+  }
+}
+
+TEST_F(V4l2StreamTest, UnpaddedLastRowIsAWholeFrame) {
+  device_.padding_bytes = 64;
+  device_.frame_faults[0].bytes = 1344 * 479 + 1280;
+  device_.frame_faults[1].bytes = 1344 * 479 + 1279;
+  begin(settings());
+  expect_frame(*camera_, 0);
+  expect_loss(*camera_, ErrorCode::kShortFrame, "/dev/video0: frame 1 has 645055 bytes instead of 645056");
+}
+
+TEST_F(V4l2StreamTest, StartOfExposureStampsMoveToTheMiddle) {
+  begin(settings());
+  const Result<FrameLease> frame = camera_->wait(soon());
+  ASSERT_TRUE(frame.ok());
+  const Instant middle = device_.start_of_exposure(0) + kExposure / 2;
+  EXPECT_GT(frame.value().frame().capture_time, middle - kMicrosecond);
+  EXPECT_LE(frame.value().frame().capture_time, middle);
+}
+
+TEST_F(V4l2StreamTest, EndOfFrameStampsMoveBackByHalfTheExposure) {
+  device_.stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_EOF;
+  begin(settings());
+  const Result<FrameLease> frame = camera_->wait(soon());
+  ASSERT_TRUE(frame.ok());
+  const Instant expected = device_.start_of_exposure(0) + fake::VideoDevice::kReadout + kExposure / 2;
+  EXPECT_GT(frame.value().frame().capture_time, expected - kMicrosecond);
+  EXPECT_LE(frame.value().frame().capture_time, expected);
+}
+
+TEST_F(V4l2StreamTest, UnknownExposureCorrectsNothing) {
+  CameraSettings asked = settings();
+  asked.exposure_us = 0;  // stays automatic
+  begin(asked);
+  const Result<FrameLease> frame = camera_->wait(soon());
+  ASSERT_TRUE(frame.ok());
+  const Instant start = device_.start_of_exposure(0);
+  EXPECT_GT(frame.value().frame().capture_time, start - kMicrosecond);
+  EXPECT_LE(frame.value().frame().capture_time, start);
+}
+
+TEST_F(V4l2StreamTest, StampsOfAForeignClockGiveWayToTheInstantOfFetching) {
+  device_.stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_COPY;
+  device_.frame_faults[0].stamp_shift = -std::chrono::seconds(500);
+  begin(settings());
+  const Result<FrameLease> frame = camera_->wait(soon());
+  ASSERT_TRUE(frame.ok());
+  const Instant expected = kernel_.now() - kExposure / 2;
+  EXPECT_GT(frame.value().frame().capture_time, expected - 2 * kMicrosecond);
+  EXPECT_LE(frame.value().frame().capture_time, expected);
+  EXPECT_EQ(camera_->stamps().replaced(), 0u) << "said once at open(), not counted as a fault";
+}
+
+TEST_F(V4l2StreamTest, EveryLeaseIsGivenBackExactlyOnce) {
+  begin(settings());
+  EXPECT_EQ(device_.queued(), 4u);
+  const int before = device_.requests(VIDIOC_QBUF);
+  {
+    Result<FrameLease> first = camera_->wait(soon());
+    ASSERT_TRUE(first.ok());
+    EXPECT_EQ(device_.queued(), 3u);
+    FrameLease moved = std::move(first).value();
+    FrameLease target;
+    target = std::move(moved);
+    EXPECT_EQ(device_.requests(VIDIOC_QBUF), before);
+    target = FrameLease();
+    EXPECT_EQ(device_.requests(VIDIOC_QBUF), before + 1);
+  }
+  EXPECT_EQ(device_.requests(VIDIOC_QBUF), before + 1);
+  EXPECT_EQ(device_.queued(), 4u);
+}
+
+TEST_F(V4l2StreamTest, AllBuffersLentOutTimesOutAndRecovers) {
+  begin(settings());
+  std::vector<FrameLease> leases;
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    Result<FrameLease> frame = camera_->wait(soon());
+    ASSERT_TRUE(frame.ok());
+    leases.push_back(std::move(frame).value());
+  }
+  expect_loss(*camera_, ErrorCode::kTimeout, "/dev/video0: no frame can come: all 4 buffers are lent out");
+  for (std::uint32_t i = 0; i < 4; ++i) EXPECT_EQ(number_in(leases[i].frame()), i) << "a lent frame was overwritten";
+  leases.clear();
+  const Result<FrameLease> next = camera_->wait(soon());
+  ASSERT_TRUE(next.ok());
+  EXPECT_EQ(camera_->counters().lost, next.value().frame().sequence - 4u);
+  EXPECT_EQ(camera_->counters().lost, 6u) << "100 ms at 60 Hz";
+}
+
+TEST_F(V4l2StreamTest, TimesOutAtTheDeadline) {
+  begin(settings());
+  const Instant deadline = kernel_.now() + std::chrono::milliseconds(3);
+  const Result<FrameLease> frame = camera_->wait(deadline);
+  EXPECT_EQ(frame.error(), ErrorCode::kTimeout);
+  EXPECT_EQ(camera_->reason(), "/dev/video0: no frame before the deadline");
+  EXPECT_GE(kernel_.now(), deadline);
+  EXPECT_LE(kernel_.now(), deadline + 10 * kMicrosecond);
+  expect_frame(*camera_, 0);
+}
+
+TEST_F(V4l2StreamTest, APastDeadlineStillFetchesWhatIsThere) {
+  begin(settings());
+  kernel_.advance(std::chrono::milliseconds(40));
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    const Result<FrameLease> frame = camera_->wait(Instant{});
+    ASSERT_TRUE(frame.ok());
+    EXPECT_EQ(frame.value().frame().sequence, i);
+  }
+  EXPECT_EQ(camera_->wait(Instant{}).error(), ErrorCode::kTimeout);
+}
+
+TEST_F(V4l2StreamTest, SignalsDoNotShortenTheWait) {
+  begin(settings());
+  kernel_.interrupt_waits(10);
+  expect_frame(*camera_, 0);
+}
+
+TEST_F(V4l2StreamTest, StopAndStartCountAnew) {
+  begin(settings());
+  expect_frame(*camera_, 0);
+  expect_frame(*camera_, 1);
+  camera_->stop();
+  EXPECT_FALSE(device_.streaming());
+  expect_loss(*camera_, ErrorCode::kInconsistent, "/dev/video0: not streaming");
+  ASSERT_TRUE(camera_->start().ok());
+  EXPECT_EQ(device_.queued(), 4u);
+  expect_frame(*camera_, 0);
+  EXPECT_EQ(camera_->counters().frames, 1u);
+  EXPECT_EQ(camera_->counters().lost, 0u);
+}
+
+TEST_F(V4l2StreamTest, AllocatesNothingWhileFramesAndFaultsFlow) {
+  for (std::uint32_t i = 0; i < 1000; i += 10) {
+    device_.frame_faults[i + 1].damaged = true;
+    device_.frame_faults[i + 3].bytes = 100;
+    device_.frame_faults[i + 5].dropped = true;
+    device_.frame_faults[i + 7].stamp_shift = -std::chrono::seconds(2);
+  }
+  device_.gone_at_frame = 1000;
+  begin(settings());
+  const AllocationCounter counter;
+  std::array<int, 16> outcomes{};
+  for (int i = 0; i < 2000; ++i) {
+    if (i % 50 == 0) device_.false_alarms = 3;
+    const Result<FrameLease> frame = camera_->wait(kernel_.now() + std::chrono::milliseconds(i % 3 == 0 ? 5 : 50));
+    ++outcomes[static_cast<std::size_t>(frame.error())];
+    if (frame.error() == ErrorCode::kDisconnected) break;
+  }
+  const std::size_t allocations = counter.count();
+  EXPECT_EQ(allocations, 0u);
+  EXPECT_EQ(outcomes[static_cast<std::size_t>(ErrorCode::kOk)], 700);
+  EXPECT_EQ(outcomes[static_cast<std::size_t>(ErrorCode::kCorruptFrame)], 100);
+  EXPECT_EQ(outcomes[static_cast<std::size_t>(ErrorCode::kShortFrame)], 100);
+  EXPECT_GT(outcomes[static_cast<std::size_t>(ErrorCode::kTimeout)], 10);
+  EXPECT_EQ(outcomes[static_cast<std::size_t>(ErrorCode::kDisconnected)], 1);
+  EXPECT_EQ(camera_->counters().lost, 100u);
+  EXPECT_EQ(camera_->stamps().replaced(), 100u);
+}
+
+TEST_F(V4l2StreamTest, TheAllocationCounterSeesAnAllocation) {
+  const AllocationCounter counter;
+  const std::vector<int> planted(100, 1);
+  EXPECT_EQ(counter.count(), 1u) << planted.size();
+}
+
+}  // namespace
+}  // namespace touchline::testing

@@ -62,11 +62,28 @@ const StepTrace& Pipeline::step(const Frame& frame) {
   }
   {
     const StageTimer t = timer(Stage::kRadio);
-    // Every set of commands fits: both lists have the same capacity.
-    if (!encode(trace_.commands, packet_sequence_, trace_.packet).ok()) trace_.packet.clear();
-    ++packet_sequence_;
+    encode_commands();
   }
   return trace_;
+}
+
+const Packet& Pipeline::stop(Instant now) {
+  trace_.commands.stop = true;
+  trace_.commands.robots.clear();
+  tracker_.commanded(trace_.commands, now + action_delay_);
+  encode_commands();
+  return trace_.packet;
+}
+
+void Pipeline::reset() {
+  tracker_.reset();
+  controller_.reset();
+}
+
+void Pipeline::encode_commands() {
+  // Every set of commands fits: both lists have the same capacity.
+  if (!encode(trace_.commands, packet_sequence_, trace_.packet).ok()) trace_.packet.clear();
+  ++packet_sequence_;
 }
 
 }  // namespace touchline

@@ -36,7 +36,15 @@ class Pipeline {
   /// `status` says so.
   const StepTrace& step(const Frame& frame);
 
+  /// A packet that halts all robots, for when there is no frame to step; it acts after the action delay, counted from
+  /// `now`. Valid until the next call.
+  const Packet& stop(Instant now);
+  /// Forgets tracks and play: after a gap as long as a camera that was opened again, the robots may be anywhere.
+  void reset();
+
  private:
+  void encode_commands();
+
   RegionScanner scanner_;
   CameraModel camera_;
   Matcher matcher_;

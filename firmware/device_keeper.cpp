@@ -1,0 +1,74 @@
+#include "firmware/device_keeper.h"
+
+#include <algorithm>
+
+namespace touchline {
+
+DeviceKeeper::DeviceKeeper(Reopen reopen, void* device, Duration first_pause, bool wait_for_driver)
+    : reopen_(reopen), device_(device), first_pause_(first_pause), wait_for_driver_(wait_for_driver) {
+  worker_ = std::thread([this] { work(); });
+}
+
+DeviceKeeper::~DeviceKeeper() { finish(); }
+
+void DeviceKeeper::work() {
+  while (true) {
+    task_.wait(Task::kIdle);
+    Task task = task_.load(std::memory_order_acquire);
+    if (task == Task::kEnd) return;
+    if (task == Task::kDone) {
+      task_.wait(Task::kDone);
+      continue;
+    }
+    if (task != Task::kOpen) continue;
+    result_ = reopen_(device_);
+    // Unless finish() came meanwhile.
+    if (!task_.compare_exchange_strong(task, Task::kDone, std::memory_order_acq_rel)) return;
+    task_.notify_all();
+  }
+}
+
+void DeviceKeeper::lost(Instant now) {
+  if (!open_) return;
+  open_ = false;
+  lost_at_ = now;
+  attempts_ = 0;
+  pause_ = first_pause_;
+  next_attempt_ = now + pause_;
+}
+
+bool DeviceKeeper::poll(Instant now) {
+  if (open_) return false;
+  Task task = task_.load(std::memory_order_acquire);
+  if (task == Task::kIdle) {
+    if (now < next_attempt_) return false;
+    task_.store(Task::kOpen, std::memory_order_release);
+    task_.notify_all();
+    task = Task::kOpen;
+  }
+  if (task == Task::kOpen && wait_for_driver_) {
+    task_.wait(Task::kOpen);
+    task = task_.load(std::memory_order_acquire);
+  }
+  if (task != Task::kDone) return false;
+  last_ = result_;
+  task_.store(Task::kIdle, std::memory_order_release);
+  task_.notify_all();
+  if (last_.ok()) {
+    open_ = true;
+    return true;
+  }
+  ++attempts_;
+  pause_ = std::min(2 * pause_, kLongestPause);
+  next_attempt_ = now + pause_;
+  return false;
+}
+
+void DeviceKeeper::finish() {
+  if (!worker_.joinable()) return;
+  task_.store(Task::kEnd, std::memory_order_release);
+  task_.notify_all();
+  worker_.join();
+}
+
+}  // namespace touchline

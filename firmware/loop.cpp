@@ -1,0 +1,267 @@
+#include "firmware/loop.h"
+
+#include <algorithm>
+
+#include "hal/linux/monotonic_clock.h"
+
+namespace touchline {
+namespace {
+
+using namespace std::chrono_literals;
+
+// At 3 % lost packets (users report as much) that not one of five arrives happens once in 40 million times.
+constexpr int kFinalStops = 5;
+constexpr Duration kFinalStopPause = 20ms;
+// 63 bytes at 1200 baud, the slowest port, take 0.53 s.
+constexpr Duration kDrainTime = 1s;
+// A switch's contacts bounce for some milliseconds; nobody releases and pulls again within a tenth of a second.
+constexpr Duration kEmergencyReleaseTime = 100ms;
+// Latency changes slowly; a single late frame must not move the prediction of the next ones.
+constexpr int kLatencySmoothing = 16;
+
+Status reopen_camera(void* device) {
+  auto& camera = *static_cast<hal::Camera*>(device);
+  camera.stop();
+  camera.close();
+  if (const Status opened = camera.open(); !opened.ok()) return opened;
+  return camera.start();
+}
+
+template <class Device>
+Status reopen(void* device) {
+  static_cast<Device*>(device)->close();
+  return static_cast<Device*>(device)->open();
+}
+
+// Often enough for stop packets and the emergency line, rarely enough to be idle.
+Duration slice_of(Duration stop_after) { return std::clamp<Duration>(stop_after / 4, 5ms, 50ms); }
+
+}  // namespace
+
+Loop::Loop(const LoopDevices& devices, Pipeline& pipeline, const LoopSettings& settings, ReportRing& reports,
+           LoopObserver observer)
+    : devices_(devices),
+      pipeline_(pipeline),
+      settings_(settings),
+      stop_after_(from_seconds(settings.faults.stop_after_s)),
+      slice_(slice_of(stop_after_)),
+      reports_(reports),
+      observer_(observer) {}
+
+Loop::~Loop() { close(); }
+
+Status Loop::open(std::string& reason) {
+  const auto refused = [&](Device device, Status status) {
+    reason = std::string(touchline::describe(device)) + ": " + reason_of(device);
+    devices_.camera.close();
+    devices_.radio.close();
+    devices_.gpio.close();
+    return status;
+  };
+  // The radio first: whoever finds robots running can stop them.
+  if (const Status s = devices_.radio.open(); !s.ok()) return refused(Device::kRadio, s);
+  if (const Status s = devices_.gpio.open(); !s.ok()) return refused(Device::kGpio, s);
+  if (const Status s = devices_.camera.open(); !s.ok()) return refused(Device::kCamera, s);
+  if (const Status s = devices_.camera.start(); !s.ok()) return refused(Device::kCamera, s);
+  is_open_ = true;
+
+  const Duration pause = from_seconds(settings_.faults.reopen_after_s);
+  const bool wait = devices_.simulated_time;
+  keepers_[0].emplace(reopen_camera, &devices_.camera, pause, wait);
+  keepers_[1].emplace(reopen<hal::Radio>, &devices_.radio, pause, wait);
+  keepers_[2].emplace(reopen<hal::Gpio>, &devices_.gpio, pause, wait);
+
+  const Instant now = devices_.clock.now();
+  statistics_.begin = last_frame_ = last_packet_ = last_report_ = now;
+  last_good_ = now - stop_after_ - Duration(1);  // nothing has been seen yet
+  next_report_ = now + settings_.status_interval;
+  return {};
+}
+
+LoopEnd Loop::run(const std::atomic<bool>& stop) {
+  std::optional<LoopEnd> end;
+  while (!end) end = stop.load(std::memory_order_relaxed) ? LoopEnd::kAsked : iterate();
+  halt_robots();
+  return *end;
+}
+
+std::optional<LoopEnd> Loop::iterate() {
+  const Instant now = devices_.clock.now();
+  serve_emergency_line(now);
+  if (keeper(Device::kCamera).open()) {
+    const Result<hal::FrameLease> lease = devices_.camera.wait(now + slice_);
+    if (lease.ok()) {
+      serve_frame(lease.value());
+    } else if (lease.error() != ErrorCode::kTimeout) {
+      on_fault(Device::kCamera, lease.error(), devices_.clock.now());
+    }
+  } else {
+    devices_.clock.sleep_until(now + slice_);
+  }
+  const Instant after = devices_.clock.now();
+  // A camera that hangs says nothing: only the clock tells.
+  if (keeper(Device::kCamera).open() && after - last_frame_ > from_seconds(settings_.faults.camera_timeout_s)) {
+    report_fault(Device::kCamera, ErrorCode::kTimeout, FaultAction::kReopen, after);
+    keeper(Device::kCamera).lost(after);
+  }
+  update_halt(after, last_good_);
+  if (halt_ != kHaltNone && after - last_packet_ >= slice_) send_stop(after);
+  serve_lost_devices(after);
+  report_if_due(after);
+  statistics_.end = after;
+  const bool enough_frames = settings_.frames != 0 && statistics_.frames >= settings_.frames;
+  const bool enough_time = settings_.duration != Duration::zero() && after - statistics_.begin >= settings_.duration;
+  if (!end_ && (enough_frames || enough_time)) end_ = LoopEnd::kLimit;
+  return end_;
+}
+
+void Loop::serve_frame(const hal::FrameLease& lease) {
+  const Frame& frame = lease.frame();
+  StepTiming timing;
+  timing.received = devices_.clock.now();
+  const Instant machine_received = hal::MonotonicClock::read();
+  last_frame_ = timing.received;
+  if (last_sequence_) statistics_.frames_lost += frame.sequence - *last_sequence_ - 1;
+  last_sequence_ = frame.sequence;
+
+  const Duration to_wheels = smoothed_latency_ + settings_.radio_delay;
+  pipeline_.set_action_delay(std::clamp<Duration>(to_wheels, 0s, 1s));
+  update_halt(timing.received, frame.capture_time);
+  pipeline_.set_halted(halt_ != kHaltNone);
+  const StepTrace& trace = pipeline_.step(frame);
+  last_trace_ = &trace;
+  send(trace.packet, trace.commands.stop, timing.received);
+  timing.sent = devices_.clock.now();
+  timing.processing = hal::MonotonicClock::read() - machine_received;
+  timing.latency = timing.received - frame.capture_time + timing.processing;
+
+  ++statistics_.frames;
+  statistics_.overloads += trace.overload ? 1 : 0;
+  statistics_.runs_dropped += trace.runs_dropped;
+  statistics_.regions_dropped += trace.regions_dropped;
+  note_latency(frame, timing);
+  if (observer_.on_step != nullptr) observer_.on_step(observer_.context, trace, timing);
+  // A frame that did not fit into the capacities was seen in part, which is better than not at all.
+  if (trace.status.ok() || trace.status == Status(ErrorCode::kFull)) {
+    last_good_ = std::max(last_good_, frame.capture_time);
+    if (timing.received - frame.capture_time <= stop_after_) ++statistics_.good_frames;
+  } else {
+    on_fault(Device::kCamera, trace.status.code(), timing.sent);
+  }
+}
+
+void Loop::note_latency(const Frame& frame, const StepTiming& timing) {
+  statistics_.latency.add(timing.latency);
+  interval_latency_.add(timing.latency);
+  // Of the loop's clock alone: in simulated time the robots do not wait for this machine.
+  const Duration measured = std::max<Duration>(timing.sent - frame.capture_time, 0s);
+  smoothed_latency_ =
+      latency_known_ ? smoothed_latency_ + (measured - smoothed_latency_) / kLatencySmoothing : measured;
+  latency_known_ = true;
+}
+
+void Loop::send(const Packet& packet, bool is_stop, Instant now) {
+  last_packet_ = now;
+  if (!keeper(Device::kRadio).open()) {
+    ++statistics_.packets_refused;
+    return;
+  }
+  const Status sent = devices_.radio.send(packet);
+  if (sent.ok()) {
+    ++statistics_.packets;
+    statistics_.stop_packets += is_stop ? 1 : 0;
+    return;
+  }
+  ++statistics_.packets_refused;
+  on_fault(Device::kRadio, sent.code(), now);
+}
+
+void Loop::send_stop(Instant now) { send(pipeline_.stop(now), true, now); }
+
+void Loop::halt_robots() {
+  for (int i = 0; i < kFinalStops; ++i) {
+    const Instant now = devices_.clock.now();
+    send_stop(now);
+    devices_.clock.sleep_until(now + kFinalStopPause);
+  }
+  if (!keeper(Device::kRadio).open()) return;
+  const Instant now = devices_.clock.now();
+  if (const Status drained = devices_.radio.drain(now + kDrainTime); !drained.ok()) {
+    report_fault(Device::kRadio, drained.code(), action_for(drained.code()), now);
+  }
+}
+
+void Loop::close() {
+  if (!is_open_) return;
+  is_open_ = false;
+  for (auto& keeper : keepers_) keeper->finish();
+  if (led_.value_or(false)) static_cast<void>(devices_.gpio.set_status_led(false));
+  devices_.camera.stop();
+  devices_.camera.close();
+  devices_.radio.close();
+  devices_.gpio.close();
+}
+
+void Loop::on_fault(Device device, ErrorCode code, Instant now) {
+  if (code == ErrorCode::kEndOfStream) {
+    end_ = LoopEnd::kEndOfStream;
+    return;
+  }
+  const FaultAction action = action_for(code);
+  report_fault(device, code, action, now);
+  if (action == FaultAction::kReopen) keeper(device).lost(now);
+  if (action == FaultAction::kLeave) end_ = LoopEnd::kFault;
+}
+
+void Loop::serve_lost_devices(Instant now) {
+  for (std::size_t i = 0; i < kDeviceCount; ++i) {
+    const auto device = static_cast<Device>(i);
+    DeviceKeeper& keeper = *keepers_[i];
+    if (keeper.open()) continue;
+    const std::uint32_t attempts = keeper.attempts();
+    if (keeper.poll(now)) {
+      ++statistics_.reopened[i];
+      report_fault(device, ErrorCode::kOk, FaultAction::kNone, now);
+      if (device == Device::kCamera) {
+        // Robots moved unseen, and the driver counts its frames anew.
+        pipeline_.reset();
+        last_sequence_.reset();
+        last_frame_ = now;
+      }
+      if (device == Device::kGpio) led_.reset();
+      continue;
+    }
+    if (keeper.attempts() != attempts) on_fault(device, keeper.last().code(), now);
+    const double patience_s = settings_.faults.leave_after_s;
+    if (patience_s > 0.0 && keeper.away(now) > from_seconds(patience_s)) end_ = LoopEnd::kDeviceLost;
+  }
+}
+
+void Loop::serve_emergency_line(Instant now) {
+  std::uint8_t line = kHaltLine;  // a line that cannot be read counts as pulled
+  if (keeper(Device::kGpio).open()) {
+    const Result<bool> pulled = devices_.gpio.emergency_stop();
+    if (pulled.ok()) {
+      line = kHaltNone;
+      if (pulled.value()) emergency_seen_ = now;
+      const bool held =
+          emergency_ && (!settings_.faults.resume_after_emergency || now - emergency_seen_ < kEmergencyReleaseTime);
+      emergency_ = pulled.value() || held;
+    } else {
+      on_fault(Device::kGpio, pulled.error(), now);
+    }
+  }
+  const auto others = static_cast<std::uint8_t>(halt_ & kHaltNoFrames);
+  const std::uint8_t before = halt_;
+  halt_ = static_cast<std::uint8_t>(others | line | (emergency_ ? kHaltEmergency : kHaltNone));
+  // The first stop must not wait for the next frame.
+  if (before == kHaltNone && halt_ != kHaltNone) send_stop(now);
+}
+
+void Loop::update_halt(Instant now, Instant last_good) {
+  const bool stale = now - last_good > stop_after_;
+  const auto others = static_cast<std::uint8_t>(halt_ & ~kHaltNoFrames);
+  halt_ = static_cast<std::uint8_t>(others | (stale ? kHaltNoFrames : kHaltNone));
+}
+
+}  // namespace touchline

@@ -1,0 +1,136 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/pipeline.h"
+#include "firmware/config/board_file.h"
+#include "firmware/device_keeper.h"
+#include "firmware/loop_report.h"
+#include "firmware/loop_statistics.h"
+#include "hal/camera.h"
+#include "hal/clock.h"
+#include "hal/gpio.h"
+#include "hal/radio.h"
+
+namespace touchline {
+
+struct LoopDevices {
+  hal::Camera& camera;
+  hal::Radio& radio;
+  hal::Gpio& gpio;
+  hal::Clock& clock;
+  bool simulated_time = false;  // the clock stands still while the processor works
+};
+
+struct LoopSettings {
+  config::FaultSettings faults;
+  Duration radio_delay{};  // from the last byte sent to the wheels
+  Duration status_interval = std::chrono::seconds(1);
+  std::uint64_t frames = 0;  // end after so many; 0: no limit
+  Duration duration{};       // end after so long; 0: no limit
+};
+
+/// When one frame was where.
+struct StepTiming {
+  Instant received{}, sent{};  // of the loop's clock
+  Duration processing{};       // from `received` to `sent`, always of the machine's clock
+  Duration latency{};          // from capture to `sent`; in simulated time its part up to `received` is simulated
+};
+
+/// Looks at each step while the frame's pixels are still there; on the loop's thread, so its time counts.
+struct LoopObserver {
+  void (*on_step)(void* context, const StepTrace& trace, const StepTiming& timing) = nullptr;
+  void* context = nullptr;
+};
+
+enum class LoopEnd : std::uint8_t {
+  kAsked,        // the stop flag was set
+  kLimit,        // frames or duration reached
+  kEndOfStream,  // a replayed input is over
+  kDeviceLost,   // a device stayed away for longer than faults.leave_after_s
+  kFault,        // an error that opening again cannot cure
+};
+
+/// From frame to packet, again and again. Between open() and close() nothing is allocated, printed or formatted on the
+/// calling thread; what a person should know goes into the ring.
+///
+/// Robots are halted while the last good frame is older than faults.stop_after_s and while the emergency stop is
+/// pulled or cannot be read: then every packet is a stop packet, and without frames stop packets are sent all the same.
+class Loop {
+ public:
+  /// All references must outlive the loop.
+  Loop(const LoopDevices& devices, Pipeline& pipeline, const LoopSettings& settings, ReportRing& reports,
+       LoopObserver observer = {});
+  ~Loop();
+  Loop(const Loop&) = delete;
+  Loop& operator=(const Loop&) = delete;
+
+  /// Opens radio, gpio and camera, in this order. On error `reason` says which one and why.
+  Status open(std::string& reason);
+  /// Until one of LoopEnd's reasons, then sends the stop packets. Only after open().
+  LoopEnd run(const std::atomic<bool>& stop);
+  /// One turn of run(): waits for a frame, a stop packet's time or a device, whatever comes first.
+  std::optional<LoopEnd> iterate();
+  /// Stop packets, several and spaced, until they have left the radio. run() ends with it.
+  void halt_robots();
+  /// Gives the devices back.
+  void close();
+
+  [[nodiscard]] const LoopStatistics& statistics() const { return statistics_; }
+  /// Error that led to kFault or kDeviceLost.
+  [[nodiscard]] const FaultReport& last_fault() const { return last_fault_; }
+
+ private:
+  void serve_frame(const hal::FrameLease& lease);
+  void on_fault(Device device, ErrorCode code, Instant now);
+  void serve_lost_devices(Instant now);
+  void send(const Packet& packet, bool is_stop, Instant now);
+  void send_stop(Instant now);
+  void serve_emergency_line(Instant now);
+  void update_halt(Instant now, Instant last_good);
+  void note_latency(const Frame& frame, const StepTiming& timing);
+  void report_if_due(Instant now);
+  void report_fault(Device device, ErrorCode code, FaultAction action, Instant now);
+  [[nodiscard]] const std::string& reason_of(Device device) const;
+  [[nodiscard]] double elapsed_s(Instant now) const { return seconds(now - statistics_.begin); }
+  DeviceKeeper& keeper(Device device) { return *keepers_[static_cast<std::size_t>(device)]; }
+
+  LoopDevices devices_;
+  Pipeline& pipeline_;
+  const LoopSettings settings_;
+  const Duration stop_after_, slice_;
+  ReportRing& reports_;
+  LoopObserver observer_;
+  std::array<std::optional<DeviceKeeper>, kDeviceCount> keepers_;
+  bool is_open_ = false;
+  std::optional<LoopEnd> end_;
+
+  LoopStatistics statistics_;
+  FaultReport last_fault_;
+  Instant last_good_{};   // capture time
+  Instant last_frame_{};  // when any frame came, good or not
+  Instant last_packet_{};
+  std::optional<std::uint32_t> last_sequence_;
+  Duration smoothed_latency_{};
+  bool latency_known_ = false;
+
+  std::uint8_t halt_ = kHaltNoFrames;
+  bool emergency_ = false;
+  Instant emergency_seen_{};
+  std::optional<bool> led_;
+
+  // For reports, since the last one.
+  Instant next_report_{}, last_report_{};
+  std::uint64_t good_frames_reported_ = 0;
+  LatencyHistogram interval_latency_;
+  std::array<std::array<bool, kErrorCodeCount>, kDeviceCount> fault_reported_{};
+  std::uint8_t halt_reported_ = kHaltNoFrames;
+  const StepTrace* last_trace_ = nullptr;
+  Report report_;  // built here and copied into the ring: too large for the stack of a leaf
+};
+
+}  // namespace touchline

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "core/fixed_vector.h"
+#include "core/status.h"
+#include "core/time.h"
+#include "core/types.h"
+#include "firmware/fault_policy.h"
+#include "firmware/spsc_ring.h"
+
+// What the loop tells the thread that prints: plain values of a fixed size, no text that would have to be formatted.
+namespace touchline {
+
+enum class Device : std::uint8_t { kCamera, kRadio, kGpio };
+inline constexpr std::size_t kDeviceCount = 3;
+const char* describe(Device device) noexcept;
+
+/// Why robots are halted; bits.
+enum Halt : std::uint8_t {
+  kHaltNone = 0,
+  kHaltNoFrames = 1,   // the last good frame is older than faults.stop_after_s
+  kHaltEmergency = 2,  // the emergency stop is pulled, or was and a new start is needed
+  kHaltLine = 4,       // the emergency stop cannot be read: it counts as pulled
+};
+
+struct SeenRobot {
+  Team team = Team::kOwn;
+  RobotId id = kUnknownId;
+  bool coasting = false;
+  Pose pose;
+};
+
+/// State of affairs, once an interval.
+struct StatusReport {
+  double elapsed_s = 0.0;
+  double rate_hz = 0.0;  // of good frames, over the interval
+  std::uint32_t own_seen = 0, opponents_seen = 0;
+  bool ball_seen = false;
+  FieldPoint ball;
+  Duration p50{}, p99{}, max{};  // capture to send, over the interval
+  std::uint64_t packets = 0;     // all since start, as all that follow
+  std::uint64_t frames_lost = 0, overloads = 0, faults = 0;
+  std::uint8_t halt = kHaltNone;
+  FixedVector<SeenRobot, kMaxRobots> robots;
+};
+
+// A driver's reason in one line; the rest is cut off.
+inline constexpr std::size_t kMaxReasonBytes = 240;
+
+/// A device failed, in a way that was not reported in this interval yet, or came back (code kOk).
+struct FaultReport {
+  double elapsed_s = 0.0;
+  Device device = Device::kCamera;
+  ErrorCode code = ErrorCode::kOk;
+  FaultAction action = FaultAction::kNone;
+  std::array<char, kMaxReasonBytes> reason{};
+
+  void set_reason(std::string_view text);
+};
+
+/// Robots were halted, or may move again.
+struct HaltReport {
+  double elapsed_s = 0.0;
+  std::uint8_t halt = kHaltNone, before = kHaltNone;
+};
+
+struct Report {
+  enum class Kind : std::uint8_t { kStatus, kFault, kHalt } kind = Kind::kStatus;
+  StatusReport status;
+  FaultReport fault;
+  HaltReport halt;
+};
+
+// A minute of status reports for a terminal that is stuck.
+using ReportRing = SpscRing<Report, 64>;
+
+}  // namespace touchline

@@ -1,0 +1,64 @@
+#include "firmware/reporter.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace touchline {
+
+// Nobody reads faster; and the loop need not wake this thread by a call to the kernel.
+constexpr auto kPollPeriod = std::chrono::milliseconds(20);
+
+Reporter::Reporter(ReportRing& ring, const ReporterSettings& settings, std::FILE* out, std::FILE* err)
+    : ring_(ring), settings_(settings), out_(out), err_(err) {
+  thread_ = std::thread([this] { work(); });
+}
+
+Reporter::~Reporter() {
+  end_.store(true, std::memory_order_release);
+  thread_.join();
+}
+
+void Reporter::work() {
+  while (!end_.load(std::memory_order_acquire)) {
+    print_all();
+    std::this_thread::sleep_for(kPollPeriod);
+  }
+  print_all();
+  if (const auto dropped = ring_.dropped(); dropped > 0) {
+    std::fprintf(err_, "%llu reports came faster than they could be printed and are missing above\n",
+                 static_cast<unsigned long long>(dropped));
+  }
+}
+
+void Reporter::print_all() {
+  while (ring_.pop(report_)) print(report_);
+}
+
+void Reporter::print(const Report& report) {
+  switch (report.kind) {
+    case Report::Kind::kStatus:
+      if (settings_.map_columns > 0) {
+        print_map(report.status);
+      } else if (settings_.status_lines) {
+        std::fprintf(out_, "%s\n", status_line(report.status, settings_.expected).c_str());
+      }
+      std::fflush(out_);
+      return;
+    case Report::Kind::kFault:
+      std::fprintf(err_, "%s\n", fault_line(report.fault).c_str());
+      break;
+    case Report::Kind::kHalt:
+      std::fprintf(err_, "%s\n", halt_line(report.halt).c_str());
+      break;
+  }
+  map_lines_ = 0;  // the sentence stands below the picture: the next picture begins below the sentence
+}
+
+void Reporter::print_map(const StatusReport& status) {
+  const std::string map = field_map(status, settings_.expected.field, settings_.map_columns, true);
+  if (map_lines_ > 0) std::fprintf(out_, "\x1b[%dA", map_lines_);  // up, and over the last picture
+  std::fprintf(out_, "%s%s\x1b[K\n", map.c_str(), status_line(status, settings_.expected).c_str());
+  map_lines_ = static_cast<int>(std::count(map.begin(), map.end(), '\n')) + 1;
+}
+
+}  // namespace touchline

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <atomic>
+#include <cstdio>
+#include <thread>
+
+#include "firmware/loop_report.h"
+#include "firmware/status_text.h"
+
+namespace touchline {
+
+struct ReporterSettings {
+  Expectation expected;
+  bool status_lines = true;  // else faults and halts only
+  int map_columns = 0;       // 0: no picture of the field
+};
+
+/// Takes the loop's reports from the ring, makes sentences of them and prints: status to `out`, faults to `err`.
+/// A terminal that hangs holds up this thread and nobody else.
+class Reporter {
+ public:
+  Reporter(ReportRing& ring, const ReporterSettings& settings, std::FILE* out, std::FILE* err);
+  /// Prints what is left.
+  ~Reporter();
+  Reporter(const Reporter&) = delete;
+  Reporter& operator=(const Reporter&) = delete;
+
+ private:
+  void work();
+  void print_all();
+  void print(const Report& report);
+  void print_map(const StatusReport& status);
+
+  ReportRing& ring_;
+  const ReporterSettings settings_;
+  std::FILE* out_;
+  std::FILE* err_;
+  int map_lines_ = 0;  // of the picture that stands above the cursor
+  Report report_;
+  std::atomic<bool> end_{false};
+  std::thread thread_;
+};
+
+}  // namespace touchline

@@ -1,0 +1,132 @@
+#include "firmware/status_text.h"
+
+#include <array>
+#include <cstdarg>
+#include <cstdio>
+
+namespace touchline {
+namespace {
+
+// Appends as printf does.
+[[gnu::format(printf, 2, 3)]] void print(std::string& out, const char* format, ...) {
+  std::array<char, 512> buffer{};
+  std::va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(buffer.data(), buffer.size(), format, arguments);
+  va_end(arguments);
+  out += buffer.data();
+}
+
+double milliseconds(Duration d) { return seconds(d) * 1e3; }
+
+std::string halt_reasons(std::uint8_t halt) {
+  std::string reasons;
+  const auto add = [&](Halt bit, const char* text) {
+    if ((halt & bit) == 0) return;
+    if (!reasons.empty()) reasons += ", ";
+    reasons += text;
+  };
+  add(kHaltNoFrames, "no good frame");
+  add(kHaltEmergency, "emergency stop is pulled");
+  add(kHaltLine, "emergency stop cannot be read");
+  return reasons;
+}
+
+const char* consequence(FaultAction action) {
+  switch (action) {
+    case FaultAction::kNone:
+      return "";
+    case FaultAction::kSkip:
+      return "; skipped";
+    case FaultAction::kReopen:
+      return "; opening it again";
+    case FaultAction::kLeave:
+      return "; stopping the robots and leaving";
+  }
+  return "";
+}
+
+const char* describe_end(LoopEnd end) {
+  switch (end) {
+    case LoopEnd::kAsked:
+      return "asked to leave";
+    case LoopEnd::kLimit:
+      return "as many frames or seconds as asked for";
+    case LoopEnd::kEndOfStream:
+      return "the input is over";
+    case LoopEnd::kDeviceLost:
+      return "a device stayed away";
+    case LoopEnd::kFault:
+      return "a fault that cannot be cured by trying again";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string status_line(const StatusReport& status, const Expectation& expected) {
+  std::string line;
+  print(line, "%.0f s  %.1f fps  own %u/%u  opp %u/%u  ", status.elapsed_s, status.rate_hz, status.own_seen,
+        expected.own, status.opponents_seen, expected.opponents);
+  if (status.ball_seen) {
+    print(line, "ball (%.2f, %.2f)", static_cast<double>(status.ball.x_m), static_cast<double>(status.ball.y_m));
+  } else {
+    line += "ball lost";
+  }
+  print(line, "  latency p50 %.1f p99 %.1f max %.1f ms  packets %llu", milliseconds(status.p50),
+        milliseconds(status.p99), milliseconds(status.max), static_cast<unsigned long long>(status.packets));
+  const auto count = [&](const char* what, std::uint64_t value) {
+    if (value > 0) print(line, "  %s %llu", what, static_cast<unsigned long long>(value));
+  };
+  count("frames lost", status.frames_lost);
+  count("overloads", status.overloads);
+  count("faults", status.faults);
+  if (status.halt != kHaltNone) line += "  HALTED: " + halt_reasons(status.halt);
+  return line;
+}
+
+std::string fault_line(const FaultReport& fault) {
+  std::string line;
+  print(line, "%.1f s  %s: ", fault.elapsed_s, describe(fault.device));
+  if (fault.code == ErrorCode::kOk) return line + "is back";
+  line += describe(fault.code);
+  if (fault.reason[0] != '\0') line.append(" (").append(fault.reason.data()).append(")");
+  return line + consequence(fault.action);
+}
+
+std::string halt_line(const HaltReport& halt) {
+  std::string line;
+  print(line, "%.1f s  ", halt.elapsed_s);
+  return line + (halt.halt == kHaltNone ? "robots may move" : "robots halted: " + halt_reasons(halt.halt));
+}
+
+std::string summary(const LoopStatistics& statistics, LoopEnd end) {
+  std::string text;
+  const auto number = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
+  const double elapsed = seconds(statistics.end - statistics.begin);
+  print(text, "end       %s\n", describe_end(end));
+  print(text, "frames    %llu in %.1f s (%.1f a second), %llu lost on the way, %llu not good\n",
+        number(statistics.frames), elapsed, elapsed > 0.0 ? static_cast<double>(statistics.frames) / elapsed : 0.0,
+        number(statistics.frames_lost), number(statistics.frames - statistics.good_frames));
+  print(text, "latency   capture to send: p50 %.2f  p90 %.2f  p99 %.2f  p99.9 %.2f  max %.2f ms\n",
+        milliseconds(statistics.latency.percentile(0.5)), milliseconds(statistics.latency.percentile(0.9)),
+        milliseconds(statistics.latency.percentile(0.99)), milliseconds(statistics.latency.percentile(0.999)),
+        milliseconds(statistics.latency.max()));
+  print(text, "packets   %llu sent, %llu of them stop packets; %llu refused\n", number(statistics.packets),
+        number(statistics.stop_packets), number(statistics.packets_refused));
+  print(text, "overload  %llu frames (%llu runs and %llu regions did not fit)\n", number(statistics.overloads),
+        number(statistics.runs_dropped), number(statistics.regions_dropped));
+  for (std::size_t d = 0; d < kDeviceCount; ++d) {
+    for (std::size_t c = 0; c < kErrorCodeCount; ++c) {
+      if (statistics.faults[d][c] == 0) continue;
+      print(text, "faults    %s: %s, %llu times\n", describe(static_cast<Device>(d)),
+            describe(static_cast<ErrorCode>(c)), number(statistics.faults[d][c]));
+    }
+    if (statistics.reopened[d] > 0) {
+      print(text, "reopened  %s, %llu times\n", describe(static_cast<Device>(d)), number(statistics.reopened[d]));
+    }
+  }
+  return text;
+}
+
+}  // namespace touchline

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+#include "core/marker/matcher.h"
+#include "firmware/loop.h"
+#include "firmware/loop_report.h"
+
+// Reports as a person reads them.
+namespace touchline {
+
+/// How many robots there should be, and how large the field is.
+struct Expectation {
+  std::uint32_t own = 0, opponents = 0;
+  FieldParameters field;
+};
+
+/// "12 s  60.0 fps  own 5/5  opp 5/5  ball (0.12, -0.30)  latency p50 1.2 p99 2.3 max 3.1 ms  packets 720", followed by
+/// what is not as it should be: halted, lost, overloads, faults.
+std::string status_line(const StatusReport& status, const Expectation& expected);
+/// "camera: device disconnected (/dev/video0: ...); robots stopped, opening it again"
+std::string fault_line(const FaultReport& fault);
+/// "robots halted: emergency stop is pulled" or "robots may move".
+std::string halt_line(const HaltReport& halt);
+/// The field as `columns` characters a row and as many rows as its shape asks for: own robots by the last digit of
+/// their id with their heading, opponents as x, the ball as o; unknown ids as ?. With `color`, in ANSI colors.
+std::string field_map(const StatusReport& status, const FieldParameters& field, int columns, bool color);
+/// What happened, at the end: several lines.
+std::string summary(const LoopStatistics& statistics, LoopEnd end);
+
+}  // namespace touchline

@@ -30,7 +30,7 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   if (Status s = camera_.configure(parameters.camera); !s.ok()) return s;
   if (Status s = matcher_.configure(parameters.marker, camera_); !s.ok()) return s;
   if (Status s = tracker_.configure(parameters.track); !s.ok()) return s;
-  return controller_.configure(parameters.control);
+  return controller_.configure(parameters.control, parameters.marker.field);
 }
 
 const StepTrace& Pipeline::step(const Frame& frame) {
@@ -56,8 +56,7 @@ const StepTrace& Pipeline::step(const Frame& frame) {
   }
   {
     const StageTimer t = timer(Stage::kControl);
-    controller_.decide(trace_.tracks, trace_.commands);
-    trace_.commands.stop = halted_;
+    controller_.decide(trace_.tracks, halted_, trace_.commands);
     tracker_.commanded(trace_.commands, acts_at);
   }
   {

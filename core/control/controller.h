@@ -1,17 +1,42 @@
 #pragma once
 
+#include "core/control/control_parameters.h"
+#include "core/control/play.h"
+#include "core/control/stuck_monitor.h"
+#include "core/marker/matcher.h"
 #include "core/types.h"
 
 namespace touchline {
 
-struct ControlParameters {};  // drive limits, gains, play; see control's owner
-
 /// Tracks -> velocities for every own robot (paper, section 2, last paragraph).
 class Controller {
  public:
-  Status configure(const ControlParameters& parameters);
+  /// kOutOfRange: a limit or gain that no drive can have.
+  Status configure(const ControlParameters& parameters, const FieldParameters& field);
   void reset();
-  void decide(const Tracks& tracks, Commands& out);
+  /// One command for each own robot that is tracked under an id, in the order of the tracks. A robot that is new, or
+  /// has coasted for longer than max_coast_s, is told to stand; one that is lost is not listed, which tells it the same
+  /// (docs/radio.md). `halted`: all stand, and start from rest afterwards. Same input, same bits.
+  void decide(const Tracks& tracks, bool halted, Commands& out);
+
+  [[nodiscard]] const Roles& roles() const { return play_.roles(); }
+
+ private:
+  struct Memory {
+    RobotId id = kUnknownId;
+    bool listed = false;
+    Twist last;  // commanded
+    StuckMonitor stuck;
+  };
+  Memory* memory_of(RobotId id);
+  void forget_absent();
+  [[nodiscard]] bool fit_to_play(const RobotTrack& robot, Instant now) const;
+
+  ControlParameters parameters_;
+  Play play_;
+  FixedVector<Memory, kMaxRobotsPerTeam> memories_;
+  bool started_ = false;
+  Instant last_time_{};
 };
 
 }  // namespace touchline

@@ -1,0 +1,36 @@
+#include "core/control/obstacle_avoidance.h"
+
+#include <cmath>
+
+namespace touchline {
+
+Vector2 detour(Vector2 from, Vector2 target, const Obstacles& obstacles, double clearance_m,
+               const FieldParameters& field) {
+  const Vector2 way = target - from;
+  const double length = norm(way);
+  if (length < 1e-6) return target;
+  const Vector2 ahead = (1.0 / length) * way;
+  const Vector2* blocking = nullptr;
+  double nearest = length;
+  for (const Vector2& obstacle : obstacles) {
+    const double along = dot(obstacle - from, ahead), beside = cross(ahead, obstacle - from);
+    if (along <= 0.0 || along >= nearest || std::abs(beside) >= clearance_m) continue;
+    if (distance(obstacle, target) < clearance_m) continue;
+    nearest = along;
+    blocking = &obstacle;
+  }
+  if (blocking == nullptr) return target;
+  // Pass on the side where the obstacle is not, unless that is outside the field.
+  const double side = cross(ahead, *blocking - from) > 0.0 ? -1.0 : 1.0;
+  constexpr double kBeyond = 1.1;  // a little more than just touching the clearance
+  const Vector2 offset = (kBeyond * side * clearance_m) * left_of(ahead);
+  const Vector2 here = *blocking + offset, there = *blocking - offset;
+  const auto inside = [&field, clearance_m](Vector2 p) {
+    const double margin = 0.5 * clearance_m;
+    return std::abs(p.x) < 0.5 * static_cast<double>(field.length_m) - margin &&
+           std::abs(p.y) < 0.5 * static_cast<double>(field.width_m) - margin;
+  };
+  return inside(here) || !inside(there) ? here : there;
+}
+
+}  // namespace touchline

@@ -1,0 +1,120 @@
+#include "core/control/play.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/control/motion_laws.h"
+#include "core/track/angle.h"
+
+namespace touchline {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+bool known(const BallTrack& ball) { return ball.state == TrackState::kSeen || ball.state == TrackState::kCoasting; }
+
+void obstacles_for(RobotId id, const Tracks& tracks, Obstacles& out) {
+  out.clear();
+  for (const RobotTrack& robot : tracks.robots) {
+    if (robot.team == Team::kOwn && robot.id == id) continue;
+    out.push_back(position(robot.pose_at_action));
+  }
+}
+
+}  // namespace
+
+void Play::configure(const ControlParameters& parameters, const FieldParameters& field) {
+  parameters_ = parameters;
+  field_ = field;
+  reset();
+}
+
+void Play::decide(const Tracks& tracks, const Players& players, Twists& wanted) {
+  PushPlan plan;
+  const bool ball = known(tracks.ball);
+  if (ball) plan = plan_push(vector(tracks.ball.position_at_action), field_, parameters_.play);
+  roles_.assign(players, ball ? &plan : nullptr, field_, parameters_.play);
+
+  Obstacles obstacles;
+  for (std::size_t i = 0; i < players.size(); ++i) {
+    const Player& player = players[i];
+    obstacles_for(player.id, tracks, obstacles);
+    wanted[i] = Twist{};
+    if (player.id == roles_.goalkeeper()) {
+      wanted[i] = guard(player, tracks.ball);
+    } else if (player.id == roles_.attacker()) {
+      wanted[i] = attack(player, plan, obstacles);
+    } else if (const Vector2* place = roles_.place_of(player.id)) {
+      wanted[i] = support(player, *place, plan, obstacles);
+    }
+  }
+}
+
+Twist Play::guard(const Player& player, const BallTrack& ball) const {
+  const MotionParameters& gains = parameters_.motion;
+  const double end = -0.5 * static_cast<double>(field_.length_m),
+               mouth = 0.5 * static_cast<double>(field_.goal_width_m);
+  const double line = end + parameters_.play.keeper_line_m;
+  double y = 0.0, vy = 0.0;
+  if (known(ball)) {
+    const Vector2 b = vector(ball.position_at_action), v = vector(ball.velocity_at_action);
+    const Vector2 to_ball = b - position(player.pose);
+    if (norm(to_ball) < 2.0 * parameters_.play.robot_radius_m + 0.01 && std::abs(b.y) < mouth) {
+      // Sweeps the ball away: the rim that touches it moves up the field, or off the goal's middle.
+      const double side = std::abs(to_ball.y) > 0.02 ? -to_ball.y : b.y;
+      return {0.0f, static_cast<float>(std::copysign(parameters_.drive.max_turn_radps, side))};
+    }
+    // Where a ball that comes will cross the line; else level with it.
+    constexpr double kComing = -0.2, kSoon = 1.5;
+    y = b.y;
+    vy = v.y;
+    if (v.x < kComing && b.x > line) y += v.y * std::min((line - b.x) / v.x, kSoon);
+    if (std::abs(y) > mouth) vy = 0.0;
+    y = std::clamp(y, -mouth, mouth);
+  }
+  // It stands across, so that it can go both ways along the line at once.
+  const bool down = wrap_angle(heading(player.pose)) < 0.0;
+  const double across = down ? -0.5 * kPi : 0.5 * kPi;
+  const Pose target{field_point({line, y}), wrap_to_float(across)};
+  const double limit = parameters_.drive.max_speed_mps;
+  constexpr double kOnLine = 0.03;
+  if (std::abs(position(player.pose).x - line) > kOnLine) {
+    return go_to_pose(player.pose, player.twist, target, Facing::kEither, limit, gains);
+  }
+  const double along = std::clamp(down ? -vy : vy, -limit, limit);
+  return track_trajectory(player.pose, target, {static_cast<float>(along), 0.0f}, gains);
+}
+
+Twist Play::attack(const Player& player, const PushPlan& plan, const Obstacles& obstacles) const {
+  const Approach approach =
+      go_to_ball(player.pose, player.twist, plan, parameters_.play, parameters_.drive, parameters_.motion);
+  if (approach.phase == ApproachPhase::kPush || approach.phase == ApproachPhase::kSpin) return approach.twist;
+  const Vector2 next = detour(position(player.pose), approach.target, obstacles, parameters_.play.clearance_m, field_);
+  if (distance(next, approach.target) < 1e-9) return approach.twist;
+  return go_to_point(player.pose, next, false, parameters_.drive.max_speed_mps, parameters_.motion);
+}
+
+Twist Play::support(const Player& player, Vector2 place, const PushPlan& plan, const Obstacles& others) const {
+  // Around the ball and the line along which it will be pushed, too.
+  Obstacles obstacles = others;
+  obstacles.push_back(plan.ball);
+  const Vector2 here = position(player.pose);
+  const double clearance = parameters_.play.clearance_m;
+  if (distance(here, place) < 0.25 * clearance) {
+    return turn_to(player.pose, bearing(plan.ball - here), Facing::kEither, parameters_.motion);
+  }
+  const Vector2 next = detour(here, place, obstacles, clearance, field_);
+  const bool direct = distance(next, place) < 1e-9;
+  Twist twist = go_to_point(player.pose, next, direct, parameters_.drive.max_speed_mps, parameters_.motion);
+  // A supporter never pushes: it waits when somebody is right before it.
+  const double near = 2.0 * parameters_.play.robot_radius_m + 0.02;
+  const Vector2 motion = static_cast<double>(twist.v_mps) * direction(heading(player.pose));
+  for (const Vector2& other : others) {
+    const Vector2 to = other - here;
+    if (norm(to) < near && dot(to, motion) > 0.7 * norm(to) * norm(motion)) twist.v_mps = 0.0f;
+  }
+  return twist;
+}
+
+}  // namespace touchline

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "core/control/control_parameters.h"
+#include "core/control/obstacle_avoidance.h"
+#include "core/control/roles.h"
+#include "core/marker/matcher.h"
+#include "core/types.h"
+
+namespace touchline {
+
+/// The default game: a goalkeeper that stays on its line, an attacker that brings the ball to the opponent's goal,
+/// supporters behind and aside. Without a ball the keeper guards the middle and the others stand.
+class Play {
+ public:
+  void configure(const ControlParameters& parameters, const FieldParameters& field);
+  void reset() { roles_.reset(); }
+
+  using Twists = std::array<Twist, kMaxRobotsPerTeam>;
+  /// What each player should do, before any limit. `tracks` shows the ball and everybody who stands in the way.
+  void decide(const Tracks& tracks, const Players& players, Twists& wanted);
+
+  [[nodiscard]] const Roles& roles() const { return roles_; }
+
+ private:
+  [[nodiscard]] Twist guard(const Player& player, const BallTrack& ball) const;
+  [[nodiscard]] Twist attack(const Player& player, const PushPlan& plan, const Obstacles& obstacles) const;
+  [[nodiscard]] Twist support(const Player& player, Vector2 place, const PushPlan& plan,
+                              const Obstacles& obstacles) const;
+
+  ControlParameters parameters_;
+  FieldParameters field_;
+  Roles roles_;
+};
+
+}  // namespace touchline

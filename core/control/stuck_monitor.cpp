@@ -1,0 +1,48 @@
+#include "core/control/stuck_monitor.h"
+
+#include <cmath>
+
+#include "core/track/angle.h"
+
+namespace touchline {
+namespace {
+
+// Well above the noise of a standing robot, well below what a free one does within stuck_after_s.
+constexpr double kMoved = 0.015, kTurned = 0.3;
+// Commands below these are no attempt to move.
+constexpr double kSlow = 0.1, kSlowTurn = 1.0;
+constexpr double kEscapeTurn = 4.0;
+
+}  // namespace
+
+void StuckMonitor::restart(const Pose& robot, Instant now) {
+  anchor_ = robot;
+  since_ = now;
+  started_ = true;
+}
+
+Twist StuckMonitor::watch(const Pose& robot, const Twist& wanted, Instant now, const PlayParameters& play) {
+  if (escaping_) {
+    if (seconds(now - since_) < play.escape_for_s) {
+      // Away from where it wanted to go; the position decides nothing, so a jam in mid-field opens as well.
+      const double speed = std::copysign(play.escape_speed_mps, -wanted_);
+      return {static_cast<float>(speed), static_cast<float>(turn_ * kEscapeTurn)};
+    }
+    escaping_ = false;
+    restart(robot, now);
+  }
+  const bool moved = distance(position(robot), position(anchor_)) > kMoved ||
+                     std::abs(wrap_angle(heading(robot) - heading(anchor_))) > kTurned;
+  const bool trying =
+      std::abs(static_cast<double>(wanted.v_mps)) > kSlow || std::abs(static_cast<double>(wanted.w_radps)) > kSlowTurn;
+  if (!started_ || moved || !trying) restart(robot, now);
+  wanted_ = static_cast<double>(wanted.v_mps);
+  if (seconds(now - since_) >= play.stuck_after_s) {
+    escaping_ = true;
+    since_ = now;
+    turn_ = -turn_;
+  }
+  return wanted;
+}
+
+}  // namespace touchline

@@ -1,0 +1,112 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "core/color/row_classifier.h"
+#include "tests/color/owned_picture.h"
+
+namespace touchline::testing {
+namespace {
+
+constexpr ColorId kUntouched = 0xee;
+
+class RowClassifierTest : public ::testing::TestWithParam<PixelFormat> {
+ protected:
+  // Classifies columns [begin, end) of every row and compares them, and what lies around them, with the definition.
+  void expect_defined_colors(const OwnedPicture& picture, const ColorBoxes& boxes, std::uint16_t begin,
+                             std::uint16_t end) {
+    const Frame frame = picture.frame();
+    const ColorSpace space = color_space(frame.format);
+    std::vector<ColorId> colors(static_cast<std::size_t>(picture.width()));
+    for (std::uint16_t v = 0; v < frame.height_px; ++v) {
+      std::fill(colors.begin(), colors.end(), kUntouched);
+      classifier_->classify(frame, v, begin, end, colors.data());
+      for (std::uint16_t u = 0; u < frame.width_px; ++u) {
+        Channels level = {kNeutralLevel, kNeutralLevel, kNeutralLevel};
+        const Shading& shading = classifier_->shading();
+        for (std::size_t c = 0; c < 3 && shading.active(); ++c) {
+          level[c] = shading.level(c, u / kTileWidth, v / kTileHeight);
+        }
+        const Channels value = channels_at(frame, u, v);
+        const ColorId expected = begin <= u && u < end ? color_by_boxes(boxes, space, value, level) : kUntouched;
+        ASSERT_EQ(int{colors[u]}, int{expected}) << "(" << u << ", " << v << ") of columns " << begin << " to " << end;
+      }
+    }
+  }
+
+  static LightMap random_light(std::mt19937& random) {
+    LightMap light;
+    light.columns = static_cast<std::uint16_t>(pick(random, 1, 9));
+    light.rows = static_cast<std::uint16_t>(pick(random, 1, 9));
+    for (auto& plane : light.illumination) {
+      for (float& value : plane) value = static_cast<float>(pick(random, 20, 500)) / 100.0f;
+    }
+    return light;
+  }
+
+  std::unique_ptr<RowClassifier> classifier_ = std::make_unique<RowClassifier>();
+  std::mt19937 random_{static_cast<std::uint32_t>(GetParam())};
+};
+
+TEST_P(RowClassifierTest, AgreesWithTheBoxesOnEveryPixel) {
+  for (int round = 0; round < 400; ++round) {
+    OwnedPicture picture(GetParam(), pick(random_, 1, 80), pick(random_, 1, 20), pick(random_, 0, 7));
+    const Frame frame = picture.frame();
+    const ColorBoxes boxes = random_boxes(random_, static_cast<std::size_t>(pick(random_, 0, kMaxColorBoxes)));
+    const LightMap light = round % 2 == 0 ? LightMap{} : random_light(random_);
+    ASSERT_TRUE(classifier_->configure(GetParam(), frame.width_px, frame.height_px, boxes, light).ok());
+    picture.fill([&] { return telling_value(random_, boxes); });
+    const int begin = pick(random_, 0, picture.width()), end = pick(random_, begin, picture.width());
+    ASSERT_NO_FATAL_FAILURE(
+        expect_defined_colors(picture, boxes, static_cast<std::uint16_t>(begin), static_cast<std::uint16_t>(end)));
+  }
+}
+
+TEST_P(RowClassifierTest, AgreesOnEverySmallSizeAndSpan) {
+  // Few boxes, none of them dark, over a dark picture: whole blocks are rejected between others that are not.
+  ColorBoxes boxes;
+  boxes.push_back({1, {0, 150, 0}, {255, 255, 120}});
+  boxes.push_back({2, {90, 0, 160}, {200, 100, 255}});
+  const auto dark_or_telling = [&](bool dark) {
+    return dark ? static_cast<std::uint8_t>(pick(random_, 0, 89)) : telling_value(random_, boxes);
+  };
+  for (int width = 1; width <= 35; ++width) {
+    OwnedPicture picture(GetParam(), width, 3, 1);
+    const Frame frame = picture.frame();
+    ASSERT_TRUE(classifier_->configure(GetParam(), frame.width_px, 3, boxes, LightMap{}).ok());
+    for (std::uint16_t begin = 0; begin <= width; ++begin) {
+      int byte = 0;
+      picture.fill([&] { return dark_or_telling(++byte % 29 != 0); });
+      for (std::uint16_t end = begin; end <= width; ++end) {
+        ASSERT_NO_FATAL_FAILURE(expect_defined_colors(picture, boxes, begin, end));
+      }
+    }
+  }
+}
+
+TEST_P(RowClassifierTest, AgreesOnOnePictureOfTheLargestWidth) {
+  OwnedPicture picture(GetParam(), static_cast<int>(kMaxFrameWidth), 17, 32);
+  const Frame frame = picture.frame();
+  const ColorBoxes boxes = random_boxes(random_, 13);
+  picture.fill([&] { return telling_value(random_, boxes); });
+  for (const LightMap& light : {LightMap{}, random_light(random_)}) {
+    ASSERT_TRUE(classifier_->configure(GetParam(), frame.width_px, frame.height_px, boxes, light).ok());
+    ASSERT_NO_FATAL_FAILURE(expect_defined_colors(picture, boxes, 0, frame.width_px));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryFormat, RowClassifierTest, ::testing::ValuesIn(kAllFormats),
+                         [](const auto& test) { return std::string(name_of(test.param)); });
+
+TEST(RowBytes, AreThoseOfWholePairs) {
+  EXPECT_EQ(row_bytes(PixelFormat::kRgb24, 0, 7), 21u);
+  EXPECT_EQ(row_bytes(PixelFormat::kYuyv, 0, 7), 16u);
+  EXPECT_EQ(row_bytes(PixelFormat::kUyvy, 0, 8), 16u);
+  EXPECT_EQ(row_bytes(PixelFormat::kNv12, 0, 7), 7u);
+  EXPECT_EQ(row_bytes(PixelFormat::kNv12, 1, 7), 8u);
+  EXPECT_EQ(row_bytes(PixelFormat::kBgr24, 1, 7), 0u);
+}
+
+}  // namespace
+}  // namespace touchline::testing

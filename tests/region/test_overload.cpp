@@ -1,0 +1,167 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "core/region/region_scanner.h"
+#include "tests/region/patterns.h"
+#include "tests/region/region_comparison.h"
+
+// Pictures with more runs or regions than there is room for.
+namespace touchline::testing {
+namespace {
+
+std::size_t runs_from_row(const ColorGrid& grid, int first_row) {
+  std::size_t count = 0;
+  for (int v = first_row; v < grid.height; ++v) {
+    for (int u = 0; u < grid.width; ++u) {
+      const ColorId left = u == 0 ? kBackground : grid.at(u - 1, v);
+      count += grid.at(u, v) != kBackground && grid.at(u, v) != left ? 1u : 0u;
+    }
+  }
+  return count;
+}
+
+ColorGrid rows_above(const ColorGrid& grid, int row) {
+  ColorGrid upper = grid;
+  upper.height = row;
+  upper.color.resize(upper.index(0, row));
+  return upper;
+}
+
+// The largest, among equals the first ones, in their order.
+std::vector<ExpectedRegion> largest(std::vector<ExpectedRegion> regions, std::size_t count) {
+  std::vector<std::size_t> order(regions.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return regions[a].pixels.size() > regions[b].pixels.size(); });
+  order.resize(std::min(count, order.size()));
+  std::sort(order.begin(), order.end());
+  std::vector<ExpectedRegion> chosen;
+  for (const std::size_t i : order) chosen.push_back(std::move(regions[i]));
+  return chosen;
+}
+
+class OverloadTest : public ::testing::Test {
+ protected:
+  Status scan(const ColorGrid& grid, std::uint32_t min_area_px) {
+    const OwnedPicture picture = paint(grid, PixelFormat::kNv12, 0, random_);
+    ScanParameters parameters = parameters_for(picture.frame());
+    parameters.min_area_px = min_area_px;
+    if (Status s = scanner_->configure(parameters); !s.ok()) return s;
+    return scanner_->scan(picture.frame(), *runs_, *regions_);
+  }
+
+  // Where the scan ended, by the runs that it counted instead of keeping; -1 when no row explains the count.
+  [[nodiscard]] int row_of_end(const ColorGrid& grid) const {
+    for (int v = grid.height; v >= 0; --v) {
+      if (runs_from_row(grid, v) >= runs_->overflow()) return runs_from_row(grid, v) == runs_->overflow() ? v : -1;
+    }
+    return -1;
+  }
+
+  void expect_all_that_ended_above(const ColorGrid& grid, int row, std::uint32_t min_area_px) {
+    std::vector<ExpectedRegion> expected = expected_regions(rows_above(grid, row), min_area_px);
+    const std::size_t all = expected.size();
+    std::erase_if(expected, [&](const ExpectedRegion& region) { return region.bottom == row - 1; });
+    EXPECT_EQ(regions_->overflow(), all - expected.size()) << "those that reached the end are counted";
+    EXPECT_EQ(difference(expected, *runs_, *regions_), "");
+  }
+
+  std::unique_ptr<RegionScanner> scanner_ = std::make_unique<RegionScanner>();
+  std::unique_ptr<Runs> runs_ = std::make_unique<Runs>();
+  std::unique_ptr<Regions> regions_ = std::make_unique<Regions>();
+  std::mt19937 random_{5};
+};
+
+TEST_F(OverloadTest, RunsOfDroppedSpecksMakeRoom) {
+  // Robots' patches must not get lost because of noise above them in the picture.
+  const ColorGrid grid = make_pattern(Pattern::kSalt, 640, 480, random_);
+  ASSERT_GT(runs_from_row(grid, 0), 6 * kMaxRuns);
+  const std::vector<ExpectedRegion> expected = expected_regions(grid, 8);
+  ASSERT_GT(expected.size(), 100u);
+  EXPECT_TRUE(scan(grid, 8).ok());
+  EXPECT_EQ(difference(expected, *runs_, *regions_), "");
+  EXPECT_EQ(runs_->overflow() + regions_->overflow(), 0u);
+}
+
+TEST_F(OverloadTest, TheLargestRegionsStayAndTheOthersAreCounted) {
+  for (const Pattern pattern : {Pattern::kSalt, Pattern::kWideCheckerboard}) {
+    const ColorGrid grid = make_pattern(pattern, 640, 480, random_);
+    std::vector<ExpectedRegion> expected = expected_regions(grid);
+    const std::size_t all = expected.size();
+    ASSERT_GT(all, kMaxRegions);
+    expected = largest(std::move(expected), kMaxRegions);
+    EXPECT_EQ(scan(grid, 1).code(), ErrorCode::kFull) << name_of(pattern);
+    EXPECT_EQ(difference(expected, *runs_, *regions_), "") << name_of(pattern);
+    EXPECT_EQ(regions_->overflow(), all - kMaxRegions) << name_of(pattern);
+    EXPECT_EQ(runs_->overflow(), 0u) << name_of(pattern);
+  }
+}
+
+TEST_F(OverloadTest, ExactlyAsManyRegionsAsFitAreNoOverload) {
+  // 64 x 64 single pixels, and then one more.
+  ColorGrid grid = make_grid(160, 130);
+  for (int v = 0; v < 128; v += 2) {
+    for (int u = 0; u < 128; u += 2) grid.at(u, v) = 3;
+  }
+  EXPECT_TRUE(scan(grid, 1).ok());
+  EXPECT_EQ(regions_->size(), kMaxRegions);
+  grid.at(150, 129) = grid.at(151, 129) = 2;
+  EXPECT_EQ(scan(grid, 1).code(), ErrorCode::kFull);
+  EXPECT_EQ(regions_->size(), kMaxRegions);
+  EXPECT_EQ(regions_->overflow(), 1u);
+  EXPECT_EQ(regions_->back().area_px, 2u) << "the larger one stays although it comes last";
+  EXPECT_EQ((*regions_)[kMaxRegions - 2].centroid.u_px, 124.0f) << "the last of the small ones makes room";
+}
+
+TEST_F(OverloadTest, StripesEndTheScanAtARowAndAreCounted) {
+  const ColorGrid grid = make_pattern(Pattern::kVerticalStripes, 640, 480, random_);
+  EXPECT_EQ(scan(grid, 1).code(), ErrorCode::kFull);
+  const int row = row_of_end(grid);
+  EXPECT_GE(row, static_cast<int>(kMaxRuns / 640) - 1);
+  EXPECT_LT(row, 480);
+  EXPECT_TRUE(runs_->empty());
+  EXPECT_TRUE(regions_->empty()) << "none of them was seen to its end";
+  EXPECT_EQ(regions_->overflow(), 640u);
+}
+
+TEST_F(OverloadTest, WhatEndedBeforeTheStripesIsWhole) {
+  for (const Pattern pattern : {Pattern::kBlobs, Pattern::kSalt, Pattern::kPercolation}) {
+    ColorGrid grid = make_pattern(pattern, 640, 480, random_);
+    const int stripes_from = 100;
+    for (int v = stripes_from; v < 480; ++v) {
+      for (int u = 0; u < 640; ++u) grid.at(u, v) = static_cast<ColorId>(1 + u % 2);
+    }
+    EXPECT_EQ(scan(grid, 12).code(), ErrorCode::kFull) << name_of(pattern);
+    const int row = row_of_end(grid);
+    ASSERT_GT(row, stripes_from) << name_of(pattern);
+    ASSERT_LT(row, 480) << name_of(pattern);
+    EXPECT_FALSE(regions_->empty()) << name_of(pattern);
+    expect_all_that_ended_above(grid, row, 12);
+  }
+}
+
+TEST_F(OverloadTest, TheWidestPicturesAreBoundedToo) {
+  for (const Pattern pattern :
+       {Pattern::kVerticalStripes, Pattern::kCombDown, Pattern::kPercolation, Pattern::kTwoColors}) {
+    const ColorGrid grid = make_pattern(pattern, static_cast<int>(kMaxFrameWidth), 300, random_);
+    EXPECT_EQ(scan(grid, 3).code(), ErrorCode::kFull) << name_of(pattern);
+    ASSERT_GT(runs_->overflow(), 0u) << name_of(pattern);
+    expect_all_that_ended_above(grid, row_of_end(grid), 3);
+  }
+}
+
+TEST_F(OverloadTest, LeavesNothingBehindForTheNextFrame) {
+  const ColorGrid calm = make_pattern(Pattern::kBlobs, 640, 480, random_);
+  const std::vector<ExpectedRegion> expected = expected_regions(calm);
+  for (const Pattern pattern : {Pattern::kVerticalStripes, Pattern::kSalt, Pattern::kCombUp}) {
+    EXPECT_EQ(scan(make_pattern(pattern, 640, 480, random_), 1).code(), ErrorCode::kFull) << name_of(pattern);
+    EXPECT_TRUE(scan(calm, 1).ok());
+    EXPECT_EQ(difference(expected, *runs_, *regions_), "") << "after " << name_of(pattern);
+    EXPECT_EQ(runs_->overflow() + regions_->overflow(), 0u);
+  }
+}
+
+}  // namespace
+}  // namespace touchline::testing

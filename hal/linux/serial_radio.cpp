@@ -184,7 +184,8 @@ Status SerialRadio::do_send(std::span<const std::byte> bytes) {
 }
 
 int SerialRadio::write_some(std::span<const std::byte> bytes) {
-  const sp_return taken = sp_nonblocking_write(port_, bytes.data(), bytes.size());
+  // Into an int at once: the library returns counts that its enum has no values for.
+  const int taken = sp_nonblocking_write(port_, bytes.data(), bytes.size());
   if (taken < 0) static_cast<void>(fail("sending", sp_last_error_code()));
   return taken;
 }

@@ -3,6 +3,14 @@
 #include <cstdlib>
 #include <new>
 
+#if defined(__SANITIZE_THREAD__)
+#define TOUCHLINE_COUNTS_ALLOCATIONS 0
+#elif defined(__has_feature)
+#define TOUCHLINE_COUNTS_ALLOCATIONS !__has_feature(thread_sanitizer)
+#else
+#define TOUCHLINE_COUNTS_ALLOCATIONS 1
+#endif
+
 namespace touchline::testing {
 namespace {
 
@@ -10,13 +18,9 @@ bool counting = false;
 int uncounted_depth = 0;
 std::size_t allocations = 0;
 
-void* allocate(std::size_t size) {
-  if (counting && uncounted_depth == 0) ++allocations;
-  return std::malloc(size == 0 ? 1 : size);
-}
-
 }  // namespace
 
+bool AllocationCounter::works() { return TOUCHLINE_COUNTS_ALLOCATIONS; }
 AllocationCounter::AllocationCounter() {
   allocations = 0;
   counting = true;
@@ -27,14 +31,21 @@ std::size_t AllocationCounter::count() const { return allocations; }
 UncountedAllocations::UncountedAllocations() { ++uncounted_depth; }
 UncountedAllocations::~UncountedAllocations() { --uncounted_depth; }
 
-}  // namespace touchline::testing
-
-void* operator new(std::size_t size) {
-  if (void* const memory = touchline::testing::allocate(size)) return memory;
+#if TOUCHLINE_COUNTS_ALLOCATIONS
+void* counted_allocation(std::size_t size) {
+  if (counting && uncounted_depth == 0) ++allocations;
+  if (void* const memory = std::malloc(size == 0 ? 1 : size)) return memory;
   throw std::bad_alloc();
 }
+#endif
+
+}  // namespace touchline::testing
+
+#if TOUCHLINE_COUNTS_ALLOCATIONS
+void* operator new(std::size_t size) { return touchline::testing::counted_allocation(size); }
 void* operator new[](std::size_t size) { return ::operator new(size); }
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete[](void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+#endif

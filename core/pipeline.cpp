@@ -57,7 +57,7 @@ const StepTrace& Pipeline::step(const Frame& frame) {
   {
     const StageTimer t = timer(Stage::kControl);
     controller_.decide(trace_.tracks, halted_, trace_.commands);
-    tracker_.commanded(trace_.commands, acts_at);
+    if (!observing_) tracker_.commanded(trace_.commands, acts_at);
   }
   {
     const StageTimer t = timer(Stage::kRadio);

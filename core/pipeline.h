@@ -31,6 +31,9 @@ class Pipeline {
   void set_action_delay(Duration delay) { action_delay_ = delay; }
   /// The controller's output is replaced by stop commands while true.
   void set_halted(bool halted) { halted_ = halted; }
+  /// While true nobody sends what the controller decides (a replay; robots driven by others), so that the filters take
+  /// the robots' commands for unknown.
+  void set_observing(bool observing) { observing_ = observing; }
 
   /// The trace is valid until the next call. Never fails: a frame of another format or size gives an empty trace whose
   /// `status` says so.
@@ -52,7 +55,7 @@ class Pipeline {
   Controller controller_;
   StageClock clock_ = nullptr;
   Duration action_delay_{};
-  bool halted_ = false;
+  bool halted_ = false, observing_ = false;
   std::uint8_t packet_sequence_ = 0;
   StepTrace trace_;
 };

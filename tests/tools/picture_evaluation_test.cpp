@@ -1,0 +1,156 @@
+#include "tools/evaluate/picture_evaluation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+namespace touchline::evaluate {
+namespace {
+
+PatchRecord patch(const char* color, double u, double v, bool identification) {
+  return {identification, color, {u, v}};
+}
+
+// Two robots of a layout with two identification patches, one that is cut off, and a ball.
+AnnotatedPicture truth() {
+  AnnotatedPicture picture;
+  picture.name = "one";
+  picture.file = "one.png";
+  picture.balls_px = {{300.0, 300.0}};
+  picture.robots.push_back(
+      {"blue", Point{100.0, 100.0}, {patch("red", 110.0, 95.0, true), patch("green", 110.0, 105.0, true)}});
+  picture.robots.push_back(
+      {"yellow", Point{200.0, 100.0}, {patch("green", 210.0, 95.0, true), patch("red", 210.0, 105.0, true)}});
+  picture.robots.push_back({"blue", Point{2.0, 200.0}, {}});
+  return picture;
+}
+
+RobotRecord robot(const char* team, std::optional<int> id, std::vector<PatchRecord> patches) {
+  return {team, id, {}, 0.0, std::move(patches)};
+}
+
+// What a perfect pipeline says; the identification patches in another order than the annotator's.
+std::vector<FrameRecord> perfect() {
+  FrameRecord frame;
+  frame.file = "one.png";
+  frame.frame = 17;
+  frame.sightings.ball = BallRecord{{}, Point{300.0, 300.0}};
+  frame.sightings.robots = {
+      robot("blue", 4,
+            {patch("blue", 100.0, 100.0, false), patch("green", 110.0, 105.0, true), patch("red", 110.0, 95.0, true)}),
+      robot(
+          "yellow", 2,
+          {patch("yellow", 200.0, 100.0, false), patch("green", 210.0, 95.0, true), patch("red", 210.0, 105.0, true)})};
+  return {frame};
+}
+
+PictureReport evaluate(const std::vector<FrameRecord>& results) {
+  PictureReport report;
+  std::string error;
+  EXPECT_TRUE(evaluate_picture(truth(), results, {}, report, error)) << error;
+  return report;
+}
+
+TEST(PictureEvaluation, PerfectResult) {
+  const PictureReport r = evaluate(perfect());
+  EXPECT_EQ(r.robots, 2u);
+  EXPECT_EQ(r.not_judged, 1u);
+  EXPECT_EQ(r.found, 2u);
+  EXPECT_EQ(r.team_good, 2u);
+  EXPECT_EQ(r.identification, 4u);
+  EXPECT_EQ(r.identification_good, 4u);
+  EXPECT_EQ(r.ids_right, 2u);
+  EXPECT_EQ(r.ids_unknown + r.ids_wrong + r.ghosts + r.wrong_team + r.ball_ghosts, 0u);
+  EXPECT_EQ(r.balls_good, 1u);
+}
+
+TEST(PictureEvaluation, WrongColorIsAWrongIdOnlyWithAnId) {
+  std::vector<FrameRecord> results = perfect();
+  results[0].sightings.robots[0].patches[1].color = "red";
+  EXPECT_EQ(evaluate(results).ids_wrong, 1u);
+  EXPECT_EQ(evaluate(results).ids_right, 1u);
+  results[0].sightings.robots[0].id.reset();
+  EXPECT_EQ(evaluate(results).ids_wrong, 0u);
+  EXPECT_EQ(evaluate(results).ids_unknown, 1u);
+}
+
+TEST(PictureEvaluation, AnIdWithoutItsPatchesIsWrong) {
+  std::vector<FrameRecord> results = perfect();
+  results[0].sightings.robots[1].patches.pop_back();
+  EXPECT_EQ(evaluate(results).ids_wrong, 1u);
+}
+
+TEST(PictureEvaluation, PixelErrors) {
+  std::vector<FrameRecord> results = perfect();
+  results[0].sightings.robots[0].patches[0].center_px = {101.8, 100.0};
+  results[0].sightings.robots[1].patches[0].center_px = {200.0, 102.2};
+  results[0].sightings.ball->center_px = Point{300.0, 303.0};
+  const PictureReport r = evaluate(results);
+  EXPECT_EQ(r.found, 2u);
+  EXPECT_EQ(r.team_good, 1u);
+  EXPECT_NEAR(r.team_px.max, 2.2, 1e-9);
+  EXPECT_NEAR(r.team_px.rms, std::sqrt((1.8 * 1.8 + 2.2 * 2.2) / 2.0), 1e-9);
+  EXPECT_EQ(r.balls_found, 1u);
+  EXPECT_EQ(r.balls_good, 0u);
+  EXPECT_NEAR(r.ball_px.max, 3.0, 1e-9);
+}
+
+TEST(PictureEvaluation, GhostsWrongTeamsAndMisses) {
+  std::vector<FrameRecord> results = perfect();
+  results[0].sightings.robots[0].team = "yellow";
+  results[0].sightings.robots.push_back(robot("blue", 1, {patch("blue", 400.0, 100.0, false)}));
+  results[0].sightings.robots.push_back(
+      robot("blue", std::nullopt, {patch("blue", 3.0, 200.0, false)}));  // the cut one
+  results[0].sightings.ball->center_px = Point{100.0, 300.0};
+  const PictureReport r = evaluate(results);
+  EXPECT_EQ(r.found, 1u);
+  EXPECT_EQ(r.wrong_team, 1u);
+  EXPECT_EQ(r.ghosts, 1u);
+  EXPECT_EQ(r.ball_ghosts, 1u);
+  EXPECT_EQ(r.balls_found, 0u);
+}
+
+TEST(PictureEvaluation, FramesOfAVideoAreToldByNumber) {
+  std::vector<FrameRecord> results = perfect();
+  results.push_back(results[0]);
+  results[0].frame = 3;
+  results[0].sightings.robots.clear();
+  results[1].frame = 270;
+  AnnotatedPicture picture = truth();
+  picture.frame = 270;
+  PictureReport report;
+  std::string error;
+  ASSERT_TRUE(evaluate_picture(picture, results, {}, report, error));
+  EXPECT_EQ(report.found, 2u);
+  picture.frame = 4;
+  EXPECT_FALSE(evaluate_picture(picture, results, {}, report, error));
+  EXPECT_NE(error.find("one.png frame 4"), std::string::npos) << error;
+}
+
+TEST(Annotation, ReadsWhatAnAnnotatorWrote) {
+  const std::string path = testing::TempDir() + "touchline_annotation.json";
+  std::ofstream(path) << R"({"image": "../vss-overhead.mp4 frame 270", "objects": [
+    {"type": "ball", "centre": [461.0, 335.25], "radius": 6.7},
+    {"type": "robot", "team": "yellow", "team_patch": [457.5, 38.8], "id_patches": [{"colour": "red", "centre": [469.0, 50.5]}]},
+    {"type": "robot", "team": "blue", "team_patch": [111.75, 232.0], "id_patches": []}]})";
+  AnnotatedPicture picture;
+  std::string error;
+  ASSERT_TRUE(read_annotated(path, picture, error)) << error;
+  EXPECT_EQ(picture.name, "touchline_annotation");
+  EXPECT_EQ(picture.file, "vss-overhead.mp4");
+  EXPECT_EQ(picture.frame, 270);
+  ASSERT_EQ(picture.balls_px.size(), 1u);
+  EXPECT_EQ(picture.balls_px[0].b, 335.25);
+  ASSERT_EQ(picture.robots.size(), 2u);
+  EXPECT_EQ(picture.robots[0].identification.at(0).color, "red");
+  EXPECT_TRUE(picture.robots[1].identification.empty());
+
+  std::ofstream(path) << R"({"image": "a.png", "objects": [{"type": "ball", "centre": [461.0]}]})";
+  EXPECT_FALSE(read_annotated(path, picture, error));
+  EXPECT_NE(error.find("objects[0].centre is no pair"), std::string::npos) << error;
+}
+
+}  // namespace
+}  // namespace touchline::evaluate

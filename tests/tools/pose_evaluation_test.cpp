@@ -1,0 +1,268 @@
+#include "tools/evaluate/pose_evaluation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+namespace touchline::evaluate {
+namespace {
+
+constexpr double kWithin = 0.02;
+
+std::string in_temporary_file(const std::string& text) {
+  const std::string path =
+      testing::TempDir() + "touchline_" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".jsonl";
+  std::ofstream(path) << text;
+  return path;
+}
+
+RobotRecord robot(const std::string& team, std::optional<int> id, double x, double y,
+                  std::optional<double> theta = 0.0) {
+  return {team, id, {x, y}, theta, {}};
+}
+
+// Three blue robots and two yellow ones, far from each other, and a ball.
+FrameRecord truth_frame(int number) {
+  FrameRecord frame;
+  frame.file = std::to_string(number) + ".png";
+  frame.frame = number;
+  SceneRecord scene;
+  scene.ball = BallRecord{{0.5, 0.5}, std::nullopt};
+  scene.robots = {robot("blue", 0, 0.0, 0.0), robot("blue", 1, 0.2, 0.0), robot("blue", 2, 0.4, 0.0),
+                  robot("yellow", 0, 0.0, 0.3), robot("yellow", 1, 0.2, 0.3)};
+  frame.sightings = frame.tracks = scene;
+  return frame;
+}
+
+PoseReport evaluate(const std::vector<FrameRecord>& truth, const std::vector<FrameRecord>& result) {
+  PoseReport report;
+  std::string error;
+  EXPECT_TRUE(evaluate_poses(truth, result, kWithin, report, error)) << error;
+  return report;
+}
+
+void expect_counts(const PoseSummary& s, std::size_t right, std::size_t unknown, std::size_t swapped,
+                   std::size_t missed, std::size_t ghosts) {
+  EXPECT_EQ(s.right, right);
+  EXPECT_EQ(s.unknown, unknown);
+  EXPECT_EQ(s.swapped, swapped);
+  EXPECT_EQ(s.missed, missed);
+  EXPECT_EQ(s.ghosts, ghosts);
+  EXPECT_EQ(s.robots, s.right + s.unknown + s.swapped + s.missed);
+}
+
+TEST(PoseEvaluation, PerfectResult) {
+  const std::vector<FrameRecord> truth{truth_frame(0), truth_frame(1)};
+  const PoseReport report = evaluate(truth, truth);
+  expect_counts(report.sightings, 10, 0, 0, 0, 0);
+  expect_counts(report.tracks, 10, 0, 0, 0, 0);
+  EXPECT_EQ(report.sightings.balls_seen, 2u);
+  EXPECT_EQ(report.sightings.position.max, 0.0);
+  EXPECT_EQ(report.frames, 2u);
+  EXPECT_EQ(report.frames_without_result, 0u);
+}
+
+TEST(PoseEvaluation, SwappedIdsAreCountedEach) {
+  std::vector<FrameRecord> result{truth_frame(0)};
+  std::swap(result[0].sightings.robots[0].id, result[0].sightings.robots[1].id);
+  expect_counts(evaluate({truth_frame(0)}, result).sightings, 3, 0, 2, 0, 0);
+  expect_counts(evaluate({truth_frame(0)}, result).tracks, 5, 0, 0, 0, 0);  // they were left as they are
+}
+
+TEST(PoseEvaluation, WrongTeamIsSwapped) {
+  std::vector<FrameRecord> result{truth_frame(0)};
+  result[0].sightings.robots[3].team = "blue";
+  expect_counts(evaluate({truth_frame(0)}, result).sightings, 4, 0, 1, 0, 0);
+  result[0].sightings.robots[3].id.reset();
+  expect_counts(evaluate({truth_frame(0)}, result).sightings, 4, 0, 1, 0, 0);
+}
+
+TEST(PoseEvaluation, UnknownIdsAreNeitherRightNorWrong) {
+  std::vector<FrameRecord> result{truth_frame(0)};
+  result[0].sightings.robots[2].id.reset();
+  result[0].sightings.robots[2].theta_rad.reset();
+  const PoseReport report = evaluate({truth_frame(0)}, result);
+  expect_counts(report.sightings, 4, 1, 0, 0, 0);
+  EXPECT_EQ(report.sightings.position.count, 5u);
+  EXPECT_EQ(report.sightings.angle.count, 4u);
+}
+
+TEST(PoseEvaluation, MissesAndGhosts) {
+  std::vector<FrameRecord> result{truth_frame(0)};
+  result[0].sightings.robots.erase(result[0].sightings.robots.begin());
+  expect_counts(evaluate({truth_frame(0)}, result).sightings, 4, 0, 0, 1, 0);
+  result[0].sightings.robots.push_back(robot("blue", 0, -0.7, 0.1));
+  expect_counts(evaluate({truth_frame(0)}, result).sightings, 4, 0, 0, 1, 1);
+  // Two reports of one robot: the nearer one counts, the other is a ghost.
+  result[0] = truth_frame(0);
+  result[0].sightings.robots.push_back(robot("blue", 1, 0.205, 0.0));
+  const PoseReport twice = evaluate({truth_frame(0)}, result);
+  expect_counts(twice.sightings, 5, 0, 0, 0, 1);
+  EXPECT_EQ(twice.sightings.position.max, 0.0);
+}
+
+TEST(PoseEvaluation, TheLimitOfDistanceHasTwoSides) {
+  std::vector<FrameRecord> result{truth_frame(0)};
+  result[0].sightings.robots[0].position_m.a = 0.0199;
+  expect_counts(evaluate({truth_frame(0)}, result).sightings, 5, 0, 0, 0, 0);
+  result[0].sightings.robots[0].position_m.a = 0.0201;
+  expect_counts(evaluate({truth_frame(0)}, result).sightings, 4, 0, 0, 1, 1);
+}
+
+TEST(PoseEvaluation, Balls) {
+  std::vector<FrameRecord> truth{truth_frame(0), truth_frame(1), truth_frame(2), truth_frame(3)};
+  std::vector<FrameRecord> result = truth;
+  result[0].sightings.ball->position_m = {0.503, 0.504};
+  result[1].sightings.ball.reset();
+  result[2].sightings.ball->position_m.a = 0.0;
+  truth[3].sightings.ball.reset();
+  truth[3].tracks.ball.reset();
+  const PoseSummary s = evaluate(truth, result).sightings;
+  EXPECT_EQ(s.balls, 3u);
+  EXPECT_EQ(s.balls_seen, 1u);
+  EXPECT_EQ(s.balls_missed, 2u);
+  EXPECT_EQ(s.ball_ghosts, 2u);
+  EXPECT_NEAR(s.ball.rms, 0.005, 1e-12);
+}
+
+TEST(PoseEvaluation, ErrorsAndTheirWrap) {
+  std::vector<FrameRecord> truth{truth_frame(0)}, result{truth_frame(0)};
+  truth[0].sightings.robots[0].theta_rad = std::numbers::pi - 0.01;
+  result[0].sightings.robots[0].theta_rad = -std::numbers::pi + 0.01;
+  result[0].sightings.robots[1].position_m = {0.203, 0.004};
+  const PoseSummary s = evaluate(truth, result).sightings;
+  EXPECT_NEAR(s.angle.max, 0.02, 1e-12);
+  EXPECT_NEAR(s.position.max, 0.005, 1e-12);
+  EXPECT_NEAR(s.position.rms, 0.005 / std::sqrt(5.0), 1e-12);
+}
+
+TEST(PoseEvaluation, MissingFramesCountAsMissed) {
+  const std::vector<FrameRecord> truth{truth_frame(0), truth_frame(1)};
+  const PoseReport report = evaluate(truth, {truth_frame(1), truth_frame(7)});
+  EXPECT_EQ(report.frames_without_result, 1u);
+  EXPECT_EQ(report.results_without_truth, 1u);
+  expect_counts(report.sightings, 5, 0, 0, 5, 0);
+}
+
+TEST(PoseEvaluation, VideoFramesArePairedByNumber) {
+  std::vector<FrameRecord> truth{truth_frame(0), truth_frame(1)};
+  std::vector<FrameRecord> result{truth_frame(1), truth_frame(0)};
+  for (FrameRecord& r : result) r.file = "a.mp4";
+  result[0].sightings.robots.clear();
+  expect_counts(evaluate(truth, result).sightings, 5, 0, 0, 5, 0);
+}
+
+TEST(PoseEvaluation, WhatCannotBePairedIsAnError) {
+  PoseReport report;
+  std::string error;
+  EXPECT_FALSE(evaluate_poses({truth_frame(0)}, {truth_frame(1)}, kWithin, report, error));
+  EXPECT_NE(error.find("file name"), std::string::npos) << error;
+  std::vector<FrameRecord> twice{truth_frame(0), truth_frame(0)};
+  EXPECT_FALSE(evaluate_poses({truth_frame(0)}, twice, kWithin, report, error));
+  EXPECT_NE(error.find("twice"), std::string::npos) << error;
+}
+
+TEST(PoseEvaluation, SpreadOfWhatStandsStill) {
+  std::vector<FrameRecord> truth, result;
+  for (int i = 0; i < 4; ++i) {
+    truth.push_back(truth_frame(i));
+    result.push_back(truth_frame(i));
+    // 3 mm to either side, half a hundredth of a radian to either side of pi.
+    const double sign = i % 2 == 0 ? 1.0 : -1.0;
+    result.back().sightings.robots[0].position_m.a += 0.003 * sign + 0.001;
+    result.back().sightings.robots[0].theta_rad =
+        std::numbers::pi - 0.005 + (i % 2 == 0 ? 0.0 : 0.01 - 2.0 * std::numbers::pi);
+  }
+  const PoseReport report = evaluate(truth, result);
+  ASSERT_EQ(report.spread.size(), 6u);
+  EXPECT_EQ(report.spread[0].name, "blue 0");
+  EXPECT_EQ(report.spread[0].frames, 4u);
+  EXPECT_NEAR(report.spread[0].position_rms, 0.003, 1e-12);  // the constant error is none of the spread
+  EXPECT_NEAR(report.spread[0].largest_step, 0.006, 1e-12);
+  EXPECT_NEAR(report.spread[0].angle_rms, 0.005, 1e-9);
+  EXPECT_NEAR(report.spread[1].position_rms, 0.0, 1e-12);
+  EXPECT_EQ(report.spread[5].name, "ball");
+  truth[2].sightings.robots[4].position_m.a += 0.001;
+  EXPECT_TRUE(evaluate(truth, result).spread.empty());
+}
+
+TEST(Records, ReadsTheFormatOfTheScenes) {
+  const std::string path = in_temporary_file(
+      R"({"file":"000000.png","t":0.5,"ball":{"x":-0.7,"y":-0.5,"u":141.5,"v":361.7},"robots":[{"team":"blue","ident":"red",)"
+      R"("id":3,"x":0.66,"y":0.14,"theta":-2.02,"team_px":[494.7,210.6],"ident_px":[490.1,197.5]}]})"
+      "\n\n"
+      R"({"file":"000001.png","t":0.6,"ball":null,"robots":[]})"
+      "\n");
+  std::vector<FrameRecord> records;
+  std::string error;
+  ASSERT_TRUE(read_truth(path, records, error)) << error;
+  ASSERT_EQ(records.size(), 2u);
+  EXPECT_EQ(records[0].file, "000000.png");
+  ASSERT_TRUE(records[0].sightings.ball.has_value());
+  EXPECT_EQ(records[0].sightings.ball->position_m.b, -0.5);
+  ASSERT_EQ(records[0].sightings.robots.size(), 1u);
+  EXPECT_EQ(records[0].sightings.robots[0].id, 3);
+  EXPECT_EQ(records[0].sightings.robots[0].theta_rad, -2.02);
+  EXPECT_FALSE(records[1].sightings.ball.has_value());
+}
+
+struct BadLine {
+  const char* text;
+  const char* complaint;
+};
+class BadTruth : public testing::TestWithParam<BadLine> {};
+
+TEST_P(BadTruth, IsRefusedWithItsLineAndKey) {
+  const std::string good = R"({"file":"a.png","t":0,"ball":null,"robots":[]})";
+  const std::string path = testing::TempDir() + "touchline_bad.jsonl";
+  std::ofstream(path) << good << '\n' << GetParam().text << '\n';
+  std::vector<FrameRecord> records;
+  std::string error;
+  EXPECT_FALSE(read_truth(path, records, error));
+  EXPECT_NE(error.find(path + ":2: "), std::string::npos) << error;
+  EXPECT_NE(error.find(GetParam().complaint), std::string::npos) << error;
+}
+INSTANTIATE_TEST_SUITE_P(
+    Records, BadTruth,
+    testing::Values(BadLine{R"({"file":"b.png","ball":nu)", "no JSON"}, BadLine{"[1,2]", "no object"},
+                    BadLine{R"({"ball":null,"robots":[]})", "file is missing"},
+                    BadLine{R"({"file":7,"ball":null,"robots":[]})", "file is no text"},
+                    BadLine{R"({"file":"b.png","robots":[]})", "ball is missing"},
+                    BadLine{R"({"file":"b.png","ball":{"x":1},"robots":[]})", "ball.y is missing"},
+                    BadLine{R"({"file":"b.png","ball":null,"robots":{}})", "robots is no list"},
+                    BadLine{R"({"file":"b.png","ball":null,"robots":[{"team":"blue","id":1,"x":0,"y":"0","theta":0}]})",
+                            "robots[0].y is no number"},
+                    BadLine{R"({"file":"b.png","ball":null,"robots":[{"team":"blue","id":1.5,"x":0,"y":0,"theta":0}]})",
+                            "robots[0].id is no whole number"}));
+
+TEST(Records, FilesThatCannotBeRead) {
+  std::vector<FrameRecord> records;
+  std::string error;
+  EXPECT_FALSE(read_truth(testing::TempDir() + "touchline_none.jsonl", records, error));
+  EXPECT_NE(error.find("No such file"), std::string::npos) << error;
+  EXPECT_FALSE(read_truth(testing::TempDir(), records, error));
+  EXPECT_FALSE(read_truth(in_temporary_file("\n"), records, error));
+  EXPECT_NE(error.find("holds no frame"), std::string::npos) << error;
+}
+
+TEST(Records, NamesOfResultsAreTranslated) {
+  const std::string path = in_temporary_file(
+      R"({"frame":0,"file":"a.png","t":0,"sightings":{"ball":null,"robots":[{"team":"own","id":null,"x":0,"y":0,"theta":null,)"
+      R"("patches":[{"role":"identification","color":"rot","u":1,"v":2}]}]},"tracks":{"ball":null,"robots":[]},"overload":false})"
+      "\n");
+  std::vector<FrameRecord> records;
+  std::string error;
+  ASSERT_TRUE(read_result(path, {{"own", "blue"}, {"rot", "red"}}, records, error)) << error;
+  const RobotRecord& found = records[0].sightings.robots.at(0);
+  EXPECT_EQ(found.team, "blue");
+  EXPECT_FALSE(found.id.has_value());
+  EXPECT_FALSE(found.theta_rad.has_value());
+  EXPECT_EQ(found.patches.at(0).color, "red");
+  EXPECT_TRUE(found.patches.at(0).identification);
+}
+
+}  // namespace
+}  // namespace touchline::evaluate

@@ -1,0 +1,43 @@
+#include "tools/evaluate/statistics.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <numbers>
+
+namespace touchline::evaluate {
+namespace {
+
+TEST(Statistics, PercentileIsTheNearestRank) {
+  const std::array<int, 5> five{15, 20, 35, 40, 50};
+  EXPECT_EQ(percentile(std::span<const int>(five), 5.0), 15);
+  EXPECT_EQ(percentile(std::span<const int>(five), 20.0), 15);
+  EXPECT_EQ(percentile(std::span<const int>(five), 20.1), 20);
+  EXPECT_EQ(percentile(std::span<const int>(five), 50.0), 35);
+  EXPECT_EQ(percentile(std::span<const int>(five), 100.0), 50);
+  const std::array<int, 1> one{7};
+  EXPECT_EQ(percentile(std::span<const int>(one), 99.9), 7);
+}
+
+TEST(Statistics, SummaryOfKnownErrors) {
+  std::vector<double> errors;
+  for (int i = 1; i <= 100; ++i) errors.push_back(i % 2 == 0 ? i : -i);  // signs do not matter
+  const ErrorSummary summary = summarize(errors);
+  EXPECT_EQ(summary.count, 100u);
+  EXPECT_NEAR(summary.rms, 58.1678605, 1e-6);  // sqrt(101 * 201 / 6)
+  EXPECT_EQ(summary.p95, 95.0);
+  EXPECT_EQ(summary.max, 100.0);
+  EXPECT_EQ(summarize({}).count, 0u);
+  EXPECT_EQ(summarize({}).max, 0.0);
+}
+
+TEST(Statistics, AnglesWrap) {
+  constexpr double kPi = std::numbers::pi;
+  EXPECT_NEAR(wrapped(3.0 * kPi / 2.0), -kPi / 2.0, 1e-12);
+  EXPECT_NEAR(wrapped(-3.0 * kPi / 2.0), kPi / 2.0, 1e-12);
+  EXPECT_NEAR(wrapped(3.1 - -3.1), 6.2 - 2.0 * kPi, 1e-12);
+  EXPECT_GT(wrapped(-kPi), 0.0);
+}
+
+}  // namespace
+}  // namespace touchline::evaluate

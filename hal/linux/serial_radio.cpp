@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "hal/linux/monotonic_clock.h"
+#include "hal/linux/stable_name.h"
 #include "hal/linux/system_error.h"
 
 namespace touchline::hal {
@@ -41,6 +42,7 @@ std::string ports_here() {
     if (const char* description = sp_get_port_description(*port); description != nullptr && *description != '\0') {
       list += std::string(" (") + description + ")";
     }
+    list += stable_name("/dev/serial/by-id", sp_get_port_name(*port));
   }
   sp_free_port_list(ports);
   return list.empty() ? "none" : list;

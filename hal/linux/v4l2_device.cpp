@@ -11,6 +11,7 @@
 #include <ctime>
 
 #include "hal/linux/monotonic_clock.h"
+#include "hal/linux/stable_name.h"
 
 namespace touchline::hal {
 
@@ -64,7 +65,7 @@ std::string cameras_here() {
     if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0 || (can & V4L2_CAP_STREAMING) == 0) continue;
     if (!list.empty()) list += ", ";
     list += path + " (" + reinterpret_cast<const char*>(capability.card) + ", " +
-            reinterpret_cast<const char*>(capability.bus_info) + ")";
+            reinterpret_cast<const char*>(capability.bus_info) + ")" + stable_name("/dev/v4l/by-path", path);
   }
   return list.empty() ? "none" : list;
 }

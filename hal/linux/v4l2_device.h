@@ -28,7 +28,8 @@ class V4l2Device {
   int file_ = -1;
 };
 
-/// "/dev/video0 (name, bus), ..." of all cameras that can stream, or "none". Opens every video device: for messages.
+/// "/dev/video0 (name, bus) = /dev/v4l/by-path/..., ..." of all cameras that can stream, or "none". Opens every video
+/// device: for messages.
 std::string cameras_here();
 
 }  // namespace touchline::hal

@@ -33,14 +33,19 @@ const FourccFormat& entry_of(PixelFormat format) {
 // A driver that never says "no more" must not hold us: no camera lists so many formats or sizes.
 constexpr std::uint32_t kMaxListed = 64;
 
-/// The board file's word where there is one, else the four letters.
-std::string name_of(std::uint32_t fourcc) {
+/// The board file's word, null for a format that Touchline does not read.
+const char* word_of(std::uint32_t fourcc) {
   for (const FourccFormat& entry : kFormats) {
     if (entry.fourcc != fourcc) continue;
     for (const Choice<PixelFormat>& choice : kPixelFormats) {
-      if (choice.value == entry.format) return std::string(choice.word);
+      if (choice.value == entry.format) return choice.word.data();
     }
   }
+  return nullptr;
+}
+
+std::string name_of(std::uint32_t fourcc) {
+  if (const char* word = word_of(fourcc); word != nullptr) return word;
   std::string letters;
   for (unsigned shift = 0; shift < 32; shift += 8) {
     const char letter = static_cast<char>((fourcc >> shift) & 0x7fu);
@@ -70,15 +75,20 @@ std::string sizes_of(const V4l2Device& device, std::uint32_t fourcc) {
   return list;
 }
 
+/// "yuyv 640x480, 320x240; nv12 640x480; and MJPG, which cannot be read": sizes only of what would help.
 std::string offers_of(const V4l2Device& device) {
-  std::string list;
+  std::string readable, others;
   v4l2_fmtdesc format{};
   format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   for (format.index = 0; format.index < kMaxListed && device.request(VIDIOC_ENUM_FMT, &format) == 0; ++format.index) {
-    if (!list.empty()) list += "; ";
-    list += name_of(format.pixelformat) + sizes_of(device, format.pixelformat);
+    if (word_of(format.pixelformat) != nullptr) {
+      readable += (readable.empty() ? "" : "; ") + name_of(format.pixelformat) + sizes_of(device, format.pixelformat);
+    } else {
+      others += (others.empty() ? "" : ", ") + name_of(format.pixelformat);
+    }
   }
-  return list.empty() ? "nothing" : list;
+  if (readable.empty()) readable = "nothing that can be read";
+  return others.empty() ? readable : readable + "; besides, " + others + ", which cannot be read";
 }
 
 V4l2Picture picture_of(const v4l2_pix_format& granted, const FourccFormat& entry) {

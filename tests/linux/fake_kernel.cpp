@@ -1,6 +1,7 @@
 #include "tests/linux/fake_kernel.h"
 
 #include <fcntl.h>
+#include <glob.h>
 #include <poll.h>
 #include <sys/mman.h>
 
@@ -41,8 +42,9 @@ Kernel::~Kernel() { in_force = nullptr; }
 
 int Kernel::open(const char* path, int flags) {
   if (const auto refusal = refusals_.find(path); refusal != refusals_.end()) return -refusal->second;
-  const auto found = files_.find(path);
-  if (found == files_.end()) return -ENOENT;
+  const std::string* const target = resolve(path);
+  if (target == nullptr) return -ENOENT;
+  const auto found = files_.find(*target);
   if ((flags & O_NONBLOCK) == 0 || (flags & O_CLOEXEC) == 0) return -EINVAL;  // ours always ask for both
   if (const int result = found->second->open(); result < 0) return result;
   return adopt(*found->second);
@@ -97,6 +99,14 @@ const std::string* Kernel::resolve(const std::string& path) const {
   return found == files_.end() ? nullptr : &found->first;
 }
 
+std::vector<std::string> Kernel::links_in(const std::string& folder) const {
+  std::vector<std::string> found;
+  for (const auto& [from, to] : links_) {
+    if (from.rfind(folder + "/", 0) == 0) found.push_back(from);
+  }
+  return found;
+}
+
 }  // namespace touchline::fake
 
 using touchline::fake::File;
@@ -114,12 +124,13 @@ int __real_ppoll(pollfd* files, nfds_t count, const std::timespec* timeout, cons
 int __real_clock_gettime(clockid_t clock, std::timespec* time);
 int __real_clock_nanosleep(clockid_t clock, int flags, const std::timespec* time, std::timespec* left);
 char* __real_realpath(const char* path, char* resolved);
+int __real_glob(const char* pattern, int flags, int (*on_error)(const char*, int), glob_t* found);
 int __real_flock(int number, int operation);
 int __real_fcntl(int number, int command, ...);
 
 int __wrap_open(const char* path, int flags, ...) {
   const UncountedAllocations uncounted;
-  if (kernel() != nullptr && std::strncmp(path, "/dev/video", 10) == 0) {
+  if (kernel() != nullptr && (std::strncmp(path, "/dev/video", 10) == 0 || std::strncmp(path, "/dev/v4l/", 9) == 0)) {
     return touchline::fake::answer(kernel()->open(path, flags));
   }
   std::va_list arguments;
@@ -194,6 +205,17 @@ char* __wrap_realpath(const char* path, char* resolved) {
   if (target != nullptr) return ::strdup(target->c_str());
   errno = ENOENT;
   return nullptr;
+}
+
+int __wrap_glob(const char* pattern, int flags, int (*on_error)(const char*, int), glob_t* found) {
+  if (kernel() == nullptr) return __real_glob(pattern, flags, on_error, found);
+  std::string folder(pattern);
+  folder.resize(folder.size() - 2);  // "/*"
+  const std::vector<std::string> links = kernel()->links_in(folder);
+  found->gl_pathc = links.size();
+  found->gl_pathv = static_cast<char**>(std::calloc(links.size() + 1, sizeof(char*)));
+  for (std::size_t i = 0; i < links.size(); ++i) found->gl_pathv[i] = ::strdup(links[i].c_str());
+  return links.empty() ? GLOB_NOMATCH : 0;
 }
 
 int __wrap_flock(int number, int operation) {

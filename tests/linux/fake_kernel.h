@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "core/time.h"
 
@@ -59,6 +60,7 @@ class Kernel {
   bool take_interruption();
   Instant look_at_clock();
   const std::string* resolve(const std::string& path) const;
+  [[nodiscard]] std::vector<std::string> links_in(const std::string& folder) const;
 
  private:
   std::map<std::string, File*> files_;

@@ -97,8 +97,10 @@ TEST_F(SerialRadioTest, BytesReachTheWireAsTheyAre) {
 TEST_F(SerialRadioTest, MissingPortListsThePortsThatAreHere) {
   RadioSettings asked = settings();
   asked.device = "/dev/ttyUSB7";
-  expect_refusal(asked, ErrorCode::kNotFound,
-                 "/dev/ttyUSB7: no such port; ports here: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART)");
+  expect_refusal(
+      asked, ErrorCode::kNotFound,
+      std::string("/dev/ttyUSB7: no such port; ports here: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART) = ") +
+          kById);
 }
 
 TEST_F(SerialRadioTest, AFileThatIsNoPort) {
@@ -106,8 +108,10 @@ TEST_F(SerialRadioTest, AFileThatIsNoPort) {
   kernel_.add("/dev/video0", camera);
   RadioSettings asked = settings();
   asked.device = "/dev/video0";
-  expect_refusal(asked, ErrorCode::kUnsupported,
-                 "/dev/video0: not a serial port; ports here: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART)");
+  expect_refusal(
+      asked, ErrorCode::kUnsupported,
+      std::string("/dev/video0: not a serial port; ports here: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART) = ") +
+          kById);
 }
 
 TEST_F(SerialRadioTest, RefusedAccessSaysWhatToDo) {
@@ -120,8 +124,10 @@ TEST_F(SerialRadioTest, RefusedAccessSaysWhatToDo) {
   expect_refusal(settings(), ErrorCode::kDeviceBusy,
                  text(std::string("held by another process; `fuser -v ") + kById + "` names it"));
   adapter_.open_error = EIO;
-  expect_refusal(settings(), ErrorCode::kNotFound,
-                 text("no UART behind this port; ports here: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART)"));
+  expect_refusal(
+      settings(), ErrorCode::kNotFound,
+      text(std::string("no UART behind this port; ports here: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART) = ") +
+           kById));
   adapter_.open_error = ENOMEM;
   expect_refusal(settings(), ErrorCode::kIo, text("cannot be opened: Cannot allocate memory"));
 }

@@ -46,9 +46,22 @@ TEST_F(V4l2OpenTest, MissingDeviceListsTheCamerasThatAreHere) {
   kernel_.add("/dev/video10", codec);
   kernel_.add("/dev/video11", planar);
   kernel_.add("/dev/video12", device_);
+  kernel_.link("/dev/v4l/by-path/pci-0000:00:14.0-usb-0:4:1.0-video-index0", "/dev/video2");
   expect_refusal(settings(), ErrorCode::kNotFound,
-                 "/dev/video0: no such device; cameras here: /dev/video2 (HD Webcam, usb-0000:00:14.0-4), "
+                 "/dev/video0: no such device; cameras here: /dev/video2 (HD Webcam, usb-0000:00:14.0-4) = "
+                 "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:4:1.0-video-index0, "
                  "/dev/video12 (Fake Camera, usb-0000:00:14.0-1)");
+}
+
+TEST_F(V4l2OpenTest, OpensByItsStableName) {
+  constexpr const char* kByPath = "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0";
+  CameraSettings asked = settings();
+  asked.device = kByPath;
+  expect_refusal(
+      asked, ErrorCode::kNotFound,
+      std::string(kByPath) + ": no such device; cameras here: /dev/video0 (Fake Camera, usb-0000:00:14.0-1)");
+  kernel_.link(kByPath, "/dev/video0");
+  expect_grants(asked, "");
 }
 
 TEST_F(V4l2OpenTest, RefusedAccessSaysWhatToDo) {
@@ -86,22 +99,26 @@ TEST_F(V4l2OpenTest, DevicesThatAreNoCameras) {
 TEST_F(V4l2OpenTest, AnotherFormatOrSizeIsRefusedWithTheListOfWhatThereIs) {
   CameraSettings asked = settings();
   asked.format = PixelFormat::kUyvy;
-  expect_refusal(
-      asked, ErrorCode::kUnsupported,
-      "/dev/video0: no uyvy 640x480 but MJPG 640x480; it offers MJPG 640x480, 1280x720; yuyv 640x480, 320x240");
+  expect_refusal(asked, ErrorCode::kUnsupported,
+                 "/dev/video0: no uyvy 640x480 but MJPG 640x480; it offers yuyv 640x480, 320x240; besides, MJPG, which "
+                 "cannot be read");
   asked.format = PixelFormat::kYuyv;
   asked.width_px = 1280;
   asked.height_px = 720;
   expect_refusal(asked, ErrorCode::kUnsupported,
-                 "/dev/video0: no yuyv 1280x720 but yuyv 640x480; it offers MJPG 640x480, 1280x720; yuyv 640x480, "
-                 "320x240");
-  device_.formats = {{V4L2_PIX_FMT_NV12, {{32, 32}, {1920, 1080}}, true}, {V4L2_PIX_FMT_SBGGR10, {}, false}};
+                 "/dev/video0: no yuyv 1280x720 but yuyv 640x480; it offers yuyv 640x480, 320x240; besides, MJPG, "
+                 "which cannot be read");
+  device_.formats = {{V4L2_PIX_FMT_NV12, {{32, 32}, {1920, 1080}}, true},
+                     {V4L2_PIX_FMT_SBGGR10, {}, false},
+                     {V4L2_PIX_FMT_H264, {}, false}};
   asked.format = PixelFormat::kRgb24;
   expect_refusal(asked, ErrorCode::kUnsupported,
-                 "/dev/video0: no rgb24 1280x720 but nv12 1280x720; it offers nv12 32x32 to 1920x1080; BG10");
+                 "/dev/video0: no rgb24 1280x720 but nv12 1280x720; it offers nv12 32x32 to 1920x1080; besides, BG10, "
+                 "H264, which cannot be read");
   device_.fail(VIDIOC_S_FMT, EINVAL);
   expect_refusal(asked, ErrorCode::kUnsupported,
-                 "/dev/video0: no rgb24 1280x720 (invalid argument); it offers nv12 32x32 to 1920x1080; BG10");
+                 "/dev/video0: no rgb24 1280x720 (invalid argument); it offers nv12 32x32 to 1920x1080; besides, BG10, "
+                 "H264, which cannot be read");
 }
 
 TEST_F(V4l2OpenTest, FailuresWhileNegotiating) {
@@ -179,15 +196,27 @@ TEST_F(V4l2OpenTest, SignalsDoNotDisturb) {
   expect_grants(settings(), "");
 }
 
+TEST_F(V4l2OpenTest, ACameraWithNothingThatCanBeReadSaysSo) {
+  device_.formats = {{V4L2_PIX_FMT_SBGGR10P, {{2592, 1944}}, false}};
+  expect_refusal(settings(), ErrorCode::kUnsupported,
+                 "/dev/video0: no yuyv 640x480 but pBAA 2592x1944; it offers nothing that can be read; besides, pBAA, "
+                 "which cannot be read");
+  device_.formats = {{V4L2_PIX_FMT_UYVY, {}, false}};
+  device_.fail(VIDIOC_S_FMT, EINVAL);
+  expect_refusal(settings(), ErrorCode::kUnsupported,
+                 "/dev/video0: no yuyv 640x480 (invalid argument); it offers uyvy");
+}
+
 TEST_F(V4l2OpenTest, ListThatIsTooLongIsCutAndNothingElse) {
-  device_.formats.clear();
-  for (std::uint32_t i = 0; i < 64; ++i) {
-    device_.formats.push_back({v4l2_fourcc('A', 'B', 'C', '0' + i), {{1920, 1080}, {1280, 720}, {640, 480}}, false});
+  device_.formats = {{V4L2_PIX_FMT_RGB24, {}, false}, {V4L2_PIX_FMT_NV12, {}, false}, {V4L2_PIX_FMT_UYVY, {}, false}};
+  for (fake::V4l2Format& format : device_.formats) {
+    for (std::uint32_t i = 0; i < 100; ++i) format.sizes.emplace_back(1000 + i, 1000);
   }
   V4l2Camera camera(settings());
   EXPECT_EQ(camera.open().code(), ErrorCode::kUnsupported);
   EXPECT_EQ(camera.reason().size(), hal::Reason::kCapacity - 1);
-  EXPECT_EQ(camera.reason().rfind("/dev/video0: no yuyv 640x480 but ABC0 640x480; it offers ABC0 1920x1080, ", 0), 0u);
+  const std::string begin = "/dev/video0: no yuyv 640x480 but rgb24 1000x1000; it offers rgb24 1000x1000, 1001x1000, ";
+  EXPECT_EQ(camera.reason().substr(0, begin.size()), begin);
 }
 
 }  // namespace

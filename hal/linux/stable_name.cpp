@@ -1,0 +1,23 @@
+#include "hal/linux/stable_name.h"
+
+#include <glob.h>
+
+#include <cstdlib>
+#include <memory>
+
+namespace touchline::hal {
+
+std::string stable_name(const char* folder, const std::string& device) {
+  glob_t links{};
+  std::string found;
+  if (::glob((std::string(folder) + "/*").c_str(), 0, nullptr, &links) == 0) {
+    for (std::size_t i = 0; i < links.gl_pathc && found.empty(); ++i) {
+      const std::unique_ptr<char, decltype(&std::free)> target(::realpath(links.gl_pathv[i], nullptr), &std::free);
+      if (target != nullptr && device == target.get()) found = std::string(" = ") + links.gl_pathv[i];
+    }
+  }
+  ::globfree(&links);
+  return found;
+}
+
+}  // namespace touchline::hal

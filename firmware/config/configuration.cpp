@@ -95,6 +95,8 @@ Status load_venue_and_team(const FilePaths& paths, Configuration& out, Problems&
   for (const Override& override : overrides.board) {
     problems.add("--set " + override.key + "=" + override.value, "", "belongs to a board file, and none is used here");
   }
+  if (paths.venue.empty()) problems.add("", "", "no venue file is given (--venue FILE)");
+  if (paths.team.empty()) problems.add("", "", "no team file is given (--team FILE)");
   read_if_named(paths.venue, kVenueRemedy, overrides.venue, out.venue, out.venue_where, problems);
   read_if_named(paths.team, kTeamRemedy, overrides.team, out.team, out.team_where, problems);
   return problems.size() == before ? Status() : ErrorCode::kInconsistent;

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
-#include <numeric>
+#include <limits>
 
 namespace touchline::config {
 namespace {
@@ -23,20 +24,32 @@ std::string with_point(T value) {
   return text;
 }
 
-// Levenshtein 1966.
+// Damerau 1964: insertions, deletions, replacements and swaps of neighbors (optimal string alignment).
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+  const std::size_t columns = b.size() + 1;
+  std::vector<std::size_t> table((a.size() + 1) * columns);
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      std::size_t& here = table[i * columns + j];
+      if (i == 0 || j == 0) {
+        here = i + j;
+        continue;
+      }
+      const std::size_t replaced = table[(i - 1) * columns + j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      here = std::min({replaced, table[(i - 1) * columns + j] + 1, table[i * columns + j - 1] + 1});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        here = std::min(here, table[(i - 2) * columns + j - 2] + 1);
+      }
     }
   }
-  return row[b.size()];
+  return table[a.size() * columns + b.size()];
+}
+
+// A bound is for people: "1000000", not "1e+06".
+std::string bound_text(double value) {
+  constexpr double kWholeBelow = 1e12;
+  const bool whole = std::abs(value) < kWholeBelow && value == std::trunc(value);
+  return whole ? shortest(static_cast<long long>(value)) : shortest(value);
 }
 
 }  // namespace
@@ -50,11 +63,11 @@ std::string range_text(Range range, std::string_view unit) {
   const bool high = range.high < std::numeric_limits<double>::max();
   std::string text;
   if (low && high) {
-    text = shortest(range.low) + " to " + shortest(range.high);
+    text = range.low == range.high ? bound_text(range.low) : bound_text(range.low) + " to " + bound_text(range.high);
   } else if (low) {
-    text = "at least " + shortest(range.low);
+    text = "at least " + bound_text(range.low);
   } else if (high) {
-    text = "at most " + shortest(range.high);
+    text = "at most " + bound_text(range.high);
   }
   if (!text.empty() && !unit.empty()) text.append(" ").append(unit);
   return text;
@@ -73,7 +86,9 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
   std::string_view best;
   std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string_view candidate : known) {
-    const std::size_t distance = edit_distance(word, candidate);
+    // The beginning of a word is as near as one wrong letter: "exposure" for "exposure_us".
+    const bool begun = word.size() >= 3 && candidate.starts_with(word);
+    const std::size_t distance = begun ? 1 : edit_distance(word, candidate);
     if (distance < best_distance) {
       best = candidate;
       best_distance = distance;

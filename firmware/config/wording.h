@@ -37,7 +37,8 @@ std::vector<std::string_view> words_of(std::span<const Choice<Enum>> choices) {
   return words;
 }
 
-/// The known word with the smallest edit distance, or "" when none is near (more than a third of the letters differ).
+/// The known word with the smallest edit distance, or one that begins with it; "" when none is near (more than a third
+/// of the letters differ).
 std::string_view nearest_word(std::string_view word, std::span<const std::string_view> known);
 
 /// `; did you mean "x"?`, or `; known <what>: a, b, c` when no word is near, or "" when none is known.

@@ -1,0 +1,159 @@
+// What a person wrote wrongly, and the whole sentence that answers it.
+#include "tests/config/config_files.h"
+
+namespace touchline::config {
+namespace {
+
+TEST_F(ConfigFiles, SoundFilesAreTakenWithAllTheirValues) {
+  ASSERT_TRUE(load().ok()) << problems();
+  EXPECT_EQ(problems(), "");
+  EXPECT_EQ(configuration_->board.camera.device, "/dev/video7");
+  EXPECT_EQ(configuration_->board.camera.rate_hz, 60.0);  // not in the file: the declaration's default
+  EXPECT_EQ(configuration_->venue.color.size(), 4U);
+  EXPECT_EQ(configuration_->team.own.robot.size(), 2U);
+}
+
+TEST_F(ConfigFiles, UnknownKeyNamesTheNearestKnownOne) {
+  replace("board.toml", "width_px = 640", "widht_px = 640");
+  EXPECT_EQ(refusal(), "board.toml:10: camera.widht_px: unknown key; did you mean \"width_px\"?\n");
+}
+
+TEST_F(ConfigFiles, UnknownKeyFarFromAllListsWhatIsKnown) {
+  replace("board.toml", "backend = \"none\"", "backend = \"none\"\nzoom = 1");
+  EXPECT_EQ(refusal(), "board.toml:15: radio.zoom: unknown key; known keys here: backend, device, baud, delay_s\n");
+}
+
+TEST_F(ConfigFiles, UnknownSectionIsAnUnknownKey) {
+  replace("venue.toml", "[picture]", "[pictures]");
+  EXPECT_EQ(refusal(),
+            "venue.toml:3: pictures: unknown key; did you mean \"picture\"?\n"
+            "venue.toml: picture: is missing\n");
+}
+
+TEST_F(ConfigFiles, WrongTypes) {
+  replace("board.toml", "width_px = 640", "width_px = \"640\"");
+  replace("board.toml", "height_px = 480", "height_px = 480.0");
+  replace("board.toml", "device = \"/dev/video7\"", "device = 7");
+  replace("board.toml", "[radio]\n", "[realtime]\nlock_memory = 1\n[radio]\n");
+  EXPECT_EQ(refusal(),
+            "board.toml:8: camera.device: expected a text, found an integer\n"
+            "board.toml:10: camera.width_px: expected an integer, found a text\n"
+            "board.toml:11: camera.height_px: expected an integer, found a number with a decimal point\n"
+            "board.toml:14: realtime.lock_memory: expected true or false, found an integer\n");
+}
+
+TEST_F(ConfigFiles, TableAndListInTheWrongPlace) {
+  replace("venue.toml", "[picture]\nwidth_px = 640\nheight_px = 480\n", "picture = 5\ncolor = 7\n");
+  write("venue.toml", read(path("venue.toml")).substr(0, read(path("venue.toml")).find("[[color]]")));
+  EXPECT_EQ(refusal(),
+            "venue.toml:3: picture: expected a table, [picture], found an integer\n"
+            "venue.toml:4: color: expected a list, found an integer\n");
+}
+
+TEST_F(ConfigFiles, OutOfRangeNamesRangeAndUnit) {
+  replace("board.toml", "width_px = 640", "width_px = 5000");
+  EXPECT_EQ(refusal(), "board.toml:10: camera.width_px: 5000 is out of range: 16 to 2592 px\n");
+}
+
+TEST_F(ConfigFiles, NotANumberIsOutOfRange) {
+  replace("venue.toml", "length_m = 2.2", "length_m = nan");
+  EXPECT_EQ(refusal(), "venue.toml:8: field.length_m: nan is out of range: 0.3 to 30 m\n");
+}
+
+TEST_F(ConfigFiles, WordOfNoChoice) {
+  replace("board.toml", "format = \"rgb24\"", "format = \"rbg24\"");
+  EXPECT_EQ(refusal(),
+            "board.toml:9: camera.format: \"rbg24\" is none of rgb24, bgr24, yuyv, uyvy, nv12; did you mean "
+            "\"rgb24\"?\n");
+}
+
+TEST_F(ConfigFiles, WrongLengthOfAList) {
+  replace("venue.toml", "position_m = [0.0, 0.0, 2.0]", "position_m = [0.0, 2.0]");
+  EXPECT_EQ(refusal(), "venue.toml:19: camera_model.full.position_m: expected exactly 3 entries, found 2\n");
+}
+
+TEST_F(ConfigFiles, WrongElementOfAList) {
+  replace("venue.toml", "low = [180, 60, 0]", "low = [180, 300, \"x\"]");
+  EXPECT_EQ(refusal(),
+            "venue.toml:28: color[0].box[0].low[1]: 300 is out of range: 0 to 255\n"
+            "venue.toml:28: color[0].box[0].low[2]: expected an integer, found a text\n");
+}
+
+TEST_F(ConfigFiles, DuplicateKey) {
+  replace("board.toml", "width_px = 640", "width_px = 640\nwidth_px = 320");
+  const std::string text = refusal();
+  EXPECT_EQ(text.substr(0, text.find(' ')), "board.toml:11:");
+  EXPECT_NE(text.find("width_px"), std::string::npos) << text;
+}
+
+TEST_F(ConfigFiles, BrokenSyntaxNamesTheLine) {
+  replace("team.toml", "color = \"blue\"", "color = \"blue");
+  const std::string text = refusal();
+  EXPECT_EQ(text.substr(0, text.find(' ')), "team.toml:5:") << text;
+}
+
+TEST_F(ConfigFiles, MissingKeysAreAllNamed) {
+  replace("board.toml", "backend = \"none\"\n", "");
+  replace("venue.toml", "low = [0, 0, 150]\n", "");
+  replace("team.toml", "id = 1\n", "");
+  EXPECT_EQ(refusal(),
+            "board.toml:13: radio.backend: is missing\n"
+            "venue.toml:33: color[1].box[0].low: is missing\n"
+            "team.toml:10: own.robot[1].id: is missing\n");
+}
+
+TEST_F(ConfigFiles, VersionIsRequired) {
+  replace("board.toml", "version = 1\n", "");
+  EXPECT_EQ(refusal(),
+            "board.toml: version: is missing; the first line must be: version = 1\n"
+            "board.toml: venue: no such file is named; write venue = \"FILE\" or give --venue\n"
+            "board.toml: team: no such file is named; write team = \"FILE\" or give --team\n");
+}
+
+TEST_F(ConfigFiles, LaterVersionIsRefusedWhateverElseItHolds) {
+  replace("venue.toml", "version = 1", "version = 2\nnew_key = 1");
+  EXPECT_EQ(refusal(), "venue.toml:1: version: made by a later Touchline (version 2); this one reads version 1\n");
+}
+
+TEST_F(ConfigFiles, VersionMustBeAPositiveInteger) {
+  replace("team.toml", "version = 1", "version = \"1\"");
+  EXPECT_EQ(refusal(), "team.toml:1: version: must be an integer from 1; this Touchline reads version 1\n");
+}
+
+TEST_F(ConfigFiles, MissingFilesSayHowTheyAreMade) {
+  std::filesystem::remove(path("venue.toml"));
+  std::filesystem::remove(path("team.toml"));
+  EXPECT_EQ(refusal(),
+            "venue.toml: no such file; make it with touchline-calibrate field and touchline-calibrate colors\n"
+            "team.toml: no such file; docs/files.md shows what stands in it\n");
+}
+
+TEST_F(ConfigFiles, MissingBoardEndsTheSearch) {
+  std::filesystem::remove(path("board.toml"));
+  EXPECT_EQ(load().code(), ErrorCode::kNotFound);
+  EXPECT_EQ(problems(), "board.toml: no such file; boards/ has one folder for each board that is known\n");
+}
+
+TEST_F(ConfigFiles, FolderInPlaceOfAFile) {
+  std::filesystem::remove(path("team.toml"));
+  std::filesystem::create_directory(path("team.toml"));
+  EXPECT_EQ(refusal(), "team.toml: is a folder, not a file\n");
+}
+
+TEST_F(ConfigFiles, BinaryFileIsRefused) {
+  write("team.toml", std::string("\x89PNG\r\n\x1a\n\0\0\0", 11));
+  EXPECT_EQ(refusal().substr(0, 12), "team.toml:1:");
+}
+
+TEST_F(ConfigFiles, FaultsOfAllThreeFilesAreReportedAtOnce) {
+  replace("board.toml", "height_px = 480", "height_px = 1");
+  replace("venue.toml", "width_m = 1.8", "width_m = true");
+  replace("team.toml", "max_robots = 2", "max_robots = 12");
+  EXPECT_EQ(refusal(),
+            "board.toml:11: camera.height_px: 1 is out of range: 16 to 1944 px\n"
+            "venue.toml:9: field.width_m: expected a number, found true or false\n"
+            "team.toml:6: own.max_robots: 12 is out of range: 1 to 11\n");
+}
+
+}  // namespace
+}  // namespace touchline::config

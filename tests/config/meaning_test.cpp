@@ -1,0 +1,223 @@
+// Values that are right one by one and wrong together.
+#include "hal/replay/picture.h"
+#include "tests/config/config_files.h"
+
+namespace touchline::config {
+namespace {
+
+TEST_F(ConfigFiles, ColorIdsFollowTheVenueFile) {
+  ASSERT_TRUE(load().ok()) << problems();
+  const PipelineParameters& p = configuration_->pipeline;
+  ASSERT_EQ(p.scan.boxes.size(), 4U);
+  EXPECT_EQ(p.scan.boxes[0].color, 1);
+  EXPECT_EQ(p.scan.boxes[3].color, 4);
+  EXPECT_EQ(p.scan.boxes[1].high, (std::array<std::uint8_t, 3>{80, 80, 255}));
+  EXPECT_EQ(p.scan.format, PixelFormat::kRgb24);
+  EXPECT_EQ(p.marker.ball.color, 1);
+  const TeamMarking& own = p.marker.teams[0];
+  EXPECT_EQ(own.team_color, 2);
+  EXPECT_EQ(own.max_robots, 2);
+  ASSERT_EQ(own.robots.size(), 2U);
+  EXPECT_EQ(own.robots[1].id, 1);
+  EXPECT_EQ(own.robots[1].colors[0], 4);
+  EXPECT_EQ(own.layout.patches.size(), paper_layout().patches.size());
+  EXPECT_EQ(p.marker.teams[1].team_color, kBackground);  // no [opponent]: not looked for
+  EXPECT_EQ(p.camera.full.fx_px, 500.0f);
+  EXPECT_EQ(p.marker.field.length_m, 2.2f);
+}
+
+TEST_F(ConfigFiles, UnknownColorListsTheKnownOnes) {
+  replace("team.toml", "colors = [\"red\"]", "colors = [\"pink\"]");
+  replace("team.toml", "color = \"orange\"", "color = \"oragne\"");
+  EXPECT_EQ(
+      refusal(),
+      "team.toml:9: own.robot[0].colors: no color \"pink\" in venue.toml; known colors: orange, blue, red, green\n"
+      "team.toml:15: ball.color: no color \"oragne\" in venue.toml; did you mean \"orange\"?\n");
+}
+
+TEST_F(ConfigFiles, DuplicateRobots) {
+  replace("team.toml", "id = 1", "id = 0");
+  replace("team.toml", "colors = [\"green\"]", "colors = [\"red\"]");
+  EXPECT_EQ(refusal(),
+            "team.toml:11: own.robot[1].id: id 0 belongs already to the robot at team.toml:7\n"
+            "team.toml:12: own.robot[1].colors: robot 0 has the same colors as robot 0 at team.toml:7; they cannot be "
+            "told apart\n");
+}
+
+TEST_F(ConfigFiles, NoRobotToDrive) {
+  write("team.toml", "version = 1\n[own]\ncolor = \"blue\"\n[ball]\ncolor = \"orange\"\n");
+  EXPECT_EQ(refusal(), "team.toml:2: own.robot: no [[own.robot]] is there; whom to drive?\n");
+}
+
+TEST_F(ConfigFiles, WrongNumberOfIdentificationColors) {
+  replace("team.toml", "colors = [\"green\"]", "colors = [\"green\", \"red\"]");
+  EXPECT_EQ(refusal(),
+            "team.toml:12: own.robot[1].colors: the layout \"paper\" has 1 identification patches, the robot 2 "
+            "colors\n");
+}
+
+TEST_F(ConfigFiles, OneColorForTwoThings) {
+  replace("team.toml", "[ball]\ncolor = \"orange\"", "[ball]\ncolor = \"blue\"\n[opponent]\ncolor = \"blue\"");
+  EXPECT_EQ(refusal(),
+            "team.toml:17: opponent.color: \"blue\" is own.color as well\n"
+            "team.toml:15: ball.color: \"blue\" is own.color as well\n"
+            "team.toml:15: ball.color: \"blue\" is opponent.color as well\n");
+}
+
+TEST_F(ConfigFiles, UnknownLayout) {
+  replace("team.toml", "layout = \"paper\"", "layout = \"halves\"");
+  EXPECT_EQ(refusal(), "team.toml:4: own.layout: no [[layout]] is named \"halves\"; known layouts: paper\n");
+}
+
+TEST_F(ConfigFiles, LayoutOfTheTeamFile) {
+  replace("team.toml", "layout = \"paper\"", "layout = \"halves\"");
+  write("team.toml", read(path("team.toml")) + R"([[layout]]
+name = "halves"
+robot_side_m = 0.08
+height_m = 0.06
+[[layout.patch]]
+role = "team"
+outline = "bar"
+x_m = 0.0
+y_m = 0.02
+length_m = 0.08
+width_m = 0.04
+[[layout.patch]]
+role = "identification"
+outline = "bar"
+x_m = 0.0
+y_m = -0.02
+length_m = 0.08
+width_m = 0.04
+)");
+  ASSERT_TRUE(load().ok()) << problems();
+  const MarkerLayout& layout = configuration_->pipeline.marker.teams[0].layout;
+  EXPECT_EQ(layout.robot_side_m, 0.08f);
+  EXPECT_EQ(layout.height_m, 0.06f);
+  ASSERT_EQ(layout.patches.size(), 2U);
+  EXPECT_EQ(layout.patches[0].outline, PatchOutline::kBar);
+  EXPECT_EQ(layout.patches[1].y_m, -0.02f);
+
+  replace("team.toml", "x_m = 0.0\ny_m = -0.02", "x_m = 0.0\ny_m = -0.05");
+  replace("team.toml", "role = \"team\"", "role = \"identification\"");
+  replace("team.toml", "length_m = 0.08\nwidth_m = 0.04\n[[", "length_m = 0.0\nwidth_m = 0.04\n[[");
+  EXPECT_EQ(refusal(),
+            "team.toml:21: layout[0].patch[0].role: the first patch is the team patch, and the only one\n"
+            "team.toml:20: layout[0].patch[0]: length_m and width_m must be above 0\n"
+            "team.toml:27: layout[0].patch[1]: the patch's center lies outside of the robot, whose side is 0.08 m\n");
+}
+
+TEST_F(ConfigFiles, OverlappingBoxesNameBothAndWhere) {
+  replace("venue.toml", "high = [255, 40, 60]", "high = [255, 80, 60]");
+  EXPECT_EQ(refusal(),
+            "venue.toml:39: color[2].box[0]: box of \"red\" overlaps the box of \"orange\" at venue.toml:27 in low "
+            "[180, 60, 0], high [255, 80, 60]\n");
+}
+
+TEST_F(ConfigFiles, BoxesOfOneColorMayOverlap) {
+  replace("venue.toml", "low = [0, 150, 0]\nhigh = [80, 255, 80]\n",
+          "low = [0, 150, 0]\nhigh = [80, 255, 80]\n[[color.box]]\nlow = [0, 160, 0]\nhigh = [90, 255, 80]\n");
+  EXPECT_TRUE(load().ok()) << problems();
+  EXPECT_EQ(configuration_->pipeline.scan.boxes.size(), 5U);
+}
+
+TEST_F(ConfigFiles, BoxThatIsInsideOut) {
+  replace("venue.toml", "low = [0, 0, 150]", "low = [0, 90, 150]");
+  EXPECT_EQ(refusal(), "venue.toml:33: color[1].box[0]: low 90 is above high 80 in channel 1\n");
+}
+
+TEST_F(ConfigFiles, MoreBoxesThanBits) {
+  std::string boxes;
+  for (int i = 0; i < 29; ++i) boxes += "[[color.box]]\nlow = [0, 150, 0]\nhigh = [80, 255, 80]\n";
+  write("venue.toml", read(path("venue.toml")) + boxes);
+  EXPECT_EQ(refusal(), "venue.toml:24: color: 33 boxes are more than the 32 that the tables have bits for\n");
+}
+
+TEST_F(ConfigFiles, ColorTwice) {
+  replace("venue.toml", "name = \"green\"", "name = \"red\"");
+  replace("team.toml", "colors = [\"green\"]", "colors = [\"orange\"]");
+  EXPECT_EQ(refusal(),
+            "venue.toml:44: color[3].name: \"red\" is there already at venue.toml:38; a color of several boxes has "
+            "several [[color.box]]\n");
+}
+
+TEST_F(ConfigFiles, VenueOfAnotherPicture) {
+  replace("board.toml", "width_px = 640\nheight_px = 480", "width_px = 1280\nheight_px = 960");
+  EXPECT_EQ(
+      refusal(),
+      "venue.toml:4: picture: the calibration is for pictures of 640 x 480 pixels, the camera of board.toml gives "
+      "1280 x 960\n");
+}
+
+TEST_F(ConfigFiles, VenueOfAnotherColorSpace) {
+  replace("board.toml", "format = \"rgb24\"", "format = \"nv12\"");
+  EXPECT_EQ(refusal(),
+            "venue.toml:22: colors.space: the boxes are in rgb, but the camera of board.toml gives nv12, which is "
+            "yuv\n");
+}
+
+TEST_F(ConfigFiles, CameraModelThatIsNotThere) {
+  replace("venue.toml", "kind = \"full\"", "kind = \"paper\"");
+  EXPECT_EQ(refusal(), "venue.toml:12: camera_model.paper: is missing; make it with touchline-calibrate field\n");
+}
+
+TEST_F(ConfigFiles, RegionOfInterest) {
+  replace("venue.toml", "[colors]", "[region_of_interest]\nu_px = [10, 630, 320]\nv_px = [5, 5, 470]\n[colors]");
+  ASSERT_TRUE(load().ok()) << problems();
+  ASSERT_EQ(configuration_->pipeline.scan.region_of_interest.size(), 3U);
+  EXPECT_EQ(configuration_->pipeline.scan.region_of_interest[2].v_px, 470.0f);
+  replace("venue.toml", "v_px = [5, 5, 470]", "v_px = [5, 5]");
+  EXPECT_EQ(refusal(), "venue.toml:21: region_of_interest: u_px has 3 corners, v_px 2\n");
+  replace("venue.toml", "u_px = [10, 630, 320]", "u_px = [10, 630]");
+  EXPECT_EQ(refusal(), "venue.toml:21: region_of_interest: a polygon has 3 to 32 corners, this one 2\n");
+}
+
+TEST_F(ConfigFiles, LightMap) {
+  replace("venue.toml", "[colors]", "[light]\nmap = \"light.png\"\n[colors]");
+  EXPECT_NE(refusal().find("venue.toml:22: light.map: "), std::string::npos) << problems();
+
+  hal::Picture picture{2, 1, {}, {32768, 16384, 65535, 8192, 32768, 32768}};
+  std::string reason;
+  ASSERT_TRUE(hal::write_picture(path("light.png"), picture, reason).ok()) << reason;
+  ASSERT_TRUE(load().ok()) << problems();
+  const LightMap& map = configuration_->pipeline.scan.light;
+  EXPECT_EQ(map.columns, 2);
+  EXPECT_EQ(map.rows, 1);
+  EXPECT_EQ(map.illumination[0][0], 1.0f);
+  EXPECT_EQ(map.illumination[1][0], 0.5f);
+  EXPECT_EQ(map.illumination[0][1], 0.25f);
+
+  picture.rgb16[4] = 0;
+  ASSERT_TRUE(hal::write_picture(path("light.png"), picture, reason).ok()) << reason;
+  EXPECT_EQ(refusal(),
+            "venue.toml:22: light.map: light.png: the cell in column 1, row 0 has no light; make the map again\n");
+
+  const hal::Picture shallow{1, 1, {1, 2, 3}, {}};
+  ASSERT_TRUE(hal::write_picture(path("light.png"), shallow, reason).ok()) << reason;
+  EXPECT_EQ(refusal(),
+            "venue.toml:22: light.map: light.png: an illumination map has 16 bits a channel, this picture has 8\n");
+
+  const hal::Picture large{65, 48, {}, std::vector<std::uint16_t>(std::size_t{3} * 65 * 48, 32768)};
+  ASSERT_TRUE(hal::write_picture(path("light.png"), large, reason).ok()) << reason;
+  EXPECT_EQ(refusal(),
+            "venue.toml:22: light.map: light.png: 65 x 48 cells are more than the 3072 that an illumination map can "
+            "have\n");
+}
+
+TEST_F(ConfigFiles, ToolsBringTheirOwnPictures) {
+  const FilePaths paths{"", path("venue.toml"), path("team.toml"), {}};
+  ASSERT_TRUE(load_venue_and_team(paths, *configuration_, problems_).ok()) << problems();
+  EXPECT_TRUE(resolve({PixelFormat::kBgr24, 640, 480, "clip.mp4"}, *configuration_, problems_).ok()) << problems();
+  EXPECT_EQ(configuration_->pipeline.scan.format, PixelFormat::kBgr24);
+  EXPECT_FALSE(resolve({PixelFormat::kBgr24, 320, 240, "clip.mp4"}, *configuration_, problems_).ok());
+  EXPECT_EQ(problems(),
+            "venue.toml:4: picture: the calibration is for pictures of 640 x 480 pixels, clip.mp4 gives 320 x 240\n");
+}
+
+TEST_F(ConfigFiles, ToolsNeedBothFiles) {
+  EXPECT_FALSE(load_venue_and_team({"", path("venue.toml"), "", {}}, *configuration_, problems_).ok());
+  EXPECT_EQ(problems(), "no team file is given (--team FILE)\n");
+}
+
+}  // namespace
+}  // namespace touchline::config

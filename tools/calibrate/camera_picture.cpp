@@ -1,0 +1,54 @@
+#include "tools/calibrate/camera_picture.h"
+
+#include "hal/replay/replay_camera.h"
+
+namespace touchline::calibrate {
+
+Status CameraPicture::load(const std::string& path, PixelFormat format, CameraPicture& out, std::string& reason) {
+  hal::ReplayCamera camera({path, format, 0.0});
+  Status status = camera.open();
+  if (status.ok()) status = camera.start();
+  if (status.ok()) {
+    const Result<hal::FrameLease> lease = camera.wait(Instant::max());
+    if (lease.ok()) {
+      out = copy_of(lease.value().frame());
+    } else {
+      status = lease.error();
+    }
+  }
+  if (!status.ok()) reason = camera.reason();
+  camera.stop();
+  camera.close();
+  return status;
+}
+
+CameraPicture CameraPicture::copy_of(const Frame& frame) {
+  CameraPicture out;
+  out.shape_ = frame;
+  const std::size_t rows = frame.height_px;
+  out.chroma_offset_ = rows * frame.stride_bytes[0];
+  out.bytes_.assign(frame.plane[0], frame.plane[0] + out.chroma_offset_);
+  if (frame.format == PixelFormat::kNv12) {
+    const std::size_t chroma_rows = (rows + 1) / 2;
+    out.bytes_.insert(out.bytes_.end(), frame.plane[1], frame.plane[1] + chroma_rows * frame.stride_bytes[1]);
+  }
+  return out;
+}
+
+Frame CameraPicture::frame() const {
+  Frame frame = shape_;
+  frame.plane[0] = bytes_.data();
+  frame.plane[1] = frame.format == PixelFormat::kNv12 ? bytes_.data() + chroma_offset_ : nullptr;
+  return frame;
+}
+
+std::optional<PixelFormat> format_of(const std::string& word) {
+  if (word == "rgb24") return PixelFormat::kRgb24;
+  if (word == "bgr24") return PixelFormat::kBgr24;
+  if (word == "yuyv") return PixelFormat::kYuyv;
+  if (word == "uyvy") return PixelFormat::kUyvy;
+  if (word == "nv12") return PixelFormat::kNv12;
+  return std::nullopt;
+}
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "core/types.h"
+
+namespace touchline::calibrate {
+
+/// A picture in one of the camera's formats, and its bytes.
+class CameraPicture {
+ public:
+  /// The first frame of a picture or video file, converted exactly as a replay converts it.
+  static Status load(const std::string& path, PixelFormat format, CameraPicture& out, std::string& reason);
+  /// A copy of somebody else's frame.
+  static CameraPicture copy_of(const Frame& frame);
+
+  /// Points into this object.
+  [[nodiscard]] Frame frame() const;
+
+ private:
+  Frame shape_;
+  std::vector<std::uint8_t> bytes_;
+  std::size_t chroma_offset_ = 0;
+};
+
+/// "rgb24", "bgr24", "yuyv", "uyvy", "nv12", as in the board file.
+std::optional<PixelFormat> format_of(const std::string& word);
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,75 @@
+#include "tools/calibrate/channel_image.h"
+
+#include <algorithm>
+
+namespace touchline::calibrate {
+namespace {
+
+Channels raw(const Frame& frame, int u, int v) {
+  const auto column = static_cast<std::size_t>(u), row = static_cast<std::size_t>(v);
+  const std::uint8_t* line = frame.plane[0] + row * frame.stride_bytes[0];
+  const std::size_t pair = column / 2 * 4;
+  switch (frame.format) {
+    case PixelFormat::kRgb24:
+      return {line[3 * column], line[3 * column + 1], line[3 * column + 2]};
+    case PixelFormat::kBgr24:
+      return {line[3 * column + 2], line[3 * column + 1], line[3 * column]};
+    case PixelFormat::kYuyv:
+      return {line[2 * column], line[pair + 1], line[pair + 3]};
+    case PixelFormat::kUyvy:
+      return {line[2 * column + 1], line[pair], line[pair + 2]};
+    case PixelFormat::kNv12:
+      break;
+  }
+  const std::uint8_t* chroma = frame.plane[1] + row / 2 * frame.stride_bytes[1];
+  return {line[column], chroma[column / 2 * 2], chroma[column / 2 * 2 + 1]};
+}
+
+}  // namespace
+
+ChannelImage corrected_channels(const Frame& frame, const Shading& shading) {
+  ChannelImage image{frame.width_px, frame.height_px, color_space(frame.format), {}};
+  image.pixels.resize(static_cast<std::size_t>(image.width_px) * static_cast<std::size_t>(image.height_px));
+  for (int v = 0; v < image.height_px; ++v) {
+    for (int u = 0; u < image.width_px; ++u) {
+      Channels value = raw(frame, u, v);
+      if (shading.active()) {
+        const auto column = static_cast<std::uint16_t>(u / kTileWidth),
+                   row = static_cast<std::uint16_t>(v / kTileHeight);
+        for (std::size_t c = 0; c < 3; ++c) {
+          value[c] = corrected(value[c], shading.level(c, column, row), image.space == ColorSpace::kYuv && c > 0);
+        }
+      }
+      image.pixels[image.index(u, v)] = value;
+    }
+  }
+  return image;
+}
+
+std::vector<std::uint8_t> inside_mask(const Polygon& polygon, int width_px, int height_px) {
+  const auto size = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
+  if (polygon.size() < 3) return std::vector<std::uint8_t>(size, 1);
+  std::vector<std::uint8_t> mask(size, 0);
+  for (int v = 0; v < height_px; ++v) {
+    std::vector<float> crossings;
+    const auto row = static_cast<float>(v);
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const PixelPoint a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+      if ((a.v_px <= row) != (b.v_px <= row)) {
+        crossings.push_back(a.u_px + (row - a.v_px) / (b.v_px - a.v_px) * (b.u_px - a.u_px));
+      }
+    }
+    std::sort(crossings.begin(), crossings.end());
+    for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
+      for (int u = 0; u < width_px; ++u) {
+        const auto x = static_cast<float>(u);
+        if (x >= crossings[i] && x <= crossings[i + 1]) {
+          mask[static_cast<std::size_t>(v) * static_cast<std::size_t>(width_px) + static_cast<std::size_t>(u)] = 1;
+        }
+      }
+    }
+  }
+  return mask;
+}
+
+}  // namespace touchline::calibrate

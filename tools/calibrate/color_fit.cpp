@@ -1,0 +1,306 @@
+#include "tools/calibrate/color_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "tools/calibrate/box_split.h"
+#include "tools/calibrate/text.h"
+
+namespace touchline::calibrate {
+namespace {
+
+// Around a patch: pixels mixed with their surroundings belong to neither side (interpolated color filters and chroma
+// reach two pixels).
+constexpr int kEdge_px = 3;
+
+// A picture while colors are learned from it.
+struct Scene {
+  std::string image;
+  const CameraPicture* picture = nullptr;
+  ChannelImage channels;
+  std::vector<std::uint8_t> owner;     // color clicked on + 1, 0: nobody's
+  std::vector<std::uint8_t> reserved;  // not background
+};
+
+void reserve_around(Scene& scene, int u, int v) {
+  for (int dv = -kEdge_px; dv <= kEdge_px; ++dv) {
+    for (int du = -kEdge_px; du <= kEdge_px; ++du) {
+      if (scene.channels.contains(u + du, v + dv)) scene.reserved[scene.channels.index(u + du, v + dv)] = 1;
+    }
+  }
+}
+
+void reserve_pixel(Scene& scene, std::size_t pixel) {
+  const auto width = static_cast<std::size_t>(scene.channels.width_px);
+  reserve_around(scene, static_cast<int>(pixel % width), static_cast<int>(pixel / width));
+}
+
+// Runs and regions are large; the scanner is too.
+struct Scan {
+  RegionScanner scanner;
+  Runs runs;
+  Regions regions;
+};
+
+Status scan(const ColorFitInput& input, const ColorBoxes& boxes, const CameraPicture& picture, Scan& out) {
+  const Frame frame = picture.frame();
+  ScanParameters parameters;
+  parameters.format = frame.format;
+  parameters.width_px = frame.width_px;
+  parameters.height_px = frame.height_px;
+  parameters.boxes = boxes;
+  parameters.light = input.light;
+  parameters.region_of_interest = input.region_of_interest;
+  if (Status s = out.scanner.configure(parameters); !s.ok()) return s;
+  const Status s = out.scanner.scan(frame, out.runs, out.regions);
+  return s.code() == ErrorCode::kFull ? Status{} : s;  // what does not fit is noise by then
+}
+
+template <class Visit>
+void each_pixel(const Runs& runs, const Region& region, Visit&& visit) {
+  for (std::uint32_t i = region.first_run; i != kNoRun; i = runs[i].next) {
+    for (int u = runs[i].begin; u < runs[i].end; ++u) visit(u, static_cast<int>(runs[i].row));
+  }
+}
+
+bool touches_click(const Scene& scene, const Runs& runs, const Region& region) {
+  bool touched = false;
+  each_pixel(runs, region, [&](int u, int v) { touched |= scene.owner[scene.channels.index(u, v)] != 0; });
+  return touched;
+}
+
+class Fitter {
+ public:
+  Fitter(const ColorFitInput& input, ColorFit& out, std::string& reason)
+      : input_(input), out_(out), reason_(reason), scan_(std::make_unique<Scan>()) {}
+
+  Status run() {
+    if (Status s = read_scenes(); !s.ok()) return s;
+    if (Status s = grow_clicks(); !s.ok()) return s;
+    LearningInput learning = samples();
+    // Look-alikes first: a patch without a click would otherwise push the boxes away from its own color.
+    if (Status s = reserve_look_alikes(learning); !s.ok()) return s;
+    learning.background = background();
+    if (Status s = learn_boxes(learning, input_.rules, out_.learned, reason_); !s.ok()) return s;
+    return judge();
+  }
+
+ private:
+  Status read_scenes() {
+    if (input_.pictures.empty()) {
+      reason_ = "no picture";
+      return ErrorCode::kNotFound;
+    }
+    const Frame first = input_.pictures.begin()->second.frame();
+    out_.space = color_space(first.format);
+    auto shading = std::make_unique<Shading>();
+    if (input_.light.columns > 0) {
+      if (Status s = shading->build(input_.light, first.width_px, first.height_px, out_.space); !s.ok()) {
+        reason_ = text("the light map cannot be used: %s", describe(s.code()));
+        return s;
+      }
+    }
+    inside_ = inside_mask(input_.region_of_interest, first.width_px, first.height_px);
+    for (const auto& [image, picture] : input_.pictures) {
+      const Frame frame = picture.frame();
+      if (frame.format != first.format || frame.width_px != first.width_px || frame.height_px != first.height_px) {
+        reason_ = text("%s is %u x %u, %s is %u x %u: all pictures must be the camera's", image.c_str(), frame.width_px,
+                       frame.height_px, input_.pictures.begin()->first.c_str(), first.width_px, first.height_px);
+        return ErrorCode::kInconsistent;
+      }
+      Scene scene{image, &picture, corrected_channels(frame, *shading), {}, {}};
+      scene.owner.assign(scene.channels.pixels.size(), 0);
+      scene.reserved.assign(scene.channels.pixels.size(), 0);
+      scenes_.push_back(std::move(scene));
+    }
+    return {};
+  }
+
+  Status grow_clicks() {
+    for (const Click& click : input_.clicks) {
+      auto name = std::find(out_.names.begin(), out_.names.end(), click.color);
+      if (name == out_.names.end()) name = out_.names.insert(out_.names.end(), click.color);
+      const auto color = static_cast<std::size_t>(name - out_.names.begin());
+      const auto scene =
+          std::find_if(scenes_.begin(), scenes_.end(), [&](const Scene& s) { return s.image == click.image; });
+      ClickResult result;
+      Patch patch;
+      if (scene == scenes_.end()) {
+        result.reason = "its picture is missing";
+      } else if (grow_patch(scene->channels, inside_, click.u_px, click.v_px, input_.growth, patch, result.reason)
+                     .ok()) {
+        result.area_px = patch.pixels.size();
+        for (const std::size_t pixel : patch.pixels) {
+          scene->owner[pixel] = static_cast<std::uint8_t>(color + 1);
+          reserve_pixel(*scene, pixel);
+        }
+      } else if (scene->channels.contains(static_cast<int>(click.u_px), static_cast<int>(click.v_px))) {
+        // Something stands there, even if its outline is not clear.
+        reserve_around(*scene, static_cast<int>(click.u_px), static_cast<int>(click.v_px));
+      }
+      patches_.push_back(
+          {scene == scenes_.end() ? 0 : static_cast<std::size_t>(scene - scenes_.begin()), color, std::move(patch)});
+      out_.clicks.push_back(std::move(result));
+    }
+    smallest_.assign(out_.names.size(), std::numeric_limits<std::size_t>::max());
+    for (const Grown& g : patches_) {
+      if (!g.patch.pixels.empty()) smallest_[g.color] = std::min(smallest_[g.color], g.patch.pixels.size());
+    }
+    for (std::size_t c = 0; c < smallest_.size(); ++c) {
+      if (smallest_[c] == std::numeric_limits<std::size_t>::max()) {
+        reason_ = text("color %s: no click caught a patch", out_.names[c].c_str());
+        for (std::size_t i = 0; i < patches_.size(); ++i) {
+          if (patches_[i].color == c) reason_ += " (" + out_.clicks[i].reason + ")";
+        }
+        return ErrorCode::kNotFound;
+      }
+    }
+    return {};
+  }
+
+  LearningInput samples() {
+    std::vector<std::vector<Channels>> pixels(out_.names.size());
+    for (const Grown& g : patches_) {
+      for (const std::size_t pixel : g.patch.pixels) pixels[g.color].push_back(scenes_[g.scene].channels.pixels[pixel]);
+    }
+    LearningInput learning;
+    learning.space = out_.space;
+    for (std::size_t c = 0; c < pixels.size(); ++c) {
+      learning.colors.push_back({out_.names[c], count_colors(pixels[c])});
+      Channels middle{};
+      for (std::size_t channel = 0; channel < 3; ++channel) {
+        std::vector<std::uint8_t> values;
+        for (const Channels& p : pixels[c]) values.push_back(p[channel]);
+        const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+        std::nth_element(values.begin(), half, values.end());
+        middle[channel] = *half;
+      }
+      out_.shown_rgb.push_back(out_.space == ColorSpace::kYuv ? rgb_of_yuv(middle) : middle);
+    }
+    return learning;
+  }
+
+  static Channels rgb_of_yuv(const Channels& yuv) {
+    const double y = 1.164 * (yuv[0] - 16.0), u = yuv[1] - 128.0, v = yuv[2] - 128.0;  // ITU-R BT.601, limited range
+    const auto byte = [](double x) { return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 255.0))); };
+    return {byte(y + 1.596 * v), byte(y - 0.392 * u - 0.813 * v), byte(y + 2.017 * u)};
+  }
+
+  Status reserve_look_alikes(const LearningInput& learning) {
+    LearningRules rules = input_.rules;
+    rules.max_margin = 6;  // noise between one patch and another of its color
+    LearnedColors cores;
+    if (Status s = learn_boxes(learning, rules, cores, reason_); !s.ok()) return s;
+    for (Scene& scene : scenes_) {
+      if (Status s = scan(input_, cores.boxes, *scene.picture, *scan_); !s.ok()) return fail_scan(s);
+      for (const Region& region : scan_->regions) {
+        if (!is_patch_sized(region) || touches_click(scene, scan_->runs, region)) continue;
+        each_pixel(scan_->runs, region, [&](int u, int v) { reserve_around(scene, u, v); });
+      }
+    }
+    return {};
+  }
+
+  [[nodiscard]] bool is_patch_sized(const Region& region) const {
+    return region.color != kBackground && 2 * region.area_px >= smallest_[region.color - 1U];
+  }
+
+  std::vector<ColorCount> background() const {
+    std::vector<Channels> pixels;
+    for (const Scene& scene : scenes_) {
+      for (std::size_t i = 0; i < scene.channels.pixels.size(); ++i) {
+        if (inside_[i] != 0 && scene.reserved[i] == 0) pixels.push_back(scene.channels.pixels[i]);
+      }
+    }
+    return count_colors(pixels);
+  }
+
+  // Classifies every picture as the firmware will.
+  Status judge() {
+    const std::size_t colors = out_.names.size();
+    std::vector<double> clicked(colors), caught(colors);
+    double background = 0;
+    out_.confusion.assign(colors, std::vector<double>(colors + 1, 0.0));
+    for (std::size_t s = 0; s < scenes_.size(); ++s) {
+      Scene& scene = scenes_[s];
+      if (Status status = scan(input_, out_.learned.boxes, *scene.picture, *scan_); !status.ok())
+        return fail_scan(status);
+      std::vector<std::uint8_t> classified(scene.channels.pixels.size(), 0);
+      for (const Region& region : scan_->regions) {
+        each_pixel(scan_->runs, region, [&](int u, int v) { classified[scene.channels.index(u, v)] = region.color; });
+        if (is_patch_sized(region) && !touches_click(scene, scan_->runs, region)) {
+          out_.strays.push_back({scene.image, region.color - std::size_t{1}, region.centroid, region.area_px});
+        }
+      }
+      for (std::size_t i = 0; i < classified.size(); ++i) {
+        if (scene.owner[i] != 0) {
+          out_.confusion[scene.owner[i] - 1U][classified[i]] += 1;
+          clicked[scene.owner[i] - 1U] += 1;
+        } else if (inside_[i] != 0 && scene.reserved[i] == 0) {
+          background += 1;
+          if (classified[i] != kBackground) caught[classified[i] - 1U] += 1;
+        }
+      }
+      for (std::size_t i = 0; i < patches_.size(); ++i) {
+        const Grown& g = patches_[i];
+        if (g.scene != s || g.patch.pixels.empty()) continue;
+        const auto right = std::count_if(g.patch.pixels.begin(), g.patch.pixels.end(),
+                                         [&](std::size_t pixel) { return classified[pixel] == g.color + 1; });
+        out_.clicks[i].recognized = static_cast<double>(right) / static_cast<double>(g.patch.pixels.size());
+      }
+    }
+    for (std::size_t c = 0; c < colors; ++c) {
+      for (double& share : out_.confusion[c]) share /= std::max(1.0, clicked[c]);
+      out_.background_share.push_back(caught[c] / std::max(1.0, background));
+    }
+    return {};
+  }
+
+  Status fail_scan(Status status) {
+    reason_ = text("the pictures cannot be classified: %s", describe(status.code()));
+    return status;
+  }
+
+  struct Grown {
+    std::size_t scene, color;
+    Patch patch;
+  };
+  const ColorFitInput& input_;
+  ColorFit& out_;
+  std::string& reason_;
+  std::unique_ptr<Scan> scan_;
+  std::vector<Scene> scenes_;
+  std::vector<std::uint8_t> inside_;
+  std::vector<Grown> patches_;
+  std::vector<std::size_t> smallest_;
+};
+
+}  // namespace
+
+Status fit_colors(const ColorFitInput& input, ColorFit& out, std::string& reason) {
+  out = {};
+  return Fitter(input, out, reason).run();
+}
+
+std::vector<std::uint8_t> preview_rgb(const ColorFitInput& input, const ColorFit& fit, const CameraPicture& picture) {
+  const ChannelImage channels = corrected_channels(picture.frame(), Shading{});
+  std::vector<std::uint8_t> out(3 * channels.pixels.size());
+  for (std::size_t i = 0; i < channels.pixels.size(); ++i) {
+    const Channels& p = channels.pixels[i];
+    const int grey = fit.space == ColorSpace::kYuv ? p[0] : (p[0] + 2 * p[1] + p[2]) / 4;
+    for (std::size_t c = 0; c < 3; ++c) out[3 * i + c] = static_cast<std::uint8_t>(grey / 3);
+  }
+  const auto scanned = std::make_unique<Scan>();
+  if (!scan(input, fit.learned.boxes, picture, *scanned).ok()) return out;
+  for (const Region& region : scanned->regions) {
+    const Channels& shown = fit.shown_rgb[region.color - 1U];
+    each_pixel(scanned->runs, region, [&](int u, int v) {
+      for (std::size_t c = 0; c < 3; ++c) out[3 * channels.index(u, v) + c] = shown[c];
+    });
+  }
+  return out;
+}
+
+}  // namespace touchline::calibrate

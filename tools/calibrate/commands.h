@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace touchline::calibrate {
+
+/// Each command reads its options from CLI11, does its work, prints its report to standard output and what is wrong to
+/// standard error. Exit code 0: the venue file was written; 1: it was refused, and the file is as it was.
+struct FieldCommand {
+  std::string picture, venue, preset, kind = "full", preview;
+  std::vector<std::string> corners, points, region;
+  double length_m = 0, width_m = 0, camera_height_m = 0;
+  void add_options(CLI::App& app);
+  int run() const;
+};
+
+struct LightCommand {
+  std::vector<std::string> pictures;
+  std::string venue;
+  void add_options(CLI::App& app);
+  int run() const;
+};
+
+struct ColorsCommand {
+  std::string samples, venue, team, images, format = "rgb24", preview;
+  int patch_radius_px = 24;
+  void add_options(CLI::App& app);
+  int run() const;
+};
+
+/// "1.5,-2" -> {1.5, -2}; none unless there are exactly `count` finite numbers.
+std::optional<std::vector<double>> numbers_of(const std::string& text, std::size_t count);
+
+/// Prints "touchline-calibrate: MESSAGE" to standard error. Returns 1.
+int refuse(const std::string& message);
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "core/geometry/camera_model.h"
+#include "core/marker/matcher.h"
+#include "core/status.h"
+#include "hal/replay/picture.h"
+#include "tools/calibrate/field_fit.h"
+
+namespace touchline::calibrate {
+
+/// Draws what the model says over the photograph: border, center line, and goals in red; the points that it was found
+/// from as green crosses.
+void draw_field(const CameraModel& camera, const FieldParameters& field, const std::vector<FloorPoint>& points,
+                hal::Picture& picture);
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/light/light_map.h"
+#include "core/region/region_scanner.h"
+#include "core/status.h"
+#include "firmware/config/optional_section.h"
+#include "firmware/config/toml_writer.h"
+#include "firmware/config/venue_file.h"
+
+namespace touchline::calibrate {
+
+/// A venue file on its way: sections that are not there yet have their defaults.
+struct VenueDraft {
+  config::VenueFile file;
+  Polygon region_of_interest;
+  LightMap light;
+  bool exists = false;
+};
+
+/// A file that does not exist is an empty draft. kInconsistent and the errors of the light map: `reason` names file,
+/// line and key.
+Status read_draft(const std::string& path, VenueDraft& out, std::string& reason);
+
+/// Text of one section, and its name.
+struct Section {
+  std::string name, toml;
+};
+
+namespace detail {
+template <class Struct>
+struct Titled {
+  const std::string& name;
+  const Struct& value;
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    config::describe_section(self.name, self.value, "", visit);
+  }
+};
+template <class Struct>
+struct TitledList {
+  const std::string& name;
+  const std::vector<Struct>& values;
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.list(self.name, self.values, "");
+  }
+};
+}  // namespace detail
+
+/// The section as it stands in the file, with a remark above its header ("" for none).
+template <class Struct>
+Section section_of(const std::string& name, const Struct& value, const std::string& remark) {
+  Section section{name, config::TomlWriter::text_of(detail::Titled<Struct>{name, value}, false)};
+  section.toml.erase(0, section.toml.find_first_not_of('\n'));
+  if (!remark.empty()) section.toml.insert(0, "# " + remark + "\n");
+  return section;
+}
+
+/// The same for a list of tables, [[name]].
+template <class Struct>
+Section section_of(const std::string& name, const std::vector<Struct>& values) {
+  Section section{name, config::TomlWriter::text_of(detail::TitledList<Struct>{name, values}, false)};
+  section.toml.erase(0, section.toml.find_first_not_of('\n'));
+  return section;
+}
+
+/// Replaces these sections and nothing else; all of them or none. The former version stays as PATH.bak. Errors as of
+/// config::write_section().
+Status write_sections(const std::string& path, const std::vector<Section>& sections, std::string& reason);
+
+}  // namespace touchline::calibrate

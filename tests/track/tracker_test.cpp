@@ -1,0 +1,281 @@
+#include "core/track/tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/track/simulated_robot.h"
+
+namespace touchline {
+namespace {
+
+constexpr double kDt = 0.0165;
+
+Pose pose(double x, double y, double theta = 0.0) {
+  return {{static_cast<float>(x), static_cast<float>(y)}, static_cast<float>(theta)};
+}
+
+Sightings ball_at(double x, double y) {
+  Sightings sightings;
+  sightings.ball.seen = true;
+  sightings.ball.position = {static_cast<float>(x), static_cast<float>(y)};
+  return sightings;
+}
+
+// The tracker and a clock that ticks with the frames.
+class TrackerTest : public testing::Test {
+ protected:
+  void SetUp() override { configure({}); }
+  void configure(const TrackParameters& parameters) { ASSERT_TRUE(tracker_.configure(parameters).ok()); }
+  const Tracks& frame(const Sightings& sightings, double frames = 1.0) {
+    now_ += frames * kDt;
+    tracker_.update(sightings, at(now_), at(now_), tracks_);
+    return tracks_;
+  }
+  const Tracks& frame_of(const RobotSighting& robot, double frames = 1.0) {
+    Sightings sightings;
+    sightings.robots.push_back(robot);
+    return frame(sightings, frames);
+  }
+
+  Tracker tracker_;
+  Tracks tracks_;
+  double now_ = 1.0;
+};
+
+TEST_F(TrackerTest, LetsATrackLiveNewSeenCoastingLost) {
+  const RobotSighting robot = sighting_of(Team::kOwn, 4, pose(0.1, 0.2));
+  EXPECT_EQ(frame_of(robot).robots[0].state, TrackState::kNew);
+  EXPECT_EQ(frame_of(robot).robots[0].state, TrackState::kNew);
+  EXPECT_EQ(frame_of(robot).robots[0].state, TrackState::kSeen);
+  const Instant last = tracks_.robots[0].last_seen;
+  EXPECT_EQ(frame({}).robots[0].state, TrackState::kCoasting);
+  EXPECT_EQ(tracks_.robots[0].last_seen, last);
+  EXPECT_EQ(frame_of(robot).robots[0].state, TrackState::kSeen);
+  double coasted = 0.0;
+  while (!frame({}).robots.empty()) coasted += kDt;
+  EXPECT_NEAR(coasted, TrackParameters{}.lost_after_s, 1.5 * kDt);
+}
+
+TEST_F(TrackerTest, SoonForgetsWhatWasSeenOnce) {
+  frame_of(sighting_of(Team::kOwn, 4, pose(0.1, 0.2)));
+  double kept = 0.0;
+  while (!frame({}).robots.empty()) kept += kDt;
+  EXPECT_NEAR(kept, TrackParameters{}.forget_new_after_s, 1.5 * kDt);
+}
+
+TEST_F(TrackerTest, ListsOwnTeamFirstByIdAndNamelessLast) {
+  Sightings sightings;
+  sightings.robots.push_back(patch_alone(Team::kOpponent, 0.5, 0.5));
+  sightings.robots.push_back(sighting_of(Team::kOpponent, 7, pose(0.5, 0.0)));
+  sightings.robots.push_back(patch_alone(Team::kOpponent, 0.5, -0.5));
+  sightings.robots.push_back(sighting_of(Team::kOwn, 9, pose(-0.5, 0.3)));
+  sightings.robots.push_back(patch_alone(Team::kOwn, -0.5, -0.3));
+  sightings.robots.push_back(sighting_of(Team::kOwn, 0, pose(-0.5, 0.0)));
+  frame(sightings);
+  const Tracks& tracks = frame(sightings);
+  ASSERT_EQ(tracks.robots.size(), 6u);
+  const std::array<int, 6> ids = {0, 9, -1, 7, -1, -1};
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(tracks.robots[i].team, i < 3 ? Team::kOwn : Team::kOpponent) << i;
+    EXPECT_EQ(tracks.robots[i].id, ids[i]) << i;
+  }
+  EXPECT_FLOAT_EQ(tracks.robots[4].pose.position.y_m, 0.5f) << "the older one first";
+  EXPECT_FLOAT_EQ(tracks.robots[5].pose.position.y_m, -0.5f);
+}
+
+TEST_F(TrackerTest, GoesOnThroughLostFrames) {
+  SimulatedRobot robot({0.08, 0.03, 0.1, 0.0005}, 3);
+  double worst = 0.0;
+  for (int k = 0; k < 400; ++k) {
+    const double t = k * kDt;
+    Commands commands;
+    commands.stop = false;
+    commands.robots.push_back({1, lively_command(t), {}});
+    tracker_.commanded(commands, at(now_));
+    robot.advance(commands.robots[0].twist, kDt);
+    // Every tenth to fifteenth frame shows nothing, as behind a hand.
+    const bool blind = k % 16 >= 10;
+    const Tracks& tracks = blind ? frame({}) : frame_of(sighting_of(Team::kOwn, 1, robot.sighted(0.0015, 0.02)));
+    ASSERT_EQ(tracks.robots.size(), 1u) << k;
+    if (k < 20) continue;
+    EXPECT_EQ(tracks.robots[0].state, blind ? TrackState::kCoasting : TrackState::kSeen) << k;
+    worst = std::max(worst, std::hypot(static_cast<double>(tracks.robots[0].pose.position.x_m) - robot.x,
+                                       static_cast<double>(tracks.robots[0].pose.position.y_m) - robot.y));
+  }
+  // In 0.1 s of blindness a robot goes up to 80 mm.
+  EXPECT_LT(worst, 0.012);
+  EXPECT_GT(worst, 0.0005);
+}
+
+TEST_F(TrackerTest, UsesStampsNotFrameCounts) {
+  // The same motion, seen at irregular times.
+  TrackParameters parameters;
+  parameters.own_commands_act = false;
+  configure(parameters);
+  double t = 0.0;
+  for (int k = 0; k < 60; ++k) {
+    const double frames = k % 3 == 0 ? 2.5 : 0.7;
+    t += frames * kDt;
+    frame_of(sighting_of(Team::kOwn, 1, pose(0.5 * t, 0.0)), frames);
+  }
+  EXPECT_NEAR(tracks_.robots[0].twist.v_mps, 0.5, 0.01);
+  EXPECT_NEAR(tracks_.robots[0].pose.position.x_m, 0.5 * t, 0.001);
+}
+
+TEST_F(TrackerTest, RefusesOneWildSighting) {
+  for (int k = 0; k < 20; ++k) frame_of(sighting_of(Team::kOwn, 1, pose(0.1, 0.1)));
+  const Tracks& tracks = frame_of(sighting_of(Team::kOwn, 1, pose(0.4, 0.1)));
+  EXPECT_NEAR(tracks.robots[0].pose.position.x_m, 0.1, 1e-3);
+  EXPECT_EQ(tracks.robots[0].state, TrackState::kCoasting);
+  EXPECT_EQ(frame_of(sighting_of(Team::kOwn, 1, pose(0.1, 0.1, 1.5))).robots[0].state, TrackState::kCoasting)
+      << "nor one with a wild heading";
+  EXPECT_EQ(frame_of(sighting_of(Team::kOwn, 1, pose(0.1, 0.1))).robots[0].state, TrackState::kSeen);
+}
+
+TEST_F(TrackerTest, NeverStartsOverAtSightingsThatDoNotFitEachOther) {
+  for (int k = 0; k < 20; ++k) frame_of(sighting_of(Team::kOwn, 1, pose(0.1, 0.1)));
+  for (int k = 0; k < 20; ++k) {
+    const Tracks& tracks = frame_of(sighting_of(Team::kOwn, 1, pose(k % 2 == 0 ? 0.8 : -0.8, 0.1)));
+    ASSERT_NEAR(tracks.robots[0].pose.position.x_m, 0.1, 2e-3) << k;
+  }
+}
+
+TEST_F(TrackerTest, BelievesAJumpOnlyWhenTimeHasSufficedForIt) {
+  for (int k = 0; k < 20; ++k) frame_of(sighting_of(Team::kOwn, 1, pose(-0.5, 0.0)));
+  // 0.6 m away: at 3 m/s that takes 0.19 s, or 12 frames.
+  int frames = 0;
+  while (tracks_.robots[0].pose.position.x_m < 0.0f) {
+    frame_of(sighting_of(Team::kOwn, 1, pose(0.1, 0.0)));
+    ASSERT_LT(++frames, 30);
+  }
+  EXPECT_GE(frames, 11);
+  EXPECT_LE(frames, 13);
+}
+
+// A robot that is told to drive on but was stopped by another: three frames, and the filter is where the robot is.
+TEST_F(TrackerTest, StartsOverAfterACollision) {
+  SimulatedRobot robot({0.08, 0.0, 0.1, 0.0}, 3);
+  Commands commands;
+  commands.stop = false;
+  commands.robots.push_back({1, {1.2f, 0.0f}, {}});
+  tracker_.commanded(commands, at(now_));
+  for (int k = 0; k < 60; ++k) {
+    robot.advance(commands.robots[0].twist, kDt);
+    frame_of(sighting_of(Team::kOwn, 1, robot.sighted(0.001, 0.01)));
+  }
+  EXPECT_NEAR(tracks_.robots[0].twist.v_mps, 1.2, 0.05);
+  // Thrown back and turned: 0.8 m/s backwards in its own direction, turning.
+  robot.v = -0.8;
+  robot.w = 10.0;
+  int frames_to_recover = 0;
+  double error = 1.0, worst = 0.0;
+  SimulatedRobot thrown({0.5, 0.0, 0.1, 0.0}, 4);  // drags on
+  thrown.x = robot.x;
+  thrown.y = robot.y;
+  thrown.v = -0.8;
+  thrown.w = 10.0;
+  for (int k = 1; k <= 12; ++k) {
+    thrown.advance({0.0f, 0.0f}, kDt);
+    frame_of(sighting_of(Team::kOwn, 1, thrown.sighted(0.001, 0.01)));
+    error = std::hypot(static_cast<double>(tracks_.robots[0].pose.position.x_m) - thrown.x,
+                       static_cast<double>(tracks_.robots[0].pose.position.y_m) - thrown.y);
+    worst = std::max(worst, error);
+    if (frames_to_recover == 0 && k > 1 && error < 0.004) frames_to_recover = k;
+  }
+  EXPECT_GT(worst, 0.03) << "else the collision was none";
+  EXPECT_GE(frames_to_recover, 3);
+  EXPECT_LE(frames_to_recover, 5);
+  EXPECT_LT(error, 0.02);
+}
+
+TEST_F(TrackerTest, GivesTheBallPositionAndVelocity) {
+  EXPECT_EQ(frame({}).ball.state, TrackState::kLost);
+  for (int k = 0; k < 40; ++k) {
+    const double g = std::exp(-0.4 * k * kDt);
+    frame(ball_at(1.0 * (1.0 - g) / 0.4 - 0.5, 0.2));
+    EXPECT_EQ(tracks_.ball.state, k < 1 ? TrackState::kNew : TrackState::kSeen);
+  }
+  EXPECT_NEAR(tracks_.ball.velocity.x_m, std::exp(-0.4 * 39 * kDt), 0.02);
+  EXPECT_NEAR(tracks_.ball.velocity.y_m, 0.0, 0.02);
+  tracker_.update(ball_at(9, 9), at(now_), at(now_ + 0.1), tracks_);
+  EXPECT_NEAR(tracks_.ball.position_at_action.x_m - tracks_.ball.position.x_m, 0.1 * 0.77 / 1.04, 0.004);
+}
+
+TEST_F(TrackerTest, FollowsABouncingBall) {
+  // 2 m/s at a wall at x = 1, back with 1.4 m/s.
+  double x = 0.0, v = 2.0, worst = 0.0;
+  int since = -1, recovered = -1;
+  for (int k = 0; k < 60; ++k) {
+    x += v * kDt;
+    if (v > 0.0 && x > 1.0) {
+      x = 1.0 - 0.7 * (x - 1.0);
+      v = -1.4;
+      since = 0;
+    }
+    frame(ball_at(x, 0.001 * (k % 2)));
+    const double error = std::abs(static_cast<double>(tracks_.ball.position.x_m) - x);
+    if (since < 0) continue;
+    ++since;
+    worst = std::max(worst, error);
+    const bool good = error < 0.006 && std::abs(static_cast<double>(tracks_.ball.velocity.x_m) - v) < 0.25;
+    if (!good) recovered = -1;
+    if (good && recovered < 0) recovered = since;
+  }
+  EXPECT_GT(worst, 0.02) << "else there was no bounce";
+  EXPECT_GE(recovered, 2);
+  EXPECT_LE(recovered, 3);
+}
+
+TEST_F(TrackerTest, CoastsABallThatIsHidden) {
+  for (int k = 0; k < 40; ++k) frame(ball_at(0.5 * k * kDt, 0.0));
+  for (int k = 40; k < 70; ++k) {
+    const Tracks& tracks = frame({});
+    ASSERT_EQ(tracks.ball.state, TrackState::kCoasting);
+    // The damping is the model's: it falls behind the undamped truth, by g and no more.
+    ASSERT_NEAR(tracks.ball.position.x_m, 0.5 * k * kDt, 0.03);
+  }
+  double hidden = 30 * kDt;
+  while (frame({}).ball.state != TrackState::kLost) hidden += kDt;
+  EXPECT_NEAR(hidden, BallFilterParameters{}.lost_after_s, 1.5 * kDt);
+  EXPECT_EQ(tracks_.ball.position.x_m, 0.0f) << "a lost ball has no place";
+}
+
+TEST_F(TrackerTest, PredictsOpponentsWithTheVelocityThatTheyHave) {
+  for (int k = 0; k < 60; ++k) frame_of(sighting_of(Team::kOpponent, 2, pose(0.6 * k * kDt, 0.0)));
+  tracker_.update({}, at(now_ + 1e-9), at(now_ + 0.1), tracks_);
+  EXPECT_NEAR(tracks_.robots[0].pose_at_action.position.x_m - tracks_.robots[0].pose.position.x_m, 0.06, 0.004);
+}
+
+TEST_F(TrackerTest, DoesNotApplyCommandsToRobotsThatAreOnlyWatched) {
+  TrackParameters parameters;
+  parameters.own_commands_act = false;
+  configure(parameters);
+  Commands commands;
+  commands.stop = false;
+  commands.robots.push_back({1, {1.0f, 5.0f}, {}});
+  for (int k = 0; k < 100; ++k) {
+    tracker_.commanded(commands, at(now_));
+    frame_of(sighting_of(Team::kOwn, 1, pose(0.1, 0.1)));
+  }
+  EXPECT_NEAR(tracks_.robots[0].twist.v_mps, 0.0, 1e-3);
+  EXPECT_NEAR(tracks_.robots[0].pose.position.x_m, 0.1, 1e-5);
+}
+
+TEST_F(TrackerTest, RefusesParametersThatBreakAFilter) {
+  const auto refused = [](auto change) {
+    TrackParameters p;
+    change(p);
+    Tracker tracker;
+    return tracker.configure(p).code() == ErrorCode::kOutOfRange;
+  };
+  EXPECT_TRUE(refused([](TrackParameters& p) { p.robot.position_sigma_m = 0.0; }));
+  EXPECT_TRUE(refused([](TrackParameters& p) { p.robot.wheel_lag_s = std::nan(""); }));
+  EXPECT_TRUE(refused([](TrackParameters& p) { p.robot.restart_after = 0; }));
+  EXPECT_TRUE(refused([](TrackParameters& p) { p.ball.damping_per_s = -1.0; }));
+  EXPECT_TRUE(refused([](TrackParameters& p) { p.lost_after_s = 0.0; }));
+  EXPECT_FALSE(refused([](TrackParameters&) {}));
+}
+
+}  // namespace
+}  // namespace touchline

@@ -11,7 +11,7 @@ namespace {
 
 constexpr Rgb kWhite{1.0, 1.0, 1.0}, kGrey{0.75, 0.75, 0.75}, kAlarm{1.0, 0.35, 0.3}, kTrack{0.35, 1.0, 0.9};
 constexpr double kHeaderHeight = 30.0, kLegendHeight = 26.0;
-constexpr double kTextSize = 15.0, kSmallText = 10.0, kIdText = 17.0;
+constexpr double kTextSize = 15.0, kSmallText = 10.0, kBadgeRadius = 10.0;
 constexpr float kAheadSeconds = 0.25f;  // length of velocity vectors
 constexpr float kSigmas = 3.0f;
 // Refusals of noise would cover the picture: only what is large enough to be a patch, and not more than can be read.
@@ -51,6 +51,9 @@ void outline(cairo_t& context, const Runs& runs, const Region& region) {
     }
   }
 }
+
+// Legible on its dark rim, and still the same color.
+Rgb lightened(const Rgb& color) { return {0.5 + color.r / 2.0, 0.5 + color.g / 2.0, 0.5 + color.b / 2.0}; }
 
 bool refused(Verdict verdict) {
   switch (verdict) {
@@ -196,7 +199,7 @@ void Annotator::draw_refusals(cairo_t& context, const StepTrace& trace) const {
     const Verdict verdict = trace.sightings.verdicts[i];
     if (!refused(verdict) || region.area_px < kFewestRefusedPixels || ++shown > kMostRefusals) continue;
     draw_text(context, (region.box.right + 2.0) * scale, (static_cast<double>(region.centroid.v_px) + 2.0) * scale,
-              describe(verdict), color_of(region.color), kSmallText);
+              describe(verdict), lightened(color_of(region.color)), kSmallText);
   }
 }
 
@@ -225,6 +228,25 @@ void Annotator::draw_robot(cairo_t& context, const RobotSighting& robot) const {
     cairo_set_line_width(&context, 0.7);
     cairo_stroke(&context);
   }
+}
+
+// The id in a disk of the team's color, beside the robot so that its patches stay in sight.
+void Annotator::draw_badge(cairo_t& context, const RobotSighting& robot, double scale) const {
+  const MarkerLayout& layout = parameters_.marker.teams[static_cast<std::size_t>(robot.team)].layout;
+  const PixelPoint p = camera_.to_pixel(robot.pose.position, layout.height_m);
+  const double diagonal =
+      static_cast<double>(camera_.scale_px_per_m(robot.pose.position, layout.height_m) * layout.robot_side_m) / 2.0;
+  const double u = (static_cast<double>(p.u_px) + 0.5 + diagonal) * scale + kBadgeRadius;
+  const double v = (static_cast<double>(p.v_px) + 0.5 - diagonal) * scale - kBadgeRadius;
+  const bool known = robot.id != kUnknownId;
+  const std::string text = known ? std::to_string(int{robot.id}) : "?";
+  cairo_arc(&context, u, v, kBadgeRadius, 0.0, 2.0 * std::numbers::pi);
+  set_color(context, team_color(robot.team));
+  cairo_fill_preserve(&context);
+  set_color(context, known ? kWhite : kAlarm);
+  cairo_set_line_width(&context, known ? 1.2 : 2.5);
+  cairo_stroke(&context);
+  draw_text(context, u - text_width(context, text, kTextSize) / 2.0, v + kTextSize * 0.36, text, kWhite, kTextSize);
 }
 
 void Annotator::draw_ball(cairo_t& context, const BallSighting& ball) const {
@@ -338,13 +360,8 @@ SurfacePtr Annotator::draw(const StepTrace& trace, std::uint64_t frame, const st
   cairo_restore(&context);
 
   draw_refusals(context, trace);
-  for (const RobotSighting& robot : trace.sightings.robots) {
-    const MarkerLayout& layout = parameters_.marker.teams[static_cast<std::size_t>(robot.team)].layout;
-    const PixelPoint p = camera_.to_pixel(robot.pose.position, layout.height_m);
-    const std::string text = robot.id == kUnknownId ? "?" : std::to_string(int{robot.id});
-    draw_text(context, (static_cast<double>(p.u_px) + 0.5) * scale - text_width(context, text, kIdText) / 2.0,
-              (static_cast<double>(p.v_px) + 0.5) * scale + kIdText * 0.36, text,
-              robot.id == kUnknownId ? kAlarm : team_color(robot.team), kIdText);
+  if (has_camera_) {
+    for (const RobotSighting& robot : trace.sightings.robots) draw_badge(context, robot, scale);
   }
   return surface;
 }

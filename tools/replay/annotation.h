@@ -33,6 +33,7 @@ class Annotator {
   void draw_regions(cairo_t& context, const StepTrace& trace) const;
   void draw_refusals(cairo_t& context, const StepTrace& trace) const;
   void draw_robot(cairo_t& context, const RobotSighting& robot) const;
+  void draw_badge(cairo_t& context, const RobotSighting& robot, double scale) const;
   void draw_ball(cairo_t& context, const BallSighting& ball) const;
   void draw_tracks(cairo_t& context, const StepTrace& trace) const;
   void draw_header(cairo_t& context, const StepTrace& trace, std::uint64_t frame, const std::string& file,

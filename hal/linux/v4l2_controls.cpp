@@ -31,7 +31,8 @@ bool find(const V4l2Device& device, std::uint32_t id, Control& found) {
 int nearest(const Control& control, std::int64_t value) {
   const std::int64_t inside = std::clamp(value, control.low, control.high);
   const std::int64_t steps = (inside - control.low + control.step / 2) / control.step;
-  return static_cast<int>(std::min(control.low + steps * control.step, control.high));
+  const std::int64_t most = (control.high - control.low) / control.step;  // the range need not end on a step
+  return static_cast<int>(control.low + std::min(steps, most) * control.step);
 }
 
 int set(const V4l2Device& device, std::uint32_t id, int value) {

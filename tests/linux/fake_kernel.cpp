@@ -72,14 +72,8 @@ bool Kernel::unmap(void* memory) {
   return std::any_of(files_.begin(), files_.end(), [&](const auto& entry) { return entry.second->unmap(memory); });
 }
 
-bool Kernel::take_interruption() {
-  if (interruptions_ == 0) return false;
-  --interruptions_;
-  return true;
-}
-
 int Kernel::wait(File& file, short events, Instant deadline, short& found) {
-  if (take_interruption()) return -EINTR;
+  if (wait_is_interrupted()) return -EINTR;
   for (;;) {
     found = static_cast<short>(file.events() & (events | POLLERR | POLLHUP));
     if (found != 0) return 1;
@@ -154,7 +148,7 @@ int __wrap_ioctl(int number, unsigned long request, ...) {
   va_end(arguments);
   File* const file = kernel() != nullptr ? kernel()->file(number) : nullptr;
   if (file == nullptr) return __real_ioctl(number, request, argument);
-  if (kernel()->take_interruption()) return touchline::fake::answer(-EINTR);
+  if (kernel()->request_is_interrupted()) return touchline::fake::answer(-EINTR);
   return touchline::fake::answer(file->ioctl(request, argument));
 }
 
@@ -193,7 +187,7 @@ int __wrap_clock_gettime(clockid_t clock, std::timespec* time) {
 int __wrap_clock_nanosleep(clockid_t clock, int flags, const std::timespec* time, std::timespec* left) {
   if (kernel() == nullptr) return __real_clock_nanosleep(clock, flags, time, left);
   if (clock != CLOCK_MONOTONIC || flags != TIMER_ABSTIME) return EINVAL;  // relative sleeps drift
-  if (kernel()->take_interruption()) return EINTR;
+  if (kernel()->wait_is_interrupted()) return EINTR;
   kernel()->advance(std::max(touchline::fake::instant_of(*time) - kernel()->now(), touchline::Duration::zero()));
   return 0;
 }

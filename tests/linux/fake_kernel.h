@@ -42,8 +42,9 @@ class Kernel {
   void remove(const std::string& path) { files_.erase(path); }
   void refuse_open(const std::string& path, int error) { refusals_[path] = error; }
   void link(const std::string& from, const std::string& to) { links_[from] = to; }
-  /// The next waits end early with EINTR, as when a signal comes.
-  void interrupt_waits(int times) { interruptions_ = times; }
+  /// The next waits and sleeps, or requests, end early with EINTR, as when a signal comes.
+  void interrupt_waits(int times) { interrupted_waits_ = times; }
+  void interrupt_requests(int times) { interrupted_requests_ = times; }
 
   [[nodiscard]] Instant now() const { return now_; }
   void advance(Duration duration) { now_ += duration; }
@@ -57,7 +58,9 @@ class Kernel {
   int adopt(File& file);
   bool unmap(void* memory);
   int wait(File& file, short events, Instant deadline, short& found);
-  bool take_interruption();
+  /// Counts down: true while interruptions are left.
+  bool wait_is_interrupted() { return interrupted_waits_ > 0 && interrupted_waits_-- > 0; }
+  bool request_is_interrupted() { return interrupted_requests_ > 0 && interrupted_requests_-- > 0; }
   Instant look_at_clock();
   const std::string* resolve(const std::string& path) const;
   [[nodiscard]] std::vector<std::string> links_in(const std::string& folder) const;
@@ -68,7 +71,7 @@ class Kernel {
   std::map<std::string, std::string> links_;
   std::map<int, File*> open_;
   int next_number_ = 10000;  // above any real one
-  int interruptions_ = 0;
+  int interrupted_waits_ = 0, interrupted_requests_ = 0;
   Instant now_{std::chrono::seconds(1000)};
 };
 

@@ -52,6 +52,13 @@ TEST_F(V4l2ControlsTest, ValuesOutsideTheRangeAreClampedAndReported) {
       "255 (range 0 to 255, step 1); white_balance_k = 4604: granted 4600 (range 2000 to 6500, step 10)");
 }
 
+TEST_F(V4l2ControlsTest, ARangeThatDoesNotEndOnAStepIsUsedToItsLastStep) {
+  CameraSettings asked = untouched(settings());
+  asked.white_balance_k = 7000;
+  device_.controls[V4L2_CID_WHITE_BALANCE_TEMPERATURE].high = 6507;
+  expect_grants(asked, "/dev/video0: white_balance_k = 7000: granted 6500 (range 2000 to 6507, step 10)");
+}
+
 TEST_F(V4l2ControlsTest, ExposureIsRoundedToTheDriversHundredMicroseconds) {
   CameraSettings asked = untouched(settings());
   asked.exposure_us = 5060;

@@ -192,7 +192,7 @@ TEST_F(V4l2OpenTest, InterlacedPicturesAndForeignClocksAreReportedTogether) {
 }
 
 TEST_F(V4l2OpenTest, SignalsDoNotDisturb) {
-  kernel_.interrupt_waits(5);
+  kernel_.interrupt_requests(5);
   expect_grants(settings(), "");
 }
 

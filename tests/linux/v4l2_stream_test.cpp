@@ -198,6 +198,7 @@ TEST_F(V4l2StreamTest, APastDeadlineStillFetchesWhatIsThere) {
 TEST_F(V4l2StreamTest, SignalsDoNotShortenTheWait) {
   begin(settings());
   kernel_.interrupt_waits(10);
+  kernel_.interrupt_requests(10);
   expect_frame(*camera_, 0);
 }
 

@@ -159,7 +159,11 @@ TEST_F(GpiodGpioTest, LinesThatCannotBeHad) {
   asked.status_led_line = 58;
   expect_refusal(asked, ErrorCode::kNotFound,
                  "/dev/gpiochip0 line 58: no such line; the chip (pinctrl-bcm2711) has lines 0 to 57");
-  EXPECT_EQ(chip_.pins[kStop].holder, "") << "the other line is given back";
+  {
+    GpiodGpio gpio(asked);
+    EXPECT_FALSE(gpio.open().ok());
+    EXPECT_EQ(chip_.pins[kStop].holder, "") << "the other line is given back";
+  }
 
   asked = settings();
   asked.status_led_line = kStop;

@@ -216,6 +216,17 @@ TEST_F(V4l2StreamTest, StopAndStartCountAnew) {
   EXPECT_EQ(camera_->counters().lost, 0u);
 }
 
+TEST_F(V4l2StreamTest, ALeaseThatOutlivesTheStreamGivesNothingBack) {
+  begin(settings());
+  const int before = device_.requests(VIDIOC_QBUF);
+  {
+    Result<FrameLease> frame = camera_->wait(soon());
+    ASSERT_TRUE(frame.ok());
+    camera_->stop();
+  }
+  EXPECT_EQ(device_.requests(VIDIOC_QBUF), before);
+}
+
 TEST_F(V4l2StreamTest, AllocatesNothingWhileFramesAndFaultsFlow) {
   if (!AllocationCounter::works()) GTEST_SKIP() << "the sanitizer has the operators";
   for (std::uint32_t i = 0; i < 1000; i += 10) {

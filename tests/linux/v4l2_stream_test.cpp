@@ -259,8 +259,8 @@ TEST_F(V4l2StreamTest, AllocatesNothingWhileFramesAndFaultsFlow) {
 TEST_F(V4l2StreamTest, TheAllocationCounterSeesAnAllocation) {
   if (!AllocationCounter::works()) GTEST_SKIP() << "the sanitizer has the operators";
   const AllocationCounter counter;
-  const std::vector<int> planted(100, 1);
-  EXPECT_EQ(counter.count(), 1u) << planted.size();
+  ::operator delete(::operator new(100));  // called by name: a new-expression could be optimized away
+  EXPECT_EQ(counter.count(), 1u);
 }
 
 }  // namespace

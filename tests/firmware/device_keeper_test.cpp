@@ -1,0 +1,89 @@
+#include "firmware/device_keeper.h"
+
+#include <semaphore>
+
+#include <gtest/gtest.h>
+
+namespace touchline {
+namespace {
+
+using namespace std::chrono_literals;
+
+Instant at(double s) { return Instant(from_seconds(s)); }
+
+struct Scripted {
+  int failures = 0, calls = 0;
+  static Status reopen(void* self) {
+    Scripted& script = *static_cast<Scripted*>(self);
+    return ++script.calls > script.failures ? Status() : ErrorCode::kNotFound;
+  }
+};
+
+TEST(ThreadsDeviceKeeper, PausesDoubleFromFailureToFailure) {
+  Scripted script{3};
+  DeviceKeeper keeper(Scripted::reopen, &script, 100ms, true);
+  EXPECT_TRUE(keeper.open());
+  EXPECT_FALSE(keeper.poll(at(5.0)));
+  EXPECT_EQ(script.calls, 0);
+  keeper.lost(at(10.0));
+  keeper.lost(at(10.05));  // said twice: counts from the first time
+  EXPECT_FALSE(keeper.open());
+  for (const auto& [time, calls] : {std::pair{10.09, 0}, {10.1, 1}, {10.29, 1}, {10.3, 2}, {10.69, 2}, {10.7, 3}}) {
+    EXPECT_FALSE(keeper.poll(at(time)));
+    EXPECT_EQ(script.calls, calls) << time;
+  }
+  EXPECT_EQ(keeper.attempts(), 3U);
+  EXPECT_EQ(keeper.last().code(), ErrorCode::kNotFound);
+  EXPECT_EQ(keeper.away(at(11.0)), 1s);
+  EXPECT_FALSE(keeper.poll(at(11.49)));
+  EXPECT_TRUE(keeper.poll(at(11.5)));
+  EXPECT_TRUE(keeper.open());
+  EXPECT_EQ(keeper.away(at(12.0)), 0s);
+  // The next loss begins with the first pause again.
+  script.failures = 100;
+  keeper.lost(at(20.0));
+  EXPECT_EQ(keeper.attempts(), 0U);
+  EXPECT_FALSE(keeper.poll(at(20.1)));
+  EXPECT_EQ(script.calls, 5);
+}
+
+struct Hanging {
+  std::binary_semaphore entered{0}, answer{0};
+  static Status reopen(void* self) {
+    Hanging& driver = *static_cast<Hanging*>(self);
+    driver.entered.release();
+    driver.answer.acquire();
+    return {};
+  }
+};
+
+TEST(ThreadsDeviceKeeper, DriverThatHangsHoldsUpNobody) {
+  Hanging driver;
+  DeviceKeeper keeper(Hanging::reopen, &driver, 1ms, false);
+  keeper.lost(at(1.0));
+  EXPECT_FALSE(keeper.poll(at(2.0)));
+  driver.entered.acquire();
+  for (int i = 0; i < 1000; ++i) EXPECT_FALSE(keeper.poll(at(3.0 + i)));
+  driver.answer.release();
+  // The answer crosses from the worker's thread; it comes, but not at once.
+  bool back = false;
+  for (int i = 0; i < 5000 && !back; ++i) {
+    back = keeper.poll(at(2000.0));
+    if (!back) std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_TRUE(back);
+}
+
+TEST(ThreadsDeviceKeeper, EndsWhileTheDriverWorks) {
+  Hanging driver;
+  auto keeper = std::make_unique<DeviceKeeper>(Hanging::reopen, &driver, 1ms, false);
+  keeper->lost(at(1.0));
+  EXPECT_FALSE(keeper->poll(at(2.0)));
+  driver.entered.acquire();
+  std::thread late([&] { driver.answer.release(); });
+  keeper.reset();
+  late.join();
+}
+
+}  // namespace
+}  // namespace touchline

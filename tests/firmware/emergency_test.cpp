@@ -1,0 +1,74 @@
+// The emergency stop: pulled, released, bouncing, and a line that cannot be read.
+#include "tests/firmware/loop_fixture.h"
+
+namespace touchline::testing {
+namespace {
+
+constexpr double kFrame = 0.02, kRelease = 0.1;
+
+TEST_F(LoopTest, EmergencyStopHaltsFromTheNextPacketOn) {
+  gpio.pull(1.0, 2.0);
+  start();
+  run_until(3.0);
+  EXPECT_FALSE(all_stop(0.0, 1.0));
+  EXPECT_TRUE(all_stop(1.001, 2.0));
+  EXPECT_LE(packets(1.001, 2.0).front().at_s, 1.0 + kFrame);
+  EXPECT_TRUE(all_stop(2.0, 2.0 + kRelease - kFrame));
+  EXPECT_FALSE(all_stop(2.0 + kRelease + 2 * kFrame, 3.0));
+  EXPECT_EQ(loop->statistics().frames, 150U) << "the field is watched all the time";
+}
+
+TEST_F(LoopTest, EmergencyStopWorksWithoutFrames) {
+  gpio.pull(1.0, 2.0);
+  camera.add({1.0, 1.18, ErrorCode::kTimeout});
+  start();
+  run_until(1.5);
+  EXPECT_LE(packets(1.001, 1.5).front().at_s, 1.0 + 0.051);
+  EXPECT_TRUE(all_stop(1.001, 1.5));
+}
+
+TEST_F(LoopTest, BouncingContactDoesNotLetRobotsTwitch) {
+  for (int i = 0; i < 10; ++i) gpio.pull(1.0 + 0.06 * i, 1.03 + 0.06 * i);
+  start();
+  run_until(3.0);
+  EXPECT_TRUE(all_stop(1.001, 1.57 + kRelease - kFrame));
+  EXPECT_FALSE(all_stop(1.57 + kRelease + 2 * kFrame, 3.0));
+}
+
+TEST_F(LoopTest, RobotsMayBeHeldUntilANewStart) {
+  settings.faults.resume_after_emergency = false;
+  gpio.pull(1.0, 1.5);
+  start();
+  run_until(10.0);
+  EXPECT_FALSE(all_stop(0.0, 1.0));
+  EXPECT_TRUE(all_stop(1.001, 10.0));
+}
+
+TEST_F(LoopTest, LineThatCannotBeReadCountsAsPulled) {
+  gpio.add({1.0, 1.7, ErrorCode::kIo});
+  start();
+  run_until(4.0);
+  EXPECT_TRUE(all_stop(1.001, 1.5));
+  EXPECT_EQ(loop->statistics().reopened[2], 2U) << "at 1.5 s, in vain, and at 2 s";
+  EXPECT_FALSE(all_stop(2.2, 4.0));
+  std::uint8_t halt = 0;
+  for (const Report& report : reports()) {
+    if (report.kind == Report::Kind::kHalt) halt = static_cast<std::uint8_t>(halt | report.halt.halt);
+  }
+  EXPECT_EQ(halt, kHaltLine);
+}
+
+TEST_F(LoopTest, HaltsAreReportedWithTheirReason) {
+  gpio.pull(1.0, 1.5);
+  camera.add({2.0, 2.5, ErrorCode::kTimeout});
+  start();
+  run_until(3.0);
+  std::vector<std::uint8_t> halts;
+  for (const Report& report : reports()) {
+    if (report.kind == Report::Kind::kHalt) halts.push_back(report.halt.halt);
+  }
+  EXPECT_EQ(halts, (std::vector<std::uint8_t>{kHaltNone, kHaltEmergency, kHaltNone, kHaltNoFrames, kHaltNone}));
+}
+
+}  // namespace
+}  // namespace touchline::testing

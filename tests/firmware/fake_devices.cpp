@@ -1,0 +1,102 @@
+#include "tests/firmware/fake_devices.h"
+
+#include "core/radio/packet.h"
+
+namespace touchline::testing {
+namespace {
+
+bool is_absence(ErrorCode code) {
+  return code == ErrorCode::kDisconnected || code == ErrorCode::kNotFound || code == ErrorCode::kPermission;
+}
+
+}  // namespace
+
+Status FakeCamera::do_open() {
+  opened_s.push_back(now_s());
+  const Status fault = status();
+  if (is_absence(fault.code())) return ErrorCode::kNotFound;
+  is_open = true;
+  return {};
+}
+
+Status FakeCamera::do_start() {
+  if (!is_open) return ErrorCode::kIo;
+  running = true;
+  next_ = clock_.now() + kPeriod;
+  return {};
+}
+
+Result<hal::FrameLease> FakeCamera::do_wait(Instant deadline) {
+  if (!running || leased) return ErrorCode::kIo;  // the loop breaks the contract
+  if (const Status fault = status(); !fault.ok() && fault != Status(ErrorCode::kTimeout)) {
+    clock_.sleep_until(clock_.now() + kPeriod);  // a bad frame takes its time as well
+    return fault.code();
+  }
+  if (frames_ == last_frame) return ErrorCode::kEndOfStream;
+  if (status() == Status(ErrorCode::kTimeout) || next_ > deadline) {
+    clock_.sleep_until(deadline);
+    return ErrorCode::kTimeout;
+  }
+  clock_.sleep_until(next_);
+  next_ = clock_.now() + kPeriod;
+  Frame frame;
+  frame.format = PixelFormat::kRgb24;
+  frame.width_px = width;
+  frame.height_px = kHeight;
+  frame.plane[0] = pixels_.data();
+  frame.stride_bytes[0] = std::uint32_t{kWidth} * 3;
+  frame.capture_time = clock_.now() - age;
+  if (sequence_ == skip_at) sequence_ += skipped;
+  frame.sequence = sequence_++;
+  ++frames_;
+  leased = true;
+  return hal::FrameLease(*this, frame, 0);
+}
+
+Status FakeRadio::do_open() {
+  opened_s.push_back(now_s());
+  if (is_absence(status().code())) return ErrorCode::kNotFound;
+  is_open = true;
+  return {};
+}
+
+Status FakeRadio::do_send(std::span<const std::byte> bytes) {
+  if (!is_open) return ErrorCode::kIo;
+  if (const Status fault = status(); !fault.ok()) return fault;
+  Commands commands;
+  SentPacket packet{now_s(), false, 0};
+  if (!decode(bytes, commands, packet.sequence).ok()) return ErrorCode::kCorruptFrame;
+  packet.stop = commands.stop;
+  sent.push_back(packet);
+  return {};
+}
+
+Status FakeRadio::do_drain(Instant) {
+  drained_s = now_s();
+  return {};
+}
+
+void FakeRadio::do_close() {
+  is_open = false;
+  closed_s = now_s();
+}
+
+Status FakeGpio::do_open() {
+  ++opened;
+  return is_absence(status().code()) ? Status(ErrorCode::kNotFound) : Status();
+}
+
+Status FakeGpio::do_set_status_led(bool on) {
+  led.emplace_back(now_s(), on);
+  return status();
+}
+
+Result<bool> FakeGpio::do_emergency_stop() {
+  if (const Status fault = status(); !fault.ok()) return fault.code();
+  for (const auto& [from_s, to_s] : pulled_) {
+    if (now_s() >= from_s && now_s() < to_s) return true;
+  }
+  return false;
+}
+
+}  // namespace touchline::testing

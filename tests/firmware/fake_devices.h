@@ -1,0 +1,132 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/time.h"
+#include "hal/camera.h"
+#include "hal/clock.h"
+#include "hal/gpio.h"
+#include "hal/radio.h"
+
+// Devices that do what a test's script says, at the times that it says. They never succeed silently in a fault's time.
+namespace touchline::testing {
+
+/// Jumps when somebody waits.
+class FakeClock final : public hal::Clock {
+ public:
+  [[nodiscard]] Instant now() const override { return now_; }
+  void sleep_until(Instant instant) override { now_ = std::max(now_, instant); }
+
+ private:
+  Instant now_ = Instant(std::chrono::seconds(1000));
+};
+
+/// [from_s, to_s) after the test's begin: the device answers with `code`.
+struct Fault {
+  double from_s = 0.0, to_s = 0.0;
+  ErrorCode code = ErrorCode::kIo;
+};
+
+/// What all of them have: the script and the time line.
+class Script {
+ public:
+  explicit Script(hal::Clock& clock) : clock_(clock), begin_(clock.now()) {}
+  void add(const Fault& fault) {
+    faults_.push_back(fault);
+    log_.reserve(10000);
+  }
+  [[nodiscard]] double now_s() const { return seconds(clock_.now() - begin_); }
+  [[nodiscard]] Status status() const {
+    for (const Fault& fault : faults_) {
+      if (now_s() >= fault.from_s && now_s() < fault.to_s) return fault.code;
+    }
+    return {};
+  }
+
+ protected:
+  hal::Clock& clock_;
+  Instant begin_;
+  std::vector<Fault> faults_;
+  std::vector<double> log_;
+};
+
+/// A dark picture every 20 ms. In a fault's time wait() gives the code (kTimeout: waits in vain), and open() gives it
+/// when it is one of an absent device.
+class FakeCamera final : public hal::Camera, public Script {
+ public:
+  static constexpr std::uint16_t kWidth = 64, kHeight = 48;
+  static constexpr Duration kPeriod = std::chrono::milliseconds(20);
+  explicit FakeCamera(hal::Clock& clock) : Script(clock), pixels_(std::size_t{kWidth} * kHeight * 3) {}
+
+  [[nodiscard]] const hal::CameraInfo& info() const override { return info_; }
+  [[nodiscard]] const std::string& reason() const override { return reason_; }
+
+  Duration age = std::chrono::milliseconds(5);   // of a frame when it is handed out
+  std::uint32_t skip_at = 0, skipped = 0;        // the driver loses so many frames after this one
+  std::uint64_t last_frame = ~std::uint64_t{0};  // kEndOfStream after so many
+  std::uint16_t width = kWidth;                  // of the frames
+  std::vector<double> opened_s;                  // each attempt
+  bool leased = false, running = false, is_open = false;
+
+ private:
+  Status do_open() override;
+  Status do_start() override;
+  Result<hal::FrameLease> do_wait(Instant deadline) override;
+  void do_release(std::uint32_t) noexcept override { leased = false; }
+  void do_stop() override { running = false; }
+  void do_close() override { is_open = running = false; }
+
+  std::vector<std::uint8_t> pixels_;
+  hal::CameraInfo info_{PixelFormat::kRgb24, kWidth, kHeight, 50.0};
+  const std::string reason_ = "/dev/fake0: as the script says";
+  std::uint32_t sequence_ = 0;
+  std::uint64_t frames_ = 0;
+  Instant next_{};
+};
+
+struct SentPacket {
+  double at_s = 0.0;
+  bool stop = false;
+  std::uint8_t sequence = 0;
+};
+
+class FakeRadio final : public hal::Radio, public Script {
+ public:
+  explicit FakeRadio(hal::Clock& clock) : Script(clock) { sent.reserve(100000); }
+  [[nodiscard]] const std::string& reason() const override { return reason_; }
+
+  std::vector<SentPacket> sent;
+  std::vector<double> opened_s;
+  std::optional<double> drained_s, closed_s;
+  bool is_open = false;
+
+ private:
+  Status do_open() override;
+  Status do_send(std::span<const std::byte> bytes) override;
+  Status do_drain(Instant deadline) override;
+  void do_close() override;
+  const std::string reason_ = "/dev/fake1: as the script says";
+};
+
+/// A fault with code kOk stands for a pulled emergency stop.
+class FakeGpio final : public hal::Gpio, public Script {
+ public:
+  explicit FakeGpio(hal::Clock& clock) : Script(clock) {}
+  [[nodiscard]] const std::string& reason() const override { return reason_; }
+  void pull(double from_s, double to_s) { pulled_.push_back({from_s, to_s}); }
+
+  std::vector<std::pair<double, bool>> led;
+  int opened = 0;
+
+ private:
+  Status do_open() override;
+  void do_close() override {}
+  Status do_set_status_led(bool on) override;
+  Result<bool> do_emergency_stop() override;
+  std::vector<std::pair<double, double>> pulled_;
+  const std::string reason_ = "/dev/fakechip: as the script says";
+};
+
+}  // namespace touchline::testing

@@ -1,0 +1,186 @@
+// The loop when all goes well, and how it ends.
+#include "tests/firmware/loop_fixture.h"
+
+namespace touchline::testing {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST_F(LoopTest, EveryFrameLeadsToAPacket) {
+  start();
+  run_until(2.0);
+  const LoopStatistics& statistics = loop->statistics();
+  EXPECT_EQ(statistics.frames, 100U);
+  EXPECT_EQ(statistics.good_frames, 100U);
+  EXPECT_EQ(statistics.frames_lost, 0U);
+  EXPECT_EQ(statistics.packets, 100U);
+  EXPECT_EQ(statistics.stop_packets, 0U);
+  EXPECT_EQ(statistics.fault_count(), 0U);
+  ASSERT_EQ(radio.sent.size(), 100U);
+  for (std::size_t i = 0; i < radio.sent.size(); ++i) {
+    EXPECT_NEAR(radio.sent[i].at_s, 0.02 * static_cast<double>(i + 1), 1e-9);
+    EXPECT_EQ(radio.sent[i].sequence, static_cast<std::uint8_t>(i));
+    EXPECT_FALSE(radio.sent[i].stop);
+  }
+}
+
+TEST_F(LoopTest, LatencyIsCountedFromCapture) {
+  camera.age = 7ms;
+  struct Seen {
+    int steps = 0;
+    StepTiming timing;
+    Instant capture;
+    const std::uint8_t* pixels = nullptr;
+    const bool* leased = nullptr;
+    bool was_leased = false;
+  } seen;
+  seen.leased = &camera.leased;
+  start({[](void* context, const StepTrace& trace, const StepTiming& timing) {
+           Seen& s = *static_cast<Seen*>(context);
+           ++s.steps;
+           s.timing = timing;
+           s.capture = trace.frame.capture_time;
+           s.pixels = trace.frame.plane[0];
+           s.was_leased = *s.leased;
+         },
+         &seen});
+  run_until(1.0);
+  EXPECT_EQ(seen.steps, 50);
+  EXPECT_TRUE(seen.was_leased) << "an observer may look at the pixels";
+  EXPECT_EQ(seen.timing.sent - seen.capture, 7ms);
+  EXPECT_GT(seen.timing.processing, 0ns);
+  EXPECT_EQ(seen.timing.latency, 7ms + seen.timing.processing);
+  const LatencyHistogram& latency = loop->statistics().latency;
+  EXPECT_EQ(latency.count(), 50U);
+  EXPECT_GE(latency.percentile(0.0), 7ms);
+  EXPECT_LE(latency.percentile(0.5), latency.max());
+}
+
+TEST_F(LoopTest, PredictionReachesToTheInstantOfAction) {
+  camera.age = 9ms;
+  Duration ahead{};
+  start({[](void* context, const StepTrace& trace, const StepTiming&) {
+           *static_cast<Duration*>(context) = trace.tracks.action_time - trace.tracks.capture_time;
+         },
+         &ahead});
+  run_until(0.5);
+  // Measured on the loop's clock: 9 ms old when the packet left; and the radio's 20 ms.
+  EXPECT_EQ(ahead, 29ms);
+}
+
+TEST_F(LoopTest, GapsInTheDriversCountAreLostFrames) {
+  camera.skip_at = 10;
+  camera.skipped = 3;
+  start();
+  run_until(1.0);
+  EXPECT_EQ(loop->statistics().frames_lost, 3U);
+  EXPECT_EQ(loop->statistics().frames, 50U);
+}
+
+TEST_F(LoopTest, FrameLimitEndsIt) {
+  settings.frames = 25;
+  start();
+  const std::atomic<bool> stop{false};
+  EXPECT_EQ(loop->run(stop), LoopEnd::kLimit);
+  EXPECT_EQ(loop->statistics().frames, 25U);
+}
+
+TEST_F(LoopTest, DurationEndsIt) {
+  settings.duration = 500ms;
+  start();
+  const std::atomic<bool> stop{false};
+  EXPECT_EQ(loop->run(stop), LoopEnd::kLimit);
+  EXPECT_NEAR(static_cast<double>(loop->statistics().frames), 25.0, 1.0);
+}
+
+TEST_F(LoopTest, StopFlagStopsTheRobotsBeforeDevicesAreClosed) {
+  std::atomic<bool> stop{false};
+  struct Context {
+    std::atomic<bool>* stop;
+    int steps = 0;
+  } context{&stop};
+  start({[](void* c, const StepTrace&, const StepTiming&) {
+           Context& seen = *static_cast<Context*>(c);
+           if (++seen.steps == 10) seen.stop->store(true);
+         },
+         &context});
+  EXPECT_EQ(loop->run(stop), LoopEnd::kAsked);
+  ASSERT_EQ(radio.sent.size(), 15U);
+  for (std::size_t i = 0; i < 15; ++i) EXPECT_EQ(radio.sent[i].stop, i >= 10) << i;
+  // Spaced, so that one disturbance does not take all of them.
+  EXPECT_NEAR(radio.sent[14].at_s - radio.sent[10].at_s, 0.08, 1e-9);
+  ASSERT_TRUE(radio.drained_s.has_value());
+  EXPECT_GE(*radio.drained_s, radio.sent[14].at_s);
+  EXPECT_FALSE(radio.closed_s.has_value());
+  loop->close();
+  ASSERT_TRUE(radio.closed_s.has_value());
+  EXPECT_GE(*radio.closed_s, *radio.drained_s);
+  EXPECT_FALSE(camera.is_open);
+}
+
+TEST_F(LoopTest, EndOfARecordingEndsIt) {
+  camera.last_frame = 30;
+  start();
+  const std::atomic<bool> stop{false};
+  EXPECT_EQ(loop->run(stop), LoopEnd::kEndOfStream);
+  EXPECT_EQ(loop->statistics().frames, 30U);
+  EXPECT_EQ(loop->statistics().fault_count(), 0U);
+  EXPECT_TRUE(radio.sent.back().stop);
+}
+
+TEST_F(LoopTest, FramesOfAnotherSizeEndIt) {
+  camera.width = FakeCamera::kWidth - 2;
+  start();
+  const std::atomic<bool> stop{false};
+  EXPECT_EQ(loop->run(stop), LoopEnd::kFault);
+  EXPECT_EQ(loop->last_fault().code, ErrorCode::kUnsupported);
+  EXPECT_TRUE(radio.sent.back().stop);
+}
+
+TEST_F(LoopTest, WhatCannotBeOpenedAtTheStartIsNamed) {
+  camera.add({0.0, 1.0, ErrorCode::kNotFound});
+  ASSERT_TRUE(pipeline->configure(dark_room()).ok());
+  loop = std::make_unique<Loop>(LoopDevices{camera, radio, gpio, clock, true}, *pipeline, settings, *ring);
+  std::string reason;
+  EXPECT_EQ(loop->open(reason).code(), ErrorCode::kNotFound);
+  EXPECT_EQ(reason, "camera: /dev/fake0: as the script says");
+  EXPECT_FALSE(radio.is_open);
+  EXPECT_TRUE(radio.sent.empty());
+}
+
+TEST_F(LoopTest, StatusOnceASecond) {
+  camera.age = 4ms;
+  start();
+  run_until(3.5);
+  std::vector<StatusReport> status;
+  for (const Report& report : reports()) {
+    if (report.kind == Report::Kind::kStatus) status.push_back(report.status);
+  }
+  ASSERT_EQ(status.size(), 3U);
+  EXPECT_NEAR(status[0].elapsed_s, 1.0, 0.021);
+  EXPECT_NEAR(status[2].elapsed_s, 3.0, 0.021);
+  EXPECT_NEAR(status[1].rate_hz, 50.0, 0.5);
+  EXPECT_EQ(status[1].halt, kHaltNone);
+  EXPECT_EQ(status[2].packets, 150U);
+  EXPECT_GE(status[2].p50, 4ms);
+  EXPECT_LE(status[2].p50, status[2].p99);
+  EXPECT_LE(status[2].p99, status[2].max);
+  EXPECT_FALSE(status[2].ball_seen);
+}
+
+TEST_F(LoopTest, StatusLightIsOnWhileRobotsMayMove) {
+  camera.add({1.0, 2.0, ErrorCode::kTimeout});
+  start();
+  run_until(3.0);
+  loop->close();
+  ASSERT_EQ(gpio.led.size(), 4U);
+  EXPECT_TRUE(gpio.led[0].second);
+  EXPECT_FALSE(gpio.led[1].second);
+  EXPECT_NEAR(gpio.led[1].first, 1.2, 0.06);
+  EXPECT_TRUE(gpio.led[2].second);
+  EXPECT_NEAR(gpio.led[2].first, 2.0, 0.06);
+  EXPECT_FALSE(gpio.led[3].second);  // left dark
+}
+
+}  // namespace
+}  // namespace touchline::testing

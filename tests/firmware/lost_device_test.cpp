@@ -1,0 +1,172 @@
+// Frames that do not come, devices that go and come back.
+#include "tests/firmware/loop_fixture.h"
+
+namespace touchline::testing {
+namespace {
+
+using namespace std::chrono_literals;
+
+// stop_after_s, and the longest time between two looks at the clock.
+constexpr double kStopAfter = 0.2, kSlice = 0.05;
+
+TEST_F(LoopTest, RobotsStopWhenFramesStayAway) {
+  camera.add({1.0, 1.8, ErrorCode::kTimeout});
+  start();
+  run_until(3.0);
+  EXPECT_FALSE(all_stop(0.0, 1.0));
+  EXPECT_TRUE(packets(1.001, 0.99 + kStopAfter).empty()) << "a single late frame stops nobody";
+  const auto halted = packets(1.001, 1.8);
+  ASSERT_FALSE(halted.empty());
+  EXPECT_TRUE(all_stop(1.001, 1.8));
+  EXPECT_LE(halted.front().at_s, 1.0 + kStopAfter + kSlice);
+  for (std::size_t i = 1; i < halted.size(); ++i) {
+    EXPECT_LE(halted[i].at_s - halted[i - 1].at_s, kSlice + 1e-9);
+  }
+  EXPECT_FALSE(all_stop(1.86, 3.0));
+  EXPECT_EQ(camera.opened_s.size(), 1U) << "a short pause is no reason to open the camera again";
+  EXPECT_EQ(loop->statistics().fault_count(), 0U);
+}
+
+TEST_F(LoopTest, RobotsStandUntilTheFirstFrame) {
+  camera.add({0.0, 1.0, ErrorCode::kTimeout});
+  start();
+  run_until(2.0);
+  EXPECT_TRUE(all_stop(0.0, 1.0));
+  EXPECT_FALSE(all_stop(1.06, 2.0));
+}
+
+TEST_F(LoopTest, SequenceRunsOnThroughStopPackets) {
+  camera.add({1.0, 2.0, ErrorCode::kTimeout});
+  start();
+  run_until(3.0);
+  for (std::size_t i = 1; i < radio.sent.size(); ++i) {
+    EXPECT_EQ(radio.sent[i].sequence, static_cast<std::uint8_t>(radio.sent[i - 1].sequence + 1));
+  }
+}
+
+TEST_F(LoopTest, OldFramesStopTheRobotsToo) {
+  start();
+  run_until(0.5);
+  camera.age = 250ms;  // the camera's queue has filled up
+  run_until(1.5);
+  EXPECT_TRUE(all_stop(0.53, 1.5));
+  EXPECT_LE(loop->statistics().good_frames, 26U);
+  camera.age = 5ms;
+  run_until(2.0);
+  EXPECT_FALSE(all_stop(1.56, 2.0));
+}
+
+TEST_F(LoopTest, SilentCameraIsOpenedAgain) {
+  settings.faults.camera_timeout_s = 1.0;
+  settings.faults.reopen_after_s = 0.5;
+  camera.add({1.0, 2.4, ErrorCode::kTimeout});
+  start();
+  run_until(4.0);
+  ASSERT_EQ(camera.opened_s.size(), 2U);
+  EXPECT_NEAR(camera.opened_s[1], 1.0 + 1.0 + 0.5, 2 * kSlice);
+  EXPECT_EQ(loop->statistics().reopened[0], 1U);
+  EXPECT_FALSE(all_stop(2.7, 4.0));
+}
+
+TEST_F(LoopTest, UnpluggedCameraComesBack) {
+  camera.add({1.0, 4.0, ErrorCode::kDisconnected});
+  settings.faults.reopen_after_s = 0.5;
+  start();
+  run_until(6.0);
+  // Pauses of 0.5, 1, 2 s after the loss and after each failure.
+  ASSERT_EQ(camera.opened_s.size(), 4U);
+  EXPECT_NEAR(camera.opened_s[1] - 1.0, 0.5, 2 * kSlice);
+  EXPECT_NEAR(camera.opened_s[2] - camera.opened_s[1], 1.0, kSlice);
+  EXPECT_NEAR(camera.opened_s[3] - camera.opened_s[2], 2.0, kSlice);
+  const double back_s = camera.opened_s[3];
+
+  EXPECT_TRUE(all_stop(1.0 + kStopAfter, back_s));
+  const auto halted = packets(1.0 + kStopAfter + kSlice, back_s);
+  EXPECT_GE(halted.size(), static_cast<std::size_t>((back_s - 1.3) / kSlice));
+  EXPECT_FALSE(all_stop(back_s + 0.1, 6.0));
+  EXPECT_EQ(loop->statistics().reopened[0], 1U);
+  EXPECT_EQ(loop->statistics().frames_lost, 0U) << "the driver counts anew";
+  EXPECT_EQ(loop->statistics().faults[0][static_cast<std::size_t>(ErrorCode::kDisconnected)], 1U);
+  EXPECT_EQ(loop->statistics().faults[0][static_cast<std::size_t>(ErrorCode::kNotFound)], 2U);
+
+  std::vector<FaultReport> told;
+  for (const Report& report : reports()) {
+    if (report.kind == Report::Kind::kFault) told.push_back(report.fault);
+  }
+  ASSERT_EQ(told.size(), 4U);
+  EXPECT_EQ(told[0].code, ErrorCode::kDisconnected);
+  EXPECT_EQ(told[0].action, FaultAction::kReopen);
+  EXPECT_STREQ(told[0].reason.data(), "/dev/fake0: as the script says");
+  EXPECT_EQ(told[3].code, ErrorCode::kOk);
+  EXPECT_STREQ(told[3].reason.data(), "");
+}
+
+TEST_F(LoopTest, PausesEndAtEightSeconds) {
+  camera.add({1.0, 1e9, ErrorCode::kDisconnected});
+  settings.faults.reopen_after_s = 4.0;
+  start();
+  run_until(40.0);
+  ASSERT_GE(camera.opened_s.size(), 5U);
+  for (std::size_t i = 2; i < camera.opened_s.size(); ++i) {
+    EXPECT_NEAR(camera.opened_s[i] - camera.opened_s[i - 1], 8.0, kSlice);
+  }
+}
+
+TEST_F(LoopTest, GivesUpAfterLeaveAfter) {
+  camera.add({1.0, 1e9, ErrorCode::kDisconnected});
+  settings.faults.leave_after_s = 3.0;
+  start();
+  const std::atomic<bool> stop{false};
+  EXPECT_EQ(loop->run(stop), LoopEnd::kDeviceLost);
+  EXPECT_NEAR(now_s(), 4.1, 0.2);
+  EXPECT_EQ(loop->last_fault().device, Device::kCamera);
+  EXPECT_TRUE(radio.sent.back().stop);
+}
+
+TEST_F(LoopTest, BadFramesAreSkipped) {
+  camera.add({1.0, 1.1, ErrorCode::kShortFrame});
+  camera.add({1.5, 1.6, ErrorCode::kCorruptFrame});
+  start();
+  run_until(2.0);
+  EXPECT_EQ(loop->statistics().stop_packets, 0U);
+  EXPECT_EQ(camera.opened_s.size(), 1U);
+  const auto& faults = loop->statistics().faults[0];
+  EXPECT_NEAR(static_cast<double>(faults[static_cast<std::size_t>(ErrorCode::kShortFrame)]), 5.0, 1.0);
+  EXPECT_NEAR(static_cast<double>(faults[static_cast<std::size_t>(ErrorCode::kCorruptFrame)]), 5.0, 1.0);
+  std::size_t told = 0;
+  for (const Report& report : reports()) told += report.kind == Report::Kind::kFault ? 1 : 0;
+  EXPECT_EQ(told, 2U) << "each kind once a second";
+}
+
+TEST_F(LoopTest, BadFramesForTooLongStopTheRobots) {
+  camera.add({1.0, 2.0, ErrorCode::kCorruptFrame});
+  start();
+  run_until(3.0);
+  EXPECT_TRUE(all_stop(1.0 + kStopAfter + 0.03, 2.0));
+  EXPECT_FALSE(all_stop(2.06, 3.0));
+}
+
+TEST_F(LoopTest, BusyRadioCostsPacketsAndNothingElse) {
+  radio.add({1.0, 1.5, ErrorCode::kBusy});
+  start();
+  run_until(2.0);
+  EXPECT_EQ(loop->statistics().frames, 100U);
+  EXPECT_NEAR(static_cast<double>(loop->statistics().packets_refused), 25.0, 1.0);
+  EXPECT_EQ(loop->statistics().packets + loop->statistics().packets_refused, 100U);
+  EXPECT_EQ(radio.opened_s.size(), 1U);
+  EXPECT_FALSE(all_stop(1.5, 2.0));
+}
+
+TEST_F(LoopTest, LostRadioComesBackWhileFramesGoOn) {
+  radio.add({1.0, 1.4, ErrorCode::kDisconnected});
+  start();
+  run_until(3.0);
+  ASSERT_EQ(radio.opened_s.size(), 2U);
+  EXPECT_NEAR(radio.opened_s[1], 1.5, 2 * kSlice);
+  EXPECT_EQ(loop->statistics().frames, 150U);
+  EXPECT_EQ(loop->statistics().reopened[1], 1U);
+  EXPECT_FALSE(all_stop(1.6, 3.0));
+}
+
+}  // namespace
+}  // namespace touchline::testing

@@ -1,0 +1,126 @@
+#include "firmware/status_text.h"
+
+#include <gtest/gtest.h>
+
+namespace touchline {
+namespace {
+
+using namespace std::chrono_literals;
+
+StatusReport playing() {
+  StatusReport status;
+  status.elapsed_s = 12.02;
+  status.rate_hz = 60.0;
+  status.own_seen = status.opponents_seen = 5;
+  status.ball_seen = true;
+  status.ball = {0.12f, -0.3f};
+  status.p50 = 1200us;
+  status.p99 = 2300us;
+  status.max = 3100us;
+  status.packets = 720;
+  return status;
+}
+
+TEST(StatusText, LineOfAGoodSecond) {
+  EXPECT_EQ(status_line(playing(), {5, 5, {}}),
+            "12 s  60.0 fps  own 5/5  opp 5/5  ball (0.12, -0.30)  latency p50 1.2 p99 2.3 max 3.1 ms  packets 720");
+}
+
+TEST(StatusText, LineOfABadSecond) {
+  StatusReport status = playing();
+  status.ball_seen = false;
+  status.frames_lost = 3;
+  status.overloads = 2;
+  status.faults = 7;
+  status.halt = kHaltNoFrames | kHaltEmergency;
+  EXPECT_EQ(status_line(status, {5, 5, {}}),
+            "12 s  60.0 fps  own 5/5  opp 5/5  ball lost  latency p50 1.2 p99 2.3 max 3.1 ms  packets 720  "
+            "frames lost 3  overloads 2  faults 7  HALTED: no good frame, emergency stop is pulled");
+}
+
+TEST(StatusText, Faults) {
+  FaultReport fault;
+  fault.elapsed_s = 3.25;
+  fault.code = ErrorCode::kDisconnected;
+  fault.action = FaultAction::kReopen;
+  fault.set_reason("/dev/video0: unplugged");
+  EXPECT_EQ(fault_line(fault), std::string("3.2 s  camera: ") + describe(ErrorCode::kDisconnected) +
+                                   " (/dev/video0: unplugged); opening it again");
+  fault.device = Device::kRadio;
+  fault.code = ErrorCode::kOk;
+  EXPECT_EQ(fault_line(fault), "3.2 s  radio: is back");
+  EXPECT_EQ(halt_line({1.0, kHaltNone, kHaltLine}), "1.0 s  robots may move");
+  EXPECT_EQ(halt_line({1.0, kHaltLine, kHaltNone}), "1.0 s  robots halted: emergency stop cannot be read");
+}
+
+TEST(StatusText, LongReasonIsCutOff) {
+  FaultReport fault;
+  fault.set_reason(std::string(1000, 'x'));
+  EXPECT_EQ(std::string(fault.reason.data()).size(), kMaxReasonBytes - 1);
+}
+
+TEST(FieldMap, PutsEverythingWhereItIs) {
+  StatusReport status = playing();
+  status.ball = {0.0f, 0.0f};
+  status.robots.push_back({Team::kOwn, 3, false, {{-0.9f, 0.7f}, 0.0f}});
+  status.robots.push_back({Team::kOpponent, kUnknownId, false, {{0.9f, -0.7f}, 0.0f}});
+  status.robots.push_back({Team::kOwn, kUnknownId, false, {{5.0f, -0.3f}, 0.0f}});  // far outside: at the border
+  const FieldParameters field;
+  const std::string map = field_map(status, field, 60, false);
+  std::vector<std::string> rows;
+  for (std::size_t begin = 0; begin < map.size();) {
+    const std::size_t end = map.find('\n', begin);
+    rows.push_back(map.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  ASSERT_EQ(rows.size(), 26U);  // 2.2 : 1.8 in cells twice as high as wide, and the border
+  for (const std::string& row : rows) EXPECT_EQ(row.size(), 60U);
+  const auto find = [&](char letter) {
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      if (const std::size_t column = rows[row].find(letter); column != std::string::npos) {
+        return std::pair{static_cast<int>(row), static_cast<int>(column)};
+      }
+    }
+    return std::pair{-1, -1};
+  };
+  EXPECT_EQ(find('3'), std::pair(3, 6));  // upper left: y is to the left of x
+  EXPECT_EQ(rows[3][7], '-');             // looks along x
+  EXPECT_EQ(find('x'), std::pair(22, 53));
+  EXPECT_EQ(find('o'), std::pair(13, 30));
+  EXPECT_EQ(find('?').second, 59);
+  EXPECT_EQ(map.find('\x1b'), std::string::npos);
+  EXPECT_NE(field_map(status, field, 60, true).find("\x1b[1;33mo\x1b[0m"), std::string::npos);
+}
+
+TEST(FieldMap, PoseThatIsNoNumberIsLeftOut) {
+  StatusReport status = playing();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  status.robots.push_back({Team::kOwn, 3, false, {{nan, nan}, nan}});
+  EXPECT_EQ(field_map(status, {}, 60, false).find('3'), std::string::npos);
+}
+
+TEST(Summary, CountsEverythingThatHappened) {
+  LoopStatistics statistics;
+  statistics.end = statistics.begin + 10s;
+  statistics.frames = 600;
+  statistics.good_frames = 598;
+  statistics.frames_lost = 4;
+  statistics.packets = 605;
+  statistics.stop_packets = 5;
+  statistics.faults[0][static_cast<std::size_t>(ErrorCode::kDisconnected)] = 2;
+  statistics.reopened[0] = 2;
+  statistics.latency.add(2ms);
+  EXPECT_EQ(summary(statistics, LoopEnd::kAsked),
+            "end       asked to leave\n"
+            "frames    600 in 10.0 s (60.0 a second), 4 lost on the way, 2 not good\n"
+            "latency   capture to send: p50 2.00  p90 2.00  p99 2.00  p99.9 2.00  max 2.00 ms\n"
+            "packets   605 sent, 5 of them stop packets; 0 refused\n"
+            "overload  0 frames (0 runs and 0 regions did not fit)\n"
+            "faults    camera: " +
+                std::string(describe(ErrorCode::kDisconnected)) +
+                ", 2 times\n"
+                "reopened  camera, 2 times\n");
+}
+
+}  // namespace
+}  // namespace touchline

@@ -1,0 +1,103 @@
+// Everything that starts a thread; run under the thread sanitizer as well.
+#include <csignal>
+#include <cstdio>
+#include <semaphore>
+
+#include "firmware/reporter.h"
+#include "firmware/stop_signal.h"
+#include "hal/linux/monotonic_clock.h"
+#include "tests/firmware/loop_fixture.h"
+
+namespace touchline::testing {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A camera whose driver hangs in open() after it was lost.
+class HangingCamera final : public hal::Camera {
+ public:
+  [[nodiscard]] const hal::CameraInfo& info() const override { return info_; }
+  [[nodiscard]] const std::string& reason() const override { return reason_; }
+  std::binary_semaphore answer{0};
+
+ private:
+  Status do_open() override {
+    if (opened_++ > 0) answer.acquire();
+    return {};
+  }
+  Status do_start() override { return {}; }
+  Result<hal::FrameLease> do_wait(Instant) override { return ErrorCode::kDisconnected; }
+  void do_release(std::uint32_t) noexcept override {}
+  void do_stop() override {}
+  void do_close() override {}
+  hal::CameraInfo info_;
+  const std::string reason_ = "unplugged";
+  int opened_ = 0;
+};
+
+TEST(ThreadsLoop, StopPacketsGoOnWhileADriverHangs) {
+  hal::MonotonicClock clock;
+  HangingCamera camera;
+  FakeRadio radio(clock);
+  FakeGpio gpio(clock);
+  const auto pipeline = std::make_unique<Pipeline>();
+  ASSERT_TRUE(pipeline->configure(dark_room()).ok());
+  const auto ring = std::make_unique<ReportRing>();
+  LoopSettings settings;
+  settings.faults.reopen_after_s = 0.01;
+  settings.faults.stop_after_s = 0.02;  // looks at the clock every 5 ms
+  settings.duration = 400ms;
+  Loop loop({camera, radio, gpio, clock}, *pipeline, settings, *ring);
+  std::string reason;
+  ASSERT_TRUE(loop.open(reason).ok()) << reason;
+  const std::atomic<bool> stop{false};
+  EXPECT_EQ(loop.run(stop), LoopEnd::kLimit);
+  // 80 at best; a loaded machine may take a few times as long for a turn.
+  EXPECT_GE(radio.sent.size(), 20U);
+  for (const SentPacket& packet : radio.sent) EXPECT_TRUE(packet.stop);
+  camera.answer.release();
+  loop.close();
+}
+
+class ThreadsReporter : public LoopTest {};
+
+TEST_F(ThreadsReporter, PrintsWhatTheLoopTells) {
+  char* text = nullptr;
+  std::size_t size = 0;
+  std::FILE* file = ::open_memstream(&text, &size);
+  camera.add({1.0, 1.6, ErrorCode::kDisconnected});
+  start();
+  {
+    ReporterSettings reporter_settings;
+    reporter_settings.expected.own = 1;
+    const Reporter reporter(*ring, reporter_settings, file, file);
+    run_until(3.1);
+  }
+  std::fclose(file);
+  const std::string printed(text, size);
+  std::free(text);
+  EXPECT_NE(printed.find("0.0 s  robots may move\n"), std::string::npos) << printed;
+  EXPECT_NE(printed.find("camera: " + std::string(describe(ErrorCode::kDisconnected)) +
+                         " (/dev/fake0: as the script says); opening it again\n"),
+            std::string::npos)
+      << printed;
+  EXPECT_NE(printed.find("robots halted: no good frame\n"), std::string::npos) << printed;
+  EXPECT_NE(printed.find("camera: is back\n"), std::string::npos) << printed;
+  EXPECT_NE(printed.find("1 s  50.0 fps  own 0/1  opp 0/0  ball lost  latency"), std::string::npos) << printed;
+}
+
+TEST_F(ThreadsReporter, TerminatedProcessStopsItsRobots) {
+  const std::atomic<bool>& stop = stop_on_signals();
+  ASSERT_FALSE(stop.load());
+  start();
+  run_until(1.0);
+  std::raise(SIGTERM);
+  EXPECT_EQ(loop->run(stop), LoopEnd::kAsked);
+  ASSERT_EQ(radio.sent.size(), 55U);
+  EXPECT_FALSE(radio.sent[49].stop);
+  for (std::size_t i = 50; i < 55; ++i) EXPECT_TRUE(radio.sent[i].stop);
+  std::raise(SIGPIPE);  // ignored
+}
+
+}  // namespace
+}  // namespace touchline::testing

@@ -30,7 +30,7 @@ struct LearningInput {
 
 // How the boxes are cut. The defaults are meant for every camera; tests hold them on synthetic pictures.
 struct LearningRules {
-  double core_tail = 0.02;  // of a patch's pixels, each side of each channel: mixed with the neighbor at the edge
+  double core_tail = 0.002;  // of a color's pixels, each side of each channel: less than any one patch of it
   int max_margin = 40;      // levels beyond the core where nothing is in the way: unseen shading
   double background_share = 2e-5;  // of the background that a box may catch while it grows: single noisy pixels
   double other_share = 2e-3;       // of another color's pixels, likewise

@@ -15,26 +15,34 @@ namespace {
 // reach two pixels).
 constexpr int kEdge_px = 3;
 
+// Of a patch's pixels, each side of each channel: mixed with the neighbor.
+constexpr double kEdgeShare = 0.03;
+
+// Why a pixel is not background; the later one wins.
+enum Reserved : std::uint8_t { kFree, kLookAlike, kNearClick };
+
 // A picture while colors are learned from it.
 struct Scene {
   std::string image;
   const CameraPicture* picture = nullptr;
   ChannelImage channels;
   std::vector<std::uint8_t> owner;     // color clicked on + 1, 0: nobody's
-  std::vector<std::uint8_t> reserved;  // not background
+  std::vector<std::uint8_t> reserved;  // a Reserved a pixel
 };
 
-void reserve_around(Scene& scene, int u, int v) {
+void reserve_around(Scene& scene, int u, int v, Reserved why) {
   for (int dv = -kEdge_px; dv <= kEdge_px; ++dv) {
     for (int du = -kEdge_px; du <= kEdge_px; ++du) {
-      if (scene.channels.contains(u + du, v + dv)) scene.reserved[scene.channels.index(u + du, v + dv)] = 1;
+      if (!scene.channels.contains(u + du, v + dv)) continue;
+      std::uint8_t& reserved = scene.reserved[scene.channels.index(u + du, v + dv)];
+      reserved = std::max<std::uint8_t>(reserved, why);
     }
   }
 }
 
 void reserve_pixel(Scene& scene, std::size_t pixel) {
   const auto width = static_cast<std::size_t>(scene.channels.width_px);
-  reserve_around(scene, static_cast<int>(pixel % width), static_cast<int>(pixel / width));
+  reserve_around(scene, static_cast<int>(pixel % width), static_cast<int>(pixel / width), kNearClick);
 }
 
 // Runs and regions are large; the scanner is too.
@@ -67,7 +75,7 @@ void each_pixel(const Runs& runs, const Region& region, Visit&& visit) {
 
 bool touches_click(const Scene& scene, const Runs& runs, const Region& region) {
   bool touched = false;
-  each_pixel(runs, region, [&](int u, int v) { touched |= scene.owner[scene.channels.index(u, v)] != 0; });
+  each_pixel(runs, region, [&](int u, int v) { touched |= scene.reserved[scene.channels.index(u, v)] == kNearClick; });
   return touched;
 }
 
@@ -112,7 +120,7 @@ class Fitter {
       }
       Scene scene{image, &picture, corrected_channels(frame, *shading), {}, {}};
       scene.owner.assign(scene.channels.pixels.size(), 0);
-      scene.reserved.assign(scene.channels.pixels.size(), 0);
+      scene.reserved.assign(scene.channels.pixels.size(), kFree);
       scenes_.push_back(std::move(scene));
     }
     return {};
@@ -138,7 +146,7 @@ class Fitter {
         }
       } else if (scene->channels.contains(static_cast<int>(click.u_px), static_cast<int>(click.v_px))) {
         // Something stands there, even if its outline is not clear.
-        reserve_around(*scene, static_cast<int>(click.u_px), static_cast<int>(click.v_px));
+        reserve_around(*scene, static_cast<int>(click.u_px), static_cast<int>(click.v_px), kNearClick);
       }
       patches_.push_back(
           {scene == scenes_.end() ? 0 : static_cast<std::size_t>(scene - scenes_.begin()), color, std::move(patch)});
@@ -163,7 +171,13 @@ class Fitter {
   LearningInput samples() {
     std::vector<std::vector<Channels>> pixels(out_.names.size());
     for (const Grown& g : patches_) {
-      for (const std::size_t pixel : g.patch.pixels) pixels[g.color].push_back(scenes_[g.scene].channels.pixels[pixel]);
+      // Each patch loses its own edge: a patch in poor light counts as much as ten in good light.
+      std::vector<Channels> own;
+      for (const std::size_t pixel : g.patch.pixels) own.push_back(scenes_[g.scene].channels.pixels[pixel]);
+      if (own.empty()) continue;
+      const ColorBox inner = core_of(count_colors(own), static_cast<ColorId>(g.color + 1), kEdgeShare);
+      std::copy_if(own.begin(), own.end(), std::back_inserter(pixels[g.color]),
+                   [&](const Channels& p) { return contains(inner, p); });
     }
     LearningInput learning;
     learning.space = out_.space;
@@ -197,7 +211,7 @@ class Fitter {
       if (Status s = scan(input_, cores.boxes, *scene.picture, *scan_); !s.ok()) return fail_scan(s);
       for (const Region& region : scan_->regions) {
         if (!is_patch_sized(region) || touches_click(scene, scan_->runs, region)) continue;
-        each_pixel(scan_->runs, region, [&](int u, int v) { reserve_around(scene, u, v); });
+        each_pixel(scan_->runs, region, [&](int u, int v) { reserve_around(scene, u, v, kLookAlike); });
       }
     }
     return {};
@@ -211,7 +225,7 @@ class Fitter {
     std::vector<Channels> pixels;
     for (const Scene& scene : scenes_) {
       for (std::size_t i = 0; i < scene.channels.pixels.size(); ++i) {
-        if (inside_[i] != 0 && scene.reserved[i] == 0) pixels.push_back(scene.channels.pixels[i]);
+        if (inside_[i] != 0 && scene.reserved[i] == kFree) pixels.push_back(scene.channels.pixels[i]);
       }
     }
     return count_colors(pixels);
@@ -238,7 +252,7 @@ class Fitter {
         if (scene.owner[i] != 0) {
           out_.confusion[scene.owner[i] - 1U][classified[i]] += 1;
           clicked[scene.owner[i] - 1U] += 1;
-        } else if (inside_[i] != 0 && scene.reserved[i] == 0) {
+        } else if (inside_[i] != 0 && scene.reserved[i] == kFree) {
           background += 1;
           if (classified[i] != kBackground) caught[classified[i] - 1U] += 1;
         }

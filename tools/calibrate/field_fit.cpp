@@ -16,6 +16,8 @@
 namespace touchline::calibrate {
 namespace {
 
+constexpr double kPi = 3.14159265358979323846;
+
 // The unknowns of the full model, in the order in which the solver holds them.
 struct Unknowns {
   double focal_px = 0;
@@ -262,6 +264,17 @@ Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason)
         misfit_px);
     return ErrorCode::kInconsistent;
   }
+  const Eigen::Vector3d turn(best.rotation.data());
+  const Eigen::Matrix3d rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+  out.tilt_rad = std::acos(std::clamp(-rotation(2, 2), -1.0, 1.0));
+  // Overhead cameras of the leagues stay below 20 degrees; the false order that squares with a camera needs 50.
+  constexpr double kMaxTilt_rad = 0.7;
+  if (out.tilt_rad > kMaxTilt_rad) {
+    reason =
+        text("the camera would look %.0f degrees off the vertical; is the order right, are length and width exchanged?",
+             out.tilt_rad * 180.0 / kPi);
+    return ErrorCode::kInconsistent;
+  }
   out.height_m = best.position_m[2];
   out.height_sigma_m = solver.height_sigma_m(best);
   // Objects stand up to a tenth of the camera's height: 15 % of it moves them by millimeters at the border.
@@ -282,9 +295,6 @@ Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason)
     return s;
   }
   add_residuals(input, camera, out);
-  const Eigen::Vector3d turn(best.rotation.data());
-  const Eigen::Matrix3d rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
-  out.tilt_rad = std::acos(std::clamp(-rotation(2, 2), -1.0, 1.0));
   return fit_paper_model(input, out, reason);
 }
 

@@ -1,0 +1,131 @@
+#include "tools/calibrate/box_learning.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tools/calibrate/box_split.h"
+
+namespace touchline::calibrate {
+namespace {
+
+std::vector<ColorCount> cloud(std::array<int, 3> middle, int spread, int count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_int_distribution<int> offset(-spread, spread);
+  std::vector<Channels> pixels;
+  for (int i = 0; i < count; ++i) {
+    Channels p{};
+    for (std::size_t c = 0; c < 3; ++c)
+      p[c] = static_cast<std::uint8_t>(std::clamp(middle[c] + offset(random), 0, 255));
+    pixels.push_back(p);
+  }
+  return count_colors(pixels);
+}
+
+double caught(const LearnedColors& learned, ColorId color, const std::vector<ColorCount>& pixels) {
+  double sum = 0;
+  for (const ColorCount& p : pixels) {
+    for (const ColorBox& box : learned.boxes) {
+      if (box.color == color && contains(box, p.value)) {
+        sum += p.count;
+        break;
+      }
+    }
+  }
+  return sum / total(pixels);
+}
+
+TEST(BoxLearning, KeepsHalfOfTheWayToTheNeighbor) {
+  LearningInput input;
+  input.colors = {{"a", cloud({100, 100, 100}, 5, 2000, 1)}, {"b", cloud({150, 100, 100}, 5, 2000, 2)}};
+  LearnedColors learned;
+  std::string reason;
+  ASSERT_TRUE(learn_boxes(input, {}, learned, reason).ok()) << reason;
+  ASSERT_EQ(learned.boxes.size(), 2U);
+  // Cores end at 105 and begin at 145.
+  EXPECT_NEAR(learned.boxes[0].high[0], 125, 2);
+  EXPECT_NEAR(learned.boxes[1].low[0], 125, 2);
+  EXPECT_LT(learned.boxes[0].high[0], learned.boxes[1].low[0]);
+  ASSERT_EQ(learned.margins.size(), 1U);
+  EXPECT_NEAR(learned.margins[0].levels, 40, 2);
+  // Nothing in the way: the largest margin.
+  EXPECT_NEAR(learned.boxes[0].low[0], 95 - 40, 1);
+}
+
+TEST(BoxLearning, StaysAwayFromTheBackground) {
+  LearningInput input;
+  input.colors = {{"a", cloud({120, 120, 120}, 5, 2000, 1)}};
+  input.background = cloud({120, 120, 90}, 5, 100000, 2);
+  LearnedColors learned;
+  std::string reason;
+  ASSERT_TRUE(learn_boxes(input, {}, learned, reason).ok()) << reason;
+  EXPECT_NEAR(learned.boxes[0].low[2], 105, 2);  // half of the way from 115 to 95
+  EXPECT_EQ(caught(learned, 1, input.background), 0.0);
+  EXPECT_EQ(caught(learned, 1, input.colors[0].pixels), 1.0);
+}
+
+TEST(BoxLearning, SplitsAColorThatRunsPastAnother) {
+  // Two slanted clouds, as a color in rising light: one box of each would hold the other.
+  std::vector<Channels> first, second;
+  std::mt19937 random(3);
+  std::uniform_int_distribution<int> noise(-3, 3);
+  for (int i = 0; i < 6000; ++i) {
+    const int t = 60 + i % 120;
+    const auto at = [&](int x) { return static_cast<std::uint8_t>(std::clamp(x + noise(random), 0, 255)); };
+    first.push_back({at(t), at(t), at(t / 2)});
+    second.push_back({at(t), at(t + 60), at(t / 2)});
+  }
+  LearningInput input;
+  input.colors = {{"a", count_colors(first)}, {"b", count_colors(second)}};
+  LearnedColors learned;
+  std::string reason;
+  ASSERT_TRUE(learn_boxes(input, {}, learned, reason).ok()) << reason;
+  EXPECT_GT(learned.boxes.size(), 3U);
+  EXPECT_LE(learned.boxes.size(), 8U);
+  std::size_t i = 0, j = 0;
+  EXPECT_FALSE(overlapping_boxes(learned.boxes, i, j));
+  EXPECT_GT(caught(learned, 1, input.colors[0].pixels), 0.93);
+  EXPECT_GT(caught(learned, 2, input.colors[1].pixels), 0.93);
+  EXPECT_LT(caught(learned, 1, input.colors[1].pixels), 0.03);
+  EXPECT_LT(caught(learned, 2, input.colors[0].pixels), 0.03);
+}
+
+TEST(BoxLearning, FifteenColorsAndMoreFit) {
+  LearningInput input;
+  unsigned seed = 1;
+  for (int r = 0; r < 3; ++r) {
+    for (int g = 0; g < 3; ++g) {
+      for (int b = 0; b < 3; ++b) {
+        if (r + g + b == 0) continue;
+        input.colors.push_back(
+            {"c" + std::to_string(seed), cloud({30 + 90 * r, 30 + 90 * g, 30 + 90 * b}, 20, 500, seed)});
+        ++seed;
+      }
+    }
+  }
+  input.background = cloud({30, 30, 30}, 20, 50000, 99);
+  LearnedColors learned;
+  std::string reason;
+  ASSERT_TRUE(learn_boxes(input, {}, learned, reason).ok()) << reason;
+  EXPECT_EQ(learned.boxes.size(), 26U);
+  for (std::size_t c = 0; c < 26; ++c) {
+    EXPECT_GT(caught(learned, static_cast<ColorId>(c + 1), input.colors[c].pixels), 0.98);
+  }
+}
+
+TEST(BoxLearning, RefusesWhatCannotBeLearned) {
+  LearnedColors learned;
+  std::string reason;
+  EXPECT_EQ(learn_boxes({}, {}, learned, reason).code(), ErrorCode::kOutOfRange);
+  LearningInput input;
+  input.colors = {{"a", cloud({100, 100, 100}, 5, 100, 1)}, {"b", {}}};
+  EXPECT_EQ(learn_boxes(input, {}, learned, reason).code(), ErrorCode::kNotFound);
+  EXPECT_NE(reason.find("b"), std::string::npos);
+  input.colors[1] = {"b", input.colors[0].pixels};
+  EXPECT_EQ(learn_boxes(input, {}, learned, reason).code(), ErrorCode::kInconsistent);
+  input.colors.assign(kMaxColors + 1, input.colors[0]);
+  EXPECT_EQ(learn_boxes(input, {}, learned, reason).code(), ErrorCode::kOutOfRange);
+}
+
+}  // namespace
+}  // namespace touchline::calibrate

@@ -1,0 +1,225 @@
+#include "tools/calibrate/color_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "core/region/region_scanner.h"
+#include "tests/calibrate/painted_field.h"
+
+namespace touchline::calibrate {
+namespace {
+
+double even(int, int) { return 1.0; }
+double slope(int u, int) { return 0.75 + 0.5 * u / 320.0; }
+
+const std::vector<std::pair<std::string, std::array<double, 3>>>& palette() {
+  static const std::vector<std::pair<std::string, std::array<double, 3>>> colors = {
+      {"yellow", {190, 180, 40}}, {"blue", {40, 90, 190}},     {"red", {180, 30, 40}},
+      {"green", {30, 150, 60}},   {"magenta", {180, 40, 150}}, {"orange", {195, 100, 25}}};
+  return colors;
+}
+
+// Every color three times; `shift` moves them to places of other light.
+std::vector<PaintedPatch> arrangement(int shift) {
+  std::vector<PaintedPatch> patches;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 6; ++column) {
+      const auto& [name, rgb] = palette()[static_cast<std::size_t>((column + 2 * row + shift) % 6)];
+      patches.push_back({name, rgb, 35 + 50 * column, 50 + 70 * row});
+    }
+  }
+  return patches;
+}
+
+void add_clicks(ColorFitInput& input, const std::string& image, const std::vector<PaintedPatch>& patches) {
+  for (const PaintedPatch& p : patches) {
+    input.clicks.push_back({image, p.color, static_cast<double>(p.u_px - 2), static_cast<double>(p.v_px + 2)});
+  }
+}
+
+struct Found {
+  std::size_t right = 0, wrong = 0, ghosts = 0;
+};
+
+// What the pipeline's scanner finds in another picture: a patch is right when a region of its color covers it.
+Found recognize(const ColorFitInput& input, const ColorFit& fit, const std::vector<PaintedPatch>& patches,
+                const CameraPicture& picture) {
+  const auto scanner = std::make_unique<RegionScanner>();
+  const auto runs = std::make_unique<Runs>();
+  const auto regions = std::make_unique<Regions>();
+  const Frame frame = picture.frame();
+  ScanParameters parameters;
+  parameters.format = frame.format;
+  parameters.width_px = frame.width_px;
+  parameters.height_px = frame.height_px;
+  parameters.boxes = fit.learned.boxes;
+  parameters.light = input.light;
+  EXPECT_TRUE(scanner->configure(parameters).ok());
+  EXPECT_TRUE(scanner->scan(frame, *runs, *regions).ok());
+  Found found;
+  for (const Region& region : *regions) {
+    if (region.area_px < 30) continue;
+    bool known = false;
+    for (const PaintedPatch& p : patches) {
+      if (std::abs(region.centroid.u_px - (static_cast<float>(p.u_px) - 0.5f)) < 1.0f &&
+          std::abs(region.centroid.v_px - (static_cast<float>(p.v_px) - 0.5f)) < 1.0f) {
+        known = true;
+        ++(fit.names[region.color - 1U] == p.color ? found.right : found.wrong);
+      }
+    }
+    if (!known) ++found.ghosts;
+  }
+  return found;
+}
+
+class ColorFitOf : public testing::TestWithParam<PixelFormat> {};
+
+TEST_P(ColorFitOf, OnePictureIsEnoughForAnother) {
+  ColorFitInput input;
+  const std::vector<PaintedPatch> patches = arrangement(0);
+  input.pictures["a"] = painted_field(patches, GetParam(), 1, slope);
+  add_clicks(input, "a", patches);
+  ColorFit fit;
+  std::string reason;
+  ASSERT_TRUE(fit_colors(input, fit, reason).ok()) << reason;
+  ASSERT_EQ(fit.names.size(), 6U);
+  EXPECT_TRUE(fit.strays.empty());
+  std::size_t first = 0, second = 0;
+  EXPECT_FALSE(overlapping_boxes(fit.learned.boxes, first, second));
+  for (std::size_t c = 0; c < 6; ++c) {
+    EXPECT_GT(fit.confusion[c][c + 1], 0.95) << fit.names[c];
+    EXPECT_LT(fit.background_share[c], 1e-3) << fit.names[c];
+  }
+  for (const ClickResult& click : fit.clicks) {
+    EXPECT_GE(click.area_px, 100U);
+    EXPECT_LE(click.area_px, 190U);  // 12 x 12 and some of the blurred edge
+  }
+  const std::vector<PaintedPatch> others = arrangement(3);
+  const Found found = recognize(input, fit, others, painted_field(others, GetParam(), 99, slope));
+  EXPECT_EQ(found.right, others.size());
+  EXPECT_EQ(found.wrong, 0U);
+  EXPECT_EQ(found.ghosts, 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, ColorFitOf, testing::Values(PixelFormat::kRgb24, PixelFormat::kYuyv));
+
+TEST(ColorFit, LightMapMakesOneCornerEnough) {
+  // Colors clicked on in bright light only, found in light of a third.
+  const auto lamp = [](int u, int) { return u < 160 ? 1.2 : 0.4; };
+  std::vector<PaintedPatch> bright, dark;
+  for (int i = 0; i < 6; ++i) {
+    const auto& [name, rgb] = palette()[static_cast<std::size_t>(i)];
+    bright.push_back({name, rgb, 30 + 50 * (i % 3), 60 + 100 * (i / 3)});
+    dark.push_back({name, rgb, 190 + 50 * (i % 3), 60 + 100 * (i / 3)});
+  }
+  ColorFitInput input;
+  input.pictures["a"] = painted_field(bright, PixelFormat::kRgb24, 1, lamp);
+  add_clicks(input, "a", bright);
+  const CameraPicture other = painted_field(dark, PixelFormat::kRgb24, 2, lamp);
+  ColorFit fit;
+  std::string reason;
+  ASSERT_TRUE(fit_colors(input, fit, reason).ok()) << reason;
+  EXPECT_LE(recognize(input, fit, dark, other).right, 2U);
+
+  input.light.columns = 20;
+  input.light.rows = 1;
+  for (std::size_t i = 0; i < 20; ++i) {
+    for (auto& channel : input.light.illumination) channel[i] = i < 10 ? 1.2f : 0.4f;
+  }
+  ASSERT_TRUE(fit_colors(input, fit, reason).ok()) << reason;
+  const Found found = recognize(input, fit, dark, other);
+  EXPECT_EQ(found.right, 6U);
+  EXPECT_EQ(found.wrong, 0U);
+}
+
+TEST(ColorFit, SaysWhyAClickCaughtNothing) {
+  ColorFitInput input;
+  const std::vector<PaintedPatch> patches = arrangement(0);
+  input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
+  add_clicks(input, "a", patches);
+  const std::size_t good = input.clicks.size();
+  input.clicks.push_back({"a", "red", 10, 225});  // the floor
+  input.clicks.push_back({"a", "red", 400, 20});
+  input.clicks.push_back({"b", "red", 40, 40});
+  ColorFit fit;
+  std::string reason;
+  ASSERT_TRUE(fit_colors(input, fit, reason).ok()) << reason;
+  for (std::size_t i = 0; i < good; ++i) EXPECT_GT(fit.clicks[i].area_px, 0U) << i;
+  EXPECT_EQ(fit.clicks[good].area_px, 0U);
+  EXPECT_NE(fit.clicks[good].reason.find("larger than a patch"), std::string::npos) << fit.clicks[good].reason;
+  EXPECT_NE(fit.clicks[good + 1].reason.find("outside the picture"), std::string::npos);
+  EXPECT_NE(fit.clicks[good + 2].reason.find("missing"), std::string::npos);
+  // The boxes did not learn the floor.
+  for (const double share : fit.background_share) EXPECT_LT(share, 1e-3);
+}
+
+TEST(ColorFit, RefusesAColorThatNoClickShows) {
+  ColorFitInput input;
+  const std::vector<PaintedPatch> patches = arrangement(0);
+  input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
+  add_clicks(input, "a", patches);
+  input.clicks.push_back({"a", "cyan", 10, 225});
+  ColorFit fit;
+  std::string reason;
+  EXPECT_EQ(fit_colors(input, fit, reason).code(), ErrorCode::kNotFound);
+  EXPECT_NE(reason.find("cyan"), std::string::npos) << reason;
+}
+
+TEST(ColorFit, NamesColorsThatLookTheSame) {
+  ColorFitInput input;
+  const std::vector<PaintedPatch> patches = arrangement(0);
+  input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
+  add_clicks(input, "a", patches);
+  bool odd = false;
+  for (Click& click : input.clicks) {
+    if (click.color == "green" && (odd = !odd)) click.color = "mint";  // the same paint under two names
+  }
+  ColorFit fit;
+  std::string reason;
+  const Status status = fit_colors(input, fit, reason);
+  if (status.ok()) {
+    // Parted at some level: the report must show that they cannot be told apart.
+    const PairMargin& closest = fit.learned.margins.front();
+    EXPECT_LT(closest.levels, 0);
+    EXPECT_TRUE((fit.names[closest.first] == "green" && fit.names[closest.second] == "mint") ||
+                (fit.names[closest.first] == "mint" && fit.names[closest.second] == "green"));
+    double lost = 0;
+    for (std::size_t c = 0; c < fit.names.size(); ++c) lost = std::max(lost, 1.0 - fit.confusion[c][c + 1]);
+    EXPECT_GT(lost, 0.3);
+  } else {
+    EXPECT_EQ(status.code(), ErrorCode::kInconsistent);
+    EXPECT_NE(reason.find("green"), std::string::npos) << reason;
+    EXPECT_NE(reason.find("mint"), std::string::npos) << reason;
+  }
+}
+
+TEST(ColorFit, ReportsPatchesThatWereLeftOutAndDoesNotTakeThemForBackground) {
+  ColorFitInput input;
+  const std::vector<PaintedPatch> patches = arrangement(0);
+  input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
+  add_clicks(input, "a", {patches.begin(), patches.begin() + 6});  // the first row only
+  ColorFit fit;
+  std::string reason;
+  ASSERT_TRUE(fit_colors(input, fit, reason).ok()) << reason;
+  EXPECT_EQ(fit.strays.size(), 12U);
+  const std::vector<PaintedPatch> others = arrangement(3);
+  const Found found = recognize(input, fit, others, painted_field(others, PixelFormat::kRgb24, 99, even));
+  EXPECT_EQ(found.right, others.size());
+  EXPECT_EQ(found.wrong + found.ghosts, 0U);
+}
+
+TEST(ColorFit, RefusesPicturesOfDifferentSizes) {
+  ColorFitInput input;
+  const std::vector<PaintedPatch> patches = arrangement(0);
+  input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
+  input.pictures["b"] = painted_field(patches, PixelFormat::kYuyv, 1, even);
+  add_clicks(input, "a", patches);
+  ColorFit fit;
+  std::string reason;
+  EXPECT_EQ(fit_colors(input, fit, reason).code(), ErrorCode::kInconsistent);
+}
+
+}  // namespace
+}  // namespace touchline::calibrate

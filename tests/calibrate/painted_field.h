@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/types.h"
+#include "tools/calibrate/camera_picture.h"
+
+namespace touchline::calibrate {
+
+/// A patch of 12 x 12 pixels on a dark robot top.
+struct PaintedPatch {
+  std::string color;
+  std::array<double, 3> rgb{};
+  int u_px = 0, v_px = 0;  // of its center
+};
+
+/// A dark floor with patches, a lamp, blurred edges and noise, in one of the camera's formats.
+inline CameraPicture painted_field(const std::vector<PaintedPatch>& patches, PixelFormat format, unsigned seed,
+                                   const std::function<double(int, int)>& lamp) {
+  constexpr int kWidth = 320, kHeight = 240, kPatch = 6, kRobot = 11;
+  std::vector<std::array<double, 3>> image(kWidth * kHeight, {45, 48, 50});
+  const auto fill = [&](int cu, int cv, int half, const std::array<double, 3>& rgb) {
+    for (int v = cv - half; v < cv + half; ++v) {
+      for (int u = cu - half; u < cu + half; ++u) image[static_cast<std::size_t>(v * kWidth + u)] = rgb;
+    }
+  };
+  for (const PaintedPatch& p : patches) fill(p.u_px, p.v_px, kRobot, {15, 15, 15});
+  for (const PaintedPatch& p : patches) fill(p.u_px, p.v_px, kPatch, p.rgb);
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0.0, 4.0);
+  std::vector<std::array<std::uint8_t, 3>> pixels(image.size());
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        double sum = 0;
+        for (int k = -1; k <= 1; ++k) {
+          const int column = std::min(std::max(u + k, 0), kWidth - 1);
+          sum += (k == 0 ? 0.5 : 0.25) * image[static_cast<std::size_t>(v * kWidth + column)][c];
+        }
+        const double value = sum * lamp(u, v) + noise(random);
+        pixels[static_cast<std::size_t>(v * kWidth + u)][c] =
+            static_cast<std::uint8_t>(std::min(255.0, std::max(0.0, value + 0.5)));
+      }
+    }
+  }
+  Frame frame;
+  frame.format = format;
+  frame.width_px = kWidth;
+  frame.height_px = kHeight;
+  std::vector<std::uint8_t> bytes;
+  if (format == PixelFormat::kRgb24) {
+    frame.stride_bytes[0] = 3 * kWidth;
+    for (const auto& p : pixels) bytes.insert(bytes.end(), p.begin(), p.end());
+  } else {  // YUYV, ITU-R BT.601 limited range, chroma of pairs averaged
+    frame.stride_bytes[0] = 2 * kWidth;
+    for (std::size_t i = 0; i < pixels.size(); i += 2) {
+      std::array<double, 4> out{};
+      for (std::size_t k = 0; k < 2; ++k) {
+        const double r = pixels[i + k][0], g = pixels[i + k][1], b = pixels[i + k][2];
+        out[2 * k] = 16 + 0.257 * r + 0.504 * g + 0.098 * b;
+        out[1] += 64 + (-0.148 * r - 0.291 * g + 0.439 * b) / 2;
+        out[3] += 64 + (0.439 * r - 0.368 * g - 0.071 * b) / 2;
+      }
+      for (const double x : out) bytes.push_back(static_cast<std::uint8_t>(x + 0.5));
+    }
+  }
+  frame.plane[0] = bytes.data();
+  return CameraPicture::copy_of(frame);
+}
+
+}  // namespace touchline::calibrate

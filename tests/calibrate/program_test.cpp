@@ -1,0 +1,149 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "hal/replay/picture.h"
+#include "tests/calibrate/painted_field.h"
+#include "tools/calibrate/clicks.h"
+#include "tools/calibrate/venue_draft.h"
+
+// The program from outside, as a person runs it.
+namespace touchline::calibrate {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Program : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              ("touchline_calibrate_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    std::vector<PaintedPatch> patches = {{"red", {200, 30, 30}, 80, 60}, {"green", {30, 180, 60}, 200, 150}};
+    write_png("field.png", painted_field(patches, PixelFormat::kRgb24, 1, [](int, int) { return 1.0; }));
+    write_png("grey.png", painted_field({}, PixelFormat::kRgb24, 2, [](int u, int) { return 2.0 + u / 160.0; }));
+    write("clicks.json", R"({"samples": [{"image": "field.png", "color": "red", "u": 80, "v": 60},
+                                         {"image": "field.png", "color": "green", "u": 200, "v": 150}]})");
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  void write_png(const std::string& name, const CameraPicture& picture) {
+    hal::Picture out;
+    const Frame frame = picture.frame();
+    out.width_px = frame.width_px;
+    out.height_px = frame.height_px;
+    out.rgb8.assign(frame.plane[0], frame.plane[0] + std::size_t{3} * frame.width_px * frame.height_px);
+    std::string reason;
+    ASSERT_TRUE(hal::write_picture(path(name), out, reason).ok()) << reason;
+  }
+  void write(const std::string& name, const std::string& text) { std::ofstream(path(name)) << text; }
+  std::string read(const std::string& name) const {
+    std::ifstream file(path(name));
+    std::ostringstream all;
+    all << file.rdbuf();
+    return all.str();
+  }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  // Exit code 0.
+  bool run(const std::string& arguments) {
+    const std::string command = std::string(TOUCHLINE_CALIBRATE) + " " + arguments + " >" + path("out") + " 2>&1";
+    return std::system(command.c_str()) == 0;  // NOLINT(cert-env33-c): the program under test
+  }
+  std::string venue() const { return " --venue " + path("venue.toml"); }
+  std::string field() const { return "field --picture " + path("field.png") + venue() + " --field-preset vsss "; }
+
+  const std::string corners_ = "--corners 36,225 288,229 280,14 43,12";
+  const std::string clockwise_ = "--corners 43,12 280,14 288,229 36,225";
+  fs::path folder_;
+};
+
+TEST_F(Program, MakesAVenueFromNothing) {
+  ASSERT_TRUE(run(field() + corners_ + " --camera-height 1.8 --roi 5,5 315,5 315,235 5,235")) << read("out");
+  ASSERT_TRUE(run("light --picture " + path("grey.png") + venue())) << read("out");
+  ASSERT_TRUE(run("colors --samples " + path("clicks.json") + venue() + " --preview " + path("seen"))) << read("out");
+  VenueDraft draft;
+  std::string reason;
+  ASSERT_TRUE(read_draft(path("venue.toml"), draft, reason).ok()) << reason;
+  EXPECT_EQ(draft.file.picture.width_px, 320);
+  EXPECT_FLOAT_EQ(draft.file.field.length_m, 1.5f);
+  EXPECT_FLOAT_EQ(draft.file.field.width_m, 1.3f);
+  EXPECT_NEAR(static_cast<double>(draft.file.camera_model.full.position_m[2]), 1.8, 0.05);
+  EXPECT_EQ(draft.region_of_interest.size(), 4U);
+  EXPECT_EQ(draft.light.columns, 64);
+  EXPECT_NEAR(static_cast<double>(draft.light.illumination[0][63]), 4.0 / 3.0, 0.05);
+  ASSERT_EQ(draft.file.color.size(), 2U);
+  EXPECT_EQ(draft.file.color[0].name, "red");
+  EXPECT_TRUE(fs::exists(path("seen/field.png")));
+}
+
+TEST_F(Program, TouchesItsOwnSectionsOnly) {
+  ASSERT_TRUE(run(field() + corners_ + " --camera-height 1.8")) << read("out");
+  const std::string mine =
+      "\n# our hall\n[colors]   # by hand\nspace   =  'rgb'\n\n[[color]]\nname=\"red\"\nshown_rgb = [1,2,3]\n"
+      "[[color.box]]\nlow = [ 1, 2, 3 ]\nhigh = [4,5,6]\n";
+  write("venue.toml", read("venue.toml") + mine);
+  const std::string before = read("venue.toml");
+  ASSERT_TRUE(run(field() + corners_ + " --camera-height 2.2")) << read("out");
+  const std::string after = read("venue.toml");
+  EXPECT_NE(after, before);
+  EXPECT_NE(after.find(mine), std::string::npos) << after;
+  EXPECT_EQ(read("venue.toml.bak"), before);
+}
+
+TEST_F(Program, LeavesTheVenueUntouchedWhenItRefuses) {
+  EXPECT_FALSE(run(field() + clockwise_ + " --camera-height 1.8"));
+  EXPECT_NE(read("out").find("clockwise"), std::string::npos) << read("out");
+  EXPECT_FALSE(fs::exists(path("venue.toml")));
+
+  ASSERT_TRUE(run(field() + corners_ + " --camera-height 1.8")) << read("out");
+  const std::string before = read("venue.toml");
+  const auto refuses = [&](const std::string& arguments, const std::string& word) {
+    EXPECT_FALSE(run(arguments)) << arguments;
+    EXPECT_NE(read("out").find(word), std::string::npos) << read("out");
+    EXPECT_EQ(read("venue.toml"), before) << arguments;
+  };
+  refuses(field() + clockwise_ + " --camera-height 1.8", "clockwise");
+  refuses(field() + "--corners 36,225 288,229 280,14 43,x --camera-height 1.8", "43,x");
+  refuses(field() + "--camera-height 1.8", "--corners");
+  refuses("field --picture " + path("missing.png") + venue() + " --field-preset vsss " + corners_, "missing.png");
+  refuses("field --picture " + path("field.png") + venue() + " --field-preset chess " + corners_, "chess");
+  refuses("light --picture " + path("clicks.json") + venue(), "clicks.json");
+  refuses("colors --samples " + path("field.png") + venue(), "JSON");
+  write("bad.json", R"({"samples": [{"image": "field.png", "color": "red", "u": "80", "v": 60}]})");
+  refuses("colors --samples " + path("bad.json") + venue(), "sample 0");
+  write("floor.json", R"({"samples": [{"image": "field.png", "color": "red", "u": 300, "v": 20}]})");
+  refuses("colors --samples " + path("floor.json") + venue(), "larger than a patch");
+  write("team.toml", "version = 1\n[own]\ncolor = \"red\"\n[ball]\ncolor = \"orange\"\n");
+  refuses("colors --samples " + path("clicks.json") + venue() + " --team " + path("team.toml"), "orange");
+  EXPECT_FALSE(fs::exists(path("venue-light.png")));
+}
+
+TEST_F(Program, RefusesABrokenVenue) {
+  write("venue.toml", "version = 1\n[field\n");
+  EXPECT_FALSE(run(field() + corners_ + " --camera-height 1.8"));
+  EXPECT_EQ(read("venue.toml"), "version = 1\n[field\n");
+  write("venue.toml", "version = 1\n[picture]\nwidth = 3\n");
+  EXPECT_FALSE(run(field() + corners_ + " --camera-height 1.8"));
+  EXPECT_NE(read("out").find("venue.toml:3"), std::string::npos) << read("out");
+}
+
+TEST_F(Program, ReadsClicksAndNamesTheBadOne) {
+  std::vector<Click> clicks;
+  std::string reason;
+  ASSERT_TRUE(read_clicks(path("clicks.json"), clicks, reason).ok()) << reason;
+  ASSERT_EQ(clicks.size(), 2U);
+  EXPECT_EQ(clicks[1].color, "green");
+  EXPECT_DOUBLE_EQ(clicks[1].u_px, 200);
+  write("empty.json", R"({"samples": []})");
+  EXPECT_EQ(read_clicks(path("empty.json"), clicks, reason).code(), ErrorCode::kInconsistent);
+  write("list.json", "[1, 2]");
+  EXPECT_EQ(read_clicks(path("list.json"), clicks, reason).code(), ErrorCode::kInconsistent);
+  EXPECT_EQ(read_clicks(path("nowhere.json"), clicks, reason).code(), ErrorCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace touchline::calibrate

@@ -15,6 +15,8 @@ class GpiodGpio final : public Gpio {
  public:
   explicit GpiodGpio(GpioSettings settings) : settings_(std::move(settings)) {}
   ~GpiodGpio() override { GpiodGpio::do_close(); }
+  GpiodGpio(const GpiodGpio&) = delete;
+  GpiodGpio& operator=(const GpiodGpio&) = delete;
 
   [[nodiscard]] const std::string& reason() const override { return reason_.text(); }
 

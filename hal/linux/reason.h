@@ -13,6 +13,7 @@ class Reason {
   static constexpr std::size_t kCapacity = 2048;
 
   Reason() { text_.reserve(kCapacity); }
+  ~Reason() = default;
   Reason(const Reason&) = delete;
   Reason& operator=(const Reason&) = delete;
 

@@ -26,6 +26,8 @@ class V4l2Camera final : public Camera {
  public:
   explicit V4l2Camera(CameraSettings settings) : settings_(std::move(settings)) {}
   ~V4l2Camera() override { V4l2Camera::do_close(); }
+  V4l2Camera(const V4l2Camera&) = delete;
+  V4l2Camera& operator=(const V4l2Camera&) = delete;
 
   [[nodiscard]] const CameraInfo& info() const override { return info_; }
   [[nodiscard]] const std::string& reason() const override { return reason_.text(); }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cinttypes>
 #include <cstdint>
 
 #include "hal/linux/system_error.h"
@@ -86,9 +87,8 @@ bool set_value(const V4l2Device& device, std::uint32_t id, int unit, const Wish&
     grants.append("set, but cannot be read back (%s)", system_text(read_error));
   } else if (std::int64_t{granted} * unit != wish.value) {
     note(grants, wish);
-    grants.append("granted %lld (range %lld to %lld, step %lld)", static_cast<long long>(granted) * unit,
-                  static_cast<long long>(control.low * unit), static_cast<long long>(control.high * unit),
-                  static_cast<long long>(control.step * unit));
+    grants.append("granted %" PRId64 " (range %" PRId64 " to %" PRId64 ", step %" PRId64 ")",
+                  std::int64_t{granted} * unit, control.low * unit, control.high * unit, control.step * unit);
   }
   return true;
 }

@@ -4,6 +4,8 @@
 
 #include <array>
 #include <numbers>
+#include <numeric>
+#include <vector>
 
 namespace touchline::evaluate {
 namespace {
@@ -15,6 +17,10 @@ TEST(Statistics, PercentileIsTheNearestRank) {
   EXPECT_EQ(percentile(std::span<const int>(five), 20.1), 20);
   EXPECT_EQ(percentile(std::span<const int>(five), 50.0), 35);
   EXPECT_EQ(percentile(std::span<const int>(five), 100.0), 50);
+  std::vector<int> thousand(1000);
+  std::iota(thousand.begin(), thousand.end(), 1);
+  EXPECT_EQ(percentile(std::span<const int>(thousand), 99.9), 999);
+  EXPECT_EQ(percentile(std::span<const int>(thousand), 99.91), 1000);
   const std::array<int, 1> one{7};
   EXPECT_EQ(percentile(std::span<const int>(one), 99.9), 7);
 }

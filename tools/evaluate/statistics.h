@@ -10,7 +10,8 @@ namespace touchline::evaluate {
 /// `sorted` must not be empty; percent in (0, 100].
 template <class T>
 T percentile(std::span<const T> sorted, double percent) {
-  const double rank = percent / 100.0 * static_cast<double>(sorted.size());
+  // 99.9 % of 1000 is 999, not the next rank because 0.999 is no binary number.
+  const double rank = percent / 100.0 * static_cast<double>(sorted.size()) - 1e-9;
   auto index = static_cast<std::size_t>(rank);
   if (static_cast<double>(index) < rank) ++index;  // rounded up
   return sorted[(index == 0 ? 1 : index) - 1];

@@ -1,0 +1,91 @@
+#include "tools/latency/worst_frames.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "core/region/region_scanner.h"
+
+namespace touchline::latency {
+namespace {
+
+class StandingClock final : public hal::Clock {
+ public:
+  [[nodiscard]] Instant now() const override { return Instant(from_seconds(3.0)); }
+  void sleep_until(Instant) override {}
+};
+
+PipelineParameters parameters_for(PixelFormat format, std::uint16_t width, std::uint16_t height) {
+  PipelineParameters parameters;
+  parameters.scan.format = format;
+  parameters.scan.width_px = width;
+  parameters.scan.height_px = height;
+  // Five colors and a background that falls into the first box unless another is looked for.
+  for (std::uint8_t i = 0; i < 5; ++i) {
+    const auto low = static_cast<std::uint8_t>(40 * i);
+    parameters.scan.boxes.push_back(
+        {static_cast<ColorId>(i + 1), {low, 100, 100}, {static_cast<std::uint8_t>(low + 30), 160, 160}});
+  }
+  return parameters;
+}
+
+class WorstFramesOf : public testing::TestWithParam<PixelFormat> {};
+
+// Each pattern must be what it claims, or the latency report would flatter.
+TEST_P(WorstFramesOf, PatternsCostWhatTheyClaim) {
+  constexpr std::uint16_t kWidth = 72, kHeight = 48;  // all of it fits into Regions
+  const PipelineParameters parameters = parameters_for(GetParam(), kWidth, kHeight);
+  const StandingClock clock;
+  WorstFrames camera(parameters, clock);
+  ASSERT_TRUE(camera.open().ok() && camera.start().ok()) << camera.reason();
+  const auto scanner = std::make_unique<RegionScanner>();
+  ASSERT_TRUE(scanner->configure(parameters.scan).ok());
+  const auto runs = std::make_unique<Runs>();
+  const auto regions = std::make_unique<Regions>();
+  // In YUV two pixels share their colors, in NV12 2 x 2.
+  const std::size_t column = color_space(GetParam()) == ColorSpace::kRgb ? 1 : 2;
+  const std::size_t row = GetParam() == PixelFormat::kNv12 ? 2 : 1;
+  for (std::uint32_t pattern = 0; pattern < WorstFrames::kPatterns; ++pattern) {
+    const Result<hal::FrameLease> lease = camera.wait(Instant::max());
+    ASSERT_TRUE(lease.ok());
+    EXPECT_EQ(lease.value().frame().sequence, pattern);
+    EXPECT_EQ(lease.value().frame().capture_time, clock.now());
+    ASSERT_TRUE(scanner->scan(lease.value().frame(), *runs, *regions).ok());
+    switch (pattern) {
+      case 0:
+        EXPECT_EQ(regions->size(), 1u);
+        EXPECT_EQ((*regions)[0].area_px, std::uint32_t{kWidth} * kHeight);
+        break;
+      case 1:
+        EXPECT_EQ(runs->size(), std::size_t{kWidth} * kHeight / column);
+        break;
+      case 2:
+        EXPECT_EQ(regions->size(), std::size_t{kWidth} * kHeight / (4 * column * row));
+        break;
+      case 3:
+        EXPECT_EQ(regions->size(), 1u);
+        EXPECT_GE(runs->size(), std::size_t{kWidth} * (kHeight - 2) / (2 * column));
+        break;
+      case 4:
+        EXPECT_GT(runs->size(), std::size_t{kWidth} * kHeight / (column * 2));
+        break;
+      default:
+        EXPECT_GE(regions->size(), std::size_t{kWidth / 12} * (kHeight / 12));
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Formats, WorstFramesOf,
+                         testing::Values(PixelFormat::kRgb24, PixelFormat::kBgr24, PixelFormat::kYuyv,
+                                         PixelFormat::kUyvy, PixelFormat::kNv12));
+
+TEST(WorstFrames, NeedColors) {
+  PipelineParameters parameters = parameters_for(PixelFormat::kRgb24, 16, 16);
+  parameters.scan.boxes.clear();
+  const StandingClock clock;
+  WorstFrames camera(parameters, clock);
+  EXPECT_EQ(camera.open().code(), ErrorCode::kInconsistent);
+  EXPECT_NE(camera.reason().find("no colors"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace touchline::latency

@@ -64,7 +64,7 @@ struct PlayParameters {
   double behind_ball_m = 0.11;
   double corridor_m = 0.02;
   double corridor_slope = 0.35;
-  double push_speed_mps = 1.0;
+  double push_speed_mps = 0.8;
   double wall_m = 0.07;
   double keeper_line_m = 0.07;
   double attacker_hysteresis_m = 0.15;

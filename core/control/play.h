@@ -23,7 +23,8 @@ class Play {
 
  private:
   [[nodiscard]] Twist guard(const Player& player, const BallTrack& ball) const;
-  [[nodiscard]] Twist attack(const Player& player, const PushPlan& plan, const Obstacles& obstacles) const;
+  [[nodiscard]] Twist attack(const Player& player, const BallTrack& ball, const Obstacles& obstacles) const;
+  [[nodiscard]] PushPlan plan_ahead(const BallTrack& ball, double time_s) const;
   [[nodiscard]] Twist support(const Player& player, Vector2 place, const PushPlan& plan,
                               const Obstacles& obstacles) const;
 

@@ -11,6 +11,17 @@ bool is_absence(ErrorCode code) {
 
 }  // namespace
 
+void FakeCamera::fill_with_colors() {
+  std::uint32_t random = 1;
+  for (std::size_t i = 0; i < pixels_.size(); i += 3) {
+    random = random * 1664525U + 1013904223U;  // Numerical Recipes' generator
+    const auto choice = random >> 30;
+    pixels_[i] = static_cast<std::uint8_t>(60 + 50 * choice);  // 60 is nothing; 110, 160, 210 are the three colors
+    pixels_[i + 1] = 110;
+    pixels_[i + 2] = 220;
+  }
+}
+
 Status FakeCamera::do_open() {
   opened_s.push_back(now_s());
   const Status fault = status();

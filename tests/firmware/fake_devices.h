@@ -33,10 +33,7 @@ struct Fault {
 class Script {
  public:
   explicit Script(hal::Clock& clock) : clock_(clock), begin_(clock.now()) {}
-  void add(const Fault& fault) {
-    faults_.push_back(fault);
-    log_.reserve(10000);
-  }
+  void add(const Fault& fault) { faults_.push_back(fault); }
   [[nodiscard]] double now_s() const { return seconds(clock_.now() - begin_); }
   [[nodiscard]] Status status() const {
     for (const Fault& fault : faults_) {
@@ -49,7 +46,6 @@ class Script {
   hal::Clock& clock_;
   Instant begin_;
   std::vector<Fault> faults_;
-  std::vector<double> log_;
 };
 
 /// A dark picture every 20 ms. In a fault's time wait() gives the code (kTimeout: waits in vain), and open() gives it
@@ -62,6 +58,9 @@ class FakeCamera final : public hal::Camera, public Script {
 
   [[nodiscard]] const hal::CameraInfo& info() const override { return info_; }
   [[nodiscard]] const std::string& reason() const override { return reason_; }
+
+  /// From now on the picture is full of single pixels of dark_room()'s colors.
+  void fill_with_colors();
 
   Duration age = std::chrono::milliseconds(5);   // of a frame when it is handed out
   std::uint32_t skip_at = 0, skipped = 0;        // the driver loses so many frames after this one

@@ -1,0 +1,80 @@
+// The second of three checks that nothing allocates: an allocator that counts while the loop runs, with every fault
+// that devices can have.
+#include "tests/firmware/loop_fixture.h"
+#include "tools/latency/allocation_counter.h"
+
+namespace touchline::testing {
+namespace {
+
+using latency::allocations_are_counted;
+using latency::allocations_of_this_thread;
+
+class NoAllocation : public LoopTest {
+ protected:
+  void SetUp() override {
+    if (!allocations_are_counted()) GTEST_SKIP() << "a sanitizer's allocator is in the place of the one that counts";
+    settings.faults.camera_timeout_s = 1.0;
+    settings.faults.reopen_after_s = 0.1;
+    camera.opened_s.reserve(1000);
+    radio.opened_s.reserve(1000);
+    gpio.led.reserve(1000);
+  }
+
+  // Every code at every device, each for as long as its consequences last, and what is no error of a device.
+  double add_all_faults() {
+    double at_s = 1.0;
+    for (int code = 1; code <= static_cast<int>(ErrorCode::kStopped); ++code) {
+      if (action_for(static_cast<ErrorCode>(code)) == FaultAction::kLeave) continue;  // ends the loop
+      for (Script* device :
+           {static_cast<Script*>(&camera), static_cast<Script*>(&radio), static_cast<Script*>(&gpio)}) {
+        device->add({at_s, at_s + 1.5, static_cast<ErrorCode>(code)});
+        at_s += 4.0;
+        ++faults_;
+      }
+    }
+    gpio.pull(at_s, at_s + 0.5);
+    camera.skip_at = 20;
+    camera.skipped = 5;
+    return at_s + 2.0;
+  }
+
+  int faults_ = 0;
+  std::unique_ptr<int> planted_;
+};
+
+TEST_F(NoAllocation, LoopNeverAsksForMemoryWhateverDevicesDo) {
+  const double end_s = add_all_faults();
+  ASSERT_GE(faults_, 30);
+  start();
+  run_until(0.5);
+  const std::uint64_t before = allocations_of_this_thread();
+  while (now_s() < end_s && !loop->iterate()) {
+  }
+  loop->halt_robots();
+  EXPECT_EQ(allocations_of_this_thread() - before, 0U);
+  EXPECT_GE(now_s(), end_s) << "the loop ended before all faults had their turn";
+  for (std::size_t device = 0; device < kDeviceCount; ++device) EXPECT_GE(loop->statistics().reopened[device], 5U);
+  EXPECT_GT(ring->dropped(), 0U) << "a full ring is one of the faults";
+}
+
+TEST_F(NoAllocation, PlantedAllocationIsFound) {
+  start({[](void* context, const StepTrace&, const StepTiming&) {
+           static_cast<std::unique_ptr<int>*>(context)->reset(new int(1));
+         },
+         &planted_});
+  run_until(0.5);
+  const std::uint64_t before = allocations_of_this_thread();
+  run_until(1.0);
+  EXPECT_EQ(allocations_of_this_thread() - before, 25U);
+}
+
+TEST_F(NoAllocation, PlantedMallocIsFoundToo) {
+  const std::uint64_t before = allocations_of_this_thread();
+  void* volatile block = std::malloc(100);
+  block = std::realloc(block, 200);
+  std::free(block);
+  EXPECT_EQ(allocations_of_this_thread() - before, 2U);
+}
+
+}  // namespace
+}  // namespace touchline::testing

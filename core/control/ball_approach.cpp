@@ -17,7 +17,12 @@ Twist follow_line(const Pose& robot, const PushPlan& plan, double speed, const M
   const double line = bearing(plan.direction);
   const bool backward = std::abs(wrap_angle(line - heading(robot))) > 0.5 * kPi;
   const Pose front = backward ? reversed(robot) : robot;
-  const Vector2 on_line = plan.ball + dot(position(robot) - plan.ball, plan.direction) * plan.direction;
+  // Beside the robot on the line; from far off a point on the way to it, lest the law, which answers in proportion,
+  // turn it past the right angle.
+  constexpr double kFar = 0.15;
+  const Vector2 from_ball = position(robot) - plan.ball;
+  const double beside = cross(plan.direction, from_ball);
+  const Vector2 on_line = position(robot) - std::clamp(beside, -kFar, kFar) * left_of(plan.direction);
   const Pose reference{field_point(on_line), wrap_to_float(line)};
   Twist twist = track_trajectory(front, reference, {static_cast<float>(speed), 0.0f}, gains);
   if (backward) twist.v_mps = -twist.v_mps;
@@ -38,9 +43,10 @@ PushPlan plan_push(Vector2 ball, const FieldParameters& field, const PlayParamet
   const bool at_own_end = ball.x < -end + play.wall_m && std::abs(ball.y) > mouth;
   const bool at_far_end = ball.x > end - play.wall_m && std::abs(ball.y) > mouth;
   plan.in_corner = at_side && (at_own_end || at_far_end);
-  if (at_side) d = {1.0, 0.0};                                         // along the side
-  if (at_own_end) d = {0.0, std::copysign(1.0, ball.y)};               // along the end, away from the own goal
-  if (at_far_end && !at_side) d = {0.0, -std::copysign(1.0, ball.y)};  // along the end, into the goal
+  if (at_side) d = {1.0, 0.0};                            // along the side
+  if (at_own_end) d = {0.0, std::copysign(1.0, ball.y)};  // along the end, away from the own goal
+  // Along the end into the goal, pressed against the wall a little, lest it roll past the mouth.
+  if (at_far_end && !at_side) d = {0.3, -std::copysign(1.0, ball.y)};
   const double length = norm(d);
   plan.direction = length > 1e-6 ? (1.0 / length) * d : Vector2{1.0, 0.0};
   plan.behind = ball - play.behind_ball_m * plan.direction;

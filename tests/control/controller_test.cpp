@@ -1,0 +1,183 @@
+#include "core/control/controller.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/control/drive_limits.h"
+#include "tests/control/small_world.h"
+
+namespace touchline {
+namespace {
+
+// Three robots before a ball: the controller has something to do for each.
+class ControllerTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (int i = 0; i < 3; ++i) {
+      SmallWorld::Robot robot;
+      robot.id = static_cast<RobotId>(2 * i + 1);
+      robot.position = {-0.9 + 0.4 * i, 0.3 - 0.1 * i};
+      world_.robots.push_back(robot);
+    }
+    world_.ball = {0.3, 0.1};
+    ASSERT_TRUE(controller_.configure({}, world_.field).ok());
+  }
+  void run(int frames) {
+    for (int k = 0; k < frames; ++k) {
+      decide(world_.tracks());
+      world_.obey(commands_);
+      world_.advance(0.016);
+    }
+  }
+  const Commands& decide(const Tracks& tracks, bool halted = false) {
+    controller_.decide(tracks, halted, commands_);
+    return commands_;
+  }
+  [[nodiscard]] double speed(std::size_t i) const {
+    const Twist& t = commands_.robots[i].twist;
+    return std::abs(static_cast<double>(t.v_mps)) + 0.035 * std::abs(static_cast<double>(t.w_radps));
+  }
+
+  SmallWorld world_;
+  Controller controller_;
+  Commands commands_;
+};
+
+TEST_F(ControllerTest, ListsEachOwnRobotWithAnIdAndTwistAndWheelsAgree) {
+  Tracks tracks = world_.tracks();
+  RobotTrack other = tracks.robots[0];
+  other.team = Team::kOpponent;
+  tracks.robots.push_back(other);
+  other.team = Team::kOwn;
+  other.id = kUnknownId;
+  tracks.robots.push_back(other);
+  decide(tracks);
+  EXPECT_FALSE(commands_.stop);
+  ASSERT_EQ(commands_.robots.size(), 3u);
+  run(20);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(commands_.robots[i].id, static_cast<RobotId>(2 * i + 1));
+    const Twist back = twist_of(commands_.robots[i].wheels, DriveParameters{}.wheel_base_m);
+    EXPECT_NEAR(back.v_mps, commands_.robots[i].twist.v_mps, 1e-6);
+    EXPECT_NEAR(back.w_radps, commands_.robots[i].twist.w_radps, 1e-4);
+  }
+  EXPECT_GT(speed(1) + speed(2), 0.2) << "they play";
+}
+
+TEST_F(ControllerTest, TellsRobotsWithoutAFreshTrackToStand) {
+  run(20);
+  Tracks tracks = world_.tracks();
+  tracks.robots[0].state = TrackState::kNew;
+  tracks.robots[1].state = TrackState::kCoasting;
+  tracks.robots[1].last_seen = tracks.capture_time - from_seconds(0.16);
+  tracks.robots[2].state = TrackState::kCoasting;
+  tracks.robots[2].last_seen = tracks.capture_time - from_seconds(0.14);
+  decide(tracks);
+  ASSERT_EQ(commands_.robots.size(), 3u);
+  EXPECT_EQ(speed(0), 0.0);
+  EXPECT_EQ(speed(1), 0.0);
+  EXPECT_GT(speed(2), 0.0) << "a short gap does not stop it";
+}
+
+TEST_F(ControllerTest, DoesNotListLostRobots) {
+  run(20);
+  Tracks tracks = world_.tracks(), rest = tracks;
+  rest.robots.clear();
+  rest.robots.push_back(tracks.robots[0]);
+  rest.robots.push_back(tracks.robots[2]);
+  decide(rest);
+  ASSERT_EQ(commands_.robots.size(), 2u);
+  EXPECT_EQ(commands_.robots[0].id, 1);
+  EXPECT_EQ(commands_.robots[1].id, 5);
+}
+
+TEST_F(ControllerTest, HaltsAndStartsFromRest) {
+  run(40);
+  EXPECT_GT(speed(1) + speed(2), 0.3);
+  decide(world_.tracks(), true);
+  EXPECT_TRUE(commands_.stop);
+  ASSERT_EQ(commands_.robots.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(speed(i), 0.0);
+  world_.advance(0.016);
+  decide(world_.tracks());
+  EXPECT_FALSE(commands_.stop);
+  const double change = DriveParameters{}.max_wheel_acceleration_mps2 * 0.016;
+  for (const RobotCommand& robot : commands_.robots) {
+    EXPECT_LE(std::abs(static_cast<double>(robot.wheels.left_mps)), change + 1e-6);
+    EXPECT_LE(std::abs(static_cast<double>(robot.wheels.right_mps)), change + 1e-6);
+  }
+}
+
+TEST_F(ControllerTest, KeepsEveryLimitInEveryFrame) {
+  const DriveParameters drive;
+  run(1);
+  Commands before = commands_;
+  double fastest = 0.0;
+  for (int k = 0; k < 1500; ++k) {
+    run(1);
+    ASSERT_EQ(commands_.robots.size(), before.robots.size());
+    for (std::size_t i = 0; i < commands_.robots.size(); ++i) {
+      const RobotCommand& now = commands_.robots[i];
+      ASSERT_LE(std::abs(static_cast<double>(now.twist.v_mps)), drive.max_speed_mps + 1e-5);
+      ASSERT_LE(std::abs(static_cast<double>(now.twist.w_radps)), drive.max_turn_radps + 1e-4);
+      const double change = drive.max_wheel_acceleration_mps2 * 0.016 + 1e-5;
+      ASSERT_LE(std::abs(static_cast<double>(now.wheels.left_mps - before.robots[i].wheels.left_mps)), change);
+      ASSERT_LE(std::abs(static_cast<double>(now.wheels.right_mps - before.robots[i].wheels.right_mps)), change);
+      fastest = std::max(fastest, static_cast<double>(now.wheels.left_mps));
+    }
+    before = commands_;
+  }
+  EXPECT_GT(fastest, 0.6);
+}
+
+TEST_F(ControllerTest, WithoutABallOnlyTheGoalkeeperMoves) {
+  for (int k = 0; k < 400; ++k) {
+    Tracks tracks = world_.tracks();
+    tracks.ball = BallTrack();
+    decide(tracks);
+    world_.obey(commands_);
+    world_.advance(0.016);
+    EXPECT_EQ(speed(1), 0.0);
+    EXPECT_EQ(speed(2), 0.0);
+  }
+  ASSERT_EQ(controller_.roles().goalkeeper(), 1);
+  EXPECT_NEAR(world_.robots[0].position.x, -1.1 + PlayParameters{}.keeper_line_m, 0.04);
+  EXPECT_NEAR(world_.robots[0].position.y, 0.0, 0.03);
+}
+
+TEST_F(ControllerTest, StandsWhenThePlayIsOff) {
+  ControlParameters parameters;
+  parameters.play.enabled = false;
+  ASSERT_TRUE(controller_.configure(parameters, world_.field).ok());
+  run(30);
+  EXPECT_FALSE(commands_.stop);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(speed(i), 0.0);
+}
+
+TEST_F(ControllerTest, SurvivesMoreRobotsThanATeamHas) {
+  Tracks tracks = world_.tracks();
+  while (!tracks.robots.full()) {
+    RobotTrack robot = tracks.robots[0];
+    robot.id = static_cast<RobotId>(20 + tracks.robots.size());
+    tracks.robots.push_back(robot);
+  }
+  decide(tracks);
+  EXPECT_EQ(commands_.robots.size(), kMaxRobotsPerTeam);
+  EXPECT_EQ(commands_.robots.overflow(), 0u) << "a packet must still be sent";
+}
+
+TEST_F(ControllerTest, RefusesImpossibleDrives) {
+  ControlParameters parameters;
+  parameters.drive.wheel_base_m = 0.0;
+  EXPECT_EQ(controller_.configure(parameters, world_.field).code(), ErrorCode::kOutOfRange);
+  parameters = {};
+  parameters.drive.max_speed_mps = std::nan("");
+  EXPECT_EQ(controller_.configure(parameters, world_.field).code(), ErrorCode::kOutOfRange);
+  FieldParameters no_field;
+  no_field.length_m = 0.0f;
+  EXPECT_EQ(controller_.configure({}, no_field).code(), ErrorCode::kOutOfRange);
+}
+
+}  // namespace
+}  // namespace touchline

@@ -1,0 +1,80 @@
+#include "firmware/command_line.h"
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <cstdio>
+
+namespace touchline {
+namespace {
+
+constexpr const char* kDescription =
+    "Watches a robot-soccer field from above and drives the robots by radio:\n"
+    "camera frame in, radio packet out, on time.";
+
+constexpr const char* kFooter =
+    "Exit codes: 0 all went well, 1 the configuration is wrong, 2 a device failed, 64 the command line is wrong.\n"
+    "Nothing moves before all files have been checked. Ctrl-C stops the robots and leaves; a second one leaves at "
+    "once.";
+
+void add_files(CLI::App& app, config::FilePaths& files) {
+  app.add_option("--board", files.board, "Board file: devices, real-time settings, faults")->required();
+  app.add_option("--venue", files.venue, "Venue file, in place of the one that the board file names");
+  app.add_option("--team", files.team, "Team file, in place of the one that the board file names");
+  app.add_option("--set", files.overrides,
+                 "A key of any of the three files, for this time: --set camera.exposure_us=4000\n"
+                 "`touchline keys` lists all; docs/files.md tells which file a key belongs to")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->take_all();
+}
+
+}  // namespace
+
+bool parse_command_line(int argc, char** argv, CommandLine& out, int& exit_code) {
+  CLI::App app(kDescription, "touchline");
+  app.set_version_flag("--version", "touchline " TOUCHLINE_VERSION);
+  app.footer(kFooter);
+  app.require_subcommand(1);
+
+  double duration_s = 0.0, interval_s = 1.0;
+  CLI::App* run = app.add_subcommand("run", "Observe, decide and drive until told to leave");
+  add_files(*run, out.session.files);
+  run->add_option("--frames", out.session.frames, "Leave after so many frames")->check(CLI::PositiveNumber);
+  run->add_option("--duration", duration_s, "Leave after so many seconds (simulated ones in the mock arena)")
+      ->check(CLI::PositiveNumber);
+  run->add_option("--seed", out.session.seed,
+                  "Of all that is random in the mock arena: a run can be repeated to the bit")
+      ->capture_default_str();
+  run->add_flag("--headless", out.headless,
+                "No picture of the field in the terminal, status lines instead; and the mock arena runs as fast as\n"
+                "this machine can, not in real time");
+  run->add_option("--status-interval", interval_s, "Seconds from one status to the next")
+      ->check(CLI::Range(0.05, 3600.0))
+      ->capture_default_str();
+  run->footer(kFooter);
+
+  CLI::App* check =
+      app.add_subcommand("check", "Read the same files, say all that is wrong with them, touch no device");
+  add_files(*check, out.session.files);
+  check->add_flag("--dump", out.dump,
+                  "Print all values in force, those that no file names included, with their meaning");
+  check->footer("Exit codes: 0 all is well, 1 something is wrong, 64 the command line is wrong.");
+
+  CLI::App* keys = app.add_subcommand("keys", "List every key of the three files: type, range, default, meaning");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // Help and version are "errors" of code 0.
+    exit_code = app.exit(error) == 0 ? kExitOk : kExitBadCommandLine;
+    return false;
+  }
+  out.command = check->parsed() ? Command::kCheck : keys->parsed() ? Command::kKeys : Command::kRun;
+  out.session.duration = from_seconds(duration_s);
+  out.session.status_interval = from_seconds(interval_s);
+  exit_code = kExitOk;
+  return true;
+}
+
+}  // namespace touchline

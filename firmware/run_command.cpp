@@ -1,0 +1,82 @@
+#include "firmware/run_command.h"
+
+#include <unistd.h>
+#include <cstdio>
+#include <optional>
+
+#include "firmware/realtime.h"
+#include "firmware/reporter.h"
+#include "firmware/stop_signal.h"
+#include "hal/linux/monotonic_clock.h"
+
+namespace touchline {
+namespace {
+
+// Fits into a terminal of 80 columns and 24 rows at a field's usual shape, status line included.
+constexpr int kMapColumns = 52;
+
+// Holds a simulation back to the speed of the world, so that a person can watch it.
+class RealTimePace {
+ public:
+  [[nodiscard]] LoopObserver observer() { return {&RealTimePace::on_step, this}; }
+
+ private:
+  static void on_step(void* context, const StepTrace& /*trace*/, const StepTiming& timing) {
+    RealTimePace& pace = *static_cast<RealTimePace*>(context);
+    if (!pace.offset_) pace.offset_ = hal::MonotonicClock::read() - timing.sent;
+    hal::MonotonicClock::wait_for(timing.sent + *pace.offset_);
+  }
+  std::optional<Duration> offset_;  // from simulated to real time
+};
+
+bool is_simulated(const config::BoardFile& board) { return board.camera.backend == hal::CameraBackend::kMock; }
+
+void print_start(const Session& session, const std::vector<std::string>& refused) {
+  const config::Configuration& configuration = session.configuration();
+  std::printf("board %s, venue %s, team %s\n", configuration.board_where.file().c_str(),
+              configuration.venue_where.file().c_str(), configuration.team_where.file().c_str());
+  if (!session.grants().empty()) std::printf("camera: %s\n", session.grants().c_str());
+  std::fflush(stdout);
+  for (const std::string& refusal : refused) std::fprintf(stderr, "real time: %s\n", refusal.c_str());
+}
+
+int exit_code_of(LoopEnd end) {
+  return end == LoopEnd::kDeviceLost || end == LoopEnd::kFault ? kExitDeviceFailure : kExitOk;
+}
+
+}  // namespace
+
+int run_command(const CommandLine& command_line) {
+  config::Problems problems;
+  Session session;
+  if (!session.load(command_line.session, problems).ok()) {
+    std::fputs(problems.text().c_str(), stderr);
+    return kExitBadConfiguration;
+  }
+  const std::atomic<bool>& stop = stop_on_signals();
+  RealTimePace pace;
+  const bool paced = is_simulated(session.configuration().board) && !command_line.headless;
+  std::string reason;
+  if (!session.open(paced ? pace.observer() : LoopObserver{}, reason).ok()) {
+    std::fprintf(stderr, "%s\n", reason.c_str());
+    return kExitDeviceFailure;
+  }
+  ReporterSettings reporting;
+  reporting.expected = session.expectation();
+  reporting.map_columns = !command_line.headless && ::isatty(STDOUT_FILENO) != 0 ? kMapColumns : 0;
+  LoopEnd end = LoopEnd::kAsked;
+  {
+    // The thread that prints begins before this one becomes privileged, and inherits nothing of it.
+    const Reporter reporter(session.reports(), reporting, stdout, stderr);
+    print_start(session, become_realtime(session.configuration().board.realtime));
+    end = session.loop().run(stop);
+  }
+  session.loop().close();
+  std::printf("\n%s%s", summary(session.loop().statistics(), end).c_str(), session.devices().summary().c_str());
+  if (end == LoopEnd::kFault || end == LoopEnd::kDeviceLost) {
+    std::fprintf(stderr, "%s\n", fault_line(session.loop().last_fault()).c_str());
+  }
+  return exit_code_of(end);
+}
+
+}  // namespace touchline

@@ -1,0 +1,55 @@
+#include "firmware/session.h"
+
+#include <algorithm>
+
+#include "hal/linux/monotonic_clock.h"
+
+namespace touchline {
+
+Status Session::load(const SessionOptions& options, config::Problems& problems) {
+  options_ = options;
+  if (const Status s = config::load(options.files, *configuration_, problems); !s.ok()) return s;
+  if (const Status s = pipeline_->configure(configuration_->pipeline, hal::MonotonicClock::read); !s.ok()) {
+    // The files' checks let through what a stage refuses, so all that is known is the stage's answer.
+    problems.add(configuration_->venue_where.file(), "",
+                 "together with " + configuration_->team_where.file() + " it cannot be used: " + describe(s.code()));
+    return s;
+  }
+  return {};
+}
+
+Status Session::open(LoopObserver observer, std::string& reason) {
+  if (const Status s = devices_.make(*configuration_, options_.seed, reason); !s.ok()) return s;
+  return open_loop(devices_.loop_devices(), observer, reason);
+}
+
+Status Session::open(hal::Camera& camera, LoopObserver observer, std::string& reason) {
+  if (const Status s = devices_.make(*configuration_, options_.seed, reason); !s.ok()) return s;
+  const LoopDevices own = devices_.loop_devices();
+  return open_loop({camera, own.radio, own.gpio, own.clock, own.simulated_time}, observer, reason);
+}
+
+Status Session::open_loop(const LoopDevices& devices, LoopObserver observer, std::string& reason) {
+  LoopSettings settings;
+  settings.faults = configuration_->board.faults;
+  settings.radio_delay = from_seconds(configuration_->board.radio.delay_s);
+  settings.status_interval = options_.status_interval;
+  settings.frames = options_.frames;
+  settings.duration = options_.duration;
+  loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
+  if (const Status s = loop_->open(reason); !s.ok()) return s;
+  grants_ = devices.camera.reason();
+  return {};
+}
+
+Expectation Session::expectation() const {
+  const auto count = [](const TeamMarking& team) -> std::uint32_t {
+    if (team.team_color == kBackground) return 0;
+    const auto robots = static_cast<std::uint32_t>(team.robots.size());
+    return robots == 0 ? team.max_robots : std::min<std::uint32_t>(robots, team.max_robots);
+  };
+  const MarkerParameters& marker = configuration_->pipeline.marker;
+  return {count(marker.teams[0]), count(marker.teams[1]), marker.field};
+}
+
+}  // namespace touchline

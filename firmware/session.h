@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/pipeline.h"
+#include "firmware/config/configuration.h"
+#include "firmware/devices.h"
+#include "firmware/loop.h"
+#include "firmware/status_text.h"
+
+namespace touchline {
+
+struct SessionOptions {
+  config::FilePaths files;
+  std::uint64_t seed = 1;
+  std::uint64_t frames = 0;  // 0: no limit
+  Duration duration{};       // 0: no limit
+  Duration status_interval = std::chrono::seconds(1);
+};
+
+/// Everything that one run needs, built in the order in which it may fail: files, pipeline, devices. What touchline,
+/// touchline-latency and viewers have in common.
+class Session {
+ public:
+  /// Reads the files and configures the pipeline. Touches no device. kNotFound, kInconsistent: see `problems`.
+  Status load(const SessionOptions& options, config::Problems& problems);
+  /// Builds and opens the devices, after load(). On error `reason` names device and cause.
+  Status open(LoopObserver observer, std::string& reason);
+  /// The same with a camera of the caller's in place of the board's; it must outlive the session.
+  Status open(hal::Camera& camera, LoopObserver observer, std::string& reason);
+
+  [[nodiscard]] const config::Configuration& configuration() const { return *configuration_; }
+  [[nodiscard]] Devices& devices() { return devices_; }
+  [[nodiscard]] Loop& loop() { return *loop_; }
+  [[nodiscard]] ReportRing& reports() { return *reports_; }
+  [[nodiscard]] Expectation expectation() const;
+  /// What the camera granted otherwise than asked; empty when nothing.
+  [[nodiscard]] const std::string& grants() const { return grants_; }
+
+ private:
+  Status open_loop(const LoopDevices& devices, LoopObserver observer, std::string& reason);
+
+  SessionOptions options_;
+  // On the heap: megabytes.
+  std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
+  std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();
+  std::unique_ptr<ReportRing> reports_ = std::make_unique<ReportRing>();
+  Devices devices_;
+  std::string grants_;
+  std::unique_ptr<Loop> loop_;  // last: it must go before the devices
+};
+
+}  // namespace touchline

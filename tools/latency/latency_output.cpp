@@ -100,6 +100,7 @@ void draw_grid(cairo_t& context, const Axes& axes) {
   for (double count = 1.0; count <= axes.top_count; count *= 10.0) {
     cairo_move_to(&context, kLeft, axes.y(count));
     cairo_line_to(&context, kWidth - kRight, axes.y(count));
+    cairo_set_line_width(&context, 1.0);
     set_color(context, kGrid);
     cairo_stroke(&context);
     const std::string text = std::to_string(static_cast<long>(count));

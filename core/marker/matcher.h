@@ -3,16 +3,11 @@
 #include <array>
 
 #include "core/geometry/camera_model.h"
+#include "core/geometry/field_area.h"
 #include "core/marker/marker_layout.h"
 #include "core/types.h"
 
 namespace touchline {
-
-struct FieldParameters {
-  float length_m = 2.2f, width_m = 1.8f;
-  float goal_width_m = 0.4f, goal_depth_m = 0.15f;
-  float margin_m = 0.1f;             // sightings farther outside the border (and its goals) are refused
-};
 
 struct BallParameters {
   ColorId color = kBackground;

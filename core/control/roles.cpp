@@ -45,7 +45,8 @@ void supporter_places(const PushPlan& plan, const FieldParameters& field, const 
       place = {-0.45 * end, 0.45 * side * inner};
     } else {
       // Larger teams: two columns across the field.
-      const double row = static_cast<double>((i - 3) / 2), column = (i - 3) % 2 == 0 ? 0.35 : -0.7;
+      const std::size_t rank = (i - 3) / 2;
+      const double row = static_cast<double>(rank), column = (i - 3) % 2 == 0 ? 0.35 : -0.7;
       place = {column * end, inner * side * (0.7 - 0.45 * row)};
     }
     // Out of the keeper's way, off the ball, off one another.

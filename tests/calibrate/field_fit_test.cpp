@@ -81,6 +81,19 @@ TEST(FieldFit, FindsDistortionFromMoreMarks) {
   EXPECT_LT(fit.paper_residual_mm.rms, 4.0);
 }
 
+TEST(FieldFit, FindsPixelsThatAreNotSquare) {
+  CameraParameters truth = camera_at(0.05, -0.1, 2.3, 0.03, 430, -0.05);
+  truth.full.fy_px = 1.13f * truth.full.fx_px;
+  FieldFitInput input = input_of(seen_by(truth, marks_of_field()));
+  input.camera_height_m = 2.3;
+  FieldFit fit;
+  std::string reason;
+  ASSERT_TRUE(fit_field(input, fit, reason).ok()) << reason;
+  EXPECT_NEAR(static_cast<double>(fit.camera.full.fy_px / fit.camera.full.fx_px), 1.13, 0.002);
+  EXPECT_NEAR(fit.height_m, 2.3, 0.01);
+  EXPECT_LT(fit.residual_px.max, 0.2);
+}
+
 TEST(FieldFit, SaysHowCertainTheHeightIs) {
   const CameraParameters truth = camera_at(0.1, -0.5, 2.0, 0.22, 430);
   std::mt19937 random(7);

@@ -143,6 +143,7 @@ Status learn_boxes(const LearningInput& input, const LearningRules& rules, Learn
     }
   };
   covered(before);
+  carve_background(input, rules, cores);
   if (Status s = part_cores(input, rules, cores, reason); !s.ok()) return s;
   covered(after);
   for (std::size_t c = 0; c < before.size(); ++c) out.cut_share.push_back(before[c] - after[c]);

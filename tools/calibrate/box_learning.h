@@ -30,10 +30,12 @@ struct LearningInput {
 
 // How the boxes are cut. The defaults are meant for every camera; tests hold them on synthetic pictures.
 struct LearningRules {
-  double core_tail = 0.002;  // of a color's pixels, each side of each channel: less than any one patch of it
-  int max_margin = 40;      // levels beyond the core where nothing is in the way: unseen shading
+  double core_tail = 0.002;        // of a color's pixels, each side of each channel: less than any one patch of it
+  int max_margin = 40;             // levels beyond the core where nothing is in the way: unseen shading
   double background_share = 2e-5;  // of the background that a box may catch while it grows: single noisy pixels
   double other_share = 2e-3;       // of another color's pixels, likewise
+  double carve_share = 1e-4;       // of the background that a core may hold before it is shrunk
+  double most_carved = 0.4;        // of a box's own pixels that may go for it: a patch keeps its middle
   std::size_t boxes_a_color = 4;
 };
 

@@ -98,4 +98,44 @@ Status part_cores(const LearningInput& input, const LearningRules& rules, ColorB
   return {};
 }
 
+void carve_background(const LearningInput& input, const LearningRules& rules, ColorBoxes& cores) {
+  const double allowed = rules.carve_share * total(input.background);
+  for (ColorBox& box : cores) {
+    std::vector<ColorCount> own, floor;
+    const auto in_box = [&](const ColorCount& p) { return contains(box, p.value); };
+    const auto& pixels = input.colors[box.color - 1U].pixels;
+    std::copy_if(pixels.begin(), pixels.end(), std::back_inserter(own), in_box);
+    std::copy_if(input.background.begin(), input.background.end(), std::back_inserter(floor), in_box);
+    const double least = (1.0 - rules.most_carved) * total(own);
+    double own_left = total(own), floor_left = total(floor);
+    while (floor_left > allowed) {
+      ColorBox best = box;
+      double best_gain = 0, best_own = 0, best_floor = 0;
+      for (std::size_t side = 0; side < kSides; ++side) {
+        // Several steps ahead: the first level of a side often holds neither.
+        for (int step = 1; step <= 16; ++step) {
+          ColorBox smaller = box;
+          const int value = side_value(box, side) + (side % 2 == 0 ? step : -step);
+          if (side % 2 == 0 ? value > side_value(box, side + 1) : value < side_value(box, side - 1)) break;
+          set_side(smaller, side, value);
+          const double own_now = count_in(own, smaller);
+          if (own_now < least) break;
+          const double floor_now = count_in(floor, smaller);
+          const double gain = (floor_left - floor_now) / floor_left / ((own_left - own_now) / own_left + 0.01);
+          if (floor_now < floor_left && gain > best_gain) {
+            best_gain = gain;
+            best = smaller;
+            best_own = own_now;
+            best_floor = floor_now;
+          }
+        }
+      }
+      if (best_gain <= 1.0) break;  // more of the color would go than of the background
+      box = best;
+      own_left = best_own;
+      floor_left = best_floor;
+    }
+  }
+}
+
 }  // namespace touchline::calibrate

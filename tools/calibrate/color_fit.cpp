@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 
 #include "tools/calibrate/box_split.h"
@@ -152,12 +151,18 @@ class Fitter {
           {scene == scenes_.end() ? 0 : static_cast<std::size_t>(scene - scenes_.begin()), color, std::move(patch)});
       out_.clicks.push_back(std::move(result));
     }
-    smallest_.assign(out_.names.size(), std::numeric_limits<std::size_t>::max());
-    for (const Grown& g : patches_) {
-      if (!g.patch.pixels.empty()) smallest_[g.color] = std::min(smallest_[g.color], g.patch.pixels.size());
+    patch_area_.assign(out_.names.size(), 0);
+    for (std::size_t c = 0; c < out_.names.size(); ++c) {
+      std::vector<std::size_t> areas;
+      for (const Grown& g : patches_) {
+        if (g.color == c && !g.patch.pixels.empty()) areas.push_back(g.patch.pixels.size());
+      }
+      const auto middle = areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 2);
+      std::nth_element(areas.begin(), middle, areas.end());
+      if (!areas.empty()) patch_area_[c] = *middle;
     }
-    for (std::size_t c = 0; c < smallest_.size(); ++c) {
-      if (smallest_[c] == std::numeric_limits<std::size_t>::max()) {
+    for (std::size_t c = 0; c < patch_area_.size(); ++c) {
+      if (patch_area_[c] == 0) {
         reason_ = text("color %s: no click caught a patch", out_.names[c].c_str());
         for (std::size_t i = 0; i < patches_.size(); ++i) {
           if (patches_[i].color == c) reason_ += " (" + out_.clicks[i].reason + ")";
@@ -210,15 +215,20 @@ class Fitter {
     for (Scene& scene : scenes_) {
       if (Status s = scan(input_, cores.boxes, *scene.picture, *scan_); !s.ok()) return fail_scan(s);
       for (const Region& region : scan_->regions) {
-        if (!is_patch_sized(region) || touches_click(scene, scan_->runs, region)) continue;
+        if (!is_look_alike(region) || touches_click(scene, scan_->runs, region)) continue;
         each_pixel(scan_->runs, region, [&](int u, int v) { reserve_around(scene, u, v, kLookAlike); });
       }
     }
     return {};
   }
 
+  // What a matcher could take for a patch.
   [[nodiscard]] bool is_patch_sized(const Region& region) const {
-    return region.color != kBackground && 2 * region.area_px >= smallest_[region.color - 1U];
+    return region.color != kBackground && 2 * region.area_px >= patch_area_[region.color - 1U];
+  }
+  // Larger ones are floor or furniture, whatever their color.
+  [[nodiscard]] bool is_look_alike(const Region& region) const {
+    return is_patch_sized(region) && region.area_px <= 2 * patch_area_[region.color - 1U];
   }
 
   std::vector<ColorCount> background() const {
@@ -288,7 +298,7 @@ class Fitter {
   std::vector<Scene> scenes_;
   std::vector<std::uint8_t> inside_;
   std::vector<Grown> patches_;
-  std::vector<std::size_t> smallest_;
+  std::vector<std::size_t> patch_area_;  // median of a color's clicks
 };
 
 }  // namespace

@@ -48,14 +48,14 @@ struct ColorFit {
   // pipeline's scanner.
   std::vector<std::vector<double>> confusion;
   std::vector<double> background_share;  // a color: share of the background pixels that it takes
-  std::vector<StrayRegion> strays;       // at least half as large as the smallest patch of their color
+  std::vector<StrayRegion> strays;       // at least half as large as the usual patch of their color
 };
 
 /// Grows a patch around every click, takes all else as background, learns boxes, and classifies the pictures with the
 /// pipeline's own scanner to say how good they are. A look-alike of a color away from all clicks (a patch that was not
-/// clicked on) does not count as background; it is reported. Clicks that catch nothing are reported and left out.
-/// kNotFound: a color without a single good click; kInconsistent: pictures that differ in size or format; else as
-/// learn_boxes().
+/// clicked on, of a patch's size) does not count as background; it is reported. Clicks that catch nothing are reported
+/// and left out. kNotFound: a color without a single good click; kInconsistent: pictures that differ in size or format;
+/// else as learn_boxes().
 Status fit_colors(const ColorFitInput& input, ColorFit& out, std::string& reason);
 
 /// The picture as the pipeline sees it: pixels of a class in its color, all else dimmed.

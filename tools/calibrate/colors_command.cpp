@@ -80,11 +80,17 @@ void print_report(const ColorFitInput& input, const ColorFit& fit) {
                   fit.names[c].c_str(), 100 * fit.learned.cut_share[c]);
     }
   }
-  for (const StrayRegion& stray : fit.strays) {
+  std::vector<StrayRegion> strays = fit.strays;
+  std::sort(strays.begin(), strays.end(),
+            [](const StrayRegion& a, const StrayRegion& b) { return a.area_px > b.area_px; });
+  constexpr std::size_t kShown = 8;
+  for (std::size_t i = 0; i < std::min(kShown, strays.size()); ++i) {
+    const StrayRegion& stray = strays[i];
     std::printf("%s: %u pixels of %s at %.0f,%.0f where nobody clicked: a patch, or clutter like it\n",
                 stray.image.c_str(), stray.area_px, fit.names[stray.color].c_str(),
                 static_cast<double>(stray.center.u_px), static_cast<double>(stray.center.v_px));
   }
+  if (strays.size() > kShown) std::printf("and %zu smaller ones\n", strays.size() - kShown);
 }
 
 }  // namespace

@@ -145,7 +145,8 @@ int FieldCommand::run() const {
   if (!write_sections(venue, sections, reason).ok()) return refuse(reason);
 
   std::printf("%s\n%s\n", height.c_str(), residual.c_str());
-  std::printf("lens: focal length %.1f px, k1 %s\n", static_cast<double>(fit.camera.full.fx_px),
+  std::printf("lens: focal lengths %.1f and %.1f px, k1 %s\n", static_cast<double>(fit.camera.full.fx_px),
+              static_cast<double>(fit.camera.full.fy_px),
               fit.has_distortion ? text("%.4f", static_cast<double>(fit.camera.full.k1)).c_str()
                                  : "0 (two more points than the corners, --point, are needed to find it)");
   std::printf("paper's model, eq. (12)-(15): H %.0f px, p %.3g, q %.3g per px; %.2f mm RMS, %.2f mm max\n",

@@ -23,6 +23,7 @@ struct Unknowns {
   double focal_px = 0;
   std::array<double, 3> rotation{}, position_m{};
   double k1 = 0;
+  double aspect = 1;  // fy / fx
 };
 
 struct Center {
@@ -34,7 +35,8 @@ struct Reprojection {
   FloorPoint point;
   Center center;
   template <class T>
-  bool operator()(const T* focal, const T* rotation, const T* position, const T* k1, T* residual) const {
+  bool operator()(const T* focal, const T* rotation, const T* position, const T* k1, const T* aspect,
+                  T* residual) const {
     const T offset[3] = {point.x_m - position[0], point.y_m - position[1], -position[2]};
     T camera[3];
     ceres::AngleAxisRotatePoint(rotation, offset, camera);
@@ -42,7 +44,7 @@ struct Reprojection {
     const T x = camera[0] / camera[2], y = camera[1] / camera[2];
     const T stretch = focal[0] * (T(1) + k1[0] * (x * x + y * y));
     residual[0] = stretch * x + center.u_px - point.u_px;
-    residual[1] = stretch * y + center.v_px - point.v_px;
+    residual[1] = stretch * aspect[0] * y + center.v_px - point.v_px;
     return true;
   }
 };
@@ -60,30 +62,30 @@ struct Prior {
 // Lenses of the leagues' cameras stay within a few tenths; keeps k1 finite where the points hardly tell.
 constexpr double kDistortionSigma = 0.5;
 
+// Drivers that scale a wide picture to 4:3 stretch it by up to a third; most do not.
+constexpr double kAspectSigma = 0.1;
+
 class Solver {
  public:
   Solver(const FieldFitInput& input, Center center) : input_(input), center_(center) {}
 
-  // Half the sum of squares, or infinity when the start is useless.
+  // Half the sum of squares, or infinity when the start is useless. Distortion comes last: from a wrong focal length it
+  // runs away.
   double refine(Unknowns& x) const {
-    ceres::Problem problem;
-    build(problem, x);
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_QR;
-    options.max_num_iterations = 200;
-    options.function_tolerance = 1e-12;
-    options.parameter_tolerance = 1e-12;
-    options.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
-    return summary.IsSolutionUsable() && x.position_m[2] > 0 ? summary.final_cost
-                                                             : std::numeric_limits<double>::infinity();
+    const double straight = minimize(x, false);
+    if (!has_distortion() || !std::isfinite(straight)) return straight;
+    Unknowns bent = x;
+    const double cost = minimize(bent, true);
+    if (cost < straight) x = bent;
+    return std::min(cost, straight);
   }
+
+  [[nodiscard]] bool has_distortion() const { return input_.points.size() >= kPointsForDistortion; }
 
   // Standard deviation of the camera's height when every click is kClickSigma_px off; infinity when it is free.
   double height_sigma_m(Unknowns& x) const {
     ceres::Problem problem;
-    build(problem, x);
+    build(problem, x, has_distortion());
     ceres::CRSMatrix sparse;
     if (!problem.Evaluate({}, nullptr, nullptr, nullptr, &sparse)) return std::numeric_limits<double>::infinity();
     Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(sparse.num_rows, sparse.num_cols);
@@ -93,7 +95,7 @@ class Solver {
         jacobian(row, sparse.cols[static_cast<std::size_t>(i)]) = sparse.values[static_cast<std::size_t>(i)];
       }
     }
-    // Columns: focal length, rotation, position, and k1 where it is free.
+    // Columns: focal length, rotation, position, and k1 and aspect where they are free.
     constexpr Eigen::Index kHeight = 6;
     const Eigen::VectorXd scale = jacobian.colwise().norm().cwiseMax(1e-12);
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(jacobian * scale.cwiseInverse().asDiagonal(), Eigen::ComputeThinV);
@@ -106,20 +108,42 @@ class Solver {
   }
 
  private:
-  void build(ceres::Problem& problem, Unknowns& x) const {
+  double minimize(Unknowns& x, bool with_distortion) const {
+    ceres::Problem problem;
+    build(problem, x, with_distortion);
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_QR;
+    options.max_num_iterations = 200;
+    options.function_tolerance = 1e-12;
+    options.parameter_tolerance = 1e-12;
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+    return summary.IsSolutionUsable() && x.position_m[2] > 0 ? summary.final_cost
+                                                             : std::numeric_limits<double>::infinity();
+  }
+
+  void build(ceres::Problem& problem, Unknowns& x, bool with_distortion) const {
     for (const FloorPoint& p : input_.points) {
       // Pixels over the click's deviation: the priors then weigh what they should.
       auto* loss = new ceres::ScaledLoss(nullptr, 1.0 / (kClickSigma_px * kClickSigma_px), ceres::TAKE_OWNERSHIP);
       problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<Reprojection, 2, 1, 3, 3, 1>(new Reprojection{p, center_}), loss, &x.focal_px,
-          x.rotation.data(), x.position_m.data(), &x.k1);
+          new ceres::AutoDiffCostFunction<Reprojection, 2, 1, 3, 3, 1, 1>(new Reprojection{p, center_}), loss,
+          &x.focal_px, x.rotation.data(), x.position_m.data(), &x.k1, &x.aspect);
     }
     if (input_.camera_height_m) {
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<Prior, 1, 3>(new Prior{*input_.camera_height_m, kHeightSigma_m, 2}), nullptr,
           x.position_m.data());
     }
-    if (input_.points.size() < kPointsForDistortion) {
+    // A tilt looks like flat pixels as long as the height may follow.
+    if (!has_distortion() || !input_.camera_height_m) {
+      problem.SetParameterBlockConstant(&x.aspect);
+    } else {
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, 1>(new Prior{1.0, kAspectSigma, 0}), nullptr,
+                               &x.aspect);
+    }
+    if (!with_distortion) {
       problem.SetParameterBlockConstant(&x.k1);
     } else {
       problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, 1>(new Prior{0.0, kDistortionSigma, 0}),
@@ -133,7 +157,8 @@ class Solver {
 
 FullModelParameters full_model(const Unknowns& x, Center center) {
   FullModelParameters full;
-  full.fx_px = full.fy_px = static_cast<float>(x.focal_px);
+  full.fx_px = static_cast<float>(x.focal_px);
+  full.fy_px = static_cast<float>(x.focal_px * x.aspect);
   full.cx_px = static_cast<float>(center.u_px);
   full.cy_px = static_cast<float>(center.v_px);
   full.k1 = static_cast<float>(x.k1);
@@ -234,6 +259,11 @@ Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason)
   std::vector<double> focal_starts;
   if (const double w = inverse_focal_squared(*homography); w > 0) focal_starts.push_back(1.0 / std::sqrt(w));
   for (double f = 0.4 * input.width_px; f < 6.0 * input.width_px; f *= 1.5) focal_starts.push_back(f);
+  if (input.camera_height_m) {
+    // Height grows with the focal length almost in proportion.
+    const double unit = input.width_px;
+    focal_starts.push_back(unit * *input.camera_height_m / pose_from(*homography, unit).position.z());
+  }
   const Solver solver(input, center);
   Unknowns best;
   double best_cost = std::numeric_limits<double>::infinity();
@@ -242,7 +272,8 @@ Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason)
     Unknowns x{focal,
                {pose.rotation.x(), pose.rotation.y(), pose.rotation.z()},
                {pose.position.x(), pose.position.y(), pose.position.z()},
-               0.0};
+               0.0,
+               1.0};
     const double cost = solver.refine(x);
     if (cost < best_cost && x.focal_px > 0) {
       best_cost = cost;
@@ -259,9 +290,9 @@ Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason)
   const double misfit_px = kClickSigma_px * std::sqrt(2.0 * best_cost / static_cast<double>(input.points.size()));
   if (misfit_px > tolerance_px) {
     reason = text(
-        "no camera with square pixels sees these points: %.1f px off (RMS); is the order right, are length and "
+        "no camera%s sees these points: %.1f px off (RMS); is the order right, are length and "
         "width exchanged, is --camera-height right?",
-        misfit_px);
+        solver.has_distortion() && input.camera_height_m ? "" : " with square pixels", misfit_px);
     return ErrorCode::kInconsistent;
   }
   const Eigen::Vector3d turn(best.rotation.data());
@@ -288,7 +319,7 @@ Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason)
   }
   out.camera.kind = CameraModelKind::kFull;
   out.camera.full = full_model(best, center);
-  out.has_distortion = input.points.size() >= kPointsForDistortion;
+  out.has_distortion = solver.has_distortion();
   CameraModel camera;
   if (Status s = camera.configure(out.camera); !s.ok()) {
     reason = text("the camera found is not usable: %s", describe(s.code()));

@@ -37,7 +37,8 @@ struct FieldFitInput {
 constexpr double kHeightSigma_m = 0.02;
 // How well a person clicks a corner.
 constexpr double kClickSigma_px = 0.7;
-// From here on k1 is found too: twelve equations for eight unknowns.
+// From here on k1 is found too, and with the height given the shape of the pixels (fy / fx): twelve equations for nine
+// unknowns.
 constexpr std::size_t kPointsForDistortion = 6;
 
 struct Spread {
@@ -55,9 +56,10 @@ struct FieldFit {
 
 /// Finds the camera from points of the floor: homography (direct linear transform, Hartley's normalization), focal
 /// length and pose from it in closed form (Zhang 2000, square pixels, principal point in the picture's center), then
-/// least squares on pixels over focal length, pose and, with enough points, k1 (Brown 1971). Klancar's model is fitted
-/// beside. kOutOfRange: sizes, or too few points. kInconsistent, with the reason: points on a line, mirrored, that do
-/// not fit a camera, or that cannot tell focal length from height (a nearly vertical camera) when no height is given.
+/// least squares on pixels over focal length, pose and, with enough points, k1 (Brown 1971) and fy / fx. Klancar's
+/// model is fitted beside. kOutOfRange: sizes, or too few points. kInconsistent, with the reason: points on a line,
+/// mirrored, that do not fit a camera, or that cannot tell focal length from height (a nearly vertical camera) when no
+/// height is given.
 Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason);
 
 }  // namespace touchline::calibrate

@@ -170,7 +170,9 @@ struct RobotTrack {
   Twist twist;
   Pose pose_at_action;                            // when the command computed from it will act
   Twist twist_at_action;
-  std::array<float, 3> sigma{};                   // standard deviations of x (m), y (m), theta (rad) at capture time
+  // Standard deviations of x (m), y (m), theta (rad) at capture time. A robot whose heading was never seen has 1.81
+  // (nothing known); its theta is then the direction in which it moves, its position that of its team patch.
+  std::array<float, 3> sigma{};
   Instant last_seen{};
 };
 

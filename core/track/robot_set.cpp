@@ -56,7 +56,7 @@ void RobotSet::predict_all(Instant from, Instant now, const CommandHistory& comm
   }
   remove_lost();
   for (TrackedRobot& robot : robots_) {
-    const bool driven = robot.team() == Team::kOwn && parameters.own_commands_act;
+    const bool driven = robot.team() == Team::kOwn;
     robot.predict(from, now, driven ? &commands : nullptr, parameters);
   }
 }
@@ -219,7 +219,7 @@ void RobotSet::report(Instant now, Instant action, const CommandHistory& command
     const TrackedRobot& robot = robots_[order[k]];
     RobotTrack track = robot.report(parameters);
     TrackedRobot later = robot;
-    const bool driven = robot.team() == Team::kOwn && parameters.own_commands_act;
+    const bool driven = robot.team() == Team::kOwn;
     later.predict(now, action, driven ? &commands : nullptr, parameters);
     track.pose_at_action = later.pose();
     track.twist_at_action = later.twist();

@@ -100,7 +100,6 @@ struct BallFilterParameters {
 };
 
 struct TrackParameters {
-  bool own_commands_act = true;
   int confirm_sightings = 3;
   double forget_new_after_s = 0.1;
   double lost_after_s = 0.5;
@@ -112,8 +111,6 @@ struct TrackParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.flag("own_commands_act", self.own_commands_act,
-               "Own robots obey the commands computed here; false when they are only watched (a replay)");
     visit.number("confirm_sightings", self.confirm_sightings, Range{1, 100}, "",
                  "Sightings until a new robot counts as seen");
     visit.number("forget_new_after_s", self.forget_new_after_s, Range{0.0, 10.0}, "s",

@@ -16,7 +16,8 @@ class Tracker {
   /// kOutOfRange: a parameter outside the range of its declaration that would break a filter.
   Status configure(const TrackParameters& parameters);
   void reset();
-  /// Commands that will act on the robots from `acts_at` until the next ones do.
+  /// Commands that will act on the robots from `acts_at` until the next ones do. Before the first ones (always, in a
+  /// replay) own robots are followed like opponents: they keep their velocities, up to noise.
   void commanded(const Commands& commands, Instant acts_at);
   /// Fuses at `capture_time` and predicts to `action_time` (earlier ones count as `capture_time`, later ones than
   /// kMaxPrediction as that); out lists tracks that are not lost, own team first, by id, nameless ones (kUnknownId)

@@ -110,9 +110,6 @@ TEST_F(TrackerTest, GoesOnThroughLostFrames) {
 
 TEST_F(TrackerTest, UsesStampsNotFrameCounts) {
   // The same motion, seen at irregular times.
-  TrackParameters parameters;
-  parameters.own_commands_act = false;
-  configure(parameters);
   double t = 0.0;
   for (int k = 0; k < 60; ++k) {
     const double frames = k % 3 == 0 ? 2.5 : 0.7;
@@ -247,19 +244,24 @@ TEST_F(TrackerTest, PredictsOpponentsWithTheVelocityThatTheyHave) {
   EXPECT_NEAR(tracks_.robots[0].pose_at_action.position.x_m - tracks_.robots[0].pose.position.x_m, 0.06, 0.004);
 }
 
-TEST_F(TrackerTest, DoesNotApplyCommandsToRobotsThatAreOnlyWatched) {
-  TrackParameters parameters;
-  parameters.own_commands_act = false;
-  configure(parameters);
+TEST_F(TrackerTest, AppliesCommandsToOwnRobotsOnlyAndOnlyWhenTheyAct) {
   Commands commands;
   commands.stop = false;
-  commands.robots.push_back({1, {1.0f, 5.0f}, {}});
-  for (int k = 0; k < 100; ++k) {
-    tracker_.commanded(commands, at(now_));
-    frame_of(sighting_of(Team::kOwn, 1, pose(0.1, 0.1)));
-  }
-  EXPECT_NEAR(tracks_.robots[0].twist.v_mps, 0.0, 1e-3);
-  EXPECT_NEAR(tracks_.robots[0].pose.position.x_m, 0.1, 1e-5);
+  commands.robots.push_back({1, {0.5f, 0.0f}, {}});
+  Sightings sightings;
+  sightings.robots.push_back(sighting_of(Team::kOwn, 1, pose(0.0, 0.3)));
+  sightings.robots.push_back(sighting_of(Team::kOpponent, 1, pose(0.0, -0.3)));
+  for (int k = 0; k < 60; ++k) frame(sightings);
+  tracker_.commanded(commands, at(now_ + 0.1));
+  Tracks before, after;
+  tracker_.update({}, at(now_), at(now_ + 0.1), before);
+  tracker_.update({}, at(now_), at(now_ + 0.5), after);
+  ASSERT_EQ(before.robots.size(), 2u);
+  EXPECT_NEAR(before.robots[0].pose_at_action.position.x_m, 0.0, 1e-3) << "not yet";
+  // From 0.1 s on: 0.5 m/s with a lag of 0.08 s.
+  const double way = 0.5 * (0.4 - 0.08 * (1.0 - std::exp(-0.4 / 0.08)));
+  EXPECT_NEAR(after.robots[0].pose_at_action.position.x_m, way, 3e-3);
+  EXPECT_NEAR(after.robots[1].pose_at_action.position.x_m, 0.0, 3e-3) << "an opponent with the same number";
 }
 
 TEST_F(TrackerTest, RefusesParametersThatBreakAFilter) {

@@ -23,6 +23,16 @@ std::string refusal(const std::string& what, int error, const std::string& remed
   asm volatile("" : : "r"(stack) : "memory");  // else the compiler sees that nobody reads them
 }
 
+std::vector<std::string> lock_memory(const config::RealtimeSettings& settings) {
+  if (!settings.lock_memory) return {};
+  // Memory that is given back to the kernel would fault again when it is next used.
+  mallopt(M_TRIM_THRESHOLD, -1);
+  mallopt(M_MMAP_MAX, 0);
+  if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return {};
+  return {refusal("memory is not locked", errno,
+                  "give the program CAP_IPC_LOCK, or raise the limit of locked memory (ulimit -l)")};
+}
+
 std::vector<std::string> become_realtime(const config::RealtimeSettings& settings) {
   std::vector<std::string> refused;
   if (settings.cpu >= 0) {
@@ -32,15 +42,6 @@ std::vector<std::string> become_realtime(const config::RealtimeSettings& setting
     if (const int error = pthread_setaffinity_np(pthread_self(), sizeof set, &set); error != 0) {
       refused.push_back(refusal("the loop is not pinned to processor " + std::to_string(settings.cpu), error,
                                 "realtime.cpu must be one that this machine has and the process may use"));
-    }
-  }
-  if (settings.lock_memory) {
-    // Memory that is given back to the kernel would fault again when it is next used.
-    mallopt(M_TRIM_THRESHOLD, -1);
-    mallopt(M_MMAP_MAX, 0);
-    if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
-      refused.push_back(refusal("memory is not locked", errno,
-                                "give the program CAP_IPC_LOCK, or raise the limit of locked memory (ulimit -l)"));
     }
   }
   prefault_stack();

@@ -53,6 +53,8 @@ int run_command(const CommandLine& command_line) {
     std::fputs(problems.text().c_str(), stderr);
     return kExitBadConfiguration;
   }
+  const config::RealtimeSettings& realtime = session.configuration().board.realtime;
+  std::vector<std::string> refused = lock_memory(realtime);
   const std::atomic<bool>& stop = stop_on_signals();
   RealTimePace pace;
   const bool paced = is_simulated(session.configuration().board) && !command_line.headless;
@@ -68,7 +70,8 @@ int run_command(const CommandLine& command_line) {
   {
     // The thread that prints begins before this one becomes privileged, and inherits nothing of it.
     const Reporter reporter(session.reports(), reporting, stdout, stderr);
-    print_start(session, become_realtime(session.configuration().board.realtime));
+    for (std::string& refusal : become_realtime(realtime)) refused.push_back(std::move(refusal));
+    print_start(session, refused);
     end = session.loop().run(stop);
   }
   session.loop().close();

@@ -26,6 +26,7 @@ class NoPageFault : public LoopTest {
     // Where memory may not be locked, what was touched once stays all the same on a machine that does not swap.
     config::RealtimeSettings realtime;
     realtime.lock_memory = true;
+    static_cast<void>(lock_memory(realtime));
     static_cast<void>(become_realtime(realtime));
   }
   void TearDown() override { ::munlockall(); }

@@ -1,0 +1,154 @@
+// The program touchline as a person or a script calls it: exit codes, and what it says.
+#include <sys/wait.h>
+#include <unistd.h>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace touchline {
+namespace {
+
+struct Outcome {
+  int code = -1;
+  std::string text;  // standard output and error
+};
+
+Outcome touchline(const std::string& arguments, const std::string& before = "") {
+  Outcome outcome;
+  std::FILE* pipe = ::popen((before + "'" TOUCHLINE_PROGRAM "' " + arguments + " 2>&1").c_str(), "r");
+  if (pipe == nullptr) return outcome;
+  std::array<char, 4096> block{};
+  while (const std::size_t size = std::fread(block.data(), 1, block.size(), pipe))
+    outcome.text.append(block.data(), size);
+  const int status = ::pclose(pipe);
+  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return outcome;
+}
+
+class Program : public ::testing::Test {
+ protected:
+  Program() : folder_(std::filesystem::temp_directory_path() / ("touchline-program-" + std::to_string(::getpid()))) {
+    std::filesystem::create_directories(folder_);
+    write("venue.toml",
+          "version = 1\n[picture]\nwidth_px = 64\nheight_px = 48\n[field]\nlength_m = 2.2\nwidth_m = 1.8\n"
+          "[camera_model]\nkind = \"full\"\n[camera_model.full]\nfx_px = 60.0\nfy_px = 60.0\ncx_px = 31.5\n"
+          "cy_px = 23.5\nrotation_rad = [3.14159, 0.0, 0.0]\nposition_m = [0.0, 0.0, 2.0]\n[colors]\nspace = \"rgb\"\n"
+          "[[color]]\nname = \"orange\"\n[[color.box]]\nlow = [200, 100, 0]\nhigh = [255, 160, 60]\n"
+          "[[color]]\nname = \"blue\"\n[[color.box]]\nlow = [0, 0, 200]\nhigh = [60, 60, 255]\n"
+          "[[color]]\nname = \"red\"\n[[color.box]]\nlow = [200, 0, 0]\nhigh = [255, 60, 60]\n");
+    write("team.toml",
+          "version = 1\n[own]\ncolor = \"blue\"\n[[own.robot]]\nid = 0\ncolors = [\"red\"]\n[ball]\ncolor = "
+          "\"orange\"\n");
+    std::filesystem::create_directories(folder_ / "frames");
+    for (int i = 0; i < 30; ++i) {
+      write("frames/" + std::to_string(i) + ".ppm", "P6\n64 48\n255\n" + std::string(std::size_t{64} * 48 * 3, '\0'));
+    }
+    write_board("replay", "frames");
+  }
+  ~Program() override { std::filesystem::remove_all(folder_); }
+
+  void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+  void write_board(const std::string& backend, const std::string& device) const {
+    write("board.toml",
+          "version = 1\nvenue = \"venue.toml\"\nteam = \"team.toml\"\n[camera]\nbackend = \"" + backend +
+              "\"\ndevice = \"" + (folder_ / device).string() +
+              "\"\nformat = \"rgb24\"\nwidth_px = 64\nheight_px = 48\nrate_hz = 30.0\n[radio]\nbackend = \"none\"\n");
+  }
+  [[nodiscard]] std::string board() const { return "--board '" + (folder_ / "board.toml").string() + "' "; }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(Program, HelpAndVersionAreNoErrors) {
+  EXPECT_EQ(touchline("--help").code, 0);
+  EXPECT_NE(touchline("run --help").text.find("--headless"), std::string::npos);
+  EXPECT_EQ(touchline("--version").text, "touchline " TOUCHLINE_VERSION "\n");
+}
+
+TEST_F(Program, WrongCommandLineIs64) {
+  EXPECT_EQ(touchline("").code, 64);
+  EXPECT_EQ(touchline("play").code, 64);
+  EXPECT_EQ(touchline("run").code, 64);
+  EXPECT_EQ(touchline("run " + board() + "--frames -1").code, 64);
+  EXPECT_EQ(touchline("run " + board() + "--sed 1").code, 64);
+}
+
+TEST_F(Program, CheckTellsWhetherFilesAreSound) {
+  const Outcome sound = touchline("check " + board());
+  EXPECT_EQ(sound.code, 0) << sound.text;
+  EXPECT_NE(sound.text.find("are sound\n"), std::string::npos);
+  const Outcome wrong = touchline("check " + board() + "--set camera.gain=-1 --set ball.radius_m=9");
+  EXPECT_EQ(wrong.code, 1);
+  EXPECT_NE(wrong.text.find("--set camera.gain=-1: camera.gain: -1 is out of range: 0 to 65535\n"), std::string::npos)
+      << wrong.text;
+  EXPECT_NE(wrong.text.find("ball.radius_m: 9 is out of range: 0.005 to 0.2 m\n"), std::string::npos) << wrong.text;
+}
+
+TEST_F(Program, CheckTouchesNoDevice) {
+  write_board("v4l2", "there-is-no-such-camera");
+  EXPECT_EQ(touchline("check " + board()).code, 0);
+}
+
+TEST_F(Program, CheckAsksTheStagesToo) {
+  const Outcome refused = touchline("check " + board() + "--set camera_model.full.fx_px=0.0");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.text.find("it cannot be used: "), std::string::npos) << refused.text;
+}
+
+TEST_F(Program, DumpShowsAllValuesInForce) {
+  const Outcome dump = touchline("check --dump " + board() + "--set faults.stop_after_s=0.35");
+  EXPECT_EQ(dump.code, 0);
+  EXPECT_NE(dump.text.find("stop_after_s = 0.35 "), std::string::npos);
+  EXPECT_NE(dump.text.find("baud = 115200 "), std::string::npos);
+}
+
+TEST_F(Program, KeysAreListed) {
+  const Outcome keys = touchline("keys");
+  EXPECT_EQ(keys.code, 0);
+  EXPECT_NE(keys.text.find("  camera.exposure_us: integer, 0 to 1000000 us, default 5000\n"), std::string::npos);
+  EXPECT_NE(keys.text.find("  color[].box[].low: list of 3 integers, 0 to 255\n"), std::string::npos);
+}
+
+TEST_F(Program, BadFilesStopARunBeforeAnythingIsOpened) {
+  write_board("v4l2", "there-is-no-such-camera");
+  const Outcome outcome = touchline("run " + board() + "--set own.color=mauve");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.text.find("there-is-no-such-camera"), std::string::npos) << outcome.text;
+}
+
+TEST_F(Program, MissingDeviceIs2) {
+  write_board("v4l2", "there-is-no-such-camera");
+  const Outcome outcome = touchline("run " + board());
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.text.find("camera: "), std::string::npos) << outcome.text;
+  EXPECT_NE(outcome.text.find("there-is-no-such-camera"), std::string::npos) << outcome.text;
+}
+
+TEST_F(Program, PlaysARecordingToItsEnd) {
+  const Outcome outcome = touchline("run --headless --status-interval 0.25 " + board());
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_NE(outcome.text.find("own 0/1  opp 0/0  ball lost  latency p50"), std::string::npos) << outcome.text;
+  EXPECT_NE(outcome.text.find("end       the input is over\nframes    30 in "), std::string::npos) << outcome.text;
+}
+
+TEST_F(Program, TerminationStopsTheRobotsAndIsNoFailure) {
+  const Outcome outcome = touchline("run " + board(), "timeout --preserve-status --signal=TERM 0.5 ");
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_NE(outcome.text.find("end       asked to leave\n"), std::string::npos) << outcome.text;
+  const std::size_t stops = outcome.text.find(" of them stop packets");
+  ASSERT_NE(stops, std::string::npos);
+  EXPECT_GE(std::stoi(outcome.text.substr(outcome.text.rfind(' ', stops - 1))), 5) << outcome.text;
+}
+
+TEST_F(Program, FrameLimit) {
+  const Outcome outcome = touchline("run --frames 7 " + board());
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_NE(outcome.text.find("frames    7 in "), std::string::npos) << outcome.text;
+}
+
+}  // namespace
+}  // namespace touchline

@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "core/parameter.h"
-#include "firmware/config/optional_section.h"
 #include "hal/device_parameters.h"
 
 namespace touchline::config {

@@ -13,7 +13,6 @@
 #include "core/track/tracker.h"
 #include "core/types.h"
 #include "firmware/config/board_file.h"
-#include "firmware/config/optional_section.h"
 
 namespace touchline::config {
 
@@ -131,8 +130,8 @@ struct TeamFile {
     visit.section("opponent", self.opponent, "The others");
     visit.section("ball", self.ball, "The ball");
     visit.list("layout", self.layout, "A marker: where the patches of a robot's top are");
-    describe_section("tracking", self.tracking, "Filters of robots and ball", visit);
-    describe_section("control", self.control, "Drive limits, gains and play", visit);
+    visit.section("tracking", self.tracking, "Filters of robots and ball");
+    visit.section("control", self.control, "Drive limits, gains and play");
   }
 };
 

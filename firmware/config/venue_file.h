@@ -12,7 +12,6 @@
 #include "core/region/region_scanner.h"
 #include "core/types.h"
 #include "firmware/config/board_file.h"
-#include "firmware/config/optional_section.h"
 
 namespace touchline::config {
 
@@ -106,9 +105,8 @@ struct VenueFile {
   static void describe(Self& self, Visitor& visit) {
     visit.number("version", self.version, kVersionRange, "", "Of this file's keys");
     visit.section("picture", self.picture, "The picture that all of this was made for");
-    describe_section("field", self.field, "The field and its goals; origin in the center, x to the opponent's goal",
-                     visit);
-    describe_section("camera_model", self.camera_model, "Where a pixel looks to", visit);
+    visit.section("field", self.field, "The field and its goals; origin in the center, x to the opponent's goal");
+    visit.section("camera_model", self.camera_model, "Where a pixel looks to");
     visit.section("region_of_interest", self.region_of_interest, "What is looked at; no corners: the whole picture");
     visit.section("light", self.light, "Uneven illumination");
     visit.section("colors", self.colors, "All colors");

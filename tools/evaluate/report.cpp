@@ -103,7 +103,7 @@ void print(const PoseReport& report, double seen_within_m, std::ostream& out) {
   print_errors(out, "robot angle", s.angle, t.angle, kDegrees, "deg");
   print_errors(out, "ball position", s.ball, t.ball, kMillimeters, "mm");
   if (!report.spread.empty()) {
-    line(out, "\nNothing moves in the truth: sightings about their own mean");
+    out << "\nNothing moves in the truth: sightings about their own mean\n";
     print(report.spread, report.frames, out);
   }
 }

@@ -6,7 +6,6 @@
 #include "core/light/light_map.h"
 #include "core/region/region_scanner.h"
 #include "core/status.h"
-#include "firmware/config/optional_section.h"
 #include "firmware/config/toml_writer.h"
 #include "firmware/config/venue_file.h"
 
@@ -36,7 +35,7 @@ struct Titled {
   const Struct& value;
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    config::describe_section(self.name, self.value, "", visit);
+    visit.section(self.name, self.value, "");
   }
 };
 template <class Struct>

@@ -60,6 +60,7 @@ enum class LoopEnd : std::uint8_t {
 ///
 /// Robots are halted while the last good frame is older than faults.stop_after_s and while the emergency stop is
 /// pulled or cannot be read: then every packet is a stop packet, and without frames stop packets are sent all the same.
+/// The line is read before each wait for a frame, so at the latest after one frame's period or 50 ms.
 class Loop {
  public:
   /// All references must outlive the loop.

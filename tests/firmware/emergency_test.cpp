@@ -1,4 +1,6 @@
 // The emergency stop: pulled, released, bouncing, and a line that cannot be read.
+#include <algorithm>
+
 #include "tests/firmware/loop_fixture.h"
 
 namespace touchline::testing {
@@ -16,6 +18,16 @@ TEST_F(LoopTest, EmergencyStopHaltsFromTheNextPacketOn) {
   EXPECT_TRUE(all_stop(2.0, 2.0 + kRelease - kFrame));
   EXPECT_FALSE(all_stop(2.0 + kRelease + 2 * kFrame, 3.0));
   EXPECT_EQ(loop->statistics().frames, 150U) << "the field is watched all the time";
+}
+
+TEST_F(LoopTest, EmergencyStopDoesNotWaitForTheNextFrame) {
+  gpio.pull(0.999, 2.0);
+  start();
+  run_until(1.5);
+  const auto sent = packets(0.999, 1.5);
+  const auto first = std::find_if(sent.begin(), sent.end(), [](const SentPacket& packet) { return packet.stop; });
+  ASSERT_NE(first, sent.end());
+  EXPECT_NEAR(first->at_s, 1.0, 1e-6) << "seen when the frame of 1.00 s was done; the next one comes at 1.02 s";
 }
 
 TEST_F(LoopTest, EmergencyStopWorksWithoutFrames) {

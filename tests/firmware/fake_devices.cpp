@@ -33,6 +33,7 @@ Status FakeCamera::do_open() {
 Status FakeCamera::do_start() {
   if (!is_open) return ErrorCode::kIo;
   running = true;
+  sequence_ = 0;  // as drivers do
   next_ = clock_.now() + kPeriod;
   return {};
 }

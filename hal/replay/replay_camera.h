@@ -25,6 +25,8 @@ class ReplayCamera final : public Camera {
   /// as for a real radio; without one each is there at once.
   explicit ReplayCamera(ReplayParameters parameters, Clock* pace = nullptr);
   ~ReplayCamera() override;
+  ReplayCamera(const ReplayCamera&) = delete;
+  ReplayCamera& operator=(const ReplayCamera&) = delete;
 
   [[nodiscard]] const CameraInfo& info() const override { return info_; }
   [[nodiscard]] const std::string& reason() const override { return reason_; }

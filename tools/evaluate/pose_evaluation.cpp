@@ -102,6 +102,7 @@ Spread spread_about_mean(const std::string& name, const Seen& seen) {
   }
   spread.position_rms = std::sqrt(squares / count);
   std::vector<double> turns;
+  turns.reserve(seen.theta.size());
   for (const double theta : seen.theta) turns.push_back(wrapped(theta - mean_theta));
   const ErrorSummary angle = summarize(std::move(turns));
   spread.angle_rms = angle.rms;

@@ -22,7 +22,7 @@ class Node {
   [[nodiscard]] bool null() const { return value_->is_null(); }
   [[nodiscard]] bool has(const char* key) const { return value_->is_object() && value_->contains(key); }
   [[nodiscard]] Node at(const char* key) const {
-    static const json kNothing;
+    static const json nothing;
     const std::string path = path_.empty() ? key : path_ + "." + key;
     if (!value_->is_object()) {
       complain(path_.empty() ? "the line is no object" : path_ + " is no object");
@@ -31,7 +31,7 @@ class Node {
     } else {
       return {(*value_)[key], path, *error_};
     }
-    return {kNothing, path, *error_};
+    return {nothing, path, *error_};
   }
   [[nodiscard]] std::vector<Node> list(const char* key) const {
     const Node node = at(key);
@@ -114,7 +114,8 @@ bool read_lines(const std::string& path, const std::function<FrameRecord(const N
       out.push_back(std::move(record));
     }
     if (!wrong.empty()) {
-      error = path + ":" + std::to_string(number) + ": " + wrong;
+      error = path + ":";
+      error.append(std::to_string(number)).append(": ").append(wrong);
       return false;
     }
   }

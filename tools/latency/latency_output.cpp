@@ -45,7 +45,7 @@ struct Axes {
     return kHeight - kBottom - std::min(share, 1.0) * (kHeight - kTop - kBottom);
   }
   [[nodiscard]] std::size_t bins() const {
-    return static_cast<std::size_t>((last_decade - first_decade) * kBinsPerDecade);
+    return static_cast<std::size_t>(last_decade - first_decade) * std::size_t{kBinsPerDecade};
   }
 };
 
@@ -78,11 +78,11 @@ Axes axes_for(const Measurement& measurement, const LatencyReport& report) {
 }
 
 std::string decade_text(int decade) {
-  static const std::array<const char*, 9> kTexts{"10 ns", "100 ns", "1 us",   "10 us", "100 us",
-                                                 "1 ms",  "10 ms",  "100 ms", "1 s"};
+  static const std::array<const char*, 9> texts{"10 ns", "100 ns", "1 us",   "10 us", "100 us",
+                                                "1 ms",  "10 ms",  "100 ms", "1 s"};
   const int index = decade + 2;
-  return index >= 0 && index < static_cast<int>(kTexts.size()) ? kTexts[static_cast<std::size_t>(index)]
-                                                               : "1e" + std::to_string(decade) + " us";
+  return index >= 0 && index < static_cast<int>(texts.size()) ? texts[static_cast<std::size_t>(index)]
+                                                              : "1e" + std::to_string(decade) + " us";
 }
 
 void draw_grid(cairo_t& context, const Axes& axes) {
@@ -97,13 +97,14 @@ void draw_grid(cairo_t& context, const Axes& axes) {
     const std::string text = decade_text(decade);
     draw_text(context, x - text_width(context, text, kSize) / 2.0, kHeight - kBottom + 22.0, text, kText, kSize);
   }
-  for (double count = 1.0; count <= axes.top_count; count *= 10.0) {
+  for (std::int64_t frames = 1; static_cast<double>(frames) <= axes.top_count; frames *= 10) {
+    const auto count = static_cast<double>(frames);
     cairo_move_to(&context, kLeft, axes.y(count));
     cairo_line_to(&context, kWidth - kRight, axes.y(count));
     cairo_set_line_width(&context, 1.0);
     set_color(context, kGrid);
     cairo_stroke(&context);
-    const std::string text = std::to_string(static_cast<long>(count));
+    const std::string text = std::to_string(frames);
     draw_text(context, kLeft - 10.0 - text_width(context, text, kSize), axes.y(count) + 5.0, text, kText, kSize);
   }
   draw_text(context, kLeft, kHeight - 14.0, "duration (logarithmic); frames in each bin on the left", kText, kSize);

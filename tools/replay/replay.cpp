@@ -29,7 +29,8 @@ bool outputs_are_safe(const ReplayOptions& options, std::string& error) {
     if (output.empty()) continue;
     for (const std::string& input : {options.input, options.venue, options.team}) {
       if (!endangers(input, output)) continue;
-      error = output + ": would replace, or lie among, what is read: " + input;
+      error = output;
+      error.append(": would replace, or lie among, what is read: ").append(input);
       return false;
     }
   }

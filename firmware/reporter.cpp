@@ -55,10 +55,14 @@ void Reporter::print(const Report& report) {
 }
 
 void Reporter::print_map(const StatusReport& status) {
-  const std::string map = field_map(status, settings_.expected.field, settings_.map_columns, true);
+  std::string text = field_map(status, settings_.expected.field, settings_.map_columns, true);
+  std::string line = status_line(status, settings_.expected);
+  // In two, because a line that the terminal breaks would make the picture creep down.
+  if (const std::size_t cut = line.find("  latency"); cut != std::string::npos) line.replace(cut, 2, "\x1b[K\n");
+  text += line;
   if (map_lines_ > 0) std::fprintf(out_, "\x1b[%dA", map_lines_);  // up, and over the last picture
-  std::fprintf(out_, "%s%s\x1b[K\n", map.c_str(), status_line(status, settings_.expected).c_str());
-  map_lines_ = static_cast<int>(std::count(map.begin(), map.end(), '\n')) + 1;
+  std::fprintf(out_, "\x1b[?7l%s\x1b[K\n\x1b[?7h", text.c_str());  // no breaking of lines meanwhile
+  map_lines_ = static_cast<int>(std::count(text.begin(), text.end(), '\n')) + 1;
 }
 
 }  // namespace touchline

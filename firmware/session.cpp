@@ -20,16 +20,7 @@ Status Session::load(const SessionOptions& options, config::Problems& problems) 
 
 Status Session::open(LoopObserver observer, std::string& reason) {
   if (const Status s = devices_.make(*configuration_, options_.seed, reason); !s.ok()) return s;
-  return open_loop(devices_.loop_devices(), observer, reason);
-}
-
-Status Session::open(hal::Camera& camera, LoopObserver observer, std::string& reason) {
-  if (const Status s = devices_.make(*configuration_, options_.seed, reason); !s.ok()) return s;
-  const LoopDevices own = devices_.loop_devices();
-  return open_loop({camera, own.radio, own.gpio, own.clock, own.simulated_time}, observer, reason);
-}
-
-Status Session::open_loop(const LoopDevices& devices, LoopObserver observer, std::string& reason) {
+  const LoopDevices devices = devices_.loop_devices();
   LoopSettings settings;
   settings.faults = configuration_->board.faults;
   settings.radio_delay = from_seconds(configuration_->board.radio.delay_s);

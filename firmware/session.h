@@ -29,8 +29,6 @@ class Session {
   Status load(const SessionOptions& options, config::Problems& problems);
   /// Builds and opens the devices, after load(). On error `reason` names device and cause.
   Status open(LoopObserver observer, std::string& reason);
-  /// The same with a camera of the caller's in place of the board's; it must outlive the session.
-  Status open(hal::Camera& camera, LoopObserver observer, std::string& reason);
 
   [[nodiscard]] const config::Configuration& configuration() const { return *configuration_; }
   [[nodiscard]] Devices& devices() { return devices_; }
@@ -41,8 +39,6 @@ class Session {
   [[nodiscard]] const std::string& grants() const { return grants_; }
 
  private:
-  Status open_loop(const LoopDevices& devices, LoopObserver observer, std::string& reason);
-
   SessionOptions options_;
   // On the heap: megabytes.
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();

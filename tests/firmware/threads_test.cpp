@@ -1,4 +1,5 @@
 // Everything that starts a thread; run under the thread sanitizer as well.
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <semaphore>
@@ -84,6 +85,31 @@ TEST_F(ThreadsReporter, PrintsWhatTheLoopTells) {
   EXPECT_NE(printed.find("robots halted: no good frame\n"), std::string::npos) << printed;
   EXPECT_NE(printed.find("camera: is back\n"), std::string::npos) << printed;
   EXPECT_NE(printed.find("1 s  50.0 fps  own 0/1  opp 0/0  ball lost  latency"), std::string::npos) << printed;
+}
+
+TEST_F(ThreadsReporter, PictureIsDrawnOverTheLastOne) {
+  char* text = nullptr;
+  std::size_t size = 0;
+  std::FILE* file = ::open_memstream(&text, &size);
+  start();
+  {
+    ReporterSettings reporter_settings;
+    reporter_settings.map_columns = 52;
+    const Reporter reporter(*ring, reporter_settings, file, file);
+    run_until(3.1);
+  }
+  std::fclose(file);
+  const std::string printed(text, size);
+  std::free(text);
+  // 50 cells for 2.2 m, 20 rows for 1.8 m, the border, two lines of status.
+  const std::string up = "\x1b[24A";
+  const std::size_t first = printed.find(up);
+  ASSERT_NE(first, std::string::npos);
+  const std::size_t second = printed.find(up, first + 1);
+  ASSERT_NE(second, std::string::npos);
+  EXPECT_EQ(printed.find(up, second + 1), std::string::npos) << "three pictures, two of them over another";
+  const std::string picture = printed.substr(first, second - first);
+  EXPECT_EQ(std::count(picture.begin(), picture.end(), '\n'), 24);
 }
 
 TEST_F(ThreadsReporter, TerminatedProcessStopsItsRobots) {

@@ -34,6 +34,7 @@ int refuse(const config::Problems& problems) {
 
 // From an open loop to its end. Nobody prints its reports: what does not fit into their ring is left out.
 bool run(Loop& loop, const config::BoardFile& board) {
+  for (const std::string& refusal : lock_memory(board.realtime)) std::cerr << refusal << '\n';
   for (const std::string& refusal : become_realtime(board.realtime)) std::cerr << refusal << '\n';
   const LoopEnd end = loop.run(stop_on_signals());
   if (end != LoopEnd::kFault && end != LoopEnd::kDeviceLost) return true;

@@ -48,7 +48,7 @@ const StepTrace& Pipeline::step(const Frame& frame) {
     const StageTimer t = timer(Stage::kMarker);
     matcher_.match(trace_.runs, trace_.regions, trace_.sightings);
   }
-  trace_.overload = trace_.runs_dropped + trace_.regions_dropped + trace_.sightings.robots.overflow() > 0;
+  trace_.overload = trace_.runs_dropped + trace_.regions_dropped > 0 || trace_.sightings.cut_short;
   const Instant acts_at = frame.capture_time + action_delay_;
   {
     const StageTimer t = timer(Stage::kTrack);

@@ -156,6 +156,7 @@ struct Sightings {
   BallSighting ball;
   FixedVector<RobotSighting, kMaxRobots> robots;
   FixedVector<Verdict, kMaxRegions> verdicts;     // one a region
+  bool cut_short = false;                         // more could be read into the picture than the bounded search tried
 };
 
 // --- marker -> track ------------------------------------------------------------------------------------------------

@@ -1,0 +1,217 @@
+#include "core/marker/hypothesis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace touchline {
+namespace {
+
+// Log likelihood that a patch which is explained gains over one that is not: more than the worst fit within the gate
+// costs, so that more patches are always better, and a robot's own patches better than a stranger's.
+constexpr float kPatchReward = 60.0f;
+// A full set of a robot that exists, against any other set of the same size.
+constexpr float kIdentityReward = 10.0f;
+// Another team patch on a robot's top is impossible unless it is noise.
+constexpr float kStrangerPenalty = 30.0f;
+constexpr float kStrangerInset = 0.005f;
+// Direction of a long team patch: its axis is good to 5 degrees when whole; beyond 40 it is another robot's.
+constexpr float kAxisSigma = 0.1f, kAxisGate = 0.7f;
+// Within reach of a team patch stand at most the identification patches of four robots, of two each, and noise.
+constexpr std::size_t kMaxNeighbors = 16;
+// Two slots, 8 neighbors and every subset are 81 sets; more happens only when nothing can be told apart anyway.
+constexpr int kMaxSets = 400;
+// Only the best explanations of a team patch can win.
+constexpr std::size_t kMaxPerTeamPatch = 16;
+
+float sigma_m(float scale_px_per_m) { return 0.001f + 0.2f / scale_px_per_m; }
+
+FieldPoint place_of(const PatchPlace& place) { return {place.x_m, place.y_m}; }
+
+class Search {
+ public:
+  Search(const TeamMarking& marking, const PatchLists& patches, std::size_t index)
+      : marking_(marking),
+        layout_(marking.layout),
+        patches_(patches),
+        index_(index),
+        patch_(patches.team[index].patch),
+        team_(static_cast<std::size_t>(patches.team[index].team)),
+        slots_(marking.layout.patches.size() - 1),
+        gate_m_(residual_gate_m(patch_.scale_px_per_m)) {
+    for (std::size_t s = 0; s < slots_; ++s) window_[s] = window_of(layout_, s);
+    set_.fill(kMissing);
+  }
+
+  bool run(Hypotheses& out) {
+    find_neighbors();
+    for (std::size_t r = 0; r < marking_.robots.size(); ++r) {
+      robot_ = static_cast<std::int8_t>(r);
+      choose(0);
+    }
+    robot_ = -1;
+    choose(0);
+    std::sort(found_.begin(), found_.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.value > b.value; });
+    for (std::size_t i = 0; i < found_.size() && i < kMaxPerTeamPatch; ++i) out.push_back(found_[i]);
+    return complete_;
+  }
+
+ private:
+  struct Neighbor {
+    std::uint16_t number = 0;
+    float distance_m = 0;
+  };
+
+  void find_neighbors() {
+    float reach = 0;
+    for (std::size_t s = 0; s < slots_; ++s) reach = std::max(reach, window_[s].high_m);
+    for (std::size_t i = 0; i < patches_.identification.size(); ++i) {
+      const float distance = distance_m(patch_.at[team_], patches_.identification[i].at[team_]);
+      if (distance >= reach) continue;
+      Neighbor neighbor{static_cast<std::uint16_t>(i), distance};
+      if (neighbors_.full()) {
+        complete_ = false;
+        const auto farthest = std::max_element(neighbors_.begin(), neighbors_.end(), [](const auto& a, const auto& b) {
+          return a.distance_m < b.distance_m;
+        });
+        if (distance < farthest->distance_m) *farthest = neighbor;
+      } else {
+        neighbors_.push_back(neighbor);
+      }
+    }
+  }
+
+  // Fills slot after slot with every neighbor that may be there. A known robot shows all its patches; what shows less,
+  // or colors that are nobody's, is searched without one.
+  void choose(std::size_t slot) {
+    if (slot == slots_) {
+      judge();
+      return;
+    }
+    for (const Neighbor& neighbor : neighbors_) {
+      if (!may_be(slot, neighbor)) continue;
+      set_[slot] = neighbor.number;
+      choose(slot + 1);
+    }
+    set_[slot] = kMissing;
+    if (robot_ < 0 && slots_ > 1) choose(slot + 1);
+  }
+
+  bool may_be(std::size_t slot, const Neighbor& neighbor) const {
+    const Patch& patch = patches_.identification[neighbor.number];
+    if (robot_ >= 0 && marking_.robots[static_cast<std::size_t>(robot_)].colors[slot] != patch.color) return false;
+    if (robot_ < 0 && !worn(slot, patch.color)) return false;
+    if (neighbor.distance_m <= window_[slot].low_m || neighbor.distance_m >= window_[slot].high_m) return false;
+    for (std::size_t s = 0; s < slot; ++s) {
+      if (set_[s] == kMissing) continue;
+      if (set_[s] == neighbor.number) return false;
+      const float seen = distance_m(patches_.identification[set_[s]].at[team_], patch.at[team_]);
+      const float expected = distance_m(place_of(layout_.patches[s + 1]), place_of(layout_.patches[slot + 1]));
+      if (std::abs(seen - expected) > 2 * gate_m_) return false;
+    }
+    return true;
+  }
+
+  bool worn(std::size_t slot, ColorId color) const {
+    if (marking_.robots.empty()) return true;
+    return std::any_of(marking_.robots.begin(), marking_.robots.end(),
+                       [&](const RobotMarking& robot) { return robot.colors[slot] == color; });
+  }
+
+  bool is_of_a_known_robot() const {
+    return std::any_of(marking_.robots.begin(), marking_.robots.end(), [&](const RobotMarking& robot) {
+      for (std::size_t s = 0; s < slots_; ++s) {
+        if (set_[s] == kMissing || patches_.identification[set_[s]].color != robot.colors[s]) return false;
+      }
+      return true;
+    });
+  }
+
+  void judge() {
+    if (robot_ < 0 && is_of_a_known_robot()) return;
+    if (found_.full() || sets_++ >= kMaxSets) {
+      complete_ = false;
+      return;
+    }
+    Hypothesis h;
+    FixedVector<Correspondence, kMaxPatches> points;
+    points.push_back({place_of(layout_.patches[0]), patch_.at[team_]});
+    for (std::size_t s = 0; s < slots_; ++s) {
+      if (set_[s] == kMissing) continue;
+      points.push_back({place_of(layout_.patches[s + 1]), patches_.identification[set_[s]].at[team_]});
+    }
+    if (points.size() < 2) return;
+    h.team_patch = static_cast<std::uint16_t>(index_);
+    h.team = patches_.team[index_].team;
+    h.robot = robot_;
+    h.seen = static_cast<std::uint8_t>(points.size() - 1);
+    h.identification = set_;
+    h.fit = fit_rigidly({points.data(), points.size()});
+    if (h.fit.residual_m > gate_m_) return;
+    h.precise = h.fit.residual_m <= precise_gate_m(patch_.scale_px_per_m);
+    const float sigma = sigma_m(patch_.scale_px_per_m);
+    const float n = static_cast<float>(points.size());
+    h.value = kPatchReward * static_cast<float>(h.seen) -
+              0.5f * n * h.fit.residual_m * h.fit.residual_m / (sigma * sigma) -
+              kStrangerPenalty * static_cast<float>(strangers(h.fit.pose));
+    if (robot_ >= 0) h.value += kIdentityReward;
+    if (patch_.has_axis) {
+      const float error = axis_error(h.fit.pose.theta_rad);
+      if (std::abs(error) > kAxisGate) return;
+      h.value -= 0.5f * error * error / (kAxisSigma * kAxisSigma);
+    }
+    if (h.value > 0.0f) found_.push_back(h);
+  }
+
+  float axis_error(float theta_rad) const {
+    const PatchPlace& place = layout_.patches[0];
+    const float half_turn = std::numbers::pi_v<float>;
+    const float expected = theta_rad + (place.length_m >= place.width_m ? 0.0f : 0.5f * half_turn);
+    return std::remainder(patch_.axis_rad - expected, half_turn);
+  }
+
+  int strangers(const Pose& pose) const {
+    int count = 0;
+    for (std::size_t i = 0; i < patches_.team.size(); ++i) {
+      if (i == index_ || patches_.team[i].patch.ratio < 0.5f) continue;
+      count += on_robot(layout_, to_robot_frame(pose, patches_.team[i].patch.at[team_]), kStrangerInset) ? 1 : 0;
+    }
+    return count;
+  }
+
+  const TeamMarking& marking_;
+  const MarkerLayout& layout_;
+  const PatchLists& patches_;
+  std::size_t index_;
+  const Patch& patch_;
+  std::size_t team_, slots_;
+  float gate_m_;
+  std::array<DistanceWindow, kMaxPatches> window_{};
+  FixedVector<Neighbor, kMaxNeighbors> neighbors_;
+  std::array<std::uint16_t, kMaxPatches - 1> set_{};
+  std::int8_t robot_ = -1;
+  int sets_ = 0;
+  bool complete_ = true;
+  FixedVector<Hypothesis, 64> found_;
+};
+
+}  // namespace
+
+DistanceWindow window_of(const MarkerLayout& layout, std::size_t slot) {
+  const PatchPlace& team = layout.patches[0];
+  const float expected = distance_m(place_of(team), place_of(layout.patches[slot + 1]));
+  // K1 = 3/4 d1 and K2 = d2, widened where a layout has its patches nearer or farther than the paper's.
+  const float k1 = 0.75f * std::min(team.length_m, team.width_m);
+  return {std::min(k1, 0.5f * expected), std::max(layout.robot_side_m, 1.4f * expected)};
+}
+
+bool add_hypotheses(const TeamMarking& marking, const PatchLists& patches, std::size_t index, Hypotheses& out) {
+  return Search(marking, patches, index).run(out);
+}
+
+bool on_robot(const MarkerLayout& layout, FieldPoint point, float inset_m) {
+  const float half = 0.5f * layout.robot_side_m - inset_m;
+  return std::abs(point.x_m) < half && std::abs(point.y_m) < half;
+}
+
+}  // namespace touchline

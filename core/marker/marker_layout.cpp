@@ -1,0 +1,90 @@
+#include "core/marker/marker_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace touchline {
+namespace {
+
+bool positive(float value) { return std::isfinite(value) && value > 0.0f; }
+
+bool same_colors(const RobotMarking& a, const RobotMarking& b) {
+  return std::equal(a.colors.begin(), a.colors.end(), b.colors.begin(), b.colors.end());
+}
+
+Status validate(const RobotMarking& robot, std::size_t identification_patches, ColorId team_color) {
+  if (robot.id < 0) return ErrorCode::kOutOfRange;
+  if (robot.colors.size() != identification_patches) return ErrorCode::kInconsistent;
+  for (const ColorId color : robot.colors) {
+    if (color == kBackground || color > kMaxColors) return ErrorCode::kOutOfRange;
+    if (color == team_color) return ErrorCode::kInconsistent;
+  }
+  return {};
+}
+
+}  // namespace
+
+MarkerLayout paper_layout() {
+  // Figure 2: quadrants of 37.5 mm; the patches leave a gap, so that neighboring ones do not touch.
+  constexpr float kQuarter = 0.01875f, kPatch = 0.0345f;
+  MarkerLayout layout;
+  layout.patches.push_back({PatchRole::kTeam, PatchOutline::kSquare, kQuarter, kQuarter, kPatch, kPatch});
+  layout.patches.push_back({PatchRole::kIdentification, PatchOutline::kSquare, -kQuarter, -kQuarter, kPatch, kPatch});
+  return layout;
+}
+
+Status validate(const MarkerLayout& layout) {
+  if (layout.patches.empty() || !positive(layout.robot_side_m)) return ErrorCode::kOutOfRange;
+  if (!std::isfinite(layout.height_m) || layout.height_m < 0.0f) return ErrorCode::kOutOfRange;
+  for (std::size_t i = 0; i < layout.patches.size(); ++i) {
+    const PatchPlace& place = layout.patches[i];
+    if ((place.role == PatchRole::kTeam) != (i == 0)) return ErrorCode::kInconsistent;
+    if (!positive(place.length_m) || !positive(place.width_m)) return ErrorCode::kOutOfRange;
+    // Negated, so that what is not a number is refused as well.
+    if (!(std::max(std::abs(place.x_m), std::abs(place.y_m)) <= layout.robot_side_m / 2)) return ErrorCode::kOutOfRange;
+  }
+  return {};
+}
+
+Status validate(const TeamMarking& team) {
+  if (team.team_color == kBackground) return {};
+  if (Status s = validate(team.layout); !s.ok()) return s;
+  if (team.team_color > kMaxColors || team.max_robots > kMaxRobotsPerTeam) return ErrorCode::kOutOfRange;
+  for (std::size_t i = 0; i < team.robots.size(); ++i) {
+    if (Status s = validate(team.robots[i], team.layout.patches.size() - 1, team.team_color); !s.ok()) return s;
+    for (std::size_t j = 0; j < i; ++j) {
+      if (team.robots[i].id == team.robots[j].id) return ErrorCode::kInconsistent;
+      if (same_colors(team.robots[i], team.robots[j])) return ErrorCode::kInconsistent;
+    }
+  }
+  return {};
+}
+
+float area_m2(const PatchPlace& place) {
+  const float rectangle = place.length_m * place.width_m;
+  switch (place.outline) {
+    case PatchOutline::kSquare:
+    case PatchOutline::kBar:
+      return rectangle;
+    case PatchOutline::kTriangle:
+      return 0.5f * rectangle;
+    case PatchOutline::kCircle:
+      return 0.25f * std::numbers::pi_v<float> * rectangle;
+  }
+  return rectangle;
+}
+
+Spread spread(const PatchPlace& place) {
+  const float a = place.length_m * place.length_m, b = place.width_m * place.width_m;
+  if (place.outline == PatchOutline::kTriangle) {
+    // Covariance of a right triangle with legs l, w: l^2/18, w^2/18, and -l w/36 between them.
+    const float mean = (a + b) / 36.0f;
+    const float deviation = std::hypot((a - b) / 36.0f, place.length_m * place.width_m / 36.0f);
+    return {mean + deviation, mean - deviation};
+  }
+  const float part = place.outline == PatchOutline::kCircle ? 16.0f : 12.0f;
+  return {std::max(a, b) / part, std::min(a, b) / part};
+}
+
+}  // namespace touchline

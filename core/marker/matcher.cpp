@@ -1,0 +1,274 @@
+#include "core/marker/matcher.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace touchline {
+namespace {
+
+// Half of a team patch alone, without any identification, is too little to believe in a robot.
+constexpr float kLeastUnpaired = 0.5f;
+
+bool positive(float value) { return std::isfinite(value) && value > 0.0f; }
+
+constexpr std::array<Team, 2> kTeams{Team::kOwn, Team::kOpponent};
+constexpr std::size_t index_of(Team team) { return static_cast<std::size_t>(team); }
+
+// Regions by area, among equals the first in the picture.
+struct Larger {
+  const Regions& regions;
+  bool operator()(std::uint16_t a, std::uint16_t b) const {
+    return regions[a].area_px != regions[b].area_px ? regions[a].area_px > regions[b].area_px : a < b;
+  }
+};
+
+}  // namespace
+
+void Matcher::add_kind(ColorId color, const PatchPlace& place, Team team) {
+  const MarkerLayout& layout = parameters_.teams[index_of(team)].layout;
+  PatchKind& kind = kinds_[color];
+  if (!wanted_[color]) {
+    kind = kind_of(place, layout.height_m);
+    kind.plane = index_of(team);
+    wanted_[color] = true;
+  } else {
+    widen(kind, place);
+  }
+  kind.height_m[index_of(team)] = layout.height_m;
+}
+
+void Matcher::collect_kinds() {
+  wanted_.fill(false);
+  identifies_.fill(false);
+  for (const Team team : kTeams) {
+    const TeamMarking& marking = parameters_.teams[index_of(team)];
+    if (marking.team_color == kBackground) continue;
+    add_kind(marking.team_color, marking.layout.patches[0], team);
+    for (const RobotMarking& robot : marking.robots) {
+      for (std::size_t s = 0; s < robot.colors.size(); ++s) {
+        add_kind(robot.colors[s], marking.layout.patches[s + 1], team);
+        identifies_[robot.colors[s]] = true;
+      }
+    }
+  }
+}
+
+Status Matcher::configure(const MarkerParameters& parameters, const CameraModel& camera) {
+  wanted_.fill(false);
+  for (const TeamMarking& team : parameters.teams) {
+    if (Status s = validate(team); !s.ok()) return s;
+  }
+  if (!positive(parameters.field.length_m) || !positive(parameters.field.width_m)) return ErrorCode::kOutOfRange;
+  parameters_ = parameters;
+  collect_kinds();
+  const ColorId own = parameters.teams[0].team_color, other = parameters.teams[1].team_color;
+  const ColorId ball = parameters.ball.color;
+  const bool ambiguous = (own != kBackground && own == other) || identifies_[own] || identifies_[other] ||
+                         (ball != kBackground && ball <= kMaxColors && wanted_[ball]);
+  Status status;
+  if (ambiguous) status = ErrorCode::kInconsistent;
+  if (ball > kMaxColors || (ball != kBackground && !positive(parameters.ball.radius_m)))
+    status = ErrorCode::kOutOfRange;
+  if (!status.ok()) {
+    wanted_.fill(false);
+    return status;
+  }
+  if (ball != kBackground) {
+    kinds_[ball] = kind_of(outline_of(parameters.ball), parameters.ball.radius_m);
+    kinds_[ball].may_touch = false;  // there is one
+    wanted_[ball] = true;
+  }
+  finder_.configure(camera, parameters.field);
+  return {};
+}
+
+// Of each color the biggest regions, largest first: a heap with the least of them on top.
+void Matcher::sort_by_color(const Regions& regions, Sightings& out) {
+  const Larger larger{regions};
+  for (Numbers& numbers : numbers_) numbers.clear();
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    const ColorId color = regions[i].color;
+    if (color > kMaxColors || !wanted_[color]) continue;
+    const auto number = static_cast<std::uint16_t>(i);
+    Numbers& numbers = numbers_[color];
+    if (numbers.full()) {
+      if (!larger(number, numbers[0])) {
+        out.verdicts[i] = Verdict::kSurplus;
+        continue;
+      }
+      std::pop_heap(numbers.begin(), numbers.end(), larger);
+      out.verdicts[numbers.back()] = Verdict::kSurplus;
+      numbers.pop_back();
+    }
+    numbers.push_back(number);
+    std::push_heap(numbers.begin(), numbers.end(), larger);
+  }
+  for (Numbers& numbers : numbers_) std::sort_heap(numbers.begin(), numbers.end(), larger);
+}
+
+void Matcher::add_team_patches(Team team, Sightings& out) {
+  constexpr std::size_t kShare = kMaxTeamPatches / 2;
+  for (std::size_t i = 0; i < of_color_.size(); ++i) {
+    if (i < kShare) {
+      team_patches_.push_back({of_color_[i], team});
+    } else {
+      out.verdicts[of_color_[i].region] = Verdict::kSurplus;
+    }
+  }
+}
+
+void Matcher::find_patches(const Runs& runs, const Regions& regions, Sightings& out) {
+  team_patches_.clear();
+  identification_.clear();
+  ball_patches_.clear();
+  for (std::size_t color = 1; color <= kMaxColors; ++color) {
+    const Numbers& numbers = numbers_[color];
+    if (!wanted_[color] || numbers.empty()) continue;
+    const std::span<const std::uint16_t> candidates(numbers.data(), numbers.size());
+    if (color == parameters_.ball.color) {
+      finder_.find(kinds_[color], runs, regions, candidates, out, ball_patches_);
+      continue;
+    }
+    finder_.find(kinds_[color], runs, regions, candidates, out, of_color_);
+    if (identifies_[color]) {
+      for (const Patch& patch : of_color_) {
+        if (!identification_.push_back(patch)) out.verdicts[patch.region] = Verdict::kSurplus;
+      }
+    } else {
+      add_team_patches(color == parameters_.teams[0].team_color ? Team::kOwn : Team::kOpponent, out);
+    }
+  }
+}
+
+std::size_t Matcher::room(Team team, const Sightings& out) const {
+  const auto there = std::count_if(out.robots.begin(), out.robots.end(),
+                                   [team](const RobotSighting& robot) { return robot.team == team; });
+  const std::size_t most = parameters_.teams[index_of(team)].max_robots;
+  return most > static_cast<std::size_t>(there) ? most - static_cast<std::size_t>(there) : 0;
+}
+
+void Matcher::report_pair(const Chosen& choice, Sightings& out) {
+  const Hypothesis& h = hypotheses_[choice.hypothesis];
+  const TeamMarking& marking = parameters_.teams[index_of(h.team)];
+  const Patch& team_patch = team_patches_[h.team_patch].patch;
+  RobotSighting robot;
+  robot.team = h.team;
+  robot.patches.push_back({PatchRole::kTeam, 0, team_patch.color, team_patch.center});
+  for (std::size_t s = 0; s + 1 < marking.layout.patches.size(); ++s) {
+    const std::uint16_t number = h.identification[s];
+    if (number == kMissing) continue;
+    used_[number] = true;
+    const Patch& patch = identification_[number];
+    const auto place = static_cast<std::uint8_t>(s + 1);
+    robot.patches.push_back({PatchRole::kIdentification, place, patch.color, patch.center});
+  }
+  // Colors of a team without known robots are only lent to it, so that nobody else takes them.
+  const bool known_team = !marking.robots.empty();
+  robot.has_heading = known_team && choice.pose_is_sure;
+  robot.residual_m = h.fit.residual_m;
+  robot.pose = h.fit.pose;
+  if (!robot.has_heading) {
+    robot.pose = {team_patch.at[index_of(h.team)], 0.0f};
+    robot.residual_m = 0.0f;
+  }
+  if (robot.has_heading && choice.id_is_sure && h.precise) {
+    robot.id = marking.robots[static_cast<std::size_t>(h.robot)].id;
+  }
+  reported_[h.team_patch] = true;
+  out.robots.push_back(robot);
+}
+
+void Matcher::report_pairs(Sightings& out) {
+  // The best first, should there be more than robots on the field.
+  std::sort(selection_.begin(), selection_.end(), [this](const Chosen& a, const Chosen& b) {
+    return hypotheses_[a.hypothesis].value > hypotheses_[b.hypothesis].value;
+  });
+  for (const Chosen& choice : selection_) {
+    if (room(hypotheses_[choice.hypothesis].team, out) > 0) report_pair(choice, out);
+  }
+}
+
+// A team patch on the top of a robot that was recognized belongs to no other.
+bool Matcher::covered(const TeamPatch& patch, const Sightings& out) const {
+  return std::any_of(out.robots.begin(), out.robots.end(), [&](const RobotSighting& robot) {
+    if (!robot.has_heading) return false;
+    const MarkerLayout& layout = parameters_.teams[index_of(robot.team)].layout;
+    return on_robot(layout, to_robot_frame(robot.pose, patch.patch.at[index_of(robot.team)]), 0.0f);
+  });
+}
+
+void Matcher::report_unpaired(Sightings& out) {
+  // Lists are sorted by area within a team: the biggest first.
+  for (std::size_t i = 0; i < team_patches_.size(); ++i) {
+    if (reported_[i]) continue;
+    const TeamPatch& candidate = team_patches_[i];
+    Verdict& verdict = out.verdicts[candidate.patch.region];
+    if (covered(candidate, out)) {
+      verdict = Verdict::kTooClose;
+    } else if (candidate.patch.ratio < kLeastUnpaired) {
+      verdict = Verdict::kNoPartner;
+    } else if (room(candidate.team, out) == 0) {
+      verdict = Verdict::kSurplus;
+    } else {
+      RobotSighting robot;
+      robot.team = candidate.team;
+      robot.pose.position = candidate.patch.at[index_of(candidate.team)];
+      robot.patches.push_back({PatchRole::kTeam, 0, candidate.patch.color, candidate.patch.center});
+      reported_[i] = true;
+      out.robots.push_back(robot);
+    }
+  }
+}
+
+void Matcher::give_verdicts(Sightings& out) {
+  std::array<bool, kMaxIdentification> wished{};
+  for (const Hypothesis& h : hypotheses_) {
+    for (std::size_t s = 0; s + 1 < parameters_.teams[index_of(h.team)].layout.patches.size(); ++s) {
+      if (h.identification[s] != kMissing) wished[h.identification[s]] = true;
+    }
+  }
+  // Twice, so that a region of several parts has the verdict of the part that is used.
+  for (const bool used : {false, true}) {
+    for (std::size_t i = 0; i < identification_.size(); ++i) {
+      if (used_[i] != used) continue;
+      out.verdicts[identification_[i].region] = used        ? Verdict::kIdentification
+                                                : wished[i] ? Verdict::kPartnerTaken
+                                                            : Verdict::kNoPartner;
+    }
+  }
+  for (std::size_t i = 0; i < team_patches_.size(); ++i) {
+    if (reported_[i]) out.verdicts[team_patches_[i].patch.region] = Verdict::kTeamPatch;
+  }
+}
+
+void Matcher::match(const Runs& runs, const Regions& regions, Sightings& out) {
+  out.ball = {};
+  out.robots.clear();
+  out.verdicts.clear();
+  out.verdicts.resize(regions.size());
+  std::fill(out.verdicts.begin(), out.verdicts.end(), Verdict::kNotExamined);
+  reported_.fill(false);
+  used_.fill(false);
+
+  sort_by_color(regions, out);
+  find_patches(runs, regions, out);
+  hypotheses_.clear();
+  const PatchLists lists{{team_patches_.data(), team_patches_.size()},
+                         {identification_.data(), identification_.size()}};
+  bool complete = true;
+  for (std::size_t i = 0; i < team_patches_.size(); ++i) {
+    const TeamMarking& marking = parameters_.teams[index_of(team_patches_[i].team)];
+    if (!add_hypotheses(marking, lists, i, hypotheses_)) complete = false;
+  }
+  complete = complete && hypotheses_.overflow() == 0 && identification_.overflow() == 0;
+  const std::array<float, 2> sides{parameters_.teams[0].layout.robot_side_m, parameters_.teams[1].layout.robot_side_m};
+  complete =
+      selector_.select({hypotheses_.data(), hypotheses_.size()}, team_patches_.size(), sides, selection_) && complete;
+  report_pairs(out);
+  report_unpaired(out);
+  give_verdicts(out);
+  find_ball(ball_patches_, finder_, parameters_.teams, regions, out);
+  out.cut_short = !complete;
+}
+
+}  // namespace touchline

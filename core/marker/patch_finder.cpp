@@ -1,0 +1,196 @@
+#include "core/marker/patch_finder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/marker/rigid_fit.h"
+
+namespace touchline {
+namespace {
+
+// Klancar eq. (1): K1 = 3/4 d1.
+constexpr float kK1 = 0.75f;
+// From this ratio on the shape is looked at: two touching patches may together be little more than the expected one,
+// when shadows or thresholds take their share.
+constexpr float kSuspiciousRatio = 1.1f;
+// |log| of both variances against those of one patch of the same area: two squares side by side are at 1.4, a blurred
+// or obliquely seen one is below 0.4.
+constexpr float kForeignShape = 0.7f;
+// More than 4 patches and their blur.
+constexpr float kFloodRatio = 4.8f;
+// A patch with what belongs to it cannot be much larger than expected; more is another patch.
+constexpr float kLargestMergedRatio = 1.5f;
+// The halves of a divided bar are farther apart than K1; together they must be the one patch.
+constexpr float kWholeRatio = 1.15f, kHalvesApart = 0.6f;
+// Variances differ so much that noise on the border does not turn the axis.
+constexpr float kElongated = 2.0f;
+
+float shape_error(const RegionShape& shape, const Spread& expected, float ratio, float scale) {
+  const float factor = ratio * scale * scale;
+  return std::abs(std::log(shape.major_px2 / (factor * expected.major_m2))) +
+         std::abs(std::log(shape.minor_px2 / (factor * expected.minor_m2)));
+}
+
+bool larger(const Patch& a, const Patch& b) {
+  return a.area_px != b.area_px ? a.area_px > b.area_px : a.region < b.region;
+}
+
+float side_of(const PatchPlace& place) {
+  // The square of the same area, for outlines that fill less than their sides promise.
+  return std::min({place.length_m, place.width_m, std::sqrt(area_m2(place))});
+}
+
+}  // namespace
+
+PatchKind kind_of(const PatchPlace& place, float height_m) {
+  PatchKind kind;
+  kind.least_area_m2 = kind.largest_area_m2 = area_m2(place);
+  kind.side_m = side_of(place);
+  kind.length_m = std::max(place.length_m, place.width_m);
+  kind.spread = spread(place);
+  kind.height_m = {height_m, height_m};
+  return kind;
+}
+
+void widen(PatchKind& kind, const PatchPlace& place) {
+  const float area = area_m2(place);
+  kind.least_area_m2 = std::min(kind.least_area_m2, area);
+  if (area > kind.largest_area_m2) {
+    kind.largest_area_m2 = area;
+    kind.spread = spread(place);
+  }
+  kind.side_m = std::min(kind.side_m, side_of(place));
+  kind.length_m = std::max({kind.length_m, place.length_m, place.width_m});
+}
+
+void PatchFinder::place(const PatchKind& kind, Patch& patch) const {
+  const float height = kind.height_m[kind.plane];
+  const FieldPoint here = camera_.to_field(patch.center, height);
+  patch.at = {here, here};
+  const std::size_t other = 1 - kind.plane;
+  if (kind.height_m[other] != height) patch.at[other] = camera_.to_field(patch.center, kind.height_m[other]);
+  patch.scale_px_per_m = camera_.scale_px_per_m(here, height);
+}
+
+float PatchFinder::field_axis(const PatchKind& kind, const Patch& patch, const RegionShape& shape) const {
+  const float reach = std::sqrt(shape.major_px2);
+  const float du = reach * std::cos(shape.axis_rad), dv = reach * std::sin(shape.axis_rad);
+  const float height = kind.height_m[kind.plane];
+  const FieldPoint a = camera_.to_field({patch.center.u_px + du, patch.center.v_px + dv}, height);
+  const FieldPoint b = camera_.to_field({patch.center.u_px - du, patch.center.v_px - dv}, height);
+  return std::atan2(a.y_m - b.y_m, a.x_m - b.x_m);
+}
+
+void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions& regions, std::uint16_t number,
+                          Sightings& verdicts, ColorPatches& out) const {
+  const Region& region = regions[number];
+  Patch patch;
+  patch.center = region.centroid;
+  patch.area_px = static_cast<float>(region.area_px);
+  patch.region = number;
+  patch.color = region.color;
+  place(kind, patch);
+  if (!inside_field(field_, patch.at[kind.plane])) {
+    verdicts.verdicts[number] = Verdict::kOutsideField;
+    return;
+  }
+  const float square = patch.scale_px_per_m * patch.scale_px_per_m;
+  const float of_largest = patch.area_px / (kind.largest_area_m2 * square);
+  const float of_least = patch.area_px / (kind.least_area_m2 * square);
+  // Between the least and the largest patch everything is as expected.
+  patch.ratio = of_largest >= 1.0f ? of_largest : std::min(1.0f, of_least);
+  if (of_largest > kFloodRatio) {
+    verdicts.verdicts[number] = Verdict::kTooLarge;
+    return;
+  }
+  const bool long_patch = kind.spread.major_m2 > kElongated * kind.spread.minor_m2;
+  if (of_largest >= kSuspiciousRatio || (long_patch && patch.ratio >= kLeastRatio)) {
+    const RegionShape shape = shape_of(runs, region);
+    const bool foreign = shape_error(shape, kind.spread, of_largest, patch.scale_px_per_m) > kForeignShape;
+    const bool several = of_largest >= kSuspiciousRatio && (foreign || of_largest > kLargestRatio);
+    if (several && !kind.may_touch) {
+      verdicts.verdicts[number] = of_largest > kLargestRatio ? Verdict::kTooLarge : Verdict::kWrongShape;
+      return;
+    }
+    if (several) {
+      const auto count = static_cast<std::size_t>(std::max(2.0f, std::round(of_largest)));
+      for (const RegionPart& part : split(runs, region, shape, count)) {
+        Patch piece = patch;
+        piece.center = part.center;
+        piece.area_px = part.area_px;
+        piece.ratio = std::min(1.0f, part.area_px / (kind.least_area_m2 * square));
+        piece.is_part = true;
+        place(kind, piece);
+        if (!out.push_back(piece)) return;
+      }
+      return;
+    }
+    patch.has_axis = long_patch && !foreign && shape.major_px2 > kElongated * shape.minor_px2;
+    if (patch.has_axis) patch.axis_rad = field_axis(kind, patch, shape);
+  }
+  out.push_back(patch);
+}
+
+// Weighted refinement (section 5, before eq. (3)): the average of both, by their areas.
+bool PatchFinder::merge(const PatchKind& kind, const Patch& from, Patch& into, float largest_ratio) const {
+  const float area = into.area_px + from.area_px;
+  const float square = into.scale_px_per_m * into.scale_px_per_m;
+  if (area > largest_ratio * kind.largest_area_m2 * square) return false;
+  into.center.u_px += (from.center.u_px - into.center.u_px) * from.area_px / area;
+  into.center.v_px += (from.center.v_px - into.center.v_px) * from.area_px / area;
+  // The axis of a fragment is not the patch's.
+  if (from.area_px > 0.2f * area) into.has_axis = false;
+  into.area_px = area;
+  into.ratio = std::max(area / (kind.largest_area_m2 * square), std::min(1.0f, area / (kind.least_area_m2 * square)));
+  place(kind, into);
+  return true;
+}
+
+void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& regions,
+                       std::span<const std::uint16_t> candidates, Sightings& verdicts, ColorPatches& out) const {
+  out.clear();
+  for (const std::uint16_t number : candidates) examine(kind, runs, regions, number, verdicts, out);
+  std::sort(out.begin(), out.end(), larger);
+
+  // Eq. (1), from the largest region to the smallest: `kept` grows at the front of the list.
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const Patch patch = out[i];
+    bool taken = false, close = false;
+    for (std::size_t k = 0; k < kept && !taken; ++k) {
+      if (out[k].region == patch.region) continue;  // parts of one region have been told apart already
+      const float distance = distance_m(out[k].at[kind.plane], patch.at[kind.plane]);
+      const bool is_near = distance < kK1 * kind.side_m;
+      close = close || is_near;
+      if (is_near) {
+        taken = merge(kind, patch, out[k], kLargestMergedRatio);
+      } else if (distance < kHalvesApart * kind.length_m) {
+        taken = merge(kind, patch, out[k], kWholeRatio);
+      }
+    }
+    if (!taken && !close) {
+      out[kept++] = patch;
+    } else if (!patch.is_part) {
+      verdicts.verdicts[patch.region] = taken ? Verdict::kFragment : Verdict::kTooClose;
+    }
+  }
+
+  // What is too small for a patch of its own is a fragment of one that is less than d1 away, or noise.
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < kept; ++i) {
+    const Patch patch = out[i];
+    if (patch.ratio >= kLeastRatio) {
+      out[count++] = patch;
+      continue;
+    }
+    bool taken = false;
+    for (std::size_t k = 0; k < count && !taken; ++k) {
+      if (distance_m(out[k].at[kind.plane], patch.at[kind.plane]) >= kind.side_m) continue;
+      taken = merge(kind, patch, out[k], kLargestMergedRatio);
+    }
+    if (!patch.is_part) verdicts.verdicts[patch.region] = taken ? Verdict::kFragment : Verdict::kTooSmall;
+  }
+  out.resize(count);
+}
+
+}  // namespace touchline

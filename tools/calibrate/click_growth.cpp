@@ -47,7 +47,7 @@ class Window {
   Window(const ChannelImage& image, const std::vector<std::uint8_t>& inside, int u, int v, int radius)
       : left_(u - radius), top_(v - radius), side_(2 * radius + 1) {
     const Channels seed = seed_color(image, u, v);
-    const auto cells = static_cast<std::size_t>(side_ * side_);
+    const auto cells = static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_);
     std::vector<int> distance(cells, kOutside);
     for (int y = 0; y < side_; ++y) {
       for (int x = 0; x < side_; ++x) {
@@ -104,7 +104,9 @@ class Window {
   }
 
  private:
-  [[nodiscard]] std::size_t cell(int x, int y) const { return static_cast<std::size_t>(y * side_ + x); }
+  [[nodiscard]] std::size_t cell(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(side_) + static_cast<std::size_t>(x);
+  }
   int left_, top_, side_;
   std::vector<int> reached_at_;
 };
@@ -136,10 +138,10 @@ Status grow_patch(const ChannelImage& image, const std::vector<std::uint8_t>& in
   double best_score = std::numeric_limits<double>::infinity();
   int best = -1;
   for (int t = kStep; t + kStep <= kMaxDistance && t + kStep < border_at; ++t) {
-    const double here = area[static_cast<std::size_t>(t)];
+    const auto level = static_cast<std::size_t>(t);
+    const double here = area[level];
     if (here < static_cast<double>(limits.min_area_px)) continue;
-    const double growth =
-        (area[static_cast<std::size_t>(t + kStep)] - area[static_cast<std::size_t>(t - kStep)]) / here;
+    const double growth = (area[level + kStep] - area[level - kStep]) / here;
     const double score = growth + kPriceOfTolerance * t;
     if (growth < kUnstable && score < best_score) {
       best_score = score;

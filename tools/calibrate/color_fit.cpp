@@ -224,7 +224,7 @@ class Fitter {
 
   // What a matcher could take for a patch.
   [[nodiscard]] bool is_patch_sized(const Region& region) const {
-    return region.color != kBackground && 2 * region.area_px >= patch_area_[region.color - 1U];
+    return region.color != kBackground && std::size_t{2} * region.area_px >= patch_area_[region.color - 1U];
   }
   // Larger ones are floor or furniture, whatever their color.
   [[nodiscard]] bool is_look_alike(const Region& region) const {

@@ -258,7 +258,7 @@ Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason)
   // The closed form where it exists, and a fan of focal lengths beside it: a vertical camera has no vanishing points.
   std::vector<double> focal_starts;
   if (const double w = inverse_focal_squared(*homography); w > 0) focal_starts.push_back(1.0 / std::sqrt(w));
-  for (double f = 0.4 * input.width_px; f < 6.0 * input.width_px; f *= 1.5) focal_starts.push_back(f);
+  for (const double widths : {0.4, 0.6, 0.9, 1.35, 2.0, 3.0, 4.5}) focal_starts.push_back(widths * input.width_px);
   if (input.camera_height_m) {
     // Height grows with the focal length almost in proportion.
     const double unit = input.width_px;

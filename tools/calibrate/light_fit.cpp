@@ -70,7 +70,8 @@ class Grid {
       for (std::size_t j = 0; j < cells(); ++j) {
         if (std::isnan(known[j])) continue;
         const double dx = static_cast<double>(i % columns_) - static_cast<double>(j % columns_);
-        const double dy = static_cast<double>(i / columns_) - static_cast<double>(j / columns_);
+        const std::size_t row = i / columns_, other = j / columns_;
+        const double dy = static_cast<double>(row) - static_cast<double>(other);
         if (dx * dx + dy * dy < nearest) {
           nearest = dx * dx + dy * dy;
           plane[i] = known[j];

@@ -30,9 +30,9 @@ struct PaperResidual {
   bool operator()(const T* curvature, const T* tilt, const T* affine, T* residual) const {
     const double u = point.u_px - center_u_px, v = point.v_px - center_v_px;
     const T k = stretch(curvature[0], u * u + v * v);
-    const T X = k * u, Y = k * v;
-    const T d = T(1) - tilt[0] * X - tilt[1] * Y;
-    const T x = X / d, y = Y / d;
+    const T radial_x = k * u, radial_y = k * v;  // X, Y of the paper
+    const T d = T(1) - tilt[0] * radial_x - tilt[1] * radial_y;
+    const T x = radial_x / d, y = radial_y / d;
     residual[0] = scale * (affine[0] * x + affine[1] * y + affine[2] - point.x_m);
     residual[1] = scale * (affine[3] * x + affine[4] * y + affine[5] - point.y_m);
     return true;

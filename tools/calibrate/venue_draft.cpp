@@ -54,7 +54,7 @@ Status write_sections(const std::string& path, const std::vector<Section>& secti
   for (const Section& section : sections) {
     std::string changed;
     if (Status s = config::replace_section(content, section.name, section.toml, changed, reason); !s.ok()) {
-      reason = path + ": " + reason;
+      reason.insert(0, path + ": ");
       return s;
     }
     content = changed;

@@ -29,7 +29,7 @@ class Canvas {
     const double cell_m = static_cast<double>(field.length_m) / (columns_ - 2);
     const double rows = static_cast<double>(field.width_m) / (cell_m * kCellAspect);
     rows_ = std::clamp(static_cast<int>(std::lround(rows)), 3, kMostRows) + 2;
-    cells_.resize(static_cast<std::size_t>(columns_ * rows_));
+    cells_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
     draw_lines();
   }
 
@@ -47,7 +47,7 @@ class Canvas {
     for (int row = 0; row < rows_; ++row) {
       Paint paint = Paint::kNone;
       for (int column = 0; column < columns_; ++column) {
-        const Cell& cell = cells_[static_cast<std::size_t>(row * columns_ + column)];
+        const Cell& cell = cells_[index(column, row)];
         if (color && cell.paint != paint) {
           if (paint != Paint::kNone) out += "\x1b[0m";
           out += kAnsi[static_cast<std::size_t>(cell.paint)];
@@ -62,7 +62,10 @@ class Canvas {
   }
 
  private:
-  Cell& at(int column, int row) { return cells_[static_cast<std::size_t>(row * columns_ + column)]; }
+  [[nodiscard]] std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+  }
+  Cell& at(int column, int row) { return cells_[index(column, row)]; }
 
   void draw_lines() {
     const double goal = static_cast<double>(field_.goal_width_m) / static_cast<double>(field_.width_m);

@@ -8,7 +8,7 @@
 namespace touchline {
 
 // 64 x 48 cells: a cell is 10 pixels wide at 640 x 480, far below the size of any lamp's cone.
-constexpr std::size_t kMaxLightCells = 64 * 48;
+constexpr std::size_t kMaxLightCells = std::size_t{64} * 48;
 
 /// The illumination plane N_BCK / C of Klancar eq. (17): relative brightness per channel (R, G, B), 1 where colors were
 /// learned, on a coarse grid that covers the whole picture (cell centers at (i + 1/2) * width / columns).

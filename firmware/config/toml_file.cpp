@@ -5,7 +5,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <sstream>
 
 #include "firmware/config/board_file.h"
@@ -15,24 +14,19 @@ namespace {
 
 std::string option_text(const Override& override) { return "--set " + override.key + "=" + override.value; }
 
-// The value as a TOML node whose source is the option, so that messages name it.
-std::unique_ptr<toml::node> parse_value(const Override& override) {
-  const auto parse = [&](const std::string& value) -> std::unique_ptr<toml::node> {
+// A table with the value as its only node, whose source is the option, so that messages name it.
+std::optional<toml::table> parse_value(const Override& override) {
+  const auto parse = [&](const std::string& value) -> std::optional<toml::table> {
     try {
       toml::table parsed = toml::parse("value = " + value + "\n", option_text(override));
-      if (parsed.size() != 1) return nullptr;  // a line break in the value began another key
-      std::unique_ptr<toml::node> node;
-      parsed.get("value")->visit([&](auto& found) {
-        using Node = std::remove_reference_t<decltype(found)>;
-        node = std::make_unique<Node>(std::move(found));
-      });
-      return node;
+      if (parsed.size() == 1) return parsed;
+      return std::nullopt;  // a line break in the value began another key
     } catch (const toml::parse_error&) {
-      return nullptr;
+      return std::nullopt;
     }
   };
-  std::unique_ptr<toml::node> node = parse(override.value);
-  return node != nullptr ? std::move(node) : parse(toml_string(override.value));
+  std::optional<toml::table> parsed = parse(override.value);
+  return parsed ? std::move(parsed) : parse(toml_string(override.value));
 }
 
 struct Step {
@@ -116,7 +110,8 @@ void apply(const Override& override, toml::table& root, Problems& problems) {
     problems.add(option_text(override), "", "a key looks like camera.exposure_us or color[0].name");
     return;
   }
-  std::unique_ptr<toml::node> value = parse_value(override);
+  std::optional<toml::table> parsed = parse_value(override);
+  toml::node* value = parsed ? parsed->get("value") : nullptr;
   if (value == nullptr) {
     problems.add(option_text(override), "", "the value cannot be read");
     return;

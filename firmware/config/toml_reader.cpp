@@ -39,7 +39,7 @@ std::string TomlReader::pattern_of(std::string_view key) const { return dotted(l
 
 std::string TomlReader::where(const toml::node& node) const { return where(node.source()); }
 std::string TomlReader::where(const toml::source_region& source) const {
-  const std::string file = source.path ? *source.path : locations_.file();
+  std::string file = source.path ? *source.path : locations_.file();
   // A value from the command line carries its option instead of a file.
   if (file.starts_with("--") || source.begin.line == 0) return file;
   return file + ":" + std::to_string(source.begin.line);

@@ -31,31 +31,11 @@ constexpr std::array<std::string_view, 6> kStages{"color", "region", "marker", "
 constexpr std::array<std::string_view, 2> kBelowStages{"light", "geometry"};
 
 // What the core may use of the standard library: no heap, no system, no clock (<chrono> for its durations alone).
-constexpr std::array<std::string_view, 25> kCoreHeaders{"algorithm",
-                                                        "array",
-                                                        "bit",
-                                                        "cassert",
-                                                        "chrono",
-                                                        "cmath",
-                                                        "compare",
-                                                        "concepts",
-                                                        "cstddef",
-                                                        "cstdint",
-                                                        "cstring",
-                                                        "iterator",
-                                                        "initializer_list",
-                                                        "limits",
-                                                        "numbers",
-                                                        "numeric",
-                                                        "optional",
-                                                        "ratio",
-                                                        "span",
-                                                        "string_view",
-                                                        "tuple",
-                                                        "type_traits",
-                                                        "utility",
-                                                        "immintrin.h",
-                                                        "arm_neon.h"};
+constexpr std::array<std::string_view, 26> kCoreHeaders{
+    "algorithm", "array",       "bit",     "bitset",      "cassert",   "chrono",   "cmath",
+    "compare",   "concepts",    "cstddef", "cstdint",     "cstring",   "iterator", "initializer_list",
+    "limits",    "numbers",     "numeric", "optional",    "ratio",     "span",     "string_view",
+    "tuple",     "type_traits", "utility", "immintrin.h", "arm_neon.h"};
 
 // Implementations of the HAL do not know each other; the contracts know none of them.
 constexpr std::array<std::string_view, 3> kBackends{"linux", "replay", "mock"};

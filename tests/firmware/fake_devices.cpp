@@ -22,6 +22,19 @@ void FakeCamera::fill_with_colors() {
   }
 }
 
+void FakeCamera::show_ball() {
+  for (std::size_t v = 0; v < kHeight; ++v) {
+    for (std::size_t u = 0; u < kWidth; ++u) {
+      const double right = static_cast<double>(u) - 31.5, down = static_cast<double>(v) - 23.5;
+      if (right * right + down * down > 36.0) continue;
+      std::uint8_t* pixel = &pixels_[(v * kWidth + u) * 3];
+      pixel[0] = 210;
+      pixel[1] = 110;
+      pixel[2] = 220;
+    }
+  }
+}
+
 Status FakeCamera::do_open() {
   opened_s.push_back(now_s());
   const Status fault = status();

@@ -62,6 +62,9 @@ class FakeCamera final : public hal::Camera, public Script {
   /// From now on the picture is full of single pixels of dark_room()'s colors.
   void fill_with_colors();
 
+  /// From now on a disc of 12 pixels in dark_room()'s ball color stands in the middle, 0.04 m on its field.
+  void show_ball();
+
   Duration age = std::chrono::milliseconds(5);   // of a frame when it is handed out
   std::uint32_t skip_at = 0, skipped = 0;        // the driver loses so many frames after this one
   std::uint64_t last_frame = ~std::uint64_t{0};  // kEndOfStream after so many

@@ -15,7 +15,7 @@ PipelineParameters dark_room() {
   color(2, 150, 100);
   color(3, 200, 100);
   FullModelParameters& camera = parameters.camera.full;
-  camera.fx_px = camera.fy_px = 60.0f;
+  camera.fx_px = camera.fy_px = 600.0f;  // 300 px a meter
   camera.cx_px = 31.5f;
   camera.cy_px = 23.5f;
   camera.rotation_rad = {3.14159265f, 0.0f, 0.0f};

@@ -1,4 +1,6 @@
 // The loop when all goes well, and how it ends.
+#include <algorithm>
+
 #include "tests/firmware/loop_fixture.h"
 
 namespace touchline::testing {
@@ -166,6 +168,19 @@ TEST_F(LoopTest, StatusOnceASecond) {
   EXPECT_LE(status[2].p50, status[2].p99);
   EXPECT_LE(status[2].p99, status[2].max);
   EXPECT_FALSE(status[2].ball_seen);
+}
+
+TEST_F(LoopTest, StatusTellsWhereTheBallIs) {
+  camera.show_ball();
+  start();
+  run_until(1.1);
+  const auto all = reports();
+  const auto status =
+      std::find_if(all.begin(), all.end(), [](const Report& r) { return r.kind == Report::Kind::kStatus; });
+  ASSERT_NE(status, all.end());
+  EXPECT_TRUE(status->status.ball_seen);
+  EXPECT_NEAR(status->status.ball.x_m, 0.0f, 0.002f);
+  EXPECT_NEAR(status->status.ball.y_m, 0.0f, 0.002f);
 }
 
 TEST_F(LoopTest, StatusLightIsOnWhileRobotsMayMove) {

@@ -1,4 +1,6 @@
 // Frames that do not come, devices that go and come back.
+#include <algorithm>
+
 #include "tests/firmware/loop_fixture.h"
 
 namespace touchline::testing {
@@ -99,6 +101,31 @@ TEST_F(LoopTest, UnpluggedCameraComesBack) {
   EXPECT_STREQ(told[0].reason.data(), "/dev/fake0: as the script says");
   EXPECT_EQ(told[3].code, ErrorCode::kOk);
   EXPECT_STREQ(told[3].reason.data(), "");
+}
+
+TEST_F(LoopTest, TracksBeginAnewAfterTheCameraWasLost) {
+  settings.faults.reopen_after_s = 0.01;
+  camera.show_ball();
+  camera.add({1.0, 1.02, ErrorCode::kIo});  // so short that a track would coast over it
+  struct Seen {
+    std::vector<TrackState> states;
+  } seen;
+  seen.states.reserve(1000);
+  start({[](void* context, const StepTrace& trace, const StepTiming&) {
+           static_cast<Seen*>(context)->states.push_back(trace.tracks.ball.state);
+         },
+         &seen});
+  run_until(2.0);
+  EXPECT_EQ(loop->statistics().reopened[0], 1U);
+  const auto begun = [&](std::size_t from, std::size_t to) {
+    return std::count(seen.states.begin() + static_cast<std::ptrdiff_t>(from),
+                      seen.states.begin() + static_cast<std::ptrdiff_t>(to), TrackState::kNew);
+  };
+  ASSERT_GT(seen.states.size(), 90U);
+  EXPECT_GE(begun(0, 10), 1);
+  EXPECT_EQ(begun(20, 45), 0);
+  EXPECT_GE(begun(45, 60), 1) << "the ball may be anywhere by now";
+  EXPECT_EQ(begun(70, seen.states.size()), 0);
 }
 
 TEST_F(LoopTest, PausesEndAtEightSeconds) {

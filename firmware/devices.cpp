@@ -14,11 +14,15 @@ Devices::~Devices() = default;
 
 Status Devices::make(const config::Configuration& configuration, std::uint64_t /*seed*/, std::string& reason) {
   const config::BoardFile& board = configuration.board;
-  reason = "backend \"mock\" is not there";
+  const auto no_arena = [&](const char* section) {
+    reason = configuration.board_where.of(std::string(section) + ".backend") + ": " + section +
+             ".backend: the mock arena is not part of this build";
+    return ErrorCode::kUnsupported;
+  };
   clock_ = std::make_unique<hal::MonotonicClock>();
   switch (board.camera.backend) {
     case hal::CameraBackend::kMock:
-      return ErrorCode::kUnsupported;
+      return no_arena("camera");
     case hal::CameraBackend::kV4l2:
       camera_ = std::make_unique<hal::V4l2Camera>(board.camera);
       break;
@@ -32,7 +36,7 @@ Status Devices::make(const config::Configuration& configuration, std::uint64_t /
   }
   switch (board.radio.backend) {
     case hal::RadioBackend::kMock:
-      return ErrorCode::kUnsupported;
+      return no_arena("radio");
     case hal::RadioBackend::kSerial:
       radio_ = std::make_unique<hal::SerialRadio>(board.radio);
       break;
@@ -42,7 +46,7 @@ Status Devices::make(const config::Configuration& configuration, std::uint64_t /
   }
   switch (board.gpio.backend) {
     case hal::GpioBackend::kMock:
-      return ErrorCode::kUnsupported;
+      return no_arena("gpio");
     case hal::GpioBackend::kGpiod:
       gpio_ = std::make_unique<hal::GpiodGpio>(board.gpio);
       break;

@@ -8,21 +8,21 @@ namespace touchline {
 /// Everything that can go wrong while frames flow. `firmware/fault_policy.h` maps each code to what is done about it.
 enum class ErrorCode : std::uint8_t {
   kOk,
-  kTimeout,          // nothing arrived before the deadline
-  kBusy,             // queue full; nothing was taken
-  kEndOfStream,      // a replayed input has ended
-  kShortFrame,       // fewer bytes than the format needs
-  kCorruptFrame,     // the driver marked the buffer as bad, or a picture could not be decoded
-  kUnsupported,      // format, size or feature that cannot be served
-  kNotFound,         // no such device, file or port
-  kPermission,       // the system refuses access
-  kDeviceBusy,       // held by another process
-  kDisconnected,     // the device went away
-  kIo,               // any other failure of the device
-  kOutOfRange,       // a value outside its documented range
-  kInconsistent,     // values that contradict each other
-  kFull,             // a fixed capacity was reached; what fits is there
-  kStopped,          // asked to leave
+  kTimeout,       // nothing arrived before the deadline
+  kBusy,          // queue full; nothing was taken
+  kEndOfStream,   // a replayed input has ended
+  kShortFrame,    // fewer bytes than the format needs
+  kCorruptFrame,  // the driver marked the buffer as bad, or a picture could not be decoded
+  kUnsupported,   // format, size or feature that cannot be served
+  kNotFound,      // no such device, file or port
+  kPermission,    // the system refuses access
+  kDeviceBusy,    // held by another process
+  kDisconnected,  // the device went away
+  kIo,            // any other failure of the device
+  kOutOfRange,    // a value outside its documented range
+  kInconsistent,  // values that contradict each other
+  kFull,          // a fixed capacity was reached; what fits is there
+  kStopped,       // asked to leave
 };
 
 /// A short lower-case English phrase ("device disconnected").
@@ -45,8 +45,8 @@ class [[nodiscard]] Status {
 template <class T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : value_(std::move(value)) {}                // NOLINT(google-explicit-constructor)
-  Result(ErrorCode code) : value_(), code_(code) {}            // NOLINT(google-explicit-constructor)
+  Result(T value) : value_(std::move(value)) {}      // NOLINT(google-explicit-constructor)
+  Result(ErrorCode code) : value_(), code_(code) {}  // NOLINT(google-explicit-constructor)
   [[nodiscard]] bool ok() const { return code_ == ErrorCode::kOk; }
   [[nodiscard]] ErrorCode error() const { return code_; }
   /// Only when ok().

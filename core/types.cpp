@@ -4,30 +4,48 @@ namespace touchline {
 
 const char* describe(Verdict verdict) noexcept {
   switch (verdict) {
-    case Verdict::kNotExamined: return "color of no patch";
-    case Verdict::kTeamPatch: return "team patch";
-    case Verdict::kIdentification: return "identification patch";
-    case Verdict::kBall: return "ball";
-    case Verdict::kFragment: return "fragment of a patch";
-    case Verdict::kTooSmall: return "too small";
-    case Verdict::kTooLarge: return "too large";
-    case Verdict::kWrongShape: return "wrong shape";
-    case Verdict::kOutsideField: return "outside the field";
-    case Verdict::kTooClose: return "too close to a larger team patch";
-    case Verdict::kNoPartner: return "no partner at the right distance";
-    case Verdict::kPartnerTaken: return "partner belongs to a better match";
-    case Verdict::kSurplus: return "more than there are";
+    case Verdict::kNotExamined:
+      return "color of no patch";
+    case Verdict::kTeamPatch:
+      return "team patch";
+    case Verdict::kIdentification:
+      return "identification patch";
+    case Verdict::kBall:
+      return "ball";
+    case Verdict::kFragment:
+      return "fragment of a patch";
+    case Verdict::kTooSmall:
+      return "too small";
+    case Verdict::kTooLarge:
+      return "too large";
+    case Verdict::kWrongShape:
+      return "wrong shape";
+    case Verdict::kOutsideField:
+      return "outside the field";
+    case Verdict::kTooClose:
+      return "too close to a larger team patch";
+    case Verdict::kNoPartner:
+      return "no partner at the right distance";
+    case Verdict::kPartnerTaken:
+      return "partner belongs to a better match";
+    case Verdict::kSurplus:
+      return "more than there are";
   }
   return "unknown";
 }
 
 const char* describe(Stage stage) noexcept {
   switch (stage) {
-    case Stage::kRegion: return "region";
-    case Stage::kMarker: return "marker";
-    case Stage::kTrack: return "track";
-    case Stage::kControl: return "control";
-    case Stage::kRadio: return "radio";
+    case Stage::kRegion:
+      return "region";
+    case Stage::kMarker:
+      return "marker";
+    case Stage::kTrack:
+      return "track";
+    case Stage::kControl:
+      return "control";
+    case Stage::kRadio:
+      return "radio";
   }
   return "unknown";
 }

@@ -64,10 +64,10 @@ constexpr ColorSpace color_space(PixelFormat format) {
 struct Frame {
   PixelFormat format = PixelFormat::kRgb24;
   std::uint16_t width_px = 0, height_px = 0;
-  std::array<const std::uint8_t*, 2> plane{};     // second one: NV12's interleaved U, V
+  std::array<const std::uint8_t*, 2> plane{};  // second one: NV12's interleaved U, V
   std::array<std::uint32_t, 2> stride_bytes{};
-  Instant capture_time{};                         // middle of the exposure as well as the driver knows it
-  std::uint32_t sequence = 0;                     // the driver's count: gaps are lost frames
+  Instant capture_time{};      // middle of the exposure as well as the driver knows it
+  std::uint32_t sequence = 0;  // the driver's count: gaps are lost frames
 };
 
 // --- color -> region ------------------------------------------------------------------------------------------------
@@ -112,7 +112,7 @@ enum class PatchRole : std::uint8_t { kTeam, kIdentification };
 
 struct PatchSighting {
   PatchRole role = PatchRole::kTeam;
-  std::uint8_t patch = 0;                         // index in the layout's list of patches
+  std::uint8_t patch = 0;  // index in the layout's list of patches
   ColorId color = kBackground;
   PixelPoint center;
 };
@@ -120,10 +120,10 @@ struct PatchSighting {
 /// What this frame alone shows of one robot.
 struct RobotSighting {
   Team team = Team::kOwn;
-  RobotId id = kUnknownId;                        // unknown is better than wrong
-  bool has_heading = false;                       // else theta_rad is meaningless and position is the team patch's
+  RobotId id = kUnknownId;   // unknown is better than wrong
+  bool has_heading = false;  // else theta_rad is meaningless and position is the team patch's
   Pose pose;
-  float residual_m = 0.0f;                        // RMS of the patches against their layout
+  float residual_m = 0.0f;  // RMS of the patches against their layout
   FixedVector<PatchSighting, kMaxPatches> patches;
 };
 
@@ -136,27 +136,27 @@ struct BallSighting {
 
 /// Why a region is, or is not, part of what was reported.
 enum class Verdict : std::uint8_t {
-  kNotExamined,      // color of no patch and no ball
+  kNotExamined,  // color of no patch and no ball
   kTeamPatch,
   kIdentification,
   kBall,
-  kFragment,         // merged into a patch by the weighted refinement
+  kFragment,  // merged into a patch by the weighted refinement
   kTooSmall,
   kTooLarge,
   kWrongShape,
   kOutsideField,
-  kTooClose,         // eq. (1): another team region of greater area stands there
-  kNoPartner,        // eq. (2): no region at the right distance
-  kPartnerTaken,     // its partner belongs to a better match
-  kSurplus,          // more of them than robots or balls on the field
+  kTooClose,      // eq. (1): another team region of greater area stands there
+  kNoPartner,     // eq. (2): no region at the right distance
+  kPartnerTaken,  // its partner belongs to a better match
+  kSurplus,       // more of them than robots or balls on the field
 };
 const char* describe(Verdict verdict) noexcept;
 
 struct Sightings {
   BallSighting ball;
   FixedVector<RobotSighting, kMaxRobots> robots;
-  FixedVector<Verdict, kMaxRegions> verdicts;     // one a region
-  bool cut_short = false;                         // more could be read into the picture than the bounded search tried
+  FixedVector<Verdict, kMaxRegions> verdicts;  // one a region
+  bool cut_short = false;                      // more could be read into the picture than the bounded search tried
 };
 
 // --- marker -> track ------------------------------------------------------------------------------------------------
@@ -167,9 +167,9 @@ struct RobotTrack {
   Team team = Team::kOwn;
   RobotId id = kUnknownId;
   TrackState state = TrackState::kLost;
-  Pose pose;                                      // at capture time
+  Pose pose;  // at capture time
   Twist twist;
-  Pose pose_at_action;                            // when the command computed from it will act
+  Pose pose_at_action;  // when the command computed from it will act
   Twist twist_at_action;
   // Standard deviations of x (m), y (m), theta (rad) at capture time. A robot whose heading was never seen has 1.81
   // (nothing known); its theta is then the direction in which it moves, its position that of its team patch.
@@ -179,7 +179,7 @@ struct RobotTrack {
 
 struct BallTrack {
   TrackState state = TrackState::kLost;
-  FieldPoint position, velocity;                  // m and m/s at capture time
+  FieldPoint position, velocity;  // m and m/s at capture time
   FieldPoint position_at_action, velocity_at_action;
   float sigma_m = 0.0f;
   Instant last_seen{};
@@ -188,23 +188,23 @@ struct BallTrack {
 struct Tracks {
   Instant capture_time{}, action_time{};
   BallTrack ball;
-  FixedVector<RobotTrack, kMaxRobots> robots;     // states kNew, kSeen and kCoasting; lost ones are not listed
+  FixedVector<RobotTrack, kMaxRobots> robots;  // states kNew, kSeen and kCoasting; lost ones are not listed
 };
 
 // --- track -> control -> radio --------------------------------------------------------------------------------------
 
 struct WheelSpeeds {
-  float left_mps = 0.0f, right_mps = 0.0f;        // of the rim
+  float left_mps = 0.0f, right_mps = 0.0f;  // of the rim
 };
 
 struct RobotCommand {
   RobotId id = kUnknownId;
-  Twist twist;                                    // after all limits; what the filter is driven by
+  Twist twist;  // after all limits; what the filter is driven by
   WheelSpeeds wheels;
 };
 
 struct Commands {
-  bool stop = true;                               // robots must halt, whatever the list says
+  bool stop = true;  // robots must halt, whatever the list says
   FixedVector<RobotCommand, kMaxRobotsPerTeam> robots;
 };
 
@@ -214,22 +214,22 @@ using Packet = FixedVector<std::byte, kMaxPacketBytes>;
 
 // --- the whole way --------------------------------------------------------------------------------------------------
 
-enum class Stage : std::uint8_t { kRegion, kMarker, kTrack, kControl, kRadio };   // classification is part of kRegion
+enum class Stage : std::uint8_t { kRegion, kMarker, kTrack, kControl, kRadio };  // classification is part of kRegion
 constexpr std::size_t kStageCount = 5;
 const char* describe(Stage stage) noexcept;
 
 /// Everything that one frame led to. Recorder, console, latency report and tests read this and nothing else.
 struct StepTrace {
-  Frame frame;                                    // its pixels are gone once the lease is given back
+  Frame frame;  // its pixels are gone once the lease is given back
   Runs runs;
   Regions regions;
   Sightings sightings;
   Tracks tracks;
   Commands commands;
   Packet packet;
-  Status status;                                  // of the scan: kUnsupported (nothing seen), kFull (see overload)
+  Status status;  // of the scan: kUnsupported (nothing seen), kFull (see overload)
   std::array<Duration, kStageCount> stage_time{};
-  bool overload = false;                          // some capacity was reached; the counters say which
+  bool overload = false;  // some capacity was reached; the counters say which
   std::uint32_t runs_dropped = 0, regions_dropped = 0;
 };
 

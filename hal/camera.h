@@ -45,7 +45,7 @@ class FrameLease {
 struct CameraInfo {
   PixelFormat format = PixelFormat::kRgb24;
   std::uint16_t width_px = 0, height_px = 0;
-  double rate_hz = 0.0;              // 0: the input has no rate of its own
+  double rate_hz = 0.0;  // 0: the input has no rate of its own
 };
 
 /// One source of frames. After any error but kTimeout, kShortFrame and kCorruptFrame: close() and open() again.

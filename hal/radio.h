@@ -11,7 +11,7 @@
 namespace touchline::hal {
 
 struct RadioCounters {
-  std::uint64_t packets = 0, bytes = 0, refused = 0;   // refused: kBusy or an error
+  std::uint64_t packets = 0, bytes = 0, refused = 0;  // refused: kBusy or an error
 };
 
 /// The link to the robots.

@@ -122,7 +122,7 @@ CameraModel::Vector3 CameraModel::direction(Vector2 pixel) const {
   }
   double level = std::hypot(d[0], d[1]);
   if (d[2] > -kLeastDip * level) {
-    if (level == 0.0) d[0] = level = 1.0;         // straight up: any azimuth will do
+    if (level == 0.0) d[0] = level = 1.0;  // straight up: any azimuth will do
     d[2] = -kLeastDip * level;
   }
   const double norm = std::hypot(level, d[2]);
@@ -132,7 +132,7 @@ CameraModel::Vector3 CameraModel::direction(Vector2 pixel) const {
 CameraModel::Vector2 CameraModel::project(Vector3 point) const {
   const Vector3 d{point[0] - position_[0], point[1] - position_[1], point[2] - position_[2]};
   if (kind_ == CameraModelKind::kPaper) {
-    const double down = position_[2] / -d[2];     // the line of sight, lengthened down to the floor
+    const double down = position_[2] / -d[2];  // the line of sight, lengthened down to the floor
     return paper_pixel({position_[0] + down * d[0], position_[1] + down * d[1]});
   }
   Vector3 c{};

@@ -14,9 +14,9 @@ enum class CameraModelKind : std::uint8_t { kFull, kPaper };
 /// Pinhole, radial and tangential distortion, pose.
 struct FullModelParameters {
   float fx_px = 0, fy_px = 0, cx_px = 0, cy_px = 0;
-  float k1 = 0, k2 = 0, k3 = 0, p1 = 0, p2 = 0;   // Brown 1971, on normalized coordinates
-  std::array<float, 3> rotation_rad{};            // rotation vector, field frame -> camera frame (z forward, y down)
-  std::array<float, 3> position_m{};              // of the camera in the field frame
+  float k1 = 0, k2 = 0, k3 = 0, p1 = 0, p2 = 0;  // Brown 1971, on normalized coordinates
+  std::array<float, 3> rotation_rad{};           // rotation vector, field frame -> camera frame (z forward, y down)
+  std::array<float, 3> position_m{};             // of the camera in the field frame
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -38,10 +38,10 @@ struct FullModelParameters {
 /// Klancar eq. (12)-(15), and the affine part that is left after them.
 struct PaperModelParameters {
   float center_u_px = 0, center_v_px = 0;
-  float focal_px = 0;                             // H of eq. (12)
-  float p_per_px = 0, q_per_px = 0;               // eq. (14)
-  std::array<float, 6> affine{};                  // x_m = a0 x + a1 y + a2, y_m = a3 x + a4 y + a5 of the floor
-  std::array<float, 3> position_m{};              // of the camera; its height lets objects stand above the floor
+  float focal_px = 0;                 // H of eq. (12)
+  float p_per_px = 0, q_per_px = 0;   // eq. (14)
+  std::array<float, 6> affine{};      // x_m = a0 x + a1 y + a2, y_m = a3 x + a4 y + a5 of the floor
+  std::array<float, 3> position_m{};  // of the camera; its height lets objects stand above the floor
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -74,7 +74,7 @@ struct CameraParameters {
 
 /// A line of sight in the field frame.
 struct Ray {
-  std::array<float, 3> origin_m{}, direction{};   // direction: unit vector away from the camera
+  std::array<float, 3> origin_m{}, direction{};  // direction: unit vector away from the camera
 };
 
 /// Pixel -> ray -> plane, and back. Only coordinates are transformed, never a picture.
@@ -107,9 +107,9 @@ class CameraModel {
   using Vector2 = std::array<double, 2>;
   using Vector3 = std::array<double, 3>;
 
-  [[nodiscard]] Vector3 direction(Vector2 pixel) const;      // unit vector, pointing below the horizon
-  [[nodiscard]] Vector2 project(Vector3 point) const;        // field frame, below the camera
-  [[nodiscard]] Vector2 paper_floor(Vector2 pixel) const;    // eq. (12)-(14) and the affine part
+  [[nodiscard]] Vector3 direction(Vector2 pixel) const;    // unit vector, pointing below the horizon
+  [[nodiscard]] Vector2 project(Vector3 point) const;      // field frame, below the camera
+  [[nodiscard]] Vector2 paper_floor(Vector2 pixel) const;  // eq. (12)-(14) and the affine part
   [[nodiscard]] Vector2 paper_pixel(Vector2 floor) const;
   [[nodiscard]] double below_camera(float height_m) const;
 
@@ -118,7 +118,7 @@ class CameraModel {
   // full
   Vector2 focal_{1, 1}, principal_{};
   BrownDistortion distortion_;
-  std::array<Vector3, 3> rotation_{};             // rows; field -> camera
+  std::array<Vector3, 3> rotation_{};  // rows; field -> camera
   // paper
   Vector2 center_{};
   double h_ = 1, p_ = 0, q_ = 0;

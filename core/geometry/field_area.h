@@ -8,7 +8,7 @@ namespace touchline {
 struct FieldParameters {
   float length_m = 2.2f, width_m = 1.8f;
   float goal_width_m = 0.4f, goal_depth_m = 0.15f;
-  float margin_m = 0.1f;             // sightings farther outside the border (and its goals) are refused
+  float margin_m = 0.1f;  // sightings farther outside the border (and its goals) are refused
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {

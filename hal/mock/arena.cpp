@@ -1,0 +1,96 @@
+#include "hal/mock/arena.h"
+
+#include <algorithm>
+
+namespace touchline::hal::mock {
+namespace {
+
+constexpr Duration kStep = std::chrono::milliseconds(1);
+static_assert(seconds(kStep) == World::kStepS);
+
+}  // namespace
+
+Arena::Arena(const ArenaParameters& parameters, const CameraSettings& camera, const RadioSettings& radio,
+             std::uint64_t seed, Instant begin)
+    : parameters_(parameters),
+      camera_(camera),
+      world_(parameters, seed),
+      channel_(parameters, radio.baud, seed),
+      renderer_(parameters, camera.width_px, camera.height_px),
+      sensor_(parameters.sensor, camera.format, camera.width_px, camera.height_px, seed),
+      begin_(begin),
+      now_(begin),
+      stepped_(begin) {}
+
+bool Arena::faulty(FaultKind kind) const {
+  const double t = seconds(now_ - begin_);
+  return std::any_of(parameters_.fault.begin(), parameters_.fault.end(), [&](const ArenaFault& fault) {
+    return fault.kind == kind && t >= fault.at_s && t < fault.at_s + fault.for_s;
+  });
+}
+
+void Arena::advance_to(Instant instant) {
+  while (stepped_ + kStep <= instant) {
+    stepped_ += kStep;
+    now_ = std::max(now_, stepped_);
+    channel_.deliver(stepped_, world_);
+    world_.step();
+    if (streaming_) open_or_close_shutter();
+  }
+  now_ = std::max(now_, instant);
+}
+
+void Arena::start_camera() {
+  streaming_ = true;
+  first_exposure_ = now_;
+  next_frame_ = 0;
+  exposing_.reset();
+  waiting_.clear();
+  held_ = 0;
+}
+
+Instant Arena::exposure_begin(std::uint64_t frame) const {
+  return first_exposure_ + from_seconds(static_cast<double>(frame) / camera_.rate_hz);
+}
+
+void Arena::open_or_close_shutter() {
+  if (!exposing_ && stepped_ >= exposure_begin(next_frame_)) {
+    const auto sequence = static_cast<std::uint32_t>(next_frame_++);
+    if (faulty(FaultKind::kCameraStall) || faulty(FaultKind::kCameraLost)) return;
+    if (held_ + static_cast<int>(waiting_.size()) >= camera_.buffers) return;
+    Shot shot;
+    shot.begin = world_.snapshot();
+    shot.sequence = sequence;
+    exposing_ = shot;
+    exposing_since_ = stepped_;
+  }
+  if (exposing_ && stepped_ >= exposing_since_ + from_seconds(parameters_.sensor.exposure_s)) {
+    exposing_->end = world_.snapshot();
+    exposing_->capture_time = exposing_since_ + (stepped_ - exposing_since_) / 2;
+    exposing_->ready = stepped_ + from_seconds(parameters_.sensor.transfer_s);
+    waiting_.push_back(*exposing_);
+    exposing_.reset();
+  }
+}
+
+std::optional<Instant> Arena::next_ready() const {
+  if (!streaming_) return std::nullopt;
+  if (!waiting_.empty()) return waiting_[0].ready;
+  const Instant begin = exposing_ ? exposing_since_ : std::max(exposure_begin(next_frame_), stepped_);
+  // The shutter works on the world's steps, which round both of its instants up.
+  return begin + from_seconds(parameters_.sensor.exposure_s) + from_seconds(parameters_.sensor.transfer_s) + 2 * kStep;
+}
+
+std::optional<Shot> Arena::take_shot() {
+  if (waiting_.empty() || waiting_[0].ready > now_) return std::nullopt;
+  const Shot shot = waiting_[0];
+  std::copy(waiting_.begin() + 1, waiting_.end(), waiting_.begin());
+  waiting_.pop_back();
+  return shot;
+}
+
+void Arena::draw(const Shot& shot, std::span<std::uint8_t> out) {
+  sensor_.expose(faulty(FaultKind::kDark) ? renderer_.render_dark() : renderer_.render(shot.begin, shot.end), out);
+}
+
+}  // namespace touchline::hal::mock

@@ -1,0 +1,64 @@
+#include "hal/mock/lens.h"
+
+#include <cmath>
+
+namespace touchline::hal::mock {
+namespace {
+
+double dot3(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec3 cross3(const Vec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+Vec3 unit(const Vec3& a) {
+  const double norm = std::sqrt(dot3(a, a));
+  return {a[0] / norm, a[1] / norm, a[2] / norm};
+}
+Vec3 mixed(const Vec3& a, double s, const Vec3& b, double t) {
+  return {s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2]};
+}
+
+}  // namespace
+
+Lens::Lens(const LensParameters& parameters)
+    : focal_(parameters.focal_px),
+      cubic_(parameters.cubic),
+      center_{parameters.center_u_px, parameters.center_v_px},
+      position_(parameters.position_m) {
+  const Vec3 forward = unit({parameters.aim_m[0] - position_[0], parameters.aim_m[1] - position_[1], -position_[2]});
+  // Down in the picture is -y of the field, as far as the axis lets it.
+  const Vec3 right = unit(cross3({0.0, -1.0, 0.0}, forward));
+  const Vec3 down = cross3(forward, right);
+  const double c = std::cos(parameters.roll_rad), s = std::sin(parameters.roll_rad);
+  rotation_ = {mixed(right, c, down, s), mixed(right, -s, down, c), forward};
+}
+
+std::array<double, 2> Lens::project(Vec3 point_m) const {
+  const Vec3 away{point_m[0] - position_[0], point_m[1] - position_[1], point_m[2] - position_[2]};
+  const double x = dot3(rotation_[0], away), y = dot3(rotation_[1], away), z = dot3(rotation_[2], away);
+  const double aside = std::hypot(x, y);
+  if (aside <= 0.0) return center_;
+  const double angle = std::atan2(aside, z);
+  const double radius = focal_ * (angle + cubic_ * angle * angle * angle);
+  return {center_[0] + radius * x / aside, center_[1] + radius * y / aside};
+}
+
+Vec3 Lens::direction(double u_px, double v_px) const {
+  const double x = u_px - center_[0], y = v_px - center_[1];
+  const double radius = std::hypot(x, y);
+  double angle = radius / focal_;
+  for (int i = 0; i < 20; ++i) {
+    const double slope = 1.0 + 3.0 * cubic_ * angle * angle;
+    const double change = (angle + cubic_ * angle * angle * angle - radius / focal_) / slope;
+    angle -= change;
+    if (std::abs(change) < 1e-14) break;
+  }
+  const double aside = radius > 0.0 ? std::sin(angle) / radius : 0.0;
+  const Vec3 local{aside * x, aside * y, std::cos(angle)};
+  Vec3 out{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    out[i] = rotation_[0][i] * local[0] + rotation_[1][i] * local[1] + rotation_[2][i] * local[2];
+  }
+  return out;
+}
+
+}  // namespace touchline::hal::mock

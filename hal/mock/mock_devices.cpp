@@ -1,0 +1,181 @@
+#include "hal/mock/mock_devices.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace touchline::hal::mock {
+namespace {
+
+// Made once: a failing device must not allocate in the loop.
+const std::string kNothing;
+const std::string kCameraLost = "mock camera: unplugged (an [[arena.fault]])";
+const std::string kCameraStall = "mock camera: no frame came in time";
+const std::string kCameraBad = "mock camera: the frame is damaged (an [[arena.fault]])";
+const std::string kCameraHeld = "mock camera: every buffer is held by somebody";
+const std::string kCameraClosed = "mock camera: used before it was opened and started";
+const std::string kRadioLost = "mock radio: unplugged (an [[arena.fault]])";
+const std::string kRadioBusy = "mock radio: the line's queue is full";
+const std::string kRadioClosed = "mock radio: used before it was opened";
+const std::string kGpioClosed = "mock gpio: used before it was opened";
+
+}  // namespace
+
+MockCamera::MockCamera(Arena& arena, Clock& clock)
+    : arena_(arena),
+      clock_(clock),
+      info_{arena.camera().format, arena.camera().width_px, arena.camera().height_px, arena.camera().rate_hz},
+      layout_(layout_of(info_.format, info_.width_px, info_.height_px)),
+      reason_(&kNothing) {}
+
+Status MockCamera::do_open() {
+  arena_.advance_to(clock_.now());
+  if (arena_.faulty(FaultKind::kCameraLost)) {
+    reason_ = &kCameraLost;
+    return ErrorCode::kNotFound;
+  }
+  const auto count = static_cast<std::size_t>(arena_.camera().buffers);
+  buffers_.assign(count, std::vector<std::uint8_t>(layout_.bytes));
+  held_.assign(count, false);
+  open_ = true;
+  reason_ = &kNothing;
+  return {};
+}
+
+Status MockCamera::do_start() {
+  if (!open_) {
+    reason_ = &kCameraClosed;
+    return ErrorCode::kIo;
+  }
+  arena_.start_camera();
+  streaming_ = true;
+  return {};
+}
+
+Result<FrameLease> MockCamera::do_wait(Instant deadline) {
+  if (!streaming_) {
+    reason_ = &kCameraClosed;
+    return ErrorCode::kIo;
+  }
+  for (;;) {
+    arena_.advance_to(clock_.now());
+    if (arena_.faulty(FaultKind::kCameraLost)) {
+      reason_ = &kCameraLost;
+      return ErrorCode::kDisconnected;
+    }
+    if (const std::optional<Shot> shot = arena_.take_shot()) return hand_out(*shot);
+    if (clock_.now() >= deadline) {
+      reason_ = &kCameraStall;
+      return ErrorCode::kTimeout;
+    }
+    clock_.sleep_until(std::min(deadline, arena_.next_ready().value_or(deadline)));
+  }
+}
+
+Result<FrameLease> MockCamera::hand_out(const Shot& shot) {
+  if (arena_.faulty(FaultKind::kFrameShort) || arena_.faulty(FaultKind::kFrameCorrupt)) {
+    reason_ = &kCameraBad;
+    return arena_.faulty(FaultKind::kFrameShort) ? ErrorCode::kShortFrame : ErrorCode::kCorruptFrame;
+  }
+  const auto free = std::find(held_.begin(), held_.end(), false);
+  if (free == held_.end()) {
+    reason_ = &kCameraHeld;
+    return ErrorCode::kTimeout;
+  }
+  const auto buffer = static_cast<std::size_t>(free - held_.begin());
+  *free = true;
+  arena_.hold_buffer();
+  std::vector<std::uint8_t>& bytes = buffers_[buffer];
+  arena_.draw(shot, bytes);
+  Frame frame;
+  frame.format = info_.format;
+  frame.width_px = info_.width_px;
+  frame.height_px = info_.height_px;
+  frame.plane[0] = bytes.data();
+  if (layout_.second_plane != 0) frame.plane[1] = bytes.data() + layout_.second_plane;
+  frame.stride_bytes = layout_.stride_bytes;
+  frame.capture_time = shot.capture_time;
+  frame.sequence = shot.sequence;
+  return FrameLease(*this, frame, static_cast<std::uint32_t>(buffer));
+}
+
+void MockCamera::do_release(std::uint32_t buffer) noexcept {
+  held_[buffer] = false;
+  arena_.release_buffer();
+}
+
+void MockCamera::do_stop() {
+  arena_.stop_camera();
+  streaming_ = false;
+}
+
+void MockCamera::do_close() {
+  do_stop();
+  open_ = false;
+}
+
+MockRadio::MockRadio(Arena& arena, Clock& clock) : arena_(arena), clock_(clock), reason_(&kNothing) {}
+
+Status MockRadio::do_open() {
+  arena_.advance_to(clock_.now());
+  if (arena_.faulty(FaultKind::kRadioLost)) {
+    reason_ = &kRadioLost;
+    return ErrorCode::kNotFound;
+  }
+  open_ = true;
+  reason_ = &kNothing;
+  return {};
+}
+
+Status MockRadio::do_send(std::span<const std::byte> bytes) {
+  if (!open_) {
+    reason_ = &kRadioClosed;
+    return ErrorCode::kIo;
+  }
+  const Instant now = clock_.now();
+  arena_.advance_to(now);
+  if (arena_.faulty(FaultKind::kRadioLost)) {
+    reason_ = &kRadioLost;
+    return ErrorCode::kDisconnected;
+  }
+  const Status status =
+      arena_.faulty(FaultKind::kRadioBusy) ? Status(ErrorCode::kBusy) : arena_.channel().send(bytes, now);
+  if (!status.ok()) reason_ = &kRadioBusy;
+  return status;
+}
+
+Status MockRadio::do_drain(Instant deadline) {
+  const Instant drained = arena_.channel().drained();
+  clock_.sleep_until(std::min(deadline, drained));
+  arena_.advance_to(clock_.now());
+  if (drained <= deadline) return {};
+  reason_ = &kRadioBusy;
+  return ErrorCode::kTimeout;
+}
+
+MockGpio::MockGpio(Arena& arena, Clock& clock) : arena_(arena), clock_(clock), reason_(&kNothing) {}
+
+Status MockGpio::do_open() {
+  open_ = true;
+  reason_ = &kNothing;
+  return {};
+}
+
+Status MockGpio::do_set_status_led(bool on) {
+  if (!open_) {
+    reason_ = &kGpioClosed;
+    return ErrorCode::kIo;
+  }
+  led_ = on;
+  return {};
+}
+
+Result<bool> MockGpio::do_emergency_stop() {
+  if (!open_) {
+    reason_ = &kGpioClosed;
+    return ErrorCode::kIo;
+  }
+  arena_.advance_to(clock_.now());
+  return arena_.faulty(FaultKind::kEmergencyStop);
+}
+
+}  // namespace touchline::hal::mock

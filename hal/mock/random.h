@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+namespace touchline::hal::mock {
+
+/// xoshiro256** (Blackman and Vigna, "Scrambled linear pseudorandom number generators", 2021), seeded by splitmix64.
+/// The standard library's distributions differ from one library to the next; a game must not.
+class Random {
+ public:
+  /// Streams of one seed are independent: physics, radio and sensor each have their own, so that a change of one
+  /// leaves the others as they are.
+  Random(std::uint64_t seed, std::uint64_t stream) {
+    std::uint64_t x = seed + 0x9E3779B97F4A7C15U * (stream + 1);
+    for (std::uint64_t& word : state_) {
+      x += 0x9E3779B97F4A7C15U;
+      std::uint64_t z = x;
+      z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
+      z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
+      word = z ^ (z >> 31U);
+    }
+  }
+
+  std::uint64_t bits() {
+    const std::uint64_t result = rotate(state_[1] * 5, 7) * 9;
+    const std::uint64_t t = state_[1] << 17U;
+    state_[2] ^= state_[0];
+    state_[3] ^= state_[1];
+    state_[1] ^= state_[2];
+    state_[0] ^= state_[3];
+    state_[2] ^= t;
+    state_[3] = rotate(state_[3], 45);
+    return result;
+  }
+  /// In [0, 1).
+  double uniform() { return static_cast<double>(bits() >> 11U) * 0x1p-53; }
+  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+  bool happens(double probability) { return uniform() < probability; }
+  /// Standard normal (Box and Muller 1958).
+  double normal() {
+    const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
+    return radius * std::cos(2.0 * std::numbers::pi * uniform());
+  }
+  /// Mean 1.
+  double exponential() { return -std::log(1.0 - uniform()); }
+
+ private:
+  static std::uint64_t rotate(std::uint64_t x, unsigned k) { return (x << k) | (x >> (64U - k)); }
+  std::array<std::uint64_t, 4> state_{};
+};
+
+/// Standard normal values, four from one draw: quantiles, in a table of 2^16, which is what a picture's noise of a
+/// million values a frame can afford. Beyond 4.3 standard deviations it has none.
+class NormalTable {
+ public:
+  static constexpr std::size_t kSize = 65536;
+
+  NormalTable() : values_(kSize) {
+    // The quantile of each bin's middle by Newton's method on the error function; the bins are symmetric.
+    double x = -4.4;
+    for (std::size_t i = 0; i < kSize; ++i) {
+      const double p = (static_cast<double>(i) + 0.5) / static_cast<double>(kSize);
+      for (int step = 0; step < 30; ++step) {
+        const double error = 0.5 * std::erfc(-x / std::numbers::sqrt2) - p;
+        const double density = std::exp(-0.5 * x * x) / std::sqrt(2.0 * std::numbers::pi);
+        const double change = error / density;
+        x -= change;
+        if (std::abs(change) < 1e-9) break;
+      }
+      values_[i] = static_cast<float>(x);
+    }
+  }
+  [[nodiscard]] float operator[](std::uint64_t sixteen_bits) const { return values_[sixteen_bits & 0xFFFFU]; }
+
+ private:
+  std::vector<float> values_;
+};
+
+}  // namespace touchline::hal::mock

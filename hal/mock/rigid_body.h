@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+#include "core/fixed_vector.h"
+
+// Plane mechanics of squares, one circle and walls: what collides, and the impulses that part it.
+namespace touchline::hal::mock {
+
+struct Vec2 {
+  double x = 0.0, y = 0.0;
+  friend Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
+  friend Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
+  friend Vec2 operator*(double s, Vec2 a) { return {s * a.x, s * a.y}; }
+  friend Vec2 operator-(Vec2 a) { return {-a.x, -a.y}; }
+};
+inline double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
+inline double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+inline Vec2 perpendicular(Vec2 a) { return {-a.y, a.x}; }
+inline double length(Vec2 a) { return std::sqrt(dot(a, a)); }
+inline Vec2 rotated(Vec2 a, double angle_rad) {
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  return {c * a.x - s * a.y, s * a.x + c * a.y};
+}
+
+/// SI units; `w` counter-clockwise.
+struct Body {
+  Vec2 position, velocity;
+  double theta = 0.0, w = 0.0;
+  double inverse_mass = 0.0, inverse_inertia = 0.0;
+};
+
+/// A square about the body's center, turned with it.
+struct Square {
+  Body* body = nullptr;
+  double half_side_m = 0.0;
+};
+
+struct Circle {
+  Body* body = nullptr;
+  double radius_m = 0.0;
+};
+
+/// One side of the field's outline; the field lies to the left of the way from `begin` to `end`.
+struct Wall {
+  Vec2 begin, end;
+};
+
+/// `b` null: the world, which does not move. The normal points from b to a.
+struct Contact {
+  Body* a = nullptr;
+  Body* b = nullptr;
+  Vec2 point, normal;
+  double depth_m = 0.0;
+  double restitution = 0.0, friction = 0.0;
+  double normal_impulse = 0.0, tangent_impulse = 0.0, bounce_mps = 0.0;
+};
+
+// A robot among ten others and in a corner has about a dozen; 22 robots in one heap 150.
+using Contacts = FixedVector<Contact, 512>;
+
+struct Surface {
+  double restitution = 0.0, friction = 0.0;
+};
+
+/// These add the contacts of a pair, none when it does not touch.
+void collide(const Square& a, const Square& b, Surface surface, Contacts& out);
+void collide(const Square& a, const Wall& wall, Surface surface, Contacts& out);
+void collide(const Circle& a, const Square& b, Surface surface, Contacts& out);
+void collide(const Circle& a, const Wall& wall, Surface surface, Contacts& out);
+
+/// Sequential impulses with accumulated clamping (Catto, "Iterative Dynamics with Temporal Coherence", GDC 2005), then
+/// a part of the remaining overlap is removed from the positions.
+void resolve(Contacts& contacts);
+
+}  // namespace touchline::hal::mock

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/types.h"
+#include "hal/mock/arena_parameters.h"
+#include "hal/mock/random.h"
+
+namespace touchline::hal::mock {
+
+/// How a picture of some format lies in a buffer.
+struct PictureLayout {
+  std::array<std::uint32_t, 2> stride_bytes{};
+  std::size_t second_plane = 0;  // its offset; NV12 only
+  std::size_t bytes = 0;
+};
+PictureLayout layout_of(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px);
+
+/// From linear light to the camera's numbers: shot and read noise, tone curve, 8 bits, RGB or YUV (BT.601, full range).
+class Sensor {
+ public:
+  Sensor(const SensorParameters& parameters, PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,
+         std::uint64_t seed);
+
+  /// `linear`: R, G, B of each pixel, 0 to kLinearScale. `out`: layout_of() bytes. Allocates nothing.
+  void expose(std::span<const std::uint16_t> linear, std::span<std::uint8_t> out);
+
+ private:
+  void develop_row(const std::uint16_t* linear);
+  void write_row(std::size_t row, std::span<std::uint8_t> out);
+
+  PixelFormat format_;
+  std::size_t width_ = 0, height_ = 0;
+  PictureLayout layout_;
+  Random random_;
+  NormalTable normal_;
+  std::vector<float> sigma_;           // by linear value
+  std::vector<std::uint8_t> tone_;     // likewise
+  std::vector<std::uint8_t> row_;      // R, G, B of one row
+  std::vector<std::uint16_t> chroma_;  // sums of U, V of a row's pairs, for NV12's second row
+};
+
+}  // namespace touchline::hal::mock

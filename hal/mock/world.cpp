@@ -1,0 +1,340 @@
+#include "hal/mock/world.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace touchline::hal::mock {
+namespace {
+
+constexpr double kGravity = 9.81;
+// Random slip comes and goes with this time constant: pebbles, not vibration.
+constexpr double kSlipTimeS = 0.05;
+// A ball that has moved less than this counts as lying still.
+constexpr double kStillM = 0.05;
+constexpr double kTouchM = 0.002;
+constexpr std::uint64_t kPhysicsStream = 1;
+
+double wrapped(double angle_rad) { return std::remainder(angle_rad, 2.0 * std::numbers::pi); }
+
+FixedVector<Wall, 24> outline(const FieldParameters& field) {
+  const double x = 0.5 * field.length_m, y = 0.5 * field.width_m, g = 0.5 * field.goal_width_m, d = field.goal_depth_m;
+  const double c = std::min(field.corner_m, y - g);
+  // Counter-clockwise from the opponent's goal; the field lies to the left.
+  const std::array<Vec2, 16> points{{{x, -g},
+                                     {x + d, -g},
+                                     {x + d, g},
+                                     {x, g},
+                                     {x, y - c},
+                                     {x - c, y},
+                                     {-x + c, y},
+                                     {-x, y - c},
+                                     {-x, g},
+                                     {-x - d, g},
+                                     {-x - d, -g},
+                                     {-x, -g},
+                                     {-x, -y + c},
+                                     {-x + c, -y},
+                                     {x - c, -y},
+                                     {x, -y + c}}};
+  FixedVector<Wall, 24> walls;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec2 begin = points[i], end = points[(i + 1) % points.size()];
+    if (length(end - begin) > 1e-9) walls.push_back({begin, end});
+  }
+  return walls;
+}
+
+class Fnv {
+ public:
+  void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
+  void add(Vec2 value) {
+    add(value.x);
+    add(value.y);
+  }
+  void add(std::uint64_t value) {
+    for (unsigned shift = 0; shift < 64; shift += 8) hash_ = (hash_ ^ ((value >> shift) & 0xFFU)) * 0x100000001B3U;
+  }
+  [[nodiscard]] std::uint64_t value() const { return hash_; }
+
+ private:
+  std::uint64_t hash_ = 0xCBF29CE484222325U;
+};
+
+}  // namespace
+
+Status validate(const ArenaParameters& parameters, std::string& reason) {
+  if (parameters.patch.empty()) {
+    reason = "patch: robots without any patch cannot be seen";
+    return ErrorCode::kInconsistent;
+  }
+  if (parameters.robot.size() > kMaxRobots) {
+    reason = "robot: " + std::to_string(parameters.robot.size()) + " robots, at most " + std::to_string(kMaxRobots);
+    return ErrorCode::kFull;
+  }
+  for (std::size_t i = 0; i < parameters.robot.size(); ++i) {
+    const ArenaRobot& robot = parameters.robot[i];
+    const std::string name = "robot[" + std::to_string(i) + "]";
+    if (robot.rgb.size() != 3 * (parameters.patch.size() - 1)) {
+      reason = name + ".rgb: has " + std::to_string(robot.rgb.size()) + " numbers, needs three for each of the " +
+               std::to_string(parameters.patch.size() - 1) + " patches after the team's";
+      return ErrorCode::kInconsistent;
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      if (parameters.robot[k].team == robot.team && parameters.robot[k].id == robot.id) {
+        reason = name + ".id: " + std::to_string(robot.id) + " is also that of robot[" + std::to_string(k) + "]";
+        return ErrorCode::kInconsistent;
+      }
+    }
+  }
+  return {};
+}
+
+World::World(const ArenaParameters& parameters, std::uint64_t seed)
+    : parameters_(parameters), random_(seed, kPhysicsStream), walls_(outline(parameters.field)) {
+  const PhysicsParameters& physics = parameters_.physics;
+  for (const ArenaRobot& entry : parameters_.robot) {
+    Robot robot;
+    robot.team = entry.team;
+    robot.id = entry.id;
+    robot.home = {entry.x_m, entry.y_m, entry.theta_rad};
+    robot.target = {entry.x_m, entry.y_m};
+    robot.body.inverse_mass = 1.0 / physics.robot_mass_kg;
+    // A homogeneous square's moment of inertia.
+    robot.body.inverse_inertia = 6.0 / (physics.robot_mass_kg * parameters_.robot_side_m * parameters_.robot_side_m);
+    for (double& gain : robot.gain) gain = 1.0 + physics.wheel_error * random_.normal();
+    if (!robots_.push_back(robot)) break;
+    place(robots_.size() - 1, robot.home);
+  }
+  ball_.inverse_mass = 1.0 / physics.ball_mass_kg;
+  // Seen from above the ball may spin about the vertical, which nobody sees and nothing resists: leave it out.
+  ball_.inverse_inertia = 0.0;
+  kick_off();
+}
+
+void World::place(std::size_t robot, const Placement& placement) {
+  Robot& moved = robots_[robot];
+  moved.body.position = {placement.x_m, placement.y_m};
+  moved.body.theta = wrapped(placement.theta_rad);
+  moved.body.velocity = {};
+  moved.body.w = 0.0;
+  moved.wheel_mps = {};
+}
+
+void World::place_ball(const Placement& placement, Vec2 velocity_mps) {
+  ball_.position = {placement.x_m, placement.y_m};
+  ball_.velocity = velocity_mps;
+  still_at_ = ball_.position;
+  still_s_ = 0.0;
+}
+
+void World::kick_off() {
+  // Not at the same spot each time: two teams that mirror each other would hold each other up for good.
+  place_ball({random_.uniform(-0.02, 0.02), random_.uniform(-0.05, 0.05), 0.0});
+}
+
+void World::drive(int id, double left_mps, double right_mps) {
+  for (Robot& robot : robots_) {
+    if (robot.team == Side::kOwn && robot.id == id) robot.wanted_mps = {left_mps, right_mps};
+  }
+}
+
+void World::step() {
+  if (parameters_.opponents == Opponents::kPlay) play_opponents();
+  for (Robot& robot : robots_) apply_tires(robot);
+  roll_ball();
+  collide_all();
+  const Vec2 before = ball_.position;
+  for (Robot& robot : robots_) {
+    robot.body.position = robot.body.position + kStepS * robot.body.velocity;
+    robot.body.theta = wrapped(robot.body.theta + kStepS * robot.body.w);
+  }
+  ball_.position = ball_.position + kStepS * ball_.velocity;
+  statistics_.ball_path_m += length(ball_.position - before);
+  count_touches();
+  referee();
+  ++steps_;
+}
+
+void World::apply_tires(Robot& robot) {
+  const PhysicsParameters& physics = parameters_.physics;
+  Body& body = robot.body;
+  const double follow = physics.wheel_lag_s > kStepS ? kStepS / physics.wheel_lag_s : 1.0;
+  const double slip_kick = physics.wheel_slip * std::sqrt(2.0 * kStepS / kSlipTimeS);
+  std::array<double, 2> rim{};
+  for (std::size_t i = 0; i < rim.size(); ++i) {
+    robot.wheel_mps[i] += follow * (robot.wanted_mps[i] - robot.wheel_mps[i]);
+    robot.slip[i] += -robot.slip[i] * kStepS / kSlipTimeS + slip_kick * random_.normal();
+    rim[i] = robot.wheel_mps[i] * (robot.gain[i] + robot.slip[i]);
+  }
+  const double ahead_wanted = 0.5 * (rim[0] + rim[1]);
+  const double turn_wanted = (rim[1] - rim[0]) / physics.wheel_base_m;
+  const Vec2 ahead = rotated({1.0, 0.0}, body.theta), left = perpendicular(ahead);
+  // The impulses that would make the body follow its wheels at once; tires give no more than their friction.
+  const double limit = physics.tire_friction * kGravity * kStepS;  // per mass
+  double along = ahead_wanted - dot(body.velocity, ahead);
+  double aside = -dot(body.velocity, left);
+  const double demand = std::sqrt(along * along + aside * aside);
+  if (demand > limit) {
+    along *= limit / demand;
+    aside *= limit / demand;
+  }
+  body.velocity = body.velocity + along * ahead + aside * left;
+  const double turn_limit = limit * 0.5 * physics.wheel_base_m * physics.robot_mass_kg * body.inverse_inertia;
+  body.w += std::clamp(turn_wanted - body.w, -turn_limit, turn_limit);
+}
+
+void World::roll_ball() {
+  const PhysicsParameters& physics = parameters_.physics;
+  const double speed = length(ball_.velocity);
+  if (speed <= 0.0) return;
+  const double loss = kStepS * (physics.ball_deceleration_mps2 + physics.ball_damping_per_s * speed);
+  if (loss >= speed) {
+    ball_.velocity = {};
+    return;
+  }
+  ball_.velocity = (1.0 - loss / speed) * ball_.velocity;
+  const double kick = physics.floor_roughness_mps_rts * std::sqrt(kStepS) * std::min(1.0, speed);
+  ball_.velocity = ball_.velocity + kick * Vec2{random_.normal(), random_.normal()};
+}
+
+void World::collide_all() {
+  const PhysicsParameters& physics = parameters_.physics;
+  const Surface hard{physics.robot_restitution, physics.contact_friction};
+  const Surface bouncy{physics.ball_restitution, physics.contact_friction};
+  const Circle ball{&ball_, parameters_.ball_radius_m};
+  contacts_.clear();
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    const Square a = square(robots_[i]);
+    for (std::size_t k = 0; k < i; ++k) collide(a, square(robots_[k]), hard, contacts_);
+    for (const Wall& wall : walls_) collide(a, wall, hard, contacts_);
+    collide(ball, a, bouncy, contacts_);
+  }
+  for (const Wall& wall : walls_) collide(ball, wall, bouncy, contacts_);
+  resolve(contacts_);
+}
+
+void World::count_touches() {
+  const Circle grown{&ball_, parameters_.ball_radius_m + kTouchM};
+  for (Robot& robot : robots_) {
+    contacts_.clear();
+    collide(grown, square(robot), {}, contacts_);
+    const bool touches = !contacts_.empty();
+    if (touches && !robot.at_ball && robot.team == Side::kOwn) ++statistics_.touches;
+    robot.at_ball = touches;
+  }
+}
+
+void World::referee() {
+  const double goal_line = 0.5 * parameters_.field.length_m + parameters_.ball_radius_m;
+  if (std::abs(ball_.position.x) > goal_line) {
+    ++(ball_.position.x > 0.0 ? statistics_.goals_own : statistics_.goals_opponent);
+    kick_off();
+    return;
+  }
+  if (length(ball_.position - still_at_) > kStillM) {
+    still_at_ = ball_.position;
+    still_s_ = 0.0;
+    return;
+  }
+  still_s_ += kStepS;
+  if (still_s_ > parameters_.physics.free_ball_after_s) {
+    ++statistics_.free_balls;
+    kick_off();
+  }
+}
+
+void World::play_opponents() {
+  const Robot* nearest = nullptr;
+  const Robot* keeper = nullptr;
+  double least = 0.0;
+  for (const Robot& robot : robots_) {
+    if (robot.team == Side::kOwn) continue;
+    if (keeper == nullptr) {
+      keeper = &robot;
+      continue;
+    }
+    const double distance = length(robot.body.position - ball_.position);
+    if (nearest == nullptr || distance < least) {
+      nearest = &robot;
+      least = distance;
+    }
+  }
+  for (Robot& robot : robots_) {
+    if (robot.team == Side::kOwn) continue;
+    if (&robot == keeper) {
+      const double reach = 0.5 * parameters_.field.goal_width_m;
+      robot.target = {0.5 * parameters_.field.length_m - parameters_.robot_side_m,
+                      std::clamp(ball_.position.y, -reach, reach)};
+    }
+    play_opponent(robot, &robot == nearest);
+  }
+}
+
+void World::play_opponent(Robot& robot, bool is_nearest) {
+  robot.decide_in_s -= kStepS;
+  if (robot.decide_in_s <= 0.0) {
+    robot.decide_in_s = random_.uniform(1.0, 3.0);
+    robot.target = {random_.uniform(-0.1, 0.4) * parameters_.field.length_m,
+                    random_.uniform(-0.4, 0.4) * parameters_.field.width_m};
+  }
+  const Vec2 way = (is_nearest ? ball_.position : robot.target) - robot.body.position;
+  const double distance = length(way);
+  const double bearing = distance > 0.0 ? std::atan2(way.y, way.x) - robot.body.theta : 0.0;
+  // Forwards or backwards, whichever needs the smaller turn.
+  const double ahead = std::abs(wrapped(bearing)) <= 0.5 * std::numbers::pi ? 1.0 : -1.0;
+  const double off = wrapped(ahead > 0.0 ? bearing : bearing + std::numbers::pi);
+  const double near = std::min(1.0, distance / 0.1);
+  const double speed = ahead * near * std::cos(off) * parameters_.opponent_speed_mps;
+  const double turn = near * std::clamp(4.0 * off, -4.0, 4.0);
+  const double half_base = 0.5 * parameters_.physics.wheel_base_m;
+  robot.wanted_mps = {speed - turn * half_base, speed + turn * half_base};
+}
+
+Snapshot World::snapshot() const {
+  Snapshot all;
+  for (const Robot& robot : robots_) {
+    all.robots.push_back({robot.body.position.x, robot.body.position.y, robot.body.theta});
+  }
+  all.ball = {ball_.position.x, ball_.position.y, 0.0};
+  return all;
+}
+
+double World::energy() const {
+  const auto of = [](const Body& body) {
+    const double turning = body.inverse_inertia > 0.0 ? body.w * body.w / body.inverse_inertia : 0.0;
+    return 0.5 * (dot(body.velocity, body.velocity) / body.inverse_mass + turning);
+  };
+  double sum = of(ball_);
+  for (const Robot& robot : robots_) sum += of(robot.body);
+  return sum;
+}
+
+std::uint64_t World::hash() const {
+  Fnv fnv;
+  fnv.add(steps_);
+  const auto add_body = [&](const Body& body) {
+    fnv.add(body.position);
+    fnv.add(body.velocity);
+    fnv.add(body.theta);
+    fnv.add(body.w);
+  };
+  for (const Robot& robot : robots_) {
+    add_body(robot.body);
+    for (std::size_t i = 0; i < 2; ++i) {
+      fnv.add(robot.wanted_mps[i]);
+      fnv.add(robot.wheel_mps[i]);
+      fnv.add(robot.slip[i]);
+    }
+    fnv.add(robot.target);
+    fnv.add(robot.decide_in_s);
+  }
+  add_body(ball_);
+  fnv.add(statistics_.touches);
+  fnv.add(statistics_.ball_path_m);
+  Random ahead = random_;
+  fnv.add(ahead.bits());
+  return fnv.value();
+}
+
+}  // namespace touchline::hal::mock

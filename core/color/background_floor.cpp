@@ -59,9 +59,9 @@ ChannelFloors floors_of(const ColorBoxes& boxes) {
   return best;
 }
 
-std::uint16_t floor_before_correction(std::uint16_t floor, std::uint8_t level, bool is_chroma) {
+std::uint16_t floor_before_correction(std::uint16_t floor, std::uint8_t level, std::uint8_t unlit) {
   std::uint16_t value = 0;
-  while (value < kNever && corrected(static_cast<std::uint8_t>(value), level, is_chroma) < floor) ++value;
+  while (value < kNever && corrected(static_cast<std::uint8_t>(value), level, unlit) < floor) ++value;
   return value;
 }
 

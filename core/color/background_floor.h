@@ -15,8 +15,8 @@ namespace touchline {
 using ChannelFloors = std::array<std::uint16_t, 3>;
 ChannelFloors floors_of(const ColorBoxes& boxes);
 
-/// The smallest value that the light level lifts to the floor; 256 when there is none.
-std::uint16_t floor_before_correction(std::uint16_t floor, std::uint8_t level, bool is_chroma);
+/// The smallest value that the light level lifts to the floor; 256 when there is none. `unlit` as in corrected().
+std::uint16_t floor_before_correction(std::uint16_t floor, std::uint8_t level, std::uint8_t unlit);
 
 // Eight pixels are tested at once, 24 bytes of RGB.
 constexpr std::size_t kBlockPixels = 8, kMaxBlockWords = 3;

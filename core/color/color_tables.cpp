@@ -49,12 +49,12 @@ Status ColorTables::build(const ColorBoxes& boxes, ColorSpace space) {
   color_of_bit_.fill(kBackground);
   for (std::size_t bit = 0; bit < boxes.size(); ++bit) color_of_bit_[bit] = boxes[bit].color;
   for (std::size_t channel = 0; channel < 3; ++channel) {
-    const bool is_chroma = space == ColorSpace::kYuv && channel > 0;
+    const std::uint8_t unlit = unlit_value(space, channel);
     const Table masks = masks_of_values(boxes, channel);
     for (std::uint8_t level = 0; level < kLightLevels; ++level) {
       Table& table = table_[channel][level];
       for (std::size_t value = 0; value < table.size(); ++value) {
-        table[value] = masks[corrected(static_cast<std::uint8_t>(value), level, is_chroma)];
+        table[value] = masks[corrected(static_cast<std::uint8_t>(value), level, unlit)];
       }
     }
   }

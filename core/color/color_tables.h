@@ -32,7 +32,7 @@ class ColorTables {
   /// Indexed by the lowest bit of a mask; the last entry, of the mask 0, is the background.
   using ColorOfBit = std::array<ColorId, kMaxColorBoxes + 1>;
 
-  /// Errors of check(); then nothing is changed. In kYuv channels 1 and 2 are chroma (see corrected()).
+  /// Errors of check(); then nothing is changed. `space` says about which value light scales a channel.
   Status build(const ColorBoxes& boxes, ColorSpace space);
 
   /// The classes of a pixel as bits; level of each channel as in Shading.

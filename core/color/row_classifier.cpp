@@ -39,9 +39,9 @@ void RowClassifier::find_floors(const ColorBoxes& boxes) {
   }
   std::array<std::array<std::uint16_t, kLightLevels>, 3> before{};
   for (std::size_t channel = 0; channel < 3; ++channel) {
-    const bool is_chroma = color_space(format_) == ColorSpace::kYuv && channel > 0;
+    const std::uint8_t unlit = unlit_value(color_space(format_), channel);
     for (std::uint8_t level = 0; level < kLightLevels; ++level) {
-      before[channel][level] = floor_before_correction(floors[channel], level, is_chroma);
+      before[channel][level] = floor_before_correction(floors[channel], level, unlit);
     }
   }
   const std::size_t columns = tiles_across(width_px_, kTileWidth), rows = tiles_across(height_px_, kTileHeight);

@@ -74,11 +74,10 @@ std::uint8_t level_of_gain(float gain) {
   return static_cast<std::uint8_t>(std::upper_bound(kBorders.begin(), kBorders.end(), gain) - kBorders.begin());
 }
 
-std::uint8_t corrected(std::uint8_t value, std::uint8_t level, bool is_chroma) {
-  const int origin = is_chroma ? 128 : 0;
-  const float scaled = static_cast<float>(value - origin) * gain_of_level(level);
+std::uint8_t corrected(std::uint8_t value, std::uint8_t level, std::uint8_t unlit) {
+  const float scaled = static_cast<float>(value - unlit) * gain_of_level(level);
   const int rounded = static_cast<int>(scaled + (scaled < 0.0f ? -0.5f : 0.5f));
-  return static_cast<std::uint8_t>(std::clamp(origin + rounded, 0, 255));
+  return static_cast<std::uint8_t>(std::clamp(unlit + rounded, 0, 255));
 }
 
 Status Shading::build(const LightMap& map, std::uint16_t width_px, std::uint16_t height_px, ColorSpace space) {

@@ -79,7 +79,7 @@ ColorId color_by_boxes(const ColorBoxes& boxes, ColorSpace space, Channels value
   for (const ColorBox& box : boxes) {
     bool inside = true;
     for (std::size_t c = 0; c < 3; ++c) {
-      const double origin = space == ColorSpace::kYuv && c > 0 ? 128.0 : 0.0;
+      const double origin = space == ColorSpace::kRgb ? 0.0 : c == 0 ? 16.0 : 128.0;  // what no light leaves
       const double gain = static_cast<double>(gain_of_level(level[c]));
       const double seen = std::clamp(origin + std::round((value[c] - origin) * gain), 0.0, 255.0);
       inside = inside && box.low[c] <= seen && seen <= box.high[c];

@@ -36,12 +36,12 @@ TEST(FloorsOf, NoBoxReachesBelow) {
 }
 
 TEST(FloorBeforeCorrection, IsTheFirstValueThatReachesIt) {
-  for (const bool is_chroma : {false, true}) {
+  for (const std::uint8_t unlit : std::initializer_list<std::uint8_t>{0, 16, 128}) {
     for (int floor = 0; floor <= 256; floor += 4) {
       for (std::uint8_t level = 0; level < kLightLevels; level += 3) {
         int first = 0;
-        while (first < 256 && corrected(static_cast<std::uint8_t>(first), level, is_chroma) < floor) ++first;
-        EXPECT_EQ(floor_before_correction(static_cast<std::uint16_t>(floor), level, is_chroma), first);
+        while (first < 256 && corrected(static_cast<std::uint8_t>(first), level, unlit) < floor) ++first;
+        EXPECT_EQ(floor_before_correction(static_cast<std::uint16_t>(floor), level, unlit), first);
       }
     }
   }

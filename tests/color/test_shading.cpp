@@ -46,28 +46,32 @@ TEST(Gain, LevelIsTheNearestByRatio) {
 TEST(Corrected, NeutralLevelChangesNothing) {
   for (int value = 0; value < 256; ++value) {
     const auto v = static_cast<std::uint8_t>(value);
-    EXPECT_EQ(corrected(v, kNeutralLevel, false), v);
-    EXPECT_EQ(corrected(v, kNeutralLevel, true), v);
+    EXPECT_EQ(corrected(v, kNeutralLevel, 0), v);
+    EXPECT_EQ(corrected(v, kNeutralLevel, 16), v);
+    EXPECT_EQ(corrected(v, kNeutralLevel, 128), v);
   }
 }
 
-TEST(Corrected, ScalesLumaFromZeroAndChromaAboutItsMiddle) {
-  EXPECT_EQ(corrected(100, 96, false), 200);
-  EXPECT_EQ(corrected(101, 32, false), 51) << "50.5 is rounded up";
-  EXPECT_EQ(corrected(200, 96, false), 255);
-  EXPECT_EQ(corrected(128, 96, true), 128);
-  EXPECT_EQ(corrected(138, 96, true), 148);
-  EXPECT_EQ(corrected(118, 96, true), 108);
-  EXPECT_EQ(corrected(20, 96, true), 0) << "bounded below";
-  EXPECT_EQ(corrected(250, 96, true), 255) << "and above";
+TEST(Corrected, ScalesAboutTheUnlitValue) {
+  EXPECT_EQ(corrected(100, 96, 0), 200);
+  EXPECT_EQ(corrected(101, 32, 0), 51) << "50.5 is rounded up";
+  EXPECT_EQ(corrected(200, 96, 0), 255);
+  EXPECT_EQ(corrected(16, 96, 16), 16) << "black stays black";
+  EXPECT_EQ(corrected(66, 96, 16), 116);
+  EXPECT_EQ(corrected(10, 96, 16), 4);
+  EXPECT_EQ(corrected(128, 96, 128), 128);
+  EXPECT_EQ(corrected(138, 96, 128), 148);
+  EXPECT_EQ(corrected(118, 96, 128), 108);
+  EXPECT_EQ(corrected(20, 96, 128), 0) << "bounded below";
+  EXPECT_EQ(corrected(250, 96, 128), 255) << "and above";
 }
 
 TEST(Corrected, NeverDecreasesWithTheValue) {
-  for (const bool is_chroma : {false, true}) {
+  for (const std::uint8_t unlit : std::initializer_list<std::uint8_t>{0, 16, 128}) {
     for (std::uint8_t level = 0; level < kLightLevels; ++level) {
       for (int value = 1; value < 256; ++value) {
-        ASSERT_GE(corrected(static_cast<std::uint8_t>(value), level, is_chroma),
-                  corrected(static_cast<std::uint8_t>(value - 1), level, is_chroma));
+        ASSERT_GE(corrected(static_cast<std::uint8_t>(value), level, unlit),
+                  corrected(static_cast<std::uint8_t>(value - 1), level, unlit));
       }
     }
   }

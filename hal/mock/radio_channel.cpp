@@ -91,7 +91,7 @@ void RadioChannel::hear(Receiver& receiver, const Packet& packet, Instant now, W
   for (const RobotCommand& command : commands.robots) {
     if (command.id == receiver.id && !commands.stop) wheels = command.wheels;
   }
-  world.drive(receiver.id, wheels.left_mps, wheels.right_mps);
+  world.drive(receiver.id, static_cast<double>(wheels.left_mps), static_cast<double>(wheels.right_mps));
 }
 
 }  // namespace touchline::hal::mock

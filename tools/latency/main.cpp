@@ -2,6 +2,8 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "firmware/absent_devices.h"
 #include "firmware/realtime.h"
@@ -32,29 +34,32 @@ int refuse(const config::Problems& problems) {
   return 1;
 }
 
+void tell(const std::vector<std::string>& refusals) {
+  for (const std::string& refusal : refusals) std::cerr << "real time: " << refusal << '\n';
+}
+
 // From an open loop to its end. Nobody prints its reports: what does not fit into their ring is left out.
 bool run(Loop& loop, const config::BoardFile& board) {
-  for (const std::string& refusal : lock_memory(board.realtime)) std::cerr << refusal << '\n';
-  for (const std::string& refusal : become_realtime(board.realtime)) std::cerr << refusal << '\n';
+  tell(become_realtime(board.realtime));
   const LoopEnd end = loop.run(stop_on_signals());
   if (end != LoopEnd::kFault && end != LoopEnd::kDeviceLost) return true;
   fail(std::string("the loop ended by a fault: ") + loop.last_fault().reason.data());
   return false;
 }
 
-int tell(const Options& options, const latency::Measurement& measurement, const std::string& source, double rate_hz) {
-  const latency::LatencyReport report = measurement.report(source, rate_hz);
-  if (report.frames == 0) return fail("ended before the warm-up was over");
-  latency::print(report, std::cout);
+int report(const Options& options, const latency::Measurement& measurement, const std::string& source, double rate_hz) {
+  const latency::LatencyReport result = measurement.report(source, rate_hz);
+  if (result.frames == 0) return fail("ended before the warm-up was over");
+  latency::print(result, std::cout);
   if (!options.out.empty()) {
     std::ofstream file(options.out);
-    file << latency::to_json(report);
+    file << latency::to_json(result);
     file.close();
     if (!file) return fail(options.out + ": cannot be written");
   }
   std::string error;
   const bool drawn =
-      options.histogram.empty() || latency::draw_histogram(measurement, report, options.histogram, error);
+      options.histogram.empty() || latency::draw_histogram(measurement, result, options.histogram, error);
   return drawn ? 0 : fail(error);
 }
 
@@ -63,11 +68,13 @@ int measure_board(const Options& options) {
   config::Problems problems;
   if (!session.load(options.session, problems).ok()) return refuse(problems);
   latency::Measurement measurement(options.frames, options.warm_up);
+  const config::BoardFile& board = session.configuration().board;
+  // Before the camera fills its first buffers, which would be old by then.
+  tell(lock_memory(board.realtime));
   std::string reason;
   if (!session.open(measurement.observer(), reason).ok()) return fail(reason);
-  const config::BoardFile& board = session.configuration().board;
   if (!run(session.loop(), board)) return 1;
-  return tell(options, measurement, "board " + board.name, board.camera.rate_hz);
+  return report(options, measurement, "board " + board.name, board.camera.rate_hz);
 }
 
 // Without the board's radio: nonsense in the picture must not drive anybody's robots.
@@ -89,10 +96,11 @@ int measure_worst_frames(const Options& options) {
   const auto reports = std::make_unique<ReportRing>();
   const auto loop = std::make_unique<Loop>(LoopDevices{camera, radio, gpio, clock}, *pipeline, settings, *reports,
                                            measurement.observer());
+  tell(lock_memory(configuration->board.realtime));
   std::string reason;
   if (!loop->open(reason).ok()) return fail(reason);
   if (!run(*loop, configuration->board)) return 1;
-  return tell(options, measurement, "worst frames", configuration->board.camera.rate_hz);
+  return report(options, measurement, "worst frames", configuration->board.camera.rate_hz);
 }
 
 }  // namespace

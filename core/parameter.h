@@ -37,6 +37,7 @@ struct Choice {
 //   numbers(key, container&, Range, unit, help)       std::array (exact length) or FixedVector / std::vector
 //   flag(key, bool&, help)
 //   text(key, std::string&, help)                     outside core
+//   texts(key, std::vector<std::string>&, help)       outside core
 //   choice(key, enum&, std::span<const Choice<enum>>, help)
 //   section(key, struct&, help)                       a TOML table
 //   list(key, container of structs&, help)            a TOML array of tables

@@ -1,10 +1,15 @@
 #include "firmware/devices.h"
 
+#include <cinttypes>
+#include <cstdio>
+
 #include "firmware/absent_devices.h"
 #include "hal/linux/gpiod_gpio.h"
 #include "hal/linux/monotonic_clock.h"
 #include "hal/linux/serial_radio.h"
 #include "hal/linux/v4l2_camera.h"
+#include "hal/mock/arena.h"
+#include "hal/mock/mock_devices.h"
 #include "hal/replay/replay_camera.h"
 
 namespace touchline {
@@ -12,31 +17,41 @@ namespace touchline {
 Devices::Devices() = default;
 Devices::~Devices() = default;
 
-Status Devices::make(const config::Configuration& configuration, std::uint64_t /*seed*/, std::string& reason) {
+void Devices::make(const config::Configuration& configuration, std::uint64_t seed) {
   const config::BoardFile& board = configuration.board;
-  const auto no_arena = [&](const char* section) {
-    reason = configuration.board_where.of(std::string(section) + ".backend") + ": " + section +
-             ".backend: the mock arena is not part of this build";
-    return ErrorCode::kUnsupported;
-  };
-  clock_ = std::make_unique<hal::MonotonicClock>();
+  const bool mock_camera = board.camera.backend == hal::CameraBackend::kMock;
+  const bool mock_radio = board.radio.backend == hal::RadioBackend::kMock;
+  const bool mock_gpio = board.gpio.backend == hal::GpioBackend::kMock;
+  const bool real_radio = board.radio.backend == hal::RadioBackend::kSerial;
+  const bool real_gpio = board.gpio.backend == hal::GpioBackend::kGpiod;
+  // Time may be simulated only when nothing real takes part; else the arena follows the system's clock.
+  simulated_time_ = mock_camera && !real_radio && !real_gpio;
+  if (mock_camera || mock_radio || mock_gpio) {
+    arena_ =
+        std::make_unique<hal::mock::Arena>(board.arena, board.camera, board.radio, seed,
+                                           simulated_time_ ? hal::mock::Arena::kBegin : hal::MonotonicClock::read());
+  }
+  if (simulated_time_) {
+    clock_ = std::make_unique<hal::mock::ArenaClock>(*arena_);
+  } else {
+    clock_ = std::make_unique<hal::MonotonicClock>();
+  }
   switch (board.camera.backend) {
     case hal::CameraBackend::kMock:
-      return no_arena("camera");
+      camera_ = std::make_unique<hal::mock::MockCamera>(*arena_, *clock_);
+      break;
     case hal::CameraBackend::kV4l2:
       camera_ = std::make_unique<hal::V4l2Camera>(board.camera);
       break;
-    case hal::CameraBackend::kReplay: {
-      hal::ReplayParameters replay;
-      replay.path = board.camera.device;
-      replay.format = board.camera.format;
-      camera_ = std::make_unique<hal::ReplayCamera>(replay, clock_.get());
+    case hal::CameraBackend::kReplay:
+      camera_ = std::make_unique<hal::ReplayCamera>(
+          hal::ReplayParameters{board.camera.device, board.camera.format, board.camera.rate_hz}, clock_.get());
       break;
-    }
   }
   switch (board.radio.backend) {
     case hal::RadioBackend::kMock:
-      return no_arena("radio");
+      radio_ = std::make_unique<hal::mock::MockRadio>(*arena_, *clock_);
+      break;
     case hal::RadioBackend::kSerial:
       radio_ = std::make_unique<hal::SerialRadio>(board.radio);
       break;
@@ -46,7 +61,8 @@ Status Devices::make(const config::Configuration& configuration, std::uint64_t /
   }
   switch (board.gpio.backend) {
     case hal::GpioBackend::kMock:
-      return no_arena("gpio");
+      gpio_ = std::make_unique<hal::mock::MockGpio>(*arena_, *clock_);
+      break;
     case hal::GpioBackend::kGpiod:
       gpio_ = std::make_unique<hal::GpiodGpio>(board.gpio);
       break;
@@ -54,11 +70,26 @@ Status Devices::make(const config::Configuration& configuration, std::uint64_t /
       gpio_ = std::make_unique<AbsentGpio>();
       break;
   }
-  return {};
 }
 
 LoopDevices Devices::loop_devices() { return {*camera_, *radio_, *gpio_, *clock_, simulated_time_}; }
 
-std::string Devices::summary() const { return {}; }
+std::string Devices::summary() const {
+  if (!arena_) return {};
+  const hal::mock::GameStatistics& game = arena_->world().statistics();
+  const hal::mock::ChannelStatistics& air = arena_->channel().statistics();
+  std::array<char, 512> text{};
+  std::snprintf(text.data(), text.size(),
+                "arena: ball touched %" PRIu64 " times and moved %.1f m, goals %" PRIu32 " : %" PRIu32
+                ", free balls %" PRIu32
+                "\n"
+                "robots' radio: %" PRIu64 " packets obeyed, %" PRIu64 " lost, %" PRIu64 " damaged, %" PRIu64
+                " out of order, %" PRIu64
+                " time-outs\n"
+                "arena state: %016" PRIx64 "\n",
+                game.touches, game.ball_path_m, game.goals_own, game.goals_opponent, game.free_balls, air.obeyed,
+                air.lost, air.corrupted, air.ignored, air.timeouts, arena_->world().hash());
+  return text.data();
+}
 
 }  // namespace touchline

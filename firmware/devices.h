@@ -4,7 +4,6 @@
 #include <memory>
 #include <string>
 
-#include "core/status.h"
 #include "firmware/config/configuration.h"
 #include "firmware/loop.h"
 #include "hal/camera.h"
@@ -14,6 +13,10 @@
 
 namespace touchline {
 
+namespace hal::mock {
+class Arena;
+}
+
 /// The devices of one board, each of the backend that the board file names; none is open yet.
 class Devices {
  public:
@@ -22,9 +25,9 @@ class Devices {
   Devices(const Devices&) = delete;
   Devices& operator=(const Devices&) = delete;
 
-  /// `seed`: of everything that is random in a simulation.
-  /// kUnsupported: backends that do not go together; `reason` says which.
-  Status make(const config::Configuration& configuration, std::uint64_t seed, std::string& reason);
+  /// `seed`: of everything that is random in a simulation. Any mix of backends will do: an arena with something real
+  /// beside it lives in real time.
+  void make(const config::Configuration& configuration, std::uint64_t seed);
 
   /// After make().
   [[nodiscard]] LoopDevices loop_devices();
@@ -34,6 +37,7 @@ class Devices {
   [[nodiscard]] std::string summary() const;
 
  private:
+  std::unique_ptr<hal::mock::Arena> arena_;  // first: the devices refer to it
   std::unique_ptr<hal::Clock> clock_;
   std::unique_ptr<hal::Camera> camera_;
   std::unique_ptr<hal::Radio> radio_;

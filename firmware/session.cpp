@@ -19,7 +19,7 @@ Status Session::load(const SessionOptions& options, config::Problems& problems) 
 }
 
 Status Session::open(LoopObserver observer, std::string& reason) {
-  if (const Status s = devices_.make(*configuration_, options_.seed, reason); !s.ok()) return s;
+  devices_.make(*configuration_, options_.seed);
   const LoopDevices devices = devices_.loop_devices();
   LoopSettings settings;
   settings.faults = configuration_->board.faults;

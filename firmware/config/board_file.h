@@ -6,6 +6,7 @@
 
 #include "core/parameter.h"
 #include "hal/device_parameters.h"
+#include "hal/mock/arena_parameters.h"
 
 namespace touchline::config {
 
@@ -62,6 +63,7 @@ struct BoardFile {
   hal::GpioSettings gpio;
   RealtimeSettings realtime;
   FaultSettings faults;
+  hal::mock::ArenaParameters arena;
 
   static constexpr std::array<std::string_view, 4> kRequired{"camera", "radio", "camera.backend", "radio.backend"};
 
@@ -76,6 +78,7 @@ struct BoardFile {
     visit.section("gpio", self.gpio, "Status light and emergency stop");
     visit.section("realtime", self.realtime, "What the loop asks of the kernel; what is refused is reported once");
     visit.section("faults", self.faults, "How long the loop bears with a fault");
+    visit.section("arena", self.arena, "What backend \"mock\" simulates");
   }
 };
 

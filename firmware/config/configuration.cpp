@@ -110,11 +110,26 @@ Status resolve(const InputFormat& input, Configuration& configuration, Problems&
   return problems.size() == before ? Status() : ErrorCode::kInconsistent;
 }
 
+Status load_board(const std::string& path, const std::vector<Override>& overrides, Configuration& out,
+                  Problems& problems) {
+  if (const Status status = read_toml(path, kBoardRemedy, overrides, out.board, out.board_where, problems);
+      !status.ok()) {
+    return status;
+  }
+  std::string key, reason;
+  const Status status = hal::mock::validate(out.board.arena, key, reason);
+  if (!status.ok()) {
+    key = "arena." + key;
+    problems.add(out.board_where.of(key), key, reason);
+  }
+  return status;
+}
+
 Status load(const FilePaths& paths, Configuration& out, Problems& problems) {
   const std::size_t before = problems.size();
   SortedOverrides overrides;
   static_cast<void>(sort_overrides(paths.overrides, overrides, problems));
-  if (const Status status = read_toml(paths.board, kBoardRemedy, overrides.board, out.board, out.board_where, problems);
+  if (const Status status = load_board(paths.board, overrides.board, out, problems);
       status.code() == ErrorCode::kNotFound) {
     return status;
   }

@@ -32,6 +32,10 @@ struct Configuration {
 /// kNotFound, kInconsistent: `problems` has at least one line. What it touches are the files and nothing else.
 Status load(const FilePaths& paths, Configuration& out, Problems& problems);
 
+/// The board file alone, for tools that need no venue yet. Errors as load().
+Status load_board(const std::string& path, const std::vector<Override>& overrides, Configuration& out,
+                  Problems& problems);
+
 /// Venue and team alone, for tools that bring their own pictures. resolve() must follow once those are known.
 Status load_venue_and_team(const FilePaths& paths, Configuration& out, Problems& problems);
 /// Venue and team against the pictures that will come.

@@ -28,6 +28,9 @@ struct Shot {
 /// on the way (packets, time-outs, exposures) happens in the order of time. Nothing is allocated after construction.
 class Arena {
  public:
+  // Not zero: an instant that nobody has set is told apart from one at the begin.
+  static constexpr Instant kBegin{std::chrono::seconds(1)};
+
   /// `camera`: format, size, rate and buffers; `radio`: the line's speed. `begin`: the instant of arena time 0.
   /// The parameters must be valid (hal::mock::validate).
   Arena(const ArenaParameters& parameters, const CameraSettings& camera, const RadioSettings& radio, std::uint64_t seed,
@@ -60,9 +63,6 @@ class Arena {
   [[nodiscard]] const Lens& lens() const { return renderer_.lens(); }
 
  private:
-  // Not zero: an instant that nobody has set is told apart from one at the begin.
-  static constexpr Instant kBegin{std::chrono::seconds(1)};
-
   void open_or_close_shutter();
   [[nodiscard]] Instant exposure_begin(std::uint64_t frame) const;
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/parameter.h"
+#include "core/status.h"
 
 // Section [arena] of the board file: what backend "mock" simulates. Nothing of it is known to the pipeline.
 namespace touchline::hal::mock {
@@ -291,5 +292,9 @@ struct ArenaParameters {
     visit.list("fault", self.fault, "Something that goes wrong");
   }
 };
+
+/// What no single key's range can say. kOutOfRange, kFull: a number of patches or robots; kInconsistent: a robot given
+/// twice, or with another number of colors than patches. `key` (below [arena]) and `reason` tell a person.
+Status validate(const ArenaParameters& parameters, std::string& key, std::string& reason);
 
 }  // namespace touchline::hal::mock

@@ -10,16 +10,16 @@ namespace {
 
 constexpr std::uint64_t kSensorStream = 3;
 
-// ITU-R BT.601 with the full range of JFIF, in 16-bit fixed point.
+// ITU-R BT.601, limited range, in 16-bit fixed point.
 struct Yuv {
   int y, u, v;
 };
 Yuv to_yuv(const std::uint8_t* rgb) {
   const int r = rgb[0], g = rgb[1], b = rgb[2];
-  const int y = (19595 * r + 38470 * g + 7471 * b + 32768) >> 16;
-  const int u = ((-11059 * r - 21709 * g + 32768 * b + 32768) >> 16) + 128;
-  const int v = ((32768 * r - 27439 * g - 5329 * b + 32768) >> 16) + 128;
-  return {y, std::min(u, 255), std::min(v, 255)};
+  constexpr int kHalf = 1 << 15;
+  return {((16829 * r + 33039 * g + 6416 * b + kHalf) >> 16) + 16,
+          ((-9714 * r - 19070 * g + 28784 * b + kHalf) >> 16) + 128,
+          ((28784 * r - 24103 * g - 4681 * b + kHalf) >> 16) + 128};
 }
 
 }  // namespace

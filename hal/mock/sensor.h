@@ -20,7 +20,8 @@ struct PictureLayout {
 };
 PictureLayout layout_of(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px);
 
-/// From linear light to the camera's numbers: shot and read noise, tone curve, 8 bits, RGB or YUV (BT.601, full range).
+/// From linear light to the camera's numbers: shot and read noise, tone curve, 8 bits, RGB or YUV (BT.601, limited
+/// range).
 class Sensor {
  public:
   Sensor(const SensorParameters& parameters, PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,

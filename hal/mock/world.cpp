@@ -63,33 +63,6 @@ class Fnv {
 
 }  // namespace
 
-Status validate(const ArenaParameters& parameters, std::string& reason) {
-  if (parameters.patch.empty()) {
-    reason = "patch: robots without any patch cannot be seen";
-    return ErrorCode::kInconsistent;
-  }
-  if (parameters.robot.size() > kMaxRobots) {
-    reason = "robot: " + std::to_string(parameters.robot.size()) + " robots, at most " + std::to_string(kMaxRobots);
-    return ErrorCode::kFull;
-  }
-  for (std::size_t i = 0; i < parameters.robot.size(); ++i) {
-    const ArenaRobot& robot = parameters.robot[i];
-    const std::string name = "robot[" + std::to_string(i) + "]";
-    if (robot.rgb.size() != 3 * (parameters.patch.size() - 1)) {
-      reason = name + ".rgb: has " + std::to_string(robot.rgb.size()) + " numbers, needs three for each of the " +
-               std::to_string(parameters.patch.size() - 1) + " patches after the team's";
-      return ErrorCode::kInconsistent;
-    }
-    for (std::size_t k = 0; k < i; ++k) {
-      if (parameters.robot[k].team == robot.team && parameters.robot[k].id == robot.id) {
-        reason = name + ".id: " + std::to_string(robot.id) + " is also that of robot[" + std::to_string(k) + "]";
-        return ErrorCode::kInconsistent;
-      }
-    }
-  }
-  return {};
-}
-
 World::World(const ArenaParameters& parameters, std::uint64_t seed)
     : parameters_(parameters), random_(seed, kPhysicsStream), walls_(outline(parameters.field)) {
   const PhysicsParameters& physics = parameters_.physics;

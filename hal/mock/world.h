@@ -3,9 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string>
 
-#include "core/status.h"
 #include "core/types.h"
 #include "hal/mock/arena_parameters.h"
 #include "hal/mock/random.h"
@@ -30,10 +28,6 @@ struct GameStatistics {
   std::uint32_t goals_own = 0, goals_opponent = 0;  // scored by
   std::uint32_t free_balls = 0;
 };
-
-/// kInconsistent, with `reason`: a robot given twice, a robot with another number of colors than the others have
-/// patches, no patch at all; kFull: more robots than kMaxRobots.
-Status validate(const ArenaParameters& parameters, std::string& reason);
 
 /// Robots, ball and walls. Rigid bodies in the plane, steps of a millisecond: wheels with lag, constant error and
 /// random slip push through tires that slide beyond their friction; what meets exchanges impulses. Nothing is allocated

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/parameter.h"
@@ -169,6 +170,18 @@ struct ChannelParameters {
   }
 };
 
+/// A color by its name, so that scenes, clicks and truth can speak of it.
+struct Paint {
+  std::string name;
+  Rgb rgb{};
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.text("name", self.name, "What robots and ball call it");
+    visit.numbers("rgb", self.rgb, kRgbRange, "", "Red, green, blue");
+  }
+};
+
 enum class PatchShape : std::uint8_t { kSquare, kTriangle, kCircle };
 inline constexpr std::array<Choice<PatchShape>, 3> kPatchShapes{
     {{"square", PatchShape::kSquare}, {"triangle", PatchShape::kTriangle}, {"circle", PatchShape::kCircle}}};
@@ -198,7 +211,7 @@ struct ArenaRobot {
   Side team = Side::kOwn;
   int id = 0;
   double x_m = 0.0, y_m = 0.0, theta_rad = 0.0;
-  std::vector<int> rgb;
+  std::vector<std::string> colors;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -207,7 +220,7 @@ struct ArenaRobot {
     visit.number("x_m", self.x_m, Range{-20.0, 20.0}, "m", "Where it stands at the start");
     visit.number("y_m", self.y_m, Range{-20.0, 20.0}, "m", "Where it stands at the start");
     visit.number("theta_rad", self.theta_rad, Range{-6.3, 6.3}, "rad", "Where it looks at the start");
-    visit.numbers("rgb", self.rgb, kRgbRange, "", "Red, green, blue of each patch after the team's, in their order");
+    visit.texts("colors", self.colors, "Paints of the patches after the team's, in their order");
   }
 };
 
@@ -257,16 +270,22 @@ struct ArenaParameters {
   Opponents opponents = Opponents::kPlay;
   double opponent_speed_mps = 0.35;
   double robot_side_m = 0.075, robot_height_m = 0.075, ball_radius_m = 0.02135;
-  Rgb own_rgb{25, 70, 205}, opponent_rgb{250, 205, 20}, ball_rgb{255, 115, 10}, body_rgb{28, 28, 30};
+  std::string own_color = "blue", opponent_color = "yellow", ball_color = "orange";
+  Rgb body_rgb{28, 28, 30};
+  std::vector<Paint> paint{{"orange", {255, 115, 10}}, {"blue", {25, 70, 205}},     {"yellow", {250, 205, 20}},
+                           {"red", {205, 25, 35}},     {"green", {20, 165, 60}},    {"magenta", {225, 25, 150}},
+                           {"cyan", {35, 190, 225}},   {"violet", {120, 50, 175}},  {"pink", {255, 150, 170}},
+                           {"lime", {170, 225, 40}},   {"darkgreen", {10, 90, 45}}, {"lavender", {175, 155, 230}},
+                           {"brown", {130, 72, 35}}};
   // The paper's two squares in diagonally opposite quadrants.
   std::vector<PaintedPatch> patch{{PatchShape::kSquare, 0.01875, 0.01875, 0.0345, 0.0345},
                                   {PatchShape::kSquare, -0.01875, -0.01875, 0.0345, 0.0345}};
   std::vector<ArenaRobot> robot{
-      {Side::kOwn, 0, -1.00, 0.00, 0.0, {205, 25, 35}},        {Side::kOwn, 1, -0.55, 0.45, 0.0, {20, 165, 60}},
-      {Side::kOwn, 2, -0.55, -0.45, 0.0, {225, 25, 150}},      {Side::kOwn, 3, -0.30, 0.15, 0.0, {35, 190, 225}},
-      {Side::kOwn, 4, -0.75, -0.10, 0.0, {120, 50, 175}},      {Side::kOpponent, 0, 1.00, 0.00, 3.14, {255, 150, 170}},
-      {Side::kOpponent, 1, 0.60, 0.50, 3.14, {170, 225, 40}},  {Side::kOpponent, 2, 0.60, -0.50, 3.14, {10, 90, 45}},
-      {Side::kOpponent, 3, 0.45, 0.10, 3.14, {175, 155, 230}}, {Side::kOpponent, 4, 0.80, -0.15, 3.14, {130, 72, 35}}};
+      {Side::kOwn, 0, -1.00, 0.00, 0.0, {"red"}},           {Side::kOwn, 1, -0.55, 0.45, 0.0, {"green"}},
+      {Side::kOwn, 2, -0.55, -0.45, 0.0, {"magenta"}},      {Side::kOwn, 3, -0.30, 0.15, 0.0, {"cyan"}},
+      {Side::kOwn, 4, -0.75, -0.10, 0.0, {"violet"}},       {Side::kOpponent, 0, 1.00, 0.00, 3.14, {"pink"}},
+      {Side::kOpponent, 1, 0.60, 0.50, 3.14, {"lime"}},     {Side::kOpponent, 2, 0.60, -0.50, 3.14, {"darkgreen"}},
+      {Side::kOpponent, 3, 0.45, 0.10, 3.14, {"lavender"}}, {Side::kOpponent, 4, 0.80, -0.15, 3.14, {"brown"}}};
   std::vector<ArenaFault> fault;
 
   template <class Self, class Visitor>
@@ -283,18 +302,23 @@ struct ArenaParameters {
     visit.number("robot_side_m", self.robot_side_m, Range{0.02, 0.4}, "m", "A robot is a cuboid");
     visit.number("robot_height_m", self.robot_height_m, Range{0.01, 0.5}, "m", "Its top is where the patches are");
     visit.number("ball_radius_m", self.ball_radius_m, Range{0.005, 0.2}, "m", "Golf ball: 0.02135");
-    visit.numbers("own_rgb", self.own_rgb, kRgbRange, "", "Own team's patches");
-    visit.numbers("opponent_rgb", self.opponent_rgb, kRgbRange, "", "Other team's patches");
-    visit.numbers("ball_rgb", self.ball_rgb, kRgbRange, "", "Ball");
+    visit.text("own_color", self.own_color, "Paint of the own team's patches");
+    visit.text("opponent_color", self.opponent_color, "Paint of the other team's patches");
+    visit.text("ball_color", self.ball_color, "Paint of the ball");
     visit.numbers("body_rgb", self.body_rgb, kRgbRange, "", "Robots where no patch is");
+    visit.list("paint", self.paint, "A color that robots and ball may have");
     visit.list("patch", self.patch, "A patch on each robot's top, the team's first");
     visit.list("robot", self.robot, "A robot on the field");
     visit.list("fault", self.fault, "Something that goes wrong");
   }
 };
 
-/// What no single key's range can say. kOutOfRange, kFull: a number of patches or robots; kInconsistent: a robot given
-/// twice, or with another number of colors than patches. `key` (below [arena]) and `reason` tell a person.
+/// Null: there is no such paint.
+const Paint* find_paint(const ArenaParameters& parameters, std::string_view name);
+
+/// What no single key's range can say. kOutOfRange, kFull: a number of patches or robots; kNotFound: a color that is no
+/// paint; kInconsistent: a robot given twice, or with another number of colors than patches. `key` (below [arena]) and
+/// `reason` tell a person.
 Status validate(const ArenaParameters& parameters, std::string& key, std::string& reason);
 
 }  // namespace touchline::hal::mock

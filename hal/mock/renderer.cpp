@@ -23,6 +23,11 @@ float sub_pixel(int i) { return (static_cast<float>(i) + 0.5f) / 4.0f - 0.5f; }
 // Neighboring rays are far apart in time, so that a blurred edge is smooth.
 float instant_of(int ray) { return (static_cast<float>((ray * 7) % 16) + 0.5f) / 16.0f; }
 
+Linear paint(const ArenaParameters& parameters, const std::string& name) {
+  const Paint* found = find_paint(parameters, name);
+  return found == nullptr ? Linear{} : reflectance(found->rgb);
+}
+
 float grain(std::size_t index) {
   std::uint64_t z = (index + 1) * 0x9E3779B97F4A7C15U;
   z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
@@ -42,7 +47,7 @@ Renderer::Renderer(const ArenaParameters& parameters, std::uint16_t width_px, st
       ball_radius_(static_cast<float>(parameters.ball_radius_m)),
       scale_(kWhiteLevel * static_cast<float>(parameters.light.exposure * kLinearScale)),
       body_(reflectance(parameters.body_rgb)),
-      ball_(reflectance(parameters.ball_rgb)),
+      ball_(paint(parameters, parameters.ball_color)),
       sights_(width_ * height_),
       vignette_(width_ * height_),
       floor_(3 * width_ * height_),
@@ -56,11 +61,10 @@ Renderer::Renderer(const ArenaParameters& parameters, std::uint16_t width_px, st
     Look look;
     for (std::size_t i = 0; i < parameters_.patch.size(); ++i) {
       const PaintedPatch& painted = parameters_.patch[i];
-      const Rgb team = robot.team == Side::kOwn ? parameters_.own_rgb : parameters_.opponent_rgb;
-      const Rgb color = i == 0 ? team : Rgb{robot.rgb[3 * i - 3], robot.rgb[3 * i - 2], robot.rgb[3 * i - 1]};
+      const std::string& team = robot.team == Side::kOwn ? parameters_.own_color : parameters_.opponent_color;
       look.patches.push_back({painted.shape, static_cast<float>(painted.x_m), static_cast<float>(painted.y_m),
                               static_cast<float>(painted.length_m), static_cast<float>(painted.width_m),
-                              reflectance(color)});
+                              paint(parameters_, i == 0 ? team : robot.colors[i - 1])});
     }
     looks_.push_back(look);
   }

@@ -28,6 +28,8 @@ class Renderer {
   /// `begin`, `end`: of the exposure. Allocates nothing. R, G, B of each pixel, 0 to kLinearScale; valid until the next
   /// call.
   std::span<const std::uint16_t> render(const Snapshot& begin, const Snapshot& end);
+  /// Nothing on it.
+  [[nodiscard]] std::span<const std::uint16_t> render_floor() const { return floor_; }
   /// The lamps are out.
   [[nodiscard]] std::span<const std::uint16_t> render_dark() const { return dark_; }
 
@@ -47,7 +49,7 @@ class Renderer {
     Linear color{};
   };
   struct Look {
-    FixedVector<Patch, 8> patches;
+    FixedVector<Patch, kMaxPatches> patches;
   };
   struct Turned {
     float x = 0.0f, y = 0.0f, cos = 1.0f, sin = 0.0f;

@@ -164,10 +164,7 @@ class Search {
   }
 
   float axis_error(float theta_rad) const {
-    const PatchPlace& place = layout_.patches[0];
-    const float half_turn = std::numbers::pi_v<float>;
-    const float expected = theta_rad + (place.length_m >= place.width_m ? 0.0f : 0.5f * half_turn);
-    return std::remainder(patch_.axis_rad - expected, half_turn);
+    return std::remainder(patch_.axis_rad - theta_rad - spread(layout_.patches[0]).axis_rad, std::numbers::pi_v<float>);
   }
 
   int strangers(const Pose& pose) const {

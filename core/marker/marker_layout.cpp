@@ -41,6 +41,7 @@ Status validate(const MarkerLayout& layout) {
     const PatchPlace& place = layout.patches[i];
     if ((place.role == PatchRole::kTeam) != (i == 0)) return ErrorCode::kInconsistent;
     if (!positive(place.length_m) || !positive(place.width_m)) return ErrorCode::kOutOfRange;
+    if (!std::isfinite(place.turn_rad)) return ErrorCode::kOutOfRange;
     // Negated, so that what is not a number is refused as well.
     if (!(std::max(std::abs(place.x_m), std::abs(place.y_m)) <= layout.robot_side_m / 2)) return ErrorCode::kOutOfRange;
   }
@@ -76,15 +77,24 @@ float area_m2(const PatchPlace& place) {
 }
 
 Spread spread(const PatchPlace& place) {
-  const float a = place.length_m * place.length_m, b = place.width_m * place.width_m;
-  if (place.outline == PatchOutline::kTriangle) {
-    // Covariance of a right triangle with legs l, w: l^2/18, w^2/18, and -l w/36 between them.
-    const float mean = (a + b) / 36.0f;
-    const float deviation = std::hypot((a - b) / 36.0f, place.length_m * place.width_m / 36.0f);
-    return {mean + deviation, mean - deviation};
+  float along = place.length_m * place.length_m, across = place.width_m * place.width_m;
+  switch (place.outline) {
+    case PatchOutline::kSquare:
+    case PatchOutline::kBar:
+      along /= 12.0f;
+      across /= 12.0f;
+      break;
+    case PatchOutline::kTriangle:  // isosceles
+      along /= 18.0f;
+      across /= 24.0f;
+      break;
+    case PatchOutline::kCircle:
+      along /= 16.0f;
+      across /= 16.0f;
+      break;
   }
-  const float part = place.outline == PatchOutline::kCircle ? 16.0f : 12.0f;
-  return {std::max(a, b) / part, std::min(a, b) / part};
+  if (along >= across) return {along, across, place.turn_rad};
+  return {across, along, place.turn_rad + 0.5f * std::numbers::pi_v<float>};
 }
 
 }  // namespace touchline

@@ -12,7 +12,8 @@ struct PatchPlace {
   PatchRole role = PatchRole::kTeam;
   PatchOutline outline = PatchOutline::kSquare;
   float x_m = 0, y_m = 0;           // of the patch's centroid
-  float length_m = 0, width_m = 0;  // along x, along y; a triangle's legs; a circle's diameter
+  float length_m = 0, width_m = 0;  // along x, along y; a triangle's height (tip forward) and base; a circle's diameter
+  float turn_rad = 0;               // of the outline about its centroid, counter-clockwise
 };
 
 /// Where a robot's patches are; data of the team file.
@@ -38,8 +39,8 @@ struct TeamMarking {
   FixedVector<RobotMarking, kMaxRobotsPerTeam> robots;  // empty: identification colors unknown, positions only
 };
 
-/// kOutOfRange: no patch, a length that is not positive and finite, a negative height, a centroid outside the robot's
-/// square; kInconsistent: the first patch, and no other, must be the team patch.
+/// kOutOfRange: no patch, a length that is not positive and finite, a negative height, a turn that is no number, a
+/// centroid outside the robot's square; kInconsistent: the first patch, and no other, must be the team patch.
 Status validate(const MarkerLayout& layout);
 
 /// What validate(layout) says (nothing when the team is not looked for), and kOutOfRange: more robots than
@@ -50,9 +51,11 @@ Status validate(const TeamMarking& team);
 /// Area of the outline in square meters.
 float area_m2(const PatchPlace& place);
 
-/// Variances of the outline's area along its principal axes, the larger one first (square meters).
+/// Variances of the outline's area along its principal axes, the larger one first (square meters), and the larger
+/// one's direction in the robot's frame, modulo pi.
 struct Spread {
   float major_m2 = 0, minor_m2 = 0;
+  float axis_rad = 0;
 };
 Spread spread(const PatchPlace& place);
 

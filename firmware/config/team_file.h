@@ -32,6 +32,7 @@ struct PatchEntry {
   PatchOutline outline = PatchOutline::kSquare;
   float x_m = 0.0f, y_m = 0.0f;
   float length_m = 0.0f, width_m = 0.0f;
+  float turn_rad = 0.0f;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -39,8 +40,11 @@ struct PatchEntry {
     visit.choice("outline", self.outline, std::span<const Choice<PatchOutline>>(kPatchOutlines), "Its shape");
     visit.number("x_m", self.x_m, kPatchPlaces, "m", "Centroid, forward of the robot's center");
     visit.number("y_m", self.y_m, kPatchPlaces, "m", "Centroid, left of the robot's center");
-    visit.number("length_m", self.length_m, kRobotLengths, "m", "Extent along x; circle: diameter; triangle: one leg");
-    visit.number("width_m", self.width_m, kRobotLengths, "m", "Extent along y; circle: diameter; triangle: other leg");
+    visit.number("length_m", self.length_m, kRobotLengths, "m",
+                 "Extent along x; circle: diameter; triangle: height, tip forward");
+    visit.number("width_m", self.width_m, kRobotLengths, "m", "Extent along y; circle: diameter; triangle: base");
+    visit.number("turn_rad", self.turn_rad, Range{-6.3, 6.3}, "rad",
+                 "Of the outline about its centroid, counter-clockwise");
   }
 };
 

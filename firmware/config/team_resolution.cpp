@@ -84,7 +84,8 @@ class TeamResolver {
         add(patch_key,
             "the patch's center lies outside of the robot, whose side is " + number_text(entry.robot_side_m) + " m");
       }
-      out.patches.push_back({patch.role, patch.outline, patch.x_m, patch.y_m, patch.length_m, patch.width_m});
+      out.patches.push_back(
+          {patch.role, patch.outline, patch.x_m, patch.y_m, patch.length_m, patch.width_m, patch.turn_rad});
     }
     return problems_.size() == before;
   }

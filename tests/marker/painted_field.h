@@ -1,0 +1,115 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/marker/matcher.h"
+#include "core/region/labeling.h"
+#include "tests/marker/dice.h"
+#include "tests/region/literal_labeling.h"
+
+// Robots and ball painted into a picture of colors, as a camera sees them, and what the matcher makes of it.
+namespace touchline::testing {
+
+enum TestColor : ColorId {
+  kBlue = 1,
+  kYellow,
+  kOrange,
+  kRed,
+  kGreen,
+  kMagenta,
+  kCyan,
+  kViolet,
+  kPink,
+  kLime,
+  kBrown,
+  kGrey,
+  kWhite
+};
+
+/// 640 x 480, 2 m above the middle of a field of 2.2 x 1.8 m: 250 px a meter on the floor.
+CameraParameters straight_camera();
+/// The same picture from 2.3 m, beside the middle, tilted by 8 degrees, through a lens that bends edges by 20 px.
+CameraParameters tilted_camera();
+
+/// Five robots a team in the paper's layout: blue with red, green, magenta, cyan, violet; yellow with pink, lime,
+/// brown, grey, white; the ball orange. Ids are 0 to 4.
+MarkerParameters paper_teams();
+
+/// A robot of MarkerParameters, standing somewhere.
+struct Placed {
+  Team team = Team::kOwn;
+  std::size_t robot = 0;  // index in TeamMarking::robots
+  Pose pose;
+};
+
+/// Is the point (robot's frame) on the patch?
+bool covers(const PatchPlace& place, FieldPoint point);
+
+/// The field's point of a robot's point.
+FieldPoint on_field(const Pose& pose, float x_m, float y_m);
+
+/// Do the two squares have points in common?
+bool overlap(const Pose& a, const Pose& b, float side_m);
+
+/// Robots 0 to `robots` - 1 of every team with a color, their centers anywhere in the rectangle around the field's
+/// center, none on another. There must be room: a third of the rectangle that they may cover is the most.
+std::vector<Placed> scattered(Dice& dice, const MarkerParameters& parameters, std::size_t robots, float length_m,
+                              float width_m);
+
+class PaintedField {
+ public:
+  PaintedField(const CameraParameters& camera, const MarkerParameters& parameters);
+
+  void clear();
+  void paint(const Placed& robot);
+  void paint(const std::vector<Placed>& robots);
+  /// One of its patches, in any color; kBackground hides it.
+  void paint_patch(const Placed& robot, std::size_t patch, ColorId color);
+  /// What of the robot's top (its frame, [left, right) x [bottom, top)) is a color.
+  void paint_part(const Placed& robot, FieldPoint low, FieldPoint high, ColorId color);
+  void paint_ball(FieldPoint at);
+  ColorGrid& grid() { return grid_; }
+
+  /// Labels and matches the picture.
+  const Sightings& see();
+
+  [[nodiscard]] const Regions& regions() const { return *regions_; }
+  /// Of the region at this pixel, of the picture last seen. The pixel must not be background.
+  [[nodiscard]] Verdict verdict_at(PixelPoint pixel) const;
+  [[nodiscard]] Verdict verdict_at(FieldPoint point, float height_m) const {
+    return verdict_at(camera_.to_pixel(point, height_m));
+  }
+  [[nodiscard]] const CameraModel& camera() const { return camera_; }
+  [[nodiscard]] const TeamMarking& marking(Team team) const {
+    return parameters_.teams[static_cast<std::size_t>(team)];
+  }
+
+ private:
+  template <class Inside>
+  void fill(FieldPoint around, float reach_m, float height_m, ColorId color, Inside inside);
+
+  MarkerParameters parameters_;
+  CameraModel camera_;
+  ColorGrid grid_;
+  std::unique_ptr<Labeling> labeling_;
+  std::unique_ptr<Matcher> matcher_;
+  std::unique_ptr<Runs> runs_;
+  std::unique_ptr<Regions> regions_;
+  std::unique_ptr<Sightings> sightings_;
+};
+
+/// How what was reported compares to what was painted. A robot counts as the one whose center is nearest, up to
+/// `near_m`.
+struct Comparison {
+  std::size_t right = 0;    // team and id
+  std::size_t unknown = 0;  // team, but no id
+  std::size_t wrong = 0;    // another one's id, or team
+  std::size_t ghosts = 0;   // where no robot is
+  std::size_t missed = 0;
+  float position_m = 0, heading_rad = 0;  // largest errors of those that have a heading
+};
+Comparison compare(const std::vector<Placed>& placed, const Sightings& seen, const MarkerParameters& parameters,
+                   float near_m = 0.035f);
+
+}  // namespace touchline::testing

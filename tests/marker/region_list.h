@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "tests/marker/painted_field.h"
+
+namespace touchline::testing {
+
+/// Regions that were never pixels: a centroid, an area, a color, as exact as one likes. For tests of the matching
+/// alone.
+class RegionList {
+ public:
+  RegionList(const CameraParameters& camera, const MarkerParameters& parameters);
+
+  void clear() { regions_->clear(); }
+  /// A region at this point of the plane, `ratio` times as large as the patch is there.
+  void add(FieldPoint at, ColorId color, const PatchPlace& patch, float height_m, float ratio = 1.0f);
+  /// All patches of a robot, each center moved by up to `error_m` along both axes.
+  void add(const Placed& robot, Dice& dice, float error_m);
+
+  const Sightings& see();
+  [[nodiscard]] const Regions& regions() const { return *regions_; }
+  [[nodiscard]] const CameraModel& camera() const { return camera_; }
+
+ private:
+  MarkerParameters parameters_;
+  CameraModel camera_;
+  std::unique_ptr<Matcher> matcher_;
+  std::unique_ptr<Runs> runs_;
+  std::unique_ptr<Regions> regions_;
+  std::unique_ptr<Sightings> sightings_;
+};
+
+}  // namespace touchline::testing

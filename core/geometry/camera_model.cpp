@@ -43,6 +43,12 @@ bool usable(const PaperModelParameters& p) {
          p.position_m[2] > 0;
 }
 
+// So that no double overflows the interface's floats: whatever lies so far out is nowhere near field or picture.
+float bounded(double value) {
+  constexpr double kFarthest = 1e9;
+  return static_cast<float>(std::clamp(value, -kFarthest, kFarthest));
+}
+
 template <class From>
 std::array<double, 3> as_double(const From& v) {
   return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
@@ -51,26 +57,33 @@ std::array<double, 3> as_double(const From& v) {
 }  // namespace
 
 Status CameraModel::configure(const CameraParameters& parameters) {
-  kind_ = parameters.kind;
-  if (kind_ == CameraModelKind::kFull) {
-    const FullModelParameters& p = parameters.full;
-    if (!usable(p)) return ErrorCode::kOutOfRange;
-    focal_ = {static_cast<double>(p.fx_px), static_cast<double>(p.fy_px)};
-    principal_ = {static_cast<double>(p.cx_px), static_cast<double>(p.cy_px)};
-    distortion_ = BrownDistortion(static_cast<double>(p.k1), static_cast<double>(p.k2), static_cast<double>(p.k3),
-                                  static_cast<double>(p.p1), static_cast<double>(p.p2));
-    position_ = as_double(p.position_m);
-    const std::array<double, 3> r = as_double(p.rotation_rad);
-    const Eigen::Vector3d axis(r[0], r[1], r[2]);
-    const double angle = axis.norm();
-    const Eigen::Matrix3d matrix =
-        angle > 0 ? Eigen::AngleAxisd(angle, axis / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
-    for (int i = 0; i < 3; ++i) {
-      rotation_[static_cast<std::size_t>(i)] = {matrix(i, 0), matrix(i, 1), matrix(i, 2)};
-    }
-    return {};
+  CameraModel next;
+  next.kind_ = parameters.kind;
+  const Status status =
+      parameters.kind == CameraModelKind::kFull ? next.configure(parameters.full) : next.configure(parameters.paper);
+  if (status.ok()) *this = next;
+  return status;
+}
+
+Status CameraModel::configure(const FullModelParameters& p) {
+  if (!usable(p)) return ErrorCode::kOutOfRange;
+  focal_ = {static_cast<double>(p.fx_px), static_cast<double>(p.fy_px)};
+  principal_ = {static_cast<double>(p.cx_px), static_cast<double>(p.cy_px)};
+  distortion_ = BrownDistortion(static_cast<double>(p.k1), static_cast<double>(p.k2), static_cast<double>(p.k3),
+                                static_cast<double>(p.p1), static_cast<double>(p.p2));
+  position_ = as_double(p.position_m);
+  const std::array<double, 3> r = as_double(p.rotation_rad);
+  const Eigen::Vector3d axis(r[0], r[1], r[2]);
+  const double angle = axis.norm();
+  const Eigen::Matrix3d matrix =
+      angle > 0 ? Eigen::AngleAxisd(angle, axis / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
+  for (int i = 0; i < 3; ++i) {
+    rotation_[static_cast<std::size_t>(i)] = {matrix(i, 0), matrix(i, 1), matrix(i, 2)};
   }
-  const PaperModelParameters& p = parameters.paper;
+  return {};
+}
+
+Status CameraModel::configure(const PaperModelParameters& p) {
   if (!usable(p)) return ErrorCode::kOutOfRange;
   center_ = {static_cast<double>(p.center_u_px), static_cast<double>(p.center_v_px)};
   h_ = static_cast<double>(p.focal_px);
@@ -159,13 +172,13 @@ Ray CameraModel::ray(PixelPoint pixel) const {
 FieldPoint CameraModel::to_field(PixelPoint pixel, float height_m) const {
   const Vector3 d = direction({static_cast<double>(pixel.u_px), static_cast<double>(pixel.v_px)});
   const double length = (below_camera(height_m) - position_[2]) / d[2];
-  return {static_cast<float>(position_[0] + length * d[0]), static_cast<float>(position_[1] + length * d[1])};
+  return {bounded(position_[0] + length * d[0]), bounded(position_[1] + length * d[1])};
 }
 
 PixelPoint CameraModel::to_pixel(FieldPoint point, float height_m) const {
   const Vector2 pixel =
       project({static_cast<double>(point.x_m), static_cast<double>(point.y_m), below_camera(height_m)});
-  return {static_cast<float>(pixel[0]), static_cast<float>(pixel[1])};
+  return {bounded(pixel[0]), bounded(pixel[1])};
 }
 
 float CameraModel::scale_px_per_m(FieldPoint point, float height_m) const {
@@ -175,7 +188,7 @@ float CameraModel::scale_px_per_m(FieldPoint point, float height_m) const {
   const Vector2 right = project({x + kStep, y, z}), left = project({x - kStep, y, z});
   const Vector2 up = project({x, y + kStep, z}), down = project({x, y - kStep, z});
   const double area = (right[0] - left[0]) * (up[1] - down[1]) - (right[1] - left[1]) * (up[0] - down[0]);
-  return static_cast<float>(std::sqrt(std::abs(area)) / (2.0 * kStep));
+  return bounded(std::sqrt(std::abs(area)) / (2.0 * kStep));
 }
 
 }  // namespace touchline

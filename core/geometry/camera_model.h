@@ -79,26 +79,26 @@ struct Ray {
 
 /// Pixel -> ray -> plane, and back. Only coordinates are transformed, never a picture.
 ///
-/// Inside, everything is double: with floats the lens's inversion alone costs up to 0.05 mm (see tests/geometry), with
-/// doubles the interface's floats cost less than 0.001 mm.
+/// Inside, everything is double, so that only the interface's floats cost anything: less than 0.002 mm on the field
+/// (tests/geometry).
 ///
 /// Every function gives a finite answer for every finite argument, so that a region outside the calibrated part of the
 /// picture cannot poison what follows: lines of sight that miss the ground (above kLeastDip) meet it at that dip, far
 /// outside of any field; planes at or above the camera count as just below it; where the lens model would fold back,
-/// it goes on along its tangent.
+/// it goes on along its tangent. Answers end at a million kilometers (1e9 m or px).
 class CameraModel {
  public:
-  // Sine of the flattest angle below the horizon: 50 camera heights away.
+  // Tangent of the flattest angle below the horizon: 50 camera heights away.
   static constexpr double kLeastDip = 0.02;
 
   /// kOutOfRange: focal length or camera height not positive, or a value that is not finite; kInconsistent: the affine
-  /// part is singular.
+  /// part is singular. The model then stays as it was.
   Status configure(const CameraParameters& parameters);
 
   [[nodiscard]] Ray ray(PixelPoint pixel) const;
   /// Where the line of sight meets the plane z = height_m (below the camera).
   [[nodiscard]] FieldPoint to_field(PixelPoint pixel, float height_m) const;
-  /// The inverse of to_field() to 1e-3 px (the float of a pixel coordinate).
+  /// The inverse of to_field() below the horizon, to 1e-3 px (the floats of a pixel and of a field point).
   [[nodiscard]] PixelPoint to_pixel(FieldPoint point, float height_m) const;
   /// Square root of the area in pixels that a square meter at this place and height covers.
   [[nodiscard]] float scale_px_per_m(FieldPoint point, float height_m) const;
@@ -107,6 +107,8 @@ class CameraModel {
   using Vector2 = std::array<double, 2>;
   using Vector3 = std::array<double, 3>;
 
+  Status configure(const FullModelParameters& p);
+  Status configure(const PaperModelParameters& p);
   [[nodiscard]] Vector3 direction(Vector2 pixel) const;    // unit vector, pointing below the horizon
   [[nodiscard]] Vector2 project(Vector3 point) const;      // field frame, below the camera
   [[nodiscard]] Vector2 paper_floor(Vector2 pixel) const;  // eq. (12)-(14) and the affine part

@@ -60,7 +60,8 @@ int write_scene(const config::BoardFile& board, const arena::SceneWord& scene, c
   }
   if (progress) std::fputc('\n', stderr);
   if (!arena::write_text(prefix + "truth.jsonl", truth, reason).ok() ||
-      !arena::write_text(prefix + "scene.json", arena::scene_description(parameters, renderer.lens()), reason).ok()) {
+      !arena::write_text(prefix + "scene.json", arena::scene_description(parameters, renderer.lens()), reason).ok() ||
+      !arena::write_text(prefix + "field-points.txt", arena::field_points(parameters, renderer.lens()), reason).ok()) {
     return fail(reason);
   }
   if (scene.kind == arena::SceneKind::kSamples &&
@@ -83,7 +84,8 @@ int main(int argc, char** argv) {
     scenes += "\n  " + std::string(scene.word) + ": " + std::string(scene.help);
   }
   app.add_option("scene", options.scene, "One of:" + scenes)->required();
-  app.add_option("--out", options.out, "Folder for pictures, truth.jsonl, scene.json (and clicks.json of samples)")
+  app.add_option("--out", options.out,
+                 "Folder for pictures, truth.jsonl, scene.json, field-points.txt (and clicks.json of samples)")
       ->required();
   app.add_option("--board", options.board, "Board file whose [camera] and [arena] are used")->capture_default_str();
   app.add_option("--set", options.overrides, "KEY=VALUE of the board file for this time; repeatable");

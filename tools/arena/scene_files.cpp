@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 namespace touchline::arena {
 namespace {
@@ -39,6 +40,31 @@ Json patch_pixel(const ArenaParameters& parameters, const Lens& lens, const Plac
   return pixel_of(lens, robot.x_m + at.x, robot.y_m + at.y, parameters.robot_height_m);
 }
 
+// What a person can point at on the empty field.
+struct FieldMark {
+  const char* what;
+  double x_m, y_m;
+};
+std::vector<FieldMark> field_marks(const hal::mock::FieldParameters& field) {
+  const double x = 0.5 * field.length_m, y = 0.5 * field.width_m;
+  const double goal = 0.5 * field.goal_width_m, corner = field.corner_m;
+  std::vector<FieldMark> marks;
+  for (const double sx : {-1.0, 1.0}) {
+    for (const double sy : {-1.0, 1.0}) {
+      marks.push_back({"goal post", sx * x, sy * goal});
+      marks.push_back({"corner piece at the goal line", sx * x, sy * (y - corner)});
+      marks.push_back({"corner piece at the side line", sx * (x - corner), sy * y});
+    }
+    marks.push_back({"center line at the side line", 0.0, sx * y});
+    marks.push_back({"circle on the center line", 0.0, sx * field.circle_radius_m});
+    marks.push_back({"circle along the field", sx * field.circle_radius_m, 0.0});
+  }
+  return marks;
+}
+
+// To half a pixel, as a hand with a mouse does at best.
+double clicked(double pixel) { return rounded(pixel, 2.0); }
+
 }  // namespace
 
 std::string truth_line(const Moment& moment, const std::string& file, const ArenaParameters& parameters,
@@ -74,11 +100,8 @@ std::string clicks(const std::vector<Moment>& moments, const std::vector<std::st
                    const ArenaParameters& parameters, const Lens& lens) {
   Json samples = Json::array();
   const auto add = [&](const std::string& file, const std::string& color, const Json& at) {
-    // To half a pixel, as a hand with a mouse does at best.
-    samples.push_back({{"image", file},
-                       {"color", color},
-                       {"u", rounded(at[0].get<double>(), 2.0)},
-                       {"v", rounded(at[1].get<double>(), 2.0)}});
+    samples.push_back(
+        {{"image", file}, {"color", color}, {"u", clicked(at[0].get<double>())}, {"v", clicked(at[1].get<double>())}});
   };
   for (std::size_t m = 0; m < moments.size(); ++m) {
     if (!moments[m].objects) continue;
@@ -97,21 +120,13 @@ std::string clicks(const std::vector<Moment>& moments, const std::vector<std::st
 
 std::string scene_description(const ArenaParameters& parameters, const Lens& lens) {
   const auto& field = parameters.field;
-  const double x = 0.5 * field.length_m, y = 0.5 * field.width_m, r = field.circle_radius_m;
-  const double g = 0.5 * field.goal_width_m, c = field.corner_m;
+  const double x = 0.5 * field.length_m, y = 0.5 * field.width_m;
   Json points = Json::array();
-  const auto add = [&](const char* what, double at_x, double at_y) {
-    points.push_back({{"what", what}, {"x", at_x}, {"y", at_y}, {"pixel", pixel_of(lens, at_x, at_y, 0.0)}});
-  };
-  for (const double sx : {-1.0, 1.0}) {
-    for (const double sy : {-1.0, 1.0}) {
-      add("goal post", sx * x, sy * g);
-      add("corner piece at the goal line", sx * x, sy * (y - c));
-      add("corner piece at the side line", sx * (x - c), sy * y);
-    }
-    add("center line at the side line", 0.0, sx * y);
-    add("circle on the center line", 0.0, sx * r);
-    add("circle along the field", sx * r, 0.0);
+  for (const FieldMark& mark : field_marks(field)) {
+    points.push_back({{"what", mark.what},
+                      {"x", meters(mark.x_m)},
+                      {"y", meters(mark.y_m)},
+                      {"pixel", pixel_of(lens, mark.x_m, mark.y_m, 0.0)}});
   }
   Json corners = Json::array();
   for (const auto& [cx, cy] : {std::pair{-x, -y}, {x, -y}, {x, y}, {-x, y}}) {
@@ -126,6 +141,15 @@ std::string scene_description(const ArenaParameters& parameters, const Lens& len
               {"camera_m", lens.position_m()}}
              .dump(1) +
          "\n";
+}
+
+std::string field_points(const ArenaParameters& parameters, const Lens& lens) {
+  std::ostringstream lines;
+  for (const FieldMark& mark : field_marks(parameters.field)) {
+    const auto [u, v] = lens.project({mark.x_m, mark.y_m, 0.0});
+    lines << mark.x_m << ',' << mark.y_m << ',' << clicked(u) << ',' << clicked(v) << '\n';
+  }
+  return lines.str();
 }
 
 Status write_text(const std::string& path, const std::string& text, std::string& reason) {

@@ -23,6 +23,9 @@ std::string clicks(const std::vector<Moment>& moments, const std::vector<std::st
 /// scene.json: sizes of field and things, and the pixels of points that a person could click on the field.
 std::string scene_description(const hal::mock::ArenaParameters& parameters, const hal::mock::Lens& lens);
 
+/// field-points.txt: the same points, "x,y,u,v" a line as touchline-calibrate field takes them, to half a pixel.
+std::string field_points(const hal::mock::ArenaParameters& parameters, const hal::mock::Lens& lens);
+
 /// kIo: `reason` names the file.
 Status write_text(const std::string& path, const std::string& text, std::string& reason);
 

@@ -11,6 +11,7 @@
 #include "firmware/stop_signal.h"
 #include "hal/linux/monotonic_clock.h"
 #include "tools/latency/latency_output.h"
+#include "tools/latency/progress.h"
 #include "tools/latency/worst_frames.h"
 
 namespace {
@@ -39,7 +40,9 @@ void tell(const std::vector<std::string>& refusals) {
 }
 
 // From an open loop to its end. Nobody prints its reports: what does not fit into their ring is left out.
-bool run(Loop& loop, const config::BoardFile& board) {
+bool run(Loop& loop, const config::BoardFile& board, const latency::Measurement& measurement, std::size_t steps) {
+  // Begins before this thread becomes privileged, and inherits nothing of it.
+  const latency::Progress progress(measurement, steps);
   tell(become_realtime(board.realtime));
   const LoopEnd end = loop.run(stop_on_signals());
   if (end != LoopEnd::kFault && end != LoopEnd::kDeviceLost) return true;
@@ -73,7 +76,7 @@ int measure_board(const Options& options) {
   tell(lock_memory(board.realtime));
   std::string reason;
   if (!session.open(measurement.observer(), reason).ok()) return fail(reason);
-  if (!run(session.loop(), board)) return 1;
+  if (!run(session.loop(), board, measurement, options.session.frames)) return 1;
   return report(options, measurement, "board " + board.name, board.camera.rate_hz);
 }
 
@@ -99,7 +102,7 @@ int measure_worst_frames(const Options& options) {
   tell(lock_memory(configuration->board.realtime));
   std::string reason;
   if (!loop->open(reason).ok()) return fail(reason);
-  if (!run(*loop, configuration->board)) return 1;
+  if (!run(*loop, configuration->board, measurement, settings.frames)) return 1;
   return report(options, measurement, "worst frames", configuration->board.camera.rate_hz);
 }
 

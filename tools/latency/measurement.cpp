@@ -44,19 +44,20 @@ void Measurement::on_step(void* context, const StepTrace& trace, const StepTimin
 }
 
 void Measurement::add(const std::array<Duration, kStageCount>& stages, const StepTiming& timing, bool overload) {
-  if (seen_++ < warm_up_) {
-    if (seen_ == warm_up_) {
+  const std::size_t seen = seen_.fetch_add(1, std::memory_order_relaxed) + 1;
+  if (seen <= warm_up_) {
+    if (seen == warm_up_) {
       faults_begin_ = PageFaults::of_this_thread();
       allocations_begin_ = allocations_of_this_thread();
     }
     return;
   }
-  if (seen_ > warm_up_ + frames_) return;
+  if (seen > warm_up_ + frames_) return;
   for (std::size_t i = 0; i < kStageCount; ++i) spans_[i].add(stages[i]);
   spans_[static_cast<std::size_t>(Span::kProcessing)].add(timing.processing);
   spans_[static_cast<std::size_t>(Span::kLatency)].add(timing.latency);
   overloads_ += overload ? 1u : 0u;
-  if (seen_ == warm_up_ + frames_) {
+  if (seen == warm_up_ + frames_) {
     faults_end_ = PageFaults::of_this_thread();
     allocations_end_ = allocations_of_this_thread();
   }
@@ -73,10 +74,10 @@ LatencyReport Measurement::report(const std::string& source, double rate_hz) con
   report.overloads = overloads_;
   report.allocations_counted = allocations_are_counted();
   // A run that ended early has no end of its own.
-  const bool whole = seen_ >= warm_up_ + frames_;
+  const bool whole = seen() >= warm_up_ + frames_;
   const PageFaults faults = whole ? faults_end_ : PageFaults::of_this_thread();
   const std::uint64_t allocations = whole ? allocations_end_ : allocations_of_this_thread();
-  if (seen_ >= warm_up_) {
+  if (seen() >= warm_up_) {
     report.minor_faults = faults.minor - faults_begin_.minor;
     report.major_faults = faults.major - faults_begin_.major;
     report.allocations = allocations - allocations_begin_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -43,6 +44,8 @@ class Measurement {
   /// Stages in the order of Span up to kRadio.
   void add(const std::array<Duration, kStageCount>& stages, const StepTiming& timing, bool overload);
 
+  /// Steps so far, warm-up included; from any thread.
+  [[nodiscard]] std::size_t seen() const { return seen_.load(std::memory_order_relaxed); }
   [[nodiscard]] LatencyReport report(const std::string& source, double rate_hz) const;
   [[nodiscard]] const LatencySamples& samples(Span span) const { return spans_[static_cast<std::size_t>(span)]; }
 
@@ -50,7 +53,8 @@ class Measurement {
   static void on_step(void* context, const StepTrace& trace, const StepTiming& timing);
 
   std::vector<LatencySamples> spans_;
-  std::size_t frames_, warm_up_, seen_ = 0;
+  std::size_t frames_, warm_up_;
+  std::atomic<std::size_t> seen_ = 0;
   std::uint64_t overloads_ = 0;
   PageFaults faults_begin_, faults_end_;
   std::uint64_t allocations_begin_ = 0, allocations_end_ = 0;

@@ -39,8 +39,8 @@ class RegionScanner {
   /// kFull: too much was found, one or both of
   /// - more regions than fit: the largest are there; regions.overflow() counts the others;
   /// - more runs than fit, even without those of dropped regions: rows before the one for which there was no room are
-  ///   as in kOk, regions that reached it are not reported but counted by regions.overflow(), and runs.overflow()
-  ///   counts the runs that it and all later rows would have had.
+  ///   as in kOk, regions that reached it (and the least area) are not reported but counted by regions.overflow(), and
+  ///   runs.overflow() counts the runs that it and all later rows would have had.
   Status scan(const Frame& frame, Runs& runs, Regions& regions);
 
  private:

@@ -46,7 +46,7 @@ OwnedPicture::OwnedPicture(PixelFormat format, int width, int height, int paddin
   const std::array<std::size_t, 2> rows = {h, (h + 1) / 2};
   for (std::size_t plane = 0; plane < 2; ++plane) {
     if (row[plane] == 0) continue;
-    stride_[plane] = row[plane] + static_cast<std::size_t>(padding);
+    stride_[plane] = row[plane] + static_cast<std::size_t>(padding) + 3 * plane;
     bytes_[plane] = std::vector<std::uint8_t>(stride_[plane] * (rows[plane] - 1) + row[plane]);
   }
 }

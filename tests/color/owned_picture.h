@@ -18,7 +18,7 @@ const char* name_of(PixelFormat format);
 using Channels = std::array<std::uint8_t, 3>;
 
 /// Owns exactly the bytes that the format needs, so that a sanitizer sees a read beyond them: nothing follows the last
-/// row. `padding` bytes lie between rows.
+/// row. `padding` bytes lie between rows, three more between those of a second plane.
 class OwnedPicture {
  public:
   OwnedPicture(PixelFormat format, int width, int height, int padding);

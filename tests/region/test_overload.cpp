@@ -152,6 +152,26 @@ TEST_F(OverloadTest, TheWidestPicturesAreBoundedToo) {
   }
 }
 
+TEST_F(OverloadTest, CountsOnlyTheRegionOfInterest) {
+  // Two strips of a picture of stripes: what lies between them, and beside them, is neither kept nor counted.
+  const ColorGrid grid = make_pattern(Pattern::kVerticalStripes, 640, 480, random_);
+  const OwnedPicture picture = paint(grid, PixelFormat::kYuyv, 6, random_);
+  ScanParameters parameters = parameters_for(picture.frame());
+  for (const PixelPoint& point :
+       {PixelPoint{10, 30}, PixelPoint{630, 30}, PixelPoint{630, 470}, PixelPoint{400, 470}, PixelPoint{400, 31},
+        PixelPoint{301, 31}, PixelPoint{301, 470}, PixelPoint{10, 470}}) {
+    parameters.region_of_interest.push_back(point);
+  }
+  ASSERT_TRUE(scanner_->configure(parameters).ok());
+  EXPECT_EQ(scanner_->scan(picture.frame(), *runs_, *regions_).code(), ErrorCode::kFull);
+  const ColorGrid seen = defined_colors(picture.frame(), parameters);
+  const int row = row_of_end(seen);
+  ASSERT_GT(row, 31);
+  ASSERT_LT(row, 470);
+  EXPECT_EQ(runs_from_row(seen, row), static_cast<std::size_t>(470 - row) * (291 + 230));
+  expect_all_that_ended_above(seen, row, 1);
+}
+
 TEST_F(OverloadTest, LeavesNothingBehindForTheNextFrame) {
   const ColorGrid calm = make_pattern(Pattern::kBlobs, 640, 480, random_);
   const std::vector<ExpectedRegion> expected = expected_regions(calm);

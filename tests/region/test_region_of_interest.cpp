@@ -83,6 +83,13 @@ TEST_F(RegionOfInterestTest, SpansThatMeetAreOne) {
   for (std::uint16_t v = 0; v < 4; ++v) EXPECT_EQ(region_->row(v).size(), 1u);
 }
 
+TEST_F(RegionOfInterestTest, PointsThatRepeatAndEdgesThatRunBackChangeNothing) {
+  const Rows square = drawn({{1, 1}, {4, 1}, {4, 3}, {1, 3}}, 6, 4);
+  EXPECT_EQ(drawn({{1, 1}, {4, 1}, {4, 1}, {4, 3}, {1, 3}, {1, 3}, {1, 1}}, 6, 4), square) << "closed by hand";
+  EXPECT_EQ(drawn({{1, 1}, {4, 1}, {5.5f, 2}, {4, 1}, {4, 3}, {1, 3}}, 6, 4), square) << "a spike out and back";
+  EXPECT_EQ(drawn({{1, 1}, {2.5f, 1}, {4, 1}, {4, 3}, {1, 3}}, 6, 4), square) << "a corner of 180 degrees";
+}
+
 TEST_F(RegionOfInterestTest, IsCutAtThePicture) {
   EXPECT_EQ(drawn({{-1e6f, -1e6f}, {1e6f, -1e6f}, {1e6f, 1e6f}, {-1e6f, 1e6f}}, 3, 2), (Rows{"###", "###"}));
   EXPECT_EQ(drawn({{-4, -4}, {2, -4}, {2, 1}, {-4, 1}}, 4, 2), (Rows{"##..", "...."}));
@@ -106,6 +113,10 @@ TEST_F(RegionOfInterestTest, HoldsAsManySpansAsAPolygonCanHave) {
 TEST_F(RegionOfInterestTest, RefusesWhatMeansNothing) {
   drawn({{0.2f, 0.2f}, {0.8f, 0.2f}, {0.8f, 0.8f}}, 4, 4);
   EXPECT_EQ(status_.code(), ErrorCode::kInconsistent) << "between pixel centers";
+  drawn({{0, 0}, {2, 2}, {3, 3}}, 4, 4);
+  EXPECT_EQ(status_.code(), ErrorCode::kInconsistent) << "a line has no inside";
+  drawn({{5, 0}, {9, 0}, {9, 4}, {5, 4}}, 4, 4);
+  EXPECT_EQ(status_.code(), ErrorCode::kInconsistent) << "beside the picture";
   drawn({{0, 0}, {4, std::numeric_limits<float>::quiet_NaN()}, {4, 4}}, 1, 0);
   EXPECT_EQ(status_.code(), ErrorCode::kOutOfRange);
   drawn({{0, 0}, {4, std::numeric_limits<float>::infinity()}, {4, 4}}, 1, 0);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <numeric>
 #include <utility>
@@ -45,6 +46,67 @@ TEST_F(RegionScannerTest, FindsThePapersRegionsInEveryPatternFormatAndSize) {
     }
   }
   EXPECT_GT(regions_seen, 50000u);
+}
+
+// Every picture there is, up to a size: no case of joining and merging is left to chance.
+TEST_F(RegionScannerTest, FindsThemInEverySmallPicture) {
+  struct Family {
+    int width, height, colors;
+  };
+  for (const Family& family : {Family{4, 4, 2}, Family{3, 3, 3}, Family{2, 3, 5}, Family{8, 2, 2}, Family{2, 8, 2}}) {
+    OwnedPicture picture(PixelFormat::kRgb24, family.width, family.height, 1);
+    const ScanParameters parameters = parameters_for(picture.frame());
+    ASSERT_TRUE(scanner_->configure(parameters).ok());
+    ColorGrid grid = make_grid(family.width, family.height);
+    bool more = true;
+    while (more) {
+      for (int v = 0; v < family.height; ++v) {
+        for (int u = 0; u < family.width; ++u)
+          picture.set(u, v, {static_cast<std::uint8_t>(40 * grid.at(u, v)), 0, 99});
+      }
+      ASSERT_TRUE(scanner_->scan(picture.frame(), *runs_, *regions_).ok());
+      ASSERT_EQ(difference(expected_regions(grid), *runs_, *regions_), "")
+          << family.width << " x " << family.height << ": "
+          << ::testing::PrintToString(std::vector<int>(grid.color.begin(), grid.color.end()));
+      // The next picture: count up in the base of the colors.
+      const auto digit =
+          std::find_if(grid.color.begin(), grid.color.end(), [&](ColorId color) { return color + 1 < family.colors; });
+      more = digit != grid.color.end();
+      if (more) ++*digit;
+      std::fill(grid.color.begin(), digit, kBackground);
+    }
+  }
+}
+
+TEST_F(RegionScannerTest, TellsThirtyTwoColorsApart) {
+  for (const PixelFormat format : kAllFormats) {
+    OwnedPicture picture(format, 130, 66, 5);
+    ScanParameters parameters = parameters_for(picture.frame());
+    // Neighbors in two channels, without a gap between their boxes; given in no order of color.
+    parameters.boxes.clear();
+    for (int i = 0; i < static_cast<int>(kMaxColors); ++i) {
+      const auto row = static_cast<std::uint8_t>(i / 8 * 40 + 80), column = static_cast<std::uint8_t>(i % 8 * 20 + 60);
+      parameters.boxes.push_back({static_cast<ColorId>(1 + i * 5 % static_cast<int>(kMaxColors)),
+                                  {0, row, column},
+                                  {255, static_cast<std::uint8_t>(row + 39), static_cast<std::uint8_t>(column + 19)}});
+    }
+    std::size_t first = 0, second = 0;
+    ASSERT_FALSE(overlapping_boxes(parameters.boxes, first, second));
+    picture.fill([] { return std::uint8_t{0}; });
+    // A field of touching squares of 4 x 4, at bounds of their boxes.
+    for (int v = 0; v < 64; ++v) {
+      for (int u = 0; u < 128; ++u) {
+        const ColorBox& box = parameters.boxes[static_cast<std::size_t>((u / 4 + v / 4 * 7) % 32)];
+        picture.set(u, v, (u + v) / 8 % 2 == 0 ? box.low : box.high);
+      }
+    }
+    ASSERT_EQ(difference_on(picture.frame(), parameters), "") << name_of(format);
+    std::array<int, kMaxColors + 1> seen{};
+    for (const Region& region : *regions_) ++seen[region.color];
+    for (std::size_t color = 1; color <= kMaxColors; ++color)
+      EXPECT_GT(seen[color], 0) << name_of(format) << " " << color;
+    EXPECT_EQ(seen[kBackground], 0);
+  }
 }
 
 LightMap random_light(std::mt19937& random) {

@@ -46,7 +46,6 @@ bool overlapping_boxes(const ColorBoxes& boxes, std::size_t& first, std::size_t&
 
 Status ColorTables::build(const ColorBoxes& boxes, ColorSpace space) {
   if (Status s = check(boxes); !s.ok()) return s;
-  color_of_bit_.fill(kBackground);
   for (std::size_t bit = 0; bit < boxes.size(); ++bit) color_of_bit_[bit] = boxes[bit].color;
   for (std::size_t channel = 0; channel < 3; ++channel) {
     const std::uint8_t unlit = unlit_value(space, channel);

@@ -48,7 +48,7 @@ class ColorTables {
 
  private:
   std::array<std::array<Table, kLightLevels>, 3> table_{};
-  ColorOfBit color_of_bit_{};
+  ColorOfBit color_of_bit_{};  // of bits that no box has: never asked for
 };
 
 }  // namespace touchline

@@ -44,8 +44,7 @@ std::uint32_t Labeling::unite(std::uint32_t a, std::uint32_t b) {
   into.area_px += from.area_px;
   into.box.left = std::min(into.box.left, from.box.left);
   into.box.right = std::max(into.box.right, from.box.right);
-  into.box.bottom = std::max(into.box.bottom, from.box.bottom);
-  return kept;
+  return kept;  // the run that joins them extends the box downwards
 }
 
 std::uint32_t Labeling::add_component(const Run& run) {

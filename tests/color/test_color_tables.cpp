@@ -87,6 +87,7 @@ TEST(OverlappingBoxes, AreNamedByTheirBits) {
   EXPECT_EQ(second, 2u);
   ASSERT_TRUE(overlapping_boxes(boxes_of({red, beside, corner}), first, second));
   EXPECT_EQ(first, 0u);
+  ASSERT_TRUE(overlapping_boxes(boxes_of({corner, red}), first, second)) << "from the other side as well";
   ASSERT_TRUE(overlapping_boxes(boxes_of({beside, corner}), first, second));
   EXPECT_EQ(first, 0u);
   EXPECT_EQ(second, 1u);

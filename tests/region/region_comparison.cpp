@@ -1,8 +1,9 @@
 #include "tests/region/region_comparison.h"
 
 #include <algorithm>
-#include <cmath>
+#include <numeric>
 #include <sstream>
+#include <utility>
 
 namespace touchline::testing {
 namespace {
@@ -93,6 +94,35 @@ std::string run_difference(const Runs& runs) {
   return {};
 }
 
+ColorGrid rows_above(const ColorGrid& grid, int row) {
+  ColorGrid upper = grid;
+  upper.height = row;
+  upper.color.resize(upper.index(0, row));
+  return upper;
+}
+
+std::size_t runs_in_row(const ColorGrid& grid, int v) {
+  std::size_t count = 0;
+  for (int u = 0; u < grid.width; ++u) {
+    const ColorId left = u == 0 ? kBackground : grid.at(u - 1, v);
+    count += grid.at(u, v) != kBackground && grid.at(u, v) != left ? 1u : 0u;
+  }
+  return count;
+}
+
+// The largest, among equals the first ones, in their order.
+std::vector<ExpectedRegion> largest(std::vector<ExpectedRegion> regions, std::size_t count) {
+  std::vector<std::size_t> order(regions.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return regions[a].pixels.size() > regions[b].pixels.size(); });
+  order.resize(std::min(count, order.size()));
+  std::sort(order.begin(), order.end());
+  std::vector<ExpectedRegion> chosen;
+  for (const std::size_t i : order) chosen.push_back(std::move(regions[i]));
+  return chosen;
+}
+
 }  // namespace
 
 std::vector<ExpectedRegion> expected_regions(const ColorGrid& grid, std::uint32_t min_area_px) {
@@ -119,6 +149,38 @@ std::string difference(const std::vector<ExpectedRegion>& expected, const Runs& 
   const auto loose = std::find(chained.begin(), chained.end(), false);
   if (loose != chained.end()) return sentence("run ", loose - chained.begin(), " is in no chain");
   return {};
+}
+
+std::string difference_when_full(const ColorGrid& grid, std::uint32_t min_area_px, const Runs& runs,
+                                 const Regions& regions) {
+  const int row = row_of_end(grid, runs);
+  if (row < 0) return sentence("no row explains ", runs.overflow(), " dropped runs");
+  std::vector<ExpectedRegion> expected = expected_regions(rows_above(grid, row), min_area_px);
+  const std::size_t all = expected.size();
+  if (row < grid.height) {
+    std::erase_if(expected, [&](const ExpectedRegion& region) { return region.bottom == row - 1; });
+  }
+  expected = largest(std::move(expected), kMaxRegions);
+  if (regions.overflow() != all - expected.size()) {
+    return sentence(regions.overflow(), " regions dropped instead of ", all - expected.size());
+  }
+  return difference(expected, runs, regions);
+}
+
+std::size_t runs_from_row(const ColorGrid& grid, int first_row) {
+  std::size_t count = 0;
+  for (int v = first_row; v < grid.height; ++v) count += runs_in_row(grid, v);
+  return count;
+}
+
+int row_of_end(const ColorGrid& grid, const Runs& runs) {
+  std::size_t dropped = 0;
+  int row = grid.height;
+  while (dropped < runs.overflow() && row > 0) {
+    --row;
+    dropped += runs_in_row(grid, row);
+  }
+  return dropped == runs.overflow() ? row : -1;
 }
 
 }  // namespace touchline::testing

@@ -24,4 +24,16 @@ std::vector<ExpectedRegion> expected_regions(const ColorGrid& grid, std::uint32_
 /// maximal, each in exactly one chain, chains in raster order.
 std::string difference(const std::vector<ExpectedRegion>& expected, const Runs& runs, const Regions& regions);
 
+/// The same for a scan that was kFull: of more regions than fit only the largest (among equals the first ones); when
+/// the runs ended the scan at some row, only regions that ended above it; and the counts of what is missing.
+std::string difference_when_full(const ColorGrid& grid, std::uint32_t min_area_px, const Runs& runs,
+                                 const Regions& regions);
+
+/// Runs in the rows from first_row on.
+std::size_t runs_from_row(const ColorGrid& grid, int first_row);
+
+/// The row at which the scan ended for want of room, by the runs that it counted instead of keeping; the height when
+/// it kept all, -1 when no row explains the count.
+int row_of_end(const ColorGrid& grid, const Runs& runs);
+
 }  // namespace touchline::testing

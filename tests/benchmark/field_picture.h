@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/region/region_scanner.h"
+#include "tests/color/owned_picture.h"
+
+namespace touchline::testing {
+
+struct FieldScene {
+  PixelFormat format = PixelFormat::kRgb24;
+  int width_px = 640, height_px = 480;
+  double noise = 3.0;                   // standard deviation of each channel, in 8-bit steps
+  double specks_per_megapixel = 600.0;  // single pixels of any color: reflections, dust, hot pixels
+  std::uint32_t seed = 1;
+};
+
+/// A field seen from above as the paper plays on it: 2.2 m x 1.8 m fill the picture's height; dark robots of 75 mm with
+/// two patches each, five a team, any place and heading; an orange ball; lines; surroundings. Edges are mixed as a lens
+/// mixes them. The same scene gives the same bytes on every machine of one floating-point arithmetic.
+OwnedPicture paint_field(const FieldScene& scene);
+
+/// What a scan of it needs: 13 color classes as the paper's game has them, in the format's color space.
+ScanParameters field_parameters(const FieldScene& scene);
+
+}  // namespace touchline::testing

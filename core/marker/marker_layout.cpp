@@ -9,6 +9,9 @@ namespace {
 
 bool positive(float value) { return std::isfinite(value) && value > 0.0f; }
 
+// False for what is not a number.
+bool within(float value, float bound) { return std::abs(value) <= bound; }
+
 bool same_colors(const RobotMarking& a, const RobotMarking& b) {
   return std::equal(a.colors.begin(), a.colors.end(), b.colors.begin(), b.colors.end());
 }
@@ -42,8 +45,9 @@ Status validate(const MarkerLayout& layout) {
     if ((place.role == PatchRole::kTeam) != (i == 0)) return ErrorCode::kInconsistent;
     if (!positive(place.length_m) || !positive(place.width_m)) return ErrorCode::kOutOfRange;
     if (!std::isfinite(place.turn_rad)) return ErrorCode::kOutOfRange;
-    // Negated, so that what is not a number is refused as well.
-    if (!(std::max(std::abs(place.x_m), std::abs(place.y_m)) <= layout.robot_side_m / 2)) return ErrorCode::kOutOfRange;
+    if (!within(place.x_m, layout.robot_side_m / 2) || !within(place.y_m, layout.robot_side_m / 2)) {
+      return ErrorCode::kOutOfRange;
+    }
   }
   return {};
 }

@@ -16,6 +16,9 @@ constexpr float kSuspiciousRatio = 1.1f;
 // |log| of both variances against those of one patch of the same area: two squares side by side are at 1.4, a blurred
 // or obliquely seen one is below 0.4.
 constexpr float kForeignShape = 0.7f;
+// Blur and thresholds may add a pixel all around, more than half of a small patch; two patches have another shape as
+// well. But two right triangles side by side are a triangle again.
+constexpr float kLargestRatio = 2.2f, kLargestRatioOfTriangle = 1.6f;
 // More than 4 patches and their blur.
 constexpr float kFloodRatio = 4.8f;
 // A patch with what belongs to it cannot be much larger than expected; more is another patch.
@@ -40,6 +43,10 @@ float side_of(const PatchPlace& place) {
   return std::min({place.length_m, place.width_m, std::sqrt(area_m2(place))});
 }
 
+float largest_ratio(const PatchPlace& place) {
+  return place.outline == PatchOutline::kTriangle ? kLargestRatioOfTriangle : kLargestRatio;
+}
+
 }  // namespace
 
 PatchKind kind_of(const PatchPlace& place, float height_m) {
@@ -48,6 +55,7 @@ PatchKind kind_of(const PatchPlace& place, float height_m) {
   kind.side_m = side_of(place);
   kind.length_m = std::max(place.length_m, place.width_m);
   kind.spread = spread(place);
+  kind.largest_ratio = largest_ratio(place);
   kind.height_m = {height_m, height_m};
   return kind;
 }
@@ -60,6 +68,7 @@ void widen(PatchKind& kind, const PatchPlace& place) {
     kind.spread = spread(place);
   }
   kind.side_m = std::min(kind.side_m, side_of(place));
+  kind.largest_ratio = std::min(kind.largest_ratio, largest_ratio(place));
   kind.length_m = std::max({kind.length_m, place.length_m, place.width_m});
 }
 
@@ -107,9 +116,9 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
   if (of_largest >= kSuspiciousRatio || (long_patch && patch.ratio >= kLeastRatio)) {
     const RegionShape shape = shape_of(runs, region);
     const bool foreign = shape_error(shape, kind.spread, of_largest, patch.scale_px_per_m) > kForeignShape;
-    const bool several = of_largest >= kSuspiciousRatio && (foreign || of_largest > kLargestRatio);
+    const bool several = of_largest >= kSuspiciousRatio && (foreign || of_largest > kind.largest_ratio);
     if (several && !kind.may_touch) {
-      verdicts.verdicts[number] = of_largest > kLargestRatio ? Verdict::kTooLarge : Verdict::kWrongShape;
+      verdicts.verdicts[number] = of_largest > kind.largest_ratio ? Verdict::kTooLarge : Verdict::kWrongShape;
       return;
     }
     if (several) {

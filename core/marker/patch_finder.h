@@ -17,6 +17,7 @@ struct PatchKind {
   float side_m = 0;                              // d1: smaller side of the smallest patch
   float length_m = 0;                            // longest side of the largest one
   Spread spread;                                 // of the largest one
+  float largest_ratio = 0;                       // of the area to the expected one: more are several patches
   bool may_touch = true;                         // two of them may grow together in the picture
   std::array<float, 2> height_m{};               // by Team, of whose robots it may be
   std::size_t plane = 0;                         // index in height_m by which areas and distances are judged
@@ -47,8 +48,8 @@ using ColorPatches = FixedVector<Patch, kMaxPatchesPerColor>;
 /// Regions of one color -> patches: expected area at the place, touching ones divided, eq. (1), weighted refinement.
 class PatchFinder {
  public:
-  // Blur at the border and thresholds take a third to a half of a small patch, or add a pixel all around.
-  static constexpr float kLeastRatio = 0.35f, kLargestRatio = 2.2f;
+  // Blur at the border and thresholds take a third to a half of a small patch.
+  static constexpr float kLeastRatio = 0.35f;
 
   void configure(const CameraModel& camera, const FieldParameters& field) {
     camera_ = camera;

@@ -11,8 +11,6 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-FieldPoint in_robot(const Pose& pose, FieldPoint p) { return to_robot_frame(pose, p); }
-
 }  // namespace
 
 bool covers(const PatchPlace& place, FieldPoint p) {
@@ -87,7 +85,7 @@ bool overlap(const Pose& a, const Pose& b, float side_m) {
     float left = 1e9f, right = -1e9f, low = 1e9f, high = -1e9f;
     for (const float x : {-half, half}) {
       for (const float y : {-half, half}) {
-        const FieldPoint corner = in_robot(base, on_field(other, x, y));
+        const FieldPoint corner = to_robot_frame(base, on_field(other, x, y));
         left = std::min(left, corner.x_m);
         right = std::max(right, corner.x_m);
         low = std::min(low, corner.y_m);
@@ -139,32 +137,45 @@ PaintedField::PaintedField(const CameraParameters& camera, const MarkerParameter
 void PaintedField::clear() { std::fill(grid_.color.begin(), grid_.color.end(), kBackground); }
 
 template <class Inside>
-void PaintedField::fill(FieldPoint around, float reach_m, float height_m, ColorId color, Inside inside_it) {
-  const PixelPoint center = camera_.to_pixel(around, height_m);
-  const int reach = 2 + static_cast<int>(1.3f * reach_m * camera_.scale_px_per_m(around, height_m));
-  const int u0 = static_cast<int>(center.u_px), v0 = static_cast<int>(center.v_px);
-  for (int v = std::max(0, v0 - reach); v <= std::min(grid_.height - 1, v0 + reach); ++v) {
-    for (int u = std::max(0, u0 - reach); u <= std::min(grid_.width - 1, u0 + reach); ++u) {
+void PaintedField::fill(const std::array<FieldPoint, 4>& corners, float height_m, ColorId color, Inside inside) {
+  // Straight edges bend by less than a pixel over a robot's width.
+  constexpr float kMargin = 2.0f;
+  float left = 1e9f, right = -1e9f, top = 1e9f, bottom = -1e9f;
+  for (const FieldPoint& corner : corners) {
+    const PixelPoint p = camera_.to_pixel(corner, height_m);
+    left = std::min(left, p.u_px - kMargin);
+    right = std::max(right, p.u_px + kMargin);
+    top = std::min(top, p.v_px - kMargin);
+    bottom = std::max(bottom, p.v_px + kMargin);
+  }
+  const int first = static_cast<int>(std::max(0.0f, left)), last = std::min(grid_.width - 1, static_cast<int>(right));
+  for (int v = static_cast<int>(std::max(0.0f, top)); v <= std::min(grid_.height - 1, static_cast<int>(bottom)); ++v) {
+    for (int u = first; u <= last; ++u) {
       const PixelPoint pixel{static_cast<float>(u), static_cast<float>(v)};
-      if (inside_it(camera_.to_field(pixel, height_m))) grid_.at(u, v) = color;
+      if (inside(camera_.to_field(pixel, height_m))) grid_.at(u, v) = color;
     }
   }
+}
+
+std::array<FieldPoint, 4> PaintedField::corners_of(const Pose& pose, FieldPoint low, FieldPoint high) {
+  return {on_field(pose, low.x_m, low.y_m), on_field(pose, high.x_m, low.y_m), on_field(pose, high.x_m, high.y_m),
+          on_field(pose, low.x_m, high.y_m)};
 }
 
 void PaintedField::paint_patch(const Placed& robot, std::size_t patch, ColorId color) {
   const MarkerLayout& layout = marking(robot.team).layout;
   const PatchPlace& place = layout.patches[patch];
-  fill(on_field(robot.pose, place.x_m, place.y_m), std::hypot(place.length_m, place.width_m), layout.height_m, color,
-       [&](FieldPoint p) { return covers(place, in_robot(robot.pose, p)); });
+  const float reach = 0.7f * std::hypot(place.length_m, place.width_m);
+  const auto corners =
+      corners_of(robot.pose, {place.x_m - reach, place.y_m - reach}, {place.x_m + reach, place.y_m + reach});
+  fill(corners, layout.height_m, color, [&](FieldPoint p) { return covers(place, to_robot_frame(robot.pose, p)); });
 }
 
 void PaintedField::paint_part(const Placed& robot, FieldPoint low, FieldPoint high, ColorId color) {
-  const MarkerLayout& layout = marking(robot.team).layout;
-  fill(robot.pose.position, std::hypot(high.x_m - low.x_m, high.y_m - low.y_m) + layout.robot_side_m, layout.height_m,
-       color, [&](FieldPoint p) {
-         const FieldPoint q = in_robot(robot.pose, p);
-         return q.x_m >= low.x_m && q.x_m < high.x_m && q.y_m >= low.y_m && q.y_m < high.y_m;
-       });
+  fill(corners_of(robot.pose, low, high), marking(robot.team).layout.height_m, color, [&](FieldPoint p) {
+    const FieldPoint q = to_robot_frame(robot.pose, p);
+    return q.x_m >= low.x_m && q.x_m < high.x_m && q.y_m >= low.y_m && q.y_m < high.y_m;
+  });
 }
 
 void PaintedField::paint(const Placed& robot) {
@@ -181,7 +192,8 @@ void PaintedField::paint(const std::vector<Placed>& robots) {
 
 void PaintedField::paint_ball(FieldPoint at) {
   const float radius = parameters_.ball.radius_m;
-  fill(at, radius, radius, parameters_.ball.color, [&](FieldPoint p) { return distance_m(p, at) <= radius; });
+  fill(corners_of({at, 0}, {-radius, -radius}, {radius, radius}), radius, parameters_.ball.color,
+       [&](FieldPoint p) { return distance_m(p, at) <= radius; });
 }
 
 const Sightings& PaintedField::see() {

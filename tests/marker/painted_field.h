@@ -86,8 +86,10 @@ class PaintedField {
   }
 
  private:
+  static std::array<FieldPoint, 4> corners_of(const Pose& pose, FieldPoint low, FieldPoint high);
+  // Pixels within the corners whose point on the plane is inside.
   template <class Inside>
-  void fill(FieldPoint around, float reach_m, float height_m, ColorId color, Inside inside);
+  void fill(const std::array<FieldPoint, 4>& corners, float height_m, ColorId color, Inside inside);
 
   MarkerParameters parameters_;
   CameraModel camera_;

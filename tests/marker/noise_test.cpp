@@ -1,0 +1,99 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/marker/real_layouts.h"
+
+// Pictures that are hard to read: whatever is missing or added, no robot may get another one's id.
+namespace touchline::testing {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+
+struct Case {
+  const char* name;
+  MarkerLayout (*layout)();
+  std::size_t robots;
+  float least_right;  // of all robots, over all pictures
+};
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+class Noise : public ::testing::TestWithParam<Case> {
+ protected:
+  // Pixels that change to a neighbor's color or to any.
+  void sprinkle(PaintedField& field, float part) {
+    ColorGrid& grid = field.grid();
+    const int count = static_cast<int>(part * static_cast<float>(grid.width * grid.height));
+    for (int i = 0; i < count; ++i) {
+      const int u = dice.whole(1, grid.width - 2), v = dice.whole(1, grid.height - 2);
+      const bool copy = dice.whole(0, 3) > 0;
+      grid.at(u, v) = copy ? grid.at(u + dice.whole(-1, 1), v + dice.whole(-1, 1))
+                           : static_cast<ColorId>(dice.whole(0, 1) * dice.whole(0, kMagenta));
+    }
+  }
+  // A stick, a hand or a cable: a band of background across the robot, up to half a robot wide.
+  void hide(PaintedField& field, const Placed& robot) {
+    Placed turned = robot;
+    turned.pose.theta_rad += dice.real(-kPi, kPi);
+    const float from = dice.real(-0.04f, 0.04f);
+    field.paint_part(turned, {from, -0.2f}, {from + dice.real(0.005f, 0.04f), 0.2f}, kBackground);
+  }
+  // A piece of colored paper on the field, of any size up to that of a patch and a half, in any of the colors.
+  void litter(PaintedField& field, FieldPoint at) {
+    const Placed paper{Team::kOwn, 0, {at, dice.real(-kPi, kPi)}};
+    const float length = dice.real(0.004f, 0.04f), width = dice.real(0.004f, 0.04f);
+    const auto color = static_cast<ColorId>(dice.whole(kBlue, kMagenta));
+    field.paint_part(paper, {-length / 2, -width / 2}, {length / 2, width / 2}, color);
+  }
+
+  Dice dice{61};
+};
+
+TEST_P(Noise, NobodyGetsAnotherOnesId) {
+  const MarkerParameters parameters = teams_with(GetParam().layout(), GetParam().robots);
+  const float side = parameters.teams[0].layout.robot_side_m;
+  std::size_t robots = 0, right = 0, wrong = 0;
+  for (const CameraParameters& camera : {straight_camera(), tilted_camera()}) {
+    PaintedField field(camera, parameters);
+    for (int n = 0; n < 60; ++n) {
+      field.clear();
+      const float extent = (n % 2 == 0 ? 16.0f : 7.0f) * side;
+      const std::vector<Placed> placed = scattered(dice, parameters, GetParam().robots, extent, extent);
+      field.paint(placed);
+      for (const Placed& robot : placed) {
+        if (dice.whole(0, 3) == 0) hide(field, robot);
+      }
+      // Not on a robot: a patch of another color over a robot's own is not noise but a forgery.
+      for (int i = 0; i < 8; ++i) {
+        const FieldPoint at{dice.real(-extent, extent), dice.real(-extent, extent)};
+        const Pose paper{at, 0};
+        if (std::none_of(placed.begin(), placed.end(),
+                         [&](const Placed& p) { return overlap(p.pose, paper, side + 0.03f); })) {
+          litter(field, at);
+        }
+      }
+      sprinkle(field, 0.01f * static_cast<float>(n % 3));
+      const Comparison result = compare(placed, field.see(), parameters);
+      wrong += result.wrong;
+      EXPECT_EQ(result.wrong, 0u) << "picture " << n;
+      robots += placed.size();
+      right += result.right;
+    }
+  }
+  EXPECT_EQ(wrong, 0u) << "of " << robots;
+  EXPECT_GT(static_cast<float>(right), GetParam().least_right * static_cast<float>(robots))
+      << right << " of " << robots;
+}
+
+INSTANTIATE_TEST_SUITE_P(Marker, Noise,
+                         ::testing::Values(Case{"paper", paper_layout, 3, 0.7f}, Case{"bar", bar_layout, 5, 0.7f},
+                                           Case{"halves", halves_layout, 3, 0.7f},
+                                           Case{"single", single_layout, 3, 0.7f},
+                                           Case{"triangles", triangles_layout, 5, 0.7f},
+                                           Case{"disks", disks_layout, 6, 0.7f}),
+                         ::testing::PrintToStringParamName());
+
+}  // namespace
+}  // namespace touchline::testing

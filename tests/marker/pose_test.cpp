@@ -1,0 +1,148 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/marker/literal_rules.h"
+#include "tests/marker/real_layouts.h"
+#include "tests/marker/region_list.h"
+
+// Eq. (3), the refinement of centers before it, and the geometry under both.
+namespace touchline::testing {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+
+TEST(Pose, TheRigidFitOfThePapersTwoPatchesIsEquation3) {
+  Dice dice(21);
+  const MarkerLayout layout = paper_layout();
+  for (int n = 0; n < 1000; ++n) {
+    // Also of patches that are seen too near to each other or too far apart.
+    const FieldPoint team{dice.real(-1, 1), dice.real(-1, 1)};
+    const FieldPoint identification{team.x_m + dice.real(-0.06f, 0.06f), team.y_m + dice.real(-0.06f, 0.06f)};
+    if (distance_m(team, identification) < 0.01f) continue;
+    const std::array<Correspondence, 2> points{{{{layout.patches[0].x_m, layout.patches[0].y_m}, team},
+                                                {{layout.patches[1].x_m, layout.patches[1].y_m}, identification}}};
+    const RigidFit fit = fit_rigidly(points);
+    const Pose expected = literal::pose(team, identification);
+    EXPECT_NEAR(fit.pose.position.x_m, expected.position.x_m, 1e-6f);
+    EXPECT_NEAR(fit.pose.position.y_m, expected.position.y_m, 1e-6f);
+    EXPECT_NEAR(wrapped_angle(fit.pose.theta_rad - expected.theta_rad), 0.0f, 1e-4f);
+    const float error = distance_m(team, identification) - std::hypot(0.0375f, 0.0375f);
+    EXPECT_NEAR(fit.residual_m, std::abs(error) / 2, 1e-6f);
+  }
+}
+
+TEST(Pose, TheRigidFitNeitherMirrorsNorScales) {
+  const std::array<Correspondence, 3> mirrored{
+      {{{0.03f, 0}, {0.03f, 0}}, {{0, 0.02f}, {0, -0.02f}}, {{0, -0.02f}, {0, 0.02f}}}};
+  EXPECT_GT(fit_rigidly(mirrored).residual_m, 0.01f);
+  const std::array<Correspondence, 2> twice{{{{0.01f, 0}, {0.02f, 0}}, {{-0.01f, 0}, {-0.02f, 0}}}};
+  EXPECT_NEAR(fit_rigidly(twice).residual_m, 0.01f, 1e-6f);
+}
+
+TEST(Pose, AnglesAreWrappedIntoOneTurn) {
+  EXPECT_FLOAT_EQ(wrapped_angle(-kPi), kPi);
+  EXPECT_FLOAT_EQ(wrapped_angle(kPi), kPi);
+  EXPECT_NEAR(wrapped_angle(3 * kPi + 0.1f), -kPi + 0.1f, 1e-5f);
+  EXPECT_FLOAT_EQ(wrapped_angle(0.5f), 0.5f);
+}
+
+// What the camera shows of exact patches must lead back to exact poses, wherever the patches are above the floor.
+TEST(Pose, LensTiltAndHeightLeaveNoTrace) {
+  for (const CameraParameters& camera : {straight_camera(), tilted_camera()}) {
+    for (const float height : {0.0f, 0.075f, 0.15f}) {
+      MarkerParameters parameters = paper_teams();
+      parameters.teams[0].layout.height_m = height;
+      parameters.teams[1].layout.height_m = 0.5f * height;
+      RegionList list(camera, parameters);
+      Dice dice(22);
+      for (int n = 0; n < 100; ++n) {
+        list.clear();
+        const std::vector<Placed> placed = scattered(dice, parameters, 5, 1.9f, 1.5f);
+        for (const Placed& robot : placed) list.add(robot, dice, 0.0f);
+        const Comparison result = compare(placed, list.see(), parameters);
+        ASSERT_EQ(result.right, placed.size());
+        EXPECT_LT(result.position_m, 2e-5f);
+        EXPECT_LT(result.heading_rad, 1e-3f);
+      }
+    }
+  }
+}
+
+// A camera 2 m above: 75 mm of height ignored move a robot a meter off the middle by 39 mm.
+TEST(Pose, AWrongHeightMovesTheRobot) {
+  MarkerParameters parameters = paper_teams();
+  const std::vector<Placed> placed{{Team::kOwn, 0, {{1.0f, 0.0f}, 0.5f}}};
+  RegionList list(straight_camera(), parameters);
+  Dice dice(23);
+  list.add(placed[0], dice, 0.0f);
+  Matcher on_the_floor;
+  for (TeamMarking& team : parameters.teams) team.layout.height_m = 0.0f;
+  ASSERT_TRUE(on_the_floor.configure(parameters, list.camera()).ok());
+  const auto runs = std::make_unique<Runs>();
+  const auto seen = std::make_unique<Sightings>();
+  on_the_floor.match(*runs, list.regions(), *seen);
+  ASSERT_EQ(seen->robots.size(), 1u);
+  EXPECT_NEAR(seen->robots[0].pose.position.x_m, 1.0f / (1 - 0.075f / 2), 1e-4f);
+}
+
+// A scratch or a highlight cuts a patch in two, and a screw leaves a hole: the weighted average is the patch's center.
+TEST(Refinement, FragmentsAreAveragedByTheirAreas) {
+  const MarkerParameters parameters = paper_teams();
+  PaintedField field(straight_camera(), parameters);
+  Dice dice(24);
+  for (int n = 0; n < 200; ++n) {
+    const Placed robot{Team::kOwn, 1, {{dice.real(-0.9f, 0.9f), dice.real(-0.7f, 0.7f)}, dice.real(-kPi, kPi)}};
+    field.clear();
+    field.paint(robot);
+    const Sightings whole = field.see();
+    ASSERT_EQ(whole.robots.size(), 1u);
+    // A cut of 6 mm across the team patch, anywhere.
+    const float cut = dice.real(0.006f, 0.026f);
+    field.paint_part(robot, {cut, -0.04f}, {cut + 0.006f, 0.04f}, kBackground);
+    const Sightings& seen = field.see();
+    ASSERT_EQ(seen.robots.size(), 1u) << n;
+    EXPECT_EQ(seen.robots[0].id, 1) << n;
+    // The average of the pixels that are left: at most half a cut's width from the center.
+    EXPECT_LT(distance_m(seen.robots[0].pose.position, whole.robots[0].pose.position), 0.003f) << n;
+    ASSERT_EQ(seen.robots[0].patches.size(), 2u);
+    float u = 0, v = 0, area = 0;
+    for (const Region& region : field.regions()) {
+      if (region.color != kBlue) continue;
+      u += region.centroid.u_px * static_cast<float>(region.area_px);
+      v += region.centroid.v_px * static_cast<float>(region.area_px);
+      area += static_cast<float>(region.area_px);
+    }
+    EXPECT_NEAR(seen.robots[0].patches[0].center.u_px, u / area, 0.01f) << n;
+    EXPECT_NEAR(seen.robots[0].patches[0].center.v_px, v / area, 0.01f) << n;
+  }
+}
+
+// What is farther away than d1, or would make the patch too large, is not averaged.
+TEST(Refinement, LeavesWhatIsNotThePatch) {
+  const MarkerParameters parameters = paper_teams();
+  RegionList list(straight_camera(), parameters);
+  Dice dice(25);
+  const Placed robot{Team::kOwn, 0, {{0.3f, 0.2f}, 0.4f}};
+  const PatchPlace& patch = parameters.teams[0].layout.patches[0];
+  for (const auto& [distance, ratio, merged] :
+       {std::tuple(0.030f, 0.05f, true), std::tuple(0.038f, 0.05f, false), std::tuple(0.020f, 0.7f, false)}) {
+    list.clear();
+    list.add(robot, dice, 0.0f);
+    list.add(on_field(robot.pose, patch.x_m + distance, patch.y_m), kBlue, patch, 0.075f, ratio);
+    const Sightings& seen = list.see();
+    ASSERT_EQ(seen.robots.size(), 1u);
+    EXPECT_EQ(seen.robots[0].id, 0);
+    const float moved = distance_m(seen.robots[0].pose.position, robot.pose.position);
+    if (merged) {
+      EXPECT_NEAR(moved, 0.5f * distance * ratio / (1 + ratio), 5e-5f);
+    } else {
+      EXPECT_LT(moved, 1e-4f);
+    }
+    EXPECT_EQ(seen.verdicts[2], merged ? Verdict::kFragment : ratio > 0.5f ? Verdict::kTooClose : Verdict::kTooSmall);
+  }
+}
+
+}  // namespace
+}  // namespace touchline::testing

@@ -46,7 +46,8 @@ struct CameraSettings {
     visit.choice("format", self.format, std::span<const Choice<PixelFormat>>(kPixelFormats), "Pixel format asked for");
     visit.number("width_px", self.width_px, Range{16, kMaxFrameWidth}, "px", "Width asked for");
     visit.number("height_px", self.height_px, Range{16, kMaxFrameHeight}, "px", "Height asked for");
-    visit.number("rate_hz", self.rate_hz, Range{1.0, 1000.0}, "Hz", "Frame rate asked for");
+    visit.number("rate_hz", self.rate_hz, Range{0.0, 1000.0}, "Hz",
+                 "Frame rate asked for; replay: 0 or absent: a video's own, pictures at 30");
     // One being filled, one waiting, one held by the loop is the least that loses no frame; V4L2 has at most 32.
     visit.number("buffers", self.buffers, Range{3, 32}, "", "Frames that the driver may hold");
     visit.number("exposure_us", self.exposure_us, Range{0, 1000000}, "us", "Exposure time; 0: leave to the driver");

@@ -47,6 +47,18 @@ void read_if_named(const std::string& path, std::string_view remedy, const std::
   static_cast<void>(read_toml(path, remedy, overrides, out, where, problems));
 }
 
+// A recording has a rate of its own, which the default must not replace; a camera has to be asked for one.
+void settle_rate(Configuration& configuration, Problems& problems) {
+  hal::CameraSettings& camera = configuration.board.camera;
+  const Locations& where = configuration.board_where;
+  const char* const key = "camera.rate_hz";
+  if (camera.backend == hal::CameraBackend::kReplay) {
+    if (!where.has(key)) camera.rate_hz = 0.0;
+  } else if (camera.rate_hz < 1.0) {
+    problems.add(where.of(key), key, "must be at least 1 Hz; only the backend \"replay\" has a rate of its own");
+  }
+}
+
 }  // namespace
 
 Status sort_overrides(const std::vector<std::string>& texts, SortedOverrides& out, Problems& problems) {
@@ -116,13 +128,14 @@ Status load_board(const std::string& path, const std::vector<Override>& override
       !status.ok()) {
     return status;
   }
+  const std::size_t before = problems.size();
+  settle_rate(out, problems);
   std::string key, reason;
-  const Status status = hal::mock::validate(out.board.arena, key, reason);
-  if (!status.ok()) {
+  if (!hal::mock::validate(out.board.arena, key, reason).ok()) {
     key = "arena." + key;
     problems.add(out.board_where.of(key), key, reason);
   }
-  return status;
+  return problems.size() == before ? Status() : ErrorCode::kInconsistent;
 }
 
 Status load(const FilePaths& paths, Configuration& out, Problems& problems) {

@@ -3,6 +3,7 @@
 #include <unistd.h>
 #include <array>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -133,6 +134,19 @@ TEST_F(Program, PlaysARecordingToItsEnd) {
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("own 0/1  opp 0/0  ball lost  latency p50"), std::string::npos) << outcome.text;
   EXPECT_NE(outcome.text.find("end       the input is over\nframes    30 in "), std::string::npos) << outcome.text;
+}
+
+TEST_F(Program, PlaysARecordingAtTheBoardsRate) {
+  // 30 pictures: a second at their own rate, a quarter of one at 120 Hz.
+  const auto duration_s = [](const std::string& text) {
+    return std::stod(text.substr(text.find("frames    30 in ") + std::strlen("frames    30 in ")));
+  };
+  const Outcome own = touchline("run --headless --set camera.rate_hz=0.0 " + board());
+  ASSERT_NE(own.text.find("frames    30 in "), std::string::npos) << own.text;
+  EXPECT_GT(duration_s(own.text), 0.9) << own.text;
+  const Outcome fast = touchline("run --headless --set camera.rate_hz=120.0 " + board());
+  ASSERT_NE(fast.text.find("frames    30 in "), std::string::npos) << fast.text;
+  EXPECT_LT(duration_s(fast.text), 0.6) << fast.text;
 }
 
 TEST_F(Program, TerminationStopsTheRobotsAndIsNoFailure) {

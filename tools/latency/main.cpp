@@ -77,7 +77,8 @@ int measure_board(const Options& options) {
   std::string reason;
   if (!session.open(measurement.observer(), reason).ok()) return fail(reason);
   if (!run(session.loop(), board, measurement, options.session.frames)) return 1;
-  return report(options, measurement, "board " + board.name, board.camera.rate_hz);
+  const double granted_hz = session.devices().loop_devices().camera.info().rate_hz;
+  return report(options, measurement, "board " + board.name, granted_hz > 0.0 ? granted_hz : board.camera.rate_hz);
 }
 
 // Without the board's radio: nonsense in the picture must not drive anybody's robots.

@@ -12,7 +12,7 @@
 #include <cstring>
 #include <ctime>
 
-#include "tests/linux/allocation_counter.h"
+#include "tests/linux/driver_allocations.h"
 
 namespace touchline::fake {
 namespace {

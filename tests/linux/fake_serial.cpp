@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 
-#include "tests/linux/allocation_counter.h"
+#include "tests/linux/driver_allocations.h"
 
 namespace touchline::fake {
 namespace {

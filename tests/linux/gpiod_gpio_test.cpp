@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <string>
 
-#include "tests/linux/allocation_counter.h"
+#include "tests/linux/driver_allocations.h"
 #include "tests/linux/fake_gpiod.h"
 
 namespace touchline::testing {
@@ -196,11 +196,11 @@ TEST_F(GpiodGpioTest, ChipThatGoesAway) {
 }
 
 TEST_F(GpiodGpioTest, AllocatesNothingWhileOpen) {
-  if (!AllocationCounter::works()) GTEST_SKIP() << "the sanitizer has the operators";
+  if (!DriverAllocations::are_counted()) GTEST_SKIP() << "the sanitizer has the allocator";
   GpiodGpio gpio(settings());
   ASSERT_TRUE(gpio.open().ok());
   chip_.pins[kStop].driven = 0;
-  const AllocationCounter counter;
+  const DriverAllocations counter;
   int stops = 0, failures = 0;
   for (int i = 0; i < 100; ++i) {
     chip_.value_error = i >= 50 ? EIO : 0;
@@ -208,7 +208,7 @@ TEST_F(GpiodGpioTest, AllocatesNothingWhileOpen) {
     const Result<bool> stop = gpio.emergency_stop();
     stops += stop.ok() && stop.value() ? 1 : 0;
   }
-  const std::size_t allocations = counter.count();
+  const std::uint64_t allocations = counter.count();
   EXPECT_EQ(allocations, 0u);
   EXPECT_EQ(stops, 50);
   EXPECT_EQ(failures, 50);

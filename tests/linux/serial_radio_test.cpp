@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/linux/allocation_counter.h"
+#include "tests/linux/driver_allocations.h"
 #include "tests/linux/fake_kernel.h"
 #include "tests/linux/fake_serial.h"
 #include "tests/linux/fake_v4l2.h"
@@ -288,20 +288,20 @@ TEST_F(SerialRadioTest, ReopeningForgetsTheRestOfASplitPacket) {
 }
 
 TEST_F(SerialRadioTest, SendingAllocatesNothingWhateverComes) {
-  if (!AllocationCounter::works()) GTEST_SKIP() << "the sanitizer has the operators";
+  if (!DriverAllocations::are_counted()) GTEST_SKIP() << "the sanitizer has the allocator";
   adapter_.buffer_bytes = 150;
   SerialRadio radio(settings());
   ASSERT_TRUE(radio.open().ok());
   const Packet one = packet(66, 1);
   int busy = 0, sent = 0, gone = 0;
-  const AllocationCounter counter;
+  const DriverAllocations counter;
   for (int i = 0; i < 1000; ++i) {
     kernel_.advance(std::chrono::milliseconds(i % 2 == 0 ? 3 : 5));
     if (i == 900) adapter_.hang_up(EIO);
     const ErrorCode code = radio.send(one).code();
     (code == ErrorCode::kOk ? sent : code == ErrorCode::kBusy ? busy : gone) += 1;
   }
-  const std::size_t allocations = counter.count();
+  const std::uint64_t allocations = counter.count();
   EXPECT_EQ(allocations, 0u);
   EXPECT_GT(sent, 400);
   EXPECT_GT(busy, 100);

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "tests/linux/allocation_counter.h"
+#include "tests/linux/driver_allocations.h"
 #include "tests/linux/v4l2_fixture.h"
 
 namespace touchline::testing {
@@ -228,7 +228,7 @@ TEST_F(V4l2StreamTest, ALeaseThatOutlivesTheStreamGivesNothingBack) {
 }
 
 TEST_F(V4l2StreamTest, AllocatesNothingWhileFramesAndFaultsFlow) {
-  if (!AllocationCounter::works()) GTEST_SKIP() << "the sanitizer has the operators";
+  if (!DriverAllocations::are_counted()) GTEST_SKIP() << "the sanitizer has the allocator";
   for (std::uint32_t i = 0; i < 1000; i += 10) {
     device_.frame_faults[i + 1].damaged = true;
     device_.frame_faults[i + 3].bytes = 100;
@@ -237,7 +237,7 @@ TEST_F(V4l2StreamTest, AllocatesNothingWhileFramesAndFaultsFlow) {
   }
   device_.gone_at_frame = 1000;
   begin(settings());
-  const AllocationCounter counter;
+  const DriverAllocations counter;
   std::array<int, 16> outcomes{};
   for (int i = 0; i < 2000; ++i) {
     if (i % 50 == 0) device_.false_alarms = 3;
@@ -245,7 +245,7 @@ TEST_F(V4l2StreamTest, AllocatesNothingWhileFramesAndFaultsFlow) {
     ++outcomes[static_cast<std::size_t>(frame.error())];
     if (frame.error() == ErrorCode::kDisconnected) break;
   }
-  const std::size_t allocations = counter.count();
+  const std::uint64_t allocations = counter.count();
   EXPECT_EQ(allocations, 0u);
   EXPECT_EQ(outcomes[static_cast<std::size_t>(ErrorCode::kOk)], 700);
   EXPECT_EQ(outcomes[static_cast<std::size_t>(ErrorCode::kCorruptFrame)], 100);
@@ -257,9 +257,14 @@ TEST_F(V4l2StreamTest, AllocatesNothingWhileFramesAndFaultsFlow) {
 }
 
 TEST_F(V4l2StreamTest, TheAllocationCounterSeesAnAllocation) {
-  if (!AllocationCounter::works()) GTEST_SKIP() << "the sanitizer has the operators";
-  const AllocationCounter counter;
+  if (!DriverAllocations::are_counted()) GTEST_SKIP() << "the sanitizer has the allocator";
+  const DriverAllocations counter;
   ::operator delete(::operator new(100));  // called by name: a new-expression could be optimized away
+  EXPECT_EQ(counter.count(), 1u);
+  {
+    const UncountedAllocations fake, inside_a_fake;
+    ::operator delete(::operator new(100));
+  }
   EXPECT_EQ(counter.count(), 1u);
 }
 

@@ -153,8 +153,9 @@ TEST_F(ConfigFiles, OnlyARecordingHasARateOfItsOwn) {
   const std::string board = read(path("board.toml"));
   ASSERT_EQ(board.find("rate_hz"), std::string::npos);
   replace("board.toml", "format = \"rgb24\"", "format = \"rgb24\"\nrate_hz = 0.0");
-  EXPECT_EQ(refusal(),
-            "board.toml:10: camera.rate_hz: must be at least 1 Hz; only the backend \"replay\" has a rate of its own\n");
+  EXPECT_EQ(
+      refusal(),
+      "board.toml:10: camera.rate_hz: must be at least 1 Hz; only the backend \"replay\" has a rate of its own\n");
   replace("board.toml", "backend = \"v4l2\"", "backend = \"replay\"");
   ASSERT_TRUE(load().ok()) << problems();
   EXPECT_EQ(configuration_->board.camera.rate_hz, 0.0);

@@ -121,7 +121,8 @@ struct PatchSighting {
 struct RobotSighting {
   Team team = Team::kOwn;
   RobotId id = kUnknownId;   // unknown is better than wrong
-  bool has_heading = false;  // else theta_rad is meaningless and position is the team patch's
+  // Without one theta_rad is meaningless, and position anywhere on the robot (that of its team patch, as a rule).
+  bool has_heading = false;
   Pose pose;
   float residual_m = 0.0f;  // RMS of the patches against their layout
   FixedVector<PatchSighting, kMaxPatches> patches;

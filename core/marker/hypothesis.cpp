@@ -15,6 +15,9 @@ constexpr float kIdentityReward = 10.0f;
 // Another team patch on a robot's top is impossible unless it is noise.
 constexpr float kStrangerPenalty = 30.0f;
 constexpr float kStrangerInset = 0.005f;
+// An explanation by the visible rest of a team patch comes after every one by a whole patch.
+constexpr float kRestReward = 0.5f;
+constexpr float kWholePatch = 0.6f;
 // Direction of a long team patch: its axis is good to 5 degrees when whole; beyond 40 it is another robot's.
 constexpr float kAxisSigma = 0.1f, kAxisGate = 0.7f;
 // Within reach of a team patch stand at most the identification patches of four robots, of two each, and noise.
@@ -30,14 +33,15 @@ FieldPoint place_of(const PatchPlace& place) { return {place.x_m, place.y_m}; }
 
 class Search {
  public:
-  Search(const TeamMarking& marking, const PatchLists& patches, std::size_t index)
-      : marking_(marking),
-        layout_(marking.layout),
-        patches_(patches),
+  Search(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index)
+      : patches_(patches),
         index_(index),
         patch_(patches.team[index].patch),
         team_(static_cast<std::size_t>(patches.team[index].team)),
-        slots_(marking.layout.patches.size() - 1),
+        marking_(teams[team_]),
+        others_(teams[1 - team_]),
+        layout_(marking_.layout),
+        slots_(layout_.patches.size() - 1),
         gate_m_(residual_gate_m(patch_.scale_px_per_m)) {
     for (std::size_t s = 0; s < slots_; ++s) window_[s] = window_of(layout_, s);
     set_.fill(kMissing);
@@ -50,7 +54,8 @@ class Search {
       choose(0);
     }
     robot_ = -1;
-    choose(0);
+    // Less than a patch and less than a full set is too little to go by.
+    if (!patch_.is_rest) choose(0);
     std::sort(found_.begin(), found_.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.value > b.value; });
     for (std::size_t i = 0; i < found_.size() && i < kMaxPerTeamPatch; ++i) out.push_back(found_[i]);
     return complete_;
@@ -146,6 +151,10 @@ class Search {
     h.robot = robot_;
     h.seen = static_cast<std::uint8_t>(points.size() - 1);
     h.identification = set_;
+    if (patch_.is_rest) {
+      judge_rest(h, {points.data() + 1, points.size() - 1});
+      return;
+    }
     h.fit = fit_rigidly({points.data(), points.size()});
     if (h.fit.residual_m > gate_m_) return;
     h.precise = h.fit.residual_m <= precise_gate_m(patch_.scale_px_per_m);
@@ -163,6 +172,53 @@ class Search {
     if (h.value > 0.0f) found_.push_back(h);
   }
 
+  // A robot's full set of identification patches beside a visible rest of its team patch. The set gives the pose; a
+  // single patch only with the direction towards the rest, whose place within the team patch is not known.
+  void judge_rest(Hypothesis& h, std::span<const Correspondence> identification) {
+    if (!whole_and_worn_once() || team_patch_near()) return;
+    const PatchPlace& place = layout_.patches[0];
+    if (identification.size() > 1) {
+      h.fit = fit_rigidly(identification);
+    } else {
+      const Correspondence& only = identification.front();
+      const std::array<Correspondence, 2> points{{{place_of(place), patch_.at[team_]}, only}};
+      h.fit.pose.theta_rad = fit_rigidly(points).pose.theta_rad;
+      const FieldPoint offset = to_robot_frame({{}, -h.fit.pose.theta_rad}, only.place);
+      h.fit.pose.position = {only.seen.x_m - offset.x_m, only.seen.y_m - offset.y_m};
+      h.has_heading = false;
+    }
+    if (h.fit.residual_m > precise_gate_m(patch_.scale_px_per_m)) return;
+    const float reach = 0.5f * std::hypot(place.length_m, place.width_m);
+    if (distance_m(to_robot_frame(h.fit.pose, patch_.at[team_]), place_of(place)) > reach) return;
+    h.precise = true;
+    h.value = kRestReward * kPatchReward * static_cast<float>(h.seen) -
+              kStrangerPenalty * static_cast<float>(strangers(h.fit.pose));
+    if (h.value > 0.0f) found_.push_back(h);
+  }
+
+  // Whole patches, in colors that no robot of the other team wears.
+  bool whole_and_worn_once() const {
+    for (std::size_t s = 0; s < slots_; ++s) {
+      if (patches_.identification[set_[s]].ratio < kWholePatch) return false;
+    }
+    const RobotMarking& robot = marking_.robots[static_cast<std::size_t>(robot_)];
+    return std::none_of(others_.robots.begin(), others_.robots.end(), [&](const RobotMarking& other) {
+      return std::equal(robot.colors.begin(), robot.colors.end(), other.colors.begin(), other.colors.end());
+    });
+  }
+
+  // The set has, or may have, another team patch to belong to.
+  bool team_patch_near() const {
+    for (const TeamPatch& other : patches_.team) {
+      if (other.patch.is_rest) continue;
+      for (std::size_t s = 0; s < slots_; ++s) {
+        const FieldPoint at = patches_.identification[set_[s]].at[team_];
+        if (distance_m(other.patch.at[team_], at) < window_[s].high_m) return true;
+      }
+    }
+    return false;
+  }
+
   float axis_error(float theta_rad) const {
     return std::remainder(patch_.axis_rad - theta_rad - spread(layout_.patches[0]).axis_rad, std::numbers::pi_v<float>);
   }
@@ -176,12 +232,13 @@ class Search {
     return count;
   }
 
-  const TeamMarking& marking_;
-  const MarkerLayout& layout_;
   const PatchLists& patches_;
   std::size_t index_;
   const Patch& patch_;
-  std::size_t team_, slots_;
+  std::size_t team_;
+  const TeamMarking &marking_, &others_;
+  const MarkerLayout& layout_;
+  std::size_t slots_;
   float gate_m_;
   std::array<DistanceWindow, kMaxPatches> window_{};
   FixedVector<Neighbor, kMaxNeighbors> neighbors_;
@@ -202,8 +259,9 @@ DistanceWindow window_of(const MarkerLayout& layout, std::size_t slot) {
   return {std::min(k1, 0.5f * expected), std::max(layout.robot_side_m, 1.4f * expected)};
 }
 
-bool add_hypotheses(const TeamMarking& marking, const PatchLists& patches, std::size_t index, Hypotheses& out) {
-  return Search(marking, patches, index).run(out);
+bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index,
+                    Hypotheses& out) {
+  return Search(teams, patches, index).run(out);
 }
 
 bool on_robot(const MarkerLayout& layout, FieldPoint point, float inset_m) {

@@ -25,6 +25,7 @@ struct Hypothesis {
   std::int8_t robot = -1;  // index in TeamMarking::robots; -1: these colors are nobody's, or some are missing
   std::uint8_t seen = 0;   // identification patches that are not missing
   std::array<std::uint16_t, kMaxPatches - 1> identification{};  // index in the list, by slot; kMissing
+  bool has_heading = true;  // false: of the team patch too little is visible to tell
   RigidFit fit;
   float value = 0;       // log likelihood over that of an unpaired team patch; above 0
   bool precise = false;  // fits so well that the id may be believed
@@ -48,7 +49,8 @@ struct DistanceWindow {
 DistanceWindow window_of(const MarkerLayout& layout, std::size_t slot);
 
 /// Appends the hypotheses of team patch `index`. False: its surroundings offer more than the bounded search looks at.
-bool add_hypotheses(const TeamMarking& marking, const PatchLists& patches, std::size_t index, Hypotheses& out);
+bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index,
+                    Hypotheses& out);
 
 // --- the error model, which tests and the choice of the best set share
 // -------------------------------------------------

@@ -44,6 +44,7 @@ void Matcher::collect_kinds() {
     const TeamMarking& marking = parameters_.teams[index_of(team)];
     if (marking.team_color == kBackground) continue;
     add_kind(marking.team_color, marking.layout.patches[0], team);
+    kinds_[marking.team_color].may_be_hidden = true;
     for (const RobotMarking& robot : marking.robots) {
       for (std::size_t s = 0; s < robot.colors.size(); ++s) {
         add_kind(robot.colors[s], marking.layout.patches[s + 1], team);
@@ -164,14 +165,15 @@ void Matcher::report_pair(const Chosen& choice, Sightings& out) {
   }
   // Colors of a team without known robots are only lent to it, so that nobody else takes them.
   const bool known_team = !marking.robots.empty();
-  robot.has_heading = known_team && choice.pose_is_sure;
+  const bool known_pose = known_team && choice.pose_is_sure;
+  robot.has_heading = known_pose && h.has_heading;
   robot.residual_m = h.fit.residual_m;
   robot.pose = h.fit.pose;
-  if (!robot.has_heading) {
+  if (!known_pose) {
     robot.pose = {team_patch.at[index_of(h.team)], 0.0f};
     robot.residual_m = 0.0f;
   }
-  if (robot.has_heading && choice.id_is_sure && h.precise) {
+  if (known_pose && choice.id_is_sure && h.precise) {
     robot.id = marking.robots[static_cast<std::size_t>(h.robot)].id;
   }
   reported_[h.team_patch] = true;
@@ -203,7 +205,9 @@ void Matcher::report_unpaired(Sightings& out) {
     if (reported_[i]) continue;
     const TeamPatch& candidate = team_patches_[i];
     Verdict& verdict = out.verdicts[candidate.patch.region];
-    if (covered(candidate, out)) {
+    if (candidate.patch.is_rest) {
+      verdict = Verdict::kTooSmall;
+    } else if (covered(candidate, out)) {
       verdict = Verdict::kTooClose;
     } else if (candidate.patch.ratio < kLeastUnpaired) {
       verdict = Verdict::kNoPartner;
@@ -257,8 +261,7 @@ void Matcher::match(const Runs& runs, const Regions& regions, Sightings& out) {
                          {identification_.data(), identification_.size()}};
   bool complete = true;
   for (std::size_t i = 0; i < team_patches_.size(); ++i) {
-    const TeamMarking& marking = parameters_.teams[index_of(team_patches_[i].team)];
-    if (!add_hypotheses(marking, lists, i, hypotheses_)) complete = false;
+    if (!add_hypotheses(parameters_.teams, lists, i, hypotheses_)) complete = false;
   }
   complete = complete && hypotheses_.overflow() == 0 && identification_.overflow() == 0;
   const std::array<float, 2> sides{parameters_.teams[0].layout.robot_side_m, parameters_.teams[1].layout.robot_side_m};

@@ -184,7 +184,8 @@ void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& r
     }
   }
 
-  // What is too small for a patch of its own is a fragment of one that is less than d1 away, or noise.
+  // What is too small for a patch of its own is a fragment of one that is less than d1 away, noise, or the rest of one
+  // that something hides.
   std::size_t count = 0;
   for (std::size_t i = 0; i < kept; ++i) {
     const Patch patch = out[i];
@@ -194,10 +195,13 @@ void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& r
     }
     bool taken = false;
     for (std::size_t k = 0; k < count && !taken; ++k) {
-      if (distance_m(out[k].at[kind.plane], patch.at[kind.plane]) >= kind.side_m) continue;
+      if (out[k].is_rest || distance_m(out[k].at[kind.plane], patch.at[kind.plane]) >= kind.side_m) continue;
       taken = merge(kind, patch, out[k], kLargestMergedRatio);
     }
     if (!patch.is_part) verdicts.verdicts[patch.region] = taken ? Verdict::kFragment : Verdict::kTooSmall;
+    if (taken || !kind.may_be_hidden || patch.is_part || patch.ratio < kLeastRest) continue;
+    out[count] = patch;
+    out[count++].is_rest = true;
   }
   out.resize(count);
 }

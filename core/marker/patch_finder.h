@@ -19,6 +19,7 @@ struct PatchKind {
   Spread spread;                                 // of the largest one
   float largest_ratio = 0;                       // of the area to the expected one: more are several patches
   bool may_touch = true;                         // two of them may grow together in the picture
+  bool may_be_hidden = false;                    // what is left of one is of use
   std::array<float, 2> height_m{};               // by Team, of whose robots it may be
   std::size_t plane = 0;                         // index in height_m by which areas and distances are judged
 };
@@ -36,6 +37,7 @@ struct Patch {
   float axis_rad = 0;  // field direction of the longer side, modulo pi
   bool has_axis = false;
   bool is_part = false;
+  bool is_rest = false;  // too small for a patch, but perhaps the visible part of one
   std::uint16_t region = 0;
   ColorId color = kBackground;
 };
@@ -50,14 +52,16 @@ class PatchFinder {
  public:
   // Blur at the border and thresholds take a third to a half of a small patch.
   static constexpr float kLeastRatio = 0.35f;
+  // Noise is a pixel or two (section 5); of the smallest patches of use, 5 by 5 pixels, that is so much.
+  static constexpr float kLeastRest = 0.08f;
 
   void configure(const CameraModel& camera, const FieldParameters& field) {
     camera_ = camera;
     field_ = field;
   }
 
-  /// `candidates`: numbers of regions of this color. `out` is filled from the largest to the smallest; verdicts are
-  /// given to regions that are not (alone) in it.
+  /// `candidates`: numbers of regions of this color. `out` is filled from the largest to the smallest, rests last;
+  /// verdicts are given to regions that are not (alone) in it, and to rests.
   void find(const PatchKind& kind, const Runs& runs, const Regions& regions, std::span<const std::uint16_t> candidates,
             Sightings& verdicts, ColorPatches& out) const;
 

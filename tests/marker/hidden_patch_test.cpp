@@ -1,0 +1,132 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "tests/marker/real_layouts.h"
+
+// A stick, a hand or another robot's flag hides most of a team patch. What is left of it shows whose robot it is, the
+// whole identification patch which one: the left-over rule of section 5 for a column that is almost empty.
+namespace touchline::testing {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+
+class HiddenPatch : public ::testing::Test {
+ protected:
+  // Paints the robot with all but a part of its team patch covered, from a random direction.
+  void paint(PaintedField& field, const Placed& robot, float visible) {
+    const PatchPlace& place = field.marking(robot.team).layout.patches[0];
+    const auto pixels = [&] {
+      return std::count(field.grid().color.begin(), field.grid().color.end(), field.marking(robot.team).team_color);
+    };
+    field.clear();
+    field.paint_patch(robot, 0, field.marking(robot.team).team_color);
+    const auto whole = static_cast<float>(pixels());
+    // The cover's edge moves over the patch until no more than that is visible. It does not reach the other patches.
+    const bool from_left = dice.whole(0, 1) == 0;
+    for (float edge = 0.0f; static_cast<float>(pixels()) > visible * whole; edge += 0.001f) {
+      const float side = from_left ? -1.0f : 1.0f;
+      const float from = place.y_m + side * place.width_m / 2, to = from - side * edge;
+      field.paint_part(robot, {place.x_m - place.length_m, std::min(from, to)},
+                       {place.x_m + place.length_m, std::max(from, to)}, kBackground);
+    }
+    left = static_cast<float>(pixels()) / whole;
+    for (std::size_t s = 0; s + 1 < field.marking(robot.team).layout.patches.size(); ++s) {
+      field.paint_patch(robot, s + 1, field.marking(robot.team).robots[robot.robot].colors[s]);
+    }
+  }
+  Placed anywhere(Team team, std::size_t robot) {
+    return {team, robot, {{dice.real(-0.9f, 0.9f), dice.real(-0.7f, 0.7f)}, dice.real(-kPi, kPi)}};
+  }
+  Dice dice{71};
+  float left = 0;  // part of the team patch that is visible
+};
+
+TEST_F(HiddenPatch, TheRestAndTheIdentificationAreTheRobot) {
+  const MarkerParameters parameters = paper_teams();
+  for (const CameraParameters& camera : {straight_camera(), tilted_camera()}) {
+    PaintedField field(camera, parameters);
+    int found = 0;
+    constexpr int kPictures = 40;
+    for (int n = 0; n < kPictures; ++n) {
+      const Placed robot = anywhere(n % 2 == 0 ? Team::kOwn : Team::kOpponent, static_cast<std::size_t>(n % 5));
+      paint(field, robot, dice.real(0.12f, 0.32f));
+      const Sightings& seen = field.see();
+      if (seen.robots.empty()) continue;  // a strip less than a pixel wide
+      ++found;
+      ASSERT_EQ(seen.robots.size(), 1u) << n;
+      EXPECT_EQ(seen.robots[0].team, robot.team) << n;
+      EXPECT_EQ(seen.robots[0].id, static_cast<RobotId>(robot.robot)) << n;
+      EXPECT_FALSE(seen.robots[0].has_heading) << "visible: " << left;
+      EXPECT_EQ(seen.robots[0].patches.size(), 2u) << n;
+      EXPECT_LT(distance_m(seen.robots[0].pose.position, robot.pose.position), 0.012f) << n;
+    }
+    EXPECT_GT(found, kPictures * 9 / 10);
+  }
+}
+
+// Two identification patches give the whole pose.
+TEST_F(HiddenPatch, TwoIdentificationPatchesGiveTheHeading) {
+  MarkerParameters parameters = teams_with(bar_layout(), 5);
+  parameters.teams[1] = {};
+  PaintedField field(straight_camera(), parameters);
+  for (int n = 0; n < 50; ++n) {
+    const Placed robot = anywhere(Team::kOwn, static_cast<std::size_t>(n % 5));
+    paint(field, robot, 0.25f);
+    const Comparison result = compare({robot}, field.see(), parameters);
+    EXPECT_EQ(result.right, 1u) << n << " visible: " << left;
+    EXPECT_LT(result.position_m, 0.006f) << n;
+    EXPECT_LT(result.heading_rad, 0.15f) << n;
+  }
+}
+
+TEST_F(HiddenPatch, NothingIsReportedWithoutARest) {
+  const MarkerParameters parameters = paper_teams();
+  PaintedField field(straight_camera(), parameters);
+  const Placed robot = anywhere(Team::kOwn, 2);
+  paint(field, robot, 0.0f);
+  EXPECT_TRUE(field.see().robots.empty());
+  // A pixel of noise is no rest.
+  const PixelPoint team = field.camera().to_pixel(on_field(robot.pose, 0.01875f, 0.01875f), 0.075f);
+  field.grid().at(static_cast<int>(team.u_px), static_cast<int>(team.v_px)) = kBlue;
+  field.grid().at(static_cast<int>(team.u_px), static_cast<int>(team.v_px) + 1) = kBlue;
+  EXPECT_TRUE(field.see().robots.empty());
+  EXPECT_EQ(field.verdict_at(on_field(robot.pose, -0.01875f, -0.01875f), 0.075f), Verdict::kNoPartner);
+}
+
+// A rest is too little to decide between two teams that wear the same color.
+TEST_F(HiddenPatch, ColorsOfBothTeamsNeedAWholeTeamPatch) {
+  MarkerParameters parameters = paper_teams();
+  parameters.teams[1].robots[3].colors[0] = kRed;
+  PaintedField field(straight_camera(), parameters);
+  paint(field, anywhere(Team::kOwn, 0), 0.25f);
+  EXPECT_TRUE(field.see().robots.empty());
+  paint(field, anywhere(Team::kOwn, 1), 0.25f);
+  EXPECT_EQ(field.see().robots.size(), 1u);
+}
+
+// Another team patch to which the identification may belong, if not well: it is not taken away by a rest.
+TEST_F(HiddenPatch, AWholeTeamPatchComesFirst) {
+  const MarkerParameters parameters = paper_teams();
+  PaintedField field(straight_camera(), parameters);
+  const Placed robot{Team::kOwn, 0, {{0.2f, 0.1f}, 0.3f}};
+  paint(field, robot, 0.25f);
+  field.paint_part(robot, {-0.0905f, -0.036f}, {-0.056f, -0.0015f}, kYellow);
+  const Sightings& seen = field.see();
+  ASSERT_EQ(seen.robots.size(), 1u);
+  EXPECT_EQ(seen.robots[0].team, Team::kOpponent);
+  EXPECT_EQ(seen.robots[0].id, kUnknownId);
+}
+
+TEST_F(HiddenPatch, ARestAloneIsTooSmall) {
+  const MarkerParameters parameters = paper_teams();
+  PaintedField field(straight_camera(), parameters);
+  const Placed robot{Team::kOwn, 0, {{0.2f, 0.1f}, 0.3f}};
+  field.paint_part(robot, {0.01f, 0.01f}, {0.025f, 0.025f}, kBlue);
+  EXPECT_TRUE(field.see().robots.empty());
+  EXPECT_EQ(field.verdict_at(on_field(robot.pose, 0.0175f, 0.0175f), 0.075f), Verdict::kTooSmall);
+}
+
+}  // namespace
+}  // namespace touchline::testing

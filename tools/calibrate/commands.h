@@ -13,7 +13,9 @@ namespace touchline::calibrate {
 /// Each command reads its options from CLI11, does its work, prints its report to standard output and what is wrong to
 /// standard error. Exit code 0: the venue file was written; 1: it was refused, and the file is as it was.
 struct FieldCommand {
-  std::string picture, venue, preset, kind = "full", preview;
+  std::string venue, preset, kind = "full", preview;
+  std::vector<std::string> pictures;
+  bool refine = true;
   std::vector<std::string> corners, points, region;
   double length_m = 0, width_m = 0, camera_height_m = 0;
   void add_options(CLI::App& app);

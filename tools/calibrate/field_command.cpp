@@ -6,6 +6,7 @@
 #include "tools/calibrate/camera_picture.h"
 #include "tools/calibrate/commands.h"
 #include "tools/calibrate/field_fit.h"
+#include "tools/calibrate/field_refinement.h"
 #include "tools/calibrate/preview.h"
 #include "tools/calibrate/text.h"
 #include "tools/calibrate/venue_draft.h"
@@ -38,10 +39,45 @@ Status read_pixels(const std::vector<std::string>& words, const char* option, st
   return {};
 }
 
+Status load_photographs(const std::vector<std::string>& paths, std::vector<hal::Picture>& out, std::string& reason) {
+  for (const std::string& path : paths) {
+    CameraPicture photograph;
+    if (Status s = CameraPicture::load(path, PixelFormat::kRgb24, photograph, reason); !s.ok()) return s;
+    const Frame frame = photograph.frame();
+    hal::Picture picture;
+    picture.width_px = frame.width_px;
+    picture.height_px = frame.height_px;
+    if (!out.empty() && (picture.width_px != out[0].width_px || picture.height_px != out[0].height_px)) {
+      reason = text("%s is %u x %u, but %s is %u x %u", path.c_str(), picture.width_px, picture.height_px,
+                    paths[0].c_str(), out[0].width_px, out[0].height_px);
+      return ErrorCode::kInconsistent;
+    }
+    for (std::size_t v = 0; v < frame.height_px; ++v) {
+      const std::uint8_t* row = frame.plane[0] + v * frame.stride_bytes[0];
+      picture.rgb8.insert(picture.rgb8.end(), row, row + 3 * std::size_t{frame.width_px});
+    }
+    out.push_back(std::move(picture));
+  }
+  return {};
+}
+
+// Few enough that a person sees the photograph below.
+std::vector<FloorPoint> points_of(const RefinementReport& refinement) {
+  std::vector<FloorPoint> points;
+  for (std::size_t i = 0; i < refinement.found.size(); i += 10) {
+    const MarkPoint& p = refinement.found[i];
+    points.push_back({p.x_m, p.y_m, p.u_px, p.v_px});
+  }
+  return points;
+}
+
 }  // namespace
 
 void FieldCommand::add_options(CLI::App& app) {
-  app.add_option("--picture", picture, "Picture of the field as the camera delivers it")->required();
+  app.add_option("--picture", pictures, "Picture of the field as the camera delivers it; several are averaged")
+      ->required()
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--venue", venue, "Venue file; made when it does not exist")->required();
   app.add_option("--corners", corners, "Pixels u,v of the field's corners: -x-y +x-y +x+y -x+y (x along the field)")
       ->expected(4);
@@ -55,6 +91,7 @@ void FieldCommand::add_options(CLI::App& app) {
       ->check(CLI::Range(0.3, 20.0));
   app.add_option("--kind", kind, "Which camera model the firmware uses: full, or paper (Klancar eq. 12-15)")
       ->check(CLI::IsMember({"full", "paper"}));
+  app.add_flag("!--no-refine", refine, "Keep to the points given: do not look for the field's border in the picture");
   app.add_option("--roi", region, "Pixels u,v of the region of interest's corners, three or more");
   app.add_option("--preview", preview, "PNG to write: the field's border as the model sees it");
 }
@@ -63,9 +100,9 @@ int FieldCommand::run() const {
   std::string reason;
   VenueDraft draft;
   if (!read_draft(venue, draft, reason).ok()) return refuse(reason);
-  CameraPicture photograph;
-  if (!CameraPicture::load(picture, PixelFormat::kRgb24, photograph, reason).ok()) return refuse(reason);
-  const Frame frame = photograph.frame();
+  std::vector<hal::Picture> photographs;
+  if (!load_photographs(pictures, photographs, reason).ok()) return refuse(reason);
+  const hal::Picture& photograph = photographs[0];
 
   FieldParameters field = draft.file.field;
   if (!preset.empty()) {
@@ -83,8 +120,8 @@ int FieldCommand::run() const {
   if (width_m > 0) field.width_m = static_cast<float>(width_m);
 
   FieldFitInput input;
-  input.width_px = frame.width_px;
-  input.height_px = frame.height_px;
+  input.width_px = static_cast<int>(photograph.width_px);
+  input.height_px = static_cast<int>(photograph.height_px);
   if (camera_height_m > 0) input.camera_height_m = camera_height_m;
   if (!corners.empty()) {
     std::vector<PixelPoint> pixels;
@@ -107,18 +144,34 @@ int FieldCommand::run() const {
   }
 
   FieldFit fit;
+  RefinementReport refinement;
+  std::string unrefined;
+  input.start_only = refine;
   if (!fit_field(input, fit, reason).ok()) return refuse(reason);
+  if (refine &&
+      !refine_field(LightPicture(photographs), field, input.camera_height_m, fit, refinement, unrefined).ok()) {
+    refinement = {};
+    input.start_only = false;
+    if (!fit_field(input, fit, reason).ok()) return refuse(reason + "; and " + unrefined);
+  }
   fit.camera.kind = kind == "paper" ? CameraModelKind::kPaper : CameraModelKind::kFull;
 
   const std::string height =
       text("camera %.3f m (+- %.3f) above the floor, %.1f degrees off the vertical%s", fit.height_m, fit.height_sigma_m,
            fit.tilt_rad * 180.0 / 3.14159265358979, camera_height_m > 0 ? ", height given" : "");
   const std::string residual =
-      text("%zu points: %.2f px RMS, %.2f px max; %.2f mm RMS, %.2f mm max", input.points.size(), fit.residual_px.rms,
-           fit.residual_px.max, fit.residual_mm.rms, fit.residual_mm.max);
+      refinement.points == 0
+          ? text("%zu points: %.2f px RMS, %.2f px max; %.2f mm RMS, %.2f mm max", input.points.size(),
+                 fit.residual_px.rms, fit.residual_px.max, fit.residual_mm.rms, fit.residual_mm.max)
+          : text(
+                "%zu points of border and center line: %.2f px RMS, p95 %.2f, max %.2f; %.2f mm RMS, p95 %.2f, max "
+                "%.2f "
+                "(%zu left out)",
+                refinement.points, refinement.rms_px, refinement.p95_px, refinement.max_px, refinement.rms_mm,
+                refinement.p95_mm, refinement.max_mm, refinement.outliers);
   config::PictureEntry entry = draft.file.picture;
-  entry.width_px = frame.width_px;
-  entry.height_px = frame.height_px;
+  entry.width_px = static_cast<std::uint16_t>(photograph.width_px);
+  entry.height_px = static_cast<std::uint16_t>(photograph.height_px);
   std::vector<Section> sections = {section_of("picture", entry, ""), section_of("field", field, ""),
                                    section_of("camera_model", fit.camera, residual)};
   if (!polygon.empty()) {
@@ -130,25 +183,26 @@ int FieldCommand::run() const {
     sections.push_back(section_of("region_of_interest", roi, ""));
   }
   if (!preview.empty()) {
-    hal::Picture drawn;
-    drawn.width_px = frame.width_px;
-    drawn.height_px = frame.height_px;
-    for (std::size_t v = 0; v < frame.height_px; ++v) {
-      const std::uint8_t* row = frame.plane[0] + v * frame.stride_bytes[0];
-      drawn.rgb8.insert(drawn.rgb8.end(), row, row + 3 * std::size_t{frame.width_px});
-    }
+    hal::Picture drawn = photograph;
     CameraModel camera;
     if (!camera.configure(fit.camera).ok()) return refuse("the model found cannot be used");
-    draw_field(camera, field, input.points, drawn);
+    draw_field(camera, field, refinement.points == 0 ? input.points : points_of(refinement), drawn);
     if (!hal::write_picture(preview, drawn, reason).ok()) return refuse(reason);
   }
   if (!write_sections(venue, sections, reason).ok()) return refuse(reason);
 
   std::printf("%s\n%s\n", height.c_str(), residual.c_str());
-  std::printf("lens: focal lengths %.1f and %.1f px, k1 %s\n", static_cast<double>(fit.camera.full.fx_px),
-              static_cast<double>(fit.camera.full.fy_px),
-              fit.has_distortion ? text("%.4f", static_cast<double>(fit.camera.full.k1)).c_str()
-                                 : "0 (two more points than the corners, --point, are needed to find it)");
+  if (!unrefined.empty()) std::printf("not refined along the border: %s\n", unrefined.c_str());
+  const FullModelParameters& full = fit.camera.full;
+  if (fit.has_distortion) {
+    std::printf("lens: focal lengths %.1f and %.1f px, center %.1f, %.1f px, k %.4f %.4f %.4f, p %.5f %.5f\n",
+                static_cast<double>(full.fx_px), static_cast<double>(full.fy_px), static_cast<double>(full.cx_px),
+                static_cast<double>(full.cy_px), static_cast<double>(full.k1), static_cast<double>(full.k2),
+                static_cast<double>(full.k3), static_cast<double>(full.p1), static_cast<double>(full.p2));
+  } else {
+    std::printf("lens: focal length %.1f px; its distortion needs the border, or two more points than the corners\n",
+                static_cast<double>(full.fx_px));
+  }
   std::printf("paper's model, eq. (12)-(15): H %.0f px, p %.3g, q %.3g per px; %.2f mm RMS, %.2f mm max\n",
               static_cast<double>(fit.camera.paper.focal_px), static_cast<double>(fit.camera.paper.p_per_px),
               static_cast<double>(fit.camera.paper.q_per_px), fit.paper_residual_mm.rms, fit.paper_residual_mm.max);

@@ -310,7 +310,7 @@ Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason)
   out.height_sigma_m = solver.height_sigma_m(best);
   // Objects stand up to a tenth of the camera's height: 15 % of it moves them by millimeters at the border.
   constexpr double kHeightDoubt = 0.15;
-  if (!(out.height_sigma_m < kHeightDoubt * out.height_m)) {
+  if (!input.start_only && !(out.height_sigma_m < kHeightDoubt * out.height_m)) {
     reason = text(
         "the camera looks almost straight down, and these points cannot tell its focal length from its height "
         "(uncertain by %.0f %%): measure the height of the lens above the floor and give --camera-height",

@@ -31,6 +31,7 @@ struct FieldFitInput {
   int width_px = 0, height_px = 0;
   std::vector<FloorPoint> points;         // at least four, no three of four on one line
   std::optional<double> camera_height_m;  // measured by a person: a prior of kHeightSigma_m
+  bool start_only = false;                // a refinement follows: a height that is in doubt is no reason to refuse
 };
 
 // A tape measure from the floor to the lens.

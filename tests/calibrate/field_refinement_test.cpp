@@ -1,0 +1,142 @@
+#include "tools/calibrate/field_refinement.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hal/mock/renderer.h"
+#include "hal/mock/sensor.h"
+
+// The arena's camera has a lens of another kind (Kannala and Brandt) than the model that is fitted, noise, lamps, goals
+// in the border and filled corners.
+namespace touchline::calibrate {
+namespace {
+
+constexpr std::uint16_t kWidth = 640, kHeight = 480;
+
+class FieldRefinement : public ::testing::Test {
+ protected:
+  hal::Picture photograph(hal::mock::Floor floor, const hal::mock::Snapshot* things = nullptr) const {
+    hal::mock::Renderer renderer(arena_, kWidth, kHeight, floor);
+    hal::mock::Sensor sensor(arena_.sensor, PixelFormat::kRgb24, kWidth, kHeight, 1);
+    hal::Picture picture;
+    picture.width_px = kWidth;
+    picture.height_px = kHeight;
+    picture.rgb8.resize(std::size_t{3} * kWidth * kHeight);
+    sensor.expose(things == nullptr ? renderer.render_floor() : renderer.render(*things, *things), picture.rgb8);
+    return picture;
+  }
+
+  // Corners clicked a pixel off, each in another direction, and no word about the lens.
+  FieldFit rough_fit(double click_error_px = 1.0) const {
+    const hal::mock::Lens lens(arena_.camera);
+    FieldFitInput input;
+    input.width_px = kWidth;
+    input.height_px = kHeight;
+    input.camera_height_m = arena_.camera.position_m[2];
+    input.start_only = true;
+    for (int i = 0; i < 4; ++i) {
+      const double x = (i == 1 || i == 2 ? 0.5 : -0.5) * arena_.field.length_m;
+      const double y = (i >= 2 ? 0.5 : -0.5) * arena_.field.width_m;
+      const auto [u, v] = lens.project({x, y, 0.0});
+      input.points.push_back({x, y, u + click_error_px * std::cos(2.0 * i), v + click_error_px * std::sin(2.0 * i)});
+    }
+    FieldFit fit;
+    std::string reason;
+    EXPECT_TRUE(fit_field(input, fit, reason).ok()) << reason;
+    return fit;
+  }
+
+  // Largest distance between where the model and where the arena's lens sees points at this height, all over the field.
+  double worst_px(const CameraParameters& parameters, double height_m) const {
+    CameraModel model;
+    EXPECT_TRUE(model.configure(parameters).ok());
+    const hal::mock::Lens lens(arena_.camera);
+    double worst = 0;
+    for (double x = -1.05; x <= 1.06; x += 0.15) {
+      for (double y = -0.9; y <= 0.91; y += 0.15) {
+        const auto [u, v] = lens.project({x, y, height_m});
+        const PixelPoint seen =
+            model.to_pixel({static_cast<float>(x), static_cast<float>(y)}, static_cast<float>(height_m));
+        worst = std::max(worst, std::hypot(static_cast<double>(seen.u_px) - u, static_cast<double>(seen.v_px) - v));
+      }
+    }
+    return worst;
+  }
+
+  Status refine(const hal::Picture& picture, FieldFit& fit) {
+    FieldParameters field;
+    field.length_m = static_cast<float>(arena_.field.length_m);
+    field.width_m = static_cast<float>(arena_.field.width_m);
+    return refine_field(LightPicture({picture}), field, arena_.camera.position_m[2], fit, report_, reason_);
+  }
+
+  hal::mock::ArenaParameters arena_;
+  RefinementReport report_;
+  std::string reason_;
+};
+
+TEST_F(FieldRefinement, FindsTheLensAlongTheBorder) {
+  FieldFit fit = rough_fit();
+  EXPECT_GT(worst_px(fit.camera, 0.0), 5.0) << "or there is nothing to refine";
+  ASSERT_TRUE(refine(photograph(hal::mock::Floor::kField), fit).ok()) << reason_;
+  EXPECT_LT(worst_px(fit.camera, 0.0), 0.35);
+  EXPECT_LT(worst_px(fit.camera, arena_.robot_height_m), 0.45);
+  EXPECT_GT(report_.points, 500u);
+  EXPECT_LT(report_.rms_px, 0.12);
+  EXPECT_LT(report_.height_sigma_m, 0.03);
+  EXPECT_LT(fit.paper_residual_mm.rms, 2.0) << "Klancar's model follows";
+}
+
+TEST_F(FieldRefinement, ThingsOnTheBorderHardlyMoveIt) {
+  hal::mock::Snapshot things;
+  for (std::size_t i = 0; i < arena_.robot.size(); ++i) {
+    things.robots.push_back({-0.9 + 0.2 * static_cast<double>(i), i % 2 == 0 ? 0.86 : -0.86, 0.3});
+  }
+  FieldFit fit = rough_fit();
+  ASSERT_TRUE(refine(photograph(hal::mock::Floor::kField, &things), fit).ok()) << reason_;
+  EXPECT_LT(worst_px(fit.camera, 0.0), 0.5);
+}
+
+TEST_F(FieldRefinement, WithoutABorderTheFitStaysAsItWas) {
+  FieldFit fit = rough_fit();
+  const FullModelParameters before = fit.camera.full;
+  EXPECT_EQ(refine(photograph(hal::mock::Floor::kGreyPaper), fit).code(), ErrorCode::kNotFound);
+  EXPECT_EQ(reason_, "only 0 of the border's four sides can be found where the points given would have them");
+  EXPECT_EQ(fit.camera.full.fx_px, before.fx_px);
+  EXPECT_EQ(fit.camera.full.rotation_rad, before.rotation_rad);
+  EXPECT_EQ(fit.camera.full.position_m, before.position_m);
+}
+
+TEST_F(FieldRefinement, PlacesOfABlurredEdgeAndOfALine) {
+  // Dark, then bright from 40.25 on, and a line of 4 pixels around 20.5, blurred by nothing but the pixels: between two
+  // of them the place can be told to a tenth.
+  hal::Picture picture;
+  picture.width_px = 64;
+  picture.height_px = 64;
+  for (int v = 0; v < 64; ++v) {
+    for (int u = 0; u < 64; ++u) {
+      const double border = std::clamp(u + 0.5 - 40.25, 0.0, 1.0);
+      const double line = std::clamp(2.5 - std::abs(u - 20.5), 0.0, 1.0);
+      const double light = 0.05 + 0.8 * std::max(border, line);
+      const auto value = static_cast<std::uint8_t>(std::lround(255.0 * std::pow(light, 1.0 / 2.2)));
+      picture.rgb8.insert(picture.rgb8.end(), 3, value);
+    }
+  }
+  // A camera 1 m above, one pixel a centimeter: u = 32 + 100 x, v = 32 - 100 y.
+  CameraParameters parameters;
+  parameters.full.fx_px = parameters.full.fy_px = 100.0f;
+  parameters.full.cx_px = parameters.full.cy_px = 32.0f;
+  parameters.full.rotation_rad = {3.14159265f, 0.0f, 0.0f};
+  parameters.full.position_m = {0.0f, 0.0f, 1.0f};
+  CameraModel camera;
+  ASSERT_TRUE(camera.configure(parameters).ok());
+  const std::vector<Mark> marks{{MarkKind::kBorder, 0.07, -0.2, 0.07, 0.2}, {MarkKind::kLine, -0.1, -0.2, -0.1, 0.2}};
+  const auto points = find_marks(LightPicture({picture}), camera, marks, 3.0, 8.0);
+  ASSERT_GT(points.size(), 16u);
+  for (const MarkPoint& p : points) EXPECT_NEAR(p.u_px, p.mark == 0 ? 40.25 : 20.5, 0.1) << "mark " << p.mark;
+}
+
+}  // namespace
+}  // namespace touchline::calibrate

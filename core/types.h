@@ -120,7 +120,7 @@ struct PatchSighting {
 /// What this frame alone shows of one robot.
 struct RobotSighting {
   Team team = Team::kOwn;
-  RobotId id = kUnknownId;   // unknown is better than wrong
+  RobotId id = kUnknownId;  // unknown is better than wrong
   // Without one theta_rad is meaningless, and position anywhere on the robot (that of its team patch, as a rule).
   bool has_heading = false;
   Pose pose;

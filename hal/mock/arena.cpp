@@ -33,8 +33,8 @@ void Arena::advance_to(Instant instant) {
   while (stepped_ + kStep <= instant) {
     stepped_ += kStep;
     now_ = std::max(now_, stepped_);
-    channel_.deliver(stepped_, world_);
     world_.step();
+    channel_.deliver(stepped_, world_);
     if (streaming_) open_or_close_shutter();
   }
   now_ = std::max(now_, instant);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -25,7 +26,9 @@ struct Shot {
 };
 
 /// World, radio and camera on one time line. Time moves when somebody asks for it, in steps of the world; what is due
-/// on the way (packets, time-outs, exposures) happens in the order of time. Nothing is allocated after construction.
+/// on the way (packets, time-outs, exposures) happens in the order of time, on the world's steps: a packet acts on the
+/// first step after its arrival, a shutter opens and closes with the first one that ends after its time. A camera that
+/// exposes for longer than its rate allows takes fewer pictures. Nothing is allocated after construction.
 class Arena {
  public:
   // Not zero: an instant that nobody has set is told apart from one at the begin.
@@ -45,7 +48,7 @@ class Arena {
 
   void start_camera();
   void stop_camera() { streaming_ = false; }
-  /// Frames that wait or are held by somebody; the camera drops a frame when it has no buffer left for it.
+  /// Somebody holds a buffer, or gives it back. The camera drops a frame when no buffer is left for it.
   void hold_buffer() { ++held_; }
   void release_buffer() { --held_; }
   /// When the next frame will be in memory, if the camera streams.
@@ -61,6 +64,8 @@ class Arena {
   [[nodiscard]] RadioChannel& channel() { return channel_; }
   [[nodiscard]] const RadioChannel& channel() const { return channel_; }
   [[nodiscard]] const Lens& lens() const { return renderer_.lens(); }
+  /// Whoever shares the arena with another thread holds it during a call.
+  [[nodiscard]] std::mutex& mutex() { return mutex_; }
 
  private:
   void open_or_close_shutter();
@@ -81,6 +86,7 @@ class Arena {
   Instant exposing_since_{};
   FixedVector<Shot, 32> waiting_;  // as many as a driver may have buffers
   int held_ = 0;
+  std::mutex mutex_;
 };
 
 /// Arena time as the system's clock: it stands still while the processor works and jumps when somebody waits.

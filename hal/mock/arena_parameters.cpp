@@ -1,15 +1,69 @@
 #include "hal/mock/arena_parameters.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/types.h"
+#include "hal/mock/rigid_body.h"
 
 namespace touchline::hal::mock {
 namespace {
 
-Status validate(const ArenaParameters& parameters, std::size_t index, std::string& key, std::string& reason) {
+std::string path_of(std::size_t robot) { return "robot[" + std::to_string(robot) + "]"; }
+
+Body body_of(const ArenaRobot& robot) {
+  Body body;
+  body.position = {robot.x_m, robot.y_m};
+  body.theta = robot.theta_rad;
+  return body;
+}
+
+Status check_room(const ArenaParameters& parameters, std::string& key, std::string& reason) {
+  const FieldParameters& field = parameters.field;
+  if (field.goal_width_m + 2.0 * field.corner_m > field.width_m || 2.0 * field.corner_m > field.length_m) {
+    key = "field";
+    reason = "goal and corner pieces do not fit into the field's sides";
+    return ErrorCode::kInconsistent;
+  }
+  const double height = std::max(parameters.robot_height_m, 2.0 * parameters.ball_radius_m);
+  if (parameters.camera.position_m[2] <= height) {
+    key = "camera.position_m";
+    reason = "the camera must hang above robots and ball";
+    return ErrorCode::kOutOfRange;
+  }
+  return {};
+}
+
+Status check_start(const ArenaParameters& parameters, std::size_t index, std::string& key, std::string& reason) {
+  Body body = body_of(parameters.robot[index]);
+  const Square square{&body, 0.5 * parameters.robot_side_m};
+  const FieldParameters& field = parameters.field;
+  const double half_length = 0.5 * field.length_m, half_width = 0.5 * field.width_m;
+  const auto is_outside = [&](Vec2 corner) {
+    const double x = std::abs(corner.x), y = std::abs(corner.y);
+    return x > half_length || y > half_width || x + y > half_length + half_width - field.corner_m;
+  };
+  const auto at_start = corners(square);
+  if (std::any_of(at_start.begin(), at_start.end(), is_outside)) {
+    key = path_of(index);
+    reason = "stands outside of the field";
+    return ErrorCode::kOutOfRange;
+  }
+  Contacts contacts;
+  for (std::size_t other = 0; other < index; ++other) {
+    Body body_of_other = body_of(parameters.robot[other]);
+    collide(square, Square{&body_of_other, square.half_side_m}, {}, contacts);
+    if (contacts.empty()) continue;
+    key = path_of(index);
+    reason = "stands on " + path_of(other);
+    return ErrorCode::kInconsistent;
+  }
+  return {};
+}
+
+Status check_names(const ArenaParameters& parameters, std::size_t index, std::string& key, std::string& reason) {
   const ArenaRobot& robot = parameters.robot[index];
-  const std::string path = "robot[" + std::to_string(index) + "]";
+  const std::string path = path_of(index);
   const std::size_t needed = parameters.patch.size() - 1;
   if (robot.colors.size() != needed) {
     key = path + ".colors";
@@ -27,7 +81,8 @@ Status validate(const ArenaParameters& parameters, std::size_t index, std::strin
   const auto begin = parameters.robot.begin(), end = begin + static_cast<std::ptrdiff_t>(index);
   if (const auto twin = std::find_if(begin, end, same); twin != end) {
     key = path + ".id";
-    reason = std::to_string(robot.id) + " is also that of robot[" + std::to_string(twin - begin) + "] of its team";
+    reason = std::to_string(robot.id) + " is also that of " + path_of(static_cast<std::size_t>(twin - begin)) +
+             " of its team";
     return ErrorCode::kInconsistent;
   }
   return {};
@@ -48,11 +103,20 @@ Status validate(const ArenaParameters& parameters, std::string& key, std::string
              std::to_string(kMaxPatches) + " patches";
     return ErrorCode::kOutOfRange;
   }
-  if (parameters.robot.size() > kMaxRobots) {
+  if (const Status status = check_room(parameters, key, reason); !status.ok()) return status;
+  for (const Side side : {Side::kOwn, Side::kOpponent}) {
+    const auto count = std::count_if(parameters.robot.begin(), parameters.robot.end(),
+                                     [&](const ArenaRobot& robot) { return robot.team == side; });
+    if (count <= static_cast<std::ptrdiff_t>(kMaxRobotsPerTeam)) continue;
     key = "robot";
-    reason =
-        "is given " + std::to_string(parameters.robot.size()) + " times, permitted are " + std::to_string(kMaxRobots);
+    reason = "gives one team " + std::to_string(count) + " robots, permitted are " + std::to_string(kMaxRobotsPerTeam);
     return ErrorCode::kFull;
+  }
+  for (std::size_t i = 0; i < parameters.paint.size(); ++i) {
+    if (find_paint(parameters, parameters.paint[i].name) == &parameters.paint[i]) continue;
+    key = "paint[" + std::to_string(i) + "].name";
+    reason = "\"" + parameters.paint[i].name + "\" is another paint's name already";
+    return ErrorCode::kInconsistent;
   }
   const std::array<std::pair<const char*, const std::string*>, 3> named{{{"own_color", &parameters.own_color},
                                                                          {"opponent_color", &parameters.opponent_color},
@@ -64,7 +128,8 @@ Status validate(const ArenaParameters& parameters, std::string& key, std::string
     return ErrorCode::kNotFound;
   }
   for (std::size_t i = 0; i < parameters.robot.size(); ++i) {
-    if (const Status status = validate(parameters, i, key, reason); !status.ok()) return status;
+    if (const Status status = check_names(parameters, i, key, reason); !status.ok()) return status;
+    if (const Status status = check_start(parameters, i, key, reason); !status.ok()) return status;
   }
   return {};
 }

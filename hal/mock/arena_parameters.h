@@ -79,7 +79,7 @@ struct PhysicsParameters {
     visit.number("command_timeout_s", self.command_timeout_s, Range{0.02, 10.0}, "s",
                  "A robot that hears no good packet for so long stands");
     visit.number("free_ball_after_s", self.free_ball_after_s, Range{1.0, 600.0}, "s",
-                 "A ball that lies still for so long is put back to the center");
+                 "A ball that lies still for so long is put back near the center");
   }
 };
 
@@ -316,9 +316,10 @@ struct ArenaParameters {
 /// Null: there is no such paint.
 const Paint* find_paint(const ArenaParameters& parameters, std::string_view name);
 
-/// What no single key's range can say. kOutOfRange, kFull: a number of patches or robots; kNotFound: a color that is no
-/// paint; kInconsistent: a robot given twice, or with another number of colors than patches. `key` (below [arena]) and
-/// `reason` tell a person.
+/// What no single key's range can say. kOutOfRange: a number of patches, a robot outside of the field, a camera that
+/// does not hang above it; kFull: too many robots of a team; kNotFound: a color that is no paint; kInconsistent: a
+/// robot or paint given twice, a robot on another one or with another number of colors than patches, walls that do not
+/// fit. `key` (below [arena]) and `reason` tell a person.
 Status validate(const ArenaParameters& parameters, std::string& key, std::string& reason);
 
 }  // namespace touchline::hal::mock

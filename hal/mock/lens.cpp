@@ -1,6 +1,8 @@
 #include "hal/mock/lens.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace touchline::hal::mock {
 namespace {
@@ -22,6 +24,8 @@ Vec3 mixed(const Vec3& a, double s, const Vec3& b, double t) {
 Lens::Lens(const LensParameters& parameters)
     : focal_(parameters.focal_px),
       cubic_(parameters.cubic),
+      // Straight back, unless the radius stops growing before.
+      widest_rad_(cubic_ < 0.0 ? std::min(std::numbers::pi, std::sqrt(-1.0 / (3.0 * cubic_))) : std::numbers::pi),
       center_{parameters.center_u_px, parameters.center_v_px},
       position_(parameters.position_m) {
   const Vec3 forward = unit({parameters.aim_m[0] - position_[0], parameters.aim_m[1] - position_[1], -position_[2]});
@@ -37,7 +41,7 @@ std::array<double, 2> Lens::project(Vec3 point_m) const {
   const double x = dot3(rotation_[0], away), y = dot3(rotation_[1], away), z = dot3(rotation_[2], away);
   const double aside = std::hypot(x, y);
   if (aside <= 0.0) return center_;
-  const double angle = std::atan2(aside, z);
+  const double angle = std::min(std::atan2(aside, z), widest_rad_);
   const double radius = focal_ * (angle + cubic_ * angle * angle * angle);
   return {center_[0] + radius * x / aside, center_[1] + radius * y / aside};
 }
@@ -45,12 +49,15 @@ std::array<double, 2> Lens::project(Vec3 point_m) const {
 Vec3 Lens::direction(double u_px, double v_px) const {
   const double x = u_px - center_[0], y = v_px - center_[1];
   const double radius = std::hypot(x, y);
-  double angle = radius / focal_;
-  for (int i = 0; i < 20; ++i) {
-    const double slope = 1.0 + 3.0 * cubic_ * angle * angle;
-    const double change = (angle + cubic_ * angle * angle * angle - radius / focal_) / slope;
-    angle -= change;
-    if (std::abs(change) < 1e-14) break;
+  // Newton's method; the radius grows all the way, so that the interval that holds the angle shrinks with each step.
+  double low = 0.0, high = widest_rad_;
+  double angle = std::min(radius / focal_, high);
+  for (int i = 0; i < 60 && high - low > 1e-14; ++i) {
+    const double error = angle + cubic_ * angle * angle * angle - radius / focal_;
+    (error > 0.0 ? high : low) = angle;
+    const double next = angle - error / (1.0 + 3.0 * cubic_ * angle * angle);
+    if (std::abs(next - angle) < 1e-14) break;
+    angle = next > low && next < high ? next : 0.5 * (low + high);
   }
   const double aside = radius > 0.0 ? std::sin(angle) / radius : 0.0;
   const Vec3 local{aside * x, aside * y, std::cos(angle)};

@@ -17,14 +17,11 @@ Linear reflectance(const Rgb& srgb) {
   return {srgb_to_linear(srgb[0]), srgb_to_linear(srgb[1]), srgb_to_linear(srgb[2])};
 }
 
-Lighting::Lighting(const LightParameters& light, const FieldParameters& field)
-    : ambient_(static_cast<float>(light.lamp.empty() ? 1.0 : light.ambient)) {
+Lighting::Lighting(const LightParameters& light, const FieldParameters& field) {
   for (const LampParameters& lamp : light.lamp) {
     lamps_.push_back({static_cast<float>(lamp.x_m), static_cast<float>(lamp.y_m), static_cast<float>(lamp.z_m),
                       static_cast<float>(lamp.power)});
   }
-  const float ambient = ambient_;
-  ambient_ = 0.0f;
   constexpr int kGrid = 24;
   double sum = 0.0;
   for (int i = 0; i < kGrid; ++i) {
@@ -33,10 +30,12 @@ Lighting::Lighting(const LightParameters& light, const FieldParameters& field)
                                           static_cast<float>(((k + 0.5) / kGrid - 0.5) * field.width_m), 0.0f));
     }
   }
-  ambient_ = ambient;
   const double mean = sum / (kGrid * kGrid);
+  // Without lamps that shine, all light comes from everywhere.
+  const double ambient = mean > 0.0 ? light.ambient : 1.0;
+  ambient_ = static_cast<float>(ambient);
   for (Lamp& lamp : lamps_) {
-    lamp.power = mean > 0.0 ? static_cast<float>(static_cast<double>(lamp.power * (1.0f - ambient)) / mean) : 0.0f;
+    lamp.power = mean > 0.0 ? static_cast<float>(static_cast<double>(lamp.power) * (1.0 - ambient) / mean) : 0.0f;
   }
 }
 

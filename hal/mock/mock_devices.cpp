@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <mutex>
 
 namespace touchline::hal::mock {
 namespace {
@@ -28,6 +29,7 @@ MockCamera::MockCamera(Arena& arena, Clock& clock)
       reason_(&kNothing) {}
 
 Status MockCamera::do_open() {
+  const std::scoped_lock alone(arena_.mutex());
   arena_.advance_to(clock_.now());
   if (arena_.faulty(FaultKind::kCameraLost)) {
     reason_ = &kCameraLost;
@@ -46,6 +48,8 @@ Status MockCamera::do_start() {
     reason_ = &kCameraClosed;
     return ErrorCode::kIo;
   }
+  const std::scoped_lock alone(arena_.mutex());
+  arena_.advance_to(clock_.now());
   arena_.start_camera();
   streaming_ = true;
   return {};
@@ -56,6 +60,7 @@ Result<FrameLease> MockCamera::do_wait(Instant deadline) {
     reason_ = &kCameraClosed;
     return ErrorCode::kIo;
   }
+  std::unique_lock alone(arena_.mutex());
   for (;;) {
     arena_.advance_to(clock_.now());
     if (arena_.faulty(FaultKind::kCameraLost)) {
@@ -64,10 +69,14 @@ Result<FrameLease> MockCamera::do_wait(Instant deadline) {
     }
     if (const std::optional<Shot> shot = arena_.take_shot()) return hand_out(*shot);
     if (clock_.now() >= deadline) {
-      reason_ = &kCameraStall;
+      const bool all_held = std::find(held_.begin(), held_.end(), false) == held_.end();
+      reason_ = all_held ? &kCameraHeld : &kCameraStall;
       return ErrorCode::kTimeout;
     }
-    clock_.sleep_until(std::min(deadline, arena_.next_ready().value_or(deadline)));
+    const Instant until = std::min(deadline, arena_.next_ready().value_or(deadline));
+    alone.unlock();
+    clock_.sleep_until(until);
+    alone.lock();
   }
 }
 
@@ -76,11 +85,8 @@ Result<FrameLease> MockCamera::hand_out(const Shot& shot) {
     reason_ = &kCameraBad;
     return arena_.faulty(FaultKind::kFrameShort) ? ErrorCode::kShortFrame : ErrorCode::kCorruptFrame;
   }
+  // The arena takes no picture without a buffer for it, so there is one.
   const auto free = std::find(held_.begin(), held_.end(), false);
-  if (free == held_.end()) {
-    reason_ = &kCameraHeld;
-    return ErrorCode::kTimeout;
-  }
   const auto buffer = static_cast<std::size_t>(free - held_.begin());
   *free = true;
   arena_.hold_buffer();
@@ -99,11 +105,13 @@ Result<FrameLease> MockCamera::hand_out(const Shot& shot) {
 }
 
 void MockCamera::do_release(std::uint32_t buffer) noexcept {
+  const std::scoped_lock alone(arena_.mutex());
   held_[buffer] = false;
   arena_.release_buffer();
 }
 
 void MockCamera::do_stop() {
+  const std::scoped_lock alone(arena_.mutex());
   arena_.stop_camera();
   streaming_ = false;
 }
@@ -116,6 +124,7 @@ void MockCamera::do_close() {
 MockRadio::MockRadio(Arena& arena, Clock& clock) : arena_(arena), clock_(clock), reason_(&kNothing) {}
 
 Status MockRadio::do_open() {
+  const std::scoped_lock alone(arena_.mutex());
   arena_.advance_to(clock_.now());
   if (arena_.faulty(FaultKind::kRadioLost)) {
     reason_ = &kRadioLost;
@@ -131,6 +140,7 @@ Status MockRadio::do_send(std::span<const std::byte> bytes) {
     reason_ = &kRadioClosed;
     return ErrorCode::kIo;
   }
+  const std::scoped_lock alone(arena_.mutex());
   const Instant now = clock_.now();
   arena_.advance_to(now);
   if (arena_.faulty(FaultKind::kRadioLost)) {
@@ -144,9 +154,20 @@ Status MockRadio::do_send(std::span<const std::byte> bytes) {
 }
 
 Status MockRadio::do_drain(Instant deadline) {
+  if (!open_) {
+    reason_ = &kRadioClosed;
+    return ErrorCode::kIo;
+  }
+  std::unique_lock alone(arena_.mutex());
   const Instant drained = arena_.channel().drained();
+  alone.unlock();
   clock_.sleep_until(std::min(deadline, drained));
+  alone.lock();
   arena_.advance_to(clock_.now());
+  if (arena_.faulty(FaultKind::kRadioLost)) {
+    reason_ = &kRadioLost;
+    return ErrorCode::kDisconnected;
+  }
   if (drained <= deadline) return {};
   reason_ = &kRadioBusy;
   return ErrorCode::kTimeout;
@@ -174,6 +195,7 @@ Result<bool> MockGpio::do_emergency_stop() {
     reason_ = &kGpioClosed;
     return ErrorCode::kIo;
   }
+  const std::scoped_lock alone(arena_.mutex());
   arena_.advance_to(clock_.now());
   return arena_.faulty(FaultKind::kEmergencyStop);
 }

@@ -26,16 +26,18 @@ RadioChannel::RadioChannel(const ArenaParameters& parameters, int baud, std::uin
 }
 
 Status RadioChannel::send(std::span<const std::byte> bytes, Instant now) {
+  Flying flying;
+  if (bytes.empty() || bytes.size() > flying.packet.capacity()) return ErrorCode::kOutOfRange;
   const Instant begin = std::max(now, line_free_);
   const auto waiting = static_cast<std::size_t>((begin - now) / byte_time_);
-  if (waiting + bytes.size() > static_cast<std::size_t>(parameters_.queue_bytes)) return ErrorCode::kBusy;
-  Flying flying;
-  if (bytes.size() > flying.packet.capacity()) return ErrorCode::kOutOfRange;
+  if (waiting + bytes.size() > static_cast<std::size_t>(parameters_.queue_bytes) || flying_.full()) {
+    return ErrorCode::kBusy;
+  }
   for (const std::byte byte : bytes) flying.packet.push_back(byte);
   line_free_ = begin + byte_time_ * static_cast<int>(bytes.size());
   flying.arrival =
       line_free_ + from_seconds(parameters_.delay_s) + from_seconds(parameters_.jitter_s * random_.exponential());
-  if (!flying_.push_back(flying)) return ErrorCode::kBusy;
+  flying_.push_back(flying);
   ++statistics_.sent;
   return {};
 }

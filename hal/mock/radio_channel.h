@@ -35,7 +35,7 @@ class RadioChannel {
   /// `baud` of the line: 10 bits a byte.
   RadioChannel(const ArenaParameters& parameters, int baud, std::uint64_t seed);
 
-  /// kBusy: the line's queue is full, nothing was taken.
+  /// kBusy: the line's queue is full, nothing was taken. kOutOfRange: no bytes, or more than a packet has.
   Status send(std::span<const std::byte> bytes, Instant now);
   /// When the last byte handed over has left.
   [[nodiscard]] Instant drained() const { return line_free_; }
@@ -62,7 +62,7 @@ class RadioChannel {
   Duration byte_time_, timeout_;
   Random random_;
   Instant line_free_{};
-  // At 60 packets a second and a second of delay, sixty; when it is full the oldest has long been overtaken.
+  // At 60 packets a second, a second of delay and a second of mean jitter, 120 on average.
   FixedVector<Flying, 256> flying_;
   FixedVector<Receiver, kMaxRobots> receivers_;
   ChannelStatistics statistics_;

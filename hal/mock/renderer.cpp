@@ -77,7 +77,8 @@ Renderer::Renderer(const ArenaParameters& parameters, std::uint16_t width_px, st
       const double down = std::max(-direction[2], 0.05);
       const std::size_t index = row * width_ + column;
       sights_[index] = {static_cast<float>(direction[0] / down), static_cast<float>(direction[1] / down)};
-      const double off = std::hypot(u - 0.5 * static_cast<double>(width_), v - 0.5 * static_cast<double>(height_));
+      const double off =
+          std::hypot(u - 0.5 * static_cast<double>(width_ - 1), v - 0.5 * static_cast<double>(height_ - 1));
       vignette_[index] =
           static_cast<float>(1.0 - parameters_.camera.vignetting * (off / half_diagonal) * (off / half_diagonal));
     }

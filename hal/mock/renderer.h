@@ -59,9 +59,6 @@ class Renderer {
     const Look* look = nullptr;
     std::array<Turned, kRays> at{};
   };
-  struct Box {
-    int left = 0, top = 0, right = -1, bottom = -1;
-  };
   struct Hit {
     float height_m = -1.0f;  // of the point that was hit; the highest is the nearest to the camera
     Linear color{};
@@ -69,9 +66,6 @@ class Renderer {
 
   void draw_floor(Floor floor);
   [[nodiscard]] Linear floor_color(float x_m, float y_m, Floor floor) const;
-  [[nodiscard]] Sight sight(int column, int row) const {
-    return sights_[static_cast<std::size_t>(row) * width_ + static_cast<std::size_t>(column)];
-  }
   void add(const Look* look, const Placement& begin, const Placement& end, float radius_m, float height_m);
   void draw_pixel(std::size_t index, std::uint32_t things);
   void hit_robot(const Thing& thing, int ray, Sight sight, float top_light, Hit& hit) const;
@@ -86,7 +80,7 @@ class Renderer {
   std::array<float, 3> eye_{};
   Linear body_{}, ball_{};
   std::vector<Look> looks_;
-  std::vector<Sight> sights_;  // one more column and row than pixels: the differences give the rays between
+  std::vector<Sight> sights_;  // of each pixel's middle; differences to the neighbors give the rays between
   std::vector<float> vignette_;
   std::vector<std::uint16_t> floor_, picture_, dark_;
   std::vector<std::uint32_t> covered_by_;  // bit i: thing i

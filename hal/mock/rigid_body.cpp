@@ -11,15 +11,8 @@ constexpr double kLeastBounceMps = 0.05;
 constexpr int kIterations = 8;
 // Of the overlap that is more than the slop, so much is removed each step; all at once would let heaps jitter.
 constexpr double kCorrection = 0.3, kSlopM = 0.0002;
-// Deeper than this a square's corner is not inside a wall but beyond its end.
-constexpr double kWallThicknessM = 0.05;
-
-std::array<Vec2, 4> corners(const Square& square) {
-  const Vec2 ahead = rotated({square.half_side_m, 0.0}, square.body->theta);
-  const Vec2 left = perpendicular(ahead);
-  const Vec2 p = square.body->position;
-  return {p + ahead + left, p - ahead + left, p - ahead - left, p + ahead - left};
-}
+// Half of a square's diagonal, and a hair more, over half of its side.
+constexpr double kCornerReach = 1.4143;
 
 Vec2 to_local(const Square& square, Vec2 point) { return rotated(point - square.body->position, -square.body->theta); }
 
@@ -38,6 +31,46 @@ void add(Contacts& out, Body* a, Body* b, Vec2 point, Vec2 normal, double depth_
   contact.restitution = surface.restitution;
   contact.friction = surface.friction;
   out.push_back(contact);
+}
+
+// Of the way from `begin` to `end`: where a point stands beside it, 0 at the begin and 1 at the end; beyond them below
+// 0 and above 1.
+double place_along(Vec2 begin, Vec2 end, Vec2 point) {
+  const Vec2 way = end - begin;
+  return dot(point - begin, way) / dot(way, way);
+}
+
+Vec2 nearest_of_wall(Vec2 begin, Vec2 end, Vec2 point) {
+  return begin + std::clamp(place_along(begin, end, point), 0.0, 1.0) * (end - begin);
+}
+
+// The place of a polygon's rim that is nearest to a point.
+struct RimPlace {
+  Vec2 point, inwards;  // normal of the wall
+  double distance_m = 0.0;
+};
+
+RimPlace nearest_on(const Outline& outline, Vec2 point) {
+  RimPlace best;
+  std::size_t wall = 0;
+  double least = std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Vec2 nearest = nearest_of_wall(outline[i], outline[(i + 1) % outline.size()], point);
+    const double square = dot(point - nearest, point - nearest);
+    if (square >= least) continue;
+    least = square;
+    best.point = nearest;
+    wall = i;
+  }
+  const Vec2 way = outline[(wall + 1) % outline.size()] - outline[wall];
+  best.inwards = (1.0 / length(way)) * perpendicular(way);
+  best.distance_m = std::sqrt(least);
+  return best;
+}
+
+// From a point outside of the walls to the rim; on the rim the wall's own normal says it.
+Vec2 way_in(const RimPlace& rim, Vec2 point) {
+  return rim.distance_m > 1e-9 ? (1.0 / rim.distance_m) * (rim.point - point) : rim.inwards;
 }
 
 // The way out of `square` for a point inside of it: to the nearest side.
@@ -97,11 +130,31 @@ void iterate(Contact& contact) {
 
 }  // namespace
 
+std::array<Vec2, 4> corners(const Square& square) {
+  const Vec2 ahead = rotated({square.half_side_m, 0.0}, square.body->theta);
+  const Vec2 left = perpendicular(ahead);
+  const Vec2 p = square.body->position;
+  return {p + ahead + left, p - ahead + left, p - ahead - left, p + ahead - left};
+}
+
+bool is_inside(const Outline& outline, Vec2 point) {
+  bool inside = false;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Vec2 a = outline[i], b = outline[(i + 1) % outline.size()];
+    // Walls that the way from the point along x crosses, each counted once.
+    if ((a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)) {
+      inside = !inside;
+    }
+  }
+  return inside;
+}
+
 void collide(const Square& a, const Square& b, Surface surface, Contacts& out) {
   const Vec2 between = a.body->position - b.body->position;
-  const double reach = (a.half_side_m + b.half_side_m) * 1.4143;
+  const double reach = (a.half_side_m + b.half_side_m) * kCornerReach;
   if (dot(between, between) > reach * reach) return;
   // Separating axes: the sides' normals of both; the one with the least overlap is the way out.
+  const std::size_t before = out.size();
   const std::array<Vec2, 4> of_a = corners(a), of_b = corners(b);
   double least = std::numeric_limits<double>::max();
   Vec2 normal;
@@ -127,31 +180,31 @@ void collide(const Square& a, const Square& b, Surface surface, Contacts& out) {
   for (const Vec2& corner : of_b) {
     if (is_inside(a, corner)) add(out, a.body, b.body, corner, normal, dot(corner, normal) - lowest_a, surface);
   }
+  // Two squares one on the other, as at a careless start, may cross like a star: no corner is inside.
+  if (out.size() == before)
+    add(out, a.body, b.body, 0.5 * (a.body->position + b.body->position), normal, least, surface);
 }
 
-void collide(const Square& a, const Wall& wall, Surface surface, Contacts& out) {
-  const Vec2 way = wall.end - wall.begin;
-  const double extent = length(way);
-  const Vec2 along = (1.0 / extent) * way, inwards = perpendicular(along);
-  const double distance = dot(a.body->position - wall.begin, inwards);
-  if (distance > a.half_side_m * 1.4143 || distance < -kWallThicknessM) return;
+void collide(const Square& a, const Outline& walls, Surface surface, Contacts& out) {
+  const double reach = a.half_side_m * kCornerReach;
+  if (is_inside(walls, a.body->position) && nearest_on(walls, a.body->position).distance_m > reach) return;
   for (const Vec2& corner : corners(a)) {
-    const Vec2 from_begin = corner - wall.begin;
-    const double depth = -dot(from_begin, inwards), place = dot(from_begin, along);
-    if (depth > 0.0 && depth < kWallThicknessM && place >= 0.0 && place <= extent) {
-      add(out, a.body, nullptr, corner, inwards, depth, surface);
-    }
+    if (is_inside(walls, corner)) continue;
+    const RimPlace rim = nearest_on(walls, corner);
+    add(out, a.body, nullptr, corner, way_in(rim, corner), rim.distance_m, surface);
   }
-  // Where two walls meet in an edge that stands into the field (a goal post), it is the edge that enters the square.
-  if (is_inside(a, wall.end)) {
-    const Exit exit = nearest_side(a, wall.end);
-    add(out, a.body, nullptr, wall.end, -exit.normal, exit.depth_m, surface);
+  // A corner of the outline that stands into the field (a goal post) may enter the square between the square's own.
+  for (std::size_t i = 0; i < walls.size(); ++i) {
+    const Vec2 before = walls[i], post = walls[(i + 1) % walls.size()], after = walls[(i + 2) % walls.size()];
+    if (cross(post - before, after - post) >= 0.0 || !is_inside(a, post)) continue;
+    const Exit exit = nearest_side(a, post);
+    add(out, a.body, nullptr, post, -exit.normal, exit.depth_m, surface);
   }
 }
 
 void collide(const Circle& a, const Square& b, Surface surface, Contacts& out) {
   const Vec2 between = a.body->position - b.body->position;
-  const double reach = a.radius_m + b.half_side_m * 1.4143;
+  const double reach = a.radius_m + b.half_side_m * kCornerReach;
   if (dot(between, between) > reach * reach) return;
   if (is_inside(b, a.body->position)) {
     const Exit exit = nearest_side(b, a.body->position);
@@ -168,22 +221,25 @@ void collide(const Circle& a, const Square& b, Surface surface, Contacts& out) {
   add(out, a.body, b.body, nearest, (1.0 / distance) * gap, a.radius_m - distance, surface);
 }
 
-void collide(const Circle& a, const Wall& wall, Surface surface, Contacts& out) {
-  const Vec2 way = wall.end - wall.begin;
-  const double extent = length(way);
-  const Vec2 along = (1.0 / extent) * way, inwards = perpendicular(along);
-  const Vec2 from_begin = a.body->position - wall.begin;
-  const double distance = dot(from_begin, inwards), place = dot(from_begin, along);
-  if (place >= 0.0 && place <= extent) {
-    if (distance < a.radius_m && distance > -kWallThicknessM) {
-      add(out, a.body, nullptr, a.body->position - distance * inwards, inwards, a.radius_m - distance, surface);
-    }
+void collide(const Circle& a, const Outline& walls, Surface surface, Contacts& out) {
+  const Vec2 center = a.body->position;
+  if (!is_inside(walls, center)) {
+    const RimPlace rim = nearest_on(walls, center);
+    add(out, a.body, nullptr, rim.point, way_in(rim, center), rim.distance_m + a.radius_m, surface);
     return;
   }
-  const Vec2 gap = a.body->position - wall.end;
-  const double to_edge = length(gap);
-  if (to_edge < a.radius_m && to_edge > 0.0 && distance > 0.0) {
-    add(out, a.body, nullptr, wall.end, (1.0 / to_edge) * gap, a.radius_m - to_edge, surface);
+  double place_before = place_along(walls.back(), walls[0], center);
+  for (std::size_t i = 0; i < walls.size(); ++i) {
+    const Vec2 begin = walls[i], end = walls[(i + 1) % walls.size()];
+    const double place = place_along(begin, end, center);
+    // Its begin only where the wall before has ended: else that one is what stands in the way.
+    const bool faces = place < 1.0 && (place > 0.0 || place_before >= 1.0);
+    place_before = place;
+    if (!faces) continue;
+    const Vec2 nearest = nearest_of_wall(begin, end, center), gap = center - nearest;
+    const double distance = length(gap);
+    if (distance >= a.radius_m || distance <= 0.0) continue;
+    add(out, a.body, nullptr, nearest, (1.0 / distance) * gap, a.radius_m - distance, surface);
   }
 }
 

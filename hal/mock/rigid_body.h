@@ -39,15 +39,18 @@ struct Square {
   double half_side_m = 0.0;
 };
 
+/// Counter-clockwise, beginning in front on the left.
+std::array<Vec2, 4> corners(const Square& square);
+
 struct Circle {
   Body* body = nullptr;
   double radius_m = 0.0;
 };
 
-/// One side of the field's outline; the field lies to the left of the way from `begin` to `end`.
-struct Wall {
-  Vec2 begin, end;
-};
+/// Corners of a closed polygon in which everything stays, counter-clockwise; no two neighbors in the same place.
+using Outline = FixedVector<Vec2, 24>;
+/// Whether a point lies inside of it.
+bool is_inside(const Outline& outline, Vec2 point);
 
 /// `b` null: the world, which does not move. The normal points from b to a.
 struct Contact {
@@ -66,11 +69,12 @@ struct Surface {
   double restitution = 0.0, friction = 0.0;
 };
 
-/// These add the contacts of a pair, none when it does not touch.
+/// These add the contacts of a pair, none when it does not touch. What has come to lie outside of the walls is led back
+/// on the shortest way.
 void collide(const Square& a, const Square& b, Surface surface, Contacts& out);
-void collide(const Square& a, const Wall& wall, Surface surface, Contacts& out);
+void collide(const Square& a, const Outline& walls, Surface surface, Contacts& out);
 void collide(const Circle& a, const Square& b, Surface surface, Contacts& out);
-void collide(const Circle& a, const Wall& wall, Surface surface, Contacts& out);
+void collide(const Circle& a, const Outline& walls, Surface surface, Contacts& out);
 
 /// Sequential impulses with accumulated clamping (Catto, "Iterative Dynamics with Temporal Coherence", GDC 2005), then
 /// a part of the remaining overlap is removed from the positions.

@@ -75,7 +75,7 @@ void Sensor::develop_row(const std::uint16_t* linear) {
   for (std::size_t i = 0; i < row_.size(); ++i) {
     if (i % 4 == 0) bits = random_.bits();
     const std::uint16_t value = linear[i];
-    const float noisy = static_cast<float>(value) + sigma_[value] * normal_[bits];
+    const float noisy = static_cast<float>(value) + sigma_[value] * normal_[bits] + 0.5f;  // rounded below
     bits >>= 16U;
     row_[i] = tone_[static_cast<std::size_t>(std::clamp(noisy, 0.0f, static_cast<float>(kLinearScale)))];
   }

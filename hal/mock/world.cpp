@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 namespace touchline::hal::mock {
 namespace {
@@ -17,10 +18,10 @@ constexpr std::uint64_t kPhysicsStream = 1;
 
 double wrapped(double angle_rad) { return std::remainder(angle_rad, 2.0 * std::numbers::pi); }
 
-FixedVector<Wall, 24> outline(const FieldParameters& field) {
+Outline outline(const FieldParameters& field) {
   const double x = 0.5 * field.length_m, y = 0.5 * field.width_m, g = 0.5 * field.goal_width_m, d = field.goal_depth_m;
-  const double c = std::min(field.corner_m, y - g);
-  // Counter-clockwise from the opponent's goal; the field lies to the left.
+  const double c = field.corner_m;
+  // Counter-clockwise from the opponent's goal.
   const std::array<Vec2, 16> points{{{x, -g},
                                      {x + d, -g},
                                      {x + d, g},
@@ -37,10 +38,10 @@ FixedVector<Wall, 24> outline(const FieldParameters& field) {
                                      {-x + c, -y},
                                      {x - c, -y},
                                      {x, -y + c}}};
-  FixedVector<Wall, 24> walls;
+  Outline walls;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec2 begin = points[i], end = points[(i + 1) % points.size()];
-    if (length(end - begin) > 1e-9) walls.push_back({begin, end});
+    // Corner pieces of no size have one corner only.
+    if (length(points[(i + 1) % points.size()] - points[i]) > 1e-9) walls.push_back(points[i]);
   }
   return walls;
 }
@@ -70,14 +71,13 @@ World::World(const ArenaParameters& parameters, std::uint64_t seed)
     Robot robot;
     robot.team = entry.team;
     robot.id = entry.id;
-    robot.home = {entry.x_m, entry.y_m, entry.theta_rad};
     robot.target = {entry.x_m, entry.y_m};
     robot.body.inverse_mass = 1.0 / physics.robot_mass_kg;
     // A homogeneous square's moment of inertia.
     robot.body.inverse_inertia = 6.0 / (physics.robot_mass_kg * parameters_.robot_side_m * parameters_.robot_side_m);
     for (double& gain : robot.gain) gain = 1.0 + physics.wheel_error * random_.normal();
     if (!robots_.push_back(robot)) break;
-    place(robots_.size() - 1, robot.home);
+    place(robots_.size() - 1, {entry.x_m, entry.y_m, entry.theta_rad});
   }
   ball_.inverse_mass = 1.0 / physics.ball_mass_kg;
   // Seen from above the ball may spin about the vertical, which nobody sees and nothing resists: leave it out.
@@ -91,7 +91,7 @@ void World::place(std::size_t robot, const Placement& placement) {
   moved.body.theta = wrapped(placement.theta_rad);
   moved.body.velocity = {};
   moved.body.w = 0.0;
-  moved.wheel_mps = {};
+  moved.wheel_mps = moved.wanted_mps = {};
 }
 
 void World::place_ball(const Placement& placement, Vec2 velocity_mps) {
@@ -102,8 +102,20 @@ void World::place_ball(const Placement& placement, Vec2 velocity_mps) {
 }
 
 void World::kick_off() {
-  // Not at the same spot each time: two teams that mirror each other would hold each other up for good.
-  place_ball({random_.uniform(-0.02, 0.02), random_.uniform(-0.05, 0.05), 0.0});
+  // Not at the same spot each time: two teams that mirror each other would hold each other up for good. Where robots
+  // stand in the center, beside them.
+  constexpr int kDraws = 200;
+  const double reach = parameters_.robot_side_m * std::numbers::sqrt2 / 2.0 + parameters_.ball_radius_m;
+  Vec2 spot;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const double wider = 0.2 * draw / kDraws;
+    const double x = std::min(0.02 + wider, 0.25 * parameters_.field.length_m);
+    const double y = std::min(0.05 + wider, 0.25 * parameters_.field.width_m);
+    spot = {random_.uniform(-x, x), random_.uniform(-y, y)};
+    const auto is_near = [&](const Robot& robot) { return length(robot.body.position - spot) < reach; };
+    if (std::none_of(robots_.begin(), robots_.end(), is_near)) break;
+  }
+  place_ball({spot.x, spot.y, 0.0});
 }
 
 void World::drive(int id, double left_mps, double right_mps) {
@@ -132,7 +144,8 @@ void World::step() {
 void World::apply_tires(Robot& robot) {
   const PhysicsParameters& physics = parameters_.physics;
   Body& body = robot.body;
-  const double follow = physics.wheel_lag_s > kStepS ? kStepS / physics.wheel_lag_s : 1.0;
+  // What a first-order lag does in one step.
+  const double follow = physics.wheel_lag_s > 0.0 ? 1.0 - std::exp(-kStepS / physics.wheel_lag_s) : 1.0;
   const double slip_kick = physics.wheel_slip * std::sqrt(2.0 * kStepS / kSlipTimeS);
   std::array<double, 2> rim{};
   for (std::size_t i = 0; i < rim.size(); ++i) {
@@ -180,10 +193,10 @@ void World::collide_all() {
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const Square a = square(robots_[i]);
     for (std::size_t k = 0; k < i; ++k) collide(a, square(robots_[k]), hard, contacts_);
-    for (const Wall& wall : walls_) collide(a, wall, hard, contacts_);
+    collide(a, walls_, hard, contacts_);
     collide(ball, a, bouncy, contacts_);
   }
-  for (const Wall& wall : walls_) collide(ball, wall, bouncy, contacts_);
+  collide(ball, walls_, bouncy, contacts_);
   resolve(contacts_);
 }
 
@@ -298,13 +311,20 @@ std::uint64_t World::hash() const {
       fnv.add(robot.wanted_mps[i]);
       fnv.add(robot.wheel_mps[i]);
       fnv.add(robot.slip[i]);
+      fnv.add(robot.gain[i]);
     }
     fnv.add(robot.target);
     fnv.add(robot.decide_in_s);
+    fnv.add(std::uint64_t{robot.at_ball});
   }
   add_body(ball_);
+  fnv.add(still_at_);
+  fnv.add(still_s_);
   fnv.add(statistics_.touches);
   fnv.add(statistics_.ball_path_m);
+  fnv.add(std::uint64_t{statistics_.goals_own});
+  fnv.add(std::uint64_t{statistics_.goals_opponent});
+  fnv.add(std::uint64_t{statistics_.free_balls});
   Random ahead = random_;
   fnv.add(ahead.bits());
   return fnv.value();

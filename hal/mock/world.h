@@ -46,12 +46,12 @@ class World {
 
   [[nodiscard]] Snapshot snapshot() const;
   [[nodiscard]] const GameStatistics& statistics() const { return statistics_; }
-  /// FNV-1a over all that the future depends on, the random generator's included.
+  /// FNV-1a over the statistics and all that the future depends on, the random generator's state included.
   [[nodiscard]] std::uint64_t hash() const;
   /// Kinetic energy of robots and ball, J.
   [[nodiscard]] double energy() const;
 
-  /// For scenes and tests: everything stands.
+  /// For scenes and tests. A robot that is placed stands until it is driven again.
   void place(std::size_t robot, const Placement& placement);
   void place_ball(const Placement& placement, Vec2 velocity_mps = {});
 
@@ -60,7 +60,6 @@ class World {
     Body body;
     Side team = Side::kOwn;
     int id = 0;
-    Placement home;
     std::array<double, 2> wanted_mps{}, wheel_mps{}, gain{1.0, 1.0}, slip{};
     Vec2 target;  // opponents: where it wanders to
     double decide_in_s = 0.0;
@@ -81,7 +80,7 @@ class World {
   Random random_;
   FixedVector<Robot, kMaxRobots> robots_;
   Body ball_;
-  FixedVector<Wall, 24> walls_;
+  Outline walls_;
   Contacts contacts_;
   GameStatistics statistics_;
   double still_s_ = 0.0;

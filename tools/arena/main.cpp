@@ -42,6 +42,7 @@ int write_scene(const config::BoardFile& board, const arena::SceneWord& scene, c
   hal::mock::Sensor sensor(parameters.sensor, PixelFormat::kRgb24, width, height, options.seed);
   const unsigned count = options.count == 0 ? scene.pictures : options.count;
   const auto moments = arena::make_scene(scene.kind, parameters, board.camera.rate_hz, count, options.seed);
+  if (moments.empty()) return fail(options.board + ": the field has no room for all its robots and the ball");
   hal::Picture picture;
   picture.width_px = width;
   picture.height_px = height;

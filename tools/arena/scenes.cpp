@@ -15,11 +15,16 @@ using hal::mock::Snapshot;
 using hal::mock::World;
 
 constexpr std::uint64_t kSceneStream = 10;
+// Between robots of a pair, and along their sides in parts of a side.
+constexpr double kPairGap = 0.001, kPairShift = 0.4;
 
 class Placer {
  public:
   Placer(const ArenaParameters& parameters, std::uint64_t seed)
       : parameters_(parameters), random_(seed, kSceneStream) {}
+
+  /// False from the moment on that there was no room for something.
+  [[nodiscard]] bool found_room() const { return found_room_; }
 
   Snapshot scattered() {
     Snapshot all;
@@ -33,11 +38,12 @@ class Placer {
     Snapshot all;
     const double side = parameters_.robot_side_m;
     for (std::size_t i = 0; i < parameters_.robot.size(); i += 2) {
-      const Placement first = free_place(all, robot_reach() + side);
+      const Placement first = free_place(all, robot_reach() + std::hypot(side + kPairGap, kPairShift * side));
       all.robots.push_back(first);
       if (i + 1 == parameters_.robot.size()) break;
       const double way = first.theta_rad + quarter_turn();
-      const double gap = side + random_.uniform(0.0, 0.001), shift = random_.uniform(-0.4, 0.4) * side;
+      const double gap = side + random_.uniform(0.0, kPairGap);
+      const double shift = random_.uniform(-kPairShift, kPairShift) * side;
       all.robots.push_back({first.x_m + gap * std::cos(way) - shift * std::sin(way),
                             first.y_m + gap * std::sin(way) + shift * std::cos(way), first.theta_rad + quarter_turn()});
     }
@@ -64,13 +70,15 @@ class Placer {
           std::none_of(taken.robots.begin(), taken.robots.end(), [&](const Placement& other) {
             return std::hypot(other.x_m - place.x_m, other.y_m - place.y_m) < reach_m + robot_reach() + gap;
           });
-      if (free) break;
+      if (free) return place;
     }
+    found_room_ = false;
     return place;
   }
 
   const ArenaParameters& parameters_;
   Random random_;
+  bool found_room_ = true;
 };
 
 // A game without strategy: own robots get new wheel speeds every half second, the others play.
@@ -145,6 +153,7 @@ std::vector<Moment> make_scene(SceneKind kind, const ArenaParameters& parameters
     moment.end = moment.begin;
     moments.push_back(moment);
   }
+  if (!placer.found_room()) moments.clear();
   return moments;
 }
 

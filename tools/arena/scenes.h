@@ -30,8 +30,8 @@ struct Moment {
   bool objects = true;  // false: field or paper alone
 };
 
-/// `count` moments of a scene. Placements are drawn from `seed`; robots never overlap each other, the ball or the
-/// walls.
+/// `count` moments of a scene, 1 or more; none when the field has no room for all. Placements are drawn from `seed`;
+/// robots never overlap each other, the ball or the walls.
 std::vector<Moment> make_scene(SceneKind kind, const hal::mock::ArenaParameters& parameters, double rate_hz,
                                unsigned count, std::uint64_t seed);
 

@@ -40,6 +40,7 @@ class Arena {
         Instant begin = kBegin);
   Arena(const Arena&) = delete;
   Arena& operator=(const Arena&) = delete;
+  ~Arena() = default;
 
   [[nodiscard]] Instant now() const { return now_; }
   /// Does nothing for instants that have passed.

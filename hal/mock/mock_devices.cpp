@@ -8,16 +8,17 @@ namespace touchline::hal::mock {
 namespace {
 
 // Made once: a failing device must not allocate in the loop.
-const std::string kNothing;
-const std::string kCameraLost = "mock camera: unplugged (an [[arena.fault]])";
-const std::string kCameraStall = "mock camera: no frame came in time";
-const std::string kCameraBad = "mock camera: the frame is damaged (an [[arena.fault]])";
-const std::string kCameraHeld = "mock camera: every buffer is held by somebody";
-const std::string kCameraClosed = "mock camera: used before it was opened and started";
-const std::string kRadioLost = "mock radio: unplugged (an [[arena.fault]])";
-const std::string kRadioBusy = "mock radio: the line's queue is full";
-const std::string kRadioClosed = "mock radio: used before it was opened";
-const std::string kGpioClosed = "mock gpio: used before it was opened";
+const std::string no_reason;
+const std::string camera_lost = "mock camera: unplugged (an [[arena.fault]])";
+const std::string camera_stall = "mock camera: no frame came in time";
+const std::string camera_bad = "mock camera: the frame is damaged (an [[arena.fault]])";
+const std::string camera_held = "mock camera: every buffer is held by somebody";
+const std::string camera_closed = "mock camera: used before it was opened and started";
+const std::string radio_lost = "mock radio: unplugged (an [[arena.fault]])";
+const std::string radio_busy = "mock radio: the line's queue is full";
+const std::string radio_size = "mock radio: a packet without bytes, or with more than a packet has";
+const std::string radio_closed = "mock radio: used before it was opened";
+const std::string gpio_closed = "mock gpio: used before it was opened";
 
 }  // namespace
 
@@ -26,26 +27,26 @@ MockCamera::MockCamera(Arena& arena, Clock& clock)
       clock_(clock),
       info_{arena.camera().format, arena.camera().width_px, arena.camera().height_px, arena.camera().rate_hz},
       layout_(layout_of(info_.format, info_.width_px, info_.height_px)),
-      reason_(&kNothing) {}
+      reason_(&no_reason) {}
 
 Status MockCamera::do_open() {
   const std::scoped_lock alone(arena_.mutex());
   arena_.advance_to(clock_.now());
   if (arena_.faulty(FaultKind::kCameraLost)) {
-    reason_ = &kCameraLost;
+    reason_ = &camera_lost;
     return ErrorCode::kNotFound;
   }
   const auto count = static_cast<std::size_t>(arena_.camera().buffers);
   buffers_.assign(count, std::vector<std::uint8_t>(layout_.bytes));
   held_.assign(count, false);
   open_ = true;
-  reason_ = &kNothing;
+  reason_ = &no_reason;
   return {};
 }
 
 Status MockCamera::do_start() {
   if (!open_) {
-    reason_ = &kCameraClosed;
+    reason_ = &camera_closed;
     return ErrorCode::kIo;
   }
   const std::scoped_lock alone(arena_.mutex());
@@ -57,20 +58,20 @@ Status MockCamera::do_start() {
 
 Result<FrameLease> MockCamera::do_wait(Instant deadline) {
   if (!streaming_) {
-    reason_ = &kCameraClosed;
+    reason_ = &camera_closed;
     return ErrorCode::kIo;
   }
   std::unique_lock alone(arena_.mutex());
   for (;;) {
     arena_.advance_to(clock_.now());
     if (arena_.faulty(FaultKind::kCameraLost)) {
-      reason_ = &kCameraLost;
+      reason_ = &camera_lost;
       return ErrorCode::kDisconnected;
     }
     if (const std::optional<Shot> shot = arena_.take_shot()) return hand_out(*shot);
     if (clock_.now() >= deadline) {
       const bool all_held = std::find(held_.begin(), held_.end(), false) == held_.end();
-      reason_ = all_held ? &kCameraHeld : &kCameraStall;
+      reason_ = all_held ? &camera_held : &camera_stall;
       return ErrorCode::kTimeout;
     }
     const Instant until = std::min(deadline, arena_.next_ready().value_or(deadline));
@@ -82,7 +83,7 @@ Result<FrameLease> MockCamera::do_wait(Instant deadline) {
 
 Result<FrameLease> MockCamera::hand_out(const Shot& shot) {
   if (arena_.faulty(FaultKind::kFrameShort) || arena_.faulty(FaultKind::kFrameCorrupt)) {
-    reason_ = &kCameraBad;
+    reason_ = &camera_bad;
     return arena_.faulty(FaultKind::kFrameShort) ? ErrorCode::kShortFrame : ErrorCode::kCorruptFrame;
   }
   // The arena takes no picture without a buffer for it, so there is one.
@@ -121,41 +122,41 @@ void MockCamera::do_close() {
   open_ = false;
 }
 
-MockRadio::MockRadio(Arena& arena, Clock& clock) : arena_(arena), clock_(clock), reason_(&kNothing) {}
+MockRadio::MockRadio(Arena& arena, Clock& clock) : arena_(arena), clock_(clock), reason_(&no_reason) {}
 
 Status MockRadio::do_open() {
   const std::scoped_lock alone(arena_.mutex());
   arena_.advance_to(clock_.now());
   if (arena_.faulty(FaultKind::kRadioLost)) {
-    reason_ = &kRadioLost;
+    reason_ = &radio_lost;
     return ErrorCode::kNotFound;
   }
   open_ = true;
-  reason_ = &kNothing;
+  reason_ = &no_reason;
   return {};
 }
 
 Status MockRadio::do_send(std::span<const std::byte> bytes) {
   if (!open_) {
-    reason_ = &kRadioClosed;
+    reason_ = &radio_closed;
     return ErrorCode::kIo;
   }
   const std::scoped_lock alone(arena_.mutex());
   const Instant now = clock_.now();
   arena_.advance_to(now);
   if (arena_.faulty(FaultKind::kRadioLost)) {
-    reason_ = &kRadioLost;
+    reason_ = &radio_lost;
     return ErrorCode::kDisconnected;
   }
   const Status status =
       arena_.faulty(FaultKind::kRadioBusy) ? Status(ErrorCode::kBusy) : arena_.channel().send(bytes, now);
-  if (!status.ok()) reason_ = &kRadioBusy;
+  if (!status.ok()) reason_ = status == Status(ErrorCode::kBusy) ? &radio_busy : &radio_size;
   return status;
 }
 
 Status MockRadio::do_drain(Instant deadline) {
   if (!open_) {
-    reason_ = &kRadioClosed;
+    reason_ = &radio_closed;
     return ErrorCode::kIo;
   }
   std::unique_lock alone(arena_.mutex());
@@ -165,25 +166,25 @@ Status MockRadio::do_drain(Instant deadline) {
   alone.lock();
   arena_.advance_to(clock_.now());
   if (arena_.faulty(FaultKind::kRadioLost)) {
-    reason_ = &kRadioLost;
+    reason_ = &radio_lost;
     return ErrorCode::kDisconnected;
   }
   if (drained <= deadline) return {};
-  reason_ = &kRadioBusy;
+  reason_ = &radio_busy;
   return ErrorCode::kTimeout;
 }
 
-MockGpio::MockGpio(Arena& arena, Clock& clock) : arena_(arena), clock_(clock), reason_(&kNothing) {}
+MockGpio::MockGpio(Arena& arena, Clock& clock) : arena_(arena), clock_(clock), reason_(&no_reason) {}
 
 Status MockGpio::do_open() {
   open_ = true;
-  reason_ = &kNothing;
+  reason_ = &no_reason;
   return {};
 }
 
 Status MockGpio::do_set_status_led(bool on) {
   if (!open_) {
-    reason_ = &kGpioClosed;
+    reason_ = &gpio_closed;
     return ErrorCode::kIo;
   }
   led_ = on;
@@ -192,7 +193,7 @@ Status MockGpio::do_set_status_led(bool on) {
 
 Result<bool> MockGpio::do_emergency_stop() {
   if (!open_) {
-    reason_ = &kGpioClosed;
+    reason_ = &gpio_closed;
     return ErrorCode::kIo;
   }
   const std::scoped_lock alone(arena_.mutex());

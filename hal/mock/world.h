@@ -39,6 +39,7 @@ class World {
   World(const ArenaParameters& parameters, std::uint64_t seed);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
+  ~World() = default;
 
   /// Own robot `id` drives these wheel speeds from now on; a robot that is not there is ignored.
   void drive(int id, double left_mps, double right_mps);

@@ -18,6 +18,8 @@ constexpr float kStrangerInset = 0.005f;
 // An explanation by the visible rest of a team patch comes after every one by a whole patch.
 constexpr float kRestReward = 0.5f;
 constexpr float kWholePatch = 0.6f;
+// Of an identification patch in bad light a sixth may be left in its color, if no other color has half as much there.
+constexpr float kLeastDull = 0.16f, kRivalArea = 0.5f;
 // Direction of a long team patch: its axis is good to 5 degrees when whole; beyond 40 it is another robot's.
 constexpr float kAxisSigma = 0.1f, kAxisGate = 0.7f;
 // Within reach of a team patch stand at most the identification patches of four robots, of two each, and noise.
@@ -65,7 +67,11 @@ class Search {
   struct Neighbor {
     std::uint16_t number = 0;
     float distance_m = 0;
+    bool is_rest = false;
   };
+  static bool better(const Neighbor& a, const Neighbor& b) {
+    return a.is_rest != b.is_rest ? b.is_rest : a.distance_m < b.distance_m;
+  }
 
   void find_neighbors() {
     float reach = 0;
@@ -73,18 +79,21 @@ class Search {
     for (std::size_t i = 0; i < patches_.identification.size(); ++i) {
       const float distance = distance_m(patch_.at[team_], patches_.identification[i].at[team_]);
       if (distance >= reach) continue;
-      Neighbor neighbor{static_cast<std::uint16_t>(i), distance};
+      const bool rest = patches_.identification[i].is_rest;
+      if (rest && !rests_help(patches_.identification[i])) continue;
+      const Neighbor neighbor{static_cast<std::uint16_t>(i), distance, rest};
       if (neighbors_.full()) {
-        complete_ = false;
-        const auto farthest = std::max_element(neighbors_.begin(), neighbors_.end(), [](const auto& a, const auto& b) {
-          return a.distance_m < b.distance_m;
-        });
-        if (distance < farthest->distance_m) *farthest = neighbor;
+        const auto worst = std::max_element(neighbors_.begin(), neighbors_.end(), better);
+        complete_ = complete_ && (rest || worst->is_rest);
+        if (better(neighbor, *worst)) *worst = neighbor;
       } else {
         neighbors_.push_back(neighbor);
       }
     }
   }
+
+  // With three patches or more the others tell where a dull one must be.
+  bool rests_help(const Patch& rest) const { return slots_ > 1 && !patch_.is_rest && rest.ratio >= kLeastDull; }
 
   // Fills slot after slot with every neighbor that may be there. A known robot shows all its patches; what shows less,
   // or colors that are nobody's, is searched without one.
@@ -105,7 +114,7 @@ class Search {
   bool may_be(std::size_t slot, const Neighbor& neighbor) const {
     const Patch& patch = patches_.identification[neighbor.number];
     if (robot_ >= 0 && marking_.robots[static_cast<std::size_t>(robot_)].colors[slot] != patch.color) return false;
-    if (robot_ < 0 && !worn(slot, patch.color)) return false;
+    if (robot_ < 0 && (patch.is_rest || !worn(slot, patch.color))) return false;
     if (neighbor.distance_m <= window_[slot].low_m || neighbor.distance_m >= window_[slot].high_m) return false;
     for (std::size_t s = 0; s < slot; ++s) {
       if (set_[s] == kMissing) continue;
@@ -156,12 +165,11 @@ class Search {
       return;
     }
     h.fit = fit_rigidly({points.data(), points.size()});
-    if (h.fit.residual_m > gate_m_) return;
+    if (h.fit.residual_m > gate_m_ || contradicted(h.fit.pose)) return;
     h.precise = h.fit.residual_m <= precise_gate_m(patch_.scale_px_per_m);
     const float sigma = sigma_m(patch_.scale_px_per_m);
     const float n = static_cast<float>(points.size());
-    h.value = kPatchReward * static_cast<float>(h.seen) -
-              0.5f * n * h.fit.residual_m * h.fit.residual_m / (sigma * sigma) -
+    h.value = reward() - 0.5f * n * h.fit.residual_m * h.fit.residual_m / (sigma * sigma) -
               kStrangerPenalty * static_cast<float>(strangers(h.fit.pose));
     if (robot_ >= 0) h.value += kIdentityReward;
     if (patch_.has_axis) {
@@ -170,6 +178,32 @@ class Search {
       h.value -= 0.5f * error * error / (kAxisSigma * kAxisSigma);
     }
     if (h.value > 0.0f) found_.push_back(h);
+  }
+
+  float reward() const {
+    float sum = 0;
+    for (std::size_t s = 0; s < slots_; ++s) {
+      if (set_[s] == kMissing) continue;
+      sum += patches_.identification[set_[s]].is_rest ? kRestReward * kPatchReward : kPatchReward;
+    }
+    return sum;
+  }
+
+  // Where a dull patch is taken for one, another color is nearly as large.
+  bool contradicted(const Pose& pose) const {
+    for (std::size_t s = 0; s < slots_; ++s) {
+      if (set_[s] == kMissing || !patches_.identification[set_[s]].is_rest) continue;
+      const Patch& dull = patches_.identification[set_[s]];
+      const FieldPoint place = place_of(layout_.patches[s + 1]);
+      const float reach = 0.5f * std::sqrt(area_m2(layout_.patches[s + 1]));
+      for (std::size_t i = 0; i < patches_.identification.size(); ++i) {
+        const Patch& other = patches_.identification[i];
+        if (other.color == dull.color || other.area_px < kRivalArea * dull.area_px) continue;
+        if (std::find(set_.begin(), set_.end(), i) != set_.end()) continue;
+        if (distance_m(to_robot_frame(pose, other.at[team_]), place) < reach) return true;
+      }
+    }
+    return false;
   }
 
   // A robot's full set of identification patches beside a visible rest of its team patch. The set gives the pose; a

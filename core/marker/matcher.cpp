@@ -48,6 +48,7 @@ void Matcher::collect_kinds() {
     for (const RobotMarking& robot : marking.robots) {
       for (std::size_t s = 0; s < robot.colors.size(); ++s) {
         add_kind(robot.colors[s], marking.layout.patches[s + 1], team);
+        kinds_[robot.colors[s]].may_be_hidden = true;
         identifies_[robot.colors[s]] = true;
       }
     }
@@ -234,7 +235,7 @@ void Matcher::give_verdicts(Sightings& out) {
   // Twice, so that a region of several parts has the verdict of the part that is used.
   for (const bool used : {false, true}) {
     for (std::size_t i = 0; i < identification_.size(); ++i) {
-      if (used_[i] != used) continue;
+      if (used_[i] != used || (identification_[i].is_rest && !used)) continue;
       out.verdicts[identification_[i].region] = used        ? Verdict::kIdentification
                                                 : wished[i] ? Verdict::kPartnerTaken
                                                             : Verdict::kNoPartner;

@@ -128,5 +128,65 @@ TEST_F(HiddenPatch, ARestAloneIsTooSmall) {
   EXPECT_EQ(field.verdict_at(on_field(robot.pose, 0.0175f, 0.0175f), 0.075f), Verdict::kTooSmall);
 }
 
+// Bad light leaves a spot of an identification patch's color. With the other patches around it that is enough.
+TEST(DullPatch, ASpotInTheRightPlaceIsEnough) {
+  const MarkerParameters parameters = teams_with(bar_layout(), 5);
+  Dice dice(72);
+  std::size_t right = 0;
+  for (const CameraParameters& camera : {straight_camera(), tilted_camera()}) {
+    PaintedField field(camera, parameters);
+    for (int n = 0; n < 60; ++n) {
+      const Placed robot{n % 2 == 0 ? Team::kOwn : Team::kOpponent,
+                         static_cast<std::size_t>(n % 5),
+                         {{dice.real(-0.9f, 0.9f), dice.real(-0.7f, 0.7f)}, dice.real(-kPi, kPi)}};
+      const std::size_t dull = static_cast<std::size_t>(dice.whole(1, 2));
+      const PatchPlace place = parameters.teams[0].layout.patches[dull];
+      const ColorId color = parameters.teams[0].robots[robot.robot].colors[dull - 1];
+      field.clear();
+      field.paint(robot);
+      field.paint_patch(robot, dull, kBackground);
+      // A quarter of it, somewhere on it.
+      const float x = place.x_m + dice.real(-0.006f, 0.006f), y = place.y_m + dice.real(-0.006f, 0.006f);
+      field.paint_part(robot, {x - 0.008f, y - 0.008f}, {x + 0.008f, y + 0.008f}, color);
+      const Comparison result = compare({robot}, field.see(), parameters);
+      EXPECT_EQ(result.right + result.unknown, 1u) << n;
+      EXPECT_LT(result.position_m, 0.006f) << n;
+      right += result.right;
+    }
+  }
+  // One robot of five wears the same color twice: there the spot counts as a fragment of the whole patch.
+  EXPECT_GE(right, 2 * 60u * 3 / 4);
+}
+
+// Where two colors are nearly as large, nobody knows which of them the patch has.
+TEST(DullPatch, ARivalMakesItDoubtful) {
+  const MarkerParameters parameters = teams_with(bar_layout(), 5);
+  PaintedField field(straight_camera(), parameters);
+  const Placed robot{Team::kOwn, 1, {{0.3f, -0.2f}, 2.1f}};
+  const PatchPlace place = parameters.teams[0].layout.patches[2];
+  field.paint(robot);
+  field.paint_patch(robot, 2, kBackground);
+  const auto spot = [&](float from, float to, ColorId color) {
+    field.paint_part(robot, {place.x_m - 0.008f, place.y_m + from}, {place.x_m + 0.008f, place.y_m + to}, color);
+  };
+  spot(-0.012f, 0.004f, parameters.teams[0].robots[1].colors[1]);
+  EXPECT_EQ(compare({robot}, field.see(), parameters).right, 1u);
+  spot(0.004f, 0.014f, kMagenta);
+  const Comparison result = compare({robot}, field.see(), parameters);
+  EXPECT_EQ(result.right, 0u);
+  EXPECT_EQ(result.unknown, 1u);
+}
+
+// A single identification patch has nothing around it that would tell its place.
+TEST(DullPatch, IsNotEnoughAlone) {
+  const MarkerParameters parameters = paper_teams();
+  PaintedField field(straight_camera(), parameters);
+  const Placed robot{Team::kOwn, 1, {{0.3f, -0.2f}, 2.1f}};
+  field.paint_patch(robot, 0, kBlue);
+  field.paint_part(robot, {-0.027f, -0.027f}, {-0.011f, -0.011f}, kGreen);
+  const Comparison result = compare({robot}, field.see(), parameters);
+  EXPECT_EQ(result.unknown, 1u);
+}
+
 }  // namespace
 }  // namespace touchline::testing

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <map>
 
+#include "tools/calibrate/border_search.h"
 #include "tools/calibrate/camera_picture.h"
 #include "tools/calibrate/commands.h"
 #include "tools/calibrate/field_fit.h"
@@ -61,6 +62,32 @@ Status load_photographs(const std::vector<std::string>& paths, std::vector<hal::
   return {};
 }
 
+// x runs along the longer sides; in the picture to the right, or upwards.
+Corners along_the_field(const Corners& corners, const FieldParameters& field) {
+  const auto distance = [&](std::size_t a, std::size_t b) {
+    return std::hypot(static_cast<double>(corners[a].u_px - corners[b].u_px),
+                      static_cast<double>(corners[a].v_px - corners[b].v_px));
+  };
+  const bool lies = distance(0, 1) + distance(2, 3) >= distance(1, 2) + distance(3, 0);
+  if (lies == (field.length_m >= field.width_m)) return corners;
+  return {corners[1], corners[2], corners[3], corners[0]};
+}
+
+// What was found without a click, in the order of Klancar's section 6.2.
+std::string describe_steps(const BorderSearch& border) {
+  std::string steps =
+      text("border: brighter than %d of 255, %zu pixels along it\n", border.threshold, border.outline.size());
+  steps += text("Hough transform: sides of %zu, %zu, %zu and %zu pixels (bottom, right, top, left)\n",
+                border.sides[0].votes, border.sides[1].votes, border.sides[2].votes, border.sides[3].votes);
+  steps += border.h_px < kLargestH_px ? text("three points on each side: H %.0f px\n", border.h_px)
+                                      : std::string("three points on each side: straight, no H\n");
+  steps += "corners at";
+  for (const PixelPoint& corner : border.corners) {
+    steps += text(" %.1f,%.1f", static_cast<double>(corner.u_px), static_cast<double>(corner.v_px));
+  }
+  return steps + " px\n";
+}
+
 // Few enough that a person sees the photograph below.
 std::vector<FloorPoint> points_of(const RefinementReport& refinement) {
   std::vector<FloorPoint> points;
@@ -79,7 +106,9 @@ void FieldCommand::add_options(CLI::App& app) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--venue", venue, "Venue file; made when it does not exist")->required();
-  app.add_option("--corners", corners, "Pixels u,v of the field's corners: -x-y +x-y +x+y -x+y (x along the field)")
+  app.add_option("--corners", corners,
+                 "Pixels u,v of the field's corners: -x-y +x-y +x+y -x+y (x along the field); without corners\n"
+                 "and points the bright border is looked for, and x runs to the right or upwards in the picture")
       ->expected(4);
   app.add_option("--point", points, "x,y,u,v: a point of the floor (m) and its pixel; repeatable")
       ->expected(1)
@@ -135,7 +164,20 @@ int FieldCommand::run() const {
     if (!n) return refuse("--point: \"" + word + "\" is not x,y,u,v");
     input.points.push_back({(*n)[0], (*n)[1], (*n)[2], (*n)[3]});
   }
-  if (input.points.size() < 4) return refuse("--corners, or four times --point, is needed");
+  std::string steps;
+  if (input.points.empty()) {
+    BorderSearch border;
+    if (!find_border(photograph, border, reason).ok()) {
+      return refuse("no --corners and no --point are given, and in " + pictures[0] + " " + reason);
+    }
+    steps = describe_steps(border);
+    const Corners corners_found = along_the_field(border.corners, field);
+    input.points =
+        corner_points(corners_found, static_cast<double>(field.length_m), static_cast<double>(field.width_m));
+  } else if (input.points.size() < 4) {
+    return refuse("of corners and points there must be four, or none");
+  }
+  const bool clicked = steps.empty();
 
   std::vector<PixelPoint> polygon;
   if (!read_pixels(region, "--roi", polygon, reason).ok()) return refuse(reason);
@@ -147,9 +189,13 @@ int FieldCommand::run() const {
   RefinementReport refinement;
   std::string unrefined;
   input.start_only = refine;
-  if (!fit_field(input, fit, reason).ok()) return refuse(reason);
+  if (!fit_field(input, fit, reason).ok()) {
+    return refuse(clicked ? reason : "what looks like a border in " + pictures[0] + " is none: " + reason);
+  }
   if (refine &&
       !refine_field(LightPicture(photographs), field, input.camera_height_m, fit, refinement, unrefined).ok()) {
+    // What nobody clicked on must prove itself.
+    if (!clicked) return refuse("a border is seen in " + pictures[0] + ", but " + unrefined + "; give --corners");
     refinement = {};
     input.start_only = false;
     if (!fit_field(input, fit, reason).ok()) return refuse(reason + "; and " + unrefined);
@@ -191,7 +237,7 @@ int FieldCommand::run() const {
   }
   if (!write_sections(venue, sections, reason).ok()) return refuse(reason);
 
-  std::printf("%s\n%s\n", height.c_str(), residual.c_str());
+  std::printf("%s%s\n%s\n", steps.c_str(), height.c_str(), residual.c_str());
   if (!unrefined.empty()) std::printf("not refined along the border: %s\n", unrefined.c_str());
   const FullModelParameters& full = fit.camera.full;
   if (fit.has_distortion) {

@@ -1,0 +1,111 @@
+#include "tools/calibrate/border_search.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "hal/mock/renderer.h"
+#include "hal/mock/sensor.h"
+
+namespace touchline::calibrate {
+namespace {
+
+constexpr std::uint16_t kWidth = 640, kHeight = 480;
+
+hal::Picture photograph(const hal::mock::ArenaParameters& arena, hal::mock::Floor floor = hal::mock::Floor::kField) {
+  hal::mock::Renderer renderer(arena, kWidth, kHeight, floor);
+  hal::mock::Sensor sensor(arena.sensor, PixelFormat::kRgb24, kWidth, kHeight, 5);
+  hal::Picture picture;
+  picture.width_px = kWidth;
+  picture.height_px = kHeight;
+  picture.rgb8.resize(std::size_t{3} * kWidth * kHeight);
+  sensor.expose(renderer.render_floor(), picture.rgb8);
+  return picture;
+}
+
+// From found corners to true ones, the farthest; a turn of half a circle is not told apart, and nobody can.
+double worst_corner_px(const hal::mock::ArenaParameters& arena, const Corners& corners) {
+  const hal::mock::Lens lens(arena.camera);
+  double worst = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double x = (i == 1 || i == 2 ? 0.5 : -0.5) * arena.field.length_m;
+    const double y = (i >= 2 ? 0.5 : -0.5) * arena.field.width_m;
+    const auto [u, v] = lens.project({x, y, 0.0});
+    worst =
+        std::max(worst, std::hypot(static_cast<double>(corners[i].u_px) - u, static_cast<double>(corners[i].v_px) - v));
+  }
+  return worst;
+}
+
+TEST(BorderSearch, FindsTheCornersOfTheArena) {
+  const hal::mock::ArenaParameters arena;
+  BorderSearch border;
+  std::string reason;
+  ASSERT_TRUE(find_border(photograph(arena), border, reason).ok()) << reason;
+  EXPECT_LT(worst_corner_px(arena, border.corners), 8.0) << "the refinement finds the rest from 30 px";
+}
+
+TEST(BorderSearch, FromOtherPlacesWithOtherLensesAndLamps) {
+  struct View {
+    double x_m, y_m, focal_px, cubic, roll_rad;
+  };
+  for (const View& view :
+       {View{0.3, -0.35, 560, 0.0, -0.06}, View{-0.25, 0.2, 500, -0.1, 0.1}, View{0.0, 0.0, 575, 0.05, 0.0}}) {
+    hal::mock::ArenaParameters arena;
+    arena.camera.position_m = {view.x_m, view.y_m, 2.3};
+    arena.camera.focal_px = view.focal_px;
+    arena.camera.cubic = view.cubic;
+    arena.camera.roll_rad = view.roll_rad;
+    arena.light.lamp = {{-1.2, 0.9, 1.8, 1.0}, {1.3, -0.8, 1.9, 0.5}};
+    BorderSearch border;
+    std::string reason;
+    ASSERT_TRUE(find_border(photograph(arena), border, reason).ok()) << reason << " from x = " << view.x_m;
+    EXPECT_LT(worst_corner_px(arena, border.corners), 12.0) << "from x = " << view.x_m;
+  }
+}
+
+TEST(BorderSearch, HIsThatOfTheLens) {
+  // Points of a straight line, bent by eq. (12) with H = 400.
+  const double h = 400, cu = 319.5, cv = 239.5;
+  std::vector<OutlinePixel> outline;
+  for (double u = -340; u <= 340; u += 0.5) {
+    const double v = 230, away = std::hypot(u, v), r = h * std::asinh(away / h);
+    outline.push_back({cu + u * r / away, cv + v * r / away});
+  }
+  HoughLine side;
+  side.angle_rad = std::acos(-1.0) / 2;
+  side.distance_px = outline[outline.size() / 2].v_px - 5;
+  EXPECT_NEAR(h_of_three_points(outline, side, kWidth, kHeight), h, 8.0);
+  for (OutlinePixel& p : outline) p.v_px = 450;
+  side.distance_px = 450;
+  EXPECT_GT(h_of_three_points(outline, side, kWidth, kHeight), 2000.0) << "a straight line needs no correction";
+}
+
+TEST(BorderSearch, RefusesWhatHasNoBorder) {
+  const hal::mock::ArenaParameters arena;
+  BorderSearch border;
+  std::string reason;
+  EXPECT_EQ(find_border(photograph(arena, hal::mock::Floor::kGreyPaper), border, reason).code(), ErrorCode::kNotFound);
+  EXPECT_NE(reason.find("nothing as bright as a border goes around"), std::string::npos) << reason;
+}
+
+TEST(BorderSearch, HalfAFieldIsNotTakenForAWholeOne) {
+  hal::mock::ArenaParameters arena;
+  arena.camera.aim_m = {0.6, 0.0};
+  BorderSearch border;
+  std::string reason;
+  // Of the field that is left, border and center line go around one half.
+  ASSERT_TRUE(find_border(photograph(arena), border, reason).ok()) << reason;
+  const Corners turned = {border.corners[1], border.corners[2], border.corners[3], border.corners[0]};
+  FieldFitInput input;
+  input.width_px = kWidth;
+  input.height_px = kHeight;
+  input.start_only = true;
+  input.points = corner_points(turned, arena.field.length_m, arena.field.width_m);
+  FieldFit fit;
+  EXPECT_EQ(fit_field(input, fit, reason).code(), ErrorCode::kInconsistent);
+  EXPECT_NE(reason.find("are length and width exchanged?"), std::string::npos) << reason;
+}
+
+}  // namespace
+}  // namespace touchline::calibrate

@@ -190,7 +190,8 @@ int FieldCommand::run() const {
   std::string unrefined;
   input.start_only = refine;
   if (!fit_field(input, fit, reason).ok()) {
-    return refuse(clicked ? reason : "what looks like a border in " + pictures[0] + " is none: " + reason);
+    return refuse(
+        clicked ? reason : "what looks like a border in " + pictures[0] + " is none: " + reason + " (--corners helps)");
   }
   if (refine &&
       !refine_field(LightPicture(photographs), field, input.camera_height_m, fit, refinement, unrefined).ok()) {

@@ -17,6 +17,7 @@ constexpr float kStrangerPenalty = 30.0f;
 constexpr float kStrangerInset = 0.005f;
 // An explanation by the visible rest of a team patch comes after every one by a whole patch.
 constexpr float kRestReward = 0.5f;
+// A single identification patch must be whole then, because its center alone gives the place.
 constexpr float kWholePatch = 0.6f;
 // Of an identification patch in bad light a sixth may be left in its color, if no other color has half as much there.
 constexpr float kLeastDull = 0.16f, kRivalArea = 0.5f;
@@ -209,11 +210,12 @@ class Search {
   // A robot's full set of identification patches beside a visible rest of its team patch. The set gives the pose; a
   // single patch only with the direction towards the rest, whose place within the team patch is not known.
   void judge_rest(Hypothesis& h, std::span<const Correspondence> identification) {
-    if (!whole_and_worn_once() || team_patch_near()) return;
+    if (!worn_once() || team_patch_near()) return;
     const PatchPlace& place = layout_.patches[0];
     if (identification.size() > 1) {
       h.fit = fit_rigidly(identification);
     } else {
+      if (patches_.identification[set_[0]].ratio < kWholePatch) return;
       const Correspondence& only = identification.front();
       const std::array<Correspondence, 2> points{{{place_of(place), patch_.at[team_]}, only}};
       h.fit.pose.theta_rad = fit_rigidly(points).pose.theta_rad;
@@ -230,11 +232,8 @@ class Search {
     if (h.value > 0.0f) found_.push_back(h);
   }
 
-  // Whole patches, in colors that no robot of the other team wears.
-  bool whole_and_worn_once() const {
-    for (std::size_t s = 0; s < slots_; ++s) {
-      if (patches_.identification[set_[s]].ratio < kWholePatch) return false;
-    }
+  // In colors that no robot of the other team wears.
+  bool worn_once() const {
     const RobotMarking& robot = marking_.robots[static_cast<std::size_t>(robot_)];
     return std::none_of(others_.robots.begin(), others_.robots.end(), [&](const RobotMarking& other) {
       return std::equal(robot.colors.begin(), robot.colors.end(), other.colors.begin(), other.colors.end());

@@ -1,0 +1,130 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "tests/replay/media.h"
+#include "tools/evaluate/picture_evaluation.h"
+#include "tools/evaluate/pose_evaluation.h"
+#include "tools/replay/replay.h"
+
+// Real footage through the whole pipeline, with the venue and team files of this folder.
+namespace touchline {
+namespace {
+
+class Footage : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const char* shared = std::getenv("TOUCHLINE_SHARED");  // NOLINT(concurrency-mt-unsafe): one thread
+    if (shared == nullptr) GTEST_SKIP() << "TOUCHLINE_SHARED does not name the folder with footage/";
+    footage = std::string(shared) + "/footage/";
+  }
+  void see(const std::string& input, const std::string& name, const evaluate::NameMap& names = {}) {
+    replay::ReplayOptions options;
+    options.input = footage + input;
+    options.venue = std::string(TOUCHLINE_FOOTAGE_TESTS) + "/" + name + "-venue.toml";
+    options.team = std::string(TOUCHLINE_FOOTAGE_TESTS) + "/" + name + "-team.toml";
+    options.out = folder / "result.jsonl";
+    replay::ReplaySummary summary;
+    std::string error;
+    const std::atomic<bool> stop = false;
+    ASSERT_TRUE(replay::replay(
+        options, [](auto, auto) {}, stop, summary, error))
+        << error;
+    ASSERT_TRUE(evaluate::read_result(options.out, names, frames, error)) << error;
+  }
+  [[nodiscard]] evaluate::PictureReport held_against(const std::string& annotation) const {
+    evaluate::AnnotatedPicture truth;
+    evaluate::PictureReport report;
+    std::string error;
+    EXPECT_TRUE(evaluate::read_annotated(footage + "annotated/" + annotation, truth, error)) << error;
+    EXPECT_TRUE(evaluate::evaluate_picture(truth, frames, {}, report, error)) << error;
+    return report;
+  }
+
+  media::Folder folder;
+  std::string footage;
+  std::vector<evaluate::FrameRecord> frames;
+};
+
+// Two yellow robots and two blue ones stand or are pushed; a fifth is cut off by a window of the desktop.
+TEST_F(Footage, FourRobotsAndTheBallAreFoundIn99OfAHundredFrames) {
+  see("vss-overhead.mp4", "vss-overhead");
+  ASSERT_EQ(frames.size(), 502u);
+  std::map<std::string, std::size_t> found;
+  std::size_t unknown = 0;
+  for (const evaluate::FrameRecord& frame : frames) {
+    std::set<std::string> names;
+    for (const evaluate::RobotRecord& robot : frame.sightings.robots) {
+      unknown += robot.id ? 0u : 1u;
+      if (!robot.id) continue;
+      const std::string name = robot.team + " " + std::to_string(*robot.id);
+      EXPECT_TRUE(names.insert(name).second) << name << " twice in frame " << frame.frame;
+      ++found[name];
+    }
+    found["ball"] += frame.sightings.ball ? 1u : 0u;
+  }
+  for (const char* name : {"blue 0", "blue 1", "yellow 0", "yellow 1", "ball"}) EXPECT_GE(found[name], 497u) << name;
+  // Nobody else but the fifth, and no robot without a name.
+  EXPECT_EQ(found.size(), found.count("blue 2") + 5);
+  EXPECT_EQ(unknown, 0u);
+
+  // An id on another robot would be a leap of decimeters. The pushed robot moves.
+  for (const evaluate::Spread& spread : evaluate::spread_of(frames)) {
+    if (spread.name == "blue 0") {
+      EXPECT_LT(spread.largest_step, 0.04);
+      continue;
+    }
+    EXPECT_GT(spread.position_rms, 0.0002) << spread.name;
+    EXPECT_LT(spread.position_rms, 0.001) << spread.name;
+    EXPECT_LT(spread.position_max, 0.006) << spread.name;
+    EXPECT_LT(spread.angle_rms, 0.01) << spread.name;
+  }
+  const evaluate::PictureReport report = held_against("vsssdk_move_f270.json");
+  EXPECT_EQ(report.ids_right, 4u);
+  EXPECT_EQ(report.team_good, 4u);
+  EXPECT_EQ(report.balls_good, 1u);
+}
+
+struct Picture {
+  const char* venue;
+  const char* file;
+  const char* annotation;
+  std::size_t robots, least_right;  // ids; the others are unknown
+};
+
+void PrintTo(const Picture& picture, std::ostream* out) { *out << picture.venue; }
+
+class AnnotatedFootage : public Footage, public ::testing::WithParamInterface<Picture> {};
+
+// Four marker layouts, colors learned from other pictures of the same set.
+TEST_P(AnnotatedFootage, EveryTeamPatchAndNoWrongId) {
+  const Picture& picture = GetParam();
+  see(picture.file, picture.venue, {{"mint", "cyan-green"}, {"brown", "red-brown"}, {"grey", "grey-purple"}});
+  const evaluate::PictureReport report = held_against(picture.annotation);
+  EXPECT_EQ(report.robots, picture.robots);
+  EXPECT_EQ(report.team_good, picture.robots);
+  EXPECT_EQ(report.balls_good, 1u);
+  EXPECT_EQ(report.ghosts + report.ball_ghosts + report.wrong_team, 0u);
+  EXPECT_EQ(report.ids_wrong, 0u);
+  EXPECT_GE(report.ids_right, picture.least_right);
+  EXPECT_LT(report.team_px.rms, 1.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Layouts, AnnotatedFootage,
+    ::testing::Values(Picture{"vsss-bar-normal", "vsss-bar/normal_24.png", "danhega_outputs_24.json", 6, 5},
+                      Picture{"vsss-bar-dark", "vsss-bar/dark_08.png", "danhega_outputs3_8.json", 6, 6},
+                      Picture{"vsss-halves", "vsss-halves/2736.jpg", "rinobot_2736.json", 6, 6},
+                      Picture{"mirosot-triangles", "mirosot-triangles/white1.png", "agh_b_white1.json", 10, 6}),
+    [](const auto& parameter) {
+      std::string name = parameter.param.venue;
+      std::replace(name.begin(), name.end(), '-', '_');
+      return name;
+    });
+
+}  // namespace
+}  // namespace touchline

@@ -1,0 +1,108 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tests/replay/media.h"
+#include "tools/evaluate/pose_evaluation.h"
+#include "tools/replay/replay.h"
+
+// The reference scenes from calibration to poses: what a hall's first day is, without a person.
+namespace touchline {
+namespace {
+
+class Scenes : public ::testing::Test {
+ protected:
+  // Calibrates once for all tests.
+  static void SetUpTestSuite() {
+    const char* shared = std::getenv("TOUCHLINE_SHARED");  // NOLINT(concurrency-mt-unsafe): one thread
+    if (shared == nullptr) return;
+    scenes = std::string(shared) + "/scenes/plain/";
+    folder = new media::Folder;
+    const std::string command = std::string(TOUCHLINE_SCENES_TESTS) + "/make-venue plain " + TOUCHLINE_CALIBRATE + " " +
+                                *folder / "" + " >" + *folder / "log" + " 2>&1";
+    calibrated = std::system(command.c_str()) == 0;  // NOLINT(cert-env33-c,concurrency-mt-unsafe)
+  }
+  static void TearDownTestSuite() {
+    delete folder;
+    folder = nullptr;
+  }
+  void SetUp() override {
+    if (scenes.empty()) GTEST_SKIP() << "TOUCHLINE_SHARED does not name the folder with scenes/";
+    std::ostringstream log;
+    log << std::ifstream(*folder / "log").rdbuf();
+    ASSERT_TRUE(calibrated) << log.str();
+  }
+  static evaluate::PoseReport see(const std::string& scene) {
+    replay::ReplayOptions options;
+    options.input = scenes + scene;
+    options.venue = *folder / "plain-venue.toml";
+    options.team = std::string(TOUCHLINE_SCENES_TESTS) + "/team.toml";
+    options.out = *folder / (scene + ".jsonl");
+    replay::ReplaySummary summary;
+    std::string error;
+    const std::atomic<bool> stop = false;
+    std::vector<evaluate::FrameRecord> truth, result;
+    evaluate::PoseReport report;
+    EXPECT_TRUE(replay::replay(
+        options, [](auto, auto) {}, stop, summary, error))
+        << error;
+    EXPECT_TRUE(evaluate::read_truth(scenes + scene + "/truth.jsonl", truth, error)) << error;
+    EXPECT_TRUE(evaluate::read_result(options.out, {}, result, error)) << error;
+    EXPECT_TRUE(evaluate::evaluate_poses(truth, result, 0.02, report, error)) << error;
+    return report;
+  }
+  static void expect_all_seen(const evaluate::PoseSummary& seen, std::size_t frames) {
+    EXPECT_EQ(seen.robots, 10 * frames);
+    EXPECT_EQ(seen.right, 10 * frames);
+    EXPECT_EQ(seen.swapped, 0u);
+    EXPECT_EQ(seen.ghosts, 0u);
+    EXPECT_EQ(seen.balls_seen, frames);
+    EXPECT_EQ(seen.ball_ghosts, 0u);
+  }
+  // Bands: what is better than expected wants an explanation as well.
+  static void expect_within(double value, double low, double high, const char* what) {
+    EXPECT_GE(value, low) << what;
+    EXPECT_LE(value, high) << what;
+  }
+
+  static inline media::Folder* folder = nullptr;
+  static inline std::string scenes;
+  static inline bool calibrated = false;
+};
+
+constexpr double kDegree = 0.017453292519943295;
+
+TEST_F(Scenes, Layouts) {
+  const evaluate::PoseSummary seen = see("layouts").sightings;
+  expect_all_seen(seen, 12);
+  expect_within(seen.position.rms, 0.0004, 0.0008, "position RMS, m");
+  expect_within(seen.position.max, 0.001, 0.004, "position max, m");
+  expect_within(seen.angle.rms, 0.5 * kDegree, 1.0 * kDegree, "angle RMS, rad");
+  expect_within(seen.ball.rms, 0.0008, 0.002, "ball RMS, m");
+}
+
+TEST_F(Scenes, Samples) {
+  const evaluate::PoseSummary seen = see("samples").sightings;
+  expect_all_seen(seen, 6);
+  expect_within(seen.position.rms, 0.0004, 0.0009, "position RMS, m");
+  expect_within(seen.angle.rms, 0.4 * kDegree, 1.0 * kDegree, "angle RMS, rad");
+}
+
+TEST_F(Scenes, StandingRobots) {
+  const evaluate::PoseReport report = see("static");
+  expect_all_seen(report.sightings, 12);
+  expect_all_seen(report.tracks, 12);
+  expect_within(report.sightings.position.rms, 0.0003, 0.0008, "position RMS, m");
+  ASSERT_EQ(report.spread.size(), 11u);
+  for (const evaluate::Spread& spread : report.spread) {
+    // The paper: within 1 mm and 1 degree.
+    EXPECT_LT(spread.position_max, 0.001) << spread.name;
+    EXPECT_LT(spread.angle_max, kDegree) << spread.name;
+  }
+}
+
+}  // namespace
+}  // namespace touchline

@@ -48,6 +48,9 @@ Renderer::Renderer(const ArenaParameters& parameters, std::uint16_t width_px, st
       scale_(kWhiteLevel * static_cast<float>(parameters.light.exposure * kLinearScale)),
       body_(reflectance(parameters.body_rgb)),
       ball_(paint(parameters, parameters.ball_color)),
+      line_(reflectance(parameters.field.line_rgb)),
+      ground_(reflectance(parameters.field.floor_rgb)),
+      outside_(reflectance(parameters.field.outside_rgb)),
       sights_(width_ * height_),
       vignette_(width_ * height_),
       floor_(3 * width_ * height_),
@@ -89,7 +92,6 @@ Renderer::Renderer(const ArenaParameters& parameters, std::uint16_t width_px, st
 Linear Renderer::floor_color(float x_m, float y_m, Floor floor) const {
   if (floor == Floor::kGreyPaper) return {kGreyPaper, kGreyPaper, kGreyPaper};
   const FieldParameters& field = parameters_.field;
-  const auto line = reflectance(field.line_rgb);
   const float x = std::abs(x_m), y = std::abs(y_m);
   const auto half_length = static_cast<float>(0.5 * field.length_m),
              half_width = static_cast<float>(0.5 * field.width_m);
@@ -97,16 +99,16 @@ Linear Renderer::floor_color(float x_m, float y_m, Floor floor) const {
   const auto goal = static_cast<float>(0.5 * field.goal_width_m), depth = static_cast<float>(field.goal_depth_m);
   if (x > half_length || y > half_width) {
     const bool in_goal = y < goal && x < half_length + depth;
-    if (in_goal) return x < half_length + 2.0f * half_line ? line : reflectance(field.floor_rgb);
+    if (in_goal) return x < half_length + 2.0f * half_line ? line_ : ground_;
     const bool around_goal = y < goal + border && x < half_length + depth + border;
     const bool on_border = x < half_length + border && y < half_width + border;
-    return on_border || around_goal ? line : reflectance(field.outside_rgb);
+    return on_border || around_goal ? line_ : outside_;
   }
   const auto corner = static_cast<float>(field.corner_m);
-  if (half_length - x + half_width - y < corner) return line;
+  if (half_length - x + half_width - y < corner) return line_;
   const auto radius = static_cast<float>(field.circle_radius_m);
   const bool on_line = x < half_line || std::abs(std::hypot(x, y) - radius) < half_line;
-  return on_line ? line : reflectance(field.floor_rgb);
+  return on_line ? line_ : ground_;
 }
 
 void Renderer::draw_floor(Floor floor) {

@@ -78,7 +78,7 @@ class Renderer {
   Lighting lighting_;
   float side_half_ = 0.0f, robot_height_ = 0.0f, ball_radius_ = 0.0f, scale_ = 0.0f;
   std::array<float, 3> eye_{};
-  Linear body_{}, ball_{};
+  Linear body_{}, ball_{}, line_{}, ground_{}, outside_{};
   std::vector<Look> looks_;
   std::vector<Sight> sights_;  // of each pixel's middle; differences to the neighbors give the rays between
   std::vector<float> vignette_;

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "core/radio/packet.h"
+#include "hal/mock/arena_parameters.h"
+#include "hal/mock/world.h"
+
+namespace touchline::hal::mock {
+
+/// An arena in which nothing happens by chance, with one own robot, number 0, in the center of its half.
+inline ArenaParameters quiet_arena() {
+  ArenaParameters parameters;
+  parameters.physics.wheel_error = parameters.physics.wheel_slip = parameters.physics.floor_roughness_mps_rts = 0.0;
+  parameters.radio.jitter_s = parameters.radio.loss = parameters.radio.corruption = 0.0;
+  parameters.sensor.read_noise_electrons = 0.0;
+  parameters.sensor.full_well_electrons = 1e7;
+  parameters.opponents = Opponents::kStand;
+  parameters.robot = {{Side::kOwn, 0, -0.55, 0.0, 0.0, {"red"}}};
+  return parameters;
+}
+
+/// Twenty-two robots in two rows and a half, beside each other.
+inline ArenaParameters full_arena() {
+  ArenaParameters parameters;
+  parameters.robot.clear();
+  for (int i = 0; i < 22; ++i) {
+    parameters.robot.push_back(
+        {i % 2 == 0 ? Side::kOwn : Side::kOpponent, i / 2, -0.9 + 0.18 * (i % 11), i / 11 * 0.4 - 0.2, 0.0, {"red"}});
+  }
+  return parameters;
+}
+
+inline void run(World& world, double seconds) {
+  for (int i = 0; i < static_cast<int>(std::lround(seconds / World::kStepS)); ++i) world.step();
+}
+
+inline Vec2 position(const Placement& placement) { return {placement.x_m, placement.y_m}; }
+
+/// Distance outside of the field that `parameters` describe, from first principles: the field with its corners cut off,
+/// and the two goals. 0 inside.
+inline double distance_outside(const FieldParameters& field, Vec2 p) {
+  const double x = std::abs(p.x) - 0.5 * field.length_m, y = std::abs(p.y) - 0.5 * field.width_m;
+  const double in_corner = (x + y + field.corner_m) / std::sqrt(2.0);
+  const double field_distance = std::max({0.0, x, y, in_corner});
+  const double goal_distance =
+      std::max({0.0, x - field.goal_depth_m, std::abs(p.y) - 0.5 * field.goal_width_m, -x - field.length_m});
+  return std::min(field_distance, goal_distance);
+}
+
+struct Drive {
+  int id = 0;
+  double left_mps = 0.0, right_mps = 0.0;
+};
+
+inline Packet packet_of(std::span<const Drive> drives, std::uint8_t sequence, bool stop = false) {
+  Commands commands;
+  commands.stop = stop;
+  for (const Drive& drive : drives) {
+    commands.robots.push_back({static_cast<RobotId>(drive.id),
+                               {},
+                               {static_cast<float>(drive.left_mps), static_cast<float>(drive.right_mps)}});
+  }
+  Packet packet;
+  static_cast<void>(encode(commands, sequence, packet));
+  return packet;
+}
+
+inline std::span<const std::byte> bytes_of(const Packet& packet) { return {packet.data(), packet.size()}; }
+
+}  // namespace touchline::hal::mock

@@ -1,0 +1,122 @@
+#include "hal/mock/sensor.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "hal/mock/renderer.h"
+
+namespace touchline::hal::mock {
+namespace {
+
+constexpr std::uint16_t kWidth = 320, kHeight = 240;
+
+// A linear tone curve, so that the noise in the picture is the sensor's.
+SensorParameters linear_sensor() {
+  SensorParameters parameters;
+  parameters.gamma = 1.0;
+  return parameters;
+}
+
+struct Moments {
+  double mean = 0.0, variance = 0.0;
+};
+
+// Of an even picture with this much light, 0 to 1; in the camera's steps.
+Moments exposed(const SensorParameters& parameters, double light, std::uint64_t seed = 1) {
+  const std::vector<std::uint16_t> linear(std::size_t{3} * kWidth * kHeight,
+                                          static_cast<std::uint16_t>(std::lround(light * kLinearScale)));
+  std::vector<std::uint8_t> out(layout_of(PixelFormat::kRgb24, kWidth, kHeight).bytes);
+  Sensor(parameters, PixelFormat::kRgb24, kWidth, kHeight, seed).expose(linear, out);
+  double sum = 0.0, squares = 0.0;
+  for (const std::uint8_t value : out) {
+    sum += value;
+    squares += static_cast<double>(value) * value;
+  }
+  const double mean = sum / static_cast<double>(out.size());
+  return {mean, squares / static_cast<double>(out.size()) - mean * mean};
+}
+
+// Shot noise has the variance of its electrons, read noise its own; rounding to steps adds a twelfth.
+TEST(Noise, HasTheStatedVarianceAtEachLevel) {
+  SensorParameters parameters = linear_sensor();
+  for (const double full_well : {1000.0, 9000.0}) {
+    for (const double read_noise : {0.0, 18.0, 60.0}) {
+      parameters.full_well_electrons = full_well;
+      parameters.read_noise_electrons = read_noise;
+      const double electrons_per_step = full_well / 255.0;
+      for (const double light : {0.3, 0.5, 0.7}) {
+        const Moments seen = exposed(parameters, light);
+        const double electrons = light * full_well;
+        const double expected =
+            (electrons + read_noise * read_noise) / (electrons_per_step * electrons_per_step) + 1.0 / 12.0;
+        // Light comes in steps of a sixteenth of the camera's; four standard deviations of the estimate.
+        const double tolerance = 0.05 + 4.0 * std::sqrt(expected / (3.0 * kWidth * kHeight));
+        EXPECT_NEAR(seen.mean, 255.0 * light, tolerance) << "noise must not lighten or darken";
+        EXPECT_NEAR(seen.variance, expected, 0.03 * expected) << full_well << ' ' << read_noise << ' ' << light;
+      }
+    }
+  }
+}
+
+TEST(Noise, IsWhiteFromPixelToPixelAndFrameToFrame) {
+  const std::vector<std::uint16_t> linear(std::size_t{3} * kWidth * kHeight, kLinearScale / 2);
+  std::vector<std::uint8_t> first(layout_of(PixelFormat::kRgb24, kWidth, kHeight).bytes), second(first);
+  Sensor sensor(linear_sensor(), PixelFormat::kRgb24, kWidth, kHeight, 1);
+  sensor.expose(linear, first);
+  sensor.expose(linear, second);
+  const auto correlation = [&](const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b,
+                               std::size_t shift) {
+    const double mean = 127.5;
+    double sum = 0.0, squares = 0.0;
+    for (std::size_t i = 0; i + shift < a.size(); ++i) {
+      sum += (a[i] - mean) * (b[i + shift] - mean);
+      squares += (a[i] - mean) * (a[i] - mean);
+    }
+    return sum / squares;
+  };
+  // Five standard deviations of the estimate from 230,400 values.
+  for (const std::size_t shift : {std::size_t{1}, std::size_t{3}, std::size_t{4}, std::size_t{3} * kWidth}) {
+    EXPECT_NEAR(correlation(first, first, shift), 0.0, 0.0105) << shift;
+  }
+  EXPECT_NEAR(correlation(first, second, 0), 0.0, 0.0105);
+}
+
+TEST(Noise, IsTheSeeds) {
+  const std::vector<std::uint16_t> linear(std::size_t{3} * 32 * 32, kLinearScale / 2);
+  const auto picture = [&](std::uint64_t seed) {
+    std::vector<std::uint8_t> out(layout_of(PixelFormat::kRgb24, 32, 32).bytes);
+    Sensor(SensorParameters{}, PixelFormat::kRgb24, 32, 32, seed).expose(linear, out);
+    return out;
+  };
+  EXPECT_EQ(picture(1), picture(1));
+  EXPECT_NE(picture(1), picture(2));
+}
+
+TEST(Tone, FollowsTheGammaCurve) {
+  SensorParameters parameters;
+  parameters.read_noise_electrons = 0.0;
+  parameters.full_well_electrons = 1e7;  // nearly no noise: 0.03 % of full scale
+  for (const double gamma : {1.0, 2.2, 3.0}) {
+    parameters.gamma = gamma;
+    for (const double light : {0.05, 0.2, 0.5, 0.9, 1.0}) {
+      EXPECT_NEAR(exposed(parameters, light).mean, 255.0 * std::pow(light, 1.0 / gamma), 0.7) << gamma << ' ' << light;
+    }
+    EXPECT_EQ(exposed(parameters, 0.0).mean, 0.0);
+  }
+}
+
+TEST(Tone, FullScaleIsWhiteAndNoiseBelowBlackIsCut) {
+  SensorParameters parameters;
+  parameters.read_noise_electrons = 0.0;
+  EXPECT_GT(exposed(parameters, 1.0).mean, 253.0);
+  parameters.gamma = 1.0;
+  parameters.full_well_electrons = 9000.0;
+  parameters.read_noise_electrons = 360.0;  // 10.2 steps
+  // Half of a normal distribution: the mean of what is left above zero is sigma / sqrt(2 pi).
+  EXPECT_NEAR(exposed(parameters, 0.0).mean, 10.2 / std::sqrt(2.0 * 3.14159265), 0.15);
+}
+
+}  // namespace
+}  // namespace touchline::hal::mock

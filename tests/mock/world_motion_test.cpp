@@ -1,0 +1,196 @@
+// How robots and ball move by themselves, against the laws that the parameters name.
+#include <gtest/gtest.h>
+
+#include "tests/mock/quiet_arena.h"
+
+namespace touchline::hal::mock {
+namespace {
+
+Placement robot_of(const World& world, std::size_t index = 0) { return world.snapshot().robots[index]; }
+
+double speed_of(World& world) {
+  const Vec2 before = position(robot_of(world));
+  world.step();
+  return length(position(robot_of(world)) - before) / World::kStepS;
+}
+
+double ball_speed_of(World& world) {
+  const Vec2 before = position(world.snapshot().ball);
+  world.step();
+  return length(position(world.snapshot().ball) - before) / World::kStepS;
+}
+
+TEST(Wheels, FollowWithTheStatedTimeConstant) {
+  ArenaParameters parameters = quiet_arena();
+  for (const double lag_s : {0.03, 0.08, 0.2}) {
+    parameters.physics.wheel_lag_s = lag_s;
+    World world(parameters, 1);
+    world.drive(0, 0.2, 0.2);
+    run(world, lag_s - World::kStepS);
+    // After one time constant 1 - 1/e of the way is done.
+    EXPECT_NEAR(speed_of(world), 0.2 * (1.0 - std::exp(-1.0)), 0.2 * 0.005) << lag_s;
+    run(world, 10.0 * lag_s);
+    EXPECT_NEAR(speed_of(world), 0.2, 1e-4);
+  }
+  parameters.physics.wheel_lag_s = 0.0;
+  World world(parameters, 1);
+  world.drive(0, 0.007, 0.007);  // less than the tires give in one step
+  EXPECT_NEAR(speed_of(world), 0.007, 1e-9);
+}
+
+TEST(Wheels, TurnByTheirDifferenceOverTheBase) {
+  const ArenaParameters parameters = quiet_arena();
+  World world(parameters, 1);
+  world.drive(0, -0.07, 0.07);
+  run(world, 1.0);
+  const double before = robot_of(world).theta_rad;
+  world.step();
+  const double rate = std::remainder(robot_of(world).theta_rad - before, 2.0 * std::numbers::pi) / World::kStepS;
+  EXPECT_NEAR(rate, 0.14 / parameters.physics.wheel_base_m, 1e-3);
+  EXPECT_NEAR(length(position(robot_of(world)) - Vec2{-0.55, 0.0}), 0.0, 1e-9);
+}
+
+TEST(Wheels, AnArcHasTheRadiusOfTheTwist) {
+  World world(quiet_arena(), 1);
+  world.place(0, {0.0, -0.3, 0.0});
+  world.place_ball({-1.0, 0.8, 0.0});
+  const double v = 0.15, w = 0.5, half_base = 0.035;
+  world.drive(0, v - w * half_base, v + w * half_base);
+  run(world, 1.0);
+  // The center of the circle stands still: left of the robot by v / w.
+  const auto center = [&] {
+    const Placement at = robot_of(world);
+    return position(at) + v / w * rotated({0.0, 1.0}, at.theta_rad);
+  };
+  const Vec2 before = center();
+  run(world, 2.0);
+  EXPECT_NEAR(length(center() - before), 0.0, 0.002);
+}
+
+TEST(Tires, LimitAcceleration) {
+  ArenaParameters parameters = quiet_arena();
+  parameters.physics.wheel_lag_s = 0.0;
+  for (const double friction : {0.1, 0.5}) {
+    parameters.physics.tire_friction = friction;
+    World world(parameters, 1);
+    world.drive(0, 2.0, 2.0);
+    double before = 0.0;
+    for (int i = 0; i < 100; ++i) {
+      const double now = speed_of(world);
+      ASSERT_NEAR((now - before) / World::kStepS, friction * 9.81, 1e-6);
+      before = now;
+    }
+  }
+}
+
+TEST(Tires, RobotThatIsPushedAsideSlidesToRest) {
+  ArenaParameters parameters = quiet_arena();
+  parameters.physics.tire_friction = 0.3;
+  World world(parameters, 1);
+  world.drive(0, 1.0, 1.0);
+  run(world, 0.6);
+  // Wheels stopped at once: it needs v^2 / (2 mu g) until it stands.
+  parameters.physics.wheel_lag_s = 0.0;
+  World sliding(parameters, 1);
+  sliding.place(0, {-0.9, 0.0, 0.0});
+  sliding.drive(0, 1.0, 1.0);
+  run(sliding, 0.5);
+  const double v = speed_of(sliding);
+  const Vec2 from = position(robot_of(sliding));
+  sliding.drive(0, 0.0, 0.0);
+  run(sliding, 1.0);
+  EXPECT_NEAR(length(position(robot_of(sliding)) - from), v * v / (2.0 * 0.3 * 9.81), 0.002);
+}
+
+TEST(Wheels, ErrorAndSlipHaveTheStatedSize) {
+  ArenaParameters parameters = quiet_arena();
+  parameters.physics.wheel_error = 0.05;
+  parameters.field.length_m = parameters.field.width_m = 20.0;
+  double squares = 0.0;
+  constexpr int kRobots = 300;
+  for (int seed = 0; seed < kRobots; ++seed) {
+    World world(parameters, static_cast<std::uint64_t>(seed));
+    world.drive(0, 0.3, 0.3);
+    run(world, 0.8);
+    // The mean of two wheels with independent errors.
+    const double gain = speed_of(world) / 0.3;
+    squares += (gain - 1.0) * (gain - 1.0);
+  }
+  EXPECT_NEAR(std::sqrt(squares / kRobots), 0.05 / std::sqrt(2.0), 0.05 / std::sqrt(2.0) * 0.2);
+
+  parameters.physics.wheel_error = 0.0;
+  parameters.physics.wheel_slip = 0.1;
+  parameters.physics.tire_friction = 3.0;
+  World world(parameters, 1);
+  world.drive(0, 0.3, 0.3);
+  run(world, 0.8);
+  squares = 0.0;
+  constexpr int kSteps = 20000;
+  for (int i = 0; i < kSteps; ++i) {
+    const double slip = speed_of(world) / 0.3 - 1.0;
+    squares += slip * slip;
+  }
+  EXPECT_NEAR(std::sqrt(squares / kSteps), 0.1 / std::sqrt(2.0), 0.1 / std::sqrt(2.0) * 0.15);
+}
+
+TEST(Ball, SlowsDownByItsLaw) {
+  ArenaParameters parameters = quiet_arena();
+  parameters.field.length_m = 20.0;
+  const double a = parameters.physics.ball_deceleration_mps2, k = parameters.physics.ball_damping_per_s;
+  World world(parameters, 1);
+  world.place_ball({-5.0, 0.5, 0.0}, {2.0, 0.0});
+  for (int i = 1; i <= 5; ++i) {
+    run(world, 0.5 - World::kStepS);
+    // v' = -a - k v
+    const double expected = (2.0 + a / k) * std::exp(-k * 0.5 * i) - a / k;
+    EXPECT_NEAR(ball_speed_of(world), expected, 0.002) << i;
+  }
+  run(world, 6.0);
+  EXPECT_EQ(ball_speed_of(world), 0.0);
+}
+
+TEST(Ball, BouncesOffTheWallWithItsRestitution) {
+  ArenaParameters parameters = quiet_arena();
+  parameters.physics.ball_deceleration_mps2 = parameters.physics.ball_damping_per_s = 0.0;
+  World world(parameters, 1);
+  world.place_ball({0.5, 0.5, 0.0}, {0.0, 1.0});
+  run(world, 0.6);
+  EXPECT_NEAR(ball_speed_of(world), parameters.physics.ball_restitution, 1e-3);
+  const double high = world.snapshot().ball.y_m;
+  world.step();
+  EXPECT_LT(world.snapshot().ball.y_m, high);
+}
+
+TEST(Ball, FloorTurnsItAsideByTheStatedAmount) {
+  ArenaParameters parameters = quiet_arena();
+  parameters.physics.ball_deceleration_mps2 = parameters.physics.ball_damping_per_s = 0.0;
+  parameters.physics.floor_roughness_mps_rts = 0.02;
+  parameters.field.length_m = parameters.field.width_m = 20.0;
+  double squares = 0.0;
+  constexpr int kBalls = 400;
+  for (int seed = 0; seed < kBalls; ++seed) {
+    World world(parameters, static_cast<std::uint64_t>(seed));
+    world.place_ball({0.0, 3.0, 0.0}, {2.0, 0.0});
+    run(world, 0.25);
+    const Vec2 before = position(world.snapshot().ball);
+    world.step();
+    const double sideways = (position(world.snapshot().ball).y - before.y) / World::kStepS;
+    squares += sideways * sideways;
+  }
+  // A random walk: its spread grows with the root of time.
+  EXPECT_NEAR(std::sqrt(squares / kBalls), 0.02 * std::sqrt(0.25), 0.01 * 0.15);
+}
+
+TEST(World, PlacedRobotStandsUntilItIsDrivenAgain) {
+  World world(quiet_arena(), 1);
+  world.drive(0, 0.5, 0.5);
+  run(world, 0.3);
+  world.place(0, {0.3, 0.2, 1.0});
+  run(world, 0.5);
+  EXPECT_NEAR(robot_of(world).x_m, 0.3, 1e-12);
+  EXPECT_NEAR(robot_of(world).y_m, 0.2, 1e-12);
+  EXPECT_NEAR(robot_of(world).theta_rad, 1.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace touchline::hal::mock

@@ -12,7 +12,7 @@ constexpr std::size_t tiles_across(std::uint16_t pixels, std::uint16_t tile) { r
 }  // namespace
 
 std::size_t row_bytes(PixelFormat format, std::size_t plane, std::uint16_t width_px) {
-  const std::size_t whole_pairs = (width_px + 1u) / 2u * 2u;
+  const std::size_t whole_pairs = (std::size_t{width_px} + 1) / 2 * 2;
   if (plane > 0) return plane == 1 && format == PixelFormat::kNv12 ? whole_pairs : 0;
   if (color_space(format) == ColorSpace::kRgb) return std::size_t{width_px} * 3;
   return format == PixelFormat::kNv12 ? width_px : whole_pairs * 2;

@@ -76,6 +76,11 @@ BackgroundFloor::BackgroundFloor(PixelFormat format, const ChannelFloors& floors
     addend_[word] = load_word(addend.data());
     either_[word] = load_word(either.data());
   }
+  can_reject_ = *std::min_element(floors.begin(), floors.end()) > 0;
+  if (!can_reject_ || color_space(format) != ColorSpace::kRgb) return;
+  for (std::size_t byte = 0; byte < highest_below_.size(); ++byte) {
+    highest_below_[byte] = static_cast<std::uint8_t>(floors[channel_of_byte(format, byte)] - 1);
+  }
 }
 
 }  // namespace touchline

@@ -33,6 +33,11 @@ class BackgroundFloor {
     return color_space(format) == ColorSpace::kRgb ? 3 : 2;
   }
 
+  /// False when nothing is ever rejected.
+  [[nodiscard]] bool can_reject() const { return can_reject_; }
+  /// For 16 pixels of RGB24 or BGR24, byte by byte: the largest value below the floor. Only when can_reject().
+  [[nodiscard]] const std::array<std::uint8_t, 48>& highest_below() const { return highest_below_; }
+
   /// True when all bytes of the block are below the floors of their channels.
   template <std::size_t kWords>
   [[nodiscard]] bool rejects(const std::array<std::uint64_t, kWords>& block) const {
@@ -49,6 +54,8 @@ class BackgroundFloor {
  private:
   static constexpr std::uint64_t kHighBits = 0x8080808080808080u;
   std::array<std::uint64_t, kMaxBlockWords> addend_{}, either_{};
+  std::array<std::uint8_t, 48> highest_below_{};
+  bool can_reject_ = false;
 };
 
 }  // namespace touchline

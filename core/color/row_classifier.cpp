@@ -19,7 +19,7 @@ std::size_t row_bytes(PixelFormat format, std::size_t plane, std::uint16_t width
 }
 
 Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,
-                                const ColorBoxes& boxes, const LightMap& light) {
+                                const ColorBoxes& boxes, const LightMap& light, KernelChoice kernel) {
   kernel_ = nullptr;
   if (Status s = tables_.build(boxes, color_space(format)); !s.ok()) return s;
   if (Status s = shading_.build(light, width_px, height_px, color_space(format)); !s.ok()) return s;
@@ -27,7 +27,9 @@ Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std:
   width_px_ = width_px;
   height_px_ = height_px;
   find_floors(boxes);
-  kernel_ = scalar_kernel(format);
+  digits_.build(tables_, boxes.size());
+  kernel_ = kernel == KernelChoice::kFastest ? avx2_kernel(format) : nullptr;
+  if (kernel_ == nullptr) kernel_ = scalar_kernel(format);
   return {};
 }
 
@@ -74,7 +76,10 @@ Status RowClassifier::accepts(const Frame& frame) const {
 SpanTables RowClassifier::tables_at(const std::array<std::uint8_t, 3>& level, std::size_t tile_row) const {
   return {{&tables_.table(0, level[0]), &tables_.table(1, level[1]), &tables_.table(2, level[2])},
           &tables_.color_of_bit(),
-          &floors_[tile_row]};
+          &floors_[tile_row],
+          {&digits_.channel(0, level[0]), &digits_.channel(1, level[1]), &digits_.channel(2, level[2])},
+          &digits_.colors(),
+          digits_.groups()};
 }
 
 void RowClassifier::classify(const Frame& frame, std::uint16_t v, std::uint16_t begin, std::uint16_t end,

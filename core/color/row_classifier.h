@@ -5,11 +5,15 @@
 
 #include "core/color/background_floor.h"
 #include "core/color/color_tables.h"
+#include "core/color/digit_tables.h"
 #include "core/color/span_kernel.h"
 #include "core/light/shading.h"
 #include "core/types.h"
 
 namespace touchline {
+
+/// kFastest: what this processor does best. Both give the same colors.
+enum class KernelChoice : std::uint8_t { kFastest, kPortable };
 
 /// Bytes that a row of the plane holds; with shared chroma an odd width still has the last pair's whole chroma. Planes
 /// that the format does not have need none.
@@ -20,7 +24,7 @@ class RowClassifier {
  public:
   /// kOutOfRange: as ColorTables::build and Shading::build.
   Status configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px, const ColorBoxes& boxes,
-                   const LightMap& light);
+                   const LightMap& light, KernelChoice kernel = KernelChoice::kFastest);
 
   /// kUnsupported: another format or size than configured, or not configured. kShortFrame: a plane is missing, or its
   /// stride is smaller than a row.
@@ -42,6 +46,7 @@ class RowClassifier {
   PixelFormat format_ = PixelFormat::kRgb24;
   std::uint16_t width_px_ = 0, height_px_ = 0;
   ColorTables tables_;
+  DigitTableSet digits_;
   Shading shading_;
   std::array<BackgroundFloor, kMaxTileRows> floors_;  // one a row of tiles: for its brightest tile
 };

@@ -5,6 +5,7 @@
 
 #include "core/color/background_floor.h"
 #include "core/color/color_tables.h"
+#include "core/color/digit_tables.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -14,6 +15,10 @@ struct SpanTables {
   std::array<const ColorTables::Table*, 3> channel{};
   const ColorTables::ColorOfBit* color_of_bit = nullptr;
   const BackgroundFloor* floor = nullptr;
+  // The same classes for kernels that look up digits.
+  std::array<const ChannelDigits*, 3> digits{};
+  const std::array<ColorDigits, kClassGroups>* color_digits = nullptr;
+  std::size_t groups = 0;
 };
 
 /// The first bytes of a picture's row: interleaved samples, or luma and (NV12) the chroma row that belongs to it.
@@ -30,5 +35,8 @@ using SpanKernel = void (*)(const SpanTables& tables, const RowPixels& row, std:
 
 /// The portable kernel of a format: the reference for all others.
 SpanKernel scalar_kernel(PixelFormat format);
+
+/// Null where the processor lacks AVX2.
+SpanKernel avx2_kernel(PixelFormat format);
 
 }  // namespace touchline

@@ -7,7 +7,7 @@ namespace touchline {
 Status RegionScanner::configure(const ScanParameters& parameters) {
   configured_ = false;
   if (Status s = classifier_.configure(parameters.format, parameters.width_px, parameters.height_px, parameters.boxes,
-                                       parameters.light);
+                                       parameters.light, parameters.kernel);
       !s.ok()) {
     return s;
   }

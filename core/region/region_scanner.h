@@ -20,6 +20,7 @@ struct ScanParameters {
   LightMap light;                 // columns 0: none
   Polygon region_of_interest;     // pixel centers inside count; fewer than 3 points: the whole picture
   std::uint32_t min_area_px = 1;  // smaller regions are dropped with their runs
+  KernelChoice kernel = KernelChoice::kFastest;
 };
 
 /// Classification and labeling in one scan of the frame (paper, sections 3.2 and 4.1), over runs instead of pixels:

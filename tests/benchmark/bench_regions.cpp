@@ -30,12 +30,15 @@ struct Subject {
   OwnedPicture picture;
   ScanParameters parameters;
   std::vector<OwnedPicture> copies;  // to be scanned in turn, so that none is in a cache; may be empty
-  std::unique_ptr<RegionScanner> scanner;
+  std::unique_ptr<RegionScanner> scanner, portable;
   std::unique_ptr<PaperScan> paper;  // null where it has no answer
   std::size_t turn;
 
   Status configure() {
     if (Status s = scanner->configure(parameters); !s.ok()) return s;
+    ScanParameters without_vectors = parameters;
+    without_vectors.kernel = KernelChoice::kPortable;
+    if (Status s = portable->configure(without_vectors); !s.ok()) return s;
     return paper ? paper->configure(parameters) : Status();
   }
   Frame next_frame() {
@@ -48,18 +51,32 @@ struct Subject {
 Runs runs;
 Regions regions;
 
-// Every byte, eight at a time in four independent sums.
-std::uint64_t read_plane(const std::uint8_t* bytes, std::size_t count) {
-  std::array<std::uint64_t, 4> sum{};
+// Every byte, 128 at a time in four independent sums.
+using Words [[gnu::vector_size(32)]] = std::uint64_t;
+[[gnu::always_inline]] inline std::uint64_t sum_of(const std::uint8_t* bytes, std::size_t count) {
+  Words sum[4] = {};
   std::size_t i = 0;
-  for (; i + 32 <= count; i += 32) {
-    std::array<std::uint64_t, 4> words{};
-    std::memcpy(words.data(), bytes + i, sizeof words);
-    for (std::size_t k = 0; k < 4; ++k) sum[k] ^= words[k];
+  for (; i + sizeof sum <= count; i += sizeof sum) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      Words words;
+      std::memcpy(&words, bytes + i + k * sizeof words, sizeof words);
+      sum[k] ^= words;
+    }
   }
-  for (; i < count; ++i) sum[0] ^= bytes[i];
-  return sum[0] ^ sum[1] ^ sum[2] ^ sum[3];
+  for (; i < count; ++i) sum[0][0] ^= bytes[i];
+  const Words all = sum[0] ^ sum[1] ^ sum[2] ^ sum[3];
+  return all[0] ^ all[1] ^ all[2] ^ all[3];
 }
+std::uint64_t read_portable(const std::uint8_t* bytes, std::size_t count) { return sum_of(bytes, count); }
+#if defined(__x86_64__)
+[[gnu::target("avx2")]] std::uint64_t read_avx2(const std::uint8_t* bytes, std::size_t count) {
+  return sum_of(bytes, count);
+}
+bool has_avx2() { return __builtin_cpu_supports("avx2") != 0; }
+#else
+std::uint64_t read_avx2(const std::uint8_t* bytes, std::size_t count) { return sum_of(bytes, count); }
+bool has_avx2() { return false; }
+#endif
 
 std::size_t plane_bytes(const Frame& frame, std::size_t plane) {
   const std::size_t rows = plane == 0 ? frame.height_px : (frame.height_px + 1u) / 2u;
@@ -69,13 +86,20 @@ std::size_t plane_bytes(const Frame& frame, std::size_t plane) {
 
 std::uint64_t read_frame(const Frame& frame) {
   std::uint64_t sum = 0;
-  for (std::size_t plane = 0; plane < 2; ++plane) sum ^= read_plane(frame.plane[plane], plane_bytes(frame, plane));
+  for (std::size_t plane = 0; plane < 2; ++plane) {
+    const auto read = has_avx2() ? read_avx2 : read_portable;
+    sum ^= read(frame.plane[plane], plane_bytes(frame, plane));
+  }
   return sum;
 }
 
 void do_read(Subject& subject) { benchmark::DoNotOptimize(read_frame(subject.next_frame())); }
 void do_scan(Subject& subject) {
   benchmark::DoNotOptimize(subject.scanner->scan(subject.next_frame(), runs, regions));
+  benchmark::ClobberMemory();
+}
+void do_portable(Subject& subject) {
+  benchmark::DoNotOptimize(subject.portable->scan(subject.next_frame(), runs, regions));
   benchmark::ClobberMemory();
 }
 void do_paper(Subject& subject) {
@@ -88,10 +112,18 @@ struct Method {
   const char* name;
   Work work;
 };
-constexpr std::array kMethods = {Method{"read", do_read}, Method{"scan", do_scan}, Method{"paper", do_paper}};
+constexpr std::array kMethods = {Method{"read", do_read}, Method{"scan", do_scan}, Method{"portable", do_portable},
+                                 Method{"paper", do_paper}};
 
 Subject subject_of(OwnedPicture picture, const ScanParameters& parameters) {
-  return {{}, std::move(picture), parameters, {}, std::make_unique<RegionScanner>(), std::make_unique<PaperScan>(), 0};
+  return {{},
+          std::move(picture),
+          parameters,
+          {},
+          std::make_unique<RegionScanner>(),
+          std::make_unique<RegionScanner>(),
+          std::make_unique<PaperScan>(),
+          0};
 }
 
 Subject field(const FieldScene& scene) { return subject_of(paint_field(scene), field_parameters(scene)); }
@@ -148,32 +180,33 @@ std::vector<Subject> make_subjects(std::string_view part) {
   return subjects;
 }
 
-// Empty when the scan gives the paper's regions, and (on fields) as much as a field shows.
+// Empty when the scanner gives the paper's regions.
+std::string difference_of(RegionScanner& scanner, const Frame& frame, const ColorGrid& colors) {
+  const Status status = scanner.scan(frame, runs, regions);
+  if (status.code() == ErrorCode::kFull) return difference_when_full(colors, 1, runs, regions);
+  if (!status.ok()) return describe(status.code());
+  return difference(expected_regions(colors), runs, regions);
+}
+
+// Empty when all methods give the paper's regions, and fields show what a field shows.
 std::string wrong_about(Subject& subject) {
-  const Frame frame = subject.picture.frame();
   if (!subject.configure().ok()) return "the parameters are refused";
-  const Status status = subject.scanner->scan(frame, runs, regions);
+  const Frame frame = subject.picture.frame();
   const ColorGrid colors = defined_colors(frame, subject.parameters);
-  if (status.code() == ErrorCode::kFull) {
-    if (std::string text = difference_when_full(colors, 1, runs, regions); !text.empty()) return text;
-  } else if (!status.ok()) {
-    return describe(status.code());
-  } else if (std::string text = difference(expected_regions(colors), runs, regions); !text.empty()) {
-    return text;
+  for (RegionScanner* scanner : {subject.portable.get(), subject.scanner.get()}) {
+    if (std::string text = difference_of(*scanner, frame, colors); !text.empty()) return text;
   }
-  if (subject.name.find("field") != std::string::npos) {
-    std::size_t patches = 0;
-    for (const Region& region : regions) patches += region.area_px >= 30 ? 1u : 0u;
+  if (subject.name.starts_with("field")) {
+    const auto patches = std::count_if(regions.begin(), regions.end(), [](const Region& r) { return r.area_px >= 30; });
     if (patches < 18 || patches > 30) return std::to_string(patches) + " regions of a patch's size on the field";
   }
   if (!subject.paper) return {};
-  const std::vector<PaperScan::Found>& found = subject.paper->scan(frame);
-  const std::vector<ExpectedRegion> expected = expected_regions(colors);
   std::uint64_t area = 0, expected_area = 0;
+  const std::vector<ExpectedRegion> expected = expected_regions(colors);
+  const std::vector<PaperScan::Found>& found = subject.paper->scan(frame);
   for (const PaperScan::Found& region : found) area += region.area_px;
   for (const ExpectedRegion& region : expected) expected_area += region.pixels.size();
-  if (found.size() != expected.size() || area != expected_area) return "the paper's scan is not the paper's";
-  return {};
+  return found.size() == expected.size() && area == expected_area ? "" : "the paper's scan is not the paper's";
 }
 
 // Medians by frame and method, for the table of ratios.
@@ -190,10 +223,10 @@ class Table : public benchmark::BenchmarkReporter {
     }
   }
   void Finalize() override {
-    std::printf("%-36s %8s %8s | %9s | %9s %8s | %9s %8s\n", "frame (median microseconds of CPU)", "runs", "regions",
-                "read", "scan", "x read", "paper", "x scan");
+    std::printf("%-34s %6s %8s | %7s | %8s %6s | %8s %6s | %8s %6s\n", "frame (median microseconds of CPU)", "runs",
+                "regions", "read", "scan", "x read", "portable", "x scan", "paper", "x scan");
     for (const Subject& subject : subjects_) print(subject);
-    std::printf("a *: more than the fixed capacities hold; the scan ended early and counted the rest\n");
+    std::printf("* more than the fixed capacities hold: the scan reported what fits and counted the rest\n");
   }
 
  private:
@@ -202,12 +235,12 @@ class Table : public benchmark::BenchmarkReporter {
       const auto found = microseconds_.find(subject.name + "/" + method);
       return found == microseconds_.end() ? 0.0 : found->second;
     };
-    const double read = time("read"), scan = time("scan"), paper = time("paper");
+    const double read = time("read"), scan = time("scan"), portable = time("portable"), paper = time("paper");
     if (scan <= 0.0) return;  // filtered out
     const Status status = subject.scanner->scan(subject.picture.frame(), runs, regions);
-    std::printf("%-36s %8zu %7zu%s | %9.1f | %9.1f %8.1f | %9.1f %8.1f\n", subject.name.c_str(), runs.size(),
-                regions.size(), status.ok() ? " " : "*", read, scan, read > 0.0 ? scan / read : 0.0, paper,
-                paper / scan);
+    std::printf("%-34s %6zu %7zu%s | %7.1f | %8.1f %6.1f | %8.1f %6.1f | %8.1f %6.1f\n", subject.name.c_str(),
+                runs.size(), regions.size(), status.ok() ? " " : "*", read, scan, read > 0.0 ? scan / read : 0.0,
+                portable, portable / scan, paper, paper / scan);
   }
 
   const std::vector<Subject>& subjects_;

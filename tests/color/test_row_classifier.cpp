@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <tuple>
 
 #include "core/color/row_classifier.h"
 #include "tests/color/owned_picture.h"
@@ -11,7 +12,7 @@ namespace {
 
 constexpr ColorId kUntouched = 0xee;
 
-class RowClassifierTest : public ::testing::TestWithParam<PixelFormat> {
+class RowClassifierTest : public ::testing::TestWithParam<std::tuple<PixelFormat, KernelChoice>> {
  protected:
   // Classifies columns [begin, end) of every row and compares them, and what lies around them, with the definition.
   void expect_defined_colors(const OwnedPicture& picture, const ColorBoxes& boxes, std::uint16_t begin,
@@ -45,17 +46,22 @@ class RowClassifierTest : public ::testing::TestWithParam<PixelFormat> {
     return light;
   }
 
+  [[nodiscard]] static PixelFormat format() { return std::get<0>(GetParam()); }
+  Status configure(const Frame& frame, const ColorBoxes& boxes, const LightMap& light) {
+    return classifier_->configure(format(), frame.width_px, frame.height_px, boxes, light, std::get<1>(GetParam()));
+  }
+
   std::unique_ptr<RowClassifier> classifier_ = std::make_unique<RowClassifier>();
-  std::mt19937 random_{static_cast<std::uint32_t>(GetParam())};
+  std::mt19937 random_{static_cast<std::uint32_t>(format())};
 };
 
 TEST_P(RowClassifierTest, AgreesWithTheBoxesOnEveryPixel) {
   for (int round = 0; round < 400; ++round) {
-    OwnedPicture picture(GetParam(), pick(random_, 1, 80), pick(random_, 1, 20), pick(random_, 0, 7));
+    OwnedPicture picture(format(), pick(random_, 1, 80), pick(random_, 1, 20), pick(random_, 0, 7));
     const Frame frame = picture.frame();
     const ColorBoxes boxes = random_boxes(random_, static_cast<std::size_t>(pick(random_, 0, kMaxColorBoxes)));
     const LightMap light = round % 2 == 0 ? LightMap{} : random_light(random_);
-    ASSERT_TRUE(classifier_->configure(GetParam(), frame.width_px, frame.height_px, boxes, light).ok());
+    ASSERT_TRUE(configure(frame, boxes, light).ok());
     picture.fill([&] { return telling_value(random_, boxes); });
     const int begin = pick(random_, 0, picture.width()), end = pick(random_, begin, picture.width());
     ASSERT_NO_FATAL_FAILURE(
@@ -72,9 +78,9 @@ TEST_P(RowClassifierTest, AgreesOnEverySmallSizeAndSpan) {
     return dark ? static_cast<std::uint8_t>(pick(random_, 0, 89)) : telling_value(random_, boxes);
   };
   for (int width = 1; width <= 35; ++width) {
-    OwnedPicture picture(GetParam(), width, 3, 1);
+    OwnedPicture picture(format(), width, 3, 1);
     const Frame frame = picture.frame();
-    ASSERT_TRUE(classifier_->configure(GetParam(), frame.width_px, 3, boxes, LightMap{}).ok());
+    ASSERT_TRUE(configure(frame, boxes, LightMap{}).ok());
     for (std::uint16_t begin = 0; begin <= width; ++begin) {
       int byte = 0;
       picture.fill([&] { return dark_or_telling(++byte % 29 != 0); });
@@ -86,18 +92,23 @@ TEST_P(RowClassifierTest, AgreesOnEverySmallSizeAndSpan) {
 }
 
 TEST_P(RowClassifierTest, AgreesOnOnePictureOfTheLargestWidth) {
-  OwnedPicture picture(GetParam(), static_cast<int>(kMaxFrameWidth), 17, 32);
+  OwnedPicture picture(format(), static_cast<int>(kMaxFrameWidth), 17, 32);
   const Frame frame = picture.frame();
   const ColorBoxes boxes = random_boxes(random_, 13);
   picture.fill([&] { return telling_value(random_, boxes); });
   for (const LightMap& light : {LightMap{}, random_light(random_)}) {
-    ASSERT_TRUE(classifier_->configure(GetParam(), frame.width_px, frame.height_px, boxes, light).ok());
+    ASSERT_TRUE(configure(frame, boxes, light).ok());
     ASSERT_NO_FATAL_FAILURE(expect_defined_colors(picture, boxes, 0, frame.width_px));
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryFormat, RowClassifierTest, ::testing::ValuesIn(kAllFormats),
-                         [](const auto& test) { return std::string(name_of(test.param)); });
+INSTANTIATE_TEST_SUITE_P(EveryFormat, RowClassifierTest,
+                         ::testing::Combine(::testing::ValuesIn(kAllFormats),
+                                            ::testing::Values(KernelChoice::kFastest, KernelChoice::kPortable)),
+                         [](const auto& test) {
+                           const bool portable = std::get<1>(test.param) == KernelChoice::kPortable;
+                           return std::string(name_of(std::get<0>(test.param))) + (portable ? "_portable" : "_fastest");
+                         });
 
 TEST(RowBytes, AreThoseOfWholePairs) {
   EXPECT_EQ(row_bytes(PixelFormat::kRgb24, 0, 7), 21u);

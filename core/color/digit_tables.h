@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/color/color_tables.h"
+#include "core/light/shading.h"
+#include "core/types.h"
+
+namespace touchline {
+
+// A byte of class bits: a byte shuffle looks up the classes of many pixels, eight classes at a time.
+constexpr std::size_t kClassesOfGroup = 8, kClassGroups = kMaxColorBoxes / kClassesOfGroup;
+
+/// The classes of a channel's value by its two hexadecimal digits, value = 16 * high + low. A class whose values are an
+/// interval contains a value when its bit is in
+///   within[high] & (above_first[high] | from_first[low]) & (below_last[high] | to_last[low]).
+struct DigitTables {
+  using Table = std::array<std::uint8_t, 16>;
+  Table within{};       // high digit between those of the interval's ends
+  Table above_first{};  // high digit above that of the first value
+  Table from_first{};   // low digit not below that of the first value
+  Table below_last{};   // high digit below that of the last value
+  Table to_last{};      // low digit not above that of the last value
+};
+using ChannelDigits = std::array<DigitTables, kClassGroups>;
+
+/// The color of the lowest of eight class bits, by their two hexadecimal digits: of low's entry unless that is
+/// background, else of high's.
+struct ColorDigits {
+  std::array<std::uint8_t, 16> low{}, high{};
+};
+
+/// ColorTables for kernels that cannot look up 256 entries but many pixels at once. Says the same of every value.
+class DigitTableSet {
+ public:
+  /// The classes of the tables' first `boxes` bits, at every light level.
+  void build(const ColorTables& tables, std::size_t boxes);
+
+  [[nodiscard]] const ChannelDigits& channel(std::size_t channel, std::uint8_t level) const {
+    return digits_[channel][level];
+  }
+  [[nodiscard]] const std::array<ColorDigits, kClassGroups>& colors() const { return colors_; }
+  /// Groups that have a class.
+  [[nodiscard]] std::size_t groups() const { return groups_; }
+
+ private:
+  std::array<std::array<ChannelDigits, kLightLevels>, 3> digits_{};
+  std::array<ColorDigits, kClassGroups> colors_{};
+  std::size_t groups_ = 0;
+};
+
+}  // namespace touchline

@@ -67,7 +67,7 @@ TOUCHLINE_AVX2_INLINE __m256i add_colors(__m256i colors, const ColorDigits& tabl
 template <PixelFormat kFormat>
 struct Packed24 {
   static constexpr std::uint32_t kBlock = 32;
-  static constexpr std::size_t kSampleBytes = 3 * kBlock, kChromaBytes = 0;
+  static constexpr std::size_t kSampleBytes = std::size_t{3} * kBlock, kChromaBytes = 0;
   static constexpr bool kPairs = false;
 
   // Which byte of 16-byte piece `piece` of 16 pixels is channel `channel` of pixel i; 128, for none, gives zero.

@@ -37,7 +37,6 @@ void DigitTableSet::build(const ColorTables& tables, std::size_t boxes) {
       }
     }
   }
-  colors_ = {};
   for (std::size_t group = 0; group < groups_; ++group) {
     for (std::uint32_t bits = 1; bits < 16; ++bits) {
       const std::uint32_t low = bits << group * kClassesOfGroup;

@@ -61,7 +61,6 @@ TEST(DigitTables, GiveTheColorOfTheLowestClass) {
 class SpanKernelTest : public ::testing::TestWithParam<PixelFormat> {
  protected:
   void choose_colors(std::size_t count) {
-    const ColorSpace space = color_space(GetParam());
     boxes_ = random_boxes(random_, count);
     if (pick(random_, 0, 1) == 0) {
       // None of them dark, so that whole blocks can be told from them at a glance.
@@ -71,9 +70,13 @@ class SpanKernelTest : public ::testing::TestWithParam<PixelFormat> {
         box.high[channel] = std::max(box.high[channel], box.low[channel]);
       }
     }
+    make_tables(pick(random_, 0, 1) == 0);
+  }
+
+  void make_tables(bool neutral) {
+    const ColorSpace space = color_space(GetParam());
     ASSERT_TRUE(tables_->build(boxes_, space).ok());
     digits_->build(*tables_, boxes_.size());
-    const bool neutral = pick(random_, 0, 1) == 0;
     ChannelFloors floors = floors_of(boxes_);
     for (std::size_t c = 0; c < 3; ++c) {
       const std::uint8_t level =
@@ -141,6 +144,19 @@ TEST_P(SpanKernelTest, Avx2IsThePortableOne) {
     }
   }
   EXPECT_GT(colored_, 10000u);
+}
+
+// A class that contains black: no value is below its floor, and nothing may be taken for background at a glance.
+TEST_P(SpanKernelTest, Avx2SeesBlack) {
+  const SpanKernel kernel = avx2_kernel(GetParam());
+  if (kernel == nullptr) GTEST_SKIP() << "this processor has no AVX2";
+  boxes_.push_back({1, {0, 0, 0}, {3, 255, 255}});
+  boxes_.push_back({2, {200, 0, 0}, {255, 255, 255}});
+  ASSERT_NO_FATAL_FAILURE(make_tables(true));
+  OwnedPicture picture(GetParam(), 200, 1, 0);
+  picture.fill([] { return std::uint8_t{0}; });
+  ASSERT_NO_FATAL_FAILURE(expect_equal(kernel, picture, 0, 200));
+  EXPECT_EQ(colored_, 200u);
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryFormat, SpanKernelTest, ::testing::ValuesIn(kAllFormats),

@@ -3,7 +3,9 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <array>
 #include <cstdio>
+#include <string>
 
 namespace touchline {
 namespace {
@@ -16,6 +18,19 @@ constexpr const char* kFooter =
     "Exit codes: 0 all went well, 1 the configuration is wrong, 2 a device failed, 64 the command line is wrong.\n"
     "Nothing moves before all files have been checked. Ctrl-C stops the robots and leaves; a second one leaves at "
     "once.";
+
+// The library's own ranges let "nan" through, and name the largest double there is.
+CLI::Validator between(double low, double high) {
+  std::array<char, 64> range{};
+  std::snprintf(range.data(), range.size(), "%g to %g", low, high);
+  const std::string name = range.data();
+  return {[low, high, name](std::string& text) {
+            double value = 0.0;
+            const bool good = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
+            return good ? std::string() : text + " is out of range: " + name;
+          },
+          name};
+}
 
 void add_files(CLI::App& app, config::FilePaths& files) {
   app.add_option("--board", files.board, "Board file: devices, real-time settings, faults")->required();
@@ -40,17 +55,18 @@ bool parse_command_line(int argc, char** argv, CommandLine& out, int& exit_code)
   double duration_s = 0.0, interval_s = 1.0;
   CLI::App* run = app.add_subcommand("run", "Observe, decide and drive until told to leave");
   add_files(*run, out.session.files);
-  run->add_option("--frames", out.session.frames, "Leave after so many frames")->check(CLI::PositiveNumber);
+  run->add_option("--frames", out.session.frames, "Leave after so many frames")->check(between(1.0, 1e12));
   run->add_option("--duration", duration_s, "Leave after so many seconds (simulated ones in the mock arena)")
-      ->check(CLI::PositiveNumber);
+      ->check(between(0.001, 1e8));
   run->add_option("--seed", out.session.seed,
                   "Of all that is random in the mock arena: a run can be repeated to the bit")
+      ->check(between(0.0, 1.8446744073709552e19))
       ->capture_default_str();
   run->add_flag("--headless", out.headless,
                 "No picture of the field in the terminal, status lines instead; and the mock arena runs as fast as\n"
                 "this machine can, not in real time");
   run->add_option("--status-interval", interval_s, "Seconds from one status to the next")
-      ->check(CLI::Range(0.05, 3600.0))
+      ->check(between(0.05, 3600.0))
       ->capture_default_str();
   run->footer(kFooter);
 

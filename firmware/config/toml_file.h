@@ -29,7 +29,8 @@ bool check_version(const toml::table& root, const std::string& path, Problems& p
 void apply(const Override& override, toml::table& root, Problems& problems);
 
 /// Reads one of the three files with all its keys checked. Values that are wrong keep their default.
-/// kNotFound: no such file. kInconsistent: problems were added.
+/// kNotFound: no such file, or none of this format and version; nothing was read. kInconsistent: values are wrong. Both
+/// have added problems.
 template <class File>
 Status read_toml(const std::string& path, std::string_view remedy, std::span<const Override> overrides, File& out,
                  Locations& locations, Problems& problems) {
@@ -37,7 +38,7 @@ Status read_toml(const std::string& path, std::string_view remedy, std::span<con
   locations = Locations(path);
   std::optional<toml::table> root = parse_file(path, remedy, problems);
   if (!root) return ErrorCode::kNotFound;
-  if (!check_version(*root, path, problems)) return ErrorCode::kInconsistent;
+  if (!check_version(*root, path, problems)) return ErrorCode::kNotFound;
   for (const Override& override : overrides) apply(override, *root, problems);
   TomlReader reader(*root, File::kRequired, locations, problems);
   reader.read(out);

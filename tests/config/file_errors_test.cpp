@@ -103,11 +103,14 @@ TEST_F(ConfigFiles, MissingKeysAreAllNamed) {
 }
 
 TEST_F(ConfigFiles, VersionIsRequired) {
-  replace("board.toml", "version = 1\n", "");
-  EXPECT_EQ(refusal(),
-            "board.toml: version: is missing; the first line must be: version = 1\n"
-            "board.toml: venue: no such file is named; write venue = \"FILE\" or give --venue\n"
-            "board.toml: team: no such file is named; write team = \"FILE\" or give --team\n");
+  replace("team.toml", "version = 1\n", "");
+  EXPECT_EQ(refusal(), "team.toml: version: is missing; the first line must be: version = 1\n");
+}
+
+TEST_F(ConfigFiles, BoardOfALaterVersionEndsTheSearch) {
+  replace("board.toml", "version = 1", "version = 2");
+  EXPECT_EQ(load().code(), ErrorCode::kNotFound);
+  EXPECT_EQ(problems(), "board.toml:1: version: made by a later Touchline (version 2); this one reads version 1\n");
 }
 
 TEST_F(ConfigFiles, LaterVersionIsRefusedWhateverElseItHolds) {

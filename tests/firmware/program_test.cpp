@@ -76,6 +76,12 @@ TEST_F(Program, WrongCommandLineIs64) {
   EXPECT_EQ(touchline("run").code, 64);
   EXPECT_EQ(touchline("run " + board() + "--frames -1").code, 64);
   EXPECT_EQ(touchline("run " + board() + "--sed 1").code, 64);
+  EXPECT_EQ(touchline("run " + board() + "--duration nan").code, 64);
+  EXPECT_EQ(touchline("run " + board() + "--seed -1").code, 64);
+  const Outcome endless = touchline("run " + board() + "--duration 1e300");
+  EXPECT_EQ(endless.code, 64);
+  EXPECT_NE(endless.text.find("--duration: 1e300 is out of range: 0.001 to 1e+08\n"), std::string::npos)
+      << endless.text;
 }
 
 TEST_F(Program, CheckTellsWhetherFilesAreSound) {

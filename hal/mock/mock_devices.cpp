@@ -40,6 +40,7 @@ Status MockCamera::do_open() {
   buffers_.assign(count, std::vector<std::uint8_t>(layout_.bytes));
   held_.assign(count, false);
   open_ = true;
+  lost_ = false;
   reason_ = &no_reason;
   return {};
 }
@@ -64,7 +65,8 @@ Result<FrameLease> MockCamera::do_wait(Instant deadline) {
   std::unique_lock alone(arena_.mutex());
   for (;;) {
     arena_.advance_to(clock_.now());
-    if (arena_.faulty(FaultKind::kCameraLost)) {
+    lost_ = lost_ || arena_.faulty(FaultKind::kCameraLost);
+    if (lost_) {
       reason_ = &camera_lost;
       return ErrorCode::kDisconnected;
     }
@@ -132,6 +134,7 @@ Status MockRadio::do_open() {
     return ErrorCode::kNotFound;
   }
   open_ = true;
+  lost_ = false;
   reason_ = &no_reason;
   return {};
 }
@@ -144,7 +147,8 @@ Status MockRadio::do_send(std::span<const std::byte> bytes) {
   const std::scoped_lock alone(arena_.mutex());
   const Instant now = clock_.now();
   arena_.advance_to(now);
-  if (arena_.faulty(FaultKind::kRadioLost)) {
+  lost_ = lost_ || arena_.faulty(FaultKind::kRadioLost);
+  if (lost_) {
     reason_ = &radio_lost;
     return ErrorCode::kDisconnected;
   }
@@ -165,7 +169,8 @@ Status MockRadio::do_drain(Instant deadline) {
   clock_.sleep_until(std::min(deadline, drained));
   alone.lock();
   arena_.advance_to(clock_.now());
-  if (arena_.faulty(FaultKind::kRadioLost)) {
+  lost_ = lost_ || arena_.faulty(FaultKind::kRadioLost);
+  if (lost_) {
     reason_ = &radio_lost;
     return ErrorCode::kDisconnected;
   }

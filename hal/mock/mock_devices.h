@@ -37,7 +37,7 @@ class MockCamera : public Camera {
   PictureLayout layout_;
   std::vector<std::vector<std::uint8_t>> buffers_;
   std::vector<bool> held_;
-  bool open_ = false, streaming_ = false;
+  bool open_ = false, streaming_ = false, lost_ = false;
   const std::string* reason_;
 };
 
@@ -55,7 +55,7 @@ class MockRadio : public Radio {
 
   Arena& arena_;
   Clock& clock_;
-  bool open_ = false;
+  bool open_ = false, lost_ = false;
   const std::string* reason_;
 };
 

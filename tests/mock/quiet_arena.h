@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
@@ -46,8 +47,7 @@ inline double distance_outside(const FieldParameters& field, Vec2 p) {
   const double x = std::abs(p.x) - 0.5 * field.length_m, y = std::abs(p.y) - 0.5 * field.width_m;
   const double in_corner = (x + y + field.corner_m) / std::sqrt(2.0);
   const double field_distance = std::max({0.0, x, y, in_corner});
-  const double goal_distance =
-      std::max({0.0, x - field.goal_depth_m, std::abs(p.y) - 0.5 * field.goal_width_m, -x - field.length_m});
+  const double goal_distance = std::max({0.0, x - field.goal_depth_m, std::abs(p.y) - 0.5 * field.goal_width_m});
   return std::min(field_distance, goal_distance);
 }
 

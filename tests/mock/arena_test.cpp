@@ -1,0 +1,179 @@
+// The arena as a whole: repeatable, without allocation, on its own time or on the machine's.
+#include <atomic>
+#include <thread>
+
+#include "hal/linux/monotonic_clock.h"
+#include "tests/mock/devices_fixture.h"
+#include "tools/latency/allocation_counter.h"
+
+namespace touchline::hal::mock {
+namespace {
+
+using namespace std::chrono_literals;
+
+class ArenaTest : public DevicesTest {
+ protected:
+  // Frames, packets and the emergency line in turn, as a loop does; `driver` says what to send.
+  template <class Driver>
+  void play(double until_s, Driver driver) {
+    std::uint8_t sequence = 0;
+    while (now_s() < until_s) {
+      const auto lease = wait(0.1);
+      if (!lease.ok() && lease.error() != ErrorCode::kTimeout) go_to(now_s() + 0.02);
+      static_cast<void>(gpio->emergency_stop());
+      static_cast<void>(radio->send(driver(sequence++)));
+    }
+  }
+};
+
+Packet wild_drive(std::uint8_t sequence) {
+  std::array<Drive, 5> drives{};
+  for (int id = 0; id < 5; ++id) {
+    drives[static_cast<std::size_t>(id)] = {id, 0.01 * ((sequence * 7 + id * 31) % 160 - 60),
+                                            0.01 * ((sequence * 11 + id * 17) % 160 - 60)};
+  }
+  return packet_of(drives, sequence);
+}
+
+TEST_F(ArenaTest, SameSeedAndPacketsGiveTheSameGameToTheBit) {
+  parameters = ArenaParameters{};
+  const auto hash_after_game = [&](std::uint64_t seed) {
+    arena.emplace(parameters, settings, radio_settings, seed);
+    clock = std::make_unique<ArenaClock>(*arena);
+    camera.emplace(*arena, *clock);
+    radio.emplace(*arena, *clock);
+    gpio.emplace(*arena, *clock);
+    EXPECT_TRUE(camera->open().ok() && camera->start().ok() && radio->open().ok() && gpio->open().ok());
+    play(3.0, wild_drive);
+    EXPECT_GT(arena->channel().statistics().obeyed, 500U);
+    return arena->world().hash();
+  };
+  const std::uint64_t first = hash_after_game(1);
+  EXPECT_EQ(hash_after_game(1), first);
+  EXPECT_NE(hash_after_game(2), first);
+}
+
+TEST_F(ArenaTest, ResultDoesNotDependOnHowOftenSomebodyLooks) {
+  parameters = ArenaParameters{};
+  Arena coarse(parameters, settings, radio_settings, 1), fine(parameters, settings, radio_settings, 1);
+  for (int i = 1; i <= 50; ++i) {
+    coarse.advance_to(Arena::kBegin + i * 20ms);
+    for (int k = 0; k < 13; ++k) fine.advance_to(Arena::kBegin + i * 20ms - 19ms + k * 1583us);
+    fine.advance_to(Arena::kBegin + i * 20ms);
+    ASSERT_EQ(coarse.world().hash(), fine.world().hash()) << i;
+  }
+  fine.advance_to(Arena::kBegin);
+  EXPECT_EQ(fine.now(), Arena::kBegin + 1000ms) << "time does not run back";
+}
+
+TEST_F(ArenaTest, AllocatesNothingWhileItRuns) {
+  if (!latency::allocations_are_counted())
+    GTEST_SKIP() << "a sanitizer's allocator is in the place of the one that counts";
+  parameters.opponents = Opponents::kPlay;
+  parameters.robot = ArenaParameters{}.robot;
+  parameters.physics = {};
+  parameters.radio = {};
+  int kind = 0;
+  for (const auto& choice : kFaultKinds) {
+    if (choice.value == FaultKind::kCameraLost || choice.value == FaultKind::kRadioLost) continue;
+    add_fault(choice.value, 1.0 + 0.5 * kind++, 0.3);
+  }
+  add_fault(FaultKind::kCameraLost, 8.0, 0.3);
+  add_fault(FaultKind::kRadioLost, 8.5, 0.3);
+  for (const PixelFormat format : {PixelFormat::kRgb24, PixelFormat::kYuyv, PixelFormat::kNv12}) {
+    settings.format = format;
+    start();
+    const std::uint64_t before = latency::allocations_of_this_thread();
+    play(9.0, wild_drive);
+    static_cast<void>(radio->drain(arena->now() + 100ms));
+    static_cast<void>(arena->world().hash());
+    camera->stop();
+    EXPECT_EQ(latency::allocations_of_this_thread() - before, 0U);
+    EXPECT_GT(arena->channel().statistics().sent, 300U);
+  }
+  const std::uint64_t before = latency::allocations_of_this_thread();
+  ASSERT_TRUE(camera->open().ok());
+  EXPECT_GT(latency::allocations_of_this_thread() - before, 0U) << "the counter counts";
+}
+
+TEST_F(ArenaTest, StopPacketsAtTheEndStopTheRobots) {
+  parameters.physics.wheel_lag_s = 0.03;
+  start();
+  play(1.0, [](std::uint8_t sequence) { return packet_of(std::array<Drive, 1>{{{0, -0.2, 0.2}}}, sequence); });
+  EXPECT_GT(arena->world().energy(), 1e-4);
+  ASSERT_TRUE(radio->send(packet_of(std::array<Drive, 1>{{{0, 0.0, 0.0}}}, 3, true)).ok());
+  go_to(1.19);  // before the time-out would stop it
+  EXPECT_LT(arena->world().energy(), 1e-5);
+  EXPECT_EQ(arena->channel().statistics().timeouts, 0U);
+}
+
+// With anything real beside it the arena follows the machine's clock.
+TEST_F(ArenaTest, FollowsTheMachinesClock) {
+  const MonotonicClock machine;
+  const Instant begin = machine.now();
+  arena.emplace(parameters, settings, radio_settings, 1, begin);
+  MonotonicClock time;
+  camera.emplace(*arena, time);
+  radio.emplace(*arena, time);
+  ASSERT_TRUE(camera->open().ok());
+  ASSERT_TRUE(camera->start().ok());
+  ASSERT_TRUE(radio->open().ok());
+  std::uint32_t last = 0;
+  int frames = 0;
+  while (machine.now() < begin + 600ms) {
+    const auto lease = camera->wait(machine.now() + 100ms);
+    ASSERT_TRUE(lease.ok());
+    const Frame& frame = lease.value().frame();
+    EXPECT_LT(frame.capture_time, machine.now());
+    EXPECT_GE(seconds(machine.now() - frame.capture_time), 0.002 + 0.007 - 1e-9) << "ahead of its time";
+    EXPECT_TRUE(frames == 0 || frame.sequence > last);
+    last = frame.sequence;
+    ++frames;
+    ASSERT_TRUE(radio->send(packet_of(std::array<Drive, 1>{{{0, 0.1, 0.1}}}, static_cast<std::uint8_t>(frames))).ok());
+  }
+  // 50 Hz; how many of them are not too late depends on the machine, how many there were does not.
+  EXPECT_GE(frames, 5);
+  EXPECT_NEAR(last, seconds(machine.now() - begin) * 50.0, 5.0);
+  EXPECT_GT(arena->world().energy(), 0.0) << "the packets came to nothing";
+
+  const Instant before = machine.now();
+  camera->stop();
+  ASSERT_TRUE(camera->start().ok());
+  EXPECT_EQ(camera->wait(before + 5ms).error(), ErrorCode::kTimeout);
+  EXPECT_GE(machine.now(), before + 5ms) << "a real clock does not jump";
+}
+
+// A lost device is opened again on a thread of its own (firmware/device_keeper.h) while the loop uses the others.
+TEST_F(ArenaTest, OneDeviceMayBeOpenedWhileOthersAreUsed) {
+  MonotonicClock time;
+  arena.emplace(parameters, settings, radio_settings, 1, time.now());
+  camera.emplace(*arena, time);
+  radio.emplace(*arena, time);
+  gpio.emplace(*arena, time);
+  ASSERT_TRUE(radio->open().ok());
+  ASSERT_TRUE(gpio->open().ok());
+  std::atomic<bool> done = false;
+  std::atomic<int> opened = 0;
+  std::thread keeper([&] {
+    while (!done.load()) {
+      camera->close();
+      if (camera->open().ok() && camera->start().ok()) ++opened;
+      if (camera->wait(time.now() + 30ms).ok()) ++opened;
+      camera->stop();
+    }
+  });
+  std::uint8_t sequence = 0;
+  const Instant end = time.now() + 300ms;
+  while (time.now() < end) {
+    EXPECT_TRUE(gpio->emergency_stop().ok());
+    static_cast<void>(radio->send(packet_of(std::array<Drive, 1>{{{0, 0.1, 0.1}}}, ++sequence)));
+    time.sleep_until(time.now() + 2ms);
+  }
+  done = true;
+  keeper.join();
+  EXPECT_GT(opened.load(), 2);
+  EXPECT_GT(arena->channel().statistics().obeyed, 10U);
+}
+
+}  // namespace
+}  // namespace touchline::hal::mock

@@ -1,0 +1,173 @@
+// Every kind of [[arena.fault]]: what the device answers while it lasts, and that all is well afterwards.
+#include "tests/mock/devices_fixture.h"
+
+namespace touchline::hal::mock {
+namespace {
+
+class Faults : public DevicesTest {
+ protected:
+  double brightness(const FrameLease& lease) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < std::size_t{3} * 64 * 48; ++i) sum += lease.frame().plane[0][i];
+    return sum / (3 * 64 * 48);
+  }
+  Status send() { return radio->send(packet_of(std::array<Drive, 1>{{{0, 0.1, 0.1}}}, ++sequence_)); }
+
+  std::uint8_t sequence_ = 0;
+};
+
+TEST_F(Faults, StalledCameraGivesNothingAndThenAGap) {
+  add_fault(FaultKind::kCameraStall, 1.0, 0.5);
+  start();
+  std::uint32_t before = 0;
+  for (;;) {
+    const auto lease = wait(0.05);
+    if (!lease.ok()) break;
+    before = lease.value().frame().sequence;
+    ASSERT_LT(now_s(), 1.1);
+  }
+  EXPECT_NEAR(before, 1.0 * 50, 2.0);
+  EXPECT_EQ(wait(0.1).error(), ErrorCode::kTimeout);
+  EXPECT_EQ(camera->reason(), "mock camera: no frame came in time");
+  const auto lease = wait();
+  ASSERT_TRUE(lease.ok());
+  EXPECT_NEAR(now_s(), 1.52, 0.02);
+  EXPECT_NEAR(lease.value().frame().sequence - before, 0.5 * 50, 3.0);
+}
+
+TEST_F(Faults, LostCameraMustBeOpenedAgain) {
+  add_fault(FaultKind::kCameraLost, 1.0, 0.5);
+  start();
+  go_to(1.1);
+  EXPECT_EQ(wait().error(), ErrorCode::kDisconnected);
+  EXPECT_EQ(camera->reason(), "mock camera: unplugged (an [[arena.fault]])");
+  camera->stop();
+  camera->close();
+  EXPECT_EQ(camera->open(), Status(ErrorCode::kNotFound));
+  EXPECT_EQ(camera->reason(), "mock camera: unplugged (an [[arena.fault]])");
+  go_to(1.6);
+  EXPECT_EQ(wait().error(), ErrorCode::kIo) << "plugged in again is not open again";
+  ASSERT_TRUE(camera->open().ok());
+  ASSERT_TRUE(camera->start().ok());
+  const auto lease = wait();
+  ASSERT_TRUE(lease.ok());
+  EXPECT_EQ(lease.value().frame().sequence, 0U);
+}
+
+TEST_F(Faults, ShortAndCorruptFramesAreLostOneByOne) {
+  add_fault(FaultKind::kFrameShort, 1.0, 0.2);
+  add_fault(FaultKind::kFrameCorrupt, 2.0, 0.2);
+  start();
+  for (const auto& [at_s, code] : {std::pair{1.0, ErrorCode::kShortFrame}, {2.0, ErrorCode::kCorruptFrame}}) {
+    go_to(at_s - 0.001);
+    skip_frames();
+    int bad = 0;
+    while (now_s() < at_s + 0.2) {
+      const auto lease = wait();
+      if (lease.ok()) continue;
+      EXPECT_EQ(lease.error(), code);
+      EXPECT_EQ(camera->reason(), "mock camera: the frame is damaged (an [[arena.fault]])");
+      ++bad;
+    }
+    EXPECT_NEAR(bad, 10, 1) << "one answer a frame";
+    // The buffers have come back: many more frames than there are buffers.
+    for (int i = 0; i < 20; ++i) EXPECT_TRUE(wait().ok());
+  }
+}
+
+TEST_F(Faults, LampsGoOut) {
+  add_fault(FaultKind::kDark, 1.0, 0.5);
+  start();
+  auto lease = wait();
+  ASSERT_TRUE(lease.ok());
+  EXPECT_GT(brightness(lease.value()), 50.0);
+  go_to(1.2);
+  { const FrameLease given_back = std::move(lease).value(); }
+  skip_frames();
+  auto dark = wait();
+  ASSERT_TRUE(dark.ok());
+  EXPECT_LT(brightness(dark.value()), 5.0);
+  { const FrameLease given_back = std::move(dark).value(); }
+  go_to(1.6);
+  skip_frames();
+  const auto again = wait();
+  ASSERT_TRUE(again.ok());
+  EXPECT_GT(brightness(again.value()), 50.0);
+}
+
+TEST_F(Faults, LostRadioMustBeOpenedAgain) {
+  add_fault(FaultKind::kRadioLost, 1.0, 0.5);
+  start();
+  EXPECT_TRUE(send().ok());
+  go_to(1.1);
+  EXPECT_EQ(send(), Status(ErrorCode::kDisconnected));
+  EXPECT_EQ(radio->drain(arena->now()), Status(ErrorCode::kDisconnected));
+  EXPECT_EQ(radio->reason(), "mock radio: unplugged (an [[arena.fault]])");
+  EXPECT_EQ(radio->open(), Status(ErrorCode::kNotFound));
+  go_to(1.6);
+  EXPECT_EQ(send(), Status(ErrorCode::kDisconnected)) << "plugged in again is not open again";
+  radio->close();
+  ASSERT_TRUE(radio->open().ok());
+  EXPECT_TRUE(send().ok());
+  EXPECT_EQ(radio->counters().packets, 2U);
+  EXPECT_EQ(radio->counters().refused, 2U);
+}
+
+TEST_F(Faults, BusyRadioTakesNothing) {
+  add_fault(FaultKind::kRadioBusy, 1.0, 0.5);
+  start();
+  go_to(1.1);
+  EXPECT_EQ(send(), Status(ErrorCode::kBusy));
+  EXPECT_EQ(radio->reason(), "mock radio: the line's queue is full");
+  EXPECT_EQ(arena->channel().statistics().sent, 0U);
+  go_to(1.6);
+  EXPECT_TRUE(send().ok());
+  EXPECT_EQ(arena->channel().statistics().sent, 1U);
+}
+
+TEST_F(Faults, EmergencyStopIsPulled) {
+  add_fault(FaultKind::kEmergencyStop, 1.0, 0.5);
+  start();
+  for (const auto& [at_s, pulled] : {std::pair{0.9, false}, {1.0, true}, {1.4, true}, {1.5, false}}) {
+    go_to(at_s);
+    const Result<bool> answer = gpio->emergency_stop();
+    ASSERT_TRUE(answer.ok());
+    EXPECT_EQ(answer.value(), pulled) << at_s;
+  }
+  EXPECT_TRUE(gpio->set_status_led(true).ok());
+  EXPECT_TRUE(gpio->status_led());
+  EXPECT_TRUE(gpio->set_status_led(false).ok());
+  EXPECT_FALSE(gpio->status_led());
+}
+
+TEST_F(Faults, ComeAgainAndOverlap) {
+  add_fault(FaultKind::kEmergencyStop, 0.1, 0.1);
+  add_fault(FaultKind::kEmergencyStop, 0.3, 0.2);
+  add_fault(FaultKind::kEmergencyStop, 0.4, 0.3);
+  start();
+  for (const auto& [at_s, pulled] :
+       {std::pair{0.05, false}, {0.15, true}, {0.25, false}, {0.35, true}, {0.55, true}, {0.75, false}}) {
+    go_to(at_s);
+    EXPECT_EQ(gpio->emergency_stop().value(), pulled) << at_s;
+  }
+}
+
+// Radio without a fault: what the line itself does.
+TEST_F(Faults, FullQueueIsBusyAndDrainWaitsForTheLine) {
+  parameters.radio.queue_bytes = 128;
+  radio_settings.baud = 1200;  // 108 ms a packet of 13 bytes
+  start();
+  int taken = 0;
+  while (send().ok()) ++taken;
+  EXPECT_EQ(taken, 9);
+  EXPECT_EQ(radio->reason(), "mock radio: the line's queue is full");
+  const double before_s = now_s();
+  EXPECT_EQ(radio->drain(arena->now() + from_seconds(0.2)), Status(ErrorCode::kTimeout));
+  EXPECT_NEAR(now_s(), before_s + 0.2, 0.002);
+  EXPECT_TRUE(radio->drain(arena->now() + from_seconds(5.0)).ok());
+  EXPECT_NEAR(now_s(), before_s + 9 * 13 * 10.0 / 1200, 0.002);
+  EXPECT_TRUE(radio->drain(arena->now()).ok()) << "nothing waits any more";
+}
+
+}  // namespace
+}  // namespace touchline::hal::mock

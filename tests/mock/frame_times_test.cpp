@@ -1,0 +1,198 @@
+// When the arena's camera delivers what, and what becomes of its buffers.
+#include "tests/mock/dark_scene.h"
+#include "tests/mock/devices_fixture.h"
+
+namespace touchline::hal::mock {
+namespace {
+
+using FrameTimes = DevicesTest;
+
+TEST_F(FrameTimes, RateAndSequenceAreKept) {
+  for (const double rate_hz : {30.0, 60.0, 90.0}) {
+    settings.rate_hz = rate_hz;
+    start();
+    std::optional<Frame> before;
+    Instant first{};
+    constexpr int kFrames = 100;
+    for (int i = 0; i < kFrames; ++i) {
+      const auto lease = wait();
+      ASSERT_TRUE(lease.ok());
+      const Frame& frame = lease.value().frame();
+      if (before) {
+        EXPECT_EQ(frame.sequence, before->sequence + 1);
+        // The shutter works in the world's steps of a millisecond.
+        EXPECT_NEAR(seconds(frame.capture_time - before->capture_time), 1.0 / rate_hz, 0.00101);
+      } else {
+        first = frame.capture_time;
+        EXPECT_EQ(frame.sequence, 0U);
+      }
+      before = frame;
+    }
+    EXPECT_NEAR(seconds(before->capture_time - first), (kFrames - 1) / rate_hz, 0.00101) << "no drift";
+  }
+}
+
+TEST_F(FrameTimes, FrameComesAfterExposureAndTransfer) {
+  parameters.sensor.exposure_s = 0.006;
+  parameters.sensor.transfer_s = 0.013;
+  start();
+  for (int i = 0; i < 10; ++i) {
+    const auto lease = wait();
+    ASSERT_TRUE(lease.ok());
+    const double age_s = seconds(arena->now() - lease.value().frame().capture_time);
+    EXPECT_GE(age_s, 0.003 + 0.013);
+    EXPECT_LE(age_s, 0.003 + 0.013 + 0.003);
+  }
+}
+
+TEST_F(FrameTimes, NoFrameIsHandedOutBeforeItIsInMemory) {
+  parameters.sensor.transfer_s = 0.015;
+  start();
+  const double slice_s = 0.0003;
+  for (int i = 0; i < 300; ++i) {
+    const auto lease = wait(slice_s);
+    if (!lease.ok()) continue;
+    EXPECT_GE(seconds(arena->now() - lease.value().frame().capture_time), 0.002 + 0.015 - 1e-9);
+  }
+}
+
+// A robot at constant speed tells where it was at each capture time.
+TEST_F(FrameTimes, CaptureTimeIsTheMiddleOfTheExposure) {
+  parameters = dark_scene();
+  parameters.physics.wheel_lag_s = 0.0;
+  parameters.sensor.exposure_s = 0.02;
+  parameters.sensor.gamma = 1.0;
+  settings.width_px = 640;
+  settings.height_px = 480;
+  settings.rate_hz = 25.0;
+  start();
+  arena->world().place(0, {-0.6, 0.1, 0.0});
+  arena->world().place_ball({-1.0, 0.8, 0.0});
+  arena->world().drive(0, 0.4, 0.4);
+  go_to(0.3);
+  skip_frames();
+  for (int i = 0; i < 10; ++i) {
+    const auto lease = wait();
+    ASSERT_TRUE(lease.ok());
+    const Frame& frame = lease.value().frame();
+    std::vector<std::uint16_t> linear(std::size_t{3} * 640 * 480);
+    for (std::size_t k = 0; k < linear.size(); ++k) linear[k] = static_cast<std::uint16_t>(frame.plane[0][k]);
+    const Blot blot = blot_of(linear, 640, 0);
+    const double x_now = arena->world().snapshot().robots[0].x_m;
+    const double x_then = x_now - 0.4 * seconds(arena->now() - frame.capture_time);
+    const auto [u, v] = arena->lens().project({x_then, 0.1, parameters.robot_height_m});
+    EXPECT_NEAR(blot.u, u, 0.15);  // 0.4 m/s are 100 px/s: 1.5 ms
+    EXPECT_NEAR(blot.v, v, 0.15);
+  }
+}
+
+TEST_F(FrameTimes, InfoAndFrameSayWhatTheBoardAskedFor) {
+  for (const PixelFormat format : {PixelFormat::kRgb24, PixelFormat::kYuyv, PixelFormat::kNv12}) {
+    settings.format = format;
+    start();
+    EXPECT_EQ(camera->info().format, format);
+    EXPECT_EQ(camera->info().rate_hz, 50.0);
+    const auto lease = wait();
+    ASSERT_TRUE(lease.ok());
+    const Frame& frame = lease.value().frame();
+    const PictureLayout layout = layout_of(format, 64, 48);
+    EXPECT_EQ(frame.format, format);
+    EXPECT_EQ(frame.width_px, 64);
+    EXPECT_EQ(frame.height_px, 48);
+    EXPECT_EQ(frame.stride_bytes, layout.stride_bytes);
+    EXPECT_EQ(frame.plane[1], format == PixelFormat::kNv12 ? frame.plane[0] + layout.second_plane : nullptr);
+  }
+}
+
+TEST_F(FrameTimes, WaitEndsAtItsDeadline) {
+  settings.rate_hz = 2.0;
+  start();
+  ASSERT_TRUE(wait().ok());
+  const double before_s = now_s();
+  const auto lease = wait(0.1);
+  EXPECT_EQ(lease.error(), ErrorCode::kTimeout);
+  EXPECT_NEAR(now_s(), before_s + 0.1, 1e-6);
+  EXPECT_EQ(wait(0.0).error(), ErrorCode::kTimeout);
+  EXPECT_NEAR(now_s(), before_s + 0.1, 1e-6);
+}
+
+TEST_F(FrameTimes, ExposureLongerThanAFrameMakesFewerFrames) {
+  settings.rate_hz = 100.0;
+  parameters.sensor.exposure_s = 0.03;
+  start();
+  int frames = 0;
+  while (now_s() < 3.0) frames += wait().ok() ? 1 : 0;
+  EXPECT_NEAR(frames, 3.0 / 0.031, 3.0);
+}
+
+TEST_F(FrameTimes, FramesThatFindNoBufferAreLostAndLeaveAGap) {
+  settings.buffers = 4;
+  start();
+  go_to(1.0);  // 50 frames; the first four wait
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    const auto lease = wait(0.0);
+    ASSERT_TRUE(lease.ok());
+    EXPECT_EQ(lease.value().frame().sequence, i);
+  }
+  EXPECT_EQ(wait(0.0).error(), ErrorCode::kTimeout) << "the others are lost";
+  const auto lease = wait();
+  ASSERT_TRUE(lease.ok());
+  EXPECT_NEAR(lease.value().frame().sequence, 50.0, 1.0);
+}
+
+TEST_F(FrameTimes, BuffersThatAreHeldAreNotOverwritten) {
+  settings.buffers = 3;
+  start();
+  std::vector<FrameLease> held;
+  for (int i = 0; i < 3; ++i) {
+    auto lease = wait();
+    ASSERT_TRUE(lease.ok());
+    held.push_back(std::move(lease).value());
+  }
+  EXPECT_NE(held[0].frame().plane[0], held[1].frame().plane[0]);
+  EXPECT_NE(held[1].frame().plane[0], held[2].frame().plane[0]);
+  const auto none = wait(0.5);
+  EXPECT_EQ(none.error(), ErrorCode::kTimeout);
+  EXPECT_EQ(camera->reason(), "mock camera: every buffer is held by somebody");
+
+  const std::uint8_t* const freed = held[1].frame().plane[0];
+  held.erase(held.begin() + 1);
+  const auto next = wait();
+  ASSERT_TRUE(next.ok());
+  EXPECT_EQ(next.value().frame().plane[0], freed);
+  EXPECT_GT(next.value().frame().sequence, 20U) << "what came meanwhile is lost";
+}
+
+TEST_F(FrameTimes, StartsAnewAfterAStop) {
+  start();
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(wait().ok());
+  camera->stop();
+  EXPECT_EQ(wait(0.1).error(), ErrorCode::kIo);
+  EXPECT_EQ(camera->reason(), "mock camera: used before it was opened and started");
+  go_to(2.0);
+  ASSERT_TRUE(camera->start().ok());
+  const auto lease = wait();
+  ASSERT_TRUE(lease.ok());
+  EXPECT_EQ(lease.value().frame().sequence, 0U);
+  EXPECT_GT(seconds(lease.value().frame().capture_time - Arena::kBegin), 2.0) << "no frame from before the start";
+}
+
+TEST_F(FrameTimes, ClosedDevicesSaySo) {
+  arena.emplace(parameters, settings, radio_settings, 1);
+  ArenaClock time(*arena);
+  MockCamera closed_camera(*arena, time);
+  MockRadio closed_radio(*arena, time);
+  MockGpio closed_gpio(*arena, time);
+  EXPECT_EQ(closed_camera.start(), Status(ErrorCode::kIo));
+  EXPECT_EQ(closed_camera.wait(arena->now()).error(), ErrorCode::kIo);
+  EXPECT_EQ(closed_camera.reason(), "mock camera: used before it was opened and started");
+  EXPECT_EQ(closed_radio.send(packet_of({}, 1)), Status(ErrorCode::kIo));
+  EXPECT_EQ(closed_radio.drain(arena->now()), Status(ErrorCode::kIo));
+  EXPECT_EQ(closed_radio.reason(), "mock radio: used before it was opened");
+  EXPECT_EQ(closed_gpio.set_status_led(true), Status(ErrorCode::kIo));
+  EXPECT_EQ(closed_gpio.emergency_stop().error(), ErrorCode::kIo);
+  EXPECT_EQ(closed_gpio.reason(), "mock gpio: used before it was opened");
+}
+
+}  // namespace
+}  // namespace touchline::hal::mock

@@ -1,0 +1,103 @@
+// [arena]: what no single key can say is wrong with it.
+#include "tests/config/config_files.h"
+
+namespace touchline::config {
+namespace {
+
+class ArenaSection : public ConfigFiles {
+ protected:
+  /// Adds lines to the board file, whose last one is 14.
+  void add(const std::string& lines) { write("board.toml", read(path("board.toml")) + lines); }
+};
+
+TEST_F(ArenaSection, DefaultsAreSound) {
+  ASSERT_TRUE(load().ok()) << problems();
+  EXPECT_EQ(configuration_->board.arena.robot.size(), 10U);
+}
+
+TEST_F(ArenaSection, KeysAreCheckedLikeAllOthers) {
+  add("[arena]\nopponents = \"sleep\"\nrobot_side_m = 1.0\n[arena.physics]\nwheel_lag = 0.1\n[arena.radio]\nloss = 2\n"
+      "[[arena.fault]]\nkind = \"fire\"\nat_s = -1.0\n");
+  EXPECT_EQ(refusal(),
+            "board.toml:19: arena.physics.wheel_lag: unknown key; did you mean \"wheel_lag_s\"?\n"
+            "board.toml:21: arena.radio.loss: 2 is out of range: 0 to 1\n"
+            "board.toml:16: arena.opponents: \"sleep\" is none of stand, play\n"
+            "board.toml:17: arena.robot_side_m: 1.0 is out of range: 0.02 to 0.4 m\n"
+            "board.toml:23: arena.fault[0].kind: \"fire\" is none of camera_stall, camera_lost, frame_short, "
+            "frame_corrupt, dark, radio_lost, radio_busy, emergency_stop\n"
+            "board.toml:24: arena.fault[0].at_s: -1.0 is out of range: 0 to 1000000 s\n");
+}
+
+TEST_F(ArenaSection, ColorsMustBePaints) {
+  add("[arena]\nown_color = \"bleu\"\n");
+  EXPECT_EQ(refusal(), "board.toml:16: arena.own_color: \"bleu\" is none of the paints\n");
+}
+
+TEST_F(ArenaSection, RobotsColorsMustBePaintsAndOneForEachPatch) {
+  add("[[arena.robot]]\nid = 0\ncolors = [\"ruby\"]\n");
+  EXPECT_EQ(refusal(), "board.toml:17: arena.robot[0].colors: \"ruby\" is none of the paints\n");
+  replace("board.toml", "[\"ruby\"]", "[]");
+  EXPECT_EQ(refusal(),
+            "board.toml:17: arena.robot[0].colors: has 0 colors, needed is one for each of the 1 patches after the "
+            "team's\n");
+}
+
+TEST_F(ArenaSection, RobotsAreGivenOnce) {
+  add("[[arena.robot]]\nid = 3\nx_m = 0.2\ncolors = [\"red\"]\n[[arena.robot]]\nid = 3\nx_m = 0.5\ncolors = "
+      "[\"red\"]\n");
+  EXPECT_EQ(refusal(), "board.toml:20: arena.robot[1].id: 3 is also that of robot[0] of its team\n");
+  // The other team has numbers of its own.
+  replace("board.toml", "x_m = 0.5", "x_m = 0.5\nteam = \"opponent\"");
+  EXPECT_TRUE(load().ok()) << problems();
+}
+
+TEST_F(ArenaSection, RobotsStandOnTheFieldAndNotOnEachOther) {
+  add("[[arena.robot]]\nid = 0\nx_m = 1.08\ncolors = [\"red\"]\n[[arena.robot]]\nid = 1\nx_m = 0.5\ncolors = "
+      "[\"red\"]\n");
+  EXPECT_EQ(refusal(), "board.toml:15: arena.robot[0]: stands outside of the field\n");
+  replace("board.toml", "x_m = 1.08", "x_m = 1.03\ny_m = 0.83");
+  EXPECT_EQ(refusal(), "board.toml:15: arena.robot[0]: stands outside of the field\n") << "in the corner piece";
+  replace("board.toml", "x_m = 1.03\ny_m = 0.83", "x_m = 0.43");
+  EXPECT_EQ(refusal(), "board.toml:19: arena.robot[1]: stands on robot[0]\n");
+  replace("board.toml", "x_m = 0.43", "x_m = 0.42");
+  EXPECT_TRUE(load().ok()) << problems();
+}
+
+TEST_F(ArenaSection, ATeamHasNoMoreRobotsThanAPacketCarries) {
+  for (int i = 0; i < 12; ++i) {
+    add("[[arena.robot]]\nid = " + std::to_string(i) + "\nx_m = " + std::to_string(0.15 * i - 0.9) +
+        "\ncolors = [\"red\"]\n");
+  }
+  EXPECT_EQ(refusal(), "board.toml:15: arena.robot: gives one team 12 robots, permitted are 11\n");
+}
+
+TEST_F(ArenaSection, PaintsHaveDifferentNames) {
+  add("[[arena.paint]]\nname = \"blue\"\nrgb = [0, 0, 255]\n[[arena.paint]]\nname = \"blue\"\nrgb = [0, 0, 200]\n");
+  EXPECT_EQ(refusal(), "board.toml:19: arena.paint[1].name: \"blue\" is another paint's name already\n");
+}
+
+TEST_F(ArenaSection, RobotsHaveOneToSixPatches) {
+  std::string patches;
+  for (int i = 0; i < 7; ++i) patches += "[[arena.patch]]\nshape = \"circle\"\nx_m = 0.0\ny_m = 0.0\n";
+  add(patches);
+  EXPECT_EQ(refusal(), "board.toml:15: arena.patch: is given 7 times; robots have 1 to 6 patches\n");
+}
+
+TEST_F(ArenaSection, WallsFitTogether) {
+  add("[arena.field]\nwidth_m = 0.5\n");
+  EXPECT_EQ(refusal(), "board.toml:15: arena.field: goal and corner pieces do not fit into the field's sides\n");
+}
+
+TEST_F(ArenaSection, CameraHangsAboveTheRobots) {
+  add("[arena.camera]\nposition_m = [0.0, 0.0, 0.07]\n");
+  EXPECT_EQ(refusal(), "board.toml:16: arena.camera.position_m: the camera must hang above robots and ball\n");
+}
+
+TEST_F(ArenaSection, IsCheckedAfterOverridesToo) {
+  EXPECT_EQ(refusal({"arena.ball_color=purple"}),
+            "--set arena.ball_color=purple: arena.ball_color: \"purple\" is none of the paints\n");
+  EXPECT_TRUE(load({"arena.ball_color=red"}).ok()) << problems();
+}
+
+}  // namespace
+}  // namespace touchline::config

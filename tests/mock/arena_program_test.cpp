@@ -167,7 +167,8 @@ TEST_F(ArenaProgram, BadArgumentsAreRefusedInClearWords) {
   refused("layouts " + kBoard + out("x") + "--set arena.ball_color=purple", "\"purple\" is none of the paints");
   // Six large robots stand side by side, but not turned at random.
   std::string board =
-      "version = 1\nvenue = \"venue.toml\"\nteam = \"team.toml\"\n[camera]\n[radio]\n[arena]\nrobot_side_m = "
+      "version = 1\nvenue = \"venue.toml\"\nteam = \"team.toml\"\n[camera]\nbackend = \"mock\"\n[radio]\nbackend = "
+      "\"mock\"\n[arena]\nrobot_side_m = "
       "0.3\n[arena.field]\n"
       "length_m = 1.0\nwidth_m = 0.8\n";
   for (int i = 0; i < 6; ++i) {

@@ -33,16 +33,14 @@ std::string number_of(std::size_t index) {
 }
 
 // What was rendered; as RGB, whatever the board's camera delivers: files are for every tool.
-int write_scene(const config::BoardFile& board, const arena::SceneWord& scene, const Options& options) {
+int write_scene(const config::BoardFile& board, const arena::SceneWord& scene,
+                const std::vector<arena::Moment>& moments, const Options& options) {
   const hal::mock::ArenaParameters& parameters = board.arena;
   const std::uint16_t width = board.camera.width_px, height = board.camera.height_px;
   hal::mock::Renderer renderer(
       parameters, width, height,
       scene.kind == arena::SceneKind::kGrey ? hal::mock::Floor::kGreyPaper : hal::mock::Floor::kField);
   hal::mock::Sensor sensor(parameters.sensor, PixelFormat::kRgb24, width, height, options.seed);
-  const unsigned count = options.count == 0 ? scene.pictures : options.count;
-  const auto moments = arena::make_scene(scene.kind, parameters, board.camera.rate_hz, count, options.seed);
-  if (moments.empty()) return fail(options.board + ": the field has no room for all its robots and the ball");
   hal::Picture picture;
   picture.width_px = width;
   picture.height_px = height;
@@ -109,8 +107,12 @@ int main(int argc, char** argv) {
     std::cerr << problems.text();
     return 1;
   }
+  const config::BoardFile& board = configuration->board;
+  const unsigned count = options.count == 0 ? scene->pictures : options.count;
+  const auto moments = arena::make_scene(scene->kind, board.arena, board.camera.rate_hz, count, options.seed);
+  if (moments.empty()) return fail(options.board + ": the field has no room for all its robots and the ball");
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
   if (error) return fail(options.out + ": cannot be made: " + error.message());
-  return write_scene(configuration->board, *scene, options);
+  return write_scene(board, *scene, moments, options);
 }

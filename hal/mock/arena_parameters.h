@@ -75,7 +75,7 @@ struct PhysicsParameters {
     visit.number("ball_damping_per_s", self.ball_damping_per_s, Range{0.0, 10.0}, "1/s",
                  "Loss of the ball's speed that grows with it");
     visit.number("floor_roughness_mps_rts", self.floor_roughness_mps_rts, Range{0.0, 1.0}, "m/s/sqrt(s)",
-                 "Random change of a rolling ball's velocity");
+                 "Random change of the ball's velocity at 1 m/s and above; slower balls change less");
     visit.number("command_timeout_s", self.command_timeout_s, Range{0.02, 10.0}, "s",
                  "A robot that hears no good packet for so long stands");
     visit.number("free_ball_after_s", self.free_ball_after_s, Range{1.0, 600.0}, "s",

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "hal/mock/renderer.h"
@@ -62,6 +63,19 @@ TEST(BorderSearch, FromOtherPlacesWithOtherLensesAndLamps) {
     ASSERT_TRUE(find_border(photograph(arena), border, reason).ok()) << reason << " from x = " << view.x_m;
     EXPECT_LT(worst_corner_px(arena, border.corners), 12.0) << "from x = " << view.x_m;
   }
+}
+
+TEST(BorderSearch, AmongHundredsOfSpecks) {
+  const hal::mock::ArenaParameters arena;
+  hal::Picture picture = photograph(arena);
+  for (std::size_t v = 11; v < kHeight; v += 24) {
+    for (std::size_t u = 11; u < kWidth; u += 24)
+      std::fill_n(&picture.rgb8[3 * (v * kWidth + u)], 3, std::uint8_t{255});
+  }
+  BorderSearch border;
+  std::string reason;
+  ASSERT_TRUE(find_border(picture, border, reason).ok()) << reason;
+  EXPECT_LT(worst_corner_px(arena, border.corners), 8.0);
 }
 
 TEST(BorderSearch, HIsThatOfTheLens) {

@@ -87,22 +87,32 @@ class Grid {
   int width_, height_;
 };
 
-// Everything that `seeds` reach through pixels for which `may` holds.
+// `seeds`, and all that they reach through pixels for which `may` holds. Marked in `reached`; what is marked there is
+// not entered again.
 template <class May>
-std::vector<std::uint8_t> flooded(const Grid& grid, std::vector<std::size_t> seeds, bool diagonal, May may) {
-  std::vector<std::uint8_t> reached(grid.size());
+std::vector<std::size_t> flood(const Grid& grid, std::vector<std::size_t> seeds, bool diagonal, May may,
+                               std::vector<std::uint8_t>& reached) {
   for (const std::size_t seed : seeds) reached[seed] = 1;
-  while (!seeds.empty()) {
-    const std::size_t i = seeds.back();
-    seeds.pop_back();
-    grid.neighbors(i, diagonal, [&](std::size_t n) {
-      if (reached[n] == 0 && may(n)) {
-        reached[n] = 1;
-        seeds.push_back(n);
-      }
+  for (std::size_t next = 0; next < seeds.size(); ++next) {
+    grid.neighbors(seeds[next], diagonal, [&](std::size_t n) {
+      if (reached[n] != 0 || !may(n)) return;
+      reached[n] = 1;
+      seeds.push_back(n);
     });
   }
-  return reached;
+  return seeds;
+}
+
+// Of the rectangle around the pixels.
+std::size_t box_area(const Grid& grid, const std::vector<std::size_t>& pixels) {
+  int left = grid.u(pixels[0]), right = left, top = grid.v(pixels[0]), bottom = top;
+  for (const std::size_t i : pixels) {
+    left = std::min(left, grid.u(i));
+    right = std::max(right, grid.u(i));
+    top = std::min(top, grid.v(i));
+    bottom = std::max(bottom, grid.v(i));
+  }
+  return static_cast<std::size_t>(right - left + 1) * static_cast<std::size_t>(bottom - top + 1);
 }
 
 Eigen::Vector2d rectified(Eigen::Vector2d pixel, Eigen::Vector2d center, double h_px) {
@@ -160,25 +170,22 @@ std::vector<OutlinePixel> border_outline(const hal::Picture& picture, int thresh
   std::size_t most = static_cast<std::size_t>(kLeastEnclosed * static_cast<double>(grid.size()));
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (seen[i] != 0 || !bright(i)) continue;
-    const std::vector<std::uint8_t> piece = flooded(grid, {i}, true, bright);
-    std::size_t area = 0;
-    for (std::size_t k = 0; k < grid.size(); ++k) {
-      seen[k] = seen[k] | piece[k];
-      area += piece[k];
-    }
-    // What is too small to go around a tenth of the picture need not be tried.
-    if (static_cast<double>(area) < std::sqrt(kLeastEnclosed * static_cast<double>(grid.size()))) continue;
+    const std::vector<std::size_t> piece = flood(grid, {i}, true, bright, seen);
+    // Specks are many, and what does not reach around so much need not be tried.
+    if (box_area(grid, piece) <= most) continue;
+    std::vector<std::uint8_t> in_piece(grid.size()), outside(grid.size());
+    for (const std::size_t k : piece) in_piece[k] = 1;
+    const auto is_free = [&](std::size_t k) { return in_piece[k] == 0; };
     std::vector<std::size_t> seeds;
-    std::copy_if(rim.begin(), rim.end(), std::back_inserter(seeds), [&](std::size_t k) { return piece[k] == 0; });
-    const std::vector<std::uint8_t> outside = flooded(grid, seeds, false, [&](std::size_t k) { return piece[k] == 0; });
-    const auto enclosed = static_cast<std::size_t>(std::count(outside.begin(), outside.end(), std::uint8_t{0})) - area;
+    std::copy_if(rim.begin(), rim.end(), std::back_inserter(seeds), is_free);
+    const std::size_t enclosed = grid.size() - piece.size() - flood(grid, seeds, false, is_free, outside).size();
     if (enclosed <= most) continue;
     most = enclosed;
     best.clear();
     for (std::size_t k = 0; k < grid.size(); ++k) {
-      if (piece[k] != 0 || outside[k] != 0) continue;
+      if (in_piece[k] != 0 || outside[k] != 0) continue;
       bool at_border = false;
-      grid.neighbors(k, false, [&](std::size_t n) { at_border = at_border || piece[n] != 0; });
+      grid.neighbors(k, false, [&](std::size_t n) { at_border = at_border || in_piece[n] != 0; });
       if (at_border) best.push_back({static_cast<double>(grid.u(k)), static_cast<double>(grid.v(k))});
     }
   }

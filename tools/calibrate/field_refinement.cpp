@@ -266,19 +266,22 @@ Status refine_field(const LightPicture& picture, const FieldParameters& field,
                   report.points + report.outliers);
     return ErrorCode::kNotFound;
   }
-  fit.camera.full = parameters.full;
-  fit.has_distortion = true;
-  fit.height_m = camera.position_m[2];
-  fit.height_sigma_m = report.height_sigma_m;
+  FieldFit refined = fit;
+  refined.camera.full = parameters.full;
+  refined.has_distortion = true;
+  refined.height_m = camera.position_m[2];
+  refined.height_sigma_m = report.height_sigma_m;
   const Eigen::Vector3d turn(camera.rotation.data());
   const Eigen::Matrix3d rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
-  fit.tilt_rad = std::acos(std::clamp(-rotation(2, 2), -1.0, 1.0));
+  refined.tilt_rad = std::acos(std::clamp(-rotation(2, 2), -1.0, 1.0));
   FieldFitInput input;
   input.width_px = picture.width_px();
   input.height_px = picture.height_px();
   for (const MarkPoint& p : report.found) input.points.push_back({p.x_m, p.y_m, p.u_px, p.v_px});
-  fit.paper_residual_mm = {};
-  return fit_paper_model(input, fit, reason);
+  refined.paper_residual_mm = {};
+  if (!fit_paper_model(input, refined, reason).ok()) return ErrorCode::kNotFound;
+  fit = refined;
+  return {};
 }
 
 }  // namespace touchline::calibrate

@@ -29,7 +29,7 @@ Status refine_field(const LightPicture& picture, const FieldParameters& field,
                     const std::optional<double>& camera_height_m, FieldFit& fit, RefinementReport& report,
                     std::string& reason);
 
-// Three sides and the center line leave no direction in which a camera could hide.
+// All four: at a side that was not seen the lens would be extrapolated.
 constexpr std::size_t kLeastSides = 4;
 
 }  // namespace touchline::calibrate

@@ -40,7 +40,8 @@ int main(int argc, char** argv) {
   FieldCommand field;
   LightCommand light;
   ColorsCommand colors;
-  CLI::App* field_app = app.add_subcommand("field", "Camera model from the field's corners, given by hand");
+  CLI::App* field_app =
+      app.add_subcommand("field", "Camera model from the field's border, found without a click or from its corners");
   CLI::App* light_app = app.add_subcommand("light", "Illumination map from pictures of a grey field");
   CLI::App* colors_app = app.add_subcommand("colors", "Color boxes from clicks on patches and ball");
   field.add_options(*field_app);

@@ -96,6 +96,16 @@ TEST_F(ArenaTest, AllocatesNothingWhileItRuns) {
   EXPECT_GT(latency::allocations_of_this_thread() - before, 0U) << "the counter counts";
 }
 
+TEST_F(ArenaTest, NoPacketActsBeforeItsArrival) {
+  parameters.radio.delay_s = 0.0154;  // with 13 bytes at 115200 baud it arrives after 16.53 ms
+  start();
+  ASSERT_TRUE(radio->send(packet_of(std::array<Drive, 1>{{{0, 0.1, 0.1}}}, 1)).ok());
+  arena->advance_to(Arena::kBegin + 17ms);
+  EXPECT_EQ(arena->world().energy(), 0.0);
+  arena->advance_to(Arena::kBegin + 18ms);
+  EXPECT_GT(arena->world().energy(), 0.0);
+}
+
 TEST_F(ArenaTest, StopPacketsAtTheEndStopTheRobots) {
   parameters.physics.wheel_lag_s = 0.03;
   start();

@@ -51,9 +51,9 @@ TEST(Noise, HasTheStatedVarianceAtEachLevel) {
         const double electrons = light * full_well;
         const double expected =
             (electrons + read_noise * read_noise) / (electrons_per_step * electrons_per_step) + 1.0 / 12.0;
-        // Light comes in steps of a sixteenth of the camera's; four standard deviations of the estimate.
-        const double tolerance = 0.05 + 4.0 * std::sqrt(expected / (3.0 * kWidth * kHeight));
-        EXPECT_NEAR(seen.mean, 255.0 * light, tolerance) << "noise must not lighten or darken";
+        // Four standard deviations of the estimate; noise must neither lighten nor darken.
+        const double exact = std::round(light * kLinearScale) / kLinearScale;
+        EXPECT_NEAR(seen.mean, 255.0 * exact, 0.005 + 4.0 * std::sqrt(expected / (3.0 * kWidth * kHeight)));
         EXPECT_NEAR(seen.variance, expected, 0.03 * expected) << full_well << ' ' << read_noise << ' ' << light;
       }
     }

@@ -13,4 +13,6 @@ if(TOUCHLINE_SANITIZE)
   target_compile_options(touchline_options INTERFACE -fsanitize=${TOUCHLINE_SANITIZE} -fno-omit-frame-pointer
                                                      -fno-sanitize-recover=all)
   target_link_options(touchline_options INTERFACE -fsanitize=${TOUCHLINE_SANITIZE})
+  # The library's own checks of indices and empty containers.
+  target_compile_definitions(touchline_options INTERFACE _GLIBCXX_ASSERTIONS)
 endif()

@@ -4,14 +4,13 @@
 #include <cmath>
 
 #include "core/control/drive_limits.h"
+#include "core/positive.h"
 
 namespace touchline {
 namespace {
 
 // After a longer pause the robots have stopped by themselves (docs/radio.md): a jump to full speed would be wrong.
 constexpr double kMaxStep = 0.1;
-
-bool positive(double value) { return std::isfinite(value) && value > 0.0; }
 
 }  // namespace
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/positive.h"
+
 namespace touchline {
 namespace {
-
-bool positive(float value) { return std::isfinite(value) && value > 0.0f; }
 
 // False for what is not a number.
 bool within(float value, float bound) { return std::abs(value) <= bound; }

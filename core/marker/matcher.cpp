@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/positive.h"
+
 namespace touchline {
 namespace {
 
 // Half of a team patch alone, without any identification, is too little to believe in a robot.
 constexpr float kLeastUnpaired = 0.5f;
-
-bool positive(float value) { return std::isfinite(value) && value > 0.0f; }
 
 constexpr std::array<Team, 2> kTeams{Team::kOwn, Team::kOpponent};
 constexpr std::size_t index_of(Team team) { return static_cast<std::size_t>(team); }

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/positive.h"
+
 namespace touchline {
 namespace {
 
-bool positive(double value) { return std::isfinite(value) && value > 0.0; }
 bool not_negative(double value) { return std::isfinite(value) && value >= 0.0; }
 
 bool usable(const RobotFilterParameters& p) {

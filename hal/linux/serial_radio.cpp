@@ -231,12 +231,7 @@ void SerialRadio::do_close() {
 
 ErrorCode SerialRadio::fail(const char* doing, int error) noexcept {
   lost_ = port_error(error);
-  if (lost_ == ErrorCode::kDisconnected) {
-    reason_.set("%s: the port went away (%s)", name(), doing);
-  } else {
-    reason_.set("%s: %s failed: %s", name(), doing, system_text(error));
-  }
-  return lost_;
+  return say_lost(reason_, name(), "port", lost_, doing, error);
 }
 
 }  // namespace touchline::hal

@@ -37,6 +37,15 @@ ErrorCode say_busy(Reason& reason, const char* device) {
   return ErrorCode::kDeviceBusy;
 }
 
+ErrorCode say_lost(Reason& reason, const char* device, const char* kind, ErrorCode code, const char* doing, int error) {
+  if (code == ErrorCode::kDisconnected) {
+    reason.set("%s: the %s went away (%s)", device, kind, doing);
+  } else {
+    reason.set("%s: %s failed: %s", device, doing, system_text(error));
+  }
+  return code;
+}
+
 ErrorCode say_denied(Reason& reason, const char* device, const char* group) {
   reason.set("%s: permission denied; add the user to the group %s (`sudo usermod -aG %s $USER`) and log in again",
              device, group, group);

@@ -16,6 +16,8 @@ const char* system_text(int error) noexcept;
 
 /// Sentences that all devices share, with their codes.
 ErrorCode say_busy(Reason& reason, const char* device);
+/// A device of this kind ("camera") was lost: it went away (kDisconnected), or what was `doing` failed with `error`.
+ErrorCode say_lost(Reason& reason, const char* device, const char* kind, ErrorCode code, const char* doing, int error);
 ErrorCode say_denied(Reason& reason, const char* device, const char* group);
 
 }  // namespace touchline::hal

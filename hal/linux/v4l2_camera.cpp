@@ -253,12 +253,7 @@ void V4l2Camera::do_close() {
 
 ErrorCode V4l2Camera::fail(const char* doing, int error) noexcept {
   lost_ = use_error(error);
-  if (lost_ == ErrorCode::kDisconnected) {
-    reason_.set("%s: the camera went away (%s)", name(), doing);
-  } else {
-    reason_.set("%s: %s failed: %s", name(), doing, system_text(error));
-  }
-  return lost_;
+  return say_lost(reason_, name(), "camera", lost_, doing, error);
 }
 
 }  // namespace touchline::hal

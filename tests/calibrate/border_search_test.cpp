@@ -5,24 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/mock/renderer.h"
-#include "hal/mock/sensor.h"
+#include "tests/calibrate/arena_photograph.h"
 
 namespace touchline::calibrate {
 namespace {
 
-constexpr std::uint16_t kWidth = 640, kHeight = 480;
-
-hal::Picture photograph(const hal::mock::ArenaParameters& arena, hal::mock::Floor floor = hal::mock::Floor::kField) {
-  hal::mock::Renderer renderer(arena, kWidth, kHeight, floor);
-  hal::mock::Sensor sensor(arena.sensor, PixelFormat::kRgb24, kWidth, kHeight, 5);
-  hal::Picture picture;
-  picture.width_px = kWidth;
-  picture.height_px = kHeight;
-  picture.rgb8.resize(std::size_t{3} * kWidth * kHeight);
-  sensor.expose(renderer.render_floor(), picture.rgb8);
-  return picture;
-}
+constexpr std::uint64_t kSeed = 5;
+constexpr hal::mock::Floor kField = hal::mock::Floor::kField;
 
 // From found corners to true ones, the farthest; a turn of half a circle is not told apart, and nobody can.
 double worst_corner_px(const hal::mock::ArenaParameters& arena, const Corners& corners) {
@@ -42,7 +31,7 @@ TEST(BorderSearch, FindsTheCornersOfTheArena) {
   const hal::mock::ArenaParameters arena;
   BorderSearch border;
   std::string reason;
-  ASSERT_TRUE(find_border(photograph(arena), border, reason).ok()) << reason;
+  ASSERT_TRUE(find_border(photograph(arena, kField, kSeed), border, reason).ok()) << reason;
   EXPECT_LT(worst_corner_px(arena, border.corners), 8.0) << "the refinement finds the rest from 30 px";
 }
 
@@ -60,7 +49,8 @@ TEST(BorderSearch, FromOtherPlacesWithOtherLensesAndLamps) {
     arena.light.lamp = {{-1.2, 0.9, 1.8, 1.0}, {1.3, -0.8, 1.9, 0.5}};
     BorderSearch border;
     std::string reason;
-    ASSERT_TRUE(find_border(photograph(arena), border, reason).ok()) << reason << " from x = " << view.x_m;
+    ASSERT_TRUE(find_border(photograph(arena, kField, kSeed), border, reason).ok())
+        << reason << " from x = " << view.x_m;
     EXPECT_LT(worst_corner_px(arena, border.corners), 12.0) << "from x = " << view.x_m;
   }
 }
@@ -99,7 +89,8 @@ TEST(BorderSearch, RefusesWhatHasNoBorder) {
   const hal::mock::ArenaParameters arena;
   BorderSearch border;
   std::string reason;
-  EXPECT_EQ(find_border(photograph(arena, hal::mock::Floor::kGreyPaper), border, reason).code(), ErrorCode::kNotFound);
+  EXPECT_EQ(find_border(photograph(arena, hal::mock::Floor::kGreyPaper, kSeed), border, reason).code(),
+            ErrorCode::kNotFound);
   EXPECT_NE(reason.find("nothing as bright as a border goes around"), std::string::npos) << reason;
 }
 
@@ -109,7 +100,7 @@ TEST(BorderSearch, HalfAFieldIsNotTakenForAWholeOne) {
   BorderSearch border;
   std::string reason;
   // Of the field that is left, border and center line go around one half.
-  ASSERT_TRUE(find_border(photograph(arena), border, reason).ok()) << reason;
+  ASSERT_TRUE(find_border(photograph(arena, kField, kSeed), border, reason).ok()) << reason;
   const Corners turned = {border.corners[1], border.corners[2], border.corners[3], border.corners[0]};
   FieldFitInput input;
   input.width_px = kWidth;

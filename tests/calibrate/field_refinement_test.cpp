@@ -5,27 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/mock/renderer.h"
-#include "hal/mock/sensor.h"
+#include "tests/calibrate/arena_photograph.h"
 
 // The arena's camera has a lens of another kind (Kannala and Brandt) than the model that is fitted, noise, lamps, goals
 // in the border and filled corners.
 namespace touchline::calibrate {
 namespace {
 
-constexpr std::uint16_t kWidth = 640, kHeight = 480;
-
 class FieldRefinement : public ::testing::Test {
  protected:
   hal::Picture photograph(hal::mock::Floor floor, const hal::mock::Snapshot* things = nullptr) const {
-    hal::mock::Renderer renderer(arena_, kWidth, kHeight, floor);
-    hal::mock::Sensor sensor(arena_.sensor, PixelFormat::kRgb24, kWidth, kHeight, 1);
-    hal::Picture picture;
-    picture.width_px = kWidth;
-    picture.height_px = kHeight;
-    picture.rgb8.resize(std::size_t{3} * kWidth * kHeight);
-    sensor.expose(things == nullptr ? renderer.render_floor() : renderer.render(*things, *things), picture.rgb8);
-    return picture;
+    return calibrate::photograph(arena_, floor, 1, things);
   }
 
   // Corners clicked a pixel off, each in another direction, and no word about the lens.

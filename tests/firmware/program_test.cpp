@@ -3,7 +3,6 @@
 #include <unistd.h>
 #include <array>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -143,16 +142,16 @@ TEST_F(Program, PlaysARecordingToItsEnd) {
 }
 
 TEST_F(Program, PlaysARecordingAtTheBoardsRate) {
-  // 30 pictures: a second at their own rate, a quarter of one at 120 Hz.
-  const auto duration_s = [](const std::string& text) {
-    return std::stod(text.substr(text.find("frames    30 in ") + std::strlen("frames    30 in ")));
+  // 30 pictures, 29 periods; a loaded machine may take longer, none may take less.
+  const auto duration_s = [this](const std::string& rate_hz) {
+    const Outcome outcome = touchline("run --headless --set camera.rate_hz=" + rate_hz + " " + board());
+    const std::string before = "frames    30 in ";
+    const std::size_t at = outcome.text.find(before);
+    EXPECT_NE(at, std::string::npos) << outcome.text;
+    return at == std::string::npos ? 0.0 : std::stod(outcome.text.substr(at + before.size()));
   };
-  const Outcome own = touchline("run --headless --set camera.rate_hz=0.0 " + board());
-  ASSERT_NE(own.text.find("frames    30 in "), std::string::npos) << own.text;
-  EXPECT_GT(duration_s(own.text), 0.9) << own.text;
-  const Outcome fast = touchline("run --headless --set camera.rate_hz=120.0 " + board());
-  ASSERT_NE(fast.text.find("frames    30 in "), std::string::npos) << fast.text;
-  EXPECT_LT(duration_s(fast.text), 0.6) << fast.text;
+  EXPECT_GE(duration_s("20.0"), 1.4);
+  EXPECT_GE(duration_s("0.0"), 0.9) << "pictures without a rate of their own come at 30 Hz";
 }
 
 TEST_F(Program, TerminationStopsTheRobotsAndIsNoFailure) {

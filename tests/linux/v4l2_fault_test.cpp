@@ -1,5 +1,4 @@
 #include <cerrno>
-#include <optional>
 
 #include "tests/linux/v4l2_fixture.h"
 
@@ -9,13 +8,8 @@ namespace {
 using hal::FrameLease;
 using hal::V4l2Camera;
 
-class V4l2FaultTest : public V4l2Test {
+class V4l2FaultTest : public V4l2RunningTest {
  protected:
-  void begin() {
-    camera_.emplace(settings());
-    ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
-    ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
-  }
   /// The same error again and again, and the driver is left in peace.
   void expect_lost_for_good(ErrorCode code) {
     const int requests = device_.requests(VIDIOC_DQBUF);
@@ -23,11 +17,6 @@ class V4l2FaultTest : public V4l2Test {
     expect_loss(*camera_, code, reason);
     EXPECT_EQ(device_.requests(VIDIOC_DQBUF), requests);
   }
-  void TearDown() override {
-    camera_.reset();
-    V4l2Test::TearDown();
-  }
-  std::optional<V4l2Camera> camera_;
 };
 
 TEST_F(V4l2FaultTest, DamagedAndShortFramesAreGivenBackAndTheNextIsGood) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <string>
 
 #include "hal/linux/v4l2_camera.h"
@@ -53,6 +54,22 @@ class V4l2Test : public ::testing::Test {
 
   fake::Kernel kernel_;
   fake::VideoDevice device_;
+};
+
+/// With a camera that streams after begin().
+class V4l2RunningTest : public V4l2Test {
+ protected:
+  void begin(const hal::CameraSettings& asked = settings()) {
+    camera_.emplace(asked);
+    ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
+    ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
+  }
+  void TearDown() override {
+    camera_.reset();
+    V4l2Test::TearDown();
+  }
+
+  std::optional<hal::V4l2Camera> camera_;
 };
 
 }  // namespace touchline::testing

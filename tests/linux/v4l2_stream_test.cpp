@@ -1,6 +1,5 @@
 #include <array>
 #include <cstring>
-#include <optional>
 #include <vector>
 
 #include "tests/linux/driver_allocations.h"
@@ -16,19 +15,7 @@ using hal::V4l2Camera;
 constexpr Duration kExposure = std::chrono::milliseconds(5);
 constexpr Duration kMicrosecond = std::chrono::microseconds(1);  // V4L2's stamps have no finer one
 
-class V4l2StreamTest : public V4l2Test {
- protected:
-  void begin(const CameraSettings& asked) {
-    camera_.emplace(asked);
-    ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
-    ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
-  }
-  void TearDown() override {
-    camera_.reset();
-    V4l2Test::TearDown();
-  }
-  std::optional<V4l2Camera> camera_;
-};
+class V4l2StreamTest : public V4l2RunningTest {};
 
 std::uint32_t number_in(const Frame& frame) {
   std::uint32_t number = 0;

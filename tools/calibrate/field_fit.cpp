@@ -1,6 +1,5 @@
 #include "tools/calibrate/field_fit.h"
 
-#include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
 #include <Eigen/Dense>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "tools/calibrate/homography.h"
+#include "tools/calibrate/least_squares.h"
 #include "tools/calibrate/paper_fit.h"
 #include "tools/calibrate/text.h"
 
@@ -45,16 +45,6 @@ struct Reprojection {
     const T stretch = focal[0] * (T(1) + k1[0] * (x * x + y * y));
     residual[0] = stretch * x + center.u_px - point.u_px;
     residual[1] = stretch * aspect[0] * y + center.v_px - point.v_px;
-    return true;
-  }
-};
-
-struct Prior {
-  double value, sigma;
-  std::size_t index;
-  template <class T>
-  bool operator()(const T* parameter, T* residual) const {
-    residual[0] = (parameter[index] - value) / sigma;
     return true;
   }
 };
@@ -111,14 +101,7 @@ class Solver {
   double minimize(Unknowns& x, bool with_distortion) const {
     ceres::Problem problem;
     build(problem, x, with_distortion);
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_QR;
-    options.max_num_iterations = 200;
-    options.function_tolerance = 1e-12;
-    options.parameter_tolerance = 1e-12;
-    options.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
+    const ceres::Solver::Summary summary = calibrate::minimize(problem, 1e-12, 1e-12);
     return summary.IsSolutionUsable() && x.position_m[2] > 0 ? summary.final_cost
                                                              : std::numeric_limits<double>::infinity();
   }
@@ -133,20 +116,20 @@ class Solver {
     }
     if (input_.camera_height_m) {
       problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<Prior, 1, 3>(new Prior{*input_.camera_height_m, kHeightSigma_m, 2}), nullptr,
+          new ceres::AutoDiffCostFunction<Prior, 1, 3>(new Prior{2, *input_.camera_height_m, kHeightSigma_m}), nullptr,
           x.position_m.data());
     }
     // A tilt looks like flat pixels as long as the height may follow.
     if (!has_distortion() || !input_.camera_height_m) {
       problem.SetParameterBlockConstant(&x.aspect);
     } else {
-      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, 1>(new Prior{1.0, kAspectSigma, 0}), nullptr,
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, 1>(new Prior{0, 1.0, kAspectSigma}), nullptr,
                                &x.aspect);
     }
     if (!with_distortion) {
       problem.SetParameterBlockConstant(&x.k1);
     } else {
-      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, 1>(new Prior{0.0, kDistortionSigma, 0}),
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, 1>(new Prior{0, 0.0, kDistortionSigma}),
                                nullptr, &x.k1);
     }
   }

@@ -1,6 +1,5 @@
 #include "tools/calibrate/field_refinement.h"
 
-#include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
 #include <Eigen/Geometry>
@@ -10,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "tools/calibrate/least_squares.h"
 #include "tools/calibrate/paper_fit.h"
 #include "tools/calibrate/text.h"
 
@@ -61,16 +61,6 @@ struct AcrossMark {
     const T u = lens[kFocal] * bent_x + lens[kCenterU];
     const T v = lens[kFocal] * lens[kAspect] * bent_y + lens[kCenterV];
     residual[0] = ((u - point.u_px) * point.across_u + (v - point.v_px) * point.across_v) / kEdgeSigma_px;
-    return true;
-  }
-};
-
-struct Prior {
-  std::size_t index;
-  double value, sigma;
-  template <class T>
-  bool operator()(const T* parameters, T* residual) const {
-    residual[0] = (parameters[index] - value) / sigma;
     return true;
   }
 };
@@ -139,13 +129,7 @@ class Adjustment {
     if (!fixed.empty()) {
       problem.SetManifold(camera.intrinsics.data(), new ceres::SubsetManifold(kIntrinsics, fixed));
     }
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_QR;
-    options.max_num_iterations = 100;
-    options.function_tolerance = 1e-10;
-    options.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
+    const ceres::Solver::Summary summary = minimize(problem, 1e-10);
     if (!summary.IsSolutionUsable() || camera.position_m[2] <= 0 || camera.intrinsics[kFocal] <= 0) return false;
     if (height_sigma_m != nullptr) *height_sigma_m = height_sigma(problem, camera);
     return true;

@@ -1,12 +1,11 @@
 #include "tools/calibrate/paper_fit.h"
 
-#include <ceres/ceres.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "tools/calibrate/homography.h"
+#include "tools/calibrate/least_squares.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -82,13 +81,7 @@ Status fit_paper_model(const FieldFitInput& input, FieldFit& fit, std::string& r
   } else {
     problem.SetParameterBlockConstant(&curvature);
   }
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.max_num_iterations = 200;
-  options.function_tolerance = 1e-14;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  minimize(problem, 1e-14);
 
   PaperModelParameters& paper = fit.camera.paper;
   paper.center_u_px = full.cx_px;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "hal/mock/sensor.h"
+
 namespace touchline::latency {
 namespace {
 
@@ -105,12 +107,10 @@ Frame WorstFrames::frame_of(std::size_t pattern) const {
   frame.format = info_.format;
   frame.width_px = info_.width_px;
   frame.height_px = info_.height_px;
-  const std::uint32_t pairs = (info_.width_px + 1u) / 2u;
-  const bool nv12 = info_.format == PixelFormat::kNv12;
-  const bool rgb = color_space(info_.format) == ColorSpace::kRgb;
-  frame.stride_bytes = {rgb ? 3u * info_.width_px : (nv12 ? 2u * pairs : 4u * pairs), nv12 ? 2u * pairs : 0u};
+  const hal::mock::PictureLayout layout = hal::mock::layout_of(info_.format, info_.width_px, info_.height_px);
+  frame.stride_bytes = layout.stride_bytes;
   const std::uint8_t* data = pictures_[pattern].data();
-  frame.plane = {data, nv12 ? data + std::size_t{frame.stride_bytes[0]} * info_.height_px : nullptr};
+  frame.plane = {data, layout.second_plane == 0 ? nullptr : data + layout.second_plane};
   return frame;
 }
 
@@ -123,8 +123,7 @@ Status WorstFrames::do_open() {
   info_ = {scan.format, scan.width_px, scan.height_px, 0.0};
   choose_values();
   for (std::size_t pattern = 0; pattern < kPatterns; ++pattern) {
-    // Enough for any of the formats: four bytes a pair and half as much again.
-    pictures_[pattern].assign((std::size_t{scan.width_px} + 1) * (std::size_t{scan.height_px} + 1) * 3, 0);
+    pictures_[pattern].assign(hal::mock::layout_of(scan.format, scan.width_px, scan.height_px).bytes, 0);
     paint(pattern);
   }
   sequence_ = 0;

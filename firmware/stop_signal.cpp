@@ -1,31 +1,25 @@
 #include "firmware/stop_signal.h"
 
-#include <ctime>
-
 #include <csignal>
 #include <cstdint>
+
+#include "hal/linux/monotonic_clock.h"
 
 namespace touchline {
 namespace {
 
 std::atomic<bool> stop_requested{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may not lock");
-
-std::atomic<std::int64_t> requested_at_s{0};
-static_assert(std::atomic<std::int64_t>::is_always_lock_free, "a signal handler may not lock");
-
-// timeout(1), service managers and terminals send the same signal to the process and to its group, so that it comes
-// twice: the second one must not take the stop packets away.
-constexpr std::int64_t kPatience_s = 2;
+std::atomic<Duration::rep> first_request{0};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<Duration::rep>::is_always_lock_free,
+              "a signal handler may not lock");
 
 void request_stop(int signal) {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
+  const Duration::rep now = hal::MonotonicClock::read().time_since_epoch().count();
   if (!stop_requested.exchange(true, std::memory_order_relaxed)) {
-    requested_at_s.store(now.tv_sec, std::memory_order_relaxed);
-  } else if (now.tv_sec - requested_at_s.load(std::memory_order_relaxed) > kPatience_s) {
+    first_request.store(now, std::memory_order_relaxed);
+  } else if (Duration(now - first_request.load(std::memory_order_relaxed)) >= kInsistence) {
     std::signal(signal, SIG_DFL);
-    raise(signal);
+    static_cast<void>(std::raise(signal));  // taken when this handler returns
   }
 }
 

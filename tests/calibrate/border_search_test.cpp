@@ -57,7 +57,7 @@ TEST(BorderSearch, FromOtherPlacesWithOtherLensesAndLamps) {
 
 TEST(BorderSearch, AmongHundredsOfSpecks) {
   const hal::mock::ArenaParameters arena;
-  hal::Picture picture = photograph(arena);
+  hal::Picture picture = photograph(arena, kField, kSeed);
   for (std::size_t v = 11; v < kHeight; v += 24) {
     for (std::size_t u = 11; u < kWidth; u += 24)
       std::fill_n(&picture.rgb8[3 * (v * kWidth + u)], 3, std::uint8_t{255});

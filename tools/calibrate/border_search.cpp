@@ -115,13 +115,13 @@ std::size_t box_area(const Grid& grid, const std::vector<std::size_t>& pixels) {
   return static_cast<std::size_t>(right - left + 1) * static_cast<std::size_t>(bottom - top + 1);
 }
 
-Eigen::Vector2d rectified(Eigen::Vector2d pixel, Eigen::Vector2d center, double h_px) {
+Eigen::Vector2d rectified(const Eigen::Vector2d& pixel, const Eigen::Vector2d& center, double h_px) {
   const Eigen::Vector2d away = pixel - center;
   const double r = away.norm() / h_px;
   return r < 1e-9 ? pixel : Eigen::Vector2d(center + away * (std::sinh(r) / r));
 }
 
-Eigen::Vector2d bent(Eigen::Vector2d point, Eigen::Vector2d center, double h_px) {
+Eigen::Vector2d bent(const Eigen::Vector2d& point, const Eigen::Vector2d& center, double h_px) {
   const Eigen::Vector2d away = point - center;
   const double r = away.norm() / h_px;
   return r < 1e-9 ? point : Eigen::Vector2d(center + away * (std::asinh(r) / r));
@@ -195,7 +195,7 @@ std::vector<OutlinePixel> border_outline(const hal::Picture& picture, int thresh
 bool hough_sides(const std::vector<OutlinePixel>& outline, int width_px, int height_px,
                  std::array<HoughLine, 4>& sides) {
   const auto diagonal = static_cast<int>(std::ceil(std::hypot(width_px, height_px)));
-  const std::size_t distances = static_cast<std::size_t>(2 * diagonal + 1);
+  const std::size_t distances = std::size_t{2} * static_cast<std::size_t>(diagonal) + 1;
   std::vector<std::uint32_t> votes(kAngles * distances);
   for (int a = 0; a < kAngles; ++a) {
     const double angle = kPi * a / kAngles, c = std::cos(angle), s = std::sin(angle);

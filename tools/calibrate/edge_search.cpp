@@ -25,7 +25,7 @@ class Profile {
   Profile(const LightPicture& picture, double u, double v, double across_u, double across_v, double reach_px) {
     const auto half = static_cast<int>(std::ceil(reach_px / kSampleStep_px));
     origin_ = half;
-    values_.reserve(static_cast<std::size_t>(2 * half + 1));
+    values_.reserve(std::size_t{2} * static_cast<std::size_t>(half) + 1);
     for (int i = -half; i <= half; ++i) {
       const double s = i * kSampleStep_px;
       double sum = 0;

@@ -21,8 +21,10 @@ double polynomial_slope(double r, double k1, double k2, double k3) {
 BrownDistortion::BrownDistortion(double k1, double k2, double k3, double p1, double p2)
     : k1_(k1), k2_(k2), k3_(k3), p1_(p1), p2_(p2) {
   // First radius at which the slope is too small: a scan, because the slope may dip and rise again, then bisection.
-  constexpr double kStep = 1e-3;
-  for (double r = kStep; r < kLargestRadius; r += kStep) {
+  constexpr int kSteps = 1000 * static_cast<int>(kLargestRadius);
+  constexpr double kStep = kLargestRadius / kSteps;
+  for (int step = 1; step < kSteps; ++step) {
+    const double r = step * kStep;
     if (polynomial_slope(r, k1, k2, k3) >= kLeastSlope) continue;
     double low = r - kStep, high = r;
     for (int i = 0; i < 40; ++i) {

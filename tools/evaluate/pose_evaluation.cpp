@@ -172,6 +172,7 @@ std::vector<Spread> spread_of(const std::vector<FrameRecord>& result) {
     if (record.sightings.ball.has_value()) ball.position.push_back(record.sightings.ball->position_m);
   }
   std::vector<Spread> spreads;
+  spreads.reserve(robots.size() + 1);
   for (const auto& [who, seen] : robots) {
     spreads.push_back(spread_about_mean(who.first + " " + std::to_string(who.second), seen));
   }

@@ -2,37 +2,15 @@
 
 #include <algorithm>
 
+#include "core/color/pixel.h"
+
 namespace touchline::calibrate {
-namespace {
-
-Channels raw(const Frame& frame, int u, int v) {
-  const auto column = static_cast<std::size_t>(u), row = static_cast<std::size_t>(v);
-  const std::uint8_t* line = frame.plane[0] + row * frame.stride_bytes[0];
-  const std::size_t pair = column / 2 * 4;
-  switch (frame.format) {
-    case PixelFormat::kRgb24:
-      return {line[3 * column], line[3 * column + 1], line[3 * column + 2]};
-    case PixelFormat::kBgr24:
-      return {line[3 * column + 2], line[3 * column + 1], line[3 * column]};
-    case PixelFormat::kYuyv:
-      return {line[2 * column], line[pair + 1], line[pair + 3]};
-    case PixelFormat::kUyvy:
-      return {line[2 * column + 1], line[pair], line[pair + 2]};
-    case PixelFormat::kNv12:
-      break;
-  }
-  const std::uint8_t* chroma = frame.plane[1] + row / 2 * frame.stride_bytes[1];
-  return {line[column], chroma[column / 2 * 2], chroma[column / 2 * 2 + 1]};
-}
-
-}  // namespace
-
 ChannelImage corrected_channels(const Frame& frame, const Shading& shading) {
   ChannelImage image{frame.width_px, frame.height_px, color_space(frame.format), {}};
   image.pixels.resize(static_cast<std::size_t>(image.width_px) * static_cast<std::size_t>(image.height_px));
   for (int v = 0; v < image.height_px; ++v) {
     for (int u = 0; u < image.width_px; ++u) {
-      Channels value = raw(frame, u, v);
+      Channels value = pixel_at(frame, static_cast<std::size_t>(u), static_cast<std::size_t>(v));
       if (shading.active()) {
         const auto column = static_cast<std::uint16_t>(u / kTileWidth),
                    row = static_cast<std::uint16_t>(v / kTileHeight);

@@ -7,6 +7,7 @@
 
 #include "core/status.h"
 #include "core/types.h"
+#include "hal/replay/picture.h"
 
 namespace touchline::calibrate {
 
@@ -26,6 +27,9 @@ class CameraPicture {
   std::vector<std::uint8_t> bytes_;
   std::size_t chroma_offset_ = 0;
 };
+
+/// The same as 8-bit RGB.
+Status load_rgb(const std::string& path, hal::Picture& out, std::string& reason);
 
 /// "rgb24", "bgr24", "yuyv", "uyvy", "nv12", as in the board file.
 std::optional<PixelFormat> format_of(const std::string& word);

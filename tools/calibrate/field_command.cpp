@@ -42,20 +42,12 @@ Status read_pixels(const std::vector<std::string>& words, const char* option, st
 
 Status load_photographs(const std::vector<std::string>& paths, std::vector<hal::Picture>& out, std::string& reason) {
   for (const std::string& path : paths) {
-    CameraPicture photograph;
-    if (Status s = CameraPicture::load(path, PixelFormat::kRgb24, photograph, reason); !s.ok()) return s;
-    const Frame frame = photograph.frame();
     hal::Picture picture;
-    picture.width_px = frame.width_px;
-    picture.height_px = frame.height_px;
+    if (Status s = load_rgb(path, picture, reason); !s.ok()) return s;
     if (!out.empty() && (picture.width_px != out[0].width_px || picture.height_px != out[0].height_px)) {
       reason = text("%s is %u x %u, but %s is %u x %u", path.c_str(), picture.width_px, picture.height_px,
                     paths[0].c_str(), out[0].width_px, out[0].height_px);
       return ErrorCode::kInconsistent;
-    }
-    for (std::size_t v = 0; v < frame.height_px; ++v) {
-      const std::uint8_t* row = frame.plane[0] + v * frame.stride_bytes[0];
-      picture.rgb8.insert(picture.rgb8.end(), row, row + 3 * std::size_t{frame.width_px});
     }
     out.push_back(std::move(picture));
   }

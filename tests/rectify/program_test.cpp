@@ -1,0 +1,85 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tests/rectify/bent_field.h"
+#include "tools/calibrate/venue_draft.h"
+
+// The program from outside, as a person runs it.
+namespace touchline::rectify {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Program : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              ("touchline_rectify_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    std::string reason;
+    ASSERT_TRUE(hal::write_picture(path("field.png"), photograph(bent_camera(), small_field()), reason).ok()) << reason;
+    config::PictureEntry entry;
+    entry.width_px = kWidth;
+    entry.height_px = kHeight;
+    ASSERT_TRUE(calibrate::write_sections(
+                    path("venue.toml"),
+                    {calibrate::section_of("picture", entry, ""), calibrate::section_of("field", small_field(), ""),
+                     calibrate::section_of("camera_model", bent_camera(), "")},
+                    reason)
+                    .ok())
+        << reason;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  bool run(const std::string& arguments) {
+    const std::string command = std::string(TOUCHLINE_RECTIFY) + " " + arguments + " >" + path("out") + " 2>&1";
+    return std::system(command.c_str()) == 0;  // NOLINT(cert-env33-c): the program under test
+  }
+  std::string said() const {
+    std::ifstream file(path("out"));
+    std::ostringstream all;
+    all << file.rdbuf();
+    return all.str();
+  }
+  fs::path folder_;
+};
+
+TEST_F(Program, WritesTheFiguresOfBothModels) {
+  ASSERT_TRUE(run(path("field.png") + " --venue " + path("venue.toml") + " --out " + path("figures") + " --grid 0.1"))
+      << said();
+  for (const char* name : {"field-distorted.png", "field-full-radial.png", "field-full-both.png",
+                           "field-paper-radial.png", "field-paper-both.png"}) {
+    EXPECT_TRUE(fs::exists(path("figures") + "/" + name)) << name;
+  }
+  EXPECT_NE(said().find("full  -y"), std::string::npos) << said();
+  ASSERT_TRUE(run(path("field.png") + " --venue " + path("venue.toml") + " --out " + path("one") + " --kind paper"));
+  EXPECT_FALSE(fs::exists(path("one/field-full-both.png")));
+  EXPECT_TRUE(fs::exists(path("one/field-paper-both.png")));
+}
+
+TEST_F(Program, SaysWhatIsMissing) {
+  const std::string rest = " --out " + path("figures");
+  EXPECT_FALSE(run(path("field.png") + " --venue " + path("none.toml") + rest));
+  EXPECT_NE(said().find("none.toml: no such file"), std::string::npos) << said();
+  EXPECT_FALSE(run(path("none.png") + " --venue " + path("venue.toml") + rest));
+  EXPECT_NE(said().find("none.png"), std::string::npos) << said();
+  hal::Picture small;
+  small.width_px = small.height_px = 32;
+  small.rgb8.resize(std::size_t{3} * 32 * 32);
+  std::string reason;
+  ASSERT_TRUE(hal::write_picture(path("small.png"), small, reason).ok());
+  EXPECT_FALSE(run(path("small.png") + " --venue " + path("venue.toml") + rest));
+  EXPECT_NE(said().find("is 32 x 32, but"), std::string::npos) << said();
+  std::ofstream(path("bare.toml")) << "version = 1\n[picture]\nwidth_px = 320\nheight_px = 240\n";
+  EXPECT_FALSE(run(path("field.png") + " --venue " + path("bare.toml") + rest));
+  EXPECT_NE(said().find("[camera_model] holds no camera"), std::string::npos) << said();
+  EXPECT_FALSE(fs::exists(path("figures"))) << "nothing is made when it is refused";
+}
+
+}  // namespace
+}  // namespace touchline::rectify

@@ -117,7 +117,9 @@ TEST_F(Program, LeavesTheVenueUntouchedWhenItRefuses) {
   refuses("colors --samples " + path("bad.json") + venue(), "sample 0");
   write("floor.json", R"({"samples": [{"image": "field.png", "color": "red", "u": 300, "v": 20}]})");
   refuses("colors --samples " + path("floor.json") + venue(), "larger than a patch");
-  write("team.toml", "version = 1\n[own]\ncolor = \"red\"\n[ball]\ncolor = \"orange\"\n");
+  write("team.toml",
+        "version = 1\n[own]\ncolor = \"red\"\n[[own.robot]]\nid = 0\ncolors = [\"green\"]\n"
+        "[ball]\ncolor = \"orange\"\n");
   refuses("colors --samples " + path("clicks.json") + venue() + " --team " + path("team.toml"), "orange");
   EXPECT_FALSE(fs::exists(path("venue-light.png")));
 }

@@ -29,6 +29,13 @@ struct ChannelImage {
 /// Reads the frame as the classifier does: shared chroma, then the tile's gain (eq. 17).
 ChannelImage corrected_channels(const Frame& frame, const Shading& shading);
 
+/// Distance of two colors in levels of the camera's space; in YUV luma counts half and chroma twice: chroma spans half
+/// of what luma does and carries what makes a patch differ from its neighbor.
+double color_distance(const Channels& a, const Channels& b, ColorSpace space);
+
+/// A color of the camera's space for showing to a person (YUV: ITU-R BT.601, limited range).
+Channels shown_rgb(const Channels& value, ColorSpace space);
+
 /// Pixels whose center lies in the polygon, one byte a pixel; all of them when it has fewer than three corners.
 std::vector<std::uint8_t> inside_mask(const Polygon& polygon, int width_px, int height_px);
 

@@ -13,18 +13,6 @@ namespace {
 constexpr int kMaxDistance = 255;
 constexpr int kOutside = kMaxDistance + 1;
 
-// Chroma spans half of what luminance does and carries what makes a patch differ from its neighbor.
-double color_distance(const Channels& a, const Channels& b, ColorSpace space) {
-  const std::array<double, 3> weight =
-      space == ColorSpace::kYuv ? std::array<double, 3>{0.25, 4.0, 4.0} : std::array<double, 3>{1.0, 1.0, 1.0};
-  double sum = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double d = static_cast<double>(a[c]) - static_cast<double>(b[c]);
-    sum += weight[c] * d * d;
-  }
-  return std::sqrt(sum);
-}
-
 // Median of the pixels around the click: one noisy pixel must not name the color.
 Channels seed_color(const ChannelImage& image, int u, int v) {
   Channels seed{};
@@ -48,22 +36,20 @@ class Window {
       : left_(u - radius), top_(v - radius), side_(2 * radius + 1) {
     const Channels seed = seed_color(image, u, v);
     const auto cells = static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_);
-    std::vector<int> distance(cells, kOutside);
-    for (int y = 0; y < side_; ++y) {
-      for (int x = 0; x < side_; ++x) {
-        if (!image.contains(left_ + x, top_ + y) || inside[image.index(left_ + x, top_ + y)] == 0) continue;
-        const double d = color_distance(image.at(left_ + x, top_ + y), seed, image.space);
-        distance[cell(x, y)] = std::min(kMaxDistance, static_cast<int>(d));
-      }
-    }
+    // Measured where growth comes by: most of a window is never reached.
+    const auto distance = [&](int x, int y) {
+      if (!image.contains(left_ + x, top_ + y) || inside[image.index(left_ + x, top_ + y)] == 0) return kOutside;
+      return std::min(kMaxDistance, static_cast<int>(color_distance(image.at(left_ + x, top_ + y), seed, image.space)));
+    };
     reached_at_.assign(cells, kOutside);
     // One queue a tolerance: a pixel is reached at the largest distance on its best way (minimax path).
     std::vector<std::vector<std::size_t>> queue(kMaxDistance + 1);
     const std::size_t start = cell(radius, radius);
-    if (distance[start] == kOutside) return;
-    reached_at_[start] = distance[start];
-    queue[static_cast<std::size_t>(distance[start])].push_back(start);
-    for (int t = 0; t <= kMaxDistance; ++t) {
+    const int at_start = distance(radius, radius);
+    if (at_start == kOutside) return;
+    reached_at_[start] = at_start;
+    queue[static_cast<std::size_t>(at_start)].push_back(start);
+    for (int t = 0; t <= std::min(kMaxDistance, border_at_); ++t) {  // what is larger is no patch
       auto& ready = queue[static_cast<std::size_t>(t)];
       for (std::size_t i = 0; i < ready.size(); ++i) {  // grows while it is read
         const int x = static_cast<int>(ready[i]) % side_, y = static_cast<int>(ready[i]) / side_;
@@ -72,24 +58,30 @@ class Window {
           const int nx = x + step[0], ny = y + step[1];
           if (nx < 0 || ny < 0 || nx >= side_ || ny >= side_) continue;
           const std::size_t next = cell(nx, ny);
-          if (distance[next] == kOutside || reached_at_[next] != kOutside) continue;
-          reached_at_[next] = std::max(t, distance[next]);
+          if (reached_at_[next] != kOutside) continue;
+          const int there = distance(nx, ny);
+          if (there == kOutside) continue;
+          reached_at_[next] = std::max(t, there);
+          if (nx == 0 || ny == 0 || nx == side_ - 1 || ny == side_ - 1) {
+            border_at_ = std::min(border_at_, reached_at_[next]);
+          }
           queue[static_cast<std::size_t>(reached_at_[next])].push_back(next);
         }
       }
     }
   }
 
-  // Pixels reached at each tolerance, and the tolerance at which the window's border is.
-  void areas(std::array<double, kMaxDistance + 1>& area, int& border_at) const {
+  // The tolerance at which growth reaches the window's border.
+  [[nodiscard]] int border_at() const { return border_at_; }
+
+  // Pixels reached at each tolerance, as far as the one at which the border is.
+  void areas(std::array<double, kMaxDistance + 1>& area) const {
     area.fill(0);
-    border_at = kOutside;
     for (int y = 0; y < side_; ++y) {
       for (int x = 0; x < side_; ++x) {
         const int t = reached_at_[cell(x, y)];
         if (t == kOutside) continue;
         area[static_cast<std::size_t>(t)] += 1;
-        if (x == 0 || y == 0 || x == side_ - 1 || y == side_ - 1) border_at = std::min(border_at, t);
       }
     }
     for (std::size_t t = 1; t < area.size(); ++t) area[t] += area[t - 1];
@@ -108,6 +100,7 @@ class Window {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(side_) + static_cast<std::size_t>(x);
   }
   int left_, top_, side_;
+  int border_at_ = kOutside;
   std::vector<int> reached_at_;
 };
 
@@ -127,8 +120,8 @@ Status grow_patch(const ChannelImage& image, const std::vector<std::uint8_t>& in
   }
   const Window window(image, inside, u, v, limits.radius_px);
   std::array<double, kMaxDistance + 1> area{};
-  int border_at = kOutside;
-  window.areas(area, border_at);
+  window.areas(area);
+  const int border_at = window.border_at();
 
   // Growth within a step of the tolerance, relative to the area. Two levels either side are the noise of a pixel; a
   // plateau of a lower tolerance wins over an equal one of a higher, which may hold a neighbor too.
@@ -160,6 +153,7 @@ Status grow_patch(const ChannelImage& image, const std::vector<std::uint8_t>& in
     return ErrorCode::kNotFound;
   }
   out.tolerance = best;
+  out.instability = best_score;
   window.pixels(image, best, out.pixels);
   return {};
 }

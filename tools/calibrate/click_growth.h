@@ -17,6 +17,7 @@ struct GrowthLimits {
 struct Patch {
   std::vector<std::size_t> pixels;  // indices into ChannelImage::pixels
   double tolerance = 0;             // color distance at which it was cut from its surroundings
+  double instability = 0;           // how much it depends on the tolerance: the smaller, the clearer its edge
 };
 
 /// Grows from the click over all tolerances at once and takes the region that changes least when the tolerance does

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "tools/calibrate/box_split.h"
+#include "tools/calibrate/patch_catching.h"
 #include "tools/calibrate/text.h"
 
 namespace touchline::calibrate {
@@ -136,8 +137,7 @@ class Fitter {
       Patch patch;
       if (scene == scenes_.end()) {
         result.reason = "its picture is missing";
-      } else if (grow_patch(scene->channels, inside_, click.u_px, click.v_px, input_.growth, patch, result.reason)
-                     .ok()) {
+      } else if (catch_patch(scene->channels, inside_, click, input_.growth, patch, result.reason).ok()) {
         result.area_px = patch.pixels.size();
         for (const std::size_t pixel : patch.pixels) {
           scene->owner[pixel] = static_cast<std::uint8_t>(color + 1);
@@ -196,15 +196,9 @@ class Fitter {
         std::nth_element(values.begin(), half, values.end());
         middle[channel] = *half;
       }
-      out_.shown_rgb.push_back(out_.space == ColorSpace::kYuv ? rgb_of_yuv(middle) : middle);
+      out_.shown_rgb.push_back(shown_rgb(middle, out_.space));
     }
     return learning;
-  }
-
-  static Channels rgb_of_yuv(const Channels& yuv) {
-    const double y = 1.164 * (yuv[0] - 16.0), u = yuv[1] - 128.0, v = yuv[2] - 128.0;  // ITU-R BT.601, limited range
-    const auto byte = [](double x) { return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 255.0))); };
-    return {byte(y + 1.596 * v), byte(y - 0.392 * u - 0.813 * v), byte(y + 2.017 * u)};
   }
 
   Status reserve_look_alikes(const LearningInput& learning) {

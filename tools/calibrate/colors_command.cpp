@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <set>
+#include <iostream>
+#include <map>
 
-#include "firmware/config/team_file.h"
-#include "firmware/config/toml_file.h"
+#include <unistd.h>
+
 #include "hal/replay/picture.h"
+#include "tools/calibrate/clickless.h"
 #include "tools/calibrate/color_fit.h"
 #include "tools/calibrate/commands.h"
 #include "tools/calibrate/text.h"
@@ -17,25 +19,38 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Every color that a team file names must have been clicked on.
-Status check_team(const std::string& path, const std::vector<Click>& clicks, std::string& reason) {
-  config::TeamFile team;
-  config::Locations where;
-  config::Problems problems;
-  if (Status s = config::read_toml(path, "", {}, team, where, problems); !s.ok()) {
-    reason = problems.text();
-    return s;
+// Every color that a team file names must be there.
+bool all_there(const std::string& path, const TeamColors& team, const std::vector<Click>& clicks, std::string& reason) {
+  std::string missing;
+  for (const std::string& name : team.names) {
+    if (std::none_of(clicks.begin(), clicks.end(), [&](const Click& c) { return c.color == name; }))
+      missing += " " + name;
   }
-  std::set<std::string> wanted = {team.own.color, team.opponent.color, team.ball.color};
-  for (const auto& side : {team.own, team.opponent}) {
-    for (const auto& robot : side.robot) wanted.insert(robot.colors.begin(), robot.colors.end());
+  if (!missing.empty()) reason = path + " names colors that no click shows:" + missing;
+  return missing.empty();
+}
+
+// What a person looks at before saying yes.
+void print_found(const FoundColors& found) {
+  std::printf("%zu patches, %zu robots in %zu pictures\n%-12s %-15s %7s %-12s %s\n", found.input.patches.size(),
+              found.assignment.robots, found.images.size(), "color", "R G B", "patches", "next best",
+              "confidence");
+  for (std::size_t c = 0; c < found.input.colors.size(); ++c) {
+    const WantedColor& wanted = found.input.colors[c];
+    const AssignedColor& color = found.assignment.colors[c];
+    const std::string rgb =
+        color.patches.empty() ? "-" : text("%3.0f %3.0f %3.0f", color.rgb[0], color.rgb[1], color.rgb[2]);
+    std::printf("%-12s %-15s %7zu %-12s %s\n", wanted.name.c_str(), rgb.c_str(), color.patches.size(),
+                color.rival.empty() ? "-" : color.rival.c_str(),
+                wanted.clicked ? "clicked" : text("%.1f %%", 100 * color.confidence()).c_str());
   }
-  wanted.erase("");
-  for (const Click& click : clicks) wanted.erase(click.color);
-  if (wanted.empty()) return {};
-  reason = path + " names colors that no click shows:";
-  for (const std::string& name : wanted) reason += " " + name;
-  return ErrorCode::kInconsistent;
+}
+
+bool confirmed() {
+  std::printf("are these the colors? [y/n] ");
+  std::fflush(stdout);
+  std::string answer;
+  return std::getline(std::cin, answer) && (answer == "y" || answer == "yes");
 }
 
 void print_report(const ColorFitInput& input, const ColorFit& fit) {
@@ -96,16 +111,93 @@ void print_report(const ColorFitInput& input, const ColorFit& fit) {
 }  // namespace
 
 void ColorsCommand::add_options(CLI::App& app) {
-  app.add_option("--samples", samples, "JSON file of clicks: {\"samples\":[{\"image\",\"color\",\"u\",\"v\"}]}")
+  app.add_option("--picture", pictures,
+                 "Picture of standing robots and ball: colors are found without a click; several")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--samples", samples,
+                 "JSON file of clicks: {\"samples\":[{\"image\",\"color\",\"u\",\"v\"}]}, or \"box\":[u0,v0,u1,v1]");
+  app.add_option("--venue", venue, "Venue file; its camera model, light map and region of interest are used")
       ->required();
-  app.add_option("--venue", venue, "Venue file; its light map and region of interest are used")->required();
   app.add_option("--images", images, "Folder that the image names start from; else the JSON file's");
-  app.add_option("--team", team, "Team file: all colors that it names must have been clicked on");
+  app.add_option("--team", team, "Team file: all colors that it names must be there");
   app.add_option("--format", format, "What the camera delivers: rgb24, bgr24, yuyv, uyvy, nv12")
       ->check(CLI::IsMember({"rgb24", "bgr24", "yuyv", "uyvy", "nv12"}));
   app.add_option("--patch-radius", patch_radius_px, "A patch reaches no farther from the click, px")
       ->check(CLI::Range(3, 200));
-  app.add_option("--preview", preview, "Folder to write pictures of the classified pixels to");
+  app.add_option("--preview", preview, "Folder to write pictures of the patches found and of classified pixels to");
+  app.add_flag("--yes", yes, "Colors found without a click are right: do not ask");
+}
+
+// Beside the venue file, when nothing else is said.
+std::string ColorsCommand::preview_folder() const {
+  if (!preview.empty()) return preview;
+  const fs::path file(venue);
+  return (file.parent_path() / (file.stem().string() + "-colors")).string();
+}
+
+// Clicks and pictures.
+bool ColorsCommand::read_input(ColorFitInput& input, std::string& reason) const {
+  if (samples.empty() && pictures.empty()) {
+    reason = "--picture or --samples is needed";
+    return false;
+  }
+  const auto pixel_format = format_of(format);
+  if (!pixel_format) {
+    reason = "--format: " + format + " is unknown";
+    return false;
+  }
+  if (!samples.empty() && !read_clicks(samples, input.clicks, reason).ok()) return false;
+  const auto load = [&](const std::string& path, const std::string& name) {
+    return input.pictures.count(name) > 0 ||
+           CameraPicture::load(path, *pixel_format, input.pictures[name], reason).ok();
+  };
+  const fs::path root = images.empty() ? fs::path(samples).parent_path() : fs::path(images);
+  std::map<std::string, std::string> name_of;  // one picture, however it is named
+  std::error_code error;
+  for (const Click& click : input.clicks) {
+    const std::string path = (root / click.image).string();
+    if (!load(path, click.image)) return false;
+    name_of[fs::weakly_canonical(path, error).string()] = click.image;
+  }
+  for (const std::string& path : pictures) {
+    if (name_of.count(fs::weakly_canonical(path, error).string()) == 0 && !load(path, path)) return false;
+  }
+  return true;
+}
+
+// Adds what was found to the clicks, once a person has said that it is right.
+bool ColorsCommand::find_without_clicks(const VenueDraft& draft, ColorFitInput& input, std::string& reason) const {
+  if (team.empty()) {
+    reason = "--picture without --team: which colors are looked for?";
+    return false;
+  }
+  TeamColors wanted;
+  FoundColors found;
+  if (!read_team_colors(team, wanted, reason).ok() ||
+      !find_colors(draft, wanted, input.clicks, input.pictures, found, reason).ok()) {
+    return false;
+  }
+  print_found(found);
+  const std::string folder = preview_folder();
+  std::error_code error;
+  fs::create_directories(folder, error);
+  for (const auto& [image, picture] : input.pictures) {
+    const std::string path = (fs::path(folder) / (fs::path(image).stem().string() + "-found.png")).string();
+    if (!write_found(path, found, image, picture, reason).ok()) return false;
+  }
+  std::printf("what was found is drawn in %s\n", folder.c_str());
+  if (!found.doubts.empty()) {
+    reason = "the colors are not certain:";
+    for (const std::string& doubt : found.doubts) reason += "\n  " + doubt;
+    return false;
+  }
+  if (!yes && (isatty(STDIN_FILENO) == 0 || !confirmed())) {
+    reason = "not confirmed, nothing is written: look at " + folder + ", then run this again with --yes";
+    return false;
+  }
+  input.clicks.insert(input.clicks.end(), found.clicks.begin(), found.clicks.end());
+  return true;
 }
 
 int ColorsCommand::run() const {
@@ -113,17 +205,14 @@ int ColorsCommand::run() const {
   VenueDraft draft;
   if (!read_draft(venue, draft, reason).ok()) return refuse(reason);
   ColorFitInput input;
-  if (!read_clicks(samples, input.clicks, reason).ok()) return refuse(reason);
-  if (!team.empty() && !check_team(team, input.clicks, reason).ok()) return refuse(reason);
+  if (!read_input(input, reason)) return refuse(reason);
   input.light = draft.light;
   input.region_of_interest = draft.region_of_interest;
   input.growth.radius_px = patch_radius_px;
-  const fs::path root = images.empty() ? fs::path(samples).parent_path() : fs::path(images);
-  const auto pixel_format = format_of(format);
-  if (!pixel_format) return refuse("--format: " + format + " is unknown");
-  for (const Click& click : input.clicks) {
-    if (input.pictures.count(click.image) > 0) continue;
-    if (!CameraPicture::load((root / click.image).string(), *pixel_format, input.pictures[click.image], reason).ok()) {
+  if (!pictures.empty() && !find_without_clicks(draft, input, reason)) return refuse(reason);
+  if (!team.empty()) {
+    TeamColors wanted;
+    if (!read_team_colors(team, wanted, reason).ok() || !all_there(team, wanted, input.clicks, reason)) {
       return refuse(reason);
     }
   }

@@ -10,6 +10,9 @@ class App;
 
 namespace touchline::calibrate {
 
+struct ColorFitInput;
+struct VenueDraft;
+
 /// Each command reads its options from CLI11, does its work, prints its report to standard output and what is wrong to
 /// standard error. Exit code 0: the venue file was written; 1: it was refused, and the file is as it was.
 struct FieldCommand {
@@ -31,9 +34,16 @@ struct LightCommand {
 
 struct ColorsCommand {
   std::string samples, venue, team, images, format = "rgb24", preview;
+  std::vector<std::string> pictures;
+  bool yes = false;
   int patch_radius_px = 24;
   void add_options(CLI::App& app);
   int run() const;
+
+ private:
+  [[nodiscard]] std::string preview_folder() const;
+  bool read_input(ColorFitInput& input, std::string& reason) const;
+  bool find_without_clicks(const VenueDraft& draft, ColorFitInput& input, std::string& reason) const;
 };
 
 /// "1.5,-2" -> {1.5, -2}; none unless there are exactly `count` finite numbers.

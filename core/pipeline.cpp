@@ -30,11 +30,13 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   if (Status s = camera_.configure(parameters.camera); !s.ok()) return s;
   if (Status s = matcher_.configure(parameters.marker, camera_); !s.ok()) return s;
   if (Status s = tracker_.configure(parameters.track); !s.ok()) return s;
+  if (Status s = adaptation_.configure(parameters.adaptation, parameters.scan); !s.ok()) return s;
   return controller_.configure(parameters.control, parameters.marker.field);
 }
 
 const StepTrace& Pipeline::step(const Frame& frame) {
   trace_.frame = frame;
+  trace_.light = {};
   const auto timer = [this](Stage stage) {
     return StageTimer(clock_, trace_.stage_time[static_cast<std::size_t>(stage)]);
   };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/adaptation.h"
 #include "core/control/controller.h"
 #include "core/geometry/camera_model.h"
 #include "core/marker/matcher.h"
@@ -16,6 +17,7 @@ struct PipelineParameters {
   MarkerParameters marker;
   TrackParameters track;
   ControlParameters control;
+  AdaptationParameters adaptation;
 };
 
 /// The way of one frame, camera to packet. Large (fixed memory): make one, not on the stack.
@@ -39,6 +41,12 @@ class Pipeline {
   /// `status` says so.
   const StepTrace& step(const Frame& frame);
 
+  /// Follows the light by what the last step() saw, whose frame must still be there. Nothing waits for it: to be called
+  /// when the packet is on its way. Adds to that step's trace.
+  void adapt() { adaptation_.update(scanner_, trace_); }
+  void set_adaptation(AdaptationMode mode) { adaptation_.set_mode(mode); }
+  [[nodiscard]] AdaptationMode adaptation() const { return adaptation_.mode(); }
+
   /// A packet that halts all robots, for when there is no frame to step; it acts after the action delay, counted from
   /// `now`. Valid until the next call.
   const Packet& stop(Instant now);
@@ -53,6 +61,7 @@ class Pipeline {
   Matcher matcher_;
   Tracker tracker_;
   Controller controller_;
+  Adaptation adaptation_;
   StageClock clock_ = nullptr;
   Duration action_delay_{};
   bool halted_ = false, observing_ = false;

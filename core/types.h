@@ -219,6 +219,12 @@ enum class Stage : std::uint8_t { kRegion, kMarker, kTrack, kControl, kRadio }; 
 constexpr std::size_t kStageCount = 5;
 const char* describe(Stage stage) noexcept;
 
+/// What the adaptation to the light has come to; known after Pipeline::adapt().
+struct LightTrace {
+  float brightness = 1.0f;    // of the field, relative to the calibration
+  std::uint32_t patches = 0;  // that it learned from in this frame
+};
+
 /// Everything that one frame led to. Recorder, console, latency report and tests read this and nothing else.
 struct StepTrace {
   Frame frame;  // its pixels are gone once the lease is given back
@@ -228,6 +234,7 @@ struct StepTrace {
   Tracks tracks;
   Commands commands;
   Packet packet;
+  LightTrace light;
   Status status;  // of the scan: kUnsupported (nothing seen), kFull (see overload)
   std::array<Duration, kStageCount> stage_time{};
   bool overload = false;  // some capacity was reached; the counters say which

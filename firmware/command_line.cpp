@@ -17,7 +17,9 @@ constexpr const char* kDescription =
 constexpr const char* kFooter =
     "Exit codes: 0 all went well, 1 the configuration is wrong, 2 a device failed, 64 the command line is wrong.\n"
     "Nothing moves before all files have been checked. Ctrl-C stops the robots and leaves; another one, a "
-    "second later, leaves at once.";
+    "second later, leaves at once.\n"
+    "SIGUSR1 freezes the adaptation to the light or lets it go on, SIGUSR2 puts it back to the calibration or begins\n"
+    "it anew.";
 
 // The library's own ranges let "nan" through, and name the largest double there is.
 CLI::Validator between(double low, double high) {

@@ -1,6 +1,7 @@
 #include "firmware/loop.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "hal/linux/monotonic_clock.h"
 
@@ -140,6 +141,7 @@ void Loop::serve_frame(const hal::FrameLease& lease) {
   statistics_.runs_dropped += trace.runs_dropped;
   statistics_.regions_dropped += trace.regions_dropped;
   note_latency(frame, timing);
+  adapt();
   if (observer_.on_step != nullptr) observer_.on_step(observer_.context, trace, timing);
   // A frame that did not fit into the capacities was seen in part, which is better than not at all.
   if (trace.status.ok() || trace.status == Status(ErrorCode::kFull)) {
@@ -148,6 +150,21 @@ void Loop::serve_frame(const hal::FrameLease& lease) {
   } else {
     on_fault(Device::kCamera, trace.status.code(), timing.sent);
   }
+}
+
+void Loop::adapt() {
+  const auto asked = [](const std::atomic<std::uint32_t>& count, std::uint32_t& served) {
+    const std::uint32_t now = count.load(std::memory_order_relaxed);
+    return std::exchange(served, now) != now;
+  };
+  if (settings_.adaptation != nullptr) {
+    const auto toggle = [this](AdaptationMode mode) {
+      pipeline_.set_adaptation(pipeline_.adaptation() == mode ? AdaptationMode::kFollow : mode);
+    };
+    if (asked(settings_.adaptation->freeze, freezes_served_)) toggle(AdaptationMode::kFrozen);
+    if (asked(settings_.adaptation->put_back, put_backs_served_)) toggle(AdaptationMode::kOff);
+  }
+  pipeline_.adapt();
 }
 
 void Loop::note_latency(const Frame& frame, const StepTiming& timing) {

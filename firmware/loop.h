@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/pipeline.h"
+#include "firmware/adaptation_signal.h"
 #include "firmware/config/board_file.h"
 #include "firmware/device_keeper.h"
 #include "firmware/loop_report.h"
@@ -30,8 +31,9 @@ struct LoopSettings {
   config::FaultSettings faults;
   Duration radio_delay{};  // from the last byte sent to the wheels
   Duration status_interval = std::chrono::seconds(1);
-  std::uint64_t frames = 0;  // end after so many; 0: no limit
-  Duration duration{};       // end after so long; 0: no limit
+  std::uint64_t frames = 0;                        // end after so many; 0: no limit
+  Duration duration{};                             // end after so long; 0: no limit
+  const AdaptationRequests* adaptation = nullptr;  // whoever else may steer it; null: nobody
 };
 
 /// When one frame was where.
@@ -93,6 +95,7 @@ class Loop {
   void send_stop(Instant now);
   void serve_emergency_line(Instant now);
   void update_halt(Instant now, Instant last_good);
+  void adapt();
   void note_latency(const Frame& frame, const StepTiming& timing);
   void report_if_due(Instant now);
   void report_fault(Device device, ErrorCode code, FaultAction action, Instant now);
@@ -118,6 +121,8 @@ class Loop {
   std::optional<std::uint32_t> last_sequence_;
   Duration smoothed_latency_{};
   bool latency_known_ = false;
+
+  std::uint32_t freezes_served_ = 0, put_backs_served_ = 0;
 
   std::uint8_t halt_ = kHaltNoFrames;
   bool emergency_ = false;

@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "core/adaptation.h"
 #include "core/fixed_vector.h"
 #include "core/status.h"
 #include "core/time.h"
@@ -45,6 +46,8 @@ struct StatusReport {
   std::uint64_t packets = 0;     // all since start, as all that follow
   std::uint64_t frames_lost = 0, overloads = 0, faults = 0;
   std::uint8_t halt = kHaltNone;
+  AdaptationMode adaptation = AdaptationMode::kFollow;
+  float brightness = 1.0f;  // of the light, relative to the calibration
   FixedVector<SeenRobot, kMaxRobots> robots;
 };
 

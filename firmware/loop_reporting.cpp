@@ -35,6 +35,7 @@ void Loop::report_if_due(Instant now) {
   status.overloads = statistics_.overloads;
   status.faults = statistics_.fault_count();
   status.halt = halt_;
+  status.adaptation = pipeline_.adaptation();
   // Without new frames the last ones' robots are not seen any more.
   if (last_trace_ != nullptr && good > 0) {
     for (const RobotTrack& track : last_trace_->tracks.robots) {
@@ -45,6 +46,7 @@ void Loop::report_if_due(Instant now) {
     const BallTrack& ball = last_trace_->tracks.ball;
     status.ball_seen = ball.state == TrackState::kNew || ball.state == TrackState::kSeen;
     status.ball = ball.position;
+    status.brightness = last_trace_->light.brightness;
   }
   report_.kind = Report::Kind::kStatus;
   reports_.push(report_);

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "firmware/adaptation_signal.h"
 #include "firmware/realtime.h"
 #include "firmware/reporter.h"
 #include "firmware/stop_signal.h"
@@ -56,6 +57,7 @@ int run_command(const CommandLine& command_line) {
   const config::RealtimeSettings& realtime = session.configuration().board.realtime;
   std::vector<std::string> refused = lock_memory(realtime);
   const std::atomic<bool>& stop = stop_on_signals();
+  session.steer_adaptation(adaptation_on_signals());
   RealTimePace pace;
   const bool paced = is_simulated(session.configuration().board) && !command_line.headless;
   std::string reason;

@@ -27,6 +27,7 @@ Status Session::open(LoopObserver observer, std::string& reason) {
   settings.status_interval = options_.status_interval;
   settings.frames = options_.frames;
   settings.duration = options_.duration;
+  settings.adaptation = adaptation_;
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
   if (const Status s = loop_->open(reason); !s.ok()) return s;
   grants_ = devices.camera.reason();

@@ -27,6 +27,8 @@ class Session {
  public:
   /// Reads the files and configures the pipeline. Touches no device. kNotFound, kInconsistent: see `problems`.
   Status load(const SessionOptions& options, config::Problems& problems);
+  /// Whoever may freeze the adaptation or put it back while the loop runs; before open().
+  void steer_adaptation(const AdaptationRequests& requests) { adaptation_ = &requests; }
   /// Builds and opens the devices, after load(). On error `reason` names device and cause.
   Status open(LoopObserver observer, std::string& reason);
 
@@ -40,6 +42,7 @@ class Session {
 
  private:
   SessionOptions options_;
+  const AdaptationRequests* adaptation_ = nullptr;
   // On the heap: megabytes.
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
   std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();

@@ -1,6 +1,7 @@
 #include "firmware/status_text.h"
 
 #include <array>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 
@@ -81,6 +82,11 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
   count("frames lost", status.frames_lost);
   count("overloads", status.overloads);
   count("faults", status.faults);
+  // Some percent come and go with the noise.
+  constexpr double kWorthSaying = 4.5;
+  const double brighter = 100.0 * (static_cast<double>(status.brightness) - 1.0);
+  if (std::abs(brighter) > kWorthSaying) print(line, "  light %+.0f %%", brighter);
+  if (status.adaptation == AdaptationMode::kFrozen) line += "  adaptation frozen";
   if (status.halt != kHaltNone) line += "  HALTED: " + halt_reasons(status.halt);
   return line;
 }

@@ -46,18 +46,25 @@ bool overlapping_boxes(const ColorBoxes& boxes, std::size_t& first, std::size_t&
 
 Status ColorTables::build(const ColorBoxes& boxes, ColorSpace space) {
   if (Status s = check(boxes); !s.ok()) return s;
+  space_ = space;
   for (std::size_t bit = 0; bit < boxes.size(); ++bit) color_of_bit_[bit] = boxes[bit].color;
   for (std::size_t channel = 0; channel < 3; ++channel) {
-    const std::uint8_t unlit = unlit_value(space, channel);
     const Table masks = masks_of_values(boxes, channel);
-    for (std::uint8_t level = 0; level < kLightLevels; ++level) {
-      Table& table = table_[channel][level];
-      for (std::size_t value = 0; value < table.size(); ++value) {
-        table[value] = masks[corrected(static_cast<std::uint8_t>(value), level, unlit)];
-      }
-    }
+    for (std::uint8_t level = 0; level < kLightLevels; ++level) fill(masks, channel, level);
   }
   return {};
+}
+
+void ColorTables::rebuild(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
+  fill(masks_of_values(boxes, channel), channel, level);
+}
+
+void ColorTables::fill(const Table& masks, std::size_t channel, std::uint8_t level) {
+  const std::uint8_t unlit = unlit_value(space_, channel);
+  Table& table = table_[channel][level];
+  for (std::size_t value = 0; value < table.size(); ++value) {
+    table[value] = masks[corrected(static_cast<std::uint8_t>(value), level, unlit)];
+  }
 }
 
 }  // namespace touchline

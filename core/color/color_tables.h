@@ -35,6 +35,11 @@ class ColorTables {
   /// Errors of check(); then nothing is changed. `space` says about which value light scales a channel.
   Status build(const ColorBoxes& boxes, ColorSpace space);
 
+  /// The entries of one channel and light level anew, for boxes that were moved in this channel; their colors and their
+  /// number are those of build(). A color is a product of three intervals: while only some of its entries are new,
+  /// tables still say a box.
+  void rebuild(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level);
+
   /// The classes of a pixel as bits; level of each channel as in Shading.
   [[nodiscard]] std::uint32_t mask(const std::array<std::uint8_t, 3>& value,
                                    const std::array<std::uint8_t, 3>& level) const {
@@ -47,7 +52,10 @@ class ColorTables {
   [[nodiscard]] const ColorOfBit& color_of_bit() const { return color_of_bit_; }
 
  private:
+  void fill(const Table& masks, std::size_t channel, std::uint8_t level);
+
   std::array<std::array<Table, kLightLevels>, 3> table_{};
+  ColorSpace space_ = ColorSpace::kRgb;
   ColorOfBit color_of_bit_{};  // of bits that no box has: never asked for
 };
 

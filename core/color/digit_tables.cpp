@@ -30,12 +30,7 @@ void add_class(const ColorTables::Table& table, std::size_t bit, ChannelDigits& 
 void DigitTableSet::build(const ColorTables& tables, std::size_t boxes) {
   groups_ = (boxes + kClassesOfGroup - 1) / kClassesOfGroup;
   for (std::size_t channel = 0; channel < digits_.size(); ++channel) {
-    for (std::uint8_t level = 0; level < kLightLevels; ++level) {
-      digits_[channel][level] = {};
-      for (std::size_t bit = 0; bit < boxes; ++bit) {
-        add_class(tables.table(channel, level), bit, digits_[channel][level]);
-      }
-    }
+    for (std::uint8_t level = 0; level < kLightLevels; ++level) rebuild(tables, boxes, channel, level);
   }
   for (std::size_t group = 0; group < groups_; ++group) {
     for (std::uint32_t bits = 1; bits < 16; ++bits) {
@@ -44,6 +39,11 @@ void DigitTableSet::build(const ColorTables& tables, std::size_t boxes) {
       colors_[group].high[bits] = tables.color_of(low << 4);
     }
   }
+}
+
+void DigitTableSet::rebuild(const ColorTables& tables, std::size_t boxes, std::size_t channel, std::uint8_t level) {
+  digits_[channel][level] = {};
+  for (std::size_t bit = 0; bit < boxes; ++bit) add_class(tables.table(channel, level), bit, digits_[channel][level]);
 }
 
 }  // namespace touchline

@@ -36,6 +36,8 @@ class DigitTableSet {
  public:
   /// The classes of the tables' first `boxes` bits, at every light level.
   void build(const ColorTables& tables, std::size_t boxes);
+  /// Of one channel and level anew, after the same of the tables.
+  void rebuild(const ColorTables& tables, std::size_t boxes, std::size_t channel, std::uint8_t level);
 
   [[nodiscard]] const ChannelDigits& channel(std::size_t channel, std::uint8_t level) const {
     return digits_[channel][level];

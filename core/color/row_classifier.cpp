@@ -7,8 +7,6 @@ namespace {
 
 constexpr std::array<std::uint8_t, 3> kNeutral = {kNeutralLevel, kNeutralLevel, kNeutralLevel};
 
-constexpr std::size_t tiles_across(std::uint16_t pixels, std::uint16_t tile) { return (pixels + tile - 1u) / tile; }
-
 }  // namespace
 
 std::size_t row_bytes(PixelFormat format, std::size_t plane, std::uint16_t width_px) {
@@ -19,45 +17,61 @@ std::size_t row_bytes(PixelFormat format, std::size_t plane, std::uint16_t width
 }
 
 Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,
-                                const ColorBoxes& boxes, const LightMap& light, KernelChoice kernel) {
+                                const ColorBoxes& boxes, const LightMap& light, KernelChoice kernel,
+                                std::uint8_t box_room) {
   kernel_ = nullptr;
   if (Status s = tables_.build(boxes, color_space(format)); !s.ok()) return s;
   if (Status s = shading_.build(light, width_px, height_px, color_space(format)); !s.ok()) return s;
   format_ = format;
   width_px_ = width_px;
   height_px_ = height_px;
-  find_floors(boxes);
+  find_floors(boxes, box_room);
   digits_.build(tables_, boxes.size());
   kernel_ = kernel == KernelChoice::kFastest ? avx2_kernel(format) : nullptr;
   if (kernel_ == nullptr) kernel_ = scalar_kernel(format);
   return {};
 }
 
-void RowClassifier::find_floors(const ColorBoxes& boxes) {
-  const ChannelFloors floors = floors_of(boxes);
+void RowClassifier::find_floors(const ColorBoxes& boxes, std::uint8_t box_room) {
+  ColorBoxes lowest = boxes;
+  for (ColorBox& box : lowest) {
+    for (std::uint8_t& low : box.low)
+      low = low > box_room ? static_cast<std::uint8_t>(low - box_room) : std::uint8_t{0};
+  }
+  const ChannelFloors floors = floors_of(lowest);
   if (!shading_.active()) {
     floors_.fill(BackgroundFloor(format_, floors));
     return;
   }
-  std::array<std::array<std::uint16_t, kLightLevels>, 3> before{};
   for (std::size_t channel = 0; channel < 3; ++channel) {
     const std::uint8_t unlit = unlit_value(color_space(format_), channel);
     for (std::uint8_t level = 0; level < kLightLevels; ++level) {
-      before[channel][level] = floor_before_correction(floors[channel], level, unlit);
+      floor_before_[channel][level] = floor_before_correction(floors[channel], level, unlit);
     }
   }
-  const std::size_t columns = tiles_across(width_px_, kTileWidth), rows = tiles_across(height_px_, kTileHeight);
-  for (std::size_t row = 0; row < rows; ++row) {
-    ChannelFloors lowest = {256, 256, 256};
-    for (std::size_t column = 0; column < columns; ++column) {
-      for (std::size_t channel = 0; channel < 3; ++channel) {
-        const std::uint8_t level =
-            shading_.level(channel, static_cast<std::uint16_t>(column), static_cast<std::uint16_t>(row));
-        lowest[channel] = std::min(lowest[channel], before[channel][level]);
-      }
+  for (std::size_t row = 0; row < shading_.rows(); ++row) find_floor(row);
+}
+
+void RowClassifier::find_floor(std::size_t tile_row) {
+  ChannelFloors lowest = {256, 256, 256};
+  for (std::uint16_t column = 0; column < shading_.columns(); ++column) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      const std::uint8_t level = shading_.level(channel, column, static_cast<std::uint16_t>(tile_row));
+      lowest[channel] = std::min(lowest[channel], floor_before_[channel][level]);
     }
-    floors_[row] = BackgroundFloor(format_, lowest);
   }
+  floors_[tile_row] = BackgroundFloor(format_, lowest);
+}
+
+void RowClassifier::follow_light(const LightChange& change, std::uint16_t tile_row) {
+  if (!shading_.active()) return;
+  shading_.follow(change, tile_row);
+  find_floor(tile_row);
+}
+
+void RowClassifier::move_boxes(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
+  tables_.rebuild(boxes, channel, level);
+  digits_.rebuild(tables_, boxes.size(), channel, level);
 }
 
 Status RowClassifier::accepts(const Frame& frame) const {
@@ -93,21 +107,16 @@ void RowClassifier::classify(const Frame& frame, std::uint16_t v, std::uint16_t 
     kernel_(tables_at(kNeutral, tile_row), row, begin, end, colors);
     return;
   }
-  const auto level_of_tile = [&](std::uint32_t column) {
-    const auto tile = static_cast<std::uint16_t>(column);
+  const auto level_of_tile = [&](std::uint16_t tile) {
     return std::array{shading_.level(0, tile, tile_row), shading_.level(1, tile, tile_row),
                       shading_.level(2, tile, tile_row)};
   };
   // Neighboring tiles of one level are one span.
   for (std::uint32_t u = begin; u < end;) {
-    std::uint32_t tile = u / kTileWidth;
-    const std::array<std::uint8_t, 3> level = level_of_tile(tile);
-    std::uint32_t span_end = 0;
-    do {
-      ++tile;
-      span_end = std::min<std::uint32_t>(end, tile * kTileWidth);
-    } while (span_end < end && level_of_tile(tile) == level);
-    kernel_(tables_at(level, tile_row), row, u, span_end, colors);
+    const auto tile = static_cast<std::uint16_t>(u / kTileWidth);
+    const std::uint32_t span_end =
+        std::min<std::uint32_t>(end, std::uint32_t{shading_.span_end(tile, tile_row)} * kTileWidth);
+    kernel_(tables_at(level_of_tile(tile), tile_row), row, u, span_end, colors);
     u = span_end;
   }
 }

@@ -22,9 +22,15 @@ std::size_t row_bytes(PixelFormat format, std::size_t plane, std::uint16_t width
 /// Pixels -> colors, one row at a time, in the format in which they arrive; with or without shading correction.
 class RowClassifier {
  public:
-  /// kOutOfRange: as ColorTables::build and Shading::build.
+  /// Boxes may be moved later by up to `box_room` levels. kOutOfRange: as ColorTables::build and Shading::build.
   Status configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px, const ColorBoxes& boxes,
-                   const LightMap& light, KernelChoice kernel = KernelChoice::kFastest);
+                   const LightMap& light, KernelChoice kernel = KernelChoice::kFastest, std::uint8_t box_room = 0);
+
+  /// Between two frames, a part at a time so that none takes long: the light of a row of tiles
+  /// (Shading::follow; no effect without a light map), and the boxes of one channel and light level
+  /// (ColorTables::rebuild).
+  void follow_light(const LightChange& change, std::uint16_t tile_row);
+  void move_boxes(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level);
 
   /// kUnsupported: another format or size than configured, or not configured. kShortFrame: a plane is missing, or its
   /// stride is smaller than a row.
@@ -37,7 +43,8 @@ class RowClassifier {
   [[nodiscard]] const Shading& shading() const { return shading_; }
 
  private:
-  void find_floors(const ColorBoxes& boxes);
+  void find_floors(const ColorBoxes& boxes, std::uint8_t box_room);
+  void find_floor(std::size_t tile_row);
   [[nodiscard]] SpanTables tables_at(const std::array<std::uint8_t, 3>& level, std::size_t tile_row) const;
 
   static constexpr std::size_t kMaxTileRows = (kMaxFrameHeight + kTileHeight - 1) / kTileHeight;
@@ -48,7 +55,8 @@ class RowClassifier {
   ColorTables tables_;
   DigitTableSet digits_;
   Shading shading_;
-  std::array<BackgroundFloor, kMaxTileRows> floors_;  // one a row of tiles: for its brightest tile
+  std::array<std::array<std::uint16_t, kLightLevels>, 3> floor_before_{};  // correction, by level
+  std::array<BackgroundFloor, kMaxTileRows> floors_;                       // one a row of tiles: for its brightest tile
 };
 
 }  // namespace touchline

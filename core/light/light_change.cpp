@@ -51,8 +51,7 @@ void LightChange::relax(float step) {
       add(column + 1 < kColumns, node + 1);
       add(row > 0, node - kColumns);
       add(row + 1 < kRows, node + kColumns);
-      levels_[channel][node] +=
-          step * (kSpread * (sum / neighbors - old[node]) + kCommon * (common - old[node]));
+      levels_[channel][node] += step * (kSpread * (sum / neighbors - old[node]) + kCommon * (common - old[node]));
     }
   }
 }

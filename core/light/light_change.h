@@ -7,8 +7,12 @@
 
 namespace touchline {
 
-/// How the light has changed since the light map was made, as the picture's regions of known color tell it: a factor a
-/// channel on a coarse grid that covers the picture. Kept as logarithms, in the levels of light/shading.h (32 an octave).
+// Light is counted in logarithms, 32 levels an octave: see light/shading.h.
+constexpr float kLevelsAnOctave = 32.0f;
+
+/// How the light has changed since the light map was made, as the picture's regions of known color tell it: a logarithm
+/// a channel on a coarse grid that covers the picture. Kept as logarithms, in the levels of light/shading.h (32 an
+/// octave).
 class LightChange {
  public:
   static constexpr std::size_t kColumns = 5, kRows = 4;

@@ -1,6 +1,7 @@
 #include "core/light/shading.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace touchline {
@@ -88,9 +89,10 @@ Status Shading::build(const LightMap& map, std::uint16_t width_px, std::uint16_t
   if (map.columns == 0) return {};
   if (!usable(map)) return ErrorCode::kOutOfRange;
 
+  space_ = space;
   columns_ = (width_px + kTileWidth - 1u) / kTileWidth;
-  const std::size_t rows = (height_px + kTileHeight - 1u) / kTileHeight;
-  for (std::size_t row = 0; row < rows; ++row) {
+  rows_ = (height_px + kTileHeight - 1u) / kTileHeight;
+  for (std::size_t row = 0; row < rows_; ++row) {
     const Blend v = blend_at(row, kTileHeight, height_px, map.rows);
     for (std::size_t column = 0; column < columns_; ++column) {
       const Blend u = blend_at(column, kTileWidth, width_px, map.columns);
@@ -107,12 +109,38 @@ Status Shading::build(const LightMap& map, std::uint16_t width_px, std::uint16_t
       }
       if (space == ColorSpace::kYuv) light.fill(0.299f * light[0] + 0.587f * light[1] + 0.114f * light[2]);
       for (std::size_t channel = 0; channel < 3; ++channel) {
-        level_[channel][tile] = level_of_gain(1.0f / light[channel]);
+        map_level_[channel][tile] = level_[channel][tile] = level_of_gain(1.0f / light[channel]);
       }
     }
+    find_spans(row);
   }
   active_ = true;
   return {};
+}
+
+void Shading::follow(const LightChange& change, std::uint16_t row) {
+  const float v = (static_cast<float>(row) + 0.5f) * static_cast<float>(kTileHeight);
+  for (std::size_t column = 0; column < columns_; ++column) {
+    const float u = (static_cast<float>(column) + 0.5f) * static_cast<float>(kTileWidth);
+    const std::size_t tile = row * columns_ + column;
+    for (std::size_t channel = 0; channel < level_.size(); ++channel) {
+      const float brighter = change.at(space_ == ColorSpace::kYuv ? 0 : channel, {u, v});
+      const int level = static_cast<int>(map_level_[channel][tile]) - static_cast<int>(std::lround(brighter));
+      level_[channel][tile] = static_cast<std::uint8_t>(std::clamp(level, 0, int{kLightLevels} - 1));
+    }
+  }
+  find_spans(row);
+}
+
+void Shading::find_spans(std::size_t row) {
+  const std::size_t first = row * columns_;
+  for (std::size_t column = columns_; column-- > 0;) {
+    const std::size_t tile = first + column;
+    const bool last = column + 1 == columns_;
+    const bool same = !last && level_[0][tile] == level_[0][tile + 1] && level_[1][tile] == level_[1][tile + 1] &&
+                      level_[2][tile] == level_[2][tile + 1];
+    span_end_[tile] = same ? span_end_[tile + 1] : static_cast<std::uint16_t>(column + 1);
+  }
 }
 
 }  // namespace touchline

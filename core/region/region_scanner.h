@@ -21,6 +21,7 @@ struct ScanParameters {
   Polygon region_of_interest;     // pixel centers inside count; fewer than 3 points: the whole picture
   std::uint32_t min_area_px = 1;  // smaller regions are dropped with their runs
   KernelChoice kernel = KernelChoice::kFastest;
+  std::uint8_t box_room = 0;  // levels by which boxes may be moved while frames come
 };
 
 /// Classification and labeling in one scan of the frame (paper, sections 3.2 and 4.1), over runs instead of pixels:
@@ -32,6 +33,13 @@ class RegionScanner {
   /// a pixel. (Boxes of different colors that overlap are not an error here: the loader reports them.)
   /// After an error no frame is accepted.
   Status configure(const ScanParameters& parameters);
+
+  /// Between two scans, a part at a time: see RowClassifier.
+  void follow_light(const LightChange& change, std::uint16_t tile_row) { classifier_.follow_light(change, tile_row); }
+  void move_boxes(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
+    classifier_.move_boxes(boxes, channel, level);
+  }
+  [[nodiscard]] const Shading& shading() const { return classifier_.shading(); }
 
   /// Regions in raster order of their first pixel, 4-neighborhood, exact sums; `runs` holds the runs of these regions
   /// in raster order, those of one region chained by Run::next, and no others.

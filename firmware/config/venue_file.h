@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/adaptation.h"
 #include "core/geometry/camera_model.h"
 #include "core/marker/matcher.h"
 #include "core/parameter.h"
@@ -63,12 +64,16 @@ struct ColorBoxEntry {
 struct ColorEntry {
   std::string name;
   std::array<std::uint8_t, 3> shown_rgb{255, 255, 255};
+  std::vector<std::uint8_t> typical;
   std::vector<ColorBoxEntry> box;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.text("name", self.name, "What the team file calls it");
     visit.numbers("shown_rgb", self.shown_rgb, Range{0, 255}, "", "How it is drawn in annotated pictures");
+    visit.numbers(
+        "typical", self.typical, Range{0, 255}, "",
+        "What its patches show on average, by channel, for the adaptation; none: the middle of its first box");
     visit.list("box", self.box, "A box of the color: R, G, B or Y, U, V, as [colors] says");
   }
 };
@@ -95,6 +100,7 @@ struct VenueFile {
   LightEntry light;
   ColorsEntry colors;
   std::vector<ColorEntry> color;
+  AdaptationParameters adaptation;
 
   static constexpr std::array<std::string_view, 13> kRequired{
       "picture",        "field",         "camera_model",      "colors",       "picture.width_px", "picture.height_px",
@@ -110,6 +116,7 @@ struct VenueFile {
     visit.section("region_of_interest", self.region_of_interest, "What is looked at; no corners: the whole picture");
     visit.section("light", self.light, "Uneven illumination");
     visit.section("colors", self.colors, "All colors");
+    visit.section("adaptation", self.adaptation, "How light map and boxes follow the light while the robots play");
     visit.list("color", self.color, "A color that patches or the ball have");
   }
 };

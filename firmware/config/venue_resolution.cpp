@@ -1,3 +1,4 @@
+#include <cmath>
 #include <filesystem>
 
 #include "core/color/color_tables.h"
@@ -130,6 +131,31 @@ void resolve_region_of_interest(const VenueFile& venue, const Locations& where, 
   for (std::size_t i = 0; i < region.u_px.size(); ++i) polygon.push_back({region.u_px[i], region.v_px[i]});
 }
 
+// Levels that boxes may move, and what is known of the colors; without a light map an even one takes its place, because
+// it is what follows.
+void resolve_adaptation(const VenueFile& venue, const Locations& where, PipelineParameters& out, Problems& problems) {
+  out.adaptation = venue.adaptation;
+  for (std::size_t i = 0; i < venue.color.size() && i < kMaxColors; ++i) {
+    const ColorEntry& color = venue.color[i];
+    const std::string key = element("color", i) + ".typical";
+    if (!color.typical.empty() && color.typical.size() != 3) {
+      problems.add(where.of(key), key, "needs one value a channel, has " + std::to_string(color.typical.size()));
+      continue;
+    }
+    for (std::size_t c = 0; c < 3 && !color.box.empty(); ++c) {
+      const ColorBoxEntry& box = color.box[0];
+      out.adaptation.typical[i + 1][c] =
+          color.typical.empty() ? static_cast<std::uint8_t>((box.low[c] + box.high[c]) / 2) : color.typical[c];
+    }
+  }
+  out.scan.box_room = 0;
+  if (venue.adaptation.mode == AdaptationMode::kOff) return;
+  out.scan.box_room = static_cast<std::uint8_t>(std::ceil(venue.adaptation.most_shift));
+  if (out.scan.light.columns > 0) return;
+  out.scan.light.columns = out.scan.light.rows = 1;
+  for (auto& plane : out.scan.light.illumination) plane[0] = 1.0f;
+}
+
 }  // namespace
 
 ColorId color_id(const VenueFile& venue, std::string_view name) {
@@ -167,6 +193,8 @@ void resolve_venue(const VenueFile& venue, const Locations& where, const InputFo
       problems.add(where.of("light.map"), "light.map", reason);
     }
   }
+
+  resolve_adaptation(venue, where, out, problems);
 
   out.camera = venue.camera_model;
   const std::string kind = venue.camera_model.kind == CameraModelKind::kFull ? "full" : "paper";

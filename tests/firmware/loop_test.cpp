@@ -197,5 +197,29 @@ TEST_F(LoopTest, StatusLightIsOnWhileRobotsMayMove) {
   EXPECT_FALSE(gpio.led[3].second);  // left dark
 }
 
+TEST_F(LoopTest, AdaptationIsFrozenAndPutBackOnRequest) {
+  AdaptationRequests requests;
+  settings.adaptation = &requests;
+  start();
+  run_until(0.2);
+  EXPECT_EQ(pipeline->adaptation(), AdaptationMode::kFollow);
+  requests.freeze = 1;
+  run_until(0.4);
+  EXPECT_EQ(pipeline->adaptation(), AdaptationMode::kFrozen);
+  run_until(0.6);
+  EXPECT_EQ(pipeline->adaptation(), AdaptationMode::kFrozen) << "one request, served once";
+  requests.put_back = 1;
+  run_until(0.8);
+  EXPECT_EQ(pipeline->adaptation(), AdaptationMode::kOff);
+  requests.put_back = 2;
+  run_until(1.0);
+  EXPECT_EQ(pipeline->adaptation(), AdaptationMode::kFollow);
+  requests.freeze = 2;
+  run_until(1.2);
+  requests.freeze = 3;
+  run_until(1.4);
+  EXPECT_EQ(pipeline->adaptation(), AdaptationMode::kFollow);
+}
+
 }  // namespace
 }  // namespace touchline::testing

@@ -38,6 +38,17 @@ TEST(StatusText, LineOfABadSecond) {
             "frames lost 3  overloads 2  faults 7  HALTED: no good frame, emergency stop is pulled");
 }
 
+TEST(StatusText, LightThatChangedAndAdaptationThatIsFrozen) {
+  StatusReport status = playing();
+  const std::string plain = status_line(status, {5, 5, {}});
+  status.brightness = 1.04f;
+  EXPECT_EQ(status_line(status, {5, 5, {}}), plain) << "noise";
+  status.brightness = 0.876f;
+  EXPECT_EQ(status_line(status, {5, 5, {}}), plain + "  light -12 %");
+  status.adaptation = AdaptationMode::kFrozen;
+  EXPECT_EQ(status_line(status, {5, 5, {}}), plain + "  light -12 %  adaptation frozen");
+}
+
 TEST(StatusText, Faults) {
   FaultReport fault;
   fault.elapsed_s = 3.25;

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <thread>
 
+#include "firmware/adaptation_signal.h"
+
 namespace touchline {
 namespace {
 
@@ -35,6 +37,16 @@ TEST(StopSignal, ASecondSignalLaterEndsTheProgram) {
 TEST(StopSignal, APipeWithoutReaderEndsNothing) {
   EXPECT_EXIT(receive(SIGTERM, SIGPIPE, kInsistence + std::chrono::milliseconds(50)), ::testing::ExitedWithCode(0), "");
 }
+
+[[noreturn]] void steer() {
+  const AdaptationRequests& requests = adaptation_on_signals();
+  static_cast<void>(std::raise(SIGUSR1));
+  const bool frozen = requests.freeze == 1 && requests.put_back == 0;
+  static_cast<void>(std::raise(SIGUSR2));
+  std::_Exit(frozen && requests.freeze == 1 && requests.put_back == 1 ? 0 : 1);
+}
+
+TEST(AdaptationSignal, EachCountsWhatItAsksFor) { EXPECT_EXIT(steer(), ::testing::ExitedWithCode(0), ""); }
 
 }  // namespace
 }  // namespace touchline

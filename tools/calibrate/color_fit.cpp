@@ -196,6 +196,7 @@ class Fitter {
         std::nth_element(values.begin(), half, values.end());
         middle[channel] = *half;
       }
+      out_.typical.push_back(middle);
       out_.shown_rgb.push_back(shown_rgb(middle, out_.space));
     }
     return learning;

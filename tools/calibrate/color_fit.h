@@ -41,6 +41,7 @@ struct StrayRegion {
 struct ColorFit {
   std::vector<std::string> names;  // ColorId is the index + 1; in the order of their first click
   std::vector<Channels> shown_rgb;
+  std::vector<Channels> typical;  // median of its patches' pixels, corrected by the light map
   ColorSpace space = ColorSpace::kRgb;
   LearnedColors learned;
   std::vector<ClickResult> clicks;  // as in the input

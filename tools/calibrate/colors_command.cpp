@@ -225,6 +225,7 @@ int ColorsCommand::run() const {
     config::ColorEntry entry;
     entry.name = fit.names[c];
     entry.shown_rgb = fit.shown_rgb[c];
+    entry.typical.assign(fit.typical[c].begin(), fit.typical[c].end());
     for (const ColorBox& box : fit.learned.boxes) {
       if (box.color == c + 1) entry.box.push_back({box.low, box.high});
     }

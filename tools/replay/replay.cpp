@@ -105,6 +105,7 @@ bool replay(const ReplayOptions& options, const Progress& progress, const std::a
     }
     const Frame& frame = lease.value().frame();
     const StepTrace& trace = pipeline->step(frame);
+    pipeline->adapt();
     if (!lines.write(report::trace_line(trace, appearance.names, frame.sequence, camera.file()), error)) return false;
     if (annotator != nullptr) {
       const SurfacePtr surface = annotator->draw(trace, frame.sequence, camera.file());

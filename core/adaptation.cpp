@@ -1,0 +1,173 @@
+#include "core/adaptation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/color/pixel.h"
+
+namespace touchline {
+namespace {
+
+// A gap between frames counts as no more than this: nothing is learned faster because frames were lost.
+constexpr float kLongestStep_s = 0.1f;
+// The boxes must not take for paint what is light.
+constexpr float kBoxesSlower = 4.0f;
+// A sighting this near to where the robot is known to be is it.
+constexpr float kNear_m = 0.02f;
+// Within 3 x 3 pixels of a patch's middle; more is an edge, or something that lies on it.
+constexpr int kEven_levels = 48;
+// The sensor's last levels do not tell how bright it is.
+constexpr std::uint8_t kSaturated = 250;
+// From so many levels on a channel tells all it can about its light; below, noise and black level count more and more.
+constexpr float kTelling_levels = 100.0f;
+
+// A picture of 480 rows is through in eight frames.
+constexpr int kTileRowsAFrame = 8;
+constexpr std::uint32_t kTables = 3 * kLightLevels;
+constexpr std::uint32_t kTablesAFrame = 2;
+
+struct Sample {
+  std::array<float, 3> mean{};
+  std::array<bool, 3> saturated{};
+};
+
+// Mean of the 3 x 3 pixels around the point; false: it is at the picture's edge, or not even.
+bool sample_at(const Frame& frame, const PixelPoint& center, Sample& out) {
+  const auto u = static_cast<int>(std::lround(center.u_px)), v = static_cast<int>(std::lround(center.v_px));
+  if (u < 1 || v < 1 || u + 1 >= frame.width_px || v + 1 >= frame.height_px) return false;
+  std::array<int, 3> sum{}, least{255, 255, 255}, most{};
+  for (int dv = -1; dv <= 1; ++dv) {
+    for (int du = -1; du <= 1; ++du) {
+      const int column = u + du, row = v + dv;
+      const auto pixel = pixel_at(frame, static_cast<std::size_t>(column), static_cast<std::size_t>(row));
+      for (std::size_t c = 0; c < 3; ++c) {
+        sum[c] += pixel[c];
+        least[c] = std::min(least[c], int{pixel[c]});
+        most[c] = std::max(most[c], int{pixel[c]});
+      }
+    }
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (most[c] - least[c] > kEven_levels) return false;
+    out.mean[c] = static_cast<float>(sum[c]) / 9.0f;
+    out.saturated[c] = most[c] >= kSaturated;
+  }
+  return true;
+}
+
+// The robot was seen for some time and is where it ought to be.
+bool is_certain(const RobotSighting& robot, const Tracks& tracks) {
+  if (robot.id == kUnknownId || !robot.has_heading) return false;
+  return std::any_of(tracks.robots.begin(), tracks.robots.end(), [&](const RobotTrack& track) {
+    return track.team == robot.team && track.id == robot.id && track.state == TrackState::kSeen &&
+           std::hypot(track.pose.position.x_m - robot.pose.position.x_m,
+                      track.pose.position.y_m - robot.pose.position.y_m) < kNear_m;
+  });
+}
+
+bool same(const ColorBoxes& a, const ColorBoxes& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const ColorBox& one, const ColorBox& other) {
+    return one.low == other.low && one.high == other.high;
+  });
+}
+
+}  // namespace
+
+Status Adaptation::configure(const AdaptationParameters& parameters, const ScanParameters& scan) {
+  const auto most_levels =
+      static_cast<float>(kNeutralLevel) / 2.0f * std::log2(static_cast<float>(parameters.most_light));
+  if (Status s = light_.configure(scan.width_px, scan.height_px, most_levels); !s.ok()) return s;
+  const float most_shift = std::min(static_cast<float>(parameters.most_shift), static_cast<float>(scan.box_room));
+  if (Status s = shift_.configure(scan.boxes, most_shift); !s.ok()) return s;
+  mode_ = parameters.mode;
+  time_constant_s_ = static_cast<float>(parameters.time_constant_s);
+  typical_ = parameters.typical;
+  last_ = {};
+  target_ = scan.boxes;
+  next_row_ = 0;
+  next_table_ = kTables;
+  return {};
+}
+
+void Adaptation::set_mode(AdaptationMode mode) {
+  mode_ = mode;
+  if (mode != AdaptationMode::kOff) return;
+  light_.reset();
+  shift_.reset();
+}
+
+void Adaptation::update(RegionScanner& scanner, StepTrace& trace) {
+  const Instant now = trace.frame.capture_time;
+  const auto elapsed_s = static_cast<float>(seconds(now - last_));
+  last_ = now;
+  trace.light = {};
+  if (mode_ == AdaptationMode::kFollow && trace.status.ok() && elapsed_s > 0.0f) {
+    learn(scanner.shading(), trace, std::min(elapsed_s, kLongestStep_s) / time_constant_s_);
+  }
+  apply(scanner);
+  trace.light.brightness = std::exp2(light_.mean() / kLevelsAnOctave);
+}
+
+void Adaptation::learn(const Shading& shading, StepTrace& trace, float step) {
+  if (!shading.active()) return;
+  for (const RobotSighting& robot : trace.sightings.robots) {
+    if (!is_certain(robot, trace.tracks)) continue;
+    for (const PatchSighting& patch : robot.patches) {
+      trace.light.patches += learn_patch(shading, trace.frame, patch, step) ? 1u : 0u;
+    }
+  }
+  if (trace.light.patches > 0) light_.relax(step);
+}
+
+bool Adaptation::learn_patch(const Shading& shading, const Frame& frame, const PatchSighting& patch, float step) {
+  Sample sample;
+  if (!sample_at(frame, patch.center, sample)) return false;
+  const ColorSpace space = color_space(frame.format);
+  const auto column = static_cast<std::uint16_t>(patch.center.u_px / static_cast<float>(kTileWidth));
+  const auto row = static_cast<std::uint16_t>(patch.center.v_px / static_cast<float>(kTileHeight));
+  const std::array<std::uint8_t, 3>& typical = typical_[patch.color];
+  std::array<float, 3> brighter{}, weight{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto unlit = static_cast<float>(unlit_value(space, c));
+    const float expected = static_cast<float>(typical[c]) - unlit, measured = sample.mean[c] - unlit;
+    if (expected <= 0.0f || measured <= 0.0f || sample.saturated[c]) continue;
+    const float telling = std::min(1.0f, expected / kTelling_levels);
+    const int map = int{shading.map_level(c, column, row)} - int{kNeutralLevel};
+    brighter[c] = kLevelsAnOctave * std::log2(measured / expected) + static_cast<float>(map);
+    weight[c] = telling * telling;
+  }
+  if (space == ColorSpace::kYuv) {
+    // Chroma's sign says nothing about light; luma does, for all.
+    brighter.fill(brighter[0]);
+    weight.fill(weight[0]);
+  }
+  light_.observe(patch.center, brighter, weight, step);
+  if (sample.saturated[0] || sample.saturated[1] || sample.saturated[2]) return true;
+  std::array<float, 3> off{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto unlit = static_cast<float>(unlit_value(space, c));
+    const float level =
+        static_cast<float>(int{shading.map_level(c, column, row)} - int{kNeutralLevel}) - light_.at(c, patch.center);
+    off[c] = unlit + (sample.mean[c] - unlit) * std::exp2(level / kLevelsAnOctave) - static_cast<float>(typical[c]);
+  }
+  shift_.observe(patch.color, off, step / kBoxesSlower);
+  return true;
+}
+
+void Adaptation::apply(RegionScanner& scanner) {
+  for (int i = 0; i < kTileRowsAFrame && scanner.shading().active(); ++i) {
+    scanner.follow_light(light_, next_row_);
+    next_row_ = static_cast<std::uint16_t>((next_row_ + 1) % scanner.shading().rows());
+  }
+  if (next_table_ == kTables) {
+    const ColorBoxes wanted = shift_.moved();
+    if (same(wanted, target_)) return;
+    target_ = wanted;
+    next_table_ = 0;
+  }
+  for (std::uint32_t i = 0; i < kTablesAFrame && next_table_ < kTables; ++i, ++next_table_) {
+    scanner.move_boxes(target_, next_table_ / kLightLevels, static_cast<std::uint8_t>(next_table_ % kLightLevels));
+  }
+}
+
+}  // namespace touchline

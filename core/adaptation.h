@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "core/color/box_shift.h"
+#include "core/light/light_change.h"
+#include "core/parameter.h"
+#include "core/region/region_scanner.h"
+#include "core/types.h"
+
+namespace touchline {
+
+enum class AdaptationMode : std::uint8_t {
+  kOff,     // as calibrated; what was adapted is put back
+  kFollow,  // light map and boxes follow the light
+  kFrozen   // they stay as they are
+};
+inline constexpr std::array<Choice<AdaptationMode>, 3> kAdaptationModes{
+    {{"off", AdaptationMode::kOff}, {"follow", AdaptationMode::kFollow}, {"frozen", AdaptationMode::kFrozen}}};
+
+struct AdaptationParameters {
+  AdaptationMode mode = AdaptationMode::kFollow;
+  double time_constant_s = 10.0;
+  double most_light = 2.0;
+  double most_shift = 10.0;
+  // What a color's patches show on average after correction by the light map, by color id; not in a file's section.
+  std::array<std::array<std::uint8_t, 3>, kMaxColors + 1> typical{};
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.choice("mode", self.mode, std::span<const Choice<AdaptationMode>>(kAdaptationModes),
+                 "Do light map and boxes follow slow changes of the light");
+    visit.number("time_constant_s", self.time_constant_s, Range{0.5, 3600.0}, "s",
+                 "How fast: after so long, two thirds of a change are followed; boxes take four times as long");
+    visit.number("most_light", self.most_light, Range{1.01, 4.0}, "",
+                 "The light is taken to become at most so many times brighter or darker");
+    visit.number("most_shift", self.most_shift, Range{0.0, 40.0}, "",
+                 "Levels by which a color's boxes may move, each channel");
+  }
+};
+
+/// Follows slow changes of the light (announced in Klancar's section 8 as future work) by what is known for certain:
+/// the patches of robots whose team and id were seen in this frame and agree with their track. The light's part, common
+/// to all patches around, goes into the light map; what is left of a single color moves its boxes, four times more
+/// slowly. Both are bounded. Large (fixed memory): not on the stack.
+class Adaptation {
+ public:
+  /// kOutOfRange: as LightChange and BoxShift.
+  Status configure(const AdaptationParameters& parameters, const ScanParameters& scan);
+  /// kOff puts everything back, within some hundred frames.
+  void set_mode(AdaptationMode mode);
+  [[nodiscard]] AdaptationMode mode() const { return mode_; }
+
+  /// Learns from a frame whose pixels are still there, and brings one part of what the scanner uses up to date. Bounded
+  /// time: some pixels a patch, some rows of tiles, two tables. Writes trace.light.
+  void update(RegionScanner& scanner, StepTrace& trace);
+
+ private:
+  void learn(const Shading& shading, StepTrace& trace, float step);
+  bool learn_patch(const Shading& shading, const Frame& frame, const PatchSighting& patch, float step);
+  void apply(RegionScanner& scanner);
+
+  AdaptationMode mode_ = AdaptationMode::kOff;
+  float time_constant_s_ = 0;
+  std::array<std::array<std::uint8_t, 3>, kMaxColors + 1> typical_{};
+  LightChange light_;
+  BoxShift shift_;
+  Instant last_{};
+  // What the scanner has.
+  ColorBoxes target_;
+  std::uint16_t next_row_ = 0;
+  std::uint32_t next_table_ = 0;
+};
+
+}  // namespace touchline

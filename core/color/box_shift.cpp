@@ -1,0 +1,84 @@
+#include "core/color/box_shift.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace touchline {
+namespace {
+
+int levels_between(const ColorBox& a, const ColorBox& b, std::size_t channel) {
+  return std::max(int{a.low[channel]} - b.high[channel], int{b.low[channel]} - a.high[channel]) - 1;
+}
+
+// The channel in which two boxes are farthest apart: of boxes that do not meet, one in which they do not overlap.
+std::size_t separating_channel(const ColorBox& a, const ColorBox& b) {
+  std::size_t best = 0;
+  for (std::size_t channel = 1; channel < 3; ++channel) {
+    if (levels_between(a, b, channel) > levels_between(a, b, best)) best = channel;
+  }
+  return best;
+}
+
+// Both end halfway through what they have in common. False, and nothing is changed: one of them would vanish.
+bool part(ColorBox& below, ColorBox& above, std::size_t channel) {
+  const int middle = (int{below.high[channel]} + above.low[channel]) / 2;
+  if (middle < below.low[channel] || middle + 1 > above.high[channel]) return false;
+  below.high[channel] = static_cast<std::uint8_t>(middle);
+  above.low[channel] = static_cast<std::uint8_t>(middle + 1);
+  return true;
+}
+
+}  // namespace
+
+Status BoxShift::configure(const ColorBoxes& boxes, float most_levels) {
+  if (Status s = check(boxes); !s.ok()) return s;
+  if (!(most_levels >= 0.0f)) return ErrorCode::kOutOfRange;
+  boxes_ = boxes;
+  most_levels_ = most_levels;
+  reset();
+  return {};
+}
+
+void BoxShift::reset() { shift_.fill({}); }
+
+void BoxShift::observe(ColorId color, const std::array<float, 3>& off, float step) {
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    float& shift = shift_[color][channel];
+    const float believed = std::clamp(off[channel] - shift, -kMostStep_levels, kMostStep_levels);
+    shift = std::clamp(shift + step * believed, -most_levels_, most_levels_);
+  }
+}
+
+ColorBoxes BoxShift::moved() const {
+  ColorBoxes moved = boxes_;
+  for (ColorBox& box : moved) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      const int by = static_cast<int>(std::lround(shift_[box.color][channel]));
+      // A side at the end of the scale stays there: saturated pixels remain what they are.
+      if (box.low[channel] > 0) {
+        box.low[channel] = static_cast<std::uint8_t>(std::clamp(box.low[channel] + by, 1, 255));
+      }
+      if (box.high[channel] < 255) {
+        box.high[channel] = static_cast<std::uint8_t>(std::clamp(box.high[channel] + by, 0, 254));
+      }
+      if (box.low[channel] > box.high[channel]) {
+        const ColorBox& former = boxes_[static_cast<std::size_t>(&box - moved.begin())];
+        box.low[channel] = former.low[channel];
+        box.high[channel] = former.high[channel];
+      }
+    }
+  }
+  for (std::size_t a = 0; a < boxes_.size(); ++a) {
+    for (std::size_t b = a + 1; b < boxes_.size(); ++b) {
+      const std::size_t channel = separating_channel(boxes_[a], boxes_[b]);
+      if (moved[a].color == moved[b].color || levels_between(boxes_[a], boxes_[b], channel) < 0) continue;
+      if (levels_between(moved[a], moved[b], separating_channel(moved[a], moved[b])) >= 0) continue;
+      const bool a_below = boxes_[a].high[channel] < boxes_[b].low[channel];
+      ColorBox &below = moved[a_below ? a : b], &above = moved[a_below ? b : a];
+      if (!part(below, above, channel)) return boxes_;
+    }
+  }
+  return moved;
+}
+
+}  // namespace touchline

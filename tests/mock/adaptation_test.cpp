@@ -1,0 +1,193 @@
+// The light changes while robots play: the arena's pictures, dimmed and tinted step by step.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+
+#include "core/pipeline.h"
+#include "firmware/config/configuration.h"
+#include "hal/replay/picture.h"
+#include "tests/replay/media.h"
+
+namespace touchline {
+namespace {
+
+constexpr int kPictures = 4, kRobots = 10;
+constexpr Duration kPeriod = std::chrono::milliseconds(100);
+
+// What is left of red, green and blue at the left and at the right border of the picture.
+struct Light {
+  std::array<double, 3> left{1, 1, 1}, right{1, 1, 1};
+  // `share` 0: full light, 1: this one; logarithmic between.
+  [[nodiscard]] double at(std::size_t channel, double x, double share) const {
+    return std::pow(left[channel] * (1 - x) + right[channel] * x, share);
+  }
+};
+// A cloud before windows on the left: less and bluer light there.
+constexpr Light kCloud{{0.42, 0.48, 0.58}, {0.60, 0.62, 0.66}};
+
+class AdaptationTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    const media::Folder folder;
+    const std::string command = "'" TOUCHLINE_ARENA "' static --quiet --seed 3 --count " + std::to_string(kPictures) +
+                                " --board '" TOUCHLINE_BOARDS "/mock/board.toml' --out '" + folder / "scene" + "'";
+    ASSERT_EQ(std::system(command.c_str()), 0);  // NOLINT(cert-env33-c,concurrency-mt-unsafe)
+    for (int i = 0; i < kPictures; ++i) {
+      std::string reason;
+      pictures.emplace_back();
+      ASSERT_TRUE(
+          hal::read_picture(folder / ("scene/00000" + std::to_string(i) + ".png"), pictures.back(), reason).ok())
+          << reason;
+    }
+  }
+  static void TearDownTestSuite() { pictures.clear(); }
+
+  void start(const std::vector<std::string>& overrides) {
+    configuration = std::make_unique<config::Configuration>();
+    count = 0;
+    config::Problems problems;
+    const config::FilePaths paths{
+        {}, TOUCHLINE_BOARDS "/mock/venue.toml", TOUCHLINE_BOARDS "/mock/team.toml", overrides};
+    ASSERT_TRUE(config::load_venue_and_team(paths, *configuration, problems).ok()) << problems.text();
+    const config::InputFormat input{PixelFormat::kRgb24, static_cast<std::uint16_t>(pictures[0].width_px),
+                                    static_cast<std::uint16_t>(pictures[0].height_px), "test"};
+    ASSERT_TRUE(config::resolve(input, *configuration, problems).ok()) << problems.text();
+    pipeline = std::make_unique<Pipeline>();
+    ASSERT_TRUE(pipeline->configure(configuration->pipeline).ok());
+    pipeline->set_observing(true);
+  }
+
+  // Robots of the last frame whose id was seen.
+  int run(int frames, const Light& light, double from_share, double to_share) {
+    int seen = 0;
+    for (int i = 1; i <= frames; ++i) seen = step(light, from_share + (to_share - from_share) * i / frames);
+    return seen;
+  }
+
+  int step(const Light& light, double share) {
+    const hal::Picture& picture = pictures[count % pictures.size()];
+    shown.resize(picture.rgb8.size());
+    const std::size_t width = picture.width_px;
+    std::vector<std::array<double, 3>> factors(width);
+    for (std::size_t u = 0; u < width; ++u) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        factors[u][c] = light.at(c, static_cast<double>(u) / static_cast<double>(width - 1), share);
+      }
+    }
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      shown[i] = static_cast<std::uint8_t>(std::lround(picture.rgb8[i] * factors[i / 3 % width][i % 3]));
+    }
+    Frame frame;
+    frame.format = PixelFormat::kRgb24;
+    frame.width_px = static_cast<std::uint16_t>(width);
+    frame.height_px = static_cast<std::uint16_t>(picture.height_px);
+    frame.plane[0] = shown.data();
+    frame.stride_bytes[0] = static_cast<std::uint32_t>(3 * width);
+    frame.capture_time = Instant{} + std::chrono::hours(1) + count * kPeriod;
+    frame.sequence = static_cast<std::uint32_t>(count++);
+    trace = &pipeline->step(frame);
+    pipeline->adapt();
+    const auto& robots = trace->sightings.robots;
+    return static_cast<int>(
+        std::count_if(robots.begin(), robots.end(), [](const RobotSighting& r) { return r.id != kUnknownId; }));
+  }
+
+  static inline std::vector<hal::Picture> pictures;
+  std::unique_ptr<config::Configuration> configuration;
+  std::unique_ptr<Pipeline> pipeline;
+  std::vector<std::uint8_t> shown;
+  const StepTrace* trace = nullptr;
+  std::size_t count = 0;
+};
+
+const std::vector<std::string> kFast = {"adaptation.time_constant_s=1", "adaptation.most_light=3"};
+std::vector<std::string> with(std::vector<std::string> overrides, const std::string& one) {
+  overrides.push_back(one);
+  return overrides;
+}
+
+TEST_F(AdaptationTest, FollowsWhatWouldBlindIt) {
+  start(with(kFast, "adaptation.mode=off"));
+  ASSERT_EQ(run(5, kCloud, 0, 0), kRobots);
+  EXPECT_LE(run(120, kCloud, 0, 1), kRobots / 2) << "so much light is too easy to do without";
+
+  start(kFast);
+  ASSERT_EQ(run(5, kCloud, 0, 0), kRobots);
+  EXPECT_EQ(run(120, kCloud, 0, 1), kRobots);
+  EXPECT_EQ(run(20, kCloud, 1, 1), kRobots);
+  EXPECT_EQ(trace->light.patches, 2U * kRobots);
+  double brightness = 0;  // geometric mean over the picture's width and channels
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (int i = 0; i <= 20; ++i) brightness += std::log(kCloud.at(c, i / 20.0, 1)) / 63;
+  }
+  EXPECT_NEAR(static_cast<double>(trace->light.brightness) / std::exp(brightness), 1.0, 0.15)
+      << "a part of it is in the boxes, and where no robot stands little is known";
+  // And back.
+  EXPECT_EQ(run(120, kCloud, 1, 0), kRobots);
+  run(100, kCloud, 0, 0);
+  EXPECT_NEAR(static_cast<double>(trace->light.brightness), 1.0, 0.05);
+}
+
+TEST_F(AdaptationTest, ChangesLittleWhereNothingChanged) {
+  start(kFast);
+  EXPECT_EQ(run(100, {}, 0, 0), kRobots);
+  EXPECT_NEAR(static_cast<double>(trace->light.brightness), 1.0, 0.02);
+}
+
+TEST_F(AdaptationTest, FrozenItStaysAndOffItIsPutBack) {
+  start(with(kFast, "adaptation.mode=off"));
+  step(kCloud, 0);
+  const std::size_t regions = trace->regions.size();
+  const std::size_t runs = trace->runs.size();
+  start(kFast);
+  run(5, kCloud, 0, 0);
+  run(80, kCloud, 0, 0.6);
+  pipeline->set_adaptation(AdaptationMode::kFrozen);
+  const float frozen = trace->light.brightness;
+  ASSERT_LT(frozen, 0.8f);
+  EXPECT_EQ(run(80, kCloud, 0.6, 0.5), kRobots);
+  EXPECT_EQ(trace->light.brightness, frozen);
+  EXPECT_EQ(trace->light.patches, 0U);
+
+  pipeline->set_adaptation(AdaptationMode::kOff);
+  // Tables and rows of tiles are put back one after the other, two tables a frame.
+  run(200, kCloud, 0, 0);
+  EXPECT_EQ(trace->light.brightness, 1.0f);
+  count = count / pictures.size() * pictures.size();
+  EXPECT_EQ(step(kCloud, 0), kRobots);
+  EXPECT_EQ(trace->regions.size(), regions);
+  EXPECT_EQ(trace->runs.size(), runs);
+}
+
+TEST_F(AdaptationTest, IsBounded) {
+  start({"adaptation.time_constant_s=1", "adaptation.most_light=1.25"});
+  run(5, kCloud, 0, 0);
+  run(120, kCloud, 0, 0.5);
+  EXPECT_GE(trace->light.brightness, 1 / 1.2501f);
+  EXPECT_LT(trace->light.brightness, 1 / 1.15f) << "it did follow as far as it may";
+}
+
+TEST_F(AdaptationTest, LearnsNothingFromRobotsThatAreNotCertain) {
+  // Nobody's robot: every pair of patches is a robot without an id.
+  start(with(kFast, "adaptation.mode=follow"));
+  auto& teams = configuration->pipeline.marker.teams;
+  for (auto& team : teams) team.robots.clear();
+  ASSERT_TRUE(pipeline->configure(configuration->pipeline).ok());
+  pipeline->set_observing(true);
+  EXPECT_EQ(run(60, kCloud, 0, 0.3), 0);
+  EXPECT_EQ(trace->light.brightness, 1.0f);
+}
+
+TEST_F(AdaptationTest, AnEvenMapTakesThePlaceOfNone) {
+  start(with(kFast, "light.map=\"\""));
+  EXPECT_GE(run(5, kCloud, 0, 0), kRobots - 2) << "the arena's light is uneven";
+  const int before = run(60, kCloud, 0, 0.5);
+  EXPECT_GE(before, kRobots - 2);
+  EXPECT_LT(trace->light.brightness, 0.9f);
+}
+
+}  // namespace
+}  // namespace touchline

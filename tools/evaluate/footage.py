@@ -1,0 +1,4 @@
+def evaluate(tools, folder, recipes):
+    return {}
+def print_tables(results):
+    pass

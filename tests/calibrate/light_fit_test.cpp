@@ -37,6 +37,13 @@ hal::Picture grey_picture(double brightness, unsigned seed) {
   return picture;
 }
 
+LightFitInput of(std::vector<hal::Picture> pictures, const Polygon& region = {}) {
+  LightFitInput input;
+  input.pictures = std::move(pictures);
+  input.region_of_interest = region;
+  return input;
+}
+
 float cell(const LightMap& map, std::size_t channel, double u, double v) {
   const auto column = static_cast<std::size_t>(u * map.columns / kWidth);
   const auto row = static_cast<std::size_t>(v * map.rows / kHeight);
@@ -55,7 +62,7 @@ TEST(LightFit, FollowsTheLampAndForgetsStainsAndTint) {
   auto map = std::make_unique<LightMap>();
   LightReport report;
   std::string reason;
-  ASSERT_TRUE(fit_light(pictures, {}, *map, report, reason).ok()) << reason;
+  ASSERT_TRUE(fit_light(of(pictures), *map, report, reason).ok()) << reason;
   EXPECT_EQ(map->columns, 64);
   EXPECT_EQ(map->rows, 48);
   EXPECT_EQ(report.saturated_cells, 0U);
@@ -81,7 +88,7 @@ TEST(LightFit, KeepsTheBrightestCellInTheFilesRange) {
   auto map = std::make_unique<LightMap>();
   LightReport report;
   std::string reason;
-  ASSERT_TRUE(fit_light({picture}, {}, *map, report, reason).ok()) << reason;
+  ASSERT_TRUE(fit_light(of({picture}), *map, report, reason).ok()) << reason;
   EXPECT_NEAR(static_cast<double>(cell(*map, 0, 300, 120) / cell(*map, 0, 20, 120)), 4.0, 0.01);
   EXPECT_LE(cell(*map, 0, 300, 120), 2.0f);
   EXPECT_GT(cell(*map, 0, 300, 120), 1.99f);
@@ -91,16 +98,16 @@ TEST(LightFit, CountsAndRefusesWhatCannotBeMeasured) {
   auto map = std::make_unique<LightMap>();
   LightReport report;
   std::string reason;
-  ASSERT_TRUE(fit_light({grey_picture(330, 4)}, {}, *map, report, reason).ok()) << reason;
+  ASSERT_TRUE(fit_light(of({grey_picture(330, 4)}), *map, report, reason).ok()) << reason;
   EXPECT_GT(report.saturated_cells, 300U);
   EXPECT_LT(report.saturated_cells, 1536U);
-  EXPECT_EQ(fit_light({grey_picture(2000, 5)}, {}, *map, report, reason).code(), ErrorCode::kOutOfRange);
-  EXPECT_EQ(fit_light({grey_picture(8, 6)}, {}, *map, report, reason).code(), ErrorCode::kOutOfRange);
-  EXPECT_EQ(fit_light({}, {}, *map, report, reason).code(), ErrorCode::kOutOfRange);
+  EXPECT_EQ(fit_light(of({grey_picture(2000, 5)}), *map, report, reason).code(), ErrorCode::kOutOfRange);
+  EXPECT_EQ(fit_light(of({grey_picture(8, 6)}), *map, report, reason).code(), ErrorCode::kOutOfRange);
+  EXPECT_EQ(fit_light(of({}), *map, report, reason).code(), ErrorCode::kOutOfRange);
   hal::Picture small = grey_picture(200, 7);
   small.height_px = kHeight / 2;
   small.rgb8.resize(small.rgb8.size() / 2);
-  EXPECT_EQ(fit_light({grey_picture(200, 7), small}, {}, *map, report, reason).code(), ErrorCode::kInconsistent);
+  EXPECT_EQ(fit_light(of({grey_picture(200, 7), small}), *map, report, reason).code(), ErrorCode::kInconsistent);
 }
 
 TEST(LightFit, LooksOnlyIntoTheRegionOfInterest) {
@@ -114,7 +121,7 @@ TEST(LightFit, LooksOnlyIntoTheRegionOfInterest) {
   auto map = std::make_unique<LightMap>();
   LightReport report;
   std::string reason;
-  ASSERT_TRUE(fit_light({picture}, region, *map, report, reason).ok()) << reason;
+  ASSERT_TRUE(fit_light(of({picture}, region), *map, report, reason).ok()) << reason;
   EXPECT_EQ(report.saturated_cells, 0U);
   EXPECT_NEAR(static_cast<double>(cell(*map, 0, 20, 120)), static_cast<double>(cell(*map, 0, 84, 120)), 0.05);
 }
@@ -123,7 +130,7 @@ TEST(LightFit, MapSurvivesItsFile) {
   auto map = std::make_unique<LightMap>(), back = std::make_unique<LightMap>();
   LightReport report;
   std::string reason;
-  ASSERT_TRUE(fit_light({grey_picture(200, 9)}, {}, *map, report, reason).ok()) << reason;
+  ASSERT_TRUE(fit_light(of({grey_picture(200, 9)}), *map, report, reason).ok()) << reason;
   const std::string path = testing::TempDir() + "/touchline_light_map.png";
   ASSERT_TRUE(hal::write_picture(path, map_picture(*map), reason).ok()) << reason;
   ASSERT_TRUE(config::read_light_map(path, *back, reason).ok()) << reason;

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "tools/calibrate/patch_catching.h"
+#include "tools/calibrate/progress.h"
 #include "tools/calibrate/text.h"
 #include "tools/replay/canvas.h"
 
@@ -122,6 +123,7 @@ Status find_colors(const VenueDraft& venue, const TeamColors& team, const std::v
     input.colors.push_back(wanted);
   }
   const std::vector<PatchSize> sizes = sizes_of(team.marker);
+  Progress progress("pictures searched for patches", images.size());
   for (const auto& [image, channels] : images) {
     std::vector<std::size_t> numbers;
     for (FoundPatch& patch : find_patches(channels, inside, camera, venue.file.field, sizes)) {
@@ -143,6 +145,7 @@ Status find_colors(const VenueDraft& venue, const TeamColors& team, const std::v
       }
     }
     out.images.push_back(image);
+    progress.step();
   }
   out.assignment = assign_colors(input);
   add_doubts(out);

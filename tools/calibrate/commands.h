@@ -27,7 +27,7 @@ struct FieldCommand {
 
 struct LightCommand {
   std::vector<std::string> pictures;
-  std::string venue;
+  std::string venue, surface;
   void add_options(CLI::App& app);
   int run() const;
 };

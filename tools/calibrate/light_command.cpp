@@ -1,34 +1,80 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
 #include "tools/calibrate/commands.h"
 #include "tools/calibrate/light_fit.h"
+#include "tools/calibrate/progress.h"
 #include "tools/calibrate/text.h"
 #include "tools/calibrate/venue_draft.h"
 
 namespace touchline::calibrate {
 
+namespace {
+
+// So many pictures are a game's, when nothing else is said: nobody takes as many of paper.
+constexpr std::size_t kManyPictures = 12;
+// Inside of the border: it is 2 to 5 cm wide, and its edge is blurred.
+constexpr float kInsideBorder_m = 0.03f;
+
+// Where the venue's camera sees the floor within the border; empty when it has no camera model.
+std::vector<std::uint8_t> floor_mask(const VenueDraft& draft, const hal::Picture& picture) {
+  const CameraParameters& model = draft.file.camera_model;
+  CameraModel camera;
+  if ((model.kind == CameraModelKind::kFull ? model.full.fx_px : model.paper.focal_px) <= 0 ||
+      !camera.configure(model).ok()) {
+    return {};
+  }
+  std::vector<std::uint8_t> mask;
+  mask.reserve(std::size_t{picture.width_px} * picture.height_px);
+  const float x = draft.file.field.length_m / 2 - kInsideBorder_m, y = draft.file.field.width_m / 2 - kInsideBorder_m;
+  for (std::uint32_t v = 0; v < picture.height_px; ++v) {
+    for (std::uint32_t u = 0; u < picture.width_px; ++u) {
+      const FieldPoint p = camera.to_field({static_cast<float>(u), static_cast<float>(v)}, 0.0f);
+      mask.push_back(std::abs(p.x_m) < x && std::abs(p.y_m) < y ? 1 : 0);
+    }
+  }
+  return mask;
+}
+
+}  // namespace
+
 void LightCommand::add_options(CLI::App& app) {
-  app.add_option("--picture", pictures, "Picture of the field covered with grey paper; several are averaged")
+  app.add_option("--picture", pictures, "Reference picture; several: --surface says what becomes of them")
       ->required()
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--venue", venue, "Venue file; the map is written beside it")->required();
+  app.add_option(
+         "--surface", surface,
+         "grey: the field covered with grey paper, averaged; field: the empty field, lines and goals left out; "
+         "moving: a few dozen pictures of a game, what moves left out. Default: grey, from 12 pictures on moving")
+      ->check(CLI::IsMember({"grey", "field", "moving"}));
 }
 
 int LightCommand::run() const {
   std::string reason;
   VenueDraft draft;
   if (!read_draft(venue, draft, reason).ok()) return refuse(reason);
-  std::vector<hal::Picture> references;
-  for (const std::string& path : pictures) {
-    references.emplace_back();
-    if (!hal::read_picture(path, references.back(), reason).ok()) return refuse(reason);
+  LightFitInput input;
+  if (surface == "moving" || (surface.empty() && pictures.size() >= kManyPictures)) {
+    input.surface = LightSurface::kMoving;
+  } else if (surface == "field") {
+    input.surface = LightSurface::kField;
   }
+  Progress progress("pictures", pictures.size());
+  for (const std::string& path : pictures) {
+    input.pictures.emplace_back();
+    if (!hal::read_picture(path, input.pictures.back(), reason).ok()) return refuse(reason);
+    progress.step();
+  }
+  input.region_of_interest = draft.region_of_interest;
+  if (input.surface != LightSurface::kGreyPaper) input.floor = floor_mask(draft, input.pictures.front());
   LightMap map;
   LightReport report;
-  if (!fit_light(references, draft.region_of_interest, map, report, reason).ok()) return refuse(reason);
+  if (!fit_light(input, map, report, reason).ok()) return refuse(reason);
 
   const std::filesystem::path file(venue);
   config::LightEntry entry;
@@ -42,8 +88,17 @@ int LightCommand::run() const {
     std::printf("%-5s illumination %.2f to %.2f (%.2f : 1), 1 is the value %.1f\n", kNames[c], report.least[c],
                 report.most[c], report.most[c] / report.least[c], report.normal[c]);
   }
-  std::printf("%u x %u cells: %zu saturated, %zu too dark, %zu beyond what can be corrected\n", map.columns, map.rows,
-              report.saturated_cells, report.dark_cells, report.clamped_cells);
+  std::printf("%u x %u cells, %zu measured%s: %zu saturated, %zu too dark, %zu beyond what can be corrected\n",
+              map.columns, map.rows, report.known_cells,
+              input.surface == LightSurface::kGreyPaper ? "" : " on plain floor", report.saturated_cells,
+              report.dark_cells, report.clamped_cells);
+  constexpr std::size_t kShown = 6;
+  for (std::size_t i = 0; i < std::min(kShown, report.spots.size()); ++i) {
+    const LightSpot& spot = report.spots[i];
+    std::printf("%s: %zu cells in u %zu to %zu, v %zu to %zu\n", spot.saturated ? "saturated" : "too dark", spot.cells,
+                spot.left_px, spot.right_px, spot.top_px, spot.bottom_px);
+  }
+  if (report.spots.size() > kShown) std::printf("and %zu smaller spots\n", report.spots.size() - kShown);
   std::printf("%s written, %s: [light] written\n", map_path.c_str(), venue.c_str());
   return 0;
 }

@@ -3,116 +3,79 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "tools/calibrate/channel_image.h"
+#include "tools/calibrate/floor_light.h"
+#include "tools/calibrate/light_grid.h"
 #include "tools/calibrate/text.h"
 
 namespace touchline::calibrate {
 namespace {
 
-constexpr std::size_t kMaxColumns = 64, kMaxRows = 48;
-// A cell of fewer pixels has no robust median.
-constexpr std::size_t kLeastCellSide_px = 4;
+// Of a cell of the field that must be plain floor.
+constexpr double kLeastFloorShare = 0.3;
 // 8-bit values: the last steps before the sensor's end, and where one step is more than 10 %.
 constexpr double kSaturated = 250.0, kDark = 10.0;
 // Below, core/light has no gain (it ends at 4); above, the file has no value (65535 is 1.99997).
 constexpr float kLeastIllumination = 0.25f, kMostIllumination = 65535.0f / 32768.0f;
 
-using Plane = std::vector<double>;
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 double value_at(const hal::Picture& picture, std::size_t index) {
   return picture.deep() ? picture.rgb16[index] / 257.0 : static_cast<double>(picture.rgb8[index]);
 }
 
-class Grid {
- public:
-  Grid(std::size_t width, std::size_t height)
-      : width_(width),
-        height_(height),
-        columns_(std::min(kMaxColumns, std::max<std::size_t>(1, width / kLeastCellSide_px))),
-        rows_(std::min(kMaxRows, std::max<std::size_t>(1, height / kLeastCellSide_px))) {}
-
-  [[nodiscard]] std::size_t columns() const { return columns_; }
-  [[nodiscard]] std::size_t rows() const { return rows_; }
-  [[nodiscard]] std::size_t cells() const { return columns_ * rows_; }
-
-  // Median of every cell's pixels that count; NaN where there are none.
-  [[nodiscard]] Plane reduce(const Plane& pixels, const std::vector<std::uint8_t>& inside) const {
-    Plane out(cells(), std::numeric_limits<double>::quiet_NaN());
-    std::vector<double> values;
-    for (std::size_t row = 0; row < rows_; ++row) {
-      for (std::size_t column = 0; column < columns_; ++column) {
-        values.clear();
-        for (std::size_t v = row * height_ / rows_; v < (row + 1) * height_ / rows_; ++v) {
-          for (std::size_t u = column * width_ / columns_; u < (column + 1) * width_ / columns_; ++u) {
-            if (inside[v * width_ + u] != 0) values.push_back(pixels[v * width_ + u]);
-          }
-        }
-        if (!values.empty()) out[row * columns_ + column] = median(values);
-      }
-    }
-    return out;
+// Of every pixel the value that most pictures have near it: their median.
+Plane usual_value(const std::vector<hal::Picture>& pictures, std::size_t channel) {
+  Plane out(std::size_t{pictures[0].width_px} * pictures[0].height_px);
+  std::vector<double> values(pictures.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    for (std::size_t p = 0; p < pictures.size(); ++p) values[p] = value_at(pictures[p], 3 * i + channel);
+    out[i] = median(values);
   }
+  return out;
+}
 
-  // A cell without pixels takes the nearest cell that has some.
-  void fill(Plane& plane) const {
-    const Plane known = plane;
-    for (std::size_t i = 0; i < cells(); ++i) {
-      if (!std::isnan(known[i])) continue;
-      double nearest = std::numeric_limits<double>::infinity();
-      for (std::size_t j = 0; j < cells(); ++j) {
-        if (std::isnan(known[j])) continue;
-        const double dx = static_cast<double>(i % columns_) - static_cast<double>(j % columns_);
-        const std::size_t row = i / columns_, other = j / columns_;
-        const double dy = static_cast<double>(row) - static_cast<double>(other);
-        if (dx * dx + dy * dy < nearest) {
-          nearest = dx * dx + dy * dy;
-          plane[i] = known[j];
-        }
-      }
-    }
+Plane mean_value(const std::vector<hal::Picture>& pictures, std::size_t channel) {
+  Plane out(std::size_t{pictures[0].width_px} * pictures[0].height_px, 0.0);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    for (const hal::Picture& p : pictures) out[i] += value_at(p, 3 * i + channel);
+    out[i] /= static_cast<double>(pictures.size());
   }
+  return out;
+}
 
-  // The paper's "slight Gaussian blurring", sigma one cell, mirrored at the border.
-  [[nodiscard]] Plane smooth(const Plane& plane) const {
-    constexpr std::array<double, 7> kKernel = {0.0044, 0.0540, 0.2420, 0.3992, 0.2420, 0.0540, 0.0044};
-    const auto reflect = [](std::ptrdiff_t i, std::size_t n) {
-      const auto size = static_cast<std::ptrdiff_t>(n);
-      while (i < 0 || i >= size) i = i < 0 ? -i - 1 : 2 * size - 1 - i;
-      return static_cast<std::size_t>(i);
-    };
-    Plane across(cells()), out(cells());
-    for (std::size_t i = 0; i < cells(); ++i) {
-      for (std::size_t k = 0; k < kKernel.size(); ++k) {
-        const auto x = static_cast<std::ptrdiff_t>(i % columns_ + k) - 3;
-        across[i] += kKernel[k] * plane[i / columns_ * columns_ + reflect(x, columns_)];
-      }
+// Cells of a kind that touch each other (4-neighborhood).
+void add_spots(const LightGrid& grid, std::vector<std::uint8_t> flagged, bool saturated, std::vector<LightSpot>& out) {
+  for (std::size_t start = 0; start < flagged.size(); ++start) {
+    if (flagged[start] == 0) continue;
+    flagged[start] = 0;
+    std::vector<std::size_t> spot = {start};
+    std::size_t left = grid.columns(), right = 0, top = grid.rows(), bottom = 0;
+    for (std::size_t i = 0; i < spot.size(); ++i) {  // grows while it is read
+      const std::size_t column = spot[i] % grid.columns(), row = spot[i] / grid.columns();
+      left = std::min(left, column);
+      right = std::max(right, column);
+      top = std::min(top, row);
+      bottom = std::max(bottom, row);
+      const auto visit = [&](bool there, std::size_t next) {
+        if (!there || flagged[next] == 0) return;
+        flagged[next] = 0;
+        spot.push_back(next);
+      };
+      visit(column > 0, spot[i] - 1);
+      visit(column + 1 < grid.columns(), spot[i] + 1);
+      visit(row > 0, spot[i] - grid.columns());
+      visit(row + 1 < grid.rows(), spot[i] + grid.columns());
     }
-    for (std::size_t i = 0; i < cells(); ++i) {
-      for (std::size_t k = 0; k < kKernel.size(); ++k) {
-        const auto y = static_cast<std::ptrdiff_t>(i / columns_ + k) - 3;
-        out[i] += kKernel[k] * across[reflect(y, rows_) * columns_ + i % columns_];
-      }
-    }
-    return out;
+    out.push_back({saturated, grid.left_px(left), grid.top_px(top), grid.left_px(right + 1) - 1,
+                   grid.top_px(bottom + 1) - 1, spot.size()});
   }
-
- private:
-  std::size_t width_, height_, columns_, rows_;
-};
+}
 
 }  // namespace
 
-Status fit_light(const std::vector<hal::Picture>& pictures, const Polygon& region_of_interest, LightMap& out,
-                 LightReport& report, std::string& reason) {
+Status fit_light(const LightFitInput& input, LightMap& out, LightReport& report, std::string& reason) {
   report = {};
+  const std::vector<hal::Picture>& pictures = input.pictures;
   if (pictures.empty() || pictures[0].width_px == 0 || pictures[0].height_px == 0) {
     reason = "no reference picture";
     return ErrorCode::kOutOfRange;
@@ -125,18 +88,22 @@ Status fit_light(const std::vector<hal::Picture>& pictures, const Polygon& regio
       return ErrorCode::kInconsistent;
     }
   }
-  const std::vector<std::uint8_t> inside =
-      inside_mask(region_of_interest, static_cast<int>(width), static_cast<int>(height));
-  const Grid grid(width, height);
-  std::array<Plane, 3> planes;
+  if (input.surface == LightSurface::kMoving && pictures.size() < 3) {
+    reason = "three pictures at least tell what moves; a few dozen are good";
+    return ErrorCode::kNotFound;
+  }
+  std::vector<std::uint8_t> inside =
+      inside_mask(input.region_of_interest, static_cast<int>(width), static_cast<int>(height));
+  for (std::size_t i = 0; i < input.floor.size(); ++i) inside[i] = inside[i] != 0 && input.floor[i] != 0 ? 1 : 0;
+  const LightGrid grid(width, height);
+  const bool paper = input.surface == LightSurface::kGreyPaper;
+  std::array<Plane, 3> background, planes;
+  for (std::size_t c = 0; c < 3; ++c) background[c] = paper ? mean_value(pictures, c) : usual_value(pictures, c);
+  const std::vector<std::uint8_t> counts = paper ? inside : plain_floor(background, inside, width, height);
+  const double least_share = paper ? 0.0 : kLeastFloorShare;
   std::vector<std::uint8_t> known(grid.cells(), 0), saturated(grid.cells(), 0), dark(grid.cells(), 0);
   for (std::size_t channel = 0; channel < 3; ++channel) {
-    Plane mean(width * height, 0.0);
-    for (std::size_t i = 0; i < mean.size(); ++i) {
-      for (const hal::Picture& p : pictures) mean[i] += value_at(p, 3 * i + channel);
-      mean[i] /= static_cast<double>(pictures.size());
-    }
-    planes[channel] = grid.reduce(mean, inside);
+    planes[channel] = grid.reduce(background[channel], counts, least_share);
     for (std::size_t i = 0; i < grid.cells(); ++i) {
       if (std::isnan(planes[channel][i])) continue;
       known[i] = 1;
@@ -147,12 +114,23 @@ Status fit_light(const std::vector<hal::Picture>& pictures, const Polygon& regio
   const auto cells = static_cast<std::size_t>(std::count(known.begin(), known.end(), 1));
   report.saturated_cells = static_cast<std::size_t>(std::count(saturated.begin(), saturated.end(), 1));
   report.dark_cells = static_cast<std::size_t>(std::count(dark.begin(), dark.end(), 1));
+  report.known_cells = cells;
+  add_spots(grid, saturated, true, report.spots);
+  add_spots(grid, dark, false, report.spots);
+  std::stable_sort(report.spots.begin(), report.spots.end(),
+                   [](const LightSpot& a, const LightSpot& b) { return a.cells > b.cells; });
+  if (const auto able = static_cast<std::size_t>(std::count(inside.begin(), inside.end(), 1));
+      !paper && 4 * static_cast<std::size_t>(std::count(counts.begin(), counts.end(), 1)) < able) {
+    reason = "less than a quarter of it is plain floor: take grey paper";
+    return ErrorCode::kOutOfRange;
+  }
   if (cells == 0 || 2 * report.saturated_cells > cells || 2 * report.dark_cells > cells) {
     reason = text("%zu of %zu cells are saturated and %zu are black: change the exposure", report.saturated_cells,
                   cells, report.dark_cells);
     return ErrorCode::kOutOfRange;
   }
 
+  if (!paper) mend_floor(grid, planes);
   std::array<Plane, 3> smooth;
   // One factor for all channels: a grey surface stays grey.
   double factor = 1.0;

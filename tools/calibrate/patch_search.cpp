@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "tools/calibrate/click_growth.h"
+#include "tools/calibrate/local_floor.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -13,7 +14,6 @@ namespace {
 constexpr double kDiffersFromFloor = 16.0;
 // Elongated more than this is a line: the longest patches (a bar twice as long as wide) come to 2.2 with blur.
 constexpr double kMostElongation = 3.0;
-constexpr int kBlock_px = 16;
 // Next to a patch its color is mixed with another: no place to grow from, and
 // what was tried in one place need not be tried in the next.
 constexpr int kRim_px = 1;
@@ -26,55 +26,6 @@ std::uint8_t median(Values& values) {
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
-
-// The usual color of the surroundings: medians of blocks, and of five by five of them, more than a robot covers.
-class Floor {
- public:
-  Floor(const ChannelImage& image, const std::vector<std::uint8_t>& inside)
-      : columns_((image.width_px + kBlock_px - 1) / kBlock_px), rows_((image.height_px + kBlock_px - 1) / kBlock_px) {
-    const auto cells = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
-    std::vector<Channels> block(cells);
-    std::vector<bool> known(cells, false);
-    for (int y = 0; y < rows_; ++y) {
-      for (int x = 0; x < columns_; ++x) {
-        std::array<std::vector<std::uint8_t>, 3> values;
-        for (int v = y * kBlock_px; v < std::min(image.height_px, (y + 1) * kBlock_px); ++v) {
-          for (int u = x * kBlock_px; u < std::min(image.width_px, (x + 1) * kBlock_px); ++u) {
-            if (inside[image.index(u, v)] == 0) continue;
-            for (std::size_t c = 0; c < 3; ++c) values[c].push_back(image.at(u, v)[c]);
-          }
-        }
-        if (values[0].size() < kBlock_px) continue;
-        known[cell(x, y)] = true;
-        for (std::size_t c = 0; c < 3; ++c) block[cell(x, y)][c] = median(values[c]);
-      }
-    }
-    floor_.resize(cells);
-    for (int y = 0; y < rows_; ++y) {
-      for (int x = 0; x < columns_; ++x) {
-        std::array<std::vector<std::uint8_t>, 3> values;
-        for (int dy = -2; dy <= 2; ++dy) {
-          for (int dx = -2; dx <= 2; ++dx) {
-            if (x + dx < 0 || y + dy < 0 || x + dx >= columns_ || y + dy >= rows_ || !known[cell(x + dx, y + dy)]) {
-              continue;
-            }
-            for (std::size_t c = 0; c < 3; ++c) values[c].push_back(block[cell(x + dx, y + dy)][c]);
-          }
-        }
-        if (values[0].empty()) continue;
-        for (std::size_t c = 0; c < 3; ++c) floor_[cell(x, y)][c] = median(values[c]);
-      }
-    }
-  }
-  [[nodiscard]] const Channels& at(int u, int v) const { return floor_[cell(u / kBlock_px, v / kBlock_px)]; }
-
- private:
-  [[nodiscard]] std::size_t cell(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x);
-  }
-  int columns_, rows_;
-  std::vector<Channels> floor_;
-};
 
 // Largest difference to the eight neighbors: small in the middle of a patch.
 int unevenness(const ChannelImage& image, int u, int v) {
@@ -173,7 +124,7 @@ double relative_area(const FoundPatch& patch, const CameraModel& camera, const P
 std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vector<std::uint8_t>& inside,
                                      const CameraModel& camera, const FieldParameters& field,
                                      const std::vector<PatchSize>& sizes) {
-  const Floor floor(image, inside);
+  const LocalFloor floor(image, inside);
   double height = 0, extent = 0;
   for (const PatchSize& size : sizes) {
     height = std::max(height, size.height_m);

@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include "hal/mock/lens.h"
+#include "tests/calibrate/arena_photograph.h"
+#include "tools/calibrate/light_fit.h"
+
+// The arena's lamps, measured on grey paper, on the floor itself, and on a floor that robots are on.
+namespace touchline::calibrate {
+namespace {
+
+class LightSurfaceOf : public testing::Test {
+ protected:
+  LightSurfaceOf() {
+    // A lamp over one half: 2 : 1 and more.
+    arena_.light.lamp = {{-0.8, 0.5, 1.6, 1.0}};
+    const hal::mock::Lens lens(arena_.camera);
+    const double x = 0.5 * arena_.field.length_m - 0.05, y = 0.5 * arena_.field.width_m - 0.05;
+    for (const auto& [cx, cy] : {std::pair{-x, -y}, {x, -y}, {x, y}, {-x, y}}) {
+      const auto [u, v] = lens.project({cx, cy, 0.0});
+      field_.push_back({static_cast<float>(u), static_cast<float>(v)});
+    }
+  }
+
+  std::unique_ptr<LightMap> fit(LightSurface surface, std::vector<hal::Picture> pictures) {
+    LightFitInput input;
+    input.pictures = std::move(pictures);
+    input.surface = surface;
+    input.region_of_interest = field_;
+    auto map = std::make_unique<LightMap>();
+    EXPECT_TRUE(fit_light(input, *map, report_, reason_).ok()) << reason_;
+    return map;
+  }
+
+  // Largest difference between two maps within the field, apart from one factor.
+  double worst(const LightMap& a, const LightMap& b) const {
+    double sum = 0, worst = 0;
+    std::vector<double> ratios;
+    for (std::size_t row = 10; row < 38; ++row) {
+      for (std::size_t column = 14; column < 50; ++column) {
+        const std::size_t i = row * a.columns + column;
+        for (std::size_t c = 0; c < 3; ++c) {
+          ratios.push_back(std::log(static_cast<double>(a.illumination[c][i] / b.illumination[c][i])));
+          sum += ratios.back();
+        }
+      }
+    }
+    for (const double r : ratios) worst = std::max(worst, std::abs(r - sum / static_cast<double>(ratios.size())));
+    return worst;
+  }
+
+  hal::mock::ArenaParameters arena_;
+  Polygon field_;
+  LightReport report_;
+  std::string reason_;
+};
+
+TEST_F(LightSurfaceOf, FieldTellsWhatPaperTells) {
+  const auto paper = fit(LightSurface::kGreyPaper, {photograph(arena_, hal::mock::Floor::kGreyPaper, 1)});
+  EXPECT_GT(report_.most[1] / report_.least[1], 1.5) << "or there is nothing to correct";
+  const auto field = fit(LightSurface::kField, {photograph(arena_, hal::mock::Floor::kField, 2)});
+  EXPECT_LT(worst(*paper, *field), 0.03);
+  // Lines as if they were floor: the test must be able to fail.
+  const auto lines = fit(LightSurface::kGreyPaper, {photograph(arena_, hal::mock::Floor::kField, 2)});
+  EXPECT_GT(worst(*paper, *lines), 0.05);
+}
+
+TEST_F(LightSurfaceOf, WhatMovesIsLeftOut) {
+  const auto paper = fit(LightSurface::kGreyPaper, {photograph(arena_, hal::mock::Floor::kGreyPaper, 1)});
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> x(-0.9, 0.9), y(-0.7, 0.7);
+  std::vector<hal::Picture> pictures;
+  for (unsigned i = 0; i < 9; ++i) {
+    hal::mock::Snapshot things;
+    for (std::size_t k = 0; k < arena_.robot.size(); ++k) things.robots.push_back({x(random), y(random), 0.0});
+    pictures.push_back(photograph(arena_, hal::mock::Floor::kField, i, &things));
+  }
+  const auto moving = fit(LightSurface::kMoving, pictures);
+  EXPECT_LT(worst(*paper, *moving), 0.03);
+  LightFitInput input;
+  input.pictures = {pictures[0], pictures[1]};
+  input.surface = LightSurface::kMoving;
+  EXPECT_EQ(fit_light(input, *moving, report_, reason_).code(), ErrorCode::kNotFound);
+}
+
+TEST(LightReport, SaysWhereItIsSaturatedAndDark) {
+  LightFitInput input;
+  input.pictures.emplace_back();
+  hal::Picture& picture = input.pictures[0];
+  picture.width_px = 320;
+  picture.height_px = 240;
+  picture.rgb8.assign(std::size_t{3} * 320 * 240, 120);
+  for (std::size_t v = 50; v < 100; ++v) {
+    for (std::size_t c = 3 * 100; c < 3 * 200; ++c) picture.rgb8[3 * v * 320 + c] = 255;
+    for (std::size_t c = 3 * 250; c < 3 * 270; ++c) picture.rgb8[3 * v * 320 + c] = 3;
+  }
+  auto map = std::make_unique<LightMap>();
+  LightReport report;
+  std::string reason;
+  ASSERT_TRUE(fit_light(input, *map, report, reason).ok()) << reason;
+  ASSERT_EQ(report.spots.size(), 2U);
+  EXPECT_TRUE(report.spots[0].saturated);
+  EXPECT_EQ(report.spots[0].left_px, 100U);
+  EXPECT_EQ(report.spots[0].right_px, 199U);
+  EXPECT_EQ(report.spots[0].top_px, 50U);
+  EXPECT_EQ(report.spots[0].bottom_px, 99U);
+  EXPECT_EQ(report.spots[0].cells, report.saturated_cells);
+  EXPECT_FALSE(report.spots[1].saturated);
+  EXPECT_EQ(report.spots[1].left_px, 250U);
+}
+
+}  // namespace
+}  // namespace touchline::calibrate

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+
+namespace touchline::calibrate {
+
+/// "pictures: 3 of 12" on a person's terminal, once the work takes longer than a second; nothing elsewhere.
+class Progress {
+ public:
+  Progress(std::string what, std::size_t steps);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  /// One of the steps is done.
+  void step();
+
+ private:
+  std::string what_;
+  std::size_t steps_, done_ = 0;
+  bool shown_ = false;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace touchline::calibrate

@@ -4,6 +4,7 @@
 #include "core/control/controller.h"
 #include "core/geometry/camera_model.h"
 #include "core/marker/matcher.h"
+#include "core/marker/patch_center.h"
 #include "core/radio/packet.h"
 #include "core/region/region_scanner.h"
 #include "core/track/tracker.h"
@@ -59,6 +60,7 @@ class Pipeline {
   RegionScanner scanner_;
   CameraModel camera_;
   Matcher matcher_;
+  PatchCenters patch_centers_;
   Tracker tracker_;
   Controller controller_;
   Adaptation adaptation_;

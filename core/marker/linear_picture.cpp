@@ -1,0 +1,73 @@
+#include "core/marker/linear_picture.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace touchline {
+namespace {
+
+// Newton's method by sums and products alone, so that the table is the same on every board.
+constexpr double fifth_root(double x) {
+  double y = 1.0;
+  for (int i = 0; i < 60; ++i) y -= (y * y * y * y * y - x) / (5.0 * y * y * y * y);
+  return y;
+}
+
+constexpr auto kLight = [] {
+  std::array<float, 256> light{};
+  for (std::size_t value = 1; value < light.size(); ++value) {
+    const double x = static_cast<double>(value) / 255.0;
+    light[value] = static_cast<float>(x * x * fifth_root(x));
+  }
+  return light;
+}();
+
+LinearColor from_yuv(int y, int u, int v) {
+  const int luma = 298 * (y - 16) + 128;
+  const auto channel = [](int value) { return kLight[static_cast<std::size_t>(std::clamp(value >> 8, 0, 255))]; };
+  return {channel(luma + 409 * (v - 128)), channel(luma - 100 * (u - 128) - 208 * (v - 128)),
+          channel(luma + 516 * (u - 128))};
+}
+
+}  // namespace
+
+float linear_light(std::uint8_t value) { return kLight[value]; }
+
+LinearColor LinearPicture::at(int u, int v) const {
+  const auto column = static_cast<std::size_t>(u), row = static_cast<std::size_t>(v);
+  const std::uint8_t* samples = frame_.plane[0] + row * frame_.stride_bytes[0];
+  switch (frame_.format) {
+    case PixelFormat::kRgb24:
+    case PixelFormat::kBgr24: {
+      const std::uint8_t* pixel = samples + 3 * column;
+      const std::size_t red = frame_.format == PixelFormat::kRgb24 ? 0 : 2;
+      return {kLight[pixel[red]], kLight[pixel[1]], kLight[pixel[2 - red]]};
+    }
+    case PixelFormat::kYuyv: {
+      const std::uint8_t* pair = samples + 4 * (column / 2);
+      return from_yuv(pair[2 * (column % 2)], pair[1], pair[3]);
+    }
+    case PixelFormat::kUyvy: {
+      const std::uint8_t* pair = samples + 4 * (column / 2);
+      return from_yuv(pair[1 + 2 * (column % 2)], pair[0], pair[2]);
+    }
+    case PixelFormat::kNv12: {
+      const std::uint8_t* chroma = frame_.plane[1] + (row / 2) * frame_.stride_bytes[1] + 2 * (column / 2);
+      return from_yuv(samples[column], chroma[0], chroma[1]);
+    }
+  }
+  return {};
+}
+
+bool LinearPicture::at(PixelPoint point, LinearColor& out) const {
+  // Compared as floats first: what lies far out does not fit an int.
+  if (!(point.u_px > -0.5f && point.v_px > -0.5f && point.u_px < static_cast<float>(frame_.width_px) - 0.5f &&
+        point.v_px < static_cast<float>(frame_.height_px) - 0.5f)) {
+    return false;
+  }
+  out = at(std::clamp(static_cast<int>(point.u_px + 0.5f), 0, frame_.width_px - 1),
+           std::clamp(static_cast<int>(point.v_px + 0.5f), 0, frame_.height_px - 1));
+  return true;
+}
+
+}  // namespace touchline

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/types.h"
+
+namespace touchline {
+
+/// Red, green and blue in proportion to the light that fell on the pixel; 1 is what a camera shows as 255.
+using LinearColor = std::array<float, 3>;
+
+/// A frame's pixels as light. A pixel that two surfaces share shows the mean of their light; what the camera delivers
+/// is that mean bent by its gamma (2.2 here, within a tenth of ITU-R BT.709, BT.601 and sRGB), in which half a bright
+/// patch on a dark robot looks like three quarters of one. YUV is BT.601 of limited range, as cameras deliver it.
+class LinearPicture {
+ public:
+  /// The frame must have been accepted by the scan, and lives at least as long as this.
+  explicit LinearPicture(const Frame& frame) : frame_(frame) {}
+
+  [[nodiscard]] bool contains(int u, int v) const {
+    return u >= 0 && v >= 0 && u < frame_.width_px && v < frame_.height_px;
+  }
+  /// Of a pixel that contains() says is there.
+  [[nodiscard]] LinearColor at(int u, int v) const;
+  /// Of the pixel that is nearest; false: the point lies outside the picture.
+  [[nodiscard]] bool at(PixelPoint point, LinearColor& out) const;
+
+ private:
+  Frame frame_;
+};
+
+/// Light of a channel's value.
+float linear_light(std::uint8_t value);
+
+}  // namespace touchline

@@ -3,6 +3,7 @@
 #include "core/adaptation.h"
 #include "core/control/controller.h"
 #include "core/geometry/camera_model.h"
+#include "core/marker/ball_center.h"
 #include "core/marker/matcher.h"
 #include "core/marker/patch_center.h"
 #include "core/radio/packet.h"
@@ -61,6 +62,7 @@ class Pipeline {
   CameraModel camera_;
   Matcher matcher_;
   PatchCenters patch_centers_;
+  BallCenter ball_center_;
   Tracker tracker_;
   Controller controller_;
   Adaptation adaptation_;

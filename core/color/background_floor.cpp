@@ -60,8 +60,9 @@ ChannelFloors floors_of(const ColorBoxes& boxes) {
 }
 
 std::uint16_t floor_before_correction(std::uint16_t floor, std::uint8_t level, std::uint8_t unlit) {
+  if (floor >= kNever) return kNever;
   std::uint16_t value = 0;
-  while (value < kNever && corrected(static_cast<std::uint8_t>(value), level, unlit) < floor) ++value;
+  while (value < kFullScale && corrected(static_cast<std::uint8_t>(value), level, unlit) < floor) ++value;
   return value;
 }
 

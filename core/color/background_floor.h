@@ -15,7 +15,8 @@ namespace touchline {
 using ChannelFloors = std::array<std::uint16_t, 3>;
 ChannelFloors floors_of(const ColorBoxes& boxes);
 
-/// The smallest value that the light level lifts to the floor; 256 when there is none. `unlit` as in corrected().
+/// The smallest value that the light level lifts to the floor, full scale being any value above as well (ColorTables);
+/// 256 for a floor of 256, which nothing reaches. `unlit` as in corrected().
 std::uint16_t floor_before_correction(std::uint16_t floor, std::uint8_t level, std::uint8_t unlit);
 
 // Eight pixels are tested at once, 24 bytes of RGB.

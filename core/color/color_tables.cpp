@@ -65,6 +65,9 @@ void ColorTables::fill(const Table& masks, std::size_t channel, std::uint8_t lev
   for (std::size_t value = 0; value < table.size(); ++value) {
     table[value] = masks[corrected(static_cast<std::uint8_t>(value), level, unlit)];
   }
+  for (std::size_t value = corrected(kFullScale, level, unlit); value < masks.size(); ++value) {
+    table[kFullScale] |= masks[value];
+  }
 }
 
 }  // namespace touchline

@@ -25,7 +25,8 @@ bool overlapping_boxes(const ColorBoxes& boxes, std::size_t& first, std::size_t&
 
 /// Klancar section 3.2: three 256-entry tables of 32-bit masks, ANDed. The definition of every kernel.
 /// There is one set of tables a light level, which holds the masks of the corrected values: shading correction costs
-/// another pointer and no arithmetic.
+/// another pointer and no arithmetic. A full scale value says only that there was so much light or more: under a lamp,
+/// where correction makes values smaller, it has the classes of all values from its own corrected one up.
 class ColorTables {
  public:
   using Table = std::array<std::uint32_t, 256>;

@@ -33,6 +33,9 @@ constexpr std::uint8_t unlit_value(ColorSpace space, std::size_t channel) {
   return channel == 0 ? 16 : 128;
 }
 
+/// The largest value that a camera delivers: what is brighter looks the same.
+constexpr std::uint8_t kFullScale = 255;
+
 /// What a channel's value becomes: round(unlit + (value - unlit) * gain), bounded to 0..255. Never decreases when value
 /// grows.
 std::uint8_t corrected(std::uint8_t value, std::uint8_t level, std::uint8_t unlit);

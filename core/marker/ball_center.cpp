@@ -1,6 +1,5 @@
 #include "core/marker/ball_center.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/LU>
 #include <algorithm>
@@ -152,9 +151,8 @@ class BallCenter::Fit {
     });
     // A hidden side leaves a direction of b open; a small part of a brightness for it does not harm the others.
     normal.diagonal().array() += 1e-4f * normal(0, 0) + 1e-9f;
-    solver_.compute(normal);
-    if (solver_.info() != Eigen::Success) return false;
-    shades_ = solver_.solve(right);
+    inverse_normal_ = normal.cast<double>().inverse().cast<float>();
+    shades_ = inverse_normal_ * right;
     const Color facing = (shades_.row(0) + shades_.row(3)).transpose();
     allowed_ = kForeignLight * kForeignLight * facing.squaredNorm();
     return allowed_ > 0.0f;
@@ -183,7 +181,7 @@ class BallCenter::Fit {
     fitting_ = weights / possible;
     const float scale = normal.trace();
     // What the shades could explain as well does not count for the center.
-    const std::array<Shades, 2> solved{solver_.solve(shared[0]), solver_.solve(shared[1])};
+    const std::array<Shades, 2> solved{inverse_normal_ * shared[0], inverse_normal_ * shared[1]};
     for (int i = 0; i < 2; ++i) {
       for (int j = 0; j < 2; ++j) {
         normal(i, j) -= shared[static_cast<std::size_t>(i)].cwiseProduct(solved[static_cast<std::size_t>(j)]).sum();
@@ -203,7 +201,7 @@ class BallCenter::Fit {
   std::array<PixelPoint, 2> axis_{};  // radii of the outline across the line of sight, as the picture shows them
   std::array<float, 4> inverse_{};
   float radius_px_ = 0, allowed_ = 0, fitting_ = 0;
-  Eigen::LLT<Normal> solver_;
+  Normal inverse_normal_;
   Shades shades_;
 };
 

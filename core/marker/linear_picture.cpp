@@ -1,7 +1,8 @@
 #include "core/marker/linear_picture.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "core/color/pixel.h"
 
 namespace touchline {
 namespace {
@@ -34,29 +35,9 @@ LinearColor from_yuv(int y, int u, int v) {
 float linear_light(std::uint8_t value) { return kLight[value]; }
 
 LinearColor LinearPicture::at(int u, int v) const {
-  const auto column = static_cast<std::size_t>(u), row = static_cast<std::size_t>(v);
-  const std::uint8_t* samples = frame_.plane[0] + row * frame_.stride_bytes[0];
-  switch (frame_.format) {
-    case PixelFormat::kRgb24:
-    case PixelFormat::kBgr24: {
-      const std::uint8_t* pixel = samples + 3 * column;
-      const std::size_t red = frame_.format == PixelFormat::kRgb24 ? 0 : 2;
-      return {kLight[pixel[red]], kLight[pixel[1]], kLight[pixel[2 - red]]};
-    }
-    case PixelFormat::kYuyv: {
-      const std::uint8_t* pair = samples + 4 * (column / 2);
-      return from_yuv(pair[2 * (column % 2)], pair[1], pair[3]);
-    }
-    case PixelFormat::kUyvy: {
-      const std::uint8_t* pair = samples + 4 * (column / 2);
-      return from_yuv(pair[1 + 2 * (column % 2)], pair[0], pair[2]);
-    }
-    case PixelFormat::kNv12: {
-      const std::uint8_t* chroma = frame_.plane[1] + (row / 2) * frame_.stride_bytes[1] + 2 * (column / 2);
-      return from_yuv(samples[column], chroma[0], chroma[1]);
-    }
-  }
-  return {};
+  const std::array<std::uint8_t, 3> value = pixel_at(frame_, static_cast<std::size_t>(u), static_cast<std::size_t>(v));
+  if (color_space(frame_.format) == ColorSpace::kYuv) return from_yuv(value[0], value[1], value[2]);
+  return {kLight[value[0]], kLight[value[1]], kLight[value[2]]};
 }
 
 bool LinearPicture::at(PixelPoint point, LinearColor& out) const {

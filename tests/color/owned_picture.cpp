@@ -82,7 +82,8 @@ ColorId color_by_boxes(const ColorBoxes& boxes, ColorSpace space, Channels value
       const double origin = space == ColorSpace::kRgb ? 0.0 : c == 0 ? 16.0 : 128.0;  // what no light leaves
       const double gain = static_cast<double>(gain_of_level(level[c]));
       const double seen = std::clamp(origin + std::round((value[c] - origin) * gain), 0.0, 255.0);
-      inside = inside && box.low[c] <= seen && seen <= box.high[c];
+      const bool is_bright_enough = box.low[c] <= seen || value[c] == 255;  // 255: so much light or more
+      inside = inside && is_bright_enough && seen <= box.high[c];
     }
     if (inside) return box.color;
   }

@@ -55,6 +55,16 @@ TEST_F(ColorTablesTest, AreTheBoxesForEveryValueAndLevel) {
   }
 }
 
+TEST_F(ColorTablesTest, FullScaleIsAnyLightFromThereUp) {
+  // Pink under a lamp of 1.25: red is cut off at 255, which the correction makes 204, below the class.
+  ASSERT_TRUE(tables_->build(boxes_of({{3, {215, 140, 180}, {250, 200, 220}}}), ColorSpace::kRgb).ok());
+  const std::uint8_t lamp = level_of_gain(0.8f);
+  const Channels level = {lamp, lamp, lamp};
+  EXPECT_EQ(tables_->color_of(tables_->mask({255, 220, 250}, level)), 3);
+  EXPECT_EQ(tables_->color_of(tables_->mask({254, 220, 250}, level)), kBackground) << "this one was measured";
+  EXPECT_EQ(tables_->color_of(tables_->mask({255, 255, 250}, level)), kBackground) << "204 is too much green already";
+}
+
 TEST_F(ColorTablesTest, TheLowestBitWins) {
   ASSERT_TRUE(
       tables_->build(boxes_of({{9, {50, 50, 50}, {60, 60, 60}}, {4, {0, 0, 0}, {255, 255, 255}}}), ColorSpace::kRgb)

@@ -78,29 +78,29 @@ constexpr double kDegree = 0.017453292519943295;
 TEST_F(Scenes, Layouts) {
   const evaluate::PoseSummary seen = see("layouts").sightings;
   expect_all_seen(seen, 12);
-  expect_within(seen.position.rms, 0.0004, 0.0008, "position RMS, m");
-  expect_within(seen.position.max, 0.001, 0.004, "position max, m");
-  expect_within(seen.angle.rms, 0.5 * kDegree, 1.0 * kDegree, "angle RMS, rad");
-  expect_within(seen.ball.rms, 0.0008, 0.002, "ball RMS, m");
+  expect_within(seen.position.rms, 0.00015, 0.0005, "position RMS, m");
+  expect_within(seen.position.max, 0.0004, 0.002, "position max, m");
+  expect_within(seen.angle.rms, 0.2 * kDegree, 0.6 * kDegree, "angle RMS, rad");
+  expect_within(seen.ball.rms, 0.0003, 0.001, "ball RMS, m");
 }
 
 TEST_F(Scenes, Samples) {
   const evaluate::PoseSummary seen = see("samples").sightings;
   expect_all_seen(seen, 6);
-  expect_within(seen.position.rms, 0.0004, 0.0009, "position RMS, m");
-  expect_within(seen.angle.rms, 0.4 * kDegree, 1.0 * kDegree, "angle RMS, rad");
+  expect_within(seen.position.rms, 0.00015, 0.0005, "position RMS, m");
+  expect_within(seen.angle.rms, 0.15 * kDegree, 0.6 * kDegree, "angle RMS, rad");
 }
 
 TEST_F(Scenes, StandingRobots) {
   const evaluate::PoseReport report = see("static");
   expect_all_seen(report.sightings, 12);
   expect_all_seen(report.tracks, 12);
-  expect_within(report.sightings.position.rms, 0.0003, 0.0008, "position RMS, m");
+  expect_within(report.sightings.position.rms, 0.00015, 0.0005, "position RMS, m");
   ASSERT_EQ(report.spread.size(), 11u);
   for (const evaluate::Spread& spread : report.spread) {
     // The paper: within 1 mm and 1 degree.
-    EXPECT_LT(spread.position_max, 0.001) << spread.name;
-    EXPECT_LT(spread.angle_max, kDegree) << spread.name;
+    EXPECT_LT(spread.position_rms, 0.00012) << spread.name;
+    EXPECT_LT(spread.angle_rms, 0.12 * kDegree) << spread.name;
   }
 }
 

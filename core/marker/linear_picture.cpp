@@ -41,13 +41,13 @@ LinearColor LinearPicture::at(int u, int v) const {
 }
 
 bool LinearPicture::at(PixelPoint point, LinearColor& out) const {
-  // Compared as floats first: what lies far out does not fit an int.
-  if (!(point.u_px > -0.5f && point.v_px > -0.5f && point.u_px < static_cast<float>(frame_.width_px) - 0.5f &&
-        point.v_px < static_cast<float>(frame_.height_px) - 0.5f)) {
+  // From the picture's corner; compared as floats first, because what lies far out does not fit an int.
+  const float right = point.u_px + 0.5f, down = point.v_px + 0.5f;
+  if (!(right > 0.0f && down > 0.0f && right < static_cast<float>(frame_.width_px) &&
+        down < static_cast<float>(frame_.height_px))) {
     return false;
   }
-  out = at(std::clamp(static_cast<int>(point.u_px + 0.5f), 0, frame_.width_px - 1),
-           std::clamp(static_cast<int>(point.v_px + 0.5f), 0, frame_.height_px - 1));
+  out = at(static_cast<int>(right), static_cast<int>(down));
   return true;
 }
 

@@ -1,4 +1,225 @@
+"""Real pictures: repeatability of what stands still, and what a change of the lamps does to recognition."""
+import json
+import math
+import os
+import re
+import shutil
+import subprocess
+
+import programs
+import scenes
+
+# The colors are learned in the first picture; the others have other lamps.
+MIROSOT_LEARNED = "r0"
+MIROSOT_ROBOTS = 10
+BAR_ROBOTS = 6
+# So long a picture is shown to the adaptation, which then has followed what it can.
+REPEATS = 60
+
+
+def ids_of(line):
+    """Robots with an id, and how often one was given twice."""
+    ids = [(r["team"], r["id"]) for r in line["sightings"]["robots"] if r["id"] is not None]
+    return len(set(ids)), len(ids) - len(set(ids))
+
+
+def spread_px(lines, names):
+    """RMS distance of a robot's team patch from its mean, pixels."""
+    out = {}
+    for name in names:
+        team, number = name.split()
+        points = [(p["u"], p["v"]) for line in lines for r in line["sightings"]["robots"]
+                  if r["team"] == team and r["id"] == int(number) for p in r["patches"] if p["role"] == "team"]
+        u, v = (sum(p[k] for p in points) / len(points) for k in (0, 1))
+        out[name] = math.sqrt(sum((p[0] - u) ** 2 + (p[1] - v) ** 2 for p in points) / len(points))
+    return out
+
+
+def standing(tools, pictures, venue, team, name, moving=()):
+    """Spread of everything that stands, in mm, degrees and pixels."""
+    result, lines = tools.replay(pictures, venue, team, name)
+    spread = tools.evaluate("--spread", result)["spread"]
+    robots = [s["name"] for s in spread if s["name"] != "ball" and s["name"] not in moving]
+    pixels = spread_px(lines, robots)
+    return [{"name": s["name"], "frames": s["frames"], "of": len(lines), "mm": 1e3 * s["position_rms_m"],
+             "degrees": math.degrees(s["angle_rms_rad"]), "px": pixels.get(s["name"])}
+            for s in spread if s["name"] not in moving]
+
+
+def make_venues(tools, recipes, shared):
+    """All venue files of the recipes, made anew by this tool."""
+    environment = dict(os.environ, TOUCHLINE_SHARED=str(shared))
+    done = subprocess.run([recipes / "make-venues", tools.path("calibrate"), tools.out.resolve()], env=environment,
+                          capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise programs.Failed(f"{recipes / 'make-venues'}: {done.stderr.strip()}")
+
+
+def copy_venue(source, target):
+    """With its light map, which bears the venue's name."""
+    target.write_text(source.read_text().replace(f"{source.stem}-light.png", f"{target.stem}-light.png"))
+    light = source.with_name(f"{source.stem}-light.png")
+    if light.exists():
+        shutil.copy(light, target.with_name(f"{target.stem}-light.png"))
+    return target
+
+
+def without_light(venue):
+    venue.write_text(re.sub(r"(?m)^\[light\]\n(?:(?!\[).*\n)*", "", venue.read_text()))
+
+
+def with_colors_of(venue, other):
+    """Puts the other venue's [colors] and [[color]] in place of the venue's own."""
+    parts = re.split(r"(?m)^(?=\[)", venue.read_text())
+    colors = [p for p in re.split(r"(?m)^(?=\[)", other.read_text()) if p.startswith(("[colors]", "[[color"))]
+    venue.write_text("".join(p for p in parts if not p.startswith(("[colors]", "[[color"))) + "\n" + "".join(colors))
+
+
+def repeated(tools, picture, name):
+    """A folder in which the picture comes again and again."""
+    folder = tools.out / f"{name}-repeated"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    for i in range(REPEATS):
+        (folder / f"{i:03d}{picture.suffix}").symlink_to(picture.resolve())
+    return folder
+
+
+def seen_in(tools, picture, venue, team, name, adapt):
+    """Ids, doubled ids and ball of one picture; with adaptation: after it was shown for a while."""
+    if adapt:
+        _, lines = tools.replay(repeated(tools, picture, name), venue, team, name, "--rate", 10, "--set",
+                                "adaptation.time_constant_s=1")
+    else:
+        _, lines = tools.replay(picture, venue, team, name, "--set", "adaptation.mode=off")
+    ids, doubled = ids_of(lines[-1])
+    teams = sum(1 for _ in lines[-1]["sightings"]["robots"])
+    return {"ids": ids, "doubled": doubled, "robots": teams, "ball": lines[-1]["sightings"]["ball"] is not None}
+
+
+def mirosot_fields(tools, pictures):
+    """The field found without a click in every picture: residual as printed, and the border's straightness."""
+    out = {}
+    for picture in pictures:
+        venue = tools.out / "mirosot-field-venue.toml"
+        venue.unlink(missing_ok=True)
+        said = tools.run("calibrate", "field", "--venue", venue, "--picture", picture, "--field-preset",
+                         "mirosot-middle", "--camera-height", 2.0, may_fail=True)
+        if said is None:
+            out[picture.stem] = None
+            continue
+        residual = re.search(r"([0-9.]+) px RMS", said)
+        rows = re.findall(r"(?m)^full\s+\S+\s+(\d+)\s+\d+((?:\s+[0-9.]+)+)$",
+                          tools.run("rectify", picture, "--venue", venue, "--out", tools.out / "rectified"))
+        points = sum(int(n) for n, _ in rows)
+        pooled = [math.sqrt(sum(int(n) * float(v.split()[k]) ** 2 for n, v in rows) / points) for k in (0, 4, 5)]
+        out[picture.stem] = {"residual_px": float(residual[1]), "distorted_px": pooled[0], "straight_px": pooled[1],
+                             "straight_mm": pooled[2]}
+    return out
+
+
+def mirosot_lamps(tools, pictures, recipes):
+    """Colors learned under one lamp, used under all: without map; with a map of the picture itself; and adapted."""
+    team = recipes / "mirosot-triangles-team.toml"
+    learned = next(p for p in pictures if p.stem == MIROSOT_LEARNED)
+    clicks = tools.out / "mirosot-one-lamp-clicks.json"
+    all_clicks = json.loads((recipes / "mirosot-triangles-clicks.json").read_text())["samples"]
+    clicks.write_text(json.dumps({"samples": [c for c in all_clicks if c["image"].endswith(learned.name)]}))
+    images = learned.parent.parent
+
+    def colors(venue):
+        tools.run("calibrate", "colors", "--venue", venue, "--samples", clicks, "--images", images, "--team", team,
+                  "--patch-radius", 12, "--format", "yuyv")
+
+    def light(venue, picture, *options):
+        tools.run("calibrate", "light", "--venue", venue, "--surface", "field", "--picture", picture, *options)
+
+    made = tools.out / "mirosot-triangles-venue.toml"
+    even = copy_venue(made, tools.out / "mirosot-even-venue.toml")
+    without_light(even)
+    colors(even)
+    mapped = copy_venue(made, tools.out / "mirosot-mapped-venue.toml")
+    light(mapped, learned)
+    colors(mapped)
+    out = {}
+    for picture in pictures:
+        venue = copy_venue(mapped, tools.out / "mirosot-lamp-venue.toml")
+        if picture != learned:
+            light(venue, picture, "--keep-normal")
+        cases = {"none": (even, False), "adapted": (even, True), "map": (venue, False), "map_adapted": (venue, True)}
+        out[picture.stem] = {case: seen_in(tools, picture, file, team, f"mirosot-{case}", adapt)
+                             for case, (file, adapt) in cases.items()}
+    return out
+
+
+def bars(tools, folder, recipes):
+    """Colors learned in one exposure, used in the other: as they are, with a map of the picture itself, and adapted."""
+    out = {}
+    for used, learned in (("dark", "normal"), ("normal", "dark")):
+        team = recipes / f"vsss-bar-{used}-team.toml"
+        own = tools.out / f"vsss-bar-{used}-venue.toml"
+        foreign = copy_venue(own, tools.out / f"vsss-bar-{used}-foreign-venue.toml")
+        with_colors_of(foreign, tools.out / f"vsss-bar-{learned}-venue.toml")
+        pictures = sorted(folder.glob(f"{used}_*.png"))
+        out[f"{learned} -> {used}"] = {
+            case: [seen_in(tools, p, venue, team, f"bar-{case}", adapt) for p in pictures]
+            for case, (venue, adapt) in {"own colors": (own, False), "foreign": (foreign, False),
+                                         "foreign, adapted": (foreign, True)}.items()}
+    return out
+
+
 def evaluate(tools, folder, recipes):
-    return {}
+    programs.progress("footage: venues")
+    make_venues(tools, recipes, folder.resolve().parent)
+    out = {}
+    programs.progress("footage vss-overhead")
+    out["overhead"] = standing(tools, folder / "vss-overhead.mp4", tools.out / "vss-overhead-venue.toml",
+                               recipes / "vss-overhead-team.toml", "vss-overhead", moving=("blue 0",))
+    programs.progress("footage vsss-halves")
+    out["halves"] = standing(tools, folder / "vsss-halves", tools.out / "vsss-halves-venue.toml",
+                             recipes / "vsss-halves-team.toml", "vsss-halves")
+    pictures = scenes.pictures_of(folder / "mirosot-triangles")
+    programs.progress("footage mirosot-triangles: fields")
+    out["mirosot_fields"] = mirosot_fields(tools, pictures)
+    programs.progress("footage mirosot-triangles: lamps")
+    out["mirosot_lamps"] = mirosot_lamps(tools, pictures, recipes)
+    programs.progress("footage vsss-bar")
+    out["bars"] = bars(tools, folder / "vsss-bar", recipes)
+    return out
+
+
+def print_standing(title, rows):
+    print(f"\n{title}: RMS about the mean")
+    for row in rows:
+        pixels = "" if row["px"] is None else f"{row['px']:.3f} px, "
+        turn = f", {row['degrees']:.3f} degrees" if row["name"] != "ball" else ""
+        print(f"  {row['name']:<12} {row['frames']:>4} of {row['of']}: {pixels}{row['mm']:.3f} mm{turn}")
+
+
 def print_tables(results):
-    pass
+    if not results:
+        return
+    print_standing("vss-overhead.mp4, what stands", results["overhead"])
+    print_standing("vsss-halves, one standing scene", results["halves"])
+    print("\nmirosot-triangles: field found without a click; border about straight lines")
+    for name, row in results["mirosot_fields"].items():
+        print(f"  {name:<10} " + ("refused" if row is None else (
+            f"residual {row['residual_px']:.2f} px; border {row['distorted_px']:.2f} px in the picture, rectified "
+            f"{row['straight_px']:.2f} px, {row['straight_mm']:.2f} mm")))
+    print(f"\nmirosot-triangles: colors learned in {MIROSOT_LEARNED} alone; ids of {MIROSOT_ROBOTS} (twice given), robots "
+          "seen, ball")
+    cases = list(next(iter(results["mirosot_lamps"].values())))
+    print(f"  {'':<10}" + "".join(f"{case:>22}" for case in cases))
+
+    def text(one):
+        return f"{one['ids']} ({one['doubled']}), {one['robots']}, {'ball' if one['ball'] else 'no ball'}"
+    for name, row in results["mirosot_lamps"].items():
+        print(f"  {name:<10}" + "".join(f"{text(row[case]):>22}" for case in cases))
+    totals = {case: sum(r[case]["ids"] for r in results["mirosot_lamps"].values()) for case in cases}
+    whole = MIROSOT_ROBOTS * len(results["mirosot_lamps"])
+    print(f"  {'ids':<10}" + "".join(f"{100 * totals[case] / whole:>20.1f} %" for case in cases))
+    print(f"\nvsss-bar: colors of one exposure used in the other; ids of {BAR_ROBOTS} a picture (twice given), balls")
+    for name, row in results["bars"].items():
+        for case, seen in row.items():
+            print(f"  {name:<16} {case:<18} {sum(s['ids'] for s in seen)} of {BAR_ROBOTS * len(seen)} "
+                  f"({sum(s['doubled'] for s in seen)}), {sum(s['ball'] for s in seen)} of {len(seen)}")

@@ -22,8 +22,9 @@ constexpr float kLeastContrast = 0.01f;
 constexpr float kForeignLight = 0.3f;
 // A region's centroid is rarely off by a pixel; farther on, something else is fitted.
 constexpr float kFarthestPx = 2.0f;
-// RMS error of the part of a pixel that is covered, on the edges. Sharp edges under the ramp leave 0.1.
-constexpr float kWorstCover = 0.2f;
+// RMS error of the part of a pixel that is covered, on the edges. Sharp edges under the ramp, noise and shared chroma
+// leave 0.1, a centroid that is a pixel off 0.25.
+constexpr float kWorstCover = 0.3f;
 // The first turn leaves a tenth of a pixel's tenth, the second nothing that noise would let see.
 constexpr int kTurns = 2;
 
@@ -228,7 +229,7 @@ class PatchCenters::Fit {
       yy += weight * cover.by_y_m * cover.by_y_m;
       rx += weight * cover.by_x_m * error;
       ry += weight * cover.by_y_m * error;
-      squares += weight * dot(rest, rest) / power;
+      squares += weight * error * error;
       weights += weight;
     });
     const float determinant = xx * yy - xy * xy;

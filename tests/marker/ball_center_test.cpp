@@ -1,0 +1,119 @@
+#include "core/marker/ball_center.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/marker/painted_field.h"
+#include "tests/marker/photograph.h"
+
+namespace touchline::testing {
+namespace {
+
+constexpr Light kOrangeLight{0.9, 0.32, 0.05}, kFloorLight{0.04, 0.04, 0.04};
+
+class BallCenterTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(camera_.configure(tilted_camera()).ok());
+    ball_.color = kOrange;
+    centers_.configure(ball_, camera_);
+  }
+
+  // Ray by ray: a matt ball under one lamp from `lamp` (unit vector) and even light from everywhere.
+  Photograph photograph(PixelFormat format, FieldPoint at, std::array<double, 3> lamp, bool half_hidden) const {
+    Photograph picture(format, 640, 480);
+    const PixelPoint middle = camera_.to_pixel(at, ball_.radius_m);
+    const int u = static_cast<int>(middle.u_px), v = static_cast<int>(middle.v_px);
+    picture.expose(u - 14, v - 14, u + 14, v + 14, [&](double pu, double pv) -> Light {
+      if (half_hidden && pu > static_cast<double>(middle.u_px) + 1.0) return {0.01, 0.01, 0.012};
+      const Ray ray = camera_.ray({static_cast<float>(pu), static_cast<float>(pv)});
+      const std::array<double, 3> center{static_cast<double>(at.x_m), static_cast<double>(at.y_m),
+                                         static_cast<double>(ball_.radius_m)};
+      double along = 0, square = 0;
+      std::array<double, 3> d{}, o{};
+      for (std::size_t i = 0; i < 3; ++i) {
+        d[i] = static_cast<double>(ray.direction[i]);
+        o[i] = static_cast<double>(ray.origin_m[i]) - center[i];
+        along += d[i] * o[i];
+        square += o[i] * o[i];
+      }
+      const double r = static_cast<double>(ball_.radius_m);
+      const double inside = along * along - square + r * r;
+      if (inside < 0) return kFloorLight;
+      const double way = -along - std::sqrt(inside);
+      double facing = 0;
+      for (std::size_t i = 0; i < 3; ++i) facing += (o[i] + way * d[i]) / r * lamp[i];
+      Light light{};
+      for (std::size_t c = 0; c < 3; ++c) light[c] = kOrangeLight[c] * (0.1 + 0.8 * std::max(0.0, facing));
+      return light;
+    });
+    return picture;
+  }
+
+  // Distance of the answer from the truth, from a start that lies off by (du, dv).
+  float error_px(const Photograph& picture, FieldPoint at, float du, float dv) {
+    const PixelPoint truth = camera_.to_pixel(at, ball_.radius_m);
+    sightings_.ball = {};
+    sightings_.ball.seen = true;
+    sightings_.ball.center = {truth.u_px + du, truth.v_px + dv};
+    sightings_.ball.position = camera_.to_field(sightings_.ball.center, ball_.radius_m);
+    centers_.refine(picture.frame(), sightings_);
+    const BallSighting& ball = sightings_.ball;
+    const FieldPoint back = camera_.to_field(ball.center, ball_.radius_m);
+    EXPECT_FLOAT_EQ(back.x_m, ball.position.x_m);
+    EXPECT_FLOAT_EQ(back.y_m, ball.position.y_m);
+    return std::hypot(ball.center.u_px - truth.u_px, ball.center.v_px - truth.v_px);
+  }
+
+  BallParameters ball_;
+  CameraModel camera_;
+  BallCenter centers_;
+  Sightings sightings_;
+  Dice dice_{13};
+};
+
+TEST_F(BallCenterTest, IsNotDrawnTowardsTheLamp) {
+  for (const PixelFormat format : kAllFormats) {
+    for (int n = 0; n < 5; ++n) {
+      const FieldPoint at{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)};
+      const float azimuth = dice_.real(-3.1f, 3.1f);
+      const std::array<double, 3> lamp{0.64 * std::cos(static_cast<double>(azimuth)),
+                                       0.64 * std::sin(static_cast<double>(azimuth)), 0.768};
+      const Photograph picture = photograph(format, at, lamp, false);
+      const bool rgb = color_space(format) == ColorSpace::kRgb;
+      EXPECT_LT(error_px(picture, at, 0.8f * std::cos(azimuth), -0.8f * std::sin(azimuth)), rgb ? 0.25f : 0.35f)
+          << name_of(format) << ' ' << n;
+    }
+  }
+}
+
+TEST_F(BallCenterTest, HalfHiddenItComesNearer) {
+  for (int n = 0; n < 6; ++n) {
+    const FieldPoint at{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)};
+    const Photograph picture = photograph(PixelFormat::kRgb24, at, {0.3, -0.2, 0.93}, true);
+    // What is left of it has its centroid 1.5 pixels to the side.
+    EXPECT_LT(error_px(picture, at, -1.5f, 0.1f), 1.35f) << n;
+  }
+}
+
+TEST_F(BallCenterTest, KeepsWhatItHasWithoutABall) {
+  const FieldPoint at{0.2f, 0.1f};
+  Photograph flat(PixelFormat::kRgb24, 640, 480);
+  EXPECT_NEAR(error_px(flat, at, 0.5f, 0.0f), 0.5f, 1e-4f);
+  sightings_.ball = {};
+  centers_.refine(flat.frame(), sightings_);
+  EXPECT_FALSE(sightings_.ball.seen);
+}
+
+// The picture's memory ends where the picture does.
+TEST_F(BallCenterTest, AtThePicturesBorderOrBeyond) {
+  for (const PixelFormat format : kAllFormats) {
+    Photograph picture(format, 640, 480);
+    picture.expose(0, 0, 640, 8, [](double, double) { return kOrangeLight; });
+    for (const PixelPoint at : {PixelPoint{1, 1}, PixelPoint{638, 478}, PixelPoint{320, -3}, PixelPoint{-4000, 9000}}) {
+      EXPECT_TRUE(std::isfinite(error_px(picture, camera_.to_field(at, ball_.radius_m), 0.0f, 0.0f)));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace touchline::testing

@@ -1,0 +1,251 @@
+#include "core/marker/patch_center.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "core/marker/rigid_fit.h"
+#include "tests/marker/photograph.h"
+#include "tests/marker/real_layouts.h"
+
+namespace touchline::testing {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kDegree = kPi / 180.0f;
+constexpr Light kTop{0.01, 0.01, 0.012}, kFloor{0.03, 0.03, 0.03}, kLine{0.9, 0.9, 0.88};
+constexpr std::array<Light, 5> kPatchLight{
+    {{0.04, 0.11, 0.62}, {0.7, 0.05, 0.07}, {0.06, 0.5, 0.12}, {0.8, 0.75, 0.05}, {0.7, 0.1, 0.5}}};
+
+struct Errors {
+  float position_m = 0, angle_rad = 0, center_px = 0;
+};
+
+class PatchCenter : public ::testing::Test {
+ protected:
+  void use(const MarkerLayout& layout) {
+    layout_ = layout;
+    centers_.configure({layout, layout}, camera_);
+  }
+
+  // What a point of the picture shows: patches on a dark top, a white line along x beside the robot, the floor. A
+  // robot's top hides the floor; heights do not matter here.
+  Light light(const Pose& pose, float line_m, double u, double v) const {
+    const FieldPoint at = camera_.to_field({static_cast<float>(u), static_cast<float>(v)}, layout_.height_m);
+    const FieldPoint local = to_robot_frame(pose, at);
+    const float half = layout_.robot_side_m / 2;
+    if (std::abs(local.x_m) <= half && std::abs(local.y_m) <= half) {
+      for (std::size_t k = 0; k < layout_.patches.size(); ++k) {
+        if (covers(layout_.patches[k], local)) return kPatchLight[k];
+      }
+      return kTop;
+    }
+    return std::abs(local.y_m - half - line_m) < 0.02f ? kLine : kFloor;
+  }
+
+  Photograph photograph(PixelFormat format, const Pose& pose, float line_m) const {
+    Photograph picture(format, 640, 480);
+    const PixelPoint at = camera_.to_pixel(pose.position, layout_.height_m);
+    const int u = static_cast<int>(at.u_px), v = static_cast<int>(at.v_px);
+    const int reach = 6 + static_cast<int>(0.72f * layout_.robot_side_m * 250.0f);
+    picture.expose(u - reach, v - reach, u + reach, v + reach,
+                   [&](double pu, double pv) { return light(pose, line_m, pu, pv); });
+    return picture;
+  }
+
+  PixelPoint center(const Pose& pose, std::size_t k) const {
+    const PatchPlace& place = layout_.patches[k];
+    return camera_.to_pixel(on_field(pose, place.x_m, place.y_m), layout_.height_m);
+  }
+
+  // As the regions' centroids leave it.
+  RobotSighting sighting(const Pose& pose) const {
+    RobotSighting robot;
+    robot.id = 3;
+    robot.has_heading = true;
+    robot.pose = pose;
+    robot.residual_m = 0.001f;
+    for (std::size_t k = 0; k < layout_.patches.size(); ++k) {
+      robot.patches.push_back({layout_.patches[k].role, static_cast<std::uint8_t>(k), ColorId{1}, center(pose, k)});
+    }
+    return robot;
+  }
+
+  Errors errors(const Pose& truth, const RobotSighting& robot) const {
+    Errors out;
+    out.position_m = distance_m(robot.pose.position, truth.position);
+    out.angle_rad = std::abs(wrapped_angle(robot.pose.theta_rad - truth.theta_rad));
+    for (std::size_t k = 0; k < robot.patches.size(); ++k) {
+      const PixelPoint is = center(truth, k), said = robot.patches[k].center;
+      out.center_px = std::max(out.center_px, std::hypot(is.u_px - said.u_px, is.v_px - said.v_px));
+    }
+    return out;
+  }
+
+  // The largest errors over robots anywhere, from sightings off by up to 1.5 mm and 2 degrees in every direction.
+  Errors worst(PixelFormat format, int robots, float line_m) {
+    Errors most;
+    for (int n = 0; n < robots; ++n) {
+      const Pose truth{{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)}, dice_.real(-kPi, kPi)};
+      const Photograph picture = photograph(format, truth, line_m);
+      sightings_.robots.clear();
+      sightings_.robots.push_back(sighting(
+          {{truth.position.x_m + dice_.real(-0.0015f, 0.0015f), truth.position.y_m + dice_.real(-0.0015f, 0.0015f)},
+           truth.theta_rad + dice_.real(-2 * kDegree, 2 * kDegree)}));
+      centers_.refine(picture.frame(), sightings_);
+      const Errors now = errors(truth, sightings_.robots[0]);
+      most.position_m = std::max(most.position_m, now.position_m);
+      most.angle_rad = std::max(most.angle_rad, now.angle_rad);
+      most.center_px = std::max(most.center_px, now.center_px);
+    }
+    return most;
+  }
+
+  static CameraModel tilted() {
+    CameraModel camera;
+    EXPECT_TRUE(camera.configure(tilted_camera()).ok());
+    return camera;
+  }
+
+  CameraModel camera_ = tilted();
+  MarkerLayout layout_;
+  PatchCenters centers_;
+  Sightings sightings_;
+  Dice dice_{77};
+};
+
+// Shared chroma leaves half as much of the colors' edges.
+TEST_F(PatchCenter, IsWhereThePatchIsInEveryFormat) {
+  use(paper_layout());
+  for (const PixelFormat format : kAllFormats) {
+    const Errors most = worst(format, 4, 1.0f);
+    const bool rgb = color_space(format) == ColorSpace::kRgb;
+    EXPECT_LT(most.position_m, rgb ? 0.0003f : 0.0006f) << name_of(format);
+    EXPECT_LT(most.angle_rad, (rgb ? 0.4f : 0.6f) * kDegree) << name_of(format);
+    EXPECT_LT(most.center_px, rgb ? 0.1f : 0.25f) << name_of(format);
+  }
+}
+
+TEST_F(PatchCenter, AWhiteLineAtTheRobotsEdgeDoesNotPullIt) {
+  use(paper_layout());
+  const Errors most = worst(PixelFormat::kRgb24, 6, 0.021f);
+  EXPECT_LT(most.position_m, 0.0004f);
+  EXPECT_LT(most.angle_rad, 0.6f * kDegree);
+}
+
+TEST_F(PatchCenter, OfDisksAsWell) {
+  use(disks_layout());
+  const Errors most = worst(PixelFormat::kRgb24, 3, 1.0f);
+  EXPECT_LT(most.position_m, 0.0002f);
+  EXPECT_LT(most.angle_rad, 0.2f * kDegree);
+}
+
+class LeftAlone : public PatchCenter {
+ protected:
+  // From 1 mm beside the truth nothing is moved, not even by a bit.
+  void expect_left_alone(const Frame& frame, const Pose& near) {
+    sightings_.robots.clear();
+    sightings_.robots.push_back(sighting(near));
+    const RobotSighting before = sightings_.robots[0];
+    centers_.refine(frame, sightings_);
+    const RobotSighting& after = sightings_.robots[0];
+    EXPECT_EQ(after.pose.position.x_m, before.pose.position.x_m);
+    EXPECT_EQ(after.pose.position.y_m, before.pose.position.y_m);
+    EXPECT_EQ(after.pose.theta_rad, before.pose.theta_rad);
+    EXPECT_EQ(after.residual_m, before.residual_m);
+    for (std::size_t k = 0; k < before.patches.size(); ++k) {
+      EXPECT_EQ(after.patches[k].center.u_px, before.patches[k].center.u_px);
+      EXPECT_EQ(after.patches[k].center.v_px, before.patches[k].center.v_px);
+    }
+  }
+  const Pose truth_{{0.3f, -0.2f}, 0.7f}, near_{{0.301f, -0.2f}, 0.7f};
+};
+
+TEST_F(LeftAlone, WhereNoTopIsFree) {
+  // Two bars that are the whole top.
+  MarkerLayout layout;
+  layout.patches.push_back({PatchRole::kTeam, PatchOutline::kBar, 0.01875f, 0, 0.0375f, 0.075f, 0});
+  layout.patches.push_back({PatchRole::kIdentification, PatchOutline::kBar, -0.01875f, 0, 0.0375f, 0.075f, 0});
+  use(layout);
+  expect_left_alone(photograph(PixelFormat::kRgb24, truth_, 1.0f).frame(), near_);
+}
+
+TEST_F(LeftAlone, WhereThePictureIsAnother) {
+  use(paper_layout());
+  Photograph picture(PixelFormat::kRgb24, 640, 480);
+  expect_left_alone(picture.frame(), near_);  // black: no patch differs from the top
+  // Patches as the layout has them, but something white lies on half of one.
+  const PixelPoint at = center(truth_, 1);
+  const int u = static_cast<int>(at.u_px), v = static_cast<int>(at.v_px);
+  picture.expose(u - 40, v - 40, u + 40, v + 40, [&](double pu, double pv) {
+    const FieldPoint local =
+        to_robot_frame(truth_, camera_.to_field({static_cast<float>(pu), static_cast<float>(pv)}, layout_.height_m));
+    const bool hidden = local.x_m < -0.022f;
+    return hidden ? kLine : light(truth_, 1.0f, pu, pv);
+  });
+  expect_left_alone(picture.frame(), near_);
+}
+
+TEST_F(LeftAlone, WithoutHeadingOrAllPatches) {
+  use(paper_layout());
+  const Photograph picture = photograph(PixelFormat::kRgb24, truth_, 1.0f);
+  sightings_.robots.push_back(sighting(near_));
+  sightings_.robots.push_back(sighting(near_));
+  sightings_.robots[0].has_heading = false;
+  sightings_.robots[1].patches.pop_back();
+  centers_.refine(picture.frame(), sightings_);
+  for (const RobotSighting& robot : sightings_.robots) EXPECT_EQ(robot.pose.position.x_m, near_.position.x_m);
+}
+
+// The picture's memory ends where the picture does: a sanitizer sees what is read beyond it.
+TEST_F(PatchCenter, AtThePicturesBorderOrBeyond) {
+  use(paper_layout());
+  for (const PixelFormat format : kAllFormats) {
+    Photograph picture(format, 640, 480);
+    for (const PixelPoint at :
+         {PixelPoint{1, 1}, PixelPoint{638, 478}, PixelPoint{320, -2}, PixelPoint{645, 240}, PixelPoint{-4000, 9000}}) {
+      sightings_.robots.clear();
+      sightings_.robots.push_back(sighting({camera_.to_field(at, layout_.height_m), 1.0f}));
+      centers_.refine(picture.frame(), sightings_);
+      EXPECT_TRUE(std::isfinite(sightings_.robots[0].pose.position.x_m));
+    }
+  }
+}
+
+TEST(LinearLight, IsAPowerOfTwoPointTwo) {
+  for (const int value : {0, 1, 16, 128, 254, 255}) {
+    EXPECT_NEAR(static_cast<double>(linear_light(static_cast<std::uint8_t>(value))), std::pow(value / 255.0, 2.2),
+                1e-6);
+  }
+}
+
+// Slopes against differences, each outline turned.
+TEST(OutlineCover, SlopesAreItsDerivatives) {
+  Dice dice(5);
+  for (const PatchOutline outline :
+       {PatchOutline::kSquare, PatchOutline::kBar, PatchOutline::kTriangle, PatchOutline::kCircle}) {
+    const PatchPlace place{PatchRole::kTeam, outline, 0, 0, 0.05f, 0.03f, 0.6f};
+    const OutlineCover cover(place);
+    int edges = 0;
+    double area = 0;
+    for (int n = 0; n < 4000; ++n) {
+      const float x = dice.real(-0.05f, 0.05f), y = dice.real(-0.05f, 0.05f);
+      constexpr float kRamp = 0.008f, kStep = 2e-5f;
+      const Cover here = cover.at(x, y, kRamp);
+      area += static_cast<double>(here.value) * 0.01 / 4000;
+      if (here.value <= 0.02f || here.value >= 0.98f) continue;
+      const float by_x = (cover.at(x - kStep, y, kRamp).value - cover.at(x + kStep, y, kRamp).value) / (2 * kStep);
+      const float by_y = (cover.at(x, y - kStep, kRamp).value - cover.at(x, y + kStep, kRamp).value) / (2 * kStep);
+      // At a corner two ramps begin.
+      if (std::abs(by_x - here.by_x_m) < 3.0f && std::abs(by_y - here.by_y_m) < 3.0f)
+        ++edges;
+      else
+        ADD_FAILURE() << x << ' ' << y << ": " << by_x << ' ' << here.by_x_m << ", " << by_y << ' ' << here.by_y_m;
+    }
+    EXPECT_GT(edges, 200);
+    EXPECT_NEAR(area, static_cast<double>(area_m2(place)), 0.1 * static_cast<double>(area_m2(place)));
+  }
+}
+
+}  // namespace
+}  // namespace touchline::testing

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "tests/color/owned_picture.h"
+
+// Pictures made of light, as a camera makes them: what surfaces show is averaged over a pixel and the lens's blur, then
+// bent by the camera's gamma and rounded, and chroma is shared by neighbors where the format says so.
+namespace touchline::testing {
+
+using Light = std::array<double, 3>;  // red, green, blue; 1 is full scale
+
+class Photograph {
+ public:
+  Photograph(PixelFormat format, int width, int height) : picture_(format, width, height, 5), format_(format) {}
+
+  /// Pixels [left, right) x [top, bottom), cut to the picture; light(u, v) is what a point of the picture shows.
+  template <class Scene>
+  void expose(int left, int top, int right, int bottom, Scene light) {
+    // Whole pairs and blocks, so that all pixels that share chroma are there.
+    left = std::max(left / 2 * 2, 0);
+    top = std::max(top / 2 * 2, 0);
+    right = std::min((right + 1) / 2 * 2, picture_.width());
+    bottom = std::min((bottom + 1) / 2 * 2, picture_.height());
+    const int across = right - left;
+    if (across <= 0 || bottom <= top) return;
+    std::vector<std::array<double, 3>> values;
+    for (int v = top; v < bottom; ++v) {
+      for (int u = left; u < right; ++u) values.push_back(encode(blurred(u, v, light)));
+    }
+    if (color_space(format_) == ColorSpace::kYuv) share_chroma(values, static_cast<std::size_t>(across));
+    std::size_t i = 0;
+    for (int v = top; v < bottom; ++v) {
+      for (int u = left; u < right; ++u, ++i) picture_.set(u, v, rounded(values[i]));
+    }
+  }
+
+  [[nodiscard]] Frame frame() const { return picture_.frame(); }
+
+ private:
+  // A pixel and a blur of a pixel and a half around it, each even.
+  template <class Scene>
+  static Light blurred(int u, int v, Scene light) {
+    constexpr int kSteps = 5;
+    constexpr double kWidth = 1.6;
+    Light sum{};
+    for (int i = 0; i < kSteps * kSteps; ++i) {
+      const double du = kWidth * ((i % kSteps + 0.5) / kSteps - 0.5), dv = kWidth * ((i / kSteps + 0.5) / kSteps - 0.5);
+      const Light one = light(u + du, v + dv);
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += one[c] / (kSteps * kSteps);
+    }
+    return sum;
+  }
+
+  [[nodiscard]] std::array<double, 3> encode(const Light& light) const {
+    std::array<double, 3> rgb{};
+    for (std::size_t c = 0; c < 3; ++c) rgb[c] = 255.0 * std::pow(std::clamp(light[c], 0.0, 1.0), 1.0 / 2.2);
+    if (color_space(format_) == ColorSpace::kRgb) return rgb;
+    const double luma = 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2];
+    return {16.0 + luma * 219.0 / 255.0, 128.0 + (rgb[2] - luma) / 1.772 * 224.0 / 255.0,
+            128.0 + (rgb[0] - luma) / 1.402 * 224.0 / 255.0};
+  }
+
+  void share_chroma(std::vector<std::array<double, 3>>& values, std::size_t across) const {
+    const std::size_t rows = format_ == PixelFormat::kNv12 ? 2 : 1;
+    for (std::size_t first = 0; first < values.size(); first += 2) {
+      if (first / across % rows != 0) continue;
+      for (std::size_t c = 1; c < 3; ++c) {
+        double sum = 0;
+        for (std::size_t r = 0; r < rows; ++r) sum += values[first + r * across][c] + values[first + r * across + 1][c];
+        for (std::size_t r = 0; r < rows; ++r) {
+          values[first + r * across][c] = values[first + r * across + 1][c] = sum / (2.0 * static_cast<double>(rows));
+        }
+      }
+    }
+  }
+
+  static Channels rounded(const std::array<double, 3>& value) {
+    Channels out{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      out[c] = static_cast<std::uint8_t>(std::lround(std::clamp(value[c], 0.0, 255.0)));
+    }
+    return out;
+  }
+
+  OwnedPicture picture_;
+  PixelFormat format_;
+};
+
+}  // namespace touchline::testing

@@ -28,6 +28,7 @@ struct FieldCommand {
 struct LightCommand {
   std::vector<std::string> pictures;
   std::string venue, surface;
+  bool keep_normal = false;
   void add_options(CLI::App& app);
   int run() const;
 };

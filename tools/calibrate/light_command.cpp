@@ -39,6 +39,25 @@ std::vector<std::uint8_t> floor_mask(const VenueDraft& draft, const hal::Picture
   return mask;
 }
 
+// C of the map that the venue's colors were learned with.
+Status read_normal(const std::string& venue, const config::LightEntry& entry, const std::string& measured_on,
+                   std::optional<std::array<double, 3>>& normal, std::string& reason) {
+  if (entry.normal.size() != 3) {
+    reason = venue + ": light.normal: what the colors were learned with is not there; measure the light without " +
+             "--keep-normal, then learn the colors";
+    return ErrorCode::kNotFound;
+  }
+  // A picture of a game shows the same floor as one without.
+  if ((entry.surface == "grey") != (measured_on == "grey")) {
+    reason = venue + ": light.surface: --keep-normal needs pictures of the same surface, " + entry.surface + ", not " +
+             measured_on;
+    return ErrorCode::kInconsistent;
+  }
+  normal = {static_cast<double>(entry.normal[0]), static_cast<double>(entry.normal[1]),
+            static_cast<double>(entry.normal[2])};
+  return {};
+}
+
 }  // namespace
 
 void LightCommand::add_options(CLI::App& app) {
@@ -52,6 +71,9 @@ void LightCommand::add_options(CLI::App& app) {
          "grey: the field covered with grey paper, averaged; field: the empty field, lines and goals left out; "
          "moving: a few dozen pictures of a game, what moves left out. Default: grey, from 12 pictures on moving")
       ->check(CLI::IsMember({"grey", "field", "moving"}));
+  app.add_flag("--keep-normal", keep_normal,
+               "The lamps have changed, the colors stay: the map says how much more or less light there is than when\n"
+               "they were learned. Needs the same surface as then");
 }
 
 int LightCommand::run() const {
@@ -59,9 +81,13 @@ int LightCommand::run() const {
   VenueDraft draft;
   if (!read_draft(venue, draft, reason).ok()) return refuse(reason);
   LightFitInput input;
-  if (surface == "moving" || (surface.empty() && pictures.size() >= kManyPictures)) {
+  const bool many = surface.empty() && pictures.size() >= kManyPictures;
+  const std::string measured_on = !surface.empty() ? surface : many ? "moving" : "grey";
+  if (keep_normal && !read_normal(venue, draft.file.light, measured_on, input.normal, reason).ok())
+    return refuse(reason);
+  if (measured_on == "moving") {
     input.surface = LightSurface::kMoving;
-  } else if (surface == "field") {
+  } else if (measured_on == "field") {
     input.surface = LightSurface::kField;
   }
   Progress progress("pictures", pictures.size());
@@ -79,6 +105,8 @@ int LightCommand::run() const {
   const std::filesystem::path file(venue);
   config::LightEntry entry;
   entry.map = file.stem().string() + "-light.png";
+  entry.surface = measured_on;
+  for (const double value : report.normal) entry.normal.push_back(static_cast<float>(value));
   const std::string map_path = (file.parent_path() / entry.map).string();
   if (!hal::write_picture(map_path, map_picture(map), reason).ok()) return refuse(reason);
   if (!write_sections(venue, {section_of("light", entry, "")}, reason).ok()) return refuse(reason);

@@ -141,10 +141,11 @@ Status fit_light(const LightFitInput& input, LightMap& out, LightReport& report,
     for (std::size_t i = 0; i < grid.cells(); ++i) {
       if (known[i] != 0) values.push_back(smooth[channel][i]);
     }
-    report.normal[channel] = median(values);
+    report.normal[channel] = input.normal ? (*input.normal)[channel] : median(values);
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
     report.least[channel] = *least;
     report.most[channel] = *most;
+    if (input.normal) continue;
     factor = std::max(factor, *most / report.normal[channel] / static_cast<double>(kMostIllumination));
   }
   LightMap map;
@@ -158,7 +159,7 @@ Status fit_light(const LightFitInput& input, LightMap& out, LightReport& report,
     for (std::size_t i = 0; i < grid.cells(); ++i) {
       const auto ratio = static_cast<float>(smooth[channel][i] / report.normal[channel]);
       map.illumination[channel][i] = std::clamp(ratio, kLeastIllumination, kMostIllumination);
-      if (known[i] != 0 && ratio < kLeastIllumination) clamped[i] = 1;
+      if (known[i] != 0 && ratio != map.illumination[channel][i]) clamped[i] = 1;
     }
   }
   report.clamped_cells = static_cast<std::size_t>(std::count(clamped.begin(), clamped.end(), 1));

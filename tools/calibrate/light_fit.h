@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,9 @@ struct LightFitInput {
   LightSurface surface = LightSurface::kGreyPaper;
   Polygon region_of_interest;
   std::vector<std::uint8_t> floor;  // pixels that can be floor, a byte each; empty: all
+  // C of an earlier fit of the same surface, with which colors were learned: the map then says how much more or less
+  // light there is now. None: C is the surface's median.
+  std::optional<std::array<double, 3>> normal;
 };
 
 /// Cells that touch each other and have the same fault; in pixels, ends included.
@@ -41,7 +45,7 @@ struct LightReport {
   std::size_t known_cells = 0;            // measured; the others were filled
   std::size_t saturated_cells = 0;        // brighter than the sensor can tell: the map is too low there
   std::size_t dark_cells = 0;             // too dark for a ratio
-  std::size_t clamped_cells = 0;          // darker than the largest gain (4) can correct
+  std::size_t clamped_cells = 0;          // darker than the largest gain (4) can correct, or brighter than twice C
   std::vector<LightSpot> spots;           // the saturated and the dark ones, largest first
 };
 

@@ -64,10 +64,6 @@ def copy_venue(source, target):
     return target
 
 
-def without_light(venue):
-    venue.write_text(re.sub(r"(?m)^\[light\]\n(?:(?!\[).*\n)*", "", venue.read_text()))
-
-
 def with_colors_of(venue, other):
     """Puts the other venue's [colors] and [[color]] in place of the venue's own."""
     parts = re.split(r"(?m)^(?=\[)", venue.read_text())
@@ -132,11 +128,12 @@ def mirosot_lamps(tools, pictures, recipes):
                   "--patch-radius", 12, "--format", "yuyv")
 
     def light(venue, picture, *options):
-        tools.run("calibrate", "light", "--venue", venue, "--surface", "field", "--picture", picture, *options)
+        return tools.run("calibrate", "light", "--venue", venue, "--surface", "field", "--picture", picture, *options,
+                         may_fail=True) is not None
 
     made = tools.out / "mirosot-triangles-venue.toml"
     even = copy_venue(made, tools.out / "mirosot-even-venue.toml")
-    without_light(even)
+    even.write_text(scenes.without_section(even.read_text(), "light"))
     colors(even)
     mapped = copy_venue(made, tools.out / "mirosot-mapped-venue.toml")
     light(mapped, learned)
@@ -144,11 +141,11 @@ def mirosot_lamps(tools, pictures, recipes):
     out = {}
     for picture in pictures:
         venue = copy_venue(mapped, tools.out / "mirosot-lamp-venue.toml")
-        if picture != learned:
-            light(venue, picture, "--keep-normal")
+        measured = picture == learned or light(venue, picture, "--keep-normal")
         cases = {"none": (even, False), "adapted": (even, True), "map": (venue, False), "map_adapted": (venue, True)}
         out[picture.stem] = {case: seen_in(tools, picture, file, team, f"mirosot-{case}", adapt)
                              for case, (file, adapt) in cases.items()}
+        out[picture.stem]["map_measured"] = measured
     return out
 
 
@@ -208,13 +205,14 @@ def print_tables(results):
             f"{row['straight_px']:.2f} px, {row['straight_mm']:.2f} mm")))
     print(f"\nmirosot-triangles: colors learned in {MIROSOT_LEARNED} alone; ids of {MIROSOT_ROBOTS} (twice given), robots "
           "seen, ball")
-    cases = list(next(iter(results["mirosot_lamps"].values())))
+    cases = [case for case in next(iter(results["mirosot_lamps"].values())) if case != "map_measured"]
     print(f"  {'':<10}" + "".join(f"{case:>22}" for case in cases))
 
     def text(one):
         return f"{one['ids']} ({one['doubled']}), {one['robots']}, {'ball' if one['ball'] else 'no ball'}"
     for name, row in results["mirosot_lamps"].items():
-        print(f"  {name:<10}" + "".join(f"{text(row[case]):>22}" for case in cases))
+        print(f"  {name:<10}" + "".join(f"{text(row[case]):>22}" for case in cases) + (
+            "" if row["map_measured"] else "   too dark for a map of its own: that of the learned picture"))
     totals = {case: sum(r[case]["ids"] for r in results["mirosot_lamps"].values()) for case in cases}
     whole = MIROSOT_ROBOTS * len(results["mirosot_lamps"])
     print(f"  {'ids':<10}" + "".join(f"{100 * totals[case] / whole:>20.1f} %" for case in cases))

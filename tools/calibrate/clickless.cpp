@@ -55,6 +55,53 @@ std::optional<Rgb> clicked_look(const std::string& color, const std::vector<Clic
   return look;
 }
 
+// Patches to learn from: those of the usual area and evenness for their color, that look as most of it do. One that
+// grew into its neighbor or its rim would teach the neighbor's color.
+std::vector<std::size_t> cleanest(const AssignmentInput& input, const AssignedColor& color,
+                                  const std::vector<const ChannelImage*>& images) {
+  struct Measure {
+    double uneven, area, unlike;
+  };
+  std::vector<Measure> measures;
+  const Lab lab = lab_of(color.rgb);
+  for (const std::size_t p : color.patches) {
+    const FoundPatch& patch = input.patches[p];
+    const ChannelImage& image = *images[input.picture[p]];
+    std::array<double, 3> sum{}, squares{};
+    for (const std::size_t pixel : patch.pixels) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double x = image.pixels[pixel][c];
+        sum[c] += x;
+        squares[c] += x * x;
+      }
+    }
+    const auto count = static_cast<double>(patch.pixels.size());
+    double variance = 0;
+    for (std::size_t c = 0; c < 3; ++c) variance += squares[c] / count - sum[c] / count * (sum[c] / count);
+    measures.push_back({std::sqrt(std::max(0.0, variance)), count, difference(patch.lab, lab)});
+  }
+  const auto usual = [&](double Measure::*what) {
+    std::vector<double> values;
+    values.reserve(measures.size());
+    for (const Measure& m : measures) values.push_back(m.*what);
+    // The lower median: of two, the better one.
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  if (measures.empty()) return {};
+  const double uneven = usual(&Measure::uneven), area = usual(&Measure::area), unlike = usual(&Measure::unlike);
+  constexpr double kMoreUneven = 1.5, kLarger = 1.6, kUnlike = 6.0;
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < measures.size(); ++i) {
+    const Measure& m = measures[i];
+    if (m.uneven <= kMoreUneven * uneven && m.area <= kLarger * area && m.unlike <= 2 * unlike + kUnlike) {
+      out.push_back(color.patches[i]);
+    }
+  }
+  return out;
+}
+
 void add_doubts(FoundColors& out) {
   for (std::size_t c = 0; c < out.input.colors.size(); ++c) {
     const AssignedColor& color = out.assignment.colors[c];
@@ -123,6 +170,7 @@ Status find_colors(const VenueDraft& venue, const TeamColors& team, const std::v
     input.colors.push_back(wanted);
   }
   const std::vector<PatchSize> sizes = sizes_of(team.marker);
+  std::vector<const ChannelImage*> searched;
   Progress progress("pictures searched for patches", images.size());
   for (const auto& [image, channels] : images) {
     std::vector<std::size_t> numbers;
@@ -145,13 +193,14 @@ Status find_colors(const VenueDraft& venue, const TeamColors& team, const std::v
       }
     }
     out.images.push_back(image);
+    searched.push_back(&channels);
     progress.step();
   }
   out.assignment = assign_colors(input);
   add_doubts(out);
   for (std::size_t c = 0; c < input.colors.size(); ++c) {
     if (input.colors[c].clicked) continue;
-    for (const std::size_t p : out.assignment.colors[c].patches) {
+    for (const std::size_t p : cleanest(input, out.assignment.colors[c], searched)) {
       const FoundPatch& patch = input.patches[p];
       out.clicks.push_back(
           {out.images[input.picture[p]], input.colors[c].name, patch.u_px, patch.v_px, patch.radius_px, {}});

@@ -65,6 +65,7 @@ Status find_same_color(const ChannelImage& corrected, const calibrate::VenueDraf
     }
   } else {
     std::vector<calibrate::Lab> colors;
+    colors.reserve(found.size());
     for (const FoundPatch& patch : found) colors.push_back(patch.lab);
     std::size_t count = 0;
     const auto label = calibrate::ColorClusters(colors).cut(kOneColor, count);

@@ -102,6 +102,20 @@ std::vector<std::size_t> cleanest(const AssignmentInput& input, const AssignedCo
   return out;
 }
 
+// All pixels that a robot can cover whose team patch this is.
+void add_robot(const FoundPatch& patch, const ChannelImage& image, const CameraModel& camera,
+               const MarkerLayout& layout, std::vector<std::size_t>& out) {
+  const float scale = camera.scale_px_per_m(camera.to_field(patch.center, layout.height_m), layout.height_m);
+  const int radius = std::clamp(static_cast<int>(std::ceil(layout.robot_side_m * scale)), 1, 200);
+  const int u = static_cast<int>(std::lround(patch.center.u_px)), v = static_cast<int>(std::lround(patch.center.v_px));
+  for (int dv = -radius; dv <= radius; ++dv) {
+    for (int du = -radius; du <= radius; ++du) {
+      if (du * du + dv * dv <= radius * radius && image.contains(u + du, v + dv))
+        out.push_back(image.index(u + du, v + dv));
+    }
+  }
+}
+
 void add_doubts(FoundColors& out) {
   for (std::size_t c = 0; c < out.input.colors.size(); ++c) {
     const AssignedColor& color = out.assignment.colors[c];
@@ -199,8 +213,22 @@ Status find_colors(const VenueDraft& venue, const TeamColors& team, const std::v
   out.assignment = assign_colors(input);
   add_doubts(out);
   for (std::size_t c = 0; c < input.colors.size(); ++c) {
+    const AssignedColor& color = out.assignment.colors[c];
+    for (const auto* patches : {&color.patches, &color.others}) {
+      for (const std::size_t p : *patches) {
+        std::vector<std::size_t>& unclear = out.unclear[out.images[input.picture[p]]];
+        unclear.insert(unclear.end(), input.patches[p].pixels.begin(), input.patches[p].pixels.end());
+      }
+    }
+    for (const TeamMarking& marking : input.teams) {
+      if (marking.team_color != c + 1) continue;
+      for (const std::size_t p : color.others) {
+        add_robot(input.patches[p], *searched[input.picture[p]], camera, marking.layout,
+                  out.unclear[out.images[input.picture[p]]]);
+      }
+    }
     if (input.colors[c].clicked) continue;
-    for (const std::size_t p : cleanest(input, out.assignment.colors[c], searched)) {
+    for (const std::size_t p : cleanest(input, color, searched)) {
       const FoundPatch& patch = input.patches[p];
       out.clicks.push_back(
           {out.images[input.picture[p]], input.colors[c].name, patch.u_px, patch.v_px, patch.radius_px, {}});

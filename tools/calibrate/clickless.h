@@ -18,6 +18,9 @@ struct FoundColors {
   Assignment assignment;
   std::vector<std::string> images;  // AssignmentInput::picture counts these
   std::vector<Click> clicks;        // what a person would have clicked on; without the colors that were clicked
+  // Pixels of patches that are not learned from, and where a robot's other patches must be that were not found: no
+  // background either.
+  std::map<std::string, std::vector<std::size_t>> unclear;
   std::vector<std::string> doubts;  // why it is not to be trusted; empty: it is, once a person has looked at it
 };
 

@@ -394,9 +394,13 @@ Assignment assign_colors(const AssignmentInput& input) {
     const Label& label = best.labels[best.label_of[c]];
     color.rgb = label.rgb;
     color.unlikeness = input.colors[c].look ? unlikeness(label.lab, best.expected[c]) : 0.0;
+    const bool is_ball = c + 1 == input.ball;
+    std::map<std::size_t, int> balls;  // a picture
+    for (const std::size_t p : label.patches) balls[input.picture[p]] += in_markers.count(p) == 0 ? 1 : 0;
     for (const std::size_t p : label.patches) {
-      const bool is_ball = c + 1 == input.ball;
-      if (is_ball != (in_markers.count(p) > 0)) color.patches.push_back(p);
+      const bool in_marker = in_markers.count(p) > 0;
+      const bool used = is_ball ? !in_marker && balls[input.picture[p]] == 1 : in_marker;
+      (used ? color.patches : color.others).push_back(p);
     }
     const Solution other = solver.solve({c, label.lab});
     color.margin = std::min(50.0, other.cost - best.cost);

@@ -31,6 +31,7 @@ struct AssignmentInput {
 /// What a wanted color was found to be.
 struct AssignedColor {
   std::vector<std::size_t> patches;  // empty: not found
+  std::vector<std::size_t> others;   // of its look, but of no robot, or no ball that stands alone
   Rgb rgb{};                         // their median
   double unlikeness = 0;             // unlikeness() to the look, light and white balance taken out
   double margin = 0;                 // by how much another assignment of this color is worse, in nats

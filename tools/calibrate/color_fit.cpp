@@ -151,6 +151,11 @@ class Fitter {
           {scene == scenes_.end() ? 0 : static_cast<std::size_t>(scene - scenes_.begin()), color, std::move(patch)});
       out_.clicks.push_back(std::move(result));
     }
+    for (Scene& scene : scenes_) {
+      const auto unclear = input_.unclear.find(scene.image);
+      if (unclear == input_.unclear.end()) continue;
+      for (const std::size_t pixel : unclear->second) reserve_pixel(scene, pixel);
+    }
     patch_area_.assign(out_.names.size(), 0);
     for (std::size_t c = 0; c < out_.names.size(); ++c) {
       std::vector<std::size_t> areas;

@@ -17,6 +17,8 @@ namespace touchline::calibrate {
 struct ColorFitInput {
   std::vector<Click> clicks;
   std::map<std::string, CameraPicture> pictures;  // by Click::image; all of one format and size
+  std::map<std::string, std::vector<std::size_t>>
+      unclear;  // pixels of a picture that are neither sample nor background
   LightMap light;
   Polygon region_of_interest;
   GrowthLimits growth;

@@ -33,8 +33,7 @@ bool all_there(const std::string& path, const TeamColors& team, const std::vecto
 // What a person looks at before saying yes.
 void print_found(const FoundColors& found) {
   std::printf("%zu patches, %zu robots in %zu pictures\n%-12s %-15s %7s %-12s %s\n", found.input.patches.size(),
-              found.assignment.robots, found.images.size(), "color", "R G B", "patches", "next best",
-              "confidence");
+              found.assignment.robots, found.images.size(), "color", "R G B", "patches", "next best", "confidence");
   for (std::size_t c = 0; c < found.input.colors.size(); ++c) {
     const WantedColor& wanted = found.input.colors[c];
     const AssignedColor& color = found.assignment.colors[c];
@@ -197,6 +196,7 @@ bool ColorsCommand::find_without_clicks(const VenueDraft& draft, ColorFitInput& 
     return false;
   }
   input.clicks.insert(input.clicks.end(), found.clicks.begin(), found.clicks.end());
+  input.unclear = std::move(found.unclear);
   return true;
 }
 

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -78,6 +80,41 @@ TEST_F(Program, MakesAVenueFromNothing) {
   ASSERT_EQ(draft.file.color.size(), 2U);
   EXPECT_EQ(draft.file.color[0].name, "red");
   EXPECT_TRUE(fs::exists(path("seen/field.png")));
+}
+
+// The lamps become dimmer and yellower; the colors stay, and the map says how much light is left of each.
+TEST_F(Program, KeepsTheColorsWhenTheLampsChange) {
+  ASSERT_TRUE(run(field() + corners_ + " --camera-height 1.8")) << read("out");
+  const std::string keep = " --keep-normal --picture " + path("grey.png") + venue();
+  const std::string untouched = read("venue.toml");
+  EXPECT_FALSE(run("light" + keep));
+  EXPECT_NE(read("out").find("light.normal"), std::string::npos) << read("out");
+  EXPECT_EQ(read("venue.toml"), untouched);
+  ASSERT_TRUE(run("light --picture " + path("grey.png") + venue())) << read("out");
+  VenueDraft before, after;
+  std::string reason;
+  ASSERT_TRUE(read_draft(path("venue.toml"), before, reason).ok()) << reason;
+  EXPECT_EQ(before.file.light.surface, "grey");
+  ASSERT_EQ(before.file.light.normal.size(), 3U);
+
+  EXPECT_FALSE(run("light --surface field" + keep));
+  EXPECT_NE(read("out").find("surface"), std::string::npos) << read("out");
+
+  hal::Picture dim;
+  ASSERT_TRUE(hal::read_picture(path("grey.png"), dim, reason).ok()) << reason;
+  const std::array<double, 3> left = {0.7, 0.6, 0.4};
+  for (std::size_t i = 0; i < dim.rgb8.size(); ++i) {
+    dim.rgb8[i] = static_cast<std::uint8_t>(std::lround(dim.rgb8[i] * left[i % 3]));
+  }
+  ASSERT_TRUE(hal::write_picture(path("grey.png"), dim, reason).ok()) << reason;
+  ASSERT_TRUE(run("light" + keep)) << read("out");
+  ASSERT_TRUE(read_draft(path("venue.toml"), after, reason).ok()) << reason;
+  EXPECT_EQ(after.file.light.normal, before.file.light.normal);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t middle = 24 * 64 + 32;
+    const auto ratio = static_cast<double>(after.light.illumination[c][middle] / before.light.illumination[c][middle]);
+    EXPECT_NEAR(ratio, left[c], 0.02) << c;
+  }
 }
 
 TEST_F(Program, TouchesItsOwnSectionsOnly) {

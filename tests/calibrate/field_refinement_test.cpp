@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/calibrate/arena_photograph.h"
+#include "tools/calibrate/field_drawing.h"
 
 // The arena's camera has a lens of another kind (Kannala and Brandt) than the model that is fitted, noise, lamps, goals
 // in the border and filled corners.
@@ -59,7 +60,8 @@ class FieldRefinement : public ::testing::Test {
     FieldParameters field;
     field.length_m = static_cast<float>(arena_.field.length_m);
     field.width_m = static_cast<float>(arena_.field.width_m);
-    return refine_field(LightPicture({picture}), field, arena_.camera.position_m[2], fit, report_, reason_);
+    return refine_field(LightPicture({picture}), field, marks_of(bare_drawing(field)),
+                        HeightPrior{arena_.camera.position_m[2], kHeightSigma_m}, fit, report_, reason_);
   }
 
   hal::mock::ArenaParameters arena_;
@@ -75,7 +77,7 @@ TEST_F(FieldRefinement, FindsTheLensAlongTheBorder) {
   EXPECT_LT(worst_px(fit.camera, arena_.robot_height_m), 0.45);
   EXPECT_GT(report_.points, 500u);
   EXPECT_LT(report_.rms_px, 0.12);
-  EXPECT_LT(report_.height_sigma_m, 0.03);
+  EXPECT_LT(report_.sigma.height_m, 0.03);
   EXPECT_LT(fit.paper_residual_mm.rms, 2.0) << "Klancar's model follows";
 }
 
@@ -93,7 +95,7 @@ TEST_F(FieldRefinement, WithoutABorderTheFitStaysAsItWas) {
   FieldFit fit = rough_fit();
   const FullModelParameters before = fit.camera.full;
   EXPECT_EQ(refine(photograph(hal::mock::Floor::kGreyPaper), fit).code(), ErrorCode::kNotFound);
-  EXPECT_EQ(reason_, "only 0 of the border's four sides can be found where the points given would have them");
+  EXPECT_EQ(reason_, "only 0 of the border's four sides can be found, straight and where a camera would see them");
   EXPECT_EQ(fit.camera.full.fx_px, before.fx_px);
   EXPECT_EQ(fit.camera.full.rotation_rad, before.rotation_rad);
   EXPECT_EQ(fit.camera.full.position_m, before.position_m);

@@ -153,6 +153,25 @@ std::optional<Eigen::Vector2d> crossing(const HoughLine& a, const HoughLine& b) 
   return Eigen::Vector2d(normals.inverse() * Eigen::Vector2d(a.distance_px, b.distance_px));
 }
 
+// -x-y is where left and bottom cross, and on counter-clockwise as seen from above. Sides in hough_sides()' order.
+constexpr std::array<std::array<std::size_t, 2>, 4> kCornerSides{{{3, 0}, {0, 1}, {1, 2}, {2, 3}}};
+
+// Of the quadrilateral; 0 when sides do not cross.
+double area_of(const std::array<HoughLine, 4>& sides) {
+  std::array<Eigen::Vector2d, 4> corners;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto corner = crossing(sides[kCornerSides[i][0]], sides[kCornerSides[i][1]]);
+    if (!corner) return 0;
+    corners[i] = *corner;
+  }
+  double twice = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d &a = corners[i], &b = corners[(i + 1) % 4];
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  return std::abs(twice) / 2;
+}
+
 }  // namespace
 
 int brightness_threshold(const hal::Picture& picture) { return otsu(brightness(picture)); }
@@ -297,7 +316,7 @@ Status find_border(const hal::Picture& picture, BorderSearch& out, std::string& 
   reason = text("nothing as bright as a border goes around a tenth of the picture (from %d of 255 on); is it cut off?",
                 otsus);
   // Where lamps make the floor as bright as the border elsewhere, another threshold parts them; the best one leaves
-  // most of what touches the border on its sides.
+  // most of what touches the border on its sides, and has not lost half of the field behind the center line.
   double best = 0;
   for (const double factor : kThresholds) {
     BorderSearch attempt;
@@ -311,21 +330,25 @@ Status find_border(const hal::Picture& picture, BorderSearch& out, std::string& 
     std::size_t votes = 0;
     for (const HoughLine& side : attempt.sides) votes += side.votes;
     const double share = static_cast<double>(votes) / static_cast<double>(attempt.outline.size());
-    if (share <= best) continue;
-    best = share;
+    const double merit = share * area_of(attempt.sides);
+    if (merit <= best) continue;
+    best = merit;
     out = std::move(attempt);
   }
   if (best <= 0) return ErrorCode::kNotFound;
-  std::array<double, 4> h_px{};
-  for (std::size_t i = 0; i < 4; ++i) h_px[i] = h_of_three_points(out.outline, out.sides[i], width, height);
-  // The paper takes the longest side alone; a goal or a marking at its ends would decide then.
-  std::sort(h_px.begin(), h_px.end());
-  out.h_px = h_px[1];
+  // The paper takes the longest side alone; a goal or a marking at its ends would decide then. Eq. (12) bends a line in
+  // proportion to 1 / H^2 in the first place; the second largest of that.
+  std::array<double, 4> bend{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    bend[i] = std::pow(h_of_three_points(out.outline, out.sides[i], width, height), -2);
+  }
+  std::sort(bend.begin(), bend.end());
+  out.h_px = std::sqrt(1 / bend[2]);
 
   const Eigen::Vector2d center(0.5 * (width - 1), 0.5 * (height - 1));
   std::vector<Eigen::Vector2d> straight;
   for (const OutlinePixel& p : out.outline) straight.push_back(rectified({p.u_px, p.v_px}, center, out.h_px));
-  std::array<HoughLine, 4> lines;
+  std::array<HoughLine, 4>& lines = out.straight_sides;
   for (std::size_t i = 0; i < 4; ++i) {
     // The side's middle tells where its straight line is; its ends have moved.
     const HoughLine& side = out.sides[i];
@@ -334,14 +357,13 @@ Status find_border(const hal::Picture& picture, BorderSearch& out, std::string& 
     lines[i] = {side.angle_rad, normal.dot(rectified(nearest, center, out.h_px)), side.votes};
     for (const double within : kCollect_px) lines[i] = refitted(straight, lines[i], within);
   }
-  // -x-y is where left and bottom cross, and on counter-clockwise as seen from above.
-  const std::array<std::array<std::size_t, 2>, 4> pairs{{{3, 0}, {0, 1}, {1, 2}, {2, 3}}};
   for (std::size_t i = 0; i < 4; ++i) {
-    const auto corner = crossing(lines[pairs[i][0]], lines[pairs[i][1]]);
+    const auto corner = crossing(lines[kCornerSides[i][0]], lines[kCornerSides[i][1]]);
     if (!corner) {
       reason = "two sides of what goes around the field are parallel that should cross";
       return ErrorCode::kNotFound;
     }
+    out.straight_corners[i] = {static_cast<float>(corner->x()), static_cast<float>(corner->y())};
     const Eigen::Vector2d pixel = bent(*corner, center, out.h_px);
     out.corners[i] = {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
   }

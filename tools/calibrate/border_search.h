@@ -42,14 +42,16 @@ bool hough_sides(const std::vector<OutlinePixel>& outline, int width_px, int hei
 double h_of_three_points(const std::vector<OutlinePixel>& outline, const HoughLine& side, int width_px, int height_px);
 inline constexpr double kLargestH_px = 1e5;
 
-/// Steps 4 and 5 are fit_field()'s: p, q and the rotation come from the corners, where the sides cross once they are
-/// straight.
+/// Steps 4 and 5, p, q and the rotation, are paper_steps()'s: from the sides once they are straight.
 struct BorderSearch {
   int threshold = 0;
   std::vector<OutlinePixel> outline;
   std::array<HoughLine, 4> sides;
   double h_px = 0;  // the second smallest of the four sides'
   Corners corners;  // of the field, in fit_field()'s order, x to the right in the picture
+  // Both once eq. (12) has straightened the picture; the sides in their order above.
+  std::array<HoughLine, 4> straight_sides;
+  Corners straight_corners;
 };
 
 /// All steps. kNotFound, with the reason.

@@ -4,6 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "tools/calibrate/field_report.h"
+#include "tools/calibrate/venue_draft.h"
+
 namespace CLI {
 class App;
 }
@@ -16,13 +19,19 @@ struct VenueDraft;
 /// Each command reads its options from CLI11, does its work, prints its report to standard output and what is wrong to
 /// standard error. Exit code 0: the venue file was written; 1: it was refused, and the file is as it was.
 struct FieldCommand {
-  std::string venue, preset, kind = "full", preview;
+  std::string venue, preset, drawing, kind = "full", preview, report;
   std::vector<std::string> pictures;
   bool refine = true;
   std::vector<std::string> corners, points, region;
   double length_m = 0, width_m = 0, camera_height_m = 0;
   void add_options(CLI::App& app);
   int run() const;
+
+ private:
+  bool choose_drawing(const VenueDraft& draft, FieldDrawing& out, std::optional<HeightPrior>& height,
+                      std::string& reason) const;
+  bool write_previews(const hal::Picture& photograph, const FieldReport& found, const FieldParameters& field,
+                      const std::vector<FloorPoint>& given, std::string& reason) const;
 };
 
 struct LightCommand {

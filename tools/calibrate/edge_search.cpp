@@ -11,10 +11,9 @@ namespace {
 constexpr double kToneExponent = 2.2;
 // Samples of a profile across a mark, a quarter of a pixel apart.
 constexpr double kSampleStep_px = 0.25;
-// Ends of borders and lines, where others meet them, are left out.
-constexpr double kEndMargin_m = 0.03;
 // White paint reflects ten times what a dark floor does; the difference seen must be at least this part of full scale.
 constexpr double kLeastContrast = 0.04;
+constexpr double kFlatRise = 0.35;
 // Lens and interpolation blur an edge over about this distance: beyond it each side has its own level.
 constexpr double kBlur_px = 2.0;
 // The widest line that is taken for one.
@@ -64,16 +63,20 @@ class Profile {
 
 constexpr int kBlurSamples = static_cast<int>(kBlur_px / kSampleStep_px);
 
-// The steepest rise, outwards.
-std::optional<double> border_in(const Profile& profile) {
+// The steepest rise, outwards; or the innermost one that is not much flatter: a wall's face, lit less than its top,
+// begins where the floor ends.
+std::optional<double> border_in(const Profile& profile, bool innermost) {
+  const double flattest = innermost ? kFlatRise : 1.0;
+  const auto rise_at = [&](int i) { return profile[i + 2] - profile[i - 2]; };
+  double steepest_rise = 0;
+  for (int i = 2; i + 2 < profile.size(); ++i) steepest_rise = std::max(steepest_rise, rise_at(i));
   int steepest = -1;
-  double rise = 0;
-  for (int i = 0; i + 4 < profile.size(); ++i) {
-    const double here = profile[i + 4] - profile[i];
-    if (here > rise) {
-      rise = here;
-      steepest = i + 2;
-    }
+  for (int i = 2; i + 2 < profile.size(); ++i) {
+    if (rise_at(i) < flattest * steepest_rise) continue;
+    // Up to the top of this rise.
+    while (i + 3 < profile.size() && rise_at(i + 1) > rise_at(i)) ++i;
+    steepest = i;
+    break;
   }
   if (steepest < 2 * kBlurSamples || steepest + 2 * kBlurSamples >= profile.size()) return std::nullopt;
   const double dark = profile.least(steepest - 2 * kBlurSamples, steepest);
@@ -136,33 +139,42 @@ double LightPicture::at(double u_px, double v_px) const {
          dv * ((1 - du) * static_cast<double>(below[0]) + du * static_cast<double>(below[1]));
 }
 
-std::vector<Mark> marks_of(const FieldParameters& field) {
-  const double x = static_cast<double>(field.length_m) / 2, y = static_cast<double>(field.width_m) / 2;
-  return {{MarkKind::kBorder, -x, -y, x, -y},
-          {MarkKind::kBorder, x, -y, x, y},
-          {MarkKind::kBorder, x, y, -x, y},
-          {MarkKind::kBorder, -x, y, -x, -y},
-          {MarkKind::kLine, 0, -y, 0, y}};
+double length_of(const Mark& mark) {
+  return mark.radius_m > 0 ? mark.radius_m * (mark.to_rad - mark.from_rad)
+                           : std::hypot(mark.end_x_m - mark.begin_x_m, mark.end_y_m - mark.begin_y_m);
+}
+
+MarkPlace place_on(const Mark& mark, double way_m) {
+  if (mark.radius_m > 0) {
+    const double angle = mark.from_rad + way_m / mark.radius_m, c = std::cos(angle), s = std::sin(angle);
+    return {mark.begin_x_m + mark.radius_m * c, mark.begin_y_m + mark.radius_m * s, -s, c};
+  }
+  const double length = length_of(mark);
+  const double dx = (mark.end_x_m - mark.begin_x_m) / length, dy = (mark.end_y_m - mark.begin_y_m) / length;
+  return {mark.begin_x_m + way_m * dx, mark.begin_y_m + way_m * dy, dx, dy};
 }
 
 std::vector<MarkPoint> find_marks(const LightPicture& picture, const CameraModel& camera,
-                                  const std::vector<Mark>& marks, double step_px, double reach_px) {
+                                  const std::vector<Mark>& marks, double step_px, double reach_px,
+                                  std::vector<std::size_t>* looked_at) {
   std::vector<MarkPoint> points;
+  if (looked_at != nullptr) looked_at->assign(marks.size(), 0);
   for (std::size_t m = 0; m < marks.size(); ++m) {
     const Mark& mark = marks[m];
-    const double dx = mark.end_x_m - mark.begin_x_m, dy = mark.end_y_m - mark.begin_y_m;
-    const double length = std::hypot(dx, dy);
-    const PixelPoint begin = seen(camera, mark.begin_x_m, mark.begin_y_m);
-    const PixelPoint end = seen(camera, mark.end_x_m, mark.end_y_m);
-    const double extent_px =
-        std::hypot(static_cast<double>(end.u_px - begin.u_px), static_cast<double>(end.v_px - begin.v_px));
-    const int count = std::max(2, static_cast<int>(extent_px / step_px));
+    const double length = length_of(mark);
+    const bool closed = mark.radius_m > 0 && length > mark.radius_m * 6.28;
+    const double from = closed ? 0 : std::min(kMarkEnd_m, length / 4), to = length - from;
+    const MarkPlace middle = place_on(mark, length / 2);
+    const double scale = static_cast<double>(
+        camera.scale_px_per_m({static_cast<float>(middle.x_m), static_cast<float>(middle.y_m)}, 0.0f));
+    // A camera on its way to the right one may put a mark anywhere.
+    const int count = std::clamp(static_cast<int>(std::min((to - from) * scale / step_px, 4000.0)), 2, 4000);
     for (int i = 0; i <= count; ++i) {
-      const double way = kEndMargin_m + (length - 2 * kEndMargin_m) * i / count;
-      const double x = mark.begin_x_m + way * dx / length, y = mark.begin_y_m + way * dy / length;
-      const PixelPoint at = seen(camera, x, y);
+      if (looked_at != nullptr) ++(*looked_at)[m];
+      const MarkPlace place = place_on(mark, from + (to - from) * i / count);
+      const PixelPoint at = seen(camera, place.x_m, place.y_m);
       // A centimeter to the right of the way.
-      const PixelPoint aside = seen(camera, x + 0.01 * dy / length, y - 0.01 * dx / length);
+      const PixelPoint aside = seen(camera, place.x_m + 0.01 * place.along_y, place.y_m - 0.01 * place.along_x);
       const double u = static_cast<double>(at.u_px), v = static_cast<double>(at.v_px);
       double across_u = static_cast<double>(aside.u_px) - u, across_v = static_cast<double>(aside.v_px) - v;
       const double norm = std::hypot(across_u, across_v);
@@ -172,9 +184,9 @@ std::vector<MarkPoint> find_marks(const LightPicture& picture, const CameraModel
       across_u /= norm;
       across_v /= norm;
       const Profile profile(picture, u, v, across_u, across_v, reach_px);
-      const auto place = mark.kind == MarkKind::kBorder ? border_in(profile) : line_in(profile);
-      if (!place) continue;
-      points.push_back({m, x, y, u + *place * across_u, v + *place * across_v, across_u, across_v});
+      const auto found = mark.kind == MarkKind::kBorder ? border_in(profile, mark.innermost) : line_in(profile);
+      if (!found) continue;
+      points.push_back({m, place.x_m, place.y_m, u + *found * across_u, v + *found * across_v, across_u, across_v});
     }
   }
   return points;

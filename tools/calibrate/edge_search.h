@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "core/geometry/camera_model.h"
-#include "core/marker/matcher.h"
 #include "hal/replay/picture.h"
 
 namespace touchline::calibrate {
@@ -26,18 +25,29 @@ class LightPicture {
   std::vector<float> values_;
 };
 
-/// What is drawn on the floor along a straight way.
+/// What is drawn on the floor along a way.
 enum class MarkKind : std::uint8_t {
   kBorder,  // dark field to the left of the way, bright border to its right
   kLine     // a bright line whose middle is the way
 };
 struct Mark {
   MarkKind kind = MarkKind::kBorder;
-  double begin_x_m = 0, begin_y_m = 0, end_x_m = 0, end_y_m = 0;
+  double begin_x_m = 0, begin_y_m = 0, end_x_m = 0, end_y_m = 0;  // of an arc: both its center
+  double radius_m = 0, from_rad = 0, to_rad = 0;                  // radius 0: straight
+  int side = -1;           // 0 to 3: it is part of the border's side at -y, +x, +y, -x
+  bool innermost = false;  // of a border: the floor's first rise to something bright counts, not the steepest
+  bool early = false;      // so long that it is found when the camera is known to a few dozen pixels only
 };
 
-/// The four sides of the field, where its floor meets the border, and its center line.
-std::vector<Mark> marks_of(const FieldParameters& field);
+// Ends of marks, where others meet them, are left out.
+inline constexpr double kMarkEnd_m = 0.03;
+
+double length_of(const Mark& mark);
+/// Place, and direction of the way (unit vector), `way_m` after the mark's begin.
+struct MarkPlace {
+  double x_m = 0, y_m = 0, along_x = 1, along_y = 0;
+};
+MarkPlace place_on(const Mark& mark, double way_m);
 
 /// A point of a mark that was found in the picture.
 struct MarkPoint {
@@ -49,8 +59,10 @@ struct MarkPoint {
 
 /// Walks along the marks as `camera` sees them, a point every `step_px`, and looks up to `reach_px` to both sides for
 /// the place where the light passes halfway between the levels of both sides (of both flanks of a line). Points with
-/// little contrast, or at the end of the reach, are left out.
+/// little contrast, or at the end of the reach, are left out. `looked_at`: how many points of each mark were tried,
+/// those outside of the picture included.
 std::vector<MarkPoint> find_marks(const LightPicture& picture, const CameraModel& camera,
-                                  const std::vector<Mark>& marks, double step_px, double reach_px);
+                                  const std::vector<Mark>& marks, double step_px, double reach_px,
+                                  std::vector<std::size_t>* looked_at = nullptr);
 
 }  // namespace touchline::calibrate

@@ -1,31 +1,26 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <map>
+#include <filesystem>
 
 #include "tools/calibrate/border_search.h"
 #include "tools/calibrate/camera_picture.h"
 #include "tools/calibrate/commands.h"
+#include "tools/calibrate/error_map.h"
+#include "tools/calibrate/field_drawing.h"
 #include "tools/calibrate/field_fit.h"
 #include "tools/calibrate/field_refinement.h"
+#include "tools/calibrate/field_report.h"
+#include "tools/calibrate/paper_fit.h"
+#include "tools/calibrate/paper_steps.h"
 #include "tools/calibrate/preview.h"
 #include "tools/calibrate/text.h"
 #include "tools/calibrate/venue_draft.h"
 
 namespace touchline::calibrate {
 namespace {
-
-struct Preset {
-  float length_m, width_m, goal_width_m, goal_depth_m;
-};
-// The leagues' rules: FIRA MiroSot middle league, IEEE very small size, RoboCup small size divisions A and B.
-const std::map<std::string, Preset>& presets() {
-  static const std::map<std::string, Preset> all = {{"mirosot-middle", {2.2f, 1.8f, 0.4f, 0.15f}},
-                                                    {"vsss", {1.5f, 1.3f, 0.4f, 0.1f}},
-                                                    {"ssl-a", {12.0f, 9.0f, 1.8f, 0.18f}},
-                                                    {"ssl-b", {9.0f, 6.0f, 1.0f, 0.18f}}};
-  return all;
-}
 
 Status read_pixels(const std::vector<std::string>& words, const char* option, std::vector<PixelPoint>& out,
                    std::string& reason) {
@@ -54,31 +49,7 @@ Status load_photographs(const std::vector<std::string>& paths, std::vector<hal::
   return {};
 }
 
-// x runs along the longer sides; in the picture to the right, or upwards.
-Corners along_the_field(const Corners& corners, const FieldParameters& field) {
-  const auto distance = [&](std::size_t a, std::size_t b) {
-    return std::hypot(static_cast<double>(corners[a].u_px - corners[b].u_px),
-                      static_cast<double>(corners[a].v_px - corners[b].v_px));
-  };
-  const bool lies = distance(0, 1) + distance(2, 3) >= distance(1, 2) + distance(3, 0);
-  if (lies == (field.length_m >= field.width_m)) return corners;
-  return {corners[1], corners[2], corners[3], corners[0]};
-}
-
-// What was found without a click, in the order of Klancar's section 6.2.
-std::string describe_steps(const BorderSearch& border) {
-  std::string steps =
-      text("border: brighter than %d of 255, %zu pixels along it\n", border.threshold, border.outline.size());
-  steps += text("Hough transform: sides of %zu, %zu, %zu and %zu pixels (bottom, right, top, left)\n",
-                border.sides[0].votes, border.sides[1].votes, border.sides[2].votes, border.sides[3].votes);
-  steps += border.h_px < kLargestH_px ? text("three points on each side: H %.0f px\n", border.h_px)
-                                      : std::string("three points on each side: straight, no H\n");
-  steps += "corners at";
-  for (const PixelPoint& corner : border.corners) {
-    steps += text(" %.1f,%.1f", static_cast<double>(corner.u_px), static_cast<double>(corner.v_px));
-  }
-  return steps + " px\n";
-}
+Corners turned(const Corners& c) { return {c[1], c[2], c[3], c[0]}; }
 
 // Few enough that a person sees the photograph below.
 std::vector<FloorPoint> points_of(const RefinementReport& refinement) {
@@ -88,6 +59,77 @@ std::vector<FloorPoint> points_of(const RefinementReport& refinement) {
     points.push_back({p.x_m, p.y_m, p.u_px, p.v_px});
   }
   return points;
+}
+
+std::vector<FloorPoint> all_points_of(const RefinementReport& refinement) {
+  std::vector<FloorPoint> points;
+  points.reserve(refinement.found.size());
+  for (const MarkPoint& p : refinement.found) points.push_back({p.x_m, p.y_m, p.u_px, p.v_px});
+  return points;
+}
+
+// Both ways in which the border that was found may lie on the floor are tried: x to the right in the picture, or
+// upwards.
+Status fit_border(const LightPicture& picture, const FieldDrawing& drawing, const std::optional<HeightPrior>& height,
+                  const std::optional<double>& measured_m, FieldReport& report, std::string& reason) {
+  struct Attempt {
+    FieldFit fit;
+    RefinementReport refinement;
+    bool quarter_turned = false;
+  };
+  const BorderSearch& border = *report.border;
+  const double length = static_cast<double>(drawing.field.length_m), width = static_cast<double>(drawing.field.width_m);
+  std::vector<Attempt> good;
+  std::string first_reason;
+  for (const bool quarter_turned : {false, true}) {
+    Attempt attempt;
+    attempt.quarter_turned = quarter_turned;
+    FieldFitInput input;
+    input.width_px = picture.width_px();
+    input.height_px = picture.height_px();
+    input.camera_height_m = measured_m;
+    input.start_only = true;
+    const Corners& corners = border.straight_corners;
+    input.points = corner_points(quarter_turned ? turned(corners) : corners, length, width);
+    std::string why;
+    if (!fit_field(input, attempt.fit, why).ok()) {
+      why.insert(0, "what looks like a border is none, or the picture cuts the field off: ");
+    } else {
+      // Third order of eq. (12) against Brown's.
+      FullModelParameters& full = attempt.fit.camera.full;
+      full.k1 = static_cast<float>(-std::pow(static_cast<double>(full.fx_px) / border.h_px, 2) / 6);
+      if (refine_field(picture, drawing.field, report.marks, height, attempt.fit, attempt.refinement, why).ok()) {
+        good.push_back(std::move(attempt));
+        continue;
+      }
+    }
+    // The way in which the longer sides lie along the longer ones of the picture says more.
+    const auto distance = [&](std::size_t a, std::size_t b) {
+      return std::hypot(static_cast<double>(corners[a].u_px - corners[b].u_px),
+                        static_cast<double>(corners[a].v_px - corners[b].v_px));
+    };
+    const bool upright = distance(0, 1) + distance(2, 3) < distance(1, 2) + distance(3, 0);
+    if (first_reason.empty() || (upright == (length >= width)) == quarter_turned) first_reason = why;
+  }
+  if (good.empty()) {
+    reason = first_reason;
+    return ErrorCode::kNotFound;
+  }
+  std::sort(good.begin(), good.end(),
+            [](const Attempt& a, const Attempt& b) { return a.refinement.points > b.refinement.points; });
+  // The markings inside tell one way from the other: a center line has every tenth point or more.
+  constexpr double kAlike = 0.92;
+  if (good.size() > 1 &&
+      static_cast<double>(good[1].refinement.points) > kAlike * static_cast<double>(good[0].refinement.points)) {
+    reason =
+        "the field could as well be turned by 90 degrees: its border looks the same both ways, and no marking tells";
+    return ErrorCode::kNotFound;
+  }
+  report.fit = good[0].fit;
+  report.refinement = std::move(good[0].refinement);
+  report.steps = paper_steps(border, good[0].quarter_turned, picture.width_px(), picture.height_px(), drawing.field);
+  if (report.steps) report.steps_mm = paper_residual(report.steps->model, all_points_of(report.refinement));
+  return {};
 }
 
 }  // namespace
@@ -105,7 +147,8 @@ void FieldCommand::add_options(CLI::App& app) {
   app.add_option("--point", points, "x,y,u,v: a point of the floor (m) and its pixel; repeatable")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_option("--field-preset", preset, "mirosot-middle, vsss, ssl-a, ssl-b: size of field and goals");
+  app.add_option("--field-preset", preset, "mirosot-middle, vsss, ssl-a, ssl-b: size of field and goals, and markings");
+  app.add_option("--drawing", drawing, "TOML file with the field's size, border, lines and arcs (docs/calibration.md)");
   app.add_option("--length", length_m, "Length of the field, m")->check(CLI::Range(0.3, 30.0));
   app.add_option("--width", width_m, "Width of the field, m")->check(CLI::Range(0.3, 30.0));
   app.add_option("--camera-height", camera_height_m, "Height of the lens above the floor, m, measured")
@@ -114,10 +157,70 @@ void FieldCommand::add_options(CLI::App& app) {
       ->check(CLI::IsMember({"full", "paper"}));
   app.add_flag("!--no-refine", refine, "Keep to the points given: do not look for the field's border in the picture");
   app.add_option("--roi", region, "Pixels u,v of the region of interest's corners, three or more");
-  app.add_option("--preview", preview, "PNG to write: the field's border as the model sees it");
+  app.add_option("--preview", preview,
+                 "PNG to write: border and markings as the model sees them; beside it NAME-errors.png, the residuals");
+  app.add_option("--report", report, "JSON file to write: all that is printed, and more");
+}
+
+bool FieldCommand::choose_drawing(const VenueDraft& draft, FieldDrawing& out, std::optional<HeightPrior>& height,
+                                  std::string& reason) const {
+  if (!drawing.empty() && !preset.empty()) {
+    reason = "--drawing and --field-preset exclude each other";
+    return false;
+  }
+  FieldParameters field = draft.file.field;
+  if (!drawing.empty()) {
+    if (!read_drawing(drawing, out, reason).ok()) return false;
+    field = out.field;
+  } else if (!preset.empty()) {
+    const FieldPreset* known = find_preset(preset);
+    if (known == nullptr) {
+      reason = "--field-preset: " + preset + " is none of";
+      for (const FieldPreset& p : field_presets()) reason += " " + std::string(p.name);
+      return false;
+    }
+    out = known->drawing;
+    height = known->height;
+    const float margin = field.margin_m;
+    field = out.field;
+    field.margin_m = margin;
+  } else if (!draft.exists && (length_m <= 0 || width_m <= 0)) {
+    reason = "the size of the field is needed: --field-preset, --drawing, or --length and --width";
+    return false;
+  }
+  const bool resized = length_m > 0 || width_m > 0;
+  if (length_m > 0) field.length_m = static_cast<float>(length_m);
+  if (width_m > 0) field.width_m = static_cast<float>(width_m);
+  if (resized || (drawing.empty() && preset.empty())) {
+    // A league's size comes with its lines; on another one nobody knows where they are.
+    const FieldPreset* league = find_preset(field.length_m, field.width_m);
+    out = league != nullptr ? league->drawing : bare_drawing(field);
+    height = league != nullptr ? league->height : std::nullopt;
+  }
+  out.field = field;
+  return true;
+}
+
+bool FieldCommand::write_previews(const hal::Picture& photograph, const FieldReport& found,
+                                  const FieldParameters& field, const std::vector<FloorPoint>& given,
+                                  std::string& reason) const {
+  CameraModel camera;
+  if (!camera.configure(found.fit.camera).ok()) {
+    reason = "the model found cannot be used";
+    return false;
+  }
+  hal::Picture drawn = photograph;
+  const bool refined = found.refinement.points > 0;
+  draw_field(camera, field, found.marks, refined ? points_of(found.refinement) : given, drawn);
+  if (!hal::write_picture(preview, drawn, reason).ok()) return false;
+  if (!refined) return true;
+  const std::filesystem::path path(preview);
+  const std::string errors = (path.parent_path() / (path.stem().string() + "-errors.png")).string();
+  return hal::write_picture(errors, draw_errors(photograph, camera, found.refinement), reason).ok();
 }
 
 int FieldCommand::run() const {
+  const auto begin = std::chrono::steady_clock::now();
   std::string reason;
   VenueDraft draft;
   if (!read_draft(venue, draft, reason).ok()) return refuse(reason);
@@ -125,20 +228,17 @@ int FieldCommand::run() const {
   if (!load_photographs(pictures, photographs, reason).ok()) return refuse(reason);
   const hal::Picture& photograph = photographs[0];
 
-  FieldParameters field = draft.file.field;
-  if (!preset.empty()) {
-    const auto known = presets().find(preset);
-    if (known == presets().end())
-      return refuse("--field-preset: " + preset + " is none of mirosot-middle, vsss, ssl-a, ssl-b");
-    field.length_m = known->second.length_m;
-    field.width_m = known->second.width_m;
-    field.goal_width_m = known->second.goal_width_m;
-    field.goal_depth_m = known->second.goal_depth_m;
-  } else if (!draft.exists && (length_m <= 0 || width_m <= 0)) {
-    return refuse("the size of the field is needed: --field-preset, or --length and --width");
+  FieldDrawing drawn;
+  std::optional<HeightPrior> height;
+  if (!choose_drawing(draft, drawn, height, reason)) return refuse(reason);
+  const FieldParameters& field = drawn.field;
+  FieldReport found;
+  found.marks = marks_of(drawn);
+  if (height) found.height = HeightSource::kRules;
+  if (camera_height_m > 0) {
+    height = HeightPrior{camera_height_m, kHeightSigma_m};
+    found.height = HeightSource::kMeasured;
   }
-  if (length_m > 0) field.length_m = static_cast<float>(length_m);
-  if (width_m > 0) field.width_m = static_cast<float>(width_m);
 
   FieldFitInput input;
   input.width_px = static_cast<int>(photograph.width_px);
@@ -156,63 +256,45 @@ int FieldCommand::run() const {
     if (!n) return refuse("--point: \"" + word + "\" is not x,y,u,v");
     input.points.push_back({(*n)[0], (*n)[1], (*n)[2], (*n)[3]});
   }
-  std::string steps;
-  if (input.points.empty()) {
-    BorderSearch border;
-    if (!find_border(photograph, border, reason).ok()) {
-      return refuse("no --corners and no --point are given, and in " + pictures[0] + " " + reason);
-    }
-    steps = describe_steps(border);
-    const Corners corners_found = along_the_field(border.corners, field);
-    input.points =
-        corner_points(corners_found, static_cast<double>(field.length_m), static_cast<double>(field.width_m));
-  } else if (input.points.size() < 4) {
-    return refuse("of corners and points there must be four, or none");
-  }
-  const bool clicked = steps.empty();
-
+  const bool clicked = !input.points.empty();
+  if (clicked && input.points.size() < 4) return refuse("of corners and points there must be four, or none");
   std::vector<PixelPoint> polygon;
   if (!read_pixels(region, "--roi", polygon, reason).ok()) return refuse(reason);
   if (!polygon.empty() && (polygon.size() < 3 || polygon.size() > kMaxPolygonPoints)) {
     return refuse(text("--roi: %zu corners; from 3 to %zu are possible", polygon.size(), kMaxPolygonPoints));
   }
 
-  FieldFit fit;
-  RefinementReport refinement;
-  std::string unrefined;
-  input.start_only = refine;
-  if (!fit_field(input, fit, reason).ok()) {
-    return refuse(
-        clicked ? reason : "what looks like a border in " + pictures[0] + " is none: " + reason + " (--corners helps)");
+  const LightPicture light(photographs);
+  if (!clicked) {
+    found.border.emplace();
+    if (!find_border(photograph, *found.border, reason).ok()) {
+      return refuse("no --corners and no --point are given, and in " + pictures[0] + " " + reason);
+    }
+    if (!fit_border(light, drawn, height, input.camera_height_m, found, reason).ok()) {
+      return refuse("a border is seen in " + pictures[0] + ", but " + reason + " (--corners may help)");
+    }
+  } else {
+    input.start_only = refine;
+    if (!fit_field(input, found.fit, reason).ok()) return refuse(reason);
+    const Status refined =
+        refine ? refine_field(light, field, found.marks, height, found.fit, found.refinement, found.unrefined)
+               : Status();
+    if (refined.code() == ErrorCode::kInconsistent) return refuse(found.unrefined + " (or --no-refine)");
+    if (!refined.ok()) {
+      found.refinement = {};
+      input.start_only = false;
+      if (!fit_field(input, found.fit, reason).ok()) return refuse(reason + "; and " + found.unrefined);
+    }
   }
-  if (refine &&
-      !refine_field(LightPicture(photographs), field, input.camera_height_m, fit, refinement, unrefined).ok()) {
-    // What nobody clicked on must prove itself.
-    if (!clicked) return refuse("a border is seen in " + pictures[0] + ", but " + unrefined + "; give --corners");
-    refinement = {};
-    input.start_only = false;
-    if (!fit_field(input, fit, reason).ok()) return refuse(reason + "; and " + unrefined);
-  }
+  found.points_given = input.points.size();
+  FieldFit& fit = found.fit;
   fit.camera.kind = kind == "paper" ? CameraModelKind::kPaper : CameraModelKind::kFull;
-
-  const std::string height =
-      text("camera %.3f m (+- %.3f) above the floor, %.1f degrees off the vertical%s", fit.height_m, fit.height_sigma_m,
-           fit.tilt_rad * 180.0 / 3.14159265358979, camera_height_m > 0 ? ", height given" : "");
-  const std::string residual =
-      refinement.points == 0
-          ? text("%zu points: %.2f px RMS, %.2f px max; %.2f mm RMS, %.2f mm max", input.points.size(),
-                 fit.residual_px.rms, fit.residual_px.max, fit.residual_mm.rms, fit.residual_mm.max)
-          : text(
-                "%zu points of border and center line: %.2f px RMS, p95 %.2f, max %.2f; %.2f mm RMS, p95 %.2f, max "
-                "%.2f "
-                "(%zu left out)",
-                refinement.points, refinement.rms_px, refinement.p95_px, refinement.max_px, refinement.rms_mm,
-                refinement.p95_mm, refinement.max_mm, refinement.outliers);
+  found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   config::PictureEntry entry = draft.file.picture;
   entry.width_px = static_cast<std::uint16_t>(photograph.width_px);
   entry.height_px = static_cast<std::uint16_t>(photograph.height_px);
   std::vector<Section> sections = {section_of("picture", entry, ""), section_of("field", field, ""),
-                                   section_of("camera_model", fit.camera, residual)};
+                                   section_of("camera_model", fit.camera, residual_text(found))};
   if (!polygon.empty()) {
     config::RegionOfInterestEntry roi;
     for (const PixelPoint& p : polygon) {
@@ -221,30 +303,11 @@ int FieldCommand::run() const {
     }
     sections.push_back(section_of("region_of_interest", roi, ""));
   }
-  if (!preview.empty()) {
-    hal::Picture drawn = photograph;
-    CameraModel camera;
-    if (!camera.configure(fit.camera).ok()) return refuse("the model found cannot be used");
-    draw_field(camera, field, refinement.points == 0 ? input.points : points_of(refinement), drawn);
-    if (!hal::write_picture(preview, drawn, reason).ok()) return refuse(reason);
-  }
+  if (!preview.empty() && !write_previews(photograph, found, field, input.points, reason)) return refuse(reason);
+  if (!report.empty() && !write_json(found, report, reason).ok()) return refuse(reason);
   if (!write_sections(venue, sections, reason).ok()) return refuse(reason);
 
-  std::printf("%s%s\n%s\n", steps.c_str(), height.c_str(), residual.c_str());
-  if (!unrefined.empty()) std::printf("not refined along the border: %s\n", unrefined.c_str());
-  const FullModelParameters& full = fit.camera.full;
-  if (fit.has_distortion) {
-    std::printf("lens: focal lengths %.1f and %.1f px, center %.1f, %.1f px, k %.4f %.4f %.4f, p %.5f %.5f\n",
-                static_cast<double>(full.fx_px), static_cast<double>(full.fy_px), static_cast<double>(full.cx_px),
-                static_cast<double>(full.cy_px), static_cast<double>(full.k1), static_cast<double>(full.k2),
-                static_cast<double>(full.k3), static_cast<double>(full.p1), static_cast<double>(full.p2));
-  } else {
-    std::printf("lens: focal length %.1f px; its distortion needs the border, or two more points than the corners\n",
-                static_cast<double>(full.fx_px));
-  }
-  std::printf("paper's model, eq. (12)-(15): H %.0f px, p %.3g, q %.3g per px; %.2f mm RMS, %.2f mm max\n",
-              static_cast<double>(fit.camera.paper.focal_px), static_cast<double>(fit.camera.paper.p_per_px),
-              static_cast<double>(fit.camera.paper.q_per_px), fit.paper_residual_mm.rms, fit.paper_residual_mm.max);
+  std::printf("%s%.1f s\n", text_of(found).c_str(), found.seconds);
   std::printf("%s: [picture], [field], [camera_model]%s written\n", venue.c_str(),
               polygon.empty() ? "" : ", [region_of_interest]");
   return 0;

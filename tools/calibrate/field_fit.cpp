@@ -119,6 +119,12 @@ class Solver {
           new ceres::AutoDiffCostFunction<Prior, 1, 3>(new Prior{2, *input_.camera_height_m, kHeightSigma_m}), nullptr,
           x.position_m.data());
     }
+    if (input_.start_only) {
+      // A vertical camera would start anywhere between an ant's height and the moon's.
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<LogPrior, 1, 1>(new LogPrior{0, kFocalWidths * input_.width_px, kFocalSigma}),
+          nullptr, &x.focal_px);
+    }
     // A tilt looks like flat pixels as long as the height may follow.
     if (!has_distortion() || !input_.camera_height_m) {
       problem.SetParameterBlockConstant(&x.aspect);

@@ -27,6 +27,11 @@ Status check_corners(const Corners& corners, std::string& reason);
 /// The corners of a field of this size, as points of the floor.
 std::vector<FloorPoint> corner_points(const Corners& corners, double length_m, double width_m);
 
+/// What is known of the camera's height without looking.
+struct HeightPrior {
+  double height_m = 0, sigma_m = 0;
+};
+
 struct FieldFitInput {
   int width_px = 0, height_px = 0;
   std::vector<FloorPoint> points;         // at least four, no three of four on one line
@@ -38,6 +43,9 @@ struct FieldFitInput {
 constexpr double kHeightSigma_m = 0.02;
 // How well a person clicks a corner.
 constexpr double kClickSigma_px = 0.7;
+// Lenses over fields see 45 to 100 degrees of it: focal length in widths of the picture, and the deviation of its
+// logarithm. Alone it tells a vertical camera's height to a third.
+constexpr double kFocalWidths = 0.8, kFocalSigma = 0.35;
 // From here on k1 is found too, and with the height given the shape of the pixels (fy / fx): twelve equations for nine
 // unknowns.
 constexpr std::size_t kPointsForDistortion = 6;

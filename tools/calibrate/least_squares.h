@@ -2,6 +2,7 @@
 
 #include <ceres/ceres.h>
 
+#include <cmath>
 #include <cstddef>
 
 namespace touchline::calibrate {
@@ -13,6 +14,19 @@ struct Prior {
   template <class T>
   bool operator()(const T* parameters, T* residual) const {
     residual[0] = (parameters[index] - value) / sigma;
+    return true;
+  }
+};
+
+/// The same for a positive unknown of which only the size is known: `sigma` is that of its logarithm.
+struct LogPrior {
+  std::size_t index;
+  double value, sigma;
+  template <class T>
+  bool operator()(const T* parameters, T* residual) const {
+    using std::log;
+    if (parameters[index] <= T(0)) return false;
+    residual[0] = log(parameters[index] / value) / sigma;
     return true;
   }
 };

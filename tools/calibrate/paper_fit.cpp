@@ -92,16 +92,26 @@ Status fit_paper_model(const FieldFitInput& input, FieldFit& fit, std::string& r
   for (std::size_t i = 0; i < 6; ++i) paper.affine[i] = static_cast<float>(affine[i]);
   paper.position_m = full.position_m;
 
-  double sum = 0;
-  for (const FloorPoint& p : input.points) {
-    double residual[2];
-    PaperResidual{p, cu, cv, 1e3}(&curvature, tilt, affine, residual);
-    const double mm = std::hypot(residual[0], residual[1]);
-    sum += mm * mm;
-    fit.paper_residual_mm.max = std::max(fit.paper_residual_mm.max, mm);
-  }
-  fit.paper_residual_mm.rms = std::sqrt(sum / static_cast<double>(input.points.size()));
+  fit.paper_residual_mm = paper_residual(paper, input.points);
   return {};
+}
+
+Spread paper_residual(const PaperModelParameters& model, const std::vector<FloorPoint>& points) {
+  const double h = static_cast<double>(model.focal_px), curvature = 1.0 / (h * h);
+  const double tilt[2] = {static_cast<double>(model.p_per_px), static_cast<double>(model.q_per_px)};
+  std::array<double, 6> affine{};
+  std::copy(model.affine.begin(), model.affine.end(), affine.begin());
+  Spread spread;
+  for (const FloorPoint& p : points) {
+    double residual[2];
+    PaperResidual{p, static_cast<double>(model.center_u_px), static_cast<double>(model.center_v_px), 1e3}(
+        &curvature, tilt, affine.data(), residual);
+    const double mm = std::hypot(residual[0], residual[1]);
+    spread.rms += mm * mm / static_cast<double>(points.size());
+    spread.max = std::max(spread.max, mm);
+  }
+  spread.rms = std::sqrt(spread.rms);
+  return spread;
 }
 
 }  // namespace touchline::calibrate

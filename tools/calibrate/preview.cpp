@@ -1,5 +1,6 @@
 #include "tools/calibrate/preview.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -20,27 +21,26 @@ void put(hal::Picture& picture, double u, double v, const Rgb& color) {
 
 }  // namespace
 
-void draw_field(const CameraModel& camera, const FieldParameters& field, const std::vector<FloorPoint>& points,
-                hal::Picture& picture) {
-  const auto line = [&](float x0, float y0, float x1, float y1) {
+void draw_field(const CameraModel& camera, const FieldParameters& field, const std::vector<Mark>& marks,
+                const std::vector<FloorPoint>& points, hal::Picture& picture) {
+  const auto draw = [&](const Mark& mark) {
     constexpr int kSteps = 1500;  // closer than a pixel on any supported picture of a field
+    const double length = length_of(mark);
     for (int i = 0; i <= kSteps; ++i) {
-      const float t = static_cast<float>(i) / kSteps;
-      const PixelPoint p = camera.to_pixel({x0 + t * (x1 - x0), y0 + t * (y1 - y0)}, 0.0f);
+      const MarkPlace at = place_on(mark, length * i / kSteps);
+      const PixelPoint p = camera.to_pixel({static_cast<float>(at.x_m), static_cast<float>(at.y_m)}, 0.0f);
       put(picture, static_cast<double>(p.u_px), static_cast<double>(p.v_px), {255, 0, 0});
     }
   };
-  const float x = field.length_m / 2, y = field.width_m / 2, goal = field.goal_width_m / 2;
-  line(-x, -y, x, -y);
-  line(x, -y, x, y);
-  line(x, y, -x, y);
-  line(-x, y, -x, -y);
-  line(0, -y, 0, y);
-  for (const float side : {-1.0f, 1.0f}) {
-    const float back = side * (x + field.goal_depth_m);
-    line(side * x, -goal, back, -goal);
-    line(back, -goal, back, goal);
-    line(back, goal, side * x, goal);
+  std::for_each(marks.begin(), marks.end(), draw);
+  const double x = static_cast<double>(field.length_m) / 2, goal = static_cast<double>(field.goal_width_m) / 2;
+  if (goal > 0 && field.goal_depth_m > 0) {
+    for (const double side : {-1.0, 1.0}) {
+      const double back = side * (x + static_cast<double>(field.goal_depth_m));
+      draw({MarkKind::kLine, side * x, -goal, back, -goal});
+      draw({MarkKind::kLine, back, -goal, back, goal});
+      draw({MarkKind::kLine, back, goal, side * x, goal});
+    }
   }
   for (const FloorPoint& p : points) {
     for (int i = -4; i <= 4; ++i) {

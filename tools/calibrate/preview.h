@@ -6,13 +6,14 @@
 #include "core/marker/matcher.h"
 #include "core/status.h"
 #include "hal/replay/picture.h"
+#include "tools/calibrate/edge_search.h"
 #include "tools/calibrate/field_fit.h"
 
 namespace touchline::calibrate {
 
-/// Draws what the model says over the photograph: border, center line, and goals in red; the points that it was found
-/// from as green crosses.
-void draw_field(const CameraModel& camera, const FieldParameters& field, const std::vector<FloorPoint>& points,
-                hal::Picture& picture);
+/// Draws what the model says over the photograph: the drawing's marks and the goals in red; the points that it was
+/// found from as green crosses.
+void draw_field(const CameraModel& camera, const FieldParameters& field, const std::vector<Mark>& marks,
+                const std::vector<FloorPoint>& points, hal::Picture& picture);
 
 }  // namespace touchline::calibrate

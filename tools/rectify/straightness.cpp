@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tools/calibrate/edge_search.h"
+#include "tools/calibrate/field_drawing.h"
 
 namespace touchline::rectify {
 namespace {
@@ -62,15 +63,14 @@ Deviation deviation(const std::vector<Point>& places, const std::vector<double>&
 std::vector<BorderPoint> border_points(const hal::Picture& picture, const CameraModel& camera,
                                        const FieldParameters& field, std::array<std::size_t, 4>& left_out) {
   left_out = {};
-  std::vector<calibrate::Mark> sides = calibrate::marks_of(field);
-  sides.resize(4);
+  const std::vector<calibrate::Mark> marks = calibrate::marks_of(calibrate::bare_drawing(field));
   const calibrate::LightPicture light({picture});
-  const auto found = calibrate::find_marks(light, camera, sides, kStep_px, kReach_px);
+  const auto found = calibrate::find_marks(light, camera, marks, kStep_px, kReach_px);
   std::vector<BorderPoint> kept;
   for (std::size_t side = 0; side < 4; ++side) {
     std::vector<BorderPoint> all;
     for (const calibrate::MarkPoint& p : found) {
-      if (p.mark == side) all.push_back({side, {p.u_px, p.v_px}});
+      if (marks[p.mark].side == static_cast<int>(side)) all.push_back({side, {p.u_px, p.v_px}});
     }
     std::vector<BorderPoint> near = all;
     for (const double keep_px : kKeep_px) {

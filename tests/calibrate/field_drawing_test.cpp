@@ -1,0 +1,130 @@
+#include "tools/calibrate/field_drawing.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+namespace touchline::calibrate {
+namespace {
+
+class Drawing : public testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove(path_); }
+  Status read(const std::string& toml) {
+    std::ofstream(path_) << toml;
+    return read_drawing(path_, drawing_, reason_);
+  }
+  const std::string path_ =
+      testing::TempDir() + "drawing_" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".toml";
+  FieldDrawing drawing_;
+  std::string reason_;
+};
+
+constexpr const char* kWhole = R"(version = 1
+[field]
+length_m = 2.0
+width_m = 1.6
+goal_width_m = 0.4
+[border]
+corner_m = 0.1
+open_goals = true
+[[line]]
+x1_m = 0.0
+y1_m = -0.8
+x2_m = 0.0
+y2_m = 0.8
+[[line]]
+x1_m = 0.5
+y1_m = -0.1
+x2_m = 0.5
+y2_m = 0.1
+[[arc]]
+x_m = 0.0
+y_m = 0.0
+radius_m = 0.2
+)";
+
+TEST_F(Drawing, BecomesMarks) {
+  ASSERT_TRUE(read(kWhole).ok()) << reason_;
+  const std::vector<Mark> marks = marks_of(drawing_);
+  // Two long sides, four halves of the short ones, four corners; two lines, a circle.
+  ASSERT_EQ(marks.size(), 13u);
+  std::array<double, 4> length{};
+  for (const Mark& mark : marks) {
+    if (mark.side >= 0) length[static_cast<std::size_t>(mark.side)] += length_of(mark);
+  }
+  for (const std::size_t side : {0u, 2u}) EXPECT_NEAR(length[side], 2.0 - 2 * 0.1, 1e-6);
+  for (const std::size_t side : {1u, 3u}) EXPECT_NEAR(length[side], 1.6 - 2 * 0.1 - 0.4, 1e-6);
+  for (const Mark& mark : marks) {
+    if (mark.kind != MarkKind::kBorder) continue;
+    // The field's center is on the dark side: to the left.
+    const MarkPlace at = place_on(mark, length_of(mark) / 2);
+    EXPECT_GT(at.along_x * (0 - at.y_m) - at.along_y * (0 - at.x_m), 0) << at.x_m << ", " << at.y_m;
+  }
+  EXPECT_TRUE(marks[10].early) << "it crosses the whole field";
+  EXPECT_FALSE(marks[11].early);
+  EXPECT_NEAR(length_of(marks[12]), 2 * std::acos(-1.0) * 0.2, 1e-6);
+  const MarkPlace top = place_on(marks[12], length_of(marks[12]) / 4);
+  EXPECT_NEAR(top.x_m, 0.0, 1e-9);
+  EXPECT_NEAR(top.y_m, 0.2, 1e-9);
+  EXPECT_NEAR(top.along_x, -1.0, 1e-9);
+}
+
+TEST_F(Drawing, APaintedBorderBelongsToTheField) {
+  ASSERT_TRUE(
+      read("version = 1\n[field]\nlength_m = 9.0\nwidth_m = 6.0\n[border]\nkind = \"line\"\nwidth_m = 0.02\n").ok())
+      << reason_;
+  for (const Mark& mark : marks_of(drawing_)) {
+    EXPECT_EQ(mark.kind, MarkKind::kLine);
+    if (mark.side == 0) {
+      EXPECT_NEAR(mark.begin_y_m, -2.99, 1e-6);
+    }
+  }
+}
+
+TEST_F(Drawing, NamesFileLineAndKeyOfWhatIsWrong) {
+  struct Case {
+    const char *from, *to, *message;
+  };
+  for (const Case& c :
+       {Case{"radius_m = 0.2", "radius_m = -0.2", ":22: arc[0].radius_m: "},
+        Case{"radius_m = 0.2\n", "", "arc[0].radius_m: is missing"},
+        Case{"y2_m = 0.1", "y2_m = -0.1", ":14: line[1]: its ends are less than 0.05 m apart"},
+        Case{"x2_m = 0.5", "x2_m = 5.0", ":14: line[1]: ends more than 1 m outside"},
+        Case{"radius_m = 0.2", "radius_m = 0.2\nfrom_rad = 1.0\nto_rad = 0.5", "arc[0].to_rad: the arc"},
+        Case{"corner_m = 0.1", "corner_m = 0.7", ":7: border.corner_m: "},
+        Case{"[border]", "[border]\nbrim = 1", ":7: border.brim: "},
+        Case{"x_m = 0.0", "x_m = \"left\"", "arc[0].x_m: "}, Case{"length_m = 2.0\n", "", "field.length_m: is missing"},
+        Case{"[[arc]]", "[[arc]", ":19: "}}) {
+    std::string toml = kWhole;
+    toml.replace(toml.find(c.from), std::string(c.from).size(), c.to);
+    EXPECT_FALSE(read(toml).ok()) << c.to;
+    EXPECT_NE(reason_.find(c.message), std::string::npos) << c.message << " is not in: " << reason_;
+    EXPECT_EQ(reason_.rfind(path_, 0), 0u) << reason_;
+  }
+}
+
+TEST(Presets, HaveTheirLeaguesLines) {
+  for (const FieldPreset& preset : field_presets()) {
+    const double x = static_cast<double>(preset.drawing.field.length_m) / 2;
+    const double y = static_cast<double>(preset.drawing.field.width_m) / 2;
+    std::size_t arcs = 0;
+    for (const Mark& mark : marks_of(preset.drawing)) {
+      arcs += mark.radius_m > 0 ? 1u : 0u;
+      for (const double way : {0.0, 0.5, 1.0}) {
+        const MarkPlace at = place_on(mark, way * length_of(mark));
+        EXPECT_LE(std::abs(at.x_m), x + 1e-6) << preset.name;
+        EXPECT_LE(std::abs(at.y_m), y + 1e-6) << preset.name;
+      }
+    }
+    EXPECT_EQ(arcs, 1u) << preset.name;
+  }
+  EXPECT_EQ(find_preset(2.2f, 1.8f), find_preset("mirosot-middle"));
+  EXPECT_EQ(find_preset("mirosot"), nullptr);
+  EXPECT_EQ(find_preset(2.1f, 1.8f), nullptr);
+}
+
+}  // namespace
+}  // namespace touchline::calibrate

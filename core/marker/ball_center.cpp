@@ -14,8 +14,12 @@ constexpr float kRampPx = 2.5f, kBeyondPx = 2.25f;
 constexpr float kLeastRadiusPx = 2.0f;
 // Of a large one every second, third ... pixel of a row and every such row will do.
 constexpr float kRadiusOfAllPx = 24.0f;
-constexpr int kTurns = 4;
+// From a pixel away it takes a handful of turns, where a lamp cuts channels off a dozen.
+constexpr int kTurns = 12;
+constexpr float kSettledPx = 0.01f;
 constexpr float kLargestStepPx = 1.5f;
+// Light from which on a channel is cut off, or nearly: the surface is so bright there, or brighter.
+constexpr float kCutOff = 0.98f;
 // Part of the ball's own light by which a pixel may be off until it counts half.
 constexpr float kForeignLight = 0.2f;
 // The direction of the surface at the outline itself has no slope that a fit could use.
@@ -66,8 +70,9 @@ class BallCenter::Fit {
   bool run() {
     if (!(radius_px_ >= kLeastRadiusPx) || !std::isfinite(radius_px_)) return false;
     const PixelPoint start = center_;
-    for (int turn = 0; turn < kTurns; ++turn) {
-      if (!shade(turn > 0) || !step()) return false;
+    float step_px = 2.0f * kSettledPx;
+    for (int turn = 0; turn < kTurns && step_px > kSettledPx; ++turn) {
+      if (!shade(turn > 0) || !step(step_px)) return false;
     }
     const float moved = std::hypot(center_.u_px - start.u_px, center_.v_px - start.v_px);
     return moved <= kFarthest * radius_px_ && fitting_ >= kLeastFitting;
@@ -91,12 +96,15 @@ class BallCenter::Fit {
     const float du = reach * std::hypot(axis_[0].u_px, axis_[1].u_px),
                 dv = reach * std::hypot(axis_[0].v_px, axis_[1].v_px);
     const int stride = 1 + static_cast<int>(std::min(radius_px_, 4000.0f) / kRadiusOfAllPx);
-    const auto bound = [](float value) { return static_cast<int>(std::clamp(value, -1e6f, 1e6f)); };
-    const int top = bound(std::floor(center_.v_px - dv)), bottom = bound(std::ceil(center_.v_px + dv));
-    const int left = bound(std::floor(center_.u_px - du)), right = bound(std::ceil(center_.u_px + du));
-    for (int v = top; v <= bottom; v += stride) {
-      for (int u = left; u <= right; u += stride) {
-        if (!picture_.contains(u, v)) continue;
+    const auto bound = [](float value, int size) {
+      return static_cast<int>(std::clamp(value, 0.0f, static_cast<float>(size)));
+    };
+    const int top = bound(std::ceil(center_.v_px - dv), picture_.height());
+    const int bottom = bound(std::floor(center_.v_px + dv) + 1.0f, picture_.height());
+    const int left = bound(std::ceil(center_.u_px - du), picture_.width());
+    const int right = bound(std::floor(center_.u_px + du) + 1.0f, picture_.width());
+    for (int v = top; v < bottom; v += stride) {
+      for (int u = left; u < right; u += stride) {
         Sample sample;
         if (sample_at(u, v, sample)) use(sample);
       }
@@ -106,7 +114,7 @@ class BallCenter::Fit {
   bool sample_at(int u, int v, Sample& out) const {
     const float pu = static_cast<float>(u) - center_.u_px, pv = static_cast<float>(v) - center_.v_px;
     const float x = inverse_[0] * pu + inverse_[1] * pv, y = inverse_[2] * pu + inverse_[3] * pv;
-    const float r = std::hypot(x, y);
+    const float r = std::sqrt(x * x + y * y);
     out.cover = std::min(1.0f, 0.5f - (r - 1.0f) * radius_px_ / kRampPx);
     if (out.cover <= 0.0f) return false;
     out.on_edge = out.cover < 1.0f;
@@ -129,6 +137,10 @@ class BallCenter::Fit {
       ny *= kOutermost / r;
     }
     out.terms = out.cover * Terms(1.0f, nx, ny, std::sqrt(1.0f - nx * nx - ny * ny));
+    const Color expected = (1.0f - out.cover) * out.outside + shades_.transpose() * out.terms;
+    for (int c = 0; c < kChannels; ++c) {
+      if (out.seen[c] >= kCutOff) out.seen[c] = std::max(out.seen[c], expected[c]);
+    }
     return true;
   }
 
@@ -158,7 +170,7 @@ class BallCenter::Fit {
     return allowed_ > 0.0f;
   }
 
-  bool step() {
+  bool step(float& step_px) {
     Eigen::Matrix2f normal = Eigen::Matrix2f::Zero();
     Eigen::Vector2f right = Eigen::Vector2f::Zero();
     std::array<Shades, 2> shared{Shades::Zero(), Shades::Zero()};
@@ -189,8 +201,8 @@ class BallCenter::Fit {
     }
     if (!(normal.determinant() > 1e-4f * scale * scale)) return false;
     Eigen::Vector2f moved = normal.inverse() * right;
-    const float most = kLargestStepPx / radius_px_, length = moved.norm();
-    if (length > most) moved *= most / length;
+    step_px = moved.norm() * radius_px_;
+    if (step_px > kLargestStepPx) moved *= kLargestStepPx / step_px;
     center_.u_px += axis_[0].u_px * moved[0] + axis_[1].u_px * moved[1];
     center_.v_px += axis_[0].v_px * moved[0] + axis_[1].v_px * moved[1];
     return true;
@@ -202,7 +214,7 @@ class BallCenter::Fit {
   std::array<float, 4> inverse_{};
   float radius_px_ = 0, allowed_ = 0, fitting_ = 0;
   Normal inverse_normal_;
-  Shades shades_;
+  Shades shades_ = Shades::Zero();  // of the turn before, until shade() has found new ones
 };
 
 void BallCenter::configure(const BallParameters& ball, const CameraModel& camera) {

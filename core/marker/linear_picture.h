@@ -19,10 +19,9 @@ class LinearPicture {
   /// The frame must have been accepted by the scan, and lives at least as long as this.
   explicit LinearPicture(const Frame& frame) : frame_(frame) {}
 
-  [[nodiscard]] bool contains(int u, int v) const {
-    return u >= 0 && v >= 0 && u < frame_.width_px && v < frame_.height_px;
-  }
-  /// Of a pixel that contains() says is there.
+  [[nodiscard]] int width() const { return frame_.width_px; }
+  [[nodiscard]] int height() const { return frame_.height_px; }
+  /// Of a pixel of the picture.
   [[nodiscard]] LinearColor at(int u, int v) const;
   /// Of the pixel that is nearest; false: the point lies outside the picture.
   [[nodiscard]] bool at(PixelPoint point, LinearColor& out) const;

@@ -48,6 +48,9 @@ Cover OutlineCover::at(float x_m, float y_m, float ramp_m) const {
   switch (outline_) {
     case PatchOutline::kSquare:
     case PatchOutline::kBar: {
+      const float beyond = std::max(std::abs(x) - half_length_m_, std::abs(y) - half_width_m_);
+      if (2.0f * beyond >= ramp_m) return {};
+      if (2.0f * beyond <= -ramp_m) return {1.0f, 0.0f, 0.0f};
       const Edge along = ramp(std::abs(x) - half_length_m_, ramp_m), across = ramp(std::abs(y) - half_width_m_, ramp_m);
       value = along.value * across.value;
       dx = std::copysign(along.slope, -x) * across.value;
@@ -57,7 +60,7 @@ Cover OutlineCover::at(float x_m, float y_m, float ramp_m) const {
     case PatchOutline::kCircle: {
       // An ellipse is a circle in stretched axes; its edge's distance is right to first order.
       const float sx = x / half_length_m_, sy = y / half_width_m_;
-      const float r = std::hypot(sx, sy), size = std::min(half_length_m_, half_width_m_);
+      const float r = std::sqrt(sx * sx + sy * sy), size = std::min(half_length_m_, half_width_m_);
       const Edge edge = ramp((r - 1.0f) * size, ramp_m);
       value = edge.value;
       if (edge.slope != 0.0f && r > 0.0f) {

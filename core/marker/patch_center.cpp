@@ -83,10 +83,10 @@ class PatchCenters::Fit {
       if (cover.width_m() * scale_px_per_m_ < kLeastWidthPx) return false;
     }
     if (!find_top()) return false;
+    for (std::size_t k = 0; k < targets_.size(); ++k) {
+      if (!find_color(k)) return false;
+    }
     for (int turn = 0; turn < kTurns; ++turn) {
-      for (std::size_t k = 0; k < targets_.size(); ++k) {
-        if (!find_color(k)) return false;
-      }
       std::array<FieldPoint, kMaxPatches> moved{};
       for (std::size_t k = 0; k < targets_.size(); ++k) {
         if (!step(k, moved[k])) return false;
@@ -114,34 +114,38 @@ class PatchCenters::Fit {
     return {from.u_px + u_by_x_ * by.x_m + u_by_y_ * by.y_m, from.v_px + v_by_x_ * by.x_m + v_by_y_ * by.y_m};
   }
 
-  // Calls use(u, v, x, y) for the pixels of the picture that patch k may cover; x, y in the robot's frame from where
-  // the pose says that the patch is.
+  // Calls use(u, v, x, y) for the pixels of the picture within `reach_m` of patch k's center; x, y in the robot's frame
+  // from that center.
   template <class Use>
-  void for_pixels(std::size_t k, Use use) const {
+  void for_pixels(std::size_t k, float reach_m, Use use) const {
     const PixelPoint at = center(k);
-    const float reach_m = covers_[k].radius_m() + ramp_m_;
     // Half the box around the ellipse that is a circle in the robot's frame.
     const float du = reach_m * std::hypot(u_by_x_, u_by_y_), dv = reach_m * std::hypot(v_by_x_, v_by_y_);
-    const auto bound = [](float value) { return static_cast<int>(std::clamp(value, -1e6f, 1e6f)); };
-    const int top = bound(std::floor(at.v_px - dv)), bottom = bound(std::ceil(at.v_px + dv));
-    const int left = bound(std::floor(at.u_px - du)), right = bound(std::ceil(at.u_px + du));
+    const auto bound = [](float value, int last) {
+      return static_cast<int>(std::clamp(value, -1.0f, static_cast<float>(last) + 1.0f));
+    };
+    const int last_u = picture_.width() - 1, last_v = picture_.height() - 1;
+    const int top = std::max(bound(std::ceil(at.v_px - dv), last_v), 0);
+    const int bottom = std::min(bound(std::floor(at.v_px + dv), last_v), last_v);
+    const int left = std::max(bound(std::ceil(at.u_px - du), last_u), 0);
+    const int right = std::min(bound(std::floor(at.u_px + du), last_u), last_u);
+    const float x_by_u = v_by_y_ / determinant_, y_by_u = -v_by_x_ / determinant_;
     for (int v = top; v <= bottom; ++v) {
+      const float pv = static_cast<float>(v) - at.v_px;
+      const float x_of_row = -u_by_y_ / determinant_ * pv, y_of_row = u_by_x_ / determinant_ * pv;
       for (int u = left; u <= right; ++u) {
-        if (!picture_.contains(u, v)) continue;
-        const float pu = static_cast<float>(u) - targets_[k].pixel.u_px;
-        const float pv = static_cast<float>(v) - targets_[k].pixel.v_px;
-        use(u, v, (v_by_y_ * pu - u_by_y_ * pv) / determinant_, (u_by_x_ * pv - v_by_x_ * pu) / determinant_);
+        const float pu = static_cast<float>(u) - at.u_px;
+        const float x = x_of_row + x_by_u * pu, y = y_of_row + y_by_u * pu;
+        if (x * x + y * y < reach_m * reach_m) use(u, v, x, y);
       }
     }
   }
 
-  // Of another patch where patch k has (x, y).
-  [[nodiscard]] float cover_of_other(std::size_t other, std::size_t k, float x_m, float y_m, float ramp_m) const {
-    const PatchPlace &there = layout_.patches[other], &here = layout_.patches[k];
-    const FieldPoint& moved = targets_[other].offset;
-    return covers_[other]
-        .at(x_m + here.x_m - there.x_m - moved.x_m, y_m + here.y_m - there.y_m - moved.y_m, ramp_m)
-        .value;
+  // Of patch k at a point of the robot's frame.
+  [[nodiscard]] float cover_of(std::size_t k, FieldPoint point) const {
+    const PatchPlace& place = layout_.patches[k];
+    const FieldPoint& moved = targets_[k].offset;
+    return covers_[k].at(point.x_m - place.x_m - moved.x_m, point.y_m - place.y_m - moved.y_m, ramp_m_).value;
   }
 
   bool find_top() {
@@ -168,9 +172,8 @@ class PatchCenters::Fit {
 
   bool find_color(std::size_t k) {
     Mean mean;
-    for_pixels(k, [&](int u, int v, float x, float y) {
-      const FieldPoint& moved = targets_[k].offset;
-      if (covers_[k].at(x - moved.x_m, y - moved.y_m, ramp_m_).value == 1.0f) mean.add(picture_.at(u, v));
+    for_pixels(k, covers_[k].radius_m(), [&](int u, int v, float x, float y) {
+      if (covers_[k].at(x, y, ramp_m_).value == 1.0f) mean.add(picture_.at(u, v));
     });
     if (mean.count() < kLeastInside) return false;
     targets_[k].color = mean.value();
@@ -204,20 +207,22 @@ class PatchCenters::Fit {
     const LinearColor contrast = minus(targets_[k].color, top_);
     const float power = dot(contrast, contrast);
     float xx = 0, xy = 0, yy = 0, rx = 0, ry = 0, squares = 0, weights = 0;
-    for_pixels(k, [&](int u, int v, float x, float y) {
-      const Cover cover = covers_[k].at(x - moved.x_m, y - moved.y_m, ramp_m_);
+    const FieldPoint from{layout_.patches[k].x_m + moved.x_m, layout_.patches[k].y_m + moved.y_m};
+    // A ramp reaches half its width over an edge, and its diagonal over a corner.
+    for_pixels(k, covers_[k].radius_m() + 0.71f * ramp_m_, [&](int u, int v, float x, float y) {
+      const Cover cover = covers_[k].at(x, y, ramp_m_);
       if (cover.by_x_m == 0.0f && cover.by_y_m == 0.0f) return;
-      const PatchPlace& place = layout_.patches[k];
+      const FieldPoint point{from.x_m + x, from.y_m + y};
       float on_top = 0;
       LinearColor beyond;
-      if (!surroundings({x + place.x_m, y + place.y_m}, on_top, beyond)) return;
+      if (!surroundings(point, on_top, beyond)) return;
       const LinearColor foreign = minus(beyond, top_);
       LinearColor rest = minus(picture_.at(u, v), top_);
       add(rest, foreign, on_top - 1.0f);
       add(rest, contrast, -cover.value);
       for (std::size_t other = 0; other < targets_.size(); ++other) {
         if (other == k) continue;
-        const float value = cover_of_other(other, k, x, y, ramp_m_);
+        const float value = cover_of(other, point);
         if (value > 0.0f) add(rest, minus(targets_[other].color, top_), -value);
       }
       // Along the difference of patch and top: the error of `cover`.

@@ -110,11 +110,22 @@ TEST_F(Program, KeepsTheColorsWhenTheLampsChange) {
   ASSERT_TRUE(run("light" + keep)) << read("out");
   ASSERT_TRUE(read_draft(path("venue.toml"), after, reason).ok()) << reason;
   EXPECT_EQ(after.file.light.normal, before.file.light.normal);
+  EXPECT_TRUE(fs::exists(path("venue-light.png.bak"))) << "the map that was there before";
+  EXPECT_FALSE(fs::exists(path("venue-light.new.png")));
   for (std::size_t c = 0; c < 3; ++c) {
     const std::size_t middle = 24 * 64 + 32;
     const auto ratio = static_cast<double>(after.light.illumination[c][middle] / before.light.illumination[c][middle]);
     EXPECT_NEAR(ratio, left[c], 0.02) << c;
   }
+}
+
+TEST_F(Program, KeepsTheMapWhenTheVenueCannotBeWritten) {
+  ASSERT_TRUE(run(field() + corners_ + " --camera-height 1.8")) << read("out");
+  // A form of the section that cannot be replaced.
+  write("venue.toml", "light = { map = \"\" }\n" + read("venue.toml"));
+  EXPECT_FALSE(run("light --picture " + path("grey.png") + venue()));
+  EXPECT_NE(read("out").find("not written as a section"), std::string::npos) << read("out");
+  EXPECT_FALSE(fs::exists(path("venue-light.png")));
 }
 
 TEST_F(Program, TouchesItsOwnSectionsOnly) {

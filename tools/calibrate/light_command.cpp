@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "firmware/config/file_replacement.h"
 #include "tools/calibrate/commands.h"
 #include "tools/calibrate/light_fit.h"
 #include "tools/calibrate/progress.h"
@@ -58,6 +59,30 @@ Status read_normal(const std::string& venue, const config::LightEntry& entry, co
   return {};
 }
 
+// Map and venue file change together or not at all; the former ones stay beside them as PATH.bak.
+Status write_light(const std::string& venue, const std::string& map_path, const LightMap& map,
+                   const config::LightEntry& entry, std::string& reason) {
+  namespace fs = std::filesystem;
+  const std::string fresh_path = fs::path(map_path).replace_extension(".new.png").string();
+  std::string fresh, former, ignored;
+  bool exists = false;
+  Status status = hal::write_picture(fresh_path, map_picture(map), reason);
+  if (status.ok()) status = config::read_text(fresh_path, fresh, exists, reason);
+  std::error_code error;
+  fs::remove(fresh_path, error);
+  if (status.ok()) status = config::read_text(map_path, former, exists, reason);
+  if (status.ok()) status = config::replace_file(map_path, fresh, reason);
+  if (!status.ok()) return status;
+  status = write_sections(venue, {section_of("light", entry, "")}, reason);
+  if (status.ok()) return status;
+  if (exists) {
+    static_cast<void>(config::replace_file(map_path, former, ignored));
+  } else {
+    fs::remove(map_path, error);
+  }
+  return status;
+}
+
 }  // namespace
 
 void LightCommand::add_options(CLI::App& app) {
@@ -108,8 +133,7 @@ int LightCommand::run() const {
   entry.surface = measured_on;
   for (const double value : report.normal) entry.normal.push_back(static_cast<float>(value));
   const std::string map_path = (file.parent_path() / entry.map).string();
-  if (!hal::write_picture(map_path, map_picture(map), reason).ok()) return refuse(reason);
-  if (!write_sections(venue, {section_of("light", entry, "")}, reason).ok()) return refuse(reason);
+  if (!write_light(venue, map_path, map, entry, reason).ok()) return refuse(reason);
 
   constexpr const char* kNames[] = {"red", "green", "blue"};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -128,6 +152,9 @@ int LightCommand::run() const {
   }
   if (report.spots.size() > kShown) std::printf("and %zu smaller spots\n", report.spots.size() - kShown);
   std::printf("%s written, %s: [light] written\n", map_path.c_str(), venue.c_str());
+  if (!draft.file.color.empty() && !keep_normal) {
+    std::printf("the colors were learned under another map: learn them again, or measure with --keep-normal\n");
+  }
   return 0;
 }
 

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <set>
 
 #include "core/region/region_scanner.h"
 #include "tests/calibrate/painted_field.h"
@@ -208,6 +210,53 @@ TEST(ColorFit, ReportsPatchesThatWereLeftOutAndDoesNotTakeThemForBackground) {
   const Found found = recognize(input, fit, others, painted_field(others, PixelFormat::kRgb24, 99, even));
   EXPECT_EQ(found.right, others.size());
   EXPECT_EQ(found.wrong + found.ghosts, 0U);
+}
+
+TEST(ColorFit, TellsTwentyFourColorsApart) {
+  // Four values a channel, without those that are grey or near another.
+  std::vector<PaintedPatch> patches, others;
+  for (const int r : {40, 120, 200}) {
+    for (const int g : {40, 120, 200}) {
+      for (const int b : {40, 120, 200}) {
+        if (r == g && g == b) continue;
+        const int i = static_cast<int>(patches.size());
+        const std::array<double, 3> rgb{static_cast<double>(r), static_cast<double>(g), static_cast<double>(b)};
+        const std::string name = "c" + std::to_string(i);
+        patches.push_back({name, rgb, 25 + 52 * (i % 6), 40 + 52 * (i / 6)});
+        others.push_back({name, rgb, 25 + 52 * ((i + 7) % 24 % 6), 40 + 52 * ((i + 7) % 24 / 6)});
+      }
+    }
+  }
+  ASSERT_EQ(patches.size(), 24U);
+  ColorFitInput input;
+  input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
+  add_clicks(input, "a", patches);
+  ColorFit fit;
+  std::string reason;
+  ASSERT_TRUE(fit_colors(input, fit, reason).ok()) << reason;
+  const Found found = recognize(input, fit, others, painted_field(others, PixelFormat::kRgb24, 9, even));
+  EXPECT_EQ(found.right, 24U);
+  EXPECT_EQ(found.wrong + found.ghosts, 0U);
+}
+
+TEST(ColorFit, ProposesAPaintForOneOfTwoThatAreClose) {
+  ColorFitInput input;
+  std::vector<PaintedPatch> patches = arrangement(0);
+  for (PaintedPatch& p : patches) {
+    if (p.color == "magenta") p = {"maroon", {170, 25, 60}, p.u_px, p.v_px};  // close to red
+  }
+  input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
+  add_clicks(input, "a", patches);
+  ColorFit fit;
+  std::string reason;
+  ASSERT_TRUE(fit_colors(input, fit, reason).ok()) << reason;
+  ASSERT_EQ(fit.advice.exchanges.size(), 1U);
+  const Exchange& exchange = fit.advice.exchanges[0];
+  const std::set<std::string> pair{fit.names[exchange.first], fit.names[exchange.second]};
+  EXPECT_EQ(pair, (std::set<std::string>{"red", "maroon"}));
+  EXPECT_LT(exchange.levels, 20);
+  EXPECT_GT(exchange.instead.levels, 35) << exchange.instead.name;
+  EXPECT_EQ(std::count(fit.names.begin(), fit.names.end(), exchange.instead.name), 0);
 }
 
 TEST(ColorFit, RefusesPicturesOfDifferentSizes) {

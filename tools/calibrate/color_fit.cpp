@@ -18,6 +18,9 @@ constexpr int kEdge_px = 3;
 // Of a patch's pixels, each side of each channel: mixed with the neighbor.
 constexpr double kEdgeShare = 0.03;
 
+// Levels: colors nearer to each other than twice what a lamp's flicker and a tilted robot change.
+constexpr int kLeastMargin = 20;
+
 // Why a pixel is not background; the later one wins.
 enum Reserved : std::uint8_t { kFree, kLookAlike, kNearClick };
 
@@ -92,6 +95,7 @@ class Fitter {
     if (Status s = reserve_look_alikes(learning); !s.ok()) return s;
     learning.background = background();
     if (Status s = learn_boxes(learning, input_.rules, out_.learned, reason_); !s.ok()) return s;
+    out_.advice = advise(learning, input_.rules, out_.shown_rgb, out_.learned.margins, kLeastMargin);
     return judge();
   }
 

@@ -11,6 +11,7 @@
 #include "tools/calibrate/camera_picture.h"
 #include "tools/calibrate/click_growth.h"
 #include "tools/calibrate/clicks.h"
+#include "tools/calibrate/color_advice.h"
 
 namespace touchline::calibrate {
 
@@ -46,6 +47,7 @@ struct ColorFit {
   std::vector<Channels> typical;  // median of its patches' pixels, corrected by the light map
   ColorSpace space = ColorSpace::kRgb;
   LearnedColors learned;
+  ColorAdvice advice;
   std::vector<ClickResult> clicks;  // as in the input
   // Rows: the color clicked on. Columns: background, then the colors. Shares of the row's pixels, classified by the
   // pipeline's scanner.

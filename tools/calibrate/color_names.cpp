@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <string_view>
-#include <utility>
 
 namespace touchline::calibrate {
 namespace {
@@ -30,6 +28,8 @@ std::optional<Rgb> paint(std::string_view word) {
 }
 
 }  // namespace
+
+std::span<const std::pair<std::string_view, Rgb>> usual_paints() { return kPaints; }
 
 Lab lab_of(const Rgb& rgb) {
   std::array<double, 3> linear{};

@@ -2,7 +2,10 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 
 namespace touchline::calibrate {
 
@@ -21,6 +24,9 @@ double difference(const Lab& a, const Lab& b);
 /// How unlike a color is to what a name lets expect: as difference(), but paints of one name differ in paleness more
 /// than in hue.
 double unlikeness(const Lab& color, const Lab& expected);
+
+/// All names that usual_rgb() knows, and their looks.
+std::span<const std::pair<std::string_view, Rgb>> usual_paints();
 
 /// What paint of that name usually looks like in a well exposed picture. Case, blanks, hyphens and underscores do not
 /// matter; "light" and "dark" may stand before any color. None for other words.

@@ -94,6 +94,13 @@ void print_report(const ColorFitInput& input, const ColorFit& fit) {
                   fit.names[c].c_str(), 100 * fit.learned.cut_share[c]);
     }
   }
+  for (const Exchange& e : fit.advice.exchanges) {
+    std::printf("%s and %s are only %d levels apart: exchange %s if you can; %s would be %d levels from all others\n",
+                fit.names[e.first].c_str(), fit.names[e.second].c_str(), e.levels, fit.names[e.exchanged].c_str(),
+                e.instead.name.c_str(), e.instead.levels);
+  }
+  std::printf("one more color: %s would be %d levels from all others and from the background\n",
+              fit.advice.freest.name.c_str(), fit.advice.freest.levels);
   std::vector<StrayRegion> strays = fit.strays;
   std::sort(strays.begin(), strays.end(),
             [](const StrayRegion& a, const StrayRegion& b) { return a.area_px > b.area_px; });

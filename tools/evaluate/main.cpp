@@ -3,7 +3,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <memory>
 
+#include "firmware/config/configuration.h"
+#include "tools/evaluate/patch_bound.h"
 #include "tools/evaluate/report.h"
 
 namespace {
@@ -13,6 +16,7 @@ using namespace touchline::evaluate;
 struct Options {
   std::vector<std::string> files;
   std::string annotated, json;
+  std::string pictures, venue, team;
   bool spread = false;
   double seen_within_m = 0.02;
   PictureTolerance tolerance;
@@ -55,6 +59,42 @@ bool read_results(const std::vector<std::string>& paths, const NameMap& names, s
   return true;
 }
 
+// How far the measured noise is above its bound, for `json` as well; nothing without --pictures.
+bool show_bounds(const Options& options, std::string& json, std::string& error) {
+  if (options.pictures.empty()) return true;
+  namespace config = touchline::config;
+  const auto files = std::make_unique<config::Configuration>();
+  config::Problems problems;
+  const auto usable = [&] {
+    if (!config::load_venue_and_team({{}, options.venue, options.team, {}}, *files, problems).ok()) return false;
+    const auto format = files->venue.colors.space == touchline::ColorSpace::kRgb ? touchline::PixelFormat::kRgb24
+                                                                                 : touchline::PixelFormat::kYuyv;
+    const auto& picture = files->venue.picture;
+    return config::resolve({format, picture.width_px, picture.height_px, options.pictures}, *files, problems).ok();
+  };
+  BoundSetting setting;
+  if (!usable()) {
+    error = problems.text();
+    while (!error.empty() && error.back() == '\n') error.pop_back();
+    return false;
+  }
+  if (!setting.camera.configure(files->pipeline.camera).ok()) {
+    error = options.venue + ": the camera model refuses its values";
+    return false;
+  }
+  setting.layouts = {files->pipeline.marker.teams[0].layout, files->pipeline.marker.teams[1].layout};
+  setting.teams = {files->team.own.color, files->team.opponent.color};
+  std::vector<FrameRecord> results;
+  // By the names of the team file, whatever --name says.
+  if (!read_result(options.files.back(), {}, results, error)) return false;
+  std::vector<PoseBound> bounds;
+  if (!find_bounds(results, options.pictures, setting, bounds, error)) return false;
+  std::cout << '\n';
+  print(bounds, std::cout);
+  json = with_bounds(json, bounds);
+  return true;
+}
+
 int compare_with_truth(const Options& options, const NameMap& names) {
   std::string error;
   std::vector<FrameRecord> truth, result;
@@ -64,7 +104,8 @@ int compare_with_truth(const Options& options, const NameMap& names) {
   PoseReport report;
   if (!evaluate_poses(truth, result, options.seen_within_m, report, error)) return fail(error);
   print(report, options.seen_within_m, std::cout);
-  return write_json(options.json, to_json(report, options.seen_within_m), error) ? 0 : fail(error);
+  std::string json = to_json(report, options.seen_within_m);
+  return show_bounds(options, json, error) && write_json(options.json, json, error) ? 0 : fail(error);
 }
 
 int show_spread(const Options& options, const NameMap& names) {
@@ -73,7 +114,8 @@ int show_spread(const Options& options, const NameMap& names) {
   if (!read_results(options.files, names, result, error)) return fail(error);
   const std::vector<Spread> spread = spread_of(result);
   print(spread, result.size(), std::cout);
-  return write_json(options.json, to_json(spread, result.size()), error) ? 0 : fail(error);
+  std::string json = to_json(spread, result.size());
+  return show_bounds(options, json, error) && write_json(options.json, json, error) ? 0 : fail(error);
 }
 
 int compare_with_pictures(const Options& options, const NameMap& names) {
@@ -130,6 +172,12 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.01, 1000.0));
   app.add_option("--name", options.names, "Team or color that the truth calls otherwise: NAME_IN_RESULT=NAME_IN_TRUTH")
       ->allow_extra_args(false);
+  CLI::Option* pictures =
+      app.add_option("--pictures", options.pictures,
+                     "Folder of the result's pictures, in which nothing moves: show the Cramer-Rao bound");
+  CLI::Option* venue = app.add_option("--venue", options.venue, "Venue file, for the bound's camera");
+  CLI::Option* team = app.add_option("--team", options.team, "Team file, for the bound's layouts");
+  pictures->needs(venue, team);
   app.add_option("--json", options.json, "Write the numbers into this file");
   CLI11_PARSE(app, argc, argv);
 
@@ -137,6 +185,8 @@ int main(int argc, char** argv) {
   std::string error;
   if (!parse_names(options.names, names, error)) return fail(error);
   if (options.spread && !options.annotated.empty()) return fail("--spread and --annotated exclude each other");
+  if (!options.pictures.empty() && !options.annotated.empty())
+    return fail("--pictures needs results of standing robots, not --annotated");
   if (options.spread) return show_spread(options, names);
   return options.annotated.empty() ? compare_with_truth(options, names) : compare_with_pictures(options, names);
 }

@@ -1,0 +1,143 @@
+#include "tools/evaluate/patch_bound.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <random>
+
+#include "hal/replay/picture.h"
+
+namespace touchline::evaluate {
+namespace {
+
+constexpr std::size_t kWidth = 64, kHeight = 48;
+constexpr double kSigma = 4.0;
+
+// A level for every pixel, with noise that the same seed makes the same.
+template <class Level>
+std::vector<std::uint8_t> noisy(std::mt19937& random, Level level) {
+  std::vector<std::uint8_t> rgb(3 * kWidth * kHeight);
+  for (std::size_t i = 0; i < rgb.size(); ++i) {
+    double noise = -6.0;  // twelve uniform ones: nearly a normal distribution
+    for (int k = 0; k < 12; ++k) noise += static_cast<double>(random()) / 4294967296.0;
+    const double value =
+        level(static_cast<double>(i / 3 % kWidth), static_cast<double>(i / 3 / kWidth)) + kSigma * noise;
+    rgb[i] = static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+  }
+  return rgb;
+}
+
+template <class Level>
+StandingPictures pictures_of(std::size_t count, Level level) {
+  std::mt19937 random(3);
+  StandingPictures pictures(kWidth, kHeight);
+  for (std::size_t i = 0; i < count; ++i) pictures.add(noisy(random, level));
+  pictures.find_noise();
+  return pictures;
+}
+
+TEST(PatchBound, ARampsInformationIsItsSlopeOverTheNoise) {
+  // 3 levels a pixel along u, in all three channels; about 314 pixels lie within the radius.
+  const StandingPictures pictures = pictures_of(12, [](double u, double) { return 30.0 + 3.0 * u; });
+  const StandingPictures::Information i = pictures.information({32.0, 24.0}, 10.0);
+  const double expected = 3.0 * 317.0 * 9.0 / (kSigma * kSigma + 1.0 / 12.0);
+  EXPECT_NEAR(i.uu / expected, 1.0, 0.1);
+  EXPECT_LT(std::abs(i.vv), 0.1 * expected) << "nothing changes along v";
+  EXPECT_LT(std::abs(i.uv), 0.1 * expected);
+}
+
+// With four pictures the mean's own noise would be information of 3 * 317 * 2 / 4 along each axis.
+TEST(PatchBound, NoiseAloneTellsNothing) {
+  const StandingPictures pictures = pictures_of(4, [](double, double) { return 100.0; });
+  const StandingPictures::Information i = pictures.information({32.0, 24.0}, 10.0);
+  EXPECT_LT(std::abs(i.uu), 60.0);
+  EXPECT_LT(std::abs(i.vv), 60.0);
+}
+
+class BoundOfRobot : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    CameraParameters camera;  // straight down from 2 m
+    camera.full.fx_px = camera.full.fy_px = 500.0f;
+    camera.full.cx_px = 31.5f;
+    camera.full.cy_px = 23.5f;
+    camera.full.rotation_rad = {std::numbers::pi_v<float>, 0.0f, 0.0f};
+    camera.full.position_m = {0.0f, 0.0f, 2.0f};
+    ASSERT_TRUE(setting_.camera.configure(camera).ok());
+    setting_.layouts = {paper_layout(), paper_layout()};
+    setting_.teams = {"blue", "yellow"};
+    folder_ = ::testing::TempDir() + "touchline_bound/";
+    std::filesystem::create_directories(folder_);
+    std::mt19937 random(5);
+    for (int n = 0; n < 6; ++n) {
+      FrameRecord record;
+      record.file = std::to_string(n) + ".png";
+      record.frame = n;
+      RobotRecord robot{"blue", 2, {n % 2 * 0.0002, 0.0}, n % 2 * 0.01, {}};
+      for (std::size_t k = 0; k < 2; ++k) {
+        const PatchPlace& place = setting_.layouts[0].patches[k];
+        const PixelPoint at = setting_.camera.to_pixel({place.x_m, place.y_m}, 0.075f);
+        center_[k] = {static_cast<double>(at.u_px), static_cast<double>(at.v_px)};
+        robot.patches.push_back({k == 1, k == 0 ? "blue" : "red", center_[k]});
+      }
+      record.sightings.robots.push_back(robot);
+      hal::Picture picture{kWidth, kHeight, noisy(random, [this](double u, double v) { return patches(u, v); }), {}};
+      std::string reason;
+      ASSERT_TRUE(hal::write_picture(folder_ + record.file, picture, reason).ok()) << reason;
+      results_.push_back(record);
+    }
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  // Two squares of 8 pixels with edges of 2 pixels on a dark ground.
+  double patches(double u, double v) const {
+    double value = 30.0;
+    for (const Point& c : center_) {
+      const double away = std::max(std::abs(u - c.a), std::abs(v - c.b)) - 4.0;
+      value += 150.0 * std::clamp(0.5 - away / 2.0, 0.0, 1.0);
+    }
+    return value;
+  }
+
+  std::array<Point, 2> center_{};
+  BoundSetting setting_;
+  std::string folder_;
+  std::vector<FrameRecord> results_;
+};
+
+TEST_F(BoundOfRobot, FollowsFromItsPatches) {
+  std::vector<PoseBound> bounds;
+  std::string error;
+  ASSERT_TRUE(find_bounds(results_, folder_, setting_, bounds, error)) << error;
+  ASSERT_EQ(bounds.size(), 1u);
+  const PoseBound& b = bounds[0];
+  EXPECT_EQ(b.name, "blue 2");
+  // Each edge pixel has slope 75: two edges of two pixels' width, 8 long, three channels.
+  const double per_axis = 1.0 / std::sqrt(3.0 * 2 * 2 * 8 * 75.0 * 75.0 / (kSigma * kSigma));
+  EXPECT_NEAR(b.center_px / (std::numbers::sqrt2 * per_axis), 1.0, 0.25);
+  // The mean of two patches, and the direction between them, 53 mm apart; 259.7 pixels a meter at 75 mm.
+  const double scale = 500.0 / 1.925;
+  EXPECT_NEAR(b.position_m / (b.center_px / std::numbers::sqrt2 / scale), 1.0, 0.02);
+  EXPECT_NEAR(b.angle_rad / (b.center_px / 0.053033 / scale), 1.0, 0.05);
+  // Half of six stand 0.2 mm and 0.01 rad from the others.
+  EXPECT_NEAR(b.position_rms_m, 0.0001 * std::sqrt(6.0 / 5.0), 1e-8);
+  EXPECT_NEAR(b.angle_rms_rad, 0.005 * std::sqrt(6.0 / 5.0), 1e-8);
+}
+
+TEST_F(BoundOfRobot, NeedsRobotsAndPictures) {
+  std::vector<PoseBound> bounds;
+  std::string error;
+  EXPECT_FALSE(find_bounds({results_[0], results_[1]}, folder_, setting_, bounds, error));
+  EXPECT_NE(error.find("fewer than 3 pictures"), std::string::npos) << error;
+  results_[3].sightings.robots.clear();
+  EXPECT_FALSE(find_bounds(results_, folder_, setting_, bounds, error));
+  EXPECT_NE(error.find("no robot"), std::string::npos) << error;
+  results_[2].file = "missing.png";
+  EXPECT_FALSE(find_bounds(results_, folder_, setting_, bounds, error));
+  EXPECT_NE(error.find("missing.png"), std::string::npos) << error;
+}
+
+}  // namespace
+}  // namespace touchline::evaluate

@@ -30,6 +30,9 @@ struct FieldCommand {
  private:
   bool choose_drawing(const VenueDraft& draft, FieldDrawing& out, std::optional<HeightPrior>& height,
                       std::string& reason) const;
+  bool find_camera(const std::vector<hal::Picture>& photographs, const FieldDrawing& drawn,
+                   const std::optional<HeightPrior>& height, FieldFitInput& input, FieldReport& found,
+                   std::string& reason) const;
   bool write_previews(const hal::Picture& photograph, const FieldReport& found, const FieldParameters& field,
                       const std::vector<FloorPoint>& given, std::string& reason) const;
 };

@@ -16,6 +16,7 @@
 #include "tools/calibrate/paper_fit.h"
 #include "tools/calibrate/paper_steps.h"
 #include "tools/calibrate/preview.h"
+#include "tools/calibrate/progress.h"
 #include "tools/calibrate/text.h"
 #include "tools/calibrate/venue_draft.h"
 
@@ -71,7 +72,8 @@ std::vector<FloorPoint> all_points_of(const RefinementReport& refinement) {
 // Both ways in which the border that was found may lie on the floor are tried: x to the right in the picture, or
 // upwards.
 Status fit_border(const LightPicture& picture, const FieldDrawing& drawing, const std::optional<HeightPrior>& height,
-                  const std::optional<double>& measured_m, FieldReport& report, std::string& reason) {
+                  const std::optional<double>& measured_m, Progress& progress, FieldReport& report,
+                  std::string& reason) {
   struct Attempt {
     FieldFit fit;
     RefinementReport refinement;
@@ -100,9 +102,11 @@ Status fit_border(const LightPicture& picture, const FieldDrawing& drawing, cons
       full.k1 = static_cast<float>(-std::pow(static_cast<double>(full.fx_px) / border.h_px, 2) / 6);
       if (refine_field(picture, drawing.field, report.marks, height, attempt.fit, attempt.refinement, why).ok()) {
         good.push_back(std::move(attempt));
+        progress.step();
         continue;
       }
     }
+    progress.step();
     // The way in which the longer sides lie along the longer ones of the picture says more.
     const auto distance = [&](std::size_t a, std::size_t b) {
       return std::hypot(static_cast<double>(corners[a].u_px - corners[b].u_px),
@@ -219,6 +223,51 @@ bool FieldCommand::write_previews(const hal::Picture& photograph, const FieldRep
   return hal::write_picture(errors, draw_errors(photograph, camera, found.refinement), reason).ok();
 }
 
+bool FieldCommand::find_camera(const std::vector<hal::Picture>& photographs, const FieldDrawing& drawn,
+                               const std::optional<HeightPrior>& height, FieldFitInput& input, FieldReport& found,
+                               std::string& reason) const {
+  // Reading, border, one fit for each way in which the field may lie.
+  const bool clicked = !input.points.empty();
+  Progress progress("field", clicked ? 2 : 4);
+  const LightPicture light(photographs);
+  progress.step();
+  if (!clicked) {
+    found.border.emplace();
+    if (!find_border(photographs[0], *found.border, reason).ok()) {
+      reason.insert(0, "no --corners and no --point are given, and in " + pictures[0] + " ");
+      return false;
+    }
+    progress.step();
+    if (!fit_border(light, drawn, height, input.camera_height_m, progress, found, reason).ok()) {
+      reason = "a border is seen in " + pictures[0] + ", but " + reason + " (--corners may help)";
+      return false;
+    }
+  } else {
+    input.start_only = refine;
+    if (!fit_field(input, found.fit, reason).ok()) return false;
+    const Status refined =
+        refine ? refine_field(light, drawn.field, found.marks, height, found.fit, found.refinement, found.unrefined)
+               : Status();
+    if (refined.code() == ErrorCode::kInconsistent) {
+      reason = found.unrefined + " (or --no-refine)";
+      return false;
+    }
+    // Then the points given are all that counts.
+    if (!refined.ok() || !refine) {
+      found.refinement = {};
+      if (found.height == HeightSource::kRules) found.height = HeightSource::kSeen;
+    }
+    if (!refined.ok()) {
+      input.start_only = false;
+      if (!fit_field(input, found.fit, reason).ok()) {
+        reason += "; and " + found.unrefined;
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
 int FieldCommand::run() const {
   const auto begin = std::chrono::steady_clock::now();
   std::string reason;
@@ -264,28 +313,7 @@ int FieldCommand::run() const {
     return refuse(text("--roi: %zu corners; from 3 to %zu are possible", polygon.size(), kMaxPolygonPoints));
   }
 
-  const LightPicture light(photographs);
-  if (!clicked) {
-    found.border.emplace();
-    if (!find_border(photograph, *found.border, reason).ok()) {
-      return refuse("no --corners and no --point are given, and in " + pictures[0] + " " + reason);
-    }
-    if (!fit_border(light, drawn, height, input.camera_height_m, found, reason).ok()) {
-      return refuse("a border is seen in " + pictures[0] + ", but " + reason + " (--corners may help)");
-    }
-  } else {
-    input.start_only = refine;
-    if (!fit_field(input, found.fit, reason).ok()) return refuse(reason);
-    const Status refined =
-        refine ? refine_field(light, field, found.marks, height, found.fit, found.refinement, found.unrefined)
-               : Status();
-    if (refined.code() == ErrorCode::kInconsistent) return refuse(found.unrefined + " (or --no-refine)");
-    if (!refined.ok()) {
-      found.refinement = {};
-      input.start_only = false;
-      if (!fit_field(input, found.fit, reason).ok()) return refuse(reason + "; and " + found.unrefined);
-    }
-  }
+  if (!find_camera(photographs, drawn, height, input, found, reason)) return refuse(reason);
   found.points_given = input.points.size();
   FieldFit& fit = found.fit;
   fit.camera.kind = kind == "paper" ? CameraModelKind::kPaper : CameraModelKind::kFull;

@@ -26,33 +26,11 @@ constexpr int kTileRowsAFrame = 8;
 constexpr std::uint32_t kTables = 3 * kLightLevels;
 constexpr std::uint32_t kTablesAFrame = 2;
 
-struct Sample {
-  std::array<float, 3> mean{};
-  std::array<bool, 3> saturated{};
-};
-
-// Mean of the 3 x 3 pixels around the point; false: it is at the picture's edge, or not even.
-bool sample_at(const Frame& frame, const PixelPoint& center, Sample& out) {
-  const auto u = static_cast<int>(std::lround(center.u_px)), v = static_cast<int>(std::lround(center.v_px));
-  if (u < 1 || v < 1 || u + 1 >= frame.width_px || v + 1 >= frame.height_px) return false;
-  std::array<int, 3> sum{}, least{255, 255, 255}, most{};
-  for (int dv = -1; dv <= 1; ++dv) {
-    for (int du = -1; du <= 1; ++du) {
-      const int column = u + du, row = v + dv;
-      const auto pixel = pixel_at(frame, static_cast<std::size_t>(column), static_cast<std::size_t>(row));
-      for (std::size_t c = 0; c < 3; ++c) {
-        sum[c] += pixel[c];
-        least[c] = std::min(least[c], int{pixel[c]});
-        most[c] = std::max(most[c], int{pixel[c]});
-      }
-    }
-  }
-  for (std::size_t c = 0; c < 3; ++c) {
-    if (most[c] - least[c] > kEven_levels) return false;
-    out.mean[c] = static_cast<float>(sum[c]) / 9.0f;
-    out.saturated[c] = most[c] >= kSaturated;
-  }
-  return true;
+// The light map's gain at a point.
+float map_gain_levels(const Shading& shading, std::size_t channel, const PixelPoint& at) {
+  const auto column = static_cast<std::uint16_t>(at.u_px / static_cast<float>(kTileWidth));
+  const auto row = static_cast<std::uint16_t>(at.v_px / static_cast<float>(kTileHeight));
+  return static_cast<float>(int{shading.map_level(channel, column, row)} - int{kNeutralLevel});
 }
 
 // The robot was seen for some time and is where it ought to be.
@@ -65,6 +43,11 @@ bool is_certain(const RobotSighting& robot, const Tracks& tracks) {
   });
 }
 
+bool is_certain(const BallSighting& ball, const BallTrack& track) {
+  return ball.seen && track.state == TrackState::kSeen &&
+         std::hypot(track.position.x_m - ball.position.x_m, track.position.y_m - ball.position.y_m) < kNear_m;
+}
+
 bool same(const ColorBoxes& a, const ColorBoxes& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const ColorBox& one, const ColorBox& other) {
     return one.low == other.low && one.high == other.high;
@@ -73,7 +56,7 @@ bool same(const ColorBoxes& a, const ColorBoxes& b) {
 
 }  // namespace
 
-Status Adaptation::configure(const AdaptationParameters& parameters, const ScanParameters& scan) {
+Status Adaptation::configure(const AdaptationParameters& parameters, const ScanParameters& scan, ColorId ball_color) {
   const auto most_levels =
       static_cast<float>(kNeutralLevel) / 2.0f * std::log2(static_cast<float>(parameters.most_light));
   if (Status s = light_.configure(scan.width_px, scan.height_px, most_levels); !s.ok()) return s;
@@ -82,6 +65,7 @@ Status Adaptation::configure(const AdaptationParameters& parameters, const ScanP
   mode_ = parameters.mode;
   time_constant_s_ = static_cast<float>(parameters.time_constant_s);
   typical_ = parameters.typical;
+  ball_color_ = ball_color;
   last_ = {};
   target_ = scan.boxes;
   next_row_ = 0;
@@ -117,14 +101,41 @@ void Adaptation::learn(const Shading& shading, StepTrace& trace, float step) {
     }
   }
   if (trace.light.patches > 0) light_.relax(step);
+  // A ball's top shows more than its share of the lamps above it: its color follows, but it says nothing about light.
+  const BallSighting& ball = trace.sightings.ball;
+  Sample sample;
+  if (is_certain(ball, trace.tracks.ball) && sample_at(trace.frame, ball.center, sample)) {
+    learn_color(shading, color_space(trace.frame.format), ball_color_, ball.center, sample, step);
+  }
+}
+
+bool Adaptation::sample_at(const Frame& frame, const PixelPoint& center, Sample& out) {
+  const auto u = static_cast<int>(std::lround(center.u_px)), v = static_cast<int>(std::lround(center.v_px));
+  if (u < 1 || v < 1 || u + 1 >= frame.width_px || v + 1 >= frame.height_px) return false;
+  std::array<int, 3> sum{}, least{255, 255, 255}, most{};
+  for (int dv = -1; dv <= 1; ++dv) {
+    for (int du = -1; du <= 1; ++du) {
+      const int column = u + du, row = v + dv;
+      const auto pixel = pixel_at(frame, static_cast<std::size_t>(column), static_cast<std::size_t>(row));
+      for (std::size_t c = 0; c < 3; ++c) {
+        sum[c] += pixel[c];
+        least[c] = std::min(least[c], int{pixel[c]});
+        most[c] = std::max(most[c], int{pixel[c]});
+      }
+    }
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (most[c] - least[c] > kEven_levels) return false;
+    out.mean[c] = static_cast<float>(sum[c]) / 9.0f;
+    out.saturated[c] = most[c] >= kSaturated;
+  }
+  return true;
 }
 
 bool Adaptation::learn_patch(const Shading& shading, const Frame& frame, const PatchSighting& patch, float step) {
   Sample sample;
   if (!sample_at(frame, patch.center, sample)) return false;
   const ColorSpace space = color_space(frame.format);
-  const auto column = static_cast<std::uint16_t>(patch.center.u_px / static_cast<float>(kTileWidth));
-  const auto row = static_cast<std::uint16_t>(patch.center.v_px / static_cast<float>(kTileHeight));
   const std::array<std::uint8_t, 3>& typical = typical_[patch.color];
   std::array<float, 3> brighter{}, weight{};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -132,8 +143,7 @@ bool Adaptation::learn_patch(const Shading& shading, const Frame& frame, const P
     const float expected = static_cast<float>(typical[c]) - unlit, measured = sample.mean[c] - unlit;
     if (expected <= 0.0f || measured <= 0.0f || sample.saturated[c]) continue;
     const float telling = std::min(1.0f, expected / kTelling_levels);
-    const int map = int{shading.map_level(c, column, row)} - int{kNeutralLevel};
-    brighter[c] = kLevelsAnOctave * std::log2(measured / expected) + static_cast<float>(map);
+    brighter[c] = kLevelsAnOctave * std::log2(measured / expected) + map_gain_levels(shading, c, patch.center);
     weight[c] = telling * telling;
   }
   if (space == ColorSpace::kYuv) {
@@ -142,16 +152,21 @@ bool Adaptation::learn_patch(const Shading& shading, const Frame& frame, const P
     weight.fill(weight[0]);
   }
   light_.observe(patch.center, brighter, weight, step);
-  if (sample.saturated[0] || sample.saturated[1] || sample.saturated[2]) return true;
+  learn_color(shading, space, patch.color, patch.center, sample, step);
+  return true;
+}
+
+void Adaptation::learn_color(const Shading& shading, ColorSpace space, ColorId color, const PixelPoint& center,
+                             const Sample& sample, float step) {
+  if (sample.saturated[0] || sample.saturated[1] || sample.saturated[2]) return;
   std::array<float, 3> off{};
   for (std::size_t c = 0; c < 3; ++c) {
     const auto unlit = static_cast<float>(unlit_value(space, c));
-    const float level =
-        static_cast<float>(int{shading.map_level(c, column, row)} - int{kNeutralLevel}) - light_.at(c, patch.center);
-    off[c] = unlit + (sample.mean[c] - unlit) * std::exp2(level / kLevelsAnOctave) - static_cast<float>(typical[c]);
+    const float gain_levels = map_gain_levels(shading, c, center) - light_.at(c, center);
+    const float corrected = unlit + (sample.mean[c] - unlit) * std::exp2(gain_levels / kLevelsAnOctave);
+    off[c] = corrected - static_cast<float>(typical_[color][c]);
   }
-  shift_.observe(patch.color, off, step / kBoxesSlower);
-  return true;
+  shift_.observe(color, off, step / kBoxesSlower);
 }
 
 void Adaptation::apply(RegionScanner& scanner) {

@@ -42,13 +42,13 @@ struct AdaptationParameters {
 };
 
 /// Follows slow changes of the light (announced in Klancar's section 8 as future work) by what is known for certain:
-/// the patches of robots whose team and id were seen in this frame and agree with their track. The light's part, common
-/// to all patches around, goes into the light map; what is left of a single color moves its boxes, four times more
-/// slowly. Both are bounded. Large (fixed memory): not on the stack.
+/// the patches of robots whose team and id were seen in this frame and agree with their track, and a ball that does.
+/// The light's part, common to all patches around, goes into the light map; what is left of a single color moves its
+/// boxes, four times more slowly. Both are bounded. Large (fixed memory): not on the stack.
 class Adaptation {
  public:
   /// kOutOfRange: as LightChange and BoxShift.
-  Status configure(const AdaptationParameters& parameters, const ScanParameters& scan);
+  Status configure(const AdaptationParameters& parameters, const ScanParameters& scan, ColorId ball_color);
   /// kOff puts everything back, within some hundred frames.
   void set_mode(AdaptationMode mode);
   [[nodiscard]] AdaptationMode mode() const { return mode_; }
@@ -58,13 +58,22 @@ class Adaptation {
   void update(RegionScanner& scanner, StepTrace& trace);
 
  private:
+  struct Sample {
+    std::array<float, 3> mean{};
+    std::array<bool, 3> saturated{};
+  };
+  // Mean of the 3 x 3 pixels around the point; false: it is at the picture's edge, or not even.
+  static bool sample_at(const Frame& frame, const PixelPoint& center, Sample& out);
   void learn(const Shading& shading, StepTrace& trace, float step);
   bool learn_patch(const Shading& shading, const Frame& frame, const PatchSighting& patch, float step);
+  void learn_color(const Shading& shading, ColorSpace space, ColorId color, const PixelPoint& center,
+                   const Sample& sample, float step);
   void apply(RegionScanner& scanner);
 
   AdaptationMode mode_ = AdaptationMode::kOff;
   float time_constant_s_ = 0;
   std::array<std::array<std::uint8_t, 3>, kMaxColors + 1> typical_{};
+  ColorId ball_color_ = kBackground;
   LightChange light_;
   BoxShift shift_;
   Instant last_{};

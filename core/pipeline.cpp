@@ -32,7 +32,8 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   patch_centers_.configure({parameters.marker.teams[0].layout, parameters.marker.teams[1].layout}, camera_);
   ball_center_.configure(parameters.marker.ball, camera_);
   if (Status s = tracker_.configure(parameters.track); !s.ok()) return s;
-  if (Status s = adaptation_.configure(parameters.adaptation, parameters.scan); !s.ok()) return s;
+  if (Status s = adaptation_.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color); !s.ok())
+    return s;
   return controller_.configure(parameters.control, parameters.marker.field);
 }
 

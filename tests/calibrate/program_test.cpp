@@ -157,6 +157,8 @@ TEST_F(Program, LeavesTheVenueUntouchedWhenItRefuses) {
   refuses(field() + clockwise_ + " --camera-height 1.8", "clockwise");
   refuses(field() + "--corners 36,225 288,229 280,14 43,x --camera-height 1.8", "43,x");
   refuses(field() + "--camera-height 1.8", "--corners");
+  refuses(field() + corners_ + " --camera-height nan", "nan");
+  refuses(field() + corners_ + " --camera-height 25", "25");
   refuses("field --picture " + path("missing.png") + venue() + " --field-preset vsss " + corners_, "missing.png");
   refuses("field --picture " + path("field.png") + venue() + " --field-preset chess " + corners_, "chess");
   refuses("light --picture " + path("clicks.json") + venue(), "clicks.json");

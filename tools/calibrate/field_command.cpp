@@ -19,6 +19,7 @@
 #include "tools/calibrate/progress.h"
 #include "tools/calibrate/text.h"
 #include "tools/calibrate/venue_draft.h"
+#include "tools/command_line/number_range.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -153,10 +154,10 @@ void FieldCommand::add_options(CLI::App& app) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--field-preset", preset, "mirosot-middle, vsss, ssl-a, ssl-b: size of field and goals, and markings");
   app.add_option("--drawing", drawing, "TOML file with the field's size, border, lines and arcs (docs/calibration.md)");
-  app.add_option("--length", length_m, "Length of the field, m")->check(CLI::Range(0.3, 30.0));
-  app.add_option("--width", width_m, "Width of the field, m")->check(CLI::Range(0.3, 30.0));
+  app.add_option("--length", length_m, "Length of the field, m")->check(number_range(0.3, 30.0));
+  app.add_option("--width", width_m, "Width of the field, m")->check(number_range(0.3, 30.0));
   app.add_option("--camera-height", camera_height_m, "Height of the lens above the floor, m, measured")
-      ->check(CLI::Range(0.3, 20.0));
+      ->check(number_range(0.3, 20.0));
   app.add_option("--kind", kind, "Which camera model the firmware uses: full, or paper (Klancar eq. 12-15)")
       ->check(CLI::IsMember({"full", "paper"}));
   app.add_flag("!--no-refine", refine, "Keep to the points given: do not look for the field's border in the picture");

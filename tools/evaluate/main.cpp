@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "firmware/config/configuration.h"
+#include "tools/command_line/number_range.h"
 #include "tools/evaluate/patch_bound.h"
 #include "tools/evaluate/report.h"
 
@@ -165,11 +166,11 @@ int main(int argc, char** argv) {
   app.add_option("--annotated", options.annotated, "An annotated picture (json), or a folder of them");
   app.add_flag("--spread", options.spread, "RMS and largest distance of each id from its mean");
   app.add_option("--seen-within", options.seen_within_m, "Meters within which a robot or ball is the same (0.02)")
-      ->check(CLI::Range(1e-6, 10.0));
+      ->check(touchline::number_range(1e-6, 10.0));
   app.add_option("--same-robot", options.tolerance.same_robot_px, "Pixels within which a patch is the same (8)")
-      ->check(CLI::Range(0.1, 1000.0));
+      ->check(touchline::number_range(0.1, 1000.0));
   app.add_option("--good-within", options.tolerance.good_px, "Pixels within which a patch or ball is good (2)")
-      ->check(CLI::Range(0.01, 1000.0));
+      ->check(touchline::number_range(0.01, 1000.0));
   app.add_option("--name", options.names, "Team or color that the truth calls otherwise: NAME_IN_RESULT=NAME_IN_TRUTH")
       ->allow_extra_args(false);
   CLI::Option* pictures =

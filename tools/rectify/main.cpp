@@ -4,6 +4,7 @@
 
 #include "tools/calibrate/camera_picture.h"
 #include "tools/calibrate/venue_draft.h"
+#include "tools/command_line/number_range.h"
 #include "tools/rectify/rectification.h"
 #include "tools/rectify/straightness.h"
 
@@ -126,12 +127,12 @@ int main(int argc, char** argv) {
   app.add_option("--kind", options.kind, "Which camera model: full, or paper (eq. 12-15); without it, all in the venue")
       ->check(CLI::IsMember({"full", "paper"}));
   app.add_option("--scale", options.scale_px_per_m, "Pixels a meter of the floor; without it, as in the field's center")
-      ->check(CLI::Range(10.0, 10000.0));
+      ->check(touchline::number_range(10.0, 10000.0));
   app.add_option("--margin", options.margin_m, "Floor shown around the field and its goals, m")
-      ->check(CLI::Range(0.0, 5.0))
+      ->check(touchline::number_range(0.0, 5.0))
       ->capture_default_str();
   app.add_option("--grid", options.grid_m, "Draw lines this far apart (m) and the field's outline over the figures 12")
-      ->check(CLI::Range(0.01, 10.0));
+      ->check(touchline::number_range(0.01, 10.0));
   CLI11_PARSE(app, argc, argv);
   return touchline::rectify::run(options);
 }

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "tools/command_line/number_range.h"
 #include "tools/replay/replay.h"
 
 namespace {
@@ -72,7 +73,7 @@ int main(int argc, char** argv) {
   app.add_option("--out", options.out, "Result, JSON lines")->required();
   app.add_option("--annotate", options.annotate, "Draw what was seen: into a folder, or into a video NAME.mp4");
   app.add_option("--rate", options.rate_hz, "Frames a second (default: a video's own stamps, pictures 30)")
-      ->check(CLI::Range(0.001, 10000.0));
+      ->check(touchline::number_range(0.001, 10000.0));
   app.add_option("--set", options.overrides, "key=value: overrides a key of the venue or team file")
       ->allow_extra_args(false);
   app.add_flag("--skip-damaged", options.skip_damaged, "Leave out pictures that cannot be decoded instead of stopping");

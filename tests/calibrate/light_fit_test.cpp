@@ -104,6 +104,10 @@ TEST(LightFit, CountsAndRefusesWhatCannotBeMeasured) {
   EXPECT_EQ(fit_light(of({grey_picture(2000, 5)}), *map, report, reason).code(), ErrorCode::kOutOfRange);
   EXPECT_EQ(fit_light(of({grey_picture(8, 6)}), *map, report, reason).code(), ErrorCode::kOutOfRange);
   EXPECT_EQ(fit_light(of({}), *map, report, reason).code(), ErrorCode::kOutOfRange);
+  LightFitInput other = of({grey_picture(200, 7)});
+  other.normal = {20, 20, 20};
+  EXPECT_EQ(fit_light(other, *map, report, reason).code(), ErrorCode::kOutOfRange);
+  EXPECT_NE(reason.find("learn the colors again"), std::string::npos) << reason;
   hal::Picture small = grey_picture(200, 7);
   small.height_px = kHeight / 2;
   small.rgb8.resize(small.rgb8.size() / 2);

@@ -163,6 +163,13 @@ Status fit_light(const LightFitInput& input, LightMap& out, LightReport& report,
     }
   }
   report.clamped_cells = static_cast<std::size_t>(std::count(clamped.begin(), clamped.end(), 1));
+  if (2 * report.clamped_cells > cells) {
+    reason = text(
+        "%zu of %zu cells show %.2f to %.2f times the light that the colors were learned in: more than a map can "
+        "correct (0.25 to 2), or a shift of the camera's black level; learn the colors again",
+        report.clamped_cells, cells, report.least[1], report.most[1]);
+    return ErrorCode::kOutOfRange;
+  }
   out = map;
   return {};
 }

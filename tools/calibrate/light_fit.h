@@ -54,7 +54,8 @@ struct LightReport {
 /// inside the region of interest (C of eq. 17), a channel at a time. From paper the pictures' mean; from the field,
 /// whose floor has one color but for what plain_floor() and mend_floor() leave out, their median. Cells outside the
 /// region take the value of the nearest inside. kInconsistent: pictures of different sizes; kOutOfRange: most of it
-/// saturated or black, hardly any floor; kNotFound: fewer than three pictures with things that move.
+/// saturated or black, hardly any floor, most of it beyond
+/// what a map can correct; kNotFound: fewer than three pictures with things that move.
 Status fit_light(const LightFitInput& input, LightMap& out, LightReport& report, std::string& reason);
 
 /// The map as a venue file keeps it: 16 bits a channel, 32768 is 1.

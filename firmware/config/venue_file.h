@@ -47,7 +47,7 @@ struct LightEntry {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.text("map", self.map, "Illumination map beside this file, PNG of 16 bits, 32768 is 1; empty: no correction");
-    visit.text("surface", self.surface, "What the map was measured on: grey, field or moving");
+    visit.text("surface", self.surface, "What the map was measured on: grey, field, moving or border");
     visit.numbers("normal", self.normal, Range{1, 255}, "",
                   "What that surface shows in R, G, B where the map is 1, for touchline-calibrate light --keep-normal");
   }

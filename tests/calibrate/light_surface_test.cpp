@@ -6,6 +6,7 @@
 
 #include "hal/mock/lens.h"
 #include "tests/calibrate/arena_photograph.h"
+#include "tools/calibrate/field_fit.h"
 #include "tools/calibrate/light_fit.h"
 
 // The arena's lamps, measured on grey paper, on the floor itself, and on a floor that robots are on.
@@ -84,6 +85,61 @@ TEST_F(LightSurfaceOf, WhatMovesIsLeftOut) {
   input.pictures = {pictures[0], pictures[1]};
   input.surface = LightSurface::kMoving;
   EXPECT_EQ(fit_light(input, *moving, report_, reason_).code(), ErrorCode::kNotFound);
+}
+
+TEST_F(LightSurfaceOf, BorderTellsTintAndSlope) {
+  // One lamp far away: what a border can tell.
+  arena_.light.lamp = {{-3.0, 1.0, 3.0, 1.0}};
+  CameraParameters model;
+  const hal::mock::Lens lens(arena_.camera);
+  FieldFitInput points;
+  points.width_px = kWidth;
+  points.height_px = kHeight;
+  points.camera_height_m = arena_.camera.position_m[2];
+  for (double x = -1.0; x <= 1.01; x += 0.5) {
+    for (double y = -0.8; y <= 0.81; y += 0.4) {
+      const auto [u, v] = lens.project({x, y, 0.0});
+      points.points.push_back({x, y, u, v});
+    }
+  }
+  FieldFit camera_fit;
+  ASSERT_TRUE(fit_field(points, camera_fit, reason_).ok()) << reason_;
+  CameraModel camera;
+  ASSERT_TRUE(camera.configure(camera_fit.camera).ok());
+
+  const auto paper = fit(LightSurface::kGreyPaper, {photograph(arena_, hal::mock::Floor::kGreyPaper, 1)});
+  LightFitInput input;
+  input.pictures = {photograph(arena_, hal::mock::Floor::kField, 2)};
+  input.surface = LightSurface::kBorder;
+  input.region_of_interest = field_;
+  input.border = border_places(camera, FieldParameters{}, kWidth, kHeight);
+  EXPECT_GT(input.border.size(), 200U);
+  LightMap border;
+  ASSERT_TRUE(fit_light(input, border, report_, reason_).ok()) << reason_;
+  EXPECT_GT(report_.most[1] / report_.least[1], 1.3) << "or there is nothing to correct";
+  EXPECT_LT(worst(*paper, border), 0.06);
+
+  // The same camera in yellower, dimmer light: with C kept, the map says so.
+  input.normal = report_.normal;
+  const std::array<double, 3> left = {0.8, 0.7, 0.5};
+  hal::Picture& picture = input.pictures[0];
+  for (std::size_t i = 0; i < picture.rgb8.size(); ++i) {
+    picture.rgb8[i] = static_cast<std::uint8_t>(std::lround(picture.rgb8[i] * left[i % 3]));
+  }
+  // A robot's shadow lies on a part of it.
+  for (std::size_t i = 0; i < input.border.size(); i += 6) {
+    for (const std::size_t pixel : input.border[i]) picture.rgb8[3 * pixel] = picture.rgb8[3 * pixel + 1] = 20;
+  }
+  LightMap dimmer;
+  ASSERT_TRUE(fit_light(input, dimmer, report_, reason_).ok()) << reason_;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t middle = 24 * 64 + 32;
+    EXPECT_NEAR(static_cast<double>(dimmer.illumination[c][middle] / border.illumination[c][middle]), left[c], 0.02);
+  }
+
+  input.border.resize(30);
+  EXPECT_EQ(fit_light(input, dimmer, report_, reason_).code(), ErrorCode::kNotFound);
+  EXPECT_NE(reason_.find("border"), std::string::npos) << reason_;
 }
 
 TEST(LightReport, SaysWhereItIsSaturatedAndDark) {

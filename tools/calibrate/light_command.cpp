@@ -20,14 +20,15 @@ constexpr std::size_t kManyPictures = 12;
 // Inside of the border: it is 2 to 5 cm wide, and its edge is blurred.
 constexpr float kInsideBorder_m = 0.03f;
 
-// Where the venue's camera sees the floor within the border; empty when it has no camera model.
-std::vector<std::uint8_t> floor_mask(const VenueDraft& draft, const hal::Picture& picture) {
+// False: the venue has no camera model yet.
+bool camera_of(const VenueDraft& draft, CameraModel& camera) {
   const CameraParameters& model = draft.file.camera_model;
-  CameraModel camera;
-  if ((model.kind == CameraModelKind::kFull ? model.full.fx_px : model.paper.focal_px) <= 0 ||
-      !camera.configure(model).ok()) {
-    return {};
-  }
+  return (model.kind == CameraModelKind::kFull ? model.full.fx_px : model.paper.focal_px) > 0 &&
+         camera.configure(model).ok();
+}
+
+// Where the camera sees the floor within the border.
+std::vector<std::uint8_t> floor_mask(const VenueDraft& draft, const CameraModel& camera, const hal::Picture& picture) {
   std::vector<std::uint8_t> mask;
   mask.reserve(std::size_t{picture.width_px} * picture.height_px);
   const float x = draft.file.field.length_m / 2 - kInsideBorder_m, y = draft.file.field.width_m / 2 - kInsideBorder_m;
@@ -49,7 +50,8 @@ Status read_normal(const std::string& venue, const config::LightEntry& entry, co
     return ErrorCode::kNotFound;
   }
   // A picture of a game shows the same floor as one without.
-  if ((entry.surface == "grey") != (measured_on == "grey")) {
+  const auto thing = [](const std::string& surface) { return surface == "moving" ? "field" : surface; };
+  if (thing(entry.surface) != thing(measured_on)) {
     reason = venue + ": light.surface: --keep-normal needs pictures of the same surface, " + entry.surface + ", not " +
              measured_on;
     return ErrorCode::kInconsistent;
@@ -91,11 +93,12 @@ void LightCommand::add_options(CLI::App& app) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--venue", venue, "Venue file; the map is written beside it")->required();
-  app.add_option(
-         "--surface", surface,
-         "grey: the field covered with grey paper, averaged; field: the empty field, lines and goals left out; "
-         "moving: a few dozen pictures of a game, what moves left out. Default: grey, from 12 pictures on moving")
-      ->check(CLI::IsMember({"grey", "field", "moving"}));
+  app.add_option("--surface", surface,
+                 "grey: the field covered with grey paper, averaged; field: the empty field, lines and goals left out; "
+                 "moving: a few dozen pictures of a game, what moves left out; border: the white border around the "
+                 "field, where "
+                 "the floor shines. Default: grey, from 12 pictures on moving")
+      ->check(CLI::IsMember({"grey", "field", "moving", "border"}));
   app.add_flag("--keep-normal", keep_normal,
                "The lamps have changed, the colors stay: the map says how much more or less light there is than when\n"
                "they were learned. Needs the same surface as then");
@@ -114,6 +117,8 @@ int LightCommand::run() const {
     input.surface = LightSurface::kMoving;
   } else if (measured_on == "field") {
     input.surface = LightSurface::kField;
+  } else if (measured_on == "border") {
+    input.surface = LightSurface::kBorder;
   }
   Progress progress("pictures", pictures.size());
   for (const std::string& path : pictures) {
@@ -122,7 +127,14 @@ int LightCommand::run() const {
     progress.step();
   }
   input.region_of_interest = draft.region_of_interest;
-  if (input.surface != LightSurface::kGreyPaper) input.floor = floor_mask(draft, input.pictures.front());
+  CameraModel camera;
+  const hal::Picture& first = input.pictures.front();
+  if (input.surface != LightSurface::kGreyPaper && camera_of(draft, camera)) {
+    input.floor = floor_mask(draft, camera, first);
+    input.border = border_places(camera, draft.file.field, first.width_px, first.height_px);
+  } else if (input.surface == LightSurface::kBorder) {
+    return refuse(venue + ": --surface border needs the camera model; find it with touchline-calibrate field first");
+  }
   LightMap map;
   LightReport report;
   if (!fit_light(input, map, report, reason).ok()) return refuse(reason);
@@ -142,8 +154,10 @@ int LightCommand::run() const {
   }
   std::printf("%u x %u cells, %zu measured%s: %zu saturated, %zu too dark, %zu beyond what can be corrected\n",
               map.columns, map.rows, report.known_cells,
-              input.surface == LightSurface::kGreyPaper ? "" : " on plain floor", report.saturated_cells,
-              report.dark_cells, report.clamped_cells);
+              input.surface == LightSurface::kGreyPaper ? ""
+              : measured_on == "border"                 ? " from the border"
+                                                        : " on plain floor",
+              report.saturated_cells, report.dark_cells, report.clamped_cells);
   constexpr std::size_t kShown = 6;
   for (std::size_t i = 0; i < std::min(kShown, report.spots.size()); ++i) {
     const LightSpot& spot = report.spots[i];

@@ -96,14 +96,22 @@ Status fit_light(const LightFitInput& input, LightMap& out, LightReport& report,
       inside_mask(input.region_of_interest, static_cast<int>(width), static_cast<int>(height));
   for (std::size_t i = 0; i < input.floor.size(); ++i) inside[i] = inside[i] != 0 && input.floor[i] != 0 ? 1 : 0;
   const LightGrid grid(width, height);
-  const bool paper = input.surface == LightSurface::kGreyPaper;
+  const bool paper = input.surface == LightSurface::kGreyPaper, border = input.surface == LightSurface::kBorder;
   std::array<Plane, 3> background, planes;
   for (std::size_t c = 0; c < 3; ++c) background[c] = paper ? mean_value(pictures, c) : usual_value(pictures, c);
-  const std::vector<std::uint8_t> counts = paper ? inside : plain_floor(background, inside, width, height);
-  const double least_share = paper ? 0.0 : kLeastFloorShare;
+  const bool floor = !paper && !border;
+  const std::vector<std::uint8_t> counts = floor ? plain_floor(background, inside, width, height) : inside;
+  const double least_share = floor ? kLeastFloorShare : 0.0;
   std::vector<std::uint8_t> known(grid.cells(), 0), saturated(grid.cells(), 0), dark(grid.cells(), 0);
+  std::array<Plane, 3> continued;
+  if (border) {
+    if (Status s = border_light(background, input.border, grid, width, height, continued, reason); !s.ok()) return s;
+  }
   for (std::size_t channel = 0; channel < 3; ++channel) {
     planes[channel] = grid.reduce(background[channel], counts, least_share);
+    for (std::size_t i = 0; border && i < grid.cells(); ++i) {
+      if (!std::isnan(planes[channel][i])) planes[channel][i] = continued[channel][i];
+    }
     for (std::size_t i = 0; i < grid.cells(); ++i) {
       if (std::isnan(planes[channel][i])) continue;
       known[i] = 1;
@@ -120,7 +128,7 @@ Status fit_light(const LightFitInput& input, LightMap& out, LightReport& report,
   std::stable_sort(report.spots.begin(), report.spots.end(),
                    [](const LightSpot& a, const LightSpot& b) { return a.cells > b.cells; });
   if (const auto able = static_cast<std::size_t>(std::count(inside.begin(), inside.end(), 1));
-      !paper && 4 * static_cast<std::size_t>(std::count(counts.begin(), counts.end(), 1)) < able) {
+      floor && 4 * static_cast<std::size_t>(std::count(counts.begin(), counts.end(), 1)) < able) {
     reason = "less than a quarter of it is plain floor: take grey paper";
     return ErrorCode::kOutOfRange;
   }
@@ -130,7 +138,7 @@ Status fit_light(const LightFitInput& input, LightMap& out, LightReport& report,
     return ErrorCode::kOutOfRange;
   }
 
-  if (!paper) mend_floor(grid, planes);
+  if (floor) mend_floor(grid, planes);
   std::array<Plane, 3> smooth;
   // One factor for all channels: a grey surface stays grey.
   double factor = 1.0;

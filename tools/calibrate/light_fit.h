@@ -11,6 +11,7 @@
 #include "core/region/region_scanner.h"
 #include "core/status.h"
 #include "hal/replay/picture.h"
+#include "tools/calibrate/border_light.h"
 
 namespace touchline::calibrate {
 
@@ -19,6 +20,7 @@ enum class LightSurface : std::uint8_t {
   kGreyPaper,  // the field covered with paper: averaged
   kField,      // the empty field: lines, goals and logos are left out
   kMoving,     // a few dozen pictures of a game: what is there most of the time, then as kField
+  kBorder,     // the white border around the field, on which the floor does not shine
 };
 
 struct LightFitInput {
@@ -26,6 +28,7 @@ struct LightFitInput {
   LightSurface surface = LightSurface::kGreyPaper;
   Polygon region_of_interest;
   std::vector<std::uint8_t> floor;  // pixels that can be floor, a byte each; empty: all
+  std::vector<BorderPlace> border;  // of kBorder
   // C of an earlier fit of the same surface, with which colors were learned: the map then says how much more or less
   // light there is now. None: C is the surface's median.
   std::optional<std::array<double, 3>> normal;
@@ -52,7 +55,8 @@ struct LightReport {
 /// Klancar section 6.3.1: the illumination plane of pictures of one uniform surface, robustly reduced to a coarse grid
 /// (median of each cell: stains, seams and marks vanish), smoothed with a Gaussian of one cell, divided by its median
 /// inside the region of interest (C of eq. 17), a channel at a time. From paper the pictures' mean; from the field,
-/// whose floor has one color but for what plain_floor() and mend_floor() leave out, their median. Cells outside the
+/// whose floor has one color but for what plain_floor() and mend_floor() leave out, their median; of the
+/// border what border_light() makes of it. Cells outside the
 /// region take the value of the nearest inside. kInconsistent: pictures of different sizes; kOutOfRange: most of it
 /// saturated or black, hardly any floor, most of it beyond
 /// what a map can correct; kNotFound: fewer than three pictures with things that move.

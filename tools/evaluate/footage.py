@@ -115,7 +115,7 @@ def mirosot_fields(tools, pictures):
 
 
 def mirosot_lamps(tools, pictures, recipes):
-    """Colors learned under one lamp, used under all: without map; with a map of the picture itself; and adapted."""
+    """Colors learned under one lamp, used under all: without map; with a map from the picture's own border; adapted."""
     team = recipes / "mirosot-triangles-team.toml"
     learned = next(p for p in pictures if p.stem == MIROSOT_LEARNED)
     clicks = tools.out / "mirosot-one-lamp-clicks.json"
@@ -125,17 +125,18 @@ def mirosot_lamps(tools, pictures, recipes):
 
     def colors(venue):
         tools.run("calibrate", "colors", "--venue", venue, "--samples", clicks, "--images", images, "--team", team,
-                  "--patch-radius", 12, "--format", "yuyv")
+                  "--patch-radius", 12)
 
     def light(venue, picture, *options):
-        return tools.run("calibrate", "light", "--venue", venue, "--surface", "field", "--picture", picture, *options,
-                         may_fail=True) is not None
+        return tools.run("calibrate", "light", "--venue", venue, "--surface", "border", "--picture", picture,
+                         *options, may_fail=True) is not None
 
     made = tools.out / "mirosot-triangles-venue.toml"
+    # In RGB: a lamp's tint is a factor a channel.
     even = copy_venue(made, tools.out / "mirosot-even-venue.toml")
-    even.write_text(scenes.without_section(even.read_text(), "light"))
+    even.write_text(scenes.without_section(even.read_text(), "light").replace('space = "yuv"', 'space = "rgb"'))
     colors(even)
-    mapped = copy_venue(made, tools.out / "mirosot-mapped-venue.toml")
+    mapped = copy_venue(even, tools.out / "mirosot-mapped-venue.toml")
     light(mapped, learned)
     colors(mapped)
     out = {}
@@ -212,7 +213,7 @@ def print_tables(results):
         return f"{one['ids']} ({one['doubled']}), {one['robots']}, {'ball' if one['ball'] else 'no ball'}"
     for name, row in results["mirosot_lamps"].items():
         print(f"  {name:<10}" + "".join(f"{text(row[case]):>22}" for case in cases) + (
-            "" if row["map_measured"] else "   too dark for a map of its own: that of the learned picture"))
+            "" if row["map_measured"] else "   no map of its own: that of the learned picture"))
     totals = {case: sum(r[case]["ids"] for r in results["mirosot_lamps"].values()) for case in cases}
     whole = MIROSOT_ROBOTS * len(results["mirosot_lamps"])
     print(f"  {'ids':<10}" + "".join(f"{100 * totals[case] / whole:>20.1f} %" for case in cases))

@@ -11,7 +11,9 @@ namespace {
 
 constexpr double kAlong_m = 0.02;
 // Borders are 2 to 5 cm wide; their edges are blurred.
-constexpr double kNearest_m = 0.008, kFarthest_m = 0.05, kOutwards_m = 0.003;
+constexpr double kNearest_m = 0.008, kOutwards_m = 0.003;
+constexpr int kStepsOutwards = 15;
+constexpr double kFarthest_m = kNearest_m + kStepsOutwards * kOutwards_m;
 constexpr double kCorner_m = 0.15;
 // So many of a place's pixels are the border's inside: the mean of the brightest.
 constexpr std::size_t kBrightest = 3;
@@ -60,7 +62,8 @@ std::vector<BorderPlace> border_places(const CameraModel& camera, const FieldPar
   const double goal = static_cast<double>(field.goal_width_m) / 2 + kFarthest_m;
   const auto add = [&](double at_x, double at_y, double out_x, double out_y) {
     BorderPlace place;
-    for (double out = kNearest_m; out <= kFarthest_m; out += kOutwards_m) {
+    for (int step = 0; step < kStepsOutwards; ++step) {
+      const double out = kNearest_m + step * kOutwards_m;
       const PixelPoint p =
           camera.to_pixel({static_cast<float>(at_x + out * out_x), static_cast<float>(at_y + out * out_y)}, 0.0f);
       const long u = std::lround(p.u_px), v = std::lround(p.v_px);
@@ -107,8 +110,9 @@ Status border_light(const std::array<Plane, 3>& background, const std::vector<Bo
     }
     if (*std::min_element(value.begin(), value.end()) < kDark) continue;
     Sample sample;
-    sample.terms = terms_at(place_of(static_cast<double>(brightest[0] % width_px) + 0.5, width_px),
-                            place_of(static_cast<double>(brightest[0] / width_px) + 0.5, height_px));
+    const std::size_t column = brightest[0] % width_px, row = brightest[0] / width_px;
+    sample.terms = terms_at(place_of(static_cast<double>(column) + 0.5, width_px),
+                            place_of(static_cast<double>(row) + 0.5, height_px));
     for (std::size_t c = 0; c < 3; ++c) sample.log_value[c] = std::log(value[c]);
     samples.push_back(sample);
   }

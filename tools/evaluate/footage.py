@@ -12,7 +12,8 @@ import scenes
 # The colors are learned in the first picture; the others have other lamps.
 MIROSOT_LEARNED = "r0"
 MIROSOT_ROBOTS = 10
-BAR_ROBOTS = 6
+# Robots and balls in all pictures of an exposure, counted by eye.
+BAR_COUNTS = {"dark": (28, 5), "normal": (70, 12)}
 # So long a picture is shown to the adaptation, which then has followed what it can.
 REPEATS = 60
 
@@ -217,8 +218,9 @@ def print_tables(results):
     totals = {case: sum(r[case]["ids"] for r in results["mirosot_lamps"].values()) for case in cases}
     whole = MIROSOT_ROBOTS * len(results["mirosot_lamps"])
     print(f"  {'ids':<10}" + "".join(f"{100 * totals[case] / whole:>20.1f} %" for case in cases))
-    print(f"\nvsss-bar: colors of one exposure used in the other; ids of {BAR_ROBOTS} a picture (twice given), balls")
+    print("\nvsss-bar: colors of one exposure used in the other; ids (twice given), robots, balls")
     for name, row in results["bars"].items():
         for case, seen in row.items():
-            print(f"  {name:<16} {case:<18} {sum(s['ids'] for s in seen)} of {BAR_ROBOTS * len(seen)} "
-                  f"({sum(s['doubled'] for s in seen)}), {sum(s['ball'] for s in seen)} of {len(seen)}")
+            robots, balls = BAR_COUNTS[name.split()[-1]]
+            print(f"  {name:<16} {case:<18} {sum(s['ids'] for s in seen)} ({sum(s['doubled'] for s in seen)}), "
+                  f"{sum(s['robots'] for s in seen)} of {robots}, {sum(s['ball'] for s in seen)} of {balls}")

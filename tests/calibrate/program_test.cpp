@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -172,6 +173,45 @@ TEST_F(Program, LeavesTheVenueUntouchedWhenItRefuses) {
         "[ball]\ncolor = \"orange\"\n");
   refuses("colors --samples " + path("clicks.json") + venue() + " --team " + path("team.toml"), "orange");
   EXPECT_FALSE(fs::exists(path("venue-light.png")));
+}
+
+TEST_F(Program, AsksBeforeItWritesColorsThatNobodyClickedOn) {
+  const std::vector<PaintedPatch> patches = {{"red", {200, 30, 30}, 80, 60},
+                                             {"green", {30, 180, 60}, 93, 73},
+                                             {"red", {200, 30, 30}, 200, 150},
+                                             {"blue", {40, 80, 200}, 187, 163},
+                                             {"orange", {240, 120, 40}, 250, 60}};
+  write_png("robots.png", painted_field(patches, PixelFormat::kRgb24, 3, [](int, int) { return 1.0; }));
+  write("team.toml",
+        "version = 1\n[own]\ncolor = \"red\"\n[[own.robot]]\nid = 0\ncolors = [\"green\"]\n"
+        "[[own.robot]]\nid = 1\ncolors = [\"blue\"]\n[ball]\ncolor = \"orange\"\n");
+  // Straight down from 2 m; a patch of 34.5 mm on a robot of 75 mm comes to 12 pixels.
+  const std::string before =
+      "version = 1\n[picture]\nwidth_px = 320\nheight_px = 240\n[camera_model]\nkind = \"full\"\n[camera_model.full]\n"
+      "fx_px = 669.6\nfy_px = 669.6\ncx_px = 159.5\ncy_px = 119.5\nrotation_rad = [3.14159265, 0.0, 0.0]\n"
+      "position_m = [0.0, 0.0, 2.0]\n";
+  write("venue.toml", before);
+  const std::string colors = "colors --picture " + path("robots.png") + venue();
+  EXPECT_FALSE(run(colors));
+  EXPECT_NE(read("out").find("--team"), std::string::npos) << read("out");
+  const std::string with_team = colors + " --team " + path("team.toml") + " --preview " + path("seen");
+  EXPECT_FALSE(run(with_team + " </dev/null"));
+  EXPECT_NE(read("out").find("not confirmed"), std::string::npos) << read("out");
+  EXPECT_EQ(read("venue.toml"), before);
+  EXPECT_TRUE(fs::exists(path("seen/robots-found.png")));
+  ASSERT_TRUE(run(with_team + " --yes")) << read("out");
+  VenueDraft draft;
+  std::string reason;
+  ASSERT_TRUE(read_draft(path("venue.toml"), draft, reason).ok()) << reason;
+  ASSERT_EQ(draft.file.color.size(), 4U);
+  for (const auto& color : draft.file.color) {
+    const auto& truth =
+        *std::find_if(patches.begin(), patches.end(), [&](const auto& p) { return p.color == color.name; });
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(color.shown_rgb[c], truth.rgb[c], 8) << color.name;
+  }
+  write("venue.toml", "version = 1\n");
+  EXPECT_FALSE(run(with_team + " --yes"));
+  EXPECT_NE(read("out").find("calibrate the field first"), std::string::npos) << read("out");
 }
 
 TEST_F(Program, RefusesABrokenVenue) {

@@ -13,8 +13,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kAngles = 360;  // half a degree each
-// A side that the lens bends is a line to this tolerance only.
-constexpr int kBend_px = 3;
+// A side that the lens bends is a line to this tolerance only: in a picture of kUsualWidth_px, in proportion in wider
+// ones.
+constexpr int kUsualBend_px = 3, kUsualWidth_px = 640;
 // Sides seen obliquely are no rectangle's.
 constexpr double kSkew_rad = 0.45;
 // Rectified sides are collected and fitted again within these distances.
@@ -23,6 +24,8 @@ constexpr std::array<double, 3> kCollect_px{14.0, 6.0, 3.0};
 constexpr double kLeastDeviations = 0.8;
 constexpr std::array<double, 6> kThresholds{0.7, 1.0, 1.3, 1.7, 2.2, 2.8};
 constexpr double kLeastEnclosed = 0.1;
+// Parts of the field between its lines are larger, specks and letters smaller.
+constexpr double kLeastArea = 0.001;
 constexpr std::size_t kLeastVotes = 60;
 
 std::vector<std::uint8_t> brightness(const hal::Picture& picture) {
@@ -156,12 +159,14 @@ std::optional<Eigen::Vector2d> crossing(const HoughLine& a, const HoughLine& b) 
 // -x-y is where left and bottom cross, and on counter-clockwise as seen from above. Sides in hough_sides()' order.
 constexpr std::array<std::array<std::size_t, 2>, 4> kCornerSides{{{3, 0}, {0, 1}, {1, 2}, {2, 3}}};
 
-// Of the quadrilateral; 0 when sides do not cross.
-double area_of(const std::array<HoughLine, 4>& sides) {
+// Of the quadrilateral; 0 when sides do not cross, or far outside of the picture.
+double area_of(const std::array<HoughLine, 4>& sides, int width_px, int height_px) {
+  constexpr double kBeyond = 0.1;
   std::array<Eigen::Vector2d, 4> corners;
   for (std::size_t i = 0; i < 4; ++i) {
     const auto corner = crossing(sides[kCornerSides[i][0]], sides[kCornerSides[i][1]]);
-    if (!corner) return 0;
+    const auto outside = [](double at, double size) { return at < -kBeyond * size || at > (1 + kBeyond) * size; };
+    if (!corner || outside(corner->x(), width_px) || outside(corner->y(), height_px)) return 0;
     corners[i] = *corner;
   }
   double twice = 0;
@@ -170,6 +175,26 @@ double area_of(const std::array<HoughLine, 4>& sides) {
     twice += a.x() * b.y() - a.y() * b.x();
   }
   return std::abs(twice) / 2;
+}
+
+// Pixels inside that touch the piece, unless they are specks in it: a noisy floor around the field as bright as the
+// border is full of them.
+std::vector<OutlinePixel> outline_of(const Grid& grid, const std::vector<std::uint8_t>& in_piece,
+                                     const std::vector<std::uint8_t>& outside) {
+  const auto inside = [&](std::size_t k) { return in_piece[k] == 0 && outside[k] == 0; };
+  std::vector<std::uint8_t> visited(grid.size());
+  std::vector<OutlinePixel> outline;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (visited[i] != 0 || !inside(i)) continue;
+    const std::vector<std::size_t> area = flood(grid, {i}, false, inside, visited);
+    if (static_cast<double>(area.size()) < kLeastArea * static_cast<double>(grid.size())) continue;
+    for (const std::size_t k : area) {
+      bool at_border = false;
+      grid.neighbors(k, false, [&](std::size_t n) { at_border = at_border || in_piece[n] != 0; });
+      if (at_border) outline.push_back({static_cast<double>(grid.u(k)), static_cast<double>(grid.v(k))});
+    }
+  }
+  return outline;
 }
 
 }  // namespace
@@ -200,19 +225,14 @@ std::vector<OutlinePixel> border_outline(const hal::Picture& picture, int thresh
     const std::size_t enclosed = grid.size() - piece.size() - flood(grid, seeds, false, is_free, outside).size();
     if (enclosed <= most) continue;
     most = enclosed;
-    best.clear();
-    for (std::size_t k = 0; k < grid.size(); ++k) {
-      if (in_piece[k] != 0 || outside[k] != 0) continue;
-      bool at_border = false;
-      grid.neighbors(k, false, [&](std::size_t n) { at_border = at_border || in_piece[n] != 0; });
-      if (at_border) best.push_back({static_cast<double>(grid.u(k)), static_cast<double>(grid.v(k))});
-    }
+    best = outline_of(grid, in_piece, outside);
   }
   return best;
 }
 
 bool hough_sides(const std::vector<OutlinePixel>& outline, int width_px, int height_px,
                  std::array<HoughLine, 4>& sides) {
+  const int bend_px = std::max(kUsualBend_px, kUsualBend_px * width_px / kUsualWidth_px);
   const auto diagonal = static_cast<int>(std::ceil(std::hypot(width_px, height_px)));
   const std::size_t distances = std::size_t{2} * static_cast<std::size_t>(diagonal) + 1;
   std::vector<std::uint32_t> votes(kAngles * distances);
@@ -244,10 +264,10 @@ bool hough_sides(const std::vector<OutlinePixel>& outline, int width_px, int hei
       if (std::abs(turn) > kSkew_rad) continue;
       const Eigen::Vector2d normal(std::cos(angle), std::sin(angle));
       const double at_middle = middle.dot(normal), deviation = std::sqrt(normal.dot(spread * normal));
-      for (int d = kBend_px; d + kBend_px < static_cast<int>(distances); ++d) {
+      for (int d = bend_px; d + bend_px < static_cast<int>(distances); ++d) {
         if (sign * (d - diagonal - at_middle) < kLeastDeviations * deviation) continue;
         std::size_t sum = 0;
-        for (int k = -kBend_px; k <= kBend_px; ++k) {
+        for (int k = -bend_px; k <= bend_px; ++k) {
           sum += votes[static_cast<std::size_t>(a) * distances + static_cast<std::size_t>(d + k)];
         }
         if (sum > line.votes) line = {angle, static_cast<double>(d - diagonal), sum};
@@ -330,7 +350,7 @@ Status find_border(const hal::Picture& picture, BorderSearch& out, std::string& 
     std::size_t votes = 0;
     for (const HoughLine& side : attempt.sides) votes += side.votes;
     const double share = static_cast<double>(votes) / static_cast<double>(attempt.outline.size());
-    const double merit = share * area_of(attempt.sides);
+    const double merit = share * area_of(attempt.sides, width, height);
     if (merit <= best) continue;
     best = merit;
     out = std::move(attempt);

@@ -22,9 +22,10 @@ constexpr float kLeastContrast = 0.01f;
 constexpr float kForeignLight = 0.3f;
 // A region's centroid is rarely off by a pixel; farther on, something else is fitted.
 constexpr float kFarthestPx = 2.0f;
-// RMS error of the part of a pixel that is covered, on the edges. Sharp edges under the ramp, noise and shared chroma
-// leave 0.1, a centroid that is a pixel off 0.25.
-constexpr float kWorstCover = 0.3f;
+// RMS error of the part of a pixel that is covered, on the edges, up to which the fit is believed, and from which on it
+// is not. (Sharp edges under the ramp, noise and shared chroma leave 0.1, a centroid that is a pixel off 0.25.) Between
+// them it counts in part: a robot at the limit would else jump between its two centers from frame to frame.
+constexpr float kGoodCover = 0.22f, kWorstCover = 0.32f;
 // The first turn leaves a tenth of a pixel's tenth, the second nothing that noise would let see.
 constexpr int kTurns = 2;
 
@@ -38,6 +39,7 @@ class Mean {
  public:
   void add(const LinearColor& value) {
     touchline::add(sum_, value, 1.0f);
+    squares_ += dot(value, value);
     ++count_;
   }
   [[nodiscard]] int count() const { return count_; }
@@ -46,9 +48,14 @@ class Mean {
     touchline::add(mean, sum_, 1.0f / static_cast<float>(count_));
     return mean;
   }
+  // Mean squared distance from the mean.
+  [[nodiscard]] float variance() const {
+    return std::max(0.0f, squares_ / static_cast<float>(count_) - dot(value(), value()));
+  }
 
  private:
   LinearColor sum_{};
+  float squares_ = 0;
   int count_ = 0;
 };
 
@@ -76,24 +83,10 @@ class PatchCenters::Fit {
     for (const PatchPlace& place : layout_.patches) targets_.push_back({seen_at(place.x_m, place.y_m), {}, {}});
   }
 
-  // False: keep what is there.
-  bool run() {
-    if (!(scale_px_per_m_ > 0.0f) || !std::isfinite(scale_px_per_m_)) return false;
-    for (const OutlineCover& cover : covers_) {
-      if (cover.width_m() * scale_px_per_m_ < kLeastWidthPx) return false;
-    }
-    if (!find_top()) return false;
-    for (std::size_t k = 0; k < targets_.size(); ++k) {
-      if (!find_color(k)) return false;
-    }
-    for (int turn = 0; turn < kTurns; ++turn) {
-      std::array<FieldPoint, kMaxPatches> moved{};
-      for (std::size_t k = 0; k < targets_.size(); ++k) {
-        if (!step(k, moved[k])) return false;
-      }
-      for (std::size_t k = 0; k < targets_.size(); ++k) targets_[k].offset = moved[k];
-    }
-    return true;
+  // 0 to 1: how far the fit is to be believed.
+  float run() {
+    if (!settle()) return 0.0f;
+    return std::clamp((kWorstCover - worst_cover_) / (kWorstCover - kGoodCover), 0.0f, 1.0f);
   }
 
   [[nodiscard]] PixelPoint center(std::size_t k) const { return on_picture(targets_[k].pixel, targets_[k].offset); }
@@ -109,6 +102,26 @@ class PatchCenters::Fit {
     FieldPoint offset;  // from there, in the robot's frame
     LinearColor color{};
   };
+
+  bool settle() {
+    if (!(scale_px_per_m_ > 0.0f) || !std::isfinite(scale_px_per_m_)) return false;
+    for (const OutlineCover& cover : covers_) {
+      if (cover.width_m() * scale_px_per_m_ < kLeastWidthPx) return false;
+    }
+    if (!find_top()) return false;
+    for (std::size_t k = 0; k < targets_.size(); ++k) {
+      if (!find_color(k)) return false;
+    }
+    for (int turn = 0; turn < kTurns; ++turn) {
+      std::array<FieldPoint, kMaxPatches> moved{};
+      worst_cover_ = unevenness_;
+      for (std::size_t k = 0; k < targets_.size(); ++k) {
+        if (!step(k, moved[k])) return false;
+      }
+      for (std::size_t k = 0; k < targets_.size(); ++k) targets_[k].offset = moved[k];
+    }
+    return true;
+  }
 
   [[nodiscard]] PixelPoint on_picture(PixelPoint from, FieldPoint by) const {
     return {from.u_px + u_by_x_ * by.x_m + u_by_y_ * by.y_m, from.v_px + v_by_x_ * by.x_m + v_by_y_ * by.y_m};
@@ -178,7 +191,11 @@ class PatchCenters::Fit {
     if (mean.count() < kLeastInside) return false;
     targets_[k].color = mean.value();
     const LinearColor contrast = minus(targets_[k].color, top_);
-    return dot(contrast, contrast) > kLeastContrast * kLeastContrast;
+    const float power = dot(contrast, contrast);
+    if (!(power > kLeastContrast * kLeastContrast)) return false;
+    // A patch that is not of one color is covered by something.
+    unevenness_ = std::max(unevenness_, std::sqrt(mean.variance() / power));
+    return true;
   }
 
   // Part of the pixel that is on the robot, and what is seen beyond the robot's edge there; false: outside the picture.
@@ -202,7 +219,7 @@ class PatchCenters::Fit {
   }
 
   // One step of Gauss-Newton for the center of patch k.
-  bool step(std::size_t k, FieldPoint& moved) const {
+  bool step(std::size_t k, FieldPoint& moved) {
     moved = targets_[k].offset;
     const LinearColor contrast = minus(targets_[k].color, top_);
     const float power = dot(contrast, contrast);
@@ -239,7 +256,8 @@ class PatchCenters::Fit {
     });
     const float determinant = xx * yy - xy * xy;
     // Edges of one direction alone say nothing about the other.
-    if (!(determinant > 0.01f * xx * yy) || squares > kWorstCover * kWorstCover * weights) return false;
+    if (!(determinant > 0.01f * xx * yy)) return false;
+    worst_cover_ = std::max(worst_cover_, std::sqrt(squares / weights));
     moved.x_m += (yy * rx - xy * ry) / determinant;
     moved.y_m += (xx * ry - xy * rx) / determinant;
     return std::hypot(moved.x_m, moved.y_m) * scale_px_per_m_ <= kFarthestPx;
@@ -251,6 +269,7 @@ class PatchCenters::Fit {
   float half_m_;
   // The picture around the robot: pixels by the robot's frame.
   float u_by_x_ = 0, u_by_y_ = 0, v_by_x_ = 0, v_by_y_ = 0, determinant_ = 0, scale_px_per_m_ = 0, ramp_m_ = 0;
+  float unevenness_ = 0, worst_cover_ = 0;  // the latter: of the present turn
   PixelPoint middle_;
   LinearColor top_{};
   FixedVector<Target, kMaxPatches> targets_;
@@ -272,7 +291,8 @@ void PatchCenters::refine(const Frame& frame, Sightings& sightings) const {
     const std::size_t patches = marker.layout.patches.size();
     if (!robot.has_heading || patches < 2 || robot.patches.size() != patches) continue;
     Fit fit(marker, camera_, picture, robot.pose);
-    if (!fit.run()) continue;
+    const float trust = fit.run();
+    if (trust == 0.0f) continue;
     FixedVector<Correspondence, kMaxPatches> points;
     for (std::size_t k = 0; k < patches; ++k) {
       points.push_back({{marker.layout.patches[k].x_m, marker.layout.patches[k].y_m}, fit.seen(k)});
@@ -280,12 +300,16 @@ void PatchCenters::refine(const Frame& frame, Sightings& sightings) const {
     const RigidFit moved = fit_rigidly({points.data(), points.size()});
     if (moved.residual_m > residual_gate_m(fit.scale_px_per_m())) continue;
     const FieldPoint by = to_robot_frame({{}, -robot.pose.theta_rad}, moved.pose.position);
-    robot.pose.position.x_m += by.x_m;
-    robot.pose.position.y_m += by.y_m;
-    robot.pose.theta_rad = wrapped_angle(robot.pose.theta_rad + moved.pose.theta_rad);
-    robot.residual_m = moved.residual_m;
+    robot.pose.position.x_m += trust * by.x_m;
+    robot.pose.position.y_m += trust * by.y_m;
+    robot.pose.theta_rad = wrapped_angle(robot.pose.theta_rad + trust * moved.pose.theta_rad);
+    robot.residual_m += trust * (moved.residual_m - robot.residual_m);
     // Patches of a full set stand in the layout's order, but each says its place itself.
-    for (PatchSighting& patch : robot.patches) patch.center = fit.center(patch.patch);
+    for (PatchSighting& patch : robot.patches) {
+      const PixelPoint center = fit.center(patch.patch);
+      patch.center.u_px += trust * (center.u_px - patch.center.u_px);
+      patch.center.v_px += trust * (center.v_px - patch.center.v_px);
+    }
   }
 }
 

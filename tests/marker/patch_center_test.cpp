@@ -158,6 +158,20 @@ class LeftAlone : public PatchCenter {
       EXPECT_EQ(after.patches[k].center.v_px, before.patches[k].center.v_px);
     }
   }
+  // Of the robot's identification patch (behind -1.5 mm) what lies behind `edge_m` is white.
+  Photograph covered_from(float edge_m) const {
+    Photograph picture(PixelFormat::kRgb24, 640, 480);
+    const PixelPoint at = center(truth_, 1);
+    const int u = static_cast<int>(at.u_px), v = static_cast<int>(at.v_px);
+    picture.expose(u - 34, v - 34, u + 34, v + 34, [&](double pu, double pv) {
+      const FieldPoint local =
+          to_robot_frame(truth_, camera_.to_field({static_cast<float>(pu), static_cast<float>(pv)}, layout_.height_m));
+      const bool hidden =
+          local.x_m < edge_m && local.x_m > -0.0375f && std::abs(local.y_m) < 0.0375f && local.y_m < 0.0f;
+      return hidden ? kLine : light(truth_, 1.0f, pu, pv);
+    });
+    return picture;
+  }
   const Pose truth_{{0.3f, -0.2f}, 0.7f}, near_{{0.301f, -0.2f}, 0.7f};
 };
 
@@ -175,15 +189,25 @@ TEST_F(LeftAlone, WhereThePictureIsAnother) {
   Photograph picture(PixelFormat::kRgb24, 640, 480);
   expect_left_alone(picture.frame(), near_);  // black: no patch differs from the top
   // Patches as the layout has them, but something white lies on half of one.
-  const PixelPoint at = center(truth_, 1);
-  const int u = static_cast<int>(at.u_px), v = static_cast<int>(at.v_px);
-  picture.expose(u - 40, v - 40, u + 40, v + 40, [&](double pu, double pv) {
-    const FieldPoint local =
-        to_robot_frame(truth_, camera_.to_field({static_cast<float>(pu), static_cast<float>(pv)}, layout_.height_m));
-    const bool hidden = local.x_m < -0.022f;
-    return hidden ? kLine : light(truth_, 1.0f, pu, pv);
-  });
-  expect_left_alone(picture.frame(), near_);
+  expect_left_alone(covered_from(-0.012f).frame(), near_);
+}
+
+// What does not quite fit counts in part, so that no robot jumps between two answers.
+TEST_F(LeftAlone, LittleByLittle) {
+  use(paper_layout());
+  int between = 0;
+  std::vector<float> moves;
+  for (const float edge_m : {-0.036f, -0.0287f, -0.0283f, -0.028f, -0.024f}) {
+    sightings_.robots.clear();
+    sightings_.robots.push_back(sighting(near_));
+    centers_.refine(covered_from(edge_m).frame(), sightings_);
+    const float moved_m = distance_m(sightings_.robots[0].pose.position, near_.position);
+    moves.push_back(moved_m);
+    between += moved_m > 0.00005f && moved_m < 0.001f ? 1 : 0;
+  }
+  EXPECT_GT(moves.front(), 0.0008f);
+  EXPECT_EQ(moves.back(), 0.0f);
+  EXPECT_GE(between, 2) << ::testing::PrintToString(moves);
 }
 
 TEST_F(LeftAlone, WithoutHeadingOrAllPatches) {

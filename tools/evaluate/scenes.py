@@ -152,6 +152,16 @@ def standing_noise(lines, source):
     return 1e3 * math.sqrt(squares / count), math.degrees(math.sqrt(turns / count))
 
 
+def times_bound(tools, folder, result, venue, team):
+    """How many times the Cramer-Rao bound the noise of standing robots is: position, angle; RMS over the robots."""
+    robots = tools.evaluate(folder / "truth.jsonl", result, "--pictures", folder, "--venue", venue, "--team",
+                            team)["bound"]
+
+    def times(measured, least):
+        return math.sqrt(sum(r[measured] ** 2 for r in robots) / sum(r[least] ** 2 for r in robots))
+    return times("position_rms_m", "position_m"), times("angle_rms_rad", "angle_rad")
+
+
 def evaluate(tools, folder):
     name = folder.name
     scene = json.loads((folder / "empty" / "scene.json").read_text())
@@ -166,6 +176,7 @@ def evaluate(tools, folder):
         lines, _ = results["static"]
         out["noise"] = standing_noise(lines, "sightings")
         out["filtered"] = standing_noise(lines, "tracks")
+        out["times_bound"] = times_bound(tools, folder / "static", tools.out / f"{name}-static.jsonl", venue, team)
     out["paper_model"], _, _ = look(tools, folder, venue, team, f"{name}-paper", "--set", "camera_model.kind=paper")
     # The same colors are learned anew, as somebody without a map would.
     without = tools.out / f"{name}-without-light.toml"
@@ -240,6 +251,7 @@ def print_table(sets):
     row("touching robots seen, swapped", touching)
     row("standing: noise, mm / degrees", pair("noise"))
     row("standing: filtered, mm / degrees", pair("filtered"))
+    row("standing: noise, times its bound", pair("times_bound"))
     row("without light map: robots seen", lambda n: f"{sets[n]['without_light']['seen']:.2f} %")
     row("without light map: ball seen", lambda n: f"{sets[n]['without_light']['ball_seen']:.2f} %")
     row("the paper's camera model, mm", rms_and_max("position", "paper_model"))

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/calibrate/arena_photograph.h"
+#include "tools/calibrate/error_map.h"
 #include "tools/calibrate/field_drawing.h"
 
 // The arena's camera has a lens of another kind (Kannala and Brandt) than the model that is fitted, noise, lamps, goals
@@ -78,7 +79,50 @@ TEST_F(FieldRefinement, FindsTheLensAlongTheBorder) {
   EXPECT_GT(report_.points, 500u);
   EXPECT_LT(report_.rms_px, 0.12);
   EXPECT_LT(report_.sigma.height_m, 0.03);
+  EXPECT_GT(report_.sigma.floor_corner_mm, 0.02);
+  EXPECT_LT(report_.sigma.floor_corner_mm, 1.0);
+  EXPECT_LT(report_.sigma.top_corner_mm, 2.0);
   EXPECT_LT(fit.paper_residual_mm.rms, 2.0) << "Klancar's model follows";
+}
+
+TEST_F(FieldRefinement, KnowsHowUncertainTheHeightIs) {
+  // Not given, under a camera that is tilted enough to tell; three cameras, so that luck does not.
+  double squares = 0;
+  for (const double x : {-0.45, 0.35, 0.5}) {
+    arena_.camera.position_m = {x, -0.3, 2.2};
+    FieldFit fit = rough_fit();
+    FieldParameters field;
+    RefinementReport report;
+    const Status status =
+        refine_field(LightPicture({photograph(hal::mock::Floor::kField)}), field,
+                     marks_of(find_preset("mirosot-middle")->drawing), std::nullopt, fit, report, reason_);
+    ASSERT_TRUE(status.ok()) << reason_;
+    EXPECT_LT(report.sigma.height_m, 0.1);
+    squares += std::pow((fit.height_m - 2.2) / report.sigma.height_m, 2);
+  }
+  EXPECT_LT(std::sqrt(squares / 3), 2.5);
+}
+
+TEST_F(FieldRefinement, DrawsItsErrors) {
+  FieldFit fit = rough_fit();
+  const hal::Picture picture = photograph(hal::mock::Floor::kField);
+  ASSERT_TRUE(refine(picture, fit).ok()) << reason_;
+  CameraModel camera;
+  ASSERT_TRUE(camera.configure(fit.camera).ok());
+  const hal::Picture drawn = draw_errors(picture, camera, report_);
+  EXPECT_EQ(drawn.width_px, picture.width_px);
+  EXPECT_GT(drawn.height_px, picture.height_px) << "with a legend below";
+  // A point of the lower border that fits well: a bluish or greenish dot on the darkened photograph.
+  const auto best = std::min_element(report_.found.begin(), report_.found.end(), [&](const auto& a, const auto& b) {
+    const auto off = [&](const MarkPoint& p) {
+      const PixelPoint at = camera.to_pixel({static_cast<float>(p.x_m), static_cast<float>(p.y_m)}, 0.0f);
+      return std::hypot(static_cast<double>(at.u_px) - p.u_px, static_cast<double>(at.v_px) - p.v_px);
+    };
+    return off(a) < off(b);
+  });
+  const auto at = 3 * (static_cast<std::size_t>(std::lround(best->v_px)) * drawn.width_px +
+                       static_cast<std::size_t>(std::lround(best->u_px)));
+  EXPECT_GT(std::max(drawn.rgb8[at + 1], drawn.rgb8[at + 2]), drawn.rgb8[at] + 40);
 }
 
 TEST_F(FieldRefinement, ThingsOnTheBorderHardlyMoveIt) {

@@ -44,6 +44,8 @@ TEST(InclusionRule, FindsStagesThatLookAhead) {
             "the values between stages know no stage, not color");
   EXPECT_EQ(breach("core/track/x.h", "#include \"core/helper/x.h\""), "core/helper is no stage");
   EXPECT_EQ(breach("core/radio/x.h", "#include \"core/pipeline.h\""), "only what drives the pipeline may include it");
+  EXPECT_EQ(breach("core/adaptation.h", "#include \"core/pipeline.h\""),
+            "only what drives the pipeline may include it");
 }
 
 TEST(InclusionRule, FindsWhatTheCoreMayNotUse) {
@@ -56,6 +58,7 @@ TEST(InclusionRule, LetsThroughWhatIsMeantToBe) {
   EXPECT_EQ(breach("core/marker/x.h", "#include \"core/region/x.h\""), "");
   EXPECT_EQ(breach("core/marker/x.h", "#include \"core/geometry/x.h\""), "");
   EXPECT_EQ(breach("core/pipeline.h", "#include \"core/radio/x.h\""), "");
+  EXPECT_EQ(breach("core/adaptation.cpp", "#include \"core/color/x.h\""), "");
   EXPECT_EQ(breach("core/track/x.h", "#include <Eigen/Core>"), "");
   EXPECT_EQ(breach("hal/linux/x.h", "#include <linux/videodev2.h>"), "");
   EXPECT_EQ(breach("tests/x.h", "#include \"tools/latency/x.h\""), "");

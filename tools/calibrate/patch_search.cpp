@@ -101,7 +101,7 @@ std::vector<FoundPatch> clearest(std::vector<FoundPatch> patches, std::size_t pi
 
 double expected_area_px(PixelPoint at, const CameraModel& camera, const PatchSize& size) {
   const auto height = static_cast<float>(size.height_m);
-  const double scale = camera.scale_px_per_m(camera.to_field(at, height), height);
+  const auto scale = static_cast<double>(camera.scale_px_per_m(camera.to_field(at, height), height));
   return size.area_m2 * scale * scale;
 }
 

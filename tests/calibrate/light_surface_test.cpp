@@ -90,7 +90,6 @@ TEST_F(LightSurfaceOf, WhatMovesIsLeftOut) {
 TEST_F(LightSurfaceOf, BorderTellsTintAndSlope) {
   // One lamp far away: what a border can tell.
   arena_.light.lamp = {{-3.0, 1.0, 3.0, 1.0}};
-  CameraParameters model;
   const hal::mock::Lens lens(arena_.camera);
   FieldFitInput points;
   points.width_px = kWidth;

@@ -6,8 +6,8 @@
 
 namespace touchline::calibrate {
 
-/// The usual color around a pixel: medians of blocks of 16 x 16 pixels, and the median of five by five of them, more than
-/// a robot, a line or a logo covers. Blocks with few pixels inside count for nothing; black where none counts.
+/// The usual color around a pixel: medians of blocks of 16 x 16 pixels, and the median of five by five of them, more
+/// than a robot, a line or a logo covers. Blocks with few pixels inside count for nothing; black where none counts.
 class LocalFloor {
  public:
   LocalFloor(const ChannelImage& image, const std::vector<std::uint8_t>& inside);

@@ -123,6 +123,8 @@ TEST(Presets, HaveTheirLeaguesLines) {
   }
   EXPECT_EQ(find_preset(2.2f, 1.8f), find_preset("mirosot-middle"));
   EXPECT_EQ(find_preset("mirosot"), nullptr);
+  ASSERT_NE(find_preset("ssl"), nullptr);
+  EXPECT_EQ(find_preset("ssl"), find_preset("ssl-a"));
   EXPECT_EQ(find_preset(2.1f, 1.8f), nullptr);
 }
 

@@ -1,6 +1,7 @@
 #include "tools/evaluate/patch_bound.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -68,7 +69,8 @@ class BoundOfRobot : public ::testing::Test {
     ASSERT_TRUE(setting_.camera.configure(camera).ok());
     setting_.layouts = {paper_layout(), paper_layout()};
     setting_.teams = {"blue", "yellow"};
-    folder_ = ::testing::TempDir() + "touchline_bound/";
+    // Tests run side by side.
+    folder_ = ::testing::TempDir() + "touchline_bound_" + std::to_string(::getpid()) + "/";
     std::filesystem::create_directories(folder_);
     std::mt19937 random(5);
     for (int n = 0; n < 6; ++n) {

@@ -1,6 +1,7 @@
 #include "tools/evaluate/pose_evaluation.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -217,7 +218,8 @@ class BadTruth : public testing::TestWithParam<BadLine> {};
 
 TEST_P(BadTruth, IsRefusedWithItsLineAndKey) {
   const std::string good = R"({"file":"a.png","t":0,"ball":null,"robots":[]})";
-  const std::string path = testing::TempDir() + "touchline_bad.jsonl";
+  // Tests run side by side.
+  const std::string path = testing::TempDir() + "touchline_bad_" + std::to_string(::getpid()) + ".jsonl";
   std::ofstream(path) << good << '\n' << GetParam().text << '\n';
   std::vector<FrameRecord> records;
   std::string error;

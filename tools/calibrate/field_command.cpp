@@ -152,7 +152,8 @@ void FieldCommand::add_options(CLI::App& app) {
   app.add_option("--point", points, "x,y,u,v: a point of the floor (m) and its pixel; repeatable")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  app.add_option("--field-preset", preset, "mirosot-middle, vsss, ssl-a, ssl-b: size of field and goals, and markings");
+  app.add_option("--field-preset", preset,
+                 "mirosot-middle, vsss, ssl-a (or ssl), ssl-b: size of field and goals, and markings");
   app.add_option("--drawing", drawing, "TOML file with the field's size, border, lines and arcs (docs/calibration.md)");
   app.add_option("--length", length_m, "Length of the field, m")->check(number_range(0.3, 30.0));
   app.add_option("--width", width_m, "Width of the field, m")->check(number_range(0.3, 30.0));

@@ -186,6 +186,7 @@ const std::vector<FieldPreset>& field_presets() {
 }
 
 const FieldPreset* find_preset(std::string_view name) {
+  if (name == "ssl") name = "ssl-a";
   const auto& presets = field_presets();
   const auto found =
       std::find_if(presets.begin(), presets.end(), [&](const FieldPreset& preset) { return preset.name == name; });

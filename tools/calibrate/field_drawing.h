@@ -99,7 +99,7 @@ struct FieldPreset {
 };
 /// FIRA MiroSot middle league, IEEE very small size, RoboCup small size divisions A and B.
 const std::vector<FieldPreset>& field_presets();
-/// Null: there is none of that name.
+/// Null: there is none of that name. "ssl" is division A's.
 const FieldPreset* find_preset(std::string_view name);
 /// Null: no league plays on a field of this size (to a millimeter).
 const FieldPreset* find_preset(float length_m, float width_m);

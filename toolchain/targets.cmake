@@ -31,10 +31,10 @@ function(touchline_program name)
   install(TARGETS ${name} RUNTIME)
 endfunction()
 
-# touchline_command_line(SOURCES...): sources of this folder that include CLI11; gcc 12 sees null pointers where its
-# templates are inlined.
+# touchline_command_line(SOURCES...): sources of this folder that include CLI11. Its templates compile in half the time
+# when nothing is optimized, and gcc 12 then sees no null pointers where they would be inlined.
 function(touchline_command_line)
-  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -Wno-null-dereference)
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O0)
 endfunction()
 
 # touchline_test(NAME SOURCES... [LINK LIBS...]): a GoogleTest program whose tests CTest runs one by one.

@@ -82,11 +82,19 @@ void print_report(const ColorFitInput& input, const ColorFit& fit) {
   for (std::size_t c = 0; c < fit.names.size(); ++c) {
     std::printf(" %s %.4f", fit.names[c].c_str(), 100 * fit.background_share[c]);
   }
-  std::printf("\nmargins of the closest pairs, levels between their cores (negative: they overlap):");
-  for (std::size_t i = 0; i < std::min<std::size_t>(6, fit.learned.margins.size()); ++i) {
-    const PairMargin& m = fit.learned.margins[i];
-    std::printf("%s %s-%s %d", i == 0 ? "" : ",", fit.names[m.first].c_str(), fit.names[m.second].c_str(), m.levels);
+  std::printf(
+      "\nmargin of each pair, levels between their cores in the channel that separates them best (negative: they "
+      "overlap)\n");
+  std::vector<std::vector<int>> margin(fit.names.size(), std::vector<int>(fit.names.size(), 0));
+  for (const PairMargin& m : fit.learned.margins)
+    margin[std::max(m.first, m.second)][std::min(m.first, m.second)] = m.levels;
+  for (std::size_t c = 1; c < fit.names.size(); ++c) {
+    std::printf("%-*s", column, fit.names[c].c_str());
+    for (std::size_t other = 0; other < c; ++other) std::printf("%*d", column, margin[c][other]);
+    std::printf("\n");
   }
+  std::printf("%*s", column, "");
+  for (std::size_t c = 0; c + 1 < fit.names.size(); ++c) std::printf("%*s", column, fit.names[c].c_str());
   std::printf("\n");
   for (std::size_t c = 0; c < fit.names.size(); ++c) {
     if (fit.learned.cut_share[c] > 0.05) {

@@ -90,8 +90,20 @@ def seen_in(tools, picture, venue, team, name, adapt):
     else:
         _, lines = tools.replay(picture, venue, team, name, "--set", "adaptation.mode=off")
     ids, doubled = ids_of(lines[-1])
-    teams = sum(1 for _ in lines[-1]["sightings"]["robots"])
-    return {"ids": ids, "doubled": doubled, "robots": teams, "ball": lines[-1]["sightings"]["ball"] is not None}
+    return {"ids": ids, "doubled": doubled, "robots": len(lines[-1]["sightings"]["robots"]),
+            "ball": lines[-1]["sightings"]["ball"] is not None, "annotated": annotated(tools, picture, lines[-1])}
+
+
+def annotated(tools, picture, line):
+    """Ids that are right, unknown and wrong by the picture's annotation; None without one."""
+    for truth in (picture.parent.parent / "annotated").glob("*.json"):
+        if json.loads(truth.read_text())["image"].endswith(f"{picture.parent.name}/{picture.name}"):
+            # A picture that was shown again and again had other names.
+            result = tools.out / "annotated.jsonl"
+            result.write_text(json.dumps({**line, "file": picture.name, "frame": 0}) + "\n")
+            numbers = tools.evaluate("--annotated", truth, result)["pictures"][0]
+            return [numbers[f"ids_{kind}"] for kind in ("right", "unknown", "wrong")]
+    return None
 
 
 def mirosot_fields(tools, pictures):
@@ -215,6 +227,10 @@ def print_tables(results):
     for name, row in results["mirosot_lamps"].items():
         print(f"  {name:<10}" + "".join(f"{text(row[case]):>22}" for case in cases) + (
             "" if row["map_measured"] else "   no map of its own: that of the learned picture"))
+    for name, row in results["mirosot_lamps"].items():
+        if row[cases[0]]["annotated"]:
+            print(f"  {name}, ids right/unknown/wrong by its annotation: " + ", ".join(
+                f"{case} {'/'.join(map(str, row[case]['annotated']))}" for case in cases))
     totals = {case: sum(r[case]["ids"] for r in results["mirosot_lamps"].values()) for case in cases}
     whole = MIROSOT_ROBOTS * len(results["mirosot_lamps"])
     print(f"  {'ids':<10}" + "".join(f"{100 * totals[case] / whole:>20.1f} %" for case in cases))
@@ -223,4 +239,6 @@ def print_tables(results):
         for case, seen in row.items():
             robots, balls = BAR_COUNTS[name.split()[-1]]
             print(f"  {name:<16} {case:<18} {sum(s['ids'] for s in seen)} ({sum(s['doubled'] for s in seen)}), "
-                  f"{sum(s['robots'] for s in seen)} of {robots}, {sum(s['ball'] for s in seen)} of {balls}")
+                  f"{sum(s['robots'] for s in seen)} of {robots}, {sum(s['ball'] for s in seen)} of {balls}" + "".join(
+                      f"; annotated right/unknown/wrong {'/'.join(map(str, s['annotated']))}" for s in seen
+                      if s["annotated"]))

@@ -59,13 +59,14 @@ def pictures_of(folder):
     return sorted(p for p in folder.iterdir() if p.suffix in (".png", ".ppm", ".jpg"))
 
 
-def calibrate(tools, folder, team, clicks, venue):
+def calibrate(tools, folder, team, clicks, venue, no_height):
     """Writes the venue file; how the field was found."""
     venue.unlink(missing_ok=True)
     scene = json.loads((folder / "empty" / "scene.json").read_text())
     empty = [option for p in pictures_of(folder / "empty") for option in ("--picture", p)]
-    field = ["field", "--venue", venue, *empty, "--length", scene["field"][0], "--width", scene["field"][1],
-             "--camera-height", round(scene["camera_m"][2], 2)]
+    field = ["field", "--venue", venue, *empty, "--length", scene["field"][0], "--width", scene["field"][1]]
+    if not no_height:
+        field += ["--camera-height", round(scene["camera_m"][2], 2)]
     how = "no click"
     if tools.run("calibrate", *field, may_fail=True) is None:
         how = "corners clicked"
@@ -162,7 +163,7 @@ def times_bound(tools, folder, result, venue, team):
     return times("position_rms_m", "position_m"), times("angle_rms_rad", "angle_rad")
 
 
-def evaluate(tools, folder):
+def evaluate(tools, folder, no_height):
     name = folder.name
     scene = json.loads((folder / "empty" / "scene.json").read_text())
     samples = truth_of(folder / "samples")
@@ -170,7 +171,7 @@ def evaluate(tools, folder):
     write_team(scene, samples[0]["robots"], team)
     write_clicks(samples, clicks)
     venue = tools.out / f"{name}-venue.toml"
-    out = {"field": calibrate(tools, folder, team, clicks, venue)}
+    out = {"field": calibrate(tools, folder, team, clicks, venue, no_height)}
     out["all"], out["folders"], results = look(tools, folder, venue, team, name)
     if "static" in results:
         lines, _ = results["static"]

@@ -88,31 +88,30 @@ LensMap::LensMap(const CameraParameters& camera)
                   static_cast<double>(camera.full.p2)) {}
 
 Point LensMap::straightened(const Point& pixel) const {
-  if (camera_.kind == CameraModelKind::kPaper) {
-    const double cu = static_cast<double>(camera_.paper.center_u_px);
-    const double cv = static_cast<double>(camera_.paper.center_v_px), h = static_cast<double>(camera_.paper.focal_px);
-    const double x = pixel[0] - cu, y = pixel[1] - cv, r = std::hypot(x, y);
-    const double stretch = r > 0 ? h * std::sinh(r / h) / r : 1.0;
-    return {cu + stretch * x, cv + stretch * y};
-  }
-  const double fx = static_cast<double>(camera_.full.fx_px), fy = static_cast<double>(camera_.full.fy_px);
-  const double cx = static_cast<double>(camera_.full.cx_px), cy = static_cast<double>(camera_.full.cy_px);
-  const auto ideal = distortion_.undistort({(pixel[0] - cx) / fx, (pixel[1] - cy) / fy});
-  return {cx + fx * ideal[0], cy + fy * ideal[1]};
+  return mapped(
+      pixel, [](double r, double h) { return h * std::sinh(r / h); },
+      [this](const Point& seen) { return distortion_.undistort(seen); });
 }
 
 Point LensMap::bent(const Point& straight) const {
+  return mapped(
+      straight, [](double r, double h) { return h * std::asinh(r / h); },
+      [this](const Point& ideal) { return distortion_.distort(ideal); });
+}
+
+template <class Radius, class Brown>
+Point LensMap::mapped(const Point& from, Radius radius, Brown brown) const {
   if (camera_.kind == CameraModelKind::kPaper) {
     const double cu = static_cast<double>(camera_.paper.center_u_px);
     const double cv = static_cast<double>(camera_.paper.center_v_px), h = static_cast<double>(camera_.paper.focal_px);
-    const double x = straight[0] - cu, y = straight[1] - cv, r = std::hypot(x, y);
-    const double shrink = r > 0 ? h * std::asinh(r / h) / r : 1.0;
-    return {cu + shrink * x, cv + shrink * y};
+    const double x = from[0] - cu, y = from[1] - cv, r = std::hypot(x, y);
+    const double scale = r > 0 ? radius(r, h) / r : 1.0;
+    return {cu + scale * x, cv + scale * y};
   }
   const double fx = static_cast<double>(camera_.full.fx_px), fy = static_cast<double>(camera_.full.fy_px);
   const double cx = static_cast<double>(camera_.full.cx_px), cy = static_cast<double>(camera_.full.cy_px);
-  const auto seen = distortion_.distort({(straight[0] - cx) / fx, (straight[1] - cy) / fy});
-  return {cx + fx * seen[0], cy + fy * seen[1]};
+  const Point to = brown({(from[0] - cx) / fx, (from[1] - cy) / fy});
+  return {cx + fx * to[0], cy + fy * to[1]};
 }
 
 hal::Picture straighten(const hal::Picture& picture, const LensMap& lens, Raster& raster) {

@@ -28,6 +28,10 @@ class LensMap {
   [[nodiscard]] Point bent(const Point& straight) const;
 
  private:
+  // `radius`: of the paper's model, from that of the one picture to that of the other; `brown`: the same for points.
+  template <class Radius, class Brown>
+  [[nodiscard]] Point mapped(const Point& from, Radius radius, Brown brown) const;
+
   CameraParameters camera_;
   BrownDistortion distortion_;
 };

@@ -1,13 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <utility>
 
 #include "tests/calibrate/arena_photograph.h"
+#include "tests/tools/program_folder.h"
 #include "tools/calibrate/venue_draft.h"
 
 // `touchline-calibrate field` without a click, from outside: what it must not believe, and what it must.
@@ -16,35 +14,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class FieldWithoutAClick : public testing::Test {
+class FieldWithoutAClick : public touchline::testing::ProgramFolder {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              ("touchline_field_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-    std::ofstream(path("venue.toml")) << kVenue;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  std::string read(const std::string& name) const {
-    std::ifstream file(path(name));
-    std::ostringstream all;
-    all << file.rdbuf();
-    return all.str();
-  }
-  void write(const hal::Picture& picture) {
+  void SetUp() override { write("venue.toml", kVenue); }
+  void write_field(const hal::Picture& picture) {
     std::string reason;
     ASSERT_TRUE(hal::write_picture(path("field.png"), picture, reason).ok()) << reason;
   }
   hal::Picture render(hal::mock::Floor floor = hal::mock::Floor::kField) const { return photograph(arena_, floor, 3); }
-  bool run(const std::string& options) {
-    // What draws text on pictures keeps its fonts until the end.
-    const std::string command = "ASAN_OPTIONS=detect_leaks=0 " + std::string(TOUCHLINE_CALIBRATE) +
-                                " field --picture " + path("field.png") + " --venue " + path("venue.toml") + " " +
-                                options + " >" + path("out") + " 2>&1";
-    return std::system(command.c_str()) == 0;  // NOLINT(cert-env33-c): the program under test
+  bool run(const std::string& options) const {
+    return run_program(touchline::testing::kKeepsFonts + TOUCHLINE_CALIBRATE,
+                       "field --picture " + path("field.png") + " --venue " + path("venue.toml") + " " + options);
   }
   void expect_refusal(const std::string& options, const std::string& reason) {
     EXPECT_FALSE(run(options)) << read("out");
@@ -60,35 +40,34 @@ class FieldWithoutAClick : public testing::Test {
   const std::string kVenue = "version = 1\n# made by hand\n[field]\nlength_m = 2.2\nwidth_m = 1.8\n";
   const std::string kMiroSot = "--field-preset mirosot-middle";
   hal::mock::ArenaParameters arena_;
-  fs::path folder_;
 };
 
 TEST_F(FieldWithoutAClick, CutOffByThePicture) {
   arena_.camera.aim_m = {0.6, 0.0};
-  write(render());
+  write_field(render());
   expect_refusal(kMiroSot, "the picture cuts the field off");
   arena_.camera.aim_m = {0.0, 0.3};
-  write(render());
+  write_field(render());
   expect_refusal(kMiroSot, "is it cut off?");
 }
 
 TEST_F(FieldWithoutAClick, TooFewEdges) {
-  write(render(hal::mock::Floor::kGreyPaper));
+  write_field(render(hal::mock::Floor::kGreyPaper));
   expect_refusal(kMiroSot, "nothing as bright as a border goes around");
 }
 
 TEST_F(FieldWithoutAClick, ItCouldBeTurned) {
   resize(1.6, 1.6);
   const double line_m = std::exchange(arena_.field.line_m, 0.0);
-  write(render());
+  write_field(render());
   expect_refusal("--length 1.6 --width 1.6 --camera-height 2.3", "turned by 90 degrees");
   arena_.field.line_m = line_m;
-  write(render());
+  write_field(render());
   EXPECT_TRUE(run("--length 1.6 --width 1.6 --camera-height 2.3")) << "the center line tells: " << read("out");
 }
 
 TEST_F(FieldWithoutAClick, WrongSize) {
-  write(render());
+  write_field(render());
   expect_refusal("--length 2.2 --width 1.6 --camera-height 2.3", "length and width");
   expect_refusal("--length 2.2 --width 1.75 --camera-height 2.3", "length and width");
   expect_refusal("--field-preset vsss", "length and width");
@@ -105,14 +84,14 @@ TEST_F(FieldWithoutAClick, ResidualsTooLarge) {
       std::copy_n(&straight.rgb8[3 * (v * kWidth + from)], 3, &picture.rgb8[3 * (v * kWidth + u)]);
     }
   }
-  write(picture);
+  write_field(picture);
   expect_refusal(kMiroSot + " --camera-height 2.3", "of the border's four sides can be found");
 }
 
 TEST_F(FieldWithoutAClick, AVerticalCamerasHeightMustBeMeasured) {
   resize(2.8, 2.2);
   arena_.camera.position_m = {0.0, 0.0, 2.9};
-  write(render());
+  write_field(render());
   expect_refusal("--length 2.8 --width 2.2", "give --camera-height");
   ASSERT_TRUE(run("--length 2.8 --width 2.2 --camera-height 2.9 --report " + path("report.json"))) << read("out");
   EXPECT_NE(read("report.json").find("\"height_from\": \"measured\""), std::string::npos);
@@ -124,7 +103,7 @@ TEST_F(FieldWithoutAClick, ACameraInPortrait) {
   arena_.robot.clear();
   arena_.camera.focal_px = 660;
   arena_.camera.roll_rad = std::acos(0.0);
-  write(render());
+  write_field(render());
   ASSERT_TRUE(run("--field-preset vsss --preview " + path("seen.png"))) << read("out");
   EXPECT_TRUE(fs::exists(path("seen.png")));
   EXPECT_TRUE(fs::exists(path("seen-errors.png")));

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "hal/replay/picture.h"
 #include "tests/calibrate/painted_field.h"
+#include "tests/tools/program_folder.h"
 #include "tools/calibrate/clicks.h"
 #include "tools/calibrate/venue_draft.h"
 
@@ -19,21 +17,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Program : public testing::Test {
+class Program : public touchline::testing::ProgramFolder {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              ("touchline_calibrate_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     std::vector<PaintedPatch> patches = {{"red", {200, 30, 30}, 80, 60}, {"green", {30, 180, 60}, 200, 150}};
     write_png("field.png", painted_field(patches, PixelFormat::kRgb24, 1, [](int, int) { return 1.0; }));
     write_png("grey.png", painted_field({}, PixelFormat::kRgb24, 2, [](int u, int) { return 2.0 + u / 160.0; }));
     write("clicks.json", R"({"samples": [{"image": "field.png", "color": "red", "u": 80, "v": 60},
                                          {"image": "field.png", "color": "green", "u": 200, "v": 150}]})");
   }
-  void TearDown() override { fs::remove_all(folder_); }
-
   void write_png(const std::string& name, const CameraPicture& picture) {
     hal::Picture out;
     const Frame frame = picture.frame();
@@ -43,27 +35,14 @@ class Program : public testing::Test {
     std::string reason;
     ASSERT_TRUE(hal::write_picture(path(name), out, reason).ok()) << reason;
   }
-  void write(const std::string& name, const std::string& text) { std::ofstream(path(name)) << text; }
-  std::string read(const std::string& name) const {
-    std::ifstream file(path(name));
-    std::ostringstream all;
-    all << file.rdbuf();
-    return all.str();
-  }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  // Exit code 0.
-  bool run(const std::string& arguments) {
-    // What draws text on pictures keeps its fonts until the end.
-    const std::string command = "ASAN_OPTIONS=detect_leaks=0 " + std::string(TOUCHLINE_CALIBRATE) + " " + arguments +
-                                " >" + path("out") + " 2>&1";
-    return std::system(command.c_str()) == 0;  // NOLINT(cert-env33-c): the program under test
+  bool run(const std::string& arguments) const {
+    return run_program(touchline::testing::kKeepsFonts + TOUCHLINE_CALIBRATE, arguments);
   }
   std::string venue() const { return " --venue " + path("venue.toml"); }
   std::string field() const { return "field --picture " + path("field.png") + venue() + " --field-preset vsss "; }
 
   const std::string corners_ = "--corners 36,225 288,229 280,14 43,12";
   const std::string clockwise_ = "--corners 43,12 280,14 288,229 36,225";
-  fs::path folder_;
 };
 
 TEST_F(Program, MakesAVenueFromNothing) {

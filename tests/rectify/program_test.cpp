@@ -1,11 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "tests/rectify/bent_field.h"
+#include "tests/tools/program_folder.h"
 #include "tools/calibrate/venue_draft.h"
 
 // The program from outside, as a person runs it.
@@ -14,13 +13,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Program : public testing::Test {
+class Program : public touchline::testing::ProgramFolder {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              ("touchline_rectify_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     std::string reason;
     ASSERT_TRUE(hal::write_picture(path("field.png"), photograph(bent_camera(), small_field()), reason).ok()) << reason;
     config::PictureEntry entry;
@@ -34,19 +29,8 @@ class Program : public testing::Test {
                     .ok())
         << reason;
   }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  bool run(const std::string& arguments) {
-    const std::string command = std::string(TOUCHLINE_RECTIFY) + " " + arguments + " >" + path("out") + " 2>&1";
-    return std::system(command.c_str()) == 0;  // NOLINT(cert-env33-c): the program under test
-  }
-  std::string said() const {
-    std::ifstream file(path("out"));
-    std::ostringstream all;
-    all << file.rdbuf();
-    return all.str();
-  }
-  fs::path folder_;
+  bool run(const std::string& arguments) const { return run_program(TOUCHLINE_RECTIFY, arguments); }
+  std::string said() const { return read("out"); }
 };
 
 TEST_F(Program, WritesTheFiguresOfBothModels) {

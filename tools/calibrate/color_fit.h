@@ -33,7 +33,7 @@ struct ClickResult {
   std::string reason;
 };
 
-/// A region of a color where nobody clicked: a patch that was left out, or clutter that looks like one.
+/// A region of a color that was not learned from: a patch that was left out, or clutter that looks like one.
 struct StrayRegion {
   std::string image;
   std::size_t color = 0;

@@ -115,7 +115,7 @@ void print_report(const ColorFitInput& input, const ColorFit& fit) {
   constexpr std::size_t kShown = 8;
   for (std::size_t i = 0; i < std::min(kShown, strays.size()); ++i) {
     const StrayRegion& stray = strays[i];
-    std::printf("%s: %u pixels of %s at %.0f,%.0f where nobody clicked: a patch, or clutter like it\n",
+    std::printf("%s: %u pixels of %s at %.0f,%.0f that were not learned from: a patch, or clutter like it\n",
                 stray.image.c_str(), stray.area_px, fit.names[stray.color].c_str(),
                 static_cast<double>(stray.center.u_px), static_cast<double>(stray.center.v_px));
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/color/pixel.h"
 
@@ -57,8 +58,7 @@ bool same(const ColorBoxes& a, const ColorBoxes& b) {
 }  // namespace
 
 Status Adaptation::configure(const AdaptationParameters& parameters, const ScanParameters& scan, ColorId ball_color) {
-  const auto most_levels =
-      static_cast<float>(kNeutralLevel) / 2.0f * std::log2(static_cast<float>(parameters.most_light));
+  const float most_levels = kLevelsAnOctave * std::log2(static_cast<float>(parameters.most_light));
   if (Status s = light_.configure(scan.width_px, scan.height_px, most_levels); !s.ok()) return s;
   const float most_shift = std::min(static_cast<float>(parameters.most_shift), static_cast<float>(scan.box_room));
   if (Status s = shift_.configure(scan.boxes, most_shift); !s.ok()) return s;
@@ -68,7 +68,9 @@ Status Adaptation::configure(const AdaptationParameters& parameters, const ScanP
   ball_color_ = ball_color;
   last_ = {};
   target_ = scan.boxes;
+  changed_ = false;
   next_row_ = 0;
+  rows_due_ = 0;
   next_table_ = kTables;
   return {};
 }
@@ -78,6 +80,7 @@ void Adaptation::set_mode(AdaptationMode mode) {
   if (mode != AdaptationMode::kOff) return;
   light_.reset();
   shift_.reset();
+  changed_ = true;
 }
 
 void Adaptation::update(RegionScanner& scanner, StepTrace& trace) {
@@ -152,6 +155,7 @@ bool Adaptation::learn_patch(const Shading& shading, const Frame& frame, const P
     weight.fill(weight[0]);
   }
   light_.observe(patch.center, brighter, weight, step);
+  changed_ = true;
   learn_color(shading, space, patch.color, patch.center, sample, step);
   return true;
 }
@@ -167,14 +171,18 @@ void Adaptation::learn_color(const Shading& shading, ColorSpace space, ColorId c
     off[c] = corrected - static_cast<float>(typical_[color][c]);
   }
   shift_.observe(color, off, step / kBoxesSlower);
+  changed_ = true;
 }
 
 void Adaptation::apply(RegionScanner& scanner) {
-  for (int i = 0; i < kTileRowsAFrame && scanner.shading().active(); ++i) {
+  const Shading& shading = scanner.shading();
+  if (changed_ && shading.active()) rows_due_ = shading.rows();
+  for (int i = 0; i < kTileRowsAFrame && rows_due_ > 0; ++i, --rows_due_) {
     scanner.follow_light(light_, next_row_);
-    next_row_ = static_cast<std::uint16_t>((next_row_ + 1) % scanner.shading().rows());
+    next_row_ = static_cast<std::uint16_t>((next_row_ + 1) % shading.rows());
   }
   if (next_table_ == kTables) {
+    if (!std::exchange(changed_, false)) return;
     const ColorBoxes wanted = shift_.moved();
     if (same(wanted, target_)) return;
     target_ = wanted;

@@ -79,7 +79,8 @@ class Adaptation {
   Instant last_{};
   // What the scanner has.
   ColorBoxes target_;
-  std::uint16_t next_row_ = 0;
+  bool changed_ = false;  // since its boxes were last looked at
+  std::uint16_t next_row_ = 0, rows_due_ = 0;
   std::uint32_t next_table_ = 0;
 };
 

@@ -1,0 +1,83 @@
+#include "tests/benchmark/step_subject.h"
+
+#include <cstring>
+
+#include "core/color/row_classifier.h"
+#include "firmware/devices.h"
+
+namespace touchline::testing {
+namespace {
+
+// All robots are known and on their way by then.
+constexpr std::size_t kFramesBefore = 90;
+
+}  // namespace
+
+StepSubject::Picture StepSubject::copy_of(const Frame& frame) {
+  Picture copy;
+  copy.frame = frame;
+  std::array<std::size_t, 2> bytes{};
+  for (std::size_t plane = 0; plane < 2; ++plane) {
+    const std::size_t rows = plane == 0 ? frame.height_px : (frame.height_px + 1u) / 2u;
+    const std::size_t row = row_bytes(frame.format, plane, frame.width_px);
+    bytes[plane] = row == 0 ? 0 : (rows - 1) * frame.stride_bytes[plane] + row;
+  }
+  copy.bytes.resize(bytes[0] + bytes[1]);
+  std::size_t begin = 0;
+  for (std::size_t plane = 0; plane < 2; ++plane) {
+    if (bytes[plane] == 0) continue;
+    std::memcpy(copy.bytes.data() + begin, frame.plane[plane], bytes[plane]);
+    copy.frame.plane[plane] = copy.bytes.data() + begin;
+    begin += bytes[plane];
+  }
+  return copy;
+}
+
+std::string StepSubject::play(std::size_t frames) {
+  Devices devices;
+  devices.make(*configuration_, 1);
+  const LoopDevices loop = devices.loop_devices();
+  if (!loop.camera.open().ok()) return loop.camera.reason();
+  if (!loop.camera.start().ok()) return loop.camera.reason();
+  if (!loop.radio.open().ok()) return loop.radio.reason();
+  pipeline_->set_action_delay(from_seconds(configuration_->board.radio.delay_s));
+  for (std::size_t i = 0; i < kFramesBefore + frames; ++i) {
+    const Result<hal::FrameLease> lease = loop.camera.wait(loop.clock.now() + std::chrono::seconds(1));
+    if (!lease.ok()) return loop.camera.reason();
+    const Frame& frame = lease.value().frame();
+    const StepTrace& trace = pipeline_->step(frame);
+    if (!loop.radio.send(trace.packet).ok()) return loop.radio.reason();
+    pipeline_->adapt();
+    if (i < kFramesBefore) continue;
+    if (!trace.status.ok()) return describe(trace.status.code());
+    if (trace.sightings.robots.size() != configuration_->board.arena.robot.size()) return "not all robots are seen";
+    pictures_.push_back(copy_of(frame));
+  }
+  loop.camera.stop();
+  return {};
+}
+
+std::string StepSubject::prepare(const std::string& board_file, std::size_t frames) {
+  config::Problems problems;
+  if (!config::load({board_file, "", "", {}}, *configuration_, problems).ok()) return problems.text();
+  if (!pipeline_->configure(configuration_->pipeline).ok()) return "the pipeline is refused";
+  if (!scanner_->configure(configuration_->pipeline.scan).ok()) return "the scan is refused";
+  if (std::string wrong = play(frames); !wrong.empty()) return wrong;
+  stepped_ = pictures_.size();
+  return pictures_.empty() ? "no frames" : "";
+}
+
+void StepSubject::scan_only() {
+  scanned_ = (scanned_ + 1) % pictures_.size();
+  static_cast<void>(scanner_->scan(pictures_[scanned_].frame, *runs_, *regions_));
+}
+
+const StepTrace& StepSubject::step() {
+  if (stepped_ >= pictures_.size()) {
+    pipeline_->reset();
+    stepped_ = 0;
+  }
+  return pipeline_->step(pictures_[stepped_++].frame);
+}
+
+}  // namespace touchline::testing

@@ -1,13 +1,6 @@
 #include "core/color/row_classifier.h"
 
-#include <algorithm>
-
 namespace touchline {
-namespace {
-
-constexpr std::array<std::uint8_t, 3> kNeutral = {kNeutralLevel, kNeutralLevel, kNeutralLevel};
-
-}  // namespace
 
 std::size_t row_bytes(PixelFormat format, std::size_t plane, std::uint16_t width_px) {
   const std::size_t whole_pairs = (std::size_t{width_px} + 1) / 2 * 2;
@@ -25,48 +18,27 @@ Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std:
   format_ = format;
   width_px_ = width_px;
   height_px_ = height_px;
-  find_floors(boxes, box_room);
+  quiet_.build(format, boxes, box_room);
+  tiles_[0] = quiet_.of({kNeutralLevel, kNeutralLevel, kNeutralLevel});
+  for (std::uint16_t row = 0; shading_.active() && row < shading_.rows(); ++row) find_tiles(row);
   digits_.build(tables_, boxes.size());
-  kernel_ = kernel == KernelChoice::kFastest ? avx2_kernel(format) : nullptr;
-  if (kernel_ == nullptr) kernel_ = scalar_kernel(format);
-  return {};
+  choice_ = kernel;
+  kernel_ = find_kernel(format, choice_);
+  return kernel_ == nullptr ? ErrorCode::kUnsupported : Status();
 }
 
-void RowClassifier::find_floors(const ColorBoxes& boxes, std::uint8_t box_room) {
-  ColorBoxes lowest = boxes;
-  for (ColorBox& box : lowest) {
-    for (std::uint8_t& low : box.low)
-      low = low > box_room ? static_cast<std::uint8_t>(low - box_room) : std::uint8_t{0};
-  }
-  const ChannelFloors floors = floors_of(lowest);
-  if (!shading_.active()) {
-    floors_.fill(BackgroundFloor(format_, floors));
-    return;
-  }
-  for (std::size_t channel = 0; channel < 3; ++channel) {
-    const std::uint8_t unlit = unlit_value(color_space(format_), channel);
-    for (std::uint8_t level = 0; level < kLightLevels; ++level) {
-      floor_before_[channel][level] = floor_before_correction(floors[channel], level, unlit);
-    }
-  }
-  for (std::size_t row = 0; row < shading_.rows(); ++row) find_floor(row);
-}
-
-void RowClassifier::find_floor(std::size_t tile_row) {
-  ChannelFloors lowest = {256, 256, 256};
+void RowClassifier::find_tiles(std::uint16_t tile_row) {
+  TileLight* tiles = &tiles_[std::size_t{tile_row} * shading_.columns()];
   for (std::uint16_t column = 0; column < shading_.columns(); ++column) {
-    for (std::size_t channel = 0; channel < 3; ++channel) {
-      const std::uint8_t level = shading_.level(channel, column, static_cast<std::uint16_t>(tile_row));
-      lowest[channel] = std::min(lowest[channel], floor_before_[channel][level]);
-    }
+    tiles[column] = quiet_.of({shading_.level(0, column, tile_row), shading_.level(1, column, tile_row),
+                               shading_.level(2, column, tile_row)});
   }
-  floors_[tile_row] = BackgroundFloor(format_, lowest);
 }
 
 void RowClassifier::follow_light(const LightChange& change, std::uint16_t tile_row) {
   if (!shading_.active()) return;
   shading_.follow(change, tile_row);
-  find_floor(tile_row);
+  find_tiles(tile_row);
 }
 
 void RowClassifier::move_boxes(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
@@ -87,38 +59,15 @@ Status RowClassifier::accepts(const Frame& frame) const {
   return {};
 }
 
-SpanTables RowClassifier::tables_at(const std::array<std::uint8_t, 3>& level, std::size_t tile_row) const {
-  return {{&tables_.table(0, level[0]), &tables_.table(1, level[1]), &tables_.table(2, level[2])},
-          &tables_.color_of_bit(),
-          &floors_[tile_row],
-          {&digits_.channel(0, level[0]), &digits_.channel(1, level[1]), &digits_.channel(2, level[2])},
-          &digits_.colors(),
-          digits_.groups()};
-}
-
-void RowClassifier::classify(const Frame& frame, std::uint16_t v, std::uint16_t begin, std::uint16_t end,
-                             ColorId* colors) const {
+OccupiedWords RowClassifier::classify(const Frame& frame, std::uint16_t v, std::uint16_t begin, std::uint16_t end,
+                                      ColorId* colors) const {
   RowPixels row;
   row.samples = frame.plane[0] + std::size_t{v} * frame.stride_bytes[0];
   if (format_ == PixelFormat::kNv12) row.chroma = frame.plane[1] + std::size_t{v / 2u} * frame.stride_bytes[1];
 
-  const std::uint16_t tile_row = v / kTileHeight;
-  if (!shading_.active()) {
-    kernel_(tables_at(kNeutral, tile_row), row, begin, end, colors);
-    return;
-  }
-  const auto level_of_tile = [&](std::uint16_t tile) {
-    return std::array{shading_.level(0, tile, tile_row), shading_.level(1, tile, tile_row),
-                      shading_.level(2, tile, tile_row)};
-  };
-  // Neighboring tiles of one level are one span.
-  for (std::uint32_t u = begin; u < end;) {
-    const auto tile = static_cast<std::uint16_t>(u / kTileWidth);
-    const std::uint32_t span_end =
-        std::min<std::uint32_t>(end, std::uint32_t{shading_.span_end(tile, tile_row)} * kTileWidth);
-    kernel_(tables_at(level_of_tile(tile), tile_row), row, u, span_end, colors);
-    u = span_end;
-  }
+  const std::size_t tile_row = v / kTileHeight, first_tile = shading_.active() ? tile_row * shading_.columns() : 0;
+  const SpanTables tables = {&tables_, &digits_, &tiles_[first_tile], !shading_.active(), quiet_.exist()};
+  return kernel_(tables, row, begin, end, colors);
 }
 
 }  // namespace touchline

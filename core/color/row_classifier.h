@@ -3,17 +3,14 @@
 #include <array>
 #include <cstdint>
 
-#include "core/color/background_floor.h"
 #include "core/color/color_tables.h"
 #include "core/color/digit_tables.h"
+#include "core/color/quiet_box.h"
 #include "core/color/span_kernel.h"
 #include "core/light/shading.h"
 #include "core/types.h"
 
 namespace touchline {
-
-/// kFastest: what this processor does best. Both give the same colors.
-enum class KernelChoice : std::uint8_t { kFastest, kPortable };
 
 /// Bytes that a row of the plane holds; with shared chroma an odd width still has the last pair's whole chroma. Planes
 /// that the format does not have need none.
@@ -22,7 +19,8 @@ std::size_t row_bytes(PixelFormat format, std::size_t plane, std::uint16_t width
 /// Pixels -> colors, one row at a time, in the format in which they arrive; with or without shading correction.
 class RowClassifier {
  public:
-  /// Boxes may be moved later by up to `box_room` levels. kOutOfRange: as ColorTables::build and Shading::build.
+  /// Boxes may be moved later by up to `box_room` levels. kOutOfRange: as ColorTables::build and Shading::build;
+  /// kUnsupported: this processor has no such kernel. After an error no frame is accepted.
   Status configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px, const ColorBoxes& boxes,
                    const LightMap& light, KernelChoice kernel = KernelChoice::kFastest, std::uint8_t box_room = 0);
 
@@ -37,26 +35,27 @@ class RowClassifier {
   [[nodiscard]] Status accepts(const Frame& frame) const;
 
   /// Writes colors[u] for begin <= u < end, the columns of row v. The frame has been accepted, v and end are in it.
-  void classify(const Frame& frame, std::uint16_t v, std::uint16_t begin, std::uint16_t end, ColorId* colors) const;
+  /// Returns which words of 64 columns hold more than background: all of the others is.
+  OccupiedWords classify(const Frame& frame, std::uint16_t v, std::uint16_t begin, std::uint16_t end,
+                         ColorId* colors) const;
 
+  /// Never kFastest once configured.
+  [[nodiscard]] KernelChoice kernel() const { return choice_; }
   [[nodiscard]] const ColorTables& tables() const { return tables_; }
   [[nodiscard]] const Shading& shading() const { return shading_; }
 
  private:
-  void find_floors(const ColorBoxes& boxes, std::uint8_t box_room);
-  void find_floor(std::size_t tile_row);
-  [[nodiscard]] SpanTables tables_at(const std::array<std::uint8_t, 3>& level, std::size_t tile_row) const;
-
-  static constexpr std::size_t kMaxTileRows = (kMaxFrameHeight + kTileHeight - 1) / kTileHeight;
+  void find_tiles(std::uint16_t tile_row);
 
   SpanKernel kernel_ = nullptr;
+  KernelChoice choice_ = KernelChoice::kFastest;
   PixelFormat format_ = PixelFormat::kRgb24;
   std::uint16_t width_px_ = 0, height_px_ = 0;
   ColorTables tables_;
   DigitTableSet digits_;
   Shading shading_;
-  std::array<std::array<std::uint16_t, kLightLevels>, 3> floor_before_{};  // correction, by level
-  std::array<BackgroundFloor, kMaxTileRows> floors_;                       // one a row of tiles: for its brightest tile
+  QuietRanges quiet_;
+  std::array<TileLight, kMaxTiles> tiles_{};  // without a light map the first holds for all
 };
 
 }  // namespace touchline

@@ -3,22 +3,31 @@
 #include <array>
 #include <cstdint>
 
-#include "core/color/background_floor.h"
 #include "core/color/color_tables.h"
 #include "core/color/digit_tables.h"
+#include "core/color/quiet_box.h"
+#include "core/parameter.h"
 #include "core/types.h"
 
 namespace touchline {
 
-/// What a kernel needs to know about the colors in a span of one light level.
+/// kFastest: what this processor does best. All give the same colors.
+enum class KernelChoice : std::uint8_t { kFastest, kPortable, kAvx2, kAvx512, kNeon };
+inline constexpr std::array<Choice<KernelChoice>, 5> kKernelChoices{{{"fastest", KernelChoice::kFastest},
+                                                                     {"portable", KernelChoice::kPortable},
+                                                                     {"avx2", KernelChoice::kAvx2},
+                                                                     {"avx512", KernelChoice::kAvx512},
+                                                                     {"neon", KernelChoice::kNeon}}};
+
+/// What a kernel needs to know about the colors in a row.
 struct SpanTables {
-  std::array<const ColorTables::Table*, 3> channel{};
-  const ColorTables::ColorOfBit* color_of_bit = nullptr;
-  const BackgroundFloor* floor = nullptr;
-  // The same classes for kernels that look up digits.
-  std::array<const ChannelDigits*, 3> digits{};
-  const std::array<ColorDigits, kClassGroups>* color_digits = nullptr;
-  std::size_t groups = 0;
+  const ColorTables* colors = nullptr;
+  const DigitTableSet* digits = nullptr;  // the same classes for kernels that look up digits
+  const TileLight* tiles = nullptr;       // column u is in tiles[u / kTileWidth], or with one light in tiles[0]
+  bool one_light = true;
+  bool has_quiet = false;  // there is a QuietBox, and the tiles say where
+
+  [[nodiscard]] const TileLight& tile_at(std::uint32_t u) const { return tiles[one_light ? 0 : u / kTileWidth]; }
 };
 
 /// The first bytes of a picture's row: interleaved samples, or luma and (NV12) the chroma row that belongs to it.
@@ -27,16 +36,26 @@ struct RowPixels {
   const std::uint8_t* chroma = nullptr;
 };
 
+/// Bit i: columns 64 i to 64 i + 63 may hold a color. All of a word whose bit is not set is background.
+using OccupiedWords = std::uint64_t;
+constexpr std::uint32_t kOccupiedWordPixels = 64;
+static_assert(kMaxFrameWidth <= 64 * kOccupiedWordPixels);
+
 /// Writes colors[u] for begin <= u < end and nothing else; columns count from the row's first pixel, begin may be odd.
 /// Reads no byte beyond those of the pixels (and, with shared chroma, pixel pairs) in the span. By definition
-///   colors[u] = color_of(channel[0][c0] & channel[1][c1] & channel[2][c2]).
-using SpanKernel = void (*)(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
-                            ColorId* colors);
+///   colors[u] = colors->color_of(colors->mask(value, tile_at(u).level)).
+/// Returns which words of the span hold more than background; bits of words beyond the span are 0.
+using SpanKernel = OccupiedWords (*)(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
+                                     std::uint32_t end, ColorId* colors);
 
 /// The portable kernel of a format: the reference for all others.
 SpanKernel scalar_kernel(PixelFormat format);
-
-/// Null where the processor lacks AVX2.
+/// Null where the processor lacks them, or (AVX-512) one of F, BW, VL and VBMI.
 SpanKernel avx2_kernel(PixelFormat format);
+SpanKernel avx512_kernel(PixelFormat format);
+SpanKernel neon_kernel(PixelFormat format);
+
+/// Null when it was asked for by name and is not there. `choice` becomes what kFastest stands for.
+SpanKernel find_kernel(PixelFormat format, KernelChoice& choice);
 
 }  // namespace touchline

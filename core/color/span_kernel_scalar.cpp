@@ -1,4 +1,4 @@
-#include <bit>
+#include <algorithm>
 #include <cstring>
 
 #include "core/color/load_word.h"
@@ -9,26 +9,85 @@ namespace {
 
 static_assert(sizeof(ColorId) == 1, "a block of colors is cleared as one word");
 
-inline ColorId color_of(const SpanTables& tables, std::uint32_t mask) {
-  return (*tables.color_of_bit)[static_cast<std::size_t>(std::countr_zero(mask))];
+// Eight pixels are looked at as machine words, and a tile has whole blocks.
+constexpr std::uint32_t kBlockPixels = 8;
+static_assert(kTileWidth % kBlockPixels == 0);
+
+// The tables of one light.
+struct LightTables {
+  std::array<const ColorTables::Table*, 3> channel;
+  const ColorTables::ColorOfBit& color_of_bit;
+
+  LightTables(const SpanTables& tables, const TileLight& light)
+      : channel{&tables.colors->table(0, light.level[0]), &tables.colors->table(1, light.level[1]),
+                &tables.colors->table(2, light.level[2])},
+        color_of_bit(tables.colors->color_of_bit()) {}
+
+  [[nodiscard]] ColorId color_of(std::uint32_t mask) const {
+    return color_of_bit[static_cast<std::size_t>(std::countr_zero(mask))];
+  }
+};
+
+// Eight bytes against the quiet range of each.
+class QuietWord {
+ public:
+  QuietWord() = default;
+  explicit QuietWord(const std::array<std::uint8_t, 8>& low, const std::array<std::uint8_t, 8>& reach)
+      : low_(load_word(low.data())), beyond_(~load_word(reach.data())) {}
+
+  /// High bits of the bytes that are out of range.
+  [[nodiscard]] std::uint64_t loud(std::uint64_t bytes) const {
+    // Byte by byte, no borrow into the next: bytes - low.
+    const std::uint64_t from_low = ((bytes | kHighBits) - (low_ & ~kHighBits)) ^ ((bytes ^ ~low_) & kHighBits);
+    // A byte's high bit becomes (value & 127) + addend >= 128; no byte carries into the next, 127 + 127 < 255.
+    const std::uint64_t sum = (from_low & ~kHighBits) + (beyond_ & ~kHighBits);
+    // Beyond a reach below 128 is what the sum or the value's own high bit says, else what both say: a majority vote.
+    return ((sum & from_low) | (beyond_ & (sum | from_low))) & kHighBits;
+  }
+
+ private:
+  static constexpr std::uint64_t kHighBits = 0x8080808080808080u;
+  std::uint64_t low_ = 0, beyond_ = 0;
+};
+
+// The pattern's bytes `at`, over and over; each may stand for several channels in turn.
+template <std::size_t kPeriod>
+QuietWord quiet_word(const TileLight& light, const std::array<std::size_t, kPeriod>& at, std::size_t first = 0) {
+  std::array<std::uint8_t, 8> low{}, reach{};
+  for (std::size_t i = 0; i < 8; ++i) {
+    low[i] = light.quiet_low[at[(first + i) % kPeriod]];
+    reach[i] = light.quiet_reach[at[(first + i) % kPeriod]];
+  }
+  return QuietWord(low, reach);
 }
 
 template <PixelFormat kFormat>
 struct Packed24 {
   static constexpr std::size_t kRed = kFormat == PixelFormat::kRgb24 ? 0 : 2;
 
-  static void pixels(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
+  static void pixels(const LightTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
                      ColorId* colors) {
     const auto& [red, green, blue] = tables.channel;
     const std::uint8_t* pixel = row.samples + std::size_t{begin} * 3;
     for (std::uint32_t u = begin; u < end; ++u, pixel += 3) {
-      colors[u] = color_of(tables, (*red)[pixel[kRed]] & (*green)[pixel[1]] & (*blue)[pixel[2 - kRed]]);
+      colors[u] = tables.color_of((*red)[pixel[kRed]] & (*green)[pixel[1]] & (*blue)[pixel[2 - kRed]]);
     }
   }
-  static std::array<std::uint64_t, 3> block(const RowPixels& row, std::uint32_t begin) {
-    const std::uint8_t* bytes = row.samples + std::size_t{begin} * 3;
-    return {load_word(bytes), load_word(bytes + 8), load_word(bytes + 16)};
-  }
+
+  class Quiet {
+   public:
+    explicit Quiet(const TileLight& light) {
+      for (std::size_t i = 0; i < words_.size(); ++i) words_[i] = quiet_word<3>(light, {0, 1, 2}, 8 * i);
+    }
+    [[nodiscard]] bool holds(const RowPixels& row, std::uint32_t begin) const {
+      const std::uint8_t* bytes = row.samples + std::size_t{begin} * 3;
+      return (words_[0].loud(load_word(bytes)) | words_[1].loud(load_word(bytes + 8)) |
+              words_[2].loud(load_word(bytes + 16))) == 0;
+    }
+
+   private:
+    std::array<QuietWord, 3> words_;
+  };
 };
 
 // Formats whose pixel pairs (2k, 2k + 1) share a chroma sample: most pairs are background by their chroma alone.
@@ -41,15 +100,15 @@ struct SharedChroma {
   static constexpr std::size_t kFirstChromaAt = kFormat == PixelFormat::kYuyv ? 1 : 0;
   static constexpr std::size_t kSecondChromaAt = kFirstChromaAt + (kPlanar ? 1 : 2);
 
-  static std::uint32_t chroma_mask(const SpanTables& tables, const RowPixels& row, std::uint32_t u) {
+  static std::uint32_t chroma_mask(const LightTables& tables, const RowPixels& row, std::uint32_t u) {
     const std::uint8_t* pair = (kPlanar ? row.chroma : row.samples) + std::size_t{u / 2} * kPairStep;
     return (*tables.channel[1])[pair[kFirstChromaAt]] & (*tables.channel[2])[pair[kSecondChromaAt]];
   }
-  static ColorId with_luma(const SpanTables& tables, const RowPixels& row, std::uint32_t u, std::uint32_t chroma) {
-    return color_of(tables, chroma & (*tables.channel[0])[row.samples[std::size_t{u} * kLumaStep + kLumaAt]]);
+  static ColorId with_luma(const LightTables& tables, const RowPixels& row, std::uint32_t u, std::uint32_t chroma) {
+    return tables.color_of(chroma & (*tables.channel[0])[row.samples[std::size_t{u} * kLumaStep + kLumaAt]]);
   }
 
-  static void pixels(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
+  static void pixels(const LightTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
                      ColorId* colors) {
     std::uint32_t u = begin;
     if (u % 2 == 1 && u < end) {
@@ -65,30 +124,68 @@ struct SharedChroma {
     }
     if (u < end) colors[u] = with_luma(tables, row, u, chroma_mask(tables, row, u));
   }
-  // `begin` is even.
-  static std::array<std::uint64_t, 2> block(const RowPixels& row, std::uint32_t begin) {
-    const std::uint8_t* bytes = row.samples + std::size_t{begin} * kLumaStep;
-    return {load_word(bytes), load_word(kPlanar ? row.chroma + begin : bytes + 8)};
-  }
+
+  class Quiet {
+   public:
+    explicit Quiet(const TileLight& light)
+        : first_(kPlanar ? quiet_word<1>(light, {0}) : quiet_word<4>(light, {0, 1, 2, 3})),
+          second_(kPlanar ? quiet_word<2>(light, {2, 3}) : first_) {}
+    /// `begin` is even.
+    [[nodiscard]] bool holds(const RowPixels& row, std::uint32_t begin) const {
+      const std::uint8_t* bytes = row.samples + std::size_t{begin} * kLumaStep;
+      return (first_.loud(load_word(bytes)) | second_.loud(load_word(kPlanar ? row.chroma + begin : bytes + 8))) == 0;
+    }
+
+   private:
+    QuietWord first_, second_;
+  };
 };
 
-// Blocks below the floor are background at a glance; the others are looked at pixel by pixel.
+// Pixels of one light, `begin` even. Blocks in the quiet box are background at a glance; the others are looked at pixel
+// by pixel.
 template <class Layout>
-void classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
-                   ColorId* colors) {
-  std::uint32_t u = begin;
-  if (u % 2 == 1 && u < end) {
-    Layout::pixels(tables, row, u, u + 1, colors);
-    ++u;
-  }
-  for (; u + kBlockPixels <= end; u += kBlockPixels) {
-    if (tables.floor->rejects(Layout::block(row, u))) {
-      std::memset(colors + u, kBackground, kBlockPixels);
-    } else {
-      Layout::pixels(tables, row, u, u + kBlockPixels, colors);
+OccupiedWords classify_light(const SpanTables& tables, const TileLight& light, const RowPixels& row,
+                             std::uint32_t begin, std::uint32_t end, ColorId* colors) {
+  const LightTables of_light(tables, light);
+  const typename Layout::Quiet quiet(light);
+  OccupiedWords occupied = 0;
+  const auto exactly = [&](std::uint32_t from, std::uint32_t to) {
+    Layout::pixels(of_light, row, from, to, colors);
+    for (std::uint32_t u = from; u < to; ++u) {
+      occupied |= OccupiedWords{colors[u] != kBackground} << u / kOccupiedWordPixels;
     }
+  };
+  std::uint32_t u = begin;
+  if (u % 2 == 1 && u < end) exactly(u, u + 1), ++u;
+  for (; u + kBlockPixels <= end; u += kBlockPixels) {
+    if (tables.has_quiet && quiet.holds(row, u)) {
+      std::memset(colors + u, kBackground, kBlockPixels);
+      continue;
+    }
+    Layout::pixels(of_light, row, u, u + kBlockPixels, colors);
+    const OccupiedWords any = load_word(colors + u) != 0;
+    occupied |= any << u / kOccupiedWordPixels | any << (u + kBlockPixels - 1) / kOccupiedWordPixels;
   }
-  Layout::pixels(tables, row, u, end, colors);
+  exactly(u, end);
+  return occupied;
+}
+
+template <class Layout>
+OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
+                            ColorId* colors) {
+  if (tables.one_light) return classify_light<Layout>(tables, *tables.tiles, row, begin, end, colors);
+  OccupiedWords occupied = 0;
+  for (std::uint32_t u = begin; u < end;) {
+    // Neighboring tiles of one light are one stretch.
+    const TileLight& light = tables.tile_at(u);
+    std::uint32_t stop = u;
+    do {
+      stop = std::min(end, (stop / kTileWidth + 1) * kTileWidth);
+    } while (stop < end && tables.tile_at(stop).level == light.level);
+    occupied |= classify_light<Layout>(tables, light, row, u, stop, colors);
+    u = stop;
+  }
+  return occupied;
 }
 
 }  // namespace

@@ -112,7 +112,6 @@ Status Shading::build(const LightMap& map, std::uint16_t width_px, std::uint16_t
         map_level_[channel][tile] = level_[channel][tile] = level_of_gain(1.0f / light[channel]);
       }
     }
-    find_spans(row);
   }
   active_ = true;
   return {};
@@ -128,18 +127,6 @@ void Shading::follow(const LightChange& change, std::uint16_t row) {
       const int level = static_cast<int>(map_level_[channel][tile]) - static_cast<int>(std::lround(brighter));
       level_[channel][tile] = static_cast<std::uint8_t>(std::clamp(level, 0, int{kLightLevels} - 1));
     }
-  }
-  find_spans(row);
-}
-
-void Shading::find_spans(std::size_t row) {
-  const std::size_t first = row * columns_;
-  for (std::size_t column = columns_; column-- > 0;) {
-    const std::size_t tile = first + column;
-    const bool last = column + 1 == columns_;
-    const bool same = !last && level_[0][tile] == level_[0][tile + 1] && level_[1][tile] == level_[1][tile + 1] &&
-                      level_[2][tile] == level_[2][tile + 1];
-    span_end_[tile] = same ? span_end_[tile + 1] : static_cast<std::uint16_t>(column + 1);
   }
 }
 

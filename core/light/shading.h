@@ -63,23 +63,16 @@ class Shading {
   [[nodiscard]] std::uint8_t map_level(std::size_t channel, std::uint16_t column, std::uint16_t row) const {
     return map_level_[channel][row * columns_ + column];
   }
-  /// The first tile after (column, row) in its row that has another level in some channel; columns() when none has.
-  [[nodiscard]] std::uint16_t span_end(std::uint16_t column, std::uint16_t row) const {
-    return span_end_[row * columns_ + column];
-  }
   [[nodiscard]] std::uint16_t columns() const { return static_cast<std::uint16_t>(columns_); }
   [[nodiscard]] std::uint16_t rows() const { return static_cast<std::uint16_t>(rows_); }
 
  private:
-  void find_spans(std::size_t row);
-
   bool active_ = false;
   ColorSpace space_ = ColorSpace::kRgb;
   std::size_t columns_ = 0, rows_ = 0;
   using Levels = std::array<std::array<std::uint8_t, kMaxTiles>, 3>;
   Levels map_level_{};  // of the map alone
   Levels level_{};
-  std::array<std::uint16_t, kMaxTiles> span_end_{};
 };
 
 }  // namespace touchline

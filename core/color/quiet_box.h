@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/color/color_tables.h"
+#include "core/light/shading.h"
+#include "core/types.h"
+
+namespace touchline {
+
+/// A box of color space, bounds inclusive, that no color's box meets and that holds black: a pixel in it is background
+/// at a glance. Of all such boxes the one that holds most of what backgrounds look like: any brightness, and in YUV
+/// little chroma, which is what white balance makes of carpets, lines and robots' tops.
+struct QuietBox {
+  std::array<std::uint8_t, 3> low{}, high{};
+  bool exists = false;  // false: black itself is in some box
+};
+QuietBox quiet_box_of(const ColorBoxes& boxes, ColorSpace space);
+
+/// The values that the light level moves into low..high, full scale being any value above as well (ColorTables).
+/// The unlit value is in low..high.
+struct ValueRange {
+  std::uint8_t low = 0, high = 0;
+};
+ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std::uint8_t unlit);
+
+/// What holds for a tile of Shading. A pixel is background when value - quiet_low <= quiet_reach, differences taken
+/// modulo 256, for each of its bytes; only when there is a QuietBox. R, G and B have quiet_low 0.
+struct TileLight {
+  std::array<std::uint8_t, 4> level{};                     // by channel
+  std::array<std::uint8_t, 4> quiet_low{}, quiet_reach{};  // by byte: R G B -, B G R -, Y U Y V, U Y V Y; NV12 Y Y U V
+};
+
+/// Where in TileLight a format's channels are; of YUYV and UYVY luma a second time two bytes further.
+constexpr std::array<std::uint8_t, 3> quiet_bytes(PixelFormat format) {
+  switch (format) {
+    case PixelFormat::kRgb24:
+      return {0, 1, 2};
+    case PixelFormat::kBgr24:
+      return {2, 1, 0};
+    case PixelFormat::kYuyv:
+      return {0, 1, 3};
+    case PixelFormat::kUyvy:
+      return {1, 0, 2};
+    case PixelFormat::kNv12:
+      break;
+  }
+  return {0, 2, 3};
+}
+
+/// Quiet ranges of all channels at every light level, by which those of a tile are put together.
+class QuietRanges {
+ public:
+  /// Errors: none. Boxes may be moved later by up to `box_room` levels.
+  void build(PixelFormat format, const ColorBoxes& boxes, std::uint8_t box_room);
+  [[nodiscard]] TileLight of(const std::array<std::uint8_t, 3>& level) const;
+  [[nodiscard]] bool exist() const { return exist_; }
+
+ private:
+  PixelFormat format_ = PixelFormat::kRgb24;
+  bool exist_ = false;
+  std::array<std::array<ValueRange, kLightLevels>, 3> range_{};
+};
+
+}  // namespace touchline

@@ -1,0 +1,140 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "core/color/quiet_box.h"
+#include "tests/color/owned_picture.h"
+
+namespace touchline::testing {
+namespace {
+
+bool holds(const QuietBox& quiet, const Channels& value) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (value[c] < quiet.low[c] || value[c] > quiet.high[c]) return false;
+  }
+  return quiet.exists;
+}
+
+bool meets(const QuietBox& quiet, const ColorBox& box) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (box.low[c] > quiet.high[c] || box.high[c] < quiet.low[c]) return false;
+  }
+  return true;
+}
+
+TEST(QuietBox, LeavesEachBoxOutByAChannelThatItNeeds) {
+  ColorBoxes boxes;
+  const QuietBox everything = quiet_box_of(boxes, ColorSpace::kRgb);
+  EXPECT_TRUE(holds(everything, {0, 0, 0}) && holds(everything, {255, 255, 255}));
+  boxes.push_back({1, {180, 0, 0}, {255, 80, 80}});
+  EXPECT_EQ(quiet_box_of(boxes, ColorSpace::kRgb).high, (Channels{179, 255, 255}));
+  boxes.push_back({2, {20, 0, 120}, {90, 90, 255}});
+  EXPECT_EQ(quiet_box_of(boxes, ColorSpace::kRgb).high, (Channels{179, 255, 119}));
+  boxes.push_back({3, {0, 0, 0}, {9, 9, 9}});
+  EXPECT_FALSE(quiet_box_of(boxes, ColorSpace::kRgb).exists) << "black is a color";
+}
+
+TEST(QuietBox, KeepsInYuvWhatHasLittleChroma) {
+  ColorBoxes boxes;
+  boxes.push_back({1, {50, 150, 90}, {200, 200, 140}});    // blue
+  boxes.push_back({2, {50, 80, 160}, {200, 140, 220}});    // red
+  boxes.push_back({3, {180, 100, 100}, {255, 150, 150}});  // white
+  boxes.push_back({4, {60, 60, 70}, {190, 108, 110}});     // green: more chroma is left out by U
+  const QuietBox quiet = quiet_box_of(boxes, ColorSpace::kYuv);
+  ASSERT_TRUE(quiet.exists);
+  EXPECT_EQ(quiet.low, (Channels{0, 0, 111}));
+  EXPECT_EQ(quiet.high, (Channels{179, 149, 159}));
+}
+
+TEST(QuietBox, MeetsNoBox) {
+  std::mt19937 random(3);
+  std::size_t existing = 0;
+  for (int round = 0; round < 300; ++round) {
+    const ColorSpace space = round % 2 == 0 ? ColorSpace::kRgb : ColorSpace::kYuv;
+    ColorBoxes boxes;
+    for (const ColorBox& box : random_boxes(random, static_cast<std::size_t>(pick(random, 0, kMaxColorBoxes)))) {
+      const bool is_black = box.low[0] <= unlit_value(space, 0) && box.low[1] <= unlit_value(space, 1) &&
+                            box.low[2] <= unlit_value(space, 2);
+      if (!is_black || round % 5 == 0) boxes.push_back(box);
+    }
+    const QuietBox quiet = quiet_box_of(boxes, space);
+    if (!quiet.exists) continue;
+    ++existing;
+    EXPECT_TRUE(holds(quiet, {unlit_value(space, 0), unlit_value(space, 1), unlit_value(space, 2)}));
+    for (const ColorBox& box : boxes) EXPECT_FALSE(meets(quiet, box));
+    if (space == ColorSpace::kYuv) continue;
+    std::uint32_t gray = 256, volume = 1;  // the simplest choice: one bound for all channels
+    for (const ColorBox& box : boxes)
+      gray = std::min<std::uint32_t>(gray, *std::max_element(box.low.begin(), box.low.end()));
+    for (const std::uint8_t high : quiet.high) volume *= high + 1u;
+    EXPECT_GE(volume, gray * gray * gray);
+  }
+  EXPECT_GT(existing, 150u);
+}
+
+TEST(BeforeCorrection, IsWhatTheLightMovesIntoTheRange) {
+  for (const std::uint8_t unlit : std::initializer_list<std::uint8_t>{0, 16, 128}) {
+    for (int low = 0; low <= unlit; low += 8) {
+      for (int high = unlit; high <= 255; high += 13) {
+        for (std::uint8_t level = 0; level < kLightLevels; level += 3) {
+          const ValueRange range =
+              before_correction({static_cast<std::uint8_t>(low), static_cast<std::uint8_t>(high)}, level, unlit);
+          for (int value = 0; value < 256; ++value) {
+            const int seen = corrected(static_cast<std::uint8_t>(value), level, unlit);
+            // 255 stands for all that is brighter, up to 255.
+            const bool is_in = low <= seen && (value == 255 ? 255 : seen) <= high;
+            ASSERT_EQ(range.low <= value && value <= range.high, is_in)
+                << value << " at level " << int{level} << ", range " << low << " to " << high;
+          }
+        }
+      }
+    }
+  }
+}
+
+// The classes of every value in it are none, whatever the light, and however boxes are moved in their room.
+TEST(QuietRanges, HoldBackgroundOnly) {
+  std::mt19937 random(4);
+  const auto tables = std::make_unique<ColorTables>();
+  const auto quiet = std::make_unique<QuietRanges>();
+  for (const PixelFormat format : kAllFormats) {
+    for (int round = 0; round < 4; ++round) {
+      ColorBoxes boxes = random_boxes(random, 9);
+      for (ColorBox& box : boxes) {
+        const std::size_t c = random() % 3;
+        box.low[c] = std::max<std::uint8_t>(box.low[c], 190);
+        box.high[c] = std::max(box.low[c], box.high[c]);
+      }
+      quiet->build(format, boxes, 5);
+      ASSERT_TRUE(quiet->exist());
+      for (ColorBox& box : boxes) {
+        for (std::uint8_t& low : box.low) low = static_cast<std::uint8_t>(std::max(0, low - pick(random, 0, 5)));
+        for (std::uint8_t& high : box.high) high = static_cast<std::uint8_t>(std::min(255, high + pick(random, 0, 5)));
+      }
+      ASSERT_TRUE(tables->build(boxes, color_space(format)).ok());
+      for (int tile = 0; tile < 200; ++tile) {
+        Channels level, value;
+        for (std::uint8_t& of_channel : level) of_channel = static_cast<std::uint8_t>(random() % kLightLevels);
+        const TileLight light = quiet->of(level);
+        const auto at = quiet_bytes(format);
+        for (std::size_t c = 0; c < 3; ++c) {
+          ASSERT_EQ(light.level[c], level[c]);
+          const int low = light.quiet_low[at[c]];
+          value[c] = static_cast<std::uint8_t>(low + pick(random, 0, 1) * light.quiet_reach[at[c]]);
+          if (color_space(format) == ColorSpace::kRgb) {
+            ASSERT_EQ(low, 0);
+          }
+        }
+        ASSERT_EQ(tables->mask(value, level), 0u) << name_of(format);
+        if (format == PixelFormat::kRgb24 || format == PixelFormat::kBgr24) continue;
+        const std::size_t luma_again = format == PixelFormat::kNv12 ? 1u : at[0] + 2u;
+        ASSERT_EQ(light.quiet_low[luma_again], light.quiet_low[at[0]]);
+        ASSERT_EQ(light.quiet_reach[luma_again], light.quiet_reach[at[0]]);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace touchline::testing

@@ -37,10 +37,19 @@ function(touchline_command_line)
   set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O0)
 endfunction()
 
+# touchline_test_options(TARGET): the tests' own code is not optimized and reads its usual headers precompiled (tests/CMakeLists.txt): it
+# compiles in a third of the time, and what it tests stays as it is.
+function(touchline_test_options target)
+  target_compile_options(${target} PRIVATE -O0 $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>
+                         "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
+endfunction()
+
 # touchline_test(NAME SOURCES... [LINK LIBS...]): a GoogleTest program whose tests CTest runs one by one.
 function(touchline_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE touchline_options ${ARG_LINK} GTest::gtest_main)
+  touchline_test_options(${name})
+  target_precompile_headers(${name} REUSE_FROM touchline_test_headers)
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST)
 endfunction()

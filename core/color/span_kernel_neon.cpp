@@ -1,7 +1,370 @@
 #include "core/color/span_kernel.h"
 
+#if defined(__aarch64__)
+
+#include <arm_neon.h>
+
+#include <algorithm>
+#include <cstring>
+
+namespace touchline {
+namespace {
+
+// A tile of one light fills a register; four are background at a glance or are looked at one by one.
+constexpr std::uint32_t kTile = kTileWidth, kTilesOfBlock = 4, kBlock = kTilesOfBlock * kTile;
+static_assert(kTile == 16 && kBackground == 0);
+
+using Values = uint8x16_t;  // of a tile's pixels
+using PairValues = uint8x8_t;
+
+// Loops over tiles and channels below are of a few turns, and what they index is to be in registers.
+#define TOUCHLINE_UNROLL _Pragma("GCC unroll 4")
+
+bool is_zero(Values value) {
+  const uint32x4_t words = vreinterpretq_u32_u8(value);
+  return vgetq_lane_u64(vreinterpretq_u64_u32(vpmaxq_u32(words, words)), 0) == 0;
+}
+bool is_zero(PairValues value) { return vget_lane_u64(vreinterpret_u64_u8(value), 0) == 0; }
+
+// For 16 pixels, and for 8 pairs: a Cortex-A72 looks up half a register in a third of the time.
+Values look_up(const DigitTables::Table& table, Values digit) { return vqtbl1q_u8(vld1q_u8(table.data()), digit); }
+PairValues look_up(const DigitTables::Table& table, PairValues digit) {
+  return vqtbl1_u8(vld1q_u8(table.data()), digit);
+}
+Values both(Values a, Values b) { return vandq_u8(a, b); }
+PairValues both(PairValues a, PairValues b) { return vand_u8(a, b); }
+Values either(Values a, Values b) { return vorrq_u8(a, b); }
+PairValues either(PairValues a, PairValues b) { return vorr_u8(a, b); }
+
+// The hexadecimal digits of values.
+template <class Register>
+struct Digits {
+  Register high, low;
+};
+Digits<Values> digits_of(Values values) { return {vshrq_n_u8(values, 4), vandq_u8(values, vdupq_n_u8(15))}; }
+Digits<PairValues> digits_of(PairValues values) { return {vshr_n_u8(values, 4), vand_u8(values, vdup_n_u8(15))}; }
+
+// The group's classes to which the values of a channel belong, a byte a value.
+template <class Register>
+Register classes_of(const DigitTables& tables, const Digits<Register>& value) {
+  const Register from = either(look_up(tables.above_first, value.high), look_up(tables.from_first, value.low));
+  const Register to = either(look_up(tables.below_last, value.high), look_up(tables.to_last, value.low));
+  return both(look_up(tables.within, value.high), both(from, to));
+}
+
+// The color of the lowest class; where an earlier group has given a color, that.
+Values add_colors(Values colors, const ColorDigits& tables, Values classes) {
+  const Digits<Values> bits = digits_of(classes);
+  const Values low = look_up(tables.low, bits.low);
+  const Values color = vbslq_u8(vceqzq_u8(low), look_up(tables.high, bits.high), low);
+  return vbslq_u8(vceqzq_u8(colors), color, colors);
+}
+
+// The classes of a tile's light.
+struct LightDigits {
+  const ChannelDigits& first;
+  const ChannelDigits& second;
+  const ChannelDigits& third;
+  const std::array<ColorDigits, kClassGroups>& colors;
+  std::size_t groups;
+
+  LightDigits(const DigitTableSet& digits, const TileLight& light)
+      : first(digits.channel(0, light.level[0])),
+        second(digits.channel(1, light.level[1])),
+        third(digits.channel(2, light.level[2])),
+        colors(digits.colors()),
+        groups(digits.groups()) {}
+};
+
+// `within` of all groups in one: where none of its bits is left no class is.
+Values within_any(const ChannelDigits& channel, std::size_t groups) {
+  Values any = vdupq_n_u8(0);
+  for (std::size_t group = 0; group < groups; ++group) any = vorrq_u8(any, vld1q_u8(channel[group].within.data()));
+  return any;
+}
+
+// TileLight's quiet range of four bytes, four times over.
+struct QuietWords {
+  Values low, reach;
+};
+Values repeated(const std::array<std::uint8_t, 4>& bytes) {
+  std::uint32_t word = 0;
+  std::memcpy(&word, bytes.data(), sizeof word);
+  return vreinterpretq_u8_u32(vdupq_n_u32(word));
+}
+QuietWords quiet_words(const TileLight& light) { return {repeated(light.quiet_low), repeated(light.quiet_reach)}; }
+// What is quiet in all tiles of a block. Ranges of one channel have the unlit value in common.
+QuietWords quiet_words(const TileLight* lights) {
+  QuietWords all = quiet_words(lights[0]);
+  Values high = vaddq_u8(all.low, all.reach);
+  TOUCHLINE_UNROLL for (std::size_t tile = 1; tile < kTilesOfBlock; ++tile) {
+    const QuietWords one = quiet_words(lights[tile]);
+    all.low = vmaxq_u8(all.low, one.low);
+    high = vminq_u8(high, vaddq_u8(one.low, one.reach));
+  }
+  all.reach = vsubq_u8(high, all.low);
+  return all;
+}
+
+// Three bytes a pixel.
+template <PixelFormat kFormat>
+struct Packed24 {
+  static constexpr bool kPairs = false;
+  static constexpr std::size_t kRed = kFormat == PixelFormat::kRgb24 ? 0 : 2;
+
+  static RowPixels at(const RowPixels& row, std::size_t u) { return {row.samples + 3 * u, nullptr}; }
+
+  // Which of four bytes byte i of 48 is.
+  static constexpr auto kPick = [] {
+    std::array<std::array<std::uint8_t, kTile>, 3> pick{};
+    for (std::size_t i = 0; i < 3 * kTile; ++i) pick[i / kTile][i % kTile] = static_cast<std::uint8_t>(i % 3);
+    return pick;
+  }();
+
+  struct Quiet {
+    Values reach[3];  // quiet_low is 0
+    explicit Quiet(const QuietWords& words) {
+      TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) reach[i] =
+          vqtbl1q_u8(words.reach, vld1q_u8(kPick[i].data()));
+    }
+    template <std::size_t kTiles>
+    [[nodiscard]] bool holds(const RowPixels& tiles) const {
+      Values beyond = vdupq_n_u8(0);
+      TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) {
+        Values largest = vld1q_u8(tiles.samples + kTile * i);
+        TOUCHLINE_UNROLL for (std::size_t tile = 1; tile < kTiles; ++tile) {
+          largest = vmaxq_u8(largest, vld1q_u8(tiles.samples + kTile * (3 * tile + i)));
+        }
+        beyond = vorrq_u8(beyond, vqsubq_u8(largest, reach[i]));
+      }
+      return is_zero(beyond);
+    }
+  };
+
+  static Values classify(const LightDigits& tables, const RowPixels& tile) {
+    Values found = vdupq_n_u8(kBackground);
+    const uint8x16x3_t bytes = vld3q_u8(tile.samples);
+    const Digits<Values> a = digits_of(bytes.val[kRed]), b = digits_of(bytes.val[1]),
+                         c = digits_of(bytes.val[2 - kRed]);
+    // Most tiles that are not quiet are background by their high digits.
+    if (is_zero(both(vqtbl1q_u8(within_any(tables.first, tables.groups), a.high),
+                     both(vqtbl1q_u8(within_any(tables.second, tables.groups), b.high),
+                          vqtbl1q_u8(within_any(tables.third, tables.groups), c.high))))) {
+      return found;
+    }
+    for (std::size_t group = 0; group < tables.groups; ++group) {
+      const Values classes = both(classes_of(tables.first[group], a),
+                                  both(classes_of(tables.second[group], b), classes_of(tables.third[group], c)));
+      found = add_colors(found, tables.colors[group], classes);
+    }
+    return found;
+  }
+};
+
+// Formats whose pixel pairs share a chroma sample.
+template <PixelFormat kFormat>
+struct SharedChroma {
+  static constexpr bool kPairs = true, kPlanar = kFormat == PixelFormat::kNv12;
+
+  static RowPixels at(const RowPixels& row, std::size_t u) {
+    return {row.samples + u * (kPlanar ? 1 : 2), kPlanar ? row.chroma + u : nullptr};
+  }
+
+  // 32 bytes, of YUYV and UYVY in turn and of NV12 luma and chroma.
+  static Values first(const RowPixels& tile) { return vld1q_u8(tile.samples); }
+  static Values second(const RowPixels& tile) { return vld1q_u8(kPlanar ? tile.chroma : tile.samples + kTile); }
+
+  struct Quiet {
+    QuietWords of_first, of_second;
+    explicit Quiet(const QuietWords& words) : of_first(words), of_second(words) {
+      if constexpr (kPlanar) of_first = {luma(words.low), luma(words.reach)};
+      if constexpr (kPlanar) of_second = {chroma(words.low), chroma(words.reach)};
+    }
+    static Values luma(Values words) { return vdupq_laneq_u8(words, 0); }
+    static Values chroma(Values words) { return vreinterpretq_u8_u16(vdupq_laneq_u16(vreinterpretq_u16_u8(words), 1)); }
+    template <std::size_t kTiles>
+    [[nodiscard]] bool holds(const RowPixels& tiles) const {
+      Values largest_first = vsubq_u8(first(tiles), of_first.low);
+      Values largest_second = vsubq_u8(second(tiles), of_second.low);
+      TOUCHLINE_UNROLL for (std::size_t tile = 1; tile < kTiles; ++tile) {
+        largest_first = vmaxq_u8(largest_first, vsubq_u8(first(at(tiles, tile * kTile)), of_first.low));
+        largest_second = vmaxq_u8(largest_second, vsubq_u8(second(at(tiles, tile * kTile)), of_second.low));
+      }
+      return is_zero(vorrq_u8(vqsubq_u8(largest_first, of_first.reach), vqsubq_u8(largest_second, of_second.reach)));
+    }
+  };
+
+  // Luma of 16 pixels, chroma of 8 pairs.
+  struct Samples {
+    Values luma;
+    PairValues u, v;
+  };
+  static Samples samples(const RowPixels& tile) {
+    const Values a = first(tile), b = second(tile);
+    const bool even = kFormat == PixelFormat::kYuyv;
+    const Values luma = kPlanar ? a : even ? vuzp1q_u8(a, b) : vuzp2q_u8(a, b);
+    const uint16x8_t chroma = vreinterpretq_u16_u8(kPlanar ? b : even ? vuzp2q_u8(a, b) : vuzp1q_u8(a, b));
+    return {luma, vmovn_u16(chroma), vshrn_n_u16(chroma, 8)};
+  }
+
+  static Values classify(const LightDigits& tables, const RowPixels& tile) {
+    Values found = vdupq_n_u8(kBackground);
+    const Samples sample = samples(tile);
+    const Digits<PairValues> u = digits_of(sample.u), v = digits_of(sample.v);
+    // Most pairs are background by their chroma's high digits.
+    if (is_zero(both(vqtbl1_u8(within_any(tables.second, tables.groups), u.high),
+                     vqtbl1_u8(within_any(tables.third, tables.groups), v.high)))) {
+      return found;
+    }
+    const Digits<Values> luma = digits_of(sample.luma);
+    for (std::size_t group = 0; group < tables.groups; ++group) {
+      const PairValues pairs = both(classes_of(tables.second[group], u), classes_of(tables.third[group], v));
+      if (is_zero(pairs)) continue;
+      // Each pair's classes for both its pixels.
+      const Values of_pixels = vcombine_u8(vzip1_u8(pairs, pairs), vzip2_u8(pairs, pairs));
+      found = add_colors(found, tables.colors[group], both(of_pixels, classes_of(tables.first[group], luma)));
+    }
+    return found;
+  }
+};
+
+template <class Layout>
+class Span {
+  using Quiet = typename Layout::Quiet;
+
+ public:
+  Span(const SpanTables& tables, const RowPixels& row, ColorId* colors)
+      : tables_(tables), row_(row), colors_(colors), quiet_(quiet_words(*tables.tiles)) {}
+
+  // Whole tiles.
+  void classify(std::uint32_t begin, std::uint32_t end) {
+    std::uint32_t u = begin;
+    for (; u + kBlock <= end; u += kBlock) {
+      if (tables_.has_quiet && is_quiet_block(u)) {
+        TOUCHLINE_UNROLL for (std::uint32_t tile = 0; tile < kTilesOfBlock; ++tile) clear(u + tile * kTile);
+      } else {
+        for (std::uint32_t tile = 0; tile < kTilesOfBlock; ++tile) classify_tile(u + tile * kTile);
+      }
+    }
+    for (; u < end; u += kTile) classify_tile(u);
+  }
+
+  // The part of a tile from column u on; the span has kTile columns from there on, and those after it follow.
+  void classify_first(std::uint32_t u) {
+    const Values found = exact(u, tables_.tile_at(u));
+    vst1q_u8(colors_ + u, found);
+    note(vandq_u8(found, vcltq_u8(columns(), vdupq_n_u8(static_cast<std::uint8_t>(kTile - u % kTile)))), u);
+  }
+
+  // The part of a tile before column `end`; the span has kTile columns before it, and those of other tiles are done.
+  void classify_last(std::uint32_t end) {
+    const std::uint32_t from = end - kTile;
+    const Values here = vcgeq_u8(columns(), vdupq_n_u8(static_cast<std::uint8_t>(kTile - end % kTile)));
+    const Values found = vandq_u8(here, exact(from, tables_.tile_at(end - 1)));
+    vst1q_u8(colors_ + from, vbslq_u8(here, found, vld1q_u8(colors_ + from)));
+    note(found, end - 1);
+  }
+
+  [[nodiscard]] OccupiedWords occupied() const { return occupied_; }
+
+ private:
+  static Values columns() {
+    static constexpr std::uint8_t kColumns[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    return vld1q_u8(kColumns);
+  }
+
+  void note(Values found, std::uint32_t u) {
+    if (!is_zero(found)) occupied_ |= OccupiedWords{1} << u / kOccupiedWordPixels;
+  }
+
+  [[nodiscard]] bool is_quiet_block(std::uint32_t u) const {
+    const RowPixels block = Layout::at(row_, u);
+    if (tables_.one_light) return quiet_.template holds<kTilesOfBlock>(block);
+    return Quiet(quiet_words(tables_.tiles + u / kTile)).template holds<kTilesOfBlock>(block);
+  }
+
+  [[nodiscard]] bool is_quiet_tile(std::uint32_t u) const {
+    const RowPixels tile = Layout::at(row_, u);
+    if (tables_.one_light) return quiet_.template holds<1>(tile);
+    return Quiet(quiet_words(tables_.tile_at(u))).template holds<1>(tile);
+  }
+
+  [[nodiscard]] Values exact(std::uint32_t u, const TileLight& light) const {
+    return Layout::classify(LightDigits(*tables_.digits, light), Layout::at(row_, u));
+  }
+
+  void clear(std::uint32_t u) { vst1q_u8(colors_ + u, vdupq_n_u8(kBackground)); }
+
+  void classify_tile(std::uint32_t u) {
+    if (tables_.has_quiet && is_quiet_tile(u)) return clear(u);
+    const Values found = exact(u, tables_.tile_at(u));
+    vst1q_u8(colors_ + u, found);
+    note(found, u);
+  }
+
+  // Copies, which stores to colors cannot change.
+  const SpanTables tables_;
+  const RowPixels row_;
+  ColorId* const colors_;
+  const Quiet quiet_;  // of the first tile: with one light that of all
+  OccupiedWords occupied_ = 0;
+};
+
+template <class Layout, PixelFormat kFormat>
+OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
+                            ColorId* colors) {
+  const SpanKernel one_by_one = scalar_kernel(kFormat);
+  OccupiedWords occupied = 0;
+  std::uint32_t u = begin, stop = end;
+  if constexpr (Layout::kPairs) {
+    // Only whole pairs go into tiles.
+    if (u % 2 == 1 && u < end) occupied |= one_by_one(tables, row, u, u + 1, colors), ++u;
+    stop = std::max(u, end / 2 * 2);
+  }
+  if (stop - u >= kTile) {
+    Span<Layout> span(tables, row, colors);
+    if (u % kTile != 0) {
+      span.classify_first(u);
+      u = (u / kTile + 1) * kTile;
+    }
+    span.classify(u, stop / kTile * kTile);
+    if (stop % kTile != 0) span.classify_last(stop);
+    occupied |= span.occupied();
+    u = stop;
+  }
+  return u < end ? occupied | one_by_one(tables, row, u, end, colors) : occupied;
+}
+
+template <template <PixelFormat> class Layout, PixelFormat kFormat>
+constexpr SpanKernel kKernel = classify_span<Layout<kFormat>, kFormat>;
+
+}  // namespace
+
+// Every 64-bit ARM processor has NEON.
+SpanKernel neon_kernel(PixelFormat format) {
+  switch (format) {
+    case PixelFormat::kRgb24:
+      return kKernel<Packed24, PixelFormat::kRgb24>;
+    case PixelFormat::kBgr24:
+      return kKernel<Packed24, PixelFormat::kBgr24>;
+    case PixelFormat::kYuyv:
+      return kKernel<SharedChroma, PixelFormat::kYuyv>;
+    case PixelFormat::kUyvy:
+      return kKernel<SharedChroma, PixelFormat::kUyvy>;
+    case PixelFormat::kNv12:
+      return kKernel<SharedChroma, PixelFormat::kNv12>;
+  }
+  return nullptr;
+}
+
+}  // namespace touchline
+
+#else
+
 namespace touchline {
 
 SpanKernel neon_kernel(PixelFormat) { return nullptr; }
 
 }  // namespace touchline
+
+#endif

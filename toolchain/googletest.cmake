@@ -1,0 +1,10 @@
+# GoogleTest as installed for the target, or, cross-compiling, from the sources that Debian's libgtest-dev brings along.
+find_package(GTest QUIET)
+if(NOT GTest_FOUND)
+  if(NOT CMAKE_CROSSCOMPILING)
+    message(FATAL_ERROR "GoogleTest is missing: tools/setup --test")
+  endif()
+  set(BUILD_GMOCK OFF)
+  set(INSTALL_GTEST OFF)
+  add_subdirectory(/usr/src/googletest ${CMAKE_BINARY_DIR}/googletest EXCLUDE_FROM_ALL SYSTEM)
+endif()

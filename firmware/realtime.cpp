@@ -1,11 +1,16 @@
 #include "firmware/realtime.h"
 
+#include <fcntl.h>
 #include <malloc.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
+#include <unistd.h>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
+#include <fstream>
 
 namespace touchline {
 namespace {
@@ -45,6 +50,11 @@ std::vector<std::string> become_realtime(const config::RealtimeSettings& setting
     }
   }
   prefault_stack();
+  // Ordinary threads are woken up to 50 us late so that wake-ups can be bundled; 0 would stand for that default.
+  if (prctl(PR_SET_TIMERSLACK, 1UL) != 0) {
+    refused.push_back(refusal("timers of the loop stay late by some 50 us", errno,
+                              "a priority makes them exact as well (realtime.priority)"));
+  }
   if (settings.priority > 0) {
     sched_param parameters{};
     parameters.sched_priority = settings.priority;
@@ -54,6 +64,44 @@ std::vector<std::string> become_realtime(const config::RealtimeSettings& setting
     }
   }
   return refused;
+}
+
+WakeRequest::WakeRequest(const config::RealtimeSettings& settings, const std::string& root) {
+  if (settings.wake_within_us < 0) return;
+  const std::string path = root + "/dev/cpu_dma_latency";
+  // The kernel's "PM QoS" interface: 32 bits, in force for as long as the file is open.
+  const auto microseconds = static_cast<std::int32_t>(settings.wake_within_us);
+  file_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (file_ >= 0 && ::write(file_, &microseconds, sizeof microseconds) == sizeof microseconds) return;
+  refused_.push_back(refusal("processors may sleep deeply between frames (" + path + ")", errno,
+                             "let the user write that file, as boards/x86-usb/README.md shows, or set "
+                             "realtime.wake_within_us = -1"));
+}
+
+WakeRequest::~WakeRequest() {
+  if (file_ >= 0) ::close(file_);
+}
+
+std::vector<std::string> realtime_hints(const config::RealtimeSettings& settings, const std::string& root) {
+  std::vector<std::string> hints;
+  if (settings.cpu < 0 && settings.priority == 0) return hints;
+  const std::string processor = std::to_string(settings.cpu >= 0 ? settings.cpu : ::sched_getcpu());
+  const std::string path = "/sys/devices/system/cpu/cpu" + processor + "/cpufreq/scaling_governor";
+  std::string governor;
+  if (std::ifstream(root + path) >> governor && governor != "performance") {
+    hints.push_back("processor " + processor + " slows down between frames (governor " + governor +
+                    "); cpupower frequency-set -g performance, or: echo performance | sudo tee " + path);
+  }
+  long runtime_us = -1, period_us = 0;
+  std::ifstream(root + "/proc/sys/kernel/sched_rt_runtime_us") >> runtime_us;
+  std::ifstream(root + "/proc/sys/kernel/sched_rt_period_us") >> period_us;
+  if (::sched_getscheduler(0) == SCHED_FIFO && runtime_us >= 0 && runtime_us < period_us) {
+    hints.push_back("a loop that is never idle is paused for " + std::to_string((period_us - runtime_us) / 1000) +
+                    " ms of every " + std::to_string(period_us / 1000) +
+                    " ms; where other programs have processors of their own: "
+                    "sudo sysctl -w kernel.sched_rt_runtime_us=-1");
+  }
+  return hints;
 }
 
 }  // namespace touchline

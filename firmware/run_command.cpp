@@ -69,10 +69,13 @@ int run_command(const CommandLine& command_line) {
   reporting.expected = session.expectation();
   reporting.map_columns = !command_line.headless && ::isatty(STDOUT_FILENO) != 0 ? kMapColumns : 0;
   LoopEnd end = LoopEnd::kAsked;
+  const WakeRequest wake_request(realtime);
+  refused.insert(refused.end(), wake_request.refused().begin(), wake_request.refused().end());
   {
     // The thread that prints begins before this one becomes privileged, and inherits nothing of it.
     const Reporter reporter(session.reports(), reporting, stdout, stderr);
     for (std::string& refusal : become_realtime(realtime)) refused.push_back(std::move(refusal));
+    for (std::string& hint : realtime_hints(realtime)) refused.push_back(std::move(hint));
     print_start(session, refused);
     end = session.loop().run(stop);
   }

@@ -19,6 +19,7 @@ struct RealtimeSettings {
   int cpu = -1;
   int priority = 0;
   bool lock_memory = false;
+  int wake_within_us = -1;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -27,6 +28,8 @@ struct RealtimeSettings {
                  "SCHED_FIFO priority of the loop; 0: ordinary scheduling");
     visit.flag("lock_memory", self.lock_memory,
                "Keep all memory in RAM (mlockall), so that no page fault delays a frame");
+    visit.number("wake_within_us", self.wake_within_us, Range{-1, 10000}, "us",
+                 "Longest time in which any processor may wake up (/dev/cpu_dma_latency); -1: as the system likes");
   }
 };
 

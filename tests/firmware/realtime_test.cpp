@@ -3,7 +3,11 @@
 
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
+#include <unistd.h>
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <thread>
@@ -95,6 +99,81 @@ TEST(Realtime, MemoryIsLockedOrTheRefusalSaysWhatToDo) {
         << refused[0];
   }
   ::munlockall();
+}
+
+TEST(Realtime, TimersAreExact) {
+  int slack_ns = 0;
+  std::thread([&slack_ns] {
+    static_cast<void>(become_realtime({}));
+    slack_ns = ::prctl(PR_GET_TIMERSLACK);
+  }).join();
+  EXPECT_EQ(slack_ns, 1);
+}
+
+// A tree with the kernel's files in it, as far as they are read.
+class KernelFiles : public ::testing::Test {
+ protected:
+  KernelFiles() : root_(::testing::TempDir() + "touchline_kernel_files_" + std::to_string(::getpid())) {}
+  ~KernelFiles() override { std::filesystem::remove_all(root_); }
+  void write(const std::string& name, const std::string& text) const {
+    std::filesystem::create_directories(std::filesystem::path(root_ + name).parent_path());
+    std::ofstream(root_ + name) << text;
+  }
+  const std::string root_;
+};
+
+TEST_F(KernelFiles, WakingUpInTimeIsAskedForInBinary) {
+  write("/dev/cpu_dma_latency", "");
+  config::RealtimeSettings settings;
+  EXPECT_TRUE(WakeRequest(settings, root_).refused().empty());
+  EXPECT_EQ(std::filesystem::file_size(root_ + "/dev/cpu_dma_latency"), 0U) << "nobody asked for it";
+  settings.wake_within_us = 70;
+  EXPECT_TRUE(WakeRequest(settings, root_).refused().empty());
+  std::int32_t asked_us = -1;
+  std::ifstream(root_ + "/dev/cpu_dma_latency", std::ios::binary).read(reinterpret_cast<char*>(&asked_us), 4);
+  EXPECT_EQ(asked_us, 70);
+}
+
+TEST_F(KernelFiles, ARefusedWakeRequestSaysWhatToDo) {
+  config::RealtimeSettings settings;
+  settings.wake_within_us = 0;
+  const WakeRequest request(settings, root_);
+  ASSERT_EQ(request.refused().size(), 1U);
+  EXPECT_EQ(request.refused()[0],
+            "processors may sleep deeply between frames (" + root_ +
+                "/dev/cpu_dma_latency): No such file or directory; let the user write that file, as "
+                "boards/x86-usb/README.md shows, or set realtime.wake_within_us = -1");
+}
+
+TEST_F(KernelFiles, AGovernorThatSavesPowerIsNamedWithItsCure) {
+  const std::string file = "/sys/devices/system/cpu/cpu7/cpufreq/scaling_governor";
+  write(file, "schedutil\n");
+  config::RealtimeSettings settings;
+  EXPECT_TRUE(realtime_hints(settings, root_).empty()) << "no real time asked for";
+  settings.cpu = 7;
+  ASSERT_EQ(realtime_hints(settings, root_).size(), 1U);
+  EXPECT_EQ(realtime_hints(settings, root_)[0],
+            "processor 7 slows down between frames (governor schedutil); cpupower frequency-set -g performance, or: "
+            "echo performance | sudo tee " +
+                file);
+  write(file, "performance\n");
+  EXPECT_TRUE(realtime_hints(settings, root_).empty());
+}
+
+TEST_F(KernelFiles, PausesOfRealTimeThreadsAreHintedAtUnderFifo) {
+  write("/proc/sys/kernel/sched_rt_runtime_us", "950000\n");
+  write("/proc/sys/kernel/sched_rt_period_us", "1000000\n");
+  config::RealtimeSettings settings;
+  settings.priority = 10;
+  EXPECT_TRUE(realtime_hints(settings, root_).empty()) << "this thread is an ordinary one";
+  std::thread([&] {
+    if (!become_realtime(settings).empty()) return;  // not granted here
+    const auto hints = realtime_hints(settings, root_);
+    ASSERT_EQ(hints.size(), 1U);
+    EXPECT_TRUE(hints[0].starts_with("a loop that is never idle is paused for 50 ms of every 1000 ms; ")) << hints[0];
+    write("/proc/sys/kernel/sched_rt_runtime_us", "-1\n");
+    EXPECT_TRUE(realtime_hints(settings, root_).empty());
+  }).join();
 }
 
 }  // namespace

@@ -27,6 +27,11 @@ class Session {
  public:
   /// Reads the files and configures the pipeline. Touches no device. kNotFound, kInconsistent: see `problems`.
   Status load(const SessionOptions& options, config::Problems& problems);
+  /// Other limits than the options'; before open().
+  void limit(std::uint64_t frames, Duration duration) {
+    options_.frames = frames;
+    options_.duration = duration;
+  }
   /// Whoever may freeze the adaptation or put it back while the loop runs; before open().
   void steer_adaptation(const AdaptationRequests& requests) { adaptation_ = &requests; }
   /// Builds and opens the devices, after load(). On error `reason` names device and cause.

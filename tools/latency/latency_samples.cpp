@@ -12,7 +12,6 @@ LatencySummary LatencySamples::summarize() const {
   std::vector<Duration> sorted(samples_.begin(), samples_.begin() + static_cast<std::ptrdiff_t>(count_));
   std::sort(sorted.begin(), sorted.end());
   const std::span<const Duration> all(sorted);
-  summary.count = count_;
   summary.p50 = evaluate::percentile(all, 50.0);
   summary.p90 = evaluate::percentile(all, 90.0);
   summary.p99 = evaluate::percentile(all, 99.0);

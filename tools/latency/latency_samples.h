@@ -9,8 +9,16 @@
 namespace touchline::latency {
 
 struct LatencySummary {
-  std::uint64_t count = 0;
   Duration p50{}, p90{}, p99{}, p99_9{}, max{};
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit("p50", self.p50);
+    visit("p90", self.p90);
+    visit("p99", self.p99);
+    visit("p99.9", self.p99_9);
+    visit("max", self.max);
+  }
 };
 
 /// Every duration of a run, so that percentiles are exact. All memory is taken and touched by the constructor.

@@ -16,7 +16,11 @@ void show(const std::stop_token& stop, const Measurement& measurement, std::size
   std::condition_variable_any changed;
   std::unique_lock lock(mutex);
   while (!changed.wait_for(lock, stop, kInterval, [&] { return stop.stop_requested(); })) {
-    std::fprintf(stderr, "\r%zu of %zu frames", measurement.seen(), steps);
+    if (steps > 0) {
+      std::fprintf(stderr, "\r%zu of %zu frames", measurement.seen(), steps);
+    } else {
+      std::fprintf(stderr, "\r%zu frames", measurement.seen());
+    }
   }
   std::fputs("\r\x1b[K", stderr);  // the report follows on an empty line
 }

@@ -11,6 +11,7 @@ namespace touchline::latency {
 /// standard error is no terminal.
 class Progress {
  public:
+  /// `steps`: as many as there will be; 0: nobody knows.
   Progress(const Measurement& measurement, std::size_t steps);
 
  private:

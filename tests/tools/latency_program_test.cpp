@@ -1,0 +1,90 @@
+// touchline-latency as a person calls it: exit codes, files, what it says.
+#include <sys/wait.h>
+
+#include "tests/tools/program_folder.h"
+
+namespace touchline::testing {
+namespace {
+
+class LatencyProgram : public ProgramFolder {
+ protected:
+  // Exit code; what it printed is in the file "out".
+  [[nodiscard]] int latency(const std::string& arguments, const std::string& before = "") const {
+    const std::string command =
+        before + kKeepsFonts + "'" TOUCHLINE_LATENCY "' " + arguments + " >" + path("out") + " 2>&1";
+    const int status = std::system(command.c_str());  // NOLINT(cert-env33-c,concurrency-mt-unsafe): under test
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  [[nodiscard]] int measure(const std::string& arguments) const {
+    return latency("--board '" TOUCHLINE_MOCK_BOARD "' --warm-up 3 " + arguments);
+  }
+  [[nodiscard]] bool said(const std::string& words) const { return read("out").find(words) != std::string::npos; }
+};
+
+TEST_F(LatencyProgram, MeasuresWritesAndCompares) {
+  ASSERT_EQ(measure("--frames 12 --list 2 --deadline-ms 500 --out " + path("a.json") + " --histogram " + path("a.svg") +
+                    " --html " + path("a.html")),
+            0)
+      << read("out");
+  EXPECT_TRUE(said("the deadline of 0.5 s was missed by 0 of 12 frames.") ||
+              said("the deadline of 500 ms was missed by 0 of 12 frames."))
+      << read("out");
+  EXPECT_NE(read("a.json").find("\"frames\": 12"), std::string::npos);
+  EXPECT_NE(read("a.svg").find("</svg>"), std::string::npos);
+  EXPECT_NE(read("a.html").find("</html>"), std::string::npos);
+  ASSERT_EQ(latency("--compare " + path("a.json") + " " + path("a.json") + " --html " + path("c.html")), 0);
+  EXPECT_TRUE(said("No time got worse from A to B.")) << read("out");
+  EXPECT_NE(read("c.html").find("a against a"), std::string::npos);
+}
+
+TEST_F(LatencyProgram, MeasuresForADurationAndTheWorstFrames) {
+  ASSERT_EQ(measure("--duration 0.2"), 0) << read("out");
+  EXPECT_TRUE(said("Milliseconds, 12 frames") || said("Milliseconds, 13 frames")) << read("out");
+  ASSERT_EQ(measure("--frames 6 --worst-frames"), 0) << read("out");
+  EXPECT_TRUE(said("Frame latency: worst frames, 640 x 480 rgb24")) << read("out");
+}
+
+TEST_F(LatencyProgram, WrongCommandLineIs64) {
+  EXPECT_EQ(latency("--help"), 0);
+  EXPECT_EQ(latency(""), 64);
+  EXPECT_TRUE(said("--board or --compare")) << read("out");
+  EXPECT_EQ(measure("--frames 0"), 64);
+  EXPECT_EQ(measure("--frames 5 --duration 1"), 64);
+  EXPECT_EQ(measure("--duration nan"), 64);
+  EXPECT_EQ(measure("--histogram a.jpg"), 64);
+  EXPECT_TRUE(said("a.jpg ends neither in .svg nor in .png")) << read("out");
+  EXPECT_EQ(latency("--compare one.json"), 64);
+}
+
+TEST_F(LatencyProgram, WhatCannotBeWrittenIsRefusedBeforeAnythingMoves) {
+  // The board file would be complained about next.
+  for (const char* option : {"--out", "--histogram", "--html"}) {
+    const std::string file = path("none/a.svg");
+    EXPECT_EQ(latency(std::string("--board none.toml ") + option + " " + file), 1);
+    EXPECT_EQ(read("out"), "touchline-latency: " + file + ": cannot be written: No such file or directory\n");
+  }
+  EXPECT_EQ(latency("--board none.toml --out " + path("")), 1);
+  EXPECT_TRUE(said("is a folder")) << read("out");
+}
+
+TEST_F(LatencyProgram, WrongFilesAre1AndLostDevicesAre2) {
+  EXPECT_EQ(latency("--board " + path("none.toml")), 1);
+  EXPECT_EQ(measure("--venue " + path("none.toml")), 1);
+  EXPECT_TRUE(said("none.toml: no such file")) << read("out");
+  EXPECT_EQ(measure("--set camera.backend=replay --set camera.device=" + path("none.mp4")), 2);
+  EXPECT_TRUE(said("none.mp4: No such file or directory")) << read("out");
+  write("broken.json", "{\"format\": 1, \"source\": 5}");
+  EXPECT_EQ(latency("--compare " + path("broken.json") + " " + path("none.json")), 1);
+  EXPECT_EQ(read("out"), "touchline-latency: " + path("broken.json") + ": source: a text is wanted\n");
+}
+
+TEST_F(LatencyProgram, ASignalGivesTheReportSoFar) {
+  ASSERT_EQ(latency("--board '" TOUCHLINE_MOCK_BOARD "' --warm-up 0 --frames 100000",
+                    "timeout --preserve-status -s INT 1 env "),
+            0)
+      << read("out");
+  EXPECT_TRUE(said("Worst frame: number ")) << read("out");
+}
+
+}  // namespace
+}  // namespace touchline::testing

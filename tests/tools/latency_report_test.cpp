@@ -1,0 +1,231 @@
+// What is made of a measurement: JSON and back, tables, page, pictures, comparison; the system's facts.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "tools/latency/background_load.h"
+#include "tools/latency/measurement.h"
+#include "tools/latency/report_document.h"
+#include "tools/latency/report_json.h"
+#include "tools/latency/system_facts.h"
+
+namespace touchline::latency {
+namespace {
+
+using std::chrono::microseconds;
+
+// Stages of i us each, `slow` times that in the marker stage; i is 1 to 1000.
+LatencyReport report_of(int slow) {
+  Measurement measurement(1000, 0);
+  for (int i = 1; i <= 1000; ++i) {
+    std::array<Duration, kStageCount> stages{};
+    stages.fill(microseconds(i));
+    stages[static_cast<std::size_t>(Stage::kMarker)] *= slow;
+    StepTiming timing;
+    timing.processing = microseconds((5 + slow) * i);  // as much as a stage for sending
+    timing.latency = timing.processing + microseconds(1000);
+    measurement.add(stages, timing, i % 100 == 0);
+  }
+  LatencyReport report = measurement.report("mock <a & b>", {.rate_hz = 125.0, .worst = 2});
+  report.measured_at = "2030-01-01T00:00:00Z";
+  report.allocations = 0;
+  report.usage = {};
+  report.system.processor = "Some Processor";
+  report.system.processors = 4;
+  report.system.scheduler = "SCHED_FIFO";
+  report.system.governor = "performance";
+  report.system.begin_celsius = 48.5;
+  report.system.end_celsius = 61.0;
+  report.system.refused = {"memory is not locked"};
+  return report;
+}
+
+TEST(LatencyDocument, TextHoldsTablesFactsAndTheVerdictLast) {
+  const std::string text = to_text(document_of(report_of(1)));
+  EXPECT_NE(text.find("frame to packet    3.000  5.400  5.940  5.994  6.000\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("                   usually   #1000    #999\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("marker               0.500   1.000   0.999\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("color and region     0.500  *1.000  *0.999\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("frames overloaded                     10\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("48.5 °C at the start, 61 °C at the end\n"), std::string::npos) << text;
+  EXPECT_TRUE(text.ends_with("the deadline of 8 ms was missed by 0 of 1000 frames.\n")) << text;
+}
+
+TEST(LatencyDocument, PageStandsAloneAndEscapes) {
+  const LatencyReport report = report_of(1);
+  const NamedReport named{"x", report};
+  const std::string html = to_html(document_of(report), histogram_svg({&named, 1}));
+  EXPECT_NE(html.find("mock &lt;a &amp; b&gt;"), std::string::npos);
+  EXPECT_EQ(html.find("mock <a"), std::string::npos);
+  EXPECT_EQ(html.find("<?xml"), std::string::npos);
+  for (const char* outside : {"<script", "src=", "<link", "url(http", "@import"}) {
+    EXPECT_EQ(html.find(outside), std::string::npos) << outside;
+  }
+  EXPECT_NE(html.find("<td class=\"marked\">1.000</td>"), std::string::npos);
+  EXPECT_NE(html.find("Worst frame: number 1000 took"), std::string::npos);
+}
+
+TEST(LatencyChart, ShowsOneReportOrTwo) {
+  const LatencyReport a = report_of(1), b = report_of(3);
+  const std::array<NamedReport, 2> both{NamedReport{"a", a}, NamedReport{"b", b}};
+  const std::string one = histogram_svg({both.data(), 1}), two = histogram_svg(both);
+  EXPECT_NE(one.find("<svg"), std::string::npos);
+  EXPECT_TRUE(one.ends_with("</svg>\n"));
+  EXPECT_NE(one, two);
+  EXPECT_TRUE(histogram_png(both).starts_with("\x89PNG"));
+  EXPECT_GT(histogram_png(both).size(), 10000u);
+}
+
+TEST(LatencyJson, GivesBackWhatWasWritten) {
+  LatencyReport report = report_of(2);
+  report.usage = {1, 2, 3, 4};
+  report.allocations.reset();
+  report.lost = 7;
+  const std::string text = to_json(report);
+  LatencyReport read;
+  std::string error;
+  ASSERT_TRUE(from_json(text, read, error)) << error;
+  EXPECT_EQ(to_json(read), text);
+  EXPECT_EQ(read.spans[3].p99_9, report.spans[3].p99_9);
+  EXPECT_EQ(read.histograms[8].counts, report.histograms[8].counts);
+  EXPECT_EQ(read.worst[1].times, report.worst[1].times);
+  EXPECT_FALSE(read.allocations.has_value());
+  EXPECT_EQ(read.usage.involuntary_switches, 4u);
+  EXPECT_EQ(read.system.end_celsius, 61.0);
+  EXPECT_EQ(read.system.refused, report.system.refused);
+}
+
+TEST(LatencyJson, NamesTheKeyThatIsWrong) {
+  const std::string good = to_json(report_of(1));
+  const auto error_with = [&good](const std::string& what, const std::string& instead) {
+    std::string text = good;
+    const std::size_t at = text.find(what);
+    EXPECT_NE(at, std::string::npos) << what;
+    text.replace(at, what.size(), instead);
+    LatencyReport report;
+    std::string error;
+    EXPECT_FALSE(from_json(text, report, error)) << what;
+    return error;
+  };
+  EXPECT_EQ(error_with("{", "["), "is no JSON");
+  EXPECT_EQ(error_with("\"format\": 1", "\"format\": 2"), "format: 2 is not one that this program reads (1)");
+  EXPECT_EQ(error_with("\"format\"", "\"fromat\""), "format: is missing");
+  EXPECT_EQ(error_with("\"frames\": 1000", "\"frames\": -1"), "frames: a count is wanted");
+  EXPECT_EQ(error_with("\"p99.9\"", "\"p99_9\""), "spans_ns.capture to frame.p99.9: is missing");
+  EXPECT_EQ(error_with("\"number\": 999", "\"number\": \"x\""), "worst_frames[1].number: a count is wanted");
+  EXPECT_EQ(error_with("\"governor\": \"performance\"", "\"governor\": 5"), "system.governor: a text is wanted");
+  // Of 1 ms, the camera's part.
+  EXPECT_EQ(error_with("[\n    80,", "[\n    160,"),
+            "histograms.capture to frame: a list of bins and counts is wanted");
+}
+
+TEST(LatencyComparison, SaysWhatGotWorse) {
+  LatencyReport a = report_of(1), b = report_of(2);
+  b.usage.major_faults = 5;
+  b.system.governor = "powersave";
+  const Document document = comparison_of({"old", a}, {"new", b});
+  EXPECT_EQ(
+      document.verdict,
+      "Worse in B: capture to packet (p50 x 1.12, p99 x 1.14), marker (p50 x 2.00, p99 x 2.00, max x 2.00), frame "
+      "to packet (p50 x 1.17, p99 x 1.17); more often in B: page faults (major).");
+  const std::string text = to_text(document);
+  EXPECT_NE(text.find("governor differs  A performance; B powersave\n"), std::string::npos) << text;
+  EXPECT_EQ(text.find("scheduler differs"), std::string::npos) << text;
+  EXPECT_NE(text.find("marker             0.500  1.000  *2.00"), std::string::npos) << text;
+  EXPECT_EQ(comparison_of({"a", a}, {"a", a}).verdict, "No time got worse from A to B.");
+  const std::string better = comparison_of({"b", b}, {"a", a}).verdict;
+  EXPECT_TRUE(better.starts_with("No time got worse from A to B; better in B: capture to packet (p50 x 0.89, "))
+      << better;
+}
+
+// A tree with the kernel's files in it.
+class SystemTree : public testing::Test {
+ protected:
+  SystemTree() : root_(testing::TempDir() + "touchline_system_tree_" + std::to_string(::getpid())) {}
+  ~SystemTree() override { std::filesystem::remove_all(root_); }
+  void write(const std::string& name, const std::string& text) const {
+    std::filesystem::create_directories(std::filesystem::path(root_ + name).parent_path());
+    std::ofstream(root_ + name) << text;
+  }
+  const std::string root_;
+};
+
+TEST_F(SystemTree, FactsAreReadAndWhatIsMissingStaysEmpty) {
+  EXPECT_EQ(read_system_facts(root_).kernel, "");
+  EXPECT_FALSE(read_system_facts(root_).begin_celsius.has_value());
+  write("/proc/cpuinfo", "processor\t: 0\nmodel name\t: A Processor\n\nprocessor\t: 1\nmodel name\t: A Processor\n");
+  write("/proc/sys/kernel/osrelease", "6.1.0-rt\n");
+  write("/proc/sys/kernel/version", "#1 SMP PREEMPT_RT Debian 6.1\n");
+  write("/proc/self/status", "Name:\tx\nVmLck:\t    2048 kB\n");
+  write("/sys/devices/system/cpu/isolated", "2-3\n");
+  for (const char* processor : {"0", "1", "2", "3"}) {
+    const std::string folder = std::string("/sys/devices/system/cpu/cpu") + processor + "/cpufreq/";
+    write(folder + "scaling_governor", "ondemand\n");
+    write(folder + "scaling_min_freq", "600000\n");
+    write(folder + "scaling_max_freq", "1800000\n");
+    write(folder + "scaling_cur_freq", "1500000\n");
+  }
+  write("/sys/class/thermal/thermal_zone0/temp", "48312\n");
+  write("/sys/class/thermal/thermal_zone1/temp", "51000\n");
+  write("/sys/class/thermal/cooling_device0/temp", "99000\n");
+  SystemFacts facts = read_system_facts(root_);
+  EXPECT_EQ(facts.processor, "A Processor");
+  EXPECT_EQ(facts.processors, 2u);
+  EXPECT_EQ(facts.kernel, "6.1.0-rt");
+  EXPECT_EQ(facts.preemption, "PREEMPT_RT");
+  EXPECT_EQ(facts.isolated, "2-3");
+  EXPECT_EQ(facts.locked_kb, 2048);
+  EXPECT_EQ(facts.governor, "ondemand");
+  EXPECT_EQ(facts.max_mhz, 1800.0);
+  EXPECT_EQ(facts.begin_mhz, 1500.0);
+  EXPECT_EQ(facts.begin_celsius, 51.0);
+  EXPECT_EQ(facts.scheduler, "SCHED_OTHER");
+  EXPECT_FALSE(facts.affinity.empty());
+  write("/sys/class/thermal/thermal_zone0/temp", "70000\n");
+  read_final_facts(facts, root_);
+  EXPECT_EQ(facts.end_celsius, 70.0);
+  write("/proc/device-tree/model", std::string("A Board Rev 1.2\0", 16));
+  write("/proc/sys/kernel/version", "#1 SMP Debian\n");
+  EXPECT_EQ(read_system_facts(root_).processor, "A Board Rev 1.2");
+  EXPECT_EQ(read_system_facts(root_).preemption, "no PREEMPT");
+}
+
+class Load : public SystemTree {
+ protected:
+  // Stands for stress-ng: says who and where it is, and stays for `seconds`.
+  [[nodiscard]] std::string program(const std::string& seconds) const {
+    write("/load", "#!/bin/sh\necho $$ >" + root_ + "/pid\nexec sleep " + seconds + "\n");
+    std::filesystem::permissions(root_ + "/load", std::filesystem::perms::owner_all);
+    return root_ + "/load";
+  }
+  [[nodiscard]] bool is_alive() const {
+    std::string pid;
+    std::ifstream(root_ + "/pid") >> pid;
+    return !pid.empty() && std::filesystem::exists("/proc/" + pid);
+  }
+};
+
+TEST_F(Load, EndsWithItsObject) {
+  std::string error;
+  {
+    BackgroundLoad load;
+    ASSERT_TRUE(load.start(error, program("60"))) << error;
+    EXPECT_TRUE(is_alive());
+  }
+  EXPECT_FALSE(is_alive());
+}
+
+TEST_F(Load, AMissingOrBrokenProgramIsNamed) {
+  std::string error;
+  BackgroundLoad load;
+  EXPECT_FALSE(load.start(error, "touchline-no-such-program"));
+  EXPECT_EQ(error, "--load needs touchline-no-such-program, which is not installed: sudo apt install stress-ng");
+  EXPECT_FALSE(load.start(error, "false"));
+  EXPECT_TRUE(error.starts_with("--load: false ended at once; try it alone: stress-ng --cpu 0 ")) << error;
+}
+
+}  // namespace
+}  // namespace touchline::latency

@@ -94,7 +94,8 @@ std::string to_text(const Document& document) {
   for (const Table& table : document.tables) text += to_text(table);
   std::size_t width = 0;
   for (const auto& [name, value] : document.facts) width = std::max(width, width_of(name));
-  for (const auto& [name, value] : document.facts) text += name + filled(name, width) + "  " + value + "\n";
+  for (const auto& [name, value] : document.facts)
+    text.append(name).append(filled(name, width)).append("  ").append(value).append("\n");
   return text + (document.facts.empty() ? "" : "\n") + document.verdict + "\n";
 }
 

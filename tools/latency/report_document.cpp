@@ -181,14 +181,20 @@ Document comparison_of(const NamedReport& a, const NamedReport& b) {
     }
     return std::string("unknown");
   };
+  const auto differs = [&document](std::string name, const std::string& in_a, const std::string& in_b) {
+    name += " differs";
+    std::string values = "A ";
+    values.append(in_a).append("; B ").append(in_b);
+    document.facts.emplace_back(std::move(name), std::move(values));
+  };
   add(document.facts, "A", a.name + ", " + a.report.source + ", " + a.report.measured_at);
   add(document.facts, "B", b.name + ", " + b.report.source + ", " + b.report.measured_at);
   for (const auto& [name, value] : of_a) {
     const std::string other = value_in(of_b, name);
-    if (other != value) document.facts.emplace_back(name + " differs", "A " + value + "; B " + other);
+    if (other != value) differs(name, value, other);
   }
   for (const auto& [name, value] : of_b) {
-    if (value_in(of_a, name) == "unknown") document.facts.emplace_back(name + " differs", "A unknown; B " + value);
+    if (value_in(of_a, name) == "unknown") differs(name, "unknown", value);
   }
   document.verdict = worse.empty() ? "No time got worse from A to B" : "Worse in B: " + listed(worse);
   if (!more.empty()) document.verdict += "; more often in B: " + listed(more);

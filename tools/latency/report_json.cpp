@@ -19,6 +19,9 @@ struct BySpan {
   }
 };
 
+template <class Array>
+BySpan(Array&) -> BySpan<Array>;
+
 template <class Self, class Visitor>
 void describe_frame(Self& frame, Visitor& visit) {
   visit("number", frame.number);

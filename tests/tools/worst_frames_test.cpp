@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "core/region/region_scanner.h"
@@ -69,6 +70,21 @@ TEST_P(WorstFramesOf, PatternsCostWhatTheyClaim) {
       case 4:
         EXPECT_GT(runs->size(), std::size_t{kWidth} * kHeight / (column * 2));
         break;
+      case 5:
+        EXPECT_EQ(regions->size(), std::size_t{kWidth} * kHeight / (9 * column * row));
+        EXPECT_GE((*regions)[0].area_px, 4u);
+        break;
+      case 6:
+        EXPECT_GT(runs->size(), std::size_t{kWidth} * kHeight / 4);
+        for (const Region& region : *regions) ASSERT_GE(region.area_px, 2u);
+        break;
+      case 7: {
+        EXPECT_GT(runs->size(), std::size_t{kWidth} * kHeight / (5 * column));
+        std::uint32_t largest = 0;
+        for (const Region& region : *regions) largest = std::max(largest, region.area_px);
+        EXPECT_GT(largest, std::uint32_t{kWidth} * kHeight / 6) << "one of the clusters spans the picture";
+        break;
+      }
       default:
         EXPECT_GE(regions->size(), std::size_t{kWidth / 12} * (kHeight / 12));
     }

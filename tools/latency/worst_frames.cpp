@@ -14,6 +14,13 @@ std::uint32_t next_random(std::uint32_t& state) {
   return state >> 16;
 }
 
+// The same number for the same place.
+std::uint32_t scattered(std::size_t u, std::size_t v) {
+  auto hash = static_cast<std::uint32_t>(u * 0x9E3779B1u ^ v * 0x85EBCA77u);
+  hash = (hash ^ hash >> 15) * 0x2C1B3C6Du;
+  return (hash ^ hash >> 12) >> 4;
+}
+
 bool in_box(const ColorBox& box, const std::array<std::uint8_t, 3>& value) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (value[i] < box.low[i] || value[i] > box.high[i]) return false;
@@ -63,6 +70,15 @@ std::size_t WorstFrames::value_at(std::size_t pattern, std::size_t u, std::size_
       return column % 2 == 0 || v + 2u >= parameters_.scan.height_px ? 1 : 0;
     case 4:
       return next_random(random) % (colors + 1);
+    case 5:
+      // Two rows of pairs: nothing that removes specks removes these.
+      return column % 3 < 2 && row % 3 < 2 ? 1 + (column / 3 + row / 3) % colors : 0;
+    case 6:
+      // Salt in pairs, which is no specks either.
+      return scattered(u / 2, row) % (colors + 1);
+    case 7:
+      // Just above the threshold of site percolation, 0.5927: clusters as ragged as they get.
+      return scattered(column, row) % 1000 < 600 ? 1 : 0;
     default: {
       const std::size_t cell = u / kPatchPx + v / kPatchPx;
       return u % kPatchPx < kPatchPx - 2 && v % kPatchPx < kPatchPx - 2 ? 1 + cell % colors : 0;

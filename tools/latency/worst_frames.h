@@ -24,7 +24,7 @@ class WorstFrames final : public hal::Camera {
   [[nodiscard]] const hal::CameraInfo& info() const override { return info_; }
   [[nodiscard]] const std::string& reason() const override { return reason_; }
 
-  static constexpr std::size_t kPatterns = 6;
+  static constexpr std::size_t kPatterns = 9;
 
  private:
   // Values of three channels.

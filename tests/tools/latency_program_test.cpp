@@ -79,10 +79,14 @@ TEST_F(LatencyProgram, WrongFilesAre1AndLostDevicesAre2) {
 }
 
 TEST_F(LatencyProgram, ASignalGivesTheReportSoFar) {
-  ASSERT_EQ(latency("--board '" TOUCHLINE_MOCK_BOARD "' --warm-up 0 --frames 100000",
-                    "timeout --preserve-status -s INT 1 env "),
-            0)
-      << read("out");
+  // A busy machine may take long until the first frame.
+  int code = -1;
+  for (const char* after : {"1", "4", "16"}) {
+    code = latency("--board '" TOUCHLINE_MOCK_BOARD "' --warm-up 0 --frames 100000",
+                   std::string("timeout --preserve-status -s INT ") + after + " env ");
+    if (code == 0) break;
+  }
+  EXPECT_EQ(code, 0);
   EXPECT_TRUE(said("Worst frame: number ")) << read("out");
 }
 

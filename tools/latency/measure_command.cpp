@@ -228,6 +228,7 @@ bool read_report(const std::string& path, LatencyReport& report) {
 int measure(const MeasureOptions& options) {
   std::string error;
   if (!can_be_written(options.outputs, error)) return fail(error);
+  stop_on_signals();  // from here on: devices are opened soon
   return options.worst_frames ? measure_worst_frames(options) : measure_board(options);
 }
 

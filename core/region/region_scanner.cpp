@@ -16,6 +16,9 @@ Status RegionScanner::configure(const ScanParameters& parameters) {
     return s;
   }
   min_area_px_ = parameters.min_area_px;
+  words_ = (std::size_t{parameters.width_px} + kPixelsOfWord - 1) / kPixelsOfWord;
+  find_masks_ = row_masker(classifier_.kernel());
+  rows_.fill({});
   configured_ = true;
   return {};
 }
@@ -27,37 +30,50 @@ Status RegionScanner::scan(const Frame& frame, Runs& runs, Regions& regions) {
   if (Status s = classifier_.accepts(frame); !s.ok()) return s;
 
   labeling_.begin(min_area_px_);
+  budget_.begin(frame.height_px);
+  rows_[1].colors.clear();  // above the first row
   for (std::uint16_t v = 0; v < frame.height_px; ++v) {
-    if (!labeling_.make_room(runs, frame.width_px, v)) {
-      labeling_.finish_before(v, runs, regions);
-      count_rows_from(frame, v, runs);
-      return ErrorCode::kFull;
-    }
-    const std::size_t first = runs.size();
-    runs.resize(first + extract_row(frame, v, runs.data() + first));
-    labeling_.add_row(runs, first);
+    classify(frame, v);
+    if (v > 0) add_row(static_cast<std::uint16_t>(v - 1), rows_[v % 2u].masks, runs);
   }
+  add_row(static_cast<std::uint16_t>(frame.height_px - 1), nothing_, runs);
   labeling_.finish(runs, regions);
-  return regions.overflow() > 0 ? Status(ErrorCode::kFull) : Status();
+  return runs.overflow() + regions.overflow() > 0 ? Status(ErrorCode::kFull) : Status();
 }
 
-std::size_t RegionScanner::extract_row(const Frame& frame, std::uint16_t v, Run* out) {
-  std::size_t count = 0;
+void RegionScanner::classify(const Frame& frame, std::uint16_t v) {
+  Row& row = rows_[v % 2u];
+  ColorId* colors = row.colors.pixels();
+  std::uint16_t done = 0;
+  OccupiedWords occupied = 0;
   for (const ColumnSpan& span : region_of_interest_.row(v)) {
-    classifier_.classify(frame, v, span.begin, span.end, colors_.data());
-    std::fill_n(colors_.begin() + span.end, kColorRowPadding, kBackground);
-    count += extract_runs(colors_.data(), span.begin, span.end, v, out + count);
+    std::fill(colors + done, colors + span.begin, kBackground);
+    occupied |= classifier_.classify(frame, v, span.begin, span.end, colors);
+    done = span.end;
   }
-  return count;
+  std::fill(colors + done, colors + frame.width_px, kBackground);
+  find_masks_(row.colors, rows_[(v + 1u) % 2].colors, occupied, row.masks);
 }
 
-void RegionScanner::count_rows_from(const Frame& frame, std::uint16_t v, Runs& runs) {
-  for (; v < frame.height_px; ++v) {
-    for (const ColumnSpan& span : region_of_interest_.row(v)) {
-      classifier_.classify(frame, v, span.begin, span.end, colors_.data());
-      runs.refuse(count_runs(colors_.data(), span.begin, span.end));
-    }
+void RegionScanner::add_row(std::uint16_t v, const RowMasks& below, Runs& runs) {
+  Row& row = rows_[v % 2u];
+  if (row.masks.occupied == 0) {
+    budget_.spend(0);
+    return;
   }
+  if (min_area_px_ > 1) forget_specks(below, row.masks);
+  const std::size_t limit = budget_.limit(), first = runs.size();
+  const std::size_t count = count_runs(row.masks, words_);
+  std::size_t written = 0;
+  if (count <= limit) {
+    written = write_runs(row.masks, row.colors, v, runs.data() + first);
+  } else {
+    written = choice_.write_longest(row.masks, row.colors, words_, v, limit, runs.data() + first);
+    runs.refuse(count - written);
+  }
+  budget_.spend(written);
+  runs.resize(first + written);
+  labeling_.add_row(runs, first);
 }
 
 }  // namespace touchline

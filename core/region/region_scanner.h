@@ -5,10 +5,12 @@
 
 #include "core/color/color_tables.h"
 #include "core/color/row_classifier.h"
-#include "core/color/run_extraction.h"
 #include "core/light/light_map.h"
 #include "core/region/labeling.h"
 #include "core/region/region_of_interest.h"
+#include "core/region/row_masks.h"
+#include "core/region/row_runs.h"
+#include "core/region/run_budget.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -46,22 +48,34 @@ class RegionScanner {
   /// kUnsupported: frame of another format or size than configured; kShortFrame: a plane is missing or its stride is
   /// too small. Both leave `runs` and `regions` empty.
   /// kFull: too much was found, one or both of
-  /// - more regions than fit: the largest are there; regions.overflow() counts the others;
-  /// - more runs than fit, even without those of dropped regions: rows before the one for which there was no room are
-  ///   as in kOk, regions that reached it (and the least area) are not reported but counted by regions.overflow(), and
-  ///   runs.overflow() counts the runs that it and all later rows would have had.
+  /// - rows with more runs than RunBudget lets them have, which no realistic field has: such a row lost its shortest
+  ///   runs, and the regions are those of the picture without these. A region that has no pixel in such a row is whole
+  ///   and exact. runs.overflow() counts what was lost. (Where the least area is 2 or more, pixels without a neighbor
+  ///   of their color are no runs.)
+  /// - more regions than fit: the largest are there; regions.overflow() counts the others.
   Status scan(const Frame& frame, Runs& runs, Regions& regions);
 
  private:
-  std::size_t extract_row(const Frame& frame, std::uint16_t v, Run* out);
-  void count_rows_from(const Frame& frame, std::uint16_t v, Runs& runs);
+  // A row and what the next one needs of it.
+  struct Row {
+    ColorRow colors;
+    RowMasks masks;
+  };
+
+  void classify(const Frame& frame, std::uint16_t v);
+  void add_row(std::uint16_t v, const RowMasks& below, Runs& runs);
 
   bool configured_ = false;
   std::uint32_t min_area_px_ = 1;
+  std::size_t words_ = 0;  // of a row
   RowClassifier classifier_;
   RegionOfInterest region_of_interest_;
+  RowMasker find_masks_ = nullptr;
+  RunBudget budget_;
+  RunChoice choice_;
   Labeling labeling_;
-  std::array<ColorId, kMaxFrameWidth + kColorRowPadding> colors_{};  // of the present row
+  std::array<Row, 2> rows_;  // row v is number v % 2
+  RowMasks nothing_;         // below the last row
 };
 
 }  // namespace touchline

@@ -183,7 +183,7 @@ std::vector<Subject> make_subjects(std::string_view part) {
 // Empty when the scanner gives the paper's regions.
 std::string difference_of(RegionScanner& scanner, const Frame& frame, const ColorGrid& colors) {
   const Status status = scanner.scan(frame, runs, regions);
-  if (status.code() == ErrorCode::kFull) return difference_when_full(colors, 1, runs, regions);
+  if (status.code() == ErrorCode::kFull) return difference_from_served(colors, 1, runs, regions);
   if (!status.ok()) return describe(status.code());
   return difference(expected_regions(colors), runs, regions);
 }

@@ -5,6 +5,8 @@
 #include <sstream>
 #include <utility>
 
+#include "core/region/run_budget.h"
+
 namespace touchline::testing {
 namespace {
 
@@ -94,20 +96,39 @@ std::string run_difference(const Runs& runs) {
   return {};
 }
 
-ColorGrid rows_above(const ColorGrid& grid, int row) {
-  ColorGrid upper = grid;
-  upper.height = row;
-  upper.color.resize(upper.index(0, row));
-  return upper;
+struct RowRun {
+  int begin, end;
+};
+std::vector<RowRun> runs_of_row(const ColorGrid& grid, int v) {
+  std::vector<RowRun> runs;
+  for (int u = 0; u < grid.width; ++u) {
+    const ColorId color = grid.at(u, v);
+    if (color == kBackground) continue;
+    if (!runs.empty() && runs.back().end == u && grid.at(u - 1, v) == color) {
+      ++runs.back().end;
+    } else {
+      runs.push_back({u, u + 1});
+    }
+  }
+  return runs;
 }
 
-std::size_t runs_in_row(const ColorGrid& grid, int v) {
-  std::size_t count = 0;
-  for (int u = 0; u < grid.width; ++u) {
-    const ColorId left = u == 0 ? kBackground : grid.at(u - 1, v);
-    count += grid.at(u, v) != kBackground && grid.at(u, v) != left ? 1u : 0u;
+bool is_speck(const ColorGrid& grid, const RowRun& run, int v) {
+  const auto like = [&](int row) {
+    return row >= 0 && row < grid.height && grid.at(run.begin, row) == grid.at(run.begin, v);
+  };
+  return run.end - run.begin == 1 && !like(v - 1) && !like(v + 1);
+}
+
+// Which of the row's runs stay: the shortest go until no more than `limit` are left.
+std::vector<RowRun> longest_runs(const std::vector<RowRun>& runs, std::size_t limit) {
+  constexpr int kLongest = 64;
+  std::vector<RowRun> kept = runs;
+  for (int length = 1; length < kLongest && kept.size() > limit; ++length) {
+    std::erase_if(kept, [&](const RowRun& run) { return run.end - run.begin <= length; });
   }
-  return count;
+  if (kept.size() > limit) kept.resize(limit);
+  return kept;
 }
 
 // The largest, among equals the first ones, in their order.
@@ -151,15 +172,34 @@ std::string difference(const std::vector<ExpectedRegion>& expected, const Runs& 
   return {};
 }
 
-std::string difference_when_full(const ColorGrid& grid, std::uint32_t min_area_px, const Runs& runs,
-                                 const Regions& regions) {
-  const int row = row_of_end(grid, runs);
-  if (row < 0) return sentence("no row explains ", runs.overflow(), " dropped runs");
-  std::vector<ExpectedRegion> expected = expected_regions(rows_above(grid, row), min_area_px);
-  const std::size_t all = expected.size();
-  if (row < grid.height) {
-    std::erase_if(expected, [&](const ExpectedRegion& region) { return region.bottom == row - 1; });
+ServedPicture served(const ColorGrid& grid, std::uint32_t min_area_px) {
+  ServedPicture picture = {grid, 0, std::vector<bool>(static_cast<std::size_t>(grid.height))};
+  std::size_t credit = RunBudget::reserve(static_cast<std::size_t>(grid.height));
+  for (int v = 0; v < grid.height; ++v) {
+    std::vector<RowRun> runs = runs_of_row(grid, v);
+    if (min_area_px > 1) std::erase_if(runs, [&](const RowRun& run) { return is_speck(grid, run, v); });
+    credit += kRunsPerRow;
+    const std::vector<RowRun> kept = longest_runs(runs, credit / 8);
+    credit -= kept.size();
+    if (kept.size() == runs.size()) continue;
+    picture.runs_dropped += runs.size() - kept.size();
+    picture.cut[static_cast<std::size_t>(v)] = true;
+    for (int u = 0; u < grid.width; ++u) {
+      const auto holds = [u](const RowRun& run) { return run.begin <= u && u < run.end; };
+      if (std::none_of(kept.begin(), kept.end(), holds)) picture.grid.at(u, v) = kBackground;
+    }
   }
+  return picture;
+}
+
+std::string difference_from_served(const ColorGrid& grid, std::uint32_t min_area_px, const Runs& runs,
+                                   const Regions& regions) {
+  const ServedPicture picture = served(grid, min_area_px);
+  if (runs.overflow() != picture.runs_dropped) {
+    return sentence(runs.overflow(), " runs dropped instead of ", picture.runs_dropped);
+  }
+  std::vector<ExpectedRegion> expected = expected_regions(picture.grid, min_area_px);
+  const std::size_t all = expected.size();
   expected = largest(std::move(expected), kMaxRegions);
   if (regions.overflow() != all - expected.size()) {
     return sentence(regions.overflow(), " regions dropped instead of ", all - expected.size());
@@ -167,20 +207,10 @@ std::string difference_when_full(const ColorGrid& grid, std::uint32_t min_area_p
   return difference(expected, runs, regions);
 }
 
-std::size_t runs_from_row(const ColorGrid& grid, int first_row) {
+std::size_t count_runs(const ColorGrid& grid) {
   std::size_t count = 0;
-  for (int v = first_row; v < grid.height; ++v) count += runs_in_row(grid, v);
+  for (int v = 0; v < grid.height; ++v) count += runs_of_row(grid, v).size();
   return count;
-}
-
-int row_of_end(const ColorGrid& grid, const Runs& runs) {
-  std::size_t dropped = 0;
-  int row = grid.height;
-  while (dropped < runs.overflow() && row > 0) {
-    --row;
-    dropped += runs_in_row(grid, row);
-  }
-  return dropped == runs.overflow() ? row : -1;
 }
 
 }  // namespace touchline::testing

@@ -24,16 +24,19 @@ std::vector<ExpectedRegion> expected_regions(const ColorGrid& grid, std::uint32_
 /// maximal, each in exactly one chain, chains in raster order.
 std::string difference(const std::vector<ExpectedRegion>& expected, const Runs& runs, const Regions& regions);
 
-/// The same for a scan that was kFull: of more regions than fit only the largest (among equals the first ones); when
-/// the runs ended the scan at some row, only regions that ended above it; and the counts of what is missing.
-std::string difference_when_full(const ColorGrid& grid, std::uint32_t min_area_px, const Runs& runs,
-                                 const Regions& regions);
+/// A picture without the runs that RunBudget takes from it, by the rule to the letter.
+struct ServedPicture {
+  ColorGrid grid;
+  std::size_t runs_dropped = 0;
+  std::vector<bool> cut;  // rows that lost runs
+};
+ServedPicture served(const ColorGrid& grid, std::uint32_t min_area_px);
 
-/// Runs in the rows from first_row on.
-std::size_t runs_from_row(const ColorGrid& grid, int first_row);
+/// The same for a scan that may be kFull: the regions of the served picture, of more than fit only the largest (among
+/// equals the first ones), and the counts of what is missing.
+std::string difference_from_served(const ColorGrid& grid, std::uint32_t min_area_px, const Runs& runs,
+                                   const Regions& regions);
 
-/// The row at which the scan ended for want of room, by the runs that it counted instead of keeping; the height when
-/// it kept all, -1 when no row explains the count.
-int row_of_end(const ColorGrid& grid, const Runs& runs);
+std::size_t count_runs(const ColorGrid& grid);
 
 }  // namespace touchline::testing

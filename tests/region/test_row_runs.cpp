@@ -1,0 +1,135 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/region/row_runs.h"
+#include "tests/color/owned_picture.h"
+
+namespace touchline::testing {
+namespace {
+
+struct Found {
+  int begin, end, color;
+  friend bool operator==(const Found&, const Found&) = default;
+};
+void PrintTo(const Found& run, std::ostream* out) { *out << "[" << run.begin << ", " << run.end << ") " << run.color; }
+
+std::vector<Found> found(const Run* runs, std::size_t count) {
+  std::vector<Found> list;
+  for (const Run& run : std::span(runs, count)) {
+    EXPECT_EQ(run.row, 5);
+    EXPECT_EQ(run.next, kNoRun);
+    list.push_back({run.begin, run.end, run.color});
+  }
+  return list;
+}
+
+std::vector<KernelChoice> available_kernels() {
+  std::vector<KernelChoice> kernels = {KernelChoice::kPortable};
+  for (const KernelChoice kernel : {KernelChoice::kAvx2, KernelChoice::kAvx512, KernelChoice::kNeon}) {
+    if (kernel_for(kernel, PixelFormat::kRgb24) != nullptr) kernels.push_back(kernel);
+  }
+  return kernels;
+}
+
+// Random rows of every width around a word's borders and density, from single pixels to runs over words.
+class RowRunsTest : public ::testing::TestWithParam<KernelChoice> {
+ protected:
+  struct Row {
+    ColorRow colors;
+    OccupiedWords occupied = 0;
+    std::vector<ColorId> list;  // one background pixel more than the row has
+  };
+
+  void fill(Row& row, std::size_t width, int density, int length) {
+    row.colors.clear();
+    row.occupied = 0;
+    row.list.assign(width + 1, kBackground);
+    for (std::size_t u = 0; u < width;) {
+      const auto end = std::min(width, u + static_cast<std::size_t>(pick(random_, 1, length)));
+      const auto color = static_cast<ColorId>(pick(random_, 0, 9) < density ? pick(random_, 1, 2) : 0);
+      for (; u < end; ++u) {
+        row.colors.pixels()[u] = row.list[u] = color;
+        if (color != kBackground) row.occupied |= OccupiedWords{1} << u / kOccupiedWordPixels;
+      }
+    }
+  }
+  static std::vector<Found> list_runs(const std::vector<ColorId>& colors) {
+    std::vector<Found> list;
+    for (int u = 0; u + 1 < static_cast<int>(colors.size()); ++u) {
+      const ColorId color = colors[static_cast<std::size_t>(u)];
+      if (color == kBackground) continue;
+      if (!list.empty() && list.back().end == u && list.back().color == color) {
+        ++list.back().end;
+      } else {
+        list.push_back({u, u + 1, color});
+      }
+    }
+    return list;
+  }
+
+  static constexpr int kWidths[] = {1, 2, 31, 63, 64, 65, 127, 128, 129, 191, 192, 193, 640, 2592};
+  std::mt19937 random_{11};
+  RowMasks masks_;
+};
+
+TEST_P(RowRunsTest, AreThoseThatLookingAtEachPixelFinds) {
+  const RowMasker fill_masks = row_masker(GetParam());
+  const auto out = std::make_unique<std::array<touchline::Run, kMaxFrameWidth>>();
+  const auto choice = std::make_unique<RunChoice>();
+  Row above, row;
+  for (int round = 0; round < 700; ++round) {
+    const auto width = static_cast<std::size_t>(kWidths[static_cast<std::size_t>(round) % std::size(kWidths)]);
+    const std::size_t words = (width + 63) / 64;
+    const int density = pick(random_, 0, 10), length = 1 << pick(random_, 0, 8);
+    fill(above, width, density, length);
+    fill(row, width, density, length);
+    fill_masks(row.colors, above.colors, row.occupied, masks_);
+    const std::vector<Found> expected = list_runs(row.list);
+    ASSERT_EQ(masks_.occupied, row.occupied);
+    ASSERT_EQ(count_runs(masks_, words), expected.size()) << round;
+    ASSERT_EQ(found(out->data(), write_runs(masks_, row.colors, 5, out->data())), expected) << round;
+    for (std::size_t u = 0; u < words * 64; ++u) {
+      const bool like = u < width && row.list[u] != kBackground && row.list[u] == above.list[u];
+      ASSERT_EQ((masks_.like_above[u / 64] >> u % 64 & 1u) != 0, like) << round << ", column " << u;
+    }
+
+    if (expected.empty()) continue;
+    const auto limit = static_cast<std::size_t>(pick(random_, 0, static_cast<int>(expected.size()) - 1));
+    std::vector<Found> longest = expected;
+    for (int shorter = 1; longest.size() > limit && shorter < static_cast<int>(RunChoice::kLongest); ++shorter) {
+      std::erase_if(longest, [&](const Found& run) { return run.end - run.begin <= shorter; });
+    }
+    longest.resize(std::min(longest.size(), limit), Found{});
+    const std::size_t count = choice->write_longest(masks_, row.colors, words, 5, limit, out->data());
+    ASSERT_EQ(found(out->data(), count), longest) << round << ", limit " << limit;
+  }
+}
+
+TEST_P(RowRunsTest, SpecksAreWhatHasNoNeighborOfItsColor) {
+  const RowMasker fill_masks = row_masker(GetParam());
+  const auto out = std::make_unique<std::array<touchline::Run, kMaxFrameWidth>>();
+  std::array<Row, 3> rows;
+  RowMasks below;
+  for (int round = 0; round < 300; ++round) {
+    const auto width = static_cast<std::size_t>(kWidths[static_cast<std::size_t>(round) % std::size(kWidths)]);
+    for (Row& row : rows) fill(row, width, 4, 3);
+    fill_masks(rows[1].colors, rows[0].colors, rows[1].occupied, masks_);
+    fill_masks(rows[2].colors, rows[1].colors, rows[2].occupied, below);
+    forget_specks(below, masks_);
+    std::vector<Found> expected = list_runs(rows[1].list);
+    std::erase_if(expected, [&](const Found& run) {
+      const auto u = static_cast<std::size_t>(run.begin);
+      return run.end - run.begin == 1 && rows[0].list[u] != run.color && rows[2].list[u] != run.color;
+    });
+    ASSERT_EQ(found(out->data(), write_runs(masks_, rows[1].colors, 5, out->data())), expected) << round;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kernels, RowRunsTest, ::testing::ValuesIn(available_kernels()));
+
+}  // namespace
+}  // namespace touchline::testing

@@ -37,8 +37,8 @@ class PixelBits {
 
 /// Where a row's runs begin and end. Both have the same number of bits, and the n-th of each belongs to the n-th run.
 struct RowMasks {
-  PixelBits first, last;  // pixels that are the first, or last, of a run
-  PixelBits like_above;   // pixels of a run whose upper neighbor has their color
+  PixelBits first, last;       // pixels that are the first, or last, of a run
+  PixelBits like_above;        // pixels of a run whose upper neighbor has their color
   OccupiedWords occupied = 0;  // all other words are zero
 };
 

@@ -29,8 +29,8 @@ std::vector<Found> found(const Run* runs, std::size_t count) {
 
 std::vector<KernelChoice> available_kernels() {
   std::vector<KernelChoice> kernels = {KernelChoice::kPortable};
-  for (const KernelChoice kernel : {KernelChoice::kAvx2, KernelChoice::kAvx512, KernelChoice::kNeon}) {
-    if (kernel_for(kernel, PixelFormat::kRgb24) != nullptr) kernels.push_back(kernel);
+  for (KernelChoice kernel : {KernelChoice::kAvx2, KernelChoice::kAvx512, KernelChoice::kNeon}) {
+    if (find_kernel(PixelFormat::kRgb24, kernel) != nullptr) kernels.push_back(kernel);
   }
   return kernels;
 }

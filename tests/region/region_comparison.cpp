@@ -192,19 +192,28 @@ ServedPicture served(const ColorGrid& grid, std::uint32_t min_area_px) {
   return picture;
 }
 
+ExpectedScan expected_scan(const ColorGrid& grid, std::uint32_t min_area_px) {
+  const ServedPicture picture = served(grid, min_area_px);
+  std::vector<ExpectedRegion> all = expected_regions(picture.grid, min_area_px);
+  const std::size_t count = all.size();
+  std::vector<ExpectedRegion> reported = largest(std::move(all), kMaxRegions);
+  const std::size_t missing = count - reported.size();
+  return {std::move(reported), picture.runs_dropped, missing};
+}
+
+std::string difference(const ExpectedScan& expected, const Runs& runs, const Regions& regions) {
+  if (runs.overflow() != expected.runs_dropped) {
+    return sentence(runs.overflow(), " runs dropped instead of ", expected.runs_dropped);
+  }
+  if (regions.overflow() != expected.regions_dropped) {
+    return sentence(regions.overflow(), " regions dropped instead of ", expected.regions_dropped);
+  }
+  return difference(expected.regions, runs, regions);
+}
+
 std::string difference_from_served(const ColorGrid& grid, std::uint32_t min_area_px, const Runs& runs,
                                    const Regions& regions) {
-  const ServedPicture picture = served(grid, min_area_px);
-  if (runs.overflow() != picture.runs_dropped) {
-    return sentence(runs.overflow(), " runs dropped instead of ", picture.runs_dropped);
-  }
-  std::vector<ExpectedRegion> expected = expected_regions(picture.grid, min_area_px);
-  const std::size_t all = expected.size();
-  expected = largest(std::move(expected), kMaxRegions);
-  if (regions.overflow() != all - expected.size()) {
-    return sentence(regions.overflow(), " regions dropped instead of ", all - expected.size());
-  }
-  return difference(expected, runs, regions);
+  return difference(expected_scan(grid, min_area_px), runs, regions);
 }
 
 std::size_t count_runs(const ColorGrid& grid) {

@@ -32,8 +32,14 @@ struct ServedPicture {
 };
 ServedPicture served(const ColorGrid& grid, std::uint32_t min_area_px);
 
-/// The same for a scan that may be kFull: the regions of the served picture, of more than fit only the largest (among
-/// equals the first ones), and the counts of what is missing.
+/// What a scan that may be kFull must report: the regions of the served picture, of more than fit only the largest
+/// (among equals the first ones), and the counts of what is missing.
+struct ExpectedScan {
+  std::vector<ExpectedRegion> regions;
+  std::size_t runs_dropped = 0, regions_dropped = 0;
+};
+ExpectedScan expected_scan(const ColorGrid& grid, std::uint32_t min_area_px);
+std::string difference(const ExpectedScan& expected, const Runs& runs, const Regions& regions);
 std::string difference_from_served(const ColorGrid& grid, std::uint32_t min_area_px, const Runs& runs,
                                    const Regions& regions);
 

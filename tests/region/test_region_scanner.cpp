@@ -28,9 +28,8 @@ class RegionScannerTest : public ::testing::Test {
 };
 
 // Tall, flat, single rows and columns, and around every block, tile and word size.
-constexpr std::pair<int, int> kSizes[] = {{1, 1},   {1, 40},  {40, 1},  {2, 2},   {3, 5},   {7, 9},   {8, 8},
-                                          {15, 17}, {16, 16}, {17, 15}, {33, 31}, {63, 20}, {64, 48}, {65, 20},
-                                          {95, 31}, {127, 9}, {128, 9}, {129, 9}, {191, 5}, {193, 5}};
+constexpr std::pair<int, int> kSizes[] = {{1, 1},   {1, 40},  {40, 1},  {2, 2},  {3, 5},   {7, 9},  {8, 8},   {15, 17},
+                                          {16, 16}, {17, 15}, {33, 31}, {63, 9}, {64, 48}, {65, 9}, {95, 30}, {129, 5}};
 
 TEST_F(RegionScannerTest, FindsThePapersRegionsInEveryPatternFormatAndSize) {
   std::size_t regions_seen = 0;

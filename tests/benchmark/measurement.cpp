@@ -1,0 +1,74 @@
+#include "tests/benchmark/measurement.h"
+
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <random>
+
+namespace touchline::testing {
+namespace {
+
+// Below, a call is made twice and measured once.
+constexpr double kShort_us = 2000.0;
+
+// What reading the clock twice takes.
+double clock_cost_us() {
+  std::vector<float> times;
+  for (int i = 0; i < 1000; ++i) {
+    const double begin = cpu_time_us();
+    times.push_back(static_cast<float>(cpu_time_us() - begin));
+  }
+  return quantiles_of(times).median_us;
+}
+
+void call(Subject& subject, Method& method, double clock_cost) {
+  if (method.times_us.empty() || static_cast<double>(method.times_us.back()) < kShort_us) {
+    method.work();
+  } else if (subject.copies.empty()) {
+    static_cast<void>(read_frame(subject.picture.frame()));
+  }
+  const double begin = cpu_time_us();
+  method.work();
+  method.times_us.push_back(static_cast<float>(std::max(0.0, cpu_time_us() - begin - clock_cost)));
+}
+
+}  // namespace
+
+double cpu_time_us() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) * 1e6 + static_cast<double>(time.tv_nsec) * 1e-3;
+}
+
+Quantiles quantiles_of(const std::vector<float>& times_us) {
+  if (times_us.empty()) return {};
+  std::vector<float> sorted = times_us;
+  std::sort(sorted.begin(), sorted.end());
+  const auto at = [&](double part) {
+    return static_cast<double>(sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1) + 0.5)]);
+  };
+  return {at(0.5), at(0.99), at(0.0)};
+}
+
+void measure(const Subjects& subjects, std::size_t repetitions) {
+  std::vector<std::pair<Subject*, Method*>> calls;
+  for (const auto& subject : subjects) {
+    for (Method& method : subject->methods) {
+      method.times_us.reserve(repetitions);
+      calls.emplace_back(subject.get(), &method);
+    }
+  }
+  const bool is_terminal = isatty(STDERR_FILENO) != 0;
+  const double clock_cost = clock_cost_us();
+  std::mt19937 random(1);
+  for (std::size_t i = 0; i < repetitions; ++i) {
+    if (is_terminal) std::fprintf(stderr, "\r%zu of %zu repetitions", i, repetitions);
+    std::shuffle(calls.begin(), calls.end(), random);
+    for (const auto& [subject, method] : calls) call(*subject, *method, clock_cost);
+  }
+  if (is_terminal) std::fprintf(stderr, "\r%40s\r", "");
+}
+
+}  // namespace touchline::testing

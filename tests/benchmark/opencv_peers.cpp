@@ -1,0 +1,95 @@
+#include <algorithm>
+#include <array>
+#include <opencv2/core.hpp>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "tests/benchmark/subject.h"
+#include "tests/region/region_comparison.h"
+
+// What one would write with OpenCV instead.
+namespace touchline::testing {
+namespace {
+
+cv::Mat view_of(const Frame& frame) {
+  // OpenCV only reads it.
+  return {frame.height_px, frame.width_px, CV_8UC3, const_cast<std::uint8_t*>(frame.plane[0]), frame.stride_bytes[0]};
+}
+
+// A color at a time: inRange, then its components with area, box and centroid.
+struct PerColor {
+  ColorBoxes boxes;
+  cv::Mat mask{}, labels{}, stats{}, centroids{};
+  std::size_t regions = 0, area = 0;
+
+  void scan(const Frame& frame) {
+    const cv::Mat picture = view_of(frame);
+    regions = area = 0;
+    for (const ColorBox& box : boxes) {
+      cv::inRange(picture, cv::Scalar(box.low[0], box.low[1], box.low[2]),
+                  cv::Scalar(box.high[0], box.high[1], box.high[2]), mask);
+      const int count = cv::connectedComponentsWithStats(mask, labels, stats, centroids, 4);
+      for (int i = 1; i < count; ++i) area += static_cast<std::size_t>(stats.at<int>(i, cv::CC_STAT_AREA));
+      regions += static_cast<std::size_t>(count - 1);
+    }
+  }
+};
+
+// The paper's three tables, and one labeling of whatever has a color: touching colors become one region.
+struct Tables {
+  explicit Tables(const ColorBoxes& boxes) : table(1, 256, CV_16UC3, cv::Scalar::all(0)) {
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      for (int channel = 0; channel < 3; ++channel) {
+        const auto c = static_cast<std::size_t>(channel);
+        for (int value = boxes[i].low[c]; value <= boxes[i].high[c]; ++value) {
+          std::uint16_t& bits = table.at<cv::Vec3w>(0, value)[channel];
+          bits = static_cast<std::uint16_t>(bits | 1u << i);
+        }
+      }
+    }
+  }
+
+  void scan(const Frame& frame) {
+    cv::LUT(view_of(frame), table, classes);
+    cv::split(classes, channels);
+    cv::bitwise_and(channels[0], channels[1], channels[0]);
+    cv::bitwise_and(channels[0], channels[2], channels[0]);
+    cv::compare(channels[0], 0, mask, cv::CMP_NE);
+    const int count = cv::connectedComponentsWithStats(mask, labels, stats, centroids, 4);
+    regions = static_cast<std::size_t>(count - 1);
+    area = 0;
+    for (int i = 1; i < count; ++i) area += static_cast<std::size_t>(stats.at<int>(i, cv::CC_STAT_AREA));
+  }
+
+  cv::Mat table, classes{}, mask{}, labels{}, stats{}, centroids{};
+  std::array<cv::Mat, 3> channels{};
+  std::size_t regions = 0, area = 0;
+};
+
+template <class Peer>
+std::string add(Subject& subject, const char* name, std::shared_ptr<Peer> peer, std::size_t regions, std::size_t area) {
+  peer->scan(subject.picture.frame());
+  subject.methods.push_back({name, [&subject, peer] { peer->scan(subject.next_frame()); }, {}});
+  if (peer->regions == regions && peer->area == area) return {};
+  return std::string(name) + " finds " + std::to_string(peer->regions) + " regions of " + std::to_string(peer->area) +
+         " pixels instead of " + std::to_string(regions) + " of " + std::to_string(area);
+}
+
+}  // namespace
+
+std::string add_opencv(Subject& subject, const ColorGrid& colors) {
+  cv::setNumThreads(1);
+  const auto area = static_cast<std::size_t>(
+      std::count_if(colors.color.begin(), colors.color.end(), [](ColorId color) { return color != kBackground; }));
+  ColorGrid joined = colors;
+  for (ColorId& color : joined.color) color = std::min<ColorId>(color, 1);
+  std::string wrong = add(subject, "OpenCV table", std::make_shared<Tables>(subject.parameters.boxes),
+                          expected_regions(joined).size(), area);
+  if (wrong.empty() && subject.all_peers) {
+    wrong = add(subject, "OpenCV inRange", std::make_shared<PerColor>(PerColor{subject.parameters.boxes}),
+                expected_regions(colors).size(), area);
+  }
+  return wrong;
+}
+
+}  // namespace touchline::testing

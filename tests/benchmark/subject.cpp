@@ -1,0 +1,156 @@
+#include "tests/benchmark/subject.h"
+
+#include <cstring>
+
+#include "tests/benchmark/field_picture.h"
+#include "tests/region/patterns.h"
+
+namespace touchline::testing {
+namespace {
+
+// Together larger than any cache, so that a frame is in memory only, as a camera's driver leaves it.
+constexpr std::size_t kColdBytes = std::size_t{192} << 20;
+
+// Every byte, 128 at a time in four independent sums.
+using Words [[gnu::vector_size(32)]] = std::uint64_t;
+[[gnu::always_inline]] inline std::uint64_t sum_of(const std::uint8_t* bytes, std::size_t count) {
+  Words sum[4] = {};
+  std::size_t i = 0;
+  for (; i + sizeof sum <= count; i += sizeof sum) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      Words words;
+      std::memcpy(&words, bytes + i + k * sizeof words, sizeof words);
+      sum[k] ^= words;
+    }
+  }
+  for (; i < count; ++i) sum[0][0] ^= bytes[i];
+  const Words all = sum[0] ^ sum[1] ^ sum[2] ^ sum[3];
+  return all[0] ^ all[1] ^ all[2] ^ all[3];
+}
+std::uint64_t read_portable(const std::uint8_t* bytes, std::size_t count) { return sum_of(bytes, count); }
+#if defined(__x86_64__)
+[[gnu::target("avx2")]] std::uint64_t read_avx2(const std::uint8_t* bytes, std::size_t count) {
+  return sum_of(bytes, count);
+}
+bool has_avx2() { return __builtin_cpu_supports("avx2") != 0; }
+#else
+std::uint64_t read_avx2(const std::uint8_t* bytes, std::size_t count) { return sum_of(bytes, count); }
+bool has_avx2() { return false; }
+#endif
+
+std::size_t plane_bytes(const Frame& frame, std::size_t plane) {
+  const std::size_t rows = plane == 0 ? frame.height_px : (frame.height_px + 1u) / 2u;
+  const std::size_t row = row_bytes(frame.format, plane, frame.width_px);
+  return row == 0 ? 0 : (rows - 1) * frame.stride_bytes[plane] + row;
+}
+
+Subject subject_of(OwnedPicture picture, const ScanParameters& parameters) {
+  return {.name = {}, .picture = std::move(picture), .parameters = parameters};
+}
+
+// What a venue file has unless it says otherwise.
+constexpr std::uint32_t kUsualLeastArea_px = 2;
+
+Subject field(const FieldScene& scene) {
+  Subject subject = subject_of(paint_field(scene), field_parameters(scene));
+  subject.parameters.min_area_px = kUsualLeastArea_px;
+  return subject;
+}
+
+Subject with_all_peers(Subject subject) {
+  subject.all_peers = true;
+  return subject;
+}
+
+Subject cold(Subject subject) {
+  const Frame frame = subject.picture.frame();
+  subject.copies.assign(kColdBytes / (plane_bytes(frame, 0) + plane_bytes(frame, 1)) + 1, subject.picture);
+  return subject;
+}
+
+Subject lit(Subject subject) {
+  LightMap& light = subject.parameters.light;
+  light.columns = 64, light.rows = 48;
+  for (auto& plane : light.illumination) {
+    for (std::size_t i = 0; i < plane.size(); ++i) plane[i] = 0.85f + 0.3f * static_cast<float>(i % 64) / 64.0f;
+  }
+  return subject;
+}
+
+}  // namespace
+
+Frame Subject::next_frame() {
+  if (copies.empty()) return picture.frame();
+  turn = (turn + 1) % copies.size();
+  return copies[turn].frame();
+}
+
+std::uint64_t read_frame(const Frame& frame) {
+  std::uint64_t sum = 0;
+  for (std::size_t plane = 0; plane < 2; ++plane) {
+    const auto read = has_avx2() ? read_avx2 : read_portable;
+    sum ^= read(frame.plane[plane], plane_bytes(frame, plane));
+  }
+  return sum;
+}
+
+Subject crowded_subject(const ColorGrid& grid, std::uint32_t min_area_px) {
+  std::mt19937 random(7);
+  OwnedPicture picture = paint(grid, PixelFormat::kRgb24, 0, random);
+  ScanParameters parameters = parameters_for(picture.frame());
+  parameters.min_area_px = min_area_px;
+  // Eight more classes lie between the palette's, where no pixel is; in the list they stand so that kernels which take
+  // eight classes at a time find pixels in each eight.
+  const ColorBoxes palette = parameters.boxes;
+  parameters.boxes.clear();
+  for (std::size_t i = 0; i < palette.size(); ++i) {
+    parameters.boxes.push_back(palette[i]);
+    for (std::size_t k = 0; k < 2 && parameters.boxes.size() < 13; ++k) {
+      ColorBox box = palette[i];
+      box.low[0] = static_cast<std::uint8_t>(palette[i].high[0] + 1 + 5 * k);
+      box.high[0] = static_cast<std::uint8_t>(box.low[0] + 4);
+      box.color = static_cast<ColorId>(palette.size() + 1 + 2 * i + k);
+      parameters.boxes.push_back(box);
+    }
+  }
+  Subject subject = subject_of(std::move(picture), parameters);
+  subject.colors = grid;
+  return subject;
+}
+
+std::vector<std::unique_ptr<Subject>> make_subjects(std::string_view part) {
+  std::vector<std::unique_ptr<Subject>> subjects;
+  const auto add = [&](const std::string& name, const auto& make) {
+    if (name.find(part) == std::string::npos) return;
+    subjects.push_back(std::make_unique<Subject>(make()));
+    subjects.back()->name = name;
+  };
+  const FieldScene vga;
+  FieldScene yuyv = vga, nv12 = vga, noisy = vga, large = vga, full_hd = vga;
+  yuyv.format = PixelFormat::kYuyv;
+  nv12.format = PixelFormat::kNv12;
+  noisy.noise = 8.0;
+  noisy.specks_per_megapixel = 3000 / (640 * 480e-6);
+  large.width_px = 1280, large.height_px = 1024;
+  full_hd.width_px = 1920, full_hd.height_px = 1080;
+  add("field 640x480 rgb24", [&] { return with_all_peers(field(vga)); });
+  add("field 640x480 rgb24, cold", [&] { return cold(field(vga)); });
+  add("field 640x480 rgb24, light map", [&] { return lit(field(vga)); });
+  add("field 640x480 rgb24, noisy", [&] { return field(noisy); });
+  add("field 640x480 yuyv", [&] { return field(yuyv); });
+  add("field 640x480 nv12", [&] { return field(nv12); });
+  add("field 1280x1024 rgb24", [&] { return field(large); });
+  add("field 1920x1080 rgb24", [&] { return field(full_hd); });
+  for (const Pattern pattern : kAllPatterns) {
+    for (const std::uint32_t min_area : {1u, kUsualLeastArea_px}) {
+      const std::string name = std::string(name_of(pattern)) + (min_area == 1 ? "" : kSpecksLeftOut);
+      add(name, [&] {
+        std::mt19937 random(7);
+        return crowded_subject(make_pattern(pattern, 640, 480, random), min_area);
+      });
+    }
+  }
+  return subjects;
+}
+
+}  // namespace touchline::testing

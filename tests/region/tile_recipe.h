@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "tests/region/literal_labeling.h"
+
+namespace touchline::testing {
+
+/// A picture in one line: a tile of colors, repeated, with pixels changed at random. A search for slow pictures
+/// (touchline-bench --search) changes its numbers and letters.
+struct TileRecipe {
+  int width = 1, height = 1;     // of the tile, in cells
+  int scale_u = 1, scale_v = 1;  // pixels of a cell
+  int shift = 0;                 // columns by which each repetition of the tile stands further to the right
+  int noise_per_mille = 0;       // pixels that are any color or background
+  int runs = 1;                  // length of what is changed at random
+  unsigned seed = 1;
+  std::string cells = "0";  // colors, row by row; '0' is background
+};
+
+/// "8x4 scale 1x2 shift 3 noise 120 runs 2 seed 7 cells 0120..."
+std::string text_of(const TileRecipe& recipe);
+std::optional<TileRecipe> recipe_of(const std::string& text);
+
+/// Colors 0 to kPaletteColors.
+ColorGrid make_tiles(const TileRecipe& recipe, int width, int height);
+
+}  // namespace touchline::testing

@@ -40,23 +40,21 @@ void Labeling::add_row(Runs& runs, std::size_t first) {
 }
 
 void Labeling::join_row_above(Runs& runs, std::size_t first) {
-  const Run* const above = runs.data() + above_begin_;
-  Run* const row = runs.data() + first;
-  const std::size_t above_count = above_end_ - above_begin_, count = runs.size() - first;
-  std::size_t contacts = 0;
-  for (std::size_t i = 0, j = 0; i < count && j < above_count;) {
-    const Run &a = above[j], &b = row[i];
-    const std::uint32_t a_ends = a.end, b_ends = b.end;
-    contacts_[contacts] = {static_cast<std::uint16_t>(j), static_cast<std::uint16_t>(i)};
-    const std::uint32_t overlap = is_less(a.begin, b_ends) & is_less(b.begin, a_ends);
-    contacts += overlap & is_less(std::uint32_t{a.color} ^ b.color, 1);
+  const Run *above = runs.data() + above_begin_, *const above_end = runs.data() + above_end_;
+  Run *below = runs.data() + first, *const below_end = runs.end();
+  Contact* contact = contacts_.data();
+  while (above != above_end && below != below_end) {
+    const std::uint32_t a_ends = above->end, b_ends = below->end;
+    *contact = {above, below};
+    contact += is_less(above->begin, b_ends) & is_less(below->begin, a_ends) &
+               is_less(std::uint32_t{above->color} ^ below->color, 1);
     // The one that ends first touches nothing more.
-    j += 1 - is_less(b_ends, a_ends);
-    i += 1 - is_less(a_ends, b_ends);
+    above += 1 - is_less(b_ends, a_ends);
+    below += 1 - is_less(a_ends, b_ends);
   }
-  for (std::size_t k = 0; k < contacts; ++k) {
-    std::uint32_t& label = row[contacts_[k].below].next;
-    const std::uint32_t upper = root(above[contacts_[k].above].next), lower = label == kNoLabel ? upper : label;
+  for (const Contact* found = contacts_.data(); found != contact; ++found) {
+    std::uint32_t& label = found->below->next;
+    const std::uint32_t upper = root(found->above->next), lower = label == kNoLabel ? upper : label;
     label = std::min(upper, lower);
     parent_[std::max(upper, lower)] = label;
   }

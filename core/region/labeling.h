@@ -32,9 +32,10 @@ class Labeling {
     ColorId color = kBackground;
     PixelBox box;
   };
-  // Two runs, counted from the beginnings of their rows, that share a column and their color.
+  // Runs of neighboring rows that share a column and their color.
   struct Contact {
-    std::uint16_t above = 0, below = 0;
+    const Run* above = nullptr;
+    Run* below = nullptr;
   };
   // The least area with which a component stays, and how many of just that area do.
   struct Quota {

@@ -117,7 +117,8 @@ std::size_t RunChoice::write_longest(RowMasks& masks, const ColorRow& colors, st
   for (; least < kLongest && count > limit; ++least) count -= of_length[least];
   std::size_t written = 0;
   for (const Run& run : listed) {
-    if (length_of(run) >= least && written < limit) out[written++] = run;
+    out[written] = run;  // to be overwritten unless it is counted
+    written += static_cast<std::size_t>(length_of(run) >= least) & static_cast<std::size_t>(written < limit);
   }
   return written;
 }

@@ -20,7 +20,7 @@ std::size_t write_runs(const RowMasks& masks, const ColorRow& colors, std::uint1
 class RunChoice {
  public:
   /// Writes no more than `limit` runs, fewer than the row has: all that are longer than some length, and where that is
-  /// kLongest or more, of those the leftmost. The masks lose short runs. Returns how many.
+  /// kLongest or more, of those the leftmost. The masks lose short runs. Returns how many; `out` has room for one more.
   std::size_t write_longest(RowMasks& masks, const ColorRow& colors, std::size_t words, std::uint16_t row,
                             std::size_t limit, Run* out);
 

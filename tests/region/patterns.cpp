@@ -3,8 +3,14 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "tests/region/tile_recipe.h"
+
 namespace touchline::testing {
 namespace {
+
+constexpr char kSlowestFound[] =
+    "20x5 scale 8x4 shift 10 noise 114 runs 2 seed 1889376308 cells "
+    "0101011000000051100000111111111111111111111111111111111111111111111111111111111111111111111111111111";
 
 ColorId any_color(std::mt19937& random) { return static_cast<ColorId>(pick(random, 1, kPaletteColors)); }
 
@@ -111,7 +117,8 @@ const char* name_of(Pattern pattern) {
                                 "nested arches",
                                 "spiral",
                                 "stairs",
-                                "blobs"};
+                                "blobs",
+                                "slowest found by search"};
   return names[static_cast<std::size_t>(pattern)];
 }
 
@@ -128,6 +135,7 @@ ColorBoxes palette() {
 }
 
 ColorGrid make_pattern(Pattern pattern, int width, int height, std::mt19937& random) {
+  if (pattern == Pattern::kFound) return make_tiles(recipe_of(kSlowestFound).value(), width, height);
   ColorGrid grid = make_grid(width, height);
   const ColorId color = any_color(random);
   if (pattern == Pattern::kSpiral) draw_spiral(grid, color);

@@ -26,6 +26,7 @@ enum class Pattern {
   kSpiral,
   kStairs,  // one-pixel steps, down to the left
   kBlobs,   // disks of all colors on background with specks: what a field looks like
+  kFound,   // the slowest that touchline-bench --search has come upon
 };
 inline constexpr std::array kAllPatterns = {Pattern::kEmpty,
                                             Pattern::kFull,
@@ -41,7 +42,8 @@ inline constexpr std::array kAllPatterns = {Pattern::kEmpty,
                                             Pattern::kNestedArches,
                                             Pattern::kSpiral,
                                             Pattern::kStairs,
-                                            Pattern::kBlobs};
+                                            Pattern::kBlobs,
+                                            Pattern::kFound};
 const char* name_of(Pattern pattern);
 
 // Colors 1 to 5 are told apart by channel 0 alone, so that even formats with shared chroma can give each pixel its own.

@@ -41,20 +41,18 @@ TOUCHLINE_AVX2_INLINE void store(ColorId* colors, __m256i value) {
 TOUCHLINE_AVX2_INLINE void store_half(ColorId* colors, __m128i value) {
   _mm_storeu_si128(reinterpret_cast<__m128i*>(colors), value);
 }
-TOUCHLINE_AVX2_INLINE bool is_zero(__m256i value) { return _mm256_testz_si256(value, value) != 0; }
+// 1 or 0, as a number: no branch.
+TOUCHLINE_AVX2_INLINE std::uint64_t is_zero(__m256i value) {
+  return static_cast<std::uint64_t>(_mm256_testz_si256(value, value));
+}
 
 // The light of the tiles in the lower and the upper half; the same one where there is but one.
 struct Lights {
   const TileLight *low, *high;
 };
 
-// Four bytes of each light, over and over in its half.
-template <bool kOneLight>
-TOUCHLINE_AVX2_INLINE __m256i four_bytes(const std::array<std::uint8_t, 4>& low,
-                                         const std::array<std::uint8_t, 4>& high) {
-  const __m256i in_low = _mm256_set1_epi32(std::bit_cast<int>(low));
-  if constexpr (kOneLight) return in_low;
-  return _mm256_blend_epi32(in_low, _mm256_set1_epi32(std::bit_cast<int>(high)), 0b11110000);
+TOUCHLINE_AVX2_INLINE __m256i four_bytes(const std::array<std::uint8_t, 4>& bytes) {
+  return _mm256_set1_epi32(std::bit_cast<int>(bytes));
 }
 
 template <bool kOneLight>
@@ -79,21 +77,32 @@ struct Channel {
   const ChannelDigits *low, *high;
 };
 
-// The group's classes whose intervals' high digits include those of the values.
+struct Channels {
+  Channel first, second, third;
+};
+
 template <bool kOneLight>
 TOUCHLINE_AVX2_INLINE __m256i near_classes(const Channel& channel, std::size_t group) {
   return look_up<kOneLight>((*channel.low)[group].within, (*channel.high)[group].within, channel.value.high);
 }
-// The group's classes to which the values of a channel belong, a byte a value, out of the near ones.
+// The group's classes of which all three intervals' high digits include the values'.
 template <bool kOneLight>
-TOUCHLINE_AVX2_INLINE __m256i classes_of(const Channel& channel, std::size_t group, __m256i near) {
+TOUCHLINE_AVX2_INLINE __m256i near_classes(const Channels& channels, std::size_t group) {
+  return _mm256_and_si256(near_classes<kOneLight>(channels.first, group),
+                          _mm256_and_si256(near_classes<kOneLight>(channels.second, group),
+                                           near_classes<kOneLight>(channels.third, group)));
+}
+
+// Out of the near classes those to which the values of a channel belong, a byte a value.
+template <bool kOneLight>
+TOUCHLINE_AVX2_INLINE __m256i classes_of(const Channel& channel, std::size_t group) {
   const DigitTables &low = (*channel.low)[group], &high = (*channel.high)[group];
   const Digits& value = channel.value;
   const __m256i from = _mm256_or_si256(look_up<kOneLight>(low.above_first, high.above_first, value.high),
                                        look_up<kOneLight>(low.from_first, high.from_first, value.low));
   const __m256i to = _mm256_or_si256(look_up<kOneLight>(low.below_last, high.below_last, value.high),
                                      look_up<kOneLight>(low.to_last, high.to_last, value.low));
-  return _mm256_and_si256(near, _mm256_and_si256(from, to));
+  return _mm256_and_si256(from, to);
 }
 
 // The color of the lowest class; where an earlier group has given a color, that.
@@ -126,12 +135,12 @@ constexpr std::array<std::array<std::uint8_t, 16>, 3> pick_bytes(std::size_t fir
 }
 
 struct Planes {
-  __m256i channel[3];
+  __m256i first, second, third;
 };
 
-// The layouts below say of a block whose halves begin at any two columns, of shared chroma even ones,
-// - loud: whether it is not wholly in the quiet box,
-// - planes: its three channels, chroma doubled.
+// The layouts below give of a block
+// - loud: bytes that are not zero unless all of it is in the quiet box, its columns in one piece,
+// - planes: its three channels, chroma doubled; its halves begin at any two columns, of shared chroma even ones.
 
 // Three bytes a pixel.
 template <PixelFormat kFormat>
@@ -142,39 +151,39 @@ struct Packed24 {
 
   // Three bytes over and over, from byte i % 3 on.
   static constexpr auto kPeriod = [] {
-    std::array<std::array<std::uint8_t, 16>, 3> period{};
-    for (std::size_t first = 0; first < 3; ++first) {
-      for (std::size_t i = 0; i < 16; ++i) period[first][i] = static_cast<std::uint8_t>((first + i) % 3);
-    }
+    std::array<std::array<std::uint8_t, 32>, 3> period{};
+    for (std::size_t i = 0; i < 96; ++i) period[i / 32][i % 32] = static_cast<std::uint8_t>(i % 3);
     return period;
   }();
 
+  // Of the 96 bytes of a block, the first 48 in the tile of the lower half. Quiet values begin at 0.
+  struct Quiet {
+    __m256i reach[3];
+  };
   template <bool kOneLight>
-  TOUCHLINE_AVX2_INLINE static bool loud(const RowPixels& row, std::uint32_t u, const Lights& lights) {
-    const __m256i reach = four_bytes<kOneLight>(lights.low->quiet_reach, lights.high->quiet_reach);
-    const std::uint8_t *low = row.samples + std::size_t{3} * u, *high = low + std::size_t{3} * kTile;
-    __m256i beyond_reach = _mm256_setzero_si256();
-    for (std::size_t piece = 0; piece < 3; ++piece) {
-      const __m256i bytes = load_halves(low + 16 * piece, high + 16 * piece);
-      const __m256i of_bytes = _mm256_shuffle_epi8(reach, in_both_halves(kPeriod[piece].data()));
-      // Quiet values begin at 0.
-      beyond_reach = _mm256_or_si256(beyond_reach, _mm256_subs_epu8(bytes, of_bytes));
-    }
-    return !is_zero(beyond_reach);
+  TOUCHLINE_AVX2_INLINE static Quiet quiet(const Lights& lights) {
+    const __m256i low = four_bytes(lights.low->quiet_reach), high = four_bytes(lights.high->quiet_reach);
+    const __m256i both = kOneLight ? low : _mm256_blend_epi32(low, high, 0b11110000);
+    return {{_mm256_shuffle_epi8(low, load(kPeriod[0].data())), _mm256_shuffle_epi8(both, load(kPeriod[1].data())),
+             _mm256_shuffle_epi8(kOneLight ? low : high, load(kPeriod[2].data()))}};
+  }
+  TOUCHLINE_AVX2_INLINE static __m256i loud(const RowPixels& row, std::uint32_t u, const Quiet& quiet) {
+    const std::uint8_t* bytes = row.samples + std::size_t{3} * u;
+    return _mm256_or_si256(_mm256_subs_epu8(load(bytes), quiet.reach[0]),
+                           _mm256_or_si256(_mm256_subs_epu8(load(bytes + 32), quiet.reach[1]),
+                                           _mm256_subs_epu8(load(bytes + 64), quiet.reach[2])));
   }
 
   TOUCHLINE_AVX2_INLINE static Planes planes(const RowPixels& row, std::uint32_t u_low, std::uint32_t u_high) {
     const std::uint8_t *low = row.samples + std::size_t{3} * u_low, *high = row.samples + std::size_t{3} * u_high;
     const __m256i first = load_halves(low, high), second = load_halves(low + 16, high + 16),
                   third = load_halves(low + 32, high + 32);
-    Planes planes;
-    for (std::size_t c = 0; c < 3; ++c) {
-      planes.channel[c] =
-          _mm256_or_si256(_mm256_shuffle_epi8(first, in_both_halves(kPick[c][0].data())),
-                          _mm256_or_si256(_mm256_shuffle_epi8(second, in_both_halves(kPick[c][1].data())),
-                                          _mm256_shuffle_epi8(third, in_both_halves(kPick[c][2].data()))));
-    }
-    return planes;
+    return {channel(0, first, second, third), channel(1, first, second, third), channel(2, first, second, third)};
+  }
+  TOUCHLINE_AVX2_INLINE static __m256i channel(std::size_t channel, __m256i first, __m256i second, __m256i third) {
+    return _mm256_or_si256(_mm256_shuffle_epi8(first, in_both_halves(kPick[channel][0].data())),
+                           _mm256_or_si256(_mm256_shuffle_epi8(second, in_both_halves(kPick[channel][1].data())),
+                                           _mm256_shuffle_epi8(third, in_both_halves(kPick[channel][2].data()))));
   }
 };
 
@@ -186,26 +195,29 @@ struct Packed16 {
   static constexpr std::array kPick = {pick_bytes(kLumaAt, 2, 1), pick_bytes(kChromaAt, 4, 2),
                                        pick_bytes(kChromaAt + 2, 4, 2)};
 
+  // A tile's bytes fill a register.
+  struct Quiet {
+    __m256i low[2], reach[2];
+  };
   template <bool kOneLight>
-  TOUCHLINE_AVX2_INLINE static bool loud(const RowPixels& row, std::uint32_t u, const Lights& lights) {
-    const std::uint8_t* bytes = row.samples + std::size_t{2} * u;
-    return !is_zero(
-        _mm256_or_si256(loud_of(bytes, *lights.low), loud_of(bytes + std::size_t{2} * kTile, *lights.high)));
+  TOUCHLINE_AVX2_INLINE static Quiet quiet(const Lights& lights) {
+    return {{four_bytes(lights.low->quiet_low), four_bytes(lights.high->quiet_low)},
+            {four_bytes(lights.low->quiet_reach), four_bytes(lights.high->quiet_reach)}};
   }
-  TOUCHLINE_AVX2_INLINE static __m256i loud_of(const std::uint8_t* tile, const TileLight& light) {
-    return beyond(load(tile), four_bytes<true>(light.quiet_low, light.quiet_low),
-                  four_bytes<true>(light.quiet_reach, light.quiet_reach));
+  TOUCHLINE_AVX2_INLINE static __m256i loud(const RowPixels& row, std::uint32_t u, const Quiet& quiet) {
+    const std::uint8_t* bytes = row.samples + std::size_t{2} * u;
+    return _mm256_or_si256(beyond(load(bytes), quiet.low[0], quiet.reach[0]),
+                           beyond(load(bytes + 32), quiet.low[1], quiet.reach[1]));
   }
 
   TOUCHLINE_AVX2_INLINE static Planes planes(const RowPixels& row, std::uint32_t u_low, std::uint32_t u_high) {
     const std::uint8_t *low = row.samples + std::size_t{2} * u_low, *high = row.samples + std::size_t{2} * u_high;
     const __m256i first = load_halves(low, high), second = load_halves(low + 16, high + 16);
-    Planes planes;
-    for (std::size_t c = 0; c < 3; ++c) {
-      planes.channel[c] = _mm256_or_si256(_mm256_shuffle_epi8(first, in_both_halves(kPick[c][0].data())),
-                                          _mm256_shuffle_epi8(second, in_both_halves(kPick[c][1].data())));
-    }
-    return planes;
+    return {channel(0, first, second), channel(1, first, second), channel(2, first, second)};
+  }
+  TOUCHLINE_AVX2_INLINE static __m256i channel(std::size_t channel, __m256i first, __m256i second) {
+    return _mm256_or_si256(_mm256_shuffle_epi8(first, in_both_halves(kPick[channel][0].data())),
+                           _mm256_shuffle_epi8(second, in_both_halves(kPick[channel][1].data())));
   }
 };
 
@@ -214,84 +226,143 @@ struct Planar {
   static constexpr bool kPairs = true;
   static constexpr std::array kPick = {pick_bytes(0, 2, 2), pick_bytes(1, 2, 2)};
 
+  struct Quiet {
+    __m256i luma_low, luma_reach, chroma_low, chroma_reach;
+  };
   template <bool kOneLight>
-  TOUCHLINE_AVX2_INLINE static bool loud(const RowPixels& row, std::uint32_t u, const Lights& lights) {
-    const __m256i low = four_bytes<kOneLight>(lights.low->quiet_low, lights.high->quiet_low),
-                  reach = four_bytes<kOneLight>(lights.low->quiet_reach, lights.high->quiet_reach);
-    const __m256i of_luma = _mm256_setzero_si256();
-    const __m256i of_chroma = _mm256_set1_epi16(0x0302);
-    return !is_zero(_mm256_or_si256(
-        beyond(load(row.samples + u), _mm256_shuffle_epi8(low, of_luma), _mm256_shuffle_epi8(reach, of_luma)),
-        beyond(load(row.chroma + u), _mm256_shuffle_epi8(low, of_chroma), _mm256_shuffle_epi8(reach, of_chroma))));
+  TOUCHLINE_AVX2_INLINE static Quiet quiet(const Lights& lights) {
+    const __m256i low =
+        _mm256_blend_epi32(four_bytes(lights.low->quiet_low), four_bytes(lights.high->quiet_low), 0b11110000);
+    const __m256i reach =
+        _mm256_blend_epi32(four_bytes(lights.low->quiet_reach), four_bytes(lights.high->quiet_reach), 0b11110000);
+    const __m256i of_luma = _mm256_setzero_si256(), of_chroma = _mm256_set1_epi16(0x0302);
+    return {_mm256_shuffle_epi8(low, of_luma), _mm256_shuffle_epi8(reach, of_luma), _mm256_shuffle_epi8(low, of_chroma),
+            _mm256_shuffle_epi8(reach, of_chroma)};
+  }
+  TOUCHLINE_AVX2_INLINE static __m256i loud(const RowPixels& row, std::uint32_t u, const Quiet& quiet) {
+    return _mm256_or_si256(beyond(load(row.samples + u), quiet.luma_low, quiet.luma_reach),
+                           beyond(load(row.chroma + u), quiet.chroma_low, quiet.chroma_reach));
   }
 
   TOUCHLINE_AVX2_INLINE static Planes planes(const RowPixels& row, std::uint32_t u_low, std::uint32_t u_high) {
     const __m256i chroma = load_halves(row.chroma + u_low, row.chroma + u_high);
-    return {{load_halves(row.samples + u_low, row.samples + u_high),
-             _mm256_shuffle_epi8(chroma, in_both_halves(kPick[0][0].data())),
-             _mm256_shuffle_epi8(chroma, in_both_halves(kPick[1][0].data()))}};
+    return {load_halves(row.samples + u_low, row.samples + u_high),
+            _mm256_shuffle_epi8(chroma, in_both_halves(kPick[0][0].data())),
+            _mm256_shuffle_epi8(chroma, in_both_halves(kPick[1][0].data()))};
   }
 };
 
-TOUCHLINE_AVX2_INLINE Channel channel_of(const SpanTables& tables, const Planes& planes, const Lights& lights,
-                                         std::size_t c) {
-  return {digits_of(planes.channel[c]), &tables.digits->channel(c, lights.low->level[c]),
-          &tables.digits->channel(c, lights.high->level[c])};
+TOUCHLINE_AVX2_INLINE Channel channel_of(const SpanTables& tables, __m256i values, const Lights& lights,
+                                         std::size_t channel) {
+  return {digits_of(values), &tables.digits->channel(channel, lights.low->level[channel]),
+          &tables.digits->channel(channel, lights.high->level[channel])};
+}
+TOUCHLINE_AVX2_INLINE Channels channels_of(const SpanTables& tables, const Planes& planes, const Lights& lights) {
+  return {channel_of(tables, planes.first, lights, 0), channel_of(tables, planes.second, lights, 1),
+          channel_of(tables, planes.third, lights, 2)};
 }
 
 template <bool kOneLight>
-TOUCHLINE_AVX2_INLINE __m256i colors_of(const SpanTables& tables, const Planes& planes, const Lights& lights) {
-  const Channel first = channel_of(tables, planes, lights, 0), second = channel_of(tables, planes, lights, 1),
-                third = channel_of(tables, planes, lights, 2);
+TOUCHLINE_AVX2_INLINE __m256i colors_of(const SpanTables& tables, const Channels& channels) {
   __m256i colors = _mm256_setzero_si256();
   for (std::size_t group = 0; group < tables.digits->groups(); ++group) {
-    // Most blocks are background by their high digits.
-    const __m256i near = _mm256_and_si256(
-        near_classes<kOneLight>(first, group),
-        _mm256_and_si256(near_classes<kOneLight>(second, group), near_classes<kOneLight>(third, group)));
-    if (is_zero(near)) continue;
-    const __m256i classes = _mm256_and_si256(
-        classes_of<kOneLight>(first, group, near),
-        _mm256_and_si256(classes_of<kOneLight>(second, group, near), classes_of<kOneLight>(third, group, near)));
+    __m256i classes = near_classes<kOneLight>(channels, group);
+    if (is_zero(classes) != 0) continue;
+    classes = _mm256_and_si256(
+        _mm256_and_si256(classes, classes_of<kOneLight>(channels.first, group)),
+        _mm256_and_si256(classes_of<kOneLight>(channels.second, group), classes_of<kOneLight>(channels.third, group)));
     colors = add_colors(colors, tables.digits->colors()[group], classes);
   }
   return colors;
 }
 
 TOUCHLINE_AVX2_INLINE OccupiedWords occupied_at(std::uint32_t u, __m256i colors) {
-  return OccupiedWords{!is_zero(colors)} << u / kOccupiedWordPixels;
+  return (1 - is_zero(colors)) << u / kOccupiedWordPixels;
 }
 
-// Whole tiles, at least one. First all blocks are looked at without a branch that depends on what is there, so that no
-// wrong guess delays the processor, then those that are not quiet are classified.
+template <bool kOneLight>
+TOUCHLINE_AVX2_INLINE Lights lights_at(const SpanTables& tables, std::uint32_t u_low, std::uint32_t u_high) {
+  if constexpr (kOneLight) return {tables.tiles, tables.tiles};
+  return {&tables.tiles[u_low / kTile], &tables.tiles[u_high / kTile]};
+}
+
+// Up to 64 blocks of a row, a bit each. The last overlaps the one before it when there is no whole one left.
+constexpr std::uint32_t kMostBlocks = 64;
+struct Blocks {
+  std::uint32_t first, end, count;
+  [[nodiscard]] std::uint32_t column(std::uint32_t i) const { return std::min(first + i * kBlock, end - kBlock); }
+};
+
+// Whether the block is quiet. Makes it background.
+template <class Layout, bool kOneLight>
+TOUCHLINE_AVX2_INLINE std::uint64_t is_quiet(const SpanTables& tables, const RowPixels& row, std::uint32_t u,
+                                             const typename Layout::Quiet& of_row, ColorId* colors) {
+  const __m256i loud =
+      Layout::loud(row, u, kOneLight ? of_row : Layout::template quiet<false>(lights_at<false>(tables, u, u + kTile)));
+  store(colors + u, _mm256_setzero_si256());
+  return is_zero(loud);
+}
+
+// The blocks that are not quiet. Makes all of them background.
+template <class Layout, bool kOneLight>
+TOUCHLINE_AVX2_INLINE std::uint64_t find_loud(const SpanTables& tables, const RowPixels& row, const Blocks& blocks,
+                                              ColorId* colors) {
+  const auto of_row = Layout::template quiet<kOneLight>(lights_at<kOneLight>(tables, blocks.first, blocks.first));
+  std::uint64_t quiet = 0;
+  std::uint32_t i = 0, u = blocks.first;
+  for (; u + 4 * kBlock <= blocks.end && i < kMostBlocks; i += 4, u += 4 * kBlock) {
+    const std::uint64_t first = is_quiet<Layout, kOneLight>(tables, row, u, of_row, colors),
+                        second = is_quiet<Layout, kOneLight>(tables, row, u + kBlock, of_row, colors),
+                        third = is_quiet<Layout, kOneLight>(tables, row, u + 2 * kBlock, of_row, colors),
+                        fourth = is_quiet<Layout, kOneLight>(tables, row, u + 3 * kBlock, of_row, colors);
+    quiet |= (first | second << 1 | third << 2 | fourth << 3) << i;
+  }
+  for (; i < blocks.count; ++i) {
+    quiet |= is_quiet<Layout, kOneLight>(tables, row, blocks.column(i), of_row, colors) << i;
+  }
+  const std::uint64_t all = ~std::uint64_t{0} >> (kMostBlocks - blocks.count);
+  return tables.has_quiet ? all & ~quiet : all;
+}
+
+// Those of the blocks that may have a class, by high digits alone.
+template <class Layout, bool kOneLight>
+TOUCHLINE_AVX2_INLINE std::uint64_t find_near(const SpanTables& tables, const RowPixels& row, const Blocks& blocks,
+                                              std::uint64_t among) {
+  std::uint64_t found = 0;
+  for (; among != 0; among &= among - 1) {
+    const std::uint32_t u = blocks.column(static_cast<std::uint32_t>(std::countr_zero(among)));
+    const Channels channels =
+        channels_of(tables, Layout::planes(row, u, u + kTile), lights_at<kOneLight>(tables, u, u + kTile));
+    __m256i near = _mm256_setzero_si256();
+    for (std::size_t group = 0; group < tables.digits->groups(); ++group) {
+      near = _mm256_or_si256(near, near_classes<kOneLight>(channels, group));
+    }
+    found |= (among & (~among + 1)) * (1 - is_zero(near));
+  }
+  return found;
+}
+
+// Whole tiles, at least one.
 template <class Layout, bool kOneLight>
 TOUCHLINE_AVX2_INLINE OccupiedWords classify_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
                                                    std::uint32_t end, ColorId* colors) {
-  OccupiedWords occupied = 0;
-  const auto lights_at = [&](std::uint32_t u_low, std::uint32_t u_high) {
-    return Lights{&tables.tile_at(u_low), &tables.tile_at(u_high)};
-  };
   if (end - begin < kBlock) {
-    const __m256i found = colors_of<kOneLight>(tables, Layout::planes(row, begin, begin), lights_at(begin, begin));
+    const __m256i found = colors_of<kOneLight>(
+        tables, channels_of(tables, Layout::planes(row, begin, begin), lights_at<kOneLight>(tables, begin, begin)));
     store_half(colors + begin, _mm256_castsi256_si128(found));
     return occupied_at(begin, found);
   }
-  constexpr std::uint32_t kMostBlocks = 64;
+  OccupiedWords occupied = 0;
   for (std::uint32_t first = begin; first < end; first += kMostBlocks * kBlock) {
-    const std::uint32_t count = std::min(kMostBlocks, (end - first + kBlock - 1) / kBlock);
-    // The last block overlaps the one before it.
-    const auto column = [&](std::uint32_t i) { return std::min(first + i * kBlock, end - kBlock); };
-    std::uint64_t loud = tables.has_quiet ? 0 : ~std::uint64_t{0} >> (kMostBlocks - count);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const std::uint32_t u = column(i);
-      store(colors + u, _mm256_setzero_si256());
-      if (tables.has_quiet) {
-        loud |= std::uint64_t{Layout::template loud<kOneLight>(row, u, lights_at(u, u + kTile))} << i;
-      }
-    }
-    for (; loud != 0; loud &= loud - 1) {
-      const std::uint32_t u = column(static_cast<std::uint32_t>(std::countr_zero(loud)));
-      const __m256i found = colors_of<kOneLight>(tables, Layout::planes(row, u, u + kTile), lights_at(u, u + kTile));
+    const Blocks blocks = {first, end, std::min(kMostBlocks, (end - first + kBlock - 1) / kBlock)};
+    // Three looks at the row, each closer and at fewer blocks. Within one no branch depends on what is there: no wrong
+    // guess delays the processor.
+    std::uint64_t left = find_loud<Layout, kOneLight>(tables, row, blocks, colors);
+    left = find_near<Layout, kOneLight>(tables, row, blocks, left);
+    for (; left != 0; left &= left - 1) {
+      const std::uint32_t u = blocks.column(static_cast<std::uint32_t>(std::countr_zero(left)));
+      const __m256i found = colors_of<kOneLight>(
+          tables, channels_of(tables, Layout::planes(row, u, u + kTile), lights_at<kOneLight>(tables, u, u + kTile)));
       store(colors + u, found);
       occupied |= occupied_at(u, found) | occupied_at(u + kTile, found);
     }
@@ -307,8 +378,8 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_ends(const SpanTables& tables, cons
   const std::uint32_t last = end - kTile;
   const auto of_first = static_cast<char>((kTile - begin % kTile) % kTile),
              before_last = static_cast<char>(kTile - end % kTile);
-  const __m256i found = colors_of<kOneLight>(tables, Layout::planes(row, begin, last),
-                                             {&tables.tile_at(begin), &tables.tile_at(end - 1)});
+  const __m256i found = colors_of<kOneLight>(
+      tables, channels_of(tables, Layout::planes(row, begin, last), lights_at<kOneLight>(tables, begin, end - 1)));
   const __m128i place = _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   const __m128i first_colors =
       _mm_and_si128(_mm256_castsi256_si128(found), _mm_cmplt_epi8(place, _mm_set1_epi8(of_first)));
@@ -322,13 +393,12 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_ends(const SpanTables& tables, cons
          occupied_at(end - 1, _mm256_zextsi128_si256(last_colors));
 }
 
-template <class Layout, PixelFormat kFormat, bool kOneLight>
-TOUCHLINE_AVX2 OccupiedWords classify_light(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
-                                            std::uint32_t end, ColorId* colors) {
-  if (end - begin < kTile) return scalar_kernel(kFormat)(tables, row, begin, end, colors);
+template <class Layout, bool kOneLight>
+TOUCHLINE_AVX2_INLINE OccupiedWords classify_light(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
+                                                   std::uint32_t end, ColorId* colors) {
   OccupiedWords occupied = 0;
   if (begin % kTile != 0 || end % kTile != 0)
-    occupied |= classify_ends<Layout, kOneLight>(tables, row, begin, end, colors);
+    occupied = classify_ends<Layout, kOneLight>(tables, row, begin, end, colors);
   const std::uint32_t first = (begin + kTile - 1) / kTile * kTile, stop = end / kTile * kTile;
   if (first < stop) occupied |= classify_tiles<Layout, kOneLight>(tables, row, first, stop, colors);
   return occupied;
@@ -337,16 +407,19 @@ TOUCHLINE_AVX2 OccupiedWords classify_light(const SpanTables& tables, const RowP
 template <class Layout, PixelFormat kFormat>
 TOUCHLINE_AVX2 OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
                                            std::uint32_t end, ColorId* colors) {
+  // Copies: what is written to `colors` cannot change them.
+  const SpanTables of_row = tables;
+  const RowPixels pixels = row;
   OccupiedWords occupied = 0;
   if constexpr (Layout::kPairs) {
     // Only whole pairs go into blocks.
-    const SpanKernel one_by_one = scalar_kernel(kFormat);
-    if (begin % 2 == 1 && begin < end) occupied |= one_by_one(tables, row, begin, begin + 1, colors), ++begin;
-    if (end % 2 == 1 && begin < end) occupied |= one_by_one(tables, row, end - 1, end, colors), --end;
+    if (begin % 2 == 1 && begin < end)
+      occupied |= scalar_kernel(kFormat)(tables, row, begin, begin + 1, colors), ++begin;
+    if (end % 2 == 1 && begin < end) occupied |= scalar_kernel(kFormat)(tables, row, end - 1, end, colors), --end;
   }
-  if (begin >= end) return occupied;
-  return occupied | (tables.one_light ? classify_light<Layout, kFormat, true>(tables, row, begin, end, colors)
-                                      : classify_light<Layout, kFormat, false>(tables, row, begin, end, colors));
+  if (end < begin + kTile) return occupied | scalar_kernel(kFormat)(tables, row, begin, end, colors);
+  return occupied | (tables.one_light ? classify_light<Layout, true>(of_row, pixels, begin, end, colors)
+                                      : classify_light<Layout, false>(of_row, pixels, begin, end, colors));
 }
 
 }  // namespace

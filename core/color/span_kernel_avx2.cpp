@@ -1,3 +1,4 @@
+#include "core/color/kernel_of_format.h"
 #include "core/color/span_kernel.h"
 
 #if defined(__x86_64__)
@@ -6,15 +7,15 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
+#include <type_traits>
 
 namespace touchline {
 namespace {
 
 // Every function carries the target itself: a file compiled for AVX2 as a whole would leave AVX2 code in functions that
 // it shares with other files, and on an older processor the linker may have picked those.
-#define TOUCHLINE_AVX2 [[gnu::target("avx2")]]
-#define TOUCHLINE_AVX2_INLINE [[gnu::target("avx2"), gnu::always_inline]] inline
+#define TOUCHLINE_AVX2 [[gnu::target("avx2,bmi,popcnt")]]
+#define TOUCHLINE_AVX2_INLINE [[gnu::target("avx2,bmi,popcnt"), gnu::always_inline]] inline
 
 // A byte shuffle looks up within 16 bytes: half a register is a tile, which has its own tables.
 constexpr std::uint32_t kTile = kTileWidth, kBlock = 2 * kTile;
@@ -145,7 +146,6 @@ struct Planes {
 // Three bytes a pixel.
 template <PixelFormat kFormat>
 struct Packed24 {
-  static constexpr bool kPairs = false;
   static constexpr std::array kPick = {pick_bytes(kFormat == PixelFormat::kRgb24 ? 0 : 2, 3, 1), pick_bytes(1, 3, 1),
                                        pick_bytes(kFormat == PixelFormat::kRgb24 ? 2 : 0, 3, 1)};
 
@@ -190,7 +190,6 @@ struct Packed24 {
 // Two bytes a pixel.
 template <PixelFormat kFormat>
 struct Packed16 {
-  static constexpr bool kPairs = true;
   static constexpr std::size_t kLumaAt = kFormat == PixelFormat::kYuyv ? 0 : 1, kChromaAt = 1 - kLumaAt;
   static constexpr std::array kPick = {pick_bytes(kLumaAt, 2, 1), pick_bytes(kChromaAt, 4, 2),
                                        pick_bytes(kChromaAt + 2, 4, 2)};
@@ -223,7 +222,6 @@ struct Packed16 {
 
 // A byte a pixel, and two a pair.
 struct Planar {
-  static constexpr bool kPairs = true;
   static constexpr std::array kPick = {pick_bytes(0, 2, 2), pick_bytes(1, 2, 2)};
 
   struct Quiet {
@@ -358,7 +356,10 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_tiles(const SpanTables& tables, con
     // Three looks at the row, each closer and at fewer blocks. Within one no branch depends on what is there: no wrong
     // guess delays the processor.
     std::uint64_t left = find_loud<Layout, kOneLight>(tables, row, blocks, colors);
-    left = find_near<Layout, kOneLight>(tables, row, blocks, left);
+    // A row full of colors has little to gain by the second.
+    if (2 * std::popcount(left) <= static_cast<int>(blocks.count)) {
+      left = find_near<Layout, kOneLight>(tables, row, blocks, left);
+    }
     for (; left != 0; left &= left - 1) {
       const std::uint32_t u = blocks.column(static_cast<std::uint32_t>(std::countr_zero(left)));
       const __m256i found = colors_of<kOneLight>(
@@ -404,42 +405,34 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_light(const SpanTables& tables, con
   return occupied;
 }
 
-template <class Layout, PixelFormat kFormat>
+template <PixelFormat kFormat, class Layout>
 TOUCHLINE_AVX2 OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
                                            std::uint32_t end, ColorId* colors) {
+  if (end < begin + kTile) return scalar_kernel(kFormat)(tables, row, begin, end, colors);
   // Copies: what is written to `colors` cannot change them.
   const SpanTables of_row = tables;
   const RowPixels pixels = row;
-  OccupiedWords occupied = 0;
-  if constexpr (Layout::kPairs) {
-    // Only whole pairs go into blocks.
-    if (begin % 2 == 1 && begin < end)
-      occupied |= scalar_kernel(kFormat)(tables, row, begin, begin + 1, colors), ++begin;
-    if (end % 2 == 1 && begin < end) occupied |= scalar_kernel(kFormat)(tables, row, end - 1, end, colors), --end;
-  }
-  if (end < begin + kTile) return occupied | scalar_kernel(kFormat)(tables, row, begin, end, colors);
-  return occupied | (tables.one_light ? classify_light<Layout, true>(of_row, pixels, begin, end, colors)
-                                      : classify_light<Layout, false>(of_row, pixels, begin, end, colors));
+  return tables.one_light ? classify_light<Layout, true>(of_row, pixels, begin, end, colors)
+                          : classify_light<Layout, false>(of_row, pixels, begin, end, colors);
 }
+
+template <PixelFormat kFormat>
+using LayoutOf = std::conditional_t<color_space(kFormat) == ColorSpace::kRgb, Packed24<kFormat>,
+                                    std::conditional_t<kFormat == PixelFormat::kNv12, Planar, Packed16<kFormat>>>;
+struct Family {
+  template <PixelFormat kFormat>
+  static constexpr SpanKernel kKernel = classify_span<kFormat, LayoutOf<kFormat>>;
+};
 
 }  // namespace
 
 SpanKernel avx2_kernel(PixelFormat format) {
   __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx2") == 0) return nullptr;
-  switch (format) {
-    case PixelFormat::kRgb24:
-      return classify_span<Packed24<PixelFormat::kRgb24>, PixelFormat::kRgb24>;
-    case PixelFormat::kBgr24:
-      return classify_span<Packed24<PixelFormat::kBgr24>, PixelFormat::kBgr24>;
-    case PixelFormat::kYuyv:
-      return classify_span<Packed16<PixelFormat::kYuyv>, PixelFormat::kYuyv>;
-    case PixelFormat::kUyvy:
-      return classify_span<Packed16<PixelFormat::kUyvy>, PixelFormat::kUyvy>;
-    case PixelFormat::kNv12:
-      return classify_span<Planar, PixelFormat::kNv12>;
+  if (__builtin_cpu_supports("avx2") == 0 || __builtin_cpu_supports("bmi") == 0 ||
+      __builtin_cpu_supports("popcnt") == 0) {
+    return nullptr;
   }
-  return nullptr;
+  return kernel_of_format<Family>(format);
 }
 
 }  // namespace touchline

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "core/color/span_kernel.h"
+
+namespace touchline {
+
+/// A kernel for spans of whole pairs made into one for any: single pixels at the ends go to the portable kernel.
+template <PixelFormat kFormat, SpanKernel kKernel>
+OccupiedWords classify_any_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
+                                ColorId* colors) {
+  OccupiedWords occupied = 0;
+  if (begin % 2 == 1 && begin < end) {
+    occupied |= scalar_kernel(kFormat)(tables, row, begin, begin + 1, colors);
+    ++begin;
+  }
+  if (end % 2 == 1 && begin < end) {
+    occupied |= scalar_kernel(kFormat)(tables, row, end - 1, end, colors);
+    --end;
+  }
+  return begin < end ? occupied | kKernel(tables, row, begin, end, colors) : occupied;
+}
+
+/// Of a family of kernels the one for the format; `Family::kKernel<format>` takes spans that are not empty and, where
+/// pixel pairs share chroma, of whole pairs.
+template <class Family>
+SpanKernel kernel_of_format(PixelFormat format) {
+  switch (format) {
+    case PixelFormat::kRgb24:
+      return Family::template kKernel<PixelFormat::kRgb24>;
+    case PixelFormat::kBgr24:
+      return Family::template kKernel<PixelFormat::kBgr24>;
+    case PixelFormat::kYuyv:
+      return classify_any_span<PixelFormat::kYuyv, Family::template kKernel<PixelFormat::kYuyv>>;
+    case PixelFormat::kUyvy:
+      return classify_any_span<PixelFormat::kUyvy, Family::template kKernel<PixelFormat::kUyvy>>;
+    case PixelFormat::kNv12:
+      return classify_any_span<PixelFormat::kNv12, Family::template kKernel<PixelFormat::kNv12>>;
+  }
+  return nullptr;
+}
+
+}  // namespace touchline

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <bit>
+#include <cstdint>
+
 #include "core/color/span_kernel.h"
 
 namespace touchline {
@@ -18,6 +21,13 @@ OccupiedWords classify_any_span(const SpanTables& tables, const RowPixels& row, 
     --end;
   }
   return begin < end ? occupied | kKernel(tables, row, begin, end, colors) : occupied;
+}
+
+/// Of `count` blocks some are left, a bit each, which might have colors. Few of them are classified sooner than looked
+/// at again, and where most are left they do have colors.
+[[gnu::always_inline]] inline bool is_second_look_worth(std::uint64_t left, std::uint32_t count) {
+  const auto number = static_cast<std::uint32_t>(std::popcount(left));
+  return count < 8 * number && 2 * number <= count;
 }
 
 /// Of a family of kernels the one for the format; `Family::kKernel<format>` takes spans that are not empty and, where

@@ -264,10 +264,8 @@ template <bool kOneLight>
 TOUCHLINE_AVX2_INLINE __m256i colors_of(const SpanTables& tables, const Channels& channels) {
   __m256i colors = _mm256_setzero_si256();
   for (std::size_t group = 0; group < tables.digits->groups(); ++group) {
-    __m256i classes = near_classes<kOneLight>(channels, group);
-    if (is_zero(classes) != 0) continue;
-    classes = _mm256_and_si256(
-        _mm256_and_si256(classes, classes_of<kOneLight>(channels.first, group)),
+    const __m256i classes = _mm256_and_si256(
+        _mm256_and_si256(near_classes<kOneLight>(channels, group), classes_of<kOneLight>(channels.first, group)),
         _mm256_and_si256(classes_of<kOneLight>(channels.second, group), classes_of<kOneLight>(channels.third, group)));
     colors = add_colors(colors, tables.digits->colors()[group], classes);
   }
@@ -279,9 +277,13 @@ TOUCHLINE_AVX2_INLINE OccupiedWords occupied_at(std::uint32_t u, __m256i colors)
 }
 
 template <bool kOneLight>
-TOUCHLINE_AVX2_INLINE Lights lights_at(const SpanTables& tables, std::uint32_t u_low, std::uint32_t u_high) {
-  if constexpr (kOneLight) return {tables.tiles, tables.tiles};
-  return {&tables.tiles[u_low / kTile], &tables.tiles[u_high / kTile]};
+TOUCHLINE_AVX2_INLINE const TileLight* tile_at(const SpanTables& tables, std::uint32_t u) {
+  return kOneLight ? tables.tiles : tables.tiles + u / kTile;
+}
+// Of the tile and the next one.
+template <bool kOneLight>
+TOUCHLINE_AVX2_INLINE Lights lights_from(const TileLight* tile) {
+  return {tile, kOneLight ? tile : tile + 1};
 }
 
 // Up to 64 blocks of a row, a bit each. The last overlaps the one before it when there is no whole one left.
@@ -293,10 +295,10 @@ struct Blocks {
 
 // Whether the block is quiet. Makes it background.
 template <class Layout, bool kOneLight>
-TOUCHLINE_AVX2_INLINE std::uint64_t is_quiet(const SpanTables& tables, const RowPixels& row, std::uint32_t u,
+TOUCHLINE_AVX2_INLINE std::uint64_t is_quiet(const RowPixels& row, std::uint32_t u, const TileLight* tile,
                                              const typename Layout::Quiet& of_row, ColorId* colors) {
   const __m256i loud =
-      Layout::loud(row, u, kOneLight ? of_row : Layout::template quiet<false>(lights_at<false>(tables, u, u + kTile)));
+      Layout::loud(row, u, kOneLight ? of_row : Layout::template quiet<false>(lights_from<false>(tile)));
   store(colors + u, _mm256_setzero_si256());
   return is_zero(loud);
 }
@@ -305,18 +307,21 @@ TOUCHLINE_AVX2_INLINE std::uint64_t is_quiet(const SpanTables& tables, const Row
 template <class Layout, bool kOneLight>
 TOUCHLINE_AVX2_INLINE std::uint64_t find_loud(const SpanTables& tables, const RowPixels& row, const Blocks& blocks,
                                               ColorId* colors) {
-  const auto of_row = Layout::template quiet<kOneLight>(lights_at<kOneLight>(tables, blocks.first, blocks.first));
+  const TileLight* tile = tile_at<kOneLight>(tables, blocks.first);
+  const auto of_row = Layout::template quiet<kOneLight>(lights_from<kOneLight>(tile));
   std::uint64_t quiet = 0;
   std::uint32_t i = 0, u = blocks.first;
   for (; u + 4 * kBlock <= blocks.end && i < kMostBlocks; i += 4, u += 4 * kBlock) {
-    const std::uint64_t first = is_quiet<Layout, kOneLight>(tables, row, u, of_row, colors),
-                        second = is_quiet<Layout, kOneLight>(tables, row, u + kBlock, of_row, colors),
-                        third = is_quiet<Layout, kOneLight>(tables, row, u + 2 * kBlock, of_row, colors),
-                        fourth = is_quiet<Layout, kOneLight>(tables, row, u + 3 * kBlock, of_row, colors);
+    const std::uint64_t first = is_quiet<Layout, kOneLight>(row, u, tile, of_row, colors),
+                        second = is_quiet<Layout, kOneLight>(row, u + kBlock, tile + 2, of_row, colors),
+                        third = is_quiet<Layout, kOneLight>(row, u + 2 * kBlock, tile + 4, of_row, colors),
+                        fourth = is_quiet<Layout, kOneLight>(row, u + 3 * kBlock, tile + 6, of_row, colors);
     quiet |= (first | second << 1 | third << 2 | fourth << 3) << i;
+    if constexpr (!kOneLight) tile += 8;
   }
   for (; i < blocks.count; ++i) {
-    quiet |= is_quiet<Layout, kOneLight>(tables, row, blocks.column(i), of_row, colors) << i;
+    u = blocks.column(i);
+    quiet |= is_quiet<Layout, kOneLight>(row, u, tile_at<kOneLight>(tables, u), of_row, colors) << i;
   }
   const std::uint64_t all = ~std::uint64_t{0} >> (kMostBlocks - blocks.count);
   return tables.has_quiet ? all & ~quiet : all;
@@ -330,7 +335,7 @@ TOUCHLINE_AVX2_INLINE std::uint64_t find_near(const SpanTables& tables, const Ro
   for (; among != 0; among &= among - 1) {
     const std::uint32_t u = blocks.column(static_cast<std::uint32_t>(std::countr_zero(among)));
     const Channels channels =
-        channels_of(tables, Layout::planes(row, u, u + kTile), lights_at<kOneLight>(tables, u, u + kTile));
+        channels_of(tables, Layout::planes(row, u, u + kTile), lights_from<kOneLight>(tile_at<kOneLight>(tables, u)));
     __m256i near = _mm256_setzero_si256();
     for (std::size_t group = 0; group < tables.digits->groups(); ++group) {
       near = _mm256_or_si256(near, near_classes<kOneLight>(channels, group));
@@ -346,7 +351,8 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_tiles(const SpanTables& tables, con
                                                    std::uint32_t end, ColorId* colors) {
   if (end - begin < kBlock) {
     const __m256i found = colors_of<kOneLight>(
-        tables, channels_of(tables, Layout::planes(row, begin, begin), lights_at<kOneLight>(tables, begin, begin)));
+        tables, channels_of(tables, Layout::planes(row, begin, begin),
+                            {tile_at<kOneLight>(tables, begin), tile_at<kOneLight>(tables, begin)}));
     store_half(colors + begin, _mm256_castsi256_si128(found));
     return occupied_at(begin, found);
   }
@@ -356,14 +362,12 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_tiles(const SpanTables& tables, con
     // Three looks at the row, each closer and at fewer blocks. Within one no branch depends on what is there: no wrong
     // guess delays the processor.
     std::uint64_t left = find_loud<Layout, kOneLight>(tables, row, blocks, colors);
-    // A row full of colors has little to gain by the second.
-    if (2 * std::popcount(left) <= static_cast<int>(blocks.count)) {
-      left = find_near<Layout, kOneLight>(tables, row, blocks, left);
-    }
+    if (is_second_look_worth(left, blocks.count)) left = find_near<Layout, kOneLight>(tables, row, blocks, left);
     for (; left != 0; left &= left - 1) {
       const std::uint32_t u = blocks.column(static_cast<std::uint32_t>(std::countr_zero(left)));
-      const __m256i found = colors_of<kOneLight>(
-          tables, channels_of(tables, Layout::planes(row, u, u + kTile), lights_at<kOneLight>(tables, u, u + kTile)));
+      const __m256i found =
+          colors_of<kOneLight>(tables, channels_of(tables, Layout::planes(row, u, u + kTile),
+                                                   lights_from<kOneLight>(tile_at<kOneLight>(tables, u))));
       store(colors + u, found);
       occupied |= occupied_at(u, found) | occupied_at(u + kTile, found);
     }
@@ -380,7 +384,8 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_ends(const SpanTables& tables, cons
   const auto of_first = static_cast<char>((kTile - begin % kTile) % kTile),
              before_last = static_cast<char>(kTile - end % kTile);
   const __m256i found = colors_of<kOneLight>(
-      tables, channels_of(tables, Layout::planes(row, begin, last), lights_at<kOneLight>(tables, begin, end - 1)));
+      tables, channels_of(tables, Layout::planes(row, begin, last),
+                          {tile_at<kOneLight>(tables, begin), tile_at<kOneLight>(tables, end - 1)}));
   const __m128i place = _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   const __m128i first_colors =
       _mm_and_si128(_mm256_castsi256_si128(found), _mm_cmplt_epi8(place, _mm_set1_epi8(of_first)));
@@ -428,11 +433,9 @@ struct Family {
 
 SpanKernel avx2_kernel(PixelFormat format) {
   __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx2") == 0 || __builtin_cpu_supports("bmi") == 0 ||
-      __builtin_cpu_supports("popcnt") == 0) {
-    return nullptr;
-  }
-  return kernel_of_format<Family>(format);
+  const bool is_there = __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0 &&
+                        __builtin_cpu_supports("popcnt") != 0;
+  return is_there ? kernel_of_format<Family>(format) : nullptr;
 }
 
 }  // namespace touchline

@@ -18,9 +18,9 @@ namespace {
 #define TOUCHLINE_AVX512 [[gnu::target(TOUCHLINE_AVX512_TARGET)]]
 #define TOUCHLINE_AVX512_INLINE [[gnu::target(TOUCHLINE_AVX512_TARGET), gnu::always_inline]] inline
 
-// A block is a word of 64 columns; a quarter of a register is a tile, which has its own tables.
+// A block is a word of 64 columns.
 constexpr std::uint32_t kBlock = kOccupiedWordPixels;
-static_assert(kTileWidth == 16 && kBlock == 4 * kTileWidth);
+static_assert(kBlock == 64);
 
 // Those of a block's pixels that are in the span: a bit each.
 using Inside = std::uint64_t;
@@ -48,47 +48,32 @@ TOUCHLINE_AVX512_INLINE __m512i load(const std::uint8_t* bytes, std::uint32_t be
   if constexpr (kIsWhole) return _mm512_loadu_si512(bytes + std::size_t{64} * piece);
   return _mm512_maskz_loadu_epi8(bytes_inside(begin, end, piece), bytes + std::size_t{64} * piece);
 }
-TOUCHLINE_AVX512_INLINE __m512i constant(const std::array<std::uint8_t, 64>& bytes) {
-  return _mm512_loadu_si512(bytes.data());
+template <bool kIsWhole>
+TOUCHLINE_AVX512_INLINE void store(ColorId* colors, const Block& block, __m512i values) {
+  if constexpr (kIsWhole) {
+    _mm512_storeu_si512(colors + block.u, values);
+  } else {
+    _mm512_mask_storeu_epi8(colors + block.u, block.inside(), values);
+  }
 }
+// A constant, in one cache line.
+struct alignas(64) Pick : std::array<std::uint8_t, 64> {};
+TOUCHLINE_AVX512_INLINE __m512i constant(const Pick& bytes) { return _mm512_load_si512(bytes.data()); }
 TOUCHLINE_AVX512_INLINE __m512i or_of(__m512i a, __m512i b, __m512i c) {
   return _mm512_ternarylogic_epi64(a, b, c, 0b11111110);
 }
 TOUCHLINE_AVX512_INLINE __m512i and_of(__m512i a, __m512i b, __m512i c) {
   return _mm512_ternarylogic_epi64(a, b, c, 0b10000000);
 }
-// (a | b) & (c | d) & e
-TOUCHLINE_AVX512_INLINE __m512i both_and(__m512i a, __m512i b, __m512i c, __m512i d, __m512i e) {
-  return _mm512_ternarylogic_epi64(_mm512_or_si512(a, b), _mm512_or_si512(c, d), e, 0b10000000);
-}
-
 using Table = std::array<std::uint8_t, 16>;
 TOUCHLINE_AVX512_INLINE __m128i load_table(const Table& table) {
   return _mm_loadu_si128(reinterpret_cast<const __m128i*>(table.data()));
-}
-TOUCHLINE_AVX512_INLINE __m512i in_all_tiles(const Table& table) {
-  return _mm512_maskz_broadcast_i32x4(0xffff, load_table(table));
-}
-
-// The tables of a channel's values in the four tiles of a block.
-struct TileDigits {
-  const ChannelDigits* of[4];
-};
-
-template <bool kOneLight>
-TOUCHLINE_AVX512_INLINE __m512i tables_of(const TileDigits& digits, std::size_t group, Table DigitTables::*table) {
-  if constexpr (kOneLight) return in_all_tiles((*digits.of[0])[group].*table);
-  const __m256i low = _mm256_inserti128_si256(_mm256_castsi128_si256(load_table((*digits.of[0])[group].*table)),
-                                              load_table((*digits.of[1])[group].*table), 1);
-  const __m256i high = _mm256_inserti128_si256(_mm256_castsi128_si256(load_table((*digits.of[2])[group].*table)),
-                                               load_table((*digits.of[3])[group].*table), 1);
-  return _mm512_maskz_inserti64x4(0xff, _mm512_castsi256_si512(low), high, 1);
 }
 
 // A channel's values by their hexadecimal digits, and their tables.
 struct Channel {
   __m512i high, low;
-  TileDigits digits;
+  const ChannelDigits* digits;
 };
 struct Channels {
   Channel first, second, third;
@@ -99,69 +84,55 @@ TOUCHLINE_AVX512_INLINE __m512i high_digits(__m512i values) {
 }
 TOUCHLINE_AVX512_INLINE __m512i low_digits(__m512i values) { return _mm512_and_si512(values, _mm512_set1_epi8(15)); }
 
-template <bool kOneLight>
+TOUCHLINE_AVX512_INLINE __m512i look_up(const Table& table, __m512i digits) {
+  return _mm512_shuffle_epi8(_mm512_maskz_broadcast_i32x4(0xffff, load_table(table)), digits);
+}
+
 TOUCHLINE_AVX512_INLINE __m512i near_classes(const Channel& channel, std::size_t group) {
-  return _mm512_shuffle_epi8(tables_of<kOneLight>(channel.digits, group, &DigitTables::within), channel.high);
+  return look_up((*channel.digits)[group].within, channel.high);
 }
 // The group's classes of which all three intervals' high digits include the values'.
-template <bool kOneLight>
 TOUCHLINE_AVX512_INLINE __m512i near_classes(const Channels& channels, std::size_t group) {
-  return and_of(near_classes<kOneLight>(channels.first, group), near_classes<kOneLight>(channels.second, group),
-                near_classes<kOneLight>(channels.third, group));
+  return and_of(near_classes(channels.first, group), near_classes(channels.second, group),
+                near_classes(channels.third, group));
 }
 
 // Out of the near classes those to which the values of a channel belong, a byte a value.
-template <bool kOneLight>
 TOUCHLINE_AVX512_INLINE __m512i classes_of(const Channel& channel, std::size_t group, __m512i near) {
-  const TileDigits& digits = channel.digits;
-  return both_and(_mm512_shuffle_epi8(tables_of<kOneLight>(digits, group, &DigitTables::above_first), channel.high),
-                  _mm512_shuffle_epi8(tables_of<kOneLight>(digits, group, &DigitTables::from_first), channel.low),
-                  _mm512_shuffle_epi8(tables_of<kOneLight>(digits, group, &DigitTables::below_last), channel.high),
-                  _mm512_shuffle_epi8(tables_of<kOneLight>(digits, group, &DigitTables::to_last), channel.low), near);
+  const DigitTables& tables = (*channel.digits)[group];
+  const __m512i from =
+      _mm512_or_si512(look_up(tables.above_first, channel.high), look_up(tables.from_first, channel.low));
+  const __m512i to = _mm512_or_si512(look_up(tables.below_last, channel.high), look_up(tables.to_last, channel.low));
+  return and_of(from, to, near);
 }
 
 // The color of the lowest class; where an earlier group has given a color, that.
 TOUCHLINE_AVX512_INLINE __m512i add_colors(__m512i colors, const ColorDigits& tables, __m512i classes) {
-  const __m512i low = _mm512_shuffle_epi8(in_all_tiles(tables.low), low_digits(classes));
-  const __m512i color =
-      _mm512_mask_shuffle_epi8(low, _mm512_testn_epi8_mask(low, low), in_all_tiles(tables.high), high_digits(classes));
+  const __m512i low = look_up(tables.low, low_digits(classes)), high = look_up(tables.high, high_digits(classes));
+  const __m512i color = _mm512_mask_mov_epi8(low, _mm512_testn_epi8_mask(low, low), high);
   return _mm512_mask_mov_epi8(colors, _mm512_testn_epi8_mask(colors, colors), color);
 }
 
 // For byte i the byte first + step * (i / repeat), modulo 128.
-constexpr std::array<std::uint8_t, 64> pick_bytes(std::size_t first, std::size_t step, std::size_t repeat) {
-  std::array<std::uint8_t, 64> pick{};
+constexpr Pick pick_bytes(std::size_t first, std::size_t step, std::size_t repeat) {
+  Pick pick{};
   for (std::size_t i = 0; i < 64; ++i) pick[i] = static_cast<std::uint8_t>((first + step * (i / repeat)) % 128);
   return pick;
 }
 
-// The lights of the four tiles lie side by side in a register, 12 bytes each.
-constexpr std::uint32_t kLightBytes = sizeof(TileLight);
-static_assert(kLightBytes == 12);
+// In a TileLight.
 constexpr std::size_t kQuietLow = offsetof(TileLight, quiet_low), kQuietReach = offsetof(TileLight, quiet_reach);
-
-// For bytes 64 * piece to 64 * piece + 63 of a block, of which a tile has `tile_bytes`: those of the tile's light from
-// `at` on, `period` of them over and over.
-constexpr std::array<std::uint8_t, 64> of_light(std::size_t piece, std::size_t tile_bytes, std::size_t at,
-                                                std::size_t period) {
-  std::array<std::uint8_t, 64> pick{};
-  for (std::size_t i = 0; i < 64; ++i) {
-    const std::size_t byte = 64 * piece + i;
-    pick[i] = static_cast<std::uint8_t>(byte / tile_bytes * kLightBytes + at + byte % tile_bytes % period);
-  }
+// For bytes 64 * piece to 64 * piece + 63 of a block: `period` bytes from `at` on, over and over.
+constexpr Pick repeat_bytes(std::size_t piece, std::size_t at, std::size_t period) {
+  Pick pick{};
+  for (std::size_t i = 0; i < 64; ++i) pick[i] = static_cast<std::uint8_t>(at + (64 * piece + i) % period);
   return pick;
 }
-// A single light four times.
-constexpr auto kFourTimes = [] {
-  std::array<std::uint8_t, 64> pick{};
-  for (std::size_t i = 0; i < 64; ++i) pick[i] = static_cast<std::uint8_t>(i % kLightBytes);
-  return pick;
-}();
 
-TOUCHLINE_AVX512_INLINE __m512i choose(__m512i bytes, const std::array<std::uint8_t, 64>& pick) {
+TOUCHLINE_AVX512_INLINE __m512i choose(__m512i bytes, const Pick& pick) {
   return _mm512_maskz_permutexvar_epi8(kWhole, constant(pick), bytes);
 }
-TOUCHLINE_AVX512_INLINE __m512i choose(__m512i first, __m512i second, const std::array<std::uint8_t, 64>& pick) {
+TOUCHLINE_AVX512_INLINE __m512i choose(__m512i first, __m512i second, const Pick& pick) {
   return _mm512_permutex2var_epi8(first, constant(pick), second);
 }
 
@@ -190,15 +161,15 @@ struct Packed24 {
     return pixels;
   }
   static constexpr std::array kInThird = {in_third(kRed), in_third(1), in_third(2 - kRed)};
-  static constexpr std::array kReach = {of_light(0, 48, kQuietReach, 3), of_light(1, 48, kQuietReach, 3),
-                                        of_light(2, 48, kQuietReach, 3)};
+  static constexpr std::array kReach = {repeat_bytes(0, kQuietReach, 3), repeat_bytes(1, kQuietReach, 3),
+                                        repeat_bytes(2, kQuietReach, 3)};
 
   // Quiet values begin at 0.
   struct Quiet {
     __m512i first, second, third;
   };
-  TOUCHLINE_AVX512_INLINE static Quiet quiet(__m512i lights) {
-    return {choose(lights, kReach[0]), choose(lights, kReach[1]), choose(lights, kReach[2])};
+  TOUCHLINE_AVX512_INLINE static Quiet quiet(__m512i light) {
+    return {choose(light, kReach[0]), choose(light, kReach[1]), choose(light, kReach[2])};
   }
   struct Bytes {
     __m512i first, second, third;
@@ -229,14 +200,14 @@ struct Packed16 {
   static constexpr std::size_t kLumaAt = kFormat == PixelFormat::kYuyv ? 0 : 1, kChromaAt = 1 - kLumaAt;
   static constexpr std::array kPick = {pick_bytes(kLumaAt, 2, 1), pick_bytes(kChromaAt, 4, 2),
                                        pick_bytes(kChromaAt + 2, 4, 2)};
-  static constexpr std::array kLow = {of_light(0, 32, kQuietLow, 4), of_light(1, 32, kQuietLow, 4)};
-  static constexpr std::array kReach = {of_light(0, 32, kQuietReach, 4), of_light(1, 32, kQuietReach, 4)};
+  static constexpr std::array kLow = {repeat_bytes(0, kQuietLow, 4), repeat_bytes(1, kQuietLow, 4)};
+  static constexpr std::array kReach = {repeat_bytes(0, kQuietReach, 4), repeat_bytes(1, kQuietReach, 4)};
 
   struct Quiet {
     __m512i first_low, second_low, first_reach, second_reach;
   };
-  TOUCHLINE_AVX512_INLINE static Quiet quiet(__m512i lights) {
-    return {choose(lights, kLow[0]), choose(lights, kLow[1]), choose(lights, kReach[0]), choose(lights, kReach[1])};
+  TOUCHLINE_AVX512_INLINE static Quiet quiet(__m512i light) {
+    return {choose(light, kLow[0]), choose(light, kLow[1]), choose(light, kReach[0]), choose(light, kReach[1])};
   }
   struct Bytes {
     __m512i first, second;
@@ -260,14 +231,14 @@ struct Packed16 {
 // A byte a pixel, and two a pair.
 struct Planar {
   static constexpr std::array kPick = {pick_bytes(0, 2, 2), pick_bytes(1, 2, 2)};
-  static constexpr std::array kLow = {of_light(0, 16, kQuietLow, 1), of_light(0, 16, kQuietLow + 2, 2)};
-  static constexpr std::array kReach = {of_light(0, 16, kQuietReach, 1), of_light(0, 16, kQuietReach + 2, 2)};
+  static constexpr std::array kLow = {repeat_bytes(0, kQuietLow, 1), repeat_bytes(0, kQuietLow + 2, 2)};
+  static constexpr std::array kReach = {repeat_bytes(0, kQuietReach, 1), repeat_bytes(0, kQuietReach + 2, 2)};
 
   struct Quiet {
     __m512i luma_low, chroma_low, luma_reach, chroma_reach;
   };
-  TOUCHLINE_AVX512_INLINE static Quiet quiet(__m512i lights) {
-    return {choose(lights, kLow[0]), choose(lights, kLow[1]), choose(lights, kReach[0]), choose(lights, kReach[1])};
+  TOUCHLINE_AVX512_INLINE static Quiet quiet(__m512i light) {
+    return {choose(light, kLow[0]), choose(light, kLow[1]), choose(light, kReach[0]), choose(light, kReach[1])};
   }
   struct Bytes {
     __m512i luma, chroma;
@@ -286,57 +257,23 @@ struct Planar {
   }
 };
 
-// The lights of the block's tiles; those that are wholly outside are not looked at.
-template <bool kOneLight>
-TOUCHLINE_AVX512_INLINE __m512i lights_at(const SpanTables& tables, const Block& block) {
-  if constexpr (kOneLight) {
-    return choose(_mm512_maskz_loadu_epi8(bits(0, kLightBytes), tables.tiles), kFourTimes);
-  }
-  const std::uint32_t first = block.begin / kTileWidth, last = (block.end - 1) / kTileWidth;
-  return _mm512_maskz_loadu_epi8(bits(first * kLightBytes, (last + 1) * kLightBytes),
-                                 tables.tiles + block.u / kTileWidth);
+TOUCHLINE_AVX512_INLINE Channel channel_of(const SpanTables& tables, __m512i values, std::size_t channel) {
+  return {high_digits(values), low_digits(values), &tables.digits->channel(channel, tables.tiles->level[channel])};
+}
+template <class Layout, bool kIsWhole>
+TOUCHLINE_AVX512_INLINE Channels channels_at(const SpanTables& tables, const RowPixels& row, const Block& block) {
+  const Planes planes = Layout::planes(Layout::template bytes_of<kIsWhole>(row, block));
+  return {channel_of(tables, planes.first, 0), channel_of(tables, planes.second, 1),
+          channel_of(tables, planes.third, 2)};
 }
 
-template <bool kOneLight>
-TOUCHLINE_AVX512_INLINE Channel channel_of(const SpanTables& tables, __m512i values, const Block& block,
-                                           std::size_t channel) {
-  TileDigits digits{};
-  if constexpr (kOneLight) {
-    digits.of[0] = &tables.digits->channel(channel, tables.tiles->level[channel]);
-  } else {
-    const TileLight* tiles = tables.tiles + block.u / kTileWidth;
-    const std::uint32_t first = block.begin / kTileWidth, last = (block.end - 1) / kTileWidth;
-    for (std::uint32_t i = 0; i < 4; ++i) {
-      digits.of[i] = &tables.digits->channel(channel, tiles[std::clamp(i, first, last)].level[channel]);
-    }
-  }
-  return {high_digits(values), low_digits(values), digits};
-}
-template <bool kOneLight>
-TOUCHLINE_AVX512_INLINE Channels channels_of(const SpanTables& tables, const Planes& planes, const Block& block) {
-  return {channel_of<kOneLight>(tables, planes.first, block, 0), channel_of<kOneLight>(tables, planes.second, block, 1),
-          channel_of<kOneLight>(tables, planes.third, block, 2)};
-}
-
-// Whether some pixel, inside or not, has a class by high digits alone.
-template <bool kOneLight>
-TOUCHLINE_AVX512_INLINE bool is_near(const SpanTables& tables, const Channels& channels) {
-  __m512i near = _mm512_setzero_si512();
-  for (std::size_t group = 0; group < tables.digits->groups(); ++group) {
-    near = _mm512_or_si512(near, near_classes<kOneLight>(channels, group));
-  }
-  return _mm512_test_epi8_mask(near, near) != 0;
-}
-
-template <bool kOneLight>
 TOUCHLINE_AVX512_INLINE __m512i colors_of(const SpanTables& tables, const Channels& channels) {
   __m512i colors = _mm512_setzero_si512();
   for (std::size_t group = 0; group < tables.digits->groups(); ++group) {
-    __m512i classes = near_classes<kOneLight>(channels, group);
-    if (_mm512_test_epi8_mask(classes, classes) == 0) continue;
-    classes = classes_of<kOneLight>(channels.first, group, classes);
-    classes = classes_of<kOneLight>(channels.second, group, classes);
-    classes = classes_of<kOneLight>(channels.third, group, classes);
+    __m512i classes = near_classes(channels, group);
+    classes = classes_of(channels.first, group, classes);
+    classes = classes_of(channels.second, group, classes);
+    classes = classes_of(channels.third, group, classes);
     colors = add_colors(colors, tables.digits->colors()[group], classes);
   }
   return colors;
@@ -351,49 +288,55 @@ struct Span {
   }
 };
 
-template <class Layout, bool kOneLight, bool kIsWhole>
-TOUCHLINE_AVX512_INLINE OccupiedWords is_loud(const SpanTables& tables, const RowPixels& row, const Block& block,
+// The three looks at a block. Each gives 1 or 0: whether the next is needed, in the end whether there are colors.
+template <class Layout, bool kIsWhole>
+TOUCHLINE_AVX512_INLINE OccupiedWords is_loud(const RowPixels& row, const Block& block,
                                               const typename Layout::Quiet& of_row, ColorId* colors) {
   const typename Layout::Bytes bytes = Layout::template bytes_of<kIsWhole>(row, block);
-  const __m512i loud = Layout::loud(bytes, kOneLight ? of_row : Layout::quiet(lights_at<false>(tables, block)));
-  if constexpr (kIsWhole) {
-    _mm512_storeu_si512(colors + block.u, _mm512_setzero_si512());
-  } else {
-    _mm512_mask_storeu_epi8(colors + block.u, block.inside(), _mm512_setzero_si512());
-  }
+  const __m512i loud = Layout::loud(bytes, of_row);
+  store<kIsWhole>(colors, block, _mm512_setzero_si512());
   return OccupiedWords{_mm512_test_epi8_mask(loud, loud) != 0};
 }
-
-template <class Layout, bool kOneLight>
-TOUCHLINE_AVX512_INLINE Channels channels_at(const SpanTables& tables, const RowPixels& row, const Block& block) {
-  return channels_of<kOneLight>(tables, Layout::planes(Layout::template bytes_of<false>(row, block)), block);
+template <class Layout, bool kIsWhole>
+TOUCHLINE_AVX512_INLINE OccupiedWords is_near(const SpanTables& tables, const RowPixels& row, const Block& block) {
+  const Channels channels = channels_at<Layout, kIsWhole>(tables, row, block);
+  __m512i near = _mm512_setzero_si512();
+  for (std::size_t group = 0; group < tables.digits->groups(); ++group) {
+    near = _mm512_or_si512(near, near_classes(channels, group));
+  }
+  return OccupiedWords{_mm512_test_epi8_mask(near, near) != 0};
+}
+template <class Layout, bool kIsWhole>
+TOUCHLINE_AVX512_INLINE OccupiedWords is_colored(const SpanTables& tables, const RowPixels& row, const Block& block,
+                                                 ColorId* colors) {
+  const __m512i found = colors_of(tables, channels_at<Layout, kIsWhole>(tables, row, block));
+  store<kIsWhole>(colors, block, found);
+  return OccupiedWords{_mm512_mask_test_epi8_mask(block.inside(), found, found) != 0};
 }
 
-// Three looks at the row, as in the AVX2 kernel.
-template <class Layout, bool kOneLight>
-TOUCHLINE_AVX512_INLINE OccupiedWords classify_light(const SpanTables& tables, const RowPixels& row, const Span& span,
-                                                     ColorId* colors) {
-  const std::uint32_t first = span.begin / kBlock, last = (span.end - 1) / kBlock;
-  const OccupiedWords all = bits(first, last + 1);
-  typename Layout::Quiet of_row{};
-  if constexpr (kOneLight) of_row = Layout::quiet(lights_at<true>(tables, {}));
-  OccupiedWords left = is_loud<Layout, kOneLight, false>(tables, row, span.block(first), of_row, colors) << first;
-  for (std::uint32_t word = first + 1; word < last; ++word) {
-    const Block block = {word * kBlock, 0, kBlock};
-    left |= is_loud<Layout, kOneLight, true>(tables, row, block, of_row, colors) << word;
+// As in the AVX2 kernel, a round for each look: within one no branch depends on what is there.
+template <class Layout>
+TOUCHLINE_AVX512_INLINE OccupiedWords classify_blocks(const SpanTables& tables, const RowPixels& row, const Span& span,
+                                                      ColorId* colors) {
+  const auto of_row = Layout::quiet(_mm512_maskz_loadu_epi8(bits(0, sizeof(TileLight)), tables.tiles));
+  const std::uint32_t first = span.begin / kBlock, stop = (span.end + kBlock - 1) / kBlock;
+  OccupiedWords left = 0;
+  for (std::uint32_t word = first; word < stop; ++word) {
+    const Block block = span.block(word);
+    left |= (block.is_whole() ? is_loud<Layout, true>(row, block, of_row, colors)
+                              : is_loud<Layout, false>(row, block, of_row, colors))
+            << word;
   }
-  if (last > first) {
-    left |= is_loud<Layout, kOneLight, false>(tables, row, span.block(last), of_row, colors) << last;
-  }
-  if (!tables.has_quiet) left = all;
+  if (!tables.has_quiet) left = bits(first, stop);
 
-  // A row full of colors has little to gain by the second.
-  if (2 * std::popcount(left) <= std::popcount(all)) {
+  if (is_second_look_worth(left, stop - first)) {
     OccupiedWords near = 0;
-    for (OccupiedWords among = left; among != 0; among &= among - 1) {
-      const auto word = static_cast<std::uint32_t>(std::countr_zero(among));
-      const Channels channels = channels_at<Layout, kOneLight>(tables, row, span.block(word));
-      near |= OccupiedWords{is_near<kOneLight>(tables, channels)} << word;
+    for (; left != 0; left &= left - 1) {
+      const auto word = static_cast<std::uint32_t>(std::countr_zero(left));
+      const Block block = span.block(word);
+      near |=
+          (block.is_whole() ? is_near<Layout, true>(tables, row, block) : is_near<Layout, false>(tables, row, block))
+          << word;
     }
     left = near;
   }
@@ -401,22 +344,23 @@ TOUCHLINE_AVX512_INLINE OccupiedWords classify_light(const SpanTables& tables, c
   for (; left != 0; left &= left - 1) {
     const auto word = static_cast<std::uint32_t>(std::countr_zero(left));
     const Block block = span.block(word);
-    const __m512i found = colors_of<kOneLight>(tables, channels_at<Layout, kOneLight>(tables, row, block));
-    _mm512_mask_storeu_epi8(colors + block.u, block.inside(), found);
-    occupied |= OccupiedWords{_mm512_mask_test_epi8_mask(block.inside(), found, found) != 0} << word;
+    occupied |= (block.is_whole() ? is_colored<Layout, true>(tables, row, block, colors)
+                                  : is_colored<Layout, false>(tables, row, block, colors))
+                << word;
   }
   return occupied;
 }
 
-template <PixelFormat, class Layout>
+template <PixelFormat kFormat, class Layout>
 TOUCHLINE_AVX512 OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
                                              std::uint32_t end, ColorId* colors) {
+  // Four tiles' tables in a register are more work than they save.
+  if (!tables.one_light) return avx2_kernel(kFormat)(tables, row, begin, end, colors);
   if (begin >= end) return 0;
   // Copies: what is written to `colors` cannot change them.
   const SpanTables of_row = tables;
   const RowPixels pixels = row;
-  return tables.one_light ? classify_light<Layout, true>(of_row, pixels, {begin, end}, colors)
-                          : classify_light<Layout, false>(of_row, pixels, {begin, end}, colors);
+  return classify_blocks<Layout>(of_row, pixels, {begin, end}, colors);
 }
 
 template <PixelFormat kFormat>
@@ -437,7 +381,7 @@ bool has_avx512() {
 }  // namespace
 
 SpanKernel avx512_kernel(PixelFormat format) {
-  return has_avx512() ? kernel_of_format<Family>(format) : nullptr;
+  return has_avx512() && avx2_kernel(format) != nullptr ? kernel_of_format<Family>(format) : nullptr;
 }
 
 }  // namespace touchline

@@ -350,17 +350,16 @@ template <class Layout, bool kOneLight>
 TOUCHLINE_AVX2_INLINE OccupiedWords classify_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
                                                    std::uint32_t end, ColorId* colors) {
   if (end - begin < kBlock) {
-    const __m256i found = colors_of<kOneLight>(
-        tables, channels_of(tables, Layout::planes(row, begin, begin),
-                            {tile_at<kOneLight>(tables, begin), tile_at<kOneLight>(tables, begin)}));
+    const TileLight* tile = tile_at<kOneLight>(tables, begin);
+    const __m256i found =
+        colors_of<kOneLight>(tables, channels_of(tables, Layout::planes(row, begin, begin), {tile, tile}));
     store_half(colors + begin, _mm256_castsi256_si128(found));
     return occupied_at(begin, found);
   }
   OccupiedWords occupied = 0;
   for (std::uint32_t first = begin; first < end; first += kMostBlocks * kBlock) {
     const Blocks blocks = {first, end, std::min(kMostBlocks, (end - first + kBlock - 1) / kBlock)};
-    // Three looks at the row, each closer and at fewer blocks. Within one no branch depends on what is there: no wrong
-    // guess delays the processor.
+    // Three looks, each closer and at fewer blocks. No branch depends on what is there: no wrong guess costs time.
     std::uint64_t left = find_loud<Layout, kOneLight>(tables, row, blocks, colors);
     if (is_second_look_worth(left, blocks.count)) left = find_near<Layout, kOneLight>(tables, row, blocks, left);
     for (; left != 0; left &= left - 1) {

@@ -21,6 +21,7 @@ int check_command(const CommandLine& command_line) {
   if (!command_line.dump) {
     std::printf("%s, %s and %s are sound\n", configuration.board_where.file().c_str(),
                 configuration.venue_where.file().c_str(), configuration.team_where.file().c_str());
+    std::printf("colors: %s kernel\n", std::string(config::kernel_word(configuration.board)).c_str());
   }
   return kExitOk;
 }

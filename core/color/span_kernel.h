@@ -5,19 +5,11 @@
 
 #include "core/color/color_tables.h"
 #include "core/color/digit_tables.h"
+#include "core/color/kernel_choice.h"
 #include "core/color/quiet_box.h"
-#include "core/parameter.h"
 #include "core/types.h"
 
 namespace touchline {
-
-/// kFastest: what this processor does best. All give the same colors.
-enum class KernelChoice : std::uint8_t { kFastest, kPortable, kAvx2, kAvx512, kNeon };
-inline constexpr std::array<Choice<KernelChoice>, 5> kKernelChoices{{{"fastest", KernelChoice::kFastest},
-                                                                     {"portable", KernelChoice::kPortable},
-                                                                     {"avx2", KernelChoice::kAvx2},
-                                                                     {"avx512", KernelChoice::kAvx512},
-                                                                     {"neon", KernelChoice::kNeon}}};
 
 /// What a kernel needs to know about the colors in a row.
 struct SpanTables {

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 #include <string_view>
 
+#include "core/color/kernel_choice.h"
 #include "core/parameter.h"
 #include "hal/device_parameters.h"
 #include "hal/mock/arena_parameters.h"
@@ -13,6 +15,17 @@ namespace touchline::config {
 /// The version of the three files that this program reads and writes.
 inline constexpr int kFileVersion = 1;
 inline constexpr Range kVersionRange{kFileVersion, kFileVersion};
+
+/// [scan] of the board file: how pixels become colors.
+struct ScanSettings {
+  KernelChoice kernel = KernelChoice::kFastest;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.choice("kernel", self.kernel, std::span<const Choice<KernelChoice>>(kKernelChoices),
+                 "By which of the processor's instructions; all find the same");
+  }
+};
 
 /// [realtime] of the board file: what the loop asks of the kernel.
 struct RealtimeSettings {
@@ -64,6 +77,7 @@ struct BoardFile {
   hal::CameraSettings camera;
   hal::RadioSettings radio;
   hal::GpioSettings gpio;
+  ScanSettings scan;
   RealtimeSettings realtime;
   FaultSettings faults;
   hal::mock::ArenaParameters arena;
@@ -79,6 +93,7 @@ struct BoardFile {
     visit.section("camera", self.camera, "Where frames come from");
     visit.section("radio", self.radio, "The link to the robots");
     visit.section("gpio", self.gpio, "Status light and emergency stop");
+    visit.section("scan", self.scan, "How pixels become colors");
     visit.section("realtime", self.realtime, "What the loop asks of the kernel; what is refused is reported once");
     visit.section("faults", self.faults, "How long the loop bears with a fault");
     visit.section("arena", self.arena, "What backend \"mock\" simulates");

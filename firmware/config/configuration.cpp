@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/color/span_kernel.h"
 #include "firmware/config/key_list.h"
 #include "firmware/config/toml_writer.h"
 
@@ -60,6 +61,12 @@ void settle_rate(Configuration& configuration, Problems& problems) {
 }
 
 }  // namespace
+
+std::string_view kernel_word(const BoardFile& board) {
+  KernelChoice kernel = board.scan.kernel;
+  if (find_kernel(board.camera.format, kernel) == nullptr) return {};
+  return kKernelChoices[static_cast<std::size_t>(kernel)].word;
+}
 
 Status sort_overrides(const std::vector<std::string>& texts, SortedOverrides& out, Problems& problems) {
   const std::size_t before = problems.size();
@@ -131,6 +138,11 @@ Status load_board(const std::string& path, const std::vector<Override>& override
   const std::size_t before = problems.size();
   settle_rate(out, problems);
   std::string key, reason;
+  out.pipeline.scan.kernel = out.board.scan.kernel;
+  if (kernel_word(out.board).empty()) {
+    problems.add(out.board_where.of("scan.kernel"), "scan.kernel",
+                 "this processor has not got it; \"fastest\" takes what is there");
+  }
   if (!hal::mock::validate(out.board.arena, key, reason).ok()) {
     key = "arena." + key;
     problems.add(out.board_where.of(key), key, reason);

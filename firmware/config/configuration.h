@@ -36,6 +36,9 @@ Status load(const FilePaths& paths, Configuration& out, Problems& problems);
 Status load_board(const std::string& path, const std::vector<Override>& overrides, Configuration& out,
                   Problems& problems);
 
+/// The word for what classifies the board's pixels: "avx2", never "fastest"; empty where the processor lacks it.
+std::string_view kernel_word(const BoardFile& board);
+
 /// Venue and team alone, for tools that bring their own pictures. resolve() must follow once those are known.
 Status load_venue_and_team(const FilePaths& paths, Configuration& out, Problems& problems);
 /// Venue and team against the pictures that will come.

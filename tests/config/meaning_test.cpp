@@ -5,6 +5,18 @@
 namespace touchline::config {
 namespace {
 
+TEST_F(ConfigFiles, KernelIsTheBoardsAndMustBeThere) {
+  replace("board.toml", "[radio]\n", "[scan]\nkernel = \"portable\"\n[radio]\n");
+  ASSERT_TRUE(load().ok()) << problems();
+  EXPECT_EQ(configuration_->pipeline.scan.kernel, KernelChoice::kPortable);
+#if defined(__aarch64__)
+  replace("board.toml", "portable", "avx2");
+#else
+  replace("board.toml", "portable", "neon");
+#endif
+  EXPECT_EQ(refusal(), "board.toml:14: scan.kernel: this processor has not got it; \"fastest\" takes what is there\n");
+}
+
 TEST_F(ConfigFiles, ColorIdsFollowTheVenueFile) {
   ASSERT_TRUE(load().ok()) << problems();
   const PipelineParameters& p = configuration_->pipeline;

@@ -89,6 +89,9 @@ TEST_F(Program, CheckTellsWhetherFilesAreSound) {
   const Outcome sound = touchline("check " + board());
   EXPECT_EQ(sound.code, 0) << sound.text;
   EXPECT_NE(sound.text.find("are sound\n"), std::string::npos);
+  EXPECT_EQ(sound.text.find("fastest kernel"), std::string::npos) << "it says which that is";
+  const Outcome portable = touchline("check " + board() + "--set scan.kernel=portable");
+  EXPECT_NE(portable.text.find("colors: portable kernel\n"), std::string::npos) << portable.text;
   const Outcome wrong = touchline("check " + board() + "--set camera.gain=-1 --set ball.radius_m=9");
   EXPECT_EQ(wrong.code, 1);
   EXPECT_NE(wrong.text.find("--set camera.gain=-1: camera.gain: -1 is out of range: 0 to 65535\n"), std::string::npos)

@@ -77,11 +77,18 @@ struct LightDigits {
 };
 
 // `within` of all groups in one: where none of its bits is left no class is.
-Values within_any(const ChannelDigits& channel, std::size_t groups) {
-  Values any = vdupq_n_u8(0);
-  for (std::size_t group = 0; group < groups; ++group) any = vorrq_u8(any, vld1q_u8(channel[group].within.data()));
+Values within_any(const ChannelDigits& channel) {
+  Values any = vld1q_u8(channel[0].within.data());
+  TOUCHLINE_UNROLL for (std::size_t group = 1; group < kClassGroups; ++group) {
+    any = vorrq_u8(any, vld1q_u8(channel[group].within.data()));
+  }
   return any;
 }
+struct Within {
+  Values first, second, third;
+  explicit Within(const LightDigits& tables)
+      : first(within_any(tables.first)), second(within_any(tables.second)), third(within_any(tables.third)) {}
+};
 
 // TileLight's quiet range of four bytes, four times over.
 struct QuietWords {
@@ -141,17 +148,19 @@ struct Packed24 {
     }
   };
 
-  static Values classify(const LightDigits& tables, const RowPixels& tile) {
+  // False: background by the high digits, as most tiles are that are not quiet.
+  static bool may_be_colored(const Within& within, const RowPixels& tile) {
+    const uint8x16x3_t bytes = vld3q_u8(tile.samples);
+    return !is_zero(both(vqtbl1q_u8(within.first, vshrq_n_u8(bytes.val[kRed], 4)),
+                         both(vqtbl1q_u8(within.second, vshrq_n_u8(bytes.val[1], 4)),
+                              vqtbl1q_u8(within.third, vshrq_n_u8(bytes.val[2 - kRed], 4)))));
+  }
+
+  [[gnu::noinline]] static Values colors(const LightDigits& tables, RowPixels tile) {
     Values found = vdupq_n_u8(kBackground);
     const uint8x16x3_t bytes = vld3q_u8(tile.samples);
     const Digits<Values> a = digits_of(bytes.val[kRed]), b = digits_of(bytes.val[1]),
                          c = digits_of(bytes.val[2 - kRed]);
-    // Most tiles that are not quiet are background by their high digits.
-    if (is_zero(both(vqtbl1q_u8(within_any(tables.first, tables.groups), a.high),
-                     both(vqtbl1q_u8(within_any(tables.second, tables.groups), b.high),
-                          vqtbl1q_u8(within_any(tables.third, tables.groups), c.high))))) {
-      return found;
-    }
     for (std::size_t group = 0; group < tables.groups; ++group) {
       const Values classes = both(classes_of(tables.first[group], a),
                                   both(classes_of(tables.second[group], b), classes_of(tables.third[group], c)));
@@ -207,15 +216,17 @@ struct SharedChroma {
     return {luma, vmovn_u16(chroma), vshrn_n_u16(chroma, 8)};
   }
 
-  static Values classify(const LightDigits& tables, const RowPixels& tile) {
+  // False: background by the high digits of chroma, as most tiles are that are not quiet.
+  static bool may_be_colored(const Within& within, const RowPixels& tile) {
+    const Samples sample = samples(tile);
+    return !is_zero(
+        both(vqtbl1_u8(within.second, vshr_n_u8(sample.u, 4)), vqtbl1_u8(within.third, vshr_n_u8(sample.v, 4))));
+  }
+
+  [[gnu::noinline]] static Values colors(const LightDigits& tables, RowPixels tile) {
     Values found = vdupq_n_u8(kBackground);
     const Samples sample = samples(tile);
     const Digits<PairValues> u = digits_of(sample.u), v = digits_of(sample.v);
-    // Most pairs are background by their chroma's high digits.
-    if (is_zero(both(vqtbl1_u8(within_any(tables.second, tables.groups), u.high),
-                     vqtbl1_u8(within_any(tables.third, tables.groups), v.high)))) {
-      return found;
-    }
     const Digits<Values> luma = digits_of(sample.luma);
     for (std::size_t group = 0; group < tables.groups; ++group) {
       const PairValues pairs = both(classes_of(tables.second[group], u), classes_of(tables.third[group], v));
@@ -228,111 +239,130 @@ struct SharedChroma {
   }
 };
 
-template <class Layout>
+// Columns of a row, of at least a tile, in pairs where pairs share chroma.
+template <class Layout, bool kOneLight>
 class Span {
   using Quiet = typename Layout::Quiet;
 
  public:
   Span(const SpanTables& tables, const RowPixels& row, ColorId* colors)
-      : tables_(tables), row_(row), colors_(colors), quiet_(quiet_words(*tables.tiles)) {}
+      : tables_(tables),
+        row_(row),
+        colors_(colors),
+        quiet_(quiet_words(*tables.tiles)),
+        digits_(*tables.digits, *tables.tiles),
+        within_(digits_) {}
 
-  // Whole tiles.
-  void classify(std::uint32_t begin, std::uint32_t end) {
+  OccupiedWords classify(std::uint32_t begin, std::uint32_t end) {
     std::uint32_t u = begin;
-    for (; u + kBlock <= end; u += kBlock) {
-      if (tables_.has_quiet && is_quiet_block(u)) {
-        TOUCHLINE_UNROLL for (std::uint32_t tile = 0; tile < kTilesOfBlock; ++tile) clear(u + tile * kTile);
-      } else {
-        for (std::uint32_t tile = 0; tile < kTilesOfBlock; ++tile) classify_tile(u + tile * kTile);
-      }
+    if (u % kTile != 0) {
+      classify_first(u);
+      u = (u / kTile + 1) * kTile;
     }
-    for (; u < end; u += kTile) classify_tile(u);
+    classify_tiles(u, end / kTile * kTile);
+    if (end % kTile != 0) classify_last(end);
+    return occupied_;
   }
 
-  // The part of a tile from column u on; the span has kTile columns from there on, and those after it follow.
+ private:
+  [[gnu::always_inline]] void classify_tiles(std::uint32_t u, std::uint32_t end) {
+    while (u < end) {
+      std::uint32_t stop = end;
+      if (end - u >= kBlock) {
+        if (tables_.has_quiet && is_quiet_block(u)) {
+          TOUCHLINE_UNROLL for (std::uint32_t tile = 0; tile < kTilesOfBlock; ++tile) clear(u + tile * kTile);
+          u += kBlock;
+          continue;
+        }
+        stop = u + kBlock;
+      }
+      for (; u < stop; u += kTile) {
+        if ((tables_.has_quiet && is_quiet_tile(u)) || !may_be_colored(u)) {
+          clear(u);
+          continue;
+        }
+        const Values found = colors_at(u, u);
+        vst1q_u8(colors_ + u, found);
+        note(found, u);
+      }
+    }
+  }
+
+  // The part of a tile from column u on; kTile columns from there on are in the span, and those after it follow.
   void classify_first(std::uint32_t u) {
-    const Values found = exact(u, tables_.tile_at(u));
+    const Values found = colors_at(u, u);
     vst1q_u8(colors_ + u, found);
     note(vandq_u8(found, vcltq_u8(columns(), vdupq_n_u8(static_cast<std::uint8_t>(kTile - u % kTile)))), u);
   }
 
-  // The part of a tile before column `end`; the span has kTile columns before it, and those of other tiles are done.
+  // The part of a tile before column `end`; kTile columns before it are in the span, and those of other tiles are done.
   void classify_last(std::uint32_t end) {
     const std::uint32_t from = end - kTile;
     const Values here = vcgeq_u8(columns(), vdupq_n_u8(static_cast<std::uint8_t>(kTile - end % kTile)));
-    const Values found = vandq_u8(here, exact(from, tables_.tile_at(end - 1)));
+    const Values found = vandq_u8(here, colors_at(from, end - 1));
     vst1q_u8(colors_ + from, vbslq_u8(here, found, vld1q_u8(colors_ + from)));
     note(found, end - 1);
   }
 
-  [[nodiscard]] OccupiedWords occupied() const { return occupied_; }
-
- private:
   static Values columns() {
     static constexpr std::uint8_t kColumns[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
     return vld1q_u8(kColumns);
   }
 
-  void note(Values found, std::uint32_t u) {
-    if (!is_zero(found)) occupied_ |= OccupiedWords{1} << u / kOccupiedWordPixels;
-  }
-
-  [[nodiscard]] bool is_quiet_block(std::uint32_t u) const {
+  [[gnu::always_inline]] [[nodiscard]] bool is_quiet_block(std::uint32_t u) const {
     const RowPixels block = Layout::at(row_, u);
-    if (tables_.one_light) return quiet_.template holds<kTilesOfBlock>(block);
+    if constexpr (kOneLight) return quiet_.template holds<kTilesOfBlock>(block);
     return Quiet(quiet_words(tables_.tiles + u / kTile)).template holds<kTilesOfBlock>(block);
   }
-
-  [[nodiscard]] bool is_quiet_tile(std::uint32_t u) const {
+  [[gnu::always_inline]] [[nodiscard]] bool is_quiet_tile(std::uint32_t u) const {
     const RowPixels tile = Layout::at(row_, u);
-    if (tables_.one_light) return quiet_.template holds<1>(tile);
-    return Quiet(quiet_words(tables_.tile_at(u))).template holds<1>(tile);
+    if constexpr (kOneLight) return quiet_.template holds<1>(tile);
+    return Quiet(quiet_words(tables_.tiles[u / kTile])).template holds<1>(tile);
   }
-
-  [[nodiscard]] Values exact(std::uint32_t u, const TileLight& light) const {
-    return Layout::classify(LightDigits(*tables_.digits, light), Layout::at(row_, u));
+  [[gnu::always_inline]] [[nodiscard]] bool may_be_colored(std::uint32_t u) const {
+    const RowPixels tile = Layout::at(row_, u);
+    if constexpr (kOneLight) return Layout::may_be_colored(within_, tile);
+    return Layout::may_be_colored(Within(LightDigits(*tables_.digits, tables_.tiles[u / kTile])), tile);
+  }
+  // Of kTile columns from `u` on, in the light of column `lit`.
+  [[nodiscard]] Values colors_at(std::uint32_t u, std::uint32_t lit) const {
+    const RowPixels tile = Layout::at(row_, u);
+    if constexpr (kOneLight) return Layout::colors(digits_, tile);
+    return Layout::colors(LightDigits(*tables_.digits, tables_.tiles[lit / kTile]), tile);
   }
 
   void clear(std::uint32_t u) { vst1q_u8(colors_ + u, vdupq_n_u8(kBackground)); }
-
-  void classify_tile(std::uint32_t u) {
-    if (tables_.has_quiet && is_quiet_tile(u)) return clear(u);
-    const Values found = exact(u, tables_.tile_at(u));
-    vst1q_u8(colors_ + u, found);
-    note(found, u);
+  void note(Values found, std::uint32_t u) {
+    if (!is_zero(found)) occupied_ |= OccupiedWords{1} << u / kOccupiedWordPixels;
   }
 
   // Copies, which stores to colors cannot change.
   const SpanTables tables_;
   const RowPixels row_;
   ColorId* const colors_;
-  const Quiet quiet_;  // of the first tile: with one light that of all
+  // Of the first tile: with one light those of all.
+  const Quiet quiet_;
+  const LightDigits digits_;
+  const Within within_;
   OccupiedWords occupied_ = 0;
 };
 
 template <class Layout, PixelFormat kFormat>
 OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
                             ColorId* colors) {
-  const SpanKernel one_by_one = scalar_kernel(kFormat);
   OccupiedWords occupied = 0;
   std::uint32_t u = begin, stop = end;
   if constexpr (Layout::kPairs) {
     // Only whole pairs go into tiles.
-    if (u % 2 == 1 && u < end) occupied |= one_by_one(tables, row, u, u + 1, colors), ++u;
+    if (u % 2 == 1 && u < end) occupied |= scalar_kernel(kFormat)(tables, row, u, u + 1, colors), ++u;
     stop = std::max(u, end / 2 * 2);
   }
   if (stop - u >= kTile) {
-    Span<Layout> span(tables, row, colors);
-    if (u % kTile != 0) {
-      span.classify_first(u);
-      u = (u / kTile + 1) * kTile;
-    }
-    span.classify(u, stop / kTile * kTile);
-    if (stop % kTile != 0) span.classify_last(stop);
-    occupied |= span.occupied();
+    occupied |= tables.one_light ? Span<Layout, true>(tables, row, colors).classify(u, stop)
+                                 : Span<Layout, false>(tables, row, colors).classify(u, stop);
     u = stop;
   }
-  return u < end ? occupied | one_by_one(tables, row, u, end, colors) : occupied;
+  return u < end ? occupied | scalar_kernel(kFormat)(tables, row, u, end, colors) : occupied;
 }
 
 template <template <PixelFormat> class Layout, PixelFormat kFormat>

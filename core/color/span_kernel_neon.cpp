@@ -4,8 +4,10 @@
 
 #include <arm_neon.h>
 
-#include <algorithm>
 #include <cstring>
+#include <type_traits>
+
+#include "core/color/kernel_of_format.h"
 
 namespace touchline {
 namespace {
@@ -116,7 +118,6 @@ QuietWords quiet_words(const TileLight* lights) {
 // Three bytes a pixel.
 template <PixelFormat kFormat>
 struct Packed24 {
-  static constexpr bool kPairs = false;
   static constexpr std::size_t kRed = kFormat == PixelFormat::kRgb24 ? 0 : 2;
 
   static RowPixels at(const RowPixels& row, std::size_t u) { return {row.samples + 3 * u, nullptr}; }
@@ -173,7 +174,7 @@ struct Packed24 {
 // Formats whose pixel pairs share a chroma sample.
 template <PixelFormat kFormat>
 struct SharedChroma {
-  static constexpr bool kPairs = true, kPlanar = kFormat == PixelFormat::kNv12;
+  static constexpr bool kPlanar = kFormat == PixelFormat::kNv12;
 
   static RowPixels at(const RowPixels& row, std::size_t u) {
     return {row.samples + u * (kPlanar ? 1 : 2), kPlanar ? row.chroma + u : nullptr};
@@ -347,45 +348,25 @@ class Span {
   OccupiedWords occupied_ = 0;
 };
 
-template <class Layout, PixelFormat kFormat>
+template <PixelFormat kFormat, class Layout>
 OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
                             ColorId* colors) {
-  OccupiedWords occupied = 0;
-  std::uint32_t u = begin, stop = end;
-  if constexpr (Layout::kPairs) {
-    // Only whole pairs go into tiles.
-    if (u % 2 == 1 && u < end) occupied |= scalar_kernel(kFormat)(tables, row, u, u + 1, colors), ++u;
-    stop = std::max(u, end / 2 * 2);
-  }
-  if (stop - u >= kTile) {
-    occupied |= tables.one_light ? Span<Layout, true>(tables, row, colors).classify(u, stop)
-                                 : Span<Layout, false>(tables, row, colors).classify(u, stop);
-    u = stop;
-  }
-  return u < end ? occupied | scalar_kernel(kFormat)(tables, row, u, end, colors) : occupied;
+  if (end - begin < kTile) return scalar_kernel(kFormat)(tables, row, begin, end, colors);
+  return tables.one_light ? Span<Layout, true>(tables, row, colors).classify(begin, end)
+                          : Span<Layout, false>(tables, row, colors).classify(begin, end);
 }
 
-template <template <PixelFormat> class Layout, PixelFormat kFormat>
-constexpr SpanKernel kKernel = classify_span<Layout<kFormat>, kFormat>;
+template <PixelFormat kFormat>
+using LayoutOf = std::conditional_t<color_space(kFormat) == ColorSpace::kRgb, Packed24<kFormat>, SharedChroma<kFormat>>;
+struct Family {
+  template <PixelFormat kFormat>
+  static constexpr SpanKernel kKernel = classify_span<kFormat, LayoutOf<kFormat>>;
+};
 
 }  // namespace
 
 // Every 64-bit ARM processor has NEON.
-SpanKernel neon_kernel(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::kRgb24:
-      return kKernel<Packed24, PixelFormat::kRgb24>;
-    case PixelFormat::kBgr24:
-      return kKernel<Packed24, PixelFormat::kBgr24>;
-    case PixelFormat::kYuyv:
-      return kKernel<SharedChroma, PixelFormat::kYuyv>;
-    case PixelFormat::kUyvy:
-      return kKernel<SharedChroma, PixelFormat::kUyvy>;
-    case PixelFormat::kNv12:
-      return kKernel<SharedChroma, PixelFormat::kNv12>;
-  }
-  return nullptr;
-}
+SpanKernel neon_kernel(PixelFormat format) { return kernel_of_format<Family>(format); }
 
 }  // namespace touchline
 

@@ -36,6 +36,13 @@ BrownDistortion::BrownDistortion(double k1, double k2, double k3, double p1, dou
   }
   radius_at_limit_ = polynomial(limit_, k1, k2, k3);
   slope_at_limit_ = std::max(kLeastSlope, polynomial_slope(limit_, k1, k2, k3));
+  // Pictures end long before a radius of 1; beyond it the last guess must do.
+  const double largest_square = std::min(radius_at_limit_ * radius_at_limit_, 1.0);
+  guesses_per_square_ = static_cast<double>(kGuesses) / largest_square;
+  for (std::size_t i = 0; i <= kGuesses; ++i) {
+    const double distorted = std::sqrt(static_cast<double>(i) / guesses_per_square_);
+    guess_[i] = i == 0 ? 1.0 : ideal_radius(distorted, distorted) / distorted;
+  }
 }
 
 double BrownDistortion::radial(double r) const {
@@ -66,21 +73,84 @@ BrownDistortion::Point BrownDistortion::tangential(Point ideal) const {
   // Held at its value on the limit: it grows with the square of the radius.
   const double r = std::hypot(ideal[0], ideal[1]);
   const double keep = r > limit_ ? limit_ / r : 1.0;
-  const double x = keep * ideal[0], y = keep * ideal[1], s = x * x + y * y;
-  return {2 * p1_ * x * y + p2_ * (s + 2 * x * x), p1_ * (s + 2 * y * y) + 2 * p2_ * x * y};
+  const double x = keep * ideal[0], y = keep * ideal[1];
+  return tangential_inside({x, y}, x * x + y * y);
+}
+
+// Without a square root, which only the limit asks for.
+BrownDistortion::Point BrownDistortion::inside(Point ideal, double square) const {
+  const double scale = 1.0 + square * (k1_ + square * (k2_ + square * k3_));
+  const Point aside = tangential_inside(ideal, square);
+  return {scale * ideal[0] + aside[0], scale * ideal[1] + aside[1]};
+}
+
+BrownDistortion::Point BrownDistortion::tangential_inside(Point ideal, double square) const {
+  const auto [x, y] = ideal;
+  const double twice_xy = 2 * x * y;
+  return {p1_ * twice_xy + p2_ * (square + 2 * x * x), p1_ * (square + 2 * y * y) + p2_ * twice_xy};
+}
+
+BrownDistortion::Slope BrownDistortion::slope(Point ideal, double square) const {
+  const auto [x, y] = ideal;
+  const double scale = 1.0 + square * (k1_ + square * (k2_ + square * k3_));
+  const double twice_by_square = 2 * (k1_ + square * (2 * k2_ + square * 3 * k3_));
+  return {scale + twice_by_square * x * x + 2 * p1_ * y + 6 * p2_ * x,
+          twice_by_square * x * y + 2 * p1_ * x + 2 * p2_ * y,
+          scale + twice_by_square * y * y + 6 * p1_ * y + 2 * p2_ * x};
+}
+
+double BrownDistortion::stretch(Point ideal) const {
+  const double square = ideal[0] * ideal[0] + ideal[1] * ideal[1];
+  if (!(square <= limit_ * limit_)) return 0.0;
+  const Slope s = slope(ideal, square);
+  return s.xx * s.yy - s.xy * s.xy;
 }
 
 BrownDistortion::Point BrownDistortion::distort(Point ideal) const {
+  const double square = ideal[0] * ideal[0] + ideal[1] * ideal[1];
+  if (square <= limit_ * limit_) return inside(ideal, square);
   const double r = std::hypot(ideal[0], ideal[1]);
-  const double scale = r > 0 ? radial(r) / r : 1.0;
+  const double scale = radial(r) / r;
   const Point t = tangential(ideal);
   return {scale * ideal[0] + t[0], scale * ideal[1] + t[1]};
 }
 
+// Newton's method in both coordinates at once, from a guess that is good to some thousandths. False: it left the
+// limit's circle or has not settled.
+bool BrownDistortion::undistort_quickly(Point distorted, Point& ideal) const {
+  // The error after a step is about the step's square.
+  constexpr double kSettled = 1e-6 * 1e-6;
+  const double place = (distorted[0] * distorted[0] + distorted[1] * distorted[1]) * guesses_per_square_;
+  const std::size_t below = place < static_cast<double>(kGuesses) ? static_cast<std::size_t>(place) : kGuesses - 1;
+  const double part = std::min(place - static_cast<double>(below), 1.0);
+  const double guess = guess_[below] + part * (guess_[below + 1] - guess_[below]);
+  double x = guess * distorted[0], y = guess * distorted[1];
+  const Point aside = tangential_inside({x, y}, x * x + y * y);
+  x -= guess * aside[0];
+  y -= guess * aside[1];
+  for (int i = 0; i < 6; ++i) {
+    const double square = x * x + y * y;
+    if (!(square <= limit_ * limit_)) return false;
+    const Point there = inside({x, y}, square);
+    const Slope s = slope({x, y}, square);
+    const double determinant = s.xx * s.yy - s.xy * s.xy;
+    if (!(determinant > 0.0)) return false;
+    const double inverse = 1.0 / determinant, u = distorted[0] - there[0], v = distorted[1] - there[1];
+    const double dx = inverse * (s.yy * u - s.xy * v), dy = inverse * (s.xx * v - s.xy * u);
+    x += dx;
+    y += dy;
+    if (dx * dx + dy * dy > kSettled) continue;
+    ideal = {x, y};
+    return x * x + y * y <= limit_ * limit_;
+  }
+  return false;
+}
+
 BrownDistortion::Point BrownDistortion::undistort(Point distorted) const {
-  // The tangential part is small and smooth, so iterating on it alone converges, by a factor of about 4 |p| r / slope;
-  // the radial part is solved exactly in every turn.
+  // Where that fails: the tangential part is small and smooth, so iterating on it alone converges, by a factor of about
+  // 4 |p| r / slope; the radial part is solved exactly in every turn.
   Point ideal = distorted;
+  if (undistort_quickly(distorted, ideal)) return ideal;
   double r = std::hypot(ideal[0], ideal[1]);
   for (int i = 0; i < 60; ++i) {
     const Point t = tangential(ideal);

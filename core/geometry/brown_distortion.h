@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 namespace touchline {
 
@@ -28,8 +29,22 @@ class BrownDistortion {
   [[nodiscard]] Point undistort(Point distorted) const;
   /// Ideal radius from which on the tangent replaces the polynomial.
   [[nodiscard]] double limit() const { return limit_; }
+  /// Determinant of distort()'s derivatives: the area that a small area becomes. 0: beyond the limit it is not known.
+  [[nodiscard]] double stretch(Point ideal) const;
 
  private:
+  // Derivatives of distort() within the limit, x by y being y by x.
+  struct Slope {
+    double xx, xy, yy;
+  };
+  // Intervals of the table of first guesses, evenly over the squared distorted radius.
+  static constexpr std::size_t kGuesses = 32;
+
+  // `square`: of the ideal radius.
+  [[nodiscard]] Point inside(Point ideal, double square) const;
+  [[nodiscard]] Point tangential_inside(Point ideal, double square) const;
+  [[nodiscard]] Slope slope(Point ideal, double square) const;
+  bool undistort_quickly(Point distorted, Point& ideal) const;
   [[nodiscard]] double radial(double r) const;
   [[nodiscard]] double radial_slope(double r) const;
   [[nodiscard]] double ideal_radius(double distorted, double guess) const;
@@ -38,6 +53,8 @@ class BrownDistortion {
   double k1_ = 0, k2_ = 0, k3_ = 0, p1_ = 0, p2_ = 0;
   double limit_ = kLargestRadius;
   double radius_at_limit_ = kLargestRadius, slope_at_limit_ = 1.0;
+  double guesses_per_square_ = 0;
+  std::array<double, kGuesses + 1> guess_{};  // of ideal by distorted radius; zero: none was made
 };
 
 }  // namespace touchline

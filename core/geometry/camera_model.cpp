@@ -133,13 +133,21 @@ CameraModel::Vector3 CameraModel::direction(Vector2 pixel) const {
       d[i] = rotation_[0][i] * ideal[0] + rotation_[1][i] * ideal[1] + rotation_[2][i];
     }
   }
-  double level = std::hypot(d[0], d[1]);
-  if (d[2] > -kLeastDip * level) {
-    if (level == 0.0) d[0] = level = 1.0;  // straight up: any azimuth will do
-    d[2] = -kLeastDip * level;
+  const double level = d[0] * d[0] + d[1] * d[1];
+  if (!(d[2] < 0.0 && d[2] * d[2] >= kLeastDip * kLeastDip * level)) {
+    double length = std::sqrt(level);
+    if (length == 0.0) d[0] = length = 1.0;  // straight up: any azimuth will do
+    d[2] = std::min(d[2], -kLeastDip * length);
   }
-  const double norm = std::hypot(level, d[2]);
-  return {d[0] / norm, d[1] / norm, d[2] / norm};
+  return d;
+}
+
+CameraModel::Vector3 CameraModel::from_camera(Vector3 way) const {
+  Vector3 c{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    c[i] = rotation_[i][0] * way[0] + rotation_[i][1] * way[1] + rotation_[i][2] * way[2];
+  }
+  return c;
 }
 
 CameraModel::Vector2 CameraModel::project(Vector3 point) const {
@@ -148,9 +156,10 @@ CameraModel::Vector2 CameraModel::project(Vector3 point) const {
     const double down = position_[2] / -d[2];  // the line of sight, lengthened down to the floor
     return paper_pixel({position_[0] + down * d[0], position_[1] + down * d[1]});
   }
-  Vector3 c{};
-  for (std::size_t i = 0; i < 3; ++i) c[i] = rotation_[i][0] * d[0] + rotation_[i][1] * d[1] + rotation_[i][2] * d[2];
-  const double depth = std::max(c[2], kLeastDepth * std::hypot(d[0], d[1], d[2]));
+  const Vector3 c = from_camera(d);
+  const double distance = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+  const bool ahead = c[2] > 0.0 && c[2] * c[2] >= kLeastDepth * kLeastDepth * distance;
+  const double depth = ahead ? c[2] : kLeastDepth * std::sqrt(distance);
   const Vector2 distorted = distortion_.distort({c[0] / depth, c[1] / depth});
   return {focal_[0] * distorted[0] + principal_[0], focal_[1] * distorted[1] + principal_[1]};
 }
@@ -161,10 +170,11 @@ double CameraModel::below_camera(float height_m) const {
 
 Ray CameraModel::ray(PixelPoint pixel) const {
   const Vector3 d = direction({static_cast<double>(pixel.u_px), static_cast<double>(pixel.v_px)});
+  const double norm = std::hypot(d[0], d[1], d[2]);
   Ray out;
   for (std::size_t i = 0; i < 3; ++i) {
     out.origin_m[i] = static_cast<float>(position_[i]);
-    out.direction[i] = static_cast<float>(d[i]);
+    out.direction[i] = static_cast<float>(d[i] / norm);
   }
   return out;
 }
@@ -182,6 +192,19 @@ PixelPoint CameraModel::to_pixel(FieldPoint point, float height_m) const {
 }
 
 float CameraModel::scale_px_per_m(FieldPoint point, float height_m) const {
+  if (kind_ == CameraModelKind::kFull) {
+    // A plane's area through a pinhole: by the sine of the view's dip and the cube of the depth.
+    const Vector3 d{static_cast<double>(point.x_m) - position_[0], static_cast<double>(point.y_m) - position_[1],
+                    below_camera(height_m) - position_[2]};
+    const Vector3 c = from_camera(d);
+    const double distance = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    if (c[2] > 0.0 && c[2] * c[2] >= kLeastDepth * kLeastDepth * distance) {
+      const double stretch = distortion_.stretch({c[0] / c[2], c[1] / c[2]});
+      if (stretch > 0.0) {
+        return bounded(std::sqrt(focal_[0] * focal_[1] * stretch * -d[2] / (c[2] * c[2] * c[2])));
+      }
+    }
+  }
   // Central differences: at a millimeter their error is the lens's third derivative times 1e-6.
   constexpr double kStep = 1e-3;
   const double x = static_cast<double>(point.x_m), y = static_cast<double>(point.y_m), z = below_camera(height_m);

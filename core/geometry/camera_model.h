@@ -109,8 +109,9 @@ class CameraModel {
 
   Status configure(const FullModelParameters& p);
   Status configure(const PaperModelParameters& p);
-  [[nodiscard]] Vector3 direction(Vector2 pixel) const;    // unit vector, pointing below the horizon
+  [[nodiscard]] Vector3 direction(Vector2 pixel) const;    // of any length, pointing below the horizon
   [[nodiscard]] Vector2 project(Vector3 point) const;      // field frame, below the camera
+  [[nodiscard]] Vector3 from_camera(Vector3 way) const;    // field frame -> camera frame, full model
   [[nodiscard]] Vector2 paper_floor(Vector2 pixel) const;  // eq. (12)-(14) and the affine part
   [[nodiscard]] Vector2 paper_pixel(Vector2 floor) const;
   [[nodiscard]] double below_camera(float height_m) const;

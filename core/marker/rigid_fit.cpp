@@ -5,9 +5,13 @@
 
 namespace touchline {
 
-float distance_m(FieldPoint a, FieldPoint b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
+float distance_m(FieldPoint a, FieldPoint b) {
+  const float x = a.x_m - b.x_m, y = a.y_m - b.y_m;
+  return std::sqrt(x * x + y * y);
+}
 
 float wrapped_angle(float angle_rad) {
+  if (angle_rad > -std::numbers::pi_v<float> && angle_rad <= std::numbers::pi_v<float>) return angle_rad;
   constexpr float kTurn = 2.0f * std::numbers::pi_v<float>;
   const float wrapped = std::remainder(angle_rad, kTurn);
   return wrapped <= -std::numbers::pi_v<float> ? wrapped + kTurn : wrapped;

@@ -7,6 +7,7 @@ namespace touchline {
 
 /// The same angle in (-pi, pi].
 inline double wrap_angle(double angle_rad) {
+  if (angle_rad > -std::numbers::pi && angle_rad <= std::numbers::pi) return angle_rad;
   const double wrapped = std::remainder(angle_rad, 2.0 * std::numbers::pi);
   return wrapped > -std::numbers::pi ? wrapped : std::numbers::pi;
 }

@@ -99,12 +99,21 @@ void DriveFilter::start(const Pose& pose, const Velocity& velocity, double posit
 }
 
 void DriveFilter::predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters) {
-  if (!(dt_s > 0.0)) return;
-  const int steps = static_cast<int>(std::ceil(dt_s / kMaxStep));
-  for (int i = 0; i < steps; ++i) step(dt_s / steps, input, parameters);
+  predict(dt_s, input, parameters, Extent::kAll);
 }
 
-void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterParameters& parameters) {
+void DriveFilter::predict_state(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters) {
+  predict(dt_s, input, parameters, Extent::kState);
+}
+
+void DriveFilter::predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters,
+                          Extent extent) {
+  if (!(dt_s > 0.0)) return;
+  const int steps = static_cast<int>(std::ceil(dt_s / kMaxStep));
+  for (int i = 0; i < steps; ++i) step(dt_s / steps, input, parameters, extent);
+}
+
+void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterParameters& parameters, Extent extent) {
   const InputModel u = input_model(dt, input, x_, parameters);
   const Response& r = u.response;
   const double v = r.mean_now * x_[3] + r.mean_input * u.v;
@@ -114,32 +123,31 @@ void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterPara
   const double middle = x_[2] + 0.5 * dt * half_w;
   const double c = std::cos(middle), s = std::sin(middle);
 
-  // Eq. (9), with the velocities as further states.
-  Matrix a = Matrix::Identity();
-  a(0, 2) = -dt * v * s;
-  a(1, 2) = dt * v * c;
-  a(0, 3) = dt * r.mean_now * c;
-  a(1, 3) = dt * r.mean_now * s;
-  a(0, 4) = -0.5 * dt * dt * r.half_now * v * s;
-  a(1, 4) = 0.5 * dt * dt * r.half_now * v * c;
-  a(2, 4) = dt * r.mean_now;
-  a(3, 3) = a(4, 4) = r.end_now;
-  Eigen::Matrix<double, kN, 2> f = Eigen::Matrix<double, kN, 2>::Zero();
-  f(0, 0) = dt * r.mean_input * c;
-  f(1, 0) = dt * r.mean_input * s;
-  f(0, 1) = -0.5 * dt * dt * r.half_input * v * s;
-  f(1, 1) = 0.5 * dt * dt * r.half_input * v * c;
-  f(2, 1) = dt * r.mean_input;
-  f(3, 0) = f(4, 1) = r.end_input;
-
-  MatrixMap p(p_.data());
-  const Eigen::Vector2d noise(u.v_var, u.w_var);
-  p = (a * p * a.transpose() + f * noise.asDiagonal() * f.transpose()).eval();
-  const double slip = parameters.slip_m_rts * parameters.slip_m_rts * dt;
-  p(0, 0) += slip;
-  p(1, 1) += slip;
-  p(2, 2) += parameters.spin_rad_rts * parameters.spin_rad_rts * dt;
-  symmetrize(p);
+  if (extent == Extent::kAll) {
+    // Eq. (9), with the velocities as further states: A P A' by the few entries that A has beside its diagonal.
+    const double turn_now = 0.5 * dt * dt * r.half_now * v, turn_input = 0.5 * dt * dt * r.half_input * v;
+    const auto times_a = [&](Matrix& m) {
+      m.row(0) += -dt * v * s * m.row(2) + dt * r.mean_now * c * m.row(3) - turn_now * s * m.row(4);
+      m.row(1) += dt * v * c * m.row(2) + dt * r.mean_now * s * m.row(3) + turn_now * c * m.row(4);
+      m.row(2) += dt * r.mean_now * m.row(4);
+      m.row(3) *= r.end_now;
+      m.row(4) *= r.end_now;
+    };
+    MatrixMap p(p_.data());
+    Matrix m = p;
+    times_a(m);
+    m.transposeInPlace();
+    times_a(m);
+    const Vector by_v(dt * r.mean_input * c, dt * r.mean_input * s, 0.0, r.end_input, 0.0);
+    const Vector by_w(-turn_input * s, turn_input * c, dt * r.mean_input, 0.0, r.end_input);
+    m += u.v_var * by_v * by_v.transpose() + u.w_var * by_w * by_w.transpose();
+    const double slip = parameters.slip_m_rts * parameters.slip_m_rts * dt;
+    m(0, 0) += slip;
+    m(1, 1) += slip;
+    m(2, 2) += parameters.spin_rad_rts * parameters.spin_rad_rts * dt;
+    p = m;
+    symmetrize(p);
+  }
 
   x_[0] += dt * v * c;
   x_[1] += dt * v * s;

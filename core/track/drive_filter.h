@@ -25,6 +25,8 @@ class DriveFilter {
   void start(const Pose& pose, const Velocity& velocity, double position_sigma_m, double heading_sigma_rad);
   /// Eq. (5) with the model of eq. (8), linearized at the middle of the step, eq. (9). dt_s >= 0; long ones are cut.
   void predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
+  /// The state alone, for a look ahead; the covariance stays what it is.
+  void predict_state(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
 
   /// Squared Mahalanobis distance of a sighted pose from the prediction (chi-square with 3 degrees of freedom).
   [[nodiscard]] double distance2(const Pose& sighted, const RobotFilterParameters& parameters) const;
@@ -46,7 +48,9 @@ class DriveFilter {
   [[nodiscard]] double sigma(std::size_t i) const;
 
  private:
-  void step(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
+  enum class Extent { kState, kAll };
+  void predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters, Extent extent);
+  void step(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters, Extent extent);
 
   State x_{};
   Covariance p_{};

@@ -220,7 +220,7 @@ void RobotSet::report(Instant now, Instant action, const CommandHistory& command
     RobotTrack track = robot.report(parameters);
     TrackedRobot later = robot;
     const bool driven = robot.team() == Team::kOwn;
-    later.predict(now, action, driven ? &commands : nullptr, parameters);
+    later.look_ahead(now, action, driven ? &commands : nullptr, parameters);
     track.pose_at_action = later.pose();
     track.twist_at_action = later.twist();
     out.push_back(track);

@@ -40,18 +40,36 @@ void TrackedRobot::start(const RobotSighting& sighting, Instant now, std::uint32
   life_.start(now, limits_of(parameters));
 }
 
+// Calls predict(time, input) for every stretch of time in which one command is in force.
+template <class Predict>
+void TrackedRobot::follow_commands(Instant from, Instant to, const CommandHistory* commands, Predict predict) {
+  while (from < to) {
+    const Instant until = commands == nullptr ? to : commands->next_change(from, to);
+    predict(seconds(until - from), commands == nullptr ? DriveInput{} : commands->at(from, id_));
+    from = until;
+  }
+}
+
 void TrackedRobot::predict(Instant from, Instant to, const CommandHistory* commands,
                            const TrackParameters& parameters) {
   if (!heading_known_) {
     point_.predict(seconds(to - from), point_noise(parameters.robot));
     return;
   }
-  while (from < to) {
-    const Instant until = commands == nullptr ? to : commands->next_change(from, to);
-    drive_.predict(seconds(until - from), commands == nullptr ? DriveInput{} : commands->at(from, id_),
-                   parameters.robot);
-    from = until;
+  follow_commands(from, to, commands, [&](double dt_s, const DriveInput& input) {
+    drive_.predict(dt_s, input, parameters.robot);
+  });
+}
+
+void TrackedRobot::look_ahead(Instant from, Instant to, const CommandHistory* commands,
+                              const TrackParameters& parameters) {
+  if (!heading_known_) {
+    point_.predict(seconds(to - from), point_noise(parameters.robot));
+    return;
   }
+  follow_commands(from, to, commands, [&](double dt_s, const DriveInput& input) {
+    drive_.predict_state(dt_s, input, parameters.robot);
+  });
 }
 
 bool TrackedRobot::fuse(const RobotSighting& sighting, Instant now, const TrackParameters& parameters) {

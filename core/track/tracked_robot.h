@@ -18,6 +18,8 @@ class TrackedRobot {
 
   /// From `from` to `to` under the commands that act between; null: they are not known.
   void predict(Instant from, Instant to, const CommandHistory* commands, const TrackParameters& parameters);
+  /// The same for pose() and twist() alone.
+  void look_ahead(Instant from, Instant to, const CommandHistory* commands, const TrackParameters& parameters);
   /// Gate, correction, or start-over. False: the sighting was refused.
   bool fuse(const RobotSighting& sighting, Instant now, const TrackParameters& parameters);
   void missed(Instant now, const TrackParameters& parameters);
@@ -38,6 +40,8 @@ class TrackedRobot {
   [[nodiscard]] Twist twist() const;
 
  private:
+  template <class Predict>
+  void follow_commands(Instant from, Instant to, const CommandHistory* commands, Predict predict);
   void restart(const RobotSighting& sighting, Instant now, const TrackParameters& parameters);
 
   Team team_ = Team::kOwn;

@@ -27,6 +27,8 @@ constexpr float kAxisSigma = 0.1f, kAxisGate = 0.7f;
 constexpr std::size_t kMaxNeighbors = 16;
 // Two slots, 8 neighbors and every subset are 81 sets; more happens only when nothing can be told apart anyway.
 constexpr int kMaxSets = 400;
+// Beginnings of sets, too: five slots and 16 neighbors could have a million.
+constexpr int kMaxSteps = 2000;
 // Only the best explanations of a team patch can win.
 constexpr std::size_t kMaxPerTeamPatch = 16;
 
@@ -61,7 +63,7 @@ class Search {
     if (!patch_.is_rest) choose(0);
     std::sort(found_.begin(), found_.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.value > b.value; });
     for (std::size_t i = 0; i < found_.size() && i < kMaxPerTeamPatch; ++i) out.push_back(found_[i]);
-    return complete_;
+    return complete_ && !exhausted_;
   }
 
  private:
@@ -99,6 +101,8 @@ class Search {
   // Fills slot after slot with every neighbor that may be there. A known robot shows all its patches; what shows less,
   // or colors that are nobody's, is searched without one.
   void choose(std::size_t slot) {
+    if (steps_++ >= kMaxSteps) exhausted_ = true;
+    if (exhausted_) return;
     if (slot == slots_) {
       judge();
       return;
@@ -107,6 +111,7 @@ class Search {
       if (!may_be(slot, neighbor)) continue;
       set_[slot] = neighbor.number;
       choose(slot + 1);
+      if (exhausted_) return;
     }
     set_[slot] = kMissing;
     if (robot_ < 0 && slots_ > 1) choose(slot + 1);
@@ -145,7 +150,7 @@ class Search {
   void judge() {
     if (robot_ < 0 && is_of_a_known_robot()) return;
     if (found_.full() || sets_++ >= kMaxSets) {
-      complete_ = false;
+      exhausted_ = true;
       return;
     }
     Hypothesis h;
@@ -277,8 +282,9 @@ class Search {
   FixedVector<Neighbor, kMaxNeighbors> neighbors_;
   std::array<std::uint16_t, kMaxPatches - 1> set_{};
   std::int8_t robot_ = -1;
-  int sets_ = 0;
-  bool complete_ = true;
+  int sets_ = 0, steps_ = 0;
+  bool complete_ = true;    // all neighbors fit into the list
+  bool exhausted_ = false;  // sets, steps or room came to their end, and with them the search
   FixedVector<Hypothesis, 64> found_;
 };
 

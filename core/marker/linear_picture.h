@@ -4,12 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/marker/lanes.h"
 #include "core/types.h"
 
 namespace touchline {
 
-/// Red, green and blue in proportion to the light that fell on the pixel; 1 is what a camera shows as 255.
-using LinearColor = std::array<float, 3>;
+/// Red, green and blue in proportion to the light that fell on four pixels; 1 is what a camera shows as 255.
+using LightLanes = std::array<Lanes, 3>;
 
 /// A frame's pixels as light. A pixel that two surfaces share shows the mean of their light; what the camera delivers
 /// is that mean bent by its gamma (2.2 here, within a tenth of ITU-R BT.709, BT.601 and sRGB), in which half a bright
@@ -21,10 +22,10 @@ class LinearPicture {
 
   [[nodiscard]] int width() const { return frame_.width_px; }
   [[nodiscard]] int height() const { return frame_.height_px; }
-  /// Of a pixel of the picture.
-  [[nodiscard]] LinearColor at(int u, int v) const;
-  /// Of the pixel that is nearest; false: the point lies outside the picture.
-  [[nodiscard]] bool at(PixelPoint point, LinearColor& out) const;
+  /// Of pixel (u, v) of the picture and the three that follow `step` apart; those beyond the row's end are its last.
+  [[nodiscard]] LightLanes along_row(int u, int v, int step) const;
+  /// Of the pixels nearest to four points; `inside`: those that are on the picture. The light of others is any pixel's.
+  [[nodiscard]] LightLanes nearest(Lanes u_px, Lanes v_px, LaneMask& inside) const;
 
  private:
   Frame frame_;

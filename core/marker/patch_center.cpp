@@ -26,49 +26,34 @@ constexpr float kFarthestPx = 2.0f;
 // is not. (Sharp edges under the ramp, noise and shared chroma leave 0.1, a centroid that is a pixel off 0.25.) Between
 // them it counts in part: a robot at the limit would else jump between its two centers from frame to frame.
 constexpr float kGoodCover = 0.22f, kWorstCover = 0.32f;
-// The first turn leaves a tenth of a pixel's tenth, the second nothing that noise would let see.
+// The first turn leaves a tenth of its way, or less: after a short one nothing that noise would let see.
 constexpr int kTurns = 2;
+constexpr float kShortWayPx = 0.2f;
+// After a longer way other pixels are on the edges.
+constexpr float kSameEdgePx = 0.3f;
+// Farther from a patch's center every second pixel will do, and so on.
+constexpr float kReachOfAllPx = 16.0f;
 
-float dot(const LinearColor& a, const LinearColor& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-LinearColor minus(const LinearColor& a, const LinearColor& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-void add(LinearColor& sum, const LinearColor& value, float factor) {
-  for (std::size_t c = 0; c < 3; ++c) sum[c] += factor * value[c];
+float dot(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
-
-class Mean {
- public:
-  void add(const LinearColor& value) {
-    touchline::add(sum_, value, 1.0f);
-    squares_ += dot(value, value);
-    ++count_;
-  }
-  [[nodiscard]] int count() const { return count_; }
-  [[nodiscard]] LinearColor value() const {
-    LinearColor mean{};
-    touchline::add(mean, sum_, 1.0f / static_cast<float>(count_));
-    return mean;
-  }
-  // Mean squared distance from the mean.
-  [[nodiscard]] float variance() const {
-    return std::max(0.0f, squares_ / static_cast<float>(count_) - dot(value(), value()));
-  }
-
- private:
-  LinearColor sum_{};
-  float squares_ = 0;
-  int count_ = 0;
-};
 
 }  // namespace
 
 // One robot in one picture.
 class PatchCenters::Fit {
  public:
-  Fit(const Marker& marker, const CameraModel& camera, const LinearPicture& picture, const Pose& pose)
-      : layout_(marker.layout), covers_(marker.covers), picture_(picture), half_m_(0.5f * layout_.robot_side_m) {
+  Fit(const Marker& marker, const CameraModel& camera, const LinearPicture& picture, const Pose& pose,
+      std::array<Edge, kMaxPatches>& edges)
+      : layout_(marker.layout),
+        covers_(marker.covers),
+        picture_(picture),
+        edges_(edges),
+        half_m_(0.5f * layout_.robot_side_m) {
+    const float c = std::cos(pose.theta_rad), s = std::sin(pose.theta_rad);
     const auto seen_at = [&](float x_m, float y_m) {
-      const FieldPoint back = to_robot_frame({{}, -pose.theta_rad}, {x_m, y_m});
-      return camera.to_pixel({pose.position.x_m + back.x_m, pose.position.y_m + back.y_m}, layout_.height_m);
+      return camera.to_pixel({pose.position.x_m + c * x_m - s * y_m, pose.position.y_m + s * x_m + c * y_m},
+                             layout_.height_m);
     };
     const PixelPoint front = seen_at(half_m_, 0), back = seen_at(-half_m_, 0);
     const PixelPoint left = seen_at(0, half_m_), right = seen_at(0, -half_m_);
@@ -79,8 +64,8 @@ class PatchCenters::Fit {
     determinant_ = u_by_x_ * v_by_y_ - u_by_y_ * v_by_x_;
     scale_px_per_m_ = std::sqrt(std::abs(determinant_));
     ramp_m_ = kRampPx / scale_px_per_m_;
-    middle_ = seen_at(0, 0);
-    for (const PatchPlace& place : layout_.patches) targets_.push_back({seen_at(place.x_m, place.y_m), {}, {}});
+    middle_ = {0.5f * (front.u_px + back.u_px), 0.5f * (front.v_px + back.v_px)};
+    for (const PatchPlace& place : layout_.patches) targets_.push_back({seen_at(place.x_m, place.y_m), 0, 0, {}, 0});
   }
 
   // 0 to 1: how far the fit is to be believed.
@@ -89,18 +74,24 @@ class PatchCenters::Fit {
     return std::clamp((kWorstCover - worst_cover_) / (kWorstCover - kGoodCover), 0.0f, 1.0f);
   }
 
-  [[nodiscard]] PixelPoint center(std::size_t k) const { return on_picture(targets_[k].pixel, targets_[k].offset); }
+  [[nodiscard]] PixelPoint center(std::size_t k) const {
+    const FieldPoint by = moved(k);
+    return {targets_[k].pixel.u_px + u_by_x_ * by.x_m + u_by_y_ * by.y_m,
+            targets_[k].pixel.v_px + v_by_x_ * by.x_m + v_by_y_ * by.y_m};
+  }
   // In the robot's frame, as the old pose has it.
   [[nodiscard]] FieldPoint seen(std::size_t k) const {
-    return {layout_.patches[k].x_m + targets_[k].offset.x_m, layout_.patches[k].y_m + targets_[k].offset.y_m};
+    const FieldPoint by = moved(k);
+    return {layout_.patches[k].x_m + by.x_m, layout_.patches[k].y_m + by.y_m};
   }
   [[nodiscard]] float scale_px_per_m() const { return scale_px_per_m_; }
 
  private:
   struct Target {
-    PixelPoint pixel;   // where the pose says that the patch is
-    FieldPoint offset;  // from there, in the robot's frame
-    LinearColor color{};
+    PixelPoint pixel;             // where the pose says that the patch is
+    float x_m, y_m;               // from there, along the outline's axes
+    std::array<float, 3> excess;  // light of the patch beyond the top's
+    float power;                  // its square
   };
 
   bool settle() {
@@ -109,169 +100,260 @@ class PatchCenters::Fit {
       if (cover.width_m() * scale_px_per_m_ < kLeastWidthPx) return false;
     }
     if (!find_top()) return false;
-    for (std::size_t k = 0; k < targets_.size(); ++k) {
-      if (!find_color(k)) return false;
-    }
-    for (int turn = 0; turn < kTurns; ++turn) {
-      std::array<FieldPoint, kMaxPatches> moved{};
-      worst_cover_ = unevenness_;
+    if (!look_at_all()) return false;
+    const float unevenness = unevenness_;  // where the regions' centroids were
+    float way_px = 2.0f * kShortWayPx;
+    for (int turn = 0; turn < kTurns && way_px > kShortWayPx; ++turn) {
+      if (turn > 0 && way_px > kSameEdgePx && !look_at_all()) return false;
+      const FixedVector<Target, kMaxPatches> before = targets_;
+      worst_cover_ = unevenness;
+      way_px = 0;
       for (std::size_t k = 0; k < targets_.size(); ++k) {
-        if (!step(k, moved[k])) return false;
+        if (!covers_[k].with_shape([&](const auto& shape) { return step(k, turn == 0, before, shape); })) return false;
+        const float way_m = std::hypot(targets_[k].x_m - before[k].x_m, targets_[k].y_m - before[k].y_m);
+        way_px = std::max(way_px, way_m * scale_px_per_m_);
       }
-      for (std::size_t k = 0; k < targets_.size(); ++k) targets_[k].offset = moved[k];
     }
     return true;
   }
 
-  [[nodiscard]] PixelPoint on_picture(PixelPoint from, FieldPoint by) const {
-    return {from.u_px + u_by_x_ * by.x_m + u_by_y_ * by.y_m, from.v_px + v_by_x_ * by.x_m + v_by_y_ * by.y_m};
-  }
-
-  // Calls use(u, v, x, y) for the pixels of the picture within `reach_m` of patch k's center; x, y in the robot's frame
-  // from that center.
-  template <class Use>
-  void for_pixels(std::size_t k, float reach_m, Use use) const {
-    const PixelPoint at = center(k);
-    // Half the box around the ellipse that is a circle in the robot's frame.
-    const float du = reach_m * std::hypot(u_by_x_, u_by_y_), dv = reach_m * std::hypot(v_by_x_, v_by_y_);
-    const auto bound = [](float value, int last) {
-      return static_cast<int>(std::clamp(value, -1.0f, static_cast<float>(last) + 1.0f));
-    };
-    const int last_u = picture_.width() - 1, last_v = picture_.height() - 1;
-    const int top = std::max(bound(std::ceil(at.v_px - dv), last_v), 0);
-    const int bottom = std::min(bound(std::floor(at.v_px + dv), last_v), last_v);
-    const int left = std::max(bound(std::ceil(at.u_px - du), last_u), 0);
-    const int right = std::min(bound(std::floor(at.u_px + du), last_u), last_u);
-    const float x_by_u = v_by_y_ / determinant_, y_by_u = -v_by_x_ / determinant_;
-    for (int v = top; v <= bottom; ++v) {
-      const float pv = static_cast<float>(v) - at.v_px;
-      const float x_of_row = -u_by_y_ / determinant_ * pv, y_of_row = u_by_x_ / determinant_ * pv;
-      for (int u = left; u <= right; ++u) {
-        const float pu = static_cast<float>(u) - at.u_px;
-        const float x = x_of_row + x_by_u * pu, y = y_of_row + y_by_u * pu;
-        if (x * x + y * y < reach_m * reach_m) use(u, v, x, y);
-      }
+  bool look_at_all() {
+    for (std::size_t k = 0; k < targets_.size(); ++k) {
+      if (!covers_[k].with_shape([&](const auto& shape) { return look_at(k, shape); })) return false;
     }
+    return true;
   }
 
-  // Of patch k at a point of the robot's frame.
-  [[nodiscard]] float cover_of(std::size_t k, FieldPoint point) const {
-    const PatchPlace& place = layout_.patches[k];
-    const FieldPoint& moved = targets_[k].offset;
-    return covers_[k].at(point.x_m - place.x_m - moved.x_m, point.y_m - place.y_m - moved.y_m, ramp_m_).value;
+  // Offset of patch k in the robot's frame.
+  [[nodiscard]] FieldPoint moved(std::size_t k) const {
+    const float c = covers_[k].cos(), s = covers_[k].sin();
+    return {c * targets_[k].x_m - s * targets_[k].y_m, s * targets_[k].x_m + c * targets_[k].y_m};
+  }
+  [[nodiscard]] Lanes u_of(Lanes x, Lanes y) const {
+    return all_lanes(middle_.u_px) + all_lanes(u_by_x_) * x + all_lanes(u_by_y_) * y;
+  }
+  [[nodiscard]] Lanes v_of(Lanes x, Lanes y) const {
+    return all_lanes(middle_.v_px) + all_lanes(v_by_x_) * x + all_lanes(v_by_y_) * y;
+  }
+  // Of patch k where the pose says that it is, at points of the robot's frame.
+  [[nodiscard]] Cover cover_at(std::size_t k, Lanes x, Lanes y, float ramp_m) const {
+    const Lanes c = all_lanes(covers_[k].cos()), s = all_lanes(covers_[k].sin());
+    const Lanes from_x = x - all_lanes(layout_.patches[k].x_m), from_y = y - all_lanes(layout_.patches[k].y_m);
+    return covers_[k].at(c * from_x + s * from_y, c * from_y - s * from_x, ramp_m);
   }
 
   bool find_top() {
-    Mean mean;
-    const float margin_m = 0.6f * ramp_m_, inner_m = half_m_ - margin_m;
-    for (std::size_t i = 0; i < kTopGrid * kTopGrid; ++i) {
-      const auto along = [inner_m](std::size_t n) {
-        return inner_m * (2.0f * static_cast<float>(n) / static_cast<float>(kTopGrid - 1) - 1.0f);
-      };
-      const FieldPoint point{along(i / kTopGrid), along(i % kTopGrid)};
-      bool is_free = true;
-      for (std::size_t k = 0; k < covers_.size() && is_free; ++k) {
-        const PatchPlace& place = layout_.patches[k];
+    const float inner_m = half_m_ - 0.6f * ramp_m_, apart_m = 2.0f * inner_m / (kTopGrid - 1);
+    LightLanes sum{};
+    LaneMask count{};
+    for (int i = 0; i < kTopGrid; ++i) {
+      const Lanes x = all_lanes(apart_m * static_cast<float>(i) - inner_m);
+      for (int j = 0; j < kTopGrid; j += kLanes) {
+        const Lanes y = all_lanes(apart_m * static_cast<float>(j) - inner_m) + rising(apart_m);
         // A ramp twice as wide ends where a pixel is clear of the patch's own.
-        is_free = covers_[k].at(point.x_m - place.x_m, point.y_m - place.y_m, 2.0f * ramp_m_).value == 0.0f;
+        Lanes covered{};
+        for (std::size_t k = 0; k < covers_.size(); ++k) covered += cover_at(k, x, y, 2.0f * ramp_m_).value;
+        const LaneMask is_free = covered == Lanes{};
+        if (!any(is_free)) continue;
+        LaneMask inside;
+        const LightLanes light = picture_.nearest(u_of(x, y), v_of(x, y), inside);
+        inside &= is_free;
+        count -= inside;
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += keep(inside, light[c]);
       }
-      LinearColor color;
-      if (is_free && picture_.at(on_picture(middle_, point), color)) mean.add(color);
     }
-    if (mean.count() < kLeastTop) return false;
-    top_ = mean.value();
+    const int points = count[0] + count[1] + count[2] + count[3];
+    if (points < kLeastTop) return false;
+    for (std::size_t c = 0; c < 3; ++c) top_[c] = sum_of(sum[c]) / static_cast<float>(points);
     return true;
   }
 
-  bool find_color(std::size_t k) {
-    Mean mean;
-    for_pixels(k, covers_[k].radius_m(), [&](int u, int v, float x, float y) {
-      if (covers_[k].at(x, y, ramp_m_).value == 1.0f) mean.add(picture_.at(u, v));
-    });
-    if (mean.count() < kLeastInside) return false;
-    targets_[k].color = mean.value();
-    const LinearColor contrast = minus(targets_[k].color, top_);
-    const float power = dot(contrast, contrast);
-    if (!(power > kLeastContrast * kLeastContrast)) return false;
-    // A patch that is not of one color is covered by something.
-    unevenness_ = std::max(unevenness_, std::sqrt(mean.variance() / power));
-    return true;
-  }
-
-  // Part of the pixel that is on the robot, and what is seen beyond the robot's edge there; false: outside the picture.
-  bool surroundings(FieldPoint point, float& on_top, LinearColor& beyond) const {
-    const auto inside = [this](float distance_m) {
-      return std::clamp(0.5f - (std::abs(distance_m) - half_m_) / ramp_m_, 0.0f, 1.0f);
+  // Color of patch k by its inside, and its edge for the fit.
+  template <class Shape>
+  bool look_at(std::size_t k, const Shape& shape) {
+    const OutlineCover& cover = covers_[k];
+    Target& target = targets_[k];
+    edges_[k].clear();
+    // Pixels by the outline's axes, and back.
+    const float c = cover.cos(), s = cover.sin();
+    const float u_by_x = c * u_by_x_ + s * u_by_y_, u_by_y = c * u_by_y_ - s * u_by_x_;
+    const float v_by_x = c * v_by_x_ + s * v_by_y_, v_by_y = c * v_by_y_ - s * v_by_x_;
+    const float x_by_u = v_by_y / determinant_, x_by_v = -u_by_y / determinant_;
+    const float y_by_u = -v_by_x / determinant_, y_by_v = u_by_x / determinant_;
+    const FieldPoint box = cover.half_box(ramp_m_);
+    const float du = std::abs(u_by_x) * box.x_m + std::abs(u_by_y) * box.y_m;
+    const float dv = std::abs(v_by_x) * box.x_m + std::abs(v_by_y) * box.y_m;
+    const int stride = 1 + static_cast<int>(std::min(std::max(du, dv), 4000.0f) / kReachOfAllPx);
+    const auto bound = [](float value, int size) {
+      return static_cast<int>(std::clamp(value, 0.0f, static_cast<float>(size)));
     };
-    on_top = inside(point.x_m) * inside(point.y_m);
-    if (on_top == 1.0f) {
-      beyond = top_;
-      return true;
+    const PixelPoint at = center(k);
+    const int top = bound(std::ceil(at.v_px - dv), picture_.height());
+    const int bottom = bound(std::floor(at.v_px + dv) + 1.0f, picture_.height());
+    const int left = bound(std::ceil(at.u_px - du), picture_.width());
+    const int right = bound(std::floor(at.u_px + du) + 1.0f, picture_.width());
+    const float along = static_cast<float>(stride), from_u = static_cast<float>(left) - target.pixel.u_px;
+    Inside inside;
+    for (int v = top; v < bottom; v += stride) {
+      const float from_v = static_cast<float>(v) - target.pixel.v_px;
+      Lanes x = all_lanes(x_by_u * from_u + x_by_v * from_v) + rising(x_by_u * along);
+      Lanes y = all_lanes(y_by_u * from_u + y_by_v * from_v) + rising(y_by_u * along);
+      for (int u = left; u < right; u += kLanes * stride) {
+        const Lanes value = shape.at(x - all_lanes(target.x_m), y - all_lanes(target.y_m), 1.0f / ramp_m_).value;
+        LaneMask seen = value > Lanes{};
+        if (any(seen)) {
+          seen &= LaneMask{u, u + stride, u + 2 * stride, u + 3 * stride} < picture_.width();
+          if (!add_pixels(k, x, y, picture_.along_row(u, v, stride), seen, value < all_lanes(1.0f), inside)) {
+            return false;
+          }
+        }
+        x += all_lanes(kLanes * along * x_by_u);
+        y += all_lanes(kLanes * along * y_by_u);
+      }
     }
-    const float out_m = half_m_ + kBeyondPx / scale_px_per_m_;
-    FieldPoint outer{std::clamp(point.x_m, -half_m_, half_m_), std::clamp(point.y_m, -half_m_, half_m_)};
-    if (std::abs(point.x_m) >= std::abs(point.y_m)) {
-      outer.x_m = std::copysign(std::max(std::abs(point.x_m), out_m), point.x_m);
-    } else {
-      outer.y_m = std::copysign(std::max(std::abs(point.y_m), out_m), point.y_m);
-    }
-    return picture_.at(on_picture(middle_, outer), beyond);
+    return find_color(inside, target);
   }
 
-  // One step of Gauss-Newton for the center of patch k.
-  bool step(std::size_t k, FieldPoint& moved) {
-    moved = targets_[k].offset;
-    const LinearColor contrast = minus(targets_[k].color, top_);
-    const float power = dot(contrast, contrast);
-    float xx = 0, xy = 0, yy = 0, rx = 0, ry = 0, squares = 0, weights = 0;
-    const FieldPoint from{layout_.patches[k].x_m + moved.x_m, layout_.patches[k].y_m + moved.y_m};
-    // A ramp reaches half its width over an edge, and its diagonal over a corner.
-    for_pixels(k, covers_[k].radius_m() + 0.71f * ramp_m_, [&](int u, int v, float x, float y) {
-      const Cover cover = covers_[k].at(x, y, ramp_m_);
-      if (cover.by_x_m == 0.0f && cover.by_y_m == 0.0f) return;
-      const FieldPoint point{from.x_m + x, from.y_m + y};
-      float on_top = 0;
-      LinearColor beyond;
-      if (!surroundings(point, on_top, beyond)) return;
-      const LinearColor foreign = minus(beyond, top_);
-      LinearColor rest = minus(picture_.at(u, v), top_);
-      add(rest, foreign, on_top - 1.0f);
-      add(rest, contrast, -cover.value);
-      for (std::size_t other = 0; other < targets_.size(); ++other) {
-        if (other == k) continue;
-        const float value = cover_of(other, point);
-        if (value > 0.0f) add(rest, minus(targets_[other].color, top_), -value);
+  // Sums over the pixels that are wholly covered.
+  struct Inside {
+    LightLanes sum{};
+    Lanes squares{};
+    LaneMask count{};
+  };
+
+  bool add_pixels(std::size_t k, Lanes x, Lanes y, LightLanes light, LaneMask seen, LaneMask in_part, Inside& inside) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      light[c] -= all_lanes(top_[c]);
+      const Lanes whole = keep(seen & ~in_part, light[c]);
+      inside.sum[c] += whole;
+      inside.squares += whole * whole;
+    }
+    inside.count -= seen & ~in_part;
+    const LaneMask edge = seen & in_part;
+    if (!any(edge)) return true;
+    Edge& edges = edges_[k];
+    if (edges.full()) return false;
+    edges.resize(edges.size() + 1);
+    edges.back() = EdgePixels{x, y, light, Lanes{}, edge};
+    take_out_surroundings(k, edges.back());
+    return true;
+  }
+
+  // The part of a pixel that is beyond the robot's edge shows what is seen there.
+  void take_out_surroundings(std::size_t k, EdgePixels& pixels) const {
+    const Lanes c = all_lanes(covers_[k].cos()), s = all_lanes(covers_[k].sin()), half = all_lanes(half_m_);
+    const Lanes x = all_lanes(layout_.patches[k].x_m) + c * pixels.x - s * pixels.y;
+    const Lanes y = all_lanes(layout_.patches[k].y_m) + s * pixels.x + c * pixels.y;
+    const Lanes beyond_x = absolute(x) - half, beyond_y = absolute(y) - half;
+    const float per_m = 1.0f / ramp_m_;
+    const Lanes part = all_lanes(1.0f) - EdgeRamp(beyond_x, per_m).value * EdgeRamp(beyond_y, per_m).value;
+    if (!any((part > Lanes{}) & pixels.counts)) return;
+    const Lanes clear = all_lanes(half_m_ + kBeyondPx / scale_px_per_m_);
+    const LaneMask sideways = beyond_x >= beyond_y;
+    const Lanes far_x = sideways ? larger(absolute(x), clear) : smaller(absolute(x), half);
+    const Lanes far_y = sideways ? smaller(absolute(y), half) : larger(absolute(y), clear);
+    const Lanes at_x = with_sign(far_x, sign_of(x)), at_y = with_sign(far_y, sign_of(y));
+    LaneMask inside;
+    const LightLanes light = picture_.nearest(u_of(at_x, at_y), v_of(at_x, at_y), inside);
+    pixels.counts &= inside | (part == Lanes{});
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Lanes foreign = part * (light[i] - all_lanes(top_[i]));
+      pixels.light[i] -= foreign;
+      pixels.doubt += foreign * foreign;
+    }
+  }
+
+  bool find_color(const Inside& inside, Target& target) {
+    const int count = inside.count[0] + inside.count[1] + inside.count[2] + inside.count[3];
+    if (count < kLeastInside) return false;
+    for (std::size_t c = 0; c < 3; ++c) target.excess[c] = sum_of(inside.sum[c]) / static_cast<float>(count);
+    target.power = dot(target.excess, target.excess);
+    if (!(target.power > kLeastContrast * kLeastContrast)) return false;
+    // A patch that is not of one color is covered by something.
+    const float variance = std::max(0.0f, sum_of(inside.squares) / static_cast<float>(count) - target.power);
+    unevenness_ = std::max(unevenness_, std::sqrt(variance / target.power));
+    return true;
+  }
+
+  // What another patch adds to the pixels of patch k, in units of patch k's own excess of light.
+  struct Neighbor {
+    const OutlineCover* cover;
+    float cos, sin, x_m, y_m;  // from patch k's axes to its own
+    FieldPoint half_box;
+    float light;
+  };
+  using Neighbors = FixedVector<Neighbor, kMaxPatches>;
+
+  [[nodiscard]] Neighbors neighbors_of(std::size_t k, const FixedVector<Target, kMaxPatches>& targets) const {
+    Neighbors neighbors;
+    const float c = covers_[k].cos(), s = covers_[k].sin();
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+      if (i == k) continue;
+      const OutlineCover& cover = covers_[i];
+      const float x = layout_.patches[k].x_m - layout_.patches[i].x_m;
+      const float y = layout_.patches[k].y_m - layout_.patches[i].y_m;
+      neighbors.push_back({&cover, cover.cos() * c + cover.sin() * s, cover.cos() * s - cover.sin() * c,
+                           cover.cos() * x + cover.sin() * y - targets[i].x_m,
+                           cover.cos() * y - cover.sin() * x - targets[i].y_m, cover.half_box(ramp_m_),
+                           dot(targets[i].excess, targets[k].excess) / targets[k].power});
+    }
+    return neighbors;
+  }
+
+  // One step of Gauss-Newton for the center of patch k, the others being where they were.
+  template <class Shape>
+  bool step(std::size_t k, bool first, const FixedVector<Target, kMaxPatches>& before, const Shape& shape) {
+    Target& target = targets_[k];
+    const Neighbors neighbors = neighbors_of(k, before);
+    std::array<Lanes, 3> along{};  // takes light to parts of the patch's own
+    for (std::size_t c = 0; c < 3; ++c) along[c] = all_lanes(target.excess[c] / target.power);
+    const Lanes doubted = all_lanes(1.0f / (target.power * kForeignLight * kForeignLight));
+    const float per_m = 1.0f / ramp_m_;
+    Lanes sum_xx{}, sum_xy{}, sum_yy{}, sum_rx{}, sum_ry{}, squares{}, weights{};
+    for (const EdgePixels& pixels : edges_[k]) {
+      const Cover cover = shape.at(pixels.x - all_lanes(target.x_m), pixels.y - all_lanes(target.y_m), per_m);
+      Lanes error = along[0] * pixels.light[0] + along[1] * pixels.light[1] + along[2] * pixels.light[2] - cover.value;
+      for (const Neighbor& other : neighbors) {
+        const Lanes x = all_lanes(other.cos) * pixels.x - all_lanes(other.sin) * pixels.y + all_lanes(other.x_m);
+        const Lanes y = all_lanes(other.sin) * pixels.x + all_lanes(other.cos) * pixels.y + all_lanes(other.y_m);
+        const LaneMask near =
+            (absolute(x) < all_lanes(other.half_box.x_m)) & (absolute(y) < all_lanes(other.half_box.y_m));
+        if (any(near)) error -= all_lanes(other.light) * other.cover->at(x, y, ramp_m_).value;
       }
-      // Along the difference of patch and top: the error of `cover`.
-      const float error = dot(rest, contrast) / power;
-      const float doubt = (1.0f - on_top) * (1.0f - on_top) * dot(foreign, foreign) / power;
-      const float weight = 1.0f / (1.0f + doubt / (kForeignLight * kForeignLight));
-      xx += weight * cover.by_x_m * cover.by_x_m;
-      xy += weight * cover.by_x_m * cover.by_y_m;
-      yy += weight * cover.by_y_m * cover.by_y_m;
-      rx += weight * cover.by_x_m * error;
-      ry += weight * cover.by_y_m * error;
+      const LaneMask slopes = (cover.by_x_m != Lanes{}) | (cover.by_y_m != Lanes{});
+      const Lanes weight = keep(pixels.counts & slopes, all_lanes(1.0f) / (all_lanes(1.0f) + doubted * pixels.doubt));
+      const Lanes by_x = weight * cover.by_x_m, by_y = weight * cover.by_y_m;
+      sum_xx += by_x * cover.by_x_m;
+      sum_xy += by_x * cover.by_y_m;
+      sum_yy += by_y * cover.by_y_m;
+      sum_rx += by_x * error;
+      sum_ry += by_y * error;
       squares += weight * error * error;
       weights += weight;
-    });
-    const float determinant = xx * yy - xy * xy;
+    }
+    const float xx = sum_of(sum_xx), xy = sum_of(sum_xy), yy = sum_of(sum_yy);
+    const float rx = sum_of(sum_rx), ry = sum_of(sum_ry), determinant = xx * yy - xy * xy;
     // Edges of one direction alone say nothing about the other.
     if (!(determinant > 0.01f * xx * yy)) return false;
-    worst_cover_ = std::max(worst_cover_, std::sqrt(squares / weights));
-    moved.x_m += (yy * rx - xy * ry) / determinant;
-    moved.y_m += (xx * ry - xy * rx) / determinant;
-    return std::hypot(moved.x_m, moved.y_m) * scale_px_per_m_ <= kFarthestPx;
+    const float x = (yy * rx - xy * ry) / determinant, y = (xx * ry - xy * rx) / determinant;
+    // Where the first step does not lead far, what it leaves is what a second look would find.
+    const float left = first ? std::max(0.0f, sum_of(squares) - rx * x - ry * y) : sum_of(squares);
+    worst_cover_ = std::max(worst_cover_, std::sqrt(left / sum_of(weights)));
+    target.x_m += x;
+    target.y_m += y;
+    return std::hypot(target.x_m, target.y_m) * scale_px_per_m_ <= kFarthestPx;
   }
 
   const MarkerLayout& layout_;
   const FixedVector<OutlineCover, kMaxPatches>& covers_;
   const LinearPicture& picture_;
+  std::array<Edge, kMaxPatches>& edges_;
   float half_m_;
   // The picture around the robot: pixels by the robot's frame.
   float u_by_x_ = 0, u_by_y_ = 0, v_by_x_ = 0, v_by_y_ = 0, determinant_ = 0, scale_px_per_m_ = 0, ramp_m_ = 0;
-  float unevenness_ = 0, worst_cover_ = 0;  // the latter: of the present turn
+  float unevenness_ = 0, worst_cover_ = 0;  // the latter: as of the present turn
   PixelPoint middle_;
-  LinearColor top_{};
+  std::array<float, 3> top_{};
   FixedVector<Target, kMaxPatches> targets_;
 };
 
@@ -284,13 +366,13 @@ void PatchCenters::configure(const std::array<MarkerLayout, 2>& layouts, const C
   }
 }
 
-void PatchCenters::refine(const Frame& frame, Sightings& sightings) const {
+void PatchCenters::refine(const Frame& frame, Sightings& sightings) {
   const LinearPicture picture(frame);
   for (RobotSighting& robot : sightings.robots) {
     const Marker& marker = markers_[static_cast<std::size_t>(robot.team)];
     const std::size_t patches = marker.layout.patches.size();
     if (!robot.has_heading || patches < 2 || robot.patches.size() != patches) continue;
-    Fit fit(marker, camera_, picture, robot.pose);
+    Fit fit(marker, camera_, picture, robot.pose, edges_);
     const float trust = fit.run();
     if (trust == 0.0f) continue;
     FixedVector<Correspondence, kMaxPatches> points;

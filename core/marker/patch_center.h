@@ -23,7 +23,8 @@ namespace touchline {
 /// Pixels that depend on an O which differs much from T (a line, a wall, another robot's patch) count less.
 ///
 /// A robot keeps the centers it has when the picture does not look like that: no free top, patches of a few pixels,
-/// pixels that do not fit. The light map is not needed: light is even over one robot. Work a robot is bounded.
+/// pixels that do not fit. The light map is not needed: light is even over one robot. Work a robot is bounded: of large
+/// patches every second, third ... pixel of a row and every such row is looked at.
 class PatchCenters {
  public:
   /// The layouts of both teams, by Team; a team without one has no patches. They are valid.
@@ -31,19 +32,29 @@ class PatchCenters {
 
   /// Moves centers, pose and residual of the robots that have a heading and of which all patches of the layout were
   /// seen. The frame has been accepted by the scan.
-  void refine(const Frame& frame, Sightings& sightings) const;
+  void refine(const Frame& frame, Sightings& sightings);
 
  private:
-  static constexpr std::size_t kTopGrid = 8;
+  static constexpr int kTopGrid = 8;
 
   struct Marker {
     MarkerLayout layout;
     FixedVector<OutlineCover, kMaxPatches> covers;
   };
+  // Four pixels of a row.
+  struct EdgePixels {
+    Lanes x, y;        // m from where the pose says that the patch is, along its outline's axes
+    LightLanes light;  // beyond that of the top, without what surrounds the robot
+    Lanes doubt;       // squared light of the surroundings in it
+    LaneMask counts;   // on the patch's edge, and on the picture
+  };
+  // Of a square of 32 x 32 pixels, the largest of which all are looked at, 160 groups touch an edge.
+  using Edge = FixedVector<EdgePixels, 192>;
   class Fit;
 
   std::array<Marker, 2> markers_;
   CameraModel camera_;
+  std::array<Edge, kMaxPatches> edges_;  // of the robot that is fitted
 };
 
 }  // namespace touchline

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/marker/rigid_fit.h"
 
@@ -25,6 +26,8 @@ constexpr float kFloodRatio = 4.8f;
 constexpr float kLargestMergedRatio = 1.5f;
 // The halves of a divided bar are farther apart than K1; together they must be the one patch.
 constexpr float kWholeRatio = 1.15f, kHalvesApart = 0.6f;
+// The scale of an oblique or bent picture differs from one direction to the other.
+constexpr float kWideReach = 1.5f;
 // Variances differ so much that noise on the border does not turn the axis.
 constexpr float kElongated = 2.0f;
 
@@ -72,6 +75,31 @@ void widen(PatchKind& kind, const PatchPlace& place) {
   kind.length_m = std::max({kind.length_m, place.length_m, place.width_m});
 }
 
+void PatchFinder::configure(const CameraModel& camera, const FieldParameters& field) {
+  camera_ = camera;
+  field_ = field;
+  least_scale_px_per_m_ = std::numeric_limits<float>::max();
+  for (const float x : {-1.0f, 0.0f, 1.0f}) {
+    for (const float y : {-1.0f, 0.0f, 1.0f}) {
+      const FieldPoint point{x * (0.5f * field.length_m + field.margin_m), y * (0.5f * field.width_m + field.margin_m)};
+      least_scale_px_per_m_ = std::min(least_scale_px_per_m_, camera.scale_px_per_m(point, 0.0f));
+    }
+  }
+}
+
+// Noise, most often: too small for the rest of a patch wherever it is on the field, and too far from every larger patch
+// to be its fragment. Nothing is worth a look at where it is.
+bool PatchFinder::is_lone_speck(const PatchKind& kind, const Region& region, const ColorPatches& larger) const {
+  const float area = static_cast<float>(region.area_px);
+  if (area >= kLeastRest * kind.least_area_m2 * least_scale_px_per_m_ * least_scale_px_per_m_) return false;
+  const float reach_m = kWideReach * std::max(kind.side_m, kHalvesApart * kind.length_m);
+  return std::none_of(larger.begin(), larger.end(), [&](const Patch& patch) {
+    const float du = patch.center.u_px - region.centroid.u_px, dv = patch.center.v_px - region.centroid.v_px;
+    const float reach_px = reach_m * patch.scale_px_per_m;
+    return du * du + dv * dv < reach_px * reach_px;
+  });
+}
+
 void PatchFinder::place(const PatchKind& kind, Patch& patch) const {
   const float height = kind.height_m[kind.plane];
   const FieldPoint here = camera_.to_field(patch.center, height);
@@ -93,6 +121,10 @@ float PatchFinder::field_axis(const PatchKind& kind, const Patch& patch, const R
 void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions& regions, std::uint16_t number,
                           Sightings& verdicts, ColorPatches& out) const {
   const Region& region = regions[number];
+  if (is_lone_speck(kind, region, out)) {
+    verdicts.verdicts[number] = Verdict::kTooSmall;
+    return;
+  }
   Patch patch;
   patch.center = region.centroid;
   patch.area_px = static_cast<float>(region.area_px);

@@ -55,10 +55,7 @@ class PatchFinder {
   // Noise is a pixel or two (section 5); of the smallest patches of use, 5 by 5 pixels, that is so much.
   static constexpr float kLeastRest = 0.08f;
 
-  void configure(const CameraModel& camera, const FieldParameters& field) {
-    camera_ = camera;
-    field_ = field;
-  }
+  void configure(const CameraModel& camera, const FieldParameters& field);
 
   /// `candidates`: numbers of regions of this color. `out` is filled from the largest to the smallest, rests last;
   /// verdicts are given to regions that are not (alone) in it, and to rests.
@@ -72,11 +69,13 @@ class PatchFinder {
   void examine(const PatchKind& kind, const Runs& runs, const Regions& regions, std::uint16_t number,
                Sightings& verdicts, ColorPatches& out) const;
   void place(const PatchKind& kind, Patch& patch) const;
+  [[nodiscard]] bool is_lone_speck(const PatchKind& kind, const Region& region, const ColorPatches& larger) const;
   bool merge(const PatchKind& kind, const Patch& from, Patch& into, float largest_ratio) const;
   float field_axis(const PatchKind& kind, const Patch& patch, const RegionShape& shape) const;
 
   CameraModel camera_;
   FieldParameters field_;
+  float least_scale_px_per_m_ = 0;  // anywhere on the field, on the floor
 };
 
 }  // namespace touchline

@@ -56,9 +56,8 @@ void TrackedRobot::predict(Instant from, Instant to, const CommandHistory* comma
     point_.predict(seconds(to - from), point_noise(parameters.robot));
     return;
   }
-  follow_commands(from, to, commands, [&](double dt_s, const DriveInput& input) {
-    drive_.predict(dt_s, input, parameters.robot);
-  });
+  follow_commands(from, to, commands,
+                  [&](double dt_s, const DriveInput& input) { drive_.predict(dt_s, input, parameters.robot); });
 }
 
 void TrackedRobot::look_ahead(Instant from, Instant to, const CommandHistory* commands,
@@ -67,9 +66,8 @@ void TrackedRobot::look_ahead(Instant from, Instant to, const CommandHistory* co
     point_.predict(seconds(to - from), point_noise(parameters.robot));
     return;
   }
-  follow_commands(from, to, commands, [&](double dt_s, const DriveInput& input) {
-    drive_.predict_state(dt_s, input, parameters.robot);
-  });
+  follow_commands(from, to, commands,
+                  [&](double dt_s, const DriveInput& input) { drive_.predict_state(dt_s, input, parameters.robot); });
 }
 
 bool TrackedRobot::fuse(const RobotSighting& sighting, Instant now, const TrackParameters& parameters) {

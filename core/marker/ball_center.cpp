@@ -16,7 +16,7 @@ constexpr float kLeastRadiusPx = 2.0f;
 constexpr float kReachOfAllPx = 18.0f;
 // From a pixel away it takes three or four turns, where a lamp cuts channels off more.
 constexpr int kTurns = 12;
-constexpr float kSettledPx = 0.02f;
+constexpr float kSettledPx = 0.01f;
 constexpr float kSmallStepPx = 0.2f;
 // Of a step to the one before.
 constexpr float kLargestShrinking = 0.7f;

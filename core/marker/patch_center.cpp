@@ -28,9 +28,9 @@ constexpr float kFarthestPx = 2.0f;
 constexpr float kGoodCover = 0.22f, kWorstCover = 0.32f;
 // The first turn leaves a tenth of its way, or less: after a short one nothing that noise would let see.
 constexpr int kTurns = 2;
-constexpr float kShortWayPx = 0.2f;
+constexpr float kShortWayPx = 0.05f;
 // After a longer way other pixels are on the edges.
-constexpr float kSameEdgePx = 0.3f;
+constexpr float kSameEdgePx = 0.2f;
 // Farther from a patch's center every second pixel will do, and so on.
 constexpr float kReachOfAllPx = 16.0f;
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <numbers>
 
 #include "tests/marker/painted_field.h"
@@ -130,6 +131,41 @@ TEST(Bounds, ACarpetOfPatchesIsCutShort) {
   EXPECT_LE(seen.robots.size(), 10u);
   EXPECT_FALSE(seen.robots.empty());
   for (const RobotSighting& robot : seen.robots) EXPECT_EQ(robot.id, kUnknownId);
+}
+
+// Sixteen patches of one color around each team patch, any five of which may be a robot's: a million beginnings of sets
+// each, which would take seconds.
+TEST(Bounds, SetsThatAllFitAreNotAllTried) {
+  MarkerParameters parameters = paper_teams();
+  MarkerLayout& layout = parameters.teams[0].layout;
+  layout.patches.clear();
+  layout.robot_side_m = 0.09f;
+  layout.patches.push_back({PatchRole::kTeam, PatchOutline::kSquare, 0, 0, 0.02f, 0.02f});
+  const auto around = [](int part, int of) {
+    const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(part) / static_cast<float>(of);
+    return FieldPoint{0.025f * std::cos(angle), 0.025f * std::sin(angle)};
+  };
+  RobotMarking robot;
+  robot.id = 0;
+  for (int i = 0; i < 5; ++i) {
+    const FieldPoint at = around(i, 5);
+    layout.patches.push_back({PatchRole::kIdentification, PatchOutline::kSquare, at.x_m, at.y_m, 0.008f, 0.008f});
+    robot.colors.push_back(kRed);
+  }
+  parameters.teams[0].robots.clear();
+  parameters.teams[0].robots.push_back(robot);
+  RegionList list(straight_camera(), parameters);
+  for (int i = 0; i < 3; ++i) {
+    const float x_m = 0.3f * static_cast<float>(i);
+    list.add({x_m, 0}, parameters.teams[0].team_color, layout.patches[0], layout.height_m);
+    for (int k = 0; k < 16; ++k) {
+      const FieldPoint at = around(k, 16);
+      list.add({x_m + at.x_m, at.y_m}, kRed, layout.patches[1], layout.height_m);
+    }
+  }
+  const std::clock_t begin = std::clock();
+  EXPECT_TRUE(list.see().cut_short);
+  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 0.3);
 }
 
 // Noise in every pixel, and a chessboard of single pixels: many regions, nothing that is a patch.

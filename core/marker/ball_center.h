@@ -41,8 +41,8 @@ class BallCenter {
     Lanes out_x, out_y;                       // unit vector outwards in the ball's axes, zero but on the edge
     bool on_edge;
   };
-  // 36 x 36 pixels, of which all are looked at.
-  using Disk = FixedVector<DiskPixels, 36 * 9>;
+  // Of 36 x 36 pixels, the largest square of which all are looked at.
+  using Disk = FixedVector<DiskPixels, 324>;
   class Fit;
 
   BallParameters ball_;

@@ -20,8 +20,9 @@ constexpr std::size_t kMaxFrameHeight = 1944;
 // One bit each of the 32-bit table entries (paper, section 3.2).
 constexpr std::size_t kMaxColorBoxes = 32;
 constexpr std::size_t kMaxColors = 32;
-// A realistic field has 2,000 runs and 200 regions at 640 x 480; sixteen-fold for clutter, noise and larger frames.
+// What core/region/run_budget.h allows the largest frame.
 constexpr std::size_t kMaxRuns = 32768;
+// A realistic field has 200; twenty-fold for clutter and noise.
 constexpr std::size_t kMaxRegions = 4096;
 // 11 robots a team is the largest class of any league (SSL division A).
 constexpr std::size_t kMaxRobotsPerTeam = 11;

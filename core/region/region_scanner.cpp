@@ -62,8 +62,8 @@ void RegionScanner::add_row(std::uint16_t v, const RowMasks& below, Runs& runs) 
     return;
   }
   if (min_area_px_ > 1) forget_specks(below, row.masks);
-  const std::size_t limit = budget_.limit(), first = runs.size();
-  const std::size_t count = count_runs(row.masks, words_);
+  const std::size_t first = runs.size();
+  const std::size_t count = count_runs(row.masks, words_), limit = budget_.limit(count);
   std::size_t written = 0;
   if (count <= limit) {
     written = write_runs(row.masks, row.colors, v, runs.data() + first);

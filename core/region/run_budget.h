@@ -8,15 +8,21 @@
 
 namespace touchline {
 
-// What a realistic field needs, with room: 22 robots of 6 patches, each as high as 13 of 480 rows and in two runs a
-// row, are 3,400 runs. A taller picture shows the same patches in more rows.
-constexpr std::size_t kRunsPerRow = 8, kReservePerRow = 8, kLeastReserve = 4096;
+// What a realistic field needs, with room: 22 robots of 6 patches, each as high as 13 of 480 rows and every other row
+// of it in two runs, are 2,600 runs, even if they all stand in one line. A taller picture shows the same patches in
+// more rows.
+constexpr std::size_t kRunsPerRow = 4, kReservePerRow = 6, kLeastReserve = 3072;
 static_assert((kReservePerRow + kRunsPerRow) * kMaxFrameHeight <= kMaxRuns, "a frame's budget must fit");
 
+// No row of a realistic field has more: 24 patches in four runs each.
+constexpr std::size_t kRealisticRow = 96;
+// What a row with more is left with, as long as there is credit.
+constexpr std::size_t kRunsOfCrowdedRow = 2 * kRunsPerRow;
+
 /// How many runs the rows of a frame may have, so that no picture takes long. Every row adds kRunsPerRow to a credit,
-/// from which a row may take an eighth: crowded rows get less and less, but never all, so that rows after them have
-/// some. A frame is served whole if no row has more than 128 runs and all rows down to any one have together no more
-/// than reserve(height) - 1,024 and kRunsPerRow each.
+/// from which a row may take an eighth, but a crowded one only kRunsOfCrowdedRow: clutter leaves credit for the rows
+/// after it. A frame is served whole if no row has more than kRealisticRow runs and all rows down to any one have
+/// together no more than reserve(height) - 768 and kRunsPerRow each.
 class RunBudget {
  public:
   static constexpr std::size_t reserve(std::size_t height_px) {
@@ -24,8 +30,11 @@ class RunBudget {
   }
 
   void begin(std::size_t height_px) { credit_ = reserve(height_px); }
-  /// The most that the next row may have.
-  [[nodiscard]] std::size_t limit() const { return (credit_ + kRunsPerRow) / kRowsOfCredit; }
+  /// How many of its runs the next row may keep.
+  [[nodiscard]] std::size_t limit(std::size_t runs) const {
+    const std::size_t share = (credit_ + kRunsPerRow) / kRowsOfCredit;
+    return runs > kRealisticRow ? std::min(share, kRunsOfCrowdedRow) : share;
+  }
   /// The next row has that many, no more than the limit.
   void spend(std::size_t runs) { credit_ += kRunsPerRow - runs; }
 

@@ -19,7 +19,8 @@ namespace touchline::config {
 /// [picture]: what the calibration was made for.
 struct PictureEntry {
   std::uint16_t width_px = 640, height_px = 480;
-  std::uint32_t min_area_px = ScanParameters{}.min_area_px;
+  // No patch is a single pixel, and specks that are none take next to no time.
+  std::uint32_t min_area_px = 2;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {

@@ -76,5 +76,12 @@ TEST_F(NoAllocation, PlantedMallocIsFoundToo) {
   EXPECT_EQ(allocations_of_this_thread() - before, 2U);
 }
 
+TEST(Memory, OfTheCoreIsFixedAndAsStated) {
+  // docs/design.md, Memory. A change beyond either end is to be stated there.
+  constexpr std::size_t kMiB = std::size_t{1} << 20;
+  EXPECT_GT(sizeof(Pipeline), 11 * kMiB / 4);
+  EXPECT_LT(sizeof(Pipeline), 14 * kMiB / 4);
+}
+
 }  // namespace
 }  // namespace touchline::testing

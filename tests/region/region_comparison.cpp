@@ -179,7 +179,8 @@ ServedPicture served(const ColorGrid& grid, std::uint32_t min_area_px) {
     std::vector<RowRun> runs = runs_of_row(grid, v);
     if (min_area_px > 1) std::erase_if(runs, [&](const RowRun& run) { return is_speck(grid, run, v); });
     credit += kRunsPerRow;
-    const std::vector<RowRun> kept = longest_runs(runs, credit / 8);
+    const std::vector<RowRun> kept =
+        longest_runs(runs, runs.size() > 96 ? std::min<std::size_t>(credit / 8, 8) : credit / 8);
     credit -= kept.size();
     if (kept.size() == runs.size()) continue;
     picture.runs_dropped += runs.size() - kept.size();

@@ -103,7 +103,8 @@ TEST_F(OverloadTest, TheBudgetHoldsForWidestRunsAndPictures) {
     }
     EXPECT_EQ(scan(grid, 1).code(), ErrorCode::kFull) << stripe;
     EXPECT_EQ(difference_from_served(grid, 1, *runs_, *regions_), "") << stripe;
-    EXPECT_LE(runs_->size(), RunBudget::reserve(static_cast<std::size_t>(height)) + 8u * static_cast<unsigned>(height));
+    EXPECT_LE(runs_->size(),
+              RunBudget::reserve(static_cast<std::size_t>(height)) + kRunsPerRow * static_cast<std::size_t>(height));
   }
 }
 
@@ -162,19 +163,20 @@ TEST_F(OverloadTest, TheLargestRegionsStayAndTheOthersAreCounted) {
 }
 
 TEST_F(OverloadTest, ExactlyAsManyRegionsAsFitAreNoOverload) {
-  // 64 x 64 single pixels, and then one more.
-  ColorGrid grid = make_grid(160, 130);
-  for (int v = 0; v < 128; v += 2) {
-    for (int u = 0; u < 128; u += 2) grid.at(u, v) = 3;
+  // 240 rows of 17 single pixels, one of 16, and then one region more.
+  static_assert(240 * 17 + 16 == kMaxRegions);
+  ColorGrid grid = make_grid(640, 482);
+  for (int v = 0; v <= 480; v += 2) {
+    for (int i = 0; i < (v < 480 ? 17 : 16); ++i) grid.at(36 * i, v) = 3;
   }
   EXPECT_TRUE(scan(grid, 1).ok());
   EXPECT_EQ(regions_->size(), kMaxRegions);
-  grid.at(150, 129) = grid.at(151, 129) = 2;
+  grid.at(630, 481) = grid.at(631, 481) = 2;
   EXPECT_EQ(scan(grid, 1).code(), ErrorCode::kFull);
   EXPECT_EQ(regions_->size(), kMaxRegions);
   EXPECT_EQ(regions_->overflow(), 1u);
   EXPECT_EQ(regions_->back().area_px, 2u) << "the larger one stays although it comes last";
-  EXPECT_EQ((*regions_)[kMaxRegions - 2].centroid.u_px, 124.0f) << "the last of the small ones makes room";
+  EXPECT_EQ((*regions_)[kMaxRegions - 2].centroid.u_px, 504.0f) << "the last of the small ones makes room";
 }
 
 TEST_F(OverloadTest, CountsOnlyTheRegionOfInterest) {

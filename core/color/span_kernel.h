@@ -31,7 +31,7 @@ struct RowPixels {
 /// Bit i: columns 64 i to 64 i + 63 may hold a color. All of a word whose bit is not set is background.
 using OccupiedWords = std::uint64_t;
 constexpr std::uint32_t kOccupiedWordPixels = 64;
-static_assert(kMaxFrameWidth <= 64 * kOccupiedWordPixels);
+static_assert(kMaxFrameWidth / kOccupiedWordPixels < 64);
 
 /// Writes colors[u] for begin <= u < end and nothing else; columns count from the row's first pixel, begin may be odd.
 /// Reads no byte beyond those of the pixels (and, with shared chroma, pixel pairs) in the span. By definition

@@ -323,7 +323,7 @@ TOUCHLINE_AVX2_INLINE std::uint64_t find_loud(const SpanTables& tables, const Ro
     u = blocks.column(i);
     quiet |= is_quiet<Layout, kOneLight>(row, u, tile_at<kOneLight>(tables, u), of_row, colors) << i;
   }
-  const std::uint64_t all = ~std::uint64_t{0} >> (kMostBlocks - blocks.count);
+  const std::uint64_t all = blocks.count == kMostBlocks ? ~std::uint64_t{0} : (std::uint64_t{1} << blocks.count) - 1;
   return tables.has_quiet ? all & ~quiet : all;
 }
 

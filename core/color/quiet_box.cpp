@@ -1,7 +1,6 @@
 #include "core/color/quiet_box.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace touchline {
 namespace {
@@ -10,7 +9,8 @@ namespace {
 std::uint32_t weight(ColorSpace space, std::size_t channel, std::uint32_t value) {
   constexpr int kMostChroma = 64;
   if (space == ColorSpace::kRgb || channel == 0) return 1;
-  return static_cast<std::uint32_t>(std::max(1, kMostChroma - std::abs(static_cast<int>(value) - 128)));
+  const int chroma = static_cast<int>(value) - 128;
+  return static_cast<std::uint32_t>(std::max(1, kMostChroma - std::max(chroma, -chroma)));
 }
 std::uint32_t weight(ColorSpace space, std::size_t channel, ValueRange range) {
   std::uint32_t sum = 0;

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #if defined(__SSE2__)
-#include <emmintrin.h>
+#include <immintrin.h>
 #endif
 
 // Four floats that are computed at once. Compilers have registers for them on every board, and sums of lanes are taken

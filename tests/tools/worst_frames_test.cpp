@@ -34,7 +34,7 @@ class WorstFramesOf : public testing::TestWithParam<PixelFormat> {};
 
 // Each pattern must be what it claims, or the latency report would flatter.
 TEST_P(WorstFramesOf, PatternsCostWhatTheyClaim) {
-  constexpr std::uint16_t kWidth = 72, kHeight = 48;  // all of it fits into Regions
+  constexpr std::uint16_t kWidth = 48, kHeight = 48;  // all of it fits into the budget of runs
   const PipelineParameters parameters = parameters_for(GetParam(), kWidth, kHeight);
   const StandingClock clock;
   WorstFrames camera(parameters, clock);

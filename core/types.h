@@ -20,7 +20,7 @@ constexpr std::size_t kMaxFrameHeight = 1944;
 // One bit each of the 32-bit table entries (paper, section 3.2).
 constexpr std::size_t kMaxColorBoxes = 32;
 constexpr std::size_t kMaxColors = 32;
-// What core/region/run_budget.h allows the largest frame.
+// More than core/region/run_budget.h allows the largest frame (19,440).
 constexpr std::size_t kMaxRuns = 32768;
 // A realistic field has 200; twenty-fold for clutter and noise.
 constexpr std::size_t kMaxRegions = 4096;

@@ -35,7 +35,7 @@ class RowClassifier {
   [[nodiscard]] Status accepts(const Frame& frame) const;
 
   /// Writes colors[u] for begin <= u < end, the columns of row v. The frame has been accepted, v and end are in it.
-  /// Returns which words of 64 columns hold more than background: all of the others is.
+  /// Returns which words of 64 columns may hold a color: all of the others is background.
   OccupiedWords classify(const Frame& frame, std::uint16_t v, std::uint16_t begin, std::uint16_t end,
                          ColorId* colors) const;
 

@@ -36,7 +36,7 @@ static_assert(kMaxFrameWidth / kOccupiedWordPixels < 64);
 /// Writes colors[u] for begin <= u < end and nothing else; columns count from the row's first pixel, begin may be odd.
 /// Reads no byte beyond those of the pixels (and, with shared chroma, pixel pairs) in the span. By definition
 ///   colors[u] = colors->color_of(colors->mask(value, tile_at(u).level)).
-/// Returns which words of the span hold more than background; bits of words beyond the span are 0.
+/// Returns which words of the span may hold a color; bits of words beyond the span are 0.
 using SpanKernel = OccupiedWords (*)(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
                                      std::uint32_t end, ColorId* colors);
 

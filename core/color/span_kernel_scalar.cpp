@@ -141,7 +141,7 @@ struct SharedChroma {
   };
 };
 
-// Pixels of one light, `begin` even. Blocks in the quiet box are background at a glance; the others are looked at pixel
+// Pixels of one light. Blocks in the quiet box are background at a glance; the others are looked at pixel
 // by pixel.
 template <class Layout>
 OccupiedWords classify_light(const SpanTables& tables, const TileLight& light, const RowPixels& row,

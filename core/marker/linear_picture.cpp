@@ -66,7 +66,8 @@ LightLanes LinearPicture::along_row(int u, int v, int step) const {
     return of_yuv(frame_, LaneMask{u, second, third, fourth}, LaneMask{v, v, v, v});
   }
   const std::uint8_t* row = frame_.plane[0] + static_cast<std::size_t>(v) * frame_.stride_bytes[0];
-  return of_rgb(frame_.format, row + 3 * u, row + 3 * second, row + 3 * third, row + 3 * fourth);
+  const auto pixel = [row](int at) { return row + std::size_t{3} * static_cast<std::size_t>(at); };
+  return of_rgb(frame_.format, pixel(u), pixel(second), pixel(third), pixel(fourth));
 }
 
 LightLanes LinearPicture::nearest(Lanes u_px, Lanes v_px, LaneMask& inside) const {
@@ -80,7 +81,8 @@ LightLanes LinearPicture::nearest(Lanes u_px, Lanes v_px, LaneMask& inside) cons
   const LaneMask u = number(right, width), v = number(down, height);
   if (color_space(frame_.format) == ColorSpace::kYuv) return of_yuv(frame_, u, v);
   const auto pixel = [&](int i) {
-    return frame_.plane[0] + static_cast<std::size_t>(v[i]) * frame_.stride_bytes[0] + 3 * u[i];
+    return frame_.plane[0] + static_cast<std::size_t>(v[i]) * frame_.stride_bytes[0] +
+           std::size_t{3} * static_cast<std::size_t>(u[i]);
   };
   return of_rgb(frame_.format, pixel(0), pixel(1), pixel(2), pixel(3));
 }

@@ -13,24 +13,12 @@ OutlineCover::OutlineCover(const PatchPlace& place)
       width_m_(std::min(place.length_m, place.width_m)),
       cos_(std::cos(place.turn_rad)),
       sin_(std::sin(place.turn_rad)) {
-  switch (place.outline) {
-    case PatchOutline::kCircle:
-      radius_m_ = std::max(half_length_m_, half_width_m_);
-      break;
-    case PatchOutline::kTriangle: {
-      reach_x_m_ = 4.0f / 3.0f * half_length_m_;
-      radius_m_ = std::max(reach_x_m_, std::hypot(2.0f / 3.0f * half_length_m_, half_width_m_));
-      width_m_ *= 0.5f;  // of the inscribed circle, as good as
-      const float norm = std::hypot(half_width_m_, 2.0f * half_length_m_);
-      nx_ = half_width_m_ / norm;
-      ny_ = 2.0f * half_length_m_ / norm;
-      break;
-    }
-    case PatchOutline::kSquare:
-    case PatchOutline::kBar:
-      radius_m_ = std::hypot(half_length_m_, half_width_m_);
-      break;
-  }
+  if (place.outline != PatchOutline::kTriangle) return;
+  reach_x_m_ = 4.0f / 3.0f * half_length_m_;
+  width_m_ *= 0.5f;  // of the inscribed circle, as good as
+  const float norm = std::hypot(half_width_m_, 2.0f * half_length_m_);
+  nx_ = half_width_m_ / norm;
+  ny_ = 2.0f * half_length_m_ / norm;
 }
 
 FieldPoint OutlineCover::half_box(float ramp_m) const {

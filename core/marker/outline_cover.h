@@ -87,14 +87,12 @@ class OutlineCover {
   [[nodiscard]] float sin() const { return sin_; }
   /// Half of a box along its own axes, beyond which nothing is covered, or of a triangle's corners a tenth.
   [[nodiscard]] FieldPoint half_box(float ramp_m) const;
-  /// Nothing is covered farther from the center than this and half a ramp's diagonal.
-  [[nodiscard]] float radius_m() const { return radius_m_; }
   /// The least width: with a ramp that is wider nothing would be covered fully.
   [[nodiscard]] float width_m() const { return width_m_; }
 
  private:
   PatchOutline outline_ = PatchOutline::kSquare;
-  float half_length_m_ = 0, half_width_m_ = 0, reach_x_m_ = 0, radius_m_ = 0, width_m_ = 0;
+  float half_length_m_ = 0, half_width_m_ = 0, reach_x_m_ = 0, width_m_ = 0;
   float cos_ = 1, sin_ = 0;  // of the outline's turn
   float nx_ = 0, ny_ = 0;    // of a triangle
 };

@@ -79,25 +79,36 @@ void PatchFinder::configure(const CameraModel& camera, const FieldParameters& fi
   camera_ = camera;
   field_ = field;
   least_scale_px_per_m_ = std::numeric_limits<float>::max();
+  largest_scale_px_per_m_ = 0;
+  const float half_length_m = 0.5f * field.length_m + field.goal_depth_m + field.margin_m;
   for (const float x : {-1.0f, 0.0f, 1.0f}) {
     for (const float y : {-1.0f, 0.0f, 1.0f}) {
-      const FieldPoint point{x * (0.5f * field.length_m + field.margin_m), y * (0.5f * field.width_m + field.margin_m)};
-      least_scale_px_per_m_ = std::min(least_scale_px_per_m_, camera.scale_px_per_m(point, 0.0f));
+      const FieldPoint point{x * half_length_m, y * (0.5f * field.width_m + field.margin_m)};
+      const float scale = camera.scale_px_per_m(point, 0.0f);
+      least_scale_px_per_m_ = std::min(least_scale_px_per_m_, scale);
+      largest_scale_px_per_m_ = std::max(largest_scale_px_per_m_, scale);
     }
   }
 }
 
 // Noise, most often: too small for the rest of a patch wherever it is on the field, and too far from every larger patch
-// to be its fragment. Nothing is worth a look at where it is.
-bool PatchFinder::is_lone_speck(const PatchKind& kind, const Region& region, const ColorPatches& larger) const {
+// and every other region of its color to be a fragment. Nothing is worth a look at where it is.
+bool PatchFinder::is_lone_speck(const PatchKind& kind, const Regions& regions, std::uint16_t number,
+                                std::span<const std::uint16_t> candidates, const ColorPatches& larger) const {
+  const Region& region = regions[number];
   const float area = static_cast<float>(region.area_px);
   if (area >= kLeastRest * kind.least_area_m2 * least_scale_px_per_m_ * least_scale_px_per_m_) return false;
   const float reach_m = kWideReach * std::max(kind.side_m, kHalvesApart * kind.length_m);
-  return std::none_of(larger.begin(), larger.end(), [&](const Patch& patch) {
-    const float du = patch.center.u_px - region.centroid.u_px, dv = patch.center.v_px - region.centroid.v_px;
-    const float reach_px = reach_m * patch.scale_px_per_m;
+  const auto is_near = [&](PixelPoint other, float scale_px_per_m) {
+    const float du = other.u_px - region.centroid.u_px, dv = other.v_px - region.centroid.v_px;
+    const float reach_px = reach_m * scale_px_per_m;
     return du * du + dv * dv < reach_px * reach_px;
+  };
+  const bool near_region = std::any_of(candidates.begin(), candidates.end(), [&](std::uint16_t other) {
+    return other != number && is_near(regions[other].centroid, largest_scale_px_per_m_);
   });
+  return !near_region && std::none_of(larger.begin(), larger.end(),
+                                      [&](const Patch& patch) { return is_near(patch.center, patch.scale_px_per_m); });
 }
 
 void PatchFinder::place(const PatchKind& kind, Patch& patch) const {
@@ -118,10 +129,11 @@ float PatchFinder::field_axis(const PatchKind& kind, const Patch& patch, const R
   return std::atan2(a.y_m - b.y_m, a.x_m - b.x_m);
 }
 
-void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions& regions, std::uint16_t number,
-                          Sightings& verdicts, ColorPatches& out) const {
+void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions& regions,
+                          std::span<const std::uint16_t> candidates, std::uint16_t number, Sightings& verdicts,
+                          ColorPatches& out) const {
   const Region& region = regions[number];
-  if (is_lone_speck(kind, region, out)) {
+  if (is_lone_speck(kind, regions, number, candidates, out)) {
     verdicts.verdicts[number] = Verdict::kTooSmall;
     return;
   }
@@ -190,7 +202,7 @@ bool PatchFinder::merge(const PatchKind& kind, const Patch& from, Patch& into, f
 void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& regions,
                        std::span<const std::uint16_t> candidates, Sightings& verdicts, ColorPatches& out) const {
   out.clear();
-  for (const std::uint16_t number : candidates) examine(kind, runs, regions, number, verdicts, out);
+  for (const std::uint16_t number : candidates) examine(kind, runs, regions, candidates, number, verdicts, out);
   std::sort(out.begin(), out.end(), larger);
 
   // Eq. (1), from the largest region to the smallest: `kept` grows at the front of the list.

@@ -66,16 +66,18 @@ class PatchFinder {
   [[nodiscard]] const FieldParameters& field() const { return field_; }
 
  private:
-  void examine(const PatchKind& kind, const Runs& runs, const Regions& regions, std::uint16_t number,
-               Sightings& verdicts, ColorPatches& out) const;
+  void examine(const PatchKind& kind, const Runs& runs, const Regions& regions,
+               std::span<const std::uint16_t> candidates, std::uint16_t number, Sightings& verdicts,
+               ColorPatches& out) const;
   void place(const PatchKind& kind, Patch& patch) const;
-  [[nodiscard]] bool is_lone_speck(const PatchKind& kind, const Region& region, const ColorPatches& larger) const;
+  [[nodiscard]] bool is_lone_speck(const PatchKind& kind, const Regions& regions, std::uint16_t number,
+                                   std::span<const std::uint16_t> candidates, const ColorPatches& larger) const;
   bool merge(const PatchKind& kind, const Patch& from, Patch& into, float largest_ratio) const;
   float field_axis(const PatchKind& kind, const Patch& patch, const RegionShape& shape) const;
 
   CameraModel camera_;
   FieldParameters field_;
-  float least_scale_px_per_m_ = 0;  // anywhere on the field, on the floor
+  float least_scale_px_per_m_ = 0, largest_scale_px_per_m_ = 0;  // anywhere on the field, on the floor
 };
 
 }  // namespace touchline

@@ -11,7 +11,7 @@
 namespace touchline {
 
 // A pixel's bit: bit u % 64 of word u / 64.
-constexpr std::size_t kPixelsOfWord = 64;
+constexpr std::size_t kPixelsOfWord = kOccupiedWordPixels;
 constexpr std::size_t kMaxRowWords = (kMaxFrameWidth + kPixelsOfWord - 1) / kPixelsOfWord;
 
 // Two words at once, as every 64-bit processor with vectors can take them.

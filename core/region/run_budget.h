@@ -11,18 +11,18 @@ namespace touchline {
 // What a realistic field needs, with room: 22 robots of 6 patches, each as high as 13 of 480 rows and every other row
 // of it in two runs, are 2,600 runs, even if they all stand in one line. A taller picture shows the same patches in
 // more rows.
-constexpr std::size_t kRunsPerRow = 4, kReservePerRow = 6, kLeastReserve = 3072;
+constexpr std::size_t kRunsPerRow = 4, kReservePerRow = 6, kLeastReserve = 3584;
 static_assert((kReservePerRow + kRunsPerRow) * kMaxFrameHeight <= kMaxRuns, "a frame's budget must fit");
 
-// No row of a realistic field has more: 24 patches in four runs each.
-constexpr std::size_t kRealisticRow = 96;
+// No row of a realistic field has more: 44 patches in two runs each, and 40 more by specks on or beside them.
+constexpr std::size_t kRealisticRow = 128;
 // What a row with more is left with, as long as there is credit.
 constexpr std::size_t kRunsOfCrowdedRow = 2 * kRunsPerRow;
 
 /// How many runs the rows of a frame may have, so that no picture takes long. Every row adds kRunsPerRow to a credit,
 /// from which a row may take an eighth, but a crowded one only kRunsOfCrowdedRow: clutter leaves credit for the rows
 /// after it. A frame is served whole if no row has more than kRealisticRow runs and all rows down to any one have
-/// together no more than reserve(height) - 768 and kRunsPerRow each.
+/// together no more than reserve(height) - 1024 and kRunsPerRow each.
 class RunBudget {
  public:
   static constexpr std::size_t reserve(std::size_t height_px) {

@@ -75,15 +75,15 @@ std::vector<Goal> goals_of(const Subjects& subjects) {
 }
 
 void print_table(const Subjects& subjects) {
-  std::printf("microseconds of CPU: median (99th percentile), x the time of reading the frame once\n");
+  std::printf("microseconds of CPU: median (99th percentile), x the first, which reads the frame once\n");
   for (const auto& subject : subjects) {
     if (subject->methods.empty()) continue;
     std::printf("\n%s: %s\n", subject->name.c_str(), subject->found.c_str());
-    const double read = quantiles_of(subject->methods.front().times_us).median_us;
+    const double first = quantiles_of(subject->methods.front().times_us).median_us;
     for (const Method& method : subject->methods) {
       const Quantiles times = quantiles_of(method.times_us);
       std::printf("  %-16s %9.1f (%9.1f)  x %6.1f\n", method.name.c_str(), times.median_us, times.p99_us,
-                  times.median_us / read);
+                  times.median_us / first);
     }
   }
 }

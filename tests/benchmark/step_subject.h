@@ -14,8 +14,9 @@ namespace touchline::testing {
 /// even, the sensor's noise), drawn beforehand, and a pipeline that watches it as when it was played.
 class StepSubject {
  public:
+  /// `frames`: an odd number, so that of two calls in a row the second gets every frame in its turn.
   /// Empty when the board's arena could be played and every frame showed all of its robots; else what was wrong.
-  std::string prepare(const std::string& board_file, std::size_t frames = 48);
+  std::string prepare(const std::string& board_file, std::size_t frames = 49);
 
   /// Classification and regions of the next frame. Each of the two goes through the frames on its own, again and again.
   void scan_only();

@@ -39,7 +39,7 @@ inline constexpr char kSpecksLeftOut[] = ", specks left out";
 
 /// The pictures whose names contain `part`.
 std::vector<std::unique_ptr<Subject>> make_subjects(std::string_view part);
-/// A picture of 640 x 480 that has colors of 13 classes everywhere, all of which have to be told apart.
+/// A picture of 640 x 480 with pixels of five colors, to be told apart from eight more classes that none has.
 Subject crowded_subject(const ColorGrid& grid, std::uint32_t min_area_px);
 
 /// Every byte of the picture is read, 128 at a time where the processor can.

@@ -87,6 +87,24 @@ TEST_P(Noise, NobodyGetsAnotherOnesId) {
       << right << " of " << robots;
 }
 
+// Dots of 2 x 2 pixels, each less than the rest of a patch: together they are four ninths of every patch.
+TEST(CrumbledPatches, AreGatheredFromTheirPieces) {
+  const MarkerParameters parameters = paper_teams();
+  Dice dice{5};
+  PaintedField field(straight_camera(), parameters);
+  const std::vector<Placed> placed = scattered(dice, parameters, 5, 1.0f, 1.0f);
+  field.paint(placed);
+  ColorGrid& grid = field.grid();
+  for (int v = 0; v < grid.height; ++v) {
+    for (int u = 0; u < grid.width; ++u) {
+      if (u % 3 == 2 || v % 3 == 2) grid.at(u, v) = kBackground;
+    }
+  }
+  const Comparison result = compare(placed, field.see(), parameters);
+  EXPECT_EQ(result.wrong, 0u);
+  EXPECT_GE(result.right, 8u) << "of " << placed.size();
+}
+
 // In all but the first both teams wear the same identification colors.
 INSTANTIATE_TEST_SUITE_P(Marker, Noise,
                          ::testing::Values(Case{"own_colors", paper_teams, 5, 0.7f},

@@ -173,18 +173,17 @@ std::string difference(const std::vector<ExpectedRegion>& expected, const Runs& 
 }
 
 ServedPicture served(const ColorGrid& grid, std::uint32_t min_area_px) {
-  ServedPicture picture = {grid, 0, std::vector<bool>(static_cast<std::size_t>(grid.height))};
+  ServedPicture picture = {grid, 0};
   std::size_t credit = RunBudget::reserve(static_cast<std::size_t>(grid.height));
   for (int v = 0; v < grid.height; ++v) {
     std::vector<RowRun> runs = runs_of_row(grid, v);
     if (min_area_px > 1) std::erase_if(runs, [&](const RowRun& run) { return is_speck(grid, run, v); });
     credit += kRunsPerRow;
     const std::vector<RowRun> kept =
-        longest_runs(runs, runs.size() > 96 ? std::min<std::size_t>(credit / 8, 8) : credit / 8);
+        longest_runs(runs, runs.size() > 128 ? std::min<std::size_t>(credit / 8, 8) : credit / 8);
     credit -= kept.size();
     if (kept.size() == runs.size()) continue;
     picture.runs_dropped += runs.size() - kept.size();
-    picture.cut[static_cast<std::size_t>(v)] = true;
     for (int u = 0; u < grid.width; ++u) {
       const auto holds = [u](const RowRun& run) { return run.begin <= u && u < run.end; };
       if (std::none_of(kept.begin(), kept.end(), holds)) picture.grid.at(u, v) = kBackground;

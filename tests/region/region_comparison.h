@@ -28,7 +28,6 @@ std::string difference(const std::vector<ExpectedRegion>& expected, const Runs& 
 struct ServedPicture {
   ColorGrid grid;
   std::size_t runs_dropped = 0;
-  std::vector<bool> cut;  // rows that lost runs
 };
 ServedPicture served(const ColorGrid& grid, std::uint32_t min_area_px);
 

@@ -34,12 +34,9 @@ class OverloadTest : public ::testing::Test {
 
   // Robots of six patches, 22 of them, in a line or all over the picture. Their edges are ragged: every other row of a
   // patch is in two runs. A field of 480 rows shows patches of 12 pixels.
-  ColorGrid crowded_field(int width, int height, bool in_line, int specks) {
+  ColorGrid crowded_field(int width, int height, bool in_line, int specks, int specks_on_top = 0) {
     ColorGrid grid = make_grid(width, height);
-    for (int i = 0; i < specks; ++i) {
-      grid.at(pick(random_, 0, width - 1), pick(random_, 0, height - 1)) =
-          static_cast<ColorId>(pick(random_, 1, kPaletteColors));
-    }
+    draw_specks(grid, specks);
     const int side = height / 40, pitch = side + 2, columns = in_line ? 22 : 6;
     for (int robot = 0; robot < 22; ++robot) {
       const int u0 = robot % columns * (width / columns), v0 = robot / columns * (height / 5);
@@ -49,7 +46,15 @@ class OverloadTest : public ::testing::Test {
         for (int v = square.top; v < square.top + side; v += 2) grid.at(square.left + side - 2, v) = kBackground;
       }
     }
+    draw_specks(grid, specks_on_top);
     return grid;
+  }
+
+  void draw_specks(ColorGrid& grid, int count) {
+    for (int i = 0; i < count; ++i) {
+      grid.at(pick(random_, 0, grid.width - 1), pick(random_, 0, grid.height - 1)) =
+          static_cast<ColorId>(pick(random_, 1, kPaletteColors));
+    }
   }
 
   std::unique_ptr<RegionScanner> scanner_ = std::make_unique<RegionScanner>();
@@ -68,6 +73,12 @@ TEST_F(OverloadTest, ARealisticFieldIsNeverCut) {
                 132);
     }
   }
+}
+
+TEST_F(OverloadTest, NorIsOneWithSpecksOnItsPatches) {
+  const ColorGrid grid = crowded_field(640, 480, true, 0, 3000);
+  EXPECT_TRUE(scan(grid, 2).ok());
+  EXPECT_EQ(difference(expected_regions(grid, 2), *runs_, *regions_), "");
 }
 
 TEST_F(OverloadTest, SpecksCostNoRunsOnlyWhereTheyAreNoRegions) {

@@ -39,11 +39,10 @@ TEST(LatencySamples, PercentilesAreExact) {
   EXPECT_EQ(samples[0], microseconds(1000)) << "summarizing must not reorder";
 }
 
-TEST(LatencySamples, AFullOneCountsWhatItRefuses) {
+TEST(LatencySamples, AFullOneTakesNoMore) {
   LatencySamples samples(2);
   for (int i = 0; i < 5; ++i) samples.add(microseconds(i));
   EXPECT_EQ(samples.count(), 2u);
-  EXPECT_EQ(samples.refused(), 3u);
   EXPECT_EQ(samples.summarize().max, microseconds(1));
   EXPECT_EQ(LatencySamples(0).summarize().max, Duration::zero());
 }
@@ -78,6 +77,15 @@ TEST(Measurement, DeadlineIsFromCaptureAndAPeriodUnlessGiven) {
   EXPECT_EQ(given.deadline_misses, 2u);
   EXPECT_EQ(given.period_overruns, 1u);
   EXPECT_EQ(measurement.report("test", {}).deadline, Duration::zero()) << "no rate, no deadline";
+}
+
+TEST(Measurement, WhatFollowsTheLastFrameDoesNotCount) {
+  if (!allocations_are_counted()) GTEST_SKIP() << "the sanitizer's allocator does not count";
+  Measurement measurement(10, 2);
+  for (int i = 0; i < 12; ++i) measurement.add(stages_of(1), timing_of(100, 40), false);
+  const auto later = std::make_unique<std::vector<int>>(1000);
+  measurement.end();
+  EXPECT_EQ(measurement.report("test", {}).allocations, 0u) << later->size();
 }
 
 TEST(Measurement, CountsGapsAfterTheWarmUp) {

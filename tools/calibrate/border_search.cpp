@@ -145,7 +145,9 @@ HoughLine refitted(const std::vector<Eigen::Vector2d>& points, const HoughLine& 
   for (const Eigen::Vector2d& p : near) mean += p / static_cast<double>(near.size());
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
   for (const Eigen::Vector2d& p : near) spread += (p - mean) * (p - mean).transpose();
-  const Eigen::Vector2d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvectors().col(0);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(spread);  // in closed form; the general way takes seconds to compile
+  const Eigen::Vector2d normal = axes.eigenvectors().col(0);
   return {std::atan2(normal.y(), normal.x()), normal.dot(mean), near.size()};
 }
 

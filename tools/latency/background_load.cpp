@@ -41,7 +41,12 @@ std::string BackgroundLoad::description() {
 
 bool BackgroundLoad::start(std::string& error, const std::string& program) {
   // All that allocates stands before fork().
-  const std::string folder = std::filesystem::temp_directory_path().string();
+  std::error_code missing;
+  const std::string folder = std::filesystem::temp_directory_path(missing).string();
+  if (missing) {
+    error = "no load: the folder for temporary files (TMPDIR): " + missing.message();
+    return false;
+  }
   std::array<char*, kArguments.size() + 4> arguments{};
   std::size_t count = 0;
   const auto append = [&](const char* text) { arguments[count++] = const_cast<char*>(text); };

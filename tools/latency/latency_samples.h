@@ -25,16 +25,11 @@ struct LatencySummary {
 class LatencySamples {
  public:
   explicit LatencySamples(std::size_t capacity) : samples_(capacity) {}
-  /// Never allocates. A full one counts what it refuses.
+  /// Never allocates. A full one takes no more.
   void add(Duration duration) {
-    if (count_ == samples_.size()) {
-      ++refused_;
-    } else {
-      samples_[count_++] = duration;
-    }
+    if (count_ < samples_.size()) samples_[count_++] = duration;
   }
   [[nodiscard]] std::size_t count() const { return count_; }
-  [[nodiscard]] std::uint64_t refused() const { return refused_; }
   [[nodiscard]] Duration operator[](std::size_t i) const { return samples_[i]; }
   /// Nearest-rank percentiles; all zero without samples.
   [[nodiscard]] LatencySummary summarize() const;
@@ -44,7 +39,6 @@ class LatencySamples {
  private:
   std::vector<Duration> samples_;
   std::size_t count_ = 0;
-  std::uint64_t refused_ = 0;
 };
 
 }  // namespace touchline::latency

@@ -80,14 +80,14 @@ class Run {
   Run(const MeasureOptions& options, const config::BoardFile& board, double most_hz)
       : options_(options),
         board_(board),
+        warm_up_s_(static_cast<double>(options.warm_up) / most_hz),
         frames_(frames_for(options, most_hz)),
         measurement_(frames_, options.warm_up) {}
 
   [[nodiscard]] LoopObserver observer() { return measurement_.observer(); }
   [[nodiscard]] std::uint64_t steps() const { return frames_ + options_.warm_up; }
   [[nodiscard]] Duration duration() const {
-    const double warm_up_s = static_cast<double>(options_.warm_up) / std::max(1.0, board_.camera.rate_hz);
-    return options_.duration_s > 0.0 ? from_seconds(options_.duration_s + warm_up_s) : Duration::zero();
+    return options_.duration_s > 0.0 ? from_seconds(options_.duration_s + warm_up_s_) : Duration::zero();
   }
 
   // First of all: what may not be possible, and memory, before the camera fills its first buffers.
@@ -156,6 +156,7 @@ class Run {
 
   const MeasureOptions& options_;
   const config::BoardFile& board_;
+  double warm_up_s_;
   std::size_t frames_;
   Measurement measurement_;
   BackgroundLoad load_;

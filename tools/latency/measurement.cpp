@@ -18,7 +18,8 @@ void Measurement::begin() {
 }
 
 void Measurement::end() {
-  if (seen() > warm_up_ + frames_) return;
+  if (ended_) return;
+  ended_ = true;
   usage_end_ = ThreadUsage::of_this_thread();
   allocations_end_ = allocations_of_this_thread();
 }

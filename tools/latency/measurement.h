@@ -28,7 +28,8 @@ class Measurement {
   Measurement(std::size_t frames, std::size_t warm_up);
   /// For Loop; `this` is the context.
   [[nodiscard]] LoopObserver observer() { return {&Measurement::on_step, this}; }
-  /// The loop begins, and has ended before all frames were seen: what the thread does before and after does not count.
+  /// The loop begins, and has ended, unless all frames were seen before: what the thread does before and after does not
+  /// count. (Where it ended early its last packets do: they stop the robots.)
   void begin();
   void end();
   void add(const std::array<Duration, kStageCount>& stages, const StepTiming& timing, bool overload);
@@ -46,6 +47,7 @@ class Measurement {
   std::vector<LatencySamples> spans_;
   std::size_t frames_, warm_up_;
   std::atomic<std::size_t> seen_ = 0;
+  bool ended_ = false;
   std::uint64_t overloads_ = 0, lost_ = 0;
   std::optional<std::uint32_t> last_sequence_;
   ThreadUsage usage_begin_, usage_end_;

@@ -15,7 +15,8 @@ namespace touchline::latency {
 /// Pictures that cost the most work that anybody can hold in front of the camera, one after the other, each stamped
 /// with the clock's time when it is asked for. Made of the venue's own colors, in the camera's format:
 /// one color everywhere; pixels that alternate (most runs); single dots (most regions); combs that meet only in their
-/// last row (most merges of labels); random colors; a grid of patches as large as real ones (most pairs to match).
+/// last row (most merges of labels); random colors; blocks and pairs of pixels that are no specks; clusters as ragged
+/// as they get (percolation); a grid of patches as large as real ones (most pairs to match).
 class WorstFrames final : public hal::Camera {
  public:
   /// `parameters.scan` says format, size and colors.

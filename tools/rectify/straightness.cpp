@@ -29,7 +29,9 @@ Line line_through(const std::vector<Point>& points) {
     const Eigen::Vector2d away = Eigen::Vector2d(p[0], p[1]) - mean;
     spread += away * away.transpose();
   }
-  const Eigen::Vector2d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvectors().col(0);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+  axes.computeDirect(spread);  // in closed form; the general way takes seconds to compile
+  const Eigen::Vector2d normal = axes.eigenvectors().col(0);
   return {normal, normal.dot(mean)};
 }
 

@@ -10,7 +10,7 @@
 #endif
 
 // Four floats that are computed at once. Compilers have registers for them on every board, and sums of lanes are taken
-// in one order, so that all boards come to the same bits.
+// in one order, whatever registers there are.
 namespace touchline {
 
 using Lanes [[gnu::vector_size(16)]] = float;

@@ -11,6 +11,7 @@
 #include "core/color/digit_tables.h"
 #include "core/color/row_classifier.h"
 #include "core/color/span_kernel.h"
+#include "tests/color/kernels.h"
 #include "tests/color/owned_picture.h"
 
 namespace touchline::testing {
@@ -62,17 +63,6 @@ TEST(DigitTables, GiveTheColorOfTheLowestClass) {
     }
   }
 }
-
-// The kernels that processors of this kind may have.
-#if defined(__x86_64__)
-constexpr std::array kKernels = {KernelChoice::kAvx2, KernelChoice::kAvx512};
-#elif defined(__aarch64__)
-constexpr std::array kKernels = {KernelChoice::kNeon};
-#else
-constexpr std::array kKernels = {KernelChoice::kPortable};
-#endif
-
-std::string word_of(KernelChoice choice) { return std::string(kKernelChoices[static_cast<std::size_t>(choice)].word); }
 
 TEST(FindKernel, TakesTheFastestOrTheOneThatIsNamed) {
   for (const PixelFormat format : kAllFormats) {

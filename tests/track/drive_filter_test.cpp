@@ -83,7 +83,10 @@ TEST(DriveFilter, IsLinearizedAsItPredicts) {
       DriveFilter filter;
       filter.start(pose(x0[0], x0[1], x0[2]), {x0[3], x0[4], 0.2, 2.0}, 0.01, 0.1);
       const Matrix5 before = Eigen::Map<const Matrix5>(filter.covariance().data());
+      DriveFilter ahead = filter;
+      ahead.predict_state(0.03, input, parameters);
       filter.predict(0.03, input, parameters);
+      EXPECT_EQ(ahead.state(), filter.state()) << "a look ahead goes the same way";
       const Matrix5 after = Eigen::Map<const Matrix5>(filter.covariance().data());
       const Matrix5 expected = jacobian * before * jacobian.transpose();
       EXPECT_LT((after - expected).cwiseAbs().maxCoeff(), 2e-6) << lag << input.known << "\n" << after - expected;

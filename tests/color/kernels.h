@@ -1,0 +1,23 @@
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "core/color/row_classifier.h"
+
+namespace touchline::testing {
+
+// The kernels that processors of this kind may have, beside the portable one.
+#if defined(__x86_64__)
+constexpr std::array kKernels = {KernelChoice::kAvx2, KernelChoice::kAvx512};
+#elif defined(__aarch64__)
+constexpr std::array kKernels = {KernelChoice::kNeon};
+#else
+constexpr std::array kKernels = {KernelChoice::kPortable};
+#endif
+
+inline std::string word_of(KernelChoice choice) {
+  return std::string(kKernelChoices[static_cast<std::size_t>(choice)].word);
+}
+
+}  // namespace touchline::testing

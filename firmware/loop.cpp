@@ -110,6 +110,8 @@ std::optional<LoopEnd> Loop::iterate() {
   serve_lost_devices(after);
   report_if_due(after);
   statistics_.end = after;
+  pulse_.good_frames.store(statistics_.good_frames, std::memory_order_relaxed);
+  pulse_.turns.fetch_add(1, std::memory_order_relaxed);
   const bool enough_frames = settings_.frames != 0 && statistics_.frames >= settings_.frames;
   const bool enough_time = settings_.duration != Duration::zero() && after - statistics_.begin >= settings_.duration;
   if (!end_ && (enough_frames || enough_time)) end_ = LoopEnd::kLimit;

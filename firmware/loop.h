@@ -10,6 +10,7 @@
 #include "firmware/adaptation_signal.h"
 #include "firmware/config/board_file.h"
 #include "firmware/device_keeper.h"
+#include "firmware/loop_pulse.h"
 #include "firmware/loop_report.h"
 #include "firmware/loop_statistics.h"
 #include "hal/camera.h"
@@ -84,6 +85,8 @@ class Loop {
   void close();
 
   [[nodiscard]] const LoopStatistics& statistics() const { return statistics_; }
+  /// For a thread that watches; from any thread.
+  [[nodiscard]] const LoopPulse& pulse() const { return pulse_; }
   /// Error that led to kFault or kDeviceLost.
   [[nodiscard]] const FaultReport& last_fault() const { return last_fault_; }
 
@@ -114,6 +117,7 @@ class Loop {
   std::optional<LoopEnd> end_;
 
   LoopStatistics statistics_;
+  LoopPulse pulse_;
   FaultReport last_fault_;
   Instant last_good_{};   // capture time
   Instant last_frame_{};  // when any frame came, good or not

@@ -37,6 +37,7 @@ void Reporter::print_all() {
 void Reporter::print(const Report& report) {
   switch (report.kind) {
     case Report::Kind::kStatus:
+      if (settings_.service != nullptr) settings_.service->status(status_line(report.status, settings_.expected));
       if (settings_.map_columns > 0) {
         print_map(report.status);
       } else if (settings_.status_lines) {

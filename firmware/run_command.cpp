@@ -7,6 +7,7 @@
 #include "firmware/adaptation_signal.h"
 #include "firmware/realtime.h"
 #include "firmware/reporter.h"
+#include "firmware/service_watch.h"
 #include "firmware/stop_signal.h"
 #include "hal/linux/monotonic_clock.h"
 
@@ -68,6 +69,10 @@ int run_command(const CommandLine& command_line) {
   }
   ReporterSettings reporting;
   reporting.expected = session.expectation();
+  const ServiceWatch service(session.loop().pulse());
+  reporting.service = &service;
+  // The service manager keeps the last status; its journal is for what happened.
+  reporting.status_lines = !service.is_asked();
   reporting.map_columns = !command_line.headless && ::isatty(STDOUT_FILENO) != 0 ? kMapColumns : 0;
   LoopEnd end = LoopEnd::kAsked;
   const WakeRequest wake_request(realtime);

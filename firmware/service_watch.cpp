@@ -1,0 +1,54 @@
+#include "firmware/service_watch.h"
+
+#include <systemd/sd-daemon.h>
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+
+namespace touchline {
+namespace {
+
+using Microseconds = std::chrono::duration<std::uint64_t, std::micro>;
+
+// A deploying person waits for the first frame.
+constexpr Microseconds kPollPeriod = std::chrono::milliseconds(50);
+// Three may come late before the manager loses patience.
+constexpr std::uint64_t kPingsWithinPatience = 4;
+
+}  // namespace
+
+ServiceWatch::ServiceWatch(const LoopPulse& pulse) : pulse_(pulse) {
+  if (std::getenv("NOTIFY_SOCKET") != nullptr) thread_ = std::thread([this] { work(); });
+}
+
+ServiceWatch::~ServiceWatch() {
+  if (!is_asked()) return;
+  end_.store(true, std::memory_order_release);
+  thread_.join();
+  static_cast<void>(sd_notify(0, "STOPPING=1"));
+}
+
+void ServiceWatch::status(const std::string& line) const {
+  if (is_asked()) static_cast<void>(sd_notify(0, ("STATUS=" + line).c_str()));
+}
+
+void ServiceWatch::work() {
+  std::uint64_t patience_us = 0;
+  const bool is_watched = sd_watchdog_enabled(0, &patience_us) > 0;
+  const Microseconds period =
+      is_watched ? std::min(kPollPeriod, Microseconds(patience_us / kPingsWithinPatience)) : kPollPeriod;
+  bool is_ready = false;
+  std::uint64_t turns = 0;
+  while (!end_.load(std::memory_order_acquire)) {
+    if (!is_ready && pulse_.good_frames.load(std::memory_order_relaxed) > 0) {
+      is_ready = true;
+      static_cast<void>(sd_notify(0, "READY=1"));
+    }
+    const std::uint64_t turns_now = pulse_.turns.load(std::memory_order_relaxed);
+    if (is_watched && turns_now != turns) static_cast<void>(sd_notify(0, "WATCHDOG=1"));
+    turns = turns_now;
+    std::this_thread::sleep_for(period);
+  }
+}
+
+}  // namespace touchline

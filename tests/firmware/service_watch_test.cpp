@@ -1,0 +1,138 @@
+#include "firmware/service_watch.h"
+
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <string>
+
+#include "tests/firmware/loop_fixture.h"
+
+namespace touchline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kLongEnough{1500};  // what must come does so after 50 ms
+
+/// Listens as a service manager does.
+class ServiceWatchTest : public ::testing::Test {
+ protected:
+  ServiceWatchTest()
+      : path_(std::filesystem::temp_directory_path() / ("touchline-notify-" + std::to_string(::getpid()))) {
+    socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, path_.c_str(), sizeof address.sun_path - 1);
+    EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    ::setenv("NOTIFY_SOCKET", path_.c_str(), 1);
+    ::setenv("WATCHDOG_USEC", "40000", 1);
+  }
+  ~ServiceWatchTest() override {
+    ::unsetenv("NOTIFY_SOCKET");
+    ::unsetenv("WATCHDOG_USEC");
+    ::close(socket_);
+    std::filesystem::remove(path_);
+  }
+
+  /// The next message, or nothing when none comes in time.
+  [[nodiscard]] std::string message(milliseconds patience) const {
+    pollfd waiting{socket_, POLLIN, 0};
+    if (::poll(&waiting, 1, static_cast<int>(patience.count())) <= 0) return "";
+    std::array<char, 256> text{};
+    const ssize_t size = ::recv(socket_, text.data(), text.size(), 0);
+    return {text.data(), size > 0 ? static_cast<std::size_t>(size) : 0};
+  }
+  [[nodiscard]] bool hears(const std::string& wanted, milliseconds patience = kLongEnough) const {
+    const Clock::time_point end = Clock::now() + patience;
+    while (Clock::now() < end) {
+      if (message(std::chrono::duration_cast<milliseconds>(end - Clock::now())) == wanted) return true;
+    }
+    return false;
+  }
+  void drop_what_came() const {
+    while (!message(milliseconds(0)).empty()) continue;
+  }
+
+  std::filesystem::path path_;
+  int socket_ = -1;
+  LoopPulse pulse_;
+};
+
+TEST_F(ServiceWatchTest, ReadyIsSaidAfterTheFirstGoodFrame) {
+  const ServiceWatch watch(pulse_);
+  ASSERT_TRUE(watch.is_asked());
+  EXPECT_FALSE(hears("READY=1", milliseconds(150)));
+  pulse_.good_frames = 1;
+  EXPECT_TRUE(hears("READY=1"));
+  pulse_.good_frames = 2;
+  EXPECT_FALSE(hears("READY=1", milliseconds(150))) << "once";
+}
+
+TEST_F(ServiceWatchTest, TheWatchdogIsFedOnlyWhileTheLoopTurns) {
+  const ServiceWatch watch(pulse_);
+  for (int turn = 0; turn < 3; ++turn) {
+    ++pulse_.turns;
+    EXPECT_TRUE(hears("WATCHDOG=1"));
+  }
+  EXPECT_FALSE(hears("WATCHDOG=1", milliseconds(150))) << "the loop stands";
+  ++pulse_.turns;
+  EXPECT_TRUE(hears("WATCHDOG=1"));
+}
+
+TEST_F(ServiceWatchTest, AWatchdogThatNobodyWantsIsNotFed) {
+  ::unsetenv("WATCHDOG_USEC");
+  const ServiceWatch watch(pulse_);
+  ++pulse_.turns;
+  EXPECT_FALSE(hears("WATCHDOG=1", milliseconds(150)));
+}
+
+TEST_F(ServiceWatchTest, StatusAndTheEndAreTold) {
+  {
+    const ServiceWatch watch(pulse_);
+    watch.status("12 s  60.0 fps");
+    EXPECT_TRUE(hears("STATUS=12 s  60.0 fps"));
+    drop_what_came();
+  }
+  EXPECT_TRUE(hears("STOPPING=1"));
+}
+
+TEST_F(ServiceWatchTest, WithoutAManagerNothingIsDone) {
+  ::unsetenv("NOTIFY_SOCKET");
+  pulse_.good_frames = 1;
+  {
+    const ServiceWatch watch(pulse_);
+    EXPECT_FALSE(watch.is_asked());
+    watch.status("nobody hears it");
+  }
+  EXPECT_EQ(message(milliseconds(100)), "");
+}
+
+class LoopPulseTest : public testing::LoopTest {};
+
+TEST_F(LoopPulseTest, TurnsWithoutFramesAreNoGoodFrames) {
+  start();
+  const LoopPulse& pulse = loop->pulse();
+  EXPECT_EQ(pulse.turns.load(), 0u);
+  run_until(0.5);
+  const std::uint64_t frames = pulse.good_frames.load();
+  EXPECT_EQ(frames, loop->statistics().good_frames);
+  EXPECT_GT(frames, 10u);
+  const std::uint64_t turns = pulse.turns.load();
+  EXPECT_GE(turns, frames);
+  camera.add({0.5, 1.0, ErrorCode::kTimeout});
+  run_until(1.0);
+  EXPECT_EQ(pulse.good_frames.load(), frames);
+  EXPECT_GT(pulse.turns.load(), turns);
+}
+
+}  // namespace
+}  // namespace touchline

@@ -1,0 +1,37 @@
+# Cross-compiles all of it with Debian's compiler (tools/setup --cross) against a sysroot (tools/sysroot SUITE ARCH); tests run under qemu.
+# A preset sets TOUCHLINE_SUITE and TOUCHLINE_ARCH.
+set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES TOUCHLINE_SUITE TOUCHLINE_ARCH)
+set(CMAKE_SYSTEM_NAME Linux)
+if(TOUCHLINE_ARCH STREQUAL "arm64")
+  set(CMAKE_SYSTEM_PROCESSOR aarch64)
+  set(triplet aarch64-linux-gnu)
+  # Nothing newer than a Raspberry Pi 4 has is used.
+  set(emulator qemu-aarch64-static -cpu cortex-a72)
+else()
+  set(CMAKE_SYSTEM_PROCESSOR armv7l)
+  set(triplet arm-linux-gnueabihf)
+  set(emulator qemu-arm-static -cpu cortex-a15)
+endif()
+cmake_path(SET CMAKE_SYSROOT NORMALIZE "${CMAKE_CURRENT_LIST_DIR}/../build/sysroot-${TOUCHLINE_SUITE}-${TOUCHLINE_ARCH}")
+if(NOT EXISTS ${CMAKE_SYSROOT}/.made-of)
+  message(FATAL_ERROR "${CMAKE_SYSROOT} is missing: tools/sysroot ${TOUCHLINE_SUITE} ${TOUCHLINE_ARCH}")
+endif()
+set(CMAKE_C_COMPILER ${triplet}-gcc)
+set(CMAKE_CXX_COMPILER ${triplet}-g++)
+set(CMAKE_CROSSCOMPILING_EMULATOR ${emulator} -L ${CMAKE_SYSROOT})
+
+# The compiler brings a C and a C++ library of its own, which it would take first. Its headers may be older than the sysroot's libraries;
+# its libraries may not, since those of the sysroot ask for what their own C++ library has.
+file(GLOB runtime ${CMAKE_SYSROOT}/usr/lib/gcc/${triplet}/*)
+string(JOIN " " first -L${CMAKE_SYSROOT}/usr/lib/${triplet} -L${runtime} -Wl,-rpath-link,${CMAKE_SYSROOT}/usr/lib/${triplet})
+foreach(kind EXE SHARED MODULE)
+  set(CMAKE_${kind}_LINKER_FLAGS_INIT "${first}")
+endforeach()
+
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
+set(ENV{PKG_CONFIG_SYSROOT_DIR} ${CMAKE_SYSROOT})
+set(ENV{PKG_CONFIG_LIBDIR} ${CMAKE_SYSROOT}/usr/lib/${triplet}/pkgconfig:${CMAKE_SYSROOT}/usr/share/pkgconfig)
+set(ENV{PKG_CONFIG_PATH} "")

@@ -28,6 +28,8 @@ function(touchline_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE touchline_options ${ARG_LINK})
+  add_dependencies(programs ${name})
+  set_property(GLOBAL APPEND PROPERTY TOUCHLINE_PROGRAMS ${name})
   install(TARGETS ${name} RUNTIME)
 endfunction()
 

@@ -6,10 +6,6 @@
 namespace touchline::config {
 namespace {
 
-std::string element(std::string_view list, std::size_t index) {
-  return std::string(list) + "[" + std::to_string(index) + "]";
-}
-
 class TeamResolver {
  public:
   TeamResolver(const TeamFile& file, const Locations& where, const VenueFile& venue, const Locations& venue_where,

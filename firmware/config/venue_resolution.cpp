@@ -4,13 +4,10 @@
 #include "core/color/color_tables.h"
 #include "firmware/config/light_map_file.h"
 #include "firmware/config/resolution.h"
+#include "firmware/config/wording.h"
 
 namespace touchline::config {
 namespace {
-
-std::string element(std::string_view list, std::size_t index) {
-  return std::string(list) + "[" + std::to_string(index) + "]";
-}
 
 std::string_view word_of(PixelFormat format) {
   for (const auto& choice : hal::kPixelFormats) {

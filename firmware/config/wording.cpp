@@ -105,6 +105,10 @@ std::string suggestion(std::string_view word, std::span<const std::string_view> 
   return "; known " + std::string(what) + ": " + joined(known);
 }
 
+std::string element(std::string_view list, std::size_t index) {
+  return std::string(list) + "[" + std::to_string(index) + "]";
+}
+
 std::string toml_string(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {

@@ -44,6 +44,9 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
 /// `; did you mean "x"?`, or `; known <what>: a, b, c` when no word is near, or "" when none is known.
 std::string suggestion(std::string_view word, std::span<const std::string_view> known, std::string_view what);
 
+/// The key of a list's entry: "list[0]".
+std::string element(std::string_view list, std::size_t index);
+
 /// A text as a TOML basic string.
 std::string toml_string(std::string_view text);
 

@@ -8,8 +8,6 @@
 namespace touchline::evaluate {
 namespace {
 
-double distance(Point p, Point q) { return std::hypot(p.a - q.a, p.b - q.b); }
-
 const PatchRecord* team_patch(const RobotRecord& robot) {
   const auto found =
       std::find_if(robot.patches.begin(), robot.patches.end(), [](const PatchRecord& p) { return !p.identification; });

@@ -10,8 +10,6 @@
 namespace touchline::evaluate {
 namespace {
 
-double distance(Point p, Point q) { return std::hypot(p.a - q.a, p.b - q.b); }
-
 struct Errors {
   std::vector<double> position, angle, ball;
 };

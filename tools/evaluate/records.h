@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -12,6 +13,7 @@ namespace touchline::evaluate {
 struct Point {
   double a = 0.0, b = 0.0;  // x, y in meters or u, v in pixels
 };
+inline double distance(Point p, Point q) { return std::hypot(p.a - q.a, p.b - q.b); }
 
 struct PatchRecord {
   bool identification = false;

@@ -45,7 +45,8 @@ void Devices::make(const config::Configuration& configuration, std::uint64_t see
       break;
     case hal::CameraBackend::kReplay:
       camera_ = std::make_unique<hal::ReplayCamera>(
-          hal::ReplayParameters{board.camera.device, board.camera.format, board.camera.rate_hz}, clock_.get());
+          hal::ReplayParameters{board.camera.device, hal::pixel_format(board.camera.format), board.camera.rate_hz},
+          clock_.get());
       break;
   }
   switch (board.radio.backend) {

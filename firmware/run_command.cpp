@@ -38,6 +38,7 @@ void print_start(const Session& session, const std::vector<std::string>& refused
   std::printf("board %s, venue %s, team %s\n", configuration.board_where.file().c_str(),
               configuration.venue_where.file().c_str(), configuration.team_where.file().c_str());
   std::printf("colors: %s kernel\n", std::string(config::kernel_word(configuration.board)).c_str());
+  if (!session.granted().empty()) std::printf("camera: %s\n", session.granted().c_str());
   if (!session.grants().empty()) std::printf("camera: %s\n", session.grants().c_str());
   std::fflush(stdout);
   for (const std::string& refusal : refused) std::fprintf(stderr, "real time: %s\n", refusal.c_str());

@@ -30,6 +30,7 @@ Status Session::open(LoopObserver observer, std::string& reason) {
   settings.adaptation = adaptation_;
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
   if (const Status s = loop_->open(reason); !s.ok()) return s;
+  granted_ = devices.camera.info().granted;
   grants_ = devices.camera.reason();
   return {};
 }

@@ -42,7 +42,9 @@ class Session {
   [[nodiscard]] Loop& loop() { return *loop_; }
   [[nodiscard]] ReportRing& reports() { return *reports_; }
   [[nodiscard]] Expectation expectation() const;
-  /// What the camera granted otherwise than asked; empty when nothing.
+  /// What the camera granted, in a line; empty when it had nothing to be asked for.
+  [[nodiscard]] const std::string& granted() const { return granted_; }
+  /// What of it is not as asked; empty when nothing.
   [[nodiscard]] const std::string& grants() const { return grants_; }
 
  private:
@@ -53,7 +55,7 @@ class Session {
   std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();
   std::unique_ptr<ReportRing> reports_ = std::make_unique<ReportRing>();
   Devices devices_;
-  std::string grants_;
+  std::string granted_, grants_;
   std::unique_ptr<Loop> loop_;  // last: it must go before the devices
 };
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -12,13 +14,18 @@ namespace touchline::hal {
 
 class Camera;
 
+/// File descriptors of the memory (Linux's dma-buf) in which a picture lies, so that another device (an encoder, a
+/// display) can read it without a copy: one a piece of memory, -1: none. NV12 lies in one piece or in two.
+using DmaBufs = std::array<int, 2>;
+inline constexpr DmaBufs kNotShared{-1, -1};
+
 /// A frame that still lies in the driver's buffer. Move-only; the buffer goes back to the driver with the lease.
 /// The camera must outlive it, and stop() must not be called while one is held.
 class FrameLease {
  public:
   FrameLease() = default;
-  FrameLease(Camera& owner, const Frame& frame, std::uint32_t buffer)
-      : owner_(&owner), frame_(frame), buffer_(buffer) {}
+  FrameLease(Camera& owner, const Frame& frame, std::uint32_t buffer, DmaBufs dma_bufs = kNotShared)
+      : owner_(&owner), frame_(frame), buffer_(buffer), dma_bufs_(dma_bufs) {}
   FrameLease(FrameLease&& other) noexcept { swap(other); }
   FrameLease& operator=(FrameLease&& other) noexcept {
     FrameLease(std::move(other)).swap(*this);
@@ -29,16 +36,21 @@ class FrameLease {
   ~FrameLease();
 
   [[nodiscard]] const Frame& frame() const { return frame_; }
+  /// The camera's, open until its close(); to be duplicated by who needs them longer, and only read from. The picture
+  /// stays as it is as long as the lease lives.
+  [[nodiscard]] const DmaBufs& dma_bufs() const { return dma_bufs_; }
 
  private:
   void swap(FrameLease& other) noexcept {
     std::swap(owner_, other.owner_);
     std::swap(frame_, other.frame_);
     std::swap(buffer_, other.buffer_);
+    std::swap(dma_bufs_, other.dma_bufs_);
   }
   Camera* owner_ = nullptr;
   Frame frame_;
   std::uint32_t buffer_ = 0;
+  DmaBufs dma_bufs_ = kNotShared;
 };
 
 /// What open() was granted.
@@ -46,6 +58,8 @@ struct CameraInfo {
   PixelFormat format = PixelFormat::kRgb24;
   std::uint16_t width_px = 0, height_px = 0;
   double rate_hz = 0.0;  // 0: the input has no rate of its own
+  // A line for a person: device, what is granted, settings in force; empty where nothing had to be asked for.
+  std::string granted{};
 };
 
 /// One source of frames. After any error but kTimeout, kShortFrame and kCorruptFrame: close() and open() again.

@@ -21,21 +21,52 @@ inline constexpr std::array<Choice<PixelFormat>, 5> kPixelFormats{{{"rgb24", Pix
                                                                    {"uyvy", PixelFormat::kUyvy},
                                                                    {"nv12", PixelFormat::kNv12}}};
 
+/// What a camera sends: a format of the core, or one that is turned into one before anybody sees it.
+enum class CameraFormat : std::uint8_t { kRgb24, kBgr24, kYuyv, kUyvy, kNv12, kMjpg };
+inline constexpr std::array<Choice<CameraFormat>, 6> kCameraFormats{{{"rgb24", CameraFormat::kRgb24},
+                                                                     {"bgr24", CameraFormat::kBgr24},
+                                                                     {"yuyv", CameraFormat::kYuyv},
+                                                                     {"uyvy", CameraFormat::kUyvy},
+                                                                     {"nv12", CameraFormat::kNv12},
+                                                                     {"mjpg", CameraFormat::kMjpg}}};
+
+/// What frames of the camera have.
+constexpr PixelFormat pixel_format(CameraFormat format) {
+  switch (format) {
+    case CameraFormat::kBgr24:
+      return PixelFormat::kBgr24;
+    case CameraFormat::kYuyv:
+      return PixelFormat::kYuyv;
+    case CameraFormat::kUyvy:
+      return PixelFormat::kUyvy;
+    case CameraFormat::kNv12:
+      return PixelFormat::kNv12;
+    case CameraFormat::kRgb24:
+    case CameraFormat::kMjpg:  // full-range YUV, which the core has no format for: RGB keeps every level of it
+      break;
+  }
+  return PixelFormat::kRgb24;
+}
+
 /// Flicker of the hall's lamps that the sensor filters out.
 enum class PowerLine : std::uint8_t { kLeave, kOff, k50Hz, k60Hz };
 inline constexpr std::array<Choice<PowerLine>, 4> kPowerLines{
     {{"leave", PowerLine::kLeave}, {"off", PowerLine::kOff}, {"50hz", PowerLine::k50Hz}, {"60hz", PowerLine::k60Hz}}};
 
+/// Focus is the driver's; 0 is a distance (far, as a rule).
+inline constexpr int kFocusLeave = -1;
+
 struct CameraSettings {
   CameraBackend backend = CameraBackend::kMock;
   std::string device = "/dev/video0";
-  PixelFormat format = PixelFormat::kYuyv;
+  CameraFormat format = CameraFormat::kYuyv;
   std::uint16_t width_px = 640, height_px = 480;
   double rate_hz = 60.0;
   int buffers = 4;
   int exposure_us = 5000;
   int gain = 0;
   int white_balance_k = 4600;
+  int focus = kFocusLeave;
   PowerLine power_line = PowerLine::kLeave;
 
   template <class Self, class Visitor>
@@ -43,7 +74,8 @@ struct CameraSettings {
     visit.choice("backend", self.backend, std::span<const Choice<CameraBackend>>(kCameraBackends),
                  "Where frames come from");
     visit.text("device", self.device, "v4l2: a device, best by its path; replay: a folder of pictures or a video");
-    visit.choice("format", self.format, std::span<const Choice<PixelFormat>>(kPixelFormats), "Pixel format asked for");
+    visit.choice("format", self.format, std::span<const Choice<CameraFormat>>(kCameraFormats),
+                 "Format asked for; mjpg: JPEG pictures, which come to be rgb24");
     visit.number("width_px", self.width_px, Range{16, kMaxFrameWidth}, "px", "Width asked for");
     visit.number("height_px", self.height_px, Range{16, kMaxFrameHeight}, "px", "Height asked for");
     visit.number("rate_hz", self.rate_hz, Range{0.0, 1000.0}, "Hz",
@@ -54,6 +86,8 @@ struct CameraSettings {
     visit.number("gain", self.gain, Range{0, 65535}, "", "Gain in the driver's steps; 0: leave to the driver");
     visit.number("white_balance_k", self.white_balance_k, Range{0, 20000}, "K",
                  "White balance; 0: leave to the driver");
+    visit.number("focus", self.focus, Range{kFocusLeave, 65535}, "",
+                 "Focus in the driver's steps; -1: leave to the driver");
     visit.choice("power_line", self.power_line, std::span<const Choice<PowerLine>>(kPowerLines),
                  "Lamp flicker that the camera filters out; leave: as the driver has it");
   }

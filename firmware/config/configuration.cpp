@@ -64,7 +64,7 @@ void settle_rate(Configuration& configuration, Problems& problems) {
 
 std::string_view kernel_word(const BoardFile& board) {
   KernelChoice kernel = board.scan.kernel;
-  if (find_kernel(board.camera.format, kernel) == nullptr) return {};
+  if (find_kernel(hal::pixel_format(board.camera.format), kernel) == nullptr) return {};
   return kKernelChoices[static_cast<std::size_t>(kernel)].word;
 }
 
@@ -165,7 +165,8 @@ Status load(const FilePaths& paths, Configuration& out, Problems& problems) {
   // Contradictions between values that are wrong already would only bury what is to be repaired first.
   if (problems.size() != before) return ErrorCode::kInconsistent;
   const hal::CameraSettings& camera = out.board.camera;
-  const InputFormat input{camera.format, camera.width_px, camera.height_px, "the camera of " + out.board_where.file()};
+  const InputFormat input{hal::pixel_format(camera.format), camera.width_px, camera.height_px,
+                          "the camera of " + out.board_where.file()};
   return resolve(input, out, problems);
 }
 

@@ -3,11 +3,23 @@
 #include <linux/videodev2.h>
 
 namespace touchline::hal {
+namespace {
+
+bool is_of_start(std::uint32_t flags) {
+  return (flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+}
+
+}  // namespace
 
 void CaptureStamp::restart(Duration exposure) { *this = CaptureStamp{}, exposure_ = exposure; }
 
 bool CaptureStamp::is_monotonic(std::uint32_t flags) {
   return (flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
+}
+
+const char* CaptureStamp::name_of(std::uint32_t flags) {
+  if (!is_monotonic(flags)) return "fetching";
+  return is_of_start(flags) ? "start of exposure" : "end of frame";
 }
 
 Instant CaptureStamp::middle_of_exposure(std::uint32_t flags, Instant stamp, Instant now) {
@@ -16,8 +28,7 @@ Instant CaptureStamp::middle_of_exposure(std::uint32_t flags, Instant stamp, Ins
   Instant capture = now - exposure_ / 2;
   if (credible) {
     last_stamp_ = stamp;
-    const bool start = (flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
-    capture = start ? stamp + exposure_ / 2 : stamp - exposure_ / 2;
+    capture = is_of_start(flags) ? stamp + exposure_ / 2 : stamp - exposure_ / 2;
   } else if (monotonic) {
     ++replaced_;
   }

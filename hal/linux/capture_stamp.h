@@ -22,6 +22,8 @@ class CaptureStamp {
   /// Stamps of a monotonic clock that were not credible, since restart().
   [[nodiscard]] std::uint64_t replaced() const { return replaced_; }
   [[nodiscard]] static bool is_monotonic(std::uint32_t flags);
+  /// "start of exposure", "end of frame" or "fetching": whose instant the stamp is taken for.
+  [[nodiscard]] static const char* name_of(std::uint32_t flags);
 
  private:
   Duration exposure_{};

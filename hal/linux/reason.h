@@ -25,6 +25,8 @@ class Reason {
   /// Back to a size() of before.
   void truncate(std::size_t size) { text_.resize(size < text_.size() ? size : text_.size()); }
 
+  /// What stands before a further item: "; ", nothing before the first.
+  [[nodiscard]] const char* separator() const { return text_.empty() ? "" : "; "; }
   [[nodiscard]] bool empty() const { return text_.empty(); }
   [[nodiscard]] std::size_t size() const { return text_.size(); }
   [[nodiscard]] const std::string& text() const { return text_; }

@@ -2,10 +2,13 @@
 
 #include <linux/videodev2.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 
+#include "hal/linux/camera_list.h"
 #include "hal/linux/monotonic_clock.h"
+#include "hal/linux/stable_name.h"
 #include "hal/linux/system_error.h"
 #include "hal/linux/v4l2_controls.h"
 
@@ -17,10 +20,6 @@ constexpr Duration kAfterFalseAlarm = std::chrono::microseconds(500);
 // One is being filled while the loop holds the other.
 constexpr std::size_t kFewestBuffers = 2;
 
-Instant stamp_of(const v4l2_buffer& buffer) {
-  return Instant(std::chrono::seconds(buffer.timestamp.tv_sec) + std::chrono::microseconds(buffer.timestamp.tv_usec));
-}
-
 }  // namespace
 
 Status V4l2Camera::do_open() {
@@ -28,24 +27,15 @@ Status V4l2Camera::do_open() {
   reason_.clear();
   grants_.clear();
   info_ = {};
-  if (const int error = device_.open(settings_.device); error != 0) {
-    const ErrorCode code = open_error(error);
-    if (code == ErrorCode::kPermission) return say_denied(reason_, name(), "video");
-    if (code == ErrorCode::kDeviceBusy) return say_busy(reason_, name());
-    if (code == ErrorCode::kNotFound) {
-      reason_.set("%s: no such device; cameras here: %s", name(), cameras_here().c_str());
-    } else {
-      reason_.set("%s: cannot be opened: %s", name(), system_text(error));
-    }
-    return code;
-  }
-  Status status = check_capabilities();
+  if (const Status status = open_file(); !status.ok()) return status;
+  Status status = identify();
   if (status.ok()) {
-    const Result<V4l2Picture> picture = negotiate_format(device_, settings_, reason_);
+    const Result<V4l2Picture> picture = negotiate_format(device_, identity_.multi_planar, settings_, reason_);
     status = picture.ok() ? Status{} : Status{picture.error()};
     picture_ = picture.value();
   }
   if (status.ok()) {
+    note_device();
     note_rate();
     status = map_buffers();
   }
@@ -53,82 +43,112 @@ Status V4l2Camera::do_open() {
     do_close();
     return status;
   }
+  if (decodes()) {
+    decoder_.open(picture_.width_px, picture_.height_px);
+    decoded_.allocate(buffers_.count(), std::size_t{3} * picture_.width_px * picture_.height_px);
+  }
   grants_before_controls_ = grants_.size();
   apply_controls(device_, settings_, grants_);
   tell_grants();
   return {};
 }
 
-Status V4l2Camera::check_capabilities() {
-  v4l2_capability capability{};
-  if (const int error = device_.request(VIDIOC_QUERYCAP, &capability); error != 0) {
+Status V4l2Camera::open_file() {
+  int error = ENOENT;
+  if (!link_.empty()) error = device_.open(link_);
+  // In another socket it has another link; the number is what was asked for.
+  if (open_error(error) == ErrorCode::kNotFound) error = device_.open(settings_.device);
+  if (error == 0) return {};
+  const ErrorCode code = open_error(error);
+  if (code == ErrorCode::kPermission) return say_denied(reason_, name(), "video");
+  if (code == ErrorCode::kDeviceBusy) return say_busy(reason_, name());
+  if (code == ErrorCode::kNotFound) {
+    reason_.set("%s: no such device; cameras here: %s", name(), cameras_here().c_str());
+  } else {
+    reason_.set("%s: cannot be opened: %s", name(), system_text(error));
+  }
+  return code;
+}
+
+Status V4l2Camera::identify() {
+  if (const int error = device_.identify(identity_); error != 0) {
     if (error == ENODEV) return fail("asking what it is", error);
     reason_.set("%s: not a video device; cameras here: %s", name(), cameras_here().c_str());
     return ErrorCode::kUnsupported;
   }
-  const bool own = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0;
-  const std::uint32_t can = own ? capability.device_caps : capability.capabilities;
-  const char* const card = reinterpret_cast<const char*>(capability.card);
-  if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0) {
-    if ((can & V4L2_CAP_VIDEO_CAPTURE_MPLANE) != 0) {
-      reason_.set(
-          "%s (%s): delivers pictures in several planes only (V4L2 multi-planar), which is not supported; "
-          "cameras here: %s",
-          name(), card, cameras_here().c_str());
-    } else {
-      reason_.set("%s (%s): does not capture video; cameras here: %s", name(), card, cameras_here().c_str());
-    }
-    return ErrorCode::kUnsupported;
-  }
-  if ((can & V4L2_CAP_STREAMING) == 0) {
-    reason_.set("%s (%s): cannot stream into mapped buffers; cameras here: %s", name(), card, cameras_here().c_str());
-    return ErrorCode::kUnsupported;
-  }
-  return {};
+  if (identity_.captures && identity_.streams) return {};
+  reason_.set("%s (%s): %s; cameras here: %s", name(), identity_.card.c_str(),
+              identity_.captures ? "cannot stream into mapped buffers" : "does not capture video",
+              cameras_here().c_str());
+  return ErrorCode::kUnsupported;
+}
+
+void V4l2Camera::note_device() {
+  if (!is_numbered_camera(settings_.device)) return;
+  if (link_.empty()) link_ = stable_link(kCameraLinks, settings_.device);
+  if (link_.empty()) return;
+  grants_.append("device = \"%s\": a number, which the order of plugging in decides; %s is the same camera", name(),
+                 link_.c_str());
 }
 
 void V4l2Camera::note_rate() {
-  info_.format = picture_.format;
+  info_.format = pixel_format(picture_.format);
   info_.width_px = picture_.width_px;
   info_.height_px = picture_.height_px;
-  info_.rate_hz = negotiate_rate(device_, settings_.rate_hz);
+  info_.rate_hz = negotiate_rate(device_, identity_.multi_planar, settings_.rate_hz);
   if (info_.rate_hz <= 0.0) {
-    grants_.append("rate_hz = %g: the driver does not tell its rate", settings_.rate_hz);
+    grants_.append("%srate_hz = %g: the driver does not tell its rate", grants_.separator(), settings_.rate_hz);
   } else if (std::abs(info_.rate_hz - settings_.rate_hz) > 0.005 * settings_.rate_hz) {  // 29.97 is 30 to a person
-    grants_.append("rate_hz = %g: granted %.4g", settings_.rate_hz, info_.rate_hz);
+    grants_.append("%srate_hz = %g: granted %.4g", grants_.separator(), settings_.rate_hz, info_.rate_hz);
   }
   if (picture_.interlaced) {
-    grants_.append("%sinterlaced: odd and even rows are half a frame apart", grants_.empty() ? "" : "; ");
+    grants_.append("%sinterlaced: odd and even rows are half a frame apart", grants_.separator());
+  }
+  if (picture_.full_range) {
+    grants_.append("%sYUV of full range: its darkest 16 levels are taken for black", grants_.separator());
   }
 }
 
 Status V4l2Camera::map_buffers() {
   const std::size_t asked = static_cast<std::size_t>(settings_.buffers);
-  const int error = buffers_.map(device_, asked);
+  const int error = buffers_.map(device_, identity_.multi_planar, picture_.planes, asked);
   if (error == EBUSY) return say_busy(reason_, name());
   if (error != 0) return fail("mapping buffers", error);
   if (buffers_.count() < kFewestBuffers) {
     reason_.set("%s: grants %zu buffers, at least %zu are needed", name(), buffers_.count(), kFewestBuffers);
     return ErrorCode::kUnsupported;
   }
-  for (std::size_t i = 0; i < buffers_.count(); ++i) {
-    if (buffers_.size(i) >= picture_.needed_bytes) continue;
-    reason_.set("%s: a buffer has %zu bytes, a picture needs %u", name(), buffers_.size(i), picture_.needed_bytes);
+  for (std::size_t i = 0; i < buffers_.count() * picture_.planes; ++i) {
+    const std::size_t size = buffers_.size(i / picture_.planes, i % picture_.planes);
+    const std::uint32_t needed = picture_.needed_bytes[i % picture_.planes];
+    if (size >= needed) continue;
+    reason_.set("%s: a buffer has %zu bytes, a picture needs %u", name(), size, needed);
     return ErrorCode::kUnsupported;
   }
   if (buffers_.count() != asked) {
-    grants_.append("%sbuffers = %zu: granted %zu", grants_.empty() ? "" : "; ", asked, buffers_.count());
+    grants_.append("%sbuffers = %zu: granted %zu", grants_.separator(), asked, buffers_.count());
   }
   if (!CaptureStamp::is_monotonic(buffers_.flags())) {
     grants_.append("%sthe driver's time stamps are of no monotonic clock: frames are stamped when they are fetched",
-                   grants_.empty() ? "" : "; ");
+                   grants_.separator());
   }
   return {};
 }
 
+/// What is in force, for the start's message; and what differs from the settings, for reason().
 void V4l2Camera::tell_grants() {
   reason_.clear();
   if (!grants_.empty()) reason_.set("%s: %s", name(), grants_.c_str());
+  Reason text;
+  text.set("%s (%s, %s): %s %ux%u", name(), identity_.card.c_str(), identity_.bus.c_str(),
+           kCameraFormats[static_cast<std::size_t>(picture_.format)].word.data(), unsigned{info_.width_px},
+           unsigned{info_.height_px});
+  if (info_.rate_hz > 0.0) text.append(" at %.4g Hz", info_.rate_hz);
+  text.append(", %zu buffers mapped%s%s, stamps of the %s", buffers_.count(),
+              buffers_.exported() ? " and shared as dma-bufs" : "", identity_.multi_planar ? " (multi-planar)" : "",
+              CaptureStamp::name_of(buffers_.flags()));
+  describe_controls(device_, text);
+  info_.granted = text.text();
 }
 
 Status V4l2Camera::do_start() {
@@ -139,9 +159,10 @@ Status V4l2Camera::do_start() {
   if (streaming_) return {};
   counters_ = {};
   counted_ = false;
+  decoded_.give_back_all();
   lost_ = ErrorCode::kOk;
   if (const int error = buffers_.queue_all(device_); error != 0) return fail("queuing buffers", error);
-  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  std::uint32_t type = capture_type(identity_.multi_planar);
   if (const int error = device_.request(VIDIOC_STREAMON, &type); error != 0) {
     buffers_.forget_queue();
     if (error == EBUSY) return say_busy(reason_, name());
@@ -166,10 +187,14 @@ Result<FrameLease> V4l2Camera::do_wait(Instant deadline) {
     reason_.set("%s: not streaming", name());
     return ErrorCode::kInconsistent;
   }
+  if (decodes() && decoded_.all_lent()) {
+    MonotonicClock::wait_for(deadline);
+    return timed_out();
+  }
   for (bool woken = false;; woken = true) {
-    v4l2_buffer buffer{};
-    int error = buffers_.dequeue(device_, buffer);
-    if (error == 0) return deliver(buffer);
+    V4l2Buffers::Filled filled;
+    int error = buffers_.dequeue(device_, filled);
+    if (error == 0) return deliver(filled);
     if (error != EAGAIN) return fail("fetching a frame", error);
     const Instant now = MonotonicClock::read();
     if (now >= deadline) break;
@@ -178,7 +203,11 @@ Result<FrameLease> V4l2Camera::do_wait(Instant deadline) {
     if (error == ETIMEDOUT) break;
     if (error != 0) return fail("waiting for a frame", error);
   }
-  if (buffers_.queued() == 0) {
+  return timed_out();
+}
+
+Result<FrameLease> V4l2Camera::timed_out() {
+  if (buffers_.queued() == 0 || (decodes() && decoded_.all_lent())) {
     reason_.set("%s: no frame can come: all %zu buffers are lent out", name(), buffers_.count());
   } else {
     reason_.set("%s: no frame before the deadline", name());
@@ -186,36 +215,60 @@ Result<FrameLease> V4l2Camera::do_wait(Instant deadline) {
   return ErrorCode::kTimeout;
 }
 
-Result<FrameLease> V4l2Camera::deliver(const v4l2_buffer& buffer) {
-  const std::uint32_t sequence = count_frame(buffer.sequence);
-  if ((buffer.flags & V4L2_BUF_FLAG_ERROR) != 0) {
-    ++counters_.corrupt;
-    reason_.set("%s: the driver marks frame %u as damaged", name(), sequence);
-    return give_back(buffer.index, ErrorCode::kCorruptFrame);
-  }
-  if (buffer.bytesused < picture_.needed_bytes) {
-    ++counters_.short_frames;
-    reason_.set("%s: frame %u has %u bytes instead of %u", name(), sequence, buffer.bytesused, picture_.needed_bytes);
-    return give_back(buffer.index, ErrorCode::kShortFrame);
-  }
+Result<FrameLease> V4l2Camera::deliver(const V4l2Buffers::Filled& filled) {
+  const Instant now = MonotonicClock::read();
   Frame frame;
-  frame.format = picture_.format;
+  frame.sequence = count_frame(filled.sequence);
+  if ((filled.flags & V4L2_BUF_FLAG_ERROR) != 0) {
+    ++counters_.corrupt;
+    reason_.set("%s: the driver marks frame %u as damaged", name(), frame.sequence);
+    return give_back(filled.index, ErrorCode::kCorruptFrame);
+  }
+  for (std::size_t i = 0; i < picture_.planes; ++i) {
+    if (filled.bytes[i] >= picture_.needed_bytes[i]) continue;
+    ++counters_.short_frames;
+    reason_.set("%s: frame %u has %u bytes instead of %u", name(), frame.sequence, filled.bytes[i],
+                picture_.needed_bytes[i]);
+    return give_back(filled.index, ErrorCode::kShortFrame);
+  }
+  if (const int error = buffers_.begin_read(filled.index); error != 0) return fail("synchronizing a buffer", error);
+  frame.format = info_.format;
   frame.width_px = picture_.width_px;
   frame.height_px = picture_.height_px;
-  frame.plane[0] = buffers_.bytes(buffer.index);
-  frame.stride_bytes[0] = picture_.stride_bytes;
-  if (picture_.format == PixelFormat::kNv12) {
-    frame.plane[1] = frame.plane[0] + std::size_t{picture_.stride_bytes} * picture_.height_px;
-    frame.stride_bytes[1] = picture_.stride_bytes;
+  frame.capture_time = stamps_.middle_of_exposure(filled.flags, filled.stamp, now);
+  if (decodes()) return decode(filled, frame);
+  frame.plane[0] = filled.begin[0];
+  frame.stride_bytes[0] = picture_.stride_bytes[0];
+  if (frame.format == PixelFormat::kNv12) {
+    const bool apart = picture_.planes == 2;
+    frame.plane[1] = apart ? filled.begin[1] : frame.plane[0] + std::size_t{frame.stride_bytes[0]} * frame.height_px;
+    frame.stride_bytes[1] = picture_.stride_bytes[1];
   }
-  frame.capture_time = stamps_.middle_of_exposure(buffer.flags, stamp_of(buffer), MonotonicClock::read());
-  frame.sequence = sequence;
   ++counters_.frames;
-  return FrameLease(*this, frame, buffer.index);
+  return FrameLease(*this, frame, static_cast<std::uint32_t>(filled.index), buffers_.dma_bufs(filled.index));
+}
+
+/// The driver has its buffer back before anybody sees the picture.
+Result<FrameLease> V4l2Camera::decode(const V4l2Buffers::Filled& filled, Frame& frame) {
+  const std::size_t slot = decoded_.take().value_or(0);  // wait() has made sure of one
+  frame.plane[0] = decoded_.bytes(slot);
+  frame.stride_bytes[0] = 3u * frame.width_px;
+  FrameLease lease(*this, frame, static_cast<std::uint32_t>(slot));
+  const Status status = decoder_.decode({filled.begin[0], filled.bytes[0]}, decoded_.bytes(slot));
+  int error = buffers_.end_read(filled.index);
+  if (error == 0) error = buffers_.queue(device_, filled.index);
+  if (error != 0) return fail("queuing a buffer", error);
+  if (!status.ok()) {
+    ++counters_.corrupt;
+    reason_.set("%s: frame %u cannot be decoded: %s", name(), frame.sequence, decoder_.reason());
+    return status.code();
+  }
+  ++counters_.frames;
+  return lease;
 }
 
 /// A frame that nobody wants; when the buffer cannot be queued again, the device is what failed.
-Result<FrameLease> V4l2Camera::give_back(std::uint32_t buffer, ErrorCode code) {
+Result<FrameLease> V4l2Camera::give_back(std::size_t buffer, ErrorCode code) {
   const int error = buffers_.queue(device_, buffer);
   return error == 0 ? code : fail("queuing a buffer", error);
 }
@@ -233,13 +286,15 @@ std::uint32_t V4l2Camera::count_frame(std::uint32_t driver_sequence) {
 
 void V4l2Camera::do_release(std::uint32_t buffer) noexcept {
   if (!streaming_) return;
-  const int error = buffers_.queue(device_, buffer);
+  if (decodes()) return decoded_.give_back(buffer);
+  int error = buffers_.end_read(buffer);
+  if (error == 0) error = buffers_.queue(device_, buffer);
   if (error != 0) static_cast<void>(fail("queuing a buffer", error));  // the next wait() tells
 }
 
 void V4l2Camera::do_stop() {
   if (!streaming_) return;
-  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  std::uint32_t type = capture_type(identity_.multi_planar);
   static_cast<void>(device_.request(VIDIOC_STREAMOFF, &type));  // a device that is gone streams no more either
   buffers_.forget_queue();
   streaming_ = false;

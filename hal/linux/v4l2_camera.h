@@ -5,6 +5,8 @@
 #include "hal/camera.h"
 #include "hal/device_parameters.h"
 #include "hal/linux/capture_stamp.h"
+#include "hal/linux/mjpg_decoder.h"
+#include "hal/linux/picture_slots.h"
 #include "hal/linux/reason.h"
 #include "hal/linux/v4l2_buffers.h"
 #include "hal/linux/v4l2_device.h"
@@ -18,10 +20,15 @@ struct V4l2Counters {
   std::uint64_t corrupt = 0, short_frames = 0;
 };
 
-/// A camera of the kernel: V4L2, single-planar capture, buffers mapped into our memory and lent to the caller.
+/// A camera of the kernel: V4L2, single-planar or multi-planar capture, buffers mapped into our memory and lent to the
+/// caller, shared as dma-bufs where the driver can. MJPG is decoded within wait() into pictures of our own, as many as
+/// there are buffers, and those are lent.
 ///
 /// wait() answers kTimeout, kShortFrame, kCorruptFrame (go on), kDisconnected and kIo (open again). With all buffers
 /// lent out nothing can come: wait() then runs into its deadline and says so.
+///
+/// A link under /dev/v4l is followed anew by each open(). When the settings name a number (/dev/video0), the first
+/// open() notes the link to it and later ones look there first: after being plugged in again a camera may have another.
 class V4l2Camera final : public Camera {
  public:
   explicit V4l2Camera(CameraSettings settings) : settings_(std::move(settings)) {}
@@ -44,20 +51,29 @@ class V4l2Camera final : public Camera {
   void do_stop() override;
   void do_close() override;
 
-  Status check_capabilities();
+  Status open_file();
+  Status identify();
   Status map_buffers();
+  void note_device();
   void note_rate();
   void tell_grants();
-  Result<FrameLease> deliver(const v4l2_buffer& buffer);
-  Result<FrameLease> give_back(std::uint32_t buffer, ErrorCode code);
+  [[nodiscard]] bool decodes() const { return picture_.format == CameraFormat::kMjpg; }
+  Result<FrameLease> timed_out();
+  Result<FrameLease> deliver(const V4l2Buffers::Filled& filled);
+  Result<FrameLease> decode(const V4l2Buffers::Filled& filled, Frame& frame);
+  Result<FrameLease> give_back(std::size_t buffer, ErrorCode code);
   std::uint32_t count_frame(std::uint32_t driver_sequence);
   ErrorCode fail(const char* doing, int error) noexcept;
   [[nodiscard]] const char* name() const { return settings_.device.c_str(); }
 
   CameraSettings settings_;
   V4l2Device device_;
+  V4l2Identity identity_;
+  std::string link_;  // to the device, where the settings name its number
   V4l2Buffers buffers_;
   V4l2Picture picture_;
+  MjpgDecoder decoder_;
+  PictureSlots decoded_;
   CameraInfo info_;
   CaptureStamp stamps_;
   V4l2Counters counters_;

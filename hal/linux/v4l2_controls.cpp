@@ -54,9 +54,7 @@ struct Wish {
   int value;
 };
 
-void note(Reason& grants, const Wish& wish) {
-  grants.append("%s%s = %d: ", grants.empty() ? "" : "; ", wish.key, wish.value);
-}
+void note(Reason& grants, const Wish& wish) { grants.append("%s%s = %d: ", grants.separator(), wish.key, wish.value); }
 
 /// Sets a control that a camera may lack without harm, such as the automatic twin of a value.
 void switch_off(const V4l2Device& device, std::uint32_t id, int off, const char* name, const Wish& wish,
@@ -121,6 +119,12 @@ void fix_white_balance(const V4l2Device& device, int white_balance_k, Reason& gr
   if (!set_value(device, V4L2_CID_WHITE_BALANCE_TEMPERATURE, 1, wish, grants)) lacking(wish, grants);
 }
 
+void fix_focus(const V4l2Device& device, int focus, Reason& grants) {
+  const Wish wish{"focus", focus};
+  switch_off(device, V4L2_CID_FOCUS_AUTO, 0, "automatic focus", wish, grants);
+  if (!set_value(device, V4L2_CID_FOCUS_ABSOLUTE, 1, wish, grants)) lacking(wish, grants);
+}
+
 void fix_power_line(const V4l2Device& device, PowerLine power_line, Reason& grants) {
   const int hz = power_line == PowerLine::k50Hz ? 50 : power_line == PowerLine::k60Hz ? 60 : 0;
   const int value = hz == 50   ? V4L2_CID_POWER_LINE_FREQUENCY_50HZ
@@ -132,7 +136,7 @@ void fix_power_line(const V4l2Device& device, PowerLine power_line, Reason& gran
   int granted = value;
   const int error = there ? set(device, V4L2_CID_POWER_LINE_FREQUENCY, value) : EINVAL;
   if (error == 0 && get(device, V4L2_CID_POWER_LINE_FREQUENCY, granted) == 0 && granted == value) return;
-  grants.append("%spower_line = %s: %s", grants.empty() ? "" : "; ",
+  grants.append("%spower_line = %s: %s", grants.separator(),
                 hz == 50   ? "50hz"
                 : hz == 60 ? "60hz"
                            : "off",
@@ -159,7 +163,37 @@ Duration apply_controls(const V4l2Device& device, const CameraSettings& asked, R
   if (asked.exposure_us > 0) fix_exposure(device, asked.exposure_us, grants);
   if (asked.gain > 0) fix_gain(device, asked.gain, grants);
   if (asked.white_balance_k > 0) fix_white_balance(device, asked.white_balance_k, grants);
+  if (asked.focus != kFocusLeave) fix_focus(device, asked.focus, grants);
   return exposure_in_force(device);
+}
+
+void describe_controls(const V4l2Device& device, Reason& text) {
+  Control control;
+  const Duration exposure = exposure_in_force(device);
+  if (exposure > Duration::zero()) {
+    text.append(", exposure %" PRId64 " us",
+                std::int64_t{std::chrono::duration_cast<std::chrono::microseconds>(exposure).count()});
+  } else if (find(device, V4L2_CID_EXPOSURE_ABSOLUTE, control)) {
+    text.append(", exposure automatic");
+  }
+  const auto describe = [&](const char* name, std::uint32_t automatic, std::uint32_t id, const char* unit) {
+    int value = 0;
+    if (get(device, automatic, value) == 0 && value != 0) {
+      text.append(", %s automatic", name);
+    } else if (get(device, id, value) == 0) {
+      text.append(", %s %d%s", name, value, unit);
+    }
+  };
+  const bool has_gain = find(device, V4L2_CID_GAIN, control);
+  describe("gain", V4L2_CID_AUTOGAIN, has_gain ? V4L2_CID_GAIN : V4L2_CID_ANALOGUE_GAIN, "");
+  describe("white balance", V4L2_CID_AUTO_WHITE_BALANCE, V4L2_CID_WHITE_BALANCE_TEMPERATURE, " K");
+  describe("focus", V4L2_CID_FOCUS_AUTO, V4L2_CID_FOCUS_ABSOLUTE, "");
+  int line = 0;
+  if (get(device, V4L2_CID_POWER_LINE_FREQUENCY, line) != 0) return;
+  text.append(", power line %s", line == V4L2_CID_POWER_LINE_FREQUENCY_DISABLED ? "off"
+                                 : line == V4L2_CID_POWER_LINE_FREQUENCY_50HZ   ? "50 Hz"
+                                 : line == V4L2_CID_POWER_LINE_FREQUENCY_60HZ   ? "60 Hz"
+                                                                                : "automatic");
 }
 
 }  // namespace touchline::hal

@@ -7,9 +7,14 @@
 
 namespace touchline::hal {
 
-/// Fixes exposure, gain, white balance and lamp flicker as the settings say, and reads each back. What the camera
-/// lacks, refuses or rounds is appended to `grants`, each with "; " before it where something stands there already.
-/// Returns the exposure time in force, zero when it is the driver's secret (automatic, or no such control).
+/// Fixes exposure, gain, white balance, focus and lamp flicker as the settings say, and reads each back. What the
+/// camera lacks, refuses or rounds is appended to `grants`, each with "; " before it where something stands there
+/// already. Returns the exposure time in force, zero when it is the driver's secret (automatic, or no such control).
+/// Works on an open device whether it streams or not, and on any thread: nothing but `grants` is written to.
 Duration apply_controls(const V4l2Device& device, const CameraSettings& asked, Reason& grants);
+
+/// Appends what is in force: ", exposure 5000 us, gain 64, white balance automatic, ..."; controls that the camera
+/// lacks are left out.
+void describe_controls(const V4l2Device& device, Reason& text);
 
 }  // namespace touchline::hal

@@ -11,7 +11,6 @@
 #include <ctime>
 
 #include "hal/linux/monotonic_clock.h"
-#include "hal/linux/stable_name.h"
 
 namespace touchline::hal {
 
@@ -51,23 +50,23 @@ int V4l2Device::wait(Instant deadline) const {
   }
 }
 
-std::string cameras_here() {
-  // The kernel numbers video devices from 0; single-board computers use up to 40 (codecs and processors among them).
-  constexpr int kHighestNumber = 63;
-  std::string list;
-  for (int number = 0; number <= kHighestNumber; ++number) {
-    const std::string path = "/dev/video" + std::to_string(number);
-    V4l2Device device;
-    v4l2_capability capability{};
-    if (device.open(path) != 0 || device.request(VIDIOC_QUERYCAP, &capability) != 0) continue;
-    const bool own = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0;
-    const std::uint32_t can = own ? capability.device_caps : capability.capabilities;
-    if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0 || (can & V4L2_CAP_STREAMING) == 0) continue;
-    if (!list.empty()) list += ", ";
-    list += path + " (" + reinterpret_cast<const char*>(capability.card) + ", " +
-            reinterpret_cast<const char*>(capability.bus_info) + ")" + stable_name("/dev/v4l/by-path", path);
-  }
-  return list.empty() ? "none" : list;
+int V4l2Device::identify(V4l2Identity& identity) const {
+  v4l2_capability capability{};
+  if (const int error = request(VIDIOC_QUERYCAP, &capability); error != 0) return error;
+  const bool own = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0;
+  const std::uint32_t can = own ? capability.device_caps : capability.capabilities;
+  const bool single = (can & V4L2_CAP_VIDEO_CAPTURE) != 0, multi = (can & V4L2_CAP_VIDEO_CAPTURE_MPLANE) != 0;
+  identity.driver = reinterpret_cast<const char*>(capability.driver);
+  identity.card = reinterpret_cast<const char*>(capability.card);
+  identity.bus = reinterpret_cast<const char*>(capability.bus_info);
+  identity.captures = single || multi;
+  identity.multi_planar = multi && !single;
+  identity.streams = (can & V4L2_CAP_STREAMING) != 0;
+  return 0;
+}
+
+std::uint32_t capture_type(bool multi_planar) {
+  return multi_planar ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
 }
 
 }  // namespace touchline::hal

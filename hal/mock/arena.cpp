@@ -17,7 +17,7 @@ Arena::Arena(const ArenaParameters& parameters, const CameraSettings& camera, co
       world_(parameters, seed),
       channel_(parameters, radio.baud, seed),
       renderer_(parameters, camera.width_px, camera.height_px),
-      sensor_(parameters.sensor, camera.format, camera.width_px, camera.height_px, seed),
+      sensor_(parameters.sensor, pixel_format(camera.format), camera.width_px, camera.height_px, seed),
       begin_(begin),
       now_(begin),
       stepped_(begin) {}

@@ -25,7 +25,8 @@ const std::string gpio_closed = "mock gpio: used before it was opened";
 MockCamera::MockCamera(Arena& arena, Clock& clock)
     : arena_(arena),
       clock_(clock),
-      info_{arena.camera().format, arena.camera().width_px, arena.camera().height_px, arena.camera().rate_hz},
+      info_{pixel_format(arena.camera().format), arena.camera().width_px, arena.camera().height_px,
+            arena.camera().rate_hz},
       layout_(layout_of(info_.format, info_.width_px, info_.height_px)),
       reason_(&no_reason) {}
 

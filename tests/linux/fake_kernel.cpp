@@ -93,11 +93,13 @@ const std::string* Kernel::resolve(const std::string& path) const {
   return found == files_.end() ? nullptr : &found->first;
 }
 
-std::vector<std::string> Kernel::links_in(const std::string& folder) const {
+std::vector<std::string> Kernel::names_with(const std::string& prefix) const {
   std::vector<std::string> found;
-  for (const auto& [from, to] : links_) {
-    if (from.rfind(folder + "/", 0) == 0) found.push_back(from);
-  }
+  const auto note = [&](const std::string& name) {
+    if (name.rfind(prefix, 0) == 0 && name.find('/', prefix.size()) == std::string::npos) found.push_back(name);
+  };
+  for (const auto& [name, file] : files_) note(name);
+  for (const auto& [from, to] : links_) note(from);
   return found;
 }
 
@@ -124,7 +126,7 @@ int __real_fcntl(int number, int command, ...);
 
 int __wrap_open(const char* path, int flags, ...) {
   const UncountedAllocations uncounted;
-  if (kernel() != nullptr && (std::strncmp(path, "/dev/video", 10) == 0 || std::strncmp(path, "/dev/v4l/", 9) == 0)) {
+  if (kernel() != nullptr && std::strncmp(path, "/dev/", 5) == 0) {
     return touchline::fake::answer(kernel()->open(path, flags));
   }
   std::va_list arguments;
@@ -203,9 +205,9 @@ char* __wrap_realpath(const char* path, char* resolved) {
 
 int __wrap_glob(const char* pattern, int flags, int (*on_error)(const char*, int), glob_t* found) {
   if (kernel() == nullptr) return __real_glob(pattern, flags, on_error, found);
-  std::string folder(pattern);
-  folder.resize(folder.size() - 2);  // "/*"
-  const std::vector<std::string> links = kernel()->links_in(folder);
+  std::string prefix(pattern);
+  prefix.pop_back();  // "*"
+  const std::vector<std::string> links = kernel()->names_with(prefix);
   found->gl_pathc = links.size();
   found->gl_pathv = static_cast<char**>(std::calloc(links.size() + 1, sizeof(char*)));
   for (std::size_t i = 0; i < links.size(); ++i) found->gl_pathv[i] = ::strdup(links[i].c_str());

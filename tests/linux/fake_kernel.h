@@ -42,6 +42,7 @@ class Kernel {
   void remove(const std::string& path) { files_.erase(path); }
   void refuse_open(const std::string& path, int error) { refusals_[path] = error; }
   void link(const std::string& from, const std::string& to) { links_[from] = to; }
+  void unlink(const std::string& from) { links_.erase(from); }
   /// The next waits and sleeps, or requests, end early with EINTR, as when a signal comes.
   void interrupt_waits(int times) { interrupted_waits_ = times; }
   void interrupt_requests(int times) { interrupted_requests_ = times; }
@@ -63,7 +64,8 @@ class Kernel {
   bool request_is_interrupted() { return interrupted_requests_ > 0 && interrupted_requests_-- > 0; }
   Instant look_at_clock();
   const std::string* resolve(const std::string& path) const;
-  [[nodiscard]] std::vector<std::string> links_in(const std::string& folder) const;
+  /// Files and links that begin so, without those in folders below.
+  [[nodiscard]] std::vector<std::string> names_with(const std::string& prefix) const;
 
  private:
   std::map<std::string, File*> files_;

@@ -1,8 +1,5 @@
 #include "tests/linux/fake_v4l2.h"
 
-#include <poll.h>
-#include <sys/mman.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
@@ -11,11 +8,17 @@
 namespace touchline::fake {
 namespace {
 
-// Distance of the buffers' offsets for mmap(): above their size, and 64 of them fit into 32 bits.
-constexpr std::uint32_t kOffsetStep = 1u << 25;
-
 std::uint32_t bytes_per_pixel(std::uint32_t fourcc) {
-  return fourcc == V4L2_PIX_FMT_RGB24 || fourcc == V4L2_PIX_FMT_BGR24 ? 3 : fourcc == V4L2_PIX_FMT_NV12 ? 1 : 2;
+  switch (fourcc) {
+    case V4L2_PIX_FMT_RGB24:
+    case V4L2_PIX_FMT_BGR24:
+      return 3;
+    case V4L2_PIX_FMT_NV12:
+    case V4L2_PIX_FMT_NV12M:
+      return 1;
+    default:
+      return 2;
+  }
 }
 
 template <class Text, std::size_t N>
@@ -50,9 +53,9 @@ void VideoDevice::close() {
   buffers_.clear();
 }
 
-std::size_t VideoDevice::mapped() const {
-  return static_cast<std::size_t>(
-      std::count_if(buffers_.begin(), buffers_.end(), [](const auto& buffer) { return buffer->mapped; }));
+bool VideoDevice::is_own(std::uint32_t type) const {
+  return type ==
+         static_cast<std::uint32_t>(multi_planar() ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE);
 }
 
 int VideoDevice::requests(unsigned long request) const {
@@ -91,6 +94,12 @@ int VideoDevice::handle(unsigned long request, void* argument) {
       return enumerate(*static_cast<v4l2_fmtdesc*>(argument));
     case VIDIOC_ENUM_FRAMESIZES:
       return enumerate(*static_cast<v4l2_frmsizeenum*>(argument));
+    case VIDIOC_ENUM_FRAMEINTERVALS:
+      return enumerate(*static_cast<v4l2_frmivalenum*>(argument));
+    case VIDIOC_QUERYMENU:
+      return enumerate(*static_cast<v4l2_querymenu*>(argument));
+    case VIDIOC_EXPBUF:
+      return export_buffer(*static_cast<v4l2_exportbuffer*>(argument));
     case VIDIOC_S_FMT:
       return set_format(*static_cast<v4l2_format*>(argument));
     case VIDIOC_S_PARM:
@@ -119,6 +128,7 @@ int VideoDevice::handle(unsigned long request, void* argument) {
 }
 
 int VideoDevice::query(v4l2_capability& capability) const {
+  copy_text(capability.driver, "fake");
   copy_text(capability.card, card);
   copy_text(capability.bus_info, bus);
   // The whole driver's, which may have more nodes than this one; then this node's.
@@ -128,8 +138,9 @@ int VideoDevice::query(v4l2_capability& capability) const {
 }
 
 int VideoDevice::enumerate(v4l2_fmtdesc& format) const {
-  if (format.type != V4L2_BUF_TYPE_VIDEO_CAPTURE || format.index >= formats.size()) return -EINVAL;
+  if (!is_own(format.type) || format.index >= formats.size()) return -EINVAL;
   format.pixelformat = formats[format.index].fourcc;
+  copy_text(format.description, "Format " + std::to_string(format.index));
   return 0;
 }
 
@@ -148,39 +159,90 @@ int VideoDevice::enumerate(v4l2_frmsizeenum& size) const {
   return 0;
 }
 
-int VideoDevice::set_format(v4l2_format& format) {
-  if (format.type != V4L2_BUF_TYPE_VIDEO_CAPTURE) return -EINVAL;
-  if (!buffers_.empty()) return -EBUSY;
-  v4l2_pix_format& pix = format.fmt.pix;
+int VideoDevice::enumerate(v4l2_frmivalenum& interval) const {
+  if (interval.index >= rates_hz.size() || interval.width == 0 || interval.height == 0) return -EINVAL;
+  interval.type = V4L2_FRMIVAL_TYPE_DISCRETE;
+  interval.discrete = {1, static_cast<std::uint32_t>(rates_hz[interval.index])};
+  return 0;
+}
+
+int VideoDevice::enumerate(v4l2_querymenu& item) const {
+  const auto found = controls.find(item.id);
+  if (found == controls.end() || item.index >= found->second.menu.size()) return -EINVAL;
+  if (found->second.menu[item.index].empty()) return -EINVAL;
+  const std::string& name = found->second.menu[item.index];
+  std::memcpy(&item.name, name.c_str(), std::min(name.size() + 1, sizeof item.name));  // packed: no reference to it
+  return 0;
+}
+
+/// The nearest format and size that there are.
+void VideoDevice::choose(std::uint32_t fourcc, std::uint32_t width, std::uint32_t height) {
   const V4l2Format* chosen = &formats.front();
   for (const V4l2Format& entry : formats) {
-    if (entry.fourcc == pix.pixelformat) chosen = &entry;
+    if (entry.fourcc == fourcc) chosen = &entry;
   }
-  pix.pixelformat = chosen->fourcc;
   if (chosen->stepwise) {
-    pix.width = std::clamp(pix.width, chosen->sizes[0].first, chosen->sizes[1].first);
-    pix.height = std::clamp(pix.height, chosen->sizes[0].second, chosen->sizes[1].second);
+    width = std::clamp(width, chosen->sizes[0].first, chosen->sizes[1].first);
+    height = std::clamp(height, chosen->sizes[0].second, chosen->sizes[1].second);
   } else {
     const auto distance = [&](const auto& size) {
-      return std::abs(static_cast<int>(size.first) - static_cast<int>(pix.width)) +
-             std::abs(static_cast<int>(size.second) - static_cast<int>(pix.height));
+      return std::abs(static_cast<int>(size.first) - static_cast<int>(width)) +
+             std::abs(static_cast<int>(size.second) - static_cast<int>(height));
     };
     const auto size = *std::min_element(chosen->sizes.begin(), chosen->sizes.end(),
                                         [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
-    pix.width = size.first;
-    pix.height = size.second;
+    width = size.first;
+    height = size.second;
   }
+  picture_ = {};
+  picture_.fourcc = chosen->fourcc;
+  picture_.width = width;
+  picture_.height = height;
+  const std::uint32_t stride = width * bytes_per_pixel(chosen->fourcc) + padding_bytes;
+  const std::uint32_t chroma_bytes = stride * ((height + 1) / 2);
+  picture_.stride_bytes[0] = stride;
+  picture_.bytes[0] = stride * height;
+  if (chosen->fourcc == V4L2_PIX_FMT_NV12) picture_.bytes[0] += chroma_bytes;
+  if (chosen->fourcc == V4L2_PIX_FMT_NV12M) {
+    picture_.planes = 2;
+    picture_.stride_bytes[1] = stride;
+    picture_.bytes[1] = chroma_bytes;
+  }
+  picture_.bytes[0] -= missing_bytes;
+}
+
+int VideoDevice::set_format(v4l2_format& format) {
+  if (!is_own(format.type)) return -EINVAL;
+  if (!buffers_.empty()) return -EBUSY;
+  if (!multi_planar()) {
+    v4l2_pix_format& pix = format.fmt.pix;
+    choose(pix.pixelformat, pix.width, pix.height);
+    pix.pixelformat = picture_.fourcc;
+    pix.width = picture_.width;
+    pix.height = picture_.height;
+    pix.field = field;
+    pix.quantization = quantization;
+    pix.bytesperline = picture_.fourcc == V4L2_PIX_FMT_MJPEG ? 0 : picture_.stride_bytes[0];
+    pix.sizeimage = picture_.bytes[0];
+    return 0;
+  }
+  v4l2_pix_format_mplane& pix = format.fmt.pix_mp;
+  choose(pix.pixelformat, pix.width, pix.height);
+  pix.pixelformat = picture_.fourcc;
+  pix.width = picture_.width;
+  pix.height = picture_.height;
   pix.field = field;
-  pix.bytesperline = pix.width * bytes_per_pixel(pix.pixelformat) + padding_bytes;
-  pix.sizeimage = pix.bytesperline * pix.height;
-  if (pix.pixelformat == V4L2_PIX_FMT_NV12) pix.sizeimage += pix.bytesperline * ((pix.height + 1) / 2);
-  pix.sizeimage -= missing_bytes;
-  picture_ = pix;
+  pix.quantization = static_cast<std::uint8_t>(quantization);
+  pix.num_planes = static_cast<std::uint8_t>(picture_.planes);
+  for (std::size_t i = 0; i < picture_.planes; ++i) {
+    pix.plane_fmt[i].bytesperline = picture_.stride_bytes[i];
+    pix.plane_fmt[i].sizeimage = picture_.bytes[i];
+  }
   return 0;
 }
 
 int VideoDevice::set_rate(v4l2_streamparm& parameter) {
-  if (parameter.type != V4L2_BUF_TYPE_VIDEO_CAPTURE) return -EINVAL;
+  if (!is_own(parameter.type)) return -EINVAL;
   v4l2_fract& time = parameter.parm.capture.timeperframe;
   const double asked = time.numerator == 0 ? 30.0 : static_cast<double>(time.denominator) / time.numerator;
   rate_hz_ = *std::min_element(rates_hz.begin(), rates_hz.end(),
@@ -191,98 +253,21 @@ int VideoDevice::set_rate(v4l2_streamparm& parameter) {
   return 0;
 }
 
-int VideoDevice::request_buffers(v4l2_requestbuffers& request) {
-  if (request.type != V4L2_BUF_TYPE_VIDEO_CAPTURE || request.memory != V4L2_MEMORY_MMAP) return -EINVAL;
-  if (streaming_ || mapped() != 0) return -EBUSY;
-  buffers_.clear();
-  if (request.count == 0) return 0;
-  request.count = std::clamp(request.count, fewest_buffers, most_buffers);
-  for (std::uint32_t i = 0; i < request.count; ++i) {
-    buffers_.push_back(std::make_unique<Buffer>());
-    buffers_.back()->memory.resize(picture_.sizeimage);
-  }
-  return 0;
-}
-
-int VideoDevice::query_buffer(v4l2_buffer& buffer) const {
-  if (buffer.index >= buffers_.size()) return -EINVAL;
-  buffer.length = static_cast<std::uint32_t>(buffers_[buffer.index]->memory.size());
-  buffer.m.offset = buffer.index * kOffsetStep;
-  buffer.flags = stamp_flags;
-  return 0;
-}
-
-void* VideoDevice::map(std::size_t length, long offset, int protection) {
-  const std::size_t index = static_cast<std::size_t>(offset) / kOffsetStep;
-  if (!maps || index >= buffers_.size() || buffers_[index]->memory.size() != length || protection != PROT_READ)
-    return nullptr;
-  buffers_[index]->mapped = true;
-  return buffers_[index]->memory.data();
-}
-
-bool VideoDevice::unmap(void* memory) {
-  for (const auto& buffer : buffers_) {
-    if (buffer->memory.data() != memory) continue;
-    if (!buffer->mapped) breaches_.push_back("unmapped twice");
-    buffer->mapped = false;
-    return true;
-  }
-  return false;
-}
-
-int VideoDevice::queue(v4l2_buffer& buffer) {
-  if (buffer.index >= buffers_.size() || buffer.memory != V4L2_MEMORY_MMAP) return -EINVAL;
-  Buffer& own = *buffers_[buffer.index];
-  if (own.owner != Owner::kUser) {
-    breaches_.push_back("queued a buffer that the driver has");
-    return -EINVAL;
-  }
-  own.owner = Owner::kQueued;
-  queue_.push_back(buffer.index);
-  return 0;
-}
-
-int VideoDevice::dequeue(v4l2_buffer& buffer) {
-  if (buffer.type != V4L2_BUF_TYPE_VIDEO_CAPTURE || buffer.memory != V4L2_MEMORY_MMAP || !streaming_) return -EINVAL;
-  if (false_alarms > 0) {
-    --false_alarms;
-    return -EAGAIN;
-  }
-  if (done_.empty()) return -EAGAIN;
-  Buffer& own = *buffers_[done_.front()];
-  buffer = own.filled;
-  own.owner = Owner::kUser;
-  done_.pop_front();
-  return 0;
-}
-
-int VideoDevice::start() {
-  if (buffers_.empty()) return -EINVAL;
-  if (forgets_controls_at_start) {
-    controls[V4L2_CID_EXPOSURE_AUTO].value = V4L2_EXPOSURE_APERTURE_PRIORITY;
-    controls[V4L2_CID_EXPOSURE_ABSOLUTE].value = 250;
-  }
-  streaming_ = true;
-  started_ = kernel()->now();
-  next_sequence_ = 0;
-  return 0;
-}
-
-int VideoDevice::stop() {
-  streaming_ = false;
-  queue_.clear();
-  done_.clear();
-  for (const auto& buffer : buffers_) buffer->owner = Owner::kUser;
-  return 0;
-}
-
 int VideoDevice::query(v4l2_queryctrl& control) const {
-  const auto found = controls.find(control.id);
+  const bool next = (control.id & V4L2_CTRL_FLAG_NEXT_CTRL) != 0;
+  const std::uint32_t id = control.id & ~V4L2_CTRL_FLAG_NEXT_CTRL;
+  const auto found = next ? controls.upper_bound(id) : controls.find(id);
   if (found == controls.end()) return -EINVAL;
-  control.minimum = found->second.low;
-  control.maximum = found->second.high;
-  control.step = found->second.step;
-  control.flags = found->second.flags;
+  const V4l2Control& own = found->second;
+  control = {};
+  control.id = found->first;
+  control.type = own.type;
+  copy_text(control.name, own.name);
+  control.minimum = own.low;
+  control.maximum = own.high;
+  control.step = own.step;
+  control.default_value = own.low;
+  control.flags = own.flags;
   return 0;
 }
 
@@ -304,51 +289,6 @@ int VideoDevice::get(v4l2_control& control) {
   ++found->second.reads;
   control.value = found->second.value;
   return 0;
-}
-
-short VideoDevice::events() {
-  run();
-  if (gone_) return POLLERR | POLLHUP;
-  if (!streaming_) return POLLERR;
-  return static_cast<short>(!done_.empty() || false_alarms > 0 ? POLLIN | POLLRDNORM : 0);
-}
-
-Instant VideoDevice::next_event() { return streaming_ && !gone_ ? ready(next_sequence_) : Instant::max(); }
-
-/// Lets everything happen that is due.
-void VideoDevice::run() {
-  while (streaming_ && !gone_ && ready(next_sequence_) <= kernel()->now()) {
-    if (gone_at_frame >= 0 && next_sequence_ >= static_cast<std::uint32_t>(gone_at_frame)) {
-      gone_ = true;
-      return;
-    }
-    fill(next_sequence_++);
-  }
-}
-
-void VideoDevice::fill(std::uint32_t sequence) {
-  const auto found = frame_faults.find(sequence);
-  const V4l2FrameFault fault = found == frame_faults.end() ? V4l2FrameFault{} : found->second;
-  if (queue_.empty() || fault.dropped) return;  // a frame without a buffer is lost
-  const std::uint32_t index = queue_.front();
-  queue_.pop_front();
-  Buffer& own = *buffers_[index];
-  std::memcpy(own.memory.data(), &sequence, sizeof sequence);
-  own.memory.back() = static_cast<std::uint8_t>(sequence);
-  v4l2_buffer& buffer = own.filled;
-  buffer = {};
-  buffer.index = index;
-  buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  buffer.memory = V4L2_MEMORY_MMAP;
-  buffer.bytesused = fault.bytes >= 0 ? static_cast<std::uint32_t>(fault.bytes) : picture_.sizeimage;
-  buffer.flags = stamp_flags | (fault.damaged ? V4L2_BUF_FLAG_ERROR : 0u);
-  buffer.sequence = fault.sequence >= 0 ? static_cast<std::uint32_t>(fault.sequence) : sequence;
-  const bool start = (stamp_flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
-  const Instant stamp = (start ? start_of_exposure(sequence) : ready(sequence)) + fault.stamp_shift;
-  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(stamp.time_since_epoch()).count();
-  buffer.timestamp = {us / 1000000, us % 1000000};
-  own.owner = Owner::kDone;
-  done_.push_back(index);
 }
 
 }  // namespace touchline::fake

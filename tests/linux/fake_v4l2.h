@@ -2,6 +2,7 @@
 
 #include <linux/videodev2.h>
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -25,16 +26,33 @@ struct V4l2Control {
   int set_error = 0;      // refuses
   bool stubborn = false;  // accepts, and keeps its value
   std::uint32_t flags = 0;
+  std::uint32_t type = V4L2_CTRL_TYPE_INTEGER;
+  std::string name = "Control";
+  std::vector<std::string> menu{};  // "": a gap
   int reads = 0, writes = 0;
 };
 
 /// What goes wrong with one frame, by the driver's count.
 struct V4l2FrameFault {
   bool damaged = false;
-  bool dropped = false;     // lost before it had a buffer
-  std::int64_t bytes = -1;  // -1: all
+  bool dropped = false;        // lost before it had a buffer
+  std::int64_t bytes = -1;     // -1: all; of the last piece of memory
+  std::int64_t wrong_at = -1;  // this byte of a JPEG is another
   Duration stamp_shift{};
   std::int64_t sequence = -1;  // counted as this instead
+};
+
+/// One piece of a buffer's memory, shared: it may be mapped by somebody else, and says whether the processor may read.
+class DmaBuf final : public File {
+ public:
+  explicit DmaBuf(std::vector<std::string>& breaches) : breaches_(breaches) {}
+  int ioctl(unsigned long request, void* argument) override;
+  void close() override { open = false; }
+  bool open = true, readable = false;
+  int interruptions = 0;  // so often EAGAIN
+
+ private:
+  std::vector<std::string>& breaches_;
 };
 
 /// A camera that behaves as the kernel's videobuf2 does: buffers queued, filled in time, dequeued in order; formats
@@ -50,6 +68,10 @@ class VideoDevice final : public File {
   std::vector<V4l2Format> formats;
   std::vector<int> rates_hz{30, 60};
   bool tells_rate = true;
+  bool exports = true;
+  std::uint32_t quantization = V4L2_QUANTIZATION_DEFAULT;
+  std::uint32_t plane_offset = 0;   // multi-planar: so many bytes precede the picture in each piece of memory
+  std::vector<std::uint8_t> jpeg;   // what frames of MJPG hold
   std::uint32_t padding_bytes = 0;  // of a row
   std::uint32_t field = V4L2_FIELD_NONE;
   std::uint32_t missing_bytes = 0;  // of a buffer
@@ -60,8 +82,10 @@ class VideoDevice final : public File {
 
   // What goes wrong.
   std::map<std::uint32_t, V4l2FrameFault> frame_faults;
-  std::int64_t gone_at_frame = -1;  // unplugged when this one is due
+  std::int64_t gone_at_frame = -1;    // unplugged when this one is due
+  std::int64_t stalls_at_frame = -1;  // from this one on nothing comes, until the stream is begun anew
   bool maps = true;
+  int sync_interruptions = 0;
   int false_alarms = 0;  // so often poll() says ready and nothing is
   void plug_out() { gone_ = true; }
   /// The `after`-th next request of the kind fails, `times` times.
@@ -73,6 +97,10 @@ class VideoDevice final : public File {
   [[nodiscard]] Instant start_of_exposure(std::uint32_t sequence) const;
   [[nodiscard]] std::size_t queued() const { return queue_.size(); }
   [[nodiscard]] std::size_t mapped() const;
+  /// Buffers that the processor may read by their dma-bufs' account, and dma-bufs that are open.
+  [[nodiscard]] std::size_t readable() const;
+  [[nodiscard]] std::size_t exported() const;
+  [[nodiscard]] bool cached_memory_asked() const { return cached_memory_asked_; }
   [[nodiscard]] bool streaming() const { return streaming_; }
   [[nodiscard]] int requests(unsigned long request) const;
   [[nodiscard]] const std::vector<std::string>& breaches() const { return breaches_; }
@@ -88,11 +116,22 @@ class VideoDevice final : public File {
 
  private:
   enum class Owner : std::uint8_t { kUser, kQueued, kDone };
-  struct Buffer {
+  struct Plane {
     std::vector<std::uint8_t> memory;
-    Owner owner = Owner::kUser;
     bool mapped = false;
+    std::unique_ptr<DmaBuf> shared;
+    v4l2_plane filled{};
+  };
+  struct Buffer {
+    std::array<Plane, 2> plane;
+    Owner owner = Owner::kUser;
     v4l2_buffer filled{};
+  };
+  /// What both interfaces say of the format in force.
+  struct Picture {
+    std::uint32_t fourcc = 0, width = 0, height = 0;
+    std::size_t planes = 1;
+    std::array<std::uint32_t, 2> stride_bytes{}, bytes{};
   };
   struct Failure {
     int error = 0, after = 0, times = 0;
@@ -102,10 +141,17 @@ class VideoDevice final : public File {
   int query(v4l2_capability& capability) const;
   int enumerate(v4l2_fmtdesc& format) const;
   int enumerate(v4l2_frmsizeenum& size) const;
+  int enumerate(v4l2_frmivalenum& interval) const;
+  int enumerate(v4l2_querymenu& item) const;
+  [[nodiscard]] bool multi_planar() const { return (capabilities & V4L2_CAP_VIDEO_CAPTURE) == 0; }
+  [[nodiscard]] bool is_own(std::uint32_t type) const;
+  void choose(std::uint32_t fourcc, std::uint32_t width, std::uint32_t height);
   int set_format(v4l2_format& format);
   int set_rate(v4l2_streamparm& parameter);
   int request_buffers(v4l2_requestbuffers& request);
   int query_buffer(v4l2_buffer& buffer) const;
+  int export_buffer(v4l2_exportbuffer& request);
+  [[nodiscard]] bool is_addressed(const v4l2_buffer& buffer) const;
   int queue(v4l2_buffer& buffer);
   int dequeue(v4l2_buffer& buffer);
   int start();
@@ -118,11 +164,11 @@ class VideoDevice final : public File {
   [[nodiscard]] Duration period() const { return from_seconds(1.0 / rate_hz_); }
   [[nodiscard]] Instant ready(std::uint32_t sequence) const;
 
-  v4l2_pix_format picture_{};
+  Picture picture_;
   int rate_hz_ = 30;
   std::vector<std::unique_ptr<Buffer>> buffers_;
   std::deque<std::uint32_t> queue_, done_;
-  bool streaming_ = false, gone_ = false;
+  bool streaming_ = false, gone_ = false, cached_memory_asked_ = false;
   int open_count_ = 0;
   Instant started_{};
   std::uint32_t next_sequence_ = 0;

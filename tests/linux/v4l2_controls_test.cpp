@@ -13,6 +13,7 @@ using hal::V4l2Camera;
 CameraSettings untouched(CameraSettings settings) {
   settings.exposure_us = settings.gain = settings.white_balance_k = 0;
   settings.power_line = PowerLine::kLeave;
+  settings.focus = hal::kFocusLeave;
   return settings;
 }
 
@@ -22,7 +23,10 @@ TEST_F(V4l2ControlsTest, FixesAllThatIsAskedAndReadsItBack) {
   asked.gain = 30;
   asked.white_balance_k = 4600;
   asked.power_line = PowerLine::k50Hz;
+  asked.focus = 0;
   device_.controls[V4L2_CID_AUTOGAIN] = {0, 1, 1, 1};
+  device_.controls[V4L2_CID_FOCUS_AUTO] = {0, 1, 1, 1};
+  device_.controls[V4L2_CID_FOCUS_ABSOLUTE] = {0, 250, 5, 30};
   expect_grants(asked, "");
   const auto value = [&](std::uint32_t id) { return device_.controls.at(id).value; };
   EXPECT_EQ(value(V4L2_CID_EXPOSURE_AUTO), V4L2_EXPOSURE_MANUAL);
@@ -32,6 +36,8 @@ TEST_F(V4l2ControlsTest, FixesAllThatIsAskedAndReadsItBack) {
   EXPECT_EQ(value(V4L2_CID_GAIN), 30);
   EXPECT_EQ(value(V4L2_CID_AUTO_WHITE_BALANCE), 0);
   EXPECT_EQ(value(V4L2_CID_WHITE_BALANCE_TEMPERATURE), 4600);
+  EXPECT_EQ(value(V4L2_CID_FOCUS_AUTO), 0);
+  EXPECT_EQ(value(V4L2_CID_FOCUS_ABSOLUTE), 0);
   EXPECT_EQ(value(V4L2_CID_POWER_LINE_FREQUENCY), V4L2_CID_POWER_LINE_FREQUENCY_50HZ);
   for (const auto& [id, control] : device_.controls) EXPECT_GE(control.reads, control.writes) << id;
 }
@@ -46,10 +52,13 @@ TEST_F(V4l2ControlsTest, ValuesOutsideTheRangeAreClampedAndReported) {
   asked.exposure_us = 300000;
   asked.gain = 1000;
   asked.white_balance_k = 4604;
+  asked.focus = 12;
+  device_.controls[V4L2_CID_FOCUS_ABSOLUTE] = {0, 250, 5, 30};
   expect_grants(
       asked,
       "/dev/video0: exposure_us = 300000: granted 204700 (range 300 to 204700, step 100); gain = 1000: granted "
-      "255 (range 0 to 255, step 1); white_balance_k = 4604: granted 4600 (range 2000 to 6500, step 10)");
+      "255 (range 0 to 255, step 1); white_balance_k = 4604: granted 4600 (range 2000 to 6500, step 10); "
+      "focus = 12: granted 10 (range 0 to 250, step 5)");
 }
 
 TEST_F(V4l2ControlsTest, ARangeThatDoesNotEndOnAStepIsUsedToItsLastStep) {
@@ -69,11 +78,13 @@ TEST_F(V4l2ControlsTest, LackingControlsAreNamed) {
   CameraSettings asked = settings();
   asked.gain = 10;
   asked.power_line = PowerLine::k60Hz;
+  asked.focus = 0;
   device_.controls.clear();
   expect_grants(asked,
                 "/dev/video0: power_line = 60hz: the camera has no such control; exposure_us = 5000: the camera has no "
                 "such control; gain = 10: the camera has no such control; white_balance_k = 4600: the camera has no "
-                "such control");
+                "such control; focus = 0: the camera has no such "
+                "control");
   asked = untouched(asked);
   asked.power_line = PowerLine::kOff;
   expect_grants(asked, "");

@@ -71,6 +71,64 @@ TEST_F(V4l2FaultTest, PluggedOutAndInAgain) {
   EXPECT_EQ(again.mapped(), 0u);
 }
 
+TEST_F(V4l2FaultTest, PluggedInAgainUnderAnotherNumberItIsFoundByItsSocket) {
+  constexpr const char* kByPath = "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0";
+  kernel_.link(kByPath, "/dev/video0");
+  for (const char* const named : {kByPath, "/dev/video0"}) {
+    fake::VideoDevice before, after, other;
+    kernel_.add("/dev/video0", before);
+    kernel_.link(kByPath, "/dev/video0");
+    before.gone_at_frame = 1;
+    hal::CameraSettings asked = settings();
+    asked.device = named;
+    begin(asked);
+    expect_frame(*camera_, 0);
+    EXPECT_EQ(camera_->wait(soon()).error(), ErrorCode::kDisconnected);
+    camera_->close();
+    kernel_.unlink(kByPath);
+    kernel_.remove("/dev/video0");
+    EXPECT_EQ(camera_->open().code(), ErrorCode::kNotFound) << named;
+
+    kernel_.add("/dev/video0", other);  // somebody else's camera takes the number
+    kernel_.add("/dev/video3", after);
+    kernel_.link(kByPath, "/dev/video3");
+    ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
+    ASSERT_TRUE(camera_->start().ok());
+    EXPECT_TRUE(after.streaming()) << named;
+    EXPECT_EQ(other.mapped(), 0u) << named;
+    expect_frame(*camera_, 0);
+    camera_.reset();
+    kernel_.remove("/dev/video3");
+  }
+  kernel_.add("/dev/video0", device_);
+}
+
+TEST_F(V4l2FaultTest, InAnotherSocketTheNumberIsWhatCounts) {
+  constexpr const char* kByPath = "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0";
+  kernel_.link(kByPath, "/dev/video0");
+  begin();
+  camera_->stop();
+  camera_->close();
+  kernel_.unlink(kByPath);
+  kernel_.link("/dev/v4l/by-path/pci-0000:00:14.0-usb-0:2:1.0-video-index0", "/dev/video0");
+  ASSERT_TRUE(camera_->open().ok());
+  ASSERT_TRUE(camera_->start().ok());
+  expect_frame(*camera_, 0);
+}
+
+TEST_F(V4l2FaultTest, AStreamThatStallsSaysNothingUntilItIsOpenedAgain) {
+  device_.stalls_at_frame = 3;
+  begin();
+  for (std::uint32_t i = 0; i < 3; ++i) expect_frame(*camera_, i);
+  for (int i = 0; i < 10; ++i) expect_loss(*camera_, ErrorCode::kTimeout, "/dev/video0: no frame before the deadline");
+  device_.stalls_at_frame = -1;
+  camera_->stop();  // as the loop does after camera_timeout_s
+  camera_->close();
+  ASSERT_TRUE(camera_->open().ok());
+  ASSERT_TRUE(camera_->start().ok());
+  expect_frame(*camera_, 0);
+}
+
 TEST_F(V4l2FaultTest, PluggedOutWhileAFrameIsLent) {
   begin();
   {

@@ -6,6 +6,7 @@ namespace touchline::testing {
 namespace {
 
 using V4l2OpenTest = V4l2Test;
+using hal::CameraFormat;
 using hal::CameraSettings;
 using hal::V4l2Camera;
 
@@ -18,6 +19,10 @@ TEST_F(V4l2OpenTest, GrantsWhatIsAskedAndHasNothingToSay) {
   EXPECT_EQ(camera.info().height_px, 480);
   EXPECT_DOUBLE_EQ(camera.info().rate_hz, 60.0);
   EXPECT_EQ(device_.mapped(), 4u);
+  EXPECT_EQ(
+      camera.info().granted,
+      "/dev/video0 (Fake Camera, usb-0000:00:14.0-1): yuyv 640x480 at 60 Hz, 4 buffers mapped and shared as "
+      "dma-bufs, stamps of the start of exposure, exposure 5000 us, gain 64, white balance 4600 K, power line 60 Hz");
   camera.close();
   EXPECT_EQ(device_.mapped(), 0u);
   EXPECT_EQ(kernel_.open_files(), 0u);
@@ -28,7 +33,7 @@ TEST_F(V4l2OpenTest, OpensAgainAfterCloseAndWithoutClose) {
   for (int i = 0; i < 3; ++i) {
     ASSERT_TRUE(camera.open().ok()) << camera.reason();
     ASSERT_TRUE(camera.open().ok()) << camera.reason();
-    EXPECT_EQ(kernel_.open_files(), 1u);
+    EXPECT_EQ(kernel_.open_files(), 1u + 4u) << "and a dma-buf a buffer";
     camera.close();
   }
 }
@@ -50,7 +55,7 @@ TEST_F(V4l2OpenTest, MissingDeviceListsTheCamerasThatAreHere) {
   expect_refusal(settings(), ErrorCode::kNotFound,
                  "/dev/video0: no such device; cameras here: /dev/video2 (HD Webcam, usb-0000:00:14.0-4) = "
                  "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:4:1.0-video-index0, "
-                 "/dev/video12 (Fake Camera, usb-0000:00:14.0-1)");
+                 "/dev/video11 (Fake Camera, usb-0000:00:14.0-1), /dev/video12 (Fake Camera, usb-0000:00:14.0-1)");
 }
 
 TEST_F(V4l2OpenTest, OpensByItsStableName) {
@@ -62,6 +67,39 @@ TEST_F(V4l2OpenTest, OpensByItsStableName) {
       std::string(kByPath) + ": no such device; cameras here: /dev/video0 (Fake Camera, usb-0000:00:14.0-1)");
   kernel_.link(kByPath, "/dev/video0");
   expect_grants(asked, "");
+}
+
+TEST_F(V4l2OpenTest, ANumberIsPointedOutWhereALinkWouldStay) {
+  kernel_.link("/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0", "/dev/video0");
+  kernel_.link("/dev/goal-camera", "/dev/video0");
+  expect_grants(settings(),
+                "/dev/video0: device = \"/dev/video0\": a number, which the order of plugging in decides; "
+                "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0 is the same camera");
+  CameraSettings asked = settings();
+  asked.device = "/dev/goal-camera";
+  expect_grants(asked, "");
+}
+
+TEST_F(V4l2OpenTest, WhatIsGrantedIsSaidAsItIs) {
+  device_.capabilities = V4L2_CAP_VIDEO_CAPTURE_MPLANE | V4L2_CAP_STREAMING;
+  device_.exports = false;
+  device_.tells_rate = false;
+  device_.stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_EOF;
+  device_.quantization = V4L2_QUANTIZATION_FULL_RANGE;
+  device_.controls[V4L2_CID_FOCUS_AUTO] = {0, 1, 1, 1};
+  device_.controls[V4L2_CID_FOCUS_ABSOLUTE] = {0, 250, 5, 0};
+  CameraSettings asked = settings();
+  asked.exposure_us = asked.white_balance_k = 0;
+  V4l2Camera camera(asked);
+  ASSERT_TRUE(camera.open().ok());
+  EXPECT_EQ(
+      camera.reason(),
+      "/dev/video0: rate_hz = 60: the driver does not tell its rate; YUV of full range: its darkest 16 levels are "
+      "taken for black");
+  EXPECT_EQ(
+      camera.info().granted,
+      "/dev/video0 (Fake Camera, usb-0000:00:14.0-1): yuyv 640x480, 4 buffers mapped (multi-planar), stamps of the "
+      "end of frame, exposure automatic, gain 64, white balance automatic, focus automatic, power line 60 Hz");
 }
 
 TEST_F(V4l2OpenTest, RefusedAccessSaysWhatToDo) {
@@ -86,11 +124,6 @@ TEST_F(V4l2OpenTest, DevicesThatAreNoCameras) {
   device_.capabilities = V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_STREAMING;
   expect_refusal(settings(), ErrorCode::kUnsupported,
                  "/dev/video0 (Fake Camera): does not capture video; cameras here: none");
-  device_.capabilities = V4L2_CAP_VIDEO_CAPTURE_MPLANE | V4L2_CAP_STREAMING;
-  expect_refusal(
-      settings(), ErrorCode::kUnsupported,
-      "/dev/video0 (Fake Camera): delivers pictures in several planes only (V4L2 multi-planar), which is not "
-      "supported; cameras here: none");
   device_.capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_READWRITE;
   expect_refusal(settings(), ErrorCode::kUnsupported,
                  "/dev/video0 (Fake Camera): cannot stream into mapped buffers; cameras here: none");
@@ -98,20 +131,20 @@ TEST_F(V4l2OpenTest, DevicesThatAreNoCameras) {
 
 TEST_F(V4l2OpenTest, AnotherFormatOrSizeIsRefusedWithTheListOfWhatThereIs) {
   CameraSettings asked = settings();
-  asked.format = PixelFormat::kUyvy;
+  asked.format = CameraFormat::kUyvy;
   expect_refusal(asked, ErrorCode::kUnsupported,
-                 "/dev/video0: no uyvy 640x480 but MJPG 640x480; it offers yuyv 640x480, 320x240; besides, MJPG, which "
-                 "cannot be read");
-  asked.format = PixelFormat::kYuyv;
+                 "/dev/video0: no uyvy 640x480 but mjpg 640x480; it offers mjpg 640x480, 1280x720; yuyv 640x480, "
+                 "320x240");
+  asked.format = CameraFormat::kYuyv;
   asked.width_px = 1280;
   asked.height_px = 720;
   expect_refusal(asked, ErrorCode::kUnsupported,
-                 "/dev/video0: no yuyv 1280x720 but yuyv 640x480; it offers yuyv 640x480, 320x240; besides, MJPG, "
-                 "which cannot be read");
+                 "/dev/video0: no yuyv 1280x720 but yuyv 640x480; it offers mjpg 640x480, 1280x720; yuyv "
+                 "640x480, 320x240");
   device_.formats = {{V4L2_PIX_FMT_NV12, {{32, 32}, {1920, 1080}}, true},
                      {V4L2_PIX_FMT_SBGGR10, {}, false},
                      {V4L2_PIX_FMT_H264, {}, false}};
-  asked.format = PixelFormat::kRgb24;
+  asked.format = CameraFormat::kRgb24;
   expect_refusal(asked, ErrorCode::kUnsupported,
                  "/dev/video0: no rgb24 1280x720 but nv12 1280x720; it offers nv12 32x32 to 1920x1080; besides, BG10, "
                  "H264, which cannot be read");

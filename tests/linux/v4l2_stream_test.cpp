@@ -8,6 +8,7 @@
 namespace touchline::testing {
 namespace {
 
+using hal::CameraFormat;
 using hal::CameraSettings;
 using hal::FrameLease;
 using hal::V4l2Camera;
@@ -15,7 +16,16 @@ using hal::V4l2Camera;
 constexpr Duration kExposure = std::chrono::milliseconds(5);
 constexpr Duration kMicrosecond = std::chrono::microseconds(1);  // V4L2's stamps have no finer one
 
-class V4l2StreamTest : public V4l2RunningTest {};
+class V4l2StreamTest : public V4l2RunningTest {
+ protected:
+  static CameraSettings small(CameraFormat format) {
+    CameraSettings asked = settings();
+    asked.format = format;
+    asked.width_px = 320;
+    asked.height_px = 240;
+    return asked;
+  }
+};
 
 std::uint32_t number_in(const Frame& frame) {
   std::uint32_t number = 0;
@@ -43,32 +53,31 @@ TEST_F(V4l2StreamTest, FramesComeInOrderFromTheDriversOwnMemory) {
 
 TEST_F(V4l2StreamTest, PlanesAndStridesOfAllFormats) {
   struct Case {
-    PixelFormat format;
+    CameraFormat format;
     std::uint32_t fourcc, bytes_per_pixel;
   };
-  constexpr std::array<Case, 5> kCases{{{PixelFormat::kRgb24, V4L2_PIX_FMT_RGB24, 3},
-                                        {PixelFormat::kBgr24, V4L2_PIX_FMT_BGR24, 3},
-                                        {PixelFormat::kYuyv, V4L2_PIX_FMT_YUYV, 2},
-                                        {PixelFormat::kUyvy, V4L2_PIX_FMT_UYVY, 2},
-                                        {PixelFormat::kNv12, V4L2_PIX_FMT_NV12, 1}}};
+  constexpr std::array<Case, 5> kCases{{{CameraFormat::kRgb24, V4L2_PIX_FMT_RGB24, 3},
+                                        {CameraFormat::kBgr24, V4L2_PIX_FMT_BGR24, 3},
+                                        {CameraFormat::kYuyv, V4L2_PIX_FMT_YUYV, 2},
+                                        {CameraFormat::kUyvy, V4L2_PIX_FMT_UYVY, 2},
+                                        {CameraFormat::kNv12, V4L2_PIX_FMT_NV12, 1}}};
   device_.padding_bytes = 24;
-  for (const Case& c : kCases) {
-    device_.formats = {{c.fourcc, {{320, 240}}, false}};
-    CameraSettings asked = settings();
-    asked.format = c.format;
-    asked.width_px = 320;
-    asked.height_px = 240;
-    begin(asked);
-    const Result<FrameLease> result = camera_->wait(soon());
-    ASSERT_TRUE(result.ok()) << camera_->reason();
-    const Frame& frame = result.value().frame();
-    EXPECT_EQ(frame.format, c.format);
-    EXPECT_EQ(frame.stride_bytes[0], 320 * c.bytes_per_pixel + 24);
-    if (c.format == PixelFormat::kNv12) {
-      EXPECT_EQ(frame.plane[1], frame.plane[0] + std::size_t{344} * 240);
-      EXPECT_EQ(frame.stride_bytes[1], 344u);
-    } else {
-      EXPECT_EQ(frame.plane[1], nullptr);
+  for (const unsigned interface : {V4L2_CAP_VIDEO_CAPTURE + 0u, V4L2_CAP_VIDEO_CAPTURE_MPLANE + 0u}) {
+    device_.capabilities = interface | V4L2_CAP_STREAMING;
+    for (const Case& c : kCases) {
+      device_.formats = {{c.fourcc, {{320, 240}}, false}};
+      begin(small(c.format));
+      const Result<FrameLease> result = camera_->wait(soon());
+      ASSERT_TRUE(result.ok()) << camera_->reason();
+      const Frame& frame = result.value().frame();
+      EXPECT_EQ(frame.format, hal::pixel_format(c.format));
+      EXPECT_EQ(frame.stride_bytes[0], 320 * c.bytes_per_pixel + 24);
+      if (c.format == CameraFormat::kNv12) {
+        EXPECT_EQ(frame.plane[1], frame.plane[0] + std::size_t{344} * 240);
+        EXPECT_EQ(frame.stride_bytes[1], 344u);
+      } else {
+        EXPECT_EQ(frame.plane[1], nullptr);
+      }
     }
   }
 }

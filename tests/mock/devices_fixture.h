@@ -17,7 +17,7 @@ class DevicesTest : public ::testing::Test {
   DevicesTest() {
     settings.width_px = 64;
     settings.height_px = 48;
-    settings.format = PixelFormat::kRgb24;
+    settings.format = CameraFormat::kRgb24;
     settings.rate_hz = 50.0;
     parameters.camera.focal_px = 56.0;
     parameters.camera.center_u_px = 32.0;

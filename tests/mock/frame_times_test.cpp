@@ -87,8 +87,10 @@ TEST_F(FrameTimes, CaptureTimeIsTheMiddleOfTheExposure) {
 }
 
 TEST_F(FrameTimes, InfoAndFrameSayWhatTheBoardAskedFor) {
-  for (const PixelFormat format : {PixelFormat::kRgb24, PixelFormat::kYuyv, PixelFormat::kNv12}) {
-    settings.format = format;
+  for (const CameraFormat asked :
+       {CameraFormat::kRgb24, CameraFormat::kYuyv, CameraFormat::kNv12, CameraFormat::kMjpg}) {
+    settings.format = asked;
+    const PixelFormat format = pixel_format(asked);
     start();
     EXPECT_EQ(camera->info().format, format);
     EXPECT_EQ(camera->info().rate_hz, 50.0);

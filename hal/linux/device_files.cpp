@@ -1,0 +1,29 @@
+#include "hal/linux/device_files.h"
+
+#include <glob.h>
+
+#include <algorithm>
+
+namespace touchline::hal {
+
+bool is_numbered(const std::string& file, const std::string& name) {
+  return file.size() > name.size() && file.compare(0, name.size(), name) == 0 &&
+         file.find_first_not_of("0123456789", name.size()) == std::string::npos;
+}
+
+std::vector<std::string> numbered_files(const std::string& name) {
+  std::vector<std::string> files;
+  glob_t found{};
+  if (::glob((name + "*").c_str(), 0, nullptr, &found) == 0) {
+    for (std::size_t i = 0; i < found.gl_pathc; ++i) {
+      if (is_numbered(found.gl_pathv[i], name)) files.emplace_back(found.gl_pathv[i]);
+    }
+  }
+  ::globfree(&found);
+  std::sort(files.begin(), files.end(), [](const std::string& a, const std::string& b) {
+    return a.size() != b.size() ? a.size() < b.size() : a < b;
+  });
+  return files;
+}
+
+}  // namespace touchline::hal

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace touchline::hal {
+
+/// "/dev/video" -> "/dev/video0", "/dev/video2", "/dev/video10": the files of this name and a number, by the number.
+std::vector<std::string> numbered_files(const std::string& name);
+
+/// Whether `file` is `name` and a number.
+bool is_numbered(const std::string& file, const std::string& name);
+
+}  // namespace touchline::hal

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace touchline::hal {
+
+/// Memory for pictures that are made of what a driver delivers, and which of it is lent out.
+class PictureSlots {
+ public:
+  /// Takes all memory at once; all slots are free.
+  void allocate(std::size_t count, std::size_t picture_bytes) {
+    picture_bytes_ = picture_bytes;
+    memory_.assign(count * picture_bytes, 0);
+    lent_.assign(count, false);
+  }
+  /// The first free one, so that who holds one picture at a time always gets memory that is in the caches.
+  [[nodiscard]] std::optional<std::size_t> take() {
+    const auto free = std::find(lent_.begin(), lent_.end(), false);
+    if (free == lent_.end()) return std::nullopt;
+    *free = true;
+    return static_cast<std::size_t>(free - lent_.begin());
+  }
+  void give_back(std::size_t slot) { lent_[slot] = false; }
+  void give_back_all() { std::fill(lent_.begin(), lent_.end(), false); }
+  [[nodiscard]] bool all_lent() const { return std::find(lent_.begin(), lent_.end(), false) == lent_.end(); }
+  [[nodiscard]] std::uint8_t* bytes(std::size_t slot) { return memory_.data() + slot * picture_bytes_; }
+
+ private:
+  std::vector<std::uint8_t> memory_;
+  std::size_t picture_bytes_ = 0;
+  std::vector<bool> lent_;
+};
+
+}  // namespace touchline::hal

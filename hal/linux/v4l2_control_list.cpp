@@ -1,0 +1,83 @@
+#include "hal/linux/v4l2_control_list.h"
+
+#include <linux/videodev2.h>
+
+#include <algorithm>
+
+namespace touchline::hal {
+namespace {
+
+// A driver that never says "no more" must not hold us: the kernel has some hundreds in all.
+constexpr int kMaxListed = 512;
+constexpr std::int64_t kMaxMenu = 64;
+
+const char* key_of(std::uint32_t id) {
+  switch (id) {
+    case V4L2_CID_EXPOSURE_AUTO:
+    case V4L2_CID_EXPOSURE_AUTO_PRIORITY:
+    case V4L2_CID_EXPOSURE_ABSOLUTE:
+      return "exposure_us";
+    case V4L2_CID_AUTOGAIN:
+    case V4L2_CID_GAIN:
+    case V4L2_CID_ANALOGUE_GAIN:
+      return "gain";
+    case V4L2_CID_AUTO_WHITE_BALANCE:
+    case V4L2_CID_WHITE_BALANCE_TEMPERATURE:
+      return "white_balance_k";
+    case V4L2_CID_FOCUS_AUTO:
+    case V4L2_CID_FOCUS_ABSOLUTE:
+      return "focus";
+    case V4L2_CID_POWER_LINE_FREQUENCY:
+      return "power_line";
+    default:
+      return "";
+  }
+}
+
+bool is_number(std::uint32_t type) {
+  return type == V4L2_CTRL_TYPE_INTEGER || type == V4L2_CTRL_TYPE_BOOLEAN || type == V4L2_CTRL_TYPE_MENU ||
+         type == V4L2_CTRL_TYPE_INTEGER_MENU || type == V4L2_CTRL_TYPE_BITMASK;
+}
+
+void list_menu(const V4l2Device& device, std::uint32_t type, V4l2ControlState& control) {
+  if (type != V4L2_CTRL_TYPE_MENU && type != V4L2_CTRL_TYPE_INTEGER_MENU) return;
+  const std::int64_t last = std::min(control.high, control.low + kMaxMenu - 1);
+  for (std::int64_t i = std::max<std::int64_t>(control.low, 0); i <= last; ++i) {
+    v4l2_querymenu item{};
+    item.id = control.id;
+    item.index = static_cast<std::uint32_t>(i);
+    if (device.request(VIDIOC_QUERYMENU, &item) != 0) continue;  // gaps are allowed
+    control.menu.emplace_back(
+        i, type == V4L2_CTRL_TYPE_MENU ? reinterpret_cast<const char*>(item.name) : std::to_string(item.value));
+  }
+}
+
+}  // namespace
+
+std::vector<V4l2ControlState> controls_of(const V4l2Device& device) {
+  std::vector<V4l2ControlState> controls;
+  v4l2_queryctrl query{};
+  for (int i = 0; i < kMaxListed; ++i) {
+    query.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
+    if (device.request(VIDIOC_QUERYCTRL, &query) != 0) break;
+    if ((query.flags & V4L2_CTRL_FLAG_DISABLED) != 0 || !is_number(query.type)) continue;
+    V4l2ControlState control;
+    control.id = query.id;
+    control.name = reinterpret_cast<const char*>(query.name);
+    control.key = key_of(query.id);
+    control.low = query.minimum;
+    control.high = query.maximum;
+    control.step = query.step;
+    control.normal = query.default_value;
+    control.inactive = (query.flags & V4L2_CTRL_FLAG_INACTIVE) != 0;
+    control.read_only = (query.flags & V4L2_CTRL_FLAG_READ_ONLY) != 0;
+    v4l2_control current{query.id, 0};
+    control.readable = (query.flags & V4L2_CTRL_FLAG_WRITE_ONLY) == 0 && device.request(VIDIOC_G_CTRL, &current) == 0;
+    control.value = current.value;
+    list_menu(device, query.type, control);
+    controls.push_back(std::move(control));
+  }
+  return controls;
+}
+
+}  // namespace touchline::hal

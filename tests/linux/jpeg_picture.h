@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace touchline::testing {
+
+/// How a camera may write its JPEG pictures.
+struct JpegStyle {
+  unsigned width = 320, height = 240;
+  int horizontal = 2, vertical = 1;  // pixels that share a chroma sample
+  bool gray = false, progressive = false;
+  bool with_huffman_tables = true;  // many cameras leave the usual ones out
+};
+
+/// A picture of four quarters: red, green, blue, white, all at full brightness; the corner's first 8 x 8 black.
+std::vector<std::uint8_t> jpeg_of(const JpegStyle& style = {});
+
+/// What the picture shows at a pixel, R, G, B.
+std::vector<int> color_at(const JpegStyle& style, unsigned u, unsigned v);
+
+}  // namespace touchline::testing

@@ -1,0 +1,204 @@
+#include <array>
+
+#include "hal/linux/mjpg_decoder.h"
+#include "tests/linux/driver_allocations.h"
+#include "tests/linux/jpeg_picture.h"
+#include "tests/linux/v4l2_fixture.h"
+
+namespace touchline::testing {
+namespace {
+
+using hal::CameraFormat;
+using hal::FrameLease;
+using hal::MjpgDecoder;
+
+class MjpgDecoderTest : public ::testing::Test {
+ protected:
+  void begin(const JpegStyle& style = {}) {
+    decoder_.open(static_cast<std::uint16_t>(style.width), static_cast<std::uint16_t>(style.height));
+    rgb_.assign(std::size_t{3} * style.width * style.height + kGuard, 77);
+  }
+  void expect_picture(const JpegStyle& style, const std::vector<std::uint8_t>& jpeg) {
+    ASSERT_TRUE(decoder_.decode(jpeg, rgb_.data()).ok()) << decoder_.reason();
+    for (const unsigned u : {3u, style.width / 4, style.width - 4}) {
+      for (const unsigned v : {3u, style.height / 4, style.height - 4}) {
+        const std::vector<int> color = color_at(style, u, v);
+        for (std::size_t c = 0; c < 3; ++c) {
+          EXPECT_NEAR(rgb_[3 * (v * style.width + u) + c], color[c], 6) << u << ", " << v << ", " << c;
+        }
+      }
+    }
+    for (std::size_t i = rgb_.size() - kGuard; i < rgb_.size(); ++i) ASSERT_EQ(rgb_[i], 77) << "beyond the picture";
+  }
+  void expect_damage(const std::vector<std::uint8_t>& jpeg, const std::string& reason) {
+    EXPECT_EQ(decoder_.decode(jpeg, rgb_.data()).code(), ErrorCode::kCorruptFrame);
+    EXPECT_EQ(decoder_.reason(), reason);
+  }
+
+  static constexpr std::size_t kGuard = 64;
+  MjpgDecoder decoder_;
+  std::vector<std::uint8_t> rgb_;
+};
+
+TEST_F(MjpgDecoderTest, ReadsWhatCamerasWriteInFullRange) {
+  const std::array<JpegStyle, 8> styles{{{},
+                                         {.horizontal = 2, .vertical = 2},
+                                         {.horizontal = 1, .vertical = 1},
+                                         {.horizontal = 1, .vertical = 2},
+                                         {.horizontal = 4, .vertical = 1},
+                                         {.gray = true},
+                                         {.with_huffman_tables = false},
+                                         {.width = 157, .height = 101, .horizontal = 2, .vertical = 2}}};
+  for (const JpegStyle& style : styles) {
+    begin(style);
+    expect_picture(style, jpeg_of(style));
+    expect_picture(style, jpeg_of(style));
+  }
+}
+
+TEST_F(MjpgDecoderTest, LargestPictureHasRoom) {
+  const JpegStyle style{.width = kMaxFrameWidth, .height = 64, .horizontal = 1, .vertical = 1};
+  begin(style);
+  expect_picture(style, jpeg_of(style));
+}
+
+TEST_F(MjpgDecoderTest, DamageIsNamedAndTheNextPictureIsGood) {
+  begin();
+  const JpegStyle style;
+  const std::vector<std::uint8_t> good = jpeg_of();
+  std::vector<std::uint8_t> half(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(good.size() / 2));
+  expect_damage(half, "Premature end of JPEG file");
+  expect_picture(style, good);
+  std::vector<std::uint8_t> bad = good;
+  for (std::size_t i = good.size() / 2; i < good.size() / 2 + 40; ++i) bad[i] = 0xff;  // markers in the middle
+  EXPECT_EQ(decoder_.decode(bad, rgb_.data()).code(), ErrorCode::kCorruptFrame);
+  expect_picture(style, good);
+  expect_damage({}, "Empty input file");
+  expect_damage(std::vector<std::uint8_t>(1000, 0), "Not a JPEG file: starts with 0x00 0x00");
+  expect_damage(jpeg_of({.width = 640, .height = 480}), "it is 640x480");
+  expect_damage(jpeg_of({.progressive = true}), "no baseline JPEG of one scan");
+  expect_picture(style, good);
+}
+
+TEST_F(MjpgDecoderTest, StrayBytesThatManyCamerasLeaveAreNoDamage) {
+  begin();
+  std::vector<std::uint8_t> jpeg = jpeg_of();
+  jpeg.insert(jpeg.end() - 2, {0x00, 0x12});  // before the last marker
+  jpeg.insert(jpeg.end(), 1000, 0x00);        // and after it
+  expect_picture({}, jpeg);
+}
+
+// Whatever comes over the wire, nothing is written or read where it must not be (the sanitizers watch), and the next
+// picture is good.
+TEST_F(MjpgDecoderTest, AnySingleWrongByteIsSurvived) {
+  JpegStyle style{.width = 64, .height = 48, .horizontal = 2, .vertical = 2};
+  begin(style);
+  const std::vector<std::uint8_t> good = jpeg_of(style);
+  int damaged = 0;
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    for (const unsigned change : {0xffu, 0x10u}) {
+      std::vector<std::uint8_t> bad = good;
+      bad[i] = static_cast<std::uint8_t>(bad[i] ^ change);
+      damaged += decoder_.decode(bad, rgb_.data()).ok() ? 0 : 1;
+    }
+  }
+  EXPECT_GT(damaged, 200);
+  style.with_huffman_tables = false;
+  expect_damage({}, "Empty input file");
+  expect_picture(style, jpeg_of(style));
+  expect_picture(style, good);
+}
+
+class MjpgCameraTest : public V4l2RunningTest {
+ protected:
+  MjpgCameraTest() {
+    device_.formats = {{V4L2_PIX_FMT_MJPEG, {{320, 240}}, false}};
+    device_.jpeg = jpeg_of();
+  }
+  static hal::CameraSettings asked() {
+    hal::CameraSettings asked = settings();
+    asked.format = CameraFormat::kMjpg;
+    asked.width_px = 320;
+    asked.height_px = 240;
+    return asked;
+  }
+};
+
+TEST_F(MjpgCameraTest, FramesAreRgbAndTheDriverHasItsBufferBackAtOnce) {
+  for (const unsigned interface : {V4L2_CAP_VIDEO_CAPTURE + 0u, V4L2_CAP_VIDEO_CAPTURE_MPLANE + 0u}) {
+    device_.capabilities = interface | V4L2_CAP_STREAMING;
+    begin(asked());
+    EXPECT_EQ(camera_->info().format, PixelFormat::kRgb24);
+    const Result<FrameLease> result = camera_->wait(soon());
+    ASSERT_TRUE(result.ok()) << camera_->reason();
+    EXPECT_EQ(device_.queued(), 4u);
+    EXPECT_EQ(device_.readable(), 0u);
+    const Frame& frame = result.value().frame();
+    EXPECT_EQ(frame.format, PixelFormat::kRgb24);
+    EXPECT_EQ(frame.stride_bytes[0], 960u);
+    EXPECT_NEAR(frame.plane[0][960 * 100 + 3 * 100], 255, 4);  // red
+    EXPECT_NEAR(frame.plane[0][960 * 100 + 3 * 100 + 1], 0, 4);
+    EXPECT_EQ(result.value().dma_bufs(), hal::kNotShared) << "our own memory";
+  }
+}
+
+TEST_F(MjpgCameraTest, ADamagedPictureIsLostAndTheNextIsGood) {
+  device_.frame_faults[1].bytes = static_cast<std::int64_t>(device_.jpeg.size() / 2);
+  device_.frame_faults[2].bytes = 0;
+  device_.frame_faults[3].wrong_at = 0;
+  device_.frame_faults[4].damaged = true;
+  begin(asked());
+  expect_frame(*camera_, 0);
+  expect_loss(*camera_, ErrorCode::kCorruptFrame, "/dev/video0: frame 1 cannot be decoded: Premature end of JPEG file");
+  expect_loss(*camera_, ErrorCode::kShortFrame, "/dev/video0: frame 2 has 0 bytes instead of 1");
+  expect_loss(*camera_, ErrorCode::kCorruptFrame,
+              "/dev/video0: frame 3 cannot be decoded: Not a JPEG file: starts with 0xaa 0xd8");
+  expect_loss(*camera_, ErrorCode::kCorruptFrame, "/dev/video0: the driver marks frame 4 as damaged");
+  for (std::uint32_t i = 5; i < 12; ++i) expect_frame(*camera_, i);
+  EXPECT_EQ(camera_->counters().corrupt, 3u);
+  EXPECT_EQ(camera_->counters().short_frames, 1u);
+  EXPECT_EQ(camera_->counters().lost, 0u);
+}
+
+TEST_F(MjpgCameraTest, AllPicturesLentOutTimesOutAndRecovers) {
+  begin(asked());
+  std::vector<FrameLease> leases;
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    Result<FrameLease> frame = camera_->wait(soon());
+    ASSERT_TRUE(frame.ok());
+    for (const FrameLease& other : leases) EXPECT_NE(other.frame().plane[0], frame.value().frame().plane[0]);
+    leases.push_back(std::move(frame).value());
+  }
+  const Instant deadline = soon();
+  EXPECT_EQ(camera_->wait(deadline).error(), ErrorCode::kTimeout);
+  EXPECT_EQ(camera_->reason(), "/dev/video0: no frame can come: all 4 buffers are lent out");
+  EXPECT_GE(kernel_.now(), deadline);
+  const std::uint8_t* const first = leases[0].frame().plane[0];
+  leases.clear();
+  const Result<FrameLease> next = camera_->wait(soon());
+  ASSERT_TRUE(next.ok());
+  EXPECT_EQ(next.value().frame().plane[0], first) << "memory that is in the caches";
+}
+
+TEST_F(MjpgCameraTest, AllocatesNothingWhilePicturesAndDamageFlow) {
+  if (!DriverAllocations::are_counted()) GTEST_SKIP() << "the sanitizer has the allocator";
+  for (std::uint32_t i = 0; i < 100; i += 10) {
+    device_.frame_faults[i + 1].bytes = static_cast<std::int64_t>(device_.jpeg.size() / 2);
+    device_.frame_faults[i + 3].wrong_at = 0;
+  }
+  begin(asked());
+  const DriverAllocations counter;
+  int good = 0, corrupt = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Result<FrameLease> frame = camera_->wait(soon());
+    good += frame.ok() ? 1 : 0;
+    corrupt += frame.error() == ErrorCode::kCorruptFrame ? 1 : 0;
+  }
+  const std::uint64_t allocations = counter.count();
+  EXPECT_EQ(allocations, 0u);
+  EXPECT_EQ(good, 80);
+  EXPECT_EQ(corrupt, 20);
+}
+
+}  // namespace
+}  // namespace touchline::testing

@@ -1,0 +1,130 @@
+// Pictures in several pieces of memory, and memory that is shared with other devices.
+#include <cerrno>
+#include <cstring>
+
+#include "tests/linux/v4l2_fixture.h"
+
+namespace touchline::testing {
+namespace {
+
+using hal::CameraFormat;
+using hal::FrameLease;
+using hal::V4l2Camera;
+
+class V4l2MemoryTest : public V4l2RunningTest {
+ protected:
+  V4l2MemoryTest() {
+    device_.capabilities = V4L2_CAP_VIDEO_CAPTURE_MPLANE | V4L2_CAP_STREAMING;
+    device_.formats = {{V4L2_PIX_FMT_NV12M, {{320, 240}}, false}};
+  }
+  static hal::CameraSettings nv12() {
+    hal::CameraSettings asked = settings();
+    asked.format = CameraFormat::kNv12;
+    asked.width_px = 320;
+    asked.height_px = 240;
+    return asked;
+  }
+};
+
+TEST_F(V4l2MemoryTest, Nv12InTwoPiecesOfMemory) {
+  device_.padding_bytes = 16;
+  device_.plane_offset = 128;
+  begin(nv12());
+  EXPECT_EQ(device_.exported(), 8u);
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    const Result<FrameLease> result = camera_->wait(soon());
+    ASSERT_TRUE(result.ok()) << camera_->reason();
+    const Frame& frame = result.value().frame();
+    EXPECT_EQ(frame.format, PixelFormat::kNv12);
+    EXPECT_EQ(frame.stride_bytes[0], 336u);
+    EXPECT_EQ(frame.stride_bytes[1], 336u);
+    for (const std::uint8_t* const plane : frame.plane) {
+      std::uint32_t number = 99;
+      std::memcpy(&number, plane, sizeof number);
+      EXPECT_EQ(number, i);
+    }
+    EXPECT_EQ(frame.plane[0][336 * 240 - 1], i);
+    EXPECT_EQ(frame.plane[1][336 * 120 - 1], i);
+    EXPECT_GE(result.value().dma_bufs()[0], 0);
+    EXPECT_GE(result.value().dma_bufs()[1], 0);
+    EXPECT_NE(result.value().dma_bufs()[0], result.value().dma_bufs()[1]);
+  }
+}
+
+TEST_F(V4l2MemoryTest, Nv12InOnePieceIsTakenWhereThereAreBoth) {
+  device_.formats.push_back({V4L2_PIX_FMT_NV12, {{320, 240}}, false});
+  begin(nv12());
+  EXPECT_EQ(device_.exported(), 4u);
+  const Result<FrameLease> result = camera_->wait(soon());
+  ASSERT_TRUE(result.ok());
+  const Frame& frame = result.value().frame();
+  EXPECT_EQ(frame.plane[1], frame.plane[0] + 320 * 240);
+  EXPECT_EQ(result.value().dma_bufs()[1], -1);
+}
+
+TEST_F(V4l2MemoryTest, BothInterfacesMeansTheOneForOnePiece) {
+  device_.capabilities |= V4L2_CAP_VIDEO_CAPTURE;
+  device_.formats = {{V4L2_PIX_FMT_YUYV, {{640, 480}}, false}};
+  begin();
+  expect_frame(*camera_, 0);
+}
+
+TEST_F(V4l2MemoryTest, ShortInItsSecondPieceIsShort) {
+  device_.frame_faults[1].bytes = 320 * 120 - 1;
+  begin(nv12());
+  expect_frame(*camera_, 0);
+  expect_loss(*camera_, ErrorCode::kShortFrame, "/dev/video0: frame 1 has 38399 bytes instead of 38400");
+  expect_frame(*camera_, 2);
+}
+
+TEST_F(V4l2MemoryTest, OtherFormatsAreRefusedWithTheList) {
+  hal::CameraSettings asked = nv12();
+  asked.format = CameraFormat::kYuyv;
+  expect_refusal(asked, ErrorCode::kUnsupported,
+                 "/dev/video0: no yuyv 320x240 but nv12 320x240; it offers nv12 320x240");
+}
+
+TEST_F(V4l2MemoryTest, MemoryIsCachedAndSynchronizedWhileItIsRead) {
+  device_.sync_interruptions = 3;
+  begin(nv12());
+  EXPECT_TRUE(device_.cached_memory_asked());
+  EXPECT_EQ(device_.readable(), 0u);
+  {
+    Result<FrameLease> first = camera_->wait(soon()), second = camera_->wait(soon());
+    ASSERT_TRUE(first.ok() && second.ok());
+    EXPECT_EQ(device_.readable(), 2u);
+    const FrameLease moved = std::move(first).value();
+    EXPECT_NE(moved.dma_bufs(), hal::kNotShared);
+    EXPECT_EQ(device_.readable(), 2u);
+  }
+  EXPECT_EQ(device_.readable(), 0u);
+  camera_->close();
+  EXPECT_EQ(kernel_.open_files(), 0u);
+}
+
+TEST_F(V4l2MemoryTest, ADriverThatDoesNotExportStreamsAllTheSame) {
+  device_.exports = false;
+  begin(nv12());
+  expect_frame(*camera_, 0);
+  const Result<FrameLease> frame = camera_->wait(soon());
+  ASSERT_TRUE(frame.ok());
+  EXPECT_EQ(frame.value().dma_bufs(), hal::kNotShared);
+  EXPECT_EQ(camera_->info().granted.find("dma-buf"), std::string::npos);
+}
+
+TEST_F(V4l2MemoryTest, AnExportThatFailsHalfwayLeavesNoFileOpen) {
+  device_.fail(VIDIOC_EXPBUF, ENOMEM, 5);
+  begin(nv12());
+  EXPECT_EQ(device_.exported(), 0u);
+  EXPECT_EQ(kernel_.open_files(), 1u);
+  expect_frame(*camera_, 0);
+}
+
+TEST_F(V4l2MemoryTest, FailuresWhileMappingTheSecondPieceLeaveNothingBehind) {
+  device_.fail(VIDIOC_QUERYBUF, EIO, 2);
+  expect_refusal(nv12(), ErrorCode::kIo, "/dev/video0: mapping buffers failed: Input/output error");
+  EXPECT_EQ(device_.mapped(), 0u);
+}
+
+}  // namespace
+}  // namespace touchline::testing

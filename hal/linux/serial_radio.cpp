@@ -11,7 +11,7 @@
 #include <memory>
 
 #include "hal/linux/monotonic_clock.h"
-#include "hal/linux/stable_name.h"
+#include "hal/linux/serial_list.h"
 #include "hal/linux/system_error.h"
 
 namespace touchline::hal {
@@ -31,22 +31,6 @@ constexpr Duration kDrainPeriod = std::chrono::milliseconds(1);
 
 /// A disappeared tty answers EIO where other devices answer ENODEV.
 ErrorCode port_error(int error) { return error == EIO ? ErrorCode::kDisconnected : use_error(error); }
-
-std::string ports_here() {
-  sp_port** ports = nullptr;
-  if (sp_list_ports(&ports) != SP_OK) return "unknown";
-  std::string list;
-  for (sp_port** port = ports; *port != nullptr; ++port) {
-    if (!list.empty()) list += ", ";
-    list += sp_get_port_name(*port);
-    if (const char* description = sp_get_port_description(*port); description != nullptr && *description != '\0') {
-      list += std::string(" (") + description + ")";
-    }
-    list += stable_name("/dev/serial/by-id", sp_get_port_name(*port));
-  }
-  sp_free_port_list(ports);
-  return list.empty() ? "none" : list;
-}
 
 }  // namespace
 

@@ -52,4 +52,16 @@ ErrorCode say_denied(Reason& reason, const char* device, const char* group) {
   return ErrorCode::kPermission;
 }
 
+std::string refusal_text(const std::string& device, int error, const char* group) {
+  Reason reason;
+  if (open_error(error) == ErrorCode::kPermission) {
+    static_cast<void>(say_denied(reason, device.c_str(), group));
+  } else if (open_error(error) == ErrorCode::kDeviceBusy) {
+    static_cast<void>(say_busy(reason, device.c_str()));
+  } else if (error != 0) {
+    reason.set("%s: cannot be asked: %s", device.c_str(), system_text(error));
+  }
+  return reason.text();
+}
+
 }  // namespace touchline::hal

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "core/status.h"
 #include "hal/linux/reason.h"
 
@@ -19,5 +21,7 @@ ErrorCode say_busy(Reason& reason, const char* device);
 /// A device of this kind ("camera") was lost: it went away (kDisconnected), or what was `doing` failed with `error`.
 ErrorCode say_lost(Reason& reason, const char* device, const char* kind, ErrorCode code, const char* doing, int error);
 ErrorCode say_denied(Reason& reason, const char* device, const char* group);
+/// Why a device cannot be asked, with what to do about it; "" for error 0.
+std::string refusal_text(const std::string& device, int error, const char* group);
 
 }  // namespace touchline::hal

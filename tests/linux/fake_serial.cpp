@@ -129,6 +129,15 @@ void __wrap_sp_free_port_list(sp_port** list) {
 char* __wrap_sp_get_port_name(const sp_port* port) { return const_cast<char*>(port_of(port).path().c_str()); }
 char* __wrap_sp_get_port_description(const sp_port* port) { return port_of(port).description.data(); }
 
+sp_transport __wrap_sp_get_port_transport(const sp_port* port) {
+  return port_of(port).usb_vendor < 0 ? SP_TRANSPORT_NATIVE : SP_TRANSPORT_USB;
+}
+sp_return __wrap_sp_get_port_usb_vid_pid(const sp_port* port, int* vendor, int* product) {
+  *vendor = port_of(port).usb_vendor;
+  *product = port_of(port).usb_product;
+  return *vendor < 0 ? SP_ERR_ARG : SP_OK;
+}
+
 sp_return __wrap_sp_open(sp_port* port, sp_mode) { return touchline::fake::answer(port_of(port).open_port()); }
 sp_return __wrap_sp_close(sp_port* port) {
   port_of(port).close_port();

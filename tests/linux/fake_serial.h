@@ -16,6 +16,7 @@ class SerialPort final : public File {
 
   // What it is, and what goes wrong.
   std::string description = "FT232R USB UART";
+  int usb_vendor = 0x0403, usb_product = 0x6001;  // -1: not at USB
   std::size_t buffer_bytes = 4096;
   bool stalled = false;  // nothing leaves
   int open_error = 0;

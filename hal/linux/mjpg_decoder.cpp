@@ -164,7 +164,8 @@ Status MjpgDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8_t* rg
     std::snprintf(library.reason.data(), library.reason.size(), "it is %ux%u", jpeg.image_width, jpeg.image_height);
     library.give_up();
   }
-  if (jpeg.progressive_mode != FALSE || jpeg_has_multiple_scans(&jpeg) != FALSE) {
+  // Newer versions read samples of more than 8 bits too, with rows of another size.
+  if (jpeg.data_precision != 8 || jpeg.progressive_mode != FALSE || jpeg_has_multiple_scans(&jpeg) != FALSE) {
     library.give_up("no baseline JPEG of one scan");
   }
   jpeg.out_color_space = JCS_RGB;

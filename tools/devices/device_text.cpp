@@ -1,5 +1,6 @@
 #include <array>
 #include <cerrno>
+#include <cstdarg>
 #include <cstdio>
 
 #include "hal/linux/system_error.h"
@@ -8,12 +9,14 @@
 namespace touchline::devices {
 namespace {
 
-template <class... Values>
-void line(std::string& text, const char* format, Values... values) {
-  std::array<char, 512> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), format, values...);  // NOLINT(clang-diagnostic-format-nonliteral)
-  text += buffer.data();
-  text += '\n';
+/// As printf, and the end of the line.
+__attribute__((format(printf, 2, 3))) void line(std::string& text, const char* format, ...) {
+  std::array<char, 1024> buffer{};
+  std::va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(buffer.data(), buffer.size(), format, arguments);
+  va_end(arguments);
+  text.append(buffer.data()).append("\n");
 }
 
 std::string rates_text(const hal::V4l2SizeOffer& size) {

@@ -8,8 +8,8 @@ namespace touchline::hal {
 namespace {
 
 // A driver that never says "no more" must not hold us: the kernel has some hundreds in all.
-constexpr int kMaxListed = 512;
-constexpr std::int64_t kMaxMenu = 64;
+constexpr int kMostControls = 512;
+constexpr std::int64_t kLongestMenu = 64;
 
 const char* key_of(std::uint32_t id) {
   switch (id) {
@@ -41,7 +41,7 @@ bool is_number(std::uint32_t type) {
 
 void list_menu(const V4l2Device& device, std::uint32_t type, V4l2ControlState& control) {
   if (type != V4L2_CTRL_TYPE_MENU && type != V4L2_CTRL_TYPE_INTEGER_MENU) return;
-  const std::int64_t last = std::min(control.high, control.low + kMaxMenu - 1);
+  const std::int64_t last = std::min(control.high, control.low + kLongestMenu - 1);
   for (std::int64_t i = std::max<std::int64_t>(control.low, 0); i <= last; ++i) {
     v4l2_querymenu item{};
     item.id = control.id;
@@ -57,7 +57,7 @@ void list_menu(const V4l2Device& device, std::uint32_t type, V4l2ControlState& c
 std::vector<V4l2ControlState> controls_of(const V4l2Device& device) {
   std::vector<V4l2ControlState> controls;
   v4l2_queryctrl query{};
-  for (int i = 0; i < kMaxListed; ++i) {
+  for (int i = 0; i < kMostControls; ++i) {
     query.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
     if (device.request(VIDIOC_QUERYCTRL, &query) != 0) break;
     if ((query.flags & V4L2_CTRL_FLAG_DISABLED) != 0 || !is_number(query.type)) continue;

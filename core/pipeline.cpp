@@ -29,8 +29,9 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   if (Status s = scanner_.configure(parameters.scan); !s.ok()) return s;
   if (Status s = camera_.configure(parameters.camera); !s.ok()) return s;
   if (Status s = matcher_.configure(parameters.marker, camera_); !s.ok()) return s;
-  patch_centers_.configure({parameters.marker.teams[0].layout, parameters.marker.teams[1].layout}, camera_);
-  ball_center_.configure(parameters.marker.ball, camera_);
+  const KernelChoice kernel = parameters.scan.kernel;
+  patch_centers_.configure({parameters.marker.teams[0].layout, parameters.marker.teams[1].layout}, camera_, kernel);
+  ball_center_.configure(parameters.marker.ball, camera_, kernel);
   if (Status s = tracker_.configure(parameters.track); !s.ok()) return s;
   if (Status s = adaptation_.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color); !s.ok())
     return s;

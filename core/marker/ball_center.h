@@ -1,10 +1,8 @@
 #pragma once
 
-#include <array>
-
 #include "core/geometry/camera_model.h"
 #include "core/marker/ball_finder.h"
-#include "core/marker/linear_picture.h"
+#include "core/marker/center_kernel.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -24,27 +22,15 @@ namespace touchline {
 /// second, third ... pixel of a row and every such row is looked at.
 class BallCenter {
  public:
-  void configure(const BallParameters& ball, const CameraModel& camera);
+  void configure(const BallParameters& ball, const CameraModel& camera, KernelChoice kernel = KernelChoice::kFastest);
 
   /// Moves center and position of the ball, if one was seen. The frame has been accepted by the scan.
   void refine(const Frame& frame, Sightings& sightings);
 
  private:
-  static constexpr std::size_t kTerms = 4, kChannels = 3;
-
-  // Four pixels of a row.
-  struct DiskPixels {
-    Lanes cover;                              // 0: does not count
-    std::array<Lanes, kTerms> terms;          // w and w n
-    LightLanes rest, outside;                 // seen - (1 - w) O; O, zero where the ball covers all
-    std::array<LaneMask, kChannels> cut_off;  // so bright that the camera shows its largest value
-    Lanes out_x, out_y;                       // unit vector outwards in the ball's axes, zero but on the edge
-    bool on_edge;
-  };
-  // Of 36 x 36 pixels, the largest square of which all are looked at.
-  using Disk = FixedVector<DiskPixels, 324>;
   class Fit;
 
+  const CenterKernel* kernel_ = nullptr;
   BallParameters ball_;
   CameraModel camera_;
   Disk disk_;

@@ -1,37 +1,103 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
+#include "core/color/pixel.h"
 #include "core/marker/lanes.h"
 #include "core/types.h"
 
-namespace touchline {
+namespace touchline::inline TOUCHLINE_LANES {
 
-/// Red, green and blue in proportion to the light that fell on four pixels; 1 is what a camera shows as 255.
+/// Red, green and blue in proportion to the light that fell on eight pixels; 1 is what a camera shows as 255.
 using LightLanes = std::array<Lanes, 3>;
+
+/// Light of a channel's values, 0 to 255: value / 255 to the power of 2.2 but for 3e-4, by sums and products alone.
+inline Lanes linear_light(LaneIntegers value) {
+  const Lanes t = to_floats(value) * all_lanes(1.0f / 255.0f);
+  return t * (all_lanes(-0.0156862f) +
+              t * (all_lanes(0.7355875f) + t * (all_lanes(0.3826977f) + t * all_lanes(-0.1025990f))));
+}
 
 /// A frame's pixels as light. A pixel that two surfaces share shows the mean of their light; what the camera delivers
 /// is that mean bent by its gamma (2.2 here, within a tenth of ITU-R BT.709, BT.601 and sRGB), in which half a bright
 /// patch on a dark robot looks like three quarters of one. YUV is BT.601 of limited range, as cameras deliver it.
 class LinearPicture {
  public:
-  /// The frame must have been accepted by the scan, and lives at least as long as this.
+  /// The frame has been accepted by the scan, is more than one pixel, and lives at least as long as this.
   explicit LinearPicture(const Frame& frame) : frame_(frame) {}
 
-  [[nodiscard]] int width() const { return frame_.width_px; }
-  [[nodiscard]] int height() const { return frame_.height_px; }
-  /// Of pixel (u, v) of the picture and the three that follow `step` apart; those beyond the row's end are its last.
-  [[nodiscard]] LightLanes along_row(int u, int v, int step) const;
-  /// Of the pixels nearest to four points; `inside`: those that are on the picture. The light of others is any pixel's.
-  [[nodiscard]] LightLanes nearest(Lanes u_px, Lanes v_px, LaneMask& inside) const;
+  /// Of pixels of the picture.
+  [[nodiscard, gnu::always_inline]] LightLanes at(LaneIntegers u, LaneIntegers v) const {
+    std::array<LaneIntegers, 3> value;
+    if (color_space(frame_.format) == ColorSpace::kRgb) {
+      value = bytes_at(v * all_integers(stride()) + u + u + u);
+      if (frame_.format == PixelFormat::kBgr24) value = {value[2], value[1], value[0]};
+    } else {
+      value = from_yuv(u, v);
+    }
+    return {linear_light(value[0]), linear_light(value[1]), linear_light(value[2])};
+  }
+
+  /// Of the pixels nearest to eight points; `inside`: those that are on the picture. The light of others is any
+  /// pixel's.
+  [[nodiscard, gnu::always_inline]] LightLanes nearest(Lanes u_px, Lanes v_px, LaneIntegers& inside) const {
+    // From the picture's corner. Held inside as floats, because what lies far out does not fit an int.
+    const Lanes right = u_px + all_lanes(0.5f), down = v_px + all_lanes(0.5f), zero = all_lanes(0.0f);
+    const Lanes width = all_lanes(frame_.width_px), height = all_lanes(frame_.height_px);
+    inside = (right > zero) & (down > zero) & (right < width) & (down < height);
+    const auto number = [zero](Lanes place, Lanes size) {
+      return to_integers(smaller(larger(place, zero), size - all_lanes(1.0f)));
+    };
+    return at(number(right, width), number(down, height));
+  }
 
  private:
+  [[nodiscard]] std::int32_t stride() const { return static_cast<std::int32_t>(frame_.stride_bytes[0]); }
+
+  // Three bytes each of the first plane.
+  [[nodiscard, gnu::always_inline]] std::array<LaneIntegers, 3> bytes_at(LaneIntegers offset) const {
+#if defined(TOUCHLINE_LANES_OF_AVX2)
+    // Four bytes at a time, of which the picture's end may have only three more.
+    const int last = stride() * (frame_.height_px - 1) + 3 * frame_.width_px - 4;
+    const LaneIntegers end = all_integers(last), early = offset < end;
+    const LaneIntegers from = (early & offset) | (~early & end);
+    const auto* const bytes = reinterpret_cast<const int*>(frame_.plane[0]);
+    const auto four =
+        __builtin_bit_cast(LaneIntegers, _mm256_i32gather_epi32(bytes, __builtin_bit_cast(__m256i, from), 1)) >>
+        ((offset - from) << 3);
+    return {four & all_integers(255), (four >> 8) & all_integers(255), (four >> 16) & all_integers(255)};
+#else
+    StoredIntegers at;
+    store(offset, at);
+    std::array<StoredIntegers, 3> value;
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const std::uint8_t* pixel = frame_.plane[0] + at.value[i];
+      for (std::size_t c = 0; c < 3; ++c) value[c].value[i] = pixel[c];
+    }
+    return {load(value[0]), load(value[1]), load(value[2])};
+#endif
+  }
+
+  [[nodiscard]] std::array<LaneIntegers, 3> from_yuv(LaneIntegers u, LaneIntegers v) const {
+    StoredIntegers column, row;
+    store(u, column);
+    store(v, row);
+    std::array<StoredIntegers, 3> out;
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const std::array<std::uint8_t, 3> yuv =
+          pixel_at(frame_, static_cast<std::size_t>(column.value[i]), static_cast<std::size_t>(row.value[i]));
+      const int luma = 298 * (yuv[0] - 16) + 128, blue = yuv[1] - 128, red = yuv[2] - 128;
+      out[0].value[i] = std::clamp((luma + 409 * red) >> 8, 0, 255);
+      out[1].value[i] = std::clamp((luma - 100 * blue - 208 * red) >> 8, 0, 255);
+      out[2].value[i] = std::clamp((luma + 516 * blue) >> 8, 0, 255);
+    }
+    return {load(out[0]), load(out[1]), load(out[2])};
+  }
+
   Frame frame_;
 };
 
-/// Light of a channel's value.
-float linear_light(std::uint8_t value);
-
-}  // namespace touchline
+}  // namespace touchline::inline TOUCHLINE_LANES

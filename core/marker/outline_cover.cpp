@@ -36,8 +36,14 @@ FieldPoint OutlineCover::half_box(float ramp_m) const {
   return {half_length_m_ + 0.5f * ramp_m, half_width_m_ + 0.5f * ramp_m};
 }
 
-Cover OutlineCover::at(Lanes x_m, Lanes y_m, float ramp_m) const {
-  return with_shape([&](const auto& shape) { return shape.at(x_m, y_m, 1.0f / ramp_m); });
+FieldPoint OutlineCover::inner_box(float ramp_m) const {
+  if (outline_ == PatchOutline::kTriangle || width_m_ <= ramp_m) return {};
+  if (outline_ == PatchOutline::kCircle) {
+    // The square in the circle, both stretched.
+    const float part = 0.7f * (1.0f - 0.5f * ramp_m / std::min(half_length_m_, half_width_m_));
+    return {part * half_length_m_, part * half_width_m_};
+  }
+  return {half_length_m_ - 0.5f * ramp_m, half_width_m_ - 0.5f * ramp_m};
 }
 
 }  // namespace touchline

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "core/geometry/camera_model.h"
-#include "core/marker/linear_picture.h"
+#include "core/marker/center_kernel.h"
 #include "core/marker/marker_layout.h"
 #include "core/marker/outline_cover.h"
 #include "core/types.h"
@@ -28,30 +28,21 @@ namespace touchline {
 class PatchCenters {
  public:
   /// The layouts of both teams, by Team; a team without one has no patches. They are valid.
-  void configure(const std::array<MarkerLayout, 2>& layouts, const CameraModel& camera);
+  void configure(const std::array<MarkerLayout, 2>& layouts, const CameraModel& camera,
+                 KernelChoice kernel = KernelChoice::kFastest);
 
   /// Moves centers, pose and residual of the robots that have a heading and of which all patches of the layout were
   /// seen. The frame has been accepted by the scan.
   void refine(const Frame& frame, Sightings& sightings);
 
  private:
-  static constexpr int kTopGrid = 8;
-
   struct Marker {
     MarkerLayout layout;
     FixedVector<OutlineCover, kMaxPatches> covers;
   };
-  // Four pixels of a row.
-  struct EdgePixels {
-    Lanes x, y;        // m from where the pose says that the patch is, along its outline's axes
-    LightLanes light;  // beyond that of the top, without what surrounds the robot
-    Lanes doubt;       // squared light of the surroundings in it
-    LaneMask counts;   // on the patch's edge, and on the picture
-  };
-  // Of a square of 32 x 32 pixels, the largest of which all are looked at, 160 groups touch an edge.
-  using Edge = FixedVector<EdgePixels, 192>;
   class Fit;
 
+  const CenterKernel* kernel_ = nullptr;
   std::array<Marker, 2> markers_;
   CameraModel camera_;
   std::array<Edge, kMaxPatches> edges_;  // of the robot that is fitted

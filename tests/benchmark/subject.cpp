@@ -38,12 +38,6 @@ std::uint64_t read_avx2(const std::uint8_t* bytes, std::size_t count) { return s
 bool has_avx2() { return false; }
 #endif
 
-std::size_t plane_bytes(const Frame& frame, std::size_t plane) {
-  const std::size_t rows = plane == 0 ? frame.height_px : (frame.height_px + 1u) / 2u;
-  const std::size_t row = row_bytes(frame.format, plane, frame.width_px);
-  return row == 0 ? 0 : (rows - 1) * frame.stride_bytes[plane] + row;
-}
-
 Subject subject_of(OwnedPicture picture, const ScanParameters& parameters) {
   return {.name = {}, .picture = std::move(picture), .parameters = parameters};
 }

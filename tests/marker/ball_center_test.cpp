@@ -95,6 +95,24 @@ TEST_F(BallCenterTest, HalfHiddenItComesNearer) {
   }
 }
 
+TEST_F(BallCenterTest, IsTheSameWithEveryKernel) {
+  if (&center_kernel(KernelChoice::kFastest) == &portable_center_kernel()) GTEST_SKIP() << "one kernel";
+  BallCenter portable;
+  portable.configure(ball_, camera_, KernelChoice::kPortable);
+  for (const PixelFormat format : kAllFormats) {
+    const FieldPoint at{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)};
+    const Photograph picture = photograph(format, at, {0.3, -0.2, 0.93}, false);
+    error_px(picture, at, 0.7f, 0.4f);
+    Sightings other = sightings_;
+    const PixelPoint start = camera_.to_pixel(at, ball_.radius_m);
+    other.ball.center = {start.u_px + 0.7f, start.v_px + 0.4f};
+    other.ball.position = camera_.to_field(other.ball.center, ball_.radius_m);
+    portable.refine(picture.frame(), other);
+    EXPECT_EQ(other.ball.center.u_px, sightings_.ball.center.u_px) << name_of(format);
+    EXPECT_EQ(other.ball.center.v_px, sightings_.ball.center.v_px) << name_of(format);
+  }
+}
+
 TEST_F(BallCenterTest, KeepsWhatItHasWithoutABall) {
   const FieldPoint at{0.2f, 0.1f};
   Photograph flat(PixelFormat::kRgb24, 640, 480);

@@ -4,6 +4,8 @@
 
 #include <numbers>
 
+#include "core/marker/cover_lanes.h"
+#include "core/marker/linear_picture.h"
 #include "core/marker/rigid_fit.h"
 #include "tests/marker/photograph.h"
 #include "tests/marker/real_layouts.h"
@@ -237,13 +239,38 @@ TEST_F(PatchCenter, AtThePicturesBorderOrBeyond) {
 }
 
 TEST(LinearLight, IsAPowerOfTwoPointTwo) {
-  for (const int value : {0, 1, 16, 128, 254, 255}) {
-    EXPECT_NEAR(static_cast<double>(linear_light(static_cast<std::uint8_t>(value))), std::pow(value / 255.0, 2.2),
-                1e-6);
+  for (const int value : {0, 1, 16, 60, 128, 200, 254, 255}) {
+    const Lanes light = linear_light(all_integers(value));
+    EXPECT_NEAR(static_cast<double>(sum_of(light)) / kLanes, std::pow(value / 255.0, 2.2), 3e-4);
   }
 }
 
-// Slopes against differences, the four lanes at four places.
+// The same bits, whatever the kernel: poses, centers, residuals, in every format and of every outline.
+TEST_F(PatchCenter, IsTheSameWithEveryKernel) {
+  if (&center_kernel(KernelChoice::kFastest) == &portable_center_kernel()) GTEST_SKIP() << "one kernel";
+  PatchCenters portable;
+  for (const MarkerLayout& layout : {paper_layout(), bar_layout(), triangles_layout(), disks_layout()}) {
+    use(layout);
+    portable.configure({layout, layout}, camera_, KernelChoice::kPortable);
+    for (const PixelFormat format : kAllFormats) {
+      const Pose truth{{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)}, dice_.real(-kPi, kPi)};
+      const Photograph picture = photograph(format, truth, 1.0f);
+      sightings_.robots.clear();
+      sightings_.robots.push_back(sighting({{truth.position.x_m + 0.001f, truth.position.y_m}, truth.theta_rad}));
+      Sightings other = sightings_;
+      centers_.refine(picture.frame(), sightings_);
+      portable.refine(picture.frame(), other);
+      const RobotSighting &a = sightings_.robots[0], &b = other.robots[0];
+      EXPECT_NE(a.pose.position.x_m, truth.position.x_m + 0.001f) << "it was not refined";
+      EXPECT_EQ(a.pose.position.x_m, b.pose.position.x_m);
+      EXPECT_EQ(a.pose.position.y_m, b.pose.position.y_m);
+      EXPECT_EQ(a.pose.theta_rad, b.pose.theta_rad);
+      EXPECT_EQ(a.residual_m, b.residual_m);
+    }
+  }
+}
+
+// Slopes against differences, the lanes at as many places.
 TEST(OutlineCover, SlopesAreItsDerivatives) {
   constexpr float kRamp = 0.008f, kStep = 2e-5f;
   Dice dice(5);
@@ -254,26 +281,36 @@ TEST(OutlineCover, SlopesAreItsDerivatives) {
     int edges = 0, kinks = 0;
     double area = 0;
     for (int n = 0; n < 1000; ++n) {
-      Lanes x, y;
-      for (int i = 0; i < kLanes; ++i) {
-        x[i] = dice.real(-0.05f, 0.05f);
-        y[i] = dice.real(-0.05f, 0.05f);
+      StoredLanes x, y;
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        x.value[i] = dice.real(-0.05f, 0.05f);
+        y.value[i] = dice.real(-0.05f, 0.05f);
       }
-      const auto value = [&](float dx, float dy) {
-        return cover.at(x + all_lanes(dx), y + all_lanes(dy), kRamp).value;
+      const auto stored = [](Lanes lanes) {
+        StoredLanes out;
+        store(lanes, out);
+        return out.value;
       };
-      const Cover here = cover.at(x, y, kRamp);
-      const Lanes by_x = (value(-kStep, 0) - value(kStep, 0)) / all_lanes(2 * kStep);
-      const Lanes by_y = (value(0, -kStep) - value(0, kStep)) / all_lanes(2 * kStep);
-      for (int i = 0; i < kLanes; ++i) {
-        area += static_cast<double>(here.value[i]) * 0.01 / 4000;
-        const FieldPoint box = cover.half_box(kRamp);
-        if (std::abs(x[i]) > box.x_m || std::abs(y[i]) > box.y_m) {
-          EXPECT_LE(here.value[i], outline == PatchOutline::kTriangle ? 0.1f : 0.0f) << "beyond the box";
+      const auto value = [&](float dx, float dy) {
+        return cover_at(cover, load(x) + all_lanes(dx), load(y) + all_lanes(dy), kRamp).value;
+      };
+      const Cover here = cover_at(cover, load(x), load(y), kRamp);
+      const auto covered = stored(here.value), slope_x = stored(here.by_x_m), slope_y = stored(here.by_y_m);
+      const auto by_x = stored((value(-kStep, 0) - value(kStep, 0)) / all_lanes(2 * kStep));
+      const auto by_y = stored((value(0, -kStep) - value(0, kStep)) / all_lanes(2 * kStep));
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        area += static_cast<double>(covered[i]) * 0.01 / (kLanes * 1000);
+        const FieldPoint box = cover.half_box(kRamp), inner = cover.inner_box(kRamp);
+        const float away_x = std::abs(x.value[i]), away_y = std::abs(y.value[i]);
+        if (away_x > box.x_m || away_y > box.y_m) {
+          EXPECT_LE(covered[i], outline == PatchOutline::kTriangle ? 0.1f : 0.0f) << "beyond the box";
         }
-        if (here.value[i] <= 0.02f || here.value[i] >= 0.98f) continue;
+        if (away_x < inner.x_m && away_y < inner.y_m) {
+          EXPECT_EQ(covered[i], 1.0f) << "in the inner box";
+        }
+        if (covered[i] <= 0.02f || covered[i] >= 0.98f) continue;
         // At a corner two ramps begin.
-        if (std::abs(by_x[i] - here.by_x_m[i]) < 3.0f && std::abs(by_y[i] - here.by_y_m[i]) < 3.0f)
+        if (std::abs(by_x[i] - slope_x[i]) < 3.0f && std::abs(by_y[i] - slope_y[i]) < 3.0f)
           ++edges;
         else
           ++kinks;

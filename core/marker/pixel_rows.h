@@ -1,0 +1,112 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "core/marker/lanes.h"
+#include "core/types.h"
+
+namespace touchline::inline TOUCHLINE_LANES {
+
+/// Columns from an outline's center; none when low is above high.
+struct Columns {
+  float low, high;
+};
+
+/// Pixels of a picture, row after row without gaps, so that eight at a time leave few lanes empty.
+class PixelList {
+ public:
+  void clear() { count_ = 0; }
+
+  /// Pixels from column `first` to `last` of row v, `stride` apart, if there are any. False: they are too many.
+  bool add_row(int first, int last, int stride, int v) {
+    if (first > last) return true;
+    const int number = (last - first) / stride + 1;
+    if (count_ + number > kMost) return false;
+    const LaneIntegers steps = counting() * all_integers(stride);
+    // Up to seven more than are counted; what comes next overwrites them, and the last eight have room.
+    for (int i = 0; i < number; i += kLanes) {
+      write(all_integers(first + i * stride) + steps, &u_[static_cast<std::size_t>(count_ + i)]);
+      write(all_integers(v), &v_[static_cast<std::size_t>(count_ + i)]);
+    }
+    count_ += number;
+    return true;
+  }
+
+  /// Calls use(u, v, counts) with eight pixels at a time; those that do not count are any of the list.
+  template <class Use>
+  bool for_each_eight(Use use) {
+    if (count_ == 0) return true;
+    const auto last = static_cast<std::size_t>(count_ - 1);
+    write(all_integers(u_[last]), &u_[last + 1]);
+    write(all_integers(v_[last]), &v_[last + 1]);
+    for (int i = 0; i < count_; i += kLanes) {
+      const auto at = static_cast<std::size_t>(i);
+      if (!use(read(&u_[at]), read(&v_[at]), counting() < all_integers(count_ - i))) return false;
+    }
+    return true;
+  }
+
+ private:
+  // Of 37 x 37 pixels, the largest square of which all are looked at.
+  static constexpr int kMost = 1369;
+  using Numbers = std::array<std::int32_t, kMost + 2 * kLanes>;
+
+  static void write(LaneIntegers numbers, std::int32_t* to) { std::memcpy(to, &numbers, sizeof numbers); }
+  static LaneIntegers read(const std::int32_t* from) {
+    LaneIntegers numbers;
+    std::memcpy(&numbers, from, sizeof numbers);
+    return numbers;
+  }
+
+  Numbers u_, v_;  // not set before they are added
+  int count_ = 0;
+};
+
+/// The pixels of an outline in the picture. Those that it covers wholly are told from those on its edge roughly.
+class OutlinePixels {
+ public:
+  /// Rows up to `reach_v` from the center, `stride` apart, and of each the columns crossed_by(from_v), among them
+  /// covered_in(from_v) for those inside. False: they are too many.
+  template <class CrossedBy, class CoveredIn>
+  bool collect(const Frame& frame, PixelPoint center, float reach_v, int stride, CrossedBy crossed_by,
+               CoveredIn covered_in) {
+    const auto bound = [](float value, int low, int high) {
+      return static_cast<int>(std::clamp(value, static_cast<float>(low), static_cast<float>(high)));
+    };
+    const int top = bound(std::ceil(center.v_px - reach_v), 0, frame.height_px);
+    const int bottom = bound(std::floor(center.v_px + reach_v) + 1.0f, 0, frame.height_px);
+    for (int v = top; v < bottom; v += stride) {
+      const float from_v = static_cast<float>(v) - center.v_px;
+      const Columns crossed = crossed_by(from_v), covered = covered_in(from_v);
+      const int left = bound(std::ceil(center.u_px + crossed.low), 0, frame.width_px);
+      const int last = bound(std::floor(center.u_px + crossed.high), -1, frame.width_px - 1);
+      const auto on_grid = [&](int column) {
+        return left + (std::max(column - left, 0) + stride - 1) / stride * stride;
+      };
+      const int inner = on_grid(bound(std::ceil(center.u_px + covered.low), 0, frame.width_px));
+      const int outer = on_grid(bound(std::floor(center.u_px + covered.high) + 1.0f, 0, frame.width_px));
+      if (covered.low > covered.high || inner >= outer) {
+        if (!edge_.add_row(left, last, stride, v)) return false;
+        continue;
+      }
+      if (!edge_.add_row(left, std::min(inner - 1, last), stride, v)) return false;
+      if (!inside_.add_row(inner, std::min(outer - 1, last), stride, v)) return false;
+      if (!edge_.add_row(outer, last, stride, v)) return false;
+    }
+    return true;
+  }
+
+  /// Calls use(u, v, counts) with all of them, as PixelList does.
+  template <class Use>
+  bool for_each_eight(Use use) {
+    return edge_.for_each_eight(use) && inside_.for_each_eight(use);
+  }
+
+ private:
+  PixelList edge_, inside_;
+};
+
+}  // namespace touchline::inline TOUCHLINE_LANES

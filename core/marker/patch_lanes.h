@@ -130,8 +130,9 @@ class PatchEye {
     reaches_beyond_ = std::max(std::abs(x) + wide_x, std::abs(y) + wide_y) > robot_.half_m - 0.5f * robot_.ramp_m;
   }
 
-  [[gnu::always_inline]] bool add(Lanes x, Lanes y, LightLanes light, LaneIntegers seen, LaneIntegers in_part) {
+  [[gnu::always_inline]] bool add(Lanes x, Lanes y, const LightLanes& shown, LaneIntegers seen, LaneIntegers in_part) {
     const LaneIntegers whole = seen & ~in_part, edge = seen & in_part;
+    LightLanes light = shown;
     for (std::size_t c = 0; c < 3; ++c) light[c] -= top_[c];
     if (any(whole)) {
       for (std::size_t c = 0; c < 3; ++c) {

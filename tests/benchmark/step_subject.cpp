@@ -2,8 +2,8 @@
 
 #include <cstring>
 
-#include "core/color/row_classifier.h"
 #include "firmware/devices.h"
+#include "tests/benchmark/plane_bytes.h"
 
 namespace touchline::testing {
 namespace {
@@ -16,12 +16,7 @@ constexpr std::size_t kFramesBefore = 90;
 StepSubject::Picture StepSubject::copy_of(const Frame& frame) {
   Picture copy;
   copy.frame = frame;
-  std::array<std::size_t, 2> bytes{};
-  for (std::size_t plane = 0; plane < 2; ++plane) {
-    const std::size_t rows = plane == 0 ? frame.height_px : (frame.height_px + 1u) / 2u;
-    const std::size_t row = row_bytes(frame.format, plane, frame.width_px);
-    bytes[plane] = row == 0 ? 0 : (rows - 1) * frame.stride_bytes[plane] + row;
-  }
+  const std::array<std::size_t, 2> bytes{plane_bytes(frame, 0), plane_bytes(frame, 1)};
   copy.bytes.resize(bytes[0] + bytes[1]);
   std::size_t begin = 0;
   for (std::size_t plane = 0; plane < 2; ++plane) {

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "tests/benchmark/field_picture.h"
+#include "tests/benchmark/plane_bytes.h"
 #include "tests/region/patterns.h"
 
 namespace touchline::testing {

@@ -16,8 +16,8 @@ Status RegionScanner::configure(const ScanParameters& parameters) {
     return s;
   }
   min_area_px_ = parameters.min_area_px;
-  words_ = (std::size_t{parameters.width_px} + kPixelsOfWord - 1) / kPixelsOfWord;
   find_masks_ = row_masker(classifier_.kernel());
+  run_writer_.configure(classifier_.kernel(), (std::size_t{parameters.width_px} + kPixelsOfWord - 1) / kPixelsOfWord);
   rows_.fill({});
   configured_ = true;
   return {};
@@ -63,12 +63,12 @@ void RegionScanner::add_row(std::uint16_t v, const RowMasks& below, Runs& runs) 
   }
   if (min_area_px_ > 1) forget_specks(below, row.masks);
   const std::size_t first = runs.size();
-  const std::size_t count = count_runs(row.masks, words_), limit = budget_.limit(count);
+  const std::size_t count = run_writer_.count(row.masks), limit = budget_.limit(count);
   std::size_t written = 0;
   if (count <= limit) {
-    written = write_runs(row.masks, row.colors, v, runs.data() + first);
+    written = run_writer_.write_all(row.masks, row.colors, v, runs.data() + first);
   } else {
-    written = choice_.write_longest(row.masks, row.colors, words_, v, limit, runs.data() + first);
+    written = run_writer_.write_longest(row.masks, row.colors, v, limit, runs.data() + first);
     runs.refuse(count - written);
   }
   budget_.spend(written);

@@ -67,12 +67,11 @@ class RegionScanner {
 
   bool configured_ = false;
   std::uint32_t min_area_px_ = 1;
-  std::size_t words_ = 0;  // of a row
   RowClassifier classifier_;
   RegionOfInterest region_of_interest_;
   RowMasker find_masks_ = nullptr;
   RunBudget budget_;
-  RunChoice choice_;
+  RunWriter run_writer_;
   Labeling labeling_;
   std::array<Row, 2> rows_;  // row v is number v % 2
   RowMasks nothing_;         // below the last row

@@ -18,12 +18,15 @@ constexpr std::size_t kMaxRowWords = (kMaxFrameWidth + kPixelsOfWord - 1) / kPix
 using WordPair [[gnu::vector_size(16)]] = std::uint64_t;
 constexpr std::size_t kWordsOfPair = 2;
 
-/// A bit a pixel, and zeros after the last so that whole pairs and their right neighbors can be read.
+// What a row's words are rounded up to, at the most, where several are taken at once.
+constexpr std::size_t kMostWordsAtOnce = 8;
+
+/// A bit a pixel, and zeros after the last so that groups of up to kMostWordsAtOnce words can be read.
 class PixelBits {
  public:
   std::uint64_t& operator[](std::size_t i) { return words_[i]; }
   const std::uint64_t& operator[](std::size_t i) const { return words_[i]; }
-  /// Words i and i + 1; of a row's last word the next one is zero.
+  /// Words i and i + 1.
   [[nodiscard]] WordPair pair(std::size_t i) const {
     WordPair words;
     std::memcpy(&words, words_.data() + i, sizeof words);
@@ -32,7 +35,7 @@ class PixelBits {
   void set_pair(std::size_t i, WordPair words) { std::memcpy(words_.data() + i, &words, sizeof words); }
 
  private:
-  std::array<std::uint64_t, kMaxRowWords + 2> words_{};
+  std::array<std::uint64_t, (kMaxRowWords + kMostWordsAtOnce - 1) / kMostWordsAtOnce * kMostWordsAtOnce> words_{};
 };
 
 /// Where a row's runs begin and end. Both have the same number of bits, and the n-th of each belongs to the n-th run.

@@ -79,19 +79,20 @@ class RowRunsTest : public ::testing::TestWithParam<KernelChoice> {
 TEST_P(RowRunsTest, AreThoseThatLookingAtEachPixelFinds) {
   const RowMasker fill_masks = row_masker(GetParam());
   const auto out = std::make_unique<std::array<touchline::Run, kMaxFrameWidth>>();
-  const auto choice = std::make_unique<RunChoice>();
+  const auto writer = std::make_unique<RunWriter>();
   Row above, row;
   for (int round = 0; round < 700; ++round) {
     const auto width = static_cast<std::size_t>(kWidths[static_cast<std::size_t>(round) % std::size(kWidths)]);
     const std::size_t words = (width + 63) / 64;
+    writer->configure(GetParam(), words);
     const int density = pick(random_, 0, 10), length = 1 << pick(random_, 0, 8);
     fill(above, width, density, length);
     fill(row, width, density, length);
     fill_masks(row.colors, above.colors, row.occupied, masks_);
     const std::vector<Found> expected = list_runs(row.list);
     ASSERT_EQ(masks_.occupied, row.occupied);
-    ASSERT_EQ(count_runs(masks_, words), expected.size()) << round;
-    ASSERT_EQ(found(out->data(), write_runs(masks_, row.colors, 5, out->data())), expected) << round;
+    ASSERT_EQ(writer->count(masks_), expected.size()) << round;
+    ASSERT_EQ(found(out->data(), writer->write_all(masks_, row.colors, 5, out->data())), expected) << round;
     for (std::size_t u = 0; u < words * 64; ++u) {
       const bool like = u < width && row.list[u] != kBackground && row.list[u] == above.list[u];
       ASSERT_EQ((masks_.like_above[u / 64] >> u % 64 & 1u) != 0, like) << round << ", column " << u;
@@ -100,11 +101,11 @@ TEST_P(RowRunsTest, AreThoseThatLookingAtEachPixelFinds) {
     if (expected.empty()) continue;
     const auto limit = static_cast<std::size_t>(pick(random_, 0, static_cast<int>(expected.size()) - 1));
     std::vector<Found> longest = expected;
-    for (int shorter = 1; longest.size() > limit && shorter < static_cast<int>(RunChoice::kLongest); ++shorter) {
+    for (int shorter = 1; longest.size() > limit && shorter < static_cast<int>(RunWriter::kLongest); ++shorter) {
       std::erase_if(longest, [&](const Found& run) { return run.end - run.begin <= shorter; });
     }
     longest.resize(std::min(longest.size(), limit), Found{});
-    const std::size_t count = choice->write_longest(masks_, row.colors, words, 5, limit, out->data());
+    const std::size_t count = writer->write_longest(masks_, row.colors, 5, limit, out->data());
     ASSERT_EQ(found(out->data(), count), longest) << round << ", limit " << limit;
   }
 }
@@ -112,10 +113,12 @@ TEST_P(RowRunsTest, AreThoseThatLookingAtEachPixelFinds) {
 TEST_P(RowRunsTest, SpecksAreWhatHasNoNeighborOfItsColor) {
   const RowMasker fill_masks = row_masker(GetParam());
   const auto out = std::make_unique<std::array<touchline::Run, kMaxFrameWidth>>();
+  const auto writer = std::make_unique<RunWriter>();
   std::array<Row, 3> rows;
   RowMasks below;
   for (int round = 0; round < 300; ++round) {
     const auto width = static_cast<std::size_t>(kWidths[static_cast<std::size_t>(round) % std::size(kWidths)]);
+    writer->configure(GetParam(), (width + 63) / 64);
     for (Row& row : rows) fill(row, width, 4, 3);
     fill_masks(rows[1].colors, rows[0].colors, rows[1].occupied, masks_);
     fill_masks(rows[2].colors, rows[1].colors, rows[2].occupied, below);
@@ -125,7 +128,7 @@ TEST_P(RowRunsTest, SpecksAreWhatHasNoNeighborOfItsColor) {
       const auto u = static_cast<std::size_t>(run.begin);
       return run.end - run.begin == 1 && rows[0].list[u] != run.color && rows[2].list[u] != run.color;
     });
-    ASSERT_EQ(found(out->data(), write_runs(masks_, rows[1].colors, 5, out->data())), expected) << round;
+    ASSERT_EQ(found(out->data(), writer->write_all(masks_, rows[1].colors, 5, out->data())), expected) << round;
   }
 }
 

@@ -1,0 +1,181 @@
+#include "core/region/row_bits.h"
+
+#include <algorithm>
+#include <bit>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+namespace touchline {
+namespace {
+
+// --- Two words at a time --------------------------------------------------------------------------------------------
+
+// Bits of each byte, 0 to 8, by halves.
+WordPair bits_of_bytes(WordPair x) {
+  x -= (x >> 1) & 0x5555555555555555u;
+  x = (x & 0x3333333333333333u) + ((x >> 2) & 0x3333333333333333u);
+  return (x + (x >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+}
+// As many pairs as a row has can be added up before a byte is full.
+static_assert((kMaxRowWords + 1) / kWordsOfPair * 8 < 256);
+std::size_t sum_of_bytes(WordPair x) {
+  constexpr std::uint64_t kEvenBytes = 0x00ff00ff00ff00ffu;
+  x = (x & kEvenBytes) + ((x >> 8) & kEvenBytes);
+  return static_cast<std::size_t>(((x[0] + x[1]) * 0x0001000100010001u) >> 48);
+}
+
+std::size_t count_by_pairs(const PixelBits& bits, std::size_t words) {
+  WordPair count = {};
+  for (std::size_t i = 0; i < words; i += kWordsOfPair) count += bits_of_bytes(bits.pair(i));
+  return sum_of_bytes(count);
+}
+
+std::size_t widen_by_pairs(const PixelBits& ending, std::size_t pixels, const PixelBits& first, std::size_t words,
+                           PixelBits& wider) {
+  WordPair count = {}, right = {};
+  for (std::size_t i = (words + 1) / kWordsOfPair * kWordsOfPair; i > 0;) {
+    i -= kWordsOfPair;
+    const WordPair here = ending.pair(i), neighbors = {here[1], right[0]};
+    const WordPair both = here | here >> pixels | neighbors << (kPixelsOfWord - pixels);
+    right = here;
+    wider.set_pair(i, both);
+    count += bits_of_bytes(first.pair(i) & ~both);
+  }
+  return sum_of_bytes(count);
+}
+
+std::size_t advance_by_pairs(const PixelBits& from, const PixelBits& ending, std::size_t pixels, std::size_t words,
+                             PixelBits& to) {
+  WordPair count = {}, before = {};
+  for (std::size_t i = 0; i < words; i += kWordsOfPair) {
+    const WordPair going = from.pair(i) & ~ending.pair(i), neighbors = {before[1], going[0]};
+    const WordPair arrived = going << pixels | neighbors >> (kPixelsOfWord - pixels);
+    before = going;
+    to.set_pair(i, arrived);
+    count += bits_of_bytes(arrived);
+  }
+  return sum_of_bytes(count);
+}
+
+[[gnu::always_inline]] inline std::uint16_t column_of(std::size_t base, std::uint64_t word) {
+  return static_cast<std::uint16_t>(base + static_cast<std::size_t>(std::countr_zero(word)));
+}
+[[gnu::always_inline]] inline std::size_t list_bits(const PixelBits& bits, OccupiedWords occupied, Columns& columns) {
+  std::uint16_t* next = columns.data();
+  for (; occupied != 0; occupied &= occupied - 1) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(occupied));
+    const std::size_t base = i * kPixelsOfWord;
+    // Most words have none to two, and which of these is random: two are written, and count when they are there.
+    const std::uint64_t word = bits[i], second = word & (word - 1);
+    next[0] = column_of(base, word);
+    next[1] = column_of(base, second);
+    next += static_cast<std::size_t>(word != 0) + static_cast<std::size_t>(second != 0);
+    for (std::uint64_t others = second & (second - 1); others != 0; others &= others - 1) {
+      *next++ = column_of(base, others);
+    }
+  }
+  return static_cast<std::size_t>(next - columns.data());
+}
+std::size_t list_portably(const PixelBits& bits, OccupiedWords occupied, Columns& columns) {
+  return list_bits(bits, occupied, columns);
+}
+
+constexpr RowBits kByPairs = {count_by_pairs, widen_by_pairs, advance_by_pairs, list_portably};
+
+#if defined(__x86_64__)
+
+// As in the color kernels, every function carries its target itself.
+
+// --- AVX2: four words -----------------------------------------------------------------------------------------------
+
+#define TOUCHLINE_AVX2 [[gnu::target("avx2,bmi,popcnt")]]
+#define TOUCHLINE_AVX2_INLINE [[gnu::target("avx2,bmi,popcnt"), gnu::always_inline]] inline
+constexpr std::size_t kQuad = 4;
+
+TOUCHLINE_AVX2_INLINE __m256i load_quad(const PixelBits& bits, std::size_t i) {
+  return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(&bits[i]));
+}
+TOUCHLINE_AVX2_INLINE void store_quad(PixelBits& bits, std::size_t i, __m256i words) {
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(&bits[i]), words);
+}
+
+TOUCHLINE_AVX2 std::size_t count_avx2(const PixelBits& bits, std::size_t words) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < words; ++i) count += static_cast<std::size_t>(std::popcount(bits[i]));
+  return count;
+}
+
+// Bits of each byte.
+TOUCHLINE_AVX2_INLINE __m256i bits_of_bytes(__m256i words) {
+  const __m256i digit = _mm256_set1_epi8(15);
+  const __m256i bits_of_digit = _mm256_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4,  //
+                                                 0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4);
+  return _mm256_add_epi8(_mm256_shuffle_epi8(bits_of_digit, _mm256_and_si256(words, digit)),
+                         _mm256_shuffle_epi8(bits_of_digit, _mm256_and_si256(_mm256_srli_epi16(words, 4), digit)));
+}
+TOUCHLINE_AVX2_INLINE std::size_t sum_of_bytes(__m256i bytes) {
+  const __m256i sums = _mm256_sad_epu8(bytes, _mm256_setzero_si256());
+  const __m128i pair = _mm_add_epi64(_mm256_castsi256_si128(sums), _mm256_extracti128_si256(sums, 1));
+  return static_cast<std::size_t>(_mm_cvtsi128_si64(pair) + _mm_extract_epi64(pair, 1));
+}
+
+TOUCHLINE_AVX2 std::size_t widen_avx2(const PixelBits& ending, std::size_t pixels, const PixelBits& first,
+                                      std::size_t words, PixelBits& wider) {
+  const __m128i by = _mm_cvtsi64_si128(static_cast<long long>(pixels)),
+                rest = _mm_cvtsi64_si128(static_cast<long long>(kPixelsOfWord - pixels));
+  __m256i count = _mm256_setzero_si256(), turned = count;  // of the quad to the right, each word a place further left
+  for (std::size_t i = (words + kQuad - 1) / kQuad * kQuad; i > 0;) {
+    i -= kQuad;
+    const __m256i here = load_quad(ending, i), left = _mm256_permute4x64_epi64(here, 0b00111001);
+    const __m256i neighbors = _mm256_blend_epi32(left, turned, 0b11000000);
+    turned = left;
+    const __m256i both =
+        _mm256_or_si256(here, _mm256_or_si256(_mm256_srl_epi64(here, by), _mm256_sll_epi64(neighbors, rest)));
+    store_quad(wider, i, both);
+    count = _mm256_add_epi8(count, bits_of_bytes(_mm256_andnot_si256(both, load_quad(first, i))));
+  }
+  return sum_of_bytes(count);
+}
+
+TOUCHLINE_AVX2 std::size_t advance_avx2(const PixelBits& from, const PixelBits& ending, std::size_t pixels,
+                                        std::size_t words, PixelBits& to) {
+  const __m128i by = _mm_cvtsi64_si128(static_cast<long long>(pixels)),
+                rest = _mm_cvtsi64_si128(static_cast<long long>(kPixelsOfWord - pixels));
+  __m256i count = _mm256_setzero_si256(), turned = count;  // of the quad to the left, each word a place further right
+  for (std::size_t i = 0; i < words; i += kQuad) {
+    const __m256i going = _mm256_andnot_si256(load_quad(ending, i), load_quad(from, i));
+    const __m256i here = _mm256_permute4x64_epi64(going, 0b10010011);
+    const __m256i neighbors = _mm256_blend_epi32(here, turned, 0b00000011);
+    turned = here;
+    const __m256i arrived = _mm256_or_si256(_mm256_sll_epi64(going, by), _mm256_srl_epi64(neighbors, rest));
+    store_quad(to, i, arrived);
+    count = _mm256_add_epi8(count, bits_of_bytes(arrived));
+  }
+  return sum_of_bytes(count);
+}
+
+TOUCHLINE_AVX2 std::size_t list_avx2(const PixelBits& bits, OccupiedWords occupied, Columns& columns) {
+  return list_bits(bits, occupied, columns);
+}
+
+constexpr RowBits kAvx2 = {count_avx2, widen_avx2, advance_avx2, list_avx2};
+
+#endif
+
+}  // namespace
+
+const RowBits& row_bits(KernelChoice kernel) {
+  switch (kernel) {
+#if defined(__x86_64__)
+    case KernelChoice::kAvx2:
+    case KernelChoice::kAvx512:
+      return kAvx2;
+#endif
+    default:
+      return kByPairs;
+  }
+}
+
+}  // namespace touchline

@@ -56,64 +56,117 @@ TOUCHLINE_AVX2_INLINE __m256i four_bytes(const std::array<std::uint8_t, 4>& byte
   return _mm256_set1_epi32(std::bit_cast<int>(bytes));
 }
 
-template <bool kOneLight>
-TOUCHLINE_AVX2_INLINE __m256i look_up(const std::array<std::uint8_t, 16>& low, const std::array<std::uint8_t, 16>& high,
-                                      __m256i digit) {
-  const __m256i table = kOneLight ? in_both_halves(low.data()) : load_halves(low.data(), high.data());
-  return _mm256_shuffle_epi8(table, digit);
-}
-
-// The hexadecimal digits of 32 values.
-struct Digits {
-  __m256i high, low;
+// Values of a block, or of two that share their tables: loading these is half of the work.
+struct OneBlock {
+  __m256i first;
 };
-TOUCHLINE_AVX2_INLINE Digits digits_of(__m256i values) {
-  const __m256i low_digit = _mm256_set1_epi8(15);
-  return {_mm256_and_si256(_mm256_srli_epi16(values, 4), low_digit), _mm256_and_si256(values, low_digit)};
+struct TwoBlocks {
+  __m256i first, second;
+};
+TOUCHLINE_AVX2_INLINE OneBlock and_of(const OneBlock& a, const OneBlock& b) {
+  return {_mm256_and_si256(a.first, b.first)};
+}
+TOUCHLINE_AVX2_INLINE TwoBlocks and_of(const TwoBlocks& a, const TwoBlocks& b) {
+  return {_mm256_and_si256(a.first, b.first), _mm256_and_si256(a.second, b.second)};
+}
+TOUCHLINE_AVX2_INLINE OneBlock or_of(const OneBlock& a, const OneBlock& b) {
+  return {_mm256_or_si256(a.first, b.first)};
+}
+TOUCHLINE_AVX2_INLINE TwoBlocks or_of(const TwoBlocks& a, const TwoBlocks& b) {
+  return {_mm256_or_si256(a.first, b.first), _mm256_or_si256(a.second, b.second)};
+}
+TOUCHLINE_AVX2_INLINE OneBlock shuffle(__m256i table, const OneBlock& digit) {
+  return {_mm256_shuffle_epi8(table, digit.first)};
+}
+TOUCHLINE_AVX2_INLINE TwoBlocks shuffle(__m256i table, const TwoBlocks& digit) {
+  return {_mm256_shuffle_epi8(table, digit.first), _mm256_shuffle_epi8(table, digit.second)};
+}
+// `a` where it is not zero, else `b`.
+TOUCHLINE_AVX2_INLINE __m256i first_of(__m256i a, __m256i b) {
+  return _mm256_blendv_epi8(a, b, _mm256_cmpeq_epi8(a, _mm256_setzero_si256()));
+}
+TOUCHLINE_AVX2_INLINE OneBlock first_of(const OneBlock& a, const OneBlock& b) { return {first_of(a.first, b.first)}; }
+TOUCHLINE_AVX2_INLINE TwoBlocks first_of(const TwoBlocks& a, const TwoBlocks& b) {
+  return {first_of(a.first, b.first), first_of(a.second, b.second)};
 }
 
-// A channel's values in a block, and the tables of each half.
-struct Channel {
-  Digits value;
+// Left to themselves compilers do all look-ups of a group first, and have no registers for what they find.
+TOUCHLINE_AVX2_INLINE void settle(OneBlock& values) { asm volatile("" : "+x"(values.first)); }
+TOUCHLINE_AVX2_INLINE void settle(TwoBlocks& values) {
+  asm volatile("" : "+x"(values.first), "+x"(values.second));
+}
+
+TOUCHLINE_AVX2_INLINE __m256i low_digit(__m256i values) { return _mm256_and_si256(values, _mm256_set1_epi8(15)); }
+TOUCHLINE_AVX2_INLINE __m256i high_digit(__m256i values) { return low_digit(_mm256_srli_epi16(values, 4)); }
+
+// The hexadecimal digits of values.
+template <class Values>
+struct Digits {
+  Values high, low;
+};
+TOUCHLINE_AVX2_INLINE Digits<OneBlock> digits_of(const OneBlock& values) {
+  return {{high_digit(values.first)}, {low_digit(values.first)}};
+}
+TOUCHLINE_AVX2_INLINE Digits<TwoBlocks> digits_of(const TwoBlocks& values) {
+  return {{high_digit(values.first), high_digit(values.second)}, {low_digit(values.first), low_digit(values.second)}};
+}
+
+// A channel's tables in each half of a block.
+struct ChannelTables {
   const ChannelDigits *low, *high;
 };
-
-struct Channels {
-  Channel first, second, third;
+struct BlockTables {
+  ChannelTables channel[3];
 };
 
-template <bool kOneLight>
-TOUCHLINE_AVX2_INLINE __m256i near_classes(const Channel& channel, std::size_t group) {
-  return look_up<kOneLight>((*channel.low)[group].within, (*channel.high)[group].within, channel.value.high);
+template <bool kOneLight, class Values>
+TOUCHLINE_AVX2_INLINE Values look_up(const DigitTables::Table& low, const DigitTables::Table& high,
+                                     const Values& digit) {
+  return shuffle(kOneLight ? in_both_halves(low.data()) : load_halves(low.data(), high.data()), digit);
+}
+
+// A channel's values, and its tables.
+template <class Values>
+struct Channel {
+  Digits<Values> value;
+  ChannelTables tables;
+};
+template <class Values>
+struct Channels {
+  Channel<Values> first, second, third;
+};
+
+template <bool kOneLight, class Values>
+TOUCHLINE_AVX2_INLINE Values near_classes(const Channel<Values>& channel, std::size_t group) {
+  return look_up<kOneLight>((*channel.tables.low)[group].within, (*channel.tables.high)[group].within,
+                            channel.value.high);
 }
 // The group's classes of which all three intervals' high digits include the values'.
-template <bool kOneLight>
-TOUCHLINE_AVX2_INLINE __m256i near_classes(const Channels& channels, std::size_t group) {
-  return _mm256_and_si256(near_classes<kOneLight>(channels.first, group),
-                          _mm256_and_si256(near_classes<kOneLight>(channels.second, group),
-                                           near_classes<kOneLight>(channels.third, group)));
+template <bool kOneLight, class Values>
+TOUCHLINE_AVX2_INLINE Values near_classes(const Channels<Values>& channels, std::size_t group) {
+  return and_of(near_classes<kOneLight>(channels.first, group),
+                and_of(near_classes<kOneLight>(channels.second, group),
+                       near_classes<kOneLight>(channels.third, group)));
 }
 
-// Out of the near classes those to which the values of a channel belong, a byte a value.
-template <bool kOneLight>
-TOUCHLINE_AVX2_INLINE __m256i classes_of(const Channel& channel, std::size_t group) {
-  const DigitTables &low = (*channel.low)[group], &high = (*channel.high)[group];
-  const Digits& value = channel.value;
-  const __m256i from = _mm256_or_si256(look_up<kOneLight>(low.above_first, high.above_first, value.high),
-                                       look_up<kOneLight>(low.from_first, high.from_first, value.low));
-  const __m256i to = _mm256_or_si256(look_up<kOneLight>(low.below_last, high.below_last, value.high),
-                                     look_up<kOneLight>(low.to_last, high.to_last, value.low));
-  return _mm256_and_si256(from, to);
+// Leaves those classes to which the values of a channel belong, a byte a value.
+template <bool kOneLight, class Values>
+TOUCHLINE_AVX2_INLINE void narrow(Values& classes, const Channel<Values>& channel, std::size_t group) {
+  const DigitTables &low = (*channel.tables.low)[group], &high = (*channel.tables.high)[group];
+  const Digits<Values>& value = channel.value;
+  classes = and_of(classes, or_of(look_up<kOneLight>(low.above_first, high.above_first, value.high),
+                                  look_up<kOneLight>(low.from_first, high.from_first, value.low)));
+  settle(classes);
+  classes = and_of(classes, or_of(look_up<kOneLight>(low.below_last, high.below_last, value.high),
+                                  look_up<kOneLight>(low.to_last, high.to_last, value.low)));
+  settle(classes);
 }
 
-// The color of the lowest class; where an earlier group has given a color, that.
-TOUCHLINE_AVX2_INLINE __m256i add_colors(__m256i colors, const ColorDigits& tables, __m256i classes) {
-  const Digits bits = digits_of(classes);
-  const __m256i zero = _mm256_setzero_si256();
-  const __m256i low = look_up<true>(tables.low, tables.low, bits.low);
-  const __m256i high = look_up<true>(tables.high, tables.high, bits.high);
-  const __m256i color = _mm256_blendv_epi8(low, high, _mm256_cmpeq_epi8(low, zero));
-  return _mm256_blendv_epi8(colors, color, _mm256_cmpeq_epi8(colors, zero));
+// The color of the lowest class.
+template <class Values>
+TOUCHLINE_AVX2_INLINE Values color_of(const ColorDigits& tables, const Values& classes) {
+  const Digits<Values> bits = digits_of(classes);
+  return first_of(look_up<true>(tables.low, tables.low, bits.low), look_up<true>(tables.high, tables.high, bits.high));
 }
 
 // Which bytes are farther above `low` than `reach`: those are not zero.
@@ -250,24 +303,38 @@ struct Planar {
   }
 };
 
-TOUCHLINE_AVX2_INLINE Channel channel_of(const SpanTables& tables, __m256i values, const Lights& lights,
-                                         std::size_t channel) {
-  return {digits_of(values), &tables.digits->channel(channel, lights.low->level[channel]),
+TOUCHLINE_AVX2_INLINE ChannelTables tables_of(const SpanTables& tables, const Lights& lights, std::size_t channel) {
+  return {&tables.digits->channel(channel, lights.low->level[channel]),
           &tables.digits->channel(channel, lights.high->level[channel])};
 }
-TOUCHLINE_AVX2_INLINE Channels channels_of(const SpanTables& tables, const Planes& planes, const Lights& lights) {
-  return {channel_of(tables, planes.first, lights, 0), channel_of(tables, planes.second, lights, 1),
-          channel_of(tables, planes.third, lights, 2)};
+TOUCHLINE_AVX2_INLINE BlockTables tables_of(const SpanTables& tables, const Lights& lights) {
+  return {{tables_of(tables, lights, 0), tables_of(tables, lights, 1), tables_of(tables, lights, 2)}};
+}
+TOUCHLINE_AVX2_INLINE Channels<OneBlock> channels_of(const BlockTables& tables, const Planes& planes) {
+  return {{digits_of(OneBlock{planes.first}), tables.channel[0]},
+          {digits_of(OneBlock{planes.second}), tables.channel[1]},
+          {digits_of(OneBlock{planes.third}), tables.channel[2]}};
+}
+TOUCHLINE_AVX2_INLINE Channels<TwoBlocks> channels_of(const BlockTables& tables, const Planes& a, const Planes& b) {
+  return {{digits_of(TwoBlocks{a.first, b.first}), tables.channel[0]},
+          {digits_of(TwoBlocks{a.second, b.second}), tables.channel[1]},
+          {digits_of(TwoBlocks{a.third, b.third}), tables.channel[2]}};
 }
 
-template <bool kOneLight>
-TOUCHLINE_AVX2_INLINE __m256i colors_of(const SpanTables& tables, const Channels& channels) {
-  __m256i colors = _mm256_setzero_si256();
-  for (std::size_t group = 0; group < tables.digits->groups(); ++group) {
-    const __m256i classes = _mm256_and_si256(
-        _mm256_and_si256(near_classes<kOneLight>(channels, group), classes_of<kOneLight>(channels.first, group)),
-        _mm256_and_si256(classes_of<kOneLight>(channels.second, group), classes_of<kOneLight>(channels.third, group)));
-    colors = add_colors(colors, tables.digits->colors()[group], classes);
+template <bool kOneLight, class Values>
+TOUCHLINE_AVX2_INLINE Values colors_in(const SpanTables& tables, const Channels<Values>& channels, std::size_t group) {
+  Values classes = near_classes<kOneLight>(channels, group);
+  settle(classes);
+  narrow<kOneLight>(classes, channels.first, group);
+  narrow<kOneLight>(classes, channels.second, group);
+  narrow<kOneLight>(classes, channels.third, group);
+  return color_of(tables.digits->colors()[group], classes);
+}
+template <bool kOneLight, class Values>
+TOUCHLINE_AVX2_INLINE Values colors_of(const SpanTables& tables, std::size_t groups, const Channels<Values>& channels) {
+  Values colors = colors_in<kOneLight>(tables, channels, 0);
+  for (std::size_t group = 1; group < groups; ++group) {
+    colors = first_of(colors, colors_in<kOneLight>(tables, channels, group));
   }
   return colors;
 }
@@ -284,6 +351,13 @@ TOUCHLINE_AVX2_INLINE const TileLight* tile_at(const SpanTables& tables, std::ui
 template <bool kOneLight>
 TOUCHLINE_AVX2_INLINE Lights lights_from(const TileLight* tile) {
   return {tile, kOneLight ? tile : tile + 1};
+}
+
+// Of the block at u; with one light those of the row.
+template <bool kOneLight>
+TOUCHLINE_AVX2_INLINE BlockTables tables_at(const SpanTables& tables, const BlockTables& of_row, std::uint32_t u) {
+  if constexpr (kOneLight) return of_row;
+  return tables_of(tables, lights_from<false>(tile_at<false>(tables, u)));
 }
 
 // Up to 64 blocks of a row, a bit each. The last overlaps the one before it when there is no whole one left.
@@ -329,18 +403,17 @@ TOUCHLINE_AVX2_INLINE std::uint64_t find_loud(const SpanTables& tables, const Ro
 
 // Those of the blocks that may have a class, by high digits alone.
 template <class Layout, bool kOneLight>
-TOUCHLINE_AVX2_INLINE std::uint64_t find_near(const SpanTables& tables, const RowPixels& row, const Blocks& blocks,
-                                              std::uint64_t among) {
+TOUCHLINE_AVX2_INLINE std::uint64_t find_near(const SpanTables& tables, const BlockTables& of_row,
+                                              const RowPixels& row, const Blocks& blocks, std::uint64_t among) {
+  const std::size_t groups = tables.digits->groups();
   std::uint64_t found = 0;
   for (; among != 0; among &= among - 1) {
     const std::uint32_t u = blocks.column(static_cast<std::uint32_t>(std::countr_zero(among)));
-    const Channels channels =
-        channels_of(tables, Layout::planes(row, u, u + kTile), lights_from<kOneLight>(tile_at<kOneLight>(tables, u)));
-    __m256i near = _mm256_setzero_si256();
-    for (std::size_t group = 0; group < tables.digits->groups(); ++group) {
-      near = _mm256_or_si256(near, near_classes<kOneLight>(channels, group));
-    }
-    found |= (among & (~among + 1)) * (1 - is_zero(near));
+    const Channels<OneBlock> channels =
+        channels_of(tables_at<kOneLight>(tables, of_row, u), Layout::planes(row, u, u + kTile));
+    OneBlock near = near_classes<kOneLight>(channels, 0);
+    for (std::size_t group = 1; group < groups; ++group) near = or_of(near, near_classes<kOneLight>(channels, group));
+    found |= (among & (~among + 1)) * (1 - is_zero(near.first));
   }
   return found;
 }
@@ -351,24 +424,42 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_tiles(const SpanTables& tables, con
                                                    std::uint32_t end, ColorId* colors) {
   if (end - begin < kBlock) {
     const TileLight* tile = tile_at<kOneLight>(tables, begin);
-    const __m256i found =
-        colors_of<kOneLight>(tables, channels_of(tables, Layout::planes(row, begin, begin), {tile, tile}));
-    store_half(colors + begin, _mm256_castsi256_si128(found));
-    return occupied_at(begin, found);
+    const OneBlock found =
+        colors_of<kOneLight>(tables, tables.digits->groups(),
+                             channels_of(tables_of(tables, {tile, tile}), Layout::planes(row, begin, begin)));
+    store_half(colors + begin, _mm256_castsi256_si128(found.first));
+    return occupied_at(begin, found.first);
   }
+  const BlockTables of_row = tables_of(tables, lights_from<kOneLight>(tables.tiles));
+  const std::size_t groups = tables.digits->groups();
   OccupiedWords occupied = 0;
+  const auto next_column = [](const Blocks& blocks, std::uint64_t& left) {
+    const std::uint32_t u = blocks.column(static_cast<std::uint32_t>(std::countr_zero(left)));
+    left &= left - 1;
+    return u;
+  };
   for (std::uint32_t first = begin; first < end; first += kMostBlocks * kBlock) {
     const Blocks blocks = {first, end, std::min(kMostBlocks, (end - first + kBlock - 1) / kBlock)};
     // Three looks, each closer and at fewer blocks. No branch depends on what is there: no wrong guess costs time.
     std::uint64_t left = find_loud<Layout, kOneLight>(tables, row, blocks, colors);
-    if (is_second_look_worth(left, blocks.count)) left = find_near<Layout, kOneLight>(tables, row, blocks, left);
-    for (; left != 0; left &= left - 1) {
-      const std::uint32_t u = blocks.column(static_cast<std::uint32_t>(std::countr_zero(left)));
-      const __m256i found =
-          colors_of<kOneLight>(tables, channels_of(tables, Layout::planes(row, u, u + kTile),
-                                                   lights_from<kOneLight>(tile_at<kOneLight>(tables, u))));
-      store(colors + u, found);
-      occupied |= occupied_at(u, found) | occupied_at(u + kTile, found);
+    if (is_second_look_worth(left, blocks.count)) {
+      left = find_near<Layout, kOneLight>(tables, of_row, row, blocks, left);
+    }
+    while (kOneLight && (left & (left - 1)) != 0) {
+      const std::uint32_t u = next_column(blocks, left), v = next_column(blocks, left);
+      const TwoBlocks found = colors_of<kOneLight>(
+          tables, groups, channels_of(of_row, Layout::planes(row, u, u + kTile), Layout::planes(row, v, v + kTile)));
+      store(colors + u, found.first);
+      store(colors + v, found.second);
+      occupied |= occupied_at(u, found.first) | occupied_at(u + kTile, found.first) | occupied_at(v, found.second) |
+                  occupied_at(v + kTile, found.second);
+    }
+    while (left != 0) {
+      const std::uint32_t u = next_column(blocks, left);
+      const OneBlock found = colors_of<kOneLight>(
+          tables, groups, channels_of(tables_at<kOneLight>(tables, of_row, u), Layout::planes(row, u, u + kTile)));
+      store(colors + u, found.first);
+      occupied |= occupied_at(u, found.first) | occupied_at(u + kTile, found.first);
     }
   }
   return occupied;
@@ -382,14 +473,14 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_ends(const SpanTables& tables, cons
   const std::uint32_t last = end - kTile;
   const auto of_first = static_cast<char>((kTile - begin % kTile) % kTile),
              before_last = static_cast<char>(kTile - end % kTile);
-  const __m256i found = colors_of<kOneLight>(
-      tables, channels_of(tables, Layout::planes(row, begin, last),
-                          {tile_at<kOneLight>(tables, begin), tile_at<kOneLight>(tables, end - 1)}));
+  const Lights lights = {tile_at<kOneLight>(tables, begin), tile_at<kOneLight>(tables, end - 1)};
+  const OneBlock found = colors_of<kOneLight>(tables, tables.digits->groups(),
+                                             channels_of(tables_of(tables, lights), Layout::planes(row, begin, last)));
   const __m128i place = _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   const __m128i first_colors =
-      _mm_and_si128(_mm256_castsi256_si128(found), _mm_cmplt_epi8(place, _mm_set1_epi8(of_first)));
+      _mm_and_si128(_mm256_castsi256_si128(found.first), _mm_cmplt_epi8(place, _mm_set1_epi8(of_first)));
   const __m128i last_colors =
-      _mm_andnot_si128(_mm_cmplt_epi8(place, _mm_set1_epi8(before_last)), _mm256_extracti128_si256(found, 1));
+      _mm_andnot_si128(_mm_cmplt_epi8(place, _mm_set1_epi8(before_last)), _mm256_extracti128_si256(found.first, 1));
   // The two may overlap each other.
   store_half(colors + last, _mm_setzero_si128());
   store_half(colors + begin, first_colors);

@@ -64,18 +64,17 @@ void Labeling::sum_row(Runs& runs, std::size_t first) {
   for (Run* run = runs.data() + first; run != runs.end(); ++run) {
     const std::uint16_t begin = run->begin, row = run->row, last = static_cast<std::uint16_t>(run->end - 1);
     const std::uint32_t length = last + 1u - begin;
+    // There are no more components than runs before this one.
+    parent_[components_] = components_;
+    sums_[components_] = {0, 0, 0, run->color, {begin, row, last, row}};
+    const bool is_new = run->next == kNoLabel;
+    const std::uint32_t label = is_new ? components_ : run->next;
+    components_ += is_new ? 1u : 0u;
+    run->next = label;
+    Sums& sums = sums_[label];
     // (first + last) * length is even: of the two factors one is.
-    const std::uint64_t sum_u = (std::uint64_t{begin} + last) * length / 2, sum_v = std::uint64_t{row} * length;
-    if (run->next == kNoLabel) {
-      run->next = components_;
-      parent_[components_] = components_;
-      sums_[components_] = {sum_u, sum_v, length, run->color, {begin, row, last, row}};
-      ++components_;
-      continue;
-    }
-    Sums& sums = sums_[run->next];
-    sums.u += sum_u;
-    sums.v += sum_v;
+    sums.u += (std::uint64_t{begin} + last) * length / 2;
+    sums.v += std::uint64_t{row} * length;
     sums.area_px += length;
     sums.box.left = std::min(sums.box.left, begin);
     sums.box.right = std::max(sums.box.right, last);

@@ -52,8 +52,8 @@ class Labeling {
   void chain(Runs& runs, Regions& regions);
 
   // Every component has a run, so that there are never more of them than runs.
-  std::array<Sums, kMaxRuns + 1> sums_{};
-  std::array<std::uint32_t, kMaxRuns + 1> parent_{};  // a lower label of the same component, or the label itself
+  std::array<Sums, kMaxRuns> sums_{};
+  std::array<std::uint32_t, kMaxRuns> parent_{};  // a lower label of the same component, or the label itself
   std::array<Contact, 2 * kMaxFrameWidth> contacts_{};
   // When more components compete than fit, the last one that does has at most an equal share of the picture.
   static constexpr std::size_t kAreaBins = kMaxFrameWidth * kMaxFrameHeight / kMaxRegions + 2;

@@ -67,12 +67,14 @@ std::size_t advance_by_pairs(const PixelBits& from, const PixelBits& ending, std
   for (; occupied != 0; occupied &= occupied - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(occupied));
     const std::size_t base = i * kPixelsOfWord;
-    // Most words have none to two, and which of these is random: two are written, and count when they are there.
-    const std::uint64_t word = bits[i], second = word & (word - 1);
+    // Most words have none to three, and which of these is random: all are written, and count when they are there.
+    const std::uint64_t word = bits[i], second = word & (word - 1), third = second & (second - 1);
     next[0] = column_of(base, word);
     next[1] = column_of(base, second);
-    next += static_cast<std::size_t>(word != 0) + static_cast<std::size_t>(second != 0);
-    for (std::uint64_t others = second & (second - 1); others != 0; others &= others - 1) {
+    next[2] = column_of(base, third);
+    next += static_cast<std::size_t>(word != 0) + static_cast<std::size_t>(second != 0) +
+            static_cast<std::size_t>(third != 0);
+    for (std::uint64_t others = third & (third - 1); others != 0; others &= others - 1) {
       *next++ = column_of(base, others);
     }
   }

@@ -51,8 +51,8 @@ std::size_t RunWriter::write_all(const RowMasks& masks, const ColorRow& colors, 
 
 std::size_t RunWriter::write_longest(const RowMasks& masks, const ColorRow& colors, std::uint16_t row,
                                      std::size_t limit, Run* out) {
-  // The greatest length that too many runs exceed, by its binary digits: how many it has, and then, without a branch on
-  // what is in the row, the others.
+  // The greatest length that too many runs exceed, by its binary digits: first how many it has. Neighboring rows are
+  // often alike, so that a guess at what follows is better than waiting for a count.
   const auto ending = [&](std::size_t digit) -> const PixelBits& {
     return digit == 0 ? masks.last : endings_[digit - 1];
   };
@@ -67,10 +67,10 @@ std::size_t RunWriter::write_longest(const RowMasks& masks, const ColorRow& colo
   for (std::size_t digit = digits; digit-- > 0;) {
     const std::size_t pixels = std::size_t{1} << digit;
     longer = bits_->advance(*behind, ending(digit), pixels, words_, behind_[turn]);
-    const bool too_many = digit + 1 == digits || longer > limit;
-    behind = too_many ? &behind_[turn] : behind;
-    length += too_many ? pixels : 0;
-    turn ^= static_cast<std::size_t>(too_many);
+    if (digit + 1 < digits && longer <= limit) [[unlikely]] continue;
+    behind = &behind_[turn];
+    length += pixels;
+    turn ^= 1;
   }
   if (length + 1 < kLongest) {
     if (length > 0) bits_->advance(*behind, masks.last, 1, words_, behind_[turn]);

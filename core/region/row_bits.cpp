@@ -59,6 +59,12 @@ std::size_t advance_by_pairs(const PixelBits& from, const PixelBits& ending, std
   return sum_of_bytes(count);
 }
 
+OccupiedWords find_words_portably(const PixelBits& bits, std::size_t words) {
+  OccupiedWords found = 0;
+  for (std::size_t i = 0; i < words; ++i) found |= static_cast<OccupiedWords>(bits[i] != 0) << i;
+  return found;
+}
+
 [[gnu::always_inline]] inline std::uint16_t column_of(std::size_t base, std::uint64_t word) {
   return static_cast<std::uint16_t>(base + static_cast<std::size_t>(std::countr_zero(word)));
 }
@@ -84,7 +90,7 @@ std::size_t list_portably(const PixelBits& bits, OccupiedWords occupied, Columns
   return list_bits(bits, occupied, columns);
 }
 
-constexpr RowBits kByPairs = {count_by_pairs, widen_by_pairs, advance_by_pairs, list_portably};
+constexpr RowBits kByPairs = {count_by_pairs, widen_by_pairs, advance_by_pairs, find_words_portably, list_portably};
 
 #if defined(__x86_64__)
 
@@ -158,11 +164,20 @@ TOUCHLINE_AVX2 std::size_t advance_avx2(const PixelBits& from, const PixelBits& 
   return sum_of_bytes(count);
 }
 
+TOUCHLINE_AVX2 OccupiedWords find_words_avx2(const PixelBits& bits, std::size_t words) {
+  OccupiedWords none = 0;
+  for (std::size_t i = 0; i < words; i += kQuad) {
+    const __m256i is_zero = _mm256_cmpeq_epi64(load_quad(bits, i), _mm256_setzero_si256());
+    none |= static_cast<OccupiedWords>(_mm256_movemask_pd(_mm256_castsi256_pd(is_zero))) << i;
+  }
+  return ~none & ((OccupiedWords{1} << words) - 1);
+}
+
 TOUCHLINE_AVX2 std::size_t list_avx2(const PixelBits& bits, OccupiedWords occupied, Columns& columns) {
   return list_bits(bits, occupied, columns);
 }
 
-constexpr RowBits kAvx2 = {count_avx2, widen_avx2, advance_avx2, list_avx2};
+constexpr RowBits kAvx2 = {count_avx2, widen_avx2, advance_avx2, find_words_avx2, list_avx2};
 
 #endif
 

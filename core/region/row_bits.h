@@ -22,6 +22,8 @@ struct RowBits {
   /// Moves pixels that far to the right, and leaves out those whose runs end before. Returns how many arrive.
   std::size_t (*advance)(const PixelBits& from, const PixelBits& ending, std::size_t pixels, std::size_t words,
                          PixelBits& to);
+  /// Which words are not zero.
+  OccupiedWords (*find_words)(const PixelBits& bits, std::size_t words);
   /// The columns of the bits from left to right; words that are not occupied have none. Returns how many.
   std::size_t (*list)(const PixelBits& bits, OccupiedWords occupied, Columns& columns);
 };

@@ -78,8 +78,9 @@ std::size_t RunWriter::write_longest(const RowMasks& masks, const ColorRow& colo
     ++length;
   }
   find_ends(*behind, masks.last, words_, ends_);
-  const std::size_t count = std::min(limit, bits_->list(*behind, masks.occupied, columns_));
-  bits_->list(ends_, masks.occupied, last_columns_);
+  // Few are left, in few words.
+  const std::size_t count = std::min(limit, bits_->list(*behind, bits_->find_words(*behind, words_), columns_));
+  bits_->list(ends_, bits_->find_words(ends_, words_), last_columns_);
   build(colors, row, length, count, out);
   return count;
 }

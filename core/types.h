@@ -20,8 +20,8 @@ constexpr std::size_t kMaxFrameHeight = 1944;
 // One bit each of the 32-bit table entries (paper, section 3.2).
 constexpr std::size_t kMaxColorBoxes = 32;
 constexpr std::size_t kMaxColors = 32;
-// More than core/region/run_budget.h allows the largest frame (19,440).
-constexpr std::size_t kMaxRuns = 32768;
+// What core/region/run_budget.h allows the largest frame.
+constexpr std::size_t kMaxRuns = 10 * kMaxFrameHeight;
 // A realistic field has 200; twenty-fold for clutter and noise.
 constexpr std::size_t kMaxRegions = 4096;
 // 11 robots a team is the largest class of any league (SSL division A).

@@ -1,3 +1,4 @@
+#include "core/color/block_layout_avx2.h"
 #include "core/color/kernel_of_format.h"
 #include "core/color/span_kernel.h"
 
@@ -10,51 +11,8 @@
 #include <type_traits>
 
 namespace touchline {
+namespace avx2 {
 namespace {
-
-// Every function carries the target itself: a file compiled for AVX2 as a whole would leave AVX2 code in functions that
-// it shares with other files, and on an older processor the linker may have picked those.
-#define TOUCHLINE_AVX2 [[gnu::target("avx2,bmi,popcnt")]]
-#define TOUCHLINE_AVX2_INLINE [[gnu::target("avx2,bmi,popcnt"), gnu::always_inline]] inline
-
-// A byte shuffle looks up within 16 bytes: half a register is a tile, which has its own tables.
-constexpr std::uint32_t kTile = kTileWidth, kBlock = 2 * kTile;
-static_assert(kTile == 16);
-
-TOUCHLINE_AVX2_INLINE __m256i load(const std::uint8_t* bytes) {
-  return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(bytes));
-}
-TOUCHLINE_AVX2_INLINE __m128i load_half(const std::uint8_t* bytes) {
-  return _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes));
-}
-TOUCHLINE_AVX2_INLINE __m256i halves(__m128i low, __m128i high) {
-  return _mm256_inserti128_si256(_mm256_castsi128_si256(low), high, 1);
-}
-TOUCHLINE_AVX2_INLINE __m256i load_halves(const std::uint8_t* low, const std::uint8_t* high) {
-  return halves(load_half(low), load_half(high));
-}
-TOUCHLINE_AVX2_INLINE __m256i in_both_halves(const std::uint8_t* bytes) {
-  return _mm256_broadcastsi128_si256(load_half(bytes));
-}
-TOUCHLINE_AVX2_INLINE void store(ColorId* colors, __m256i value) {
-  _mm256_storeu_si256(reinterpret_cast<__m256i*>(colors), value);
-}
-TOUCHLINE_AVX2_INLINE void store_half(ColorId* colors, __m128i value) {
-  _mm_storeu_si128(reinterpret_cast<__m128i*>(colors), value);
-}
-// 1 or 0, as a number: no branch.
-TOUCHLINE_AVX2_INLINE std::uint64_t is_zero(__m256i value) {
-  return static_cast<std::uint64_t>(_mm256_testz_si256(value, value));
-}
-
-// The light of the tiles in the lower and the upper half; the same one where there is but one.
-struct Lights {
-  const TileLight *low, *high;
-};
-
-TOUCHLINE_AVX2_INLINE __m256i four_bytes(const std::array<std::uint8_t, 4>& bytes) {
-  return _mm256_set1_epi32(std::bit_cast<int>(bytes));
-}
 
 // Values of a block, or of two that share their tables: loading these is half of the work.
 struct OneBlock {
@@ -92,9 +50,7 @@ TOUCHLINE_AVX2_INLINE TwoBlocks first_of(const TwoBlocks& a, const TwoBlocks& b)
 
 // Left to themselves compilers do all look-ups of a group first, and have no registers for what they find.
 TOUCHLINE_AVX2_INLINE void settle(OneBlock& values) { asm volatile("" : "+x"(values.first)); }
-TOUCHLINE_AVX2_INLINE void settle(TwoBlocks& values) {
-  asm volatile("" : "+x"(values.first), "+x"(values.second));
-}
+TOUCHLINE_AVX2_INLINE void settle(TwoBlocks& values) { asm volatile("" : "+x"(values.first), "+x"(values.second)); }
 
 TOUCHLINE_AVX2_INLINE __m256i low_digit(__m256i values) { return _mm256_and_si256(values, _mm256_set1_epi8(15)); }
 TOUCHLINE_AVX2_INLINE __m256i high_digit(__m256i values) { return low_digit(_mm256_srli_epi16(values, 4)); }
@@ -144,9 +100,8 @@ TOUCHLINE_AVX2_INLINE Values near_classes(const Channel<Values>& channel, std::s
 // The group's classes of which all three intervals' high digits include the values'.
 template <bool kOneLight, class Values>
 TOUCHLINE_AVX2_INLINE Values near_classes(const Channels<Values>& channels, std::size_t group) {
-  return and_of(near_classes<kOneLight>(channels.first, group),
-                and_of(near_classes<kOneLight>(channels.second, group),
-                       near_classes<kOneLight>(channels.third, group)));
+  return and_of(near_classes<kOneLight>(channels.first, group), and_of(near_classes<kOneLight>(channels.second, group),
+                                                                       near_classes<kOneLight>(channels.third, group)));
 }
 
 // Leaves those classes to which the values of a channel belong, a byte a value.
@@ -168,140 +123,6 @@ TOUCHLINE_AVX2_INLINE Values color_of(const ColorDigits& tables, const Values& c
   const Digits<Values> bits = digits_of(classes);
   return first_of(look_up<true>(tables.low, tables.low, bits.low), look_up<true>(tables.high, tables.high, bits.high));
 }
-
-// Which bytes are farther above `low` than `reach`: those are not zero.
-TOUCHLINE_AVX2_INLINE __m256i beyond(__m256i bytes, __m256i low, __m256i reach) {
-  return _mm256_subs_epu8(_mm256_sub_epi8(bytes, low), reach);
-}
-
-// A byte shuffle's pattern that takes byte first + step * (i / repeat) of two times 16 as byte i; what is not in this
-// 16 is 128, which gives zero.
-constexpr std::array<std::array<std::uint8_t, 16>, 3> pick_bytes(std::size_t first, std::size_t step,
-                                                                 std::size_t repeat) {
-  std::array<std::array<std::uint8_t, 16>, 3> pick{};
-  for (std::size_t piece = 0; piece < pick.size(); ++piece) {
-    for (std::size_t i = 0; i < 16; ++i) {
-      const std::size_t byte = first + step * (i / repeat);
-      pick[piece][i] = static_cast<std::uint8_t>(byte / 16 == piece ? byte % 16 : 128);
-    }
-  }
-  return pick;
-}
-
-struct Planes {
-  __m256i first, second, third;
-};
-
-// The layouts below give of a block
-// - loud: bytes that are not zero unless all of it is in the quiet box, its columns in one piece,
-// - planes: its three channels, chroma doubled; its halves begin at any two columns, of shared chroma even ones.
-
-// Three bytes a pixel.
-template <PixelFormat kFormat>
-struct Packed24 {
-  static constexpr std::array kPick = {pick_bytes(kFormat == PixelFormat::kRgb24 ? 0 : 2, 3, 1), pick_bytes(1, 3, 1),
-                                       pick_bytes(kFormat == PixelFormat::kRgb24 ? 2 : 0, 3, 1)};
-
-  // Three bytes over and over, from byte i % 3 on.
-  static constexpr auto kPeriod = [] {
-    std::array<std::array<std::uint8_t, 32>, 3> period{};
-    for (std::size_t i = 0; i < 96; ++i) period[i / 32][i % 32] = static_cast<std::uint8_t>(i % 3);
-    return period;
-  }();
-
-  // Of the 96 bytes of a block, the first 48 in the tile of the lower half. Quiet values begin at 0.
-  struct Quiet {
-    __m256i reach[3];
-  };
-  template <bool kOneLight>
-  TOUCHLINE_AVX2_INLINE static Quiet quiet(const Lights& lights) {
-    const __m256i low = four_bytes(lights.low->quiet_reach), high = four_bytes(lights.high->quiet_reach);
-    const __m256i both = kOneLight ? low : _mm256_blend_epi32(low, high, 0b11110000);
-    return {{_mm256_shuffle_epi8(low, load(kPeriod[0].data())), _mm256_shuffle_epi8(both, load(kPeriod[1].data())),
-             _mm256_shuffle_epi8(kOneLight ? low : high, load(kPeriod[2].data()))}};
-  }
-  TOUCHLINE_AVX2_INLINE static __m256i loud(const RowPixels& row, std::uint32_t u, const Quiet& quiet) {
-    const std::uint8_t* bytes = row.samples + std::size_t{3} * u;
-    return _mm256_or_si256(_mm256_subs_epu8(load(bytes), quiet.reach[0]),
-                           _mm256_or_si256(_mm256_subs_epu8(load(bytes + 32), quiet.reach[1]),
-                                           _mm256_subs_epu8(load(bytes + 64), quiet.reach[2])));
-  }
-
-  TOUCHLINE_AVX2_INLINE static Planes planes(const RowPixels& row, std::uint32_t u_low, std::uint32_t u_high) {
-    const std::uint8_t *low = row.samples + std::size_t{3} * u_low, *high = row.samples + std::size_t{3} * u_high;
-    const __m256i first = load_halves(low, high), second = load_halves(low + 16, high + 16),
-                  third = load_halves(low + 32, high + 32);
-    return {channel(0, first, second, third), channel(1, first, second, third), channel(2, first, second, third)};
-  }
-  TOUCHLINE_AVX2_INLINE static __m256i channel(std::size_t channel, __m256i first, __m256i second, __m256i third) {
-    return _mm256_or_si256(_mm256_shuffle_epi8(first, in_both_halves(kPick[channel][0].data())),
-                           _mm256_or_si256(_mm256_shuffle_epi8(second, in_both_halves(kPick[channel][1].data())),
-                                           _mm256_shuffle_epi8(third, in_both_halves(kPick[channel][2].data()))));
-  }
-};
-
-// Two bytes a pixel.
-template <PixelFormat kFormat>
-struct Packed16 {
-  static constexpr std::size_t kLumaAt = kFormat == PixelFormat::kYuyv ? 0 : 1, kChromaAt = 1 - kLumaAt;
-  static constexpr std::array kPick = {pick_bytes(kLumaAt, 2, 1), pick_bytes(kChromaAt, 4, 2),
-                                       pick_bytes(kChromaAt + 2, 4, 2)};
-
-  // A tile's bytes fill a register.
-  struct Quiet {
-    __m256i low[2], reach[2];
-  };
-  template <bool kOneLight>
-  TOUCHLINE_AVX2_INLINE static Quiet quiet(const Lights& lights) {
-    return {{four_bytes(lights.low->quiet_low), four_bytes(lights.high->quiet_low)},
-            {four_bytes(lights.low->quiet_reach), four_bytes(lights.high->quiet_reach)}};
-  }
-  TOUCHLINE_AVX2_INLINE static __m256i loud(const RowPixels& row, std::uint32_t u, const Quiet& quiet) {
-    const std::uint8_t* bytes = row.samples + std::size_t{2} * u;
-    return _mm256_or_si256(beyond(load(bytes), quiet.low[0], quiet.reach[0]),
-                           beyond(load(bytes + 32), quiet.low[1], quiet.reach[1]));
-  }
-
-  TOUCHLINE_AVX2_INLINE static Planes planes(const RowPixels& row, std::uint32_t u_low, std::uint32_t u_high) {
-    const std::uint8_t *low = row.samples + std::size_t{2} * u_low, *high = row.samples + std::size_t{2} * u_high;
-    const __m256i first = load_halves(low, high), second = load_halves(low + 16, high + 16);
-    return {channel(0, first, second), channel(1, first, second), channel(2, first, second)};
-  }
-  TOUCHLINE_AVX2_INLINE static __m256i channel(std::size_t channel, __m256i first, __m256i second) {
-    return _mm256_or_si256(_mm256_shuffle_epi8(first, in_both_halves(kPick[channel][0].data())),
-                           _mm256_shuffle_epi8(second, in_both_halves(kPick[channel][1].data())));
-  }
-};
-
-// A byte a pixel, and two a pair.
-struct Planar {
-  static constexpr std::array kPick = {pick_bytes(0, 2, 2), pick_bytes(1, 2, 2)};
-
-  struct Quiet {
-    __m256i luma_low, luma_reach, chroma_low, chroma_reach;
-  };
-  template <bool kOneLight>
-  TOUCHLINE_AVX2_INLINE static Quiet quiet(const Lights& lights) {
-    const __m256i low =
-        _mm256_blend_epi32(four_bytes(lights.low->quiet_low), four_bytes(lights.high->quiet_low), 0b11110000);
-    const __m256i reach =
-        _mm256_blend_epi32(four_bytes(lights.low->quiet_reach), four_bytes(lights.high->quiet_reach), 0b11110000);
-    const __m256i of_luma = _mm256_setzero_si256(), of_chroma = _mm256_set1_epi16(0x0302);
-    return {_mm256_shuffle_epi8(low, of_luma), _mm256_shuffle_epi8(reach, of_luma), _mm256_shuffle_epi8(low, of_chroma),
-            _mm256_shuffle_epi8(reach, of_chroma)};
-  }
-  TOUCHLINE_AVX2_INLINE static __m256i loud(const RowPixels& row, std::uint32_t u, const Quiet& quiet) {
-    return _mm256_or_si256(beyond(load(row.samples + u), quiet.luma_low, quiet.luma_reach),
-                           beyond(load(row.chroma + u), quiet.chroma_low, quiet.chroma_reach));
-  }
-
-  TOUCHLINE_AVX2_INLINE static Planes planes(const RowPixels& row, std::uint32_t u_low, std::uint32_t u_high) {
-    const __m256i chroma = load_halves(row.chroma + u_low, row.chroma + u_high);
-    return {load_halves(row.samples + u_low, row.samples + u_high),
-            _mm256_shuffle_epi8(chroma, in_both_halves(kPick[0][0].data())),
-            _mm256_shuffle_epi8(chroma, in_both_halves(kPick[1][0].data()))};
-  }
-};
 
 TOUCHLINE_AVX2_INLINE ChannelTables tables_of(const SpanTables& tables, const Lights& lights, std::size_t channel) {
   return {&tables.digits->channel(channel, lights.low->level[channel]),
@@ -403,8 +224,8 @@ TOUCHLINE_AVX2_INLINE std::uint64_t find_loud(const SpanTables& tables, const Ro
 
 // Those of the blocks that may have a class, by high digits alone.
 template <class Layout, bool kOneLight>
-TOUCHLINE_AVX2_INLINE std::uint64_t find_near(const SpanTables& tables, const BlockTables& of_row,
-                                              const RowPixels& row, const Blocks& blocks, std::uint64_t among) {
+TOUCHLINE_AVX2_INLINE std::uint64_t find_near(const SpanTables& tables, const BlockTables& of_row, const RowPixels& row,
+                                              const Blocks& blocks, std::uint64_t among) {
   const std::size_t groups = tables.digits->groups();
   std::uint64_t found = 0;
   for (; among != 0; among &= among - 1) {
@@ -475,7 +296,7 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_ends(const SpanTables& tables, cons
              before_last = static_cast<char>(kTile - end % kTile);
   const Lights lights = {tile_at<kOneLight>(tables, begin), tile_at<kOneLight>(tables, end - 1)};
   const OneBlock found = colors_of<kOneLight>(tables, tables.digits->groups(),
-                                             channels_of(tables_of(tables, lights), Layout::planes(row, begin, last)));
+                                              channels_of(tables_of(tables, lights), Layout::planes(row, begin, last)));
   const __m128i place = _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   const __m128i first_colors =
       _mm_and_si128(_mm256_castsi256_si128(found.first), _mm_cmplt_epi8(place, _mm_set1_epi8(of_first)));
@@ -520,12 +341,13 @@ struct Family {
 };
 
 }  // namespace
+}  // namespace avx2
 
 SpanKernel avx2_kernel(PixelFormat format) {
   __builtin_cpu_init();
   const bool is_there = __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0 &&
                         __builtin_cpu_supports("popcnt") != 0;
-  return is_there ? kernel_of_format<Family>(format) : nullptr;
+  return is_there ? kernel_of_format<avx2::Family>(format) : nullptr;
 }
 
 }  // namespace touchline

@@ -60,14 +60,16 @@ std::size_t RunWriter::write_longest(const RowMasks& masks, const ColorRow& colo
   static_assert(std::tuple_size_v<decltype(endings_)> + 1 == kDigits);
   std::size_t digits = 0, longer = bits_->advance(masks.first, masks.last, 1, words_, behind_[0]);
   while (longer > limit && ++digits < kDigits) {
-    longer = bits_->widen(ending(digits - 1), std::size_t{1} << (digits - 1), masks.first, words_, endings_[digits - 1]);
+    longer =
+        bits_->widen(ending(digits - 1), std::size_t{1} << (digits - 1), masks.first, words_, endings_[digits - 1]);
   }
   const PixelBits* behind = &masks.first;
   std::size_t length = 0, turn = 0;
   for (std::size_t digit = digits; digit-- > 0;) {
     const std::size_t pixels = std::size_t{1} << digit;
     longer = bits_->advance(*behind, ending(digit), pixels, words_, behind_[turn]);
-    if (digit + 1 < digits && longer <= limit) [[unlikely]] continue;
+    if (digit + 1 < digits && longer <= limit) [[unlikely]]
+      continue;
     behind = &behind_[turn];
     length += pixels;
     turn ^= 1;

@@ -7,10 +7,10 @@
 
 namespace touchline::testing {
 
-std::vector<int> color_at(const JpegStyle& style, unsigned u, unsigned v) {
+std::array<int, 3> color_at(const JpegStyle& style, unsigned u, unsigned v) {
   if (u < 8 && v < 8) return {0, 0, 0};
   const bool right = u >= style.width / 2, low = v >= style.height / 2;
-  if (style.gray) return right == low ? std::vector<int>{255, 255, 255} : std::vector<int>{128, 128, 128};
+  if (style.gray) return right == low ? std::array{255, 255, 255} : std::array{128, 128, 128};
   if (right && low) return {255, 255, 255};
   return {right || low ? 0 : 255, right ? 255 : 0, low ? 255 : 0};
 }
@@ -39,7 +39,7 @@ std::vector<std::uint8_t> jpeg_of(const JpegStyle& style) {
   std::vector<std::uint8_t> row(3 * std::size_t{style.width});
   while (jpeg.next_scanline < jpeg.image_height) {
     for (unsigned u = 0; u < style.width; ++u) {
-      const std::vector<int> color = color_at(style, u, jpeg.next_scanline);
+      const std::array<int, 3> color = color_at(style, u, jpeg.next_scanline);
       for (std::size_t c = 0; c < 3; ++c) row[3 * u + c] = static_cast<std::uint8_t>(color[c]);
     }
     JSAMPROW pointer = row.data();

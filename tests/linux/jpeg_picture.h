@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -17,6 +18,6 @@ struct JpegStyle {
 std::vector<std::uint8_t> jpeg_of(const JpegStyle& style = {});
 
 /// What the picture shows at a pixel, R, G, B.
-std::vector<int> color_at(const JpegStyle& style, unsigned u, unsigned v);
+std::array<int, 3> color_at(const JpegStyle& style, unsigned u, unsigned v);
 
 }  // namespace touchline::testing

@@ -22,7 +22,7 @@ class MjpgDecoderTest : public ::testing::Test {
     ASSERT_TRUE(decoder_.decode(jpeg, rgb_.data()).ok()) << decoder_.reason();
     for (const unsigned u : {3u, style.width / 4, style.width - 4}) {
       for (const unsigned v : {3u, style.height / 4, style.height - 4}) {
-        const std::vector<int> color = color_at(style, u, v);
+        const std::array<int, 3> color = color_at(style, u, v);
         for (std::size_t c = 0; c < 3; ++c) {
           EXPECT_NEAR(rgb_[3 * (v * style.width + u) + c], color[c], 6) << u << ", " << v << ", " << c;
         }

@@ -75,7 +75,7 @@ struct MjpgDecoder::Library {
     return list;
   }
 
-  /// Tables of a damaged picture must not serve the next ones, which may have none of their own.
+  /// A picture without tables means the usual ones, not those of the picture before it.
   void forget_tables() {
     std::fill(std::begin(jpeg.quant_tbl_ptrs), std::end(jpeg.quant_tbl_ptrs), nullptr);
     std::fill(std::begin(jpeg.dc_huff_tbl_ptrs), std::end(jpeg.dc_huff_tbl_ptrs), nullptr);
@@ -155,9 +155,9 @@ Status MjpgDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8_t* rg
   jpeg_decompress_struct& jpeg = library.jpeg;
   if (setjmp(library.escape) != 0) {  // NOLINT(cert-err52-cpp)
     jpeg_abort_decompress(&jpeg);
-    library.forget_tables();
     return ErrorCode::kCorruptFrame;
   }
+  library.forget_tables();
   jpeg_mem_src(&jpeg, bytes.data(), bytes.size());
   jpeg_read_header(&jpeg, TRUE);
   if (jpeg.image_width != library.width_px || jpeg.image_height != library.height_px) {

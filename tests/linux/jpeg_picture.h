@@ -11,6 +11,7 @@ struct JpegStyle {
   unsigned width = 320, height = 240;
   int horizontal = 2, vertical = 1;  // pixels that share a chroma sample
   bool gray = false, progressive = false;
+  bool own_huffman_tables = false;  // made for this picture
   bool with_huffman_tables = true;  // many cameras leave the usual ones out
 };
 

@@ -7,7 +7,8 @@
 #include "core/marker/linear_picture.h"
 #include "core/marker/pixel_rows.h"
 
-namespace touchline::inline TOUCHLINE_LANES {
+namespace touchline {
+inline namespace TOUCHLINE_LANES {
 
 // How far beyond its outline what surrounds the ball is looked at: where the ramp has ended.
 constexpr float kBeyondBallPx = 2.25f;
@@ -180,4 +181,5 @@ inline OutlineSums fit_outline(const Disk& disk, const BallShades& shades, float
   return sums;
 }
 
-}  // namespace touchline::inline TOUCHLINE_LANES
+}  // namespace TOUCHLINE_LANES
+}  // namespace touchline

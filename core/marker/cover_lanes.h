@@ -5,7 +5,8 @@
 #include "core/marker/lanes.h"
 #include "core/marker/outline_cover.h"
 
-namespace touchline::inline TOUCHLINE_LANES {
+namespace touchline {
+inline namespace TOUCHLINE_LANES {
 
 /// How much of eight blurred pixels an outline covers, and how that changes when the outline moves.
 struct Cover {
@@ -79,4 +80,5 @@ inline Cover cover_at(const OutlineCover& cover, Lanes x_m, Lanes y_m, float ram
   return with_shape(cover, [&](const auto& shape) { return shape.at(x_m, y_m, 1.0f / ramp_m); });
 }
 
-}  // namespace touchline::inline TOUCHLINE_LANES
+}  // namespace TOUCHLINE_LANES
+}  // namespace touchline

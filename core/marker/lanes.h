@@ -20,7 +20,8 @@
 #define TOUCHLINE_LANES portable_lanes
 #endif
 
-namespace touchline::inline TOUCHLINE_LANES {
+namespace touchline {
+inline namespace TOUCHLINE_LANES {
 
 #if defined(TOUCHLINE_LANES_OF_AVX2)
 
@@ -147,4 +148,5 @@ inline float sum_of(Lanes value) {
 /// How many lanes of a mask are set.
 inline int count_of(LaneIntegers mask) { return static_cast<int>(sum_of(keep(mask, all_lanes(1.0f)))); }
 
-}  // namespace touchline::inline TOUCHLINE_LANES
+}  // namespace TOUCHLINE_LANES
+}  // namespace touchline

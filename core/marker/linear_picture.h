@@ -9,7 +9,8 @@
 #include "core/marker/lanes.h"
 #include "core/types.h"
 
-namespace touchline::inline TOUCHLINE_LANES {
+namespace touchline {
+inline namespace TOUCHLINE_LANES {
 
 /// Red, green and blue in proportion to the light that fell on eight pixels; 1 is what a camera shows as 255.
 using LightLanes = std::array<Lanes, 3>;
@@ -100,4 +101,5 @@ class LinearPicture {
   Frame frame_;
 };
 
-}  // namespace touchline::inline TOUCHLINE_LANES
+}  // namespace TOUCHLINE_LANES
+}  // namespace touchline

@@ -8,7 +8,8 @@
 #include "core/marker/linear_picture.h"
 #include "core/marker/pixel_rows.h"
 
-namespace touchline::inline TOUCHLINE_LANES {
+namespace touchline {
+inline namespace TOUCHLINE_LANES {
 
 // Points a row and rows on a robot's top.
 constexpr int kTopGrid = 8;
@@ -242,4 +243,5 @@ inline EdgeSums fit_edge(const EdgeTask& task) {
   return {sum_of(xx), sum_of(xy), sum_of(yy), sum_of(rx), sum_of(ry), sum_of(squares), sum_of(weights)};
 }
 
-}  // namespace touchline::inline TOUCHLINE_LANES
+}  // namespace TOUCHLINE_LANES
+}  // namespace touchline

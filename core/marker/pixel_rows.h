@@ -8,7 +8,8 @@
 #include "core/marker/lanes.h"
 #include "core/types.h"
 
-namespace touchline::inline TOUCHLINE_LANES {
+namespace touchline {
+inline namespace TOUCHLINE_LANES {
 
 /// Columns from an outline's center; none when low is above high.
 struct Columns {
@@ -27,9 +28,10 @@ class PixelList {
     if (count_ + number > kMost) return false;
     const LaneIntegers steps = counting() * all_integers(stride);
     // Up to seven more than are counted; what comes next overwrites them, and the last eight have room.
-    for (int i = 0; i < number; i += kLanes) {
-      write(all_integers(first + i * stride) + steps, &u_[static_cast<std::size_t>(count_ + i)]);
-      write(all_integers(v), &v_[static_cast<std::size_t>(count_ + i)]);
+    auto at = static_cast<std::size_t>(count_);
+    for (int i = 0; i < number; i += kLanes, at += kLanes) {
+      write(all_integers(first + i * stride) + steps, &u_[at]);
+      write(all_integers(v), &v_[at]);
     }
     count_ += number;
     return true;
@@ -109,4 +111,5 @@ class OutlinePixels {
   PixelList edge_, inside_;
 };
 
-}  // namespace touchline::inline TOUCHLINE_LANES
+}  // namespace TOUCHLINE_LANES
+}  // namespace touchline

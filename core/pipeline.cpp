@@ -26,6 +26,8 @@ class StageTimer {
 Status Pipeline::configure(const PipelineParameters& parameters, StageClock clock) {
   clock_ = clock;
   packet_sequence_ = 0;
+  monitor_.configure(parameters.low_battery_v);
+  trace_.reports = {};
   if (Status s = scanner_.configure(parameters.scan); !s.ok()) return s;
   if (Status s = camera_.configure(parameters.camera); !s.ok()) return s;
   if (Status s = matcher_.configure(parameters.marker, camera_); !s.ok()) return s;

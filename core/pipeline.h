@@ -7,6 +7,7 @@
 #include "core/marker/matcher.h"
 #include "core/marker/patch_center.h"
 #include "core/radio/packet.h"
+#include "core/radio/telemetry.h"
 #include "core/region/region_scanner.h"
 #include "core/track/tracker.h"
 #include "core/types.h"
@@ -20,6 +21,7 @@ struct PipelineParameters {
   TrackParameters track;
   ControlParameters control;
   AdaptationParameters adaptation;
+  float low_battery_v = 0.0f;  // below it a robot's battery is low; 0: never
 };
 
 /// The way of one frame, camera to packet. Large (fixed memory): make one, not on the stack.
@@ -49,6 +51,10 @@ class Pipeline {
   void set_adaptation(AdaptationMode mode) { adaptation_.set_mode(mode); }
   [[nodiscard]] AdaptationMode adaptation() const { return adaptation_.mode(); }
 
+  /// Bytes that the radio received until `now`, whatever they are: StepTrace::reports tells what robots said in them.
+  void listen(std::span<const std::byte> bytes, Instant now) { monitor_.listen(bytes, now, trace_.reports); }
+  [[nodiscard]] const RobotReports& reports() const { return trace_.reports; }
+
   /// A packet that halts all robots, for when there is no frame to step; it acts after the action delay, counted from
   /// `now`. Valid until the next call.
   const Packet& stop(Instant now);
@@ -66,6 +72,7 @@ class Pipeline {
   Tracker tracker_;
   Controller controller_;
   Adaptation adaptation_;
+  RobotMonitor monitor_;
   StageClock clock_ = nullptr;
   Duration action_delay_{};
   bool halted_ = false, observing_ = false;

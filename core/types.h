@@ -214,6 +214,32 @@ struct Commands {
 constexpr std::size_t kMaxPacketBytes = 128;
 using Packet = FixedVector<std::byte, kMaxPacketBytes>;
 
+// --- radio -> robots' own words -------------------------------------------------------------------------------------
+
+constexpr std::int8_t kLinkUnknown = -1;
+
+/// What one robot says of itself (docs/radio.md).
+struct RobotTelemetry {
+  RobotId id = kUnknownId;
+  std::uint8_t sequence = 0;
+  float battery_v = 0.0f;                    // 0: it does not measure it
+  std::int8_t link_percent = kLinkUnknown;   // of our packets, how many it heard lately
+};
+
+/// What is known of one robot from its own words.
+struct RobotReport {
+  RobotTelemetry last;
+  Instant heard{};                       // when it came
+  std::uint32_t packets = 0, missed = 0;  // missed: by their sequence numbers
+  bool battery_low = false;
+};
+
+struct RobotReports {
+  FixedVector<RobotReport, kMaxRobotsPerTeam> robots;  // in the order of their ids
+  std::uint64_t packets = 0;                           // of all robots
+  std::uint64_t foreign_bytes = 0;                     // that belonged to no good packet
+};
+
 // --- the whole way --------------------------------------------------------------------------------------------------
 
 enum class Stage : std::uint8_t { kRegion, kMarker, kTrack, kControl, kRadio };  // classification is part of kRegion
@@ -236,6 +262,7 @@ struct StepTrace {
   Commands commands;
   Packet packet;
   LightTrace light;
+  RobotReports reports;  // all that robots have said until now
   Status status;  // of the scan: kUnsupported (nothing seen), kFull (see overload)
   std::array<Duration, kStageCount> stage_time{};
   bool overload = false;  // some capacity was reached; the counters say which

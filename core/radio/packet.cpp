@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/radio/crc16.h"
+#include "core/radio/word.h"
 
 namespace touchline {
 namespace {
@@ -16,13 +17,8 @@ std::int16_t wheel_steps(float speed_mps) {
 }
 
 void put_word(std::uint16_t word, Packet& out) {
-  out.push_back(static_cast<std::byte>(word & 0xFFu));
-  out.push_back(static_cast<std::byte>(word >> 8u));
-}
-
-std::uint16_t word_at(std::span<const std::byte> bytes, std::size_t at) {
-  return static_cast<std::uint16_t>(std::to_integer<unsigned>(bytes[at]) | std::to_integer<unsigned>(bytes[at + 1])
-                                                                               << 8u);
+  out.push_back(low_byte(word));
+  out.push_back(high_byte(word));
 }
 
 float speed_at(std::span<const std::byte> bytes, std::size_t at) {

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <span>
 
+#include "core/radio/frame_finder.h"
 #include "core/radio/packet.h"
 
 namespace touchline {
@@ -16,22 +17,21 @@ namespace touchline {
 class PacketStream {
  public:
   /// When the caller never asks next(), the oldest byte goes (counted as skipped).
-  void push(std::byte byte);
+  void push(std::byte byte) { finder_.push(byte); }
   /// The oldest whole packet among the bytes pushed; false: more bytes are needed.
   bool next(Commands& commands, std::uint8_t& sequence);
   /// For a pause on the line longer than a packet: what has come so far is no packet's beginning.
-  void reset();
+  void reset() { finder_.reset(); }
 
   /// Bytes that belonged to no good packet.
-  [[nodiscard]] std::uint64_t skipped_bytes() const { return skipped_; }
+  [[nodiscard]] std::uint64_t skipped_bytes() const { return finder_.skipped_bytes(); }
 
  private:
-  void drop(std::size_t count);
-
-  // Two packets: one that turns out to be damaged, and the one that comes after it.
-  std::array<std::byte, 2 * packet_bytes(kMaxRobotsPerTeam)> buffer_{};
-  std::size_t size_ = 0;
-  std::uint64_t skipped_ = 0;
+  struct Format {
+    static constexpr std::size_t kMaxBytes = packet_bytes(kMaxRobotsPerTeam);
+    static std::size_t length(std::span<const std::byte> bytes);
+  };
+  FrameFinder<Format> finder_;
 };
 
 /// Which packets a robot obeys: stop packets always, others when they are newer than the last one by 1 to 127 steps

@@ -1,0 +1,114 @@
+#include "core/radio/telemetry.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/radio/crc16.h"
+#include "core/radio/word.h"
+
+namespace touchline {
+namespace {
+
+constexpr std::size_t kCrcAt = kTelemetryBytes - 2;
+constexpr float kVoltsPerStep = 0.001f;
+// Words in a row; at two a second, a second and a half.
+constexpr std::uint8_t kEnoughWords = 3;
+// A battery recovers by a tenth or two when the motors rest.
+constexpr float kChangedBatteryV = 0.3f;
+
+std::uint16_t battery_steps(float battery_v) {
+  if (!(battery_v > 0.0f)) return 0;
+  return static_cast<std::uint16_t>(std::min(std::lround(std::min(battery_v, 100.0f) / kVoltsPerStep), 65535L));
+}
+
+}  // namespace
+
+TelemetryPacket encode_telemetry(const RobotTelemetry& telemetry) {
+  TelemetryPacket out{kTelemetryMagic0, kTelemetryMagic1, kTelemetryVersion, static_cast<std::byte>(telemetry.id),
+                      static_cast<std::byte>(telemetry.sequence)};
+  const std::uint16_t battery = battery_steps(telemetry.battery_v);
+  out[5] = low_byte(battery);
+  out[6] = high_byte(battery);
+  out[7] = telemetry.link_percent < 0 ? kTelemetryNoLink : static_cast<std::byte>(telemetry.link_percent);
+  const std::uint16_t crc = crc16_ccitt_false(std::span(out).first(kCrcAt));
+  out[kCrcAt] = low_byte(crc);
+  out[kCrcAt + 1] = high_byte(crc);
+  return out;
+}
+
+Status decode_telemetry(std::span<const std::byte> bytes, RobotTelemetry& telemetry) {
+  if (bytes.size() != kTelemetryBytes) return ErrorCode::kCorruptFrame;
+  if (bytes[0] != kTelemetryMagic0 || bytes[1] != kTelemetryMagic1) return ErrorCode::kCorruptFrame;
+  if (bytes[2] != kTelemetryVersion) return ErrorCode::kCorruptFrame;
+  const auto id = std::to_integer<unsigned>(bytes[3]);
+  const auto link = std::to_integer<unsigned>(bytes[7]);
+  if (id > 127 || (link > 100 && bytes[7] != kTelemetryNoLink)) return ErrorCode::kCorruptFrame;
+  if (crc16_ccitt_false(bytes.first(kCrcAt)) != word_at(bytes, kCrcAt)) return ErrorCode::kCorruptFrame;
+  telemetry.id = static_cast<RobotId>(id);
+  telemetry.sequence = std::to_integer<std::uint8_t>(bytes[4]);
+  telemetry.battery_v = static_cast<float>(word_at(bytes, 5)) * kVoltsPerStep;
+  telemetry.link_percent = link > 100 ? kLinkUnknown : static_cast<std::int8_t>(link);
+  return {};
+}
+
+std::size_t TelemetryStream::Format::length(std::span<const std::byte> bytes) {
+  using Finder = FrameFinder<Format>;
+  if (bytes[0] != kTelemetryMagic0) return Finder::kNoPacket;
+  if (bytes.size() > 1 && bytes[1] != kTelemetryMagic1) return Finder::kNoPacket;
+  if (bytes.size() > 2 && bytes[2] != kTelemetryVersion) return Finder::kNoPacket;
+  return kTelemetryBytes;
+}
+
+bool TelemetryStream::next(RobotTelemetry& telemetry) {
+  return finder_.next([&](std::span<const std::byte> bytes) { return decode_telemetry(bytes, telemetry).ok(); });
+}
+
+void RobotMonitor::configure(float low_battery_v) {
+  low_battery_v_ = low_battery_v;
+  stream_.reset();
+  doubts_.fill(0);
+}
+
+void RobotMonitor::listen(std::span<const std::byte> bytes, Instant now, RobotReports& reports) {
+  RobotTelemetry telemetry;
+  for (const std::byte byte : bytes) {
+    stream_.push(byte);
+    while (stream_.next(telemetry)) note(telemetry, now, reports);
+  }
+  reports.foreign_bytes = stream_.skipped_bytes();
+}
+
+void RobotMonitor::note(const RobotTelemetry& telemetry, Instant now, RobotReports& reports) {
+  auto& robots = reports.robots;
+  ++reports.packets;
+  std::size_t at = 0;
+  while (at < robots.size() && robots[at].last.id < telemetry.id) ++at;
+  if (at == robots.size() || robots[at].last.id != telemetry.id) {
+    if (!robots.push_back({})) return;
+    std::move_backward(robots.begin() + at, robots.end() - 1, robots.end());
+    robots[at] = {};
+    robots[at].last.id = telemetry.id;
+    robots[at].last.sequence = static_cast<std::uint8_t>(telemetry.sequence - 1);
+  }
+  RobotReport& report = robots[at];
+  const auto step = static_cast<std::uint8_t>(telemetry.sequence - report.last.sequence);
+  if (step == 0) return;  // a module that repeats itself
+  if (step <= 127) report.missed += step - 1U;  // else it was switched on again, or this one was overtaken
+  ++report.packets;
+  report.last = telemetry;
+  report.heard = now;
+  judge_battery(report);
+}
+
+void RobotMonitor::judge_battery(RobotReport& report) {
+  const float battery_v = report.last.battery_v;
+  if (low_battery_v_ <= 0.0f || battery_v <= 0.0f) return;
+  const bool against = report.battery_low ? battery_v > low_battery_v_ + kChangedBatteryV : battery_v < low_battery_v_;
+  std::uint8_t& doubts = doubts_[static_cast<std::size_t>(report.last.id)];
+  doubts = against ? static_cast<std::uint8_t>(doubts + 1) : std::uint8_t{0};
+  if (doubts < kEnoughWords) return;
+  report.battery_low = !report.battery_low;
+  doubts = 0;
+}
+
+}  // namespace touchline

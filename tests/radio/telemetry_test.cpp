@@ -1,0 +1,265 @@
+#include "core/radio/telemetry.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+#include "core/radio/packet.h"
+
+namespace touchline {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr Instant kNow{100s};
+
+RobotTelemetry words_of(int id, int sequence, float battery_v = 7.4f, int link = 98) {
+  return {static_cast<RobotId>(id), static_cast<std::uint8_t>(sequence), battery_v, static_cast<std::int8_t>(link)};
+}
+
+void append(std::vector<std::byte>& bytes, std::span<const std::byte> more) {
+  bytes.insert(bytes.end(), more.begin(), more.end());
+}
+
+std::vector<std::uint8_t> sequences_in(const std::vector<std::byte>& bytes, std::uint64_t* skipped = nullptr) {
+  TelemetryStream stream;
+  RobotTelemetry telemetry;
+  std::vector<std::uint8_t> found;
+  for (const std::byte byte : bytes) {
+    stream.push(byte);
+    while (stream.next(telemetry)) found.push_back(telemetry.sequence);
+  }
+  if (skipped != nullptr) *skipped = stream.skipped_bytes();
+  return found;
+}
+
+TEST(Telemetry, IsReadBackAsWritten) {
+  std::mt19937 random(1);
+  std::uniform_int_distribution<int> id(0, 127), byte(0, 255), link(-1, 100), battery(0, 65535);
+  for (int i = 0; i < 2000; ++i) {
+    const float battery_v = static_cast<float>(battery(random)) * 0.001f;
+    const RobotTelemetry sent = words_of(id(random), byte(random), battery_v, link(random));
+    RobotTelemetry read;
+    ASSERT_TRUE(decode_telemetry(encode_telemetry(sent), read).ok());
+    EXPECT_EQ(read.id, sent.id);
+    EXPECT_EQ(read.sequence, sent.sequence);
+    EXPECT_NEAR(read.battery_v, sent.battery_v, 1e-4);
+    EXPECT_EQ(read.link_percent, sent.link_percent);
+  }
+}
+
+TEST(Telemetry, RoundsAndSaturatesVoltages) {
+  const std::vector<std::pair<float, float>> sent_and_read = {
+      {-1.0f, 0.0f}, {0.0004f, 0.0f}, {7.4006f, 7.401f}, {70.0f, 65.535f}, {1e30f, 65.535f}, {std::nanf(""), 0.0f}};
+  for (const auto& [sent, read] : sent_and_read) {
+    RobotTelemetry telemetry;
+    ASSERT_TRUE(decode_telemetry(encode_telemetry(words_of(1, 1, sent)), telemetry).ok());
+    EXPECT_NEAR(telemetry.battery_v, read, 1e-4) << sent;
+  }
+}
+
+TEST(Telemetry, WithAnyOneToThreeBitsTurnedIsRefused) {
+  const TelemetryPacket good = encode_telemetry(words_of(3, 42));
+  constexpr std::size_t kBits = kTelemetryBytes * 8;
+  const auto turn = [](TelemetryPacket& p, std::size_t bit) { p[bit / 8] ^= std::byte{1} << static_cast<int>(bit % 8); };
+  RobotTelemetry read = words_of(9, 9);
+  for (std::size_t i = 0; i < kBits; ++i) {
+    for (std::size_t k = i; k < kBits; ++k) {
+      for (std::size_t n = k; n < kBits; ++n) {
+        TelemetryPacket damaged = good;  // n == k > i turns bit i only
+        turn(damaged, i);
+        if (k > i) turn(damaged, k);
+        if (n > i) turn(damaged, n);
+        ASSERT_EQ(decode_telemetry(damaged, read).code(), ErrorCode::kCorruptFrame) << i << " " << k << " " << n;
+      }
+    }
+  }
+  EXPECT_EQ(read.id, 9) << "a refused packet changes nothing";
+}
+
+TEST(Telemetry, WithAWrongFieldButAGoodChecksumIsRefused) {
+  RobotTelemetry read;
+  EXPECT_TRUE(decode_telemetry(encode_telemetry(words_of(127, 1, 7.4f, 100)), read).ok());
+  EXPECT_FALSE(decode_telemetry(encode_telemetry(words_of(1, 1, 7.4f, 101)), read).ok()) << "101 percent";
+  EXPECT_FALSE(decode_telemetry(encode_telemetry(words_of(-1, 1)), read).ok()) << "id 255";
+  const TelemetryPacket good = encode_telemetry(words_of(1, 1));
+  EXPECT_FALSE(decode_telemetry(std::span(good).first(9), read).ok());
+}
+
+TEST(TelemetryStream, LosesOnlyThePacketThatIsCutAtAnyPlace) {
+  const TelemetryPacket before = encode_telemetry(words_of(1, 1)), cut = encode_telemetry(words_of(2, 2)),
+                        after = encode_telemetry(words_of(3, 3));
+  for (std::size_t begin = 0; begin < kTelemetryBytes; ++begin) {
+    for (std::size_t gone = 1; begin + gone <= kTelemetryBytes; ++gone) {
+      std::vector<std::byte> bytes;
+      append(bytes, before);
+      append(bytes, std::span(cut).first(begin));
+      append(bytes, std::span(cut).subspan(begin + gone));
+      append(bytes, after);
+      std::uint64_t skipped = 0;
+      EXPECT_EQ(sequences_in(bytes, &skipped), (std::vector<std::uint8_t>{1, 3})) << begin << " " << gone;
+      EXPECT_EQ(skipped, kTelemetryBytes - gone);
+    }
+  }
+}
+
+// A radio module that repeats what it was given to send, or hears it from another one.
+TEST(TelemetryStream, IgnoresOurOwnPackets) {
+  Commands commands;
+  commands.stop = false;
+  commands.robots.push_back({0, {}, {21.076f, 0.001f}});  // 0x5254: "TR" within it, followed by the version
+  Packet packet;
+  ASSERT_TRUE(encode(commands, 1, packet).ok());
+  std::vector<std::byte> bytes;
+  for (int i = 0; i < 50; ++i) {
+    append(bytes, {packet.data(), packet.size()});
+    append(bytes, encode_telemetry(words_of(1, i)));
+  }
+  EXPECT_EQ(sequences_in(bytes).size(), 50U);
+}
+
+// Bytes lost, added and turned; garbage that begins like a packet. Nothing is reported that was not sent, whole packets
+// behind whole ones are all found.
+TEST(TelemetryStream, ReportsNothingThatWasNotSentOnANoisyLine) {
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> byte(0, 255), fault(0, 99), kind(0, 3), size(0, 40);
+  std::vector<std::byte> bytes;
+  int whole = 0;
+  constexpr int kSent = 20000;
+  for (int i = 0; i < kSent; ++i) {
+    bool intact = true;
+    for (const std::byte b : encode_telemetry(words_of(i % 11, i, 7.4f, 42))) {
+      const int f = fault(random);
+      intact = intact && f > 2;
+      if (f == 0) continue;
+      bytes.push_back(f == 1 ? b ^ static_cast<std::byte>(1 + byte(random) % 255) : b);
+      if (f == 2) bytes.push_back(static_cast<std::byte>(byte(random)));
+    }
+    whole += intact ? 1 : 0;
+    if (kind(random) == 0) {
+      for (int k = size(random); k > 0; --k) bytes.push_back(static_cast<std::byte>(byte(random)));
+    }
+    if (kind(random) == 1) append(bytes, std::array{kTelemetryMagic0, kTelemetryMagic1, kTelemetryVersion});
+  }
+  TelemetryStream stream;
+  RobotTelemetry telemetry;
+  int found = 0, wrong = 0;
+  for (const std::byte b : bytes) {
+    stream.push(b);
+    while (stream.next(telemetry)) {
+      ++found;
+      wrong += telemetry.link_percent == 42 && std::abs(telemetry.battery_v - 7.4f) < 1e-4f ? 0 : 1;
+    }
+  }
+  EXPECT_EQ(wrong, 0);
+  // A byte added behind the last one leaves its packet whole.
+  EXPECT_GE(found, whole);
+  EXPECT_LE(found, whole + kSent / 50);
+  EXPECT_GT(whole, kSent / 2);
+}
+
+TEST(TelemetryStream, AcceptsGarbageAsRarelyAsItsChecksumSays) {
+  std::mt19937 random(6);
+  std::uniform_int_distribution<int> byte(0, 255), kind(0, 4);
+  TelemetryStream stream;
+  RobotTelemetry telemetry;
+  int accepted = 0;
+  std::uint64_t pushed = 0;
+  const auto push = [&](std::byte b) {
+    stream.push(b);
+    ++pushed;
+    while (stream.next(telemetry)) ++accepted;
+  };
+  for (int i = 0; i < 100000; ++i) {
+    if (kind(random) == 0) {
+      for (const std::byte b : {kTelemetryMagic0, kTelemetryMagic1, kTelemetryVersion}) push(b);
+    }
+    push(static_cast<std::byte>(byte(random)));
+  }
+  EXPECT_LE(accepted, 3) << "20000 starts, one in 65536 of them by chance";
+  EXPECT_GE(stream.skipped_bytes() + 20, pushed);
+}
+
+class RobotMonitorTest : public ::testing::Test {
+ protected:
+  void hear(const RobotTelemetry& telemetry, Instant now = kNow) {
+    monitor.listen(encode_telemetry(telemetry), now, reports);
+  }
+  void hear_battery(float battery_v, int times) {
+    for (int i = 0; i < times; ++i) hear(words_of(4, ++sequence, battery_v));
+  }
+  RobotMonitor monitor;
+  RobotReports reports;
+  int sequence = 0;
+};
+
+TEST_F(RobotMonitorTest, KeepsTheLastWordOfEachRobotInTheOrderOfTheirIds) {
+  for (const int id : {7, 2, 9, 0}) hear(words_of(id, 10, 7.0f + 0.1f * static_cast<float>(id)));
+  hear(words_of(2, 11, 6.9f, 50), kNow + 1s);
+  ASSERT_EQ(reports.robots.size(), 4U);
+  const std::array<RobotId, 4> ids{0, 2, 7, 9};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(reports.robots[i].last.id, ids[i]);
+  const RobotReport& two = reports.robots[1];
+  EXPECT_NEAR(two.last.battery_v, 6.9, 1e-4);
+  EXPECT_EQ(two.last.link_percent, 50);
+  EXPECT_EQ(two.heard, kNow + 1s);
+  EXPECT_EQ(two.packets, 2U);
+  EXPECT_EQ(two.missed, 0U);
+  EXPECT_EQ(reports.robots[2].heard, kNow);
+  EXPECT_EQ(reports.packets, 5U);
+}
+
+TEST_F(RobotMonitorTest, CountsWhatIsMissingAcrossTheEndOfTheNumbers) {
+  for (const int i : {253, 254, 1, 1, 2}) hear(words_of(4, i));
+  EXPECT_EQ(reports.robots[0].missed, 2U) << "255 and 0";
+  EXPECT_EQ(reports.robots[0].packets, 4U) << "the second 1 is a repetition";
+  hear(words_of(4, 200));
+  EXPECT_EQ(reports.robots[0].missed, 2U) << "further ahead than 127: it was switched on again";
+}
+
+TEST_F(RobotMonitorTest, ListsAsManyRobotsAsATeamHasAndCountsTheOthers) {
+  for (int id = 20; id < 33; ++id) hear(words_of(id, 1));
+  EXPECT_EQ(reports.robots.size(), kMaxRobotsPerTeam);
+  EXPECT_EQ(reports.robots.overflow(), 2U);
+  EXPECT_EQ(reports.robots[10].last.id, 30);
+  hear(words_of(30, 2));
+  EXPECT_EQ(reports.robots[10].packets, 2U);
+}
+
+TEST_F(RobotMonitorTest, ABatteryIsLowAfterThreeWordsAndGoodAgainWhenItWasChanged) {
+  monitor.configure(7.0f);
+  hear_battery(6.9f, 2);
+  hear_battery(7.1f, 1);
+  hear_battery(6.9f, 2);
+  EXPECT_FALSE(reports.robots[0].battery_low) << "the motors started twice";
+  hear_battery(6.9f, 1);
+  EXPECT_TRUE(reports.robots[0].battery_low);
+  hear_battery(7.25f, 10);
+  EXPECT_TRUE(reports.robots[0].battery_low) << "it recovers while the robot stands";
+  hear_battery(8.3f, 2);
+  EXPECT_TRUE(reports.robots[0].battery_low);
+  hear_battery(8.3f, 1);
+  EXPECT_FALSE(reports.robots[0].battery_low);
+}
+
+TEST_F(RobotMonitorTest, ABatteryThatIsNotMeasuredOrNotJudgedIsNotLow) {
+  monitor.configure(7.0f);
+  hear_battery(0.0f, 10);
+  EXPECT_FALSE(reports.robots[0].battery_low);
+  monitor.configure(0.0f);
+  hear_battery(0.5f, 10);
+  EXPECT_FALSE(reports.robots[0].battery_low);
+}
+
+TEST_F(RobotMonitorTest, PacketsMayComeInPiecesAndManyAtOnce) {
+  std::vector<std::byte> bytes;
+  for (int i = 0; i < 100; ++i) append(bytes, encode_telemetry(words_of(i % 3, i / 3)));
+  for (std::size_t at = 0, size = 1; at < bytes.size(); at += size, size = size % 37 + 1) {
+    monitor.listen(std::span(bytes).subspan(at, std::min(size, bytes.size() - at)), kNow, reports);
+  }
+  EXPECT_EQ(reports.packets, 100U);
+  EXPECT_EQ(reports.foreign_bytes, 0U);
+}
+
+}  // namespace
+}  // namespace touchline

@@ -14,13 +14,15 @@ class AbsentRadio final : public hal::Radio {
 
  private:
   Status do_open() override { return {}; }
-  Status do_send(std::span<const std::byte>) override { return {}; }
+  Status do_send(const Packet&) override { return {}; }
+  Result<Duration> do_serve() override { return Duration::max(); }
+  Result<std::size_t> do_receive(std::span<std::byte>) override { return std::size_t{0}; }
   Status do_drain(Instant) override { return {}; }
   void do_close() override {}
   const std::string reason_ = "no radio is configured";
 };
 
-/// Backend "none": no light, and an emergency stop that nobody can pull.
+/// Backend "none": no light, and switches that nobody can touch.
 class AbsentGpio final : public hal::Gpio {
  public:
   [[nodiscard]] const std::string& reason() const override { return reason_; }
@@ -29,7 +31,8 @@ class AbsentGpio final : public hal::Gpio {
   Status do_open() override { return {}; }
   void do_close() override {}
   Status do_set_status_led(bool) override { return {}; }
-  Result<bool> do_emergency_stop() override { return false; }
+  Status do_set_strobe(bool) override { return {}; }
+  Result<hal::GpioInputs> do_inputs(Instant) override { return hal::GpioInputs{}; }
   const std::string reason_ = "no GPIO is configured";
 };
 

@@ -62,7 +62,7 @@ void Devices::make(const config::Configuration& configuration, std::uint64_t see
   }
   switch (board.gpio.backend) {
     case hal::GpioBackend::kMock:
-      gpio_ = std::make_unique<hal::mock::MockGpio>(*arena_, *clock_);
+      gpio_ = std::make_unique<hal::mock::MockGpio>(*arena_, *clock_, board.gpio);
       break;
     case hal::GpioBackend::kGpiod:
       gpio_ = std::make_unique<hal::GpiodGpio>(board.gpio);

@@ -17,6 +17,8 @@ constexpr Duration kFinalStopPause = 20ms;
 constexpr Duration kDrainTime = 1s;
 // A switch's contacts bounce for some milliseconds; nobody releases and pulls again within a tenth of a second.
 constexpr Duration kEmergencyReleaseTime = 100ms;
+// The status light's periods.
+constexpr Duration kBeat = 1s, kAlarmBeat = 200ms;
 // Latency changes slowly; a single late frame must not move the prediction of the next ones.
 constexpr int kLatencySmoothing = 16;
 
@@ -47,7 +49,8 @@ Loop::Loop(const LoopDevices& devices, Pipeline& pipeline, const LoopSettings& s
       stop_after_(from_seconds(settings.faults.stop_after_s)),
       slice_(slice_of(stop_after_)),
       reports_(reports),
-      observer_(observer) {}
+      observer_(observer),
+      started_(!settings.start_button) {}
 
 Loop::~Loop() { close(); }
 
@@ -88,16 +91,18 @@ LoopEnd Loop::run(const std::atomic<bool>& stop) {
 
 std::optional<LoopEnd> Loop::iterate() {
   const Instant now = devices_.clock.now();
-  serve_emergency_line(now);
+  serve_inputs(now);
+  serve_radio(now);
+  const Instant until = now + std::min({slice_, look_again_, send_again_});
   if (keeper(Device::kCamera).open()) {
-    const Result<hal::FrameLease> lease = devices_.camera.wait(now + slice_);
+    const Result<hal::FrameLease> lease = devices_.camera.wait(until);
     if (lease.ok()) {
       serve_frame(lease.value());
     } else if (lease.error() != ErrorCode::kTimeout) {
       on_fault(Device::kCamera, lease.error(), devices_.clock.now());
     }
   } else {
-    devices_.clock.sleep_until(now + slice_);
+    devices_.clock.sleep_until(until);
   }
   const Instant after = devices_.clock.now();
   // A camera that hangs says nothing: only the clock tells.
@@ -107,7 +112,9 @@ std::optional<LoopEnd> Loop::iterate() {
   }
   update_halt(after, last_good_);
   if (halt_ != kHaltNone && after - last_packet_ >= slice_) send_stop(after);
+  listen(after);
   serve_lost_devices(after);
+  serve_light(after);
   report_if_due(after);
   statistics_.end = after;
   pulse_.good_frames.store(statistics_.good_frames, std::memory_order_relaxed);
@@ -122,6 +129,7 @@ void Loop::serve_frame(const hal::FrameLease& lease) {
   const Frame& frame = lease.frame();
   StepTiming timing;
   timing.received = devices_.clock.now();
+  strobe(true, timing.received);
   const Instant machine_received = hal::MonotonicClock::read();
   last_frame_ = timing.received;
   if (last_sequence_) statistics_.frames_lost += frame.sequence - *last_sequence_ - 1;
@@ -136,6 +144,7 @@ void Loop::serve_frame(const hal::FrameLease& lease) {
   send(trace.packet, trace.commands.stop, timing.received);
   timing.sent = devices_.clock.now();
   timing.processing = hal::MonotonicClock::read() - machine_received;
+  strobe(false, timing.sent);
   timing.latency = timing.received - frame.capture_time + timing.processing;
 
   ++statistics_.frames;
@@ -186,22 +195,66 @@ void Loop::send(const Packet& packet, bool is_stop, Instant now) {
     return;
   }
   const Status sent = devices_.radio.send(packet);
-  if (sent.ok()) {
+  const bool drops = sent == Status(ErrorCode::kBusy);
+  if (sent.ok() || drops) {
     ++statistics_.packets;
     statistics_.stop_packets += is_stop ? 1 : 0;
-    return;
+    statistics_.packets_dropped += drops ? 1 : 0;
+  } else {
+    ++statistics_.packets_refused;
   }
-  ++statistics_.packets_refused;
-  on_fault(Device::kRadio, sent.code(), now);
+  if (!sent.ok()) on_fault(Device::kRadio, sent.code(), now);
+}
+
+void Loop::serve_radio(Instant now) {
+  send_again_ = slice_;
+  if (!keeper(Device::kRadio).open()) return;
+  const Result<Duration> again = devices_.radio.serve();
+  if (again.ok()) {
+    send_again_ = again.value();
+  } else {
+    on_fault(Device::kRadio, again.error(), now);
+  }
+}
+
+void Loop::listen(Instant now) {
+  if (!settings_.telemetry || !keeper(Device::kRadio).open()) return;
+  const Result<std::size_t> count = devices_.radio.receive(received_);
+  if (!count.ok()) {
+    on_fault(Device::kRadio, count.error(), now);
+  } else if (count.value() > 0) {
+    pipeline_.listen(std::span(received_).first(count.value()), now);
+    statistics_.robots = pipeline_.reports();
+    report_batteries(now);
+  }
+}
+
+void Loop::strobe(bool high, Instant now) {
+  if (!keeper(Device::kGpio).open()) return;
+  if (const Status s = devices_.gpio.set_strobe(high); !s.ok()) on_fault(Device::kGpio, s.code(), now);
+}
+
+void Loop::serve_light(Instant now) {
+  if (!keeper(Device::kGpio).open()) return;
+  const Duration half = halt_ == kHaltNone ? kBeat / 2 : kAlarmBeat / 2;
+  const bool on = halt_ == kHaltStart || (now - statistics_.begin) / half % 2 == 0;
+  if (led_ == on) return;
+  led_ = on;
+  if (const Status s = devices_.gpio.set_status_led(on); !s.ok()) on_fault(Device::kGpio, s.code(), now);
 }
 
 void Loop::send_stop(Instant now) { send(pipeline_.stop(now), true, now); }
 
 void Loop::halt_robots() {
   for (int i = 0; i < kFinalStops; ++i) {
-    const Instant now = devices_.clock.now();
+    Instant now = devices_.clock.now();
+    const Instant next = now + kFinalStopPause;
     send_stop(now);
-    devices_.clock.sleep_until(now + kFinalStopPause);
+    // One that waits for the line must not wait longer.
+    for (; now < next; now = devices_.clock.now()) {
+      serve_radio(now);
+      devices_.clock.sleep_until(now + std::min(next - now, send_again_));
+    }
   }
   if (!keeper(Device::kRadio).open()) return;
   const Instant now = devices_.clock.now();
@@ -256,25 +309,37 @@ void Loop::serve_lost_devices(Instant now) {
   }
 }
 
-void Loop::serve_emergency_line(Instant now) {
+void Loop::serve_inputs(Instant now) {
   std::uint8_t line = kHaltLine;  // a line that cannot be read counts as pulled
+  look_again_ = slice_;
   if (keeper(Device::kGpio).open()) {
-    const Result<bool> pulled = devices_.gpio.emergency_stop();
-    if (pulled.ok()) {
+    const Result<hal::GpioInputs> inputs = devices_.gpio.inputs(now);
+    if (inputs.ok()) {
       line = kHaltNone;
-      if (pulled.value()) emergency_seen_ = now;
-      const bool held =
-          emergency_ && (!settings_.faults.resume_after_emergency || now - emergency_seen_ < kEmergencyReleaseTime);
-      emergency_ = pulled.value() || held;
+      look_again_ = inputs.value().look_again;
+      judge_emergency(inputs.value(), now);
     } else {
-      on_fault(Device::kGpio, pulled.error(), now);
+      on_fault(Device::kGpio, inputs.error(), now);
     }
   }
   const auto others = static_cast<std::uint8_t>(halt_ & kHaltNoFrames);
   const std::uint8_t before = halt_;
-  halt_ = static_cast<std::uint8_t>(others | line | (emergency_ ? kHaltEmergency : kHaltNone));
+  halt_ = static_cast<std::uint8_t>(others | line | (emergency_ ? kHaltEmergency : kHaltNone) |
+                                    (started_ ? kHaltNone : kHaltStart));
   // The first stop must not wait for the next frame.
   if (before == kHaltNone && halt_ != kHaltNone) send_stop(now);
+}
+
+void Loop::judge_emergency(const hal::GpioInputs& inputs, Instant now) {
+  if (inputs.emergency_stop) {
+    emergency_ = true;
+    emergency_seen_ = now;
+    restarted_ = false;
+    return;
+  }
+  if (inputs.start_pressed) started_ = restarted_ = true;
+  const bool may_resume = settings_.faults.resume_after_emergency || restarted_;
+  if (may_resume && now - emergency_seen_ >= kEmergencyReleaseTime) emergency_ = false;
 }
 
 void Loop::update_halt(Instant now, Instant last_good) {

@@ -35,6 +35,8 @@ struct LoopSettings {
   std::uint64_t frames = 0;                        // end after so many; 0: no limit
   Duration duration{};                             // end after so long; 0: no limit
   const AdaptationRequests* adaptation = nullptr;  // whoever else may steer it; null: nobody
+  bool telemetry = true;                           // listens to what robots send back
+  bool start_button = false;                       // robots stand until it is pressed
 };
 
 /// When one frame was where.
@@ -62,8 +64,12 @@ enum class LoopEnd : std::uint8_t {
 /// calling thread; what a person should know goes into the ring.
 ///
 /// Robots are halted while the last good frame is older than faults.stop_after_s and while the emergency stop is
-/// pulled or cannot be read: then every packet is a stop packet, and without frames stop packets are sent all the same.
-/// The line is read before each wait for a frame, so at the latest after one frame's period or 50 ms.
+/// pulled or cannot be read, and before the start button: then every packet is a stop packet, and without frames stop
+/// packets are sent all the same. The lines are read before each wait for a frame, so at the latest after one frame's
+/// period or 50 ms; while a line has a new level the wait ends when that has lasted long enough to count.
+///
+/// The status light blinks once a second while all is well, five times while robots are halted; it stays on while
+/// everything waits for the start button. A loop that hangs leaves it as it is.
 class Loop {
  public:
   /// All references must outlive the loop.
@@ -96,11 +102,17 @@ class Loop {
   void serve_lost_devices(Instant now);
   void send(const Packet& packet, bool is_stop, Instant now);
   void send_stop(Instant now);
-  void serve_emergency_line(Instant now);
+  void serve_inputs(Instant now);
+  void judge_emergency(const hal::GpioInputs& inputs, Instant now);
+  void serve_radio(Instant now);
+  void listen(Instant now);
+  void strobe(bool high, Instant now);
+  void serve_light(Instant now);
   void update_halt(Instant now, Instant last_good);
   void adapt();
   void note_latency(const Frame& frame, const StepTiming& timing);
   void report_if_due(Instant now);
+  void report_batteries(Instant now);
   void report_fault(Device device, ErrorCode code, FaultAction action, Instant now);
   [[nodiscard]] const std::string& reason_of(Device device) const;
   [[nodiscard]] double elapsed_s(Instant now) const { return seconds(now - statistics_.begin); }
@@ -131,6 +143,11 @@ class Loop {
   std::uint8_t halt_ = kHaltNoFrames;
   bool emergency_ = false;
   Instant emergency_seen_{};
+  bool started_ = false;                      // the start button was pressed, or there is none
+  bool restarted_ = false;                    // likewise, since the last emergency
+  Duration look_again_{}, send_again_{};      // when a line or the radio has something to do before the next frame
+  std::array<std::byte, 512> received_{};     // 30 frames of it a second are more than 115200 baud bring
+  std::array<bool, 128> battery_reported_{};  // by id
   std::optional<bool> led_;
 
   // For reports, since the last one.

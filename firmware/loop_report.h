@@ -26,6 +26,7 @@ enum Halt : std::uint8_t {
   kHaltNoFrames = 1,   // the last good frame is older than faults.stop_after_s
   kHaltEmergency = 2,  // the emergency stop is pulled, or was and a new start is needed
   kHaltLine = 4,       // the emergency stop cannot be read: it counts as pulled
+  kHaltStart = 8,      // nobody has pressed the start button yet
 };
 
 struct SeenRobot {
@@ -33,6 +34,15 @@ struct SeenRobot {
   RobotId id = kUnknownId;
   bool coasting = false;
   Pose pose;
+};
+
+/// What a robot said of itself last.
+struct RobotWords {
+  RobotId id = kUnknownId;
+  float battery_v = 0.0f;                   // 0: not measured
+  std::int8_t link_percent = kLinkUnknown;  // of our packets, how many it heard lately
+  double age_s = 0.0;
+  bool battery_low = false;
 };
 
 /// State of affairs, once an interval.
@@ -44,11 +54,12 @@ struct StatusReport {
   FieldPoint ball;
   Duration p50{}, p99{}, max{};  // capture to send, over the interval
   std::uint64_t packets = 0;     // all since start, as all that follow
-  std::uint64_t frames_lost = 0, overloads = 0, faults = 0;
+  std::uint64_t packets_dropped = 0, frames_lost = 0, overloads = 0, faults = 0;
   std::uint8_t halt = kHaltNone;
   AdaptationMode adaptation = AdaptationMode::kFollow;
   float brightness = 1.0f;  // of the light, relative to the calibration
   FixedVector<SeenRobot, kMaxRobots> robots;
+  FixedVector<RobotWords, kMaxRobotsPerTeam> words;
 };
 
 // A driver's reason in one line; the rest is cut off.
@@ -71,11 +82,19 @@ struct HaltReport {
   std::uint8_t halt = kHaltNone, before = kHaltNone;
 };
 
+/// A robot's battery has become low.
+struct BatteryReport {
+  double elapsed_s = 0.0;
+  RobotId id = kUnknownId;
+  float battery_v = 0.0f;
+};
+
 struct Report {
-  enum class Kind : std::uint8_t { kStatus, kFault, kHalt } kind = Kind::kStatus;
+  enum class Kind : std::uint8_t { kStatus, kFault, kHalt, kBattery } kind = Kind::kStatus;
   StatusReport status;
   FaultReport fault;
   HaltReport halt;
+  BatteryReport battery;
 };
 
 // A minute of status reports for a terminal that is stuck.

@@ -9,13 +9,6 @@ void Loop::report_if_due(Instant now) {
     report_.halt = {elapsed_s(now), halt_, halt_reported_};
     reports_.push(report_);
     halt_reported_ = halt_;
-    const bool on = halt_ == kHaltNone;
-    if (led_ != on && keeper(Device::kGpio).open()) {
-      led_ = on;
-      if (const Status s = devices_.gpio.set_status_led(on); !s.ok()) {
-        on_fault(Device::kGpio, s.code(), now);
-      }
-    }
   }
   if (now < next_report_) return;
   next_report_ += settings_.status_interval;
@@ -31,6 +24,7 @@ void Loop::report_if_due(Instant now) {
   status.p99 = interval_latency_.percentile(0.99);
   status.max = interval_latency_.max();
   status.packets = statistics_.packets;
+  status.packets_dropped = statistics_.packets_dropped;
   status.frames_lost = statistics_.frames_lost;
   status.overloads = statistics_.overloads;
   status.faults = statistics_.fault_count();
@@ -48,12 +42,28 @@ void Loop::report_if_due(Instant now) {
     status.ball = ball.position;
     status.brightness = last_trace_->light.brightness;
   }
+  for (const RobotReport& robot : statistics_.robots.robots) {
+    status.words.push_back(
+        {robot.last.id, robot.last.battery_v, robot.last.link_percent, seconds(now - robot.heard), robot.battery_low});
+  }
   report_.kind = Report::Kind::kStatus;
   reports_.push(report_);
   last_report_ = now;
   good_frames_reported_ = statistics_.good_frames;
   interval_latency_.clear();
   fault_reported_ = {};
+}
+
+void Loop::report_batteries(Instant now) {
+  for (const RobotReport& robot : statistics_.robots.robots) {
+    bool& reported = battery_reported_[static_cast<std::size_t>(robot.last.id)];
+    if (robot.battery_low && !reported) {
+      report_.kind = Report::Kind::kBattery;
+      report_.battery = {elapsed_s(now), robot.last.id, robot.last.battery_v};
+      reports_.push(report_);
+    }
+    reported = robot.battery_low;
+  }
 }
 
 void Loop::report_fault(Device device, ErrorCode code, FaultAction action, Instant now) {

@@ -20,11 +20,13 @@ struct LoopStatistics {
   std::uint64_t frames_lost = 0;  // gaps in the driver's count
   std::uint64_t overloads = 0;    // frames for which some capacity was reached
   std::uint64_t runs_dropped = 0, regions_dropped = 0;
-  std::uint64_t packets = 0;  // taken by the radio
+  std::uint64_t packets = 0;          // taken by the radio
+  std::uint64_t packets_dropped = 0;  // of those, the ones that a newer one replaced before they left
   std::uint64_t packets_refused = 0;
   std::uint64_t stop_packets = 0;  // of the packets taken, those that halt all robots
   std::array<std::array<std::uint64_t, kErrorCodeCount>, kDeviceCount> faults{};
   std::array<std::uint64_t, kDeviceCount> reopened{};
+  RobotReports robots;       // what they said of themselves
   LatencyHistogram latency;  // capture to send, see StepTiming::latency
 
   [[nodiscard]] std::uint64_t fault_count() const {

@@ -51,6 +51,9 @@ void Reporter::print(const Report& report) {
     case Report::Kind::kHalt:
       std::fprintf(err_, "%s\n", halt_line(report.halt).c_str());
       break;
+    case Report::Kind::kBattery:
+      std::fprintf(err_, "%s\n", battery_line(report.battery).c_str());
+      break;
   }
   map_lines_ = 0;  // the sentence stands below the picture: the next picture begins below the sentence
 }
@@ -58,8 +61,10 @@ void Reporter::print(const Report& report) {
 void Reporter::print_map(const StatusReport& status) {
   std::string text = field_map(status, settings_.expected.field, settings_.map_columns, true);
   std::string line = status_line(status, settings_.expected);
-  // In two, because a line that the terminal breaks would make the picture creep down.
-  if (const std::size_t cut = line.find("  latency"); cut != std::string::npos) line.replace(cut, 2, "\x1b[K\n");
+  // In pieces, because a line that the terminal breaks would make the picture creep down.
+  for (const char* const piece : {"  latency", "  robots"}) {
+    if (const std::size_t cut = line.find(piece); cut != std::string::npos) line.replace(cut, 2, "\x1b[K\n");
+  }
   text += line;
   if (map_lines_ > 0) std::fprintf(out_, "\x1b[%dA", map_lines_);  // up, and over the last picture
   std::fprintf(out_, "\x1b[?7l%s\x1b[K\n\x1b[?7h", text.c_str());  // no breaking of lines meanwhile

@@ -40,6 +40,8 @@ void print_start(const Session& session, const std::vector<std::string>& refused
   std::printf("colors: %s kernel\n", std::string(config::kernel_word(configuration.board)).c_str());
   if (!session.granted().empty()) std::printf("camera: %s\n", session.granted().c_str());
   if (!session.grants().empty()) std::printf("camera: %s\n", session.grants().c_str());
+  if (!session.radio_grants().empty()) std::printf("radio: %s\n", session.radio_grants().c_str());
+  if (!session.gpio_grants().empty()) std::printf("gpio: %s\n", session.gpio_grants().c_str());
   std::fflush(stdout);
   for (const std::string& refusal : refused) std::fprintf(stderr, "real time: %s\n", refusal.c_str());
 }

@@ -28,10 +28,14 @@ Status Session::open(LoopObserver observer, std::string& reason) {
   settings.frames = options_.frames;
   settings.duration = options_.duration;
   settings.adaptation = adaptation_;
+  settings.telemetry = configuration_->board.radio.telemetry;
+  settings.start_button = configuration_->board.gpio.start_line != hal::kNoLine;
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
   if (const Status s = loop_->open(reason); !s.ok()) return s;
   granted_ = devices.camera.info().granted;
   grants_ = devices.camera.reason();
+  radio_grants_ = devices.radio.reason();
+  gpio_grants_ = devices.gpio.reason();
   return {};
 }
 

@@ -46,6 +46,9 @@ class Session {
   [[nodiscard]] const std::string& granted() const { return granted_; }
   /// What of it is not as asked; empty when nothing.
   [[nodiscard]] const std::string& grants() const { return grants_; }
+  /// What the radio's port granted, and which input lines can only be looked at; empty when there is nothing to say.
+  [[nodiscard]] const std::string& radio_grants() const { return radio_grants_; }
+  [[nodiscard]] const std::string& gpio_grants() const { return gpio_grants_; }
 
  private:
   SessionOptions options_;
@@ -55,7 +58,7 @@ class Session {
   std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();
   std::unique_ptr<ReportRing> reports_ = std::make_unique<ReportRing>();
   Devices devices_;
-  std::string granted_, grants_;
+  std::string granted_, grants_, radio_grants_, gpio_grants_;
   std::unique_ptr<Loop> loop_;  // last: it must go before the devices
 };
 

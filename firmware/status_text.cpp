@@ -8,6 +8,9 @@
 namespace touchline {
 namespace {
 
+// Robots speak about twice a second.
+constexpr double kOldWordsS = 2.0;
+
 // Appends as printf does.
 [[gnu::format(printf, 2, 3)]] void print(std::string& out, const char* format, ...) {
   std::array<char, 512> buffer{};
@@ -30,7 +33,14 @@ std::string halt_reasons(std::uint8_t halt) {
   add(kHaltNoFrames, "no good frame");
   add(kHaltEmergency, "emergency stop is pulled");
   add(kHaltLine, "emergency stop cannot be read");
+  add(kHaltStart, "waiting for the start button");
   return reasons;
+}
+
+// A value that a robot does not measure is left out.
+void print_words(std::string& out, float battery_v, int link_percent) {
+  if (battery_v > 0.0f) print(out, " %.2f V", static_cast<double>(battery_v));
+  if (link_percent >= 0) print(out, " %d %%", link_percent);
 }
 
 const char* consequence(FaultAction action) {
@@ -79,6 +89,7 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
   const auto count = [&](const char* what, std::uint64_t value) {
     if (value > 0) print(line, "  %s %llu", what, static_cast<unsigned long long>(value));
   };
+  count("packets dropped", status.packets_dropped);
   count("frames lost", status.frames_lost);
   count("overloads", status.overloads);
   count("faults", status.faults);
@@ -87,6 +98,13 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
   const double brighter = 100.0 * (static_cast<double>(status.brightness) - 1.0);
   if (std::abs(brighter) > kWorthSaying) print(line, "  light %+.0f %%", brighter);
   if (status.adaptation == AdaptationMode::kFrozen) line += "  adaptation frozen";
+  for (std::size_t i = 0; i < status.words.size(); ++i) {
+    const RobotWords& robot = status.words[i];
+    print(line, "%s%d:", i == 0 ? "  robots " : ", ", robot.id);
+    print_words(line, robot.battery_v, robot.link_percent);
+    if (robot.battery_low) line += " LOW";
+    if (robot.age_s > kOldWordsS) print(line, " (%.0f s ago)", robot.age_s);
+  }
   if (status.halt != kHaltNone) line += "  HALTED: " + halt_reasons(status.halt);
   return line;
 }
@@ -98,6 +116,13 @@ std::string fault_line(const FaultReport& fault) {
   line += describe(fault.code);
   if (fault.reason[0] != '\0') line.append(" (").append(fault.reason.data()).append(")");
   return line + consequence(fault.action);
+}
+
+std::string battery_line(const BatteryReport& battery) {
+  std::string line;
+  print(line, "%.1f s  robot %d: battery is low, %.2f V", battery.elapsed_s, battery.id,
+        static_cast<double>(battery.battery_v));
+  return line;
 }
 
 std::string halt_line(const HaltReport& halt) {
@@ -118,8 +143,18 @@ std::string summary(const LoopStatistics& statistics, LoopEnd end) {
         milliseconds(statistics.latency.percentile(0.5)), milliseconds(statistics.latency.percentile(0.9)),
         milliseconds(statistics.latency.percentile(0.99)), milliseconds(statistics.latency.percentile(0.999)),
         milliseconds(statistics.latency.max()));
-  print(text, "packets   %llu sent, %llu of them stop packets; %llu refused\n", number(statistics.packets),
-        number(statistics.stop_packets), number(statistics.packets_refused));
+  print(text, "packets   %llu sent, %llu of them stop packets; %llu refused, %llu dropped for newer ones\n",
+        number(statistics.packets - statistics.packets_dropped), number(statistics.stop_packets),
+        number(statistics.packets_refused), number(statistics.packets_dropped));
+  for (const RobotReport& robot : statistics.robots.robots) {
+    print(text, "robot %-2d ", robot.last.id);
+    print_words(text, robot.last.battery_v, robot.last.link_percent);
+    print(text, " %.1f s before the end; %u reports, %u missed%s\n", seconds(statistics.end - robot.heard),
+          robot.packets, robot.missed, robot.battery_low ? "; BATTERY LOW" : "");
+  }
+  if (statistics.robots.foreign_bytes > 0) {
+    print(text, "robots    %llu bytes received that are no report\n", number(statistics.robots.foreign_bytes));
+  }
   print(text, "overload  %llu frames (%llu runs and %llu regions did not fit)\n", number(statistics.overloads),
         number(statistics.runs_dropped), number(statistics.regions_dropped));
   for (std::size_t d = 0; d < kDeviceCount; ++d) {

@@ -16,10 +16,13 @@ struct Expectation {
 };
 
 /// "12 s  60.0 fps  own 5/5  opp 5/5  ball (0.12, -0.30)  latency p50 1.2 p99 2.3 max 3.1 ms  packets 720", followed by
-/// what is not as it should be: halted, lost, overloads, faults.
+/// what is not as it should be (lost, overloads, faults), what robots said of themselves ("robots 0: 7.92 V 98 %"),
+/// and whether they are halted.
 std::string status_line(const StatusReport& status, const Expectation& expected);
 /// "camera: device disconnected (/dev/video0: ...); robots stopped, opening it again"
 std::string fault_line(const FaultReport& fault);
+/// "robot 2: battery is low, 6.92 V"
+std::string battery_line(const BatteryReport& battery);
 /// "robots halted: emergency stop is pulled" or "robots may move".
 std::string halt_line(const HaltReport& halt);
 /// The field as `columns` characters a row and as many rows as its shape asks for: own robots by the last digit of

@@ -102,6 +102,8 @@ struct RadioSettings {
   std::string device = "/dev/ttyS0";
   int baud = 115200;
   double delay_s = 0.02;
+  bool telemetry = true;
+  double low_battery_v = 7.0;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -111,6 +113,10 @@ struct RadioSettings {
                  "Speed of the port; 8 data bits, no parity, 1 stop bit");
     visit.number("delay_s", self.delay_s, Range{0.0, 1.0}, "s",
                  "From the last byte sent to the wheels; added to the measured latency");
+    visit.flag("telemetry", self.telemetry, "Listen to what robots send back");
+    // Two lithium cells, as most small robots have: 3.5 V each under load are little, 3.0 V destroy them.
+    visit.number("low_battery_v", self.low_battery_v, Range{0.0, 60.0}, "V",
+                 "A robot's battery is low below it, which is said once; 0: never");
   }
 };
 
@@ -129,23 +135,38 @@ struct GpioSettings {
   GpioBackend backend = GpioBackend::kNone;
   std::string chip = "/dev/gpiochip0";
   int status_led_line = kNoLine;
+  int strobe_line = kNoLine;
   int emergency_stop_line = kNoLine;
   bool emergency_stop_active_low = true;
   // Independent of the polarity: a normally closed switch to ground is active high and still needs the pull-up, so
   // that a broken wire stops the robots.
   GpioBias emergency_stop_bias = GpioBias::kPullUp;
+  int start_line = kNoLine;
+  bool start_active_low = true;
+  GpioBias start_bias = GpioBias::kPullUp;
+  double debounce_s = 0.005;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.choice("backend", self.backend, std::span<const Choice<GpioBackend>>(kGpioBackends),
-                 "Who serves the status light and the emergency stop");
+                 "Who serves the lights, switches and buttons");
     visit.text("chip", self.chip, "The chip whose lines are used");
     // Linux numbers a chip's lines from 0; no chip of a single-board computer has more than 512.
-    visit.number("status_led_line", self.status_led_line, Range{kNoLine, 511}, "", "Output, high: on; -1: not wired");
-    visit.number("emergency_stop_line", self.emergency_stop_line, Range{kNoLine, 511}, "", "Input; -1: not wired");
+    constexpr Range kLines{kNoLine, 511};
+    visit.number("status_led_line", self.status_led_line, kLines, "", "Output, high: on; -1: not wired");
+    visit.number("strobe_line", self.strobe_line, kLines, "",
+                 "Output, high from the arrival of a frame to its packet; -1: not wired");
+    visit.number("emergency_stop_line", self.emergency_stop_line, kLines, "", "Input; -1: not wired");
     visit.flag("emergency_stop_active_low", self.emergency_stop_active_low, "Low stops the robots, else high does");
     visit.choice("emergency_stop_bias", self.emergency_stop_bias, std::span<const Choice<GpioBias>>(kGpioBiases),
                  "Resistor inside the chip at the emergency stop's line");
+    visit.number("start_line", self.start_line, kLines, "",
+                 "Input of a button: robots stand until it is pressed; -1: not wired, they need none");
+    visit.flag("start_active_low", self.start_active_low, "Low while it is pressed, else high");
+    visit.choice("start_bias", self.start_bias, std::span<const Choice<GpioBias>>(kGpioBiases),
+                 "Resistor inside the chip at the button's line");
+    visit.number("debounce_s", self.debounce_s, Range{0.0, 0.1}, "s",
+                 "Shorter pulses at the emergency stop and the button do nothing");
   }
 };
 

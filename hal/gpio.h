@@ -3,27 +3,40 @@
 #include <string>
 
 #include "core/status.h"
+#include "core/time.h"
 
 namespace touchline::hal {
 
-/// The lines that a person sees and pulls. A line that the board file does not name does nothing when set and is
-/// never pulled when read.
+/// What the input lines showed since the last look, after debouncing.
+struct GpioInputs {
+  bool emergency_stop = false;            // pulled at any time, or a line that does not come to rest
+  bool start_pressed = false;             // the button went down
+  Duration look_again = Duration::max();  // when a level that is new will have lasted long enough to count
+};
+
+/// The lines that a person sees, pulls and presses (docs/gpio.md). A line that the board file does not name does
+/// nothing when set and is at rest when read. No call but open() and close() blocks or allocates.
 class Gpio {
  public:
   virtual ~Gpio() = default;
 
+  /// On success reason() tells how the inputs are watched where that is not by edges.
   Status open() { return do_open(); }
   void close() { do_close(); }
   Status set_status_led(bool on) { return do_set_status_led(on); }
-  /// True while the emergency stop is pulled (its polarity is the board file's). Never blocks.
-  Result<bool> emergency_stop() { return do_emergency_stop(); }
+  /// High from the arrival of a frame to the hand-over of its packet.
+  Status set_strobe(bool high) { return do_set_strobe(high); }
+  /// `now`: of the clock that stamps edges, CLOCK_MONOTONIC or the arena's. A line that is active when it is opened
+  /// counts at once as an emergency stop, and not as a press of the button.
+  Result<GpioInputs> inputs(Instant now) { return do_inputs(now); }
   [[nodiscard]] virtual const std::string& reason() const = 0;
 
  private:
   virtual Status do_open() = 0;
   virtual void do_close() = 0;
   virtual Status do_set_status_led(bool on) = 0;
-  virtual Result<bool> do_emergency_stop() = 0;
+  virtual Status do_set_strobe(bool high) = 0;
+  virtual Result<GpioInputs> do_inputs(Instant now) = 0;
 };
 
 }  // namespace touchline::hal

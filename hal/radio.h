@@ -11,29 +11,43 @@
 namespace touchline::hal {
 
 struct RadioCounters {
-  std::uint64_t packets = 0, bytes = 0, refused = 0;  // refused: kBusy or an error
+  std::uint64_t packets = 0, bytes = 0;  // taken by the radio
+  std::uint64_t dropped = 0;             // of the packets taken, those that a newer one replaced before they were sent
+  std::uint64_t refused = 0;             // errors
+  std::uint64_t received_bytes = 0;
 };
 
-/// The link to the robots.
+/// The link to the robots. Only open() and drain() may block, and only open() may allocate.
 class Radio {
  public:
   virtual ~Radio() = default;
 
-  /// May block. On error reason() tells a person what to do about it.
+  /// On success reason() tells what was granted; on error, what a person can do about it.
   Status open() { return do_open(); }
   void close() { do_close(); }
 
-  /// Hands a packet to the driver; never blocks, never allocates. kBusy: nothing was queued, try at the next frame.
+  /// Hands over a packet of at least one byte. While the line is busy with an earlier one it waits, in the place of an
+  /// older packet that waited: that one is dropped, which kBusy tells; the new packet is taken all the same.
   /// kDisconnected, kIo: close() and open() again.
   Status send(const Packet& packet) {
-    const Status status = do_send({packet.data(), packet.size()});
-    if (status.ok()) {
-      ++counters_.packets;
-      counters_.bytes += packet.size();
-    } else {
+    const Status status = do_send(packet);
+    if (!status.ok() && status != Status(ErrorCode::kBusy)) {
       ++counters_.refused;
+      return status;
     }
+    ++counters_.packets;
+    counters_.bytes += packet.size();
+    if (!status.ok()) ++counters_.dropped;
     return status;
+  }
+  /// Moves on a packet that waits; to be called in each iteration. Gives how long it may wait further until there is
+  /// anything to do again; Duration::max(): nothing waits.
+  Result<Duration> serve() { return do_serve(); }
+  /// Copies what has come from the robots' side to the begin of `into`; gives how many bytes, 0 when there are none.
+  Result<std::size_t> receive(std::span<std::byte> into) {
+    const Result<std::size_t> received = do_receive(into);
+    if (received.ok()) counters_.received_bytes += received.value();
+    return received;
   }
   /// Waits until everything handed over has left, at most until `deadline`; for the stop packets at the end.
   Status drain(Instant deadline) { return do_drain(deadline); }
@@ -43,7 +57,9 @@ class Radio {
 
  private:
   virtual Status do_open() = 0;
-  virtual Status do_send(std::span<const std::byte> bytes) = 0;
+  virtual Status do_send(const Packet& packet) = 0;
+  virtual Result<Duration> do_serve() = 0;
+  virtual Result<std::size_t> do_receive(std::span<std::byte> into) = 0;
   virtual Status do_drain(Instant deadline) = 0;
   virtual void do_close() = 0;
   RadioCounters counters_;

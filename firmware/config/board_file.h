@@ -65,7 +65,7 @@ struct FaultSettings {
     visit.number("leave_after_s", self.leave_after_s, Range{0.0, 86400.0}, "s",
                  "The program gives up when a device stays away for so long; 0: never");
     visit.flag("resume_after_emergency", self.resume_after_emergency,
-               "Robots move again when the emergency stop is released; else only after a new start");
+               "Robots move again when the emergency stop is released; else after the start button or a new start");
   }
 };
 
@@ -92,7 +92,7 @@ struct BoardFile {
     visit.text("team", self.team, "Team file, relative to this file; --team overrides it");
     visit.section("camera", self.camera, "Where frames come from");
     visit.section("radio", self.radio, "The link to the robots");
-    visit.section("gpio", self.gpio, "Status light and emergency stop");
+    visit.section("gpio", self.gpio, "Lights, switches and buttons on lines of a chip");
     visit.section("scan", self.scan, "How pixels become colors");
     visit.section("realtime", self.realtime, "What the loop asks of the kernel; what is refused is reported once");
     visit.section("faults", self.faults, "How long the loop bears with a fault");

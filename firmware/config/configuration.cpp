@@ -139,6 +139,7 @@ Status load_board(const std::string& path, const std::vector<Override>& override
   settle_rate(out, problems);
   std::string key, reason;
   out.pipeline.scan.kernel = out.board.scan.kernel;
+  out.pipeline.low_battery_v = static_cast<float>(out.board.radio.low_battery_v);
   if (kernel_word(out.board).empty()) {
     problems.add(out.board_where.of("scan.kernel"), "scan.kernel",
                  "this processor has not got it; \"fastest\" takes what is there");

@@ -1,39 +1,58 @@
 #pragma once
 
+#include <cstddef>
+#include <memory>
+#include <span>
 #include <string>
 
 #include "core/status.h"
+#include "core/time.h"
 #include "hal/device_parameters.h"
 #include "hal/linux/reason.h"
 
-struct gpiod_chip;
-struct gpiod_line;
-
 namespace touchline::hal {
 
-/// One requested line of a GPIO chip, under the name "touchline". This class alone knows the version of libgpiod.
+struct GpioInput {
+  bool active_low = false;
+  GpioBias bias = GpioBias::kNone;
+  const char* bias_key = "";  // of the board file
+  Duration debounce{};
+};
+
+struct GpioEdge {
+  bool active = false;  // after the edge, after the polarity
+  Instant at{};         // CLOCK_MONOTONIC
+};
+
+/// One requested line of a GPIO chip, under the name "touchline". Its implementation alone knows the version of
+/// libgpiod: gpio_line_v1.cpp or gpio_line_v2.cpp, whichever fits the library that is there when Touchline is built.
 class GpioLine {
  public:
-  GpioLine() = default;
+  GpioLine();
   GpioLine(const GpioLine&) = delete;
   GpioLine& operator=(const GpioLine&) = delete;
-  ~GpioLine() { release(); }
+  ~GpioLine();
 
   /// Low at first. On error `reason` names chip, line and cause.
   Status request_output(const std::string& chip, int line, Reason& reason);
-  Status request_input(const std::string& chip, int line, bool active_low, GpioBias bias, Reason& reason);
+  /// With edges where the chip can tell them, debounced by the kernel where it does that.
+  Status request_input(const std::string& chip, int line, const GpioInput& input, Reason& reason);
   void release();
-  [[nodiscard]] bool requested() const { return line_ != nullptr; }
+  [[nodiscard]] bool requested() const { return request_ != nullptr; }
+  /// Of an input; else it can only be looked at.
+  [[nodiscard]] bool tells_edges() const { return tells_edges_; }
+  [[nodiscard]] bool debounced() const { return debounced_; }
 
-  /// 0 or an errno; `active` is after the polarity.
+  // The calls below do not block and return 0 or an errno.
   [[nodiscard]] int set(bool active) const;
   [[nodiscard]] int get(bool& active) const;
+  /// The oldest edges that have not been read yet, as many as there are and fit.
+  [[nodiscard]] int read_edges(std::span<GpioEdge> edges, std::size_t& count) const;
 
  private:
-  Status find(const std::string& chip, int line, Reason& reason);
-  Status refused(const std::string& chip, int line, int error, GpioBias bias, Reason& reason);
-  gpiod_chip* chip_ = nullptr;
-  gpiod_line* line_ = nullptr;
+  struct Request;
+  std::unique_ptr<Request> request_;
+  bool tells_edges_ = false, debounced_ = false;
 };
 
 }  // namespace touchline::hal

@@ -1,117 +1,129 @@
 // libgpiod 1.x
 #include <gpiod.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 
-#include "hal/linux/gpio_line.h"
+#include "hal/linux/gpio_line_error.h"
 #include "hal/linux/system_error.h"
 
 namespace touchline::hal {
+
+struct GpioLine::Request {
+  Request() = default;
+  Request(const Request&) = delete;
+  Request& operator=(const Request&) = delete;
+  ~Request() {
+    if (chip != nullptr) gpiod_chip_close(chip);  // releases its lines
+  }
+  gpiod_chip* chip = nullptr;
+  gpiod_line* line = nullptr;
+};
+
 namespace {
 
 constexpr const char* kConsumer = "touchline";
+// As many as the kernel keeps for a line.
+constexpr std::size_t kMostEvents = 16;
 
 std::string chips_here() {
   gpiod_chip_iter* const chips = gpiod_chip_iter_new();
-  if (chips == nullptr) return "none";
+  if (chips == nullptr) return {};
   std::string list;
   for (gpiod_chip* chip = gpiod_chip_iter_next(chips); chip != nullptr; chip = gpiod_chip_iter_next(chips)) {
-    if (!list.empty()) list += ", ";
-    list += std::string("/dev/") + gpiod_chip_name(chip) + " (" + gpiod_chip_label(chip) + ", " +
-            std::to_string(gpiod_chip_num_lines(chip)) + " lines)";
+    append_chip(list, gpiod_chip_name(chip), gpiod_chip_label(chip), gpiod_chip_num_lines(chip));
   }
   gpiod_chip_iter_free(chips);
-  return list.empty() ? "none" : list;
+  return list;
 }
 
-int bias_flag(GpioBias bias) {
-  switch (bias) {
+int flags_of(const GpioInput& input) {
+  const int polarity = input.active_low ? int{GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW} : 0;
+  switch (input.bias) {
     case GpioBias::kPullUp:
-      return GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_UP;
+      return polarity | GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_UP;
     case GpioBias::kPullDown:
-      return GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_DOWN;
+      return polarity | GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_DOWN;
     case GpioBias::kNone:
       break;
   }
-  return 0;  // as the chip has it: kernels before 5.5 refuse every bias flag
+  return polarity;  // as the chip has it: kernels before 5.5 refuse every bias flag
+}
+
+Status find(const std::string& chip, int line, gpiod_chip*& found_chip, gpiod_line*& found_line, Reason& reason) {
+  found_chip = gpiod_chip_open(chip.c_str());
+  if (found_chip == nullptr) return say_chip_refused(chip, errno, chips_here(), reason);
+  found_line = gpiod_chip_get_line(found_chip, static_cast<unsigned>(line));
+  if (found_line != nullptr) return {};
+  const int error = errno;
+  if (error == EINVAL) {
+    return say_no_such_line(chip, line, gpiod_chip_label(found_chip), gpiod_chip_num_lines(found_chip), reason);
+  }
+  reason.set("%s line %d: cannot be found: %s", chip.c_str(), line, system_text(error));
+  return use_error(error);
 }
 
 }  // namespace
 
-Status GpioLine::find(const std::string& chip, int line, Reason& reason) {
+GpioLine::GpioLine() = default;
+GpioLine::~GpioLine() = default;
+
+Status GpioLine::request_output(const std::string& chip, int line, Reason& reason) {
   release();
-  chip_ = gpiod_chip_open(chip.c_str());
-  if (chip_ == nullptr) {
-    const int error = errno;
-    const ErrorCode code = open_error(error);
-    if (code == ErrorCode::kPermission) return say_denied(reason, chip.c_str(), "gpio");
-    if (code == ErrorCode::kNotFound) {
-      reason.set("%s: no such chip; GPIO chips here: %s", chip.c_str(), chips_here().c_str());
-    } else if (error == ENOTTY) {
-      reason.set("%s: not a GPIO chip; GPIO chips here: %s", chip.c_str(), chips_here().c_str());
-      return ErrorCode::kUnsupported;
-    } else {
-      reason.set("%s: cannot be opened: %s", chip.c_str(), system_text(error));
-    }
-    return code;
+  auto request = std::make_unique<Request>();
+  if (const Status s = find(chip, line, request->chip, request->line, reason); !s.ok()) return s;
+  if (gpiod_line_request_output(request->line, kConsumer, 0) != 0) {
+    return say_line_refused(chip, line, errno, gpiod_line_consumer(request->line), nullptr, reason);
   }
-  line_ = gpiod_chip_get_line(chip_, static_cast<unsigned>(line));
-  if (line_ == nullptr) {
-    const int error = errno;
-    if (error == EINVAL) {
-      reason.set("%s line %d: no such line; the chip (%s) has lines 0 to %u", chip.c_str(), line,
-                 gpiod_chip_label(chip_), gpiod_chip_num_lines(chip_) - 1);
-    } else {
-      reason.set("%s line %d: cannot be found: %s", chip.c_str(), line, system_text(error));
-    }
-    release();
-    return error == EINVAL ? ErrorCode::kNotFound : use_error(error);
-  }
+  request_ = std::move(request);
   return {};
 }
 
-Status GpioLine::request_output(const std::string& chip, int line, Reason& reason) {
-  if (const Status status = find(chip, line, reason); !status.ok()) return status;
-  if (gpiod_line_request_output(line_, kConsumer, 0) == 0) return {};
-  return refused(chip, line, errno, GpioBias::kNone, reason);
-}
-
-Status GpioLine::request_input(const std::string& chip, int line, bool active_low, GpioBias bias, Reason& reason) {
-  if (const Status status = find(chip, line, reason); !status.ok()) return status;
-  const int flags = bias_flag(bias) | (active_low ? int{GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW} : 0);
-  if (gpiod_line_request_input_flags(line_, kConsumer, flags) == 0) return {};
-  return refused(chip, line, errno, bias, reason);
-}
-
-Status GpioLine::refused(const std::string& chip, int line, int error, GpioBias bias, Reason& reason) {
-  ErrorCode code = open_error(error);
-  if (error == EBUSY) {
-    const char* const holder = gpiod_line_consumer(line_);
-    reason.set("%s line %d: held by \"%s\"; `gpioinfo` lists who holds what", chip.c_str(), line,
-               holder != nullptr ? holder : "the kernel");
-  } else if (error == EINVAL && bias != GpioBias::kNone) {
-    reason.set("%s line %d: the kernel has no bias for it; set emergency_stop_bias = \"none\" and fit a resistor",
-               chip.c_str(), line);
-    code = ErrorCode::kUnsupported;
-  } else {
-    reason.set("%s line %d: cannot be requested: %s", chip.c_str(), line, system_text(error));
-  }
+Status GpioLine::request_input(const std::string& chip, int line, const GpioInput& input, Reason& reason) {
   release();
-  return code;
+  auto request = std::make_unique<Request>();
+  if (const Status s = find(chip, line, request->chip, request->line, reason); !s.ok()) return s;
+  const int flags = flags_of(input);
+  tells_edges_ = gpiod_line_request_both_edges_events_flags(request->line, kConsumer, flags) == 0;
+  // A chip without interrupts can still be looked at.
+  if (!tells_edges_ && gpiod_line_request_input_flags(request->line, kConsumer, flags) != 0) {
+    return say_line_refused(chip, line, errno, gpiod_line_consumer(request->line), &input, reason);
+  }
+  if (tells_edges_) {
+    if (const int error = make_nonblocking(gpiod_line_event_get_fd(request->line)); error != 0) {
+      return say_line_refused(chip, line, error, nullptr, &input, reason);
+    }
+  }
+  request_ = std::move(request);
+  return {};
 }
 
 void GpioLine::release() {
-  if (chip_ != nullptr) gpiod_chip_close(chip_);  // releases its lines
-  chip_ = nullptr;
-  line_ = nullptr;
+  request_.reset();
+  tells_edges_ = debounced_ = false;
 }
 
-int GpioLine::set(bool active) const { return gpiod_line_set_value(line_, active ? 1 : 0) == 0 ? 0 : errno; }
+int GpioLine::set(bool active) const { return gpiod_line_set_value(request_->line, active ? 1 : 0) == 0 ? 0 : errno; }
 
 int GpioLine::get(bool& active) const {
-  const int value = gpiod_line_get_value(line_);
+  const int value = gpiod_line_get_value(request_->line);
   active = value == 1;
   return value < 0 ? errno : 0;
+}
+
+int GpioLine::read_edges(std::span<GpioEdge> edges, std::size_t& count) const {
+  count = 0;
+  std::array<gpiod_line_event, kMostEvents> events{};
+  const auto most = static_cast<unsigned>(std::min(events.size(), edges.size()));
+  const int read = gpiod_line_event_read_multiple(request_->line, events.data(), most);
+  if (read < 0) return errno == EAGAIN ? 0 : errno;
+  for (; count < static_cast<std::size_t>(read); ++count) {
+    const gpiod_line_event& event = events[count];
+    edges[count] = {event.event_type == GPIOD_LINE_EVENT_RISING_EDGE,
+                    Instant(std::chrono::seconds(event.ts.tv_sec) + std::chrono::nanoseconds(event.ts.tv_nsec))};
+  }
+  return 0;
 }
 
 }  // namespace touchline::hal

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <string>
 #include <utility>
 
+#include "hal/debouncer.h"
 #include "hal/device_parameters.h"
 #include "hal/gpio.h"
 #include "hal/linux/gpio_line.h"
@@ -10,7 +13,7 @@
 
 namespace touchline::hal {
 
-/// Status light and emergency stop on lines of one GPIO chip.
+/// Status light, strobe, emergency stop and start button on lines of one GPIO chip.
 class GpiodGpio final : public Gpio {
  public:
   explicit GpiodGpio(GpioSettings settings) : settings_(std::move(settings)) {}
@@ -21,14 +24,26 @@ class GpiodGpio final : public Gpio {
   [[nodiscard]] const std::string& reason() const override { return reason_.text(); }
 
  private:
+  struct Input {
+    GpioLine line;
+    Debouncer debouncer;
+  };
+
   Status do_open() override;
   void do_close() override;
-  Status do_set_status_led(bool on) override;
-  Result<bool> do_emergency_stop() override;
+  Status do_set_status_led(bool on) override { return set(status_led_, settings_.status_led_line, on); }
+  Status do_set_strobe(bool high) override { return set(strobe_, settings_.strobe_line, high); }
+  Result<GpioInputs> do_inputs(Instant now) override;
+
+  Status check_lines();
+  Status open_input(Input& input, int line, bool active_low, GpioBias bias, const char* bias_key);
+  Status set(const GpioLine& output, int line, bool high);
+  Result<Debouncer::View> look(Input& input, int line, Instant now);
   ErrorCode fail(int line, const char* doing, int error);
 
   GpioSettings settings_;
-  GpioLine status_led_, emergency_stop_;
+  GpioLine status_led_, strobe_;
+  Input emergency_stop_, start_;
   Reason reason_;
   bool open_ = false;
 };

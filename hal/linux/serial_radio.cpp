@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <libserialport.h>
+#include <linux/serial.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
 
@@ -17,17 +18,17 @@
 namespace touchline::hal {
 namespace {
 
-// One packet on the wire and one behind it.
-constexpr std::size_t kMaxWaitingBytes = 2 * kMaxPacketBytes;
 // A start bit, eight data bits, a stop bit.
-constexpr int kBitsPerByte = 10;
+constexpr std::size_t kBitsPerByte = 10;
 // The largest transmit FIFO of common UARTs; the kernel's count of waiting bytes leaves it out.
-constexpr int kFifoBytes = 64;
+constexpr std::size_t kFifoBytes = 64;
 // Receivers sample ten bits from one start edge: the two ends may differ by about 5 % in all, and each has its own
 // error.
 constexpr double kMaxBaudError = 0.02;
 // Between looks at the output while draining.
 constexpr Duration kDrainPeriod = std::chrono::milliseconds(1);
+// Between looks at a line that is busy: the kernel's own count is no finer.
+constexpr Duration kShortestPause = std::chrono::microseconds(500);
 
 /// A disappeared tty answers EIO where other devices answer ENODEV.
 ErrorCode port_error(int error) { return error == EIO ? ErrorCode::kDisconnected : use_error(error); }
@@ -38,7 +39,7 @@ Status SerialRadio::do_open() {
   do_close();
   reason_.clear();
   lost_ = ErrorCode::kOk;
-  rest_begin_ = rest_end_ = 0;
+  slot_.clear();
   Status status = find_port();
   if (status.ok()) status = claim_port();
   if (status.ok()) status = configure_port();
@@ -110,6 +111,10 @@ Status SerialRadio::configure_port() {
   // Bytes that another program left there would be half a packet to the robots.
   if (sp_flush(port_, SP_BUF_BOTH) != SP_OK) return fail("emptying", sp_last_error_code());
 
+  return check_baud();
+}
+
+Status SerialRadio::check_baud() {
   sp_port_config* raw = nullptr;
   if (sp_new_config(&raw) != SP_OK) return fail("reading the settings back", ENOMEM);
   const std::unique_ptr<sp_port_config, decltype(&sp_free_config)> config(raw, &sp_free_config);
@@ -123,8 +128,21 @@ Status SerialRadio::configure_port() {
                 granted);
     return ErrorCode::kUnsupported;
   }
-  if (granted != settings_.baud) reason_.set("%s: baud = %d: granted %d", name(), settings_.baud, granted);
+  reason_.set("%s: %d baud", name(), settings_.baud);
+  if (granted != settings_.baud) reason_.append(", granted %d", granted);
+  int file = -1;
+  if (sp_get_port_handle(port_, &file) == SP_OK && ask_for_low_latency(file)) reason_.append(", low latency");
   return {};
+}
+
+bool SerialRadio::ask_for_low_latency(int file) {
+  // Drivers that know no such thing refuse one of the calls or keep the flag as it was.
+  constexpr auto kLowLatency = static_cast<int>(ASYNC_LOW_LATENCY);
+  serial_struct line{};
+  if (::ioctl(file, TIOCGSERIAL, &line) != 0) return false;
+  line.flags |= kLowLatency;
+  if (::ioctl(file, TIOCSSERIAL, &line) != 0) return false;
+  return ::ioctl(file, TIOCGSERIAL, &line) == 0 && (line.flags & kLowLatency) != 0;
 }
 
 Status SerialRadio::check_usable() {
@@ -134,73 +152,67 @@ Status SerialRadio::check_usable() {
   return ErrorCode::kDisconnected;
 }
 
-Status SerialRadio::do_send(std::span<const std::byte> bytes) {
+Status SerialRadio::do_send(const Packet& packet) {
   if (const Status status = check_usable(); !status.ok()) return status;
-  if (bytes.size() > kMaxPacketBytes) {
-    reason_.set("%s: a packet of %zu bytes; at most %zu are possible", name(), bytes.size(), kMaxPacketBytes);
-    return ErrorCode::kOutOfRange;
-  }
-  if (!finish_split_packet()) {
-    if (lost_ != ErrorCode::kOk) return lost_;
-    reason_.set("%s: the port has not yet taken the rest of the packet before", name());
-    return ErrorCode::kBusy;
-  }
-  const int waiting = sp_output_waiting(port_);
-  if (waiting < 0) return fail("asking what waits", sp_last_error_code());
-  if (static_cast<std::size_t>(waiting) + bytes.size() > kMaxWaitingBytes) {
+  const Status status = slot_.send(packet, *this);
+  if (status == Status(ErrorCode::kBusy)) {
     reason_.set(
-        "%s: %d bytes still wait to be sent; %d baud is too slow for the rate of packets, or the port stands still",
-        name(), waiting, settings_.baud);
-    return ErrorCode::kBusy;
+        "%s: the line is still busy, an older packet was dropped for a newer one; %d baud is too slow for the rate of "
+        "packets, or the port stands still",
+        name(), settings_.baud);
   }
-  const int taken = write_some(bytes);
-  if (taken < 0) return lost_;
-  if (taken == 0 && !bytes.empty()) {
-    reason_.set("%s: the port's buffer is full", name());
-    return ErrorCode::kBusy;
-  }
-  if (static_cast<std::size_t>(taken) < bytes.size()) {
-    ++split_packets_;
-    const std::span<const std::byte> rest = bytes.subspan(static_cast<std::size_t>(taken));
-    std::copy(rest.begin(), rest.end(), rest_.begin());
-    rest_begin_ = 0;
-    rest_end_ = rest.size();
-  }
-  return {};
+  return status;
 }
 
-int SerialRadio::write_some(std::span<const std::byte> bytes) {
+Result<Duration> SerialRadio::do_serve() {
+  if (slot_.bytes() == 0) return Duration::max();
+  if (const Status status = check_usable(); !status.ok()) return status.code();
+  if (const Status status = slot_.serve(*this); !status.ok()) return status.code();
+  if (slot_.bytes() == 0) return Duration::max();
+  const Result<std::size_t> before = waiting();
+  if (!before.ok()) return before.error();
+  return std::max(time_of(before.value()), kShortestPause);
+}
+
+Result<std::size_t> SerialRadio::do_receive(std::span<std::byte> into) {
+  if (const Status status = check_usable(); !status.ok()) return status.code();
   // Into an int at once: the library returns counts that its enum has no values for.
-  const int taken = sp_nonblocking_write(port_, bytes.data(), bytes.size());
-  if (taken < 0) static_cast<void>(fail("sending", sp_last_error_code()));
-  return taken;
+  const int received = sp_nonblocking_read(port_, into.data(), into.size());
+  if (received < 0) return fail("receiving", sp_last_error_code());
+  return static_cast<std::size_t>(received);
 }
 
-bool SerialRadio::finish_split_packet() {
-  if (rest_begin_ == rest_end_) return true;
-  const int taken = write_some(std::span(rest_).subspan(rest_begin_, rest_end_ - rest_begin_));
-  if (taken > 0) rest_begin_ += static_cast<std::size_t>(taken);
-  return rest_begin_ == rest_end_;
+Result<std::size_t> SerialRadio::waiting() {
+  const int bytes = sp_output_waiting(port_);
+  if (bytes < 0) return fail("asking what waits", sp_last_error_code());
+  return static_cast<std::size_t>(bytes);
+}
+
+Result<std::size_t> SerialRadio::write(std::span<const std::byte> bytes) {
+  const int taken = sp_nonblocking_write(port_, bytes.data(), bytes.size());
+  if (taken < 0) return fail("sending", sp_last_error_code());
+  return static_cast<std::size_t>(taken);
+}
+
+Duration SerialRadio::time_of(std::size_t bytes) const {
+  return from_seconds(static_cast<double>(bytes * kBitsPerByte) / settings_.baud);
 }
 
 Status SerialRadio::do_drain(Instant deadline) {
   if (const Status status = check_usable(); !status.ok()) return status;
   for (;;) {
-    const bool finished = finish_split_packet();
-    if (lost_ != ErrorCode::kOk) return lost_;
-    const int waiting = sp_output_waiting(port_);
-    if (waiting < 0) return fail("asking what waits", sp_last_error_code());
-    if (finished && waiting == 0) break;
+    if (const Status status = slot_.serve(*this); !status.ok()) return status;
+    const Result<std::size_t> before = waiting();
+    if (!before.ok()) return before.error();
+    if (slot_.bytes() + before.value() == 0) break;
     const Instant now = MonotonicClock::read();
     if (now >= deadline) {
-      reason_.set("%s: %zu bytes have not left before the deadline", name(),
-                  static_cast<std::size_t>(waiting) + (rest_end_ - rest_begin_));
+      reason_.set("%s: %zu bytes have not left before the deadline", name(), slot_.bytes() + before.value());
       return ErrorCode::kTimeout;
     }
     MonotonicClock::wait_for(std::min(deadline, now + kDrainPeriod));
   }
-  const Duration fifo = from_seconds(static_cast<double>(kFifoBytes * kBitsPerByte) / settings_.baud);
-  MonotonicClock::wait_for(std::min(deadline, MonotonicClock::read() + fifo));
+  MonotonicClock::wait_for(std::min(deadline, MonotonicClock::read() + time_of(kFifoBytes)));
   return {};
 }
 
@@ -211,6 +223,7 @@ void SerialRadio::do_close() {
   static_cast<void>(sp_close(port_));
   sp_free_port(port_);
   port_ = nullptr;
+  slot_.clear();
 }
 
 ErrorCode SerialRadio::fail(const char* doing, int error) noexcept {

@@ -22,8 +22,8 @@ Arena::Arena(const ArenaParameters& parameters, const CameraSettings& camera, co
       now_(begin),
       stepped_(begin) {}
 
-bool Arena::faulty(FaultKind kind) const {
-  const double t = seconds(now_ - begin_);
+bool Arena::faulty(FaultKind kind, Instant at) const {
+  const double t = seconds(at - begin_);
   return std::any_of(parameters_.fault.begin(), parameters_.fault.end(), [&](const ArenaFault& fault) {
     return fault.kind == kind && t >= fault.at_s && t < fault.at_s + fault.for_s;
   });

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/time.h"
 #include "core/types.h"
@@ -45,7 +46,10 @@ class Arena {
   [[nodiscard]] Instant now() const { return now_; }
   /// Does nothing for instants that have passed.
   void advance_to(Instant instant);
-  [[nodiscard]] bool faulty(FaultKind kind) const;
+  [[nodiscard]] bool faulty(FaultKind kind) const { return faulty(kind, now_); }
+  [[nodiscard]] bool faulty(FaultKind kind, Instant at) const;
+  [[nodiscard]] const std::vector<ArenaFault>& faults() const { return parameters_.fault; }
+  [[nodiscard]] Instant begin() const { return begin_; }
 
   void start_camera();
   void stop_camera() { streaming_ = false; }

@@ -158,6 +158,9 @@ struct ChannelParameters {
   double loss = 0.02;
   double corruption = 0.01;
   int queue_bytes = 256;
+  double telemetry_hz = 2.0;
+  double battery_v = 8.2;
+  double battery_drop_v_per_min = 0.05;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -167,6 +170,12 @@ struct ChannelParameters {
     visit.number("corruption", self.corruption, Range{0.0, 1.0}, "", "Part of the packets that arrive with wrong bits");
     visit.number("queue_bytes", self.queue_bytes, Range{128, 65536}, "",
                  "Bytes that may wait for the line; more are refused");
+    visit.number("telemetry_hz", self.telemetry_hz, Range{0.0, 50.0}, "Hz",
+                 "How often each own robot tells its battery and link, under the same losses; 0: never");
+    visit.number("battery_v", self.battery_v, Range{0.0, 60.0}, "V",
+                 "Their batteries at the start, each by up to 0.3 V less");
+    visit.number("battery_drop_v_per_min", self.battery_drop_v_per_min, Range{0.0, 60.0}, "V/min",
+                 "What they lose; motors under way take 0.3 V at 1 m/s on top");
   }
 };
 
@@ -232,16 +241,18 @@ enum class FaultKind : std::uint8_t {
   kDark,
   kRadioLost,
   kRadioBusy,
-  kEmergencyStop
+  kEmergencyStop,
+  kStartButton
 };
-inline constexpr std::array<Choice<FaultKind>, 8> kFaultKinds{{{"camera_stall", FaultKind::kCameraStall},
+inline constexpr std::array<Choice<FaultKind>, 9> kFaultKinds{{{"camera_stall", FaultKind::kCameraStall},
                                                                {"camera_lost", FaultKind::kCameraLost},
                                                                {"frame_short", FaultKind::kFrameShort},
                                                                {"frame_corrupt", FaultKind::kFrameCorrupt},
                                                                {"dark", FaultKind::kDark},
                                                                {"radio_lost", FaultKind::kRadioLost},
                                                                {"radio_busy", FaultKind::kRadioBusy},
-                                                               {"emergency_stop", FaultKind::kEmergencyStop}}};
+                                                               {"emergency_stop", FaultKind::kEmergencyStop},
+                                                               {"start_button", FaultKind::kStartButton}}};
 
 /// Something that goes wrong during the game.
 struct ArenaFault {

@@ -15,8 +15,8 @@ const std::string camera_bad = "mock camera: the frame is damaged (an [[arena.fa
 const std::string camera_held = "mock camera: every buffer is held by somebody";
 const std::string camera_closed = "mock camera: used before it was opened and started";
 const std::string radio_lost = "mock radio: unplugged (an [[arena.fault]])";
-const std::string radio_busy = "mock radio: the line's queue is full";
-const std::string radio_size = "mock radio: a packet without bytes, or with more than a packet has";
+const std::string radio_busy = "mock radio: the line is still busy, an older packet was dropped for a newer one";
+const std::string radio_late = "mock radio: not everything has left before the deadline";
 const std::string radio_closed = "mock radio: used before it was opened";
 const std::string gpio_closed = "mock gpio: used before it was opened";
 
@@ -136,75 +136,128 @@ Status MockRadio::do_open() {
   }
   open_ = true;
   lost_ = false;
+  slot_.clear();
   reason_ = &no_reason;
   return {};
 }
 
-Status MockRadio::do_send(std::span<const std::byte> bytes) {
+void MockRadio::do_close() {
+  open_ = false;
+  slot_.clear();
+}
+
+Status MockRadio::check_usable() {
   if (!open_) {
     reason_ = &radio_closed;
     return ErrorCode::kIo;
   }
-  const std::scoped_lock alone(arena_.mutex());
-  const Instant now = clock_.now();
-  arena_.advance_to(now);
+  arena_.advance_to(clock_.now());
   lost_ = lost_ || arena_.faulty(FaultKind::kRadioLost);
-  if (lost_) {
-    reason_ = &radio_lost;
-    return ErrorCode::kDisconnected;
-  }
-  const Status status =
-      arena_.faulty(FaultKind::kRadioBusy) ? Status(ErrorCode::kBusy) : arena_.channel().send(bytes, now);
-  if (!status.ok()) reason_ = status == Status(ErrorCode::kBusy) ? &radio_busy : &radio_size;
+  if (!lost_) return {};
+  reason_ = &radio_lost;
+  return ErrorCode::kDisconnected;
+}
+
+Result<std::size_t> MockRadio::waiting() {
+  const std::size_t bytes = arena_.channel().waiting_bytes(arena_.now());
+  return arena_.faulty(FaultKind::kRadioBusy) ? std::max<std::size_t>(bytes, 1) : bytes;
+}
+
+Result<std::size_t> MockRadio::write(std::span<const std::byte> bytes) {
+  return arena_.channel().send(bytes, arena_.now()).ok() ? bytes.size() : std::size_t{0};
+}
+
+Status MockRadio::do_send(const Packet& packet) {
+  const std::scoped_lock alone(arena_.mutex());
+  if (const Status status = check_usable(); !status.ok()) return status;
+  const Status status = slot_.send(packet, *this);
+  if (!status.ok()) reason_ = &radio_busy;
   return status;
 }
 
+Result<Duration> MockRadio::do_serve() {
+  if (slot_.bytes() == 0) return Duration::max();
+  const std::scoped_lock alone(arena_.mutex());
+  if (const Status status = check_usable(); !status.ok()) return status.code();
+  if (const Status status = slot_.serve(*this); !status.ok()) return status.code();
+  if (slot_.bytes() == 0) return Duration::max();
+  constexpr Duration kShortestPause = std::chrono::milliseconds(1);
+  return std::max(kShortestPause, arena_.channel().drained() - arena_.now());
+}
+
+Result<std::size_t> MockRadio::do_receive(std::span<std::byte> into) {
+  const std::scoped_lock alone(arena_.mutex());
+  if (const Status status = check_usable(); !status.ok()) return status.code();
+  return arena_.channel().receive(into);
+}
+
 Status MockRadio::do_drain(Instant deadline) {
-  if (!open_) {
-    reason_ = &radio_closed;
-    return ErrorCode::kIo;
+  for (;;) {
+    std::unique_lock alone(arena_.mutex());
+    if (const Status status = check_usable(); !status.ok()) return status;
+    if (const Status status = slot_.serve(*this); !status.ok()) return status;
+    const Instant now = arena_.now();
+    const Instant drained = arena_.channel().drained();
+    if (slot_.bytes() == 0 && drained <= now) return {};
+    if (now >= deadline) break;
+    alone.unlock();
+    constexpr Duration kPause = std::chrono::milliseconds(1);
+    clock_.sleep_until(std::min(deadline, std::max(drained, now + kPause)));
   }
-  std::unique_lock alone(arena_.mutex());
-  const Instant drained = arena_.channel().drained();
-  alone.unlock();
-  clock_.sleep_until(std::min(deadline, drained));
-  alone.lock();
-  arena_.advance_to(clock_.now());
-  lost_ = lost_ || arena_.faulty(FaultKind::kRadioLost);
-  if (lost_) {
-    reason_ = &radio_lost;
-    return ErrorCode::kDisconnected;
-  }
-  if (drained <= deadline) return {};
-  reason_ = &radio_busy;
+  reason_ = &radio_late;
   return ErrorCode::kTimeout;
 }
 
-MockGpio::MockGpio(Arena& arena, Clock& clock) : arena_(arena), clock_(clock), reason_(&no_reason) {}
+MockGpio::MockGpio(Arena& arena, Clock& clock, const GpioSettings& settings)
+    : arena_(arena), clock_(clock), debounce_(from_seconds(settings.debounce_s)), reason_(&no_reason) {}
 
 Status MockGpio::do_open() {
+  const std::scoped_lock alone(arena_.mutex());
+  looked_ = clock_.now();
+  arena_.advance_to(looked_);
+  emergency_stop_.begin(debounce_, arena_.faulty(FaultKind::kEmergencyStop), looked_);
+  start_.begin(debounce_, arena_.faulty(FaultKind::kStartButton), looked_);
   open_ = true;
   reason_ = &no_reason;
   return {};
 }
 
-Status MockGpio::do_set_status_led(bool on) {
+Status MockGpio::set(bool& output, bool high) {
   if (!open_) {
     reason_ = &gpio_closed;
     return ErrorCode::kIo;
   }
-  led_ = on;
+  output = high;
   return {};
 }
 
-Result<bool> MockGpio::do_emergency_stop() {
+Result<GpioInputs> MockGpio::do_inputs(Instant now) {
   if (!open_) {
     reason_ = &gpio_closed;
     return ErrorCode::kIo;
   }
   const std::scoped_lock alone(arena_.mutex());
-  arena_.advance_to(clock_.now());
-  return arena_.faulty(FaultKind::kEmergencyStop);
+  arena_.advance_to(now);
+  const Debouncer::View stop = look(FaultKind::kEmergencyStop, emergency_stop_, now);
+  const Debouncer::View start = look(FaultKind::kStartButton, start_, now);
+  looked_ = now;
+  return GpioInputs{stop.active || stop.restless, start.activated, std::min(stop.settles_in, start.settles_in)};
+}
+
+Debouncer::View MockGpio::look(FaultKind kind, Debouncer& debouncer, Instant now) {
+  FixedVector<Instant, 16> changes;  // as many as a kernel keeps
+  for (const ArenaFault& fault : arena_.faults()) {
+    if (fault.kind != kind) continue;
+    for (const double at_s : {fault.at_s, fault.at_s + fault.for_s}) {
+      // A moment later: what rounding leaves must not be before it.
+      const Instant at = arena_.begin() + from_seconds(at_s) + std::chrono::microseconds(1);
+      if (at > looked_ && at <= now) changes.push_back(at);
+    }
+  }
+  std::sort(changes.begin(), changes.end());
+  for (const Instant at : changes) debouncer.edge(arena_.faulty(kind, at), at);
+  debouncer.level(arena_.faulty(kind, now), now);
+  return debouncer.look(now);
 }
 
 }  // namespace touchline::hal::mock

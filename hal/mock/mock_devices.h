@@ -6,8 +6,10 @@
 
 #include "hal/camera.h"
 #include "hal/clock.h"
+#include "hal/debouncer.h"
 #include "hal/gpio.h"
 #include "hal/mock/arena.h"
+#include "hal/packet_slot.h"
 #include "hal/radio.h"
 
 // The three devices of backend "mock". Their faults come from the arena's list (ArenaParameters::fault); one that was
@@ -43,39 +45,54 @@ class MockCamera : public Camera {
 };
 
 /// The line to the arena's robots.
-class MockRadio : public Radio {
+class MockRadio : public Radio, private ByteLine {
  public:
   MockRadio(Arena& arena, Clock& clock);
   [[nodiscard]] const std::string& reason() const override { return *reason_; }
 
  private:
   Status do_open() override;
-  Status do_send(std::span<const std::byte> bytes) override;
+  Status do_send(const Packet& packet) override;
+  Result<Duration> do_serve() override;
+  Result<std::size_t> do_receive(std::span<std::byte> into) override;
   Status do_drain(Instant deadline) override;
-  void do_close() override { open_ = false; }
+  void do_close() override;
+  // Of the arena, which the caller has to itself.
+  Result<std::size_t> waiting() override;
+  Result<std::size_t> write(std::span<const std::byte> bytes) override;
+  Status check_usable();
 
   Arena& arena_;
   Clock& clock_;
+  PacketSlot slot_;
   bool open_ = false, lost_ = false;
   const std::string* reason_;
 };
 
-/// A status light that nobody sees, and an emergency stop that the arena's faults pull.
+/// A status light and a strobe that nobody sees, an emergency stop and a start button that the arena's faults pull and
+/// press, debounced like real ones.
 class MockGpio : public Gpio {
  public:
-  MockGpio(Arena& arena, Clock& clock);
+  MockGpio(Arena& arena, Clock& clock, const GpioSettings& settings = {});
   [[nodiscard]] const std::string& reason() const override { return *reason_; }
   [[nodiscard]] bool status_led() const { return led_; }
+  [[nodiscard]] bool strobe() const { return strobe_; }
 
  private:
   Status do_open() override;
   void do_close() override { open_ = false; }
-  Status do_set_status_led(bool on) override;
-  Result<bool> do_emergency_stop() override;
+  Status do_set_status_led(bool on) override { return set(led_, on); }
+  Status do_set_strobe(bool high) override { return set(strobe_, high); }
+  Result<GpioInputs> do_inputs(Instant now) override;
+  Status set(bool& output, bool high);
+  Debouncer::View look(FaultKind kind, Debouncer& debouncer, Instant now);
 
   Arena& arena_;
   Clock& clock_;
-  bool open_ = false, led_ = false;
+  const Duration debounce_;
+  Debouncer emergency_stop_, start_;
+  Instant looked_{};
+  bool open_ = false, led_ = false, strobe_ = false;
   const std::string* reason_;
 };
 

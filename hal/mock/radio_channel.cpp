@@ -16,7 +16,8 @@ RadioChannel::RadioChannel(const ArenaParameters& parameters, int baud, std::uin
     : parameters_(parameters.radio),
       byte_time_(from_seconds(kBitsPerByte / baud)),
       timeout_(from_seconds(parameters.physics.command_timeout_s)),
-      random_(seed, kRadioStream) {
+      random_(seed, kRadioStream),
+      telemetry_(parameters, seed) {
   for (const ArenaRobot& robot : parameters.robot) {
     if (robot.team != Side::kOwn) continue;
     Receiver receiver;
@@ -29,8 +30,7 @@ Status RadioChannel::send(std::span<const std::byte> bytes, Instant now) {
   Flying flying;
   if (bytes.empty() || bytes.size() > flying.packet.capacity()) return ErrorCode::kOutOfRange;
   const Instant begin = std::max(now, line_free_);
-  const auto waiting = static_cast<std::size_t>((begin - now) / byte_time_);
-  if (waiting + bytes.size() > static_cast<std::size_t>(parameters_.queue_bytes) || flying_.full()) {
+  if (waiting_bytes(now) + bytes.size() > static_cast<std::size_t>(parameters_.queue_bytes) || flying_.full()) {
     return ErrorCode::kBusy;
   }
   for (const std::byte byte : bytes) flying.packet.push_back(byte);
@@ -40,6 +40,10 @@ Status RadioChannel::send(std::span<const std::byte> bytes, Instant now) {
   flying_.push_back(flying);
   ++statistics_.sent;
   return {};
+}
+
+std::size_t RadioChannel::waiting_bytes(Instant now) const {
+  return now >= line_free_ ? 0 : static_cast<std::size_t>((line_free_ - now) / byte_time_);
 }
 
 void RadioChannel::deliver(Instant now, World& world) {
@@ -59,13 +63,16 @@ void RadioChannel::deliver(Instant now, World& world) {
     receiver.filter.reset();
     ++statistics_.timeouts;
     world.drive(receiver.id, 0.0, 0.0);
+    telemetry_.driven(receiver.id, {});
   }
+  telemetry_.advance(now);
 }
 
 void RadioChannel::hear(Receiver& receiver, const Packet& packet, Instant now, World& world) {
   ++statistics_.due;
   if (random_.happens(parameters_.loss)) {
     ++statistics_.lost;
+    telemetry_.heard(receiver.id, false);
     return;
   }
   // Packets are further apart than the pause that docs/radio.md names.
@@ -80,8 +87,10 @@ void RadioChannel::hear(Receiver& receiver, const Packet& packet, Instant now, W
   std::uint8_t sequence = 0;
   if (!receiver.stream.next(commands, sequence)) {
     ++statistics_.corrupted;
+    telemetry_.heard(receiver.id, false);
     return;
   }
+  telemetry_.heard(receiver.id, true);
   if (!receiver.filter.obey(sequence, commands.stop)) {
     ++statistics_.ignored;
     return;
@@ -94,6 +103,7 @@ void RadioChannel::hear(Receiver& receiver, const Packet& packet, Instant now, W
     if (command.id == receiver.id && !commands.stop) wheels = command.wheels;
   }
   world.drive(receiver.id, static_cast<double>(wheels.left_mps), static_cast<double>(wheels.right_mps));
+  telemetry_.driven(receiver.id, wheels);
 }
 
 }  // namespace touchline::hal::mock

@@ -11,6 +11,7 @@
 #include "core/types.h"
 #include "hal/mock/arena_parameters.h"
 #include "hal/mock/random.h"
+#include "hal/mock/robot_telemetry.h"
 
 namespace touchline::hal::mock {
 
@@ -39,6 +40,10 @@ class RadioChannel {
   Status send(std::span<const std::byte> bytes, Instant now);
   /// When the last byte handed over has left.
   [[nodiscard]] Instant drained() const { return line_free_; }
+  /// Of the bytes handed over, those that have not left.
+  [[nodiscard]] std::size_t waiting_bytes(Instant now) const;
+  /// What robots have sent back until now: the oldest bytes, which are gone then.
+  std::size_t receive(std::span<std::byte> into) { return telemetry_.read(into); }
   /// Lets everything happen that is due until `now`; the robots' wheels are told to `world`.
   void deliver(Instant now, World& world);
   [[nodiscard]] const ChannelStatistics& statistics() const { return statistics_; }
@@ -65,6 +70,7 @@ class RadioChannel {
   // At 60 packets a second, a second of delay and a second of mean jitter, 120 on average.
   FixedVector<Flying, 256> flying_;
   FixedVector<Receiver, kMaxRobots> receivers_;
+  RobotTelemetrySource telemetry_;
   ChannelStatistics statistics_;
 };
 

@@ -20,7 +20,9 @@ TEST_F(ConfigFiles, UnknownKeyNamesTheNearestKnownOne) {
 
 TEST_F(ConfigFiles, UnknownKeyFarFromAllListsWhatIsKnown) {
   replace("board.toml", "backend = \"none\"", "backend = \"none\"\nzoom = 1");
-  EXPECT_EQ(refusal(), "board.toml:15: radio.zoom: unknown key; known keys here: backend, device, baud, delay_s\n");
+  EXPECT_EQ(refusal(),
+            "board.toml:15: radio.zoom: unknown key; known keys here: backend, device, baud, delay_s, telemetry, "
+            "low_battery_v\n");
 }
 
 TEST_F(ConfigFiles, UnknownSectionIsAnUnknownKey) {

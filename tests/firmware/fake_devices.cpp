@@ -1,5 +1,7 @@
 #include "tests/firmware/fake_devices.h"
 
+#include <algorithm>
+
 #include "core/radio/packet.h"
 
 namespace touchline::testing {
@@ -85,15 +87,37 @@ Status FakeRadio::do_open() {
   return {};
 }
 
-Status FakeRadio::do_send(std::span<const std::byte> bytes) {
+Status FakeRadio::do_send(const Packet& bytes) {
   if (!is_open) return ErrorCode::kIo;
   if (const Status fault = status(); !fault.ok()) return fault;
   Commands commands;
-  SentPacket packet{now_s(), false, 0};
-  if (!decode(bytes, commands, packet.sequence).ok()) return ErrorCode::kCorruptFrame;
+  SentPacket packet{0.0, false, 0};
+  if (!decode({bytes.data(), bytes.size()}, commands, packet.sequence).ok()) return ErrorCode::kCorruptFrame;
   packet.stop = commands.stop;
+  const bool drops = waiting_.has_value();
+  waiting_ = packet;
+  if (clock_.now() >= line_free_) put_on_line(packet);
+  return drops ? Status(ErrorCode::kBusy) : Status();
+}
+
+void FakeRadio::put_on_line(const SentPacket& packet) {
   sent.push_back(packet);
-  return {};
+  sent.back().at_s = now_s();
+  waiting_.reset();
+  line_free_ = clock_.now() + line_time;
+}
+
+Result<Duration> FakeRadio::do_serve() {
+  if (waiting_ && clock_.now() >= line_free_) put_on_line(*waiting_);
+  return waiting_ ? line_free_ - clock_.now() : Duration::max();
+}
+
+Result<std::size_t> FakeRadio::do_receive(std::span<std::byte> into) {
+  if (!is_open) return ErrorCode::kIo;
+  const std::size_t count = std::min(into.size(), heard_.size());
+  std::copy_n(heard_.begin(), count, into.begin());
+  heard_.erase(heard_.begin(), heard_.begin() + static_cast<std::ptrdiff_t>(count));
+  return count;
 }
 
 Status FakeRadio::do_drain(Instant) {
@@ -116,12 +140,24 @@ Status FakeGpio::do_set_status_led(bool on) {
   return status();
 }
 
-Result<bool> FakeGpio::do_emergency_stop() {
+Status FakeGpio::do_set_strobe(bool high) {
+  strobe.emplace_back(now_s(), high);
+  return status();
+}
+
+Result<hal::GpioInputs> FakeGpio::do_inputs(Instant) {
   if (const Status fault = status(); !fault.ok()) return fault.code();
+  ++looks;
+  hal::GpioInputs inputs;
+  inputs.look_again = look_again;
   for (const auto& [from_s, to_s] : pulled_) {
-    if (now_s() >= from_s && now_s() < to_s) return true;
+    if (now_s() >= from_s && now_s() < to_s) inputs.emergency_stop = true;
   }
-  return false;
+  for (const double at_s : pressed_) {
+    if (at_s > looked_s_ && at_s <= now_s()) inputs.start_pressed = true;
+  }
+  looked_s_ = now_s();
+  return inputs;
 }
 
 }  // namespace touchline::testing

@@ -99,6 +99,11 @@ class FakeRadio final : public hal::Radio, public Script {
   explicit FakeRadio(hal::Clock& clock) : Script(clock) { sent.reserve(100000); }
   [[nodiscard]] const std::string& reason() const override { return reason_; }
 
+  /// From now on robots' bytes wait to be received.
+  void hear(std::span<const std::byte> bytes) { heard_.insert(heard_.end(), bytes.begin(), bytes.end()); }
+  /// The next packets wait for the line so long each; one that is sent meanwhile replaces the one that waits.
+  Duration line_time{};
+
   std::vector<SentPacket> sent;
   std::vector<double> opened_s;
   std::optional<double> drained_s, closed_s;
@@ -106,9 +111,15 @@ class FakeRadio final : public hal::Radio, public Script {
 
  private:
   Status do_open() override;
-  Status do_send(std::span<const std::byte> bytes) override;
+  Status do_send(const Packet& packet) override;
+  Result<Duration> do_serve() override;
+  Result<std::size_t> do_receive(std::span<std::byte> into) override;
   Status do_drain(Instant deadline) override;
   void do_close() override;
+  void put_on_line(const SentPacket& packet);
+  std::vector<std::byte> heard_;
+  std::optional<SentPacket> waiting_;
+  Instant line_free_{};
   const std::string reason_ = "/dev/fake1: as the script says";
 };
 
@@ -118,15 +129,21 @@ class FakeGpio final : public hal::Gpio, public Script {
   explicit FakeGpio(hal::Clock& clock) : Script(clock) {}
   [[nodiscard]] const std::string& reason() const override { return reason_; }
   void pull(double from_s, double to_s) { pulled_.push_back({from_s, to_s}); }
+  void press(double at_s) { pressed_.push_back(at_s); }
 
-  std::vector<std::pair<double, bool>> led;
+  std::vector<std::pair<double, bool>> led, strobe;
+  Duration look_again = Duration::max();
+  int looks = 0;
   int opened = 0;
 
  private:
   Status do_open() override;
   void do_close() override {}
   Status do_set_status_led(bool on) override;
-  Result<bool> do_emergency_stop() override;
+  Status do_set_strobe(bool high) override;
+  Result<hal::GpioInputs> do_inputs(Instant now) override;
+  std::vector<double> pressed_;
+  double looked_s_ = -1.0;
   std::vector<std::pair<double, double>> pulled_;
   const std::string reason_ = "/dev/fakechip: as the script says";
 };

@@ -183,20 +183,6 @@ TEST_F(LoopTest, StatusTellsWhereTheBallIs) {
   EXPECT_NEAR(status->status.ball.y_m, 0.0f, 0.002f);
 }
 
-TEST_F(LoopTest, StatusLightIsOnWhileRobotsMayMove) {
-  camera.add({1.0, 2.0, ErrorCode::kTimeout});
-  start();
-  run_until(3.0);
-  loop->close();
-  ASSERT_EQ(gpio.led.size(), 4U);
-  EXPECT_TRUE(gpio.led[0].second);
-  EXPECT_FALSE(gpio.led[1].second);
-  EXPECT_NEAR(gpio.led[1].first, 1.2, 0.06);
-  EXPECT_TRUE(gpio.led[2].second);
-  EXPECT_NEAR(gpio.led[2].first, 2.0, 0.06);
-  EXPECT_FALSE(gpio.led[3].second);  // left dark
-}
-
 TEST_F(LoopTest, AdaptationIsFrozenAndPutBackOnRequest) {
   AdaptationRequests requests;
   settings.adaptation = &requests;

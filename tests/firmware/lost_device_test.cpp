@@ -173,15 +173,44 @@ TEST_F(LoopTest, BadFramesForTooLongStopTheRobots) {
   EXPECT_FALSE(all_stop(2.06, 3.0));
 }
 
-TEST_F(LoopTest, BusyRadioCostsPacketsAndNothingElse) {
-  radio.add({1.0, 1.5, ErrorCode::kBusy});
+TEST_F(LoopTest, SlowLineCarriesTheNewestPacketAsSoonAsItIsFree) {
+  radio.line_time = 35ms;  // frames come every 20 ms
   start();
-  run_until(2.0);
-  EXPECT_EQ(loop->statistics().frames, 100U);
-  EXPECT_NEAR(static_cast<double>(loop->statistics().packets_refused), 25.0, 1.0);
-  EXPECT_EQ(loop->statistics().packets + loop->statistics().packets_refused, 100U);
+  run_until(4.0);
+  EXPECT_EQ(loop->statistics().frames, 200U);
+  EXPECT_EQ(loop->statistics().packets, 200U);
   EXPECT_EQ(radio.opened_s.size(), 1U);
-  EXPECT_FALSE(all_stop(1.5, 2.0));
+  const auto sent = packets(0.1, 3.9);
+  for (std::size_t i = 1; i < sent.size(); ++i) {
+    EXPECT_NEAR(sent[i].at_s - sent[i - 1].at_s, 0.035, 0.0055) << "the line does not stand still";
+    const auto skipped = static_cast<std::uint8_t>(sent[i].sequence - sent[i - 1].sequence);
+    EXPECT_GE(skipped, 1);
+    EXPECT_LE(skipped, 2);
+  }
+  EXPECT_NEAR(static_cast<double>(loop->statistics().packets_dropped), 200.0 * (1.0 - 20.0 / 35.0), 3.0);
+  EXPECT_EQ(loop->statistics().packets_refused, 0U);
+}
+
+TEST_F(LoopTest, StopPacketDoesNotWaitBehindOthers) {
+  radio.line_time = 35ms;
+  gpio.pull(1.0, 2.0);
+  start();
+  run_until(1.5);
+  const auto sent = packets(1.001, 1.5);
+  const auto first = std::find_if(sent.begin(), sent.end(), [](const SentPacket& packet) { return packet.stop; });
+  ASSERT_NE(first, sent.end());
+  EXPECT_LE(first->at_s, 1.0 + 0.02 + 0.035) << "a frame until the line is read, a packet that is on its way";
+}
+
+TEST_F(LoopTest, LastStopsLeaveOverASlowLine) {
+  radio.line_time = 15ms;
+  start();
+  run_until(1.0);
+  loop->halt_robots();
+  const auto sent = packets(1.0, 2.0);
+  const auto first = std::find_if(sent.begin(), sent.end(), [](const SentPacket& packet) { return packet.stop; });
+  ASSERT_GE(sent.end() - first, 5);
+  EXPECT_LE(first->at_s, 1.0 + 0.0151);
 }
 
 TEST_F(LoopTest, LostRadioComesBackWhileFramesGoOn) {

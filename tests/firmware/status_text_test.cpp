@@ -103,6 +103,21 @@ TEST(FieldMap, PutsEverythingWhereItIs) {
   EXPECT_NE(field_map(status, field, 60, true).find("\x1b[1;33mo\x1b[0m"), std::string::npos);
 }
 
+TEST(StatusLine, TellsWhatRobotsSaid) {
+  StatusReport status = playing();
+  status.words.push_back({0, 7.923f, 98, 0.4, false});
+  status.words.push_back({1, 0.0f, 88, 3.2, false});
+  status.words.push_back({4, 6.75f, kLinkUnknown, 0.1, true});
+  status.packets_dropped = 3;
+  status.halt = kHaltStart;
+  const std::string line = status_line(status, {});
+  EXPECT_NE(line.find("  packets dropped 3  robots 0: 7.92 V 98 %, 1: 88 % (3 s ago), 4: 6.75 V LOW  HALTED: waiting "
+                      "for the start button"),
+            std::string::npos)
+      << line;
+  EXPECT_EQ(battery_line({12.34, 4, 6.754f}), "12.3 s  robot 4: battery is low, 6.75 V");
+}
+
 TEST(FieldMap, PoseThatIsNoNumberIsLeftOut) {
   StatusReport status = playing();
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -116,16 +131,23 @@ TEST(Summary, CountsEverythingThatHappened) {
   statistics.frames = 600;
   statistics.good_frames = 598;
   statistics.frames_lost = 4;
-  statistics.packets = 605;
+  statistics.packets = 612;
+  statistics.packets_dropped = 7;
   statistics.stop_packets = 5;
   statistics.faults[0][static_cast<std::size_t>(ErrorCode::kDisconnected)] = 2;
   statistics.reopened[0] = 2;
   statistics.latency.add(2ms);
+  statistics.robots.foreign_bytes = 9;
+  statistics.robots.robots.push_back({{0, 5, 7.92f, 98}, statistics.end - 500ms, 20, 1, false});
+  statistics.robots.robots.push_back({{12, 9, 6.8f, kLinkUnknown}, statistics.end - 4s, 3, 0, true});
   EXPECT_EQ(summary(statistics, LoopEnd::kAsked),
             "end       asked to leave\n"
             "frames    600 in 10.0 s (60.0 a second), 4 lost on the way, 2 not good\n"
             "latency   capture to send: p50 2.00  p90 2.00  p99 2.00  p99.9 2.00  max 2.00 ms\n"
-            "packets   605 sent, 5 of them stop packets; 0 refused\n"
+            "packets   605 sent, 5 of them stop packets; 0 refused, 7 dropped for newer ones\n"
+            "robot 0   7.92 V 98 % 0.5 s before the end; 20 reports, 1 missed\n"
+            "robot 12  6.80 V 4.0 s before the end; 3 reports, 0 missed; BATTERY LOW\n"
+            "robots    9 bytes received that are no report\n"
             "overload  0 frames (0 runs and 0 regions did not fit)\n"
             "faults    camera: " +
                 std::string(describe(ErrorCode::kDisconnected)) +

@@ -51,10 +51,12 @@ TEST(DeviceParameters, DefaultsAreValidAndKeysAreTheDocumentedOnes) {
   EXPECT_EQ(checked_keys<CameraSettings>(),
             (std::set<std::string>{"backend", "device", "format", "width_px", "height_px", "rate_hz", "buffers",
                                    "exposure_us", "gain", "white_balance_k", "focus", "power_line"}));
-  EXPECT_EQ(checked_keys<RadioSettings>(), (std::set<std::string>{"backend", "device", "baud", "delay_s"}));
+  EXPECT_EQ(checked_keys<RadioSettings>(),
+            (std::set<std::string>{"backend", "device", "baud", "delay_s", "telemetry", "low_battery_v"}));
   EXPECT_EQ(checked_keys<GpioSettings>(),
-            (std::set<std::string>{"backend", "chip", "status_led_line", "emergency_stop_line",
-                                   "emergency_stop_active_low", "emergency_stop_bias"}));
+            (std::set<std::string>{"backend", "chip", "status_led_line", "strobe_line", "emergency_stop_line",
+                                   "emergency_stop_active_low", "emergency_stop_bias", "start_line", "start_active_low",
+                                   "start_bias", "debounce_s"}));
 }
 
 }  // namespace

@@ -1,27 +1,63 @@
 #pragma once
 
+#include <deque>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "core/time.h"
+
 namespace touchline::fake {
 
-/// A chip as libgpiod 1.x shows it (gpiod_* are wrapped). Levels are those of the pins; polarity and bias are applied
-/// as the kernel does: an input that nobody drives has the level of its bias.
+/// A chip as the kernel has it; fake_gpiod_v1.cpp and fake_gpiod_v2.cpp show it as the two versions of libgpiod do
+/// (gpiod_* are wrapped). Levels are those of the pins; polarity and bias are applied as the kernel does: an input that
+/// nobody drives has the level of its bias.
 struct GpioChip {
   std::string name = "gpiochip0", label = "pinctrl-bcm2711";
   unsigned lines = 58;
 
+  struct Event {
+    bool active = false;
+    Instant at{};
+  };
   struct Pin {
     int driven = -1;     // level from outside; -1: nobody drives it
     int level = 0;       // of an output
     std::string holder;  // "": free
-    bool output = false;
-    int flags = 0;
+    bool output = false, active_low = false, tells_edges = false;
+    int bias = 0;         // 1: up, -1: down
+    Duration debounce{};  // by the kernel
+    int file = -1;        // of its events
+    std::deque<Event> events;
+    bool settled = false;  // the debounced value
+    Instant changed{};     // of the raw value
   };
   std::map<unsigned, Pin> pins;
 
-  int open_error = 0, request_error = 0, value_error = 0;
+  bool has_interrupts = true, debounces = true;
+  int open_error = 0, request_error = 0, value_error = 0, read_error = 0;
+  bool blocked = false;  // somebody waited for events
+
+  /// Somebody outside changes the level.
+  void drive(unsigned line, int level, Instant at);
+
+  // Entry points of the wrapped functions: a value, or a negative errno.
+  struct Request {
+    std::string consumer;
+    bool output = false, active_low = false, edges = false;
+    int bias = 0;
+    Duration debounce{};
+  };
+  int request(unsigned line, const Request& request);
+  void release(unsigned line);
+  int set(unsigned line, bool active);
+  int get(unsigned line);
+  /// Events that may be read, at most `most`.
+  int read(unsigned line, std::size_t most, std::vector<Event>& events);
+
+ private:
+  [[nodiscard]] static bool value(const Pin& pin);
+  static void settle(Pin& pin, Instant until);
 };
 
 /// All chips of the machine while it lives.
@@ -32,10 +68,17 @@ class GpioChips {
   GpioChips(const GpioChips&) = delete;
   GpioChips& operator=(const GpioChips&) = delete;
   [[nodiscard]] const std::vector<GpioChip*>& all() const { return chips_; }
-  int unclosed = 0;  // chips and lists that the library handed out
+  [[nodiscard]] GpioChip* find(const std::string& path) const;
+  int unclosed = 0;  // what the library handed out
 
  private:
   std::vector<GpioChip*> chips_;
 };
+
+/// The machine in force.
+GpioChips& gpio_chips();
+
+/// The libgpiod that this program was built for lets the kernel debounce.
+extern const bool kKernelDebounces;
 
 }  // namespace touchline::fake

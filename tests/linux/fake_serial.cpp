@@ -1,6 +1,7 @@
 #include "tests/linux/fake_serial.h"
 
 #include <libserialport.h>
+#include <linux/serial.h>
 #include <sys/ioctl.h>
 
 #include <algorithm>
@@ -32,9 +33,20 @@ SerialPort* SerialPorts::find(const std::string& path) const {
   return found == ports_.end() ? nullptr : *found;
 }
 
-int SerialPort::ioctl(unsigned long request, void*) {
-  if (request != TIOCEXCL) return -ENOTTY;
-  exclusive = true;
+int SerialPort::ioctl(unsigned long request, void* argument) {
+  if (request == TIOCEXCL) {
+    exclusive = true;
+    return 0;
+  }
+  constexpr auto kFlag = static_cast<int>(ASYNC_LOW_LATENCY);
+  auto* const line = static_cast<serial_struct*>(argument);
+  if (request == TIOCGSERIAL) {
+    line->flags = low_latency ? kFlag : 0;
+  } else if (request == TIOCSSERIAL) {
+    low_latency = offers_low_latency && (line->flags & kFlag) != 0;
+  } else {
+    return -ENOTTY;
+  }
   return 0;
 }
 
@@ -72,6 +84,14 @@ int SerialPort::write(const std::byte* bytes, std::size_t count) {
   const std::size_t taken = std::min(count, buffer_bytes - std::min(buffer_bytes, buffer_.size()));
   buffer_.insert(buffer_.end(), bytes, bytes + taken);
   return static_cast<int>(taken);
+}
+
+int SerialPort::read(std::byte* bytes, std::size_t count) {
+  if (read_error != 0) return -read_error;
+  const std::size_t taken = std::min(count, heard_.size());
+  std::copy_n(heard_.begin(), taken, bytes);
+  heard_.erase(heard_.begin(), heard_.begin() + static_cast<std::ptrdiff_t>(taken));
+  return static_cast<int>(taken);  // also after a hang-up: then it is the end of the file
 }
 
 int SerialPort::output_waiting() {
@@ -194,6 +214,10 @@ sp_return __wrap_sp_get_config_baudrate(const sp_port_config* config, int* baud)
 sp_return __wrap_sp_nonblocking_write(sp_port* port, const void* bytes, std::size_t count) {
   const UncountedAllocations uncounted;
   return touchline::fake::answer(port_of(port).write(static_cast<const std::byte*>(bytes), count));
+}
+sp_return __wrap_sp_nonblocking_read(sp_port* port, void* bytes, std::size_t count) {
+  const UncountedAllocations uncounted;
+  return touchline::fake::answer(port_of(port).read(static_cast<std::byte*>(bytes), count));
 }
 sp_return __wrap_sp_output_waiting(sp_port* port) {
   const UncountedAllocations uncounted;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,10 @@ class SerialPort final : public File {
   int granted_baud = 0;  // 0: as asked
   int baud_error = 0, bits_error = 0, write_error = 0;
   bool locked_by_another = false;
+  bool offers_low_latency = true;  // as FTDI adapters and most UARTs do
+  int read_error = 0;
+  /// Robots' bytes, which wait to be read.
+  void hear(std::span<const std::byte> bytes) { heard_.insert(heard_.end(), bytes.begin(), bytes.end()); }
   void hang_up(int error) { error_ = error; }
 
   // What was seen.
@@ -31,7 +36,7 @@ class SerialPort final : public File {
   [[nodiscard]] std::size_t waiting();
   [[nodiscard]] std::size_t flushed() const { return flushed_; }
   int baud = 0, bits = 0, parity = -1, stop_bits = 0, flow_control = -1;
-  bool exclusive = false;
+  bool exclusive = false, low_latency = false;
   [[nodiscard]] const std::string& path() const { return path_; }
 
   int ioctl(unsigned long request, void* argument) override;
@@ -41,6 +46,7 @@ class SerialPort final : public File {
   int open_port();
   void close_port();
   int write(const std::byte* bytes, std::size_t count);
+  int read(std::byte* bytes, std::size_t count);
   int output_waiting();
   int flush();
   [[nodiscard]] int number() const { return number_; }
@@ -51,7 +57,7 @@ class SerialPort final : public File {
   std::string path_;
   int number_ = -1;
   int error_ = 0;
-  std::vector<std::byte> buffer_, wire_;
+  std::vector<std::byte> buffer_, wire_, heard_;
   std::size_t flushed_ = 0;
   Instant sent_until_{};
 };

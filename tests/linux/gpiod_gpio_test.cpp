@@ -1,6 +1,5 @@
 #include "hal/linux/gpiod_gpio.h"
 
-#include <gpiod.h>
 #include <gtest/gtest.h>
 
 #include <cerrno>
@@ -8,6 +7,7 @@
 
 #include "tests/linux/driver_allocations.h"
 #include "tests/linux/fake_gpiod.h"
+#include "tests/linux/fake_kernel.h"
 
 namespace touchline::testing {
 namespace {
@@ -16,12 +16,15 @@ using hal::GpioBias;
 using hal::GpiodGpio;
 using hal::GpioSettings;
 
-constexpr unsigned kLed = 17, kStop = 27;
+using namespace std::chrono_literals;
+
+constexpr unsigned kLed = 17, kStrobe = 23, kStop = 27, kStart = 22;
 
 class GpiodGpioTest : public ::testing::Test {
  protected:
   void TearDown() override {
     EXPECT_EQ(machine_.unclosed, 0);
+    EXPECT_FALSE(chip_.blocked) << "somebody would have waited for an edge";
     for (const auto& [line, pin] : chip_.pins) EXPECT_EQ(pin.holder, "") << line;
   }
   static GpioSettings settings() {
@@ -36,12 +39,18 @@ class GpiodGpioTest : public ::testing::Test {
     EXPECT_EQ(describe(gpio.open().code()), std::string(describe(code)));
     EXPECT_EQ(gpio.reason(), reason);
   }
-  static bool pulled(GpiodGpio& gpio) {
-    const Result<bool> stop = gpio.emergency_stop();
-    EXPECT_TRUE(stop.ok()) << gpio.reason();
-    return stop.value();
+  hal::GpioInputs look(GpiodGpio& gpio) {
+    const Result<hal::GpioInputs> inputs = gpio.inputs(kernel_.now());
+    EXPECT_TRUE(inputs.ok()) << gpio.reason();
+    return inputs.value();
+  }
+  bool pulled(GpiodGpio& gpio) { return look(gpio).emergency_stop; }
+  void drive(unsigned line, int level, Duration after = 20ms) {
+    kernel_.advance(after);
+    chip_.drive(line, level, kernel_.now());
   }
 
+  fake::Kernel kernel_;
   fake::GpioChip chip_;
   fake::GpioChips machine_{{&chip_}};
 };
@@ -72,7 +81,9 @@ TEST_F(GpiodGpioTest, EmergencyStopInEitherPolarity) {
     ASSERT_TRUE(gpio.open().ok());
     EXPECT_FALSE(chip_.pins[kStop].output);
     for (const int level : {0, 1, 0}) {
-      chip_.pins[kStop].driven = level;
+      drive(kStop, level);
+      kernel_.advance(6ms);
+      static_cast<void>(look(gpio));
       EXPECT_EQ(pulled(gpio), (level == 0) == active_low);
     }
   }
@@ -101,7 +112,8 @@ TEST_F(GpiodGpioTest, WithoutBiasNoFlagIsAsked) {
   asked.emergency_stop_active_low = false;
   GpiodGpio gpio(asked);
   ASSERT_TRUE(gpio.open().ok());
-  EXPECT_EQ(chip_.pins[kStop].flags, 0);
+  EXPECT_EQ(chip_.pins[kStop].bias, 0);
+  EXPECT_FALSE(chip_.pins[kStop].active_low);
 }
 
 TEST_F(GpiodGpioTest, LinesThatAreNotWiredDoNothing) {
@@ -119,7 +131,7 @@ TEST_F(GpiodGpioTest, UseWithoutOpenFails) {
   GpiodGpio gpio(settings());
   EXPECT_EQ(gpio.set_status_led(true).code(), ErrorCode::kDisconnected);
   EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 17: not open");
-  EXPECT_EQ(gpio.emergency_stop().error(), ErrorCode::kDisconnected);
+  EXPECT_EQ(gpio.inputs(kernel_.now()).error(), ErrorCode::kDisconnected);
   EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 27: not open");
 }
 
@@ -169,6 +181,9 @@ TEST_F(GpiodGpioTest, LinesThatCannotBeHad) {
   asked.status_led_line = kStop;
   expect_refusal(asked, ErrorCode::kInconsistent,
                  "/dev/gpiochip0 line 27: is both the status light and the emergency stop");
+  asked = settings();
+  asked.start_line = asked.strobe_line = 5;
+  expect_refusal(asked, ErrorCode::kInconsistent, "/dev/gpiochip0 line 5: is both the strobe and the start button");
 
   chip_.pins[kLed].holder = "other";
   expect_refusal(settings(), ErrorCode::kDeviceBusy,
@@ -189,24 +204,161 @@ TEST_F(GpiodGpioTest, ChipThatGoesAway) {
   chip_.value_error = ENODEV;
   EXPECT_EQ(gpio.set_status_led(true).code(), ErrorCode::kDisconnected);
   EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 17: setting failed: No such device");
-  EXPECT_EQ(gpio.emergency_stop().error(), ErrorCode::kDisconnected) << "not \"not pulled\"";
+  EXPECT_EQ(gpio.inputs(kernel_.now()).error(), ErrorCode::kDisconnected) << "not \"not pulled\"";
   EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 27: reading failed: No such device");
   chip_.value_error = EIO;
-  EXPECT_EQ(gpio.emergency_stop().error(), ErrorCode::kIo);
+  EXPECT_EQ(gpio.inputs(kernel_.now()).error(), ErrorCode::kIo);
+  chip_.value_error = 0;
+  chip_.read_error = ENODEV;
+  EXPECT_EQ(gpio.inputs(kernel_.now()).error(), ErrorCode::kDisconnected);
+  EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 27: reading edges failed: No such device");
+}
+
+TEST_F(GpiodGpioTest, StrobeIsAnOutputOfItsOwn) {
+  GpioSettings asked = settings();
+  asked.strobe_line = kStrobe;
+  GpiodGpio gpio(asked);
+  ASSERT_TRUE(gpio.open().ok());
+  EXPECT_TRUE(gpio.set_strobe(true).ok());
+  EXPECT_EQ(chip_.pins[kStrobe].level, 1);
+  EXPECT_EQ(chip_.pins[kLed].level, 0);
+  gpio.close();
+  EXPECT_EQ(chip_.pins[kStrobe].level, 0);
+}
+
+TEST_F(GpiodGpioTest, LevelIsReadWhenTheLinesAreOpened) {
+  GpioSettings asked = settings();
+  asked.start_line = kStart;
+  chip_.pins[kStop].driven = chip_.pins[kStart].driven = 0;
+  GpiodGpio gpio(asked);
+  ASSERT_TRUE(gpio.open().ok());
+  const hal::GpioInputs inputs = look(gpio);
+  EXPECT_TRUE(inputs.emergency_stop) << "at once, not after the debounce time";
+  EXPECT_FALSE(inputs.start_pressed) << "a button that somebody leans on is no press";
+}
+
+TEST_F(GpiodGpioTest, PressBetweenTwoFramesIsSeen) {
+  GpiodGpio gpio(settings());
+  ASSERT_TRUE(gpio.open().ok());
+  EXPECT_FALSE(pulled(gpio));
+  drive(kStop, 0, 2ms);
+  drive(kStop, 1, 8ms);
+  kernel_.advance(7ms);
+  EXPECT_TRUE(pulled(gpio));
+  EXPECT_FALSE(pulled(gpio));
+}
+
+TEST_F(GpiodGpioTest, ShortPulsesDoNothing) {
+  GpiodGpio gpio(settings());
+  ASSERT_TRUE(gpio.open().ok());
+  for (int i = 0; i < 50; ++i) {
+    drive(kStop, 0, 8ms);
+    EXPECT_FALSE(pulled(gpio));
+    drive(kStop, 1, 4ms);
+    EXPECT_FALSE(pulled(gpio));
+  }
+}
+
+TEST_F(GpiodGpioTest, APressCountsAfterTheDebounceTimeAndTellsWhenThatWillBe) {
+  for (const bool kernel_debounces : {true, false}) {
+    chip_.debounces = kernel_debounces;
+    GpiodGpio gpio(settings());
+    ASSERT_TRUE(gpio.open().ok());
+    EXPECT_EQ(chip_.pins[kStop].debounce, kernel_debounces && fake::kKernelDebounces ? 5ms : 0ms);
+    EXPECT_FALSE(pulled(gpio));
+    drive(kStop, 0);
+    kernel_.advance(2ms);
+    const hal::GpioInputs early = look(gpio);
+    EXPECT_FALSE(early.emergency_stop);
+    if (chip_.pins[kStop].debounce == 0ms) {
+      EXPECT_NEAR(seconds(early.look_again), 0.003, 1e-5);
+    }
+    kernel_.advance(3ms + 1us);
+    EXPECT_TRUE(pulled(gpio));
+    drive(kStop, 1);
+  }
+}
+
+TEST_F(GpiodGpioTest, BouncingContactIsOnePressOfTheButton) {
+  GpioSettings asked = settings();
+  asked.start_line = kStart;
+  GpiodGpio gpio(asked);
+  ASSERT_TRUE(gpio.open().ok());
+  int presses = 0;
+  for (int press = 0; press < 10; ++press) {
+    for (int i = 0; i < 5; ++i) {
+      drive(kStart, 0, i == 0 ? 100ms : 300us);
+      presses += look(gpio).start_pressed ? 1 : 0;
+      drive(kStart, 1, 300us);
+    }
+    drive(kStart, 0, 300us);
+    for (int frame = 0; frame < 10; ++frame) {
+      kernel_.advance(16ms);
+      const hal::GpioInputs inputs = look(gpio);
+      presses += inputs.start_pressed ? 1 : 0;
+      EXPECT_FALSE(inputs.emergency_stop);
+    }
+    drive(kStart, 1, 1ms);
+    kernel_.advance(16ms);
+    presses += look(gpio).start_pressed ? 1 : 0;
+  }
+  EXPECT_EQ(presses, 10);
+}
+
+// More edges than the kernel keeps: the last ones are lost, the level is not.
+TEST_F(GpiodGpioTest, ALineThatIsPulledIsSeenHoweverItBounced) {
+  chip_.debounces = false;
+  GpiodGpio gpio(settings());
+  ASSERT_TRUE(gpio.open().ok());
+  for (int i = 0; i < 41; ++i) drive(kStop, i % 2, 200us);
+  kernel_.advance(20ms);
+  static_cast<void>(look(gpio));
+  kernel_.advance(6ms);
+  EXPECT_TRUE(pulled(gpio));
+}
+
+TEST_F(GpiodGpioTest, ALooseWireStopsTheRobots) {
+  chip_.debounces = false;
+  GpiodGpio gpio(settings());
+  ASSERT_TRUE(gpio.open().ok());
+  bool stopped = false;
+  for (int i = 0; i < 100 && !stopped; ++i) {
+    drive(kStop, i % 2, 1ms);
+    stopped = pulled(gpio);
+  }
+  EXPECT_TRUE(stopped);
+}
+
+TEST_F(GpiodGpioTest, AChipThatTellsNoEdgesIsLookedAt) {
+  chip_.has_interrupts = false;
+  GpiodGpio gpio(settings());
+  ASSERT_TRUE(gpio.open().ok()) << gpio.reason();
+  EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 27: tells no edges, a pulse between two frames goes unseen");
+  drive(kStop, 0);
+  EXPECT_FALSE(pulled(gpio));
+  kernel_.advance(16ms);
+  EXPECT_TRUE(pulled(gpio));
+  drive(kStop, 1);
+  EXPECT_TRUE(pulled(gpio));
+  kernel_.advance(16ms);
+  static_cast<void>(look(gpio));
+  EXPECT_FALSE(pulled(gpio));
 }
 
 TEST_F(GpiodGpioTest, AllocatesNothingWhileOpen) {
   if (!DriverAllocations::are_counted()) GTEST_SKIP() << "the sanitizer has the allocator";
   GpiodGpio gpio(settings());
   ASSERT_TRUE(gpio.open().ok());
-  chip_.pins[kStop].driven = 0;
+  drive(kStop, 0);
+  kernel_.advance(6ms);
   const DriverAllocations counter;
   int stops = 0, failures = 0;
   for (int i = 0; i < 100; ++i) {
     chip_.value_error = i >= 50 ? EIO : 0;
     failures += gpio.set_status_led(i % 2 == 0).ok() ? 0 : 1;
-    const Result<bool> stop = gpio.emergency_stop();
-    stops += stop.ok() && stop.value() ? 1 : 0;
+    failures += gpio.set_strobe(true).ok() ? 0 : 1;
+    const Result<hal::GpioInputs> inputs = gpio.inputs(kernel_.now());
+    stops += inputs.ok() && inputs.value().emergency_stop ? 1 : 0;
   }
   const std::uint64_t allocations = counter.count();
   EXPECT_EQ(allocations, 0u);

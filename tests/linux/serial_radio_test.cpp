@@ -72,7 +72,8 @@ class SerialRadioTest : public ::testing::Test {
 TEST_F(SerialRadioTest, OpensRawForUsAlone) {
   SerialRadio radio(settings());
   ASSERT_TRUE(radio.open().ok()) << radio.reason();
-  EXPECT_EQ(radio.reason(), "");
+  EXPECT_EQ(radio.reason(), text("115200 baud, low latency"));
+  EXPECT_TRUE(adapter_.low_latency);
   EXPECT_EQ(adapter_.baud, 115200);
   EXPECT_EQ(adapter_.bits, 8);
   EXPECT_EQ(adapter_.parity, SP_PARITY_NONE);
@@ -151,7 +152,23 @@ TEST_F(SerialRadioTest, BaudRatesThatThePortCannotDo) {
   adapter_.granted_baud = 115200 + 2200;  // 1.9 % too fast
   SerialRadio radio(settings());
   EXPECT_TRUE(radio.open().ok());
-  EXPECT_EQ(radio.reason(), text("baud = 115200: granted 117400"));
+  EXPECT_EQ(radio.reason(), text("115200 baud, granted 117400, low latency"));
+}
+
+TEST_F(SerialRadioTest, FastRatesAndRatesOfOnesOwn) {
+  for (const int baud : {1000000, 1234567, 4000000}) {
+    SerialRadio radio(settings(baud));
+    ASSERT_TRUE(radio.open().ok()) << radio.reason();
+    EXPECT_EQ(adapter_.baud, baud);
+    EXPECT_EQ(radio.reason(), text(std::to_string(baud) + " baud, low latency"));
+  }
+}
+
+TEST_F(SerialRadioTest, DriversWithoutLowLatencyServeAsWell) {
+  adapter_.offers_low_latency = false;
+  SerialRadio radio(settings());
+  ASSERT_TRUE(radio.open().ok());
+  EXPECT_EQ(radio.reason(), text("115200 baud"));
 }
 
 TEST_F(SerialRadioTest, PortThatGoesAwayWhileItIsSetUp) {
@@ -162,53 +179,80 @@ TEST_F(SerialRadioTest, PortThatGoesAwayWhileItIsSetUp) {
   expect_refusal(settings(), ErrorCode::kDisconnected, text("the port went away (setting the baud rate)"));
 }
 
-TEST_F(SerialRadioTest, NoMoreThanTwoPacketsWait) {
+TEST_F(SerialRadioTest, OnlyTheNewestPacketWaitsForTheLine) {
   SerialRadio radio(settings(9600));
   ASSERT_TRUE(radio.open().ok());
   ASSERT_TRUE(radio.send(packet(100, 1)).ok());
-  ASSERT_TRUE(radio.send(packet(100, 2)).ok());
-  expect_status(
-      radio, radio.send(packet(100, 3)), ErrorCode::kBusy,
-      text("200 bytes still wait to be sent; 9600 baud is too slow for the rate of packets, or the port stands "
-           "still"));
-  kernel_.advance(std::chrono::milliseconds(50));  // 48 bytes
-  EXPECT_EQ(radio.send(packet(105, 4)).code(), ErrorCode::kBusy) << "152 and 105 are 257";
-  EXPECT_TRUE(radio.send(packet(104, 5)).ok());
+  ASSERT_TRUE(radio.send(packet(100, 2)).ok()) << "waits, and nothing is lost yet";
+  expect_status(radio, radio.send(packet(100, 3)), ErrorCode::kBusy,
+                text("the line is still busy, an older packet was dropped for a newer one; 9600 baud is too slow for "
+                     "the rate of packets, or the port stands still"));
+  EXPECT_EQ(adapter_.waiting(), 100u) << "the driver has no more than the packet that is on its way";
+  ASSERT_TRUE(radio.serve().ok());
+  EXPECT_NEAR(seconds(radio.serve().value()), 100 * 10.0 / 9600, 0.001);
+  kernel_.advance(std::chrono::milliseconds(105));
+  EXPECT_EQ(radio.serve().value(), Duration::max());
   EXPECT_TRUE(radio.drain(kernel_.now() + std::chrono::seconds(1)).ok());
-  EXPECT_EQ(adapter_.wire(), std::vector<std::byte>{} + packet(100, 1) + packet(100, 2) + packet(104, 5));
+  EXPECT_EQ(adapter_.wire(), std::vector<std::byte>{} + packet(100, 1) + packet(100, 3));
   EXPECT_EQ(radio.counters().packets, 3u);
-  EXPECT_EQ(radio.counters().refused, 2u);
+  EXPECT_EQ(radio.counters().dropped, 1u);
+  EXPECT_EQ(radio.counters().refused, 0u);
 }
 
-TEST_F(SerialRadioTest, AFullBufferTakesNothing) {
-  adapter_.buffer_bytes = 100;
+TEST_F(SerialRadioTest, ANewerPacketReplacesTheOneThatWaitsWhenTheLineIsFree) {
+  SerialRadio radio(settings(9600));
+  ASSERT_TRUE(radio.open().ok());
+  ASSERT_TRUE(radio.send(packet(50, 1)).ok());
+  ASSERT_TRUE(radio.send(packet(50, 2)).ok());
+  kernel_.advance(std::chrono::milliseconds(60));
+  EXPECT_EQ(radio.send(packet(50, 3)).code(), ErrorCode::kBusy) << "the second one is old by now";
+  EXPECT_TRUE(radio.drain(kernel_.now() + std::chrono::seconds(1)).ok());
+  EXPECT_EQ(adapter_.wire(), std::vector<std::byte>{} + packet(50, 1) + packet(50, 3));
+}
+
+TEST_F(SerialRadioTest, AFullBufferKeepsThePacketHere) {
+  adapter_.buffer_bytes = 0;
   SerialRadio radio(settings());
   ASSERT_TRUE(radio.open().ok());
-  ASSERT_TRUE(radio.send(packet(100, 1)).ok());
-  expect_status(radio, radio.send(packet(20, 2)), ErrorCode::kBusy, text("the port's buffer is full"));
-  EXPECT_EQ(adapter_.waiting(), 100u);
+  EXPECT_TRUE(radio.send(packet(100, 1)).ok());
+  EXPECT_EQ(radio.send(packet(20, 2)).code(), ErrorCode::kBusy);
+  EXPECT_EQ(adapter_.waiting(), 0u);
   EXPECT_EQ(radio.split_packets(), 0u);
+  adapter_.buffer_bytes = 100;
+  EXPECT_TRUE(radio.drain(kernel_.now() + std::chrono::seconds(1)).ok());
+  EXPECT_EQ(adapter_.wire(), std::vector<std::byte>{} + packet(20, 2));
 }
 
 TEST_F(SerialRadioTest, ASplitPacketIsCompletedBeforeAnythingElse) {
-  adapter_.buffer_bytes = 120;
-  adapter_.stalled = true;
+  adapter_.buffer_bytes = 40;
   SerialRadio radio(settings());
   ASSERT_TRUE(radio.open().ok());
-  ASSERT_TRUE(radio.send(packet(66, 1)).ok());
-  ASSERT_TRUE(radio.send(packet(66, 2)).ok()) << "54 bytes fit, 12 follow";
+  ASSERT_TRUE(radio.send(packet(66, 1)).ok()) << "40 bytes fit, 26 follow";
   EXPECT_EQ(radio.split_packets(), 1u);
-  expect_status(radio, radio.send(packet(66, 3)), ErrorCode::kBusy,
-                text("the port has not yet taken the rest of the packet before"));
-  adapter_.stalled = false;
-  kernel_.advance(std::chrono::milliseconds(1));  // 11 bytes: one too few
-  EXPECT_EQ(radio.send(packet(66, 4)).code(), ErrorCode::kBusy);
-  kernel_.advance(std::chrono::milliseconds(20));
-  EXPECT_TRUE(radio.send(packet(66, 5)).ok());
+  EXPECT_TRUE(radio.send(packet(66, 2)).ok()) << "waits";
+  kernel_.advance(std::chrono::milliseconds(1));  // 11 bytes
+  EXPECT_EQ(radio.send(packet(66, 3)).code(), ErrorCode::kBusy);
   EXPECT_TRUE(radio.drain(kernel_.now() + std::chrono::seconds(1)).ok());
-  EXPECT_EQ(adapter_.wire(), std::vector<std::byte>{} + packet(66, 1) + packet(66, 2) + packet(66, 5));
-  EXPECT_EQ(radio.counters().packets, 3u);
-  EXPECT_EQ(radio.counters().refused, 2u);
+  EXPECT_EQ(adapter_.wire(), std::vector<std::byte>{} + packet(66, 1) + packet(66, 3));
+  EXPECT_EQ(radio.counters().dropped, 1u);
+}
+
+TEST_F(SerialRadioTest, ReceivesWhatThereIsAndNeverWaits) {
+  SerialRadio radio(settings());
+  std::array<std::byte, 16> bytes{};
+  EXPECT_EQ(radio.receive(bytes).error(), ErrorCode::kDisconnected);
+  ASSERT_TRUE(radio.open().ok());
+  EXPECT_EQ(radio.receive(bytes).value(), 0u);
+  const Packet words = packet(20, 7);
+  adapter_.hear({words.data(), words.size()});
+  EXPECT_EQ(radio.receive(bytes).value(), 16u);
+  EXPECT_EQ(bytes[15], std::byte{7});
+  EXPECT_EQ(radio.receive(bytes).value(), 4u);
+  EXPECT_EQ(radio.receive(bytes).value(), 0u);
+  EXPECT_EQ(radio.counters().received_bytes, 20u);
+  adapter_.read_error = EIO;
+  EXPECT_EQ(radio.receive(bytes).error(), ErrorCode::kDisconnected);
+  EXPECT_EQ(radio.reason(), text("the port went away (receiving)"));
 }
 
 TEST_F(SerialRadioTest, DrainCompletesASplitPacket) {
@@ -261,6 +305,7 @@ TEST_F(SerialRadioTest, PluggedOutAndInAgainUnderAnotherNumber) {
   ASSERT_TRUE(radio.send(packet(10, 4)).ok());
   EXPECT_EQ(on_board_.waiting(), 10u);
   EXPECT_EQ(radio.counters().refused, 2u);
+  EXPECT_EQ(radio.counters().packets, 2u);
 }
 
 TEST_F(SerialRadioTest, FailureWhileWriting) {
@@ -287,18 +332,21 @@ TEST_F(SerialRadioTest, ReopeningForgetsTheRestOfASplitPacket) {
   EXPECT_EQ(adapter_.wire(), std::vector<std::byte>{} + packet(30, 2));
 }
 
-TEST_F(SerialRadioTest, SendingAllocatesNothingWhateverComes) {
+TEST_F(SerialRadioTest, AllocatesNothingWhateverComes) {
   if (!DriverAllocations::are_counted()) GTEST_SKIP() << "the sanitizer has the allocator";
-  adapter_.buffer_bytes = 150;
+  adapter_.buffer_bytes = 50;
   SerialRadio radio(settings());
   ASSERT_TRUE(radio.open().ok());
   const Packet one = packet(66, 1);
+  std::array<std::byte, 16> bytes{};
   int busy = 0, sent = 0, gone = 0;
   const DriverAllocations counter;
   for (int i = 0; i < 1000; ++i) {
     kernel_.advance(std::chrono::milliseconds(i % 2 == 0 ? 3 : 5));
     if (i == 900) adapter_.hang_up(EIO);
     const ErrorCode code = radio.send(one).code();
+    static_cast<void>(radio.serve());
+    static_cast<void>(radio.receive(bytes));
     (code == ErrorCode::kOk ? sent : code == ErrorCode::kBusy ? busy : gone) += 1;
   }
   const std::uint64_t allocations = counter.count();
@@ -309,20 +357,52 @@ TEST_F(SerialRadioTest, SendingAllocatesNothingWhateverComes) {
   EXPECT_EQ(gone, 100);
 }
 
-TEST_F(SerialRadioTest, NeverHalfAPacketOnTheWire) {
-  adapter_.buffer_bytes = 97;
-  SerialRadio radio(settings());
-  ASSERT_TRUE(radio.open().ok());
-  std::vector<std::byte> expected;
-  for (int i = 0; i < 300; ++i) {
-    kernel_.advance(std::chrono::microseconds(700 + 97 * (i % 13)));
-    const Packet next = packet(static_cast<std::size_t>(20 + i % 50), i % 251);
-    if (radio.send(next).ok()) expected = expected + next;
+// Whatever the line's speed, its buffer and the times: whole packets in their order, the newest at the end, and none
+// that was older than the frame before when its first byte was handed over.
+TEST_F(SerialRadioTest, WholePacketsInOrderAndNoneIsOld) {
+  for (const int baud : {9600, 57600, 115200, 1000000}) {
+    for (const std::size_t buffer_bytes : {std::size_t{7}, std::size_t{30}, std::size_t{97}, std::size_t{4096}}) {
+      SCOPED_TRACE(std::to_string(baud) + " baud, a buffer of " + std::to_string(buffer_bytes));
+      fake::SerialPort port("/dev/ttyS9");
+      port.buffer_bytes = buffer_bytes;
+      const fake::SerialPorts machine({&port});
+      kernel_.add("/dev/ttyS9", port);
+      RadioSettings asked = settings(baud);
+      asked.device = "/dev/ttyS9";
+      SerialRadio radio(asked);
+      ASSERT_TRUE(radio.open().ok());
+      int taken = 0;
+      for (int i = 0; i < 200; ++i) {
+        kernel_.advance(std::chrono::microseconds(2000 + 970 * (i % 13)));
+        // Its number, and a length that the number tells.
+        taken += radio.send(packet(static_cast<std::size_t>(20 + i % 50), i)).code() == ErrorCode::kBusy ? 0 : 1;
+        EXPECT_LE(port.waiting(), 69u) << "more than a packet waits in the driver";
+        for (int k = 0; k < 3; ++k) {
+          kernel_.advance(std::chrono::microseconds(900));
+          ASSERT_TRUE(radio.serve().ok());
+        }
+      }
+      EXPECT_TRUE(radio.drain(kernel_.now() + std::chrono::seconds(5)).ok());
+      int last = -1, whole = 0;
+      const std::vector<std::byte>& wire = port.wire();
+      for (std::size_t at = 0; at < wire.size(); ++whole) {
+        const int number = std::to_integer<int>(wire[at]);
+        EXPECT_GT(number, last);
+        last = number;
+        const std::size_t end = at + static_cast<std::size_t>(20 + number % 50);
+        ASSERT_LE(end, wire.size());
+        for (; at < end; ++at) ASSERT_EQ(std::to_integer<int>(wire[at]), number) << "cut";
+      }
+      EXPECT_EQ(last, 199);
+      EXPECT_EQ(static_cast<std::uint64_t>(whole), radio.counters().packets - radio.counters().dropped);
+      EXPECT_EQ(radio.counters().dropped, static_cast<std::uint64_t>(200 - taken));
+      if (baud == 9600) {
+        EXPECT_LT(whole, 100);
+      } else if (baud == 1000000 && buffer_bytes == 4096) {
+        EXPECT_EQ(whole, 200);
+      }
+    }
   }
-  EXPECT_TRUE(radio.drain(kernel_.now() + std::chrono::seconds(1)).ok());
-  EXPECT_EQ(adapter_.wire(), expected);
-  EXPECT_GT(radio.counters().refused, 30u);
-  EXPECT_GT(radio.split_packets(), 5u);
 }
 
 }  // namespace

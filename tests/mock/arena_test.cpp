@@ -20,7 +20,7 @@ class ArenaTest : public DevicesTest {
     while (now_s() < until_s) {
       const auto lease = wait(0.1);
       if (!lease.ok() && lease.error() != ErrorCode::kTimeout) go_to(now_s() + 0.02);
-      static_cast<void>(gpio->emergency_stop());
+      static_cast<void>(gpio->inputs(arena->now()));
       static_cast<void>(radio->send(driver(sequence++)));
     }
   }
@@ -112,6 +112,7 @@ TEST_F(ArenaTest, StopPacketsAtTheEndStopTheRobots) {
   play(1.0, [](std::uint8_t sequence) { return packet_of(std::array<Drive, 1>{{{0, -0.2, 0.2}}}, sequence); });
   EXPECT_GT(arena->world().energy(), 1e-4);
   ASSERT_TRUE(radio->send(packet_of(std::array<Drive, 1>{{{0, 0.0, 0.0}}}, 3, true)).ok());
+  ASSERT_TRUE(radio->drain(arena->now() + 20ms).ok());
   go_to(1.19);  // before the time-out would stop it
   EXPECT_LT(arena->world().energy(), 1e-5);
   EXPECT_EQ(arena->channel().statistics().timeouts, 0U);
@@ -175,7 +176,7 @@ TEST_F(ArenaTest, OneDeviceMayBeOpenedWhileOthersAreUsed) {
   std::uint8_t sequence = 0;
   const Instant end = time.now() + 300ms;
   while (time.now() < end) {
-    EXPECT_TRUE(gpio->emergency_stop().ok());
+    EXPECT_TRUE(gpio->inputs(time.now()).ok());
     static_cast<void>(radio->send(packet_of(std::array<Drive, 1>{{{0, 0.1, 0.1}}}, ++sequence)));
     time.sleep_until(time.now() + 2ms);
   }

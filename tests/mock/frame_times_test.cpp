@@ -192,7 +192,8 @@ TEST_F(FrameTimes, ClosedDevicesSaySo) {
   EXPECT_EQ(closed_radio.drain(arena->now()), Status(ErrorCode::kIo));
   EXPECT_EQ(closed_radio.reason(), "mock radio: used before it was opened");
   EXPECT_EQ(closed_gpio.set_status_led(true), Status(ErrorCode::kIo));
-  EXPECT_EQ(closed_gpio.emergency_stop().error(), ErrorCode::kIo);
+  EXPECT_EQ(closed_gpio.set_strobe(true).code(), ErrorCode::kIo);
+  EXPECT_EQ(closed_gpio.inputs(arena->now()).error(), ErrorCode::kIo);
   EXPECT_EQ(closed_gpio.reason(), "mock gpio: used before it was opened");
 }
 

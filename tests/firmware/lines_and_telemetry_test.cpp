@@ -1,0 +1,188 @@
+// What a person sees and presses, and what robots say of themselves.
+#include <algorithm>
+
+#include "core/radio/telemetry.h"
+#include "tests/firmware/loop_fixture.h"
+
+namespace touchline::testing {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double kRelease = 0.1;
+
+/// Longest time for which the light stayed as it was, in [from_s, to_s).
+double longest_rest(const std::vector<std::pair<double, bool>>& light, double from_s, double to_s) {
+  double longest = 0.0, last = from_s;
+  for (const auto& [at_s, on] : light) {
+    if (at_s < from_s || at_s >= to_s) continue;
+    longest = std::max(longest, at_s - last);
+    last = at_s;
+  }
+  return std::max(longest, to_s - last);
+}
+
+std::size_t changes(const std::vector<std::pair<double, bool>>& light, double from_s, double to_s) {
+  return static_cast<std::size_t>(
+      std::count_if(light.begin(), light.end(), [&](const auto& c) { return c.first >= from_s && c.first < to_s; }));
+}
+
+TEST_F(LoopTest, LightBlinksOnceASecondWhileFramesAreGoodAndFastWhenNot) {
+  camera.add({4.0, 8.0, ErrorCode::kTimeout});
+  start();
+  run_until(12.0);
+  loop->close();
+  EXPECT_EQ(changes(gpio.led, 0.4, 3.9), 7U);
+  EXPECT_LE(longest_rest(gpio.led, 0.4, 3.9), 0.56);
+  EXPECT_NEAR(static_cast<double>(changes(gpio.led, 4.3, 7.9)), 36.0, 2.0);
+  EXPECT_LE(longest_rest(gpio.led, 4.3, 7.9), 0.16);
+  EXPECT_EQ(changes(gpio.led, 8.4, 11.9), 7U);
+  for (std::size_t i = 1; i < gpio.led.size(); ++i) {
+    EXPECT_NE(gpio.led[i].second, gpio.led[i - 1].second) << "a call to the kernel for nothing";
+  }
+  EXPECT_FALSE(gpio.led.back().second) << "dark when the program has ended";
+}
+
+TEST_F(LoopTest, StrobeFramesTheWorkOnEachFrame) {
+  camera.add({1.0, 1.2, ErrorCode::kTimeout});
+  start();
+  run_until(2.0);
+  ASSERT_EQ(gpio.strobe.size(), 2 * loop->statistics().frames);
+  for (std::size_t i = 0; i < gpio.strobe.size(); ++i) EXPECT_EQ(gpio.strobe[i].second, i % 2 == 0);
+}
+
+TEST_F(LoopTest, AFailingStrobeHaltsLikeAnyFailingLine) {
+  start();
+  run_until(1.0);
+  gpio.add({1.0, 1.3, ErrorCode::kDisconnected});
+  run_until(3.0);
+  EXPECT_EQ(loop->statistics().reopened[2], 1U);
+  EXPECT_TRUE(all_stop(1.03, 1.3));
+  EXPECT_FALSE(all_stop(2.0, 3.0));
+}
+
+TEST_F(LoopTest, RobotsStandUntilTheStartButtonIsPressed) {
+  settings.start_button = true;
+  gpio.press(1.5);
+  start();
+  run_until(3.0);
+  EXPECT_TRUE(all_stop(0.0, 1.5));
+  EXPECT_FALSE(all_stop(1.54, 3.0));
+  EXPECT_LE(changes(gpio.led, 0.1, 1.5), 0U) << "on, ready";
+  EXPECT_TRUE(
+      std::prev(std::find_if(gpio.led.begin(), gpio.led.end(), [](const auto& c) { return c.first > 1.5; }))->second);
+  std::vector<std::uint8_t> halts;
+  for (const Report& report : reports()) {
+    if (report.kind == Report::Kind::kHalt) halts.push_back(report.halt.halt);
+  }
+  EXPECT_EQ(halts.back(), kHaltNone);
+  EXPECT_NE(std::find(halts.begin(), halts.end(), kHaltStart), halts.end());
+}
+
+TEST_F(LoopTest, StartButtonEndsAnEmergencyOnlyOnceTheLineIsReleased) {
+  settings.faults.resume_after_emergency = false;
+  gpio.pull(1.0, 2.0);
+  gpio.press(1.5);
+  gpio.press(3.0);
+  gpio.pull(5.0, 6.0);
+  gpio.press(6.05);  // within the release time: counts when that is over
+  gpio.pull(8.0, 8.5);
+  start();
+  run_until(12.0);
+  EXPECT_FALSE(all_stop(0.0, 1.0));
+  EXPECT_TRUE(all_stop(1.001, 3.0)) << "pressed while it was pulled";
+  EXPECT_FALSE(all_stop(3.04, 5.0));
+  EXPECT_TRUE(all_stop(5.001, 6.0 + kRelease - 0.03));
+  EXPECT_FALSE(all_stop(6.0 + kRelease + 0.04, 8.0));
+  EXPECT_TRUE(all_stop(8.001, 12.0)) << "each emergency needs a press of its own";
+}
+
+TEST_F(LoopTest, WaitsNoLongerThanALineNeedsToSettle) {
+  camera.add({0.5, 1.5, ErrorCode::kTimeout});
+  gpio.look_again = 3ms;
+  gpio.pull(1.001, 2.0);
+  start();
+  run_until(1.4);
+  const auto sent = packets(1.001, 1.4);
+  ASSERT_FALSE(sent.empty());
+  // Without frames the loop looks every 50 ms, but for a line that is about to settle.
+  EXPECT_TRUE(sent.front().stop);
+  EXPECT_LE(sent.front().at_s, 1.001 + 0.05);
+  EXPECT_GE(gpio.looks, 100);
+}
+
+class TelemetryLoopTest : public LoopTest {
+ protected:
+  void say(int id, float battery_v, int sequence, int link = 97) {
+    radio.hear(encode_telemetry(
+        {static_cast<RobotId>(id), static_cast<std::uint8_t>(sequence), battery_v, static_cast<std::int8_t>(link)}));
+  }
+};
+
+TEST_F(TelemetryLoopTest, StatusTellsWhatRobotsSaidAndHowLongAgo) {
+  start();
+  run_until(0.5);
+  say(3, 7.7f, 1);
+  run_until(1.0);
+  say(1, 7.9f, 1, kLinkUnknown);
+  run_until(2.1);
+  const auto all = reports();
+  const auto last =
+      std::find_if(all.rbegin(), all.rend(), [](const Report& r) { return r.kind == Report::Kind::kStatus; });
+  ASSERT_NE(last, all.rend());
+  const auto& words = last->status.words;
+  ASSERT_EQ(words.size(), 2U);
+  EXPECT_EQ(words[0].id, 1);
+  EXPECT_EQ(words[0].link_percent, kLinkUnknown);
+  EXPECT_EQ(words[1].id, 3);
+  EXPECT_NEAR(words[1].battery_v, 7.7f, 1e-3f);
+  EXPECT_EQ(words[1].link_percent, 97);
+  EXPECT_NEAR(words[1].age_s, 1.5, 0.06);
+  EXPECT_EQ(loop->statistics().robots.robots.size(), 2U);
+}
+
+TEST_F(TelemetryLoopTest, ABatteryThatBecomesLowIsReportedOnce) {
+  auto parameters = dark_room();
+  parameters.low_battery_v = 7.0f;
+  start();
+  ASSERT_TRUE(pipeline->configure(parameters).ok());
+  int sequence = 0;
+  for (double until_s = 0.1; until_s < 3.0; until_s += 0.1) {
+    say(2, until_s < 2.0 ? 6.8f : 8.2f, ++sequence);
+    run_until(until_s);
+  }
+  for (double until_s = 3.0; until_s < 4.0; until_s += 0.1) {
+    say(2, 6.7f, ++sequence);
+    run_until(until_s);
+  }
+  std::vector<BatteryReport> low;
+  for (const Report& report : reports()) {
+    if (report.kind == Report::Kind::kBattery) low.push_back(report.battery);
+  }
+  ASSERT_EQ(low.size(), 2U) << "once a battery";
+  EXPECT_EQ(low[0].id, 2);
+  EXPECT_NEAR(low[0].battery_v, 6.8f, 1e-3f);
+  EXPECT_GT(low[1].elapsed_s, 3.0);
+}
+
+TEST_F(TelemetryLoopTest, NobodyListensWhenToldNotTo) {
+  settings.telemetry = false;
+  start();
+  say(3, 7.7f, 1);
+  run_until(0.5);
+  EXPECT_EQ(loop->statistics().robots.robots.size(), 0U);
+  EXPECT_EQ(radio.counters().received_bytes, 0U);
+}
+
+TEST_F(TelemetryLoopTest, GarbageFromTheRadioHoldsUpNothing) {
+  start();
+  std::vector<std::byte> garbage(100000, kTelemetryMagic0);
+  radio.hear(garbage);
+  run_until(1.0);
+  EXPECT_EQ(loop->statistics().frames, 50U);
+  EXPECT_EQ(radio.counters().received_bytes, 512U * 50U) << "so much a frame, and no more";
+  EXPECT_GT(loop->statistics().robots.foreign_bytes, 25000U);
+}
+
+}  // namespace
+}  // namespace touchline::testing

@@ -1,0 +1,150 @@
+#include "hal/debouncer.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+namespace touchline::hal {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Instant kStart{10s};
+
+class DebouncerTest : public ::testing::Test {
+ protected:
+  void begin(bool active = false) { debouncer.begin(5ms, active, kStart); }
+  void edge(bool active, Duration at) { debouncer.edge(active, kStart + at); }
+  Debouncer::View look(Duration at) { return debouncer.look(kStart + at); }
+  Debouncer debouncer;
+};
+
+TEST_F(DebouncerTest, LevelAtTheStartCountsAtOnceAndIsNoPress) {
+  begin(true);
+  EXPECT_TRUE(look(0ms).active);
+  EXPECT_FALSE(look(1ms).activated);
+  edge(false, 2ms);
+  EXPECT_TRUE(look(6ms).active);
+  EXPECT_TRUE(look(7ms).active) << "it was, since the last look";
+  EXPECT_FALSE(look(8ms).active);
+}
+
+TEST_F(DebouncerTest, APulseCountsFromTheDebounceTimeOn) {
+  for (const Duration length : {1us, 1000us, 4999us, 5000us, 5001us, 100000us}) {
+    begin();
+    edge(true, 20ms);
+    edge(false, 20ms + length);
+    const Debouncer::View view = look(1s);
+    EXPECT_EQ(view.active, length >= 5ms) << length.count();
+    EXPECT_EQ(view.activated, length >= 5ms) << length.count();
+    EXPECT_FALSE(look(1s + 1ms).active) << "told once";
+    EXPECT_FALSE(look(1s + 2ms).activated);
+  }
+}
+
+TEST_F(DebouncerTest, SaysWhenANewLevelWillCount) {
+  begin();
+  EXPECT_EQ(look(10ms).settles_in, Duration::max());
+  edge(true, 20ms);
+  EXPECT_FALSE(look(22ms).active);
+  EXPECT_EQ(look(22ms).settles_in, 3ms);
+  EXPECT_TRUE(look(25ms).active);
+  EXPECT_EQ(look(25ms).settles_in, Duration::max());
+}
+
+TEST_F(DebouncerTest, BouncingCountsOnceItHasEnded) {
+  begin();
+  for (int i = 0; i < 10; ++i) {
+    edge(true, 20ms + i * 1ms);
+    edge(false, 20ms + i * 1ms + 500us);
+  }
+  edge(true, 30ms);
+  EXPECT_FALSE(look(34ms).active);
+  EXPECT_TRUE(look(35ms).activated);
+  for (int i = 0; i < 10; ++i) {
+    edge(false, 50ms + i * 1ms);
+    edge(true, 50ms + i * 1ms + 500us);
+  }
+  EXPECT_FALSE(look(100ms).activated) << "it never let go";
+}
+
+TEST_F(DebouncerTest, ALooseWireIsNoBouncing) {
+  begin();
+  bool restless = false;
+  for (int ms = 20; ms < 60; ++ms) {
+    edge(ms % 2 == 0, ms * 1ms);
+    restless = restless || look(ms * 1ms).restless;
+  }
+  EXPECT_FALSE(restless);
+  for (int ms = 60; ms < 100; ++ms) edge(ms % 2 == 0, ms * 1ms);
+  EXPECT_TRUE(look(100ms).restless);
+  EXPECT_FALSE(look(100ms).active);
+  EXPECT_FALSE(look(110ms).restless) << "at rest again";
+}
+
+TEST_F(DebouncerTest, PulsesWithPausesBetweenThemDoNothingForEver) {
+  begin();
+  for (int i = 1; i < 1000; ++i) {
+    edge(true, i * 10ms);
+    edge(false, i * 10ms + 4ms);
+    const Debouncer::View view = look(i * 10ms + 4ms);
+    ASSERT_FALSE(view.active || view.activated || view.restless) << i;
+  }
+}
+
+TEST_F(DebouncerTest, AnEdgeThatWasMissedBeginsTheTimeAnew) {
+  begin();
+  edge(true, 20ms);
+  edge(true, 24ms);  // it was low in between
+  EXPECT_FALSE(look(26ms).active);
+  EXPECT_TRUE(look(29ms).active);
+}
+
+TEST_F(DebouncerTest, WithoutTimeEveryLevelCounts) {
+  debouncer.begin(0ms, false, kStart);
+  edge(true, 20ms);
+  edge(false, 20ms);
+  EXPECT_TRUE(look(30ms).activated);
+  EXPECT_FALSE(look(31ms).active);
+}
+
+// Against the definition: active at some time in (last look, now] when there was a level that lasted 5 ms until then.
+TEST_F(DebouncerTest, AgreesWithItsDefinitionOnRandomEdges) {
+  std::mt19937 random(4);
+  std::uniform_int_distribution<int> gap_us(100, 12000), look_us(500, 20000);
+  for (int game = 0; game < 200; ++game) {
+    begin();
+    std::vector<std::pair<Duration, bool>> edges;
+    Duration at = 0us;
+    for (int i = 0; i < 60; ++i) {
+      at += gap_us(random) * 1us;
+      edges.emplace_back(at, i % 2 == 0);
+    }
+    // The debounced level as a list of its changes.
+    std::vector<std::pair<Duration, bool>> stable{{Duration::min(), false}};
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      const Duration until = i + 1 < edges.size() ? edges[i + 1].first : 10s;
+      if (until - edges[i].first >= 5ms && stable.back().second != edges[i].second) {
+        stable.emplace_back(edges[i].first + 5ms, edges[i].second);
+      }
+    }
+    std::size_t told = 0;
+    for (Duration last = 0us, now = 0us; now < at; last = now) {
+      now += look_us(random) * 1us;
+      for (; told < edges.size() && edges[told].first <= now; ++told) edge(edges[told].second, edges[told].first);
+      bool active = false, activated = false;
+      for (std::size_t i = 0; i < stable.size(); ++i) {
+        const Duration end = i + 1 < stable.size() ? stable[i + 1].first : Duration::max();
+        active = active || (stable[i].second && stable[i].first <= now && end > last);
+        activated = activated || (stable[i].second && stable[i].first > last && stable[i].first <= now);
+      }
+      const Debouncer::View view = look(now);
+      ASSERT_EQ(view.active, active) << game << " " << now.count();
+      ASSERT_EQ(view.activated, activated) << game << " " << now.count();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace touchline::hal

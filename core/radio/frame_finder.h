@@ -8,6 +8,9 @@
 
 namespace touchline {
 
+/// Answers of a format in the place of a length.
+constexpr std::size_t kNoPacket = 0, kMoreBytes = ~std::size_t{0};
+
 /// Finds packets among the bytes of a line that loses, adds and turns them. `Format` says what a packet looks like:
 ///
 ///   static constexpr std::size_t kMaxBytes;
@@ -54,8 +57,6 @@ class FrameFinder {
 
   /// Bytes that belonged to no good packet.
   [[nodiscard]] std::uint64_t skipped_bytes() const { return skipped_; }
-
-  static constexpr std::size_t kNoPacket = 0, kMoreBytes = ~std::size_t{0};
 
  private:
   void drop(std::size_t count) {

@@ -4,13 +4,12 @@ namespace touchline {
 
 std::size_t PacketStream::Format::length(std::span<const std::byte> bytes) {
   // Each test asks for what has come only: a packet whose beginning fits so far may still become one.
-  using Finder = FrameFinder<Format>;
-  if (bytes[0] != kPacketMagic0) return Finder::kNoPacket;
-  if (bytes.size() > 1 && bytes[1] != kPacketMagic1) return Finder::kNoPacket;
-  if (bytes.size() > 2 && bytes[2] != kPacketVersion) return Finder::kNoPacket;
-  if (bytes.size() < kPacketHeaderBytes) return Finder::kMoreBytes;
+  if (bytes[0] != kPacketMagic0) return kNoPacket;
+  if (bytes.size() > 1 && bytes[1] != kPacketMagic1) return kNoPacket;
+  if (bytes.size() > 2 && bytes[2] != kPacketVersion) return kNoPacket;
+  if (bytes.size() < kPacketHeaderBytes) return kMoreBytes;
   const std::size_t count = std::to_integer<std::size_t>(bytes[5]);
-  return count > kMaxRobotsPerTeam ? Finder::kNoPacket : packet_bytes(count);
+  return count > kMaxRobotsPerTeam ? kNoPacket : packet_bytes(count);
 }
 
 bool PacketStream::next(Commands& commands, std::uint8_t& sequence) {

@@ -52,10 +52,9 @@ Status decode_telemetry(std::span<const std::byte> bytes, RobotTelemetry& teleme
 }
 
 std::size_t TelemetryStream::Format::length(std::span<const std::byte> bytes) {
-  using Finder = FrameFinder<Format>;
-  if (bytes[0] != kTelemetryMagic0) return Finder::kNoPacket;
-  if (bytes.size() > 1 && bytes[1] != kTelemetryMagic1) return Finder::kNoPacket;
-  if (bytes.size() > 2 && bytes[2] != kTelemetryVersion) return Finder::kNoPacket;
+  if (bytes[0] != kTelemetryMagic0) return kNoPacket;
+  if (bytes.size() > 1 && bytes[1] != kTelemetryMagic1) return kNoPacket;
+  if (bytes.size() > 2 && bytes[2] != kTelemetryVersion) return kNoPacket;
   return kTelemetryBytes;
 }
 
@@ -92,7 +91,7 @@ void RobotMonitor::note(const RobotTelemetry& telemetry, Instant now, RobotRepor
   }
   RobotReport& report = robots[at];
   const auto step = static_cast<std::uint8_t>(telemetry.sequence - report.last.sequence);
-  if (step == 0) return;  // a module that repeats itself
+  if (step == 0) return;                        // a module that repeats itself
   if (step <= 127) report.missed += step - 1U;  // else it was switched on again, or this one was overtaken
   ++report.packets;
   report.last = telemetry;
@@ -104,7 +103,7 @@ void RobotMonitor::judge_battery(RobotReport& report) {
   const float battery_v = report.last.battery_v;
   if (low_battery_v_ <= 0.0f || battery_v <= 0.0f) return;
   const bool against = report.battery_low ? battery_v > low_battery_v_ + kChangedBatteryV : battery_v < low_battery_v_;
-  std::uint8_t& doubts = doubts_[static_cast<std::size_t>(report.last.id)];
+  std::uint8_t& doubts = doubts_[static_cast<std::uint8_t>(report.last.id)];
   doubts = against ? static_cast<std::uint8_t>(doubts + 1) : std::uint8_t{0};
   if (doubts < kEnoughWords) return;
   report.battery_low = !report.battery_low;

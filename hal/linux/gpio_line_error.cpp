@@ -34,8 +34,7 @@ Status say_line_refused(const std::string& chip, int line, int error, const char
   if (error == EBUSY) {
     reason.set("%s line %d: held by \"%s\"; `gpioinfo` lists who holds what", chip.c_str(), line,
                holder != nullptr ? holder : "the kernel");
-  } else if (input != nullptr && input->bias != GpioBias::kNone &&
-             (error == EINVAL || error == EOPNOTSUPP || error == ENOTSUP)) {
+  } else if (input != nullptr && input->bias != GpioBias::kNone && (error == EINVAL || error == EOPNOTSUPP)) {
     reason.set("%s line %d: the kernel has no bias for it; set %s = \"none\" and fit a resistor", chip.c_str(), line,
                input->bias_key);
     return ErrorCode::kUnsupported;

@@ -53,7 +53,10 @@ int flags_of(const GpioInput& input) {
 
 Status find(const std::string& chip, int line, gpiod_chip*& found_chip, gpiod_line*& found_line, Reason& reason) {
   found_chip = gpiod_chip_open(chip.c_str());
-  if (found_chip == nullptr) return say_chip_refused(chip, errno, chips_here(), reason);
+  if (found_chip == nullptr) {
+    const int error = errno;
+    return say_chip_refused(chip, error, chips_here(), reason);
+  }
   found_line = gpiod_chip_get_line(found_chip, static_cast<unsigned>(line));
   if (found_line != nullptr) return {};
   const int error = errno;
@@ -74,7 +77,8 @@ Status GpioLine::request_output(const std::string& chip, int line, Reason& reaso
   auto request = std::make_unique<Request>();
   if (const Status s = find(chip, line, request->chip, request->line, reason); !s.ok()) return s;
   if (gpiod_line_request_output(request->line, kConsumer, 0) != 0) {
-    return say_line_refused(chip, line, errno, gpiod_line_consumer(request->line), nullptr, reason);
+    const int error = errno;
+    return say_line_refused(chip, line, error, gpiod_line_consumer(request->line), nullptr, reason);
   }
   request_ = std::move(request);
   return {};
@@ -88,7 +92,8 @@ Status GpioLine::request_input(const std::string& chip, int line, const GpioInpu
   tells_edges_ = gpiod_line_request_both_edges_events_flags(request->line, kConsumer, flags) == 0;
   // A chip without interrupts can still be looked at.
   if (!tells_edges_ && gpiod_line_request_input_flags(request->line, kConsumer, flags) != 0) {
-    return say_line_refused(chip, line, errno, gpiod_line_consumer(request->line), &input, reason);
+    const int error = errno;
+    return say_line_refused(chip, line, error, gpiod_line_consumer(request->line), &input, reason);
   }
   if (tells_edges_) {
     if (const int error = make_nonblocking(gpiod_line_event_get_fd(request->line)); error != 0) {

@@ -88,7 +88,10 @@ Owned<gpiod_line_request> request_line(gpiod_chip* chip, unsigned line, gpiod_li
 // Opens the chip and makes sure that it has the line.
 Status find(const std::string& path, int line, Owned<gpiod_chip>& chip, Reason& reason) {
   chip.reset(gpiod_chip_open(path.c_str()));
-  if (!chip) return say_chip_refused(path, errno, chips_here(), reason);
+  if (!chip) {
+    const int error = errno;
+    return say_chip_refused(path, error, chips_here(), reason);
+  }
   const Owned<gpiod_chip_info> info(gpiod_chip_get_info(chip.get()));
   if (!info) {
     const int error = errno;

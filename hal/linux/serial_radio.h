@@ -24,6 +24,8 @@ class SerialRadio final : public Radio, private ByteLine {
  public:
   explicit SerialRadio(RadioSettings settings) : settings_(std::move(settings)) {}
   ~SerialRadio() override { SerialRadio::do_close(); }
+  SerialRadio(const SerialRadio&) = delete;
+  SerialRadio& operator=(const SerialRadio&) = delete;
 
   [[nodiscard]] const std::string& reason() const override { return reason_.text(); }
 

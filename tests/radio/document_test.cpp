@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <span>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "core/radio/packet.h"
+#include "core/radio/telemetry.h"
 
 namespace touchline {
 namespace {
@@ -25,7 +27,7 @@ std::vector<std::string> examples_of_the_page() {
   return examples;
 }
 
-std::string hexadecimal(const Packet& packet) {
+std::string hexadecimal(std::span<const std::byte> packet) {
   constexpr const char* kDigits = "0123456789ABCDEF";
   std::string text;
   for (const std::byte byte : packet) {
@@ -45,13 +47,14 @@ TEST(RadioPage, ShowsWhatTheCodeSends) {
   std::vector<std::string> sent;
   Packet packet;
   ASSERT_TRUE(encode(commands, 42, packet).ok());
-  sent.push_back(hexadecimal(packet));
+  sent.push_back(hexadecimal({packet.data(), packet.size()}));
   commands.stop = true;
   ASSERT_TRUE(encode(commands, 43, packet).ok());
-  sent.push_back(hexadecimal(packet));
+  sent.push_back(hexadecimal({packet.data(), packet.size()}));
   commands.robots.clear();
   ASSERT_TRUE(encode(commands, 44, packet).ok());
-  sent.push_back(hexadecimal(packet));
+  sent.push_back(hexadecimal({packet.data(), packet.size()}));
+  sent.push_back(hexadecimal(encode_telemetry({3, 17, 7.412f, 98})));
   EXPECT_EQ(examples_of_the_page(), sent);
 }
 

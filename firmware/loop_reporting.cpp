@@ -56,7 +56,8 @@ void Loop::report_if_due(Instant now) {
 
 void Loop::report_batteries(Instant now) {
   for (const RobotReport& robot : statistics_.robots.robots) {
-    bool& reported = battery_reported_[static_cast<std::uint8_t>(robot.last.id)];
+    const auto index = static_cast<std::uint8_t>(robot.last.id);
+    bool& reported = battery_reported_[index];
     if (robot.battery_low && !reported) {
       report_.kind = Report::Kind::kBattery;
       report_.battery = {elapsed_s(now), robot.last.id, robot.last.battery_v};

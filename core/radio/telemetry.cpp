@@ -103,7 +103,8 @@ void RobotMonitor::judge_battery(RobotReport& report) {
   const float battery_v = report.last.battery_v;
   if (low_battery_v_ <= 0.0f || battery_v <= 0.0f) return;
   const bool against = report.battery_low ? battery_v > low_battery_v_ + kChangedBatteryV : battery_v < low_battery_v_;
-  std::uint8_t& doubts = doubts_[static_cast<std::uint8_t>(report.last.id)];
+  const auto index = static_cast<std::uint8_t>(report.last.id);
+  std::uint8_t& doubts = doubts_[index];
   doubts = against ? static_cast<std::uint8_t>(doubts + 1) : std::uint8_t{0};
   if (doubts < kEnoughWords) return;
   report.battery_low = !report.battery_low;

@@ -222,14 +222,14 @@ constexpr std::int8_t kLinkUnknown = -1;
 struct RobotTelemetry {
   RobotId id = kUnknownId;
   std::uint8_t sequence = 0;
-  float battery_v = 0.0f;                    // 0: it does not measure it
-  std::int8_t link_percent = kLinkUnknown;   // of our packets, how many it heard lately
+  float battery_v = 0.0f;                   // 0: it does not measure it
+  std::int8_t link_percent = kLinkUnknown;  // of our packets, how many it heard lately
 };
 
 /// What is known of one robot from its own words.
 struct RobotReport {
   RobotTelemetry last;
-  Instant heard{};                       // when it came
+  Instant heard{};                        // when it came
   std::uint32_t packets = 0, missed = 0;  // missed: by their sequence numbers
   bool battery_low = false;
 };
@@ -263,7 +263,7 @@ struct StepTrace {
   Packet packet;
   LightTrace light;
   RobotReports reports;  // all that robots have said until now
-  Status status;  // of the scan: kUnsupported (nothing seen), kFull (see overload)
+  Status status;         // of the scan: kUnsupported (nothing seen), kFull (see overload)
   std::array<Duration, kStageCount> stage_time{};
   bool overload = false;  // some capacity was reached; the counters say which
   std::uint32_t runs_dropped = 0, regions_dropped = 0;

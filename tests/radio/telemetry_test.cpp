@@ -61,7 +61,9 @@ TEST(Telemetry, RoundsAndSaturatesVoltages) {
 TEST(Telemetry, WithAnyOneToThreeBitsTurnedIsRefused) {
   const TelemetryPacket good = encode_telemetry(words_of(3, 42));
   constexpr std::size_t kBits = kTelemetryBytes * 8;
-  const auto turn = [](TelemetryPacket& p, std::size_t bit) { p[bit / 8] ^= std::byte{1} << static_cast<int>(bit % 8); };
+  const auto turn = [](TelemetryPacket& p, std::size_t bit) {
+    p[bit / 8] ^= std::byte{1} << static_cast<int>(bit % 8);
+  };
   RobotTelemetry read = words_of(9, 9);
   for (std::size_t i = 0; i < kBits; ++i) {
     for (std::size_t k = i; k < kBits; ++k) {

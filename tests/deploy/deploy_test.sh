@@ -32,13 +32,15 @@ fake dpkg-query <<'END'
 #!/bin/sh
 [ ! -f "$TOUCHLINE_ROOT/version" ] || echo "installed $(cat "$TOUCHLINE_ROOT/version")"
 END
-# Versions that begin with 9 cannot be fetched, those with 8 cannot be installed.
+# Versions that begin with 9 cannot be fetched, those with 8 cannot be installed, those with 5 not before the lists are new.
 fake apt-get <<'END'
 #!/bin/sh
 for deb; do :; done
+if [ "$1" = update ]; then exec touch "$TOUCHLINE_ROOT/updated"; fi
 version=$(dpkg-deb --field "$deb" Version)
 case "$version $*" in
   9*--download-only*) exit 100 ;;
+  5*--download-only*) [ -f "$TOUCHLINE_ROOT/updated" ] || exit 100; exit 0 ;;
   *--download-only*) exit 0 ;;
   8*) exit 100 ;;
 esac
@@ -98,6 +100,9 @@ case $1 in
     says "keep /etc/touchline"
     [ -f "$board/enabled" ] || fail "not enabled"
     [ "$(cat "$board/port")" = 2222 ] || fail "another port"
+    [ ! -e "$board/updated" ] || fail "apt's lists were fetched without need"
+    deploy 0 robot@board --deb "$(package 5.0)"
+    runs 5.0
     deploy 0 robot@board --deb "$(package 1.1)"
     runs 1.1
     [ "$(cat "$board/etc/touchline/venue.toml")" = "the hall's own" ] || fail "the venue file has changed"
@@ -107,6 +112,8 @@ case $1 in
     deploy 0 robot@board --deb "$(package 1.0)"
     mkdir "$work/config"
     echo "the new one's" >"$work/config/board.toml"
+    touch "$work/config/team.toml"
+    chmod 600 "$work/config/team.toml"
     for bad in 6.0 8.0; do
       deploy 3 robot@board --deb "$(package $bad)" --config "$work/config"
       runs 1.0
@@ -115,6 +122,7 @@ case $1 in
     done
     deploy 0 robot@board --deb "$(package 1.1)" --config "$work/config"
     [ "$(cat "$board/etc/touchline/board.toml")" = "the new one's" ] || fail "the new configuration was not copied"
+    [ "$(stat -c %a "$board/etc/touchline/team.toml")" = 644 ] || fail "the service's user cannot read the new configuration"
     [ "$(cat "$board/etc/touchline/venue.toml")" = "the hall's own" ] || fail "the venue file has changed"
     ;;
   WithoutAFrameAndAWayBackItSaysSo)
@@ -139,6 +147,21 @@ case $1 in
     deploy 64 robot@board --wait soon
     deploy 64 robot@board --deb
     runs 1.0
+    ;;
+  ABrokenConnectionLeavesNothingHalfway)
+    deploy 0 robot@board --deb "$(package 1.0)"
+    code=0
+    sh "$source_dir/toolchain/deploy-on-board" "$(package 6.0)" 1 none >/dev/full 2>&1 || code=$?
+    [ "$code" = 3 ] || fail "exit code $code instead of 3 when nobody listens"
+    runs 1.0
+    # A file that cannot be replaced: a folder has its name.
+    mkdir -p "$work/config" "$board/etc/touchline/hall.toml"
+    touch "$work/config/hall.toml"
+    code=0
+    sh "$source_dir/toolchain/deploy-on-board" "$(package 1.1)" 1 "$work/config" >"$work/said" 2>&1 || code=$?
+    [ "$code" = 3 ] || fail "exit code $code instead of 3 when the files cannot be replaced"
+    runs 1.0
+    [ -d "$board/etc/touchline/hall.toml" ] || fail "the former files are not back"
     ;;
   ADryRunChangesNothing)
     deploy 0 robot@board --dry-run --deb "$(package 1.0)"

@@ -5,6 +5,7 @@
 
 #include "firmware/absent_devices.h"
 #include "hal/linux/gpiod_gpio.h"
+#include "hal/linux/libcamera_camera.h"
 #include "hal/linux/monotonic_clock.h"
 #include "hal/linux/serial_radio.h"
 #include "hal/linux/v4l2_camera.h"
@@ -42,6 +43,10 @@ void Devices::make(const config::Configuration& configuration, std::uint64_t see
       break;
     case hal::CameraBackend::kV4l2:
       camera_ = std::make_unique<hal::V4l2Camera>(board.camera);
+      break;
+    case hal::CameraBackend::kLibcamera:
+      camera_ =
+          std::make_unique<hal::LibcameraCamera>(board.camera, board.realtime.priority, hal::make_libcamera_link());
       break;
     case hal::CameraBackend::kReplay:
       camera_ = std::make_unique<hal::ReplayCamera>(

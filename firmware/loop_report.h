@@ -11,7 +11,7 @@
 #include "core/time.h"
 #include "core/types.h"
 #include "firmware/fault_policy.h"
-#include "firmware/spsc_ring.h"
+#include "hal/spsc_ring.h"
 
 // What the loop tells the thread that prints: plain values of a fixed size, no text that would have to be formatted.
 namespace touchline {

@@ -11,9 +11,11 @@
 // Sections [camera], [radio] and [gpio] of the board file (docs/files.md): what the backends have in common.
 namespace touchline::hal {
 
-enum class CameraBackend : std::uint8_t { kMock, kV4l2, kReplay };
-inline constexpr std::array<Choice<CameraBackend>, 3> kCameraBackends{
-    {{"mock", CameraBackend::kMock}, {"v4l2", CameraBackend::kV4l2}, {"replay", CameraBackend::kReplay}}};
+enum class CameraBackend : std::uint8_t { kMock, kV4l2, kLibcamera, kReplay };
+inline constexpr std::array<Choice<CameraBackend>, 4> kCameraBackends{{{"mock", CameraBackend::kMock},
+                                                                       {"v4l2", CameraBackend::kV4l2},
+                                                                       {"libcamera", CameraBackend::kLibcamera},
+                                                                       {"replay", CameraBackend::kReplay}}};
 
 inline constexpr std::array<Choice<PixelFormat>, 5> kPixelFormats{{{"rgb24", PixelFormat::kRgb24},
                                                                    {"bgr24", PixelFormat::kBgr24},
@@ -73,7 +75,9 @@ struct CameraSettings {
   static void describe(Self& self, Visitor& visit) {
     visit.choice("backend", self.backend, std::span<const Choice<CameraBackend>>(kCameraBackends),
                  "Where frames come from");
-    visit.text("device", self.device, "v4l2: a device, best by its path; replay: a folder of pictures or a video");
+    visit.text("device", self.device,
+               "v4l2: a device, best by its path; libcamera: a camera's id, a part of it, or auto; replay: a folder of "
+               "pictures or a video");
     visit.choice("format", self.format, std::span<const Choice<CameraFormat>>(kCameraFormats),
                  "Format asked for; mjpg: JPEG pictures, which come to be rgb24");
     visit.number("width_px", self.width_px, Range{16, kMaxFrameWidth}, "px", "Width asked for");
@@ -83,11 +87,12 @@ struct CameraSettings {
     // One being filled, one waiting, one held by the loop is the least that loses no frame; V4L2 has at most 32.
     visit.number("buffers", self.buffers, Range{3, 32}, "", "Frames that the driver may hold");
     visit.number("exposure_us", self.exposure_us, Range{0, 1000000}, "us", "Exposure time; 0: leave to the driver");
-    visit.number("gain", self.gain, Range{0, 65535}, "", "Gain in the driver's steps; 0: leave to the driver");
+    visit.number("gain", self.gain, Range{0, 65535}, "",
+                 "Gain in the driver's steps, hundredths with libcamera; 0: leave to the driver");
     visit.number("white_balance_k", self.white_balance_k, Range{0, 20000}, "K",
                  "White balance; 0: leave to the driver");
     visit.number("focus", self.focus, Range{kFocusLeave, 65535}, "",
-                 "Focus in the driver's steps; -1: leave to the driver");
+                 "Focus in the driver's steps, hundredths of a dioptre with libcamera; -1: leave to the driver");
     visit.choice("power_line", self.power_line, std::span<const Choice<PowerLine>>(kPowerLines),
                  "Lamp flicker that the camera filters out; leave: as the driver has it");
   }

@@ -38,4 +38,8 @@ Instant CaptureStamp::middle_of_exposure(std::uint32_t flags, Instant stamp, Ins
   return capture;
 }
 
+Instant monotonic_stamp(Instant stamp, Instant monotonic_now, Instant boottime_now) {
+  return stamp > monotonic_now ? stamp - (boottime_now - monotonic_now) : stamp;
+}
+
 }  // namespace touchline::hal

@@ -16,6 +16,8 @@ class CaptureStamp {
  public:
   /// `exposure` zero: unknown, nothing is corrected by it.
   void restart(Duration exposure);
+  /// Of the frame to come, where it changes from frame to frame.
+  void set_exposure(Duration exposure) { exposure_ = exposure; }
   /// `flags` of v4l2_buffer; `now` at dequeuing.
   Instant middle_of_exposure(std::uint32_t flags, Instant stamp, Instant now);
 
@@ -30,5 +32,10 @@ class CaptureStamp {
   Instant last_stamp_{}, last_capture_{};
   std::uint64_t replaced_ = 0;
 };
+
+/// A stamp that is of CLOCK_MONOTONIC or of CLOCK_BOOTTIME, which also counts the time of suspension, on the first
+/// one's scale; drivers and libcamera's documents differ on which it is. No frame is from the future: what lies after
+/// `monotonic_now` is the other clock's.
+Instant monotonic_stamp(Instant stamp, Instant monotonic_now, Instant boottime_now);
 
 }  // namespace touchline::hal

@@ -5,11 +5,19 @@
 
 namespace touchline::hal {
 
-Instant MonotonicClock::read() {
+namespace {
+
+Instant read_clock(clockid_t clock) {
   std::timespec time{};
-  ::clock_gettime(CLOCK_MONOTONIC, &time);  // cannot fail: the clock exists and the address is valid
+  ::clock_gettime(clock, &time);  // cannot fail: the clock exists and the address is valid
   return Instant(std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec));
 }
+
+}  // namespace
+
+Instant MonotonicClock::read() { return read_clock(CLOCK_MONOTONIC); }
+
+Instant MonotonicClock::read_with_suspension() { return read_clock(CLOCK_BOOTTIME); }
 
 void MonotonicClock::wait_for(Instant instant) {
   const auto since_zero = instant.time_since_epoch();

@@ -14,6 +14,8 @@ class MonotonicClock final : public Clock {
   /// The same without an object; Pipeline::StageClock.
   [[nodiscard]] static Instant read();
   static void wait_for(Instant instant);
+  /// CLOCK_BOOTTIME: the same and the time that the system was suspended.
+  [[nodiscard]] static Instant read_with_suspension();
 };
 
 }  // namespace touchline::hal

@@ -158,7 +158,7 @@ Status V4l2Camera::do_start() {
   }
   if (streaming_) return {};
   counters_ = {};
-  counted_ = false;
+  sequence_.restart();
   decoded_.give_back_all();
   lost_ = ErrorCode::kOk;
   if (const int error = buffers_.queue_all(device_); error != 0) return fail("queuing buffers", error);
@@ -218,7 +218,8 @@ Result<FrameLease> V4l2Camera::timed_out() {
 Result<FrameLease> V4l2Camera::deliver(const V4l2Buffers::Filled& filled) {
   const Instant now = MonotonicClock::read();
   Frame frame;
-  frame.sequence = count_frame(filled.sequence);
+  frame.sequence = sequence_.count(filled.sequence);
+  counters_.lost = sequence_.lost();
   if ((filled.flags & V4L2_BUF_FLAG_ERROR) != 0) {
     ++counters_.corrupt;
     reason_.set("%s: the driver marks frame %u as damaged", name(), frame.sequence);
@@ -271,17 +272,6 @@ Result<FrameLease> V4l2Camera::decode(const V4l2Buffers::Filled& filled, Frame& 
 Result<FrameLease> V4l2Camera::give_back(std::size_t buffer, ErrorCode code) {
   const int error = buffers_.queue(device_, buffer);
   return error == 0 ? code : fail("queuing a buffer", error);
-}
-
-std::uint32_t V4l2Camera::count_frame(std::uint32_t driver_sequence) {
-  // A driver that does not count, or counts backwards, is counted for. Half the range tells forward from backward.
-  const std::uint32_t step = driver_sequence - last_sequence_;
-  const bool forward = step != 0 && step < 0x80000000u;
-  const std::uint32_t sequence = !counted_ || forward ? driver_sequence : last_sequence_ + 1;
-  if (counted_ && forward) counters_.lost += step - 1;
-  counted_ = true;
-  last_sequence_ = sequence;
-  return sequence;
 }
 
 void V4l2Camera::do_release(std::uint32_t buffer) noexcept {

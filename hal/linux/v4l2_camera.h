@@ -5,6 +5,7 @@
 #include "hal/camera.h"
 #include "hal/device_parameters.h"
 #include "hal/linux/capture_stamp.h"
+#include "hal/linux/frame_counter.h"
 #include "hal/linux/mjpg_decoder.h"
 #include "hal/linux/picture_slots.h"
 #include "hal/linux/reason.h"
@@ -62,7 +63,6 @@ class V4l2Camera final : public Camera {
   Result<FrameLease> deliver(const V4l2Buffers::Filled& filled);
   Result<FrameLease> decode(const V4l2Buffers::Filled& filled, Frame& frame);
   Result<FrameLease> give_back(std::size_t buffer, ErrorCode code);
-  std::uint32_t count_frame(std::uint32_t driver_sequence);
   ErrorCode fail(const char* doing, int error) noexcept;
   [[nodiscard]] const char* name() const { return settings_.device.c_str(); }
 
@@ -82,8 +82,7 @@ class V4l2Camera final : public Camera {
   std::size_t grants_before_controls_ = 0;
   bool streaming_ = false;
   ErrorCode lost_ = ErrorCode::kOk;  // an error after which only opening again helps
-  bool counted_ = false;             // a frame came since start()
-  std::uint32_t last_sequence_ = 0;
+  FrameCounter sequence_;
 };
 
 }  // namespace touchline::hal

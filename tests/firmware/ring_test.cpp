@@ -1,4 +1,4 @@
-#include "firmware/spsc_ring.h"
+#include "hal/spsc_ring.h"
 
 #include <thread>
 

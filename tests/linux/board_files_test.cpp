@@ -30,10 +30,16 @@ TEST_P(BoardFiles, AreReadWithoutAComplaint) {
   EXPECT_TRUE(read_toml(folder() + "/board.toml", "", {}, board, where, problems).ok());
   EXPECT_EQ(problems.text(), "");
   EXPECT_EQ(board.name, GetParam());
-  EXPECT_EQ(board.camera.backend, hal::CameraBackend::kV4l2);
+  const bool module = board.camera.backend == hal::CameraBackend::kLibcamera;
+  EXPECT_TRUE(module || board.camera.backend == hal::CameraBackend::kV4l2);
+  EXPECT_EQ(module, board.name.starts_with("raspberry-pi-"));
   EXPECT_EQ(board.radio.backend, hal::RadioBackend::kSerial);
   // Numbers change with the order of plugging in; these names do not, nor the number of a UART that is built in.
-  EXPECT_TRUE(begins(board.camera.device, {"/dev/v4l/by-path/", "/dev/touchline/"})) << board.camera.device;
+  if (module) {
+    EXPECT_EQ(board.camera.device, "auto");
+  } else {
+    EXPECT_TRUE(begins(board.camera.device, {"/dev/v4l/by-path/", "/dev/touchline/"})) << board.camera.device;
+  }
   EXPECT_TRUE(begins(board.radio.device, {"/dev/serial", "/dev/touchline/", "/dev/ttyAMA"})) << board.radio.device;
 }
 

@@ -58,5 +58,20 @@ TEST(CaptureStamp, RestartForgets) {
   EXPECT_EQ(stamp.middle_of_exposure(kStart, at(100), at(120)), at(110));
 }
 
+TEST(CaptureStamp, TheExposureMayChangeFromFrameToFrame) {
+  CaptureStamp stamp;
+  stamp.restart(milliseconds(10));
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(100), at(120)), at(105));
+  stamp.set_exposure(milliseconds(4));
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(120), at(140)), at(122));
+  EXPECT_EQ(stamp.replaced(), 0u);
+}
+
+TEST(CaptureStamp, AStampOfTheClockThatRunsWhileSuspendedIsTakenBack) {
+  EXPECT_EQ(monotonic_stamp(at(90), at(100), at(100)), at(90));
+  EXPECT_EQ(monotonic_stamp(at(90), at(100), at(5100)), at(90)) << "of the monotonic clock, after a suspension";
+  EXPECT_EQ(monotonic_stamp(at(5090), at(100), at(5100)), at(90)) << "of the other one";
+}
+
 }  // namespace
 }  // namespace touchline::hal

@@ -45,7 +45,8 @@ int Kernel::open(const char* path, int flags) {
   const std::string* const target = resolve(path);
   if (target == nullptr) return -ENOENT;
   const auto found = files_.find(*target);
-  if ((flags & O_NONBLOCK) == 0 || (flags & O_CLOEXEC) == 0) return -EINVAL;  // ours always ask for both
+  const bool waits = (flags & O_NONBLOCK) == 0 && !found->second->never_blocks();
+  if (waits || (flags & O_CLOEXEC) == 0) return -EINVAL;  // ours always ask for both
   if (const int result = found->second->open(); result < 0) return result;
   return adopt(*found->second);
 }
@@ -69,7 +70,8 @@ File* Kernel::file(int number) {
 }
 
 bool Kernel::unmap(void* memory) {
-  return std::any_of(files_.begin(), files_.end(), [&](const auto& entry) { return entry.second->unmap(memory); });
+  const auto unmaps = [&](const auto& entry) { return entry.second->unmap(memory); };
+  return std::any_of(files_.begin(), files_.end(), unmaps) || std::any_of(open_.begin(), open_.end(), unmaps);
 }
 
 int Kernel::wait(File& file, short events, Instant deadline, short& found) {
@@ -179,7 +181,8 @@ int __wrap_ppoll(pollfd* files, nfds_t count, const std::timespec* timeout, cons
 }
 
 int __wrap_clock_gettime(clockid_t clock, std::timespec* time) {
-  if (kernel() == nullptr || clock != CLOCK_MONOTONIC) return __real_clock_gettime(clock, time);
+  const bool ours = kernel() != nullptr && kernel()->has_clock();
+  if (!ours || clock != CLOCK_MONOTONIC) return __real_clock_gettime(clock, time);
   const auto now = kernel()->look_at_clock().time_since_epoch();
   time->tv_sec = static_cast<std::time_t>(std::chrono::duration_cast<std::chrono::seconds>(now).count());
   time->tv_nsec = static_cast<long>((now % std::chrono::seconds(1)).count());

@@ -18,6 +18,8 @@ class File {
  public:
   virtual ~File() = default;
   virtual int open() { return 0; }
+  /// Whether it may be opened without O_NONBLOCK: nothing is ever waited for.
+  [[nodiscard]] virtual bool never_blocks() const { return false; }
   virtual void close() {}
   virtual int ioctl(unsigned long request, void* argument) = 0;
   /// poll()'s events now, and the instant at which they may change (the far future: never).
@@ -46,6 +48,9 @@ class Kernel {
   /// The next waits and sleeps, or requests, end early with EINTR, as when a signal comes.
   void interrupt_waits(int times) { interrupted_waits_ = times; }
   void interrupt_requests(int times) { interrupted_requests_ = times; }
+  /// For code whose threads wait for each other: the clock is the real one's too.
+  void use_real_clock() { has_clock_ = false; }
+  [[nodiscard]] bool has_clock() const { return has_clock_; }
 
   [[nodiscard]] Instant now() const { return now_; }
   void advance(Duration duration) { now_ += duration; }
@@ -74,6 +79,7 @@ class Kernel {
   std::map<int, File*> open_;
   int next_number_ = 10000;  // above any real one
   int interrupted_waits_ = 0, interrupted_requests_ = 0;
+  bool has_clock_ = true;
   Instant now_{std::chrono::seconds(1000)};
 };
 

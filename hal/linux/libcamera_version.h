@@ -1,0 +1,55 @@
+#pragma once
+
+#include <libcamera/control_ids.h>
+#include <libcamera/controls.h>
+#include <libcamera/version.h>
+
+// What differs between libcamera 0.0.3 (Debian 12), 0.4 (Debian 13) and 0.5 and later (Raspberry Pi OS). Included by
+// libcamera_link.cpp alone.
+#define TOUCHLINE_LIBCAMERA (LIBCAMERA_VERSION_MAJOR * 10000 + LIBCAMERA_VERSION_MINOR * 100 + LIBCAMERA_VERSION_PATCH)
+
+namespace touchline::hal::version {
+
+/// Nothing happens where the camera has no such control.
+template <class T, class V>
+void set(libcamera::ControlList& list, const libcamera::ControlInfoMap& of_camera, const libcamera::Control<T>& control,
+         const V& value) {
+  if (of_camera.find(&control) != of_camera.end()) list.set(control, value);
+}
+
+/// Fixes exposure time and gain, or leaves either to the camera. `both_or_none`: the camera cannot fix one alone.
+inline void set_exposure_modes(libcamera::ControlList& list, const libcamera::ControlInfoMap& of_camera, bool exposure,
+                               bool gain, bool both_or_none) {
+#if TOUCHLINE_LIBCAMERA >= 500
+  static_cast<void>(both_or_none);
+  set(list, of_camera, libcamera::controls::ExposureTimeMode,
+      exposure ? libcamera::controls::ExposureTimeModeManual : libcamera::controls::ExposureTimeModeAuto);
+  set(list, of_camera, libcamera::controls::AnalogueGainMode,
+      gain ? libcamera::controls::AnalogueGainModeManual : libcamera::controls::AnalogueGainModeAuto);
+#else
+  // One alone is fixed by its value, and what is left stays automatic.
+  set(list, of_camera, libcamera::controls::AeEnable, !(both_or_none ? exposure || gain : exposure && gain));
+#endif
+}
+
+/// Null: this version has no filter against flickering lamps.
+inline const libcamera::Control<std::int32_t>* flicker_period() {
+#if TOUCHLINE_LIBCAMERA >= 200
+  return &libcamera::controls::AeFlickerPeriod;
+#else
+  return nullptr;
+#endif
+}
+
+inline void set_flicker_mode(libcamera::ControlList& list, const libcamera::ControlInfoMap& of_camera, bool manual) {
+#if TOUCHLINE_LIBCAMERA >= 200
+  set(list, of_camera, libcamera::controls::AeFlickerMode,
+      manual ? libcamera::controls::FlickerManual : libcamera::controls::FlickerOff);
+#else
+  static_cast<void>(list);
+  static_cast<void>(of_camera);
+  static_cast<void>(manual);
+#endif
+}
+
+}  // namespace touchline::hal::version

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/linux/fake_kernel.h"
+
+namespace touchline::fake {
+
+/// A dma-buf on a machine whose processor caches do not see what devices write: a mapping shows what its caches hold,
+/// and they are true to the memory only after a reading was announced.
+class DmaBufferFile final : public File {
+ public:
+  explicit DmaBufferFile(std::size_t bytes) : memory_(bytes), cached_(bytes) {}
+
+  /// By the device. Writing while somebody reads is a breach.
+  void write(std::size_t offset, const std::vector<std::uint8_t>& bytes);
+
+  bool is_dma = true;  // else memory like any other, which knows no such request
+  int fail_with = 0;   // of the next synchronisation
+  [[nodiscard]] std::size_t size() const { return memory_.size(); }
+  [[nodiscard]] bool reading() const { return reading_; }
+  [[nodiscard]] bool mapped() const { return mapped_; }
+  [[nodiscard]] bool closed() const { return closed_; }
+  [[nodiscard]] const std::string& breach() const { return breach_; }
+
+  void close() override { closed_ = true; }
+  int ioctl(unsigned long request, void* argument) override;
+  void* map(std::size_t length, long offset, int protection) override;
+  bool unmap(void* memory) override;
+
+ private:
+  std::vector<std::uint8_t> memory_, cached_;
+  bool mapped_ = false, reading_ = false, closed_ = false;
+  std::string breach_;
+};
+
+/// A heap under /dev/dma_heap.
+class DmaHeapFile final : public File {
+ public:
+  std::size_t room = SIZE_MAX;  // bytes that it has left
+  [[nodiscard]] const std::vector<std::unique_ptr<DmaBufferFile>>& buffers() const { return buffers_; }
+
+  [[nodiscard]] bool never_blocks() const override { return true; }
+  int ioctl(unsigned long request, void* argument) override;
+
+ private:
+  std::vector<std::unique_ptr<DmaBufferFile>> buffers_;
+};
+
+}  // namespace touchline::fake

@@ -1,0 +1,157 @@
+#include "tests/linux/fake_libcamera.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <ctime>
+
+#include "hal/linux/monotonic_clock.h"
+
+namespace touchline::fake {
+
+void LibcameraWorld::finish(std::uint32_t buffer, std::uint32_t number, const Change& change) {
+  hal::LibcameraFrame frame;
+  frame.buffer = buffer;
+  frame.sequence = number;
+  frame.bytes = frame_bytes_;
+  frame.stamp_ns = hal::MonotonicClock::read().time_since_epoch().count();
+  frame.told = told;
+  if (frames_left_ > 0 && early_frames > 0) {
+    --early_frames;
+    frame.told = early;
+  }
+  if (change) change(frame);
+  buffers[buffer]->write(0, std::vector<std::uint8_t>(frame_bytes_, static_cast<std::uint8_t>(number)));
+  sink_->frame_done(frame);
+}
+
+void LibcameraWorld::complete(std::uint32_t number, const Change& change) {
+  wait_for_queued(1);
+  std::uint32_t buffer = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    buffer = queued_.front();
+    queued_.pop_front();
+  }
+  finish(buffer, number, change);
+}
+
+void LibcameraWorld::wait_for_queued(std::size_t count) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return queued_.size() >= count; });
+}
+
+void LibcameraWorld::plug_out() {
+  cameras.clear();
+  sink_->camera_gone();
+}
+
+int FakeLibcamera::error_of(const char* call) {
+  const auto found = world_.errors.find(call);
+  if (world_.caller_ == std::thread::id{}) world_.caller_ = std::this_thread::get_id();
+  if (world_.caller_ != std::this_thread::get_id()) world_.breach = std::string(call) + " from another thread";
+  if (found == world_.errors.end()) return 0;
+  const int error = found->second;
+  world_.errors.erase(found);
+  return error;
+}
+
+int FakeLibcamera::cameras(std::vector<hal::LibcameraName>& found) {
+  found = world_.cameras;
+  return error_of("cameras");
+}
+
+int FakeLibcamera::acquire(const std::string& id, hal::LibcameraSink& sink) {
+  world_.acquired = id;
+  world_.sink_ = &sink;
+  world_.released = false;
+  return error_of("acquire");
+}
+
+int FakeLibcamera::configure(hal::LibcameraStream& wish, std::string& offers) {
+  if (const int error = error_of("configure"); error != 0) {
+    offers = world_.offers;
+    return error;
+  }
+  const bool nv12 = wish.format == PixelFormat::kNv12;
+  const std::uint32_t pixel_bytes = nv12 ? 1 : color_space(wish.format) == ColorSpace::kYuv ? 2 : 3;
+  wish.stride_bytes = wish.width_px * pixel_bytes + world_.padding_bytes;
+  world_.frame_bytes_ = std::size_t{wish.stride_bytes} * wish.height_px * (nv12 ? 3 : 2) / 2;
+  wish.frame_bytes = world_.frame_bytes_ + world_.spare_bytes;
+  wish.full_range = world_.full_range;
+  if (world_.granted_buffers != 0) wish.buffers = world_.granted_buffers;
+  stream_ = wish;
+  return 0;
+}
+
+int FakeLibcamera::use_buffers(const std::vector<hal::DmaBuffer>& buffers) {
+  world_.heap_used = true;
+  for (const hal::DmaBuffer& buffer : buffers) {
+    world_.buffers.push_back(static_cast<DmaBufferFile*>(kernel()->file(buffer.plane[0].file)));
+    const bool nv12 = stream_.format == PixelFormat::kNv12;
+    if (nv12 != (buffer.plane[1].file == buffer.plane[0].file)) world_.breach = "planes of a heap's buffer";
+    if (buffer.plane[0].length + buffer.plane[1].length != stream_.frame_bytes)
+      world_.breach = "a heap's buffer's size";
+  }
+  return error_of("use_buffers");
+}
+
+int FakeLibcamera::make_buffers(std::vector<hal::DmaBuffer>& buffers) {
+  const std::size_t bytes = stream_.frame_bytes - world_.missing_bytes;
+  for (std::size_t i = 0; i < stream_.buffers; ++i) {
+    world_.own_buffers.push_back(std::make_unique<DmaBufferFile>(bytes));
+    world_.buffers.push_back(world_.own_buffers.back().get());
+    files_.push_back(kernel()->adopt(*world_.own_buffers.back()));
+    buffers.push_back({{hal::DmaPlane{files_.back(), 0, bytes}, hal::DmaPlane{}}});
+  }
+  return error_of("make_buffers");
+}
+
+int FakeLibcamera::start(const hal::LibcameraNumbers& controls) {
+  world_.controls = controls;
+  world_.running = true;
+  world_.frames_left_ = world_.frames_at_start;
+  return error_of("start");
+}
+
+int FakeLibcamera::queue(std::uint32_t buffer) {
+  if (const int error = error_of("queue"); error != 0) return error;
+  if (world_.frames_left_ > 0) {
+    world_.finish(buffer, 0, {});
+    --world_.frames_left_;
+    return 0;
+  }
+  const std::lock_guard lock(world_.mutex_);
+  if (std::find(world_.queued_.begin(), world_.queued_.end(), buffer) != world_.queued_.end()) {
+    world_.breach = "a buffer is queued twice";
+  }
+  world_.queued_.push_back(buffer);
+  world_.changed_.notify_all();
+  return 0;
+}
+
+void FakeLibcamera::stop() {
+  error_of("stop");
+  world_.running = false;
+  const std::lock_guard lock(world_.mutex_);
+  for (const std::uint32_t buffer : world_.queued_) {
+    hal::LibcameraFrame frame;
+    frame.state = hal::LibcameraFrame::State::kCancelled;
+    frame.buffer = buffer;
+    world_.sink_->frame_done(frame);
+  }
+  world_.queued_.clear();
+}
+
+void FakeLibcamera::release() {
+  error_of("release");
+  if (world_.running) world_.breach = "released while it streams";
+  for (const int file : files_) ::close(file);
+  files_.clear();
+  world_.buffers.clear();
+  world_.caller_ = {};
+  world_.released = true;
+}
+
+}  // namespace touchline::fake

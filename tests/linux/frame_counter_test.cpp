@@ -1,0 +1,45 @@
+#include "hal/linux/frame_counter.h"
+
+#include <gtest/gtest.h>
+
+namespace touchline::hal {
+namespace {
+
+TEST(FrameCounter, GapsAreLostFrames) {
+  FrameCounter counter;
+  EXPECT_EQ(counter.count(7), 7u);
+  EXPECT_EQ(counter.count(8), 8u);
+  EXPECT_EQ(counter.count(11), 11u);
+  EXPECT_EQ(counter.lost(), 2u);
+  counter.restart();
+  EXPECT_EQ(counter.count(3), 3u);
+  EXPECT_EQ(counter.lost(), 0u);
+}
+
+TEST(FrameCounter, ACountThatStandsStillOrGoesBackwardsIsCountedFor) {
+  FrameCounter counter;
+  EXPECT_EQ(counter.count(100), 100u);
+  EXPECT_EQ(counter.count(100), 101u);
+  EXPECT_EQ(counter.count(5), 102u);
+  EXPECT_EQ(counter.count(103), 103u) << "and it may come right again";
+  EXPECT_EQ(counter.lost(), 0u);
+}
+
+TEST(FrameCounter, TheCountMayOverflow) {
+  FrameCounter counter;
+  EXPECT_EQ(counter.count(0xffffffffu), 0xffffffffu);
+  EXPECT_EQ(counter.count(1), 1u);
+  EXPECT_EQ(counter.lost(), 1u);
+}
+
+TEST(FrameCounter, TimeTellsOfLossesThatTheCountDoesNot) {
+  FrameCounter counter;
+  EXPECT_EQ(counter.count(1, 9), 1u);  // the first has none before it
+  EXPECT_EQ(counter.count(2, 4), 5u);
+  EXPECT_EQ(counter.count(3, 1), 6u);  // and is behind from now on
+  EXPECT_EQ(counter.count(9, 2), 9u);  // the count tells of more
+  EXPECT_EQ(counter.lost(), 5u);
+}
+
+}  // namespace
+}  // namespace touchline::hal

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "hal/linux/libcamera_camera.h"
+#include "hal/linux/monotonic_clock.h"
+#include "tests/linux/fake_dma.h"
+#include "tests/linux/fake_kernel.h"
+#include "tests/linux/fake_libcamera.h"
+
+namespace touchline::testing {
+
+/// A board with a camera at the ribbon cable and a heap for pictures. Whatever a test does, all must be given back at
+/// its end. Time is the real one's, since threads wait for each other; nothing depends on how long they do.
+class LibcameraTest : public ::testing::Test {
+ protected:
+  LibcameraTest() {
+    kernel_.use_real_clock();
+    kernel_.add("/dev/dma_heap/linux,cma", heap_);
+  }
+  void TearDown() override {
+    camera_.reset();
+    EXPECT_EQ(kernel_.open_files(), 0u);
+    for (const auto& buffer : heap_.buffers()) {
+      EXPECT_FALSE(buffer->mapped());
+      EXPECT_TRUE(buffer->closed());
+      EXPECT_EQ(buffer->breach(), "");
+    }
+    EXPECT_EQ(world_.breach, "");
+    EXPECT_TRUE(world_.released);
+  }
+
+  static hal::CameraSettings settings() {
+    hal::CameraSettings settings;
+    settings.backend = hal::CameraBackend::kLibcamera;
+    settings.device = "auto";
+    settings.format = hal::CameraFormat::kNv12;
+    settings.exposure_us = 0;  // else every start tells that the camera lacks the control
+    settings.white_balance_k = 0;
+    return settings;
+  }
+  void make(const hal::CameraSettings& asked) {
+    camera_.emplace(asked, 0, std::make_unique<fake::FakeLibcamera>(world_));
+  }
+  void begin(const hal::CameraSettings& asked = settings()) {
+    make(asked);
+    ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
+    ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
+  }
+  /// open() must fail with `code` and say `reason`.
+  void expect_refusal(const hal::CameraSettings& asked, ErrorCode code, const std::string& reason) {
+    make(asked);
+    EXPECT_EQ(describe(camera_->open().code()), std::string(describe(code)));
+    EXPECT_EQ(camera_->reason(), reason);
+  }
+  /// Late enough for any machine; nothing waits for it but what fails.
+  static Instant late() { return hal::MonotonicClock::read() + std::chrono::seconds(20); }
+  /// The next frame must be lost with `code` and `reason`.
+  void expect_loss(ErrorCode code, const std::string& reason) {
+    const Result<hal::FrameLease> frame = camera_->wait(late());
+    EXPECT_EQ(describe(frame.error()), std::string(describe(code)));
+    EXPECT_EQ(camera_->reason(), reason);
+  }
+  void expect_frame(std::uint32_t sequence) {
+    const Result<hal::FrameLease> frame = camera_->wait(late());
+    ASSERT_TRUE(frame.ok()) << camera_->reason();
+    EXPECT_EQ(frame.value().frame().sequence, sequence);
+    EXPECT_EQ(frame.value().frame().plane[0][0], static_cast<std::uint8_t>(sequence));
+  }
+
+  static constexpr const char* kId = "/base/soc/i2c0mux/i2c@1/imx219@10";
+  fake::Kernel kernel_;
+  fake::DmaHeapFile heap_;
+  fake::LibcameraWorld world_;
+  std::optional<hal::LibcameraCamera> camera_;
+};
+
+}  // namespace touchline::testing

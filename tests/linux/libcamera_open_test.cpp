@@ -1,0 +1,174 @@
+#include <array>
+#include <cerrno>
+
+#include "tests/linux/libcamera_fixture.h"
+
+namespace touchline::testing {
+namespace {
+
+using hal::CameraSettings;
+using hal::FrameLease;
+
+class LibcameraOpenTest : public LibcameraTest {
+ protected:
+  static CameraSettings of_device(const char* device) {
+    CameraSettings asked = settings();
+    asked.device = device;
+    return asked;
+  }
+  void expect_camera(const char* device, const char* id) {
+    begin(of_device(device));
+    EXPECT_EQ(world_.acquired, id);
+  }
+};
+
+TEST_F(LibcameraOpenTest, ABuildWithoutTheLibrarySaysSo) {
+  camera_.emplace(settings(), 0, nullptr);
+  EXPECT_EQ(camera_->open().code(), ErrorCode::kUnsupported);
+  EXPECT_EQ(camera_->reason(),
+            "camera.backend = \"libcamera\": this build is without libcamera; install libcamera-dev and build again");
+  EXPECT_EQ(camera_->start().code(), ErrorCode::kInconsistent);
+}
+
+TEST_F(LibcameraOpenTest, CamerasAreFoundByIdByAPartOfItOrByThemselves) {
+  world_.cameras = {{"usb-1.2:1.0-046d:0825", "Webcam", true},
+                    {"/base/axi/pcie@120000/rp1/i2c@88000/imx708@1a", "imx708", false},
+                    {"/base/axi/pcie@120000/rp1/i2c@80000/imx708@1a", "imx708", false}};
+  expect_camera("auto", "/base/axi/pcie@120000/rp1/i2c@88000/imx708@1a");  // not the one at USB
+  expect_camera("i2c@80000", "/base/axi/pcie@120000/rp1/i2c@80000/imx708@1a");
+  expect_camera("usb-1.2:1.0-046d:0825", "usb-1.2:1.0-046d:0825");
+  expect_refusal(of_device("imx708"), ErrorCode::kNotFound,
+                 "imx708: no such camera; cameras here: usb-1.2:1.0-046d:0825 (Webcam), "
+                 "/base/axi/pcie@120000/rp1/i2c@88000/imx708@1a (imx708), "
+                 "/base/axi/pcie@120000/rp1/i2c@80000/imx708@1a (imx708)");
+  world_.cameras.resize(1);
+  expect_camera("auto", "usb-1.2:1.0-046d:0825");
+  world_.cameras.clear();
+  expect_refusal(settings(), ErrorCode::kNotFound,
+                 "auto: no such camera; cameras here: none (is it plugged in, and the user in the group video?)");
+}
+
+TEST_F(LibcameraOpenTest, EachCallThatFailsIsNamed) {
+  const std::string id = kId;
+  world_.errors = {{"cameras", ENOMEM}};
+  expect_refusal(settings(), ErrorCode::kIo, "libcamera does not start: Cannot allocate memory");
+  world_.errors = {{"acquire", EBUSY}};
+  expect_refusal(settings(), ErrorCode::kDeviceBusy,
+                 id + ": held by another process; `fuser -v /dev/media* /dev/video*` names it");
+  world_.errors = {{"configure", EIO}};
+  expect_refusal(settings(), ErrorCode::kIo, id + ": setting a format failed: Input/output error");
+  world_.errors = {{"use_buffers", ENOMEM}};
+  expect_refusal(settings(), ErrorCode::kIo, id + ": taking buffers of a DMA heap failed: Cannot allocate memory");
+  for (const char* call : {"start", "queue"}) {
+    make(settings());
+    ASSERT_TRUE(camera_->open().ok());
+    world_.errors = {{call, EIO}};
+    EXPECT_EQ(camera_->start().code(), ErrorCode::kIo);
+    EXPECT_EQ(camera_->reason(), id + ": starting the stream failed: Input/output error");
+    EXPECT_FALSE(world_.running);
+    EXPECT_TRUE(camera_->start().ok()) << camera_->reason();  // the next attempt
+  }
+}
+
+TEST_F(LibcameraOpenTest, AnotherFormatIsAnErrorThatListsWhatThereIs) {
+  world_.errors = {{"configure", EINVAL}};
+  expect_refusal(settings(), ErrorCode::kUnsupported,
+                 std::string(kId) + ": no nv12 640x480; it offers nv12 32x32 to 3280x2464");
+  CameraSettings asked = settings();
+  asked.format = hal::CameraFormat::kMjpg;
+  expect_refusal(asked, ErrorCode::kUnsupported,
+                 std::string(kId) + ": no mjpg from libcamera; a USB camera gives it to backend v4l2");
+}
+
+TEST_F(LibcameraOpenTest, PlanesAndStridesOfAllFormats) {
+  struct Case {
+    hal::CameraFormat format;
+    std::uint32_t pixel_bytes;
+  };
+  constexpr std::array<Case, 5> kCases{{{hal::CameraFormat::kRgb24, 3},
+                                        {hal::CameraFormat::kBgr24, 3},
+                                        {hal::CameraFormat::kYuyv, 2},
+                                        {hal::CameraFormat::kUyvy, 2},
+                                        {hal::CameraFormat::kNv12, 1}}};
+  world_.padding_bytes = 32;
+  world_.spare_bytes = 4096;
+  for (const Case& example : kCases) {
+    CameraSettings asked = settings();
+    asked.format = example.format;
+    begin(asked);
+    const std::uint32_t stride = 640 * example.pixel_bytes + 32;
+    world_.complete(7);
+    Result<FrameLease> lease = camera_->wait(late());
+    ASSERT_TRUE(lease.ok()) << camera_->reason();
+    const Frame& frame = lease.value().frame();
+    EXPECT_EQ(frame.format, pixel_format(example.format));
+    EXPECT_EQ(frame.width_px, 640);
+    EXPECT_EQ(frame.height_px, 480);
+    EXPECT_EQ(frame.stride_bytes[0], stride);
+    EXPECT_EQ(frame.plane[0][stride * 479], 7);
+    if (frame.format == PixelFormat::kNv12) {
+      EXPECT_EQ(frame.stride_bytes[1], stride);
+      EXPECT_EQ(frame.plane[1], frame.plane[0] + stride * 480);
+      EXPECT_EQ(frame.plane[1][stride * 239], 7);
+    } else {
+      EXPECT_EQ(frame.plane[1], nullptr);
+    }
+    EXPECT_EQ(camera_->info().format, frame.format);
+    EXPECT_EQ(lease.value().dma_bufs()[1], -1) << "one piece of memory";
+    EXPECT_GE(lease.value().dma_bufs()[0], 0);
+    lease = ErrorCode::kTimeout;
+    camera_->close();
+  }
+}
+
+TEST_F(LibcameraOpenTest, FullRangeAndOtherBuffersThanAskedAreTold) {
+  world_.full_range = true;
+  world_.granted_buffers = 6;
+  begin();
+  EXPECT_EQ(camera_->reason(), std::string(kId) +
+                                   ": YUV of full range: its darkest 16 levels are taken for black; "
+                                   "buffers = 4: granted 6; rate_hz = 60: the camera does not tell its rate");
+  CameraSettings rgb = settings();
+  rgb.format = hal::CameraFormat::kRgb24;
+  begin(rgb);
+  EXPECT_EQ(camera_->reason(),
+            std::string(kId) + ": buffers = 4: granted 6; rate_hz = 60: the camera does not tell its rate");
+  world_.granted_buffers = 1;
+  expect_refusal(settings(), ErrorCode::kUnsupported, std::string(kId) + ": grants 1 buffers, 2 to 32 are needed");
+  world_.granted_buffers = 33;
+  expect_refusal(settings(), ErrorCode::kUnsupported, std::string(kId) + ": grants 33 buffers, 2 to 32 are needed");
+}
+
+TEST_F(LibcameraOpenTest, PicturesLieInMemoryOfTheHeapElseInTheDriversOwn) {
+  begin();
+  EXPECT_TRUE(world_.heap_used);
+  EXPECT_EQ(heap_.buffers().size(), 4u);
+  camera_.reset();
+
+  world_.heap_used = false;
+  heap_.room = 1000000;  // two pictures
+  begin();
+  EXPECT_FALSE(world_.heap_used);
+  EXPECT_EQ(camera_->reason(),
+            std::string(kId) +
+                ": no memory of a DMA heap (/dev/dma_heap/linux,cma: Cannot allocate memory): the "
+                "driver's own buffers may be slow to read; rate_hz = 60: the camera does not tell its "
+                "rate");
+  world_.complete(3);
+  expect_frame(3);
+  camera_.reset();
+
+  kernel_.refuse_open("/dev/dma_heap/linux,cma", EACCES);
+  begin();
+  EXPECT_FALSE(world_.heap_used);
+  EXPECT_NE(camera_->reason().find("(/dev/dma_heap/linux,cma: Permission denied)"), std::string::npos)
+      << camera_->reason();
+  world_.errors = {{"make_buffers", ENOBUFS}};
+  expect_refusal(settings(), ErrorCode::kIo, std::string(kId) + ": making buffers failed: No buffer space available");
+  world_.missing_bytes = 1;
+  expect_refusal(settings(), ErrorCode::kUnsupported,
+                 std::string(kId) + ": plane 1 of a buffer has 153599 bytes, a picture needs 153600");
+}
+
+}  // namespace
+}  // namespace touchline::testing

@@ -1,0 +1,248 @@
+#include <atomic>
+#include <cerrno>
+#include <thread>
+#include <vector>
+
+#include "tests/linux/driver_allocations.h"
+#include "tests/linux/libcamera_fixture.h"
+
+namespace touchline::testing {
+namespace {
+
+using hal::FrameLease;
+using hal::LibcameraControl;
+using hal::LibcameraFrame;
+using hal::MonotonicClock;
+using std::chrono::milliseconds;
+
+class LibcameraStreamTest : public LibcameraTest {};
+
+// The fake's caches show old pictures unless each reading is announced.
+TEST_F(LibcameraStreamTest, FramesComeInOrderFromTheDevicesOwnMemory) {
+  begin();
+  for (std::uint32_t i = 1; i < 40; ++i) {
+    world_.complete(i);
+    expect_frame(i);
+  }
+  EXPECT_EQ(camera_->counters().frames, 39u);
+  EXPECT_EQ(camera_->counters().lost, 0u);
+}
+
+TEST_F(LibcameraStreamTest, TheOldestComesFirstAndALeaseKeepsItsBuffer) {
+  begin();
+  for (std::uint32_t i = 1; i <= 4; ++i) world_.complete(i);
+  {
+    const Result<FrameLease> first = camera_->wait(late());
+    ASSERT_TRUE(first.ok());
+    expect_frame(2);
+    expect_frame(3);
+    world_.wait_for_queued(2);
+    world_.complete(5);
+    world_.complete(6);
+    EXPECT_EQ(first.value().frame().plane[0][0], 1);
+    expect_frame(4);
+  }
+  world_.wait_for_queued(2);
+  expect_frame(5);
+  expect_frame(6);
+  world_.wait_for_queued(4);
+}
+
+TEST_F(LibcameraStreamTest, NeitherWaitNorReleaseAllocates) {
+  if (!DriverAllocations::are_counted()) GTEST_SKIP() << "a sanitizer has its own allocator";
+  begin();
+  std::uint64_t counted = 0;
+  for (std::uint32_t i = 1; i < 20; ++i) {
+    world_.complete(i, [&](LibcameraFrame& frame) { frame.bytes = i % 5 != 0 ? frame.bytes : 1; });
+    const DriverAllocations allocations;
+    {
+      const Result<FrameLease> frame = camera_->wait(late());
+      EXPECT_EQ(frame.ok(), i % 5 != 0);
+    }
+    EXPECT_EQ(camera_->wait(Instant{}).error(), ErrorCode::kTimeout);
+    counted += allocations.count();
+  }
+  EXPECT_EQ(counted, 0u);
+}
+
+TEST_F(LibcameraStreamTest, WithoutAFrameTheDeadlineEndsTheWait) {
+  begin();
+  const Instant before = MonotonicClock::read();
+  EXPECT_EQ(camera_->wait(before + milliseconds(20)).error(), ErrorCode::kTimeout);
+  EXPECT_GE(MonotonicClock::read() - before, milliseconds(20));
+  EXPECT_EQ(camera_->reason(), std::string(kId) + ": no frame before the deadline");
+  world_.complete(1);
+  expect_frame(1);
+}
+
+TEST_F(LibcameraStreamTest, DamagedAndShortFramesAreLostAndTheirBuffersGoBack) {
+  begin();
+  for (std::uint32_t i = 1; i < 30; i += 3) {
+    world_.complete(i, [](LibcameraFrame& frame) { frame.state = LibcameraFrame::State::kDamaged; });
+    expect_loss(ErrorCode::kCorruptFrame,
+                std::string(kId) + ": libcamera marks frame " + std::to_string(i) + " as damaged");
+    world_.complete(i + 1, [](LibcameraFrame& frame) { frame.bytes = 460799; });
+    expect_loss(ErrorCode::kShortFrame,
+                std::string(kId) + ": frame " + std::to_string(i + 1) + " has 460799 bytes instead of 460800");
+    world_.complete(i + 2);
+    expect_frame(i + 2);
+  }
+  EXPECT_EQ(camera_->counters().corrupt, 10u);
+  EXPECT_EQ(camera_->counters().short_frames, 10u);
+}
+
+TEST_F(LibcameraStreamTest, CachesThatCannotBeMadeTrueMakeADamagedFrame) {
+  begin();
+  for (const auto& buffer : heap_.buffers()) buffer->fail_with = EIO;
+  world_.complete(1);
+  expect_loss(ErrorCode::kCorruptFrame, std::string(kId) + ": libcamera marks frame 1 as damaged");
+}
+
+TEST_F(LibcameraStreamTest, GapsInTheCountAreLostFrames) {
+  begin();
+  for (const std::uint32_t i : {10u, 11u, 14u}) {
+    world_.complete(i);
+    expect_frame(i);
+  }
+  EXPECT_EQ(camera_->counters().lost, 2u);
+}
+
+// A Raspberry Pi counts pictures that were processed; those that the sensor took meanwhile show in the stamps.
+TEST_F(LibcameraStreamTest, GapsInTimeAreLostFramesToo) {
+  world_.told[LibcameraControl::kFrameDuration] = 10000.0;
+  begin();
+  const auto at = [](std::int64_t stamp_ms) {
+    return [=](LibcameraFrame& frame) { frame.stamp_ns = stamp_ms * 1000000; };
+  };
+  world_.complete(5, at(100));
+  expect_frame(5);
+  world_.complete(6, at(109));  // a little early
+  expect_frame(6);
+  world_.complete(7, at(150));
+  {
+    const Result<FrameLease> frame = camera_->wait(late());
+    ASSERT_TRUE(frame.ok());
+    EXPECT_EQ(frame.value().frame().sequence, 10u);
+  }
+  EXPECT_EQ(camera_->counters().lost, 3u);
+}
+
+TEST_F(LibcameraStreamTest, StampsAreTheMiddleOfTheExposure) {
+  const auto captured_after_stamp = [&] {
+    const std::int64_t stamp_ns = (MonotonicClock::read() - milliseconds(10)).time_since_epoch().count();
+    world_.complete(1, [=](LibcameraFrame& frame) { frame.stamp_ns = stamp_ns; });
+    const Result<FrameLease> frame = camera_->wait(late());
+    EXPECT_TRUE(frame.ok());
+    return frame.value().frame().capture_time.time_since_epoch().count() - stamp_ns;
+  };
+  // At a ribbon cable the first row comes when its exposure is over.
+  world_.told[LibcameraControl::kExposure] = 4000.0;
+  begin();
+  EXPECT_EQ(captured_after_stamp(), -2000000);
+  // At USB the stamp is the exposure's start, and nothing but the board file tells how long it takes.
+  camera_.reset();
+  world_.told = {};
+  world_.cameras[0].external = true;
+  world_.limits.low[LibcameraControl::kExposure] = 100.0;
+  world_.limits.high[LibcameraControl::kExposure] = 100000.0;
+  hal::CameraSettings asked = settings();
+  asked.exposure_us = 5000;
+  begin(asked);
+  EXPECT_EQ(captured_after_stamp(), 2500000);
+}
+
+TEST_F(LibcameraStreamTest, ACameraThatGoesAwayWakesTheLoopAndComesBackById) {
+  begin();
+  const std::vector<hal::LibcameraName> cameras = world_.cameras;
+  std::thread hand([&] {
+    std::this_thread::sleep_for(milliseconds(10));
+    world_.plug_out();
+  });
+  const std::string gone = std::string(kId) + ": the camera went away (libcamera tells so)";
+  expect_loss(ErrorCode::kDisconnected, gone);
+  hand.join();
+  expect_loss(ErrorCode::kDisconnected, gone);  // until it is opened again
+  camera_->stop();
+  camera_->close();
+  EXPECT_EQ(camera_->open().code(), ErrorCode::kNotFound);
+  world_.cameras = cameras;
+  ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
+  ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
+  world_.complete(1);
+  expect_frame(1);
+  camera_->stop();
+  world_.plug_out();
+  EXPECT_EQ(camera_->start().code(), ErrorCode::kDisconnected);
+}
+
+TEST_F(LibcameraStreamTest, AFrameThatIsGivenUpAsksForANewStart) {
+  begin();
+  world_.complete(1, [](LibcameraFrame& frame) { frame.state = LibcameraFrame::State::kCancelled; });
+  expect_loss(ErrorCode::kIo, std::string(kId) + ": libcamera gave up a frame that was under way");
+  EXPECT_EQ(camera_->wait(late()).error(), ErrorCode::kIo);
+}
+
+TEST_F(LibcameraStreamTest, ARequestThatIsRefusedIsToldByTheNextWait) {
+  begin();
+  world_.wait_for_queued(4);
+  world_.complete(1);
+  world_.errors = {{"queue", EIO}};
+  expect_frame(1);
+  expect_loss(ErrorCode::kIo, std::string(kId) + ": queuing a request failed: Input/output error");
+}
+
+TEST_F(LibcameraStreamTest, AStopForgetsWhatWasUnderWay) {
+  begin();
+  world_.complete(1);
+  world_.complete(2);
+  camera_->stop();
+  EXPECT_EQ(camera_->wait(late()).error(), ErrorCode::kInconsistent);
+  ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
+  ASSERT_TRUE(camera_->start().ok());  // nothing happens
+  world_.complete(8);
+  expect_frame(8);
+  EXPECT_EQ(camera_->counters().lost, 0u);
+}
+
+// Frames that were taken before the controls were in force are no use to whoever learned colors with them.
+TEST_F(LibcameraStreamTest, TheStartPassesOverFramesThatAreNotYetAsAsked) {
+  world_.limits.low[LibcameraControl::kExposure] = 100.0;
+  world_.limits.high[LibcameraControl::kExposure] = 100000.0;
+  world_.frames_at_start = 20;
+  world_.early_frames = 3;
+  world_.early[LibcameraControl::kExposure] = 20000.0;
+  world_.told[LibcameraControl::kExposure] = 4980.0;  // whole rows
+  world_.told[LibcameraControl::kFrameDuration] = 1e6 / 30.0;
+  hal::CameraSettings asked = settings();
+  asked.exposure_us = 5000;
+  asked.rate_hz = 30.0;
+  begin(asked);
+  EXPECT_EQ(camera_->reason(), std::string(kId) + ": rate_hz = 30: the camera does not tell its rate");
+  EXPECT_EQ(world_.early_frames, 0);
+  EXPECT_DOUBLE_EQ(camera_->info().rate_hz, 30.0);
+  EXPECT_EQ(camera_->info().granted, std::string(kId) +
+                                         " (imx219): nv12 640x480 at 30 Hz, 4 buffers of /dev/dma_heap/linux,cma, "
+                                         "exposure 4980 us");
+  world_.early_frames = 20;  // never as asked: told, and no reason to stand still
+  camera_->stop();
+  ASSERT_TRUE(camera_->start().ok());
+  EXPECT_NE(camera_->reason().find("exposure_us = 5000: granted 20000 (range 100 to 100000)"), std::string::npos)
+      << camera_->reason();
+}
+
+TEST_F(LibcameraStreamTest, ThreadsAtFullSpeedLoseNothing) {
+  hal::CameraSettings small = settings();
+  small.width_px = 64;
+  small.height_px = 48;
+  begin(small);
+  constexpr std::uint32_t kFrames = 2000;
+  std::thread sensor([&] {
+    for (std::uint32_t i = 1; i <= kFrames; ++i) world_.complete(i);
+  });
+  for (std::uint32_t i = 1; i <= kFrames; ++i) expect_frame(i);
+  sensor.join();
+  EXPECT_EQ(camera_->counters().frames, kFrames);
+}
+
+}  // namespace
+}  // namespace touchline::testing

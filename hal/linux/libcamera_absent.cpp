@@ -5,6 +5,4 @@ namespace touchline::hal {
 
 std::unique_ptr<LibcameraLink> make_libcamera_link() { return nullptr; }
 
-std::string libcamera_cameras() { return "unknown (built without libcamera)"; }
-
 }  // namespace touchline::hal

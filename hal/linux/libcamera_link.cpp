@@ -253,11 +253,4 @@ class Link final : public LibcameraLink {
 
 std::unique_ptr<LibcameraLink> make_libcamera_link() { return std::make_unique<Link>(); }
 
-std::string libcamera_cameras() {
-  Link link;
-  std::vector<LibcameraName> cameras;
-  const int error = link.cameras(cameras);
-  return error == 0 ? list_of(cameras) : "unknown (libcamera does not start)";
-}
-
 }  // namespace touchline::hal

@@ -125,7 +125,7 @@ class LibcameraLink {
 /// Null: this build has no libcamera.
 std::unique_ptr<LibcameraLink> make_libcamera_link();
 
-/// list_of() all cameras that libcamera finds now; for messages and listings. Blocks.
-std::string libcamera_cameras();
+/// All cameras that libcamera finds now, for listings; nothing in a build without it. Blocks.
+std::vector<LibcameraName> libcamera_cameras();
 
 }  // namespace touchline::hal

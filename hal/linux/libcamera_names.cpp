@@ -29,4 +29,11 @@ const LibcameraName* choose(const std::vector<LibcameraName>& cameras, const std
   return !device.empty() && std::count_if(cameras.begin(), cameras.end(), has) == 1 ? first(has) : nullptr;
 }
 
+std::vector<LibcameraName> libcamera_cameras() {
+  std::vector<LibcameraName> found;
+  const std::unique_ptr<LibcameraLink> link = make_libcamera_link();
+  if (link == nullptr || link->cameras(found) != 0) return {};
+  return found;
+}
+
 }  // namespace touchline::hal

@@ -230,6 +230,20 @@ std::pair<int, std::string> run(const std::string& arguments) {
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text};
 }
 
+TEST(DeviceTexts, CamerasOfLibcameraAreNamedAsTheBoardFileNamesThem) {
+  devices::DeviceList list;
+  list.libcamera = {{"/base/soc/i2c0mux/i2c@1/imx219@10", "imx219", false}, {"usb-1.2:1.0-046d:0825", "Webcam", true}};
+  EXPECT_EQ(to_text(list),
+            "cameras of libcamera (backend = \"libcamera\")\n"
+            "  imx219\n"
+            "    device = \"/base/soc/i2c0mux/i2c@1/imx219@10\"\n"
+            "  Webcam (at USB: better by backend v4l2)\n"
+            "    device = \"usb-1.2:1.0-046d:0825\"\n");
+  const std::string json = to_json(list);
+  EXPECT_NE(json.find("\"libcamera\": ["), std::string::npos) << json;
+  EXPECT_NE(json.find("\"id\": \"usb-1.2:1.0-046d:0825\""), std::string::npos) << json;
+}
+
 TEST(DevicesProgram, ListsThisMachine) {
   const auto [code, text] = run("");
   EXPECT_EQ(code, 0) << text;

@@ -105,7 +105,7 @@ TEST(LibcameraLink, TheLibraryStartsAndEndsAsOftenAsIsAsked) {
     EXPECT_EQ(camera.open().code(), ErrorCode::kNotFound);
     EXPECT_EQ(camera.reason().find("no such camera: no such camera; cameras here: "), 0u) << camera.reason();
   }
-  EXPECT_NE(libcamera_cameras(), "");
+  EXPECT_NE(camera.reason().find(list_of(libcamera_cameras())), std::string::npos);
 }
 
 }  // namespace

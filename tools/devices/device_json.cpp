@@ -87,6 +87,10 @@ Json json_of(const hal::GpioChipNode& chip) {
   return entry;
 }
 
+Json json_of(const hal::LibcameraName& camera) {
+  return {{"id", camera.id}, {"model", camera.model}, {"external", camera.external}};
+}
+
 template <class Node>
 void add(Json& document, const char* key, const std::optional<std::vector<Node>>& nodes) {
   if (!nodes) return;
@@ -99,6 +103,7 @@ void add(Json& document, const char* key, const std::optional<std::vector<Node>>
 std::string to_json(const DeviceList& list) {
   Json document = Json::object();
   add(document, "cameras", list.cameras);
+  if (!list.libcamera.empty()) add(document, "libcamera", std::optional(list.libcamera));
   add(document, "serial_ports", list.ports);
   add(document, "gpio_chips", list.chips);
   // Names are of devices, in whatever bytes they please.

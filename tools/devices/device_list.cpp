@@ -55,6 +55,7 @@ DeviceList list_devices(const Selection& selection) {
         [](const hal::CameraNode& node) { return hal::refusal_text(node.path, node.error, "video"); });
     list.cameras = ask_cameras(std::move(nodes));
   }
+  if (selection.libcamera) list.libcamera = hal::libcamera_cameras();
   if (selection.serial) {
     std::vector<hal::SerialPortNode> ports;
     if (!hal::list_serial_ports(ports)) list.troubles.emplace_back("the system does not tell its serial ports");

@@ -6,6 +6,7 @@
 
 #include "hal/linux/camera_list.h"
 #include "hal/linux/gpio_list.h"
+#include "hal/linux/libcamera_link.h"
 #include "hal/linux/serial_list.h"
 #include "hal/linux/v4l2_control_list.h"
 #include "hal/linux/v4l2_offers.h"
@@ -21,10 +22,12 @@ struct Camera {
 /// What is looked for: absent: this kind is not asked for; "": all of it; else one device, by its file or a link to it.
 struct Selection {
   std::optional<std::string> camera, serial, gpio;
+  bool libcamera = false;  // its cameras too; starts the library
 };
 
 struct DeviceList {
   std::optional<std::vector<Camera>> cameras;
+  std::vector<hal::LibcameraName> libcamera;
   std::optional<std::vector<hal::SerialPortNode>> ports;
   std::optional<std::vector<hal::GpioChipNode>> chips;
   std::vector<std::string> troubles;  // a device that was asked for by name is not there, or cannot be asked

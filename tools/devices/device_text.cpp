@@ -86,6 +86,14 @@ void add_cameras(std::string& text, const std::vector<Camera>& cameras) {
   }
 }
 
+void add_libcamera(std::string& text, const std::vector<hal::LibcameraName>& cameras) {
+  if (!cameras.empty()) line(text, "cameras of libcamera (backend = \"libcamera\")");
+  for (const hal::LibcameraName& camera : cameras) {
+    line(text, "  %s%s", camera.model.c_str(), camera.external ? " (at USB: better by backend v4l2)" : "");
+    line(text, "    device = \"%s\"", camera.id.c_str());
+  }
+}
+
 void add_ports(std::string& text, const std::vector<hal::SerialPortNode>& ports) {
   line(text, "serial ports");
   if (ports.empty()) line(text, "  none. Is the adapter plugged in (`lsusb`), the UART switched on?");
@@ -125,6 +133,7 @@ void add_chips(std::string& text, const std::vector<hal::GpioChipNode>& chips) {
 std::string to_text(const DeviceList& list) {
   std::string text;
   if (list.cameras) add_cameras(text, *list.cameras);
+  add_libcamera(text, list.libcamera);
   if (list.ports) add_ports(text, *list.ports);
   if (list.chips) add_chips(text, *list.chips);
   return text;

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   devices::Selection selection;
   const bool all = cameras->count() + ports->count() + chips->count() == 0;
   if (all || cameras->count() > 0) selection.camera = camera;
+  selection.libcamera = selection.camera && selection.camera->empty();
   if (all || ports->count() > 0) selection.serial = serial;
   if (all || chips->count() > 0) selection.gpio = gpio;
   const devices::DeviceList list = devices::list_devices(selection);

@@ -93,6 +93,7 @@ TEST_F(LibcameraStreamTest, DamagedAndShortFramesAreLostAndTheirBuffersGoBack) {
 
 TEST_F(LibcameraStreamTest, CachesThatCannotBeMadeTrueMakeADamagedFrame) {
   begin();
+  world_.wait_for_queued(4);
   for (const auto& buffer : heap_.buffers()) buffer->fail_with = EIO;
   world_.complete(1);
   expect_loss(ErrorCode::kCorruptFrame, std::string(kId) + ": libcamera marks frame 1 as damaged");

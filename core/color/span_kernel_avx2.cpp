@@ -1,4 +1,4 @@
-#include "core/color/block_layout_avx2.h"
+#include "core/color/digit_lookup_avx2.h"
 #include "core/color/kernel_of_format.h"
 #include "core/color/span_kernel.h"
 
@@ -14,115 +14,139 @@ namespace touchline {
 namespace avx2 {
 namespace {
 
-// Values of a block, or of two that share their tables: loading these is half of the work.
-struct OneBlock {
-  __m256i first;
-};
-struct TwoBlocks {
-  __m256i first, second;
-};
-TOUCHLINE_AVX2_INLINE OneBlock and_of(const OneBlock& a, const OneBlock& b) {
-  return {_mm256_and_si256(a.first, b.first)};
-}
-TOUCHLINE_AVX2_INLINE TwoBlocks and_of(const TwoBlocks& a, const TwoBlocks& b) {
-  return {_mm256_and_si256(a.first, b.first), _mm256_and_si256(a.second, b.second)};
-}
-TOUCHLINE_AVX2_INLINE OneBlock or_of(const OneBlock& a, const OneBlock& b) {
-  return {_mm256_or_si256(a.first, b.first)};
-}
-TOUCHLINE_AVX2_INLINE TwoBlocks or_of(const TwoBlocks& a, const TwoBlocks& b) {
-  return {_mm256_or_si256(a.first, b.first), _mm256_or_si256(a.second, b.second)};
-}
-TOUCHLINE_AVX2_INLINE OneBlock shuffle(__m256i table, const OneBlock& digit) {
-  return {_mm256_shuffle_epi8(table, digit.first)};
-}
-TOUCHLINE_AVX2_INLINE TwoBlocks shuffle(__m256i table, const TwoBlocks& digit) {
-  return {_mm256_shuffle_epi8(table, digit.first), _mm256_shuffle_epi8(table, digit.second)};
-}
-// `a` where it is not zero, else `b`.
-TOUCHLINE_AVX2_INLINE __m256i first_of(__m256i a, __m256i b) {
-  return _mm256_blendv_epi8(a, b, _mm256_cmpeq_epi8(a, _mm256_setzero_si256()));
-}
-TOUCHLINE_AVX2_INLINE OneBlock first_of(const OneBlock& a, const OneBlock& b) { return {first_of(a.first, b.first)}; }
-TOUCHLINE_AVX2_INLINE TwoBlocks first_of(const TwoBlocks& a, const TwoBlocks& b) {
-  return {first_of(a.first, b.first), first_of(a.second, b.second)};
+// Which bytes are farther above `low` than `reach`: those are not zero.
+TOUCHLINE_AVX2_INLINE __m256i beyond(__m256i bytes, __m256i low, __m256i reach) {
+  return _mm256_subs_epu8(_mm256_sub_epi8(bytes, low), reach);
 }
 
-// Left to themselves compilers do all look-ups of a group first, and have no registers for what they find.
-TOUCHLINE_AVX2_INLINE void settle(OneBlock& values) { asm volatile("" : "+x"(values.first)); }
-TOUCHLINE_AVX2_INLINE void settle(TwoBlocks& values) { asm volatile("" : "+x"(values.first), "+x"(values.second)); }
-
-TOUCHLINE_AVX2_INLINE __m256i low_digit(__m256i values) { return _mm256_and_si256(values, _mm256_set1_epi8(15)); }
-TOUCHLINE_AVX2_INLINE __m256i high_digit(__m256i values) { return low_digit(_mm256_srli_epi16(values, 4)); }
-
-// The hexadecimal digits of values.
-template <class Values>
-struct Digits {
-  Values high, low;
-};
-TOUCHLINE_AVX2_INLINE Digits<OneBlock> digits_of(const OneBlock& values) {
-  return {{high_digit(values.first)}, {low_digit(values.first)}};
-}
-TOUCHLINE_AVX2_INLINE Digits<TwoBlocks> digits_of(const TwoBlocks& values) {
-  return {{high_digit(values.first), high_digit(values.second)}, {low_digit(values.first), low_digit(values.second)}};
+// A byte shuffle's pattern that takes byte first + step * (i / repeat) of two times 16 as byte i; what is not in this
+// 16 is 128, which gives zero.
+constexpr std::array<std::array<std::uint8_t, 16>, 3> pick_bytes(std::size_t first, std::size_t step,
+                                                                 std::size_t repeat) {
+  std::array<std::array<std::uint8_t, 16>, 3> pick{};
+  for (std::size_t piece = 0; piece < pick.size(); ++piece) {
+    for (std::size_t i = 0; i < 16; ++i) {
+      const std::size_t byte = first + step * (i / repeat);
+      pick[piece][i] = static_cast<std::uint8_t>(byte / 16 == piece ? byte % 16 : 128);
+    }
+  }
+  return pick;
 }
 
-// A channel's tables in each half of a block.
-struct ChannelTables {
-  const ChannelDigits *low, *high;
-};
-struct BlockTables {
-  ChannelTables channel[3];
+struct Planes {
+  __m256i first, second, third;
 };
 
-template <bool kOneLight, class Values>
-TOUCHLINE_AVX2_INLINE Values look_up(const DigitTables::Table& low, const DigitTables::Table& high,
-                                     const Values& digit) {
-  return shuffle(kOneLight ? in_both_halves(low.data()) : load_halves(low.data(), high.data()), digit);
-}
+// The layouts below give of a block
+// - loud: bytes that are not zero unless all of it is in the quiet box, its columns in one piece,
+// - planes: its three channels, chroma doubled; its halves begin at any two columns, of shared chroma even ones.
 
-// A channel's values, and its tables.
-template <class Values>
-struct Channel {
-  Digits<Values> value;
-  ChannelTables tables;
+// Three bytes a pixel.
+template <PixelFormat kFormat>
+struct Packed24 {
+  static constexpr std::array kPick = {pick_bytes(kFormat == PixelFormat::kRgb24 ? 0 : 2, 3, 1), pick_bytes(1, 3, 1),
+                                       pick_bytes(kFormat == PixelFormat::kRgb24 ? 2 : 0, 3, 1)};
+
+  // Three bytes over and over, from byte i % 3 on.
+  static constexpr auto kPeriod = [] {
+    std::array<std::array<std::uint8_t, 32>, 3> period{};
+    for (std::size_t i = 0; i < 96; ++i) period[i / 32][i % 32] = static_cast<std::uint8_t>(i % 3);
+    return period;
+  }();
+
+  // Of the 96 bytes of a block, the first 48 in the tile of the lower half. Quiet values begin at 0.
+  struct Quiet {
+    __m256i reach[3];
+  };
+  template <bool kOneLight>
+  TOUCHLINE_AVX2_INLINE static Quiet quiet(const Lights& lights) {
+    const __m256i low = four_bytes(lights.low->quiet_reach), high = four_bytes(lights.high->quiet_reach);
+    const __m256i both = kOneLight ? low : _mm256_blend_epi32(low, high, 0b11110000);
+    return {{_mm256_shuffle_epi8(low, load(kPeriod[0].data())), _mm256_shuffle_epi8(both, load(kPeriod[1].data())),
+             _mm256_shuffle_epi8(kOneLight ? low : high, load(kPeriod[2].data()))}};
+  }
+  TOUCHLINE_AVX2_INLINE static __m256i loud(const RowPixels& row, std::uint32_t u, const Quiet& quiet) {
+    const std::uint8_t* bytes = row.samples + std::size_t{3} * u;
+    return _mm256_or_si256(_mm256_subs_epu8(load(bytes), quiet.reach[0]),
+                           _mm256_or_si256(_mm256_subs_epu8(load(bytes + 32), quiet.reach[1]),
+                                           _mm256_subs_epu8(load(bytes + 64), quiet.reach[2])));
+  }
+
+  TOUCHLINE_AVX2_INLINE static Planes planes(const RowPixels& row, std::uint32_t u_low, std::uint32_t u_high) {
+    const std::uint8_t *low = row.samples + std::size_t{3} * u_low, *high = row.samples + std::size_t{3} * u_high;
+    const __m256i first = load_halves(low, high), second = load_halves(low + 16, high + 16),
+                  third = load_halves(low + 32, high + 32);
+    return {channel(0, first, second, third), channel(1, first, second, third), channel(2, first, second, third)};
+  }
+  TOUCHLINE_AVX2_INLINE static __m256i channel(std::size_t channel, __m256i first, __m256i second, __m256i third) {
+    return _mm256_or_si256(_mm256_shuffle_epi8(first, in_both_halves(kPick[channel][0].data())),
+                           _mm256_or_si256(_mm256_shuffle_epi8(second, in_both_halves(kPick[channel][1].data())),
+                                           _mm256_shuffle_epi8(third, in_both_halves(kPick[channel][2].data()))));
+  }
 };
-template <class Values>
-struct Channels {
-  Channel<Values> first, second, third;
+
+// Two bytes a pixel.
+template <PixelFormat kFormat>
+struct Packed16 {
+  static constexpr std::size_t kLumaAt = kFormat == PixelFormat::kYuyv ? 0 : 1, kChromaAt = 1 - kLumaAt;
+  static constexpr std::array kPick = {pick_bytes(kLumaAt, 2, 1), pick_bytes(kChromaAt, 4, 2),
+                                       pick_bytes(kChromaAt + 2, 4, 2)};
+
+  // A tile's bytes fill a register.
+  struct Quiet {
+    __m256i low[2], reach[2];
+  };
+  template <bool kOneLight>
+  TOUCHLINE_AVX2_INLINE static Quiet quiet(const Lights& lights) {
+    return {{four_bytes(lights.low->quiet_low), four_bytes(lights.high->quiet_low)},
+            {four_bytes(lights.low->quiet_reach), four_bytes(lights.high->quiet_reach)}};
+  }
+  TOUCHLINE_AVX2_INLINE static __m256i loud(const RowPixels& row, std::uint32_t u, const Quiet& quiet) {
+    const std::uint8_t* bytes = row.samples + std::size_t{2} * u;
+    return _mm256_or_si256(beyond(load(bytes), quiet.low[0], quiet.reach[0]),
+                           beyond(load(bytes + 32), quiet.low[1], quiet.reach[1]));
+  }
+
+  TOUCHLINE_AVX2_INLINE static Planes planes(const RowPixels& row, std::uint32_t u_low, std::uint32_t u_high) {
+    const std::uint8_t *low = row.samples + std::size_t{2} * u_low, *high = row.samples + std::size_t{2} * u_high;
+    const __m256i first = load_halves(low, high), second = load_halves(low + 16, high + 16);
+    return {channel(0, first, second), channel(1, first, second), channel(2, first, second)};
+  }
+  TOUCHLINE_AVX2_INLINE static __m256i channel(std::size_t channel, __m256i first, __m256i second) {
+    return _mm256_or_si256(_mm256_shuffle_epi8(first, in_both_halves(kPick[channel][0].data())),
+                           _mm256_shuffle_epi8(second, in_both_halves(kPick[channel][1].data())));
+  }
 };
 
-template <bool kOneLight, class Values>
-TOUCHLINE_AVX2_INLINE Values near_classes(const Channel<Values>& channel, std::size_t group) {
-  return look_up<kOneLight>((*channel.tables.low)[group].within, (*channel.tables.high)[group].within,
-                            channel.value.high);
-}
-// The group's classes of which all three intervals' high digits include the values'.
-template <bool kOneLight, class Values>
-TOUCHLINE_AVX2_INLINE Values near_classes(const Channels<Values>& channels, std::size_t group) {
-  return and_of(near_classes<kOneLight>(channels.first, group), and_of(near_classes<kOneLight>(channels.second, group),
-                                                                       near_classes<kOneLight>(channels.third, group)));
-}
+// A byte a pixel, and two a pair.
+struct Planar {
+  static constexpr std::array kPick = {pick_bytes(0, 2, 2), pick_bytes(1, 2, 2)};
 
-// Leaves those classes to which the values of a channel belong, a byte a value.
-template <bool kOneLight, class Values>
-TOUCHLINE_AVX2_INLINE void narrow(Values& classes, const Channel<Values>& channel, std::size_t group) {
-  const DigitTables &low = (*channel.tables.low)[group], &high = (*channel.tables.high)[group];
-  const Digits<Values>& value = channel.value;
-  classes = and_of(classes, or_of(look_up<kOneLight>(low.above_first, high.above_first, value.high),
-                                  look_up<kOneLight>(low.from_first, high.from_first, value.low)));
-  settle(classes);
-  classes = and_of(classes, or_of(look_up<kOneLight>(low.below_last, high.below_last, value.high),
-                                  look_up<kOneLight>(low.to_last, high.to_last, value.low)));
-  settle(classes);
-}
+  struct Quiet {
+    __m256i luma_low, luma_reach, chroma_low, chroma_reach;
+  };
+  template <bool kOneLight>
+  TOUCHLINE_AVX2_INLINE static Quiet quiet(const Lights& lights) {
+    const __m256i low =
+        _mm256_blend_epi32(four_bytes(lights.low->quiet_low), four_bytes(lights.high->quiet_low), 0b11110000);
+    const __m256i reach =
+        _mm256_blend_epi32(four_bytes(lights.low->quiet_reach), four_bytes(lights.high->quiet_reach), 0b11110000);
+    const __m256i of_luma = _mm256_setzero_si256(), of_chroma = _mm256_set1_epi16(0x0302);
+    return {_mm256_shuffle_epi8(low, of_luma), _mm256_shuffle_epi8(reach, of_luma), _mm256_shuffle_epi8(low, of_chroma),
+            _mm256_shuffle_epi8(reach, of_chroma)};
+  }
+  TOUCHLINE_AVX2_INLINE static __m256i loud(const RowPixels& row, std::uint32_t u, const Quiet& quiet) {
+    return _mm256_or_si256(beyond(load(row.samples + u), quiet.luma_low, quiet.luma_reach),
+                           beyond(load(row.chroma + u), quiet.chroma_low, quiet.chroma_reach));
+  }
 
-// The color of the lowest class.
-template <class Values>
-TOUCHLINE_AVX2_INLINE Values color_of(const ColorDigits& tables, const Values& classes) {
-  const Digits<Values> bits = digits_of(classes);
-  return first_of(look_up<true>(tables.low, tables.low, bits.low), look_up<true>(tables.high, tables.high, bits.high));
-}
+  TOUCHLINE_AVX2_INLINE static Planes planes(const RowPixels& row, std::uint32_t u_low, std::uint32_t u_high) {
+    const __m256i chroma = load_halves(row.chroma + u_low, row.chroma + u_high);
+    return {load_halves(row.samples + u_low, row.samples + u_high),
+            _mm256_shuffle_epi8(chroma, in_both_halves(kPick[0][0].data())),
+            _mm256_shuffle_epi8(chroma, in_both_halves(kPick[1][0].data()))};
+  }
+};
 
 TOUCHLINE_AVX2_INLINE ChannelTables tables_of(const SpanTables& tables, const Lights& lights, std::size_t channel) {
   return {&tables.digits->channel(channel, lights.low->level[channel]),

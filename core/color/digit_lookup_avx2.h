@@ -1,0 +1,174 @@
+#pragma once
+
+#if defined(__x86_64__)
+
+#include <immintrin.h>
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/color/digit_tables.h"
+#include "core/color/span_kernel.h"
+
+// How the AVX2 kernel looks up classes and colors.
+namespace touchline::avx2 {
+
+// Every function carries the target itself: a file compiled for AVX2 as a whole would leave AVX2 code in functions that
+// it shares with other files, and on an older processor the linker may have picked those.
+#define TOUCHLINE_AVX2 [[gnu::target("avx2,bmi,popcnt")]]
+#define TOUCHLINE_AVX2_INLINE [[gnu::target("avx2,bmi,popcnt"), gnu::always_inline]] inline
+
+// A byte shuffle looks up within 16 bytes: half a register is a tile, which has its own tables.
+constexpr std::uint32_t kTile = kTileWidth, kBlock = 2 * kTile;
+static_assert(kTile == 16);
+
+TOUCHLINE_AVX2_INLINE __m256i load(const std::uint8_t* bytes) {
+  return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(bytes));
+}
+TOUCHLINE_AVX2_INLINE __m128i load_half(const std::uint8_t* bytes) {
+  return _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes));
+}
+TOUCHLINE_AVX2_INLINE __m256i halves(__m128i low, __m128i high) {
+  return _mm256_inserti128_si256(_mm256_castsi128_si256(low), high, 1);
+}
+TOUCHLINE_AVX2_INLINE __m256i load_halves(const std::uint8_t* low, const std::uint8_t* high) {
+  return halves(load_half(low), load_half(high));
+}
+TOUCHLINE_AVX2_INLINE __m256i in_both_halves(const std::uint8_t* bytes) {
+  return _mm256_broadcastsi128_si256(load_half(bytes));
+}
+TOUCHLINE_AVX2_INLINE void store(ColorId* colors, __m256i value) {
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(colors), value);
+}
+TOUCHLINE_AVX2_INLINE void store_half(ColorId* colors, __m128i value) {
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(colors), value);
+}
+// 1 or 0, as a number: no branch.
+TOUCHLINE_AVX2_INLINE std::uint64_t is_zero(__m256i value) {
+  return static_cast<std::uint64_t>(_mm256_testz_si256(value, value));
+}
+
+// The light of the tiles in the lower and the upper half; the same one where there is but one.
+struct Lights {
+  const TileLight *low, *high;
+};
+
+TOUCHLINE_AVX2_INLINE __m256i four_bytes(const std::array<std::uint8_t, 4>& bytes) {
+  return _mm256_set1_epi32(std::bit_cast<int>(bytes));
+}
+
+// Values of a block, or of two that share their tables: loading these is half of the work.
+struct OneBlock {
+  __m256i first;
+};
+struct TwoBlocks {
+  __m256i first, second;
+};
+TOUCHLINE_AVX2_INLINE OneBlock and_of(const OneBlock& a, const OneBlock& b) {
+  return {_mm256_and_si256(a.first, b.first)};
+}
+TOUCHLINE_AVX2_INLINE TwoBlocks and_of(const TwoBlocks& a, const TwoBlocks& b) {
+  return {_mm256_and_si256(a.first, b.first), _mm256_and_si256(a.second, b.second)};
+}
+TOUCHLINE_AVX2_INLINE OneBlock or_of(const OneBlock& a, const OneBlock& b) {
+  return {_mm256_or_si256(a.first, b.first)};
+}
+TOUCHLINE_AVX2_INLINE TwoBlocks or_of(const TwoBlocks& a, const TwoBlocks& b) {
+  return {_mm256_or_si256(a.first, b.first), _mm256_or_si256(a.second, b.second)};
+}
+TOUCHLINE_AVX2_INLINE OneBlock shuffle(__m256i table, const OneBlock& digit) {
+  return {_mm256_shuffle_epi8(table, digit.first)};
+}
+TOUCHLINE_AVX2_INLINE TwoBlocks shuffle(__m256i table, const TwoBlocks& digit) {
+  return {_mm256_shuffle_epi8(table, digit.first), _mm256_shuffle_epi8(table, digit.second)};
+}
+// `a` where it is not zero, else `b`.
+TOUCHLINE_AVX2_INLINE __m256i first_of(__m256i a, __m256i b) {
+  return _mm256_blendv_epi8(a, b, _mm256_cmpeq_epi8(a, _mm256_setzero_si256()));
+}
+TOUCHLINE_AVX2_INLINE OneBlock first_of(const OneBlock& a, const OneBlock& b) { return {first_of(a.first, b.first)}; }
+TOUCHLINE_AVX2_INLINE TwoBlocks first_of(const TwoBlocks& a, const TwoBlocks& b) {
+  return {first_of(a.first, b.first), first_of(a.second, b.second)};
+}
+
+// Left to themselves compilers do all look-ups of a group first, and have no registers for what they find.
+TOUCHLINE_AVX2_INLINE void settle(OneBlock& values) { asm volatile("" : "+x"(values.first)); }
+TOUCHLINE_AVX2_INLINE void settle(TwoBlocks& values) { asm volatile("" : "+x"(values.first), "+x"(values.second)); }
+
+TOUCHLINE_AVX2_INLINE __m256i low_digit(__m256i values) { return _mm256_and_si256(values, _mm256_set1_epi8(15)); }
+TOUCHLINE_AVX2_INLINE __m256i high_digit(__m256i values) { return low_digit(_mm256_srli_epi16(values, 4)); }
+
+// The hexadecimal digits of values.
+template <class Values>
+struct Digits {
+  Values high, low;
+};
+TOUCHLINE_AVX2_INLINE Digits<OneBlock> digits_of(const OneBlock& values) {
+  return {{high_digit(values.first)}, {low_digit(values.first)}};
+}
+TOUCHLINE_AVX2_INLINE Digits<TwoBlocks> digits_of(const TwoBlocks& values) {
+  return {{high_digit(values.first), high_digit(values.second)}, {low_digit(values.first), low_digit(values.second)}};
+}
+
+// A channel's tables in each half of a block.
+struct ChannelTables {
+  const ChannelDigits *low, *high;
+};
+struct BlockTables {
+  ChannelTables channel[3];
+};
+
+template <bool kOneLight, class Values>
+TOUCHLINE_AVX2_INLINE Values look_up(const DigitTables::Table& low, const DigitTables::Table& high,
+                                     const Values& digit) {
+  return shuffle(kOneLight ? in_both_halves(low.data()) : load_halves(low.data(), high.data()), digit);
+}
+
+// A channel's values, and its tables.
+template <class Values>
+struct Channel {
+  Digits<Values> value;
+  ChannelTables tables;
+};
+template <class Values>
+struct Channels {
+  Channel<Values> first, second, third;
+};
+
+template <bool kOneLight, class Values>
+TOUCHLINE_AVX2_INLINE Values near_classes(const Channel<Values>& channel, std::size_t group) {
+  return look_up<kOneLight>((*channel.tables.low)[group].within, (*channel.tables.high)[group].within,
+                            channel.value.high);
+}
+// The group's classes of which all three intervals' high digits include the values'.
+template <bool kOneLight, class Values>
+TOUCHLINE_AVX2_INLINE Values near_classes(const Channels<Values>& channels, std::size_t group) {
+  return and_of(near_classes<kOneLight>(channels.first, group), and_of(near_classes<kOneLight>(channels.second, group),
+                                                                       near_classes<kOneLight>(channels.third, group)));
+}
+
+// Leaves those classes to which the values of a channel belong, a byte a value.
+template <bool kOneLight, class Values>
+TOUCHLINE_AVX2_INLINE void narrow(Values& classes, const Channel<Values>& channel, std::size_t group) {
+  const DigitTables &low = (*channel.tables.low)[group], &high = (*channel.tables.high)[group];
+  const Digits<Values>& value = channel.value;
+  classes = and_of(classes, or_of(look_up<kOneLight>(low.above_first, high.above_first, value.high),
+                                  look_up<kOneLight>(low.from_first, high.from_first, value.low)));
+  settle(classes);
+  classes = and_of(classes, or_of(look_up<kOneLight>(low.below_last, high.below_last, value.high),
+                                  look_up<kOneLight>(low.to_last, high.to_last, value.low)));
+  settle(classes);
+}
+
+// The color of the lowest class.
+template <class Values>
+TOUCHLINE_AVX2_INLINE Values color_of(const ColorDigits& tables, const Values& classes) {
+  const Digits<Values> bits = digits_of(classes);
+  return first_of(look_up<true>(tables.low, tables.low, bits.low), look_up<true>(tables.high, tables.high, bits.high));
+}
+
+}  // namespace touchline::avx2
+
+#endif

@@ -39,9 +39,8 @@ set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_MAINTAINER "The Touchline authors <touchline@invalid.example.org>")
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "adduser")
-# What libcamera loads for a camera at a ribbon cable.
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libcamera-ipa")
+# libcamera-ipa: what libcamera loads for a camera at a ribbon cable; without it there is no camera at all.
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "adduser, libcamera-ipa")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION TRUE)
 foreach(script postinst prerm postrm)

@@ -1,24 +1,17 @@
-# Cross-compiles all of it with Debian's compiler (tools/setup --cross) against a sysroot (tools/sysroot SUITE ARCH); tests run under qemu.
-# A preset sets TOUCHLINE_SUITE and TOUCHLINE_ARCH.
-set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES TOUCHLINE_SUITE TOUCHLINE_ARCH)
+# Cross-compiles all of it with Debian's compiler (tools/setup --cross) against a sysroot (tools/sysroot SUITE); tests run under qemu.
+# A preset sets TOUCHLINE_SUITE.
+set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES TOUCHLINE_SUITE)
 set(CMAKE_SYSTEM_NAME Linux)
-if(TOUCHLINE_ARCH STREQUAL "arm64")
-  set(CMAKE_SYSTEM_PROCESSOR aarch64)
-  set(triplet aarch64-linux-gnu)
-  # Nothing newer than a Raspberry Pi 4 has is used.
-  set(emulator qemu-aarch64-static -cpu cortex-a72)
-else()
-  set(CMAKE_SYSTEM_PROCESSOR armv7l)
-  set(triplet arm-linux-gnueabihf)
-  set(emulator qemu-arm-static -cpu cortex-a15)
-endif()
-cmake_path(SET CMAKE_SYSROOT NORMALIZE "${CMAKE_CURRENT_LIST_DIR}/../build/sysroot-${TOUCHLINE_SUITE}-${TOUCHLINE_ARCH}")
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+set(triplet aarch64-linux-gnu)
+cmake_path(SET CMAKE_SYSROOT NORMALIZE "${CMAKE_CURRENT_LIST_DIR}/../build/sysroot-${TOUCHLINE_SUITE}-arm64")
 if(NOT EXISTS ${CMAKE_SYSROOT}/.made-of)
-  message(FATAL_ERROR "${CMAKE_SYSROOT} is missing: tools/sysroot ${TOUCHLINE_SUITE} ${TOUCHLINE_ARCH}")
+  message(FATAL_ERROR "${CMAKE_SYSROOT} is missing: tools/sysroot ${TOUCHLINE_SUITE}")
 endif()
 set(CMAKE_C_COMPILER ${triplet}-gcc)
 set(CMAKE_CXX_COMPILER ${triplet}-g++)
-set(CMAKE_CROSSCOMPILING_EMULATOR ${emulator} -L ${CMAKE_SYSROOT})
+# Nothing newer than a Raspberry Pi 4 has is used.
+set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64-static -cpu cortex-a72 -L ${CMAKE_SYSROOT})
 
 # The compiler brings a C and a C++ library of its own, which it would take first. Its headers may be older than the sysroot's libraries;
 # its libraries may not, since those of the sysroot ask for what their own C++ library has.

@@ -26,8 +26,12 @@ Status reopen_camera(void* device) {
   auto& camera = *static_cast<hal::Camera*>(device);
   camera.stop();
   camera.close();
-  if (const Status opened = camera.open(); !opened.ok()) return opened;
-  return camera.start();
+  Status status = camera.open();
+  if (!status.ok()) return status;
+  status = camera.start();
+  // Held open until the next attempt, its number would stay taken and its module could not be unloaded.
+  if (!status.ok()) camera.close();
+  return status;
 }
 
 template <class Device>

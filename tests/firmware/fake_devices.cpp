@@ -46,7 +46,7 @@ Status FakeCamera::do_open() {
 }
 
 Status FakeCamera::do_start() {
-  if (!is_open) return ErrorCode::kIo;
+  if (!is_open || now_s() < starts_from_s) return ErrorCode::kIo;
   running = true;
   sequence_ = 0;  // as drivers do
   next_ = clock_.now() + kPeriod;

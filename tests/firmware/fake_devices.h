@@ -70,6 +70,7 @@ class FakeCamera final : public hal::Camera, public Script {
   std::uint64_t last_frame = ~std::uint64_t{0};  // kEndOfStream after so many
   std::uint16_t width = kWidth;                  // of the frames
   std::vector<double> opened_s;                  // each attempt
+  double starts_from_s = 0.0;                    // before, it opens but refuses to stream
   bool leased = false, running = false, is_open = false;
 
  private:

@@ -103,6 +103,18 @@ TEST_F(LoopTest, UnpluggedCameraComesBack) {
   EXPECT_STREQ(told[3].reason.data(), "");
 }
 
+TEST_F(LoopTest, ACameraThatRefusesToStreamIsNotHeldOpen) {
+  camera.add({1.0, 1.02, ErrorCode::kIo});
+  settings.faults.reopen_after_s = 0.5;
+  start();
+  camera.starts_from_s = 3.0;
+  run_until(2.0);
+  EXPECT_EQ(camera.opened_s.size(), 2U);
+  EXPECT_FALSE(camera.is_open) << "its module could not be unloaded";
+  run_until(6.0);
+  EXPECT_EQ(loop->statistics().reopened[0], 1U);
+}
+
 TEST_F(LoopTest, TracksBeginAnewAfterTheCameraWasLost) {
   settings.faults.reopen_after_s = 0.01;
   camera.show_ball();

@@ -1,0 +1,250 @@
+"""What tools/test-board asks of the board, and what must come of it."""
+import math
+import pathlib
+import re
+
+import guest
+
+HERE = pathlib.Path(__file__).resolve().parent
+MOCK = HERE.parent.parent / "boards" / "mock"
+LED, STROBE, EMERGENCY, START = 1, 2, 3, 5  # as in board.toml
+FORMATS = {"yuyv": "YUYV", "uyvy": "UYVY", "nv12": "NV12", "rgb24": "RGB3", "bgr24": "BGR3"}
+SETTLE = "udevadm settle --timeout=60"
+LOG = "journalctl -u touchline -o cat --no-pager"
+
+
+def payload():
+    """Files that the guest finds in /run/board."""
+    return [HERE / "board.toml", HERE / "board.rules", HERE / "board-shell.service",
+            *(MOCK / name for name in ("venue.toml", "venue-light.png", "team.toml"))]
+
+
+class Checks:
+    def __init__(self):
+        self.passed = self.failed = 0
+        self.numbers = []
+
+    def expect(self, holds, text):
+        print(f"{'  ok    ' if holds else '  FAILED'}  {text}", flush=True)
+        self.passed += bool(holds)
+        self.failed += not holds
+
+    def summary(self, logs):
+        print(f"{self.passed} checks passed, {self.failed} failed; logs in {logs}")
+        for line in self.numbers:
+            print("  " + line)
+        return 1 if self.failed else 0
+
+
+class Game:
+    def __init__(self, board, checks, arena, folder):
+        self.board, self.checks, self.folder = board, checks, folder
+        self.arena_program = arena
+        self.frames = self.packets = 0
+
+    def run(self, command, **more):
+        return self.board.run(command, **more)
+
+    def tell(self, pattern, seconds=60):
+        """Waits, by the guest's clock, until the service's log has it."""
+        self.run(f"timeout {seconds} sh -c 'until {LOG} | grep -q \"{pattern}\"; do sleep 0.05; done'")
+
+    def ask(self, line, meanwhile=None):
+        told = self.arena.ask(line, meanwhile)
+        self.frames += told["shown"]
+        self.packets += told["packets"]
+        return told
+
+    # The steps.
+
+    def boot(self):
+        self.board.boot()
+        self.board.find_pins()
+        print(self.run("uname -srm; systemctl is-system-running || true"))
+        self.checks.expect(self.run("uname -m") == "aarch64", "an aarch64 kernel of Debian runs")
+
+    def install(self, package):
+        print(self.run(f"dpkg -i ./{package}"))
+        self.checks.expect(self.run("dpkg-query -W -f '${db:Status-Status}' touchline") == "installed",
+                           f"{package} is installed by dpkg, in the guest")
+        self.run("mkdir -p /etc/touchline && cp board.toml venue.toml venue-light.png team.toml /etc/touchline/ &&"
+                 " sed 's/^space = .*/space = \"yuv\"/' venue.toml >venue-yuv.toml")
+        said = self.run("touchline check --board /etc/touchline/board.toml")
+        self.checks.expect("are sound" in said and "neon" in said, "touchline check: files are sound, NEON kernel")
+
+    def list_devices(self):
+        self.run("cp board.rules /etc/udev/rules.d/99-board.rules && udevadm control --reload")
+        # Two cameras that are nothing but cameras, the second one multi-planar.
+        self.run("modprobe vivid n_devs=2 node_types=0x1,0x1 num_inputs=1,1 input_types=0,0 multiplanar=1,2")
+        self.load_loopback(0)
+        self.run("modprobe virtio_console")
+        self.run("udevadm trigger --action=add --subsystem-match=video4linux --subsystem-match=gpio --subsystem-match=virtio-ports &&"
+                 f" udevadm trigger --action=add --sysname-match=ttyS0 && {SETTLE}")
+        self.run("(./board-feeder /dev/virtio-ports/arena /dev/arena-camera >feeder.log 2>&1 &)")
+        overrides = ["camera.rate_hz=30"]
+        self.arena = guest.Arena(self.arena_program, HERE / "board.toml", self.folder, overrides)
+        self.arena.ask("plug")
+        print(self.run("ls -l /dev/video* /dev/arena-camera /dev/gpiochip* /dev/ttyS0 | cut -c1-60,80-"))
+        for device in self.run("ls /dev/video*").split():
+            name = self.run(f"cat /sys/class/video4linux/{device.removeprefix('/dev/')}/name").strip()
+            if name.startswith("vivid"):
+                self.vivid = getattr(self, "vivid", []) + [device]
+        self.checks.expect(len(self.vivid) == 2, f"vivid's cameras: {', '.join(self.vivid)}")
+        said = self.run("touchline-devices", may_fail=True)
+        print(said)
+        for name in ("Arena", "vivid", "/dev/ttyS0", "gpiochip0"):
+            self.checks.expect(name in said, f"touchline-devices names {name}")
+
+    def load_loopback(self, number):
+        # As many buffers as the program asks for: else the module mixes up its first frames.
+        self.run(f"modprobe v4l2loopback video_nr={number} card_label=Arena exclusive_caps=0 max_buffers=4 && {SETTLE}")
+
+    def watch_vivid(self, device, frames, *settings):
+        return self.run(f"{self.vivid_command(device, frames, *settings)} 2>&1", may_fail=True)
+
+    def vivid_command(self, device, frames, *settings):
+        """What it sees does not matter, so any boxes will do; they must be in the space of the camera's colors."""
+        venue = "venue.toml" if any("rgb24" in s or "bgr24" in s for s in settings) else "venue-yuv.toml"
+        words = " ".join(f"--set {setting}" for setting in (
+            f"camera.device={device}", "radio.backend=none", "gpio.backend=none", "camera.rate_hz=15", *settings))
+        return f"touchline run --headless --board /etc/touchline/board.toml --venue {venue} --frames {frames} {words}"
+
+    def try_formats(self):
+        for device, planes in zip(self.vivid, ("one plane", "several planes")):
+            for word, fourcc in FORMATS.items():
+                said = self.watch_vivid(device, 5, f"camera.format={word}")
+                found = re.search(r"frames +(\d+) in .* (\d+) lost", said)
+                kind = "-mplane" if planes != "one plane" else ""
+                pixels = self.run(f"v4l2-ctl -d {device} --get-fmt-video{kind}", may_fail=True)
+                self.checks.expect(found is not None and found[1] == "5" and f"'{fourcc}'" in pixels,
+                                   f"{device} ({planes}), {word}: 5 frames" if found else f"{device} {word}: {said[-600:]}")
+        self.read_back_controls()
+
+    def read_back_controls(self):
+        device = self.vivid[0]
+        for value in (40, 200):
+            said = self.watch_vivid(device, 2, "camera.format=yuyv", f"camera.gain={value}")
+            is_set = self.run(f"v4l2-ctl -d {device} -C gain,gain_automatic")
+            self.checks.expect(f"gain: {value}" in is_set and "gain_automatic: 0" in is_set,
+                               f"gain {value} is in force, the automatic is off (read back by v4l2-ctl)")
+        said = self.watch_vivid(device, 2, "camera.format=yuyv", "camera.gain=9999")
+        self.checks.expect("gain = 9999: granted 255" in said, "gain 9999: granted 255, and told")
+
+    def unplug_vivid(self):
+        device = self.vivid[0]
+        name = self.run(f"basename $(readlink /sys/class/video4linux/{device.removeprefix('/dev/')}/device)")
+        command = self.vivid_command(device, 40, "camera.format=yuyv")
+        self.run(f"({command} >vivid.log 2>&1; echo code $? >>vivid.log) &")
+        wait = "timeout 60 sh -c 'until grep -q \"{}\" vivid.log; do sleep 0.1; done'"
+        self.run(wait.format("fps"))
+        self.run(f"echo {name} >/sys/bus/platform/drivers/vivid/unbind")
+        self.run(wait.format("opening it again"))
+        self.run(f"echo {name} >/sys/bus/platform/drivers/vivid/bind")
+        self.run(wait.format("^code"))
+        said = self.run("cat vivid.log")
+        print(said)
+        self.checks.expect("code 0" in said and re.search(r"frames +40 in", said),
+                           "unplugged and plugged in again while it streams: 40 frames, exit code 0")
+
+    def play(self, frames):
+        self.run("systemctl start --no-block touchline")
+        self.tell("^camera\\|^board")
+        begin = self.ask("play 10")
+        self.checks.expect(begin["stops"] == begin["packets"] == 10, f"robots stand until the start button: {begin['frames']}")
+        self.board.drive_pin(START, True)
+        begin = self.ask("play 20")
+        self.board.drive_pin(START, False)
+        self.checks.expect(re.fullmatch("s{0,3}m?d+", begin["frames"]), f"pressed: robots move: {begin['frames']}")
+        self.checks.expect(self.run("systemctl is-active touchline") == "active",
+                           "systemd counts the service as started, after its first good frame")
+        own = 0
+        for _ in range(2):
+            self.ask(f"play {frames // 4}")
+            own = max(own, self.own_seen())
+        frames -= frames // 4 * 2
+        told = self.ask(f"play {frames}")
+        own = max(own, self.own_seen())
+        self.checks.expect(own == 5, f"robots seen in the best of three looks: {own} of 5")
+        self.checks.expect(told["shown"] == told["packets"] == frames and told["stops"] == 0,
+                           f"{frames} frames: {told['packets']} packets with speeds, none missing")
+        self.checks.expect(told["damaged_bytes"] == 0 and told["sequence_gaps"] == 0,
+                           "no packet damaged and none missing in the sequence on the UART")
+        self.checks.expect(told["own_path_m"] > 1.0, f"robots moved {told['own_path_m']:.1f} m")
+        self.checks.expect(told["touches"] > 0, f"the ball was touched {told['touches']} times")
+        self.compare(told)
+        self.numbers(told)
+
+    def status(self):
+        return self.run("systemctl show -p StatusText --value touchline")
+
+    def own_seen(self):
+        found = re.search(r"own (\d)/5", self.status())
+        return int(found[1]) if found else 0
+
+    def compare(self, told):
+        """What the program says that it sees, with what is there."""
+        status = self.status()
+        print("  " + status)
+        found = re.search(r"ball \((-?[\d.]+), (-?[\d.]+)\)", status)
+        if found is None:
+            self.checks.expect(False, "the ball is seen")
+            return
+        seen = float(found[1]), float(found[2])
+        # The status is a second old at most, and given in centimeters.
+        off = min(math.dist(seen, place) for place in told["ball"][-40:])
+        self.checks.expect(off < 0.015, f"the ball is seen {1000 * off:.0f} mm from its path")
+
+    def numbers(self, told):
+        print(f"  {told['shown']} frames: {told['packets']} packets ({told['stops']} stops), own robots moved "
+              f"{told['own_path_m']:.2f} m, ball {told['ball_path_m']:.2f} m, {told['late']} frames late")
+
+    def watch_pins(self):
+        """With 40 frames: the status light blinks once a second, the strobe is high from a frame to its packet."""
+        seen = []
+        self.ask("play 40", lambda: seen.append(self.board.pins_now()))
+        for line, name in ((LED, "status light"), (STROBE, "strobe")):
+            levels = [pins >> line & 1 for pins in seen]
+            changes = sum(a != b for a, b in zip(levels, levels[1:]))
+            self.checks.expect(changes >= 2, f"{name}: {changes} changes in {len(seen)} looks from outside, 40 frames")
+
+    def pull_emergency_stop(self):
+        self.watch_pins()
+        self.board.drive_pin(EMERGENCY, True)
+        pulled = self.ask("play 10")["frames"]
+        self.checks.expect(pulled[0] in "sm" and set(pulled[1:]) == {"s"}, f"pulled: stop packets from the first frame on: {pulled}")
+        self.board.drive_pin(EMERGENCY, False)
+        released = self.ask("play 15")["frames"]
+        self.checks.expect(re.fullmatch(r"s{2,6}m?d+", released), f"released: robots move again: {released}")
+        self.ask("play 20")
+
+    def reload_module(self):
+        self.arena.ask("unplug")
+        told = self.ask("blind 40")
+        self.checks.expect("S" in told["frames"], f"no frames: the robots are told to stop: {told['frames']}")
+        # Tried until the program has let go of the device.
+        self.run("timeout 60 sh -c 'until rmmod v4l2loopback 2>/dev/null; do sleep 0.02; done'")
+        self.checks.expect(self.run("ls /dev/video7 /dev/arena-camera 2>&1 | grep -c 'No such'", may_fail=True) == "2",
+                           "the module is unloaded, the camera is gone")
+        self.ask("blind 20")
+        self.load_loopback(7)
+        self.arena.ask("plug")
+        self.tell("camera: is back")
+        told = self.ask("play 60")
+        self.checks.expect(re.fullmatch("s{0,3}d+", told["frames"]) and told["shown"] == 60,
+                           f"the camera is /dev/video7 now, and the game goes on: {told['frames']}")
+        self.checks.expect(told["own_path_m"] > 0.1, f"robots moved {told['own_path_m']:.1f} m")
+
+    def stop(self):
+        self.run("systemctl stop --no-block touchline")
+        told = self.ask("watch 20")
+        more = self.ask("listen 2")
+        self.checks.expect(re.fullmatch(r"[dm]*m?s+\.*", told["frames"] + more["frames"]) and told["stops"] + more["stops"] >= 5,
+                           f"SIGTERM: {told['stops'] + more['stops']} stop packets and no other: {told['frames']}")
+        self.run("timeout 30 sh -c 'while systemctl is-active -q touchline; do sleep 0.1; done'", may_fail=True)
+        result = self.run("systemctl show -p ExecMainStatus -p Result touchline")
+        self.checks.expect("Result=success" in result and "ExecMainStatus=0" in result, "exit code 0")
+        self.checks.expect(not self.board.pins_now() & (1 << LED | 1 << STROBE), "status light and strobe are off")
+        said = self.run(f"{LOG} | tail -n 20")
+        print(said)
+        self.checks.expect(" 0 lost on the way, 0 not good" in said, "no gap in the frames' sequence from begin to end")
+        self.checks.numbers.append(f"{self.frames} frames shown, {self.packets} packets received")

@@ -55,6 +55,16 @@ class Pipeline {
   void listen(std::span<const std::byte> bytes, Instant now) { monitor_.listen(bytes, now, trace_.reports); }
   [[nodiscard]] const RobotReports& reports() const { return trace_.reports; }
 
+  /// Between two frames: thresholds, light map and region of interest are those of `tables` from the next frame on, and
+  /// the adaptation begins anew as `adaptation` is configured; tracks and play go on. For `tables` and the answer see
+  /// RegionScanner::exchange. Copies some hundred bytes.
+  ScanTables& exchange(ScanTables& tables, const Adaptation& adaptation) {
+    adaptation_ = adaptation;
+    return scanner_.exchange(tables);
+  }
+  /// Between two frames; errors as Controller::retune.
+  Status retune(const ControlParameters& parameters) { return controller_.retune(parameters); }
+
   /// A packet that halts all robots, for when there is no frame to step; it acts after the action delay, counted from
   /// `now`. Valid until the next call.
   const Packet& stop(Instant now);

@@ -19,7 +19,8 @@ constexpr const char* kFooter =
     "Nothing moves before all files have been checked. Ctrl-C stops the robots and leaves; another one, a "
     "second later, leaves at once.\n"
     "SIGUSR1 freezes the adaptation to the light or lets it go on, SIGUSR2 puts it back to the calibration or begins\n"
-    "it anew.";
+    "it anew. SIGHUP reads the files again: exposure, gain, thresholds, light map, limits of the control and times\n"
+    "change while robots play; what cannot is named. (When the terminal is closed it stops the robots and leaves.)";
 
 // The library's own ranges let "nan" through, and name the largest double there is.
 CLI::Validator between(double low, double high) {

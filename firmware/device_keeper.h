@@ -26,6 +26,8 @@ class DeviceKeeper {
   DeviceKeeper& operator=(const DeviceKeeper&) = delete;
 
   [[nodiscard]] bool open() const { return open_; }
+  /// From the next loss on.
+  void set_first_pause(Duration pause) { first_pause_ = pause; }
   /// The device is lost from now on.
   void lost(Instant now);
   /// To be called in each iteration. True when the device has just come back.
@@ -45,7 +47,7 @@ class DeviceKeeper {
 
   Reopen reopen_;
   void* device_;
-  const Duration first_pause_;
+  Duration first_pause_;
   const bool wait_for_driver_;
   bool open_ = true;
   Instant lost_at_{}, next_attempt_{};

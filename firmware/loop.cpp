@@ -50,13 +50,22 @@ Loop::Loop(const LoopDevices& devices, Pipeline& pipeline, const LoopSettings& s
     : devices_(devices),
       pipeline_(pipeline),
       settings_(settings),
-      stop_after_(from_seconds(settings.faults.stop_after_s)),
-      slice_(slice_of(stop_after_)),
       reports_(reports),
       observer_(observer),
-      started_(!settings.start_button) {}
+      started_(!settings.start_button) {
+  set_faults(settings.faults);
+}
 
 Loop::~Loop() { close(); }
+
+void Loop::set_faults(const config::FaultSettings& faults) {
+  settings_.faults = faults;
+  stop_after_ = from_seconds(faults.stop_after_s);
+  slice_ = slice_of(stop_after_);
+  for (auto& keeper : keepers_) {
+    if (keeper) keeper->set_first_pause(from_seconds(faults.reopen_after_s));
+  }
+}
 
 Status Loop::open(std::string& reason) {
   const auto refused = [&](Device device, Status status) {
@@ -120,6 +129,7 @@ std::optional<LoopEnd> Loop::iterate() {
   serve_lost_devices(after);
   serve_light(after);
   report_if_due(after);
+  take_tuning();
   statistics_.end = after;
   pulse_.good_frames.store(statistics_.good_frames, std::memory_order_relaxed);
   pulse_.turns.fetch_add(1, std::memory_order_relaxed);
@@ -180,6 +190,20 @@ void Loop::adapt() {
     if (asked(settings_.adaptation->put_back, put_backs_served_)) toggle(AdaptationMode::kOff);
   }
   pipeline_.adapt();
+}
+
+void Loop::take_tuning() {
+  Tuning* tuning = settings_.handover != nullptr ? settings_.handover->offered() : nullptr;
+  if (tuning == nullptr) return;
+  if (tuning->tables != nullptr) {
+    if (tuning->keep_adaptation_mode) tuning->adaptation.set_mode(pipeline_.adaptation());
+    tuning->tables = &pipeline_.exchange(*tuning->tables, tuning->adaptation);
+  }
+  static_cast<void>(pipeline_.retune(tuning->control));  // was checked with the files
+  set_faults(tuning->faults);
+  settings_.radio_delay = tuning->radio_delay;
+  tuning->taken_after = statistics_.frames;
+  settings_.handover->taken();
 }
 
 void Loop::note_latency(const Frame& frame, const StepTiming& timing) {

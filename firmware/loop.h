@@ -10,6 +10,7 @@
 #include "firmware/adaptation_signal.h"
 #include "firmware/config/board_file.h"
 #include "firmware/device_keeper.h"
+#include "firmware/handover.h"
 #include "firmware/loop_pulse.h"
 #include "firmware/loop_report.h"
 #include "firmware/loop_statistics.h"
@@ -37,6 +38,7 @@ struct LoopSettings {
   const AdaptationRequests* adaptation = nullptr;  // whoever else may steer it; null: nobody
   bool telemetry = true;                           // listens to what robots send back
   bool start_button = false;                       // robots stand until it is pressed
+  Handover* handover = nullptr;                    // from whoever changes parameters while it runs; null: nobody
 };
 
 /// When one frame was where.
@@ -110,6 +112,8 @@ class Loop {
   void serve_light(Instant now);
   void update_halt(Instant now, Instant last_good);
   void adapt();
+  void take_tuning();
+  void set_faults(const config::FaultSettings& faults);
   void note_latency(const Frame& frame, const StepTiming& timing);
   void report_if_due(Instant now);
   void report_batteries(Instant now);
@@ -120,8 +124,8 @@ class Loop {
 
   LoopDevices devices_;
   Pipeline& pipeline_;
-  const LoopSettings settings_;
-  const Duration stop_after_, slice_;
+  LoopSettings settings_;
+  Duration stop_after_, slice_;
   ReportRing& reports_;
   LoopObserver observer_;
   std::array<std::optional<DeviceKeeper>, kDeviceCount> keepers_;

@@ -30,7 +30,21 @@ void Reporter::work() {
   }
 }
 
+void Reporter::say(const std::string& line) {
+  const std::scoped_lock alone(saying_);
+  said_ += line + "\n";
+}
+
 void Reporter::print_all() {
+  std::string said;
+  {
+    const std::scoped_lock alone(saying_);
+    said.swap(said_);
+  }
+  if (!said.empty()) {
+    std::fputs(said.c_str(), err_);
+    map_lines_ = 0;
+  }
   while (ring_.pop(report_)) print(report_);
 }
 

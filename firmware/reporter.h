@@ -2,6 +2,8 @@
 
 #include <atomic>
 #include <cstdio>
+#include <mutex>
+#include <string>
 #include <thread>
 
 #include "firmware/loop_report.h"
@@ -24,6 +26,8 @@ class Reporter {
   Reporter(ReportRing& ring, const ReporterSettings& settings, std::FILE* out, std::FILE* err);
   /// Prints what is left.
   ~Reporter();
+  /// Prints the line, without its end, to `err` before what comes from the ring. From any thread but the loop's.
+  void say(const std::string& line);
   Reporter(const Reporter&) = delete;
   Reporter& operator=(const Reporter&) = delete;
 
@@ -39,6 +43,8 @@ class Reporter {
   std::FILE* err_;
   int map_lines_ = 0;  // of the picture that stands above the cursor
   Report report_;
+  std::mutex saying_;
+  std::string said_;
   std::atomic<bool> end_{false};
   std::thread thread_;
 };

@@ -6,7 +6,9 @@
 
 #include "firmware/adaptation_signal.h"
 #include "firmware/realtime.h"
+#include "firmware/reload_signal.h"
 #include "firmware/reporter.h"
+#include "firmware/retuner.h"
 #include "firmware/service_watch.h"
 #include "firmware/stop_signal.h"
 #include "hal/linux/monotonic_clock.h"
@@ -63,6 +65,7 @@ int run_command(const CommandLine& command_line) {
   std::vector<std::string> refused = lock_memory(realtime);
   const std::atomic<bool>& stop = stop_on_signals();
   session.steer_adaptation(adaptation_on_signals());
+  const std::atomic<std::uint32_t>& reload_requests = reload_on_signal();
   RealTimePace pace;
   const bool paced = is_simulated(session.configuration().board) && !command_line.headless;
   std::string reason;
@@ -80,9 +83,12 @@ int run_command(const CommandLine& command_line) {
   LoopEnd end = LoopEnd::kAsked;
   const WakeRequest wake_request(realtime);
   refused.insert(refused.end(), wake_request.refused().begin(), wake_request.refused().end());
+  Retuner retuner(session.files(), session.configuration(), session.devices().loop_devices().camera,
+                  session.handover());
   {
-    // The thread that prints begins before this one becomes privileged, and inherits nothing of it.
-    const Reporter reporter(session.reports(), reporting, stdout, stderr);
+    // The threads that print and read files begin before this one becomes privileged, and inherit nothing of it.
+    Reporter reporter(session.reports(), reporting, stdout, stderr);
+    const ReloadThread reload(retuner, reload_requests, [&](const std::string& line) { reporter.say(line); });
     for (std::string& refusal : become_realtime(realtime)) refused.push_back(std::move(refusal));
     for (std::string& hint : realtime_hints(realtime)) refused.push_back(std::move(hint));
     print_start(session, refused);

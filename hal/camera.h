@@ -13,6 +13,7 @@
 namespace touchline::hal {
 
 class Camera;
+struct CameraSettings;
 
 /// File descriptors of the memory (Linux's dma-buf) in which a picture lies, so that another device (an encoder, a
 /// display) can read it without a copy: one a piece of memory, -1: none. NV12 lies in one piece or in two.
@@ -74,6 +75,12 @@ class Camera {
   /// The oldest frame not yet handed out, waiting for it until `deadline` (of hal::Clock). kTimeout: none came.
   /// kShortFrame, kCorruptFrame: this frame is lost, the next may be good. kEndOfStream: a recording is over.
   Result<FrameLease> wait(Instant deadline) { return do_wait(deadline); }
+  /// Exposure, gain, white balance, focus and lamp flicker are as `settings` say from now on, also after the next
+  /// open(); all else that stands there is ignored. From any thread, whatever the camera does meanwhile: streaming goes
+  /// on. May block. `grants`: what was granted otherwise than asked, with the device's name; empty when nothing was,
+  /// and when the camera is not open: then open() tells. kUnsupported: it has no such thing, which `grants` says as
+  /// well.
+  Status adjust(const CameraSettings& settings, std::string& grants) { return do_adjust(settings, grants); }
   void stop() { do_stop(); }
   void close() { do_close(); }
 
@@ -88,6 +95,10 @@ class Camera {
   virtual Status do_start() = 0;
   virtual Result<FrameLease> do_wait(Instant deadline) = 0;
   virtual void do_release(std::uint32_t buffer) noexcept = 0;
+  virtual Status do_adjust(const CameraSettings& /*settings*/, std::string& grants) {
+    grants = "this camera has no exposure, gain or focus to be changed while it runs";
+    return ErrorCode::kUnsupported;
+  }
   virtual void do_stop() = 0;
   virtual void do_close() = 0;
 };

@@ -71,6 +71,15 @@ struct CameraSettings {
   int focus = kFocusLeave;
   PowerLine power_line = PowerLine::kLeave;
 
+  /// What Camera::adjust() looks at.
+  void take_controls(const CameraSettings& other) {
+    exposure_us = other.exposure_us;
+    gain = other.gain;
+    white_balance_k = other.white_balance_k;
+    focus = other.focus;
+    power_line = other.power_line;
+  }
+
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.choice("backend", self.backend, std::span<const Choice<CameraBackend>>(kCameraBackends),

@@ -15,6 +15,12 @@ constexpr double kMaxStep = 0.1;
 }  // namespace
 
 Status Controller::configure(const ControlParameters& parameters, const FieldParameters& field) {
+  if (Status s = take(parameters, field); !s.ok()) return s;
+  reset();
+  return {};
+}
+
+Status Controller::take(const ControlParameters& parameters, const FieldParameters& field) {
   const DriveParameters& drive = parameters.drive;
   if (!positive(drive.wheel_base_m) || !positive(drive.max_speed_mps) || !positive(drive.max_turn_radps) ||
       !positive(drive.max_wheel_speed_mps) || !positive(drive.max_wheel_acceleration_mps2)) {
@@ -28,7 +34,6 @@ Status Controller::configure(const ControlParameters& parameters, const FieldPar
   }
   parameters_ = parameters;
   play_.configure(parameters, field);
-  reset();
   return {};
 }
 

@@ -13,6 +13,8 @@ class Controller {
  public:
   /// kOutOfRange: a limit or gain that no drive can have.
   Status configure(const ControlParameters& parameters, const FieldParameters& field);
+  /// Other limits, gains and rules in the middle of a game, which goes on. Errors as configure(); then all stays.
+  Status retune(const ControlParameters& parameters) { return take(parameters, play_.field()); }
   void reset();
   /// One command for each own robot that is tracked under an id, in the order of the tracks. A robot that is new, or
   /// has coasted for longer than max_coast_s, is told to stand; one that is lost is not listed, which tells it the same
@@ -28,6 +30,7 @@ class Controller {
     Twist last;  // commanded
     StuckMonitor stuck;
   };
+  Status take(const ControlParameters& parameters, const FieldParameters& field);
   Memory* memory_of(RobotId id);
   void forget_absent();
   [[nodiscard]] bool fit_to_play(const RobotTrack& robot, Instant now) const;

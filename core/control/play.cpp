@@ -27,7 +27,6 @@ void obstacles_for(RobotId id, const Tracks& tracks, Obstacles& out) {
 void Play::configure(const ControlParameters& parameters, const FieldParameters& field) {
   parameters_ = parameters;
   field_ = field;
-  reset();
 }
 
 void Play::decide(const Tracks& tracks, const Players& players, Twists& wanted) {

@@ -12,6 +12,7 @@ namespace touchline {
 /// supporters behind and aside. Without a ball the keeper guards the middle and the others stand.
 class Play {
  public:
+  /// Roles stay as they are.
   void configure(const ControlParameters& parameters, const FieldParameters& field);
   void reset() { roles_.reset(); }
 
@@ -20,6 +21,7 @@ class Play {
   void decide(const Tracks& tracks, const Players& players, Twists& wanted);
 
   [[nodiscard]] const Roles& roles() const { return roles_; }
+  [[nodiscard]] const FieldParameters& field() const { return field_; }
 
  private:
   [[nodiscard]] Twist guard(const Player& player, const BallTrack& ball) const;

@@ -4,7 +4,7 @@
 
 namespace touchline {
 
-Status RegionScanner::configure(const ScanParameters& parameters) {
+Status ScanTables::configure(const ScanParameters& parameters) {
   configured_ = false;
   if (Status s = classifier_.configure(parameters.format, parameters.width_px, parameters.height_px, parameters.boxes,
                                        parameters.light, parameters.kernel, parameters.box_room);
@@ -18,18 +18,23 @@ Status RegionScanner::configure(const ScanParameters& parameters) {
   min_area_px_ = parameters.min_area_px;
   find_masks_ = row_masker(classifier_.kernel());
   run_writer_.configure(classifier_.kernel(), (std::size_t{parameters.width_px} + kPixelsOfWord - 1) / kPixelsOfWord);
-  rows_.fill({});
   configured_ = true;
   return {};
+}
+
+Status RegionScanner::configure(const ScanParameters& parameters) {
+  tables_ = &own_;
+  rows_.fill({});
+  return own_.configure(parameters);
 }
 
 Status RegionScanner::scan(const Frame& frame, Runs& runs, Regions& regions) {
   runs.clear();
   regions.clear();
-  if (!configured_) return ErrorCode::kUnsupported;
-  if (Status s = classifier_.accepts(frame); !s.ok()) return s;
+  if (!tables_->configured_) return ErrorCode::kUnsupported;
+  if (Status s = tables_->classifier_.accepts(frame); !s.ok()) return s;
 
-  labeling_.begin(min_area_px_);
+  labeling_.begin(tables_->min_area_px_);
   budget_.begin(frame.height_px);
   rows_[1].colors.clear();  // above the first row
   for (std::uint16_t v = 0; v < frame.height_px; ++v) {
@@ -46,13 +51,13 @@ void RegionScanner::classify(const Frame& frame, std::uint16_t v) {
   ColorId* colors = row.colors.pixels();
   std::uint16_t done = 0;
   OccupiedWords occupied = 0;
-  for (const ColumnSpan& span : region_of_interest_.row(v)) {
+  for (const ColumnSpan& span : tables_->region_of_interest_.row(v)) {
     std::fill(colors + done, colors + span.begin, kBackground);
-    occupied |= classifier_.classify(frame, v, span.begin, span.end, colors);
+    occupied |= tables_->classifier_.classify(frame, v, span.begin, span.end, colors);
     done = span.end;
   }
   std::fill(colors + done, colors + frame.width_px, kBackground);
-  find_masks_(row.colors, rows_[(v + 1u) % 2].colors, occupied, row.masks);
+  tables_->find_masks_(row.colors, rows_[(v + 1u) % 2].colors, occupied, row.masks);
 }
 
 void RegionScanner::add_row(std::uint16_t v, const RowMasks& below, Runs& runs) {
@@ -61,14 +66,14 @@ void RegionScanner::add_row(std::uint16_t v, const RowMasks& below, Runs& runs) 
     budget_.spend(0);
     return;
   }
-  if (min_area_px_ > 1) forget_specks(below, row.masks);
+  if (tables_->min_area_px_ > 1) forget_specks(below, row.masks);
   const std::size_t first = runs.size();
-  const std::size_t count = run_writer_.count(row.masks), limit = budget_.limit(count);
+  const std::size_t count = tables_->run_writer_.count(row.masks), limit = budget_.limit(count);
   std::size_t written = 0;
   if (count <= limit) {
-    written = run_writer_.write_all(row.masks, row.colors, v, runs.data() + first);
+    written = tables_->run_writer_.write_all(row.masks, row.colors, v, runs.data() + first);
   } else {
-    written = run_writer_.write_longest(row.masks, row.colors, v, limit, runs.data() + first);
+    written = tables_->run_writer_.write_longest(row.masks, row.colors, v, limit, runs.data() + first);
     runs.refuse(count - written);
   }
   budget_.spend(written);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 
 #include "core/color/color_tables.h"
 #include "core/color/row_classifier.h"
@@ -26,22 +27,51 @@ struct ScanParameters {
   std::uint8_t box_room = 0;  // levels by which boxes may be moved while frames come
 };
 
-/// Classification and labeling in one scan of the frame (paper, sections 3.2 and 4.1), over runs instead of pixels:
-/// union-find gives the paper's regions without copying, in a bounded time.
-/// Large (fixed memory): make one, not on the stack.
-class RegionScanner {
+/// All that the parameters decide of a scan: made while another set is in use, and exchanged for it between two frames.
+/// Large (fixed memory): not on the stack.
+class ScanTables {
  public:
   /// kOutOfRange: a size of 0 or above the capacity, a bad box, light map or polygon; kInconsistent: a polygon without
   /// a pixel. (Boxes of different colors that overlap are not an error here: the loader reports them.)
   /// After an error no frame is accepted.
   Status configure(const ScanParameters& parameters);
 
+ private:
+  friend class RegionScanner;
+
+  bool configured_ = false;
+  std::uint32_t min_area_px_ = 1;
+  RowClassifier classifier_;
+  RegionOfInterest region_of_interest_;
+  RowMasker find_masks_ = nullptr;
+  RunWriter run_writer_;
+};
+
+/// Classification and labeling in one scan of the frame (paper, sections 3.2 and 4.1), over runs instead of pixels:
+/// union-find gives the paper's regions without copying, in a bounded time.
+/// Large (fixed memory): make one, not on the stack.
+class RegionScanner {
+ public:
+  RegionScanner() = default;
+  RegionScanner(const RegionScanner&) = delete;
+  RegionScanner& operator=(const RegionScanner&) = delete;
+  ~RegionScanner() = default;
+
+  /// As ScanTables::configure, of the set that is the scanner's own and in use from now on.
+  Status configure(const ScanParameters& parameters);
+
+  /// Between two scans: from the next one on `tables` are in use, which must be configured for pictures of the same
+  /// size and live as long as they are. Returns those that were in use; the scanner's own live as long as it does.
+  ScanTables& exchange(ScanTables& tables) { return *std::exchange(tables_, &tables); }
+
   /// Between two scans, a part at a time: see RowClassifier.
-  void follow_light(const LightChange& change, std::uint16_t tile_row) { classifier_.follow_light(change, tile_row); }
-  void move_boxes(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
-    classifier_.move_boxes(boxes, channel, level);
+  void follow_light(const LightChange& change, std::uint16_t tile_row) {
+    tables_->classifier_.follow_light(change, tile_row);
   }
-  [[nodiscard]] const Shading& shading() const { return classifier_.shading(); }
+  void move_boxes(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
+    tables_->classifier_.move_boxes(boxes, channel, level);
+  }
+  [[nodiscard]] const Shading& shading() const { return tables_->classifier_.shading(); }
 
   /// Regions in raster order of their first pixel, 4-neighborhood, exact sums; `runs` holds the runs of these regions
   /// in raster order, those of one region chained by Run::next, and no others.
@@ -65,13 +95,9 @@ class RegionScanner {
   void classify(const Frame& frame, std::uint16_t v);
   void add_row(std::uint16_t v, const RowMasks& below, Runs& runs);
 
-  bool configured_ = false;
-  std::uint32_t min_area_px_ = 1;
-  RowClassifier classifier_;
-  RegionOfInterest region_of_interest_;
-  RowMasker find_masks_ = nullptr;
+  ScanTables own_;
+  ScanTables* tables_ = &own_;
   RunBudget budget_;
-  RunWriter run_writer_;
   Labeling labeling_;
   std::array<Row, 2> rows_;  // row v is number v % 2
   RowMasks nothing_;         // below the last row

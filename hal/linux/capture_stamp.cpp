@@ -11,7 +11,11 @@ bool is_of_start(std::uint32_t flags) {
 
 }  // namespace
 
-void CaptureStamp::restart(Duration exposure) { *this = CaptureStamp{}, exposure_ = exposure; }
+void CaptureStamp::restart(Duration exposure) {
+  set_exposure(exposure);
+  last_stamp_ = last_capture_ = {};
+  replaced_ = 0;
+}
 
 bool CaptureStamp::is_monotonic(std::uint32_t flags) {
   return (flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
@@ -23,12 +27,13 @@ const char* CaptureStamp::name_of(std::uint32_t flags) {
 }
 
 Instant CaptureStamp::middle_of_exposure(std::uint32_t flags, Instant stamp, Instant now) {
+  const Duration half_exposure = Duration(exposure_.load(std::memory_order_relaxed)) / 2;
   const bool monotonic = is_monotonic(flags);
   const bool credible = monotonic && stamp > last_stamp_ && stamp <= now;
-  Instant capture = now - exposure_ / 2;
+  Instant capture = now - half_exposure;
   if (credible) {
     last_stamp_ = stamp;
-    capture = is_of_start(flags) ? stamp + exposure_ / 2 : stamp - exposure_ / 2;
+    capture = is_of_start(flags) ? stamp + half_exposure : stamp - half_exposure;
   } else if (monotonic) {
     ++replaced_;
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
 #include "core/time.h"
@@ -16,8 +17,8 @@ class CaptureStamp {
  public:
   /// `exposure` zero: unknown, nothing is corrected by it.
   void restart(Duration exposure);
-  /// Of the frame to come, where it changes from frame to frame.
-  void set_exposure(Duration exposure) { exposure_ = exposure; }
+  /// Of the frames to come; from any thread.
+  void set_exposure(Duration exposure) { exposure_.store(exposure.count(), std::memory_order_relaxed); }
   /// `flags` of v4l2_buffer; `now` at dequeuing.
   Instant middle_of_exposure(std::uint32_t flags, Instant stamp, Instant now);
 
@@ -28,7 +29,7 @@ class CaptureStamp {
   [[nodiscard]] static const char* name_of(std::uint32_t flags);
 
  private:
-  Duration exposure_{};
+  std::atomic<Duration::rep> exposure_{0};
   Instant last_stamp_{}, last_capture_{};
   std::uint64_t replaced_ = 0;
 };

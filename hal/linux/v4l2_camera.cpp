@@ -23,7 +23,12 @@ constexpr std::size_t kFewestBuffers = 2;
 }  // namespace
 
 Status V4l2Camera::do_open() {
-  do_close();
+  const std::scoped_lock alone(changing_);
+  return open_anew();
+}
+
+Status V4l2Camera::open_anew() {
+  shut();
   reason_.clear();
   grants_.clear();
   info_ = {};
@@ -40,7 +45,7 @@ Status V4l2Camera::do_open() {
     status = map_buffers();
   }
   if (!status.ok()) {
-    do_close();
+    shut();
     return status;
   }
   if (decodes()) {
@@ -152,6 +157,7 @@ void V4l2Camera::tell_grants() {
 }
 
 Status V4l2Camera::do_start() {
+  const std::scoped_lock alone(changing_);
   if (!device_.is_open()) {
     reason_.set("%s: not open", name());
     return ErrorCode::kInconsistent;
@@ -282,6 +288,18 @@ void V4l2Camera::do_release(std::uint32_t buffer) noexcept {
   if (error != 0) static_cast<void>(fail("queuing a buffer", error));  // the next wait() tells
 }
 
+/// Beside wait() on another thread: of what that writes, nothing is touched but the exposure time for the stamps.
+Status V4l2Camera::do_adjust(const CameraSettings& settings, std::string& grants) {
+  const std::scoped_lock alone(changing_);
+  settings_.take_controls(settings);
+  grants.clear();
+  if (!device_.is_open()) return {};
+  Reason text;
+  stamps_.set_exposure(apply_controls(device_, settings_, text));
+  if (!text.empty()) grants = std::string(name()) + ": " + text.text();
+  return {};
+}
+
 void V4l2Camera::do_stop() {
   if (!streaming_) return;
   std::uint32_t type = capture_type(identity_.multi_planar);
@@ -291,6 +309,11 @@ void V4l2Camera::do_stop() {
 }
 
 void V4l2Camera::do_close() {
+  const std::scoped_lock alone(changing_);
+  shut();
+}
+
+void V4l2Camera::shut() {
   do_stop();
   buffers_.unmap(device_);
   device_.close();

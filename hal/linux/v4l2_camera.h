@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <mutex>
 
 #include "hal/camera.h"
 #include "hal/device_parameters.h"
@@ -49,9 +50,12 @@ class V4l2Camera final : public Camera {
   Status do_start() override;
   Result<FrameLease> do_wait(Instant deadline) override;
   void do_release(std::uint32_t buffer) noexcept override;
+  Status do_adjust(const CameraSettings& settings, std::string& grants) override;
   void do_stop() override;
   void do_close() override;
 
+  Status open_anew();
+  void shut();
   Status open_file();
   Status identify();
   Status map_buffers();
@@ -67,6 +71,7 @@ class V4l2Camera final : public Camera {
   [[nodiscard]] const char* name() const { return settings_.device.c_str(); }
 
   CameraSettings settings_;
+  std::mutex changing_;  // the controls of the settings, or whether the device is open; wait() changes neither
   V4l2Device device_;
   V4l2Identity identity_;
   std::string link_;  // to the device, where the settings name its number

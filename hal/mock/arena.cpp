@@ -89,6 +89,13 @@ std::optional<Shot> Arena::take_shot() {
   return shot;
 }
 
+void Arena::adjust_camera(const CameraSettings& settings) {
+  const auto ratio = [](int now, int at_begin) {
+    return now > 0 && at_begin > 0 ? static_cast<double>(now) / at_begin : 1.0;
+  };
+  sensor_.set_brightness(ratio(settings.exposure_us, camera_.exposure_us) * ratio(settings.gain, camera_.gain));
+}
+
 void Arena::draw(const Shot& shot, std::span<std::uint8_t> out) {
   sensor_.expose(faulty(FaultKind::kDark) ? renderer_.render_dark() : renderer_.render(shot.begin, shot.end), out);
 }

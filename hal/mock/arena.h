@@ -63,6 +63,9 @@ class Arena {
   /// Draws it; `out` holds layout_of() bytes.
   void draw(const Shot& shot, std::span<std::uint8_t> out);
 
+  /// Exposure time and gain of `settings` against those of the construction, where both are given, make the pictures
+  /// brighter or darker.
+  void adjust_camera(const CameraSettings& settings);
   [[nodiscard]] const CameraSettings& camera() const { return camera_; }
   [[nodiscard]] World& world() { return world_; }
   [[nodiscard]] const World& world() const { return world_; }

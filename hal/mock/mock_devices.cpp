@@ -114,6 +114,12 @@ void MockCamera::do_release(std::uint32_t buffer) noexcept {
   arena_.release_buffer();
 }
 
+Status MockCamera::do_adjust(const CameraSettings& settings, std::string& /*grants*/) {
+  const std::scoped_lock alone(arena_.mutex());
+  arena_.adjust_camera(settings);
+  return {};
+}
+
 void MockCamera::do_stop() {
   const std::scoped_lock alone(arena_.mutex());
   arena_.stop_camera();

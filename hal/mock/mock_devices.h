@@ -30,6 +30,7 @@ class MockCamera : public Camera {
   Status do_start() override;
   Result<FrameLease> do_wait(Instant deadline) override;
   void do_release(std::uint32_t buffer) noexcept override;
+  Status do_adjust(const CameraSettings& settings, std::string& grants) override;
   void do_stop() override;
   void do_close() override;
   Result<FrameLease> hand_out(const Shot& shot);

@@ -44,22 +44,32 @@ PictureLayout layout_of(PixelFormat format, std::uint16_t width_px, std::uint16_
 
 Sensor::Sensor(const SensorParameters& parameters, PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,
                std::uint64_t seed)
-    : format_(format),
+    : parameters_(parameters),
+      format_(format),
       width_(width_px),
       height_(height_px),
       layout_(layout_of(format, width_px, height_px)),
       random_(seed, kSensorStream),
+      mean_(kLinearScale + 1),
       sigma_(kLinearScale + 1),
       tone_(kLinearScale + 1),
       row_(3 * width_),
       chroma_(2 * ((width_ + 1) / 2)) {
-  const double electrons_per_step = parameters.full_well_electrons / kLinearScale;
   for (std::size_t i = 0; i <= kLinearScale; ++i) {
-    const auto value = static_cast<double>(i);
-    const double variance =
-        parameters.read_noise_electrons * parameters.read_noise_electrons + value * electrons_per_step;
-    sigma_[i] = static_cast<float>(std::sqrt(variance) / electrons_per_step);
-    tone_[i] = static_cast<std::uint8_t>(std::lround(255.0 * std::pow(value / kLinearScale, 1.0 / parameters.gamma)));
+    const double value = static_cast<double>(i) / kLinearScale;
+    tone_[i] = static_cast<std::uint8_t>(std::lround(255.0 * std::pow(value, 1.0 / parameters.gamma)));
+  }
+  set_brightness(1.0);
+}
+
+void Sensor::set_brightness(double brightness) {
+  const double electrons_per_step = parameters_.full_well_electrons / kLinearScale;
+  const double read_noise = parameters_.read_noise_electrons;
+  for (std::size_t i = 0; i <= kLinearScale; ++i) {
+    const double value = std::min(static_cast<double>(i) * brightness, double{kLinearScale});
+    mean_[i] = static_cast<float>(value);
+    sigma_[i] =
+        static_cast<float>(std::sqrt(read_noise * read_noise + value * electrons_per_step) / electrons_per_step);
   }
 }
 
@@ -75,7 +85,7 @@ void Sensor::develop_row(const std::uint16_t* linear) {
   for (std::size_t i = 0; i < row_.size(); ++i) {
     if (i % 4 == 0) bits = random_.bits();
     const std::uint16_t value = linear[i];
-    const float noisy = static_cast<float>(value) + sigma_[value] * normal_[bits] + 0.5f;  // rounded below
+    const float noisy = mean_[value] + sigma_[value] * normal_[bits] + 0.5f;  // rounded below
     bits >>= 16U;
     row_[i] = tone_[static_cast<std::size_t>(std::clamp(noisy, 0.0f, static_cast<float>(kLinearScale)))];
   }

@@ -27,6 +27,9 @@ class Sensor {
   Sensor(const SensorParameters& parameters, PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,
          std::uint64_t seed);
 
+  /// From now on so much more light is gathered and amplified than at the begin. Range: above 0. Allocates nothing.
+  void set_brightness(double brightness);
+
   /// `linear`: R, G, B of each pixel, 0 to kLinearScale. `out`: layout_of() bytes. Allocates nothing.
   void expose(std::span<const std::uint16_t> linear, std::span<std::uint8_t> out);
 
@@ -34,12 +37,13 @@ class Sensor {
   void develop_row(const std::uint16_t* linear);
   void write_row(std::size_t row, std::span<std::uint8_t> out);
 
+  const SensorParameters parameters_;
   PixelFormat format_;
   std::size_t width_ = 0, height_ = 0;
   PictureLayout layout_;
   Random random_;
   NormalTable normal_;
-  std::vector<float> sigma_;           // by linear value
+  std::vector<float> mean_, sigma_;    // by linear value
   std::vector<std::uint8_t> tone_;     // likewise
   std::vector<std::uint8_t> row_;      // R, G, B of one row
   std::vector<std::uint16_t> chroma_;  // sums of U, V of a row's pairs, for NV12's second row

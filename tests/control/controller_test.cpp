@@ -44,6 +44,27 @@ class ControllerTest : public testing::Test {
   Commands commands_;
 };
 
+TEST_F(ControllerTest, OtherLimitsAreTakenInTheMiddleOfAGame) {
+  run(60);
+  const RobotId attacker = controller_.roles().attacker();
+  const Commands before = commands_;
+  ControlParameters slow;
+  slow.drive.max_speed_mps = 0.2;
+  ASSERT_TRUE(controller_.retune(slow).ok());
+  EXPECT_EQ(controller_.roles().attacker(), attacker);
+  decide(world_.tracks());
+  const double most = slow.drive.max_wheel_acceleration_mps2 * 0.016 + 1e-6;
+  for (std::size_t i = 0; i < 3; ++i) {
+    // Memory of what was commanded stays as well: nobody starts from rest, or jumps.
+    const double change = commands_.robots[i].wheels.left_mps - before.robots[i].wheels.left_mps;
+    EXPECT_LE(std::abs(change), most + 0.064) << i;
+  }
+  run(60);
+  for (const RobotCommand& command : commands_.robots) EXPECT_LE(std::abs(command.twist.v_mps), 0.2f + 1e-6f);
+  slow.drive.wheel_base_m = 0.0;
+  EXPECT_EQ(controller_.retune(slow).code(), ErrorCode::kOutOfRange);
+}
+
 TEST_F(ControllerTest, ListsEachOwnRobotWithAnIdAndTwistAndWheelsAgree) {
   Tracks tracks = world_.tracks();
   RobotTrack other = tracks.robots[0];

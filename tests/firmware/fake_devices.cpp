@@ -37,6 +37,12 @@ void FakeCamera::show_ball() {
   }
 }
 
+Status FakeCamera::do_adjust(const hal::CameraSettings& settings, std::string& answer) {
+  adjusted_exposure_us = settings.exposure_us;
+  answer = grants;
+  return {};
+}
+
 Status FakeCamera::do_open() {
   opened_s.push_back(now_s());
   const Status fault = status();

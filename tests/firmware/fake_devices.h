@@ -7,6 +7,7 @@
 #include "core/time.h"
 #include "hal/camera.h"
 #include "hal/clock.h"
+#include "hal/device_parameters.h"
 #include "hal/gpio.h"
 #include "hal/radio.h"
 
@@ -72,10 +73,13 @@ class FakeCamera final : public hal::Camera, public Script {
   std::vector<double> opened_s;                  // each attempt
   double starts_from_s = 0.0;                    // before, it opens but refuses to stream
   bool leased = false, running = false, is_open = false;
+  std::optional<int> adjusted_exposure_us;
+  std::string grants;  // of adjust()
 
  private:
   Status do_open() override;
   Status do_start() override;
+  Status do_adjust(const hal::CameraSettings& settings, std::string& answer) override;
   Result<hal::FrameLease> do_wait(Instant deadline) override;
   void do_release(std::uint32_t) noexcept override { leased = false; }
   void do_stop() override { running = false; }

@@ -2,11 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <csignal>
 #include <cstdlib>
+#include <string>
 #include <thread>
 
 #include "firmware/adaptation_signal.h"
+#include "firmware/reload_signal.h"
 
 namespace touchline {
 namespace {
@@ -44,6 +49,45 @@ TEST(StopSignal, APipeWithoutReaderEndsNothing) {
   const bool frozen = requests.freeze == 1 && requests.put_back == 0;
   static_cast<void>(std::raise(SIGUSR2));
   std::_Exit(frozen && requests.freeze == 1 && requests.put_back == 1 ? 0 : 1);
+}
+
+[[noreturn]] void hang_up(bool ignored) {
+  if (ignored) std::signal(SIGHUP, SIG_IGN);
+  const std::atomic<bool>& stop = stop_on_signals();
+  const std::atomic<std::uint32_t>& requests = reload_on_signal();
+  static_cast<void>(std::raise(SIGHUP));
+  std::_Exit(stop.load() ? 3 : static_cast<int>(requests.load()));
+}
+
+/// In a session of its own with a terminal, which is closed before the signal comes.
+[[noreturn]] void lose_terminal(bool ignored) {
+  const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
+  if (master < 0 || ::grantpt(master) != 0 || ::unlockpt(master) != 0) std::_Exit(90);
+  const std::string name = ::ptsname(master);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::setsid();
+    if (::open(name.c_str(), O_RDWR) < 0) std::_Exit(91);  // becomes the session's terminal
+    std::signal(SIGHUP, ignored ? SIG_IGN : SIG_DFL);
+    const std::atomic<bool>& stop = stop_on_signals();
+    const std::atomic<std::uint32_t>& requests = reload_on_signal();
+    static_cast<void>(std::raise(SIGHUP));
+    if (stop.load() || requests.load() != 1) std::_Exit(92);  // the terminal is there: read the files
+    ::close(master);
+    while (!stop.load() && requests.load() < 2) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::_Exit(stop.load() ? 3 : 2);
+  }
+  ::close(master);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  std::_Exit(WIFEXITED(status) ? WEXITSTATUS(status) : 93);
+}
+
+TEST(ReloadSignal, CountsUnlessTheTerminalIsClosed) {
+  EXPECT_EXIT(hang_up(false), ::testing::ExitedWithCode(1), "");
+  EXPECT_EXIT(hang_up(true), ::testing::ExitedWithCode(1), "");
+  EXPECT_EXIT(lose_terminal(false), ::testing::ExitedWithCode(3), "");
+  EXPECT_EXIT(lose_terminal(true), ::testing::ExitedWithCode(2), "") << "nohup: it may play on";
 }
 
 TEST(AdaptationSignal, EachCountsWhatItAsksFor) { EXPECT_EXIT(steer(), ::testing::ExitedWithCode(0), ""); }

@@ -139,6 +139,56 @@ TEST_F(V4l2ControlsTest, AReportIsNotRepeatedByStart) {
   EXPECT_EQ(camera.reason(), report);
 }
 
+using V4l2AdjustTest = V4l2RunningTest;
+
+TEST_F(V4l2AdjustTest, ChangesWhatTheStreamShowsWithoutAFrameLost) {
+  begin();
+  expect_frame(*camera_, 0);
+  CameraSettings asked = settings();
+  asked.exposure_us = 4000;
+  asked.gain = 1000;
+  asked.rate_hz = 7.0;
+  const std::string reason = camera_->reason();
+  std::string grants;
+  ASSERT_TRUE(camera_->adjust(asked, grants).ok());
+  EXPECT_EQ(grants, "/dev/video0: gain = 1000: granted 255 (range 0 to 255, step 1)");
+  EXPECT_EQ(camera_->reason(), reason) << "the thread that waits for frames may be reading it";
+  EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 40);
+  EXPECT_EQ(device_.controls.at(V4L2_CID_GAIN).value, 255);
+  EXPECT_TRUE(device_.streaming());
+  const Result<hal::FrameLease> frame = camera_->wait(soon());
+  ASSERT_TRUE(frame.ok()) << camera_->reason();
+  EXPECT_EQ(frame.value().frame().sequence, 1u);
+  EXPECT_EQ(frame.value().frame().capture_time, device_.start_of_exposure(1) + std::chrono::milliseconds(2))
+      << "the middle of the new exposure time";
+}
+
+TEST_F(V4l2AdjustTest, HoldsWhenTheCameraIsOpenedAgain) {
+  begin();
+  CameraSettings asked = settings();
+  asked.exposure_us = 4000;
+  std::string grants = "of before";
+  camera_->close();
+  ASSERT_TRUE(camera_->adjust(asked, grants).ok());
+  EXPECT_EQ(grants, "");
+  EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 50) << "a closed camera is not touched";
+  ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
+  EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 40);
+  device_.controls[V4L2_CID_EXPOSURE_ABSOLUTE].value = 999;
+  ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
+  EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 40);
+}
+
+TEST_F(V4l2AdjustTest, SaysWhatACameraThatIsGoneRefuses) {
+  begin();
+  device_.plug_out();
+  CameraSettings asked = untouched(settings());
+  asked.power_line = PowerLine::k50Hz;
+  std::string grants;
+  ASSERT_TRUE(camera_->adjust(asked, grants).ok());
+  EXPECT_EQ(grants, "/dev/video0: power_line = 50hz: the camera has no such control");
+}
+
 TEST_F(V4l2ControlsTest, EveryReopeningSetsThemAnew) {
   V4l2Camera camera(settings());
   for (int i = 0; i < 2; ++i) {

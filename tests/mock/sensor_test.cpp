@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -36,6 +37,20 @@ Moments exposed(const SensorParameters& parameters, double light, std::uint64_t 
   }
   const double mean = sum / static_cast<double>(out.size());
   return {mean, squares / static_cast<double>(out.size()) - mean * mean};
+}
+
+TEST(Brightness, ScalesTheLightAndItsNoise) {
+  const std::vector<std::uint16_t> half(std::size_t{3} * kWidth * kHeight, kLinearScale / 2);
+  std::vector<std::uint8_t> as_darker(half.size());
+  Sensor sensor(linear_sensor(), PixelFormat::kRgb24, kWidth, kHeight, 1);
+  sensor.set_brightness(0.5);
+  sensor.expose(half, as_darker);
+  double sum = 0.0;
+  for (const std::uint8_t value : as_darker) sum += value;
+  EXPECT_NEAR(sum / static_cast<double>(half.size()), exposed(linear_sensor(), 0.25).mean, 0.1);
+  sensor.set_brightness(100.0);
+  sensor.expose(half, as_darker);
+  EXPECT_GE(*std::min_element(as_darker.begin(), as_darker.end()), 240) << "more light than the sensor holds";
 }
 
 // Shot noise has the variance of its electrons, read noise its own; rounding to steps adds a twelfth.

@@ -1,0 +1,125 @@
+#include "firmware/retuner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "firmware/config/hot_keys.h"
+
+namespace touchline {
+namespace {
+
+// A person does not see the difference; and the loop need not wake this thread by a call to the kernel.
+constexpr auto kPollPeriod = std::chrono::milliseconds(20);
+// Of a frame's time at most a part.
+constexpr auto kTakingPeriod = std::chrono::milliseconds(2);
+
+std::string listed(const std::vector<config::Change>& changes, std::string (*text)(const config::Change&)) {
+  std::string list;
+  for (const config::Change& change : changes) list.append(list.empty() ? "" : ", ").append(text(change));
+  return list;
+}
+
+std::string key_of(const config::Change& change) { return change.key; }
+
+}  // namespace
+
+Retuner::Retuner(config::FilePaths paths, const config::Configuration& running, hal::Camera& camera, Handover& handover)
+    : paths_(std::move(paths)),
+      camera_(camera),
+      handover_(handover),
+      running_(std::make_unique<config::Configuration>(running)) {}
+
+Retuner::~Retuner() = default;
+
+std::vector<std::string> Retuner::reload(const std::atomic<bool>& given_up) {
+  std::vector<std::string> said;
+  const auto refused = [&](const config::Problems& problems) {
+    said = problems.lines();
+    said.emplace_back("reload: everything stays as it runs");
+    return said;
+  };
+  config::Problems problems;
+  const auto files = std::make_unique<config::Configuration>();
+  if (!config::load(paths_, *files, problems).ok()) return refused(problems);
+  auto next = std::make_unique<config::Configuration>(*running_);
+  config::HotChanges changes;
+  if (!config::take_hot_keys(*files, *next, changes, problems).ok()) return refused(problems);
+  if (changes.empty()) return {"reload: nothing has changed"};
+  if (const Status s = prepare(*next, changes); !s.ok()) {
+    problems.add(files->venue_where.file(), "", std::string("it cannot be used: ") + describe(s.code()));
+    return refused(problems);
+  }
+  if ((changes.takers & config::kCamera) != 0) adjust_camera(*next, changes, said);
+  handover_.offer(*tuning_);
+  while (handover_.is_pending()) {
+    if (given_up.load(std::memory_order_acquire)) return said;
+    std::this_thread::sleep_for(kTakingPeriod);
+  }
+  if (tuning_->tables != nullptr) unused_ = tuning_->tables;
+  running_ = std::move(next);
+  if (!changes.taken.empty()) {
+    said.push_back("reload: from frame " + std::to_string(tuning_->taken_after + 1) +
+                   " on: " + listed(changes.taken, config::text_of));
+  }
+  if (!changes.need_restart.empty()) {
+    said.push_back("reload: needs a restart: " + listed(changes.need_restart, key_of));
+  }
+  return said;
+}
+
+Status Retuner::prepare(const config::Configuration& next, const config::HotChanges& changes) {
+  tuning_->tables = nullptr;
+  tuning_->control = next.pipeline.control;
+  tuning_->faults = next.board.faults;
+  tuning_->radio_delay = from_seconds(next.board.radio.delay_s);
+  if ((changes.takers & config::kThresholds) == 0) return {};
+  if (unused_ == nullptr) {
+    second_ = std::make_unique<ScanTables>();
+    unused_ = second_.get();
+  }
+  const PipelineParameters& parameters = next.pipeline;
+  if (const Status s = unused_->configure(parameters.scan); !s.ok()) return s;
+  tuning_->tables = unused_;
+  tuning_->keep_adaptation_mode = std::none_of(changes.taken.begin(), changes.taken.end(), [](const auto& change) {
+    return change.file == config::FileKind::kVenue && change.key == "adaptation.mode";
+  });
+  return tuning_->adaptation.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color);
+}
+
+void Retuner::adjust_camera(config::Configuration& next, config::HotChanges& changes, std::vector<std::string>& said) {
+  std::string grants;
+  const Status adjusted = camera_.adjust(next.board.camera, grants);
+  if (!grants.empty()) said.push_back("reload: camera: " + grants);
+  if (adjusted.ok()) return;
+  next.board.camera = running_->board.camera;
+  const auto of_camera = [](const config::Change& change) {
+    return change.file == config::FileKind::kBoard && change.key.starts_with("camera.");
+  };
+  const auto refused = std::stable_partition(changes.taken.begin(), changes.taken.end(),
+                                             [&](const config::Change& change) { return !of_camera(change); });
+  changes.need_restart.insert(changes.need_restart.begin(), refused, changes.taken.end());
+  changes.taken.erase(refused, changes.taken.end());
+}
+
+ReloadThread::ReloadThread(Retuner& retuner, const std::atomic<std::uint32_t>& requests, Say say)
+    : retuner_(retuner), requests_(requests), say_(std::move(say)) {
+  thread_ = std::thread([this] { work(); });
+}
+
+ReloadThread::~ReloadThread() {
+  end_.store(true, std::memory_order_release);
+  thread_.join();
+}
+
+void ReloadThread::work() {
+  while (!end_.load(std::memory_order_acquire)) {
+    const std::uint32_t asked = requests_.load(std::memory_order_relaxed);
+    if (std::exchange(served_, asked) != asked) {
+      for (const std::string& line : retuner_.reload(end_)) say_(line);
+    }
+    std::this_thread::sleep_for(kPollPeriod);
+  }
+}
+
+}  // namespace touchline

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "firmware/config/configuration.h"
+#include "firmware/handover.h"
+#include "hal/camera.h"
+
+namespace touchline {
+
+namespace config {
+struct HotChanges;
+}
+
+/// Reads the three files again while the loop runs and brings into force what may change then (config/hot_keys.h):
+/// camera controls on the open device, thresholds and all else by a Handover. On a thread of its own: it reads files,
+/// allocates, and waits for the camera and for the loop.
+class Retuner {
+ public:
+  /// `paths`: as the program was begun with. `running`: what runs; copied. `camera` and `handover` must outlive the
+  /// retuner, and the retuner the loop that takes its tables.
+  Retuner(config::FilePaths paths, const config::Configuration& running, hal::Camera& camera, Handover& handover);
+  ~Retuner();
+  Retuner(const Retuner&) = delete;
+  Retuner& operator=(const Retuner&) = delete;
+
+  /// Sentences for a person: what is in force from which frame on, what needs a restart, what is wrong with the files
+  /// (then everything stays as it runs). Returns when the loop has taken all, or `given_up` was set.
+  std::vector<std::string> reload(const std::atomic<bool>& given_up);
+  /// What runs.
+  [[nodiscard]] const config::Configuration& running() const { return *running_; }
+
+ private:
+  void adjust_camera(config::Configuration& next, config::HotChanges& changes, std::vector<std::string>& said);
+  Status prepare(const config::Configuration& next, const config::HotChanges& changes);
+
+  const config::FilePaths paths_;
+  hal::Camera& camera_;
+  Handover& handover_;
+  // On the heap: megabytes.
+  std::unique_ptr<config::Configuration> running_;
+  std::unique_ptr<ScanTables> second_;  // made when they are needed first
+  ScanTables* unused_ = nullptr;        // these, or the scanner's own
+  std::unique_ptr<Tuning> tuning_ = std::make_unique<Tuning>();
+};
+
+/// A thread that retunes whenever it is asked to. Made before the loop's thread becomes privileged, of which it
+/// inherits nothing then.
+class ReloadThread {
+ public:
+  using Say = std::function<void(const std::string& line)>;
+  /// `requests` counts up. `say` is called on the thread.
+  ReloadThread(Retuner& retuner, const std::atomic<std::uint32_t>& requests, Say say);
+  /// The loop has ended, or goes on taking what is offered.
+  ~ReloadThread();
+  ReloadThread(const ReloadThread&) = delete;
+  ReloadThread& operator=(const ReloadThread&) = delete;
+
+ private:
+  void work();
+
+  Retuner& retuner_;
+  const std::atomic<std::uint32_t>& requests_;
+  const Say say_;
+  std::uint32_t served_ = 0;
+  std::atomic<bool> end_{false};
+  std::thread thread_;
+};
+
+}  // namespace touchline

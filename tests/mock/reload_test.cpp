@@ -1,0 +1,135 @@
+// boards/mock, whose files change in the middle of a game.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "firmware/retuner.h"
+#include "firmware/session.h"
+#include "tools/latency/allocation_counter.h"
+
+namespace touchline {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* kBallBox = "low = [163, 64, 0]\nhigh = [255, 154, 116]";
+// Between the ball's box and black: no paint of the arena shows it.
+constexpr const char* kNobodysBox = "low = [100, 20, 0]\nhigh = [104, 24, 4]";
+
+class Reload : public ::testing::Test {
+ protected:
+  Reload() : folder_(std::filesystem::temp_directory_path() / ("touchline-reload-" + std::to_string(::getpid()))) {
+    std::filesystem::copy(TOUCHLINE_BOARDS "/mock", folder_);
+  }
+  ~Reload() override { std::filesystem::remove_all(folder_); }
+
+  void replace(const std::string& name, const std::string& from, const std::string& to) const {
+    std::ostringstream text;
+    text << std::ifstream(folder_ / name).rdbuf();
+    std::string changed = text.str();
+    const std::size_t at = changed.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    std::ofstream(folder_ / name) << changed.replace(at, from.size(), to);
+  }
+  void begin() {
+    SessionOptions options;
+    options.files.board = (folder_ / "board.toml").string();
+    config::Problems problems;
+    std::string reason;
+    ASSERT_TRUE(session_.load(options, problems).ok()) << problems.text();
+    ASSERT_TRUE(session_.open({&Reload::look, this}, reason).ok()) << reason;
+    retuner_.emplace(session_.files(), session_.configuration(), session_.devices().loop_devices().camera,
+                     session_.handover());
+    run(30);  // from where all robots have tracks
+    watching_ = true;
+  }
+  void run(int frames) {
+    for (const int end = frames_ + frames; frames_ < end;) ASSERT_FALSE(session_.loop().iterate().has_value());
+  }
+  /// While the game goes on; what is said.
+  std::string reload() {
+    std::string said;
+    std::atomic<bool> done{false};
+    const std::atomic<bool> given_up{false};
+    std::thread thread([&] {
+      for (const std::string& line : retuner_->reload(given_up)) said += line + "\n";
+      done.store(true, std::memory_order_release);
+    });
+    const std::uint64_t before = latency::allocations_of_this_thread();
+    while (!done.load(std::memory_order_acquire)) static_cast<void>(session_.loop().iterate());
+    EXPECT_EQ(latency::allocations_of_this_thread() - before, 0U);
+    thread.join();
+    return said;
+  }
+
+  Session session_;
+  std::optional<Retuner> retuner_;
+  int frames_ = 0, with_ball_ = 0, incomplete_ = 0;
+  double longest_step_m_ = 0.0, brightness_ = 0.0;
+
+ private:
+  static void look(void* context, const StepTrace& trace, const StepTiming&) {
+    Reload& reload = *static_cast<Reload*>(context);
+    ++reload.frames_;
+    reload.with_ball_ += trace.sightings.ball.seen ? 1 : 0;
+    reload.brightness_ = 0.0;
+    for (std::size_t i = 0; i < 640U * 3; ++i) reload.brightness_ += trace.frame.plane[0][640U * 3 * 240 + i];
+    if (!reload.watching_) return;
+    std::size_t seen = 0;
+    for (const RobotTrack& robot : trace.tracks.robots) {
+      if (robot.id == kUnknownId || robot.state != TrackState::kSeen) continue;
+      ++seen;
+      FieldPoint& last = reload.last_[static_cast<std::size_t>(robot.team)][static_cast<std::size_t>(robot.id)];
+      if (reload.has_last_) {
+        reload.longest_step_m_ = std::max(
+            reload.longest_step_m_,
+            static_cast<double>(std::hypot(robot.pose.position.x_m - last.x_m, robot.pose.position.y_m - last.y_m)));
+      }
+      last = robot.pose.position;
+    }
+    reload.has_last_ = true;
+    reload.incomplete_ += seen == 10 ? 0 : 1;
+  }
+
+  std::filesystem::path folder_;
+  bool watching_ = false, has_last_ = false;
+  std::array<std::array<FieldPoint, 128>, 2> last_{};
+};
+
+// The same frames without a reload: no robot moves farther than 0.021 m from one to the next (1.2 m/s is 0.02).
+TEST_F(Reload, ThresholdsChangeWithoutAFrameOrAPoseLost) {
+  replace("venue.toml", kBallBox, kNobodysBox);
+  begin();
+  run(10);
+  EXPECT_EQ(with_ball_, 0);
+  replace("venue.toml", kNobodysBox, kBallBox);
+  const std::string said = reload();
+  EXPECT_NE(said.find(" on: color.orange\n"), std::string::npos) << said;
+  run(30);
+  EXPECT_GE(with_ball_, 25);
+  EXPECT_EQ(incomplete_, 0) << "frames in which not all ten robots were seen";
+  EXPECT_LT(longest_step_m_, 0.03);
+  EXPECT_EQ(session_.loop().statistics().frames_lost, 0U);
+  EXPECT_EQ(session_.loop().statistics().frames, session_.loop().statistics().good_frames);
+}
+
+TEST_F(Reload, TheArenasCameraBecomesDarker) {
+  begin();
+  const double before = brightness_;
+  replace("board.toml", "rate_hz = 60.0", "rate_hz = 60.0\nexposure_us = 3500");
+  const std::string said = reload();
+  EXPECT_NE(said.find(" on: camera.exposure_us 5000 -> 3500\n"), std::string::npos) << said;
+  run(5);
+  // 0.7 of the light is 0.85 of the values after a tone curve of 2.2.
+  EXPECT_NEAR(brightness_ / before, 0.85, 0.03);
+  EXPECT_EQ(session_.loop().statistics().frames_lost, 0U);
+}
+
+}  // namespace
+}  // namespace touchline

@@ -31,7 +31,7 @@ constexpr std::uint32_t kTablesAFrame = 2;
 float map_gain_levels(const Shading& shading, std::size_t channel, const PixelPoint& at) {
   const auto column = static_cast<std::uint16_t>(at.u_px / static_cast<float>(kTileWidth));
   const auto row = static_cast<std::uint16_t>(at.v_px / static_cast<float>(kTileHeight));
-  return static_cast<float>(int{shading.map_level(channel, column, row)} - int{kNeutralLevel});
+  return static_cast<float>(int{shading.level(channel, column, row)} - int{kNeutralLevel});
 }
 
 // The robot was seen for some time and is where it ought to be.

@@ -20,25 +20,27 @@ Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std:
   height_px_ = height_px;
   quiet_.build(format, boxes, box_room);
   tiles_[0] = quiet_.of({kNeutralLevel, kNeutralLevel, kNeutralLevel});
-  for (std::uint16_t row = 0; shading_.active() && row < shading_.rows(); ++row) find_tiles(row);
+  for (std::uint16_t row = 0; shading_.active() && row < shading_.rows(); ++row) find_tiles(row, nullptr);
   digits_.build(tables_, boxes.size());
   choice_ = kernel;
   kernel_ = find_kernel(format, choice_);
   return kernel_ == nullptr ? ErrorCode::kUnsupported : Status();
 }
 
-void RowClassifier::find_tiles(std::uint16_t tile_row) {
+void RowClassifier::find_tiles(std::uint16_t tile_row, const LightChange* change) {
   TileLight* tiles = &tiles_[std::size_t{tile_row} * shading_.columns()];
   for (std::uint16_t column = 0; column < shading_.columns(); ++column) {
-    tiles[column] = quiet_.of({shading_.level(0, column, tile_row), shading_.level(1, column, tile_row),
-                               shading_.level(2, column, tile_row)});
+    std::array<std::uint8_t, 3> level{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      level[c] = change != nullptr ? shading_.level(*change, c, column, tile_row) : shading_.level(c, column, tile_row);
+    }
+    tiles[column] = quiet_.of(level);
   }
 }
 
 void RowClassifier::follow_light(const LightChange& change, std::uint16_t tile_row) {
   if (!shading_.active()) return;
-  shading_.follow(change, tile_row);
-  find_tiles(tile_row);
+  find_tiles(tile_row, &change);
 }
 
 void RowClassifier::move_boxes(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {

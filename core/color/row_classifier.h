@@ -25,7 +25,7 @@ class RowClassifier {
                    const LightMap& light, KernelChoice kernel = KernelChoice::kFastest, std::uint8_t box_room = 0);
 
   /// Between two frames, a part at a time so that none takes long: the light of a row of tiles
-  /// (Shading::follow; no effect without a light map), and the boxes of one channel and light level
+  /// (Shading::level; no effect without a light map), and the boxes of one channel and light level
   /// (ColorTables::rebuild).
   void follow_light(const LightChange& change, std::uint16_t tile_row);
   void move_boxes(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level);
@@ -45,7 +45,7 @@ class RowClassifier {
   [[nodiscard]] const Shading& shading() const { return shading_; }
 
  private:
-  void find_tiles(std::uint16_t tile_row);
+  void find_tiles(std::uint16_t tile_row, const LightChange* change);  // null: as the light map says
 
   SpanKernel kernel_ = nullptr;
   KernelChoice choice_ = KernelChoice::kFastest;

@@ -109,7 +109,7 @@ Status Shading::build(const LightMap& map, std::uint16_t width_px, std::uint16_t
       }
       if (space == ColorSpace::kYuv) light.fill(0.299f * light[0] + 0.587f * light[1] + 0.114f * light[2]);
       for (std::size_t channel = 0; channel < 3; ++channel) {
-        map_level_[channel][tile] = level_[channel][tile] = level_of_gain(1.0f / light[channel]);
+        level_[channel][tile] = level_of_gain(1.0f / light[channel]);
       }
     }
   }
@@ -117,17 +117,13 @@ Status Shading::build(const LightMap& map, std::uint16_t width_px, std::uint16_t
   return {};
 }
 
-void Shading::follow(const LightChange& change, std::uint16_t row) {
-  const float v = (static_cast<float>(row) + 0.5f) * static_cast<float>(kTileHeight);
-  for (std::size_t column = 0; column < columns_; ++column) {
-    const float u = (static_cast<float>(column) + 0.5f) * static_cast<float>(kTileWidth);
-    const std::size_t tile = row * columns_ + column;
-    for (std::size_t channel = 0; channel < level_.size(); ++channel) {
-      const float brighter = change.at(space_ == ColorSpace::kYuv ? 0 : channel, {u, v});
-      const int level = static_cast<int>(map_level_[channel][tile]) - static_cast<int>(std::lround(brighter));
-      level_[channel][tile] = static_cast<std::uint8_t>(std::clamp(level, 0, int{kLightLevels} - 1));
-    }
-  }
+std::uint8_t Shading::level(const LightChange& change, std::size_t channel, std::uint16_t column,
+                            std::uint16_t row) const {
+  const PixelPoint center = {(static_cast<float>(column) + 0.5f) * static_cast<float>(kTileWidth),
+                             (static_cast<float>(row) + 0.5f) * static_cast<float>(kTileHeight)};
+  const float brighter = change.at(space_ == ColorSpace::kYuv ? 0 : channel, center);
+  const int changed = static_cast<int>(level(channel, column, row)) - static_cast<int>(std::lround(brighter));
+  return static_cast<std::uint8_t>(std::clamp(changed, 0, int{kLightLevels} - 1));
 }
 
 }  // namespace touchline

@@ -50,19 +50,15 @@ class Shading {
   /// or a picture that is empty or larger than the capacity. After an error the correction is off.
   Status build(const LightMap& map, std::uint16_t width_px, std::uint16_t height_px, ColorSpace space);
   void clear() { active_ = false; }
-  /// Gives the tiles of a row the levels of the map, corrected by what has changed since. In YUV the first channel's
-  /// change holds for all three. Only when active(), row below rows().
-  void follow(const LightChange& change, std::uint16_t row);
-
   [[nodiscard]] bool active() const { return active_; }
   /// Level of channel 0, 1, 2 in tile (u / kTileWidth, v / kTileHeight); only when active().
   [[nodiscard]] std::uint8_t level(std::size_t channel, std::uint16_t column, std::uint16_t row) const {
     return level_[channel][row * columns_ + column];
   }
-  /// The same as the light map alone gives it.
-  [[nodiscard]] std::uint8_t map_level(std::size_t channel, std::uint16_t column, std::uint16_t row) const {
-    return map_level_[channel][row * columns_ + column];
-  }
+  /// The same, corrected by what has changed since the map was made. In YUV the first channel's change holds for all
+  /// three.
+  [[nodiscard]] std::uint8_t level(const LightChange& change, std::size_t channel, std::uint16_t column,
+                                   std::uint16_t row) const;
   [[nodiscard]] std::uint16_t columns() const { return static_cast<std::uint16_t>(columns_); }
   [[nodiscard]] std::uint16_t rows() const { return static_cast<std::uint16_t>(rows_); }
 
@@ -70,9 +66,7 @@ class Shading {
   bool active_ = false;
   ColorSpace space_ = ColorSpace::kRgb;
   std::size_t columns_ = 0, rows_ = 0;
-  using Levels = std::array<std::array<std::uint8_t, kMaxTiles>, 3>;
-  Levels map_level_{};  // of the map alone
-  Levels level_{};
+  std::array<std::array<std::uint8_t, kMaxTiles>, 3> level_{};
 };
 
 }  // namespace touchline

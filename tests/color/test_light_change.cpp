@@ -97,15 +97,13 @@ TEST(ShadingFollows, MovesEachTileByWhatChangedThere) {
     change.observe({0, 100}, {10, 0, 0}, kAll, 0.1f);
     change.observe({639, 100}, {-10, 0, 0}, kAll, 0.1f);
   }
-  shading.follow(change, 12);
   for (std::uint16_t column = 0; column < shading.columns(); ++column) {
     const PixelPoint center{(static_cast<float>(column) + 0.5f) * kTileWidth, 12.5f * kTileHeight};
-    EXPECT_NEAR(shading.level(0, column, 12), float{kNeutralLevel} - change.at(0, center), 0.51f);
-    EXPECT_EQ(shading.level(1, column, 12), kNeutralLevel);
-    EXPECT_EQ(shading.map_level(0, column, 12), kNeutralLevel);
-    EXPECT_EQ(shading.level(0, column, 11), kNeutralLevel) << "other rows wait for their turn";
+    EXPECT_NEAR(shading.level(change, 0, column, 12), float{kNeutralLevel} - change.at(0, center), 0.51f);
+    EXPECT_EQ(shading.level(change, 1, column, 12), kNeutralLevel);
+    EXPECT_EQ(shading.level(0, column, 12), kNeutralLevel);
   }
-  EXPECT_NE(shading.level(0, 0, 12), shading.level(0, 39, 12));
+  EXPECT_NE(shading.level(change, 0, 0, 12), shading.level(change, 0, 39, 12));
 }
 
 TEST(ShadingFollows, LumaForAllChannelsAndWithinTheScale) {
@@ -116,10 +114,9 @@ TEST(ShadingFollows, LumaForAllChannelsAndWithinTheScale) {
   ASSERT_TRUE(shading.build(map, 640, 480, ColorSpace::kYuv).ok());
   LightChange change = change_of(64);
   for (int i = 0; i < 500; ++i) change.observe({0, 0}, {-30, 5, 5}, kAll, 0.2f);
-  shading.follow(change, 0);
   for (std::size_t channel = 0; channel < 3; ++channel) {
-    EXPECT_EQ(shading.level(channel, 0, 0), kLightLevels - 1) << "the gain ends at 4";
-    EXPECT_EQ(shading.level(channel, 39, 0), shading.map_level(0, 39, 0));
+    EXPECT_EQ(shading.level(change, channel, 0, 0), kLightLevels - 1) << "the gain ends at 4";
+    EXPECT_EQ(shading.level(change, channel, 39, 0), shading.level(0, 39, 0));
   }
 }
 

@@ -131,7 +131,10 @@ class FakeRadio final : public hal::Radio, public Script {
 /// A fault with code kOk stands for a pulled emergency stop.
 class FakeGpio final : public hal::Gpio, public Script {
  public:
-  explicit FakeGpio(hal::Clock& clock) : Script(clock) {}
+  explicit FakeGpio(hal::Clock& clock) : Script(clock) {
+    led.reserve(100000);
+    strobe.reserve(100000);
+  }
   [[nodiscard]] const std::string& reason() const override { return reason_; }
   void pull(double from_s, double to_s) { pulled_.push_back({from_s, to_s}); }
   void press(double at_s) { pressed_.push_back(at_s); }

@@ -17,7 +17,6 @@ class NoAllocation : public LoopTest {
     settings.faults.reopen_after_s = 0.1;
     camera.opened_s.reserve(1000);
     radio.opened_s.reserve(1000);
-    gpio.led.reserve(1000);
   }
 
   // Every code at every device, each for as long as its consequences last, and what is no error of a device.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <utility>
 
 #include "hal/linux/camera_list.h"
 #include "hal/linux/monotonic_clock.h"
@@ -62,7 +63,8 @@ Status V4l2Camera::open_file() {
   int error = ENOENT;
   if (!link_.empty()) error = device_.open(link_);
   // In another socket it has another link; the number is what was asked for.
-  if (open_error(error) == ErrorCode::kNotFound) error = device_.open(settings_.device);
+  by_number_ = open_error(error) == ErrorCode::kNotFound;
+  if (by_number_) error = device_.open(settings_.device);
   if (error == 0) return {};
   const ErrorCode code = open_error(error);
   if (code == ErrorCode::kPermission) return say_denied(reason_, name(), "video");
@@ -90,7 +92,10 @@ Status V4l2Camera::identify() {
 
 void V4l2Camera::note_device() {
   if (!is_numbered_camera(settings_.device)) return;
-  if (link_.empty()) link_ = stable_link(kCameraLinks, settings_.device);
+  if (by_number_) {
+    // udev may not have made it yet: the one before is better than none.
+    if (std::string link = stable_link(kCameraLinks, settings_.device); !link.empty()) link_ = std::move(link);
+  }
   if (link_.empty()) return;
   grants_.append("device = \"%s\": a number, which the order of plugging in decides; %s is the same camera", name(),
                  link_.c_str());

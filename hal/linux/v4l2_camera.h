@@ -30,7 +30,8 @@ struct V4l2Counters {
 /// lent out nothing can come: wait() then runs into its deadline and says so.
 ///
 /// A link under /dev/v4l is followed anew by each open(). When the settings name a number (/dev/video0), the first
-/// open() notes the link to it and later ones look there first: after being plugged in again a camera may have another.
+/// open() notes the link to it and later ones look there first: after being plugged in again a camera may have another
+/// number. In another socket it is found by its number, and that socket's link is noted.
 class V4l2Camera final : public Camera {
  public:
   explicit V4l2Camera(CameraSettings settings) : settings_(std::move(settings)) {}
@@ -74,7 +75,8 @@ class V4l2Camera final : public Camera {
   std::mutex changing_;  // the controls of the settings, or whether the device is open; wait() changes neither
   V4l2Device device_;
   V4l2Identity identity_;
-  std::string link_;  // to the device, where the settings name its number
+  std::string link_;        // to the device, where the settings name its number
+  bool by_number_ = false;  // how it was opened
   V4l2Buffers buffers_;
   V4l2Picture picture_;
   MjpgDecoder decoder_;

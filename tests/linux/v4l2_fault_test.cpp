@@ -114,6 +114,41 @@ TEST_F(V4l2FaultTest, InAnotherSocketTheNumberIsWhatCounts) {
   ASSERT_TRUE(camera_->open().ok());
   ASSERT_TRUE(camera_->start().ok());
   expect_frame(*camera_, 0);
+  camera_->stop();
+  camera_->close();
+
+  fake::VideoDevice other;  // somebody else's camera takes the socket that was left
+  kernel_.add("/dev/video1", other);
+  kernel_.link(kByPath, "/dev/video1");
+  ASSERT_TRUE(camera_->open().ok());
+  ASSERT_TRUE(camera_->start().ok());
+  EXPECT_TRUE(device_.streaming());
+  EXPECT_EQ(other.mapped(), 0u);
+  camera_.reset();
+  kernel_.remove("/dev/video1");
+}
+
+TEST_F(V4l2FaultTest, ACameraThatIsOfNoUseIsNotRememberedForItsNumber) {
+  constexpr const char* kByPath = "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0";
+  constexpr const char* kOther = "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:2:1.0-video-index0";
+  kernel_.link(kByPath, "/dev/video0");
+  begin();
+  camera_->stop();
+  camera_->close();
+  kernel_.unlink(kByPath);
+  fake::VideoDevice useless;
+  useless.formats = {{V4L2_PIX_FMT_GREY, {{640, 480}}, false}};
+  kernel_.add("/dev/video0", useless);
+  kernel_.link(kOther, "/dev/video0");
+  EXPECT_EQ(camera_->open().code(), ErrorCode::kUnsupported);
+  kernel_.add("/dev/video1", device_);
+  kernel_.link(kByPath, "/dev/video1");
+  ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
+  ASSERT_TRUE(camera_->start().ok());
+  EXPECT_TRUE(device_.streaming());
+  camera_.reset();
+  kernel_.remove("/dev/video1");
+  kernel_.add("/dev/video0", device_);
 }
 
 TEST_F(V4l2FaultTest, AStreamThatStallsSaysNothingUntilItIsOpenedAgain) {

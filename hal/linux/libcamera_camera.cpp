@@ -72,7 +72,10 @@ Status LibcameraCamera::do_start() {
   stamps_.restart(Duration::zero());
   last_stamp_ = {};
   lost_ = ErrorCode::kOk;
-  if (const Status status = ask(Task::kStart); !status.ok()) return status;
+  if (const Status status = ask(Task::kStart); !status.ok()) {
+    forget_completed();
+    return status;
+  }
   streaming_ = true;
   settle();
   return {};
@@ -188,6 +191,11 @@ void LibcameraCamera::do_stop() {
   if (!streaming_) return;
   streaming_ = false;
   static_cast<void>(ask(Task::kStop));
+  forget_completed();
+}
+
+/// What came before the stop: its buffers are queued anew by the next start.
+void LibcameraCamera::forget_completed() {
   LibcameraFrame frame;
   while (completed_.pop(frame) || ready_.wait_until(Instant{})) {
   }

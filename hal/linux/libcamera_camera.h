@@ -63,6 +63,7 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   Status ask(Task task);
   bool take(Instant deadline, LibcameraFrame& frame);
   void settle();
+  void forget_completed();
   void tell_grants(const LibcameraNumbers& told);
   Result<FrameLease> deliver(const LibcameraFrame& frame);
   Result<FrameLease> lose(std::uint32_t buffer, ErrorCode code, std::uint64_t& counter);

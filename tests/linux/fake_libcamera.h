@@ -22,6 +22,7 @@ struct LibcameraWorld {
   // What it is.
   std::vector<hal::LibcameraName> cameras{{"/base/soc/i2c0mux/i2c@1/imx219@10", "imx219", false}};
   std::map<std::string, int> errors;  // by the call's name, once each
+  int good_queues = 0;                // before the error of "queue"
   std::string offers = "nv12 32x32 to 3280x2464";
   std::uint32_t padding_bytes = 0;  // of a row
   std::size_t spare_bytes = 0;      // behind the picture

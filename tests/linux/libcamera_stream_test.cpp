@@ -205,6 +205,20 @@ TEST_F(LibcameraStreamTest, AStopForgetsWhatWasUnderWay) {
   EXPECT_EQ(camera_->counters().lost, 0u);
 }
 
+TEST_F(LibcameraStreamTest, AStartThatFailsHalfWayLeavesNoFrameToTheNext) {
+  world_.frames_at_start = 2;
+  world_.good_queues = 2;
+  world_.errors = {{"queue", EIO}};
+  make(settings());
+  ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
+  EXPECT_EQ(camera_->start().code(), ErrorCode::kIo);
+  world_.frames_at_start = 1;
+  ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
+  world_.wait_for_queued(4);
+  world_.complete(1);
+  expect_frame(1);
+}
+
 // Frames that were taken before the controls were in force are no use to whoever learned colors with them.
 TEST_F(LibcameraStreamTest, TheStartPassesOverFramesThatAreNotYetAsAsked) {
   world_.limits.low[LibcameraControl::kExposure] = 100.0;

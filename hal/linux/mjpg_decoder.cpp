@@ -44,6 +44,7 @@ struct MjpgDecoder::Library {
   std::vector<std::byte> block;
   std::byte* begin = nullptr;
   std::size_t size = 0, front = 0, back = 0;
+  bool has_ended = false;  // the bytes, before the picture's last marker
 
   template <class Any>
   static Library& of(Any* jpeg) {
@@ -109,9 +110,17 @@ void MjpgDecoder::Library::answer_errors() {
     of(any).give_up();
   };
   errors.emit_message = [](j_common_ptr any, int level) {
-    // Many cameras leave a few bytes before a marker; nothing of the picture is lost by it. Level -1 is damage, above
-    // are remarks.
-    if (level >= 0 || any->err->msg_code == JWRN_EXTRANEOUS_DATA) return;
+    if (level >= 0) return;  // a remark
+    const int code = any->err->msg_code;
+    Library& library = of(any);
+    // Of these nothing of the picture is lost: another version of the header, a few bytes before a marker, no last
+    // marker. Where more is missing, the decoder warns of the bits that it lacks; where bytes are left over before an
+    // end without a marker, the picture was cut off and filled up.
+    if (code == JWRN_JFIF_MAJOR || (code == JWRN_EXTRANEOUS_DATA && !library.has_ended)) return;
+    if (code == JWRN_JPEG_EOF) {
+      library.has_ended = true;
+      return;
+    }
     any->err->error_exit(any);
   };
 }
@@ -158,6 +167,7 @@ Status MjpgDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8_t* rg
     return ErrorCode::kCorruptFrame;
   }
   library.forget_tables();
+  library.has_ended = false;
   jpeg_mem_src(&jpeg, bytes.data(), bytes.size());
   jpeg_read_header(&jpeg, TRUE);
   if (jpeg.image_width != library.width_px || jpeg.image_height != library.height_px) {

@@ -35,6 +35,7 @@ std::vector<std::uint8_t> jpeg_of(const JpegStyle& style) {
     jpeg.comp_info[0].v_samp_factor = style.vertical;
   }
   jpeg.optimize_coding = style.own_huffman_tables ? TRUE : FALSE;
+  jpeg.restart_in_rows = style.with_restarts ? 1 : 0;
   if (style.progressive) jpeg_simple_progression(&jpeg);
   jpeg_start_compress(&jpeg, TRUE);
   std::vector<std::uint8_t> row(3 * std::size_t{style.width});

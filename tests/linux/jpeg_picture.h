@@ -13,6 +13,7 @@ struct JpegStyle {
   bool gray = false, progressive = false;
   bool own_huffman_tables = false;  // made for this picture
   bool with_huffman_tables = true;  // many cameras leave the usual ones out
+  bool with_restarts = false;       // a marker after each row of blocks
 };
 
 /// A picture of four quarters: red, green, blue, white, all at full brightness; the corner's first 8 x 8 black.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include "hal/linux/mjpg_decoder.h"
@@ -11,6 +12,8 @@ namespace {
 using hal::CameraFormat;
 using hal::FrameLease;
 using hal::MjpgDecoder;
+
+constexpr const char* kCutOff = "Corrupt JPEG data: premature end of data segment";
 
 class MjpgDecoderTest : public ::testing::Test {
  protected:
@@ -73,7 +76,7 @@ TEST_F(MjpgDecoderTest, DamageIsNamedAndTheNextPictureIsGood) {
   const JpegStyle style;
   const std::vector<std::uint8_t> good = jpeg_of();
   std::vector<std::uint8_t> half(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(good.size() / 2));
-  expect_damage(half, "Premature end of JPEG file");
+  expect_damage(half, kCutOff);
   expect_picture(style, good);
   std::vector<std::uint8_t> bad = good;
   for (std::size_t i = good.size() / 2; i < good.size() / 2 + 40; ++i) bad[i] = 0xff;  // markers in the middle
@@ -92,6 +95,35 @@ TEST_F(MjpgDecoderTest, StrayBytesThatManyCamerasLeaveAreNoDamage) {
   jpeg.insert(jpeg.end() - 2, {0x00, 0x12});  // before the last marker
   jpeg.insert(jpeg.end(), 1000, 0x00);        // and after it
   expect_picture({}, jpeg);
+}
+
+TEST_F(MjpgDecoderTest, AnotherVersionOfTheFileFormatIsNoDamage) {
+  begin();
+  std::vector<std::uint8_t> jpeg = jpeg_of();
+  ASSERT_EQ(jpeg[6], 'J');
+  jpeg[11] = 2;  // the major version; 1 is the only one there is
+  expect_picture({}, jpeg);
+}
+
+TEST_F(MjpgDecoderTest, WithoutItsLastMarkerAPictureIsGoodUnlessMoreIsMissing) {
+  for (const bool with_restarts : {false, true}) {
+    const JpegStyle style{.width = 64, .height = 48, .horizontal = 2, .vertical = 2, .with_restarts = with_restarts};
+    begin(style);
+    std::vector<std::uint8_t> jpeg = jpeg_of(style);
+    jpeg.pop_back();
+    expect_picture(style, jpeg);
+    jpeg.pop_back();
+    expect_picture(style, jpeg);
+    while (!jpeg.empty()) {
+      jpeg.pop_back();
+      ASSERT_EQ(decoder_.decode(jpeg, rgb_.data()).code(), ErrorCode::kCorruptFrame) << jpeg.size() << " bytes";
+    }
+    // Zeros instead of the end decode as something.
+    jpeg = jpeg_of(style);
+    std::fill(jpeg.end() - 100, jpeg.end(), std::uint8_t{0});
+    jpeg.insert(jpeg.end(), 1000, 0x00);
+    EXPECT_EQ(decoder_.decode(jpeg, rgb_.data()).code(), ErrorCode::kCorruptFrame);
+  }
 }
 
 // Whatever comes over the wire, nothing is written or read where it must not be (the sanitizers watch), and the next
@@ -152,7 +184,7 @@ TEST_F(MjpgCameraTest, ADamagedPictureIsLostAndTheNextIsGood) {
   device_.frame_faults[4].damaged = true;
   begin(asked());
   expect_frame(*camera_, 0);
-  expect_loss(*camera_, ErrorCode::kCorruptFrame, "/dev/video0: frame 1 cannot be decoded: Premature end of JPEG file");
+  expect_loss(*camera_, ErrorCode::kCorruptFrame, std::string("/dev/video0: frame 1 cannot be decoded: ") + kCutOff);
   expect_loss(*camera_, ErrorCode::kShortFrame, "/dev/video0: frame 2 has 0 bytes instead of 1");
   expect_loss(*camera_, ErrorCode::kCorruptFrame,
               "/dev/video0: frame 3 cannot be decoded: Not a JPEG file: starts with 0xaa 0xd8");

@@ -15,6 +15,7 @@ void Debouncer::begin(Duration time, bool active, Instant now) {
   time_ = time;
   stable_ = raw_ = was_active_ = active;
   since_ = now - time;
+  restless_since_ = now;  // an edge may have come just before
 }
 
 void Debouncer::settle(Instant until) {

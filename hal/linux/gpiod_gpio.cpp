@@ -18,11 +18,14 @@ Status GpiodGpio::do_open() {
   reason_.clear();
   Status status = check_lines();
   if (status.ok()) {
-    status = open_input(emergency_stop_, settings_.emergency_stop_line, settings_.emergency_stop_active_low,
-                        settings_.emergency_stop_bias, "emergency_stop_bias");
+    // Not debounced by the kernel: it tells nothing of a line that never rests.
+    status =
+        open_input(emergency_stop_, settings_.emergency_stop_line,
+                   {settings_.emergency_stop_active_low, settings_.emergency_stop_bias, "emergency_stop_bias", {}});
   }
   if (status.ok()) {
-    status = open_input(start_, settings_.start_line, settings_.start_active_low, settings_.start_bias, "start_bias");
+    status = open_input(start_, settings_.start_line,
+                        {settings_.start_active_low, settings_.start_bias, "start_bias", debounce_});
   }
   if (status.ok() && settings_.status_led_line != kNoLine) {
     status = status_led_.request_output(settings_.chip, settings_.status_led_line, reason_);
@@ -54,17 +57,12 @@ Status GpiodGpio::check_lines() {
   return {};
 }
 
-Status GpiodGpio::open_input(Input& input, int line, bool active_low, GpioBias bias, const char* bias_key) {
+Status GpiodGpio::open_input(Input& input, int line, const GpioInput& how) {
   if (line == kNoLine) return {};
-  const Duration debounce = from_seconds(settings_.debounce_s);
-  if (const Status status =
-          input.line.request_input(settings_.chip, line, {active_low, bias, bias_key, debounce}, reason_);
-      !status.ok()) {
-    return status;
-  }
+  if (const Status s = input.line.request_input(settings_.chip, line, how, reason_); !s.ok()) return s;
   bool active = false;
   if (const int error = input.line.get(active); error != 0) return fail(line, "reading", error);
-  input.debouncer.begin(input.line.debounced() ? Duration::zero() : debounce, active, MonotonicClock::read());
+  input.debouncer.begin(input.line.debounced() ? Duration::zero() : debounce_, active, MonotonicClock::read());
   if (!input.line.tells_edges()) {
     reason_.append("%s%s line %d: tells no edges, a pulse between two frames goes unseen", reason_.empty() ? "" : "; ",
                    settings_.chip.c_str(), line);
@@ -109,7 +107,8 @@ Result<Debouncer::View> GpiodGpio::look(Input& input, int line, Instant now) {
     std::array<GpioEdge, kMostEdges> edges{};
     std::size_t count = 0;
     if (const int error = input.line.read_edges(edges, count); error != 0) return fail(line, "reading edges", error);
-    for (std::size_t i = 0; i < count; ++i) input.debouncer.edge(edges[i].active, edges[i].at);
+    // Kernels before 5.7 stamp by another clock: an edge of the future would never settle.
+    for (std::size_t i = 0; i < count; ++i) input.debouncer.edge(edges[i].active, std::min(edges[i].at, now));
   }
   // Also where edges are told: the kernel keeps only so many, and a lost one must not hide a line that is pulled.
   bool active = false;

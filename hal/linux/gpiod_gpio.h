@@ -16,7 +16,8 @@ namespace touchline::hal {
 /// Status light, strobe, emergency stop and start button on lines of one GPIO chip.
 class GpiodGpio final : public Gpio {
  public:
-  explicit GpiodGpio(GpioSettings settings) : settings_(std::move(settings)) {}
+  explicit GpiodGpio(GpioSettings settings)
+      : settings_(std::move(settings)), debounce_(from_seconds(settings_.debounce_s)) {}
   ~GpiodGpio() override { GpiodGpio::do_close(); }
   GpiodGpio(const GpiodGpio&) = delete;
   GpiodGpio& operator=(const GpiodGpio&) = delete;
@@ -36,12 +37,13 @@ class GpiodGpio final : public Gpio {
   Result<GpioInputs> do_inputs(Instant now) override;
 
   Status check_lines();
-  Status open_input(Input& input, int line, bool active_low, GpioBias bias, const char* bias_key);
+  Status open_input(Input& input, int line, const GpioInput& how);
   Status set(const GpioLine& output, int line, bool high);
   Result<Debouncer::View> look(Input& input, int line, Instant now);
   ErrorCode fail(int line, const char* doing, int error);
 
   GpioSettings settings_;
+  Duration debounce_;
   GpioLine status_led_, strobe_;
   Input emergency_stop_, start_;
   Reason reason_;

@@ -30,6 +30,13 @@ TEST_F(DebouncerTest, LevelAtTheStartCountsAtOnceAndIsNoPress) {
   EXPECT_FALSE(look(8ms).active);
 }
 
+TEST_F(DebouncerTest, AnEdgeJustBeforeTheStartIsNoUnrest) {
+  begin();
+  edge(false, -1ms);
+  edge(true, 1ms);
+  EXPECT_FALSE(look(2ms).restless);
+}
+
 TEST_F(DebouncerTest, APulseCountsFromTheDebounceTimeOn) {
   for (const Duration length : {1us, 1000us, 4999us, 5000us, 5001us, 100000us}) {
     begin();

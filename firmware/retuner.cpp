@@ -10,7 +10,7 @@ namespace touchline {
 namespace {
 
 // A person does not see the difference; and the loop need not wake this thread by a call to the kernel.
-constexpr auto kPollPeriod = std::chrono::milliseconds(20);
+constexpr auto kAskedPeriod = std::chrono::milliseconds(20);
 // Of a frame's time at most a part.
 constexpr auto kTakingPeriod = std::chrono::milliseconds(2);
 
@@ -118,7 +118,7 @@ void ReloadThread::work() {
     if (std::exchange(served_, asked) != asked) {
       for (const std::string& line : retuner_.reload(end_)) say_(line);
     }
-    std::this_thread::sleep_for(kPollPeriod);
+    std::this_thread::sleep_for(kAskedPeriod);
   }
 }
 

@@ -82,7 +82,10 @@ WakeRequest::~WakeRequest() {
   if (file_ >= 0) ::close(file_);
 }
 
-std::vector<std::string> realtime_hints(const config::RealtimeSettings& settings, const std::string& root) {
+bool is_realtime() { return ::sched_getscheduler(0) == SCHED_FIFO; }
+
+std::vector<std::string> realtime_hints(const config::RealtimeSettings& settings, bool realtime,
+                                        const std::string& root) {
   std::vector<std::string> hints;
   if (settings.cpu < 0 && settings.priority == 0) return hints;
   const std::string processor = std::to_string(settings.cpu >= 0 ? settings.cpu : ::sched_getcpu());
@@ -95,7 +98,7 @@ std::vector<std::string> realtime_hints(const config::RealtimeSettings& settings
   long runtime_us = -1, period_us = 0;
   std::ifstream(root + "/proc/sys/kernel/sched_rt_runtime_us") >> runtime_us;
   std::ifstream(root + "/proc/sys/kernel/sched_rt_period_us") >> period_us;
-  if (::sched_getscheduler(0) == SCHED_FIFO && runtime_us >= 0 && runtime_us < period_us) {
+  if (realtime && runtime_us >= 0 && runtime_us < period_us) {
     hints.push_back("a loop that is never idle is paused for " + std::to_string((period_us - runtime_us) / 1000) +
                     " ms of every " + std::to_string(period_us / 1000) +
                     " ms; where other programs have processors of their own: "

@@ -36,10 +36,14 @@ class WakeRequest {
   std::vector<std::string> refused_;
 };
 
+/// Whether the calling thread runs under SCHED_FIFO.
+bool is_realtime();
+
 /// Settings of the kernel that cost punctuality, on the calling thread, after become_realtime(): the governor of its
-/// processor's frequency; the time that is taken from threads under SCHED_FIFO. Empty where the board file asks neither
-/// for a processor nor for a priority.
-std::vector<std::string> realtime_hints(const config::RealtimeSettings& settings, const std::string& root = "");
+/// processor's frequency; the time that is taken from threads under SCHED_FIFO, if it is one (`realtime`). Empty where
+/// the board file asks neither for a processor nor for a priority.
+std::vector<std::string> realtime_hints(const config::RealtimeSettings& settings, bool realtime,
+                                        const std::string& root = "");
 
 /// Touches so much stack that no page fault comes later; the loop's deepest call needs less than an eighth of it.
 inline constexpr std::size_t kStackBytes = std::size_t{512} * 1024;

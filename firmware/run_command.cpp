@@ -75,10 +75,10 @@ int run_command(const CommandLine& command_line) {
   }
   ReporterSettings reporting;
   reporting.expected = session.expectation();
-  const ServiceWatch service(session.loop().pulse());
-  reporting.service = &service;
+  std::optional<ServiceWatch> service(std::in_place, session.loop().pulse());
+  reporting.service = &*service;
   // The service manager keeps the last status; its journal is for what happened.
-  reporting.status_lines = !service.is_asked();
+  reporting.status_lines = !service->is_asked();
   reporting.map_columns = !command_line.headless && ::isatty(STDOUT_FILENO) != 0 ? kMapColumns : 0;
   LoopEnd end = LoopEnd::kAsked;
   const WakeRequest wake_request(realtime);
@@ -90,10 +90,12 @@ int run_command(const CommandLine& command_line) {
     Reporter reporter(session.reports(), reporting, stdout, stderr);
     const ReloadThread reload(retuner, reload_requests, [&](const std::string& line) { reporter.say(line); });
     for (std::string& refusal : become_realtime(realtime)) refused.push_back(std::move(refusal));
-    for (std::string& hint : realtime_hints(realtime)) refused.push_back(std::move(hint));
+    for (std::string& hint : realtime_hints(realtime, is_realtime())) refused.push_back(std::move(hint));
     print_start(session, refused);
     end = session.loop().run(stop);
   }
+  // The loop turns no more, and closing waits for a device that is just being opened: no work for a watchdog.
+  service.reset();
   session.loop().close();
   std::printf("\n%s%s", summary(session.loop().statistics(), end).c_str(), session.devices().summary().c_str());
   if (end == LoopEnd::kFault || end == LoopEnd::kDeviceLost) {

@@ -149,15 +149,15 @@ TEST_F(KernelFiles, AGovernorThatSavesPowerIsNamedWithItsCure) {
   const std::string file = "/sys/devices/system/cpu/cpu7/cpufreq/scaling_governor";
   write(file, "schedutil\n");
   config::RealtimeSettings settings;
-  EXPECT_TRUE(realtime_hints(settings, root_).empty()) << "no real time asked for";
+  EXPECT_TRUE(realtime_hints(settings, false, root_).empty()) << "no real time asked for";
   settings.cpu = 7;
-  ASSERT_EQ(realtime_hints(settings, root_).size(), 1U);
-  EXPECT_EQ(realtime_hints(settings, root_)[0],
+  ASSERT_EQ(realtime_hints(settings, false, root_).size(), 1U);
+  EXPECT_EQ(realtime_hints(settings, false, root_)[0],
             "processor 7 slows down between frames (governor schedutil); cpupower frequency-set -g performance, or: "
             "echo performance | sudo tee " +
                 file);
   write(file, "performance\n");
-  EXPECT_TRUE(realtime_hints(settings, root_).empty());
+  EXPECT_TRUE(realtime_hints(settings, false, root_).empty());
 }
 
 TEST_F(KernelFiles, PausesOfRealTimeThreadsAreHintedAtUnderFifo) {
@@ -165,15 +165,19 @@ TEST_F(KernelFiles, PausesOfRealTimeThreadsAreHintedAtUnderFifo) {
   write("/proc/sys/kernel/sched_rt_period_us", "1000000\n");
   config::RealtimeSettings settings;
   settings.priority = 10;
-  EXPECT_TRUE(realtime_hints(settings, root_).empty()) << "this thread is an ordinary one";
-  std::thread([&] {
-    if (!become_realtime(settings).empty()) return;  // not granted here
-    const auto hints = realtime_hints(settings, root_);
-    ASSERT_EQ(hints.size(), 1U);
-    EXPECT_TRUE(hints[0].starts_with("a loop that is never idle is paused for 50 ms of every 1000 ms; ")) << hints[0];
-    write("/proc/sys/kernel/sched_rt_runtime_us", "-1\n");
-    EXPECT_TRUE(realtime_hints(settings, root_).empty());
-  }).join();
+  EXPECT_TRUE(realtime_hints(settings, false, root_).empty()) << "an ordinary thread";
+  const auto hints = realtime_hints(settings, true, root_);
+  ASSERT_EQ(hints.size(), 1U);
+  EXPECT_TRUE(hints[0].starts_with("a loop that is never idle is paused for 50 ms of every 1000 ms; ")) << hints[0];
+  write("/proc/sys/kernel/sched_rt_runtime_us", "-1\n");
+  EXPECT_TRUE(realtime_hints(settings, true, root_).empty());
+}
+
+TEST(Realtime, AThreadIsRealTimeExactlyWhenItsPriorityWasGranted) {
+  EXPECT_FALSE(is_realtime());
+  config::RealtimeSettings settings;
+  settings.priority = 10;
+  std::thread([&] { EXPECT_EQ(is_realtime(), become_realtime(settings).empty()); }).join();
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ class Run {
       const WakeRequest wake_request(board_.realtime);
       tell(wake_request.refused());
       tell(become_realtime(board_.realtime));
-      tell(realtime_hints(board_.realtime));
+      tell(realtime_hints(board_.realtime, is_realtime()));
       facts = read_system_facts();
       measurement_.begin();
       end = loop.run(stop_on_signals());

@@ -141,6 +141,14 @@ TEST(LatencyComparison, SaysWhatGotWorse) {
       << better;
 }
 
+TEST(LatencyComparison, ATimeThatWasNothingCanGetWorse) {
+  const LatencyReport a = report_of(0), b = report_of(1);
+  const Document document = comparison_of({"old", a}, {"new", b});
+  EXPECT_NE(document.verdict.find("marker (p50 from 0, p99 from 0, max from 0)"), std::string::npos)
+      << document.verdict;
+  EXPECT_EQ(comparison_of({"a", a}, {"a", a}).verdict, "No time got worse from A to B.");
+}
+
 // A tree with the kernel's files in it.
 class SystemTree : public testing::Test {
  protected:

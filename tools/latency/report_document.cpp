@@ -1,6 +1,8 @@
 #include "tools/latency/report_document.h"
 
+#include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace touchline::latency {
 namespace {
@@ -99,6 +101,7 @@ std::vector<Counted> counts_of(const LatencyReport& report) {
 std::string text_of_count(const Counted& counted) { return counted.value ? count(*counted.value) : "not counted"; }
 
 std::string ratio_text(double ratio) {
+  if (std::isinf(ratio)) return "from 0";
   char text[32];
   std::snprintf(text, sizeof text, "%.*f", ratio < 10.0 ? 2 : ratio < 100.0 ? 1 : 0, ratio);
   return text;
@@ -147,10 +150,14 @@ Document comparison_of(const NamedReport& a, const NamedReport& b) {
     std::vector<std::string> grown, shrunk;
     for (const Column& column : kColumns) {
       const Duration from = a.report.spans[i].*column.value, to = b.report.spans[i].*column.value;
-      const double ratio = from > Duration::zero() ? seconds(to) / seconds(from) : 1.0;
+      const double ratio = from > Duration::zero() ? seconds(to) / seconds(from)
+                           : to > from             ? std::numeric_limits<double>::infinity()
+                                                   : 1.0;
       const bool grew = to - from > kLeastChange && ratio > column.tolerated;
       const bool shrank = from - to > kLeastChange && ratio < 1.0 / column.tolerated;
-      if (grew || shrank) (grew ? grown : shrunk).push_back(std::string(column.name) + " x " + ratio_text(ratio));
+      if (grew || shrank)
+        (grew ? grown : shrunk)
+            .push_back(std::string(column.name) + (std::isinf(ratio) ? " " : " x ") + ratio_text(ratio));
       row.insert(row.end(), {{milliseconds(from)}, {milliseconds(to)}, {ratio_text(ratio), grew}});
     }
     // The whole frame first, then its parts.

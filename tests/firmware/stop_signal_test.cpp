@@ -3,11 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <fcntl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 #include <csignal>
 #include <cstdlib>
-#include <string>
 #include <thread>
 
 #include "firmware/adaptation_signal.h"
@@ -15,6 +13,16 @@
 
 namespace touchline {
 namespace {
+
+// Libraries of drivers have threads, beside which a fork alone tells the thread sanitizer nothing: processes begin
+// anew.
+class Signals : public ::testing::Test {
+ protected:
+  Signals() { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
+};
+using StopSignal = Signals;
+using ReloadSignal = Signals;
+using AdaptationSignal = Signals;
 
 // Signals reach a process of their own; its exit code tells whether the flag was set.
 [[noreturn]] void receive(int signal, int again, Duration pause) {
@@ -26,20 +34,20 @@ namespace {
   std::_Exit(stop.load() ? 0 : 1);
 }
 
-TEST(StopSignal, ASecondSignalAtOnceIsTheSameRequest) {
+TEST_F(StopSignal, ASecondSignalAtOnceIsTheSameRequest) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     EXPECT_EXIT(receive(signal, signal, Duration{}), ::testing::ExitedWithCode(0), "");
   }
 }
 
-TEST(StopSignal, ASecondSignalLaterEndsTheProgram) {
+TEST_F(StopSignal, ASecondSignalLaterEndsTheProgram) {
   EXPECT_EXIT(receive(SIGTERM, SIGTERM, kInsistence + std::chrono::milliseconds(50)),
               ::testing::KilledBySignal(SIGTERM), "");
   EXPECT_EXIT(receive(SIGTERM, SIGINT, kInsistence + std::chrono::milliseconds(50)), ::testing::KilledBySignal(SIGINT),
               "");
 }
 
-TEST(StopSignal, APipeWithoutReaderEndsNothing) {
+TEST_F(StopSignal, APipeWithoutReaderEndsNothing) {
   EXPECT_EXIT(receive(SIGTERM, SIGPIPE, kInsistence + std::chrono::milliseconds(50)), ::testing::ExitedWithCode(0), "");
 }
 
@@ -59,38 +67,30 @@ TEST(StopSignal, APipeWithoutReaderEndsNothing) {
   std::_Exit(stop.load() ? 3 : static_cast<int>(requests.load()));
 }
 
-/// In a session of its own with a terminal, which is closed before the signal comes.
+/// In a session of its own with a terminal, which is closed before the second signal comes.
 [[noreturn]] void lose_terminal(bool ignored) {
   const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
   if (master < 0 || ::grantpt(master) != 0 || ::unlockpt(master) != 0) std::_Exit(90);
-  const std::string name = ::ptsname(master);
-  const pid_t child = ::fork();
-  if (child == 0) {
-    ::setsid();
-    if (::open(name.c_str(), O_RDWR) < 0) std::_Exit(91);  // becomes the session's terminal
-    std::signal(SIGHUP, ignored ? SIG_IGN : SIG_DFL);
-    const std::atomic<bool>& stop = stop_on_signals();
-    const std::atomic<std::uint32_t>& requests = reload_on_signal();
-    static_cast<void>(std::raise(SIGHUP));
-    if (stop.load() || requests.load() != 1) std::_Exit(92);  // the terminal is there: read the files
-    ::close(master);
-    while (!stop.load() && requests.load() < 2) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    std::_Exit(stop.load() ? 3 : 2);
-  }
+  if (::setsid() < 0) std::_Exit(91);
+  if (::open(::ptsname(master), O_RDWR) < 0) std::_Exit(92);  // becomes the session's terminal
+  std::signal(SIGHUP, ignored ? SIG_IGN : SIG_DFL);
+  const std::atomic<bool>& stop = stop_on_signals();
+  const std::atomic<std::uint32_t>& requests = reload_on_signal();
+  static_cast<void>(std::raise(SIGHUP));
+  if (stop.load() || requests.load() != 1) std::_Exit(93);  // the terminal is there: read the files
   ::close(master);
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  std::_Exit(WIFEXITED(status) ? WEXITSTATUS(status) : 93);
+  while (!stop.load() && requests.load() < 2) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  std::_Exit(stop.load() ? 3 : 2);
 }
 
-TEST(ReloadSignal, CountsUnlessTheTerminalIsClosed) {
+TEST_F(ReloadSignal, CountsUnlessTheTerminalIsClosed) {
   EXPECT_EXIT(hang_up(false), ::testing::ExitedWithCode(1), "");
   EXPECT_EXIT(hang_up(true), ::testing::ExitedWithCode(1), "");
   EXPECT_EXIT(lose_terminal(false), ::testing::ExitedWithCode(3), "");
   EXPECT_EXIT(lose_terminal(true), ::testing::ExitedWithCode(2), "") << "nohup: it may play on";
 }
 
-TEST(AdaptationSignal, EachCountsWhatItAsksFor) { EXPECT_EXIT(steer(), ::testing::ExitedWithCode(0), ""); }
+TEST_F(AdaptationSignal, EachCountsWhatItAsksFor) { EXPECT_EXIT(steer(), ::testing::ExitedWithCode(0), ""); }
 
 }  // namespace
 }  // namespace touchline

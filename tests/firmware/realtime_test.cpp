@@ -177,7 +177,10 @@ TEST(Realtime, AThreadIsRealTimeExactlyWhenItsPriorityWasGranted) {
   EXPECT_FALSE(is_realtime());
   config::RealtimeSettings settings;
   settings.priority = 10;
-  std::thread([&] { EXPECT_EQ(is_realtime(), become_realtime(settings).empty()); }).join();
+  std::thread([&] {
+    const bool granted = become_realtime(settings).empty();
+    EXPECT_EQ(is_realtime(), granted);
+  }).join();
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ class Game:
                 self.vivid = getattr(self, "vivid", []) + [device]
         self.checks.expect(len(self.vivid) == 2, f"vivid's cameras: {', '.join(self.vivid)}")
         said = self.run("touchline-devices", may_fail=True)
-        print(said)
+        print("\n".join(line for line in said.splitlines() if re.match(r"\S|  /", line)))
         for name in ("Arena", "vivid", "/dev/ttyS0", "gpiochip0"):
             self.checks.expect(name in said, f"touchline-devices names {name}")
 
@@ -114,8 +114,7 @@ class Game:
             for word, fourcc in FORMATS.items():
                 said = self.watch_vivid(device, 5, f"camera.format={word}")
                 found = re.search(r"frames +(\d+) in .* (\d+) lost", said)
-                kind = "-mplane" if planes != "one plane" else ""
-                pixels = self.run(f"v4l2-ctl -d {device} --get-fmt-video{kind}", may_fail=True)
+                pixels = self.run(f"v4l2-ctl -d {device} --get-fmt-video", may_fail=True)
                 self.checks.expect(found is not None and found[1] == "5" and f"'{fourcc}'" in pixels,
                                    f"{device} ({planes}), {word}: 5 frames" if found else f"{device} {word}: {said[-600:]}")
         self.read_back_controls()
@@ -140,7 +139,7 @@ class Game:
         self.run(f"echo {name} >/sys/bus/platform/drivers/vivid/unbind")
         self.run(wait.format("opening it again"))
         self.run(f"echo {name} >/sys/bus/platform/drivers/vivid/bind")
-        self.run(wait.format("^code"))
+        self.run(wait.format("^code"), may_fail=True)
         said = self.run("cat vivid.log")
         print(said)
         self.checks.expect("code 0" in said and re.search(r"frames +40 in", said),
@@ -165,7 +164,7 @@ class Game:
         told = self.ask(f"play {frames}")
         own = max(own, self.own_seen())
         self.checks.expect(own == 5, f"robots seen in the best of three looks: {own} of 5")
-        self.checks.expect(told["shown"] == told["packets"] == frames and told["stops"] == 0,
+        self.checks.expect(told["shown"] == frames == told["packets"] and told["stops"] == 0,
                            f"{frames} frames: {told['packets']} packets with speeds, none missing")
         self.checks.expect(told["damaged_bytes"] == 0 and told["sequence_gaps"] == 0,
                            "no packet damaged and none missing in the sequence on the UART")
@@ -210,8 +209,10 @@ class Game:
     def pull_emergency_stop(self):
         self.watch_pins()
         self.board.drive_pin(EMERGENCY, True)
-        pulled = self.ask("play 10")["frames"]
-        self.checks.expect(pulled[0] in "sm" and set(pulled[1:]) == {"s"}, f"pulled: stop packets from the first frame on: {pulled}")
+        told = self.ask("play 10")
+        pulled = told["frames"]
+        # The packet in the making when the line rises may still have speeds.
+        self.checks.expect(re.fullmatch("[dms]s+", pulled), f"pulled: stopped within one frame: {pulled}")
         self.board.drive_pin(EMERGENCY, False)
         released = self.ask("play 15")["frames"]
         self.checks.expect(re.fullmatch(r"s{2,6}m?d+", released), f"released: robots move again: {released}")

@@ -130,14 +130,14 @@ class Game:
         self.checks.expect("gain = 9999: granted 255" in said, "gain 9999: granted 255, and told")
 
     def unplug_vivid(self):
-        device = self.vivid[0]
-        name = self.run(f"basename $(readlink /sys/class/video4linux/{device.removeprefix('/dev/')}/device)")
+        name = "vivid.0"
+        device = f"/dev/v4l/by-path/platform-{name}-video-index0"
         command = self.vivid_command(device, 40, "camera.format=yuyv")
         self.run(f"({command} >vivid.log 2>&1; echo code $? >>vivid.log) &")
         wait = "timeout 60 sh -c 'until grep -q \"{}\" vivid.log; do sleep 0.1; done'"
-        self.run(wait.format("fps"))
+        self.run(wait.format("fps"), may_fail=True)
         self.run(f"echo {name} >/sys/bus/platform/drivers/vivid/unbind")
-        self.run(wait.format("opening it again"))
+        self.run(wait.format("opening it again"), may_fail=True)
         self.run(f"echo {name} >/sys/bus/platform/drivers/vivid/bind")
         self.run(wait.format("^code"), may_fail=True)
         said = self.run("cat vivid.log")
@@ -156,13 +156,12 @@ class Game:
         self.checks.expect(re.fullmatch("s{0,3}m?d+", begin["frames"]), f"pressed: robots move: {begin['frames']}")
         self.checks.expect(self.run("systemctl is-active touchline") == "active",
                            "systemd counts the service as started, after its first good frame")
-        own = 0
-        for _ in range(2):
-            self.ask(f"play {frames // 4}")
+        parts, own = [], 0
+        for part in (frames // 4, frames // 4, frames - frames // 4 * 2):
+            parts.append(self.ask(f"play {part}"))
             own = max(own, self.own_seen())
-        frames -= frames // 4 * 2
-        told = self.ask(f"play {frames}")
-        own = max(own, self.own_seen())
+        told = {**parts[-1], **{key: sum(part[key] for part in parts)
+                                for key in ("shown", "packets", "stops", "late", "own_path_m")}}
         self.checks.expect(own == 5, f"robots seen in the best of three looks: {own} of 5")
         self.checks.expect(told["shown"] == frames == told["packets"] and told["stops"] == 0,
                            f"{frames} frames: {told['packets']} packets with speeds, none missing")

@@ -56,7 +56,7 @@ TEST_F(ControllerTest, OtherLimitsAreTakenInTheMiddleOfAGame) {
   const double most = slow.drive.max_wheel_acceleration_mps2 * 0.016 + 1e-6;
   for (std::size_t i = 0; i < 3; ++i) {
     // Memory of what was commanded stays as well: nobody starts from rest, or jumps.
-    const double change = double{commands_.robots[i].wheels.left_mps} - double{before.robots[i].wheels.left_mps};
+    const auto change = static_cast<double>(commands_.robots[i].wheels.left_mps - before.robots[i].wheels.left_mps);
     EXPECT_LE(std::abs(change), most + 0.064) << i;
   }
   run(60);

@@ -5,17 +5,33 @@
 namespace touchline {
 namespace {
 
-// How much a value of the channel is expected of a background: any R, G, B and luma alike, chroma the nearer to none.
-std::uint32_t weight(ColorSpace space, std::size_t channel, std::uint32_t value) {
+// How much a value of a channel is expected of a background.
+struct Expectation {
+  std::uint8_t anchor;  // is in the box
+  int reach;            // levels from the anchor at which it is least; 0: all values are alike
+
+  [[nodiscard]] std::uint32_t weight(std::uint32_t value) const {
+    const int off = static_cast<int>(value) - anchor;
+    return static_cast<std::uint32_t>(std::max(1, reach - std::max(off, -off)));
+  }
+  [[nodiscard]] std::uint32_t weight(ValueRange range) const {
+    std::uint32_t sum = 0;
+    for (std::uint32_t value = range.low; value <= range.high; ++value) sum += weight(value);
+    return sum;
+  }
+};
+using Expectations = std::array<Expectation, 3>;
+
+Expectations expected_of(ColorSpace space, const TypicalBackground& background) {
   constexpr int kMostChroma = 64;
-  if (space == ColorSpace::kRgb || channel == 0) return 1;
-  const int chroma = static_cast<int>(value) - 128;
-  return static_cast<std::uint32_t>(std::max(1, kMostChroma - std::max(chroma, -chroma)));
-}
-std::uint32_t weight(ColorSpace space, std::size_t channel, ValueRange range) {
-  std::uint32_t sum = 0;
-  for (std::uint32_t value = range.low; value <= range.high; ++value) sum += weight(space, channel, value);
-  return sum;
+  constexpr int kUnevenness = 32;  // what light and noise move a floor by, and no more
+  Expectations expected{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const bool is_chroma = space == ColorSpace::kYuv && c > 0;
+    expected[c] = background ? Expectation{(*background)[c], kUnevenness}
+                             : Expectation{unlit_value(space, c), is_chroma ? kMostChroma : 0};
+  }
+  return expected;
 }
 
 struct Candidate {
@@ -28,30 +44,29 @@ bool meet(const ColorBox& box, std::size_t channel, ValueRange range) {
   return box.low[channel] <= range.high && box.high[channel] >= range.low;
 }
 
-// The widest range about `unlit` that meets none of the boxes; weight 0 when there is none.
-Candidate widest(const ColorBoxes& boxes, ColorSpace space, std::size_t channel) {
-  const std::uint8_t unlit = unlit_value(space, channel);
+// The widest range about the anchor that meets none of the boxes; weight 0 when there is none.
+Candidate widest(const ColorBoxes& boxes, const Expectation& expected, std::size_t channel) {
+  const std::uint8_t anchor = expected.anchor;
   ValueRange range = {0, 255};
   for (const ColorBox& box : boxes) {
-    if (box.low[channel] > unlit) {
+    if (box.low[channel] > anchor) {
       range.high = std::min<std::uint8_t>(range.high, static_cast<std::uint8_t>(box.low[channel] - 1));
-    } else if (box.high[channel] < unlit) {
+    } else if (box.high[channel] < anchor) {
       range.low = std::max<std::uint8_t>(range.low, static_cast<std::uint8_t>(box.high[channel] + 1));
     } else {
       return {};
     }
   }
-  return {range, weight(space, channel, range)};
+  return {range, expected.weight(range)};
 }
 
 // The bounds that a best range of the channel can have: next to a box, or none.
-void find_bounds(const ColorBoxes& boxes, ColorSpace space, std::size_t channel, Bounds& low, Bounds& high) {
-  const std::uint8_t unlit = unlit_value(space, channel);
+void find_bounds(const ColorBoxes& boxes, std::uint8_t anchor, std::size_t channel, Bounds& low, Bounds& high) {
   low.push_back(0);
   high.push_back(255);
   for (const ColorBox& box : boxes) {
-    if (box.low[channel] > unlit) high.push_back(static_cast<std::uint8_t>(box.low[channel] - 1));
-    if (box.high[channel] < unlit) low.push_back(static_cast<std::uint8_t>(box.high[channel] + 1));
+    if (box.low[channel] > anchor) high.push_back(static_cast<std::uint8_t>(box.low[channel] - 1));
+    if (box.high[channel] < anchor) low.push_back(static_cast<std::uint8_t>(box.high[channel] + 1));
   }
   const auto make_unique = [](Bounds& bounds) {
     std::sort(bounds.begin(), bounds.end());
@@ -63,9 +78,9 @@ void find_bounds(const ColorBoxes& boxes, ColorSpace space, std::size_t channel,
 
 // Calls `use` with every range that the channel may have, and the boxes that meet it.
 template <class Use>
-void for_each_range(const ColorBoxes& boxes, ColorSpace space, std::size_t channel, Use use) {
+void for_each_range(const ColorBoxes& boxes, const Expectation& expected, std::size_t channel, Use use) {
   Bounds lows, highs;
-  find_bounds(boxes, space, channel, lows, highs);
+  find_bounds(boxes, expected.anchor, channel, lows, highs);
   for (const std::uint8_t low : lows) {
     for (const std::uint8_t high : highs) {
       const ValueRange range = {low, high};
@@ -73,19 +88,20 @@ void for_each_range(const ColorBoxes& boxes, ColorSpace space, std::size_t chann
       for (const ColorBox& box : boxes) {
         if (meet(box, channel, range)) met.push_back(box);
       }
-      use(Candidate{range, weight(space, channel, range)}, met);
+      use(Candidate{range, expected.weight(range)}, met);
     }
   }
 }
 
 }  // namespace
 
-QuietBox quiet_box_of(const ColorBoxes& boxes, ColorSpace space) {
+QuietBox quiet_box_of(const ColorBoxes& boxes, ColorSpace space, const TypicalBackground& background) {
+  const Expectations expected = expected_of(space, background);
   QuietBox best;
   std::uint64_t most = 0;
-  for_each_range(boxes, space, 0, [&](const Candidate& first, const ColorBoxes& met_first) {
-    for_each_range(met_first, space, 1, [&](const Candidate& second, const ColorBoxes& met_second) {
-      const Candidate third = widest(met_second, space, 2);  // follows from the other two
+  for_each_range(boxes, expected[0], 0, [&](const Candidate& first, const ColorBoxes& met_first) {
+    for_each_range(met_first, expected[1], 1, [&](const Candidate& second, const ColorBoxes& met_second) {
+      const Candidate third = widest(met_second, expected[2], 2);  // follows from the other two
       const std::uint64_t weight = first.weight * second.weight * third.weight;
       if (weight <= most) return;
       most = weight;
@@ -98,18 +114,23 @@ QuietBox quiet_box_of(const ColorBoxes& boxes, ColorSpace space) {
 }
 
 ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std::uint8_t unlit) {
-  const auto value_of = [&](std::uint8_t value) { return corrected(value, level, unlit); };
-  ValueRange range = {unlit, unlit};
-  while (range.low > 0 && value_of(static_cast<std::uint8_t>(range.low - 1)) >= corrected_range.low) --range.low;
-  while (range.high < kFullScale - 1 && value_of(static_cast<std::uint8_t>(range.high + 1)) <= corrected_range.high) {
-    ++range.high;
-  }
-  if (range.high == kFullScale - 1 && corrected_range.high == kFullScale) range.high = kFullScale;
-  return range;
+  // Both grow with the value.
+  const auto reaches_low = [&](std::uint32_t value) {
+    return corrected(static_cast<std::uint8_t>(value), level, unlit) >= corrected_range.low;
+  };
+  const auto passes_high = [&](std::uint32_t value) {
+    const std::uint8_t seen = corrected(static_cast<std::uint8_t>(value), level, unlit);
+    return (value == kFullScale ? kFullScale : seen) > corrected_range.high;
+  };
+  std::uint32_t low = 0, end = 0;
+  while (low < kFullScale && !reaches_low(low)) ++low;
+  while (end <= kFullScale && !passes_high(end)) ++end;
+  if (end <= low || !reaches_low(low)) return {1, 0};
+  return {static_cast<std::uint8_t>(low), static_cast<std::uint8_t>(end - 1)};
 }
 
-void QuietRanges::build(PixelFormat format, const ColorBoxes& boxes, std::uint8_t box_room) {
-  const ColorSpace space = color_space(format);
+void QuietRanges::build(PixelFormat format, const ColorBoxes& boxes, std::uint8_t box_room,
+                        const TypicalBackground& background) {
   ColorBoxes widened = boxes;
   for (ColorBox& box : widened) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -117,18 +138,29 @@ void QuietRanges::build(PixelFormat format, const ColorBoxes& boxes, std::uint8_
       box.high[c] = static_cast<std::uint8_t>(std::min(255, box.high[c] + box_room));
     }
   }
-  const QuietBox box = quiet_box_of(widened, space);
   format_ = format;
-  exist_ = box.exists;
+  const QuietBox dark = quiet_box_of(widened, color_space(format));
+  const QuietBox usual = background ? quiet_box_of(widened, color_space(format), background) : dark;
+  exist_ = dark.exists;
   if (!exist_) return;
+  dark_ = ranges_of(dark);
+  usual_ = usual.exists ? ranges_of(usual) : dark_;
+}
+
+QuietRanges::Ranges QuietRanges::ranges_of(const QuietBox& box) const {
+  Ranges ranges{};
   for (std::size_t c = 0; c < 3; ++c) {
+    const std::uint8_t unlit = unlit_value(color_space(format_), c);
     for (std::uint8_t level = 0; level < kLightLevels; ++level) {
-      range_[c][level] = before_correction({box.low[c], box.high[c]}, level, unlit_value(space, c));
+      ranges[c][level] = before_correction({box.low[c], box.high[c]}, level, unlit);
     }
   }
+  return ranges;
 }
 
 TileLight QuietRanges::of(const std::array<std::uint8_t, 3>& level) const {
+  const auto is_empty = [&](std::size_t c) { return usual_[c][level[c]].low > usual_[c][level[c]].high; };
+  const Ranges& ranges = is_empty(0) || is_empty(1) || is_empty(2) ? dark_ : usual_;
   TileLight tile;
   const std::array<std::uint8_t, 3> at = quiet_bytes(format_);
   const auto set = [&](std::size_t byte, ValueRange range) {
@@ -137,10 +169,11 @@ TileLight QuietRanges::of(const std::array<std::uint8_t, 3>& level) const {
   };
   for (std::size_t c = 0; c < 3; ++c) {
     tile.level[c] = level[c];
-    set(at[c], range_[c][level[c]]);
+    set(at[c], ranges[c][level[c]]);
   }
-  if (format_ == PixelFormat::kNv12) set(1, range_[0][level[0]]);
-  if (format_ == PixelFormat::kYuyv || format_ == PixelFormat::kUyvy) set(at[0] + 2u, range_[0][level[0]]);
+  const ValueRange luma = ranges[0][level[0]];
+  if (format_ == PixelFormat::kNv12) set(1, luma);
+  if (format_ == PixelFormat::kYuyv || format_ == PixelFormat::kUyvy) set(at[0] + 2u, luma);
   return tile;
 }
 

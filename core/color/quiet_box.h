@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "core/color/color_tables.h"
 #include "core/light/shading.h"
@@ -9,24 +10,28 @@
 
 namespace touchline {
 
-/// A box of color space, bounds inclusive, that no color's box meets and that holds black: a pixel in it is background
-/// at a glance. Of all such boxes the one that holds most of what backgrounds look like: any brightness, and in YUV
-/// little chroma, which is what white balance makes of carpets, lines and robots' tops.
+/// What most of the background shows, corrected by the light map, by channel; none: unknown.
+using TypicalBackground = std::optional<std::array<std::uint8_t, 3>>;
+
+/// A box of color space, bounds inclusive, that no color's box meets and that holds the typical background, or black
+/// when that is unknown: a pixel in it is background at a glance. Of all such boxes the one that holds most of what
+/// backgrounds look like: about the typical one, or any brightness, and in YUV little chroma, which is what white
+/// balance makes of carpets, lines and robots' tops.
 struct QuietBox {
   std::array<std::uint8_t, 3> low{}, high{};
-  bool exists = false;  // false: black itself is in some box
+  bool exists = false;  // false: what it must hold is in some box
 };
-QuietBox quiet_box_of(const ColorBoxes& boxes, ColorSpace space);
+QuietBox quiet_box_of(const ColorBoxes& boxes, ColorSpace space, const TypicalBackground& background = {});
 
-/// The values that the light level moves into low..high, full scale being any value above as well (ColorTables).
-/// The unlit value is in low..high.
+/// The values that the light level moves into low..high, full scale being any value above as well (ColorTables). None:
+/// low above high.
 struct ValueRange {
   std::uint8_t low = 0, high = 0;
 };
 ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std::uint8_t unlit);
 
 /// What holds for a tile of Shading. A pixel is background when value - quiet_low <= quiet_reach, differences taken
-/// modulo 256, for each of its bytes; only when there is a QuietBox. R, G and B have quiet_low 0.
+/// modulo 256, for each of its bytes; only when there is a QuietBox.
 struct TileLight {
   std::array<std::uint8_t, 4> level{};                     // by channel
   std::array<std::uint8_t, 4> quiet_low{}, quiet_reach{};  // by byte: R G B -, B G R -, Y U Y V, U Y V Y; NV12 Y Y U V
@@ -52,15 +57,21 @@ constexpr std::array<std::uint8_t, 3> quiet_bytes(PixelFormat format) {
 /// Quiet ranges of all channels at every light level, by which those of a tile are put together.
 class QuietRanges {
  public:
-  /// Errors: none. Boxes may be moved later by up to `box_room` levels.
-  void build(PixelFormat format, const ColorBoxes& boxes, std::uint8_t box_room);
+  /// Errors: none. Boxes may be moved later by up to `box_room` levels. A typical background within a box's reach
+  /// counts as unknown.
+  void build(PixelFormat format, const ColorBoxes& boxes, std::uint8_t box_room,
+             const TypicalBackground& background = {});
   [[nodiscard]] TileLight of(const std::array<std::uint8_t, 3>& level) const;
   [[nodiscard]] bool exist() const { return exist_; }
 
  private:
+  // By channel and level.
+  using Ranges = std::array<std::array<ValueRange, kLightLevels>, 3>;
+  [[nodiscard]] Ranges ranges_of(const QuietBox& box) const;
+
   PixelFormat format_ = PixelFormat::kRgb24;
   bool exist_ = false;
-  std::array<std::array<ValueRange, kLightLevels>, 3> range_{};
+  Ranges usual_{}, dark_{};  // dark_: where no value is in the usual ones; it holds the unlit value at all levels
 };
 
 }  // namespace touchline

@@ -11,14 +11,14 @@ std::size_t row_bytes(PixelFormat format, std::size_t plane, std::uint16_t width
 
 Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,
                                 const ColorBoxes& boxes, const LightMap& light, KernelChoice kernel,
-                                std::uint8_t box_room) {
+                                std::uint8_t box_room, const TypicalBackground& background) {
   kernel_ = nullptr;
   if (Status s = tables_.build(boxes, color_space(format)); !s.ok()) return s;
   if (Status s = shading_.build(light, width_px, height_px, color_space(format)); !s.ok()) return s;
   format_ = format;
   width_px_ = width_px;
   height_px_ = height_px;
-  quiet_.build(format, boxes, box_room);
+  quiet_.build(format, boxes, box_room, background);
   tiles_[0] = quiet_.of({kNeutralLevel, kNeutralLevel, kNeutralLevel});
   for (std::uint16_t row = 0; shading_.active() && row < shading_.rows(); ++row) find_tiles(row, nullptr);
   digits_.build(tables_, boxes.size());

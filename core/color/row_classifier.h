@@ -19,10 +19,12 @@ std::size_t row_bytes(PixelFormat format, std::size_t plane, std::uint16_t width
 /// Pixels -> colors, one row at a time, in the format in which they arrive; with or without shading correction.
 class RowClassifier {
  public:
-  /// Boxes may be moved later by up to `box_room` levels. kOutOfRange: as ColorTables::build and Shading::build;
-  /// kUnsupported: this processor has no such kernel. After an error no frame is accepted.
+  /// Boxes may be moved later by up to `box_room` levels. The typical background decides nothing but the speed.
+  /// kOutOfRange: as ColorTables::build and Shading::build; kUnsupported: this processor has no such kernel. After an
+  /// error no frame is accepted.
   Status configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px, const ColorBoxes& boxes,
-                   const LightMap& light, KernelChoice kernel = KernelChoice::kFastest, std::uint8_t box_room = 0);
+                   const LightMap& light, KernelChoice kernel = KernelChoice::kFastest, std::uint8_t box_room = 0,
+                   const TypicalBackground& background = {});
 
   /// Between two frames, a part at a time so that none takes long: the light of a row of tiles
   /// (Shading::level; no effect without a light map), and the boxes of one channel and light level

@@ -54,22 +54,29 @@ struct Packed24 {
     return period;
   }();
 
-  // Of the 96 bytes of a block, the first 48 in the tile of the lower half. Quiet values begin at 0.
+  // Of the 96 bytes of a block, the first 48 in the tile of the lower half.
   struct Quiet {
-    __m256i reach[3];
+    __m256i low[3], reach[3];
   };
   template <bool kOneLight>
   TOUCHLINE_AVX2_INLINE static Quiet quiet(const Lights& lights) {
-    const __m256i low = four_bytes(lights.low->quiet_reach), high = four_bytes(lights.high->quiet_reach);
+    Quiet quiet;
+    spread<kOneLight>(four_bytes(lights.low->quiet_low), four_bytes(lights.high->quiet_low), quiet.low);
+    spread<kOneLight>(four_bytes(lights.low->quiet_reach), four_bytes(lights.high->quiet_reach), quiet.reach);
+    return quiet;
+  }
+  template <bool kOneLight>
+  TOUCHLINE_AVX2_INLINE static void spread(__m256i low, __m256i high, __m256i out[3]) {
     const __m256i both = kOneLight ? low : _mm256_blend_epi32(low, high, 0b11110000);
-    return {{_mm256_shuffle_epi8(low, load(kPeriod[0].data())), _mm256_shuffle_epi8(both, load(kPeriod[1].data())),
-             _mm256_shuffle_epi8(kOneLight ? low : high, load(kPeriod[2].data()))}};
+    out[0] = _mm256_shuffle_epi8(low, load(kPeriod[0].data()));
+    out[1] = _mm256_shuffle_epi8(both, load(kPeriod[1].data()));
+    out[2] = _mm256_shuffle_epi8(kOneLight ? low : high, load(kPeriod[2].data()));
   }
   TOUCHLINE_AVX2_INLINE static __m256i loud(const RowPixels& row, std::uint32_t u, const Quiet& quiet) {
     const std::uint8_t* bytes = row.samples + std::size_t{3} * u;
-    return _mm256_or_si256(_mm256_subs_epu8(load(bytes), quiet.reach[0]),
-                           _mm256_or_si256(_mm256_subs_epu8(load(bytes + 32), quiet.reach[1]),
-                                           _mm256_subs_epu8(load(bytes + 64), quiet.reach[2])));
+    return _mm256_or_si256(beyond(load(bytes), quiet.low[0], quiet.reach[0]),
+                           _mm256_or_si256(beyond(load(bytes + 32), quiet.low[1], quiet.reach[1]),
+                                           beyond(load(bytes + 64), quiet.low[2], quiet.reach[2])));
   }
 
   TOUCHLINE_AVX2_INLINE static Planes planes(const RowPixels& row, std::uint32_t u_low, std::uint32_t u_high) {

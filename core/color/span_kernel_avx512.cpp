@@ -161,15 +161,17 @@ struct Packed24 {
     return pixels;
   }
   static constexpr std::array kInThird = {in_third(kRed), in_third(1), in_third(2 - kRed)};
+  static constexpr std::array kLow = {repeat_bytes(0, kQuietLow, 3), repeat_bytes(1, kQuietLow, 3),
+                                      repeat_bytes(2, kQuietLow, 3)};
   static constexpr std::array kReach = {repeat_bytes(0, kQuietReach, 3), repeat_bytes(1, kQuietReach, 3),
                                         repeat_bytes(2, kQuietReach, 3)};
 
-  // Quiet values begin at 0.
   struct Quiet {
-    __m512i first, second, third;
+    __m512i low[3], reach[3];
   };
   TOUCHLINE_AVX512_INLINE static Quiet quiet(__m512i light) {
-    return {choose(light, kReach[0]), choose(light, kReach[1]), choose(light, kReach[2])};
+    return {{choose(light, kLow[0]), choose(light, kLow[1]), choose(light, kLow[2])},
+            {choose(light, kReach[0]), choose(light, kReach[1]), choose(light, kReach[2])}};
   }
   struct Bytes {
     __m512i first, second, third;
@@ -182,8 +184,8 @@ struct Packed24 {
             load<kIsWhole>(bytes, begin, end, 2)};
   }
   TOUCHLINE_AVX512_INLINE static __m512i loud(const Bytes& bytes, const Quiet& quiet) {
-    return or_of(_mm512_subs_epu8(bytes.first, quiet.first), _mm512_subs_epu8(bytes.second, quiet.second),
-                 _mm512_subs_epu8(bytes.third, quiet.third));
+    return or_of(beyond(bytes.first, quiet.low[0], quiet.reach[0]), beyond(bytes.second, quiet.low[1], quiet.reach[1]),
+                 beyond(bytes.third, quiet.low[2], quiet.reach[2]));
   }
   TOUCHLINE_AVX512_INLINE static Planes planes(const Bytes& bytes) {
     return {channel(bytes, 0), channel(bytes, 1), channel(bytes, 2)};

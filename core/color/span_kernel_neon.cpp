@@ -102,9 +102,9 @@ Values repeated(const std::array<std::uint8_t, 4>& bytes) {
   return vreinterpretq_u8_u32(vdupq_n_u32(word));
 }
 QuietWords quiet_words(const TileLight& light) { return {repeated(light.quiet_low), repeated(light.quiet_reach)}; }
-// What is quiet in all tiles of a block. Ranges of one channel have the unlit value in common.
-QuietWords quiet_words(const TileLight* lights) {
-  QuietWords all = quiet_words(lights[0]);
+// What is quiet in all tiles of a block; false: nothing.
+bool quiet_words(const TileLight* lights, QuietWords& all) {
+  all = quiet_words(lights[0]);
   Values high = vaddq_u8(all.low, all.reach);
   TOUCHLINE_UNROLL for (std::size_t tile = 1; tile < kTilesOfBlock; ++tile) {
     const QuietWords one = quiet_words(lights[tile]);
@@ -112,7 +112,7 @@ QuietWords quiet_words(const TileLight* lights) {
     high = vminq_u8(high, vaddq_u8(one.low, one.reach));
   }
   all.reach = vsubq_u8(high, all.low);
-  return all;
+  return is_zero(vcgtq_u8(all.low, high));
 }
 
 // Three bytes a pixel.
@@ -130,18 +130,20 @@ struct Packed24 {
   }();
 
   struct Quiet {
-    Values reach[3];  // quiet_low is 0
+    Values low[3], reach[3];
     explicit Quiet(const QuietWords& words) {
-      TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) reach[i] =
-          vqtbl1q_u8(words.reach, vld1q_u8(kPick[i].data()));
+      TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) {
+        low[i] = vqtbl1q_u8(words.low, vld1q_u8(kPick[i].data()));
+        reach[i] = vqtbl1q_u8(words.reach, vld1q_u8(kPick[i].data()));
+      }
     }
     template <std::size_t kTiles>
     [[nodiscard]] bool holds(const RowPixels& tiles) const {
       Values beyond = vdupq_n_u8(0);
       TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) {
-        Values largest = vld1q_u8(tiles.samples + kTile * i);
+        Values largest = vsubq_u8(vld1q_u8(tiles.samples + kTile * i), low[i]);
         TOUCHLINE_UNROLL for (std::size_t tile = 1; tile < kTiles; ++tile) {
-          largest = vmaxq_u8(largest, vld1q_u8(tiles.samples + kTile * (3 * tile + i)));
+          largest = vmaxq_u8(largest, vsubq_u8(vld1q_u8(tiles.samples + kTile * (3 * tile + i)), low[i]));
         }
         beyond = vorrq_u8(beyond, vqsubq_u8(largest, reach[i]));
       }
@@ -313,7 +315,8 @@ class Span {
   [[gnu::always_inline]] [[nodiscard]] bool is_quiet_block(std::uint32_t u) const {
     const RowPixels block = Layout::at(row_, u);
     if constexpr (kOneLight) return quiet_.template holds<kTilesOfBlock>(block);
-    return Quiet(quiet_words(tables_.tiles + u / kTile)).template holds<kTilesOfBlock>(block);
+    QuietWords all;
+    return quiet_words(tables_.tiles + u / kTile, all) && Quiet(all).template holds<kTilesOfBlock>(block);
   }
   [[gnu::always_inline]] [[nodiscard]] bool is_quiet_tile(std::uint32_t u) const {
     const RowPixels tile = Layout::at(row_, u);

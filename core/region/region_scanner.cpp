@@ -7,7 +7,7 @@ namespace touchline {
 Status ScanTables::configure(const ScanParameters& parameters) {
   configured_ = false;
   if (Status s = classifier_.configure(parameters.format, parameters.width_px, parameters.height_px, parameters.boxes,
-                                       parameters.light, parameters.kernel, parameters.box_room);
+                                       parameters.light, parameters.kernel, parameters.box_room, parameters.background);
       !s.ok()) {
     return s;
   }

@@ -24,7 +24,8 @@ struct ScanParameters {
   Polygon region_of_interest;     // pixel centers inside count; fewer than 3 points: the whole picture
   std::uint32_t min_area_px = 1;  // smaller regions are dropped with their runs
   KernelChoice kernel = KernelChoice::kFastest;
-  std::uint8_t box_room = 0;  // levels by which boxes may be moved while frames come
+  std::uint8_t box_room = 0;     // levels by which boxes may be moved while frames come
+  TypicalBackground background;  // for speed alone
 };
 
 /// All that the parameters decide of a scan: made while another set is in use, and exchanged for it between two frames.

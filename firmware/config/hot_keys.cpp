@@ -40,6 +40,8 @@ constexpr std::array kHotKeys{
            [](const auto& next, auto& running) { running.board.faults = next.board.faults; }},
     HotKey{FileKind::kVenue, "color", kThresholds,
            [](const auto& next, auto& running) { running.venue.color = next.venue.color; }},
+    HotKey{FileKind::kVenue, "colors.background", kThresholds,
+           [](const auto& next, auto& running) { running.venue.colors.background = next.venue.colors.background; }},
     HotKey{FileKind::kVenue, "light", kThresholds,
            [](const auto& next, auto& running) { running.venue.light = next.venue.light; }},
     HotKey{FileKind::kVenue, "region_of_interest", kThresholds,

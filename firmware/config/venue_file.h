@@ -87,11 +87,15 @@ inline constexpr std::array<Choice<ColorSpace>, 2> kColorSpaces{{{"rgb", ColorSp
 
 struct ColorsEntry {
   ColorSpace space = ColorSpace::kRgb;
+  std::vector<std::uint8_t> background;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.choice("space", self.space, std::span<const Choice<ColorSpace>>(kColorSpaces),
                  "What the boxes are in: must be what the camera's format delivers");
+    visit.numbers("background", self.background, Range{0, 255}, "",
+                  "What the floor shows on average, by channel: pixels like it are told at a glance; decides nothing "
+                  "but the speed");
   }
 };
 

@@ -109,6 +109,19 @@ void resolve_colors(const VenueFile& venue, const Locations& where, ColorBoxes& 
   check_overlap(venue, where, sources, problems);
 }
 
+void resolve_background(const VenueFile& venue, const Locations& where, TypicalBackground& background,
+                        Problems& problems) {
+  const std::vector<std::uint8_t>& value = venue.colors.background;
+  background.reset();
+  if (value.empty()) return;
+  if (value.size() != 3) {
+    problems.add(where.of("colors.background"), "colors.background",
+                 "needs one value a channel, has " + std::to_string(value.size()));
+    return;
+  }
+  background = {value[0], value[1], value[2]};
+}
+
 void resolve_region_of_interest(const VenueFile& venue, const Locations& where, Polygon& polygon, Problems& problems) {
   polygon.clear();
   const RegionOfInterestEntry& region = venue.region_of_interest;
@@ -180,6 +193,7 @@ void resolve_venue(const VenueFile& venue, const Locations& where, const InputFo
                      std::string(word_of(color_space(input.format))));
   }
   resolve_colors(venue, where, out.scan.boxes, problems);
+  resolve_background(venue, where, out.scan.background, problems);
   resolve_region_of_interest(venue, where, out.scan.region_of_interest, problems);
 
   out.scan.light.columns = out.scan.light.rows = 0;

@@ -134,6 +134,9 @@ TEST(ColorFit, LightMapMakesOneCornerEnough) {
   const Found found = recognize(input, fit, dark, other);
   EXPECT_EQ(found.right, 6U);
   EXPECT_EQ(found.wrong, 0U);
+  // The floor in light 1, not in that of the half that shows.
+  ASSERT_TRUE(fit.background.has_value());
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR((*fit.background)[c], (std::array{45, 48, 50})[c], 2);
 }
 
 TEST(ColorFit, SaysWhyAClickCaughtNothing) {

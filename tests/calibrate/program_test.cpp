@@ -185,6 +185,7 @@ TEST_F(Program, AsksBeforeItWritesColorsThatNobodyClickedOn) {
   std::string reason;
   ASSERT_TRUE(read_draft(path("venue.toml"), draft, reason).ok()) << reason;
   ASSERT_EQ(draft.file.color.size(), 4U);
+  EXPECT_EQ(draft.file.colors.background.size(), 3U);
   for (const auto& color : draft.file.color) {
     const auto& truth =
         *std::find_if(patches.begin(), patches.end(), [&](const auto& p) { return p.color == color.name; });

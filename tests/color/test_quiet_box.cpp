@@ -47,6 +47,21 @@ TEST(QuietBox, KeepsInYuvWhatHasLittleChroma) {
   EXPECT_EQ(quiet.high, (Channels{179, 149, 159}));
 }
 
+// A grey floor between dark green, which is darker in red, and brown: no box that holds black holds it.
+TEST(QuietBox, HoldsTheTypicalBackground) {
+  ColorBoxes boxes;
+  boxes.push_back({1, {0, 46, 0}, {47, 123, 101}});
+  boxes.push_back({2, {76, 11, 0}, {158, 124, 69}});
+  boxes.push_back({3, {0, 0, 129}, {255, 255, 255}});
+  const Channels floor = {58, 61, 59};
+  EXPECT_FALSE(holds(quiet_box_of(boxes, ColorSpace::kRgb), floor));
+  const QuietBox quiet = quiet_box_of(boxes, ColorSpace::kRgb, floor);
+  EXPECT_EQ(quiet.low, (Channels{48, 0, 0}));
+  EXPECT_EQ(quiet.high, (Channels{75, 255, 128}));
+  boxes.push_back({4, {50, 50, 50}, {60, 70, 80}});
+  EXPECT_FALSE(quiet_box_of(boxes, ColorSpace::kRgb, floor).exists) << "the floor is a color";
+}
+
 TEST(QuietBox, MeetsNoBox) {
   std::mt19937 random(3);
   std::size_t existing = 0;
@@ -75,8 +90,8 @@ TEST(QuietBox, MeetsNoBox) {
 
 TEST(BeforeCorrection, IsWhatTheLightMovesIntoTheRange) {
   for (const std::uint8_t unlit : std::initializer_list<std::uint8_t>{0, 16, 128}) {
-    for (int low = 0; low <= unlit; low += 8) {
-      for (int high = unlit; high <= 255; high += 13) {
+    for (int low = 0; low <= 255; low += 15) {
+      for (int high = low; high <= 255; high += 15) {
         for (std::uint8_t level = 0; level < kLightLevels; level += 3) {
           const ValueRange range =
               before_correction({static_cast<std::uint8_t>(low), static_cast<std::uint8_t>(high)}, level, unlit);
@@ -98,15 +113,18 @@ TEST(QuietRanges, HoldBackgroundOnly) {
   std::mt19937 random(4);
   const auto tables = std::make_unique<ColorTables>();
   const auto quiet = std::make_unique<QuietRanges>();
+  std::size_t not_from_unlit = 0;
   for (const PixelFormat format : kAllFormats) {
-    for (int round = 0; round < 4; ++round) {
+    for (int round = 0; round < 8; ++round) {
       ColorBoxes boxes = random_boxes(random, 9);
       for (ColorBox& box : boxes) {
         const std::size_t c = random() % 3;
         box.low[c] = std::max<std::uint8_t>(box.low[c], 190);
         box.high[c] = std::max(box.low[c], box.high[c]);
       }
-      quiet->build(format, boxes, 5);
+      const auto floor = static_cast<std::uint8_t>(pick(random, 0, 184));
+      const TypicalBackground background = {{floor, floor, floor}};
+      quiet->build(format, boxes, 5, round < 4 ? TypicalBackground{} : background);
       ASSERT_TRUE(quiet->exist());
       for (ColorBox& box : boxes) {
         for (std::uint8_t& low : box.low) low = static_cast<std::uint8_t>(std::max(0, low - pick(random, 0, 5)));
@@ -122,9 +140,7 @@ TEST(QuietRanges, HoldBackgroundOnly) {
           ASSERT_EQ(light.level[c], level[c]);
           const int low = light.quiet_low[at[c]];
           value[c] = static_cast<std::uint8_t>(low + pick(random, 0, 1) * light.quiet_reach[at[c]]);
-          if (color_space(format) == ColorSpace::kRgb) {
-            ASSERT_EQ(low, 0);
-          }
+          not_from_unlit += std::size_t{low > unlit_value(color_space(format), c)};
         }
         ASSERT_EQ(tables->mask(value, level), 0u) << name_of(format);
         if (format == PixelFormat::kRgb24 || format == PixelFormat::kBgr24) continue;
@@ -134,6 +150,20 @@ TEST(QuietRanges, HoldBackgroundOnly) {
       }
     }
   }
+  EXPECT_GT(not_from_unlit, 100u);
+}
+
+// Four times darker light is all that a sensor can show of 64 and more: such a floor is not told at a glance there.
+TEST(QuietRanges, FallBackToBlackWhereNoValueShowsTheFloor) {
+  ColorBoxes boxes;
+  boxes.push_back({1, {0, 90, 0}, {99, 255, 255}});
+  const auto quiet = std::make_unique<QuietRanges>();
+  quiet->build(PixelFormat::kRgb24, boxes, 0, TypicalBackground{{120, 120, 120}});
+  EXPECT_EQ(quiet->of({kNeutralLevel, kNeutralLevel, kNeutralLevel}).quiet_low, (std::array<std::uint8_t, 4>{100}));
+  const TileLight dark = quiet->of({0, 0, 0});
+  EXPECT_EQ(dark.quiet_low, (std::array<std::uint8_t, 4>{}));
+  EXPECT_EQ(dark.quiet_reach[0], 255);
+  EXPECT_LT(corrected(dark.quiet_reach[1], 0, 0), 90);
 }
 
 }  // namespace

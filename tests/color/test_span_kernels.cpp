@@ -97,7 +97,19 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
 
   void choose_colors(std::size_t count) {
     boxes_ = random_boxes(random_, count);
-    if (pick(random_, 0, 3) != 0) {
+    background_.reset();
+    if (const int kind = pick(random_, 0, 3); kind == 1) {
+      // None at a floor, as likely to be bright as dark.
+      const auto floor = static_cast<std::uint8_t>(pick(random_, 0, 255));
+      background_ = {floor, floor, floor};
+      for (ColorBox& box : boxes_) {
+        const std::size_t channel = random_() % 3;
+        if (floor < 128) box.low[channel] = std::max<std::uint8_t>(box.low[channel], floor + 15);
+        if (floor >= 128) box.high[channel] = std::min<std::uint8_t>(box.high[channel], floor - 15);
+        box.low[channel] = std::min(box.low[channel], box.high[channel]);
+        box.high[channel] = std::max(box.low[channel], box.high[channel]);
+      }
+    } else if (kind != 0) {
       // None of them dark, so that whole blocks can be told from them at a glance.
       for (ColorBox& box : boxes_) {
         const std::size_t channel = random_() % 3;
@@ -111,7 +123,7 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
   void make_tables() {
     ASSERT_TRUE(tables_->build(boxes_, color_space(format())).ok());
     digits_->build(*tables_, boxes_.size());
-    quiet_->build(format(), boxes_, 0);
+    quiet_->build(format(), boxes_, 0, background_);
     for (TileLight& tile : lights_) {
       // Often the neighbor's again.
       Channels level = {kNeutralLevel, kNeutralLevel, kNeutralLevel};
@@ -134,6 +146,7 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
         stretch = pick(random_, 1, 300);
         quiet = !quiet;
       }
+      if (quiet && background_) return static_cast<std::uint8_t>((*background_)[0] ^ (random_() % 4));
       if (quiet) return static_cast<std::uint8_t>(color_space(format()) == ColorSpace::kRgb ? 0 : 120 + random_() % 8);
       if (random_() % 4 != 0) value = telling_value(random_, boxes_);
       return value;
@@ -168,6 +181,7 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
 
   SpanKernel kernel_ = nullptr;
   ColorBoxes boxes_;
+  TypicalBackground background_;
   std::unique_ptr<ColorTables> tables_ = std::make_unique<ColorTables>();
   std::unique_ptr<DigitTableSet> digits_ = std::make_unique<DigitTableSet>();
   std::unique_ptr<QuietRanges> quiet_ = std::make_unique<QuietRanges>();

@@ -186,6 +186,16 @@ TEST_F(ConfigFiles, VenueOfAnotherColorSpace) {
             "yuv\n");
 }
 
+TEST_F(ConfigFiles, TypicalBackground) {
+  ASSERT_TRUE(load().ok()) << problems();
+  EXPECT_FALSE(configuration_->pipeline.scan.background.has_value());
+  replace("venue.toml", "[colors]", "[colors]\nbackground = [58, 61, 59]");
+  ASSERT_TRUE(load().ok()) << problems();
+  EXPECT_EQ(configuration_->pipeline.scan.background, (TypicalBackground{{58, 61, 59}}));
+  replace("venue.toml", "[58, 61, 59]", "[58, 61]");
+  EXPECT_EQ(refusal(), "venue.toml:22: colors.background: needs one value a channel, has 2\n");
+}
+
 TEST_F(ConfigFiles, CameraModelThatIsNotThere) {
   replace("venue.toml", "kind = \"full\"", "kind = \"paper\"");
   EXPECT_EQ(refusal(), "venue.toml:12: camera_model.paper: is missing; make it with touchline-calibrate field\n");

@@ -76,6 +76,21 @@ void each_pixel(const Runs& runs, const Region& region, Visit&& visit) {
   }
 }
 
+// Of each channel by itself.
+Channels median(const std::vector<ColorCount>& pixels) {
+  Channels middle{};
+  for (std::size_t channel = 0; channel < middle.size(); ++channel) {
+    std::array<std::uint64_t, 256> counts{};
+    std::uint64_t all = 0, below = 0;
+    for (const ColorCount& color : pixels) {
+      counts[color.value[channel]] += color.count;
+      all += color.count;
+    }
+    while (below + counts[middle[channel]] <= all / 2 && middle[channel] < 255) below += counts[middle[channel]++];
+  }
+  return middle;
+}
+
 bool touches_click(const Scene& scene, const Runs& runs, const Region& region) {
   bool touched = false;
   each_pixel(runs, region, [&](int u, int v) { touched |= scene.reserved[scene.channels.index(u, v)] == kNearClick; });
@@ -94,6 +109,7 @@ class Fitter {
     // Look-alikes first: a patch without a click would otherwise push the boxes away from its own color.
     if (Status s = reserve_look_alikes(learning); !s.ok()) return s;
     learning.background = background();
+    if (!learning.background.empty()) out_.background = median(learning.background);
     if (Status s = learn_boxes(learning, input_.rules, out_.learned, reason_); !s.ok()) return s;
     out_.advice = advise(learning, input_.rules, out_.shown_rgb, out_.learned.margins, kLeastMargin);
     return judge();
@@ -197,16 +213,8 @@ class Fitter {
     learning.space = out_.space;
     for (std::size_t c = 0; c < pixels.size(); ++c) {
       learning.colors.push_back({out_.names[c], count_colors(pixels[c])});
-      Channels middle{};
-      for (std::size_t channel = 0; channel < 3; ++channel) {
-        std::vector<std::uint8_t> values;
-        for (const Channels& p : pixels[c]) values.push_back(p[channel]);
-        const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-        std::nth_element(values.begin(), half, values.end());
-        middle[channel] = *half;
-      }
-      out_.typical.push_back(middle);
-      out_.shown_rgb.push_back(shown_rgb(middle, out_.space));
+      out_.typical.push_back(median(learning.colors.back().pixels));
+      out_.shown_rgb.push_back(shown_rgb(out_.typical.back(), out_.space));
     }
     return learning;
   }

@@ -45,6 +45,7 @@ struct ColorFit {
   std::vector<std::string> names;  // ColorId is the index + 1; in the order of their first click
   std::vector<Channels> shown_rgb;
   std::vector<Channels> typical;  // median of its patches' pixels, corrected by the light map
+  TypicalBackground background;   // likewise of all else; none: there is no pixel of it
   ColorSpace space = ColorSpace::kRgb;
   LearnedColors learned;
   ColorAdvice advice;

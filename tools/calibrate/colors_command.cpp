@@ -246,9 +246,9 @@ int ColorsCommand::run() const {
     }
     entries.push_back(std::move(entry));
   }
-  if (!write_sections(venue, {section_of("colors", config::ColorsEntry{fit.space}, ""), section_of("color", entries)},
-                      reason)
-           .ok()) {
+  config::ColorsEntry colors{fit.space, {}};
+  if (fit.background) colors.background.assign(fit.background->begin(), fit.background->end());
+  if (!write_sections(venue, {section_of("colors", colors, ""), section_of("color", entries)}, reason).ok()) {
     return refuse(reason);
   }
   std::printf("%s: %zu colors in %zu boxes written\n", venue.c_str(), entries.size(), fit.learned.boxes.size());

@@ -155,6 +155,9 @@ void Loop::serve_frame(const hal::FrameLease& lease) {
   pipeline_.set_halted(halt_ != kHaltNone);
   const StepTrace& trace = pipeline_.step(frame);
   last_trace_ = &trace;
+  // Pulled while the frame was awaited or worked on: its packet drives nobody.
+  read_inputs(devices_.clock.now());
+  if (halt_ != kHaltNone && !trace.commands.stop) pipeline_.revoke();
   send(trace.packet, trace.commands.stop, timing.received);
   timing.sent = devices_.clock.now();
   timing.processing = hal::MonotonicClock::read() - machine_received;
@@ -258,17 +261,17 @@ void Loop::listen(Instant now) {
 }
 
 void Loop::strobe(bool high, Instant now) {
-  if (!keeper(Device::kGpio).open()) return;
-  if (const Status s = devices_.gpio.set_strobe(high); !s.ok()) on_fault(Device::kGpio, s.code(), now);
+  if (!outputs_work()) return;
+  if (const Status s = devices_.gpio.set_strobe(high); !s.ok()) on_output_fault(s.code(), now);
 }
 
 void Loop::serve_light(Instant now) {
-  if (!keeper(Device::kGpio).open()) return;
+  if (!outputs_work()) return;
   const Duration half = halt_ == kHaltNone ? kBeat / 2 : kAlarmBeat / 2;
   const bool on = halt_ == kHaltStart || (now - statistics_.begin) / half % 2 == 0;
   if (led_ == on) return;
   led_ = on;
-  if (const Status s = devices_.gpio.set_status_led(on); !s.ok()) on_fault(Device::kGpio, s.code(), now);
+  if (const Status s = devices_.gpio.set_status_led(on); !s.ok()) on_output_fault(s.code(), now);
 }
 
 void Loop::send_stop(Instant now) { send(pipeline_.stop(now), true, now); }
@@ -307,10 +310,17 @@ void Loop::on_fault(Device device, ErrorCode code, Instant now) {
     end_ = LoopEnd::kEndOfStream;
     return;
   }
-  const FaultAction action = action_for(code);
+  const FaultAction action = is_needed(device) ? action_for(code) : FaultAction::kDoWithout;
   report_fault(device, code, action, now);
-  if (action == FaultAction::kReopen) keeper(device).lost(now);
+  if (action == FaultAction::kReopen || action == FaultAction::kDoWithout) keeper(device).lost(now);
   if (action == FaultAction::kLeave) end_ = LoopEnd::kFault;
+}
+
+void Loop::on_output_fault(ErrorCode code, Instant now) {
+  if (!is_needed(Device::kGpio)) return on_fault(Device::kGpio, code, now);
+  // Opening the chip again would take the emergency stop away, which still works or is about to tell that it does not.
+  outputs_failed_ = true;
+  report_fault(Device::kGpio, code, FaultAction::kDoWithout, now);
 }
 
 void Loop::serve_lost_devices(Instant now) {
@@ -321,41 +331,52 @@ void Loop::serve_lost_devices(Instant now) {
     const std::uint32_t attempts = keeper.attempts();
     if (keeper.poll(now)) {
       ++statistics_.reopened[i];
-      report_fault(device, ErrorCode::kOk, FaultAction::kNone, now);
+      if (is_needed(device)) report_fault(device, ErrorCode::kOk, FaultAction::kNone, now);
       if (device == Device::kCamera) {
         // Robots moved unseen, and the driver counts its frames anew.
         pipeline_.reset();
         last_sequence_.reset();
         last_frame_ = now;
       }
-      if (device == Device::kGpio) led_.reset();
+      if (device == Device::kGpio) {
+        led_.reset();
+        outputs_failed_ = false;
+      }
       continue;
     }
     if (keeper.attempts() != attempts) on_fault(device, keeper.last().code(), now);
     const double patience_s = settings_.faults.leave_after_s;
-    if (patience_s > 0.0 && keeper.away(now) > from_seconds(patience_s)) end_ = LoopEnd::kDeviceLost;
+    if (is_needed(device) && patience_s > 0.0 && keeper.away(now) > from_seconds(patience_s))
+      end_ = LoopEnd::kDeviceLost;
   }
 }
 
 void Loop::serve_inputs(Instant now) {
-  std::uint8_t line = kHaltLine;  // a line that cannot be read counts as pulled
-  look_again_ = slice_;
-  if (keeper(Device::kGpio).open()) {
-    const Result<hal::GpioInputs> inputs = devices_.gpio.inputs(now);
-    if (inputs.ok()) {
-      line = kHaltNone;
-      look_again_ = inputs.value().look_again;
-      judge_emergency(inputs.value(), now);
-    } else {
-      on_fault(Device::kGpio, inputs.error(), now);
-    }
-  }
-  const auto others = static_cast<std::uint8_t>(halt_ & kHaltNoFrames);
   const std::uint8_t before = halt_;
-  halt_ = static_cast<std::uint8_t>(others | line | (emergency_ ? kHaltEmergency : kHaltNone) |
-                                    (started_ ? kHaltNone : kHaltStart));
+  read_inputs(now);
   // The first stop must not wait for the next frame.
   if (before == kHaltNone && halt_ != kHaltNone) send_stop(now);
+}
+
+void Loop::read_inputs(Instant now) {
+  // An emergency stop that cannot be read counts as pulled, with all that follows.
+  hal::GpioInputs inputs;
+  inputs.emergency_stop = settings_.emergency_stop;
+  Halt emergency = kHaltLine;
+  if (keeper(Device::kGpio).open()) {
+    const Result<hal::GpioInputs> read = devices_.gpio.inputs(now);
+    if (read.ok()) {
+      inputs = read.value();
+      emergency = kHaltEmergency;
+    } else {
+      on_fault(Device::kGpio, read.error(), now);
+    }
+  }
+  look_again_ = inputs.look_again;
+  judge_emergency(inputs, now);
+  const auto others = static_cast<std::uint8_t>(halt_ & kHaltNoFrames);
+  halt_ =
+      static_cast<std::uint8_t>(others | (emergency_ ? emergency : kHaltNone) | (started_ ? kHaltNone : kHaltStart));
 }
 
 void Loop::judge_emergency(const hal::GpioInputs& inputs, Instant now) {

@@ -38,6 +38,7 @@ struct LoopSettings {
   const AdaptationRequests* adaptation = nullptr;  // whoever else may steer it; null: nobody
   bool telemetry = true;                           // listens to what robots send back
   bool start_button = false;                       // robots stand until it is pressed
+  bool emergency_stop = true;                      // there is one: robots stand while it cannot be read
   Handover* handover = nullptr;                    // from whoever changes parameters while it runs; null: nobody
 };
 
@@ -68,7 +69,11 @@ enum class LoopEnd : std::uint8_t {
 /// Robots are halted while the last good frame is older than faults.stop_after_s and while the emergency stop is
 /// pulled or cannot be read, and before the start button: then every packet is a stop packet, and without frames stop
 /// packets are sent all the same. The lines are read before each wait for a frame, so at the latest after one frame's
-/// period or 50 ms; while a line has a new level the wait ends when that has lasted long enough to count.
+/// period or 50 ms, and again before the frame's packet is sent; while a line has a new level the wait ends when that
+/// has lasted long enough to count.
+///
+/// A lost camera or radio is opened again, and so is a lost emergency stop. Without light and strobe, and on a board
+/// without an emergency stop without the whole chip, the game goes on; that is told once.
 ///
 /// The status light blinks once a second while all is well, five times while robots are halted; it stays on while
 /// everything waits for the start button. A loop that hangs leaves it as it is.
@@ -101,13 +106,17 @@ class Loop {
  private:
   void serve_frame(const hal::FrameLease& lease);
   void on_fault(Device device, ErrorCode code, Instant now);
+  void on_output_fault(ErrorCode code, Instant now);
+  [[nodiscard]] bool is_needed(Device device) const { return device != Device::kGpio || settings_.emergency_stop; }
   void serve_lost_devices(Instant now);
   void send(const Packet& packet, bool is_stop, Instant now);
   void send_stop(Instant now);
   void serve_inputs(Instant now);
+  void read_inputs(Instant now);
   void judge_emergency(const hal::GpioInputs& inputs, Instant now);
   void serve_radio(Instant now);
   void listen(Instant now);
+  [[nodiscard]] bool outputs_work() { return keeper(Device::kGpio).open() && !outputs_failed_; }
   void strobe(bool high, Instant now);
   void serve_light(Instant now);
   void update_halt(Instant now, Instant last_good);
@@ -153,12 +162,14 @@ class Loop {
   std::array<std::byte, 512> received_{};     // 30 frames of it a second are more than 115200 baud bring
   std::array<bool, 128> battery_reported_{};  // by id
   std::optional<bool> led_;
+  bool outputs_failed_ = false;  // light or strobe, since the chip was opened
 
   // For reports, since the last one.
   Instant next_report_{}, last_report_{};
   std::uint64_t good_frames_reported_ = 0;
   LatencyHistogram interval_latency_;
   std::array<std::array<bool, kErrorCodeCount>, kDeviceCount> fault_reported_{};
+  bool does_without_reported_ = false;  // since the begin
   std::uint8_t halt_reported_ = kHaltNoFrames;
   const StepTrace* last_trace_ = nullptr;
   Report report_;  // built here and copied into the ring: too large for the stack of a leaf

@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "firmware/loop.h"
 
 // What the loop writes into the ring.
@@ -71,16 +73,17 @@ void Loop::report_fault(Device device, ErrorCode code, FaultAction action, Insta
   const auto d = static_cast<std::size_t>(device);
   const auto c = static_cast<std::size_t>(code);
   if (code != ErrorCode::kOk) ++statistics_.faults[d][c];
-  if (fault_reported_[d][c]) return;  // once an interval is enough to read
-  fault_reported_[d][c] = true;
+  // Once an interval is enough to read; once for all where nothing follows from it.
+  bool& told = action == FaultAction::kDoWithout ? does_without_reported_ : fault_reported_[d][c];
+  if (std::exchange(told, true)) return;
   report_.kind = Report::Kind::kFault;
   report_.fault.elapsed_s = elapsed_s(now);
   report_.fault.device = device;
   report_.fault.code = code;
   report_.fault.action = action;
   // Of a device that is back, or says nothing, the reason would be an old one.
-  const bool told = code != ErrorCode::kOk && code != ErrorCode::kTimeout;
-  report_.fault.set_reason(told ? std::string_view(reason_of(device)) : std::string_view());
+  const bool has_reason = code != ErrorCode::kOk && code != ErrorCode::kTimeout;
+  report_.fault.set_reason(has_reason ? std::string_view(reason_of(device)) : std::string_view());
   if (code != ErrorCode::kOk) last_fault_ = report_.fault;
   reports_.push(report_);
 }

@@ -30,6 +30,7 @@ Status Session::open(LoopObserver observer, std::string& reason) {
   settings.adaptation = adaptation_;
   settings.telemetry = configuration_->board.radio.telemetry;
   settings.start_button = configuration_->board.gpio.start_line != hal::kNoLine;
+  settings.emergency_stop = configuration_->board.gpio.emergency_stop_line != hal::kNoLine;
   settings.handover = &handover_;
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
   if (const Status s = loop_->open(reason); !s.ok()) return s;

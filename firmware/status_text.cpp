@@ -31,7 +31,7 @@ std::string halt_reasons(std::uint8_t halt) {
     reasons += text;
   };
   add(kHaltNoFrames, "no good frame");
-  add(kHaltEmergency, "emergency stop is pulled");
+  add(kHaltEmergency, "emergency stop");
   add(kHaltLine, "emergency stop cannot be read");
   add(kHaltStart, "waiting for the start button");
   return reasons;
@@ -53,6 +53,8 @@ const char* consequence(FaultAction action) {
       return "; opening it again";
     case FaultAction::kLeave:
       return "; stopping the robots and leaving";
+    case FaultAction::kDoWithout:
+      return "; the game goes on without it";
   }
   return "";
 }

@@ -23,7 +23,7 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
 std::string fault_line(const FaultReport& fault);
 /// "robot 2: battery is low, 6.92 V"
 std::string battery_line(const BatteryReport& battery);
-/// "robots halted: emergency stop is pulled" or "robots may move".
+/// "robots halted: emergency stop" or "robots may move".
 std::string halt_line(const HaltReport& halt);
 /// The field as `columns` characters a row and as many rows as its shape asks for: own robots by the last digit of
 /// their id with their heading, opponents as x, the ball as o; unknown ids as ?. With `color`, in ANSI colors.

@@ -30,6 +30,35 @@ TEST_F(LoopTest, EmergencyStopDoesNotWaitForTheNextFrame) {
   EXPECT_NEAR(first->at_s, 1.0, 1e-6) << "seen when the frame of 1.00 s was done; the next one comes at 1.02 s";
 }
 
+TEST_F(LoopTest, EmergencyStopPulledWhileTheFrameIsAwaitedStopsWithThatFrame) {
+  gpio.pull(1.005, 2.0);
+  start();
+  run_until(1.5);
+  const auto at_frame = packets(1.005, 1.03);
+  ASSERT_EQ(at_frame.size(), 1U) << "the packet with speeds is not sent at all";
+  EXPECT_NEAR(at_frame[0].at_s, 1.02, 1e-6);
+  EXPECT_TRUE(all_stop(1.005, 1.5));
+  for (std::size_t i = 1; i < radio.sent.size(); ++i) {
+    EXPECT_EQ(radio.sent[i].sequence, static_cast<std::uint8_t>(radio.sent[i - 1].sequence + 1));
+  }
+}
+
+TEST_F(LoopTest, ARevokedPacketIsAStopInTheTraceToo) {
+  gpio.pull(1.005, 2.0);
+  struct Seen {
+    int speeds = 0, stops = 0;
+  } seen;
+  start({[](void* context, const StepTrace& trace, const StepTiming&) {
+           Seen& counts = *static_cast<Seen*>(context);
+           ++(trace.commands.stop ? counts.stops : counts.speeds);
+           EXPECT_TRUE(!trace.commands.stop || trace.commands.robots.empty());
+         },
+         &seen});
+  run_until(1.5);
+  EXPECT_EQ(seen.speeds, 50) << "frames up to 1.00 s";
+  EXPECT_EQ(seen.stops, 25);
+}
+
 TEST_F(LoopTest, EmergencyStopWorksWithoutFrames) {
   gpio.pull(1.0, 2.0);
   camera.add({1.0, 1.18, ErrorCode::kTimeout});
@@ -67,7 +96,18 @@ TEST_F(LoopTest, LineThatCannotBeReadCountsAsPulled) {
   for (const Report& report : reports()) {
     if (report.kind == Report::Kind::kHalt) halt = static_cast<std::uint8_t>(halt | report.halt.halt);
   }
-  EXPECT_EQ(halt, kHaltLine);
+  EXPECT_EQ(halt, kHaltLine | kHaltEmergency) << "the latter until it has been at rest for a tenth of a second";
+}
+
+TEST_F(LoopTest, LineThatCouldNotBeReadNeedsANewStartWhereAPulledOneDoes) {
+  settings.faults.resume_after_emergency = false;
+  gpio.add({1.0, 1.7, ErrorCode::kIo});
+  gpio.press(5.0);
+  start();
+  run_until(7.0);
+  EXPECT_FALSE(all_stop(0.0, 1.0));
+  EXPECT_TRUE(all_stop(1.001, 5.0)) << "read again from 2 s on";
+  EXPECT_FALSE(all_stop(5.04, 7.0));
 }
 
 TEST_F(LoopTest, HaltsAreReportedWithTheirReason) {

@@ -143,12 +143,12 @@ Status FakeGpio::do_open() {
 
 Status FakeGpio::do_set_status_led(bool on) {
   led.emplace_back(now_s(), on);
-  return status();
+  return outputs.ok() ? status() : outputs;
 }
 
 Status FakeGpio::do_set_strobe(bool high) {
   strobe.emplace_back(now_s(), high);
-  return status();
+  return outputs.ok() ? status() : outputs;
 }
 
 Result<hal::GpioInputs> FakeGpio::do_inputs(Instant) {

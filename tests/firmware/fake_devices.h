@@ -140,6 +140,7 @@ class FakeGpio final : public hal::Gpio, public Script {
   void press(double at_s) { pressed_.push_back(at_s); }
 
   std::vector<std::pair<double, bool>> led, strobe;
+  Status outputs;  // of light and strobe alone
   Duration look_again = Duration::max();
   int looks = 0;
   int opened = 0;

@@ -51,7 +51,65 @@ TEST_F(LoopTest, StrobeFramesTheWorkOnEachFrame) {
   for (std::size_t i = 0; i < gpio.strobe.size(); ++i) EXPECT_EQ(gpio.strobe[i].second, i % 2 == 0);
 }
 
-TEST_F(LoopTest, AFailingStrobeHaltsLikeAnyFailingLine) {
+/// What was told of the GPIO.
+std::vector<FaultReport> gpio_faults(const std::vector<Report>& reports) {
+  std::vector<FaultReport> faults;
+  for (const Report& report : reports) {
+    if (report.kind == Report::Kind::kFault && report.fault.device == Device::kGpio) faults.push_back(report.fault);
+  }
+  return faults;
+}
+
+TEST_F(LoopTest, AFailingLightIsToldOnceAndTheGameGoesOn) {
+  start();
+  run_until(1.0);
+  gpio.outputs = ErrorCode::kIo;
+  run_until(5.0);
+  EXPECT_FALSE(all_stop(0.0, 5.0));
+  EXPECT_EQ(gpio.opened, 1) << "the emergency stop is watched all the time";
+  const std::vector<FaultReport> told = gpio_faults(reports());
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].action, FaultAction::kDoWithout);
+  EXPECT_EQ(changes(gpio.led, 1.001, 5.0) + changes(gpio.strobe, 1.001, 5.0), 1U) << "each call costs the loop time";
+  // The chip is opened again for the emergency stop's sake, and light and strobe with it.
+  gpio.outputs = {};
+  gpio.add({5.0, 5.3, ErrorCode::kDisconnected});
+  run_until(8.0);
+  EXPECT_TRUE(all_stop(5.001, 5.3));
+  EXPECT_FALSE(all_stop(6.0, 8.0));
+  EXPECT_GE(changes(gpio.led, 6.0, 8.0), 3U);
+  EXPECT_GE(changes(gpio.strobe, 6.0, 8.0), 190U);
+}
+
+TEST_F(LoopTest, ABoardWithoutAnEmergencyStopDoesWithoutItsChip) {
+  settings.emergency_stop = false;
+  settings.faults.leave_after_s = 1.0;
+  gpio.add({1.0, 3.9, ErrorCode::kDisconnected});
+  start();
+  run_until(8.0);
+  EXPECT_FALSE(all_stop(0.0, 8.0));
+  EXPECT_EQ(loop->statistics().reopened[2], 1U);
+  EXPECT_GE(gpio.opened, 4);
+  EXPECT_GE(changes(gpio.led, 5.5, 8.0), 4U) << "it blinks again";
+  const std::vector<FaultReport> told = gpio_faults(reports());
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].code, ErrorCode::kDisconnected);
+  EXPECT_EQ(told[0].action, FaultAction::kDoWithout);
+}
+
+TEST_F(LoopTest, AStartButtonThatIsLostMayBePressedWhenItIsBack) {
+  settings.emergency_stop = false;
+  settings.start_button = true;
+  gpio.add({1.0, 2.2, ErrorCode::kIo});
+  gpio.press(1.5);
+  gpio.press(4.0);
+  start();
+  run_until(6.0);
+  EXPECT_TRUE(all_stop(0.0, 2.2));
+  EXPECT_FALSE(all_stop(4.04, 6.0));
+}
+
+TEST_F(LoopTest, AChipThatGoesAwayHaltsEvenWhenTheStrobeFailsFirst) {
   start();
   run_until(1.0);
   gpio.add({1.0, 1.3, ErrorCode::kDisconnected});
@@ -69,8 +127,9 @@ TEST_F(LoopTest, RobotsStandUntilTheStartButtonIsPressed) {
   EXPECT_TRUE(all_stop(0.0, 1.5));
   EXPECT_FALSE(all_stop(1.54, 3.0));
   EXPECT_LE(changes(gpio.led, 0.1, 1.5), 0U) << "on, ready";
-  EXPECT_TRUE(
-      std::prev(std::find_if(gpio.led.begin(), gpio.led.end(), [](const auto& c) { return c.first > 1.5; }))->second);
+  EXPECT_TRUE(std::prev(std::find_if(gpio.led.begin(), gpio.led.end(), [](const auto& c) {
+                return c.first >= 1.499;
+              }))->second);
   std::vector<std::uint8_t> halts;
   for (const Report& report : reports()) {
     if (report.kind == Report::Kind::kHalt) halts.push_back(report.halt.halt);

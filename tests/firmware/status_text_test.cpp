@@ -35,7 +35,7 @@ TEST(StatusText, LineOfABadSecond) {
   status.halt = kHaltNoFrames | kHaltEmergency;
   EXPECT_EQ(status_line(status, {5, 5, {}}),
             "12 s  60.0 fps  own 5/5  opp 5/5  ball lost  latency p50 1.2 p99 2.3 max 3.1 ms  packets 720  "
-            "frames lost 3  overloads 2  faults 7  HALTED: no good frame, emergency stop is pulled");
+            "frames lost 3  overloads 2  faults 7  HALTED: no good frame, emergency stop");
 }
 
 TEST(StatusText, LightThatChangedAndAdaptationThatIsFrozen) {

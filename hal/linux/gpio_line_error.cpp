@@ -4,20 +4,33 @@
 
 #include <cerrno>
 
+#include "hal/linux/gpio_list.h"
 #include "hal/linux/system_error.h"
 
 namespace touchline::hal {
+namespace {
 
-Status say_chip_refused(const std::string& chip, int error, const std::string& chips, Reason& reason) {
+std::string chips_here() {
+  std::string list;
+  for (const GpioChipNode& chip : list_gpio_chips()) {
+    const std::string lines = std::to_string(chip.lines.size()) + " lines";
+    list.append(list.empty() ? "" : ", ").append(chip.path).append(" (");
+    list.append(chip.error == 0 ? chip.label + ", " + lines : system_text(chip.error)).append(")");
+  }
+  return list.empty() ? "none" : list;
+}
+
+}  // namespace
+
+Status say_chip_refused(const std::string& chip, int error, Reason& reason) {
   const ErrorCode code = open_error(error);
   if (code == ErrorCode::kPermission) return say_denied(reason, chip.c_str(), "gpio");
-  const char* const list = chips.empty() ? "none" : chips.c_str();
   if (code == ErrorCode::kNotFound) {
-    reason.set("%s: no such chip; GPIO chips here: %s", chip.c_str(), list);
+    reason.set("%s: no such chip; GPIO chips here: %s", chip.c_str(), chips_here().c_str());
     return code;
   }
   if (error == ENOTTY) {
-    reason.set("%s: not a GPIO chip; GPIO chips here: %s", chip.c_str(), list);
+    reason.set("%s: not a GPIO chip; GPIO chips here: %s", chip.c_str(), chips_here().c_str());
     return ErrorCode::kUnsupported;
   }
   reason.set("%s: cannot be opened: %s", chip.c_str(), system_text(error));
@@ -42,11 +55,6 @@ Status say_line_refused(const std::string& chip, int line, int error, const char
     reason.set("%s line %d: cannot be requested: %s", chip.c_str(), line, system_text(error));
   }
   return open_error(error);
-}
-
-void append_chip(std::string& list, const std::string& name, const char* label, std::size_t lines) {
-  if (!list.empty()) list += ", ";
-  list += "/dev/" + name + " (" + label + ", " + std::to_string(lines) + " lines)";
 }
 
 int make_nonblocking(int file) { return ::fcntl(file, F_SETFL, O_NONBLOCK) == 0 ? 0 : errno; }

@@ -27,17 +27,6 @@ constexpr const char* kConsumer = "touchline";
 // As many as the kernel keeps for a line.
 constexpr std::size_t kMostEvents = 16;
 
-std::string chips_here() {
-  gpiod_chip_iter* const chips = gpiod_chip_iter_new();
-  if (chips == nullptr) return {};
-  std::string list;
-  for (gpiod_chip* chip = gpiod_chip_iter_next(chips); chip != nullptr; chip = gpiod_chip_iter_next(chips)) {
-    append_chip(list, gpiod_chip_name(chip), gpiod_chip_label(chip), gpiod_chip_num_lines(chip));
-  }
-  gpiod_chip_iter_free(chips);
-  return list;
-}
-
 int flags_of(const GpioInput& input) {
   const int polarity = input.active_low ? int{GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW} : 0;
   switch (input.bias) {
@@ -55,7 +44,7 @@ Status find(const std::string& chip, int line, gpiod_chip*& found_chip, gpiod_li
   found_chip = gpiod_chip_open(chip.c_str());
   if (found_chip == nullptr) {
     const int error = errno;
-    return say_chip_refused(chip, error, chips_here(), reason);
+    return say_chip_refused(chip, error, reason);
   }
   found_line = gpiod_chip_get_line(found_chip, static_cast<unsigned>(line));
   if (found_line != nullptr) return {};

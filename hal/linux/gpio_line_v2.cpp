@@ -27,23 +27,6 @@ using Owned = std::unique_ptr<T, Closer>;
 constexpr const char* kConsumer = "touchline";
 // As many as the kernel keeps for a line.
 constexpr std::size_t kMostEvents = 16;
-// The library has no list of chips; no board's numbers go further.
-constexpr int kMostChips = 64;
-
-std::string chips_here() {
-  std::string list;
-  for (int i = 0; i < kMostChips; ++i) {
-    const std::string path = "/dev/gpiochip" + std::to_string(i);
-    if (!gpiod_is_gpiochip_device(path.c_str())) continue;
-    const Owned<gpiod_chip> chip(gpiod_chip_open(path.c_str()));
-    if (!chip) continue;
-    const Owned<gpiod_chip_info> info(gpiod_chip_get_info(chip.get()));
-    if (!info) continue;
-    append_chip(list, gpiod_chip_info_get_name(info.get()), gpiod_chip_info_get_label(info.get()),
-                gpiod_chip_info_get_num_lines(info.get()));
-  }
-  return list;
-}
 
 gpiod_line_bias bias_of(GpioBias bias) {
   switch (bias) {
@@ -90,7 +73,7 @@ Status find(const std::string& path, int line, Owned<gpiod_chip>& chip, Reason& 
   chip.reset(gpiod_chip_open(path.c_str()));
   if (!chip) {
     const int error = errno;
-    return say_chip_refused(path, error, chips_here(), reason);
+    return say_chip_refused(path, error, reason);
   }
   const Owned<gpiod_chip_info> info(gpiod_chip_get_info(chip.get()));
   if (!info) {

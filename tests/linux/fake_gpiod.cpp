@@ -1,13 +1,12 @@
 #include "tests/linux/fake_gpiod.h"
 
 #include <fcntl.h>
+#include <linux/gpio.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-
-#include "tests/linux/fake_kernel.h"
 
 namespace touchline::fake {
 namespace {
@@ -18,8 +17,14 @@ constexpr std::size_t kMostEvents = 16;
 
 }  // namespace
 
-GpioChips::GpioChips(std::vector<GpioChip*> chips) : chips_(std::move(chips)) { machine = this; }
-GpioChips::~GpioChips() { machine = nullptr; }
+GpioChips::GpioChips(std::vector<GpioChip*> chips) : chips_(std::move(chips)) {
+  machine = this;
+  for (GpioChip* const chip : chips_) kernel()->add("/dev/" + chip->name, *chip);
+}
+GpioChips::~GpioChips() {
+  machine = nullptr;
+  for (const GpioChip* const chip : chips_) kernel()->remove("/dev/" + chip->name);
+}
 GpioChips& gpio_chips() { return *machine; }
 
 GpioChip* GpioChips::find(const std::string& path) const {
@@ -39,6 +44,15 @@ void GpioChip::settle(Pin& pin, Instant until) {
   if (pin.tells_edges && pin.events.size() < kMostEvents) {
     pin.events.push_back({pin.settled, pin.changed + pin.debounce});
   }
+}
+
+int GpioChip::ioctl(unsigned long request, void* argument) {
+  if (request == GPIO_V2_GET_LINEINFO_IOCTL) return 0;
+  if (request != GPIO_GET_CHIPINFO_IOCTL) return -ENOTTY;
+  auto& info = *static_cast<gpiochip_info*>(argument);
+  info.lines = lines;
+  label.copy(info.label, sizeof info.label);
+  return 0;
 }
 
 void GpioChip::drive(unsigned line, int level, Instant at) {

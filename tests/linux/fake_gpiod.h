@@ -6,13 +6,14 @@
 #include <vector>
 
 #include "core/time.h"
+#include "tests/linux/fake_kernel.h"
 
 namespace touchline::fake {
 
 /// A chip as the kernel has it; fake_gpiod_v1.cpp and fake_gpiod_v2.cpp show it as the two versions of libgpiod do
 /// (gpiod_* are wrapped). Levels are those of the pins; polarity and bias are applied as the kernel does: an input that
 /// nobody drives has the level of its bias.
-struct GpioChip {
+struct GpioChip : File {
   std::string name = "gpiochip0", label = "pinctrl-bcm2711";
   unsigned lines = 58;
 
@@ -38,6 +39,8 @@ struct GpioChip {
   int open_error = 0, request_error = 0, value_error = 0, read_error = 0;
   bool blocked = false;  // somebody waited for events
 
+  /// For listings: its name, and of each line nothing but that it is there.
+  int ioctl(unsigned long request, void* argument) override;
   /// Somebody outside changes the level.
   void drive(unsigned line, int level, Instant at);
 
@@ -60,7 +63,7 @@ struct GpioChip {
   static void settle(Pin& pin, Instant until);
 };
 
-/// All chips of the machine while it lives.
+/// All chips of the machine while it lives; the kernel in force shows them, too.
 class GpioChips {
  public:
   explicit GpioChips(std::vector<GpioChip*> chips);

@@ -17,9 +17,6 @@ struct gpiod_line {
   unsigned offset;
   bool requested;
 };
-struct gpiod_chip_iter {
-  std::size_t next;
-};
 
 const bool touchline::fake::kKernelDebounces = false;
 
@@ -68,7 +65,6 @@ void __wrap_gpiod_chip_close(gpiod_chip* chip) {
   --gpio_chips().unclosed;
 }
 
-const char* __wrap_gpiod_chip_name(gpiod_chip* chip) { return chip->chip->name.c_str(); }
 const char* __wrap_gpiod_chip_label(gpiod_chip* chip) { return chip->chip->label.c_str(); }
 unsigned __wrap_gpiod_chip_num_lines(gpiod_chip* chip) { return chip->chip->lines; }
 
@@ -115,23 +111,6 @@ int __wrap_gpiod_line_event_read_multiple(gpiod_line* line, gpiod_line_event* ou
     out++->event_type = event.active ? GPIOD_LINE_EVENT_RISING_EDGE : GPIOD_LINE_EVENT_FALLING_EDGE;
   }
   return answer(count);
-}
-
-gpiod_chip_iter* __wrap_gpiod_chip_iter_new() {
-  ++gpio_chips().unclosed;
-  return new gpiod_chip_iter{0};
-}
-gpiod_chip* __wrap_gpiod_chip_iter_next(gpiod_chip_iter* iterator) {
-  // As the library: the one before is closed by the next.
-  static gpiod_chip* open = nullptr;
-  if (open != nullptr) __wrap_gpiod_chip_close(open);
-  const auto& all = gpio_chips().all();
-  open = iterator->next < all.size() ? handle(all[iterator->next++]) : nullptr;
-  return open;
-}
-void __wrap_gpiod_chip_iter_free(gpiod_chip_iter* iterator) {
-  delete iterator;
-  --gpio_chips().unclosed;
 }
 
 }  // extern "C"

@@ -68,8 +68,6 @@ void taken_back(T* object) {
 
 extern "C" {
 
-bool __wrap_gpiod_is_gpiochip_device(const char* path) { return gpio_chips().find(path) != nullptr; }
-
 gpiod_chip* __wrap_gpiod_chip_open(const char* path) {
   GpioChip* const chip = gpio_chips().find(path);
   // Once: the list of all chips that follows an error has this one.
@@ -80,7 +78,6 @@ void __wrap_gpiod_chip_close(gpiod_chip* chip) { taken_back(chip); }
 
 gpiod_chip_info* __wrap_gpiod_chip_get_info(gpiod_chip* chip) { return handed_out(new gpiod_chip_info{chip->chip}); }
 void __wrap_gpiod_chip_info_free(gpiod_chip_info* info) { taken_back(info); }
-const char* __wrap_gpiod_chip_info_get_name(gpiod_chip_info* info) { return info->chip->name.c_str(); }
 const char* __wrap_gpiod_chip_info_get_label(gpiod_chip_info* info) { return info->chip->label.c_str(); }
 std::size_t __wrap_gpiod_chip_info_get_num_lines(gpiod_chip_info* info) { return info->chip->lines; }
 

@@ -147,6 +147,10 @@ TEST_F(GpiodGpioTest, MissingChipListsTheChipsThatAreHere) {
     expect_refusal(asked, ErrorCode::kNotFound,
                    "/dev/gpiochip4: no such chip; GPIO chips here: /dev/gpiochip0 (pinctrl-bcm2711, 58 lines), "
                    "/dev/gpiochip1 (raspberrypi-exp-gpio, 8 lines)");
+    kernel_.refuse_open("/dev/gpiochip1", EACCES);
+    expect_refusal(asked, ErrorCode::kNotFound,
+                   "/dev/gpiochip4: no such chip; GPIO chips here: /dev/gpiochip0 (pinctrl-bcm2711, 58 lines), "
+                   "/dev/gpiochip1 (Permission denied)");
     EXPECT_EQ(two.unclosed, 0);
   }
   fake::GpioChips none({});

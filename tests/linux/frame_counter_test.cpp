@@ -25,6 +25,25 @@ TEST(FrameCounter, ACountThatStandsStillOrGoesBackwardsIsCountedFor) {
   EXPECT_EQ(counter.lost(), 0u);
 }
 
+TEST(FrameCounter, GapsAreSeenAfterTheCountWentBackwards) {
+  FrameCounter counter;
+  EXPECT_EQ(counter.count(100), 100u);
+  EXPECT_EQ(counter.count(5), 101u);
+  EXPECT_EQ(counter.count(6), 102u);
+  EXPECT_EQ(counter.count(9), 105u);
+  EXPECT_EQ(counter.count(10), 106u);
+  EXPECT_EQ(counter.count(12, 1), 108u);
+  EXPECT_EQ(counter.lost(), 3u);
+}
+
+TEST(FrameCounter, NothingIsLostTwice) {
+  FrameCounter counter;
+  EXPECT_EQ(counter.count(1), 1u);
+  EXPECT_EQ(counter.count(2, 3), 4u) << "the stamps tell first";
+  EXPECT_EQ(counter.count(5, 1), 5u) << "and the count with the next frame";
+  EXPECT_EQ(counter.lost(), 2u);
+}
+
 TEST(FrameCounter, TheCountMayOverflow) {
   FrameCounter counter;
   EXPECT_EQ(counter.count(0xffffffffu), 0xffffffffu);

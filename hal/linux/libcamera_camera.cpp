@@ -13,6 +13,8 @@ namespace {
 constexpr int kFramesToSettle = 10;
 // Sensors start within half a second; more is a loose cable, which the loop's own limits deal with.
 constexpr Duration kLongestStart = std::chrono::seconds(2);
+// At ten frames a second all of them; a camera that went away in between is opened again only afterwards.
+constexpr Duration kLongestAdjustment = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -22,7 +24,8 @@ LibcameraCamera::LibcameraCamera(CameraSettings settings, int priority, std::uni
 // --- the caller's thread --------------------------------------------------------------------------------------------
 
 Status LibcameraCamera::do_open() {
-  do_close();
+  const std::scoped_lock alone(changing_);
+  shut();
   reason_.clear();
   grants_.clear();
   info_ = {};
@@ -33,7 +36,7 @@ Status LibcameraCamera::do_open() {
   }
   worker_ = std::thread([this] { work(); });
   if (const Status status = ask(Task::kOpen); !status.ok()) {
-    do_close();
+    shut();
     return status;
   }
   tell_grants(controls_);
@@ -62,6 +65,7 @@ void LibcameraCamera::tell_grants(const LibcameraNumbers& told) {
 }
 
 Status LibcameraCamera::do_start() {
+  const std::scoped_lock alone(changing_);
   if (!worker_.joinable()) {
     reason_.set("%s: not open", name());
     return ErrorCode::kInconsistent;
@@ -70,7 +74,10 @@ Status LibcameraCamera::do_start() {
   counters_ = {};
   sequence_.restart();
   stamps_.restart(Duration::zero());
+  set_exposure(controls_);
   last_stamp_ = {};
+  last_has_stamp_ = false;
+  last_duration_us_ = 0.0;
   lost_ = ErrorCode::kOk;
   if (const Status status = ask(Task::kStart); !status.ok()) {
     forget_completed();
@@ -100,6 +107,39 @@ void LibcameraCamera::settle() {
                                                  : controls_[LibcameraControl::kFrameDuration];
   info_.rate_hz = duration_us && *duration_us > 0.0 ? 1e6 / *duration_us : 0.0;
   tell_grants(told);
+}
+
+/// Beside wait() on another thread: of what that writes, nothing is touched but the exposure time for the stamps.
+Status LibcameraCamera::do_adjust(const CameraSettings& settings, std::string& grants) {
+  const std::scoped_lock alone(changing_);
+  settings_.take_controls(settings);
+  grants.clear();
+  if (!worker_.joinable()) return {};
+  Reason text;
+  controls_ = adjusted(controls_, controls_for(settings_, limits_, text));
+  if (streaming_) {
+    static_cast<void>(ask(Task::kAdjust));
+    tell_control_grants(settings_, limits_, controls_, await_controls(), text);
+    set_exposure(controls_);
+  }
+  if (!text.empty()) grants = std::string(name()) + ": " + text.text();
+  return {};
+}
+
+/// What the first frame that was taken with the controls tells, else the last of those that came.
+LibcameraNumbers LibcameraCamera::await_controls() {
+  const auto deadline = std::chrono::steady_clock::now() + kLongestAdjustment;
+  LibcameraNumbers told;
+  std::unique_lock lock(told_mutex_);
+  watched_.store(true, std::memory_order_release);
+  for (int i = 0; i < kFramesToSettle; ++i) {
+    told_.reset();
+    if (!told_changed_.wait_until(lock, deadline, [this] { return told_.has_value(); })) break;
+    told = *told_;
+    if (is_taken_with(told, controls_)) break;
+  }
+  watched_.store(false, std::memory_order_release);
+  return told;
 }
 
 /// The oldest completed frame; false: none came, or none will.
@@ -137,7 +177,7 @@ Result<FrameLease> LibcameraCamera::deliver(const LibcameraFrame& completed) {
   const Instant now = MonotonicClock::read();
   const Instant stamp =
       monotonic_stamp(Instant(Duration(completed.stamp_ns)), now, MonotonicClock::read_with_suspension());
-  const std::uint32_t sequence = sequence_.count(completed.sequence, periods_since_last(completed, stamp));
+  const std::uint32_t sequence = sequence_.count(completed.sequence, periods_since_last(completed, stamp, now));
   counters_.lost = sequence_.lost();
   if (completed.state == LibcameraFrame::State::kDamaged) {
     reason_.set("%s: libcamera marks frame %u as damaged", name(), sequence);
@@ -155,12 +195,18 @@ Result<FrameLease> LibcameraCamera::deliver(const LibcameraFrame& completed) {
     frame.plane[i] = mappings_[completed.buffer].plane(i);
     frame.stride_bytes[i] = frame.plane[i] != nullptr ? stream_.stride_bytes : 0;
   }
-  const LibcameraNumbers& told = completed.told[LibcameraControl::kExposure] ? completed.told : controls_;
-  stamps_.set_exposure(from_seconds(told[LibcameraControl::kExposure].value_or(0.0) * 1e-6));
+  set_exposure(completed.told);
   frame.capture_time = stamps_.middle_of_exposure(stamp_flags_, stamp, now);
   frame.sequence = sequence;
   ++counters_.frames;
   return FrameLease(*this, frame, completed.buffer, mappings_[completed.buffer].files());
+}
+
+/// For the stamps: what a frame tells or, where it tells nothing, what was set last.
+void LibcameraCamera::set_exposure(const LibcameraNumbers& numbers) {
+  if (const auto& exposure_us = numbers[LibcameraControl::kExposure]) {
+    stamps_.set_exposure(from_seconds(*exposure_us * 1e-6));
+  }
 }
 
 /// A frame that nobody wants.
@@ -170,14 +216,18 @@ Result<FrameLease> LibcameraCamera::lose(std::uint32_t buffer, ErrorCode code, s
   return code;
 }
 
-/// How many frame times after the frame before, where the frame tells: some devices count the pictures that they
+/// How many frame times after the frame before, where both frames tell: some devices count the pictures that they
 /// processed, not those that the sensor took.
-std::uint32_t LibcameraCamera::periods_since_last(const LibcameraFrame& frame, Instant stamp) {
+std::uint32_t LibcameraCamera::periods_since_last(const LibcameraFrame& frame, Instant stamp, Instant now) {
+  const double duration_us = frame.told[LibcameraControl::kFrameDuration].value_or(0.0);
+  const double duration_before_us = std::exchange(last_duration_us_, duration_us);
+  const bool follows = std::exchange(last_has_stamp_, stamp > last_stamp_ && stamp <= now);
+  if (!last_has_stamp_) return 1;
   const Instant before = std::exchange(last_stamp_, stamp);
-  const std::optional<double>& duration_us = frame.told[LibcameraControl::kFrameDuration];
-  if (before == Instant{} || !duration_us || *duration_us <= 0.0) return 1;
-  constexpr double kMost = 1e6;  // more is no gap but a stamp gone wrong
-  const double periods = std::round(seconds(stamp - before) * 1e6 / *duration_us);
+  if (!follows || duration_us <= 0.0) return 1;
+  constexpr double kMost = 1000.0;  // in so long a pause the camera would have been opened again
+  // From one stamp to the next it is one frame's time or the other's: a change of the rate is no gap.
+  const double periods = std::round(seconds(stamp - before) * 1e6 / std::max(duration_us, duration_before_us));
   return periods >= 1.0 && periods <= kMost ? static_cast<std::uint32_t>(periods) : 1;
 }
 
@@ -188,6 +238,11 @@ void LibcameraCamera::do_release(std::uint32_t buffer) noexcept {
 }
 
 void LibcameraCamera::do_stop() {
+  const std::scoped_lock alone(changing_);
+  halt();
+}
+
+void LibcameraCamera::halt() {
   if (!streaming_) return;
   streaming_ = false;
   static_cast<void>(ask(Task::kStop));
@@ -202,8 +257,13 @@ void LibcameraCamera::forget_completed() {
 }
 
 void LibcameraCamera::do_close() {
+  const std::scoped_lock alone(changing_);
+  shut();
+}
+
+void LibcameraCamera::shut() {
   if (!worker_.joinable()) return;
-  do_stop();
+  halt();
   static_cast<void>(ask(Task::kClose));
   worker_.join();
   id_.clear();
@@ -218,6 +278,11 @@ void LibcameraCamera::frame_done(const LibcameraFrame& frame) noexcept {
   LibcameraFrame done = frame;
   if (done.state == LibcameraFrame::State::kGood && mappings_[done.buffer].begin_read() != 0) {
     done.state = LibcameraFrame::State::kDamaged;  // the caches may hold the picture before
+  }
+  if (done.state == LibcameraFrame::State::kGood && watched_.load(std::memory_order_acquire)) {
+    const std::scoped_lock alone(told_mutex_);
+    told_ = done.told;
+    told_changed_.notify_all();
   }
   completed_.push(done);
   ready_.post();

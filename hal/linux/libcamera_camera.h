@@ -2,8 +2,11 @@
 
 #include <array>
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -51,23 +54,28 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
  private:
   // CameraSettings::buffers has at most 32.
   static constexpr std::size_t kMostBuffers = 32;
-  enum class Task : std::uint8_t { kNone, kOpen, kStart, kStop, kClose };
+  enum class Task : std::uint8_t { kNone, kOpen, kStart, kAdjust, kStop, kClose };
 
   // Of Camera: on the caller's thread.
   Status do_open() override;
   Status do_start() override;
+  Status do_adjust(const CameraSettings& settings, std::string& grants) override;
   Result<FrameLease> do_wait(Instant deadline) override;
   void do_release(std::uint32_t buffer) noexcept override;
   void do_stop() override;
   void do_close() override;
+  void halt();
+  void shut();
   Status ask(Task task);
   bool take(Instant deadline, LibcameraFrame& frame);
   void settle();
+  LibcameraNumbers await_controls();
+  void set_exposure(const LibcameraNumbers& numbers);
   void forget_completed();
   void tell_grants(const LibcameraNumbers& told);
   Result<FrameLease> deliver(const LibcameraFrame& frame);
   Result<FrameLease> lose(std::uint32_t buffer, ErrorCode code, std::uint64_t& counter);
-  std::uint32_t periods_since_last(const LibcameraFrame& frame, Instant stamp);
+  std::uint32_t periods_since_last(const LibcameraFrame& frame, Instant stamp, Instant now);
   ErrorCode fail(ErrorCode code) noexcept;
 
   // On the driver's own thread.
@@ -91,7 +99,8 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
 
   [[nodiscard]] const char* name() const { return id_.empty() ? settings_.device.c_str() : id_.c_str(); }
 
-  const CameraSettings settings_;
+  CameraSettings settings_;
+  std::mutex changing_;  // the controls, or whether the device is open and streams; wait() changes neither
   const int priority_;
   const std::unique_ptr<LibcameraLink> link_;
 
@@ -112,7 +121,9 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   ErrorCode lost_ = ErrorCode::kOk;  // an error after which only opening again helps
   CaptureStamp stamps_;
   FrameCounter sequence_;
-  Instant last_stamp_{};
+  Instant last_stamp_{};         // that could be true
+  bool last_has_stamp_ = false;  // so could the last frame's
+  double last_duration_us_ = 0.0;
   LibcameraCounters counters_;
 
   // Between the threads. A buffer is in one ring at most, so neither can be full.
@@ -121,6 +132,10 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   Semaphore ready_, work_, done_;
   std::atomic<bool> flowing_{false}, gone_{false};
   std::atomic<int> queue_error_{0};
+  std::atomic<bool> watched_{false};  // somebody wants to know what frames tell
+  std::mutex told_mutex_;
+  std::condition_variable told_changed_;
+  std::optional<LibcameraNumbers> told_;  // by the newest frame
   std::atomic<Task> task_{Task::kNone};
   Status result_;  // of the task; published by done_
   std::thread worker_;

@@ -131,6 +131,27 @@ bool is_taken_with(const LibcameraNumbers& told, const LibcameraNumbers& control
   return true;
 }
 
+LibcameraNumbers adjusted(const LibcameraNumbers& before, const LibcameraNumbers& controls) {
+  LibcameraNumbers all = before;
+  for (std::size_t i = 0; i < kLibcameraControls; ++i) {
+    const auto control = static_cast<LibcameraControl>(i);
+    if (controls[control]) all[control] = controls[control];
+  }
+  return all;
+}
+
+void tell_control_grants(const CameraSettings& asked, const LibcameraLimits& limits, const LibcameraNumbers& controls,
+                         const LibcameraNumbers& told, Reason& grants) {
+  for (const Key& key : keys_of(asked)) {
+    if (is_asked(key)) tell(key, limits, controls, told, grants);
+  }
+  if (asked.white_balance_k > 0 && controls[kRedGain]) {
+    note(grants, "white_balance_k", asked.white_balance_k);
+    grants.append("the camera takes gains only: red %.3g, blue %.3g", granted(controls, told, kRedGain),
+                  granted(controls, told, kBlueGain));
+  }
+}
+
 void tell_grants(const CameraSettings& asked, const LibcameraLimits& limits, const LibcameraNumbers& controls,
                  const LibcameraNumbers& told, Reason& grants) {
   if (!controls[kFrameDuration]) {
@@ -144,12 +165,7 @@ void tell_grants(const CameraSettings& asked, const LibcameraLimits& limits, con
     note(grants, "rate_hz", asked.rate_hz);
     grants.append("%s", kNotTold);
   }
-  for (const Key& key : keys_of(asked)) tell(key, limits, controls, told, grants);
-  if (controls[kRedGain]) {
-    note(grants, "white_balance_k", asked.white_balance_k);
-    grants.append("the camera takes gains only: red %.3g, blue %.3g", granted(controls, told, kRedGain),
-                  granted(controls, told, kBlueGain));
-  }
+  tell_control_grants(asked, limits, controls, told, grants);
 }
 
 }  // namespace touchline::hal

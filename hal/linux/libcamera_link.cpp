@@ -10,10 +10,11 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <mutex>
+#include <utility>
 
 #include "hal/device_parameters.h"
 #include "hal/linux/libcamera_numbers.h"
+#include "hal/linux/sole_instance.h"
 
 namespace touchline::hal {
 namespace {
@@ -57,23 +58,29 @@ std::string offers_of(const libcamera::StreamFormats& formats) {
   return offers.empty() ? "nothing" : offers;
 }
 
+class RunningManager final : public libcamera::CameraManager {
+ public:
+  RunningManager() = default;
+  RunningManager(const RunningManager&) = delete;
+  RunningManager& operator=(const RunningManager&) = delete;
+  ~RunningManager() override { stop(); }
+};
+
 /// libcamera allows one manager a process; everybody shares it.
-std::shared_ptr<libcamera::CameraManager> shared_manager(int& error) {
-  static std::mutex mutex;
-  static std::weak_ptr<libcamera::CameraManager> running;
-  const std::lock_guard lock(mutex);
-  error = 0;
-  if (std::shared_ptr<libcamera::CameraManager> manager = running.lock()) return manager;
-  // It tells on standard error of every step; who wants to read that sets the variable.
-  ::setenv("LIBCAMERA_LOG_LEVELS", "*:WARN", 0);
-  std::shared_ptr<libcamera::CameraManager> manager(new libcamera::CameraManager, [](libcamera::CameraManager* ended) {
-    ended->stop();
-    delete ended;
-  });
-  error = -manager->start();
-  if (error != 0) return nullptr;
-  running = manager;
+SoleInstance<RunningManager>& shared_manager() {
+  static SoleInstance<RunningManager> manager;
   return manager;
+}
+
+RunningManager* take_manager(int& error) {
+  error = 0;
+  return shared_manager().take([&error]() -> std::unique_ptr<RunningManager> {
+    // It tells on standard error of every step; who wants to read that sets the variable.
+    ::setenv("LIBCAMERA_LOG_LEVELS", "*:WARN", 0);
+    auto manager = std::make_unique<RunningManager>();
+    error = -manager->start();
+    return error == 0 ? std::move(manager) : nullptr;
+  });
 }
 
 LibcameraName name_of(const libcamera::Camera& camera) {
@@ -94,7 +101,7 @@ class Link final : public LibcameraLink {
 
   int cameras(std::vector<LibcameraName>& found) override {
     int error = 0;
-    if (manager_ == nullptr) manager_ = shared_manager(error);
+    if (manager_ == nullptr) manager_ = take_manager(error);
     if (manager_ == nullptr) return error;
     found.clear();
     for (const std::shared_ptr<libcamera::Camera>& camera : manager_->cameras()) found.push_back(name_of(*camera));
@@ -184,14 +191,19 @@ class Link final : public LibcameraLink {
     return -camera_->start(&list);
   }
 
+  void adjust(const LibcameraNumbers& controls) override { adjusted_ = controls; }
+
   int queue(std::uint32_t buffer) override {
     libcamera::Request& request = *requests_[buffer];
     if (request.status() != libcamera::Request::RequestPending) request.reuse(libcamera::Request::ReuseBuffers);
+    if (adjusted_) set_controls(request.controls(), camera_->controls(), *adjusted_, external_);
+    adjusted_.reset();
     return -camera_->queueRequest(&request);
   }
 
   void stop() override {
     static_cast<void>(camera_->stop());  // a camera that is gone has stopped
+    adjusted_.reset();
     // A request that was never completed is like new.
     for (const auto& request : requests_) request->reuse(libcamera::Request::ReuseBuffers);
   }
@@ -207,7 +219,7 @@ class Link final : public LibcameraLink {
       static_cast<void>(camera_->release());
       camera_.reset();
     }
-    manager_.reset();
+    if (std::exchange(manager_, nullptr) != nullptr) shared_manager().give_back();
   }
 
  private:
@@ -239,12 +251,13 @@ class Link final : public LibcameraLink {
 
   void disconnected() { sink_->camera_gone(); }
 
-  std::shared_ptr<libcamera::CameraManager> manager_;
+  RunningManager* manager_ = nullptr;
   std::shared_ptr<libcamera::Camera> camera_;
   std::unique_ptr<libcamera::CameraConfiguration> configuration_;
   std::unique_ptr<libcamera::FrameBufferAllocator> allocator_;
   std::vector<std::unique_ptr<libcamera::FrameBuffer>> own_buffers_;
   std::vector<std::unique_ptr<libcamera::Request>> requests_;
+  std::optional<LibcameraNumbers> adjusted_;
   LibcameraSink* sink_ = nullptr;
   bool external_ = false;
 };

@@ -115,6 +115,8 @@ class LibcameraLink {
   virtual int make_buffers(std::vector<DmaBuffer>& buffers) = 0;
   /// Begins, with these controls from the first frame on. Buffers are queued afterwards.
   virtual int start(const LibcameraNumbers& controls) = 0;
+  /// While it streams: these controls go with the next buffer that is queued.
+  virtual void adjust(const LibcameraNumbers& controls) = 0;
   virtual int queue(std::uint32_t buffer) = 0;
   /// When it returns no frame is under way.
   virtual void stop() = 0;

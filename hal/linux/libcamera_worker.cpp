@@ -75,6 +75,9 @@ Status LibcameraCamera::perform(Task task) {
       return open_here();
     case Task::kStart:
       return start_here();
+    case Task::kAdjust:
+      link_->adjust(controls_);
+      break;
     case Task::kStop:
       stop_here();
       break;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <ctime>
+#include <utility>
 
 #include "hal/linux/monotonic_clock.h"
 
@@ -16,6 +17,7 @@ void LibcameraWorld::finish(std::uint32_t buffer, std::uint32_t number, const Ch
   frame.sequence = number;
   frame.bytes = frame_bytes_;
   frame.stamp_ns = hal::MonotonicClock::read().time_since_epoch().count();
+  obey(buffer);
   frame.told = told;
   if (frames_left_ > 0 && early_frames > 0) {
     --early_frames;
@@ -24,6 +26,18 @@ void LibcameraWorld::finish(std::uint32_t buffer, std::uint32_t number, const Ch
   if (change) change(frame);
   buffers[buffer]->write(0, std::vector<std::uint8_t>(frame_bytes_, static_cast<std::uint8_t>(number)));
   sink_->frame_done(frame);
+}
+
+void LibcameraWorld::obey(std::uint32_t buffer) {
+  const std::lock_guard lock(mutex_);
+  const auto carried = carried_.extract(buffer);
+  if (!carried) return;
+  ++adjustments;
+  controls = carried.mapped();
+  for (std::size_t i = 0; obeys && i < hal::kLibcameraControls; ++i) {
+    const auto control = static_cast<hal::LibcameraControl>(i);
+    if (told[control] && carried.mapped()[control]) told[control] = carried.mapped()[control];
+  }
 }
 
 void LibcameraWorld::complete(std::uint32_t number, const Change& change) {
@@ -124,6 +138,7 @@ int FakeLibcamera::queue(std::uint32_t buffer) {
     return 0;
   }
   const std::lock_guard lock(world_.mutex_);
+  if (adjusted_) world_.carried_[buffer] = *std::exchange(adjusted_, std::nullopt);
   if (std::find(world_.queued_.begin(), world_.queued_.end(), buffer) != world_.queued_.end()) {
     world_.breach = "a buffer is queued twice";
   }

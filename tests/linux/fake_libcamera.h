@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -33,10 +34,12 @@ struct LibcameraWorld {
   hal::LibcameraNumbers told;   // by each frame
   hal::LibcameraNumbers early;  // by the first `early_frames`
   int early_frames = 0, frames_at_start = 1;
+  bool obeys = true;  // an adjustment, in what is told from the frame on whose buffer it went with
 
   // What was seen.
   std::string acquired;
   hal::LibcameraNumbers controls;
+  int adjustments = 0;  // that went with a buffer
   std::vector<std::unique_ptr<DmaBufferFile>> own_buffers;
   std::vector<DmaBufferFile*> buffers;
   bool heap_used = false, running = false, released = true;
@@ -51,11 +54,13 @@ struct LibcameraWorld {
 
  private:
   friend class FakeLibcamera;
+  void obey(std::uint32_t buffer);
   void finish(std::uint32_t buffer, std::uint32_t number, const Change& change);
   hal::LibcameraSink* sink_ = nullptr;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::uint32_t> queued_;
+  std::map<std::uint32_t, hal::LibcameraNumbers> carried_;  // by buffers
   std::size_t frame_bytes_ = 0;
   int frames_left_ = 0;
   std::thread::id caller_;
@@ -73,6 +78,7 @@ class FakeLibcamera final : public hal::LibcameraLink {
   int use_buffers(const std::vector<hal::DmaBuffer>& buffers) override;
   int make_buffers(std::vector<hal::DmaBuffer>& buffers) override;
   int start(const hal::LibcameraNumbers& controls) override;
+  void adjust(const hal::LibcameraNumbers& controls) override { adjusted_ = controls; }
   int queue(std::uint32_t buffer) override;
   void stop() override;
   void release() override;
@@ -81,6 +87,7 @@ class FakeLibcamera final : public hal::LibcameraLink {
   int error_of(const char* call);
   LibcameraWorld& world_;
   hal::LibcameraStream stream_;
+  std::optional<hal::LibcameraNumbers> adjusted_;
   std::vector<int> files_;
 };
 

@@ -14,6 +14,7 @@ using hal::LibcameraControl;
 using hal::LibcameraFrame;
 using hal::MonotonicClock;
 using std::chrono::milliseconds;
+using namespace std::chrono_literals;
 
 class LibcameraStreamTest : public LibcameraTest {};
 
@@ -126,6 +127,31 @@ TEST_F(LibcameraStreamTest, GapsInTimeAreLostFramesToo) {
     EXPECT_EQ(frame.value().frame().sequence, 10u);
   }
   EXPECT_EQ(camera_->counters().lost, 3u);
+}
+
+TEST_F(LibcameraStreamTest, AChangeOfTheRateOrAStrayStampIsNoGapInTime) {
+  begin();
+  std::uint32_t number = 0;
+  const auto come = [&](std::int64_t stamp_ms, double duration_ms) {
+    world_.complete(++number, [=](LibcameraFrame& frame) {
+      frame.stamp_ns = stamp_ms * 1000000;
+      frame.told[LibcameraControl::kFrameDuration] = duration_ms * 1000.0;
+    });
+    EXPECT_TRUE(camera_->wait(late()).ok());
+    return camera_->counters().lost;
+  };
+  EXPECT_EQ(come(100, 10.0), 0u);
+  EXPECT_EQ(come(110, 40.0), 0u);
+  EXPECT_EQ(come(150, 10.0), 0u) << "the frame before took 40 ms";
+  EXPECT_EQ(come(160, 10.0), 0u);
+  EXPECT_EQ(come(200, 10.0), 3u) << "a gap is one all the same";
+  EXPECT_EQ(come(50, 10.0), 3u);
+  EXPECT_EQ(come(220, 10.0), 3u) << "not so long after the stray stamp";
+  const auto tomorrow = std::chrono::duration_cast<milliseconds>(MonotonicClock::read().time_since_epoch()) + 24h;
+  EXPECT_EQ(come(tomorrow.count(), 10.0), 3u);
+  EXPECT_EQ(come(240, 10.0), 3u);
+  EXPECT_EQ(come(250, 10.0), 3u);
+  EXPECT_EQ(come(280, 10.0), 5u);
 }
 
 TEST_F(LibcameraStreamTest, StampsAreTheMiddleOfTheExposure) {

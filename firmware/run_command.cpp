@@ -94,9 +94,7 @@ int run_command(const CommandLine& command_line) {
     print_start(session, refused);
     end = session.loop().run(stop);
   }
-  // The loop turns no more, and closing waits for a device that is just being opened: no work for a watchdog.
-  service.reset();
-  session.loop().close();
+  leave(service, session.loop());
   std::printf("\n%s%s", summary(session.loop().statistics(), end).c_str(), session.devices().summary().c_str());
   if (end == LoopEnd::kFault || end == LoopEnd::kDeviceLost) {
     std::fprintf(stderr, "%s\n", fault_line(session.loop().last_fault()).c_str());

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cstdlib>
 
+#include "firmware/loop.h"
+
 namespace touchline {
 namespace {
 
@@ -30,6 +32,11 @@ ServiceWatch::~ServiceWatch() {
 
 void ServiceWatch::status(const std::string& line) const {
   if (is_asked()) static_cast<void>(sd_notify(0, ("STATUS=" + line).c_str()));
+}
+
+void leave(std::optional<ServiceWatch>& service, Loop& loop) {
+  service.reset();
+  loop.close();
 }
 
 void ServiceWatch::work() {

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include "firmware/loop_pulse.h"
 
 namespace touchline {
+
+class Loop;
 
 /// Tells systemd how it goes (sd_notify): READY=1 after the first good frame, WATCHDOG=1 while the loop turns and no
 /// longer, STATUS= as a person would read it, STOPPING=1 at the end. On a thread of its own: output that hangs must not
@@ -32,5 +35,9 @@ class ServiceWatch {
   std::atomic<bool> end_{false};
   std::thread thread_;
 };
+
+/// Tells the end, then closes the loop's devices: that waits for one that is just being opened, and a loop that turns
+/// no more is no work for a watchdog.
+void leave(std::optional<ServiceWatch>& service, Loop& loop);
 
 }  // namespace touchline

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -74,7 +75,8 @@ class FakeCamera final : public hal::Camera, public Script {
   double starts_from_s = 0.0;                    // before, it opens but refuses to stream
   bool leased = false, running = false, is_open = false;
   std::optional<int> adjusted_exposure_us;
-  std::string grants;  // of adjust()
+  std::string grants;              // of adjust()
+  std::function<void()> on_close;  // of an open one
 
  private:
   Status do_open() override;
@@ -83,7 +85,7 @@ class FakeCamera final : public hal::Camera, public Script {
   Result<hal::FrameLease> do_wait(Instant deadline) override;
   void do_release(std::uint32_t) noexcept override { leased = false; }
   void do_stop() override { running = false; }
-  void do_close() override { is_open = running = false; }
+  void do_close() override;
 
   std::vector<std::uint8_t> pixels_;
   hal::CameraInfo info_{PixelFormat::kRgb24, kWidth, kHeight, 50.0};

@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "tests/firmware/loop_fixture.h"
@@ -24,7 +25,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kLongEnough{1500};  // what must come does so after 50 ms
 
 /// Listens as a service manager does.
-class ServiceWatchTest : public ::testing::Test {
+class ServiceWatchTest : public testing::LoopTest {
  protected:
   ServiceWatchTest()
       : path_(std::filesystem::temp_directory_path() / ("touchline-notify-" + std::to_string(::getpid()))) {
@@ -103,6 +104,15 @@ TEST_F(ServiceWatchTest, StatusAndTheEndAreTold) {
     drop_what_came();
   }
   EXPECT_TRUE(hears("STOPPING=1"));
+}
+
+TEST_F(ServiceWatchTest, TheEndIsToldBeforeDevicesAreClosed) {
+  start();
+  std::optional<ServiceWatch> service(std::in_place, loop->pulse());
+  std::optional<bool> told;
+  camera.on_close = [&] { told = hears("STOPPING=1", milliseconds(50)); };
+  leave(service, *loop);
+  EXPECT_EQ(told, true) << "closing may take long";
 }
 
 TEST_F(ServiceWatchTest, WithoutAManagerNothingIsDone) {

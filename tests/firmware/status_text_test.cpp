@@ -57,6 +57,9 @@ TEST(StatusText, Faults) {
   fault.set_reason("/dev/video0: unplugged");
   EXPECT_EQ(fault_line(fault), std::string("3.2 s  camera: ") + describe(ErrorCode::kDisconnected) +
                                    " (/dev/video0: unplugged); opening it again");
+  fault.device = Device::kGpio;
+  fault.action = FaultAction::kDoWithout;
+  EXPECT_TRUE(fault_line(fault).ends_with("; the game goes on without it"));
   fault.device = Device::kRadio;
   fault.code = ErrorCode::kOk;
   EXPECT_EQ(fault_line(fault), "3.2 s  radio: is back");

@@ -1,9 +1,8 @@
 # What a .deb holds beside the programs, and how CPack makes it (tools/package).
 install(FILES toolchain/package/touchline.service DESTINATION lib/systemd/system)
 install(FILES toolchain/package/touchline.rules DESTINATION lib/udev/rules.d RENAME 70-touchline.rules)
-install(DIRECTORY boards DESTINATION share/touchline USE_SOURCE_PERMISSIONS)
-file(GLOB chapters docs/*.md)
-install(FILES ${chapters} README.md DESTINATION share/doc/touchline)
+install(CODE "execute_process(COMMAND ${CMAKE_SOURCE_DIR}/toolchain/package/install-documentation
+                                      \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/share\" COMMAND_ERROR_IS_FATAL ANY)")
 
 # Man pages as the programs describe themselves. Not of every build: for another processor's programs an emulator says it slowly.
 set(manual ${CMAKE_BINARY_DIR}/manual)

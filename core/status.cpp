@@ -9,7 +9,7 @@ const char* describe(ErrorCode code) noexcept {
     case ErrorCode::kTimeout:
       return "timed out";
     case ErrorCode::kBusy:
-      return "queue full";
+      return "busy";
     case ErrorCode::kEndOfStream:
       return "end of input";
     case ErrorCode::kShortFrame:

@@ -9,7 +9,7 @@ namespace touchline {
 enum class ErrorCode : std::uint8_t {
   kOk,
   kTimeout,       // nothing arrived before the deadline
-  kBusy,          // queue full; nothing was taken
+  kBusy,          // something waits before it; the function that answers so says what was taken
   kEndOfStream,   // a replayed input has ended
   kShortFrame,    // fewer bytes than the format needs
   kCorruptFrame,  // the driver marked the buffer as bad, or a picture could not be decoded

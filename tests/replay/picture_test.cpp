@@ -59,7 +59,7 @@ TEST(Picture, SixteenBitsSurvivePng) {
 
 TEST(Picture, PpmAndPgm) {
   const media::Folder folder;
-  media::write_text(folder / "a.ppm", std::string("P6\n# a comment\n2 1\n255\n") + "\x01\x02\x03\xfd\xfe\xff");
+  media::write_text(folder / "a.ppm", "P6\n# a comment\n2 1\n255\n\x01\x02\x03\xfd\xfe\xff");
   EXPECT_EQ(read(folder / "a.ppm").rgb8, (std::vector<std::uint8_t>{1, 2, 3, 253, 254, 255}));
   media::write_text(folder / "grey.pgm", "P5 2 1 255\n\x10\xf0");
   EXPECT_EQ(read(folder / "grey.pgm").rgb8, (std::vector<std::uint8_t>{16, 16, 16, 240, 240, 240}));

@@ -29,19 +29,19 @@ inline bool see_ball(const Frame& frame, const BallView& ball, Disk& disk) {
   const float reach_v = reach * std::hypot(ball.axis[0].v_px, ball.axis[1].v_px);
   // Of a row, x and y are sums of a part by column and one by row: their squares' sum is a parabola.
   const float square = inverse[0] * inverse[0] + inverse[2] * inverse[2];
-  const auto crossed = [&](float from_v, float radius) {
-    const float x = inverse[1] * from_v, y = inverse[3] * from_v;
-    const float half = (inverse[0] * x + inverse[2] * y) / square;
-    const float rest = half * half - (x * x + y * y - radius * radius) / square;
-    if (rest < 0.0f) return Columns{1.0f, 0.0f};
-    const float wide = std::sqrt(rest);
-    return Columns{-half - wide, -half + wide};
+  const auto crossed = [&](Lanes from_v, float radius) {
+    const Lanes x = all_lanes(inverse[1]) * from_v, y = all_lanes(inverse[3]) * from_v, per = all_lanes(1.0f / square);
+    const Lanes half = (all_lanes(inverse[0]) * x + all_lanes(inverse[2]) * y) * per;
+    const Lanes rest = half * half - (x * x + y * y - all_lanes(radius * radius)) * per;
+    const LaneIntegers is_crossed = rest >= zero;
+    const Lanes wide = root(larger(rest, zero));
+    return Columns{choose(is_crossed, zero - half - wide, one), choose(is_crossed, wide - half, zero)};
   };
   const int stride = stride_of(std::max(reach_u, reach_v), kReachOfAllOfBallPx);
   OutlinePixels pixels_of_ball;
   if (!pixels_of_ball.collect(
-          frame, ball.center, reach_v, stride, [&](float from_v) { return crossed(from_v, reach); },
-          [&](float from_v) { return crossed(from_v, std::max(0.0f, 2.0f - reach)); })) {
+          frame, ball.center, reach_v, stride, [&](Lanes from_v) { return crossed(from_v, reach); },
+          [&](Lanes from_v) { return crossed(from_v, std::max(0.0f, 2.0f - reach)); })) {
     return false;
   }
   return pixels_of_ball.for_each_eight([&](LaneIntegers u, LaneIntegers v, LaneIntegers counts) {
@@ -57,7 +57,7 @@ inline bool see_ball(const Frame& frame, const BallView& ball, Disk& disk) {
     disk.resize(disk.size() + 1);
     DiskPixels& pixels = disk.back();
     LightLanes rest = picture.at(u, v);
-    for (std::size_t c = 0; c < kLightChannels; ++c) {
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
       store(choose(rest[c] >= all_lanes(kCutOff), all_lanes(1e9f), all_lanes(-1e9f)), pixels.up_to[c]);
     }
     const LaneIntegers edge = counts & (cover < one);
@@ -74,7 +74,7 @@ inline bool see_ball(const Frame& frame, const BallView& ball, Disk& disk) {
       counts = counts & (inside | ~edge);
       store(keep(edge & counts, per_r * x), pixels.out_x);
       store(keep(edge & counts, per_r * y), pixels.out_y);
-      for (std::size_t c = 0; c < kLightChannels; ++c) {
+      TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
         const Lanes outside = keep(edge, light[c]);
         store(outside, pixels.outside[c]);
         rest[c] -= (one - cover) * outside;
@@ -86,7 +86,7 @@ inline bool see_ball(const Frame& frame, const BallView& ball, Disk& disk) {
     store(counted * nx, pixels.slopes[0]);
     store(counted * ny, pixels.slopes[1]);
     store(counted * root(larger(one - nx * nx - ny * ny, zero)), pixels.slopes[2]);
-    for (std::size_t c = 0; c < kLightChannels; ++c) store(rest[c], pixels.rest[c]);
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) store(rest[c], pixels.rest[c]);
     return true;
   });
 }
@@ -101,7 +101,7 @@ struct ShadedPixels {
   ShadedPixels(const DiskPixels& pixels, const BallShades& shades)
       : terms{load(pixels.cover), load(pixels.slopes[0]), load(pixels.slopes[1]), load(pixels.slopes[2])} {
     Lanes square = all_lanes(0.0f);
-    for (std::size_t c = 0; c < kLightChannels; ++c) {
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
       const std::array<float, kShadeTerms>& of = shades.of[c];
       model[c] = (all_lanes(of[0]) * terms[0] + all_lanes(of[1]) * terms[1]) +
                  (all_lanes(of[2]) * terms[2] + all_lanes(of[3]) * terms[3]);
@@ -122,16 +122,16 @@ inline ShadeSums fit_shades(const Disk& disk, const BallShades& before) {
   for (auto& row : right) row.fill(zero);
   for (const DiskPixels& stored : disk) {
     const ShadedPixels pixels(stored, before);
-    for (std::size_t i = 0; i < kShadeTerms; ++i) {
+    TOUCHLINE_UNROLL for (std::size_t i = 0; i < kShadeTerms; ++i) {
       const Lanes term = pixels.weight * pixels.terms[i];
-      for (std::size_t j = 0; j <= i; ++j) normal[i][j] += term * pixels.terms[j];
-      for (std::size_t c = 0; c < kLightChannels; ++c) right[c][i] += term * pixels.rest[c];
+      TOUCHLINE_UNROLL for (std::size_t j = 0; j <= i; ++j) normal[i][j] += term * pixels.terms[j];
+      TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) right[c][i] += term * pixels.rest[c];
     }
   }
   ShadeSums sums;
-  for (std::size_t i = 0; i < kShadeTerms; ++i) {
-    for (std::size_t j = 0; j <= i; ++j) sums.normal[i][j] = sum_of(normal[i][j]);
-    for (std::size_t c = 0; c < kLightChannels; ++c) sums.right[c][i] = sum_of(right[c][i]);
+  TOUCHLINE_UNROLL for (std::size_t i = 0; i < kShadeTerms; ++i) {
+    TOUCHLINE_UNROLL for (std::size_t j = 0; j <= i; ++j) sums.normal[i][j] = sum_of(normal[i][j]);
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) sums.right[c][i] = sum_of(right[c][i]);
   }
   return sums;
 }
@@ -152,12 +152,12 @@ inline OutlineSums fit_outline(const Disk& disk, const BallShades& shades, float
     const Lanes out_x = load(stored.out_x), out_y = load(stored.out_y);
     const Lanes weight_x = pixels.weight * out_x, weight_y = pixels.weight * out_y;
     Lanes power = zero, along = zero;
-    for (std::size_t c = 0; c < kLightChannels; ++c) {
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
       const Lanes change = (pixels.model[c] * whole - load(stored.outside[c])) * steepness;
       power += change * change;
       along += change * pixels.error[c];
       const Lanes by_x = weight_x * change, by_y = weight_y * change;
-      for (std::size_t i = 0; i < kShadeTerms; ++i) {
+      TOUCHLINE_UNROLL for (std::size_t i = 0; i < kShadeTerms; ++i) {
         shared_x[c][i] += by_x * pixels.terms[i];
         shared_y[c][i] += by_y * pixels.terms[i];
       }
@@ -170,8 +170,8 @@ inline OutlineSums fit_outline(const Disk& disk, const BallShades& shades, float
   }
   OutlineSums sums;
   sums.edge = {sum_of(xx), sum_of(xy), sum_of(yy), sum_of(rx), sum_of(ry), 0.0f, 0.0f};
-  for (std::size_t c = 0; c < kLightChannels; ++c) {
-    for (std::size_t i = 0; i < kShadeTerms; ++i) {
+  TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
+    TOUCHLINE_UNROLL for (std::size_t i = 0; i < kShadeTerms; ++i) {
       sums.shared_x[c][i] = sum_of(shared_x[c][i]);
       sums.shared_y[c][i] = sum_of(shared_y[c][i]);
     }

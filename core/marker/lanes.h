@@ -20,6 +20,10 @@
 #define TOUCHLINE_LANES portable_lanes
 #endif
 
+// For loops over channels and the like: what they index is to be in registers, and gcc 12 leaves loops as they are at
+// -O2.
+#define TOUCHLINE_UNROLL _Pragma("GCC unroll 4")
+
 namespace touchline {
 inline namespace TOUCHLINE_LANES {
 
@@ -129,6 +133,18 @@ inline void store(LaneIntegers lanes, StoredIntegers& to) { std::memcpy(to.value
 
 /// 0, 1, 2 ... 7.
 inline LaneIntegers counting() { return load(StoredIntegers{{0, 1, 2, 3, 4, 5, 6, 7}}); }
+/// Of values that an int holds.
+inline LaneIntegers rounded_down(Lanes value) {
+  const LaneIntegers towards_0 = to_integers(value);
+  return towards_0 + (value < to_floats(towards_0));  // a mask is -1
+}
+inline LaneIntegers rounded_up(Lanes value) {
+  const LaneIntegers towards_0 = to_integers(value);
+  return towards_0 + (all_integers(1) & (value > to_floats(towards_0)));
+}
+inline Lanes between(float low, Lanes value, float high) {
+  return smaller(larger(value, all_lanes(low)), all_lanes(high));
+}
 inline Lanes between_0_and_1(Lanes value) { return smaller(larger(value, all_lanes(0.0f)), all_lanes(1.0f)); }
 
 // A comparison gives masks: all bits of a lane, or none.

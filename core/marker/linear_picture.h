@@ -76,7 +76,7 @@ class LinearPicture {
     std::array<StoredIntegers, 3> value;
     for (std::size_t i = 0; i < kLanes; ++i) {
       const std::uint8_t* pixel = frame_.plane[0] + at.value[i];
-      for (std::size_t c = 0; c < 3; ++c) value[c].value[i] = pixel[c];
+      TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) value[c].value[i] = pixel[c];
     }
     return {load(value[0]), load(value[1]), load(value[2])};
 #endif

@@ -49,7 +49,7 @@ inline ColorSums see_top(const Frame& frame, const MarkerView& robot) {
     LaneIntegers inside;
     const LightLanes light = picture.nearest(u_of(robot, x, y), v_of(robot, x, y), inside);
     count += count_of(inside & is_free);
-    for (std::size_t c = 0; c < 3; ++c) sum[c] += keep(inside & is_free, light[c]);
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) sum[c] += keep(inside & is_free, light[c]);
   }
   return {count, {sum_of(sum[0]), sum_of(sum[1]), sum_of(sum[2])}, 0.0f};
 }
@@ -65,7 +65,7 @@ class PatchEye {
         place_(robot.layout->patches[patch.number]),
         cover_((*robot.covers)[patch.number]),
         edge_(edge) {
-    for (std::size_t c = 0; c < 3; ++c) top_[c] = all_lanes(robot.top[c]);
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) top_[c] = all_lanes(robot.top[c]);
   }
 
   bool look(ColorSums& inside) {
@@ -89,23 +89,25 @@ class PatchEye {
     const float reach_u = std::abs(u_by_x) * box.x_m + std::abs(u_by_y) * box.y_m;
     const float reach_v = std::abs(v_by_x) * box.x_m + std::abs(v_by_y) * box.y_m;
     find_reach(box);
-    // Where a row is between two parallel sides of a box, and in the box.
-    const auto between = [](float by_u, float at_center, float half) {
-      if (std::abs(by_u) * kFarPx < half) return Columns{-kFarPx, kFarPx};
-      const float a = (-half - at_center) / by_u, b = (half - at_center) / by_u;
-      return Columns{std::min(a, b), std::max(a, b)};
+    // Where rows are between two parallel sides of a box, and in the box.
+    const auto between_sides = [](float by_u, Lanes at_center, float half) {
+      if (std::abs(by_u) * kFarPx < half) return Columns{all_lanes(-kFarPx), all_lanes(kFarPx)};
+      const Lanes per_u = all_lanes(1.0f / by_u);
+      const Lanes a = (all_lanes(-half) - at_center) * per_u, b = (all_lanes(half) - at_center) * per_u;
+      return Columns{smaller(a, b), larger(a, b)};
     };
-    const auto crossed = [&](float from_v, FieldPoint half) {
-      const Columns x = between(x_by_u, x_by_v * from_v, half.x_m), y = between(y_by_u, y_by_v * from_v, half.y_m);
-      return Columns{std::max(x.low, y.low), std::min(x.high, y.high)};
+    const auto crossed = [&](Lanes from_v, FieldPoint half) {
+      const Columns x = between_sides(x_by_u, all_lanes(x_by_v) * from_v, half.x_m),
+                    y = between_sides(y_by_u, all_lanes(y_by_v) * from_v, half.y_m);
+      return Columns{larger(x.low, y.low), smaller(x.high, y.high)};
     };
     const FieldPoint inner = cover_.inner_box(robot_.ramp_m);
     const int stride = stride_of(std::max(reach_u, reach_v), kReachOfAllOfPatchPx);
     OutlinePixels pixels;
     if (!pixels.collect(
-            frame_, patch_.center, reach_v, stride, [&](float from_v) { return crossed(from_v, box); },
-            [&](float from_v) {
-              return inner.x_m > 0.0f ? crossed(from_v, inner) : Columns{1.0f, 0.0f};
+            frame_, patch_.center, reach_v, stride, [&](Lanes from_v) { return crossed(from_v, box); },
+            [&](Lanes from_v) {
+              return inner.x_m > 0.0f ? crossed(from_v, inner) : Columns{all_lanes(1.0f), all_lanes(0.0f)};
             })) {
       return false;
     }
@@ -134,9 +136,9 @@ class PatchEye {
   [[gnu::always_inline]] bool add(Lanes x, Lanes y, const LightLanes& shown, LaneIntegers seen, LaneIntegers in_part) {
     const LaneIntegers whole = seen & ~in_part, edge = seen & in_part;
     LightLanes light = shown;
-    for (std::size_t c = 0; c < 3; ++c) light[c] -= top_[c];
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) light[c] -= top_[c];
     if (any(whole)) {
-      for (std::size_t c = 0; c < 3; ++c) {
+      TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) {
         const Lanes inner = keep(whole, light[c]);
         sum_[c] += inner;
         squares_ += inner * inner;
@@ -151,7 +153,7 @@ class PatchEye {
     EdgePixels& pixels = edge_.back();
     store(x, pixels.x);
     store(y, pixels.y);
-    for (std::size_t c = 0; c < 3; ++c) store(light[c], pixels.light[c]);
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) store(light[c], pixels.light[c]);
     store(around.doubt, pixels.doubt);
     store(keep(around.counts, all_lanes(1.0f)), pixels.counts);
     return true;
@@ -181,7 +183,7 @@ class PatchEye {
     LaneIntegers inside;
     const LightLanes there = picture_.nearest(u_of(robot_, at_x, at_y), v_of(robot_, at_x, at_y), inside);
     around.counts = around.counts & (inside | ~concerned);
-    for (std::size_t i = 0; i < 3; ++i) {
+    TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) {
       const Lanes foreign = part * (there[i] - top_[i]);
       light[i] -= foreign;
       around.doubt += foreign * foreign;

@@ -11,9 +11,9 @@
 namespace touchline {
 inline namespace TOUCHLINE_LANES {
 
-/// Columns from an outline's center; none when low is above high.
+/// Columns of eight rows, from an outline's center; none where low is above high.
 struct Columns {
-  float low, high;
+  Lanes low, high;
 };
 
 /// Pixels of a picture, row after row without gaps, so that eight at a time leave few lanes empty.
@@ -24,7 +24,7 @@ class PixelList {
   /// Pixels from column `first` to `last` of row v, `stride` apart, if there are any. False: they are too many.
   bool add_row(int first, int last, int stride, int v) {
     if (first > last) return true;
-    const int number = (last - first) / stride + 1;
+    const int number = (stride > 1 ? (last - first) / stride : last - first) + 1;  // most are not, and division is slow
     if (count_ + number > kMost) return false;
     const LaneIntegers steps = counting() * all_integers(stride);
     // Up to seven more than are counted; what comes next overwrites them, and the last eight have room.
@@ -71,32 +71,32 @@ class PixelList {
 class OutlinePixels {
  public:
   /// Rows up to `reach_v` from the center, `stride` apart, and of each the columns crossed_by(from_v), among them
-  /// covered_in(from_v) for those inside. False: they are too many.
+  /// covered_in(from_v) for those inside; both tell it of eight rows at once. False: they are too many.
   template <class CrossedBy, class CoveredIn>
   bool collect(const Frame& frame, PixelPoint center, float reach_v, int stride, CrossedBy crossed_by,
                CoveredIn covered_in) {
-    const auto bound = [](float value, int low, int high) {
-      return static_cast<int>(std::clamp(value, static_cast<float>(low), static_cast<float>(high)));
+    const float width = frame.width_px;
+    const auto row_number = [&](float v) {
+      return static_cast<int>(std::clamp(v, 0.0f, static_cast<float>(frame.height_px)));
     };
-    const int top = bound(std::ceil(center.v_px - reach_v), 0, frame.height_px);
-    const int bottom = bound(std::floor(center.v_px + reach_v) + 1.0f, 0, frame.height_px);
-    for (int v = top; v < bottom; v += stride) {
-      const float from_v = static_cast<float>(v) - center.v_px;
+    const int top = row_number(std::ceil(center.v_px - reach_v));
+    const int bottom = row_number(std::floor(center.v_px + reach_v) + 1.0f);
+    const Lanes u = all_lanes(center.u_px), one = all_lanes(1.0f);
+    const LaneIntegers steps = counting() * all_integers(stride);
+    for (int first_row = top; first_row < bottom; first_row += kLanes * stride) {
+      const Lanes from_v = to_floats(all_integers(first_row) + steps) - all_lanes(center.v_px);
       const Columns crossed = crossed_by(from_v), covered = covered_in(from_v);
-      const int left = bound(std::ceil(center.u_px + crossed.low), 0, frame.width_px);
-      const int last = bound(std::floor(center.u_px + crossed.high), -1, frame.width_px - 1);
-      const auto on_grid = [&](int column) {
-        return left + (std::max(column - left, 0) + stride - 1) / stride * stride;
-      };
-      const int inner = on_grid(bound(std::ceil(center.u_px + covered.low), 0, frame.width_px));
-      const int outer = on_grid(bound(std::floor(center.u_px + covered.high) + 1.0f, 0, frame.width_px));
-      if (covered.low > covered.high || inner >= outer) {
-        if (!edge_.add_row(left, last, stride, v)) return false;
-        continue;
+      StoredIntegers left, last, inner, outer;
+      store(rounded_up(between(0.0f, u + crossed.low, width)), left);
+      store(rounded_down(between(-1.0f, u + crossed.high, width - 1.0f)), last);
+      store(rounded_up(between(0.0f, u + covered.low, width)), inner);
+      // Where nothing is covered, no column.
+      store(rounded_down(keep(covered.high >= covered.low, between(0.0f, u + covered.high + one, width))), outer);
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        const int v = first_row + static_cast<int>(i) * stride;
+        if (v >= bottom) break;
+        if (!add_row(left.value[i], last.value[i], inner.value[i], outer.value[i], stride, v)) return false;
       }
-      if (!edge_.add_row(left, std::min(inner - 1, last), stride, v)) return false;
-      if (!inside_.add_row(inner, std::min(outer - 1, last), stride, v)) return false;
-      if (!edge_.add_row(outer, last, stride, v)) return false;
     }
     return true;
   }
@@ -108,6 +108,20 @@ class OutlinePixels {
   }
 
  private:
+  // Of columns left to last those from inner to before outer are inside.
+  bool add_row(int left, int last, int inner, int outer, int stride, int v) {
+    if (stride > 1) {
+      const auto on_grid = [&](int column) {
+        return left + (std::max(column - left, 0) + stride - 1) / stride * stride;
+      };
+      inner = on_grid(inner);
+      outer = on_grid(outer);
+    }
+    if (inner >= outer) return edge_.add_row(left, last, stride, v);
+    return edge_.add_row(left, std::min(inner - 1, last), stride, v) &&
+           inside_.add_row(inner, std::min(outer - 1, last), stride, v) && edge_.add_row(outer, last, stride, v);
+  }
+
   PixelList edge_, inside_;
 };
 

@@ -5,7 +5,6 @@
 #include <immintrin.h>
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -49,14 +48,17 @@ TOUCHLINE_AVX2_INLINE void store_half(ColorId* colors, __m128i value) {
 TOUCHLINE_AVX2_INLINE std::uint64_t is_zero(__m256i value) {
   return static_cast<std::uint64_t>(_mm256_testz_si256(value, value));
 }
-
-// The light of the tiles in the lower and the upper half; the same one where there is but one.
-struct Lights {
-  const TileLight *low, *high;
-};
-
-TOUCHLINE_AVX2_INLINE __m256i four_bytes(const std::array<std::uint8_t, 4>& bytes) {
-  return _mm256_set1_epi32(std::bit_cast<int>(bytes));
+TOUCHLINE_AVX2_INLINE std::uint64_t is_zero(__m128i value) {
+  return static_cast<std::uint64_t>(_mm_testz_si128(value, value));
+}
+// Bit i: the lower half of register i is zero; bit i + 4: the upper half is. Half the instructions of asking each.
+TOUCHLINE_AVX2_INLINE std::uint64_t zero_halves(__m256i a, __m256i b, __m256i c, __m256i d) {
+  // What is left of each half is eight bytes, then four.
+  const __m256 ab = _mm256_castsi256_ps(_mm256_or_si256(_mm256_unpacklo_epi64(a, b), _mm256_unpackhi_epi64(a, b))),
+               cd = _mm256_castsi256_ps(_mm256_or_si256(_mm256_unpacklo_epi64(c, d), _mm256_unpackhi_epi64(c, d)));
+  const __m256 abcd = _mm256_or_ps(_mm256_shuffle_ps(ab, cd, 0b10001000), _mm256_shuffle_ps(ab, cd, 0b11011101));
+  const __m256i is_zero = _mm256_cmpeq_epi32(_mm256_castps_si256(abcd), _mm256_setzero_si256());
+  return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(is_zero)));
 }
 
 // Values of a block, or of two that share their tables: loading these is half of the work.
@@ -88,6 +90,9 @@ TOUCHLINE_AVX2_INLINE TwoBlocks shuffle(__m256i table, const TwoBlocks& digit) {
 TOUCHLINE_AVX2_INLINE __m256i first_of(__m256i a, __m256i b) {
   return _mm256_blendv_epi8(a, b, _mm256_cmpeq_epi8(a, _mm256_setzero_si256()));
 }
+TOUCHLINE_AVX2_INLINE __m128i first_of(__m128i a, __m128i b) {
+  return _mm_blendv_epi8(a, b, _mm_cmpeq_epi8(a, _mm_setzero_si128()));
+}
 TOUCHLINE_AVX2_INLINE OneBlock first_of(const OneBlock& a, const OneBlock& b) { return {first_of(a.first, b.first)}; }
 TOUCHLINE_AVX2_INLINE TwoBlocks first_of(const TwoBlocks& a, const TwoBlocks& b) {
   return {first_of(a.first, b.first), first_of(a.second, b.second)};
@@ -112,61 +117,60 @@ TOUCHLINE_AVX2_INLINE Digits<TwoBlocks> digits_of(const TwoBlocks& values) {
   return {{high_digit(values.first), high_digit(values.second)}, {low_digit(values.first), low_digit(values.second)}};
 }
 
-// A channel's tables in each half of a block.
-struct ChannelTables {
-  const ChannelDigits *low, *high;
-};
-struct BlockTables {
-  ChannelTables channel[3];
+// Which tables a register holds.
+enum class Held {
+  kOneGroup,   // those of one group in each half, for a block's pixels
+  kTwoGroups,  // those of a group and of the next one, for a tile's pixels in each half
 };
 
-template <bool kOneLight, class Values>
-TOUCHLINE_AVX2_INLINE Values look_up(const DigitTables::Table& low, const DigitTables::Table& high,
-                                     const Values& digit) {
-  return shuffle(kOneLight ? in_both_halves(low.data()) : load_halves(low.data(), high.data()), digit);
+template <Held kHeld, class Values>
+TOUCHLINE_AVX2_INLINE Values look_up(const DigitTables& tables, std::size_t group, const Values& digit) {
+  const std::uint8_t* bytes = tables.data()->data() + sizeof(DigitTable) * group;
+  return shuffle(kHeld == Held::kOneGroup ? in_both_halves(bytes) : load(bytes), digit);
 }
 
 // A channel's values, and its tables.
 template <class Values>
 struct Channel {
   Digits<Values> value;
-  ChannelTables tables;
+  const ChannelDigits* tables;
 };
 template <class Values>
 struct Channels {
   Channel<Values> first, second, third;
 };
 
-template <bool kOneLight, class Values>
-TOUCHLINE_AVX2_INLINE Values near_classes(const Channel<Values>& channel, std::size_t group) {
-  return look_up<kOneLight>((*channel.tables.low)[group].within, (*channel.tables.high)[group].within,
-                            channel.value.high);
-}
 // The group's classes of which all three intervals' high digits include the values'.
-template <bool kOneLight, class Values>
+template <Held kHeld, class Values>
 TOUCHLINE_AVX2_INLINE Values near_classes(const Channels<Values>& channels, std::size_t group) {
-  return and_of(near_classes<kOneLight>(channels.first, group), and_of(near_classes<kOneLight>(channels.second, group),
-                                                                       near_classes<kOneLight>(channels.third, group)));
+  return and_of(look_up<kHeld>(channels.first.tables->within, group, channels.first.value.high),
+                and_of(look_up<kHeld>(channels.second.tables->within, group, channels.second.value.high),
+                       look_up<kHeld>(channels.third.tables->within, group, channels.third.value.high)));
 }
 
 // Leaves those classes to which the values of a channel belong, a byte a value.
-template <bool kOneLight, class Values>
+template <Held kHeld, class Values>
 TOUCHLINE_AVX2_INLINE void narrow(Values& classes, const Channel<Values>& channel, std::size_t group) {
-  const DigitTables &low = (*channel.tables.low)[group], &high = (*channel.tables.high)[group];
+  const ChannelDigits& tables = *channel.tables;
   const Digits<Values>& value = channel.value;
-  classes = and_of(classes, or_of(look_up<kOneLight>(low.above_first, high.above_first, value.high),
-                                  look_up<kOneLight>(low.from_first, high.from_first, value.low)));
+  classes = and_of(classes, or_of(look_up<kHeld>(tables.above_first, group, value.high),
+                                  look_up<kHeld>(tables.from_first, group, value.low)));
   settle(classes);
-  classes = and_of(classes, or_of(look_up<kOneLight>(low.below_last, high.below_last, value.high),
-                                  look_up<kOneLight>(low.to_last, high.to_last, value.low)));
+  classes = and_of(classes, or_of(look_up<kHeld>(tables.below_last, group, value.high),
+                                  look_up<kHeld>(tables.to_last, group, value.low)));
   settle(classes);
 }
 
-// The color of the lowest class.
-template <class Values>
-TOUCHLINE_AVX2_INLINE Values color_of(const ColorDigits& tables, const Values& classes) {
+// The color of the lowest class of the group, or of each of the two groups.
+template <Held kHeld, class Values>
+TOUCHLINE_AVX2_INLINE Values colors_in(const ColorDigits& colors, const Channels<Values>& channels, std::size_t group) {
+  Values classes = near_classes<kHeld>(channels, group);
+  settle(classes);
+  narrow<kHeld>(classes, channels.first, group);
+  narrow<kHeld>(classes, channels.second, group);
+  narrow<kHeld>(classes, channels.third, group);
   const Digits<Values> bits = digits_of(classes);
-  return first_of(look_up<true>(tables.low, tables.low, bits.low), look_up<true>(tables.high, tables.high, bits.high));
+  return first_of(look_up<kHeld>(colors.low, group, bits.low), look_up<kHeld>(colors.high, group, bits.high));
 }
 
 }  // namespace touchline::avx2

@@ -12,16 +12,16 @@ void add_class(const ColorTables::Table& table, std::size_t bit, ChannelDigits& 
   while (first < table.size() && (table[first] & mask) == 0) ++first;
   if (first == table.size()) return;  // no value is corrected into the box
   while ((table[last] & mask) == 0) --last;
-  DigitTables& group = digits[bit / kClassesOfGroup];
+  const std::size_t group = bit / kClassesOfGroup;
   const auto set = [bit](std::uint8_t& byte, bool is) {
     if (is) byte = static_cast<std::uint8_t>(byte | 1u << bit % kClassesOfGroup);
   };
   for (std::size_t digit = 0; digit < 16; ++digit) {
-    set(group.within[digit], first / 16 <= digit && digit <= last / 16);
-    set(group.above_first[digit], digit > first / 16);
-    set(group.from_first[digit], digit >= first % 16);
-    set(group.below_last[digit], digit < last / 16);
-    set(group.to_last[digit], digit <= last % 16);
+    set(digits.within[group][digit], first / 16 <= digit && digit <= last / 16);
+    set(digits.above_first[group][digit], digit > first / 16);
+    set(digits.from_first[group][digit], digit >= first % 16);
+    set(digits.below_last[group][digit], digit < last / 16);
+    set(digits.to_last[group][digit], digit <= last % 16);
   }
 }
 
@@ -35,8 +35,8 @@ void DigitTableSet::build(const ColorTables& tables, std::size_t boxes) {
   for (std::size_t group = 0; group < groups_; ++group) {
     for (std::uint32_t bits = 1; bits < 16; ++bits) {
       const std::uint32_t low = bits << group * kClassesOfGroup;
-      colors_[group].low[bits] = tables.color_of(low);
-      colors_[group].high[bits] = tables.color_of(low << 4);
+      colors_.low[group][bits] = tables.color_of(low);
+      colors_.high[group][bits] = tables.color_of(low << 4);
     }
   }
 }

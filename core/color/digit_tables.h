@@ -12,23 +12,26 @@ namespace touchline {
 // A byte of class bits: a byte shuffle looks up the classes of many pixels, eight classes at a time.
 constexpr std::size_t kClassesOfGroup = 8, kClassGroups = kMaxColorBoxes / kClassesOfGroup;
 
+/// 16 bytes that a digit looks up, a group of classes each; those of two neighbors fill 32 bytes.
+using DigitTable = std::array<std::uint8_t, 16>;
+using DigitTables = std::array<DigitTable, kClassGroups>;
+static_assert(kClassGroups % 2 == 0);
+
 /// The classes of a channel's value by its two hexadecimal digits, value = 16 * high + low. A class whose values are an
 /// interval contains a value when its bit is in
 ///   within[high] & (above_first[high] | from_first[low]) & (below_last[high] | to_last[low]).
-struct DigitTables {
-  using Table = std::array<std::uint8_t, 16>;
-  Table within{};       // high digit between those of the interval's ends
-  Table above_first{};  // high digit above that of the first value
-  Table from_first{};   // low digit not below that of the first value
-  Table below_last{};   // high digit below that of the last value
-  Table to_last{};      // low digit not above that of the last value
+struct alignas(32) ChannelDigits {
+  DigitTables within{};       // high digit between those of the interval's ends
+  DigitTables above_first{};  // high digit above that of the first value
+  DigitTables from_first{};   // low digit not below that of the first value
+  DigitTables below_last{};   // high digit below that of the last value
+  DigitTables to_last{};      // low digit not above that of the last value
 };
-using ChannelDigits = std::array<DigitTables, kClassGroups>;
 
 /// The color of the lowest of eight class bits, by their two hexadecimal digits: of low's entry unless that is
 /// background, else of high's.
-struct ColorDigits {
-  std::array<std::uint8_t, 16> low{}, high{};
+struct alignas(32) ColorDigits {
+  DigitTables low{}, high{};
 };
 
 /// ColorTables for kernels that cannot look up 256 entries but many pixels at once. Says the same of every value.
@@ -42,13 +45,13 @@ class DigitTableSet {
   [[nodiscard]] const ChannelDigits& channel(std::size_t channel, std::uint8_t level) const {
     return digits_[channel][level];
   }
-  [[nodiscard]] const std::array<ColorDigits, kClassGroups>& colors() const { return colors_; }
+  [[nodiscard]] const ColorDigits& colors() const { return colors_; }
   /// Groups that have a class.
   [[nodiscard]] std::size_t groups() const { return groups_; }
 
  private:
   std::array<std::array<ChannelDigits, kLightLevels>, 3> digits_{};
-  std::array<ColorDigits, kClassGroups> colors_{};
+  ColorDigits colors_{};
   std::size_t groups_ = 0;
 };
 

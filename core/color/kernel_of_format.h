@@ -11,6 +11,7 @@ namespace touchline {
 template <PixelFormat kFormat, SpanKernel kKernel>
 OccupiedWords classify_any_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
                                 ColorId* colors) {
+  if ((begin | end) % 2 == 0 && begin < end) return kKernel(tables, row, begin, end, colors);
   OccupiedWords occupied = 0;
   if (begin % 2 == 1 && begin < end) {
     occupied |= scalar_kernel(kFormat)(tables, row, begin, begin + 1, colors);

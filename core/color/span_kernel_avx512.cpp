@@ -65,8 +65,7 @@ TOUCHLINE_AVX512_INLINE __m512i or_of(__m512i a, __m512i b, __m512i c) {
 TOUCHLINE_AVX512_INLINE __m512i and_of(__m512i a, __m512i b, __m512i c) {
   return _mm512_ternarylogic_epi64(a, b, c, 0b10000000);
 }
-using Table = std::array<std::uint8_t, 16>;
-TOUCHLINE_AVX512_INLINE __m128i load_table(const Table& table) {
+TOUCHLINE_AVX512_INLINE __m128i load_table(const DigitTable& table) {
   return _mm_loadu_si128(reinterpret_cast<const __m128i*>(table.data()));
 }
 
@@ -84,12 +83,12 @@ TOUCHLINE_AVX512_INLINE __m512i high_digits(__m512i values) {
 }
 TOUCHLINE_AVX512_INLINE __m512i low_digits(__m512i values) { return _mm512_and_si512(values, _mm512_set1_epi8(15)); }
 
-TOUCHLINE_AVX512_INLINE __m512i look_up(const Table& table, __m512i digits) {
+TOUCHLINE_AVX512_INLINE __m512i look_up(const DigitTable& table, __m512i digits) {
   return _mm512_shuffle_epi8(_mm512_maskz_broadcast_i32x4(0xffff, load_table(table)), digits);
 }
 
 TOUCHLINE_AVX512_INLINE __m512i near_classes(const Channel& channel, std::size_t group) {
-  return look_up((*channel.digits)[group].within, channel.high);
+  return look_up(channel.digits->within[group], channel.high);
 }
 // The group's classes of which all three intervals' high digits include the values'.
 TOUCHLINE_AVX512_INLINE __m512i near_classes(const Channels& channels, std::size_t group) {
@@ -99,16 +98,19 @@ TOUCHLINE_AVX512_INLINE __m512i near_classes(const Channels& channels, std::size
 
 // Out of the near classes those to which the values of a channel belong, a byte a value.
 TOUCHLINE_AVX512_INLINE __m512i classes_of(const Channel& channel, std::size_t group, __m512i near) {
-  const DigitTables& tables = (*channel.digits)[group];
+  const ChannelDigits& tables = *channel.digits;
   const __m512i from =
-      _mm512_or_si512(look_up(tables.above_first, channel.high), look_up(tables.from_first, channel.low));
-  const __m512i to = _mm512_or_si512(look_up(tables.below_last, channel.high), look_up(tables.to_last, channel.low));
+      _mm512_or_si512(look_up(tables.above_first[group], channel.high), look_up(tables.from_first[group], channel.low));
+  const __m512i to =
+      _mm512_or_si512(look_up(tables.below_last[group], channel.high), look_up(tables.to_last[group], channel.low));
   return and_of(from, to, near);
 }
 
 // The color of the lowest class; where an earlier group has given a color, that.
-TOUCHLINE_AVX512_INLINE __m512i add_colors(__m512i colors, const ColorDigits& tables, __m512i classes) {
-  const __m512i low = look_up(tables.low, low_digits(classes)), high = look_up(tables.high, high_digits(classes));
+TOUCHLINE_AVX512_INLINE __m512i add_colors(__m512i colors, const ColorDigits& tables, std::size_t group,
+                                           __m512i classes) {
+  const __m512i low = look_up(tables.low[group], low_digits(classes)),
+                high = look_up(tables.high[group], high_digits(classes));
   const __m512i color = _mm512_mask_mov_epi8(low, _mm512_testn_epi8_mask(low, low), high);
   return _mm512_mask_mov_epi8(colors, _mm512_testn_epi8_mask(colors, colors), color);
 }
@@ -276,7 +278,7 @@ TOUCHLINE_AVX512_INLINE __m512i colors_of(const SpanTables& tables, const Channe
     classes = classes_of(channels.first, group, classes);
     classes = classes_of(channels.second, group, classes);
     classes = classes_of(channels.third, group, classes);
-    colors = add_colors(colors, tables.digits->colors()[group], classes);
+    colors = add_colors(colors, tables.digits->colors(), group, classes);
   }
   return colors;
 }

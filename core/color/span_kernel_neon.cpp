@@ -29,10 +29,8 @@ bool is_zero(Values value) {
 bool is_zero(PairValues value) { return vget_lane_u64(vreinterpret_u64_u8(value), 0) == 0; }
 
 // For 16 pixels, and for 8 pairs: a Cortex-A72 looks up half a register in a third of the time.
-Values look_up(const DigitTables::Table& table, Values digit) { return vqtbl1q_u8(vld1q_u8(table.data()), digit); }
-PairValues look_up(const DigitTables::Table& table, PairValues digit) {
-  return vqtbl1_u8(vld1q_u8(table.data()), digit);
-}
+Values look_up(const DigitTable& table, Values digit) { return vqtbl1q_u8(vld1q_u8(table.data()), digit); }
+PairValues look_up(const DigitTable& table, PairValues digit) { return vqtbl1_u8(vld1q_u8(table.data()), digit); }
 Values both(Values a, Values b) { return vandq_u8(a, b); }
 PairValues both(PairValues a, PairValues b) { return vand_u8(a, b); }
 Values either(Values a, Values b) { return vorrq_u8(a, b); }
@@ -48,17 +46,18 @@ Digits<PairValues> digits_of(PairValues values) { return {vshr_n_u8(values, 4), 
 
 // The group's classes to which the values of a channel belong, a byte a value.
 template <class Register>
-Register classes_of(const DigitTables& tables, const Digits<Register>& value) {
-  const Register from = either(look_up(tables.above_first, value.high), look_up(tables.from_first, value.low));
-  const Register to = either(look_up(tables.below_last, value.high), look_up(tables.to_last, value.low));
-  return both(look_up(tables.within, value.high), both(from, to));
+Register classes_of(const ChannelDigits& tables, std::size_t group, const Digits<Register>& value) {
+  const Register from =
+      either(look_up(tables.above_first[group], value.high), look_up(tables.from_first[group], value.low));
+  const Register to = either(look_up(tables.below_last[group], value.high), look_up(tables.to_last[group], value.low));
+  return both(look_up(tables.within[group], value.high), both(from, to));
 }
 
 // The color of the lowest class; where an earlier group has given a color, that.
-Values add_colors(Values colors, const ColorDigits& tables, Values classes) {
+Values add_colors(Values colors, const ColorDigits& tables, std::size_t group, Values classes) {
   const Digits<Values> bits = digits_of(classes);
-  const Values low = look_up(tables.low, bits.low);
-  const Values color = vbslq_u8(vceqzq_u8(low), look_up(tables.high, bits.high), low);
+  const Values low = look_up(tables.low[group], bits.low);
+  const Values color = vbslq_u8(vceqzq_u8(low), look_up(tables.high[group], bits.high), low);
   return vbslq_u8(vceqzq_u8(colors), color, colors);
 }
 
@@ -67,7 +66,7 @@ struct LightDigits {
   const ChannelDigits& first;
   const ChannelDigits& second;
   const ChannelDigits& third;
-  const std::array<ColorDigits, kClassGroups>& colors;
+  const ColorDigits& colors;
   std::size_t groups;
 
   LightDigits(const DigitTableSet& digits, const TileLight& light)
@@ -80,9 +79,9 @@ struct LightDigits {
 
 // `within` of all groups in one: where none of its bits is left no class is.
 Values within_any(const ChannelDigits& channel) {
-  Values any = vld1q_u8(channel[0].within.data());
+  Values any = vld1q_u8(channel.within[0].data());
   TOUCHLINE_UNROLL for (std::size_t group = 1; group < kClassGroups; ++group) {
-    any = vorrq_u8(any, vld1q_u8(channel[group].within.data()));
+    any = vorrq_u8(any, vld1q_u8(channel.within[group].data()));
   }
   return any;
 }
@@ -165,9 +164,9 @@ struct Packed24 {
     const Digits<Values> a = digits_of(bytes.val[kRed]), b = digits_of(bytes.val[1]),
                          c = digits_of(bytes.val[2 - kRed]);
     for (std::size_t group = 0; group < tables.groups; ++group) {
-      const Values classes = both(classes_of(tables.first[group], a),
-                                  both(classes_of(tables.second[group], b), classes_of(tables.third[group], c)));
-      found = add_colors(found, tables.colors[group], classes);
+      const Values classes = both(classes_of(tables.first, group, a),
+                                  both(classes_of(tables.second, group, b), classes_of(tables.third, group, c)));
+      found = add_colors(found, tables.colors, group, classes);
     }
     return found;
   }
@@ -232,11 +231,11 @@ struct SharedChroma {
     const Digits<PairValues> u = digits_of(sample.u), v = digits_of(sample.v);
     const Digits<Values> luma = digits_of(sample.luma);
     for (std::size_t group = 0; group < tables.groups; ++group) {
-      const PairValues pairs = both(classes_of(tables.second[group], u), classes_of(tables.third[group], v));
+      const PairValues pairs = both(classes_of(tables.second, group, u), classes_of(tables.third, group, v));
       if (is_zero(pairs)) continue;
       // Each pair's classes for both its pixels.
       const Values of_pixels = vcombine_u8(vzip1_u8(pairs, pairs), vzip2_u8(pairs, pairs));
-      found = add_colors(found, tables.colors[group], both(of_pixels, classes_of(tables.first[group], luma)));
+      found = add_colors(found, tables.colors, group, both(of_pixels, classes_of(tables.first, group, luma)));
     }
     return found;
   }

@@ -34,10 +34,11 @@ TEST(DigitTables, SayOfEveryValueWhatTheTablesSay) {
           for (std::size_t value = 0; value < 256; ++value) {
             std::uint32_t mask = 0;
             for (std::size_t group = 0; group < kClassGroups; ++group) {
-              const DigitTables& t = digits->channel(channel, level)[group];
+              const ChannelDigits& t = digits->channel(channel, level);
               const std::size_t high = value / 16, low = value % 16;
-              const std::uint32_t bits =
-                  t.within[high] & (t.above_first[high] | t.from_first[low]) & (t.below_last[high] | t.to_last[low]);
+              const std::uint32_t bits = t.within[group][high] &
+                                         (t.above_first[group][high] | t.from_first[group][low]) &
+                                         (t.below_last[group][high] | t.to_last[group][low]);
               mask |= bits << 8 * group;
             }
             ASSERT_EQ(mask, tables->table(channel, level)[value])
@@ -56,9 +57,9 @@ TEST(DigitTables, GiveTheColorOfTheLowestClass) {
   ASSERT_TRUE(tables->build(random_boxes(random, kMaxColorBoxes), ColorSpace::kRgb).ok());
   digits->build(*tables, kMaxColorBoxes);
   for (std::size_t group = 0; group < kClassGroups; ++group) {
-    const ColorDigits& colors = digits->colors()[group];
+    const DigitTable &low = digits->colors().low[group], &high = digits->colors().high[group];
     for (std::uint32_t bits = 0; bits < 256; ++bits) {
-      const ColorId color = colors.low[bits % 16] != kBackground ? colors.low[bits % 16] : colors.high[bits / 16];
+      const ColorId color = low[bits % 16] != kBackground ? low[bits % 16] : high[bits / 16];
       EXPECT_EQ(color, tables->color_of(bits << 8 * group)) << "group " << group << ", bits " << bits;
     }
   }

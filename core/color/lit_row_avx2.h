@@ -1,0 +1,147 @@
+#pragma once
+
+#include "core/color/pixel_layout_avx2.h"
+
+#if defined(__x86_64__)
+
+#include <algorithm>
+#include <bit>
+
+// Rows with a light map: every tile of 16 pixels has its own tables, so that a register has a tile twice and in each
+// half the tables of another group of classes.
+namespace touchline::avx2 {
+
+// Each look is a function of its own: in one, compilers have no registers left for what its loop carries.
+#define TOUCHLINE_AVX2_LOOK [[gnu::target("avx2,bmi,popcnt"), gnu::noinline]] static
+
+template <class Layout>
+TOUCHLINE_AVX2_INLINE Channels<OneBlock> tile_channels(const DigitTableSet& digits, const RowPixels& row,
+                                                       std::uint32_t u, const TileLight& light) {
+  const Planes planes = Layout::tile_planes(row, u);
+  return {{digits_of(OneBlock{planes.first}), &digits.channel(0, light.level[0])},
+          {digits_of(OneBlock{planes.second}), &digits.channel(1, light.level[1])},
+          {digits_of(OneBlock{planes.third}), &digits.channel(2, light.level[2])}};
+}
+
+// The colors of the 16 pixels from column u on, by the classes of two groups.
+template <class Layout>
+TOUCHLINE_AVX2_INLINE __m128i tile_colors(const DigitTableSet& digits, std::size_t group, const RowPixels& row,
+                                          std::uint32_t u, const TileLight& light) {
+  const Channels<OneBlock> channels = tile_channels<Layout>(digits, row, u, light);
+  const __m256i found = colors_in<Held::kTwoGroups>(digits.colors(), channels, group).first;
+  return first_of(_mm256_castsi256_si128(found), _mm256_extracti128_si256(found, 1));
+}
+
+// By all classes.
+template <class Layout>
+TOUCHLINE_AVX2_INLINE __m128i tile_colors(const DigitTableSet& digits, const RowPixels& row, std::uint32_t u,
+                                          const TileLight& light) {
+  __m128i colors = tile_colors<Layout>(digits, 0, row, u, light);
+  for (std::size_t group = 2; group < digits.groups(); group += 2) {
+    colors = first_of(colors, tile_colors<Layout>(digits, group, row, u, light));
+  }
+  return colors;
+}
+
+// Up to 64 tiles of a row, a bit each.
+constexpr std::uint32_t kMostTiles = 64, kTilesAtOnce = 8;
+
+// Those of the tiles that may have a class of the two groups, by high digits alone.
+template <class Layout>
+TOUCHLINE_AVX2_LOOK std::uint64_t find_near_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t first,
+                                                  std::uint64_t among, std::size_t group) {
+  const DigitTableSet& digits = *tables.digits;
+  const TileLight* const lights = tables.tiles + first / kTile;
+  const RowPixels pixels = row;
+  std::uint64_t found = 0;
+  for (; among != 0; among &= among - 1) {
+    const auto i = static_cast<std::uint32_t>(std::countr_zero(among));
+    const Channels<OneBlock> channels = tile_channels<Layout>(digits, pixels, first + i * kTile, lights[i]);
+    found |= (1 - is_zero(near_classes<Held::kTwoGroups>(channels, group).first)) << i;
+  }
+  return found;
+}
+
+// Gives those pixels of the tiles their colors that have none.
+template <class Layout>
+TOUCHLINE_AVX2_LOOK OccupiedWords color_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t first,
+                                              std::uint64_t among, std::size_t group, ColorId* colors) {
+  const DigitTableSet& digits = *tables.digits;
+  const TileLight* const lights = tables.tiles + first / kTile;
+  const RowPixels pixels = row;
+  OccupiedWords occupied = 0;
+  for (; among != 0; among &= among - 1) {
+    const auto i = static_cast<std::uint32_t>(std::countr_zero(among));
+    const std::uint32_t u = first + i * kTile;
+    const __m128i found = first_of(load_half(colors + u), tile_colors<Layout>(digits, group, pixels, u, lights[i]));
+    store_half(colors + u, found);
+    occupied |= (1 - is_zero(found)) << u / kOccupiedWordPixels;
+  }
+  return occupied;
+}
+
+// A bit for each of eight tiles whether it is quiet. Makes all of them background.
+template <class Layout>
+TOUCHLINE_AVX2_INLINE std::uint64_t eight_quiet(const RowPixels& row, std::uint32_t u, const TileLight* lights,
+                                                ColorId* colors) {
+  const __m256i zero = _mm256_setzero_si256();
+  store(colors + u, zero);
+  store(colors + u + kBlock, zero);
+  store(colors + u + std::size_t{2} * kBlock, zero);
+  store(colors + u + std::size_t{3} * kBlock, zero);
+  const __m256i p = Layout::loud(row, {u, u + 4 * kTile, lights, lights + 4}),
+                q = Layout::loud(row, {u + kTile, u + 5 * kTile, lights + 1, lights + 5}),
+                r = Layout::loud(row, {u + 2 * kTile, u + 6 * kTile, lights + 2, lights + 6}),
+                s = Layout::loud(row, {u + 3 * kTile, u + 7 * kTile, lights + 3, lights + 7});
+  return zero_halves(p, q, r, s);
+}
+
+// The tiles that are not quiet. Makes all of them background.
+template <class Layout>
+TOUCHLINE_AVX2_LOOK std::uint64_t find_loud_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t first,
+                                                  std::uint32_t count, ColorId* colors) {
+  const TileLight* const lights = tables.tiles + first / kTile;
+  const RowPixels pixels = row;
+  std::uint64_t quiet = 0;
+  std::uint32_t i = 0;
+  for (; i + kTilesAtOnce <= count; i += kTilesAtOnce) {
+    quiet |= eight_quiet<Layout>(pixels, first + i * kTile, lights + i, colors) << i;
+  }
+  if (i < count && count >= kTilesAtOnce) {
+    i = count - kTilesAtOnce;
+    quiet |= eight_quiet<Layout>(pixels, first + i * kTile, lights + i, colors) << i;
+  } else {
+    for (; i < count; ++i) store_half(colors + first + std::size_t{kTile} * i, _mm_setzero_si128());
+  }
+  return ~quiet;
+}
+
+// Whole tiles, at least one.
+template <class Layout>
+TOUCHLINE_AVX2_INLINE OccupiedWords classify_lit_tiles(const SpanTables& tables, const RowPixels& row,
+                                                       std::uint32_t begin, std::uint32_t end, ColorId* colors) {
+  OccupiedWords occupied = 0;
+  for (std::uint32_t first = begin; first < end; first += kMostTiles * kTile) {
+    const std::uint32_t count = std::min(kMostTiles, (end - first) / kTile);
+    const std::uint64_t all = ~std::uint64_t{0} >> (kMostTiles - count);
+    std::uint64_t left = find_loud_tiles<Layout>(tables, row, first, count, colors);
+    left = tables.has_quiet ? left & all : all;
+    // Where most are left they do have colors; and two are colored sooner than looked at again.
+    const auto number = static_cast<std::uint32_t>(std::popcount(left));
+    if (number > 2 && 2 * number <= count) {
+      std::uint64_t near = 0;
+      for (std::size_t group = 0; group < tables.digits->groups(); group += 2) {
+        near |= find_near_tiles<Layout>(tables, row, first, left, group);
+      }
+      left = near;
+    }
+    for (std::size_t group = 0; left != 0 && group < tables.digits->groups(); group += 2) {
+      occupied |= color_tiles<Layout>(tables, row, first, left, group, colors);
+    }
+  }
+  return occupied;
+}
+
+}  // namespace touchline::avx2
+
+#endif

@@ -11,13 +11,18 @@
 #include "core/color/digit_tables.h"
 #include "core/color/span_kernel.h"
 
-// How the AVX2 kernel looks up classes and colors.
-namespace touchline::avx2 {
-
 // Every function carries the target itself: a file compiled for AVX2 as a whole would leave AVX2 code in functions that
-// it shares with other files, and on an older processor the linker may have picked those.
-#define TOUCHLINE_AVX2 [[gnu::target("avx2,bmi,popcnt")]]
-#define TOUCHLINE_AVX2_INLINE [[gnu::target("avx2,bmi,popcnt"), gnu::always_inline]] inline
+// it shares with other files, and on an older processor the linker may have picked those. A kernel for a processor that
+// can more, and has more registers, gives another target, and a namespace for it.
+#ifndef TOUCHLINE_AVX2_TARGET
+#define TOUCHLINE_AVX2_TARGET "avx2,bmi,popcnt"
+#define TOUCHLINE_AVX2_NAMESPACE avx2
+#endif
+#define TOUCHLINE_AVX2 [[gnu::target(TOUCHLINE_AVX2_TARGET)]]
+#define TOUCHLINE_AVX2_INLINE [[gnu::target(TOUCHLINE_AVX2_TARGET), gnu::always_inline]] inline
+
+// How the AVX2 kernel looks up classes and colors.
+namespace touchline::TOUCHLINE_AVX2_NAMESPACE {
 
 // A byte shuffle looks up within 16 bytes: half a register is a tile, which has its own tables.
 constexpr std::uint32_t kTile = kTileWidth, kBlock = 2 * kTile;
@@ -173,6 +178,6 @@ TOUCHLINE_AVX2_INLINE Values colors_in(const ColorDigits& colors, const Channels
   return first_of(look_up<kHeld>(colors.low, group, bits.low), look_up<kHeld>(colors.high, group, bits.high));
 }
 
-}  // namespace touchline::avx2
+}  // namespace touchline::TOUCHLINE_AVX2_NAMESPACE
 
 #endif

@@ -9,10 +9,30 @@
 
 // Rows with a light map: every tile of 16 pixels has its own tables, so that a register has a tile twice and in each
 // half the tables of another group of classes.
-namespace touchline::avx2 {
+namespace touchline::TOUCHLINE_AVX2_NAMESPACE {
 
 // Each look is a function of its own: in one, compilers have no registers left for what its loop carries.
-#define TOUCHLINE_AVX2_LOOK [[gnu::target("avx2,bmi,popcnt"), gnu::noinline]] static
+#define TOUCHLINE_AVX2_LOOK [[gnu::target(TOUCHLINE_AVX2_TARGET), gnu::noinline]] static
+
+// What rows with a light map need of a layout:
+// - tile_planes,
+// - eight_quiet: a bit for each of eight tiles whether it is quiet. Makes all of them background.
+template <class Layout>
+struct LitLayout : Layout {
+  TOUCHLINE_AVX2_INLINE static std::uint64_t eight_quiet(const RowPixels& row, std::uint32_t u, const TileLight* lights,
+                                                         ColorId* colors) {
+    const __m256i zero = _mm256_setzero_si256();
+    store(colors + u, zero);
+    store(colors + u + kBlock, zero);
+    store(colors + u + std::size_t{2} * kBlock, zero);
+    store(colors + u + std::size_t{3} * kBlock, zero);
+    const __m256i p = Layout::loud(row, {u, u + 4 * kTile, lights, lights + 4}),
+                  q = Layout::loud(row, {u + kTile, u + 5 * kTile, lights + 1, lights + 5}),
+                  r = Layout::loud(row, {u + 2 * kTile, u + 6 * kTile, lights + 2, lights + 6}),
+                  s = Layout::loud(row, {u + 3 * kTile, u + 7 * kTile, lights + 3, lights + 7});
+    return zero_halves(p, q, r, s);
+  }
+};
 
 template <class Layout>
 TOUCHLINE_AVX2_INLINE Channels<OneBlock> tile_channels(const DigitTableSet& digits, const RowPixels& row,
@@ -80,22 +100,6 @@ TOUCHLINE_AVX2_LOOK OccupiedWords color_tiles(const SpanTables& tables, const Ro
   return occupied;
 }
 
-// A bit for each of eight tiles whether it is quiet. Makes all of them background.
-template <class Layout>
-TOUCHLINE_AVX2_INLINE std::uint64_t eight_quiet(const RowPixels& row, std::uint32_t u, const TileLight* lights,
-                                                ColorId* colors) {
-  const __m256i zero = _mm256_setzero_si256();
-  store(colors + u, zero);
-  store(colors + u + kBlock, zero);
-  store(colors + u + std::size_t{2} * kBlock, zero);
-  store(colors + u + std::size_t{3} * kBlock, zero);
-  const __m256i p = Layout::loud(row, {u, u + 4 * kTile, lights, lights + 4}),
-                q = Layout::loud(row, {u + kTile, u + 5 * kTile, lights + 1, lights + 5}),
-                r = Layout::loud(row, {u + 2 * kTile, u + 6 * kTile, lights + 2, lights + 6}),
-                s = Layout::loud(row, {u + 3 * kTile, u + 7 * kTile, lights + 3, lights + 7});
-  return zero_halves(p, q, r, s);
-}
-
 // The tiles that are not quiet. Makes all of them background.
 template <class Layout>
 TOUCHLINE_AVX2_LOOK std::uint64_t find_loud_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t first,
@@ -105,11 +109,11 @@ TOUCHLINE_AVX2_LOOK std::uint64_t find_loud_tiles(const SpanTables& tables, cons
   std::uint64_t quiet = 0;
   std::uint32_t i = 0;
   for (; i + kTilesAtOnce <= count; i += kTilesAtOnce) {
-    quiet |= eight_quiet<Layout>(pixels, first + i * kTile, lights + i, colors) << i;
+    quiet |= Layout::eight_quiet(pixels, first + i * kTile, lights + i, colors) << i;
   }
   if (i < count && count >= kTilesAtOnce) {
     i = count - kTilesAtOnce;
-    quiet |= eight_quiet<Layout>(pixels, first + i * kTile, lights + i, colors) << i;
+    quiet |= Layout::eight_quiet(pixels, first + i * kTile, lights + i, colors) << i;
   } else {
     for (; i < count; ++i) store_half(colors + first + std::size_t{kTile} * i, _mm_setzero_si128());
   }
@@ -142,6 +146,37 @@ TOUCHLINE_AVX2_INLINE OccupiedWords classify_lit_tiles(const SpanTables& tables,
   return occupied;
 }
 
-}  // namespace touchline::avx2
+// The parts of tiles at the span's ends, less than a tile each: from the first pixel on, and up to the last. The span
+// is a tile wide at least.
+template <class Layout>
+TOUCHLINE_AVX2_LOOK OccupiedWords classify_ends(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
+                                                std::uint32_t end, ColorId* colors) {
+  const std::uint32_t last = end - kTile;
+  const auto of_first = static_cast<char>((kTile - begin % kTile) % kTile),
+             before_last = static_cast<char>(kTile - end % kTile);
+  const __m128i place = _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  const __m128i first_colors = _mm_and_si128(tile_colors<Layout>(*tables.digits, row, begin, tables.tile_at(begin)),
+                                             _mm_cmplt_epi8(place, _mm_set1_epi8(of_first)));
+  const __m128i last_colors = _mm_andnot_si128(_mm_cmplt_epi8(place, _mm_set1_epi8(before_last)),
+                                               tile_colors<Layout>(*tables.digits, row, last, tables.tile_at(end - 1)));
+  // The two may overlap each other.
+  store_half(colors + last, _mm_setzero_si128());
+  store_half(colors + begin, first_colors);
+  store_half(colors + last, _mm_or_si128(load_half(colors + last), last_colors));
+  return (1 - is_zero(first_colors)) << begin / kOccupiedWordPixels | (1 - is_zero(last_colors))
+                                                                          << (end - 1) / kOccupiedWordPixels;
+}
+
+// A tile wide at least.
+template <class Layout>
+TOUCHLINE_AVX2_INLINE OccupiedWords classify_lit_span(const SpanTables& tables, const RowPixels& row,
+                                                      std::uint32_t begin, std::uint32_t end, ColorId* colors) {
+  OccupiedWords occupied = 0;
+  if (begin % kTile != 0 || end % kTile != 0) occupied = classify_ends<Layout>(tables, row, begin, end, colors);
+  const std::uint32_t first = (begin + kTile - 1) / kTile * kTile, stop = end / kTile * kTile;
+  return occupied | classify_lit_tiles<Layout>(tables, row, first, stop, colors);
+}
+
+}  // namespace touchline::TOUCHLINE_AVX2_NAMESPACE
 
 #endif

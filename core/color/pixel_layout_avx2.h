@@ -7,7 +7,7 @@
 #include <type_traits>
 
 // Where the AVX2 kernel finds a format's channels, and which of its bytes are not quiet.
-namespace touchline::avx2 {
+namespace touchline::TOUCHLINE_AVX2_NAMESPACE {
 
 // Which bytes are farther above `low` than `reach`: those are not zero.
 TOUCHLINE_AVX2_INLINE __m256i beyond(__m256i bytes, __m256i low, __m256i reach) {
@@ -108,9 +108,9 @@ struct Packed24 {
                          {in_both_halves(&kPeriod[0]), in_both_halves(&kPeriod[16]), in_both_halves(&kPeriod[32])}));
   }
   TOUCHLINE_AVX2_INLINE static __m256i beyond(__m256i first, __m256i second, __m256i third, const Quiet& quiet) {
-    return _mm256_or_si256(avx2::beyond(first, quiet.low[0], quiet.reach[0]),
-                           _mm256_or_si256(avx2::beyond(second, quiet.low[1], quiet.reach[1]),
-                                           avx2::beyond(third, quiet.low[2], quiet.reach[2])));
+    return _mm256_or_si256(TOUCHLINE_AVX2_NAMESPACE::beyond(first, quiet.low[0], quiet.reach[0]),
+                           _mm256_or_si256(TOUCHLINE_AVX2_NAMESPACE::beyond(second, quiet.low[1], quiet.reach[1]),
+                                           TOUCHLINE_AVX2_NAMESPACE::beyond(third, quiet.low[2], quiet.reach[2])));
   }
 
   TOUCHLINE_AVX2_INLINE static Planes planes(const RowPixels& row, std::uint32_t u) {
@@ -204,6 +204,6 @@ template <PixelFormat kFormat>
 using LayoutOf = std::conditional_t<color_space(kFormat) == ColorSpace::kRgb, Packed24<kFormat>,
                                     std::conditional_t<kFormat == PixelFormat::kNv12, Planar, Packed16<kFormat>>>;
 
-}  // namespace touchline::avx2
+}  // namespace touchline::TOUCHLINE_AVX2_NAMESPACE
 
 #endif

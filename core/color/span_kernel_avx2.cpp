@@ -161,37 +161,16 @@ TOUCHLINE_AVX2_LOOK OccupiedWords classify_tile(const SpanTables& tables, const 
   return (1 - is_zero(found)) << u / kOccupiedWordPixels;
 }
 
-// The parts of tiles at the span's ends, less than a tile each: from the first pixel on, and up to the last. The span
-// is a tile wide at least.
-template <class Layout>
-TOUCHLINE_AVX2_LOOK OccupiedWords classify_ends(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
-                                                std::uint32_t end, ColorId* colors) {
-  const std::uint32_t last = end - kTile;
-  const auto of_first = static_cast<char>((kTile - begin % kTile) % kTile),
-             before_last = static_cast<char>(kTile - end % kTile);
-  const __m128i place = _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  const __m128i first_colors = _mm_and_si128(tile_colors<Layout>(*tables.digits, row, begin, tables.tile_at(begin)),
-                                             _mm_cmplt_epi8(place, _mm_set1_epi8(of_first)));
-  const __m128i last_colors = _mm_andnot_si128(_mm_cmplt_epi8(place, _mm_set1_epi8(before_last)),
-                                               tile_colors<Layout>(*tables.digits, row, last, tables.tile_at(end - 1)));
-  // The two may overlap each other.
-  store_half(colors + last, _mm_setzero_si128());
-  store_half(colors + begin, first_colors);
-  store_half(colors + last, _mm_or_si128(load_half(colors + last), last_colors));
-  return (1 - is_zero(first_colors)) << begin / kOccupiedWordPixels | (1 - is_zero(last_colors))
-                                                                          << (end - 1) / kOccupiedWordPixels;
-}
-
 template <PixelFormat kFormat>
 TOUCHLINE_AVX2 OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
                                            std::uint32_t end, ColorId* colors) {
   using Layout = LayoutOf<kFormat>;
   if (end < begin + kTile) return scalar_kernel(kFormat)(tables, row, begin, end, colors);
+  if (!tables.one_light) return classify_lit_span<LitLayout<Layout>>(tables, row, begin, end, colors);
   OccupiedWords occupied = 0;
   if (begin % kTile != 0 || end % kTile != 0) occupied = classify_ends<Layout>(tables, row, begin, end, colors);
   const std::uint32_t first = (begin + kTile - 1) / kTile * kTile, stop = end / kTile * kTile;
   if (first >= stop) return occupied;
-  if (!tables.one_light) return occupied | classify_lit_tiles<Layout>(tables, row, first, stop, colors);
   if (stop - first < kBlock) return occupied | classify_tile<Layout>(tables, row, first, colors);
   return occupied | classify_blocks<Layout>(tables, row, first, stop, colors);
 }

@@ -1,4 +1,5 @@
 #include "core/color/kernel_of_format.h"
+#include "core/color/lit_row_avx512.h"
 #include "core/color/span_kernel.h"
 
 #if defined(__x86_64__)
@@ -14,7 +15,7 @@ namespace touchline {
 namespace {
 
 // As for AVX2, every function carries the target itself.
-#define TOUCHLINE_AVX512_TARGET "avx512f,avx512bw,avx512vl,avx512vbmi,bmi,popcnt"
+#define TOUCHLINE_AVX512_TARGET TOUCHLINE_AVX2_TARGET
 #define TOUCHLINE_AVX512 [[gnu::target(TOUCHLINE_AVX512_TARGET)]]
 #define TOUCHLINE_AVX512_INLINE [[gnu::target(TOUCHLINE_AVX512_TARGET), gnu::always_inline]] inline
 
@@ -355,12 +356,18 @@ TOUCHLINE_AVX512_INLINE OccupiedWords classify_blocks(const SpanTables& tables, 
   return occupied;
 }
 
+template <PixelFormat kFormat>
+TOUCHLINE_AVX512 OccupiedWords classify_lit(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
+                                            std::uint32_t end, ColorId* colors) {
+  if (end < begin + lit512::kTile) return scalar_kernel(kFormat)(tables, row, begin, end, colors);
+  return lit512::classify_lit_span<lit512::LitLayoutOf<kFormat>>(tables, row, begin, end, colors);
+}
+
 template <PixelFormat kFormat, class Layout>
 TOUCHLINE_AVX512 OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
                                              std::uint32_t end, ColorId* colors) {
-  // Four tiles' tables in a register are more work than they save.
-  if (!tables.one_light) return avx2_kernel(kFormat)(tables, row, begin, end, colors);
   if (begin >= end) return 0;
+  if (!tables.one_light) return classify_lit<kFormat>(tables, row, begin, end, colors);
   // Copies: what is written to `colors` cannot change them.
   const SpanTables of_row = tables;
   const RowPixels pixels = row;
@@ -379,14 +386,13 @@ bool has_avx512() {
   __builtin_cpu_init();
   return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512bw") != 0 &&
          __builtin_cpu_supports("avx512vl") != 0 && __builtin_cpu_supports("avx512vbmi") != 0 &&
-         __builtin_cpu_supports("bmi") != 0 && __builtin_cpu_supports("popcnt") != 0;
+         __builtin_cpu_supports("bmi") != 0 && __builtin_cpu_supports("bmi2") != 0 &&
+         __builtin_cpu_supports("popcnt") != 0;
 }
 
 }  // namespace
 
-SpanKernel avx512_kernel(PixelFormat format) {
-  return has_avx512() && avx2_kernel(format) != nullptr ? kernel_of_format<Family>(format) : nullptr;
-}
+SpanKernel avx512_kernel(PixelFormat format) { return has_avx512() ? kernel_of_format<Family>(format) : nullptr; }
 
 }  // namespace touchline
 

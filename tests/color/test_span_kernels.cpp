@@ -233,8 +233,8 @@ TEST_P(SpanKernelTest, IsThePortableOneOnEverySmallPicture) {
       paint_fast(picture);
       const Frame frame = picture.frame();
       for (std::uint32_t v = 0; v < frame.height_px; ++v) {
-        RowPixels row = {frame.plane[0] + v * frame.stride_bytes[0], nullptr};
-        if (frame.plane[1] != nullptr) row.chroma = frame.plane[1] + v / 2 * frame.stride_bytes[1];
+        RowPixels row = {frame.plane[0] + std::size_t{v} * frame.stride_bytes[0], nullptr};
+        if (frame.plane[1] != nullptr) row.chroma = frame.plane[1] + std::size_t{v / 2} * frame.stride_bytes[1];
         ASSERT_NO_FATAL_FAILURE(expect_equal(tables(v / kTileHeight % 2 == 0), row, 0, frame.width_px));
       }
     }

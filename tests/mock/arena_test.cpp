@@ -121,37 +121,42 @@ TEST_F(ArenaTest, StopPacketsAtTheEndStopTheRobots) {
 // With anything real beside it the arena follows the machine's clock.
 TEST_F(ArenaTest, FollowsTheMachinesClock) {
   const MonotonicClock machine;
-  const Instant begin = machine.now();
-  arena.emplace(parameters, settings, radio_settings, 1, begin);
+  arena.emplace(parameters, settings, radio_settings, 1, machine.now());
   MonotonicClock time;
   camera.emplace(*arena, time);
   radio.emplace(*arena, time);
   ASSERT_TRUE(camera->open().ok());
+  const Instant begin = machine.now();
   ASSERT_TRUE(camera->start().ok());
   ASSERT_TRUE(radio->open().ok());
   std::uint32_t last = 0;
   int frames = 0;
-  while (machine.now() < begin + 600ms) {
-    const auto lease = camera->wait(machine.now() + 100ms);
+  while (frames < 20) {
+    const auto lease = camera->wait(machine.now() + 20s);
     ASSERT_TRUE(lease.ok());
     const Frame& frame = lease.value().frame();
     EXPECT_LT(frame.capture_time, machine.now());
     EXPECT_GE(seconds(machine.now() - frame.capture_time), 0.002 + 0.007 - 1e-9) << "ahead of its time";
     EXPECT_TRUE(frames == 0 || frame.sequence > last);
+    // How many of them are too late depends on the machine, how many there were does not.
+    EXPECT_NEAR(frame.sequence, seconds(frame.capture_time - begin) * settings.rate_hz, 1.0);
     last = frame.sequence;
     ++frames;
     ASSERT_TRUE(radio->send(packet_of(std::array<Drive, 1>{{{0, 0.1, 0.1}}}, static_cast<std::uint8_t>(frames))).ok());
   }
-  // 50 Hz; how many of them are not too late depends on the machine, how many there were does not.
-  EXPECT_GE(frames, 5);
-  EXPECT_NEAR(last, seconds(machine.now() - begin) * 50.0, 5.0);
   EXPECT_GT(arena->world().energy(), 0.0) << "the packets came to nothing";
+}
 
-  const Instant before = machine.now();
-  camera->stop();
+TEST_F(ArenaTest, ARealClockDoesNotJumpToTheDeadline) {
+  settings.rate_hz = 1.0;
+  MonotonicClock machine;
+  arena.emplace(parameters, settings, radio_settings, 1, machine.now());
+  camera.emplace(*arena, machine);
+  ASSERT_TRUE(camera->open().ok());
   ASSERT_TRUE(camera->start().ok());
+  const Instant before = machine.now();
   EXPECT_EQ(camera->wait(before + 5ms).error(), ErrorCode::kTimeout);
-  EXPECT_GE(machine.now(), before + 5ms) << "a real clock does not jump";
+  EXPECT_GE(machine.now(), before + 5ms);
 }
 
 // A lost device is opened again on a thread of its own (firmware/device_keeper.h) while the loop uses the others.
@@ -174,15 +179,13 @@ TEST_F(ArenaTest, OneDeviceMayBeOpenedWhileOthersAreUsed) {
     }
   });
   std::uint8_t sequence = 0;
-  const Instant end = time.now() + 300ms;
-  while (time.now() < end) {
+  while (sequence < 100 || opened.load() < 3) {
     EXPECT_TRUE(gpio->inputs(time.now()).ok());
     static_cast<void>(radio->send(packet_of(std::array<Drive, 1>{{{0, 0.1, 0.1}}}, ++sequence)));
     time.sleep_until(time.now() + 2ms);
   }
   done = true;
   keeper.join();
-  EXPECT_GT(opened.load(), 2);
   EXPECT_GT(arena->channel().statistics().obeyed, 10U);
 }
 

@@ -46,10 +46,11 @@ function(touchline_command_line)
 endfunction()
 
 # touchline_test_options(TARGET): the tests' own code is not optimized and reads its usual headers precompiled (tests/CMakeLists.txt): it
-# compiles in a third of the time, and what it tests stays as it is. Under an emulator running costs more than compiling.
+# compiles in a third of the time, and what it tests stays as it is. Under an emulator running costs more than compiling; gcc 12 then
+# sees overruns in sums of texts where there are none.
 function(touchline_test_options target)
-  target_compile_options(${target} PRIVATE $<IF:$<BOOL:${CMAKE_CROSSCOMPILING}>,-O1,-O0> $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>
-                         "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
+  target_compile_options(${target} PRIVATE "$<IF:$<BOOL:${CMAKE_CROSSCOMPILING}>,-O1;-Wno-array-bounds;-Wno-stringop-overflow,-O0>"
+                         $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess> "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
 endfunction()
 
 # touchline_test(NAME SOURCES... [LINK LIBS...]): a GoogleTest program whose tests CTest runs one by one.

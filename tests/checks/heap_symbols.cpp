@@ -3,11 +3,12 @@
 #include <cxxabi.h>
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <sstream>
 #include <string_view>
+
+#include "tests/checks/command_output.h"
 
 namespace touchline::checks {
 namespace {
@@ -28,15 +29,6 @@ std::string demangled(const std::string& symbol) {
   const std::unique_ptr<char, decltype(&std::free)> name(abi::__cxa_demangle(symbol.c_str(), nullptr, nullptr, &status),
                                                          &std::free);
   return status == 0 ? name.get() : symbol;
-}
-
-std::string output_of(const std::string& command) {
-  std::string text;
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  if (pipe == nullptr) return text;
-  std::array<char, 4096> block{};
-  while (const std::size_t size = std::fread(block.data(), 1, block.size(), pipe)) text.append(block.data(), size);
-  return ::pclose(pipe) == 0 ? text : std::string();
 }
 
 }  // namespace

@@ -68,8 +68,8 @@ TOUCHLINE_AVX2_INLINE __m256i loud_at(const RowPixels& row, std::uint32_t u, con
 
 // The blocks that are not quiet. Makes all of them background.
 template <class Layout>
-TOUCHLINE_AVX2_LOOK std::uint64_t find_loud(const SpanTables& tables, const RowPixels& row, Blocks blocks,
-                                            ColorId* colors) {
+TOUCHLINE_AVX2_INLINE std::uint64_t find_loud(const SpanTables& tables, const RowPixels& row, Blocks blocks,
+                                              ColorId* colors) {
   const auto of_row = Layout::quiet(*tables.tiles);
   const RowPixels pixels = row;
   const std::uint32_t count = blocks.count();

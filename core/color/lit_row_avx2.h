@@ -11,8 +11,10 @@
 // half the tables of another group of classes.
 namespace touchline::TOUCHLINE_AVX2_NAMESPACE {
 
+#ifndef TOUCHLINE_AVX2_LOOK
 // Each look is a function of its own: in one, compilers have no registers left for what its loop carries.
 #define TOUCHLINE_AVX2_LOOK [[gnu::target(TOUCHLINE_AVX2_TARGET), gnu::noinline]] static
+#endif
 
 // What rows with a light map need of a layout:
 // - tile_planes,

@@ -2,9 +2,10 @@
 
 #if defined(__x86_64__)
 
-// The look-ups of the AVX2 kernel, with twice the registers.
+// The look-ups of the AVX2 kernel, with twice the registers: enough for all looks in one function.
 #define TOUCHLINE_AVX2_TARGET "avx512f,avx512bw,avx512vl,avx512vbmi,bmi,bmi2,popcnt"
 #define TOUCHLINE_AVX2_NAMESPACE lit512
+#define TOUCHLINE_AVX2_LOOK [[gnu::target(TOUCHLINE_AVX2_TARGET), gnu::always_inline]] inline
 
 #include "core/color/lit_row_avx2.h"
 

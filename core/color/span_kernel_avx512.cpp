@@ -356,9 +356,10 @@ TOUCHLINE_AVX512_INLINE OccupiedWords classify_blocks(const SpanTables& tables, 
   return occupied;
 }
 
+// Apart: rows of one light need no room for its registers.
 template <PixelFormat kFormat>
-TOUCHLINE_AVX512 OccupiedWords classify_lit(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
-                                            std::uint32_t end, ColorId* colors) {
+[[gnu::noinline]] TOUCHLINE_AVX512 OccupiedWords classify_lit(const SpanTables& tables, const RowPixels& row,
+                                                              std::uint32_t begin, std::uint32_t end, ColorId* colors) {
   if (end < begin + lit512::kTile) return scalar_kernel(kFormat)(tables, row, begin, end, colors);
   return lit512::classify_lit_span<lit512::LitLayoutOf<kFormat>>(tables, row, begin, end, colors);
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,9 @@ struct Links {
 };
 
 void read_page(const fs::path& page, Links& links) {
-  std::ifstream file(page);
-  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  std::ostringstream read;
+  read << std::ifstream(page).rdbuf();
+  const std::string text = read.str();
   const std::regex link(R"(\]\(([^)#]+)(#[^)]*)?\))");
   for (auto found = std::sregex_iterator(text.begin(), text.end(), link); found != std::sregex_iterator(); ++found) {
     const std::string target = (*found)[1];

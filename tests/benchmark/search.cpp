@@ -72,25 +72,65 @@ TileRecipe changed(TileRecipe recipe, std::mt19937& random) {
 struct Found {
   TileRecipe recipe;
   std::uint32_t min_area_px = 1;
-  double time_us = 0.0;
+  const char* kernel = "";
+  double time_us = 0.0, times_a_field = 0.0;
 };
 
 class Stopwatch {
  public:
-  // The least of several calls: what else runs on the machine only adds.
-  double time_us(const ColorGrid& grid, std::uint32_t min_area_px, int calls) {
-    const Subject subject = crowded_subject(grid, min_area_px);
-    if (!scanner_->configure(subject.parameters).ok()) return 0.0;
-    double least = 1e9;
-    for (int i = 0; i < calls; ++i) {
-      const double begin = cpu_time_us();
-      static_cast<void>(scanner_->scan(subject.picture.frame(), *runs_, *regions_));
-      least = std::min(least, cpu_time_us() - begin);
+  Stopwatch() {
+    for (const auto& [choice, name] :
+         {std::pair(KernelChoice::kAvx512, "avx512"), std::pair(KernelChoice::kAvx2, "avx2"),
+          std::pair(KernelChoice::kNeon, "neon")}) {
+      Kernel kernel = {choice, name, std::make_unique<RegionScanner>()};
+      if (configure(*kernel.of_field, field_, kernel)) kernels_.push_back(std::move(kernel));
     }
-    return least;
+  }
+
+  // Where the picture is the slowest, against a realistic field at the same time: the processor's speed changes.
+  Found evaluate(const TileRecipe& recipe, int calls) {
+    Found slowest;
+    Subject subject = crowded_subject(make_tiles(recipe, 640, 480), 1);
+    for (const Kernel& kernel : kernels_) {
+      for (const std::uint32_t min_area : {1u, 2u}) {
+        subject.parameters.min_area_px = min_area;
+        if (!configure(*scanner_, subject, kernel)) continue;
+        // The least of several calls: what else runs on the machine only adds.
+        double time = 1e9, of_field = 1e9;
+        for (int i = 0; i < calls; ++i) {
+          of_field = std::min(of_field, time_us(*kernel.of_field, field_));
+          time = std::min(time, time_us(*scanner_, subject));
+        }
+        if (time > slowest.times_a_field * of_field) slowest = {recipe, min_area, kernel.name, time, time / of_field};
+      }
+    }
+    return slowest;
   }
 
  private:
+  struct Kernel {
+    KernelChoice choice;
+    const char* name;
+    std::unique_ptr<RegionScanner> of_field;
+  };
+
+  static bool configure(RegionScanner& scanner, const Subject& subject, const Kernel& kernel) {
+    ScanParameters parameters = subject.parameters;
+    parameters.kernel = kernel.choice;
+    return scanner.configure(parameters).ok();
+  }
+
+  // Of the second of two calls, as `measure` has it.
+  double time_us(RegionScanner& scanner, const Subject& subject) {
+    static_cast<void>(scanner.scan(subject.picture.frame(), *runs_, *regions_));
+    const double begin = cpu_time_us();
+    static_cast<void>(scanner.scan(subject.picture.frame(), *runs_, *regions_));
+    return cpu_time_us() - begin;
+  }
+
+  // The first one of that name is realistic as it is.
+  const Subject field_ = std::move(*make_subjects("field 640x480 rgb24").front());
+  std::vector<Kernel> kernels_;
   std::unique_ptr<RegionScanner> scanner_ = std::make_unique<RegionScanner>();
   std::unique_ptr<Runs> runs_ = std::make_unique<Runs>();
   std::unique_ptr<Regions> regions_ = std::make_unique<Regions>();
@@ -101,34 +141,29 @@ class Stopwatch {
 void search(double seconds, unsigned seed) {
   std::mt19937 random(seed);
   Stopwatch stopwatch;
-  const auto evaluate = [&](const TileRecipe& recipe, int calls) {
-    const ColorGrid grid = make_tiles(recipe, 640, 480);
-    const double all = stopwatch.time_us(grid, 1, calls), no_specks = stopwatch.time_us(grid, 2, calls);
-    return all > no_specks ? Found{recipe, 1, all} : Found{recipe, 2, no_specks};
-  };
   const bool is_terminal = isatty(STDERR_FILENO) != 0;
   const double begin = cpu_time_us();
   Found best;
   std::size_t pictures = 0;
   while (cpu_time_us() - begin < seconds * 1e6) {
-    Found here = evaluate(random_recipe(random), 7);
+    Found here = stopwatch.evaluate(random_recipe(random), 7);
     for (int since = 0; since < kPatience && cpu_time_us() - begin < seconds * 1e6; ++since, ++pictures) {
-      Found next = evaluate(changed(here.recipe, random), 7);
+      Found next = stopwatch.evaluate(changed(here.recipe, random), 7);
       // Once more where it matters: a single disturbance must not win.
-      if (next.time_us > here.time_us) next = evaluate(next.recipe, 25);
-      if (next.time_us <= here.time_us) continue;
-      if (next.time_us > here.time_us * 1.01) since = 0;
+      if (next.times_a_field > here.times_a_field) next = stopwatch.evaluate(next.recipe, 25);
+      if (next.times_a_field <= here.times_a_field) continue;
+      if (next.times_a_field > here.times_a_field * 1.01) since = 0;
       here = next;
     }
-    if (here.time_us > best.time_us) best = here;
+    if (here.times_a_field > best.times_a_field) best = here;
     if (is_terminal) {
-      std::fprintf(stderr, "\r%4.0f of %.0f s, %zu pictures, slowest %.0f us ", (cpu_time_us() - begin) * 1e-6, seconds,
-                   pictures, best.time_us);
+      std::fprintf(stderr, "\r%4.0f of %.0f s, %zu pictures, slowest %.2f times a field ",
+                   (cpu_time_us() - begin) * 1e-6, seconds, pictures, best.times_a_field);
     }
   }
   if (is_terminal) std::fprintf(stderr, "\r%60s\r", "");
-  std::printf("slowest of %zu pictures: %.1f microseconds of CPU, least area %u\n%s\n", pictures, best.time_us,
-              best.min_area_px, text_of(best.recipe).c_str());
+  std::printf("slowest of %zu pictures: %.2f times a field, %.1f microseconds of CPU, %s, least area %u\n%s\n",
+              pictures, best.times_a_field, best.time_us, best.kernel, best.min_area_px, text_of(best.recipe).c_str());
 }
 
 }  // namespace touchline::testing

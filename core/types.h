@@ -21,7 +21,7 @@ constexpr std::size_t kMaxFrameHeight = 1944;
 constexpr std::size_t kMaxColorBoxes = 32;
 constexpr std::size_t kMaxColors = 32;
 // What core/region/run_budget.h allows the largest frame.
-constexpr std::size_t kMaxRuns = 10 * kMaxFrameHeight;
+constexpr std::size_t kMaxRuns = 8 * kMaxFrameHeight;
 // A realistic field has 200; twenty-fold for clutter and noise.
 constexpr std::size_t kMaxRegions = 4096;
 // 11 robots a team is the largest class of any league (SSL division A).

@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
+#include "core/region/row_bits.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -17,25 +19,25 @@ class Labeling {
   /// A frame begins. Regions of a smaller area are dropped.
   void begin(std::uint32_t min_area_px);
 
-  /// Joins runs[first, runs.size()), the next row that has any, to what is there. Their `next` is kNoRun.
-  void add_row(Runs& runs, std::size_t first);
+  /// Joins runs[first, runs.size()), the next row, to what is there. Their `next` is kNoRun.
+  void add_row(Runs& runs, std::size_t first, std::span<const Contact> contacts);
 
   /// Leaves only the runs of the reported regions, chained. When more regions were found than fit, the largest are
   /// reported (among equals the first ones), and the others are counted by regions.overflow().
   void finish(Runs& runs, Regions& regions);
 
  private:
-  // Of the runs with one label; those of a component's other labels are added at the end.
+  // How far to the left, right, top and bottom: left and top mirrored, so that all grow from 0.
+  using Reach [[gnu::vector_size(8)]] = std::int16_t;
+  static constexpr std::int16_t kMirror = 0x7fff;
+  static constexpr Reach kMirrored = {kMirror, 0, kMirror, 0};
+  static_assert(kMaxFrameWidth < kMirror && kMaxFrameHeight < kMirror);
+
+  // Of a component's runs.
   struct Sums {
     std::uint64_t u = 0, v = 0;
-    std::uint32_t area_px = 0;
-    ColorId color = kBackground;
-    PixelBox box;
-  };
-  // Runs of neighboring rows that share a column and their color.
-  struct Contact {
-    const Run* above = nullptr;
-    Run* below = nullptr;
+    Reach reach = {};
+    std::uint32_t area_px = 0, color = kBackground;
   };
   // The least area with which a component stays, and how many of just that area do.
   struct Quota {
@@ -44,23 +46,26 @@ class Labeling {
   };
 
   std::uint32_t root(std::uint32_t label);
-  void join_row_above(Runs& runs, std::size_t first);
-  void sum_row(Runs& runs, std::size_t first);
-  std::size_t merge_components();
+  static Reach reach_of(const Run& run);
+  static PixelBox box_of(Reach reach);
+  void number_components();
+  std::size_t sum_up(const Runs& runs);
   Quota quota(std::size_t competing);
   void report(Quota quota, Regions& regions);
   void chain(Runs& runs, Regions& regions);
 
-  // Every component has a run, so that there are never more of them than runs.
-  std::array<Sums, kMaxRuns> sums_{};
+  // Every label has a run that was first to have it, so that there are never more of them than runs. Sums have one to
+  // spare, which is begun before it is known whether there is a component for it.
   std::array<std::uint32_t, kMaxRuns> parent_{};  // a lower label of the same component, or the label itself
-  std::array<Contact, 2 * kMaxFrameWidth> contacts_{};
+  std::array<Sums, kMaxRuns + 1> sums_{};
+  std::array<std::uint16_t, kMaxRuns> region_of_{};
+  static_assert(kMaxRegions < 1u << 16);
   // When more components compete than fit, the last one that does has at most an equal share of the picture.
   static constexpr std::size_t kAreaBins = kMaxFrameWidth * kMaxFrameHeight / kMaxRegions + 2;
   std::array<std::uint32_t, kAreaBins> of_area_{};
   std::array<std::uint32_t*, kMaxRegions + 1> end_of_chain_{};  // the last one: of all that is dropped
-  std::uint32_t components_ = 0;
-  std::size_t above_begin_ = 0, above_end_ = 0;  // runs of the last row added
+  std::uint32_t labels_ = 0, components_ = 0;
+  std::size_t above_ = 0;  // the first run of the last row added
   std::uint32_t min_area_px_ = 1;
 };
 

@@ -24,7 +24,8 @@ Status ScanTables::configure(const ScanParameters& parameters) {
 
 Status RegionScanner::configure(const ScanParameters& parameters) {
   tables_ = &own_;
-  rows_.fill({});
+  colors_.fill({});
+  masks_.fill({});
   return own_.configure(parameters);
 }
 
@@ -36,19 +37,23 @@ Status RegionScanner::scan(const Frame& frame, Runs& runs, Regions& regions) {
 
   labeling_.begin(tables_->min_area_px_);
   budget_.begin(frame.height_px);
-  rows_[1].colors.clear();  // above the first row
-  for (std::uint16_t v = 0; v < frame.height_px; ++v) {
-    classify(frame, v);
-    if (v > 0) add_row(static_cast<std::uint16_t>(v - 1), rows_[v % 2u].masks, runs);
+  const std::uint16_t last = static_cast<std::uint16_t>(frame.height_px - 1);
+  colors_[1].clear();  // above the first row
+  masks_[2] = {};
+  classify(frame, 0);
+  for (std::uint16_t v = 0; v < last; ++v) {
+    classify(frame, static_cast<std::uint16_t>(v + 1));
+    add_row(v, runs);
   }
-  add_row(static_cast<std::uint16_t>(frame.height_px - 1), nothing_, runs);
+  masks_[(last + 1u) % 3] = {};
+  add_row(last, runs);
   labeling_.finish(runs, regions);
   return runs.overflow() + regions.overflow() > 0 ? Status(ErrorCode::kFull) : Status();
 }
 
 void RegionScanner::classify(const Frame& frame, std::uint16_t v) {
-  Row& row = rows_[v % 2u];
-  ColorId* colors = row.colors.pixels();
+  ColorRow& row = colors_[v % 2u];
+  ColorId* colors = row.pixels();
   std::uint16_t done = 0;
   OccupiedWords occupied = 0;
   for (const ColumnSpan& span : tables_->region_of_interest_.row(v)) {
@@ -57,28 +62,26 @@ void RegionScanner::classify(const Frame& frame, std::uint16_t v) {
     done = span.end;
   }
   std::fill(colors + done, colors + frame.width_px, kBackground);
-  tables_->find_masks_(row.colors, rows_[(v + 1u) % 2].colors, occupied, row.masks);
+  tables_->find_masks_(row, colors_[(v + 1u) % 2], occupied, masks_[v % 3u]);
 }
 
-void RegionScanner::add_row(std::uint16_t v, const RowMasks& below, Runs& runs) {
-  Row& row = rows_[v % 2u];
-  if (row.masks.occupied == 0) {
+void RegionScanner::add_row(std::uint16_t v, Runs& runs) {
+  RowMasks& masks = masks_[v % 3u];
+  if (masks.occupied == 0) {
     budget_.spend(0);
     return;
   }
-  if (tables_->min_area_px_ > 1) forget_specks(below, row.masks);
+  if (tables_->min_area_px_ > 1) forget_specks(masks_[(v + 1u) % 3], masks);
   const std::size_t first = runs.size();
-  const std::size_t count = tables_->run_writer_.count(row.masks), limit = budget_.limit(count);
-  std::size_t written = 0;
-  if (count <= limit) {
-    written = tables_->run_writer_.write_all(row.masks, row.colors, v, runs.data() + first);
-  } else {
-    written = tables_->run_writer_.write_longest(row.masks, row.colors, v, limit, runs.data() + first);
-    runs.refuse(count - written);
+  std::size_t count = tables_->run_writer_.count(masks);
+  if (const std::size_t found = count, limit = budget_.limit(found); found > limit) {
+    count = tables_->run_writer_.cut(masks, limit);
+    runs.refuse(found - count);
   }
-  budget_.spend(written);
-  runs.resize(first + written);
-  labeling_.add_row(runs, first);
+  budget_.spend(count);
+  tables_->run_writer_.write(masks, colors_[v % 2u], v, runs.data() + first);
+  runs.resize(first + count);
+  labeling_.add_row(runs, first, tables_->run_writer_.find_contacts(masks_[(v + 2u) % 3], masks));
 }
 
 }  // namespace touchline

@@ -87,21 +87,15 @@ class RegionScanner {
   Status scan(const Frame& frame, Runs& runs, Regions& regions);
 
  private:
-  // A row and what the next one needs of it.
-  struct Row {
-    ColorRow colors;
-    RowMasks masks;
-  };
-
   void classify(const Frame& frame, std::uint16_t v);
-  void add_row(std::uint16_t v, const RowMasks& below, Runs& runs);
+  void add_row(std::uint16_t v, Runs& runs);
 
   ScanTables own_;
   ScanTables* tables_ = &own_;
   RunBudget budget_;
   Labeling labeling_;
-  std::array<Row, 2> rows_;  // row v is number v % 2
-  RowMasks nothing_;         // below the last row
+  std::array<ColorRow, 2> colors_;  // row v is number v % 2
+  std::array<RowMasks, 3> masks_;   // row v is number v % 3
 };
 
 }  // namespace touchline

@@ -46,25 +46,6 @@ std::size_t widen_by_pairs(const PixelBits& ending, std::size_t pixels, const Pi
   return sum_of_bytes(count);
 }
 
-std::size_t advance_by_pairs(const PixelBits& from, const PixelBits& ending, std::size_t pixels, std::size_t words,
-                             PixelBits& to) {
-  WordPair count = {}, before = {};
-  for (std::size_t i = 0; i < words; i += kWordsOfPair) {
-    const WordPair going = from.pair(i) & ~ending.pair(i), neighbors = {before[1], going[0]};
-    const WordPair arrived = going << pixels | neighbors >> (kPixelsOfWord - pixels);
-    before = going;
-    to.set_pair(i, arrived);
-    count += bits_of_bytes(arrived);
-  }
-  return sum_of_bytes(count);
-}
-
-OccupiedWords find_words_portably(const PixelBits& bits, std::size_t words) {
-  OccupiedWords found = 0;
-  for (std::size_t i = 0; i < words; ++i) found |= static_cast<OccupiedWords>(bits[i] != 0) << i;
-  return found;
-}
-
 [[gnu::always_inline]] inline std::uint16_t column_of(std::size_t base, std::uint64_t word) {
   return static_cast<std::uint16_t>(base + static_cast<std::size_t>(std::countr_zero(word)));
 }
@@ -90,7 +71,39 @@ std::size_t list_portably(const PixelBits& bits, OccupiedWords occupied, Columns
   return list_bits(bits, occupied, columns);
 }
 
-constexpr RowBits kByPairs = {count_by_pairs, widen_by_pairs, advance_by_pairs, find_words_portably, list_portably};
+// Of what lies before the lowest of `bits`.
+[[gnu::always_inline]] inline std::uint16_t number_of(std::size_t base, std::uint64_t ends, std::uint64_t bits) {
+  return static_cast<std::uint16_t>(base + static_cast<std::size_t>(std::popcount(ends & ~bits & (bits - 1))));
+}
+[[gnu::always_inline]] inline std::size_t list_contacts(const RowMasks& above, const RowMasks& row,
+                                                        Contacts& contacts) {
+  Contact* next = contacts.data();
+  std::size_t runs_above = 0, runs = 0;  // that end in the words before
+  for (OccupiedWords words = above.occupied | row.occupied; words != 0; words &= words - 1) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(words));
+    const std::uint64_t ends_above = above.last[i], ends = row.last[i];
+    const auto contact_at = [&](std::uint64_t begins) {
+      return Contact{number_of(runs_above, ends_above, begins), number_of(runs, ends, begins)};
+    };
+    // As with columns.
+    const std::uint64_t begins = row.like_above[i] & (row.first[i] | above.first[i]), second = begins & (begins - 1),
+                        third = second & (second - 1);
+    next[0] = contact_at(begins);
+    next[1] = contact_at(second);
+    next[2] = contact_at(third);
+    next += static_cast<std::size_t>(begins != 0) + static_cast<std::size_t>(second != 0) +
+            static_cast<std::size_t>(third != 0);
+    for (std::uint64_t others = third & (third - 1); others != 0; others &= others - 1) *next++ = contact_at(others);
+    runs_above += static_cast<std::size_t>(std::popcount(ends_above));
+    runs += static_cast<std::size_t>(std::popcount(ends));
+  }
+  return static_cast<std::size_t>(next - contacts.data());
+}
+std::size_t list_contacts_portably(const RowMasks& above, const RowMasks& row, Contacts& contacts) {
+  return list_contacts(above, row, contacts);
+}
+
+constexpr RowBits kByPairs = {count_by_pairs, widen_by_pairs, list_portably, list_contacts_portably};
 
 #if defined(__x86_64__)
 
@@ -147,37 +160,15 @@ TOUCHLINE_AVX2 std::size_t widen_avx2(const PixelBits& ending, std::size_t pixel
   return sum_of_bytes(count);
 }
 
-TOUCHLINE_AVX2 std::size_t advance_avx2(const PixelBits& from, const PixelBits& ending, std::size_t pixels,
-                                        std::size_t words, PixelBits& to) {
-  const __m128i by = _mm_cvtsi64_si128(static_cast<long long>(pixels)),
-                rest = _mm_cvtsi64_si128(static_cast<long long>(kPixelsOfWord - pixels));
-  __m256i count = _mm256_setzero_si256(), turned = count;  // of the quad to the left, each word a place further right
-  for (std::size_t i = 0; i < words; i += kQuad) {
-    const __m256i going = _mm256_andnot_si256(load_quad(ending, i), load_quad(from, i));
-    const __m256i here = _mm256_permute4x64_epi64(going, 0b10010011);
-    const __m256i neighbors = _mm256_blend_epi32(here, turned, 0b00000011);
-    turned = here;
-    const __m256i arrived = _mm256_or_si256(_mm256_sll_epi64(going, by), _mm256_srl_epi64(neighbors, rest));
-    store_quad(to, i, arrived);
-    count = _mm256_add_epi8(count, bits_of_bytes(arrived));
-  }
-  return sum_of_bytes(count);
-}
-
-TOUCHLINE_AVX2 OccupiedWords find_words_avx2(const PixelBits& bits, std::size_t words) {
-  OccupiedWords none = 0;
-  for (std::size_t i = 0; i < words; i += kQuad) {
-    const __m256i is_zero = _mm256_cmpeq_epi64(load_quad(bits, i), _mm256_setzero_si256());
-    none |= static_cast<OccupiedWords>(_mm256_movemask_pd(_mm256_castsi256_pd(is_zero))) << i;
-  }
-  return ~none & ((OccupiedWords{1} << words) - 1);
-}
-
 TOUCHLINE_AVX2 std::size_t list_avx2(const PixelBits& bits, OccupiedWords occupied, Columns& columns) {
   return list_bits(bits, occupied, columns);
 }
 
-constexpr RowBits kAvx2 = {count_avx2, widen_avx2, advance_avx2, find_words_avx2, list_avx2};
+TOUCHLINE_AVX2 std::size_t list_contacts_avx2(const RowMasks& above, const RowMasks& row, Contacts& contacts) {
+  return list_contacts(above, row, contacts);
+}
+
+constexpr RowBits kAvx2 = {count_avx2, widen_avx2, list_avx2, list_contacts_avx2};
 
 #endif
 

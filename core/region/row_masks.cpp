@@ -41,6 +41,7 @@ void fill_masks(const ColorRow& row, const ColorRow& above, OccupiedWords occupi
   static constexpr std::array<std::uint8_t, kPixelsOfWord> kNone{};
   clear(masks.occupied & ~occupied, masks);
   masks.occupied = occupied;
+  masks.is_cut = false;
   for (OccupiedWords words = occupied; words != 0; words &= words - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(words));
     const std::uint8_t* colors = row.pixels() + i * kPixelsOfWord;
@@ -71,6 +72,7 @@ TOUCHLINE_AVX2_INLINE std::uint64_t equal(__m256i a_low, __m256i a_high, __m256i
   const __m256i zero = _mm256_setzero_si256();
   clear(masks.occupied & ~occupied, masks);
   masks.occupied = occupied;
+  masks.is_cut = false;
   for (OccupiedWords words = occupied; words != 0; words &= words - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(words));
     const ColorId* colors = row.pixels() + i * kPixelsOfWord;
@@ -87,6 +89,7 @@ TOUCHLINE_AVX2_INLINE std::uint64_t equal(__m256i a_low, __m256i a_high, __m256i
                                                            OccupiedWords occupied, RowMasks& masks) {
   clear(masks.occupied & ~occupied, masks);
   masks.occupied = occupied;
+  masks.is_cut = false;
   for (OccupiedWords words = occupied; words != 0; words &= words - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(words));
     const ColorId* colors = row.pixels() + i * kPixelsOfWord;

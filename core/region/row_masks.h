@@ -43,6 +43,8 @@ struct RowMasks {
   PixelBits first, last;       // pixels that are the first, or last, of a run
   PixelBits like_above;        // pixels of a run whose upper neighbor has their color
   OccupiedWords occupied = 0;  // all other words are zero
+  bool is_cut = false;         // runs were taken out; `inside` are the pixels of those that are left
+  PixelBits inside;
 };
 
 /// A row of colors with background around it, so that whole words and the neighbors of all pixels can be read.

@@ -6,14 +6,32 @@
 namespace touchline {
 namespace {
 
-// The last pixels of the runs of which `any` has one pixel each.
-void find_ends(const PixelBits& any, const PixelBits& last, std::size_t words, PixelBits& ends) {
-  std::uint64_t borrow = 0;
+// Takes all but the first runs out that do not end so soon.
+void leave_first(std::size_t count, const PixelBits& ending, std::size_t words, PixelBits& first) {
   for (std::size_t i = 0; i < words; ++i) {
-    // Taking that pixel away from the last ones borrows, and clears, the first of these that is not further left.
-    const std::uint64_t from = last[i], without = from - any[i];
-    ends[i] = from & ~(without - borrow);
-    borrow = static_cast<std::uint64_t>(from < any[i]) | static_cast<std::uint64_t>(without < borrow);
+    std::uint64_t others = first[i] & ~ending[i];
+    for (; count > 0 && others != 0; --count) others &= others - 1;
+    first[i] &= ~others;
+  }
+}
+
+// Takes the runs out that end so soon.
+void leave_others(const PixelBits& ending, std::size_t words, RowMasks& masks) {
+  masks.occupied = 0;
+  masks.is_cut = true;
+  bool borrow = false;
+  for (std::size_t i = 0; i < words; ++i) {
+    const std::uint64_t first = masks.first[i] & ~ending[i], last = masks.last[i];
+    // Taking the first pixels away from the last ones borrows, and clears, the first of these that is not further left,
+    // and sets all between.
+    std::uint64_t between = 0;
+    const bool borrows = __builtin_sub_overflow(last, first, &between);
+    borrow = __builtin_sub_overflow(between, std::uint64_t{borrow}, &between) || borrows;
+    masks.first[i] = first;
+    masks.last[i] = last & ~between;
+    masks.inside[i] = last ^ between;
+    masks.like_above[i] &= masks.inside[i];
+    masks.occupied |= OccupiedWords{masks.inside[i] != 0} << i;
   }
 }
 
@@ -33,58 +51,44 @@ void RunWriter::configure(KernelChoice kernel, std::size_t words) {
   words_ = words;
 }
 
-void RunWriter::build(const ColorRow& colors, std::uint16_t row, std::size_t behind_first, std::size_t count,
-                      Run* out) const {
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t u = columns_[k];
-    out[k] = {row, static_cast<std::uint16_t>(u - behind_first), static_cast<std::uint16_t>(last_columns_[k] + 1),
-              colors.pixels()[u], kNoRun};
+std::size_t RunWriter::cut(RowMasks& masks, std::size_t limit) {
+  std::size_t digit = 0, longer = bits_->widen(masks.last, 1, masks.first, words_, endings_[0]);
+  while (longer > limit && digit + 1 < endings_.size()) {
+    longer = bits_->widen(endings_[digit], std::size_t{2} << digit, masks.first, words_, endings_[digit + 1]);
+    ++digit;
   }
+  const PixelBits* ending = &endings_[digit];
+  if (digit > 0) {
+    const std::size_t longer_than_less =
+        bits_->widen(endings_[digit - 1], std::size_t{1} << (digit - 1), masks.first, words_, halfway_);
+    if (longer_than_less <= limit) {
+      longer = longer_than_less;
+      ending = &halfway_;
+    }
+  }
+  if (longer > limit) leave_first(limit, *ending, words_, masks.first);
+  leave_others(*ending, words_, masks);
+  return std::min(longer, limit);
 }
 
-std::size_t RunWriter::write_all(const RowMasks& masks, const ColorRow& colors, std::uint16_t row, Run* out) {
+std::size_t RunWriter::write(const RowMasks& masks, const ColorRow& colors, std::uint16_t row, Run* out) {
   const std::size_t count = bits_->list(masks.first, masks.occupied, columns_);
   bits_->list(masks.last, masks.occupied, last_columns_);
-  build(colors, row, 0, count, out);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::uint16_t begin = columns_[k];
+    out[k] = {row, begin, static_cast<std::uint16_t>(last_columns_[k] + 1), colors.pixels()[begin], kNoRun};
+  }
   return count;
 }
 
-std::size_t RunWriter::write_longest(const RowMasks& masks, const ColorRow& colors, std::uint16_t row,
-                                     std::size_t limit, Run* out) {
-  // The greatest length that too many runs exceed, by its binary digits: first how many it has. Neighboring rows are
-  // often alike, so that a guess at what follows is better than waiting for a count.
-  const auto ending = [&](std::size_t digit) -> const PixelBits& {
-    return digit == 0 ? masks.last : endings_[digit - 1];
-  };
-  constexpr std::size_t kDigits = std::bit_width(kLongest - 1);
-  static_assert(std::tuple_size_v<decltype(endings_)> + 1 == kDigits);
-  std::size_t digits = 0, longer = bits_->advance(masks.first, masks.last, 1, words_, behind_[0]);
-  while (longer > limit && ++digits < kDigits) {
-    longer =
-        bits_->widen(ending(digits - 1), std::size_t{1} << (digits - 1), masks.first, words_, endings_[digits - 1]);
+std::span<const Contact> RunWriter::find_contacts(const RowMasks& above, RowMasks& masks) {
+  if (above.is_cut) {
+    for (OccupiedWords words = masks.occupied; words != 0; words &= words - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(words));
+      masks.like_above[i] &= above.inside[i];
+    }
   }
-  const PixelBits* behind = &masks.first;
-  std::size_t length = 0, turn = 0;
-  for (std::size_t digit = digits; digit-- > 0;) {
-    const std::size_t pixels = std::size_t{1} << digit;
-    longer = bits_->advance(*behind, ending(digit), pixels, words_, behind_[turn]);
-    if (digit + 1 < digits && longer <= limit) [[unlikely]]
-      continue;
-    behind = &behind_[turn];
-    length += pixels;
-    turn ^= 1;
-  }
-  if (length + 1 < kLongest) {
-    if (length > 0) bits_->advance(*behind, masks.last, 1, words_, behind_[turn]);
-    behind = &behind_[turn];
-    ++length;
-  }
-  find_ends(*behind, masks.last, words_, ends_);
-  // Few are left, in few words.
-  const std::size_t count = std::min(limit, bits_->list(*behind, bits_->find_words(*behind, words_), columns_));
-  bits_->list(ends_, bits_->find_words(ends_, words_), last_columns_);
-  build(colors, row, length, count, out);
-  return count;
+  return {contacts_.data(), bits_->list_contacts(above, masks, contacts_)};
 }
 
 }  // namespace touchline

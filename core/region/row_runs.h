@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "core/region/row_bits.h"
 #include "core/region/row_masks.h"
@@ -20,29 +21,25 @@ class RunWriter {
 
   [[nodiscard]] std::size_t count(const RowMasks& masks) const { return bits_->count(masks.first, words_); }
 
-  /// Writes all of a row's runs from left to right. Returns how many; `out` has room for them.
-  std::size_t write_all(const RowMasks& masks, const ColorRow& colors, std::uint16_t row, Run* out);
+  /// Takes the shortest runs out of a row that has more than `limit`: up to a length of 2, 3, 4, 6, 8, 12 and so on to
+  /// 64, the least of these that is enough; if none is, all but the leftmost of the longer ones. Returns how many are
+  /// left. What the masks say of contacts with the row above is that of the runs that are left.
+  std::size_t cut(RowMasks& masks, std::size_t limit);
 
-  /// Writes no more than `limit` runs, fewer than the row has: all that are longer than some length of less than
-  /// kLongest, and where these are too many, of those of kLongest or more the leftmost. Returns how many; `out` has
-  /// room for them.
-  std::size_t write_longest(const RowMasks& masks, const ColorRow& colors, std::uint16_t row, std::size_t limit,
-                            Run* out);
+  /// Writes a row's runs from left to right. Returns how many; `out` has room for them.
+  std::size_t write(const RowMasks& masks, const ColorRow& colors, std::uint16_t row, Run* out);
 
-  // Runs of at least this length are all equally long.
-  static constexpr std::size_t kLongest = 64;
+  /// The contacts of a row's runs with those of the row above, both as they were written.
+  std::span<const Contact> find_contacts(const RowMasks& above, RowMasks& masks);
 
  private:
-  void build(const ColorRow& colors, std::uint16_t row, std::size_t behind_first, std::size_t count, Run* out) const;
-
   const RowBits* bits_ = &row_bits(KernelChoice::kPortable);
   std::size_t words_ = 0;
-  // Number k: pixels whose run ends less than 2^(k + 1) pixels further to the right.
-  std::array<PixelBits, 5> endings_;
-  // Of each run that is longer than some length the pixel that far behind its first one; and what is tried.
-  std::array<PixelBits, 2> behind_;
-  PixelBits ends_;
+  // Number k: pixels whose run ends less than 2^(k + 1) pixels further to the right; and less than 3 * 2^k.
+  std::array<PixelBits, 6> endings_;
+  PixelBits halfway_;
   Columns columns_{}, last_columns_{};
+  Contacts contacts_{};
 };
 
 }  // namespace touchline

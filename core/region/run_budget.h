@@ -9,20 +9,22 @@
 namespace touchline {
 
 // What a realistic field needs, with room: 22 robots of 6 patches, each as high as 13 of 480 rows and every other row
-// of it in two runs, are 2,600 runs, even if they all stand in one line. A taller picture shows the same patches in
-// more rows.
-constexpr std::size_t kRunsPerRow = 4, kReservePerRow = 6, kLeastReserve = 3584;
+// of it in two runs, are 2,600 runs, even if they all stand in one line; what else is seen has two more in each row.
+// (On the fields of the leagues robots are smaller the more there are: 22 have a tenth of that.) A taller picture shows
+// the same patches in more rows.
+constexpr std::size_t kRunsPerRow = 2, kReservePerRow = 6, kLeastReserve = 2880;
 static_assert((kReservePerRow + kRunsPerRow) * kMaxFrameHeight <= kMaxRuns, "a frame's budget must fit");
 
 // No row of a realistic field has more: 44 patches in two runs each, and 40 more by specks on or beside them.
 constexpr std::size_t kRealisticRow = 128;
 // What a row with more is left with, as long as there is credit.
-constexpr std::size_t kRunsOfCrowdedRow = 2 * kRunsPerRow;
+constexpr std::size_t kRunsOfCrowdedRow = kReservePerRow + kRunsPerRow;
 
 /// How many runs the rows of a frame may have, so that no picture takes long. Every row adds kRunsPerRow to a credit,
-/// from which a row may take an eighth, but a crowded one only kRunsOfCrowdedRow: clutter leaves credit for the rows
-/// after it. A frame is served whole if no row has more than kRealisticRow runs and all rows down to any one have
-/// together no more than reserve(height) - 1024 and kRunsPerRow each.
+/// from which a row may take half, but a crowded one only kRunsOfCrowdedRow: clutter leaves credit for the rows after
+/// it, and the credit lasts for a whole frame of such rows. A frame is served whole if no row has more than
+/// kRealisticRow runs and all rows down to any one have together no more than reserve(height) - kRealisticRow and
+/// kRunsPerRow each.
 class RunBudget {
  public:
   static constexpr std::size_t reserve(std::size_t height_px) {
@@ -32,14 +34,13 @@ class RunBudget {
   void begin(std::size_t height_px) { credit_ = reserve(height_px); }
   /// How many of its runs the next row may keep.
   [[nodiscard]] std::size_t limit(std::size_t runs) const {
-    const std::size_t share = (credit_ + kRunsPerRow) / kRowsOfCredit;
+    const std::size_t share = (credit_ + kRunsPerRow) / 2;
     return runs > kRealisticRow ? std::min(share, kRunsOfCrowdedRow) : share;
   }
   /// The next row has that many, no more than the limit.
   void spend(std::size_t runs) { credit_ += kRunsPerRow - runs; }
 
  private:
-  static constexpr std::size_t kRowsOfCredit = 8;
   std::size_t credit_ = 0;
 };
 

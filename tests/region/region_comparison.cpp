@@ -122,9 +122,9 @@ bool is_speck(const ColorGrid& grid, const RowRun& run, int v) {
 
 // Which of the row's runs stay: the shortest go until no more than `limit` are left.
 std::vector<RowRun> longest_runs(const std::vector<RowRun>& runs, std::size_t limit) {
-  constexpr int kLongest = 64;
   std::vector<RowRun> kept = runs;
-  for (int length = 1; length < kLongest && kept.size() > limit; ++length) {
+  for (const int length : {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64}) {
+    if (kept.size() <= limit) break;
     std::erase_if(kept, [&](const RowRun& run) { return run.end - run.begin <= length; });
   }
   if (kept.size() > limit) kept.resize(limit);
@@ -180,7 +180,7 @@ ServedPicture served(const ColorGrid& grid, std::uint32_t min_area_px) {
     if (min_area_px > 1) std::erase_if(runs, [&](const RowRun& run) { return is_speck(grid, run, v); });
     credit += kRunsPerRow;
     const std::vector<RowRun> kept =
-        longest_runs(runs, runs.size() > 128 ? std::min<std::size_t>(credit / 8, 8) : credit / 8);
+        longest_runs(runs, runs.size() > 128 ? std::min<std::size_t>(credit / 2, 8) : credit / 2);
     credit -= kept.size();
     if (kept.size() == runs.size()) continue;
     picture.runs_dropped += runs.size() - kept.size();

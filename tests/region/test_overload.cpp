@@ -6,6 +6,7 @@
 #include "core/region/region_scanner.h"
 #include "tests/region/patterns.h"
 #include "tests/region/region_comparison.h"
+#include "tests/region/tile_recipe.h"
 
 // Pictures with more runs or regions than there is room or time for, and those that must not be taken for such.
 namespace touchline::testing {
@@ -161,8 +162,8 @@ TEST_F(OverloadTest, PatchesInTheMidstOfFineClutterAreMostlyKept) {
 }
 
 TEST_F(OverloadTest, TheLargestRegionsStayAndTheOthersAreCounted) {
-  // 4,400 regions within the budget.
-  ColorGrid grid = make_grid(640, 480);
+  // 4,320 regions within the budget of a picture that high.
+  ColorGrid grid = make_grid(640, 960);
   for (int v = 0; v < 480; v += 2) {
     for (int u = 0; u < 18; ++u) grid.at(35 * u + v % 7, v) = grid.at(35 * u + v % 7 + pick(random_, 0, 1), v) = 3;
   }
@@ -176,7 +177,7 @@ TEST_F(OverloadTest, TheLargestRegionsStayAndTheOthersAreCounted) {
 TEST_F(OverloadTest, ExactlyAsManyRegionsAsFitAreNoOverload) {
   // 240 rows of 17 single pixels, one of 16, and then one region more.
   static_assert(240 * 17 + 16 == kMaxRegions);
-  ColorGrid grid = make_grid(640, 482);
+  ColorGrid grid = make_grid(640, 960);
   for (int v = 0; v <= 480; v += 2) {
     for (int i = 0; i < (v < 480 ? 17 : 16); ++i) grid.at(36 * i, v) = 3;
   }
@@ -216,6 +217,20 @@ TEST_F(OverloadTest, LeavesNothingBehindForTheNextFrame) {
     EXPECT_EQ(difference(expected, *runs_, *regions_), "") << "after " << name_of(pattern);
     EXPECT_EQ(runs_->overflow() + regions_->overflow(), 0u);
   }
+}
+
+TEST(TileRecipeTest, IsReadAsItIsPrinted) {
+  TileRecipe recipe;
+  recipe.width = recipe.height = 24;
+  recipe.scale_u = 16, recipe.scale_v = 64;
+  recipe.shift = 24, recipe.noise_per_mille = 1000, recipe.runs = 40, recipe.seed = 4294967295u;
+  for (int i = 0; i < 24 * 24; ++i) recipe.cells += static_cast<char>('0' + i % (kPaletteColors + 1));
+  EXPECT_FALSE(recipe_of(text_of(recipe))) << "a cell too many";
+  recipe.cells.erase(0, 1);
+  ASSERT_TRUE(recipe_of(text_of(recipe)));
+  EXPECT_EQ(text_of(*recipe_of(text_of(recipe))), text_of(recipe));
+  recipe.cells.back() = '6';
+  EXPECT_FALSE(recipe_of(text_of(recipe))) << "there is no color 6";
 }
 
 }  // namespace

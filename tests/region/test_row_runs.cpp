@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/region/row_runs.h"
@@ -71,6 +72,16 @@ class RowRunsTest : public ::testing::TestWithParam<KernelChoice> {
     return list;
   }
 
+  // The rule of RunWriter::cut.
+  static std::vector<Found> longest(std::vector<Found> runs, std::size_t limit) {
+    for (const int length : {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64}) {
+      if (runs.size() <= limit) break;
+      std::erase_if(runs, [&](const Found& run) { return run.end - run.begin <= length; });
+    }
+    runs.resize(std::min(runs.size(), limit), Found{});
+    return runs;
+  }
+
   static constexpr int kWidths[] = {1, 2, 31, 63, 64, 65, 127, 128, 129, 191, 192, 193, 640, 2592};
   std::mt19937 random_{11};
   RowMasks masks_;
@@ -92,7 +103,7 @@ TEST_P(RowRunsTest, AreThoseThatLookingAtEachPixelFinds) {
     const std::vector<Found> expected = list_runs(row.list);
     ASSERT_EQ(masks_.occupied, row.occupied);
     ASSERT_EQ(writer->count(masks_), expected.size()) << round;
-    ASSERT_EQ(found(out->data(), writer->write_all(masks_, row.colors, 5, out->data())), expected) << round;
+    ASSERT_EQ(found(out->data(), writer->write(masks_, row.colors, 5, out->data())), expected) << round;
     for (std::size_t u = 0; u < words * 64; ++u) {
       const bool like = u < width && row.list[u] != kBackground && row.list[u] == above.list[u];
       ASSERT_EQ((masks_.like_above[u / 64] >> u % 64 & 1u) != 0, like) << round << ", column " << u;
@@ -100,13 +111,46 @@ TEST_P(RowRunsTest, AreThoseThatLookingAtEachPixelFinds) {
 
     if (expected.empty()) continue;
     const auto limit = static_cast<std::size_t>(pick(random_, 0, static_cast<int>(expected.size()) - 1));
-    std::vector<Found> longest = expected;
-    for (int shorter = 1; longest.size() > limit && shorter < static_cast<int>(RunWriter::kLongest); ++shorter) {
-      std::erase_if(longest, [&](const Found& run) { return run.end - run.begin <= shorter; });
+    const std::vector<Found> left = longest(expected, limit);
+    ASSERT_EQ(writer->cut(masks_, limit), left.size()) << round << ", limit " << limit;
+    ASSERT_EQ(found(out->data(), writer->write(masks_, row.colors, 5, out->data())), left) << round;
+  }
+}
+
+TEST_P(RowRunsTest, ContactsAreOfRunsThatShareAColumnAndTheirColor) {
+  const RowMasker fill_masks = row_masker(GetParam());
+  const auto writer = std::make_unique<RunWriter>();
+  const auto nothing = std::make_unique<ColorRow>();
+  Row above, row;
+  RowMasks above_masks;
+  for (int round = 0; round < 700; ++round) {
+    const auto width = static_cast<std::size_t>(kWidths[static_cast<std::size_t>(round) % std::size(kWidths)]);
+    writer->configure(GetParam(), (width + 63) / 64);
+    const int density = pick(random_, 3, 10), length = 1 << pick(random_, 0, 8);
+    fill(above, width, density, length);
+    fill(row, width, density, length);
+    fill_masks(above.colors, *nothing, above.occupied, above_masks);
+    fill_masks(row.colors, above.colors, row.occupied, masks_);
+    // All runs of a row, or those that are left of it.
+    const auto runs_left = [&](RowMasks& masks, const std::vector<ColorId>& colors) {
+      std::vector<Found> runs = list_runs(colors);
+      if (runs.empty() || pick(random_, 0, 1) == 0) return runs;
+      const auto limit = static_cast<std::size_t>(pick(random_, 0, static_cast<int>(runs.size()) - 1));
+      writer->cut(masks, limit);
+      return longest(std::move(runs), limit);
+    };
+    const std::vector<Found> runs_above = runs_left(above_masks, above.list), runs = runs_left(masks_, row.list);
+    std::vector<std::pair<std::size_t, std::size_t>> expected, contacts;
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      for (std::size_t k = 0; k < runs_above.size(); ++k) {
+        const Found &a = runs_above[k], &b = runs[i];
+        if (a.color == b.color && a.begin < b.end && b.begin < a.end) expected.emplace_back(k, i);
+      }
     }
-    longest.resize(std::min(longest.size(), limit), Found{});
-    const std::size_t count = writer->write_longest(masks_, row.colors, 5, limit, out->data());
-    ASSERT_EQ(found(out->data(), count), longest) << round << ", limit " << limit;
+    for (const Contact& contact : writer->find_contacts(above_masks, masks_)) {
+      contacts.emplace_back(contact.above, contact.below);
+    }
+    ASSERT_EQ(contacts, expected) << round;
   }
 }
 
@@ -128,7 +172,7 @@ TEST_P(RowRunsTest, SpecksAreWhatHasNoNeighborOfItsColor) {
       const auto u = static_cast<std::size_t>(run.begin);
       return run.end - run.begin == 1 && rows[0].list[u] != run.color && rows[2].list[u] != run.color;
     });
-    ASSERT_EQ(found(out->data(), writer->write_all(masks_, rows[1].colors, 5, out->data())), expected) << round;
+    ASSERT_EQ(found(out->data(), writer->write(masks_, rows[1].colors, 5, out->data())), expected) << round;
   }
 }
 

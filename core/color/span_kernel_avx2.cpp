@@ -19,11 +19,15 @@ struct RowTables {
   const ColorDigits* colors;
   std::size_t groups;
 };
+// One register for a channel's tables. gcc 12 else keeps each table's own address, and those in memory.
+TOUCHLINE_AVX2_INLINE const ChannelDigits* channel_of(const SpanTables& tables, std::size_t channel) {
+  const ChannelDigits* digits = &tables.digits->channel(channel, tables.tiles->level[channel]);
+  asm("" : "+r"(digits));
+  return digits;
+}
 TOUCHLINE_AVX2_INLINE RowTables row_tables(const SpanTables& tables) {
-  const DigitTableSet& digits = *tables.digits;
-  const std::array<std::uint8_t, 4>& level = tables.tiles->level;
-  return {&digits.channel(0, level[0]), &digits.channel(1, level[1]), &digits.channel(2, level[2]), &digits.colors(),
-          digits.groups()};
+  return {channel_of(tables, 0), channel_of(tables, 1), channel_of(tables, 2), &tables.digits->colors(),
+          tables.digits->groups()};
 }
 
 TOUCHLINE_AVX2_INLINE Channels<OneBlock> channels_of(const RowTables& tables, const Planes& planes) {

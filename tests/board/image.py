@@ -21,6 +21,11 @@ apt-get -q -o APT::Sandbox::User=root download "$image:arm64" "linux-headers-$ve
   "linux-headers-${version%-arm64}-common" v4l2loopback-dkms "$kbuild:$HOST"
 """
 
+# The view shows the files without what is mounted among them: /proc cannot be copied.
+FILL_IMAGE = """rm -rf "$1"/var/lib/apt/lists/* && touch "$1"/etc/.updated "$1"/var/.updated && view=$(mktemp -d) &&
+mount --bind "$1" "$view" && mke2fs -q -t ext4 -d "$view" "$IMAGE" "$SIZE" && umount "$view" && rmdir "$view"
+"""
+
 
 class Failed(Exception):
     """A command ended with an error; the text names it and what it said."""
@@ -101,8 +106,7 @@ class Cache:
         stamp.unlink(missing_ok=True)
         self.image.unlink(missing_ok=True)
         run(ROOT / "toolchain" / "emulate-arm64")
-        mmdebstrap("arm64", "apt", GUEST_PACKAGES + names,
-                   f'rm -rf "$1"/var/lib/apt/lists/* && touch "$1"/etc/.updated "$1"/var/.updated && mke2fs -q -t ext4 -d "$1" {self.image} {IMAGE_SIZE}', {})
+        mmdebstrap("arm64", "apt", GUEST_PACKAGES + names, FILL_IMAGE, {"IMAGE": str(self.image), "SIZE": IMAGE_SIZE})
         stamp.write_text(wanted)
         return True
 

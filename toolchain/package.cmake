@@ -1,7 +1,7 @@
 # What a .deb holds beside the programs, and how CPack makes it (tools/package).
 install(FILES toolchain/package/touchline.service DESTINATION lib/systemd/system)
 install(FILES toolchain/package/touchline.rules DESTINATION lib/udev/rules.d RENAME 70-touchline.rules)
-install(CODE "execute_process(COMMAND ${CMAKE_SOURCE_DIR}/toolchain/package/install-documentation
+install(CODE "execute_process(COMMAND \"${CMAKE_SOURCE_DIR}/toolchain/package/install-documentation\"
                                       \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/share\" COMMAND_ERROR_IS_FATAL ANY)")
 
 # Man pages as the programs describe themselves. Not of every build: for another processor's programs an emulator says it slowly.

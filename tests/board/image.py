@@ -100,7 +100,7 @@ class Cache:
         depends = run("dpkg-deb", "-f", package, "Depends")
         names = sorted({re.match(r"[a-z0-9.+-]+", entry.strip())[0] for entry in depends.split(",")})
         stamp = self.folder / "image.stamp"
-        wanted = f"{SUITE} {IMAGE_SIZE} {' '.join(GUEST_PACKAGES + names)}"
+        wanted = f"{SUITE} {IMAGE_SIZE} {' '.join(GUEST_PACKAGES + names)}\n{FILL_IMAGE}"
         if fresh(stamp, wanted):
             return False
         stamp.unlink(missing_ok=True)

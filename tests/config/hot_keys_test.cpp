@@ -68,6 +68,12 @@ TEST_F(HotKeys, ThresholdsAreTakenByTheNamesOfTheirColors) {
   EXPECT_EQ(running_->pipeline.scan.region_of_interest.size(), 4u);
 }
 
+TEST_F(HotKeys, WhatTheFloorShowsIsAThreshold) {
+  replace("venue.toml", "[colors]", "[colors]\nbackground = [58, 61, 59]");
+  expect("colors.background [] -> [58, 61, 59]\n", "", kThresholds);
+  EXPECT_EQ(running_->pipeline.scan.background, (TypicalBackground{{58, 61, 59}}));
+}
+
 TEST_F(HotKeys, OtherColorsNeedARestartAndTheThresholdsWithThem) {
   replace("venue.toml", "name = \"green\"", "name = \"lime\"");
   replace("team.toml", "\"green\"", "\"lime\"");

@@ -75,10 +75,10 @@ int run_command(const CommandLine& command_line) {
   }
   ReporterSettings reporting;
   reporting.expected = session.expectation();
-  std::optional<ServiceWatch> service(std::in_place, session.loop().pulse());
-  reporting.service = &*service;
+  ServiceWatch service(session.loop().pulse());
+  reporting.service = &service;
   // The service manager keeps the last status; its journal is for what happened.
-  reporting.status_lines = !service->is_asked();
+  reporting.status_lines = !service.is_asked();
   reporting.map_columns = !command_line.headless && ::isatty(STDOUT_FILENO) != 0 ? kMapColumns : 0;
   LoopEnd end = LoopEnd::kAsked;
   const WakeRequest wake_request(realtime);
@@ -92,9 +92,9 @@ int run_command(const CommandLine& command_line) {
     for (std::string& refusal : become_realtime(realtime)) refused.push_back(std::move(refusal));
     for (std::string& hint : realtime_hints(realtime, is_realtime())) refused.push_back(std::move(hint));
     print_start(session, refused);
-    end = session.loop().run(stop);
+    end = run(session.loop(), service, stop);
   }
-  leave(service, session.loop());
+  session.loop().close();
   std::printf("\n%s%s", summary(session.loop().statistics(), end).c_str(), session.devices().summary().c_str());
   if (end == LoopEnd::kFault || end == LoopEnd::kDeviceLost) {
     std::fprintf(stderr, "%s\n", fault_line(session.loop().last_fault()).c_str());

@@ -5,8 +5,6 @@
 #include <chrono>
 #include <cstdlib>
 
-#include "firmware/loop.h"
-
 namespace touchline {
 namespace {
 
@@ -19,12 +17,12 @@ constexpr std::uint64_t kPingsWithinPatience = 4;
 
 }  // namespace
 
-ServiceWatch::ServiceWatch(const LoopPulse& pulse) : pulse_(pulse) {
-  if (std::getenv("NOTIFY_SOCKET") != nullptr) thread_ = std::thread([this] { work(); });
+ServiceWatch::ServiceWatch(const LoopPulse& pulse) : pulse_(pulse), asked_(std::getenv("NOTIFY_SOCKET") != nullptr) {
+  if (asked_) thread_ = std::thread([this] { work(); });
 }
 
-ServiceWatch::~ServiceWatch() {
-  if (!is_asked()) return;
+void ServiceWatch::end() {
+  if (!thread_.joinable()) return;
   end_.store(true, std::memory_order_release);
   thread_.join();
   static_cast<void>(sd_notify(0, "STOPPING=1"));
@@ -34,9 +32,10 @@ void ServiceWatch::status(const std::string& line) const {
   if (is_asked()) static_cast<void>(sd_notify(0, ("STATUS=" + line).c_str()));
 }
 
-void leave(std::optional<ServiceWatch>& service, Loop& loop) {
-  service.reset();
-  loop.close();
+LoopEnd run(Loop& loop, ServiceWatch& service, const std::atomic<bool>& stop) {
+  const LoopEnd end = loop.run(stop);
+  service.end();
+  return end;
 }
 
 void ServiceWatch::work() {

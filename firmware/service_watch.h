@@ -1,15 +1,12 @@
 #pragma once
 
 #include <atomic>
-#include <optional>
 #include <string>
 #include <thread>
 
-#include "firmware/loop_pulse.h"
+#include "firmware/loop.h"
 
 namespace touchline {
-
-class Loop;
 
 /// Tells systemd how it goes (sd_notify): READY=1 after the first good frame, WATCHDOG=1 while the loop turns and no
 /// longer, STATUS= as a person would read it, STOPPING=1 at the end. On a thread of its own: output that hangs must not
@@ -19,25 +16,28 @@ class ServiceWatch {
  public:
   /// `pulse` must outlive the watch.
   explicit ServiceWatch(const LoopPulse& pulse);
-  ~ServiceWatch();
+  ~ServiceWatch() { end(); }
   ServiceWatch(const ServiceWatch&) = delete;
   ServiceWatch& operator=(const ServiceWatch&) = delete;
 
   /// Whether a service manager listens.
-  [[nodiscard]] bool is_asked() const { return thread_.joinable(); }
+  [[nodiscard]] bool is_asked() const { return asked_; }
   /// One line, without its end. From any thread but the loop's: it may block.
   void status(const std::string& line) const;
+  /// Tells the end, once: the watchdog wants nothing more.
+  void end();
 
  private:
   void work();
 
   const LoopPulse& pulse_;
+  const bool asked_;
   std::atomic<bool> end_{false};
   std::thread thread_;
 };
 
-/// Tells the end, then closes the loop's devices: that waits for one that is just being opened, and a loop that turns
-/// no more is no work for a watchdog.
-void leave(std::optional<ServiceWatch>& service, Loop& loop);
+/// Loop::run(), and tells the end before anything else is waited for: a loop that turns no more is no work for a
+/// watchdog, but the camera may be just being set or opened, and both may take long. Robots have been stopped by then.
+LoopEnd run(Loop& loop, ServiceWatch& service, const std::atomic<bool>& stop);
 
 }  // namespace touchline

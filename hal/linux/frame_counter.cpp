@@ -8,20 +8,24 @@ namespace {
 
 constexpr std::uint32_t kBackward = 0x80000000u;  // half the range tells forward from backward
 
-/// Steps from `a` to `b`; kBackward: none, or they lead back.
-std::uint32_t forward(std::uint32_t a, std::uint32_t b) { return b == a ? kBackward : std::min(b - a, kBackward); }
-
 }  // namespace
 
 std::uint32_t FrameCounter::count(std::uint32_t driver_sequence, std::uint32_t periods) {
-  const std::uint32_t driver_before = std::exchange(driver_last_, driver_sequence);
+  std::uint32_t step = driver_sequence - std::exchange(driver_last_, driver_sequence);
   if (!std::exchange(counted_, true)) return last_ = driver_sequence;
-  // A count that was behind may come right again: what it then makes up for was counted before.
-  std::uint32_t step = std::min(forward(driver_before, driver_sequence), forward(last_, driver_sequence));
-  if (step == kBackward) step = 1;
-  step = std::max(step, periods);
-  lost_ += step - 1;
-  return last_ += step;
+  const bool is_back = step >= kBackward;
+  // One that begins anew owes nothing, nor does one that was odd for a frame.
+  if (is_back || (was_back_ && driver_sequence == last_ + 1)) {
+    step = 1;
+    ahead_ = 0;
+  }
+  was_back_ = is_back;
+  // What a count that was behind makes up for was counted before.
+  const std::uint32_t made_up = std::min(ahead_, std::max(step, 1u) - 1);
+  const std::uint32_t counted = std::max({step - made_up, periods, 1u});
+  ahead_ += counted - step;
+  lost_ += counted - 1;
+  return last_ += counted;
 }
 
 }  // namespace touchline::hal

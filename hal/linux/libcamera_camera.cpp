@@ -9,12 +9,12 @@
 namespace touchline::hal {
 namespace {
 
-// Controls are in force after the pictures that are already under way; cameras have four of them at most.
-constexpr int kFramesToSettle = 10;
+// Controls are in force after the pictures that the sensor is already taking; cameras have four of them at most.
+constexpr std::size_t kFramesToSettle = 10;
 // Sensors start within half a second; more is a loose cable, which the loop's own limits deal with.
 constexpr Duration kLongestStart = std::chrono::seconds(2);
-// At ten frames a second all of them; a camera that went away in between is opened again only afterwards.
-constexpr Duration kLongestAdjustment = std::chrono::seconds(1);
+// Beside two frames' times; a camera that stalls is opened again only afterwards.
+constexpr Duration kFrameDelay = std::chrono::milliseconds(500);
 
 }  // namespace
 
@@ -93,7 +93,7 @@ void LibcameraCamera::settle() {
   grants_.truncate(grants_at_open_);
   const Instant deadline = MonotonicClock::read() + kLongestStart;
   LibcameraNumbers told;
-  for (int i = 0; i < kFramesToSettle; ++i) {
+  for (std::size_t i = 0; i < kFramesToSettle; ++i) {
     LibcameraFrame frame;
     if (!take(deadline, frame)) break;
     do_release(frame.buffer);
@@ -119,24 +119,32 @@ Status LibcameraCamera::do_adjust(const CameraSettings& settings, std::string& g
   controls_ = adjusted(controls_, controls_for(settings_, limits_, text));
   if (streaming_) {
     static_cast<void>(ask(Task::kAdjust));
-    tell_control_grants(settings_, limits_, controls_, await_controls(), text);
+    if (const std::optional<LibcameraNumbers> told = await_controls()) {
+      tell_control_grants(settings_, limits_, controls_, *told, text);
+    } else {
+      text.append("%sset, but no frame came to tell what is in force", text.separator());
+    }
     set_exposure(controls_);
   }
   if (!text.empty()) grants = std::string(name()) + ": " + text.text();
   return {};
 }
 
-/// What the first frame that was taken with the controls tells, else the last of those that came.
-LibcameraNumbers LibcameraCamera::await_controls() {
-  const auto deadline = std::chrono::steady_clock::now() + kLongestAdjustment;
-  LibcameraNumbers told;
+/// What the first frame that was taken with the controls tells, else the last of as many as it can take until one is.
+/// Nothing: frames ceased to come before that.
+std::optional<LibcameraNumbers> LibcameraCamera::await_controls() {
+  // They go with the next request, behind those for all other buffers.
+  const std::size_t frames = stream_.buffers + kFramesToSettle;
+  const double rate_hz = info_.rate_hz > 0.0 ? info_.rate_hz : settings_.rate_hz;
+  const Duration patience = kFrameDelay + from_seconds(2.0 / rate_hz);
+  std::optional<LibcameraNumbers> told;
   std::unique_lock lock(told_mutex_);
   watched_.store(true, std::memory_order_release);
-  for (int i = 0; i < kFramesToSettle; ++i) {
+  for (std::size_t i = 0; i < frames; ++i) {
     told_.reset();
-    if (!told_changed_.wait_until(lock, deadline, [this] { return told_.has_value(); })) break;
-    told = *told_;
-    if (is_taken_with(told, controls_)) break;
+    told_changed_.wait_for(lock, patience, [this] { return told_.has_value(); });
+    told = told_;
+    if (!told || is_taken_with(*told, controls_)) break;
   }
   watched_.store(false, std::memory_order_release);
   return told;

@@ -69,7 +69,7 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   Status ask(Task task);
   bool take(Instant deadline, LibcameraFrame& frame);
   void settle();
-  LibcameraNumbers await_controls();
+  std::optional<LibcameraNumbers> await_controls();
   void set_exposure(const LibcameraNumbers& numbers);
   void forget_completed();
   void tell_grants(const LibcameraNumbers& told);

@@ -86,10 +86,7 @@ Result<hal::FrameLease> FakeCamera::do_wait(Instant deadline) {
   return hal::FrameLease(*this, frame, 0);
 }
 
-void FakeCamera::do_close() {
-  if (is_open && on_close) on_close();
-  is_open = running = false;
-}
+void FakeCamera::do_close() { is_open = running = false; }
 
 Status FakeRadio::do_open() {
   opened_s.push_back(now_s());

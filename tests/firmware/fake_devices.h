@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -75,8 +74,7 @@ class FakeCamera final : public hal::Camera, public Script {
   double starts_from_s = 0.0;                    // before, it opens but refuses to stream
   bool leased = false, running = false, is_open = false;
   std::optional<int> adjusted_exposure_us;
-  std::string grants;              // of adjust()
-  std::function<void()> on_close;  // of an open one
+  std::string grants;  // of adjust()
 
  private:
   Status do_open() override;

@@ -7,11 +7,11 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "tests/firmware/loop_fixture.h"
@@ -106,13 +106,16 @@ TEST_F(ServiceWatchTest, StatusAndTheEndAreTold) {
   EXPECT_TRUE(hears("STOPPING=1"));
 }
 
-TEST_F(ServiceWatchTest, TheEndIsToldBeforeDevicesAreClosed) {
+TEST_F(ServiceWatchTest, TheEndIsToldAsSoonAsTheLoopHasStoppedTheRobots) {
   start();
-  std::optional<ServiceWatch> service(std::in_place, loop->pulse());
-  std::optional<bool> told;
-  camera.on_close = [&] { told = hears("STOPPING=1", milliseconds(50)); };
-  leave(service, *loop);
-  EXPECT_EQ(told, true) << "closing may take long";
+  ServiceWatch service(loop->pulse());
+  EXPECT_EQ(run(*loop, service, std::atomic<bool>(true)), LoopEnd::kAsked);
+  EXPECT_TRUE(all_stop(0.0, 1.0));
+  EXPECT_TRUE(hears("STOPPING=1", milliseconds(50))) << "what is waited for now may take long";
+  service.status("leaving");
+  service.end();
+  EXPECT_EQ(message(milliseconds(50)), "STATUS=leaving") << "and the end once";
+  EXPECT_EQ(message(milliseconds(50)), "");
 }
 
 TEST_F(ServiceWatchTest, WithoutAManagerNothingIsDone) {

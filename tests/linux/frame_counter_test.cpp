@@ -20,9 +20,24 @@ TEST(FrameCounter, ACountThatStandsStillOrGoesBackwardsIsCountedFor) {
   FrameCounter counter;
   EXPECT_EQ(counter.count(100), 100u);
   EXPECT_EQ(counter.count(100), 101u);
-  EXPECT_EQ(counter.count(5), 102u);
-  EXPECT_EQ(counter.count(103), 103u) << "and it may come right again";
+  EXPECT_EQ(counter.count(102), 102u) << "and it may come right again";
+  EXPECT_EQ(counter.count(5), 103u);
+  EXPECT_EQ(counter.count(104), 104u) << "this too";
   EXPECT_EQ(counter.lost(), 0u);
+}
+
+TEST(FrameCounter, AGapAfterASmallStepBackIsCountedWhole) {
+  FrameCounter by_two;
+  for (const std::uint32_t count : {10u, 8u, 9u, 15u}) by_two.count(count);
+  EXPECT_EQ(by_two.lost(), 5u);
+  FrameCounter restarted;
+  for (const std::uint32_t count : {0u, 1u, 2u, 3u, 0u, 1u, 7u}) restarted.count(count);
+  EXPECT_EQ(restarted.lost(), 5u);
+  FrameCounter behind;
+  behind.count(20);
+  behind.count(21, 4);
+  for (const std::uint32_t count : {0u, 4u}) behind.count(count);
+  EXPECT_EQ(behind.lost(), 6u) << "what it was behind by is over with the step back";
 }
 
 TEST(FrameCounter, GapsAreSeenAfterTheCountWentBackwards) {

@@ -39,10 +39,12 @@ class LibcameraAdjustTest : public LibcameraTest {
     return grants;
   }
   void come() {
+    std::this_thread::sleep_for(pause_);
     world_.complete(++number_);
     expect_frame(number_);
   }
   std::uint32_t number_ = 0;
+  std::chrono::milliseconds pause_{0};
 };
 
 TEST_F(LibcameraAdjustTest, GoesWithTheNextRequestAndNoFrameIsLost) {
@@ -74,7 +76,41 @@ TEST_F(LibcameraAdjustTest, WhatIsGrantedOtherwiseIsTold) {
   EXPECT_EQ(adjust(asked(8000, 300), frames), std::string(kId) +
                                                   ": exposure_us = 8000: granted 5000 (range 75 to 100000); "
                                                   "gain = 300: granted 1060 (range 100 to 1060)");
-  EXPECT_GE(frames, 10u) << "no earlier is it certain that it will not come";
+  EXPECT_GE(frames, 14u) << "no earlier is it certain that it will not come";
+}
+
+TEST_F(LibcameraAdjustTest, WaitsForTheRequestBehindAllOthers) {
+  hal::CameraSettings many = asked(5000, 250);
+  many.buffers = 32;
+  begin(many);
+  many.exposure_us = 3000;
+  std::uint32_t frames = 0;
+  EXPECT_EQ(adjust(many, frames), "");
+  EXPECT_GE(frames, 31u);
+}
+
+TEST_F(LibcameraAdjustTest, WaitsAsLongAsFramesCome) {
+  hal::CameraSettings slow = asked(5000, 250);
+  slow.rate_hz = 10.0;
+  begin(slow);
+  pause_ = std::chrono::milliseconds(80);  // in sum, more than one frame is waited for
+  slow.exposure_us = 3000;
+  std::uint32_t frames = 0;
+  world_.obeys = false;
+  EXPECT_EQ(adjust(slow, frames), std::string(kId) + ": exposure_us = 3000: granted 5000 (range 75 to 100000)");
+  EXPECT_GE(frames, 14u);
+}
+
+TEST_F(LibcameraAdjustTest, AStalledCameraTellsNothing) {
+  begin(asked(5000, 250));
+  const std::string no_frame = std::string(kId) + ": set, but no frame came to tell what is in force";
+  std::string grants;
+  EXPECT_TRUE(camera_->adjust(asked(4000, 250), grants).ok());
+  EXPECT_EQ(grants, no_frame);
+  std::thread person([&] { EXPECT_TRUE(camera_->adjust(asked(3000, 250), grants).ok()); });
+  come();
+  person.join();
+  EXPECT_EQ(grants, no_frame) << "that one was taken before";
 }
 
 TEST_F(LibcameraAdjustTest, ACameraThatDoesNotTellItBackIsBelieved) {

@@ -78,18 +78,19 @@ const StepTrace& Pipeline::step(const Frame& frame) {
 }
 
 const Packet& Pipeline::stop(Instant now) {
+  trace_.commands.robots.clear();
   stop_from(now + action_delay_);
   return trace_.packet;
 }
 
 void Pipeline::revoke() {
   --packet_sequence_;
+  for (RobotCommand& robot : trace_.commands.robots) robot = {robot.id, {}, {}};
   stop_from(trace_.frame.capture_time + action_delay_);
 }
 
 void Pipeline::stop_from(Instant acts_at) {
   trace_.commands.stop = true;
-  trace_.commands.robots.clear();
   tracker_.commanded(trace_.commands, acts_at);
   encode_commands();
 }

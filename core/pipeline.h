@@ -68,8 +68,8 @@ class Pipeline {
   /// A packet that halts all robots, for when there is no frame to step; it acts after the action delay, counted from
   /// `now`. Valid until the next call.
   const Packet& stop(Instant now);
-  /// Puts a stop in the place of the last step's commands, in its trace and under its packet's number: for when robots
-  /// must be halted before that packet was sent.
+  /// Puts a stop in the place of the last step's commands, in its trace and under its packet's number, as if it had
+  /// been halted: for when robots must be halted before that packet was sent.
   void revoke();
   /// Forgets tracks and play: after a gap as long as a camera that was opened again, the robots may be anywhere.
   void reset();

@@ -44,19 +44,28 @@ TEST_F(LoopTest, EmergencyStopPulledWhileTheFrameIsAwaitedStopsWithThatFrame) {
 }
 
 TEST_F(LoopTest, ARevokedPacketIsAStopInTheTraceToo) {
+  camera.show_robot();
   gpio.pull(1.005, 2.0);
-  struct Seen {
-    int speeds = 0, stops = 0;
-  } seen;
+  std::vector<Commands> seen;
   start({[](void* context, const StepTrace& trace, const StepTiming&) {
-           Seen& counts = *static_cast<Seen*>(context);
-           ++(trace.commands.stop ? counts.stops : counts.speeds);
-           EXPECT_TRUE(!trace.commands.stop || trace.commands.robots.empty());
+           static_cast<std::vector<Commands>*>(context)->push_back(trace.commands);
          },
          &seen});
   run_until(1.5);
-  EXPECT_EQ(seen.speeds, 50) << "frames up to 1.00 s";
-  EXPECT_EQ(seen.stops, 25);
+  ASSERT_EQ(seen.size(), 75U);
+  const Commands &driven = seen[49], &revoked = seen[50], &halted = seen[51];
+  EXPECT_FALSE(driven.stop) << "the frame of 1.00 s";
+  ASSERT_EQ(driven.robots.size(), 1U);
+  EXPECT_NE(driven.robots[0].wheels.left_mps, driven.robots[0].wheels.right_mps);
+  for (const Commands* const stopped : {&revoked, &halted}) {
+    EXPECT_TRUE(stopped->stop);
+    ASSERT_EQ(stopped->robots.size(), 1U) << "listed, as in the packet";
+    EXPECT_EQ(stopped->robots[0].id, driven.robots[0].id);
+    EXPECT_EQ(stopped->robots[0].twist.v_mps, 0.0F);
+    EXPECT_EQ(stopped->robots[0].twist.w_radps, 0.0F);
+    EXPECT_EQ(stopped->robots[0].wheels.left_mps, 0.0F);
+    EXPECT_EQ(stopped->robots[0].wheels.right_mps, 0.0F);
+  }
 }
 
 TEST_F(LoopTest, EmergencyStopWorksWithoutFrames) {

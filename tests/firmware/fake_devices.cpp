@@ -29,12 +29,28 @@ void FakeCamera::show_ball() {
     for (std::size_t u = 0; u < kWidth; ++u) {
       const double right = static_cast<double>(u) - 31.5, down = static_cast<double>(v) - 23.5;
       if (right * right + down * down > 36.0) continue;
-      std::uint8_t* pixel = &pixels_[(v * kWidth + u) * 3];
-      pixel[0] = 210;
-      pixel[1] = 110;
-      pixel[2] = 220;
+      paint(u, v, 210);
     }
   }
+}
+
+void FakeCamera::show_robot() {
+  // The paper's layout at 312 pixels a meter: the team's patch ahead and to the left, the robot's behind and to the
+  // right.
+  constexpr std::size_t kSide = 11;
+  for (std::size_t down = 0; down < kSide; ++down) {
+    for (std::size_t right = 0; right < kSide; ++right) {
+      paint(32 + right, 13 + down, 110);
+      paint(21 + right, 24 + down, 160);
+    }
+  }
+}
+
+void FakeCamera::paint(std::size_t u, std::size_t v, std::uint8_t red) {
+  std::uint8_t* const pixel = &pixels_[(v * kWidth + u) * 3];
+  pixel[0] = red;
+  pixel[1] = 110;
+  pixel[2] = 220;
 }
 
 Status FakeCamera::do_adjust(const hal::CameraSettings& settings, std::string& answer) {

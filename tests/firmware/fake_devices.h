@@ -66,6 +66,9 @@ class FakeCamera final : public hal::Camera, public Script {
   /// From now on a disc of 12 pixels in dark_room()'s ball color stands in the middle, 0.04 m on its field.
   void show_ball();
 
+  /// From now on dark_room()'s robot stands in the middle and looks to the right.
+  void show_robot();
+
   Duration age = std::chrono::milliseconds(5);   // of a frame when it is handed out
   std::uint32_t skip_at = 0, skipped = 0;        // the driver loses so many frames after this one
   std::uint64_t last_frame = ~std::uint64_t{0};  // kEndOfStream after so many
@@ -85,6 +88,7 @@ class FakeCamera final : public hal::Camera, public Script {
   void do_stop() override { running = false; }
   void do_close() override;
 
+  void paint(std::size_t u, std::size_t v, std::uint8_t red);
   std::vector<std::uint8_t> pixels_;
   hal::CameraInfo info_{PixelFormat::kRgb24, kWidth, kHeight, 50.0};
   const std::string reason_ = "/dev/fake0: as the script says";

@@ -310,15 +310,17 @@ void Loop::on_fault(Device device, ErrorCode code, Instant now) {
     end_ = LoopEnd::kEndOfStream;
     return;
   }
-  const FaultAction action = is_needed(device) ? action_for(code) : FaultAction::kDoWithout;
+  const FaultAction unneeded = is_awaited(device) ? FaultAction::kReopen : FaultAction::kDoWithout;
+  const FaultAction action = is_needed(device) ? action_for(code) : unneeded;
   report_fault(device, code, action, now);
   if (action == FaultAction::kReopen || action == FaultAction::kDoWithout) keeper(device).lost(now);
   if (action == FaultAction::kLeave) end_ = LoopEnd::kFault;
 }
 
 void Loop::on_output_fault(ErrorCode code, Instant now) {
-  if (!is_needed(Device::kGpio)) return on_fault(Device::kGpio, code, now);
-  // Opening the chip again would take the emergency stop away, which still works or is about to tell that it does not.
+  if (!is_awaited(Device::kGpio)) return on_fault(Device::kGpio, code, now);
+  // Opening the chip again would take away the emergency stop or the start button, which still works or is about to
+  // tell that it does not.
   outputs_failed_ = true;
   report_fault(Device::kGpio, code, FaultAction::kDoWithout, now);
 }
@@ -331,7 +333,7 @@ void Loop::serve_lost_devices(Instant now) {
     const std::uint32_t attempts = keeper.attempts();
     if (keeper.poll(now)) {
       ++statistics_.reopened[i];
-      if (is_needed(device)) report_fault(device, ErrorCode::kOk, FaultAction::kNone, now);
+      if (is_awaited(device)) report_fault(device, ErrorCode::kOk, FaultAction::kNone, now);
       if (device == Device::kCamera) {
         // Robots moved unseen, and the driver counts its frames anew.
         pipeline_.reset();

@@ -108,6 +108,8 @@ class Loop {
   void on_fault(Device device, ErrorCode code, Instant now);
   void on_output_fault(ErrorCode code, Instant now);
   [[nodiscard]] bool is_needed(Device device) const { return device != Device::kGpio || settings_.emergency_stop; }
+  // Until the start button is pressed, robots wait for its chip as well.
+  [[nodiscard]] bool is_awaited(Device device) const { return is_needed(device) || !started_; }
   void serve_lost_devices(Instant now);
   void send(const Packet& packet, bool is_stop, Instant now);
   void send_stop(Instant now);

@@ -107,6 +107,32 @@ TEST_F(LoopTest, AStartButtonThatIsLostMayBePressedWhenItIsBack) {
   run_until(6.0);
   EXPECT_TRUE(all_stop(0.0, 2.2));
   EXPECT_FALSE(all_stop(4.04, 6.0));
+  const auto is_reopening = [](const FaultReport& fault) { return fault.action == FaultAction::kReopen; };
+  std::vector<FaultReport> told = gpio_faults(reports());
+  EXPECT_TRUE(std::any_of(told.begin(), told.end(), is_reopening)) << "no game goes on: robots wait for the button";
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(told.back().code, ErrorCode::kOk);
+  gpio.add({6.0, 6.5, ErrorCode::kIo});
+  run_until(9.0);
+  EXPECT_FALSE(all_stop(6.0, 9.0));
+  EXPECT_GE(loop->statistics().reopened[2], 2U);
+  told = gpio_faults(reports());
+  EXPECT_TRUE(std::none_of(told.begin(), told.end(), is_reopening)) << "now it does";
+  EXPECT_TRUE(told.empty() || told.back().code != ErrorCode::kOk);
+}
+
+TEST_F(LoopTest, AFailingLightLeavesTheStartButtonAlone) {
+  settings.emergency_stop = false;
+  settings.start_button = true;
+  gpio.outputs = ErrorCode::kIo;
+  gpio.press(4.0);
+  start();
+  run_until(6.0);
+  EXPECT_FALSE(all_stop(4.04, 6.0));
+  EXPECT_EQ(gpio.opened, 1);
+  const std::vector<FaultReport> told = gpio_faults(reports());
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].action, FaultAction::kDoWithout);
 }
 
 TEST_F(LoopTest, AChipThatGoesAwayHaltsEvenWhenTheStrobeFailsFirst) {

@@ -122,7 +122,7 @@ TOUCHLINE_AVX2_LOOK std::uint64_t find_loud_tiles(const SpanTables& tables, cons
   return ~quiet;
 }
 
-// Whole tiles, at least one.
+// Whole tiles, if any.
 template <class Layout>
 TOUCHLINE_AVX2_INLINE OccupiedWords classify_lit_tiles(const SpanTables& tables, const RowPixels& row,
                                                        std::uint32_t begin, std::uint32_t end, ColorId* colors) {

@@ -42,7 +42,7 @@ using SpanKernel = OccupiedWords (*)(const SpanTables& tables, const RowPixels& 
 
 /// The portable kernel of a format: the reference for all others.
 SpanKernel scalar_kernel(PixelFormat format);
-/// Null where the processor lacks them, or (AVX-512) one of F, BW, VL and VBMI.
+/// Null where the processor lacks them, or (AVX-512) one of F, BW, VL, VBMI, BMI2.
 SpanKernel avx2_kernel(PixelFormat format);
 SpanKernel avx512_kernel(PixelFormat format);
 SpanKernel neon_kernel(PixelFormat format);

@@ -16,8 +16,8 @@ using Columns = std::array<std::uint16_t, kMaxRowWords * kPixelsOfWord + 8>;
 struct Contact {
   std::uint16_t above = 0, below = 0;
 };
-// Each begins where one of its runs does.
-using Contacts = std::array<Contact, 2 * kMaxRowWords * kPixelsOfWord + 8>;
+// At most one a column.
+using Contacts = std::array<Contact, kMaxRowWords * kPixelsOfWord + 8>;
 
 /// Work on the bits of a row, in the instructions that go with a color kernel. All sets do the same.
 struct RowBits {

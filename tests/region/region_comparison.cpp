@@ -175,12 +175,15 @@ std::string difference(const std::vector<ExpectedRegion>& expected, const Runs& 
 ServedPicture served(const ColorGrid& grid, std::uint32_t min_area_px) {
   ServedPicture picture = {grid, 0};
   std::size_t credit = RunBudget::reserve(static_cast<std::size_t>(grid.height));
+  const std::size_t held_back = credit / 6;
   for (int v = 0; v < grid.height; ++v) {
     std::vector<RowRun> runs = runs_of_row(grid, v);
     if (min_area_px > 1) std::erase_if(runs, [&](const RowRun& run) { return is_speck(grid, run, v); });
     credit += kRunsPerRow;
-    const std::vector<RowRun> kept =
-        longest_runs(runs, runs.size() > 128 ? std::min<std::size_t>(credit / 2, 8) : credit / 2);
+    std::size_t limit = credit / 2;
+    if (runs.size() > 32) limit = std::min<std::size_t>(limit, 8);
+    if (runs.size() > 32 && runs.size() <= 128 && credit > held_back) limit = std::max(limit, credit - held_back);
+    const std::vector<RowRun> kept = longest_runs(runs, limit);
     credit -= kept.size();
     if (kept.size() == runs.size()) continue;
     picture.runs_dropped += runs.size() - kept.size();

@@ -142,6 +142,28 @@ TEST_F(OverloadTest, ABandOfClutterLeavesTheRestExact) {
   }
 }
 
+// Clutter that a row of patches could be: it has no more runs than a realistic row.
+TEST_F(OverloadTest, ABandOfModerateClutterLeavesTenRobotsWhole) {
+  for (const auto& [runs, rows] : {std::pair(30, 80), std::pair(40, 80), std::pair(60, 60), std::pair(100, 30),
+                                   std::pair(100, 120), std::pair(128, 100), std::pair(140, 60)}) {
+    ColorGrid grid = make_grid(640, 480);
+    for (int v = 0; v < rows; ++v) {
+      for (int i = 0; i < runs; ++i) std::fill_n(&grid.at(i * (638 / runs) + v % 2, v), 3, kClutterColor);
+    }
+    std::vector<Square> patches;
+    for (int robot = 0; robot < 10; ++robot) {
+      for (int patch = 0; patch < 6; ++patch) {
+        patches.push_back({40 + robot % 5 * 120 + patch % 2 * 14, 150 + robot / 5 * 150 + patch / 2 * 14, 12});
+        draw(grid, patches.back(), static_cast<ColorId>(1 + patch % 3));
+      }
+    }
+    static_cast<void>(scan(grid, 2));
+    EXPECT_EQ(difference_from_served(grid, 2, *runs_, *regions_), "") << runs << " runs, " << rows << " rows";
+    EXPECT_EQ(std::count_if(regions_->begin(), regions_->end(), [](const Region& r) { return r.area_px == 144; }), 60)
+        << runs << " runs, " << rows << " rows";
+  }
+}
+
 TEST_F(OverloadTest, PatchesInTheMidstOfFineClutterAreMostlyKept) {
   ColorGrid grid = make_grid(640, 480);
   for (int v = 0; v < 480; ++v) {

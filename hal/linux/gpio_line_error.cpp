@@ -13,7 +13,7 @@ namespace {
 std::string chips_here() {
   std::string list;
   for (const GpioChipNode& chip : list_gpio_chips()) {
-    const std::string lines = std::to_string(chip.lines.size()) + " lines";
+    const std::string lines = std::to_string(chip.line_count) + " lines";
     list.append(list.empty() ? "" : ", ").append(chip.path).append(" (");
     list.append(chip.error == 0 ? chip.label + ", " + lines : system_text(chip.error)).append(")");
   }

@@ -34,10 +34,11 @@ int ask(int file, GpioChipNode& chip) {
   gpiochip_info info{};
   if (::ioctl(file, GPIO_GET_CHIPINFO_IOCTL, &info) != 0) return errno;
   chip.label = text_of(info.label);
+  chip.line_count = info.lines;
   for (unsigned i = 0; i < info.lines; ++i) {
     gpio_v2_line_info line{};
     line.offset = i;
-    if (::ioctl(file, GPIO_V2_GET_LINEINFO_IOCTL, &line) != 0) return errno;
+    if (::ioctl(file, GPIO_V2_GET_LINEINFO_IOCTL, &line) != 0) return errno == EINVAL && i == 0 ? 0 : errno;
     chip.lines.push_back({i, text_of(line.name), text_of(line.consumer), (line.flags & GPIO_V2_LINE_FLAG_USED) != 0,
                           (line.flags & GPIO_V2_LINE_FLAG_OUTPUT) != 0,
                           (line.flags & GPIO_V2_LINE_FLAG_ACTIVE_LOW) != 0, bias_of(line.flags)});

@@ -18,10 +18,11 @@ struct GpioChipNode {
   std::string path;  // "/dev/gpiochip0"
   std::string label;
   int error = 0;  // errno of opening or asking it; the rest is empty then
-  std::vector<GpioLineNode> lines;
+  unsigned line_count = 0;
+  std::vector<GpioLineNode> lines;  // all, or none where the kernel does not tell (before 5.10)
 };
 
-/// All chips by number, asked of the kernel itself (5.10 and later).
+/// All chips by number, asked of the kernel itself.
 std::vector<GpioChipNode> list_gpio_chips();
 
 }  // namespace touchline::hal

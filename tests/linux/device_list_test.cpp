@@ -31,6 +31,7 @@ class GpioFile final : public fake::File {
       return 0;
     }
     if (request != GPIO_V2_GET_LINEINFO_IOCTL) return -ENOTTY;
+    if (is_old) return -EINVAL;
     auto& line = *static_cast<gpio_v2_line_info*>(argument);
     if (line.offset == 0) {
       line.flags = GPIO_V2_LINE_FLAG_INPUT;
@@ -47,6 +48,7 @@ class GpioFile final : public fake::File {
     }
     return 0;
   }
+  bool is_old = false;  // a kernel before 5.10
 };
 
 class DeviceListTest : public V4l2Test {
@@ -98,6 +100,17 @@ GPIO chips
        1  GPIO17               output held by touchline
        2  GPIO27               input  held by the kernel, active low, bias pull_up
 )");
+}
+
+TEST_F(DeviceListTest, AnOldKernelTellsHowManyLinesAChipHas) {
+  chip_.is_old = true;
+  const auto list = list_devices({std::nullopt, std::nullopt, "/dev/gpiochip0"});
+  EXPECT_TRUE(list.troubles.empty());
+  EXPECT_EQ(to_text(list), R"(GPIO chips
+  /dev/gpiochip0  pppppppppppppppppppppppppppppppp, 3 lines
+    which are free is told by Linux 5.10 and later
+)");
+  EXPECT_NE(to_json(list).find("\"line_count\": 3"), std::string::npos);
 }
 
 TEST_F(DeviceListTest, TheSameForPrograms) {

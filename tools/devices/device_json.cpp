@@ -74,6 +74,7 @@ Json json_of(const hal::GpioChipNode& chip) {
     return entry;
   }
   entry["label"] = chip.label;
+  entry["line_count"] = chip.line_count;
   entry["lines"] = Json::array();
   for (const hal::GpioLineNode& pin : chip.lines) {
     entry["lines"].push_back({{"line", pin.number},

@@ -118,7 +118,8 @@ void add_chips(std::string& text, const std::vector<hal::GpioChipNode>& chips) {
       line(text, "  %s", hal::refusal_text(chip.path, chip.error, "gpio").c_str());
       continue;
     }
-    line(text, "  %s  %s, %zu lines", chip.path.c_str(), chip.label.c_str(), chip.lines.size());
+    line(text, "  %s  %s, %u lines", chip.path.c_str(), chip.label.c_str(), chip.line_count);
+    if (chip.lines.size() < chip.line_count) line(text, "    which are free is told by Linux 5.10 and later");
     for (const hal::GpioLineNode& pin : chip.lines) {
       const std::string holder = !pin.used ? "free" : "held by " + (pin.consumer.empty() ? "the kernel" : pin.consumer);
       line(text, "    %4u  %-20s %-6s %s%s%s%s", pin.number, pin.name.empty() ? "-" : pin.name.c_str(),

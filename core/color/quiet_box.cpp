@@ -141,6 +141,8 @@ void QuietRanges::build(PixelFormat format, const ColorBoxes& boxes, std::uint8_
   format_ = format;
   const QuietBox dark = quiet_box_of(widened, color_space(format));
   const QuietBox usual = background ? quiet_box_of(widened, color_space(format), background) : dark;
+  const std::array<std::uint8_t, 3>& low = usual.exists ? usual.low : dark.low;
+  begin_at_zero_ = low == std::array<std::uint8_t, 3>{} && dark.low == low;
   exist_ = dark.exists;
   if (!exist_) return;
   dark_ = ranges_of(dark);

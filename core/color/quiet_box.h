@@ -63,6 +63,8 @@ class QuietRanges {
              const TypicalBackground& background = {});
   [[nodiscard]] TileLight of(const std::array<std::uint8_t, 3>& level) const;
   [[nodiscard]] bool exist() const { return exist_; }
+  /// Whether they all begin at 0, as they do in R, G, B when the typical background is unknown or dark.
+  [[nodiscard]] bool begin_at_zero() const { return begin_at_zero_; }
 
  private:
   // By channel and level.
@@ -70,7 +72,7 @@ class QuietRanges {
   [[nodiscard]] Ranges ranges_of(const QuietBox& box) const;
 
   PixelFormat format_ = PixelFormat::kRgb24;
-  bool exist_ = false;
+  bool exist_ = false, begin_at_zero_ = false;
   Ranges usual_{}, dark_{};  // dark_: where no value is in the usual ones; it holds the unlit value at all levels
 };
 

@@ -68,7 +68,8 @@ OccupiedWords RowClassifier::classify(const Frame& frame, std::uint16_t v, std::
   if (format_ == PixelFormat::kNv12) row.chroma = frame.plane[1] + std::size_t{v / 2u} * frame.stride_bytes[1];
 
   const std::size_t tile_row = v / kTileHeight, first_tile = shading_.active() ? tile_row * shading_.columns() : 0;
-  const SpanTables tables = {&tables_, &digits_, &tiles_[first_tile], !shading_.active(), quiet_.exist()};
+  const SpanTables tables = {&tables_,           &digits_,       &tiles_[first_tile],
+                             !shading_.active(), quiet_.exist(), quiet_.begin_at_zero()};
   return kernel_(tables, row, begin, end, colors);
 }
 

@@ -17,7 +17,8 @@ struct SpanTables {
   const DigitTableSet* digits = nullptr;  // the same classes for kernels that look up digits
   const TileLight* tiles = nullptr;       // column u is in tiles[u / kTileWidth], or with one light in tiles[0]
   bool one_light = true;
-  bool has_quiet = false;  // there is a QuietBox, and the tiles say where
+  bool has_quiet = false;        // there is a QuietBox, and the tiles say where
+  bool quiet_from_zero = false;  // all of their quiet_low are 0
 
   [[nodiscard]] const TileLight& tile_at(std::uint32_t u) const { return tiles[one_light ? 0 : u / kTileWidth]; }
 };

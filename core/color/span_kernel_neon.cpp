@@ -29,8 +29,8 @@ bool is_zero(Values value) {
 bool is_zero(PairValues value) { return vget_lane_u64(vreinterpret_u64_u8(value), 0) == 0; }
 
 // For 16 pixels, and for 8 pairs: a Cortex-A72 looks up half a register in a third of the time.
-Values look_up(const DigitTable& table, Values digit) { return vqtbl1q_u8(vld1q_u8(table.data()), digit); }
-PairValues look_up(const DigitTable& table, PairValues digit) { return vqtbl1_u8(vld1q_u8(table.data()), digit); }
+Values look_up(const std::uint8_t* table, Values digit) { return vqtbl1q_u8(vld1q_u8(table), digit); }
+PairValues look_up(const std::uint8_t* table, PairValues digit) { return vqtbl1_u8(vld1q_u8(table), digit); }
 Values both(Values a, Values b) { return vandq_u8(a, b); }
 PairValues both(PairValues a, PairValues b) { return vand_u8(a, b); }
 Values either(Values a, Values b) { return vorrq_u8(a, b); }
@@ -44,20 +44,32 @@ struct Digits {
 Digits<Values> digits_of(Values values) { return {vshrq_n_u8(values, 4), vandq_u8(values, vdupq_n_u8(15))}; }
 Digits<PairValues> digits_of(PairValues values) { return {vshr_n_u8(values, 4), vand_u8(values, vdup_n_u8(15))}; }
 
+// A group's tables, by their distance from the first. One address for all: gcc 12 else works out each by itself.
+class GroupTables {
+ public:
+  GroupTables(const DigitTables& first, std::size_t group) : at_(first[group].data()) { asm("" : "+r"(at_)); }
+  [[nodiscard]] const std::uint8_t* operator[](std::size_t number) const { return at_ + sizeof(DigitTables) * number; }
+
+ private:
+  const std::uint8_t* at_;
+};
+static_assert(offsetof(ChannelDigits, to_last) == 4 * sizeof(DigitTables));
+
 // The group's classes to which the values of a channel belong, a byte a value.
 template <class Register>
 Register classes_of(const ChannelDigits& tables, std::size_t group, const Digits<Register>& value) {
-  const Register from =
-      either(look_up(tables.above_first[group], value.high), look_up(tables.from_first[group], value.low));
-  const Register to = either(look_up(tables.below_last[group], value.high), look_up(tables.to_last[group], value.low));
-  return both(look_up(tables.within[group], value.high), both(from, to));
+  const GroupTables within_and_ends(tables.within, group);
+  const Register from = either(look_up(within_and_ends[1], value.high), look_up(within_and_ends[2], value.low));
+  const Register to = either(look_up(within_and_ends[3], value.high), look_up(within_and_ends[4], value.low));
+  return both(look_up(within_and_ends[0], value.high), both(from, to));
 }
 
 // The color of the lowest class; where an earlier group has given a color, that.
 Values add_colors(Values colors, const ColorDigits& tables, std::size_t group, Values classes) {
   const Digits<Values> bits = digits_of(classes);
-  const Values low = look_up(tables.low[group], bits.low);
-  const Values color = vbslq_u8(vceqzq_u8(low), look_up(tables.high[group], bits.high), low);
+  const GroupTables low_and_high(tables.low, group);
+  const Values low = look_up(low_and_high[0], bits.low);
+  const Values color = vbslq_u8(vceqzq_u8(low), look_up(low_and_high[1], bits.high), low);
   return vbslq_u8(vceqzq_u8(colors), color, colors);
 }
 
@@ -101,7 +113,8 @@ Values repeated(const std::array<std::uint8_t, 4>& bytes) {
   return vreinterpretq_u8_u32(vdupq_n_u32(word));
 }
 QuietWords quiet_words(const TileLight& light) { return {repeated(light.quiet_low), repeated(light.quiet_reach)}; }
-// What is quiet in all tiles of a block; false: nothing.
+// What is quiet in all tiles of a block; false: nothing, which cannot be when all ranges begin at 0.
+template <bool kFromZero>
 bool quiet_words(const TileLight* lights, QuietWords& all) {
   all = quiet_words(lights[0]);
   Values high = vaddq_u8(all.low, all.reach);
@@ -111,13 +124,14 @@ bool quiet_words(const TileLight* lights, QuietWords& all) {
     high = vminq_u8(high, vaddq_u8(one.low, one.reach));
   }
   all.reach = vsubq_u8(high, all.low);
-  return is_zero(vcgtq_u8(all.low, high));
+  return kFromZero || is_zero(vcgtq_u8(all.low, high));
 }
 
-// Three bytes a pixel.
-template <PixelFormat kFormat>
+// Three bytes a pixel. kFromZero: quiet_low is 0.
+template <PixelFormat kFormat, bool kFromZero>
 struct Packed24 {
   static constexpr std::size_t kRed = kFormat == PixelFormat::kRgb24 ? 0 : 2;
+  static constexpr bool kQuietFromZero = kFromZero;
 
   static RowPixels at(const RowPixels& row, std::size_t u) { return {row.samples + 3 * u, nullptr}; }
 
@@ -132,7 +146,7 @@ struct Packed24 {
     Values low[3], reach[3];
     explicit Quiet(const QuietWords& words) {
       TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) {
-        low[i] = vqtbl1q_u8(words.low, vld1q_u8(kPick[i].data()));
+        if constexpr (!kFromZero) low[i] = vqtbl1q_u8(words.low, vld1q_u8(kPick[i].data()));
         reach[i] = vqtbl1q_u8(words.reach, vld1q_u8(kPick[i].data()));
       }
     }
@@ -140,13 +154,17 @@ struct Packed24 {
     [[nodiscard]] bool holds(const RowPixels& tiles) const {
       Values beyond = vdupq_n_u8(0);
       TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) {
-        Values largest = vsubq_u8(vld1q_u8(tiles.samples + kTile * i), low[i]);
+        Values largest = from_low(tiles.samples + kTile * i, i);
         TOUCHLINE_UNROLL for (std::size_t tile = 1; tile < kTiles; ++tile) {
-          largest = vmaxq_u8(largest, vsubq_u8(vld1q_u8(tiles.samples + kTile * (3 * tile + i)), low[i]));
+          largest = vmaxq_u8(largest, from_low(tiles.samples + kTile * (3 * tile + i), i));
         }
         beyond = vorrq_u8(beyond, vqsubq_u8(largest, reach[i]));
       }
       return is_zero(beyond);
+    }
+    [[nodiscard]] Values from_low(const std::uint8_t* bytes, std::size_t i) const {
+      if constexpr (kFromZero) return vld1q_u8(bytes);
+      return vsubq_u8(vld1q_u8(bytes), low[i]);
     }
   };
 
@@ -175,7 +193,7 @@ struct Packed24 {
 // Formats whose pixel pairs share a chroma sample.
 template <PixelFormat kFormat>
 struct SharedChroma {
-  static constexpr bool kPlanar = kFormat == PixelFormat::kNv12;
+  static constexpr bool kPlanar = kFormat == PixelFormat::kNv12, kQuietFromZero = false;
 
   static RowPixels at(const RowPixels& row, std::size_t u) {
     return {row.samples + u * (kPlanar ? 1 : 2), kPlanar ? row.chroma + u : nullptr};
@@ -315,7 +333,8 @@ class Span {
     const RowPixels block = Layout::at(row_, u);
     if constexpr (kOneLight) return quiet_.template holds<kTilesOfBlock>(block);
     QuietWords all;
-    return quiet_words(tables_.tiles + u / kTile, all) && Quiet(all).template holds<kTilesOfBlock>(block);
+    return quiet_words<Layout::kQuietFromZero>(tables_.tiles + u / kTile, all) &&
+           Quiet(all).template holds<kTilesOfBlock>(block);
   }
   [[gnu::always_inline]] [[nodiscard]] bool is_quiet_tile(std::uint32_t u) const {
     const RowPixels tile = Layout::at(row_, u);
@@ -350,19 +369,27 @@ class Span {
   OccupiedWords occupied_ = 0;
 };
 
-template <PixelFormat kFormat, class Layout>
-OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
-                            ColorId* colors) {
-  if (end - begin < kTile) return scalar_kernel(kFormat)(tables, row, begin, end, colors);
+template <class Layout>
+OccupiedWords classify_light(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
+                             ColorId* colors) {
   return tables.one_light ? Span<Layout, true>(tables, row, colors).classify(begin, end)
                           : Span<Layout, false>(tables, row, colors).classify(begin, end);
 }
-
 template <PixelFormat kFormat>
-using LayoutOf = std::conditional_t<color_space(kFormat) == ColorSpace::kRgb, Packed24<kFormat>, SharedChroma<kFormat>>;
+OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
+                            ColorId* colors) {
+  if (end - begin < kTile) return scalar_kernel(kFormat)(tables, row, begin, end, colors);
+  if constexpr (color_space(kFormat) == ColorSpace::kRgb) {
+    return tables.quiet_from_zero ? classify_light<Packed24<kFormat, true>>(tables, row, begin, end, colors)
+                                  : classify_light<Packed24<kFormat, false>>(tables, row, begin, end, colors);
+  } else {
+    return classify_light<SharedChroma<kFormat>>(tables, row, begin, end, colors);
+  }
+}
+
 struct Family {
   template <PixelFormat kFormat>
-  static constexpr SpanKernel kKernel = classify_span<kFormat, LayoutOf<kFormat>>;
+  static constexpr SpanKernel kKernel = classify_span<kFormat>;
 };
 
 }  // namespace

@@ -140,6 +140,9 @@ TEST(QuietRanges, HoldBackgroundOnly) {
           ASSERT_EQ(light.level[c], level[c]);
           const int low = light.quiet_low[at[c]];
           value[c] = static_cast<std::uint8_t>(low + pick(random, 0, 1) * light.quiet_reach[at[c]]);
+          if (quiet->begin_at_zero()) {
+            ASSERT_EQ(low, 0);
+          }
           not_from_unlit += std::size_t{low > unlit_value(color_space(format), c)};
         }
         ASSERT_EQ(tables->mask(value, level), 0u) << name_of(format);

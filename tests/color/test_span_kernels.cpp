@@ -134,7 +134,7 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
   }
 
   [[nodiscard]] SpanTables tables(bool one_light) const {
-    return {tables_.get(), digits_.get(), lights_.data(), one_light, quiet_->exist()};
+    return {tables_.get(), digits_.get(), lights_.data(), one_light, quiet_->exist(), quiet_->begin_at_zero()};
   }
 
   // Stretches of quiet pixels between others.

@@ -199,6 +199,7 @@ void PaintedField::paint_ball(FieldPoint at) {
 const Sightings& PaintedField::see() {
   runs_->clear();
   labeling_->begin(1);
+  std::size_t above = 0;
   for (int v = 0; v < grid_.height; ++v) {
     const std::size_t first = runs_->size();
     for (int u = 0; u < grid_.width;) {
@@ -211,7 +212,16 @@ const Sightings& PaintedField::see() {
       }
       u = end;
     }
-    labeling_->add_row(*runs_, first);
+    std::vector<Contact> contacts;
+    for (std::size_t below = first; below < runs_->size(); ++below) {
+      for (std::size_t upper = above; upper < first; ++upper) {
+        const Run &a = (*runs_)[upper], &b = (*runs_)[below];
+        if (a.color != b.color || a.begin >= b.end || b.begin >= a.end) continue;
+        contacts.push_back({static_cast<std::uint16_t>(upper - above), static_cast<std::uint16_t>(below - first)});
+      }
+    }
+    labeling_->add_row(*runs_, first, contacts);
+    above = first;
   }
   labeling_->finish(*runs_, *regions_);
   matcher_->match(*runs_, *regions_, *sightings_);

@@ -12,7 +12,7 @@ namespace touchline {
 // of it in two runs, are 2,600 runs, even if they all stand in one line; what else is seen has two more in each row.
 // (On the fields of the leagues robots are smaller the more there are: 22 have a tenth of that.) A taller picture shows
 // the same patches in more rows.
-constexpr std::size_t kRunsPerRow = 2, kReservePerRow = 6, kLeastReserve = 2880;
+constexpr std::size_t kRunsPerRow = 2, kReservePerRow = 6, kLeastReserve = 3072;
 static_assert((kReservePerRow + kRunsPerRow) * kMaxFrameHeight <= kMaxRuns, "a frame's budget must fit");
 
 // No row of a realistic field has more: 44 patches in two runs each, and 40 more by specks on or beside them.

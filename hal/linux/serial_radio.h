@@ -17,9 +17,10 @@ namespace touchline::hal {
 
 /// A radio behind a serial port: 8 data bits, no parity, 1 stop bit, no flow control, for us alone.
 ///
-/// PacketSlot decides which packet goes out. Where the driver offers it, the port is set to low latency: an FTDI
-/// adapter then hands on what it receives after 1 ms instead of 16. close() drops what has not left (drain() first): a
-/// port that is gone must not hold up the exit.
+/// PacketSlot decides which packet goes out; a line is taken for busy for as long as its bytes need at the baud rate,
+/// whatever the driver and the adapter behind it have swallowed. Where the driver offers it, the port is set to low
+/// latency: an FTDI adapter then hands on what it receives after 1 ms instead of 16. close() drops what has not left
+/// (drain() first): a port that is gone must not hold up the exit.
 class SerialRadio final : public Radio, private ByteLine {
  public:
   explicit SerialRadio(RadioSettings settings) : settings_(std::move(settings)) {}
@@ -48,7 +49,7 @@ class SerialRadio final : public Radio, private ByteLine {
   bool ask_for_low_latency(int file);
   Result<std::size_t> waiting() override;
   Result<std::size_t> write(std::span<const std::byte> bytes) override;
-  [[nodiscard]] Duration time_of(std::size_t bytes) const;
+  [[nodiscard]] Duration time_of(std::size_t bytes) const { return static_cast<Duration::rep>(bytes) * byte_time_; }
   ErrorCode fail(const char* doing, int error) noexcept;
   [[nodiscard]] const char* name() const { return settings_.device.c_str(); }
 
@@ -57,6 +58,8 @@ class SerialRadio final : public Radio, private ByteLine {
   sp_port* port_ = nullptr;
   ErrorCode lost_ = ErrorCode::kOk;  // an error after which only opening again helps
   PacketSlot slot_;
+  Duration byte_time_{1};  // of one byte on the line
+  Instant free_at_{};      // when all that was written will have left it
 };
 
 }  // namespace touchline::hal

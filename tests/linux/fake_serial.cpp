@@ -97,7 +97,7 @@ int SerialPort::read(std::byte* bytes, std::size_t count) {
 int SerialPort::output_waiting() {
   if (error_ != 0) return -error_;
   transmit();
-  return static_cast<int>(buffer_.size());
+  return static_cast<int>(buffer_.size() - std::min(buffer_.size(), chip_bytes));
 }
 
 int SerialPort::flush() {

@@ -19,7 +19,8 @@ class SerialPort final : public File {
   std::string description = "FT232R USB UART";
   int usb_vendor = 0x0403, usb_product = 0x6001;  // -1: not at USB
   std::size_t buffer_bytes = 4096;
-  bool stalled = false;  // nothing leaves
+  std::size_t chip_bytes = 0;  // so many of the first stand in the adapter, which the kernel does not count
+  bool stalled = false;        // nothing leaves
   int open_error = 0;
   int granted_baud = 0;  // 0: as asked
   int baud_error = 0, bits_error = 0, write_error = 0;

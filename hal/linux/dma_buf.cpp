@@ -8,13 +8,16 @@
 namespace touchline::hal {
 namespace {
 
+// The loop calls this under a real-time priority: a driver that never gets ready must not stop it. A millisecond or so.
+constexpr int kMostTries = 1000;
+
 int synchronize(int dma_buf, unsigned long long flags) {
   dma_buf_sync request{flags};
-  int result = 0;
-  do {
-    result = ::ioctl(dma_buf, DMA_BUF_IOCTL_SYNC, &request);
-  } while (result < 0 && (errno == EINTR || errno == EAGAIN));  // as the kernel's document asks
-  return result < 0 ? errno : 0;
+  for (int tries = 1;; ++tries) {
+    if (::ioctl(dma_buf, DMA_BUF_IOCTL_SYNC, &request) == 0) return 0;
+    const bool again = errno == EINTR || errno == EAGAIN;  // then the kernel's document asks to try again
+    if (!again || tries == kMostTries) return errno;
+  }
 }
 
 }  // namespace

@@ -102,6 +102,16 @@ TEST_F(V4l2MemoryTest, MemoryIsCachedAndSynchronizedWhileItIsRead) {
   EXPECT_EQ(kernel_.open_files(), 0u);
 }
 
+TEST_F(V4l2MemoryTest, ADriverThatIsNeverReadyToSynchronizeDoesNotHoldTheLoop) {
+  device_.sync_interruptions = 1000000;
+  begin(nv12());
+  expect_loss(*camera_, ErrorCode::kIo, "/dev/video0: synchronizing a buffer failed: Resource temporarily unavailable");
+  camera_->close();
+  device_.sync_interruptions = 0;
+  begin(nv12());
+  expect_frame(*camera_, 0);
+}
+
 TEST_F(V4l2MemoryTest, ADriverThatDoesNotExportStreamsAllTheSame) {
   device_.exports = false;
   begin(nv12());

@@ -58,6 +58,9 @@ inline constexpr std::array<Choice<PowerLine>, 4> kPowerLines{
 /// Focus is the driver's; 0 is a distance (far, as a rule).
 inline constexpr int kFocusLeave = -1;
 
+/// Exposure is a time, or the driver's.
+inline constexpr int kExposureStepsLeave = -1;
+
 struct CameraSettings {
   CameraBackend backend = CameraBackend::kMock;
   std::string device = "/dev/video0";
@@ -66,6 +69,7 @@ struct CameraSettings {
   double rate_hz = 60.0;
   int buffers = 4;
   int exposure_us = 5000;
+  int exposure_steps = kExposureStepsLeave;
   int gain = 0;
   int white_balance_k = 4600;
   int focus = kFocusLeave;
@@ -74,6 +78,7 @@ struct CameraSettings {
   /// What Camera::adjust() looks at.
   void take_controls(const CameraSettings& other) {
     exposure_us = other.exposure_us;
+    exposure_steps = other.exposure_steps;
     gain = other.gain;
     white_balance_k = other.white_balance_k;
     focus = other.focus;
@@ -96,6 +101,8 @@ struct CameraSettings {
     // One being filled, one waiting, one held by the loop is the least that loses no frame; V4L2 has at most 32.
     visit.number("buffers", self.buffers, Range{3, 32}, "", "Frames that the driver may hold");
     visit.number("exposure_us", self.exposure_us, Range{0, 1000000}, "us", "Exposure time; 0: leave to the driver");
+    visit.number("exposure_steps", self.exposure_steps, Range{kExposureStepsLeave, 65535}, "",
+                 "v4l2: exposure in the driver's steps, for cameras that do not count in time; -1: exposure_us counts");
     visit.number("gain", self.gain, Range{0, 65535}, "",
                  "Gain in the driver's steps, hundredths with libcamera; 0: leave to the driver");
     visit.number("white_balance_k", self.white_balance_k, Range{0, 20000}, "K",

@@ -24,6 +24,10 @@ constexpr std::array kHotKeys{
            [](const auto& next, auto& running) { running.board.team = next.board.team; }},
     HotKey{FileKind::kBoard, "camera.exposure_us", kCamera,
            [](const auto& next, auto& running) { running.board.camera.exposure_us = next.board.camera.exposure_us; }},
+    HotKey{FileKind::kBoard, "camera.exposure_steps", kCamera,
+           [](const auto& next, auto& running) {
+             running.board.camera.exposure_steps = next.board.camera.exposure_steps;
+           }},
     HotKey{FileKind::kBoard, "camera.gain", kCamera,
            [](const auto& next, auto& running) { running.board.camera.gain = next.board.camera.gain; }},
     HotKey{FileKind::kBoard, "camera.white_balance_k", kCamera,

@@ -100,6 +100,10 @@ LibcameraNumbers controls_for(const CameraSettings& asked, const LibcameraLimits
       lacking(grants);
     }
   }
+  if (asked.exposure_steps != kExposureStepsLeave) {
+    note(grants, "exposure_steps", asked.exposure_steps);
+    lacking(grants);
+  }
   if (limits.has(kFlickerPeriod)) {
     if (asked.power_line == PowerLine::kOff) controls[kFlickerManual] = 0.0;
     if (asked.power_line == PowerLine::k50Hz || asked.power_line == PowerLine::k60Hz) {

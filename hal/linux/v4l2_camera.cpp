@@ -54,7 +54,7 @@ Status V4l2Camera::open_anew() {
     decoded_.allocate(buffers_.count(), std::size_t{3} * picture_.width_px * picture_.height_px);
   }
   grants_before_controls_ = grants_.size();
-  apply_controls(device_, settings_, grants_);
+  noted(apply_controls(device_, settings_, grants_), grants_);
   tell_grants();
   return {};
 }
@@ -145,6 +145,15 @@ Status V4l2Camera::map_buffers() {
   return {};
 }
 
+/// `exposure`, in force from now on; `text` tells where the rate leaves no room for it.
+Duration V4l2Camera::noted(Duration exposure, Reason& text) const {
+  if (info_.rate_hz > 0.0 && seconds(exposure) * info_.rate_hz > 1.0) {
+    text.append("%sexposure of %.0f us: longer than a frame at %.4g Hz, so fewer frames come", text.separator(),
+                seconds(exposure) * 1e6, info_.rate_hz);
+  }
+  return exposure;
+}
+
 /// What is in force, for the start's message; and what differs from the settings, for reason().
 void V4l2Camera::tell_grants() {
   reason_.clear();
@@ -187,7 +196,7 @@ Status V4l2Camera::do_start() {
   streaming_ = true;
   // Again: some cameras go back to automatic when the stream begins.
   grants_.truncate(grants_before_controls_);
-  stamps_.restart(apply_controls(device_, settings_, grants_));
+  stamps_.restart(noted(apply_controls(device_, settings_, grants_), grants_));
   tell_grants();
   return {};
 }
@@ -296,11 +305,12 @@ void V4l2Camera::do_release(std::uint32_t buffer) noexcept {
 /// Beside wait() on another thread: of what that writes, nothing is touched but the exposure time for the stamps.
 Status V4l2Camera::do_adjust(const CameraSettings& settings, std::string& grants) {
   const std::scoped_lock alone(changing_);
+  const CameraSettings before = settings_;
   settings_.take_controls(settings);
   grants.clear();
   if (!device_.is_open()) return {};
   Reason text;
-  stamps_.set_exposure(apply_controls(device_, settings_, text));
+  stamps_.set_exposure(noted(change_controls(device_, before, settings_, text), text));
   if (!text.empty()) grants = std::string(name()) + ": " + text.text();
   return {};
 }

@@ -62,6 +62,7 @@ class V4l2Camera final : public Camera {
   Status map_buffers();
   void note_device();
   void note_rate();
+  Duration noted(Duration exposure, Reason& text) const;
   void tell_grants();
   [[nodiscard]] bool decodes() const { return picture_.format == CameraFormat::kMjpg; }
   Result<FrameLease> timed_out();

@@ -13,10 +13,13 @@ constexpr std::int64_t kLongestMenu = 64;
 
 const char* key_of(std::uint32_t id) {
   switch (id) {
-    case V4L2_CID_EXPOSURE_AUTO:
     case V4L2_CID_EXPOSURE_AUTO_PRIORITY:
+      return "rate_hz";
+    case V4L2_CID_EXPOSURE_AUTO:
     case V4L2_CID_EXPOSURE_ABSOLUTE:
       return "exposure_us";
+    case V4L2_CID_EXPOSURE:
+      return "exposure_steps";
     case V4L2_CID_AUTOGAIN:
     case V4L2_CID_GAIN:
     case V4L2_CID_ANALOGUE_GAIN:

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cinttypes>
+#include <cmath>
 #include <cstdint>
 
 #include "hal/linux/system_error.h"
@@ -54,75 +55,104 @@ struct Wish {
   int value;
 };
 
+/// A camera, and who hears of what it grants otherwise.
+struct Controlled {
+  const V4l2Device& device;
+  Reason& grants;
+  bool streams = false;  // then each write may cost frames, and none is made that changes nothing
+};
+
 void note(Reason& grants, const Wish& wish) { grants.append("%s%s = %d: ", grants.separator(), wish.key, wish.value); }
 
-/// Sets a control that a camera may lack without harm, such as the automatic twin of a value.
-void switch_off(const V4l2Device& device, std::uint32_t id, int off, const char* name, const Wish& wish,
-                Reason& grants) {
+/// Sets a control that a camera may lack without harm, such as the automatic twin of a value. `or_to`: as good as `to`,
+/// for cameras that refuse that.
+void switch_off(const Controlled& camera, std::uint32_t id, int to, int or_to, const char* name, const Wish& wish) {
   Control control;
-  if (!find(device, id, control)) return;
-  const int error = set(device, id, off);
-  int value = off;
-  if (error == 0 && get(device, id, value) == 0 && value == off) return;
-  note(grants, wish);
-  grants.append("%s stays on (%s)", name, error != 0 ? system_text(error) : "the driver kept it");
+  if (!find(camera.device, id, control)) return;
+  int value = to;
+  const auto is_off = [&] { return get(camera.device, id, value) == 0 && (value == to || value == or_to); };
+  if (camera.streams && is_off()) return;
+  int error = set(camera.device, id, to);
+  if (error == EINVAL && or_to != to) error = set(camera.device, id, or_to);
+  if (error == 0 && is_off()) return;
+  note(camera.grants, wish);
+  camera.grants.append("%s stays on (%s)", name, error != 0 ? system_text(error) : "the driver kept it");
+}
+
+void switch_off(const Controlled& camera, std::uint32_t id, const char* name, const Wish& wish) {
+  switch_off(camera, id, 0, 0, name, wish);
 }
 
 /// Sets `wish.value` in units of `unit` and reads it back; false when the camera has no such control.
-bool set_value(const V4l2Device& device, std::uint32_t id, int unit, const Wish& wish, Reason& grants) {
+bool set_value(const Controlled& camera, std::uint32_t id, int unit, const Wish& wish) {
   Control control;
-  if (!find(device, id, control)) return false;
-  const int error = set(device, id, nearest(control, (wish.value + unit / 2) / unit));
+  if (!find(camera.device, id, control)) return false;
+  const int error = set(camera.device, id, nearest(control, (wish.value + unit / 2) / unit));
   if (error != 0) {
-    note(grants, wish);
-    grants.append("refused (%s)", system_text(error));
+    note(camera.grants, wish);
+    camera.grants.append("refused (%s)", system_text(error));
     return true;
   }
   int granted = 0;
-  const int read_error = get(device, id, granted);
+  const int read_error = get(camera.device, id, granted);
   if (read_error != 0) {
-    note(grants, wish);
-    grants.append("set, but cannot be read back (%s)", system_text(read_error));
+    note(camera.grants, wish);
+    camera.grants.append("set, but cannot be read back (%s)", system_text(read_error));
   } else if (std::int64_t{granted} * unit != wish.value) {
-    note(grants, wish);
-    grants.append("granted %" PRId64 " (range %" PRId64 " to %" PRId64 ", step %" PRId64 ")",
-                  std::int64_t{granted} * unit, control.low * unit, control.high * unit, control.step * unit);
+    note(camera.grants, wish);
+    camera.grants.append("granted %" PRId64 " (range %" PRId64 " to %" PRId64 ", step %" PRId64 ")",
+                         std::int64_t{granted} * unit, control.low * unit, control.high * unit, control.step * unit);
   }
   return true;
 }
 
-void lacking(const Wish& wish, Reason& grants) {
-  note(grants, wish);
-  grants.append("the camera has no such control");
+void lacking(const Controlled& camera, const Wish& wish) {
+  note(camera.grants, wish);
+  camera.grants.append("the camera has no such control");
 }
 
-void fix_exposure(const V4l2Device& device, int exposure_us, Reason& grants) {
-  const Wish wish{"exposure_us", exposure_us};
-  switch_off(device, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL, "automatic exposure", wish, grants);
-  // Else UVC cameras lower the frame rate in the dark.
-  switch_off(device, V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0, "exposure before frame rate", wish, grants);
-  if (!set_value(device, V4L2_CID_EXPOSURE_ABSOLUTE, kExposureStepUs, wish, grants)) lacking(wish, grants);
+/// UVC cameras lower the frame rate in the dark otherwise, whatever was granted.
+void fix_rate(const Controlled& camera, double rate_hz) {
+  switch_off(camera, V4L2_CID_EXPOSURE_AUTO_PRIORITY, "exposure before frame rate",
+             {"rate_hz", static_cast<int>(std::lround(rate_hz))});
 }
 
-void fix_gain(const V4l2Device& device, int gain, Reason& grants) {
+void fix_exposure(const Controlled& camera, const CameraSettings& asked) {
+  const bool in_steps = asked.exposure_steps != kExposureStepsLeave;
+  const Wish wish = in_steps ? Wish{"exposure_steps", asked.exposure_steps} : Wish{"exposure_us", asked.exposure_us};
+  const std::uint32_t id = in_steps ? V4L2_CID_EXPOSURE : V4L2_CID_EXPOSURE_ABSOLUTE;
+  Control steps;
+  if (!in_steps && !find(camera.device, id, steps) && find(camera.device, V4L2_CID_EXPOSURE, steps)) {
+    note(camera.grants, wish);
+    camera.grants.append("the camera counts exposure in steps of its own, %" PRId64 " to %" PRId64
+                         ", and not in time: exposure_steps fixes it",
+                         steps.low, steps.high);
+    return;  // fixed at anything, it would be worse than automatic
+  }
+  // In shutter priority the time is fixed and the aperture is automatic.
+  switch_off(camera, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL, V4L2_EXPOSURE_SHUTTER_PRIORITY, "automatic exposure",
+             wish);
+  if (!set_value(camera, id, in_steps ? 1 : kExposureStepUs, wish)) lacking(camera, wish);
+}
+
+void fix_gain(const Controlled& camera, int gain) {
   const Wish wish{"gain", gain};
-  switch_off(device, V4L2_CID_AUTOGAIN, 0, "automatic gain", wish, grants);
-  if (!set_value(device, V4L2_CID_GAIN, 1, wish, grants) &&
-      !set_value(device, V4L2_CID_ANALOGUE_GAIN, 1, wish, grants)) {
-    lacking(wish, grants);
+  switch_off(camera, V4L2_CID_AUTOGAIN, "automatic gain", wish);
+  if (!set_value(camera, V4L2_CID_GAIN, 1, wish) && !set_value(camera, V4L2_CID_ANALOGUE_GAIN, 1, wish)) {
+    lacking(camera, wish);
   }
 }
 
-void fix_white_balance(const V4l2Device& device, int white_balance_k, Reason& grants) {
+void fix_white_balance(const Controlled& camera, int white_balance_k) {
   const Wish wish{"white_balance_k", white_balance_k};
-  switch_off(device, V4L2_CID_AUTO_WHITE_BALANCE, 0, "automatic white balance", wish, grants);
-  if (!set_value(device, V4L2_CID_WHITE_BALANCE_TEMPERATURE, 1, wish, grants)) lacking(wish, grants);
+  switch_off(camera, V4L2_CID_AUTO_WHITE_BALANCE, "automatic white balance", wish);
+  if (!set_value(camera, V4L2_CID_WHITE_BALANCE_TEMPERATURE, 1, wish)) lacking(camera, wish);
 }
 
-void fix_focus(const V4l2Device& device, int focus, Reason& grants) {
+void fix_focus(const Controlled& camera, int focus) {
   const Wish wish{"focus", focus};
-  switch_off(device, V4L2_CID_FOCUS_AUTO, 0, "automatic focus", wish, grants);
-  if (!set_value(device, V4L2_CID_FOCUS_ABSOLUTE, 1, wish, grants)) lacking(wish, grants);
+  switch_off(camera, V4L2_CID_FOCUS_AUTO, "automatic focus", wish);
+  if (!set_value(camera, V4L2_CID_FOCUS_ABSOLUTE, 1, wish)) lacking(camera, wish);
 }
 
 void fix_power_line(const V4l2Device& device, PowerLine power_line, Reason& grants) {
@@ -155,16 +185,37 @@ Duration exposure_in_force(const V4l2Device& device) {
   return std::chrono::microseconds(std::int64_t{steps} * kExposureStepUs);
 }
 
+Duration apply(const Controlled& camera, const CameraSettings& asked) {
+  // Flicker first: it limits which exposures some cameras accept.
+  if (asked.power_line != PowerLine::kLeave) fix_power_line(camera.device, asked.power_line, camera.grants);
+  if (asked.exposure_us > 0 || asked.exposure_steps != kExposureStepsLeave) fix_exposure(camera, asked);
+  if (asked.gain > 0) fix_gain(camera, asked.gain);
+  if (asked.white_balance_k > 0) fix_white_balance(camera, asked.white_balance_k);
+  if (asked.focus != kFocusLeave) fix_focus(camera, asked.focus);
+  return exposure_in_force(camera.device);
+}
+
 }  // namespace
 
 Duration apply_controls(const V4l2Device& device, const CameraSettings& asked, Reason& grants) {
-  // Flicker first: it limits which exposures some cameras accept.
-  if (asked.power_line != PowerLine::kLeave) fix_power_line(device, asked.power_line, grants);
-  if (asked.exposure_us > 0) fix_exposure(device, asked.exposure_us, grants);
-  if (asked.gain > 0) fix_gain(device, asked.gain, grants);
-  if (asked.white_balance_k > 0) fix_white_balance(device, asked.white_balance_k, grants);
-  if (asked.focus != kFocusLeave) fix_focus(device, asked.focus, grants);
-  return exposure_in_force(device);
+  const Controlled camera{device, grants};
+  fix_rate(camera, asked.rate_hz);
+  return apply(camera, asked);
+}
+
+Duration change_controls(const V4l2Device& device, const CameraSettings& before, const CameraSettings& asked,
+                         Reason& grants) {
+  CameraSettings changes = asked;
+  const bool other_flicker = asked.power_line != before.power_line;
+  if (!other_flicker) changes.power_line = PowerLine::kLeave;
+  if (!other_flicker && asked.exposure_us == before.exposure_us && asked.exposure_steps == before.exposure_steps) {
+    changes.exposure_us = 0;
+    changes.exposure_steps = kExposureStepsLeave;
+  }
+  if (asked.gain == before.gain) changes.gain = 0;
+  if (asked.white_balance_k == before.white_balance_k) changes.white_balance_k = 0;
+  if (asked.focus == before.focus) changes.focus = kFocusLeave;
+  return apply({device, grants, true}, changes);
 }
 
 void describe_controls(const V4l2Device& device, Reason& text) {
@@ -175,6 +226,9 @@ void describe_controls(const V4l2Device& device, Reason& text) {
                 std::int64_t{std::chrono::duration_cast<std::chrono::microseconds>(exposure).count()});
   } else if (find(device, V4L2_CID_EXPOSURE_ABSOLUTE, control)) {
     text.append(", exposure automatic");
+  } else if (int steps = 0, mode = 0; get(device, V4L2_CID_EXPOSURE, steps) == 0) {
+    const bool automatic = get(device, V4L2_CID_EXPOSURE_AUTO, mode) == 0 && mode != V4L2_EXPOSURE_MANUAL;
+    text.append(automatic ? ", exposure automatic" : ", exposure %d steps", steps);
   }
   const auto describe = [&](const char* name, std::uint32_t automatic, std::uint32_t id, const char* unit) {
     int value = 0;

@@ -50,7 +50,7 @@ std::set<std::string> checked_keys() {
 TEST(DeviceParameters, DefaultsAreValidAndKeysAreTheDocumentedOnes) {
   EXPECT_EQ(checked_keys<CameraSettings>(),
             (std::set<std::string>{"backend", "device", "format", "width_px", "height_px", "rate_hz", "buffers",
-                                   "exposure_us", "gain", "white_balance_k", "focus", "power_line"}));
+                                   "exposure_us", "exposure_steps", "gain", "white_balance_k", "focus", "power_line"}));
   EXPECT_EQ(checked_keys<RadioSettings>(),
             (std::set<std::string>{"backend", "device", "baud", "delay_s", "telemetry", "low_battery_v"}));
   EXPECT_EQ(checked_keys<GpioSettings>(),

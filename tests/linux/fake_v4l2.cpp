@@ -278,6 +278,7 @@ int VideoDevice::set(v4l2_control& control) {
   ++own.writes;
   if (own.set_error != 0) return -own.set_error;
   if (control.value < own.low || control.value > own.high) return -ERANGE;
+  if (control.value == own.refuses) return -EINVAL;
   if ((control.value - own.low) % own.step != 0) return -EINVAL;
   if (!own.stubborn) own.value = control.value;
   return 0;

@@ -24,6 +24,7 @@ struct V4l2Format {
 struct V4l2Control {
   int low = 0, high = 0, step = 1, value = 0;
   int set_error = 0;      // refuses
+  int refuses = -1;       // this value
   bool stubborn = false;  // accepts, and keeps its value
   std::uint32_t flags = 0;
   std::uint32_t type = V4L2_CTRL_TYPE_INTEGER;

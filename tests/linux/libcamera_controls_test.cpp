@@ -107,6 +107,9 @@ TEST(LibcameraControls, WhatACameraLacksIsTold) {
   asked.focus = kFocusLeave;
   EXPECT_FALSE(controls_for(asked, {}, grants)[kFlickerManual]);
   EXPECT_EQ(grants.text(), "");
+  asked.exposure_steps = 40;
+  static_cast<void>(controls_for(asked, {}, grants));
+  EXPECT_EQ(grants.text(), "exposure_steps = 40: the camera has no such control");
 }
 
 TEST(LibcameraControls, WhatIsGrantedOtherwiseIsToldInTheKeysUnits) {

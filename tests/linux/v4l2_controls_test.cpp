@@ -1,4 +1,5 @@
 #include <cerrno>
+#include <set>
 
 #include "tests/linux/v4l2_fixture.h"
 
@@ -44,7 +45,47 @@ TEST_F(V4l2ControlsTest, FixesAllThatIsAskedAndReadsItBack) {
 
 TEST_F(V4l2ControlsTest, ZeroLeavesTheDriverAlone) {
   expect_grants(untouched(settings()), "");
-  for (const auto& [id, control] : device_.controls) EXPECT_EQ(control.writes, 0) << id;
+  for (const auto& [id, control] : device_.controls) {
+    EXPECT_EQ(control.writes, id == V4L2_CID_EXPOSURE_AUTO_PRIORITY ? 1 : 0) << id;
+  }
+  EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_AUTO_PRIORITY).value, 0) << "the rate is not the driver's";
+}
+
+TEST_F(V4l2ControlsTest, ARateThatGivesWayToTheExposureIsTold) {
+  device_.controls[V4L2_CID_EXPOSURE_AUTO_PRIORITY].stubborn = true;
+  expect_grants(untouched(settings()),
+                "/dev/video0: rate_hz = 60: exposure before frame rate stays on (the driver kept it)");
+  device_.controls[V4L2_CID_EXPOSURE_AUTO_PRIORITY].stubborn = false;
+  CameraSettings asked = settings();
+  asked.exposure_us = 16700;
+  expect_grants(asked, "/dev/video0: exposure of 16700 us: longer than a frame at 60 Hz, so fewer frames come");
+}
+
+TEST_F(V4l2ControlsTest, ACameraThatCountsExposureInItsOwnStepsIsSetInThem) {
+  device_.controls.erase(V4L2_CID_EXPOSURE_ABSOLUTE);
+  device_.controls.erase(V4L2_CID_EXPOSURE_AUTO_PRIORITY);
+  device_.controls[V4L2_CID_EXPOSURE_AUTO] = {0, 1, 1, V4L2_EXPOSURE_AUTO};
+  device_.controls[V4L2_CID_EXPOSURE] = {0, 255, 1, 120};
+  CameraSettings asked = untouched(settings());
+  asked.exposure_us = 5000;
+  expect_grants(asked,
+                "/dev/video0: exposure_us = 5000: the camera counts exposure in steps of its own, 0 to 255, and not in "
+                "time: exposure_steps fixes it");
+  EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_AUTO).writes, 0) << "fixed at what nobody chose, it would be worse";
+  asked.exposure_steps = 300;
+  V4l2Camera camera(asked);
+  ASSERT_TRUE(camera.open().ok());
+  EXPECT_EQ(camera.reason(), "/dev/video0: exposure_steps = 300: granted 255 (range 0 to 255, step 1)");
+  EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_AUTO).value, V4L2_EXPOSURE_MANUAL);
+  EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE).value, 255);
+  EXPECT_NE(camera.info().granted.find(", exposure 255 steps"), std::string::npos) << camera.info().granted;
+}
+
+TEST_F(V4l2ControlsTest, ShutterPriorityFixesTheTimeWhereNothingElseDoes) {
+  device_.controls[V4L2_CID_EXPOSURE_AUTO].refuses = V4L2_EXPOSURE_MANUAL;
+  expect_grants(settings(), "");
+  EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_AUTO).value, V4L2_EXPOSURE_SHUTTER_PRIORITY);
+  EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 50);
 }
 
 TEST_F(V4l2ControlsTest, ValuesOutsideTheRangeAreClampedAndReported) {
@@ -58,7 +99,8 @@ TEST_F(V4l2ControlsTest, ValuesOutsideTheRangeAreClampedAndReported) {
       asked,
       "/dev/video0: exposure_us = 300000: granted 204700 (range 300 to 204700, step 100); gain = 1000: granted "
       "255 (range 0 to 255, step 1); white_balance_k = 4604: granted 4600 (range 2000 to 6500, step 10); "
-      "focus = 12: granted 10 (range 0 to 250, step 5)");
+      "focus = 12: granted 10 (range 0 to 250, step 5); exposure of 204700 us: longer than a frame at 60 Hz, so fewer "
+      "frames come");
 }
 
 TEST_F(V4l2ControlsTest, ARangeThatDoesNotEndOnAStepIsUsedToItsLastStep) {
@@ -162,6 +204,38 @@ TEST_F(V4l2AdjustTest, ChangesWhatTheStreamShowsWithoutAFrameLost) {
   // V4L2 stamps in whole microseconds.
   const Duration into_exposure = frame.value().frame().capture_time - device_.start_of_exposure(1);
   EXPECT_NEAR(seconds(into_exposure), 0.002, 1e-6) << "the middle of the new exposure time";
+}
+
+TEST_F(V4l2AdjustTest, WritesNothingThatDoesNotChange) {
+  device_.controls[V4L2_CID_AUTOGAIN] = {0, 1, 1, 1};
+  device_.controls[V4L2_CID_FOCUS_ABSOLUTE] = {0, 250, 5, 30};
+  CameraSettings asked = settings();
+  asked.gain = 10;
+  asked.focus = 20;
+  begin(asked);
+  const auto written_by = [&](const CameraSettings& next) {
+    for (auto& [id, control] : device_.controls) control.writes = 0;
+    std::string grants;
+    EXPECT_TRUE(camera_->adjust(next, grants).ok());
+    EXPECT_EQ(grants, "");
+    std::set<std::uint32_t> written;
+    for (const auto& [id, control] : device_.controls) {
+      if (control.writes > 0) written.insert(id);
+    }
+    return written;
+  };
+  using Controls = std::set<std::uint32_t>;
+  EXPECT_EQ(written_by(asked), Controls{});
+  asked.gain = 12;
+  EXPECT_EQ(written_by(asked), Controls{V4L2_CID_GAIN});
+  asked.exposure_us = 4000;
+  EXPECT_EQ(written_by(asked), Controls{V4L2_CID_EXPOSURE_ABSOLUTE});
+  asked.power_line = PowerLine::k50Hz;
+  EXPECT_EQ(written_by(asked), (Controls{V4L2_CID_POWER_LINE_FREQUENCY, V4L2_CID_EXPOSURE_ABSOLUTE}))
+      << "which exposures there are may depend on it";
+  device_.controls[V4L2_CID_AUTOGAIN].value = 1;
+  asked.gain = 14;
+  EXPECT_EQ(written_by(asked), (Controls{V4L2_CID_GAIN, V4L2_CID_AUTOGAIN})) << "somebody has switched it on";
 }
 
 TEST_F(V4l2AdjustTest, HoldsWhenTheCameraIsOpenedAgain) {

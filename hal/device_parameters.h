@@ -171,7 +171,7 @@ struct GpioSettings {
   static void describe(Self& self, Visitor& visit) {
     visit.choice("backend", self.backend, std::span<const Choice<GpioBackend>>(kGpioBackends),
                  "Who serves the lights, switches and buttons");
-    visit.text("chip", self.chip, "The chip whose lines are used");
+    visit.text("chip", self.chip, "The chip whose lines are used: its label, which stays, or its device");
     // Linux numbers a chip's lines from 0; no chip of a single-board computer has more than 512.
     constexpr Range kLines{kNoLine, 511};
     visit.number("status_led_line", self.status_led_line, kLines, "", "Output, high: on; -1: not wired");

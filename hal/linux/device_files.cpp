@@ -3,6 +3,8 @@
 #include <glob.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <memory>
 
 namespace touchline::hal {
 
@@ -24,6 +26,11 @@ std::vector<std::string> numbered_files(const std::string& name) {
     return a.size() != b.size() ? a.size() < b.size() : a < b;
   });
   return files;
+}
+
+bool leads_elsewhere(const std::string& file) {
+  const std::unique_ptr<char, decltype(&std::free)> target(::realpath(file.c_str(), nullptr), &std::free);
+  return target != nullptr && file != target.get();
 }
 
 }  // namespace touchline::hal

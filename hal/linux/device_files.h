@@ -11,4 +11,7 @@ std::vector<std::string> numbered_files(const std::string& name);
 /// Whether `file` is `name` and a number.
 bool is_numbered(const std::string& file, const std::string& name);
 
+/// Whether it is a link to another file.
+bool leads_elsewhere(const std::string& file);
+
 }  // namespace touchline::hal

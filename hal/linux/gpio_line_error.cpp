@@ -22,6 +22,25 @@ std::string chips_here() {
 
 }  // namespace
 
+Status find_chip(const std::string& named, std::string& device, Reason& reason) {
+  device = named;
+  if (named.find('/') != std::string::npos) return {};
+  std::string found, refused;
+  for (const GpioChipNode& chip : list_gpio_chips()) {
+    if (chip.error == EACCES) refused = chip.path;
+    if (chip.error != 0 || chip.label != named) continue;
+    if (!found.empty()) {
+      reason.set("%s: is both %s and %s; name one of them", named.c_str(), found.c_str(), chip.path.c_str());
+      return ErrorCode::kInconsistent;
+    }
+    found = chip.path;
+  }
+  if (found.empty())
+    return say_chip_refused(refused.empty() ? named : refused, refused.empty() ? ENOENT : EACCES, reason);
+  device = found;
+  return {};
+}
+
 Status say_chip_refused(const std::string& chip, int error, Reason& reason) {
   const ErrorCode code = open_error(error);
   if (code == ErrorCode::kPermission) return say_denied(reason, chip.c_str(), "gpio");

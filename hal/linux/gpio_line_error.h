@@ -7,6 +7,9 @@
 // What both versions of libgpiod have in common: the sentences.
 namespace touchline::hal {
 
+/// The device of the chip that a board file means: by its device already, or by its label, which stays where numbers
+/// change with the kernel or the order of plugging in. kInconsistent: several have this label.
+Status find_chip(const std::string& named, std::string& device, Reason& reason);
 /// With a list of the chips that are here, where that helps.
 Status say_chip_refused(const std::string& chip, int error, Reason& reason);
 /// `label`: the chip's own name.

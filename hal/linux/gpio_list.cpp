@@ -51,6 +51,8 @@ int ask(int file, GpioChipNode& chip) {
 std::vector<GpioChipNode> list_gpio_chips() {
   std::vector<GpioChipNode> chips;
   for (const std::string& path : numbered_files("/dev/gpiochip")) {
+    // Raspberry Pi OS links an old number to the new one.
+    if (leads_elsewhere(path)) continue;
     GpioChipNode chip;
     chip.path = path;
     const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);

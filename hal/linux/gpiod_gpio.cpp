@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "hal/linux/gpio_line_error.h"
 #include "hal/linux/monotonic_clock.h"
 #include "hal/linux/system_error.h"
 
@@ -17,6 +18,7 @@ Status GpiodGpio::do_open() {
   do_close();
   reason_.clear();
   Status status = check_lines();
+  if (status.ok()) status = find_chip(settings_.chip, chip_, reason_);
   if (status.ok()) {
     // Not debounced by the kernel: it tells nothing of a line that never rests.
     status =
@@ -28,10 +30,10 @@ Status GpiodGpio::do_open() {
                         {settings_.start_active_low, settings_.start_bias, "start_bias", debounce_});
   }
   if (status.ok() && settings_.status_led_line != kNoLine) {
-    status = status_led_.request_output(settings_.chip, settings_.status_led_line, reason_);
+    status = status_led_.request_output(chip_, settings_.status_led_line, reason_);
   }
   if (status.ok() && settings_.strobe_line != kNoLine) {
-    status = strobe_.request_output(settings_.chip, settings_.strobe_line, reason_);
+    status = strobe_.request_output(chip_, settings_.strobe_line, reason_);
   }
   if (!status.ok()) do_close();
   open_ = status.ok();
@@ -59,7 +61,7 @@ Status GpiodGpio::check_lines() {
 
 Status GpiodGpio::open_input(Input& input, int line, const GpioInput& how) {
   if (line == kNoLine) return {};
-  if (const Status s = input.line.request_input(settings_.chip, line, how, reason_); !s.ok()) return s;
+  if (const Status s = input.line.request_input(chip_, line, how, reason_); !s.ok()) return s;
   bool active = false;
   if (const int error = input.line.get(active); error != 0) return fail(line, "reading", error);
   input.debouncer.begin(input.line.debounced() ? Duration::zero() : debounce_, active, MonotonicClock::read());

@@ -43,6 +43,7 @@ class GpiodGpio final : public Gpio {
   ErrorCode fail(int line, const char* doing, int error);
 
   GpioSettings settings_;
+  std::string chip_;  // the device behind settings_.chip
   Duration debounce_;
   GpioLine status_led_, strobe_;
   Input emergency_stop_, start_;

@@ -78,6 +78,7 @@ class DeviceListTest : public V4l2Test {
 };
 
 TEST_F(DeviceListTest, AllThatABoardFileCanName) {
+  kernel_.link("/dev/gpiochip4", "/dev/gpiochip0");  // its number of before
   EXPECT_EQ(to_text(list_devices({"", "", ""})),
             R"(cameras
   /dev/video0  Fake Camera (driver fake, usb-0000:00:14.0-1)
@@ -96,6 +97,7 @@ serial ports
     device = "/dev/serial/by-id/usb-FTDI-if00-port0"
 GPIO chips
   /dev/gpiochip0  pppppppppppppppppppppppppppppppp, 3 lines
+    chip = "pppppppppppppppppppppppppppppppp"
        0  -                    input  free
        1  GPIO17               output held by touchline
        2  GPIO27               input  held by the kernel, active low, bias pull_up
@@ -108,6 +110,7 @@ TEST_F(DeviceListTest, AnOldKernelTellsHowManyLinesAChipHas) {
   EXPECT_TRUE(list.troubles.empty());
   EXPECT_EQ(to_text(list), R"(GPIO chips
   /dev/gpiochip0  pppppppppppppppppppppppppppppppp, 3 lines
+    chip = "pppppppppppppppppppppppppppppppp"
     which are free is told by Linux 5.10 and later
 )");
   EXPECT_NE(to_json(list).find("\"line_count\": 3"), std::string::npos);

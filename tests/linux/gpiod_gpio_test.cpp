@@ -157,6 +157,42 @@ TEST_F(GpiodGpioTest, MissingChipListsTheChipsThatAreHere) {
   expect_refusal(asked, ErrorCode::kNotFound, "/dev/gpiochip4: no such chip; GPIO chips here: none");
 }
 
+TEST_F(GpiodGpioTest, AChipIsFoundByItsLabelWhateverItsNumber) {
+  fake::GpioChip header;
+  header.name = "gpiochip4";
+  header.label = "pinctrl-rp1";
+  GpioSettings asked = settings();
+  asked.chip = "pinctrl-rp1";
+  {
+    fake::GpioChips two({&chip_, &header});
+    kernel_.link("/dev/gpiochip0", "/dev/gpiochip4");  // a number of before
+    GpiodGpio gpio(asked);
+    ASSERT_TRUE(gpio.open().ok()) << gpio.reason();
+    EXPECT_EQ(header.pins[kLed].holder, "touchline");
+    EXPECT_EQ(chip_.pins[kLed].holder, "");
+    kernel_.unlink("/dev/gpiochip0");
+    header.value_error = EIO;
+    EXPECT_FALSE(gpio.inputs(kernel_.now()).ok());
+    EXPECT_EQ(gpio.reason(), "pinctrl-rp1 line 27: reading failed: Input/output error");
+    header.value_error = 0;
+    gpio.close();
+    header.label = chip_.label;
+    asked.chip = chip_.label;
+    expect_refusal(asked, ErrorCode::kInconsistent,
+                   "pinctrl-bcm2711: is both /dev/gpiochip0 and /dev/gpiochip4; name one of them");
+    kernel_.refuse_open("/dev/gpiochip0", EACCES);
+    header.label = "pinctrl-rp1";
+    expect_refusal(
+        asked, ErrorCode::kPermission,
+        "/dev/gpiochip0: permission denied; add the user to the group gpio (`sudo usermod -aG gpio $USER`) and log in "
+        "again");
+  }
+  fake::GpioChips one({&header});
+  asked.chip = "pinctrl-bcm2711";
+  expect_refusal(asked, ErrorCode::kNotFound,
+                 "pinctrl-bcm2711: no such chip; GPIO chips here: /dev/gpiochip4 (pinctrl-rp1, 58 lines)");
+}
+
 TEST_F(GpiodGpioTest, ChipsThatCannotBeOpened) {
   chip_.open_error = EACCES;
   expect_refusal(

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdarg>
@@ -119,6 +120,9 @@ void add_chips(std::string& text, const std::vector<hal::GpioChipNode>& chips) {
       continue;
     }
     line(text, "  %s  %s, %u lines", chip.path.c_str(), chip.label.c_str(), chip.line_count);
+    const bool is_sole = std::count_if(chips.begin(), chips.end(),
+                                       [&](const hal::GpioChipNode& other) { return other.label == chip.label; }) == 1;
+    line(text, "    chip = \"%s\"", is_sole && !chip.label.empty() ? chip.label.c_str() : chip.path.c_str());
     if (chip.lines.size() < chip.line_count) line(text, "    which are free is told by Linux 5.10 and later");
     for (const hal::GpioLineNode& pin : chip.lines) {
       const std::string holder = !pin.used ? "free" : "held by " + (pin.consumer.empty() ? "the kernel" : pin.consumer);

@@ -137,13 +137,14 @@ std::optional<LibcameraNumbers> LibcameraCamera::await_controls() {
   const std::size_t frames = stream_.buffers + kFramesToSettle;
   const double rate_hz = info_.rate_hz > 0.0 ? info_.rate_hz : settings_.rate_hz;
   const Duration patience = kFrameDelay + from_seconds(2.0 / rate_hz);
+  LibcameraNumbers next;
+  while (told_.pop(next) || telling_.wait_until(Instant{})) {  // what was left over by the change before
+  }
   std::optional<LibcameraNumbers> told;
-  std::unique_lock lock(told_mutex_);
   watched_.store(true, std::memory_order_release);
   for (std::size_t i = 0; i < frames; ++i) {
-    told_.reset();
-    told_changed_.wait_for(lock, patience, [this] { return told_.has_value(); });
-    told = told_;
+    told.reset();
+    if (telling_.wait_until(MonotonicClock::read() + patience) && told_.pop(next)) told = next;
     if (!told || is_taken_with(*told, controls_)) break;
   }
   watched_.store(false, std::memory_order_release);
@@ -288,9 +289,7 @@ void LibcameraCamera::frame_done(const LibcameraFrame& frame) noexcept {
     done.state = LibcameraFrame::State::kDamaged;  // the caches may hold the picture before
   }
   if (done.state == LibcameraFrame::State::kGood && watched_.load(std::memory_order_acquire)) {
-    const std::scoped_lock alone(told_mutex_);
-    told_ = done.told;
-    told_changed_.notify_all();
+    if (told_.push(done.told)) telling_.post();
   }
   completed_.push(done);
   ready_.post();

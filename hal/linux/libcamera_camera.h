@@ -2,7 +2,6 @@
 
 #include <array>
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -132,10 +131,11 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   Semaphore ready_, work_, done_;
   std::atomic<bool> flowing_{false}, gone_{false};
   std::atomic<int> queue_error_{0};
-  std::atomic<bool> watched_{false};  // somebody wants to know what frames tell
-  std::mutex told_mutex_;
-  std::condition_variable told_changed_;
-  std::optional<LibcameraNumbers> told_;  // by the newest frame
+  // Somebody wants to know what frames tell. No lock: who changes a parameter has an ordinary priority, and frames do
+  // not wait until that thread has its turn.
+  std::atomic<bool> watched_{false};
+  SpscRing<LibcameraNumbers, 2 * kMostBuffers> told_;
+  Semaphore telling_;
   std::atomic<Task> task_{Task::kNone};
   Status result_;  // of the task; published by done_
   std::thread worker_;

@@ -15,10 +15,11 @@ namespace touchline::hal {
 namespace {
 
 // Only memory that every camera's device can write to: heap "system" is scattered, which needs an IOMMU.
-constexpr std::array<const char*, 3> kHeaps{
-    "/dev/dma_heap/vidbuf_cached",  // a name that Raspberry Pi OS gives: the one that suits the board
-    "/dev/dma_heap/linux,cma",      // contiguous memory, its size from the device tree
-    "/dev/dma_heap/reserved"};      // the same, its size from the kernel's command line
+constexpr std::array<const char*, 4> kHeaps{
+    "/dev/dma_heap/vidbuf_cached",       // a name that Raspberry Pi OS gives: the one that suits the board
+    "/dev/dma_heap/default_cma_region",  // contiguous memory, from Linux 6.17 on
+    "/dev/dma_heap/linux,cma",           // before that, its size from the device tree
+    "/dev/dma_heap/reserved"};           // the same, its size from the kernel's command line
 
 }  // namespace
 

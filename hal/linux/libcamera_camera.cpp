@@ -93,15 +93,18 @@ void LibcameraCamera::settle() {
   grants_.truncate(grants_at_open_);
   const Instant deadline = MonotonicClock::read() + kLongestStart;
   LibcameraNumbers told;
+  bool came = false;
   for (std::size_t i = 0; i < kFramesToSettle; ++i) {
     LibcameraFrame frame;
     if (!take(deadline, frame)) break;
     do_release(frame.buffer);
     if (frame.state != LibcameraFrame::State::kGood) continue;
     told = frame.told;
+    came = true;
     if (is_taken_with(told, controls_)) break;
   }
-  hal::tell_grants(settings_, limits_, controls_, told, grants_);
+  hal::tell_grants(settings_, limits_, controls_, came ? told : controls_, grants_);
+  if (!came) grants_.append("%sno frame came yet to tell what is in force", grants_.separator());
   const std::optional<double>& duration_us = told[LibcameraControl::kFrameDuration]
                                                  ? told[LibcameraControl::kFrameDuration]
                                                  : controls_[LibcameraControl::kFrameDuration];

@@ -191,6 +191,12 @@ Status V4l2Camera::do_start() {
                   name(), unsigned{info_.width_px}, unsigned{info_.height_px}, info_.rate_hz);
       return ErrorCode::kUnsupported;
     }
+    const bool has_parts = !identity_.bus.starts_with("usb-");  // sensor, receiver, scaler, each a device
+    if (has_parts && (error == EPIPE || error == ENOLINK)) {
+      reason_.set("%s: no stream: the parts of the camera are not connected, or not all set to %ux%u (`media-ctl -p`)",
+                  name(), unsigned{info_.width_px}, unsigned{info_.height_px});
+      return ErrorCode::kIo;
+    }
     return fail("starting the stream", error);
   }
   streaming_ = true;

@@ -25,6 +25,10 @@ TEST_F(DmaBufferTest, TheBestHeapIsTakenAndARefusalIsTold) {
   kernel_.add("/dev/dma_heap/linux,cma", contiguous);
   ASSERT_EQ(heap.open(), 0);
   EXPECT_EQ(heap.name(), std::string("/dev/dma_heap/linux,cma"));
+  kernel_.add("/dev/dma_heap/default_cma_region", named);
+  ASSERT_EQ(heap.open(), 0);
+  EXPECT_EQ(heap.name(), std::string("/dev/dma_heap/default_cma_region"));
+  kernel_.remove("/dev/dma_heap/default_cma_region");
   kernel_.add("/dev/dma_heap/vidbuf_cached", named);
   ASSERT_EQ(heap.open(), 0);
   EXPECT_EQ(heap.name(), std::string("/dev/dma_heap/vidbuf_cached"));

@@ -271,6 +271,27 @@ TEST_F(LibcameraStreamTest, TheStartPassesOverFramesThatAreNotYetAsAsked) {
       << camera_->reason();
 }
 
+TEST_F(LibcameraStreamTest, AStartWithoutFramesDoesNotBlameTheControls) {
+  world_.limits.low[hal::LibcameraControl::kExposure] = 75.0;
+  world_.limits.high[hal::LibcameraControl::kExposure] = 4000.0;
+  world_.limits.low[hal::LibcameraControl::kFrameDuration] = 10000.0;
+  world_.limits.high[hal::LibcameraControl::kFrameDuration] = 100000.0;
+  world_.frames_at_start = 0;
+  hal::CameraSettings asked = settings();
+  asked.exposure_us = 5000;
+  make(asked);
+  ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
+  std::thread somebody([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    world_.plug_out();  // else the start waits for two seconds
+  });
+  EXPECT_TRUE(camera_->start().ok());
+  somebody.join();
+  EXPECT_EQ(camera_->reason(), std::string(kId) +
+                                   ": exposure_us = 5000: granted 4000 (range 75 to 4000); no frame came yet to tell "
+                                   "what is in force");
+}
+
 TEST_F(LibcameraStreamTest, ThreadsAtFullSpeedLoseNothing) {
   hal::CameraSettings small = settings();
   small.width_px = 64;

@@ -263,6 +263,17 @@ TEST_F(V4l2FaultTest, RefusalsAtTheStartOfTheStream) {
   EXPECT_EQ(camera.start().code(), ErrorCode::kIo);
   EXPECT_EQ(camera.reason(), "/dev/video0: starting the stream failed: Broken pipe");
   camera.close();
+  device_.bus = "platform:rkisp1";
+  for (const int error : {EPIPE, ENOLINK}) {
+    ASSERT_TRUE(camera.open().ok());
+    device_.fail(VIDIOC_STREAMON, error);
+    EXPECT_EQ(camera.start().code(), ErrorCode::kIo) << "somebody may set them up";
+    EXPECT_EQ(
+        camera.reason(),
+        "/dev/video0: no stream: the parts of the camera are not connected, or not all set to 640x480 (`media-ctl "
+        "-p`)");
+    camera.close();
+  }
   ASSERT_TRUE(camera.open().ok());
   device_.fail(VIDIOC_QBUF, ENODEV, 1);
   EXPECT_EQ(camera.start().code(), ErrorCode::kDisconnected);

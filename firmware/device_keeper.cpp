@@ -59,7 +59,8 @@ bool DeviceKeeper::poll(Instant now) {
     return true;
   }
   ++attempts_;
-  pause_ = std::min(2 * pause_, kLongestPause);
+  const bool is_absent = last_.code() == ErrorCode::kNotFound;
+  pause_ = std::min(2 * pause_, is_absent ? std::max(kLongestPauseAbsent, first_pause_) : kLongestPause);
   next_attempt_ = now + pause_;
   return false;
 }

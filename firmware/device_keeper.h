@@ -17,6 +17,8 @@ class DeviceKeeper {
   /// Closes what is left, opens and starts the device; may block and allocate.
   using Reopen = Status (*)(void* device);
   static constexpr Duration kLongestPause = std::chrono::seconds(8);
+  // While it is not there at all, when asking costs little and somebody may be about to plug it in.
+  static constexpr Duration kLongestPauseAbsent = std::chrono::seconds(2);
 
   /// With `wait_for_driver` poll() waits until the driver has answered: in simulated time, which does not pass while a
   /// driver works, this makes a run repeatable.

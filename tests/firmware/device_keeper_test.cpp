@@ -1,6 +1,7 @@
 #include "firmware/device_keeper.h"
 
 #include <semaphore>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -13,9 +14,10 @@ Instant at(double s) { return Instant(from_seconds(s)); }
 
 struct Scripted {
   int failures = 0, calls = 0;
+  ErrorCode failure = ErrorCode::kNotFound;
   static Status reopen(void* self) {
     Scripted& script = *static_cast<Scripted*>(self);
-    return ++script.calls > script.failures ? Status() : ErrorCode::kNotFound;
+    return ++script.calls > script.failures ? Status() : script.failure;
   }
 };
 
@@ -45,6 +47,24 @@ TEST(ThreadsDeviceKeeper, PausesDoubleFromFailureToFailure) {
   EXPECT_EQ(keeper.attempts(), 0U);
   EXPECT_FALSE(keeper.poll(at(20.1)));
   EXPECT_EQ(script.calls, 5);
+}
+
+TEST(ThreadsDeviceKeeper, WhatIsAbsentIsLookedForMoreOften) {
+  for (const auto& [failure, pause] : {std::pair{ErrorCode::kNotFound, DeviceKeeper::kLongestPauseAbsent},
+                                       std::pair{ErrorCode::kIo, DeviceKeeper::kLongestPause}}) {
+    Scripted script{1000, 0, failure};
+    DeviceKeeper keeper(Scripted::reopen, &script, 100ms, true);
+    keeper.lost(at(0.0));
+    Instant now = at(0.0), last = now;
+    Duration longest{};
+    for (int calls = 0; now < at(60.0); now += 10ms) {
+      static_cast<void>(keeper.poll(now));
+      if (script.calls == calls) continue;
+      calls = script.calls;
+      longest = std::max(longest, now - std::exchange(last, now));
+    }
+    EXPECT_EQ(longest, pause) << describe(failure);
+  }
 }
 
 struct Hanging {

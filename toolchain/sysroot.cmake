@@ -1,6 +1,8 @@
 # Cross-compiles all of it with Debian's compiler (tools/setup --cross) against a sysroot (tools/sysroot SUITE); tests run under qemu.
 # A preset sets TOUCHLINE_SUITE.
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES TOUCHLINE_SUITE)
+# Which folders the compiler searches by itself is asked here; ccache with a base_dir would answer with paths that lead elsewhere.
+set(ENV{CCACHE_DISABLE} 1)
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(triplet aarch64-linux-gnu)

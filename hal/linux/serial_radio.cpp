@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <memory>
+#include <utility>
 
 #include "hal/linux/monotonic_clock.h"
 #include "hal/linux/serial_list.h"
@@ -26,6 +27,9 @@ constexpr std::size_t kFifoBytes = 64;
 // Receivers sample ten bits from one start edge: the two ends may differ by about 5 % in all, and each has its own
 // error.
 constexpr double kMaxBaudError = 0.02;
+// An adapter that takes nothing for so long hangs, and opening it again may bring it back. Not sooner: opening restarts
+// many radios, and some take seconds to begin.
+constexpr Duration kStandstill = std::chrono::seconds(5);
 // Between looks at the output while draining.
 constexpr Duration kDrainPeriod = std::chrono::milliseconds(1);
 // Between looks at a line that is busy: the kernel's own count is no finer.
@@ -42,6 +46,7 @@ Status SerialRadio::do_open() {
   lost_ = ErrorCode::kOk;
   slot_.clear();
   free_at_ = {};
+  in_driver_ = 0;
   Status status = find_port();
   if (status.ok()) status = claim_port();
   if (status.ok()) status = configure_port();
@@ -191,15 +196,25 @@ Result<std::size_t> SerialRadio::do_receive(std::span<std::byte> into) {
 Result<std::size_t> SerialRadio::waiting() {
   const int bytes = sp_output_waiting(port_);
   if (bytes < 0) return fail("asking what waits", sp_last_error_code());
-  const Duration left = std::max(free_at_ - MonotonicClock::read(), Duration::zero());
+  const Instant now = MonotonicClock::read();
+  const std::size_t before = std::exchange(in_driver_, static_cast<std::size_t>(bytes));
+  if (in_driver_ == 0 || in_driver_ < before) moved_at_ = now;
+  if (now - moved_at_ > kStandstill) {
+    reason_.set("%s: the port stands still: %zu bytes have not left for %.0f s", name(), in_driver_,
+                seconds(kStandstill));
+    return lost_ = ErrorCode::kIo;
+  }
+  const Duration left = std::max(free_at_ - now, Duration::zero());
   const auto on_line = static_cast<std::size_t>((left + byte_time_ - Duration(1)) / byte_time_);
-  return std::max(static_cast<std::size_t>(bytes), on_line);
+  return std::max(in_driver_, on_line);
 }
 
 Result<std::size_t> SerialRadio::write(std::span<const std::byte> bytes) {
   const int taken = sp_nonblocking_write(port_, bytes.data(), bytes.size());
   if (taken < 0) return fail("sending", sp_last_error_code());
-  free_at_ = std::max(free_at_, MonotonicClock::read()) + time_of(static_cast<std::size_t>(taken));
+  const Instant now = MonotonicClock::read();
+  free_at_ = std::max(free_at_, now) + time_of(static_cast<std::size_t>(taken));
+  if (taken > 0) moved_at_ = now;
   return static_cast<std::size_t>(taken);
 }
 

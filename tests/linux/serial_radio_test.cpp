@@ -317,6 +317,30 @@ TEST_F(SerialRadioTest, PluggedOutAndInAgainUnderAnotherNumber) {
   EXPECT_EQ(radio.counters().packets, 2u);
 }
 
+TEST_F(SerialRadioTest, APortThatStandsStillIsToBeOpenedAgain) {
+  SerialRadio radio(settings(1200));
+  ASSERT_TRUE(radio.open().ok());
+  adapter_.stalled = true;
+  const auto send_for = [&](Duration time) {
+    for (const Instant end = kernel_.now() + time; kernel_.now() < end;) {
+      const Status sent = radio.send(packet(60, 1));
+      if (!sent.ok() && sent != Status(ErrorCode::kBusy)) return sent;
+      kernel_.advance(std::chrono::milliseconds(17));
+    }
+    return Status{};
+  };
+  EXPECT_TRUE(send_for(std::chrono::milliseconds(4900)).ok());
+  adapter_.stalled = false;
+  EXPECT_TRUE(send_for(std::chrono::seconds(10)).ok()) << "slow, and a byte at a time";
+  adapter_.stalled = true;
+  expect_status(radio, send_for(std::chrono::milliseconds(5100)), ErrorCode::kIo,
+                text("the port stands still: " + std::to_string(adapter_.waiting()) + " bytes have not left for 5 s"));
+  EXPECT_EQ(radio.send(packet(60, 1)).code(), ErrorCode::kIo);
+  adapter_.stalled = false;
+  ASSERT_TRUE(radio.open().ok());
+  EXPECT_TRUE(send_for(std::chrono::seconds(1)).ok());
+}
+
 TEST_F(SerialRadioTest, FailureWhileWriting) {
   SerialRadio radio(settings());
   ASSERT_TRUE(radio.open().ok());

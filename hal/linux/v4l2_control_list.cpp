@@ -37,7 +37,9 @@ const char* key_of(std::uint32_t id) {
   }
 }
 
-bool is_number(std::uint32_t type) {
+bool is_number(const v4l2_queryctrl& query) {
+  const std::uint32_t type = query.type;
+  if (type == V4L2_CTRL_TYPE_INTEGER64) return (query.flags & V4L2_CTRL_FLAG_HAS_PAYLOAD) == 0;  // else a list of them
   return type == V4L2_CTRL_TYPE_INTEGER || type == V4L2_CTRL_TYPE_BOOLEAN || type == V4L2_CTRL_TYPE_MENU ||
          type == V4L2_CTRL_TYPE_INTEGER_MENU || type == V4L2_CTRL_TYPE_BITMASK;
 }
@@ -55,6 +57,34 @@ void list_menu(const V4l2Device& device, std::uint32_t type, V4l2ControlState& c
   }
 }
 
+bool read(const V4l2Device& device, V4l2ControlState& control) {
+  v4l2_control current{control.id, 0};
+  if (device.request(VIDIOC_G_CTRL, &current) != 0) return false;
+  control.value = current.value;
+  return true;
+}
+
+/// Of a control of 64 bits, which the requests for the others know nothing of.
+bool read_wide(const V4l2Device& device, V4l2ControlState& control) {
+  v4l2_query_ext_ctrl query{};
+  query.id = control.id;
+  if (device.request(VIDIOC_QUERY_EXT_CTRL, &query) == 0) {
+    control.low = query.minimum;
+    control.high = query.maximum;
+    control.step = static_cast<std::int64_t>(query.step);
+    control.normal = query.default_value;
+  }
+  v4l2_ext_control current{};
+  current.id = control.id;
+  v4l2_ext_controls request{};
+  request.which = V4L2_CTRL_WHICH_CUR_VAL;
+  request.count = 1;
+  request.controls = &current;
+  if (device.request(VIDIOC_G_EXT_CTRLS, &request) != 0) return false;
+  control.value = current.value64;
+  return true;
+}
+
 }  // namespace
 
 std::vector<V4l2ControlState> controls_of(const V4l2Device& device) {
@@ -63,7 +93,7 @@ std::vector<V4l2ControlState> controls_of(const V4l2Device& device) {
   for (int i = 0; i < kMostControls; ++i) {
     query.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
     if (device.request(VIDIOC_QUERYCTRL, &query) != 0) break;
-    if ((query.flags & V4L2_CTRL_FLAG_DISABLED) != 0 || !is_number(query.type)) continue;
+    if ((query.flags & V4L2_CTRL_FLAG_DISABLED) != 0 || !is_number(query)) continue;
     V4l2ControlState control;
     control.id = query.id;
     control.name = reinterpret_cast<const char*>(query.name);
@@ -74,9 +104,8 @@ std::vector<V4l2ControlState> controls_of(const V4l2Device& device) {
     control.normal = query.default_value;
     control.inactive = (query.flags & V4L2_CTRL_FLAG_INACTIVE) != 0;
     control.read_only = (query.flags & V4L2_CTRL_FLAG_READ_ONLY) != 0;
-    v4l2_control current{query.id, 0};
-    control.readable = (query.flags & V4L2_CTRL_FLAG_WRITE_ONLY) == 0 && device.request(VIDIOC_G_CTRL, &current) == 0;
-    control.value = current.value;
+    const bool is_read = query.type == V4L2_CTRL_TYPE_INTEGER64 ? read_wide(device, control) : read(device, control);
+    control.readable = is_read && (query.flags & V4L2_CTRL_FLAG_WRITE_ONLY) == 0;
     list_menu(device, query.type, control);
     controls.push_back(std::move(control));
   }

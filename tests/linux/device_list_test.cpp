@@ -193,6 +193,24 @@ TEST_F(DeviceListTest, TheSameForPrograms) {
 )");
 }
 
+TEST_F(DeviceListTest, ControlsOf64BitsAreListedToo) {
+  fake::V4l2Control& exposure = device_.controls[V4L2_CID_EXPOSURE] = {1, 50, 1, 7};
+  exposure.type = V4L2_CTRL_TYPE_INTEGER64;
+  exposure.name = "Exposure, ns";
+  exposure.unit = 1000000000;
+  device_.controls[V4L2_CID_PIXEL_RATE] = exposure;
+  device_.controls[V4L2_CID_PIXEL_RATE].flags = V4L2_CTRL_FLAG_READ_ONLY | V4L2_CTRL_FLAG_HAS_PAYLOAD;  // a list
+  const devices::DeviceList list = list_devices({"/dev/video0", std::nullopt, std::nullopt});
+  const auto& controls = list.cameras->at(0).controls;
+  ASSERT_EQ(controls.size(), 3u);
+  EXPECT_EQ(controls[0].name, "Exposure, ns");
+  EXPECT_EQ(controls[0].value, 7000000000);
+  EXPECT_EQ(controls[0].low, 1000000000);
+  EXPECT_EQ(controls[0].high, 50000000000);
+  EXPECT_EQ(controls[0].step, 1000000000);
+  EXPECT_TRUE(controls[0].readable);
+}
+
 TEST_F(DeviceListTest, OneOfThemByItsLink) {
   fake::VideoDevice other;
   kernel_.add("/dev/video2", other);

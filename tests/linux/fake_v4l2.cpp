@@ -122,6 +122,10 @@ int VideoDevice::handle(unsigned long request, void* argument) {
       return set(*static_cast<v4l2_control*>(argument));
     case VIDIOC_G_CTRL:
       return get(*static_cast<v4l2_control*>(argument));
+    case VIDIOC_QUERY_EXT_CTRL:
+      return query(*static_cast<v4l2_query_ext_ctrl*>(argument));
+    case VIDIOC_G_EXT_CTRLS:
+      return get(*static_cast<v4l2_ext_controls*>(argument));
     default:
       return -ENOTTY;
   }
@@ -262,12 +266,25 @@ int VideoDevice::query(v4l2_queryctrl& control) const {
   control = {};
   control.id = found->first;
   control.type = own.type;
+  control.flags = own.flags;
   copy_text(control.name, own.name);
+  if (own.type == V4L2_CTRL_TYPE_INTEGER64) return 0;  // they do not fit
   control.minimum = own.low;
   control.maximum = own.high;
   control.step = own.step;
   control.default_value = own.low;
-  control.flags = own.flags;
+  return 0;
+}
+
+int VideoDevice::query(v4l2_query_ext_ctrl& control) const {
+  const auto found = controls.find(control.id);
+  if (found == controls.end()) return -EINVAL;
+  const V4l2Control& own = found->second;
+  control.type = own.type;
+  control.minimum = own.low * own.unit;
+  control.maximum = own.high * own.unit;
+  control.step = static_cast<std::uint64_t>(own.step * own.unit);
+  control.default_value = control.minimum;
   return 0;
 }
 
@@ -288,7 +305,17 @@ int VideoDevice::get(v4l2_control& control) {
   const auto found = controls.find(control.id);
   if (found == controls.end()) return -EINVAL;
   ++found->second.reads;
+  if (found->second.type == V4L2_CTRL_TYPE_INTEGER64) return -EINVAL;
   control.value = found->second.value;
+  return 0;
+}
+
+int VideoDevice::get(v4l2_ext_controls& request) {
+  for (std::uint32_t i = 0; i < request.count; ++i) {
+    const auto found = controls.find(request.controls[i].id);
+    if (found == controls.end()) return -EINVAL;
+    request.controls[i].value64 = found->second.value * found->second.unit;
+  }
   return 0;
 }
 

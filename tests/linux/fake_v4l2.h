@@ -29,6 +29,7 @@ struct V4l2Control {
   std::uint32_t flags = 0;
   std::uint32_t type = V4L2_CTRL_TYPE_INTEGER;
   std::string name = "Control";
+  std::int64_t unit = 1;            // of 64 bits: all values are so many times as large
   std::vector<std::string> menu{};  // "": a gap
   int reads = 0, writes = 0;
 };
@@ -158,8 +159,10 @@ class VideoDevice final : public File {
   int start();
   int stop();
   int query(v4l2_queryctrl& control) const;
+  int query(v4l2_query_ext_ctrl& control) const;
   int set(v4l2_control& control);
   int get(v4l2_control& control);
+  int get(v4l2_ext_controls& request);
   void run();
   void fill(std::uint32_t sequence);
   [[nodiscard]] Duration period() const { return from_seconds(1.0 / rate_hz_); }

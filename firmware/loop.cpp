@@ -346,7 +346,11 @@ void Loop::serve_lost_devices(Instant now) {
       }
       continue;
     }
-    if (keeper.attempts() != attempts) on_fault(device, keeper.last().code(), now);
+    if (keeper.attempts() != attempts) {
+      // Not to leave, whatever the code: it did open with these settings, and who plugged it in badly may do so again.
+      const FaultAction action = is_awaited(device) ? FaultAction::kReopen : FaultAction::kDoWithout;
+      report_fault(device, keeper.last().code(), action, now);
+    }
     const double patience_s = settings_.faults.leave_after_s;
     if (is_needed(device) && patience_s > 0.0 && keeper.away(now) > from_seconds(patience_s))
       end_ = LoopEnd::kDeviceLost;

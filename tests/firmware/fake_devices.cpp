@@ -63,6 +63,7 @@ Status FakeCamera::do_open() {
   opened_s.push_back(now_s());
   const Status fault = status();
   if (is_absence(fault.code())) return ErrorCode::kNotFound;
+  if (now_s() < fits_from_s) return ErrorCode::kUnsupported;
   is_open = true;
   return {};
 }

@@ -75,6 +75,7 @@ class FakeCamera final : public hal::Camera, public Script {
   std::uint16_t width = kWidth;                  // of the frames
   std::vector<double> opened_s;                  // each attempt
   double starts_from_s = 0.0;                    // before, it opens but refuses to stream
+  double fits_from_s = 0.0;                      // before, it opens but has not what is asked for
   bool leased = false, running = false, is_open = false;
   std::optional<int> adjusted_exposure_us;
   std::string grants;  // of adjust()

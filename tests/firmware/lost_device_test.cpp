@@ -115,6 +115,17 @@ TEST_F(LoopTest, ACameraThatRefusesToStreamIsNotHeldOpen) {
   EXPECT_EQ(loop->statistics().reopened[0], 1U);
 }
 
+TEST_F(LoopTest, ACameraThatComesBackWithLessIsWaitedFor) {
+  camera.add({1.0, 1.02, ErrorCode::kDisconnected});
+  settings.faults.reopen_after_s = 0.5;
+  start();
+  camera.fits_from_s = 3.0;  // badly plugged in: USB 2 instead of 3, and not the size that is asked for
+  run_until(6.0);
+  EXPECT_EQ(loop->statistics().faults[0][static_cast<std::size_t>(ErrorCode::kUnsupported)], 2U);
+  EXPECT_EQ(loop->statistics().reopened[0], 1U);
+  EXPECT_FALSE(all_stop(5.0, 6.0));
+}
+
 TEST_F(LoopTest, TracksBeginAnewAfterTheCameraWasLost) {
   settings.faults.reopen_after_s = 0.01;
   camera.show_ball();

@@ -193,6 +193,18 @@ TEST_F(DeviceListTest, TheSameForPrograms) {
 )");
 }
 
+TEST_F(DeviceListTest, AChipByItsLabel) {
+  GpioFile other;
+  kernel_.add("/dev/gpiochip1", other);
+  EXPECT_EQ(list_devices({std::nullopt, std::nullopt, std::string(32, 'p')}).chips->size(), 2u);
+  const devices::DeviceList none = list_devices({std::nullopt, std::nullopt, "pinctrl"});
+  EXPECT_EQ(none.troubles,
+            std::vector<std::string>{"pinctrl: no such GPIO chip; here: /dev/gpiochip0, /dev/gpiochip1"});
+  EXPECT_NE(to_text(list_devices({std::nullopt, std::nullopt, ""})).find("    chip = \"/dev/gpiochip1\"\n"),
+            std::string::npos)
+      << "two have this label";
+}
+
 TEST_F(DeviceListTest, ControlsOf64BitsAreListedToo) {
   fake::V4l2Control& exposure = device_.controls[V4L2_CID_EXPOSURE] = {1, 50, 1, 7};
   exposure.type = V4L2_CTRL_TYPE_INTEGER64;

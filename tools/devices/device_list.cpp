@@ -70,7 +70,8 @@ DeviceList list_devices(const Selection& selection) {
   if (selection.gpio) {
     std::vector<hal::GpioChipNode> chips = hal::list_gpio_chips();
     select(
-        chips, *selection.gpio, "GPIO chip", list.troubles, [](const hal::GpioChipNode& node) { return node.path; },
+        chips, *selection.gpio, "GPIO chip", list.troubles,
+        [&](const hal::GpioChipNode& node) { return node.label == *selection.gpio ? node.label : node.path; },
         [](const hal::GpioChipNode& node) { return hal::refusal_text(node.path, node.error, "gpio"); });
     list.chips = std::move(chips);
   }

@@ -14,8 +14,8 @@ int main(int argc, char** argv) {
       "their lines. Without an option all of them. Nothing is changed, and a running touchline is not disturbed.",
       "touchline-devices"};
   app.footer(
-      "A device may be named by its file or by a link to it (/dev/v4l/by-path/...). Exit codes: 0 all went well, 2 a\n"
-      "device that was named is not there or refuses, 64 the command line is wrong.");
+      "A device may be named by its file or by a link to it (/dev/v4l/by-path/...), a GPIO chip by its label as well.\n"
+      "Exit codes: 0 all went well, 2 a device that was named is not there or refuses, 64 the command line is wrong.");
   CLI::Option* cameras = app.add_option("--camera", camera, "Only cameras, or only this one")->expected(0, 1);
   CLI::Option* ports = app.add_option("--serial", serial, "Only serial ports, or only this one")->expected(0, 1);
   CLI::Option* chips = app.add_option("--gpio", gpio, "Only GPIO chips, or only this one")->expected(0, 1);

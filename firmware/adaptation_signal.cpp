@@ -1,6 +1,7 @@
 #include "firmware/adaptation_signal.h"
 
 #include <csignal>
+#include <initializer_list>
 
 namespace touchline {
 namespace {

@@ -130,16 +130,16 @@ void Labeling::report(Quota quota, Regions& regions) {
 }
 
 void Labeling::chain(Runs& runs, Regions& regions) {
-  std::uint32_t nowhere = 0, kept = 0;
+  std::uint32_t kept = 0;
   for (std::size_t i = 0; i < regions.size(); ++i) end_of_chain_[i] = &regions[i].first_run;
-  end_of_chain_[kDropped] = &nowhere;
+  end_of_chain_[kDropped] = &nowhere_;
   for (const Run& run : runs) {
     const std::uint32_t number = region_of_[parent_[run.next]];
     Run& place = runs[kept];
     place = run;
     place.next = kNoRun;
     *end_of_chain_[number] = kept;
-    end_of_chain_[number] = number == kDropped ? &nowhere : &place.next;
+    end_of_chain_[number] = number == kDropped ? &nowhere_ : &place.next;
     kept += number == kDropped ? 0u : 1u;
   }
   runs.resize(kept);

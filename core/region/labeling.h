@@ -64,6 +64,7 @@ class Labeling {
   static constexpr std::size_t kAreaBins = kMaxFrameWidth * kMaxFrameHeight / kMaxRegions + 2;
   std::array<std::uint32_t, kAreaBins> of_area_{};
   std::array<std::uint32_t*, kMaxRegions + 1> end_of_chain_{};  // the last one: of all that is dropped
+  std::uint32_t nowhere_ = 0;                                   // where that leads
   std::uint32_t labels_ = 0, components_ = 0;
   std::size_t above_ = 0;  // the first run of the last row added
   std::uint32_t min_area_px_ = 1;

@@ -77,7 +77,8 @@ int write_scene(const config::BoardFile& board, const arena::SceneWord& scene,
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Pictures of the mock arena with their truth: to calibrate from, and to measure recognition with"};
+  CLI::App app{"Pictures of the mock arena with their truth: to calibrate from, and to measure recognition with",
+               "touchline-arena"};
   std::string scenes;
   for (const arena::SceneWord& scene : arena::scene_words()) {
     scenes += "\n  " + std::string(scene.word) + ": " + std::string(scene.help);

@@ -161,7 +161,9 @@ void FieldCommand::add_options(CLI::App& app) {
       ->check(number_range(0.3, 20.0));
   app.add_option("--kind", kind, "Which camera model the firmware uses: full, or paper (Klancar eq. 12-15)")
       ->check(CLI::IsMember({"full", "paper"}));
-  app.add_flag("!--no-refine", refine, "Keep to the points given: do not look for the field's border in the picture");
+  app.add_flag_callback(
+      "--no-refine", [this] { refine = false; },
+      "Keep to the points given: do not look for the field's border in the picture");
   app.add_option("--roi", region, "Pixels u,v of the region of interest's corners, three or more");
   app.add_option("--preview", preview,
                  "PNG to write: border and markings as the model sees them; beside it NAME-errors.png, the residuals");

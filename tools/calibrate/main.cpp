@@ -35,7 +35,8 @@ int refuse(const std::string& message) {
 
 int main(int argc, char** argv) {
   using namespace touchline::calibrate;
-  CLI::App app("Finds what the pipeline must know of a hall and writes it into a venue file, a section a command");
+  CLI::App app("Finds what the pipeline must know of a hall and writes it into a venue file, a section a command",
+               "touchline-calibrate");
   app.require_subcommand(1);
   FieldCommand field;
   LightCommand light;

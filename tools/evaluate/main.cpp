@@ -161,7 +161,8 @@ int main(int argc, char** argv) {
       "  touchline-evaluate TRUTH.jsonl RESULT.jsonl            poses of rendered or measured scenes\n"
       "  touchline-evaluate --annotated TRUTH.json RESULT.jsonl...  pixels of pictures annotated by hand (or a "
       "folder)\n"
-      "  touchline-evaluate --spread RESULT.jsonl               noise of what stands still, without any truth"};
+      "  touchline-evaluate --spread RESULT.jsonl               noise of what stands still, without any truth",
+      "touchline-evaluate"};
   app.add_option("files", options.files, "TRUTH.jsonl and RESULT.jsonl; else only results")->required();
   app.add_option("--annotated", options.annotated, "An annotated picture (json), or a folder of them");
   app.add_flag("--spread", options.spread, "RMS and largest distance of each id from its mean");

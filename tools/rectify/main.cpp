@@ -120,7 +120,8 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Figures 11 and 12 of Klancar et al. for any picture: NAME-distorted.png as the camera shows it,\n"
       "NAME-MODEL-radial.png with the lens corrected, NAME-MODEL-both.png with lens and perspective corrected\n"
-      "(the floor to scale, x to the right, y up). MODEL is full or paper. Prints how straight the border is in each");
+      "(the floor to scale, x to the right, y up). MODEL is full or paper. Prints how straight the border is in each",
+      "touchline-rectify");
   app.add_option("picture", options.picture, "A picture, or a video (its first frame)")->required();
   app.add_option("--venue", options.venue, "Venue file with the camera model")->required();
   app.add_option("--out", options.out, "Folder for the pictures; made when it does not exist")->required();

@@ -155,7 +155,8 @@ int main(int argc, char** argv) {
       "Figures 8 and 13 to 15 of Klancar et al. for any picture with patches of one color all over the field:\n"
       "NAME-figure8.png the illumination map as a surface, NAME-figure13.png the picture with contours of the\n"
       "illumination, NAME-figure14.png and NAME-figure15.png the pixels between thresholds from one patch, before and\n"
-      "after the correction, NAME-corrected.png. Prints how many of the patches are recognized in each");
+      "after the correction, NAME-corrected.png. Prints how many of the patches are recognized in each",
+      "touchline-relight");
   app.add_option("picture", options.picture, "A picture, or a video (its first frame)")->required();
   app.add_option("--venue", options.venue, "Venue file with light map and camera model")->required();
   app.add_option("--out", options.out, "Folder for the pictures; made when it does not exist")->required();

@@ -66,7 +66,8 @@ void print(const ReplaySummary& s, double elapsed_s) {
 int main(int argc, char** argv) {
   ReplayOptions options;
   bool quiet = false;
-  CLI::App app{"Sends pictures or a video through the pipeline and writes what it saw, one JSON object a frame."};
+  CLI::App app{"Sends pictures or a video through the pipeline and writes what it saw, one JSON object a frame.",
+               "touchline-replay"};
   app.add_option("input", options.input, "A folder of pictures (png, ppm, jpg), one picture, or a video")->required();
   app.add_option("--venue", options.venue, "Venue file")->required();
   app.add_option("--team", options.team, "Team file")->required();

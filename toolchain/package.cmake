@@ -40,6 +40,8 @@ set(CPACK_DEBIAN_PACKAGE_MAINTAINER "The Touchline authors <touchline@invalid.ex
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 # libcamera-ipa: what libcamera loads for a camera at a ribbon cable; without it there is no camera at all.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "adduser, libcamera-ipa")
+# stress-ng: touchline-latency --load.
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "stress-ng, v4l-utils, gpiod")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION TRUE)
 foreach(script postinst prerm postrm)

@@ -1,0 +1,109 @@
+#!/usr/bin/env bash
+# What the .deb brings beside the programs, without a package and without root: package_test.sh CASE [ARGUMENTS]
+set -euo pipefail
+package=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../toolchain/package" && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+fail() { echo "$*"; exit 1; }
+
+# A board that is a folder: what the scripts of the package call is written down and done by nobody.
+export DPKG_ROOT=$work/board PATH=$work/fakes:$PATH
+etc=$DPKG_ROOT/etc/touchline boards=$DPKG_ROOT/usr/share/touchline/boards
+mkdir -p "$work/fakes" "$boards" "$DPKG_ROOT/run/systemd/system" "$DPKG_ROOT/run/udev" "$DPKG_ROOT/etc"
+touch "$DPKG_ROOT/run/udev/control"
+cp -r "$package/../../boards/mock" "$boards/"
+for program in getent addgroup adduser udevadm systemctl deb-systemd-invoke; do
+  printf '#!/bin/sh\necho %s "$*" >>"%s"\n[ ! -e "%s/no-$1" ]\n' "$program" "$work/called" "$work" >"$work/fakes/$program"
+done
+printf '#!/bin/sh\necho touchline video\n' >"$work/fakes/id"
+chmod +x "$work"/fakes/*
+script() { sh "$package/$1" "${@:2}" >"$work/said"; }
+called() { grep -qxF -- "$1" "$work/called"; }
+
+case $1 in
+  FilesComeOnceAndAreKept)
+    script postinst configure ""
+    for file in board.toml venue.toml team.toml venue-light.png; do cmp "$boards/mock/$file" "$etc/$file"; done
+    [ "$(find "$etc" -type f | wc -l)" = 4 ] || fail "more files than it should"
+    grep -q "built-in arena" "$work/said" || fail "does not say what it did"
+    called "adduser --quiet touchline gpio" || fail "not in the group gpio"
+    ! called "adduser --quiet touchline video" || fail "twice in a group"
+    called "deb-systemd-invoke try-restart touchline.service" || fail "the new program does not run"
+    echo "the hall's own" >"$etc/venue.toml"
+    rm "$etc/team.toml"
+    script postinst configure ""
+    script postinst configure 0.1.0
+    script prerm upgrade 0.2.0
+    script postrm upgrade 0.2.0
+    script prerm remove
+    script postrm remove
+    [ "$(cat "$etc/venue.toml")" = "the hall's own" ] || fail "the venue file has changed"
+    [ ! -e "$etc/team.toml" ] || fail "a file came back that the team has taken away"
+    ;;
+  AnInterruptedFirstInstallationIsMadeWhole)
+    printf '#!/bin/sh\ncase $1 in *team.toml) echo half >"$2"; exit 1 ;; esac\nexec %s "$@"\n' "$(command -v cp)" >"$work/fakes/cp"
+    chmod +x "$work/fakes/cp"
+    if script postinst configure ""; then fail "a failure is not told"; fi
+    rm "$work/fakes/cp"
+    script postinst configure ""
+    for file in board.toml venue.toml team.toml venue-light.png; do cmp "$boards/mock/$file" "$etc/$file"; done
+    [ "$(find "$etc" -type f | wc -l)" = 4 ] || fail "something half is left"
+    ;;
+  AFailedRemovalStartsItAgain)
+    script prerm remove
+    called "deb-systemd-invoke stop touchline.service" || fail "not stopped"
+    script postinst abort-remove
+    called "deb-systemd-invoke start touchline.service" || fail "not started again"
+    [ ! -e "$etc" ] || fail "more was done than that"
+    # One that is not enabled did not run by itself.
+    rm "$work/called"
+    touch "$work/no---quiet"
+    script postinst abort-remove
+    ! called "deb-systemd-invoke start touchline.service" || fail "started though it is not enabled"
+    ;;
+  PurgingLeavesNothing)
+    script postinst configure ""
+    mkdir -p "$DPKG_ROOT/var/lib/touchline" "$DPKG_ROOT/var/cache/touchline" "$DPKG_ROOT/etc/systemd/system/multi-user.target.wants"
+    ln -s nowhere "$DPKG_ROOT/etc/systemd/system/multi-user.target.wants/touchline.service"
+    script postrm purge
+    script postrm purge
+    [ -z "$(find "$DPKG_ROOT" -path "$DPKG_ROOT/usr" -prune -o -name '*touchline*' -print)" ] || fail "something is left"
+    ;;
+  RulesHoldForWhatIsPluggedInAlready)
+    script postinst configure ""
+    called "udevadm control --reload" || fail "the rules are not read"
+    mapfile -t subsystems < <(grep -o 'SUBSYSTEM=="[^"]*"' "$package/touchline.rules" | cut -d '"' -f 2 | sort -u)
+    [ ${#subsystems[@]} -ge 5 ] || fail "rules for ${subsystems[*]} only"
+    for subsystem in "${subsystems[@]}"; do
+      grep "^udevadm trigger" "$work/called" | grep -qE -- "--subsystem-match=$subsystem( |\$)" || fail "$subsystem is not triggered"
+    done
+    # trigger says "change".
+    ! grep -q 'ACTION=="add"' "$package/touchline.rules" || fail "a rule is for what is plugged in later only"
+    ;;
+  TheServiceIsSound)
+    # $2: systemd-analyze. The program is another; the rest is as delivered.
+    sed 's|^ExecStart=.*|ExecStart=/bin/true|; /^Documentation=/d' "$package/touchline.service" >"$work/touchline.service"
+    said=$("$2" verify "$work/touchline.service" 2>&1) && [ -z "$said" ] || fail "$said"
+    # What the manager would not see: exposure 1.5 of 10 at most.
+    "$2" security --offline=true --threshold=15 --no-pager "$work/touchline.service" >"$work/said" || fail "$(tail -n 1 "$work/said")"
+    for line in WatchdogSec=5 Type=notify LimitRTPRIO=99 LimitMEMLOCK=infinity User=touchline ProtectSystem=strict DevicePolicy=closed \
+      'RestartPreventExitStatus=1 64' StartLimitIntervalSec=0 StateDirectory=touchline; do
+      grep -qxF "$line" "$package/touchline.service" || fail "$line is missing"
+    done
+    ;;
+  ManualPage)
+    # $2: its name; the rest: the program, after its emulator where it needs one. Whatever --help lists is in the page.
+    name=$2
+    "$package/man-page" "$name" 1.2.3 "$work/page.gz" "${@:3}"
+    gunzip -c "$work/page.gz" | sed 's/\\-/-/g' >"$work/page"
+    grep -qE "^$name - ." "$work/page" || fail "no name and summary"
+    grep -qE "^\.B $name( |\$)" "$work/page" || fail "the synopsis does not begin with the program's name"
+    ! grep -nF "$(dirname "${@: -1}")" "$work/page" || fail "names this machine's folders"
+    "${@:3}" --help | grep -oE -- '--[a-z][a-z-]+' | sort -u >"$work/options"
+    [ -s "$work/options" ] || fail "no options"
+    while IFS= read -r option; do
+      grep -qF -- "$option" "$work/page" || fail "$option is missing"
+    done <"$work/options"
+    ;;
+  *) fail "no such case: $1" ;;
+esac

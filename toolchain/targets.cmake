@@ -34,6 +34,8 @@ function(touchline_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE touchline_options ${ARG_LINK})
+  # Else a library's function is looked up when the loop calls it first.
+  target_link_options(${name} PRIVATE -Wl,-z,now)
   add_dependencies(programs ${name})
   set_property(GLOBAL APPEND PROPERTY TOUCHLINE_PROGRAMS ${name})
   install(TARGETS ${name} RUNTIME)

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# tools/deploy against a board that is a folder: ssh, apt-get and systemctl are replaced on the PATH. deploy_test.sh CASE
+# tools/deploy against a board that is a folder: apt-get, systemctl and sudo are replaced on the PATH, and ssh but for
+# OverARealConnection. deploy_test.sh CASE [SSHD]
 set -euo pipefail
 source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-fakes=$work/fakes board=$work/board
+fakes=$work/fakes board=$work/board own_arch=$(dpkg --print-architecture)
 mkdir -p "$fakes" "$board/etc/touchline" "$board/tmp"
-export TOUCHLINE_ROOT=$board TMPDIR=$board/tmp PATH=$fakes:$PATH
+export TOUCHLINE_ROOT=$board TOUCHLINE_STEADY_S=0 TMPDIR=$board/tmp PATH=$fakes:$PATH
 
 fake() { cat >"$fakes/$1"; chmod +x "$fakes/$1"; }
 fake ssh <<'END'
@@ -23,14 +24,35 @@ done
 shift
 exec sh -c "$*"
 END
+fake dpkg <<'END'
+#!/bin/sh
+cat "$TOUCHLINE_ROOT/arch"
+END
+# Whoever runs the test is no root on the board.
+fake id <<'END'
+#!/bin/sh
+echo 1000
+END
+# With a file "password" sudo wants what stands there.
 fake sudo <<'END'
 #!/bin/sh
-[ "$1" = -n ] && shift
+password=$TOUCHLINE_ROOT/password
+if [ "$1" = -n ]; then
+  shift
+  [ ! -f "$password" ] || { echo "sudo: a password is required" >&2; exit 1; }
+elif [ "$1 $2 $3" = "-S -p " ]; then
+  shift 3
+  IFS= read -r said && [ "$said" = "$(cat "$password")" ] || exit 1
+fi
 exec "$@"
 END
 fake dpkg-query <<'END'
 #!/bin/sh
-[ ! -f "$TOUCHLINE_ROOT/version" ] || echo "installed $(cat "$TOUCHLINE_ROOT/version")"
+for pattern; do :; done
+case $pattern in
+  libcamera*) cat "$TOUCHLINE_ROOT/libcamera" 2>/dev/null ;;
+  *) [ -f "$TOUCHLINE_ROOT/version" ] && printf '%s\n' "$3" | sed "s/.{db:Status-Status}/installed/; s/.{Version}/$(cat "$TOUCHLINE_ROOT/version")/; s/.n$//" ;;
+esac
 END
 # Versions that begin with 9 cannot be fetched, those with 8 cannot be installed, those with 5 not before the lists are new.
 fake apt-get <<'END'
@@ -46,7 +68,7 @@ case "$version $*" in
 esac
 echo "$version" >"$TOUCHLINE_ROOT/version"
 END
-# Versions that begin with 7 start and never see a frame, those with 6 fail; without a camera all do.
+# Versions that begin with 7 start and never see a frame, those with 6 fail, those with 4 after their first frame; without a camera all do.
 fake systemctl <<'END'
 #!/bin/sh
 state=$TOUCHLINE_ROOT/state
@@ -54,7 +76,9 @@ case $1 in
   start)
     case $(cat "$TOUCHLINE_ROOT/no-camera" "$TOUCHLINE_ROOT/version" 2>/dev/null) in 7*) echo activating ;; 6*) echo failed ;; *) echo active ;; esac >"$state" ;;
   stop) echo inactive >"$state"; [ -f "$TOUCHLINE_ROOT/version" ] || exit 5 ;;
-  show) cat "$state" ;;
+  show)
+    cat "$state"
+    case $(cat "$TOUCHLINE_ROOT/version" "$state") in 4*active) echo activating >"$state" ;; esac ;;
   enable) touch "$TOUCHLINE_ROOT/enabled" ;;
   *) echo "$1" >>"$TOUCHLINE_ROOT/others" ;;
 esac
@@ -64,11 +88,12 @@ fake journalctl <<'END'
 echo "camera: no such device"
 END
 
-# package VERSION [ARCH]: prints the path of such a package.
+# package VERSION [ARCH [DEPENDS]]: prints the path of such a package.
 package() {
   local tree=$work/tree deb=$work/touchline_$1.deb
   mkdir -p "$tree/DEBIAN"
-  printf 'Package: touchline\nVersion: %s\nArchitecture: %s\nMaintainer: nobody\nDescription: test\n' "$1" "${2:-$(dpkg --print-architecture)}" \
+  printf 'Package: touchline\nVersion: %s\nArchitecture: %s\nDepends: %s\nMaintainer: nobody\nDescription: test\n' "$1" "${2:-$own_arch}" \
+    "${3:-libc6}" \
     >"$tree/DEBIAN/control"
   dpkg-deb --build -Znone "$tree" "$deb" >/dev/null
   echo "$deb"
@@ -90,6 +115,8 @@ runs() {
   [ "$(cat "$board/version") $(cat "$board/state")" = "$1 active" ] || fail "version $(cat "$board/version") is $(cat "$board/state") instead of $1"
 }
 
+echo "$own_arch" >"$board/arch"
+echo VERSION_CODENAME=bookworm >"$board/etc/os-release"
 echo "the hall's own" >"$board/etc/touchline/venue.toml"
 echo "the old one's" >"$board/etc/touchline/board.toml"
 case $1 in
@@ -168,6 +195,105 @@ case $1 in
     says "install 1.0"
     says "dry run"
     [ ! -e "$board/version" ] && [ ! -e "$board/state" ] && [ ! -e "$board/var" ] || fail "something was done"
+    ;;
+  FilesMayBeCalledAnything)
+    mkdir "$work/-con fig"
+    echo "the new one's" >"$work/elsewhere"
+    ln -s ../elsewhere "$work/-con fig/board.toml"
+    echo "is a link no more" >"$work/-con fig/-what's this.toml"
+    package 1.0 >/dev/null
+    cd "$work"
+    mv -- touchline_1.0.deb "-it's 1.0.deb"
+    deploy 0 robot@board --deb "-it's 1.0.deb" --config "-con fig"
+    runs 1.0
+    [ "$(cat "$board/etc/touchline/board.toml")" = "the new one's" ] || fail "a linked file did not arrive"
+    [ -f "$board/etc/touchline/-what's this.toml" ] || fail "a file did not arrive"
+    ;;
+  AFrameIsNotEnough)
+    export TOUCHLINE_STEADY_S=1
+    deploy 2 robot@board --deb "$(package 4.0)"
+    says "ended soon after its first frame"
+    says "camera: no such device"
+    ;;
+  OneAtATime)
+    mkdir -p "$board/var/cache/touchline"
+    exec 8>"$board/var/cache/touchline/lock"
+    flock 8
+    deploy 1 robot@board --deb "$(package 1.0)"
+    says "another deployment"
+    [ ! -e "$board/version" ] || fail "something was installed"
+    exec 8>&-
+    deploy 0 robot@board --deb "$(package 1.0)"
+    ;;
+  SudoMayWantAPassword)
+    echo "open sesame" >"$board/password"
+    deploy 0 robot@board --dry-run --deb "$(package 1.0)"
+    says "sudo will want a password"
+    deploy 1 robot@board --deb "$(package 1.0)" </dev/null
+    says "wants a password"
+    deploy 1 robot@board --deb "$(package 1.0)" <<<"sesame"
+    says "refuses the password"
+    [ ! -e "$board/version" ] || fail "something was installed"
+    deploy 0 robot@board --deb "$(package 1.0)" <<<"open sesame"
+    runs 1.0
+    ! grep -rq sesame "$work/said" "$board/tmp" || fail "the password has been left behind"
+    ;;
+  ItSaysWhereAPackageComesFrom)
+    echo VERSION_CODENAME=noble >"$board/etc/os-release"
+    echo amd64 >"$board/arch"
+    deploy 1 robot@board
+    says "no package for noble on amd64; make it on the board"
+    echo armhf >"$board/arch"
+    deploy 1 robot@board
+    says "64-bit systems, arm64 and amd64"
+    : >"$board/etc/os-release"
+    deploy 1 robot@board
+    : >"$board/arch"
+    deploy 1 robot@board
+    says "does not answer"
+    ;;
+  ItWarnsOfAnotherLibcamera)
+    deploy 0 robot@board --dry-run --deb "$(package 1.0 "" "libc6, libcamera0.4 (>= 0.4.0)")"
+    ! grep -q ribbon "$work/said" || fail "warns a board without Raspberry Pi's libcamera"
+    echo "fact libcamera-installed libcamera0.6 0.6.0+rpt20251202-1" >"$board/libcamera"
+    deploy 0 robot@board --dry-run --deb "$(package 1.0 "" "libc6, libcamera0.4 (>= 0.4.0)")"
+    says "built for libcamera0.4"
+    says "Raspberry Pi's libcamera0.6"
+    deploy 0 robot@board --dry-run --deb "$(package 1.0 "" "libc6, libcamera0.6 (>= 0.6.0)")"
+    ! grep -q ribbon "$work/said" || fail "warns without need"
+    ;;
+  OverARealConnection)
+    # ssh and sshd themselves, one at each end of a pipe: quoting, exit codes, one connection for all.
+    ssh-keygen -q -t ed25519 -N "" -f "$work/host"
+    ssh-keygen -q -t ed25519 -N "" -f "$work/user"
+    [ "$(/usr/bin/id -u)" -ne 0 ] || mkdir -p /run/sshd
+    cat >"$work/sshd_config" <<END
+HostKey $work/host
+AuthorizedKeysFile $work/user.pub
+StrictModes no
+UsePAM no
+PidFile none
+SetEnv PATH=$PATH TOUCHLINE_ROOT=$board TOUCHLINE_STEADY_S=0 TMPDIR=$board/tmp
+END
+    cat >"$work/ssh_config" <<END
+Host board
+  ProxyCommand $2 -i -f $work/sshd_config -E $work/sshd_log
+  IdentityFile $work/user
+  IdentitiesOnly yes
+  UserKnownHostsFile $work/known
+  StrictHostKeyChecking accept-new
+END
+    rm "$fakes/ssh"
+    fake ssh <<END
+#!/bin/sh
+exec $(PATH=${PATH#*:} command -v ssh) -F $work/ssh_config "\$@"
+END
+    user=$(/usr/bin/id -un)
+    deploy 0 "$user@board" --deb "$(package 1.0)"
+    runs 1.0
+    deploy 3 "$user@board" --deb "$(package 6.0)"
+    runs 1.0
+    [ "$(grep -c "^Accepted publickey" "$work/sshd_log")" = 2 ] || fail "more than one connection each"
     ;;
   *) echo "no such case: $1"; exit 1 ;;
 esac

@@ -64,6 +64,58 @@ TEST_F(Program, MakesAVenueFromNothing) {
   EXPECT_TRUE(fs::exists(path("seen/field.png")));
 }
 
+TEST_F(Program, TakesPicturesAsTheCameraDeliversThem) {
+  const std::string take = std::string("picture --board ") + TOUCHLINE_MOCK_BOARD + " --out ";
+  ASSERT_TRUE(run(take + path("rgb.png") + " --after 0.1")) << read("out");
+  ASSERT_TRUE(run(take + path("yuv.png") + " --set camera.format=yuyv --count 2 --every 0.1 --after 0")) << read("out");
+  EXPECT_NE(read("out").find("yuv-2.png"), std::string::npos) << read("out");
+  EXPECT_FALSE(fs::exists(path("yuv-3.png")));
+  hal::Picture rgb, yuv;
+  std::string reason;
+  ASSERT_TRUE(hal::read_picture(path("rgb.png"), rgb, reason).ok()) << reason;
+  ASSERT_TRUE(hal::read_picture(path("yuv-1.png"), yuv, reason).ok()) << reason;
+  ASSERT_EQ(rgb.width_px, 640U);
+  ASSERT_EQ(rgb.rgb8.size(), yuv.rgb8.size());
+  // The floor beyond the field, at the same place some frames apart.
+  double difference = 0.0;
+  for (std::size_t i = 0; i < 3000; ++i) difference += std::abs(rgb.rgb8[i] - yuv.rgb8[i]) / 3000.0;
+  EXPECT_LT(difference, 6.0);
+
+  EXPECT_FALSE(run(take + path("a.jpg")));
+  EXPECT_FALSE(run("picture --board " + path("none.toml") + " --out " + path("a.png")));
+  EXPECT_FALSE(run(take + path("a.png") + " --set camera.backend=v4l2 --set camera.device=/dev/no-such-camera"));
+  EXPECT_NE(read("out").find("/dev/no-such-camera"), std::string::npos) << read("out");
+  EXPECT_FALSE(fs::exists(path("a.png")));
+}
+
+// What is calibrated with is what the camera gave: to YUV again it is the same, but for what RGB rounds.
+TEST(PictureOfAFrame, IsReadBackAsItWas) {
+  std::vector<std::uint8_t> bytes;
+  for (int i = 0; i < 32 * 16 / 2; ++i) {
+    const int luma = 60 + i % 120, row = i / 16;  // one color a row: what lies between two is the reader's to mix
+    for (const int value : {luma, 100 + 3 * row, luma + 2, 150 - 2 * row}) {
+      bytes.push_back(static_cast<std::uint8_t>(value));
+    }
+  }
+  Frame frame;
+  frame.format = PixelFormat::kYuyv;
+  frame.width_px = 32;
+  frame.height_px = 16;
+  frame.plane[0] = bytes.data();
+  frame.stride_bytes[0] = 64;
+  const std::string path = ::testing::TempDir() + "touchline_picture_" + std::to_string(::getpid()) + ".png";
+  std::string reason;
+  ASSERT_TRUE(hal::write_picture(path, picture_of(frame), reason).ok()) << reason;
+  CameraPicture read;
+  ASSERT_TRUE(CameraPicture::load(path, PixelFormat::kYuyv, read, reason).ok()) << reason;
+  fs::remove(path);
+  for (std::size_t v = 0; v < 16; ++v) {
+    for (std::size_t i = 0; i < 64; ++i) {
+      EXPECT_NEAR(read.frame().plane[0][v * read.frame().stride_bytes[0] + i], bytes[v * 64 + i], 2) << v << ' ' << i;
+    }
+  }
+}
+
 // The lamps become dimmer and yellower; the colors stay, and the map says how much light is left of each.
 TEST_F(Program, KeepsTheColorsWhenTheLampsChange) {
   ASSERT_TRUE(run(field() + corners_ + " --camera-height 1.8")) << read("out");

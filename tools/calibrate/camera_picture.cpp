@@ -1,6 +1,7 @@
 #include "tools/calibrate/camera_picture.h"
 
 #include "hal/replay/replay_camera.h"
+#include "tools/replay/canvas.h"
 
 namespace touchline::calibrate {
 
@@ -55,6 +56,23 @@ Status load_rgb(const std::string& path, hal::Picture& out, std::string& reason)
   }
   return {};
 }
+
+hal::Picture picture_of(cairo_surface_t& surface) {
+  const replay::Pixels pixels = replay::pixels_of(surface);
+  hal::Picture picture;
+  picture.width_px = pixels.width;
+  picture.height_px = pixels.height;
+  picture.rgb8.reserve(std::size_t{3} * pixels.width * pixels.height);
+  for (std::size_t v = 0; v < pixels.height; ++v) {
+    for (std::size_t u = 0; u < pixels.width; ++u) {
+      const auto bgr = pixels.bgrx.subspan(v * pixels.stride_bytes + 4 * u, 3);
+      picture.rgb8.insert(picture.rgb8.end(), bgr.rbegin(), bgr.rend());
+    }
+  }
+  return picture;
+}
+
+hal::Picture picture_of(const Frame& frame) { return picture_of(*replay::to_surface(frame)); }
 
 std::optional<PixelFormat> format_of(const std::string& word) {
   if (word == "rgb24") return PixelFormat::kRgb24;

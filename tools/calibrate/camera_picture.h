@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cairo.h>
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -30,6 +32,11 @@ class CameraPicture {
 
 /// The same as 8-bit RGB.
 Status load_rgb(const std::string& path, hal::Picture& out, std::string& reason);
+
+/// What was drawn on, as 8-bit RGB.
+hal::Picture picture_of(cairo_surface_t& surface);
+/// A frame as 8-bit RGB (YUV: ITU-R BT.601, limited range, as load() reads it back).
+hal::Picture picture_of(const Frame& frame);
 
 /// "rgb24", "bgr24", "yuyv", "uyvy", "nv12", as in the board file.
 std::optional<PixelFormat> format_of(const std::string& word);

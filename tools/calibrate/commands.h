@@ -37,6 +37,16 @@ struct FieldCommand {
                       const std::vector<FloorPoint>& given, std::string& reason) const;
 };
 
+/// Takes pictures with the board's camera instead of writing a venue file; no robot is driven.
+struct PictureCommand {
+  std::string board, out;
+  std::vector<std::string> overrides;
+  unsigned count = 1;
+  double every_s = 1.0, after_s = 1.0;
+  void add_options(CLI::App& app);
+  int run() const;
+};
+
 struct LightCommand {
   std::vector<std::string> pictures;
   std::string venue, surface;

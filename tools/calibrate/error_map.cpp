@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "tools/calibrate/camera_picture.h"
 #include "tools/calibrate/text.h"
 #include "tools/replay/canvas.h"
 
@@ -53,21 +54,6 @@ replay::SurfacePtr darkened(const hal::Picture& photograph) {
   cairo_set_source_rgba(context.get(), 0, 0, 0, 0.6);
   cairo_paint(context.get());
   return surface;
-}
-
-hal::Picture picture_of(cairo_surface_t& surface) {
-  const replay::Pixels pixels = replay::pixels_of(surface);
-  hal::Picture picture;
-  picture.width_px = pixels.width;
-  picture.height_px = pixels.height;
-  picture.rgb8.reserve(std::size_t{3} * pixels.width * pixels.height);
-  for (std::size_t v = 0; v < pixels.height; ++v) {
-    for (std::size_t u = 0; u < pixels.width; ++u) {
-      const auto bgr = pixels.bgrx.subspan(v * pixels.stride_bytes + 4 * u, 3);
-      picture.rgb8.insert(picture.rgb8.end(), bgr.rbegin(), bgr.rend());
-    }
-  }
-  return picture;
 }
 
 void draw_legend(cairo_t& context, const RefinementReport& report, double full_scale_mm, double enlargement,

@@ -38,17 +38,22 @@ int main(int argc, char** argv) {
   CLI::App app("Finds what the pipeline must know of a hall and writes it into a venue file, a section a command",
                "touchline-calibrate");
   app.require_subcommand(1);
+  PictureCommand picture;
   FieldCommand field;
   LightCommand light;
   ColorsCommand colors;
+  CLI::App* picture_app =
+      app.add_subcommand("picture", "Pictures from the board's own camera, as the other commands want them");
   CLI::App* field_app =
       app.add_subcommand("field", "Camera model from the field's border, found without a click or from its corners");
   CLI::App* light_app = app.add_subcommand("light", "Illumination map from pictures of a grey field");
   CLI::App* colors_app = app.add_subcommand("colors", "Color boxes from clicks on patches and ball");
+  picture.add_options(*picture_app);
   field.add_options(*field_app);
   light.add_options(*light_app);
   colors.add_options(*colors_app);
   CLI11_PARSE(app, argc, argv);
+  if (picture_app->parsed()) return picture.run();
   if (field_app->parsed()) return field.run();
   if (light_app->parsed()) return light.run();
   return colors.run();

@@ -171,6 +171,8 @@ case $1 in
     says "does not answer"
     deploy 1 robot@board --deb "$work/none.deb"
     deploy 64 board
+    deploy 0 --help
+    says "--dry-run"
     deploy 64 robot@board --wait soon
     deploy 64 robot@board --deb
     runs 1.0

@@ -179,6 +179,7 @@ Status V4l2Camera::do_start() {
   if (streaming_) return {};
   counters_ = {};
   sequence_.restart();
+  behind_ = 0;
   decoded_.give_back_all();
   lost_ = ErrorCode::kOk;
   if (const int error = buffers_.queue_all(device_); error != 0) return fail("queuing buffers", error);
@@ -220,7 +221,11 @@ Result<FrameLease> V4l2Camera::do_wait(Instant deadline) {
   for (bool woken = false;; woken = true) {
     V4l2Buffers::Filled filled;
     int error = buffers_.dequeue(device_, filled);
-    if (error == 0) return deliver(filled);
+    if (error == 0) {
+      behind_ = woken ? 0 : behind_ + 1;
+      if (behind_ > buffers_.count()) error = pass_over(filled);
+      if (error == 0) return deliver(filled);
+    }
     if (error != EAGAIN) return fail("fetching a frame", error);
     const Instant now = MonotonicClock::read();
     if (now >= deadline) break;
@@ -230,6 +235,19 @@ Result<FrameLease> V4l2Camera::do_wait(Instant deadline) {
     if (error != 0) return fail("waiting for a frame", error);
   }
   return timed_out();
+}
+
+/// Frames come faster than they are worked on, and not just for a moment: of those that are there the newest is taken.
+/// Else each would be as late as there are buffers.
+int V4l2Camera::pass_over(V4l2Buffers::Filled& oldest) {
+  V4l2Buffers::Filled newer;
+  for (std::size_t i = 1; i < buffers_.count(); ++i) {
+    int error = buffers_.dequeue(device_, newer);
+    if (error == EAGAIN) return 0;
+    if (error == 0) error = buffers_.queue(device_, std::exchange(oldest, newer).index);
+    if (error != 0) return error;
+  }
+  return 0;
 }
 
 Result<FrameLease> V4l2Camera::timed_out() {

@@ -27,7 +27,8 @@ struct V4l2Counters {
 /// there are buffers, and those are lent.
 ///
 /// wait() answers kTimeout, kShortFrame, kCorruptFrame (go on), kDisconnected and kIo (open again). With all buffers
-/// lent out nothing can come: wait() then runs into its deadline and says so.
+/// lent out nothing can come: wait() then runs into its deadline and says so. To who is too slow for all frames, and
+/// for longer than the buffers last (decoding large MJPG on a small board), wait() gives the newest and not the oldest.
 ///
 /// A link under /dev/v4l is followed anew by each open(). When the settings name a number (/dev/video0), the first
 /// open() notes the link to it and later ones look there first: after being plugged in again a camera may have another
@@ -65,6 +66,7 @@ class V4l2Camera final : public Camera {
   Duration noted(Duration exposure, Reason& text) const;
   void tell_grants();
   [[nodiscard]] bool decodes() const { return picture_.format == CameraFormat::kMjpg; }
+  int pass_over(V4l2Buffers::Filled& oldest);
   Result<FrameLease> timed_out();
   Result<FrameLease> deliver(const V4l2Buffers::Filled& filled);
   Result<FrameLease> decode(const V4l2Buffers::Filled& filled, Frame& frame);
@@ -91,6 +93,7 @@ class V4l2Camera final : public Camera {
   bool streaming_ = false;
   ErrorCode lost_ = ErrorCode::kOk;  // an error after which only opening again helps
   FrameCounter sequence_;
+  std::size_t behind_ = 0;  // frames in a row that were there before they were asked for
 };
 
 }  // namespace touchline::hal

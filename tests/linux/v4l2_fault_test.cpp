@@ -194,6 +194,28 @@ TEST_F(V4l2FaultTest, FalseAlarmsNeitherEndTheWaitNorBurnTheProcessor) {
   EXPECT_TRUE(frame.ok());
 }
 
+TEST_F(V4l2FaultTest, WhoIsTooSlowForAllFramesGetsTheNewest) {
+  begin();
+  const auto next = [&] {
+    const Result<hal::FrameLease> frame = camera_->wait(soon());
+    EXPECT_TRUE(frame.ok()) << camera_->reason();
+    return frame.value().frame().sequence;
+  };
+  EXPECT_EQ(next(), 0u);
+  kernel_.advance(std::chrono::milliseconds(60));  // once: what the buffers hold is worked off
+  for (std::uint32_t i = 1; i < 10; ++i) EXPECT_EQ(next(), i);
+  std::uint32_t last = 0;
+  for (int i = 0; i < 20; ++i) {
+    kernel_.advance(std::chrono::milliseconds(25));
+    last = next();
+    const Duration age = kernel_.now() - device_.start_of_exposure(last);
+    EXPECT_LE(seconds(age), 0.005 + seconds(fake::VideoDevice::kReadout) + (i > 5 ? 1 : 4) / 60.0) << i;
+  }
+  EXPECT_EQ(camera_->counters().lost, last - (10u + 20u) + 1);
+  kernel_.advance(std::chrono::milliseconds(5));
+  for (std::uint32_t i = 1; i < 10; ++i) EXPECT_EQ(next(), last + i) << "in time again";
+}
+
 TEST_F(V4l2FaultTest, GapsInTheDriversCountAreLostFrames) {
   device_.frame_faults[1].dropped = true;
   device_.frame_faults[2].dropped = true;

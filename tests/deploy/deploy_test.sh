@@ -54,12 +54,14 @@ case $pattern in
   *) [ -f "$TOUCHLINE_ROOT/version" ] && printf '%s\n' "$3" | sed "s/.{db:Status-Status}/installed/; s/.{Version}/$(cat "$TOUCHLINE_ROOT/version")/; s/.n$//" ;;
 esac
 END
-# Versions that begin with 9 cannot be fetched, those with 8 cannot be installed, those with 5 not before the lists are new.
+# Versions that begin with 9 cannot be fetched, those with 8 cannot be installed, those with 5 not before the lists are new. The system's
+# updates have just begun, always: who does not wait for them gets nothing.
 fake apt-get <<'END'
 #!/bin/sh
 for deb; do :; done
 if [ "$1" = update ]; then exec touch "$TOUCHLINE_ROOT/updated"; fi
 version=$(dpkg-deb --field "$deb" Version)
+case "$*" in *DPkg::Lock::Timeout=*) ;; *) exit 100 ;; esac
 case "$version $*" in
   9*--download-only*) exit 100 ;;
   5*--download-only*) [ -f "$TOUCHLINE_ROOT/updated" ] || exit 100; exit 0 ;;

@@ -26,6 +26,8 @@ const char* key_of(std::uint32_t id) {
       return "gain";
     case V4L2_CID_AUTO_WHITE_BALANCE:
     case V4L2_CID_WHITE_BALANCE_TEMPERATURE:
+    case V4L2_CID_RED_BALANCE:
+    case V4L2_CID_BLUE_BALANCE:
       return "white_balance_k";
     case V4L2_CID_FOCUS_AUTO:
     case V4L2_CID_FOCUS_ABSOLUTE:

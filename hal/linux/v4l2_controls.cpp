@@ -19,13 +19,14 @@ constexpr int kExposureStepUs = 100;
 struct Control {
   std::uint32_t id = 0;
   std::int64_t low = 0, high = 0, step = 1;
+  int normal = 0;  // the driver's default
 };
 
 bool find(const V4l2Device& device, std::uint32_t id, Control& found) {
   v4l2_queryctrl query{};
   query.id = id;
   if (device.request(VIDIOC_QUERYCTRL, &query) != 0 || (query.flags & V4L2_CTRL_FLAG_DISABLED) != 0) return false;
-  found = {id, query.minimum, query.maximum, std::max(query.step, 1)};
+  found = {id, query.minimum, query.maximum, std::max(query.step, 1), query.default_value};
   return true;
 }
 
@@ -143,10 +144,30 @@ void fix_gain(const Controlled& camera, int gain) {
   }
 }
 
+/// Gains of red and blue where a camera takes no temperature: the driver's defaults and not what the automatic left
+/// behind, so that the picture's tint is the same at each start. False: it has no such gains.
+bool set_gains(const Controlled& camera, const Wish& wish) {
+  Control red, blue;
+  if (!find(camera.device, V4L2_CID_RED_BALANCE, red) || !find(camera.device, V4L2_CID_BLUE_BALANCE, blue))
+    return false;
+  int red_now = red.normal, blue_now = blue.normal;
+  int error = set(camera.device, red.id, red.normal);
+  if (error == 0) error = set(camera.device, blue.id, blue.normal);
+  if (error == 0) error = get(camera.device, red.id, red_now);
+  if (error == 0) error = get(camera.device, blue.id, blue_now);
+  note(camera.grants, wish);
+  camera.grants.append("the camera takes gains only: ");
+  if (error != 0) camera.grants.append("refused (%s)", system_text(error));
+  if (error == 0) camera.grants.append("red %d, blue %d", red_now, blue_now);
+  return true;
+}
+
 void fix_white_balance(const Controlled& camera, int white_balance_k) {
   const Wish wish{"white_balance_k", white_balance_k};
   switch_off(camera, V4L2_CID_AUTO_WHITE_BALANCE, "automatic white balance", wish);
-  if (!set_value(camera, V4L2_CID_WHITE_BALANCE_TEMPERATURE, 1, wish)) lacking(camera, wish);
+  if (!set_value(camera, V4L2_CID_WHITE_BALANCE_TEMPERATURE, 1, wish) && !set_gains(camera, wish)) {
+    lacking(camera, wish);
+  }
 }
 
 void fix_focus(const Controlled& camera, int focus) {

@@ -272,7 +272,7 @@ int VideoDevice::query(v4l2_queryctrl& control) const {
   control.minimum = own.low;
   control.maximum = own.high;
   control.step = own.step;
-  control.default_value = own.low;
+  control.default_value = own.normal;
   return 0;
 }
 

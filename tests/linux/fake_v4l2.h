@@ -32,6 +32,7 @@ struct V4l2Control {
   std::int64_t unit = 1;            // of 64 bits: all values are so many times as large
   std::vector<std::string> menu{};  // "": a gap
   int reads = 0, writes = 0;
+  int normal = low;  // the default
 };
 
 /// What goes wrong with one frame, by the driver's count.

@@ -81,6 +81,21 @@ TEST_F(V4l2ControlsTest, ACameraThatCountsExposureInItsOwnStepsIsSetInThem) {
   EXPECT_NE(camera.info().granted.find(", exposure 255 steps"), std::string::npos) << camera.info().granted;
 }
 
+TEST_F(V4l2ControlsTest, WhiteBalanceByGainsIsTheSameAtEachStart) {
+  device_.controls.erase(V4L2_CID_WHITE_BALANCE_TEMPERATURE);
+  fake::V4l2Control& red = device_.controls[V4L2_CID_RED_BALANCE] = {0, 255, 1, 77};  // as the automatic left it
+  fake::V4l2Control& blue = device_.controls[V4L2_CID_BLUE_BALANCE] = {0, 255, 1, 99};
+  red.normal = 140;
+  blue.normal = 130;
+  const std::string said = "/dev/video0: white_balance_k = 4600: the camera takes gains only: ";
+  expect_grants(settings(), said + "red 140, blue 130");
+  EXPECT_EQ(device_.controls.at(V4L2_CID_AUTO_WHITE_BALANCE).value, 0);
+  EXPECT_EQ(red.value, 140);
+  EXPECT_EQ(blue.value, 130);
+  blue.set_error = EIO;
+  expect_grants(settings(), said + "refused (Input/output error)");
+}
+
 TEST_F(V4l2ControlsTest, ShutterPriorityFixesTheTimeWhereNothingElseDoes) {
   device_.controls[V4L2_CID_EXPOSURE_AUTO].refuses = V4L2_EXPOSURE_MANUAL;
   expect_grants(settings(), "");

@@ -69,6 +69,7 @@ TEST_F(Program, TakesPicturesAsTheCameraDeliversThem) {
   ASSERT_TRUE(run(take + path("rgb.png") + " --after 0.1")) << read("out");
   ASSERT_TRUE(run(take + path("yuv.png") + " --set camera.format=yuyv --count 2 --every 0.1 --after 0")) << read("out");
   EXPECT_NE(read("out").find("yuv-2.png"), std::string::npos) << read("out");
+  EXPECT_NE(read("out").find("--format yuyv"), std::string::npos) << read("out");
   EXPECT_FALSE(fs::exists(path("yuv-3.png")));
   hal::Picture rgb, yuv;
   std::string reason;
@@ -82,6 +83,8 @@ TEST_F(Program, TakesPicturesAsTheCameraDeliversThem) {
   EXPECT_LT(difference, 6.0);
 
   EXPECT_FALSE(run(take + path("a.jpg")));
+  EXPECT_FALSE(run(take + path("a.png") + " --set own.color=red"));
+  EXPECT_NE(read("out").find("own.color"), std::string::npos) << read("out");
   EXPECT_FALSE(run("picture --board " + path("none.toml") + " --out " + path("a.png")));
   EXPECT_FALSE(run(take + path("a.png") + " --set camera.backend=v4l2 --set camera.device=/dev/no-such-camera"));
   EXPECT_NE(read("out").find("/dev/no-such-camera"), std::string::npos) << read("out");

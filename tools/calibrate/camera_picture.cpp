@@ -1,5 +1,6 @@
 #include "tools/calibrate/camera_picture.h"
 
+#include "hal/device_parameters.h"
 #include "hal/replay/replay_camera.h"
 #include "tools/replay/canvas.h"
 
@@ -74,13 +75,18 @@ hal::Picture picture_of(cairo_surface_t& surface) {
 
 hal::Picture picture_of(const Frame& frame) { return picture_of(*replay::to_surface(frame)); }
 
-std::optional<PixelFormat> format_of(const std::string& word) {
-  if (word == "rgb24") return PixelFormat::kRgb24;
-  if (word == "bgr24") return PixelFormat::kBgr24;
-  if (word == "yuyv") return PixelFormat::kYuyv;
-  if (word == "uyvy") return PixelFormat::kUyvy;
-  if (word == "nv12") return PixelFormat::kNv12;
+std::optional<PixelFormat> format_of(std::string_view word) {
+  for (const Choice<PixelFormat>& choice : hal::kPixelFormats) {
+    if (choice.word == word) return choice.value;
+  }
   return std::nullopt;
+}
+
+std::string_view word_of(PixelFormat format) {
+  for (const Choice<PixelFormat>& choice : hal::kPixelFormats) {
+    if (choice.value == format) return choice.word;
+  }
+  return {};
 }
 
 }  // namespace touchline::calibrate

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/status.h"
@@ -38,7 +39,8 @@ hal::Picture picture_of(cairo_surface_t& surface);
 /// A frame as 8-bit RGB (YUV: ITU-R BT.601, limited range, as load() reads it back).
 hal::Picture picture_of(const Frame& frame);
 
-/// "rgb24", "bgr24", "yuyv", "uyvy", "nv12", as in the board file.
-std::optional<PixelFormat> format_of(const std::string& word);
+/// "rgb24", "bgr24", "yuyv", "uyvy", "nv12", as in the board file, and back.
+std::optional<PixelFormat> format_of(std::string_view word);
+std::string_view word_of(PixelFormat format);
 
 }  // namespace touchline::calibrate

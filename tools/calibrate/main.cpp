@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "tools/calibrate/commands.h"
+#include "tools/command_line/parse.h"
 
 namespace touchline::calibrate {
 
@@ -52,7 +53,7 @@ int main(int argc, char** argv) {
   field.add_options(*field_app);
   light.add_options(*light_app);
   colors.add_options(*colors_app);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = touchline::leave_after_parsing(app, argc, argv)) return *code;
   if (picture_app->parsed()) return picture.run();
   if (field_app->parsed()) return field.run();
   if (light_app->parsed()) return light.run();

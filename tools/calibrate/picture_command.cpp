@@ -27,6 +27,11 @@ std::string name_of(const std::string& out, unsigned number, unsigned count) {
       .string();
 }
 
+int camera_failed(const hal::Camera& camera) {
+  static_cast<void>(refuse(camera.reason()));
+  return 2;
+}
+
 // The camera's, started.
 struct Streaming {
   explicit Streaming(hal::Camera& c) : camera(c), status(c.open()) {
@@ -57,7 +62,7 @@ void PictureCommand::add_options(CLI::App& app) {
       ->check(number_range(0.0, 3600.0));
   app.footer(
       "Nothing is driven. The service must not hold the camera: sudo systemctl stop touchline\n"
-      "Exit codes: 0 all pictures are there, 1 a file is wrong or the camera failed.");
+      "Exit codes: 0 all pictures are there, 1 a file is wrong, 2 the camera failed, 64 the command line is wrong.");
 }
 
 int PictureCommand::run() const {
@@ -67,21 +72,30 @@ int PictureCommand::run() const {
   config::SortedOverrides sorted;
   static_cast<void>(config::sort_overrides(overrides, sorted, problems));
   static_cast<void>(config::load_board(board, sorted.board, *configuration, problems));
-  if (!problems.empty()) return refuse(problems.text());
+  for (const auto* others : {&sorted.venue, &sorted.team}) {
+    for (const config::Override& other : *others) {
+      problems.add("--set " + other.key + "=" + other.value, "", "belongs to no board file, and no other is read here");
+    }
+  }
+  if (!problems.empty()) {
+    std::fputs(problems.text().c_str(), stderr);
+    return 1;
+  }
 
   Devices devices;
   devices.make(*configuration, 1);
   const LoopDevices parts = devices.loop_devices();
   const Streaming streaming(parts.camera);
-  if (!streaming.status.ok()) return refuse(parts.camera.reason());
+  if (!streaming.status.ok()) return camera_failed(parts.camera);
   if (!parts.camera.info().granted.empty()) std::printf("camera: %s\n", parts.camera.info().granted.c_str());
+  if (!parts.camera.reason().empty()) std::printf("camera: %s\n", parts.camera.reason().c_str());
   Instant last_good = parts.clock.now(), due = last_good + from_seconds(after_s);
   for (unsigned written = 0; written < count;) {
     const Result<hal::FrameLease> lease = parts.camera.wait(parts.clock.now() + kPatience);
     const Instant now = parts.clock.now();
     if (!lease.ok()) {
       if (may_be_better_next_time(lease.error()) && now - last_good < kPatience) continue;
-      return refuse(parts.camera.reason());
+      return camera_failed(parts.camera);
     }
     last_good = now;
     if (now < due) continue;
@@ -91,6 +105,11 @@ int PictureCommand::run() const {
     if (!hal::write_picture(name, picture_of(lease.value().frame()), reason).ok()) return refuse(reason);
     std::printf("%s\n", name.c_str());
     std::fflush(stdout);
+  }
+  const PixelFormat format = parts.camera.info().format;
+  if (format == PixelFormat::kYuyv || format == PixelFormat::kUyvy || format == PixelFormat::kNv12) {
+    std::printf("the camera delivers YUV: touchline-calibrate colors wants --format %s with pictures of it\n",
+                std::string(word_of(format)).c_str());
   }
   return 0;
 }

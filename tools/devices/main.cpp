@@ -2,10 +2,11 @@
 #include <cstdio>
 #include <string>
 
+#include "tools/command_line/parse.h"
 #include "tools/devices/device_list.h"
 
 int main(int argc, char** argv) {
-  constexpr int kExitDeviceFailure = 2, kExitBadCommandLine = 64;
+  constexpr int kExitDeviceFailure = 2;
   using namespace touchline;
   std::string camera, serial, gpio;
   bool json = false;
@@ -21,11 +22,7 @@ int main(int argc, char** argv) {
   CLI::Option* chips = app.add_option("--gpio", gpio, "Only GPIO chips, or only this one")->expected(0, 1);
   for (CLI::Option* option : {cameras, ports, chips}) option->type_name("[DEVICE]");
   app.add_flag("--json", json, "For programs: one JSON object");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kExitBadCommandLine;
-  }
+  if (const auto code = leave_after_parsing(app, argc, argv)) return *code;
   devices::Selection selection;
   const bool all = cameras->count() + ports->count() + chips->count() == 0;
   if (all || cameras->count() > 0) selection.camera = camera;

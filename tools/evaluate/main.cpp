@@ -7,6 +7,7 @@
 
 #include "firmware/config/configuration.h"
 #include "tools/command_line/number_range.h"
+#include "tools/command_line/parse.h"
 #include "tools/evaluate/patch_bound.h"
 #include "tools/evaluate/report.h"
 
@@ -181,7 +182,7 @@ int main(int argc, char** argv) {
   CLI::Option* team = app.add_option("--team", options.team, "Team file, for the bound's layouts");
   pictures->needs(venue, team);
   app.add_option("--json", options.json, "Write the numbers into this file");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = touchline::leave_after_parsing(app, argc, argv)) return *code;
 
   NameMap names;
   std::string error;

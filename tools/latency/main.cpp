@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "tools/command_line/number_range.h"
+#include "tools/command_line/parse.h"
 #include "tools/latency/measure_command.h"
 
 int main(int argc, char** argv) {
@@ -45,11 +46,9 @@ int main(int argc, char** argv) {
   app.add_option("--compare", compared, "Measure nothing: hold the second JSON file against the first")
       ->expected(2)
       ->type_name("A.json B.json");
-  try {
-    app.parse(argc, argv);
+  app.final_callback([&] {
     if (compared.empty() && files.board.empty()) throw CLI::RequiredError("--board or --compare");
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? latency::kExitOk : latency::kExitBadCommandLine;
-  }
+  });
+  if (const auto code = leave_after_parsing(app, argc, argv)) return *code;
   return compared.empty() ? latency::measure(options) : latency::compare(compared[0], compared[1], outputs.html);
 }

@@ -9,7 +9,7 @@
 namespace touchline::latency {
 
 // Exit codes, as those of touchline.
-inline constexpr int kExitOk = 0, kExitBadFile = 1, kExitDeviceFailure = 2, kExitBadCommandLine = 64;
+inline constexpr int kExitOk = 0, kExitBadFile = 1, kExitDeviceFailure = 2;
 
 struct Outputs {
   std::string json, histogram, html;  // paths; empty: none

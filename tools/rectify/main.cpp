@@ -5,6 +5,7 @@
 #include "tools/calibrate/camera_picture.h"
 #include "tools/calibrate/venue_draft.h"
 #include "tools/command_line/number_range.h"
+#include "tools/command_line/parse.h"
 #include "tools/rectify/rectification.h"
 #include "tools/rectify/straightness.h"
 
@@ -134,6 +135,6 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--grid", options.grid_m, "Draw lines this far apart (m) and the field's outline over the figures 12")
       ->check(touchline::number_range(0.01, 10.0));
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = touchline::leave_after_parsing(app, argc, argv)) return *code;
   return touchline::rectify::run(options);
 }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "tools/calibrate/camera_picture.h"
+#include "tools/command_line/parse.h"
 #include "tools/relight/illumination_plots.h"
 #include "tools/relight/same_color.h"
 
@@ -172,6 +173,6 @@ int main(int argc, char** argv) {
   app.add_option("--margin", options.margin, "Levels that the thresholds are wider than the patch's pixels")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = touchline::leave_after_parsing(app, argc, argv)) return *code;
   return touchline::relight::run(options);
 }

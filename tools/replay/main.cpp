@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "tools/command_line/number_range.h"
+#include "tools/command_line/parse.h"
 #include "tools/replay/replay.h"
 
 namespace {
@@ -79,7 +80,7 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);
   app.add_flag("--skip-damaged", options.skip_damaged, "Leave out pictures that cannot be decoded instead of stopping");
   app.add_flag("--quiet", quiet, "Neither progress nor summary");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = touchline::leave_after_parsing(app, argc, argv)) return *code;
 
   const auto request_stop = [](int) { stop_requested = true; };
   std::signal(SIGINT, request_stop);

@@ -335,6 +335,8 @@ Status V4l2Camera::do_adjust(const CameraSettings& settings, std::string& grants
   if (!device_.is_open()) return {};
   Reason text;
   stamps_.set_exposure(noted(change_controls(device_, before, settings_, text), text));
+  // Then controls are not lacking, whatever was said of each.
+  if (V4l2Identity same; device_.identify(same) == ENODEV) text.set("the camera went away; its next opening sets them");
   if (!text.empty()) grants = std::string(name()) + ": " + text.text();
   return {};
 }

@@ -90,7 +90,7 @@ TEST_F(DeviceListTest, AllThatABoardFileCanName) {
     BG10   Format 1 (Touchline does not read it)
            32x32 to 640x480 at 60, 30 Hz
     control                          now                        range                step  default                    board.toml
-    Auto Exposure                    3 (Aperture Priority Mode) 0 to 3                  1  0                          exposure_us
+    Auto Exposure                    3 (Aperture Priority Mode) 1, 3                    1  0                          exposure_us
     Exposure Time, Absolute          250                        3 to 2047               1  3                          exposure_us (without effect now)
 serial ports
   /dev/ttyUSB0  FT232R USB UART (USB 0403:6001)

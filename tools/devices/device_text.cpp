@@ -52,6 +52,17 @@ std::string value_text(const hal::V4l2ControlState& control, std::int64_t value)
   return std::to_string(value);
 }
 
+/// Menus of USB cameras have gaps: then only what is there.
+std::string range_text(const hal::V4l2ControlState& control) {
+  const auto numbers = static_cast<std::size_t>(control.high - control.low) + 1;
+  if (control.menu.empty() || control.menu.size() == numbers) {
+    return std::to_string(control.low) + " to " + std::to_string(control.high);
+  }
+  std::string text;
+  for (const auto& [item, name] : control.menu) text += (text.empty() ? "" : ", ") + std::to_string(item);
+  return text;
+}
+
 void add_controls(std::string& text, const std::vector<hal::V4l2ControlState>& controls) {
   if (controls.empty()) {
     line(text, "    no controls");
@@ -60,7 +71,7 @@ void add_controls(std::string& text, const std::vector<hal::V4l2ControlState>& c
   line(text, "    %-32s %-26s %-18s %6s  %-26s %s", "control", "now", "range", "step", "default", "board.toml");
   for (const hal::V4l2ControlState& control : controls) {
     const std::string now = control.readable ? value_text(control, control.value) : "?";
-    const std::string range = std::to_string(control.low) + " to " + std::to_string(control.high);
+    const std::string range = range_text(control);
     line(text, "    %-32s %-26s %-18s %6lld  %-26s %s%s%s", control.name.c_str(), now.c_str(), range.c_str(),
          static_cast<long long>(control.step), value_text(control, control.normal).c_str(), control.key.c_str(),
          control.inactive ? " (without effect now)" : "", control.read_only ? " (read only)" : "");

@@ -2,8 +2,10 @@
 //   board-arena BOARD.toml PICTURES.sock RADIO.sock [KEY=VALUE...]
 // Takes a command a line, answers with a line of JSON:
 //   play N        N frames with pictures, a packet expected for each that is shown
+//   drive N       the same, a packet with speeds
 //   watch N       the same, packets may stay away
 //   blind N       N frames without pictures
+//   tear N        N frames whose pictures lose a part on the way
 //   plug, unplug  the guest opens or closes the camera's device
 //   listen S      what is on the line until S seconds of this machine's time are quiet
 #include <sys/socket.h>
@@ -69,9 +71,14 @@ int serve(LockStep& game) {
     words >> verb >> number;
     const auto count = static_cast<std::uint64_t>(number);
     board::Played played;
-    if (verb == "play" || verb == "watch" || verb == "blind") {
-      const auto expect = verb == "play" ? LockStep::Expect::kPacket : LockStep::Expect::kNothing;
-      static_cast<void>(game.play(count, verb != "blind", expect, played, reason));
+    if (verb == "play" || verb == "drive" || verb == "watch" || verb == "blind" || verb == "tear") {
+      const auto expect = verb == "play"    ? LockStep::Expect::kPacket
+                          : verb == "drive" ? LockStep::Expect::kSpeeds
+                                            : LockStep::Expect::kNothing;
+      const auto kind = verb == "blind"  ? board::ToGuest::kNoFrame
+                        : verb == "tear" ? board::ToGuest::kTornFrame
+                                         : board::ToGuest::kFrame;
+      static_cast<void>(game.play(count, kind, expect, played, reason));
     } else if (verb == "plug" || verb == "unplug") {
       static_cast<void>(game.plug(verb == "plug", reason));
     } else if (verb == "listen") {

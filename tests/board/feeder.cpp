@@ -95,7 +95,7 @@ int main(int argc, char** argv) {
       std::fprintf(stderr, "board-feeder: %s: this is no message\n", argv[1]);
       return 1;
     }
-    picture.resize(header.kind == ToGuest::kFrame ? header.bytes : 0);
+    picture.resize(has_picture(header.kind) ? header.bytes : 0);
     if (!read_all(port, picture.data(), picture.size())) break;
     FrameAnswer answer;
     answer.number = header.number;
@@ -115,7 +115,10 @@ int main(int argc, char** argv) {
         due = now;
       }
       sleep_until(due);
-      answer.error = header.kind == ToGuest::kFrame ? show(camera, picture) : 0;
+      // Nothing gets lost on the way into this camera.
+      answer.error = header.kind == ToGuest::kFrame     ? show(camera, picture)
+                     : header.kind == ToGuest::kNoFrame ? 0
+                                                        : EINVAL;
     }
     if (::write(port, &answer, sizeof answer) != static_cast<ssize_t>(sizeof answer)) break;
   }

@@ -39,7 +39,7 @@ class Checks:
 class Game:
     def __init__(self, board, checks, arena, folder):
         self.board, self.checks, self.folder = board, checks, folder
-        self.arena_program = arena
+        self.arena_program, self.arena = arena, None
         self.frames = self.packets = 0
 
     def run(self, command, **more):
@@ -54,6 +54,12 @@ class Game:
         self.frames += told["shown"]
         self.packets += told["packets"]
         return told
+
+    def close_arena(self):
+        """Its end of the radio is free then."""
+        if self.arena is not None:
+            self.arena.close()
+        self.arena = None
 
     # The steps.
 
@@ -232,7 +238,7 @@ class Game:
         told = self.ask("play 60")
         self.checks.expect(re.fullmatch("s{0,3}d+", told["frames"]) and told["shown"] == 60,
                            f"the camera is /dev/video7 now, and the game goes on: {told['frames']}")
-        self.checks.expect(told["own_path_m"] > 0.1, f"robots moved {told['own_path_m']:.1f} m")
+        self.compare(told)  # rather than where robots go: a game may have come to a standstill
 
     def stop(self):
         self.run("systemctl stop --no-block touchline")

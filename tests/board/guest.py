@@ -41,7 +41,7 @@ class Guest:
         for old in self.folder.glob("*.sock"):
             old.unlink()
         chardevs = []
-        for name in ("console", "radio", "pictures"):
+        for name in ("console", "radio", "pictures", "usb"):
             chardevs += ["-chardev", f"socket,id={name},path={self.folder}/{name}.sock,server=on,wait=off"]
         command = [
             "qemu-system-aarch64", "-M", "virt", "-cpu", "cortex-a72", "-m", "1024", "-nic", "none", "-display", "none",
@@ -50,6 +50,7 @@ class Guest:
             "-drive", f"file={image},if=virtio,format=raw,snapshot=on", *chardevs, "-serial", "chardev:console",
             "-device", "pci-serial,chardev=radio", "-device", "virtio-serial-pci",
             "-device", "virtserialport,chardev=pictures,name=arena",
+            "-device", "qemu-xhci,id=usb", "-device", "usb-redir,bus=usb.0,chardev=usb",
             "-qmp", f"unix:{self.folder}/qmp.sock,server=on,wait=off",
             "-qtest", f"unix:{self.folder}/qtest.sock,server=on,wait=off", "-qtest-log", "/dev/null"]
         self.log = open(self.folder / "console.log", "wb")

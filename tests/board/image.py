@@ -11,7 +11,7 @@ SUITE = "bookworm"
 # What the test needs beside the package's own dependencies.
 GUEST_PACKAGES = ["systemd", "udev", "kmod", "busybox-static", "v4l-utils", "gpiod"]
 FIRST_MODULES = ["virtio_pci", "virtio_blk", "ext4"]
-LATER_MODULES = ["virtio_console", "vivid", "v4l2loopback"]
+LATER_MODULES = ["virtio_console", "vivid", "v4l2loopback", "xhci_pci", "uvcvideo"]
 IMAGE_SIZE = "3G"  # sparse: what is not used takes no room
 
 FETCH_KERNEL = """cd "$OUT" && export APT_CONFIG="$MMDEBSTRAP_APT_CONFIG" &&

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 
@@ -15,6 +16,8 @@
 
 namespace touchline::board {
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 constexpr std::uint32_t fourcc(const char (&letters)[5]) {
   std::uint32_t code = 0;
@@ -83,7 +86,7 @@ FrameHeader LockStep::next_header(ToGuest kind) {
 }
 
 bool LockStep::exchange(const FrameHeader& header, FrameAnswer& answer, std::string& reason) {
-  const std::size_t bytes = header.kind == ToGuest::kFrame ? picture_.size() : 0;
+  const std::size_t bytes = has_picture(header.kind) ? picture_.size() : 0;
   if (!send_all(pictures_, &header, sizeof header) || !send_all(pictures_, picture_.data(), bytes)) {
     reason = std::string("the guest takes no picture: ") + std::strerror(errno);
     return false;
@@ -102,7 +105,8 @@ bool LockStep::exchange(const FrameHeader& header, FrameAnswer& answer, std::str
   return false;
 }
 
-bool LockStep::hear(double timeout_s, Heard& heard, std::string& reason) {
+bool LockStep::hear(double timeout_s, Expect expect, Heard& heard, std::string& reason) {
+  const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
   while (readable(radio_, timeout_s)) {
     std::array<std::byte, 256> bytes;
     const ssize_t got = ::read(radio_, bytes.data(), bytes.size());
@@ -119,19 +123,24 @@ bool LockStep::hear(double timeout_s, Heard& heard, std::string& reason) {
         last_sequence_ = sequence;
         ++(commands.stop ? heard.stops : heard.drives);
         Packet packet;
-        if (!encode(commands, sequence, packet).ok() ||
-            !arena_.channel().send({packet.data(), packet.size()}, arena_.now()).ok()) {
+        // The arena's time stands still between frames, the guest's does not: a packet that finds the air full is lost.
+        const Status sent = encode(commands, sequence, packet).ok()
+                                ? arena_.channel().send({packet.data(), packet.size()}, arena_.now())
+                                : ErrorCode::kInconsistent;
+        if (!sent.ok() && sent.code() != ErrorCode::kBusy) {
           reason = "the arena's air does not take packet " + std::to_string(sequence);
           return false;
         }
       }
     }
-    if (heard.drives + heard.stops > 0) timeout_s = 0.0;  // only what is there already
+    const bool enough = heard.drives > 0 || (expect != Expect::kSpeeds && heard.stops > 0);
+    // Then only what is there already.
+    timeout_s = enough ? 0.0 : std::max(0.0, std::chrono::duration<double>(end - Clock::now()).count());
   }
   return true;
 }
 
-bool LockStep::one_frame(bool picture, Expect expect, Played& out, std::string& reason) {
+bool LockStep::one_frame(ToGuest kind, Expect expect, Played& out, std::string& reason) {
   const hal::mock::Snapshot before = arena_.world().snapshot();
   std::optional<hal::mock::Shot> shot;
   while (!(shot = arena_.take_shot())) arena_.advance_to(*arena_.next_ready());
@@ -142,32 +151,32 @@ bool LockStep::one_frame(bool picture, Expect expect, Played& out, std::string& 
     out.own_path_m +=
         std::hypot(after.robots[i].x_m - before.robots[i].x_m, after.robots[i].y_m - before.robots[i].y_m);
   }
-  const FrameHeader header = next_header(picture ? ToGuest::kFrame : ToGuest::kNoFrame);
-  if (picture) arena_.draw(*shot, picture_);
+  const FrameHeader header = next_header(kind);
+  if (has_picture(kind)) arena_.draw(*shot, picture_);
   FrameAnswer answer;
   if (!exchange(header, answer, reason)) return false;
-  const bool shown = picture && answer.error == 0;
+  const bool shown = kind == ToGuest::kFrame && answer.error == 0;
   if (answer.error != 0) out.last_error = answer.error;
   out.shown += shown ? 1 : 0;
   out.late += answer.late_us > 0 ? 1 : 0;
   out.latest_us = std::max(out.latest_us, answer.late_us);
   Heard heard;
-  const bool wait = shown && expect == Expect::kPacket;
-  if (!hear(wait ? frame_timeout_s_ : 0.0, heard, reason)) return false;
+  const bool wait = shown && expect != Expect::kNothing;
+  if (!hear(wait ? frame_timeout_s_ : 0.0, expect, heard, reason)) return false;
   out.packets += heard.drives + heard.stops;
   out.stops += heard.stops;
   const char letter = heard.drives > 0 ? (heard.stops > 0 ? 'm' : 'd') : (heard.stops > 0 ? 's' : '.');
   out.frames += shown || letter == '.' ? letter : static_cast<char>(letter - 'a' + 'A');
-  if (wait && letter == '.') {
+  if (wait && (letter == '.' || (expect == Expect::kSpeeds && heard.drives == 0))) {
     reason = "no packet came for frame " + std::to_string(header.number);
     return false;
   }
   return true;
 }
 
-bool LockStep::play(std::uint64_t count, bool pictures, Expect expect, Played& out, std::string& reason) {
+bool LockStep::play(std::uint64_t count, ToGuest kind, Expect expect, Played& out, std::string& reason) {
   for (std::uint64_t i = 0; i < count; ++i) {
-    if (!one_frame(pictures, expect, out, reason)) return false;
+    if (!one_frame(kind, expect, out, reason)) return false;
   }
   return true;
 }
@@ -182,7 +191,7 @@ bool LockStep::plug(bool in, std::string& reason) {
 bool LockStep::listen(double quiet_s, Played& out, std::string& reason) {
   for (;;) {
     Heard heard;
-    if (!hear(quiet_s, heard, reason)) return false;
+    if (!hear(quiet_s, Expect::kNothing, heard, reason)) return false;
     if (heard.drives + heard.stops == 0) return true;
     out.packets += heard.drives + heard.stops;
     out.stops += heard.stops;

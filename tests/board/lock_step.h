@@ -30,10 +30,12 @@ class LockStep {
   /// packet may stay away.
   LockStep(const config::BoardFile& board, std::uint64_t seed, int pictures, int radio, double frame_timeout_s);
 
-  enum class Expect : std::uint8_t { kPacket, kNothing };
-  /// `count` frames; with `expect` kPacket it is an error when a frame is shown and no packet follows. `reason`: what
-  /// went wrong; what was played so far is in `out`.
-  bool play(std::uint64_t count, bool pictures, Expect expect, Played& out, std::string& reason);
+  enum class Expect : std::uint8_t { kSpeeds, kPacket, kNothing };
+  /// `count` frames; with `expect` kPacket it is an error when a frame is shown and no packet follows, with kSpeeds,
+  /// when none with speeds does: packets that stop the robots come of themselves too, while there is no frame.
+  /// `reason`: what went wrong; what was played so far is in `out`.
+  /// `kind`: kFrame, kNoFrame or kTornFrame.
+  bool play(std::uint64_t count, ToGuest kind, Expect expect, Played& out, std::string& reason);
   /// The guest opens or closes its end of the camera.
   bool plug(bool in, std::string& reason);
   /// What is on the line until nothing comes for `quiet_s` of this machine's time.
@@ -50,8 +52,8 @@ class LockStep {
   };
   [[nodiscard]] FrameHeader next_header(ToGuest kind);
   bool exchange(const FrameHeader& header, FrameAnswer& answer, std::string& reason);
-  bool hear(double timeout_s, Heard& heard, std::string& reason);
-  bool one_frame(bool picture, Expect expect, Played& out, std::string& reason);
+  bool hear(double timeout_s, Expect expect, Heard& heard, std::string& reason);
+  bool one_frame(ToGuest kind, Expect expect, Played& out, std::string& reason);
 
   hal::mock::Arena arena_;
   std::uint32_t fourcc_, period_us_;

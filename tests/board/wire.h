@@ -9,11 +9,14 @@ namespace touchline::board {
 constexpr std::uint32_t kWireMagic = 0x31464C54;  // "TLF1"
 
 enum class ToGuest : std::uint32_t {
-  kFrame,    // `bytes` of picture follow; to be shown at its time
-  kNoFrame,  // the same without a picture: the camera has nothing to show, time goes on
-  kPlug,     // open the camera's device, so that it offers pictures of this format; the answer comes when it does
-  kUnplug,   // close it; the answer comes when it is closed
+  kFrame,      // `bytes` of picture follow; to be shown at its time
+  kNoFrame,    // the same without a picture: the camera has nothing to show, time goes on
+  kTornFrame,  // `bytes` of picture follow, of which some get lost on the way
+  kPlug,       // open the camera's device, so that it offers pictures of this format; the answer comes when it does
+  kUnplug,     // close it; the answer comes when it is closed
 };
+
+constexpr bool has_picture(ToGuest kind) { return kind == ToGuest::kFrame || kind == ToGuest::kTornFrame; }
 
 struct FrameHeader {
   std::uint32_t magic = kWireMagic;

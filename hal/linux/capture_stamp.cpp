@@ -2,6 +2,8 @@
 
 #include <linux/videodev2.h>
 
+#include <fstream>
+
 namespace touchline::hal {
 namespace {
 
@@ -41,6 +43,12 @@ Instant CaptureStamp::middle_of_exposure(std::uint32_t flags, Instant stamp, Ins
   if (capture <= last_capture_) capture = last_capture_ + Duration(1);
   last_capture_ = capture;
   return capture;
+}
+
+bool uvc_computes_stamps(const std::string& parameter) {
+  std::ifstream file(parameter);
+  const int said = file.get();
+  return said == 'Y' || said == '1';
 }
 
 Instant monotonic_stamp(Instant stamp, Instant monotonic_now, Instant boottime_now) {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <string>
 
 #include "core/time.h"
 
@@ -11,6 +12,7 @@ namespace touchline::hal {
 ///
 /// Start-of-exposure stamps lie half an exposure early. End-of-frame stamps lie late by half an exposure and by the
 /// sensor's read-out; the read-out is unknown to V4L2 and stays in (at most half a frame for the picture's middle row).
+/// Stamps of the first row's arrival (uvcvideo, below) are treated as those: its exposure is over.
 /// A stamp that is of no monotonic clock, not later than the one before, or in the future, is replaced by the instant
 /// of dequeuing, treated as end of frame.
 class CaptureStamp {
@@ -33,6 +35,11 @@ class CaptureStamp {
   Instant last_stamp_{}, last_capture_{};
   std::uint64_t replaced_ = 0;
 };
+
+/// The driver of USB cameras, uvcvideo, stamps a picture when its first packet arrives and calls that the start of
+/// exposure (uvc_video_decode_start() in drivers/media/usb/uvc). True: it is loaded with `hwtimestamps=1` and computes
+/// that start from the camera's own clock.
+bool uvc_computes_stamps(const std::string& parameter = "/sys/module/uvcvideo/parameters/hwtimestamps");
 
 /// A stamp that is of CLOCK_MONOTONIC or of CLOCK_BOOTTIME, which also counts the time of suspension, on the first
 /// one's scale; drivers and libcamera's documents differ on which it is. No frame is from the future: what lies after

@@ -115,10 +115,11 @@ Status LibcameraCamera::choose_camera() {
   }
   id_ = chosen->id;
   model_ = chosen->model;
-  // USB: the start of exposure. At a ribbon cable: the first row arrives, that is, its exposure is over; what
-  // libcamera's documents call the time when the row is exposed.
-  stamp_flags_ = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC |
-                 (chosen->external ? V4L2_BUF_FLAG_TSTAMP_SRC_SOE : V4L2_BUF_FLAG_TSTAMP_SRC_EOF);
+  // The first row arrives, that is, its exposure is over; what libcamera's documents call the time when the row is
+  // exposed. At USB it is what the kernel's driver says.
+  const bool is_of_start = chosen->external && uvc_computes_stamps();
+  stamp_flags_ =
+      V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | (is_of_start ? V4L2_BUF_FLAG_TSTAMP_SRC_SOE : V4L2_BUF_FLAG_TSTAMP_SRC_EOF);
   if (const int error = link_->acquire(id_, *this); error != 0) return refused("taking it", error);
   return {};
 }

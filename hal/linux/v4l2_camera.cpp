@@ -83,6 +83,7 @@ Status V4l2Camera::identify() {
     reason_.set("%s: not a video device; cameras here: %s", name(), cameras_here().c_str());
     return ErrorCode::kUnsupported;
   }
+  stamps_first_packet_ = identity_.driver == "uvcvideo" && !uvc_computes_stamps();
   if (identity_.captures && identity_.streams) return {};
   reason_.set("%s (%s): %s; cameras here: %s", name(), identity_.card.c_str(),
               identity_.captures ? "cannot stream into mapped buffers" : "does not capture video",
@@ -145,6 +146,11 @@ Status V4l2Camera::map_buffers() {
   return {};
 }
 
+std::uint32_t V4l2Camera::meant(std::uint32_t flags) const {
+  constexpr std::uint32_t kSource = V4L2_BUF_FLAG_TSTAMP_SRC_MASK;
+  return stamps_first_packet_ ? (flags & ~kSource) | V4L2_BUF_FLAG_TSTAMP_SRC_EOF : flags;
+}
+
 /// `exposure`, in force from now on; `text` tells where the rate leaves no room for it.
 Duration V4l2Camera::noted(Duration exposure, Reason& text) const {
   if (info_.rate_hz > 0.0 && seconds(exposure) * info_.rate_hz > 1.0) {
@@ -165,7 +171,7 @@ void V4l2Camera::tell_grants() {
   if (info_.rate_hz > 0.0) text.append(" at %.4g Hz", info_.rate_hz);
   text.append(", %zu buffers mapped%s%s, stamps of the %s", buffers_.count(),
               buffers_.exported() ? " and shared as dma-bufs" : "", identity_.multi_planar ? " (multi-planar)" : "",
-              CaptureStamp::name_of(buffers_.flags()));
+              stamps_first_packet_ ? "first packet" : CaptureStamp::name_of(buffers_.flags()));
   describe_controls(device_, text);
   info_.granted = text.text();
 }
@@ -280,7 +286,7 @@ Result<FrameLease> V4l2Camera::deliver(const V4l2Buffers::Filled& filled) {
   frame.format = info_.format;
   frame.width_px = picture_.width_px;
   frame.height_px = picture_.height_px;
-  frame.capture_time = stamps_.middle_of_exposure(filled.flags, filled.stamp, now);
+  frame.capture_time = stamps_.middle_of_exposure(meant(filled.flags), filled.stamp, now);
   if (decodes()) return decode(filled, frame);
   frame.plane[0] = filled.begin[0];
   frame.stride_bytes[0] = picture_.stride_bytes[0];

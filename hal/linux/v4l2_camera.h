@@ -63,6 +63,7 @@ class V4l2Camera final : public Camera {
   Status map_buffers();
   void note_device();
   void note_rate();
+  [[nodiscard]] std::uint32_t meant(std::uint32_t flags) const;
   Duration noted(Duration exposure, Reason& text) const;
   void tell_grants();
   [[nodiscard]] bool decodes() const { return picture_.format == CameraFormat::kMjpg; }
@@ -91,7 +92,8 @@ class V4l2Camera final : public Camera {
   Reason grants_;  // what was granted otherwise than asked
   std::size_t grants_before_controls_ = 0;
   bool streaming_ = false;
-  ErrorCode lost_ = ErrorCode::kOk;  // an error after which only opening again helps
+  bool stamps_first_packet_ = false;  // whatever the flags say
+  ErrorCode lost_ = ErrorCode::kOk;   // an error after which only opening again helps
   FrameCounter sequence_;
   std::size_t behind_ = 0;  // frames in a row that were there before they were asked for
 };

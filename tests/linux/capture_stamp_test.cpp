@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 #include <linux/videodev2.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <utility>
 
 namespace touchline::hal {
 namespace {
@@ -65,6 +70,17 @@ TEST(CaptureStamp, TheExposureMayChangeFromFrameToFrame) {
   stamp.set_exposure(milliseconds(4));
   EXPECT_EQ(stamp.middle_of_exposure(kStart, at(120), at(140)), at(122));
   EXPECT_EQ(stamp.replaced(), 0u);
+}
+
+TEST(CaptureStamp, UvcvideoComputesThemOnlyWhenItIsLoadedSo) {
+  const std::string file = ::testing::TempDir() + "touchline_hwtimestamps_" + std::to_string(::getpid());
+  for (const auto& [said, expected] :
+       {std::pair("Y\n", true), {"1\n", true}, {"N\n", false}, {"0\n", false}, {"", false}}) {
+    std::ofstream(file) << said;
+    EXPECT_EQ(uvc_computes_stamps(file), expected) << said;
+  }
+  std::filesystem::remove(file);
+  EXPECT_FALSE(uvc_computes_stamps(file)) << "no such driver is loaded";
 }
 
 TEST(CaptureStamp, AStampOfTheClockThatRunsWhileSuspendedIsTakenBack) {

@@ -132,7 +132,7 @@ int VideoDevice::handle(unsigned long request, void* argument) {
 }
 
 int VideoDevice::query(v4l2_capability& capability) const {
-  copy_text(capability.driver, "fake");
+  copy_text(capability.driver, driver.c_str());
   copy_text(capability.card, card);
   copy_text(capability.bus_info, bus);
   // The whole driver's, which may have more nodes than this one; then this node's.

@@ -66,7 +66,7 @@ class VideoDevice final : public File {
   VideoDevice();
 
   // What it is.
-  std::string card = "Fake Camera", bus = "usb-0000:00:14.0-1";
+  std::string driver = "fake", card = "Fake Camera", bus = "usb-0000:00:14.0-1";
   std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   std::vector<V4l2Format> formats;
   std::vector<int> rates_hz{30, 60};

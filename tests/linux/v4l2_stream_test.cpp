@@ -110,6 +110,19 @@ TEST_F(V4l2StreamTest, EndOfFrameStampsMoveBackByHalfTheExposure) {
   EXPECT_LE(frame.value().frame().capture_time, expected);
 }
 
+// What it calls the start of exposure is the instant at which the first row's is over.
+TEST_F(V4l2StreamTest, StampsOfUvcvideoMoveBackByHalfTheExposure) {
+  if (hal::uvc_computes_stamps()) GTEST_SKIP() << "uvcvideo is loaded with hwtimestamps=1";
+  device_.driver = "uvcvideo";
+  begin(settings());
+  EXPECT_NE(camera_->info().granted.find("stamps of the first packet"), std::string::npos) << camera_->info().granted;
+  const Result<FrameLease> frame = camera_->wait(soon());
+  ASSERT_TRUE(frame.ok());
+  const Instant expected = device_.start_of_exposure(0) - kExposure / 2;
+  EXPECT_GT(frame.value().frame().capture_time, expected - kMicrosecond);
+  EXPECT_LE(frame.value().frame().capture_time, expected);
+}
+
 TEST_F(V4l2StreamTest, UnknownExposureCorrectsNothing) {
   CameraSettings asked = settings();
   asked.exposure_us = 0;  // stays automatic

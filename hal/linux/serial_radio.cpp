@@ -47,6 +47,7 @@ Status SerialRadio::do_open() {
   slot_.clear();
   free_at_ = {};
   in_driver_ = 0;
+  moved_at_ = MonotonicClock::read();
   Status status = find_port();
   if (status.ok()) status = claim_port();
   if (status.ok()) status = configure_port();

@@ -19,9 +19,9 @@ namespace touchline::hal {
 ///
 /// PacketSlot decides which packet goes out; a line is taken for busy for as long as its bytes need at the baud rate,
 /// whatever the driver and the adapter behind it have swallowed. Where the driver offers it, the port is set to low
-/// latency: an FTDI adapter then hands on what it receives after 1 ms instead of 16. A port that lets
-/// nothing go for five seconds answers kIo: it is to be opened again. close() drops what has not left (drain() first):
-/// a port that is gone must not hold up the exit.
+/// latency: an FTDI adapter then hands on what it receives after 1 ms instead of 16. A port that lets nothing go for
+/// five seconds answers kIo: it is to be opened again. close() drops what has not left (drain() first): a port that is
+/// gone must not hold up the exit.
 class SerialRadio final : public Radio, private ByteLine {
  public:
   explicit SerialRadio(RadioSettings settings) : settings_(std::move(settings)) {}

@@ -243,14 +243,17 @@ Result<FrameLease> V4l2Camera::do_wait(Instant deadline) {
   return timed_out();
 }
 
-/// Frames come faster than they are worked on, and not just for a moment: of those that are there the newest is taken.
-/// Else each would be as late as there are buffers.
+/// Frames come faster than they are worked on, and not just for a moment: of those that are there the newest good one
+/// is taken. Else each would be as late as there are buffers.
 int V4l2Camera::pass_over(V4l2Buffers::Filled& oldest) {
   V4l2Buffers::Filled newer;
   for (std::size_t i = 1; i < buffers_.count(); ++i) {
     int error = buffers_.dequeue(device_, newer);
     if (error == EAGAIN) return 0;
-    if (error == 0) error = buffers_.queue(device_, std::exchange(oldest, newer).index);
+    if (error == 0) {
+      if ((newer.flags & V4L2_BUF_FLAG_ERROR) == 0) std::swap(oldest, newer);
+      error = buffers_.queue(device_, newer.index);
+    }
     if (error != 0) return error;
   }
   return 0;

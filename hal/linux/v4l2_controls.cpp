@@ -130,10 +130,11 @@ void fix_exposure(const Controlled& camera, const CameraSettings& asked) {
                          steps.low, steps.high);
     return;  // fixed at anything, it would be worse than automatic
   }
+  if (!find(camera.device, id, steps)) return lacking(camera, wish);
   // In shutter priority the time is fixed and the aperture is automatic.
   switch_off(camera, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL, V4L2_EXPOSURE_SHUTTER_PRIORITY, "automatic exposure",
              wish);
-  if (!set_value(camera, id, in_steps ? 1 : kExposureStepUs, wish)) lacking(camera, wish);
+  set_value(camera, id, in_steps ? 1 : kExposureStepUs, wish);
 }
 
 void fix_gain(const Controlled& camera, int gain) {
@@ -196,11 +197,15 @@ void fix_power_line(const V4l2Device& device, PowerLine power_line, Reason& gran
                              : "the driver kept another");
 }
 
-Duration exposure_in_force(const V4l2Device& device) {
+/// In shutter priority the time is fixed and the aperture is automatic.
+bool is_exposure_automatic(const V4l2Device& device) {
   int mode = V4L2_EXPOSURE_MANUAL;
-  const int mode_error = get(device, V4L2_CID_EXPOSURE_AUTO, mode);
-  // In shutter priority the time is fixed and the aperture is automatic.
-  if (mode_error == 0 && mode != V4L2_EXPOSURE_MANUAL && mode != V4L2_EXPOSURE_SHUTTER_PRIORITY) return {};
+  return get(device, V4L2_CID_EXPOSURE_AUTO, mode) == 0 && mode != V4L2_EXPOSURE_MANUAL &&
+         mode != V4L2_EXPOSURE_SHUTTER_PRIORITY;
+}
+
+Duration exposure_in_force(const V4l2Device& device) {
+  if (is_exposure_automatic(device)) return {};
   int steps = 0;
   if (get(device, V4L2_CID_EXPOSURE_ABSOLUTE, steps) != 0 || steps < 0) return {};
   return std::chrono::microseconds(std::int64_t{steps} * kExposureStepUs);
@@ -247,9 +252,8 @@ void describe_controls(const V4l2Device& device, Reason& text) {
                 std::int64_t{std::chrono::duration_cast<std::chrono::microseconds>(exposure).count()});
   } else if (find(device, V4L2_CID_EXPOSURE_ABSOLUTE, control)) {
     text.append(", exposure automatic");
-  } else if (int steps = 0, mode = 0; get(device, V4L2_CID_EXPOSURE, steps) == 0) {
-    const bool automatic = get(device, V4L2_CID_EXPOSURE_AUTO, mode) == 0 && mode != V4L2_EXPOSURE_MANUAL;
-    text.append(automatic ? ", exposure automatic" : ", exposure %d steps", steps);
+  } else if (int steps = 0; get(device, V4L2_CID_EXPOSURE, steps) == 0) {
+    text.append(is_exposure_automatic(device) ? ", exposure automatic" : ", exposure %d steps", steps);
   }
   const auto describe = [&](const char* name, std::uint32_t automatic, std::uint32_t id, const char* unit) {
     int value = 0;

@@ -8,10 +8,10 @@
 namespace touchline::hal {
 
 /// Fixes exposure, gain, white balance, focus and lamp flicker as the settings say, and that the rate comes before the
-/// exposure where that is automatic; reads each back. What the
-/// camera lacks, refuses or rounds is appended to `grants`, each with "; " before it where something stands there
-/// already. Returns the exposure time in force, zero when it is the driver's secret (automatic, or no such control).
-/// Works on an open device whether it streams or not, and on any thread: nothing but `grants` is written to.
+/// exposure where that is automatic; reads each back. What the camera lacks, refuses or rounds is appended to `grants`,
+/// each with "; " before it where something stands there already. Returns the exposure time in force, zero when it is
+/// the driver's secret (automatic, or no such control). Works on an open device whether it streams or not, and on any
+/// thread: nothing but `grants` is written to.
 Duration apply_controls(const V4l2Device& device, const CameraSettings& asked, Reason& grants);
 
 /// The same for a stream under way, and only for what `asked` has otherwise than `before`: a UVC camera may take

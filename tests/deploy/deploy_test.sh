@@ -219,6 +219,67 @@ case $1 in
     says "ended soon after its first frame"
     says "camera: no such device"
     ;;
+  WhatWasNotReplacedRunsAgain)
+    # Installed by hand: no package of it is kept.
+    echo 1.0 >"$board/version"
+    deploy 3 robot@board --deb "$(package 8.0)"
+    runs 1.0
+    says "way back is none"
+    # Nothing can be installed, neither the new one nor the former.
+    deploy 0 robot@board --deb "$(package 1.1)"
+    mv "$fakes/apt-get" "$fakes/no-lock"
+    fake apt-get <<'END'
+#!/bin/sh
+case "$*" in *--download-only*) exec "$(dirname "$0")/no-lock" "$@" ;; esac
+exit 100
+END
+    deploy 3 robot@board --deb "$(package 1.2)"
+    runs 1.1
+    rm "$board/var/cache/touchline/lock"
+    mkdir "$board/var/cache/touchline/lock"
+    deploy 1 robot@board --deb "$(package 1.2)"
+    runs 1.1
+    ;;
+  APowerCutLosesNothing)
+    deploy 0 robot@board --deb "$(package 1.0)"
+    mkdir "$work/config"
+    echo "the new one's" >"$work/config/board.toml"
+    sh "$source_dir/toolchain/deploy-on-board" "$(package 7.0)" 20 "$work/config" >/dev/null 2>&1 &
+    for ((i = 0; i < 200; ++i)); do [ "$(cat "$board/state")" = activating ] && break; sleep 0.05; done
+    kill -9 $!
+    wait $! 2>/dev/null || true
+    flock "$board/var/cache/touchline/lock" true  # what it had begun holds it for a moment
+    [ "$(cat "$board/version" "$board/etc/touchline/board.toml")" = "$(printf "7.0\nthe new one's")" ] || fail "it was not cut off halfway"
+    echo "an hour's work" >"$board/etc/touchline/team.toml"
+    deploy 3 robot@board --deb "$(package 6.0)"
+    says "way back is to 1.0"
+    runs 1.0
+    [ "$(cat "$board/etc/touchline/board.toml")" = "the old one's" ] || fail "the former files are not back"
+    [ "$(cat "$board/var/cache/touchline/aside/team.toml")" = "an hour's work" ] || fail "what somebody wrote meanwhile is lost"
+    ;;
+  AFolderBehindALinkComesBack)
+    mv "$board/etc/touchline" "$board/data"
+    ln -s ../data "$board/etc/touchline"
+    deploy 0 robot@board --deb "$(package 1.0)"
+    mkdir "$work/config"
+    echo "the new one's" >"$work/config/board.toml"
+    deploy 3 robot@board --deb "$(package 6.0)" --config "$work/config"
+    [ -L "$board/etc/touchline" ] || fail "the link is gone"
+    [ "$(cat "$board/data/board.toml")" = "the old one's" ] || fail "the former files are not back"
+    ;;
+  ABusThatIsAwayIsNoFrame)
+    mv "$fakes/systemctl" "$fakes/systemd"
+    fake systemctl <<'END'
+#!/bin/sh
+if [ "$1" = show ] && [ ! -e "$TOUCHLINE_ROOT/asked" ]; then
+  touch "$TOUCHLINE_ROOT/asked"
+  exit 1
+fi
+exec "$(dirname "$0")/systemd" "$@"
+END
+    deploy 2 robot@board --wait 1 --deb "$(package 7.0)"
+    says "no frame in"
+    ;;
   OneAtATime)
     mkdir -p "$board/var/cache/touchline"
     exec 8>"$board/var/cache/touchline/lock"

@@ -103,6 +103,7 @@ int SerialPort::output_waiting() {
 int SerialPort::flush() {
   if (error_ != 0) return -error_;
   transmit();
+  if (!flushes) return 0;
   flushed_ += buffer_.size();
   buffer_.clear();
   return 0;

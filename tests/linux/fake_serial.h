@@ -21,6 +21,7 @@ class SerialPort final : public File {
   std::size_t buffer_bytes = 4096;
   std::size_t chip_bytes = 0;  // so many of the first stand in the adapter, which the kernel does not count
   bool stalled = false;        // nothing leaves
+  bool flushes = true;         // not all drivers can throw bytes away
   int open_error = 0;
   int granted_baud = 0;  // 0: as asked
   int baud_error = 0, bits_error = 0, write_error = 0;

@@ -341,6 +341,22 @@ TEST_F(SerialRadioTest, APortThatStandsStillIsToBeOpenedAgain) {
   EXPECT_TRUE(send_for(std::chrono::seconds(1)).ok());
 }
 
+TEST_F(SerialRadioTest, BytesLeftFromTheOpeningBeforeAreNoStandstillYet) {
+  SerialRadio radio(settings());
+  adapter_.stalled = true;
+  adapter_.flushes = false;
+  ASSERT_TRUE(radio.open().ok());
+  ASSERT_TRUE(radio.send(packet(60, 1)).ok());
+  kernel_.advance(std::chrono::seconds(20));
+  ASSERT_TRUE(radio.open().ok());
+  ASSERT_EQ(adapter_.waiting(), 60u);
+  EXPECT_EQ(radio.send(packet(60, 2)).code(), ErrorCode::kOk);
+  kernel_.advance(std::chrono::milliseconds(4900));
+  EXPECT_NE(radio.send(packet(60, 3)).code(), ErrorCode::kIo);
+  kernel_.advance(std::chrono::milliseconds(200));
+  EXPECT_EQ(radio.send(packet(60, 4)).code(), ErrorCode::kIo);
+}
+
 TEST_F(SerialRadioTest, FailureWhileWriting) {
   SerialRadio radio(settings());
   ASSERT_TRUE(radio.open().ok());

@@ -81,6 +81,13 @@ TEST_F(V4l2ControlsTest, ACameraThatCountsExposureInItsOwnStepsIsSetInThem) {
   EXPECT_NE(camera.info().granted.find(", exposure 255 steps"), std::string::npos) << camera.info().granted;
 }
 
+TEST_F(V4l2ControlsTest, ExposureStepsThatACameraLacksLeaveItAutomatic) {
+  CameraSettings asked = untouched(settings());
+  asked.exposure_steps = 100;
+  expect_grants(asked, "/dev/video0: exposure_steps = 100: the camera has no such control");
+  EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_AUTO).writes, 0);
+}
+
 TEST_F(V4l2ControlsTest, WhiteBalanceByGainsIsTheSameAtEachStart) {
   device_.controls.erase(V4L2_CID_WHITE_BALANCE_TEMPERATURE);
   fake::V4l2Control& red = device_.controls[V4L2_CID_RED_BALANCE] = {0, 255, 1, 77};  // as the automatic left it

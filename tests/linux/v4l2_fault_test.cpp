@@ -216,6 +216,17 @@ TEST_F(V4l2FaultTest, WhoIsTooSlowForAllFramesGetsTheNewest) {
   for (std::uint32_t i = 1; i < 10; ++i) EXPECT_EQ(next(), last + i) << "in time again";
 }
 
+TEST_F(V4l2FaultTest, TheNewestIsNotTakenWhereItIsDamaged) {
+  begin();
+  std::uint32_t good = 0;
+  for (std::uint32_t i = 1; i < 400; i += 2) device_.frame_faults[i].damaged = true;
+  for (int i = 0; i < 60; ++i) {
+    kernel_.advance(std::chrono::milliseconds(50));
+    good += camera_->wait(soon()).ok() ? 1u : 0u;
+  }
+  EXPECT_GT(good, 50u) << "there is a good one among those of 50 ms";
+}
+
 TEST_F(V4l2FaultTest, GapsInTheDriversCountAreLostFrames) {
   device_.frame_faults[1].dropped = true;
   device_.frame_faults[2].dropped = true;

@@ -196,8 +196,7 @@ class Game:
         seen = float(found[1]), float(found[2])
         # The status is a second old at most, and given in centimeters.
         off = min(math.dist(seen, place) for place in told["ball"][-40:])
-        # Where robots wedge it into a corner, they hide a part of it, and what is left has its center elsewhere.
-        self.checks.expect(off < 0.03, f"the ball is seen {1000 * off:.0f} mm from its path")
+        self.checks.expect(off < 0.015, f"the ball is seen {1000 * off:.0f} mm from its path")
 
     def numbers(self, told):
         print(f"  {told['shown']} frames: {told['packets']} packets ({told['stops']} stops), own robots moved "

@@ -48,13 +48,7 @@ Status load_rgb(const std::string& path, hal::Picture& out, std::string& reason)
   out = {};
   CameraPicture photograph;
   if (Status s = CameraPicture::load(path, PixelFormat::kRgb24, photograph, reason); !s.ok()) return s;
-  const Frame frame = photograph.frame();
-  out.width_px = frame.width_px;
-  out.height_px = frame.height_px;
-  for (std::size_t v = 0; v < frame.height_px; ++v) {
-    const std::uint8_t* row = frame.plane[0] + v * frame.stride_bytes[0];
-    out.rgb8.insert(out.rgb8.end(), row, row + 3 * std::size_t{frame.width_px});
-  }
+  out = picture_of(photograph.frame());
   return {};
 }
 

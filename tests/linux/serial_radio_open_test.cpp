@@ -1,0 +1,122 @@
+#include <libserialport.h>
+
+#include <cerrno>
+
+#include "tests/linux/fake_v4l2.h"
+#include "tests/linux/serial_radio_fixture.h"
+
+namespace touchline::testing {
+namespace {
+
+TEST_F(SerialRadioTest, OpensRawForUsAlone) {
+  SerialRadio radio(settings());
+  ASSERT_TRUE(radio.open().ok()) << radio.reason();
+  EXPECT_EQ(radio.reason(), text("115200 baud, low latency"));
+  EXPECT_TRUE(adapter_.low_latency);
+  EXPECT_EQ(adapter_.baud, 115200);
+  EXPECT_EQ(adapter_.bits, 8);
+  EXPECT_EQ(adapter_.parity, SP_PARITY_NONE);
+  EXPECT_EQ(adapter_.stop_bits, 1);
+  EXPECT_EQ(adapter_.flow_control, SP_FLOWCONTROL_NONE);
+  EXPECT_TRUE(adapter_.exclusive);
+}
+
+TEST_F(SerialRadioTest, BytesReachTheWireAsTheyAre) {
+  SerialRadio radio(settings());
+  ASSERT_TRUE(radio.open().ok());
+  Packet all;
+  for (int i = 0; i < 128; ++i) all.push_back(static_cast<std::byte>(2 * i));
+  ASSERT_TRUE(radio.send(all).ok());
+  EXPECT_TRUE(radio.drain(kernel_.now() + std::chrono::milliseconds(100)).ok());
+  EXPECT_EQ(adapter_.wire(), std::vector<std::byte>{} + all);
+  EXPECT_EQ(radio.counters().packets, 1u);
+  EXPECT_EQ(radio.counters().bytes, 128u);
+  EXPECT_EQ(radio.counters().refused, 0u);
+}
+
+TEST_F(SerialRadioTest, MissingPortListsThePortsThatAreHere) {
+  RadioSettings asked = settings();
+  asked.device = "/dev/ttyUSB7";
+  expect_refusal(
+      asked, ErrorCode::kNotFound,
+      std::string("/dev/ttyUSB7: no such port; ports here: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART) = ") +
+          kById);
+}
+
+TEST_F(SerialRadioTest, AFileThatIsNoPort) {
+  fake::VideoDevice camera;
+  kernel_.add("/dev/video0", camera);
+  RadioSettings asked = settings();
+  asked.device = "/dev/video0";
+  expect_refusal(
+      asked, ErrorCode::kUnsupported,
+      std::string("/dev/video0: not a serial port; ports here: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART) = ") +
+          kById);
+}
+
+TEST_F(SerialRadioTest, RefusedAccessSaysWhatToDo) {
+  adapter_.open_error = EACCES;
+  expect_refusal(
+      settings(), ErrorCode::kPermission,
+      text("permission denied; add the user to the group dialout (`sudo usermod -aG dialout $USER`) and log in "
+           "again"));
+  adapter_.open_error = EBUSY;
+  expect_refusal(settings(), ErrorCode::kDeviceBusy,
+                 text(std::string("held by another process; `fuser -v ") + kById + "` names it"));
+  adapter_.open_error = EIO;
+  expect_refusal(
+      settings(), ErrorCode::kNotFound,
+      text(std::string("no UART behind this port; ports here: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART) = ") +
+           kById));
+  adapter_.open_error = ENOMEM;
+  expect_refusal(settings(), ErrorCode::kIo, text("cannot be opened: Cannot allocate memory"));
+}
+
+TEST_F(SerialRadioTest, ALockOfAnotherProgramKeepsUsOut) {
+  adapter_.locked_by_another = true;
+  expect_refusal(settings(), ErrorCode::kDeviceBusy,
+                 text(std::string("held by another process; `fuser -v ") + kById + "` names it"));
+}
+
+TEST_F(SerialRadioTest, BaudRatesThatThePortCannotDo) {
+  adapter_.baud_error = EINVAL;
+  expect_refusal(settings(1234567), ErrorCode::kUnsupported, text("refuses baud = 1234567: Invalid argument"));
+  adapter_.baud_error = 0;
+  adapter_.granted_baud = 9600;
+  expect_refusal(settings(), ErrorCode::kUnsupported,
+                 text("baud = 115200: granted 9600, which is too far off for the robots to understand"));
+  adapter_.granted_baud = 115200 - 2400;  // 2.1 % too slow
+  expect_refusal(settings(), ErrorCode::kUnsupported,
+                 text("baud = 115200: granted 112800, which is too far off for the robots to understand"));
+  adapter_.granted_baud = 115200 + 2200;  // 1.9 % too fast
+  SerialRadio radio(settings());
+  EXPECT_TRUE(radio.open().ok());
+  EXPECT_EQ(radio.reason(), text("115200 baud, granted 117400, low latency"));
+}
+
+TEST_F(SerialRadioTest, FastRatesAndRatesOfOnesOwn) {
+  for (const int baud : {1000000, 1234567, 4000000}) {
+    SerialRadio radio(settings(baud));
+    ASSERT_TRUE(radio.open().ok()) << radio.reason();
+    EXPECT_EQ(adapter_.baud, baud);
+    EXPECT_EQ(radio.reason(), text(std::to_string(baud) + " baud, low latency"));
+  }
+}
+
+TEST_F(SerialRadioTest, DriversWithoutLowLatencyServeAsWell) {
+  adapter_.offers_low_latency = false;
+  SerialRadio radio(settings());
+  ASSERT_TRUE(radio.open().ok());
+  EXPECT_EQ(radio.reason(), text("115200 baud"));
+}
+
+TEST_F(SerialRadioTest, PortThatGoesAwayWhileItIsSetUp) {
+  adapter_.bits_error = EIO;
+  expect_refusal(settings(), ErrorCode::kDisconnected, text("the port went away (setting 8N1 without flow control)"));
+  adapter_.bits_error = 0;
+  adapter_.baud_error = ENODEV;
+  expect_refusal(settings(), ErrorCode::kDisconnected, text("the port went away (setting the baud rate)"));
+}
+
+}  // namespace
+}  // namespace touchline::testing

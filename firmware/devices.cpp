@@ -3,7 +3,7 @@
 #include <cinttypes>
 #include <cstdio>
 
-#include "firmware/absent_devices.h"
+#include "firmware/null_devices.h"
 #include "hal/linux/gpiod_gpio.h"
 #include "hal/linux/libcamera_camera.h"
 #include "hal/linux/monotonic_clock.h"
@@ -62,7 +62,7 @@ void Devices::make(const config::Configuration& configuration, std::uint64_t see
       radio_ = std::make_unique<hal::SerialRadio>(board.radio);
       break;
     case hal::RadioBackend::kNone:
-      radio_ = std::make_unique<AbsentRadio>();
+      radio_ = std::make_unique<NullRadio>();
       break;
   }
   switch (board.gpio.backend) {
@@ -73,7 +73,7 @@ void Devices::make(const config::Configuration& configuration, std::uint64_t see
       gpio_ = std::make_unique<hal::GpiodGpio>(board.gpio);
       break;
     case hal::GpioBackend::kNone:
-      gpio_ = std::make_unique<AbsentGpio>();
+      gpio_ = std::make_unique<NullGpio>();
       break;
   }
 }

@@ -8,11 +8,11 @@ namespace touchline {
 
 /// What the loop does about an error of a device.
 enum class FaultAction : std::uint8_t {
-  kNone,       // no error
-  kSkip,       // this frame or packet is lost; the next may be good
-  kReopen,     // close the device and open it again, with a pause that doubles; robots are stopped meanwhile
-  kLeave,      // stop the robots and end the program: trying again cannot help
-  kDoWithout,  // robots do not need it: the game goes on, whatever the code
+  kNone,             // no error
+  kSkip,             // this frame or packet is lost; the next may be good
+  kReopen,           // close the device and open it again, with a pause that doubles; robots are stopped meanwhile
+  kLeave,            // stop the robots and end the program: trying again cannot help
+  kContinueWithout,  // robots do not need it: the game goes on, whatever the code
 };
 
 /// The one place where a code becomes an action. There is no default: the compiler asks for an answer to every new

@@ -62,8 +62,8 @@ void Loop::set_faults(const config::FaultSettings& faults) {
   settings_.faults = faults;
   stop_after_ = from_seconds(faults.stop_after_s);
   slice_ = slice_of(stop_after_);
-  for (auto& keeper : keepers_) {
-    if (keeper) keeper->set_first_pause(from_seconds(faults.reopen_after_s));
+  for (auto& reconnector : reconnectors_) {
+    if (reconnector) reconnector->set_first_pause(from_seconds(faults.reopen_after_s));
   }
 }
 
@@ -84,9 +84,9 @@ Status Loop::open(std::string& reason) {
 
   const Duration pause = from_seconds(settings_.faults.reopen_after_s);
   const bool wait = devices_.simulated_time;
-  keepers_[0].emplace(reopen_camera, &devices_.camera, pause, wait);
-  keepers_[1].emplace(reopen<hal::Radio>, &devices_.radio, pause, wait);
-  keepers_[2].emplace(reopen<hal::Gpio>, &devices_.gpio, pause, wait);
+  reconnectors_[0].emplace(reopen_camera, &devices_.camera, pause, wait);
+  reconnectors_[1].emplace(reopen<hal::Radio>, &devices_.radio, pause, wait);
+  reconnectors_[2].emplace(reopen<hal::Gpio>, &devices_.gpio, pause, wait);
 
   const Instant now = devices_.clock.now();
   statistics_.begin = last_frame_ = last_packet_ = last_report_ = now;
@@ -97,7 +97,7 @@ Status Loop::open(std::string& reason) {
 
 LoopEnd Loop::run(const std::atomic<bool>& stop) {
   std::optional<LoopEnd> end;
-  while (!end) end = stop.load(std::memory_order_relaxed) ? LoopEnd::kAsked : iterate();
+  while (!end) end = stop.load(std::memory_order_relaxed) ? LoopEnd::kRequested : iterate();
   halt_robots();
   return *end;
 }
@@ -107,7 +107,7 @@ std::optional<LoopEnd> Loop::iterate() {
   serve_inputs(now);
   serve_radio(now);
   const Instant until = now + std::min({slice_, look_again_, send_again_});
-  if (keeper(Device::kCamera).open()) {
+  if (reconnector(Device::kCamera).is_open()) {
     const Result<hal::FrameLease> lease = devices_.camera.wait(until);
     if (lease.ok()) {
       serve_frame(lease.value());
@@ -119,9 +119,9 @@ std::optional<LoopEnd> Loop::iterate() {
   }
   const Instant after = devices_.clock.now();
   // A camera that hangs says nothing: only the clock tells.
-  if (keeper(Device::kCamera).open() && after - last_frame_ > from_seconds(settings_.faults.camera_timeout_s)) {
+  if (reconnector(Device::kCamera).is_open() && after - last_frame_ > from_seconds(settings_.faults.camera_timeout_s)) {
     report_fault(Device::kCamera, ErrorCode::kTimeout, FaultAction::kReopen, after);
-    keeper(Device::kCamera).lost(after);
+    reconnector(Device::kCamera).mark_lost(after);
   }
   update_halt(after, last_good_);
   if (halt_ != kHaltNone && after - last_packet_ >= slice_) send_stop(after);
@@ -129,10 +129,10 @@ std::optional<LoopEnd> Loop::iterate() {
   serve_lost_devices(after);
   serve_light(after);
   report_if_due(after);
-  take_tuning();
+  take_live_settings();
   statistics_.end = after;
-  pulse_.good_frames.store(statistics_.good_frames, std::memory_order_relaxed);
-  pulse_.turns.fetch_add(1, std::memory_order_relaxed);
+  heartbeat_.good_frames.store(statistics_.good_frames, std::memory_order_relaxed);
+  heartbeat_.iterations.fetch_add(1, std::memory_order_relaxed);
   const bool enough_frames = settings_.frames != 0 && statistics_.frames >= settings_.frames;
   const bool enough_time = settings_.duration != Duration::zero() && after - statistics_.begin >= settings_.duration;
   if (!end_ && (enough_frames || enough_time)) end_ = LoopEnd::kLimit;
@@ -195,18 +195,18 @@ void Loop::adapt() {
   pipeline_.adapt();
 }
 
-void Loop::take_tuning() {
-  Tuning* tuning = settings_.handover != nullptr ? settings_.handover->offered() : nullptr;
-  if (tuning == nullptr) return;
-  if (tuning->tables != nullptr) {
-    if (tuning->keep_adaptation_mode) tuning->adaptation.set_mode(pipeline_.adaptation());
-    tuning->tables = &pipeline_.exchange(*tuning->tables, tuning->adaptation);
+void Loop::take_live_settings() {
+  LiveSettings* live_settings = settings_.live_update != nullptr ? settings_.live_update->offered() : nullptr;
+  if (live_settings == nullptr) return;
+  if (live_settings->tables != nullptr) {
+    if (live_settings->keep_adaptation_mode) live_settings->adaptation.set_mode(pipeline_.adaptation());
+    live_settings->tables = &pipeline_.exchange(*live_settings->tables, live_settings->adaptation);
   }
-  static_cast<void>(pipeline_.retune(tuning->control));  // was checked with the files
-  set_faults(tuning->faults);
-  settings_.radio_delay = tuning->radio_delay;
-  tuning->taken_after = statistics_.frames;
-  settings_.handover->taken();
+  static_cast<void>(pipeline_.retune(live_settings->control));  // was checked with the files
+  set_faults(live_settings->faults);
+  settings_.radio_delay = live_settings->radio_delay;
+  live_settings->taken_after = statistics_.frames;
+  settings_.live_update->taken();
 }
 
 void Loop::note_latency(const Frame& frame, const StepTiming& timing) {
@@ -221,7 +221,7 @@ void Loop::note_latency(const Frame& frame, const StepTiming& timing) {
 
 void Loop::send(const Packet& packet, bool is_stop, Instant now) {
   last_packet_ = now;
-  if (!keeper(Device::kRadio).open()) {
+  if (!reconnector(Device::kRadio).is_open()) {
     ++statistics_.packets_refused;
     return;
   }
@@ -239,7 +239,7 @@ void Loop::send(const Packet& packet, bool is_stop, Instant now) {
 
 void Loop::serve_radio(Instant now) {
   send_again_ = slice_;
-  if (!keeper(Device::kRadio).open()) return;
+  if (!reconnector(Device::kRadio).is_open()) return;
   const Result<Duration> again = devices_.radio.serve();
   if (again.ok()) {
     send_again_ = again.value();
@@ -249,7 +249,7 @@ void Loop::serve_radio(Instant now) {
 }
 
 void Loop::listen(Instant now) {
-  if (!settings_.telemetry || !keeper(Device::kRadio).open()) return;
+  if (!settings_.telemetry || !reconnector(Device::kRadio).is_open()) return;
   const Result<std::size_t> count = devices_.radio.receive(received_);
   if (!count.ok()) {
     on_fault(Device::kRadio, count.error(), now);
@@ -287,7 +287,7 @@ void Loop::halt_robots() {
       devices_.clock.sleep_until(now + std::min(next - now, send_again_));
     }
   }
-  if (!keeper(Device::kRadio).open()) return;
+  if (!reconnector(Device::kRadio).is_open()) return;
   const Instant now = devices_.clock.now();
   if (const Status drained = devices_.radio.drain(now + kDrainTime); !drained.ok()) {
     report_fault(Device::kRadio, drained.code(), action_for(drained.code()), now);
@@ -297,7 +297,7 @@ void Loop::halt_robots() {
 void Loop::close() {
   if (!is_open_) return;
   is_open_ = false;
-  for (auto& keeper : keepers_) keeper->finish();
+  for (auto& reconnector : reconnectors_) reconnector->stop();
   if (led_.value_or(false)) static_cast<void>(devices_.gpio.set_status_led(false));
   devices_.camera.stop();
   devices_.camera.close();
@@ -310,10 +310,10 @@ void Loop::on_fault(Device device, ErrorCode code, Instant now) {
     end_ = LoopEnd::kEndOfStream;
     return;
   }
-  const FaultAction unneeded = is_awaited(device) ? FaultAction::kReopen : FaultAction::kDoWithout;
+  const FaultAction unneeded = is_awaited(device) ? FaultAction::kReopen : FaultAction::kContinueWithout;
   const FaultAction action = is_needed(device) ? action_for(code) : unneeded;
   report_fault(device, code, action, now);
-  if (action == FaultAction::kReopen || action == FaultAction::kDoWithout) keeper(device).lost(now);
+  if (action == FaultAction::kReopen || action == FaultAction::kContinueWithout) reconnector(device).mark_lost(now);
   if (action == FaultAction::kLeave) end_ = LoopEnd::kFault;
 }
 
@@ -322,16 +322,16 @@ void Loop::on_output_fault(ErrorCode code, Instant now) {
   // Opening the chip again would take away the emergency stop or the start button, which still works or is about to
   // tell that it does not.
   outputs_failed_ = true;
-  report_fault(Device::kGpio, code, FaultAction::kDoWithout, now);
+  report_fault(Device::kGpio, code, FaultAction::kContinueWithout, now);
 }
 
 void Loop::serve_lost_devices(Instant now) {
   for (std::size_t i = 0; i < kDeviceCount; ++i) {
     const auto device = static_cast<Device>(i);
-    DeviceKeeper& keeper = *keepers_[i];
-    if (keeper.open()) continue;
-    const std::uint32_t attempts = keeper.attempts();
-    if (keeper.poll(now)) {
+    DeviceReconnector& reconnector = *reconnectors_[i];
+    if (reconnector.is_open()) continue;
+    const std::uint32_t attempts = reconnector.failed_attempts();
+    if (reconnector.poll(now)) {
       ++statistics_.reopened[i];
       if (is_awaited(device)) report_fault(device, ErrorCode::kOk, FaultAction::kNone, now);
       if (device == Device::kCamera) {
@@ -346,13 +346,13 @@ void Loop::serve_lost_devices(Instant now) {
       }
       continue;
     }
-    if (keeper.attempts() != attempts) {
+    if (reconnector.failed_attempts() != attempts) {
       // Not to leave, whatever the code: it did open with these settings, and who plugged it in badly may do so again.
-      const FaultAction action = is_awaited(device) ? FaultAction::kReopen : FaultAction::kDoWithout;
-      report_fault(device, keeper.last().code(), action, now);
+      const FaultAction action = is_awaited(device) ? FaultAction::kReopen : FaultAction::kContinueWithout;
+      report_fault(device, reconnector.last_status().code(), action, now);
     }
     const double patience_s = settings_.faults.leave_after_s;
-    if (is_needed(device) && patience_s > 0.0 && keeper.away(now) > from_seconds(patience_s))
+    if (is_needed(device) && patience_s > 0.0 && reconnector.time_lost(now) > from_seconds(patience_s))
       end_ = LoopEnd::kDeviceLost;
   }
 }
@@ -369,7 +369,7 @@ void Loop::read_inputs(Instant now) {
   hal::GpioInputs inputs;
   inputs.emergency_stop = settings_.emergency_stop;
   Halt emergency = kHaltLine;
-  if (keeper(Device::kGpio).open()) {
+  if (reconnector(Device::kGpio).is_open()) {
     const Result<hal::GpioInputs> read = devices_.gpio.inputs(now);
     if (read.ok()) {
       inputs = read.value();

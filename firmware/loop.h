@@ -7,13 +7,13 @@
 #include <string>
 
 #include "core/pipeline.h"
-#include "firmware/adaptation_signal.h"
 #include "firmware/config/board_file.h"
-#include "firmware/device_keeper.h"
-#include "firmware/handover.h"
-#include "firmware/loop_pulse.h"
+#include "firmware/device_reconnector.h"
+#include "firmware/live_update.h"
+#include "firmware/loop_heartbeat.h"
 #include "firmware/loop_report.h"
 #include "firmware/loop_statistics.h"
+#include "firmware/signals.h"
 #include "hal/camera.h"
 #include "hal/clock.h"
 #include "hal/gpio.h"
@@ -39,7 +39,7 @@ struct LoopSettings {
   bool telemetry = true;                           // listens to what robots send back
   bool start_button = false;                       // robots stand until it is pressed
   bool emergency_stop = true;                      // there is one: robots stand while it cannot be read
-  Handover* handover = nullptr;                    // from whoever changes parameters while it runs; null: nobody
+  LiveUpdate* live_update = nullptr;               // from whoever changes parameters while it runs; null: nobody
 };
 
 /// When one frame was where.
@@ -56,7 +56,7 @@ struct LoopObserver {
 };
 
 enum class LoopEnd : std::uint8_t {
-  kAsked,        // the stop flag was set
+  kRequested,    // the stop flag was set
   kLimit,        // frames or duration reached
   kEndOfStream,  // a replayed input is over
   kDeviceLost,   // a device stayed away for longer than faults.leave_after_s
@@ -99,7 +99,7 @@ class Loop {
 
   [[nodiscard]] const LoopStatistics& statistics() const { return statistics_; }
   /// For a thread that watches; from any thread.
-  [[nodiscard]] const LoopPulse& pulse() const { return pulse_; }
+  [[nodiscard]] const LoopHeartbeat& heartbeat() const { return heartbeat_; }
   /// Error that led to kFault or kDeviceLost.
   [[nodiscard]] const FaultReport& last_fault() const { return last_fault_; }
 
@@ -118,12 +118,12 @@ class Loop {
   void judge_emergency(const hal::GpioInputs& inputs, Instant now);
   void serve_radio(Instant now);
   void listen(Instant now);
-  [[nodiscard]] bool outputs_work() { return keeper(Device::kGpio).open() && !outputs_failed_; }
+  [[nodiscard]] bool outputs_work() { return reconnector(Device::kGpio).is_open() && !outputs_failed_; }
   void strobe(bool high, Instant now);
   void serve_light(Instant now);
   void update_halt(Instant now, Instant last_good);
   void adapt();
-  void take_tuning();
+  void take_live_settings();
   void set_faults(const config::FaultSettings& faults);
   void note_latency(const Frame& frame, const StepTiming& timing);
   void report_if_due(Instant now);
@@ -131,7 +131,7 @@ class Loop {
   void report_fault(Device device, ErrorCode code, FaultAction action, Instant now);
   [[nodiscard]] const std::string& reason_of(Device device) const;
   [[nodiscard]] double elapsed_s(Instant now) const { return seconds(now - statistics_.begin); }
-  DeviceKeeper& keeper(Device device) { return *keepers_[static_cast<std::size_t>(device)]; }
+  DeviceReconnector& reconnector(Device device) { return *reconnectors_[static_cast<std::size_t>(device)]; }
 
   LoopDevices devices_;
   Pipeline& pipeline_;
@@ -139,12 +139,12 @@ class Loop {
   Duration stop_after_, slice_;
   ReportRing& reports_;
   LoopObserver observer_;
-  std::array<std::optional<DeviceKeeper>, kDeviceCount> keepers_;
+  std::array<std::optional<DeviceReconnector>, kDeviceCount> reconnectors_;
   bool is_open_ = false;
   std::optional<LoopEnd> end_;
 
   LoopStatistics statistics_;
-  LoopPulse pulse_;
+  LoopHeartbeat heartbeat_;
   FaultReport last_fault_;
   Instant last_good_{};   // capture time
   Instant last_frame_{};  // when any frame came, good or not

@@ -37,7 +37,7 @@ struct SeenRobot {
 };
 
 /// What a robot said of itself last.
-struct RobotWords {
+struct RobotStatus {
   RobotId id = kUnknownId;
   float battery_v = 0.0f;                   // 0: not measured
   std::int8_t link_percent = kLinkUnknown;  // of our packets, how many it heard lately
@@ -59,7 +59,7 @@ struct StatusReport {
   AdaptationMode adaptation = AdaptationMode::kFollow;
   float brightness = 1.0f;  // of the light, relative to the calibration
   FixedVector<SeenRobot, kMaxRobots> robots;
-  FixedVector<RobotWords, kMaxRobotsPerTeam> words;
+  FixedVector<RobotStatus, kMaxRobotsPerTeam> robot_status;
 };
 
 // A driver's reason in one line; the rest is cut off.

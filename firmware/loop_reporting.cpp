@@ -45,7 +45,7 @@ void Loop::report_if_due(Instant now) {
     status.brightness = last_trace_->light.brightness;
   }
   for (const RobotReport& robot : statistics_.robots.robots) {
-    status.words.push_back(
+    status.robot_status.push_back(
         {robot.last.id, robot.last.battery_v, robot.last.link_percent, seconds(now - robot.heard), robot.battery_low});
   }
   report_.kind = Report::Kind::kStatus;
@@ -74,7 +74,7 @@ void Loop::report_fault(Device device, ErrorCode code, FaultAction action, Insta
   const auto c = static_cast<std::size_t>(code);
   if (code != ErrorCode::kOk) ++statistics_.faults[d][c];
   // Once an interval is enough to read; once for all where nothing follows from it.
-  bool& told = action == FaultAction::kDoWithout ? does_without_reported_ : fault_reported_[d][c];
+  bool& told = action == FaultAction::kContinueWithout ? does_without_reported_ : fault_reported_[d][c];
   if (std::exchange(told, true)) return;
   report_.kind = Report::Kind::kFault;
   report_.fault.elapsed_s = elapsed_s(now);

@@ -66,7 +66,7 @@ std::vector<std::string> become_realtime(const config::RealtimeSettings& setting
   return refused;
 }
 
-WakeRequest::WakeRequest(const config::RealtimeSettings& settings, const std::string& root) {
+CpuLatencyRequest::CpuLatencyRequest(const config::RealtimeSettings& settings, const std::string& root) {
   if (settings.wake_within_us < 0) return;
   const std::string path = root + "/dev/cpu_dma_latency";
   // The kernel's "PM QoS" interface: 32 bits, in force for as long as the file is open.
@@ -78,7 +78,7 @@ WakeRequest::WakeRequest(const config::RealtimeSettings& settings, const std::st
                              "realtime.wake_within_us = -1"));
 }
 
-WakeRequest::~WakeRequest() {
+CpuLatencyRequest::~CpuLatencyRequest() {
   if (file_ >= 0) ::close(file_);
 }
 

@@ -22,12 +22,12 @@ std::vector<std::string> become_realtime(const config::RealtimeSettings& setting
 
 /// Keeps the processors from sleeping so deeply that they wake up late; holds until it is destroyed, for the whole
 /// machine.
-class WakeRequest {
+class CpuLatencyRequest {
  public:
-  explicit WakeRequest(const config::RealtimeSettings& settings, const std::string& root = "");
-  ~WakeRequest();
-  WakeRequest(const WakeRequest&) = delete;
-  WakeRequest& operator=(const WakeRequest&) = delete;
+  explicit CpuLatencyRequest(const config::RealtimeSettings& settings, const std::string& root = "");
+  ~CpuLatencyRequest();
+  CpuLatencyRequest(const CpuLatencyRequest&) = delete;
+  CpuLatencyRequest& operator=(const CpuLatencyRequest&) = delete;
 
   [[nodiscard]] const std::vector<std::string>& refused() const { return refused_; }
 

@@ -7,16 +7,16 @@
 #include <thread>
 
 #include "firmware/loop_report.h"
-#include "firmware/service_watch.h"
+#include "firmware/service_notifier.h"
 #include "firmware/status_text.h"
 
 namespace touchline {
 
 struct ReporterSettings {
   Expectation expected;
-  bool status_lines = true;               // else faults and halts only
-  int map_columns = 0;                    // 0: no picture of the field
-  const ServiceWatch* service = nullptr;  // is told the status as well; null: nobody
+  bool status_lines = true;                  // else faults and halts only
+  int map_columns = 0;                       // 0: no picture of the field
+  const ServiceNotifier* service = nullptr;  // is told the status as well; null: nobody
 };
 
 /// Takes the loop's reports from the ring, makes sentences of them and prints: status to `out`, faults to `err`.

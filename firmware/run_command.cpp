@@ -4,13 +4,11 @@
 #include <cstdio>
 #include <optional>
 
-#include "firmware/adaptation_signal.h"
+#include "firmware/config_reloader.h"
 #include "firmware/realtime.h"
-#include "firmware/reload_signal.h"
 #include "firmware/reporter.h"
-#include "firmware/retuner.h"
-#include "firmware/service_watch.h"
-#include "firmware/stop_signal.h"
+#include "firmware/service_notifier.h"
+#include "firmware/signals.h"
 #include "hal/linux/monotonic_clock.h"
 
 namespace touchline {
@@ -63,9 +61,9 @@ int run_command(const CommandLine& command_line) {
   }
   const config::RealtimeSettings& realtime = session.configuration().board.realtime;
   std::vector<std::string> refused = lock_memory(realtime);
-  const std::atomic<bool>& stop = stop_on_signals();
-  session.steer_adaptation(adaptation_on_signals());
-  const std::atomic<std::uint32_t>& reload_requests = reload_on_signal();
+  const std::atomic<bool>& stop = handle_stop_signals();
+  session.steer_adaptation(handle_adaptation_signals());
+  const std::atomic<std::uint32_t>& reload_requests = handle_reload_signal();
   RealTimePace pace;
   const bool paced = is_simulated(session.configuration().board) && !command_line.headless;
   std::string reason;
@@ -75,20 +73,20 @@ int run_command(const CommandLine& command_line) {
   }
   ReporterSettings reporting;
   reporting.expected = session.expectation();
-  ServiceWatch service(session.loop().pulse());
+  ServiceNotifier service(session.loop().heartbeat());
   reporting.service = &service;
   // The service manager keeps the last status; its journal is for what happened.
-  reporting.status_lines = !service.is_asked();
+  reporting.status_lines = !service.is_enabled();
   reporting.map_columns = !command_line.headless && ::isatty(STDOUT_FILENO) != 0 ? kMapColumns : 0;
-  LoopEnd end = LoopEnd::kAsked;
-  const WakeRequest wake_request(realtime);
-  refused.insert(refused.end(), wake_request.refused().begin(), wake_request.refused().end());
-  Retuner retuner(session.files(), session.configuration(), session.devices().loop_devices().camera,
-                  session.handover());
+  LoopEnd end = LoopEnd::kRequested;
+  const CpuLatencyRequest cpu_latency_request(realtime);
+  refused.insert(refused.end(), cpu_latency_request.refused().begin(), cpu_latency_request.refused().end());
+  ConfigReloader reloader(session.files(), session.configuration(), session.devices().loop_devices().camera,
+                          session.live_update());
   {
     // The threads that print and read files begin before this one becomes privileged, and inherit nothing of it.
     Reporter reporter(session.reports(), reporting, stdout, stderr);
-    const ReloadThread reload(retuner, reload_requests, [&](const std::string& line) { reporter.say(line); });
+    const ReloadThread reload(reloader, reload_requests, [&](const std::string& line) { reporter.say(line); });
     for (std::string& refusal : become_realtime(realtime)) refused.push_back(std::move(refusal));
     for (std::string& hint : realtime_hints(realtime, is_realtime())) refused.push_back(std::move(hint));
     print_start(session, refused);

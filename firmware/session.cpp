@@ -31,7 +31,7 @@ Status Session::open(LoopObserver observer, std::string& reason) {
   settings.telemetry = configuration_->board.radio.telemetry;
   settings.start_button = configuration_->board.gpio.start_line != hal::kNoLine;
   settings.emergency_stop = configuration_->board.gpio.emergency_stop_line != hal::kNoLine;
-  settings.handover = &handover_;
+  settings.live_update = &live_update_;
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
   if (const Status s = loop_->open(reason); !s.ok()) return s;
   granted_ = devices.camera.info().granted;

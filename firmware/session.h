@@ -34,8 +34,8 @@ class Session {
   }
   /// Whoever may freeze the adaptation or put it back while the loop runs; before open().
   void steer_adaptation(const AdaptationRequests& requests) { adaptation_ = &requests; }
-  /// By which somebody may change parameters while the loop runs (firmware/retuner.h).
-  [[nodiscard]] Handover& handover() { return handover_; }
+  /// By which somebody may change parameters while the loop runs (firmware/config_reloader.h).
+  [[nodiscard]] LiveUpdate& live_update() { return live_update_; }
   /// Builds and opens the devices, after load(). On error `reason` names device and cause.
   Status open(LoopObserver observer, std::string& reason);
 
@@ -56,7 +56,7 @@ class Session {
  private:
   SessionOptions options_;
   const AdaptationRequests* adaptation_ = nullptr;
-  Handover handover_;
+  LiveUpdate live_update_;
   // On the heap: megabytes.
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
   std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();

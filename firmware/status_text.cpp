@@ -9,7 +9,7 @@ namespace touchline {
 namespace {
 
 // Robots speak about twice a second.
-constexpr double kOldWordsS = 2.0;
+constexpr double kStaleRobotStatusS = 2.0;
 
 // Appends as printf does.
 [[gnu::format(printf, 2, 3)]] void print(std::string& out, const char* format, ...) {
@@ -38,7 +38,7 @@ std::string halt_reasons(std::uint8_t halt) {
 }
 
 // A value that a robot does not measure is left out.
-void print_words(std::string& out, float battery_v, int link_percent) {
+void print_robot_status(std::string& out, float battery_v, int link_percent) {
   if (battery_v > 0.0f) print(out, " %.2f V", static_cast<double>(battery_v));
   if (link_percent >= 0) print(out, " %d %%", link_percent);
 }
@@ -53,7 +53,7 @@ const char* consequence(FaultAction action) {
       return "; opening it again";
     case FaultAction::kLeave:
       return "; stopping the robots and leaving";
-    case FaultAction::kDoWithout:
+    case FaultAction::kContinueWithout:
       return "; the game goes on without it";
   }
   return "";
@@ -61,7 +61,7 @@ const char* consequence(FaultAction action) {
 
 const char* describe_end(LoopEnd end) {
   switch (end) {
-    case LoopEnd::kAsked:
+    case LoopEnd::kRequested:
       return "asked to leave";
     case LoopEnd::kLimit:
       return "as many frames or seconds as asked for";
@@ -100,12 +100,12 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
   const double brighter = 100.0 * (static_cast<double>(status.brightness) - 1.0);
   if (std::abs(brighter) > kWorthSaying) print(line, "  light %+.0f %%", brighter);
   if (status.adaptation == AdaptationMode::kFrozen) line += "  adaptation frozen";
-  for (std::size_t i = 0; i < status.words.size(); ++i) {
-    const RobotWords& robot = status.words[i];
+  for (std::size_t i = 0; i < status.robot_status.size(); ++i) {
+    const RobotStatus& robot = status.robot_status[i];
     print(line, "%s%d:", i == 0 ? "  robots " : ", ", robot.id);
-    print_words(line, robot.battery_v, robot.link_percent);
+    print_robot_status(line, robot.battery_v, robot.link_percent);
     if (robot.battery_low) line += " LOW";
-    if (robot.age_s > kOldWordsS) print(line, " (%.0f s ago)", robot.age_s);
+    if (robot.age_s > kStaleRobotStatusS) print(line, " (%.0f s ago)", robot.age_s);
   }
   if (status.halt != kHaltNone) line += "  HALTED: " + halt_reasons(status.halt);
   return line;
@@ -150,7 +150,7 @@ std::string summary(const LoopStatistics& statistics, LoopEnd end) {
         number(statistics.packets_refused), number(statistics.packets_dropped));
   for (const RobotReport& robot : statistics.robots.robots) {
     print(text, "robot %-2d ", robot.last.id);
-    print_words(text, robot.last.battery_v, robot.last.link_percent);
+    print_robot_status(text, robot.last.battery_v, robot.last.link_percent);
     print(text, " %.1f s before the end; %u reports, %u missed%s\n", seconds(statistics.end - robot.heard),
           robot.packets, robot.missed, robot.battery_low ? "; BATTERY LOW" : "");
   }

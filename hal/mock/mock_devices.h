@@ -14,7 +14,7 @@
 
 // The three devices of backend "mock". Their faults come from the arena's list (ArenaParameters::fault); one that was
 // unplugged must be opened again. A device may be opened on another thread while the others are used
-// (firmware/device_keeper.h): each call has the arena to itself.
+// (firmware/device_reconnector.h): each call has the arena to itself.
 namespace touchline::hal::mock {
 
 /// Frames of the arena's camera. `clock`: the arena's, or a real one; then the arena follows it.

@@ -106,7 +106,7 @@ TEST_F(LoopTest, StopFlagStopsTheRobotsBeforeDevicesAreClosed) {
            if (++seen.steps == 10) seen.stop->store(true);
          },
          &context});
-  EXPECT_EQ(loop->run(stop), LoopEnd::kAsked);
+  EXPECT_EQ(loop->run(stop), LoopEnd::kRequested);
   ASSERT_EQ(radio.sent.size(), 15U);
   for (std::size_t i = 0; i < 15; ++i) EXPECT_EQ(radio.sent[i].stop, i >= 10) << i;
   // Spaced, so that one disturbance does not take all of them.

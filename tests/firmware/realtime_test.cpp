@@ -125,10 +125,10 @@ class KernelFiles : public ::testing::Test {
 TEST_F(KernelFiles, WakingUpInTimeIsAskedForInBinary) {
   write("/dev/cpu_dma_latency", "");
   config::RealtimeSettings settings;
-  EXPECT_TRUE(WakeRequest(settings, root_).refused().empty());
+  EXPECT_TRUE(CpuLatencyRequest(settings, root_).refused().empty());
   EXPECT_EQ(std::filesystem::file_size(root_ + "/dev/cpu_dma_latency"), 0U) << "nobody asked for it";
   settings.wake_within_us = 70;
-  EXPECT_TRUE(WakeRequest(settings, root_).refused().empty());
+  EXPECT_TRUE(CpuLatencyRequest(settings, root_).refused().empty());
   std::int32_t asked_us = -1;
   std::ifstream(root_ + "/dev/cpu_dma_latency", std::ios::binary).read(reinterpret_cast<char*>(&asked_us), 4);
   EXPECT_EQ(asked_us, 70);
@@ -137,7 +137,7 @@ TEST_F(KernelFiles, WakingUpInTimeIsAskedForInBinary) {
 TEST_F(KernelFiles, ARefusedWakeRequestSaysWhatToDo) {
   config::RealtimeSettings settings;
   settings.wake_within_us = 0;
-  const WakeRequest request(settings, root_);
+  const CpuLatencyRequest request(settings, root_);
   ASSERT_EQ(request.refused().size(), 1U);
   EXPECT_EQ(request.refused()[0],
             "processors may sleep deeply between frames (" + root_ +

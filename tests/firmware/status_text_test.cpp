@@ -58,7 +58,7 @@ TEST(StatusText, Faults) {
   EXPECT_EQ(fault_line(fault), std::string("3.2 s  camera: ") + describe(ErrorCode::kDisconnected) +
                                    " (/dev/video0: unplugged); opening it again");
   fault.device = Device::kGpio;
-  fault.action = FaultAction::kDoWithout;
+  fault.action = FaultAction::kContinueWithout;
   EXPECT_TRUE(fault_line(fault).ends_with("; the game goes on without it"));
   fault.device = Device::kRadio;
   fault.code = ErrorCode::kOk;
@@ -108,9 +108,9 @@ TEST(FieldMap, PutsEverythingWhereItIs) {
 
 TEST(StatusLine, TellsWhatRobotsSaid) {
   StatusReport status = playing();
-  status.words.push_back({0, 7.923f, 98, 0.4, false});
-  status.words.push_back({1, 0.0f, 88, 3.2, false});
-  status.words.push_back({4, 6.75f, kLinkUnknown, 0.1, true});
+  status.robot_status.push_back({0, 7.923f, 98, 0.4, false});
+  status.robot_status.push_back({1, 0.0f, 88, 3.2, false});
+  status.robot_status.push_back({4, 6.75f, kLinkUnknown, 0.1, true});
   status.packets_dropped = 3;
   status.halt = kHaltStart;
   const std::string line = status_line(status, {});
@@ -143,7 +143,7 @@ TEST(Summary, CountsEverythingThatHappened) {
   statistics.robots.foreign_bytes = 9;
   statistics.robots.robots.push_back({{0, 5, 7.92f, 98}, statistics.end - 500ms, 20, 1, false});
   statistics.robots.robots.push_back({{12, 9, 6.8f, kLinkUnknown}, statistics.end - 4s, 3, 0, true});
-  EXPECT_EQ(summary(statistics, LoopEnd::kAsked),
+  EXPECT_EQ(summary(statistics, LoopEnd::kRequested),
             "end       asked to leave\n"
             "frames    600 in 10.0 s (60.0 a second), 4 lost on the way, 2 not good\n"
             "latency   capture to send: p50 2.00  p90 2.00  p99 2.00  p99.9 2.00  max 2.00 ms\n"

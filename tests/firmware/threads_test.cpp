@@ -5,7 +5,7 @@
 #include <semaphore>
 
 #include "firmware/reporter.h"
-#include "firmware/stop_signal.h"
+#include "firmware/signals.h"
 #include "hal/linux/monotonic_clock.h"
 #include "tests/firmware/loop_fixture.h"
 
@@ -113,12 +113,12 @@ TEST_F(ThreadsReporter, PictureIsDrawnOverTheLastOne) {
 }
 
 TEST_F(ThreadsReporter, TerminatedProcessStopsItsRobots) {
-  const std::atomic<bool>& stop = stop_on_signals();
+  const std::atomic<bool>& stop = handle_stop_signals();
   ASSERT_FALSE(stop.load());
   start();
   run_until(1.0);
   std::raise(SIGTERM);
-  EXPECT_EQ(loop->run(stop), LoopEnd::kAsked);
+  EXPECT_EQ(loop->run(stop), LoopEnd::kRequested);
   ASSERT_EQ(radio.sent.size(), 55U);
   EXPECT_FALSE(radio.sent[49].stop);
   for (std::size_t i = 50; i < 55; ++i) EXPECT_TRUE(radio.sent[i].stop);

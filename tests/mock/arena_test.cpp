@@ -159,7 +159,7 @@ TEST_F(ArenaTest, ARealClockDoesNotJumpToTheDeadline) {
   EXPECT_GE(machine.now(), before + 5ms);
 }
 
-// A lost device is opened again on a thread of its own (firmware/device_keeper.h) while the loop uses the others.
+// A lost device is opened again on a thread of its own (firmware/device_reconnector.h) while the loop uses the others.
 TEST_F(ArenaTest, OneDeviceMayBeOpenedWhileOthersAreUsed) {
   MonotonicClock time;
   arena.emplace(parameters, settings, radio_settings, 1, time.now());

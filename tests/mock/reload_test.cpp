@@ -9,7 +9,7 @@
 #include <sstream>
 #include <thread>
 
-#include "firmware/retuner.h"
+#include "firmware/config_reloader.h"
 #include "firmware/session.h"
 #include "tools/latency/allocation_counter.h"
 
@@ -44,8 +44,8 @@ class Reload : public ::testing::Test {
     std::string reason;
     ASSERT_TRUE(session_.load(options, problems).ok()) << problems.text();
     ASSERT_TRUE(session_.open({&Reload::look, this}, reason).ok()) << reason;
-    retuner_.emplace(session_.files(), session_.configuration(), session_.devices().loop_devices().camera,
-                     session_.handover());
+    reloader_.emplace(session_.files(), session_.configuration(), session_.devices().loop_devices().camera,
+                      session_.live_update());
     run(30);  // from where all robots have tracks
     watching_ = true;
   }
@@ -58,7 +58,7 @@ class Reload : public ::testing::Test {
     std::atomic<bool> done{false};
     const std::atomic<bool> given_up{false};
     std::thread thread([&] {
-      for (const std::string& line : retuner_->reload(given_up)) said += line + "\n";
+      for (const std::string& line : reloader_->reload(given_up)) said += line + "\n";
       done.store(true, std::memory_order_release);
     });
     const std::uint64_t before = latency::allocations_of_this_thread();
@@ -69,7 +69,7 @@ class Reload : public ::testing::Test {
   }
 
   Session session_;
-  std::optional<Retuner> retuner_;
+  std::optional<ConfigReloader> reloader_;
   int frames_ = 0, with_ball_ = 0, incomplete_ = 0;
   double longest_step_m_ = 0.0, brightness_ = 0.0;
 

@@ -13,9 +13,9 @@
 #include <optional>
 #include <sstream>
 
-#include "firmware/absent_devices.h"
+#include "firmware/null_devices.h"
 #include "firmware/realtime.h"
-#include "firmware/stop_signal.h"
+#include "firmware/signals.h"
 #include "hal/linux/monotonic_clock.h"
 #include "tools/latency/background_load.h"
 #include "tools/latency/measurement.h"
@@ -99,18 +99,18 @@ class Run {
 
   // Nobody prints the loop's reports: what does not fit into their ring is left out.
   int measure(Loop& loop, const std::string& source, double rate_hz) {
-    LoopEnd end = LoopEnd::kAsked;
+    LoopEnd end = LoopEnd::kRequested;
     SystemFacts facts;
     {
       // Begins before this thread becomes privileged, and inherits nothing of it.
       const Progress progress(measurement_, options_.duration_s > 0.0 ? 0 : steps());
-      const WakeRequest wake_request(board_.realtime);
-      tell(wake_request.refused());
+      const CpuLatencyRequest cpu_latency_request(board_.realtime);
+      tell(cpu_latency_request.refused());
       tell(become_realtime(board_.realtime));
       tell(realtime_hints(board_.realtime, is_realtime()));
       facts = read_system_facts();
       measurement_.begin();
-      end = loop.run(stop_on_signals());
+      end = loop.run(handle_stop_signals());
       measurement_.end();
       read_final_facts(facts);
     }
@@ -196,8 +196,8 @@ int measure_worst_frames(const MeasureOptions& options) {
   const Status status = pipeline->configure(configuration->pipeline, hal::MonotonicClock::read);
   if (!status.ok()) return fail(std::string("the pipeline refuses these files: ") + describe(status.code()));
   hal::MonotonicClock clock;
-  AbsentRadio radio;
-  AbsentGpio gpio;
+  NullRadio radio;
+  NullGpio gpio;
   WorstFrames camera(configuration->pipeline, clock);
   const config::BoardFile& board = configuration->board;
   Run run(options, board, 5000.0);  // one after the other, without a pause
@@ -229,7 +229,7 @@ bool read_report(const std::string& path, LatencyReport& report) {
 int measure(const MeasureOptions& options) {
   std::string error;
   if (!can_be_written(options.outputs, error)) return fail(error);
-  stop_on_signals();  // from here on: devices are opened soon
+  handle_stop_signals();  // from here on: devices are opened soon
   return options.worst_frames ? measure_worst_frames(options) : measure_board(options);
 }
 

@@ -12,7 +12,7 @@ namespace touchline {
 
 /// Keeps one device open: when it is lost, opens it again on a thread of its own, after pauses that double, so that the
 /// loop never waits for a driver. While the device is not open, nobody but that thread may touch it.
-class DeviceKeeper {
+class DeviceReconnector {
  public:
   /// Closes what is left, opens and starts the device; may block and allocate.
   using Reopen = Status (*)(void* device);
@@ -22,26 +22,26 @@ class DeviceKeeper {
 
   /// With `wait_for_driver` poll() waits until the driver has answered: in simulated time, which does not pass while a
   /// driver works, this makes a run repeatable.
-  DeviceKeeper(Reopen reopen, void* device, Duration first_pause, bool wait_for_driver);
-  ~DeviceKeeper();
-  DeviceKeeper(const DeviceKeeper&) = delete;
-  DeviceKeeper& operator=(const DeviceKeeper&) = delete;
+  DeviceReconnector(Reopen reopen, void* device, Duration first_pause, bool wait_for_driver);
+  ~DeviceReconnector();
+  DeviceReconnector(const DeviceReconnector&) = delete;
+  DeviceReconnector& operator=(const DeviceReconnector&) = delete;
 
-  [[nodiscard]] bool open() const { return open_; }
+  [[nodiscard]] bool is_open() const { return is_open_; }
   /// From the next loss on.
   void set_first_pause(Duration pause) { first_pause_ = pause; }
   /// The device is lost from now on.
-  void lost(Instant now);
+  void mark_lost(Instant now);
   /// To be called in each iteration. True when the device has just come back.
   bool poll(Instant now);
   /// How long it has been away.
-  [[nodiscard]] Duration away(Instant now) const { return open_ ? Duration::zero() : now - lost_at_; }
+  [[nodiscard]] Duration time_lost(Instant now) const { return is_open_ ? Duration::zero() : now - lost_at_; }
   /// Of the last attempt.
-  [[nodiscard]] Status last() const { return last_; }
+  [[nodiscard]] Status last_status() const { return last_status_; }
   /// One more than before after each attempt that failed.
-  [[nodiscard]] std::uint32_t attempts() const { return attempts_; }
+  [[nodiscard]] std::uint32_t failed_attempts() const { return failed_attempts_; }
   /// Waits for an attempt that is under way; from then on there are none.
-  void finish();
+  void stop();
 
  private:
   enum class Task : std::uint8_t { kIdle, kOpen, kDone, kEnd };
@@ -51,11 +51,11 @@ class DeviceKeeper {
   void* device_;
   Duration first_pause_;
   const bool wait_for_driver_;
-  bool open_ = true;
+  bool is_open_ = true;
   Instant lost_at_{}, next_attempt_{};
   Duration pause_{};
-  Status last_;
-  std::uint32_t attempts_ = 0;
+  Status last_status_;
+  std::uint32_t failed_attempts_ = 0;
   std::atomic<Task> task_{Task::kIdle};
   Status result_;  // the worker's, published by task_
   std::thread worker_;

@@ -1,4 +1,4 @@
-#include "firmware/service_watch.h"
+#include "firmware/service_notifier.h"
 
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -25,9 +25,9 @@ using std::chrono::milliseconds;
 constexpr milliseconds kLongEnough{1500};  // what must come does so after 50 ms
 
 /// Listens as a service manager does.
-class ServiceWatchTest : public testing::LoopTest {
+class ServiceNotifierTest : public testing::LoopTest {
  protected:
-  ServiceWatchTest()
+  ServiceNotifierTest()
       : path_(std::filesystem::temp_directory_path() / ("touchline-notify-" + std::to_string(::getpid()))) {
     socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     sockaddr_un address{};
@@ -37,7 +37,7 @@ class ServiceWatchTest : public testing::LoopTest {
     ::setenv("NOTIFY_SOCKET", path_.c_str(), 1);
     ::setenv("WATCHDOG_USEC", "40000", 1);
   }
-  ~ServiceWatchTest() override {
+  ~ServiceNotifierTest() override {
     ::unsetenv("NOTIFY_SOCKET");
     ::unsetenv("WATCHDOG_USEC");
     ::close(socket_);
@@ -65,40 +65,40 @@ class ServiceWatchTest : public testing::LoopTest {
 
   std::filesystem::path path_;
   int socket_ = -1;
-  LoopPulse pulse_;
+  LoopHeartbeat heartbeat_;
 };
 
-TEST_F(ServiceWatchTest, ReadyIsSaidAfterTheFirstGoodFrame) {
-  const ServiceWatch watch(pulse_);
-  ASSERT_TRUE(watch.is_asked());
+TEST_F(ServiceNotifierTest, ReadyIsSaidAfterTheFirstGoodFrame) {
+  const ServiceNotifier watch(heartbeat_);
+  ASSERT_TRUE(watch.is_enabled());
   EXPECT_FALSE(hears("READY=1", milliseconds(150)));
-  pulse_.good_frames = 1;
+  heartbeat_.good_frames = 1;
   EXPECT_TRUE(hears("READY=1"));
-  pulse_.good_frames = 2;
+  heartbeat_.good_frames = 2;
   EXPECT_FALSE(hears("READY=1", milliseconds(150))) << "once";
 }
 
-TEST_F(ServiceWatchTest, TheWatchdogIsFedOnlyWhileTheLoopTurns) {
-  const ServiceWatch watch(pulse_);
+TEST_F(ServiceNotifierTest, TheWatchdogIsFedOnlyWhileTheLoopTurns) {
+  const ServiceNotifier watch(heartbeat_);
   for (int turn = 0; turn < 3; ++turn) {
-    ++pulse_.turns;
+    ++heartbeat_.iterations;
     EXPECT_TRUE(hears("WATCHDOG=1"));
   }
   EXPECT_FALSE(hears("WATCHDOG=1", milliseconds(150))) << "the loop stands";
-  ++pulse_.turns;
+  ++heartbeat_.iterations;
   EXPECT_TRUE(hears("WATCHDOG=1"));
 }
 
-TEST_F(ServiceWatchTest, AWatchdogThatNobodyWantsIsNotFed) {
+TEST_F(ServiceNotifierTest, AWatchdogThatNobodyWantsIsNotFed) {
   ::unsetenv("WATCHDOG_USEC");
-  const ServiceWatch watch(pulse_);
-  ++pulse_.turns;
+  const ServiceNotifier watch(heartbeat_);
+  ++heartbeat_.iterations;
   EXPECT_FALSE(hears("WATCHDOG=1", milliseconds(150)));
 }
 
-TEST_F(ServiceWatchTest, StatusAndTheEndAreTold) {
+TEST_F(ServiceNotifierTest, StatusAndTheEndAreTold) {
   {
-    const ServiceWatch watch(pulse_);
+    const ServiceNotifier watch(heartbeat_);
     watch.status("12 s  60.0 fps");
     EXPECT_TRUE(hears("STATUS=12 s  60.0 fps"));
     drop_what_came();
@@ -106,10 +106,10 @@ TEST_F(ServiceWatchTest, StatusAndTheEndAreTold) {
   EXPECT_TRUE(hears("STOPPING=1"));
 }
 
-TEST_F(ServiceWatchTest, TheEndIsToldAsSoonAsTheLoopHasStoppedTheRobots) {
+TEST_F(ServiceNotifierTest, TheEndIsToldAsSoonAsTheLoopHasStoppedTheRobots) {
   start();
-  ServiceWatch service(loop->pulse());
-  EXPECT_EQ(run(*loop, service, std::atomic<bool>(true)), LoopEnd::kAsked);
+  ServiceNotifier service(loop->heartbeat());
+  EXPECT_EQ(run(*loop, service, std::atomic<bool>(true)), LoopEnd::kRequested);
   EXPECT_TRUE(all_stop(0.0, 1.0));
   EXPECT_TRUE(hears("STOPPING=1", milliseconds(50))) << "what is waited for now may take long";
   service.status("leaving");
@@ -118,33 +118,33 @@ TEST_F(ServiceWatchTest, TheEndIsToldAsSoonAsTheLoopHasStoppedTheRobots) {
   EXPECT_EQ(message(milliseconds(50)), "");
 }
 
-TEST_F(ServiceWatchTest, WithoutAManagerNothingIsDone) {
+TEST_F(ServiceNotifierTest, WithoutAManagerNothingIsDone) {
   ::unsetenv("NOTIFY_SOCKET");
-  pulse_.good_frames = 1;
+  heartbeat_.good_frames = 1;
   {
-    const ServiceWatch watch(pulse_);
-    EXPECT_FALSE(watch.is_asked());
+    const ServiceNotifier watch(heartbeat_);
+    EXPECT_FALSE(watch.is_enabled());
     watch.status("nobody hears it");
   }
   EXPECT_EQ(message(milliseconds(100)), "");
 }
 
-class LoopPulseTest : public testing::LoopTest {};
+class LoopHeartbeatTest : public testing::LoopTest {};
 
-TEST_F(LoopPulseTest, TurnsWithoutFramesAreNoGoodFrames) {
+TEST_F(LoopHeartbeatTest, TurnsWithoutFramesAreNoGoodFrames) {
   start();
-  const LoopPulse& pulse = loop->pulse();
-  EXPECT_EQ(pulse.turns.load(), 0u);
+  const LoopHeartbeat& heartbeat = loop->heartbeat();
+  EXPECT_EQ(heartbeat.iterations.load(), 0u);
   run_until(0.5);
-  const std::uint64_t frames = pulse.good_frames.load();
+  const std::uint64_t frames = heartbeat.good_frames.load();
   EXPECT_EQ(frames, loop->statistics().good_frames);
   EXPECT_GT(frames, 10u);
-  const std::uint64_t turns = pulse.turns.load();
+  const std::uint64_t turns = heartbeat.iterations.load();
   EXPECT_GE(turns, frames);
   camera.add({0.5, 1.0, ErrorCode::kTimeout});
   run_until(1.0);
-  EXPECT_EQ(pulse.good_frames.load(), frames);
-  EXPECT_GT(pulse.turns.load(), turns);
+  EXPECT_EQ(heartbeat.good_frames.load(), frames);
+  EXPECT_GT(heartbeat.iterations.load(), turns);
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ TEST_F(LoopTest, AFailingLightIsToldOnceAndTheGameGoesOn) {
   EXPECT_EQ(gpio.opened, 1) << "the emergency stop is watched all the time";
   const std::vector<FaultReport> told = gpio_faults(reports());
   ASSERT_EQ(told.size(), 1U);
-  EXPECT_EQ(told[0].action, FaultAction::kDoWithout);
+  EXPECT_EQ(told[0].action, FaultAction::kContinueWithout);
   EXPECT_EQ(changes(gpio.led, 1.001, 5.0) + changes(gpio.strobe, 1.001, 5.0), 1U) << "each call costs the loop time";
   // The chip is opened again for the emergency stop's sake, and light and strobe with it.
   gpio.outputs = {};
@@ -94,7 +94,7 @@ TEST_F(LoopTest, ABoardWithoutAnEmergencyStopDoesWithoutItsChip) {
   const std::vector<FaultReport> told = gpio_faults(reports());
   ASSERT_EQ(told.size(), 1U);
   EXPECT_EQ(told[0].code, ErrorCode::kDisconnected);
-  EXPECT_EQ(told[0].action, FaultAction::kDoWithout);
+  EXPECT_EQ(told[0].action, FaultAction::kContinueWithout);
 }
 
 TEST_F(LoopTest, AStartButtonThatIsLostMayBePressedWhenItIsBack) {
@@ -132,7 +132,7 @@ TEST_F(LoopTest, AFailingLightLeavesTheStartButtonAlone) {
   EXPECT_EQ(gpio.opened, 1);
   const std::vector<FaultReport> told = gpio_faults(reports());
   ASSERT_EQ(told.size(), 1U);
-  EXPECT_EQ(told[0].action, FaultAction::kDoWithout);
+  EXPECT_EQ(told[0].action, FaultAction::kContinueWithout);
 }
 
 TEST_F(LoopTest, AChipThatGoesAwayHaltsEvenWhenTheStrobeFailsFirst) {
@@ -215,7 +215,7 @@ TEST_F(TelemetryLoopTest, StatusTellsWhatRobotsSaidAndHowLongAgo) {
   const auto last =
       std::find_if(all.rbegin(), all.rend(), [](const Report& r) { return r.kind == Report::Kind::kStatus; });
   ASSERT_NE(last, all.rend());
-  const auto& words = last->status.words;
+  const auto& words = last->status.robot_status;
   ASSERT_EQ(words.size(), 2U);
   EXPECT_EQ(words[0].id, 1);
   EXPECT_EQ(words[0].link_percent, kLinkUnknown);

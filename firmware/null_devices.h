@@ -8,7 +8,7 @@
 namespace touchline {
 
 /// Backend "none": nobody listens. For trying a camera without robots.
-class AbsentRadio final : public hal::Radio {
+class NullRadio final : public hal::Radio {
  public:
   [[nodiscard]] const std::string& reason() const override { return reason_; }
 
@@ -23,7 +23,7 @@ class AbsentRadio final : public hal::Radio {
 };
 
 /// Backend "none": no light, and switches that nobody can touch.
-class AbsentGpio final : public hal::Gpio {
+class NullGpio final : public hal::Gpio {
  public:
   [[nodiscard]] const std::string& reason() const override { return reason_; }
 

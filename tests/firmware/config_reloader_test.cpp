@@ -1,5 +1,5 @@
 // Parameters that change while the loop runs; under the thread sanitizer as well.
-#include "firmware/retuner.h"
+#include "firmware/config_reloader.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -15,19 +15,19 @@ namespace {
 
 using namespace std::chrono_literals;
 
-class RetunerTest : public LoopTest {
+class ConfigReloaderTest : public LoopTest {
  protected:
-  RetunerTest()
-      : folder_(std::filesystem::temp_directory_path() / ("touchline-retuner-" + std::to_string(::getpid()))) {
+  ConfigReloaderTest()
+      : folder_(std::filesystem::temp_directory_path() / ("touchline-reloader-" + std::to_string(::getpid()))) {
     std::filesystem::create_directories(folder_);
     write_board(5000, "0.2");
     write_venue("200, 20, 200");
     write("team.toml",
           "version = 1\n[own]\ncolor = \"blue\"\nmax_robots = 1\n[[own.robot]]\nid = 0\ncolors = [\"red\"]\n[ball]\n"
           "color = \"orange\"\n");
-    settings.handover = &handover_;
+    settings.live_update = &live_update_;
   }
-  ~RetunerTest() override {
+  ~ConfigReloaderTest() override {
     if (loop) loop->close();
     std::filesystem::remove_all(folder_);
   }
@@ -57,9 +57,9 @@ class RetunerTest : public LoopTest {
     config::Problems problems;
     const auto configuration = std::make_unique<config::Configuration>();
     ASSERT_TRUE(config::load(paths, *configuration, problems).ok()) << problems.text();
-    start({&RetunerTest::look, this});
+    start({&ConfigReloaderTest::look, this});
     ASSERT_TRUE(pipeline->configure(configuration->pipeline).ok());
-    retuner_.emplace(paths, *configuration, camera, handover_);
+    reloader_.emplace(paths, *configuration, camera, live_update_);
     camera.show_ball();
     run_until(0.5);
   }
@@ -70,7 +70,7 @@ class RetunerTest : public LoopTest {
     std::atomic<std::uint32_t> requests{0};
     std::atomic<bool> done{false};
     {
-      const ReloadThread thread(*retuner_, requests, [&](const std::string& line) {
+      const ReloadThread thread(*reloader_, requests, [&](const std::string& line) {
         const std::scoped_lock alone(saying);
         said += line + "\n";
         done.store(true, std::memory_order_release);
@@ -112,19 +112,19 @@ class RetunerTest : public LoopTest {
     }
   }
 
-  Handover handover_;
-  std::optional<Retuner> retuner_;
+  LiveUpdate live_update_;
+  std::optional<ConfigReloader> reloader_;
   bool ball_is_seen_ = false;
 
  private:
   static void look(void* context, const StepTrace& trace, const StepTiming&) {
-    static_cast<RetunerTest*>(context)->ball_is_seen_ = trace.sightings.ball.seen;
+    static_cast<ConfigReloaderTest*>(context)->ball_is_seen_ = trace.sightings.ball.seen;
   }
 
   std::filesystem::path folder_;
 };
 
-TEST_F(RetunerTest, AColorThatWasNotSeenIsSeenFromTheNextFrameOn) {
+TEST_F(ConfigReloaderTest, AColorThatWasNotSeenIsSeenFromTheNextFrameOn) {
   begin();
   EXPECT_FALSE(ball_is_seen_);
   write_venue("200, 100, 200");
@@ -142,7 +142,7 @@ TEST_F(RetunerTest, AColorThatWasNotSeenIsSeenFromTheNextFrameOn) {
   expect_no_hitch();
 }
 
-TEST_F(RetunerTest, WrongFilesChangeNothing) {
+TEST_F(ConfigReloaderTest, WrongFilesChangeNothing) {
   begin();
   write_venue("230, 100, 200");
   write_board(4000, "99");
@@ -154,12 +154,12 @@ TEST_F(RetunerTest, WrongFilesChangeNothing) {
             "venue.toml:21: color[0].box[0]: low 230 is above high 220 in channel 0\nreload: everything stays as it "
             "runs\n");
   EXPECT_FALSE(camera.adjusted_exposure_us.has_value());
-  EXPECT_EQ(retuner_->running().board.camera.exposure_us, 5000);
+  EXPECT_EQ(reloader_->running().board.camera.exposure_us, 5000);
   EXPECT_FALSE(ball_is_seen_);
   expect_no_hitch();
 }
 
-TEST_F(RetunerTest, CameraAndTimesChangeAndTheRestIsNamed) {
+TEST_F(ConfigReloaderTest, CameraAndTimesChangeAndTheRestIsNamed) {
   camera.grants = "/dev/fake0: exposure_us = 4000: granted 4100";
   begin();
   write_board(4000, "0.06", 6);
@@ -176,7 +176,7 @@ TEST_F(RetunerTest, CameraAndTimesChangeAndTheRestIsNamed) {
   EXPECT_TRUE(all_stop(stalled_s + 0.1, stalled_s + 0.15));
 }
 
-TEST_F(RetunerTest, AnAdaptationThatAPersonHasFrozenStaysSo) {
+TEST_F(ConfigReloaderTest, AnAdaptationThatAPersonHasFrozenStaysSo) {
   AdaptationRequests requests;
   settings.adaptation = &requests;
   begin();

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "firmware/config/configuration.h"
-#include "firmware/handover.h"
+#include "firmware/live_update.h"
 #include "hal/camera.h"
 
 namespace touchline {
@@ -19,16 +19,17 @@ struct HotChanges;
 }
 
 /// Reads the three files again while the loop runs and brings into force what may change then (config/hot_keys.h):
-/// camera controls on the open device, thresholds and all else by a Handover. On a thread of its own: it reads files,
+/// camera controls on the open device, thresholds and all else by a LiveUpdate. On a thread of its own: it reads files,
 /// allocates, and waits for the camera and for the loop.
-class Retuner {
+class ConfigReloader {
  public:
-  /// `paths`: as the program was begun with. `running`: what runs; copied. `camera` and `handover` must outlive the
-  /// retuner, and the retuner the loop that takes its tables.
-  Retuner(config::FilePaths paths, const config::Configuration& running, hal::Camera& camera, Handover& handover);
-  ~Retuner();
-  Retuner(const Retuner&) = delete;
-  Retuner& operator=(const Retuner&) = delete;
+  /// `paths`: as the program was begun with. `running`: what runs; copied. `camera` and `live_update` must outlive the
+  /// reloader, and the reloader the loop that takes its tables.
+  ConfigReloader(config::FilePaths paths, const config::Configuration& running, hal::Camera& camera,
+                 LiveUpdate& live_update);
+  ~ConfigReloader();
+  ConfigReloader(const ConfigReloader&) = delete;
+  ConfigReloader& operator=(const ConfigReloader&) = delete;
 
   /// Sentences for a person: what is in force from which frame on, what needs a restart, what is wrong with the files
   /// (then everything stays as it runs). Returns when the loop has taken all, or `given_up` was set.
@@ -42,12 +43,12 @@ class Retuner {
 
   const config::FilePaths paths_;
   hal::Camera& camera_;
-  Handover& handover_;
+  LiveUpdate& live_update_;
   // On the heap: megabytes.
   std::unique_ptr<config::Configuration> running_;
   std::unique_ptr<ScanTables> second_;  // made when they are needed first
   ScanTables* unused_ = nullptr;        // these, or the scanner's own
-  std::unique_ptr<Tuning> tuning_ = std::make_unique<Tuning>();
+  std::unique_ptr<LiveSettings> live_settings_ = std::make_unique<LiveSettings>();
 };
 
 /// A thread that retunes whenever it is asked to. Made before the loop's thread becomes privileged, of which it
@@ -56,7 +57,7 @@ class ReloadThread {
  public:
   using Say = std::function<void(const std::string& line)>;
   /// `requests` counts up. `say` is called on the thread.
-  ReloadThread(Retuner& retuner, const std::atomic<std::uint32_t>& requests, Say say);
+  ReloadThread(ConfigReloader& reloader, const std::atomic<std::uint32_t>& requests, Say say);
   /// The loop has ended, or goes on taking what is offered.
   ~ReloadThread();
   ReloadThread(const ReloadThread&) = delete;
@@ -65,7 +66,7 @@ class ReloadThread {
  private:
   void work();
 
-  Retuner& retuner_;
+  ConfigReloader& reloader_;
   const std::atomic<std::uint32_t>& requests_;
   const Say say_;
   std::uint32_t served_ = 0;

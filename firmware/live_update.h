@@ -12,7 +12,7 @@
 namespace touchline {
 
 /// What the loop is to work by from its next frame on, all of it made and checked before.
-struct Tuning {
+struct LiveSettings {
   ScanTables* tables = nullptr;      // null: those in use stay; after the loop has taken them: those that were in use
   Adaptation adaptation;             // goes with the tables
   bool keep_adaptation_mode = true;  // the one that a person may have set meanwhile
@@ -22,20 +22,20 @@ struct Tuning {
   std::uint64_t taken_after = 0;  // the loop's answer: so many frames had been served
 };
 
-/// Hands a Tuning from one thread to the loop, which takes it between two frames without waiting for anybody.
-class Handover {
+/// Hands a LiveSettings from one thread to the loop, which takes it between two frames without waiting for anybody.
+class LiveUpdate {
  public:
   /// By the thread that made it, which may touch it again when it is not pending any more.
-  void offer(Tuning& tuning) { offered_.store(&tuning, std::memory_order_release); }
+  void offer(LiveSettings& live_settings) { offered_.store(&live_settings, std::memory_order_release); }
   [[nodiscard]] bool is_pending() const { return offered_.load(std::memory_order_acquire) != nullptr; }
 
   /// By the loop: null when there is nothing; when it has been taken over, taken() gives it back.
-  [[nodiscard]] Tuning* offered() const { return offered_.load(std::memory_order_acquire); }
+  [[nodiscard]] LiveSettings* offered() const { return offered_.load(std::memory_order_acquire); }
   void taken() { offered_.store(nullptr, std::memory_order_release); }
 
  private:
-  std::atomic<Tuning*> offered_{nullptr};
-  static_assert(std::atomic<Tuning*>::is_always_lock_free, "the loop may not wait");
+  std::atomic<LiveSettings*> offered_{nullptr};
+  static_assert(std::atomic<LiveSettings*>::is_always_lock_free, "the loop may not wait");
 };
 
 }  // namespace touchline

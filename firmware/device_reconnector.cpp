@@ -1,17 +1,17 @@
-#include "firmware/device_keeper.h"
+#include "firmware/device_reconnector.h"
 
 #include <algorithm>
 
 namespace touchline {
 
-DeviceKeeper::DeviceKeeper(Reopen reopen, void* device, Duration first_pause, bool wait_for_driver)
+DeviceReconnector::DeviceReconnector(Reopen reopen, void* device, Duration first_pause, bool wait_for_driver)
     : reopen_(reopen), device_(device), first_pause_(first_pause), wait_for_driver_(wait_for_driver) {
   worker_ = std::thread([this] { work(); });
 }
 
-DeviceKeeper::~DeviceKeeper() { finish(); }
+DeviceReconnector::~DeviceReconnector() { stop(); }
 
-void DeviceKeeper::work() {
+void DeviceReconnector::work() {
   while (true) {
     task_.wait(Task::kIdle);
     Task task = task_.load(std::memory_order_acquire);
@@ -22,23 +22,23 @@ void DeviceKeeper::work() {
     }
     if (task != Task::kOpen) continue;
     result_ = reopen_(device_);
-    // Unless finish() came meanwhile.
+    // Unless stop() came meanwhile.
     if (!task_.compare_exchange_strong(task, Task::kDone, std::memory_order_acq_rel)) return;
     task_.notify_all();
   }
 }
 
-void DeviceKeeper::lost(Instant now) {
-  if (!open_) return;
-  open_ = false;
+void DeviceReconnector::mark_lost(Instant now) {
+  if (!is_open_) return;
+  is_open_ = false;
   lost_at_ = now;
-  attempts_ = 0;
+  failed_attempts_ = 0;
   pause_ = first_pause_;
   next_attempt_ = now + pause_;
 }
 
-bool DeviceKeeper::poll(Instant now) {
-  if (open_) return false;
+bool DeviceReconnector::poll(Instant now) {
+  if (is_open_) return false;
   Task task = task_.load(std::memory_order_acquire);
   if (task == Task::kIdle) {
     if (now < next_attempt_) return false;
@@ -51,21 +51,21 @@ bool DeviceKeeper::poll(Instant now) {
     task = task_.load(std::memory_order_acquire);
   }
   if (task != Task::kDone) return false;
-  last_ = result_;
+  last_status_ = result_;
   task_.store(Task::kIdle, std::memory_order_release);
   task_.notify_all();
-  if (last_.ok()) {
-    open_ = true;
+  if (last_status_.ok()) {
+    is_open_ = true;
     return true;
   }
-  ++attempts_;
-  const bool is_absent = last_.code() == ErrorCode::kNotFound;
+  ++failed_attempts_;
+  const bool is_absent = last_status_.code() == ErrorCode::kNotFound;
   pause_ = std::min(2 * pause_, is_absent ? std::max(kLongestPauseAbsent, first_pause_) : kLongestPause);
   next_attempt_ = now + pause_;
   return false;
 }
 
-void DeviceKeeper::finish() {
+void DeviceReconnector::stop() {
   if (!worker_.joinable()) return;
   task_.store(Task::kEnd, std::memory_order_release);
   task_.notify_all();

@@ -1,4 +1,4 @@
-#include "firmware/stop_signal.h"
+#include "firmware/signals.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <thread>
-
-#include "firmware/adaptation_signal.h"
-#include "firmware/reload_signal.h"
 
 namespace touchline {
 namespace {
@@ -26,7 +23,7 @@ using AdaptationSignal = Signals;
 
 // Signals reach a process of their own; its exit code tells whether the flag was set.
 [[noreturn]] void receive(int signal, int again, Duration pause) {
-  const std::atomic<bool>& stop = stop_on_signals();
+  const std::atomic<bool>& stop = handle_stop_signals();
   if (stop.load()) std::_Exit(2);
   static_cast<void>(std::raise(signal));
   std::this_thread::sleep_for(pause);
@@ -41,18 +38,19 @@ TEST_F(StopSignal, ASecondSignalAtOnceIsTheSameRequest) {
 }
 
 TEST_F(StopSignal, ASecondSignalLaterEndsTheProgram) {
-  EXPECT_EXIT(receive(SIGTERM, SIGTERM, kInsistence + std::chrono::milliseconds(50)),
+  EXPECT_EXIT(receive(SIGTERM, SIGTERM, kForcedExitDelay + std::chrono::milliseconds(50)),
               ::testing::KilledBySignal(SIGTERM), "");
-  EXPECT_EXIT(receive(SIGTERM, SIGINT, kInsistence + std::chrono::milliseconds(50)), ::testing::KilledBySignal(SIGINT),
-              "");
+  EXPECT_EXIT(receive(SIGTERM, SIGINT, kForcedExitDelay + std::chrono::milliseconds(50)),
+              ::testing::KilledBySignal(SIGINT), "");
 }
 
 TEST_F(StopSignal, APipeWithoutReaderEndsNothing) {
-  EXPECT_EXIT(receive(SIGTERM, SIGPIPE, kInsistence + std::chrono::milliseconds(50)), ::testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(receive(SIGTERM, SIGPIPE, kForcedExitDelay + std::chrono::milliseconds(50)), ::testing::ExitedWithCode(0),
+              "");
 }
 
 [[noreturn]] void steer() {
-  const AdaptationRequests& requests = adaptation_on_signals();
+  const AdaptationRequests& requests = handle_adaptation_signals();
   static_cast<void>(std::raise(SIGUSR1));
   const bool frozen = requests.freeze == 1 && requests.put_back == 0;
   static_cast<void>(std::raise(SIGUSR2));
@@ -61,8 +59,8 @@ TEST_F(StopSignal, APipeWithoutReaderEndsNothing) {
 
 [[noreturn]] void hang_up(bool ignored) {
   if (ignored) std::signal(SIGHUP, SIG_IGN);
-  const std::atomic<bool>& stop = stop_on_signals();
-  const std::atomic<std::uint32_t>& requests = reload_on_signal();
+  const std::atomic<bool>& stop = handle_stop_signals();
+  const std::atomic<std::uint32_t>& requests = handle_reload_signal();
   static_cast<void>(std::raise(SIGHUP));
   std::_Exit(stop.load() ? 3 : static_cast<int>(requests.load()));
 }
@@ -74,8 +72,8 @@ TEST_F(StopSignal, APipeWithoutReaderEndsNothing) {
   if (::setsid() < 0) std::_Exit(91);
   if (::open(::ptsname(master), O_RDWR) < 0) std::_Exit(92);  // becomes the session's terminal
   std::signal(SIGHUP, ignored ? SIG_IGN : SIG_DFL);
-  const std::atomic<bool>& stop = stop_on_signals();
-  const std::atomic<std::uint32_t>& requests = reload_on_signal();
+  const std::atomic<bool>& stop = handle_stop_signals();
+  const std::atomic<std::uint32_t>& requests = handle_reload_signal();
   static_cast<void>(std::raise(SIGHUP));
   if (stop.load() || requests.load() != 1) std::_Exit(93);  // the terminal is there: read the files
   ::close(master);

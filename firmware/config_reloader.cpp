@@ -1,4 +1,4 @@
-#include "firmware/retuner.h"
+#include "firmware/config_reloader.h"
 
 #include <algorithm>
 #include <chrono>
@@ -24,15 +24,16 @@ std::string key_of(const config::Change& change) { return change.key; }
 
 }  // namespace
 
-Retuner::Retuner(config::FilePaths paths, const config::Configuration& running, hal::Camera& camera, Handover& handover)
+ConfigReloader::ConfigReloader(config::FilePaths paths, const config::Configuration& running, hal::Camera& camera,
+                               LiveUpdate& live_update)
     : paths_(std::move(paths)),
       camera_(camera),
-      handover_(handover),
+      live_update_(live_update),
       running_(std::make_unique<config::Configuration>(running)) {}
 
-Retuner::~Retuner() = default;
+ConfigReloader::~ConfigReloader() = default;
 
-std::vector<std::string> Retuner::reload(const std::atomic<bool>& given_up) {
+std::vector<std::string> ConfigReloader::reload(const std::atomic<bool>& given_up) {
   std::vector<std::string> said;
   const auto refused = [&](const config::Problems& problems) {
     said = problems.lines();
@@ -51,15 +52,15 @@ std::vector<std::string> Retuner::reload(const std::atomic<bool>& given_up) {
     return refused(problems);
   }
   if ((changes.takers & config::kCamera) != 0) adjust_camera(*next, changes, said);
-  handover_.offer(*tuning_);
-  while (handover_.is_pending()) {
+  live_update_.offer(*live_settings_);
+  while (live_update_.is_pending()) {
     if (given_up.load(std::memory_order_acquire)) return said;
     std::this_thread::sleep_for(kTakingPeriod);
   }
-  if (tuning_->tables != nullptr) unused_ = tuning_->tables;
+  if (live_settings_->tables != nullptr) unused_ = live_settings_->tables;
   running_ = std::move(next);
   if (!changes.taken.empty()) {
-    said.push_back("reload: from frame " + std::to_string(tuning_->taken_after + 1) +
+    said.push_back("reload: from frame " + std::to_string(live_settings_->taken_after + 1) +
                    " on: " + listed(changes.taken, config::text_of));
   }
   if (!changes.need_restart.empty()) {
@@ -68,11 +69,11 @@ std::vector<std::string> Retuner::reload(const std::atomic<bool>& given_up) {
   return said;
 }
 
-Status Retuner::prepare(const config::Configuration& next, const config::HotChanges& changes) {
-  tuning_->tables = nullptr;
-  tuning_->control = next.pipeline.control;
-  tuning_->faults = next.board.faults;
-  tuning_->radio_delay = from_seconds(next.board.radio.delay_s);
+Status ConfigReloader::prepare(const config::Configuration& next, const config::HotChanges& changes) {
+  live_settings_->tables = nullptr;
+  live_settings_->control = next.pipeline.control;
+  live_settings_->faults = next.board.faults;
+  live_settings_->radio_delay = from_seconds(next.board.radio.delay_s);
   if ((changes.takers & config::kThresholds) == 0) return {};
   if (unused_ == nullptr) {
     second_ = std::make_unique<ScanTables>();
@@ -80,14 +81,15 @@ Status Retuner::prepare(const config::Configuration& next, const config::HotChan
   }
   const PipelineParameters& parameters = next.pipeline;
   if (const Status s = unused_->configure(parameters.scan); !s.ok()) return s;
-  tuning_->tables = unused_;
-  tuning_->keep_adaptation_mode = std::none_of(changes.taken.begin(), changes.taken.end(), [](const auto& change) {
-    return change.file == config::FileKind::kVenue && change.key == "adaptation.mode";
-  });
-  return tuning_->adaptation.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color);
+  live_settings_->tables = unused_;
+  live_settings_->keep_adaptation_mode = std::none_of(
+      changes.taken.begin(), changes.taken.end(),
+      [](const auto& change) { return change.file == config::FileKind::kVenue && change.key == "adaptation.mode"; });
+  return live_settings_->adaptation.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color);
 }
 
-void Retuner::adjust_camera(config::Configuration& next, config::HotChanges& changes, std::vector<std::string>& said) {
+void ConfigReloader::adjust_camera(config::Configuration& next, config::HotChanges& changes,
+                                   std::vector<std::string>& said) {
   std::string grants;
   const Status adjusted = camera_.adjust(next.board.camera, grants);
   if (!grants.empty()) said.push_back("reload: camera: " + grants);
@@ -102,8 +104,8 @@ void Retuner::adjust_camera(config::Configuration& next, config::HotChanges& cha
   changes.taken.erase(refused, changes.taken.end());
 }
 
-ReloadThread::ReloadThread(Retuner& retuner, const std::atomic<std::uint32_t>& requests, Say say)
-    : retuner_(retuner), requests_(requests), say_(std::move(say)) {
+ReloadThread::ReloadThread(ConfigReloader& reloader, const std::atomic<std::uint32_t>& requests, Say say)
+    : reloader_(reloader), requests_(requests), say_(std::move(say)) {
   thread_ = std::thread([this] { work(); });
 }
 
@@ -116,7 +118,7 @@ void ReloadThread::work() {
   while (!end_.load(std::memory_order_acquire)) {
     const std::uint32_t asked = requests_.load(std::memory_order_relaxed);
     if (std::exchange(served_, asked) != asked) {
-      for (const std::string& line : retuner_.reload(end_)) say_(line);
+      for (const std::string& line : reloader_.reload(end_)) say_(line);
     }
     std::this_thread::sleep_for(kAskedPeriod);
   }

@@ -1,4 +1,4 @@
-#include "firmware/service_watch.h"
+#include "firmware/service_notifier.h"
 
 #include <systemd/sd-daemon.h>
 #include <algorithm>
@@ -17,28 +17,29 @@ constexpr std::uint64_t kPingsWithinPatience = 4;
 
 }  // namespace
 
-ServiceWatch::ServiceWatch(const LoopPulse& pulse) : pulse_(pulse), asked_(std::getenv("NOTIFY_SOCKET") != nullptr) {
-  if (asked_) thread_ = std::thread([this] { work(); });
+ServiceNotifier::ServiceNotifier(const LoopHeartbeat& heartbeat)
+    : heartbeat_(heartbeat), enabled_(std::getenv("NOTIFY_SOCKET") != nullptr) {
+  if (enabled_) thread_ = std::thread([this] { work(); });
 }
 
-void ServiceWatch::end() {
+void ServiceNotifier::end() {
   if (!thread_.joinable()) return;
   end_.store(true, std::memory_order_release);
   thread_.join();
   static_cast<void>(sd_notify(0, "STOPPING=1"));
 }
 
-void ServiceWatch::status(const std::string& line) const {
-  if (is_asked()) static_cast<void>(sd_notify(0, ("STATUS=" + line).c_str()));
+void ServiceNotifier::status(const std::string& line) const {
+  if (is_enabled()) static_cast<void>(sd_notify(0, ("STATUS=" + line).c_str()));
 }
 
-LoopEnd run(Loop& loop, ServiceWatch& service, const std::atomic<bool>& stop) {
+LoopEnd run(Loop& loop, ServiceNotifier& service, const std::atomic<bool>& stop) {
   const LoopEnd end = loop.run(stop);
   service.end();
   return end;
 }
 
-void ServiceWatch::work() {
+void ServiceNotifier::work() {
   std::uint64_t patience_us = 0;
   const bool is_watched = sd_watchdog_enabled(0, &patience_us) > 0;
   const Microseconds period =
@@ -46,13 +47,13 @@ void ServiceWatch::work() {
   bool is_ready = false;
   std::uint64_t turns = 0;
   while (!end_.load(std::memory_order_acquire)) {
-    if (!is_ready && pulse_.good_frames.load(std::memory_order_relaxed) > 0) {
+    if (!is_ready && heartbeat_.good_frames.load(std::memory_order_relaxed) > 0) {
       is_ready = true;
       static_cast<void>(sd_notify(0, "READY=1"));
     }
-    const std::uint64_t turns_now = pulse_.turns.load(std::memory_order_relaxed);
-    if (is_watched && turns_now != turns) static_cast<void>(sd_notify(0, "WATCHDOG=1"));
-    turns = turns_now;
+    const std::uint64_t iterations_now = heartbeat_.iterations.load(std::memory_order_relaxed);
+    if (is_watched && iterations_now != turns) static_cast<void>(sd_notify(0, "WATCHDOG=1"));
+    turns = iterations_now;
     std::this_thread::sleep_for(period);
   }
 }

@@ -1,0 +1,109 @@
+#include "firmware/device_reconnector.h"
+
+#include <semaphore>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+namespace touchline {
+namespace {
+
+using namespace std::chrono_literals;
+
+Instant at(double s) { return Instant(from_seconds(s)); }
+
+struct Scripted {
+  int failures = 0, calls = 0;
+  ErrorCode failure = ErrorCode::kNotFound;
+  static Status reopen(void* self) {
+    Scripted& script = *static_cast<Scripted*>(self);
+    return ++script.calls > script.failures ? Status() : script.failure;
+  }
+};
+
+TEST(ThreadsDeviceReconnector, PausesDoubleFromFailureToFailure) {
+  Scripted script{3};
+  DeviceReconnector reconnector(Scripted::reopen, &script, 100ms, true);
+  EXPECT_TRUE(reconnector.is_open());
+  EXPECT_FALSE(reconnector.poll(at(5.0)));
+  EXPECT_EQ(script.calls, 0);
+  reconnector.mark_lost(at(10.0));
+  reconnector.mark_lost(at(10.05));  // said twice: counts from the first time
+  EXPECT_FALSE(reconnector.is_open());
+  for (const auto& [time, calls] : {std::pair{10.09, 0}, {10.1, 1}, {10.29, 1}, {10.3, 2}, {10.69, 2}, {10.7, 3}}) {
+    EXPECT_FALSE(reconnector.poll(at(time)));
+    EXPECT_EQ(script.calls, calls) << time;
+  }
+  EXPECT_EQ(reconnector.failed_attempts(), 3U);
+  EXPECT_EQ(reconnector.last_status().code(), ErrorCode::kNotFound);
+  EXPECT_EQ(reconnector.time_lost(at(11.0)), 1s);
+  EXPECT_FALSE(reconnector.poll(at(11.49)));
+  EXPECT_TRUE(reconnector.poll(at(11.5)));
+  EXPECT_TRUE(reconnector.is_open());
+  EXPECT_EQ(reconnector.time_lost(at(12.0)), 0s);
+  // The next loss begins with the first pause again.
+  script.failures = 100;
+  reconnector.mark_lost(at(20.0));
+  EXPECT_EQ(reconnector.failed_attempts(), 0U);
+  EXPECT_FALSE(reconnector.poll(at(20.1)));
+  EXPECT_EQ(script.calls, 5);
+}
+
+TEST(ThreadsDeviceReconnector, WhatIsAbsentIsLookedForMoreOften) {
+  for (const auto& [failure, pause] : {std::pair{ErrorCode::kNotFound, DeviceReconnector::kLongestPauseAbsent},
+                                       std::pair{ErrorCode::kIo, DeviceReconnector::kLongestPause}}) {
+    Scripted script{1000, 0, failure};
+    DeviceReconnector reconnector(Scripted::reopen, &script, 100ms, true);
+    reconnector.mark_lost(at(0.0));
+    Instant now = at(0.0), last = now;
+    Duration longest{};
+    for (int calls = 0; now < at(60.0); now += 10ms) {
+      static_cast<void>(reconnector.poll(now));
+      if (script.calls == calls) continue;
+      calls = script.calls;
+      longest = std::max(longest, now - std::exchange(last, now));
+    }
+    EXPECT_EQ(longest, pause) << describe(failure);
+  }
+}
+
+struct Hanging {
+  std::binary_semaphore entered{0}, answer{0};
+  static Status reopen(void* self) {
+    Hanging& driver = *static_cast<Hanging*>(self);
+    driver.entered.release();
+    driver.answer.acquire();
+    return {};
+  }
+};
+
+TEST(ThreadsDeviceReconnector, DriverThatHangsHoldsUpNobody) {
+  Hanging driver;
+  DeviceReconnector reconnector(Hanging::reopen, &driver, 1ms, false);
+  reconnector.mark_lost(at(1.0));
+  EXPECT_FALSE(reconnector.poll(at(2.0)));
+  driver.entered.acquire();
+  for (int i = 0; i < 1000; ++i) EXPECT_FALSE(reconnector.poll(at(3.0 + i)));
+  driver.answer.release();
+  // The answer crosses from the worker's thread; it comes, but not at once.
+  bool back = false;
+  for (int i = 0; i < 5000 && !back; ++i) {
+    back = reconnector.poll(at(2000.0));
+    if (!back) std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_TRUE(back);
+}
+
+TEST(ThreadsDeviceReconnector, EndsWhileTheDriverWorks) {
+  Hanging driver;
+  auto reconnector = std::make_unique<DeviceReconnector>(Hanging::reopen, &driver, 1ms, false);
+  reconnector->mark_lost(at(1.0));
+  EXPECT_FALSE(reconnector->poll(at(2.0)));
+  driver.entered.acquire();
+  std::thread late([&] { driver.answer.release(); });
+  reconnector.reset();
+  late.join();
+}
+
+}  // namespace
+}  // namespace touchline

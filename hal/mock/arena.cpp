@@ -22,7 +22,7 @@ Arena::Arena(const ArenaParameters& parameters, const CameraSettings& camera, co
       now_(begin),
       stepped_(begin) {}
 
-bool Arena::faulty(FaultKind kind, Instant at) const {
+bool Arena::fault_active(FaultKind kind, Instant at) const {
   const double t = seconds(at - begin_);
   return std::any_of(parameters_.fault.begin(), parameters_.fault.end(), [&](const ArenaFault& fault) {
     return fault.kind == kind && t >= fault.at_s && t < fault.at_s + fault.for_s;
@@ -35,7 +35,7 @@ void Arena::advance_to(Instant instant) {
     now_ = std::max(now_, stepped_);
     world_.step();
     channel_.deliver(stepped_, world_);
-    if (streaming_) open_or_close_shutter();
+    if (streaming_) update_shutter();
   }
   now_ = std::max(now_, instant);
 }
@@ -53,15 +53,15 @@ Instant Arena::exposure_begin(std::uint64_t frame) const {
   return first_exposure_ + from_seconds(static_cast<double>(frame) / camera_.rate_hz);
 }
 
-void Arena::open_or_close_shutter() {
+void Arena::update_shutter() {
   if (!exposing_ && stepped_ >= exposure_begin(next_frame_)) {
     const auto sequence = static_cast<std::uint32_t>(next_frame_++);
-    if (faulty(FaultKind::kCameraStall) || faulty(FaultKind::kCameraLost)) return;
+    if (fault_active(FaultKind::kCameraStall) || fault_active(FaultKind::kCameraLost)) return;
     if (held_ + static_cast<int>(waiting_.size()) >= camera_.buffers) return;
-    Shot shot;
-    shot.begin = world_.snapshot();
-    shot.sequence = sequence;
-    exposing_ = shot;
+    Exposure exposure;
+    exposure.begin = world_.snapshot();
+    exposure.sequence = sequence;
+    exposing_ = exposure;
     exposing_since_ = stepped_;
   }
   if (exposing_ && stepped_ >= exposing_since_ + from_seconds(parameters_.sensor.exposure_s)) {
@@ -73,20 +73,20 @@ void Arena::open_or_close_shutter() {
   }
 }
 
-std::optional<Instant> Arena::next_ready() const {
+std::optional<Instant> Arena::next_frame_ready() const {
   if (!streaming_) return std::nullopt;
   if (!waiting_.empty()) return waiting_[0].ready;
   const Instant begin = exposing_ ? exposing_since_ : std::max(exposure_begin(next_frame_), stepped_);
-  // The shutter works on the world's steps, which round both of its instants up.
+  // The shutter opens and closes on steps of the world, so both of its instants are rounded up.
   return begin + from_seconds(parameters_.sensor.exposure_s) + from_seconds(parameters_.sensor.transfer_s) + 2 * kStep;
 }
 
-std::optional<Shot> Arena::take_shot() {
+std::optional<Exposure> Arena::take_exposure() {
   if (waiting_.empty() || waiting_[0].ready > now_) return std::nullopt;
-  const Shot shot = waiting_[0];
+  const Exposure exposure = waiting_[0];
   std::copy(waiting_.begin() + 1, waiting_.end(), waiting_.begin());
   waiting_.pop_back();
-  return shot;
+  return exposure;
 }
 
 void Arena::adjust_camera(const CameraSettings& settings) {
@@ -96,8 +96,9 @@ void Arena::adjust_camera(const CameraSettings& settings) {
   sensor_.set_brightness(ratio(settings.exposure_us, camera_.exposure_us) * ratio(settings.gain, camera_.gain));
 }
 
-void Arena::draw(const Shot& shot, std::span<std::uint8_t> out) {
-  sensor_.expose(faulty(FaultKind::kDark) ? renderer_.render_dark() : renderer_.render(shot.begin, shot.end), out);
+void Arena::render(const Exposure& exposure, std::span<std::uint8_t> out) {
+  sensor_.expose(
+      fault_active(FaultKind::kDark) ? renderer_.render_dark() : renderer_.render(exposure.begin, exposure.end), out);
 }
 
 }  // namespace touchline::hal::mock

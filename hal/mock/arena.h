@@ -19,24 +19,24 @@
 
 namespace touchline::hal::mock {
 
-/// One frame that the camera has taken, before it is drawn.
-struct Shot {
+/// One exposure of the camera, not yet rendered: the scene when the shutter opens and when it closes.
+struct Exposure {
   Snapshot begin, end;
   Instant capture_time{}, ready{};
   std::uint32_t sequence = 0;
 };
 
-/// World, radio and camera on one time line. Time moves when somebody asks for it, in steps of the world; what is due
-/// on the way (packets, time-outs, exposures) happens in the order of time, on the world's steps: a packet acts on the
-/// first step after its arrival, a shutter opens and closes with the first one that ends after its time. A camera that
-/// exposes for longer than its rate allows takes fewer pictures. Nothing is allocated after construction.
+/// Runs world, radio and camera on one time line. Time advances only by advance_to(), in steps of the world. Packets,
+/// time-outs and exposures take effect in the order of time, on these steps: a packet acts on the first step after its
+/// arrival; the shutter opens and closes on the first step at or after its time. If the exposure time is longer than
+/// the frame period, the camera takes fewer pictures. Nothing is allocated after construction.
 class Arena {
  public:
-  // Not zero: an instant that nobody has set is told apart from one at the begin.
+  // Not zero, so that an Instant that was never set differs from the start of the game.
   static constexpr Instant kBegin{std::chrono::seconds(1)};
 
-  /// `camera`: format, size, rate and buffers; `radio`: the line's speed. `begin`: the instant of arena time 0.
-  /// The parameters must be valid (hal::mock::validate).
+  /// `camera`: format, size, rate and number of buffers; `radio`: baud rate; `begin`: the instant of arena time 0.
+  /// The parameters must pass hal::mock::validate().
   Arena(const ArenaParameters& parameters, const CameraSettings& camera, const RadioSettings& radio, std::uint64_t seed,
         Instant begin = kBegin);
   Arena(const Arena&) = delete;
@@ -44,27 +44,27 @@ class Arena {
   ~Arena() = default;
 
   [[nodiscard]] Instant now() const { return now_; }
-  /// Does nothing for instants that have passed.
+  /// Advances the time to `instant`. Does nothing if it has passed.
   void advance_to(Instant instant);
-  [[nodiscard]] bool faulty(FaultKind kind) const { return faulty(kind, now_); }
-  [[nodiscard]] bool faulty(FaultKind kind, Instant at) const;
+  [[nodiscard]] bool fault_active(FaultKind kind) const { return fault_active(kind, now_); }
+  [[nodiscard]] bool fault_active(FaultKind kind, Instant at) const;
   [[nodiscard]] const std::vector<ArenaFault>& faults() const { return parameters_.fault; }
   [[nodiscard]] Instant begin() const { return begin_; }
 
   void start_camera();
   void stop_camera() { streaming_ = false; }
-  /// Somebody holds a buffer, or gives it back. The camera drops a frame when no buffer is left for it.
+  /// A reader takes or returns a buffer. The camera drops a frame if no buffer is free.
   void hold_buffer() { ++held_; }
   void release_buffer() { --held_; }
-  /// When the next frame will be in memory, if the camera streams.
-  [[nodiscard]] std::optional<Instant> next_ready() const;
-  /// The oldest frame that is in memory by now.
-  std::optional<Shot> take_shot();
-  /// Draws it; `out` holds layout_of() bytes.
-  void draw(const Shot& shot, std::span<std::uint8_t> out);
+  /// The time at which the next frame will be in memory; empty if the camera does not stream.
+  [[nodiscard]] std::optional<Instant> next_frame_ready() const;
+  /// Removes and returns the oldest frame that is in memory; empty if there is none.
+  std::optional<Exposure> take_exposure();
+  /// Renders the frame into `out`, which holds layout_of().bytes bytes.
+  void render(const Exposure& exposure, std::span<std::uint8_t> out);
 
-  /// Exposure time and gain of `settings` against those of the construction, where both are given, make the pictures
-  /// brighter or darker.
+  /// Scales the brightness by exposure time and gain relative to the settings at construction. A value that is missing
+  /// in either of them is ignored.
   void adjust_camera(const CameraSettings& settings);
   [[nodiscard]] const CameraSettings& camera() const { return camera_; }
   [[nodiscard]] World& world() { return world_; }
@@ -72,11 +72,11 @@ class Arena {
   [[nodiscard]] RadioChannel& channel() { return channel_; }
   [[nodiscard]] const RadioChannel& channel() const { return channel_; }
   [[nodiscard]] const Lens& lens() const { return renderer_.lens(); }
-  /// Whoever shares the arena with another thread holds it during a call.
+  /// A caller that shares the arena with another thread locks this mutex during each call.
   [[nodiscard]] std::mutex& mutex() { return mutex_; }
 
  private:
-  void open_or_close_shutter();
+  void update_shutter();
   [[nodiscard]] Instant exposure_begin(std::uint64_t frame) const;
 
   const ArenaParameters parameters_;
@@ -90,14 +90,14 @@ class Arena {
   bool streaming_ = false;
   Instant first_exposure_{};
   std::uint64_t next_frame_ = 0;
-  std::optional<Shot> exposing_;
+  std::optional<Exposure> exposing_;
   Instant exposing_since_{};
-  FixedVector<Shot, 32> waiting_;  // as many as a driver may have buffers
+  FixedVector<Exposure, 32> waiting_;  // the largest number of buffers that a driver can have
   int held_ = 0;
   std::mutex mutex_;
 };
 
-/// Arena time as the system's clock: it stands still while the processor works and jumps when somebody waits.
+/// The arena's virtual time as a Clock: it stands still while the processor works and jumps in sleep_until().
 class ArenaClock : public Clock {
  public:
   explicit ArenaClock(Arena& arena) : arena_(arena) {}

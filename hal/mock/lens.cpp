@@ -15,7 +15,7 @@ Vec3 unit(const Vec3& a) {
   const double norm = std::sqrt(dot3(a, a));
   return {a[0] / norm, a[1] / norm, a[2] / norm};
 }
-Vec3 mixed(const Vec3& a, double s, const Vec3& b, double t) {
+Vec3 linear_combination(const Vec3& a, double s, const Vec3& b, double t) {
   return {s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2]};
 }
 
@@ -24,32 +24,32 @@ Vec3 mixed(const Vec3& a, double s, const Vec3& b, double t) {
 Lens::Lens(const LensParameters& parameters)
     : focal_(parameters.focal_px),
       cubic_(parameters.cubic),
-      // Straight back, unless the radius stops growing before.
+      // pi (straight back), or the angle at which the radius reaches its maximum.
       widest_rad_(cubic_ < 0.0 ? std::min(std::numbers::pi, std::sqrt(-1.0 / (3.0 * cubic_))) : std::numbers::pi),
       center_{parameters.center_u_px, parameters.center_v_px},
       position_(parameters.position_m) {
   const Vec3 forward = unit({parameters.aim_m[0] - position_[0], parameters.aim_m[1] - position_[1], -position_[2]});
-  // Down in the picture is -y of the field, as far as the axis lets it.
+  // The image's down direction is the field's -y, projected to be orthogonal to the optical axis.
   const Vec3 right = unit(cross3({0.0, -1.0, 0.0}, forward));
   const Vec3 down = cross3(forward, right);
   const double c = std::cos(parameters.roll_rad), s = std::sin(parameters.roll_rad);
-  rotation_ = {mixed(right, c, down, s), mixed(right, -s, down, c), forward};
+  rotation_ = {linear_combination(right, c, down, s), linear_combination(right, -s, down, c), forward};
 }
 
 std::array<double, 2> Lens::project(Vec3 point_m) const {
   const Vec3 away{point_m[0] - position_[0], point_m[1] - position_[1], point_m[2] - position_[2]};
   const double x = dot3(rotation_[0], away), y = dot3(rotation_[1], away), z = dot3(rotation_[2], away);
-  const double aside = std::hypot(x, y);
-  if (aside <= 0.0) return center_;
-  const double angle = std::min(std::atan2(aside, z), widest_rad_);
+  const double off_axis = std::hypot(x, y);
+  if (off_axis <= 0.0) return center_;
+  const double angle = std::min(std::atan2(off_axis, z), widest_rad_);
   const double radius = focal_ * (angle + cubic_ * angle * angle * angle);
-  return {center_[0] + radius * x / aside, center_[1] + radius * y / aside};
+  return {center_[0] + radius * x / off_axis, center_[1] + radius * y / off_axis};
 }
 
-Vec3 Lens::direction(double u_px, double v_px) const {
+Vec3 Lens::unproject(double u_px, double v_px) const {
   const double x = u_px - center_[0], y = v_px - center_[1];
   const double radius = std::hypot(x, y);
-  // Newton's method; the radius grows all the way, so that the interval that holds the angle shrinks with each step.
+  // Newton's method with bisection as the fallback: the radius is monotonic, so each step shrinks the bracket.
   double low = 0.0, high = widest_rad_;
   double angle = std::min(radius / focal_, high);
   for (int i = 0; i < 60 && high - low > 1e-14; ++i) {
@@ -59,8 +59,8 @@ Vec3 Lens::direction(double u_px, double v_px) const {
     if (std::abs(next - angle) < 1e-14) break;
     angle = next > low && next < high ? next : 0.5 * (low + high);
   }
-  const double aside = radius > 0.0 ? std::sin(angle) / radius : 0.0;
-  const Vec3 local{aside * x, aside * y, std::cos(angle)};
+  const double scale = radius > 0.0 ? std::sin(angle) / radius : 0.0;
+  const Vec3 local{scale * x, scale * y, std::cos(angle)};
   Vec3 out{};
   for (std::size_t i = 0; i < 3; ++i) {
     out[i] = rotation_[0][i] * local[0] + rotation_[1][i] * local[1] + rotation_[2][i] * local[2];

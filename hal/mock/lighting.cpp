@@ -5,7 +5,7 @@
 namespace touchline::hal::mock {
 namespace {
 
-// IEC 61966-2-1.
+// The sRGB transfer function, IEC 61966-2-1.
 float srgb_to_linear(int value) {
   const double v = value / 255.0;
   return static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
@@ -13,7 +13,7 @@ float srgb_to_linear(int value) {
 
 }  // namespace
 
-Linear reflectance(const Rgb& srgb) {
+LinearRgb reflectance(const Rgb& srgb) {
   return {srgb_to_linear(srgb[0]), srgb_to_linear(srgb[1]), srgb_to_linear(srgb[2])};
 }
 
@@ -26,12 +26,12 @@ Lighting::Lighting(const LightParameters& light, const FieldParameters& field) {
   double sum = 0.0;
   for (int i = 0; i < kGrid; ++i) {
     for (int k = 0; k < kGrid; ++k) {
-      sum += static_cast<double>(on_level(static_cast<float>(((i + 0.5) / kGrid - 0.5) * field.length_m),
-                                          static_cast<float>(((k + 0.5) / kGrid - 0.5) * field.width_m), 0.0f));
+      sum += static_cast<double>(irradiance(static_cast<float>(((i + 0.5) / kGrid - 0.5) * field.length_m),
+                                            static_cast<float>(((k + 0.5) / kGrid - 0.5) * field.width_m), 0.0f));
     }
   }
   const double mean = sum / (kGrid * kGrid);
-  // Without lamps that shine, all light comes from everywhere.
+  // If no lamp has any power, all light is ambient.
   const double ambient = mean > 0.0 ? light.ambient : 1.0;
   ambient_ = static_cast<float>(ambient);
   for (Lamp& lamp : lamps_) {
@@ -47,7 +47,7 @@ Lighting::Beam Lighting::beam(std::size_t lamp, float x_m, float y_m, float z_m)
   return {{x / distance, y / distance, z / distance}, from.power / square};
 }
 
-float Lighting::on_level(float x_m, float y_m, float z_m) const {
+float Lighting::irradiance(float x_m, float y_m, float z_m) const {
   float sum = ambient_;
   for (std::size_t i = 0; i < lamps_.size(); ++i) {
     const Beam light = beam(i, x_m, y_m, z_m);

@@ -7,22 +7,22 @@
 
 namespace touchline::hal::mock {
 
-/// Reflectance of a surface, or light that it sends to the camera; 1 is white.
-using Linear = std::array<float, 3>;
+/// Linear R, G, B: the reflectance of a surface, or the light that it reflects to the camera. 1 is white.
+using LinearRgb = std::array<float, 3>;
 
-/// A color as a person picks it (sRGB) as reflectance.
-Linear reflectance(const Rgb& srgb);
+/// Converts an sRGB color (0 to 255 per channel) to linear reflectance.
+LinearRgb reflectance(const Rgb& srgb);
 
-/// Lamps with inverse-square falloff and the light that comes from everywhere, scaled so that the floor's average is 1.
+/// Point lamps with inverse-square falloff plus ambient light, scaled to a mean irradiance of 1 on the field.
 class Lighting {
  public:
   Lighting(const LightParameters& light, const FieldParameters& field);
 
-  /// On a horizontal surface.
-  [[nodiscard]] float on_level(float x_m, float y_m, float z_m) const;
+  /// Irradiance of a horizontal surface at this point.
+  [[nodiscard]] float irradiance(float x_m, float y_m, float z_m) const;
   [[nodiscard]] float ambient() const { return ambient_; }
 
-  /// What a lamp does at a place: unit vector towards it, and strength where the light falls in at right angles.
+  /// Light of one lamp at one point: the unit vector towards the lamp, and the irradiance at perpendicular incidence.
   struct Beam {
     std::array<float, 3> towards{};
     float strength = 0.0f;

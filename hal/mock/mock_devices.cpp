@@ -33,7 +33,7 @@ MockCamera::MockCamera(Arena& arena, Clock& clock)
 Status MockCamera::do_open() {
   const std::scoped_lock alone(arena_.mutex());
   arena_.advance_to(clock_.now());
-  if (arena_.faulty(FaultKind::kCameraLost)) {
+  if (arena_.fault_active(FaultKind::kCameraLost)) {
     reason_ = &camera_lost;
     return ErrorCode::kNotFound;
   }
@@ -66,28 +66,28 @@ Result<FrameLease> MockCamera::do_wait(Instant deadline) {
   std::unique_lock alone(arena_.mutex());
   for (;;) {
     arena_.advance_to(clock_.now());
-    lost_ = lost_ || arena_.faulty(FaultKind::kCameraLost);
+    lost_ = lost_ || arena_.fault_active(FaultKind::kCameraLost);
     if (lost_) {
       reason_ = &camera_lost;
       return ErrorCode::kDisconnected;
     }
-    if (const std::optional<Shot> shot = arena_.take_shot()) return hand_out(*shot);
+    if (const std::optional<Exposure> exposure = arena_.take_exposure()) return hand_out(*exposure);
     if (clock_.now() >= deadline) {
       const bool all_held = std::find(held_.begin(), held_.end(), false) == held_.end();
       reason_ = all_held ? &camera_held : &camera_stall;
       return ErrorCode::kTimeout;
     }
-    const Instant until = std::min(deadline, arena_.next_ready().value_or(deadline));
+    const Instant until = std::min(deadline, arena_.next_frame_ready().value_or(deadline));
     alone.unlock();
     clock_.sleep_until(until);
     alone.lock();
   }
 }
 
-Result<FrameLease> MockCamera::hand_out(const Shot& shot) {
-  if (arena_.faulty(FaultKind::kFrameShort) || arena_.faulty(FaultKind::kFrameCorrupt)) {
+Result<FrameLease> MockCamera::hand_out(const Exposure& exposure) {
+  if (arena_.fault_active(FaultKind::kFrameShort) || arena_.fault_active(FaultKind::kFrameCorrupt)) {
     reason_ = &camera_bad;
-    return arena_.faulty(FaultKind::kFrameShort) ? ErrorCode::kShortFrame : ErrorCode::kCorruptFrame;
+    return arena_.fault_active(FaultKind::kFrameShort) ? ErrorCode::kShortFrame : ErrorCode::kCorruptFrame;
   }
   // The arena takes no picture without a buffer for it, so there is one.
   const auto free = std::find(held_.begin(), held_.end(), false);
@@ -95,7 +95,7 @@ Result<FrameLease> MockCamera::hand_out(const Shot& shot) {
   *free = true;
   arena_.hold_buffer();
   std::vector<std::uint8_t>& bytes = buffers_[buffer];
-  arena_.draw(shot, bytes);
+  arena_.render(exposure, bytes);
   Frame frame;
   frame.format = info_.format;
   frame.width_px = info_.width_px;
@@ -103,8 +103,8 @@ Result<FrameLease> MockCamera::hand_out(const Shot& shot) {
   frame.plane[0] = bytes.data();
   if (layout_.second_plane != 0) frame.plane[1] = bytes.data() + layout_.second_plane;
   frame.stride_bytes = layout_.stride_bytes;
-  frame.capture_time = shot.capture_time;
-  frame.sequence = shot.sequence;
+  frame.capture_time = exposure.capture_time;
+  frame.sequence = exposure.sequence;
   return FrameLease(*this, frame, static_cast<std::uint32_t>(buffer));
 }
 
@@ -136,7 +136,7 @@ MockRadio::MockRadio(Arena& arena, Clock& clock) : arena_(arena), clock_(clock),
 Status MockRadio::do_open() {
   const std::scoped_lock alone(arena_.mutex());
   arena_.advance_to(clock_.now());
-  if (arena_.faulty(FaultKind::kRadioLost)) {
+  if (arena_.fault_active(FaultKind::kRadioLost)) {
     reason_ = &radio_lost;
     return ErrorCode::kNotFound;
   }
@@ -158,15 +158,15 @@ Status MockRadio::check_usable() {
     return ErrorCode::kIo;
   }
   arena_.advance_to(clock_.now());
-  lost_ = lost_ || arena_.faulty(FaultKind::kRadioLost);
+  lost_ = lost_ || arena_.fault_active(FaultKind::kRadioLost);
   if (!lost_) return {};
   reason_ = &radio_lost;
   return ErrorCode::kDisconnected;
 }
 
 Result<std::size_t> MockRadio::waiting() {
-  const std::size_t bytes = arena_.channel().waiting_bytes(arena_.now());
-  return arena_.faulty(FaultKind::kRadioBusy) ? std::max<std::size_t>(bytes, 1) : bytes;
+  const std::size_t bytes = arena_.channel().queued_bytes(arena_.now());
+  return arena_.fault_active(FaultKind::kRadioBusy) ? std::max<std::size_t>(bytes, 1) : bytes;
 }
 
 Result<std::size_t> MockRadio::write(std::span<const std::byte> bytes) {
@@ -221,8 +221,8 @@ Status MockGpio::do_open() {
   const std::scoped_lock alone(arena_.mutex());
   looked_ = clock_.now();
   arena_.advance_to(looked_);
-  emergency_stop_.begin(debounce_, arena_.faulty(FaultKind::kEmergencyStop), looked_);
-  start_.begin(debounce_, arena_.faulty(FaultKind::kStartButton), looked_);
+  emergency_stop_.begin(debounce_, arena_.fault_active(FaultKind::kEmergencyStop), looked_);
+  start_.begin(debounce_, arena_.fault_active(FaultKind::kStartButton), looked_);
   open_ = true;
   reason_ = &no_reason;
   return {};
@@ -261,8 +261,8 @@ Debouncer::View MockGpio::look(FaultKind kind, Debouncer& debouncer, Instant now
     }
   }
   std::sort(changes.begin(), changes.end());
-  for (const Instant at : changes) debouncer.edge(arena_.faulty(kind, at), at);
-  debouncer.level(arena_.faulty(kind, now), now);
+  for (const Instant at : changes) debouncer.edge(arena_.fault_active(kind, at), at);
+  debouncer.level(arena_.fault_active(kind, now), now);
   return debouncer.look(now);
 }
 

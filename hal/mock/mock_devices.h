@@ -33,7 +33,7 @@ class MockCamera : public Camera {
   Status do_adjust(const CameraSettings& settings, std::string& grants) override;
   void do_stop() override;
   void do_close() override;
-  Result<FrameLease> hand_out(const Shot& shot);
+  Result<FrameLease> hand_out(const Exposure& exposure);
 
   Arena& arena_;
   Clock& clock_;

@@ -7,7 +7,7 @@
 namespace touchline::hal::mock {
 namespace {
 
-constexpr double kBitsPerByte = 10.0;  // with start and stop bit
+constexpr double kBitsPerByte = 10.0;  // including start and stop bit
 constexpr std::uint64_t kRadioStream = 2;
 
 }  // namespace
@@ -27,35 +27,38 @@ RadioChannel::RadioChannel(const ArenaParameters& parameters, int baud, std::uin
 }
 
 Status RadioChannel::send(std::span<const std::byte> bytes, Instant now) {
-  Flying flying;
-  if (bytes.empty() || bytes.size() > flying.packet.capacity()) return ErrorCode::kOutOfRange;
+  PacketInFlight in_flight;
+  if (bytes.empty() || bytes.size() > in_flight.packet.capacity()) return ErrorCode::kOutOfRange;
   const Instant begin = std::max(now, line_free_);
-  if (waiting_bytes(now) + bytes.size() > static_cast<std::size_t>(parameters_.queue_bytes) || flying_.full()) {
+  if (queued_bytes(now) + bytes.size() > static_cast<std::size_t>(parameters_.queue_bytes) || in_flight_.full()) {
     return ErrorCode::kBusy;
   }
-  for (const std::byte byte : bytes) flying.packet.push_back(byte);
+  for (const std::byte byte : bytes) in_flight.packet.push_back(byte);
   line_free_ = begin + byte_time_ * static_cast<int>(bytes.size());
-  flying.arrival =
+  in_flight.arrival =
       line_free_ + from_seconds(parameters_.delay_s) + from_seconds(parameters_.jitter_s * random_.exponential());
-  flying_.push_back(flying);
+  in_flight_.push_back(in_flight);
   ++statistics_.sent;
   return {};
 }
 
-std::size_t RadioChannel::waiting_bytes(Instant now) const {
+std::size_t RadioChannel::queued_bytes(Instant now) const {
   return now >= line_free_ ? 0 : static_cast<std::size_t>((line_free_ - now) / byte_time_);
 }
 
 void RadioChannel::deliver(Instant now, World& world) {
   for (;;) {
-    std::size_t next = flying_.size();
-    for (std::size_t i = 0; i < flying_.size(); ++i) {
-      if (flying_[i].arrival <= now && (next == flying_.size() || flying_[i].arrival < flying_[next].arrival)) next = i;
+    std::size_t next = in_flight_.size();
+    for (std::size_t i = 0; i < in_flight_.size(); ++i) {
+      if (in_flight_[i].arrival <= now &&
+          (next == in_flight_.size() || in_flight_[i].arrival < in_flight_[next].arrival))
+        next = i;
     }
-    if (next == flying_.size()) break;
-    for (Receiver& receiver : receivers_) hear(receiver, flying_[next].packet, flying_[next].arrival, world);
-    flying_[next] = flying_.back();
-    flying_.pop_back();
+    if (next == in_flight_.size()) break;
+    for (Receiver& receiver : receivers_)
+      deliver_to(receiver, in_flight_[next].packet, in_flight_[next].arrival, world);
+    in_flight_[next] = in_flight_.back();
+    in_flight_.pop_back();
   }
   for (Receiver& receiver : receivers_) {
     if (receiver.timed_out || now - receiver.last_good < timeout_) continue;
@@ -63,21 +66,21 @@ void RadioChannel::deliver(Instant now, World& world) {
     receiver.filter.reset();
     ++statistics_.timeouts;
     world.drive(receiver.id, 0.0, 0.0);
-    telemetry_.driven(receiver.id, {});
+    telemetry_.on_wheel_speeds(receiver.id, {});
   }
   telemetry_.advance(now);
 }
 
-void RadioChannel::hear(Receiver& receiver, const Packet& packet, Instant now, World& world) {
+void RadioChannel::deliver_to(Receiver& receiver, const Packet& packet, Instant now, World& world) {
   ++statistics_.due;
-  if (random_.happens(parameters_.loss)) {
+  if (random_.bernoulli(parameters_.loss)) {
     ++statistics_.lost;
-    telemetry_.heard(receiver.id, false);
+    telemetry_.on_packet(receiver.id, false);
     return;
   }
-  // Packets are further apart than the pause that docs/radio.md names.
+  // The gap between packets is always longer than the inter-packet gap of docs/radio.md.
   receiver.stream.reset();
-  const bool corrupt = random_.happens(parameters_.corruption);
+  const bool corrupt = random_.bernoulli(parameters_.corruption);
   const auto wrong = static_cast<std::size_t>(random_.bits() % packet.size());
   const auto mask = static_cast<std::byte>(1U << (random_.bits() % 8U));
   for (std::size_t i = 0; i < packet.size(); ++i) {
@@ -87,10 +90,10 @@ void RadioChannel::hear(Receiver& receiver, const Packet& packet, Instant now, W
   std::uint8_t sequence = 0;
   if (!receiver.stream.next(commands, sequence)) {
     ++statistics_.corrupted;
-    telemetry_.heard(receiver.id, false);
+    telemetry_.on_packet(receiver.id, false);
     return;
   }
-  telemetry_.heard(receiver.id, true);
+  telemetry_.on_packet(receiver.id, true);
   if (!receiver.filter.obey(sequence, commands.stop)) {
     ++statistics_.ignored;
     return;
@@ -103,7 +106,7 @@ void RadioChannel::hear(Receiver& receiver, const Packet& packet, Instant now, W
     if (command.id == receiver.id && !commands.stop) wheels = command.wheels;
   }
   world.drive(receiver.id, static_cast<double>(wheels.left_mps), static_cast<double>(wheels.right_mps));
-  telemetry_.driven(receiver.id, wheels);
+  telemetry_.on_wheel_speeds(receiver.id, wheels);
 }
 
 }  // namespace touchline::hal::mock

@@ -17,39 +17,40 @@ namespace touchline::hal::mock {
 
 class World;
 
-/// Packets as the robots heard them; a packet that two robots should hear counts twice.
+/// Packets counted per receiving robot: a packet that is sent to two robots counts twice, except in `sent`.
 struct ChannelStatistics {
   std::uint64_t sent = 0;
-  std::uint64_t due = 0;        // sent x own robots, of those that have arrived by now
-  std::uint64_t obeyed = 0;     // good, newer than the last
-  std::uint64_t lost = 0;       // not heard at all
-  std::uint64_t corrupted = 0;  // heard and thrown away: the checksum was wrong
-  std::uint64_t ignored = 0;    // good, but older than what was known
-  std::uint64_t timeouts = 0;   // times that a robot stopped because it heard nothing
+  std::uint64_t due = 0;        // packets whose arrival time has passed, times the number of own robots
+  std::uint64_t obeyed = 0;     // valid and newer than the last one
+  std::uint64_t lost = 0;       // not received
+  std::uint64_t corrupted = 0;  // received and discarded because of a wrong checksum
+  std::uint64_t ignored = 0;    // valid, but older than the last one
+  std::uint64_t timeouts = 0;   // times that a robot stopped because it received nothing
 };
 
-/// Serial line, air and the robots' ends of docs/radio.md: bytes leave at the line's speed, a packet arrives after
-/// delay and jitter (so one may overtake another), each robot may miss it or get it with wrong bits; each robot looks
-/// for packets in its bytes, checks them, obeys or stands still after the time-out.
+/// Simulates the serial line, the radio link and the robots' receivers (docs/radio.md). Bytes leave at the baud rate. A
+/// packet arrives after delay and jitter, so it can overtake another one. Each robot loses or corrupts packets
+/// independently, parses the bytes, checks the packets, obeys them, and stops after the time-out.
 class RadioChannel {
  public:
-  /// `baud` of the line: 10 bits a byte.
+  /// `baud`: speed of the serial line at 10 bits per byte.
   RadioChannel(const ArenaParameters& parameters, int baud, std::uint64_t seed);
 
-  /// kBusy: the line's queue is full, nothing was taken. kOutOfRange: no bytes, or more than a packet has.
+  /// Queues one packet. kBusy: the queue is full, and nothing was queued. kOutOfRange: `bytes` is empty or larger than
+  /// a packet.
   Status send(std::span<const std::byte> bytes, Instant now);
-  /// When the last byte handed over has left.
+  /// The time at which the last queued byte has left.
   [[nodiscard]] Instant drained() const { return line_free_; }
-  /// Of the bytes handed over, those that have not left.
-  [[nodiscard]] std::size_t waiting_bytes(Instant now) const;
-  /// What robots have sent back until now: the oldest bytes, which are gone then.
+  /// Number of queued bytes that have not left.
+  [[nodiscard]] std::size_t queued_bytes(Instant now) const;
+  /// Moves the oldest bytes that the robots have sent into `into`; returns their number.
   std::size_t receive(std::span<std::byte> into) { return telemetry_.read(into); }
-  /// Lets everything happen that is due until `now`; the robots' wheels are told to `world`.
+  /// Processes all arrivals and time-outs until `now` and sets the wheel speeds of the robots in `world`.
   void deliver(Instant now, World& world);
   [[nodiscard]] const ChannelStatistics& statistics() const { return statistics_; }
 
  private:
-  struct Flying {
+  struct PacketInFlight {
     Instant arrival{};
     Packet packet;
   };
@@ -58,17 +59,17 @@ class RadioChannel {
     PacketStream stream;
     SequenceFilter filter;
     Instant last_good{};
-    bool timed_out = true;  // at the start it stands
+    bool timed_out = true;  // robots stand still at the start
   };
 
-  void hear(Receiver& receiver, const Packet& packet, Instant now, World& world);
+  void deliver_to(Receiver& receiver, const Packet& packet, Instant now, World& world);
 
   ChannelParameters parameters_;
   Duration byte_time_, timeout_;
   Random random_;
   Instant line_free_{};
-  // At 60 packets a second, a second of delay and a second of mean jitter, 120 on average.
-  FixedVector<Flying, 256> flying_;
+  // 60 packets per second with one second of delay and one second of mean jitter give 120 on average.
+  FixedVector<PacketInFlight, 256> in_flight_;
   FixedVector<Receiver, kMaxRobots> receivers_;
   RobotTelemetrySource telemetry_;
   ChannelStatistics statistics_;

@@ -9,12 +9,13 @@
 
 namespace touchline::hal::mock {
 
-/// xoshiro256** (Blackman and Vigna, "Scrambled linear pseudorandom number generators", 2021), seeded by splitmix64.
-/// The standard library's distributions differ from one library to the next; a game must not.
+/// The random number generator xoshiro256** (Blackman and Vigna, "Scrambled linear pseudorandom number generators",
+/// 2021), seeded by splitmix64. It replaces the standard library's distributions because their results differ between
+/// implementations, and a seed must give the same game everywhere.
 class Random {
  public:
-  /// Streams of one seed are independent: physics, radio and sensor each have their own, so that a change of one
-  /// leaves the others as they are.
+  /// Streams of the same seed are independent. Physics, radio and sensor use one stream each, so a change in one does
+  /// not change the random numbers of the others.
   Random(std::uint64_t seed, std::uint64_t stream) {
     std::uint64_t x = seed + 0x9E3779B97F4A7C15U * (stream + 1);
     for (std::uint64_t& word : state_) {
@@ -40,13 +41,14 @@ class Random {
   /// In [0, 1).
   double uniform() { return static_cast<double>(bits() >> 11U) * 0x1p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  bool happens(double probability) { return uniform() < probability; }
-  /// Standard normal (Box and Muller 1958).
+  /// True with this probability.
+  bool bernoulli(double probability) { return uniform() < probability; }
+  /// Standard normal distribution (Box and Muller 1958).
   double normal() {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
     return radius * std::cos(2.0 * std::numbers::pi * uniform());
   }
-  /// Mean 1.
+  /// Exponential distribution with mean 1.
   double exponential() { return -std::log(1.0 - uniform()); }
 
  private:
@@ -54,14 +56,15 @@ class Random {
   std::array<std::uint64_t, 4> state_{};
 };
 
-/// Standard normal values, four from one draw: quantiles, in a table of 2^16, which is what a picture's noise of a
-/// million values a frame can afford. Beyond 4.3 standard deviations it has none.
+/// The quantiles of the standard normal distribution in a table of 2^16 entries. One 64-bit draw gives four values;
+/// that is fast enough for image noise, which needs a million values per frame. No value exceeds 4.3 standard
+/// deviations.
 class NormalTable {
  public:
   static constexpr std::size_t kSize = 65536;
 
   NormalTable() : values_(kSize) {
-    // The quantile of each bin's middle by Newton's method on the error function; the bins are symmetric.
+    // Newton's method on the error function finds the quantile at the middle of each bin.
     double x = -4.4;
     for (std::size_t i = 0; i < kSize; ++i) {
       const double p = (static_cast<double>(i) + 0.5) / static_cast<double>(kSize);

@@ -6,26 +6,22 @@
 namespace touchline::hal::mock {
 namespace {
 
-static_assert(kMaxRobots + 1 <= 32, "a pixel's things are bits of one word");
+static_assert(kMaxRobots + 1 <= 32, "a pixel's objects are the bits of a 32-bit mask");
 
-// White at nine tenths of full scale leaves room for lamps that are nearer than average.
+// White is rendered at nine tenths of full scale; the rest is headroom for places near a lamp.
 constexpr float kWhiteLevel = 0.9f;
-// Vertical faces see half of the sky and little of the lamps above.
-constexpr float kSideLight = 0.45f;
-// Paper and paint are not even: part by which the floor's reflectance varies from pixel to pixel.
+// Relative variation of the floor's reflectance from pixel to pixel; paper and paint are uneven.
 constexpr float kFloorGrain = 0.03f;
 constexpr float kGreyPaper = 0.45f;
-constexpr float kGloss = 0.35f;
-constexpr float kGlossPower = 60.0f;
 
-float sub_pixel(int i) { return (static_cast<float>(i) + 0.5f) / 4.0f - 0.5f; }
+float subpixel_offset(int i) { return (static_cast<float>(i) + 0.5f) / 4.0f - 0.5f; }
 
-// Neighboring rays are far apart in time, so that a blurred edge is smooth.
-float instant_of(int ray) { return (static_cast<float>((ray * 7) % 16) + 0.5f) / 16.0f; }
+// Time of a sample within the exposure, 0 to 1. Neighboring samples are far apart in time, for smooth motion blur.
+float sample_time(int sample) { return (static_cast<float>((sample * 7) % 16) + 0.5f) / 16.0f; }
 
-Linear paint(const ArenaParameters& parameters, const std::string& name) {
+LinearRgb paint(const ArenaParameters& parameters, const std::string& name) {
   const Paint* found = find_paint(parameters, name);
-  return found == nullptr ? Linear{} : reflectance(found->rgb);
+  return found == nullptr ? LinearRgb{} : reflectance(found->rgb);
 }
 
 float grain(std::size_t index) {
@@ -42,54 +38,54 @@ Renderer::Renderer(const ArenaParameters& parameters, std::uint16_t width_px, st
       height_(height_px),
       lens_(parameters.camera),
       lighting_(parameters.light, parameters.field),
-      side_half_(static_cast<float>(0.5 * parameters.robot_side_m)),
+      half_side_(static_cast<float>(0.5 * parameters.robot_side_m)),
       robot_height_(static_cast<float>(parameters.robot_height_m)),
       ball_radius_(static_cast<float>(parameters.ball_radius_m)),
-      scale_(kWhiteLevel * static_cast<float>(parameters.light.exposure * kLinearScale)),
+      white_level_(kWhiteLevel * static_cast<float>(parameters.light.exposure * kLinearScale)),
       body_(reflectance(parameters.body_rgb)),
       ball_(paint(parameters, parameters.ball_color)),
       line_(reflectance(parameters.field.line_rgb)),
       ground_(reflectance(parameters.field.floor_rgb)),
       outside_(reflectance(parameters.field.outside_rgb)),
-      sights_(width_ * height_),
+      rays_(width_ * height_),
       vignette_(width_ * height_),
       floor_(3 * width_ * height_),
       picture_(3 * width_ * height_),
       dark_(3 * width_ * height_),
-      covered_by_(width_ * height_),
+      object_mask_(width_ * height_),
       ball_beams_(lighting_.lamps()) {
-  covered_.reserve(width_ * height_);
+  covered_pixels_.reserve(width_ * height_);
   for (std::size_t i = 0; i < 3; ++i) eye_[i] = static_cast<float>(lens_.position_m()[i]);
   for (const ArenaRobot& robot : parameters_.robot) {
-    Look look;
+    Appearance appearance;
     for (std::size_t i = 0; i < parameters_.patch.size(); ++i) {
       const PaintedPatch& painted = parameters_.patch[i];
       const std::string& team = robot.team == Side::kOwn ? parameters_.own_color : parameters_.opponent_color;
-      look.patches.push_back({painted.shape, static_cast<float>(painted.x_m), static_cast<float>(painted.y_m),
-                              static_cast<float>(painted.length_m), static_cast<float>(painted.width_m),
-                              paint(parameters_, i == 0 ? team : robot.colors[i - 1])});
+      appearance.patches.push_back({painted.shape, static_cast<float>(painted.x_m), static_cast<float>(painted.y_m),
+                                    static_cast<float>(painted.length_m), static_cast<float>(painted.width_m),
+                                    paint(parameters_, i == 0 ? team : robot.colors[i - 1])});
     }
-    looks_.push_back(look);
+    appearances_.push_back(appearance);
   }
   const double half_diagonal = 0.5 * std::hypot(static_cast<double>(width_), static_cast<double>(height_));
   for (std::size_t row = 0; row < height_; ++row) {
     for (std::size_t column = 0; column < width_; ++column) {
       const auto u = static_cast<double>(column), v = static_cast<double>(row);
-      const Vec3 direction = lens_.direction(u, v);
-      // A line of sight that does not go down would see the hall's walls; it sees floor far away instead.
+      const Vec3 direction = lens_.unproject(u, v);
+      // A ray that does not descend is bent down to hit the floor far away; walls of the hall are not simulated.
       const double down = std::max(-direction[2], 0.05);
       const std::size_t index = row * width_ + column;
-      sights_[index] = {static_cast<float>(direction[0] / down), static_cast<float>(direction[1] / down)};
+      rays_[index] = {static_cast<float>(direction[0] / down), static_cast<float>(direction[1] / down)};
       const double off =
           std::hypot(u - 0.5 * static_cast<double>(width_ - 1), v - 0.5 * static_cast<double>(height_ - 1));
       vignette_[index] =
           static_cast<float>(1.0 - parameters_.camera.vignetting * (off / half_diagonal) * (off / half_diagonal));
     }
   }
-  draw_floor(floor);
+  render_floor_once(floor);
 }
 
-Linear Renderer::floor_color(float x_m, float y_m, Floor floor) const {
+LinearRgb Renderer::floor_color(float x_m, float y_m, Floor floor) const {
   if (floor == Floor::kGreyPaper) return {kGreyPaper, kGreyPaper, kGreyPaper};
   const FieldParameters& field = parameters_.field;
   const float x = std::abs(x_m), y = std::abs(y_m);
@@ -111,33 +107,34 @@ Linear Renderer::floor_color(float x_m, float y_m, Floor floor) const {
   return on_line ? line_ : ground_;
 }
 
-void Renderer::draw_floor(Floor floor) {
+void Renderer::render_floor_once(Floor floor) {
   for (std::size_t row = 0; row < height_; ++row) {
     for (std::size_t column = 0; column < width_; ++column) {
       const std::size_t index = row * width_ + column;
-      const Sight middle = sights_[index];
-      const Sight right = sights_[column + 1 < width_ ? index + 1 : index - 1];
-      const Sight below = sights_[row + 1 < height_ ? index + width_ : index - width_];
+      const Ray middle = rays_[index];
+      const Ray right = rays_[column + 1 < width_ ? index + 1 : index - 1];
+      const Ray below = rays_[row + 1 < height_ ? index + width_ : index - width_];
       const float sign_u = column + 1 < width_ ? 1.0f : -1.0f, sign_v = row + 1 < height_ ? 1.0f : -1.0f;
-      Linear sum{};
-      for (int ray = 0; ray < kRays; ++ray) {
-        const float du = sign_u * sub_pixel(ray % kRaysAside), dv = sign_v * sub_pixel(ray / kRaysAside);
+      LinearRgb sum{};
+      for (int sample = 0; sample < kSamples; ++sample) {
+        const float du = sign_u * subpixel_offset(sample % kSamplesPerSide),
+                    dv = sign_v * subpixel_offset(sample / kSamplesPerSide);
         const float x = middle.x + du * (right.x - middle.x) + dv * (below.x - middle.x);
         const float y = middle.y + du * (right.y - middle.y) + dv * (below.y - middle.y);
-        const Linear color = floor_color(eye_[0] + eye_[2] * x, eye_[1] + eye_[2] * y, floor);
+        const LinearRgb color = floor_color(eye_[0] + eye_[2] * x, eye_[1] + eye_[2] * y, floor);
         for (std::size_t i = 0; i < 3; ++i) sum[i] += color[i];
       }
-      const float light = lighting_.on_level(eye_[0] + eye_[2] * middle.x, eye_[1] + eye_[2] * middle.y, 0.0f);
-      const float factor = light * (1.0f + kFloorGrain * grain(index)) / static_cast<float>(kRays);
+      const float light = lighting_.irradiance(eye_[0] + eye_[2] * middle.x, eye_[1] + eye_[2] * middle.y, 0.0f);
+      const float factor = light * (1.0f + kFloorGrain * grain(index)) / static_cast<float>(kSamples);
       for (float& value : sum) value *= factor;
-      store(index, sum);
+      store_pixel(index, sum);
     }
   }
   floor_ = picture_;
 }
 
-void Renderer::store(std::size_t index, const Linear& light) {
-  const float factor = scale_ * vignette_[index];
+void Renderer::store_pixel(std::size_t index, const LinearRgb& light) {
+  const float factor = white_level_ * vignette_[index];
   for (std::size_t i = 0; i < 3; ++i) {
     const float value = std::clamp(light[i] * factor + 0.5f, 0.0f, static_cast<float>(kLinearScale));
     picture_[3 * index + i] = static_cast<std::uint16_t>(value);
@@ -145,42 +142,43 @@ void Renderer::store(std::size_t index, const Linear& light) {
 }
 
 std::span<const std::uint16_t> Renderer::render(const Snapshot& begin, const Snapshot& end) {
-  for (const std::uint32_t index : covered_) {
+  for (const std::uint32_t index : covered_pixels_) {
     std::copy_n(&floor_[std::size_t{3} * index], 3, &picture_[std::size_t{3} * index]);
   }
-  covered_.clear();
-  things_.clear();
-  const std::size_t robots = std::min(begin.robots.size(), looks_.size());
+  covered_pixels_.clear();
+  objects_.clear();
+  const std::size_t robots = std::min(begin.robots.size(), appearances_.size());
   for (std::size_t i = 0; i < robots; ++i) {
-    add(&looks_[i], begin.robots[i], end.robots[i], side_half_ * 1.4143f, robot_height_);
+    add_object(&appearances_[i], begin.robots[i], end.robots[i], half_side_ * 1.4143f, robot_height_);
   }
-  add(nullptr, begin.ball, end.ball, ball_radius_, 2.0f * ball_radius_);
+  add_object(nullptr, begin.ball, end.ball, ball_radius_, 2.0f * ball_radius_);
   for (std::size_t i = 0; i < ball_beams_.size(); ++i) {
     ball_beams_[i] =
         lighting_.beam(i, static_cast<float>(begin.ball.x_m), static_cast<float>(begin.ball.y_m), ball_radius_);
   }
-  for (const std::uint32_t index : covered_) {
-    draw_pixel(index, covered_by_[index]);
-    covered_by_[index] = 0;
+  for (const std::uint32_t index : covered_pixels_) {
+    render_pixel(index, object_mask_[index]);
+    object_mask_[index] = 0;
   }
   return picture_;
 }
 
-void Renderer::add(const Look* look, const Placement& begin, const Placement& end, float radius_m, float height_m) {
-  const auto bit = static_cast<std::uint32_t>(1U << things_.size());
-  Thing thing;
-  thing.look = look;
+void Renderer::add_object(const Appearance* appearance, const Placement& begin, const Placement& end, float radius_m,
+                          float height_m) {
+  const auto bit = static_cast<std::uint32_t>(1U << objects_.size());
+  Object object;
+  object.appearance = appearance;
   const double turn = std::remainder(end.theta_rad - begin.theta_rad, 2.0 * std::numbers::pi);
-  for (int ray = 0; ray < kRays; ++ray) {
-    const auto t = static_cast<double>(instant_of(ray));
+  for (int sample = 0; sample < kSamples; ++sample) {
+    const auto t = static_cast<double>(sample_time(sample));
     const double theta = begin.theta_rad + t * turn;
-    thing.at[static_cast<std::size_t>(ray)] = {static_cast<float>(begin.x_m + t * (end.x_m - begin.x_m)),
-                                               static_cast<float>(begin.y_m + t * (end.y_m - begin.y_m)),
-                                               static_cast<float>(std::cos(theta)),
-                                               static_cast<float>(std::sin(theta))};
+    object.at[static_cast<std::size_t>(sample)] = {static_cast<float>(begin.x_m + t * (end.x_m - begin.x_m)),
+                                                   static_cast<float>(begin.y_m + t * (end.y_m - begin.y_m)),
+                                                   static_cast<float>(std::cos(theta)),
+                                                   static_cast<float>(std::sin(theta))};
   }
-  if (!things_.push_back(thing)) return;
-  // The picture's box around the cuboid around the way of the thing.
+  if (!objects_.push_back(object)) return;
+  // Bounding box in the image of the cuboids around the object's first and last pose.
   std::array<double, 4> box{1e9, 1e9, -1e9, -1e9};
   for (int corner = 0; corner < 16; ++corner) {
     const Placement& at = (corner & 8) != 0 ? end : begin;
@@ -196,133 +194,51 @@ void Renderer::add(const Look* look, const Placement& begin, const Placement& en
   for (int row = top; row <= bottom; ++row) {
     for (int column = left; column <= right; ++column) {
       const std::size_t index = static_cast<std::size_t>(row) * width_ + static_cast<std::size_t>(column);
-      if (covered_by_[index] == 0) covered_.push_back(static_cast<std::uint32_t>(index));
-      covered_by_[index] |= bit;
+      if (object_mask_[index] == 0) covered_pixels_.push_back(static_cast<std::uint32_t>(index));
+      object_mask_[index] |= bit;
     }
   }
 }
 
-void Renderer::draw_pixel(std::size_t index, std::uint32_t things) {
+void Renderer::render_pixel(std::size_t index, std::uint32_t mask) {
   const std::size_t row = index / width_, column = index % width_;
-  const Sight middle = sights_[index];
+  const Ray middle = rays_[index];
   const bool last_column = column + 1 == width_, last_row = row + 1 == height_;
-  const Sight right = sights_[last_column ? index - 1 : index + 1];
-  const Sight below = sights_[last_row ? index - width_ : index + width_];
+  const Ray right = rays_[last_column ? index - 1 : index + 1];
+  const Ray below = rays_[last_row ? index - width_ : index + width_];
   const float sign_u = last_column ? -1.0f : 1.0f, sign_v = last_row ? -1.0f : 1.0f;
   const float drop = eye_[2] - robot_height_;
-  const float top_light = lighting_.on_level(eye_[0] + drop * middle.x, eye_[1] + drop * middle.y, robot_height_);
-  Linear sum{};
-  int missed = 0;
-  for (int ray = 0; ray < kRays; ++ray) {
-    const float du = sign_u * sub_pixel(ray % kRaysAside), dv = sign_v * sub_pixel(ray / kRaysAside);
-    const Sight sight{middle.x + du * (right.x - middle.x) + dv * (below.x - middle.x),
-                      middle.y + du * (right.y - middle.y) + dv * (below.y - middle.y)};
+  const float top_light = lighting_.irradiance(eye_[0] + drop * middle.x, eye_[1] + drop * middle.y, robot_height_);
+  LinearRgb sum{};
+  int floor_samples = 0;
+  for (int sample = 0; sample < kSamples; ++sample) {
+    const float du = sign_u * subpixel_offset(sample % kSamplesPerSide),
+                dv = sign_v * subpixel_offset(sample / kSamplesPerSide);
+    const Ray ray{middle.x + du * (right.x - middle.x) + dv * (below.x - middle.x),
+                  middle.y + du * (right.y - middle.y) + dv * (below.y - middle.y)};
     Hit hit;
-    for (std::uint32_t left = things; left != 0; left &= left - 1) {
-      const Thing& thing = things_[static_cast<std::size_t>(__builtin_ctz(left))];
-      if (thing.look != nullptr) {
-        hit_robot(thing, ray, sight, top_light, hit);
+    for (std::uint32_t left = mask; left != 0; left &= left - 1) {
+      const Object& object = objects_[static_cast<std::size_t>(__builtin_ctz(left))];
+      if (object.appearance != nullptr) {
+        intersect_robot(object, sample, ray, top_light, hit);
       } else {
-        hit_ball(thing, ray, sight, hit);
+        intersect_ball(object, sample, ray, hit);
       }
     }
     if (hit.height_m < 0.0f) {
-      ++missed;
+      ++floor_samples;
       continue;
     }
     for (std::size_t i = 0; i < 3; ++i) sum[i] += hit.color[i];
   }
-  if (missed == kRays) return;
-  for (float& value : sum) value /= static_cast<float>(kRays);
-  if (missed > 0) {
-    const float part = static_cast<float>(missed) / (static_cast<float>(kRays) * scale_ * vignette_[index]);
+  if (floor_samples == kSamples) return;
+  for (float& value : sum) value /= static_cast<float>(kSamples);
+  if (floor_samples > 0) {
+    const float part =
+        static_cast<float>(floor_samples) / (static_cast<float>(kSamples) * white_level_ * vignette_[index]);
     for (std::size_t i = 0; i < 3; ++i) sum[i] += part * static_cast<float>(floor_[3 * index + i]);
   }
-  store(index, sum);
-}
-
-void Renderer::hit_robot(const Thing& thing, int ray, Sight sight, float top_light, Hit& hit) const {
-  if (hit.height_m >= robot_height_) return;
-  const Turned& at = thing.at[static_cast<std::size_t>(ray)];
-  const float drop = eye_[2] - robot_height_;
-  const float dx = eye_[0] + drop * sight.x - at.x, dy = eye_[1] + drop * sight.y - at.y;
-  const float x = at.cos * dx + at.sin * dy, y = -at.sin * dx + at.cos * dy;
-  if (std::abs(x) <= side_half_ && std::abs(y) <= side_half_) {
-    hit.height_m = robot_height_;
-    const Linear* color = &body_;
-    for (const Patch& patch : thing.look->patches) {
-      const float px = x - patch.x, py = y - patch.y;
-      bool inside = false;
-      switch (patch.shape) {
-        case PatchShape::kSquare:
-          inside = std::abs(px) <= 0.5f * patch.length && std::abs(py) <= 0.5f * patch.width;
-          break;
-        case PatchShape::kTriangle: {
-          // The centroid is a third of the height in front of the base.
-          const float from_base = px + patch.length / 3.0f;
-          inside = from_base >= 0.0f && std::abs(py) * patch.length <= 0.5f * patch.width * (patch.length - from_base);
-          break;
-        }
-        case PatchShape::kCircle:
-          inside = px * px + py * py <= 0.25f * patch.length * patch.length;
-          break;
-      }
-      if (inside) color = &patch.color;
-    }
-    for (std::size_t i = 0; i < 3; ++i) hit.color[i] = (*color)[i] * top_light;
-    return;
-  }
-  // From the plane of the top down to the floor: does the ray enter the footprint on its way?
-  const float wx = robot_height_ * (at.cos * sight.x + at.sin * sight.y);
-  const float wy = robot_height_ * (-at.sin * sight.x + at.cos * sight.y);
-  float enter = 0.0f, leave = 1.0f;
-  const auto slab = [&](float from, float way) {
-    if (std::abs(way) < 1e-9f) {
-      if (std::abs(from) > side_half_) leave = -1.0f;
-      return;
-    }
-    const float a = (-side_half_ - from) / way, b = (side_half_ - from) / way;
-    enter = std::max(enter, std::min(a, b));
-    leave = std::min(leave, std::max(a, b));
-  };
-  slab(x, wx);
-  slab(y, wy);
-  if (enter > leave) return;
-  const float height = robot_height_ * (1.0f - enter);
-  if (height <= hit.height_m) return;
-  hit.height_m = height;
-  for (std::size_t i = 0; i < 3; ++i) hit.color[i] = body_[i] * top_light * kSideLight;
-}
-
-void Renderer::hit_ball(const Thing& thing, int ray, Sight sight, Hit& hit) const {
-  const Turned& at = thing.at[static_cast<std::size_t>(ray)];
-  // |eye + s (x, y, -1) - center| = radius
-  const std::array<float, 3> from{eye_[0] - at.x, eye_[1] - at.y, eye_[2] - ball_radius_};
-  const float a = sight.x * sight.x + sight.y * sight.y + 1.0f;
-  const float half_b = from[0] * sight.x + from[1] * sight.y - from[2];
-  const float c = from[0] * from[0] + from[1] * from[1] + from[2] * from[2] - ball_radius_ * ball_radius_;
-  const float root = half_b * half_b - a * c;
-  if (root < 0.0f) return;
-  const float s = (-half_b - std::sqrt(root)) / a;
-  const float height = eye_[2] - s;
-  if (height <= hit.height_m) return;
-  hit.height_m = height;
-  const std::array<float, 3> normal{(from[0] + s * sight.x) / ball_radius_, (from[1] + s * sight.y) / ball_radius_,
-                                    (from[2] - s) / ball_radius_};
-  float light = lighting_.ambient() * 0.5f * (1.0f + normal[2]), gloss = 0.0f;
-  const float to_eye = 1.0f / std::sqrt(a);
-  for (const Lighting::Beam& beam : ball_beams_) {
-    const float cosine = normal[0] * beam.towards[0] + normal[1] * beam.towards[1] + normal[2] * beam.towards[2];
-    if (cosine <= 0.0f) continue;
-    light += beam.strength * cosine;
-    // Blinn 1977: the highlight stands where the normal halves the angle between lamp and eye.
-    const std::array<float, 3> half{beam.towards[0] - sight.x * to_eye, beam.towards[1] - sight.y * to_eye,
-                                    beam.towards[2] + to_eye};
-    const float norm = std::sqrt(half[0] * half[0] + half[1] * half[1] + half[2] * half[2]);
-    const float along = (normal[0] * half[0] + normal[1] * half[1] + normal[2] * half[2]) / norm;
-    if (along > 0.9f) gloss += kGloss * beam.strength * std::pow(along, kGlossPower);
-  }
-  for (std::size_t i = 0; i < 3; ++i) hit.color[i] = ball_[i] * light + gloss;
+  store_pixel(index, sum);
 }
 
 }  // namespace touchline::hal::mock

@@ -12,80 +12,83 @@
 
 namespace touchline::hal::mock {
 
-/// Full scale of the linear pictures that go to the sensor.
+/// Full scale of the linear pictures that the sensor reads.
 inline constexpr int kLinearScale = 4095;
 
 enum class Floor : std::uint8_t { kField, kGreyPaper };
 
-/// Draws what the camera sees in linear light, ray by ray: 4 x 4 rays a pixel, each at another instant of the exposure,
-/// so that edges are smooth and what moves is blurred. Robots are cuboids with patches on top, the ball is a shaded
-/// sphere, nearer things hide what is behind. The floor is drawn once; a frame costs the pixels that things cover.
+/// Renders the camera's view in linear light by distributed ray tracing (Cook, Porter and Carpenter 1984): 4 x 4
+/// samples per pixel, each at another instant of the exposure, which gives anti-aliased edges and motion blur. Robots
+/// are cuboids with patches on top; the ball is a shaded sphere; nearer objects hide farther ones. The floor is
+/// rendered once, so a frame costs only the pixels that objects cover.
 class Renderer {
  public:
   Renderer(const ArenaParameters& parameters, std::uint16_t width_px, std::uint16_t height_px,
            Floor floor = Floor::kField);
 
-  /// `begin`, `end`: of the exposure. Allocates nothing. R, G, B of each pixel, 0 to kLinearScale; valid until the next
-  /// call.
+  /// Renders a frame. `begin`, `end`: the scene at the begin and end of the exposure. Returns R, G, B of each pixel, 0
+  /// to kLinearScale, valid until the next call. Does not allocate.
   std::span<const std::uint16_t> render(const Snapshot& begin, const Snapshot& end);
-  /// Nothing on it.
+  /// The floor without objects.
   [[nodiscard]] std::span<const std::uint16_t> render_floor() const { return floor_; }
-  /// The lamps are out.
+  /// The view when all lamps are off.
   [[nodiscard]] std::span<const std::uint16_t> render_dark() const { return dark_; }
 
   [[nodiscard]] const Lens& lens() const { return lens_; }
 
  private:
-  static constexpr int kRaysAside = 4;
-  static constexpr int kRays = kRaysAside * kRaysAside;
+  static constexpr int kSamplesPerSide = 4;
+  static constexpr int kSamples = kSamplesPerSide * kSamplesPerSide;
 
-  // A direction, scaled so that it goes down by 1.
-  struct Sight {
+  // Direction of a viewing ray, scaled to descend by 1: (x, y, -1).
+  struct Ray {
     float x = 0.0f, y = 0.0f;
   };
   struct Patch {
     PatchShape shape = PatchShape::kSquare;
     float x = 0.0f, y = 0.0f, length = 0.0f, width = 0.0f;
-    Linear color{};
+    LinearRgb color{};
   };
-  struct Look {
+  struct Appearance {
     FixedVector<Patch, kMaxPatches> patches;
   };
-  struct Turned {
+  // Position and heading on the floor.
+  struct PlanarPose {
     float x = 0.0f, y = 0.0f, cos = 1.0f, sin = 0.0f;
   };
-  // One robot or, without looks, the ball, at the instant of each ray.
-  struct Thing {
-    const Look* look = nullptr;
-    std::array<Turned, kRays> at{};
+  // A robot, or the ball if `appearance` is null, with its pose at the time of each sample.
+  struct Object {
+    const Appearance* appearance = nullptr;
+    std::array<PlanarPose, kSamples> at{};
   };
   struct Hit {
-    float height_m = -1.0f;  // of the point that was hit; the highest is the nearest to the camera
-    Linear color{};
+    float height_m = -1.0f;  // of the intersection; the highest one is the nearest to the camera
+    LinearRgb color{};
   };
 
-  void draw_floor(Floor floor);
-  [[nodiscard]] Linear floor_color(float x_m, float y_m, Floor floor) const;
-  void add(const Look* look, const Placement& begin, const Placement& end, float radius_m, float height_m);
-  void draw_pixel(std::size_t index, std::uint32_t things);
-  void hit_robot(const Thing& thing, int ray, Sight sight, float top_light, Hit& hit) const;
-  void hit_ball(const Thing& thing, int ray, Sight sight, Hit& hit) const;
-  void store(std::size_t index, const Linear& light);
+  void render_floor_once(Floor floor);
+  [[nodiscard]] LinearRgb floor_color(float x_m, float y_m, Floor floor) const;
+  void add_object(const Appearance* appearance, const Placement& begin, const Placement& end, float radius_m,
+                  float height_m);
+  void render_pixel(std::size_t index, std::uint32_t mask);
+  void intersect_robot(const Object& object, int sample, Ray ray, float top_light, Hit& hit) const;
+  void intersect_ball(const Object& object, int sample, Ray ray, Hit& hit) const;
+  void store_pixel(std::size_t index, const LinearRgb& light);
 
   const ArenaParameters parameters_;
   std::size_t width_ = 0, height_ = 0;
   Lens lens_;
   Lighting lighting_;
-  float side_half_ = 0.0f, robot_height_ = 0.0f, ball_radius_ = 0.0f, scale_ = 0.0f;
+  float half_side_ = 0.0f, robot_height_ = 0.0f, ball_radius_ = 0.0f, white_level_ = 0.0f;
   std::array<float, 3> eye_{};
-  Linear body_{}, ball_{}, line_{}, ground_{}, outside_{};
-  std::vector<Look> looks_;
-  std::vector<Sight> sights_;  // of each pixel's middle; differences to the neighbors give the rays between
+  LinearRgb body_{}, ball_{}, line_{}, ground_{}, outside_{};
+  std::vector<Appearance> appearances_;
+  std::vector<Ray> rays_;  // through the pixel centers; the rays between are interpolated
   std::vector<float> vignette_;
   std::vector<std::uint16_t> floor_, picture_, dark_;
-  std::vector<std::uint32_t> covered_by_;  // bit i: thing i
-  std::vector<std::uint32_t> covered_;     // pixels drawn in this frame
-  FixedVector<Thing, kMaxRobots + 1> things_;
+  std::vector<std::uint32_t> object_mask_;     // per pixel; bit i: object i may be visible
+  std::vector<std::uint32_t> covered_pixels_;  // indices of the pixels with a mask other than 0
+  FixedVector<Object, kMaxRobots + 1> objects_;
   std::vector<Lighting::Beam> ball_beams_;
 };
 

@@ -7,7 +7,7 @@
 
 #include "core/fixed_vector.h"
 
-// Plane mechanics of squares, one circle and walls: what collides, and the impulses that part it.
+// Rigid bodies in the plane: collision detection of squares, a circle and walls, and the contact solver.
 namespace touchline::hal::mock {
 
 struct Vec2 {
@@ -26,20 +26,20 @@ inline Vec2 rotated(Vec2 a, double angle_rad) {
   return {c * a.x - s * a.y, s * a.x + c * a.y};
 }
 
-/// SI units; `w` counter-clockwise.
+/// State of a rigid body in SI units. `w`: angular velocity, counter-clockwise.
 struct Body {
   Vec2 position, velocity;
   double theta = 0.0, w = 0.0;
   double inverse_mass = 0.0, inverse_inertia = 0.0;
 };
 
-/// A square about the body's center, turned with it.
+/// A square centered on its body and rotated with it.
 struct Square {
   Body* body = nullptr;
   double half_side_m = 0.0;
 };
 
-/// Counter-clockwise, beginning in front on the left.
+/// The corners, counter-clockwise from the front left one.
 std::array<Vec2, 4> corners(const Square& square);
 
 struct Circle {
@@ -47,12 +47,11 @@ struct Circle {
   double radius_m = 0.0;
 };
 
-/// Corners of a closed polygon in which everything stays, counter-clockwise; no two neighbors in the same place.
+/// The walls: corners of a closed polygon around the field, counter-clockwise. Neighboring corners must differ.
 using Outline = FixedVector<Vec2, 24>;
-/// Whether a point lies inside of it.
 bool is_inside(const Outline& outline, Vec2 point);
 
-/// `b` null: the world, which does not move. The normal points from b to a.
+/// Contact of two bodies. `b` null: a wall. The normal points from b to a.
 struct Contact {
   Body* a = nullptr;
   Body* b = nullptr;
@@ -62,22 +61,22 @@ struct Contact {
   double normal_impulse = 0.0, tangent_impulse = 0.0, bounce_mps = 0.0;
 };
 
-// A robot among ten others and in a corner has about a dozen; 22 robots in one heap 150.
+// A robot in a corner between ten others has about a dozen contacts; 22 robots in one heap have 150.
 using Contacts = FixedVector<Contact, 512>;
 
 struct Surface {
   double restitution = 0.0, friction = 0.0;
 };
 
-/// These add the contacts of a pair, none when it does not touch. What has come to lie outside of the walls is led back
-/// on the shortest way.
+/// Append the contacts of a pair; nothing if it does not touch. For a body outside of the walls, the contact normal is
+/// the shortest way back.
 void collide(const Square& a, const Square& b, Surface surface, Contacts& out);
 void collide(const Square& a, const Outline& walls, Surface surface, Contacts& out);
 void collide(const Circle& a, const Square& b, Surface surface, Contacts& out);
 void collide(const Circle& a, const Outline& walls, Surface surface, Contacts& out);
 
-/// Sequential impulses with accumulated clamping (Catto, "Iterative Dynamics with Temporal Coherence", GDC 2005), then
-/// a part of the remaining overlap is removed from the positions.
+/// Applies sequential impulses with accumulated clamping (Catto, "Iterative Dynamics with Temporal Coherence", GDC
+/// 2005), then removes a part of the remaining overlap from the positions.
 void resolve(Contacts& contacts);
 
 }  // namespace touchline::hal::mock

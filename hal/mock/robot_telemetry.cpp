@@ -7,10 +7,10 @@ namespace touchline::hal::mock {
 namespace {
 
 constexpr std::uint64_t kTelemetryStream = 5;
-// Of batteries of one charge.
+// Voltage range of fully charged batteries.
 constexpr double kBatterySpreadV = 0.3;
 constexpr float kSagVPerMps = 0.3f;
-// A robot looks back over some 30 packets.
+// Each robot averages its link quality over about 30 packets.
 constexpr float kLinkMemory = 1.0f / 32.0f;
 
 }  // namespace
@@ -32,12 +32,12 @@ RobotTelemetrySource::Robot* RobotTelemetrySource::find(int id) {
   return found == robots_.end() ? nullptr : found;
 }
 
-void RobotTelemetrySource::heard(int id, bool good) {
+void RobotTelemetrySource::on_packet(int id, bool good) {
   if (Robot* const robot = find(id); robot != nullptr)
     robot->link += ((good ? 1.0f : 0.0f) - robot->link) * kLinkMemory;
 }
 
-void RobotTelemetrySource::driven(int id, const WheelSpeeds& wheels) {
+void RobotTelemetrySource::on_wheel_speeds(int id, const WheelSpeeds& wheels) {
   if (Robot* const robot = find(id); robot != nullptr) {
     robot->speed_mps = 0.5f * (std::abs(wheels.left_mps) + std::abs(wheels.right_mps));
   }
@@ -49,50 +49,52 @@ void RobotTelemetrySource::advance(Instant now) {
   if (!begun_) {
     begun_ = true;
     begin_ = now;
-    // Not all at once.
+    // Random phases keep the robots from sending at the same time.
     for (Robot& robot : robots_) robot.next = now + from_seconds(seconds(period) * random_.uniform());
   }
   for (Robot& robot : robots_) {
     if (robot.next > now) continue;
-    speak(robot, now);
+    send_report(robot, now);
     robot.next += period;
   }
   for (;;) {
-    Flying* const first = std::min_element(flying_.begin(), flying_.end(),
-                                           [](const Flying& a, const Flying& b) { return a.arrival < b.arrival; });
-    if (first == flying_.end() || first->arrival > now) return;
-    arrive(*first);
-    *first = flying_.back();
-    flying_.pop_back();
+    PacketInFlight* const first =
+        std::min_element(in_flight_.begin(), in_flight_.end(),
+                         [](const PacketInFlight& a, const PacketInFlight& b) { return a.arrival < b.arrival; });
+    if (first == in_flight_.end() || first->arrival > now) return;
+    append_received(*first);
+    *first = in_flight_.back();
+    in_flight_.pop_back();
   }
 }
 
-void RobotTelemetrySource::speak(Robot& robot, Instant now) {
+void RobotTelemetrySource::send_report(Robot& robot, Instant now) {
   const auto minutes = static_cast<float>(seconds(now - begin_) / 60.0);
-  RobotTelemetry words;
-  words.id = static_cast<RobotId>(robot.id);
-  words.sequence = ++robot.sequence;
-  words.battery_v = robot.battery_v - static_cast<float>(parameters_.battery_drop_v_per_min) * minutes -
-                    kSagVPerMps * robot.speed_mps;
-  words.link_percent = static_cast<std::int8_t>(std::lround(100.0f * std::clamp(robot.link, 0.0f, 1.0f)));
-  Flying flying;
-  flying.packet = encode_telemetry(words);
-  flying.size = flying.packet.size();
-  flying.arrival = now + from_seconds(parameters_.delay_s) + from_seconds(parameters_.jitter_s * random_.exponential());
-  if (random_.happens(parameters_.loss)) return;
-  if (random_.happens(parameters_.corruption)) {
-    const auto at = static_cast<std::size_t>(random_.bits() % flying.size);
-    if (random_.happens(0.5)) {
-      flying.size = at;  // cut
+  RobotTelemetry report;
+  report.id = static_cast<RobotId>(robot.id);
+  report.sequence = ++robot.sequence;
+  report.battery_v = robot.battery_v - static_cast<float>(parameters_.battery_drop_v_per_min) * minutes -
+                     kSagVPerMps * robot.speed_mps;
+  report.link_percent = static_cast<std::int8_t>(std::lround(100.0f * std::clamp(robot.link, 0.0f, 1.0f)));
+  PacketInFlight in_flight;
+  in_flight.packet = encode_telemetry(report);
+  in_flight.size = in_flight.packet.size();
+  in_flight.arrival =
+      now + from_seconds(parameters_.delay_s) + from_seconds(parameters_.jitter_s * random_.exponential());
+  if (random_.bernoulli(parameters_.loss)) return;
+  if (random_.bernoulli(parameters_.corruption)) {
+    const auto at = static_cast<std::size_t>(random_.bits() % in_flight.size);
+    if (random_.bernoulli(0.5)) {
+      in_flight.size = at;  // truncated
     } else {
-      flying.packet[at] ^= static_cast<std::byte>(1U << (random_.bits() % 8U));
+      in_flight.packet[at] ^= static_cast<std::byte>(1U << (random_.bits() % 8U));
     }
   }
-  flying_.push_back(flying);
+  in_flight_.push_back(in_flight);
 }
 
-void RobotTelemetrySource::arrive(const Flying& flying) {
-  for (const std::byte byte : std::span(flying.packet).first(flying.size)) received_.push_back(byte);
+void RobotTelemetrySource::append_received(const PacketInFlight& in_flight) {
+  for (const std::byte byte : std::span(in_flight.packet).first(in_flight.size)) received_.push_back(byte);
 }
 
 std::size_t RobotTelemetrySource::read(std::span<std::byte> into) {

@@ -13,44 +13,44 @@
 
 namespace touchline::hal::mock {
 
-/// What the own robots send back (docs/radio.md), and the air and line that bring it: packets get lost, damaged, cut
-/// and late as the others do. Draws from a random stream of its own: who listens does not change the game.
+/// Simulates the telemetry of the own robots (docs/radio.md) and the link that carries it: packets are delayed, lost,
+/// corrupted or truncated. It uses its own random stream, so receiving telemetry does not change the game.
 class RobotTelemetrySource {
  public:
   RobotTelemetrySource(const ArenaParameters& parameters, std::uint64_t seed);
 
-  /// A packet that was due at robot `id`; `good`: it could be used.
-  void heard(int id, bool good);
-  void driven(int id, const WheelSpeeds& wheels);
-  /// Lets robots speak and their words arrive, all that is due until `now`.
+  /// Records that a command packet was due at robot `id`. `good`: it was received and valid.
+  void on_packet(int id, bool good);
+  /// Records the wheel speeds that robot `id` drives; the battery voltage sags with them.
+  void on_wheel_speeds(int id, const WheelSpeeds& wheels);
+  /// Sends all reports that are due until `now`, and receives those that have arrived.
   void advance(Instant now);
-  /// What the port has received: the oldest bytes, which are gone then.
+  /// Moves the oldest received bytes into `into`; returns their number.
   std::size_t read(std::span<std::byte> into);
 
  private:
   struct Robot {
     int id = 0;
-    Instant next{};  // zero: not yet known
+    Instant next{};  // time of the next report
     std::uint8_t sequence = 0;
     float battery_v = 0.0f, speed_mps = 0.0f, link = 1.0f;
   };
-  struct Flying {
+  struct PacketInFlight {
     Instant arrival{};
     TelemetryPacket packet{};
     std::size_t size = 0;
   };
 
-  void speak(Robot& robot, Instant now);
-  void arrive(const Flying& flying);
+  void send_report(Robot& robot, Instant now);
+  void append_received(const PacketInFlight& in_flight);
   Robot* find(int id);
 
   ChannelParameters parameters_;
   Random random_;
   FixedVector<Robot, kMaxRobots> robots_;
-  // At 50 Hz a robot, a second of delay and a second of mean jitter, less would do for most games; what does not fit is
-  // lost like any other.
-  FixedVector<Flying, 256> flying_;
-  FixedVector<std::byte, 4096> received_;  // the buffer of a kernel's serial port
+  // Five robots at 50 Hz with one second of delay fit. A packet that does not fit is lost.
+  FixedVector<PacketInFlight, 256> in_flight_;
+  FixedVector<std::byte, 4096> received_;  // as large as the kernel's serial buffer
   Instant begin_{};
   bool begun_ = false;
 };

@@ -75,17 +75,18 @@ void Sensor::set_brightness(double brightness) {
 
 void Sensor::expose(std::span<const std::uint16_t> linear, std::span<std::uint8_t> out) {
   for (std::size_t row = 0; row < height_; ++row) {
-    develop_row(&linear[3 * width_ * row]);
+    add_noise_and_gamma(&linear[3 * width_ * row]);
     write_row(row, out);
   }
 }
 
-void Sensor::develop_row(const std::uint16_t* linear) {
+void Sensor::add_noise_and_gamma(const std::uint16_t* linear) {
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < row_.size(); ++i) {
     if (i % 4 == 0) bits = random_.bits();
     const std::uint16_t value = linear[i];
-    const float noisy = mean_[value] + sigma_[value] * normal_[bits] + 0.5f;  // rounded below
+    const float noisy =
+        mean_[value] + sigma_[value] * normal_[bits] + 0.5f;  // + 0.5: the conversion to an index truncates
     bits >>= 16U;
     row_[i] = tone_[static_cast<std::size_t>(std::clamp(noisy, 0.0f, static_cast<float>(kLinearScale)))];
   }

@@ -9,11 +9,8 @@ namespace touchline::hal::mock {
 namespace {
 
 constexpr double kGravity = 9.81;
-// Random slip comes and goes with this time constant: pebbles, not vibration.
+// Correlation time of the random slip.
 constexpr double kSlipTimeS = 0.05;
-// A ball that has moved less than this counts as lying still.
-constexpr double kStillM = 0.05;
-constexpr double kTouchM = 0.002;
 constexpr std::uint64_t kPhysicsStream = 1;
 
 double wrapped(double angle_rad) { return std::remainder(angle_rad, 2.0 * std::numbers::pi); }
@@ -40,13 +37,13 @@ Outline outline(const FieldParameters& field) {
                                      {x, -y + c}}};
   Outline walls;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    // Corner pieces of no size have one corner only.
+    // Corner pieces of size zero would give two equal corners.
     if (length(points[(i + 1) % points.size()] - points[i]) > 1e-9) walls.push_back(points[i]);
   }
   return walls;
 }
 
-class Fnv {
+class Fnv1a {
  public:
   void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
   void add(Vec2 value) {
@@ -73,14 +70,14 @@ World::World(const ArenaParameters& parameters, std::uint64_t seed)
     robot.id = entry.id;
     robot.target = {entry.x_m, entry.y_m};
     robot.body.inverse_mass = 1.0 / physics.robot_mass_kg;
-    // A homogeneous square's moment of inertia.
+    // The moment of inertia of a homogeneous square is m a^2 / 6.
     robot.body.inverse_inertia = 6.0 / (physics.robot_mass_kg * parameters_.robot_side_m * parameters_.robot_side_m);
     for (double& gain : robot.gain) gain = 1.0 + physics.wheel_error * random_.normal();
     if (!robots_.push_back(robot)) break;
     place(robots_.size() - 1, {entry.x_m, entry.y_m, entry.theta_rad});
   }
   ball_.inverse_mass = 1.0 / physics.ball_mass_kg;
-  // Seen from above the ball may spin about the vertical, which nobody sees and nothing resists: leave it out.
+  // Spin about the vertical axis is not simulated: it is invisible, and nothing depends on it.
   ball_.inverse_inertia = 0.0;
   kick_off();
 }
@@ -91,7 +88,7 @@ void World::place(std::size_t robot, const Placement& placement) {
   moved.body.theta = wrapped(placement.theta_rad);
   moved.body.velocity = {};
   moved.body.w = 0.0;
-  moved.wheel_mps = moved.wanted_mps = {};
+  moved.wheel_mps = moved.commanded_mps = {};
 }
 
 void World::place_ball(const Placement& placement, Vec2 velocity_mps) {
@@ -101,26 +98,9 @@ void World::place_ball(const Placement& placement, Vec2 velocity_mps) {
   still_s_ = 0.0;
 }
 
-void World::kick_off() {
-  // Not at the same spot each time: two teams that mirror each other would hold each other up for good. Where robots
-  // stand in the center, beside them.
-  constexpr int kDraws = 200;
-  const double reach = parameters_.robot_side_m * std::numbers::sqrt2 / 2.0 + parameters_.ball_radius_m;
-  Vec2 spot;
-  for (int draw = 0; draw < kDraws; ++draw) {
-    const double wider = 0.2 * draw / kDraws;
-    const double x = std::min(0.02 + wider, 0.25 * parameters_.field.length_m);
-    const double y = std::min(0.05 + wider, 0.25 * parameters_.field.width_m);
-    spot = {random_.uniform(-x, x), random_.uniform(-y, y)};
-    const auto is_near = [&](const Robot& robot) { return length(robot.body.position - spot) < reach; };
-    if (std::none_of(robots_.begin(), robots_.end(), is_near)) break;
-  }
-  place_ball({spot.x, spot.y, 0.0});
-}
-
 void World::drive(int id, double left_mps, double right_mps) {
   for (Robot& robot : robots_) {
-    if (robot.team == Side::kOwn && robot.id == id) robot.wanted_mps = {left_mps, right_mps};
+    if (robot.team == Side::kOwn && robot.id == id) robot.commanded_mps = {left_mps, right_mps};
   }
 }
 
@@ -136,7 +116,7 @@ void World::step() {
   }
   ball_.position = ball_.position + kStepS * ball_.velocity;
   statistics_.ball_path_m += length(ball_.position - before);
-  count_touches();
+  count_ball_touches();
   referee();
   ++steps_;
 }
@@ -144,19 +124,19 @@ void World::step() {
 void World::apply_tires(Robot& robot) {
   const PhysicsParameters& physics = parameters_.physics;
   Body& body = robot.body;
-  // What a first-order lag does in one step.
+  // Response of a first-order lag to a constant input after one step.
   const double follow = physics.wheel_lag_s > 0.0 ? 1.0 - std::exp(-kStepS / physics.wheel_lag_s) : 1.0;
   const double slip_kick = physics.wheel_slip * std::sqrt(2.0 * kStepS / kSlipTimeS);
   std::array<double, 2> rim{};
   for (std::size_t i = 0; i < rim.size(); ++i) {
-    robot.wheel_mps[i] += follow * (robot.wanted_mps[i] - robot.wheel_mps[i]);
+    robot.wheel_mps[i] += follow * (robot.commanded_mps[i] - robot.wheel_mps[i]);
     robot.slip[i] += -robot.slip[i] * kStepS / kSlipTimeS + slip_kick * random_.normal();
     rim[i] = robot.wheel_mps[i] * (robot.gain[i] + robot.slip[i]);
   }
   const double ahead_wanted = 0.5 * (rim[0] + rim[1]);
   const double turn_wanted = (rim[1] - rim[0]) / physics.wheel_base_m;
   const Vec2 ahead = rotated({1.0, 0.0}, body.theta), left = perpendicular(ahead);
-  // The impulses that would make the body follow its wheels at once; tires give no more than their friction.
+  // The velocity change that would make the body follow its wheels immediately, limited by the friction of the tires.
   const double limit = physics.tire_friction * kGravity * kStepS;  // per mass
   double along = ahead_wanted - dot(body.velocity, ahead);
   double aside = -dot(body.velocity, left);
@@ -200,83 +180,6 @@ void World::collide_all() {
   resolve(contacts_);
 }
 
-void World::count_touches() {
-  const Circle grown{&ball_, parameters_.ball_radius_m + kTouchM};
-  for (Robot& robot : robots_) {
-    contacts_.clear();
-    collide(grown, square(robot), {}, contacts_);
-    const bool touches = !contacts_.empty();
-    if (touches && !robot.at_ball && robot.team == Side::kOwn) ++statistics_.touches;
-    robot.at_ball = touches;
-  }
-}
-
-void World::referee() {
-  const double goal_line = 0.5 * parameters_.field.length_m + parameters_.ball_radius_m;
-  if (std::abs(ball_.position.x) > goal_line) {
-    ++(ball_.position.x > 0.0 ? statistics_.goals_own : statistics_.goals_opponent);
-    kick_off();
-    return;
-  }
-  if (length(ball_.position - still_at_) > kStillM) {
-    still_at_ = ball_.position;
-    still_s_ = 0.0;
-    return;
-  }
-  still_s_ += kStepS;
-  if (still_s_ > parameters_.physics.free_ball_after_s) {
-    ++statistics_.free_balls;
-    kick_off();
-  }
-}
-
-void World::play_opponents() {
-  const Robot* nearest = nullptr;
-  const Robot* keeper = nullptr;
-  double least = 0.0;
-  for (const Robot& robot : robots_) {
-    if (robot.team == Side::kOwn) continue;
-    if (keeper == nullptr) {
-      keeper = &robot;
-      continue;
-    }
-    const double distance = length(robot.body.position - ball_.position);
-    if (nearest == nullptr || distance < least) {
-      nearest = &robot;
-      least = distance;
-    }
-  }
-  for (Robot& robot : robots_) {
-    if (robot.team == Side::kOwn) continue;
-    if (&robot == keeper) {
-      const double reach = 0.5 * parameters_.field.goal_width_m;
-      robot.target = {0.5 * parameters_.field.length_m - parameters_.robot_side_m,
-                      std::clamp(ball_.position.y, -reach, reach)};
-    }
-    play_opponent(robot, &robot == nearest);
-  }
-}
-
-void World::play_opponent(Robot& robot, bool is_nearest) {
-  robot.decide_in_s -= kStepS;
-  if (robot.decide_in_s <= 0.0) {
-    robot.decide_in_s = random_.uniform(1.0, 3.0);
-    robot.target = {random_.uniform(-0.1, 0.4) * parameters_.field.length_m,
-                    random_.uniform(-0.4, 0.4) * parameters_.field.width_m};
-  }
-  const Vec2 way = (is_nearest ? ball_.position : robot.target) - robot.body.position;
-  const double distance = length(way);
-  const double bearing = distance > 0.0 ? std::atan2(way.y, way.x) - robot.body.theta : 0.0;
-  // Forwards or backwards, whichever needs the smaller turn.
-  const double ahead = std::abs(wrapped(bearing)) <= 0.5 * std::numbers::pi ? 1.0 : -1.0;
-  const double off = wrapped(ahead > 0.0 ? bearing : bearing + std::numbers::pi);
-  const double near = std::min(1.0, distance / 0.1);
-  const double speed = ahead * near * std::cos(off) * parameters_.opponent_speed_mps;
-  const double turn = near * std::clamp(4.0 * off, -4.0, 4.0);
-  const double half_base = 0.5 * parameters_.physics.wheel_base_m;
-  robot.wanted_mps = {speed - turn * half_base, speed + turn * half_base};
-}
-
 Snapshot World::snapshot() const {
   Snapshot all;
   for (const Robot& robot : robots_) {
@@ -297,7 +200,7 @@ double World::energy() const {
 }
 
 std::uint64_t World::hash() const {
-  Fnv fnv;
+  Fnv1a fnv;
   fnv.add(steps_);
   const auto add_body = [&](const Body& body) {
     fnv.add(body.position);
@@ -308,14 +211,14 @@ std::uint64_t World::hash() const {
   for (const Robot& robot : robots_) {
     add_body(robot.body);
     for (std::size_t i = 0; i < 2; ++i) {
-      fnv.add(robot.wanted_mps[i]);
+      fnv.add(robot.commanded_mps[i]);
       fnv.add(robot.wheel_mps[i]);
       fnv.add(robot.slip[i]);
       fnv.add(robot.gain[i]);
     }
     fnv.add(robot.target);
     fnv.add(robot.decide_in_s);
-    fnv.add(std::uint64_t{robot.at_ball});
+    fnv.add(std::uint64_t{robot.touches_ball});
   }
   add_body(ball_);
   fnv.add(still_at_);

@@ -11,27 +11,27 @@
 
 namespace touchline::hal::mock {
 
-/// Where something is; meters and radians, field frame.
+/// Pose of an object in the field frame, in meters and radians.
 struct Placement {
   double x_m = 0.0, y_m = 0.0, theta_rad = 0.0;
 };
 
-/// Everything that can be seen at one instant.
+/// Poses of all visible objects at one instant.
 struct Snapshot {
   FixedVector<Placement, kMaxRobots> robots;  // in the order of ArenaParameters::robot
   Placement ball;
 };
 
 struct GameStatistics {
-  std::uint64_t touches = 0;  // times that an own robot came to the ball
+  std::uint64_t touches = 0;  // times that an own robot started to touch the ball
   double ball_path_m = 0.0;
-  std::uint32_t goals_own = 0, goals_opponent = 0;  // scored by
+  std::uint32_t goals_own = 0, goals_opponent = 0;  // goals scored by each team
   std::uint32_t free_balls = 0;
 };
 
-/// Robots, ball and walls. Rigid bodies in the plane, steps of a millisecond: wheels with lag, constant error and
-/// random slip push through tires that slide beyond their friction; what meets exchanges impulses. Nothing is allocated
-/// after construction, and the same seed and commands give the same states to the bit.
+/// Simulates robots, ball and walls as rigid bodies in the plane, in steps of one millisecond. Wheels have a lag, a
+/// constant gain error and random slip; tires slide when their friction is exceeded; bodies in contact exchange
+/// impulses. Nothing is allocated after construction. The same seed and commands give bit-identical states.
 class World {
  public:
   static constexpr double kStepS = 0.001;
@@ -41,18 +41,19 @@ class World {
   World& operator=(const World&) = delete;
   ~World() = default;
 
-  /// Own robot `id` drives these wheel speeds from now on; a robot that is not there is ignored.
+  /// Sets the commanded wheel speeds of own robot `id`. An unknown id is ignored.
   void drive(int id, double left_mps, double right_mps);
+  /// Advances the world by kStepS.
   void step();
 
   [[nodiscard]] Snapshot snapshot() const;
   [[nodiscard]] const GameStatistics& statistics() const { return statistics_; }
-  /// FNV-1a over the statistics and all that the future depends on, the random generator's state included.
+  /// FNV-1a hash of the statistics and the complete state, including the random generator's.
   [[nodiscard]] std::uint64_t hash() const;
-  /// Kinetic energy of robots and ball, J.
+  /// Kinetic energy of robots and ball in J.
   [[nodiscard]] double energy() const;
 
-  /// For scenes and tests. A robot that is placed stands until it is driven again.
+  /// For scenes and tests. A placed robot stands still until it is driven again.
   void place(std::size_t robot, const Placement& placement);
   void place_ball(const Placement& placement, Vec2 velocity_mps = {});
 
@@ -61,10 +62,10 @@ class World {
     Body body;
     Side team = Side::kOwn;
     int id = 0;
-    std::array<double, 2> wanted_mps{}, wheel_mps{}, gain{1.0, 1.0}, slip{};
-    Vec2 target;  // opponents: where it wanders to
+    std::array<double, 2> commanded_mps{}, wheel_mps{}, gain{1.0, 1.0}, slip{};
+    Vec2 target;  // opponents: the point that it drives to
     double decide_in_s = 0.0;
-    bool at_ball = false;
+    bool touches_ball = false;
   };
 
   void play_opponent(Robot& robot, bool is_nearest);
@@ -72,7 +73,7 @@ class World {
   void apply_tires(Robot& robot);
   void roll_ball();
   void collide_all();
-  void count_touches();
+  void count_ball_touches();
   void referee();
   void kick_off();
   [[nodiscard]] Square square(Robot& robot) const { return {&robot.body, 0.5 * parameters_.robot_side_m}; }

@@ -142,8 +142,8 @@ bool LockStep::hear(double timeout_s, Expect expect, Heard& heard, std::string& 
 
 bool LockStep::one_frame(ToGuest kind, Expect expect, Played& out, std::string& reason) {
   const hal::mock::Snapshot before = arena_.world().snapshot();
-  std::optional<hal::mock::Shot> shot;
-  while (!(shot = arena_.take_shot())) arena_.advance_to(*arena_.next_ready());
+  std::optional<hal::mock::Exposure> exposure;
+  while (!(exposure = arena_.take_exposure())) arena_.advance_to(*arena_.next_frame_ready());
   const hal::mock::Snapshot after = arena_.world().snapshot();
   out.ball.push_back(after.ball);
   for (std::size_t i = 0; i < after.robots.size(); ++i) {
@@ -152,7 +152,7 @@ bool LockStep::one_frame(ToGuest kind, Expect expect, Played& out, std::string& 
         std::hypot(after.robots[i].x_m - before.robots[i].x_m, after.robots[i].y_m - before.robots[i].y_m);
   }
   const FrameHeader header = next_header(kind);
-  if (has_picture(kind)) arena_.draw(*shot, picture_);
+  if (has_picture(kind)) arena_.render(*exposure, picture_);
   FrameAnswer answer;
   if (!exchange(header, answer, reason)) return false;
   const bool shown = kind == ToGuest::kFrame && answer.error == 0;

@@ -70,7 +70,7 @@ TEST(Lens, DirectionIsTheInverseOfProjection) {
     for (int i = 0; i < 2000; ++i) {
       const Vec3 point{random.uniform(-1.5, 1.5), random.uniform(-1.5, 1.5), random.uniform(0.0, 0.3)};
       const auto [u, v] = lens.project(point);
-      const Vec3 sight = lens.direction(u, v);
+      const Vec3 sight = lens.unproject(u, v);
       const Vec3 away{point[0] - eye[0], point[1] - eye[1], point[2] - eye[2]};
       const double distance = std::sqrt(away[0] * away[0] + away[1] * away[1] + away[2] * away[2]);
       for (std::size_t k = 0; k < 3; ++k) ASSERT_NEAR(sight[k], away[k] / distance, 1e-10) << cubic;
@@ -88,7 +88,7 @@ TEST(Lens, PixelsBeyondTheWidestAngleHaveADirectionToo) {
     const double widest = cubic < 0.0 ? std::min(std::numbers::pi, std::sqrt(-1.0 / (3.0 * cubic))) : std::numbers::pi;
     double before = 1.0;
     for (int radius = 0; radius <= 3000; ++radius) {
-      const Vec3 sight = lens.direction(320.0 + radius, 240.0);
+      const Vec3 sight = lens.unproject(320.0 + radius, 240.0);
       ASSERT_NEAR(sight[0] * sight[0] + sight[1] * sight[1] + sight[2] * sight[2], 1.0, 1e-12);
       ASSERT_LE(-sight[2], before + 1e-12) << "the angle grows with the radius";
       ASSERT_GE(-sight[2], std::cos(widest) - 1e-9);
@@ -100,7 +100,7 @@ TEST(Lens, PixelsBeyondTheWidestAngleHaveADirectionToo) {
 
 TEST(Lens, CenterLooksAlongTheAxis) {
   const Lens lens(straight_down());
-  const Vec3 sight = lens.direction(320.0, 240.0);
+  const Vec3 sight = lens.unproject(320.0, 240.0);
   EXPECT_NEAR(sight[2], -1.0, 1e-15);
   EXPECT_EQ(lens.project({0.0, 0.0, 0.0}), (std::array<double, 2>{320.0, 240.0}));
 }

@@ -44,7 +44,7 @@ TEST(Random, DistributionsHaveTheirMoments) {
   const Moments exponential = moments_of([&] { return random.exponential(); });
   EXPECT_NEAR(exponential.mean, 1.0, 0.0112);
   EXPECT_NEAR(exponential.variance, 1.0, 0.032);
-  const Moments happens = moments_of([&] { return random.happens(0.02) ? 1.0 : 0.0; });
+  const Moments happens = moments_of([&] { return random.bernoulli(0.02) ? 1.0 : 0.0; });
   EXPECT_NEAR(happens.mean, 0.02, 0.0016);
 }
 

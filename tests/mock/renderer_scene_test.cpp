@@ -229,7 +229,7 @@ TEST(Light, TopsAreLitByTheLampsAndFullScaleIsNotExceeded) {
     const Snapshot all = still({x, 0.0, 0.0});
     const auto [u, v] = renderer.lens().project({x, 0.0, parameters.robot_height_m});
     const auto index = static_cast<std::size_t>(std::lround(v)) * kWidth + static_cast<std::size_t>(std::lround(u));
-    const double expected = static_cast<double>(lighting.on_level(static_cast<float>(x), 0.0f, height));
+    const double expected = static_cast<double>(lighting.irradiance(static_cast<float>(x), 0.0f, height));
     EXPECT_NEAR(renderer.render(all, all)[3 * index] / kWhite, std::min(expected, 1.0 / 0.9), 0.01 * expected) << x;
   }
   parameters.light.exposure = 20.0;

@@ -18,7 +18,7 @@ struct Listener {
     for (int i = 0; now < end; ++i) {
       now += 1ms;
       if (i % 16 == 0) {
-        for (int id = 0; id < 5; ++id) robots.heard(id, link_good);
+        for (int id = 0; id < 5; ++id) robots.on_packet(id, link_good);
       }
       robots.advance(now);
       std::array<std::byte, 64> bytes{};
@@ -60,7 +60,7 @@ TEST(RobotTelemetry, BatteriesFallWithTimeAndUnderLoad) {
   air.advance(60.0);
   EXPECT_NEAR(fresh - air.reports.robots[2].last.battery_v, 0.6, 0.02);
   const float resting = air.reports.robots[2].last.battery_v;
-  air.robots.driven(2, {-1.0f, 1.0f});
+  air.robots.on_wheel_speeds(2, {-1.0f, 1.0f});
   air.advance(1.0);
   EXPECT_NEAR(resting - air.reports.robots[2].last.battery_v, 0.3, 0.03);
 }

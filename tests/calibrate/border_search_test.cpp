@@ -1,4 +1,4 @@
-#include "tools/calibrate/border_search.h"
+#include "tools/programs/calibrate/border_search.h"
 
 #include <gtest/gtest.h>
 

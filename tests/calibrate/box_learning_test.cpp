@@ -1,10 +1,10 @@
-#include "tools/calibrate/box_learning.h"
+#include "tools/programs/calibrate/box_learning.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "tools/calibrate/box_split.h"
+#include "tools/programs/calibrate/box_split.h"
 
 namespace touchline::calibrate {
 namespace {

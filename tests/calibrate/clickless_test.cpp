@@ -1,4 +1,4 @@
-#include "tools/calibrate/clickless.h"
+#include "tools/programs/calibrate/clickless.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "hal/mock/lens.h"
 #include "tests/calibrate/arena_photograph.h"
-#include "tools/calibrate/field_fit.h"
+#include "tools/programs/calibrate/field_fit.h"
 
 // Colors without a click, on pictures of the arena, whose lens, lamps and paints are not the tool's.
 namespace touchline::calibrate {

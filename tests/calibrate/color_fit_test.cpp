@@ -1,4 +1,4 @@
-#include "tools/calibrate/color_fit.h"
+#include "tools/programs/calibrate/color_fit.h"
 
 #include <gtest/gtest.h>
 

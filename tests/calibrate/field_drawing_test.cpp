@@ -1,4 +1,4 @@
-#include "tools/calibrate/field_drawing.h"
+#include "tools/programs/calibrate/field_drawing.h"
 
 #include <gtest/gtest.h>
 

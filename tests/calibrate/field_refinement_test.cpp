@@ -1,4 +1,4 @@
-#include "tools/calibrate/field_refinement.h"
+#include "tools/programs/calibrate/field_refinement.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "tests/calibrate/arena_photograph.h"
-#include "tools/calibrate/error_map.h"
-#include "tools/calibrate/field_drawing.h"
+#include "tools/programs/calibrate/error_map.h"
+#include "tools/programs/calibrate/field_drawing.h"
 
 // The arena's camera has a lens of another kind (Kannala and Brandt) than the model that is fitted, noise, lamps, goals
 // in the border and filled corners.

@@ -6,7 +6,7 @@
 
 #include "tests/calibrate/arena_photograph.h"
 #include "tests/tools/program_folder.h"
-#include "tools/calibrate/venue_draft.h"
+#include "tools/programs/calibrate/venue_draft.h"
 
 // `touchline-calibrate field` without a click, from outside: what it must not believe, and what it must.
 namespace touchline::calibrate {

@@ -1,11 +1,11 @@
-#include "tools/calibrate/paper_steps.h"
+#include "tools/programs/calibrate/paper_steps.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "tests/calibrate/arena_photograph.h"
-#include "tools/calibrate/paper_fit.h"
+#include "tools/programs/calibrate/paper_fit.h"
 
 namespace touchline::calibrate {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/calibrate/patch_catching.h"
+#include "tools/programs/calibrate/patch_catching.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "tests/calibrate/painted_field.h"
-#include "tools/relight/illumination_plots.h"
-#include "tools/relight/same_color.h"
+#include "tools/programs/relight/illumination_plots.h"
+#include "tools/programs/relight/same_color.h"
 
 namespace touchline::relight {
 namespace {

@@ -8,7 +8,7 @@
 #include <mutex>
 
 #include "tests/firmware/loop_fixture.h"
-#include "tools/latency/allocation_counter.h"
+#include "tools/programs/latency/allocation_counter.h"
 
 namespace touchline::testing {
 namespace {

@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/latency/allocation_counter.h"
+#include "tools/programs/latency/allocation_counter.h"
 
 namespace touchline {
 namespace {

@@ -7,9 +7,9 @@
 #include <set>
 
 #include "tests/replay/media.h"
-#include "tools/evaluate/picture_evaluation.h"
-#include "tools/evaluate/pose_evaluation.h"
-#include "tools/replay/replay.h"
+#include "tools/programs/evaluate/picture_evaluation.h"
+#include "tools/programs/evaluate/pose_evaluation.h"
+#include "tools/programs/replay/replay.h"
 
 // Real footage through the whole pipeline, with the venue and team files of this folder.
 namespace touchline {

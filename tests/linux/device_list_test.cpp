@@ -1,5 +1,5 @@
 // touchline-devices: what it finds on a faked machine, and the program itself on this one.
-#include "tools/devices/device_list.h"
+#include "tools/programs/devices/device_list.h"
 
 #include <linux/gpio.h>
 #include <sys/wait.h>

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "tools/latency/allocation_counter.h"
+#include "tools/programs/latency/allocation_counter.h"
 
 // What a driver asks of the heap, without what the fakes below it ask for.
 namespace touchline::testing {

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "hal/mock/arena_parameters.h"
-#include "tools/arena/scenes.h"
+#include "tools/programs/arena/scenes.h"
 
 namespace touchline::arena {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "hal/replay/picture.h"
 #include "tests/replay/media.h"
-#include "tools/arena/scenes.h"
-#include "tools/evaluate/records.h"
+#include "tools/programs/arena/scenes.h"
+#include "tools/programs/evaluate/records.h"
 
 namespace touchline::arena {
 namespace {

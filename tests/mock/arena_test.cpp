@@ -4,7 +4,7 @@
 
 #include "hal/linux/monotonic_clock.h"
 #include "tests/mock/devices_fixture.h"
-#include "tools/latency/allocation_counter.h"
+#include "tools/programs/latency/allocation_counter.h"
 
 namespace touchline::hal::mock {
 namespace {

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "tests/replay/media.h"
-#include "tools/evaluate/pose_evaluation.h"
-#include "tools/replay/replay.h"
+#include "tools/programs/evaluate/pose_evaluation.h"
+#include "tools/programs/replay/replay.h"
 
 namespace touchline {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "firmware/config_reloader.h"
 #include "firmware/session.h"
-#include "tools/latency/allocation_counter.h"
+#include "tools/programs/latency/allocation_counter.h"
 
 namespace touchline {
 namespace {

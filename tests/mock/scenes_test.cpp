@@ -1,4 +1,4 @@
-#include "tools/arena/scenes.h"
+#include "tools/programs/arena/scenes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // The second of three checks that nothing allocates: an allocator that counts while the loop runs, with every fault
 // that devices can have.
 #include "tests/firmware/loop_fixture.h"
-#include "tools/latency/allocation_counter.h"
+#include "tools/programs/latency/allocation_counter.h"
 
 namespace touchline::testing {
 namespace {

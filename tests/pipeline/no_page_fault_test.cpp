@@ -4,7 +4,7 @@
 
 #include "firmware/realtime.h"
 #include "tests/firmware/loop_fixture.h"
-#include "tools/latency/allocation_counter.h"
+#include "tools/programs/latency/allocation_counter.h"
 
 namespace touchline::testing {
 namespace {

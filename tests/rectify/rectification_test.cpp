@@ -1,9 +1,9 @@
-#include "tools/rectify/rectification.h"
+#include "tools/programs/rectify/rectification.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/rectify/bent_field.h"
-#include "tools/rectify/straightness.h"
+#include "tools/programs/rectify/straightness.h"
 
 namespace touchline::rectify {
 namespace {

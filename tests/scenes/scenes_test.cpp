@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "tests/replay/media.h"
-#include "tools/evaluate/pose_evaluation.h"
-#include "tools/replay/replay.h"
+#include "tools/programs/evaluate/pose_evaluation.h"
+#include "tools/programs/replay/replay.h"
 
 // The reference scenes from calibration to poses: what a hall's first day is, without a person.
 namespace touchline {

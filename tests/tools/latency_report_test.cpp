@@ -6,11 +6,11 @@
 #include <fstream>
 #include <thread>
 
-#include "tools/latency/background_load.h"
-#include "tools/latency/measurement.h"
-#include "tools/latency/report_document.h"
-#include "tools/latency/report_json.h"
-#include "tools/latency/system_facts.h"
+#include "tools/programs/latency/background_load.h"
+#include "tools/programs/latency/measurement.h"
+#include "tools/programs/latency/report_document.h"
+#include "tools/programs/latency/report_json.h"
+#include "tools/programs/latency/system_facts.h"
 
 namespace touchline::latency {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <memory>
 
-#include "tools/latency/allocation_counter.h"
-#include "tools/latency/measurement.h"
+#include "tools/programs/latency/allocation_counter.h"
+#include "tools/programs/latency/measurement.h"
 
 namespace touchline::latency {
 namespace {

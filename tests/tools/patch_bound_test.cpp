@@ -1,4 +1,4 @@
-#include "tools/evaluate/patch_bound.h"
+#include "tools/programs/evaluate/patch_bound.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "tools/evaluate/picture_evaluation.h"
+#include "tools/programs/evaluate/picture_evaluation.h"
 
 #include <gtest/gtest.h>
 

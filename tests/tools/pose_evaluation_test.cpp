@@ -1,4 +1,4 @@
-#include "tools/evaluate/pose_evaluation.h"
+#include "tools/programs/evaluate/pose_evaluation.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

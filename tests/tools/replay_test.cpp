@@ -1,4 +1,4 @@
-#include "tools/replay/replay.h"
+#include "tools/programs/replay/replay.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "core/geometry/camera_model.h"
 #include "hal/replay/replay_camera.h"
 #include "tests/replay/media.h"
-#include "tools/evaluate/pose_evaluation.h"
+#include "tools/programs/evaluate/pose_evaluation.h"
 
 namespace touchline::replay {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/evaluate/statistics.h"
+#include "tools/programs/evaluate/statistics.h"
 
 #include <gtest/gtest.h>
 

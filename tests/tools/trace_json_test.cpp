@@ -5,7 +5,7 @@
 #include <fstream>
 #include <memory>
 
-#include "tools/evaluate/records.h"
+#include "tools/programs/evaluate/records.h"
 
 namespace touchline {
 namespace {

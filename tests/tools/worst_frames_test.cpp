@@ -1,4 +1,4 @@
-#include "tools/latency/worst_frames.h"
+#include "tools/programs/latency/worst_frames.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,81 @@
+#include "tools/programs/devices/device_list.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <memory>
+#include <utility>
+
+#include "hal/linux/system_error.h"
+
+namespace touchline::devices {
+namespace {
+
+/// Leaves what `wanted` names, "": all. What is missing or refused is noted down.
+template <class Node, class PathOf, class TroubleOf>
+void select(std::vector<Node>& nodes, const std::string& wanted, const char* kind, std::vector<std::string>& troubles,
+            PathOf path_of, TroubleOf trouble_of) {
+  if (wanted.empty()) return;
+  const std::unique_ptr<char, decltype(&std::free)> real(::realpath(wanted.c_str(), nullptr), &std::free);
+  const std::string path = real != nullptr ? real.get() : wanted;
+  std::string here;
+  for (const Node& node : nodes) here += (here.empty() ? "" : ", ") + path_of(node);
+  nodes.erase(std::remove_if(nodes.begin(), nodes.end(), [&](const Node& node) { return path_of(node) != path; }),
+              nodes.end());
+  if (nodes.empty()) {
+    troubles.push_back(wanted + ": no such " + kind + "; here: " + (here.empty() ? "none" : here));
+  } else if (std::string trouble = trouble_of(nodes.front()); !trouble.empty()) {
+    troubles.push_back(std::move(trouble));
+  }
+}
+
+std::vector<Camera> ask_cameras(std::vector<hal::CameraNode> nodes) {
+  std::vector<Camera> cameras;
+  for (hal::CameraNode& node : nodes) {
+    Camera camera;
+    hal::V4l2Device device;
+    if (node.error == 0 && device.open(node.path) == 0) {
+      camera.formats = hal::offers_of(device, node.identity.multi_planar, true);
+      camera.controls = hal::controls_of(device);
+    }
+    camera.node = std::move(node);
+    cameras.push_back(std::move(camera));
+  }
+  return cameras;
+}
+
+}  // namespace
+
+DeviceList list_devices(const Selection& selection) {
+  DeviceList list;
+  if (selection.camera) {
+    std::vector<hal::CameraNode> nodes = hal::list_cameras();
+    select(
+        nodes, *selection.camera, "camera", list.troubles, [](const hal::CameraNode& node) { return node.path; },
+        [](const hal::CameraNode& node) { return hal::refusal_text(node.path, node.error, "video"); });
+    list.cameras = ask_cameras(std::move(nodes));
+  }
+  if (selection.libcamera) list.libcamera = hal::libcamera_cameras();
+  if (selection.serial) {
+    std::vector<hal::SerialPortNode> ports;
+    if (!hal::list_serial_ports(ports)) list.troubles.emplace_back("the system does not tell its serial ports");
+    select(
+        ports, *selection.serial, "serial port", list.troubles,
+        [](const hal::SerialPortNode& node) { return node.path; },
+        [](const hal::SerialPortNode& node) {
+          return node.denied ? hal::refusal_text(node.path, EACCES, "dialout") : std::string();
+        });
+    list.ports = std::move(ports);
+  }
+  if (selection.gpio) {
+    std::vector<hal::GpioChipNode> chips = hal::list_gpio_chips();
+    select(
+        chips, *selection.gpio, "GPIO chip", list.troubles,
+        [&](const hal::GpioChipNode& node) { return node.label == *selection.gpio ? node.label : node.path; },
+        [](const hal::GpioChipNode& node) { return hal::refusal_text(node.path, node.error, "gpio"); });
+    list.chips = std::move(chips);
+  }
+  return list;
+}
+
+}  // namespace touchline::devices

@@ -1,0 +1,286 @@
+#include "tools/programs/evaluate/patch_bound.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "core/marker/rigid_fit.h"
+#include "hal/replay/picture.h"
+#include "tools/programs/evaluate/statistics.h"
+
+namespace touchline::evaluate {
+namespace {
+
+// Variances about a mean of two pictures would be half chance.
+constexpr std::size_t kLeastPictures = 3;
+// Of a rounded value that has no other noise.
+constexpr double kRoundingVariance = 1.0 / 12.0;
+
+// One robot in all results.
+struct Standing {
+  std::size_t team = 0;
+  std::vector<Point> position_m;
+  std::vector<double> theta_rad;
+  std::vector<Point> center_px;  // of each patch, sums
+};
+
+PixelPoint as_pixel(Point point) { return {static_cast<float>(point.a), static_cast<float>(point.b)}; }
+
+// d(field) / d(pixel), by half a pixel to both sides.
+Eigen::Matrix2d field_by_pixel(const CameraModel& camera, PixelPoint at, float height_m) {
+  constexpr float kHalf = 0.5f;
+  const FieldPoint right = camera.to_field({at.u_px + kHalf, at.v_px}, height_m);
+  const FieldPoint left = camera.to_field({at.u_px - kHalf, at.v_px}, height_m);
+  const FieldPoint below = camera.to_field({at.u_px, at.v_px + kHalf}, height_m);
+  const FieldPoint above = camera.to_field({at.u_px, at.v_px - kHalf}, height_m);
+  Eigen::Matrix2d by;
+  by << static_cast<double>(right.x_m - left.x_m), static_cast<double>(below.x_m - above.x_m),
+      static_cast<double>(right.y_m - left.y_m), static_cast<double>(below.y_m - above.y_m);
+  return by;
+}
+
+// How the pose of eq. (3) (x, y, heading) follows one coordinate of what was seen.
+Eigen::Vector3d pose_by(std::vector<Correspondence> points, std::size_t k, bool along_y) {
+  constexpr float kStep = 1e-3f;
+  float& coordinate = along_y ? points[k].seen.y_m : points[k].seen.x_m;
+  const float there = coordinate;
+  coordinate = there + kStep;
+  const Pose high = fit_rigidly(points).pose;
+  coordinate = there - kStep;
+  const Pose low = fit_rigidly(points).pose;
+  return Eigen::Vector3d(static_cast<double>(high.position.x_m - low.position.x_m),
+                         static_cast<double>(high.position.y_m - low.position.y_m),
+                         static_cast<double>(wrapped_angle(high.theta_rad - low.theta_rad))) /
+         (2.0 * static_cast<double>(kStep));
+}
+
+double spread_of_positions(const std::vector<Point>& points) {
+  const double n = static_cast<double>(points.size());
+  Point mean;
+  for (const Point& p : points) {
+    mean.a += p.a / n;
+    mean.b += p.b / n;
+  }
+  double squares = 0.0;
+  for (const Point& p : points) squares += (p.a - mean.a) * (p.a - mean.a) + (p.b - mean.b) * (p.b - mean.b);
+  return std::sqrt(squares / (n - 1.0));
+}
+
+double spread_of_angles(const std::vector<double>& angles) {
+  const double n = static_cast<double>(angles.size());
+  double mean = 0.0, squares = 0.0;
+  for (const double angle : angles) mean += wrapped(angle - angles.front()) / n;
+  for (const double angle : angles) squares += std::pow(wrapped(angle - angles.front() - mean), 2);
+  return std::sqrt(squares / (n - 1.0));
+}
+
+bool bound_of(const StandingPictures& pictures, const Standing& robot, const BoundSetting& setting, PoseBound& out) {
+  const MarkerLayout& layout = setting.layouts[robot.team];
+  const std::size_t patches = robot.center_px.size();
+  const double n = static_cast<double>(robot.position_m.size());
+  std::vector<Point> centers;
+  std::vector<Correspondence> points;
+  for (std::size_t k = 0; k < patches; ++k) {
+    centers.push_back({robot.center_px[k].a / n, robot.center_px[k].b / n});
+    points.push_back({{layout.patches[k].x_m, layout.patches[k].y_m},
+                      setting.camera.to_field(as_pixel(centers[k]), layout.height_m)});
+  }
+  Eigen::Matrix3d pose = Eigen::Matrix3d::Zero();
+  double squares_px = 0.0;
+  for (std::size_t k = 0; k < patches; ++k) {
+    // Half the way to the next patch: what is nearer to that one tells of its own shift.
+    double radius = std::numeric_limits<double>::infinity();
+    for (std::size_t other = 0; other < patches; ++other) {
+      if (other == k) continue;
+      radius = std::min(radius, 0.5 * std::hypot(centers[k].a - centers[other].a, centers[k].b - centers[other].b));
+    }
+    const StandingPictures::Information i = pictures.information(centers[k], radius);
+    Eigen::Matrix2d fisher;
+    fisher << i.uu, i.uv, i.uv, i.vv;
+    if (!(fisher.determinant() > 0.0 && i.uu > 0.0)) return false;
+    const Eigen::Matrix2d pixel = fisher.inverse();
+    squares_px += pixel.trace();
+    const Eigen::Matrix2d by = field_by_pixel(setting.camera, as_pixel(centers[k]), layout.height_m);
+    Eigen::Matrix<double, 3, 2> follows;
+    follows << pose_by(points, k, false), pose_by(points, k, true);
+    pose += follows * by * pixel * by.transpose() * follows.transpose();
+  }
+  out.center_px = std::sqrt(squares_px / static_cast<double>(patches));
+  out.position_m = std::sqrt(pose(0, 0) + pose(1, 1));
+  out.angle_rad = std::sqrt(pose(2, 2));
+  out.position_rms_m = spread_of_positions(robot.position_m);
+  out.angle_rms_rad = spread_of_angles(robot.theta_rad);
+  return true;
+}
+
+bool read_pictures(const std::vector<FrameRecord>& results, const std::string& folder,
+                   std::unique_ptr<StandingPictures>& pictures, std::string& error) {
+  std::size_t width = 0, height = 0;
+  for (const FrameRecord& record : results) {
+    const std::string path = folder + "/" + record.file;
+    hal::Picture picture;
+    if (!hal::read_picture(path, picture, error).ok()) return false;
+    if (picture.deep()) {
+      error = path + ": has more than 8 bits a channel";
+      return false;
+    }
+    if (pictures == nullptr) {
+      width = picture.width_px;
+      height = picture.height_px;
+      pictures = std::make_unique<StandingPictures>(width, height);
+    } else if (picture.width_px != width || picture.height_px != height) {
+      error =
+          path + ": is not as large as the first picture, " + std::to_string(width) + " x " + std::to_string(height);
+      return false;
+    }
+    pictures->add(picture.rgb8);
+  }
+  pictures->find_noise();
+  return true;
+}
+
+std::map<std::string, Standing> standing_robots(const std::vector<FrameRecord>& results, const BoundSetting& setting) {
+  std::map<std::string, Standing> robots;
+  for (const FrameRecord& record : results) {
+    for (const RobotRecord& robot : record.sightings.robots) {
+      const auto team = std::find(setting.teams.begin(), setting.teams.end(), robot.team);
+      if (team == setting.teams.end() || !robot.id.has_value() || !robot.theta_rad.has_value()) continue;
+      const auto index = static_cast<std::size_t>(team - setting.teams.begin());
+      const std::size_t patches = setting.layouts[index].patches.size();
+      if (patches < 2 || robot.patches.size() != patches) continue;
+      Standing& standing = robots[robot.team + " " + std::to_string(*robot.id)];
+      standing.team = index;
+      standing.position_m.push_back(robot.position_m);
+      standing.theta_rad.push_back(*robot.theta_rad);
+      standing.center_px.resize(patches);
+      for (std::size_t k = 0; k < patches; ++k) {
+        standing.center_px[k].a += robot.patches[k].center_px.a;
+        standing.center_px[k].b += robot.patches[k].center_px.b;
+      }
+    }
+  }
+  std::erase_if(robots, [&](const auto& robot) { return robot.second.position_m.size() != results.size(); });
+  return robots;
+}
+
+}  // namespace
+
+StandingPictures::StandingPictures(std::size_t width_px, std::size_t height_px)
+    : width_(width_px), height_(height_px), mean_(3 * width_px * height_px), squares_(mean_.size()) {}
+
+void StandingPictures::add(const std::vector<std::uint8_t>& rgb) {
+  ++count_;
+  for (std::size_t i = 0; i < mean_.size(); ++i) {
+    const double value = rgb[i], before = value - mean_[i];
+    mean_[i] += before / static_cast<double>(count_);
+    squares_[i] += before * (value - mean_[i]);
+  }
+}
+
+void StandingPictures::find_noise() {
+  std::array<std::array<double, kLevels>, 3> pixels{};
+  variance_ = {};
+  for (std::size_t i = 0; i < mean_.size(); ++i) {
+    const std::size_t level = level_of(mean_[i]);
+    variance_[i % 3][level] += squares_[i] / static_cast<double>(count_ - 1);
+    pixels[i % 3][level] += 1.0;
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t level = 0; level < kLevels; ++level) {
+      variance_[c][level] = std::max(kRoundingVariance, variance_[c][level] / std::max(1.0, pixels[c][level]));
+    }
+  }
+}
+
+StandingPictures::Information StandingPictures::information(Point center_px, double radius_px) const {
+  Information sum;
+  const double n = static_cast<double>(count_);
+  for (std::size_t v = 1; v + 1 < height_; ++v) {
+    const double dv = static_cast<double>(v) - center_px.b;
+    if (std::abs(dv) > radius_px) continue;
+    for (std::size_t u = 1; u + 1 < width_; ++u) {
+      const double du = static_cast<double>(u) - center_px.a;
+      if (du * du + dv * dv > radius_px * radius_px) continue;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double here = mean(u, v, c);
+        const double right = mean(u + 1, v, c) - here, left = here - mean(u - 1, v, c);
+        const double below = mean(u, v + 1, c) - here, above = here - mean(u, v - 1, c);
+        const double variance = variance_[c][level_of(here)];
+        // The mean of both sides' squares, which keeps the height of a steep edge; each holds 2 variance / n of noise.
+        sum.uu += 0.5 * (right * right + left * left) / variance - 2.0 / n;
+        sum.vv += 0.5 * (below * below + above * above) / variance - 2.0 / n;
+        sum.uv += 0.25 * (right + left) * (below + above) / variance;
+      }
+    }
+  }
+  return sum;
+}
+
+bool find_bounds(const std::vector<FrameRecord>& results, const std::string& folder, const BoundSetting& setting,
+                 std::vector<PoseBound>& out, std::string& error) {
+  out.clear();
+  if (results.size() < kLeastPictures) {
+    error = folder + ": noise cannot be measured from fewer than " + std::to_string(kLeastPictures) + " pictures";
+    return false;
+  }
+  std::unique_ptr<StandingPictures> pictures;
+  if (!read_pictures(results, folder, pictures, error)) return false;
+  for (const auto& [name, robot] : standing_robots(results, setting)) {
+    PoseBound bound;
+    bound.name = name;
+    if (bound_of(*pictures, robot, setting, bound)) out.push_back(bound);
+  }
+  if (out.empty()) error = folder + ": no robot has its id, heading and all its patches in every picture";
+  return !out.empty();
+}
+
+void print(const std::vector<PoseBound>& bounds, std::ostream& out) {
+  constexpr double kMillimeters = 1000.0, kDegrees = 180.0 / std::numbers::pi;
+  char text[160];
+  const auto row = [&](const PoseBound& b) {
+    std::snprintf(text, sizeof text, "%-20s %9.4f %10.4f %10.4f %8.2f %10.4f %10.4f %8.2f", b.name.c_str(), b.center_px,
+                  b.position_m * kMillimeters, b.position_rms_m * kMillimeters, b.position_rms_m / b.position_m,
+                  b.angle_rad * kDegrees, b.angle_rms_rad * kDegrees, b.angle_rms_rad / b.angle_rad);
+    out << text << '\n';
+  };
+  out << "Cramer-Rao bound of standing robots under the pictures' own noise, and what was measured\n";
+  std::snprintf(text, sizeof text, "%-20s %9s %10s %10s %8s %10s %10s %8s", "", "patch px", "bound mm", "RMS mm",
+                "times", "bound deg", "RMS deg", "times");
+  out << text << '\n';
+  PoseBound all;
+  all.name = "RMS of all";
+  const double n = static_cast<double>(bounds.size());
+  const auto rms = [&](double PoseBound::*field) {
+    double squares = 0.0;
+    for (const PoseBound& b : bounds) squares += b.*field * b.*field / n;
+    all.*field = std::sqrt(squares);
+  };
+  for (double PoseBound::*field : {&PoseBound::center_px, &PoseBound::position_m, &PoseBound::angle_rad,
+                                   &PoseBound::position_rms_m, &PoseBound::angle_rms_rad}) {
+    rms(field);
+  }
+  for (const PoseBound& b : bounds) row(b);
+  row(all);
+}
+
+std::string with_bounds(const std::string& json, const std::vector<PoseBound>& bounds) {
+  auto document = nlohmann::ordered_json::parse(json);
+  auto list = nlohmann::ordered_json::array();
+  for (const PoseBound& b : bounds) {
+    list.push_back({{"name", b.name},
+                    {"center_px", b.center_px},
+                    {"position_m", b.position_m},
+                    {"angle_rad", b.angle_rad},
+                    {"position_rms_m", b.position_rms_m},
+                    {"angle_rms_rad", b.angle_rms_rad}});
+  }
+  document["bound"] = list;
+  return document.dump(2) + "\n";
+}
+
+}  // namespace touchline::evaluate

@@ -1,0 +1,109 @@
+#include "tools/programs/evaluate/picture_evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/programs/evaluate/matching.h"
+
+namespace touchline::evaluate {
+namespace {
+
+const PatchRecord* team_patch(const RobotRecord& robot) {
+  const auto found =
+      std::find_if(robot.patches.begin(), robot.patches.end(), [](const PatchRecord& p) { return !p.identification; });
+  return found == robot.patches.end() ? nullptr : &*found;
+}
+
+// Patches are compared by their place, so that the order in which somebody lists them does not matter.
+void compare_identification(const AnnotatedPicture::Robot& truth, const RobotRecord& found,
+                            const PictureTolerance& tolerance, PictureReport& out, std::vector<double>& errors) {
+  std::vector<PatchRecord> patches;
+  std::copy_if(found.patches.begin(), found.patches.end(), std::back_inserter(patches),
+               [](const PatchRecord& p) { return p.identification; });
+  const std::vector<Match> matches = nearest_first(
+      truth.identification.size(), patches.size(), tolerance.same_robot_px,
+      [&](std::size_t i, std::size_t j) { return distance(truth.identification[i].center_px, patches[j].center_px); });
+  std::size_t colors_right = 0;
+  for (const Match& match : matches) {
+    errors.push_back(match.distance);
+    if (match.distance <= tolerance.good_px) ++out.identification_good;
+    if (truth.identification[match.first].color == patches[match.second].color) ++colors_right;
+  }
+  if (!found.id.has_value()) {
+    ++out.ids_unknown;
+  } else {
+    ++(colors_right == truth.identification.size() ? out.ids_right : out.ids_wrong);
+  }
+}
+
+}  // namespace
+
+bool evaluate_picture(const AnnotatedPicture& truth, const std::vector<FrameRecord>& results,
+                      const PictureTolerance& tolerance, PictureReport& out, std::string& error) {
+  out = {};
+  out.name = truth.name;
+  // A picture's number is its place in the replayed folder; only in a video does it say which frame is meant.
+  const auto of_file =
+      std::count_if(results.begin(), results.end(), [&truth](const FrameRecord& r) { return r.file == truth.file; });
+  const auto frame = std::find_if(results.begin(), results.end(), [&](const FrameRecord& r) {
+    return r.file == truth.file && (of_file == 1 || r.frame == truth.frame);
+  });
+  if (frame == results.end()) {
+    error =
+        truth.name + ": no result for " + truth.file + (truth.frame > 0 ? " frame " + std::to_string(truth.frame) : "");
+    return false;
+  }
+  const SceneRecord& seen = frame->sightings;
+
+  const std::vector<Match> matches = nearest_first(
+      truth.robots.size(), seen.robots.size(), tolerance.same_robot_px, [&](std::size_t i, std::size_t j) {
+        const PatchRecord* patch = team_patch(seen.robots[j]);
+        const bool comparable = patch != nullptr && truth.robots[i].team_px.has_value();
+        return comparable ? distance(*truth.robots[i].team_px, patch->center_px) : tolerance.same_robot_px + 1.0;
+      });
+  std::vector<double> team_errors, identification_errors, ball_errors;
+  for (const AnnotatedPicture::Robot& robot : truth.robots) {
+    if (robot.identification.empty()) {
+      ++out.not_judged;
+    } else {
+      ++out.robots;
+      out.identification += robot.identification.size();
+    }
+  }
+  for (const Match& match : matches) {
+    const AnnotatedPicture::Robot& is = truth.robots[match.first];
+    const RobotRecord& said = seen.robots[match.second];
+    if (is.identification.empty()) continue;
+    if (is.team != said.team) {
+      ++out.wrong_team;
+      continue;
+    }
+    ++out.found;
+    team_errors.push_back(match.distance);
+    if (match.distance <= tolerance.good_px) ++out.team_good;
+    compare_identification(is, said, tolerance, out, identification_errors);
+  }
+  // What is seen of a robot that was not judged may lie anywhere on it.
+  std::vector<bool> explained(seen.robots.size());
+  for (const Match& match : matches) explained[match.second] = true;
+  out.ghosts = static_cast<std::size_t>(std::count(explained.begin(), explained.end(), false));
+
+  out.balls = truth.balls_px.size();
+  if (seen.ball.has_value()) {
+    double nearest = tolerance.same_robot_px + 1.0;
+    for (const Point& ball : truth.balls_px) nearest = std::min(nearest, distance(ball, *seen.ball->center_px));
+    if (nearest <= tolerance.same_robot_px) {
+      ++out.balls_found;
+      if (nearest <= tolerance.good_px) ++out.balls_good;
+      ball_errors.push_back(nearest);
+    } else {
+      ++out.ball_ghosts;
+    }
+  }
+  out.team_px = summarize(std::move(team_errors));
+  out.identification_px = summarize(std::move(identification_errors));
+  out.ball_px = summarize(std::move(ball_errors));
+  return true;
+}
+
+}  // namespace touchline::evaluate

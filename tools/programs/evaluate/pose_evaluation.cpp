@@ -1,0 +1,181 @@
+#include "tools/programs/evaluate/pose_evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "tools/programs/evaluate/matching.h"
+
+namespace touchline::evaluate {
+namespace {
+
+struct Errors {
+  std::vector<double> position, angle, ball;
+};
+
+void compare(const SceneRecord& truth, const SceneRecord& found, double within, PoseSummary& sum, Errors& errors) {
+  const std::vector<Match> matches = nearest_first(
+      truth.robots.size(), found.robots.size(), within,
+      [&](std::size_t i, std::size_t j) { return distance(truth.robots[i].position_m, found.robots[j].position_m); });
+  sum.robots += truth.robots.size();
+  sum.missed += truth.robots.size() - matches.size();
+  sum.ghosts += found.robots.size() - matches.size();
+  for (const Match& match : matches) {
+    const RobotRecord& is = truth.robots[match.first];
+    const RobotRecord& said = found.robots[match.second];
+    if (is.team != said.team || (said.id.has_value() && said.id != is.id)) {
+      ++sum.swapped;
+      continue;
+    }
+    ++(said.id.has_value() ? sum.right : sum.unknown);
+    errors.position.push_back(match.distance);
+    if (is.theta_rad.has_value() && said.theta_rad.has_value()) {
+      errors.angle.push_back(wrapped(*said.theta_rad - *is.theta_rad));
+    }
+  }
+  const bool near = truth.ball.has_value() && found.ball.has_value() &&
+                    distance(truth.ball->position_m, found.ball->position_m) <= within;
+  if (truth.ball.has_value()) ++(near ? sum.balls_seen : sum.balls_missed);
+  if (found.ball.has_value() && !near) ++sum.ball_ghosts;
+  if (near) errors.ball.push_back(distance(truth.ball->position_m, found.ball->position_m));
+}
+
+void finish(PoseSummary& sum, Errors& errors) {
+  sum.balls = sum.balls_seen + sum.balls_missed;
+  sum.position = summarize(std::move(errors.position));
+  sum.angle = summarize(std::move(errors.angle));
+  sum.ball = summarize(std::move(errors.ball));
+}
+
+bool names_tell_apart(const std::vector<FrameRecord>& records) {
+  std::set<std::string> names;
+  return std::all_of(records.begin(), records.end(),
+                     [&names](const FrameRecord& r) { return !r.file.empty() && names.insert(r.file).second; });
+}
+
+bool stands_still(const std::vector<FrameRecord>& truth) {
+  constexpr std::size_t kFewest = 3;  // fewer say nothing of a spread
+  const auto same = [](Point p, Point q) { return distance(p, q) < 1e-9; };
+  const SceneRecord& first = truth.front().sightings;
+  return truth.size() >= kFewest && std::all_of(truth.begin(), truth.end(), [&](const FrameRecord& record) {
+           const SceneRecord& scene = record.sightings;
+           if (scene.robots.size() != first.robots.size() || scene.ball.has_value() != first.ball.has_value())
+             return false;
+           if (scene.ball.has_value() && !same(scene.ball->position_m, first.ball->position_m)) return false;
+           for (std::size_t i = 0; i < scene.robots.size(); ++i) {
+             if (!same(scene.robots[i].position_m, first.robots[i].position_m)) return false;
+             if (scene.robots[i].theta_rad != first.robots[i].theta_rad) return false;
+           }
+           return true;
+         });
+}
+
+struct Seen {
+  std::vector<Point> position;
+  std::vector<double> theta;
+};
+
+Spread spread_about_mean(const std::string& name, const Seen& seen) {
+  Spread spread;
+  spread.name = name;
+  spread.frames = seen.position.size();
+  const auto count = static_cast<double>(spread.frames);
+  double sine = 0.0, cosine = 0.0;
+  for (const Point& p : seen.position) {
+    spread.mean.a += p.a / count;
+    spread.mean.b += p.b / count;
+  }
+  for (const double theta : seen.theta) {
+    sine += std::sin(theta);
+    cosine += std::cos(theta);
+  }
+  const double mean_theta = std::atan2(sine, cosine);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < seen.position.size(); ++i) {
+    const double away = distance(seen.position[i], spread.mean);
+    squares += away * away;
+    spread.position_max = std::max(spread.position_max, away);
+    if (i > 0) spread.largest_step = std::max(spread.largest_step, distance(seen.position[i], seen.position[i - 1]));
+  }
+  spread.position_rms = std::sqrt(squares / count);
+  std::vector<double> turns;
+  turns.reserve(seen.theta.size());
+  for (const double theta : seen.theta) turns.push_back(wrapped(theta - mean_theta));
+  const ErrorSummary angle = summarize(std::move(turns));
+  spread.angle_rms = angle.rms;
+  spread.angle_max = angle.max;
+  return spread;
+}
+
+}  // namespace
+
+bool evaluate_poses(const std::vector<FrameRecord>& truth, const std::vector<FrameRecord>& result, double seen_within_m,
+                    PoseReport& out, std::string& error) {
+  out = {};
+  const bool by_name = names_tell_apart(truth) && names_tell_apart(result);
+  const auto key = [by_name](const FrameRecord& r) { return by_name ? r.file : std::to_string(r.frame); };
+  std::map<std::string, const FrameRecord*> results;
+  for (const FrameRecord& record : result) {
+    if (!results.emplace(key(record), &record).second) {
+      error = "frame " + std::to_string(record.frame) + " stands twice in the result";
+      return false;
+    }
+  }
+  Errors sighting_errors, track_errors;
+  const SceneRecord nothing;
+  std::set<std::string> used;
+  for (const FrameRecord& record : truth) {
+    if (!used.insert(key(record)).second) {
+      error = "frame " + key(record) + " stands twice in the truth";
+      return false;
+    }
+    const auto found = results.find(key(record));
+    ++out.frames;
+    if (found == results.end()) ++out.frames_without_result;
+    const FrameRecord* frame = found == results.end() ? nullptr : found->second;
+    compare(record.sightings, frame == nullptr ? nothing : frame->sightings, seen_within_m, out.sightings,
+            sighting_errors);
+    compare(record.tracks, frame == nullptr ? nothing : frame->tracks, seen_within_m, out.tracks, track_errors);
+  }
+  const std::size_t paired = out.frames - out.frames_without_result;
+  if (paired == 0) {
+    error = std::string("no frame of the truth is in the result (compared by ") +
+            (by_name ? "file name" : "frame number") + ")";
+    return false;
+  }
+  out.results_without_truth = result.size() - paired;
+  finish(out.sightings, sighting_errors);
+  finish(out.tracks, track_errors);
+  if (stands_still(truth)) {
+    std::vector<FrameRecord> paired_results;
+    for (const FrameRecord& record : result) {
+      if (used.count(key(record)) != 0) paired_results.push_back(record);
+    }
+    out.spread = spread_of(paired_results);
+  }
+  return true;
+}
+
+std::vector<Spread> spread_of(const std::vector<FrameRecord>& result) {
+  std::map<std::pair<std::string, int>, Seen> robots;
+  Seen ball;
+  for (const FrameRecord& record : result) {
+    for (const RobotRecord& robot : record.sightings.robots) {
+      if (!robot.id.has_value()) continue;
+      Seen& seen = robots[{robot.team, *robot.id}];
+      seen.position.push_back(robot.position_m);
+      if (robot.theta_rad.has_value()) seen.theta.push_back(*robot.theta_rad);
+    }
+    if (record.sightings.ball.has_value()) ball.position.push_back(record.sightings.ball->position_m);
+  }
+  std::vector<Spread> spreads;
+  spreads.reserve(robots.size() + 1);
+  for (const auto& [who, seen] : robots) {
+    spreads.push_back(spread_about_mean(who.first + " " + std::to_string(who.second), seen));
+  }
+  if (!ball.position.empty()) spreads.push_back(spread_about_mean("ball", ball));
+  return spreads;
+}
+
+}  // namespace touchline::evaluate

@@ -1,0 +1,234 @@
+#include "tools/programs/evaluate/records.h"
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+namespace touchline::evaluate {
+namespace {
+
+using nlohmann::json;
+
+// A place in a document. The first thing that is wrong is kept, and reading goes on with defaults.
+class Node {
+ public:
+  Node(const json& value, std::string path, std::string& error)
+      : value_(&value), path_(std::move(path)), error_(&error) {}
+
+  [[nodiscard]] bool null() const { return value_->is_null(); }
+  [[nodiscard]] bool has(const char* key) const { return value_->is_object() && value_->contains(key); }
+  [[nodiscard]] Node at(const char* key) const {
+    static const json nothing;
+    const std::string path = path_.empty() ? key : path_ + "." + key;
+    if (!value_->is_object()) {
+      complain(path_.empty() ? "the line is no object" : path_ + " is no object");
+    } else if (!value_->contains(key)) {
+      complain(path + " is missing");
+    } else {
+      return {(*value_)[key], path, *error_};
+    }
+    return {nothing, path, *error_};
+  }
+  [[nodiscard]] std::vector<Node> list(const char* key) const {
+    const Node node = at(key);
+    std::vector<Node> nodes;
+    if (!node.value_->is_array()) {
+      node.complain(node.path_ + " is no list");
+      return nodes;
+    }
+    for (const json& entry : *node.value_) {
+      nodes.push_back({entry, node.path_ + "[" + std::to_string(nodes.size()) + "]", *error_});
+    }
+    return nodes;
+  }
+  [[nodiscard]] double number(const char* key) const { return at(key).as_number(); }
+  [[nodiscard]] std::optional<double> number_or_null(const char* key) const {
+    const Node node = at(key);
+    return node.null() ? std::nullopt : std::optional(node.as_number());
+  }
+  [[nodiscard]] std::int64_t integer(const char* key) const {
+    const Node node = at(key);
+    if (node.value_->is_number_integer()) return node.value_->get<std::int64_t>();
+    node.complain(node.path_ + " is no whole number");
+    return 0;
+  }
+  [[nodiscard]] std::string text(const char* key) const {
+    const Node node = at(key);
+    if (node.value_->is_string()) return node.value_->get<std::string>();
+    node.complain(node.path_ + " is no text");
+    return {};
+  }
+  [[nodiscard]] Point pair(const char* key) const {
+    const std::vector<Node> entries = list(key);
+    if (entries.size() == 2) return {entries[0].as_number(), entries[1].as_number()};
+    at(key).complain(at(key).path_ + " is no pair of numbers");
+    return {};
+  }
+  void complain(const std::string& what) const {
+    if (error_->empty()) *error_ = what;
+  }
+
+ private:
+  [[nodiscard]] double as_number() const {
+    if (value_->is_number()) return value_->get<double>();
+    complain(path_ + " is no number");
+    return 0.0;
+  }
+  const json* value_;
+  std::string path_;
+  std::string* error_;
+};
+
+const std::string& renamed(const NameMap& names, const std::string& name) {
+  const auto found = names.find(name);
+  return found == names.end() ? name : found->second;
+}
+
+bool open_file(const std::string& path, std::ifstream& file, std::string& error) {
+  errno = 0;
+  std::error_code ignored;
+  file.open(path);
+  if (file && !std::filesystem::is_directory(path, ignored)) return true;
+  error = path + ": " + std::strerror(errno != 0 ? errno : EISDIR);
+  return false;
+}
+
+bool read_lines(const std::string& path, const std::function<FrameRecord(const Node&)>& read,
+                std::vector<FrameRecord>& out, std::string& error) {
+  std::ifstream file;
+  if (!open_file(path, file, error)) return false;
+  out.clear();
+  std::string line;
+  for (std::size_t number = 1; std::getline(file, line); ++number) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    const json value = json::parse(line, nullptr, false);
+    std::string wrong;
+    if (value.is_discarded()) {
+      wrong = "is no JSON";
+    } else {
+      FrameRecord record = read(Node(value, "", wrong));
+      out.push_back(std::move(record));
+    }
+    if (!wrong.empty()) {
+      error = path + ":";
+      error.append(std::to_string(number)).append(": ").append(wrong);
+      return false;
+    }
+  }
+  if (out.empty()) {
+    error = path + ": holds no frame";
+    return false;
+  }
+  return true;
+}
+
+std::optional<BallRecord> ball_of(const Node& node, bool with_pixels) {
+  if (node.null()) return std::nullopt;
+  BallRecord ball;
+  ball.position_m = {node.number("x"), node.number("y")};
+  if (with_pixels) ball.center_px = Point{node.number("u"), node.number("v")};
+  return ball;
+}
+
+SceneRecord scene_of(const Node& node, bool is_result, bool with_pixels, const NameMap& names) {
+  SceneRecord scene;
+  scene.ball = ball_of(node.at("ball"), with_pixels);
+  for (const Node& entry : node.list("robots")) {
+    RobotRecord robot;
+    robot.team = renamed(names, entry.text("team"));
+    if (!entry.at("id").null()) robot.id = static_cast<int>(entry.integer("id"));
+    robot.position_m = {entry.number("x"), entry.number("y")};
+    robot.theta_rad = entry.number_or_null("theta");
+    if (is_result && with_pixels) {
+      for (const Node& patch : entry.list("patches")) {
+        robot.patches.push_back({patch.text("role") == "identification",
+                                 renamed(names, patch.text("color")),
+                                 {patch.number("u"), patch.number("v")}});
+      }
+    }
+    scene.robots.push_back(std::move(robot));
+  }
+  return scene;
+}
+
+}  // namespace
+
+bool read_truth(const std::string& path, std::vector<FrameRecord>& out, std::string& error) {
+  const auto read = [](const Node& line) {
+    FrameRecord record;
+    // A picture is known by its file, a frame of a video by its number.
+    if (line.has("file") || !line.has("frame")) record.file = line.text("file");
+    if (line.has("frame")) record.frame = line.integer("frame");
+    if (line.has("t")) record.t_s = line.number("t");
+    record.sightings = record.tracks = scene_of(line, false, false, {});
+    return record;
+  };
+  return read_lines(path, read, out, error);
+}
+
+bool read_result(const std::string& path, const NameMap& names, std::vector<FrameRecord>& out, std::string& error) {
+  const auto read = [&names](const Node& line) {
+    FrameRecord record;
+    record.file = line.text("file");
+    record.frame = line.integer("frame");
+    record.t_s = line.number("t");
+    record.sightings = scene_of(line.at("sightings"), true, true, names);
+    record.tracks = scene_of(line.at("tracks"), true, false, names);
+    return record;
+  };
+  return read_lines(path, read, out, error);
+}
+
+bool read_annotated(const std::string& path, AnnotatedPicture& out, std::string& error) {
+  std::ifstream file;
+  if (!open_file(path, file, error)) return false;
+  const json value = json::parse(file, nullptr, false);
+  if (value.is_discarded()) {
+    error = path + ": is no JSON";
+    return false;
+  }
+  std::string wrong;
+  const Node root(value, "", wrong);
+  out = {};
+  out.name = std::filesystem::path(path).stem().string();
+  // "../folder/picture.png" or "../video.mp4 frame 270"
+  std::string image = root.text("image");
+  const std::string mark = " frame ";
+  if (const std::size_t place = image.find(mark); place != std::string::npos) {
+    const std::string digits = image.substr(place + mark.size());
+    if (digits.empty() || digits.size() > 9 || digits.find_first_not_of("0123456789") != std::string::npos) {
+      root.complain("image has no frame number behind \"frame\"");
+    } else {
+      out.frame = std::stoll(digits);
+    }
+    image.resize(place);
+  }
+  out.file = std::filesystem::path(image).filename().string();
+  for (const Node& object : root.list("objects")) {
+    const std::string type = object.text("type");
+    if (type == "ball") {
+      out.balls_px.push_back(object.pair("centre"));
+    } else if (type == "robot") {
+      AnnotatedPicture::Robot robot;
+      robot.team = object.text("team");
+      if (object.has("team_patch") && !object.at("team_patch").null()) robot.team_px = object.pair("team_patch");
+      if (object.has("id_patches") && !object.at("id_patches").null()) {
+        for (const Node& patch : object.list("id_patches")) {
+          robot.identification.push_back({true, patch.text("colour"), patch.pair("centre")});
+        }
+      }
+      out.robots.push_back(std::move(robot));
+    } else {
+      object.complain("type \"" + type + "\" is neither ball nor robot");
+    }
+  }
+  if (wrong.empty()) return true;
+  error = path + ": " + wrong;
+  return false;
+}
+
+}  // namespace touchline::evaluate

@@ -1,0 +1,185 @@
+#include "tools/programs/evaluate/report.h"
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+namespace touchline::evaluate {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr double kMillimeters = 1000.0;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+template <class... Values>
+void line(std::ostream& out, const char* format, Values... values) {
+  char text[256];
+  std::snprintf(text, sizeof text, format, values...);
+  out << text << '\n';
+}
+
+// "118 (98.3 %)"; of nothing there is no share.
+std::string share(std::size_t part, std::size_t whole) {
+  char text[64];
+  if (whole == 0) {
+    std::snprintf(text, sizeof text, "%zu", part);
+  } else {
+    std::snprintf(text, sizeof text, "%zu (%.2f %%)", part,
+                  100.0 * static_cast<double>(part) / static_cast<double>(whole));
+  }
+  return text;
+}
+
+void print_errors(std::ostream& out, const char* name, const ErrorSummary& s, const ErrorSummary& t, double factor,
+                  const char* unit) {
+  const auto cell = [&](const ErrorSummary& e) {
+    char text[96];
+    std::snprintf(text, sizeof text, "%8.3f %8.3f %8.3f", e.rms * factor, e.p95 * factor, e.max * factor);
+    return e.count == 0 ? std::string("       -        -        -") : std::string(text);
+  };
+  line(out, "%-26s %s   %s  %s", name, cell(s).c_str(), cell(t).c_str(), unit);
+}
+
+ordered_json json_of(const ErrorSummary& e) {
+  return {{"count", e.count}, {"rms", e.rms}, {"p95", e.p95}, {"max", e.max}};
+}
+
+ordered_json json_of(const PoseSummary& s) {
+  return {{"robots", s.robots},
+          {"right", s.right},
+          {"unknown", s.unknown},
+          {"swapped", s.swapped},
+          {"missed", s.missed},
+          {"ghosts", s.ghosts},
+          {"balls", s.balls},
+          {"balls_seen", s.balls_seen},
+          {"balls_missed", s.balls_missed},
+          {"ball_ghosts", s.ball_ghosts},
+          {"position_m", json_of(s.position)},
+          {"angle_rad", json_of(s.angle)},
+          {"ball_m", json_of(s.ball)}};
+}
+
+ordered_json json_of(const std::vector<Spread>& spreads) {
+  ordered_json list = ordered_json::array();
+  for (const Spread& s : spreads) {
+    list.push_back({{"name", s.name},
+                    {"frames", s.frames},
+                    {"position_rms_m", s.position_rms},
+                    {"position_max_m", s.position_max},
+                    {"angle_rms_rad", s.angle_rms},
+                    {"angle_max_rad", s.angle_max},
+                    {"largest_step_m", s.largest_step},
+                    {"mean_m", {s.mean.a, s.mean.b}}});
+  }
+  return list;
+}
+
+}  // namespace
+
+void print(const PoseReport& report, double seen_within_m, std::ostream& out) {
+  const PoseSummary &s = report.sightings, &t = report.tracks;
+  line(out, "%zu frames, %zu robots and %zu balls in the truth; the same place: within %.1f mm", report.frames,
+       s.robots, s.balls, seen_within_m * kMillimeters);
+  if (report.frames_without_result > 0)
+    line(out, "%zu frames have no result: all in them is missed", report.frames_without_result);
+  if (report.results_without_truth > 0) line(out, "%zu results have no truth: left out", report.results_without_truth);
+  line(out, "\n%-26s %-26s   %s", "", "sightings", "tracks");
+  const auto counts = [&](const char* name, std::size_t PoseSummary::*part, std::size_t PoseSummary::*whole) {
+    const std::size_t all_s = whole == nullptr ? 0 : s.*whole, all_t = whole == nullptr ? 0 : t.*whole;
+    line(out, "%-26s %-26s   %s", name, share(s.*part, all_s).c_str(), share(t.*part, all_t).c_str());
+  };
+  counts("robots, right id", &PoseSummary::right, &PoseSummary::robots);
+  counts("robots, unknown id", &PoseSummary::unknown, &PoseSummary::robots);
+  counts("robots, swapped id", &PoseSummary::swapped, &PoseSummary::robots);
+  counts("robots missed", &PoseSummary::missed, &PoseSummary::robots);
+  counts("robot ghosts", &PoseSummary::ghosts, nullptr);
+  counts("ball seen", &PoseSummary::balls_seen, &PoseSummary::balls);
+  counts("ball missed", &PoseSummary::balls_missed, &PoseSummary::balls);
+  counts("ball ghosts", &PoseSummary::ball_ghosts, nullptr);
+  line(out, "\n%-26s %8s %8s %8s   %8s %8s %8s", "error", "RMS", "p95", "max", "RMS", "p95", "max");
+  print_errors(out, "robot position", s.position, t.position, kMillimeters, "mm");
+  print_errors(out, "robot angle", s.angle, t.angle, kDegrees, "deg");
+  print_errors(out, "ball position", s.ball, t.ball, kMillimeters, "mm");
+  if (!report.spread.empty()) {
+    out << "\nNothing moves in the truth: sightings about their own mean\n";
+    print(report.spread, report.frames, out);
+  }
+}
+
+void print(const std::vector<Spread>& spread, std::size_t frames, std::ostream& out) {
+  line(out, "%-20s %-18s %17s %17s %9s   %s", "", "frames", "RMS mm      max", "RMS deg     max", "step mm",
+       "mean x, y m");
+  for (const Spread& s : spread) {
+    line(out, "%-20s %-18s %8.3f %8.3f %8.3f %8.3f %9.3f   %.4f, %.4f", s.name.c_str(), share(s.frames, frames).c_str(),
+         s.position_rms * kMillimeters, s.position_max * kMillimeters, s.angle_rms * kDegrees, s.angle_max * kDegrees,
+         s.largest_step * kMillimeters, s.mean.a, s.mean.b);
+  }
+}
+
+void print(const std::vector<PictureReport>& pictures, const PictureTolerance& tolerance, std::ostream& out) {
+  line(out, "ids: right/unknown/wrong; patch and ball errors in pixels (RMS, max); good: within %.1f px",
+       tolerance.good_px);
+  line(out, "%-22s %9s %9s %11s %13s %9s %11s %13s %7s %6s %7s", "picture", "robots", "team good", "RMS   max",
+       "ident. good", "ids", "RMS   max", "ball good", "px", "ghosts", "unclear");
+  const auto row = [&out](const PictureReport& p) {
+    const auto of = [](std::size_t part, std::size_t whole) {
+      return std::to_string(part) + "/" + std::to_string(whole);
+    };
+    const std::string ids =
+        std::to_string(p.ids_right) + "/" + std::to_string(p.ids_unknown) + "/" + std::to_string(p.ids_wrong);
+    line(out, "%-22s %9s %9s %5.2f %5.2f %13s %9s %5.2f %5.2f %13s %7.2f %6zu %7zu", p.name.c_str(),
+         of(p.found, p.robots).c_str(), of(p.team_good, p.robots).c_str(), p.team_px.rms, p.team_px.max,
+         of(p.identification_good, p.identification).c_str(), ids.c_str(), p.identification_px.rms,
+         p.identification_px.max, of(p.balls_good, p.balls).c_str(), p.ball_px.max,
+         p.ghosts + p.ball_ghosts + p.wrong_team, p.not_judged);
+  };
+  for (const PictureReport& p : pictures) row(p);
+}
+
+std::string to_json(const PoseReport& report, double seen_within_m) {
+  return ordered_json{{"frames", report.frames},
+                      {"frames_without_result", report.frames_without_result},
+                      {"results_without_truth", report.results_without_truth},
+                      {"seen_within_m", seen_within_m},
+                      {"sightings", json_of(report.sightings)},
+                      {"tracks", json_of(report.tracks)},
+                      {"spread", json_of(report.spread)}}
+             .dump(2) +
+         "\n";
+}
+
+std::string to_json(const std::vector<Spread>& spread, std::size_t frames) {
+  return ordered_json{{"frames", frames}, {"spread", json_of(spread)}}.dump(2) + "\n";
+}
+
+std::string to_json(const std::vector<PictureReport>& pictures, const PictureTolerance& tolerance) {
+  ordered_json list = ordered_json::array();
+  for (const PictureReport& p : pictures) {
+    list.push_back({{"name", p.name},
+                    {"robots", p.robots},
+                    {"found", p.found},
+                    {"not_judged", p.not_judged},
+                    {"team_good", p.team_good},
+                    {"identification", p.identification},
+                    {"identification_good", p.identification_good},
+                    {"ids_right", p.ids_right},
+                    {"ids_unknown", p.ids_unknown},
+                    {"ids_wrong", p.ids_wrong},
+                    {"wrong_team", p.wrong_team},
+                    {"ghosts", p.ghosts},
+                    {"balls", p.balls},
+                    {"balls_found", p.balls_found},
+                    {"balls_good", p.balls_good},
+                    {"ball_ghosts", p.ball_ghosts},
+                    {"team_px", json_of(p.team_px)},
+                    {"identification_px", json_of(p.identification_px)},
+                    {"ball_px", json_of(p.ball_px)}});
+  }
+  return ordered_json{{"good_px", tolerance.good_px}, {"same_robot_px", tolerance.same_robot_px}, {"pictures", list}}
+             .dump(2) +
+         "\n";
+}
+
+}  // namespace touchline::evaluate

@@ -1,0 +1,213 @@
+#include "tools/programs/latency/report_document.h"
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace touchline::latency {
+namespace {
+
+std::string milliseconds(Duration duration) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3f", seconds(duration) * 1e3);
+  return text;
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string count(std::uint64_t n) { return std::to_string(n); }
+
+std::string begin_and_end(const std::optional<double>& begin, const std::optional<double>& end, const char* unit) {
+  if (!begin && !end) return "";
+  return (begin ? number(*begin) : "?") + unit + " at the start, " + (end ? number(*end) : "?") + unit + " at the end";
+}
+
+Table span_table(const LatencyReport& report) {
+  Table table{"Milliseconds, " + count(report.frames) + " frames", {"", "p50", "p90", "p99", "p99.9", "max"}, {}};
+  for (std::size_t i = 0; i < kSpanCount; ++i) {
+    const LatencySummary& s = report.spans[i];
+    auto& row = table.rows.emplace_back();
+    row.push_back({describe(static_cast<Span>(i))});
+    for (const Duration d : {s.p50, s.p90, s.p99, s.p99_9, s.max}) row.push_back({milliseconds(d)});
+  }
+  return table;
+}
+
+Table worst_table(const LatencyReport& report) {
+  Table table{"Worst frames, milliseconds; marked: what was farthest from usual", {"", "usually"}, {}};
+  for (const WorstFrame& frame : report.worst) table.head.push_back("#" + count(frame.number));
+  for (std::size_t i = 0; i < kSpanCount; ++i) {
+    auto& row = table.rows.emplace_back();
+    row.push_back({describe(static_cast<Span>(i))});
+    row.push_back({milliseconds(report.spans[i].p50)});
+    for (const WorstFrame& frame : report.worst) {
+      row.push_back({milliseconds(frame.times[i]), culprit(report, frame) == static_cast<Span>(i)});
+    }
+  }
+  return table;
+}
+
+using Facts = std::vector<std::pair<std::string, std::string>>;
+
+void add(Facts& facts, const char* name, const std::string& value) {
+  if (!value.empty()) facts.emplace_back(name, value);
+}
+
+// What was chosen or given, not what came of it.
+Facts conditions_of(const LatencyReport& report) {
+  const SystemFacts& system = report.system;
+  Facts facts;
+  add(facts, "source", report.source);
+  if (report.rate_hz > 0.0) add(facts, "frame rate", number(report.rate_hz) + " Hz");
+  if (report.deadline > Duration::zero()) add(facts, "deadline", text_of(report.deadline));
+  add(facts, "processors", count(system.processors) + " x " + system.processor);
+  add(facts, "loop on",
+      system.affinity + (system.isolated.empty() ? "; none isolated" : "; isolated " + system.isolated));
+  add(facts, "scheduler",
+      system.scheduler + ", priority " + std::to_string(system.priority) + ", timer slack " +
+          std::to_string(system.timer_slack_ns) + " ns");
+  add(facts, "memory", system.locked_kb > 0 ? "locked" : "not locked");
+  add(facts, "governor", system.governor);
+  if (system.min_mhz && system.max_mhz) {
+    add(facts, "frequency range", number(*system.min_mhz) + " to " + number(*system.max_mhz) + " MHz");
+  }
+  add(facts, "kernel", system.kernel + ", " + system.preemption);
+  add(facts, "load beside it", system.load.empty() ? "none" : system.load);
+  return facts;
+}
+
+struct Counted {
+  const char* name;
+  std::optional<std::uint64_t> value;
+};
+
+std::vector<Counted> counts_of(const LatencyReport& report) {
+  const ThreadUsage& usage = report.usage;
+  return {{"deadline missed", report.deadline_misses},
+          {"frame to packet longer than a period", report.period_overruns},
+          {"frames lost on the way", report.lost},
+          {"frames overloaded", report.overloads},
+          {"page faults (minor)", usage.minor_faults},
+          {"page faults (major)", usage.major_faults},
+          {"context switches (to wait)", usage.voluntary_switches},
+          {"context switches (displaced)", usage.involuntary_switches},
+          {"allocations", report.allocations}};
+}
+
+std::string text_of_count(const Counted& counted) { return counted.value ? count(*counted.value) : "not counted"; }
+
+std::string ratio_text(double ratio) {
+  if (std::isinf(ratio)) return "from 0";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.*f", ratio < 10.0 ? 2 : ratio < 100.0 ? 1 : 0, ratio);
+  return text;
+}
+
+struct Column {
+  const char* name;
+  Duration LatencySummary::*value;
+  double tolerated;
+};
+constexpr Column kColumns[] = {
+    {"p50", &LatencySummary::p50, 1.1}, {"p99", &LatencySummary::p99, 1.1}, {"max", &LatencySummary::max, 1.25}};
+constexpr Duration kLeastChange = std::chrono::microseconds(2);
+
+std::string listed(const std::vector<std::string>& items) {
+  std::string text;
+  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
+  return text;
+}
+
+}  // namespace
+
+Document document_of(const LatencyReport& report) {
+  Document document{"Frame latency: " + report.source, verdict(report), {span_table(report), worst_table(report)}, {}};
+  Facts& facts = document.facts;
+  for (const Counted& counted : counts_of(report)) add(facts, counted.name, text_of_count(counted));
+  for (auto& condition : conditions_of(report)) facts.push_back(std::move(condition));
+  add(facts, "frequency", begin_and_end(report.system.begin_mhz, report.system.end_mhz, " MHz"));
+  add(facts, "temperature", begin_and_end(report.system.begin_celsius, report.system.end_celsius, " °C"));
+  for (const std::string& refused : report.system.refused) add(facts, "real time", refused);
+  add(facts, "measured", report.measured_at + ", after " + count(report.warm_up) + " frames of warm-up");
+  return document;
+}
+
+Document comparison_of(const NamedReport& a, const NamedReport& b) {
+  Document document{"Frame latency: " + b.name + " against " + a.name, "", {}, {}};
+  std::vector<std::string> worse, better, more;
+  Table& times = document.tables.emplace_back(Table{"Milliseconds, and B / A", {""}, {}});
+  for (const Column& column : kColumns) {
+    const std::string name = column.name;
+    times.head.insert(times.head.end(), {name + " A", name + " B", "B / A"});
+  }
+  for (std::size_t i = 0; i < kSpanCount; ++i) {
+    auto& row = times.rows.emplace_back();
+    row.push_back({describe(static_cast<Span>(i))});
+    std::vector<std::string> grown, shrunk;
+    for (const Column& column : kColumns) {
+      const Duration from = a.report.spans[i].*column.value, to = b.report.spans[i].*column.value;
+      const double ratio = from > Duration::zero() ? seconds(to) / seconds(from)
+                           : to > from             ? std::numeric_limits<double>::infinity()
+                                                   : 1.0;
+      const bool grew = to - from > kLeastChange && ratio > column.tolerated;
+      const bool shrank = from - to > kLeastChange && ratio < 1.0 / column.tolerated;
+      if (grew || shrank)
+        (grew ? grown : shrunk)
+            .push_back(std::string(column.name) + (std::isinf(ratio) ? " " : " x ") + ratio_text(ratio));
+      row.insert(row.end(), {{milliseconds(from)}, {milliseconds(to)}, {ratio_text(ratio), grew}});
+    }
+    // The whole frame first, then its parts.
+    const auto note = [&](std::vector<std::string>& list, const std::vector<std::string>& changes) {
+      const bool whole = static_cast<Span>(i) == Span::kLatency;
+      if (!changes.empty()) list.insert(whole ? list.begin() : list.end(), row[0].text + " (" + listed(changes) + ")");
+    };
+    note(worse, grown);
+    note(better, shrunk);
+  }
+  Table& counts = document.tables.emplace_back(Table{"Counts", {"", "A", "B"}, {}});
+  counts.rows.push_back({{"frames"}, {count(a.report.frames)}, {count(b.report.frames)}});
+  const std::vector<Counted> before = counts_of(a.report), after = counts_of(b.report);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const auto rate = [](const Counted& counted, const LatencyReport& report) {
+      return static_cast<double>(counted.value.value_or(0)) / static_cast<double>(report.frames);
+    };
+    const double from = rate(before[i], a.report), to = rate(after[i], b.report);
+    // The clock decides about a few; one in a thousand frames is no accident.
+    const bool grew = before[i].value && to > 1.1 * from + 1e-3;
+    if (grew) more.emplace_back(before[i].name);
+    counts.rows.push_back({{before[i].name}, {text_of_count(before[i])}, {text_of_count(after[i]), grew}});
+  }
+  const Facts of_a = conditions_of(a.report), of_b = conditions_of(b.report);
+  const auto value_in = [](const Facts& facts, const std::string& name) {
+    for (const auto& [other, value] : facts) {
+      if (other == name) return value;
+    }
+    return std::string("unknown");
+  };
+  const auto differs = [&document](std::string name, const std::string& in_a, const std::string& in_b) {
+    name += " differs";
+    std::string values = "A ";
+    values.append(in_a).append("; B ").append(in_b);
+    document.facts.emplace_back(std::move(name), std::move(values));
+  };
+  add(document.facts, "A", a.name + ", " + a.report.source + ", " + a.report.measured_at);
+  add(document.facts, "B", b.name + ", " + b.report.source + ", " + b.report.measured_at);
+  for (const auto& [name, value] : of_a) {
+    const std::string other = value_in(of_b, name);
+    if (other != value) differs(name, value, other);
+  }
+  for (const auto& [name, value] : of_b) {
+    if (value_in(of_a, name) == "unknown") differs(name, "unknown", value);
+  }
+  document.verdict = worse.empty() ? "No time got worse from A to B" : "Worse in B: " + listed(worse);
+  if (!more.empty()) document.verdict += "; more often in B: " + listed(more);
+  if (!better.empty()) document.verdict += "; better in B: " + listed(better);
+  document.verdict += ".";
+  return document;
+}
+
+}  // namespace touchline::latency

@@ -1,0 +1,196 @@
+#include "tools/programs/latency/report_json.h"
+
+#include <nlohmann/json.hpp>
+#include <type_traits>
+
+namespace touchline::latency {
+namespace {
+
+using nlohmann::ordered_json;
+
+// The report is described once; Writer and Reader visit that description.
+
+template <class Array>
+struct BySpan {
+  Array& values;
+  template <class Visitor>
+  static void describe(const BySpan& self, Visitor& visit) {
+    for (std::size_t i = 0; i < kSpanCount; ++i) visit(latency::describe(static_cast<Span>(i)), self.values[i]);
+  }
+};
+
+template <class Array>
+BySpan(Array&) -> BySpan<Array>;
+
+template <class Self, class Visitor>
+void describe_frame(Self& frame, Visitor& visit) {
+  visit("number", frame.number);
+  visit("times_ns", BySpan{frame.times});
+}
+
+template <class Self, class Visitor>
+void describe_report(Self& report, Visitor& visit) {
+  visit("source", report.source);
+  visit("measured_at", report.measured_at);
+  visit("frames", report.frames);
+  visit("warm_up", report.warm_up);
+  visit("rate_hz", report.rate_hz);
+  visit("deadline_ns", report.deadline);
+  visit("deadline_misses", report.deadline_misses);
+  visit("period_overruns", report.period_overruns);
+  visit("lost", report.lost);
+  visit("overloads", report.overloads);
+  visit("allocations", report.allocations);
+  visit("usage", report.usage);
+  visit("spans_ns", BySpan{report.spans});
+  visit("worst_frames", report.worst);
+  visit("system", report.system);
+  // Pairs of bin and count; bin i begins at 100 ns * 10^(i / 20).
+  visit("histograms", BySpan{report.histograms});
+}
+
+class Writer {
+ public:
+  explicit Writer(ordered_json& json) : json_(json) {}
+
+  template <class T>
+  void operator()(const char* key, const T& value) {
+    write(json_[key], value);
+  }
+
+ private:
+  static void write(ordered_json& json, const Duration& value) { json = value.count(); }
+  static void write(ordered_json& json, const LogHistogram& value) {
+    json = ordered_json::array();
+    for (std::size_t i = 0; i < LogHistogram::kBins; ++i) {
+      if (value.counts[i] > 0) json.push_back({i, value.counts[i]});
+    }
+  }
+  static void write(ordered_json& json, const std::vector<WorstFrame>& frames) {
+    json = ordered_json::array();
+    for (const WorstFrame& frame : frames) {
+      Writer writer(json.emplace_back());
+      describe_frame(frame, writer);
+    }
+  }
+  template <class T>
+  static void write(ordered_json& json, const std::optional<T>& value) {
+    if (value) json = *value;
+  }
+  template <class T>
+  static void write(ordered_json& json, const T& value) {
+    if constexpr (requires(Writer & visit) { T::describe(value, visit); }) {
+      Writer writer(json);
+      T::describe(value, writer);
+    } else {
+      json = value;
+    }
+  }
+
+  ordered_json& json_;
+};
+
+class Reader {
+ public:
+  // `error` is set by the first thing that is wrong; what follows is skipped.
+  Reader(const ordered_json& json, std::string path, std::string& error)
+      : json_(json), path_(std::move(path)), error_(error) {}
+
+  template <class T>
+  void operator()(const char* key, T&& value) {
+    if (!error_.empty()) return;
+    const std::string path = path_ + key;
+    if (!json_.is_object() || !json_.contains(key)) {
+      error_ = path + ": is missing";
+    } else {
+      read(json_[key], path, value);
+    }
+  }
+
+ private:
+  void refuse(const std::string& path, const char* wanted) { error_ = path + ": " + wanted + " is wanted"; }
+
+  void read(const ordered_json& json, const std::string& path, std::uint64_t& value) {
+    json.is_number_unsigned() ? static_cast<void>(value = json.get<std::uint64_t>()) : refuse(path, "a count");
+  }
+  void read(const ordered_json& json, const std::string& path, std::int64_t& value) {
+    json.is_number_integer() ? static_cast<void>(value = json.get<std::int64_t>()) : refuse(path, "an integer");
+  }
+  void read(const ordered_json& json, const std::string& path, double& value) {
+    json.is_number() ? static_cast<void>(value = json.get<double>()) : refuse(path, "a number");
+  }
+  void read(const ordered_json& json, const std::string& path, std::string& value) {
+    json.is_string() ? static_cast<void>(value = json.get<std::string>()) : refuse(path, "a text");
+  }
+  void read(const ordered_json& json, const std::string& path, Duration& value) {
+    std::int64_t count = 0;
+    read(json, path, count);
+    value = Duration(count);
+  }
+  template <class T>
+  void read(const ordered_json& json, const std::string& path, std::optional<T>& value) {
+    value.reset();
+    if (!json.is_null()) read(json, path, value.emplace());
+  }
+  void read(const ordered_json& json, const std::string& path, LogHistogram& value) {
+    if (!json.is_array()) return refuse(path, "a list");
+    for (const ordered_json& pair : json) {
+      const bool good = pair.is_array() && pair.size() == 2 && pair[0].is_number_unsigned() &&
+                        pair[1].is_number_unsigned() && pair[0].get<std::size_t>() < LogHistogram::kBins;
+      if (!good) return refuse(path, "a list of bins and counts");
+      value.counts[pair[0].get<std::size_t>()] = pair[1].get<std::uint64_t>();
+    }
+  }
+  template <class T>
+  void read(const ordered_json& json, const std::string& path, std::vector<T>& values) {
+    if (!json.is_array()) return refuse(path, "a list");
+    for (std::size_t i = 0; i < json.size() && error_.empty(); ++i) {
+      read(json[i], path + "[" + std::to_string(i) + "]", values.emplace_back());
+    }
+  }
+  void read(const ordered_json& json, const std::string& path, WorstFrame& frame) {
+    Reader reader(json, path + ".", error_);
+    describe_frame(frame, reader);
+  }
+  template <class T>
+  requires requires(T& value, Reader& visit) { T::describe(value, visit); }
+  void read(const ordered_json& json, const std::string& path, T& value) {
+    Reader reader(json, path + ".", error_);
+    T::describe(value, reader);
+  }
+
+  const ordered_json& json_;
+  const std::string path_;
+  std::string& error_;
+};
+
+}  // namespace
+
+std::string to_json(const LatencyReport& report) {
+  ordered_json json;
+  Writer writer(json);
+  writer("format", LatencyReport::kFormat);
+  describe_report(report, writer);
+  return json.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+bool from_json(const std::string& text, LatencyReport& report, std::string& error) {
+  error.clear();
+  const ordered_json json = ordered_json::parse(text, nullptr, false);
+  if (json.is_discarded()) {
+    error = "is no JSON";
+    return false;
+  }
+  report = {};
+  Reader reader(json, "", error);
+  std::int64_t format = 0;
+  reader("format", format);
+  if (error.empty() && format != LatencyReport::kFormat) {
+    error = "format: " + std::to_string(format) + " is not one that this program reads (" +
+            std::to_string(LatencyReport::kFormat) + ")";
+  }
+  describe_report(report, reader);
+  return error.empty();
+}
+
+}  // namespace touchline::latency

@@ -1,0 +1,156 @@
+#include "tools/programs/latency/worst_frames.h"
+
+#include <algorithm>
+
+#include "hal/mock/sensor.h"
+
+namespace touchline::latency {
+namespace {
+
+constexpr std::size_t kPatchPx = 12;  // a patch of 37.5 mm under a camera that sees 2.2 m with 640 pixels
+
+std::uint32_t next_random(std::uint32_t& state) {
+  state = state * 1664525u + 1013904223u;  // Numerical Recipes
+  return state >> 16;
+}
+
+// The same number for the same place.
+std::uint32_t scattered(std::size_t u, std::size_t v) {
+  auto hash = static_cast<std::uint32_t>(u * 0x9E3779B1u ^ v * 0x85EBCA77u);
+  hash = (hash ^ hash >> 15) * 0x2C1B3C6Du;
+  return (hash ^ hash >> 12) >> 4;
+}
+
+bool in_box(const ColorBox& box, const std::array<std::uint8_t, 3>& value) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (value[i] < box.low[i] || value[i] > box.high[i]) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+WorstFrames::WorstFrames(const PipelineParameters& parameters, const hal::Clock& clock)
+    : parameters_(parameters), clock_(clock) {}
+
+void WorstFrames::choose_values() {
+  const ColorBoxes& boxes = parameters_.scan.boxes;
+  values_.assign(1, {0, 128, 128});
+  const auto in_any = [&boxes](const Value& value) {
+    return std::any_of(boxes.begin(), boxes.end(), [&value](const ColorBox& box) { return in_box(box, value); });
+  };
+  std::uint32_t random = 1;
+  for (int tries = 0; tries < 10000 && in_any(values_[0]); ++tries) {
+    for (std::uint8_t& channel : values_[0]) channel = static_cast<std::uint8_t>(next_random(random));
+  }
+  std::vector<ColorId> done;
+  for (const ColorBox& box : boxes) {
+    if (std::find(done.begin(), done.end(), box.color) != done.end()) continue;
+    done.push_back(box.color);
+    Value middle{};
+    for (std::size_t i = 0; i < 3; ++i) middle[i] = static_cast<std::uint8_t>((box.low[i] + box.high[i]) / 2);
+    values_.push_back(middle);
+  }
+}
+
+std::size_t WorstFrames::value_at(std::size_t pattern, std::size_t u, std::size_t v, std::uint32_t& random) const {
+  const std::size_t colors = values_.size() - 1;
+  // Chroma is shared by pairs (by blocks in NV12): colors that must differ change with the pair.
+  const PixelFormat format = parameters_.scan.format;
+  const std::size_t column = color_space(format) == ColorSpace::kRgb ? u : u / 2;
+  const std::size_t row = format == PixelFormat::kNv12 ? v / 2 : v;
+  switch (pattern) {
+    case 0:
+      return 1;
+    case 1:
+      return 1 + (column + row) % std::min<std::size_t>(2, colors);
+    case 2:
+      return column % 2 == 0 && row % 2 == 0 ? 1 + (column / 2) % colors : 0;
+    case 3:
+      return column % 2 == 0 || v + 2u >= parameters_.scan.height_px ? 1 : 0;
+    case 4:
+      return next_random(random) % (colors + 1);
+    case 5:
+      // Two rows of pairs: nothing that removes specks removes these.
+      return column % 3 < 2 && row % 3 < 2 ? 1 + (column / 3 + row / 3) % colors : 0;
+    case 6:
+      // Salt in pairs, which is no specks either.
+      return scattered(u / 2, row) % (colors + 1);
+    case 7:
+      // Just above the threshold of site percolation, 0.5927: clusters as ragged as they get.
+      return scattered(column, row) % 1000 < 600 ? 1 : 0;
+    default: {
+      const std::size_t cell = u / kPatchPx + v / kPatchPx;
+      return u % kPatchPx < kPatchPx - 2 && v % kPatchPx < kPatchPx - 2 ? 1 + cell % colors : 0;
+    }
+  }
+}
+
+void WorstFrames::paint(std::size_t pattern) {
+  const std::size_t width = info_.width_px, height = info_.height_px;
+  std::vector<std::uint8_t>& picture = pictures_[pattern];
+  const Frame frame = frame_of(pattern);
+  std::uint8_t* const first = picture.data();
+  std::uint32_t random = 7;
+  for (std::size_t v = 0; v < height; ++v) {
+    std::uint8_t* row = first + v * frame.stride_bytes[0];
+    std::uint8_t* chroma = first + height * frame.stride_bytes[0] + (v / 2) * frame.stride_bytes[1];
+    for (std::size_t u = 0; u < width; ++u) {
+      const Value& value = values_[value_at(pattern, u, v, random)];
+      switch (frame.format) {
+        case PixelFormat::kRgb24:
+          std::copy_n(value.begin(), 3, row + 3 * u);
+          break;
+        case PixelFormat::kBgr24:
+          std::reverse_copy(value.begin(), value.end(), row + 3 * u);
+          break;
+        case PixelFormat::kYuyv:
+          row[2 * u] = value[0], row[u / 2 * 4 + 1] = value[1], row[u / 2 * 4 + 3] = value[2];
+          break;
+        case PixelFormat::kUyvy:
+          row[2 * u + 1] = value[0], row[u / 2 * 4] = value[1], row[u / 2 * 4 + 2] = value[2];
+          break;
+        case PixelFormat::kNv12:
+          row[u] = value[0], chroma[u / 2 * 2] = value[1], chroma[u / 2 * 2 + 1] = value[2];
+          break;
+      }
+    }
+  }
+}
+
+Frame WorstFrames::frame_of(std::size_t pattern) const {
+  Frame frame;
+  frame.format = info_.format;
+  frame.width_px = info_.width_px;
+  frame.height_px = info_.height_px;
+  const hal::mock::PictureLayout layout = hal::mock::layout_of(info_.format, info_.width_px, info_.height_px);
+  frame.stride_bytes = layout.stride_bytes;
+  const std::uint8_t* data = pictures_[pattern].data();
+  frame.plane = {data, layout.second_plane == 0 ? nullptr : data + layout.second_plane};
+  return frame;
+}
+
+Status WorstFrames::do_open() {
+  const ScanParameters& scan = parameters_.scan;
+  if (scan.boxes.empty()) {
+    reason_ = "worst frames: the venue has no colors to paint with";
+    return ErrorCode::kInconsistent;
+  }
+  info_ = {scan.format, scan.width_px, scan.height_px, 0.0};
+  choose_values();
+  for (std::size_t pattern = 0; pattern < kPatterns; ++pattern) {
+    pictures_[pattern].assign(hal::mock::layout_of(scan.format, scan.width_px, scan.height_px).bytes, 0);
+    paint(pattern);
+  }
+  sequence_ = 0;
+  return {};
+}
+
+Result<hal::FrameLease> WorstFrames::do_wait(Instant) {
+  Frame frame = frame_of(sequence_ % kPatterns);
+  frame.capture_time = clock_.now();
+  frame.sequence = sequence_++;
+  return hal::FrameLease(*this, frame, 0);
+}
+
+}  // namespace touchline::latency

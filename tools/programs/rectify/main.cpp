@@ -1,0 +1,140 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+
+#include "tools/programs/calibrate/camera_picture.h"
+#include "tools/programs/calibrate/venue_draft.h"
+#include "tools/programs/command_line/number_range.h"
+#include "tools/programs/command_line/parse.h"
+#include "tools/programs/rectify/rectification.h"
+#include "tools/programs/rectify/straightness.h"
+
+namespace touchline::rectify {
+namespace {
+
+struct Options {
+  std::string picture, venue, out, kind;
+  double scale_px_per_m = 0, margin_m = 0.1, grid_m = 0;
+};
+
+int refuse(const std::string& message) {
+  std::fprintf(stderr, "touchline-rectify: %s\n", message.c_str());
+  return 1;
+}
+
+// Which models are asked for, and are in the file; the one in use comes first.
+std::vector<CameraParameters> models_of(const CameraParameters& venue, const std::string& kind) {
+  std::vector<CameraParameters> models;
+  for (const bool other : {false, true}) {
+    CameraParameters model = venue;
+    if (other) {
+      model.kind = venue.kind == CameraModelKind::kFull ? CameraModelKind::kPaper : CameraModelKind::kFull;
+    }
+    const bool wanted = kind.empty() || (kind == "full") == (model.kind == CameraModelKind::kFull);
+    CameraModel camera;
+    if (wanted && camera.configure(model).ok()) models.push_back(model);
+  }
+  return models;
+}
+
+void print_table(const char* kind, const std::array<SideStraightness, 4>& sides) {
+  constexpr std::array<const char*, 4> kNames{"-y", "+x", "+y", "-x"};
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const SideStraightness& s = sides[i];
+    if (s.points < 3) {
+      std::printf("%-5s %s    not found\n", kind, kNames[i]);
+      continue;
+    }
+    std::printf("%-5s %s %6zu %8zu %9.3f %7.3f %9.3f %7.3f %9.3f %7.3f %7.3f\n", kind, kNames[i], s.points, s.left_out,
+                s.distorted.rms_px, s.distorted.rms_mm, s.straightened.rms_px, s.straightened.rms_mm,
+                s.rectified.rms_px, s.rectified.rms_mm, s.rectified.max_mm);
+  }
+}
+
+int run(const Options& options) {
+  namespace fs = std::filesystem;
+  std::string reason;
+  calibrate::VenueDraft draft;
+  if (!calibrate::read_draft(options.venue, draft, reason).ok()) return refuse(reason);
+  if (!draft.exists) return refuse(options.venue + ": no such file; make it with touchline-calibrate field");
+  const auto models = models_of(draft.file.camera_model, options.kind);
+  if (models.empty()) {
+    return refuse(options.venue + ": [camera_model]" + (options.kind.empty() ? "" : "." + options.kind) +
+                  " holds no camera that makes sense; touchline-calibrate field finds one");
+  }
+  hal::Picture picture;
+  if (!calibrate::load_rgb(options.picture, picture, reason).ok()) return refuse(reason);
+  if (picture.width_px != draft.file.picture.width_px || picture.height_px != draft.file.picture.height_px) {
+    return refuse(options.picture + " is " + std::to_string(picture.width_px) + " x " +
+                  std::to_string(picture.height_px) + ", but " + options.venue + " is made for " +
+                  std::to_string(draft.file.picture.width_px) + " x " + std::to_string(draft.file.picture.height_px));
+  }
+  std::error_code error;
+  fs::create_directories(options.out, error);
+  if (error) return refuse(options.out + ": cannot be made: " + error.message());
+  const std::string stem = (fs::path(options.out) / fs::path(options.picture).stem()).string();
+  std::vector<std::string> written;
+  const auto write = [&](const std::string& name, const hal::Picture& figure) {
+    written.push_back(name + " (" + std::to_string(figure.width_px) + " x " + std::to_string(figure.height_px) + ")");
+    return hal::write_picture(name, figure, reason).ok();
+  };
+  if (!write(stem + "-distorted.png", picture)) return refuse(reason);
+
+  CameraModel in_use;
+  if (!in_use.configure(models[0]).ok()) return refuse(options.venue + ": the camera model cannot be used");
+  std::array<std::size_t, 4> left_out{};
+  const auto points = border_points(picture, in_use, draft.file.field, left_out);
+  std::printf(
+      "straightness of the border: deviation from a line of each side, as the camera shows it (fig. 11),\n"
+      "with radial distortion corrected (fig. 12 a), and with radial and perspective corrected (fig. 12 b)\n"
+      "%-10s%7s%9s%10s%8s%10s%8s%10s%8s%8s\n%-10s%7s%9s%10s%8s%10s%8s%10s%8s%8s\n",
+      "", "", "", "distorted", "", "radial", "", "both", "", "", "model side", "points", "left out", "RMS px", "RMS mm",
+      "RMS px", "RMS mm", "RMS px", "RMS mm", "max mm");
+  for (const CameraParameters& model : models) {
+    CameraModel camera;
+    if (!camera.configure(model).ok()) continue;
+    const LensMap lens(model);
+    const char* kind = model.kind == CameraModelKind::kFull ? "full" : "paper";
+    const double scale =
+        options.scale_px_per_m > 0 ? options.scale_px_per_m : static_cast<double>(camera.scale_px_per_m({0, 0}, 0.0f));
+    Raster raster;
+    hal::Picture figure = straighten(picture, lens, raster);
+    if (options.grid_m > 0) draw_grid(camera, lens, draft.file.field, options.grid_m, raster, figure);
+    if (!write(stem + "-" + kind + "-radial.png", figure)) return refuse(reason);
+    if (!rectify_floor(picture, camera, draft.file.field, options.margin_m, scale, figure, raster).ok()) {
+      return refuse("the floor would need more than " + std::to_string(kLargestSide_px) +
+                    " px; give a smaller --scale or --margin");
+    }
+    if (options.grid_m > 0) draw_grid(draft.file.field, options.grid_m, raster, figure);
+    if (!write(stem + "-" + kind + "-both.png", figure)) return refuse(reason);
+    print_table(kind, straightness(points, left_out, camera, lens, scale));
+  }
+  for (const std::string& name : written) std::printf("%s written\n", name.c_str());
+  return 0;
+}
+
+}  // namespace
+}  // namespace touchline::rectify
+
+int main(int argc, char** argv) {
+  touchline::rectify::Options options;
+  CLI::App app(
+      "Figures 11 and 12 of Klancar et al. for any picture: NAME-distorted.png as the camera shows it,\n"
+      "NAME-MODEL-radial.png with the lens corrected, NAME-MODEL-both.png with lens and perspective corrected\n"
+      "(the floor to scale, x to the right, y up). MODEL is full or paper. Prints how straight the border is in each",
+      "touchline-rectify");
+  app.add_option("picture", options.picture, "A picture, or a video (its first frame)")->required();
+  app.add_option("--venue", options.venue, "Venue file with the camera model")->required();
+  app.add_option("--out", options.out, "Folder for the pictures; made when it does not exist")->required();
+  app.add_option("--kind", options.kind, "Which camera model: full, or paper (eq. 12-15); without it, all in the venue")
+      ->check(CLI::IsMember({"full", "paper"}));
+  app.add_option("--scale", options.scale_px_per_m, "Pixels a meter of the floor; without it, as in the field's center")
+      ->check(touchline::number_range(10.0, 10000.0));
+  app.add_option("--margin", options.margin_m, "Floor shown around the field and its goals, m")
+      ->check(touchline::number_range(0.0, 5.0))
+      ->capture_default_str();
+  app.add_option("--grid", options.grid_m, "Draw lines this far apart (m) and the field's outline over the figures 12")
+      ->check(touchline::number_range(0.01, 10.0));
+  if (const auto code = touchline::leave_after_parsing(app, argc, argv)) return *code;
+  return touchline::rectify::run(options);
+}

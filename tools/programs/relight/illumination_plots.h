@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+
+#include "core/light/light_map.h"
+#include "tools/programs/replay/canvas.h"
+
+namespace touchline::relight {
+
+/// Klancar fig. 8: the multiplicative component C/N of eq. (17), 1 / illumination, of one channel (0 red, 1 green, 2
+/// blue) as a surface over the picture, seen from above its lower left corner. 900 x 640 pixels.
+replay::SurfacePtr draw_component(const LightMap& map, std::size_t channel, std::size_t width_px,
+                                  std::size_t height_px);
+
+/// Lines of equal illumination (its luminance, ITU-R BT.601), each tenth of C with its value, over a picture of this
+/// size (figs. 13 to 15). `background` is dark or light: the lines are the other.
+void draw_contours(cairo_t& context, const LightMap& map, std::size_t width_px, std::size_t height_px,
+                   bool dark_background);
+
+}  // namespace touchline::relight

@@ -1,0 +1,178 @@
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "tools/programs/calibrate/camera_picture.h"
+#include "tools/programs/command_line/parse.h"
+#include "tools/programs/relight/illumination_plots.h"
+#include "tools/programs/relight/same_color.h"
+
+namespace touchline::relight {
+namespace {
+
+using calibrate::ChannelImage;
+
+struct Options {
+  std::string picture, venue, out, channel = "red";
+  std::vector<double> patch;
+  int margin = 25;
+};
+
+int refuse(const std::string& message) {
+  std::fprintf(stderr, "touchline-relight: %s\n", message.c_str());
+  return 1;
+}
+
+// The figures of one picture, and their file names.
+class Figures {
+ public:
+  Figures(const LightMap& map, const ChannelImage& picture, std::string stem)
+      : map_(map),
+        width_(static_cast<std::size_t>(picture.width_px)),
+        height_(static_cast<std::size_t>(picture.height_px)),
+        stem_(std::move(stem)) {}
+
+  bool write(const replay::SurfacePtr& surface, const std::string& name, std::string& reason) const {
+    const std::string path = stem_ + "-" + name + ".png";
+    cairo_surface_flush(surface.get());
+    const cairo_status_t status = cairo_surface_write_to_png(surface.get(), path.c_str());
+    if (status != CAIRO_STATUS_SUCCESS) {
+      reason = path + ": " + cairo_status_to_string(status);
+      return false;
+    }
+    std::printf("%s written\n", path.c_str());
+    return true;
+  }
+
+  [[nodiscard]] replay::SurfacePtr picture(const ChannelImage& image, bool contours) const {
+    replay::SurfacePtr surface = paint([&](std::size_t i) { return image.pixels[i]; });
+    if (contours) draw_contours(*replay::ContextPtr(cairo_create(surface.get())), map_, width_, height_, true);
+    return surface;
+  }
+
+  // Recognized pixels black; the patches framed, the one that the thresholds come from in red.
+  [[nodiscard]] replay::SurfacePtr classified(const std::vector<std::uint8_t>& pixels, const SameColor& color) const {
+    using Channels = calibrate::Channels;
+    replay::SurfacePtr surface = paint([&](std::size_t i) {
+      return pixels[i] != 0 ? Channels{0, 0, 0} : Channels{255, 255, 255};
+    });
+    const replay::ContextPtr context(cairo_create(surface.get()));
+    draw_contours(*context, map_, width_, height_, false);
+    for (std::size_t i = 0; i < color.patches.size(); ++i) {
+      const calibrate::FoundPatch& patch = color.patches[i];
+      const double radius = std::sqrt(static_cast<double>(patch.pixels.size())) + 2;
+      cairo_new_sub_path(context.get());
+      cairo_arc(context.get(), static_cast<double>(patch.center.u_px) + 0.5,
+                static_cast<double>(patch.center.v_px) + 0.5, radius, 0, 6.2832);
+      replay::set_color(*context, i == color.representative ? replay::Rgb{0.85, 0.1, 0.1} : replay::Rgb{0.6, 0.6, 0.6});
+      cairo_set_line_width(context.get(), 1.2);
+      cairo_stroke(context.get());
+    }
+    return surface;
+  }
+
+ private:
+  template <class Color>
+  [[nodiscard]] replay::SurfacePtr paint(Color&& color) const {
+    std::vector<std::uint8_t> rgb;
+    rgb.reserve(3 * width_ * height_);
+    for (std::size_t i = 0; i < width_ * height_; ++i) {
+      const calibrate::Channels value = color(i);
+      rgb.insert(rgb.end(), value.begin(), value.end());
+    }
+    Frame frame;
+    frame.format = PixelFormat::kRgb24;
+    frame.width_px = static_cast<std::uint16_t>(width_);
+    frame.height_px = static_cast<std::uint16_t>(height_);
+    frame.stride_bytes[0] = static_cast<std::uint32_t>(3 * width_);
+    frame.plane[0] = rgb.data();
+    return replay::to_surface(frame);
+  }
+  const LightMap& map_;
+  std::size_t width_, height_;
+  std::string stem_;
+};
+
+int run(const Options& options) {
+  namespace fs = std::filesystem;
+  std::string reason;
+  calibrate::VenueDraft draft;
+  if (!calibrate::read_draft(options.venue, draft, reason).ok()) return refuse(reason);
+  if (draft.light.columns == 0)
+    return refuse(options.venue + ": no [light] in it; touchline-calibrate light measures it");
+  std::optional<std::array<double, 2>> at;
+  if (!options.patch.empty()) {
+    if (!std::isfinite(options.patch[0]) || !std::isfinite(options.patch[1]))
+      return refuse("--patch: needs two numbers");
+    at = {options.patch[0], options.patch[1]};
+  }
+  calibrate::CameraPicture picture;
+  if (!calibrate::CameraPicture::load(options.picture, PixelFormat::kRgb24, picture, reason).ok())
+    return refuse(reason);
+  const Frame frame = picture.frame();
+  const auto shading = std::make_unique<Shading>();
+  if (Status s = shading->build(draft.light, frame.width_px, frame.height_px, ColorSpace::kRgb); !s.ok()) {
+    return refuse(std::string("the light map cannot be used: ") + describe(s.code()));
+  }
+  const ChannelImage acquired = calibrate::corrected_channels(frame, Shading{});
+  const ChannelImage corrected = calibrate::corrected_channels(frame, *shading);
+  SameColor color;
+  if (!find_same_color(corrected, draft, at ? &*at : nullptr, color, reason).ok())
+    return refuse(options.picture + ": " + reason);
+
+  std::error_code error;
+  fs::create_directories(options.out, error);
+  if (error) return refuse(options.out + ": cannot be made: " + error.message());
+  const Figures figures(draft.light, acquired, (fs::path(options.out) / fs::path(options.picture).stem()).string());
+  const std::size_t channel = options.channel == "red" ? 0 : options.channel == "green" ? 1 : 2;
+  const calibrate::FoundPatch& sample = color.patches[color.representative];
+  const auto before = classify(acquired, thresholds_of(acquired, sample, options.margin));
+  const auto after = classify(corrected, thresholds_of(corrected, sample, options.margin));
+  if (!figures.write(draw_component(draft.light, channel, frame.width_px, frame.height_px), "figure8", reason) ||
+      !figures.write(figures.picture(acquired, true), "figure13", reason) ||
+      !figures.write(figures.classified(before, color), "figure14", reason) ||
+      !figures.write(figures.classified(after, color), "figure15", reason) ||
+      !figures.write(figures.picture(corrected, false), "corrected", reason)) {
+    return refuse(reason);
+  }
+  std::printf(
+      "%zu patches of the color at %.0f,%.0f, thresholds from that one and %d levels more: %zu recognized in the "
+      "picture as it came, "
+      "%zu in the corrected one\n",
+      color.patches.size(), static_cast<double>(sample.center.u_px), static_cast<double>(sample.center.v_px),
+      options.margin, recognized(color, before), recognized(color, after));
+  return 0;
+}
+
+}  // namespace
+}  // namespace touchline::relight
+
+int main(int argc, char** argv) {
+  touchline::relight::Options options;
+  CLI::App app(
+      "Figures 8 and 13 to 15 of Klancar et al. for any picture with patches of one color all over the field:\n"
+      "NAME-figure8.png the illumination map as a surface, NAME-figure13.png the picture with contours of the\n"
+      "illumination, NAME-figure14.png and NAME-figure15.png the pixels between thresholds from one patch, before and\n"
+      "after the correction, NAME-corrected.png. Prints how many of the patches are recognized in each",
+      "touchline-relight");
+  app.add_option("picture", options.picture, "A picture, or a video (its first frame)")->required();
+  app.add_option("--venue", options.venue, "Venue file with light map and camera model")->required();
+  app.add_option("--out", options.out, "Folder for the pictures; made when it does not exist")->required();
+  app.add_option(
+         "--patch", options.patch,
+         "U,V of the patch that thresholds are made of; without it, of the most frequent color the one nearest to "
+         "the middle")
+      ->delimiter(',')
+      ->expected(2);
+  app.add_option("--channel", options.channel, "Of figure 8")
+      ->check(CLI::IsMember({"red", "green", "blue"}))
+      ->capture_default_str();
+  app.add_option("--margin", options.margin, "Levels that the thresholds are wider than the patch's pixels")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
+  if (const auto code = touchline::leave_after_parsing(app, argc, argv)) return *code;
+  return touchline::relight::run(options);
+}

@@ -1,0 +1,117 @@
+#include "tools/programs/relight/same_color.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tools/programs/calibrate/box_split.h"
+#include "tools/programs/calibrate/click_growth.h"
+#include "tools/programs/calibrate/color_clusters.h"
+#include "tools/programs/calibrate/text.h"
+
+namespace touchline::relight {
+namespace {
+
+using calibrate::ChannelImage;
+using calibrate::FoundPatch;
+
+// Patches of one paint differ less in a corrected picture, two paints more.
+constexpr double kOneColor = 15.0;
+// Of a patch's pixels, each side of each channel: edges.
+constexpr double kEdgeShare = 0.05;
+
+double distance_px(const FoundPatch& patch, double u, double v) {
+  return std::hypot(static_cast<double>(patch.center.u_px) - u, static_cast<double>(patch.center.v_px) - v);
+}
+
+// Nearest to the place, of those that `wanted` says.
+template <class Wanted>
+std::size_t nearest(const std::vector<FoundPatch>& patches, double u, double v, Wanted&& wanted) {
+  std::size_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    if (!wanted(i) || distance_px(patches[i], u, v) >= least) continue;
+    least = distance_px(patches[i], u, v);
+    best = i;
+  }
+  return best;
+}
+
+}  // namespace
+
+Status find_same_color(const ChannelImage& corrected, const calibrate::VenueDraft& venue,
+                       const std::array<double, 2>* at_px, SameColor& out, std::string& reason) {
+  out = {};
+  CameraModel camera;
+  if (Status s = camera.configure(venue.file.camera_model); !s.ok()) {
+    reason = "the venue has no camera model that makes sense; touchline-calibrate field finds one";
+    return s;
+  }
+  const MarkerLayout layout = paper_layout();
+  const auto inside = calibrate::inside_mask(venue.region_of_interest, corrected.width_px, corrected.height_px);
+  std::vector<FoundPatch> found =
+      find_patches(corrected, inside, camera, venue.file.field, {calibrate::size_of(layout.patches[0], layout)});
+  if (found.empty()) {
+    reason = "no patch is to be seen";
+    return ErrorCode::kNotFound;
+  }
+  std::size_t representative = 0;
+  if (at_px != nullptr) {
+    const auto [u, v] = *at_px;
+    representative = nearest(found, u, v, [](std::size_t) { return true; });
+    if (distance_px(found[representative], u, v) > found[representative].radius_px) {
+      reason = calibrate::text("no patch at %.0f,%.0f", u, v);
+      return ErrorCode::kNotFound;
+    }
+  } else {
+    std::vector<calibrate::Lab> colors;
+    colors.reserve(found.size());
+    for (const FoundPatch& patch : found) colors.push_back(patch.lab);
+    std::size_t count = 0;
+    const auto label = calibrate::ColorClusters(colors).cut(kOneColor, count);
+    // Colorful ones: white is also the lines'.
+    constexpr double kLeastChroma = 20.0;
+    std::vector<double> members(count, 0.0);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (std::hypot(found[i].lab.a, found[i].lab.b) > kLeastChroma) members[label[i]] += 1;
+    }
+    const auto most = static_cast<std::size_t>(std::max_element(members.begin(), members.end()) - members.begin());
+    representative = nearest(found, corrected.width_px / 2.0, corrected.height_px / 2.0,
+                             [&](std::size_t i) { return label[i] == most; });
+  }
+  const calibrate::Lab color = found[representative].lab;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (i != representative && difference(found[i].lab, color) > kOneColor) continue;
+    if (i == representative) out.representative = out.patches.size();
+    out.patches.push_back(std::move(found[i]));
+  }
+  return {};
+}
+
+ColorBox thresholds_of(const ChannelImage& image, const FoundPatch& patch, int margin) {
+  std::vector<calibrate::Channels> pixels;
+  for (const std::size_t pixel : patch.pixels) pixels.push_back(image.pixels[pixel]);
+  ColorBox box = calibrate::core_of(calibrate::count_colors(pixels), 1, kEdgeShare);
+  for (std::size_t side = 0; side < calibrate::kSides; ++side) {
+    calibrate::set_side(box, side, calibrate::side_value(box, side) + (side % 2 == 0 ? -margin : margin));
+  }
+  return box;
+}
+
+std::vector<std::uint8_t> classify(const ChannelImage& image, const ColorBox& thresholds) {
+  std::vector<std::uint8_t> out;
+  out.reserve(image.pixels.size());
+  for (const calibrate::Channels& value : image.pixels) out.push_back(calibrate::contains(thresholds, value) ? 1 : 0);
+  return out;
+}
+
+std::size_t recognized(const SameColor& color, const std::vector<std::uint8_t>& classified) {
+  return static_cast<std::size_t>(
+      std::count_if(color.patches.begin(), color.patches.end(), [&](const FoundPatch& patch) {
+        const auto hits = std::count_if(patch.pixels.begin(), patch.pixels.end(),
+                                        [&](std::size_t pixel) { return classified[pixel] != 0; });
+        return 2 * static_cast<std::size_t>(hits) >= patch.pixels.size();
+      }));
+}
+
+}  // namespace touchline::relight

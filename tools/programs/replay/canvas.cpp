@@ -1,0 +1,94 @@
+#include "tools/programs/replay/canvas.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace touchline::replay {
+namespace {
+
+std::uint8_t clipped(double value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0))); }
+
+// ITU-R BT.601, limited range.
+std::array<std::uint8_t, 3> rgb_of_yuv(int y, int u, int v) {
+  const double l = 1.164 * (y - 16);
+  return {clipped(l + 1.596 * (v - 128)), clipped(l - 0.392 * (u - 128) - 0.813 * (v - 128)),
+          clipped(l + 2.017 * (u - 128))};
+}
+
+std::array<std::uint8_t, 3> rgb_at(const Frame& frame, std::size_t x, std::size_t y) {
+  const std::uint8_t* row = frame.plane[0] + y * frame.stride_bytes[0];
+  switch (frame.format) {
+    case PixelFormat::kRgb24:
+      return {row[3 * x], row[3 * x + 1], row[3 * x + 2]};
+    case PixelFormat::kBgr24:
+      return {row[3 * x + 2], row[3 * x + 1], row[3 * x]};
+    case PixelFormat::kYuyv:
+      return rgb_of_yuv(row[2 * x], row[x / 2 * 4 + 1], row[x / 2 * 4 + 3]);
+    case PixelFormat::kUyvy:
+      return rgb_of_yuv(row[2 * x + 1], row[x / 2 * 4], row[x / 2 * 4 + 2]);
+    case PixelFormat::kNv12: {
+      const std::uint8_t* chroma = frame.plane[1] + (y / 2) * frame.stride_bytes[1];
+      return rgb_of_yuv(row[x], chroma[x / 2 * 2], chroma[x / 2 * 2 + 1]);
+    }
+  }
+  return {};
+}
+
+void use_font(cairo_t& context, double size) {
+  cairo_select_font_face(&context, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_BOLD);
+  cairo_set_font_size(&context, size);
+}
+
+}  // namespace
+
+Pixels pixels_of(cairo_surface_t& surface) {
+  cairo_surface_flush(&surface);
+  const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(&surface));
+  const auto height = static_cast<std::size_t>(cairo_image_surface_get_height(&surface));
+  return {{cairo_image_surface_get_data(&surface), stride * height},
+          stride,
+          static_cast<std::uint32_t>(cairo_image_surface_get_width(&surface)),
+          static_cast<std::uint32_t>(height)};
+}
+
+SurfacePtr to_surface(const Frame& frame) {
+  SurfacePtr surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, frame.width_px, frame.height_px));
+  std::uint8_t* data = cairo_image_surface_get_data(surface.get());
+  if (data == nullptr) return surface;
+  const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface.get()));
+  for (std::size_t y = 0; y < frame.height_px; ++y) {
+    for (std::size_t x = 0; x < frame.width_px; ++x) {
+      const std::array<std::uint8_t, 3> rgb = rgb_at(frame, x, y);
+      std::uint8_t* pixel = data + y * stride + 4 * x;
+      pixel[0] = rgb[2], pixel[1] = rgb[1], pixel[2] = rgb[0], pixel[3] = 255;
+    }
+  }
+  cairo_surface_mark_dirty(surface.get());
+  return surface;
+}
+
+void set_color(cairo_t& context, const Rgb& color, double alpha) {
+  cairo_set_source_rgba(&context, color.r, color.g, color.b, alpha);
+}
+
+void draw_text(cairo_t& context, double x, double y, const std::string& text, const Rgb& color, double size) {
+  use_font(context, size);
+  cairo_move_to(&context, x, y);
+  cairo_text_path(&context, text.c_str());
+  cairo_set_line_join(&context, CAIRO_LINE_JOIN_ROUND);
+  cairo_set_line_width(&context, std::max(2.0, size / 4.5));
+  set_color(context, {0.0, 0.0, 0.0}, 0.85);
+  cairo_stroke_preserve(&context);
+  set_color(context, color);
+  cairo_fill(&context);
+}
+
+double text_width(cairo_t& context, const std::string& text, double size) {
+  use_font(context, size);
+  cairo_text_extents_t extents;
+  cairo_text_extents(&context, text.c_str(), &extents);
+  return extents.x_advance;
+}
+
+}  // namespace touchline::replay

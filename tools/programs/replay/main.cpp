@@ -1,0 +1,102 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+
+#include "tools/programs/command_line/number_range.h"
+#include "tools/programs/command_line/parse.h"
+#include "tools/programs/replay/replay.h"
+
+namespace {
+
+using namespace touchline::replay;
+using WallClock = std::chrono::steady_clock;
+
+std::atomic<bool> stop_requested = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
+
+double seconds_since(WallClock::time_point begin) {
+  return std::chrono::duration<double>(WallClock::now() - begin).count();
+}
+
+// Ten times a second are smooth to the eye and cost nothing.
+class ProgressBar {
+ public:
+  explicit ProgressBar(bool shown) : shown_(shown) {}
+  void show(std::uint64_t done, std::uint64_t of) {
+    constexpr double kPeriod = 0.1;
+    constexpr std::uint64_t kWidth = 40;
+    if (!shown_ || (done != of && seconds_since(last_) < kPeriod)) return;
+    last_ = WallClock::now();
+    drawn_ = true;
+    const double rate = static_cast<double>(done) / std::max(1e-9, seconds_since(begin_));
+    if (of == 0) {
+      std::fprintf(stderr, "\r%llu frames, %.0f/s ", static_cast<unsigned long long>(done), rate);
+      return;
+    }
+    const std::uint64_t filled = std::min(kWidth, done * kWidth / of);
+    std::fprintf(stderr, "\r[%s%s] %llu/%llu, %.0f/s ", std::string(filled, '#').c_str(),
+                 std::string(kWidth - filled, '.').c_str(), static_cast<unsigned long long>(done),
+                 static_cast<unsigned long long>(of), rate);
+  }
+  void clear() const {
+    if (drawn_) std::fprintf(stderr, "\r\033[K");
+  }
+
+ private:
+  bool shown_, drawn_ = false;
+  WallClock::time_point begin_ = WallClock::now(), last_{};
+};
+
+void print(const ReplaySummary& s, double elapsed_s) {
+  const double frames = s.frames == 0 ? 1.0 : static_cast<double>(s.frames);
+  std::printf("%llu frames in %.2f s (%.0f/s): %.2f robots a frame, %.2f with id; ball in %.1f %%; overload in %llu",
+              static_cast<unsigned long long>(s.frames), elapsed_s,
+              static_cast<double>(s.frames) / std::max(1e-9, elapsed_s), static_cast<double>(s.robots) / frames,
+              static_cast<double>(s.robots_with_id) / frames, 100.0 * static_cast<double>(s.frames_with_ball) / frames,
+              static_cast<unsigned long long>(s.frames_overloaded));
+  if (s.damaged > 0) std::printf("; %llu damaged pictures left out", static_cast<unsigned long long>(s.damaged));
+  std::printf("\n");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ReplayOptions options;
+  bool quiet = false;
+  CLI::App app{"Sends pictures or a video through the pipeline and writes what it saw, one JSON object a frame.",
+               "touchline-replay"};
+  app.add_option("input", options.input, "A folder of pictures (png, ppm, jpg), one picture, or a video")->required();
+  app.add_option("--venue", options.venue, "Venue file")->required();
+  app.add_option("--team", options.team, "Team file")->required();
+  app.add_option("--out", options.out, "Result, JSON lines")->required();
+  app.add_option("--annotate", options.annotate, "Draw what was seen: into a folder, or into a video NAME.mp4");
+  app.add_option("--rate", options.rate_hz, "Frames a second (default: a video's own stamps, pictures 30)")
+      ->check(touchline::number_range(0.001, 10000.0));
+  app.add_option("--set", options.overrides, "key=value: overrides a key of the venue or team file")
+      ->allow_extra_args(false);
+  app.add_flag("--skip-damaged", options.skip_damaged, "Leave out pictures that cannot be decoded instead of stopping");
+  app.add_flag("--quiet", quiet, "Neither progress nor summary");
+  if (const auto code = touchline::leave_after_parsing(app, argc, argv)) return *code;
+
+  const auto request_stop = [](int) { stop_requested = true; };
+  std::signal(SIGINT, request_stop);
+  std::signal(SIGTERM, request_stop);
+
+  ProgressBar bar(!quiet && isatty(STDERR_FILENO) == 1);
+  const WallClock::time_point begin = WallClock::now();
+  ReplaySummary summary;
+  std::string error;
+  const bool ok = replay(
+      options, [&bar](std::uint64_t done, std::uint64_t of) { bar.show(done, of); }, stop_requested, summary, error);
+  bar.clear();
+  if (!ok) {
+    std::cerr << "touchline-replay: " << error << '\n';
+    return 1;
+  }
+  if (!quiet) print(summary, seconds_since(begin));
+  return 0;
+}

@@ -1,0 +1,101 @@
+#include "tools/programs/replay/output_files.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+namespace touchline::replay {
+namespace {
+
+bool is_video_name(const std::string& path) { return std::filesystem::path(path).extension() == ".mp4"; }
+
+}  // namespace
+
+LineFile::~LineFile() {
+  if (path_.empty()) return;
+  file_.close();
+  std::remove((path_ + ".part").c_str());
+}
+
+bool LineFile::fail(std::string& error) const {
+  error = path_ + ": " + std::strerror(errno != 0 ? errno : EIO);
+  return false;
+}
+
+bool LineFile::open(const std::string& path, std::string& error) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    error = path + ": is a folder, not a file to write";
+    return false;
+  }
+  path_ = path;
+  errno = 0;
+  file_.open(path + ".part", std::ios::binary | std::ios::trunc);
+  return file_.is_open() || fail(error);
+}
+
+bool LineFile::write(const std::string& line, std::string& error) {
+  errno = 0;
+  file_ << line << '\n';
+  return file_.good() || fail(error);
+}
+
+bool LineFile::finish(std::string& error) {
+  errno = 0;
+  file_.close();
+  if (file_.fail() || std::rename((path_ + ".part").c_str(), path_.c_str()) != 0) return fail(error);
+  path_.clear();
+  return true;
+}
+
+bool AnnotationOutput::open(const std::string& path, double rate_hz, std::string& error) {
+  path_ = path;
+  rate_hz_ = rate_hz;
+  if (is_video_name(path)) {
+    video_ = std::make_unique<hal::VideoWriter>();
+    return true;
+  }
+  std::error_code failure;
+  std::filesystem::create_directories(path, failure);
+  if (std::filesystem::is_directory(path)) return true;
+  error = path + ": " + (failure ? failure.message() : "is no folder") + " (a video's name must end in .mp4)";
+  return false;
+}
+
+bool AnnotationOutput::write(cairo_surface_t& surface, std::uint64_t frame, const std::string& file, Duration stamp,
+                             std::string& error) {
+  if (video_ != nullptr) {
+    const Pixels pixels = pixels_of(surface);
+    Status status;
+    if (!video_open_) status = video_->open(path_, pixels.width, pixels.height, rate_hz_);
+    video_open_ = status.ok();
+    if (status.ok()) status = video_->write(pixels.bgrx, pixels.stride_bytes, stamp);
+    if (!status.ok()) error = video_->reason();
+    return status.ok();
+  }
+  char number[32];
+  std::snprintf(number, sizeof number, "%06llu_", static_cast<unsigned long long>(frame));
+  const std::string name =
+      (std::filesystem::path(path_) / (number + std::filesystem::path(file).stem().string() + ".png")).string();
+  const cairo_status_t status = cairo_surface_write_to_png(&surface, name.c_str());
+  if (status != CAIRO_STATUS_SUCCESS) error = name + ": " + cairo_status_to_string(status);
+  return status == CAIRO_STATUS_SUCCESS;
+}
+
+bool AnnotationOutput::finish(std::string& error) {
+  if (video_ == nullptr || !video_open_) return true;
+  const Status status = video_->finish();
+  if (!status.ok()) error = video_->reason();
+  return status.ok();
+}
+
+bool endangers(const std::string& input, const std::string& output) {
+  std::error_code failure;
+  const std::filesystem::path from = std::filesystem::weakly_canonical(input, failure);
+  const std::filesystem::path to = std::filesystem::weakly_canonical(output, failure);
+  const bool among_pictures = to.has_extension() && to.extension() != ".jsonl" && to.extension() != ".mp4";
+  return from == to || (from == to.parent_path() && among_pictures);
+}
+
+}  // namespace touchline::replay

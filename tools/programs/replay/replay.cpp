@@ -1,0 +1,121 @@
+#include "tools/programs/replay/replay.h"
+
+#include <memory>
+
+#include "core/pipeline.h"
+#include "firmware/config/configuration.h"
+#include "firmware/report/trace_json.h"
+#include "hal/replay/replay_camera.h"
+#include "tools/programs/replay/annotation.h"
+#include "tools/programs/replay/output_files.h"
+
+namespace touchline::replay {
+namespace {
+
+Appearance appearance_of(const config::Configuration& configuration) {
+  Appearance appearance;
+  appearance.names.colors = {"background"};
+  appearance.colors = {Rgb{0.0, 0.0, 0.0}};
+  for (const config::ColorEntry& color : configuration.venue.color) {
+    appearance.names.colors.push_back(color.name);
+    appearance.colors.push_back({color.shown_rgb[0] / 255.0, color.shown_rgb[1] / 255.0, color.shown_rgb[2] / 255.0});
+  }
+  appearance.names.teams = {configuration.team.own.color, configuration.team.opponent.color};
+  return appearance;
+}
+
+bool outputs_are_safe(const ReplayOptions& options, std::string& error) {
+  for (const std::string& output : {options.out, options.annotate}) {
+    if (output.empty()) continue;
+    for (const std::string& input : {options.input, options.venue, options.team}) {
+      if (!endangers(input, output)) continue;
+      error = output;
+      error.append(": would replace, or lie among, what is read: ").append(input);
+      return false;
+    }
+  }
+  if (endangers(options.out, options.annotate)) error = options.annotate + ": is the result's file as well";
+  return error.empty();
+}
+
+void count(const StepTrace& trace, ReplaySummary& summary) {
+  ++summary.frames;
+  summary.robots += trace.sightings.robots.size();
+  for (const RobotSighting& robot : trace.sightings.robots) summary.robots_with_id += robot.id != kUnknownId ? 1u : 0u;
+  summary.frames_with_ball += trace.sightings.ball.seen ? 1u : 0u;
+  summary.frames_overloaded += trace.overload ? 1u : 0u;
+}
+
+}  // namespace
+
+bool replay(const ReplayOptions& options, const Progress& progress, const std::atomic<bool>& stop,
+            ReplaySummary& summary, std::string& error) {
+  summary = {};
+  error.clear();
+  if (!outputs_are_safe(options, error)) return false;
+  const auto configuration = std::make_unique<config::Configuration>();
+  config::Problems problems;
+  const auto refuse = [&problems, &error] {
+    error = problems.text();
+    while (!error.empty() && error.back() == '\n') error.pop_back();
+    return false;
+  };
+  const config::FilePaths paths{{}, options.venue, options.team, options.overrides};
+  if (!config::load_venue_and_team(paths, *configuration, problems).ok()) return refuse();
+
+  // YUYV holds all that 4:2:0 and 4:2:2 files have, to the bit.
+  const PixelFormat format =
+      configuration->venue.colors.space == ColorSpace::kRgb ? PixelFormat::kRgb24 : PixelFormat::kYuyv;
+  hal::ReplayCamera camera({options.input, format, options.rate_hz});
+  if (!camera.open().ok() || !camera.start().ok()) {
+    error = camera.reason();
+    return false;
+  }
+  const hal::CameraInfo& info = camera.info();
+  if (!config::resolve({format, info.width_px, info.height_px, options.input}, *configuration, problems).ok()) {
+    return refuse();
+  }
+  const auto pipeline = std::make_unique<Pipeline>();
+  if (const Status status = pipeline->configure(configuration->pipeline); !status.ok()) {
+    error =
+        options.venue + ", " + options.team + ": the pipeline refuses these values (" + describe(status.code()) + ")";
+    return false;
+  }
+  pipeline->set_observing(true);
+
+  const Appearance appearance = appearance_of(*configuration);
+  LineFile lines;
+  AnnotationOutput pictures;
+  std::unique_ptr<Annotator> annotator;
+  if (!lines.open(options.out, error)) return false;
+  if (!options.annotate.empty()) {
+    if (!pictures.open(options.annotate, info.rate_hz, error)) return false;
+    annotator = std::make_unique<Annotator>(configuration->pipeline, appearance);
+  }
+  for (;;) {
+    const Result<hal::FrameLease> lease = camera.wait(Instant::max());
+    if (lease.error() == ErrorCode::kEndOfStream) break;
+    if (lease.error() == ErrorCode::kCorruptFrame && options.skip_damaged) {
+      ++summary.damaged;
+      continue;
+    }
+    if (!lease.ok() || stop) {
+      error = stop ? "stopped; no output was written" : camera.reason();
+      return false;
+    }
+    const Frame& frame = lease.value().frame();
+    const StepTrace& trace = pipeline->step(frame);
+    pipeline->adapt();
+    if (!lines.write(report::trace_line(trace, appearance.names, frame.sequence, camera.file()), error)) return false;
+    if (annotator != nullptr) {
+      const SurfacePtr surface = annotator->draw(trace, frame.sequence, camera.file());
+      const Duration stamp = frame.capture_time.time_since_epoch();
+      if (!pictures.write(*surface, frame.sequence, camera.file(), stamp, error)) return false;
+    }
+    count(trace, summary);
+    progress(summary.frames, camera.frame_count());
+  }
+  return pictures.finish(error) && lines.finish(error);
+}
+
+}  // namespace touchline::replay

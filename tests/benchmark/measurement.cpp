@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <random>
 
+#include "tools/programs/statistics/statistics.h"
+
 namespace touchline::testing {
 namespace {
 
@@ -42,14 +44,13 @@ double cpu_time_us() {
   return static_cast<double>(time.tv_sec) * 1e6 + static_cast<double>(time.tv_nsec) * 1e-3;
 }
 
-Quantiles quantiles_of(const std::vector<float>& times_us) {
+Quantiles quantiles_of(std::vector<float> times_us) {
   if (times_us.empty()) return {};
-  std::vector<float> sorted = times_us;
-  std::sort(sorted.begin(), sorted.end());
-  const auto at = [&](double part) {
-    return static_cast<double>(sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1) + 0.5)]);
+  std::sort(times_us.begin(), times_us.end());
+  const auto at = [&](double percent) {
+    return static_cast<double>(statistics::percentile(std::span<const float>(times_us), percent));
   };
-  return {at(0.5), at(0.99), at(0.0)};
+  return {at(50.0), at(99.0), static_cast<double>(times_us.front())};
 }
 
 void measure(const Subjects& subjects, std::size_t repetitions) {

@@ -15,7 +15,7 @@ struct Quantiles {
   double median_us = 0.0, p99_us = 0.0, least_us = 0.0;
 };
 /// Zeros when there are none.
-Quantiles quantiles_of(const std::vector<float>& times_us);
+Quantiles quantiles_of(std::vector<float> times_us);
 
 /// Calls every method of every subject that often, in an order that is mixed anew each time. Unless the subject is
 /// cold, a call follows one of the same (or, when that takes long, a reading of the picture) that is not measured.

@@ -1,13 +1,14 @@
-#include "tools/programs/evaluate/statistics.h"
+#include "tools/programs/statistics/statistics.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <numeric>
 #include <vector>
 
-namespace touchline::evaluate {
+namespace touchline::statistics {
 namespace {
 
 TEST(Statistics, PercentileIsTheNearestRank) {
@@ -37,6 +38,26 @@ TEST(Statistics, SummaryOfKnownErrors) {
   EXPECT_EQ(summarize({}).max, 0.0);
 }
 
+TEST(Statistics, MediansTakeOneOfTheTwoMiddleValues) {
+  std::vector<int> even{4, 1, 3, 2};
+  EXPECT_EQ(median(even), 3);
+  EXPECT_EQ(lower_median(even), 2);
+  std::array<double, 3> odd{3.0, 1.0, 2.0};
+  EXPECT_EQ(median(odd), 2.0);
+  EXPECT_EQ(lower_median(odd), 2.0);
+  std::vector<int> one{7};
+  EXPECT_EQ(median(one), 7);
+  EXPECT_EQ(lower_median(one), 7);
+}
+
+TEST(Statistics, MeanAndRootMeanSquare) {
+  const std::vector<double> values{1.0, -3.0, 5.0};
+  EXPECT_DOUBLE_EQ(mean(values), 1.0);
+  EXPECT_DOUBLE_EQ(rms(values), std::sqrt(35.0 / 3.0));
+  EXPECT_EQ(mean({}), 0.0);
+  EXPECT_EQ(rms({}), 0.0);
+}
+
 TEST(Statistics, AnglesWrap) {
   constexpr double kPi = std::numbers::pi;
   EXPECT_NEAR(wrapped(3.0 * kPi / 2.0), -kPi / 2.0, 1e-12);
@@ -46,4 +67,4 @@ TEST(Statistics, AnglesWrap) {
 }
 
 }  // namespace
-}  // namespace touchline::evaluate
+}  // namespace touchline::statistics

@@ -11,7 +11,7 @@
 
 #include "core/marker/rigid_fit.h"
 #include "hal/replay/picture.h"
-#include "tools/programs/evaluate/statistics.h"
+#include "tools/programs/statistics/statistics.h"
 
 namespace touchline::evaluate {
 namespace {
@@ -74,8 +74,8 @@ double spread_of_positions(const std::vector<Point>& points) {
 double spread_of_angles(const std::vector<double>& angles) {
   const double n = static_cast<double>(angles.size());
   double mean = 0.0, squares = 0.0;
-  for (const double angle : angles) mean += wrapped(angle - angles.front()) / n;
-  for (const double angle : angles) squares += std::pow(wrapped(angle - angles.front() - mean), 2);
+  for (const double angle : angles) mean += statistics::wrapped(angle - angles.front()) / n;
+  for (const double angle : angles) squares += std::pow(statistics::wrapped(angle - angles.front() - mean), 2);
   return std::sqrt(squares / (n - 1.0));
 }
 

@@ -100,9 +100,9 @@ bool evaluate_picture(const AnnotatedPicture& truth, const std::vector<FrameReco
       ++out.ball_ghosts;
     }
   }
-  out.team_px = summarize(std::move(team_errors));
-  out.identification_px = summarize(std::move(identification_errors));
-  out.ball_px = summarize(std::move(ball_errors));
+  out.team_px = statistics::summarize(std::move(team_errors));
+  out.identification_px = statistics::summarize(std::move(identification_errors));
+  out.ball_px = statistics::summarize(std::move(ball_errors));
   return true;
 }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tools/programs/evaluate/records.h"
-#include "tools/programs/evaluate/statistics.h"
+#include "tools/programs/statistics/statistics.h"
 
 namespace touchline::evaluate {
 
@@ -24,7 +24,7 @@ struct PictureReport {
   std::size_t ids_right = 0, ids_unknown = 0, ids_wrong = 0;  // wrong: an id although a patch has another color
   std::size_t wrong_team = 0, ghosts = 0;
   std::size_t balls = 0, balls_found = 0, balls_good = 0, ball_ghosts = 0;
-  ErrorSummary team_px, identification_px, ball_px;
+  statistics::ErrorSummary team_px, identification_px, ball_px;
 };
 
 /// Compares with the result whose file and frame are the picture's; false, with the reason, when there is none.

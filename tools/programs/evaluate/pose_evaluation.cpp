@@ -31,7 +31,7 @@ void compare(const SceneRecord& truth, const SceneRecord& found, double within, 
     ++(said.id.has_value() ? sum.right : sum.unknown);
     errors.position.push_back(match.distance);
     if (is.theta_rad.has_value() && said.theta_rad.has_value()) {
-      errors.angle.push_back(wrapped(*said.theta_rad - *is.theta_rad));
+      errors.angle.push_back(statistics::wrapped(*said.theta_rad - *is.theta_rad));
     }
   }
   const bool near = truth.ball.has_value() && found.ball.has_value() &&
@@ -43,9 +43,9 @@ void compare(const SceneRecord& truth, const SceneRecord& found, double within, 
 
 void finish(PoseSummary& sum, Errors& errors) {
   sum.balls = sum.balls_seen + sum.balls_missed;
-  sum.position = summarize(std::move(errors.position));
-  sum.angle = summarize(std::move(errors.angle));
-  sum.ball = summarize(std::move(errors.ball));
+  sum.position = statistics::summarize(std::move(errors.position));
+  sum.angle = statistics::summarize(std::move(errors.angle));
+  sum.ball = statistics::summarize(std::move(errors.ball));
 }
 
 bool names_tell_apart(const std::vector<FrameRecord>& records) {
@@ -101,8 +101,8 @@ Spread spread_about_mean(const std::string& name, const Seen& seen) {
   spread.position_rms = std::sqrt(squares / count);
   std::vector<double> turns;
   turns.reserve(seen.theta.size());
-  for (const double theta : seen.theta) turns.push_back(wrapped(theta - mean_theta));
-  const ErrorSummary angle = summarize(std::move(turns));
+  for (const double theta : seen.theta) turns.push_back(statistics::wrapped(theta - mean_theta));
+  const statistics::ErrorSummary angle = statistics::summarize(std::move(turns));
   spread.angle_rms = angle.rms;
   spread.angle_max = angle.max;
   return spread;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/programs/evaluate/records.h"
-#include "tools/programs/evaluate/statistics.h"
+#include "tools/programs/statistics/statistics.h"
 
 namespace touchline::evaluate {
 
@@ -18,8 +18,8 @@ struct PoseSummary {
   std::size_t missed = 0;   // nothing near enough
   std::size_t ghosts = 0;   // reported where no robot is
   std::size_t balls = 0, balls_seen = 0, balls_missed = 0, ball_ghosts = 0;
-  ErrorSummary position, angle;  // of robots whose team is right
-  ErrorSummary ball;
+  statistics::ErrorSummary position, angle;  // of robots whose team is right
+  statistics::ErrorSummary ball;
 };
 
 /// How a robot or ball that stands still moves in the results, about its own mean.

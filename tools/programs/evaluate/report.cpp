@@ -31,9 +31,9 @@ std::string share(std::size_t part, std::size_t whole) {
   return text;
 }
 
-void print_errors(std::ostream& out, const char* name, const ErrorSummary& s, const ErrorSummary& t, double factor,
-                  const char* unit) {
-  const auto cell = [&](const ErrorSummary& e) {
+void print_errors(std::ostream& out, const char* name, const statistics::ErrorSummary& s,
+                  const statistics::ErrorSummary& t, double factor, const char* unit) {
+  const auto cell = [&](const statistics::ErrorSummary& e) {
     char text[96];
     std::snprintf(text, sizeof text, "%8.3f %8.3f %8.3f", e.rms * factor, e.p95 * factor, e.max * factor);
     return e.count == 0 ? std::string("       -        -        -") : std::string(text);
@@ -41,7 +41,7 @@ void print_errors(std::ostream& out, const char* name, const ErrorSummary& s, co
   line(out, "%-26s %s   %s  %s", name, cell(s).c_str(), cell(t).c_str(), unit);
 }
 
-ordered_json json_of(const ErrorSummary& e) {
+ordered_json json_of(const statistics::ErrorSummary& e) {
   return {{"count", e.count}, {"rms", e.rms}, {"p95", e.p95}, {"max", e.max}};
 }
 

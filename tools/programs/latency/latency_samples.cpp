@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tools/programs/evaluate/statistics.h"
+#include "tools/programs/statistics/statistics.h"
 
 namespace touchline::latency {
 
@@ -12,10 +12,10 @@ LatencySummary LatencySamples::summarize() const {
   std::vector<Duration> sorted(samples_.begin(), samples_.begin() + static_cast<std::ptrdiff_t>(count_));
   std::sort(sorted.begin(), sorted.end());
   const std::span<const Duration> all(sorted);
-  summary.p50 = evaluate::percentile(all, 50.0);
-  summary.p90 = evaluate::percentile(all, 90.0);
-  summary.p99 = evaluate::percentile(all, 99.0);
-  summary.p99_9 = evaluate::percentile(all, 99.9);
+  summary.p50 = statistics::percentile(all, 50.0);
+  summary.p90 = statistics::percentile(all, 90.0);
+  summary.p99 = statistics::percentile(all, 99.0);
+  summary.p99_9 = statistics::percentile(all, 99.9);
   summary.max = sorted.back();
   return summary;
 }

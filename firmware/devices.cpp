@@ -4,11 +4,11 @@
 #include <cstdio>
 
 #include "firmware/null_devices.h"
-#include "hal/linux/gpiod_gpio.h"
-#include "hal/linux/libcamera_camera.h"
+#include "hal/linux/gpio/gpiod_gpio.h"
+#include "hal/linux/libcamera/libcamera_camera.h"
 #include "hal/linux/monotonic_clock.h"
-#include "hal/linux/serial_radio.h"
-#include "hal/linux/v4l2_camera.h"
+#include "hal/linux/serial/serial_radio.h"
+#include "hal/linux/v4l2/v4l2_camera.h"
 #include "hal/mock/arena.h"
 #include "hal/mock/mock_devices.h"
 #include "hal/replay/replay_camera.h"

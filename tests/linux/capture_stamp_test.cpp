@@ -1,4 +1,4 @@
-#include "hal/linux/capture_stamp.h"
+#include "hal/linux/v4l2/capture_stamp.h"
 
 #include <gtest/gtest.h>
 #include <linux/videodev2.h>

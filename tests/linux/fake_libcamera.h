@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "hal/linux/libcamera_link.h"
+#include "hal/linux/libcamera/libcamera_link.h"
 #include "tests/linux/fake_dma.h"
 
 namespace touchline::fake {

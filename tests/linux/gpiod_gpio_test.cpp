@@ -1,4 +1,4 @@
-#include "hal/linux/gpiod_gpio.h"
+#include "hal/linux/gpio/gpiod_gpio.h"
 
 #include <gtest/gtest.h>
 

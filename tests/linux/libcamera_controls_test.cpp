@@ -1,4 +1,4 @@
-#include "hal/linux/libcamera_controls.h"
+#include "hal/linux/libcamera/libcamera_controls.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "hal/linux/libcamera_camera.h"
+#include "hal/linux/libcamera/libcamera_camera.h"
 #include "hal/linux/monotonic_clock.h"
 #include "tests/linux/fake_dma.h"
 #include "tests/linux/fake_kernel.h"

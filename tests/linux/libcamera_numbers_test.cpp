@@ -1,5 +1,5 @@
 // With libcamera's own types; where it is not installed this file is left out.
-#include "hal/linux/libcamera_numbers.h"
+#include "hal/linux/libcamera/libcamera_numbers.h"
 
 #include <gtest/gtest.h>
 #include <libcamera/control_ids.h>
@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <vector>
 
-#include "hal/linux/libcamera_camera.h"
+#include "hal/linux/libcamera/libcamera_camera.h"
 
 namespace touchline::hal {
 namespace {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
 
-#include "hal/linux/mjpg_decoder.h"
+#include "hal/linux/v4l2/mjpg_decoder.h"
 #include "tests/linux/driver_allocations.h"
 #include "tests/linux/jpeg_picture.h"
 #include "tests/linux/v4l2_fixture.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/linux/serial_radio.h"
+#include "hal/linux/serial/serial_radio.h"
 #include "tests/linux/fake_kernel.h"
 #include "tests/linux/fake_serial.h"
 

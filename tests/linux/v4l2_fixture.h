@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "hal/linux/v4l2_camera.h"
+#include "hal/linux/v4l2/v4l2_camera.h"
 #include "tests/linux/fake_kernel.h"
 #include "tests/linux/fake_v4l2.h"
 

@@ -10,9 +10,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const hal::V4l2FormatOffer& format) {
+Json json_of(const hal::V4l2FormatInfo& format) {
   Json sizes = Json::array();
-  for (const hal::V4l2SizeOffer& size : format.sizes) {
+  for (const hal::V4l2FrameSize& size : format.sizes) {
     Json entry{{"width_px", size.width_px}, {"height_px", size.height_px}};
     if (size.most_width_px != size.width_px || size.most_height_px != size.height_px) {
       entry["most_width_px"] = size.most_width_px;
@@ -46,7 +46,7 @@ Json json_of(const Camera& camera) {
   entry["bus"] = node.identity.bus;
   entry["multi_planar"] = node.identity.multi_planar;
   entry["formats"] = Json::array();
-  for (const hal::V4l2FormatOffer& format : camera.formats) entry["formats"].push_back(json_of(format));
+  for (const hal::V4l2FormatInfo& format : camera.formats) entry["formats"].push_back(json_of(format));
   entry["controls"] = Json::array();
   for (const hal::V4l2ControlState& control : camera.controls) entry["controls"].push_back(json_of(control));
   return entry;

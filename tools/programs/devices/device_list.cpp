@@ -35,8 +35,8 @@ std::vector<Camera> ask_cameras(std::vector<hal::CameraNode> nodes) {
     Camera camera;
     hal::V4l2Device device;
     if (node.error == 0 && device.open(node.path) == 0) {
-      camera.formats = hal::offers_of(device, node.identity.multi_planar, true);
-      camera.controls = hal::controls_of(device);
+      camera.formats = hal::list_formats(device, node.identity.multi_planar, true);
+      camera.controls = hal::list_controls(device);
     }
     camera.node = std::move(node);
     cameras.push_back(std::move(camera));

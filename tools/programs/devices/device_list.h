@@ -4,18 +4,18 @@
 #include <string>
 #include <vector>
 
-#include "hal/linux/camera_list.h"
-#include "hal/linux/gpio_list.h"
-#include "hal/linux/libcamera_link.h"
-#include "hal/linux/serial_list.h"
-#include "hal/linux/v4l2_control_list.h"
-#include "hal/linux/v4l2_offers.h"
+#include "hal/linux/gpio/gpio_list.h"
+#include "hal/linux/libcamera/libcamera_link.h"
+#include "hal/linux/serial/serial_list.h"
+#include "hal/linux/v4l2/camera_list.h"
+#include "hal/linux/v4l2/v4l2_control_list.h"
+#include "hal/linux/v4l2/v4l2_format_list.h"
 
 namespace touchline::devices {
 
 struct Camera {
   hal::CameraNode node;
-  std::vector<hal::V4l2FormatOffer> formats;
+  std::vector<hal::V4l2FormatInfo> formats;
   std::vector<hal::V4l2ControlState> controls;
 };
 

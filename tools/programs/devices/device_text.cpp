@@ -20,7 +20,7 @@ __attribute__((format(printf, 2, 3))) void line(std::string& text, const char* f
   text.append(buffer.data()).append("\n");
 }
 
-std::string rates_text(const hal::V4l2SizeOffer& size) {
+std::string rates_text(const hal::V4l2FrameSize& size) {
   std::string text;
   for (const double rate_hz : size.rates_hz) {
     std::array<char, 32> number{};
@@ -30,12 +30,12 @@ std::string rates_text(const hal::V4l2SizeOffer& size) {
   return text.empty() ? text : text + " Hz";
 }
 
-void add_formats(std::string& text, const std::vector<hal::V4l2FormatOffer>& formats) {
+void add_formats(std::string& text, const std::vector<hal::V4l2FormatInfo>& formats) {
   if (formats.empty()) line(text, "    no formats");
-  for (const hal::V4l2FormatOffer& format : formats) {
+  for (const hal::V4l2FormatInfo& format : formats) {
     line(text, "    %-5s  %s%s", (format.word.empty() ? format.code : format.word).c_str(), format.description.c_str(),
          format.word.empty() ? " (Touchline does not read it)" : "");
-    for (const hal::V4l2SizeOffer& size : format.sizes) {
+    for (const hal::V4l2FrameSize& size : format.sizes) {
       std::string words = hal::size_text(size.width_px, size.height_px);
       if (size.most_width_px != size.width_px || size.most_height_px != size.height_px) {
         words += " to " + hal::size_text(size.most_width_px, size.most_height_px);

@@ -1,0 +1,131 @@
+#include "hal/linux/gpio/gpiod_gpio.h"
+
+#include <algorithm>
+
+#include "hal/linux/gpio/gpio_line_error.h"
+#include "hal/linux/monotonic_clock.h"
+#include "hal/linux/system_error.h"
+
+namespace touchline::hal {
+namespace {
+
+// As many as the kernel keeps for a line.
+constexpr std::size_t kMostEdges = 16;
+
+}  // namespace
+
+Status GpiodGpio::do_open() {
+  do_close();
+  reason_.clear();
+  Status status = check_lines();
+  if (status.ok()) status = find_chip(settings_.chip, chip_, reason_);
+  if (status.ok()) {
+    // Not debounced by the kernel: it tells nothing of a line that never rests.
+    status =
+        open_input(emergency_stop_, settings_.emergency_stop_line,
+                   {settings_.emergency_stop_active_low, settings_.emergency_stop_bias, "emergency_stop_bias", {}});
+  }
+  if (status.ok()) {
+    status = open_input(start_, settings_.start_line,
+                        {settings_.start_active_low, settings_.start_bias, "start_bias", debounce_});
+  }
+  if (status.ok() && settings_.status_led_line != kNoLine) {
+    status = status_led_.request_output(chip_, settings_.status_led_line, reason_);
+  }
+  if (status.ok() && settings_.strobe_line != kNoLine) {
+    status = strobe_.request_output(chip_, settings_.strobe_line, reason_);
+  }
+  if (!status.ok()) do_close();
+  open_ = status.ok();
+  return status;
+}
+
+Status GpiodGpio::check_lines() {
+  struct Use {
+    int line;
+    const char* name;
+  };
+  const std::array<Use, 4> uses{{{settings_.status_led_line, "the status light"},
+                                 {settings_.strobe_line, "the strobe"},
+                                 {settings_.emergency_stop_line, "the emergency stop"},
+                                 {settings_.start_line, "the start button"}}};
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (uses[i].line == kNoLine || uses[i].line != uses[k].line) continue;
+      reason_.set("%s line %d: is both %s and %s", settings_.chip.c_str(), uses[i].line, uses[k].name, uses[i].name);
+      return ErrorCode::kInconsistent;
+    }
+  }
+  return {};
+}
+
+Status GpiodGpio::open_input(Input& input, int line, const GpioInput& how) {
+  if (line == kNoLine) return {};
+  if (const Status s = input.line.request_input(chip_, line, how, reason_); !s.ok()) return s;
+  bool active = false;
+  if (const int error = input.line.get(active); error != 0) return fail(line, "reading", error);
+  input.debouncer.begin(input.line.debounced() ? Duration::zero() : debounce_, active, MonotonicClock::read());
+  if (!input.line.tells_edges()) {
+    reason_.append("%s%s line %d: tells no edges, a pulse between two frames goes unseen", reason_.empty() ? "" : "; ",
+                   settings_.chip.c_str(), line);
+  }
+  return {};
+}
+
+void GpiodGpio::do_close() {
+  // A light that stays on would say that the program still runs.
+  if (status_led_.requested()) static_cast<void>(status_led_.set(false));
+  if (strobe_.requested()) static_cast<void>(strobe_.set(false));
+  status_led_.release();
+  strobe_.release();
+  emergency_stop_.line.release();
+  start_.line.release();
+  open_ = false;
+}
+
+Status GpiodGpio::set(const GpioLine& output, int line, bool high) {
+  if (line == kNoLine) return {};
+  if (!open_) return fail(line, "not open", 0);
+  const int error = output.set(high);
+  return error == 0 ? Status{} : fail(line, "setting", error);
+}
+
+Result<GpioInputs> GpiodGpio::do_inputs(Instant now) {
+  const Result<Debouncer::View> stop = look(emergency_stop_, settings_.emergency_stop_line, now);
+  if (!stop.ok()) return stop.error();
+  const Result<Debouncer::View> start = look(start_, settings_.start_line, now);
+  if (!start.ok()) return start.error();
+  GpioInputs inputs;
+  inputs.emergency_stop = stop.value().active || stop.value().restless;
+  inputs.start_pressed = start.value().activated;
+  inputs.look_again = std::min(stop.value().settles_in, start.value().settles_in);
+  return inputs;
+}
+
+Result<Debouncer::View> GpiodGpio::look(Input& input, int line, Instant now) {
+  if (line == kNoLine) return Debouncer::View{};
+  if (!open_) return fail(line, "not open", 0);
+  if (input.line.tells_edges()) {
+    std::array<GpioEdge, kMostEdges> edges{};
+    std::size_t count = 0;
+    if (const int error = input.line.read_edges(edges, count); error != 0) return fail(line, "reading edges", error);
+    // Kernels before 5.7 stamp by another clock: an edge of the future would never settle.
+    for (std::size_t i = 0; i < count; ++i) input.debouncer.edge(edges[i].active, std::min(edges[i].at, now));
+  }
+  // Also where edges are told: the kernel keeps only so many, and a lost one must not hide a line that is pulled.
+  bool active = false;
+  if (const int error = input.line.get(active); error != 0) return fail(line, "reading", error);
+  input.debouncer.level(active, now);
+  return input.debouncer.look(now);
+}
+
+ErrorCode GpiodGpio::fail(int line, const char* doing, int error) {
+  if (error == 0) {
+    reason_.set("%s line %d: %s", settings_.chip.c_str(), line, doing);
+    return ErrorCode::kDisconnected;
+  }
+  reason_.set("%s line %d: %s failed: %s", settings_.chip.c_str(), line, doing, system_text(error));
+  return use_error(error);
+}
+
+}  // namespace touchline::hal

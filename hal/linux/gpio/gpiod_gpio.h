@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "hal/debouncer.h"
+#include "hal/device_parameters.h"
+#include "hal/gpio.h"
+#include "hal/linux/gpio/gpio_line.h"
+#include "hal/linux/reason.h"
+
+namespace touchline::hal {
+
+/// Status light, strobe, emergency stop and start button on lines of one GPIO chip.
+class GpiodGpio final : public Gpio {
+ public:
+  explicit GpiodGpio(GpioSettings settings)
+      : settings_(std::move(settings)), debounce_(from_seconds(settings_.debounce_s)) {}
+  ~GpiodGpio() override { GpiodGpio::do_close(); }
+  GpiodGpio(const GpiodGpio&) = delete;
+  GpiodGpio& operator=(const GpiodGpio&) = delete;
+
+  [[nodiscard]] const std::string& reason() const override { return reason_.text(); }
+
+ private:
+  struct Input {
+    GpioLine line;
+    Debouncer debouncer;
+  };
+
+  Status do_open() override;
+  void do_close() override;
+  Status do_set_status_led(bool on) override { return set(status_led_, settings_.status_led_line, on); }
+  Status do_set_strobe(bool high) override { return set(strobe_, settings_.strobe_line, high); }
+  Result<GpioInputs> do_inputs(Instant now) override;
+
+  Status check_lines();
+  Status open_input(Input& input, int line, const GpioInput& how);
+  Status set(const GpioLine& output, int line, bool high);
+  Result<Debouncer::View> look(Input& input, int line, Instant now);
+  ErrorCode fail(int line, const char* doing, int error);
+
+  GpioSettings settings_;
+  std::string chip_;  // the device behind settings_.chip
+  Duration debounce_;
+  GpioLine status_led_, strobe_;
+  Input emergency_stop_, start_;
+  Reason reason_;
+  bool open_ = false;
+};
+
+}  // namespace touchline::hal

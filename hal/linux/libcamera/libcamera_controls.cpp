@@ -1,0 +1,175 @@
+#include "hal/linux/libcamera/libcamera_controls.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace touchline::hal {
+namespace {
+
+using enum LibcameraControl;
+
+constexpr double kTolerance = 0.01;  // a row's time, a step of the gain
+
+bool is_near(double a, double b) { return std::abs(a - b) <= kTolerance * std::max(std::abs(a), std::abs(b)); }
+
+// Lamps flicker at twice the mains' frequency.
+double flicker_period_us(PowerLine power_line) { return power_line == PowerLine::k50Hz ? 1e6 / 100.0 : 1e6 / 120.0; }
+
+const char* word_of(PowerLine power_line) {
+  for (const Choice<PowerLine>& choice : kPowerLines) {
+    if (choice.value == power_line) return choice.word.data();
+  }
+  return "";
+}
+
+/// One key of the board file that is one control.
+struct Key {
+  const char* name;
+  double asked = 0.0;  // in the key's units
+  double unit = 1.0;   // of libcamera in one of the key's
+  LibcameraControl value, manual;
+};
+
+constexpr std::size_t kKeys = 4;
+std::array<Key, kKeys> keys_of(const CameraSettings& asked) {
+  return {{{"exposure_us", static_cast<double>(asked.exposure_us), 1.0, kExposure, kExposureManual},
+           {"gain", static_cast<double>(asked.gain), 1.0 / kLibcameraSteps, kGain, kGainManual},
+           {"white_balance_k", static_cast<double>(asked.white_balance_k), 1.0, kTemperature, kWhiteBalanceManual},
+           {"focus", static_cast<double>(asked.focus), 1.0 / kLibcameraSteps, kLensPosition, kFocusManual}}};
+}
+
+bool is_asked(const Key& key) { return key.value == kLensPosition ? key.asked >= 0.0 : key.asked > 0.0; }
+
+void note(Reason& grants, const char* key, double asked) {
+  grants.append("%s%s = %.6g: ", grants.separator(), key, asked);
+}
+
+void note_power_line(Reason& grants, PowerLine power_line) {
+  grants.append("%spower_line = %s: ", grants.separator(), word_of(power_line));
+}
+
+constexpr const char* kNotTold = "set, but the camera does not tell it back";
+
+void lacking(Reason& grants) { grants.append("the camera has no such control"); }
+
+double within(const LibcameraLimits& limits, LibcameraControl control, double value) {
+  return std::min(std::max(value, *limits.low[control]), *limits.high[control]);
+}
+
+// Where a camera takes no temperature but gains: those that a common sensor needs (within 10 % of the IMX219's between
+// 2500 and 5700 K). Another sensor's picture gets a tint, always the same one, and colors are learned with it.
+void set_gains(const LibcameraLimits& limits, double temperature_k, LibcameraNumbers& controls) {
+  const double relative = temperature_k / 5600.0;
+  controls[kWhiteBalanceManual] = 1.0;
+  controls[kRedGain] = within(limits, kRedGain, 2.2 * std::pow(relative, 0.9));
+  controls[kBlueGain] = within(limits, kBlueGain, 1.86 * std::pow(relative, -0.5));
+}
+
+/// What the frame tells of a control, else what was set.
+double granted(const LibcameraNumbers& controls, const LibcameraNumbers& told, LibcameraControl control) {
+  return told[control].value_or(*controls[control]);
+}
+
+void tell(const Key& key, const LibcameraLimits& limits, const LibcameraNumbers& controls, const LibcameraNumbers& told,
+          Reason& grants) {
+  if (!controls[key.value]) return;
+  const double got = granted(controls, told, key.value);
+  if (!is_near(got, key.asked * key.unit)) {
+    note(grants, key.name, key.asked);
+    grants.append("granted %.6g (range %.6g to %.6g)", got / key.unit, *limits.low[key.value] / key.unit,
+                  *limits.high[key.value] / key.unit);
+  } else if (!told[key.value]) {
+    note(grants, key.name, key.asked);
+    grants.append("%s", kNotTold);
+  }
+}
+
+}  // namespace
+
+LibcameraNumbers controls_for(const CameraSettings& asked, const LibcameraLimits& limits, Reason& grants) {
+  LibcameraNumbers controls;
+  for (const Key& key : keys_of(asked)) {
+    if (!is_asked(key)) continue;
+    if (limits.has(key.value)) {
+      controls[key.manual] = 1.0;
+      controls[key.value] = within(limits, key.value, key.asked * key.unit);
+    } else if (key.value == kTemperature && limits.has(kRedGain)) {
+      set_gains(limits, key.asked, controls);
+    } else {
+      note(grants, key.name, key.asked);
+      lacking(grants);
+    }
+  }
+  if (asked.exposure_steps != kExposureStepsLeave) {
+    note(grants, "exposure_steps", asked.exposure_steps);
+    lacking(grants);
+  }
+  if (limits.has(kFlickerPeriod)) {
+    if (asked.power_line == PowerLine::kOff) controls[kFlickerManual] = 0.0;
+    if (asked.power_line == PowerLine::k50Hz || asked.power_line == PowerLine::k60Hz) {
+      controls[kFlickerManual] = 1.0;
+      controls[kFlickerPeriod] = within(limits, kFlickerPeriod, flicker_period_us(asked.power_line));
+    }
+  } else if (asked.power_line == PowerLine::k50Hz || asked.power_line == PowerLine::k60Hz) {
+    note_power_line(grants, asked.power_line);
+    lacking(grants);
+  }
+  if (asked.rate_hz > 0.0 && limits.has(kFrameDuration)) {
+    controls[kFrameDuration] = within(limits, kFrameDuration, 1e6 / asked.rate_hz);
+  }
+  return controls;
+}
+
+void describe_controls(const LibcameraNumbers& told, Reason& text) {
+  if (told[kExposure]) text.append(", exposure %.0f us", *told[kExposure]);
+  if (told[kGain]) text.append(", gain %.0f", *told[kGain] * kLibcameraSteps);
+  if (told[kTemperature]) text.append(", white balance %.0f K", *told[kTemperature]);
+  if (told[kRedGain] && told[kBlueGain]) text.append(", red x%.3g, blue x%.3g", *told[kRedGain], *told[kBlueGain]);
+  if (told[kLensPosition]) text.append(", focus %.0f", *told[kLensPosition] * kLibcameraSteps);
+}
+
+bool is_taken_with(const LibcameraNumbers& told, const LibcameraNumbers& controls) {
+  for (const LibcameraControl control : {kExposure, kGain, kRedGain, kBlueGain, kFrameDuration, kLensPosition}) {
+    if (controls[control] && told[control] && !is_near(*controls[control], *told[control])) return false;
+  }
+  return true;
+}
+
+LibcameraNumbers adjusted(const LibcameraNumbers& before, const LibcameraNumbers& controls) {
+  LibcameraNumbers all = before;
+  for (std::size_t i = 0; i < kLibcameraControls; ++i) {
+    const auto control = static_cast<LibcameraControl>(i);
+    if (controls[control]) all[control] = controls[control];
+  }
+  return all;
+}
+
+void tell_control_grants(const CameraSettings& asked, const LibcameraLimits& limits, const LibcameraNumbers& controls,
+                         const LibcameraNumbers& told, Reason& grants) {
+  for (const Key& key : keys_of(asked)) {
+    if (is_asked(key)) tell(key, limits, controls, told, grants);
+  }
+  if (asked.white_balance_k > 0 && controls[kRedGain]) {
+    note(grants, "white_balance_k", asked.white_balance_k);
+    grants.append("the camera takes gains only: red %.3g, blue %.3g", granted(controls, told, kRedGain),
+                  granted(controls, told, kBlueGain));
+  }
+}
+
+void tell_grants(const CameraSettings& asked, const LibcameraLimits& limits, const LibcameraNumbers& controls,
+                 const LibcameraNumbers& told, Reason& grants) {
+  if (!controls[kFrameDuration]) {
+    note(grants, "rate_hz", asked.rate_hz);
+    grants.append("the camera does not tell its rate");
+  } else if (const double rate_hz = 1e6 / granted(controls, told, kFrameDuration); !is_near(rate_hz, asked.rate_hz)) {
+    note(grants, "rate_hz", asked.rate_hz);
+    grants.append("granted %.4g (range %.4g to %.4g)", rate_hz, 1e6 / *limits.high[kFrameDuration],
+                  1e6 / *limits.low[kFrameDuration]);
+  } else if (!told[kFrameDuration]) {
+    note(grants, "rate_hz", asked.rate_hz);
+    grants.append("%s", kNotTold);
+  }
+  tell_control_grants(asked, limits, controls, told, grants);
+}
+
+}  // namespace touchline::hal

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "hal/device_parameters.h"
+#include "hal/linux/libcamera/libcamera_link.h"
+#include "hal/linux/reason.h"
+
+namespace touchline::hal {
+
+/// Units of `gain` and `focus` in the board file: hundredths of libcamera's factor and of a dioptre.
+inline constexpr double kLibcameraSteps = 100.0;
+
+/// What to tell a camera so that it does as the settings say, within its limits. A control that it lacks is appended to
+/// `grants`.
+LibcameraNumbers controls_for(const CameraSettings& asked, const LibcameraLimits& limits, Reason& grants);
+
+/// Whether a frame was taken with these controls; what the frame does not tell is taken to be so.
+bool is_taken_with(const LibcameraNumbers& told, const LibcameraNumbers& controls);
+
+/// What is told a camera that was told `before`: what the settings leave alone stays as it is.
+LibcameraNumbers adjusted(const LibcameraNumbers& before, const LibcameraNumbers& controls);
+
+/// Appends to `grants` what differs from the settings by more than the sensor's rounding (1 %), and what was set but is
+/// not told by a frame.
+void tell_grants(const CameraSettings& asked, const LibcameraLimits& limits, const LibcameraNumbers& controls,
+                 const LibcameraNumbers& told, Reason& grants);
+/// The same without the rate, which only a start sets.
+void tell_control_grants(const CameraSettings& asked, const LibcameraLimits& limits, const LibcameraNumbers& controls,
+                         const LibcameraNumbers& told, Reason& grants);
+
+/// Appends ", exposure 4970 us, gain 250, ..." of what a frame tells, in the keys' units.
+void describe_controls(const LibcameraNumbers& told, Reason& text);
+
+}  // namespace touchline::hal

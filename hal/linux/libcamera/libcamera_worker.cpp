@@ -1,0 +1,258 @@
+// The part of LibcameraCamera that runs on the driver's own thread: all that calls libcamera, and may block and
+// allocate.
+#include <linux/videodev2.h>
+#include <pthread.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+
+#include "hal/linux/libcamera/libcamera_camera.h"
+#include "hal/linux/libcamera/libcamera_controls.h"
+#include "hal/linux/system_error.h"
+
+namespace touchline::hal {
+namespace {
+
+// One is being filled while the loop holds the other.
+constexpr std::size_t kFewestBuffers = 2;
+
+// Where devices write past the processor's caches, drivers' own buffers are read without them.
+#if defined(__x86_64__) || defined(__i386__)
+constexpr bool kCachesSeeDevices = true;
+#else
+constexpr bool kCachesSeeDevices = false;
+#endif
+
+/// Bytes of the picture's rows in each plane; the last row need not be padded.
+std::array<std::size_t, 2> plane_bytes(const LibcameraStream& stream) {
+  const std::size_t width = stream.width_px, height = stream.height_px, stride = stream.stride_bytes;
+  const std::size_t pairs = (width + 1) / 2 * 2;
+  switch (stream.format) {
+    case PixelFormat::kNv12:
+      return {stride * (height - 1) + width, stride * ((height + 1) / 2 - 1) + pairs};
+    case PixelFormat::kYuyv:
+    case PixelFormat::kUyvy:
+      return {stride * (height - 1) + 2 * pairs, 0};
+    case PixelFormat::kRgb24:
+    case PixelFormat::kBgr24:
+      break;
+  }
+  return {stride * (height - 1) + 3 * width, 0};
+}
+
+/// A picture in one piece becomes its planes: NV12's chroma follows luma with the same stride.
+void split(DmaBuffer& buffer, const LibcameraStream& stream) {
+  DmaPlane& luma = buffer.plane[0];
+  const std::size_t luma_bytes = std::size_t{stream.stride_bytes} * stream.height_px;
+  if (stream.format != PixelFormat::kNv12 || buffer.plane[1].file >= 0 || luma.length < luma_bytes) return;
+  buffer.plane[1] = {luma.file, luma.offset + luma_bytes, luma.length - luma_bytes};
+  luma.length = luma_bytes;
+}
+
+}  // namespace
+
+void LibcameraCamera::work() {
+  // libcamera's threads inherit it. A refusal is what the loop is refused too, which tells.
+  if (priority_ > 0) {
+    const sched_param below{.sched_priority = std::max(priority_ - 1, 1)};
+    static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &below));
+  }
+  for (;;) {
+    work_.wait();
+    queue_returned();
+    const Task task = task_.exchange(Task::kNone, std::memory_order_acquire);
+    if (task == Task::kNone) continue;
+    result_ = perform(task);
+    done_.post();
+    if (task == Task::kClose) return;
+  }
+}
+
+Status LibcameraCamera::perform(Task task) {
+  switch (task) {
+    case Task::kOpen:
+      return open_here();
+    case Task::kStart:
+      return start_here();
+    case Task::kAdjust:
+      link_->adjust(controls_);
+      break;
+    case Task::kStop:
+      stop_here();
+      break;
+    case Task::kClose:
+      close_here();
+      break;
+    case Task::kNone:
+      break;
+  }
+  return {};
+}
+
+Status LibcameraCamera::open_here() {
+  gone_.store(false, std::memory_order_relaxed);
+  if (const Status status = choose_camera(); !status.ok()) return status;
+  if (const Status status = configure(); !status.ok()) return status;
+  if (const Status status = prepare_buffers(); !status.ok()) return status;
+  limits_ = link_->limits();
+  controls_ = controls_for(settings_, limits_, grants_);
+  grants_at_open_ = grants_.size();
+  return {};
+}
+
+Status LibcameraCamera::choose_camera() {
+  std::vector<LibcameraName> cameras;
+  if (const int error = link_->cameras(cameras); error != 0) {
+    reason_.set("libcamera does not start: %s", system_text(error));
+    return open_error(error);
+  }
+  const LibcameraName* const chosen = choose(cameras, settings_.device);
+  if (chosen == nullptr) {
+    reason_.set("%s: no such camera; cameras here: %s%s", name(), list_of(cameras).c_str(),
+                cameras.empty() ? " (is it plugged in, and the user in the group video?)" : "");
+    return ErrorCode::kNotFound;
+  }
+  id_ = chosen->id;
+  model_ = chosen->model;
+  // The first row arrives, that is, its exposure is over; what libcamera's documents call the time when the row is
+  // exposed. At USB it is what the kernel's driver says.
+  const bool is_of_start = chosen->external && uvc_computes_stamps();
+  stamp_flags_ =
+      V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | (is_of_start ? V4L2_BUF_FLAG_TSTAMP_SRC_SOE : V4L2_BUF_FLAG_TSTAMP_SRC_EOF);
+  if (const int error = link_->acquire(id_, *this); error != 0) return refused("taking it", error);
+  return {};
+}
+
+Status LibcameraCamera::configure() {
+  const char* const format = kCameraFormats[static_cast<std::size_t>(settings_.format)].word.data();
+  if (settings_.format == CameraFormat::kMjpg) {
+    reason_.set("%s: no %s from libcamera; a USB camera gives it to backend v4l2", name(), format);
+    return ErrorCode::kUnsupported;
+  }
+  stream_ = {};
+  stream_.format = pixel_format(settings_.format);
+  stream_.width_px = settings_.width_px;
+  stream_.height_px = settings_.height_px;
+  stream_.buffers = static_cast<std::size_t>(settings_.buffers);
+  std::string offers;
+  const int error = link_->configure(stream_, offers);
+  if (error == EINVAL) {
+    reason_.set("%s: no %s %ux%u; it offers %s", name(), format, unsigned{settings_.width_px},
+                unsigned{settings_.height_px}, offers.c_str());
+    return ErrorCode::kUnsupported;
+  }
+  if (error != 0) return refused("setting a format", error);
+  info_ = {stream_.format, stream_.width_px, stream_.height_px, settings_.rate_hz};
+  const std::array<std::size_t, 2> bytes = plane_bytes(stream_);
+  needed_bytes_ = bytes[1] == 0 ? bytes[0] : std::size_t{stream_.stride_bytes} * stream_.height_px + bytes[1];
+  if (stream_.full_range && color_space(stream_.format) == ColorSpace::kYuv) {
+    grants_.append("YUV of full range: its darkest 16 levels are taken for black");
+  }
+  return {};
+}
+
+Status LibcameraCamera::prepare_buffers() {
+  std::vector<DmaBuffer> buffers;
+  if (const Status status = allocate_buffers(buffers); !status.ok()) return status;
+  if (buffers.size() < kFewestBuffers || buffers.size() > kMostBuffers) {
+    reason_.set("%s: grants %zu buffers, %zu to %zu are needed", name(), buffers.size(), kFewestBuffers, kMostBuffers);
+    return ErrorCode::kUnsupported;
+  }
+  stream_.buffers = buffers.size();
+  if (stream_.buffers != static_cast<std::size_t>(settings_.buffers)) {
+    grants_.append("%sbuffers = %d: granted %zu", grants_.separator(), settings_.buffers, stream_.buffers);
+  }
+  const std::array<std::size_t, 2> needed = plane_bytes(stream_);
+  for (std::size_t i = 0; i < buffers.size(); ++i) {
+    split(buffers[i], stream_);
+    for (std::size_t p = 0; p < needed.size(); ++p) {
+      if (buffers[i].plane[p].length >= needed[p]) continue;
+      reason_.set("%s: plane %zu of a buffer has %zu bytes, a picture needs %zu", name(), p, buffers[i].plane[p].length,
+                  needed[p]);
+      return ErrorCode::kUnsupported;
+    }
+    if (const int error = mappings_[i].map(buffers[i]); error != 0) return refused("mapping buffers", error);
+  }
+  return {};
+}
+
+/// From a heap that processor caches may hold, else the driver's own.
+Status LibcameraCamera::allocate_buffers(std::vector<DmaBuffer>& buffers) {
+  int error = heap_.open();
+  const std::size_t bytes = std::max(stream_.frame_bytes, needed_bytes_);
+  while (error == 0 && buffers.size() < stream_.buffers) {
+    int file = -1;
+    error = heap_.allocate(bytes, file);
+    if (error != 0) break;
+    files_.push_back(file);
+    buffers.push_back({{DmaPlane{file, 0, bytes}, DmaPlane{}}});
+    split(buffers.back(), stream_);
+  }
+  if (error == 0) {
+    error = link_->use_buffers(buffers);
+    return error == 0 ? Status{} : refused("taking buffers of a DMA heap", error);
+  }
+  if (!kCachesSeeDevices || error != ENOENT) {
+    grants_.append("%sno memory of a DMA heap (%s%s%s): the driver's own buffers may be slow to read",
+                   grants_.separator(), heap_.name(), *heap_.name() != '\0' ? ": " : "", system_text(error));
+  }
+  buffers.clear();
+  error = link_->make_buffers(buffers);
+  return error == 0 ? Status{} : refused("making buffers", error);
+}
+
+Status LibcameraCamera::start_here() {
+  if (gone_.load(std::memory_order_acquire)) {
+    return say_lost(reason_, name(), "camera", ErrorCode::kDisconnected, "before the stream began", 0);
+  }
+  queue_error_.store(0, std::memory_order_relaxed);
+  flowing_.store(true, std::memory_order_release);
+  int error = link_->start(controls_);
+  for (std::uint32_t i = 0; error == 0 && i < stream_.buffers; ++i) error = queue(i);
+  if (error == 0) return {};
+  stop_here();
+  return refused("starting the stream", error);
+}
+
+void LibcameraCamera::stop_here() {
+  flowing_.store(false, std::memory_order_release);
+  link_->stop();
+  queue_returned();
+}
+
+void LibcameraCamera::close_here() {
+  for (DmaMapping& mapping : mappings_) mapping.unmap();
+  link_->release();
+  for (const int file : files_) ::close(file);
+  files_.clear();
+  heap_.close();
+}
+
+int LibcameraCamera::queue(std::uint32_t buffer) {
+  const int error = mappings_[buffer].end_read();
+  return error != 0 ? error : link_->queue(buffer);
+}
+
+void LibcameraCamera::queue_returned() {
+  std::uint32_t buffer = 0;
+  while (returned_.pop(buffer)) {
+    if (!flowing_.load(std::memory_order_relaxed)) continue;
+    if (const int error = queue(buffer); error != 0 && !gone_.load(std::memory_order_acquire)) {
+      queue_error_.store(error, std::memory_order_release);
+      ready_.post();
+    }
+  }
+}
+
+Status LibcameraCamera::refused(const char* doing, int error) {
+  const ErrorCode code = open_error(error);
+  if (code == ErrorCode::kDeviceBusy) {
+    reason_.set("%s: held by another process; `fuser -v /dev/media* /dev/video*` names it", name());
+  } else {
+    reason_.set("%s: %s failed: %s", name(), doing, system_text(error));
+  }
+  return code;
+}
+
+}  // namespace touchline::hal

@@ -1,0 +1,255 @@
+#include "hal/linux/serial/serial_radio.h"
+
+#include <fcntl.h>
+#include <libserialport.h>
+#include <linux/serial.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <memory>
+#include <utility>
+
+#include "hal/linux/monotonic_clock.h"
+#include "hal/linux/serial/serial_list.h"
+#include "hal/linux/system_error.h"
+
+namespace touchline::hal {
+namespace {
+
+// A start bit, eight data bits, a stop bit.
+constexpr double kBitsPerByte = 10.0;
+// The largest transmit FIFO of common UARTs, for a line that is slower than its baud rate: what stands there then is in
+// nobody's count.
+constexpr std::size_t kFifoBytes = 64;
+// Receivers sample ten bits from one start edge: the two ends may differ by about 5 % in all, and each has its own
+// error.
+constexpr double kMaxBaudError = 0.02;
+// An adapter that takes nothing for so long hangs, and opening it again may bring it back. Not sooner: opening restarts
+// many radios, and some take seconds to begin.
+constexpr Duration kStandstill = std::chrono::seconds(5);
+// Between looks at the output while draining.
+constexpr Duration kDrainPeriod = std::chrono::milliseconds(1);
+// Between looks at a line that is busy: the kernel's own count is no finer.
+constexpr Duration kShortestPause = std::chrono::microseconds(500);
+
+/// A disappeared tty answers EIO where other devices answer ENODEV.
+ErrorCode port_error(int error) { return error == EIO ? ErrorCode::kDisconnected : use_error(error); }
+
+}  // namespace
+
+Status SerialRadio::do_open() {
+  do_close();
+  reason_.clear();
+  lost_ = ErrorCode::kOk;
+  slot_.clear();
+  free_at_ = {};
+  in_driver_ = 0;
+  moved_at_ = MonotonicClock::read();
+  Status status = find_port();
+  if (status.ok()) status = claim_port();
+  if (status.ok()) status = configure_port();
+  if (!status.ok()) do_close();
+  return status;
+}
+
+Status SerialRadio::find_port() {
+  // libserialport knows ports by their kernel names only; links such as /dev/serial/by-id/... are followed anew at each
+  // opening, so that a plugged-in-again adapter may have another number.
+  const std::unique_ptr<char, decltype(&std::free)> path(::realpath(name(), nullptr), &std::free);
+  if (path == nullptr) {
+    const int error = errno;
+    const ErrorCode code = open_error(error);
+    if (code == ErrorCode::kNotFound) {
+      reason_.set("%s: no such port; ports here: %s", name(), ports_here().c_str());
+    } else {
+      reason_.set("%s: cannot be reached: %s", name(), system_text(error));
+    }
+    return code;
+  }
+  if (sp_get_port_by_name(path.get(), &port_) != SP_OK) {
+    port_ = nullptr;
+    reason_.set("%s: not a serial port; ports here: %s", name(), ports_here().c_str());
+    return ErrorCode::kUnsupported;
+  }
+  return {};
+}
+
+Status SerialRadio::claim_port() {
+  if (sp_open(port_, SP_MODE_READ_WRITE) != SP_OK) {
+    const int error = sp_last_error_code();
+    sp_free_port(port_);
+    port_ = nullptr;
+    const ErrorCode code = open_error(error);
+    if (code == ErrorCode::kPermission) return say_denied(reason_, name(), "dialout");
+    if (code == ErrorCode::kDeviceBusy) return say_busy(reason_, name());
+    if (error == EIO) {
+      reason_.set("%s: no UART behind this port; ports here: %s", name(), ports_here().c_str());
+      return ErrorCode::kNotFound;
+    }
+    reason_.set("%s: cannot be opened: %s", name(), system_text(error));
+    return code;
+  }
+  int file = -1;
+  if (sp_get_port_handle(port_, &file) != SP_OK) return fail("asking for the port's file", sp_last_error_code());
+  // Two programs on one radio send each other's robots astray. The lock keeps out those who lock, whoever they are; the
+  // exclusive mode keeps out everybody but root.
+  if (::flock(file, LOCK_EX | LOCK_NB) != 0) {
+    if (errno == EWOULDBLOCK) return say_busy(reason_, name());
+    return fail("locking", errno);
+  }
+  if (::ioctl(file, TIOCEXCL) != 0) return fail("claiming", errno);
+  if (::fcntl(file, F_SETFD, FD_CLOEXEC) != 0) return fail("claiming", errno);
+  return {};
+}
+
+Status SerialRadio::configure_port() {
+  if (sp_set_baudrate(port_, settings_.baud) != SP_OK) {
+    const int error = sp_last_error_code();
+    if (port_error(error) == ErrorCode::kDisconnected) return fail("setting the baud rate", error);
+    reason_.set("%s: refuses baud = %d: %s", name(), settings_.baud, system_text(error));
+    return ErrorCode::kUnsupported;
+  }
+  if (sp_set_bits(port_, 8) != SP_OK || sp_set_parity(port_, SP_PARITY_NONE) != SP_OK ||
+      sp_set_stopbits(port_, 1) != SP_OK || sp_set_flowcontrol(port_, SP_FLOWCONTROL_NONE) != SP_OK) {
+    return fail("setting 8N1 without flow control", sp_last_error_code());
+  }
+  // Bytes that another program left there would be half a packet to the robots.
+  if (sp_flush(port_, SP_BUF_BOTH) != SP_OK) return fail("emptying", sp_last_error_code());
+
+  return check_baud();
+}
+
+Status SerialRadio::check_baud() {
+  sp_port_config* raw = nullptr;
+  if (sp_new_config(&raw) != SP_OK) return fail("reading the settings back", ENOMEM);
+  const std::unique_ptr<sp_port_config, decltype(&sp_free_config)> config(raw, &sp_free_config);
+  int granted = 0;
+  if (sp_get_config(port_, config.get()) != SP_OK || sp_get_config_baudrate(config.get(), &granted) != SP_OK) {
+    return fail("reading the settings back", sp_last_error_code());
+  }
+  const double error = static_cast<double>(std::abs(granted - settings_.baud)) / settings_.baud;
+  if (error > kMaxBaudError) {
+    reason_.set("%s: baud = %d: granted %d, which is too far off for the robots to understand", name(), settings_.baud,
+                granted);
+    return ErrorCode::kUnsupported;
+  }
+  // At its slowest, so that a line that is never idle falls behind by nothing.
+  byte_time_ = from_seconds(kBitsPerByte * (1.0 + kMaxBaudError) / granted);
+  reason_.set("%s: %d baud", name(), settings_.baud);
+  if (granted != settings_.baud) reason_.append(", granted %d", granted);
+  int file = -1;
+  if (sp_get_port_handle(port_, &file) == SP_OK && ask_for_low_latency(file)) reason_.append(", low latency");
+  return {};
+}
+
+bool SerialRadio::ask_for_low_latency(int file) {
+  // Drivers that know no such thing refuse one of the calls or keep the flag as it was.
+  constexpr auto kLowLatency = static_cast<int>(ASYNC_LOW_LATENCY);
+  serial_struct line{};
+  if (::ioctl(file, TIOCGSERIAL, &line) != 0) return false;
+  line.flags |= kLowLatency;
+  if (::ioctl(file, TIOCSSERIAL, &line) != 0) return false;
+  return ::ioctl(file, TIOCGSERIAL, &line) == 0 && (line.flags & kLowLatency) != 0;
+}
+
+Status SerialRadio::check_usable() {
+  if (lost_ != ErrorCode::kOk) return lost_;
+  if (port_ != nullptr) return {};
+  reason_.set("%s: not open", name());
+  return ErrorCode::kDisconnected;
+}
+
+Status SerialRadio::do_send(const Packet& packet) {
+  if (const Status status = check_usable(); !status.ok()) return status;
+  const Status status = slot_.send(packet, *this);
+  if (status == Status(ErrorCode::kBusy)) {
+    reason_.set(
+        "%s: the line is still busy, an older packet was dropped for a newer one; %d baud is too slow for the rate of "
+        "packets, or the port stands still",
+        name(), settings_.baud);
+  }
+  return status;
+}
+
+Result<Duration> SerialRadio::do_serve() {
+  if (slot_.bytes() == 0) return Duration::max();
+  if (const Status status = check_usable(); !status.ok()) return status.code();
+  if (const Status status = slot_.serve(*this); !status.ok()) return status.code();
+  if (slot_.bytes() == 0) return Duration::max();
+  const Result<std::size_t> before = waiting();
+  if (!before.ok()) return before.error();
+  return std::max(time_of(before.value()), kShortestPause);
+}
+
+Result<std::size_t> SerialRadio::do_receive(std::span<std::byte> into) {
+  if (const Status status = check_usable(); !status.ok()) return status.code();
+  // Into an int at once: the library returns counts that its enum has no values for.
+  const int received = sp_nonblocking_read(port_, into.data(), into.size());
+  if (received < 0) return fail("receiving", sp_last_error_code());
+  return static_cast<std::size_t>(received);
+}
+
+/// The kernel's count leaves out what the device has taken: 16 to 64 bytes in a UART, up to a thousand in a USB
+/// adapter, which at 9600 baud is a second of old packets. So the time that bytes need on the line counts as well.
+Result<std::size_t> SerialRadio::waiting() {
+  const int bytes = sp_output_waiting(port_);
+  if (bytes < 0) return fail("asking what waits", sp_last_error_code());
+  const Instant now = MonotonicClock::read();
+  const std::size_t before = std::exchange(in_driver_, static_cast<std::size_t>(bytes));
+  if (in_driver_ == 0 || in_driver_ < before) moved_at_ = now;
+  if (now - moved_at_ > kStandstill) {
+    reason_.set("%s: the port stands still: %zu bytes have not left for %.0f s", name(), in_driver_,
+                seconds(kStandstill));
+    return lost_ = ErrorCode::kIo;
+  }
+  const Duration left = std::max(free_at_ - now, Duration::zero());
+  const auto on_line = static_cast<std::size_t>((left + byte_time_ - Duration(1)) / byte_time_);
+  return std::max(in_driver_, on_line);
+}
+
+Result<std::size_t> SerialRadio::write(std::span<const std::byte> bytes) {
+  const int taken = sp_nonblocking_write(port_, bytes.data(), bytes.size());
+  if (taken < 0) return fail("sending", sp_last_error_code());
+  const Instant now = MonotonicClock::read();
+  free_at_ = std::max(free_at_, now) + time_of(static_cast<std::size_t>(taken));
+  if (taken > 0) moved_at_ = now;
+  return static_cast<std::size_t>(taken);
+}
+
+Status SerialRadio::do_drain(Instant deadline) {
+  if (const Status status = check_usable(); !status.ok()) return status;
+  for (;;) {
+    if (const Status status = slot_.serve(*this); !status.ok()) return status;
+    const Result<std::size_t> before = waiting();
+    if (!before.ok()) return before.error();
+    if (slot_.bytes() + before.value() == 0) break;
+    const Instant now = MonotonicClock::read();
+    if (now >= deadline) {
+      reason_.set("%s: %zu bytes have not left before the deadline", name(), slot_.bytes() + before.value());
+      return ErrorCode::kTimeout;
+    }
+    MonotonicClock::wait_for(std::min(deadline, now + kDrainPeriod));
+  }
+  MonotonicClock::wait_for(std::min(deadline, MonotonicClock::read() + time_of(kFifoBytes)));
+  return {};
+}
+
+void SerialRadio::do_close() {
+  if (port_ == nullptr) return;
+  // Else the kernel waits up to 30 s for a line that stands still. Neither call can fail in a way that matters here.
+  static_cast<void>(sp_flush(port_, SP_BUF_OUTPUT));
+  static_cast<void>(sp_close(port_));
+  sp_free_port(port_);
+  port_ = nullptr;
+  slot_.clear();
+}
+
+ErrorCode SerialRadio::fail(const char* doing, int error) noexcept {
+  lost_ = port_error(error);
+  return say_lost(reason_, name(), "port", lost_, doing, error);
+}
+
+}  // namespace touchline::hal

@@ -1,0 +1,58 @@
+#include "hal/linux/v4l2/capture_stamp.h"
+
+#include <linux/videodev2.h>
+
+#include <fstream>
+
+namespace touchline::hal {
+namespace {
+
+bool is_of_start(std::uint32_t flags) {
+  return (flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+}
+
+}  // namespace
+
+void CaptureStamp::restart(Duration exposure) {
+  set_exposure(exposure);
+  last_stamp_ = last_capture_ = {};
+  replaced_ = 0;
+}
+
+bool CaptureStamp::is_monotonic(std::uint32_t flags) {
+  return (flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
+}
+
+const char* CaptureStamp::name_of(std::uint32_t flags) {
+  if (!is_monotonic(flags)) return "fetching";
+  return is_of_start(flags) ? "start of exposure" : "end of frame";
+}
+
+Instant CaptureStamp::middle_of_exposure(std::uint32_t flags, Instant stamp, Instant now) {
+  const Duration half_exposure = Duration(exposure_.load(std::memory_order_relaxed)) / 2;
+  const bool monotonic = is_monotonic(flags);
+  const bool credible = monotonic && stamp > last_stamp_ && stamp <= now;
+  Instant capture = now - half_exposure;
+  if (credible) {
+    last_stamp_ = stamp;
+    capture = is_of_start(flags) ? stamp + half_exposure : stamp - half_exposure;
+  } else if (monotonic) {
+    ++replaced_;
+  }
+  // The filters need time to go forward, whatever the driver thinks; a nanosecond is the least that is forward.
+  if (capture <= last_capture_) capture = last_capture_ + Duration(1);
+  last_capture_ = capture;
+  return capture;
+}
+
+bool uvc_computes_stamps(const std::string& parameter) {
+  std::ifstream file(parameter);
+  const int said = file.get();
+  return said == 'Y' || said == '1';
+}
+
+Instant monotonic_stamp(Instant stamp, Instant monotonic_now, Instant boottime_now) {
+  return stamp > monotonic_now ? stamp - (boottime_now - monotonic_now) : stamp;
+}
+
+}  // namespace touchline::hal

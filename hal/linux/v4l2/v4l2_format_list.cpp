@@ -1,0 +1,125 @@
+#include "hal/linux/v4l2/v4l2_format_list.h"
+
+#include <linux/videodev2.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "hal/device_parameters.h"
+
+namespace touchline::hal {
+namespace {
+
+// A driver that never says "no more" must not hold us: no camera lists so many formats, sizes or rates.
+constexpr std::uint32_t kMaxListed = 64;
+
+constexpr std::array<std::pair<std::uint32_t, CameraFormat>, 8> kReadable{{{V4L2_PIX_FMT_RGB24, CameraFormat::kRgb24},
+                                                                           {V4L2_PIX_FMT_BGR24, CameraFormat::kBgr24},
+                                                                           {V4L2_PIX_FMT_YUYV, CameraFormat::kYuyv},
+                                                                           {V4L2_PIX_FMT_UYVY, CameraFormat::kUyvy},
+                                                                           {V4L2_PIX_FMT_NV12, CameraFormat::kNv12},
+                                                                           {V4L2_PIX_FMT_NV12M, CameraFormat::kNv12},
+                                                                           {V4L2_PIX_FMT_MJPEG, CameraFormat::kMjpg},
+                                                                           {V4L2_PIX_FMT_JPEG, CameraFormat::kMjpg}}};
+
+double rate_of(const v4l2_fract& period) {
+  return period.numerator == 0 ? 0.0 : static_cast<double>(period.denominator) / period.numerator;
+}
+
+void list_rates(const V4l2Device& device, std::uint32_t fourcc, V4l2FrameSize& size) {
+  v4l2_frmivalenum interval{};
+  interval.pixel_format = fourcc;
+  interval.width = size.most_width_px;
+  interval.height = size.most_height_px;
+  for (; interval.index < kMaxListed && device.request(VIDIOC_ENUM_FRAMEINTERVALS, &interval) == 0; ++interval.index) {
+    if (interval.type != V4L2_FRMIVAL_TYPE_DISCRETE) {
+      size.rates_hz = {rate_of(interval.stepwise.min), rate_of(interval.stepwise.max)};
+      size.rates_are_range = true;
+      break;  // by the standard there is one entry only
+    }
+    size.rates_hz.push_back(rate_of(interval.discrete));
+  }
+  std::sort(size.rates_hz.rbegin(), size.rates_hz.rend());
+}
+
+void list_sizes(const V4l2Device& device, bool with_rates, V4l2FormatInfo& format) {
+  v4l2_frmsizeenum size{};
+  size.pixel_format = format.fourcc;
+  for (bool range = false; !range && size.index < kMaxListed && device.request(VIDIOC_ENUM_FRAMESIZES, &size) == 0;
+       ++size.index) {
+    range = size.type != V4L2_FRMSIZE_TYPE_DISCRETE;  // by the standard there is one entry only
+    V4l2FrameSize offer{
+        size.discrete.width, size.discrete.height, size.discrete.width, size.discrete.height, {}, false};
+    if (range) {
+      offer = {size.stepwise.min_width,
+               size.stepwise.min_height,
+               size.stepwise.max_width,
+               size.stepwise.max_height,
+               {},
+               false};
+    }
+    if (with_rates) list_rates(device, format.fourcc, offer);
+    format.sizes.push_back(std::move(offer));
+  }
+}
+
+}  // namespace
+
+std::string size_text(std::uint32_t width_px, std::uint32_t height_px) {
+  return std::to_string(width_px) + "x" + std::to_string(height_px);
+}
+
+const char* word_of_fourcc(std::uint32_t fourcc) {
+  for (const auto& [readable, format] : kReadable) {
+    if (readable == fourcc) return kCameraFormats[static_cast<std::size_t>(format)].word.data();
+  }
+  return nullptr;
+}
+
+std::string code_of_fourcc(std::uint32_t fourcc) {
+  std::string letters;
+  for (unsigned shift = 0; shift < 32; shift += 8) {
+    const char letter = static_cast<char>((fourcc >> shift) & 0x7fu);
+    if (letter > ' ') letters += letter;
+  }
+  return letters;
+}
+
+std::vector<V4l2FormatInfo> list_formats(const V4l2Device& device, bool multi_planar, bool with_rates) {
+  std::vector<V4l2FormatInfo> offers;
+  v4l2_fmtdesc format{};
+  format.type = capture_type(multi_planar);
+  for (; format.index < kMaxListed && device.request(VIDIOC_ENUM_FMT, &format) == 0; ++format.index) {
+    const char* const word = word_of_fourcc(format.pixelformat);
+    V4l2FormatInfo offer{format.pixelformat,
+                         code_of_fourcc(format.pixelformat),
+                         word != nullptr ? word : "",
+                         reinterpret_cast<const char*>(format.description),
+                         {}};
+    list_sizes(device, with_rates, offer);
+    offers.push_back(std::move(offer));
+  }
+  return offers;
+}
+
+std::string formats_text(const std::vector<V4l2FormatInfo>& offers) {
+  std::string readable, others;
+  for (const V4l2FormatInfo& offer : offers) {
+    if (offer.word.empty()) {
+      others += (others.empty() ? "" : ", ") + offer.code;
+      continue;
+    }
+    readable += (readable.empty() ? "" : "; ") + offer.word;
+    for (const V4l2FrameSize& size : offer.sizes) {
+      readable += (&size == offer.sizes.data() ? " " : ", ") + size_text(size.width_px, size.height_px);
+      if (size.most_width_px != size.width_px || size.most_height_px != size.height_px) {
+        readable += " to " + size_text(size.most_width_px, size.most_height_px);
+      }
+    }
+  }
+  if (readable.empty()) readable = "nothing that can be read";
+  return others.empty() ? readable : readable + "; besides, " + others + ", which cannot be read";
+}
+
+}  // namespace touchline::hal

@@ -2,15 +2,10 @@
 
 #include <cstdint>
 
+#include "firmware/exit_codes.h"
 #include "firmware/session.h"
 
 namespace touchline {
-
-// What the program's end tells a script.
-inline constexpr int kExitOk = 0;
-inline constexpr int kExitBadConfiguration = 1;
-inline constexpr int kExitDeviceFailure = 2;
-inline constexpr int kExitBadCommandLine = 64;  // EX_USAGE of sysexits.h
 
 enum class Command : std::uint8_t { kRun, kCheck, kKeys };
 

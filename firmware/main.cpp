@@ -16,7 +16,7 @@ int check_command(const CommandLine& command_line) {
     std::fputs(config::dump(session.configuration()).c_str(), stdout);
   }
   std::fputs(problems.text().c_str(), stderr);
-  if (!status.ok()) return kExitBadConfiguration;
+  if (!status.ok()) return kExitBadFile;
   const config::Configuration& configuration = session.configuration();
   if (!command_line.dump) {
     std::printf("%s, %s and %s are sound\n", configuration.board_where.file().c_str(),

@@ -57,7 +57,7 @@ int run_command(const CommandLine& command_line) {
   Session session;
   if (!session.load(command_line.session, problems).ok()) {
     std::fputs(problems.text().c_str(), stderr);
-    return kExitBadConfiguration;
+    return kExitBadFile;
   }
   const config::RealtimeSettings& realtime = session.configuration().board.realtime;
   std::vector<std::string> refused = lock_memory(realtime);

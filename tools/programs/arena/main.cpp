@@ -8,7 +8,7 @@
 #include "hal/mock/sensor.h"
 #include "hal/replay/picture.h"
 #include "tools/programs/arena/scene_files.h"
-#include "tools/programs/command_line/parse.h"
+#include "tools/programs/command_line/command_line.h"
 
 namespace {
 
@@ -94,7 +94,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1000000));
   app.add_option("--seed", options.seed, "Of placements and noise")->capture_default_str();
   app.add_flag("--quiet", options.quiet, "Say nothing but errors");
-  if (const auto code = touchline::leave_after_parsing(app, argc, argv)) return *code;
+  if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
 
   const arena::SceneWord* scene = arena::find_scene(options.scene);
   if (scene == nullptr) {

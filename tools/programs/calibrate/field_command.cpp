@@ -19,7 +19,7 @@
 #include "tools/programs/calibrate/progress.h"
 #include "tools/programs/calibrate/text.h"
 #include "tools/programs/calibrate/venue_draft.h"
-#include "tools/programs/command_line/number_range.h"
+#include "tools/programs/command_line/command_line.h"
 
 namespace touchline::calibrate {
 namespace {

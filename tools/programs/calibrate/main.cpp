@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "tools/programs/calibrate/commands.h"
-#include "tools/programs/command_line/parse.h"
+#include "tools/programs/command_line/command_line.h"
 
 namespace touchline::calibrate {
 
@@ -53,7 +53,7 @@ int main(int argc, char** argv) {
   field.add_options(*field_app);
   light.add_options(*light_app);
   colors.add_options(*colors_app);
-  if (const auto code = touchline::leave_after_parsing(app, argc, argv)) return *code;
+  if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
   if (picture_app->parsed()) return picture.run();
   if (field_app->parsed()) return field.run();
   if (light_app->parsed()) return light.run();

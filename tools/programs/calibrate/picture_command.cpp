@@ -7,7 +7,7 @@
 #include "firmware/devices.h"
 #include "tools/programs/calibrate/camera_picture.h"
 #include "tools/programs/calibrate/commands.h"
-#include "tools/programs/command_line/number_range.h"
+#include "tools/programs/command_line/command_line.h"
 
 namespace touchline::calibrate {
 namespace {

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <string>
 
-#include "tools/programs/command_line/parse.h"
+#include "tools/programs/command_line/command_line.h"
 #include "tools/programs/devices/device_list.h"
 
 int main(int argc, char** argv) {
@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
   CLI::Option* chips = app.add_option("--gpio", gpio, "Only GPIO chips, or only this one")->expected(0, 1);
   for (CLI::Option* option : {cameras, ports, chips}) option->type_name("[DEVICE]");
   app.add_flag("--json", json, "For programs: one JSON object");
-  if (const auto code = leave_after_parsing(app, argc, argv)) return *code;
+  if (const auto exit_code = parse_arguments(app, argc, argv)) return *exit_code;
   devices::Selection selection;
   const bool all = cameras->count() + ports->count() + chips->count() == 0;
   if (all || cameras->count() > 0) selection.camera = camera;

@@ -6,8 +6,7 @@
 #include <memory>
 
 #include "firmware/config/configuration.h"
-#include "tools/programs/command_line/number_range.h"
-#include "tools/programs/command_line/parse.h"
+#include "tools/programs/command_line/command_line.h"
 #include "tools/programs/evaluate/patch_bound.h"
 #include "tools/programs/evaluate/report.h"
 
@@ -182,7 +181,7 @@ int main(int argc, char** argv) {
   CLI::Option* team = app.add_option("--team", options.team, "Team file, for the bound's layouts");
   pictures->needs(venue, team);
   app.add_option("--json", options.json, "Write the numbers into this file");
-  if (const auto code = touchline::leave_after_parsing(app, argc, argv)) return *code;
+  if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
 
   NameMap names;
   std::string error;

@@ -2,8 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/programs/command_line/number_range.h"
-#include "tools/programs/command_line/parse.h"
+#include "tools/programs/command_line/command_line.h"
 #include "tools/programs/latency/measure_command.h"
 
 int main(int argc, char** argv) {
@@ -49,6 +48,6 @@ int main(int argc, char** argv) {
   app.final_callback([&] {
     if (compared.empty() && files.board.empty()) throw CLI::RequiredError("--board or --compare");
   });
-  if (const auto code = leave_after_parsing(app, argc, argv)) return *code;
+  if (const auto exit_code = parse_arguments(app, argc, argv)) return *exit_code;
   return compared.empty() ? latency::measure(options) : latency::compare(compared[0], compared[1], outputs.html);
 }

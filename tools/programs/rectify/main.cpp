@@ -4,8 +4,7 @@
 
 #include "tools/programs/calibrate/camera_picture.h"
 #include "tools/programs/calibrate/venue_draft.h"
-#include "tools/programs/command_line/number_range.h"
-#include "tools/programs/command_line/parse.h"
+#include "tools/programs/command_line/command_line.h"
 #include "tools/programs/rectify/rectification.h"
 #include "tools/programs/rectify/straightness.h"
 
@@ -135,6 +134,6 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--grid", options.grid_m, "Draw lines this far apart (m) and the field's outline over the figures 12")
       ->check(touchline::number_range(0.01, 10.0));
-  if (const auto code = touchline::leave_after_parsing(app, argc, argv)) return *code;
+  if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
   return touchline::rectify::run(options);
 }

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "tools/programs/calibrate/camera_picture.h"
-#include "tools/programs/command_line/parse.h"
+#include "tools/programs/command_line/command_line.h"
 #include "tools/programs/relight/illumination_plots.h"
 #include "tools/programs/relight/same_color.h"
 
@@ -173,6 +173,6 @@ int main(int argc, char** argv) {
   app.add_option("--margin", options.margin, "Levels that the thresholds are wider than the patch's pixels")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
-  if (const auto code = touchline::leave_after_parsing(app, argc, argv)) return *code;
+  if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
   return touchline::relight::run(options);
 }

@@ -6,8 +6,7 @@
 #include <cstdio>
 #include <iostream>
 
-#include "tools/programs/command_line/number_range.h"
-#include "tools/programs/command_line/parse.h"
+#include "tools/programs/command_line/command_line.h"
 #include "tools/programs/replay/replay.h"
 
 namespace {
@@ -80,7 +79,7 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);
   app.add_flag("--skip-damaged", options.skip_damaged, "Leave out pictures that cannot be decoded instead of stopping");
   app.add_flag("--quiet", quiet, "Neither progress nor summary");
-  if (const auto code = touchline::leave_after_parsing(app, argc, argv)) return *code;
+  if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
 
   const auto request_stop = [](int) { stop_requested = true; };
   std::signal(SIGINT, request_stop);

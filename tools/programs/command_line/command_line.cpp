@@ -1,0 +1,45 @@
+#include "tools/programs/command_line/command_line.h"
+
+#include <charconv>
+#include <iostream>
+#include <sstream>
+
+namespace touchline {
+
+std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // CLI11 reports --help and --version as errors with code 0.
+    return app.exit(error) == 0 ? kExitOk : kExitBadCommandLine;
+  }
+  return std::nullopt;
+}
+
+int fail(std::string_view program, std::string_view message, int exit_code) {
+  std::cerr << program << ": " << message << '\n';
+  return exit_code;
+}
+
+CLI::Option* add_overrides(CLI::App& app, std::vector<std::string>& overrides, const std::string& files) {
+  return app
+      .add_option("--set", overrides, "Override a key of " + files + ", e.g. camera.exposure_us=4000; repeatable")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+}
+
+CLI::Validator number_range(double low, double high) {
+  std::ostringstream range;
+  range << "from " << low << " to " << high;
+  const std::string description = range.str();
+  return {[=](const std::string& text) {
+            double value = 0;
+            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+            const bool inside =
+                error == std::errc() && end == text.data() + text.size() && value >= low && value <= high;
+            return inside ? std::string() : "\"" + text + "\" is not a number " + description;
+          },
+          "FLOAT " + description};
+}
+
+}  // namespace touchline

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/exit_codes.h"
+
+// What the command lines of all tools have in common.
+namespace touchline {
+
+/// Parses the command line into the variables that are bound to `app`. Empty: continue. Otherwise the help, the version
+/// or an error has been printed, and the value is the exit code: kExitOk or kExitBadCommandLine.
+std::optional<int> parse_arguments(CLI::App& app, int argc, char** argv);
+
+/// Prints "PROGRAM: MESSAGE" to standard error and returns `exit_code`.
+int fail(std::string_view program, std::string_view message, int exit_code = kExitBadFile);
+
+/// Adds the repeatable option --set KEY=VALUE. `files`: the files whose keys it overrides, "the board file".
+CLI::Option* add_overrides(CLI::App& app, std::vector<std::string>& overrides, const std::string& files);
+
+/// Accepts a number from `low` to `high`. Unlike CLI::Range it refuses "nan", which is not below or above any limit.
+CLI::Validator number_range(double low, double high);
+
+}  // namespace touchline

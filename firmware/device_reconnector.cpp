@@ -6,7 +6,7 @@ namespace touchline {
 
 DeviceReconnector::DeviceReconnector(Reopen reopen, void* device, Duration first_pause, bool wait_for_driver)
     : reopen_(reopen), device_(device), first_pause_(first_pause), wait_for_driver_(wait_for_driver) {
-  worker_ = std::thread([this] { work(); });
+  thread_ = std::thread([this] { work(); });
 }
 
 DeviceReconnector::~DeviceReconnector() { stop(); }
@@ -21,8 +21,12 @@ void DeviceReconnector::work() {
       continue;
     }
     if (task != Task::kOpen) continue;
-    result_ = reopen_(device_);
-    // Unless stop() came meanwhile.
+    try {
+      result_ = reopen_(device_);
+    } catch (...) {  // memory is short, or a driver's library failed: another attempt may succeed
+      result_ = ErrorCode::kIo;
+    }
+    // Fails if stop() came meanwhile.
     if (!task_.compare_exchange_strong(task, Task::kDone, std::memory_order_acq_rel)) return;
     task_.notify_all();
   }
@@ -32,16 +36,15 @@ void DeviceReconnector::mark_lost(Instant now) {
   if (!is_open_) return;
   is_open_ = false;
   lost_at_ = now;
-  failed_attempts_ = 0;
   pause_ = first_pause_;
   next_attempt_ = now + pause_;
 }
 
-bool DeviceReconnector::poll(Instant now) {
-  if (is_open_) return false;
+std::optional<Status> DeviceReconnector::poll(Instant now) {
+  if (is_open_) return std::nullopt;
   Task task = task_.load(std::memory_order_acquire);
   if (task == Task::kIdle) {
-    if (now < next_attempt_) return false;
+    if (now < next_attempt_) return std::nullopt;
     task_.store(Task::kOpen, std::memory_order_release);
     task_.notify_all();
     task = Task::kOpen;
@@ -50,26 +53,24 @@ bool DeviceReconnector::poll(Instant now) {
     task_.wait(Task::kOpen);
     task = task_.load(std::memory_order_acquire);
   }
-  if (task != Task::kDone) return false;
-  last_status_ = result_;
+  if (task != Task::kDone) return std::nullopt;
+  const Status result = result_;
   task_.store(Task::kIdle, std::memory_order_release);
   task_.notify_all();
-  if (last_status_.ok()) {
-    is_open_ = true;
-    return true;
+  is_open_ = result.ok();
+  if (!is_open_) {
+    const bool is_absent = result.code() == ErrorCode::kNotFound;
+    pause_ = std::min(2 * pause_, is_absent ? std::max(kLongestPauseAbsent, first_pause_) : kLongestPause);
+    next_attempt_ = now + pause_;
   }
-  ++failed_attempts_;
-  const bool is_absent = last_status_.code() == ErrorCode::kNotFound;
-  pause_ = std::min(2 * pause_, is_absent ? std::max(kLongestPauseAbsent, first_pause_) : kLongestPause);
-  next_attempt_ = now + pause_;
-  return false;
+  return result;
 }
 
 void DeviceReconnector::stop() {
-  if (!worker_.joinable()) return;
+  if (!thread_.joinable()) return;
   task_.store(Task::kEnd, std::memory_order_release);
   task_.notify_all();
-  worker_.join();
+  thread_.join();
 }
 
 }  // namespace touchline

@@ -2,25 +2,25 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <thread>
 
 #include "core/status.h"
 #include "core/time.h"
-#include "hal/clock.h"
 
 namespace touchline {
 
-/// Keeps one device open: when it is lost, opens it again on a thread of its own, after pauses that double, so that the
-/// loop never waits for a driver. While the device is not open, nobody but that thread may touch it.
+/// Reopens one lost device on a thread of its own, after pauses that double, so that the loop never waits for a driver.
+/// While the device is lost, only that thread may touch it.
 class DeviceReconnector {
  public:
-  /// Closes what is left, opens and starts the device; may block and allocate.
+  /// Closes what is left, opens and starts the device; may block, allocate and throw.
   using Reopen = Status (*)(void* device);
   static constexpr Duration kLongestPause = std::chrono::seconds(8);
-  // While it is not there at all, when asking costs little and somebody may be about to plug it in.
+  // For a device that is not there: the attempt costs little, and somebody may be about to plug it in.
   static constexpr Duration kLongestPauseAbsent = std::chrono::seconds(2);
 
-  /// With `wait_for_driver` poll() waits until the driver has answered: in simulated time, which does not pass while a
+  /// With `wait_for_driver` poll() waits until the driver has answered. In simulated time, which does not pass while a
   /// driver works, this makes a run repeatable.
   DeviceReconnector(Reopen reopen, void* device, Duration first_pause, bool wait_for_driver);
   ~DeviceReconnector();
@@ -28,19 +28,16 @@ class DeviceReconnector {
   DeviceReconnector& operator=(const DeviceReconnector&) = delete;
 
   [[nodiscard]] bool is_open() const { return is_open_; }
-  /// From the next loss on.
+  /// Applies from the next loss on.
   void set_first_pause(Duration pause) { first_pause_ = pause; }
-  /// The device is lost from now on.
+  /// The device is lost; ignored if it is lost already.
   void mark_lost(Instant now);
-  /// To be called in each iteration. True when the device has just come back.
-  bool poll(Instant now);
-  /// How long it has been away.
+  /// Call it in each iteration. Starts the attempts that are due; returns the result of one that has ended since the
+  /// last call. After success the device is open.
+  std::optional<Status> poll(Instant now);
+  /// For how long the device has been lost.
   [[nodiscard]] Duration time_lost(Instant now) const { return is_open_ ? Duration::zero() : now - lost_at_; }
-  /// Of the last attempt.
-  [[nodiscard]] Status last_status() const { return last_status_; }
-  /// One more than before after each attempt that failed.
-  [[nodiscard]] std::uint32_t failed_attempts() const { return failed_attempts_; }
-  /// Waits for an attempt that is under way; from then on there are none.
+  /// Waits for an attempt in progress and makes no others.
   void stop();
 
  private:
@@ -54,11 +51,9 @@ class DeviceReconnector {
   bool is_open_ = true;
   Instant lost_at_{}, next_attempt_{};
   Duration pause_{};
-  Status last_status_;
-  std::uint32_t failed_attempts_ = 0;
   std::atomic<Task> task_{Task::kIdle};
-  Status result_;  // the worker's, published by task_
-  std::thread worker_;
+  Status result_;  // the thread's, published by task_
+  std::thread thread_;
 };
 
 }  // namespace touchline

@@ -10,38 +10,25 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// At 3 % lost packets (users report as much) that not one of five arrives happens once in 40 million times.
+// At 3 % lost packets (users report as much) all five are lost once in 40 million times.
 constexpr int kFinalStops = 5;
 constexpr Duration kFinalStopPause = 20ms;
 // 63 bytes at 1200 baud, the slowest port, take 0.53 s.
 constexpr Duration kDrainTime = 1s;
-// A switch's contacts bounce for some milliseconds; nobody releases and pulls again within a tenth of a second.
-constexpr Duration kEmergencyReleaseTime = 100ms;
-// The status light's periods.
-constexpr Duration kBeat = 1s, kAlarmBeat = 200ms;
+// Periods of the status light.
+constexpr Duration kBlinkPeriod = 1s, kAlarmBlinkPeriod = 200ms;
 // Latency changes slowly; a single late frame must not move the prediction of the next ones.
 constexpr int kLatencySmoothing = 16;
 
-Status reopen_camera(void* device) {
-  auto& camera = *static_cast<hal::Camera*>(device);
-  camera.stop();
-  camera.close();
-  Status status = camera.open();
-  if (!status.ok()) return status;
-  status = camera.start();
-  // Held open until the next attempt, its number would stay taken and its module could not be unloaded.
-  if (!status.ok()) camera.close();
-  return status;
+StopRuleSettings stop_rule_settings(const LoopSettings& settings) {
+  return {from_seconds(settings.faults.stop_after_s), settings.faults.resume_after_emergency, settings.emergency_stop,
+          settings.start_button, settings.hold_after_crash};
 }
 
-template <class Device>
-Status reopen(void* device) {
-  static_cast<Device*>(device)->close();
-  return static_cast<Device*>(device)->open();
+bool take_request(const std::atomic<std::uint32_t>& count, std::uint32_t& served) {
+  const std::uint32_t now = count.load(std::memory_order_relaxed);
+  return std::exchange(served, now) != now;
 }
-
-// Often enough for stop packets and the emergency line, rarely enough to be idle.
-Duration slice_of(Duration stop_after) { return std::clamp<Duration>(stop_after / 4, 5ms, 50ms); }
 
 }  // namespace
 
@@ -50,9 +37,10 @@ Loop::Loop(const LoopDevices& devices, Pipeline& pipeline, const LoopSettings& s
     : devices_(devices),
       pipeline_(pipeline),
       settings_(settings),
-      reports_(reports),
       observer_(observer),
-      started_(!settings.start_button) {
+      connections_(devices),
+      rules_(stop_rule_settings(settings)),
+      reports_(reports, settings.status_interval) {
   set_faults(settings.faults);
 }
 
@@ -60,168 +48,199 @@ Loop::~Loop() { close(); }
 
 void Loop::set_faults(const config::FaultSettings& faults) {
   settings_.faults = faults;
-  stop_after_ = from_seconds(faults.stop_after_s);
-  slice_ = slice_of(stop_after_);
-  for (auto& reconnector : reconnectors_) {
-    if (reconnector) reconnector->set_first_pause(from_seconds(faults.reopen_after_s));
-  }
+  const Duration stop_after = from_seconds(faults.stop_after_s);
+  rules_.set_limits(stop_after, faults.resume_after_emergency);
+  connections_.set_first_pause(from_seconds(faults.reopen_after_s));
+  // Often enough for stop packets and the emergency stop, rarely enough to be idle.
+  poll_period_ = std::clamp<Duration>(stop_after / 4, 5ms, 50ms);
 }
 
 Status Loop::open(std::string& reason) {
-  const auto refused = [&](Device device, Status status) {
-    reason = std::string(touchline::describe(device)) + ": " + reason_of(device);
-    devices_.camera.close();
-    devices_.radio.close();
-    devices_.gpio.close();
-    return status;
-  };
-  // The radio first: whoever finds robots running can stop them.
-  if (const Status s = devices_.radio.open(); !s.ok()) return refused(Device::kRadio, s);
-  if (const Status s = devices_.gpio.open(); !s.ok()) return refused(Device::kGpio, s);
-  if (const Status s = devices_.camera.open(); !s.ok()) return refused(Device::kCamera, s);
-  if (const Status s = devices_.camera.start(); !s.ok()) return refused(Device::kCamera, s);
-  is_open_ = true;
-
-  const Duration pause = from_seconds(settings_.faults.reopen_after_s);
-  const bool wait = devices_.simulated_time;
-  reconnectors_[0].emplace(reopen_camera, &devices_.camera, pause, wait);
-  reconnectors_[1].emplace(reopen<hal::Radio>, &devices_.radio, pause, wait);
-  reconnectors_[2].emplace(reopen<hal::Gpio>, &devices_.gpio, pause, wait);
-
+  const Status opened = connections_.open(from_seconds(settings_.faults.reopen_after_s), reason);
+  if (!opened.ok()) return opened;
   const Instant now = devices_.clock.now();
-  statistics_.begin = last_frame_ = last_packet_ = last_report_ = now;
-  last_good_ = now - stop_after_ - Duration(1);  // nothing has been seen yet
-  next_report_ = now + settings_.status_interval;
+  statistics_.begin = last_frame_ = last_packet_ = now;
+  reports_.begin(now);
   return {};
 }
 
 LoopEnd Loop::run(const std::atomic<bool>& stop) {
   std::optional<LoopEnd> end;
-  while (!end) end = stop.load(std::memory_order_relaxed) ? LoopEnd::kRequested : iterate();
-  halt_robots();
+  try {
+    while (!end) end = stop.load(std::memory_order_relaxed) ? LoopEnd::kRequested : iterate();
+  } catch (...) {
+    send_final_stops();
+    throw;
+  }
+  send_final_stops();
   return *end;
 }
 
 std::optional<LoopEnd> Loop::iterate() {
+  const Instant before = devices_.clock.now();
+  check_inputs(before);
+  serve_radio(before);
+  wait_for_frame(before + std::min({poll_period_, input_due_, radio_due_}));
   const Instant now = devices_.clock.now();
-  serve_inputs(now);
-  serve_radio(now);
-  const Instant until = now + std::min({slice_, look_again_, send_again_});
-  if (reconnector(Device::kCamera).is_open()) {
-    const Result<hal::FrameLease> lease = devices_.camera.wait(until);
-    if (lease.ok()) {
-      serve_frame(lease.value());
-    } else if (lease.error() != ErrorCode::kTimeout) {
-      on_fault(Device::kCamera, lease.error(), devices_.clock.now());
-    }
-  } else {
-    devices_.clock.sleep_until(until);
-  }
-  const Instant after = devices_.clock.now();
-  // A camera that hangs says nothing: only the clock tells.
-  if (reconnector(Device::kCamera).is_open() && after - last_frame_ > from_seconds(settings_.faults.camera_timeout_s)) {
-    report_fault(Device::kCamera, ErrorCode::kTimeout, FaultAction::kReopen, after);
-    reconnector(Device::kCamera).mark_lost(after);
-  }
-  update_halt(after, last_good_);
-  if (halt_ != kHaltNone && after - last_packet_ >= slice_) send_stop(after);
-  listen(after);
-  serve_lost_devices(after);
-  serve_light(after);
-  report_if_due(after);
+  stop_if_due(now);
+  receive_telemetry(now);
+  reopen_lost_devices(now);
+  update_status_light(now);
+  reports_.report_halt(rules_.halt(), now);
+  reports_.report_status_if_due(statistics_, rules_.halt(), pipeline_.adaptation(), now);
   take_live_settings();
-  statistics_.end = after;
-  heartbeat_.good_frames.store(statistics_.good_frames, std::memory_order_relaxed);
-  heartbeat_.iterations.fetch_add(1, std::memory_order_relaxed);
-  const bool enough_frames = settings_.frames != 0 && statistics_.frames >= settings_.frames;
-  const bool enough_time = settings_.duration != Duration::zero() && after - statistics_.begin >= settings_.duration;
-  if (!end_ && (enough_frames || enough_time)) end_ = LoopEnd::kLimit;
+  update_end(now);
   return end_;
 }
 
-void Loop::serve_frame(const hal::FrameLease& lease) {
-  const Frame& frame = lease.frame();
+void Loop::wait_for_frame(Instant deadline) {
+  if (!connections_.is_open(Device::kCamera)) {
+    devices_.clock.sleep_until(deadline);
+    return;
+  }
+  const Result<hal::FrameLease> lease = devices_.camera.wait(deadline);
+  if (lease.ok()) {
+    process_frame(lease.value());
+  } else if (lease.error() != ErrorCode::kTimeout) {
+    on_fault(Device::kCamera, lease.error(), devices_.clock.now());
+  }
+  // A camera that hangs reports no error.
+  const Instant now = devices_.clock.now();
+  const bool is_silent = now - last_frame_ > from_seconds(settings_.faults.camera_timeout_s);
+  if (is_silent && connections_.is_open(Device::kCamera)) {
+    report_fault(Device::kCamera, ErrorCode::kTimeout, FaultAction::kReopen, now);
+    connections_.mark_lost(Device::kCamera, now);
+  }
+}
+
+void Loop::process_frame(const hal::FrameLease& lease) {
+  Frame frame = lease.frame();
   StepTiming timing;
   timing.received = devices_.clock.now();
-  strobe(true, timing.received);
+  set_strobe(true, timing.received);
   const Instant machine_received = hal::MonotonicClock::read();
   last_frame_ = timing.received;
-  if (last_sequence_) statistics_.frames_lost += frame.sequence - *last_sequence_ - 1;
-  last_sequence_ = frame.sequence;
+  count_lost_frames(frame.sequence);
+  // No frame is captured after it arrives: such a stamp would make old commands look fresh.
+  if (frame.capture_time > timing.received) {
+    frame.capture_time = timing.received;
+    ++statistics_.future_stamps;
+  }
 
-  const Duration to_wheels = smoothed_latency_ + settings_.radio_delay;
+  const Duration to_wheels = smoothed_latency_.value_or(0s) + settings_.radio_delay;
   pipeline_.set_action_delay(std::clamp<Duration>(to_wheels, 0s, 1s));
-  update_halt(timing.received, frame.capture_time);
-  pipeline_.set_halted(halt_ != kHaltNone);
+  rules_.check_frame(frame.capture_time, timing.received);
+  pipeline_.set_halted(!rules_.may_move());
   const StepTrace& trace = pipeline_.step(frame);
-  last_trace_ = &trace;
-  // Pulled while the frame was awaited or worked on: its packet drives nobody.
+  // The emergency stop may have been pulled since.
   read_inputs(devices_.clock.now());
-  if (halt_ != kHaltNone && !trace.commands.stop) pipeline_.revoke();
+  if (!rules_.may_move() && !trace.commands.stop) pipeline_.revoke();
   send(trace.packet, trace.commands.stop, timing.received);
   timing.sent = devices_.clock.now();
   timing.processing = hal::MonotonicClock::read() - machine_received;
-  strobe(false, timing.sent);
+  set_strobe(false, timing.sent);
   timing.latency = timing.received - frame.capture_time + timing.processing;
 
   ++statistics_.frames;
   statistics_.overloads += trace.overload ? 1 : 0;
   statistics_.runs_dropped += trace.runs_dropped;
   statistics_.regions_dropped += trace.regions_dropped;
-  note_latency(frame, timing);
-  adapt();
+  statistics_.latency.add(timing.latency);
+  measure_latency(frame, timing);
+  reports_.add_step(trace, timing.latency);
+  adapt_to_light();
   if (observer_.on_step != nullptr) observer_.on_step(observer_.context, trace, timing);
   // A frame that did not fit into the capacities was seen in part, which is better than not at all.
   if (trace.status.ok() || trace.status == Status(ErrorCode::kFull)) {
-    last_good_ = std::max(last_good_, frame.capture_time);
-    if (timing.received - frame.capture_time <= stop_after_) ++statistics_.good_frames;
+    rules_.accept_frame(frame.capture_time, timing.received);
+    if (timing.received - frame.capture_time <= from_seconds(settings_.faults.stop_after_s)) ++statistics_.good_frames;
   } else {
     on_fault(Device::kCamera, trace.status.code(), timing.sent);
   }
 }
 
-void Loop::adapt() {
-  const auto asked = [](const std::atomic<std::uint32_t>& count, std::uint32_t& served) {
-    const std::uint32_t now = count.load(std::memory_order_relaxed);
-    return std::exchange(served, now) != now;
-  };
+void Loop::count_lost_frames(std::uint32_t sequence) {
+  // As a signed number: a count that is repeated or goes back says nothing about lost frames.
+  const auto step = static_cast<std::int32_t>(sequence - last_sequence_.value_or(sequence - 1));
+  if (step > 1) statistics_.frames_lost += static_cast<std::uint64_t>(step - 1);
+  last_sequence_ = sequence;
+}
+
+void Loop::measure_latency(const Frame& frame, const StepTiming& timing) {
+  // Of the loop's clock alone: in simulated time the robots do not wait for this machine.
+  const Duration measured = std::max<Duration>(timing.sent - frame.capture_time, 0s);
+  // Robots are stopped by an older frame anyway, and a single wrong stamp must not spoil the prediction.
+  if (measured > from_seconds(settings_.faults.stop_after_s)) return;
+  const Duration smoothed = smoothed_latency_.value_or(measured);
+  smoothed_latency_ = smoothed + (measured - smoothed) / kLatencySmoothing;
+}
+
+void Loop::adapt_to_light() {
   if (settings_.adaptation != nullptr) {
     const auto toggle = [this](AdaptationMode mode) {
       pipeline_.set_adaptation(pipeline_.adaptation() == mode ? AdaptationMode::kFollow : mode);
     };
-    if (asked(settings_.adaptation->freeze, freezes_served_)) toggle(AdaptationMode::kFrozen);
-    if (asked(settings_.adaptation->put_back, put_backs_served_)) toggle(AdaptationMode::kOff);
+    if (take_request(settings_.adaptation->freeze, freezes_served_)) toggle(AdaptationMode::kFrozen);
+    if (take_request(settings_.adaptation->put_back, put_backs_served_)) toggle(AdaptationMode::kOff);
   }
   pipeline_.adapt();
 }
 
 void Loop::take_live_settings() {
-  LiveSettings* live_settings = settings_.live_update != nullptr ? settings_.live_update->offered() : nullptr;
-  if (live_settings == nullptr) return;
-  if (live_settings->tables != nullptr) {
-    if (live_settings->keep_adaptation_mode) live_settings->adaptation.set_mode(pipeline_.adaptation());
-    live_settings->tables = &pipeline_.exchange(*live_settings->tables, live_settings->adaptation);
+  LiveSettings* settings = settings_.live_update != nullptr ? settings_.live_update->offered() : nullptr;
+  if (settings == nullptr) return;
+  if (settings->tables != nullptr) {
+    if (settings->keep_adaptation_mode) settings->adaptation.set_mode(pipeline_.adaptation());
+    settings->tables = &pipeline_.exchange(*settings->tables, settings->adaptation);
   }
-  static_cast<void>(pipeline_.retune(live_settings->control));  // was checked with the files
-  set_faults(live_settings->faults);
-  settings_.radio_delay = live_settings->radio_delay;
-  live_settings->taken_after = statistics_.frames;
+  static_cast<void>(pipeline_.retune(settings->control));  // was checked with the files
+  set_faults(settings->faults);
+  settings_.radio_delay = settings->radio_delay;
+  settings->taken_after = statistics_.frames;
   settings_.live_update->taken();
 }
 
-void Loop::note_latency(const Frame& frame, const StepTiming& timing) {
-  statistics_.latency.add(timing.latency);
-  interval_latency_.add(timing.latency);
-  // Of the loop's clock alone: in simulated time the robots do not wait for this machine.
-  const Duration measured = std::max<Duration>(timing.sent - frame.capture_time, 0s);
-  smoothed_latency_ =
-      latency_known_ ? smoothed_latency_ + (measured - smoothed_latency_) / kLatencySmoothing : measured;
-  latency_known_ = true;
+void Loop::update_end(Instant now) {
+  statistics_.end = now;
+  heartbeat_.good_frames.store(statistics_.good_frames, std::memory_order_relaxed);
+  heartbeat_.iterations.fetch_add(1, std::memory_order_relaxed);
+  const bool enough_frames = settings_.frames != 0 && statistics_.frames >= settings_.frames;
+  const bool enough_time = settings_.duration != Duration::zero() && now - statistics_.begin >= settings_.duration;
+  if (!end_ && (enough_frames || enough_time)) end_ = LoopEnd::kLimit;
 }
+
+void Loop::check_inputs(Instant now) {
+  const bool could_move = rules_.may_move();
+  read_inputs(now);
+  // The first stop packet must not wait for the next frame.
+  if (could_move && !rules_.may_move()) send_stop(now);
+}
+
+void Loop::read_inputs(Instant now) {
+  std::optional<hal::GpioInputs> inputs;
+  if (connections_.is_open(Device::kGpio)) {
+    const Result<hal::GpioInputs> read = devices_.gpio.inputs(now);
+    if (read.ok()) {
+      inputs = read.value();
+    } else {
+      on_fault(Device::kGpio, read.error(), now);
+    }
+  }
+  input_due_ = inputs ? inputs->look_again : Duration::max();
+  rules_.apply_inputs(inputs, now);
+}
+
+void Loop::stop_if_due(Instant now) {
+  rules_.check_last_frame(now);
+  if (!rules_.may_move() && now - last_packet_ >= poll_period_) send_stop(now);
+}
+
+void Loop::send_stop(Instant now) { send(pipeline_.stop(now), true, now); }
 
 void Loop::send(const Packet& packet, bool is_stop, Instant now) {
   last_packet_ = now;
-  if (!reconnector(Device::kRadio).is_open()) {
+  needs_final_stops_ = true;
+  if (!connections_.is_open(Device::kRadio)) {
     ++statistics_.packets_refused;
     return;
   }
@@ -238,56 +257,41 @@ void Loop::send(const Packet& packet, bool is_stop, Instant now) {
 }
 
 void Loop::serve_radio(Instant now) {
-  send_again_ = slice_;
-  if (!reconnector(Device::kRadio).is_open()) return;
-  const Result<Duration> again = devices_.radio.serve();
-  if (again.ok()) {
-    send_again_ = again.value();
+  radio_due_ = poll_period_;
+  if (!connections_.is_open(Device::kRadio)) return;
+  const Result<Duration> due = devices_.radio.serve();
+  if (due.ok()) {
+    radio_due_ = due.value();
   } else {
-    on_fault(Device::kRadio, again.error(), now);
+    on_fault(Device::kRadio, due.error(), now);
   }
 }
 
-void Loop::listen(Instant now) {
-  if (!settings_.telemetry || !reconnector(Device::kRadio).is_open()) return;
+void Loop::receive_telemetry(Instant now) {
+  if (!settings_.telemetry || !connections_.is_open(Device::kRadio)) return;
   const Result<std::size_t> count = devices_.radio.receive(received_);
   if (!count.ok()) {
     on_fault(Device::kRadio, count.error(), now);
   } else if (count.value() > 0) {
     pipeline_.listen(std::span(received_).first(count.value()), now);
     statistics_.robots = pipeline_.reports();
-    report_batteries(now);
+    reports_.report_batteries(statistics_.robots, now);
   }
 }
 
-void Loop::strobe(bool high, Instant now) {
-  if (!outputs_work()) return;
-  if (const Status s = devices_.gpio.set_strobe(high); !s.ok()) on_output_fault(s.code(), now);
-}
-
-void Loop::serve_light(Instant now) {
-  if (!outputs_work()) return;
-  const Duration half = halt_ == kHaltNone ? kBeat / 2 : kAlarmBeat / 2;
-  const bool on = halt_ == kHaltStart || (now - statistics_.begin) / half % 2 == 0;
-  if (led_ == on) return;
-  led_ = on;
-  if (const Status s = devices_.gpio.set_status_led(on); !s.ok()) on_output_fault(s.code(), now);
-}
-
-void Loop::send_stop(Instant now) { send(pipeline_.stop(now), true, now); }
-
-void Loop::halt_robots() {
+void Loop::send_final_stops() {
   for (int i = 0; i < kFinalStops; ++i) {
     Instant now = devices_.clock.now();
     const Instant next = now + kFinalStopPause;
     send_stop(now);
-    // One that waits for the line must not wait longer.
+    // A packet that waits for the line is moved on meanwhile.
     for (; now < next; now = devices_.clock.now()) {
       serve_radio(now);
-      devices_.clock.sleep_until(now + std::min(next - now, send_again_));
+      devices_.clock.sleep_until(now + std::min(next - now, radio_due_));
     }
   }
-  if (!reconnector(Device::kRadio).is_open()) return;
+  needs_final_stops_ = false;
+  if (!connections_.is_open(Device::kRadio)) return;
   const Instant now = devices_.clock.now();
   if (const Status drained = devices_.radio.drain(now + kDrainTime); !drained.ok()) {
     report_fault(Device::kRadio, drained.code(), action_for(drained.code()), now);
@@ -295,14 +299,26 @@ void Loop::halt_robots() {
 }
 
 void Loop::close() {
-  if (!is_open_) return;
-  is_open_ = false;
-  for (auto& reconnector : reconnectors_) reconnector->stop();
-  if (led_.value_or(false)) static_cast<void>(devices_.gpio.set_status_led(false));
-  devices_.camera.stop();
-  devices_.camera.close();
-  devices_.radio.close();
-  devices_.gpio.close();
+  if (!connections_.are_open()) return;
+  if (needs_final_stops_) send_final_stops();
+  if (led_.value_or(false) && connections_.is_open(Device::kGpio)) {
+    static_cast<void>(devices_.gpio.set_status_led(false));
+  }
+  connections_.close();
+}
+
+void Loop::set_strobe(bool high, Instant now) {
+  if (!outputs_work()) return;
+  if (const Status s = devices_.gpio.set_strobe(high); !s.ok()) on_output_fault(s.code(), now);
+}
+
+void Loop::update_status_light(Instant now) {
+  if (!outputs_work()) return;
+  const Duration half = (rules_.may_move() ? kBlinkPeriod : kAlarmBlinkPeriod) / 2;
+  const bool on = rules_.only_waits_for_start() || (now - statistics_.begin) / half % 2 == 0;
+  if (led_ == on) return;
+  led_ = on;
+  if (const Status s = devices_.gpio.set_status_led(on); !s.ok()) on_output_fault(s.code(), now);
 }
 
 void Loop::on_fault(Device device, ErrorCode code, Instant now) {
@@ -310,97 +326,63 @@ void Loop::on_fault(Device device, ErrorCode code, Instant now) {
     end_ = LoopEnd::kEndOfStream;
     return;
   }
-  const FaultAction unneeded = is_awaited(device) ? FaultAction::kReopen : FaultAction::kContinueWithout;
-  const FaultAction action = is_needed(device) ? action_for(code) : unneeded;
+  const FaultAction optional = is_awaited(device) ? FaultAction::kReopen : FaultAction::kContinueWithout;
+  const FaultAction action = is_required(device) ? action_for(code) : optional;
   report_fault(device, code, action, now);
-  if (action == FaultAction::kReopen || action == FaultAction::kContinueWithout) reconnector(device).mark_lost(now);
+  if (action == FaultAction::kReopen || action == FaultAction::kContinueWithout) connections_.mark_lost(device, now);
   if (action == FaultAction::kLeave) end_ = LoopEnd::kFault;
 }
 
 void Loop::on_output_fault(ErrorCode code, Instant now) {
   if (!is_awaited(Device::kGpio)) return on_fault(Device::kGpio, code, now);
-  // Opening the chip again would take away the emergency stop or the start button, which still works or is about to
-  // tell that it does not.
+  // Reopening the chip would interrupt the emergency stop or the start button. They still work, or will report an error
+  // of their own.
   outputs_failed_ = true;
   report_fault(Device::kGpio, code, FaultAction::kContinueWithout, now);
 }
 
-void Loop::serve_lost_devices(Instant now) {
-  for (std::size_t i = 0; i < kDeviceCount; ++i) {
-    const auto device = static_cast<Device>(i);
-    DeviceReconnector& reconnector = *reconnectors_[i];
-    if (reconnector.is_open()) continue;
-    const std::uint32_t attempts = reconnector.failed_attempts();
-    if (reconnector.poll(now)) {
-      ++statistics_.reopened[i];
-      if (is_awaited(device)) report_fault(device, ErrorCode::kOk, FaultAction::kNone, now);
-      if (device == Device::kCamera) {
-        // Robots moved unseen, and the driver counts its frames anew.
-        pipeline_.reset();
-        last_sequence_.reset();
-        last_frame_ = now;
-      }
-      if (device == Device::kGpio) {
-        led_.reset();
-        outputs_failed_ = false;
-      }
-      continue;
-    }
-    if (reconnector.failed_attempts() != attempts) {
-      // Not to leave, whatever the code: it did open with these settings, and who plugged it in badly may do so again.
+void Loop::reopen_lost_devices(Instant now) {
+  for (const Device device : kDevices) {
+    if (connections_.is_open(device)) continue;
+    const std::optional<Status> attempt = connections_.poll(device, now);
+    if (attempt && attempt->ok()) {
+      on_reopened(device, now);
+    } else if (attempt) {
+      // Never kLeave, whatever the code: the device has worked with these settings, and somebody who plugged it in
+      // badly may plug it in again.
       const FaultAction action = is_awaited(device) ? FaultAction::kReopen : FaultAction::kContinueWithout;
-      report_fault(device, reconnector.last_status().code(), action, now);
+      report_fault(device, attempt->code(), action, now);
     }
-    const double patience_s = settings_.faults.leave_after_s;
-    if (is_needed(device) && patience_s > 0.0 && reconnector.time_lost(now) > from_seconds(patience_s))
-      end_ = LoopEnd::kDeviceLost;
+    const Duration limit = from_seconds(settings_.faults.leave_after_s);
+    if (is_required(device) && limit > 0s && connections_.time_lost(device, now) > limit) end_ = LoopEnd::kDeviceLost;
   }
 }
 
-void Loop::serve_inputs(Instant now) {
-  const std::uint8_t before = halt_;
-  read_inputs(now);
-  // The first stop must not wait for the next frame.
-  if (before == kHaltNone && halt_ != kHaltNone) send_stop(now);
-}
-
-void Loop::read_inputs(Instant now) {
-  // An emergency stop that cannot be read counts as pulled, with all that follows.
-  hal::GpioInputs inputs;
-  inputs.emergency_stop = settings_.emergency_stop;
-  Halt emergency = kHaltLine;
-  if (reconnector(Device::kGpio).is_open()) {
-    const Result<hal::GpioInputs> read = devices_.gpio.inputs(now);
-    if (read.ok()) {
-      inputs = read.value();
-      emergency = kHaltEmergency;
-    } else {
-      on_fault(Device::kGpio, read.error(), now);
-    }
+void Loop::on_reopened(Device device, Instant now) {
+  ++statistics_.reopened[static_cast<std::size_t>(device)];
+  if (is_awaited(device)) report_fault(device, ErrorCode::kOk, FaultAction::kNone, now);
+  switch (device) {
+    case Device::kCamera:
+      // Robots moved unseen, and the driver counts its frames from the start again.
+      pipeline_.reset();
+      last_sequence_.reset();
+      last_frame_ = now;
+      break;
+    case Device::kGpio:
+      led_.reset();
+      outputs_failed_ = false;
+      break;
+    case Device::kRadio:
+      break;
   }
-  look_again_ = inputs.look_again;
-  judge_emergency(inputs, now);
-  const auto others = static_cast<std::uint8_t>(halt_ & kHaltNoFrames);
-  halt_ =
-      static_cast<std::uint8_t>(others | (emergency_ ? emergency : kHaltNone) | (started_ ? kHaltNone : kHaltStart));
 }
 
-void Loop::judge_emergency(const hal::GpioInputs& inputs, Instant now) {
-  if (inputs.emergency_stop) {
-    emergency_ = true;
-    emergency_seen_ = now;
-    restarted_ = false;
-    return;
-  }
-  if (inputs.start_pressed) started_ = restarted_ = true;
-  const bool may_resume = settings_.faults.resume_after_emergency || restarted_;
-  if (may_resume && now - emergency_seen_ >= kEmergencyReleaseTime) emergency_ = false;
-}
-
-void Loop::update_halt(Instant now, Instant last_good) {
-  const bool stale = now - last_good > stop_after_;
-  const auto others = static_cast<std::uint8_t>(halt_ & ~kHaltNoFrames);
-  halt_ = static_cast<std::uint8_t>(others | (stale ? kHaltNoFrames : kHaltNone));
+void Loop::report_fault(Device device, ErrorCode code, FaultAction action, Instant now) {
+  if (code != ErrorCode::kOk) ++statistics_.faults[static_cast<std::size_t>(device)][static_cast<std::size_t>(code)];
+  // The text of a device that is back or silent would be an old one.
+  const bool has_text = code != ErrorCode::kOk && code != ErrorCode::kTimeout;
+  reports_.report_fault(device, code, action,
+                        has_text ? std::string_view(connections_.reason_of(device)) : std::string_view(), now);
 }
 
 }  // namespace touchline

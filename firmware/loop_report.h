@@ -11,23 +11,16 @@
 #include "core/time.h"
 #include "core/types.h"
 #include "firmware/fault_policy.h"
+#include "firmware/stop_rules.h"
 #include "hal/spsc_ring.h"
 
 // What the loop tells the thread that prints: plain values of a fixed size, no text that would have to be formatted.
 namespace touchline {
 
 enum class Device : std::uint8_t { kCamera, kRadio, kGpio };
-inline constexpr std::size_t kDeviceCount = 3;
+inline constexpr std::array kDevices{Device::kCamera, Device::kRadio, Device::kGpio};
+inline constexpr std::size_t kDeviceCount = kDevices.size();
 const char* describe(Device device) noexcept;
-
-/// Why robots are halted; bits.
-enum Halt : std::uint8_t {
-  kHaltNone = 0,
-  kHaltNoFrames = 1,   // the last good frame is older than faults.stop_after_s
-  kHaltEmergency = 2,  // the emergency stop is pulled, or was and a new start is needed
-  kHaltLine = 4,       // the emergency stop cannot be read: it counts as pulled
-  kHaltStart = 8,      // nobody has pressed the start button yet
-};
 
 struct SeenRobot {
   Team team = Team::kOwn;
@@ -54,7 +47,7 @@ struct StatusReport {
   FieldPoint ball;
   Duration p50{}, p99{}, max{};  // capture to send, over the interval
   std::uint64_t packets = 0;     // all since start, as all that follow
-  std::uint64_t packets_dropped = 0, frames_lost = 0, overloads = 0, faults = 0;
+  std::uint64_t packets_dropped = 0, frames_lost = 0, future_stamps = 0, overloads = 0, faults = 0;
   std::uint8_t halt = kHaltNone;
   AdaptationMode adaptation = AdaptationMode::kFollow;
   float brightness = 1.0f;  // of the light, relative to the calibration

@@ -15,10 +15,11 @@ inline constexpr std::size_t kErrorCodeCount = static_cast<std::size_t>(ErrorCod
 /// What happened since the loop began. Fixed memory.
 struct LoopStatistics {
   Instant begin{}, end{};
-  std::uint64_t frames = 0;       // that went through the pipeline
-  std::uint64_t good_frames = 0;  // of those, the ones that could be read and were young enough
-  std::uint64_t frames_lost = 0;  // gaps in the driver's count
-  std::uint64_t overloads = 0;    // frames for which some capacity was reached
+  std::uint64_t frames = 0;         // that went through the pipeline
+  std::uint64_t good_frames = 0;    // of those, the ones that could be read and were young enough
+  std::uint64_t frames_lost = 0;    // gaps in the driver's count
+  std::uint64_t future_stamps = 0;  // frames stamped later than their arrival, which then counts
+  std::uint64_t overloads = 0;      // frames for which some capacity was reached
   std::uint64_t runs_dropped = 0, regions_dropped = 0;
   std::uint64_t packets = 0;          // taken by the radio
   std::uint64_t packets_dropped = 0;  // of those, the ones that a newer one replaced before they left

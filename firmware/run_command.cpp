@@ -6,7 +6,7 @@
 
 #include "firmware/config_reloader.h"
 #include "firmware/realtime.h"
-#include "firmware/reporter.h"
+#include "firmware/report_printer.h"
 #include "firmware/service_notifier.h"
 #include "firmware/signals.h"
 #include "hal/linux/monotonic_clock.h"
@@ -71,7 +71,7 @@ int run_command(const CommandLine& command_line) {
     std::fprintf(stderr, "%s\n", reason.c_str());
     return kExitDeviceFailure;
   }
-  ReporterSettings reporting;
+  ReportPrinterSettings reporting;
   reporting.expected = session.expectation();
   ServiceNotifier service(session.loop().heartbeat());
   reporting.service = &service;
@@ -85,8 +85,8 @@ int run_command(const CommandLine& command_line) {
                           session.live_update());
   {
     // The threads that print and read files begin before this one becomes privileged, and inherit nothing of it.
-    Reporter reporter(session.reports(), reporting, stdout, stderr);
-    const ReloadThread reload(reloader, reload_requests, [&](const std::string& line) { reporter.say(line); });
+    ReportPrinter printer(session.reports(), reporting, stdout, stderr);
+    const ReloadThread reload(reloader, reload_requests, [&](const std::string& line) { printer.say(line); });
     for (std::string& refusal : become_realtime(realtime)) refused.push_back(std::move(refusal));
     for (std::string& hint : realtime_hints(realtime, is_realtime())) refused.push_back(std::move(hint));
     print_start(session, refused);

@@ -32,8 +32,9 @@ std::string halt_reasons(std::uint8_t halt) {
   };
   add(kHaltNoFrames, "no good frame");
   add(kHaltEmergency, "emergency stop");
-  add(kHaltLine, "emergency stop cannot be read");
+  add(kHaltUnreadableLine, "emergency stop cannot be read");
   add(kHaltStart, "waiting for the start button");
+  add(kHaltCrash, "the previous run ended unexpectedly");
   return reasons;
 }
 
@@ -93,6 +94,7 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
   };
   count("packets dropped", status.packets_dropped);
   count("frames lost", status.frames_lost);
+  count("frames stamped in the future", status.future_stamps);
   count("overloads", status.overloads);
   count("faults", status.faults);
   // Some percent come and go with the noise.
@@ -141,6 +143,10 @@ std::string summary(const LoopStatistics& statistics, LoopEnd end) {
   print(text, "frames    %llu in %.1f s (%.1f a second), %llu lost on the way, %llu not good\n",
         number(statistics.frames), elapsed, elapsed > 0.0 ? static_cast<double>(statistics.frames) / elapsed : 0.0,
         number(statistics.frames_lost), number(statistics.frames - statistics.good_frames));
+  if (statistics.future_stamps > 0) {
+    print(text, "stamps    %llu frames stamped in the future; their time of arrival counts\n",
+          number(statistics.future_stamps));
+  }
   print(text, "latency   capture to send: p50 %.2f  p90 %.2f  p99 %.2f  p99.9 %.2f  max %.2f ms\n",
         milliseconds(statistics.latency.percentile(0.5)), milliseconds(statistics.latency.percentile(0.9)),
         milliseconds(statistics.latency.percentile(0.99)), milliseconds(statistics.latency.percentile(0.999)),

@@ -1,7 +1,9 @@
 #include "firmware/device_reconnector.h"
 
+#include <new>
 #include <semaphore>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -24,28 +26,32 @@ struct Scripted {
 TEST(ThreadsDeviceReconnector, PausesDoubleFromFailureToFailure) {
   Scripted script{3};
   DeviceReconnector reconnector(Scripted::reopen, &script, 100ms, true);
+  std::vector<ErrorCode> results;
+  const auto poll = [&](double time) {
+    if (const auto result = reconnector.poll(at(time))) results.push_back(result->code());
+    return reconnector.is_open();
+  };
   EXPECT_TRUE(reconnector.is_open());
-  EXPECT_FALSE(reconnector.poll(at(5.0)));
+  EXPECT_TRUE(poll(5.0));
   EXPECT_EQ(script.calls, 0);
   reconnector.mark_lost(at(10.0));
   reconnector.mark_lost(at(10.05));  // said twice: counts from the first time
   EXPECT_FALSE(reconnector.is_open());
   for (const auto& [time, calls] : {std::pair{10.09, 0}, {10.1, 1}, {10.29, 1}, {10.3, 2}, {10.69, 2}, {10.7, 3}}) {
-    EXPECT_FALSE(reconnector.poll(at(time)));
+    EXPECT_FALSE(poll(time));
     EXPECT_EQ(script.calls, calls) << time;
   }
-  EXPECT_EQ(reconnector.failed_attempts(), 3U);
-  EXPECT_EQ(reconnector.last_status().code(), ErrorCode::kNotFound);
+  EXPECT_EQ(results, std::vector<ErrorCode>(3, ErrorCode::kNotFound));
   EXPECT_EQ(reconnector.time_lost(at(11.0)), 1s);
-  EXPECT_FALSE(reconnector.poll(at(11.49)));
-  EXPECT_TRUE(reconnector.poll(at(11.5)));
-  EXPECT_TRUE(reconnector.is_open());
+  EXPECT_FALSE(poll(11.49));
+  EXPECT_TRUE(poll(11.5));
+  EXPECT_EQ(results.size(), 4U);
+  EXPECT_EQ(results.back(), ErrorCode::kOk);
   EXPECT_EQ(reconnector.time_lost(at(12.0)), 0s);
   // The next loss begins with the first pause again.
   script.failures = 100;
   reconnector.mark_lost(at(20.0));
-  EXPECT_EQ(reconnector.failed_attempts(), 0U);
-  EXPECT_FALSE(reconnector.poll(at(20.1)));
+  EXPECT_FALSE(poll(20.1));
   EXPECT_EQ(script.calls, 5);
 }
 
@@ -65,6 +71,19 @@ TEST(ThreadsDeviceReconnector, WhatIsAbsentIsLookedForMoreOften) {
     }
     EXPECT_EQ(longest, pause) << describe(failure);
   }
+}
+
+struct Throwing {
+  static Status reopen(void*) { throw std::bad_alloc(); }
+};
+
+TEST(ThreadsDeviceReconnector, ADriverThatThrowsHasFailed) {
+  DeviceReconnector reconnector(Throwing::reopen, nullptr, 100ms, true);
+  reconnector.mark_lost(at(1.0));
+  const std::optional<Status> result = reconnector.poll(at(2.0));
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->code(), ErrorCode::kIo);
+  EXPECT_FALSE(reconnector.is_open());
 }
 
 struct Hanging {
@@ -88,10 +107,11 @@ TEST(ThreadsDeviceReconnector, DriverThatHangsHoldsUpNobody) {
   // The answer crosses from the worker's thread; it comes, but not at once.
   bool back = false;
   for (int i = 0; i < 5000 && !back; ++i) {
-    back = reconnector.poll(at(2000.0));
+    back = reconnector.poll(at(2000.0)).has_value();
     if (!back) std::this_thread::sleep_for(1ms);
   }
   EXPECT_TRUE(back);
+  EXPECT_TRUE(reconnector.is_open());
 }
 
 TEST(ThreadsDeviceReconnector, EndsWhileTheDriverWorks) {

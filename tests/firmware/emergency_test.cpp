@@ -105,7 +105,8 @@ TEST_F(LoopTest, LineThatCannotBeReadCountsAsPulled) {
   for (const Report& report : reports()) {
     if (report.kind == Report::Kind::kHalt) halt = static_cast<std::uint8_t>(halt | report.halt.halt);
   }
-  EXPECT_EQ(halt, kHaltLine | kHaltEmergency) << "the latter until it has been at rest for a tenth of a second";
+  EXPECT_EQ(halt, kHaltUnreadableLine | kHaltEmergency)
+      << "the latter until it has been at rest for a tenth of a second";
 }
 
 TEST_F(LoopTest, LineThatCouldNotBeReadNeedsANewStartWhereAPulledOneDoes) {

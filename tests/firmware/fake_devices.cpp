@@ -1,6 +1,7 @@
 #include "tests/firmware/fake_devices.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/radio/packet.h"
 
@@ -96,9 +97,9 @@ Result<hal::FrameLease> FakeCamera::do_wait(Instant deadline) {
   frame.plane[0] = pixels_.data();
   frame.stride_bytes[0] = std::uint32_t{kWidth} * 3;
   frame.capture_time = clock_.now() - age;
-  if (sequence_ == skip_at) sequence_ += skipped;
+  if (sequence_ == skip_at) sequence_ += std::exchange(skipped, 0);
   frame.sequence = sequence_++;
-  ++frames_;
+  if (++frames_ == misstamped_frame) frame.capture_time = clock_.now() + misstamped_by;
   leased = true;
   return hal::FrameLease(*this, frame, 0);
 }

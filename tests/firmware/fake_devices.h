@@ -70,7 +70,9 @@ class FakeCamera final : public hal::Camera, public Script {
   void show_robot();
 
   Duration age = std::chrono::milliseconds(5);   // of a frame when it is handed out
-  std::uint32_t skip_at = 0, skipped = 0;        // the driver loses so many frames after this one
+  std::uint32_t skip_at = 0, skipped = 0;        // at this sequence number the driver's count jumps by so many
+  std::uint64_t misstamped_frame = 0;            // this one, counted from 1, is stamped ahead of the clock; 0: none
+  Duration misstamped_by{};                      // how far ahead
   std::uint64_t last_frame = ~std::uint64_t{0};  // kEndOfStream after so many
   std::uint16_t width = kWidth;                  // of the frames
   std::vector<double> opened_s;                  // each attempt

@@ -79,6 +79,60 @@ TEST_F(LoopTest, GapsInTheDriversCountAreLostFrames) {
   EXPECT_EQ(loop->statistics().frames, 50U);
 }
 
+TEST_F(LoopTest, ARepeatedSequenceNumberIsNoLostFrame) {
+  camera.skip_at = 10;
+  camera.skipped = ~std::uint32_t{0};  // 9 a second time
+  start();
+  run_until(1.0);
+  EXPECT_EQ(loop->statistics().frames_lost, 0U);
+}
+
+TEST_F(LoopTest, ASequenceNumberThatGoesBackwardsIsNoLostFrame) {
+  camera.skip_at = 30;
+  camera.skipped = ~std::uint32_t{0} - 19;  // from 29 to 10
+  start();
+  run_until(1.0);
+  EXPECT_EQ(loop->statistics().frames_lost, 0U);
+}
+
+TEST_F(LoopTest, AStampInTheFutureCountsAsTheTimeOfArrival) {
+  camera.misstamped_frame = 25;
+  camera.misstamped_by = 1h;
+  struct Seen {
+    int steps = 0;
+    Duration longest_prediction{}, least_latency = 1h;
+    std::vector<Instant> track_times;
+  } seen;
+  start({[](void* context, const StepTrace& trace, const StepTiming& timing) {
+           Seen& s = *static_cast<Seen*>(context);
+           ++s.steps;
+           s.longest_prediction = std::max(s.longest_prediction, trace.tracks.action_time - trace.tracks.capture_time);
+           s.least_latency = std::min(s.least_latency, timing.latency);
+           s.track_times.push_back(trace.tracks.capture_time);
+         },
+         &seen});
+  run_until(1.0);
+  ASSERT_EQ(seen.steps, 50);
+  EXPECT_GE(seen.least_latency, 0ns);
+  EXPECT_LE(seen.longest_prediction, 25ms) << "5 ms until it is sent, 20 ms on the radio";
+  for (std::size_t i = 1; i < seen.track_times.size(); ++i) {
+    EXPECT_LE(seen.track_times[i] - seen.track_times[i - 1], 25ms) << i;
+  }
+}
+
+TEST_F(LoopTest, AnOldFrameDoesNotChangeThePrediction) {
+  camera.misstamped_frame = 25;
+  camera.misstamped_by = -1h;
+  Duration longest_prediction{};
+  start({[](void* context, const StepTrace& trace, const StepTiming&) {
+           auto& longest = *static_cast<Duration*>(context);
+           longest = std::max(longest, trace.tracks.action_time - trace.tracks.capture_time);
+         },
+         &longest_prediction});
+  run_until(1.0);
+  EXPECT_LE(longest_prediction, 25ms);
+}
+
 TEST_F(LoopTest, FrameLimitEndsIt) {
   settings.frames = 25;
   start();

@@ -58,6 +58,18 @@ TEST_F(LoopTest, OldFramesStopTheRobotsToo) {
   EXPECT_FALSE(all_stop(1.56, 2.0));
 }
 
+TEST_F(LoopTest, AFrameStampedInTheFutureDoesNotKeepRobotsMoving) {
+  camera.misstamped_frame = 50;  // at 1.00 s
+  camera.misstamped_by = 1h;
+  camera.add({1.0, 11.0, ErrorCode::kTimeout});
+  start();
+  run_until(11.0);
+  EXPECT_TRUE(all_stop(1.001, 11.0));
+  EXPECT_GE(packets(1.001, 11.0).size(), 190U) << "one every 50 ms, also while the camera is being reopened";
+  EXPECT_GE(camera.opened_s.size(), 2U);
+  EXPECT_LE(packets(1.001, 11.0).front().at_s, 1.0 + kStopAfter + kSlice);
+}
+
 TEST_F(LoopTest, SilentCameraIsOpenedAgain) {
   settings.faults.camera_timeout_s = 1.0;
   settings.faults.reopen_after_s = 0.5;
@@ -229,7 +241,7 @@ TEST_F(LoopTest, LastStopsLeaveOverASlowLine) {
   radio.line_time = 15ms;
   start();
   run_until(1.0);
-  loop->halt_robots();
+  loop->send_final_stops();
   const auto sent = packets(1.0, 2.0);
   const auto first = std::find_if(sent.begin(), sent.end(), [](const SentPacket& packet) { return packet.stop; });
   ASSERT_GE(sent.end() - first, 5);

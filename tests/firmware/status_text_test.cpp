@@ -63,8 +63,8 @@ TEST(StatusText, Faults) {
   fault.device = Device::kRadio;
   fault.code = ErrorCode::kOk;
   EXPECT_EQ(fault_line(fault), "3.2 s  radio: is back");
-  EXPECT_EQ(halt_line({1.0, kHaltNone, kHaltLine}), "1.0 s  robots may move");
-  EXPECT_EQ(halt_line({1.0, kHaltLine, kHaltNone}), "1.0 s  robots halted: emergency stop cannot be read");
+  EXPECT_EQ(halt_line({1.0, kHaltNone, kHaltUnreadableLine}), "1.0 s  robots may move");
+  EXPECT_EQ(halt_line({1.0, kHaltUnreadableLine, kHaltNone}), "1.0 s  robots halted: emergency stop cannot be read");
 }
 
 TEST(StatusText, LongReasonIsCutOff) {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <semaphore>
 
-#include "firmware/reporter.h"
+#include "firmware/report_printer.h"
 #include "firmware/signals.h"
 #include "hal/linux/monotonic_clock.h"
 #include "tests/firmware/loop_fixture.h"
@@ -60,18 +60,18 @@ TEST(ThreadsLoop, StopPacketsGoOnWhileADriverHangs) {
   loop.close();
 }
 
-class ThreadsReporter : public LoopTest {};
+class ThreadsReportPrinter : public LoopTest {};
 
-TEST_F(ThreadsReporter, PrintsWhatTheLoopTells) {
+TEST_F(ThreadsReportPrinter, PrintsWhatTheLoopTells) {
   char* text = nullptr;
   std::size_t size = 0;
   std::FILE* file = ::open_memstream(&text, &size);
   camera.add({1.0, 1.6, ErrorCode::kDisconnected});
   start();
   {
-    ReporterSettings reporter_settings;
-    reporter_settings.expected.own = 1;
-    const Reporter reporter(*ring, reporter_settings, file, file);
+    ReportPrinterSettings printer_settings;
+    printer_settings.expected.own = 1;
+    const ReportPrinter printer(*ring, printer_settings, file, file);
     run_until(3.1);
   }
   std::fclose(file);
@@ -87,15 +87,15 @@ TEST_F(ThreadsReporter, PrintsWhatTheLoopTells) {
   EXPECT_NE(printed.find("1 s  50.0 fps  own 0/1  opp 0/0  ball lost  latency"), std::string::npos) << printed;
 }
 
-TEST_F(ThreadsReporter, PictureIsDrawnOverTheLastOne) {
+TEST_F(ThreadsReportPrinter, PictureIsDrawnOverTheLastOne) {
   char* text = nullptr;
   std::size_t size = 0;
   std::FILE* file = ::open_memstream(&text, &size);
   start();
   {
-    ReporterSettings reporter_settings;
-    reporter_settings.map_columns = 52;
-    const Reporter reporter(*ring, reporter_settings, file, file);
+    ReportPrinterSettings printer_settings;
+    printer_settings.map_columns = 52;
+    const ReportPrinter printer(*ring, printer_settings, file, file);
     run_until(3.1);
   }
   std::fclose(file);
@@ -112,7 +112,7 @@ TEST_F(ThreadsReporter, PictureIsDrawnOverTheLastOne) {
   EXPECT_EQ(std::count(picture.begin(), picture.end(), '\n'), 24);
 }
 
-TEST_F(ThreadsReporter, TerminatedProcessStopsItsRobots) {
+TEST_F(ThreadsReportPrinter, TerminatedProcessStopsItsRobots) {
   const std::atomic<bool>& stop = handle_stop_signals();
   ASSERT_FALSE(stop.load());
   start();

@@ -185,7 +185,7 @@ TEST(MockBoard, RobotsAreSeenReachTheBallAndStopAtTheEnd) {
   EXPECT_GT(game.commanded, game.frames * 99 / 100);
   EXPECT_GT(game.world().statistics().ball_path_m, 0.4);
 
-  game.loop->halt_robots();
+  game.loop->send_final_stops();
   EXPECT_GE(game.loop->statistics().stop_packets, 5U);
   // In the time that wheels need and the time-out does not give.
   game.arena->advance_to(game.arena->now() + 100ms);

@@ -49,7 +49,7 @@ TEST_F(NoAllocation, LoopNeverAsksForMemoryWhateverDevicesDo) {
   const std::uint64_t before = allocations_of_this_thread();
   while (now_s() < end_s && !loop->iterate()) {
   }
-  loop->halt_robots();
+  loop->send_final_stops();
   EXPECT_EQ(allocations_of_this_thread() - before, 0U);
   EXPECT_GE(now_s(), end_s) << "the loop ended before all faults had their turn";
   for (std::size_t device = 0; device < kDeviceCount; ++device) EXPECT_GE(loop->statistics().reopened[device], 5U);

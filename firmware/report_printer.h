@@ -12,7 +12,7 @@
 
 namespace touchline {
 
-struct ReporterSettings {
+struct ReportPrinterSettings {
   Expectation expected;
   bool status_lines = true;                  // else faults and halts only
   int map_columns = 0;                       // 0: no picture of the field
@@ -21,15 +21,15 @@ struct ReporterSettings {
 
 /// Takes the loop's reports from the ring, makes sentences of them and prints: status to `out`, faults to `err`.
 /// A terminal that hangs holds up this thread and nobody else.
-class Reporter {
+class ReportPrinter {
  public:
-  Reporter(ReportRing& ring, const ReporterSettings& settings, std::FILE* out, std::FILE* err);
+  ReportPrinter(ReportRing& ring, const ReportPrinterSettings& settings, std::FILE* out, std::FILE* err);
   /// Prints what is left.
-  ~Reporter();
+  ~ReportPrinter();
   /// Prints the line, without its end, to `err` before what comes from the ring. From any thread but the loop's.
   void say(const std::string& line);
-  Reporter(const Reporter&) = delete;
-  Reporter& operator=(const Reporter&) = delete;
+  ReportPrinter(const ReportPrinter&) = delete;
+  ReportPrinter& operator=(const ReportPrinter&) = delete;
 
  private:
   void work();
@@ -38,7 +38,7 @@ class Reporter {
   void print_map(const StatusReport& status);
 
   ReportRing& ring_;
-  const ReporterSettings settings_;
+  const ReportPrinterSettings settings_;
   std::FILE* out_;
   std::FILE* err_;
   int map_lines_ = 0;  // of the picture that stands above the cursor

@@ -1,4 +1,4 @@
-#include "firmware/reporter.h"
+#include "firmware/report_printer.h"
 
 #include <algorithm>
 #include <chrono>
@@ -8,17 +8,17 @@ namespace touchline {
 // Nobody reads faster; and the loop need not wake this thread by a call to the kernel.
 constexpr auto kPollPeriod = std::chrono::milliseconds(20);
 
-Reporter::Reporter(ReportRing& ring, const ReporterSettings& settings, std::FILE* out, std::FILE* err)
+ReportPrinter::ReportPrinter(ReportRing& ring, const ReportPrinterSettings& settings, std::FILE* out, std::FILE* err)
     : ring_(ring), settings_(settings), out_(out), err_(err) {
   thread_ = std::thread([this] { work(); });
 }
 
-Reporter::~Reporter() {
+ReportPrinter::~ReportPrinter() {
   end_.store(true, std::memory_order_release);
   thread_.join();
 }
 
-void Reporter::work() {
+void ReportPrinter::work() {
   while (!end_.load(std::memory_order_acquire)) {
     print_all();
     std::this_thread::sleep_for(kPollPeriod);
@@ -30,12 +30,12 @@ void Reporter::work() {
   }
 }
 
-void Reporter::say(const std::string& line) {
+void ReportPrinter::say(const std::string& line) {
   const std::scoped_lock alone(saying_);
   said_ += line + "\n";
 }
 
-void Reporter::print_all() {
+void ReportPrinter::print_all() {
   std::string said;
   {
     const std::scoped_lock alone(saying_);
@@ -48,7 +48,7 @@ void Reporter::print_all() {
   while (ring_.pop(report_)) print(report_);
 }
 
-void Reporter::print(const Report& report) {
+void ReportPrinter::print(const Report& report) {
   switch (report.kind) {
     case Report::Kind::kStatus:
       if (settings_.service != nullptr) settings_.service->status(status_line(report.status, settings_.expected));
@@ -72,7 +72,7 @@ void Reporter::print(const Report& report) {
   map_lines_ = 0;  // the sentence stands below the picture: the next picture begins below the sentence
 }
 
-void Reporter::print_map(const StatusReport& status) {
+void ReportPrinter::print_map(const StatusReport& status) {
   std::string text = field_map(status, settings_.expected.field, settings_.map_columns, true);
   std::string line = status_line(status, settings_.expected);
   // In pieces, because a line that the terminal breaks would make the picture creep down.

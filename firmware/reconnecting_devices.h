@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "firmware/device_reconnector.h"
+#include "firmware/loop_report.h"
+#include "hal/camera.h"
+#include "hal/clock.h"
+#include "hal/gpio.h"
+#include "hal/radio.h"
+
+namespace touchline {
+
+struct LoopDevices {
+  hal::Camera& camera;
+  hal::Radio& radio;
+  hal::Gpio& gpio;
+  hal::Clock& clock;
+  bool simulated_time = false;  // the clock stands still while the processor works
+};
+
+/// Opens and closes the loop's camera, radio and GPIO, and reopens those that are lost, each on its own thread.
+class ReconnectingDevices {
+ public:
+  explicit ReconnectingDevices(const LoopDevices& devices) : devices_(devices) {}
+  ~ReconnectingDevices() { close(); }
+  ReconnectingDevices(const ReconnectingDevices&) = delete;
+  ReconnectingDevices& operator=(const ReconnectingDevices&) = delete;
+
+  /// Opens radio, GPIO and camera, in this order, and starts the camera. On error nothing is open, and `reason` names
+  /// the device and the cause.
+  Status open(Duration first_pause, std::string& reason);
+  /// Waits for attempts in progress, then closes all.
+  void close();
+  /// Between open() and close().
+  [[nodiscard]] bool are_open() const { return are_open_; }
+
+  [[nodiscard]] bool is_open(Device device) const { return at(device).is_open(); }
+  void mark_lost(Device device, Instant now) { at(device).mark_lost(now); }
+  [[nodiscard]] Duration time_lost(Device device, Instant now) const { return at(device).time_lost(now); }
+  /// The result of an attempt to reopen the device that has ended since the last call; see DeviceReconnector::poll.
+  std::optional<Status> poll(Device device, Instant now) { return at(device).poll(now); }
+  /// Pause before the first attempt, from the next loss on.
+  void set_first_pause(Duration pause);
+  /// Device and cause of its last error.
+  [[nodiscard]] const std::string& reason_of(Device device) const;
+
+ private:
+  [[nodiscard]] const DeviceReconnector& at(Device device) const {
+    return *reconnectors_[static_cast<std::size_t>(device)];
+  }
+  DeviceReconnector& at(Device device) { return *reconnectors_[static_cast<std::size_t>(device)]; }
+
+  LoopDevices devices_;
+  std::array<std::optional<DeviceReconnector>, kDeviceCount> reconnectors_;
+  bool are_open_ = false;
+};
+
+}  // namespace touchline

@@ -1,0 +1,100 @@
+#include "firmware/report_writer.h"
+
+#include <utility>
+
+namespace touchline {
+
+void ReportWriter::begin(Instant now) {
+  begin_ = last_status_ = now;
+  next_status_ = now + interval_;
+}
+
+void ReportWriter::add_step(const StepTrace& trace, Duration latency) {
+  last_trace_ = &trace;
+  latency_.add(latency);
+}
+
+void ReportWriter::report_halt(std::uint8_t halt, Instant now) {
+  if (halt == halt_reported_) return;
+  report_.kind = Report::Kind::kHalt;
+  report_.halt = {elapsed_s(now), halt, halt_reported_};
+  ring_.push(report_);
+  halt_reported_ = halt;
+}
+
+void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::uint8_t halt, AdaptationMode adaptation,
+                                        Instant now) {
+  if (now < next_status_) return;
+  next_status_ += interval_;
+  if (next_status_ <= now) next_status_ = now + interval_;  // the loop was held up
+
+  StatusReport& status = report_.status;
+  status = {};
+  status.elapsed_s = elapsed_s(now);
+  const double interval_s = seconds(now - last_status_);
+  const std::uint64_t good = statistics.good_frames - good_frames_reported_;
+  status.rate_hz = interval_s > 0.0 ? static_cast<double>(good) / interval_s : 0.0;
+  status.p50 = latency_.percentile(0.50);
+  status.p99 = latency_.percentile(0.99);
+  status.max = latency_.max();
+  status.packets = statistics.packets;
+  status.packets_dropped = statistics.packets_dropped;
+  status.frames_lost = statistics.frames_lost;
+  status.future_stamps = statistics.future_stamps;
+  status.overloads = statistics.overloads;
+  status.faults = statistics.fault_count();
+  status.halt = halt;
+  status.adaptation = adaptation;
+  // Without new frames, the robots of the last one are not seen any more.
+  if (last_trace_ != nullptr && good > 0) {
+    for (const RobotTrack& track : last_trace_->tracks.robots) {
+      const bool coasting = track.state == TrackState::kCoasting;
+      status.robots.push_back({track.team, track.id, coasting, track.pose});
+      if (!coasting) ++(track.team == Team::kOwn ? status.own_seen : status.opponents_seen);
+    }
+    const BallTrack& ball = last_trace_->tracks.ball;
+    status.ball_seen = ball.state == TrackState::kNew || ball.state == TrackState::kSeen;
+    status.ball = ball.position;
+    status.brightness = last_trace_->light.brightness;
+  }
+  for (const RobotReport& robot : statistics.robots.robots) {
+    status.robot_status.push_back(
+        {robot.last.id, robot.last.battery_v, robot.last.link_percent, seconds(now - robot.heard), robot.battery_low});
+  }
+  report_.kind = Report::Kind::kStatus;
+  ring_.push(report_);
+  last_status_ = now;
+  good_frames_reported_ = statistics.good_frames;
+  latency_.clear();
+  fault_reported_ = {};
+}
+
+void ReportWriter::report_batteries(const RobotReports& robots, Instant now) {
+  for (const RobotReport& robot : robots.robots) {
+    const auto index = static_cast<std::uint8_t>(robot.last.id);
+    bool& reported = battery_reported_[index];
+    if (robot.battery_low && !reported) {
+      report_.kind = Report::Kind::kBattery;
+      report_.battery = {elapsed_s(now), robot.last.id, robot.last.battery_v};
+      ring_.push(report_);
+    }
+    reported = robot.battery_low;
+  }
+}
+
+void ReportWriter::report_fault(Device device, ErrorCode code, FaultAction action, std::string_view text, Instant now) {
+  bool& reported = action == FaultAction::kContinueWithout
+                       ? continue_without_reported_
+                       : fault_reported_[static_cast<std::size_t>(device)][static_cast<std::size_t>(code)];
+  if (std::exchange(reported, true)) return;
+  report_.kind = Report::Kind::kFault;
+  report_.fault.elapsed_s = elapsed_s(now);
+  report_.fault.device = device;
+  report_.fault.code = code;
+  report_.fault.action = action;
+  report_.fault.set_reason(text);
+  if (code != ErrorCode::kOk) last_fault_ = report_.fault;
+  ring_.push(report_);
+}
+
+}  // namespace touchline

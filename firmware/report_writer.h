@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "core/types.h"
+#include "firmware/loop_report.h"
+#include "firmware/loop_statistics.h"
+#include "firmware/stop_rules.h"
+
+namespace touchline {
+
+/// Writes the loop's reports into the ring: changes of the halt, faults and low batteries when they happen, the status
+/// once an interval. Allocates and formats nothing.
+class ReportWriter {
+ public:
+  ReportWriter(ReportRing& ring, Duration interval) : ring_(ring), interval_(interval) {}
+
+  void begin(Instant now);
+  /// A frame was processed. `trace` must stay valid until the next one.
+  void add_step(const StepTrace& trace, Duration latency);
+  void report_halt(std::uint8_t halt, Instant now);
+  /// At most once an interval for each device and code; once in all for FaultAction::kContinueWithout. `text`: device
+  /// and cause.
+  void report_fault(Device device, ErrorCode code, FaultAction action, std::string_view text, Instant now);
+  /// Robots whose battery has become low since the last call.
+  void report_batteries(const RobotReports& robots, Instant now);
+  void report_status_if_due(const LoopStatistics& statistics, std::uint8_t halt, AdaptationMode adaptation,
+                            Instant now);
+
+  /// The last fault that was no return of a device.
+  [[nodiscard]] const FaultReport& last_fault() const { return last_fault_; }
+
+ private:
+  [[nodiscard]] double elapsed_s(Instant now) const { return seconds(now - begin_); }
+
+  ReportRing& ring_;
+  const Duration interval_;
+  Instant begin_{}, next_status_{}, last_status_{};
+  std::uint64_t good_frames_reported_ = 0;
+  LatencyHistogram latency_;                                                      // since the last status
+  std::array<std::array<bool, kErrorCodeCount>, kDeviceCount> fault_reported_{};  // since the last status
+  bool continue_without_reported_ = false;
+  std::uint8_t halt_reported_ = kHaltNoFrames;
+  std::array<bool, 128> battery_reported_{};  // by id
+  const StepTrace* last_trace_ = nullptr;
+  FaultReport last_fault_;
+  Report report_;  // built here and copied into the ring: too large for the stack
+};
+
+}  // namespace touchline

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/time.h"
+#include "hal/gpio.h"
+
+namespace touchline {
+
+/// Reasons for which robots are stopped; bits.
+enum Halt : std::uint8_t {
+  kHaltNone = 0,
+  kHaltNoFrames = 1,        // the last good frame is older than faults.stop_after_s
+  kHaltEmergency = 2,       // the emergency stop is pulled, or was pulled and has not been reset
+  kHaltUnreadableLine = 4,  // the emergency stop cannot be read, which counts as pulled
+  kHaltStart = 8,           // the start button has not been pressed yet
+  kHaltCrash = 16,          // the previous run ended unexpectedly while robots were driven
+};
+
+struct StopRuleSettings {
+  Duration stop_after{};               // robots stop when the last good frame is older
+  bool resume_after_emergency = true;  // on release of the emergency stop; else a start is needed
+  bool has_emergency_stop = true;
+  bool has_start_button = false;
+  bool hold_after_crash = false;  // the previous run ended unexpectedly: robots wait for a start
+};
+
+/// Decides when robots must stand still: no fresh frame, emergency stop, start button, crash of the previous run. No
+/// I/O and no clock: time and inputs are arguments, so the same calls give the same answers.
+///
+/// Robots may move only while halt() is kHaltNone.
+class StopRules {
+ public:
+  /// An emergency ends only after the line has been at rest for this long. A switch's contacts bounce for some
+  /// milliseconds, and nobody releases a switch and pulls it again within a tenth of a second.
+  static constexpr Duration kEmergencyReleaseTime = std::chrono::milliseconds(100);
+
+  explicit StopRules(const StopRuleSettings& settings) : settings_(settings), started_(!settings.has_start_button) {}
+
+  void set_limits(Duration stop_after, bool resume_after_emergency);
+
+  /// Applies the input lines as read at `now`. nullopt: they cannot be read, which counts as a pulled emergency stop if
+  /// there is one.
+  void apply_inputs(const std::optional<hal::GpioInputs>& inputs, Instant now);
+  /// Before a frame is processed: commands that are computed from an old frame must not drive robots.
+  void check_frame(Instant capture_time, Instant now) { set_stale(is_stale(capture_time, now)); }
+  /// A frame that was processed is good. A capture time later than `now` counts as `now`: a wrong stamp must not keep
+  /// robots moving.
+  void accept_frame(Instant capture_time, Instant now);
+  /// Checks the age of the last good frame.
+  void check_last_frame(Instant now) { set_stale(!last_good_ || is_stale(*last_good_, now)); }
+
+  /// Bits of Halt.
+  [[nodiscard]] std::uint8_t halt() const { return halt_; }
+  [[nodiscard]] bool may_move() const { return halt_ == kHaltNone; }
+  /// Whether everything else is ready for the start button.
+  [[nodiscard]] bool only_waits_for_start() const { return !started_ && (halt_ & ~(kHaltStart | kHaltCrash)) == 0; }
+  /// Whether the start button was pressed, or there is none.
+  [[nodiscard]] bool is_started() const { return started_; }
+
+ private:
+  [[nodiscard]] bool is_stale(Instant capture_time, Instant now) const {
+    return now - capture_time > settings_.stop_after;
+  }
+  void set_stale(bool stale);
+  void update_emergency(const hal::GpioInputs& inputs, Instant now);
+
+  StopRuleSettings settings_;
+  std::uint8_t halt_ = kHaltNoFrames;
+  std::optional<Instant> last_good_;  // capture time; none: there has been no good frame
+  bool emergency_ = false;
+  Instant emergency_seen_{};
+  bool started_;
+  bool restarted_ = false;  // the start button was pressed since the last emergency
+};
+
+}  // namespace touchline

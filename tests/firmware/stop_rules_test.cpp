@@ -1,0 +1,139 @@
+#include "firmware/stop_rules.h"
+
+#include <gtest/gtest.h>
+
+namespace touchline {
+namespace {
+
+using namespace std::chrono_literals;
+
+Instant at(double s) { return Instant(from_seconds(1000.0 + s)); }
+
+constexpr hal::GpioInputs kAtRest{};
+constexpr hal::GpioInputs kPulled{true, false, Duration::max()};
+constexpr hal::GpioInputs kPressed{false, true, Duration::max()};
+
+StopRuleSettings settings() {
+  StopRuleSettings settings;
+  settings.stop_after = 200ms;
+  return settings;
+}
+
+/// Rules with a good frame captured at 0 s, inputs at rest.
+StopRules playing(const StopRuleSettings& settings = touchline::settings()) {
+  StopRules rules(settings);
+  rules.apply_inputs(kAtRest, at(0.0));
+  rules.accept_frame(at(0.0), at(0.0));
+  rules.check_last_frame(at(0.0));
+  return rules;
+}
+
+TEST(StopRules, RobotsStandUntilTheFirstGoodFrame) {
+  StopRules rules(settings());
+  EXPECT_EQ(rules.halt(), kHaltNoFrames);
+  rules.apply_inputs(kAtRest, at(0.0));
+  rules.check_last_frame(at(0.0));
+  EXPECT_EQ(rules.halt(), kHaltNoFrames);
+  rules.accept_frame(at(0.0), at(0.01));
+  rules.check_last_frame(at(0.01));
+  EXPECT_TRUE(rules.may_move());
+}
+
+TEST(StopRules, AnOldFrameStopsRobots) {
+  StopRules rules = playing();
+  rules.check_last_frame(at(0.2));
+  EXPECT_TRUE(rules.may_move()) << "exactly as old as allowed";
+  rules.check_last_frame(at(0.2001));
+  EXPECT_EQ(rules.halt(), kHaltNoFrames);
+  rules.set_limits(300ms, true);
+  rules.check_last_frame(at(0.3));
+  EXPECT_TRUE(rules.may_move());
+  rules.check_frame(at(0.0), at(0.31));
+  EXPECT_EQ(rules.halt(), kHaltNoFrames) << "a frame that was too long on its way";
+}
+
+TEST(StopRules, AnOlderFrameDoesNotReplaceANewerOne) {
+  StopRules rules = playing();
+  rules.accept_frame(at(-0.5), at(0.1));
+  rules.check_last_frame(at(0.15));
+  EXPECT_TRUE(rules.may_move());
+}
+
+TEST(StopRules, AStampInTheFutureCountsAsNow) {
+  StopRules rules = playing();
+  rules.accept_frame(at(3600.0), at(0.1));
+  rules.check_last_frame(at(0.3));
+  EXPECT_TRUE(rules.may_move());
+  rules.check_last_frame(at(0.31));
+  EXPECT_EQ(rules.halt(), kHaltNoFrames);
+}
+
+TEST(StopRules, AnEmergencyEndsATenthOfASecondAfterItsRelease) {
+  StopRules rules = playing();
+  rules.apply_inputs(kPulled, at(0.0));
+  EXPECT_EQ(rules.halt(), kHaltEmergency);
+  rules.apply_inputs(kAtRest, at(0.099));
+  EXPECT_EQ(rules.halt(), kHaltEmergency);
+  rules.apply_inputs(kAtRest, at(0.1));
+  EXPECT_TRUE(rules.may_move());
+}
+
+TEST(StopRules, AnEmergencyMayNeedAStart) {
+  StopRuleSettings latched = settings();
+  latched.resume_after_emergency = false;
+  StopRules rules = playing(latched);
+  rules.apply_inputs(kPulled, at(0.0));
+  rules.apply_inputs(hal::GpioInputs{true, true, Duration::max()}, at(0.01));
+  rules.apply_inputs(kAtRest, at(10.0));
+  EXPECT_EQ(rules.halt() & kHaltEmergency, kHaltEmergency) << "a press while it is pulled is none";
+  rules.apply_inputs(kPressed, at(11.0));
+  EXPECT_EQ(rules.halt() & kHaltEmergency, 0);
+}
+
+TEST(StopRules, AnEmergencyStopThatCannotBeReadCountsAsPulled) {
+  StopRules rules = playing();
+  rules.apply_inputs(std::nullopt, at(0.0));
+  EXPECT_EQ(rules.halt(), kHaltUnreadableLine);
+  rules.apply_inputs(kAtRest, at(0.05));
+  EXPECT_EQ(rules.halt(), kHaltEmergency) << "readable again, but not at rest for long enough";
+  StopRuleSettings without = settings();
+  without.has_emergency_stop = false;
+  StopRules other = playing(without);
+  other.apply_inputs(std::nullopt, at(0.0));
+  EXPECT_TRUE(other.may_move());
+}
+
+TEST(StopRules, TheStartButtonIsWaitedFor) {
+  StopRuleSettings button = settings();
+  button.has_start_button = true;
+  StopRules rules = playing(button);
+  EXPECT_EQ(rules.halt(), kHaltStart);
+  EXPECT_TRUE(rules.only_waits_for_start());
+  EXPECT_FALSE(rules.is_started());
+  rules.check_last_frame(at(1.0));
+  EXPECT_FALSE(rules.only_waits_for_start());
+  rules.apply_inputs(kPressed, at(1.0));
+  EXPECT_EQ(rules.halt(), kHaltNoFrames) << "each reason stops robots by itself";
+  EXPECT_TRUE(rules.is_started());
+}
+
+TEST(StopRules, AfterACrashRobotsWaitForAStart) {
+  StopRuleSettings crashed = settings();
+  crashed.hold_after_crash = true;
+  StopRules rules = playing(crashed);
+  EXPECT_EQ(rules.halt(), kHaltCrash);
+  rules.accept_frame(at(100.0), at(100.0));
+  rules.check_last_frame(at(100.0));
+  rules.apply_inputs(kPulled, at(100.0));
+  rules.apply_inputs(kAtRest, at(101.0));
+  EXPECT_EQ(rules.halt() & ~kHaltNoFrames, kHaltCrash) << "neither frames nor a release end it";
+  crashed.has_start_button = true;
+  StopRules with_button = playing(crashed);
+  EXPECT_EQ(with_button.halt(), kHaltStart | kHaltCrash);
+  EXPECT_TRUE(with_button.only_waits_for_start());
+  with_button.apply_inputs(kPressed, at(0.1));
+  EXPECT_TRUE(with_button.may_move());
+}
+
+}  // namespace
+}  // namespace touchline

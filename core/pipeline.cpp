@@ -32,8 +32,8 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   if (Status s = camera_.configure(parameters.camera); !s.ok()) return s;
   if (Status s = matcher_.configure(parameters.marker, camera_); !s.ok()) return s;
   const KernelChoice kernel = parameters.scan.kernel;
-  patch_centers_.configure({parameters.marker.teams[0].layout, parameters.marker.teams[1].layout}, camera_, kernel);
-  ball_center_.configure(parameters.marker.ball, camera_, kernel);
+  patch_center_fit_.configure({parameters.marker.teams[0].layout, parameters.marker.teams[1].layout}, camera_, kernel);
+  ball_center_fit_.configure(parameters.marker.ball, camera_, kernel);
   if (Status s = tracker_.configure(parameters.track); !s.ok()) return s;
   if (Status s = adaptation_.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color); !s.ok())
     return s;
@@ -56,8 +56,8 @@ const StepTrace& Pipeline::step(const Frame& frame) {
     const StageTimer t = timer(Stage::kMarker);
     matcher_.match(trace_.runs, trace_.regions, trace_.sightings);
     // A frame that was refused has no regions, and nothing was sighted in it.
-    patch_centers_.refine(frame, trace_.sightings);
-    ball_center_.refine(frame, trace_.sightings);
+    patch_center_fit_.refine(frame, trace_.sightings);
+    ball_center_fit_.refine(frame, trace_.sightings);
   }
   trace_.overload = trace_.runs_dropped + trace_.regions_dropped > 0 || trace_.sightings.cut_short;
   const Instant acts_at = frame.capture_time + action_delay_;

@@ -3,12 +3,12 @@
 #include "core/adaptation.h"
 #include "core/control/controller.h"
 #include "core/geometry/camera_model.h"
-#include "core/marker/ball_center.h"
 #include "core/marker/matcher.h"
-#include "core/marker/patch_center.h"
 #include "core/radio/packet.h"
 #include "core/radio/telemetry.h"
 #include "core/region/region_scanner.h"
+#include "core/subpixel/ball_center_fit.h"
+#include "core/subpixel/patch_center_fit.h"
 #include "core/track/tracker.h"
 #include "core/types.h"
 
@@ -81,8 +81,8 @@ class Pipeline {
   RegionScanner scanner_;
   CameraModel camera_;
   Matcher matcher_;
-  PatchCenters patch_centers_;
-  BallCenter ball_center_;
+  PatchCenterFit patch_center_fit_;
+  BallCenterFit ball_center_fit_;
   Tracker tracker_;
   Controller controller_;
   Adaptation adaptation_;

@@ -13,7 +13,7 @@ std::size_t PacketStream::Format::length(std::span<const std::byte> bytes) {
 }
 
 bool PacketStream::next(Commands& commands, std::uint8_t& sequence) {
-  return finder_.next([&](std::span<const std::byte> bytes) { return decode(bytes, commands, sequence).ok(); });
+  return sync_.next([&](std::span<const std::byte> bytes) { return decode(bytes, commands, sequence).ok(); });
 }
 
 bool SequenceFilter::obey(std::uint8_t sequence, bool stop) {

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <span>
 
-#include "core/radio/frame_finder.h"
 #include "core/radio/packet.h"
+#include "core/radio/packet_sync.h"
 
 namespace touchline {
 
@@ -17,21 +17,21 @@ namespace touchline {
 class PacketStream {
  public:
   /// When the caller never asks next(), the oldest byte goes (counted as skipped).
-  void push(std::byte byte) { finder_.push(byte); }
+  void push(std::byte byte) { sync_.push(byte); }
   /// The oldest whole packet among the bytes pushed; false: more bytes are needed.
   bool next(Commands& commands, std::uint8_t& sequence);
   /// For a pause on the line longer than a packet: what has come so far is no packet's beginning.
-  void reset() { finder_.reset(); }
+  void reset() { sync_.reset(); }
 
   /// Bytes that belonged to no good packet.
-  [[nodiscard]] std::uint64_t skipped_bytes() const { return finder_.skipped_bytes(); }
+  [[nodiscard]] std::uint64_t skipped_bytes() const { return sync_.skipped_bytes(); }
 
  private:
   struct Format {
     static constexpr std::size_t kMaxBytes = packet_bytes(kMaxRobotsPerTeam);
     static std::size_t length(std::span<const std::byte> bytes);
   };
-  FrameFinder<Format> finder_;
+  PacketSync<Format> sync_;
 };
 
 /// Which packets a robot obeys: stop packets always, others when they are newer than the last one by 1 to 127 steps

@@ -59,7 +59,7 @@ std::size_t TelemetryStream::Format::length(std::span<const std::byte> bytes) {
 }
 
 bool TelemetryStream::next(RobotTelemetry& telemetry) {
-  return finder_.next([&](std::span<const std::byte> bytes) { return decode_telemetry(bytes, telemetry).ok(); });
+  return sync_.next([&](std::span<const std::byte> bytes) { return decode_telemetry(bytes, telemetry).ok(); });
 }
 
 void RobotMonitor::configure(float low_battery_v) {

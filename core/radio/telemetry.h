@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/radio/frame_finder.h"
+#include "core/radio/packet_sync.h"
 #include "core/types.h"
 
 // What robots send back, byte by byte (docs/radio.md):
@@ -29,18 +29,18 @@ Status decode_telemetry(std::span<const std::byte> bytes, RobotTelemetry& teleme
 /// Bytes in, robots' words out, whatever else is on the line.
 class TelemetryStream {
  public:
-  void push(std::byte byte) { finder_.push(byte); }
+  void push(std::byte byte) { sync_.push(byte); }
   /// The oldest whole packet among the bytes pushed; false: more bytes are needed.
   bool next(RobotTelemetry& telemetry);
-  void reset() { finder_.reset(); }
-  [[nodiscard]] std::uint64_t skipped_bytes() const { return finder_.skipped_bytes(); }
+  void reset() { sync_.reset(); }
+  [[nodiscard]] std::uint64_t skipped_bytes() const { return sync_.skipped_bytes(); }
 
  private:
   struct Format {
     static constexpr std::size_t kMaxBytes = kTelemetryBytes;
     static std::size_t length(std::span<const std::byte> bytes);
   };
-  FrameFinder<Format> finder_;
+  PacketSync<Format> sync_;
 };
 
 /// Keeps the last word of each robot, and judges their batteries.

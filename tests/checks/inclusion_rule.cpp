@@ -27,7 +27,7 @@ const std::vector<FolderRule>& folder_rules() {
 }
 
 // The way of a frame. A stage may include those to its left, and light and geometry, which are no stages.
-constexpr std::array<std::string_view, 6> kStages{"color", "region", "marker", "track", "control", "radio"};
+constexpr std::array<std::string_view, 7> kStages{"color", "region", "marker", "subpixel", "track", "control", "radio"};
 constexpr std::array<std::string_view, 2> kBelowStages{"light", "geometry"};
 
 // What the core may use of the standard library: no heap, no system, no clock (<chrono> for its durations alone).

@@ -1,4 +1,4 @@
-#include "core/marker/ball_center.h"
+#include "core/subpixel/ball_center_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -66,7 +66,7 @@ class BallCenterTest : public ::testing::Test {
 
   BallParameters ball_;
   CameraModel camera_;
-  BallCenter centers_;
+  BallCenterFit centers_;
   Sightings sightings_;
   Dice dice_{13};
 };
@@ -98,8 +98,8 @@ TEST_F(BallCenterTest, HalfHiddenItComesNearer) {
 // Other processors have one kernel.
 #if defined(__x86_64__)
 TEST_F(BallCenterTest, IsTheSameWithEveryKernel) {
-  if (&center_kernel(KernelChoice::kFastest) == &portable_center_kernel()) GTEST_SKIP() << "one kernel";
-  BallCenter portable;
+  if (&fit_kernel(KernelChoice::kFastest) == &portable_fit_kernel()) GTEST_SKIP() << "one kernel";
+  BallCenterFit portable;
   portable.configure(ball_, camera_, KernelChoice::kPortable);
   for (const PixelFormat format : kAllFormats) {
     const FieldPoint at{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)};

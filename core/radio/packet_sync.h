@@ -20,7 +20,7 @@ constexpr std::size_t kNoPacket = 0, kMoreBytes = ~std::size_t{0};
 /// After any fault the first whole packet that follows is found, as soon as the bytes that a damaged header promised
 /// have come: the search goes on behind a failed start, not behind the failed packet.
 template <class Format>
-class FrameFinder {
+class PacketSync {
  public:
   /// When the caller never asks next(), the oldest byte goes (counted as skipped).
   void push(std::byte byte) {

@@ -1,40 +1,31 @@
-#pragma once
-
-#include <algorithm>
-#include <array>
-#include <cstddef>
-#include <cstdint>
-
-#include "core/color/pixel.h"
-#include "core/marker/lanes.h"
-#include "core/types.h"
+// Part of simd/kernel_functions.h, which includes it once for each instruction set: no include guard, no #include.
 
 namespace touchline {
-inline namespace TOUCHLINE_LANES {
+namespace TOUCHLINE_SIMD {
 
 /// Red, green and blue in proportion to the light that fell on eight pixels; 1 is what a camera shows as 255.
-using LightLanes = std::array<Lanes, 3>;
+using LinearRgb8 = std::array<Float8, 3>;
 
 /// Light of a channel's values, 0 to 255: value / 255 to the power of 2.2 but for 3e-4, by sums and products alone.
-inline Lanes linear_light(LaneIntegers value) {
-  const Lanes t = to_floats(value) * all_lanes(1.0f / 255.0f);
-  return t * (all_lanes(-0.0156862f) +
-              t * (all_lanes(0.7355875f) + t * (all_lanes(0.3826977f) + t * all_lanes(-0.1025990f))));
+inline Float8 linear_light(Integer8 value) {
+  const Float8 t = to_floats(value) * broadcast(1.0f / 255.0f);
+  return t * (broadcast(-0.0156862f) +
+              t * (broadcast(0.7355875f) + t * (broadcast(0.3826977f) + t * broadcast(-0.1025990f))));
 }
 
 /// A frame's pixels as light. A pixel that two surfaces share shows the mean of their light; what the camera delivers
 /// is that mean bent by its gamma (2.2 here, within a tenth of ITU-R BT.709, BT.601 and sRGB), in which half a bright
 /// patch on a dark robot looks like three quarters of one. YUV is BT.601 of limited range, as cameras deliver it.
-class LinearPicture {
+class LinearRgbImage {
  public:
   /// The frame has been accepted by the scan, is more than one pixel, and lives at least as long as this.
-  explicit LinearPicture(const Frame& frame) : frame_(frame) {}
+  explicit LinearRgbImage(const Frame& frame) : frame_(frame) {}
 
   /// Of pixels of the picture.
-  [[nodiscard, gnu::always_inline]] LightLanes at(LaneIntegers u, LaneIntegers v) const {
-    std::array<LaneIntegers, 3> value;
+  [[nodiscard, gnu::always_inline]] LinearRgb8 at(Integer8 u, Integer8 v) const {
+    std::array<Integer8, 3> value;
     if (color_space(frame_.format) == ColorSpace::kRgb) {
-      value = bytes_at(v * all_integers(stride()) + u + u + u);
+      value = bytes_at(v * broadcast_integer(stride()) + u + u + u);
       if (frame_.format == PixelFormat::kBgr24) value = {value[2], value[1], value[0]};
     } else {
       value = from_yuv(u, v);
@@ -44,13 +35,13 @@ class LinearPicture {
 
   /// Of the pixels nearest to eight points; `inside`: those that are on the picture. The light of others is any
   /// pixel's.
-  [[nodiscard, gnu::always_inline]] LightLanes nearest(Lanes u_px, Lanes v_px, LaneIntegers& inside) const {
+  [[nodiscard, gnu::always_inline]] LinearRgb8 nearest(Float8 u_px, Float8 v_px, Integer8& inside) const {
     // From the picture's corner. Held inside as floats, because what lies far out does not fit an int.
-    const Lanes right = u_px + all_lanes(0.5f), down = v_px + all_lanes(0.5f), zero = all_lanes(0.0f);
-    const Lanes width = all_lanes(frame_.width_px), height = all_lanes(frame_.height_px);
+    const Float8 right = u_px + broadcast(0.5f), down = v_px + broadcast(0.5f), zero = broadcast(0.0f);
+    const Float8 width = broadcast(frame_.width_px), height = broadcast(frame_.height_px);
     inside = (right > zero) & (down > zero) & (right < width) & (down < height);
-    const auto number = [zero](Lanes place, Lanes size) {
-      return to_integers(smaller(larger(place, zero), size - all_lanes(1.0f)));
+    const auto number = [zero](Float8 place, Float8 size) {
+      return to_integers(min(max(place, zero), size - broadcast(1.0f)));
     };
     return at(number(right, width), number(down, height));
   }
@@ -59,21 +50,21 @@ class LinearPicture {
   [[nodiscard]] std::int32_t stride() const { return static_cast<std::int32_t>(frame_.stride_bytes[0]); }
 
   // Three bytes each of the first plane.
-  [[nodiscard, gnu::always_inline]] std::array<LaneIntegers, 3> bytes_at(LaneIntegers offset) const {
-#if defined(TOUCHLINE_LANES_OF_AVX2)
+  [[nodiscard, gnu::always_inline]] std::array<Integer8, 3> bytes_at(Integer8 offset) const {
+#if defined(TOUCHLINE_SIMD_AVX2)
     // Four bytes at a time, of which the picture's end may have only three more.
     const int last = stride() * (frame_.height_px - 1) + 3 * frame_.width_px - 4;
-    const LaneIntegers end = all_integers(last), early = offset < end;
-    const LaneIntegers from = (early & offset) | (~early & end);
+    const Integer8 end = broadcast_integer(last), early = offset < end;
+    const Integer8 from = (early & offset) | (~early & end);
     const auto* const bytes = reinterpret_cast<const int*>(frame_.plane[0]);
     const auto four =
-        __builtin_bit_cast(LaneIntegers, _mm256_i32gather_epi32(bytes, __builtin_bit_cast(__m256i, from), 1)) >>
+        __builtin_bit_cast(Integer8, _mm256_i32gather_epi32(bytes, __builtin_bit_cast(__m256i, from), 1)) >>
         ((offset - from) << 3);
-    return {four & all_integers(255), (four >> 8) & all_integers(255), (four >> 16) & all_integers(255)};
+    return {four & broadcast_integer(255), (four >> 8) & broadcast_integer(255), (four >> 16) & broadcast_integer(255)};
 #else
-    StoredIntegers at;
+    StoredInteger8 at;
     store(offset, at);
-    std::array<StoredIntegers, 3> value;
+    std::array<StoredInteger8, 3> value;
     for (std::size_t i = 0; i < kLanes; ++i) {
       const std::uint8_t* pixel = frame_.plane[0] + at.value[i];
       TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) value[c].value[i] = pixel[c];
@@ -82,11 +73,11 @@ class LinearPicture {
 #endif
   }
 
-  [[nodiscard]] std::array<LaneIntegers, 3> from_yuv(LaneIntegers u, LaneIntegers v) const {
-    StoredIntegers column, row;
+  [[nodiscard]] std::array<Integer8, 3> from_yuv(Integer8 u, Integer8 v) const {
+    StoredInteger8 column, row;
     store(u, column);
     store(v, row);
-    std::array<StoredIntegers, 3> out;
+    std::array<StoredInteger8, 3> out;
     for (std::size_t i = 0; i < kLanes; ++i) {
       const std::array<std::uint8_t, 3> yuv =
           pixel_at(frame_, static_cast<std::size_t>(column.value[i]), static_cast<std::size_t>(row.value[i]));
@@ -101,5 +92,5 @@ class LinearPicture {
   Frame frame_;
 };
 
-}  // namespace TOUCHLINE_LANES
+}  // namespace TOUCHLINE_SIMD
 }  // namespace touchline

@@ -8,11 +8,11 @@ namespace touchline {
 /// A patch's outline as the picture shows it: its edges are not steps but ramps, because a pixel has an area, a lens
 /// blurs, and two of three colors of a Bayer pixel are borrowed from its neighbors. A ramp of the right middle and any
 /// width gives the right center, since what it gets wrong on one side it gets wrong on the other as well.
-/// (core/marker/cover_lanes.h says what of a pixel it covers.)
-class OutlineCover {
+/// (core/subpixel/simd/outline_coverage.h says what of a pixel it covers.)
+class BlurredOutline {
  public:
-  OutlineCover() = default;
-  explicit OutlineCover(const PatchPlace& place);
+  BlurredOutline() = default;
+  explicit BlurredOutline(const PatchPlace& place);
 
   [[nodiscard]] PatchOutline outline() const { return outline_; }
   [[nodiscard]] float half_length_m() const { return half_length_m_; }

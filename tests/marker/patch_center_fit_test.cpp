@@ -1,17 +1,22 @@
-#include "core/marker/patch_center.h"
+#include "core/subpixel/patch_center_fit.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "core/marker/cover_lanes.h"
-#include "core/marker/linear_picture.h"
 #include "core/marker/rigid_fit.h"
+#include "core/subpixel/simd/prerequisites.h"
 #include "tests/marker/photograph.h"
 #include "tests/marker/real_layouts.h"
 
+#define TOUCHLINE_SIMD portable
+#include "core/subpixel/simd/kernel_functions.h"
+#undef TOUCHLINE_SIMD
+
 namespace touchline::testing {
 namespace {
+
+using namespace portable;
 
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kDegree = kPi / 180.0f;
@@ -111,7 +116,7 @@ class PatchCenter : public ::testing::Test {
 
   CameraModel camera_ = tilted();
   MarkerLayout layout_;
-  PatchCenters centers_;
+  PatchCenterFit centers_;
   Sightings sightings_;
   Dice dice_{77};
 };
@@ -240,8 +245,8 @@ TEST_F(PatchCenter, AtThePicturesBorderOrBeyond) {
 
 TEST(LinearLight, IsAPowerOfTwoPointTwo) {
   for (const int value : {0, 1, 16, 60, 128, 200, 254, 255}) {
-    const Lanes light = linear_light(all_integers(value));
-    EXPECT_NEAR(static_cast<double>(sum_of(light)) / kLanes, std::pow(value / 255.0, 2.2), 3e-4);
+    const Float8 light = linear_light(broadcast_integer(value));
+    EXPECT_NEAR(static_cast<double>(horizontal_sum(light)) / kLanes, std::pow(value / 255.0, 2.2), 3e-4);
   }
 }
 
@@ -249,8 +254,8 @@ TEST(LinearLight, IsAPowerOfTwoPointTwo) {
 #if defined(__x86_64__)
 // The same bits, whatever the kernel: poses, centers, residuals, in every format and of every outline.
 TEST_F(PatchCenter, IsTheSameWithEveryKernel) {
-  if (&center_kernel(KernelChoice::kFastest) == &portable_center_kernel()) GTEST_SKIP() << "one kernel";
-  PatchCenters portable;
+  if (&fit_kernel(KernelChoice::kFastest) == &portable_fit_kernel()) GTEST_SKIP() << "one kernel";
+  PatchCenterFit portable;
   int refined = 0;
   for (const MarkerLayout& layout : {paper_layout(), bar_layout(), triangles_layout(), disks_layout()}) {
     use(layout);
@@ -276,33 +281,33 @@ TEST_F(PatchCenter, IsTheSameWithEveryKernel) {
 #endif
 
 // Slopes against differences, the lanes at as many places.
-TEST(OutlineCover, SlopesAreItsDerivatives) {
+TEST(BlurredOutline, SlopesAreItsDerivatives) {
   constexpr float kRamp = 0.008f, kStep = 2e-5f;
   Dice dice(5);
   for (const PatchOutline outline :
        {PatchOutline::kSquare, PatchOutline::kBar, PatchOutline::kTriangle, PatchOutline::kCircle}) {
     const PatchPlace place{PatchRole::kTeam, outline, 0, 0, 0.05f, 0.03f, 0.6f};
-    const OutlineCover cover(place);
+    const BlurredOutline cover(place);
     int edges = 0, kinks = 0;
     double area = 0;
     for (int n = 0; n < 1000; ++n) {
-      StoredLanes x, y;
+      StoredFloat8 x, y;
       for (std::size_t i = 0; i < kLanes; ++i) {
         x.value[i] = dice.real(-0.05f, 0.05f);
         y.value[i] = dice.real(-0.05f, 0.05f);
       }
-      const auto stored = [](Lanes lanes) {
-        StoredLanes out;
+      const auto stored = [](Float8 lanes) {
+        StoredFloat8 out;
         store(lanes, out);
         return out.value;
       };
       const auto value = [&](float dx, float dy) {
-        return cover_at(cover, load(x) + all_lanes(dx), load(y) + all_lanes(dy), kRamp).value;
+        return coverage_at(cover, load(x) + broadcast(dx), load(y) + broadcast(dy), kRamp).value;
       };
-      const Cover here = cover_at(cover, load(x), load(y), kRamp);
+      const Coverage here = coverage_at(cover, load(x), load(y), kRamp);
       const auto covered = stored(here.value), slope_x = stored(here.by_x_m), slope_y = stored(here.by_y_m);
-      const auto by_x = stored((value(-kStep, 0) - value(kStep, 0)) / all_lanes(2 * kStep));
-      const auto by_y = stored((value(0, -kStep) - value(0, kStep)) / all_lanes(2 * kStep));
+      const auto by_x = stored((value(-kStep, 0) - value(kStep, 0)) / broadcast(2 * kStep));
+      const auto by_y = stored((value(0, -kStep) - value(0, kStep)) / broadcast(2 * kStep));
       for (std::size_t i = 0; i < kLanes; ++i) {
         area += static_cast<double>(covered[i]) * 0.01 / (kLanes * 1000);
         const FieldPoint box = cover.half_box(kRamp), inner = cover.inner_box(kRamp);

@@ -2,7 +2,7 @@
 
 #include "core/geometry/camera_model.h"
 #include "core/marker/ball_finder.h"
-#include "core/marker/center_kernel.h"
+#include "core/subpixel/fit_kernel.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -20,7 +20,7 @@ namespace touchline {
 ///
 /// A ball keeps the center it has when the picture does not look like that. The work is bounded: of a large one every
 /// second, third ... pixel of a row and every such row is looked at.
-class BallCenter {
+class BallCenterFit {
  public:
   void configure(const BallParameters& ball, const CameraModel& camera, KernelChoice kernel = KernelChoice::kFastest);
 
@@ -28,12 +28,12 @@ class BallCenter {
   void refine(const Frame& frame, Sightings& sightings);
 
  private:
-  class Fit;
+  class Solver;
 
-  const CenterKernel* kernel_ = nullptr;
+  const FitKernel* kernel_ = nullptr;
   BallParameters ball_;
   CameraModel camera_;
-  Disk disk_;
+  BallDisk disk_;
 };
 
 }  // namespace touchline

@@ -1,11 +1,11 @@
-#include "core/marker/outline_cover.h"
+#include "core/subpixel/blurred_outline.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace touchline {
 
-OutlineCover::OutlineCover(const PatchPlace& place)
+BlurredOutline::BlurredOutline(const PatchPlace& place)
     : outline_(place.outline),
       half_length_m_(0.5f * place.length_m),
       half_width_m_(0.5f * place.width_m),
@@ -21,7 +21,7 @@ OutlineCover::OutlineCover(const PatchPlace& place)
   ny_ = 2.0f * half_length_m_ / norm;
 }
 
-FieldPoint OutlineCover::half_box(float ramp_m) const {
+FieldPoint BlurredOutline::half_box(float ramp_m) const {
   switch (outline_) {
     case PatchOutline::kCircle: {
       const float wider = 1.0f + 0.5f * ramp_m / std::min(half_length_m_, half_width_m_);
@@ -36,7 +36,7 @@ FieldPoint OutlineCover::half_box(float ramp_m) const {
   return {half_length_m_ + 0.5f * ramp_m, half_width_m_ + 0.5f * ramp_m};
 }
 
-FieldPoint OutlineCover::inner_box(float ramp_m) const {
+FieldPoint BlurredOutline::inner_box(float ramp_m) const {
   if (outline_ == PatchOutline::kTriangle || width_m_ <= ramp_m) return {};
   if (outline_ == PatchOutline::kCircle) {
     // The square in the circle, both stretched.

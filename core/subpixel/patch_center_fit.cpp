@@ -1,4 +1,4 @@
-#include "core/marker/patch_center.h"
+#include "core/subpixel/patch_center_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,10 +35,10 @@ float dot(const std::array<float, 3>& a, const std::array<float, 3>& b) {
 }  // namespace
 
 // One robot in one picture.
-class PatchCenters::Fit {
+class PatchCenterFit::Solver {
  public:
-  Fit(const CenterKernel& kernel, const Marker& marker, const CameraModel& camera, const Frame& frame, const Pose& pose,
-      std::array<Edge, kMaxPatches>& edges)
+  Solver(const FitKernel& kernel, const Marker& marker, const CameraModel& camera, const Frame& frame, const Pose& pose,
+         std::array<PatchEdge, kMaxPatches>& edges)
       : kernel_(kernel), layout_(marker.layout), covers_(marker.covers), frame_(frame), edges_(edges) {
     const float c = std::cos(pose.theta_rad), s = std::sin(pose.theta_rad);
     const auto seen_at = [&](float x_m, float y_m) {
@@ -62,7 +62,7 @@ class PatchCenters::Fit {
 
   // 0 to 1: how far the fit is to be believed.
   float run() {
-    if (!settle()) return 0.0f;
+    if (!converge()) return 0.0f;
     return std::clamp((kWorstCover - worst_cover_) / (kWorstCover - kGoodCover), 0.0f, 1.0f);
   }
 
@@ -87,17 +87,17 @@ class PatchCenters::Fit {
   };
   using Targets = FixedVector<Target, kMaxPatches>;
 
-  bool settle() {
+  bool converge() {
     if (!(view_.scale_px_per_m > 0.0f) || !std::isfinite(view_.scale_px_per_m)) return false;
-    for (const OutlineCover& cover : covers_) {
+    for (const BlurredOutline& cover : covers_) {
       if (cover.width_m() * view_.scale_px_per_m < kLeastWidthPx) return false;
     }
     if (!find_top()) return false;
-    if (!look_at_all()) return false;
+    if (!sample_all()) return false;
     const float unevenness = unevenness_;  // where the regions' centroids were
     float way_px = 2.0f * kShortWayPx;
     for (int turn = 0; turn < kTurns && way_px > kShortWayPx; ++turn) {
-      if (turn > 0 && way_px > kSameEdgePx && !look_at_all()) return false;
+      if (turn > 0 && way_px > kSameEdgePx && !sample_all()) return false;
       const Targets before = targets_;
       worst_cover_ = unevenness;
       way_px = 0;
@@ -110,10 +110,10 @@ class PatchCenters::Fit {
     return true;
   }
 
-  bool look_at_all() {
+  bool sample_all() {
     for (std::size_t k = 0; k < targets_.size(); ++k) {
       ColorSums inside;
-      if (!kernel_.see_patch(frame_, view_, {k, center(k), targets_[k].at}, inside, edges_[k])) return false;
+      if (!kernel_.sample_patch(frame_, view_, {k, center(k), targets_[k].at}, inside, edges_[k])) return false;
       if (!find_color(inside, targets_[k])) return false;
     }
     return true;
@@ -127,7 +127,7 @@ class PatchCenters::Fit {
   }
 
   bool find_top() {
-    const ColorSums top = kernel_.see_top(frame_, view_);
+    const ColorSums top = kernel_.sample_top(frame_, view_);
     if (top.count < kLeastTop) return false;
     for (std::size_t c = 0; c < 3; ++c) view_.top[c] = top.light[c] / static_cast<float>(top.count);
     return true;
@@ -145,11 +145,11 @@ class PatchCenters::Fit {
     return true;
   }
 
-  void add_neighbors(std::size_t k, const Targets& targets, EdgeTask& task) const {
+  void add_neighbors(std::size_t k, const Targets& targets, EdgeFitTask& task) const {
     const float c = covers_[k].cos(), s = covers_[k].sin();
     for (std::size_t i = 0; i < targets.size(); ++i) {
       if (i == k) continue;
-      const OutlineCover& cover = covers_[i];
+      const BlurredOutline& cover = covers_[i];
       const float x = layout_.patches[k].x_m - layout_.patches[i].x_m;
       const float y = layout_.patches[k].y_m - layout_.patches[i].y_m;
       task.neighbors.push_back({&cover, cover.cos() * c + cover.sin() * s, cover.cos() * s - cover.sin() * c,
@@ -162,7 +162,7 @@ class PatchCenters::Fit {
   // One step of Gauss-Newton for the center of patch k, the others being where they were.
   bool step(std::size_t k, bool first, const Targets& before) {
     Target& target = targets_[k];
-    EdgeTask task;
+    EdgeFitTask task;
     task.edge = &edges_[k];
     task.cover = &covers_[k];
     task.at = target.at;
@@ -170,7 +170,7 @@ class PatchCenters::Fit {
     task.doubted = 1.0f / (target.power * kForeignLight * kForeignLight);
     task.ramp_m = view_.ramp_m;
     add_neighbors(k, before, task);
-    const EdgeSums sums = kernel_.fit_edge(task);
+    const CenterEquations sums = kernel_.accumulate_edge(task);
     const float determinant = sums.xx * sums.yy - sums.xy * sums.xy;
     // Edges of one direction alone say nothing about the other.
     if (!(determinant > 0.01f * sums.xx * sums.yy)) return false;
@@ -184,34 +184,34 @@ class PatchCenters::Fit {
     return std::hypot(target.at.x_m, target.at.y_m) * view_.scale_px_per_m <= kFarthestPx;
   }
 
-  const CenterKernel& kernel_;
+  const FitKernel& kernel_;
   const MarkerLayout& layout_;
-  const FixedVector<OutlineCover, kMaxPatches>& covers_;
+  const FixedVector<BlurredOutline, kMaxPatches>& covers_;
   const Frame& frame_;
-  std::array<Edge, kMaxPatches>& edges_;
+  std::array<PatchEdge, kMaxPatches>& edges_;
   MarkerView view_;
   float unevenness_ = 0, worst_cover_ = 0;  // the latter: as of the present turn
   Targets targets_;
 };
 
-void PatchCenters::configure(const std::array<MarkerLayout, 2>& layouts, const CameraModel& camera,
-                             KernelChoice kernel) {
-  kernel_ = &center_kernel(kernel);
+void PatchCenterFit::configure(const std::array<MarkerLayout, 2>& layouts, const CameraModel& camera,
+                               KernelChoice kernel) {
+  kernel_ = &fit_kernel(kernel);
   camera_ = camera;
   for (std::size_t team = 0; team < layouts.size(); ++team) {
     markers_[team].layout = layouts[team];
     markers_[team].covers.clear();
-    for (const PatchPlace& place : layouts[team].patches) markers_[team].covers.push_back(OutlineCover(place));
+    for (const PatchPlace& place : layouts[team].patches) markers_[team].covers.push_back(BlurredOutline(place));
   }
 }
 
-void PatchCenters::refine(const Frame& frame, Sightings& sightings) {
+void PatchCenterFit::refine(const Frame& frame, Sightings& sightings) {
   if (frame.width_px < 2) return;
   for (RobotSighting& robot : sightings.robots) {
     const Marker& marker = markers_[static_cast<std::size_t>(robot.team)];
     const std::size_t patches = marker.layout.patches.size();
     if (!robot.has_heading || patches < 2 || robot.patches.size() != patches) continue;
-    Fit fit(*kernel_, marker, camera_, frame, robot.pose, edges_);
+    Solver fit(*kernel_, marker, camera_, frame, robot.pose, edges_);
     const float trust = fit.run();
     if (trust == 0.0f) continue;
     FixedVector<Correspondence, kMaxPatches> points;

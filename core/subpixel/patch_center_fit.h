@@ -3,9 +3,9 @@
 #include <array>
 
 #include "core/geometry/camera_model.h"
-#include "core/marker/center_kernel.h"
 #include "core/marker/marker_layout.h"
-#include "core/marker/outline_cover.h"
+#include "core/subpixel/blurred_outline.h"
+#include "core/subpixel/fit_kernel.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -25,7 +25,7 @@ namespace touchline {
 /// A robot keeps the centers it has when the picture does not look like that: no free top, patches of a few pixels,
 /// pixels that do not fit. The light map is not needed: light is even over one robot. Work a robot is bounded: of large
 /// patches every second, third ... pixel of a row and every such row is looked at.
-class PatchCenters {
+class PatchCenterFit {
  public:
   /// The layouts of both teams, by Team; a team without one has no patches. They are valid.
   void configure(const std::array<MarkerLayout, 2>& layouts, const CameraModel& camera,
@@ -38,14 +38,14 @@ class PatchCenters {
  private:
   struct Marker {
     MarkerLayout layout;
-    FixedVector<OutlineCover, kMaxPatches> covers;
+    FixedVector<BlurredOutline, kMaxPatches> covers;
   };
-  class Fit;
+  class Solver;
 
-  const CenterKernel* kernel_ = nullptr;
+  const FitKernel* kernel_ = nullptr;
   std::array<Marker, 2> markers_;
   CameraModel camera_;
-  std::array<Edge, kMaxPatches> edges_;  // of the robot that is fitted
+  std::array<PatchEdge, kMaxPatches> edges_;  // of the robot that is fitted
 };
 
 }  // namespace touchline

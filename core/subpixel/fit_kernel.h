@@ -2,21 +2,32 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/color/kernel_choice.h"
 #include "core/fixed_vector.h"
 #include "core/marker/marker_layout.h"
-#include "core/marker/outline_cover.h"
-#include "core/marker/stored_lanes.h"
+#include "core/subpixel/blurred_outline.h"
 #include "core/types.h"
 
 // What of the centers' fits (patch_center.h, ball_center.h) touches pixels, eight at a time.
 namespace touchline {
 
+/// Pixels that are computed at once.
+constexpr int kLanes = 8;
+
+/// Eight values in memory.
+struct alignas(32) StoredFloat8 {
+  std::array<float, kLanes> value;
+};
+struct alignas(32) StoredInteger8 {
+  std::array<std::int32_t, kLanes> value;
+};
+
 /// A robot in one picture.
 struct MarkerView {
   const MarkerLayout* layout = nullptr;
-  const FixedVector<OutlineCover, kMaxPatches>* covers = nullptr;
+  const FixedVector<BlurredOutline, kMaxPatches>* covers = nullptr;
   float half_m = 0, ramp_m = 0, scale_px_per_m = 0;
   PixelPoint middle;                                     // of the robot
   float u_by_x = 0, u_by_y = 0, v_by_x = 0, v_by_y = 0;  // pixels by the robot's frame around it
@@ -24,7 +35,7 @@ struct MarkerView {
 };
 
 /// A patch of it.
-struct PatchSpot {
+struct PatchView {
   std::size_t number = 0;  // in the layout
   PixelPoint center;
   FieldPoint at;  // the same, from where the pose says that it is, along its outline's axes
@@ -39,26 +50,26 @@ struct ColorSums {
 
 /// Eight pixels of a row at a patch's edge.
 struct EdgePixels {
-  StoredLanes x, y;                  // m from where the pose says that the patch is, along its outline's axes
-  std::array<StoredLanes, 3> light;  // beyond that of the top, without what surrounds the robot
-  StoredLanes doubt;                 // squared light of the surroundings in it
-  StoredLanes counts;                // 1: on the patch's edge, and on the picture; else 0
+  StoredFloat8 x, y;                  // m from where the pose says that the patch is, along its outline's axes
+  std::array<StoredFloat8, 3> light;  // beyond that of the top, without what surrounds the robot
+  StoredFloat8 doubt;                 // squared light of the surroundings in it
+  StoredFloat8 counts;                // 1: on the patch's edge, and on the picture; else 0
 };
 // The largest square of which all is looked at is 32 x 32 pixels; a row crosses its edge twice, each in two groups.
-using Edge = FixedVector<EdgePixels, 144>;
+using PatchEdge = FixedVector<EdgePixels, 144>;
 
 /// What another patch adds to the pixels of one, in units of that one's own excess of light.
 struct NeighborPatch {
-  const OutlineCover* cover = nullptr;
+  const BlurredOutline* cover = nullptr;
   float cos = 1, sin = 0, x_m = 0, y_m = 0;  // from the one's axes to its own
   FieldPoint half_box;
   float light = 0;
 };
 
 /// An edge and what is to be fitted to it.
-struct EdgeTask {
-  const Edge* edge = nullptr;
-  const OutlineCover* cover = nullptr;
+struct EdgeFitTask {
+  const PatchEdge* edge = nullptr;
+  const BlurredOutline* cover = nullptr;
   FieldPoint at;                 // the outline's center, along its axes
   std::array<float, 3> along{};  // takes light to parts of the patch's own
   float doubted = 0;             // by which squared light of the surroundings takes weight away
@@ -67,7 +78,7 @@ struct EdgeTask {
 };
 
 /// Normal equations of an outline's center: slopes s along x and y, error r, weight w.
-struct EdgeSums {
+struct CenterEquations {
   float xx = 0, xy = 0, yy = 0;    // w s s
   float rx = 0, ry = 0;            // w r s
   float squares = 0, weights = 0;  // w r r, w; of a patch only
@@ -84,58 +95,59 @@ struct BallView {
 };
 
 /// Eight pixels of a row on the ball.
-struct DiskPixels {
-  StoredLanes cover;                                // w; 0: does not count
-  std::array<StoredLanes, kShadeTerms - 1> slopes;  // w n
-  std::array<StoredLanes, kLightChannels> rest;     // seen - (1 - w) O
-  std::array<StoredLanes, kLightChannels> up_to;    // may be as much more as this; below 0: no more than is seen
-  std::array<StoredLanes, kLightChannels> outside;  // O, zero where the ball covers all
-  StoredLanes out_x, out_y;                         // unit vector outwards in the ball's axes, zero but on the edge
+struct BallPixels {
+  StoredFloat8 cover;                                // w; 0: does not count
+  std::array<StoredFloat8, kShadeTerms - 1> slopes;  // w n
+  std::array<StoredFloat8, kLightChannels> rest;     // seen - (1 - w) O
+  std::array<StoredFloat8, kLightChannels> up_to;    // may be as much more as this; below 0: no more than is seen
+  std::array<StoredFloat8, kLightChannels> outside;  // O, zero where the ball covers all
+  StoredFloat8 out_x, out_y;                         // unit vector outwards in the ball's axes, zero but on the edge
   bool on_edge = false;
 };
 // Of 36 x 36 pixels, the largest square of which all are looked at.
-using Disk = FixedVector<DiskPixels, 185>;
+using BallDisk = FixedVector<BallPixels, 185>;
 
 /// Light of the ball: by channel, sums of terms times the channel's four.
-struct BallShades {
+struct BallShading {
   std::array<std::array<float, kShadeTerms>, kLightChannels> of{};
   float allowed = 1e30f;  // squared error at which a pixel counts half
 };
-struct ShadeSums {
+struct ShadingEquations {
   std::array<std::array<float, kShadeTerms>, kShadeTerms> normal{};  // its lower triangle
   std::array<std::array<float, kShadeTerms>, kLightChannels> right{};
 };
-struct OutlineSums {
-  EdgeSums edge;                                                                      // by the center, in radii
+struct BallOutlineEquations {
+  CenterEquations edge;                                                               // by the center, in radii
   std::array<std::array<float, kShadeTerms>, kLightChannels> shared_x{}, shared_y{};  // slopes times terms
   float fitting = 0, covered = 0;  // what is covered, with its weight and without
 };
 
 /// Frames have been accepted by the scan and are more than one pixel.
-struct CenterKernel {
+struct FitKernel {
   /// Light of the robot's top, where no patch is near.
-  ColorSums (*see_top)(const Frame& frame, const MarkerView& robot);
+  ColorSums (*sample_top)(const Frame& frame, const MarkerView& robot);
   /// The patch's pixels: those wholly covered, and the edge. False: too many.
-  bool (*see_patch)(const Frame& frame, const MarkerView& robot, const PatchSpot& patch, ColorSums& inside, Edge& edge);
-  EdgeSums (*fit_edge)(const EdgeTask& task);
+  bool (*sample_patch)(const Frame& frame, const MarkerView& robot, const PatchView& patch, ColorSums& inside,
+                       PatchEdge& edge);
+  CenterEquations (*accumulate_edge)(const EdgeFitTask& task);
   /// False: too many.
-  bool (*see_ball)(const Frame& frame, const BallView& ball, Disk& disk);
-  ShadeSums (*fit_shades)(const Disk& disk, const BallShades& before);
-  OutlineSums (*fit_outline)(const Disk& disk, const BallShades& shades, float radius_px);
+  bool (*sample_ball)(const Frame& frame, const BallView& ball, BallDisk& disk);
+  ShadingEquations (*accumulate_shading)(const BallDisk& disk, const BallShading& before);
+  BallOutlineEquations (*accumulate_outline)(const BallDisk& disk, const BallShading& shades, float radius_px);
 };
 
 /// The fastest that this processor has, or the portable one. They give the same bits.
-const CenterKernel& center_kernel(KernelChoice choice);
+const FitKernel& fit_kernel(KernelChoice choice);
 
-const CenterKernel& portable_center_kernel();
+const FitKernel& portable_fit_kernel();
 /// Null where the processor lacks AVX2.
-const CenterKernel* avx2_center_kernel();
+const FitKernel* avx2_fit_kernel();
 
 // A pixel's own width, and once and a half as much of the lens and of Bayer's pattern together.
 constexpr float kRampPx = 2.5f;
 
 /// Of a square with half this side, `reach_px`, every pixel is looked at where it is at most `all_px`; of larger ones
 /// every second, third ...
-int stride_of(float reach_px, float all_px);
+int sampling_stride(float reach_px, float all_px);
 
 }  // namespace touchline

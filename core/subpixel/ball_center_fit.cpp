@@ -1,4 +1,4 @@
-#include "core/marker/ball_center.h"
+#include "core/subpixel/ball_center_fit.h"
 
 #include <Eigen/Core>
 #include <Eigen/LU>
@@ -30,10 +30,10 @@ using Step = Eigen::Vector2f;
 
 }  // namespace
 
-class BallCenter::Fit {
+class BallCenterFit::Solver {
  public:
-  Fit(const CenterKernel& kernel, const CameraModel& camera, float radius_m, const Frame& frame,
-      const BallSighting& ball, Disk& disk)
+  Solver(const FitKernel& kernel, const CameraModel& camera, float radius_m, const Frame& frame,
+         const BallSighting& ball, BallDisk& disk)
       : kernel_(kernel), frame_(frame), disk_(disk) {
     // Two directions across the line of sight: level, and the one that is left.
     const Ray ray = camera.ray(ball.center);
@@ -66,7 +66,7 @@ class BallCenter::Fit {
     const PixelPoint start = view_.center;
     float step_px = 2.0f * kSettledPx;
     for (int turn = 0; turn < kTurns && step_px > kSettledPx; ++turn) {
-      if (!kernel_.see_ball(frame_, view_, disk_) || !shade() || !step(step_px)) return false;
+      if (!kernel_.sample_ball(frame_, view_, disk_) || !shade() || !step(step_px)) return false;
     }
     const float moved = std::hypot(center().u_px - start.u_px, center().v_px - start.v_px);
     return moved <= kFarthest * view_.radius_px && fitting_ >= kLeastFitting;
@@ -77,7 +77,7 @@ class BallCenter::Fit {
  private:
   // b of every channel, for the present center.
   bool shade() {
-    const ShadeSums found = kernel_.fit_shades(disk_, shades_);
+    const ShadingEquations found = kernel_.accumulate_shading(disk_, shades_);
     Normal sums;
     for (std::size_t i = 0; i < kShadeTerms; ++i) {
       for (std::size_t j = 0; j <= i; ++j) {
@@ -99,7 +99,7 @@ class BallCenter::Fit {
   }
 
   bool step(float& step_px) {
-    const OutlineSums sums = kernel_.fit_outline(disk_, shades_, view_.radius_px);
+    const BallOutlineEquations sums = kernel_.accumulate_outline(disk_, shades_, view_.radius_px);
     if (sums.covered <= 0.0f) return false;
     fitting_ = sums.fitting / sums.covered;
     float xx = sums.edge.xx, xy = sums.edge.xy, yy = sums.edge.yy;
@@ -132,26 +132,26 @@ class BallCenter::Fit {
     return found / (1.0f - std::min(found.norm() / before, kLargestShrinking));
   }
 
-  const CenterKernel& kernel_;
+  const FitKernel& kernel_;
   const Frame& frame_;
-  Disk& disk_;
+  BallDisk& disk_;
   BallView view_;
   float fitting_ = 0;
   Step last_ = Step::Zero();  // in radii; zero after one that went farther
   Normal inverse_normal_;
-  BallShades shades_;  // of the turn before, until shade() has found new ones
+  BallShading shades_;  // of the turn before, until shade() has found new ones
 };
 
-void BallCenter::configure(const BallParameters& ball, const CameraModel& camera, KernelChoice kernel) {
-  kernel_ = &center_kernel(kernel);
+void BallCenterFit::configure(const BallParameters& ball, const CameraModel& camera, KernelChoice kernel) {
+  kernel_ = &fit_kernel(kernel);
   ball_ = ball;
   camera_ = camera;
 }
 
-void BallCenter::refine(const Frame& frame, Sightings& sightings) {
+void BallCenterFit::refine(const Frame& frame, Sightings& sightings) {
   BallSighting& ball = sightings.ball;
   if (!ball.seen || frame.width_px < 2) return;
-  Fit fit(*kernel_, camera_, ball_.radius_m, frame, ball, disk_);
+  Solver fit(*kernel_, camera_, ball_.radius_m, frame, ball, disk_);
   if (!fit.run()) return;
   ball.center = fit.center();
   ball.position = camera_.to_field(ball.center, ball_.radius_m);

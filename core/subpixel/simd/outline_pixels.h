@@ -1,19 +1,11 @@
-#pragma once
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstring>
-
-#include "core/marker/lanes.h"
-#include "core/types.h"
+// Part of simd/kernel_functions.h, which includes it once for each instruction set: no include guard, no #include.
 
 namespace touchline {
-inline namespace TOUCHLINE_LANES {
+namespace TOUCHLINE_SIMD {
 
-/// Columns of eight rows, from an outline's center; none where low is above high.
-struct Columns {
-  Lanes low, high;
+/// ColumnRange of eight rows, from an outline's center; none where low is above high.
+struct ColumnRange {
+  Float8 low, high;
 };
 
 /// Pixels of a picture, row after row without gaps, so that eight at a time leave few lanes empty.
@@ -26,12 +18,12 @@ class PixelList {
     if (first > last) return true;
     const int number = (stride > 1 ? (last - first) / stride : last - first) + 1;  // most are not, and division is slow
     if (count_ + number > kMost) return false;
-    const LaneIntegers steps = counting() * all_integers(stride);
+    const Integer8 steps = iota() * broadcast_integer(stride);
     // Up to seven more than are counted; what comes next overwrites them, and the last eight have room.
     auto at = static_cast<std::size_t>(count_);
     for (int i = 0; i < number; i += kLanes, at += kLanes) {
-      write(all_integers(first + i * stride) + steps, &u_[at]);
-      write(all_integers(v), &v_[at]);
+      write(broadcast_integer(first + i * stride) + steps, &u_[at]);
+      write(broadcast_integer(v), &v_[at]);
     }
     count_ += number;
     return true;
@@ -42,11 +34,11 @@ class PixelList {
   bool for_each_eight(Use use) {
     if (count_ == 0) return true;
     const auto last = static_cast<std::size_t>(count_ - 1);
-    write(all_integers(u_[last]), &u_[last + 1]);
-    write(all_integers(v_[last]), &v_[last + 1]);
+    write(broadcast_integer(u_[last]), &u_[last + 1]);
+    write(broadcast_integer(v_[last]), &v_[last + 1]);
     for (int i = 0; i < count_; i += kLanes) {
       const auto at = static_cast<std::size_t>(i);
-      if (!use(read(&u_[at]), read(&v_[at]), counting() < all_integers(count_ - i))) return false;
+      if (!use(read(&u_[at]), read(&v_[at]), iota() < broadcast_integer(count_ - i))) return false;
     }
     return true;
   }
@@ -56,9 +48,9 @@ class PixelList {
   static constexpr int kMost = 1369;
   using Numbers = std::array<std::int32_t, kMost + 2 * kLanes>;
 
-  static void write(LaneIntegers numbers, std::int32_t* to) { std::memcpy(to, &numbers, sizeof numbers); }
-  static LaneIntegers read(const std::int32_t* from) {
-    LaneIntegers numbers;
+  static void write(Integer8 numbers, std::int32_t* to) { std::memcpy(to, &numbers, sizeof numbers); }
+  static Integer8 read(const std::int32_t* from) {
+    Integer8 numbers;
     std::memcpy(&numbers, from, sizeof numbers);
     return numbers;
   }
@@ -81,17 +73,17 @@ class OutlinePixels {
     };
     const int top = row_number(std::ceil(center.v_px - reach_v));
     const int bottom = row_number(std::floor(center.v_px + reach_v) + 1.0f);
-    const Lanes u = all_lanes(center.u_px), one = all_lanes(1.0f);
-    const LaneIntegers steps = counting() * all_integers(stride);
+    const Float8 u = broadcast(center.u_px), one = broadcast(1.0f);
+    const Integer8 steps = iota() * broadcast_integer(stride);
     for (int first_row = top; first_row < bottom; first_row += kLanes * stride) {
-      const Lanes from_v = to_floats(all_integers(first_row) + steps) - all_lanes(center.v_px);
-      const Columns crossed = crossed_by(from_v), covered = covered_in(from_v);
-      StoredIntegers left, last, inner, outer;
-      store(rounded_up(between(0.0f, u + crossed.low, width)), left);
-      store(rounded_down(between(-1.0f, u + crossed.high, width - 1.0f)), last);
-      store(rounded_up(between(0.0f, u + covered.low, width)), inner);
+      const Float8 from_v = to_floats(broadcast_integer(first_row) + steps) - broadcast(center.v_px);
+      const ColumnRange crossed = crossed_by(from_v), covered = covered_in(from_v);
+      StoredInteger8 left, last, inner, outer;
+      store(ceil_to_integer(clamp(u + crossed.low, 0.0f, width)), left);
+      store(floor_to_integer(clamp(u + crossed.high, -1.0f, width - 1.0f)), last);
+      store(ceil_to_integer(clamp(u + covered.low, 0.0f, width)), inner);
       // Where nothing is covered, no column.
-      store(rounded_down(keep(covered.high >= covered.low, between(0.0f, u + covered.high + one, width))), outer);
+      store(floor_to_integer(select(covered.high >= covered.low, clamp(u + covered.high + one, 0.0f, width))), outer);
       for (std::size_t i = 0; i < kLanes; ++i) {
         const int v = first_row + static_cast<int>(i) * stride;
         if (v >= bottom) break;
@@ -125,5 +117,5 @@ class OutlinePixels {
   PixelList edge_, inside_;
 };
 
-}  // namespace TOUCHLINE_LANES
+}  // namespace TOUCHLINE_SIMD
 }  // namespace touchline

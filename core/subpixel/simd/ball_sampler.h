@@ -1,0 +1,179 @@
+// Part of simd/kernel_functions.h, which includes it once for each instruction set: no include guard, no #include.
+
+namespace touchline {
+namespace TOUCHLINE_SIMD {
+
+// How far beyond its outline what surrounds the ball is looked at: where the ramp has ended.
+constexpr float kBeyondBallPx = 2.25f;
+// Farther from its center every second pixel will do, and so on.
+constexpr float kReachOfAllOfBallPx = 18.0f;
+// Light from which on a channel is cut off, or nearly: the surface is so bright there, or brighter.
+constexpr float kCutOff = 0.98f;
+// The direction of the surface at the outline itself has no slope that a fit could use.
+constexpr float kOutermost = 0.98f;
+
+inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk) {
+  const LinearRgbImage picture(frame);
+  const Float8 zero = broadcast(0.0f), one = broadcast(1.0f);
+  const std::array<float, 4>& inverse = ball.inverse;
+  disk.clear();
+  const float reach = 1.0f + 0.5f * kRampPx / ball.radius_px;
+  const float reach_u = reach * std::hypot(ball.axis[0].u_px, ball.axis[1].u_px);
+  const float reach_v = reach * std::hypot(ball.axis[0].v_px, ball.axis[1].v_px);
+  // Of a row, x and y are sums of a part by column and one by row: their squares' sum is a parabola.
+  const float square = inverse[0] * inverse[0] + inverse[2] * inverse[2];
+  const auto crossed = [&](Float8 from_v, float radius) {
+    const Float8 x = broadcast(inverse[1]) * from_v, y = broadcast(inverse[3]) * from_v, per = broadcast(1.0f / square);
+    const Float8 half = (broadcast(inverse[0]) * x + broadcast(inverse[2]) * y) * per;
+    const Float8 rest = half * half - (x * x + y * y - broadcast(radius * radius)) * per;
+    const Integer8 is_crossed = rest >= zero;
+    const Float8 wide = sqrt(max(rest, zero));
+    return ColumnRange{select(is_crossed, zero - half - wide, one), select(is_crossed, wide - half, zero)};
+  };
+  const int stride = sampling_stride(std::max(reach_u, reach_v), kReachOfAllOfBallPx);
+  OutlinePixels pixels_of_ball;
+  if (!pixels_of_ball.collect(
+          frame, ball.center, reach_v, stride, [&](Float8 from_v) { return crossed(from_v, reach); },
+          [&](Float8 from_v) { return crossed(from_v, std::max(0.0f, 2.0f - reach)); })) {
+    return false;
+  }
+  return pixels_of_ball.for_each_eight([&](Integer8 u, Integer8 v, Integer8 counts) {
+    const Float8 from_u = to_floats(u) - broadcast(ball.center.u_px);
+    const Float8 from_v = to_floats(v) - broadcast(ball.center.v_px);
+    const Float8 x = broadcast(inverse[0]) * from_u + broadcast(inverse[1]) * from_v;
+    const Float8 y = broadcast(inverse[2]) * from_u + broadcast(inverse[3]) * from_v;
+    const Float8 r = sqrt(x * x + y * y), per_r = one / max(r, broadcast(1e-6f));
+    const Float8 cover = min(one, broadcast(0.5f) - (r - one) * broadcast(ball.radius_px / kRampPx));
+    counts = counts & (cover > zero);
+    if (!any(counts)) return true;
+    if (disk.full()) return false;
+    disk.resize(disk.size() + 1);
+    BallPixels& pixels = disk.back();
+    LinearRgb8 rest = picture.at(u, v);
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
+      store(select(rest[c] >= broadcast(kCutOff), broadcast(1e9f), broadcast(-1e9f)), pixels.up_to[c]);
+    }
+    const Integer8 edge = counts & (cover < one);
+    pixels.on_edge = any(edge);
+    if (pixels.on_edge) {
+      const Float8 beyond = per_r * broadcast(1.0f + kBeyondBallPx / ball.radius_px);
+      const Float8 beyond_x = beyond * x, beyond_y = beyond * y;
+      Integer8 inside;
+      const LinearRgb8 light = picture.nearest(broadcast(ball.center.u_px) + broadcast(ball.axis[0].u_px) * beyond_x +
+                                                   broadcast(ball.axis[1].u_px) * beyond_y,
+                                               broadcast(ball.center.v_px) + broadcast(ball.axis[0].v_px) * beyond_x +
+                                                   broadcast(ball.axis[1].v_px) * beyond_y,
+                                               inside);
+      counts = counts & (inside | ~edge);
+      store(select(edge & counts, per_r * x), pixels.out_x);
+      store(select(edge & counts, per_r * y), pixels.out_y);
+      TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
+        const Float8 outside = select(edge, light[c]);
+        store(outside, pixels.outside[c]);
+        rest[c] -= (one - cover) * outside;
+      }
+    }
+    const Float8 counted = select(counts, cover), shrunk = min(one, broadcast(kOutermost) * per_r);
+    const Float8 nx = shrunk * x, ny = shrunk * y;
+    store(counted, pixels.cover);
+    store(counted * nx, pixels.slopes[0]);
+    store(counted * ny, pixels.slopes[1]);
+    store(counted * sqrt(max(one - nx * nx - ny * ny, zero)), pixels.slopes[2]);
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) store(rest[c], pixels.rest[c]);
+    return true;
+  });
+}
+
+/// Eight pixels of the disk against what the shades predict.
+struct ShadedPixels {
+  std::array<Float8, kShadeTerms> terms;  // w and w n
+  LinearRgb8 model, error;                // error: what is seen less the model
+  LinearRgb8 rest;
+  Float8 weight;
+
+  ShadedPixels(const BallPixels& pixels, const BallShading& shades)
+      : terms{load(pixels.cover), load(pixels.slopes[0]), load(pixels.slopes[1]), load(pixels.slopes[2])} {
+    Float8 square = broadcast(0.0f);
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
+      const std::array<float, kShadeTerms>& of = shades.of[c];
+      model[c] = (broadcast(of[0]) * terms[0] + broadcast(of[1]) * terms[1]) +
+                 (broadcast(of[2]) * terms[2] + broadcast(of[3]) * terms[3]);
+      // A channel that is cut off shows that light, or more.
+      rest[c] = max(load(pixels.rest[c]), min(model[c], load(pixels.up_to[c])));
+      error[c] = rest[c] - model[c];
+      square += error[c] * error[c];
+    }
+    weight = broadcast(shades.allowed) / (broadcast(shades.allowed) + square);
+  }
+};
+
+inline ShadingEquations accumulate_shading(const BallDisk& disk, const BallShading& before) {
+  const Float8 zero = broadcast(0.0f);
+  std::array<std::array<Float8, kShadeTerms>, kShadeTerms> normal;
+  std::array<std::array<Float8, kShadeTerms>, kLightChannels> right;
+  for (auto& row : normal) row.fill(zero);
+  for (auto& row : right) row.fill(zero);
+  for (const BallPixels& stored : disk) {
+    const ShadedPixels pixels(stored, before);
+    TOUCHLINE_UNROLL for (std::size_t i = 0; i < kShadeTerms; ++i) {
+      const Float8 term = pixels.weight * pixels.terms[i];
+      TOUCHLINE_UNROLL for (std::size_t j = 0; j <= i; ++j) normal[i][j] += term * pixels.terms[j];
+      TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) right[c][i] += term * pixels.rest[c];
+    }
+  }
+  ShadingEquations sums;
+  TOUCHLINE_UNROLL for (std::size_t i = 0; i < kShadeTerms; ++i) {
+    TOUCHLINE_UNROLL for (std::size_t j = 0; j <= i; ++j) sums.normal[i][j] = horizontal_sum(normal[i][j]);
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) sums.right[c][i] = horizontal_sum(right[c][i]);
+  }
+  return sums;
+}
+
+inline BallOutlineEquations accumulate_outline(const BallDisk& disk, const BallShading& shades, float radius_px) {
+  const Float8 zero = broadcast(0.0f), steepness = broadcast(radius_px / kRampPx);
+  Float8 xx = zero, xy = zero, yy = zero, rx = zero, ry = zero, fitting = zero, covered = zero;
+  std::array<std::array<Float8, kShadeTerms>, kLightChannels> shared_x, shared_y;
+  for (auto& row : shared_x) row.fill(zero);
+  for (auto& row : shared_y) row.fill(zero);
+  for (const BallPixels& stored : disk) {
+    const ShadedPixels pixels(stored, shades);
+    const Float8 cover = pixels.terms[0];
+    fitting += pixels.weight * cover;
+    covered += cover;
+    if (!stored.on_edge) continue;
+    const Float8 whole = broadcast(1.0f) / max(cover, broadcast(1e-6f));
+    const Float8 out_x = load(stored.out_x), out_y = load(stored.out_y);
+    const Float8 weight_x = pixels.weight * out_x, weight_y = pixels.weight * out_y;
+    Float8 power = zero, along = zero;
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
+      const Float8 change = (pixels.model[c] * whole - load(stored.outside[c])) * steepness;
+      power += change * change;
+      along += change * pixels.error[c];
+      const Float8 by_x = weight_x * change, by_y = weight_y * change;
+      TOUCHLINE_UNROLL for (std::size_t i = 0; i < kShadeTerms; ++i) {
+        shared_x[c][i] += by_x * pixels.terms[i];
+        shared_y[c][i] += by_y * pixels.terms[i];
+      }
+    }
+    xx += weight_x * power * out_x;
+    xy += weight_x * power * out_y;
+    yy += weight_y * power * out_y;
+    rx += weight_x * along;
+    ry += weight_y * along;
+  }
+  BallOutlineEquations sums;
+  sums.edge = {
+      horizontal_sum(xx), horizontal_sum(xy), horizontal_sum(yy), horizontal_sum(rx), horizontal_sum(ry), 0.0f, 0.0f};
+  TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
+    TOUCHLINE_UNROLL for (std::size_t i = 0; i < kShadeTerms; ++i) {
+      sums.shared_x[c][i] = horizontal_sum(shared_x[c][i]);
+      sums.shared_y[c][i] = horizontal_sum(shared_y[c][i]);
+    }
+  }
+  sums.fitting = horizontal_sum(fitting);
+  sums.covered = horizontal_sum(covered);
+  return sums;
+}
+
+}  // namespace TOUCHLINE_SIMD
+}  // namespace touchline

@@ -1,0 +1,79 @@
+// Part of simd/kernel_functions.h, which includes it once for each instruction set: no include guard, no #include.
+
+namespace touchline {
+namespace TOUCHLINE_SIMD {
+
+/// How much of eight blurred pixels an outline covers, and how that changes when the outline moves.
+struct Coverage {
+  Float8 value;           // 0 to 1
+  Float8 by_x_m, by_y_m;  // derivative by the outline's center, zero where all or nothing is covered
+};
+
+/// What an edge leaves of pixels that lie beyond it.
+struct EdgeRamp {
+  Float8 value, slope;  // slope: derivative by the way inwards, not negative
+
+  EdgeRamp(Float8 outside_m, float per_m) {
+    const Float8 inside = broadcast(0.5f) - broadcast(per_m) * outside_m;
+    value = clamp_to_unit(inside);
+    slope = select((inside > broadcast(0.0f)) & (inside < broadcast(1.0f)), broadcast(per_m));
+  }
+};
+
+// Outlines in axes of their own, from their centers. `per_m`: 1 / width of a ramp.
+struct Rectangle {
+  float half_length_m, half_width_m;
+
+  [[nodiscard]] Coverage at(Float8 x, Float8 y, float per_m) const {
+    const EdgeRamp along(abs(x) - broadcast(half_length_m), per_m);
+    const EdgeRamp across(abs(y) - broadcast(half_width_m), per_m);
+    return {along.value * across.value, with_sign(along.slope * across.value, sign_bit(x)),
+            with_sign(across.slope * along.value, sign_bit(y))};
+  }
+};
+
+// An ellipse is a circle in stretched axes; its edge's distance is right to first order.
+struct Ellipse {
+  float half_length_m, half_width_m;
+
+  [[nodiscard]] Coverage at(Float8 x, Float8 y, float per_m) const {
+    const Float8 sx = x * broadcast(1.0f / half_length_m), sy = y * broadcast(1.0f / half_width_m);
+    const Float8 r = sqrt(sx * sx + sy * sy), size = broadcast(std::min(half_length_m, half_width_m));
+    const EdgeRamp edge((r - broadcast(1.0f)) * size, per_m);
+    const Float8 slope = edge.slope * size / max(r, broadcast(1e-6f));
+    return {edge.value, slope * sx * broadcast(1.0f / half_length_m), slope * sy * broadcast(1.0f / half_width_m)};
+  }
+};
+
+// Tip forward, the origin in its centroid.
+struct Triangle {
+  float third_m;  // from the centroid to the base; twice that to the tip
+  float nx, ny;   // across the edge on the left
+
+  [[nodiscard]] Coverage at(Float8 x, Float8 y, float per_m) const {
+    const Float8 along = broadcast(nx) * (x - broadcast(2.0f * third_m)), across = broadcast(ny) * y;
+    const EdgeRamp base(broadcast(-third_m) - x, per_m), left(along + across, per_m), right(along - across, per_m);
+    const Float8 left_slope = left.slope * right.value, right_slope = left.value * right.slope;
+    return {base.value * left.value * right.value,
+            broadcast(nx) * base.value * (left_slope + right_slope) - base.slope * left.value * right.value,
+            broadcast(ny) * base.value * (left_slope - right_slope)};
+  }
+};
+
+/// Calls use(shape): shape.at(x, y, per_m) is what the outline covers of pixels (x, y) meters from its center along its
+/// own axes.
+template <class Use>
+auto with_shape(const BlurredOutline& cover, Use use) {
+  const float half_length = cover.half_length_m(), half_width = cover.half_width_m();
+  if (cover.outline() == PatchOutline::kCircle) return use(Ellipse{half_length, half_width});
+  if (cover.outline() == PatchOutline::kTriangle) {
+    return use(Triangle{2.0f / 3.0f * half_length, cover.across_left().x_m, cover.across_left().y_m});
+  }
+  return use(Rectangle{half_length, half_width});
+}
+inline Coverage coverage_at(const BlurredOutline& cover, Float8 x_m, Float8 y_m, float ramp_m) {
+  return with_shape(cover, [&](const auto& shape) { return shape.at(x_m, y_m, 1.0f / ramp_m); });
+}
+
+}  // namespace TOUCHLINE_SIMD
+}  // namespace touchline

@@ -1,0 +1,243 @@
+// Part of simd/kernel_functions.h, which includes it once for each instruction set: no include guard, no #include.
+
+namespace touchline {
+namespace TOUCHLINE_SIMD {
+
+// Points a row and rows on a robot's top.
+constexpr int kTopGrid = 8;
+// How far beyond the robot's edge its surroundings are looked at: clear of the ramp.
+constexpr float kBeyondRobotPx = 2.0f;
+// Farther from a patch's center every second pixel will do, and so on.
+constexpr float kReachOfAllOfPatchPx = 16.0f;
+
+inline Float8 u_of(const MarkerView& robot, Float8 x, Float8 y) {
+  return broadcast(robot.middle.u_px) + broadcast(robot.u_by_x) * x + broadcast(robot.u_by_y) * y;
+}
+inline Float8 v_of(const MarkerView& robot, Float8 x, Float8 y) {
+  return broadcast(robot.middle.v_px) + broadcast(robot.v_by_x) * x + broadcast(robot.v_by_y) * y;
+}
+
+inline ColorSums sample_top(const Frame& frame, const MarkerView& robot) {
+  static_assert(kTopGrid == kLanes);
+  const LinearRgbImage picture(frame);
+  const Float8 zero = broadcast(0.0f);
+  const float inner_m = robot.half_m - 0.6f * robot.ramp_m, apart_m = 2.0f * inner_m / (kTopGrid - 1);
+  const Float8 y = broadcast(-inner_m) + to_floats(iota()) * broadcast(apart_m);
+  LinearRgb8 sum{zero, zero, zero};
+  int count = 0;
+  for (int i = 0; i < kTopGrid; ++i) {
+    const Float8 x = broadcast(apart_m * static_cast<float>(i) - inner_m);
+    // A ramp twice as wide ends where a pixel is clear of the patch's own.
+    Float8 covered = zero;
+    for (std::size_t k = 0; k < robot.covers->size(); ++k) {
+      const BlurredOutline& cover = (*robot.covers)[k];
+      const Float8 c = broadcast(cover.cos()), s = broadcast(cover.sin());
+      const Float8 from_x = x - broadcast(robot.layout->patches[k].x_m);
+      const Float8 from_y = y - broadcast(robot.layout->patches[k].y_m);
+      covered += coverage_at(cover, c * from_x + s * from_y, c * from_y - s * from_x, 2.0f * robot.ramp_m).value;
+    }
+    const Integer8 is_free = covered == zero;
+    if (!any(is_free)) continue;
+    Integer8 inside;
+    const LinearRgb8 light = picture.nearest(u_of(robot, x, y), v_of(robot, x, y), inside);
+    count += count_set(inside & is_free);
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) sum[c] += select(inside & is_free, light[c]);
+  }
+  return {count, {horizontal_sum(sum[0]), horizontal_sum(sum[1]), horizontal_sum(sum[2])}, 0.0f};
+}
+
+// The pixels of one patch.
+class PatchSampler {
+ public:
+  PatchSampler(const Frame& frame, const MarkerView& robot, const PatchView& patch, PatchEdge& edge)
+      : frame_(frame),
+        picture_(frame),
+        robot_(robot),
+        patch_(patch),
+        place_(robot.layout->patches[patch.number]),
+        cover_((*robot.covers)[patch.number]),
+        edge_(edge) {
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) top_[c] = broadcast(robot.top[c]);
+  }
+
+  bool sample(ColorSums& inside) {
+    edge_.clear();
+    if (!with_shape(cover_, [&](const auto& shape) { return sample_shape(shape); })) return false;
+    inside = {
+        count_, {horizontal_sum(sum_[0]), horizontal_sum(sum_[1]), horizontal_sum(sum_[2])}, horizontal_sum(squares_)};
+    return true;
+  }
+
+ private:
+  template <class Shape>
+  bool sample_shape(const Shape& shape) {
+    // Pixels by the outline's axes, and back.
+    const float c = cover_.cos(), s = cover_.sin();
+    const float u_by_x = c * robot_.u_by_x + s * robot_.u_by_y, u_by_y = c * robot_.u_by_y - s * robot_.u_by_x;
+    const float v_by_x = c * robot_.v_by_x + s * robot_.v_by_y, v_by_y = c * robot_.v_by_y - s * robot_.v_by_x;
+    const float determinant = u_by_x * v_by_y - u_by_y * v_by_x;
+    const float x_by_u = v_by_y / determinant, x_by_v = -u_by_y / determinant;
+    const float y_by_u = -v_by_x / determinant, y_by_v = u_by_x / determinant;
+    const FieldPoint box = cover_.half_box(robot_.ramp_m);
+    const float reach_u = std::abs(u_by_x) * box.x_m + std::abs(u_by_y) * box.y_m;
+    const float reach_v = std::abs(v_by_x) * box.x_m + std::abs(v_by_y) * box.y_m;
+    find_reach(box);
+    // Where rows are between two parallel sides of a box, and in the box.
+    const auto between_sides = [](float by_u, Float8 at_center, float half) {
+      if (std::abs(by_u) * kFarPx < half) return ColumnRange{broadcast(-kFarPx), broadcast(kFarPx)};
+      const Float8 per_u = broadcast(1.0f / by_u);
+      const Float8 a = (broadcast(-half) - at_center) * per_u, b = (broadcast(half) - at_center) * per_u;
+      return ColumnRange{min(a, b), max(a, b)};
+    };
+    const auto crossed = [&](Float8 from_v, FieldPoint half) {
+      const ColumnRange x = between_sides(x_by_u, broadcast(x_by_v) * from_v, half.x_m),
+                        y = between_sides(y_by_u, broadcast(y_by_v) * from_v, half.y_m);
+      return ColumnRange{max(x.low, y.low), min(x.high, y.high)};
+    };
+    const FieldPoint inner = cover_.inner_box(robot_.ramp_m);
+    const int stride = sampling_stride(std::max(reach_u, reach_v), kReachOfAllOfPatchPx);
+    OutlinePixels pixels;
+    if (!pixels.collect(
+            frame_, patch_.center, reach_v, stride, [&](Float8 from_v) { return crossed(from_v, box); },
+            [&](Float8 from_v) {
+              return inner.x_m > 0.0f ? crossed(from_v, inner) : ColumnRange{broadcast(1.0f), broadcast(0.0f)};
+            })) {
+      return false;
+    }
+    const float per_m = 1.0f / robot_.ramp_m;
+    return pixels.for_each_eight([&](Integer8 u, Integer8 v, Integer8 counts) {
+      const Float8 from_u = to_floats(u) - broadcast(patch_.center.u_px);
+      const Float8 from_v = to_floats(v) - broadcast(patch_.center.v_px);
+      const Float8 x = broadcast(x_by_u) * from_u + broadcast(x_by_v) * from_v;
+      const Float8 y = broadcast(y_by_u) * from_u + broadcast(y_by_v) * from_v;
+      const Float8 value = shape.at(x, y, per_m).value;
+      return add(x + broadcast(patch_.at.x_m), y + broadcast(patch_.at.y_m), picture_.at(u, v),
+                 (value > broadcast(0.0f)) & counts, value < broadcast(1.0f));
+    });
+  }
+
+  // May a pixel of the patch show what is beyond the robot's edge?
+  void find_reach(FieldPoint box) {
+    const float c = cover_.cos(), s = cover_.sin();
+    const float x = place_.x_m + c * patch_.at.x_m - s * patch_.at.y_m;
+    const float y = place_.y_m + s * patch_.at.x_m + c * patch_.at.y_m;
+    const float wide_x = std::abs(c) * box.x_m + std::abs(s) * box.y_m;
+    const float wide_y = std::abs(s) * box.x_m + std::abs(c) * box.y_m;
+    reaches_beyond_ = std::max(std::abs(x) + wide_x, std::abs(y) + wide_y) > robot_.half_m - 0.5f * robot_.ramp_m;
+  }
+
+  [[gnu::always_inline]] bool add(Float8 x, Float8 y, const LinearRgb8& shown, Integer8 seen, Integer8 in_part) {
+    const Integer8 whole = seen & ~in_part, edge = seen & in_part;
+    LinearRgb8 light = shown;
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) light[c] -= top_[c];
+    if (any(whole)) {
+      TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) {
+        const Float8 inner = select(whole, light[c]);
+        sum_[c] += inner;
+        squares_ += inner * inner;
+      }
+      count_ += count_set(whole);
+    }
+    if (!any(edge)) return true;
+    if (edge_.full()) return false;
+    edge_.resize(edge_.size() + 1);
+    Surroundings around{broadcast(0.0f), edge};
+    if (reaches_beyond_) take_out_surroundings(x, y, light, around);
+    EdgePixels& pixels = edge_.back();
+    store(x, pixels.x);
+    store(y, pixels.y);
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) store(light[c], pixels.light[c]);
+    store(around.doubt, pixels.doubt);
+    store(select(around.counts, broadcast(1.0f)), pixels.counts);
+    return true;
+  }
+
+  struct Surroundings {
+    Float8 doubt;
+    Integer8 counts;
+  };
+
+  // The part of a pixel that is beyond the robot's edge shows what is seen there.
+  [[gnu::always_inline]] void take_out_surroundings(Float8 from_x, Float8 from_y, LinearRgb8& light,
+                                                    Surroundings& around) const {
+    const Float8 c = broadcast(cover_.cos()), s = broadcast(cover_.sin()), half = broadcast(robot_.half_m);
+    const Float8 x = broadcast(place_.x_m) + c * from_x - s * from_y;
+    const Float8 y = broadcast(place_.y_m) + s * from_x + c * from_y;
+    const Float8 beyond_x = abs(x) - half, beyond_y = abs(y) - half;
+    const float per_m = 1.0f / robot_.ramp_m;
+    const Float8 part = broadcast(1.0f) - EdgeRamp(beyond_x, per_m).value * EdgeRamp(beyond_y, per_m).value;
+    const Integer8 concerned = part > broadcast(0.0f);
+    if (!any(concerned & around.counts)) return;
+    const Float8 clear = broadcast(robot_.half_m + kBeyondRobotPx / robot_.scale_px_per_m);
+    const Integer8 sideways = beyond_x >= beyond_y;
+    const Float8 far_x = select(sideways, max(abs(x), clear), min(abs(x), half));
+    const Float8 far_y = select(sideways, min(abs(y), half), max(abs(y), clear));
+    const Float8 at_x = with_sign(far_x, sign_bit(x)), at_y = with_sign(far_y, sign_bit(y));
+    Integer8 inside;
+    const LinearRgb8 there = picture_.nearest(u_of(robot_, at_x, at_y), v_of(robot_, at_x, at_y), inside);
+    around.counts = around.counts & (inside | ~concerned);
+    TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) {
+      const Float8 foreign = part * (there[i] - top_[i]);
+      light[i] -= foreign;
+      around.doubt += foreign * foreign;
+    }
+  }
+
+  static constexpr float kFarPx = 1e4f;
+
+  const Frame& frame_;
+  const LinearRgbImage picture_;
+  const MarkerView& robot_;
+  const PatchView& patch_;
+  const PatchPlace& place_;
+  const BlurredOutline& cover_;
+  PatchEdge& edge_;
+  LinearRgb8 top_;
+  bool reaches_beyond_ = false;
+  LinearRgb8 sum_{broadcast(0.0f), broadcast(0.0f), broadcast(0.0f)};
+  Float8 squares_ = broadcast(0.0f);
+  int count_ = 0;
+};
+
+inline bool sample_patch(const Frame& frame, const MarkerView& robot, const PatchView& patch, ColorSums& inside,
+                         PatchEdge& edge) {
+  return PatchSampler(frame, robot, patch, edge).sample(inside);
+}
+
+inline CenterEquations accumulate_edge(const EdgeFitTask& task) {
+  const Float8 zero = broadcast(0.0f), one = broadcast(1.0f);
+  Float8 xx = zero, xy = zero, yy = zero, rx = zero, ry = zero, squares = zero, weights = zero;
+  const Float8 doubted = broadcast(task.doubted);
+  with_shape(*task.cover, [&](const auto& shape) {
+    const float per_m = 1.0f / task.ramp_m;
+    for (const EdgePixels& pixels : *task.edge) {
+      const Float8 x = load(pixels.x), y = load(pixels.y);
+      const Coverage cover = shape.at(x - broadcast(task.at.x_m), y - broadcast(task.at.y_m), per_m);
+      Float8 error = broadcast(task.along[0]) * load(pixels.light[0]) +
+                     broadcast(task.along[1]) * load(pixels.light[1]) +
+                     broadcast(task.along[2]) * load(pixels.light[2]) - cover.value;
+      for (const NeighborPatch& other : task.neighbors) {
+        const Float8 its_x = broadcast(other.cos) * x - broadcast(other.sin) * y + broadcast(other.x_m);
+        const Float8 its_y = broadcast(other.sin) * x + broadcast(other.cos) * y + broadcast(other.y_m);
+        const Integer8 near =
+            (abs(its_x) < broadcast(other.half_box.x_m)) & (abs(its_y) < broadcast(other.half_box.y_m));
+        if (any(near)) error -= broadcast(other.light) * coverage_at(*other.cover, its_x, its_y, task.ramp_m).value;
+      }
+      const Integer8 flat = (cover.by_x_m == zero) & (cover.by_y_m == zero);
+      const Float8 weight = select(~flat, load(pixels.counts) / (one + doubted * load(pixels.doubt)));
+      const Float8 by_x = weight * cover.by_x_m, by_y = weight * cover.by_y_m;
+      xx += by_x * cover.by_x_m;
+      xy += by_x * cover.by_y_m;
+      yy += by_y * cover.by_y_m;
+      rx += by_x * error;
+      ry += by_y * error;
+      squares += weight * error * error;
+      weights += weight;
+    }
+  });
+  return {horizontal_sum(xx), horizontal_sum(xy),      horizontal_sum(yy),     horizontal_sum(rx),
+          horizontal_sum(ry), horizontal_sum(squares), horizontal_sum(weights)};
+}
+
+}  // namespace TOUCHLINE_SIMD
+}  // namespace touchline

@@ -1,68 +1,39 @@
+#include <CLI/CLI.hpp>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <string>
 
 #include "tests/benchmark/measurement.h"
-#include "tests/benchmark/step_subject.h"
+#include "tests/benchmark/step_benchmark.h"
+#include "tools/programs/command_line/command_line.h"
 
 namespace touchline::testing {
 namespace {
 
-constexpr char kHelp[] =
-    "How long classification and regions take, against reading the frame once and against what one would use instead.\n"
-    "Checks all results first. Started by tools/bench, which builds it.\n"
-    "  --quick            50 repetitions instead of 500\n"
-    "  --repetitions N    that many, 1 to 100000\n"
-    "  --filter TEXT      only frames whose names contain it\n"
-    "  --json FILE        also writes all times there\n"
-    "  --check            checks, measures nothing\n"
-    "  --search SECONDS   looks for the slowest picture instead (--seed N) and prints how to make it\n"
-    "  --list             names of what --once can call\n"
-    "  --once FRAME/WHAT  one call of `counted_call`, for a profiler that counts instructions\n";
+constexpr char kProgram[] = "touchline-bench";
 
 struct Options {
   std::string filter, json, once;
   std::size_t repetitions = 500;
   double search_s = 0.0;
   unsigned seed = 1;
-  bool check = false, list = false;
+  bool quick = false, check = false, list = false;
 };
 
-// False: the command line is wrong.
-bool parse(int argc, char** argv, Options& options) {
-  for (int i = 1; i < argc; ++i) {
-    const std::string option = argv[i];
-    if (option == "--quick") {
-      options.repetitions = 50;
-    } else if (option == "--check") {
-      options.check = true;
-    } else if (option == "--list") {
-      options.list = true;
-    } else if (i + 1 == argc) {
-      return false;
-    } else if (option == "--filter") {
-      options.filter = argv[++i];
-    } else if (option == "--json") {
-      options.json = argv[++i];
-    } else if (option == "--once") {
-      options.once = argv[++i];
-    } else {
-      char* end = nullptr;
-      const double number = std::strtod(argv[++i], &end);
-      if (*end != '\0' || !(number >= 1.0) || number > 100000.0) return false;
-      if (option == "--repetitions") {
-        options.repetitions = static_cast<std::size_t>(number);
-      } else if (option == "--search") {
-        options.search_s = number;
-      } else if (option == "--seed") {
-        options.seed = static_cast<unsigned>(number);
-      } else {
-        return false;
-      }
-    }
-  }
-  return true;
+void add_options(CLI::App& app, Options& options) {
+  constexpr std::size_t kMaxRepetitions = 100000;
+  app.add_flag("--quick", options.quick, "50 repetitions");
+  app.add_option("--repetitions", options.repetitions, "Calls per method")
+      ->check(CLI::Range(std::size_t{1}, kMaxRepetitions))
+      ->capture_default_str();
+  app.add_option("--filter", options.filter, "Measure only the frames whose names contain this text");
+  app.add_option("--json", options.json, "Write all times into this file");
+  app.add_flag("--check", options.check, "Check the results without measuring");
+  app.add_option("--search", options.search_s, "Search for the slowest picture for this many seconds and print it")
+      ->check(number_range(1.0, 100000.0));
+  app.add_option("--seed", options.seed, "Random seed of the search")->check(CLI::Range(1, 100000));
+  app.add_flag("--list", options.list, "List the names that --once accepts");
+  app.add_option("--once", options.once, "Call one method once, for a profiler that counts in `counted_call`")
+      ->type_name("FRAME/METHOD");
 }
 
 [[gnu::noinline]] void counted_call(const std::function<void()>& work) { work(); }
@@ -70,86 +41,74 @@ bool parse(int argc, char** argv, Options& options) {
 int call_once(const Options& options) {
   const std::size_t slash = options.once.find('/');
   const std::string frame = options.once.substr(0, slash);
-  for (const auto& subject : make_subjects(frame)) {
-    if (subject->name != frame || slash == std::string::npos) continue;
-    if (const std::string wrong = add_methods(*subject); !wrong.empty()) {
-      std::fprintf(stderr, "touchline-bench: %s: %s\n", frame.c_str(), wrong.c_str());
-      return 1;
-    }
-    for (const Method& method : subject->methods) {
+  for (const auto& benchmark : make_cases(frame)) {
+    if (benchmark->name != frame || slash == std::string::npos) continue;
+    if (const std::string error = add_methods(*benchmark); !error.empty()) return fail(kProgram, frame + ": " + error);
+    for (const Method& method : benchmark->methods) {
       if (options.once.substr(slash + 1) != method.name) continue;
-      method.work();  // grows the peers' memory to its size
+      method.work();  // lets the method allocate its memory
       counted_call(method.work);
-      return 0;
+      return kExitOk;
     }
   }
-  std::fprintf(stderr, "touchline-bench: there is no %s\n", options.once.c_str());
-  return 64;
+  return fail(kProgram, "there is no method \"" + options.once + "\"; --list shows all", kExitBadCommandLine);
 }
 
-// The whole way of a frame, beside its first stage alone.
-std::string add_step(Subjects& subjects, StepSubject& step, const std::string& part) {
-  auto subject = std::make_unique<Subject>(Subject{
+// Adds the whole pipeline step and, for comparison, its first stage alone.
+std::string add_step(BenchmarkCases& cases, StepBenchmark& step, const std::string& filter) {
+  auto benchmark = std::make_unique<BenchmarkCase>(BenchmarkCase{
       .name = "step, ten robots and ball", .picture = OwnedPicture(PixelFormat::kRgb24, 1, 1, 0), .parameters = {}});
-  if (subject->name.find(part) == std::string::npos) return {};
-  if (std::string wrong = step.prepare(TOUCHLINE_BOARDS "/mock/board.toml"); !wrong.empty()) return wrong;
-  subject->methods.push_back({"scan", [&step] { step.scan_only(); }, {}});
-  subject->methods.push_back({"step", [&step] { static_cast<void>(step.step()); }, {}});
-  subjects.push_back(std::move(subject));
+  if (benchmark->name.find(filter) == std::string::npos) return {};
+  if (std::string error = step.prepare(TOUCHLINE_BOARDS "/mock/board.toml"); !error.empty()) return error;
+  benchmark->methods.push_back({"scan", [&step] { step.scan_only(); }, {}});
+  benchmark->methods.push_back({"step", [&step] { static_cast<void>(step.step()); }, {}});
+  cases.push_back(std::move(benchmark));
   return {};
 }
 
 int run(int argc, char** argv) {
-  if (argc == 2 && std::strcmp(argv[1], "--help") == 0) {
-    std::fputs(kHelp, stdout);
-    return 0;
-  }
   Options options;
-  if (!parse(argc, argv, options)) {
-    std::fputs(kHelp, stderr);
-    return 64;
-  }
+  CLI::App app{
+      "Measures classification and region labeling against a plain read of the frame and against other methods.\n"
+      "It checks all results first. tools/bench builds and starts it.",
+      kProgram};
+  add_options(app, options);
+  if (const auto exit_code = parse_arguments(app, argc, argv)) return *exit_code;
+  if (options.quick) options.repetitions = 50;
   if (!options.once.empty()) return call_once(options);
   if (options.search_s > 0.0) {
-    search(options.search_s, options.seed);
-    return 0;
+    search_slowest_picture(options.search_s, options.seed);
+    return kExitOk;
   }
 
-  Subjects subjects = make_subjects(options.filter);
-  for (const auto& subject : subjects) {
-    const std::string wrong = add_methods(*subject);
-    if (!wrong.empty()) {
-      std::fprintf(stderr, "touchline-bench: %s: %s\n", subject->name.c_str(), wrong.c_str());
-      return 1;
+  BenchmarkCases cases = make_cases(options.filter);
+  for (const auto& benchmark : cases) {
+    if (const std::string error = add_methods(*benchmark); !error.empty()) {
+      return fail(kProgram, benchmark->name + ": " + error);
     }
-    for (const Method& method : subject->methods) {
-      if (options.list) std::printf("%s/%s\n", subject->name.c_str(), method.name.c_str());
+    for (const Method& method : benchmark->methods) {
+      if (options.list) std::printf("%s/%s\n", benchmark->name.c_str(), method.name.c_str());
     }
   }
-  if (options.list) return 0;
+  if (options.list) return kExitOk;
   if (options.check) {
-    std::printf("%zu frames, the right regions on each\n", subjects.size());
-    return 0;
+    std::printf("%zu frames: all methods find the right regions\n", cases.size());
+    return kExitOk;
   }
-  static StepSubject step;
-  if (const std::string wrong = add_step(subjects, step, options.filter); !wrong.empty()) {
-    std::fprintf(stderr, "touchline-bench: step: %s\n", wrong.c_str());
-    return 1;
+  static StepBenchmark step;
+  if (const std::string error = add_step(cases, step, options.filter); !error.empty()) {
+    return fail(kProgram, "step: " + error);
   }
-  if (subjects.empty()) {
-    std::fprintf(stderr, "touchline-bench: no frame is called %s\n", options.filter.c_str());
-    return 64;
-  }
-  measure(subjects, options.repetitions);
-  const std::vector<Goal> goals = goals_of(subjects);
-  print_table(subjects);
+  if (cases.empty()) return fail(kProgram, "no frame's name contains \"" + options.filter + "\"", kExitBadCommandLine);
+  measure(cases, options.repetitions);
+  const std::vector<Goal> goals = goals_of(cases);
+  print_table(cases);
   print_goals(goals);
   print_memory();
-  if (!options.json.empty() && !write_json(options.json, subjects, goals, options.repetitions)) {
-    std::fprintf(stderr, "touchline-bench: cannot write %s\n", options.json.c_str());
-    return 1;
+  if (!options.json.empty() && !write_json(options.json, cases, goals, options.repetitions)) {
+    return fail(kProgram, options.json + ": cannot be written");
   }
-  return 0;
+  return kExitOk;
 }
 
 }  // namespace

@@ -28,8 +28,8 @@ constexpr std::array<Rgb, 13> kPaints = {{{235, 120, 30},
                                           {185, 160, 235}}};
 constexpr std::size_t kBall = 0, kFirstTeam = 1, kFirstIdentification = 3;
 constexpr Rgb kCarpet = {48, 92, 56}, kLine = {196, 200, 192}, kFloor = {74, 72, 70}, kRobot = {26, 26, 30};
-// How far a paint strays from its middle; in YUV chroma strays less.
-constexpr int kReach = 24, kChromaReach = 9;
+// Half width of the color boxes, and of their chroma channels in YUV.
+constexpr int kBoxHalfWidth = 24, kChromaHalfWidth = 9;
 
 constexpr double kFieldLength_m = 2.2, kFieldWidth_m = 1.8, kRobot_m = 0.075, kPatch_m = 0.0375, kBall_m = 0.021;
 constexpr double kLine_m = 0.01, kCircle_m = 0.25, kMargin_m = 0.06;
@@ -106,8 +106,8 @@ Rgb in_space(ColorSpace space, const Rgb& rgb) {
 
 std::uint8_t in_byte(double value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0))); }
 
-// Nearly normal, of unit deviation: the sum of four uniform numbers.
-double deviation(std::mt19937& random) {
+// Approximately normal with unit standard deviation: the sum of four uniform bytes.
+double unit_noise(std::mt19937& random) {
   const auto bits = static_cast<std::uint32_t>(random());
   const std::uint32_t sum = (bits & 255u) + (bits >> 8 & 255u) + (bits >> 16 & 255u) + (bits >> 24);
   return (sum - 510.0) / 147.8;
@@ -137,7 +137,7 @@ OwnedPicture paint_field(const FieldScene& scene) {
       }
       const Rgb value = in_space(space, color);
       Channels bytes{};
-      for (std::size_t c = 0; c < 3; ++c) bytes[c] = in_byte(value[c] + scene.noise * deviation(random));
+      for (std::size_t c = 0; c < 3; ++c) bytes[c] = in_byte(value[c] + scene.noise * unit_noise(random));
       picture.set(u, v, bytes);
     }
   }
@@ -155,7 +155,7 @@ ScanParameters field_parameters(const FieldScene& scene) {
     ColorBox box;
     box.color = static_cast<ColorId>(i + 1);
     for (std::size_t c = 0; c < 3; ++c) {
-      const int reach = space == ColorSpace::kYuv && c > 0 ? kChromaReach : kReach;
+      const int reach = space == ColorSpace::kYuv && c > 0 ? kChromaHalfWidth : kBoxHalfWidth;
       box.low[c] = in_byte(middle[c] - reach);
       box.high[c] = in_byte(middle[c] + reach);
     }

@@ -15,12 +15,12 @@ struct FieldScene {
   std::uint32_t seed = 1;
 };
 
-/// A field seen from above as the paper plays on it: 2.2 m x 1.8 m fill the picture's height; dark robots of 75 mm with
-/// two patches each, five a team, any place and heading; an orange ball; lines; surroundings. Edges are mixed as a lens
-/// mixes them. The same scene gives the same bytes on every machine of one floating-point arithmetic.
+/// Paints a field seen from above, as in the paper: 2.2 m x 1.8 m fill the picture's height; dark robots of 75 mm with
+/// two patches each, five per team, at random poses; an orange ball; lines; surroundings. Edges are anti-aliased. The
+/// same scene gives the same bytes on every machine with IEEE 754 arithmetic.
 OwnedPicture paint_field(const FieldScene& scene);
 
-/// What a scan of it needs: 13 color classes as the paper's game has them, in the format's color space.
+/// Scan parameters for this picture: 13 color classes, as many as in the paper, in the format's color space.
 ScanParameters field_parameters(const FieldScene& scene);
 
 }  // namespace touchline::testing

@@ -12,10 +12,10 @@
 namespace touchline::testing {
 namespace {
 
-// Below, a call is made twice and measured once.
+// Methods that are faster than this run once unmeasured before each measured call.
 constexpr double kShort_us = 2000.0;
 
-// What reading the clock twice takes.
+// Time that two readings of the clock take.
 double clock_cost_us() {
   std::vector<float> times;
   for (int i = 0; i < 1000; ++i) {
@@ -25,11 +25,11 @@ double clock_cost_us() {
   return quantiles_of(times).median_us;
 }
 
-void call(Subject& subject, Method& method, double clock_cost) {
+void call(BenchmarkCase& benchmark, Method& method, double clock_cost) {
   if (method.times_us.empty() || static_cast<double>(method.times_us.back()) < kShort_us) {
     method.work();
-  } else if (subject.copies.empty()) {
-    static_cast<void>(read_frame(subject.picture.frame()));
+  } else if (benchmark.copies.empty()) {
+    static_cast<void>(read_frame(benchmark.picture.frame()));
   }
   const double begin = cpu_time_us();
   method.work();
@@ -53,12 +53,12 @@ Quantiles quantiles_of(std::vector<float> times_us) {
   return {at(50.0), at(99.0), static_cast<double>(times_us.front())};
 }
 
-void measure(const Subjects& subjects, std::size_t repetitions) {
-  std::vector<std::pair<Subject*, Method*>> calls;
-  for (const auto& subject : subjects) {
-    for (Method& method : subject->methods) {
+void measure(const BenchmarkCases& cases, std::size_t repetitions) {
+  std::vector<std::pair<BenchmarkCase*, Method*>> calls;
+  for (const auto& benchmark : cases) {
+    for (Method& method : benchmark->methods) {
       method.times_us.reserve(repetitions);
-      calls.emplace_back(subject.get(), &method);
+      calls.emplace_back(benchmark.get(), &method);
     }
   }
   const bool is_terminal = isatty(STDERR_FILENO) != 0;
@@ -67,7 +67,7 @@ void measure(const Subjects& subjects, std::size_t repetitions) {
   for (std::size_t i = 0; i < repetitions; ++i) {
     if (is_terminal) std::fprintf(stderr, "\r%zu of %zu repetitions", i, repetitions);
     std::shuffle(calls.begin(), calls.end(), random);
-    for (const auto& [subject, method] : calls) call(*subject, *method, clock_cost);
+    for (const auto& [benchmark, method] : calls) call(*benchmark, *method, clock_cost);
   }
   if (is_terminal) std::fprintf(stderr, "\r%40s\r", "");
 }

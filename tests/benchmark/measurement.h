@@ -4,22 +4,23 @@
 #include <string>
 #include <vector>
 
-#include "tests/benchmark/subject.h"
+#include "tests/benchmark/benchmark_case.h"
 
 namespace touchline::testing {
 
-/// Microseconds of CPU that this thread has had.
+/// CPU time of this thread in microseconds.
 double cpu_time_us();
 
 struct Quantiles {
   double median_us = 0.0, p99_us = 0.0, least_us = 0.0;
 };
-/// Zeros when there are none.
+/// All zero without times.
 Quantiles quantiles_of(std::vector<float> times_us);
 
-/// Calls every method of every subject that often, in an order that is mixed anew each time. Unless the subject is
-/// cold, a call follows one of the same (or, when that takes long, a reading of the picture) that is not measured.
-void measure(const std::vector<std::unique_ptr<Subject>>& subjects, std::size_t repetitions);
+/// Calls every method of every case `repetitions` times, in an order that is shuffled for each repetition. Before each
+/// measured call the method runs once unmeasured to fill the caches; if it is slow, the picture is read instead. Cases
+/// with `copies` are measured with a cold cache.
+void measure(const std::vector<std::unique_ptr<BenchmarkCase>>& cases, std::size_t repetitions);
 
 struct Goal {
   std::string text;
@@ -29,16 +30,16 @@ struct Goal {
   [[nodiscard]] bool reached() const { return at_least ? value >= limit : value <= limit; }
 };
 
-using Subjects = std::vector<std::unique_ptr<Subject>>;
-std::vector<Goal> goals_of(const Subjects& subjects);
-void print_table(const Subjects& subjects);
+using BenchmarkCases = std::vector<std::unique_ptr<BenchmarkCase>>;
+std::vector<Goal> goals_of(const BenchmarkCases& cases);
+void print_table(const BenchmarkCases& cases);
 void print_goals(const std::vector<Goal>& goals);
 void print_memory();
-/// False: the file could not be written.
-bool write_json(const std::string& path, const Subjects& subjects, const std::vector<Goal>& goals,
+/// Returns false if the file cannot be written.
+bool write_json(const std::string& path, const BenchmarkCases& cases, const std::vector<Goal>& goals,
                 std::size_t repetitions);
 
-/// Changes tile recipes for that long, keeping the slowest, and prints it.
-void search(double seconds, unsigned seed);
+/// Searches for the slowest picture for `seconds` by random changes of tile recipes, and prints its recipe.
+void search_slowest_picture(double seconds, unsigned seed);
 
 }  // namespace touchline::testing

@@ -7,9 +7,9 @@
 
 namespace touchline::testing {
 
-/// The paper to the letter, as a measure for ours: three table look-ups and two ANDs a pixel (section 3.2), one-pass
-/// labeling with lists of pixels, the smaller copied into the larger (section 4.1), and of each region color, count,
-/// centroid and bounding box. Keeps its memory from one frame to the next.
+/// The paper's algorithm, literally, as a baseline: three table look-ups and two ANDs per pixel (section 3.2), one-pass
+/// labeling with lists of pixels, where the smaller list is copied into the larger one (section 4.1), and color, pixel
+/// count, centroid and bounding box of each region. Memory is reused from frame to frame.
 class PaperScan {
  public:
   struct Found {
@@ -19,10 +19,10 @@ class PaperScan {
     PixelBox box;
   };
 
-  /// As RegionScanner::configure; light and region of interest must be absent.
+  /// As RegionScanner::configure(). kUnsupported: the parameters have a light map or a region of interest.
   Status configure(const ScanParameters& parameters);
 
-  /// In no particular order.
+  /// Returns the regions in no particular order, valid until the next call.
   const std::vector<Found>& scan(const Frame& frame);
 
  private:

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "core/pipeline.h"
 #include "tests/benchmark/measurement.h"
@@ -10,9 +12,9 @@ namespace {
 
 constexpr char kRealistic[] = "field 640x480 rgb24", kStep[] = "step, ten robots and ball";
 
-double median_of(const Subjects& subjects, const std::string& subject, const std::string& method) {
-  for (const auto& candidate : subjects) {
-    if (candidate->name != subject) continue;
+double median_of(const BenchmarkCases& cases, const std::string& benchmark, const std::string& method) {
+  for (const auto& candidate : cases) {
+    if (candidate->name != benchmark) continue;
     for (const Method& m : candidate->methods) {
       if (m.name == method) return quantiles_of(m.times_us).median_us;
     }
@@ -20,16 +22,21 @@ double median_of(const Subjects& subjects, const std::string& subject, const std
   return std::nan("");
 }
 
-// The slowest of all pictures of that size.
-const Subject* slowest(const Subjects& subjects, const std::string& kernel, double& time_us) {
-  const Subject* found = nullptr;
+double rounded(double value, int digits) {
+  const double scale = std::pow(10.0, digits);
+  return std::round(value * scale) / scale;
+}
+
+// The slowest picture of 640 x 480 without light map, measured with a warm cache.
+const BenchmarkCase* slowest(const BenchmarkCases& cases, const std::string& kernel, double& time_us) {
+  const BenchmarkCase* found = nullptr;
   time_us = std::nan("");
-  for (const auto& subject : subjects) {
-    if (subject->parameters.width_px != 640 || subject->parameters.light.columns > 0 || !subject->copies.empty())
+  for (const auto& benchmark : cases) {
+    if (benchmark->parameters.width_px != 640 || benchmark->parameters.light.columns > 0 || !benchmark->copies.empty())
       continue;
-    const double time = median_of(subjects, subject->name, kernel);
+    const double time = median_of(cases, benchmark->name, kernel);
     if (std::isnan(time) || (found != nullptr && time <= time_us)) continue;
-    found = subject.get();
+    found = benchmark.get();
     time_us = time;
   }
   return found;
@@ -37,13 +44,13 @@ const Subject* slowest(const Subjects& subjects, const std::string& kernel, doub
 
 }  // namespace
 
-std::vector<Goal> goals_of(const Subjects& subjects) {
+std::vector<Goal> goals_of(const BenchmarkCases& cases) {
   std::vector<Goal> goals;
   const auto add = [&](const std::string& text, double value, double limit, bool at_least = false) {
     goals.push_back({text, value, limit, at_least, !std::isnan(value)});
   };
-  const auto time = [&](const std::string& subject, const std::string& method) {
-    return median_of(subjects, subject, method);
+  const auto time = [&](const std::string& benchmark, const std::string& method) {
+    return median_of(cases, benchmark, method);
   };
   const double realistic = time(kRealistic, "avx2"), read = time(kRealistic, "read");
   const std::string cold = std::string(kRealistic) + ", cold";
@@ -59,8 +66,8 @@ std::vector<Goal> goals_of(const Subjects& subjects) {
   for (const std::string kernel : {"avx2", "avx512"}) {
     const double usual = time(kRealistic, kernel);
     double worst = 0.0;
-    const Subject* subject = slowest(subjects, kernel, worst);
-    const std::string which = subject == nullptr ? "" : " (" + subject->name + ")";
+    const BenchmarkCase* benchmark = slowest(cases, kernel, worst);
+    const std::string which = benchmark == nullptr ? "" : " (" + benchmark->name + ")";
     add("light map / without, " + kernel, time(std::string(kRealistic) + ", light map", kernel) / usual, 1.25);
     add("noisy / realistic, " + kernel, time(std::string(kRealistic) + ", noisy", kernel) / usual, 2.0);
     add("slowest of all / realistic, " + kernel + which, worst / usual, 6.0);
@@ -75,13 +82,13 @@ std::vector<Goal> goals_of(const Subjects& subjects) {
   return goals;
 }
 
-void print_table(const Subjects& subjects) {
-  std::printf("microseconds of CPU: median (99th percentile), x the first, which reads the frame once\n");
-  for (const auto& subject : subjects) {
-    if (subject->methods.empty()) continue;
-    std::printf("\n%s: %s\n", subject->name.c_str(), subject->found.c_str());
-    const double first = quantiles_of(subject->methods.front().times_us).median_us;
-    for (const Method& method : subject->methods) {
+void print_table(const BenchmarkCases& cases) {
+  std::printf("CPU time in microseconds: median (99th percentile), and its ratio to the first line's median\n");
+  for (const auto& benchmark : cases) {
+    if (benchmark->methods.empty()) continue;
+    std::printf("\n%s: %s\n", benchmark->name.c_str(), benchmark->found.c_str());
+    const double first = quantiles_of(benchmark->methods.front().times_us).median_us;
+    for (const Method& method : benchmark->methods) {
       const Quantiles times = quantiles_of(method.times_us);
       std::printf("  %-16s %9.1f (%9.1f)  x %6.1f\n", method.name.c_str(), times.median_us, times.p99_us,
                   times.median_us / first);
@@ -102,51 +109,48 @@ void print_goals(const std::vector<Goal>& goals) {
 }
 
 void print_memory() {
-  std::printf("\nbytes of memory, all of it fixed\n");
+  std::printf("\nmemory in bytes, all of it statically sized\n");
   const auto line = [](const char* name, std::size_t bytes) { std::printf("  %-34s %9zu\n", name, bytes); };
   line("whole pipeline", sizeof(Pipeline));
   line("  scanner", sizeof(RegionScanner));
-  line("    color tables and light", sizeof(RowClassifier));
-  line("    joining runs", sizeof(Labeling));
+  line("    color tables and light map", sizeof(RowClassifier));
+  line("    labeling", sizeof(Labeling));
   line("    region of interest", sizeof(RegionOfInterest));
   line("  matcher", sizeof(Matcher));
   line("  tracker", sizeof(Tracker));
-  line("  what a step leaves (StepTrace)", sizeof(StepTrace));
-  line("second tables, from a reload on", sizeof(ScanTables));
+  line("  result of a step (StepTrace)", sizeof(StepTrace));
+  line("second tables, after the first reload", sizeof(ScanTables));
 }
 
-bool write_json(const std::string& path, const Subjects& subjects, const std::vector<Goal>& goals,
+bool write_json(const std::string& path, const BenchmarkCases& cases, const std::vector<Goal>& goals,
                 std::size_t repetitions) {
-  std::FILE* file = std::fopen(path.c_str(), "w");
-  if (file == nullptr) return false;
-  std::fprintf(file, "{\"format\": 1, \"unit\": \"microseconds of CPU\", \"repetitions\": %zu,\n \"frames\": [",
-               repetitions);
-  const char* between = "";
-  for (const auto& subject : subjects) {
-    std::fprintf(file, "%s\n  {\"name\": \"%s\", \"found\": \"%s\", \"methods\": {", between, subject->name.c_str(),
-                 subject->found.c_str());
-    between = "";
-    for (const Method& method : subject->methods) {
+  using nlohmann::ordered_json;
+  ordered_json frames = ordered_json::array();
+  for (const auto& benchmark : cases) {
+    ordered_json methods = ordered_json::object();
+    for (const Method& method : benchmark->methods) {
       const Quantiles times = quantiles_of(method.times_us);
-      std::fprintf(file, "%s\"%s\": {\"median\": %.2f, \"p99\": %.2f, \"least\": %.2f}", between, method.name.c_str(),
-                   times.median_us, times.p99_us, times.least_us);
-      between = ", ";
+      methods[method.name] = {{"median", rounded(times.median_us, 2)},
+                              {"p99", rounded(times.p99_us, 2)},
+                              {"least", rounded(times.least_us, 2)}};
     }
-    std::fprintf(file, "}}");
-    between = ",";
+    frames.push_back({{"name", benchmark->name}, {"found", benchmark->found}, {"methods", methods}});
   }
-  std::fprintf(file, "],\n \"goals\": [");
-  between = "";
+  ordered_json measured_goals = ordered_json::array();
   for (const Goal& goal : goals) {
     if (!goal.measured) continue;
-    std::fprintf(file, "%s\n  {\"goal\": \"%s\", \"value\": %.3f, \"limit\": %.2f, \"at_least\": %s, \"reached\": %s}",
-                 between, goal.text.c_str(), goal.value, goal.limit, goal.at_least ? "true" : "false",
-                 goal.reached() ? "true" : "false");
-    between = ",";
+    measured_goals.push_back({{"goal", goal.text},
+                              {"value", rounded(goal.value, 3)},
+                              {"limit", goal.limit},
+                              {"at_least", goal.at_least},
+                              {"reached", goal.reached()}});
   }
-  std::fprintf(file, "],\n \"memory_bytes\": %zu}\n", sizeof(Pipeline));
-  const bool written = std::ferror(file) == 0;
-  return std::fclose(file) == 0 && written;
+  const ordered_json report{{"format", 1},      {"unit", "microseconds of CPU"}, {"repetitions", repetitions},
+                            {"frames", frames}, {"goals", measured_goals},       {"memory_bytes", sizeof(Pipeline)}};
+  std::ofstream file(path);
+  file << report.dump(1) << '\n';
+  file.close();
+  return static_cast<bool>(file);
 }
 
 }  // namespace touchline::testing

@@ -1,4 +1,4 @@
-#include "tests/benchmark/subject.h"
+#include "tests/benchmark/benchmark_case.h"
 
 #include <cstring>
 
@@ -9,10 +9,10 @@
 namespace touchline::testing {
 namespace {
 
-// Together larger than any cache, so that a frame is in memory only, as a camera's driver leaves it.
+// Size of all copies together. It exceeds every cache, so each frame comes from memory, as from a camera's driver.
 constexpr std::size_t kColdBytes = std::size_t{192} << 20;
 
-// Every byte, 128 at a time in four independent sums.
+// XOR of all bytes, in four independent accumulators of 32 bytes.
 using Words [[gnu::vector_size(32)]] = std::uint64_t;
 [[gnu::always_inline]] inline std::uint64_t sum_of(const std::uint8_t* bytes, std::size_t count) {
   Words sum[4] = {};
@@ -39,42 +39,42 @@ std::uint64_t read_avx2(const std::uint8_t* bytes, std::size_t count) { return s
 bool has_avx2() { return false; }
 #endif
 
-Subject subject_of(OwnedPicture picture, const ScanParameters& parameters) {
+BenchmarkCase case_of(OwnedPicture picture, const ScanParameters& parameters) {
   return {.name = {}, .picture = std::move(picture), .parameters = parameters};
 }
 
-// What a venue file has unless it says otherwise.
-constexpr std::uint32_t kUsualLeastArea_px = 2;
+// Default of venue files.
+constexpr std::uint32_t kDefaultMinArea_px = 2;
 
-Subject field(const FieldScene& scene) {
-  Subject subject = subject_of(paint_field(scene), field_parameters(scene));
-  subject.parameters.min_area_px = kUsualLeastArea_px;
-  return subject;
+BenchmarkCase field(const FieldScene& scene) {
+  BenchmarkCase benchmark = case_of(paint_field(scene), field_parameters(scene));
+  benchmark.parameters.min_area_px = kDefaultMinArea_px;
+  return benchmark;
 }
 
-Subject with_all_peers(Subject subject) {
-  subject.all_peers = true;
-  return subject;
+BenchmarkCase with_slow_methods(BenchmarkCase benchmark) {
+  benchmark.slow_methods = true;
+  return benchmark;
 }
 
-Subject cold(Subject subject) {
-  const Frame frame = subject.picture.frame();
-  subject.copies.assign(kColdBytes / (plane_bytes(frame, 0) + plane_bytes(frame, 1)) + 1, subject.picture);
-  return subject;
+BenchmarkCase uncached(BenchmarkCase benchmark) {
+  const Frame frame = benchmark.picture.frame();
+  benchmark.copies.assign(kColdBytes / (plane_bytes(frame, 0) + plane_bytes(frame, 1)) + 1, benchmark.picture);
+  return benchmark;
 }
 
-Subject lit(Subject subject) {
-  LightMap& light = subject.parameters.light;
+BenchmarkCase shaded(BenchmarkCase benchmark) {
+  LightMap& light = benchmark.parameters.light;
   light.columns = 64, light.rows = 48;
   for (auto& plane : light.illumination) {
     for (std::size_t i = 0; i < plane.size(); ++i) plane[i] = 0.85f + 0.3f * static_cast<float>(i % 64) / 64.0f;
   }
-  return subject;
+  return benchmark;
 }
 
 }  // namespace
 
-Frame Subject::next_frame() {
+Frame BenchmarkCase::next_frame() {
   if (copies.empty()) return picture.frame();
   turn = (turn + 1) % copies.size();
   return copies[turn].frame();
@@ -89,13 +89,13 @@ std::uint64_t read_frame(const Frame& frame) {
   return sum;
 }
 
-Subject crowded_subject(const ColorGrid& grid, std::uint32_t min_area_px) {
+BenchmarkCase many_colors_case(const ColorGrid& grid, std::uint32_t min_area_px) {
   std::mt19937 random(7);
   OwnedPicture picture = paint(grid, PixelFormat::kRgb24, 0, random);
   ScanParameters parameters = parameters_for(picture.frame());
   parameters.min_area_px = min_area_px;
-  // Eight more classes lie between the palette's, where no pixel is; in the list they stand so that kernels which take
-  // eight classes at a time find pixels in each eight.
+  // Adds eight classes between those of the palette, which no pixel has. They are interleaved with the palette's
+  // classes, so that kernels that process eight classes at a time find pixels in each group of eight.
   const ColorBoxes palette = parameters.boxes;
   parameters.boxes.clear();
   for (std::size_t i = 0; i < palette.size(); ++i) {
@@ -108,17 +108,17 @@ Subject crowded_subject(const ColorGrid& grid, std::uint32_t min_area_px) {
       parameters.boxes.push_back(box);
     }
   }
-  Subject subject = subject_of(std::move(picture), parameters);
-  subject.colors = grid;
-  return subject;
+  BenchmarkCase benchmark = case_of(std::move(picture), parameters);
+  benchmark.colors = grid;
+  return benchmark;
 }
 
-std::vector<std::unique_ptr<Subject>> make_subjects(std::string_view part) {
-  std::vector<std::unique_ptr<Subject>> subjects;
+std::vector<std::unique_ptr<BenchmarkCase>> make_cases(std::string_view part) {
+  std::vector<std::unique_ptr<BenchmarkCase>> cases;
   const auto add = [&](const std::string& name, const auto& make) {
     if (name.find(part) == std::string::npos) return;
-    subjects.push_back(std::make_unique<Subject>(make()));
-    subjects.back()->name = name;
+    cases.push_back(std::make_unique<BenchmarkCase>(make()));
+    cases.back()->name = name;
   };
   const FieldScene vga;
   FieldScene yuyv = vga, nv12 = vga, noisy = vga, large = vga, full_hd = vga;
@@ -128,24 +128,24 @@ std::vector<std::unique_ptr<Subject>> make_subjects(std::string_view part) {
   noisy.specks_per_megapixel = 3000 / (640 * 480e-6);
   large.width_px = 1280, large.height_px = 1024;
   full_hd.width_px = 1920, full_hd.height_px = 1080;
-  add("field 640x480 rgb24", [&] { return with_all_peers(field(vga)); });
-  add("field 640x480 rgb24, cold", [&] { return cold(field(vga)); });
-  add("field 640x480 rgb24, light map", [&] { return lit(field(vga)); });
+  add("field 640x480 rgb24", [&] { return with_slow_methods(field(vga)); });
+  add("field 640x480 rgb24, cold", [&] { return uncached(field(vga)); });
+  add("field 640x480 rgb24, light map", [&] { return shaded(field(vga)); });
   add("field 640x480 rgb24, noisy", [&] { return field(noisy); });
   add("field 640x480 yuyv", [&] { return field(yuyv); });
   add("field 640x480 nv12", [&] { return field(nv12); });
   add("field 1280x1024 rgb24", [&] { return field(large); });
   add("field 1920x1080 rgb24", [&] { return field(full_hd); });
   for (const Pattern pattern : kAllPatterns) {
-    for (const std::uint32_t min_area : {1u, kUsualLeastArea_px}) {
+    for (const std::uint32_t min_area : {1u, kDefaultMinArea_px}) {
       const std::string name = std::string(name_of(pattern)) + (min_area == 1 ? "" : kSpecksLeftOut);
       add(name, [&] {
         std::mt19937 random(7);
-        return crowded_subject(make_pattern(pattern, 640, 480, random), min_area);
+        return many_colors_case(make_pattern(pattern, 640, 480, random), min_area);
       });
     }
   }
-  return subjects;
+  return cases;
 }
 
 }  // namespace touchline::testing

@@ -10,17 +10,18 @@
 
 namespace touchline::testing {
 
-/// The whole way of a frame, for benchmarks: a second of a game on a board's arena (ten robots, ball, light that is not
-/// even, the sensor's noise), drawn beforehand, and a pipeline that watches it as when it was played.
-class StepSubject {
+/// Runs the whole pipeline step for benchmarks, on about a second of a game in a board's mock arena (ten robots, ball,
+/// uneven light, sensor noise) that is rendered beforehand.
+class StepBenchmark {
  public:
-  /// `frames`: an odd number, so that of two calls in a row the second gets every frame in its turn.
-  /// Empty when the board's arena could be played and every frame showed all of its robots; else what was wrong.
+  /// Plays the board's arena and stores `frames` pictures. Their number must be odd: each measured call follows an
+  /// unmeasured one, and an even number would measure only every second frame. Returns an error, or an empty text if
+  /// all frames showed all robots.
   std::string prepare(const std::string& board_file, std::size_t frames = 49);
 
-  /// Classification and regions of the next frame. Each of the two goes through the frames on its own, again and again.
+  /// Classifies and labels the next frame. Both methods cycle through the frames independently.
   void scan_only();
-  /// Frame to packet. After the last frame the tracks are forgotten, and the second begins anew.
+  /// Runs the whole step on the next frame. After the last frame the tracks are reset.
   const StepTrace& step();
 
  private:

@@ -4,10 +4,10 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "tests/benchmark/subject.h"
+#include "tests/benchmark/benchmark_case.h"
 #include "tests/region/region_comparison.h"
 
-// What one would write with OpenCV instead.
+// The same task solved with OpenCV, in the two ways that a user would choose.
 namespace touchline::testing {
 namespace {
 
@@ -16,7 +16,7 @@ cv::Mat view_of(const Frame& frame) {
   return {frame.height_px, frame.width_px, CV_8UC3, const_cast<std::uint8_t*>(frame.plane[0]), frame.stride_bytes[0]};
 }
 
-// A color at a time: inRange, then its components with area, box and centroid.
+// For each color: inRange, then the connected components with area, box and centroid.
 struct PerColor {
   ColorBoxes boxes;
   cv::Mat mask{}, labels{}, stats{}, centroids{};
@@ -35,7 +35,7 @@ struct PerColor {
   }
 };
 
-// The paper's three tables, and one labeling of whatever has a color: touching colors become one region.
+// The paper's three tables, then one labeling of all colored pixels. Regions of different colors that touch become one.
 struct Tables {
   explicit Tables(const ColorBoxes& boxes) : table(1, 256, CV_16UC3, cv::Scalar::all(0)) {
     for (std::size_t i = 0; i < boxes.size(); ++i) {
@@ -66,30 +66,32 @@ struct Tables {
   std::size_t regions = 0, area = 0;
 };
 
-template <class Peer>
-std::string add(Subject& subject, const char* name, std::shared_ptr<Peer> peer, std::size_t regions, std::size_t area) {
-  peer->scan(subject.picture.frame());
-  subject.methods.push_back({name, [&subject, peer] { peer->scan(subject.next_frame()); }, {}});
-  if (peer->regions == regions && peer->area == area) return {};
-  return std::string(name) + " finds " + std::to_string(peer->regions) + " regions of " + std::to_string(peer->area) +
-         " pixels instead of " + std::to_string(regions) + " of " + std::to_string(area);
+template <class Candidate>
+std::string add(BenchmarkCase& benchmark, const char* name, std::shared_ptr<Candidate> candidate, std::size_t regions,
+                std::size_t area) {
+  candidate->scan(benchmark.picture.frame());
+  benchmark.methods.push_back({name, [&benchmark, candidate] { candidate->scan(benchmark.next_frame()); }, {}});
+  if (candidate->regions == regions && candidate->area == area) return {};
+  return std::string(name) + " finds " + std::to_string(candidate->regions) + " regions of " +
+         std::to_string(candidate->area) + " pixels instead of " + std::to_string(regions) + " of " +
+         std::to_string(area);
 }
 
 }  // namespace
 
-std::string add_opencv(Subject& subject, const ColorGrid& colors) {
+std::string add_opencv(BenchmarkCase& benchmark, const ColorGrid& colors) {
   cv::setNumThreads(1);
   const auto area = static_cast<std::size_t>(
       std::count_if(colors.color.begin(), colors.color.end(), [](ColorId color) { return color != kBackground; }));
   ColorGrid joined = colors;
   for (ColorId& color : joined.color) color = std::min<ColorId>(color, 1);
-  std::string wrong = add(subject, "OpenCV table", std::make_shared<Tables>(subject.parameters.boxes),
+  std::string error = add(benchmark, "OpenCV table", std::make_shared<Tables>(benchmark.parameters.boxes),
                           expected_regions(joined).size(), area);
-  if (wrong.empty() && subject.all_peers) {
-    wrong = add(subject, "OpenCV inRange", std::make_shared<PerColor>(PerColor{subject.parameters.boxes}),
+  if (error.empty() && benchmark.slow_methods) {
+    error = add(benchmark, "OpenCV inRange", std::make_shared<PerColor>(PerColor{benchmark.parameters.boxes}),
                 expected_regions(colors).size(), area);
   }
-  return wrong;
+  return error;
 }
 
 }  // namespace touchline::testing

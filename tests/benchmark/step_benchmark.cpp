@@ -1,4 +1,4 @@
-#include "tests/benchmark/step_subject.h"
+#include "tests/benchmark/step_benchmark.h"
 
 #include <cstring>
 
@@ -8,12 +8,12 @@
 namespace touchline::testing {
 namespace {
 
-// All robots are known and on their way by then.
+// By then all robots are identified and moving.
 constexpr std::size_t kFramesBefore = 90;
 
 }  // namespace
 
-StepSubject::Picture StepSubject::copy_of(const Frame& frame) {
+StepBenchmark::Picture StepBenchmark::copy_of(const Frame& frame) {
   Picture copy;
   copy.frame = frame;
   const std::array<std::size_t, 2> bytes{plane_bytes(frame, 0), plane_bytes(frame, 1)};
@@ -28,7 +28,7 @@ StepSubject::Picture StepSubject::copy_of(const Frame& frame) {
   return copy;
 }
 
-std::string StepSubject::play(std::size_t frames) {
+std::string StepBenchmark::play(std::size_t frames) {
   Devices devices;
   devices.make(*configuration_, 1);
   const LoopDevices loop = devices.loop_devices();
@@ -45,29 +45,30 @@ std::string StepSubject::play(std::size_t frames) {
     pipeline_->adapt();
     if (i < kFramesBefore) continue;
     if (!trace.status.ok()) return describe(trace.status.code());
-    if (trace.sightings.robots.size() != configuration_->board.arena.robot.size()) return "not all robots are seen";
+    if (trace.sightings.robots.size() != configuration_->board.arena.robot.size())
+      return "a frame does not show all robots";
     pictures_.push_back(copy_of(frame));
   }
   loop.camera.stop();
   return {};
 }
 
-std::string StepSubject::prepare(const std::string& board_file, std::size_t frames) {
+std::string StepBenchmark::prepare(const std::string& board_file, std::size_t frames) {
   config::Problems problems;
   if (!config::load({board_file, "", "", {}}, *configuration_, problems).ok()) return problems.text();
-  if (!pipeline_->configure(configuration_->pipeline).ok()) return "the pipeline is refused";
-  if (!scanner_->configure(configuration_->pipeline.scan).ok()) return "the scan is refused";
-  if (std::string wrong = play(frames); !wrong.empty()) return wrong;
+  if (!pipeline_->configure(configuration_->pipeline).ok()) return "the pipeline refuses its configuration";
+  if (!scanner_->configure(configuration_->pipeline.scan).ok()) return "the scanner refuses its configuration";
+  if (std::string error = play(frames); !error.empty()) return error;
   stepped_ = pictures_.size();
-  return pictures_.empty() ? "no frames" : "";
+  return pictures_.empty() ? "no frames were rendered" : "";
 }
 
-void StepSubject::scan_only() {
+void StepBenchmark::scan_only() {
   scanned_ = (scanned_ + 1) % pictures_.size();
   static_cast<void>(scanner_->scan(pictures_[scanned_].frame, *runs_, *regions_));
 }
 
-const StepTrace& StepSubject::step() {
+const StepTrace& StepBenchmark::step() {
   if (stepped_ >= pictures_.size()) {
     pipeline_->reset();
     stepped_ = 0;

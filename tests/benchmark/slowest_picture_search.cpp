@@ -12,8 +12,8 @@ namespace touchline::testing {
 namespace {
 
 constexpr int kLargestTile = 24;
-// Without one better for so long, the search begins anew somewhere else.
-constexpr int kPatience = 150;
+// After this many pictures without an improvement, the search restarts from a random picture.
+constexpr int kRestartAfter = 150;
 
 std::string random_cells(std::mt19937& random, int count) {
   std::string cells;
@@ -87,18 +87,19 @@ class Stopwatch {
     }
   }
 
-  // Where the picture is the slowest, against a realistic field at the same time: the processor's speed changes.
+  // Measures the picture with each kernel, relative to a realistic field measured at the same time, because the
+  // processor's clock changes. Returns the slowest combination.
   Found evaluate(const TileRecipe& recipe, int calls) {
     Found slowest;
-    Subject subject = crowded_subject(make_tiles(recipe, 640, 480), 1);
+    BenchmarkCase benchmark = many_colors_case(make_tiles(recipe, 640, 480), 1);
     for (const Kernel& kernel : kernels_) {
       for (const std::uint32_t min_area : {1u, 2u}) {
-        subject.parameters.min_area_px = min_area;
-        if (!configure(*scanner_, subject, kernel)) continue;
-        // A call of each in turn: both have the same clock. The median of what one costs by the other's measure.
+        benchmark.parameters.min_area_px = min_area;
+        if (!configure(*scanner_, benchmark, kernel)) continue;
+        // Alternates both pictures so that they run at the same clock, and takes the median of the ratios.
         std::vector<float> times, in_fields;
         for (int i = 0; i < calls; ++i) {
-          const double of_field = time_us(*kernel.of_field, field_), time = time_us(*scanner_, subject);
+          const double of_field = time_us(*kernel.of_field, field_), time = time_us(*scanner_, benchmark);
           times.push_back(static_cast<float>(time));
           in_fields.push_back(static_cast<float>(time / of_field));
         }
@@ -118,22 +119,22 @@ class Stopwatch {
     std::unique_ptr<RegionScanner> of_field;
   };
 
-  static bool configure(RegionScanner& scanner, const Subject& subject, const Kernel& kernel) {
-    ScanParameters parameters = subject.parameters;
+  static bool configure(RegionScanner& scanner, const BenchmarkCase& benchmark, const Kernel& kernel) {
+    ScanParameters parameters = benchmark.parameters;
     parameters.kernel = kernel.choice;
     return scanner.configure(parameters).ok();
   }
 
-  // Of the second of two calls, as `measure` has it.
-  double time_us(RegionScanner& scanner, const Subject& subject) {
-    static_cast<void>(scanner.scan(subject.picture.frame(), *runs_, *regions_));
+  // Time of the second of two calls, as in measure().
+  double time_us(RegionScanner& scanner, const BenchmarkCase& benchmark) {
+    static_cast<void>(scanner.scan(benchmark.picture.frame(), *runs_, *regions_));
     const double begin = cpu_time_us();
-    static_cast<void>(scanner.scan(subject.picture.frame(), *runs_, *regions_));
+    static_cast<void>(scanner.scan(benchmark.picture.frame(), *runs_, *regions_));
     return cpu_time_us() - begin;
   }
 
-  // The first one of that name is realistic as it is.
-  const Subject field_ = std::move(*make_subjects("field 640x480 rgb24").front());
+  // The first case with this name is the unmodified field.
+  const BenchmarkCase field_ = std::move(*make_cases("field 640x480 rgb24").front());
   std::vector<Kernel> kernels_;
   std::unique_ptr<RegionScanner> scanner_ = std::make_unique<RegionScanner>();
   std::unique_ptr<Runs> runs_ = std::make_unique<Runs>();
@@ -142,7 +143,7 @@ class Stopwatch {
 
 }  // namespace
 
-void search(double seconds, unsigned seed) {
+void search_slowest_picture(double seconds, unsigned seed) {
   std::mt19937 random(seed);
   Stopwatch stopwatch;
   const bool is_terminal = isatty(STDERR_FILENO) != 0;
@@ -151,9 +152,9 @@ void search(double seconds, unsigned seed) {
   std::size_t pictures = 0;
   while (cpu_time_us() - begin < seconds * 1e6) {
     Found here = stopwatch.evaluate(random_recipe(random), 7);
-    for (int since = 0; since < kPatience && cpu_time_us() - begin < seconds * 1e6; ++since, ++pictures) {
+    for (int since = 0; since < kRestartAfter && cpu_time_us() - begin < seconds * 1e6; ++since, ++pictures) {
       Found next = stopwatch.evaluate(changed(here.recipe, random), 7);
-      // Once more where it matters: a single disturbance must not win.
+      // Measures a new maximum again with more calls, so that a single disturbance cannot win.
       if (next.times_a_field > here.times_a_field) next = stopwatch.evaluate(next.recipe, 25);
       if (next.times_a_field <= here.times_a_field) continue;
       if (next.times_a_field > here.times_a_field * 1.01) since = 0;
@@ -166,7 +167,7 @@ void search(double seconds, unsigned seed) {
     }
   }
   if (is_terminal) std::fprintf(stderr, "\r%60s\r", "");
-  std::printf("slowest of %zu pictures: %.2f times a field, %.1f microseconds of CPU, %s, least area %u\n%s\n",
+  std::printf("slowest of %zu pictures: %.2f times a field, %.1f microseconds of CPU, %s, minimum area %u\n%s\n",
               pictures, best.times_a_field, best.time_us, best.kernel, best.min_area_px, text_of(best.recipe).c_str());
 }
 

@@ -73,7 +73,7 @@ TEST_F(Footage, FourRobotsAndTheBallAreFoundIn99OfAHundredFrames) {
   EXPECT_EQ(unknown, 0u);
 
   // An id on another robot would be a leap of decimeters. The pushed robot moves.
-  for (const evaluate::Spread& spread : evaluate::spread_of(frames)) {
+  for (const evaluate::PoseSpread& spread : evaluate::pose_spreads(frames)) {
     if (spread.name == "blue 0") {
       EXPECT_LT(spread.largest_step, 0.04);
       continue;

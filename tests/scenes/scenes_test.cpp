@@ -97,7 +97,7 @@ TEST_F(Scenes, StandingRobots) {
   expect_all_seen(report.tracks, 12);
   expect_within(report.sightings.position.rms, 0.00015, 0.0005, "position RMS, m");
   ASSERT_EQ(report.spread.size(), 11u);
-  for (const evaluate::Spread& spread : report.spread) {
+  for (const evaluate::PoseSpread& spread : report.spread) {
     // The paper: within 1 mm and 1 degree.
     EXPECT_LT(spread.position_rms, 0.00012) << spread.name;
     EXPECT_LT(spread.angle_rms, 0.12 * kDegree) << spread.name;

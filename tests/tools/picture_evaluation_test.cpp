@@ -149,7 +149,7 @@ TEST(Annotation, ReadsWhatAnAnnotatorWrote) {
 
   std::ofstream(path) << R"({"image": "a.png", "objects": [{"type": "ball", "centre": [461.0]}]})";
   EXPECT_FALSE(read_annotated(path, picture, error));
-  EXPECT_NE(error.find("objects[0].centre is no pair"), std::string::npos) << error;
+  EXPECT_NE(error.find("objects[0].centre is not a pair"), std::string::npos) << error;
 }
 
 }  // namespace

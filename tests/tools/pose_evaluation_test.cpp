@@ -231,14 +231,14 @@ INSTANTIATE_TEST_SUITE_P(
     Records, BadTruth,
     testing::Values(BadLine{R"({"file":"b.png","ball":nu)", "no JSON"}, BadLine{"[1,2]", "no object"},
                     BadLine{R"({"ball":null,"robots":[]})", "file is missing"},
-                    BadLine{R"({"file":7,"ball":null,"robots":[]})", "file is no text"},
+                    BadLine{R"({"file":7,"ball":null,"robots":[]})", "file is not a text"},
                     BadLine{R"({"file":"b.png","robots":[]})", "ball is missing"},
                     BadLine{R"({"file":"b.png","ball":{"x":1},"robots":[]})", "ball.y is missing"},
-                    BadLine{R"({"file":"b.png","ball":null,"robots":{}})", "robots is no list"},
+                    BadLine{R"({"file":"b.png","ball":null,"robots":{}})", "robots is not a list"},
                     BadLine{R"({"file":"b.png","ball":null,"robots":[{"team":"blue","id":1,"x":0,"y":"0","theta":0}]})",
-                            "robots[0].y is no number"},
+                            "robots[0].y is not a number"},
                     BadLine{R"({"file":"b.png","ball":null,"robots":[{"team":"blue","id":1.5,"x":0,"y":0,"theta":0}]})",
-                            "robots[0].id is no whole number"}));
+                            "robots[0].id is not an integer"}));
 
 TEST(Records, FilesThatCannotBeRead) {
   std::vector<FrameRecord> records;
@@ -247,7 +247,7 @@ TEST(Records, FilesThatCannotBeRead) {
   EXPECT_NE(error.find("No such file"), std::string::npos) << error;
   EXPECT_FALSE(read_truth(testing::TempDir(), records, error));
   EXPECT_FALSE(read_truth(in_temporary_file("\n"), records, error));
-  EXPECT_NE(error.find("holds no frame"), std::string::npos) << error;
+  EXPECT_NE(error.find("contains no frames"), std::string::npos) << error;
 }
 
 TEST(Records, NamesOfResultsAreTranslated) {

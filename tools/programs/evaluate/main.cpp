@@ -7,7 +7,7 @@
 
 #include "firmware/config/configuration.h"
 #include "tools/programs/command_line/command_line.h"
-#include "tools/programs/evaluate/patch_bound.h"
+#include "tools/programs/evaluate/cramer_rao_bound.h"
 #include "tools/programs/evaluate/report.h"
 
 namespace {
@@ -73,7 +73,7 @@ bool show_bounds(const Options& options, std::string& json, std::string& error) 
     const auto& picture = files->venue.picture;
     return config::resolve({format, picture.width_px, picture.height_px, options.pictures}, *files, problems).ok();
   };
-  BoundSetting setting;
+  BoundInputs setting;
   if (!usable()) {
     error = problems.text();
     while (!error.empty() && error.back() == '\n') error.pop_back();
@@ -89,7 +89,7 @@ bool show_bounds(const Options& options, std::string& json, std::string& error) 
   // By the names of the team file, whatever --name says.
   if (!read_result(options.files.back(), {}, results, error)) return false;
   std::vector<PoseBound> bounds;
-  if (!find_bounds(results, options.pictures, setting, bounds, error)) return false;
+  if (!cramer_rao_bounds(results, options.pictures, setting, bounds, error)) return false;
   std::cout << '\n';
   print(bounds, std::cout);
   json = with_bounds(json, bounds);
@@ -113,7 +113,7 @@ int show_spread(const Options& options, const NameMap& names) {
   std::string error;
   std::vector<FrameRecord> result;
   if (!read_results(options.files, names, result, error)) return fail(error);
-  const std::vector<Spread> spread = spread_of(result);
+  const std::vector<PoseSpread> spread = pose_spreads(result);
   print(spread, result.size(), std::cout);
   std::string json = to_json(spread, result.size());
   return show_bounds(options, json, error) && write_json(options.json, json, error) ? 0 : fail(error);

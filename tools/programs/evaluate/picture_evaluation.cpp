@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/programs/evaluate/matching.h"
+#include "tools/programs/evaluate/greedy_matching.h"
 
 namespace touchline::evaluate {
 namespace {
@@ -14,13 +14,13 @@ const PatchRecord* team_patch(const RobotRecord& robot) {
   return found == robot.patches.end() ? nullptr : &*found;
 }
 
-// Patches are compared by their place, so that the order in which somebody lists them does not matter.
+// Compares patches by their position, independently of their order in the annotation.
 void compare_identification(const AnnotatedPicture::Robot& truth, const RobotRecord& found,
                             const PictureTolerance& tolerance, PictureReport& out, std::vector<double>& errors) {
   std::vector<PatchRecord> patches;
   std::copy_if(found.patches.begin(), found.patches.end(), std::back_inserter(patches),
                [](const PatchRecord& p) { return p.identification; });
-  const std::vector<Match> matches = nearest_first(
+  const std::vector<Match> matches = match_greedily(
       truth.identification.size(), patches.size(), tolerance.same_robot_px,
       [&](std::size_t i, std::size_t j) { return distance(truth.identification[i].center_px, patches[j].center_px); });
   std::size_t colors_right = 0;
@@ -42,7 +42,7 @@ bool evaluate_picture(const AnnotatedPicture& truth, const std::vector<FrameReco
                       const PictureTolerance& tolerance, PictureReport& out, std::string& error) {
   out = {};
   out.name = truth.name;
-  // A picture's number is its place in the replayed folder; only in a video does it say which frame is meant.
+  // The number of a picture depends on the replayed folder. Only the frame number of a video must match.
   const auto of_file =
       std::count_if(results.begin(), results.end(), [&truth](const FrameRecord& r) { return r.file == truth.file; });
   const auto frame = std::find_if(results.begin(), results.end(), [&](const FrameRecord& r) {
@@ -55,7 +55,7 @@ bool evaluate_picture(const AnnotatedPicture& truth, const std::vector<FrameReco
   }
   const SceneRecord& seen = frame->sightings;
 
-  const std::vector<Match> matches = nearest_first(
+  const std::vector<Match> matches = match_greedily(
       truth.robots.size(), seen.robots.size(), tolerance.same_robot_px, [&](std::size_t i, std::size_t j) {
         const PatchRecord* patch = team_patch(seen.robots[j]);
         const bool comparable = patch != nullptr && truth.robots[i].team_px.has_value();
@@ -71,19 +71,19 @@ bool evaluate_picture(const AnnotatedPicture& truth, const std::vector<FrameReco
     }
   }
   for (const Match& match : matches) {
-    const AnnotatedPicture::Robot& is = truth.robots[match.first];
-    const RobotRecord& said = seen.robots[match.second];
-    if (is.identification.empty()) continue;
-    if (is.team != said.team) {
+    const AnnotatedPicture::Robot& expected = truth.robots[match.first];
+    const RobotRecord& reported = seen.robots[match.second];
+    if (expected.identification.empty()) continue;
+    if (expected.team != reported.team) {
       ++out.wrong_team;
       continue;
     }
     ++out.found;
     team_errors.push_back(match.distance);
     if (match.distance <= tolerance.good_px) ++out.team_good;
-    compare_identification(is, said, tolerance, out, identification_errors);
+    compare_identification(expected, reported, tolerance, out, identification_errors);
   }
-  // What is seen of a robot that was not judged may lie anywhere on it.
+  // Sightings matched to robots that are not judged are no ghosts either.
   std::vector<bool> explained(seen.robots.size());
   for (const Match& match : matches) explained[match.second] = true;
   out.ghosts = static_cast<std::size_t>(std::count(explained.begin(), explained.end(), false));

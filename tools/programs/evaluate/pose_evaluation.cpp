@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "tools/programs/evaluate/matching.h"
+#include "tools/programs/evaluate/greedy_matching.h"
 
 namespace touchline::evaluate {
 namespace {
@@ -15,23 +15,23 @@ struct Errors {
 };
 
 void compare(const SceneRecord& truth, const SceneRecord& found, double within, PoseSummary& sum, Errors& errors) {
-  const std::vector<Match> matches = nearest_first(
+  const std::vector<Match> matches = match_greedily(
       truth.robots.size(), found.robots.size(), within,
       [&](std::size_t i, std::size_t j) { return distance(truth.robots[i].position_m, found.robots[j].position_m); });
   sum.robots += truth.robots.size();
   sum.missed += truth.robots.size() - matches.size();
   sum.ghosts += found.robots.size() - matches.size();
   for (const Match& match : matches) {
-    const RobotRecord& is = truth.robots[match.first];
-    const RobotRecord& said = found.robots[match.second];
-    if (is.team != said.team || (said.id.has_value() && said.id != is.id)) {
+    const RobotRecord& expected = truth.robots[match.first];
+    const RobotRecord& reported = found.robots[match.second];
+    if (expected.team != reported.team || (reported.id.has_value() && reported.id != expected.id)) {
       ++sum.swapped;
       continue;
     }
-    ++(said.id.has_value() ? sum.right : sum.unknown);
+    ++(reported.id.has_value() ? sum.right : sum.unknown);
     errors.position.push_back(match.distance);
-    if (is.theta_rad.has_value() && said.theta_rad.has_value()) {
-      errors.angle.push_back(statistics::wrapped(*said.theta_rad - *is.theta_rad));
+    if (expected.theta_rad.has_value() && reported.theta_rad.has_value()) {
+      errors.angle.push_back(statistics::wrapped(*reported.theta_rad - *expected.theta_rad));
     }
   }
   const bool near = truth.ball.has_value() && found.ball.has_value() &&
@@ -48,14 +48,14 @@ void finish(PoseSummary& sum, Errors& errors) {
   sum.ball = statistics::summarize(std::move(errors.ball));
 }
 
-bool names_tell_apart(const std::vector<FrameRecord>& records) {
+bool names_are_unique(const std::vector<FrameRecord>& records) {
   std::set<std::string> names;
   return std::all_of(records.begin(), records.end(),
                      [&names](const FrameRecord& r) { return !r.file.empty() && names.insert(r.file).second; });
 }
 
-bool stands_still(const std::vector<FrameRecord>& truth) {
-  constexpr std::size_t kFewest = 3;  // fewer say nothing of a spread
+bool is_stationary(const std::vector<FrameRecord>& truth) {
+  constexpr std::size_t kFewest = 3;  // frames for a meaningful spread
   const auto same = [](Point p, Point q) { return distance(p, q) < 1e-9; };
   const SceneRecord& first = truth.front().sightings;
   return truth.size() >= kFewest && std::all_of(truth.begin(), truth.end(), [&](const FrameRecord& record) {
@@ -71,13 +71,13 @@ bool stands_still(const std::vector<FrameRecord>& truth) {
          });
 }
 
-struct Seen {
+struct Observations {
   std::vector<Point> position;
   std::vector<double> theta;
 };
 
-Spread spread_about_mean(const std::string& name, const Seen& seen) {
-  Spread spread;
+PoseSpread spread_about_mean(const std::string& name, const Observations& seen) {
+  PoseSpread spread;
   spread.name = name;
   spread.frames = seen.position.size();
   const auto count = static_cast<double>(spread.frames);
@@ -113,12 +113,12 @@ Spread spread_about_mean(const std::string& name, const Seen& seen) {
 bool evaluate_poses(const std::vector<FrameRecord>& truth, const std::vector<FrameRecord>& result, double seen_within_m,
                     PoseReport& out, std::string& error) {
   out = {};
-  const bool by_name = names_tell_apart(truth) && names_tell_apart(result);
+  const bool by_name = names_are_unique(truth) && names_are_unique(result);
   const auto key = [by_name](const FrameRecord& r) { return by_name ? r.file : std::to_string(r.frame); };
   std::map<std::string, const FrameRecord*> results;
   for (const FrameRecord& record : result) {
     if (!results.emplace(key(record), &record).second) {
-      error = "frame " + std::to_string(record.frame) + " stands twice in the result";
+      error = "frame " + std::to_string(record.frame) + " occurs twice in the result";
       return false;
     }
   }
@@ -127,7 +127,7 @@ bool evaluate_poses(const std::vector<FrameRecord>& truth, const std::vector<Fra
   std::set<std::string> used;
   for (const FrameRecord& record : truth) {
     if (!used.insert(key(record)).second) {
-      error = "frame " + key(record) + " stands twice in the truth";
+      error = "frame " + key(record) + " occurs twice in the truth";
       return false;
     }
     const auto found = results.find(key(record));
@@ -147,32 +147,32 @@ bool evaluate_poses(const std::vector<FrameRecord>& truth, const std::vector<Fra
   out.results_without_truth = result.size() - paired;
   finish(out.sightings, sighting_errors);
   finish(out.tracks, track_errors);
-  if (stands_still(truth)) {
+  if (is_stationary(truth)) {
     std::vector<FrameRecord> paired_results;
     for (const FrameRecord& record : result) {
       if (used.count(key(record)) != 0) paired_results.push_back(record);
     }
-    out.spread = spread_of(paired_results);
+    out.spread = pose_spreads(paired_results);
   }
   return true;
 }
 
-std::vector<Spread> spread_of(const std::vector<FrameRecord>& result) {
-  std::map<std::pair<std::string, int>, Seen> robots;
-  Seen ball;
+std::vector<PoseSpread> pose_spreads(const std::vector<FrameRecord>& result) {
+  std::map<std::pair<std::string, int>, Observations> robots;
+  Observations ball;
   for (const FrameRecord& record : result) {
     for (const RobotRecord& robot : record.sightings.robots) {
       if (!robot.id.has_value()) continue;
-      Seen& seen = robots[{robot.team, *robot.id}];
+      Observations& seen = robots[{robot.team, *robot.id}];
       seen.position.push_back(robot.position_m);
       if (robot.theta_rad.has_value()) seen.theta.push_back(*robot.theta_rad);
     }
     if (record.sightings.ball.has_value()) ball.position.push_back(record.sightings.ball->position_m);
   }
-  std::vector<Spread> spreads;
+  std::vector<PoseSpread> spreads;
   spreads.reserve(robots.size() + 1);
-  for (const auto& [who, seen] : robots) {
-    spreads.push_back(spread_about_mean(who.first + " " + std::to_string(who.second), seen));
+  for (const auto& [robot, seen] : robots) {
+    spreads.push_back(spread_about_mean(robot.first + " " + std::to_string(robot.second), seen));
   }
   if (!ball.position.empty()) spreads.push_back(spread_about_mean("ball", ball));
   return spreads;

@@ -13,19 +13,19 @@ namespace {
 
 using nlohmann::json;
 
-// A place in a document. The first thing that is wrong is kept, and reading goes on with defaults.
-class Node {
+// Reads the values below one place of a JSON document. It keeps the first error and continues with default values.
+class JsonReader {
  public:
-  Node(const json& value, std::string path, std::string& error)
+  JsonReader(const json& value, std::string path, std::string& error)
       : value_(&value), path_(std::move(path)), error_(&error) {}
 
   [[nodiscard]] bool null() const { return value_->is_null(); }
   [[nodiscard]] bool has(const char* key) const { return value_->is_object() && value_->contains(key); }
-  [[nodiscard]] Node at(const char* key) const {
+  [[nodiscard]] JsonReader at(const char* key) const {
     static const json nothing;
     const std::string path = path_.empty() ? key : path_ + "." + key;
     if (!value_->is_object()) {
-      complain(path_.empty() ? "the line is no object" : path_ + " is no object");
+      complain(path_.empty() ? "the line is not an object" : path_ + " is not an object");
     } else if (!value_->contains(key)) {
       complain(path + " is missing");
     } else {
@@ -33,11 +33,11 @@ class Node {
     }
     return {nothing, path, *error_};
   }
-  [[nodiscard]] std::vector<Node> list(const char* key) const {
-    const Node node = at(key);
-    std::vector<Node> nodes;
+  [[nodiscard]] std::vector<JsonReader> list(const char* key) const {
+    const JsonReader node = at(key);
+    std::vector<JsonReader> nodes;
     if (!node.value_->is_array()) {
-      node.complain(node.path_ + " is no list");
+      node.complain(node.path_ + " is not a list");
       return nodes;
     }
     for (const json& entry : *node.value_) {
@@ -47,25 +47,25 @@ class Node {
   }
   [[nodiscard]] double number(const char* key) const { return at(key).as_number(); }
   [[nodiscard]] std::optional<double> number_or_null(const char* key) const {
-    const Node node = at(key);
+    const JsonReader node = at(key);
     return node.null() ? std::nullopt : std::optional(node.as_number());
   }
   [[nodiscard]] std::int64_t integer(const char* key) const {
-    const Node node = at(key);
+    const JsonReader node = at(key);
     if (node.value_->is_number_integer()) return node.value_->get<std::int64_t>();
-    node.complain(node.path_ + " is no whole number");
+    node.complain(node.path_ + " is not an integer");
     return 0;
   }
   [[nodiscard]] std::string text(const char* key) const {
-    const Node node = at(key);
+    const JsonReader node = at(key);
     if (node.value_->is_string()) return node.value_->get<std::string>();
-    node.complain(node.path_ + " is no text");
+    node.complain(node.path_ + " is not a text");
     return {};
   }
   [[nodiscard]] Point pair(const char* key) const {
-    const std::vector<Node> entries = list(key);
+    const std::vector<JsonReader> entries = list(key);
     if (entries.size() == 2) return {entries[0].as_number(), entries[1].as_number()};
-    at(key).complain(at(key).path_ + " is no pair of numbers");
+    at(key).complain(at(key).path_ + " is not a pair of numbers");
     return {};
   }
   void complain(const std::string& what) const {
@@ -75,7 +75,7 @@ class Node {
  private:
   [[nodiscard]] double as_number() const {
     if (value_->is_number()) return value_->get<double>();
-    complain(path_ + " is no number");
+    complain(path_ + " is not a number");
     return 0.0;
   }
   const json* value_;
@@ -97,7 +97,7 @@ bool open_file(const std::string& path, std::ifstream& file, std::string& error)
   return false;
 }
 
-bool read_lines(const std::string& path, const std::function<FrameRecord(const Node&)>& read,
+bool read_lines(const std::string& path, const std::function<FrameRecord(const JsonReader&)>& read,
                 std::vector<FrameRecord>& out, std::string& error) {
   std::ifstream file;
   if (!open_file(path, file, error)) return false;
@@ -106,27 +106,27 @@ bool read_lines(const std::string& path, const std::function<FrameRecord(const N
   for (std::size_t number = 1; std::getline(file, line); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     const json value = json::parse(line, nullptr, false);
-    std::string wrong;
+    std::string problem;
     if (value.is_discarded()) {
-      wrong = "is no JSON";
+      problem = "is not JSON";
     } else {
-      FrameRecord record = read(Node(value, "", wrong));
+      FrameRecord record = read(JsonReader(value, "", problem));
       out.push_back(std::move(record));
     }
-    if (!wrong.empty()) {
+    if (!problem.empty()) {
       error = path + ":";
-      error.append(std::to_string(number)).append(": ").append(wrong);
+      error.append(std::to_string(number)).append(": ").append(problem);
       return false;
     }
   }
   if (out.empty()) {
-    error = path + ": holds no frame";
+    error = path + ": contains no frames";
     return false;
   }
   return true;
 }
 
-std::optional<BallRecord> ball_of(const Node& node, bool with_pixels) {
+std::optional<BallRecord> ball_of(const JsonReader& node, bool with_pixels) {
   if (node.null()) return std::nullopt;
   BallRecord ball;
   ball.position_m = {node.number("x"), node.number("y")};
@@ -134,17 +134,17 @@ std::optional<BallRecord> ball_of(const Node& node, bool with_pixels) {
   return ball;
 }
 
-SceneRecord scene_of(const Node& node, bool is_result, bool with_pixels, const NameMap& names) {
+SceneRecord scene_of(const JsonReader& node, bool is_result, bool with_pixels, const NameMap& names) {
   SceneRecord scene;
   scene.ball = ball_of(node.at("ball"), with_pixels);
-  for (const Node& entry : node.list("robots")) {
+  for (const JsonReader& entry : node.list("robots")) {
     RobotRecord robot;
     robot.team = renamed(names, entry.text("team"));
     if (!entry.at("id").null()) robot.id = static_cast<int>(entry.integer("id"));
     robot.position_m = {entry.number("x"), entry.number("y")};
     robot.theta_rad = entry.number_or_null("theta");
     if (is_result && with_pixels) {
-      for (const Node& patch : entry.list("patches")) {
+      for (const JsonReader& patch : entry.list("patches")) {
         robot.patches.push_back({patch.text("role") == "identification",
                                  renamed(names, patch.text("color")),
                                  {patch.number("u"), patch.number("v")}});
@@ -158,9 +158,9 @@ SceneRecord scene_of(const Node& node, bool is_result, bool with_pixels, const N
 }  // namespace
 
 bool read_truth(const std::string& path, std::vector<FrameRecord>& out, std::string& error) {
-  const auto read = [](const Node& line) {
+  const auto read = [](const JsonReader& line) {
     FrameRecord record;
-    // A picture is known by its file, a frame of a video by its number.
+    // Pictures are identified by their file, frames of a video by their number.
     if (line.has("file") || !line.has("frame")) record.file = line.text("file");
     if (line.has("frame")) record.frame = line.integer("frame");
     if (line.has("t")) record.t_s = line.number("t");
@@ -171,7 +171,7 @@ bool read_truth(const std::string& path, std::vector<FrameRecord>& out, std::str
 }
 
 bool read_result(const std::string& path, const NameMap& names, std::vector<FrameRecord>& out, std::string& error) {
-  const auto read = [&names](const Node& line) {
+  const auto read = [&names](const JsonReader& line) {
     FrameRecord record;
     record.file = line.text("file");
     record.frame = line.integer("frame");
@@ -188,11 +188,11 @@ bool read_annotated(const std::string& path, AnnotatedPicture& out, std::string&
   if (!open_file(path, file, error)) return false;
   const json value = json::parse(file, nullptr, false);
   if (value.is_discarded()) {
-    error = path + ": is no JSON";
+    error = path + ": is not JSON";
     return false;
   }
-  std::string wrong;
-  const Node root(value, "", wrong);
+  std::string problem;
+  const JsonReader root(value, "", problem);
   out = {};
   out.name = std::filesystem::path(path).stem().string();
   // "../folder/picture.png" or "../video.mp4 frame 270"
@@ -201,14 +201,14 @@ bool read_annotated(const std::string& path, AnnotatedPicture& out, std::string&
   if (const std::size_t place = image.find(mark); place != std::string::npos) {
     const std::string digits = image.substr(place + mark.size());
     if (digits.empty() || digits.size() > 9 || digits.find_first_not_of("0123456789") != std::string::npos) {
-      root.complain("image has no frame number behind \"frame\"");
+      root.complain("image has no frame number after \"frame\"");
     } else {
       out.frame = std::stoll(digits);
     }
     image.resize(place);
   }
   out.file = std::filesystem::path(image).filename().string();
-  for (const Node& object : root.list("objects")) {
+  for (const JsonReader& object : root.list("objects")) {
     const std::string type = object.text("type");
     if (type == "ball") {
       out.balls_px.push_back(object.pair("centre"));
@@ -217,7 +217,7 @@ bool read_annotated(const std::string& path, AnnotatedPicture& out, std::string&
       robot.team = object.text("team");
       if (object.has("team_patch") && !object.at("team_patch").null()) robot.team_px = object.pair("team_patch");
       if (object.has("id_patches") && !object.at("id_patches").null()) {
-        for (const Node& patch : object.list("id_patches")) {
+        for (const JsonReader& patch : object.list("id_patches")) {
           robot.identification.push_back({true, patch.text("colour"), patch.pair("centre")});
         }
       }
@@ -226,8 +226,8 @@ bool read_annotated(const std::string& path, AnnotatedPicture& out, std::string&
       object.complain("type \"" + type + "\" is neither ball nor robot");
     }
   }
-  if (wrong.empty()) return true;
-  error = path + ": " + wrong;
+  if (problem.empty()) return true;
+  error = path + ": " + problem;
   return false;
 }
 

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-// What truth files, annotated pictures and results of touchline-replay say, with every key checked while it is read.
+// Readers for truth files, annotated pictures and results of touchline-replay. Every key is checked.
 namespace touchline::evaluate {
 
 struct Point {
-  double a = 0.0, b = 0.0;  // x, y in meters or u, v in pixels
+  double a = 0.0, b = 0.0;  // either x, y in meters or u, v in pixels
 };
 inline double distance(Point p, Point q) { return std::hypot(p.a - q.a, p.b - q.b); }
 
@@ -43,25 +43,25 @@ struct FrameRecord {
   std::string file;
   std::int64_t frame = 0;
   double t_s = 0.0;
-  SceneRecord sightings;  // of truth: what is there
-  SceneRecord tracks;     // of truth: the same
+  SceneRecord sightings;  // in a truth file: the truth
+  SceneRecord tracks;     // in a truth file: the same as `sightings`
 };
 
-/// One picture annotated by hand.
+/// A picture that was annotated by hand.
 struct AnnotatedPicture {
-  std::string name;        // for the table: file name of the annotation without ending
+  std::string name;        // file name of the annotation without extension, for the table
   std::string file;        // file name of the picture or video
-  std::int64_t frame = 0;  // in a video
+  std::int64_t frame = 0;  // frame number in a video
   std::vector<Point> balls_px;
   struct Robot {
     std::string team;
-    std::optional<Point> team_px;  // absent: the annotator could not tell
+    std::optional<Point> team_px;  // empty: the annotator could not see it
     std::vector<PatchRecord> identification;
   };
   std::vector<Robot> robots;
 };
 
-/// Names of colors and teams in results -> names in the truth.
+/// Maps names of colors and teams in results to those in the truth.
 using NameMap = std::map<std::string, std::string>;
 
 /// Each returns false with "file:line: reason" in `error` when anything is missing or of the wrong kind.

@@ -19,7 +19,7 @@ void line(std::ostream& out, const char* format, Values... values) {
   out << text << '\n';
 }
 
-// "118 (98.3 %)"; of nothing there is no share.
+// "118 (98.3 %)"; without percentage if `whole` is 0.
 std::string share(std::size_t part, std::size_t whole) {
   char text[64];
   if (whole == 0) {
@@ -61,9 +61,9 @@ ordered_json json_of(const PoseSummary& s) {
           {"ball_m", json_of(s.ball)}};
 }
 
-ordered_json json_of(const std::vector<Spread>& spreads) {
+ordered_json json_of(const std::vector<PoseSpread>& spreads) {
   ordered_json list = ordered_json::array();
-  for (const Spread& s : spreads) {
+  for (const PoseSpread& s : spreads) {
     list.push_back({{"name", s.name},
                     {"frames", s.frames},
                     {"position_rms_m", s.position_rms},
@@ -80,11 +80,12 @@ ordered_json json_of(const std::vector<Spread>& spreads) {
 
 void print(const PoseReport& report, double seen_within_m, std::ostream& out) {
   const PoseSummary &s = report.sightings, &t = report.tracks;
-  line(out, "%zu frames, %zu robots and %zu balls in the truth; the same place: within %.1f mm", report.frames,
-       s.robots, s.balls, seen_within_m * kMillimeters);
+  line(out, "%zu frames, %zu robots and %zu balls in the truth; matched within %.1f mm", report.frames, s.robots,
+       s.balls, seen_within_m * kMillimeters);
   if (report.frames_without_result > 0)
-    line(out, "%zu frames have no result: all in them is missed", report.frames_without_result);
-  if (report.results_without_truth > 0) line(out, "%zu results have no truth: left out", report.results_without_truth);
+    line(out, "%zu frames have no result; their robots and balls count as missed", report.frames_without_result);
+  if (report.results_without_truth > 0)
+    line(out, "%zu results have no truth and are ignored", report.results_without_truth);
   line(out, "\n%-26s %-26s   %s", "", "sightings", "tracks");
   const auto counts = [&](const char* name, std::size_t PoseSummary::*part, std::size_t PoseSummary::*whole) {
     const std::size_t all_s = whole == nullptr ? 0 : s.*whole, all_t = whole == nullptr ? 0 : t.*whole;
@@ -103,15 +104,15 @@ void print(const PoseReport& report, double seen_within_m, std::ostream& out) {
   print_errors(out, "robot angle", s.angle, t.angle, kDegrees, "deg");
   print_errors(out, "ball position", s.ball, t.ball, kMillimeters, "mm");
   if (!report.spread.empty()) {
-    out << "\nNothing moves in the truth: sightings about their own mean\n";
+    out << "\nNothing moves in the truth: deviations of the sightings from their mean\n";
     print(report.spread, report.frames, out);
   }
 }
 
-void print(const std::vector<Spread>& spread, std::size_t frames, std::ostream& out) {
+void print(const std::vector<PoseSpread>& spread, std::size_t frames, std::ostream& out) {
   line(out, "%-20s %-18s %17s %17s %9s   %s", "", "frames", "RMS mm      max", "RMS deg     max", "step mm",
        "mean x, y m");
-  for (const Spread& s : spread) {
+  for (const PoseSpread& s : spread) {
     line(out, "%-20s %-18s %8.3f %8.3f %8.3f %8.3f %9.3f   %.4f, %.4f", s.name.c_str(), share(s.frames, frames).c_str(),
          s.position_rms * kMillimeters, s.position_max * kMillimeters, s.angle_rms * kDegrees, s.angle_max * kDegrees,
          s.largest_step * kMillimeters, s.mean.a, s.mean.b);
@@ -150,7 +151,7 @@ std::string to_json(const PoseReport& report, double seen_within_m) {
          "\n";
 }
 
-std::string to_json(const std::vector<Spread>& spread, std::size_t frames) {
+std::string to_json(const std::vector<PoseSpread>& spread, std::size_t frames) {
   return ordered_json{{"frames", frames}, {"spread", json_of(spread)}}.dump(2) + "\n";
 }
 

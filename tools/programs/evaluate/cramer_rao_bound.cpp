@@ -1,4 +1,4 @@
-#include "tools/programs/evaluate/patch_bound.h"
+#include "tools/programs/evaluate/cramer_rao_bound.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -16,13 +16,13 @@
 namespace touchline::evaluate {
 namespace {
 
-// Variances about a mean of two pictures would be half chance.
+// A variance estimated from two pictures would be too uncertain.
 constexpr std::size_t kLeastPictures = 3;
-// Of a rounded value that has no other noise.
+// Variance of a rounded value without other noise.
 constexpr double kRoundingVariance = 1.0 / 12.0;
 
-// One robot in all results.
-struct Standing {
+// Poses and patch centers of one robot in all results.
+struct StaticRobot {
   std::size_t team = 0;
   std::vector<Point> position_m;
   std::vector<double> theta_rad;
@@ -31,20 +31,20 @@ struct Standing {
 
 PixelPoint as_pixel(Point point) { return {static_cast<float>(point.a), static_cast<float>(point.b)}; }
 
-// d(field) / d(pixel), by half a pixel to both sides.
+// The Jacobian d(field) / d(pixel), by central differences of half a pixel.
 Eigen::Matrix2d field_by_pixel(const CameraModel& camera, PixelPoint at, float height_m) {
   constexpr float kHalf = 0.5f;
   const FieldPoint right = camera.to_field({at.u_px + kHalf, at.v_px}, height_m);
   const FieldPoint left = camera.to_field({at.u_px - kHalf, at.v_px}, height_m);
   const FieldPoint below = camera.to_field({at.u_px, at.v_px + kHalf}, height_m);
   const FieldPoint above = camera.to_field({at.u_px, at.v_px - kHalf}, height_m);
-  Eigen::Matrix2d by;
-  by << static_cast<double>(right.x_m - left.x_m), static_cast<double>(below.x_m - above.x_m),
+  Eigen::Matrix2d field_by_px;
+  field_by_px << static_cast<double>(right.x_m - left.x_m), static_cast<double>(below.x_m - above.x_m),
       static_cast<double>(right.y_m - left.y_m), static_cast<double>(below.y_m - above.y_m);
-  return by;
+  return field_by_px;
 }
 
-// How the pose of eq. (3) (x, y, heading) follows one coordinate of what was seen.
+// Derivative of the pose of eq. (3) (x, y, heading) with respect to one coordinate of a patch center.
 Eigen::Vector3d pose_by(std::vector<Correspondence> points, std::size_t k, bool along_y) {
   constexpr float kStep = 1e-3f;
   float& coordinate = along_y ? points[k].seen.y_m : points[k].seen.x_m;
@@ -59,7 +59,7 @@ Eigen::Vector3d pose_by(std::vector<Correspondence> points, std::size_t k, bool 
          (2.0 * static_cast<double>(kStep));
 }
 
-double spread_of_positions(const std::vector<Point>& points) {
+double deviation_of_positions(const std::vector<Point>& points) {
   const double n = static_cast<double>(points.size());
   Point mean;
   for (const Point& p : points) {
@@ -71,7 +71,7 @@ double spread_of_positions(const std::vector<Point>& points) {
   return std::sqrt(squares / (n - 1.0));
 }
 
-double spread_of_angles(const std::vector<double>& angles) {
+double deviation_of_angles(const std::vector<double>& angles) {
   const double n = static_cast<double>(angles.size());
   double mean = 0.0, squares = 0.0;
   for (const double angle : angles) mean += statistics::wrapped(angle - angles.front()) / n;
@@ -79,7 +79,7 @@ double spread_of_angles(const std::vector<double>& angles) {
   return std::sqrt(squares / (n - 1.0));
 }
 
-bool bound_of(const StandingPictures& pictures, const Standing& robot, const BoundSetting& setting, PoseBound& out) {
+bool bound_of(const StaticPictures& pictures, const StaticRobot& robot, const BoundInputs& setting, PoseBound& out) {
   const MarkerLayout& layout = setting.layouts[robot.team];
   const std::size_t patches = robot.center_px.size();
   const double n = static_cast<double>(robot.position_m.size());
@@ -93,33 +93,33 @@ bool bound_of(const StandingPictures& pictures, const Standing& robot, const Bou
   Eigen::Matrix3d pose = Eigen::Matrix3d::Zero();
   double squares_px = 0.0;
   for (std::size_t k = 0; k < patches; ++k) {
-    // Half the way to the next patch: what is nearer to that one tells of its own shift.
+    // Half the distance to the nearest patch: pixels closer to that patch belong to it.
     double radius = std::numeric_limits<double>::infinity();
     for (std::size_t other = 0; other < patches; ++other) {
       if (other == k) continue;
       radius = std::min(radius, 0.5 * std::hypot(centers[k].a - centers[other].a, centers[k].b - centers[other].b));
     }
-    const StandingPictures::Information i = pictures.information(centers[k], radius);
+    const StaticPictures::FisherInformation i = pictures.fisher_information(centers[k], radius);
     Eigen::Matrix2d fisher;
     fisher << i.uu, i.uv, i.uv, i.vv;
     if (!(fisher.determinant() > 0.0 && i.uu > 0.0)) return false;
     const Eigen::Matrix2d pixel = fisher.inverse();
     squares_px += pixel.trace();
-    const Eigen::Matrix2d by = field_by_pixel(setting.camera, as_pixel(centers[k]), layout.height_m);
-    Eigen::Matrix<double, 3, 2> follows;
-    follows << pose_by(points, k, false), pose_by(points, k, true);
-    pose += follows * by * pixel * by.transpose() * follows.transpose();
+    const Eigen::Matrix2d field_by_px = field_by_pixel(setting.camera, as_pixel(centers[k]), layout.height_m);
+    Eigen::Matrix<double, 3, 2> pose_by_field;
+    pose_by_field << pose_by(points, k, false), pose_by(points, k, true);
+    pose += pose_by_field * field_by_px * pixel * field_by_px.transpose() * pose_by_field.transpose();
   }
   out.center_px = std::sqrt(squares_px / static_cast<double>(patches));
   out.position_m = std::sqrt(pose(0, 0) + pose(1, 1));
   out.angle_rad = std::sqrt(pose(2, 2));
-  out.position_rms_m = spread_of_positions(robot.position_m);
-  out.angle_rms_rad = spread_of_angles(robot.theta_rad);
+  out.position_rms_m = deviation_of_positions(robot.position_m);
+  out.angle_rms_rad = deviation_of_angles(robot.theta_rad);
   return true;
 }
 
 bool read_pictures(const std::vector<FrameRecord>& results, const std::string& folder,
-                   std::unique_ptr<StandingPictures>& pictures, std::string& error) {
+                   std::unique_ptr<StaticPictures>& pictures, std::string& error) {
   std::size_t width = 0, height = 0;
   for (const FrameRecord& record : results) {
     const std::string path = folder + "/" + record.file;
@@ -132,20 +132,20 @@ bool read_pictures(const std::vector<FrameRecord>& results, const std::string& f
     if (pictures == nullptr) {
       width = picture.width_px;
       height = picture.height_px;
-      pictures = std::make_unique<StandingPictures>(width, height);
+      pictures = std::make_unique<StaticPictures>(width, height);
     } else if (picture.width_px != width || picture.height_px != height) {
       error =
-          path + ": is not as large as the first picture, " + std::to_string(width) + " x " + std::to_string(height);
+          path + ": differs in size from the first picture, " + std::to_string(width) + " x " + std::to_string(height);
       return false;
     }
     pictures->add(picture.rgb8);
   }
-  pictures->find_noise();
+  pictures->estimate_noise();
   return true;
 }
 
-std::map<std::string, Standing> standing_robots(const std::vector<FrameRecord>& results, const BoundSetting& setting) {
-  std::map<std::string, Standing> robots;
+std::map<std::string, StaticRobot> static_robots(const std::vector<FrameRecord>& results, const BoundInputs& setting) {
+  std::map<std::string, StaticRobot> robots;
   for (const FrameRecord& record : results) {
     for (const RobotRecord& robot : record.sightings.robots) {
       const auto team = std::find(setting.teams.begin(), setting.teams.end(), robot.team);
@@ -153,14 +153,14 @@ std::map<std::string, Standing> standing_robots(const std::vector<FrameRecord>& 
       const auto index = static_cast<std::size_t>(team - setting.teams.begin());
       const std::size_t patches = setting.layouts[index].patches.size();
       if (patches < 2 || robot.patches.size() != patches) continue;
-      Standing& standing = robots[robot.team + " " + std::to_string(*robot.id)];
-      standing.team = index;
-      standing.position_m.push_back(robot.position_m);
-      standing.theta_rad.push_back(*robot.theta_rad);
-      standing.center_px.resize(patches);
+      StaticRobot& static_robot = robots[robot.team + " " + std::to_string(*robot.id)];
+      static_robot.team = index;
+      static_robot.position_m.push_back(robot.position_m);
+      static_robot.theta_rad.push_back(*robot.theta_rad);
+      static_robot.center_px.resize(patches);
       for (std::size_t k = 0; k < patches; ++k) {
-        standing.center_px[k].a += robot.patches[k].center_px.a;
-        standing.center_px[k].b += robot.patches[k].center_px.b;
+        static_robot.center_px[k].a += robot.patches[k].center_px.a;
+        static_robot.center_px[k].b += robot.patches[k].center_px.b;
       }
     }
   }
@@ -170,10 +170,10 @@ std::map<std::string, Standing> standing_robots(const std::vector<FrameRecord>& 
 
 }  // namespace
 
-StandingPictures::StandingPictures(std::size_t width_px, std::size_t height_px)
+StaticPictures::StaticPictures(std::size_t width_px, std::size_t height_px)
     : width_(width_px), height_(height_px), mean_(3 * width_px * height_px), squares_(mean_.size()) {}
 
-void StandingPictures::add(const std::vector<std::uint8_t>& rgb) {
+void StaticPictures::add(const std::vector<std::uint8_t>& rgb) {
   ++count_;
   for (std::size_t i = 0; i < mean_.size(); ++i) {
     const double value = rgb[i], before = value - mean_[i];
@@ -182,7 +182,7 @@ void StandingPictures::add(const std::vector<std::uint8_t>& rgb) {
   }
 }
 
-void StandingPictures::find_noise() {
+void StaticPictures::estimate_noise() {
   std::array<std::array<double, kLevels>, 3> pixels{};
   variance_ = {};
   for (std::size_t i = 0; i < mean_.size(); ++i) {
@@ -197,8 +197,8 @@ void StandingPictures::find_noise() {
   }
 }
 
-StandingPictures::Information StandingPictures::information(Point center_px, double radius_px) const {
-  Information sum;
+StaticPictures::FisherInformation StaticPictures::fisher_information(Point center_px, double radius_px) const {
+  FisherInformation sum;
   const double n = static_cast<double>(count_);
   for (std::size_t v = 1; v + 1 < height_; ++v) {
     const double dv = static_cast<double>(v) - center_px.b;
@@ -211,7 +211,8 @@ StandingPictures::Information StandingPictures::information(Point center_px, dou
         const double right = mean(u + 1, v, c) - here, left = here - mean(u - 1, v, c);
         const double below = mean(u, v + 1, c) - here, above = here - mean(u, v - 1, c);
         const double variance = variance_[c][level_of(here)];
-        // The mean of both sides' squares, which keeps the height of a steep edge; each holds 2 variance / n of noise.
+        // The mean of both one-sided squares preserves the height of a steep edge. The expectation of each includes a
+        // noise term of 2 variance / n.
         sum.uu += 0.5 * (right * right + left * left) / variance - 2.0 / n;
         sum.vv += 0.5 * (below * below + above * above) / variance - 2.0 / n;
         sum.uv += 0.25 * (right + left) * (below + above) / variance;
@@ -221,16 +222,16 @@ StandingPictures::Information StandingPictures::information(Point center_px, dou
   return sum;
 }
 
-bool find_bounds(const std::vector<FrameRecord>& results, const std::string& folder, const BoundSetting& setting,
-                 std::vector<PoseBound>& out, std::string& error) {
+bool cramer_rao_bounds(const std::vector<FrameRecord>& results, const std::string& folder, const BoundInputs& setting,
+                       std::vector<PoseBound>& out, std::string& error) {
   out.clear();
   if (results.size() < kLeastPictures) {
-    error = folder + ": noise cannot be measured from fewer than " + std::to_string(kLeastPictures) + " pictures";
+    error = folder + ": the noise cannot be estimated from fewer than " + std::to_string(kLeastPictures) + " pictures";
     return false;
   }
-  std::unique_ptr<StandingPictures> pictures;
+  std::unique_ptr<StaticPictures> pictures;
   if (!read_pictures(results, folder, pictures, error)) return false;
-  for (const auto& [name, robot] : standing_robots(results, setting)) {
+  for (const auto& [name, robot] : static_robots(results, setting)) {
     PoseBound bound;
     bound.name = name;
     if (bound_of(*pictures, robot, setting, bound)) out.push_back(bound);
@@ -248,7 +249,7 @@ void print(const std::vector<PoseBound>& bounds, std::ostream& out) {
                   b.angle_rad * kDegrees, b.angle_rms_rad * kDegrees, b.angle_rms_rad / b.angle_rad);
     out << text << '\n';
   };
-  out << "Cramer-Rao bound of standing robots under the pictures' own noise, and what was measured\n";
+  out << "Cramer-Rao bound of stationary robots for the noise of these pictures, and the measured deviation\n";
   std::snprintf(text, sizeof text, "%-20s %9s %10s %10s %8s %10s %10s %8s", "", "patch px", "bound mm", "RMS mm",
                 "times", "bound deg", "RMS deg", "times");
   out << text << '\n';

@@ -12,9 +12,10 @@ struct Match {
   double distance = 0.0;
 };
 
-/// Pairs of two lists, nearest first, each entry at most once, no pair farther apart than `within`.
+/// Pairs the entries of two lists greedily, nearest pair first. Each entry is used at most once. `distance(i, j)` gives
+/// the distance of two entries; pairs farther apart than `within` are not matched.
 template <class Distance>
-std::vector<Match> nearest_first(std::size_t firsts, std::size_t seconds, double within, Distance&& distance) {
+std::vector<Match> match_greedily(std::size_t firsts, std::size_t seconds, double within, Distance&& distance) {
   std::vector<Match> candidates, matches;
   for (std::size_t i = 0; i < firsts; ++i) {
     for (std::size_t j = 0; j < seconds; ++j) {

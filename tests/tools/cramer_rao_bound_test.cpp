@@ -1,4 +1,4 @@
-#include "tools/programs/evaluate/patch_bound.h"
+#include "tools/programs/evaluate/cramer_rao_bound.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -31,18 +31,18 @@ std::vector<std::uint8_t> noisy(std::mt19937& random, Level level) {
 }
 
 template <class Level>
-StandingPictures pictures_of(std::size_t count, Level level) {
+StaticPictures pictures_of(std::size_t count, Level level) {
   std::mt19937 random(3);
-  StandingPictures pictures(kWidth, kHeight);
+  StaticPictures pictures(kWidth, kHeight);
   for (std::size_t i = 0; i < count; ++i) pictures.add(noisy(random, level));
-  pictures.find_noise();
+  pictures.estimate_noise();
   return pictures;
 }
 
 TEST(PatchBound, ARampsInformationIsItsSlopeOverTheNoise) {
   // 3 levels a pixel along u, in all three channels; about 314 pixels lie within the radius.
-  const StandingPictures pictures = pictures_of(12, [](double u, double) { return 30.0 + 3.0 * u; });
-  const StandingPictures::Information i = pictures.information({32.0, 24.0}, 10.0);
+  const StaticPictures pictures = pictures_of(12, [](double u, double) { return 30.0 + 3.0 * u; });
+  const StaticPictures::FisherInformation i = pictures.fisher_information({32.0, 24.0}, 10.0);
   const double expected = 3.0 * 317.0 * 9.0 / (kSigma * kSigma + 1.0 / 12.0);
   EXPECT_NEAR(i.uu / expected, 1.0, 0.1);
   EXPECT_LT(std::abs(i.vv), 0.1 * expected) << "nothing changes along v";
@@ -51,8 +51,8 @@ TEST(PatchBound, ARampsInformationIsItsSlopeOverTheNoise) {
 
 // With four pictures the mean's own noise would be information of 3 * 317 * 2 / 4 along each axis.
 TEST(PatchBound, NoiseAloneTellsNothing) {
-  const StandingPictures pictures = pictures_of(4, [](double, double) { return 100.0; });
-  const StandingPictures::Information i = pictures.information({32.0, 24.0}, 10.0);
+  const StaticPictures pictures = pictures_of(4, [](double, double) { return 100.0; });
+  const StaticPictures::FisherInformation i = pictures.fisher_information({32.0, 24.0}, 10.0);
   EXPECT_LT(std::abs(i.uu), 60.0);
   EXPECT_LT(std::abs(i.vv), 60.0);
 }
@@ -104,7 +104,7 @@ class BoundOfRobot : public ::testing::Test {
   }
 
   std::array<Point, 2> center_{};
-  BoundSetting setting_;
+  BoundInputs setting_;
   std::string folder_;
   std::vector<FrameRecord> results_;
 };
@@ -112,7 +112,7 @@ class BoundOfRobot : public ::testing::Test {
 TEST_F(BoundOfRobot, FollowsFromItsPatches) {
   std::vector<PoseBound> bounds;
   std::string error;
-  ASSERT_TRUE(find_bounds(results_, folder_, setting_, bounds, error)) << error;
+  ASSERT_TRUE(cramer_rao_bounds(results_, folder_, setting_, bounds, error)) << error;
   ASSERT_EQ(bounds.size(), 1u);
   const PoseBound& b = bounds[0];
   EXPECT_EQ(b.name, "blue 2");
@@ -131,13 +131,13 @@ TEST_F(BoundOfRobot, FollowsFromItsPatches) {
 TEST_F(BoundOfRobot, NeedsRobotsAndPictures) {
   std::vector<PoseBound> bounds;
   std::string error;
-  EXPECT_FALSE(find_bounds({results_[0], results_[1]}, folder_, setting_, bounds, error));
+  EXPECT_FALSE(cramer_rao_bounds({results_[0], results_[1]}, folder_, setting_, bounds, error));
   EXPECT_NE(error.find("fewer than 3 pictures"), std::string::npos) << error;
   results_[3].sightings.robots.clear();
-  EXPECT_FALSE(find_bounds(results_, folder_, setting_, bounds, error));
+  EXPECT_FALSE(cramer_rao_bounds(results_, folder_, setting_, bounds, error));
   EXPECT_NE(error.find("no robot"), std::string::npos) << error;
   results_[2].file = "missing.png";
-  EXPECT_FALSE(find_bounds(results_, folder_, setting_, bounds, error));
+  EXPECT_FALSE(cramer_rao_bounds(results_, folder_, setting_, bounds, error));
   EXPECT_NE(error.find("missing.png"), std::string::npos) << error;
 }
 

@@ -229,7 +229,7 @@ TEST_P(BadTruth, IsRefusedWithItsLineAndKey) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Records, BadTruth,
-    testing::Values(BadLine{R"({"file":"b.png","ball":nu)", "no JSON"}, BadLine{"[1,2]", "no object"},
+    testing::Values(BadLine{R"({"file":"b.png","ball":nu)", "not JSON"}, BadLine{"[1,2]", "not an object"},
                     BadLine{R"({"ball":null,"robots":[]})", "file is missing"},
                     BadLine{R"({"file":7,"ball":null,"robots":[]})", "file is not a text"},
                     BadLine{R"({"file":"b.png","robots":[]})", "ball is missing"},

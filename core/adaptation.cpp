@@ -58,9 +58,10 @@ bool same(const ColorBoxes& a, const ColorBoxes& b) {
 }  // namespace
 
 Status Adaptation::configure(const AdaptationParameters& parameters, const ScanParameters& scan, ColorId ball_color) {
-  const float most_levels = kLevelsAnOctave * std::log2(static_cast<float>(parameters.most_light));
-  if (Status s = light_.configure(scan.width_px, scan.height_px, most_levels); !s.ok()) return s;
-  const float most_shift = std::min(static_cast<float>(parameters.most_shift), static_cast<float>(scan.box_room));
+  const float max_levels = kLevelsAnOctave * std::log2(static_cast<float>(parameters.most_light));
+  if (Status s = light_.configure(scan.width_px, scan.height_px, max_levels); !s.ok()) return s;
+  const float most_shift =
+      std::min(static_cast<float>(parameters.most_shift), static_cast<float>(scan.box_shift_limit));
   if (Status s = shift_.configure(scan.boxes, most_shift); !s.ok()) return s;
   mode_ = parameters.mode;
   time_constant_s_ = static_cast<float>(parameters.time_constant_s);
@@ -142,8 +143,8 @@ bool Adaptation::learn_patch(const Shading& shading, const Frame& frame, const P
   const std::array<std::uint8_t, 3>& typical = typical_[patch.color];
   std::array<float, 3> brighter{}, weight{};
   for (std::size_t c = 0; c < 3; ++c) {
-    const auto unlit = static_cast<float>(unlit_value(space, c));
-    const float expected = static_cast<float>(typical[c]) - unlit, measured = sample.mean[c] - unlit;
+    const auto black = static_cast<float>(black_value(space, c));
+    const float expected = static_cast<float>(typical[c]) - black, measured = sample.mean[c] - black;
     if (expected <= 0.0f || measured <= 0.0f || sample.saturated[c]) continue;
     const float telling = std::min(1.0f, expected / kTelling_levels);
     brighter[c] = kLevelsAnOctave * std::log2(measured / expected) + map_gain_levels(shading, c, patch.center);
@@ -165,9 +166,9 @@ void Adaptation::learn_color(const Shading& shading, ColorSpace space, ColorId c
   if (sample.saturated[0] || sample.saturated[1] || sample.saturated[2]) return;
   std::array<float, 3> off{};
   for (std::size_t c = 0; c < 3; ++c) {
-    const auto unlit = static_cast<float>(unlit_value(space, c));
+    const auto black = static_cast<float>(black_value(space, c));
     const float gain_levels = map_gain_levels(shading, c, center) - light_.at(c, center);
-    const float corrected = unlit + (sample.mean[c] - unlit) * std::exp2(gain_levels / kLevelsAnOctave);
+    const float corrected = black + (sample.mean[c] - black) * std::exp2(gain_levels / kLevelsAnOctave);
     off[c] = corrected - static_cast<float>(typical_[color][c]);
   }
   shift_.observe(color, off, step / kBoxesSlower);
@@ -178,7 +179,7 @@ void Adaptation::apply(RegionScanner& scanner) {
   const Shading& shading = scanner.shading();
   if (changed_ && shading.active()) rows_due_ = shading.rows();
   for (int i = 0; i < kTileRowsAFrame && rows_due_ > 0; ++i, --rows_due_) {
-    scanner.follow_light(light_, next_row_);
+    scanner.apply_light_change(light_, next_row_);
     next_row_ = static_cast<std::uint16_t>((next_row_ + 1) % shading.rows());
   }
   if (next_table_ == kTables) {
@@ -189,7 +190,7 @@ void Adaptation::apply(RegionScanner& scanner) {
     next_table_ = 0;
   }
   for (std::uint32_t i = 0; i < kTablesAFrame && next_table_ < kTables; ++i, ++next_table_) {
-    scanner.move_boxes(target_, next_table_ / kLightLevels, static_cast<std::uint8_t>(next_table_ % kLightLevels));
+    scanner.rebuild_tables(target_, next_table_ / kLightLevels, static_cast<std::uint8_t>(next_table_ % kLightLevels));
   }
 }
 

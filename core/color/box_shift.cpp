@@ -30,11 +30,11 @@ bool part(ColorBox& below, ColorBox& above, std::size_t channel) {
 
 }  // namespace
 
-Status BoxShift::configure(const ColorBoxes& boxes, float most_levels) {
+Status BoxShift::configure(const ColorBoxes& boxes, float max_levels) {
   if (Status s = check(boxes); !s.ok()) return s;
-  if (!(most_levels >= 0.0f)) return ErrorCode::kOutOfRange;
+  if (!(max_levels >= 0.0f)) return ErrorCode::kOutOfRange;
   boxes_ = boxes;
-  most_levels_ = most_levels;
+  max_levels_ = max_levels;
   reset();
   return {};
 }
@@ -44,8 +44,8 @@ void BoxShift::reset() { shift_.fill({}); }
 void BoxShift::observe(ColorId color, const std::array<float, 3>& off, float step) {
   for (std::size_t channel = 0; channel < 3; ++channel) {
     float& shift = shift_[color][channel];
-    const float believed = std::clamp(off[channel] - shift, -kMostStep_levels, kMostStep_levels);
-    shift = std::clamp(shift + step * believed, -most_levels_, most_levels_);
+    const float believed = std::clamp(off[channel] - shift, -kMaxStep_levels, kMaxStep_levels);
+    shift = std::clamp(shift + step * believed, -max_levels_, max_levels_);
   }
 }
 

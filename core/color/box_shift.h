@@ -11,13 +11,13 @@ namespace touchline {
 /// light alone does not explain.
 class BoxShift {
  public:
-  /// No color is moved yet. `most_levels`: none is moved farther in any channel. kOutOfRange: check(boxes), or a
+  /// No color is moved yet. `max_levels`: none is moved farther in any channel. kOutOfRange: check(boxes), or a
   /// negative bound.
-  Status configure(const ColorBoxes& boxes, float most_levels);
+  Status configure(const ColorBoxes& boxes, float max_levels);
   void reset();
 
   /// The color was seen `off` levels from where it is expected. `step`, 0 to 1: the share of the difference to the
-  /// present shift that is believed; a single observation moves it by at most kMostStep_levels times that.
+  /// present shift that is believed; a single observation moves it by at most kMaxStep_levels times that.
   void observe(ColorId color, const std::array<float, 3>& off, float step);
 
   [[nodiscard]] const std::array<float, 3>& of(ColorId color) const { return shift_[color]; }
@@ -25,11 +25,11 @@ class BoxShift {
   /// all stay in their places.
   [[nodiscard]] ColorBoxes moved() const;
 
-  static constexpr float kMostStep_levels = 8.0f;
+  static constexpr float kMaxStep_levels = 8.0f;
 
  private:
   ColorBoxes boxes_;
-  float most_levels_ = 0;
+  float max_levels_ = 0;
   std::array<std::array<float, 3>, kMaxColors + 1> shift_{};
 };
 

@@ -14,11 +14,11 @@ OccupiedWords classify_any_span(const SpanTables& tables, const RowPixels& row, 
   if ((begin | end) % 2 == 0 && begin < end) return kKernel(tables, row, begin, end, colors);
   OccupiedWords occupied = 0;
   if (begin % 2 == 1 && begin < end) {
-    occupied |= scalar_kernel(kFormat)(tables, row, begin, begin + 1, colors);
+    occupied |= portable_kernel(kFormat)(tables, row, begin, begin + 1, colors);
     ++begin;
   }
   if (end % 2 == 1 && begin < end) {
-    occupied |= scalar_kernel(kFormat)(tables, row, end - 1, end, colors);
+    occupied |= portable_kernel(kFormat)(tables, row, end - 1, end, colors);
     --end;
   }
   return begin < end ? occupied | kKernel(tables, row, begin, end, colors) : occupied;
@@ -26,7 +26,7 @@ OccupiedWords classify_any_span(const SpanTables& tables, const RowPixels& row, 
 
 /// Of `count` blocks some are left, a bit each, which might have colors. Few of them are classified sooner than looked
 /// at again, and where most are left they do have colors.
-[[gnu::always_inline]] inline bool is_second_look_worth(std::uint64_t left, std::uint32_t count) {
+[[gnu::always_inline]] inline bool is_second_pass_worthwhile(std::uint64_t left, std::uint32_t count) {
   const auto number = static_cast<std::uint32_t>(std::popcount(left));
   return count < 8 * number && 2 * number <= count;
 }

@@ -11,41 +11,41 @@ std::size_t row_bytes(PixelFormat format, std::size_t plane, std::uint16_t width
 
 Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,
                                 const ColorBoxes& boxes, const LightMap& light, KernelChoice kernel,
-                                std::uint8_t box_room, const TypicalBackground& background) {
+                                std::uint8_t box_shift_limit, const TypicalBackground& background) {
   kernel_ = nullptr;
   if (Status s = tables_.build(boxes, color_space(format)); !s.ok()) return s;
   if (Status s = shading_.build(light, width_px, height_px, color_space(format)); !s.ok()) return s;
   format_ = format;
   width_px_ = width_px;
   height_px_ = height_px;
-  quiet_.build(format, boxes, box_room, background);
-  tiles_[0] = quiet_.of({kNeutralLevel, kNeutralLevel, kNeutralLevel});
+  background_.build(format, boxes, box_shift_limit, background);
+  tiles_[0] = background_.of({kNeutralLevel, kNeutralLevel, kNeutralLevel});
   for (std::uint16_t row = 0; shading_.active() && row < shading_.rows(); ++row) find_tiles(row, nullptr);
-  digits_.build(tables_, boxes.size());
+  nibbles_.build(tables_, boxes.size());
   choice_ = kernel;
   kernel_ = find_kernel(format, choice_);
   return kernel_ == nullptr ? ErrorCode::kUnsupported : Status();
 }
 
 void RowClassifier::find_tiles(std::uint16_t tile_row, const LightChange* change) {
-  TileLight* tiles = &tiles_[std::size_t{tile_row} * shading_.columns()];
+  TileParameters* tiles = &tiles_[std::size_t{tile_row} * shading_.columns()];
   for (std::uint16_t column = 0; column < shading_.columns(); ++column) {
     std::array<std::uint8_t, 3> level{};
     for (std::size_t c = 0; c < 3; ++c) {
       level[c] = change != nullptr ? shading_.level(*change, c, column, tile_row) : shading_.level(c, column, tile_row);
     }
-    tiles[column] = quiet_.of(level);
+    tiles[column] = background_.of(level);
   }
 }
 
-void RowClassifier::follow_light(const LightChange& change, std::uint16_t tile_row) {
+void RowClassifier::apply_light_change(const LightChange& change, std::uint16_t tile_row) {
   if (!shading_.active()) return;
   find_tiles(tile_row, &change);
 }
 
-void RowClassifier::move_boxes(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
+void RowClassifier::rebuild_tables(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
   tables_.rebuild(boxes, channel, level);
-  digits_.rebuild(tables_, boxes.size(), channel, level);
+  nibbles_.rebuild(tables_, boxes.size(), channel, level);
 }
 
 Status RowClassifier::accepts(const Frame& frame) const {
@@ -68,8 +68,8 @@ OccupiedWords RowClassifier::classify(const Frame& frame, std::uint16_t v, std::
   if (format_ == PixelFormat::kNv12) row.chroma = frame.plane[1] + std::size_t{v / 2u} * frame.stride_bytes[1];
 
   const std::size_t tile_row = v / kTileHeight, first_tile = shading_.active() ? tile_row * shading_.columns() : 0;
-  const SpanTables tables = {&tables_,           &digits_,       &tiles_[first_tile],
-                             !shading_.active(), quiet_.exist(), quiet_.begin_at_zero()};
+  const SpanTables tables = {&tables_,           &nibbles_,           &tiles_[first_tile],
+                             !shading_.active(), background_.exist(), background_.begin_at_zero()};
   return kernel_(tables, row, begin, end, colors);
 }
 

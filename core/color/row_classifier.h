@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdint>
 
+#include "core/color/background_box.h"
 #include "core/color/color_tables.h"
-#include "core/color/digit_tables.h"
-#include "core/color/quiet_box.h"
+#include "core/color/nibble_tables.h"
 #include "core/color/span_kernel.h"
 #include "core/light/shading.h"
 #include "core/types.h"
@@ -19,18 +19,18 @@ std::size_t row_bytes(PixelFormat format, std::size_t plane, std::uint16_t width
 /// Pixels -> colors, one row at a time, in the format in which they arrive; with or without shading correction.
 class RowClassifier {
  public:
-  /// Boxes may be moved later by up to `box_room` levels. The typical background decides nothing but the speed.
+  /// Boxes may be moved later by up to `box_shift_limit` levels. The typical background decides nothing but the speed.
   /// kOutOfRange: as ColorTables::build and Shading::build; kUnsupported: this processor has no such kernel. After an
   /// error no frame is accepted.
   Status configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px, const ColorBoxes& boxes,
-                   const LightMap& light, KernelChoice kernel = KernelChoice::kFastest, std::uint8_t box_room = 0,
-                   const TypicalBackground& background = {});
+                   const LightMap& light, KernelChoice kernel = KernelChoice::kFastest,
+                   std::uint8_t box_shift_limit = 0, const TypicalBackground& background = {});
 
   /// Between two frames, a part at a time so that none takes long: the light of a row of tiles
   /// (Shading::level; no effect without a light map), and the boxes of one channel and light level
   /// (ColorTables::rebuild).
-  void follow_light(const LightChange& change, std::uint16_t tile_row);
-  void move_boxes(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level);
+  void apply_light_change(const LightChange& change, std::uint16_t tile_row);
+  void rebuild_tables(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level);
 
   /// kUnsupported: another format or size than configured, or not configured. kShortFrame: a plane is missing, or its
   /// stride is smaller than a row.
@@ -54,10 +54,10 @@ class RowClassifier {
   PixelFormat format_ = PixelFormat::kRgb24;
   std::uint16_t width_px_ = 0, height_px_ = 0;
   ColorTables tables_;
-  DigitTableSet digits_;
+  NibbleTables nibbles_;
   Shading shading_;
-  QuietRanges quiet_;
-  std::array<TileLight, kMaxTiles> tiles_{};  // without a light map the first holds for all
+  BackgroundRanges background_;
+  std::array<TileParameters, kMaxTiles> tiles_{};  // without a light map the first holds for all
 };
 
 }  // namespace touchline

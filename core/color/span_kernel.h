@@ -3,10 +3,10 @@
 #include <array>
 #include <cstdint>
 
+#include "core/color/background_box.h"
 #include "core/color/color_tables.h"
-#include "core/color/digit_tables.h"
-#include "core/color/kernel_choice.h"
-#include "core/color/quiet_box.h"
+#include "core/color/nibble_tables.h"
+#include "core/cpu.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -14,13 +14,13 @@ namespace touchline {
 /// What a kernel needs to know about the colors in a row.
 struct SpanTables {
   const ColorTables* colors = nullptr;
-  const DigitTableSet* digits = nullptr;  // the same classes for kernels that look up digits
-  const TileLight* tiles = nullptr;       // column u is in tiles[u / kTileWidth], or with one light in tiles[0]
-  bool one_light = true;
-  bool has_quiet = false;        // there is a QuietBox, and the tiles say where
-  bool quiet_from_zero = false;  // all of their quiet_low are 0
+  const NibbleTables* nibbles = nullptr;  // the same classes for kernels that look up nibbles
+  const TileParameters* tiles = nullptr;  // column u is in tiles[u / kTileWidth], or with one light in tiles[0]
+  bool unshaded = true;
+  bool has_background_box = false;    // there is a BackgroundBox, and the tiles say where
+  bool background_from_zero = false;  // all of their background_low are 0
 
-  [[nodiscard]] const TileLight& tile_at(std::uint32_t u) const { return tiles[one_light ? 0 : u / kTileWidth]; }
+  [[nodiscard]] const TileParameters& tile_at(std::uint32_t u) const { return tiles[unshaded ? 0 : u / kTileWidth]; }
 };
 
 /// The first bytes of a picture's row: interleaved samples, or luma and (NV12) the chroma row that belongs to it.
@@ -41,14 +41,14 @@ static_assert(kMaxFrameWidth / kOccupiedWordPixels < 64);
 using SpanKernel = OccupiedWords (*)(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
                                      std::uint32_t end, ColorId* colors);
 
-/// The portable kernel of a format: the reference for all others.
-SpanKernel scalar_kernel(PixelFormat format);
-/// Null where the processor lacks them, or (AVX-512) one of F, BW, VL, VBMI, BMI2.
+/// The kernel of a format for each instruction set, in the folder of that name; the portable one is the reference for
+/// all others. A kernel is only defined on its processor family, and must only run where cpu_supports() its set.
+SpanKernel portable_kernel(PixelFormat format);
 SpanKernel avx2_kernel(PixelFormat format);
 SpanKernel avx512_kernel(PixelFormat format);
 SpanKernel neon_kernel(PixelFormat format);
 
-/// Null when it was asked for by name and is not there. `choice` becomes what kFastest stands for.
+/// The kernel of the chosen set. `choice` becomes the set that kFastest stands for. Null: this processor lacks the set.
 SpanKernel find_kernel(PixelFormat format, KernelChoice& choice);
 
 }  // namespace touchline

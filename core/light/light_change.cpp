@@ -5,11 +5,11 @@
 
 namespace touchline {
 
-Status LightChange::configure(std::uint16_t width_px, std::uint16_t height_px, float most_levels) {
-  if (width_px < 2 || height_px < 2 || !(most_levels > 0.0f)) return ErrorCode::kOutOfRange;
+Status LightChange::configure(std::uint16_t width_px, std::uint16_t height_px, float max_levels) {
+  if (width_px < 2 || height_px < 2 || !(max_levels > 0.0f)) return ErrorCode::kOutOfRange;
   columns_per_px_ = static_cast<float>(kColumns - 1) / static_cast<float>(width_px - 1);
   rows_per_px_ = static_cast<float>(kRows - 1) / static_cast<float>(height_px - 1);
-  most_levels_ = most_levels;
+  max_levels_ = max_levels;
   reset();
   return {};
 }
@@ -25,11 +25,11 @@ void LightChange::observe(const PixelPoint& where, const std::array<float, 3>& l
   for (const Corner& corner : corners) squares += corner.weight * corner.weight;
   for (std::size_t channel = 0; channel < levels_.size(); ++channel) {
     Plane& plane = levels_[channel];
-    const float off = std::clamp(levels[channel] - value_at(plane, corners), -kMostStep_levels, kMostStep_levels);
+    const float off = std::clamp(levels[channel] - value_at(plane, corners), -kMaxStep_levels, kMaxStep_levels);
     // So scaled, the value at the place itself moves by step * weight * off.
     const float move = step * weight[channel] * off / squares;
     for (const Corner& corner : corners) {
-      plane[corner.node] = std::clamp(plane[corner.node] + move * corner.weight, -most_levels_, most_levels_);
+      plane[corner.node] = std::clamp(plane[corner.node] + move * corner.weight, -max_levels_, max_levels_);
     }
   }
 }

@@ -17,14 +17,14 @@ class LightChange {
  public:
   static constexpr std::size_t kColumns = 5, kRows = 4;
 
-  /// No change yet. `most_levels`: the change is held within plus and minus so many levels. kOutOfRange: an empty
+  /// No change yet. `max_levels`: the change is held within plus and minus so many levels. kOutOfRange: an empty
   /// picture, or a bound that is not positive.
-  Status configure(std::uint16_t width_px, std::uint16_t height_px, float most_levels);
+  Status configure(std::uint16_t width_px, std::uint16_t height_px, float max_levels);
   void reset();
 
   /// At `where` each channel is `levels` brighter than the light map says. `weight`, 0 to 1 a channel: how much a
   /// channel tells (a red patch says nothing about blue light). `step`, 0 to 1: the share of the difference that is
-  /// believed; a single observation moves nothing by more than kMostStep_levels times it.
+  /// believed; a single observation moves nothing by more than kMaxStep_levels times it.
   void observe(const PixelPoint& where, const std::array<float, 3>& levels, const std::array<float, 3>& weight,
                float step);
   /// Lets what was observed spread to where nothing is: each node drifts by `step`, 0 to 1, times kSpread towards its
@@ -36,7 +36,7 @@ class LightChange {
   /// Mean of all nodes and channels, in levels.
   [[nodiscard]] float mean() const;
 
-  static constexpr float kMostStep_levels = 8.0f;
+  static constexpr float kMaxStep_levels = 8.0f;
   static constexpr float kSpread = 0.3f, kCommon = 0.05f;
 
  private:
@@ -48,7 +48,7 @@ class LightChange {
   [[nodiscard]] std::array<Corner, 4> around(const PixelPoint& where) const;
   static float value_at(const Plane& plane, const std::array<Corner, 4>& corners);
 
-  float columns_per_px_ = 0, rows_per_px_ = 0, most_levels_ = 0;
+  float columns_per_px_ = 0, rows_per_px_ = 0, max_levels_ = 0;
   std::array<Plane, 3> levels_{};
 };
 

@@ -75,10 +75,10 @@ std::uint8_t level_of_gain(float gain) {
   return static_cast<std::uint8_t>(std::upper_bound(kBorders.begin(), kBorders.end(), gain) - kBorders.begin());
 }
 
-std::uint8_t corrected(std::uint8_t value, std::uint8_t level, std::uint8_t unlit) {
-  const float scaled = static_cast<float>(value - unlit) * gain_of_level(level);
+std::uint8_t corrected(std::uint8_t value, std::uint8_t level, std::uint8_t black) {
+  const float scaled = static_cast<float>(value - black) * gain_of_level(level);
   const int rounded = static_cast<int>(scaled + (scaled < 0.0f ? -0.5f : 0.5f));
-  return static_cast<std::uint8_t>(std::clamp(unlit + rounded, 0, 255));
+  return static_cast<std::uint8_t>(std::clamp(black + rounded, 0, 255));
 }
 
 Status Shading::build(const LightMap& map, std::uint16_t width_px, std::uint16_t height_px, ColorSpace space) {

@@ -28,7 +28,7 @@ std::uint8_t level_of_gain(float gain);
 
 /// What a channel shows where no light falls, and about which light scales it: R, G and B 0; luma 16 and chroma 128
 /// (ITU-R BT.601, limited range, as cameras deliver it).
-constexpr std::uint8_t unlit_value(ColorSpace space, std::size_t channel) {
+constexpr std::uint8_t black_value(ColorSpace space, std::size_t channel) {
   if (space == ColorSpace::kRgb) return 0;
   return channel == 0 ? 16 : 128;
 }
@@ -36,9 +36,9 @@ constexpr std::uint8_t unlit_value(ColorSpace space, std::size_t channel) {
 /// The largest value that a camera delivers: what is brighter looks the same.
 constexpr std::uint8_t kFullScale = 255;
 
-/// What a channel's value becomes: round(unlit + (value - unlit) * gain), bounded to 0..255. Never decreases when value
+/// What a channel's value becomes: round(black + (value - black) * gain), bounded to 0..255. Never decreases when value
 /// grows.
-std::uint8_t corrected(std::uint8_t value, std::uint8_t level, std::uint8_t unlit);
+std::uint8_t corrected(std::uint8_t value, std::uint8_t level, std::uint8_t black);
 
 /// Eq. (17) as levels a tile: 1 / illumination at the tile's center, interpolated bilinearly between the map's cells
 /// and constant beyond the outermost cell centers.

@@ -48,13 +48,13 @@ void Labeling::add_row(Runs& runs, std::size_t first, std::span<const Contact> c
   }
 }
 
-Labeling::Reach Labeling::reach_of(const Run& run) {
+Labeling::Extent Labeling::extent_of(const Run& run) {
   const auto column = [](int u) { return static_cast<std::int16_t>(u); };
-  return Reach{column(run.begin), column(run.end - 1), column(run.row), column(run.row)} ^ kMirrored;
+  return Extent{column(run.begin), column(run.end - 1), column(run.row), column(run.row)} ^ kMirrored;
 }
 
-PixelBox Labeling::box_of(Reach reach) {
-  const auto bound = [&](int i) { return static_cast<std::uint16_t>((reach ^ kMirrored)[i]); };
+PixelBox Labeling::box_of(Extent extent) {
+  const auto bound = [&](int i) { return static_cast<std::uint16_t>((extent ^ kMirrored)[i]); };
   return {bound(0), bound(2), bound(1), bound(3)};
 }
 
@@ -84,8 +84,8 @@ std::size_t Labeling::sum_up(const Runs& runs) {
     sums.v += std::uint64_t{run.row} * length;
     sums.area_px += length;
     sums.color = run.color;
-    const Reach reach = reach_of(run);
-    sums.reach = reach > sums.reach ? reach : sums.reach;
+    const Extent extent = extent_of(run);
+    sums.extent = extent > sums.extent ? extent : sums.extent;
   }
   std::size_t competing = 0;
   for (std::uint32_t i = 0; i < components_; ++i) {
@@ -124,7 +124,7 @@ void Labeling::report(Quota quota, Regions& regions) {
     region.area_px = sums.area_px;
     region.centroid.u_px = static_cast<float>(static_cast<double>(sums.u) / area);
     region.centroid.v_px = static_cast<float>(static_cast<double>(sums.v) / area);
-    region.box = box_of(sums.reach);
+    region.box = box_of(sums.extent);
     region.color = static_cast<ColorId>(sums.color);
   }
 }

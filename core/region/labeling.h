@@ -28,15 +28,15 @@ class Labeling {
 
  private:
   // How far to the left, right, top and bottom: left and top mirrored, so that all grow from 0.
-  using Reach [[gnu::vector_size(8)]] = std::int16_t;
+  using Extent [[gnu::vector_size(8)]] = std::int16_t;
   static constexpr std::int16_t kMirror = 0x7fff;
-  static constexpr Reach kMirrored = {kMirror, 0, kMirror, 0};
+  static constexpr Extent kMirrored = {kMirror, 0, kMirror, 0};
   static_assert(kMaxFrameWidth < kMirror && kMaxFrameHeight < kMirror);
 
   // Of a component's runs.
   struct Sums {
     std::uint64_t u = 0, v = 0;
-    Reach reach = {};
+    Extent extent = {};
     std::uint32_t area_px = 0, color = kBackground;
   };
   // The least area with which a component stays, and how many of just that area do.
@@ -46,8 +46,8 @@ class Labeling {
   };
 
   std::uint32_t root(std::uint32_t label);
-  static Reach reach_of(const Run& run);
-  static PixelBox box_of(Reach reach);
+  static Extent extent_of(const Run& run);
+  static PixelBox box_of(Extent extent);
   void number_components();
   std::size_t sum_up(const Runs& runs);
   Quota quota(std::size_t competing);

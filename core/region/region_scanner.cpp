@@ -6,8 +6,9 @@ namespace touchline {
 
 Status ScanTables::configure(const ScanParameters& parameters) {
   configured_ = false;
-  if (Status s = classifier_.configure(parameters.format, parameters.width_px, parameters.height_px, parameters.boxes,
-                                       parameters.light, parameters.kernel, parameters.box_room, parameters.background);
+  if (Status s =
+          classifier_.configure(parameters.format, parameters.width_px, parameters.height_px, parameters.boxes,
+                                parameters.light, parameters.kernel, parameters.box_shift_limit, parameters.background);
       !s.ok()) {
     return s;
   }
@@ -71,7 +72,7 @@ void RegionScanner::add_row(std::uint16_t v, Runs& runs) {
     budget_.spend(0);
     return;
   }
-  if (tables_->min_area_px_ > 1) forget_specks(masks_[(v + 1u) % 3], masks);
+  if (tables_->min_area_px_ > 1) remove_isolated_pixels(masks_[(v + 1u) % 3], masks);
   const std::size_t first = runs.size();
   std::size_t count = tables_->run_writer_.count(masks);
   if (const std::size_t found = count, limit = budget_.limit(found); found > limit) {

@@ -24,8 +24,8 @@ struct ScanParameters {
   Polygon region_of_interest;     // pixel centers inside count; fewer than 3 points: the whole picture
   std::uint32_t min_area_px = 1;  // smaller regions are dropped with their runs
   KernelChoice kernel = KernelChoice::kFastest;
-  std::uint8_t box_room = 0;     // levels by which boxes may be moved while frames come
-  TypicalBackground background;  // for speed alone
+  std::uint8_t box_shift_limit = 0;  // levels by which boxes may be moved while frames come
+  TypicalBackground background;      // for speed alone
 };
 
 /// All that the parameters decide of a scan: made while another set is in use, and exchanged for it between two frames.
@@ -66,11 +66,11 @@ class RegionScanner {
   ScanTables& exchange(ScanTables& tables) { return *std::exchange(tables_, &tables); }
 
   /// Between two scans, a part at a time: see RowClassifier.
-  void follow_light(const LightChange& change, std::uint16_t tile_row) {
-    tables_->classifier_.follow_light(change, tile_row);
+  void apply_light_change(const LightChange& change, std::uint16_t tile_row) {
+    tables_->classifier_.apply_light_change(change, tile_row);
   }
-  void move_boxes(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
-    tables_->classifier_.move_boxes(boxes, channel, level);
+  void rebuild_tables(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
+    tables_->classifier_.rebuild_tables(boxes, channel, level);
   }
   [[nodiscard]] const Shading& shading() const { return tables_->classifier_.shading(); }
 

@@ -103,16 +103,12 @@ std::size_t list_contacts_portably(const RowMasks& above, const RowMasks& row, C
   return list_contacts(above, row, contacts);
 }
 
-constexpr RowBits kByPairs = {count_by_pairs, widen_by_pairs, list_portably, list_contacts_portably};
+constexpr RowBits portable_row_bits = {count_by_pairs, widen_by_pairs, list_portably, list_contacts_portably};
 
 #if defined(__x86_64__)
 
-// As in the color kernels, every function carries its target itself.
-
 // --- AVX2: four words -----------------------------------------------------------------------------------------------
 
-#define TOUCHLINE_AVX2 [[gnu::target("avx2,bmi,popcnt")]]
-#define TOUCHLINE_AVX2_INLINE [[gnu::target("avx2,bmi,popcnt"), gnu::always_inline]] inline
 constexpr std::size_t kQuad = 4;
 
 TOUCHLINE_AVX2_INLINE __m256i load_quad(const PixelBits& bits, std::size_t i) {
@@ -130,11 +126,11 @@ TOUCHLINE_AVX2 std::size_t count_avx2(const PixelBits& bits, std::size_t words) 
 
 // Bits of each byte.
 TOUCHLINE_AVX2_INLINE __m256i bits_of_bytes(__m256i words) {
-  const __m256i digit = _mm256_set1_epi8(15);
-  const __m256i bits_of_digit = _mm256_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4,  //
-                                                 0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4);
-  return _mm256_add_epi8(_mm256_shuffle_epi8(bits_of_digit, _mm256_and_si256(words, digit)),
-                         _mm256_shuffle_epi8(bits_of_digit, _mm256_and_si256(_mm256_srli_epi16(words, 4), digit)));
+  const __m256i nibble = _mm256_set1_epi8(15);
+  const __m256i bits_of_nibble = _mm256_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4,  //
+                                                  0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4);
+  return _mm256_add_epi8(_mm256_shuffle_epi8(bits_of_nibble, _mm256_and_si256(words, nibble)),
+                         _mm256_shuffle_epi8(bits_of_nibble, _mm256_and_si256(_mm256_srli_epi16(words, 4), nibble)));
 }
 TOUCHLINE_AVX2_INLINE std::size_t sum_of_bytes(__m256i bytes) {
   const __m256i sums = _mm256_sad_epu8(bytes, _mm256_setzero_si256());
@@ -168,7 +164,7 @@ TOUCHLINE_AVX2 std::size_t list_contacts_avx2(const RowMasks& above, const RowMa
   return list_contacts(above, row, contacts);
 }
 
-constexpr RowBits kAvx2 = {count_avx2, widen_avx2, list_avx2, list_contacts_avx2};
+constexpr RowBits avx2_row_bits = {count_avx2, widen_avx2, list_avx2, list_contacts_avx2};
 
 #endif
 
@@ -176,13 +172,12 @@ constexpr RowBits kAvx2 = {count_avx2, widen_avx2, list_avx2, list_contacts_avx2
 
 const RowBits& row_bits(KernelChoice kernel) {
   switch (kernel) {
-#if defined(__x86_64__)
-    case KernelChoice::kAvx2:
-    case KernelChoice::kAvx512:
-      return kAvx2;
-#endif
+#define TOUCHLINE_SET(family, set, word, features, span_kernel, row_masks, row_bits) \
+  TOUCHLINE_ON_##family(case KernelChoice::set : return row_bits;)
+    TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)
+#undef TOUCHLINE_SET
     default:
-      return kByPairs;
+      return portable_row_bits;
   }
 }
 

@@ -52,10 +52,9 @@ void fill_masks(const ColorRow& row, const ColorRow& above, OccupiedWords occupi
   }
 }
 
-#if defined(__x86_64__)
+constexpr RowMasker portable_row_masks = fill_masks<Portable>;
 
-// As in the color kernels, every function carries its target itself.
-#define TOUCHLINE_AVX2_INLINE [[gnu::target("avx2"), gnu::always_inline]] inline
+#if defined(__x86_64__)
 
 TOUCHLINE_AVX2_INLINE __m256i load(const ColorId* colors) {
   return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(colors));
@@ -67,8 +66,8 @@ TOUCHLINE_AVX2_INLINE std::uint64_t equal(__m256i a_low, __m256i a_high, __m256i
   return low | std::uint64_t{high} << 32;
 }
 
-[[gnu::target("avx2")]] void fill_masks_avx2(const ColorRow& row, const ColorRow& above, OccupiedWords occupied,
-                                             RowMasks& masks) {
+TOUCHLINE_AVX2 void avx2_row_masks(const ColorRow& row, const ColorRow& above, OccupiedWords occupied,
+                                   RowMasks& masks) {
   const __m256i zero = _mm256_setzero_si256();
   clear(masks.occupied & ~occupied, masks);
   masks.occupied = occupied;
@@ -85,8 +84,8 @@ TOUCHLINE_AVX2_INLINE std::uint64_t equal(__m256i a_low, __m256i a_high, __m256i
   }
 }
 
-[[gnu::target("avx512f,avx512bw")]] void fill_masks_avx512(const ColorRow& row, const ColorRow& above,
-                                                           OccupiedWords occupied, RowMasks& masks) {
+TOUCHLINE_AVX512 void avx512_row_masks(const ColorRow& row, const ColorRow& above, OccupiedWords occupied,
+                                       RowMasks& masks) {
   clear(masks.occupied & ~occupied, masks);
   masks.occupied = occupied;
   masks.is_cut = false;
@@ -118,6 +117,7 @@ struct Neon {
     return vgetq_lane_u64(vreinterpretq_u64_u8(vpaddq_u8(bytes, bytes)), 0);
   }
 };
+constexpr RowMasker neon_row_masks = fill_masks<Neon>;
 
 #endif
 
@@ -125,17 +125,12 @@ struct Neon {
 
 RowMasker row_masker(KernelChoice kernel) {
   switch (kernel) {
-#if defined(__x86_64__)
-    case KernelChoice::kAvx2:
-      return fill_masks_avx2;
-    case KernelChoice::kAvx512:
-      return fill_masks_avx512;
-#elif defined(__aarch64__)
-    case KernelChoice::kNeon:
-      return fill_masks<Neon>;
-#endif
+#define TOUCHLINE_SET(family, set, word, features, span_kernel, row_masks, ...) \
+  TOUCHLINE_ON_##family(case KernelChoice::set : return row_masks;)
+    TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)
+#undef TOUCHLINE_SET
     default:
-      return fill_masks<Portable>;
+      return portable_row_masks;
   }
 }
 

@@ -19,9 +19,9 @@ using WordPair [[gnu::vector_size(16)]] = std::uint64_t;
 constexpr std::size_t kWordsOfPair = 2;
 
 // What a row's words are rounded up to, at the most, where several are taken at once.
-constexpr std::size_t kMostWordsAtOnce = 8;
+constexpr std::size_t kMaxWordsAtOnce = 8;
 
-/// A bit a pixel, and zeros after the last so that groups of up to kMostWordsAtOnce words can be read.
+/// A bit a pixel, and zeros after the last so that groups of up to kMaxWordsAtOnce words can be read.
 class PixelBits {
  public:
   std::uint64_t& operator[](std::size_t i) { return words_[i]; }
@@ -35,7 +35,7 @@ class PixelBits {
   void set_pair(std::size_t i, WordPair words) { std::memcpy(words_.data() + i, &words, sizeof words); }
 
  private:
-  std::array<std::uint64_t, (kMaxRowWords + kMostWordsAtOnce - 1) / kMostWordsAtOnce * kMostWordsAtOnce> words_{};
+  std::array<std::uint64_t, (kMaxRowWords + kMaxWordsAtOnce - 1) / kMaxWordsAtOnce * kMaxWordsAtOnce> words_{};
 };
 
 /// Where a row's runs begin and end. Both have the same number of bits, and the n-th of each belongs to the n-th run.

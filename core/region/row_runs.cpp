@@ -37,7 +37,7 @@ void leave_others(const PixelBits& ending, std::size_t words, RowMasks& masks) {
 
 }  // namespace
 
-void forget_specks(const RowMasks& below, RowMasks& masks) {
+void remove_isolated_pixels(const RowMasks& below, RowMasks& masks) {
   for (OccupiedWords words = masks.occupied; words != 0; words &= words - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(words));
     const std::uint64_t others = ~(masks.first[i] & masks.last[i]) | masks.like_above[i] | below.like_above[i];
@@ -52,15 +52,15 @@ void RunWriter::configure(KernelChoice kernel, std::size_t words) {
 }
 
 std::size_t RunWriter::cut(RowMasks& masks, std::size_t limit) {
-  std::size_t digit = 0, longer = bits_->widen(masks.last, 1, masks.first, words_, endings_[0]);
-  while (longer > limit && digit + 1 < endings_.size()) {
-    longer = bits_->widen(endings_[digit], std::size_t{2} << digit, masks.first, words_, endings_[digit + 1]);
-    ++digit;
+  std::size_t nibble = 0, longer = bits_->widen(masks.last, 1, masks.first, words_, endings_[0]);
+  while (longer > limit && nibble + 1 < endings_.size()) {
+    longer = bits_->widen(endings_[nibble], std::size_t{2} << nibble, masks.first, words_, endings_[nibble + 1]);
+    ++nibble;
   }
-  const PixelBits* ending = &endings_[digit];
-  if (digit > 0) {
+  const PixelBits* ending = &endings_[nibble];
+  if (nibble > 0) {
     const std::size_t longer_than_less =
-        bits_->widen(endings_[digit - 1], std::size_t{1} << (digit - 1), masks.first, words_, halfway_);
+        bits_->widen(endings_[nibble - 1], std::size_t{1} << (nibble - 1), masks.first, words_, halfway_);
     if (longer_than_less <= limit) {
       longer = longer_than_less;
       ending = &halfway_;

@@ -11,7 +11,7 @@
 namespace touchline {
 
 /// Forgets pixels without a 4-neighbor of their color, regions of one pixel. `below` are the masks of the next row.
-void forget_specks(const RowMasks& below, RowMasks& masks);
+void remove_isolated_pixels(const RowMasks& below, RowMasks& masks);
 
 /// Lists the runs of rows, without labels.
 class RunWriter {

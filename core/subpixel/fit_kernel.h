@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/color/kernel_choice.h"
+#include "core/cpu.h"
 #include "core/fixed_vector.h"
 #include "core/marker/marker_layout.h"
 #include "core/subpixel/blurred_outline.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/color/kernel_choice.h"
+#include "core/cpu.h"
 #include "core/parameter.h"
 #include "hal/device_parameters.h"
 #include "hal/mock/arena_parameters.h"

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "core/color/quiet_box.h"
+#include "core/color/background_box.h"
 #include "core/region/region_scanner.h"
 #include "tests/benchmark/field_picture.h"
 
@@ -15,15 +15,15 @@ using namespace touchline::testing;
 
 constexpr std::array<std::uint8_t, 3> kNeutral = {kNeutralLevel, kNeutralLevel, kNeutralLevel};
 
-bool is_quiet(const QuietBox& box, const Channels& value) {
+bool is_background(const BackgroundBox& box, const Channels& value) {
   bool inside = box.exists;
   for (std::size_t c = 0; c < 3; ++c) inside = inside && box.low[c] <= value[c] && value[c] <= box.high[c];
   return inside;
 }
 
-// A value out of the quiet box with a high digit that no color has in some channel: `within` tells it.
-Channels told_by_high_digits(const ScanParameters& parameters) {
-  const QuietBox box = quiet_box_of(parameters.boxes, color_space(parameters.format));
+// A value out of the background box with a high nibble that no color has in some channel: `within` tells it.
+Channels decided_by_high_nibbles(const ScanParameters& parameters) {
+  const BackgroundBox box = find_background_box(parameters.boxes, color_space(parameters.format));
   const auto in_a_color = [&](const Channels& value) {
     for (const ColorBox& color : parameters.boxes) {
       bool near = true;
@@ -37,17 +37,17 @@ Channels told_by_high_digits(const ScanParameters& parameters) {
   Channels value{};
   do {
     for (std::uint8_t& channel : value) channel = static_cast<std::uint8_t>(random());
-  } while (is_quiet(box, value) || in_a_color(value));
+  } while (is_background(box, value) || in_a_color(value));
   return value;
 }
 
-// quiet, digits and colors: every pixel ends in that step of a kernel; colors has all classes in every tile.
+// background, nibbles and colors: every pixel ends in that step of a kernel; colors has all classes in every tile.
 OwnedPicture paint(const std::string& name, const FieldScene& scene, const ScanParameters& parameters) {
   if (name == "field") return paint_field(scene);
   OwnedPicture picture(scene.format, scene.width_px, scene.height_px, 0);
   Channels value = {0, 0, 0};
-  for (std::size_t c = 0; c < 3; ++c) value[c] = unlit_value(color_space(scene.format), c);
-  if (name == "digits") value = told_by_high_digits(parameters);
+  for (std::size_t c = 0; c < 3; ++c) value[c] = black_value(color_space(scene.format), c);
+  if (name == "nibbles") value = decided_by_high_nibbles(parameters);
   for (int v = 0; v < scene.height_px; ++v) {
     for (int u = 0; u < scene.width_px; ++u) {
       if (name == "colors") {

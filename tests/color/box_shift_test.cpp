@@ -36,7 +36,7 @@ TEST(BoxShift, FollowsInBoundedStepsUpToItsBound) {
   BoxShift shift = shift_of(two_neighbors(), 6);
   shift.observe(1, {4, -100, 100}, 0.25f);
   EXPECT_FLOAT_EQ(shift.of(1)[0], 1.0f);
-  EXPECT_FLOAT_EQ(shift.of(1)[1], -0.25f * BoxShift::kMostStep_levels);
+  EXPECT_FLOAT_EQ(shift.of(1)[1], -0.25f * BoxShift::kMaxStep_levels);
   EXPECT_FLOAT_EQ(shift.of(2)[0], 0.0f) << "each color by its own";
   for (int i = 0; i < 1000; ++i) shift.observe(1, {4, -100, 100}, 0.25f);
   EXPECT_NEAR(shift.of(1)[0], 4.0f, 1e-3f);
@@ -114,7 +114,7 @@ TEST(BoxShift, MovedTablesAreThoseOfTheMovedBoxes) {
     const ColorBoxes moved = shift.moved();
     ASSERT_TRUE(fresh->configure(format, 64, 16, moved, light, KernelChoice::kPortable).ok());
     for (std::size_t channel = 0; channel < 3; ++channel) {
-      for (std::uint8_t level = 0; level < kLightLevels; ++level) followed->move_boxes(moved, channel, level);
+      for (std::uint8_t level = 0; level < kLightLevels; ++level) followed->rebuild_tables(moved, channel, level);
     }
     OwnedPicture picture(format, 64, 16, 0);
     for (int v = 0; v < 16; ++v) {

@@ -10,9 +10,9 @@ namespace {
 
 constexpr std::array<float, 3> kAll = {1, 1, 1};
 
-LightChange change_of(float most_levels = 32) {
+LightChange change_of(float max_levels = 32) {
   LightChange change;
-  EXPECT_TRUE(change.configure(640, 480, most_levels).ok());
+  EXPECT_TRUE(change.configure(640, 480, max_levels).ok());
   return change;
 }
 
@@ -39,8 +39,8 @@ TEST(LightChange, MovesThePlaceItselfByItsShareOfTheDifference) {
 TEST(LightChange, OneObservationHasABoundedInfluence) {
   LightChange change = change_of();
   change.observe({100, 100}, {1000, -1000, 1000}, kAll, 0.1f);
-  EXPECT_NEAR(change.at(0, {100, 100}), 0.1f * LightChange::kMostStep_levels, 1e-5f);
-  EXPECT_NEAR(change.at(1, {100, 100}), -0.1f * LightChange::kMostStep_levels, 1e-5f);
+  EXPECT_NEAR(change.at(0, {100, 100}), 0.1f * LightChange::kMaxStep_levels, 1e-5f);
+  EXPECT_NEAR(change.at(1, {100, 100}), -0.1f * LightChange::kMaxStep_levels, 1e-5f);
 }
 
 TEST(LightChange, StaysWithinItsBound) {

@@ -159,9 +159,9 @@ TEST_P(LightCorrectionTest, RecognizesColorsInLightFromTwoFifthsToFourThirds) {
     ColorBox box;
     box.color = static_cast<ColorId>(i + 1);
     for (std::size_t c = 0; c < 3; ++c) {
-      const int reach = space == ColorSpace::kYuv && c > 0 ? 8 : 12;
-      box.low[c] = static_cast<std::uint8_t>(std::max(0, middle[c] - reach));
-      box.high[c] = static_cast<std::uint8_t>(middle[c] + reach);
+      const int extent = space == ColorSpace::kYuv && c > 0 ? 8 : 12;
+      box.low[c] = static_cast<std::uint8_t>(std::max(0, middle[c] - extent));
+      box.high[c] = static_cast<std::uint8_t>(middle[c] + extent);
     }
     boxes.push_back(box);
   }

@@ -67,11 +67,11 @@ TEST(Corrected, ScalesAboutTheUnlitValue) {
 }
 
 TEST(Corrected, NeverDecreasesWithTheValue) {
-  for (const std::uint8_t unlit : std::initializer_list<std::uint8_t>{0, 16, 128}) {
+  for (const std::uint8_t black : std::initializer_list<std::uint8_t>{0, 16, 128}) {
     for (std::uint8_t level = 0; level < kLightLevels; ++level) {
       for (int value = 1; value < 256; ++value) {
-        ASSERT_GE(corrected(static_cast<std::uint8_t>(value), level, unlit),
-                  corrected(static_cast<std::uint8_t>(value - 1), level, unlit));
+        ASSERT_GE(corrected(static_cast<std::uint8_t>(value), level, black),
+                  corrected(static_cast<std::uint8_t>(value - 1), level, black));
       }
     }
   }

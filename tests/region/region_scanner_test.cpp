@@ -69,11 +69,11 @@ TEST_F(RegionScannerTest, FindsThemInEverySmallPicture) {
           << family.width << " x " << family.height << ": "
           << ::testing::PrintToString(std::vector<int>(grid.color.begin(), grid.color.end()));
       // The next picture: count up in the base of the colors.
-      const auto digit =
+      const auto nibble =
           std::find_if(grid.color.begin(), grid.color.end(), [&](ColorId color) { return color + 1 < family.colors; });
-      more = digit != grid.color.end();
-      if (more) ++*digit;
-      std::fill(grid.color.begin(), digit, kBackground);
+      more = nibble != grid.color.end();
+      if (more) ++*nibble;
+      std::fill(grid.color.begin(), nibble, kBackground);
     }
   }
 }

@@ -166,7 +166,7 @@ TEST_P(RowRunsTest, SpecksAreWhatHasNoNeighborOfItsColor) {
     for (Row& row : rows) fill(row, width, 4, 3);
     fill_masks(rows[1].colors, rows[0].colors, rows[1].occupied, masks_);
     fill_masks(rows[2].colors, rows[1].colors, rows[2].occupied, below);
-    forget_specks(below, masks_);
+    remove_isolated_pixels(below, masks_);
     std::vector<Found> expected = list_runs(rows[1].list);
     std::erase_if(expected, [&](const Found& run) {
       const auto u = static_cast<std::size_t>(run.begin);

@@ -52,9 +52,9 @@ std::vector<std::size_t> link_runs(const Runs& runs, Fault fault) {
   std::size_t above_from = 0;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     while (runs[above_from].row + 1 < runs[i].row) ++above_from;
-    const int reach = fault == Fault::kTakesDiagonals ? 1 : 0;
+    const int extent = fault == Fault::kTakesDiagonals ? 1 : 0;
     for (std::size_t j = above_from; j < i && runs[j].row < runs[i].row; ++j) {
-      if (runs[j].end + reach <= runs[i].begin || runs[j].begin >= runs[i].end + reach) continue;
+      if (runs[j].end + extent <= runs[i].begin || runs[j].begin >= runs[i].end + extent) continue;
       if (runs[j].color != runs[i].color && fault != Fault::kJoinsTouchingColors) continue;
       if (fault == Fault::kLinksOnlyTheFirstBelow && linked_below[j]) continue;
       const auto [low, high] = std::minmax({root(parent, i), root(parent, j)});
@@ -110,7 +110,7 @@ TEST_P(TrapTest, IsSeenByTheComparison) {
   const auto regions = std::make_unique<Regions>();
   std::size_t caught = 0;
   for (const Pattern pattern : kAllPatterns) {
-    // A full picture is large enough for a float to lose digits.
+    // A full picture is large enough for a float to lose nibbles.
     const bool large = pattern == Pattern::kFull || pattern == Pattern::kHorizontalStripes;
     const ColorGrid grid = make_pattern(pattern, large ? 640 : 96, large ? 480 : 64, random);
     runs->clear();

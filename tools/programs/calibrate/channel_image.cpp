@@ -16,7 +16,7 @@ ChannelImage corrected_channels(const Frame& frame, const Shading& shading) {
         const auto column = static_cast<std::uint16_t>(u / kTileWidth),
                    row = static_cast<std::uint16_t>(v / kTileHeight);
         for (std::size_t c = 0; c < 3; ++c) {
-          value[c] = corrected(value[c], shading.level(c, column, row), unlit_value(image.space, c));
+          value[c] = corrected(value[c], shading.level(c, column, row), black_value(image.space, c));
         }
       }
       image.pixels[image.index(u, v)] = value;

@@ -1,4 +1,4 @@
-#include "core/color/digit_tables.h"
+#include "core/color/nibble_tables.h"
 
 #include <bit>
 
@@ -6,7 +6,7 @@ namespace touchline {
 namespace {
 
 // Of one class, whose values are all from the first to the last: correction by light never reverses an order.
-void add_class(const ColorTables::Table& table, std::size_t bit, ChannelDigits& digits) {
+void add_class(const ColorTables::Table& table, std::size_t bit, ChannelNibbles& nibbles) {
   const std::uint32_t mask = std::uint32_t{1} << bit;
   std::size_t first = 0, last = table.size() - 1;
   while (first < table.size() && (table[first] & mask) == 0) ++first;
@@ -16,20 +16,20 @@ void add_class(const ColorTables::Table& table, std::size_t bit, ChannelDigits& 
   const auto set = [bit](std::uint8_t& byte, bool is) {
     if (is) byte = static_cast<std::uint8_t>(byte | 1u << bit % kClassesOfGroup);
   };
-  for (std::size_t digit = 0; digit < 16; ++digit) {
-    set(digits.within[group][digit], first / 16 <= digit && digit <= last / 16);
-    set(digits.above_first[group][digit], digit > first / 16);
-    set(digits.from_first[group][digit], digit >= first % 16);
-    set(digits.below_last[group][digit], digit < last / 16);
-    set(digits.to_last[group][digit], digit <= last % 16);
+  for (std::size_t nibble = 0; nibble < 16; ++nibble) {
+    set(nibbles.within[group][nibble], first / 16 <= nibble && nibble <= last / 16);
+    set(nibbles.above_first[group][nibble], nibble > first / 16);
+    set(nibbles.from_first[group][nibble], nibble >= first % 16);
+    set(nibbles.below_last[group][nibble], nibble < last / 16);
+    set(nibbles.to_last[group][nibble], nibble <= last % 16);
   }
 }
 
 }  // namespace
 
-void DigitTableSet::build(const ColorTables& tables, std::size_t boxes) {
+void NibbleTables::build(const ColorTables& tables, std::size_t boxes) {
   groups_ = (boxes + kClassesOfGroup - 1) / kClassesOfGroup;
-  for (std::size_t channel = 0; channel < digits_.size(); ++channel) {
+  for (std::size_t channel = 0; channel < nibbles_.size(); ++channel) {
     for (std::uint8_t level = 0; level < kLightLevels; ++level) rebuild(tables, boxes, channel, level);
   }
   for (std::size_t group = 0; group < groups_; ++group) {
@@ -41,9 +41,9 @@ void DigitTableSet::build(const ColorTables& tables, std::size_t boxes) {
   }
 }
 
-void DigitTableSet::rebuild(const ColorTables& tables, std::size_t boxes, std::size_t channel, std::uint8_t level) {
-  digits_[channel][level] = {};
-  for (std::size_t bit = 0; bit < boxes; ++bit) add_class(tables.table(channel, level), bit, digits_[channel][level]);
+void NibbleTables::rebuild(const ColorTables& tables, std::size_t boxes, std::size_t channel, std::uint8_t level) {
+  nibbles_[channel][level] = {};
+  for (std::size_t bit = 0; bit < boxes; ++bit) add_class(tables.table(channel, level), bit, nibbles_[channel][level]);
 }
 
 }  // namespace touchline

@@ -17,28 +17,29 @@ using TypicalBackground = std::optional<std::array<std::uint8_t, 3>>;
 /// when that is unknown: a pixel in it is background at a glance. Of all such boxes the one that holds most of what
 /// backgrounds look like: about the typical one, or any brightness, and in YUV little chroma, which is what white
 /// balance makes of carpets, lines and robots' tops.
-struct QuietBox {
+struct BackgroundBox {
   std::array<std::uint8_t, 3> low{}, high{};
   bool exists = false;  // false: what it must hold is in some box
 };
-QuietBox quiet_box_of(const ColorBoxes& boxes, ColorSpace space, const TypicalBackground& background = {});
+BackgroundBox find_background_box(const ColorBoxes& boxes, ColorSpace space, const TypicalBackground& background = {});
 
 /// The values that the light level moves into low..high, full scale being any value above as well (ColorTables). None:
 /// low above high.
 struct ValueRange {
   std::uint8_t low = 0, high = 0;
 };
-ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std::uint8_t unlit);
+ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std::uint8_t black);
 
-/// What holds for a tile of Shading. A pixel is background when value - quiet_low <= quiet_reach, differences taken
-/// modulo 256, for each of its bytes; only when there is a QuietBox.
-struct TileLight {
-  std::array<std::uint8_t, 4> level{};                     // by channel
-  std::array<std::uint8_t, 4> quiet_low{}, quiet_reach{};  // by byte: R G B -, B G R -, Y U Y V, U Y V Y; NV12 Y Y U V
+/// What holds for a tile of Shading. A pixel is background when value - background_low <= background_extent,
+/// differences taken modulo 256, for each of its bytes; only when there is a BackgroundBox.
+struct TileParameters {
+  std::array<std::uint8_t, 4> level{};  // by channel
+  std::array<std::uint8_t, 4> background_low{},
+      background_extent{};  // by byte: R G B -, B G R -, Y U Y V, U Y V Y; NV12 Y Y U V
 };
 
-/// Where in TileLight a format's channels are; of YUYV and UYVY luma a second time two bytes further.
-constexpr std::array<std::uint8_t, 3> quiet_bytes(PixelFormat format) {
+/// Where in TileParameters a format's channels are; of YUYV and UYVY luma a second time two bytes further.
+constexpr std::array<std::uint8_t, 3> background_bytes(PixelFormat format) {
   switch (format) {
     case PixelFormat::kRgb24:
       return {0, 1, 2};
@@ -54,14 +55,14 @@ constexpr std::array<std::uint8_t, 3> quiet_bytes(PixelFormat format) {
   return {0, 2, 3};
 }
 
-/// Quiet ranges of all channels at every light level, by which those of a tile are put together.
-class QuietRanges {
+/// Background ranges of all channels at every light level, by which those of a tile are put together.
+class BackgroundRanges {
  public:
-  /// Errors: none. Boxes may be moved later by up to `box_room` levels. A typical background within a box's reach
-  /// counts as unknown.
-  void build(PixelFormat format, const ColorBoxes& boxes, std::uint8_t box_room,
+  /// Errors: none. Boxes may be moved later by up to `box_shift_limit` levels. A typical background within reach of a
+  /// box counts as unknown.
+  void build(PixelFormat format, const ColorBoxes& boxes, std::uint8_t box_shift_limit,
              const TypicalBackground& background = {});
-  [[nodiscard]] TileLight of(const std::array<std::uint8_t, 3>& level) const;
+  [[nodiscard]] TileParameters of(const std::array<std::uint8_t, 3>& level) const;
   [[nodiscard]] bool exist() const { return exist_; }
   /// Whether they all begin at 0, as they do in R, G, B when the typical background is unknown or dark.
   [[nodiscard]] bool begin_at_zero() const { return begin_at_zero_; }
@@ -69,11 +70,11 @@ class QuietRanges {
  private:
   // By channel and level.
   using Ranges = std::array<std::array<ValueRange, kLightLevels>, 3>;
-  [[nodiscard]] Ranges ranges_of(const QuietBox& box) const;
+  [[nodiscard]] Ranges ranges_of(const BackgroundBox& box) const;
 
   PixelFormat format_ = PixelFormat::kRgb24;
   bool exist_ = false, begin_at_zero_ = false;
-  Ranges usual_{}, dark_{};  // dark_: where no value is in the usual ones; it holds the unlit value at all levels
+  Ranges usual_{}, dark_{};  // dark_: where no value is in the usual ones; it holds the black value at all levels
 };
 
 }  // namespace touchline

@@ -8,7 +8,7 @@
 #include <memory>
 #include <tuple>
 
-#include "core/color/digit_tables.h"
+#include "core/color/nibble_tables.h"
 #include "core/color/row_classifier.h"
 #include "core/color/span_kernel.h"
 #include "tests/color/kernels.h"
@@ -19,22 +19,22 @@ namespace {
 
 constexpr ColorId kUntouched = 0xee;
 
-TEST(DigitTables, SayOfEveryValueWhatTheTablesSay) {
+TEST(GroupLookups, SayOfEveryValueWhatTheTablesSay) {
   std::mt19937 random(17);
   const auto tables = std::make_unique<ColorTables>();
-  const auto digits = std::make_unique<DigitTableSet>();
+  const auto nibbles = std::make_unique<NibbleTables>();
   for (const std::size_t count : {0u, 1u, 8u, 9u, 13u, 32u}) {
     for (const ColorSpace space : {ColorSpace::kRgb, ColorSpace::kYuv}) {
       const ColorBoxes boxes = random_boxes(random, count);
       ASSERT_TRUE(tables->build(boxes, space).ok());
-      digits->build(*tables, boxes.size());
-      ASSERT_EQ(digits->groups(), (count + 7) / 8);
+      nibbles->build(*tables, boxes.size());
+      ASSERT_EQ(nibbles->groups(), (count + 7) / 8);
       for (std::size_t channel = 0; channel < 3; ++channel) {
         for (std::uint8_t level = 0; level < kLightLevels; ++level) {
           for (std::size_t value = 0; value < 256; ++value) {
             std::uint32_t mask = 0;
             for (std::size_t group = 0; group < kClassGroups; ++group) {
-              const ChannelDigits& t = digits->channel(channel, level);
+              const ChannelNibbles& t = nibbles->channel(channel, level);
               const std::size_t high = value / 16, low = value % 16;
               const std::uint32_t bits = t.within[group][high] &
                                          (t.above_first[group][high] | t.from_first[group][low]) &
@@ -50,14 +50,14 @@ TEST(DigitTables, SayOfEveryValueWhatTheTablesSay) {
   }
 }
 
-TEST(DigitTables, GiveTheColorOfTheLowestClass) {
+TEST(GroupLookups, GiveTheColorOfTheLowestClass) {
   std::mt19937 random(18);
   const auto tables = std::make_unique<ColorTables>();
-  const auto digits = std::make_unique<DigitTableSet>();
+  const auto nibbles = std::make_unique<NibbleTables>();
   ASSERT_TRUE(tables->build(random_boxes(random, kMaxColorBoxes), ColorSpace::kRgb).ok());
-  digits->build(*tables, kMaxColorBoxes);
+  nibbles->build(*tables, kMaxColorBoxes);
   for (std::size_t group = 0; group < kClassGroups; ++group) {
-    const DigitTable &low = digits->colors().low[group], &high = digits->colors().high[group];
+    const NibbleLookup &low = nibbles->colors().low[group], &high = nibbles->colors().high[group];
     for (std::uint32_t bits = 0; bits < 256; ++bits) {
       const ColorId color = low[bits % 16] != kBackground ? low[bits % 16] : high[bits / 16];
       EXPECT_EQ(color, tables->color_of(bits << 8 * group)) << "group " << group << ", bits " << bits;
@@ -68,7 +68,7 @@ TEST(DigitTables, GiveTheColorOfTheLowestClass) {
 TEST(FindKernel, TakesTheFastestOrTheOneThatIsNamed) {
   for (const PixelFormat format : kAllFormats) {
     KernelChoice choice = KernelChoice::kPortable;
-    EXPECT_EQ(find_kernel(format, choice), scalar_kernel(format));
+    EXPECT_EQ(find_kernel(format, choice), portable_kernel(format));
     choice = KernelChoice::kFastest;
     const SpanKernel fastest = find_kernel(format, choice);
     ASSERT_NE(choice, KernelChoice::kFastest);
@@ -123,32 +123,33 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
 
   void make_tables() {
     ASSERT_TRUE(tables_->build(boxes_, color_space(format())).ok());
-    digits_->build(*tables_, boxes_.size());
-    quiet_->build(format(), boxes_, 0, background_);
-    for (TileLight& tile : lights_) {
+    nibbles_->build(*tables_, boxes_.size());
+    ranges_->build(format(), boxes_, 0, background_);
+    for (TileParameters& tile : lights_) {
       // Often the neighbor's again.
       Channels level = {kNeutralLevel, kNeutralLevel, kNeutralLevel};
       for (std::uint8_t& of_channel : level) of_channel = static_cast<std::uint8_t>(pick(random_, 40, 90));
-      tile = &tile != lights_.data() && pick(random_, 0, 2) == 0 ? *(&tile - 1) : quiet_->of(level);
+      tile = &tile != lights_.data() && pick(random_, 0, 2) == 0 ? *(&tile - 1) : ranges_->of(level);
     }
   }
 
-  [[nodiscard]] SpanTables tables(bool one_light) const {
-    return {tables_.get(), digits_.get(), lights_.data(), one_light, quiet_->exist(), quiet_->begin_at_zero()};
+  [[nodiscard]] SpanTables tables(bool unshaded) const {
+    return {tables_.get(), nibbles_.get(), lights_.data(), unshaded, ranges_->exist(), ranges_->begin_at_zero()};
   }
 
-  // Stretches of quiet pixels between others.
+  // Stretches of background pixels between others.
   void paint(OwnedPicture& picture) {
     int stretch = 0;
-    bool quiet = false;
+    bool background = false;
     std::uint8_t value = 0;
     picture.fill([&] {
       if (stretch-- == 0) {
         stretch = pick(random_, 1, 300);
-        quiet = !quiet;
+        background = !background;
       }
-      if (quiet && background_) return static_cast<std::uint8_t>((*background_)[0] ^ (random_() % 4));
-      if (quiet) return static_cast<std::uint8_t>(color_space(format()) == ColorSpace::kRgb ? 0 : 120 + random_() % 8);
+      if (background && background_) return static_cast<std::uint8_t>((*background_)[0] ^ (random_() % 4));
+      if (background)
+        return static_cast<std::uint8_t>(color_space(format()) == ColorSpace::kRgb ? 0 : 120 + random_() % 8);
       if (random_() % 4 != 0) value = telling_value(random_, boxes_);
       return value;
     });
@@ -163,10 +164,10 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
   void expect_equal(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end) {
     expected_.fill(kUntouched);
     found_.fill(kUntouched);
-    const OccupiedWords least = scalar_kernel(format())(tables, row, begin, end, expected_.data());
+    const OccupiedWords least = portable_kernel(format())(tables, row, begin, end, expected_.data());
     const OccupiedWords occupied = kernel_(tables, row, begin, end, found_.data());
     ASSERT_EQ(std::memcmp(found_.data(), expected_.data(), found_.size()), 0)
-        << "columns " << begin << " to " << end << (tables.one_light ? "" : " with a light map");
+        << "columns " << begin << " to " << end << (tables.unshaded ? "" : " with a light map");
     OccupiedWords in_span = 0, colored = 0;
     for (std::uint32_t u = begin; u < end; ++u) {
       const OccupiedWords word = OccupiedWords{1} << u / kOccupiedWordPixels;
@@ -184,9 +185,9 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
   ColorBoxes boxes_;
   TypicalBackground background_;
   std::unique_ptr<ColorTables> tables_ = std::make_unique<ColorTables>();
-  std::unique_ptr<DigitTableSet> digits_ = std::make_unique<DigitTableSet>();
-  std::unique_ptr<QuietRanges> quiet_ = std::make_unique<QuietRanges>();
-  std::array<TileLight, kMaxFrameWidth / kTileWidth> lights_;
+  std::unique_ptr<NibbleTables> nibbles_ = std::make_unique<NibbleTables>();
+  std::unique_ptr<BackgroundRanges> ranges_ = std::make_unique<BackgroundRanges>();
+  std::array<TileParameters, kMaxFrameWidth / kTileWidth> lights_;
   std::array<std::uint8_t, 4099> bytes_{};
   std::array<ColorId, kMaxFrameWidth> expected_{}, found_{};
   std::mt19937 random_{static_cast<std::uint32_t>(format()) + 70};
@@ -202,11 +203,11 @@ TEST_P(SpanKernelTest, IsThePortableOneOnAnySpan) {
       paint(picture);
       const Frame frame = picture.frame();
       const RowPixels row = {frame.plane[0], frame.plane[1]};
-      for (const bool one_light : {true, false}) {
-        ASSERT_NO_FATAL_FAILURE(expect_equal(tables(one_light), row, 0, frame.width_px));
+      for (const bool unshaded : {true, false}) {
+        ASSERT_NO_FATAL_FAILURE(expect_equal(tables(unshaded), row, 0, frame.width_px));
         const int begin = pick(random_, 0, frame.width_px), end = pick(random_, begin, frame.width_px);
         ASSERT_NO_FATAL_FAILURE(
-            expect_equal(tables(one_light), row, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)));
+            expect_equal(tables(unshaded), row, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)));
       }
     }
   }
@@ -272,7 +273,7 @@ TEST_P(SpanKernelTest, ReadsNothingBeyondTheSpan) {
   munmap(memory, 6 * page);
 }
 
-// A class that contains black: nothing may be taken for background at a glance.
+// A class that contains black: nothing may be rejected as background.
 TEST_P(SpanKernelTest, SeesBlack) {
   for (std::uint8_t bright : {std::uint8_t{3}, std::uint8_t{20}}) {
     boxes_.clear();

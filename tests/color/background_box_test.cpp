@@ -3,100 +3,100 @@
 #include <algorithm>
 #include <memory>
 
-#include "core/color/quiet_box.h"
+#include "core/color/background_box.h"
 #include "tests/color/owned_picture.h"
 
 namespace touchline::testing {
 namespace {
 
-bool holds(const QuietBox& quiet, const Channels& value) {
+bool holds(const BackgroundBox& background, const Channels& value) {
   for (std::size_t c = 0; c < 3; ++c) {
-    if (value[c] < quiet.low[c] || value[c] > quiet.high[c]) return false;
+    if (value[c] < background.low[c] || value[c] > background.high[c]) return false;
   }
-  return quiet.exists;
+  return background.exists;
 }
 
-bool meets(const QuietBox& quiet, const ColorBox& box) {
+bool meets(const BackgroundBox& background, const ColorBox& box) {
   for (std::size_t c = 0; c < 3; ++c) {
-    if (box.low[c] > quiet.high[c] || box.high[c] < quiet.low[c]) return false;
+    if (box.low[c] > background.high[c] || box.high[c] < background.low[c]) return false;
   }
   return true;
 }
 
-TEST(QuietBox, LeavesEachBoxOutByAChannelThatItNeeds) {
+TEST(BackgroundBox, LeavesEachBoxOutByAChannelThatItNeeds) {
   ColorBoxes boxes;
-  const QuietBox everything = quiet_box_of(boxes, ColorSpace::kRgb);
+  const BackgroundBox everything = find_background_box(boxes, ColorSpace::kRgb);
   EXPECT_TRUE(holds(everything, {0, 0, 0}) && holds(everything, {255, 255, 255}));
   boxes.push_back({1, {180, 0, 0}, {255, 80, 80}});
-  EXPECT_EQ(quiet_box_of(boxes, ColorSpace::kRgb).high, (Channels{179, 255, 255}));
+  EXPECT_EQ(find_background_box(boxes, ColorSpace::kRgb).high, (Channels{179, 255, 255}));
   boxes.push_back({2, {20, 0, 120}, {90, 90, 255}});
-  EXPECT_EQ(quiet_box_of(boxes, ColorSpace::kRgb).high, (Channels{179, 255, 119}));
+  EXPECT_EQ(find_background_box(boxes, ColorSpace::kRgb).high, (Channels{179, 255, 119}));
   boxes.push_back({3, {0, 0, 0}, {9, 9, 9}});
-  EXPECT_FALSE(quiet_box_of(boxes, ColorSpace::kRgb).exists) << "black is a color";
+  EXPECT_FALSE(find_background_box(boxes, ColorSpace::kRgb).exists) << "black is a color";
 }
 
-TEST(QuietBox, KeepsInYuvWhatHasLittleChroma) {
+TEST(BackgroundBox, KeepsInYuvWhatHasLittleChroma) {
   ColorBoxes boxes;
   boxes.push_back({1, {50, 150, 90}, {200, 200, 140}});    // blue
   boxes.push_back({2, {50, 80, 160}, {200, 140, 220}});    // red
   boxes.push_back({3, {180, 100, 100}, {255, 150, 150}});  // white
   boxes.push_back({4, {60, 60, 70}, {190, 108, 110}});     // green: more chroma is left out by U
-  const QuietBox quiet = quiet_box_of(boxes, ColorSpace::kYuv);
-  ASSERT_TRUE(quiet.exists);
-  EXPECT_EQ(quiet.low, (Channels{0, 0, 111}));
-  EXPECT_EQ(quiet.high, (Channels{179, 149, 159}));
+  const BackgroundBox background = find_background_box(boxes, ColorSpace::kYuv);
+  ASSERT_TRUE(background.exists);
+  EXPECT_EQ(background.low, (Channels{0, 0, 111}));
+  EXPECT_EQ(background.high, (Channels{179, 149, 159}));
 }
 
 // A grey floor between dark green, which is darker in red, and brown: no box that holds black holds it.
-TEST(QuietBox, HoldsTheTypicalBackground) {
+TEST(BackgroundBox, HoldsTheTypicalBackground) {
   ColorBoxes boxes;
   boxes.push_back({1, {0, 46, 0}, {47, 123, 101}});
   boxes.push_back({2, {76, 11, 0}, {158, 124, 69}});
   boxes.push_back({3, {0, 0, 129}, {255, 255, 255}});
   const Channels floor = {58, 61, 59};
-  EXPECT_FALSE(holds(quiet_box_of(boxes, ColorSpace::kRgb), floor));
-  const QuietBox quiet = quiet_box_of(boxes, ColorSpace::kRgb, floor);
-  EXPECT_EQ(quiet.low, (Channels{48, 0, 0}));
-  EXPECT_EQ(quiet.high, (Channels{75, 255, 128}));
+  EXPECT_FALSE(holds(find_background_box(boxes, ColorSpace::kRgb), floor));
+  const BackgroundBox background = find_background_box(boxes, ColorSpace::kRgb, floor);
+  EXPECT_EQ(background.low, (Channels{48, 0, 0}));
+  EXPECT_EQ(background.high, (Channels{75, 255, 128}));
   boxes.push_back({4, {50, 50, 50}, {60, 70, 80}});
-  EXPECT_FALSE(quiet_box_of(boxes, ColorSpace::kRgb, floor).exists) << "the floor is a color";
+  EXPECT_FALSE(find_background_box(boxes, ColorSpace::kRgb, floor).exists) << "the floor is a color";
 }
 
-TEST(QuietBox, MeetsNoBox) {
+TEST(BackgroundBox, MeetsNoBox) {
   std::mt19937 random(3);
   std::size_t existing = 0;
   for (int round = 0; round < 300; ++round) {
     const ColorSpace space = round % 2 == 0 ? ColorSpace::kRgb : ColorSpace::kYuv;
     ColorBoxes boxes;
     for (const ColorBox& box : random_boxes(random, static_cast<std::size_t>(pick(random, 0, kMaxColorBoxes)))) {
-      const bool is_black = box.low[0] <= unlit_value(space, 0) && box.low[1] <= unlit_value(space, 1) &&
-                            box.low[2] <= unlit_value(space, 2);
+      const bool is_black = box.low[0] <= black_value(space, 0) && box.low[1] <= black_value(space, 1) &&
+                            box.low[2] <= black_value(space, 2);
       if (!is_black || round % 5 == 0) boxes.push_back(box);
     }
-    const QuietBox quiet = quiet_box_of(boxes, space);
-    if (!quiet.exists) continue;
+    const BackgroundBox background = find_background_box(boxes, space);
+    if (!background.exists) continue;
     ++existing;
-    EXPECT_TRUE(holds(quiet, {unlit_value(space, 0), unlit_value(space, 1), unlit_value(space, 2)}));
-    for (const ColorBox& box : boxes) EXPECT_FALSE(meets(quiet, box));
+    EXPECT_TRUE(holds(background, {black_value(space, 0), black_value(space, 1), black_value(space, 2)}));
+    for (const ColorBox& box : boxes) EXPECT_FALSE(meets(background, box));
     if (space == ColorSpace::kYuv) continue;
     std::uint32_t gray = 256, volume = 1;  // the simplest choice: one bound for all channels
     for (const ColorBox& box : boxes)
       gray = std::min<std::uint32_t>(gray, *std::max_element(box.low.begin(), box.low.end()));
-    for (const std::uint8_t high : quiet.high) volume *= high + 1u;
+    for (const std::uint8_t high : background.high) volume *= high + 1u;
     EXPECT_GE(volume, gray * gray * gray);
   }
   EXPECT_GT(existing, 150u);
 }
 
 TEST(BeforeCorrection, IsWhatTheLightMovesIntoTheRange) {
-  for (const std::uint8_t unlit : std::initializer_list<std::uint8_t>{0, 16, 128}) {
+  for (const std::uint8_t black : std::initializer_list<std::uint8_t>{0, 16, 128}) {
     for (int low = 0; low <= 255; low += 15) {
       for (int high = low; high <= 255; high += 15) {
         for (std::uint8_t level = 0; level < kLightLevels; level += 3) {
           const ValueRange range =
-              before_correction({static_cast<std::uint8_t>(low), static_cast<std::uint8_t>(high)}, level, unlit);
+              before_correction({static_cast<std::uint8_t>(low), static_cast<std::uint8_t>(high)}, level, black);
           for (int value = 0; value < 256; ++value) {
-            const int seen = corrected(static_cast<std::uint8_t>(value), level, unlit);
+            const int seen = corrected(static_cast<std::uint8_t>(value), level, black);
             // 255 stands for all that is brighter, up to 255.
             const bool is_in = low <= seen && (value == 255 ? 255 : seen) <= high;
             ASSERT_EQ(range.low <= value && value <= range.high, is_in)
@@ -109,10 +109,10 @@ TEST(BeforeCorrection, IsWhatTheLightMovesIntoTheRange) {
 }
 
 // The classes of every value in it are none, whatever the light, and however boxes are moved in their room.
-TEST(QuietRanges, HoldBackgroundOnly) {
+TEST(BackgroundRanges, HoldBackgroundOnly) {
   std::mt19937 random(4);
   const auto tables = std::make_unique<ColorTables>();
-  const auto quiet = std::make_unique<QuietRanges>();
+  const auto ranges = std::make_unique<BackgroundRanges>();
   std::size_t not_from_unlit = 0;
   for (const PixelFormat format : kAllFormats) {
     for (int round = 0; round < 8; ++round) {
@@ -124,8 +124,8 @@ TEST(QuietRanges, HoldBackgroundOnly) {
       }
       const auto floor = static_cast<std::uint8_t>(pick(random, 0, 184));
       const TypicalBackground background = {{floor, floor, floor}};
-      quiet->build(format, boxes, 5, round < 4 ? TypicalBackground{} : background);
-      ASSERT_TRUE(quiet->exist());
+      ranges->build(format, boxes, 5, round < 4 ? TypicalBackground{} : background);
+      ASSERT_TRUE(ranges->exist());
       for (ColorBox& box : boxes) {
         for (std::uint8_t& low : box.low) low = static_cast<std::uint8_t>(std::max(0, low - pick(random, 0, 5)));
         for (std::uint8_t& high : box.high) high = static_cast<std::uint8_t>(std::min(255, high + pick(random, 0, 5)));
@@ -134,22 +134,22 @@ TEST(QuietRanges, HoldBackgroundOnly) {
       for (int tile = 0; tile < 200; ++tile) {
         Channels level, value;
         for (std::uint8_t& of_channel : level) of_channel = static_cast<std::uint8_t>(random() % kLightLevels);
-        const TileLight light = quiet->of(level);
-        const auto at = quiet_bytes(format);
+        const TileParameters light = ranges->of(level);
+        const auto at = background_bytes(format);
         for (std::size_t c = 0; c < 3; ++c) {
           ASSERT_EQ(light.level[c], level[c]);
-          const int low = light.quiet_low[at[c]];
-          value[c] = static_cast<std::uint8_t>(low + pick(random, 0, 1) * light.quiet_reach[at[c]]);
-          if (quiet->begin_at_zero()) {
+          const int low = light.background_low[at[c]];
+          value[c] = static_cast<std::uint8_t>(low + pick(random, 0, 1) * light.background_extent[at[c]]);
+          if (ranges->begin_at_zero()) {
             ASSERT_EQ(low, 0);
           }
-          not_from_unlit += std::size_t{low > unlit_value(color_space(format), c)};
+          not_from_unlit += std::size_t{low > black_value(color_space(format), c)};
         }
         ASSERT_EQ(tables->mask(value, level), 0u) << name_of(format);
         if (format == PixelFormat::kRgb24 || format == PixelFormat::kBgr24) continue;
         const std::size_t luma_again = format == PixelFormat::kNv12 ? 1u : at[0] + 2u;
-        ASSERT_EQ(light.quiet_low[luma_again], light.quiet_low[at[0]]);
-        ASSERT_EQ(light.quiet_reach[luma_again], light.quiet_reach[at[0]]);
+        ASSERT_EQ(light.background_low[luma_again], light.background_low[at[0]]);
+        ASSERT_EQ(light.background_extent[luma_again], light.background_extent[at[0]]);
       }
     }
   }
@@ -157,16 +157,17 @@ TEST(QuietRanges, HoldBackgroundOnly) {
 }
 
 // Four times darker light is all that a sensor can show of 64 and more: such a floor is not told at a glance there.
-TEST(QuietRanges, FallBackToBlackWhereNoValueShowsTheFloor) {
+TEST(BackgroundRanges, FallBackToBlackWhereNoValueShowsTheFloor) {
   ColorBoxes boxes;
   boxes.push_back({1, {0, 90, 0}, {99, 255, 255}});
-  const auto quiet = std::make_unique<QuietRanges>();
-  quiet->build(PixelFormat::kRgb24, boxes, 0, TypicalBackground{{120, 120, 120}});
-  EXPECT_EQ(quiet->of({kNeutralLevel, kNeutralLevel, kNeutralLevel}).quiet_low, (std::array<std::uint8_t, 4>{100}));
-  const TileLight dark = quiet->of({0, 0, 0});
-  EXPECT_EQ(dark.quiet_low, (std::array<std::uint8_t, 4>{}));
-  EXPECT_EQ(dark.quiet_reach[0], 255);
-  EXPECT_LT(corrected(dark.quiet_reach[1], 0, 0), 90);
+  const auto ranges = std::make_unique<BackgroundRanges>();
+  ranges->build(PixelFormat::kRgb24, boxes, 0, TypicalBackground{{120, 120, 120}});
+  EXPECT_EQ(ranges->of({kNeutralLevel, kNeutralLevel, kNeutralLevel}).background_low,
+            (std::array<std::uint8_t, 4>{100}));
+  const TileParameters dark = ranges->of({0, 0, 0});
+  EXPECT_EQ(dark.background_low, (std::array<std::uint8_t, 4>{}));
+  EXPECT_EQ(dark.background_extent[0], 255);
+  EXPECT_LT(corrected(dark.background_extent[1], 0, 0), 90);
 }
 
 }  // namespace

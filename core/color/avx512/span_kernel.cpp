@@ -1,5 +1,3 @@
-#include "core/color/kernel_of_format.h"
-#include "core/color/lit_row_avx512.h"
 #include "core/color/span_kernel.h"
 
 #if defined(__x86_64__)
@@ -11,13 +9,12 @@
 #include <cstddef>
 #include <type_traits>
 
-namespace touchline {
-namespace {
+#include "core/color/avx512/shaded_row.h"
+#include "core/color/kernel_of_format.h"
 
-// As for AVX2, every function carries the target itself.
-#define TOUCHLINE_AVX512_TARGET TOUCHLINE_AVX2_TARGET
-#define TOUCHLINE_AVX512 [[gnu::target(TOUCHLINE_AVX512_TARGET)]]
-#define TOUCHLINE_AVX512_INLINE [[gnu::target(TOUCHLINE_AVX512_TARGET), gnu::always_inline]] inline
+namespace touchline {
+namespace avx512 {
+namespace {
 
 // A block is a word of 64 columns.
 constexpr std::uint32_t kBlock = kOccupiedWordPixels;
@@ -44,13 +41,13 @@ struct Block {
 
 // 64 bytes, of which those outside are neither read nor anything but 0. `begin` and `end` count bytes of the block.
 template <bool kIsWhole>
-TOUCHLINE_AVX512_INLINE __m512i load(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end,
+TOUCHLINE_TARGET_INLINE __m512i load(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end,
                                      std::uint32_t piece) {
   if constexpr (kIsWhole) return _mm512_loadu_si512(bytes + std::size_t{64} * piece);
   return _mm512_maskz_loadu_epi8(bytes_inside(begin, end, piece), bytes + std::size_t{64} * piece);
 }
 template <bool kIsWhole>
-TOUCHLINE_AVX512_INLINE void store(ColorId* colors, const Block& block, __m512i values) {
+TOUCHLINE_TARGET_INLINE void store(ColorId* colors, const Block& block, __m512i values) {
   if constexpr (kIsWhole) {
     _mm512_storeu_si512(colors + block.u, values);
   } else {
@@ -59,47 +56,47 @@ TOUCHLINE_AVX512_INLINE void store(ColorId* colors, const Block& block, __m512i 
 }
 // A constant, in one cache line.
 struct alignas(64) Pick : std::array<std::uint8_t, 64> {};
-TOUCHLINE_AVX512_INLINE __m512i constant(const Pick& bytes) { return _mm512_load_si512(bytes.data()); }
-TOUCHLINE_AVX512_INLINE __m512i or_of(__m512i a, __m512i b, __m512i c) {
+TOUCHLINE_TARGET_INLINE __m512i constant(const Pick& bytes) { return _mm512_load_si512(bytes.data()); }
+TOUCHLINE_TARGET_INLINE __m512i or_of(__m512i a, __m512i b, __m512i c) {
   return _mm512_ternarylogic_epi64(a, b, c, 0b11111110);
 }
-TOUCHLINE_AVX512_INLINE __m512i and_of(__m512i a, __m512i b, __m512i c) {
+TOUCHLINE_TARGET_INLINE __m512i and_of(__m512i a, __m512i b, __m512i c) {
   return _mm512_ternarylogic_epi64(a, b, c, 0b10000000);
 }
-TOUCHLINE_AVX512_INLINE __m128i load_table(const DigitTable& table) {
+TOUCHLINE_TARGET_INLINE __m128i load_table(const NibbleLookup& table) {
   return _mm_loadu_si128(reinterpret_cast<const __m128i*>(table.data()));
 }
 
-// A channel's values by their hexadecimal digits, and their tables.
+// A channel's values by their nibbles, and their tables.
 struct Channel {
   __m512i high, low;
-  const ChannelDigits* digits;
+  const ChannelNibbles* nibbles;
 };
 struct Channels {
   Channel first, second, third;
 };
 
-TOUCHLINE_AVX512_INLINE __m512i high_digits(__m512i values) {
+TOUCHLINE_TARGET_INLINE __m512i high_nibble(__m512i values) {
   return _mm512_and_si512(_mm512_srli_epi16(values, 4), _mm512_set1_epi8(15));
 }
-TOUCHLINE_AVX512_INLINE __m512i low_digits(__m512i values) { return _mm512_and_si512(values, _mm512_set1_epi8(15)); }
+TOUCHLINE_TARGET_INLINE __m512i low_nibble(__m512i values) { return _mm512_and_si512(values, _mm512_set1_epi8(15)); }
 
-TOUCHLINE_AVX512_INLINE __m512i look_up(const DigitTable& table, __m512i digits) {
-  return _mm512_shuffle_epi8(_mm512_maskz_broadcast_i32x4(0xffff, load_table(table)), digits);
+TOUCHLINE_TARGET_INLINE __m512i look_up(const NibbleLookup& table, __m512i nibbles) {
+  return _mm512_shuffle_epi8(_mm512_maskz_broadcast_i32x4(0xffff, load_table(table)), nibbles);
 }
 
-TOUCHLINE_AVX512_INLINE __m512i near_classes(const Channel& channel, std::size_t group) {
-  return look_up(channel.digits->within[group], channel.high);
+TOUCHLINE_TARGET_INLINE __m512i coarse_classes(const Channel& channel, std::size_t group) {
+  return look_up(channel.nibbles->within[group], channel.high);
 }
-// The group's classes of which all three intervals' high digits include the values'.
-TOUCHLINE_AVX512_INLINE __m512i near_classes(const Channels& channels, std::size_t group) {
-  return and_of(near_classes(channels.first, group), near_classes(channels.second, group),
-                near_classes(channels.third, group));
+// The group's classes of which all three intervals' high nibbles include the values'.
+TOUCHLINE_TARGET_INLINE __m512i coarse_classes(const Channels& channels, std::size_t group) {
+  return and_of(coarse_classes(channels.first, group), coarse_classes(channels.second, group),
+                coarse_classes(channels.third, group));
 }
 
 // Out of the near classes those to which the values of a channel belong, a byte a value.
-TOUCHLINE_AVX512_INLINE __m512i classes_of(const Channel& channel, std::size_t group, __m512i near) {
-  const ChannelDigits& tables = *channel.digits;
+TOUCHLINE_TARGET_INLINE __m512i classes_of(const Channel& channel, std::size_t group, __m512i near) {
+  const ChannelNibbles& tables = *channel.nibbles;
   const __m512i from =
       _mm512_or_si512(look_up(tables.above_first[group], channel.high), look_up(tables.from_first[group], channel.low));
   const __m512i to =
@@ -108,10 +105,10 @@ TOUCHLINE_AVX512_INLINE __m512i classes_of(const Channel& channel, std::size_t g
 }
 
 // The color of the lowest class; where an earlier group has given a color, that.
-TOUCHLINE_AVX512_INLINE __m512i add_colors(__m512i colors, const ColorDigits& tables, std::size_t group,
+TOUCHLINE_TARGET_INLINE __m512i add_colors(__m512i colors, const ColorNibbles& tables, std::size_t group,
                                            __m512i classes) {
-  const __m512i low = look_up(tables.low[group], low_digits(classes)),
-                high = look_up(tables.high[group], high_digits(classes));
+  const __m512i low = look_up(tables.low[group], low_nibble(classes)),
+                high = look_up(tables.high[group], high_nibble(classes));
   const __m512i color = _mm512_mask_mov_epi8(low, _mm512_testn_epi8_mask(low, low), high);
   return _mm512_mask_mov_epi8(colors, _mm512_testn_epi8_mask(colors, colors), color);
 }
@@ -123,8 +120,9 @@ constexpr Pick pick_bytes(std::size_t first, std::size_t step, std::size_t repea
   return pick;
 }
 
-// In a TileLight.
-constexpr std::size_t kQuietLow = offsetof(TileLight, quiet_low), kQuietReach = offsetof(TileLight, quiet_reach);
+// In a TileParameters.
+constexpr std::size_t kBackgroundLow = offsetof(TileParameters, background_low),
+                      kBackgroundExtent = offsetof(TileParameters, background_extent);
 // For bytes 64 * piece to 64 * piece + 63 of a block: `period` bytes from `at` on, over and over.
 constexpr Pick repeat_bytes(std::size_t piece, std::size_t at, std::size_t period) {
   Pick pick{};
@@ -132,16 +130,16 @@ constexpr Pick repeat_bytes(std::size_t piece, std::size_t at, std::size_t perio
   return pick;
 }
 
-TOUCHLINE_AVX512_INLINE __m512i choose(__m512i bytes, const Pick& pick) {
+TOUCHLINE_TARGET_INLINE __m512i choose(__m512i bytes, const Pick& pick) {
   return _mm512_maskz_permutexvar_epi8(kWhole, constant(pick), bytes);
 }
-TOUCHLINE_AVX512_INLINE __m512i choose(__m512i first, __m512i second, const Pick& pick) {
+TOUCHLINE_TARGET_INLINE __m512i choose(__m512i first, __m512i second, const Pick& pick) {
   return _mm512_permutex2var_epi8(first, constant(pick), second);
 }
 
-// Which bytes are farther above `low` than `reach`: those are not zero.
-TOUCHLINE_AVX512_INLINE __m512i beyond(__m512i bytes, __m512i low, __m512i reach) {
-  return _mm512_subs_epu8(_mm512_sub_epi8(bytes, low), reach);
+// Which bytes are farther above `low` than `extent`: those are not zero.
+TOUCHLINE_TARGET_INLINE __m512i beyond(__m512i bytes, __m512i low, __m512i extent) {
+  return _mm512_subs_epu8(_mm512_sub_epi8(bytes, low), extent);
 }
 
 struct Planes {
@@ -149,7 +147,7 @@ struct Planes {
 };
 
 // The layouts below give of a block
-// - loud: bytes that are not zero unless all of it is in the quiet box, also where nothing is inside,
+// - candidates: bytes that are not zero unless all of it is in the background box, also where nothing is inside,
 // - planes: its three channels, chroma doubled.
 
 // Three bytes a pixel.
@@ -164,36 +162,37 @@ struct Packed24 {
     return pixels;
   }
   static constexpr std::array kInThird = {in_third(kRed), in_third(1), in_third(2 - kRed)};
-  static constexpr std::array kLow = {repeat_bytes(0, kQuietLow, 3), repeat_bytes(1, kQuietLow, 3),
-                                      repeat_bytes(2, kQuietLow, 3)};
-  static constexpr std::array kReach = {repeat_bytes(0, kQuietReach, 3), repeat_bytes(1, kQuietReach, 3),
-                                        repeat_bytes(2, kQuietReach, 3)};
+  static constexpr std::array kLow = {repeat_bytes(0, kBackgroundLow, 3), repeat_bytes(1, kBackgroundLow, 3),
+                                      repeat_bytes(2, kBackgroundLow, 3)};
+  static constexpr std::array kExtent = {repeat_bytes(0, kBackgroundExtent, 3), repeat_bytes(1, kBackgroundExtent, 3),
+                                         repeat_bytes(2, kBackgroundExtent, 3)};
 
-  struct Quiet {
-    __m512i low[3], reach[3];
+  struct Background {
+    __m512i low[3], extent[3];
   };
-  TOUCHLINE_AVX512_INLINE static Quiet quiet(__m512i light) {
+  TOUCHLINE_TARGET_INLINE static Background background(__m512i light) {
     return {{choose(light, kLow[0]), choose(light, kLow[1]), choose(light, kLow[2])},
-            {choose(light, kReach[0]), choose(light, kReach[1]), choose(light, kReach[2])}};
+            {choose(light, kExtent[0]), choose(light, kExtent[1]), choose(light, kExtent[2])}};
   }
   struct Bytes {
     __m512i first, second, third;
   };
   template <bool kIsWhole>
-  TOUCHLINE_AVX512_INLINE static Bytes bytes_of(const RowPixels& row, const Block& block) {
+  TOUCHLINE_TARGET_INLINE static Bytes bytes_of(const RowPixels& row, const Block& block) {
     const std::uint8_t* bytes = row.samples + std::size_t{3} * block.u;
     const std::uint32_t begin = 3 * block.begin, end = 3 * block.end;
     return {load<kIsWhole>(bytes, begin, end, 0), load<kIsWhole>(bytes, begin, end, 1),
             load<kIsWhole>(bytes, begin, end, 2)};
   }
-  TOUCHLINE_AVX512_INLINE static __m512i loud(const Bytes& bytes, const Quiet& quiet) {
-    return or_of(beyond(bytes.first, quiet.low[0], quiet.reach[0]), beyond(bytes.second, quiet.low[1], quiet.reach[1]),
-                 beyond(bytes.third, quiet.low[2], quiet.reach[2]));
+  TOUCHLINE_TARGET_INLINE static __m512i candidates(const Bytes& bytes, const Background& background) {
+    return or_of(beyond(bytes.first, background.low[0], background.extent[0]),
+                 beyond(bytes.second, background.low[1], background.extent[1]),
+                 beyond(bytes.third, background.low[2], background.extent[2]));
   }
-  TOUCHLINE_AVX512_INLINE static Planes planes(const Bytes& bytes) {
+  TOUCHLINE_TARGET_INLINE static Planes planes(const Bytes& bytes) {
     return {channel(bytes, 0), channel(bytes, 1), channel(bytes, 2)};
   }
-  TOUCHLINE_AVX512_INLINE static __m512i channel(const Bytes& bytes, std::size_t channel) {
+  TOUCHLINE_TARGET_INLINE static __m512i channel(const Bytes& bytes, std::size_t channel) {
     const __m512i of_first_two = choose(bytes.first, bytes.second, kPick[channel]);
     return _mm512_mask_permutexvar_epi8(of_first_two, kInThird[channel], constant(kPick[channel]), bytes.third);
   }
@@ -205,29 +204,29 @@ struct Packed16 {
   static constexpr std::size_t kLumaAt = kFormat == PixelFormat::kYuyv ? 0 : 1, kChromaAt = 1 - kLumaAt;
   static constexpr std::array kPick = {pick_bytes(kLumaAt, 2, 1), pick_bytes(kChromaAt, 4, 2),
                                        pick_bytes(kChromaAt + 2, 4, 2)};
-  static constexpr std::array kLow = {repeat_bytes(0, kQuietLow, 4), repeat_bytes(1, kQuietLow, 4)};
-  static constexpr std::array kReach = {repeat_bytes(0, kQuietReach, 4), repeat_bytes(1, kQuietReach, 4)};
+  static constexpr std::array kLow = {repeat_bytes(0, kBackgroundLow, 4), repeat_bytes(1, kBackgroundLow, 4)};
+  static constexpr std::array kExtent = {repeat_bytes(0, kBackgroundExtent, 4), repeat_bytes(1, kBackgroundExtent, 4)};
 
-  struct Quiet {
-    __m512i first_low, second_low, first_reach, second_reach;
+  struct Background {
+    __m512i first_low, second_low, first_extent, second_extent;
   };
-  TOUCHLINE_AVX512_INLINE static Quiet quiet(__m512i light) {
-    return {choose(light, kLow[0]), choose(light, kLow[1]), choose(light, kReach[0]), choose(light, kReach[1])};
+  TOUCHLINE_TARGET_INLINE static Background background(__m512i light) {
+    return {choose(light, kLow[0]), choose(light, kLow[1]), choose(light, kExtent[0]), choose(light, kExtent[1])};
   }
   struct Bytes {
     __m512i first, second;
   };
   template <bool kIsWhole>
-  TOUCHLINE_AVX512_INLINE static Bytes bytes_of(const RowPixels& row, const Block& block) {
+  TOUCHLINE_TARGET_INLINE static Bytes bytes_of(const RowPixels& row, const Block& block) {
     const std::uint8_t* bytes = row.samples + std::size_t{2} * block.u;
     const std::uint32_t begin = 2 * block.begin, end = 2 * block.end;
     return {load<kIsWhole>(bytes, begin, end, 0), load<kIsWhole>(bytes, begin, end, 1)};
   }
-  TOUCHLINE_AVX512_INLINE static __m512i loud(const Bytes& bytes, const Quiet& quiet) {
-    return _mm512_or_si512(beyond(bytes.first, quiet.first_low, quiet.first_reach),
-                           beyond(bytes.second, quiet.second_low, quiet.second_reach));
+  TOUCHLINE_TARGET_INLINE static __m512i candidates(const Bytes& bytes, const Background& background) {
+    return _mm512_or_si512(beyond(bytes.first, background.first_low, background.first_extent),
+                           beyond(bytes.second, background.second_low, background.second_extent));
   }
-  TOUCHLINE_AVX512_INLINE static Planes planes(const Bytes& bytes) {
+  TOUCHLINE_TARGET_INLINE static Planes planes(const Bytes& bytes) {
     return {choose(bytes.first, bytes.second, kPick[0]), choose(bytes.first, bytes.second, kPick[1]),
             choose(bytes.first, bytes.second, kPick[2])};
   }
@@ -236,50 +235,51 @@ struct Packed16 {
 // A byte a pixel, and two a pair.
 struct Planar {
   static constexpr std::array kPick = {pick_bytes(0, 2, 2), pick_bytes(1, 2, 2)};
-  static constexpr std::array kLow = {repeat_bytes(0, kQuietLow, 1), repeat_bytes(0, kQuietLow + 2, 2)};
-  static constexpr std::array kReach = {repeat_bytes(0, kQuietReach, 1), repeat_bytes(0, kQuietReach + 2, 2)};
+  static constexpr std::array kLow = {repeat_bytes(0, kBackgroundLow, 1), repeat_bytes(0, kBackgroundLow + 2, 2)};
+  static constexpr std::array kExtent = {repeat_bytes(0, kBackgroundExtent, 1),
+                                         repeat_bytes(0, kBackgroundExtent + 2, 2)};
 
-  struct Quiet {
-    __m512i luma_low, chroma_low, luma_reach, chroma_reach;
+  struct Background {
+    __m512i luma_low, chroma_low, luma_extent, chroma_extent;
   };
-  TOUCHLINE_AVX512_INLINE static Quiet quiet(__m512i light) {
-    return {choose(light, kLow[0]), choose(light, kLow[1]), choose(light, kReach[0]), choose(light, kReach[1])};
+  TOUCHLINE_TARGET_INLINE static Background background(__m512i light) {
+    return {choose(light, kLow[0]), choose(light, kLow[1]), choose(light, kExtent[0]), choose(light, kExtent[1])};
   }
   struct Bytes {
     __m512i luma, chroma;
   };
   template <bool kIsWhole>
-  TOUCHLINE_AVX512_INLINE static Bytes bytes_of(const RowPixels& row, const Block& block) {
+  TOUCHLINE_TARGET_INLINE static Bytes bytes_of(const RowPixels& row, const Block& block) {
     return {load<kIsWhole>(row.samples + block.u, block.begin, block.end, 0),
             load<kIsWhole>(row.chroma + block.u, block.begin, block.end, 0)};
   }
-  TOUCHLINE_AVX512_INLINE static __m512i loud(const Bytes& bytes, const Quiet& quiet) {
-    return _mm512_or_si512(beyond(bytes.luma, quiet.luma_low, quiet.luma_reach),
-                           beyond(bytes.chroma, quiet.chroma_low, quiet.chroma_reach));
+  TOUCHLINE_TARGET_INLINE static __m512i candidates(const Bytes& bytes, const Background& background) {
+    return _mm512_or_si512(beyond(bytes.luma, background.luma_low, background.luma_extent),
+                           beyond(bytes.chroma, background.chroma_low, background.chroma_extent));
   }
-  TOUCHLINE_AVX512_INLINE static Planes planes(const Bytes& bytes) {
+  TOUCHLINE_TARGET_INLINE static Planes planes(const Bytes& bytes) {
     return {bytes.luma, choose(bytes.chroma, kPick[0]), choose(bytes.chroma, kPick[1])};
   }
 };
 
-TOUCHLINE_AVX512_INLINE Channel channel_of(const SpanTables& tables, __m512i values, std::size_t channel) {
-  return {high_digits(values), low_digits(values), &tables.digits->channel(channel, tables.tiles->level[channel])};
+TOUCHLINE_TARGET_INLINE Channel channel_of(const SpanTables& tables, __m512i values, std::size_t channel) {
+  return {high_nibble(values), low_nibble(values), &tables.nibbles->channel(channel, tables.tiles->level[channel])};
 }
 template <class Layout, bool kIsWhole>
-TOUCHLINE_AVX512_INLINE Channels channels_at(const SpanTables& tables, const RowPixels& row, const Block& block) {
+TOUCHLINE_TARGET_INLINE Channels channels_at(const SpanTables& tables, const RowPixels& row, const Block& block) {
   const Planes planes = Layout::planes(Layout::template bytes_of<kIsWhole>(row, block));
   return {channel_of(tables, planes.first, 0), channel_of(tables, planes.second, 1),
           channel_of(tables, planes.third, 2)};
 }
 
-TOUCHLINE_AVX512_INLINE __m512i colors_of(const SpanTables& tables, const Channels& channels) {
+TOUCHLINE_TARGET_INLINE __m512i colors_of(const SpanTables& tables, const Channels& channels) {
   __m512i colors = _mm512_setzero_si512();
-  for (std::size_t group = 0; group < tables.digits->groups(); ++group) {
-    __m512i classes = near_classes(channels, group);
+  for (std::size_t group = 0; group < tables.nibbles->groups(); ++group) {
+    __m512i classes = coarse_classes(channels, group);
     classes = classes_of(channels.first, group, classes);
     classes = classes_of(channels.second, group, classes);
     classes = classes_of(channels.third, group, classes);
-    colors = add_colors(colors, tables.digits->colors(), group, classes);
+    colors = add_colors(colors, tables.nibbles->colors(), group, classes);
   }
   return colors;
 }
@@ -295,24 +295,25 @@ struct Span {
 
 // The three looks at a block. Each gives 1 or 0: whether the next is needed, in the end whether there are colors.
 template <class Layout, bool kIsWhole>
-TOUCHLINE_AVX512_INLINE OccupiedWords is_loud(const RowPixels& row, const Block& block,
-                                              const typename Layout::Quiet& of_row, ColorId* colors) {
+TOUCHLINE_TARGET_INLINE OccupiedWords is_candidate(const RowPixels& row, const Block& block,
+                                                   const typename Layout::Background& of_row, ColorId* colors) {
   const typename Layout::Bytes bytes = Layout::template bytes_of<kIsWhole>(row, block);
-  const __m512i loud = Layout::loud(bytes, of_row);
+  const __m512i candidates = Layout::candidates(bytes, of_row);
   store<kIsWhole>(colors, block, _mm512_setzero_si512());
-  return OccupiedWords{_mm512_test_epi8_mask(loud, loud) != 0};
+  return OccupiedWords{_mm512_test_epi8_mask(candidates, candidates) != 0};
 }
 template <class Layout, bool kIsWhole>
-TOUCHLINE_AVX512_INLINE OccupiedWords is_near(const SpanTables& tables, const RowPixels& row, const Block& block) {
+TOUCHLINE_TARGET_INLINE OccupiedWords matches_coarsely(const SpanTables& tables, const RowPixels& row,
+                                                       const Block& block) {
   const Channels channels = channels_at<Layout, kIsWhole>(tables, row, block);
   __m512i near = _mm512_setzero_si512();
-  for (std::size_t group = 0; group < tables.digits->groups(); ++group) {
-    near = _mm512_or_si512(near, near_classes(channels, group));
+  for (std::size_t group = 0; group < tables.nibbles->groups(); ++group) {
+    near = _mm512_or_si512(near, coarse_classes(channels, group));
   }
   return OccupiedWords{_mm512_test_epi8_mask(near, near) != 0};
 }
 template <class Layout, bool kIsWhole>
-TOUCHLINE_AVX512_INLINE OccupiedWords is_colored(const SpanTables& tables, const RowPixels& row, const Block& block,
+TOUCHLINE_TARGET_INLINE OccupiedWords is_colored(const SpanTables& tables, const RowPixels& row, const Block& block,
                                                  ColorId* colors) {
   const __m512i found = colors_of(tables, channels_at<Layout, kIsWhole>(tables, row, block));
   store<kIsWhole>(colors, block, found);
@@ -321,27 +322,27 @@ TOUCHLINE_AVX512_INLINE OccupiedWords is_colored(const SpanTables& tables, const
 
 // As in the AVX2 kernel, a round for each look: within one no branch depends on what is there.
 template <class Layout>
-TOUCHLINE_AVX512_INLINE OccupiedWords classify_blocks(const SpanTables& tables, const RowPixels& row, const Span& span,
+TOUCHLINE_TARGET_INLINE OccupiedWords classify_blocks(const SpanTables& tables, const RowPixels& row, const Span& span,
                                                       ColorId* colors) {
-  const auto of_row = Layout::quiet(_mm512_maskz_loadu_epi8(bits(0, sizeof(TileLight)), tables.tiles));
+  const auto of_row = Layout::background(_mm512_maskz_loadu_epi8(bits(0, sizeof(TileParameters)), tables.tiles));
   const std::uint32_t first = span.begin / kBlock, stop = (span.end + kBlock - 1) / kBlock;
   OccupiedWords left = 0;
   for (std::uint32_t word = first; word < stop; ++word) {
     const Block block = span.block(word);
-    left |= (block.is_whole() ? is_loud<Layout, true>(row, block, of_row, colors)
-                              : is_loud<Layout, false>(row, block, of_row, colors))
+    left |= (block.is_whole() ? is_candidate<Layout, true>(row, block, of_row, colors)
+                              : is_candidate<Layout, false>(row, block, of_row, colors))
             << word;
   }
-  if (!tables.has_quiet) left = bits(first, stop);
+  if (!tables.has_background_box) left = bits(first, stop);
 
-  if (is_second_look_worth(left, stop - first)) {
+  if (is_second_pass_worthwhile(left, stop - first)) {
     OccupiedWords near = 0;
     for (; left != 0; left &= left - 1) {
       const auto word = static_cast<std::uint32_t>(std::countr_zero(left));
       const Block block = span.block(word);
-      near |=
-          (block.is_whole() ? is_near<Layout, true>(tables, row, block) : is_near<Layout, false>(tables, row, block))
-          << word;
+      near |= (block.is_whole() ? matches_coarsely<Layout, true>(tables, row, block)
+                                : matches_coarsely<Layout, false>(tables, row, block))
+              << word;
     }
     left = near;
   }
@@ -358,17 +359,18 @@ TOUCHLINE_AVX512_INLINE OccupiedWords classify_blocks(const SpanTables& tables, 
 
 // Apart: rows of one light need no room for its registers.
 template <PixelFormat kFormat>
-[[gnu::noinline]] TOUCHLINE_AVX512 OccupiedWords classify_lit(const SpanTables& tables, const RowPixels& row,
-                                                              std::uint32_t begin, std::uint32_t end, ColorId* colors) {
-  if (end < begin + lit512::kTile) return scalar_kernel(kFormat)(tables, row, begin, end, colors);
-  return lit512::classify_lit_span<lit512::LitLayoutOf<kFormat>>(tables, row, begin, end, colors);
+[[gnu::noinline]] TOUCHLINE_TARGET_FUNCTION OccupiedWords classify_shaded(const SpanTables& tables,
+                                                                          const RowPixels& row, std::uint32_t begin,
+                                                                          std::uint32_t end, ColorId* colors) {
+  if (end < begin + avx512_shaded::kTile) return portable_kernel(kFormat)(tables, row, begin, end, colors);
+  return avx512_shaded::classify_shaded_span<avx512_shaded::ShadedLayoutOf<kFormat>>(tables, row, begin, end, colors);
 }
 
 template <PixelFormat kFormat, class Layout>
-TOUCHLINE_AVX512 OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
-                                             std::uint32_t end, ColorId* colors) {
+TOUCHLINE_TARGET_FUNCTION OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row,
+                                                      std::uint32_t begin, std::uint32_t end, ColorId* colors) {
   if (begin >= end) return 0;
-  if (!tables.one_light) return classify_lit<kFormat>(tables, row, begin, end, colors);
+  if (!tables.unshaded) return classify_shaded<kFormat>(tables, row, begin, end, colors);
   // Copies: what is written to `colors` cannot change them.
   const SpanTables of_row = tables;
   const RowPixels pixels = row;
@@ -383,25 +385,10 @@ struct Family {
   static constexpr SpanKernel kKernel = classify_span<kFormat, LayoutOf<kFormat>>;
 };
 
-bool has_avx512() {
-  __builtin_cpu_init();
-  return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512bw") != 0 &&
-         __builtin_cpu_supports("avx512vl") != 0 && __builtin_cpu_supports("avx512vbmi") != 0 &&
-         __builtin_cpu_supports("bmi") != 0 && __builtin_cpu_supports("bmi2") != 0 &&
-         __builtin_cpu_supports("popcnt") != 0;
-}
-
 }  // namespace
+}  // namespace avx512
 
-SpanKernel avx512_kernel(PixelFormat format) { return has_avx512() ? kernel_of_format<Family>(format) : nullptr; }
-
-}  // namespace touchline
-
-#else
-
-namespace touchline {
-
-SpanKernel avx512_kernel(PixelFormat) { return nullptr; }
+SpanKernel avx512_kernel(PixelFormat format) { return kernel_of_format<avx512::Family>(format); }
 
 }  // namespace touchline
 

@@ -5,6 +5,7 @@
 #include "core/color/span_kernel.h"
 
 namespace touchline {
+namespace portable {
 namespace {
 
 static_assert(sizeof(ColorId) == 1, "a block of colors is cleared as one word");
@@ -18,7 +19,7 @@ struct LightTables {
   std::array<const ColorTables::Table*, 3> channel;
   const ColorTables::ColorOfBit& color_of_bit;
 
-  LightTables(const SpanTables& tables, const TileLight& light)
+  LightTables(const SpanTables& tables, const TileParameters& light)
       : channel{&tables.colors->table(0, light.level[0]), &tables.colors->table(1, light.level[1]),
                 &tables.colors->table(2, light.level[2])},
         color_of_bit(tables.colors->color_of_bit()) {}
@@ -28,20 +29,20 @@ struct LightTables {
   }
 };
 
-// Eight bytes against the quiet range of each.
-class QuietWord {
+// Eight bytes against the background range of each.
+class BackgroundWord {
  public:
-  QuietWord() = default;
-  explicit QuietWord(const std::array<std::uint8_t, 8>& low, const std::array<std::uint8_t, 8>& reach)
-      : low_(load_word(low.data())), beyond_(~load_word(reach.data())) {}
+  BackgroundWord() = default;
+  explicit BackgroundWord(const std::array<std::uint8_t, 8>& low, const std::array<std::uint8_t, 8>& extent)
+      : low_(load_word(low.data())), beyond_(~load_word(extent.data())) {}
 
   /// High bits of the bytes that are out of range.
-  [[nodiscard]] std::uint64_t loud(std::uint64_t bytes) const {
+  [[nodiscard]] std::uint64_t candidates(std::uint64_t bytes) const {
     // Byte by byte, no borrow into the next: bytes - low.
     const std::uint64_t from_low = ((bytes | kHighBits) - (low_ & ~kHighBits)) ^ ((bytes ^ ~low_) & kHighBits);
     // A byte's high bit becomes (value & 127) + addend >= 128; no byte carries into the next, 127 + 127 < 255.
     const std::uint64_t sum = (from_low & ~kHighBits) + (beyond_ & ~kHighBits);
-    // Beyond a reach below 128 is what the sum or the value's own high bit says, else what both say: a majority vote.
+    // Beyond a extent below 128 is what the sum or the value's own high bit says, else what both say: a majority vote.
     return ((sum & from_low) | (beyond_ & (sum | from_low))) & kHighBits;
   }
 
@@ -52,13 +53,14 @@ class QuietWord {
 
 // The pattern's bytes `at`, over and over; each may stand for several channels in turn.
 template <std::size_t kPeriod>
-QuietWord quiet_word(const TileLight& light, const std::array<std::size_t, kPeriod>& at, std::size_t first = 0) {
-  std::array<std::uint8_t, 8> low{}, reach{};
+BackgroundWord background_word(const TileParameters& light, const std::array<std::size_t, kPeriod>& at,
+                               std::size_t first = 0) {
+  std::array<std::uint8_t, 8> low{}, extent{};
   for (std::size_t i = 0; i < 8; ++i) {
-    low[i] = light.quiet_low[at[(first + i) % kPeriod]];
-    reach[i] = light.quiet_reach[at[(first + i) % kPeriod]];
+    low[i] = light.background_low[at[(first + i) % kPeriod]];
+    extent[i] = light.background_extent[at[(first + i) % kPeriod]];
   }
-  return QuietWord(low, reach);
+  return BackgroundWord(low, extent);
 }
 
 template <PixelFormat kFormat>
@@ -74,19 +76,19 @@ struct Packed24 {
     }
   }
 
-  class Quiet {
+  class Background {
    public:
-    explicit Quiet(const TileLight& light) {
-      for (std::size_t i = 0; i < words_.size(); ++i) words_[i] = quiet_word<3>(light, {0, 1, 2}, 8 * i);
+    explicit Background(const TileParameters& light) {
+      for (std::size_t i = 0; i < words_.size(); ++i) words_[i] = background_word<3>(light, {0, 1, 2}, 8 * i);
     }
     [[nodiscard]] bool holds(const RowPixels& row, std::uint32_t begin) const {
       const std::uint8_t* bytes = row.samples + std::size_t{begin} * 3;
-      return (words_[0].loud(load_word(bytes)) | words_[1].loud(load_word(bytes + 8)) |
-              words_[2].loud(load_word(bytes + 16))) == 0;
+      return (words_[0].candidates(load_word(bytes)) | words_[1].candidates(load_word(bytes + 8)) |
+              words_[2].candidates(load_word(bytes + 16))) == 0;
     }
 
    private:
-    std::array<QuietWord, 3> words_;
+    std::array<BackgroundWord, 3> words_;
   };
 };
 
@@ -125,29 +127,30 @@ struct SharedChroma {
     if (u < end) colors[u] = with_luma(tables, row, u, chroma_mask(tables, row, u));
   }
 
-  class Quiet {
+  class Background {
    public:
-    explicit Quiet(const TileLight& light)
-        : first_(kPlanar ? quiet_word<1>(light, {0}) : quiet_word<4>(light, {0, 1, 2, 3})),
-          second_(kPlanar ? quiet_word<2>(light, {2, 3}) : first_) {}
+    explicit Background(const TileParameters& light)
+        : first_(kPlanar ? background_word<1>(light, {0}) : background_word<4>(light, {0, 1, 2, 3})),
+          second_(kPlanar ? background_word<2>(light, {2, 3}) : first_) {}
     /// `begin` is even.
     [[nodiscard]] bool holds(const RowPixels& row, std::uint32_t begin) const {
       const std::uint8_t* bytes = row.samples + std::size_t{begin} * kLumaStep;
-      return (first_.loud(load_word(bytes)) | second_.loud(load_word(kPlanar ? row.chroma + begin : bytes + 8))) == 0;
+      return (first_.candidates(load_word(bytes)) |
+              second_.candidates(load_word(kPlanar ? row.chroma + begin : bytes + 8))) == 0;
     }
 
    private:
-    QuietWord first_, second_;
+    BackgroundWord first_, second_;
   };
 };
 
-// Pixels of one light. Blocks in the quiet box are background at a glance; the others are looked at pixel
+// Pixels of one light. Blocks in the background box are background at a glance; the others are looked at pixel
 // by pixel.
 template <class Layout>
-OccupiedWords classify_light(const SpanTables& tables, const TileLight& light, const RowPixels& row,
+OccupiedWords classify_light(const SpanTables& tables, const TileParameters& light, const RowPixels& row,
                              std::uint32_t begin, std::uint32_t end, ColorId* colors) {
   const LightTables of_light(tables, light);
-  const typename Layout::Quiet quiet(light);
+  const typename Layout::Background background(light);
   OccupiedWords occupied = 0;
   const auto exactly = [&](std::uint32_t from, std::uint32_t to) {
     Layout::pixels(of_light, row, from, to, colors);
@@ -158,7 +161,7 @@ OccupiedWords classify_light(const SpanTables& tables, const TileLight& light, c
   std::uint32_t u = begin;
   if (u % 2 == 1 && u < end) exactly(u, u + 1), ++u;
   for (; u + kBlockPixels <= end; u += kBlockPixels) {
-    if (tables.has_quiet && quiet.holds(row, u)) {
+    if (tables.has_background_box && background.holds(row, u)) {
       std::memset(colors + u, kBackground, kBlockPixels);
       continue;
     }
@@ -173,11 +176,11 @@ OccupiedWords classify_light(const SpanTables& tables, const TileLight& light, c
 template <class Layout>
 OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
                             ColorId* colors) {
-  if (tables.one_light) return classify_light<Layout>(tables, *tables.tiles, row, begin, end, colors);
+  if (tables.unshaded) return classify_light<Layout>(tables, *tables.tiles, row, begin, end, colors);
   OccupiedWords occupied = 0;
   for (std::uint32_t u = begin; u < end;) {
     // Neighboring tiles of one light are one stretch.
-    const TileLight& light = tables.tile_at(u);
+    const TileParameters& light = tables.tile_at(u);
     std::uint32_t stop = u;
     do {
       stop = std::min(end, (stop / kTileWidth + 1) * kTileWidth);
@@ -189,19 +192,20 @@ OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std:
 }
 
 }  // namespace
+}  // namespace portable
 
-SpanKernel scalar_kernel(PixelFormat format) {
+SpanKernel portable_kernel(PixelFormat format) {
   switch (format) {
     case PixelFormat::kRgb24:
-      return classify_span<Packed24<PixelFormat::kRgb24>>;
+      return portable::classify_span<portable::Packed24<PixelFormat::kRgb24>>;
     case PixelFormat::kBgr24:
-      return classify_span<Packed24<PixelFormat::kBgr24>>;
+      return portable::classify_span<portable::Packed24<PixelFormat::kBgr24>>;
     case PixelFormat::kYuyv:
-      return classify_span<SharedChroma<PixelFormat::kYuyv>>;
+      return portable::classify_span<portable::SharedChroma<PixelFormat::kYuyv>>;
     case PixelFormat::kUyvy:
-      return classify_span<SharedChroma<PixelFormat::kUyvy>>;
+      return portable::classify_span<portable::SharedChroma<PixelFormat::kUyvy>>;
     case PixelFormat::kNv12:
-      return classify_span<SharedChroma<PixelFormat::kNv12>>;
+      return portable::classify_span<portable::SharedChroma<PixelFormat::kNv12>>;
   }
   return nullptr;
 }

@@ -10,6 +10,7 @@
 #include "core/color/kernel_of_format.h"
 
 namespace touchline {
+namespace neon {
 namespace {
 
 // A tile of one light fills a register; four are background at a glance or are looked at one by one.
@@ -29,35 +30,35 @@ bool is_zero(Values value) {
 bool is_zero(PairValues value) { return vget_lane_u64(vreinterpret_u64_u8(value), 0) == 0; }
 
 // For 16 pixels, and for 8 pairs: a Cortex-A72 looks up half a register in a third of the time.
-Values look_up(const std::uint8_t* table, Values digit) { return vqtbl1q_u8(vld1q_u8(table), digit); }
-PairValues look_up(const std::uint8_t* table, PairValues digit) { return vqtbl1_u8(vld1q_u8(table), digit); }
+Values look_up(const std::uint8_t* table, Values nibble) { return vqtbl1q_u8(vld1q_u8(table), nibble); }
+PairValues look_up(const std::uint8_t* table, PairValues nibble) { return vqtbl1_u8(vld1q_u8(table), nibble); }
 Values both(Values a, Values b) { return vandq_u8(a, b); }
 PairValues both(PairValues a, PairValues b) { return vand_u8(a, b); }
 Values either(Values a, Values b) { return vorrq_u8(a, b); }
 PairValues either(PairValues a, PairValues b) { return vorr_u8(a, b); }
 
-// The hexadecimal digits of values.
+// The nibbles of values.
 template <class Register>
-struct Digits {
+struct Nibbles {
   Register high, low;
 };
-Digits<Values> digits_of(Values values) { return {vshrq_n_u8(values, 4), vandq_u8(values, vdupq_n_u8(15))}; }
-Digits<PairValues> digits_of(PairValues values) { return {vshr_n_u8(values, 4), vand_u8(values, vdup_n_u8(15))}; }
+Nibbles<Values> nibbles_of(Values values) { return {vshrq_n_u8(values, 4), vandq_u8(values, vdupq_n_u8(15))}; }
+Nibbles<PairValues> nibbles_of(PairValues values) { return {vshr_n_u8(values, 4), vand_u8(values, vdup_n_u8(15))}; }
 
 // A group's tables, by their distance from the first. One address for all: gcc 12 else works out each by itself.
 class GroupTables {
  public:
-  GroupTables(const DigitTables& first, std::size_t group) : at_(first[group].data()) { asm("" : "+r"(at_)); }
-  [[nodiscard]] const std::uint8_t* operator[](std::size_t number) const { return at_ + sizeof(DigitTables) * number; }
+  GroupTables(const GroupLookups& first, std::size_t group) : at_(first[group].data()) { asm("" : "+r"(at_)); }
+  [[nodiscard]] const std::uint8_t* operator[](std::size_t number) const { return at_ + sizeof(GroupLookups) * number; }
 
  private:
   const std::uint8_t* at_;
 };
-static_assert(offsetof(ChannelDigits, to_last) == 4 * sizeof(DigitTables));
+static_assert(offsetof(ChannelNibbles, to_last) == 4 * sizeof(GroupLookups));
 
 // The group's classes to which the values of a channel belong, a byte a value.
 template <class Register>
-Register classes_of(const ChannelDigits& tables, std::size_t group, const Digits<Register>& value) {
+Register classes_of(const ChannelNibbles& tables, std::size_t group, const Nibbles<Register>& value) {
   const GroupTables within_and_ends(tables.within, group);
   const Register from = either(look_up(within_and_ends[1], value.high), look_up(within_and_ends[2], value.low));
   const Register to = either(look_up(within_and_ends[3], value.high), look_up(within_and_ends[4], value.low));
@@ -65,8 +66,8 @@ Register classes_of(const ChannelDigits& tables, std::size_t group, const Digits
 }
 
 // The color of the lowest class; where an earlier group has given a color, that.
-Values add_colors(Values colors, const ColorDigits& tables, std::size_t group, Values classes) {
-  const Digits<Values> bits = digits_of(classes);
+Values add_colors(Values colors, const ColorNibbles& tables, std::size_t group, Values classes) {
+  const Nibbles<Values> bits = nibbles_of(classes);
   const GroupTables low_and_high(tables.low, group);
   const Values low = look_up(low_and_high[0], bits.low);
   const Values color = vbslq_u8(vceqzq_u8(low), look_up(low_and_high[1], bits.high), low);
@@ -74,23 +75,23 @@ Values add_colors(Values colors, const ColorDigits& tables, std::size_t group, V
 }
 
 // The classes of a tile's light.
-struct LightDigits {
-  const ChannelDigits& first;
-  const ChannelDigits& second;
-  const ChannelDigits& third;
-  const ColorDigits& colors;
+struct TileNibbles {
+  const ChannelNibbles& first;
+  const ChannelNibbles& second;
+  const ChannelNibbles& third;
+  const ColorNibbles& colors;
   std::size_t groups;
 
-  LightDigits(const DigitTableSet& digits, const TileLight& light)
-      : first(digits.channel(0, light.level[0])),
-        second(digits.channel(1, light.level[1])),
-        third(digits.channel(2, light.level[2])),
-        colors(digits.colors()),
-        groups(digits.groups()) {}
+  TileNibbles(const NibbleTables& nibbles, const TileParameters& light)
+      : first(nibbles.channel(0, light.level[0])),
+        second(nibbles.channel(1, light.level[1])),
+        third(nibbles.channel(2, light.level[2])),
+        colors(nibbles.colors()),
+        groups(nibbles.groups()) {}
 };
 
 // `within` of all groups in one: where none of its bits is left no class is.
-Values within_any(const ChannelDigits& channel) {
+Values within_any(const ChannelNibbles& channel) {
   Values any = vld1q_u8(channel.within[0].data());
   TOUCHLINE_UNROLL for (std::size_t group = 1; group < kClassGroups; ++group) {
     any = vorrq_u8(any, vld1q_u8(channel.within[group].data()));
@@ -99,39 +100,41 @@ Values within_any(const ChannelDigits& channel) {
 }
 struct Within {
   Values first, second, third;
-  explicit Within(const LightDigits& tables)
+  explicit Within(const TileNibbles& tables)
       : first(within_any(tables.first)), second(within_any(tables.second)), third(within_any(tables.third)) {}
 };
 
-// TileLight's quiet range of four bytes, four times over.
-struct QuietWords {
-  Values low, reach;
+// TileParameters's background range of four bytes, four times over.
+struct BackgroundWords {
+  Values low, extent;
 };
 Values repeated(const std::array<std::uint8_t, 4>& bytes) {
   std::uint32_t word = 0;
   std::memcpy(&word, bytes.data(), sizeof word);
   return vreinterpretq_u8_u32(vdupq_n_u32(word));
 }
-QuietWords quiet_words(const TileLight& light) { return {repeated(light.quiet_low), repeated(light.quiet_reach)}; }
-// What is quiet in all tiles of a block; false: nothing, which cannot be when all ranges begin at 0.
+BackgroundWords background_words(const TileParameters& light) {
+  return {repeated(light.background_low), repeated(light.background_extent)};
+}
+// What is background in all tiles of a block; false: nothing, which cannot be when all ranges begin at 0.
 template <bool kFromZero>
-bool quiet_words(const TileLight* lights, QuietWords& all) {
-  all = quiet_words(lights[0]);
-  Values high = vaddq_u8(all.low, all.reach);
+bool background_words(const TileParameters* lights, BackgroundWords& all) {
+  all = background_words(lights[0]);
+  Values high = vaddq_u8(all.low, all.extent);
   TOUCHLINE_UNROLL for (std::size_t tile = 1; tile < kTilesOfBlock; ++tile) {
-    const QuietWords one = quiet_words(lights[tile]);
+    const BackgroundWords one = background_words(lights[tile]);
     all.low = vmaxq_u8(all.low, one.low);
-    high = vminq_u8(high, vaddq_u8(one.low, one.reach));
+    high = vminq_u8(high, vaddq_u8(one.low, one.extent));
   }
-  all.reach = vsubq_u8(high, all.low);
+  all.extent = vsubq_u8(high, all.low);
   return kFromZero || is_zero(vcgtq_u8(all.low, high));
 }
 
-// Three bytes a pixel. kFromZero: quiet_low is 0.
+// Three bytes a pixel. kFromZero: background_low is 0.
 template <PixelFormat kFormat, bool kFromZero>
 struct Packed24 {
   static constexpr std::size_t kRed = kFormat == PixelFormat::kRgb24 ? 0 : 2;
-  static constexpr bool kQuietFromZero = kFromZero;
+  static constexpr bool kBackgroundFromZero = kFromZero;
 
   static RowPixels at(const RowPixels& row, std::size_t u) { return {row.samples + 3 * u, nullptr}; }
 
@@ -142,12 +145,12 @@ struct Packed24 {
     return pick;
   }();
 
-  struct Quiet {
-    Values low[3], reach[3];
-    explicit Quiet(const QuietWords& words) {
+  struct Background {
+    Values low[3], extent[3];
+    explicit Background(const BackgroundWords& words) {
       TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) {
         if constexpr (!kFromZero) low[i] = vqtbl1q_u8(words.low, vld1q_u8(kPick[i].data()));
-        reach[i] = vqtbl1q_u8(words.reach, vld1q_u8(kPick[i].data()));
+        extent[i] = vqtbl1q_u8(words.extent, vld1q_u8(kPick[i].data()));
       }
     }
     template <std::size_t kTiles>
@@ -158,7 +161,7 @@ struct Packed24 {
         TOUCHLINE_UNROLL for (std::size_t tile = 1; tile < kTiles; ++tile) {
           largest = vmaxq_u8(largest, from_low(tiles.samples + kTile * (3 * tile + i), i));
         }
-        beyond = vorrq_u8(beyond, vqsubq_u8(largest, reach[i]));
+        beyond = vorrq_u8(beyond, vqsubq_u8(largest, extent[i]));
       }
       return is_zero(beyond);
     }
@@ -168,7 +171,7 @@ struct Packed24 {
     }
   };
 
-  // False: background by the high digits, as most tiles are that are not quiet.
+  // False: background by the high nibbles, as most tiles are that are not background.
   static bool may_be_colored(const Within& within, const RowPixels& tile) {
     const uint8x16x3_t bytes = vld3q_u8(tile.samples);
     return !is_zero(both(vqtbl1q_u8(within.first, vshrq_n_u8(bytes.val[kRed], 4)),
@@ -176,11 +179,11 @@ struct Packed24 {
                               vqtbl1q_u8(within.third, vshrq_n_u8(bytes.val[2 - kRed], 4)))));
   }
 
-  [[gnu::noinline]] static Values colors(const LightDigits& tables, RowPixels tile) {
+  [[gnu::noinline]] static Values colors(const TileNibbles& tables, RowPixels tile) {
     Values found = vdupq_n_u8(kBackground);
     const uint8x16x3_t bytes = vld3q_u8(tile.samples);
-    const Digits<Values> a = digits_of(bytes.val[kRed]), b = digits_of(bytes.val[1]),
-                         c = digits_of(bytes.val[2 - kRed]);
+    const Nibbles<Values> a = nibbles_of(bytes.val[kRed]), b = nibbles_of(bytes.val[1]),
+                          c = nibbles_of(bytes.val[2 - kRed]);
     for (std::size_t group = 0; group < tables.groups; ++group) {
       const Values classes = both(classes_of(tables.first, group, a),
                                   both(classes_of(tables.second, group, b), classes_of(tables.third, group, c)));
@@ -193,7 +196,7 @@ struct Packed24 {
 // Formats whose pixel pairs share a chroma sample.
 template <PixelFormat kFormat>
 struct SharedChroma {
-  static constexpr bool kPlanar = kFormat == PixelFormat::kNv12, kQuietFromZero = false;
+  static constexpr bool kPlanar = kFormat == PixelFormat::kNv12, kBackgroundFromZero = false;
 
   static RowPixels at(const RowPixels& row, std::size_t u) {
     return {row.samples + u * (kPlanar ? 1 : 2), kPlanar ? row.chroma + u : nullptr};
@@ -203,11 +206,11 @@ struct SharedChroma {
   static Values first(const RowPixels& tile) { return vld1q_u8(tile.samples); }
   static Values second(const RowPixels& tile) { return vld1q_u8(kPlanar ? tile.chroma : tile.samples + kTile); }
 
-  struct Quiet {
-    QuietWords of_first, of_second;
-    explicit Quiet(const QuietWords& words) : of_first(words), of_second(words) {
-      if constexpr (kPlanar) of_first = {luma(words.low), luma(words.reach)};
-      if constexpr (kPlanar) of_second = {chroma(words.low), chroma(words.reach)};
+  struct Background {
+    BackgroundWords of_first, of_second;
+    explicit Background(const BackgroundWords& words) : of_first(words), of_second(words) {
+      if constexpr (kPlanar) of_first = {luma(words.low), luma(words.extent)};
+      if constexpr (kPlanar) of_second = {chroma(words.low), chroma(words.extent)};
     }
     static Values luma(Values words) { return vdupq_laneq_u8(words, 0); }
     static Values chroma(Values words) { return vreinterpretq_u8_u16(vdupq_laneq_u16(vreinterpretq_u16_u8(words), 1)); }
@@ -219,7 +222,7 @@ struct SharedChroma {
         largest_first = vmaxq_u8(largest_first, vsubq_u8(first(at(tiles, tile * kTile)), of_first.low));
         largest_second = vmaxq_u8(largest_second, vsubq_u8(second(at(tiles, tile * kTile)), of_second.low));
       }
-      return is_zero(vorrq_u8(vqsubq_u8(largest_first, of_first.reach), vqsubq_u8(largest_second, of_second.reach)));
+      return is_zero(vorrq_u8(vqsubq_u8(largest_first, of_first.extent), vqsubq_u8(largest_second, of_second.extent)));
     }
   };
 
@@ -236,18 +239,18 @@ struct SharedChroma {
     return {luma, vmovn_u16(chroma), vshrn_n_u16(chroma, 8)};
   }
 
-  // False: background by the high digits of chroma, as most tiles are that are not quiet.
+  // False: background by the high nibbles of chroma, as most tiles are that are not background.
   static bool may_be_colored(const Within& within, const RowPixels& tile) {
     const Samples sample = samples(tile);
     return !is_zero(
         both(vqtbl1_u8(within.second, vshr_n_u8(sample.u, 4)), vqtbl1_u8(within.third, vshr_n_u8(sample.v, 4))));
   }
 
-  [[gnu::noinline]] static Values colors(const LightDigits& tables, RowPixels tile) {
+  [[gnu::noinline]] static Values colors(const TileNibbles& tables, RowPixels tile) {
     Values found = vdupq_n_u8(kBackground);
     const Samples sample = samples(tile);
-    const Digits<PairValues> u = digits_of(sample.u), v = digits_of(sample.v);
-    const Digits<Values> luma = digits_of(sample.luma);
+    const Nibbles<PairValues> u = nibbles_of(sample.u), v = nibbles_of(sample.v);
+    const Nibbles<Values> luma = nibbles_of(sample.luma);
     for (std::size_t group = 0; group < tables.groups; ++group) {
       const PairValues pairs = both(classes_of(tables.second, group, u), classes_of(tables.third, group, v));
       if (is_zero(pairs)) continue;
@@ -260,18 +263,18 @@ struct SharedChroma {
 };
 
 // Columns of a row, of at least a tile, in pairs where pairs share chroma.
-template <class Layout, bool kOneLight>
+template <class Layout, bool kUnshaded>
 class Span {
-  using Quiet = typename Layout::Quiet;
+  using Background = typename Layout::Background;
 
  public:
   Span(const SpanTables& tables, const RowPixels& row, ColorId* colors)
       : tables_(tables),
         row_(row),
         colors_(colors),
-        quiet_(quiet_words(*tables.tiles)),
-        digits_(*tables.digits, *tables.tiles),
-        within_(digits_) {}
+        background_(background_words(*tables.tiles)),
+        nibbles_(*tables.nibbles, *tables.tiles),
+        within_(nibbles_) {}
 
   OccupiedWords classify(std::uint32_t begin, std::uint32_t end) {
     std::uint32_t u = begin;
@@ -289,7 +292,7 @@ class Span {
     while (u < end) {
       std::uint32_t stop = end;
       if (end - u >= kBlock) {
-        if (tables_.has_quiet && is_quiet_block(u)) {
+        if (tables_.has_background_box && is_background_block(u)) {
           TOUCHLINE_UNROLL for (std::uint32_t tile = 0; tile < kTilesOfBlock; ++tile) clear(u + tile * kTile);
           u += kBlock;
           continue;
@@ -297,7 +300,7 @@ class Span {
         stop = u + kBlock;
       }
       for (; u < stop; u += kTile) {
-        if ((tables_.has_quiet && is_quiet_tile(u)) || !may_be_colored(u)) {
+        if ((tables_.has_background_box && is_background_tile(u)) || !may_be_colored(u)) {
           clear(u);
           continue;
         }
@@ -329,28 +332,28 @@ class Span {
     return vld1q_u8(kColumns);
   }
 
-  [[gnu::always_inline]] [[nodiscard]] bool is_quiet_block(std::uint32_t u) const {
+  [[gnu::always_inline]] [[nodiscard]] bool is_background_block(std::uint32_t u) const {
     const RowPixels block = Layout::at(row_, u);
-    if constexpr (kOneLight) return quiet_.template holds<kTilesOfBlock>(block);
-    QuietWords all;
-    return quiet_words<Layout::kQuietFromZero>(tables_.tiles + u / kTile, all) &&
-           Quiet(all).template holds<kTilesOfBlock>(block);
+    if constexpr (kUnshaded) return background_.template holds<kTilesOfBlock>(block);
+    BackgroundWords all;
+    return background_words<Layout::kBackgroundFromZero>(tables_.tiles + u / kTile, all) &&
+           Background(all).template holds<kTilesOfBlock>(block);
   }
-  [[gnu::always_inline]] [[nodiscard]] bool is_quiet_tile(std::uint32_t u) const {
+  [[gnu::always_inline]] [[nodiscard]] bool is_background_tile(std::uint32_t u) const {
     const RowPixels tile = Layout::at(row_, u);
-    if constexpr (kOneLight) return quiet_.template holds<1>(tile);
-    return Quiet(quiet_words(tables_.tiles[u / kTile])).template holds<1>(tile);
+    if constexpr (kUnshaded) return background_.template holds<1>(tile);
+    return Background(background_words(tables_.tiles[u / kTile])).template holds<1>(tile);
   }
   [[gnu::always_inline]] [[nodiscard]] bool may_be_colored(std::uint32_t u) const {
     const RowPixels tile = Layout::at(row_, u);
-    if constexpr (kOneLight) return Layout::may_be_colored(within_, tile);
-    return Layout::may_be_colored(Within(LightDigits(*tables_.digits, tables_.tiles[u / kTile])), tile);
+    if constexpr (kUnshaded) return Layout::may_be_colored(within_, tile);
+    return Layout::may_be_colored(Within(TileNibbles(*tables_.nibbles, tables_.tiles[u / kTile])), tile);
   }
   // Of kTile columns from `u` on, in the light of column `lit`.
   [[nodiscard]] Values colors_at(std::uint32_t u, std::uint32_t lit) const {
     const RowPixels tile = Layout::at(row_, u);
-    if constexpr (kOneLight) return Layout::colors(digits_, tile);
-    return Layout::colors(LightDigits(*tables_.digits, tables_.tiles[lit / kTile]), tile);
+    if constexpr (kUnshaded) return Layout::colors(nibbles_, tile);
+    return Layout::colors(TileNibbles(*tables_.nibbles, tables_.tiles[lit / kTile]), tile);
   }
 
   void clear(std::uint32_t u) { vst1q_u8(colors_ + u, vdupq_n_u8(kBackground)); }
@@ -363,8 +366,8 @@ class Span {
   const RowPixels row_;
   ColorId* const colors_;
   // Of the first tile: with one light those of all.
-  const Quiet quiet_;
-  const LightDigits digits_;
+  const Background background_;
+  const TileNibbles nibbles_;
   const Within within_;
   OccupiedWords occupied_ = 0;
 };
@@ -372,16 +375,16 @@ class Span {
 template <class Layout>
 OccupiedWords classify_light(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
                              ColorId* colors) {
-  return tables.one_light ? Span<Layout, true>(tables, row, colors).classify(begin, end)
-                          : Span<Layout, false>(tables, row, colors).classify(begin, end);
+  return tables.unshaded ? Span<Layout, true>(tables, row, colors).classify(begin, end)
+                         : Span<Layout, false>(tables, row, colors).classify(begin, end);
 }
 template <PixelFormat kFormat>
 OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
                             ColorId* colors) {
-  if (end - begin < kTile) return scalar_kernel(kFormat)(tables, row, begin, end, colors);
+  if (end - begin < kTile) return portable_kernel(kFormat)(tables, row, begin, end, colors);
   if constexpr (color_space(kFormat) == ColorSpace::kRgb) {
-    return tables.quiet_from_zero ? classify_light<Packed24<kFormat, true>>(tables, row, begin, end, colors)
-                                  : classify_light<Packed24<kFormat, false>>(tables, row, begin, end, colors);
+    return tables.background_from_zero ? classify_light<Packed24<kFormat, true>>(tables, row, begin, end, colors)
+                                       : classify_light<Packed24<kFormat, false>>(tables, row, begin, end, colors);
   } else {
     return classify_light<SharedChroma<kFormat>>(tables, row, begin, end, colors);
   }
@@ -393,17 +396,9 @@ struct Family {
 };
 
 }  // namespace
+}  // namespace neon
 
-// Every 64-bit ARM processor has NEON.
-SpanKernel neon_kernel(PixelFormat format) { return kernel_of_format<Family>(format); }
-
-}  // namespace touchline
-
-#else
-
-namespace touchline {
-
-SpanKernel neon_kernel(PixelFormat) { return nullptr; }
+SpanKernel neon_kernel(PixelFormat format) { return kernel_of_format<neon::Family>(format); }
 
 }  // namespace touchline
 

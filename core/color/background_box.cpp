@@ -1,4 +1,4 @@
-#include "core/color/quiet_box.h"
+#include "core/color/background_box.h"
 
 #include <algorithm>
 
@@ -8,11 +8,11 @@ namespace {
 // How much a value of a channel is expected of a background.
 struct Expectation {
   std::uint8_t anchor;  // is in the box
-  int reach;            // levels from the anchor at which it is least; 0: all values are alike
+  int extent;           // levels from the anchor at which it is least; 0: all values are alike
 
   [[nodiscard]] std::uint32_t weight(std::uint32_t value) const {
     const int off = static_cast<int>(value) - anchor;
-    return static_cast<std::uint32_t>(std::max(1, reach - std::max(off, -off)));
+    return static_cast<std::uint32_t>(std::max(1, extent - std::max(off, -off)));
   }
   [[nodiscard]] std::uint32_t weight(ValueRange range) const {
     std::uint32_t sum = 0;
@@ -23,13 +23,13 @@ struct Expectation {
 using Expectations = std::array<Expectation, 3>;
 
 Expectations expected_of(ColorSpace space, const TypicalBackground& background) {
-  constexpr int kMostChroma = 64;
+  constexpr int kMaxChroma = 64;
   constexpr int kUnevenness = 32;  // what light and noise move a floor by, and no more
   Expectations expected{};
   for (std::size_t c = 0; c < 3; ++c) {
     const bool is_chroma = space == ColorSpace::kYuv && c > 0;
     expected[c] = background ? Expectation{(*background)[c], kUnevenness}
-                             : Expectation{unlit_value(space, c), is_chroma ? kMostChroma : 0};
+                             : Expectation{black_value(space, c), is_chroma ? kMaxChroma : 0};
   }
   return expected;
 }
@@ -95,9 +95,9 @@ void for_each_range(const ColorBoxes& boxes, const Expectation& expected, std::s
 
 }  // namespace
 
-QuietBox quiet_box_of(const ColorBoxes& boxes, ColorSpace space, const TypicalBackground& background) {
+BackgroundBox find_background_box(const ColorBoxes& boxes, ColorSpace space, const TypicalBackground& background) {
   const Expectations expected = expected_of(space, background);
-  QuietBox best;
+  BackgroundBox best;
   std::uint64_t most = 0;
   for_each_range(boxes, expected[0], 0, [&](const Candidate& first, const ColorBoxes& met_first) {
     for_each_range(met_first, expected[1], 1, [&](const Candidate& second, const ColorBoxes& met_second) {
@@ -113,13 +113,13 @@ QuietBox quiet_box_of(const ColorBoxes& boxes, ColorSpace space, const TypicalBa
   return best;
 }
 
-ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std::uint8_t unlit) {
+ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std::uint8_t black) {
   // Both grow with the value.
   const auto reaches_low = [&](std::uint32_t value) {
-    return corrected(static_cast<std::uint8_t>(value), level, unlit) >= corrected_range.low;
+    return corrected(static_cast<std::uint8_t>(value), level, black) >= corrected_range.low;
   };
   const auto passes_high = [&](std::uint32_t value) {
-    const std::uint8_t seen = corrected(static_cast<std::uint8_t>(value), level, unlit);
+    const std::uint8_t seen = corrected(static_cast<std::uint8_t>(value), level, black);
     return (value == kFullScale ? kFullScale : seen) > corrected_range.high;
   };
   std::uint32_t low = 0, end = 0;
@@ -129,18 +129,18 @@ ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std
   return {static_cast<std::uint8_t>(low), static_cast<std::uint8_t>(end - 1)};
 }
 
-void QuietRanges::build(PixelFormat format, const ColorBoxes& boxes, std::uint8_t box_room,
-                        const TypicalBackground& background) {
+void BackgroundRanges::build(PixelFormat format, const ColorBoxes& boxes, std::uint8_t box_shift_limit,
+                             const TypicalBackground& background) {
   ColorBoxes widened = boxes;
   for (ColorBox& box : widened) {
     for (std::size_t c = 0; c < 3; ++c) {
-      box.low[c] = static_cast<std::uint8_t>(std::max(0, box.low[c] - box_room));
-      box.high[c] = static_cast<std::uint8_t>(std::min(255, box.high[c] + box_room));
+      box.low[c] = static_cast<std::uint8_t>(std::max(0, box.low[c] - box_shift_limit));
+      box.high[c] = static_cast<std::uint8_t>(std::min(255, box.high[c] + box_shift_limit));
     }
   }
   format_ = format;
-  const QuietBox dark = quiet_box_of(widened, color_space(format));
-  const QuietBox usual = background ? quiet_box_of(widened, color_space(format), background) : dark;
+  const BackgroundBox dark = find_background_box(widened, color_space(format));
+  const BackgroundBox usual = background ? find_background_box(widened, color_space(format), background) : dark;
   const std::array<std::uint8_t, 3>& low = usual.exists ? usual.low : dark.low;
   begin_at_zero_ = low == std::array<std::uint8_t, 3>{} && dark.low == low;
   exist_ = dark.exists;
@@ -149,25 +149,25 @@ void QuietRanges::build(PixelFormat format, const ColorBoxes& boxes, std::uint8_
   usual_ = usual.exists ? ranges_of(usual) : dark_;
 }
 
-QuietRanges::Ranges QuietRanges::ranges_of(const QuietBox& box) const {
+BackgroundRanges::Ranges BackgroundRanges::ranges_of(const BackgroundBox& box) const {
   Ranges ranges{};
   for (std::size_t c = 0; c < 3; ++c) {
-    const std::uint8_t unlit = unlit_value(color_space(format_), c);
+    const std::uint8_t black = black_value(color_space(format_), c);
     for (std::uint8_t level = 0; level < kLightLevels; ++level) {
-      ranges[c][level] = before_correction({box.low[c], box.high[c]}, level, unlit);
+      ranges[c][level] = before_correction({box.low[c], box.high[c]}, level, black);
     }
   }
   return ranges;
 }
 
-TileLight QuietRanges::of(const std::array<std::uint8_t, 3>& level) const {
+TileParameters BackgroundRanges::of(const std::array<std::uint8_t, 3>& level) const {
   const auto is_empty = [&](std::size_t c) { return usual_[c][level[c]].low > usual_[c][level[c]].high; };
   const Ranges& ranges = is_empty(0) || is_empty(1) || is_empty(2) ? dark_ : usual_;
-  TileLight tile;
-  const std::array<std::uint8_t, 3> at = quiet_bytes(format_);
+  TileParameters tile;
+  const std::array<std::uint8_t, 3> at = background_bytes(format_);
   const auto set = [&](std::size_t byte, ValueRange range) {
-    tile.quiet_low[byte] = range.low;
-    tile.quiet_reach[byte] = static_cast<std::uint8_t>(range.high - range.low);
+    tile.background_low[byte] = range.low;
+    tile.background_extent[byte] = static_cast<std::uint8_t>(range.high - range.low);
   };
   for (std::size_t c = 0; c < 3; ++c) {
     tile.level[c] = level[c];

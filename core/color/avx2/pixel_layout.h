@@ -1,0 +1,217 @@
+#include "core/color/avx2/nibble_lookup.h"
+
+#if defined(__x86_64__)
+
+#include <type_traits>
+
+// Where the AVX2 kernel finds a format's channels, and which of its bytes are not background.
+namespace touchline::TOUCHLINE_TARGET_NAMESPACE {
+
+// Which bytes are farther above `low` than `extent`: those are not zero.
+TOUCHLINE_TARGET_INLINE __m256i beyond(__m256i bytes, __m256i low, __m256i extent) {
+  return _mm256_subs_epu8(_mm256_sub_epi8(bytes, low), extent);
+}
+
+// A byte shuffle's pattern that takes byte first + step * (i / repeat) of two times 16 as byte i; what is not in this
+// 16 is 128, which gives zero.
+using Pick = std::array<std::array<std::uint8_t, 16>, 3>;
+constexpr Pick pick_bytes(std::size_t first, std::size_t step, std::size_t repeat) {
+  Pick pick{};
+  for (std::size_t piece = 0; piece < pick.size(); ++piece) {
+    for (std::size_t i = 0; i < 16; ++i) {
+      const std::size_t byte = first + step * (i / repeat);
+      pick[piece][i] = static_cast<std::uint8_t>(byte / 16 == piece ? byte % 16 : 128);
+    }
+  }
+  return pick;
+}
+
+struct Planes {
+  __m256i first, second, third;
+};
+
+// A tile for each half of a register.
+struct TwoTiles {
+  std::uint32_t u_low, u_high;
+  const TileParameters *light_low, *light_high;
+};
+// background_low and background_extent, eight bytes over and over; those of each tile in its half.
+TOUCHLINE_TARGET_INLINE __m256i background_bytes_of(const TileParameters& light) {
+  static_assert(offsetof(TileParameters, background_extent) == offsetof(TileParameters, background_low) + 4);
+  return _mm256_broadcastq_epi64(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(light.background_low.data())));
+}
+TOUCHLINE_TARGET_INLINE __m256i background_bytes_of(const TwoTiles& tiles) {
+  return _mm256_blend_epi32(background_bytes_of(*tiles.light_low), background_bytes_of(*tiles.light_high), 0b11110000);
+}
+
+// The layouts below give
+// - candidates: bytes that are not zero unless all of a block is in the background box of one light; or, of two tiles
+// that begin at
+//   any columns, those of a tile in each half, each in the background box of its own light,
+// - planes: the three channels of a block, chroma doubled,
+// - tile_planes: the same of a tile, in both halves.
+// With shared chroma all begin at even columns.
+
+// Of three bytes a pixel; of luma and of chroma in four bytes a pair; of chroma in two bytes a pair.
+inline constexpr std::array kOfThree = {pick_bytes(0, 3, 1), pick_bytes(1, 3, 1), pick_bytes(2, 3, 1)};
+inline constexpr std::array kLumaOfFour = {pick_bytes(0, 2, 1), pick_bytes(1, 2, 1)};
+inline constexpr std::array kChromaOfFour = {pick_bytes(0, 4, 2), pick_bytes(1, 4, 2), pick_bytes(2, 4, 2),
+                                             pick_bytes(3, 4, 2)};
+inline constexpr std::array kChromaOfTwo = {pick_bytes(0, 2, 2), pick_bytes(1, 2, 2)};
+
+TOUCHLINE_TARGET_INLINE __m256i picked(__m256i first, const Pick& pick) {
+  return _mm256_shuffle_epi8(first, in_both_halves(pick[0].data()));
+}
+TOUCHLINE_TARGET_INLINE __m256i picked(__m256i first, __m256i second, const Pick& pick) {
+  return _mm256_or_si256(picked(first, pick), _mm256_shuffle_epi8(second, in_both_halves(pick[1].data())));
+}
+TOUCHLINE_TARGET_INLINE __m256i picked(__m256i first, __m256i second, __m256i third, const Pick& pick) {
+  return _mm256_or_si256(picked(first, second, pick), _mm256_shuffle_epi8(third, in_both_halves(pick[2].data())));
+}
+
+// Three bytes over and over.
+inline constexpr auto kPeriod = [] {
+  std::array<std::uint8_t, 96> period{};
+  for (std::size_t i = 0; i < period.size(); ++i) period[i] = static_cast<std::uint8_t>(i % 3);
+  return period;
+}();
+
+// Three bytes a pixel.
+template <PixelFormat kFormat>
+struct Packed24 {
+  struct Background {
+    __m256i low[3], extent[3];
+  };
+  // `at`: where in each half of the light its 32 bytes begin.
+  TOUCHLINE_TARGET_INLINE static Background spread(__m256i light, const Planes& at) {
+    const __m256i extent = _mm256_set1_epi8(4);
+    return {{_mm256_shuffle_epi8(light, at.first), _mm256_shuffle_epi8(light, at.second),
+             _mm256_shuffle_epi8(light, at.third)},
+            {_mm256_shuffle_epi8(light, _mm256_add_epi8(at.first, extent)),
+             _mm256_shuffle_epi8(light, _mm256_add_epi8(at.second, extent)),
+             _mm256_shuffle_epi8(light, _mm256_add_epi8(at.third, extent))}};
+  }
+  TOUCHLINE_TARGET_INLINE static Background background(const TileParameters& light) {
+    return spread(background_bytes_of(light), {load(&kPeriod[0]), load(&kPeriod[32]), load(&kPeriod[64])});
+  }
+  TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, std::uint32_t u,
+                                                    const Background& background) {
+    const std::uint8_t* bytes = row.samples + std::size_t{3} * u;
+    return beyond(load(bytes), load(bytes + 32), load(bytes + 64), background);
+  }
+  TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, const TwoTiles& tiles) {
+    const std::uint8_t *low = row.samples + std::size_t{3} * tiles.u_low,
+                       *high = row.samples + std::size_t{3} * tiles.u_high;
+    return beyond(load_halves(low, high), load_halves(low + 16, high + 16), load_halves(low + 32, high + 32),
+                  spread(background_bytes_of(tiles),
+                         {in_both_halves(&kPeriod[0]), in_both_halves(&kPeriod[16]), in_both_halves(&kPeriod[32])}));
+  }
+  TOUCHLINE_TARGET_INLINE static __m256i beyond(__m256i first, __m256i second, __m256i third,
+                                                const Background& background) {
+    return _mm256_or_si256(
+        TOUCHLINE_TARGET_NAMESPACE::beyond(first, background.low[0], background.extent[0]),
+        _mm256_or_si256(TOUCHLINE_TARGET_NAMESPACE::beyond(second, background.low[1], background.extent[1]),
+                        TOUCHLINE_TARGET_NAMESPACE::beyond(third, background.low[2], background.extent[2])));
+  }
+
+  TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u) {
+    const std::uint8_t *low = row.samples + std::size_t{3} * u, *high = low + 48;
+    return planes(load_halves(low, high), load_halves(low + 16, high + 16), load_halves(low + 32, high + 32));
+  }
+  TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
+    const std::uint8_t* bytes = row.samples + std::size_t{3} * u;
+    return planes(in_both_halves(bytes), in_both_halves(bytes + 16), in_both_halves(bytes + 32));
+  }
+  TOUCHLINE_TARGET_INLINE static Planes planes(__m256i first, __m256i second, __m256i third) {
+    constexpr std::size_t kRed = kFormat == PixelFormat::kRgb24 ? 0 : 2;
+    return {picked(first, second, third, kOfThree[kRed]), picked(first, second, third, kOfThree[1]),
+            picked(first, second, third, kOfThree[2 - kRed])};
+  }
+};
+
+// Two bytes a pixel.
+template <PixelFormat kFormat>
+struct Packed16 {
+  struct Background {
+    __m256i low, extent;
+  };
+  TOUCHLINE_TARGET_INLINE static Background background(const TileParameters& light) {
+    return background(background_bytes_of(light));
+  }
+  TOUCHLINE_TARGET_INLINE static Background background(__m256i bytes) {
+    return {_mm256_shuffle_epi32(bytes, 0b00000000), _mm256_shuffle_epi32(bytes, 0b01010101)};
+  }
+  TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, std::uint32_t u,
+                                                    const Background& background) {
+    const std::uint8_t* bytes = row.samples + std::size_t{2} * u;
+    return _mm256_or_si256(beyond(load(bytes), background.low, background.extent),
+                           beyond(load(bytes + 32), background.low, background.extent));
+  }
+  TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, const TwoTiles& tiles) {
+    const std::uint8_t *low = row.samples + std::size_t{2} * tiles.u_low,
+                       *high = row.samples + std::size_t{2} * tiles.u_high;
+    const Background of_tiles = background(background_bytes_of(tiles));
+    return _mm256_or_si256(beyond(load_halves(low, high), of_tiles.low, of_tiles.extent),
+                           beyond(load_halves(low + 16, high + 16), of_tiles.low, of_tiles.extent));
+  }
+
+  TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u) {
+    const std::uint8_t *low = row.samples + std::size_t{2} * u, *high = low + 32;
+    return planes(load_halves(low, high), load_halves(low + 16, high + 16));
+  }
+  TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
+    const std::uint8_t* bytes = row.samples + std::size_t{2} * u;
+    return planes(in_both_halves(bytes), in_both_halves(bytes + 16));
+  }
+  TOUCHLINE_TARGET_INLINE static Planes planes(__m256i first, __m256i second) {
+    constexpr std::size_t kLuma = kFormat == PixelFormat::kYuyv ? 0 : 1, kChroma = 1 - kLuma;
+    return {picked(first, second, kLumaOfFour[kLuma]), picked(first, second, kChromaOfFour[kChroma]),
+            picked(first, second, kChromaOfFour[kChroma + 2])};
+  }
+};
+
+// A byte a pixel, and two a pair.
+struct Planar {
+  struct Background {
+    __m256i luma_low, luma_extent, chroma_low, chroma_extent;
+  };
+  TOUCHLINE_TARGET_INLINE static Background background(const TileParameters& light) {
+    return background(background_bytes_of(light));
+  }
+  TOUCHLINE_TARGET_INLINE static Background background(__m256i bytes) {
+    return {_mm256_shuffle_epi8(bytes, _mm256_set1_epi8(0)), _mm256_shuffle_epi8(bytes, _mm256_set1_epi8(4)),
+            _mm256_shuffle_epi8(bytes, _mm256_set1_epi16(0x0302)),
+            _mm256_shuffle_epi8(bytes, _mm256_set1_epi16(0x0706))};
+  }
+  TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, std::uint32_t u,
+                                                    const Background& background) {
+    return candidates(load(row.samples + u), load(row.chroma + u), background);
+  }
+  TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, const TwoTiles& tiles) {
+    return candidates(load_halves(row.samples + tiles.u_low, row.samples + tiles.u_high),
+                      load_halves(row.chroma + tiles.u_low, row.chroma + tiles.u_high),
+                      background(background_bytes_of(tiles)));
+  }
+  TOUCHLINE_TARGET_INLINE static __m256i candidates(__m256i luma, __m256i chroma, const Background& background) {
+    return _mm256_or_si256(beyond(luma, background.luma_low, background.luma_extent),
+                           beyond(chroma, background.chroma_low, background.chroma_extent));
+  }
+
+  TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u) {
+    return planes(load(row.samples + u), load(row.chroma + u));
+  }
+  TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
+    return planes(in_both_halves(row.samples + u), in_both_halves(row.chroma + u));
+  }
+  TOUCHLINE_TARGET_INLINE static Planes planes(__m256i luma, __m256i chroma) {
+    return {luma, picked(chroma, kChromaOfTwo[0]), picked(chroma, kChromaOfTwo[1])};
+  }
+};
+
+template <PixelFormat kFormat>
+using LayoutOf = std::conditional_t<color_space(kFormat) == ColorSpace::kRgb, Packed24<kFormat>,
+                                    std::conditional_t<kFormat == PixelFormat::kNv12, Planar, Packed16<kFormat>>>;
+
+}  // namespace touchline::TOUCHLINE_TARGET_NAMESPACE
+
+#endif

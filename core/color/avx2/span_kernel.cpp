@@ -1,0 +1,205 @@
+#include "core/color/span_kernel.h"
+
+#if defined(__x86_64__)
+
+#include <immintrin.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "core/color/kernel_of_format.h"
+#include "core/cpu.h"
+
+#undef TOUCHLINE_TARGET
+#undef TOUCHLINE_TARGET_NAMESPACE
+#undef TOUCHLINE_PASS
+#define TOUCHLINE_TARGET TOUCHLINE_AVX2_TARGET
+#define TOUCHLINE_TARGET_NAMESPACE avx2
+// Each pass is a function of its own. If the compiler merges the passes, it has too few registers for the state of the
+// loops.
+#define TOUCHLINE_PASS [[gnu::target(TOUCHLINE_TARGET), gnu::noinline]] static
+#include "core/color/avx2/shaded_row.h"
+
+namespace touchline {
+namespace avx2 {
+namespace {
+
+// The tables of a row that has one light.
+struct RowTables {
+  const ChannelNibbles *first, *second, *third;
+  const ColorNibbles* colors;
+  std::size_t groups;
+};
+// One register for a channel's tables. gcc 12 else keeps each table's own address, and those in memory.
+TOUCHLINE_TARGET_INLINE const ChannelNibbles* channel_of(const SpanTables& tables, std::size_t channel) {
+  const ChannelNibbles* nibbles = &tables.nibbles->channel(channel, tables.tiles->level[channel]);
+  asm("" : "+r"(nibbles));
+  return nibbles;
+}
+TOUCHLINE_TARGET_INLINE RowTables row_tables(const SpanTables& tables) {
+  return {channel_of(tables, 0), channel_of(tables, 1), channel_of(tables, 2), &tables.nibbles->colors(),
+          tables.nibbles->groups()};
+}
+
+TOUCHLINE_TARGET_INLINE Channels<OneBlock> channels_of(const RowTables& tables, const Planes& planes) {
+  return {{nibbles_of(OneBlock{planes.first}), tables.first},
+          {nibbles_of(OneBlock{planes.second}), tables.second},
+          {nibbles_of(OneBlock{planes.third}), tables.third}};
+}
+TOUCHLINE_TARGET_INLINE Channels<TwoBlocks> channels_of(const RowTables& tables, const Planes& a, const Planes& b) {
+  return {{nibbles_of(TwoBlocks{a.first, b.first}), tables.first},
+          {nibbles_of(TwoBlocks{a.second, b.second}), tables.second},
+          {nibbles_of(TwoBlocks{a.third, b.third}), tables.third}};
+}
+template <class Values>
+TOUCHLINE_TARGET_INLINE Values colors_of(const RowTables& tables, const Channels<Values>& channels) {
+  Values colors = colors_in<GroupsInRegister::kOne>(*tables.colors, channels, 0);
+  for (std::size_t group = 1; group < tables.groups; ++group) {
+    colors = first_of(colors, colors_in<GroupsInRegister::kOne>(*tables.colors, channels, group));
+  }
+  return colors;
+}
+
+// Up to 64 blocks of a row, a bit each. The last overlaps the one before it when there is no whole one left.
+constexpr std::uint32_t kMaxBlocksPerPass = 64;
+struct Blocks {
+  std::uint32_t first, end;  // columns
+  [[nodiscard]] std::uint32_t count() const { return std::min(kMaxBlocksPerPass, (end - first + kBlock - 1) / kBlock); }
+  [[nodiscard]] std::uint32_t column(std::uint32_t i) const { return std::min(first + i * kBlock, end - kBlock); }
+  // Of the lowest bit.
+  [[nodiscard]] std::uint32_t lowest(std::uint64_t among) const {
+    return column(static_cast<std::uint32_t>(std::countr_zero(among)));
+  }
+};
+
+// Bytes that are not zero unless the block is background. Makes it background.
+template <class Layout>
+TOUCHLINE_TARGET_INLINE __m256i candidates_at(const RowPixels& row, std::uint32_t u,
+                                              const typename Layout::Background& of_row, ColorId* colors) {
+  const __m256i candidates = Layout::candidates(row, u, of_row);
+  store(colors + u, _mm256_setzero_si256());
+  return candidates;
+}
+
+// The blocks that are not background. Makes all of them background.
+template <class Layout>
+TOUCHLINE_TARGET_INLINE std::uint64_t find_candidates(const SpanTables& tables, const RowPixels& row, Blocks blocks,
+                                                      ColorId* colors) {
+  const auto of_row = Layout::background(*tables.tiles);
+  const RowPixels pixels = row;
+  const std::uint32_t count = blocks.count();
+  std::uint64_t background = 0;
+  std::uint32_t i = 0, u = blocks.first;
+  for (; i + 4 <= count && u + 4 * kBlock <= blocks.end; i += 4, u += 4 * kBlock) {
+    // In this order, in which the processor fetches ahead.
+    const __m256i first = candidates_at<Layout>(pixels, u, of_row, colors),
+                  second = candidates_at<Layout>(pixels, u + kBlock, of_row, colors),
+                  third = candidates_at<Layout>(pixels, u + 2 * kBlock, of_row, colors),
+                  fourth = candidates_at<Layout>(pixels, u + 3 * kBlock, of_row, colors);
+    const std::uint64_t halves = zero_halves(first, second, third, fourth);
+    background |= (halves & halves >> 4 & 15) << i;
+  }
+  for (; i < count; ++i) background |= is_zero(candidates_at<Layout>(pixels, blocks.column(i), of_row, colors)) << i;
+  return ~background;
+}
+
+// Those of the blocks that may have a class, by high nibbles alone.
+template <class Layout>
+TOUCHLINE_PASS std::uint64_t find_coarse_blocks(const SpanTables& tables, const RowPixels& row, Blocks blocks,
+                                                std::uint64_t among) {
+  const RowTables of_row = row_tables(tables);
+  const RowPixels pixels = row;
+  std::uint64_t found = 0;
+  for (; among != 0; among &= among - 1) {
+    const Channels<OneBlock> channels = channels_of(of_row, Layout::planes(pixels, blocks.lowest(among)));
+    OneBlock near = coarse_classes<GroupsInRegister::kOne>(channels, 0);
+    for (std::size_t group = 1; group < of_row.groups; ++group) {
+      near = or_of(near, coarse_classes<GroupsInRegister::kOne>(channels, group));
+    }
+    found |= (among & (~among + 1)) * (1 - is_zero(near.first));
+  }
+  return found;
+}
+
+TOUCHLINE_TARGET_INLINE OccupiedWords occupied_at(std::uint32_t u, __m256i colors) {
+  const OccupiedWords is_colored = 1 - is_zero(colors);
+  return is_colored << u / kOccupiedWordPixels | is_colored << (u + kTile) / kOccupiedWordPixels;
+}
+
+// Gives the blocks their colors.
+template <class Layout>
+TOUCHLINE_PASS OccupiedWords color_blocks(const SpanTables& tables, const RowPixels& row, Blocks blocks,
+                                          std::uint64_t left, ColorId* colors) {
+  const RowTables of_row = row_tables(tables);
+  const RowPixels pixels = row;
+  OccupiedWords occupied = 0;
+  while ((left & (left - 1)) != 0) {
+    const std::uint32_t u = blocks.lowest(left), v = blocks.lowest(left & (left - 1));
+    left &= left - 1;
+    left &= left - 1;
+    const TwoBlocks found =
+        colors_of(of_row, channels_of(of_row, Layout::planes(pixels, u), Layout::planes(pixels, v)));
+    store(colors + u, found.first);
+    store(colors + v, found.second);
+    occupied |= occupied_at(u, found.first) | occupied_at(v, found.second);
+  }
+  if (left != 0) {
+    const std::uint32_t u = blocks.lowest(left);
+    const OneBlock found = colors_of(of_row, channels_of(of_row, Layout::planes(pixels, u)));
+    store(colors + u, found.first);
+    occupied |= occupied_at(u, found.first);
+  }
+  return occupied;
+}
+
+// A block at least.
+template <class Layout>
+TOUCHLINE_TARGET_INLINE OccupiedWords classify_blocks(const SpanTables& tables, const RowPixels& row,
+                                                      std::uint32_t begin, std::uint32_t end, ColorId* colors) {
+  OccupiedWords occupied = 0;
+  for (Blocks blocks = {begin, end}; blocks.first < end; blocks.first += kMaxBlocksPerPass * kBlock) {
+    const std::uint64_t all = ~std::uint64_t{0} >> (kMaxBlocksPerPass - blocks.count());
+    // Three looks, each closer and at fewer blocks. No branch depends on what is there: no wrong guess costs time.
+    std::uint64_t left = find_candidates<Layout>(tables, row, blocks, colors) & all;
+    if (!tables.has_background_box) left = all;
+    if (is_second_pass_worthwhile(left, blocks.count())) left = find_coarse_blocks<Layout>(tables, row, blocks, left);
+    if (left != 0) occupied |= color_blocks<Layout>(tables, row, blocks, left, colors);
+  }
+  return occupied;
+}
+
+template <class Layout>
+TOUCHLINE_PASS OccupiedWords classify_tile(const SpanTables& tables, const RowPixels& row, std::uint32_t u,
+                                           ColorId* colors) {
+  const __m128i found = tile_colors<Layout>(*tables.nibbles, row, u, *tables.tiles);
+  store_half(colors + u, found);
+  return (1 - is_zero(found)) << u / kOccupiedWordPixels;
+}
+
+template <PixelFormat kFormat>
+TOUCHLINE_TARGET_FUNCTION OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row,
+                                                      std::uint32_t begin, std::uint32_t end, ColorId* colors) {
+  using Layout = LayoutOf<kFormat>;
+  if (end < begin + kTile) return portable_kernel(kFormat)(tables, row, begin, end, colors);
+  if (!tables.unshaded) return classify_shaded_span<ShadedLayout<Layout>>(tables, row, begin, end, colors);
+  OccupiedWords occupied = 0;
+  if (begin % kTile != 0 || end % kTile != 0) occupied = classify_ends<Layout>(tables, row, begin, end, colors);
+  const std::uint32_t first = (begin + kTile - 1) / kTile * kTile, stop = end / kTile * kTile;
+  if (first >= stop) return occupied;
+  if (stop - first < kBlock) return occupied | classify_tile<Layout>(tables, row, first, colors);
+  return occupied | classify_blocks<Layout>(tables, row, first, stop, colors);
+}
+
+struct Family {
+  template <PixelFormat kFormat>
+  static constexpr SpanKernel kKernel = classify_span<kFormat>;
+};
+
+}  // namespace
+}  // namespace avx2
+
+SpanKernel avx2_kernel(PixelFormat format) { return kernel_of_format<avx2::Family>(format); }
+
+}  // namespace touchline
+
+#endif

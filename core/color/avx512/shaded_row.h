@@ -1,0 +1,162 @@
+#pragma once
+
+#if defined(__x86_64__)
+
+#include "core/cpu.h"
+
+// The table look-ups of the AVX2 kernel, compiled for AVX-512. It has twice as many registers: enough for all passes in
+// one function.
+#undef TOUCHLINE_TARGET
+#undef TOUCHLINE_TARGET_NAMESPACE
+#undef TOUCHLINE_PASS
+#define TOUCHLINE_TARGET TOUCHLINE_AVX512_TARGET
+#define TOUCHLINE_TARGET_NAMESPACE avx512_shaded
+#define TOUCHLINE_PASS [[gnu::target(TOUCHLINE_TARGET), gnu::always_inline]] inline
+#include "core/color/avx2/shaded_row.h"
+
+// Rows with a light map as the AVX-512 kernel looks at them: 64 pixels in four tiles at a time while they are
+// background, and a tile at a time what is not.
+namespace touchline::avx512_shaded {
+
+// A constant, in one cache line.
+struct alignas(64) Bytes64 : std::array<std::uint8_t, 64> {};
+TOUCHLINE_TARGET_INLINE __m512i choose(__m512i bytes, const Bytes64& which) {
+  return _mm512_maskz_permutexvar_epi8(~0ULL, _mm512_load_si512(which.data()), bytes);
+}
+
+// Of four tiles' lights: for bytes 64 * piece to 64 * piece + 63, of which a tile has `tile_bytes`, the `period` bytes
+// from `at` on over and over.
+constexpr Bytes64 bytes_of_lights(std::size_t piece, std::size_t tile_bytes, std::size_t at, std::size_t period) {
+  Bytes64 which{};
+  for (std::size_t i = 0; i < 64; ++i) {
+    const std::size_t byte = 64 * piece + i;
+    which[i] = static_cast<std::uint8_t>(sizeof(TileParameters) * (byte / tile_bytes) + at + byte % period);
+  }
+  return which;
+}
+TOUCHLINE_TARGET_INLINE __m512i four_lights(const TileParameters* lights) {
+  return _mm512_maskz_loadu_epi8(~0ULL >> (64 - 4 * sizeof(TileParameters)), lights);
+}
+
+// A bit for each eight bytes: whether one is farther above background_low than background_extent.
+TOUCHLINE_TARGET_INLINE std::uint64_t candidate_words(__m512i bytes, __m512i lights, const Bytes64& low,
+                                                      const Bytes64& extent) {
+  const __m512i candidates = _mm512_subs_epu8(_mm512_sub_epi8(bytes, choose(lights, low)), choose(lights, extent));
+  return _mm512_test_epi64_mask(candidates, candidates);
+}
+
+constexpr std::size_t kLow = offsetof(TileParameters, background_low),
+                      kExtent = offsetof(TileParameters, background_extent);
+
+// Three bytes a pixel.
+inline constexpr std::array kLowOf24 = {bytes_of_lights(0, 48, kLow, 3), bytes_of_lights(1, 48, kLow, 3),
+                                        bytes_of_lights(2, 48, kLow, 3)};
+inline constexpr std::array kExtentOf24 = {bytes_of_lights(0, 48, kExtent, 3), bytes_of_lights(1, 48, kExtent, 3),
+                                           bytes_of_lights(2, 48, kExtent, 3)};
+// Two bytes a pixel.
+inline constexpr std::array kLowOf16 = {bytes_of_lights(0, 32, kLow, 4), bytes_of_lights(1, 32, kLow, 4)};
+inline constexpr std::array kExtentOf16 = {bytes_of_lights(0, 32, kExtent, 4), bytes_of_lights(1, 32, kExtent, 4)};
+// A byte a pixel, and two a pair.
+inline constexpr Bytes64 kLowOfLuma = bytes_of_lights(0, 16, kLow, 1),
+                         kExtentOfLuma = bytes_of_lights(0, 16, kExtent, 1);
+inline constexpr Bytes64 kLowOfChroma = bytes_of_lights(0, 16, kLow + 2, 2),
+                         kExtentOfChroma = bytes_of_lights(0, 16, kExtent + 2, 2);
+
+// Twice the 16 bytes first + step * (i / repeat).
+constexpr Bytes64 plane_of_tile(std::size_t first, std::size_t step, std::size_t repeat) {
+  Bytes64 which{};
+  for (std::size_t i = 0; i < 32; ++i) which[i] = static_cast<std::uint8_t>(first + step * (i % 16 / repeat));
+  return which;
+}
+inline constexpr std::array kPlaneOf24 = {plane_of_tile(0, 3, 1), plane_of_tile(1, 3, 1), plane_of_tile(2, 3, 1)};
+inline constexpr std::array kLumaOf16 = {plane_of_tile(0, 2, 1), plane_of_tile(1, 2, 1)};
+inline constexpr std::array kChromaOf16 = {plane_of_tile(0, 4, 2), plane_of_tile(1, 4, 2), plane_of_tile(2, 4, 2),
+                                           plane_of_tile(3, 4, 2)};
+TOUCHLINE_TARGET_INLINE __m256i plane(__m256i bytes, const Bytes64& which) {
+  return _mm256_maskz_permutexvar_epi8(~0U, load(which.data()), bytes);
+}
+TOUCHLINE_TARGET_INLINE __m256i plane(__m512i bytes, const Bytes64& which) {
+  return _mm512_maskz_extracti64x4_epi64(0xff, choose(bytes, which), 0);
+}
+
+// The layouts below give
+// - candidate_words: of 64 pixels a bit for each eight bytes as they follow each other, kWords of a tile; of planes one
+// or
+//   the other,
+// - tile_planes, as those of the AVX2 kernel.
+
+template <PixelFormat kFormat>
+struct ShadedPacked24 {
+  static constexpr std::uint32_t kWords = 6;
+  TOUCHLINE_TARGET_INLINE static std::uint64_t candidate_words(const RowPixels& row, std::uint32_t u,
+                                                               const TileParameters* lights) {
+    const std::uint8_t* bytes = row.samples + std::size_t{3} * u;
+    const __m512i light = four_lights(lights);
+    return avx512_shaded::candidate_words(_mm512_loadu_si512(bytes), light, kLowOf24[0], kExtentOf24[0]) |
+           avx512_shaded::candidate_words(_mm512_loadu_si512(bytes + 64), light, kLowOf24[1], kExtentOf24[1]) << 8 |
+           avx512_shaded::candidate_words(_mm512_loadu_si512(bytes + 128), light, kLowOf24[2], kExtentOf24[2]) << 16;
+  }
+  TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
+    constexpr std::size_t kRed = kFormat == PixelFormat::kRgb24 ? 0 : 2;
+    const __m512i bytes = _mm512_maskz_loadu_epi8(~0ULL >> 16, row.samples + std::size_t{3} * u);
+    return {plane(bytes, kPlaneOf24[kRed]), plane(bytes, kPlaneOf24[1]), plane(bytes, kPlaneOf24[2 - kRed])};
+  }
+};
+
+template <PixelFormat kFormat>
+struct ShadedPacked16 {
+  static constexpr std::uint32_t kWords = 4;
+  TOUCHLINE_TARGET_INLINE static std::uint64_t candidate_words(const RowPixels& row, std::uint32_t u,
+                                                               const TileParameters* lights) {
+    const std::uint8_t* bytes = row.samples + std::size_t{2} * u;
+    const __m512i light = four_lights(lights);
+    return avx512_shaded::candidate_words(_mm512_loadu_si512(bytes), light, kLowOf16[0], kExtentOf16[0]) |
+           avx512_shaded::candidate_words(_mm512_loadu_si512(bytes + 64), light, kLowOf16[1], kExtentOf16[1]) << 8;
+  }
+  TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
+    constexpr std::size_t kLuma = kFormat == PixelFormat::kYuyv ? 0 : 1, kChroma = 1 - kLuma;
+    const __m256i bytes = load(row.samples + std::size_t{2} * u);
+    return {plane(bytes, kLumaOf16[kLuma]), plane(bytes, kChromaOf16[kChroma]), plane(bytes, kChromaOf16[kChroma + 2])};
+  }
+};
+
+struct ShadedPlanar : Planar {
+  static constexpr std::uint32_t kWords = 2;
+  TOUCHLINE_TARGET_INLINE static std::uint64_t candidate_words(const RowPixels& row, std::uint32_t u,
+                                                               const TileParameters* lights) {
+    const __m512i light = four_lights(lights);
+    return avx512_shaded::candidate_words(_mm512_loadu_si512(row.samples + u), light, kLowOfLuma, kExtentOfLuma) |
+           avx512_shaded::candidate_words(_mm512_loadu_si512(row.chroma + u), light, kLowOfChroma, kExtentOfChroma);
+  }
+};
+
+// What classify_shaded_span needs of a layout.
+template <class Layout>
+struct ShadedLayout512 : Layout {
+  TOUCHLINE_TARGET_INLINE static std::uint64_t reject_eight_tiles(const RowPixels& row, std::uint32_t u,
+                                                                  const TileParameters* lights, ColorId* colors) {
+    constexpr std::uint32_t kWords = Layout::kWords;
+    const std::uint64_t words = Layout::candidate_words(row, u, lights) |
+                                Layout::candidate_words(row, u + 4 * kTile, lights + 4) << (4 * kWords);
+    _mm512_storeu_si512(colors + u, _mm512_setzero_si512());
+    _mm512_storeu_si512(colors + u + std::size_t{4} * kTile, _mm512_setzero_si512());
+    std::uint64_t candidates = words | words >> 1;
+    if constexpr (kWords == 4) candidates |= candidates >> 2;
+    if constexpr (kWords == 6) candidates |= candidates >> 2 | candidates >> 4;
+    constexpr std::uint64_t kFirstWords = [] {
+      std::uint64_t first = 0;
+      for (std::uint32_t tile = 0; tile < 8; ++tile) first |= std::uint64_t{1} << tile * kWords;
+      return first;
+    }();
+    return ~_pext_u64(candidates, kFirstWords) & 0xff;
+  }
+};
+
+template <PixelFormat kFormat>
+using ShadedLayoutOf = ShadedLayout512<
+    std::conditional_t<color_space(kFormat) == ColorSpace::kRgb, ShadedPacked24<kFormat>,
+                       std::conditional_t<kFormat == PixelFormat::kNv12, ShadedPlanar, ShadedPacked16<kFormat>>>>;
+
+}  // namespace touchline::avx512_shaded
+
+#endif

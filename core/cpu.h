@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/parameter.h"
+
+// The instruction sets for which there are kernels, and whether this processor has them. All sets give the same results.
+
+// The features that the functions of a set are compiled for, as [[gnu::target]] expects them. cpu_supports() checks the
+// same list.
+#define TOUCHLINE_PORTABLE_TARGET ""
+#define TOUCHLINE_AVX2_TARGET "avx2,bmi,popcnt"
+#define TOUCHLINE_AVX512_TARGET "avx512f,avx512bw,avx512vl,avx512vbmi,bmi,bmi2,popcnt"
+#define TOUCHLINE_NEON_TARGET "neon"
+
+// Every vector function names its target itself. If a whole file were compiled for AVX2, inline functions that it shares
+// with other files would contain AVX2 code as well, and the linker could pick them for an older processor.
+#define TOUCHLINE_AVX2 [[gnu::target(TOUCHLINE_AVX2_TARGET)]]
+#define TOUCHLINE_AVX2_INLINE [[gnu::target(TOUCHLINE_AVX2_TARGET), gnu::always_inline]] inline
+#define TOUCHLINE_AVX512 [[gnu::target(TOUCHLINE_AVX512_TARGET)]]
+
+// Expands to its argument on the processor family, else to nothing.
+#define TOUCHLINE_ON_ANY(...) __VA_ARGS__
+#if defined(__x86_64__)
+#define TOUCHLINE_ON_X86(...) __VA_ARGS__
+#else
+#define TOUCHLINE_ON_X86(...)
+#endif
+#if defined(__aarch64__)
+#define TOUCHLINE_ON_ARM(...) __VA_ARGS__
+#else
+#define TOUCHLINE_ON_ARM(...)
+#endif
+
+/// The only list of kernels: a new set is a line here, with the functions of each stage. A stage that has no code for the
+/// set names the functions of another one. Of the sets of a processor family, a later one is the faster one.
+///   family, enumerator, word of scan.kernel, features,
+///   span kernel (core/color), row masks and row bits (core/region)
+// clang-format off
+#define TOUCHLINE_KERNEL_SETS(SET)                                     \
+  SET(ANY, kPortable, "portable", TOUCHLINE_PORTABLE_TARGET,           \
+      portable_kernel, portable_row_masks, portable_row_bits)          \
+  SET(X86, kAvx2, "avx2", TOUCHLINE_AVX2_TARGET,                       \
+      avx2_kernel, avx2_row_masks, avx2_row_bits)                      \
+  SET(X86, kAvx512, "avx512", TOUCHLINE_AVX512_TARGET,                 \
+      avx512_kernel, avx512_row_masks, avx2_row_bits)                  \
+  SET(ARM, kNeon, "neon", TOUCHLINE_NEON_TARGET,                       \
+      neon_kernel, neon_row_masks, portable_row_bits)
+// clang-format on
+
+namespace touchline {
+
+/// The instruction set that classifies pixels. kFastest: the fastest one that this processor has.
+enum class KernelChoice : std::uint8_t {
+  kFastest,
+#define TOUCHLINE_SET(family, choice, ...) choice,
+  TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)
+#undef TOUCHLINE_SET
+};
+
+/// The words of scan.kernel, in the order of the enumerators.
+inline constexpr std::array kKernelChoices{
+    Choice<KernelChoice>{"fastest", KernelChoice::kFastest},
+#define TOUCHLINE_SET(family, choice, word, ...) Choice<KernelChoice>{word, KernelChoice::choice},
+    TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)
+#undef TOUCHLINE_SET
+};
+
+/// False if this processor lacks a feature of the set.
+[[nodiscard]] bool cpu_supports(KernelChoice set);
+
+/// Replaces kFastest by the fastest set that this processor has, and leaves other sets as they are.
+[[nodiscard]] KernelChoice resolve(KernelChoice set);
+
+}  // namespace touchline

@@ -1,13 +1,9 @@
 #include "firmware/config/toml_file.h"
 
-#include <cerrno>
 #include <charconv>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "firmware/config/board_file.h"
+#include "hal/linux/files/input_file.h"
 
 namespace touchline::config {
 namespace {
@@ -58,24 +54,14 @@ bool parse_steps(std::string_view path, std::vector<Step>& steps) {
 }  // namespace
 
 std::optional<toml::table> parse_file(const std::string& path, std::string_view remedy, Problems& problems) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
-    problems.add(path, "", remedy.empty() ? "no such file" : "no such file; " + std::string(remedy));
-    return std::nullopt;
-  }
-  if (std::filesystem::is_directory(path, error)) {
-    problems.add(path, "", "is a folder, not a file");
-    return std::nullopt;
-  }
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream content;
-  if (!file || (file.peek() != std::ifstream::traits_type::eof() && !(content << file.rdbuf()))) {
-    problems.add(path, "", std::string("cannot be read: ") + std::strerror(errno != 0 ? errno : EIO));
+  std::string content, reason;
+  if (const Status status = hal::read_file(path, hal::kMaxTextFileBytes, content, reason); !status.ok()) {
+    if (status.code() == ErrorCode::kNotFound && !remedy.empty()) reason.append("; ").append(remedy);
+    problems.add("", "", reason);
     return std::nullopt;
   }
   try {
-    return toml::parse(content.str(), path);
+    return toml::parse(content, path);
   } catch (const toml::parse_error& fault) {
     problems.add(path + ":" + std::to_string(fault.source().begin.line), "", fault.description());
     return std::nullopt;

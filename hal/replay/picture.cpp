@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <span>
 
 #include "core/types.h"
+#include "hal/linux/files/input_file.h"
 #include "hal/replay/frame_converter.h"
 #include "hal/replay/picture_decoder.h"
 
@@ -18,44 +15,9 @@ namespace {
 
 using namespace ffmpeg;
 
-ErrorCode code_of_errno(int error) {
-  if (error == ENOENT || error == ENOTDIR) return ErrorCode::kNotFound;
-  if (error == EACCES || error == EPERM) return ErrorCode::kPermission;
-  return ErrorCode::kIo;
-}
-
-Status read_file(const std::string& path, std::vector<std::uint8_t>& bytes, std::string& reason) {
-  errno = 0;
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    reason = path + ": is a folder, not a picture";
-    return ErrorCode::kIo;
-  }
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file) {
-    const int cause = errno;
-    reason = path + ": " + std::strerror(cause == 0 ? EIO : cause);
-    return code_of_errno(cause);
-  }
-  const auto size = static_cast<std::size_t>(file.tellg());
-  bytes.assign(size + AV_INPUT_BUFFER_PADDING_SIZE, 0);
-  file.seekg(0);
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  if (!file) {
-    reason = path + ": cannot be read";
-    return ErrorCode::kIo;
-  }
-  bytes.resize(size);  // the padding stays allocated behind the end
-  return {};
-}
-
-AVCodecID kind_of(std::span<const std::uint8_t> bytes) {
-  constexpr std::array<std::uint8_t, 8> kPng{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  const auto begins = [bytes](std::span<const std::uint8_t> magic) {
-    return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
-  };
-  if (begins(kPng)) return AV_CODEC_ID_PNG;
-  if (begins(std::array<std::uint8_t, 3>{0xff, 0xd8, 0xff})) return AV_CODEC_ID_MJPEG;
+AVCodecID kind_of(std::string_view bytes) {
+  if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return AV_CODEC_ID_PNG;
+  if (bytes.starts_with("\xff\xd8\xff")) return AV_CODEC_ID_MJPEG;
   if (bytes.size() > 2 && bytes[0] == 'P') {
     if (bytes[1] == '6' || bytes[1] == '3') return AV_CODEC_ID_PPM;
     if (bytes[1] == '5' || bytes[1] == '2') return AV_CODEC_ID_PGM;
@@ -68,8 +30,8 @@ AVCodecID kind_of(std::span<const std::uint8_t> bytes) {
 namespace ffmpeg {
 
 Status decode_picture(const std::string& path, FramePtr& out, std::string& reason) {
-  std::vector<std::uint8_t> bytes;
-  if (Status s = read_file(path, bytes, reason); !s.ok()) return s;
+  std::string bytes;
+  if (Status s = read_file(path, kMaxDataFileBytes, bytes, reason); !s.ok()) return s;
   if (bytes.empty()) {
     reason = path + ": the file is empty";
     return ErrorCode::kCorruptFrame;
@@ -80,6 +42,8 @@ Status decode_picture(const std::string& path, FramePtr& out, std::string& reaso
     reason = path + ": is no PNG, PPM or JPEG picture";
     return ErrorCode::kUnsupported;
   }
+  const std::size_t size = bytes.size();
+  bytes.append(AV_INPUT_BUFFER_PADDING_SIZE, '\0');  // decoders read past the end
   const LogCapture log;
   CodecPtr codec(avcodec_alloc_context3(decoder));
   PacketPtr packet(av_packet_alloc());
@@ -88,8 +52,8 @@ Status decode_picture(const std::string& path, FramePtr& out, std::string& reaso
   codec->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
   codec->thread_count = 1;
   int result = avcodec_open2(codec.get(), decoder, nullptr);
-  packet->data = bytes.data();
-  packet->size = static_cast<int>(bytes.size());
+  packet->data = reinterpret_cast<std::uint8_t*>(bytes.data());
+  packet->size = static_cast<int>(size);
   if (result >= 0) result = avcodec_send_packet(codec.get(), packet.get());
   if (result >= 0) result = avcodec_send_packet(codec.get(), nullptr);
   if (result >= 0) result = avcodec_receive_frame(codec.get(), out.get());
@@ -140,18 +104,18 @@ Status read_picture(const std::string& path, Picture& out, std::string& reason) 
   return status;
 }
 
-Status write_picture(const std::string& path, const Picture& picture, std::string& reason) {
+Status encode_png(const Picture& picture, std::string& png, std::string& reason) {
   const std::size_t values = std::size_t{3} * picture.width_px * picture.height_px;
   const bool deep = picture.deep();
   if (values == 0 || (deep ? picture.rgb16.size() : picture.rgb8.size()) != values || (deep && !picture.rgb8.empty())) {
-    reason = path + ": the picture's size does not fit to its values";
+    reason = "the number of values does not match the picture's size";
     return ErrorCode::kOutOfRange;
   }
   const LogCapture log;
   const AVCodec* encoder = avcodec_find_encoder(AV_CODEC_ID_PNG);
   CodecPtr codec(encoder == nullptr ? nullptr : avcodec_alloc_context3(encoder));
   if (codec == nullptr) {
-    reason = path + ": this FFmpeg has no PNG encoder";
+    reason = "this FFmpeg has no PNG encoder";
     return ErrorCode::kUnsupported;
   }
   FramePtr frame(av_frame_alloc());
@@ -182,21 +146,21 @@ Status write_picture(const std::string& path, const Picture& picture, std::strin
   }
   if (result >= 0) result = avcodec_receive_packet(codec.get(), packet.get());
   if (result < 0) {
-    reason = path + ": " + (log.first_error().empty() ? error_text(result) : log.first_error());
+    reason = log.first_error().empty() ? error_text(result) : log.first_error();
     return ErrorCode::kIo;
   }
-  const std::string part = path + ".part";
-  errno = 0;
-  std::ofstream file(part, std::ios::binary | std::ios::trunc);
-  file.write(reinterpret_cast<const char*>(packet->data), packet->size);
-  file.close();
-  if (!file || std::rename(part.c_str(), path.c_str()) != 0) {
-    const int cause = errno;
-    reason = path + ": " + std::strerror(cause == 0 ? EIO : cause);
-    std::remove(part.c_str());
-    return code_of_errno(cause);
-  }
+  png.assign(reinterpret_cast<const char*>(packet->data), static_cast<std::size_t>(packet->size));
   return {};
+}
+
+Status write_picture(const std::string& path, const Picture& picture, std::string& reason,
+                     const OutputOptions& options) {
+  std::string png;
+  if (const Status status = encode_png(picture, png, reason); !status.ok()) {
+    reason.insert(0, path + ": ");
+    return status;
+  }
+  return write_file(path, png, reason, options);
 }
 
 }  // namespace touchline::hal

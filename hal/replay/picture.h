@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/status.h"
+#include "hal/linux/files/output_file.h"
 
 namespace touchline::hal {
 
@@ -23,8 +24,12 @@ struct Picture {
 /// deliver the undamaged part. `reason` then names the file and the cause.
 Status read_picture(const std::string& path, Picture& out, std::string& reason);
 
-/// Writes a PNG file of 8 or 16 bits a channel; a file of that name is replaced once the new one is complete.
-/// kOutOfRange: sizes and values do not fit together; kIo: the file.
-Status write_picture(const std::string& path, const Picture& picture, std::string& reason);
+/// A PNG file of 8 or 16 bits a channel, in memory. kOutOfRange: sizes and values do not fit together; kUnsupported: no
+/// encoder. `reason` then has the cause.
+Status encode_png(const Picture& picture, std::string& png, std::string& reason);
+
+/// Writes a PNG file by an OutputFile. Errors of encode_png() and OutputFile; `reason` names the file and the cause.
+Status write_picture(const std::string& path, const Picture& picture, std::string& reason,
+                     const OutputOptions& options = {});
 
 }  // namespace touchline::hal

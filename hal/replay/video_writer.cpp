@@ -4,10 +4,8 @@ extern "C" {
 #include <libavutil/opt.h>
 }
 
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 
 #include "hal/replay/ffmpeg.h"
 
@@ -18,17 +16,35 @@ using namespace ffmpeg;
 
 constexpr AVRational kTick{1, 90000};  // fine enough for any frame rate, and what MPEG systems use
 
-struct OutputDeleter {
-  void operator()(AVFormatContext* context) const {
-    if (context->pb != nullptr) avio_closep(&context->pb);
-    avformat_free_context(context);
+struct MuxerDeleter {
+  void operator()(AVFormatContext* context) const { avformat_free_context(context); }
+};
+struct StreamDeleter {
+  void operator()(AVIOContext* context) const {
+    av_freep(&context->buffer);
+    avio_context_free(&context);
   }
 };
+
+// FFmpeg's callbacks. `Byte` is const from FFmpeg 7 on.
+template <class Byte>
+int write_bytes(void* file, Byte* bytes, int size) {
+  const std::string_view view(reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size));
+  return static_cast<OutputFile*>(file)->write(view).ok() ? size : AVERROR(EIO);
+}
+
+int64_t seek_to(void* file, int64_t position, int whence) {
+  if ((whence & ~AVSEEK_FORCE) != SEEK_SET) return AVERROR(ENOSYS);
+  return static_cast<OutputFile*>(file)->seek(static_cast<std::uint64_t>(position)).ok() ? position : AVERROR(EIO);
+}
+
+constexpr int kStreamBytes = 65536;
 
 }  // namespace
 
 struct VideoWriter::Output {
-  std::unique_ptr<AVFormatContext, OutputDeleter> file;
+  std::unique_ptr<AVIOContext, StreamDeleter> stream_out;
+  std::unique_ptr<AVFormatContext, MuxerDeleter> file;
   CodecPtr codec;
   FramePtr frame;
   PacketPtr packet;
@@ -37,16 +53,18 @@ struct VideoWriter::Output {
 };
 
 VideoWriter::VideoWriter() = default;
-
-VideoWriter::~VideoWriter() {
-  if (output_ == nullptr) return;
-  output_.reset();
-  std::remove((path_ + ".part").c_str());
-}
+VideoWriter::~VideoWriter() = default;
 
 Status VideoWriter::fail(ErrorCode code, const std::string& cause) {
   reason_ = path_ + ": " + cause;
   return code;
+}
+
+// The file's own error says more than the muxer's.
+Status VideoWriter::fail_writing(int result) {
+  if (file_.reason().empty()) return fail(ErrorCode::kIo, error_text(result));
+  reason_ = file_.reason();
+  return ErrorCode::kIo;
 }
 
 Status VideoWriter::open(const std::string& path, std::uint32_t width_px, std::uint32_t height_px, double rate_hz) {
@@ -90,11 +108,21 @@ Status VideoWriter::open(const std::string& path, std::uint32_t width_px, std::u
   avcodec_parameters_from_context(output->stream->codecpar, &codec);
   output->stream->time_base = kTick;
   output->stream->avg_frame_rate = codec.framerate;
-  result = avio_open(&file->pb, ("file:" + path_ + ".part").c_str(), AVIO_FLAG_WRITE);
-  if (result < 0) return fail(ErrorCode::kIo, error_text(result));
+  if (const Status status = file_.open(path); !status.ok()) {
+    reason_ = file_.reason();
+    return status;
+  }
+  auto* buffer = static_cast<unsigned char*>(av_malloc(kStreamBytes));
+  output->stream_out.reset(avio_alloc_context(buffer, kStreamBytes, 1, &file_, nullptr, write_bytes,
+                                              file_.replaces_file() ? seek_to : nullptr));
+  if (output->stream_out == nullptr) return fail(ErrorCode::kIo, "no memory");
+  file->pb = output->stream_out.get();
+  file->flags |= AVFMT_FLAG_CUSTOM_IO;
+  // An index at the end would have to be announced at the beginning, which has been sent by then.
+  if (!file_.replaces_file()) av_opt_set(file->priv_data, "movflags", "frag_keyframe+empty_moov+default_base_moof", 0);
   output_ = std::move(output);
   result = avformat_write_header(file, nullptr);
-  if (result < 0) return fail(ErrorCode::kIo, error_text(result));
+  if (result < 0) return fail_writing(result);
 
   output_->packet.reset(av_packet_alloc());
   output_->frame.reset(av_frame_alloc());
@@ -117,7 +145,7 @@ Status VideoWriter::drain() {
       av_packet_rescale_ts(output_->packet.get(), output_->codec->time_base, output_->stream->time_base);
       result = av_interleaved_write_frame(output_->file.get(), output_->packet.get());
     }
-    if (result < 0) return fail(ErrorCode::kIo, error_text(result));
+    if (result < 0) return fail_writing(result);
   }
 }
 
@@ -146,11 +174,13 @@ Status VideoWriter::finish() {
   if (result < 0) return fail(ErrorCode::kIo, error_text(result));
   if (Status s = drain(); !s.ok()) return s;
   result = av_write_trailer(output_->file.get());
-  if (result >= 0) result = avio_closep(&output_->file->pb);
-  if (result < 0) return fail(ErrorCode::kIo, error_text(result));
-  if (std::rename((path_ + ".part").c_str(), path_.c_str()) != 0) return fail(ErrorCode::kIo, std::strerror(errno));
+  avio_flush(output_->file->pb);
+  if (result >= 0) result = output_->file->pb->error;
+  if (result < 0) return fail_writing(result);
   output_.reset();
-  return {};
+  const Status status = file_.commit();
+  if (!status.ok()) reason_ = file_.reason();
+  return status;
 }
 
 }  // namespace touchline::hal

@@ -7,11 +7,12 @@
 
 #include "core/status.h"
 #include "core/time.h"
+#include "hal/linux/files/output_file.h"
 
 namespace touchline::hal {
 
-/// An MP4 file (H.264 where this FFmpeg has libx264, else MPEG-4 part 2). It gets its name when finish() has completed
-/// it; before that, and for good when something fails, there is only NAME.part, which the destructor removes.
+/// An MP4 file (H.264 where this FFmpeg has libx264, else MPEG-4 part 2), written by an OutputFile: it gets its name
+/// when finish() has completed it. A FIFO, a device or standard output gets a fragmented MP4, which needs no seeking.
 class VideoWriter {
  public:
   VideoWriter();
@@ -19,7 +20,8 @@ class VideoWriter {
   VideoWriter(const VideoWriter&) = delete;
   VideoWriter& operator=(const VideoWriter&) = delete;
 
-  /// Width and height must be even (4:2:0), else kOutOfRange. kUnsupported: no encoder. kIo: the file.
+  /// Width and height must be even (4:2:0), else kOutOfRange. kUnsupported: no encoder. Otherwise the errors of
+  /// OutputFile.
   Status open(const std::string& path, std::uint32_t width_px, std::uint32_t height_px, double rate_hz);
   /// BGRX rows of `stride_bytes` (Cairo's RGB24 on little-endian machines); stamps must grow.
   Status write(std::span<const std::uint8_t> bgrx, std::size_t stride_bytes, Duration stamp);
@@ -29,8 +31,10 @@ class VideoWriter {
  private:
   struct Output;
   Status fail(ErrorCode code, const std::string& cause);
+  Status fail_writing(int result);
   Status drain();
 
+  OutputFile file_;
   std::unique_ptr<Output> output_;
   std::string path_, reason_;
 };

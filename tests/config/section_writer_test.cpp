@@ -118,10 +118,23 @@ TEST_F(ConfigFiles, SectionWriterKeepsALink) {
   EXPECT_NE(read(path("venue.toml")).find("[light]"), std::string::npos);
 }
 
+TEST_F(ConfigFiles, SectionWriterFollowsNoLinkThatSomebodyPlanted) {
+  write("precious", "keep");
+  for (const char* name : {"venue.toml.new", "venue.toml.bak"}) {
+    std::filesystem::create_symlink("precious", path(name));
+  }
+  std::string reason;
+  ASSERT_TRUE(write_section(path("venue.toml"), "light", "[light]\nmap = \"\"\n", reason).ok()) << reason;
+  EXPECT_EQ(read(path("precious")), "keep");
+  EXPECT_TRUE(std::filesystem::is_symlink(path("venue.toml.new"))) << "not ours";
+  EXPECT_NE(read(path("venue.toml")).find("[light]"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::is_symlink(path("venue.toml"))) << "the planted link became the venue";
+}
+
 TEST_F(ConfigFiles, SectionWriterNamesTheFileItCannotWrite) {
   std::string reason;
   EXPECT_EQ(write_section(path("nowhere/venue.toml"), "light", "[light]\nmap = \"m\"\n", reason).code(),
-            ErrorCode::kIo);
+            ErrorCode::kNotFound);
   EXPECT_NE(reason.find("nowhere/venue.toml"), std::string::npos);
   EXPECT_NE(reason.find("No such file or directory"), std::string::npos);
   write("broken.toml", "a = \n");

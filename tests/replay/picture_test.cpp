@@ -44,7 +44,7 @@ TEST(Picture, EightBitsSurvivePng) {
   EXPECT_EQ(picture.height_px, 23u);
   EXPECT_FALSE(picture.deep());
   EXPECT_EQ(picture.rgb8, written.rgb8);
-  EXPECT_FALSE(std::filesystem::exists(folder / "a.png.part"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "no temporary file stays";
 }
 
 TEST(Picture, SixteenBitsSurvivePng) {
@@ -143,12 +143,12 @@ TEST(Picture, CutPpmIsRefused) {
 
 TEST(Picture, FilesThatAreNoPictures) {
   const media::Folder folder;
-  EXPECT_NE(refused(folder / "missing.png", ErrorCode::kNotFound).find("No such file"), std::string::npos);
+  EXPECT_NE(refused(folder / "missing.png", ErrorCode::kNotFound).find("no such file"), std::string::npos);
   media::write_text(folder / "empty.png", "");
   EXPECT_NE(refused(folder / "empty.png", ErrorCode::kCorruptFrame).find("empty"), std::string::npos);
   media::write_text(folder / "text.png", "these are words, not pixels");
   refused(folder / "text.png", ErrorCode::kUnsupported);
-  refused(folder.path(), ErrorCode::kIo);
+  refused(folder.path(), ErrorCode::kUnsupported);
 }
 
 TEST(Picture, WhatCannotBeWritten) {

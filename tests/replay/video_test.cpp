@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
+#include <filesystem>
+#include <thread>
 #include <vector>
 
 #include "hal/replay/replay_camera.h"
@@ -31,7 +34,7 @@ void write_video(const std::string& path, int frames, double rate_hz, std::uint3
 TEST(Video, WhatIsWrittenIsRead) {
   const media::Folder folder;
   write_video(folder / "a.mp4", 10, 25.0);
-  EXPECT_FALSE(std::filesystem::exists(folder / "a.mp4.part"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "no temporary file stays";
   ReplayCamera camera({.path = folder / "a.mp4"});
   ASSERT_TRUE(camera.open().ok()) << camera.reason();
   EXPECT_EQ(camera.info().width_px, 64);
@@ -194,6 +197,24 @@ TEST(Video, WithoutAnyFrame) {
   EXPECT_NE(other.reason().find("none.y4m"), std::string::npos) << other.reason();
 }
 
+TEST(VideoWriter, AFifoGetsAVideoThatNeedsNoSeeking) {
+  const media::Folder folder;
+  ASSERT_EQ(::mkfifo((folder / "fifo.mp4").c_str(), 0600), 0);
+  std::vector<std::uint8_t> received;
+  std::thread reader([&] { received = media::read_bytes(folder / "fifo.mp4"); });
+  write_video(folder / "fifo.mp4", 10, 25.0);
+  if (!std::filesystem::is_fifo(folder / "fifo.mp4")) {
+    reader.detach();
+    FAIL() << "the FIFO was replaced by a regular file";
+  }
+  reader.join();
+  media::write_bytes(folder / "received.mp4", received);
+  ReplayCamera camera({.path = folder / "received.mp4"});
+  ASSERT_TRUE(camera.open().ok() && camera.start().ok()) << camera.reason();
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(camera.wait(kForever).ok()) << camera.reason();
+  EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kEndOfStream);
+}
+
 TEST(VideoWriter, LeavesNothingHalfBehind) {
   const media::Folder folder;
   {
@@ -206,7 +227,7 @@ TEST(VideoWriter, LeavesNothingHalfBehind) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   VideoWriter writer;
   EXPECT_EQ(writer.open(folder / "odd.mp4", 33, 32, 30.0).code(), ErrorCode::kOutOfRange);
-  EXPECT_EQ(writer.open(folder / "none/a.mp4", 32, 32, 30.0).code(), ErrorCode::kIo);
+  EXPECT_EQ(writer.open(folder / "none/a.mp4", 32, 32, 30.0).code(), ErrorCode::kNotFound);
   EXPECT_NE(writer.reason().find("none/a.mp4"), std::string::npos) << writer.reason();
   EXPECT_EQ(writer.finish().code(), ErrorCode::kIo);
 }

@@ -1,10 +1,14 @@
 #include "tools/programs/replay/replay.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <thread>
 
 #include "core/geometry/camera_model.h"
 #include "hal/replay/replay_camera.h"
@@ -154,7 +158,9 @@ class Replay : public testing::Test {
     EXPECT_FALSE(run());
     EXPECT_NE(error.find(complaint), std::string::npos) << error;
     EXPECT_FALSE(std::filesystem::exists(folder / "result.jsonl"));
-    EXPECT_FALSE(std::filesystem::exists(folder / "result.jsonl.part"));
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+      EXPECT_NE(entry.path().extension(), ".part") << entry;
+    }
   }
 
   media::Folder folder;
@@ -245,6 +251,47 @@ TEST_F(Replay, NothingIsWrittenOverAnInput) {
   options.annotate.clear();
   options.out = folder / "in/result.jsonl";  // no picture: harmless
   EXPECT_TRUE(run()) << error;
+}
+
+TEST_F(Replay, ADeviceOrAFifoStaysWhatItIs) {
+  write_flat("a.png");
+  ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
+  std::string received;
+  std::thread reader([&] {
+    std::ifstream file(folder / "fifo");
+    std::getline(file, received);
+  });
+  options.out = folder / "fifo";
+  const bool written = run();
+  if (!std::filesystem::is_fifo(folder / "fifo")) {
+    // The reader still waits at the FIFO, which has no name any more.
+    reader.detach();
+    FAIL() << "the FIFO was replaced by a regular file";
+  }
+  reader.join();
+  EXPECT_TRUE(written) << error;
+  EXPECT_EQ(received.substr(0, 1), "{") << received;
+
+  if (::mknod((folder / "null").c_str(), S_IFCHR | 0666, ::makedev(1, 3)) != 0) GTEST_SKIP() << "needs root";
+  options.out = folder / "null";
+  EXPECT_TRUE(run()) << error;
+  EXPECT_TRUE(std::filesystem::is_character_file(folder / "null"));
+}
+
+TEST_F(Replay, ALinkStaysALinkAndFilesBesideItStay) {
+  write_flat("a.png");
+  std::filesystem::create_symlink("target.jsonl", folder / "link.jsonl");
+  for (const char* name : {"link.jsonl.part", "target.jsonl.part"}) {
+    media::write_text(folder / name, "somebody else's");
+  }
+  options.out = folder / "link.jsonl";
+  EXPECT_TRUE(run()) << error;
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.jsonl"));
+  EXPECT_GT(media::read_bytes(folder / "target.jsonl").size(), 0u);
+  for (const char* name : {"link.jsonl.part", "target.jsonl.part"}) {
+    ASSERT_TRUE(std::filesystem::exists(folder / name)) << name;
+    EXPECT_EQ(media::read_bytes(folder / name).size(), 15u) << name;
+  }
 }
 
 TEST_F(Replay, InputsThatCannotBeUsed) {

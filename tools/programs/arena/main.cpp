@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "firmware/config/configuration.h"
+#include "hal/linux/files/output_file.h"
 #include "hal/mock/sensor.h"
 #include "hal/replay/picture.h"
 #include "tools/programs/arena/scene_files.h"
@@ -54,18 +55,18 @@ int write_scene(const config::BoardFile& board, const arena::SceneWord& scene,
     files.push_back(number_of(i));
     const arena::Moment& moment = moments[i];
     sensor.expose(moment.objects ? renderer.render(moment.begin, moment.end) : renderer.render_floor(), picture.rgb8);
-    if (!hal::write_picture(prefix + files[i], picture, reason).ok()) return fail(reason);
+    if (!hal::write_picture(prefix + files[i], picture, reason, {.sync = false}).ok()) return fail(reason);
     truth += arena::truth_line(moment, files[i], parameters, renderer.lens()) + "\n";
     if (progress) std::fprintf(stderr, "\r%zu of %zu pictures", i + 1, moments.size());
   }
   if (progress) std::fputc('\n', stderr);
-  if (!arena::write_text(prefix + "truth.jsonl", truth, reason).ok() ||
-      !arena::write_text(prefix + "scene.json", arena::scene_description(parameters, renderer.lens()), reason).ok() ||
-      !arena::write_text(prefix + "field-points.txt", arena::field_points(parameters, renderer.lens()), reason).ok()) {
+  if (!hal::write_file(prefix + "truth.jsonl", truth, reason).ok() ||
+      !hal::write_file(prefix + "scene.json", arena::scene_description(parameters, renderer.lens()), reason).ok() ||
+      !hal::write_file(prefix + "field-points.txt", arena::field_points(parameters, renderer.lens()), reason).ok()) {
     return fail(reason);
   }
   if (scene.kind == arena::SceneKind::kSamples &&
-      !arena::write_text(prefix + "clicks.json", arena::clicks(moments, files, parameters, renderer.lens()), reason)
+      !hal::write_file(prefix + "clicks.json", arena::clicks(moments, files, parameters, renderer.lens()), reason)
            .ok()) {
     return fail(reason);
   }

@@ -1,7 +1,6 @@
 #include "tools/programs/arena/scene_files.h"
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -150,15 +149,6 @@ std::string field_points(const ArenaParameters& parameters, const Lens& lens) {
     lines << mark.x_m << ',' << mark.y_m << ',' << clicked(u) << ',' << clicked(v) << '\n';
   }
   return lines.str();
-}
-
-Status write_text(const std::string& path, const std::string& text, std::string& reason) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (file) return {};
-  reason = path + ": cannot be written";
-  return ErrorCode::kIo;
 }
 
 }  // namespace touchline::arena

@@ -26,7 +26,4 @@ std::string scene_description(const hal::mock::ArenaParameters& parameters, cons
 /// field-points.txt: the same points, "x,y,u,v" a line as touchline-calibrate field takes them, to half a pixel.
 std::string field_points(const hal::mock::ArenaParameters& parameters, const hal::mock::Lens& lens);
 
-/// kIo: `reason` names the file.
-Status write_text(const std::string& path, const std::string& text, std::string& reason);
-
 }  // namespace touchline::arena

@@ -269,13 +269,7 @@ Status write_found(const std::string& path, const FoundColors& found, const std:
                         {patch.rgb[0] / 255, patch.rgb[1] / 255, patch.rgb[2] / 255}, 11);
     }
   }
-  cairo_surface_flush(surface.get());
-  if (const cairo_status_t status = cairo_surface_write_to_png(surface.get(), path.c_str());
-      status != CAIRO_STATUS_SUCCESS) {
-    reason = path + ": " + cairo_status_to_string(status);
-    return ErrorCode::kIo;
-  }
-  return {};
+  return replay::write_png(*surface, path, reason);
 }
 
 }  // namespace touchline::calibrate

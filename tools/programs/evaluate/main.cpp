@@ -1,11 +1,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 
 #include "firmware/config/configuration.h"
+#include "hal/linux/files/output_file.h"
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/evaluate/cramer_rao_bound.h"
 #include "tools/programs/evaluate/report.h"
@@ -42,12 +42,7 @@ bool parse_names(const std::vector<std::string>& texts, NameMap& names, std::str
 }
 
 bool write_json(const std::string& path, const std::string& text, std::string& error) {
-  if (path.empty()) return true;
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) error = path + ": cannot be written";
-  return static_cast<bool>(file);
+  return path.empty() || touchline::hal::write_file(path, text, error).ok();
 }
 
 bool read_results(const std::vector<std::string>& paths, const NameMap& names, std::vector<FrameRecord>& all,

@@ -16,6 +16,7 @@
 #include "firmware/null_devices.h"
 #include "firmware/realtime.h"
 #include "firmware/signals.h"
+#include "hal/linux/files/output_file.h"
 #include "hal/linux/monotonic_clock.h"
 #include "tools/programs/latency/background_load.h"
 #include "tools/programs/latency/measurement.h"
@@ -40,7 +41,7 @@ int refuse(const config::Problems& problems) {
 
 // Without making or touching the file: a measurement that fails must not leave empty ones behind.
 bool can_be_written(const std::string& path, std::string& error) {
-  if (path.empty()) return true;
+  if (path.empty() || path == "-") return true;
   const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
@@ -58,11 +59,9 @@ bool can_be_written(const Outputs& outputs, std::string& error) {
 }
 
 bool write_file(const std::string& path, const std::string& bytes) {
-  std::ofstream file(path, std::ios::binary);
-  file << bytes;
-  file.close();
-  if (file) return true;
-  fail(path + ": cannot be written: " + std::strerror(errno));
+  std::string reason;
+  if (hal::write_file(path, bytes, reason).ok()) return true;
+  fail(reason);
   return false;
 }
 
@@ -141,8 +140,10 @@ class Run {
   [[nodiscard]] int output(const LatencyReport& report) const {
     if (report.frames == 0) return fail("ended before the warm-up was over");
     const Document document = document_of(report);
-    std::cout << to_text(document);
     const Outputs& outputs = options_.outputs;
+    // With "-" as a file's name, standard output holds that file and nothing else.
+    const bool taken = outputs.json == "-" || outputs.histogram == "-" || outputs.html == "-";
+    (taken ? std::cerr : std::cout) << to_text(document) << std::flush;
     const NamedReport named{report.source, report};
     const auto svg = [&] { return histogram_svg({&named, 1}); };
     bool good = outputs.json.empty() || write_file(outputs.json, to_json(report));
@@ -241,7 +242,7 @@ int compare(const std::string& path_a, const std::string& path_b, const std::str
   const auto name = [](const std::string& path) { return std::filesystem::path(path).stem().string(); };
   const std::array<NamedReport, 2> reports{NamedReport{name(path_a), a}, NamedReport{name(path_b), b}};
   const Document document = comparison_of(reports[0], reports[1]);
-  std::cout << to_text(document);
+  (html == "-" ? std::cerr : std::cout) << to_text(document) << std::flush;
   return html.empty() || write_file(html, to_html(document, histogram_svg(reports))) ? kExitOk : kExitBadFile;
 }
 

@@ -37,12 +37,7 @@ class Figures {
 
   bool write(const replay::SurfacePtr& surface, const std::string& name, std::string& reason) const {
     const std::string path = stem_ + "-" + name + ".png";
-    cairo_surface_flush(surface.get());
-    const cairo_status_t status = cairo_surface_write_to_png(surface.get(), path.c_str());
-    if (status != CAIRO_STATUS_SUCCESS) {
-      reason = path + ": " + cairo_status_to_string(status);
-      return false;
-    }
+    if (!replay::write_png(*surface, path, reason).ok()) return false;
     std::printf("%s written\n", path.c_str());
     return true;
   }

@@ -91,4 +91,20 @@ double text_width(cairo_t& context, const std::string& text, double size) {
   return extents.x_advance;
 }
 
+Status write_png(cairo_surface_t& surface, const std::string& path, std::string& reason,
+                 const hal::OutputOptions& options) {
+  std::string png;
+  const auto append = [](void* out, const unsigned char* bytes, unsigned int size) {
+    static_cast<std::string*>(out)->append(reinterpret_cast<const char*>(bytes), size);
+    return CAIRO_STATUS_SUCCESS;
+  };
+  cairo_surface_flush(&surface);
+  if (const cairo_status_t status = cairo_surface_write_to_png_stream(&surface, append, &png);
+      status != CAIRO_STATUS_SUCCESS) {
+    reason = path + ": " + cairo_status_to_string(status);
+    return ErrorCode::kIo;
+  }
+  return hal::write_file(path, png, reason, options);
+}
+
 }  // namespace touchline::replay

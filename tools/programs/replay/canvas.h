@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/types.h"
+#include "hal/linux/files/output_file.h"
 
 namespace touchline::replay {
 
@@ -38,6 +39,10 @@ SurfacePtr to_surface(const Frame& frame);
 /// Text with a dark rim, so that it is legible on any ground. `x`, `y`: left end of the base line.
 void draw_text(cairo_t& context, double x, double y, const std::string& text, const Rgb& color, double size);
 double text_width(cairo_t& context, const std::string& text, double size);
+
+/// A PNG file, written by an hal::OutputFile. On error `reason` names the file and the cause.
+Status write_png(cairo_surface_t& surface, const std::string& path, std::string& reason,
+                 const hal::OutputOptions& options = {});
 
 void set_color(cairo_t& context, const Rgb& color, double alpha = 1.0);
 

@@ -50,15 +50,15 @@ class ProgressBar {
   WallClock::time_point begin_ = WallClock::now(), last_{};
 };
 
-void print(const ReplaySummary& s, double elapsed_s) {
+void print(std::FILE* out, const ReplaySummary& s, double elapsed_s) {
   const double frames = s.frames == 0 ? 1.0 : static_cast<double>(s.frames);
-  std::printf("%llu frames in %.2f s (%.0f/s): %.2f robots a frame, %.2f with id; ball in %.1f %%; overload in %llu",
-              static_cast<unsigned long long>(s.frames), elapsed_s,
-              static_cast<double>(s.frames) / std::max(1e-9, elapsed_s), static_cast<double>(s.robots) / frames,
-              static_cast<double>(s.robots_with_id) / frames, 100.0 * static_cast<double>(s.frames_with_ball) / frames,
-              static_cast<unsigned long long>(s.frames_overloaded));
-  if (s.damaged > 0) std::printf("; %llu damaged pictures left out", static_cast<unsigned long long>(s.damaged));
-  std::printf("\n");
+  std::fprintf(
+      out, "%llu frames in %.2f s (%.0f/s): %.2f robots a frame, %.2f with id; ball in %.1f %%; overload in %llu",
+      static_cast<unsigned long long>(s.frames), elapsed_s, static_cast<double>(s.frames) / std::max(1e-9, elapsed_s),
+      static_cast<double>(s.robots) / frames, static_cast<double>(s.robots_with_id) / frames,
+      100.0 * static_cast<double>(s.frames_with_ball) / frames, static_cast<unsigned long long>(s.frames_overloaded));
+  if (s.damaged > 0) std::fprintf(out, "; %llu damaged pictures left out", static_cast<unsigned long long>(s.damaged));
+  std::fprintf(out, "\n");
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
   app.add_option("input", options.input, "A folder of pictures (png, ppm, jpg), one picture, or a video")->required();
   app.add_option("--venue", options.venue, "Venue file")->required();
   app.add_option("--team", options.team, "Team file")->required();
-  app.add_option("--out", options.out, "Result, JSON lines")->required();
+  app.add_option("--out", options.out, "Result, JSON lines; -: standard output")->required();
   app.add_option("--annotate", options.annotate, "Draw what was seen: into a folder, or into a video NAME.mp4");
   app.add_option("--rate", options.rate_hz, "Frames a second (default: a video's own stamps, pictures 30)")
       ->check(touchline::number_range(0.001, 10000.0));
@@ -96,6 +96,7 @@ int main(int argc, char** argv) {
     std::cerr << "touchline-replay: " << error << '\n';
     return 1;
   }
-  if (!quiet) print(summary, seconds_since(begin));
+  // With --out -, standard output holds the result and nothing else.
+  if (!quiet) print(options.out == "-" ? stderr : stdout, summary, seconds_since(begin));
   return 0;
 }

@@ -1,8 +1,6 @@
 #include "tools/programs/replay/output_files.h"
 
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 
 namespace touchline::replay {
@@ -11,43 +9,6 @@ namespace {
 bool is_video_name(const std::string& path) { return std::filesystem::path(path).extension() == ".mp4"; }
 
 }  // namespace
-
-LineFile::~LineFile() {
-  if (path_.empty()) return;
-  file_.close();
-  std::remove((path_ + ".part").c_str());
-}
-
-bool LineFile::fail(std::string& error) const {
-  error = path_ + ": " + std::strerror(errno != 0 ? errno : EIO);
-  return false;
-}
-
-bool LineFile::open(const std::string& path, std::string& error) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    error = path + ": is a folder, not a file to write";
-    return false;
-  }
-  path_ = path;
-  errno = 0;
-  file_.open(path + ".part", std::ios::binary | std::ios::trunc);
-  return file_.is_open() || fail(error);
-}
-
-bool LineFile::write(const std::string& line, std::string& error) {
-  errno = 0;
-  file_ << line << '\n';
-  return file_.good() || fail(error);
-}
-
-bool LineFile::finish(std::string& error) {
-  errno = 0;
-  file_.close();
-  if (file_.fail() || std::rename((path_ + ".part").c_str(), path_.c_str()) != 0) return fail(error);
-  path_.clear();
-  return true;
-}
 
 bool AnnotationOutput::open(const std::string& path, double rate_hz, std::string& error) {
   path_ = path;
@@ -78,9 +39,7 @@ bool AnnotationOutput::write(cairo_surface_t& surface, std::uint64_t frame, cons
   std::snprintf(number, sizeof number, "%06llu_", static_cast<unsigned long long>(frame));
   const std::string name =
       (std::filesystem::path(path_) / (number + std::filesystem::path(file).stem().string() + ".png")).string();
-  const cairo_status_t status = cairo_surface_write_to_png(&surface, name.c_str());
-  if (status != CAIRO_STATUS_SUCCESS) error = name + ": " + cairo_status_to_string(status);
-  return status == CAIRO_STATUS_SUCCESS;
+  return write_png(surface, name, error, {.sync = false}).ok();
 }
 
 bool AnnotationOutput::finish(std::string& error) {

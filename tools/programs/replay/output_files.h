@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <fstream>
 #include <memory>
 #include <string>
 
@@ -10,24 +9,6 @@
 #include "tools/programs/replay/canvas.h"
 
 namespace touchline::replay {
-
-/// A text file that appears under its name only when it is complete. Until then it is NAME.part, which goes with the
-/// object. Functions return false with the file's name and the cause in `error`.
-class LineFile {
- public:
-  LineFile() = default;
-  ~LineFile();
-  LineFile(const LineFile&) = delete;
-  LineFile& operator=(const LineFile&) = delete;
-  bool open(const std::string& path, std::string& error);
-  bool write(const std::string& line, std::string& error);
-  bool finish(std::string& error);
-
- private:
-  bool fail(std::string& error) const;
-  std::string path_;
-  std::ofstream file_;
-};
 
 /// Annotated pictures: a folder of PNG files, NUMBER_NAME.png, or a video when the path ends in .mp4.
 class AnnotationOutput {

@@ -5,6 +5,7 @@
 #include "core/pipeline.h"
 #include "firmware/config/configuration.h"
 #include "firmware/report/trace_json.h"
+#include "hal/linux/files/output_file.h"
 #include "hal/replay/replay_camera.h"
 #include "tools/programs/replay/annotation.h"
 #include "tools/programs/replay/output_files.h"
@@ -84,10 +85,14 @@ bool replay(const ReplayOptions& options, const Progress& progress, const std::a
   pipeline->set_observing(true);
 
   const Appearance appearance = appearance_of(*configuration);
-  LineFile lines;
+  hal::OutputFile lines;
   AnnotationOutput pictures;
   std::unique_ptr<Annotator> annotator;
-  if (!lines.open(options.out, error)) return false;
+  const auto fail_lines = [&lines, &error] {
+    error = lines.reason();
+    return false;
+  };
+  if (!lines.open(options.out).ok()) return fail_lines();
   if (!options.annotate.empty()) {
     if (!pictures.open(options.annotate, info.rate_hz, error)) return false;
     annotator = std::make_unique<Annotator>(configuration->pipeline, appearance);
@@ -106,7 +111,8 @@ bool replay(const ReplayOptions& options, const Progress& progress, const std::a
     const Frame& frame = lease.value().frame();
     const StepTrace& trace = pipeline->step(frame);
     pipeline->adapt();
-    if (!lines.write(report::trace_line(trace, appearance.names, frame.sequence, camera.file()), error)) return false;
+    const std::string line = report::trace_line(trace, appearance.names, frame.sequence, camera.file()) + "\n";
+    if (!lines.write(line).ok()) return fail_lines();
     if (annotator != nullptr) {
       const SurfacePtr surface = annotator->draw(trace, frame.sequence, camera.file());
       const Duration stamp = frame.capture_time.time_since_epoch();
@@ -115,7 +121,8 @@ bool replay(const ReplayOptions& options, const Progress& progress, const std::a
     count(trace, summary);
     progress(summary.frames, camera.frame_count());
   }
-  return pictures.finish(error) && lines.finish(error);
+  if (!pictures.finish(error)) return false;
+  return lines.commit().ok() || fail_lines();
 }
 
 }  // namespace touchline::replay

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "core/status.h"
+
+namespace touchline::hal {
+
+/// The largest configuration file that is read. A venue of 32 color boxes has about 10 KB.
+inline constexpr std::size_t kMaxTextFileBytes = std::size_t{1} << 20;
+/// The largest picture or JSON file. A PNG of 12000 x 9000 pixels with 16 bits a channel has about 600 MB at worst;
+/// cameras deliver up to 5 megapixels.
+inline constexpr std::size_t kMaxDataFileBytes = std::size_t{256} << 20;
+
+/// Reads a whole regular file of at most `limit_bytes`. Never waits: a FIFO or a device is refused, not read.
+/// kNotFound, kPermission, kIo; kOutOfRange: larger than the limit; kUnsupported: no regular file. `reason` names the
+/// file and the cause.
+Status read_file(const std::string& path, std::size_t limit_bytes, std::string& bytes, std::string& reason);
+
+}  // namespace touchline::hal

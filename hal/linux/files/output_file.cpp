@@ -1,0 +1,216 @@
+#include "hal/linux/files/output_file.h"
+
+#include <fcntl.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <climits>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+namespace touchline::hal {
+namespace {
+
+constexpr std::size_t kBufferBytes = 65536;
+constexpr int kMaxLinks = 40;     // as the kernel
+constexpr int kMaxAttempts = 16;  // one suffices unless 64 random bits are there twice
+
+ErrorCode code_of(int error) {
+  switch (error) {
+    case ENOENT:
+    case ENOTDIR:
+      return ErrorCode::kNotFound;
+    case EACCES:
+    case EPERM:
+    case EROFS:
+      return ErrorCode::kPermission;
+    default:
+      return ErrorCode::kIo;
+  }
+}
+
+std::string folder_of(const std::string& path) {
+  const std::size_t slash = path.rfind('/');
+  if (slash == std::string::npos) return ".";
+  return slash == 0 ? "/" : path.substr(0, slash);
+}
+
+std::string name_of(const std::string& path) { return path.substr(path.rfind('/') + 1); }
+
+// The path behind the last of the links; the path itself when it is none. The links' targets need not exist.
+int follow_links(std::string& path) {
+  for (int i = 0; i < kMaxLinks; ++i) {
+    std::array<char, PATH_MAX> target{};
+    const ssize_t size = ::readlink(path.c_str(), target.data(), target.size());
+    if (size < 0) return errno == EINVAL || errno == ENOENT ? 0 : errno;
+    std::string next(target.data(), static_cast<std::size_t>(size));
+    path = next.starts_with('/') ? next : folder_of(path) + "/" + next;
+  }
+  return ELOOP;
+}
+
+std::string temporary_name(const std::string& name) {
+  std::uint64_t random = 0;
+  if (::getrandom(&random, sizeof random, 0) != sizeof random) return {};
+  std::array<char, 32> suffix{};
+  std::snprintf(suffix.data(), suffix.size(), ".%016llx.part", static_cast<unsigned long long>(random));
+  return name.substr(0, NAME_MAX - std::strlen(suffix.data())) + suffix.data();
+}
+
+}  // namespace
+
+OutputFile::~OutputFile() { close(); }
+
+void OutputFile::close() {
+  if (!temporary_.empty() && folder_ >= 0) ::unlinkat(folder_, temporary_.c_str(), 0);
+  if (file_ >= 0 && file_ != STDOUT_FILENO) ::close(file_);
+  if (folder_ >= 0) ::close(folder_);
+  file_ = folder_ = -1;
+  temporary_.clear();
+  buffer_.clear();
+}
+
+Status OutputFile::fail(const char* what, int error) {
+  reason_ = path_ + ": " + what + ": " + std::strerror(error);
+  return code_of(error);
+}
+
+Status OutputFile::open(const std::string& path, const OutputOptions& options) {
+  close();
+  path_ = path;
+  sync_ = options.sync;
+  if (path == "-" || path == "/dev/stdout") {
+    file_ = STDOUT_FILENO;
+    return {};
+  }
+  struct stat status {};
+  // The kernel follows the links here, and refuses those that it does not trust (sysctl fs.protected_symlinks).
+  const bool exists = (options.follow_links ? ::stat(path.c_str(), &status) : ::lstat(path.c_str(), &status)) == 0;
+  if (!exists && errno != ENOENT) return fail("cannot be written", errno);
+  if (path.empty() || path.back() == '/' || (exists && S_ISDIR(status.st_mode))) {
+    reason_ = path_ + ": is a folder, not a file to write";
+    return ErrorCode::kIo;
+  }
+  if (exists && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode)) return open_in_place(options);
+  return open_temporary(options);
+}
+
+Status OutputFile::open_in_place(const OutputOptions& options) {
+  const int no_follow = options.follow_links ? 0 : O_NOFOLLOW;
+  file_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY | no_follow);
+  if (file_ < 0) return fail("cannot be written", errno);
+  struct stat status {};
+  if (::fstat(file_, &status) == 0 && !S_ISREG(status.st_mode)) return {};
+  close();
+  reason_ = path_ + ": was replaced by another file while it was opened; try again";
+  return ErrorCode::kIo;
+}
+
+Status OutputFile::open_temporary(const OutputOptions& options) {
+  std::string target = path_;
+  if (options.follow_links) {
+    if (const int error = follow_links(target); error != 0) return fail("cannot be written", error);
+  }
+  name_ = name_of(target);
+  folder_ = ::open(folder_of(target).c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
+  if (folder_ < 0) return fail("cannot be created", errno);
+  struct stat former {};
+  const bool exists = ::fstatat(folder_, name_.c_str(), &former, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(former.st_mode);
+  // A rename asks for the folder's permissions only, and would replace a file that may not be written.
+  if (exists && ::faccessat(folder_, name_.c_str(), W_OK, AT_EACCESS) != 0) return fail("cannot be written", errno);
+
+  const bool mode_known = exists || options.mode.has_value();
+  for (int attempt = 0; attempt < kMaxAttempts && file_ < 0; ++attempt) {
+    const std::string name = temporary_name(name_);
+    file_ =
+        ::openat(folder_, name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode_known ? 0600 : 0666);
+    if (file_ >= 0) temporary_ = name;
+    if (file_ < 0 && errno != EEXIST) break;
+  }
+  if (file_ < 0) return fail("cannot be created in its folder", errno);
+  if (!mode_known) return {};
+  // Only root may give a file away, and to a group only its members: otherwise the file becomes ours.
+  if (exists && (former.st_uid != ::geteuid() || former.st_gid != ::getegid())) {
+    static_cast<void>(::fchown(file_, former.st_uid, former.st_gid) == 0 || ::fchown(file_, -1u, former.st_gid) == 0);
+  }
+  if (::fchmod(file_, options.mode.value_or(former.st_mode & 0777)) != 0) return fail("cannot be written", errno);
+  return {};
+}
+
+Status OutputFile::write(std::string_view bytes) {
+  // A reader of a pipe or a terminal waits for each line.
+  if (!replaces_file()) return write_all(bytes);
+  if (buffer_.size() + bytes.size() > kBufferBytes) {
+    if (const Status status = flush(); !status.ok()) return status;
+    if (bytes.size() >= kBufferBytes) return write_all(bytes);
+  }
+  buffer_.append(bytes);
+  return {};
+}
+
+Status OutputFile::flush() {
+  const Status status = write_all(buffer_);
+  buffer_.clear();
+  return status;
+}
+
+Status OutputFile::write_all(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(file_, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return fail("cannot be written", errno);
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return {};
+}
+
+Status OutputFile::seek(std::uint64_t position) {
+  if (!replaces_file()) return ErrorCode::kUnsupported;
+  if (const Status status = flush(); !status.ok()) return status;
+  if (::lseek(file_, static_cast<off_t>(position), SEEK_SET) < 0) return fail("cannot be written", errno);
+  return {};
+}
+
+Status OutputFile::commit() {
+  if (const Status status = flush(); !status.ok()) return status;
+  if (replaces_file()) {
+    if (sync_ && ::fsync(file_) != 0) return fail("cannot be written to the disk", errno);
+    if (::renameat(folder_, temporary_.c_str(), folder_, name_.c_str()) != 0) {
+      return fail("cannot be replaced", errno);
+    }
+    temporary_.clear();
+  }
+  // Network file systems report here what they could not write.
+  const int file = std::exchange(file_, -1);
+  if (file != STDOUT_FILENO && ::close(file) != 0) return fail("cannot be written", errno);
+  const Status status = sync_ && folder_ >= 0 ? sync_folder() : Status();
+  close();
+  return status;
+}
+
+Status OutputFile::sync_folder() {
+  const int folder = ::openat(folder_, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  // A folder may permit writing without reading. Some file systems cannot sync a folder: EINVAL.
+  if (folder < 0 && errno == EACCES) return {};
+  const bool synced = folder >= 0 && (::fsync(folder) == 0 || errno == EINVAL);
+  const int error = errno;
+  if (folder >= 0) ::close(folder);
+  if (synced) return {};
+  return fail("is replaced, but a power failure now may bring back the former file: its folder cannot be synced",
+              error);
+}
+
+Status write_file(const std::string& path, std::string_view bytes, std::string& reason, const OutputOptions& options) {
+  OutputFile file;
+  Status status = file.open(path, options);
+  if (status.ok()) status = file.write(bytes);
+  if (status.ok()) status = file.commit();
+  if (!status.ok()) reason = file.reason();
+  return status;
+}
+
+}  // namespace touchline::hal

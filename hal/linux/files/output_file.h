@@ -1,0 +1,75 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/status.h"
+
+namespace touchline::hal {
+
+struct OutputOptions {
+  /// False: a symbolic link of that name is replaced by the file, and its target is not touched.
+  bool follow_links = true;
+  /// False: commit() does not wait for the disk. For series of pictures that can be made again.
+  bool sync = true;
+  /// Permissions of the file. By default those of the file that is replaced, or 0666 less the umask for a new one.
+  std::optional<mode_t> mode = std::nullopt;
+};
+
+/// A file that is written completely or not at all. The bytes go to a temporary file in the same folder; commit()
+/// renames it to its name. If the process ends before, the former file stays as it was.
+///
+/// - The temporary file is NAME.RANDOM.part, created with O_EXCL and O_NOFOLLOW: a file or link that somebody else has
+///   put there is never opened. The destructor removes it; after a SIGKILL or a power cut it stays in the folder.
+/// - A symbolic link stays a link: its target is replaced, or created.
+/// - The former file's permissions are kept, and its owner where the system allows it. Its hard links keep the old
+/// file.
+/// - A path that is no regular file (character device, FIFO) is written in place, and opening a FIFO waits for a
+/// reader.
+/// - "-" is standard output.
+///
+/// Errors of all functions: kNotFound (no such folder), kPermission, kIo; reason() then names the file and the cause.
+class OutputFile {
+ public:
+  OutputFile() = default;
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  Status open(const std::string& path, const OutputOptions& options = {});
+  Status write(std::string_view bytes);
+  /// True for regular files: seek() works, and nothing can be read before commit().
+  [[nodiscard]] bool replaces_file() const { return !temporary_.empty(); }
+  /// Position in bytes from the file's beginning for the next write(). kUnsupported unless replaces_file().
+  Status seek(std::uint64_t position);
+  /// Syncs the file, gives it its name, and syncs the folder. If only the last step fails, the error says that the file
+  /// is replaced.
+  Status commit();
+  [[nodiscard]] const std::string& reason() const { return reason_; }
+
+ private:
+  Status fail(const char* what, int error);
+  Status open_in_place(const OutputOptions& options);
+  Status open_temporary(const OutputOptions& options);
+  Status flush();
+  Status write_all(std::string_view bytes);
+  Status sync_folder();
+  void close();
+
+  std::string path_;       // as given, for messages
+  std::string name_;       // of the file in the folder
+  std::string temporary_;  // name in the folder; empty: written in place
+  std::string buffer_, reason_;
+  int file_ = -1, folder_ = -1;
+  bool sync_ = true;
+};
+
+/// Writes a whole file with an OutputFile.
+Status write_file(const std::string& path, std::string_view bytes, std::string& reason,
+                  const OutputOptions& options = {});
+
+}  // namespace touchline::hal

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <utility>
 
 namespace touchline {
 
@@ -38,24 +37,6 @@ class [[nodiscard]] Status {
   friend constexpr bool operator==(Status, Status) = default;
 
  private:
-  ErrorCode code_ = ErrorCode::kOk;
-};
-
-/// A value, or the reason why there is none. `T` must be default-constructible.
-template <class T>
-class [[nodiscard]] Result {
- public:
-  Result(T value) : value_(std::move(value)) {}      // NOLINT(google-explicit-constructor)
-  Result(ErrorCode code) : value_(), code_(code) {}  // NOLINT(google-explicit-constructor)
-  [[nodiscard]] bool ok() const { return code_ == ErrorCode::kOk; }
-  [[nodiscard]] ErrorCode error() const { return code_; }
-  /// Only when ok().
-  [[nodiscard]] const T& value() const& { return value_; }
-  [[nodiscard]] T& value() & { return value_; }
-  [[nodiscard]] T&& value() && { return std::move(value_); }
-
- private:
-  T value_;
   ErrorCode code_ = ErrorCode::kOk;
 };
 

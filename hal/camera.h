@@ -9,6 +9,7 @@
 #include "core/status.h"
 #include "core/time.h"
 #include "core/types.h"
+#include "hal/result.h"
 
 namespace touchline::hal {
 

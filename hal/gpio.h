@@ -4,6 +4,7 @@
 
 #include "core/status.h"
 #include "core/time.h"
+#include "hal/result.h"
 
 namespace touchline::hal {
 

@@ -8,6 +8,7 @@
 #include "core/fixed_vector.h"
 #include "core/status.h"
 #include "core/types.h"
+#include "hal/result.h"
 
 namespace touchline::hal {
 

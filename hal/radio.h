@@ -7,6 +7,7 @@
 
 #include "core/status.h"
 #include "core/types.h"
+#include "hal/result.h"
 
 namespace touchline::hal {
 

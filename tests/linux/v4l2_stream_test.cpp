@@ -252,7 +252,7 @@ TEST_F(V4l2StreamTest, AllocatesNothingWhileFramesAndFaultsFlow) {
   for (int i = 0; i < 2000; ++i) {
     if (i % 50 == 0) device_.false_alarms = 3;
     const Result<FrameLease> frame = camera_->wait(kernel_.now() + std::chrono::milliseconds(i % 3 == 0 ? 5 : 50));
-    ++outcomes[static_cast<std::size_t>(frame.error())];
+    ++outcomes[static_cast<std::size_t>(frame.code())];
     if (frame.error() == ErrorCode::kDisconnected) break;
   }
   const std::uint64_t allocations = counter.count();

@@ -37,7 +37,7 @@ Status V4l2Camera::open_anew() {
   Status status = identify();
   if (status.ok()) {
     const Result<V4l2Picture> picture = negotiate_format(device_, identity_.multi_planar, settings_, reason_);
-    status = picture.ok() ? Status{} : Status{picture.error()};
+    status = picture.ok() ? Status{} : Status{picture.code()};
     picture_ = picture.value();
   }
   if (status.ok()) {

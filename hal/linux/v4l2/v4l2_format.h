@@ -8,6 +8,7 @@
 #include "hal/device_parameters.h"
 #include "hal/linux/reason.h"
 #include "hal/linux/v4l2/v4l2_device.h"
+#include "hal/result.h"
 
 namespace touchline::hal {
 

@@ -101,8 +101,8 @@ void Loop::wait_for_frame(Instant deadline) {
   const Result<hal::FrameLease> lease = devices_.camera.wait(deadline);
   if (lease.ok()) {
     process_frame(lease.value());
-  } else if (lease.error() != ErrorCode::kTimeout) {
-    on_fault(Device::kCamera, lease.error(), devices_.clock.now());
+  } else if (lease.code() != ErrorCode::kTimeout) {
+    on_fault(Device::kCamera, lease.code(), devices_.clock.now());
   }
   // A camera that hangs reports no error.
   const Instant now = devices_.clock.now();
@@ -223,7 +223,7 @@ void Loop::read_inputs(Instant now) {
     if (read.ok()) {
       inputs = read.value();
     } else {
-      on_fault(Device::kGpio, read.error(), now);
+      on_fault(Device::kGpio, read.code(), now);
     }
   }
   input_due_ = inputs ? inputs->look_again : Duration::max();
@@ -263,7 +263,7 @@ void Loop::serve_radio(Instant now) {
   if (due.ok()) {
     radio_due_ = due.value();
   } else {
-    on_fault(Device::kRadio, due.error(), now);
+    on_fault(Device::kRadio, due.code(), now);
   }
 }
 
@@ -271,7 +271,7 @@ void Loop::receive_telemetry(Instant now) {
   if (!settings_.telemetry || !connections_.is_open(Device::kRadio)) return;
   const Result<std::size_t> count = devices_.radio.receive(received_);
   if (!count.ok()) {
-    on_fault(Device::kRadio, count.error(), now);
+    on_fault(Device::kRadio, count.code(), now);
   } else if (count.value() > 0) {
     pipeline_.listen(std::span(received_).first(count.value()), now);
     statistics_.robots = pipeline_.reports();

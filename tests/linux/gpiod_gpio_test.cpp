@@ -131,7 +131,7 @@ TEST_F(GpiodGpioTest, UseWithoutOpenFails) {
   GpiodGpio gpio(settings());
   EXPECT_EQ(gpio.set_status_led(true).code(), ErrorCode::kDisconnected);
   EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 17: not open");
-  EXPECT_EQ(gpio.inputs(kernel_.now()).error(), ErrorCode::kDisconnected);
+  EXPECT_EQ(gpio.inputs(kernel_.now()).code(), ErrorCode::kDisconnected);
   EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 27: not open");
 }
 
@@ -244,13 +244,13 @@ TEST_F(GpiodGpioTest, ChipThatGoesAway) {
   chip_.value_error = ENODEV;
   EXPECT_EQ(gpio.set_status_led(true).code(), ErrorCode::kDisconnected);
   EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 17: setting failed: No such device");
-  EXPECT_EQ(gpio.inputs(kernel_.now()).error(), ErrorCode::kDisconnected) << "not \"not pulled\"";
+  EXPECT_EQ(gpio.inputs(kernel_.now()).code(), ErrorCode::kDisconnected) << "not \"not pulled\"";
   EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 27: reading failed: No such device");
   chip_.value_error = EIO;
-  EXPECT_EQ(gpio.inputs(kernel_.now()).error(), ErrorCode::kIo);
+  EXPECT_EQ(gpio.inputs(kernel_.now()).code(), ErrorCode::kIo);
   chip_.value_error = 0;
   chip_.read_error = ENODEV;
-  EXPECT_EQ(gpio.inputs(kernel_.now()).error(), ErrorCode::kDisconnected);
+  EXPECT_EQ(gpio.inputs(kernel_.now()).code(), ErrorCode::kDisconnected);
   EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 27: reading edges failed: No such device");
 }
 

@@ -63,7 +63,7 @@ class LibcameraTest : public ::testing::Test {
   /// The next frame must be lost with `code` and `reason`.
   void expect_loss(ErrorCode code, const std::string& reason) {
     const Result<hal::FrameLease> frame = camera_->wait(late());
-    EXPECT_EQ(describe(frame.error()), std::string(describe(code)));
+    EXPECT_EQ(describe(frame.code()), std::string(describe(code)));
     EXPECT_EQ(camera_->reason(), reason);
   }
   void expect_frame(std::uint32_t sequence) {

@@ -60,7 +60,7 @@ TEST_F(LibcameraStreamTest, NeitherWaitNorReleaseAllocates) {
       const Result<FrameLease> frame = camera_->wait(late());
       EXPECT_EQ(frame.ok(), i % 5 != 0);
     }
-    EXPECT_EQ(camera_->wait(Instant{}).error(), ErrorCode::kTimeout);
+    EXPECT_EQ(camera_->wait(Instant{}).code(), ErrorCode::kTimeout);
     counted += allocations.count();
   }
   EXPECT_EQ(counted, 0u);
@@ -69,7 +69,7 @@ TEST_F(LibcameraStreamTest, NeitherWaitNorReleaseAllocates) {
 TEST_F(LibcameraStreamTest, WithoutAFrameTheDeadlineEndsTheWait) {
   begin();
   const Instant before = MonotonicClock::read();
-  EXPECT_EQ(camera_->wait(before + milliseconds(20)).error(), ErrorCode::kTimeout);
+  EXPECT_EQ(camera_->wait(before + milliseconds(20)).code(), ErrorCode::kTimeout);
   EXPECT_GE(MonotonicClock::read() - before, milliseconds(20));
   EXPECT_EQ(camera_->reason(), std::string(kId) + ": no frame before the deadline");
   world_.complete(1);
@@ -206,7 +206,7 @@ TEST_F(LibcameraStreamTest, AFrameThatIsGivenUpAsksForANewStart) {
   begin();
   world_.complete(1, [](LibcameraFrame& frame) { frame.state = LibcameraFrame::State::kCancelled; });
   expect_loss(ErrorCode::kIo, std::string(kId) + ": libcamera gave up a frame that was under way");
-  EXPECT_EQ(camera_->wait(late()).error(), ErrorCode::kIo);
+  EXPECT_EQ(camera_->wait(late()).code(), ErrorCode::kIo);
 }
 
 TEST_F(LibcameraStreamTest, ARequestThatIsRefusedIsToldByTheNextWait) {
@@ -223,7 +223,7 @@ TEST_F(LibcameraStreamTest, AStopForgetsWhatWasUnderWay) {
   world_.complete(1);
   world_.complete(2);
   camera_->stop();
-  EXPECT_EQ(camera_->wait(late()).error(), ErrorCode::kInconsistent);
+  EXPECT_EQ(camera_->wait(late()).code(), ErrorCode::kInconsistent);
   ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
   ASSERT_TRUE(camera_->start().ok());  // nothing happens
   world_.complete(8);

@@ -205,7 +205,7 @@ TEST_F(MjpgCameraTest, AllPicturesLentOutTimesOutAndRecovers) {
     leases.push_back(std::move(frame).value());
   }
   const Instant deadline = soon();
-  EXPECT_EQ(camera_->wait(deadline).error(), ErrorCode::kTimeout);
+  EXPECT_EQ(camera_->wait(deadline).code(), ErrorCode::kTimeout);
   EXPECT_EQ(camera_->reason(), "/dev/video0: no frame can come: all 4 buffers are lent out");
   EXPECT_GE(kernel_.now(), deadline);
   const std::uint8_t* const first = leases[0].frame().plane[0];
@@ -227,7 +227,7 @@ TEST_F(MjpgCameraTest, AllocatesNothingWhilePicturesAndDamageFlow) {
   for (int i = 0; i < 100; ++i) {
     const Result<FrameLease> frame = camera_->wait(soon());
     good += frame.ok() ? 1 : 0;
-    corrupt += frame.error() == ErrorCode::kCorruptFrame ? 1 : 0;
+    corrupt += frame.code() == ErrorCode::kCorruptFrame ? 1 : 0;
   }
   const std::uint64_t allocations = counter.count();
   EXPECT_EQ(allocations, 0u);

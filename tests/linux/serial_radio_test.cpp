@@ -68,7 +68,7 @@ TEST_F(SerialRadioTest, ASplitPacketIsCompletedBeforeAnythingElse) {
 TEST_F(SerialRadioTest, ReceivesWhatThereIsAndNeverWaits) {
   SerialRadio radio(settings());
   std::array<std::byte, 16> bytes{};
-  EXPECT_EQ(radio.receive(bytes).error(), ErrorCode::kDisconnected);
+  EXPECT_EQ(radio.receive(bytes).code(), ErrorCode::kDisconnected);
   ASSERT_TRUE(radio.open().ok());
   EXPECT_EQ(radio.receive(bytes).value(), 0u);
   const Packet words = packet(20, 7);
@@ -79,7 +79,7 @@ TEST_F(SerialRadioTest, ReceivesWhatThereIsAndNeverWaits) {
   EXPECT_EQ(radio.receive(bytes).value(), 0u);
   EXPECT_EQ(radio.counters().received_bytes, 20u);
   adapter_.read_error = EIO;
-  EXPECT_EQ(radio.receive(bytes).error(), ErrorCode::kDisconnected);
+  EXPECT_EQ(radio.receive(bytes).code(), ErrorCode::kDisconnected);
   EXPECT_EQ(radio.reason(), text("the port went away (receiving)"));
 }
 

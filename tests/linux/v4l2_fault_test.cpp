@@ -83,7 +83,7 @@ TEST_F(V4l2FaultTest, PluggedInAgainUnderAnotherNumberItIsFoundByItsSocket) {
     asked.device = named;
     begin(asked);
     expect_frame(*camera_, 0);
-    EXPECT_EQ(camera_->wait(soon()).error(), ErrorCode::kDisconnected);
+    EXPECT_EQ(camera_->wait(soon()).code(), ErrorCode::kDisconnected);
     camera_->close();
     kernel_.unlink(kByPath);
     kernel_.remove("/dev/video0");

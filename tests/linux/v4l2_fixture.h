@@ -42,7 +42,7 @@ class V4l2Test : public ::testing::Test {
   /// The next frame must be lost with `code` and `reason`.
   void expect_loss(hal::V4l2Camera& camera, ErrorCode code, const std::string& reason) {
     const Result<hal::FrameLease> frame = camera.wait(soon());
-    EXPECT_EQ(describe(frame.error()), std::string(describe(code)));
+    EXPECT_EQ(describe(frame.code()), std::string(describe(code)));
     EXPECT_EQ(camera.reason(), reason);
   }
   /// The next frame must be good and have this number.

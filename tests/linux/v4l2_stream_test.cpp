@@ -187,7 +187,7 @@ TEST_F(V4l2StreamTest, TimesOutAtTheDeadline) {
   begin(settings());
   const Instant deadline = kernel_.now() + std::chrono::milliseconds(3);
   const Result<FrameLease> frame = camera_->wait(deadline);
-  EXPECT_EQ(frame.error(), ErrorCode::kTimeout);
+  EXPECT_EQ(frame.code(), ErrorCode::kTimeout);
   EXPECT_EQ(camera_->reason(), "/dev/video0: no frame before the deadline");
   EXPECT_GE(kernel_.now(), deadline);
   EXPECT_LE(kernel_.now(), deadline + 10 * kMicrosecond);
@@ -202,7 +202,7 @@ TEST_F(V4l2StreamTest, APastDeadlineStillFetchesWhatIsThere) {
     ASSERT_TRUE(frame.ok());
     EXPECT_EQ(frame.value().frame().sequence, i);
   }
-  EXPECT_EQ(camera_->wait(Instant{}).error(), ErrorCode::kTimeout);
+  EXPECT_EQ(camera_->wait(Instant{}).code(), ErrorCode::kTimeout);
 }
 
 TEST_F(V4l2StreamTest, SignalsDoNotShortenTheWait) {
@@ -253,7 +253,7 @@ TEST_F(V4l2StreamTest, AllocatesNothingWhileFramesAndFaultsFlow) {
     if (i % 50 == 0) device_.false_alarms = 3;
     const Result<FrameLease> frame = camera_->wait(kernel_.now() + std::chrono::milliseconds(i % 3 == 0 ? 5 : 50));
     ++outcomes[static_cast<std::size_t>(frame.code())];
-    if (frame.error() == ErrorCode::kDisconnected) break;
+    if (frame.code() == ErrorCode::kDisconnected) break;
   }
   const std::uint64_t allocations = counter.count();
   EXPECT_EQ(allocations, 0u);

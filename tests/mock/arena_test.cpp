@@ -19,7 +19,7 @@ class ArenaTest : public DevicesTest {
     std::uint8_t sequence = 0;
     while (now_s() < until_s) {
       const auto lease = wait(0.1);
-      if (!lease.ok() && lease.error() != ErrorCode::kTimeout) go_to(now_s() + 0.02);
+      if (!lease.ok() && lease.code() != ErrorCode::kTimeout) go_to(now_s() + 0.02);
       static_cast<void>(gpio->inputs(arena->now()));
       static_cast<void>(radio->send(driver(sequence++)));
     }
@@ -155,7 +155,7 @@ TEST_F(ArenaTest, ARealClockDoesNotJumpToTheDeadline) {
   ASSERT_TRUE(camera->open().ok());
   ASSERT_TRUE(camera->start().ok());
   const Instant before = machine.now();
-  EXPECT_EQ(camera->wait(before + 5ms).error(), ErrorCode::kTimeout);
+  EXPECT_EQ(camera->wait(before + 5ms).code(), ErrorCode::kTimeout);
   EXPECT_GE(machine.now(), before + 5ms);
 }
 

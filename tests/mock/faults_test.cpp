@@ -27,7 +27,7 @@ TEST_F(Faults, StalledCameraGivesNothingAndThenAGap) {
     ASSERT_LT(now_s(), 1.1);
   }
   EXPECT_NEAR(before, 1.0 * 50, 2.0);
-  EXPECT_EQ(wait(0.1).error(), ErrorCode::kTimeout);
+  EXPECT_EQ(wait(0.1).code(), ErrorCode::kTimeout);
   EXPECT_EQ(camera->reason(), "mock camera: no frame came in time");
   const auto lease = wait();
   ASSERT_TRUE(lease.ok());
@@ -39,12 +39,12 @@ TEST_F(Faults, LostCameraMustBeOpenedAgain) {
   add_fault(FaultKind::kCameraLost, 1.0, 0.5);
   start();
   go_to(1.1);
-  EXPECT_EQ(wait().error(), ErrorCode::kDisconnected);
+  EXPECT_EQ(wait().code(), ErrorCode::kDisconnected);
   EXPECT_EQ(camera->reason(), "mock camera: unplugged (an [[arena.fault]])");
   EXPECT_EQ(camera->open(), Status(ErrorCode::kNotFound));
   EXPECT_EQ(camera->reason(), "mock camera: unplugged (an [[arena.fault]])");
   go_to(1.6);
-  EXPECT_EQ(wait().error(), ErrorCode::kDisconnected) << "plugged in again is not open again";
+  EXPECT_EQ(wait().code(), ErrorCode::kDisconnected) << "plugged in again is not open again";
   camera->stop();
   camera->close();
   ASSERT_TRUE(camera->open().ok());
@@ -65,7 +65,7 @@ TEST_F(Faults, ShortAndCorruptFramesAreLostOneByOne) {
     while (now_s() < at_s + 0.2) {
       const auto lease = wait();
       if (lease.ok()) continue;
-      EXPECT_EQ(lease.error(), code);
+      EXPECT_EQ(lease.code(), code);
       EXPECT_EQ(camera->reason(), "mock camera: the frame is damaged (an [[arena.fault]])");
       ++bad;
     }

@@ -112,9 +112,9 @@ TEST_F(FrameTimes, WaitEndsAtItsDeadline) {
   ASSERT_TRUE(wait().ok());
   const double before_s = now_s();
   const auto lease = wait(0.1);
-  EXPECT_EQ(lease.error(), ErrorCode::kTimeout);
+  EXPECT_EQ(lease.code(), ErrorCode::kTimeout);
   EXPECT_NEAR(now_s(), before_s + 0.1, 1e-6);
-  EXPECT_EQ(wait(0.0).error(), ErrorCode::kTimeout);
+  EXPECT_EQ(wait(0.0).code(), ErrorCode::kTimeout);
   EXPECT_NEAR(now_s(), before_s + 0.1, 1e-6);
 }
 
@@ -136,7 +136,7 @@ TEST_F(FrameTimes, FramesThatFindNoBufferAreLostAndLeaveAGap) {
     ASSERT_TRUE(lease.ok());
     EXPECT_EQ(lease.value().frame().sequence, i);
   }
-  EXPECT_EQ(wait(0.0).error(), ErrorCode::kTimeout) << "the others are lost";
+  EXPECT_EQ(wait(0.0).code(), ErrorCode::kTimeout) << "the others are lost";
   const auto lease = wait();
   ASSERT_TRUE(lease.ok());
   EXPECT_NEAR(lease.value().frame().sequence, 50.0, 1.0);
@@ -154,7 +154,7 @@ TEST_F(FrameTimes, BuffersThatAreHeldAreNotOverwritten) {
   EXPECT_NE(held[0].frame().plane[0], held[1].frame().plane[0]);
   EXPECT_NE(held[1].frame().plane[0], held[2].frame().plane[0]);
   const auto none = wait(0.5);
-  EXPECT_EQ(none.error(), ErrorCode::kTimeout);
+  EXPECT_EQ(none.code(), ErrorCode::kTimeout);
   EXPECT_EQ(camera->reason(), "mock camera: every buffer is held by somebody");
 
   const std::uint8_t* const freed = held[1].frame().plane[0];
@@ -169,7 +169,7 @@ TEST_F(FrameTimes, StartsAnewAfterAStop) {
   start();
   for (int i = 0; i < 5; ++i) ASSERT_TRUE(wait().ok());
   camera->stop();
-  EXPECT_EQ(wait(0.1).error(), ErrorCode::kIo);
+  EXPECT_EQ(wait(0.1).code(), ErrorCode::kIo);
   EXPECT_EQ(camera->reason(), "mock camera: used before it was opened and started");
   go_to(2.0);
   ASSERT_TRUE(camera->start().ok());
@@ -186,14 +186,14 @@ TEST_F(FrameTimes, ClosedDevicesSaySo) {
   MockRadio closed_radio(*arena, time);
   MockGpio closed_gpio(*arena, time);
   EXPECT_EQ(closed_camera.start(), Status(ErrorCode::kIo));
-  EXPECT_EQ(closed_camera.wait(arena->now()).error(), ErrorCode::kIo);
+  EXPECT_EQ(closed_camera.wait(arena->now()).code(), ErrorCode::kIo);
   EXPECT_EQ(closed_camera.reason(), "mock camera: used before it was opened and started");
   EXPECT_EQ(closed_radio.send(packet_of({}, 1)), Status(ErrorCode::kIo));
   EXPECT_EQ(closed_radio.drain(arena->now()), Status(ErrorCode::kIo));
   EXPECT_EQ(closed_radio.reason(), "mock radio: used before it was opened");
   EXPECT_EQ(closed_gpio.set_status_led(true), Status(ErrorCode::kIo));
   EXPECT_EQ(closed_gpio.set_strobe(true).code(), ErrorCode::kIo);
-  EXPECT_EQ(closed_gpio.inputs(arena->now()).error(), ErrorCode::kIo);
+  EXPECT_EQ(closed_gpio.inputs(arena->now()).code(), ErrorCode::kIo);
   EXPECT_EQ(closed_gpio.reason(), "mock gpio: used before it was opened");
 }
 

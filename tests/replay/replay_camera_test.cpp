@@ -58,8 +58,8 @@ TEST(ReplayCamera, PicturesComeInNaturalOrderWithTheirStamps) {
     EXPECT_EQ(pixels(frame, 21), media::colorful(7, 5, i).rgb8);
     EXPECT_EQ(hal::ReplayClock(camera).now(), frame.capture_time);
   }
-  EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kEndOfStream);
-  EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kEndOfStream);
+  EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kEndOfStream);
+  EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kEndOfStream);
 }
 
 TEST(ReplayCamera, StartsOverAfterReopening) {
@@ -76,7 +76,7 @@ TEST(ReplayCamera, StartsOverAfterReopening) {
       ASSERT_TRUE(lease.ok());
       EXPECT_EQ(lease.value().frame().sequence, i);
     }
-    EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kEndOfStream);
+    EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kEndOfStream);
     camera.stop();
     camera.close();
   }
@@ -147,7 +147,7 @@ TEST(ReplayCamera, APictureOfAnotherSizeIsNamed) {
   ReplayCamera camera({.path = folder.path()});
   ASSERT_TRUE(camera.open().ok() && camera.start().ok());
   ASSERT_TRUE(camera.wait(kForever).ok());
-  EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kInconsistent);
+  EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kInconsistent);
   EXPECT_NE(camera.reason().find("2.png is 8 x 6, but 1.png is 8 x 8"), std::string::npos) << camera.reason();
 }
 
@@ -160,7 +160,7 @@ TEST(ReplayCamera, ADamagedPictureIsALostFrame) {
   ReplayCamera camera({.path = folder.path(), .format = PixelFormat::kRgb24, .rate_hz = 10.0});
   ASSERT_TRUE(camera.open().ok() && camera.start().ok());
   ASSERT_TRUE(camera.wait(kForever).ok());
-  EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kCorruptFrame);
+  EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kCorruptFrame);
   EXPECT_NE(camera.reason().find("2.png"), std::string::npos) << camera.reason();
   const Result<FrameLease> next = camera.wait(kForever);
   ASSERT_TRUE(next.ok());
@@ -178,7 +178,7 @@ TEST(ReplayCamera, LeasesHoldTheirBuffer) {
   ASSERT_TRUE(camera.open().ok() && camera.start().ok());
   Result<FrameLease> a = camera.wait(kForever), b = camera.wait(kForever), c = camera.wait(kForever);
   ASSERT_TRUE(a.ok() && b.ok() && c.ok());
-  EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kBusy);
+  EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kBusy);
   b.value() = FrameLease();
   EXPECT_TRUE(camera.wait(kForever).ok());
   EXPECT_EQ(pixels(a.value().frame(), 24), media::colorful(8, 8, 0).rgb8);
@@ -201,7 +201,7 @@ TEST(ReplayCamera, PacedFramesComeWhenTheyAreDue) {
   ReplayCamera camera({.path = folder.path(), .format = PixelFormat::kRgb24, .rate_hz = 10.0}, &clock);
   ASSERT_TRUE(camera.open().ok() && camera.start().ok());
   ASSERT_TRUE(camera.wait(clock.now_).ok());
-  EXPECT_EQ(camera.wait(clock.now_ + from_seconds(0.04)).error(), ErrorCode::kTimeout);
+  EXPECT_EQ(camera.wait(clock.now_ + from_seconds(0.04)).code(), ErrorCode::kTimeout);
   EXPECT_EQ(clock.now_, Instant(from_seconds(100.04)));
   const Result<FrameLease> lease = camera.wait(clock.now_ + from_seconds(1.0));
   ASSERT_TRUE(lease.ok());

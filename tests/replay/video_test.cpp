@@ -49,7 +49,7 @@ TEST(Video, WhatIsWrittenIsRead) {
     EXPECT_NEAR(seconds(frame.capture_time.time_since_epoch()), i * 0.04, 1e-6);
     EXPECT_NEAR(frame.plane[0][frame.stride_bytes[0] * 24 + 96], 20 * (i + 1), 3) << "frame " << i;
   }
-  EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kEndOfStream);
+  EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kEndOfStream);
 }
 
 TEST(Video, UnevenStampsAreKept) {
@@ -181,7 +181,7 @@ TEST(Video, OneThatIsCutOffEndsWithAReason) {
   ASSERT_TRUE(damaged.open().ok() && damaged.start().ok()) << damaged.reason();
   EXPECT_TRUE(damaged.wait(kForever).ok());
   EXPECT_TRUE(damaged.wait(kForever).ok());
-  EXPECT_EQ(damaged.wait(kForever).error(), ErrorCode::kIo);
+  EXPECT_EQ(damaged.wait(kForever).code(), ErrorCode::kIo);
   EXPECT_NE(damaged.reason().find("b.y4m: ends early, after frame 2"), std::string::npos) << damaged.reason();
 }
 
@@ -212,7 +212,7 @@ TEST(VideoWriter, AFifoGetsAVideoThatNeedsNoSeeking) {
   ReplayCamera camera({.path = folder / "received.mp4"});
   ASSERT_TRUE(camera.open().ok() && camera.start().ok()) << camera.reason();
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(camera.wait(kForever).ok()) << camera.reason();
-  EXPECT_EQ(camera.wait(kForever).error(), ErrorCode::kEndOfStream);
+  EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kEndOfStream);
 }
 
 TEST(VideoWriter, LeavesNothingHalfBehind) {

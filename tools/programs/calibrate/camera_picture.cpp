@@ -15,7 +15,7 @@ Status CameraPicture::load(const std::string& path, PixelFormat format, CameraPi
     if (lease.ok()) {
       out = copy_of(lease.value().frame());
     } else {
-      status = lease.error();
+      status = lease.code();
     }
   }
   if (!status.ok()) reason = camera.reason();

@@ -94,7 +94,7 @@ int PictureCommand::run() const {
     const Result<hal::FrameLease> lease = parts.camera.wait(parts.clock.now() + kPatience);
     const Instant now = parts.clock.now();
     if (!lease.ok()) {
-      if (may_be_better_next_time(lease.error()) && now - last_good < kPatience) continue;
+      if (may_be_better_next_time(lease.code()) && now - last_good < kPatience) continue;
       return camera_failed(parts.camera);
     }
     last_good = now;

@@ -99,8 +99,8 @@ bool replay(const ReplayOptions& options, const Progress& progress, const std::a
   }
   for (;;) {
     const Result<hal::FrameLease> lease = camera.wait(Instant::max());
-    if (lease.error() == ErrorCode::kEndOfStream) break;
-    if (lease.error() == ErrorCode::kCorruptFrame && options.skip_damaged) {
+    if (lease.code() == ErrorCode::kEndOfStream) break;
+    if (lease.code() == ErrorCode::kCorruptFrame && options.skip_damaged) {
       ++summary.damaged;
       continue;
     }

@@ -72,6 +72,17 @@ TEST(CaptureStamp, TheExposureMayChangeFromFrameToFrame) {
   EXPECT_EQ(stamp.replaced(), 0u);
 }
 
+TEST(CaptureStamp, NoStampLiesInTheFutureWhateverTheExposure) {
+  CaptureStamp stamp;
+  for (const Duration exposure : {Duration(std::chrono::hours(2)), Duration(-std::chrono::hours(2))}) {
+    for (const std::uint32_t flags : {kStart, kEnd, std::uint32_t{V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN}}) {
+      stamp.restart(exposure);
+      EXPECT_LE(stamp.middle_of_exposure(flags, at(5100), at(5120)), at(5120));
+      EXPECT_GE(stamp.middle_of_exposure(flags, at(5120), at(5140)), at(4000)) << "nor in the far past";
+    }
+  }
+}
+
 TEST(CaptureStamp, UvcvideoComputesThemOnlyWhenItIsLoadedSo) {
   const std::string file = ::testing::TempDir() + "touchline_hwtimestamps_" + std::to_string(::getpid());
   for (const auto& [said, expected] :

@@ -2,10 +2,14 @@
 
 #include <linux/videodev2.h>
 
+#include <algorithm>
 #include <fstream>
 
 namespace touchline::hal {
 namespace {
+
+// The longest exposure that the board file can ask for. A longer or negative one is a driver's error.
+constexpr Duration kLongestExposure = std::chrono::seconds(1);
 
 bool is_of_start(std::uint32_t flags) {
   return (flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
@@ -29,7 +33,8 @@ const char* CaptureStamp::name_of(std::uint32_t flags) {
 }
 
 Instant CaptureStamp::middle_of_exposure(std::uint32_t flags, Instant stamp, Instant now) {
-  const Duration half_exposure = Duration(exposure_.load(std::memory_order_relaxed)) / 2;
+  const Duration exposure(exposure_.load(std::memory_order_relaxed));
+  const Duration half_exposure = std::clamp(exposure, Duration::zero(), kLongestExposure) / 2;
   const bool monotonic = is_monotonic(flags);
   const bool credible = monotonic && stamp > last_stamp_ && stamp <= now;
   Instant capture = now - half_exposure;
@@ -39,8 +44,10 @@ Instant CaptureStamp::middle_of_exposure(std::uint32_t flags, Instant stamp, Ins
   } else if (monotonic) {
     ++replaced_;
   }
-  // The filters need time to go forward, whatever the driver thinks; a nanosecond is the least that is forward.
+  // The filters need increasing times; a nanosecond is the smallest step.
   if (capture <= last_capture_) capture = last_capture_ + Duration(1);
+  // A frame that seems to be from the future would make old commands look fresh.
+  capture = std::min(capture, now);
   last_capture_ = capture;
   return capture;
 }

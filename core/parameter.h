@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <limits>
 #include <span>
 #include <string_view>
@@ -11,6 +12,12 @@ struct Range {
   double low = std::numeric_limits<double>::lowest();
   double high = std::numeric_limits<double>::max();
 };
+
+/// True for finite numbers above zero.
+template <class Float>
+[[nodiscard]] bool is_positive(Float value) {
+  return std::isfinite(value) && value > Float{0};
+}
 
 /// A word of a configuration file and the value that it stands for.
 template <class Enum>

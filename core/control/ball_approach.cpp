@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/control/motion_laws.h"
-#include "core/track/angle.h"
+#include "core/geometry/angle.h"
 
 namespace touchline {
 namespace {
@@ -22,8 +22,8 @@ Twist follow_line(const Pose& robot, const PushPlan& plan, double speed, const M
   constexpr double kFar = 0.15;
   const Vector2 from_ball = position(robot) - plan.ball;
   const double beside = cross(plan.direction, from_ball);
-  const Vector2 on_line = position(robot) - std::clamp(beside, -kFar, kFar) * left_of(plan.direction);
-  const Pose reference{field_point(on_line), wrap_to_float(line)};
+  const Vector2 on_line = position(robot) - std::clamp(beside, -kFar, kFar) * perpendicular(plan.direction);
+  const Pose reference{to_field_point(on_line), wrap_to_float(line)};
   Twist twist = track_trajectory(front, reference, {static_cast<float>(speed), 0.0f}, gains);
   if (backward) twist.v_mps = -twist.v_mps;
   return twist;
@@ -96,11 +96,11 @@ Approach go_to_ball(const Pose& robot, const Twist& twist, const PushPlan& plan,
   if (std::abs(around) <= tangent) {
     approach.phase = ApproachPhase::kBehind;
     approach.target = plan.behind;
-    const Pose target{field_point(plan.behind), wrap_to_float(bearing(plan.direction))};
+    const Pose target{to_field_point(plan.behind), wrap_to_float(bearing(plan.direction))};
     approach.twist = go_to_pose(robot, twist, target, Facing::kEither, drive.max_speed_mps, gains);
   } else {
     approach.phase = ApproachPhase::kAround;
-    approach.target = plan.ball + radius * direction(now + std::copysign(tangent, around));
+    approach.target = plan.ball + radius * unit_vector(now + std::copysign(tangent, around));
     approach.twist = go_to_point(robot, approach.target, false, drive.max_speed_mps, gains);
   }
   return approach;

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/control/control_parameters.h"
-#include "core/control/plane.h"
-#include "core/marker/matcher.h"
+#include "core/geometry/field_area.h"
+#include "core/geometry/vector2.h"
 #include "core/types.h"
 
 namespace touchline {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/control/drive_limits.h"
-#include "core/positive.h"
+#include "core/parameter.h"
 
 namespace touchline {
 namespace {
@@ -22,14 +22,14 @@ Status Controller::configure(const ControlParameters& parameters, const FieldPar
 
 Status Controller::take(const ControlParameters& parameters, const FieldParameters& field) {
   const DriveParameters& drive = parameters.drive;
-  if (!positive(drive.wheel_base_m) || !positive(drive.max_speed_mps) || !positive(drive.max_turn_radps) ||
-      !positive(drive.max_wheel_speed_mps) || !positive(drive.max_wheel_acceleration_mps2)) {
+  if (!is_positive(drive.wheel_base_m) || !is_positive(drive.max_speed_mps) || !is_positive(drive.max_turn_radps) ||
+      !is_positive(drive.max_wheel_speed_mps) || !is_positive(drive.max_wheel_acceleration_mps2)) {
     return ErrorCode::kOutOfRange;
   }
   const PlayParameters& play = parameters.play;
-  if (!positive(play.robot_radius_m) || !positive(play.clearance_m) || !positive(play.behind_ball_m) ||
-      !positive(parameters.motion.distance_per_s) || !positive(static_cast<double>(field.length_m)) ||
-      !positive(static_cast<double>(field.width_m))) {
+  if (!is_positive(play.robot_radius_m) || !is_positive(play.clearance_m) || !is_positive(play.behind_ball_m) ||
+      !is_positive(parameters.motion.distance_per_s) || !is_positive(static_cast<double>(field.length_m)) ||
+      !is_positive(static_cast<double>(field.width_m))) {
     return ErrorCode::kOutOfRange;
   }
   parameters_ = parameters;

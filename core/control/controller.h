@@ -3,7 +3,7 @@
 #include "core/control/control_parameters.h"
 #include "core/control/play.h"
 #include "core/control/stuck_monitor.h"
-#include "core/marker/matcher.h"
+#include "core/geometry/field_area.h"
 #include "core/types.h"
 
 namespace touchline {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/track/angle.h"
+#include "core/geometry/angle.h"
 
 namespace touchline {
 namespace {
@@ -74,7 +74,7 @@ Twist go_to_pose(const Pose& robot, const Twist& now, const Pose& target, Facing
 Twist track_trajectory(const Pose& robot, const Pose& reference, const Twist& reference_twist,
                        const MotionParameters& gains) {
   const Vector2 off = position(reference) - position(robot);
-  const Vector2 ahead = direction(heading(robot));
+  const Vector2 ahead = unit_vector(heading(robot));
   const double ex = dot(off, ahead), ey = cross(ahead, off);
   const double eh = wrap_angle(heading(reference) - heading(robot));
   const double v = static_cast<double>(reference_twist.v_mps), w = static_cast<double>(reference_twist.w_radps);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/control/control_parameters.h"
-#include "core/control/plane.h"
+#include "core/geometry/vector2.h"
 #include "core/types.h"
 
 // Control laws: from where a robot is and where it should be to the velocities that take it there. Pure functions; the

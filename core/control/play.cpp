@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/control/motion_laws.h"
-#include "core/track/angle.h"
+#include "core/geometry/angle.h"
 
 namespace touchline {
 namespace {
@@ -32,7 +32,7 @@ void Play::configure(const ControlParameters& parameters, const FieldParameters&
 void Play::decide(const Tracks& tracks, const Players& players, Twists& wanted) {
   PushPlan plan;
   const bool ball = known(tracks.ball);
-  if (ball) plan = plan_push(vector(tracks.ball.position_at_action), field_, parameters_.play);
+  if (ball) plan = plan_push(to_vector(tracks.ball.position_at_action), field_, parameters_.play);
   roles_.assign(players, ball ? &plan : nullptr, field_, parameters_.play);
 
   Obstacles obstacles;
@@ -57,7 +57,7 @@ Twist Play::guard(const Player& player, const BallTrack& ball) const {
   const double line = end + parameters_.play.keeper_line_m;
   double y = 0.0, vy = 0.0;
   if (known(ball)) {
-    const Vector2 b = vector(ball.position_at_action), v = vector(ball.velocity_at_action);
+    const Vector2 b = to_vector(ball.position_at_action), v = to_vector(ball.velocity_at_action);
     const Vector2 to_ball = b - position(player.pose);
     if (norm(to_ball) < 2.0 * parameters_.play.robot_radius_m + 0.01 && std::abs(b.y) < mouth) {
       // Sweeps the ball away: the rim that touches it moves up the field, or off the goal's middle.
@@ -75,7 +75,7 @@ Twist Play::guard(const Player& player, const BallTrack& ball) const {
   // It stands across, so that it can go both ways along the line at once.
   const bool down = wrap_angle(heading(player.pose)) < 0.0;
   const double across = down ? -0.5 * kPi : 0.5 * kPi;
-  const Pose target{field_point({line, y}), wrap_to_float(across)};
+  const Pose target{to_field_point({line, y}), wrap_to_float(across)};
   const double limit = parameters_.drive.max_speed_mps;
   constexpr double kOnLine = 0.03;
   if (std::abs(position(player.pose).x - line) > kOnLine) {
@@ -88,7 +88,8 @@ Twist Play::guard(const Player& player, const BallTrack& ball) const {
 // Where the ball will be when the robot gets there.
 PushPlan Play::plan_ahead(const BallTrack& ball, double time_s) const {
   constexpr double kFarthest = 0.8;  // then it has met somebody, or a wall
-  const Vector2 b = vector(ball.position_at_action) + std::min(time_s, kFarthest) * vector(ball.velocity_at_action);
+  const Vector2 b =
+      to_vector(ball.position_at_action) + std::min(time_s, kFarthest) * to_vector(ball.velocity_at_action);
   const double x = 0.5 * static_cast<double>(field_.length_m), y = 0.5 * static_cast<double>(field_.width_m);
   return plan_push({std::clamp(b.x, -x, x), std::clamp(b.y, -y, y)}, field_, parameters_.play);
 }
@@ -98,7 +99,7 @@ Twist Play::attack(const Player& player, const BallTrack& ball, const Obstacles&
   const auto approach_to = [&](double lead_s) {
     return go_to_ball(player.pose, player.twist, plan_ahead(ball, lead_s), play, parameters_.drive, parameters_.motion);
   };
-  const double way = distance(position(player.pose), vector(ball.position_at_action));
+  const double way = distance(position(player.pose), to_vector(ball.position_at_action));
   const double free = std::max(0.0, way - 1.5 * play.robot_radius_m);
   Approach approach = approach_to(free / play.push_speed_mps);
   if (approach.phase == ApproachPhase::kPush || approach.phase == ApproachPhase::kSpin) return approach.twist;
@@ -125,7 +126,7 @@ Twist Play::support(const Player& player, Vector2 place, const PushPlan& plan, c
   Twist twist = go_to_point(player.pose, next, direct, parameters_.drive.max_speed_mps, parameters_.motion);
   // A supporter never pushes: it waits when somebody is right before it.
   const double near = 2.0 * parameters_.play.robot_radius_m + 0.02;
-  const Vector2 motion = static_cast<double>(twist.v_mps) * direction(heading(player.pose));
+  const Vector2 motion = static_cast<double>(twist.v_mps) * unit_vector(heading(player.pose));
   for (const Vector2& other : others) {
     const Vector2 to = other - here;
     if (norm(to) < near && dot(to, motion) > 0.7 * norm(to) * norm(motion)) twist.v_mps = 0.0f;

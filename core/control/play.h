@@ -3,7 +3,7 @@
 #include "core/control/control_parameters.h"
 #include "core/control/obstacle_avoidance.h"
 #include "core/control/roles.h"
-#include "core/marker/matcher.h"
+#include "core/geometry/field_area.h"
 #include "core/types.h"
 
 namespace touchline {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/track/angle.h"
+#include "core/geometry/angle.h"
 
 namespace touchline {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/control/control_parameters.h"
-#include "core/control/plane.h"
+#include "core/geometry/vector2.h"
 #include "core/types.h"
 
 namespace touchline {

@@ -35,7 +35,7 @@ bool on_a_robot(PixelPoint center, const PatchFinder& finder, const std::array<T
 }
 
 // 1 for the expected area, falling to both sides.
-float merit(const Patch& patch) { return patch.ratio <= 1.0f ? patch.ratio : 1.0f / patch.ratio; }
+float merit(const PatchCandidate& patch) { return patch.ratio <= 1.0f ? patch.ratio : 1.0f / patch.ratio; }
 
 }  // namespace
 
@@ -48,9 +48,9 @@ PatchPlace outline_of(const BallParameters& ball) {
 
 void find_ball(const ColorPatches& patches, const PatchFinder& finder, const std::array<TeamMarking, 2>& teams,
                const Regions& regions, Sightings& out) {
-  const Patch* best = nullptr;
+  const PatchCandidate* best = nullptr;
   float best_merit = 0, second_merit = 0;
-  for (const Patch& patch : patches) {
+  for (const PatchCandidate& patch : patches) {
     Verdict& verdict = out.verdicts[patch.region];
     if (patch.ratio < kLeastBall) {
       verdict = Verdict::kTooSmall;

@@ -96,7 +96,9 @@ class Search {
   }
 
   // With three patches or more the others tell where a dull one must be.
-  bool rests_help(const Patch& rest) const { return slots_ > 1 && !patch_.is_rest && rest.ratio >= kLeastDull; }
+  bool rests_help(const PatchCandidate& rest) const {
+    return slots_ > 1 && !patch_.is_rest && rest.ratio >= kLeastDull;
+  }
 
   // Fills slot after slot with every neighbor that may be there. A known robot shows all its patches; what shows less,
   // or colors that are nobody's, is searched without one.
@@ -118,7 +120,7 @@ class Search {
   }
 
   bool may_be(std::size_t slot, const Neighbor& neighbor) const {
-    const Patch& patch = patches_.identification[neighbor.number];
+    const PatchCandidate& patch = patches_.identification[neighbor.number];
     if (robot_ >= 0 && marking_.robots[static_cast<std::size_t>(robot_)].colors[slot] != patch.color) return false;
     if (robot_ < 0 && (patch.is_rest || !worn(slot, patch.color))) return false;
     if (neighbor.distance_m <= window_[slot].low_m || neighbor.distance_m >= window_[slot].high_m) return false;
@@ -199,11 +201,11 @@ class Search {
   bool contradicted(const Pose& pose) const {
     for (std::size_t s = 0; s < slots_; ++s) {
       if (set_[s] == kMissing || !patches_.identification[set_[s]].is_rest) continue;
-      const Patch& dull = patches_.identification[set_[s]];
+      const PatchCandidate& dull = patches_.identification[set_[s]];
       const FieldPoint place = place_of(layout_.patches[s + 1]);
       const float reach = 0.5f * std::sqrt(area_m2(layout_.patches[s + 1]));
       for (std::size_t i = 0; i < patches_.identification.size(); ++i) {
-        const Patch& other = patches_.identification[i];
+        const PatchCandidate& other = patches_.identification[i];
         if (other.color == dull.color || other.area_px < kRivalArea * dull.area_px) continue;
         if (std::find(set_.begin(), set_.end(), i) != set_.end()) continue;
         if (distance_m(to_robot_frame(pose, other.at[team_]), place) < reach) return true;
@@ -258,7 +260,8 @@ class Search {
   }
 
   float axis_error(float theta_rad) const {
-    return std::remainder(patch_.axis_rad - theta_rad - spread(layout_.patches[0]).axis_rad, std::numbers::pi_v<float>);
+    return std::remainder(patch_.axis_rad - theta_rad - principal_variances(layout_.patches[0]).axis_rad,
+                          std::numbers::pi_v<float>);
   }
 
   int strangers(const Pose& pose) const {
@@ -272,7 +275,7 @@ class Search {
 
   const PatchLists& patches_;
   std::size_t index_;
-  const Patch& patch_;
+  const PatchCandidate& patch_;
   std::size_t team_;
   const TeamMarking &marking_, &others_;
   const MarkerLayout& layout_;

@@ -12,7 +12,7 @@ namespace touchline {
 
 /// A team patch, and which team's.
 struct TeamPatch {
-  Patch patch;
+  PatchCandidate patch;
   Team team = Team::kOwn;
 };
 
@@ -39,7 +39,7 @@ using Hypotheses = FixedVector<Hypothesis, kMaxHypotheses>;
 /// Everything that one frame shows of patches.
 struct PatchLists {
   std::span<const TeamPatch> team;
-  std::span<const Patch> identification;
+  std::span<const PatchCandidate> identification;
 };
 
 /// Distances at which a team patch and one of its identification patches may be seen. Of the paper's layout: eq. (2).

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/positive.h"
+#include "core/parameter.h"
 
 namespace touchline {
 namespace {
@@ -38,12 +38,12 @@ MarkerLayout paper_layout() {
 }
 
 Status validate(const MarkerLayout& layout) {
-  if (layout.patches.empty() || !positive(layout.robot_side_m)) return ErrorCode::kOutOfRange;
+  if (layout.patches.empty() || !is_positive(layout.robot_side_m)) return ErrorCode::kOutOfRange;
   if (!std::isfinite(layout.height_m) || layout.height_m < 0.0f) return ErrorCode::kOutOfRange;
   for (std::size_t i = 0; i < layout.patches.size(); ++i) {
     const PatchPlace& place = layout.patches[i];
     if ((place.role == PatchRole::kTeam) != (i == 0)) return ErrorCode::kInconsistent;
-    if (!positive(place.length_m) || !positive(place.width_m)) return ErrorCode::kOutOfRange;
+    if (!is_positive(place.length_m) || !is_positive(place.width_m)) return ErrorCode::kOutOfRange;
     if (!std::isfinite(place.turn_rad)) return ErrorCode::kOutOfRange;
     if (!within(place.x_m, layout.robot_side_m / 2) || !within(place.y_m, layout.robot_side_m / 2)) {
       return ErrorCode::kOutOfRange;
@@ -80,7 +80,7 @@ float area_m2(const PatchPlace& place) {
   return rectangle;
 }
 
-Spread spread(const PatchPlace& place) {
+PrincipalVariances principal_variances(const PatchPlace& place) {
   float along = place.length_m * place.length_m, across = place.width_m * place.width_m;
   switch (place.outline) {
     case PatchOutline::kSquare:

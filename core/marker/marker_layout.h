@@ -53,10 +53,10 @@ float area_m2(const PatchPlace& place);
 
 /// Variances of the outline's area along its principal axes, the larger one first (square meters), and the larger
 /// one's direction in the robot's frame, modulo pi.
-struct Spread {
+struct PrincipalVariances {
   float major_m2 = 0, minor_m2 = 0;
   float axis_rad = 0;
 };
-Spread spread(const PatchPlace& place);
+PrincipalVariances principal_variances(const PatchPlace& place);
 
 }  // namespace touchline

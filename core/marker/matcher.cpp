@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/positive.h"
+#include "core/parameter.h"
 
 namespace touchline {
 namespace {
@@ -60,7 +60,7 @@ Status Matcher::configure(const MarkerParameters& parameters, const CameraModel&
   for (const TeamMarking& team : parameters.teams) {
     if (Status s = validate(team); !s.ok()) return s;
   }
-  if (!positive(parameters.field.length_m) || !positive(parameters.field.width_m)) return ErrorCode::kOutOfRange;
+  if (!is_positive(parameters.field.length_m) || !is_positive(parameters.field.width_m)) return ErrorCode::kOutOfRange;
   parameters_ = parameters;
   collect_kinds();
   const ColorId own = parameters.teams[0].team_color, other = parameters.teams[1].team_color;
@@ -69,7 +69,7 @@ Status Matcher::configure(const MarkerParameters& parameters, const CameraModel&
                          (ball != kBackground && ball <= kMaxColors && wanted_[ball]);
   Status status;
   if (ambiguous) status = ErrorCode::kInconsistent;
-  if (ball > kMaxColors || (ball != kBackground && !positive(parameters.ball.radius_m)))
+  if (ball > kMaxColors || (ball != kBackground && !is_positive(parameters.ball.radius_m)))
     status = ErrorCode::kOutOfRange;
   if (!status.ok()) {
     wanted_.fill(false);
@@ -133,7 +133,7 @@ void Matcher::find_patches(const Runs& runs, const Regions& regions, Sightings& 
     }
     finder_.find(kinds_[color], runs, regions, candidates, out, of_color_);
     if (identifies_[color]) {
-      for (const Patch& patch : of_color_) {
+      for (const PatchCandidate& patch : of_color_) {
         if (!identification_.push_back(patch)) out.verdicts[patch.region] = Verdict::kSurplus;
       }
     } else {
@@ -152,7 +152,7 @@ std::size_t Matcher::room(Team team, const Sightings& out) const {
 void Matcher::report_pair(const Chosen& choice, Sightings& out) {
   const Hypothesis& h = hypotheses_[choice.hypothesis];
   const TeamMarking& marking = parameters_.teams[index_of(h.team)];
-  const Patch& team_patch = team_patches_[h.team_patch].patch;
+  const PatchCandidate& team_patch = team_patches_[h.team_patch].patch;
   RobotSighting robot;
   robot.team = h.team;
   robot.patches.push_back({PatchRole::kTeam, 0, team_patch.color, team_patch.center});
@@ -160,7 +160,7 @@ void Matcher::report_pair(const Chosen& choice, Sightings& out) {
     const std::uint16_t number = h.identification[s];
     if (number == kMissing) continue;
     used_[number] = true;
-    const Patch& patch = identification_[number];
+    const PatchCandidate& patch = identification_[number];
     const auto place = static_cast<std::uint8_t>(s + 1);
     robot.patches.push_back({PatchRole::kIdentification, place, patch.color, patch.center});
   }

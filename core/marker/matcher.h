@@ -63,7 +63,7 @@ class Matcher {
   // of the frame
   ColorPatches of_color_, ball_patches_;
   FixedVector<TeamPatch, kMaxTeamPatches> team_patches_;
-  FixedVector<Patch, kMaxIdentification> identification_;
+  FixedVector<PatchCandidate, kMaxIdentification> identification_;
   Hypotheses hypotheses_;
   Selection selection_;
   std::array<bool, kMaxTeamPatches> reported_{};

@@ -31,13 +31,13 @@ constexpr float kWideReach = 1.5f;
 // Variances differ so much that noise on the border does not turn the axis.
 constexpr float kElongated = 2.0f;
 
-float shape_error(const RegionShape& shape, const Spread& expected, float ratio, float scale) {
+float shape_error(const RegionShape& shape, const PrincipalVariances& expected, float ratio, float scale) {
   const float factor = ratio * scale * scale;
   return std::abs(std::log(shape.major_px2 / (factor * expected.major_m2))) +
          std::abs(std::log(shape.minor_px2 / (factor * expected.minor_m2)));
 }
 
-bool larger(const Patch& a, const Patch& b) {
+bool larger(const PatchCandidate& a, const PatchCandidate& b) {
   return a.area_px != b.area_px ? a.area_px > b.area_px : a.region < b.region;
 }
 
@@ -57,7 +57,7 @@ PatchKind kind_of(const PatchPlace& place, float height_m) {
   kind.least_area_m2 = kind.largest_area_m2 = area_m2(place);
   kind.side_m = side_of(place);
   kind.length_m = std::max(place.length_m, place.width_m);
-  kind.spread = spread(place);
+  kind.variances = principal_variances(place);
   kind.largest_ratio = largest_ratio(place);
   kind.height_m = {height_m, height_m};
   return kind;
@@ -68,7 +68,7 @@ void widen(PatchKind& kind, const PatchPlace& place) {
   kind.least_area_m2 = std::min(kind.least_area_m2, area);
   if (area > kind.largest_area_m2) {
     kind.largest_area_m2 = area;
-    kind.spread = spread(place);
+    kind.variances = principal_variances(place);
   }
   kind.side_m = std::min(kind.side_m, side_of(place));
   kind.largest_ratio = std::min(kind.largest_ratio, largest_ratio(place));
@@ -107,11 +107,12 @@ bool PatchFinder::is_lone_speck(const PatchKind& kind, const Regions& regions, s
   const bool near_region = std::any_of(candidates.begin(), candidates.end(), [&](std::uint16_t other) {
     return other != number && is_near(regions[other].centroid, largest_scale_px_per_m_);
   });
-  return !near_region && std::none_of(larger.begin(), larger.end(),
-                                      [&](const Patch& patch) { return is_near(patch.center, patch.scale_px_per_m); });
+  return !near_region && std::none_of(larger.begin(), larger.end(), [&](const PatchCandidate& patch) {
+    return is_near(patch.center, patch.scale_px_per_m);
+  });
 }
 
-void PatchFinder::place(const PatchKind& kind, Patch& patch) const {
+void PatchFinder::place(const PatchKind& kind, PatchCandidate& patch) const {
   const float height = kind.height_m[kind.plane];
   const FieldPoint here = camera_.to_field(patch.center, height);
   patch.at = {here, here};
@@ -120,7 +121,7 @@ void PatchFinder::place(const PatchKind& kind, Patch& patch) const {
   patch.scale_px_per_m = camera_.scale_px_per_m(here, height);
 }
 
-float PatchFinder::field_axis(const PatchKind& kind, const Patch& patch, const RegionShape& shape) const {
+float PatchFinder::field_axis(const PatchKind& kind, const PatchCandidate& patch, const RegionShape& shape) const {
   const float reach = std::sqrt(shape.major_px2);
   const float du = reach * std::cos(shape.axis_rad), dv = reach * std::sin(shape.axis_rad);
   const float height = kind.height_m[kind.plane];
@@ -137,7 +138,7 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
     verdicts.verdicts[number] = Verdict::kTooSmall;
     return;
   }
-  Patch patch;
+  PatchCandidate patch;
   patch.center = region.centroid;
   patch.area_px = static_cast<float>(region.area_px);
   patch.region = number;
@@ -156,10 +157,10 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
     verdicts.verdicts[number] = Verdict::kTooLarge;
     return;
   }
-  const bool long_patch = kind.spread.major_m2 > kElongated * kind.spread.minor_m2;
+  const bool long_patch = kind.variances.major_m2 > kElongated * kind.variances.minor_m2;
   if (of_largest >= kSuspiciousRatio || (long_patch && patch.ratio >= kLeastRatio)) {
     const RegionShape shape = shape_of(runs, region);
-    const bool foreign = shape_error(shape, kind.spread, of_largest, patch.scale_px_per_m) > kForeignShape;
+    const bool foreign = shape_error(shape, kind.variances, of_largest, patch.scale_px_per_m) > kForeignShape;
     const bool several = of_largest >= kSuspiciousRatio && (foreign || of_largest > kind.largest_ratio);
     if (several && !kind.may_touch) {
       verdicts.verdicts[number] = of_largest > kind.largest_ratio ? Verdict::kTooLarge : Verdict::kWrongShape;
@@ -168,7 +169,7 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
     if (several) {
       const auto count = static_cast<std::size_t>(std::max(2.0f, std::round(of_largest)));
       for (const RegionPart& part : split(runs, region, shape, count)) {
-        Patch piece = patch;
+        PatchCandidate piece = patch;
         piece.center = part.center;
         piece.area_px = part.area_px;
         piece.ratio = std::min(1.0f, part.area_px / (kind.least_area_m2 * square));
@@ -185,7 +186,8 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
 }
 
 // Weighted refinement (section 5, before eq. (3)): the average of both, by their areas.
-bool PatchFinder::merge(const PatchKind& kind, const Patch& from, Patch& into, float largest_ratio) const {
+bool PatchFinder::merge(const PatchKind& kind, const PatchCandidate& from, PatchCandidate& into,
+                        float largest_ratio) const {
   const float area = into.area_px + from.area_px;
   const float square = into.scale_px_per_m * into.scale_px_per_m;
   if (area > largest_ratio * kind.largest_area_m2 * square) return false;
@@ -208,7 +210,7 @@ void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& r
   // Eq. (1), from the largest region to the smallest: `kept` grows at the front of the list.
   std::size_t kept = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const Patch patch = out[i];
+    const PatchCandidate patch = out[i];
     bool taken = false, close = false;
     for (std::size_t k = 0; k < kept && !taken; ++k) {
       if (out[k].region == patch.region) continue;  // parts of one region have been told apart already
@@ -232,7 +234,7 @@ void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& r
   // that something hides.
   std::size_t count = 0;
   for (std::size_t i = 0; i < kept; ++i) {
-    const Patch patch = out[i];
+    const PatchCandidate patch = out[i];
     if (patch.ratio >= kLeastRatio) {
       out[count++] = patch;
       continue;

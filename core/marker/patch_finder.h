@@ -16,7 +16,7 @@ struct PatchKind {
   float least_area_m2 = 0, largest_area_m2 = 0;  // of the outlines
   float side_m = 0;                              // d1: smaller side of the smallest patch
   float length_m = 0;                            // longest side of the largest one
-  Spread spread;                                 // of the largest one
+  PrincipalVariances variances;                  // of the largest one
   float largest_ratio = 0;                       // of the area to the expected one: more are several patches
   bool may_touch = true;                         // two of them may grow together in the picture
   bool may_be_hidden = false;                    // what is left of one is of use
@@ -28,7 +28,7 @@ PatchKind kind_of(const PatchPlace& place, float height_m);
 void widen(PatchKind& kind, const PatchPlace& place);
 
 /// A region, its fragments, or a part of a region, that may be a patch.
-struct Patch {
+struct PatchCandidate {
   PixelPoint center;
   std::array<FieldPoint, 2> at{};  // by Team: on the plane of that team's patches
   float area_px = 0;
@@ -45,7 +45,7 @@ struct Patch {
 // 22 robots that wear the same color twice are 44 patches, and half as many again for fragments and noise: the paper's
 // "proper number of regions with the biggest area".
 constexpr std::size_t kMaxPatchesPerColor = 64;
-using ColorPatches = FixedVector<Patch, kMaxPatchesPerColor>;
+using ColorPatches = FixedVector<PatchCandidate, kMaxPatchesPerColor>;
 
 /// Regions of one color -> patches: expected area at the place, touching ones divided, eq. (1), weighted refinement.
 class PatchFinder {
@@ -69,11 +69,11 @@ class PatchFinder {
   void examine(const PatchKind& kind, const Runs& runs, const Regions& regions,
                std::span<const std::uint16_t> candidates, std::uint16_t number, Sightings& verdicts,
                ColorPatches& out) const;
-  void place(const PatchKind& kind, Patch& patch) const;
+  void place(const PatchKind& kind, PatchCandidate& patch) const;
   [[nodiscard]] bool is_lone_speck(const PatchKind& kind, const Regions& regions, std::uint16_t number,
                                    std::span<const std::uint16_t> candidates, const ColorPatches& larger) const;
-  bool merge(const PatchKind& kind, const Patch& from, Patch& into, float largest_ratio) const;
-  float field_axis(const PatchKind& kind, const Patch& patch, const RegionShape& shape) const;
+  bool merge(const PatchKind& kind, const PatchCandidate& from, PatchCandidate& into, float largest_ratio) const;
+  float field_axis(const PatchKind& kind, const PatchCandidate& patch, const RegionShape& shape) const;
 
   CameraModel camera_;
   FieldParameters field_;

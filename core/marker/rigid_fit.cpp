@@ -1,20 +1,14 @@
 #include "core/marker/rigid_fit.h"
 
 #include <cmath>
-#include <numbers>
+
+#include "core/geometry/angle.h"
 
 namespace touchline {
 
 float distance_m(FieldPoint a, FieldPoint b) {
   const float x = a.x_m - b.x_m, y = a.y_m - b.y_m;
   return std::sqrt(x * x + y * y);
-}
-
-float wrapped_angle(float angle_rad) {
-  if (angle_rad > -std::numbers::pi_v<float> && angle_rad <= std::numbers::pi_v<float>) return angle_rad;
-  constexpr float kTurn = 2.0f * std::numbers::pi_v<float>;
-  const float wrapped = std::remainder(angle_rad, kTurn);
-  return wrapped <= -std::numbers::pi_v<float> ? wrapped + kTurn : wrapped;
 }
 
 FieldPoint to_robot_frame(const Pose& pose, FieldPoint point) {
@@ -41,7 +35,7 @@ RigidFit fit_rigidly(std::span<const Correspondence> points) {
     across += ax * by - ay * bx;
   }
   RigidFit fit;
-  fit.pose.theta_rad = wrapped_angle(std::atan2(across, along));
+  fit.pose.theta_rad = wrap_angle(std::atan2(across, along));
   const float c = std::cos(fit.pose.theta_rad), s = std::sin(fit.pose.theta_rad);
   fit.pose.position = {seen.x_m - (c * place.x_m - s * place.y_m), seen.y_m - (s * place.x_m + c * place.y_m)};
   float squares = 0;

@@ -25,7 +25,4 @@ FieldPoint to_robot_frame(const Pose& pose, FieldPoint point);
 
 float distance_m(FieldPoint a, FieldPoint b);
 
-/// Into (-pi, pi].
-float wrapped_angle(float angle_rad);
-
 }  // namespace touchline

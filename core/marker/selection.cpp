@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/geometry/angle.h"
+
 namespace touchline {
 namespace {
 
@@ -30,7 +32,7 @@ bool same_identity(const Hypothesis& a, const Hypothesis& b) {
 
 bool same_pose(const Hypothesis& a, const Hypothesis& b) {
   return a.team_patch == b.team_patch && distance_m(a.fit.pose.position, b.fit.pose.position) < kSamePlace &&
-         std::abs(wrapped_angle(a.fit.pose.theta_rad - b.fit.pose.theta_rad)) < kSameHeading;
+         std::abs(wrap_angle(a.fit.pose.theta_rad - b.fit.pose.theta_rad)) < kSameHeading;
 }
 
 }  // namespace

@@ -2,8 +2,7 @@
 
 #include <cmath>
 
-#include "core/radio/crc16.h"
-#include "core/radio/word.h"
+#include "core/radio/wire_format.h"
 
 namespace touchline {
 namespace {
@@ -16,13 +15,13 @@ std::int16_t wheel_steps(float speed_mps) {
   return static_cast<std::int16_t>(std::lround(steps));
 }
 
-void put_word(std::uint16_t word, Packet& out) {
-  out.push_back(low_byte(word));
-  out.push_back(high_byte(word));
+void put_uint16(std::uint16_t number, Packet& out) {
+  out.push_back(low_byte(number));
+  out.push_back(high_byte(number));
 }
 
 float speed_at(std::span<const std::byte> bytes, std::size_t at) {
-  return static_cast<float>(static_cast<std::int16_t>(word_at(bytes, at))) * kWheelResolutionMps;
+  return static_cast<float>(static_cast<std::int16_t>(uint16_at(bytes, at))) * kWheelResolutionMps;
 }
 
 Status check_ids(const Commands& commands) {
@@ -50,10 +49,10 @@ Status encode(const Commands& commands, std::uint8_t sequence, Packet& out) {
   for (const RobotCommand& robot : commands.robots) {
     const WheelSpeeds wheels = commands.stop ? WheelSpeeds{} : robot.wheels;
     out.push_back(static_cast<std::byte>(robot.id));
-    put_word(static_cast<std::uint16_t>(wheel_steps(wheels.left_mps)), out);
-    put_word(static_cast<std::uint16_t>(wheel_steps(wheels.right_mps)), out);
+    put_uint16(static_cast<std::uint16_t>(wheel_steps(wheels.left_mps)), out);
+    put_uint16(static_cast<std::uint16_t>(wheel_steps(wheels.right_mps)), out);
   }
-  put_word(crc16_ccitt_false({out.data(), out.size()}), out);
+  put_uint16(crc16_ccitt_false({out.data(), out.size()}), out);
   return {};
 }
 
@@ -64,7 +63,7 @@ Status decode(std::span<const std::byte> bytes, Commands& commands, std::uint8_t
   const std::size_t count = std::to_integer<std::size_t>(bytes[5]);
   if (count > kMaxRobotsPerTeam || bytes.size() != packet_bytes(count)) return ErrorCode::kCorruptFrame;
   const std::size_t end = bytes.size() - kPacketCrcBytes;
-  if (crc16_ccitt_false(bytes.first(end)) != word_at(bytes, end)) return ErrorCode::kCorruptFrame;
+  if (crc16_ccitt_false(bytes.first(end)) != uint16_at(bytes, end)) return ErrorCode::kCorruptFrame;
 
   Commands read;
   read.stop = (bytes[3] & kPacketFlagStop) != std::byte{0};

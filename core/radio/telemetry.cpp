@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/radio/crc16.h"
-#include "core/radio/word.h"
+#include "core/radio/wire_format.h"
 
 namespace touchline {
 namespace {
@@ -43,10 +42,10 @@ Status decode_telemetry(std::span<const std::byte> bytes, RobotTelemetry& teleme
   const auto id = std::to_integer<unsigned>(bytes[3]);
   const auto link = std::to_integer<unsigned>(bytes[7]);
   if (id > 127 || (link > 100 && bytes[7] != kTelemetryNoLink)) return ErrorCode::kCorruptFrame;
-  if (crc16_ccitt_false(bytes.first(kCrcAt)) != word_at(bytes, kCrcAt)) return ErrorCode::kCorruptFrame;
+  if (crc16_ccitt_false(bytes.first(kCrcAt)) != uint16_at(bytes, kCrcAt)) return ErrorCode::kCorruptFrame;
   telemetry.id = static_cast<RobotId>(id);
   telemetry.sequence = std::to_integer<std::uint8_t>(bytes[4]);
-  telemetry.battery_v = static_cast<float>(word_at(bytes, 5)) * kVoltsPerStep;
+  telemetry.battery_v = static_cast<float>(uint16_at(bytes, 5)) * kVoltsPerStep;
   telemetry.link_percent = link > 100 ? kLinkUnknown : static_cast<std::int8_t>(link);
   return {};
 }

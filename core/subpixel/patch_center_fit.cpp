@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/angle.h"
 #include "core/marker/hypothesis.h"
 #include "core/marker/rigid_fit.h"
 
@@ -223,7 +224,7 @@ void PatchCenterFit::refine(const Frame& frame, Sightings& sightings) {
     const FieldPoint by = to_robot_frame({{}, -robot.pose.theta_rad}, moved.pose.position);
     robot.pose.position.x_m += trust * by.x_m;
     robot.pose.position.y_m += trust * by.y_m;
-    robot.pose.theta_rad = wrapped_angle(robot.pose.theta_rad + trust * moved.pose.theta_rad);
+    robot.pose.theta_rad = wrap_angle(robot.pose.theta_rad + trust * moved.pose.theta_rad);
     robot.residual_m += trust * (moved.residual_m - robot.residual_m);
     // Patches of a full set stand in the layout's order, but each says its place itself.
     for (PatchSighting& patch : robot.patches) {

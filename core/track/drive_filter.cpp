@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/track/angle.h"
+#include "core/geometry/angle.h"
 
 namespace touchline {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/positive.h"
+#include "core/parameter.h"
 
 namespace touchline {
 namespace {
@@ -12,18 +12,19 @@ namespace {
 bool not_negative(double value) { return std::isfinite(value) && value >= 0.0; }
 
 bool usable(const RobotFilterParameters& p) {
-  return positive(p.position_sigma_m) && positive(p.heading_sigma_rad) && positive(p.patch_sigma_m) &&
+  return is_positive(p.position_sigma_m) && is_positive(p.heading_sigma_rad) && is_positive(p.patch_sigma_m) &&
          not_negative(p.wheel_lag_s) && not_negative(p.drive_noise_m_rts) && not_negative(p.turn_noise_rad_rts) &&
          not_negative(p.drive_error_rts) && not_negative(p.turn_error_rts) && not_negative(p.slip_m_rts) &&
-         not_negative(p.spin_rad_rts) && positive(p.free_noise_mps_rts) && positive(p.free_noise_radps_rts) &&
-         positive(p.start_speed_sigma_mps) && positive(p.start_turn_sigma_radps) && positive(p.max_speed_mps) &&
-         positive(p.gate_pose) && positive(p.gate_position) && p.restart_after >= 1;
+         not_negative(p.spin_rad_rts) && is_positive(p.free_noise_mps_rts) && is_positive(p.free_noise_radps_rts) &&
+         is_positive(p.start_speed_sigma_mps) && is_positive(p.start_turn_sigma_radps) &&
+         is_positive(p.max_speed_mps) && is_positive(p.gate_pose) && is_positive(p.gate_position) &&
+         p.restart_after >= 1;
 }
 
 bool usable(const BallFilterParameters& p) {
-  return positive(p.position_sigma_m) && not_negative(p.damping_per_s) && positive(p.noise_mps_rts) &&
-         positive(p.start_speed_sigma_mps) && positive(p.max_speed_mps) && positive(p.gate_position) &&
-         p.restart_after >= 1 && p.confirm_sightings >= 1 && positive(p.lost_after_s);
+  return is_positive(p.position_sigma_m) && not_negative(p.damping_per_s) && is_positive(p.noise_mps_rts) &&
+         is_positive(p.start_speed_sigma_mps) && is_positive(p.max_speed_mps) && is_positive(p.gate_position) &&
+         p.restart_after >= 1 && p.confirm_sightings >= 1 && is_positive(p.lost_after_s);
 }
 
 PointFilter::Noise noise_of(const BallFilterParameters& p) {
@@ -44,7 +45,7 @@ bool credible(const BallSighting& sighting) {
 Status Tracker::configure(const TrackParameters& parameters) {
   const TrackParameters& p = parameters;
   if (!usable(p.robot) || !usable(p.ball) || p.confirm_sightings < 1 || !not_negative(p.forget_new_after_s) ||
-      !positive(p.lost_after_s) || !not_negative(p.association_m) || !not_negative(p.separation_m) ||
+      !is_positive(p.lost_after_s) || !not_negative(p.association_m) || !not_negative(p.separation_m) ||
       !not_negative(p.consistent_m)) {
     return ErrorCode::kOutOfRange;
   }

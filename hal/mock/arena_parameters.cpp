@@ -39,7 +39,7 @@ Status check_start(const ArenaParameters& parameters, std::size_t index, std::st
   const Square square{&body, 0.5 * parameters.robot_side_m};
   const FieldParameters& field = parameters.field;
   const double half_length = 0.5 * field.length_m, half_width = 0.5 * field.width_m;
-  const auto is_outside = [&](Vec2 corner) {
+  const auto is_outside = [&](Vector2 corner) {
     const double x = std::abs(corner.x), y = std::abs(corner.y);
     return x > half_length || y > half_width || x + y > half_length + half_width - field.corner_m;
   };

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/angle.h"
 #include "hal/mock/world.h"
 
 namespace touchline::hal::mock {
@@ -13,8 +14,6 @@ constexpr double kStillM = 0.05;
 // A robot this close to the ball touches it.
 constexpr double kTouchM = 0.002;
 
-double wrapped(double angle_rad) { return std::remainder(angle_rad, 2.0 * std::numbers::pi); }
-
 }  // namespace
 
 void World::kick_off() {
@@ -22,7 +21,7 @@ void World::kick_off() {
   // grows with each draw until the spot is free of robots.
   constexpr int kDraws = 200;
   const double reach = parameters_.robot_side_m * std::numbers::sqrt2 / 2.0 + parameters_.ball_radius_m;
-  Vec2 spot;
+  Vector2 spot;
   for (int draw = 0; draw < kDraws; ++draw) {
     const double wider = 0.2 * draw / kDraws;
     const double x = std::min(0.02 + wider, 0.25 * parameters_.field.length_m);
@@ -98,12 +97,12 @@ void World::play_opponent(Robot& robot, bool is_nearest) {
     robot.target = {random_.uniform(-0.1, 0.4) * parameters_.field.length_m,
                     random_.uniform(-0.4, 0.4) * parameters_.field.width_m};
   }
-  const Vec2 way = (is_nearest ? ball_.position : robot.target) - robot.body.position;
+  const Vector2 way = (is_nearest ? ball_.position : robot.target) - robot.body.position;
   const double distance = length(way);
   const double bearing = distance > 0.0 ? std::atan2(way.y, way.x) - robot.body.theta : 0.0;
   // Drives forward or backward, whichever needs the smaller turn.
-  const double ahead = std::abs(wrapped(bearing)) <= 0.5 * std::numbers::pi ? 1.0 : -1.0;
-  const double off = wrapped(ahead > 0.0 ? bearing : bearing + std::numbers::pi);
+  const double ahead = std::abs(wrap_angle(bearing)) <= 0.5 * std::numbers::pi ? 1.0 : -1.0;
+  const double off = wrap_angle(ahead > 0.0 ? bearing : bearing + std::numbers::pi);
   const double near = std::min(1.0, distance / 0.1);
   const double speed = ahead * near * std::cos(off) * parameters_.opponent_speed_mps;
   const double turn = near * std::clamp(4.0 * off, -4.0, 4.0);

@@ -40,7 +40,7 @@ void Renderer::intersect_robot(const Object& object, int sample, Ray ray, float 
   if (std::abs(x) <= half_side_ && std::abs(y) <= half_side_) {
     hit.height_m = robot_height_;
     const LinearRgb* color = &body_;
-    for (const Patch& patch : object.appearance->patches) {
+    for (const RenderedPatch& patch : object.appearance->patches) {
       if (contains(patch.shape, x - patch.x, y - patch.y, patch.length, patch.width)) color = &patch.color;
     }
     for (std::size_t i = 0; i < 3; ++i) hit.color[i] = (*color)[i] * top_light;

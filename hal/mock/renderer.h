@@ -44,13 +44,13 @@ class Renderer {
   struct Ray {
     float x = 0.0f, y = 0.0f;
   };
-  struct Patch {
+  struct RenderedPatch {
     PatchShape shape = PatchShape::kSquare;
     float x = 0.0f, y = 0.0f, length = 0.0f, width = 0.0f;
     LinearRgb color{};
   };
   struct Appearance {
-    FixedVector<Patch, kMaxPatches> patches;
+    FixedVector<RenderedPatch, kMaxPatches> patches;
   };
   // Position and heading on the floor.
   struct PlanarPose {

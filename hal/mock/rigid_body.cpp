@@ -14,14 +14,16 @@ constexpr double kCorrection = 0.3, kSlopM = 0.0002;
 // Ratio of a square's half diagonal to its half side, rounded up.
 constexpr double kCornerReach = 1.4143;
 
-Vec2 to_local(const Square& square, Vec2 point) { return rotated(point - square.body->position, -square.body->theta); }
+Vector2 to_local(const Square& square, Vector2 point) {
+  return rotated(point - square.body->position, -square.body->theta);
+}
 
-bool is_inside(const Square& square, Vec2 point) {
-  const Vec2 local = to_local(square, point);
+bool is_inside(const Square& square, Vector2 point) {
+  const Vector2 local = to_local(square, point);
   return std::abs(local.x) <= square.half_side_m && std::abs(local.y) <= square.half_side_m;
 }
 
-void add(Contacts& out, Body* a, Body* b, Vec2 point, Vec2 normal, double depth_m, Surface surface) {
+void add(Contacts& out, Body* a, Body* b, Vector2 point, Vector2 normal, double depth_m, Surface surface) {
   Contact contact;
   contact.a = a;
   contact.b = b;
@@ -34,69 +36,70 @@ void add(Contacts& out, Body* a, Body* b, Vec2 point, Vec2 normal, double depth_
 }
 
 // Parameter of the point's projection on the line through `begin` (0) and `end` (1).
-double line_parameter(Vec2 begin, Vec2 end, Vec2 point) {
-  const Vec2 way = end - begin;
+double line_parameter(Vector2 begin, Vector2 end, Vector2 point) {
+  const Vector2 way = end - begin;
   return dot(point - begin, way) / dot(way, way);
 }
 
-Vec2 nearest_on_segment(Vec2 begin, Vec2 end, Vec2 point) {
+Vector2 nearest_on_segment(Vector2 begin, Vector2 end, Vector2 point) {
   return begin + std::clamp(line_parameter(begin, end, point), 0.0, 1.0) * (end - begin);
 }
 
 // The point of the walls that is nearest to a given point.
 struct BoundaryPoint {
-  Vec2 point, inward_normal;  // of the wall
+  Vector2 point, inward_normal;  // of the wall
   double distance_m = 0.0;
 };
 
-BoundaryPoint nearest_boundary_point(const Outline& outline, Vec2 point) {
+BoundaryPoint nearest_boundary_point(const Outline& outline, Vector2 point) {
   BoundaryPoint best;
   std::size_t wall = 0;
   double least = std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < outline.size(); ++i) {
-    const Vec2 nearest = nearest_on_segment(outline[i], outline[(i + 1) % outline.size()], point);
+    const Vector2 nearest = nearest_on_segment(outline[i], outline[(i + 1) % outline.size()], point);
     const double square = dot(point - nearest, point - nearest);
     if (square >= least) continue;
     least = square;
     best.point = nearest;
     wall = i;
   }
-  const Vec2 way = outline[(wall + 1) % outline.size()] - outline[wall];
+  const Vector2 way = outline[(wall + 1) % outline.size()] - outline[wall];
   best.inward_normal = (1.0 / length(way)) * perpendicular(way);
   best.distance_m = std::sqrt(least);
   return best;
 }
 
 // Unit vector from a point outside of the walls to its nearest boundary point. If they coincide, the wall's normal.
-Vec2 inward_normal(const BoundaryPoint& boundary, Vec2 point) {
+Vector2 inward_normal(const BoundaryPoint& boundary, Vector2 point) {
   return boundary.distance_m > 1e-9 ? (1.0 / boundary.distance_m) * (boundary.point - point) : boundary.inward_normal;
 }
 
 // How far a point inside of a square is from the nearest side.
 struct Penetration {
-  Vec2 normal;  // outward, in the field frame
+  Vector2 normal;  // outward, in the field frame
   double depth_m = 0.0;
 };
-Penetration nearest_side(const Square& square, Vec2 point) {
-  const Vec2 local = to_local(square, point);
+Penetration nearest_side(const Square& square, Vector2 point) {
+  const Vector2 local = to_local(square, point);
   const double gap_x = square.half_side_m - std::abs(local.x), gap_y = square.half_side_m - std::abs(local.y);
-  const Vec2 normal = gap_x < gap_y ? Vec2{local.x < 0.0 ? -1.0 : 1.0, 0.0} : Vec2{0.0, local.y < 0.0 ? -1.0 : 1.0};
+  const Vector2 normal =
+      gap_x < gap_y ? Vector2{local.x < 0.0 ? -1.0 : 1.0, 0.0} : Vector2{0.0, local.y < 0.0 ? -1.0 : 1.0};
   return {rotated(normal, square.body->theta), std::min(gap_x, gap_y)};
 }
 
-Vec2 velocity_at(const Body* body, Vec2 point) {
+Vector2 velocity_at(const Body* body, Vector2 point) {
   if (body == nullptr) return {};
   return body->velocity + body->w * perpendicular(point - body->position);
 }
 
-void apply_impulse(Body* body, Vec2 point, Vec2 impulse) {
+void apply_impulse(Body* body, Vector2 point, Vector2 impulse) {
   if (body == nullptr) return;
   body->velocity = body->velocity + body->inverse_mass * impulse;
   body->w += body->inverse_inertia * cross(point - body->position, impulse);
 }
 
 // Change of the relative velocity along `direction` caused by a unit impulse along it.
-double inverse_effective_mass(const Contact& contact, Vec2 direction) {
+double inverse_effective_mass(const Contact& contact, Vector2 direction) {
   double sum = 0.0;
   for (const Body* body : {contact.a, contact.b}) {
     if (body == nullptr) continue;
@@ -106,13 +109,13 @@ double inverse_effective_mass(const Contact& contact, Vec2 direction) {
   return sum;
 }
 
-void apply_impulse_pair(Contact& contact, Vec2 impulse) {
+void apply_impulse_pair(Contact& contact, Vector2 impulse) {
   apply_impulse(contact.a, contact.point, impulse);
   apply_impulse(contact.b, contact.point, -impulse);
 }
 
 void solve_contact(Contact& contact) {
-  const Vec2 tangent = perpendicular(contact.normal);
+  const Vector2 tangent = perpendicular(contact.normal);
   const auto relative = [&] { return velocity_at(contact.a, contact.point) - velocity_at(contact.b, contact.point); };
   {
     const double wanted =
@@ -130,17 +133,17 @@ void solve_contact(Contact& contact) {
 
 }  // namespace
 
-std::array<Vec2, 4> corners(const Square& square) {
-  const Vec2 ahead = rotated({square.half_side_m, 0.0}, square.body->theta);
-  const Vec2 left = perpendicular(ahead);
-  const Vec2 p = square.body->position;
+std::array<Vector2, 4> corners(const Square& square) {
+  const Vector2 ahead = rotated({square.half_side_m, 0.0}, square.body->theta);
+  const Vector2 left = perpendicular(ahead);
+  const Vector2 p = square.body->position;
   return {p + ahead + left, p - ahead + left, p - ahead - left, p + ahead - left};
 }
 
-bool is_inside(const Outline& outline, Vec2 point) {
+bool is_inside(const Outline& outline, Vector2 point) {
   bool inside = false;
   for (std::size_t i = 0; i < outline.size(); ++i) {
-    const Vec2 a = outline[i], b = outline[(i + 1) % outline.size()];
+    const Vector2 a = outline[i], b = outline[(i + 1) % outline.size()];
     // Even-odd rule: counts the walls that the ray from the point along +x crosses.
     if ((a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)) {
       inside = !inside;
@@ -150,20 +153,20 @@ bool is_inside(const Outline& outline, Vec2 point) {
 }
 
 void collide(const Square& a, const Square& b, Surface surface, Contacts& out) {
-  const Vec2 between = a.body->position - b.body->position;
+  const Vector2 between = a.body->position - b.body->position;
   const double reach = (a.half_side_m + b.half_side_m) * kCornerReach;
   if (dot(between, between) > reach * reach) return;
   // Separating axis test over the side normals of both squares. The axis of least overlap becomes the contact normal.
   const std::size_t before = out.size();
-  const std::array<Vec2, 4> of_a = corners(a), of_b = corners(b);
+  const std::array<Vector2, 4> of_a = corners(a), of_b = corners(b);
   double least = std::numeric_limits<double>::max();
-  Vec2 normal;
+  Vector2 normal;
   for (int i = 0; i < 4; ++i) {
-    Vec2 axis = rotated(i % 2 == 0 ? Vec2{1.0, 0.0} : Vec2{0.0, 1.0}, (i < 2 ? a : b).body->theta);
+    Vector2 axis = rotated(i % 2 == 0 ? Vector2{1.0, 0.0} : Vector2{0.0, 1.0}, (i < 2 ? a : b).body->theta);
     if (dot(axis, between) < 0.0) axis = -axis;
     double lowest_a = std::numeric_limits<double>::max(), highest_b = std::numeric_limits<double>::lowest();
-    for (const Vec2& corner : of_a) lowest_a = std::min(lowest_a, dot(corner, axis));
-    for (const Vec2& corner : of_b) highest_b = std::max(highest_b, dot(corner, axis));
+    for (const Vector2& corner : of_a) lowest_a = std::min(lowest_a, dot(corner, axis));
+    for (const Vector2& corner : of_b) highest_b = std::max(highest_b, dot(corner, axis));
     const double overlap = highest_b - lowest_a;
     if (overlap <= 0.0) return;
     if (overlap < least) {
@@ -172,12 +175,12 @@ void collide(const Square& a, const Square& b, Surface surface, Contacts& out) {
     }
   }
   double lowest_a = std::numeric_limits<double>::max(), highest_b = std::numeric_limits<double>::lowest();
-  for (const Vec2& corner : of_a) lowest_a = std::min(lowest_a, dot(corner, normal));
-  for (const Vec2& corner : of_b) highest_b = std::max(highest_b, dot(corner, normal));
-  for (const Vec2& corner : of_a) {
+  for (const Vector2& corner : of_a) lowest_a = std::min(lowest_a, dot(corner, normal));
+  for (const Vector2& corner : of_b) highest_b = std::max(highest_b, dot(corner, normal));
+  for (const Vector2& corner : of_a) {
     if (is_inside(b, corner)) add(out, a.body, b.body, corner, normal, highest_b - dot(corner, normal), surface);
   }
-  for (const Vec2& corner : of_b) {
+  for (const Vector2& corner : of_b) {
     if (is_inside(a, corner)) add(out, a.body, b.body, corner, normal, dot(corner, normal) - lowest_a, surface);
   }
   // Two squares that overlap deeply, as at a bad start, can intersect without a corner of one inside of the other.
@@ -188,14 +191,14 @@ void collide(const Square& a, const Square& b, Surface surface, Contacts& out) {
 void collide(const Square& a, const Outline& walls, Surface surface, Contacts& out) {
   const double reach = a.half_side_m * kCornerReach;
   if (is_inside(walls, a.body->position) && nearest_boundary_point(walls, a.body->position).distance_m > reach) return;
-  for (const Vec2& corner : corners(a)) {
+  for (const Vector2& corner : corners(a)) {
     if (is_inside(walls, corner)) continue;
     const BoundaryPoint boundary = nearest_boundary_point(walls, corner);
     add(out, a.body, nullptr, corner, inward_normal(boundary, corner), boundary.distance_m, surface);
   }
   // A reflex corner of the walls (a goal post) can enter the square between the square's corners.
   for (std::size_t i = 0; i < walls.size(); ++i) {
-    const Vec2 before = walls[i], post = walls[(i + 1) % walls.size()], after = walls[(i + 2) % walls.size()];
+    const Vector2 before = walls[i], post = walls[(i + 1) % walls.size()], after = walls[(i + 2) % walls.size()];
     if (cross(post - before, after - post) >= 0.0 || !is_inside(a, post)) continue;
     const Penetration penetration = nearest_side(a, post);
     add(out, a.body, nullptr, post, -penetration.normal, penetration.depth_m, surface);
@@ -203,7 +206,7 @@ void collide(const Square& a, const Outline& walls, Surface surface, Contacts& o
 }
 
 void collide(const Circle& a, const Square& b, Surface surface, Contacts& out) {
-  const Vec2 between = a.body->position - b.body->position;
+  const Vector2 between = a.body->position - b.body->position;
   const double reach = a.radius_m + b.half_side_m * kCornerReach;
   if (dot(between, between) > reach * reach) return;
   if (is_inside(b, a.body->position)) {
@@ -211,18 +214,18 @@ void collide(const Circle& a, const Square& b, Surface surface, Contacts& out) {
     add(out, a.body, b.body, a.body->position, penetration.normal, penetration.depth_m + a.radius_m, surface);
     return;
   }
-  const Vec2 local = to_local(b, a.body->position);
-  const Vec2 nearest_local{std::clamp(local.x, -b.half_side_m, b.half_side_m),
-                           std::clamp(local.y, -b.half_side_m, b.half_side_m)};
-  const Vec2 nearest = b.body->position + rotated(nearest_local, b.body->theta);
-  const Vec2 gap = a.body->position - nearest;
+  const Vector2 local = to_local(b, a.body->position);
+  const Vector2 nearest_local{std::clamp(local.x, -b.half_side_m, b.half_side_m),
+                              std::clamp(local.y, -b.half_side_m, b.half_side_m)};
+  const Vector2 nearest = b.body->position + rotated(nearest_local, b.body->theta);
+  const Vector2 gap = a.body->position - nearest;
   const double distance = length(gap);
   if (distance >= a.radius_m || distance <= 0.0) return;
   add(out, a.body, b.body, nearest, (1.0 / distance) * gap, a.radius_m - distance, surface);
 }
 
 void collide(const Circle& a, const Outline& walls, Surface surface, Contacts& out) {
-  const Vec2 center = a.body->position;
+  const Vector2 center = a.body->position;
   if (!is_inside(walls, center)) {
     const BoundaryPoint boundary = nearest_boundary_point(walls, center);
     add(out, a.body, nullptr, boundary.point, inward_normal(boundary, center), boundary.distance_m + a.radius_m,
@@ -231,14 +234,14 @@ void collide(const Circle& a, const Outline& walls, Surface surface, Contacts& o
   }
   double previous_parameter = line_parameter(walls.back(), walls[0], center);
   for (std::size_t i = 0; i < walls.size(); ++i) {
-    const Vec2 begin = walls[i], end = walls[(i + 1) % walls.size()];
+    const Vector2 begin = walls[i], end = walls[(i + 1) % walls.size()];
     const double parameter = line_parameter(begin, end, center);
     // The wall's first corner counts only if the projection lies beyond the end of the previous wall; otherwise the
     // previous wall already gives the contact.
     const bool faces = parameter < 1.0 && (parameter > 0.0 || previous_parameter >= 1.0);
     previous_parameter = parameter;
     if (!faces) continue;
-    const Vec2 nearest = nearest_on_segment(begin, end, center), gap = center - nearest;
+    const Vector2 nearest = nearest_on_segment(begin, end, center), gap = center - nearest;
     const double distance = length(gap);
     if (distance >= a.radius_m || distance <= 0.0) continue;
     add(out, a.body, nullptr, nearest, (1.0 / distance) * gap, a.radius_m - distance, surface);
@@ -247,7 +250,7 @@ void collide(const Circle& a, const Outline& walls, Surface surface, Contacts& o
 
 void resolve(Contacts& contacts) {
   for (Contact& contact : contacts) {
-    const Vec2 relative = velocity_at(contact.a, contact.point) - velocity_at(contact.b, contact.point);
+    const Vector2 relative = velocity_at(contact.a, contact.point) - velocity_at(contact.b, contact.point);
     const double approach = -dot(relative, contact.normal);
     contact.bounce_mps = approach > kLeastBounceMps ? contact.restitution * approach : 0.0;
   }

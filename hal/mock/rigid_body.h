@@ -6,29 +6,17 @@
 #include <optional>
 
 #include "core/fixed_vector.h"
+#include "core/geometry/vector2.h"
 
 // Rigid bodies in the plane: collision detection of squares, a circle and walls, and the contact solver.
 namespace touchline::hal::mock {
 
-struct Vec2 {
-  double x = 0.0, y = 0.0;
-  friend Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
-  friend Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
-  friend Vec2 operator*(double s, Vec2 a) { return {s * a.x, s * a.y}; }
-  friend Vec2 operator-(Vec2 a) { return {-a.x, -a.y}; }
-};
-inline double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
-inline double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
-inline Vec2 perpendicular(Vec2 a) { return {-a.y, a.x}; }
-inline double length(Vec2 a) { return std::sqrt(dot(a, a)); }
-inline Vec2 rotated(Vec2 a, double angle_rad) {
-  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
-  return {c * a.x - s * a.y, s * a.x + c * a.y};
-}
+/// Cheaper than norm(), whose protection from overflow is not needed here.
+inline double length(Vector2 a) { return std::sqrt(dot(a, a)); }
 
 /// State of a rigid body in SI units. `w`: angular velocity, counter-clockwise.
 struct Body {
-  Vec2 position, velocity;
+  Vector2 position, velocity;
   double theta = 0.0, w = 0.0;
   double inverse_mass = 0.0, inverse_inertia = 0.0;
 };
@@ -40,7 +28,7 @@ struct Square {
 };
 
 /// The corners, counter-clockwise from the front left one.
-std::array<Vec2, 4> corners(const Square& square);
+std::array<Vector2, 4> corners(const Square& square);
 
 struct Circle {
   Body* body = nullptr;
@@ -48,14 +36,14 @@ struct Circle {
 };
 
 /// The walls: corners of a closed polygon around the field, counter-clockwise. Neighboring corners must differ.
-using Outline = FixedVector<Vec2, 24>;
-bool is_inside(const Outline& outline, Vec2 point);
+using Outline = FixedVector<Vector2, 24>;
+bool is_inside(const Outline& outline, Vector2 point);
 
 /// Contact of two bodies. `b` null: a wall. The normal points from b to a.
 struct Contact {
   Body* a = nullptr;
   Body* b = nullptr;
-  Vec2 point, normal;
+  Vector2 point, normal;
   double depth_m = 0.0;
   double restitution = 0.0, friction = 0.0;
   double normal_impulse = 0.0, tangent_impulse = 0.0, bounce_mps = 0.0;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/angle.h"
+
 namespace touchline::hal::mock {
 namespace {
 
@@ -13,28 +15,26 @@ constexpr double kGravity = 9.81;
 constexpr double kSlipTimeS = 0.05;
 constexpr std::uint64_t kPhysicsStream = 1;
 
-double wrapped(double angle_rad) { return std::remainder(angle_rad, 2.0 * std::numbers::pi); }
-
 Outline outline(const FieldParameters& field) {
   const double x = 0.5 * field.length_m, y = 0.5 * field.width_m, g = 0.5 * field.goal_width_m, d = field.goal_depth_m;
   const double c = field.corner_m;
   // Counter-clockwise from the opponent's goal.
-  const std::array<Vec2, 16> points{{{x, -g},
-                                     {x + d, -g},
-                                     {x + d, g},
-                                     {x, g},
-                                     {x, y - c},
-                                     {x - c, y},
-                                     {-x + c, y},
-                                     {-x, y - c},
-                                     {-x, g},
-                                     {-x - d, g},
-                                     {-x - d, -g},
-                                     {-x, -g},
-                                     {-x, -y + c},
-                                     {-x + c, -y},
-                                     {x - c, -y},
-                                     {x, -y + c}}};
+  const std::array<Vector2, 16> points{{{x, -g},
+                                        {x + d, -g},
+                                        {x + d, g},
+                                        {x, g},
+                                        {x, y - c},
+                                        {x - c, y},
+                                        {-x + c, y},
+                                        {-x, y - c},
+                                        {-x, g},
+                                        {-x - d, g},
+                                        {-x - d, -g},
+                                        {-x, -g},
+                                        {-x, -y + c},
+                                        {-x + c, -y},
+                                        {x - c, -y},
+                                        {x, -y + c}}};
   Outline walls;
   for (std::size_t i = 0; i < points.size(); ++i) {
     // Corner pieces of size zero would give two equal corners.
@@ -46,7 +46,7 @@ Outline outline(const FieldParameters& field) {
 class Fnv1a {
  public:
   void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
-  void add(Vec2 value) {
+  void add(Vector2 value) {
     add(value.x);
     add(value.y);
   }
@@ -85,13 +85,13 @@ World::World(const ArenaParameters& parameters, std::uint64_t seed)
 void World::place(std::size_t robot, const Placement& placement) {
   Robot& moved = robots_[robot];
   moved.body.position = {placement.x_m, placement.y_m};
-  moved.body.theta = wrapped(placement.theta_rad);
+  moved.body.theta = wrap_angle(placement.theta_rad);
   moved.body.velocity = {};
   moved.body.w = 0.0;
   moved.wheel_mps = moved.commanded_mps = {};
 }
 
-void World::place_ball(const Placement& placement, Vec2 velocity_mps) {
+void World::place_ball(const Placement& placement, Vector2 velocity_mps) {
   ball_.position = {placement.x_m, placement.y_m};
   ball_.velocity = velocity_mps;
   still_at_ = ball_.position;
@@ -109,10 +109,10 @@ void World::step() {
   for (Robot& robot : robots_) apply_tires(robot);
   roll_ball();
   collide_all();
-  const Vec2 before = ball_.position;
+  const Vector2 before = ball_.position;
   for (Robot& robot : robots_) {
     robot.body.position = robot.body.position + kStepS * robot.body.velocity;
-    robot.body.theta = wrapped(robot.body.theta + kStepS * robot.body.w);
+    robot.body.theta = wrap_angle(robot.body.theta + kStepS * robot.body.w);
   }
   ball_.position = ball_.position + kStepS * ball_.velocity;
   statistics_.ball_path_m += length(ball_.position - before);
@@ -135,7 +135,7 @@ void World::apply_tires(Robot& robot) {
   }
   const double ahead_wanted = 0.5 * (rim[0] + rim[1]);
   const double turn_wanted = (rim[1] - rim[0]) / physics.wheel_base_m;
-  const Vec2 ahead = rotated({1.0, 0.0}, body.theta), left = perpendicular(ahead);
+  const Vector2 ahead = rotated({1.0, 0.0}, body.theta), left = perpendicular(ahead);
   // The velocity change that would make the body follow its wheels immediately, limited by the friction of the tires.
   const double limit = physics.tire_friction * kGravity * kStepS;  // per mass
   double along = ahead_wanted - dot(body.velocity, ahead);
@@ -161,7 +161,7 @@ void World::roll_ball() {
   }
   ball_.velocity = (1.0 - loss / speed) * ball_.velocity;
   const double kick = physics.floor_roughness_mps_rts * std::sqrt(kStepS) * std::min(1.0, speed);
-  ball_.velocity = ball_.velocity + kick * Vec2{random_.normal(), random_.normal()};
+  ball_.velocity = ball_.velocity + kick * Vector2{random_.normal(), random_.normal()};
 }
 
 void World::collide_all() {

@@ -55,7 +55,7 @@ class World {
 
   /// For scenes and tests. A placed robot stands still until it is driven again.
   void place(std::size_t robot, const Placement& placement);
-  void place_ball(const Placement& placement, Vec2 velocity_mps = {});
+  void place_ball(const Placement& placement, Vector2 velocity_mps = {});
 
  private:
   struct Robot {
@@ -63,7 +63,7 @@ class World {
     Side team = Side::kOwn;
     int id = 0;
     std::array<double, 2> commanded_mps{}, wheel_mps{}, gain{1.0, 1.0}, slip{};
-    Vec2 target;  // opponents: the point that it drives to
+    Vector2 target;  // opponents: the point that it drives to
     double decide_in_s = 0.0;
     bool touches_ball = false;
   };
@@ -86,7 +86,7 @@ class World {
   Contacts contacts_;
   GameStatistics statistics_;
   double still_s_ = 0.0;
-  Vec2 still_at_;
+  Vector2 still_at_;
   std::uint64_t steps_ = 0;
 };
 

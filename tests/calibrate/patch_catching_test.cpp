@@ -18,7 +18,7 @@ class Rectangle : public testing::Test {
   // Pixels caught, and how many of them lie in the first square.
   std::pair<std::size_t, std::size_t> caught(const std::array<double, 4>& box) {
     Click click{"a", "red", 0, 0, 0, box};
-    Patch patch;
+    GrownPatch patch;
     if (!catch_patch(image_, inside_, click, {}, patch, reason_).ok()) return {0, 0};
     const auto in_square = std::count_if(patch.pixels.begin(), patch.pixels.end(), [&](std::size_t pixel) {
       const auto u = static_cast<int>(pixel % 320), v = static_cast<int>(pixel / 320);

@@ -10,7 +10,7 @@
 namespace touchline::checks {
 namespace {
 
-// Folders of the house and what each may include (besides itself).
+// A folder, and the folders that it may include besides itself.
 struct FolderRule {
   std::string_view folder;
   std::vector<std::string_view> may_include;
@@ -26,18 +26,32 @@ const std::vector<FolderRule>& folder_rules() {
   return rules;
 }
 
-// The way of a frame. A stage may include those to its left, and light and geometry, which are no stages.
-constexpr std::array<std::string_view, 7> kStages{"color", "region", "marker", "subpixel", "track", "control", "radio"};
-constexpr std::array<std::string_view, 2> kBelowStages{"light", "geometry"};
+// The folders of the core in the order in which a frame passes through them, and what each may include besides itself
+// and the values in core/*.h. This is the only place that states the order. A stage may include only folders above it.
+const std::vector<FolderRule>& stage_rules() {
+  static const std::vector<FolderRule> rules{
+      {"light", {}},
+      {"geometry", {}},
+      {"color", {"light"}},
+      {"region", {"light", "color"}},
+      {"marker", {"geometry", "color", "region"}},
+      {"subpixel", {"geometry", "color", "marker"}},
+      {"track", {"geometry"}},
+      {"control", {"geometry"}},
+      {"radio", {}},
+  };
+  return rules;
+}
 
-// What the core may use of the standard library: no heap, no system, no clock (<chrono> for its durations alone).
+// Headers of the standard library that the core may include: no heap, no operating system, and <chrono> only for
+// durations.
 constexpr std::array<std::string_view, 26> kCoreHeaders{
     "algorithm", "array",       "bit",     "bitset",      "cassert",   "chrono",   "cmath",
     "compare",   "concepts",    "cstddef", "cstdint",     "cstring",   "iterator", "initializer_list",
     "limits",    "numbers",     "numeric", "optional",    "ratio",     "span",     "string_view",
     "tuple",     "type_traits", "utility", "immintrin.h", "arm_neon.h"};
 
-// Implementations of the HAL do not know each other; the contracts know none of them.
+// Implementations of the HAL: they may not include each other, and the contracts may include none of them.
 constexpr std::array<std::string_view, 3> kBackends{"linux", "replay", "mock"};
 
 template <class List>
@@ -57,29 +71,35 @@ Place place_of(std::string_view path) {
   return {path.substr(0, first), second == std::string_view::npos ? std::string_view() : rest.substr(0, second)};
 }
 
+const FolderRule* rule_of(const std::vector<FolderRule>& rules, std::string_view folder) {
+  const auto rule = std::find_if(rules.begin(), rules.end(), [&](const FolderRule& r) { return r.folder == folder; });
+  return rule == rules.end() ? nullptr : &*rule;
+}
+
 std::optional<std::string> core_violation(std::string_view file, std::string_view target, Place from, Place to) {
-  const bool whole_way = file == "core/pipeline.h" || file == "core/pipeline.cpp";
-  if (!whole_way && target == "core/pipeline.h") return "only what drives the pipeline may include it";
-  // The one way back, from what was seen to light and colors; the pipeline drives it as it drives the stages.
-  const bool way_back = file == "core/adaptation.h" || file == "core/adaptation.cpp";
-  if (whole_way || way_back || to.inner.empty() || to.inner == from.inner) return std::nullopt;
-  const auto stage = [](std::string_view name) { return std::find(kStages.begin(), kStages.end(), name); };
-  if (from.inner.empty()) return "the values between stages know no stage, not " + std::string(to.inner);
-  if (contains(kBelowStages, to.inner)) {
-    if (stage(from.inner) != kStages.end()) return std::nullopt;
-    return std::string(from.inner) + " may not include " + std::string(to.inner);
+  const bool is_pipeline = file == "core/pipeline.h" || file == "core/pipeline.cpp";
+  if (!is_pipeline && target == "core/pipeline.h") return "no stage may include the pipeline";
+  // The adaptation feeds sightings back into light and colors; the pipeline calls it after the stages.
+  const bool is_adaptation = file == "core/adaptation.h" || file == "core/adaptation.cpp";
+  if (is_pipeline || is_adaptation || to.inner.empty() || to.inner == from.inner) return std::nullopt;
+  if (from.inner.empty()) return "core/*.h are used by all stages and may not include core/" + std::string(to.inner);
+  const std::vector<FolderRule>& stages = stage_rules();
+  const FolderRule *user = rule_of(stages, from.inner), *used = rule_of(stages, to.inner);
+  for (const Place& place : {from, to}) {
+    if (rule_of(stages, place.inner) == nullptr) {
+      return "core/" + std::string(place.inner) + " is not in the list of stages";
+    }
   }
-  if (stage(to.inner) == kStages.end()) return "core/" + std::string(to.inner) + " is no stage";
-  if (stage(from.inner) == kStages.end() || stage(to.inner) > stage(from.inner)) {
-    return std::string(from.inner) + " comes before " + std::string(to.inner);
+  if (used > user) return std::string(from.inner) + " comes before " + std::string(to.inner);
+  if (!contains(user->may_include, to.inner)) {
+    return std::string(from.inner) + " may not include " + std::string(to.inner);
   }
   return std::nullopt;
 }
 
 std::optional<std::string> quoted_violation(std::string_view file, std::string_view target) {
   const Place from = place_of(file), to = place_of(target);
-  const auto rule = std::find_if(folder_rules().begin(), folder_rules().end(),
-                                 [&](const FolderRule& r) { return r.folder == from.folder; });
+  const FolderRule* rule = rule_of(folder_rules(), from.folder);
   if (to.folder.empty()) return "\"" + std::string(target) + "\" must be written from the repository's root";
   if (from.folder != to.folder) {
     if (contains(rule->may_include, to.folder)) return std::nullopt;

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-// The rule of inclusion: which folder may include what. The house stands on it: the core knows no system and no device,
-// a stage knows only what comes before it.
+// The include rules between folders: the core includes no operating system and no device, and a stage of the core
+// includes only the stages before it that it needs.
 namespace touchline::checks {
 
 struct SourceFile {
@@ -20,11 +20,11 @@ struct Violation {
 };
 
 struct Findings {
-  std::size_t files = 0, includes = 0;  // looked at
+  std::size_t files = 0, includes = 0;  // examined
   std::vector<Violation> violations;
 };
 
-/// Looks at every #include line of files under core, hal, firmware, tools and tests.
+/// Checks every #include line of files under core, hal, firmware, tools and tests.
 Findings check_inclusion(const std::vector<SourceFile>& files);
 
 /// All C++ files under these folders of the repository.

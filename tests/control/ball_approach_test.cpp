@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/control/drive_limits.h"
-#include "core/track/angle.h"
+#include "core/geometry/angle.h"
 #include "tests/control/small_world.h"
 
 namespace touchline {
@@ -92,11 +92,11 @@ TEST(GoToBall, SpinsABallOutOfACornerTheRightWay) {
   for (const double x : {-1.07, 1.07}) {
     for (const double y : {-0.87, 0.87}) {
       const PushPlan plan = plan_push({x, y}, kField, kPlay);
-      const Pose robot{field_point(0.94 * plan.ball), 0.3f};
+      const Pose robot{to_field_point(0.94 * plan.ball), 0.3f};
       const Approach approach = go_to_ball(robot, {}, plan, kPlay, drive, {});
       ASSERT_EQ(approach.phase, ApproachPhase::kSpin);
       // Velocity of the rim at the ball: along the wall, to the goal in a far corner and up the field in an own one.
-      const Vector2 rim = static_cast<double>(approach.twist.w_radps) * left_of(plan.ball - position(robot));
+      const Vector2 rim = static_cast<double>(approach.twist.w_radps) * perpendicular(plan.ball - position(robot));
       EXPECT_GT(x > 0.0 ? -rim.y * y : rim.x, 0.0) << x << " " << y;
     }
   }

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "core/control/drive_limits.h"
-#include "core/track/angle.h"
+#include "core/geometry/angle.h"
 
 namespace touchline {
 namespace {
@@ -23,7 +23,7 @@ struct Plant {
   double x = 0.0, y = 0.0, theta = 0.0, v = 0.0, w = 0.0, time_s = 0.0;
   Twist command;
 
-  [[nodiscard]] Pose pose() const { return {field_point({x, y}), wrap_to_float(theta)}; }
+  [[nodiscard]] Pose pose() const { return {to_field_point({x, y}), wrap_to_float(theta)}; }
   [[nodiscard]] Twist twist() const { return {static_cast<float>(v), static_cast<float>(w)}; }
   void drive(const Twist& wanted, const DriveParameters& limits = {}) {
     command = within_acceleration_limit(within_speed_limits(wanted, limits), command, kFrame, limits);
@@ -134,7 +134,7 @@ double tracking_error(const Path& path, Plant robot, double from_s, double to_s,
     const Vector2 p = path.at(t), d = 0.5 / kH * (path.at(t + kH) - path.at(t - kH));
     const Vector2 dd = 1.0 / (kH * kH) * (path.at(t + kH) + path.at(t - kH) - 2.0 * p);
     const double v = norm(d);
-    return std::pair{Pose{field_point(p), wrap_to_float(bearing(d))},
+    return std::pair{Pose{to_field_point(p), wrap_to_float(bearing(d))},
                      Twist{static_cast<float>(v), static_cast<float>(cross(d, dd) / (v * v))}};
   };
   double sum = 0.0;

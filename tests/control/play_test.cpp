@@ -15,7 +15,7 @@ namespace {
 constexpr PlayParameters kPlay;
 constexpr FieldParameters kField;
 
-Player player(RobotId id, double x, double y) { return {id, {field_point({x, y}), 0.0f}, {}}; }
+Player player(RobotId id, double x, double y) { return {id, {to_field_point({x, y}), 0.0f}, {}}; }
 
 TEST(Detour, LeavesAFreeWayAlone) {
   Obstacles obstacles;

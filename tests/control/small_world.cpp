@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/track/angle.h"
+#include "core/geometry/angle.h"
 
 namespace touchline {
 namespace {
@@ -27,7 +27,7 @@ void SmallWorld::move(Robot& robot, double dt) const {
   robot.v += dt / kLag * (static_cast<double>(robot.command.v_mps) - robot.v);
   robot.w += dt / kLag * (static_cast<double>(robot.command.w_radps) - robot.w);
   if (robot.jammed) return;
-  robot.position = robot.position + (dt * robot.v) * direction(robot.heading);
+  robot.position = robot.position + (dt * robot.v) * unit_vector(robot.heading);
   robot.heading = wrap_angle(robot.heading + dt * robot.w);
   const double x = 0.5 * static_cast<double>(field.length_m) - kHalfSide;
   const double y = 0.5 * static_cast<double>(field.width_m) - kHalfSide;
@@ -51,7 +51,7 @@ void SmallWorld::separate(double dt) {
 
 void SmallWorld::push_ball(const Robot& robot) {
   // In the robot's frame its body is a box; the ball is moved out along the nearest side.
-  const Vector2 ahead = direction(robot.heading), left = left_of(ahead);
+  const Vector2 ahead = unit_vector(robot.heading), left = perpendicular(ahead);
   const Vector2 r = ball - robot.position;
   const Vector2 local{dot(r, ahead), dot(r, left)};
   const Vector2 nearest{std::clamp(local.x, -kHalfSide, kHalfSide), std::clamp(local.y, -kHalfSide, kHalfSide)};
@@ -67,7 +67,7 @@ void SmallWorld::push_ball(const Robot& robot) {
   }
   const Vector2 normal = out.x * ahead + out.y * left;
   ball = ball + depth * normal;
-  const Vector2 surface = robot.v * ahead + robot.w * left_of(r);
+  const Vector2 surface = robot.v * ahead + robot.w * perpendicular(r);
   const double closing = dot(surface - ball_velocity, normal);
   if (closing > 0.0) ball_velocity = ball_velocity + 1.2 * closing * normal;
 }
@@ -114,7 +114,7 @@ Tracks SmallWorld::tracks(std::mt19937* noise, double noise_m) const {
     track.id = robot.id;
     track.state = TrackState::kSeen;
     track.last_seen = out.capture_time;
-    track.pose = {field_point(robot.position + Vector2{scatter(noise_m), scatter(noise_m)}),
+    track.pose = {to_field_point(robot.position + Vector2{scatter(noise_m), scatter(noise_m)}),
                   wrap_to_float(robot.heading + scatter(10.0 * noise_m))};
     track.twist = {static_cast<float>(robot.v), static_cast<float>(robot.w)};
     track.pose_at_action = track.pose;
@@ -123,8 +123,8 @@ Tracks SmallWorld::tracks(std::mt19937* noise, double noise_m) const {
   }
   out.ball.state = TrackState::kSeen;
   out.ball.last_seen = out.capture_time;
-  out.ball.position = out.ball.position_at_action = field_point(ball + Vector2{scatter(noise_m), scatter(noise_m)});
-  out.ball.velocity = out.ball.velocity_at_action = field_point(ball_velocity);
+  out.ball.position = out.ball.position_at_action = to_field_point(ball + Vector2{scatter(noise_m), scatter(noise_m)});
+  out.ball.velocity = out.ball.velocity_at_action = to_field_point(ball_velocity);
   return out;
 }
 

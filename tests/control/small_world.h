@@ -3,7 +3,7 @@
 #include <random>
 #include <vector>
 
-#include "core/control/plane.h"
+#include "core/geometry/vector2.h"
 #include "core/marker/matcher.h"
 #include "core/types.h"
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/angle.h"
 #include "tests/marker/literal_rules.h"
 #include "tests/marker/painted_field.h"
 
@@ -68,7 +69,7 @@ void expect_all_found(const CameraParameters& camera) {
         placed.push_back(
             {Team::kOwn,
              r,
-             {on_field(group, own.position.x_m, own.position.y_m), wrapped_angle(own.theta_rad + group.theta_rad)}});
+             {on_field(group, own.position.x_m, own.position.y_m), wrap_angle(own.theta_rad + group.theta_rad)}});
       }
       field.paint(placed);
       const PixelPoint noise = field.camera().to_pixel(on_field(group, 0.2f, 0.0f), 0.0f);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/geometry/angle.h"
 #include "tests/marker/region_list.h"
 
 // The matcher against the paper's rules, taken literally, on random arrangements of the paper's two squares.
@@ -110,7 +111,7 @@ void hold_against_each_other(const MarkerParameters& parameters, float side_m, f
         const Pose expected = literal::pose(literal::refined(regions, table.columns[pair->column]),
                                             literal::refined(regions, table.rows[row]));
         EXPECT_LT(distance_m(robot.pose.position, expected.position), 1e-4f) << "arrangement " << n << " id " << row;
-        EXPECT_LT(std::abs(wrapped_angle(robot.pose.theta_rad - expected.theta_rad)), 0.005f)
+        EXPECT_LT(std::abs(wrap_angle(robot.pose.theta_rad - expected.theta_rad)), 0.005f)
             << "arrangement " << n << " id " << row;
       }
       tally.unambiguous += rules.unambiguous ? 5 : 0;

@@ -55,7 +55,7 @@ TEST(Outline, AreaCentroidAndSpread) {
         EXPECT_NEAR(area_m2(place), m.area, 0.01 * m.area);
         EXPECT_NEAR(m.x, 0.01, 1e-4);
         EXPECT_NEAR(m.y, -0.005, 1e-4);
-        const Spread s = spread(place);
+        const PrincipalVariances s = principal_variances(place);
         EXPECT_NEAR(s.major_m2, m.major, 0.01 * m.major);
         EXPECT_NEAR(s.minor_m2, m.minor, 0.01 * m.minor);
         if (m.major < 1.1 * m.minor) continue;  // no direction

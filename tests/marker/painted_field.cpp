@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/angle.h"
+
 namespace touchline::testing {
 namespace {
 
@@ -268,7 +270,7 @@ Comparison compare(const std::vector<Placed>& placed, const Sightings& seen, con
     }
     if (!robot.has_heading) continue;
     result.position_m = std::max(result.position_m, least);
-    const float turned = wrapped_angle(robot.pose.theta_rad - placed[best].pose.theta_rad);
+    const float turned = wrap_angle(robot.pose.theta_rad - placed[best].pose.theta_rad);
     result.heading_rad = std::max(result.heading_rad, std::abs(turned));
   }
   result.missed = static_cast<std::size_t>(std::count(found.begin(), found.end(), false));

@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "core/geometry/angle.h"
 #include "core/marker/rigid_fit.h"
 #include "core/subpixel/simd/prerequisites.h"
 #include "tests/marker/photograph.h"
@@ -81,7 +82,7 @@ class PatchCenter : public ::testing::Test {
   Errors errors(const Pose& truth, const RobotSighting& robot) const {
     Errors out;
     out.position_m = distance_m(robot.pose.position, truth.position);
-    out.angle_rad = std::abs(wrapped_angle(robot.pose.theta_rad - truth.theta_rad));
+    out.angle_rad = std::abs(wrap_angle(robot.pose.theta_rad - truth.theta_rad));
     for (std::size_t k = 0; k < robot.patches.size(); ++k) {
       const PixelPoint is = center(truth, k), said = robot.patches[k].center;
       out.center_px = std::max(out.center_px, std::hypot(is.u_px - said.u_px, is.v_px - said.v_px));

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/angle.h"
 #include "tests/marker/literal_rules.h"
 #include "tests/marker/real_layouts.h"
 #include "tests/marker/region_list.h"
@@ -27,7 +28,7 @@ TEST(Pose, TheRigidFitOfThePapersTwoPatchesIsEquation3) {
     const Pose expected = literal::pose(team, identification);
     EXPECT_NEAR(fit.pose.position.x_m, expected.position.x_m, 1e-6f);
     EXPECT_NEAR(fit.pose.position.y_m, expected.position.y_m, 1e-6f);
-    EXPECT_NEAR(wrapped_angle(fit.pose.theta_rad - expected.theta_rad), 0.0f, 1e-4f);
+    EXPECT_NEAR(wrap_angle(fit.pose.theta_rad - expected.theta_rad), 0.0f, 1e-4f);
     const float error = distance_m(team, identification) - std::hypot(0.0375f, 0.0375f);
     EXPECT_NEAR(fit.residual_m, std::abs(error) / 2, 1e-6f);
   }
@@ -39,13 +40,6 @@ TEST(Pose, TheRigidFitNeitherMirrorsNorScales) {
   EXPECT_GT(fit_rigidly(mirrored).residual_m, 0.01f);
   const std::array<Correspondence, 2> twice{{{{0.01f, 0}, {0.02f, 0}}, {{-0.01f, 0}, {-0.02f, 0}}}};
   EXPECT_NEAR(fit_rigidly(twice).residual_m, 0.01f, 1e-6f);
-}
-
-TEST(Pose, AnglesAreWrappedIntoOneTurn) {
-  EXPECT_FLOAT_EQ(wrapped_angle(-kPi), kPi);
-  EXPECT_FLOAT_EQ(wrapped_angle(kPi), kPi);
-  EXPECT_NEAR(wrapped_angle(3 * kPi + 0.1f), -kPi + 0.1f, 1e-5f);
-  EXPECT_FLOAT_EQ(wrapped_angle(0.5f), 0.5f);
 }
 
 // What the camera shows of exact patches must lead back to exact poses, wherever the patches are above the floor.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/angle.h"
 #include "tests/marker/painted_field.h"
 
 // Robots side by side: patches of one color grow together, and a neighbor's patch is as near as the own one.
@@ -33,7 +34,7 @@ void see_and_compare(PaintedField& field, const MarkerParameters& parameters, co
 }
 
 Pose beside(const Pose& base, float x_m, float y_m, float turn_rad) {
-  return {on_field(base, x_m, y_m), wrapped_angle(base.theta_rad + turn_rad)};
+  return {on_field(base, x_m, y_m), wrap_angle(base.theta_rad + turn_rad)};
 }
 
 // Two robots whose sides touch along their whole length or half of it, each in every quarter turn.

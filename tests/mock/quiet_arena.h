@@ -39,11 +39,11 @@ inline void run(World& world, double seconds) {
   for (int i = 0; i < static_cast<int>(std::lround(seconds / World::kStepS)); ++i) world.step();
 }
 
-inline Vec2 position(const Placement& placement) { return {placement.x_m, placement.y_m}; }
+inline Vector2 position(const Placement& placement) { return {placement.x_m, placement.y_m}; }
 
 /// Distance outside of the field that `parameters` describe, from first principles: the field with its corners cut off,
 /// and the two goals. 0 inside.
-inline double distance_outside(const FieldParameters& field, Vec2 p) {
+inline double distance_outside(const FieldParameters& field, Vector2 p) {
   const double x = std::abs(p.x) - 0.5 * field.length_m, y = std::abs(p.y) - 0.5 * field.width_m;
   const double in_corner = (x + y + field.corner_m) / std::sqrt(2.0);
   const double field_distance = std::max({0.0, x, y, in_corner});

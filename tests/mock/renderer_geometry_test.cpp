@@ -23,7 +23,7 @@ TEST(Patch, CentroidIsWhereTheLensSeesIt) {
   for (int i = 0; i < 60; ++i) {
     const Placement robot = anywhere(random);
     const Blot blot = blot_of(renderer.render(still(robot), still(robot)), kWidth, kRed);
-    const Vec2 patch = position(robot) + rotated({0.01875, 0.01875}, robot.theta_rad);
+    const Vector2 patch = position(robot) + rotated({0.01875, 0.01875}, robot.theta_rad);
     const auto [u, v] = renderer.lens().project({patch.x, patch.y, parameters.robot_height_m});
     worst = std::max(worst, std::hypot(blot.u - u, blot.v - v));
   }
@@ -46,7 +46,7 @@ TEST(Patch, EachShapeHasItsAreaAndCentroid) {
     Renderer renderer(parameters, kWidth, kHeight);
     const Blot blot = blot_of(renderer.render(still(robot), still(robot)), kWidth, kRed);
     EXPECT_NEAR(blot.sum, area_px(renderer, area_m2), 0.02 * area_px(renderer, area_m2));
-    const Vec2 patch = position(robot) + rotated({0.004, -0.003}, robot.theta_rad);
+    const Vector2 patch = position(robot) + rotated({0.004, -0.003}, robot.theta_rad);
     const auto [u, v] = renderer.lens().project({patch.x, patch.y, parameters.robot_height_m});
     EXPECT_NEAR(std::hypot(blot.u - u, blot.v - v), 0.0, 0.1);
   };

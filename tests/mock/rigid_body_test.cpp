@@ -13,7 +13,7 @@ constexpr double kHalfSide = 0.0375, kRadius = 0.02;
 constexpr double kPi = std::numbers::pi;
 
 // Of a robot: 0.45 kg, a homogeneous square.
-Body robot_at(Vec2 position, double theta = 0.0) {
+Body robot_at(Vector2 position, double theta = 0.0) {
   Body body;
   body.position = position;
   body.theta = theta;
@@ -22,14 +22,14 @@ Body robot_at(Vec2 position, double theta = 0.0) {
   return body;
 }
 
-Body ball_at(Vec2 position) {
+Body ball_at(Vector2 position) {
   Body body;
   body.position = position;
   body.inverse_mass = 1.0 / 0.046;
   return body;
 }
 
-Vec2 momentum(const Body& body) { return (1.0 / body.inverse_mass) * body.velocity; }
+Vector2 momentum(const Body& body) { return (1.0 / body.inverse_mass) * body.velocity; }
 
 // About the origin.
 double angular_momentum(const Body& body) {
@@ -45,8 +45,8 @@ double energy(const Body& body) {
 // A field of 2 x 1 m with an opening of 0.4 m in the right side, 0.2 m deep, as a goal.
 Outline walls() {
   Outline all;
-  for (const Vec2 corner :
-       {Vec2{1, -0.5}, {1, -0.2}, {1.2, -0.2}, {1.2, 0.2}, {1, 0.2}, {1, 0.5}, {-1, 0.5}, {-1, -0.5}})
+  for (const Vector2 corner :
+       {Vector2{1, -0.5}, {1, -0.2}, {1.2, -0.2}, {1.2, 0.2}, {1, 0.2}, {1, 0.5}, {-1, 0.5}, {-1, -0.5}})
     all.push_back(corner);
   return all;
 }
@@ -74,7 +74,7 @@ TEST(Collision, ConservesMomentumAndNeverAddsEnergy) {
     Body a = robot_at({0.0, 0.0}, random.uniform(-kPi, kPi));
     Body b = i % 2 == 0 ? robot_at({}, random.uniform(-kPi, kPi)) : ball_at({});
     const double angle = random.uniform(-kPi, kPi), distance = random.uniform(0.05, 0.1);
-    b.position = distance * Vec2{std::cos(angle), std::sin(angle)};
+    b.position = distance * Vector2{std::cos(angle), std::sin(angle)};
     for (Body* body : {&a, &b}) body->velocity = {random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0)};
     a.w = random.uniform(-10.0, 10.0);
     Contacts contacts;
@@ -88,14 +88,14 @@ TEST(Collision, ConservesMomentumAndNeverAddsEnergy) {
     }
     if (contacts.empty()) continue;
     ++hits;
-    const Vec2 before = momentum(a) + momentum(b);
+    const Vector2 before = momentum(a) + momentum(b);
     const double spin_before = angular_momentum(a) + angular_momentum(b), energy_before = energy(a) + energy(b);
     // Correcting positions is no motion: look at the velocities as they are where the impulses act.
-    const Vec2 at_a = a.position, at_b = b.position;
+    const Vector2 at_a = a.position, at_b = b.position;
     resolve(contacts);
     a.position = at_a;
     b.position = at_b;
-    const Vec2 after = momentum(a) + momentum(b);
+    const Vector2 after = momentum(a) + momentum(b);
     ASSERT_NEAR(after.x, before.x, 1e-9);
     ASSERT_NEAR(after.y, before.y, 1e-9);
     ASSERT_NEAR(angular_momentum(a) + angular_momentum(b), spin_before, 1e-9);
@@ -154,10 +154,10 @@ TEST(Collision, SquaresThatCrossLikeAStarArePartedToo) {
 
 TEST(Outline, KnowsInsideFromOutside) {
   const Outline all = walls();
-  for (const Vec2 inside : {Vec2{0, 0}, {0.99, 0.49}, {1.1, 0.0}, {1.19, -0.19}, {-0.99, -0.49}}) {
+  for (const Vector2 inside : {Vector2{0, 0}, {0.99, 0.49}, {1.1, 0.0}, {1.19, -0.19}, {-0.99, -0.49}}) {
     EXPECT_TRUE(is_inside(all, inside)) << inside.x << ' ' << inside.y;
   }
-  for (const Vec2 outside : {Vec2{1.01, 0.3}, {1.1, 0.21}, {1.21, 0.0}, {-1.01, 0.0}, {0.0, 0.51}}) {
+  for (const Vector2 outside : {Vector2{1.01, 0.3}, {1.1, 0.21}, {1.21, 0.0}, {-1.01, 0.0}, {0.0, 0.51}}) {
     EXPECT_FALSE(is_inside(all, outside)) << outside.x << ' ' << outside.y;
   }
 }
@@ -195,7 +195,7 @@ TEST(Outline, CornerPokedIntoACornerOfTheFieldIsHeld) {
   Outline all = walls();
   Body robot = robot_at({-1.0, -0.5}, kPi / 4.0);
   const double reach = kHalfSide * std::numbers::sqrt2;
-  robot.position = robot.position + (reach - 0.001) * Vec2{std::cos(kPi / 4.0), std::sin(kPi / 4.0)};
+  robot.position = robot.position + (reach - 0.001) * Vector2{std::cos(kPi / 4.0), std::sin(kPi / 4.0)};
   robot.velocity = {-0.5, -0.5};
   Contacts contacts;
   collide(Square{&robot, kHalfSide}, all, {0.0, 0.0}, contacts);
@@ -212,7 +212,7 @@ TEST(Outline, BallTouchesBothWallsOfACornerAndOnePostOnce) {
   ASSERT_EQ(contacts.size(), 2U);
   EXPECT_NEAR(contacts[0].depth_m + contacts[1].depth_m, 0.003, 1e-9);
   contacts.clear();
-  ball.position = Vec2{1.0, 0.2} + (kRadius - 0.001) / std::numbers::sqrt2 * Vec2{-1.0, -1.0};
+  ball.position = Vector2{1.0, 0.2} + (kRadius - 0.001) / std::numbers::sqrt2 * Vector2{-1.0, -1.0};
   collide(Circle{&ball, kRadius}, all, {}, contacts);
   ASSERT_EQ(contacts.size(), 1U);
   EXPECT_NEAR(contacts[0].depth_m, 0.001, 1e-9);

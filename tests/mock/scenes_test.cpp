@@ -24,7 +24,7 @@ void expect_free(const Snapshot& all, const ArenaParameters& parameters) {
   Contacts contacts;
   for (std::size_t i = 0; i < all.robots.size(); ++i) {
     Body robot = body_of(all.robots[i]), ball = body_of(all.ball);
-    for (const Vec2 corner : corners(Square{&robot, half_side})) {
+    for (const Vector2 corner : corners(Square{&robot, half_side})) {
       EXPECT_EQ(distance_outside(parameters.field, corner), 0.0) << "robot " << i << " stands in a wall";
     }
     for (std::size_t k = 0; k < i; ++k) {

@@ -43,7 +43,7 @@ double farthest_outside(const Snapshot& all, const ArenaParameters& parameters) 
     Body body;
     body.position = position(robot);
     body.theta = robot.theta_rad;
-    for (const Vec2 corner : corners(Square{&body, 0.5 * parameters.robot_side_m})) {
+    for (const Vector2 corner : corners(Square{&body, 0.5 * parameters.robot_side_m})) {
       farthest = std::max(farthest, distance_outside(parameters.field, corner));
     }
   }

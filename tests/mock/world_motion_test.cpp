@@ -9,13 +9,13 @@ namespace {
 Placement robot_of(const World& world, std::size_t index = 0) { return world.snapshot().robots[index]; }
 
 double speed_of(World& world) {
-  const Vec2 before = position(robot_of(world));
+  const Vector2 before = position(robot_of(world));
   world.step();
   return length(position(robot_of(world)) - before) / World::kStepS;
 }
 
 double ball_speed_of(World& world) {
-  const Vec2 before = position(world.snapshot().ball);
+  const Vector2 before = position(world.snapshot().ball);
   world.step();
   return length(position(world.snapshot().ball) - before) / World::kStepS;
 }
@@ -47,7 +47,7 @@ TEST(Wheels, TurnByTheirDifferenceOverTheBase) {
   world.step();
   const double rate = std::remainder(robot_of(world).theta_rad - before, 2.0 * std::numbers::pi) / World::kStepS;
   EXPECT_NEAR(rate, 0.14 / parameters.physics.wheel_base_m, 1e-3);
-  EXPECT_NEAR(length(position(robot_of(world)) - Vec2{-0.55, 0.0}), 0.0, 1e-9);
+  EXPECT_NEAR(length(position(robot_of(world)) - Vector2{-0.55, 0.0}), 0.0, 1e-9);
 }
 
 TEST(Wheels, AnArcHasTheRadiusOfTheTwist) {
@@ -62,7 +62,7 @@ TEST(Wheels, AnArcHasTheRadiusOfTheTwist) {
     const Placement at = robot_of(world);
     return position(at) + v / w * rotated({0.0, 1.0}, at.theta_rad);
   };
-  const Vec2 before = center();
+  const Vector2 before = center();
   run(world, 2.0);
   EXPECT_NEAR(length(center() - before), 0.0, 0.002);
 }
@@ -96,7 +96,7 @@ TEST(Tires, RobotThatIsPushedAsideSlidesToRest) {
   sliding.drive(0, 1.0, 1.0);
   run(sliding, 0.5);
   const double v = speed_of(sliding);
-  const Vec2 from = position(robot_of(sliding));
+  const Vector2 from = position(robot_of(sliding));
   sliding.drive(0, 0.0, 0.0);
   run(sliding, 1.0);
   EXPECT_NEAR(length(position(robot_of(sliding)) - from), v * v / (2.0 * 0.3 * 9.81), 0.002);
@@ -172,7 +172,7 @@ TEST(Ball, FloorTurnsItAsideByTheStatedAmount) {
     World world(parameters, static_cast<std::uint64_t>(seed));
     world.place_ball({0.0, 3.0, 0.0}, {2.0, 0.0});
     run(world, 0.25);
-    const Vec2 before = position(world.snapshot().ball);
+    const Vector2 before = position(world.snapshot().ball);
     world.step();
     const double sideways = (position(world.snapshot().ball).y - before.y) / World::kStepS;
     squares += sideways * sideways;

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/radio/crc16.h"
+#include "core/radio/wire_format.h"
 
 namespace touchline {
 namespace {

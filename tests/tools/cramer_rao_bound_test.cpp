@@ -96,14 +96,14 @@ class BoundOfRobot : public ::testing::Test {
   // Two squares of 8 pixels with edges of 2 pixels on a dark ground.
   double patches(double u, double v) const {
     double value = 30.0;
-    for (const Point& c : center_) {
-      const double away = std::max(std::abs(u - c.a), std::abs(v - c.b)) - 4.0;
+    for (const Vector2& c : center_) {
+      const double away = std::max(std::abs(u - c.x), std::abs(v - c.y)) - 4.0;
       value += 150.0 * std::clamp(0.5 - away / 2.0, 0.0, 1.0);
     }
     return value;
   }
 
-  std::array<Point, 2> center_{};
+  std::array<Vector2, 2> center_{};
   BoundInputs setting_;
   std::string folder_;
   std::vector<FrameRecord> results_;

@@ -20,10 +20,10 @@ AnnotatedPicture truth() {
   picture.file = "one.png";
   picture.balls_px = {{300.0, 300.0}};
   picture.robots.push_back(
-      {"blue", Point{100.0, 100.0}, {patch("red", 110.0, 95.0, true), patch("green", 110.0, 105.0, true)}});
+      {"blue", Vector2{100.0, 100.0}, {patch("red", 110.0, 95.0, true), patch("green", 110.0, 105.0, true)}});
   picture.robots.push_back(
-      {"yellow", Point{200.0, 100.0}, {patch("green", 210.0, 95.0, true), patch("red", 210.0, 105.0, true)}});
-  picture.robots.push_back({"blue", Point{2.0, 200.0}, {}});
+      {"yellow", Vector2{200.0, 100.0}, {patch("green", 210.0, 95.0, true), patch("red", 210.0, 105.0, true)}});
+  picture.robots.push_back({"blue", Vector2{2.0, 200.0}, {}});
   return picture;
 }
 
@@ -36,7 +36,7 @@ std::vector<FrameRecord> perfect() {
   FrameRecord frame;
   frame.file = "one.png";
   frame.frame = 17;
-  frame.sightings.ball = BallRecord{{}, Point{300.0, 300.0}};
+  frame.sightings.ball = BallRecord{{}, Vector2{300.0, 300.0}};
   frame.sightings.robots = {
       robot("blue", 4,
             {patch("blue", 100.0, 100.0, false), patch("green", 110.0, 105.0, true), patch("red", 110.0, 95.0, true)}),
@@ -86,7 +86,7 @@ TEST(PictureEvaluation, PixelErrors) {
   std::vector<FrameRecord> results = perfect();
   results[0].sightings.robots[0].patches[0].center_px = {101.8, 100.0};
   results[0].sightings.robots[1].patches[0].center_px = {200.0, 102.2};
-  results[0].sightings.ball->center_px = Point{300.0, 303.0};
+  results[0].sightings.ball->center_px = Vector2{300.0, 303.0};
   const PictureReport r = evaluate(results);
   EXPECT_EQ(r.found, 2u);
   EXPECT_EQ(r.team_good, 1u);
@@ -103,7 +103,7 @@ TEST(PictureEvaluation, GhostsWrongTeamsAndMisses) {
   results[0].sightings.robots.push_back(robot("blue", 1, {patch("blue", 400.0, 100.0, false)}));
   results[0].sightings.robots.push_back(
       robot("blue", std::nullopt, {patch("blue", 3.0, 200.0, false)}));  // the cut one
-  results[0].sightings.ball->center_px = Point{100.0, 300.0};
+  results[0].sightings.ball->center_px = Vector2{100.0, 300.0};
   const PictureReport r = evaluate(results);
   EXPECT_EQ(r.found, 1u);
   EXPECT_EQ(r.wrong_team, 1u);
@@ -142,7 +142,7 @@ TEST(Annotation, ReadsWhatAnAnnotatorWrote) {
   EXPECT_EQ(picture.file, "vss-overhead.mp4");
   EXPECT_EQ(picture.frame, 270);
   ASSERT_EQ(picture.balls_px.size(), 1u);
-  EXPECT_EQ(picture.balls_px[0].b, 335.25);
+  EXPECT_EQ(picture.balls_px[0].y, 335.25);
   ASSERT_EQ(picture.robots.size(), 2u);
   EXPECT_EQ(picture.robots[0].identification.at(0).color, "red");
   EXPECT_TRUE(picture.robots[1].identification.empty());

@@ -107,9 +107,9 @@ TEST(PoseEvaluation, MissesAndGhosts) {
 
 TEST(PoseEvaluation, TheLimitOfDistanceHasTwoSides) {
   std::vector<FrameRecord> result{truth_frame(0)};
-  result[0].sightings.robots[0].position_m.a = 0.0199;
+  result[0].sightings.robots[0].position_m.x = 0.0199;
   expect_counts(evaluate({truth_frame(0)}, result).sightings, 5, 0, 0, 0, 0);
-  result[0].sightings.robots[0].position_m.a = 0.0201;
+  result[0].sightings.robots[0].position_m.x = 0.0201;
   expect_counts(evaluate({truth_frame(0)}, result).sightings, 4, 0, 0, 1, 1);
 }
 
@@ -118,7 +118,7 @@ TEST(PoseEvaluation, Balls) {
   std::vector<FrameRecord> result = truth;
   result[0].sightings.ball->position_m = {0.503, 0.504};
   result[1].sightings.ball.reset();
-  result[2].sightings.ball->position_m.a = 0.0;
+  result[2].sightings.ball->position_m.x = 0.0;
   truth[3].sightings.ball.reset();
   truth[3].tracks.ball.reset();
   const PoseSummary s = evaluate(truth, result).sightings;
@@ -173,7 +173,7 @@ TEST(PoseEvaluation, SpreadOfWhatStandsStill) {
     result.push_back(truth_frame(i));
     // 3 mm to either side, half a hundredth of a radian to either side of pi.
     const double sign = i % 2 == 0 ? 1.0 : -1.0;
-    result.back().sightings.robots[0].position_m.a += 0.003 * sign + 0.001;
+    result.back().sightings.robots[0].position_m.x += 0.003 * sign + 0.001;
     result.back().sightings.robots[0].theta_rad =
         std::numbers::pi - 0.005 + (i % 2 == 0 ? 0.0 : 0.01 - 2.0 * std::numbers::pi);
   }
@@ -186,7 +186,7 @@ TEST(PoseEvaluation, SpreadOfWhatStandsStill) {
   EXPECT_NEAR(report.spread[0].angle_rms, 0.005, 1e-9);
   EXPECT_NEAR(report.spread[1].position_rms, 0.0, 1e-12);
   EXPECT_EQ(report.spread[5].name, "ball");
-  truth[2].sightings.robots[4].position_m.a += 0.001;
+  truth[2].sightings.robots[4].position_m.x += 0.001;
   EXPECT_TRUE(evaluate(truth, result).spread.empty());
 }
 
@@ -203,7 +203,7 @@ TEST(Records, ReadsTheFormatOfTheScenes) {
   ASSERT_EQ(records.size(), 2u);
   EXPECT_EQ(records[0].file, "000000.png");
   ASSERT_TRUE(records[0].sightings.ball.has_value());
-  EXPECT_EQ(records[0].sightings.ball->position_m.b, -0.5);
+  EXPECT_EQ(records[0].sightings.ball->position_m.y, -0.5);
   ASSERT_EQ(records[0].sightings.robots.size(), 1u);
   EXPECT_EQ(records[0].sightings.robots[0].id, 3);
   EXPECT_EQ(records[0].sightings.robots[0].theta_rad, -2.02);

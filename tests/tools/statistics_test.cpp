@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <vector>
 
@@ -56,14 +55,6 @@ TEST(Statistics, MeanAndRootMeanSquare) {
   EXPECT_DOUBLE_EQ(rms(values), std::sqrt(35.0 / 3.0));
   EXPECT_EQ(mean({}), 0.0);
   EXPECT_EQ(rms({}), 0.0);
-}
-
-TEST(Statistics, AnglesWrap) {
-  constexpr double kPi = std::numbers::pi;
-  EXPECT_NEAR(wrapped(3.0 * kPi / 2.0), -kPi / 2.0, 1e-12);
-  EXPECT_NEAR(wrapped(-3.0 * kPi / 2.0), kPi / 2.0, 1e-12);
-  EXPECT_NEAR(wrapped(3.1 - -3.1), 6.2 - 2.0 * kPi, 1e-12);
-  EXPECT_GT(wrapped(-kPi), 0.0);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "core/geometry/angle.h"
 #include "tests/track/simulated_robot.h"
 
 namespace touchline {

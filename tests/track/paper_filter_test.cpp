@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "core/geometry/angle.h"
 #include "core/track/drive_filter.h"
 #include "tests/track/simulated_robot.h"
 

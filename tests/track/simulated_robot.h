@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/track/angle.h"
+#include "core/geometry/angle.h"
 #include "core/types.h"
 
 namespace touchline {

@@ -35,7 +35,7 @@ Json pixel_of(const Lens& lens, double x_m, double y_m, double z_m) {
 
 Json patch_pixel(const ArenaParameters& parameters, const Lens& lens, const Placement& robot, std::size_t patch) {
   const auto& painted = parameters.patch[patch];
-  const auto at = hal::mock::rotated({painted.x_m, painted.y_m}, robot.theta_rad);
+  const auto at = rotated({painted.x_m, painted.y_m}, robot.theta_rad);
   return pixel_of(lens, robot.x_m + at.x, robot.y_m + at.y, parameters.robot_height_m);
 }
 

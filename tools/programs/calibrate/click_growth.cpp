@@ -107,7 +107,7 @@ class Window {
 }  // namespace
 
 Status grow_patch(const ChannelImage& image, const std::vector<std::uint8_t>& inside, double u_px, double v_px,
-                  const GrowthLimits& limits, Patch& out, std::string& reason) {
+                  const GrowthLimits& limits, GrownPatch& out, std::string& reason) {
   out = {};
   const int u = static_cast<int>(std::lround(u_px)), v = static_cast<int>(std::lround(v_px));
   if (!image.contains(u, v)) {

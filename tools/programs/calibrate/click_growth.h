@@ -14,7 +14,7 @@ struct GrowthLimits {
 };
 
 /// The patch around a click.
-struct Patch {
+struct GrownPatch {
   std::vector<std::size_t> pixels;  // indices into ChannelImage::pixels
   double tolerance = 0;             // color distance at which it was cut from its surroundings
   double instability = 0;           // how much it depends on the tolerance: the smaller, the clearer its edge
@@ -25,6 +25,6 @@ struct Patch {
 /// the patch's edge without a threshold being chosen for a lamp. kNotFound, with the reason: outside the picture or the
 /// region of interest, no stable patch, larger than the limits.
 Status grow_patch(const ChannelImage& image, const std::vector<std::uint8_t>& inside, double u_px, double v_px,
-                  const GrowthLimits& limits, Patch& out, std::string& reason);
+                  const GrowthLimits& limits, GrownPatch& out, std::string& reason);
 
 }  // namespace touchline::calibrate

@@ -37,7 +37,7 @@ std::optional<Rgb> clicked_look(const std::string& color, const std::vector<Clic
   for (const Click& click : clicks) {
     const auto image = images.find(click.image);
     if (click.color != color || image == images.end()) continue;
-    Patch patch;
+    GrownPatch patch;
     std::string reason;
     if (!catch_patch(image->second, inside, click, {}, patch, reason).ok()) continue;
     for (const std::size_t pixel : patch.pixels) {

@@ -154,7 +154,7 @@ class Fitter {
       const auto scene =
           std::find_if(scenes_.begin(), scenes_.end(), [&](const Scene& s) { return s.image == click.image; });
       ClickResult result;
-      Patch patch;
+      GrownPatch patch;
       if (scene == scenes_.end()) {
         result.reason = "its picture is missing";
       } else if (catch_patch(scene->channels, inside_, click, input_.growth, patch, result.reason).ok()) {
@@ -301,7 +301,7 @@ class Fitter {
 
   struct Grown {
     std::size_t scene, color;
-    Patch patch;
+    GrownPatch patch;
   };
   const ColorFitInput& input_;
   ColorFit& out_;

@@ -50,16 +50,16 @@ constexpr double kFocalWidths = 0.8, kFocalSigma = 0.35;
 // unknowns.
 constexpr std::size_t kPointsForDistortion = 6;
 
-struct Spread {
+struct ResidualSummary {
   double rms = 0, max = 0;
 };
 
 struct FieldFit {
-  CameraParameters camera;                  // both models filled; kind: full
-  Spread residual_px, residual_mm;          // of the full model at the points
-  Spread paper_residual_mm;                 // of Klancar's model, eq. (12)-(15) and the affine part
-  double height_m = 0, height_sigma_m = 0;  // of the camera above the floor, from clicks of kClickSigma_px
-  double tilt_rad = 0;                      // of the optical axis off the vertical
+  CameraParameters camera;                   // both models filled; kind: full
+  ResidualSummary residual_px, residual_mm;  // of the full model at the points
+  ResidualSummary paper_residual_mm;         // of Klancar's model, eq. (12)-(15) and the affine part
+  double height_m = 0, height_sigma_m = 0;   // of the camera above the floor, from clicks of kClickSigma_px
+  double tilt_rad = 0;                       // of the optical axis off the vertical
   bool has_distortion = false;
 };
 

@@ -89,7 +89,7 @@ std::string describe_markings(const FieldReport& report) {
   return text("markings: %zu of %zu used, %zu not seen\n", used, markings, unseen) + elsewhere;
 }
 
-nlohmann::json json_of(const Spread& spread) { return {{"rms", spread.rms}, {"max", spread.max}}; }
+nlohmann::json json_of(const ResidualSummary& spread) { return {{"rms", spread.rms}, {"max", spread.max}}; }
 
 nlohmann::json json_of(const RefinementReport& r) {
   return {{"points", r.points},

@@ -17,7 +17,7 @@ enum class HeightSource : std::uint8_t { kSeen, kMeasured, kRules };
 struct FieldReport {
   std::optional<BorderSearch> border;  // none: corners or points were given
   std::optional<PaperSteps> steps;
-  Spread steps_mm;  // of the paper's model as its steps give it, at the points found
+  ResidualSummary steps_mm;  // of the paper's model as its steps give it, at the points found
   FieldFit fit;
   std::size_t points_given = 0;
   RefinementReport refinement;  // points 0: not refined

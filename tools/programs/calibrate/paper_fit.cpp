@@ -96,12 +96,12 @@ Status fit_paper_model(const FieldFitInput& input, FieldFit& fit, std::string& r
   return {};
 }
 
-Spread paper_residual(const PaperModelParameters& model, const std::vector<FloorPoint>& points) {
+ResidualSummary paper_residual(const PaperModelParameters& model, const std::vector<FloorPoint>& points) {
   const double h = static_cast<double>(model.focal_px), curvature = 1.0 / (h * h);
   const double tilt[2] = {static_cast<double>(model.p_per_px), static_cast<double>(model.q_per_px)};
   std::array<double, 6> affine{};
   std::copy(model.affine.begin(), model.affine.end(), affine.begin());
-  Spread spread;
+  ResidualSummary spread;
   for (const FloorPoint& p : points) {
     double residual[2];
     PaperResidual{p, static_cast<double>(model.center_u_px), static_cast<double>(model.center_v_px), 1e3}(

@@ -12,6 +12,6 @@ namespace touchline::calibrate {
 Status fit_paper_model(const FieldFitInput& input, FieldFit& fit, std::string& reason);
 
 /// How far this model, as it is, puts the points from where they are on the floor.
-Spread paper_residual(const PaperModelParameters& model, const std::vector<FloorPoint>& points);
+ResidualSummary paper_residual(const PaperModelParameters& model, const std::vector<FloorPoint>& points);
 
 }  // namespace touchline::calibrate

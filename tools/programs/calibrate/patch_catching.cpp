@@ -33,7 +33,7 @@ double support(const ChannelImage& image, const std::vector<Sample>& samples, co
 }
 
 Status catch_in_box(const ChannelImage& image, const std::vector<std::uint8_t>& inside,
-                    const std::array<double, 4>& box, std::size_t min_area_px, Patch& out, std::string& reason) {
+                    const std::array<double, 4>& box, std::size_t min_area_px, GrownPatch& out, std::string& reason) {
   const auto bounded = [](double x, int end) {
     return static_cast<int>(std::clamp(x, -1.0, static_cast<double>(end)));
   };
@@ -83,7 +83,7 @@ Status catch_in_box(const ChannelImage& image, const std::vector<std::uint8_t>& 
 }  // namespace
 
 Status catch_patch(const ChannelImage& image, const std::vector<std::uint8_t>& inside, const Click& click,
-                   GrowthLimits limits, Patch& out, std::string& reason) {
+                   GrowthLimits limits, GrownPatch& out, std::string& reason) {
   out = {};
   if (click.box) return catch_in_box(image, inside, *click.box, limits.min_area_px, out, reason);
   if (click.radius_px > 0) limits.radius_px = click.radius_px;

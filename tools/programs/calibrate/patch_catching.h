@@ -13,6 +13,6 @@ namespace touchline::calibrate {
 /// one; in a rectangle the largest set of pixels of one color, those near the middle counting more, so that it may be
 /// drawn inside of the patch or around it. kNotFound, with the reason: as grow_patch(); nothing of one color inside.
 Status catch_patch(const ChannelImage& image, const std::vector<std::uint8_t>& inside, const Click& click,
-                   GrowthLimits limits, Patch& out, std::string& reason);
+                   GrowthLimits limits, GrownPatch& out, std::string& reason);
 
 }  // namespace touchline::calibrate

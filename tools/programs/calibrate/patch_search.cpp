@@ -41,7 +41,7 @@ int unevenness(const ChannelImage& image, int u, int v) {
   return largest;
 }
 
-FoundPatch patch_of(const ChannelImage& image, PixelPoint from, const GrowthLimits& limits, Patch grown) {
+FoundPatch patch_of(const ChannelImage& image, PixelPoint from, const GrowthLimits& limits, GrownPatch grown) {
   FoundPatch patch;
   patch.u_px = static_cast<double>(from.u_px);
   patch.v_px = static_cast<double>(from.v_px);
@@ -161,7 +161,7 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
       GrowthLimits limits;
       const double scale = static_cast<double>(camera.scale_px_per_m(place, static_cast<float>(height)));
       limits.radius_px = std::clamp(static_cast<int>(std::ceil(extent * scale)) + 3, 5, 120);
-      Patch grown;
+      GrownPatch grown;
       if (!grow_patch(image, inside, u, v, limits, grown, reason).ok()) continue;
       FoundPatch patch = patch_of(image, at, limits, std::move(grown));
       // Again from its middle, as a person would have clicked: what grew from a rim is the rim and all that it

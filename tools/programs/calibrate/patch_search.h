@@ -26,7 +26,7 @@ struct FoundPatch {
   std::vector<std::size_t> pixels;  // indices into ChannelImage::pixels
   Rgb rgb{};                        // median
   Lab lab;
-  double instability = 0;  // as of Patch
+  double instability = 0;  // as of GrownPatch
   double elongation = 1;   // ratio of its spreads along the principal axes, 1 for a square and a disk
 };
 

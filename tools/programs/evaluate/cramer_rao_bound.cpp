@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "core/geometry/angle.h"
 #include "core/marker/rigid_fit.h"
 #include "hal/replay/picture.h"
 #include "tools/programs/statistics/statistics.h"
@@ -24,12 +25,12 @@ constexpr double kRoundingVariance = 1.0 / 12.0;
 // Poses and patch centers of one robot in all results.
 struct StaticRobot {
   std::size_t team = 0;
-  std::vector<Point> position_m;
+  std::vector<Vector2> position_m;
   std::vector<double> theta_rad;
-  std::vector<Point> center_px;  // of each patch, sums
+  std::vector<Vector2> center_px;  // of each patch, sums
 };
 
-PixelPoint as_pixel(Point point) { return {static_cast<float>(point.a), static_cast<float>(point.b)}; }
+PixelPoint as_pixel(Vector2 point) { return {static_cast<float>(point.x), static_cast<float>(point.y)}; }
 
 // The Jacobian d(field) / d(pixel), by central differences of half a pixel.
 Eigen::Matrix2d field_by_pixel(const CameraModel& camera, PixelPoint at, float height_m) {
@@ -55,27 +56,27 @@ Eigen::Vector3d pose_by(std::vector<Correspondence> points, std::size_t k, bool 
   const Pose low = fit_rigidly(points).pose;
   return Eigen::Vector3d(static_cast<double>(high.position.x_m - low.position.x_m),
                          static_cast<double>(high.position.y_m - low.position.y_m),
-                         static_cast<double>(wrapped_angle(high.theta_rad - low.theta_rad))) /
+                         static_cast<double>(wrap_angle(high.theta_rad - low.theta_rad))) /
          (2.0 * static_cast<double>(kStep));
 }
 
-double deviation_of_positions(const std::vector<Point>& points) {
+double deviation_of_positions(const std::vector<Vector2>& points) {
   const double n = static_cast<double>(points.size());
-  Point mean;
-  for (const Point& p : points) {
-    mean.a += p.a / n;
-    mean.b += p.b / n;
+  Vector2 mean;
+  for (const Vector2& p : points) {
+    mean.x += p.x / n;
+    mean.y += p.y / n;
   }
   double squares = 0.0;
-  for (const Point& p : points) squares += (p.a - mean.a) * (p.a - mean.a) + (p.b - mean.b) * (p.b - mean.b);
+  for (const Vector2& p : points) squares += (p.x - mean.x) * (p.x - mean.x) + (p.y - mean.y) * (p.y - mean.y);
   return std::sqrt(squares / (n - 1.0));
 }
 
 double deviation_of_angles(const std::vector<double>& angles) {
   const double n = static_cast<double>(angles.size());
   double mean = 0.0, squares = 0.0;
-  for (const double angle : angles) mean += statistics::wrapped(angle - angles.front()) / n;
-  for (const double angle : angles) squares += std::pow(statistics::wrapped(angle - angles.front() - mean), 2);
+  for (const double angle : angles) mean += wrap_angle(angle - angles.front()) / n;
+  for (const double angle : angles) squares += std::pow(wrap_angle(angle - angles.front() - mean), 2);
   return std::sqrt(squares / (n - 1.0));
 }
 
@@ -83,10 +84,10 @@ bool bound_of(const StaticPictures& pictures, const StaticRobot& robot, const Bo
   const MarkerLayout& layout = setting.layouts[robot.team];
   const std::size_t patches = robot.center_px.size();
   const double n = static_cast<double>(robot.position_m.size());
-  std::vector<Point> centers;
+  std::vector<Vector2> centers;
   std::vector<Correspondence> points;
   for (std::size_t k = 0; k < patches; ++k) {
-    centers.push_back({robot.center_px[k].a / n, robot.center_px[k].b / n});
+    centers.push_back({robot.center_px[k].x / n, robot.center_px[k].y / n});
     points.push_back({{layout.patches[k].x_m, layout.patches[k].y_m},
                       setting.camera.to_field(as_pixel(centers[k]), layout.height_m)});
   }
@@ -97,7 +98,7 @@ bool bound_of(const StaticPictures& pictures, const StaticRobot& robot, const Bo
     double radius = std::numeric_limits<double>::infinity();
     for (std::size_t other = 0; other < patches; ++other) {
       if (other == k) continue;
-      radius = std::min(radius, 0.5 * std::hypot(centers[k].a - centers[other].a, centers[k].b - centers[other].b));
+      radius = std::min(radius, 0.5 * std::hypot(centers[k].x - centers[other].x, centers[k].y - centers[other].y));
     }
     const StaticPictures::FisherInformation i = pictures.fisher_information(centers[k], radius);
     Eigen::Matrix2d fisher;
@@ -159,8 +160,8 @@ std::map<std::string, StaticRobot> static_robots(const std::vector<FrameRecord>&
       static_robot.theta_rad.push_back(*robot.theta_rad);
       static_robot.center_px.resize(patches);
       for (std::size_t k = 0; k < patches; ++k) {
-        static_robot.center_px[k].a += robot.patches[k].center_px.a;
-        static_robot.center_px[k].b += robot.patches[k].center_px.b;
+        static_robot.center_px[k].x += robot.patches[k].center_px.x;
+        static_robot.center_px[k].y += robot.patches[k].center_px.y;
       }
     }
   }
@@ -197,14 +198,14 @@ void StaticPictures::estimate_noise() {
   }
 }
 
-StaticPictures::FisherInformation StaticPictures::fisher_information(Point center_px, double radius_px) const {
+StaticPictures::FisherInformation StaticPictures::fisher_information(Vector2 center_px, double radius_px) const {
   FisherInformation sum;
   const double n = static_cast<double>(count_);
   for (std::size_t v = 1; v + 1 < height_; ++v) {
-    const double dv = static_cast<double>(v) - center_px.b;
+    const double dv = static_cast<double>(v) - center_px.y;
     if (std::abs(dv) > radius_px) continue;
     for (std::size_t u = 1; u + 1 < width_; ++u) {
-      const double du = static_cast<double>(u) - center_px.a;
+      const double du = static_cast<double>(u) - center_px.x;
       if (du * du + dv * dv > radius_px * radius_px) continue;
       for (std::size_t c = 0; c < 3; ++c) {
         const double here = mean(u, v, c);

@@ -34,7 +34,7 @@ class StaticPictures {
   struct FisherInformation {
     double uu = 0.0, uv = 0.0, vv = 0.0;
   };
-  [[nodiscard]] FisherInformation fisher_information(Point center_px, double radius_px) const;
+  [[nodiscard]] FisherInformation fisher_information(Vector2 center_px, double radius_px) const;
 
  private:
   static constexpr std::size_t kLevels = 32;

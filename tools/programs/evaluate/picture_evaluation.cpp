@@ -91,7 +91,7 @@ bool evaluate_picture(const AnnotatedPicture& truth, const std::vector<FrameReco
   out.balls = truth.balls_px.size();
   if (seen.ball.has_value()) {
     double nearest = tolerance.same_robot_px + 1.0;
-    for (const Point& ball : truth.balls_px) nearest = std::min(nearest, distance(ball, *seen.ball->center_px));
+    for (const Vector2& ball : truth.balls_px) nearest = std::min(nearest, distance(ball, *seen.ball->center_px));
     if (nearest <= tolerance.same_robot_px) {
       ++out.balls_found;
       if (nearest <= tolerance.good_px) ++out.balls_good;

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "core/geometry/angle.h"
 #include "tools/programs/evaluate/greedy_matching.h"
 
 namespace touchline::evaluate {
@@ -31,7 +32,7 @@ void compare(const SceneRecord& truth, const SceneRecord& found, double within, 
     ++(reported.id.has_value() ? sum.right : sum.unknown);
     errors.position.push_back(match.distance);
     if (expected.theta_rad.has_value() && reported.theta_rad.has_value()) {
-      errors.angle.push_back(statistics::wrapped(*reported.theta_rad - *expected.theta_rad));
+      errors.angle.push_back(wrap_angle(*reported.theta_rad - *expected.theta_rad));
     }
   }
   const bool near = truth.ball.has_value() && found.ball.has_value() &&
@@ -56,7 +57,7 @@ bool names_are_unique(const std::vector<FrameRecord>& records) {
 
 bool is_stationary(const std::vector<FrameRecord>& truth) {
   constexpr std::size_t kFewest = 3;  // frames for a meaningful spread
-  const auto same = [](Point p, Point q) { return distance(p, q) < 1e-9; };
+  const auto same = [](Vector2 p, Vector2 q) { return distance(p, q) < 1e-9; };
   const SceneRecord& first = truth.front().sightings;
   return truth.size() >= kFewest && std::all_of(truth.begin(), truth.end(), [&](const FrameRecord& record) {
            const SceneRecord& scene = record.sightings;
@@ -72,7 +73,7 @@ bool is_stationary(const std::vector<FrameRecord>& truth) {
 }
 
 struct Observations {
-  std::vector<Point> position;
+  std::vector<Vector2> position;
   std::vector<double> theta;
 };
 
@@ -82,9 +83,9 @@ PoseSpread spread_about_mean(const std::string& name, const Observations& seen) 
   spread.frames = seen.position.size();
   const auto count = static_cast<double>(spread.frames);
   double sine = 0.0, cosine = 0.0;
-  for (const Point& p : seen.position) {
-    spread.mean.a += p.a / count;
-    spread.mean.b += p.b / count;
+  for (const Vector2& p : seen.position) {
+    spread.mean.x += p.x / count;
+    spread.mean.y += p.y / count;
   }
   for (const double theta : seen.theta) {
     sine += std::sin(theta);
@@ -101,7 +102,7 @@ PoseSpread spread_about_mean(const std::string& name, const Observations& seen) 
   spread.position_rms = std::sqrt(squares / count);
   std::vector<double> turns;
   turns.reserve(seen.theta.size());
-  for (const double theta : seen.theta) turns.push_back(statistics::wrapped(theta - mean_theta));
+  for (const double theta : seen.theta) turns.push_back(wrap_angle(theta - mean_theta));
   const statistics::ErrorSummary angle = statistics::summarize(std::move(turns));
   spread.angle_rms = angle.rms;
   spread.angle_max = angle.max;

@@ -29,7 +29,7 @@ struct PoseSpread {
   double position_rms = 0.0, position_max = 0.0;
   double angle_rms = 0.0, angle_max = 0.0;
   double largest_step = 0.0;  // between consecutive reports
-  Point mean;
+  Vector2 mean;
 };
 
 struct PoseReport {

@@ -62,7 +62,7 @@ class JsonReader {
     node.complain(node.path_ + " is not a text");
     return {};
   }
-  [[nodiscard]] Point pair(const char* key) const {
+  [[nodiscard]] Vector2 pair(const char* key) const {
     const std::vector<JsonReader> entries = list(key);
     if (entries.size() == 2) return {entries[0].as_number(), entries[1].as_number()};
     at(key).complain(at(key).path_ + " is not a pair of numbers");
@@ -130,7 +130,7 @@ std::optional<BallRecord> ball_of(const JsonReader& node, bool with_pixels) {
   if (node.null()) return std::nullopt;
   BallRecord ball;
   ball.position_m = {node.number("x"), node.number("y")};
-  if (with_pixels) ball.center_px = Point{node.number("u"), node.number("v")};
+  if (with_pixels) ball.center_px = Vector2{node.number("u"), node.number("v")};
   return ball;
 }
 

@@ -1,37 +1,34 @@
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-// Readers for truth files, annotated pictures and results of touchline-replay. Every key is checked.
-namespace touchline::evaluate {
+#include "core/geometry/vector2.h"
 
-struct Point {
-  double a = 0.0, b = 0.0;  // either x, y in meters or u, v in pixels
-};
-inline double distance(Point p, Point q) { return std::hypot(p.a - q.a, p.b - q.b); }
+// Readers for truth files, annotated pictures and results of touchline-replay. Every key is checked.
+// Points are x, y in meters or u, v in pixels.
+namespace touchline::evaluate {
 
 struct PatchRecord {
   bool identification = false;
   std::string color;
-  Point center_px;
+  Vector2 center_px;
 };
 
 struct RobotRecord {
   std::string team;
   std::optional<int> id;
-  Point position_m;
+  Vector2 position_m;
   std::optional<double> theta_rad;
   std::vector<PatchRecord> patches;
 };
 
 struct BallRecord {
-  Point position_m;
-  std::optional<Point> center_px;
+  Vector2 position_m;
+  std::optional<Vector2> center_px;
 };
 
 struct SceneRecord {
@@ -52,10 +49,10 @@ struct AnnotatedPicture {
   std::string name;        // file name of the annotation without extension, for the table
   std::string file;        // file name of the picture or video
   std::int64_t frame = 0;  // frame number in a video
-  std::vector<Point> balls_px;
+  std::vector<Vector2> balls_px;
   struct Robot {
     std::string team;
-    std::optional<Point> team_px;  // empty: the annotator could not see it
+    std::optional<Vector2> team_px;  // empty: the annotator could not see it
     std::vector<PatchRecord> identification;
   };
   std::vector<Robot> robots;

@@ -71,7 +71,7 @@ ordered_json json_of(const std::vector<PoseSpread>& spreads) {
                     {"angle_rms_rad", s.angle_rms},
                     {"angle_max_rad", s.angle_max},
                     {"largest_step_m", s.largest_step},
-                    {"mean_m", {s.mean.a, s.mean.b}}});
+                    {"mean_m", {s.mean.x, s.mean.y}}});
   }
   return list;
 }
@@ -115,7 +115,7 @@ void print(const std::vector<PoseSpread>& spread, std::size_t frames, std::ostre
   for (const PoseSpread& s : spread) {
     line(out, "%-20s %-18s %8.3f %8.3f %8.3f %8.3f %9.3f   %.4f, %.4f", s.name.c_str(), share(s.frames, frames).c_str(),
          s.position_rms * kMillimeters, s.position_max * kMillimeters, s.angle_rms * kDegrees, s.angle_max * kDegrees,
-         s.largest_step * kMillimeters, s.mean.a, s.mean.b);
+         s.largest_step * kMillimeters, s.mean.x, s.mean.y);
   }
 }
 

@@ -1,7 +1,6 @@
 #include "tools/programs/statistics/statistics.h"
 
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 namespace touchline::statistics {
@@ -27,12 +26,6 @@ ErrorSummary summarize(std::vector<double> errors) {
   summary.p95 = percentile(std::span<const double>(errors), 95.0);
   summary.max = errors.back();
   return summary;
-}
-
-double wrapped(double angle_rad) {
-  constexpr double kPi = std::numbers::pi;
-  const double angle = std::remainder(angle_rad, 2.0 * kPi);
-  return angle <= -kPi ? angle + 2.0 * kPi : angle;
 }
 
 }  // namespace touchline::statistics

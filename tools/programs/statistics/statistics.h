@@ -52,7 +52,4 @@ struct ErrorSummary {
 /// Signs of the errors do not matter. `p95` is the nearest rank.
 ErrorSummary summarize(std::vector<double> errors);
 
-/// Wraps an angle to (-pi, pi].
-double wrapped(double angle_rad);
-
 }  // namespace touchline::statistics

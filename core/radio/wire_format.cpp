@@ -1,4 +1,4 @@
-#include "core/radio/crc16.h"
+#include "core/radio/wire_format.h"
 
 namespace touchline {
 

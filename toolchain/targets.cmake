@@ -47,26 +47,63 @@ function(touchline_command_line)
   set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O0)
 endfunction()
 
-# touchline_test_options(TARGET): the tests' own code is not optimized and reads its usual headers precompiled (tests/CMakeLists.txt): it
-# compiles in a third of the time, and what it tests stays as it is. Under an emulator running costs more than compiling; gcc 12 then
-# sees overruns in sums of texts where there are none.
+# touchline_test_options(TARGET): compiles the tests' own sources without optimization, which takes a third of the time; the
+# libraries under test are optimized. Under an emulator running takes longer than compiling, so tests are optimized there; gcc 12 then
+# warns about overruns in concatenated strings that do not exist.
 function(touchline_test_options target)
   target_compile_options(${target} PRIVATE "$<IF:$<BOOL:${CMAKE_CROSSCOMPILING}>,-O1;-Wno-array-bounds;-Wno-stringop-overflow,-O0>"
                          $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess> "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
 endfunction()
 
-# touchline_test(NAME SOURCES... [LINK LIBS...]): a GoogleTest program whose tests CTest runs one by one; under an emulator, which
-# translates a program anew at each start, all at once.
+# touchline_test(NAME SOURCES... [LINK LIBS...] [EIGEN] [LABELS LABEL] [SLOW PATTERNS...]): a GoogleTest program.
+# EIGEN: its precompiled headers contain Eigen.
+# LABELS: CTest label of all its tests. arm64: tools/test runs them for that processor too; threads: with the thread sanitizer too.
+# SLOW: patterns (as of --gtest_filter) of tests that get the label slow. They run in the optimized build only: faster tests run the same
+# code with the sanitizers.
+# CTest starts each test by itself. With sanitizers and under an emulator, where starting a program takes longest, it runs all
+# tests of a program in a few processes.
 function(touchline_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "EIGEN" "" "SOURCES;LINK;LABELS;SLOW" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE touchline_options ${ARG_LINK} GTest::gtest_main)
+  target_link_libraries(${name} PRIVATE touchline_options ${ARG_LINK} touchline_test_main GTest::gtest)
   touchline_test_options(${name})
-  target_precompile_headers(${name} REUSE_FROM touchline_test_headers)
+  if(ARG_EIGEN)
+    target_precompile_headers(${name} REUSE_FROM touchline_test_eigen_headers)
+  else()
+    target_precompile_headers(${name} REUSE_FROM touchline_test_main)
+  endif()
+  add_dependencies(test-programs ${name})
+  foreach(label ${ARG_LABELS})
+    if(NOT TARGET test-programs-${label})
+      add_custom_target(test-programs-${label})
+    endif()
+    add_dependencies(test-programs-${label} ${name})
+  endforeach()
+
+  string(JOIN ":" slow ${ARG_SLOW})
   if(CMAKE_CROSSCOMPILING)
     add_test(NAME ${name} COMMAND ${name})
-    set_tests_properties(${name} PROPERTIES TIMEOUT 7200 SKIP_REGULAR_EXPRESSION "\\[  SKIPPED|DISABLED TEST")
-    return()
+    set_tests_properties(${name} PROPERTIES TIMEOUT 7200 SKIP_REGULAR_EXPRESSION "\\[  SKIPPED|DISABLED TEST" LABELS "${ARG_LABELS}")
+  elseif(TOUCHLINE_SANITIZE)
+    foreach(part RANGE 1 4)
+      math(EXPR index "${part} - 1")
+      add_test(NAME ${name}.${part} COMMAND ${name} --gtest_brief=1 --gtest_filter=-${slow})
+      set_tests_properties(${name}.${part} PROPERTIES ENVIRONMENT "GTEST_TOTAL_SHARDS=4;GTEST_SHARD_INDEX=${index}" LABELS "${ARG_LABELS}")
+    endforeach()
+    if(slow)
+      add_test(NAME ${name}.slow COMMAND ${name} --gtest_brief=1 --gtest_filter=${slow})
+      set_tests_properties(${name}.slow PROPERTIES LABELS "${ARG_LABELS};slow")
+    endif()
+  else()
+    set(labels "")
+    if(ARG_LABELS)
+      set(labels PROPERTIES LABELS ${ARG_LABELS})
+    endif()
+    gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_FILTER "-${slow}" ${labels})
+    if(slow)
+      gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_FILTER "${slow}" TEST_LIST ${name}_slow_tests
+                           PROPERTIES LABELS slow)
+      add_test(NAME ${name}.SlowTestsExist COMMAND bash ${CMAKE_SOURCE_DIR}/tests/checks/patterns-match $<TARGET_FILE:${name}> ${ARG_SLOW})
+    endif()
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST)
 endfunction()

@@ -1,4 +1,4 @@
-"""What the guest boots from: Debian's kernel, v4l2loopback built for it, a root image, and what changes from run to run."""
+"""Makes the files that the guest boots from: Debian's kernel, v4l2loopback built for it, a root image, and a RAM disk for each run."""
 import hashlib
 import os
 import pathlib
@@ -8,11 +8,11 @@ import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SUITE = "bookworm"
-# What the test needs beside the package's own dependencies.
+# Packages for the test, besides the dependencies of the package under test.
 GUEST_PACKAGES = ["systemd", "udev", "kmod", "busybox-static", "v4l-utils", "gpiod"]
 FIRST_MODULES = ["virtio_pci", "virtio_blk", "ext4"]
 LATER_MODULES = ["virtio_console", "vivid", "v4l2loopback", "xhci_pci", "uvcvideo"]
-IMAGE_SIZE = "3G"  # sparse: what is not used takes no room
+IMAGE_SIZE = "3G"  # a sparse file: unused blocks take no disk space
 
 FETCH_KERNEL = """cd "$OUT" && export APT_CONFIG="$MMDEBSTRAP_APT_CONFIG" &&
 image=$(apt-cache depends linux-image-arm64:arm64 | sed -n 's/^ *Depends: *//p' | head -n 1) && image=${image%:arm64} &&
@@ -21,14 +21,14 @@ apt-get -q -o APT::Sandbox::User=root download "$image:arm64" "linux-headers-$ve
   "linux-headers-${version%-arm64}-common" v4l2loopback-dkms "$kbuild:$HOST"
 """
 
-# The view shows the files without what is mounted among them: /proc cannot be copied.
+# The bind mount shows the files without the mounts below them: /proc cannot be copied.
 FILL_IMAGE = """rm -rf "$1"/var/lib/apt/lists/* && touch "$1"/etc/.updated "$1"/var/.updated && view=$(mktemp -d) &&
 mount --bind "$1" "$view" && mke2fs -q -t ext4 -d "$view" "$IMAGE" "$SIZE" && umount "$view" && rmdir "$view"
 """
 
 
 class Failed(Exception):
-    """A command ended with an error; the text names it and what it said."""
+    """A command failed; the text has the command and its output."""
 
 
 def run(*command, **more):
@@ -43,6 +43,8 @@ def fresh(stamp, wanted):
 
 
 def mmdebstrap(architectures, variant, include, hook, environment):
+    """Makes a Debian system and calls `hook` in it. mmdebstrap refuses arm64, even if it only downloads, unless the kernel can run it."""
+    run(ROOT / "toolchain" / "emulate-arm64")
     mirror = run(ROOT / "toolchain" / "debian-mirror").strip()
     run("mmdebstrap", f"--architectures={architectures}", f"--variant={variant}", "--format=null", "--dpkgopt=force-unsafe-io",
         *([f"--include={','.join(include)}"] if include else []),
@@ -51,7 +53,7 @@ def mmdebstrap(architectures, variant, include, hook, environment):
 
 
 class Cache:
-    """build/board: made once, and again when what it is made of has changed."""
+    """Files in build/board. They are made once, and again when their ingredients have changed."""
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
@@ -68,7 +70,7 @@ class Cache:
         return self.kernel / "boot" / f"vmlinuz-{self.version}"
 
     def make_kernel(self):
-        """Debian's kernel and its modules, with v4l2loopback; False: they were there."""
+        """Makes Debian's kernel and its modules, with v4l2loopback. Returns False if they are up to date."""
         stamp = self.folder / "kernel.stamp"
         wanted = hashlib.sha256(pathlib.Path(__file__).read_bytes()).hexdigest()
         if fresh(stamp, wanted):
@@ -96,7 +98,7 @@ class Cache:
         return True
 
     def make_image(self, package):
-        """The root image with all that `package` depends on, but without it; False: it was there."""
+        """Makes the root image with the dependencies of `package`, without the package. Returns False if it is up to date."""
         depends = run("dpkg-deb", "-f", package, "Depends")
         names = sorted({re.match(r"[a-z0-9.+-]+", entry.strip())[0] for entry in depends.split(",")})
         stamp = self.folder / "image.stamp"
@@ -105,13 +107,12 @@ class Cache:
             return False
         stamp.unlink(missing_ok=True)
         self.image.unlink(missing_ok=True)
-        run(ROOT / "toolchain" / "emulate-arm64")
         mmdebstrap("arm64", "apt", GUEST_PACKAGES + names, FILL_IMAGE, {"IMAGE": str(self.image), "SIZE": IMAGE_SIZE})
         stamp.write_text(wanted)
         return True
 
     def dependent(self, modules):
-        """Files of these modules and of those that they need, in the order in which they load."""
+        """Returns the files of these modules and of their dependencies, in load order."""
         files = []
         for module in modules:
             listed = run("modprobe", "-S", self.version, "-d", self.kernel, "--show-depends", module)
@@ -119,7 +120,7 @@ class Cache:
         return list(dict.fromkeys(pathlib.Path(file) for file in files))
 
     def make_ramdisk(self, payload, out):
-        """`payload`: files that the guest finds in /run/board."""
+        """Makes the RAM disk `out`. The guest finds the files of `payload` in /run/board."""
         tree = pathlib.Path(out).with_suffix(".tree")
         shutil.rmtree(tree, ignore_errors=True)
         base = self.kernel / "lib" / "modules"
@@ -137,7 +138,7 @@ class Cache:
         (tree / "lib" / "modules").symlink_to("../payload/modules")
         run("depmod", "-b", tree, self.version)
         (tree / "bin").mkdir()
-        with open(tree / "bin" / "busybox", "wb") as busybox:  # of the image, so that it is the guest's
+        with open(tree / "bin" / "busybox", "wb") as busybox:  # the image's own, which is for the guest's processor
             subprocess.run(["debugfs", "-R", "cat /bin/busybox", str(self.image)], stdout=busybox,
                            stderr=subprocess.DEVNULL, check=True)
         (tree / "bin" / "busybox").chmod(0o755)

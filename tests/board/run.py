@@ -1,0 +1,109 @@
+"""Runs tools/test-board: boots the guest, runs the chosen parts and reports the checks."""
+import argparse
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import time
+
+sys.dont_write_bytecode = True
+import game  # noqa: E402
+import guest  # noqa: E402
+import image  # noqa: E402
+import usb  # noqa: E402
+
+BOARD = pathlib.Path(__file__).resolve().parent
+ROOT = BOARD.parent.parent
+BUILD = ROOT / "build" / "board"
+PROGRAMS = ROOT / "build" / "release" / "tests" / "board"
+PARTS = ("formats", "game", "usb")
+
+
+def parse():
+    parser = argparse.ArgumentParser(prog="tools/test-board")
+    parser.add_argument("part", nargs="*", choices=[[], *PARTS], help="what to test (default: all)")
+    parser.add_argument("--package", type=pathlib.Path, metavar="DEB", help="package to install (default: a new one)")
+    parser.add_argument("--frames", type=int, default=300, help="frames of undisturbed play (default: 300)")
+    arguments = parser.parse_args()
+    if arguments.package is not None and not arguments.package.is_file():
+        parser.error(f"--package {arguments.package}: no such file")
+    return arguments
+
+
+def step(text):
+    print(f"\n== {text} ({time.monotonic() - BEGIN:.0f} s so far)", flush=True)
+
+
+def run_visibly(*command):
+    """Runs a command with its output on the terminal. An error ends the test."""
+    environment = {**os.environ, "CMAKE_CXX_COMPILER_LAUNCHER": "ccache", "CMAKE_C_COMPILER_LAUNCHER": "ccache",
+                   "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
+    if subprocess.run([str(word) for word in command], cwd=ROOT, env=environment, check=False).returncode != 0:
+        raise image.Failed(f"{' '.join(map(str, command))} failed, see above")
+
+
+def newest_package():
+    run_visibly("tools/package", "arm64-bookworm")
+    return max((ROOT / "build" / "packages" / "bookworm").glob("touchline_*_arm64.deb"), key=lambda f: f.stat().st_mtime)
+
+
+def make_programs():
+    BUILD.mkdir(parents=True, exist_ok=True)
+    run_visibly("cmake", "--preset", "release", "--log-level=WARNING")
+    run_visibly("cmake", "--build", "--preset", "release", "-j", os.cpu_count(), "--target", "board-arena", "board-usb-camera")
+    feeder = BUILD / "board-feeder"
+    run_visibly("aarch64-linux-gnu-g++", "-std=c++20", "-O2", "-Wall", "-Wextra", "-Werror", "-static", "-I", ROOT,
+                BOARD / "feeder.cpp", "-o", feeder)
+    return feeder
+
+
+def main():
+    arguments = parse()
+    step("programs for this test")
+    feeder = make_programs()
+    step("package")
+    package = (arguments.package or newest_package()).resolve()
+    print(package.name)
+    cache = image.Cache(BUILD)
+    step("kernel and modules")
+    is_new = cache.make_kernel()  # cache.version needs the kernel
+    print(f"Linux {cache.version}, {'made' if is_new else 'kept'}")
+    step("root image")
+    print(f"Debian {image.SUITE}, {'made' if cache.make_image(package) else 'kept'}")
+    run = BUILD / "run"
+    shutil.rmtree(run, ignore_errors=True)
+    run.mkdir()
+    ramdisk = run / "ramdisk.gz"
+    cache.make_ramdisk([package, feeder, *game.payload()], ramdisk)
+
+    checks = game.Checks()
+    board = guest.Guest(cache.vmlinuz, ramdisk, cache.image, run)
+    try:
+        play = game.Game(board, checks, PROGRAMS / "board-arena", run)
+        camera = usb.UsbCamera(board, play, checks, run, PROGRAMS)
+        chosen = set(arguments.part or PARTS)
+        for parts, text, do in (
+                (chosen, "boot", play.boot), (chosen, "installation", lambda: play.install(package.name)),
+                ({"formats", "game"}, "devices", play.list_devices),
+                ({"formats"}, "vivid: formats and controls", play.try_formats),
+                ({"formats"}, "vivid: unplugged while it streams", play.unplug_vivid),
+                ({"game"}, "game", lambda: play.play(arguments.frames)),
+                ({"game"}, "emergency stop", play.pull_emergency_stop),
+                ({"game"}, "camera module unloaded and loaded again", play.reload_module), ({"game"}, "end", play.stop),
+                ({"usb"}, "USB camera", camera.list_camera), ({"usb"}, "USB camera: YUYV", camera.play_yuyv),
+                ({"usb"}, "USB camera: MJPG, unplugged while it streams", camera.play_mjpg)):
+            if parts & chosen:
+                step(text)
+                do()
+    finally:
+        board.close()
+    step("summary")
+    return checks.summary(run)
+
+
+BEGIN = time.monotonic()
+try:
+    sys.exit(main())
+except (guest.Failed, image.Failed, StopIteration) as error:
+    sys.exit(f"tools/test-board: {error}\nlogs: {BUILD / 'run'}")

@@ -1,0 +1,1 @@
+// CMake needs one source to make a precompiled header (tests/CMakeLists.txt).

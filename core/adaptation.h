@@ -30,14 +30,18 @@ struct AdaptationParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice("mode", self.mode, std::span<const Choice<AdaptationMode>>(kAdaptationModes),
-                 "Do light map and boxes follow slow changes of the light");
-    visit.number("time_constant_s", self.time_constant_s, Range{0.5, 3600.0}, "s",
-                 "How fast: after so long, two thirds of a change are followed; boxes take four times as long");
-    visit.number("most_light", self.most_light, Range{1.01, 4.0}, "",
-                 "The light is taken to become at most so many times brighter or darker");
-    visit.number("most_shift", self.most_shift, Range{0.0, 40.0}, "",
-                 "Levels by which a color's boxes may move, each channel");
+    visit.choice(self.mode, kAdaptationModes,
+                 {.name = "mode", .help = "Whether light map and color boxes follow slow changes of the light"});
+    visit.number(self.time_constant_s, {.name = "time_constant_s",
+                                        .range = {0.5, 3600.0},
+                                        .unit = "s",
+                                        .help = "Time constant of the light map; color boxes take four times as long"});
+    visit.number(self.most_light, {.name = "most_light",
+                                   .range = {1.01, 4.0},
+                                   .help = "Largest factor by which the light may become brighter or darker"});
+    visit.number(self.most_shift, {.name = "most_shift",
+                                   .range = {0.0, 40.0},
+                                   .help = "Largest shift of a color's boxes, in levels of each channel"});
   }
 };
 

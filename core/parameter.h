@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
-#include <span>
 #include <string_view>
 
 namespace touchline {
@@ -26,28 +26,48 @@ struct Choice {
   Enum value;
 };
 
-// A parameter is declared once, in its struct, and this one declaration serves loading, checking, dumping and the
-// documentation. The convention, for a struct of parameters:
+/// What takes over a new value of a key when the files are read again while robots play (SIGHUP).
+enum class Reload : std::uint8_t {
+  kInherit,     // as the section around it; at the top level: kRestart
+  kRestart,     // nothing: the value needs a restart
+  kNoEffect,    // nothing needs to: names, and paths of files whose content is compared anyway
+  kCamera,      // the open camera, by Camera::adjust()
+  kThresholds,  // the scanner's tables and the adaptation
+  kControl,     // the controller
+  kLoop,        // the real-time loop
+};
+
+/// The declaration of one key of a configuration file.
+struct Key {
+  std::string_view name = {};  // with the unit as suffix (_m, _s, _px, _mps, _radps, _hz), like the member
+  Range range = {};            // of a number, or of each number of a list
+  std::string_view unit = {};  // of a number; empty: no unit
+  Reload reload = Reload::kInherit;
+  std::string_view help = {};  // one line for the person who writes the file
+};
+
+// A configuration key is declared once, in the struct that holds its value. Reading, checking, writing, reloading and
+// the reference in docs/files.md follow from the declaration:
 //
 //   struct DriveParameters {
 //     double wheel_lag_s = 0.08;   // the initializer is the default
 //     bool brake = true;
+//
 //     template <class Self, class Visitor>
 //     static void describe(Self& self, Visitor& visit) {
-//       visit.number("wheel_lag_s", self.wheel_lag_s, Range{0.0, 1.0}, "s", "Time constant of a wheel's speed");
-//       visit.flag("brake", self.brake, "Short the motors at speed zero");
+//       visit.number(self.wheel_lag_s, {.name = "wheel_lag_s", .range = {0.0, 1.0}, .unit = "s", .help = "..."});
+//       visit.flag(self.brake, {.name = "brake", .help = "Short the motors at speed zero"});
 //     }
 //   };
 //
-// and for one that holds others: visit.section("drive", self.drive, "Wheels and motors"). The visitor's members are
-//   number(key, arithmetic&, Range, unit, help)       unit "" for a pure number
-//   numbers(key, container&, Range, unit, help)       std::array (exact length) or FixedVector / std::vector
-//   flag(key, bool&, help)
-//   text(key, std::string&, help)                     outside core
-//   texts(key, std::vector<std::string>&, help)       outside core
-//   choice(key, enum&, std::span<const Choice<enum>>, help)
-//   section(key, struct&, help)                       a TOML table
-//   list(key, container of structs&, help)            a TOML array of tables
-// A key's name carries its unit as suffix (_m, _s, _px, _mps, _radps, _hz), as the code does.
+// The visitor has these members:
+//   number(arithmetic&, Key)
+//   numbers(container&, Key)                  std::array (exact length), FixedVector or std::vector
+//   flag(bool&, Key)
+//   text(std::string&, Key)                   outside core
+//   texts(std::vector<std::string>&, Key)     outside core
+//   choice(enum&, range of Choice<enum>, Key)
+//   section(struct&, Key)                     a TOML table
+//   list(container of structs&, Key)          a TOML array of tables
 
 }  // namespace touchline

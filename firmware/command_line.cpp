@@ -37,11 +37,11 @@ CLI::Validator between(double low, double high) {
 
 void add_files(CLI::App& app, config::FilePaths& files) {
   app.add_option("--board", files.board, "Board file: devices, real-time settings, faults")->required();
-  app.add_option("--venue", files.venue, "Venue file, in place of the one that the board file names");
-  app.add_option("--team", files.team, "Team file, in place of the one that the board file names");
+  app.add_option("--venue", files.venue, "Venue file; default: the one in the board file");
+  app.add_option("--team", files.team, "Team file; default: the one in the board file");
   app.add_option("--set", files.overrides,
-                 "A key of any of the three files, for this time: --set camera.exposure_us=4000\n"
-                 "`touchline keys` lists all; docs/files.md tells which file a key belongs to")
+                 "Override a key of one of the three files: --set camera.exposure_us=4000\n"
+                 "`touchline keys` lists all keys")
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->take_all();
@@ -73,14 +73,14 @@ bool parse_command_line(int argc, char** argv, CommandLine& out, int& exit_code)
       ->capture_default_str();
   run->footer(kFooter);
 
-  CLI::App* check =
-      app.add_subcommand("check", "Read the same files, say all that is wrong with them, touch no device");
+  CLI::App* check = app.add_subcommand("check", "Read the three files, print all errors in them, and open no device");
   add_files(*check, out.session.files);
-  check->add_flag("--dump", out.dump,
-                  "Print all values in force, those that no file names included, with their meaning");
-  check->footer("Exit codes: 0 all is well, 1 something is wrong, 64 the command line is wrong.");
+  check->add_flag("--dump", out.dump, "Print the values of all keys, defaults included, with their meaning");
+  check->footer("Exit codes: 0 the files are valid, 1 they have errors, 64 the command line is wrong.");
 
-  CLI::App* keys = app.add_subcommand("keys", "List every key of the three files: type, range, default, meaning");
+  CLI::App* keys = app.add_subcommand("keys", "List all keys of the three files: type, range, default, meaning");
+  keys->add_option("--update", out.page_to_update, "Write the reference into this page (docs/files.md) instead")
+      ->type_name("FILE");
 
   try {
     app.parse(argc, argv);

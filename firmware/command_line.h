@@ -14,6 +14,7 @@ struct CommandLine {
   SessionOptions session;
   bool headless = false;
   bool dump = false;
+  std::string page_to_update;  // keys --update
 };
 
 /// True: go on with `out`. False: help, version or an error was printed, leave with `exit_code`.

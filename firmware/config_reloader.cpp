@@ -4,7 +4,7 @@
 #include <chrono>
 #include <utility>
 
-#include "firmware/config/hot_keys.h"
+#include "firmware/config/reload.h"
 
 namespace touchline {
 namespace {
@@ -44,14 +44,14 @@ std::vector<std::string> ConfigReloader::reload(const std::atomic<bool>& given_u
   const auto files = std::make_unique<config::Configuration>();
   if (!config::load(paths_, *files, problems).ok()) return refused(problems);
   auto next = std::make_unique<config::Configuration>(*running_);
-  config::HotChanges changes;
-  if (!config::take_hot_keys(*files, *next, changes, problems).ok()) return refused(problems);
+  config::ReloadChanges changes;
+  if (!config::apply_reloadable(*files, *next, changes, problems).ok()) return refused(problems);
   if (changes.empty()) return {"reload: nothing has changed"};
   if (const Status s = prepare(*next, changes); !s.ok()) {
     problems.add(files->venue_where.file(), "", std::string("it cannot be used: ") + describe(s.code()));
     return refused(problems);
   }
-  if ((changes.takers & config::kCamera) != 0) adjust_camera(*next, changes, said);
+  if (changes.concern(Reload::kCamera)) adjust_camera(*next, changes, said);
   live_update_.offer(*live_settings_);
   while (live_update_.is_pending()) {
     if (given_up.load(std::memory_order_acquire)) return said;
@@ -59,9 +59,9 @@ std::vector<std::string> ConfigReloader::reload(const std::atomic<bool>& given_u
   }
   if (live_settings_->tables != nullptr) unused_ = live_settings_->tables;
   running_ = std::move(next);
-  if (!changes.taken.empty()) {
+  if (!changes.applied.empty()) {
     said.push_back("reload: from frame " + std::to_string(live_settings_->taken_after + 1) +
-                   " on: " + listed(changes.taken, config::text_of));
+                   " on: " + listed(changes.applied, config::text_of));
   }
   if (!changes.need_restart.empty()) {
     said.push_back("reload: needs a restart: " + listed(changes.need_restart, key_of));
@@ -69,12 +69,12 @@ std::vector<std::string> ConfigReloader::reload(const std::atomic<bool>& given_u
   return said;
 }
 
-Status ConfigReloader::prepare(const config::Configuration& next, const config::HotChanges& changes) {
+Status ConfigReloader::prepare(const config::Configuration& next, const config::ReloadChanges& changes) {
   live_settings_->tables = nullptr;
   live_settings_->control = next.pipeline.control;
   live_settings_->faults = next.board.faults;
   live_settings_->radio_delay = from_seconds(next.board.radio.delay_s);
-  if ((changes.takers & config::kThresholds) == 0) return {};
+  if (!changes.concern(Reload::kThresholds)) return {};
   if (unused_ == nullptr) {
     second_ = std::make_unique<ScanTables>();
     unused_ = second_.get();
@@ -83,12 +83,12 @@ Status ConfigReloader::prepare(const config::Configuration& next, const config::
   if (const Status s = unused_->configure(parameters.scan); !s.ok()) return s;
   live_settings_->tables = unused_;
   live_settings_->keep_adaptation_mode = std::none_of(
-      changes.taken.begin(), changes.taken.end(),
+      changes.applied.begin(), changes.applied.end(),
       [](const auto& change) { return change.file == config::FileKind::kVenue && change.key == "adaptation.mode"; });
   return live_settings_->adaptation.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color);
 }
 
-void ConfigReloader::adjust_camera(config::Configuration& next, config::HotChanges& changes,
+void ConfigReloader::adjust_camera(config::Configuration& next, config::ReloadChanges& changes,
                                    std::vector<std::string>& said) {
   std::string grants;
   const Status adjusted = camera_.adjust(next.board.camera, grants);
@@ -98,10 +98,10 @@ void ConfigReloader::adjust_camera(config::Configuration& next, config::HotChang
   const auto of_camera = [](const config::Change& change) {
     return change.file == config::FileKind::kBoard && change.key.starts_with("camera.");
   };
-  const auto refused = std::stable_partition(changes.taken.begin(), changes.taken.end(),
+  const auto refused = std::stable_partition(changes.applied.begin(), changes.applied.end(),
                                              [&](const config::Change& change) { return !of_camera(change); });
-  changes.need_restart.insert(changes.need_restart.begin(), refused, changes.taken.end());
-  changes.taken.erase(refused, changes.taken.end());
+  changes.need_restart.insert(changes.need_restart.begin(), refused, changes.applied.end());
+  changes.applied.erase(refused, changes.applied.end());
 }
 
 ReloadThread::ReloadThread(ConfigReloader& reloader, const std::atomic<std::uint32_t>& requests, Say say)

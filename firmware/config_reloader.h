@@ -15,10 +15,10 @@
 namespace touchline {
 
 namespace config {
-struct HotChanges;
+struct ReloadChanges;
 }
 
-/// Reads the three files again while the loop runs and brings into force what may change then (config/hot_keys.h):
+/// Reads the three files again while the loop runs and brings into force what may change then (config/reload.h):
 /// camera controls on the open device, thresholds and all else by a LiveUpdate. On a thread of its own: it reads files,
 /// allocates, and waits for the camera and for the loop.
 class ConfigReloader {
@@ -38,8 +38,8 @@ class ConfigReloader {
   [[nodiscard]] const config::Configuration& running() const { return *running_; }
 
  private:
-  void adjust_camera(config::Configuration& next, config::HotChanges& changes, std::vector<std::string>& said);
-  Status prepare(const config::Configuration& next, const config::HotChanges& changes);
+  void adjust_camera(config::Configuration& next, config::ReloadChanges& changes, std::vector<std::string>& said);
+  Status prepare(const config::Configuration& next, const config::ReloadChanges& changes);
 
   const config::FilePaths paths_;
   hal::Camera& camera_;

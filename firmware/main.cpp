@@ -1,47 +1,50 @@
 #include <cstdio>
 
 #include "firmware/command_line.h"
-#include "firmware/config/key_list.h"
+#include "firmware/config/key_reference.h"
 #include "firmware/run_command.h"
+#include "hal/linux/files/input_file.h"
+#include "hal/linux/files/output_file.h"
 
 namespace touchline {
 namespace {
+
+int fail(const std::string& message) {
+  std::fprintf(stderr, "touchline: %s\n", message.c_str());
+  return kExitBadFile;
+}
+
+int print(const std::string& text) {
+  std::string reason;
+  return hal::write_file("-", text, reason).ok() ? kExitOk : fail(reason);
+}
 
 int check_command(const CommandLine& command_line) {
   config::Problems problems;
   Session session;
   const Status status = session.load(command_line.session, problems);
-  // Values that were read are shown even when others are wrong: that is when one wants to look.
-  if (command_line.dump && status.code() != ErrorCode::kNotFound) {
-    std::fputs(config::dump(session.configuration()).c_str(), stdout);
-  }
+  // With an error in one value, the others are still worth a look.
+  int code = kExitOk;
+  if (command_line.dump && status.code() != ErrorCode::kNotFound) code = print(config::dump(session.configuration()));
   std::fputs(problems.text().c_str(), stderr);
   if (!status.ok()) return kExitBadFile;
+  if (command_line.dump) return code;
   const config::Configuration& configuration = session.configuration();
-  if (!command_line.dump) {
-    std::printf("%s, %s and %s are sound\n", configuration.board_where.file().c_str(),
-                configuration.venue_where.file().c_str(), configuration.team_where.file().c_str());
-    std::printf("colors: %s kernel\n", std::string(config::kernel_word(configuration.board)).c_str());
-  }
-  return kExitOk;
+  return print(configuration.board_where.file() + ", " + configuration.venue_where.file() + " and " +
+               configuration.team_where.file() +
+               " are valid\ncolors: " + std::string(config::kernel_word(configuration.board)) + " kernel\n");
 }
 
-template <class File>
-void print_keys(const char* title) {
-  std::printf("%s\n", title);
-  for (const config::KeyInfo& key : config::KeyLister::keys_of<File>()) {
-    std::printf("  %s: %s", key.path.c_str(), key.type.c_str());
-    if (!key.limits.empty()) std::printf(", %s", key.limits.c_str());
-    if (!key.initial.empty()) std::printf(", default %s", key.initial.c_str());
-    std::printf("\n      %s\n", key.help.c_str());
+int keys_command(const std::string& page_to_update) {
+  if (page_to_update.empty()) return print(config::key_reference_text());
+  std::string page, reason;
+  Status status = hal::read_file(page_to_update, hal::kMaxTextFileBytes, page, reason);
+  if (status.ok()) {
+    status = config::update_key_reference(page);
+    if (!status.ok()) reason = page_to_update + ": the lines that begin and end the reference are missing";
   }
-}
-
-int keys_command() {
-  print_keys<config::BoardFile>("board file");
-  print_keys<config::VenueFile>("venue file");
-  print_keys<config::TeamFile>("team file");
-  return kExitOk;
+  if (status.ok()) status = hal::write_file(page_to_update, page, reason);
+  return status.ok() ? kExitOk : fail(reason);
 }
 
 }  // namespace
@@ -57,7 +60,7 @@ int main(int argc, char** argv) {
     case touchline::Command::kCheck:
       return touchline::check_command(command_line);
     case touchline::Command::kKeys:
-      return touchline::keys_command();
+      return touchline::keys_command(command_line.page_to_update);
   }
   return exit_code;
 }

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "core/parameter.h"
+#include "core/parameter_copy.h"
 #include "core/types.h"
 
 // Sections [camera], [radio] and [gpio] of the board file (docs/files.md): what the backends have in common.
@@ -75,42 +75,57 @@ struct CameraSettings {
   int focus = kFocusLeave;
   PowerLine power_line = PowerLine::kLeave;
 
-  /// What Camera::adjust() looks at.
-  void take_controls(const CameraSettings& other) {
-    exposure_us = other.exposure_us;
-    exposure_steps = other.exposure_steps;
-    gain = other.gain;
-    white_balance_k = other.white_balance_k;
-    focus = other.focus;
-    power_line = other.power_line;
-  }
+  /// Copies the keys that Camera::adjust() can change.
+  void take_controls(const CameraSettings& other) { copy_reloadable(other, *this, Reload::kCamera); }
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice("backend", self.backend, std::span<const Choice<CameraBackend>>(kCameraBackends),
-                 "Where frames come from");
-    visit.text("device", self.device,
-               "v4l2: a device, best by its path; libcamera: a camera's id, a part of it, or auto; replay: a folder of "
-               "pictures or a video");
-    visit.choice("format", self.format, std::span<const Choice<CameraFormat>>(kCameraFormats),
-                 "Format asked for; mjpg: JPEG pictures, which come to be rgb24");
-    visit.number("width_px", self.width_px, Range{16, kMaxFrameWidth}, "px", "Width asked for");
-    visit.number("height_px", self.height_px, Range{16, kMaxFrameHeight}, "px", "Height asked for");
-    visit.number("rate_hz", self.rate_hz, Range{0.0, 1000.0}, "Hz",
-                 "Frame rate asked for; replay: 0 or absent: a video's own, pictures at 30");
+    visit.choice(self.backend, kCameraBackends, {.name = "backend", .help = "Source of the frames"});
+    visit.text(self.device, {.name = "device",
+                             .help = "v4l2: a device, preferably a link in /dev/v4l; libcamera: \"auto\", an id or a "
+                                     "part of one; replay: a folder of pictures or a video"});
+    visit.choice(self.format, kCameraFormats,
+                 {.name = "format", .help = "Requested pixel format (docs/cameras.md); mjpg is decoded to rgb24"});
+    visit.number(self.width_px,
+                 {.name = "width_px", .range = {16, kMaxFrameWidth}, .unit = "px", .help = "Requested width"});
+    visit.number(self.height_px,
+                 {.name = "height_px", .range = {16, kMaxFrameHeight}, .unit = "px", .help = "Requested height"});
+    visit.number(
+        self.rate_hz,
+        {.name = "rate_hz",
+         .range = {0.0, 1000.0},
+         .unit = "Hz",
+         .help = "Requested frame rate; replay: 0 or absent means the time stamps of a video, 30 for pictures"});
     // One being filled, one waiting, one held by the loop is the least that loses no frame; V4L2 has at most 32.
-    visit.number("buffers", self.buffers, Range{3, 32}, "", "Frames that the driver may hold");
-    visit.number("exposure_us", self.exposure_us, Range{0, 1000000}, "us", "Exposure time; 0: leave to the driver");
-    visit.number("exposure_steps", self.exposure_steps, Range{kExposureStepsLeave, 65535}, "",
-                 "v4l2: exposure in the driver's steps, for cameras that do not count in time; -1: exposure_us counts");
-    visit.number("gain", self.gain, Range{0, 65535}, "",
-                 "Gain in the driver's steps, hundredths with libcamera; 0: leave to the driver");
-    visit.number("white_balance_k", self.white_balance_k, Range{0, 20000}, "K",
-                 "White balance; 0: leave to the driver");
-    visit.number("focus", self.focus, Range{kFocusLeave, 65535}, "",
-                 "Focus in the driver's steps, hundredths of a dioptre with libcamera; -1: leave to the driver");
-    visit.choice("power_line", self.power_line, std::span<const Choice<PowerLine>>(kPowerLines),
-                 "Lamp flicker that the camera filters out; leave: as the driver has it");
+    visit.number(self.buffers, {.name = "buffers", .range = {3, 32}, .help = "Number of frame buffers"});
+    visit.number(self.exposure_us, {.name = "exposure_us",
+                                    .range = {0, 1000000},
+                                    .unit = "us",
+                                    .reload = Reload::kCamera,
+                                    .help = "Exposure time; 0: not set"});
+    visit.number(self.exposure_steps, {.name = "exposure_steps",
+                                       .range = {kExposureStepsLeave, 65535},
+                                       .reload = Reload::kCamera,
+                                       .help = "v4l2: exposure in steps of the driver, for cameras that do not count "
+                                               "in time (docs/cameras.md); -1: exposure_us is used"});
+    visit.number(self.gain, {.name = "gain",
+                             .range = {0, 65535},
+                             .reload = Reload::kCamera,
+                             .help = "Gain in steps of the driver, in hundredths with libcamera; 0: not set"});
+    visit.number(self.white_balance_k, {.name = "white_balance_k",
+                                        .range = {0, 20000},
+                                        .unit = "K",
+                                        .reload = Reload::kCamera,
+                                        .help = "White balance; 0: not set"});
+    visit.number(self.focus,
+                 {.name = "focus",
+                  .range = {kFocusLeave, 65535},
+                  .reload = Reload::kCamera,
+                  .help = "Focus in steps of the driver, in hundredths of a diopter with libcamera; -1: not set"});
+    visit.choice(self.power_line, kPowerLines,
+                 {.name = "power_line",
+                  .reload = Reload::kCamera,
+                  .help = "Frequency of the lamps' flicker that the camera suppresses; leave: not set"});
   }
 };
 
@@ -128,16 +143,24 @@ struct RadioSettings {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice("backend", self.backend, std::span<const Choice<RadioBackend>>(kRadioBackends), "Where packets go to");
-    visit.text("device", self.device, "serial: a port, best by its path");
-    visit.number("baud", self.baud, Range{1200, 4000000}, "Bd",
-                 "Speed of the port; 8 data bits, no parity, 1 stop bit");
-    visit.number("delay_s", self.delay_s, Range{0.0, 1.0}, "s",
-                 "From the last byte sent to the wheels; added to the measured latency");
-    visit.flag("telemetry", self.telemetry, "Listen to what robots send back");
+    visit.choice(self.backend, kRadioBackends, {.name = "backend", .help = "Destination of the packets"});
+    visit.text(self.device, {.name = "device", .help = "serial: a port, preferably a link in /dev/serial/by-id"});
+    visit.number(self.baud, {.name = "baud",
+                             .range = {1200, 4000000},
+                             .unit = "Bd",
+                             .help = "Baud rate; 8 data bits, no parity, 1 stop bit"});
+    visit.number(self.delay_s,
+                 {.name = "delay_s",
+                  .range = {0.0, 1.0},
+                  .unit = "s",
+                  .reload = Reload::kLoop,
+                  .help = "Delay from the last byte sent to the wheels; it is added to the measured latency"});
+    visit.flag(self.telemetry, {.name = "telemetry", .help = "Receive telemetry from the robots (docs/radio.md)"});
     // Two lithium cells, as most small robots have: 3.5 V each under load are little, 3.0 V destroy them.
-    visit.number("low_battery_v", self.low_battery_v, Range{0.0, 60.0}, "V",
-                 "A robot's battery is low below it, which is said once; 0: never");
+    visit.number(self.low_battery_v, {.name = "low_battery_v",
+                                      .range = {0.0, 60.0},
+                                      .unit = "V",
+                                      .help = "Battery voltage below which a robot is reported once; 0: never"});
   }
 };
 
@@ -169,25 +192,38 @@ struct GpioSettings {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice("backend", self.backend, std::span<const Choice<GpioBackend>>(kGpioBackends),
-                 "Who serves the lights, switches and buttons");
-    visit.text("chip", self.chip, "The chip whose lines are used: its label, which stays, or its device");
+    visit.choice(self.backend, kGpioBackends, {.name = "backend", .help = "Driver of the lines"});
+    visit.text(self.chip, {.name = "chip", .help = "GPIO chip: its label, which does not change, or its device"});
     // Linux numbers a chip's lines from 0; no chip of a single-board computer has more than 512.
     constexpr Range kLines{kNoLine, 511};
-    visit.number("status_led_line", self.status_led_line, kLines, "", "Output, high: on; -1: not wired");
-    visit.number("strobe_line", self.strobe_line, kLines, "",
-                 "Output, high from the arrival of a frame to its packet; -1: not wired");
-    visit.number("emergency_stop_line", self.emergency_stop_line, kLines, "", "Input; -1: not wired");
-    visit.flag("emergency_stop_active_low", self.emergency_stop_active_low, "Low stops the robots, else high does");
-    visit.choice("emergency_stop_bias", self.emergency_stop_bias, std::span<const Choice<GpioBias>>(kGpioBiases),
-                 "Resistor inside the chip at the emergency stop's line");
-    visit.number("start_line", self.start_line, kLines, "",
-                 "Input of a button: robots stand until it is pressed; -1: not wired, they need none");
-    visit.flag("start_active_low", self.start_active_low, "Low while it is pressed, else high");
-    visit.choice("start_bias", self.start_bias, std::span<const Choice<GpioBias>>(kGpioBiases),
-                 "Resistor inside the chip at the button's line");
-    visit.number("debounce_s", self.debounce_s, Range{0.0, 0.1}, "s",
-                 "Shorter pulses at the emergency stop and the button do nothing");
+    visit.number(
+        self.status_led_line,
+        {.name = "status_led_line", .range = kLines, .help = "Output of the status LED, high: on; -1: not connected"});
+    visit.number(self.strobe_line,
+                 {.name = "strobe_line",
+                  .range = kLines,
+                  .help = "Output, high from the arrival of a frame to its packet; -1: not connected"});
+    visit.number(
+        self.emergency_stop_line,
+        {.name = "emergency_stop_line", .range = kLines, .help = "Input of the emergency stop; -1: not connected"});
+    visit.flag(self.emergency_stop_active_low,
+               {.name = "emergency_stop_active_low", .help = "Low stops the robots; false: high stops them"});
+    visit.choice(self.emergency_stop_bias, kGpioBiases,
+                 {.name = "emergency_stop_bias", .help = "Internal resistor of the emergency stop's line"});
+    visit.number(
+        self.start_line,
+        {.name = "start_line",
+         .range = kLines,
+         .help =
+             "Input of the start button: robots stop until it is pressed; -1: not connected, robots start at once"});
+    visit.flag(self.start_active_low,
+               {.name = "start_active_low", .help = "Low while the button is pressed; false: high"});
+    visit.choice(self.start_bias, kGpioBiases,
+                 {.name = "start_bias", .help = "Internal resistor of the start button's line"});
+    visit.number(self.debounce_s, {.name = "debounce_s",
+                                   .range = {0.0, 0.1},
+                                   .unit = "s",
+                                   .help = "Pulses of emergency stop and start button that are shorter are ignored"});
   }
 };
 

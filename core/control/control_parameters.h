@@ -14,14 +14,25 @@ struct DriveParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("wheel_base_m", self.wheel_base_m, Range{0.01, 1.0}, "m", "Distance of the wheels");
-    visit.number("max_speed_mps", self.max_speed_mps, Range{0.01, 10.0}, "m/s", "Linear velocity commanded at most");
-    visit.number("max_turn_radps", self.max_turn_radps, Range{0.1, 100.0}, "rad/s",
-                 "Angular velocity commanded at most");
-    visit.number("max_wheel_speed_mps", self.max_wheel_speed_mps, Range{0.01, 10.0}, "m/s",
-                 "Rim speed of a wheel at most; both are scaled, so that the robot stays on its curve");
-    visit.number("max_wheel_acceleration_mps2", self.max_wheel_acceleration_mps2, Range{0.1, 100.0}, "m/s^2",
-                 "Change of a wheel's commanded speed; beyond the tires slip");
+    visit.number(self.wheel_base_m,
+                 {.name = "wheel_base_m", .range = {0.01, 1.0}, .unit = "m", .help = "Distance between the wheels"});
+    visit.number(
+        self.max_speed_mps,
+        {.name = "max_speed_mps", .range = {0.01, 10.0}, .unit = "m/s", .help = "Maximum commanded linear velocity"});
+    visit.number(self.max_turn_radps, {.name = "max_turn_radps",
+                                       .range = {0.1, 100.0},
+                                       .unit = "rad/s",
+                                       .help = "Maximum commanded angular velocity"});
+    visit.number(self.max_wheel_speed_mps,
+                 {.name = "max_wheel_speed_mps",
+                  .range = {0.01, 10.0},
+                  .unit = "m/s",
+                  .help = "Maximum rim speed of a wheel; both wheels are scaled together, which keeps the curvature"});
+    visit.number(self.max_wheel_acceleration_mps2,
+                 {.name = "max_wheel_acceleration_mps2",
+                  .range = {0.1, 100.0},
+                  .unit = "m/s^2",
+                  .help = "Maximum acceleration of a wheel; the tires slip above it"});
   }
 };
 
@@ -38,20 +49,38 @@ struct MotionParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("distance_per_s", self.distance_per_s, Range{0.1, 20.0}, "1/s",
-                 "Speed for each meter that is left to go (gamma of Aicardi)");
-    visit.number("bearing_per_s", self.bearing_per_s, Range{0.1, 50.0}, "1/s",
-                 "Turn rate for each radian off the target's bearing (k of Aicardi)");
-    visit.number("approach_weight", self.approach_weight, Range{0.1, 10.0}, "",
-                 "Weight of the direction from which a pose is approached (h of Aicardi)");
-    visit.number("heading_per_s", self.heading_per_s, Range{0.1, 50.0}, "1/s",
-                 "Turn rate for each radian of heading error of a robot that stands in its place");
-    visit.number("arrived_m", self.arrived_m, Range{0.001, 0.2}, "m", "Nearer than this, a robot only turns");
-    visit.number("tracking_damping", self.tracking_damping, Range{0.1, 5.0}, "", "Damping of trajectory tracking");
-    visit.number("tracking_per_m2", self.tracking_per_m2, Range{0.1, 1000.0}, "1/m^2",
-                 "Stiffness of trajectory tracking: square of its frequency, in radians for each meter of way");
-    visit.number("tracking_floor_per_s", self.tracking_floor_per_s, Range{0.0, 20.0}, "1/s",
-                 "Frequency of trajectory tracking when the reference stands");
+    visit.number(self.distance_per_s, {.name = "distance_per_s",
+                                       .range = {0.1, 20.0},
+                                       .unit = "1/s",
+                                       .help = "Speed per meter of distance to the target (gamma of Aicardi)"});
+    visit.number(self.bearing_per_s, {.name = "bearing_per_s",
+                                      .range = {0.1, 50.0},
+                                      .unit = "1/s",
+                                      .help = "Angular velocity per radian of bearing error (k of Aicardi)"});
+    visit.number(self.approach_weight, {.name = "approach_weight",
+                                        .range = {0.1, 10.0},
+                                        .help = "Weight of the direction of approach to a pose (h of Aicardi)"});
+    visit.number(self.heading_per_s,
+                 {.name = "heading_per_s",
+                  .range = {0.1, 50.0},
+                  .unit = "1/s",
+                  .help = "Angular velocity per radian of heading error when a robot turns on the spot"});
+    visit.number(self.arrived_m, {.name = "arrived_m",
+                                  .range = {0.001, 0.2},
+                                  .unit = "m",
+                                  .help = "Distance to the target below which a robot only turns"});
+    visit.number(self.tracking_damping,
+                 {.name = "tracking_damping", .range = {0.1, 5.0}, .help = "Damping ratio of trajectory tracking"});
+    visit.number(self.tracking_per_m2,
+                 {.name = "tracking_per_m2",
+                  .range = {0.1, 1000.0},
+                  .unit = "1/m^2",
+                  .help = "Stiffness of trajectory tracking: square of the natural frequency per meter of path"});
+    visit.number(self.tracking_floor_per_s,
+                 {.name = "tracking_floor_per_s",
+                  .range = {0.0, 20.0},
+                  .unit = "1/s",
+                  .help = "Natural frequency of trajectory tracking when the reference does not move"});
   }
 };
 
@@ -76,31 +105,63 @@ struct PlayParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.flag("enabled", self.enabled, "Play the default game; false: robots stand");
-    visit.number("goalkeeper_id", self.goalkeeper_id, Range{-1, 127}, "",
-                 "Id of the goalkeeper; -1: nearest to the goal");
-    visit.number("robot_radius_m", self.robot_radius_m, Range{0.005, 0.5}, "m", "Half a robot's side");
-    visit.number("clearance_m", self.clearance_m, Range{0.01, 1.0}, "m",
-                 "Distance at which robots pass each other, center to center");
-    visit.number("behind_ball_m", self.behind_ball_m, Range{0.02, 1.0}, "m", "Where an attack on the ball begins");
-    visit.number("corridor_m", self.corridor_m, Range{0.001, 0.2}, "m",
-                 "Half width, at the ball, of the corridor in which the attacker drives straight at it");
-    visit.number("corridor_slope", self.corridor_slope, Range{0.0, 2.0}, "",
-                 "How much the corridor's half width grows for each meter behind the ball");
-    visit.number("push_speed_mps", self.push_speed_mps, Range{0.05, 10.0}, "m/s", "Speed at which the ball is pushed");
-    visit.number("wall_m", self.wall_m, Range{0.0, 0.5}, "m",
-                 "Distance of the ball from a wall up to which no robot fits between them");
-    visit.number("keeper_line_m", self.keeper_line_m, Range{0.0, 1.0}, "m", "Goalkeeper's distance from the goal line");
-    visit.number("attacker_hysteresis_m", self.attacker_hysteresis_m, Range{0.0, 2.0}, "m",
-                 "How much nearer to the ball another robot must be to become attacker");
-    visit.number("slot_hysteresis_m", self.slot_hysteresis_m, Range{0.0, 2.0}, "m",
-                 "How much nearer to a supporter's place another robot must be to take it");
-    visit.number("max_coast_s", self.max_coast_s, Range{0.0, 5.0}, "s",
-                 "A robot that was not seen for longer is told to stand");
-    visit.number("stuck_after_s", self.stuck_after_s, Range{0.1, 10.0}, "s",
-                 "Time without motion, although commanded, after which a robot frees itself");
-    visit.number("escape_for_s", self.escape_for_s, Range{0.05, 5.0}, "s", "How long it backs off then");
-    visit.number("escape_speed_mps", self.escape_speed_mps, Range{0.05, 10.0}, "m/s", "How fast it backs off");
+    visit.flag(self.enabled, {.name = "enabled", .help = "Play the built-in game; false: robots stop"});
+    visit.number(self.goalkeeper_id, {.name = "goalkeeper_id",
+                                      .range = {-1, 127},
+                                      .help = "Id of the goalkeeper; -1: the robot nearest to the goal at the start"});
+    visit.number(self.robot_radius_m,
+                 {.name = "robot_radius_m", .range = {0.005, 0.5}, .unit = "m", .help = "Half the side of a robot"});
+    visit.number(self.clearance_m, {.name = "clearance_m",
+                                    .range = {0.01, 1.0},
+                                    .unit = "m",
+                                    .help = "Minimum distance between the centers of two robots that pass each other"});
+    visit.number(self.behind_ball_m, {.name = "behind_ball_m",
+                                      .range = {0.02, 1.0},
+                                      .unit = "m",
+                                      .help = "Distance behind the ball at which an attack starts"});
+    visit.number(
+        self.corridor_m,
+        {.name = "corridor_m",
+         .range = {0.001, 0.2},
+         .unit = "m",
+         .help = "Half width, at the ball, of the corridor in which the attacker drives straight to the ball"});
+    visit.number(self.corridor_slope, {.name = "corridor_slope",
+                                       .range = {0.0, 2.0},
+                                       .help = "Growth of the corridor's half width per meter behind the ball"});
+    visit.number(self.push_speed_mps, {.name = "push_speed_mps",
+                                       .range = {0.05, 10.0},
+                                       .unit = "m/s",
+                                       .help = "Speed of the attacker when it pushes the ball"});
+    visit.number(self.wall_m, {.name = "wall_m",
+                               .range = {0.0, 0.5},
+                               .unit = "m",
+                               .help = "Distance between ball and wall below which no robot fits between them"});
+    visit.number(self.keeper_line_m, {.name = "keeper_line_m",
+                                      .range = {0.0, 1.0},
+                                      .unit = "m",
+                                      .help = "Distance of the goalkeeper from the goal line"});
+    visit.number(self.attacker_hysteresis_m,
+                 {.name = "attacker_hysteresis_m",
+                  .range = {0.0, 2.0},
+                  .unit = "m",
+                  .help = "Distance by which another robot must be nearer to the ball to become the attacker"});
+    visit.number(self.slot_hysteresis_m,
+                 {.name = "slot_hysteresis_m",
+                  .range = {0.0, 2.0},
+                  .unit = "m",
+                  .help = "Distance by which another robot must be nearer to a supporter's position to take it"});
+    visit.number(self.max_coast_s, {.name = "max_coast_s",
+                                    .range = {0.0, 5.0},
+                                    .unit = "s",
+                                    .help = "Time without a sighting after which a robot gets stop commands"});
+    visit.number(self.stuck_after_s, {.name = "stuck_after_s",
+                                      .range = {0.1, 10.0},
+                                      .unit = "s",
+                                      .help = "Time without motion despite commands after which a robot backs off"});
+    visit.number(self.escape_for_s,
+                 {.name = "escape_for_s", .range = {0.05, 5.0}, .unit = "s", .help = "Duration of backing off"});
+    visit.number(self.escape_speed_mps,
+                 {.name = "escape_speed_mps", .range = {0.05, 10.0}, .unit = "m/s", .help = "Speed of backing off"});
   }
 };
 
@@ -111,9 +172,9 @@ struct ControlParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.section("drive", self.drive, "Wheels and limits");
-    visit.section("motion", self.motion, "Gains of the control laws");
-    visit.section("play", self.play, "Who does what");
+    visit.section(self.drive, {.name = "drive", .help = "Wheels and limits of the drive"});
+    visit.section(self.motion, {.name = "motion", .help = "Gains of the control laws"});
+    visit.section(self.play, {.name = "play", .help = "Roles and rules of the built-in game"});
   }
 };
 

@@ -20,18 +20,25 @@ struct FullModelParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("fx_px", self.fx_px, Range{0.0, 1e5}, "px", "Focal length along the rows");
-    visit.number("fy_px", self.fy_px, Range{0.0, 1e5}, "px", "Focal length along the columns");
-    visit.number("cx_px", self.cx_px, Range{-1e4, 1e4}, "px", "Principal point, column");
-    visit.number("cy_px", self.cy_px, Range{-1e4, 1e4}, "px", "Principal point, row");
-    visit.number("k1", self.k1, Range{-10.0, 10.0}, "", "Radial distortion, second order");
-    visit.number("k2", self.k2, Range{-100.0, 100.0}, "", "Radial distortion, fourth order");
-    visit.number("k3", self.k3, Range{-1000.0, 1000.0}, "", "Radial distortion, sixth order");
-    visit.number("p1", self.p1, Range{-1.0, 1.0}, "", "Tangential distortion, vertical");
-    visit.number("p2", self.p2, Range{-1.0, 1.0}, "", "Tangential distortion, horizontal");
-    visit.numbers("rotation_rad", self.rotation_rad, Range{-7.0, 7.0}, "rad",
-                  "Rotation vector from the field's to the camera's frame (z forward, y down)");
-    visit.numbers("position_m", self.position_m, Range{-100.0, 100.0}, "m", "Where the camera is in the field's frame");
+    visit.number(self.fx_px, {.name = "fx_px", .range = {0.0, 1e5}, .unit = "px", .help = "Focal length along rows"});
+    visit.number(self.fy_px,
+                 {.name = "fy_px", .range = {0.0, 1e5}, .unit = "px", .help = "Focal length along columns"});
+    visit.number(self.cx_px, {.name = "cx_px", .range = {-1e4, 1e4}, .unit = "px", .help = "Principal point, column"});
+    visit.number(self.cy_px, {.name = "cy_px", .range = {-1e4, 1e4}, .unit = "px", .help = "Principal point, row"});
+    visit.number(self.k1, {.name = "k1", .range = {-10.0, 10.0}, .help = "Radial distortion, second order"});
+    visit.number(self.k2, {.name = "k2", .range = {-100.0, 100.0}, .help = "Radial distortion, fourth order"});
+    visit.number(self.k3, {.name = "k3", .range = {-1000.0, 1000.0}, .help = "Radial distortion, sixth order"});
+    visit.number(self.p1, {.name = "p1", .range = {-1.0, 1.0}, .help = "Tangential distortion, vertical"});
+    visit.number(self.p2, {.name = "p2", .range = {-1.0, 1.0}, .help = "Tangential distortion, horizontal"});
+    visit.numbers(self.rotation_rad,
+                  {.name = "rotation_rad",
+                   .range = {-7.0, 7.0},
+                   .unit = "rad",
+                   .help = "Rotation vector from the field frame to the camera frame (z forward, y down)"});
+    visit.numbers(self.position_m, {.name = "position_m",
+                                    .range = {-100.0, 100.0},
+                                    .unit = "m",
+                                    .help = "Position of the camera in the field frame"});
   }
 };
 
@@ -45,14 +52,27 @@ struct PaperModelParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("center_u_px", self.center_u_px, Range{-1e4, 1e4}, "px", "Center of the picture, column");
-    visit.number("center_v_px", self.center_v_px, Range{-1e4, 1e4}, "px", "Center of the picture, row");
-    visit.number("focal_px", self.focal_px, Range{0.0, 1e6}, "px", "H of eq. (12)");
-    visit.number("p_per_px", self.p_per_px, Range{-1.0, 1.0}, "1/px", "p of eq. (14)");
-    visit.number("q_per_px", self.q_per_px, Range{-1.0, 1.0}, "1/px", "q of eq. (14)");
-    visit.numbers("affine", self.affine, Range{-100.0, 100.0}, "",
-                  "x = a0 X + a1 Y + a2, y = a3 X + a4 Y + a5: rectified pixels to meters on the floor");
-    visit.numbers("position_m", self.position_m, Range{-100.0, 100.0}, "m", "Where the camera is in the field's frame");
+    visit.number(
+        self.center_u_px,
+        {.name = "center_u_px", .range = {-1e4, 1e4}, .unit = "px", .help = "Center of the distortion, column"});
+    visit.number(self.center_v_px,
+                 {.name = "center_v_px", .range = {-1e4, 1e4}, .unit = "px", .help = "Center of the distortion, row"});
+    visit.number(
+        self.focal_px,
+        {.name = "focal_px", .range = {0.0, 1e6}, .unit = "px", .help = "Focal length: H of Klancar eq. (12)"});
+    visit.number(self.p_per_px,
+                 {.name = "p_per_px", .range = {-1.0, 1.0}, .unit = "1/px", .help = "Tilt: p of Klancar eq. (14)"});
+    visit.number(self.q_per_px,
+                 {.name = "q_per_px", .range = {-1.0, 1.0}, .unit = "1/px", .help = "Tilt: q of Klancar eq. (14)"});
+    visit.numbers(
+        self.affine,
+        {.name = "affine",
+         .range = {-100.0, 100.0},
+         .help = "Rectified pixels (X, Y) to meters on the floor: x = a0 X + a1 Y + a2, y = a3 X + a4 Y + a5"});
+    visit.numbers(self.position_m, {.name = "position_m",
+                                    .range = {-100.0, 100.0},
+                                    .unit = "m",
+                                    .help = "Position of the camera in the field frame"});
   }
 };
 
@@ -66,9 +86,11 @@ struct CameraParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice("kind", self.kind, std::span<const Choice<CameraModelKind>>(kKinds), "Which of the two is in use");
-    visit.section("full", self.full, "Pinhole, radial and tangential distortion, pose");
-    visit.section("paper", self.paper, "Klancar eq. (12)-(15)");
+    visit.choice(self.kind, kKinds, {.name = "kind", .help = "The camera model in use"});
+    visit.section(
+        self.full,
+        {.name = "full", .help = "Pinhole camera with radial and tangential distortion (Brown 1971) and its pose"});
+    visit.section(self.paper, {.name = "paper", .help = "The paper's model: Klancar eq. (12) to (15)"});
   }
 };
 

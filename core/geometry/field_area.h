@@ -12,11 +12,19 @@ struct FieldParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("length_m", self.length_m, Range{0.3, 30.0}, "m", "Between the goal lines");
-    visit.number("width_m", self.width_m, Range{0.3, 30.0}, "m", "Between the side lines");
-    visit.number("goal_width_m", self.goal_width_m, Range{0.0, 30.0}, "m", "Of the goal's mouth");
-    visit.number("goal_depth_m", self.goal_depth_m, Range{0.0, 5.0}, "m", "Behind the goal line");
-    visit.number("margin_m", self.margin_m, Range{0.0, 5.0}, "m", "Sightings farther outside are refused");
+    visit.number(self.length_m,
+                 {.name = "length_m", .range = {0.3, 30.0}, .unit = "m", .help = "Distance between the goal lines"});
+    visit.number(self.width_m,
+                 {.name = "width_m", .range = {0.3, 30.0}, .unit = "m", .help = "Distance between the side lines"});
+    visit.number(self.goal_width_m,
+                 {.name = "goal_width_m", .range = {0.0, 30.0}, .unit = "m", .help = "Width of the goals"});
+    visit.number(
+        self.goal_depth_m,
+        {.name = "goal_depth_m", .range = {0.0, 5.0}, .unit = "m", .help = "Depth of the goals behind the goal line"});
+    visit.number(self.margin_m, {.name = "margin_m",
+                                 .range = {0.0, 5.0},
+                                 .unit = "m",
+                                 .help = "Sightings farther outside the field are rejected"});
   }
 };
 

@@ -30,41 +30,90 @@ struct RobotFilterParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("position_sigma_m", self.position_sigma_m, Range{1e-5, 0.1}, "m",
-                 "Noise of a sighted position, one axis (standard deviation)");
-    visit.number("heading_sigma_rad", self.heading_sigma_rad, Range{1e-4, 1.0}, "rad", "Noise of a sighted heading");
-    visit.number("patch_sigma_m", self.patch_sigma_m, Range{1e-4, 0.2}, "m",
-                 "How far from the robot's center its team patch may be, when only that was seen");
-    visit.number("wheel_lag_s", self.wheel_lag_s, Range{0.0, 1.0}, "s",
-                 "Time constant with which a robot's velocities follow the commands");
-    visit.number("drive_noise_m_rts", self.drive_noise_m_rts, Range{0.0, 1.0}, "m/sqrt(s)",
-                 "Noise at the linear input of a robot told to stand");
-    visit.number("turn_noise_rad_rts", self.turn_noise_rad_rts, Range{0.0, 10.0}, "rad/sqrt(s)",
-                 "Noise at the angular input of a robot told to stand");
-    visit.number("drive_error_rts", self.drive_error_rts, Range{0.0, 1.0}, "sqrt(s)",
-                 "Further noise at the linear input, for each m/s");
-    visit.number("turn_error_rts", self.turn_error_rts, Range{0.0, 1.0}, "sqrt(s)",
-                 "Further noise at the angular input, for each rad/s");
-    visit.number("slip_m_rts", self.slip_m_rts, Range{0.0, 1.0}, "m/sqrt(s)",
-                 "Drift of the position that no wheel has made");
-    visit.number("spin_rad_rts", self.spin_rad_rts, Range{0.0, 10.0}, "rad/sqrt(s)",
-                 "Drift of the heading that no wheel has made");
-    visit.number("free_noise_mps_rts", self.free_noise_mps_rts, Range{1e-3, 100.0}, "m/s/sqrt(s)",
-                 "Change of the speed of a robot whose commands are not known");
-    visit.number("free_noise_radps_rts", self.free_noise_radps_rts, Range{1e-3, 1000.0}, "rad/s/sqrt(s)",
-                 "Change of the turn rate of a robot whose commands are not known");
-    visit.number("start_speed_sigma_mps", self.start_speed_sigma_mps, Range{1e-3, 10.0}, "m/s",
-                 "Speed that a robot may have when first seen");
-    visit.number("start_turn_sigma_radps", self.start_turn_sigma_radps, Range{1e-3, 100.0}, "rad/s",
-                 "Turn rate that a robot may have when first seen");
-    visit.number("max_speed_mps", self.max_speed_mps, Range{0.1, 20.0}, "m/s",
-                 "No robot is faster: a sighting farther off is believed only when the time has sufficed");
-    visit.number("gate_pose", self.gate_pose, Range{1.0, 1e6}, "",
-                 "Innovation gate of position and heading (chi-square of 3; 16.27 refuses 1 in 1000)");
-    visit.number("gate_position", self.gate_position, Range{1.0, 1e6}, "",
-                 "Innovation gate of position alone (chi-square of 2; 13.82 refuses 1 in 1000)");
-    visit.number("restart_after", self.restart_after, Range{1, 100}, "",
-                 "Refused sightings in a row, near each other, after which the filter starts over there");
+    visit.number(self.position_sigma_m, {.name = "position_sigma_m",
+                                         .range = {1e-5, 0.1},
+                                         .unit = "m",
+                                         .help = "Standard deviation of a sighted position, each axis"});
+    visit.number(self.heading_sigma_rad, {.name = "heading_sigma_rad",
+                                          .range = {1e-4, 1.0},
+                                          .unit = "rad",
+                                          .help = "Standard deviation of a sighted heading"});
+    visit.number(self.patch_sigma_m,
+                 {.name = "patch_sigma_m",
+                  .range = {1e-4, 0.2},
+                  .unit = "m",
+                  .help = "Standard deviation of the robot's center when only its team patch was seen"});
+    visit.number(self.wheel_lag_s,
+                 {.name = "wheel_lag_s",
+                  .range = {0.0, 1.0},
+                  .unit = "s",
+                  .help = "Time constant of the robot's velocities after a command; measure it on your robots"});
+    visit.number(self.drive_noise_m_rts,
+                 {.name = "drive_noise_m_rts",
+                  .range = {0.0, 1.0},
+                  .unit = "m/sqrt(s)",
+                  .help = "Process noise of the linear velocity of a robot with stop commands"});
+    visit.number(self.turn_noise_rad_rts,
+                 {.name = "turn_noise_rad_rts",
+                  .range = {0.0, 10.0},
+                  .unit = "rad/sqrt(s)",
+                  .help = "Process noise of the angular velocity of a robot with stop commands"});
+    visit.number(self.drive_error_rts, {.name = "drive_error_rts",
+                                        .range = {0.0, 1.0},
+                                        .unit = "sqrt(s)",
+                                        .help = "Additional process noise of the linear velocity per m/s"});
+    visit.number(self.turn_error_rts, {.name = "turn_error_rts",
+                                       .range = {0.0, 1.0},
+                                       .unit = "sqrt(s)",
+                                       .help = "Additional process noise of the angular velocity per rad/s"});
+    visit.number(self.slip_m_rts,
+                 {.name = "slip_m_rts",
+                  .range = {0.0, 1.0},
+                  .unit = "m/sqrt(s)",
+                  .help = "Process noise of the position: motion without the wheels, such as slip and pushes"});
+    visit.number(self.spin_rad_rts, {.name = "spin_rad_rts",
+                                     .range = {0.0, 10.0},
+                                     .unit = "rad/sqrt(s)",
+                                     .help = "Process noise of the heading: rotation without the wheels"});
+    visit.number(self.free_noise_mps_rts,
+                 {.name = "free_noise_mps_rts",
+                  .range = {1e-3, 100.0},
+                  .unit = "m/s/sqrt(s)",
+                  .help = "Process noise of the speed of a robot without known commands (opponents)"});
+    visit.number(self.free_noise_radps_rts,
+                 {.name = "free_noise_radps_rts",
+                  .range = {1e-3, 1000.0},
+                  .unit = "rad/s/sqrt(s)",
+                  .help = "Process noise of the angular velocity of a robot without known commands (opponents)"});
+    visit.number(self.start_speed_sigma_mps, {.name = "start_speed_sigma_mps",
+                                              .range = {1e-3, 10.0},
+                                              .unit = "m/s",
+                                              .help = "Standard deviation of the speed when a robot is first seen"});
+    visit.number(self.start_turn_sigma_radps,
+                 {.name = "start_turn_sigma_radps",
+                  .range = {1e-3, 100.0},
+                  .unit = "rad/s",
+                  .help = "Standard deviation of the angular velocity when a robot is first seen"});
+    visit.number(self.max_speed_mps,
+                 {.name = "max_speed_mps",
+                  .range = {0.1, 20.0},
+                  .unit = "m/s",
+                  .help = "Maximum speed of a robot; sightings that would need a higher speed are rejected"});
+    visit.number(self.gate_pose, {.name = "gate_pose",
+                                  .range = {1.0, 1e6},
+                                  .help = "Innovation gate of position and heading (chi-square with 3 degrees of "
+                                          "freedom; 16.27 rejects 1 in 1000)"});
+    visit.number(
+        self.gate_position,
+        {.name = "gate_position",
+         .range = {1.0, 1e6},
+         .help =
+             "Innovation gate of the position alone (chi-square with 2 degrees of freedom; 13.82 rejects 1 in 1000)"});
+    visit.number(
+        self.restart_after,
+        {.name = "restart_after",
+         .range = {1, 100},
+         .help = "Number of consecutive rejected sightings, near each other, after which the filter restarts there"});
   }
 };
 
@@ -82,20 +131,43 @@ struct BallFilterParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("position_sigma_m", self.position_sigma_m, Range{1e-5, 0.1}, "m", "Noise of a sighted position");
-    visit.number("damping_per_s", self.damping_per_s, Range{0.0, 10.0}, "1/s", "Lambda of eq. (10)");
-    visit.number("noise_mps_rts", self.noise_mps_rts, Range{1e-3, 100.0}, "m/s/sqrt(s)",
-                 "Change of the velocity that the damping does not explain");
-    visit.number("start_speed_sigma_mps", self.start_speed_sigma_mps, Range{1e-3, 20.0}, "m/s",
-                 "Speed that the ball may have when first seen");
-    visit.number("max_speed_mps", self.max_speed_mps, Range{0.1, 50.0}, "m/s",
-                 "No ball is faster: a sighting farther off is believed only when the time has sufficed");
-    visit.number("gate_position", self.gate_position, Range{1.0, 1e6}, "",
-                 "Innovation gate (chi-square of 2; 13.82 refuses 1 in 1000)");
-    visit.number("restart_after", self.restart_after, Range{1, 100}, "",
-                 "Refused sightings in a row, near each other, after which the filter starts over there");
-    visit.number("confirm_sightings", self.confirm_sightings, Range{1, 100}, "", "Sightings until it counts as seen");
-    visit.number("lost_after_s", self.lost_after_s, Range{0.01, 60.0}, "s", "Time without a sighting until lost");
+    visit.number(self.position_sigma_m, {.name = "position_sigma_m",
+                                         .range = {1e-5, 0.1},
+                                         .unit = "m",
+                                         .help = "Standard deviation of a sighted position, each axis"});
+    visit.number(self.damping_per_s, {.name = "damping_per_s",
+                                      .range = {0.0, 10.0},
+                                      .unit = "1/s",
+                                      .help = "Damping of the ball's speed: lambda of Klancar eq. (10)"});
+    visit.number(self.noise_mps_rts, {.name = "noise_mps_rts",
+                                      .range = {1e-3, 100.0},
+                                      .unit = "m/s/sqrt(s)",
+                                      .help = "Process noise of the ball's velocity"});
+    visit.number(self.start_speed_sigma_mps, {.name = "start_speed_sigma_mps",
+                                              .range = {1e-3, 20.0},
+                                              .unit = "m/s",
+                                              .help = "Standard deviation of the speed when the ball is first seen"});
+    visit.number(self.max_speed_mps,
+                 {.name = "max_speed_mps",
+                  .range = {0.1, 50.0},
+                  .unit = "m/s",
+                  .help = "Maximum speed of the ball; sightings that would need a higher speed are rejected"});
+    visit.number(self.gate_position,
+                 {.name = "gate_position",
+                  .range = {1.0, 1e6},
+                  .help = "Innovation gate (chi-square with 2 degrees of freedom; 13.82 rejects 1 in 1000)"});
+    visit.number(
+        self.restart_after,
+        {.name = "restart_after",
+         .range = {1, 100},
+         .help = "Number of consecutive rejected sightings, near each other, after which the filter restarts there"});
+    visit.number(self.confirm_sightings, {.name = "confirm_sightings",
+                                          .range = {1, 100},
+                                          .help = "Number of sightings after which the ball counts as seen"});
+    visit.number(self.lost_after_s, {.name = "lost_after_s",
+                                     .range = {0.01, 60.0},
+                                     .unit = "s",
+                                     .help = "Time without a sighting after which the ball is lost"});
   }
 };
 
@@ -111,20 +183,36 @@ struct TrackParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("confirm_sightings", self.confirm_sightings, Range{1, 100}, "",
-                 "Sightings until a new robot counts as seen");
-    visit.number("forget_new_after_s", self.forget_new_after_s, Range{0.0, 10.0}, "s",
-                 "Time without a sighting until a robot that is still new is forgotten");
-    visit.number("lost_after_s", self.lost_after_s, Range{0.01, 60.0}, "s",
-                 "Time without a sighting until a robot is lost");
-    visit.number("association_m", self.association_m, Range{0.0, 1.0}, "m",
-                 "A sighting without id belongs to the nearest track within this and three standard deviations");
-    visit.number("separation_m", self.separation_m, Range{0.0, 1.0}, "m",
-                 "Centers of two robots cannot be nearer; a sighting without id that is, is no robot of its own");
-    visit.number("consistent_m", self.consistent_m, Range{0.0, 1.0}, "m",
-                 "Refused sightings in a row are one object when no farther apart than this and its possible way");
-    visit.section("robot", self.robot, "Filter of a robot");
-    visit.section("ball", self.ball, "Filter of the ball");
+    visit.number(self.confirm_sightings, {.name = "confirm_sightings",
+                                          .range = {1, 100},
+                                          .help = "Number of sightings after which a new robot counts as seen"});
+    visit.number(self.forget_new_after_s,
+                 {.name = "forget_new_after_s",
+                  .range = {0.0, 10.0},
+                  .unit = "s",
+                  .help = "Time without a sighting after which a robot that does not count as seen yet is forgotten"});
+    visit.number(self.lost_after_s, {.name = "lost_after_s",
+                                     .range = {0.01, 60.0},
+                                     .unit = "s",
+                                     .help = "Time without a sighting after which a robot is lost"});
+    visit.number(self.association_m, {.name = "association_m",
+                                      .range = {0.0, 1.0},
+                                      .unit = "m",
+                                      .help = "Maximum distance, in addition to three standard deviations, between a "
+                                              "sighting without id and its track"});
+    visit.number(
+        self.separation_m,
+        {.name = "separation_m",
+         .range = {0.0, 1.0},
+         .unit = "m",
+         .help = "Minimum distance between the centers of two robots; a nearer sighting without id starts no track"});
+    visit.number(self.consistent_m, {.name = "consistent_m",
+                                     .range = {0.0, 1.0},
+                                     .unit = "m",
+                                     .help = "Maximum distance between consecutive rejected sightings of one object, "
+                                             "in addition to its possible motion"});
+    visit.section(self.robot, {.name = "robot", .help = "Filter of a robot, Klancar eq. (4) to (9)"});
+    visit.section(self.ball, {.name = "ball", .help = "Filter of the ball, Klancar eq. (10) and (11)"});
   }
 };
 

@@ -22,8 +22,8 @@ struct ScanSettings {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice("kernel", self.kernel, std::span<const Choice<KernelChoice>>(kKernelChoices),
-                 "By which of the processor's instructions; all find the same");
+    visit.choice(self.kernel, kKernelChoices,
+                 {.name = "kernel", .help = "Instruction set of the color classification; all give the same result"});
   }
 };
 
@@ -36,13 +36,17 @@ struct RealtimeSettings {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("cpu", self.cpu, Range{-1, 1023}, "", "Processor that the loop is pinned to; -1: any");
-    visit.number("priority", self.priority, Range{0, 99}, "",
-                 "SCHED_FIFO priority of the loop; 0: ordinary scheduling");
-    visit.flag("lock_memory", self.lock_memory,
-               "Keep all memory in RAM (mlockall), so that no page fault delays a frame");
-    visit.number("wake_within_us", self.wake_within_us, Range{-1, 10000}, "us",
-                 "Longest time in which any processor may wake up (/dev/cpu_dma_latency); -1: as the system likes");
+    visit.number(self.cpu, {.name = "cpu", .range = {-1, 1023}, .help = "CPU that the loop is pinned to; -1: any"});
+    visit.number(
+        self.priority,
+        {.name = "priority", .range = {0, 99}, .help = "SCHED_FIFO priority of the loop; 0: normal scheduling"});
+    visit.flag(self.lock_memory,
+               {.name = "lock_memory", .help = "Lock all memory in RAM (mlockall): no page fault delays a frame"});
+    visit.number(self.wake_within_us, {.name = "wake_within_us",
+                                       .range = {-1, 10000},
+                                       .unit = "us",
+                                       .help = "Maximum wake-up latency of all CPUs (/dev/cpu_dma_latency): 10 forbids "
+                                               "deep sleep, 0 keeps them spinning; -1: not set"});
   }
 };
 
@@ -56,16 +60,28 @@ struct FaultSettings {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("stop_after_s", self.stop_after_s, Range{0.02, 5.0}, "s",
-                 "Robots are stopped when the last good frame is older");
-    visit.number("camera_timeout_s", self.camera_timeout_s, Range{0.1, 60.0}, "s",
-                 "A camera that gives no frame for so long is closed and opened again");
-    visit.number("reopen_after_s", self.reopen_after_s, Range{0.01, 8.0}, "s",
-                 "First pause before a lost device is opened again; doubles up to 8 s");
-    visit.number("leave_after_s", self.leave_after_s, Range{0.0, 86400.0}, "s",
-                 "The program gives up when a device stays away for so long; 0: never");
-    visit.flag("resume_after_emergency", self.resume_after_emergency,
-               "Robots move again when the emergency stop is released; else after the start button or a new start");
+    visit.number(self.stop_after_s, {.name = "stop_after_s",
+                                     .range = {0.02, 5.0},
+                                     .unit = "s",
+                                     .help = "Age of the last good frame after which robots are stopped"});
+    visit.number(self.camera_timeout_s, {.name = "camera_timeout_s",
+                                         .range = {0.1, 60.0},
+                                         .unit = "s",
+                                         .help = "Time without a frame after which the camera is closed and reopened"});
+    visit.number(self.reopen_after_s, {.name = "reopen_after_s",
+                                       .range = {0.01, 8.0},
+                                       .unit = "s",
+                                       .help = "First pause before a lost device is reopened; it doubles up to 8 s, or "
+                                               "up to 2 s while the device is absent"});
+    visit.number(self.leave_after_s, {.name = "leave_after_s",
+                                      .range = {0.0, 86400.0},
+                                      .unit = "s",
+                                      .help = "Time without a device after which the program exits; 0: never"});
+    visit.flag(
+        self.resume_after_emergency,
+        {.name = "resume_after_emergency",
+         .help =
+             "Robots move again when the emergency stop is released; false: only after the start button or a restart"});
   }
 };
 
@@ -86,17 +102,23 @@ struct BoardFile {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("version", self.version, kVersionRange, "", "Of this file's keys");
-    visit.text("name", self.name, "What the board is called in reports");
-    visit.text("venue", self.venue, "Venue file, relative to this file; --venue overrides it");
-    visit.text("team", self.team, "Team file, relative to this file; --team overrides it");
-    visit.section("camera", self.camera, "Where frames come from");
-    visit.section("radio", self.radio, "The link to the robots");
-    visit.section("gpio", self.gpio, "Lights, switches and buttons on lines of a chip");
-    visit.section("scan", self.scan, "How pixels become colors");
-    visit.section("realtime", self.realtime, "What the loop asks of the kernel; what is refused is reported once");
-    visit.section("faults", self.faults, "How long the loop bears with a fault");
-    visit.section("arena", self.arena, "What backend \"mock\" simulates");
+    visit.number(self.version, {.name = "version", .range = kVersionRange, .help = "Version of the file format"});
+    visit.text(self.name, {.name = "name", .reload = Reload::kNoEffect, .help = "Name of the board in reports"});
+    visit.text(self.venue, {.name = "venue",
+                            .reload = Reload::kNoEffect,
+                            .help = "Venue file, relative to this file; --venue overrides it"});
+    visit.text(
+        self.team,
+        {.name = "team", .reload = Reload::kNoEffect, .help = "Team file, relative to this file; --team overrides it"});
+    visit.section(self.camera, {.name = "camera", .help = "The camera"});
+    visit.section(self.radio, {.name = "radio", .help = "The radio link to the robots"});
+    visit.section(self.gpio, {.name = "gpio", .help = "Lamps, switches and buttons on GPIO lines (docs/gpio.md)"});
+    visit.section(self.scan, {.name = "scan", .help = "Color classification"});
+    visit.section(self.realtime,
+                  {.name = "realtime",
+                   .help = "Real-time settings of the loop; settings that the system refuses are reported once"});
+    visit.section(self.faults, {.name = "faults", .reload = Reload::kLoop, .help = "Time limits after a fault"});
+    visit.section(self.arena, {.name = "arena", .help = "Simulation of the backend \"mock\" (docs/arena.md)"});
   }
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/parameter_copy.h"
 #include "firmware/config/toml_writer.h"
 
 namespace touchline::config {
@@ -10,6 +11,7 @@ namespace {
 
 struct KeyValue {
   std::string key, value;
+  Reload reload = Reload::kRestart;
   bool is_element = false;
 };
 
@@ -24,54 +26,52 @@ class ValueLister {
   }
 
   template <class T>
-  void number(std::string_view key, const T& value, Range, std::string_view, std::string_view) {
+  void number(const T& value, const Key& key) {
     add(key, value_text(value));
   }
   template <class Container>
-  void numbers(std::string_view key, const Container& values, Range, std::string_view, std::string_view) {
-    std::string list;
-    for (const auto& value : values) list.append(list.empty() ? "" : ", ").append(value_text(value));
-    add(key, "[" + list + "]");
+  void numbers(const Container& values, const Key& key) {
+    add(key, list_text(values));
   }
-  void flag(std::string_view key, const bool& value, std::string_view) { add(key, value ? "true" : "false"); }
-  void text(std::string_view key, const std::string& value, std::string_view) { add(key, toml_string(value)); }
-  void texts(std::string_view key, const std::vector<std::string>& values, std::string_view) {
-    const std::vector<std::string_view> views(values.begin(), values.end());
-    add(key, "[" + joined(views) + "]");
-  }
-  template <class Enum>
-  void choice(std::string_view key, const Enum& value, std::span<const Choice<Enum>> choices, std::string_view) {
-    for (const auto& choice : choices) {
-      if (choice.value == value) add(key, toml_string(choice.word));
-    }
+  void flag(const bool& value, const Key& key) { add(key, value ? "true" : "false"); }
+  void text(const std::string& value, const Key& key) { add(key, toml_string(value)); }
+  void texts(const std::vector<std::string>& values, const Key& key) { add(key, list_text(values)); }
+  template <class Enum, class Choices>
+  void choice(const Enum& value, const Choices& choices, const Key& key) {
+    add(key, toml_string(word_of(value, choices)));
   }
   template <class Struct>
-  void section(std::string_view key, const Struct& value, std::string_view) {
-    const std::string outer = prefix_;
-    prefix_ += std::string(key) + ".";
+  void section(const Struct& value, const Key& key) {
+    const std::string outer_prefix = prefix_;
+    const Reload outer_reload = reload_;
+    prefix_.append(key.name).append(".");
+    reload_ = inherited(key.reload, reload_);
     Struct::describe(value, *this);
-    prefix_ = outer;
+    prefix_ = outer_prefix;
+    reload_ = outer_reload;
   }
   template <class Container>
-  void list(std::string_view key, const Container& values, std::string_view) {
+  void list(const Container& values, const Key& key) {
     for (std::size_t i = 0; i < values.size(); ++i) {
-      std::string name = element(key, i);
-      if constexpr (requires { values[i].name; }) name = std::string(key) + "." + values[i].name;
-      values_.push_back({prefix_ + name, TomlWriter::text_of(values[i], false), true});
+      std::string name = element(key.name, i);
+      if constexpr (requires { values[i].name; }) name = std::string(key.name) + "." + values[i].name;
+      const Reload reload = inherited(key.reload, reload_);
+      values_.push_back({prefix_ + name, TomlWriter::text_of(values[i], false), reload, true});
     }
   }
 
  private:
-  void add(std::string_view key, std::string value) {
-    values_.push_back({prefix_ + std::string(key), std::move(value), false});
+  void add(const Key& key, std::string value) {
+    values_.push_back({prefix_ + std::string(key.name), std::move(value), inherited(key.reload, reload_), false});
   }
 
   std::string prefix_;
+  Reload reload_ = Reload::kRestart;
   std::vector<KeyValue> values_;
 };
 
 Change change_of(FileKind file, const std::string& key, const KeyValue* before, const KeyValue* after) {
-  Change change{file, key, {}, {}};
+  Change change{file, key, {}, {}, (before != nullptr ? before : after)->reload};
   if ((before != nullptr ? before : after)->is_element) return change;
   if (before != nullptr) change.before = before->value;
   if (after != nullptr) change.after = after->value;
@@ -111,10 +111,10 @@ std::vector<Change> difference(const Configuration& before, const Configuration&
   const bool map_is_listed = std::any_of(changes.begin(), changes.end(), [](const Change& change) {
     return change.file == FileKind::kVenue && change.key == "light.map";
   });
-  // The calibration writes a new picture under the old name.
+  // A person may have put another picture under the same name.
   const bool both_have_one = !before.venue.light.map.empty() && !after.venue.light.map.empty();
   if (!map_is_listed && both_have_one && !same(before.pipeline.scan.light, after.pipeline.scan.light)) {
-    changes.push_back({FileKind::kVenue, "light.map", {}, {}});
+    changes.push_back({FileKind::kVenue, "light.map", {}, {}, Reload::kThresholds});
   }
   compare(FileKind::kTeam, before.team, after.team, changes);
   return changes;

@@ -3,21 +3,23 @@
 #include <string>
 #include <vector>
 
+#include "core/parameter.h"
 #include "firmware/config/configuration.h"
 
 namespace touchline::config {
 
-/// A key whose value is another one.
+/// A key whose value has changed.
 struct Change {
   FileKind file = FileKind::kBoard;
-  // "camera.exposure_us"; an element of a list is one key with all that is in it: "color.orange" where elements have
-  // names, else "own.robot[0]".
+  // "camera.exposure_us"; an element of a list counts as one key: "color.orange" if elements have names, otherwise
+  // "own.robot[0]".
   std::string key;
-  std::string before, after;  // in TOML; both empty for lists, whose elements have too many values to be read
+  std::string before, after;  // in TOML; both empty for an element of a list, which has too many values to show
+  Reload reload = Reload::kRestart;
 };
 
-/// All keys whose values differ, in the files' order; keys of `before` that are gone come after those of the same file.
-/// A light map counts as changed (`light.map`) when its picture has.
+/// All keys whose values differ, in the order of the files. Elements of lists that are gone follow the other keys of
+/// their file. A light map counts as changed (`light.map`) if the picture has changed under the same name.
 std::vector<Change> difference(const Configuration& before, const Configuration& after);
 
 /// "camera.exposure_us 5000 -> 4000" or "color.orange".

@@ -5,17 +5,18 @@
 #include <string_view>
 #include <vector>
 
-#include "core/parameter.h"
+#include "core/parameter_copy.h"
 #include "firmware/config/wording.h"
 
 namespace touchline::config {
 
-/// One key of a file, for documentation and for finding keys by name.
+/// One key of a file, for the reference and for finding keys by name.
 struct KeyInfo {
   std::string path;     // "camera.exposure_us"; elements of lists as "color[].name"
   std::string type;     // "integer", "number", "text", "true or false", "one of a, b", "list of ..."
   std::string limits;   // range and unit, or the unit alone
-  std::string initial;  // default value in TOML, empty for lists
+  std::string initial;  // default value in TOML; empty for sections
+  Reload reload = Reload::kRestart;
   std::string help;
 };
 
@@ -31,64 +32,51 @@ class KeyLister {
   }
 
   template <class T>
-  void number(std::string_view key, const T& value, Range range, std::string_view unit, std::string_view help) {
-    add(key, std::is_integral_v<T> ? "integer" : "number", bounds(range, unit), value_text(value), help);
+  void number(const T& value, const Key& key) {
+    add(key, std::is_integral_v<T> ? "integer" : "number", value_text(value));
   }
   template <class Container>
-  void numbers(std::string_view key, const Container& values, Range range, std::string_view unit,
-               std::string_view help) {
-    using Value = typename Container::value_type;
+  void numbers(const Container& values, const Key& key) {
     std::string type = "list of ";
     if constexpr (requires { std::tuple_size<Container>::value; }) type += std::to_string(values.size()) + " ";
-    add(key, type + (std::is_integral_v<Value> ? "integers" : "numbers"), bounds(range, unit), "", help);
+    type += std::is_integral_v<typename Container::value_type> ? "integers" : "numbers";
+    add(key, type, list_text(values));
   }
-  void flag(std::string_view key, const bool& value, std::string_view help) {
-    add(key, "true or false", "", value ? "true" : "false", help);
-  }
-  void text(std::string_view key, const std::string& value, std::string_view help) {
-    add(key, "text", "", toml_string(value), help);
-  }
-  void texts(std::string_view key, const std::vector<std::string>& /*values*/, std::string_view help) {
-    add(key, "list of texts", "", "", help);
-  }
-  template <class Enum>
-  void choice(std::string_view key, const Enum& value, std::span<const Choice<Enum>> choices, std::string_view help) {
-    std::string_view word;
-    for (const auto& choice : choices) {
-      if (choice.value == value) word = choice.word;
-    }
-    add(key, "one of " + joined(words_of(choices)), "", toml_string(word), help);
+  void flag(const bool& value, const Key& key) { add(key, "true or false", value ? "true" : "false"); }
+  void text(const std::string& value, const Key& key) { add(key, "text", toml_string(value)); }
+  void texts(const std::vector<std::string>& /*values*/, const Key& key) { add(key, "list of texts", "[]"); }
+  template <class Enum, class Choices>
+  void choice(const Enum& value, const Choices& choices, const Key& key) {
+    add(key, "one of " + joined(words_of(choices)), toml_string(word_of(value, choices)));
   }
   template <class Struct>
-  void section(std::string_view key, const Struct& value, std::string_view help) {
-    add(key, "section", "", "", help);
-    inside(std::string(key) + ".", value);
+  void section(const Struct& value, const Key& key) {
+    inside(key, "section", ".", value);
   }
   template <class Container>
-  void list(std::string_view key, const Container& /*values*/, std::string_view help) {
-    add(key, "list of sections", "", "", help);
-    inside(std::string(key) + "[].", typename Container::value_type{});
+  void list(const Container& /*values*/, const Key& key) {
+    inside(key, "list of sections", "[].", typename Container::value_type{});
   }
 
  private:
   template <class Struct>
-  void inside(const std::string& step, const Struct& value) {
-    const std::string outer = prefix_;
-    prefix_ += step;
+  void inside(const Key& key, std::string_view type, std::string_view step, const Struct& value) {
+    add(key, type, "");
+    const std::string outer_prefix = prefix_;
+    const Reload outer_reload = reload_;
+    prefix_.append(key.name).append(step);
+    reload_ = inherited(key.reload, reload_);
     Struct::describe(value, *this);
-    prefix_ = outer;
+    prefix_ = outer_prefix;
+    reload_ = outer_reload;
   }
-  void add(std::string_view key, std::string_view type, std::string_view limits, std::string_view initial,
-           std::string_view help) {
-    keys_.push_back(
-        {prefix_ + std::string(key), std::string(type), std::string(limits), std::string(initial), std::string(help)});
-  }
-  static std::string bounds(Range range, std::string_view unit) {
-    const std::string text = range_text(range, unit);
-    return text.empty() ? std::string(unit) : text;
+  void add(const Key& key, std::string_view type, std::string_view initial) {
+    keys_.push_back({prefix_ + std::string(key.name), std::string(type), limits_text(key), std::string(initial),
+                     inherited(key.reload, reload_), std::string(key.help)});
   }
 
   std::string prefix_;
+  Reload reload_ = Reload::kRestart;
   std::vector<KeyInfo> keys_;
 };
 

@@ -36,15 +36,26 @@ struct PatchEntry {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice("role", self.role, std::span<const Choice<PatchRole>>(kPatchRoles), "What its color tells");
-    visit.choice("outline", self.outline, std::span<const Choice<PatchOutline>>(kPatchOutlines), "Its shape");
-    visit.number("x_m", self.x_m, kPatchPlaces, "m", "Centroid, forward of the robot's center");
-    visit.number("y_m", self.y_m, kPatchPlaces, "m", "Centroid, left of the robot's center");
-    visit.number("length_m", self.length_m, kRobotLengths, "m",
-                 "Extent along x; circle: diameter; triangle: height, tip forward");
-    visit.number("width_m", self.width_m, kRobotLengths, "m", "Extent along y; circle: diameter; triangle: base");
-    visit.number("turn_rad", self.turn_rad, Range{-6.3, 6.3}, "rad",
-                 "Of the outline about its centroid, counter-clockwise");
+    visit.choice(self.role, kPatchRoles, {.name = "role", .help = "What the color of the patch identifies"});
+    visit.choice(self.outline, kPatchOutlines, {.name = "outline", .help = "Shape of the patch"});
+    visit.number(
+        self.x_m,
+        {.name = "x_m", .range = kPatchPlaces, .unit = "m", .help = "Centroid, forward from the robot's center"});
+    visit.number(
+        self.y_m,
+        {.name = "y_m", .range = kPatchPlaces, .unit = "m", .help = "Centroid, to the left of the robot's center"});
+    visit.number(self.length_m, {.name = "length_m",
+                                 .range = kRobotLengths,
+                                 .unit = "m",
+                                 .help = "Extent along x; circle: diameter; triangle: height, with the tip forward"});
+    visit.number(self.width_m, {.name = "width_m",
+                                .range = kRobotLengths,
+                                .unit = "m",
+                                .help = "Extent along y; circle: diameter; triangle: base"});
+    visit.number(self.turn_rad, {.name = "turn_rad",
+                                 .range = {-6.3, 6.3},
+                                 .unit = "rad",
+                                 .help = "Rotation about the centroid, counter-clockwise"});
   }
 };
 
@@ -57,10 +68,13 @@ struct LayoutEntry {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.text("name", self.name, "What own.layout and opponent.layout call it");
-    visit.number("robot_side_m", self.robot_side_m, Range{0.02, 0.4}, "m", "Side of the robot's square");
-    visit.number("height_m", self.height_m, Range{0.0, 0.5}, "m", "Of the patches above the floor");
-    visit.list("patch", self.patch, "The first one is the team patch");
+    visit.text(self.name, {.name = "name", .help = "Name for own.layout and opponent.layout"});
+    visit.number(self.robot_side_m,
+                 {.name = "robot_side_m", .range = {0.02, 0.4}, .unit = "m", .help = "Side of the robot's square"});
+    visit.number(
+        self.height_m,
+        {.name = "height_m", .range = {0.0, 0.5}, .unit = "m", .help = "Height of the patches above the floor"});
+    visit.list(self.patch, {.name = "patch", .help = "A patch; the first one is the team patch"});
   }
 };
 
@@ -72,8 +86,8 @@ struct RobotEntry {
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     // What RobotId and the radio packet hold (docs/radio.md).
-    visit.number("id", self.id, Range{0, 127}, "", "Its number in reports and radio packets");
-    visit.texts("colors", self.colors, "In the order of the layout's identification patches");
+    visit.number(self.id, {.name = "id", .range = {0, 127}, .help = "Id of the robot in reports and radio packets"});
+    visit.texts(self.colors, {.name = "colors", .help = "Colors of the identification patches, in the layout's order"});
   }
 };
 
@@ -86,10 +100,13 @@ struct TeamEntry {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.text("layout", self.layout, "A [[layout]] of this file, or \"paper\"");
-    visit.text("color", self.color, "Of the team patches; empty: this team is not looked for");
-    visit.number("max_robots", self.max_robots, Range{1, kMaxRobotsPerTeam}, "", "On the field at one time");
-    visit.list("robot", self.robot, "A robot of the team; opponents without: positions only");
+    visit.text(self.layout, {.name = "layout", .help = "Name of a [[layout]] of this file, or \"paper\""});
+    visit.text(self.color, {.name = "color", .help = "Color of the team patches; empty: the team is not detected"});
+    visit.number(
+        self.max_robots,
+        {.name = "max_robots", .range = {1, kMaxRobotsPerTeam}, .help = "Maximum number of robots on the field"});
+    visit.list(self.robot,
+               {.name = "robot", .help = "A robot of the team; opponents without an entry get positions but no ids"});
   }
 };
 
@@ -99,8 +116,10 @@ struct BallEntry {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.text("color", self.color, "Of the ball; empty: no ball is looked for");
-    visit.number("radius_m", self.radius_m, Range{0.005, 0.2}, "m", "Golf ball: 0.02135");
+    visit.text(self.color, {.name = "color", .help = "Color of the ball; empty: the ball is not detected"});
+    visit.number(
+        self.radius_m,
+        {.name = "radius_m", .range = {0.005, 0.2}, .unit = "m", .help = "Radius of the ball; golf ball: 0.02135"});
   }
 };
 
@@ -129,13 +148,14 @@ struct TeamFile {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("version", self.version, kVersionRange, "", "Of this file's keys");
-    visit.section("own", self.own, "The robots that are driven");
-    visit.section("opponent", self.opponent, "The others");
-    visit.section("ball", self.ball, "The ball");
-    visit.list("layout", self.layout, "A marker: where the patches of a robot's top are");
-    visit.section("tracking", self.tracking, "Filters of robots and ball");
-    visit.section("control", self.control, "Drive limits, gains and play");
+    visit.number(self.version, {.name = "version", .range = kVersionRange, .help = "Version of the file format"});
+    visit.section(self.own, {.name = "own", .help = "The own team, which is driven"});
+    visit.section(self.opponent, {.name = "opponent", .help = "The other team"});
+    visit.section(self.ball, {.name = "ball", .help = "The ball"});
+    visit.list(self.layout, {.name = "layout", .help = "A marker: the positions of the patches on a robot's top"});
+    visit.section(self.tracking, {.name = "tracking", .help = "Filters of robots and ball"});
+    visit.section(self.control,
+                  {.name = "control", .reload = Reload::kControl, .help = "Drive limits, gains and play"});
   }
 };
 

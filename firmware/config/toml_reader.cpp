@@ -79,23 +79,23 @@ bool TomlReader::take_text(std::string_view key, std::string& value) {
   return false;
 }
 
-void TomlReader::flag(std::string_view key, bool& value, std::string_view /*help*/) {
-  const toml::node* node = take(key);
+void TomlReader::flag(bool& value, const Key& key) {
+  const toml::node* node = take(key.name);
   if (node == nullptr) return;
   if (const auto* found = node->as_boolean()) {
     value = found->get();
   } else {
-    refuse_type(*node, path_of(key), "true or false");
+    refuse_type(*node, path_of(key.name), "true or false");
   }
 }
 
-void TomlReader::text(std::string_view key, std::string& value, std::string_view /*help*/) {
+void TomlReader::text(std::string& value, const Key& key) {
   std::string read;
-  if (take_text(key, read)) value = std::move(read);
+  if (take_text(key.name, read)) value = std::move(read);
 }
 
-void TomlReader::texts(std::string_view key, std::vector<std::string>& values, std::string_view /*help*/) {
-  const toml::array* array = take_array(key);
+void TomlReader::texts(std::vector<std::string>& values, const Key& key) {
+  const toml::array* array = take_array(key.name);
   if (array == nullptr) return;
   values.clear();
   for (std::size_t i = 0; i < array->size(); ++i) {
@@ -103,7 +103,7 @@ void TomlReader::texts(std::string_view key, std::vector<std::string>& values, s
     if (const auto* found = node.as_string()) {
       values.push_back(found->get());
     } else {
-      refuse_type(node, path_of(key) + "[" + std::to_string(i) + "]", "a text");
+      refuse_type(node, element(path_of(key.name), i), "a text");
     }
   }
 }

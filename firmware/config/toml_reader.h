@@ -29,54 +29,52 @@ class TomlReader {
   }
 
   template <class T>
-  void number(std::string_view key, T& value, Range range, std::string_view unit, std::string_view /*help*/) {
-    if (const toml::node* node = take(key)) scalar(*node, path_of(key), value, range, unit);
+  void number(T& value, const Key& key) {
+    if (const toml::node* node = take(key.name)) scalar(*node, path_of(key.name), value, key);
   }
 
   template <class Container>
-  void numbers(std::string_view key, Container& values, Range range, std::string_view unit, std::string_view /*help*/) {
-    const toml::array* array = take_array(key);
-    if (array == nullptr || !resize(*array, path_of(key), values)) return;
-    for (std::size_t i = 0; i < array->size(); ++i) {
-      scalar(*array->get(i), path_of(key) + "[" + std::to_string(i) + "]", values[i], range, unit);
-    }
+  void numbers(Container& values, const Key& key) {
+    const toml::array* array = take_array(key.name);
+    const std::string path = path_of(key.name);
+    if (array == nullptr || !resize(*array, path, values)) return;
+    for (std::size_t i = 0; i < array->size(); ++i) scalar(*array->get(i), element(path, i), values[i], key);
   }
 
-  void flag(std::string_view key, bool& value, std::string_view help);
-  void text(std::string_view key, std::string& value, std::string_view help);
-  void texts(std::string_view key, std::vector<std::string>& values, std::string_view help);
+  void flag(bool& value, const Key& key);
+  void text(std::string& value, const Key& key);
+  void texts(std::vector<std::string>& values, const Key& key);
 
-  template <class Enum>
-  void choice(std::string_view key, Enum& value, std::span<const Choice<Enum>> choices, std::string_view /*help*/) {
+  template <class Enum, class Choices>
+  void choice(Enum& value, const Choices& choices, const Key& key) {
     std::string word;
-    if (!take_text(key, word)) return;
+    if (!take_text(key.name, word)) return;
     for (const auto& choice : choices) {
       if (choice.word == word) {
         value = choice.value;
         return;
       }
     }
-    refuse_word(key, word, words_of(choices));
+    refuse_word(key.name, word, words_of(choices));
   }
 
   template <class Struct>
-  void section(std::string_view key, Struct& value, std::string_view /*help*/) {
-    if (const toml::table* found = take_table(key)) table(*found, path_of(key), pattern_of(key), value);
+  void section(Struct& value, const Key& key) {
+    if (const toml::table* found = take_table(key.name)) table(*found, path_of(key.name), pattern_of(key.name), value);
   }
 
   template <class Container>
-  void list(std::string_view key, Container& values, std::string_view /*help*/) {
-    const toml::array* array = take_array(key);
-    if (array == nullptr || !resize(*array, path_of(key), values)) return;
-    const std::string path = path_of(key), pattern = pattern_of(key);
+  void list(Container& values, const Key& key) {
+    const toml::array* array = take_array(key.name);
+    const std::string path = path_of(key.name), pattern = pattern_of(key.name);
+    if (array == nullptr || !resize(*array, path, values)) return;
     for (std::size_t i = 0; i < array->size(); ++i) {
-      const std::string element = path + "[" + std::to_string(i) + "]";
       const toml::node& node = *array->get(i);
-      locations_.note(element, where(node));
+      locations_.note(element(path, i), where(node));
       if (const toml::table* found = node.as_table()) {
-        table(*found, element, pattern, values[i]);
+        table(*found, element(path, i), pattern, values[i]);
       } else {
-        refuse_type(node, element, "a table");
+        refuse_type(node, element(path, i), "a table");
       }
     }
   }
@@ -92,9 +90,9 @@ class TomlReader {
   }
 
   template <class T>
-  void scalar(const toml::node& node, const std::string& path, T& value, Range range, std::string_view unit) {
+  void scalar(const toml::node& node, const std::string& path, T& value, const Key& key) {
     double read = 0.0;
-    if (!take_number(node, path, std::is_integral_v<T>, narrowed<T>(range), unit, read)) return;
+    if (!take_number(node, path, std::is_integral_v<T>, narrowed<T>(key.range), key.unit, read)) return;
     value = static_cast<T>(read);
   }
   // What does not fit into the variable is out of range as well.

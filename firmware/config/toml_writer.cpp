@@ -2,15 +2,14 @@
 
 namespace touchline::config {
 
-void TomlWriter::line(std::string_view key, std::string_view value, std::string_view limits, std::string_view unit,
-                      std::string_view help) {
-  std::string text = std::string(key) + " = " + std::string(value);
+void TomlWriter::line(const Key& key, std::string_view value, std::string_view words) {
+  std::string text = std::string(key.name) + " = " + std::string(value);
   if (comments_) {
-    constexpr std::size_t kCommentColumn = 34;  // where most keys and values have ended
+    constexpr std::size_t kCommentColumn = 34;  // most keys with their values are shorter
     if (text.size() < kCommentColumn) text.resize(kCommentColumn, ' ');
-    text.append("  # ").append(help);
-    const std::string_view bounds = limits.empty() ? unit : limits;
-    if (!bounds.empty()) text.append(" (").append(bounds).append(")");
+    text.append("  # ").append(key.help);
+    const std::string limits = words.empty() ? limits_text(key) : std::string(words);
+    if (!limits.empty()) text.append(" (").append(limits).append(")");
   }
   keys_.append(text).append("\n");
 }

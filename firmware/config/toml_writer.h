@@ -25,43 +25,29 @@ class TomlWriter {
   }
 
   template <class T>
-  void number(std::string_view key, const T& value, Range range, std::string_view unit, std::string_view help) {
-    line(key, value_text(value), range_text(range, unit), unit, help);
+  void number(const T& value, const Key& key) {
+    line(key, value_text(value));
   }
   template <class Container>
-  void numbers(std::string_view key, const Container& values, Range range, std::string_view unit,
-               std::string_view help) {
-    std::string list;
-    for (const auto& value : values) list.append(list.empty() ? "" : ", ").append(value_text(value));
-    line(key, "[" + list + "]", range_text(range, unit), unit, help);
+  void numbers(const Container& values, const Key& key) {
+    line(key, list_text(values));
   }
-  void flag(std::string_view key, const bool& value, std::string_view help) {
-    line(key, value ? "true" : "false", "", "", help);
-  }
-  void text(std::string_view key, const std::string& value, std::string_view help) {
-    line(key, toml_string(value), "", "", help);
-  }
-  void texts(std::string_view key, const std::vector<std::string>& values, std::string_view help) {
-    std::string list;
-    for (const std::string& value : values) list.append(list.empty() ? "" : ", ").append(toml_string(value));
-    line(key, "[" + list + "]", "", "", help);
-  }
-  template <class Enum>
-  void choice(std::string_view key, const Enum& value, std::span<const Choice<Enum>> choices, std::string_view help) {
-    std::string_view word;
-    for (const auto& choice : choices) {
-      if (choice.value == value) word = choice.word;
-    }
-    line(key, toml_string(word), joined(words_of(choices)), "", help);
+  void flag(const bool& value, const Key& key) { line(key, value ? "true" : "false"); }
+  void text(const std::string& value, const Key& key) { line(key, toml_string(value)); }
+  void texts(const std::vector<std::string>& values, const Key& key) { line(key, list_text(values)); }
+  template <class Enum, class Choices>
+  void choice(const Enum& value, const Choices& choices, const Key& key) {
+    line(key, toml_string(word_of(value, choices)), joined(words_of(choices)));
   }
   template <class Struct>
-  void section(std::string_view key, const Struct& value, std::string_view help) {
-    table(key, "[", "]", value, help);
+  void section(const Struct& value, const Key& key) {
+    table(key.name, "[", "]", value, key.help);
   }
   template <class Container>
-  void list(std::string_view key, const Container& values, std::string_view help) {
+  void list(const Container& values, const Key& key) {
+    std::string_view help = key.help;
     for (const auto& value : values) {
-      table(key, "[[", "]]", value, help);
+      table(key.name, "[[", "]]", value, help);
       help = {};  // once is enough
     }
   }
@@ -75,8 +61,7 @@ class TomlWriter {
     Struct::describe(value, inner);
     append_table(inner, open, close, help);
   }
-  void line(std::string_view key, std::string_view value, std::string_view limits, std::string_view unit,
-            std::string_view help);
+  void line(const Key& key, std::string_view value, std::string_view words = {});
   void append_table(const TomlWriter& inner, std::string_view open, std::string_view close, std::string_view help);
 
   bool comments_;

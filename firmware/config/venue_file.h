@@ -24,9 +24,18 @@ struct PictureEntry {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("width_px", self.width_px, Range{16, kMaxFrameWidth}, "px", "Width that the calibration is for");
-    visit.number("height_px", self.height_px, Range{16, kMaxFrameHeight}, "px", "Height that the calibration is for");
-    visit.number("min_area_px", self.min_area_px, Range{1, 10000}, "px", "Smaller regions are noise");
+    visit.number(
+        self.width_px,
+        {.name = "width_px", .range = {16, kMaxFrameWidth}, .unit = "px", .help = "Width of the calibrated picture"});
+    visit.number(self.height_px, {.name = "height_px",
+                                  .range = {16, kMaxFrameHeight},
+                                  .unit = "px",
+                                  .help = "Height of the calibrated picture"});
+    visit.number(self.min_area_px, {.name = "min_area_px",
+                                    .range = {1, 10000},
+                                    .unit = "px",
+                                    .reload = Reload::kThresholds,
+                                    .help = "Smaller regions are ignored; from 2 on, single pixels cost no time"});
   }
 };
 
@@ -36,8 +45,10 @@ struct RegionOfInterestEntry {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.numbers("u_px", self.u_px, Range{-1, kMaxFrameWidth}, "px", "Columns of the polygon's corners");
-    visit.numbers("v_px", self.v_px, Range{-1, kMaxFrameHeight}, "px", "Rows of the polygon's corners");
+    visit.numbers(self.u_px,
+                  {.name = "u_px", .range = {-1, kMaxFrameWidth}, .unit = "px", .help = "Columns of the corners"});
+    visit.numbers(self.v_px,
+                  {.name = "v_px", .range = {-1, kMaxFrameHeight}, .unit = "px", .help = "Rows of the corners"});
   }
 };
 
@@ -47,10 +58,15 @@ struct LightEntry {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.text("map", self.map, "Illumination map beside this file, PNG of 16 bits, 32768 is 1; empty: no correction");
-    visit.text("surface", self.surface, "What the map was measured on: grey, field, moving or border");
-    visit.numbers("normal", self.normal, Range{1, 255}, "",
-                  "What that surface shows in R, G, B where the map is 1, for touchline-calibrate light --keep-normal");
+    visit.text(self.map, {.name = "map",
+                          .help = "Illumination map in the folder of this file: PNG with 16 bits per channel, 32768 "
+                                  "means 1; empty: no correction"});
+    visit.text(self.surface,
+               {.name = "surface", .help = "Surface that the map was measured on: grey, field, moving or border"});
+    visit.numbers(self.normal,
+                  {.name = "normal",
+                   .range = {1, 255},
+                   .help = "R, G, B of that surface where the map is 1, for touchline-calibrate light --keep-normal"});
   }
 };
 
@@ -60,8 +76,8 @@ struct ColorBoxEntry {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.numbers("low", self.low, Range{0, 255}, "", "Least value of each channel");
-    visit.numbers("high", self.high, Range{0, 255}, "", "Greatest value of each channel");
+    visit.numbers(self.low, {.name = "low", .range = {0, 255}, .help = "Lowest value of each channel"});
+    visit.numbers(self.high, {.name = "high", .range = {0, 255}, .help = "Highest value of each channel"});
   }
 };
 
@@ -74,12 +90,13 @@ struct ColorEntry {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.text("name", self.name, "What the team file calls it");
-    visit.numbers("shown_rgb", self.shown_rgb, Range{0, 255}, "", "How it is drawn in annotated pictures");
-    visit.numbers(
-        "typical", self.typical, Range{0, 255}, "",
-        "What its patches show on average, by channel, for the adaptation; none: the middle of its first box");
-    visit.list("box", self.box, "A box of the color: R, G, B or Y, U, V, as [colors] says");
+    visit.text(self.name, {.name = "name", .help = "Name for the team file"});
+    visit.numbers(self.shown_rgb, {.name = "shown_rgb", .range = {0, 255}, .help = "Color in annotated pictures"});
+    visit.numbers(self.typical, {.name = "typical",
+                                 .range = {0, 255},
+                                 .help = "Mean value of its patches after correction by the light map, each channel, "
+                                         "for [adaptation]; absent: the middle of the first box"});
+    visit.list(self.box, {.name = "box", .help = "A box in color space: R, G, B or Y, U, V, see colors.space"});
   }
 };
 
@@ -91,11 +108,14 @@ struct ColorsEntry {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice("space", self.space, std::span<const Choice<ColorSpace>>(kColorSpaces),
-                 "What the boxes are in: must be what the camera's format delivers");
-    visit.numbers("background", self.background, Range{0, 255}, "",
-                  "What the floor shows on average, by channel: pixels like it are told at a glance; decides nothing "
-                  "but the speed");
+    visit.choice(self.space, kColorSpaces,
+                 {.name = "space", .help = "Color space of the boxes; must match camera.format"});
+    visit.numbers(self.background,
+                  {.name = "background",
+                   .range = {0, 255},
+                   .reload = Reload::kThresholds,
+                   .help = "Mean value of the floor after correction by the light map, each channel: similar pixels "
+                           "are rejected early. Affects only the speed; absent: black"});
   }
 };
 
@@ -118,15 +138,24 @@ struct VenueFile {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("version", self.version, kVersionRange, "", "Of this file's keys");
-    visit.section("picture", self.picture, "The picture that all of this was made for");
-    visit.section("field", self.field, "The field and its goals; origin in the center, x to the opponent's goal");
-    visit.section("camera_model", self.camera_model, "Where a pixel looks to");
-    visit.section("region_of_interest", self.region_of_interest, "What is looked at; no corners: the whole picture");
-    visit.section("light", self.light, "Uneven illumination");
-    visit.section("colors", self.colors, "All colors");
-    visit.section("adaptation", self.adaptation, "How light map and boxes follow the light while the robots play");
-    visit.list("color", self.color, "A color that patches or the ball have");
+    visit.number(self.version, {.name = "version", .range = kVersionRange, .help = "Version of the file format"});
+    visit.section(self.picture, {.name = "picture", .help = "The picture that the calibration was made for"});
+    visit.section(self.field,
+                  {.name = "field",
+                   .help = "The field and its goals; the origin is the center, x points to the opponent's goal"});
+    visit.section(self.camera_model, {.name = "camera_model", .help = "The camera model: from pixels to rays"});
+    visit.section(self.region_of_interest,
+                  {.name = "region_of_interest",
+                   .reload = Reload::kThresholds,
+                   .help = "Polygon in the picture outside of which pixels are ignored; absent: the whole picture"});
+    visit.section(self.light, {.name = "light",
+                               .reload = Reload::kThresholds,
+                               .help = "Correction of uneven illumination (docs/light-and-colors.md)"});
+    visit.section(self.colors, {.name = "colors", .help = "Settings of all colors"});
+    visit.section(self.adaptation, {.name = "adaptation",
+                                    .reload = Reload::kThresholds,
+                                    .help = "Adaptation of light map and color boxes to the light while robots play"});
+    visit.list(self.color, {.name = "color", .reload = Reload::kThresholds, .help = "A color of patches or ball"});
   }
 };
 

@@ -73,6 +73,11 @@ std::string range_text(Range range, std::string_view unit) {
   return text;
 }
 
+std::string limits_text(const Key& key) {
+  const std::string text = range_text(key.range, key.unit);
+  return text.empty() ? std::string(key.unit) : text;
+}
+
 std::string joined(std::span<const std::string_view> words) {
   std::string text;
   for (const std::string_view word : words) {

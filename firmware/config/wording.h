@@ -27,14 +27,24 @@ std::string value_text(T value) {
 
 /// "0 to 10 m", "at least 0 m", "at most 1", or "" for a range without bounds.
 std::string range_text(Range range, std::string_view unit);
+/// The range with its unit, or the unit alone.
+std::string limits_text(const Key& key);
 
 /// "a, b, c".
 std::string joined(std::span<const std::string_view> words);
-template <class Enum>
-std::vector<std::string_view> words_of(std::span<const Choice<Enum>> choices) {
+template <class Choices>
+std::vector<std::string_view> words_of(const Choices& choices) {
   std::vector<std::string_view> words;
   for (const auto& choice : choices) words.push_back(choice.word);
   return words;
+}
+/// The word for a value; empty if it has none.
+template <class Enum, class Choices>
+std::string_view word_of(Enum value, const Choices& choices) {
+  for (const auto& choice : choices) {
+    if (choice.value == value) return choice.word;
+  }
+  return {};
 }
 
 /// The known word with the smallest edit distance, or one that begins with it; "" when none is near (more than a third
@@ -49,5 +59,20 @@ std::string element(std::string_view list, std::size_t index);
 
 /// A text as a TOML basic string.
 std::string toml_string(std::string_view text);
+
+/// A list of numbers or texts in TOML: "[1, 2, 3]".
+template <class Container>
+std::string list_text(const Container& values) {
+  std::string list;
+  for (const auto& value : values) {
+    if (!list.empty()) list += ", ";
+    if constexpr (std::is_arithmetic_v<typename Container::value_type>) {
+      list += value_text(value);
+    } else {
+      list += toml_string(value);
+    }
+  }
+  return "[" + list + "]";
+}
 
 }  // namespace touchline::config

@@ -27,17 +27,27 @@ struct FieldParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("length_m", self.length_m, Range{0.3, 20.0}, "m", "Between the goal lines");
-    visit.number("width_m", self.width_m, Range{0.3, 20.0}, "m", "Between the side walls");
-    visit.number("goal_width_m", self.goal_width_m, Range{0.05, 5.0}, "m", "Opening of the goals");
-    visit.number("goal_depth_m", self.goal_depth_m, Range{0.02, 2.0}, "m", "Depth of the goals");
-    visit.number("corner_m", self.corner_m, Range{0.0, 1.0}, "m", "Legs of the triangles that fill the corners");
-    visit.number("line_m", self.line_m, Range{0.0, 0.1}, "m", "Width of the lines");
-    visit.number("border_m", self.border_m, Range{0.0, 0.5}, "m", "Width of the border around the field");
-    visit.number("circle_radius_m", self.circle_radius_m, Range{0.0, 5.0}, "m", "Center circle");
-    visit.numbers("floor_rgb", self.floor_rgb, kRgbRange, "", "Field");
-    visit.numbers("line_rgb", self.line_rgb, kRgbRange, "", "Lines and border");
-    visit.numbers("outside_rgb", self.outside_rgb, kRgbRange, "", "Around the field");
+    visit.number(self.length_m,
+                 {.name = "length_m", .range = {0.3, 20.0}, .unit = "m", .help = "Distance between the goal lines"});
+    visit.number(self.width_m,
+                 {.name = "width_m", .range = {0.3, 20.0}, .unit = "m", .help = "Distance between the side walls"});
+    visit.number(self.goal_width_m,
+                 {.name = "goal_width_m", .range = {0.05, 5.0}, .unit = "m", .help = "Width of the goals"});
+    visit.number(self.goal_depth_m,
+                 {.name = "goal_depth_m", .range = {0.02, 2.0}, .unit = "m", .help = "Depth of the goals"});
+    visit.number(self.corner_m, {.name = "corner_m",
+                                 .range = {0.0, 1.0},
+                                 .unit = "m",
+                                 .help = "Legs of the right triangles that fill the corners"});
+    visit.number(self.line_m, {.name = "line_m", .range = {0.0, 0.1}, .unit = "m", .help = "Width of the lines"});
+    visit.number(
+        self.border_m,
+        {.name = "border_m", .range = {0.0, 0.5}, .unit = "m", .help = "Width of the border around the field"});
+    visit.number(self.circle_radius_m,
+                 {.name = "circle_radius_m", .range = {0.0, 5.0}, .unit = "m", .help = "Radius of the center circle"});
+    visit.numbers(self.floor_rgb, {.name = "floor_rgb", .range = kRgbRange, .help = "Color of the field"});
+    visit.numbers(self.line_rgb, {.name = "line_rgb", .range = kRgbRange, .help = "Color of lines and border"});
+    visit.numbers(self.outside_rgb, {.name = "outside_rgb", .range = kRgbRange, .help = "Color around the field"});
   }
 };
 
@@ -58,28 +68,51 @@ struct PhysicsParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("robot_mass_kg", self.robot_mass_kg, Range{0.05, 20.0}, "kg", "Mass of a robot");
-    visit.number("ball_mass_kg", self.ball_mass_kg, Range{0.005, 1.0}, "kg", "Mass of the ball");
-    visit.number("wheel_base_m", self.wheel_base_m, Range{0.01, 1.0}, "m", "Distance of the wheels");
-    visit.number("wheel_lag_s", self.wheel_lag_s, Range{0.0, 1.0}, "s",
-                 "Time constant with which wheels follow commands");
-    visit.number("wheel_error", self.wheel_error, Range{0.0, 0.2}, "",
-                 "Standard deviation of the wheels' constant gain error");
-    visit.number("wheel_slip", self.wheel_slip, Range{0.0, 0.5}, "", "Standard deviation of the wheels' random slip");
-    visit.number("tire_friction", self.tire_friction, Range{0.05, 3.0}, "", "Beyond it the tires slide");
-    visit.number("contact_friction", self.contact_friction, Range{0.0, 2.0}, "", "Between robots, ball and walls");
-    visit.number("robot_restitution", self.robot_restitution, Range{0.0, 1.0}, "", "Of robots");
-    visit.number("ball_restitution", self.ball_restitution, Range{0.0, 1.0}, "", "Of the ball");
-    visit.number("ball_deceleration_mps2", self.ball_deceleration_mps2, Range{0.0, 10.0}, "m/s^2",
-                 "Rolling resistance of the ball");
-    visit.number("ball_damping_per_s", self.ball_damping_per_s, Range{0.0, 10.0}, "1/s",
-                 "Loss of the ball's speed that grows with it");
-    visit.number("floor_roughness_mps_rts", self.floor_roughness_mps_rts, Range{0.0, 1.0}, "m/s/sqrt(s)",
-                 "Random change of the ball's velocity at 1 m/s and above; slower balls change less");
-    visit.number("command_timeout_s", self.command_timeout_s, Range{0.02, 10.0}, "s",
-                 "A robot that hears no good packet for so long stands");
-    visit.number("free_ball_after_s", self.free_ball_after_s, Range{1.0, 600.0}, "s",
-                 "A ball that lies still for so long is put back near the center");
+    visit.number(self.robot_mass_kg,
+                 {.name = "robot_mass_kg", .range = {0.05, 20.0}, .unit = "kg", .help = "Mass of a robot"});
+    visit.number(self.ball_mass_kg,
+                 {.name = "ball_mass_kg", .range = {0.005, 1.0}, .unit = "kg", .help = "Mass of the ball"});
+    visit.number(self.wheel_base_m,
+                 {.name = "wheel_base_m", .range = {0.01, 1.0}, .unit = "m", .help = "Distance between the wheels"});
+    visit.number(self.wheel_lag_s, {.name = "wheel_lag_s",
+                                    .range = {0.0, 1.0},
+                                    .unit = "s",
+                                    .help = "Time constant of the wheels after a command"});
+    visit.number(
+        self.wheel_error,
+        {.name = "wheel_error", .range = {0.0, 0.2}, .help = "Standard deviation of the wheels' constant gain error"});
+    visit.number(self.wheel_slip,
+                 {.name = "wheel_slip", .range = {0.0, 0.5}, .help = "Standard deviation of the wheels' random slip"});
+    visit.number(self.tire_friction,
+                 {.name = "tire_friction", .range = {0.05, 3.0}, .help = "Coefficient of friction of the tires"});
+    visit.number(self.contact_friction, {.name = "contact_friction",
+                                         .range = {0.0, 2.0},
+                                         .help = "Coefficient of friction between robots, ball and walls"});
+    visit.number(self.robot_restitution,
+                 {.name = "robot_restitution", .range = {0.0, 1.0}, .help = "Coefficient of restitution of robots"});
+    visit.number(self.ball_restitution,
+                 {.name = "ball_restitution", .range = {0.0, 1.0}, .help = "Coefficient of restitution of the ball"});
+    visit.number(self.ball_deceleration_mps2, {.name = "ball_deceleration_mps2",
+                                               .range = {0.0, 10.0},
+                                               .unit = "m/s^2",
+                                               .help = "Rolling resistance of the ball"});
+    visit.number(self.ball_damping_per_s, {.name = "ball_damping_per_s",
+                                           .range = {0.0, 10.0},
+                                           .unit = "1/s",
+                                           .help = "Damping of the ball, proportional to its speed"});
+    visit.number(self.floor_roughness_mps_rts,
+                 {.name = "floor_roughness_mps_rts",
+                  .range = {0.0, 1.0},
+                  .unit = "m/s/sqrt(s)",
+                  .help = "Random change of the ball's velocity at 1 m/s and above; slower balls change less"});
+    visit.number(self.command_timeout_s, {.name = "command_timeout_s",
+                                          .range = {0.02, 10.0},
+                                          .unit = "s",
+                                          .help = "Time without a valid packet after which a robot stops"});
+    visit.number(self.free_ball_after_s, {.name = "free_ball_after_s",
+                                          .range = {1.0, 600.0},
+                                          .unit = "s",
+                                          .help = "Time without motion after which the ball is put near the center"});
   }
 };
 
@@ -89,10 +122,10 @@ struct LampParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("x_m", self.x_m, Range{-50.0, 50.0}, "m", "Place");
-    visit.number("y_m", self.y_m, Range{-50.0, 50.0}, "m", "Place");
-    visit.number("z_m", self.z_m, Range{0.3, 50.0}, "m", "Height");
-    visit.number("power", self.power, Range{0.0, 1000.0}, "", "Relative to the other lamps");
+    visit.number(self.x_m, {.name = "x_m", .range = {-50.0, 50.0}, .unit = "m", .help = "Position"});
+    visit.number(self.y_m, {.name = "y_m", .range = {-50.0, 50.0}, .unit = "m", .help = "Position"});
+    visit.number(self.z_m, {.name = "z_m", .range = {0.3, 50.0}, .unit = "m", .help = "Height"});
+    visit.number(self.power, {.name = "power", .range = {0.0, 1000.0}, .help = "Power relative to the other lamps"});
   }
 };
 
@@ -103,10 +136,11 @@ struct LightParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("ambient", self.ambient, Range{0.0, 1.0}, "", "Part of the light that comes from everywhere");
-    visit.number("exposure", self.exposure, Range{0.05, 20.0}, "",
-                 "1: white paper on the field is at nine tenths of full scale on average");
-    visit.list("lamp", self.lamp, "A lamp: inverse-square falloff, cosine of the angle of incidence");
+    visit.number(self.ambient, {.name = "ambient", .range = {0.0, 1.0}, .help = "Fraction of ambient light"});
+    visit.number(self.exposure, {.name = "exposure",
+                                 .range = {0.05, 20.0},
+                                 .help = "Exposure; 1: the mean of white paper on the field is 90 % of full scale"});
+    visit.list(self.lamp, {.name = "lamp", .help = "A lamp: inverse-square law and cosine of the angle of incidence"});
   }
 };
 
@@ -121,15 +155,28 @@ struct LensParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("focal_px", self.focal_px, Range{10.0, 1e5}, "px",
-                 "f of r = f (a + cubic a^3), a: angle to the axis (Kannala and Brandt 2006)");
-    visit.number("cubic", self.cubic, Range{-0.2, 1.0}, "", "The second term's factor");
-    visit.number("center_u_px", self.center_u_px, Range{-1e4, 1e4}, "px", "Where the axis meets the picture");
-    visit.number("center_v_px", self.center_v_px, Range{-1e4, 1e4}, "px", "Where the axis meets the picture");
-    visit.numbers("position_m", self.position_m, Range{-50.0, 50.0}, "m", "Of the camera in the field's frame");
-    visit.numbers("aim_m", self.aim_m, Range{-50.0, 50.0}, "m", "Where the axis meets the floor");
-    visit.number("roll_rad", self.roll_rad, Range{-3.2, 3.2}, "rad", "Turn about the axis");
-    visit.number("vignetting", self.vignetting, Range{0.0, 0.9}, "", "Light lost at the picture's corners");
+    visit.number(self.focal_px, {.name = "focal_px",
+                                 .range = {10.0, 1e5},
+                                 .unit = "px",
+                                 .help = "f of r = f (a + cubic a^3), a: angle to the axis (Kannala and Brandt 2006)"});
+    visit.number(self.cubic, {.name = "cubic", .range = {-0.2, 1.0}, .help = "Factor of the cubic term"});
+    visit.number(self.center_u_px,
+                 {.name = "center_u_px", .range = {-1e4, 1e4}, .unit = "px", .help = "Principal point"});
+    visit.number(self.center_v_px,
+                 {.name = "center_v_px", .range = {-1e4, 1e4}, .unit = "px", .help = "Principal point"});
+    visit.numbers(self.position_m, {.name = "position_m",
+                                    .range = {-50.0, 50.0},
+                                    .unit = "m",
+                                    .help = "Position of the camera in the field frame"});
+    visit.numbers(self.aim_m, {.name = "aim_m",
+                               .range = {-50.0, 50.0},
+                               .unit = "m",
+                               .help = "Point on the floor that the optical axis meets"});
+    visit.number(self.roll_rad,
+                 {.name = "roll_rad", .range = {-3.2, 3.2}, .unit = "rad", .help = "Rotation about the optical axis"});
+    visit.number(self.vignetting, {.name = "vignetting",
+                                   .range = {0.0, 0.9},
+                                   .help = "Fraction of the light that is lost in the corners of the picture"});
   }
 };
 
@@ -142,13 +189,19 @@ struct SensorParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("full_well_electrons", self.full_well_electrons, Range{100.0, 1e7}, "",
-                 "Electrons at full scale: their root is the shot noise");
-    visit.number("read_noise_electrons", self.read_noise_electrons, Range{0.0, 1e4}, "", "Noise without any light");
-    visit.number("gamma", self.gamma, Range{1.0, 3.0}, "", "Of the camera's tone curve");
-    visit.number("exposure_s", self.exposure_s, Range{0.0, 0.1}, "s", "What moves meanwhile is blurred");
-    visit.number("transfer_s", self.transfer_s, Range{0.0, 0.5}, "s",
-                 "From the end of the exposure until the frame is in memory");
+    visit.number(self.full_well_electrons, {.name = "full_well_electrons",
+                                            .range = {100.0, 1e7},
+                                            .help = "Electrons at full scale; their square root is the shot noise"});
+    visit.number(self.read_noise_electrons,
+                 {.name = "read_noise_electrons", .range = {0.0, 1e4}, .help = "Read noise (standard deviation)"});
+    visit.number(self.gamma, {.name = "gamma", .range = {1.0, 3.0}, .help = "Gamma of the camera's tone curve"});
+    visit.number(
+        self.exposure_s,
+        {.name = "exposure_s", .range = {0.0, 0.1}, .unit = "s", .help = "Exposure time, which causes motion blur"});
+    visit.number(self.transfer_s, {.name = "transfer_s",
+                                   .range = {0.0, 0.5},
+                                   .unit = "s",
+                                   .help = "Delay from the end of the exposure until the frame is in memory"});
   }
 };
 
@@ -164,18 +217,37 @@ struct ChannelParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("delay_s", self.delay_s, Range{0.0, 1.0}, "s", "From the packet's last byte to the robots, at least");
-    visit.number("jitter_s", self.jitter_s, Range{0.0, 1.0}, "s", "Mean of the exponential delay on top");
-    visit.number("loss", self.loss, Range{0.0, 1.0}, "", "Part of the packets that a robot does not hear");
-    visit.number("corruption", self.corruption, Range{0.0, 1.0}, "", "Part of the packets that arrive with wrong bits");
-    visit.number("queue_bytes", self.queue_bytes, Range{128, 65536}, "",
-                 "Bytes that may wait for the line; more are refused");
-    visit.number("telemetry_hz", self.telemetry_hz, Range{0.0, 50.0}, "Hz",
-                 "How often each own robot tells its battery and link, under the same losses; 0: never");
-    visit.number("battery_v", self.battery_v, Range{0.0, 60.0}, "V",
-                 "Their batteries at the start, each by up to 0.3 V less");
-    visit.number("battery_drop_v_per_min", self.battery_drop_v_per_min, Range{0.0, 60.0}, "V/min",
-                 "What they lose; motors under way take 0.3 V at 1 m/s on top");
+    visit.number(self.delay_s, {.name = "delay_s",
+                                .range = {0.0, 1.0},
+                                .unit = "s",
+                                .help = "Minimum delay from the last byte of a packet to the robots"});
+    visit.number(self.jitter_s, {.name = "jitter_s",
+                                 .range = {0.0, 1.0},
+                                 .unit = "s",
+                                 .help = "Mean of an additional exponentially distributed delay"});
+    visit.number(
+        self.loss,
+        {.name = "loss", .range = {0.0, 1.0}, .help = "Fraction of the packets that a robot does not receive"});
+    visit.number(
+        self.corruption,
+        {.name = "corruption", .range = {0.0, 1.0}, .help = "Fraction of the packets that arrive with wrong bits"});
+    visit.number(self.queue_bytes, {.name = "queue_bytes",
+                                    .range = {128, 65536},
+                                    .help = "Size of the transmit queue; further bytes are rejected"});
+    visit.number(self.telemetry_hz,
+                 {.name = "telemetry_hz",
+                  .range = {0.0, 50.0},
+                  .unit = "Hz",
+                  .help = "Rate at which each own robot sends telemetry, with the same losses; 0: never"});
+    visit.number(self.battery_v, {.name = "battery_v",
+                                  .range = {0.0, 60.0},
+                                  .unit = "V",
+                                  .help = "Battery voltage at the start; each robot has up to 0.3 V less"});
+    visit.number(self.battery_drop_v_per_min,
+                 {.name = "battery_drop_v_per_min",
+                  .range = {0.0, 60.0},
+                  .unit = "V/min",
+                  .help = "Discharge of the battery; motors take a further 0.3 V at 1 m/s"});
   }
 };
 
@@ -186,8 +258,8 @@ struct Paint {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.text("name", self.name, "What robots and ball call it");
-    visit.numbers("rgb", self.rgb, kRgbRange, "", "Red, green, blue");
+    visit.text(self.name, {.name = "name", .help = "Name for robots, patches and ball"});
+    visit.numbers(self.rgb, {.name = "rgb", .range = kRgbRange, .help = "Red, green, blue"});
   }
 };
 
@@ -203,12 +275,18 @@ struct PaintedPatch {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice("shape", self.shape, std::span<const Choice<PatchShape>>(kPatchShapes),
-                 "triangle: height along x, base behind; circle: length is its diameter");
-    visit.number("x_m", self.x_m, Range{-0.3, 0.3}, "m", "Centroid, forward of the robot's center");
-    visit.number("y_m", self.y_m, Range{-0.3, 0.3}, "m", "Centroid, to the left");
-    visit.number("length_m", self.length_m, Range{0.001, 0.5}, "m", "Along x");
-    visit.number("width_m", self.width_m, Range{0.001, 0.5}, "m", "Along y");
+    visit.choice(
+        self.shape, kPatchShapes,
+        {.name = "shape",
+         .help = "Shape of the patch; triangle: height along x, base at the back; circle: length_m is the diameter"});
+    visit.number(
+        self.x_m,
+        {.name = "x_m", .range = {-0.3, 0.3}, .unit = "m", .help = "Centroid, forward from the robot's center"});
+    visit.number(
+        self.y_m,
+        {.name = "y_m", .range = {-0.3, 0.3}, .unit = "m", .help = "Centroid, to the left of the robot's center"});
+    visit.number(self.length_m, {.name = "length_m", .range = {0.001, 0.5}, .unit = "m", .help = "Extent along x"});
+    visit.number(self.width_m, {.name = "width_m", .range = {0.001, 0.5}, .unit = "m", .help = "Extent along y"});
   }
 };
 
@@ -224,12 +302,13 @@ struct ArenaRobot {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice("team", self.team, std::span<const Choice<Side>>(kSides), "Own robots obey packets");
-    visit.number("id", self.id, Range{0, 127}, "", "The number it listens to");
-    visit.number("x_m", self.x_m, Range{-20.0, 20.0}, "m", "Where it stands at the start");
-    visit.number("y_m", self.y_m, Range{-20.0, 20.0}, "m", "Where it stands at the start");
-    visit.number("theta_rad", self.theta_rad, Range{-6.3, 6.3}, "rad", "Where it looks at the start");
-    visit.texts("colors", self.colors, "Paints of the patches after the team's, in their order");
+    visit.choice(self.team, kSides, {.name = "team", .help = "Team of the robot; own robots are driven by packets"});
+    visit.number(self.id, {.name = "id", .range = {0, 127}, .help = "Id of the robot in packets"});
+    visit.number(self.x_m, {.name = "x_m", .range = {-20.0, 20.0}, .unit = "m", .help = "Position at the start"});
+    visit.number(self.y_m, {.name = "y_m", .range = {-20.0, 20.0}, .unit = "m", .help = "Position at the start"});
+    visit.number(self.theta_rad,
+                 {.name = "theta_rad", .range = {-6.3, 6.3}, .unit = "rad", .help = "Heading at the start"});
+    visit.texts(self.colors, {.name = "colors", .help = "Paints of the identification patches, in their order"});
   }
 };
 
@@ -261,9 +340,9 @@ struct ArenaFault {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice("kind", self.kind, std::span<const Choice<FaultKind>>(kFaultKinds), "What goes wrong");
-    visit.number("at_s", self.at_s, Range{0.0, 1e6}, "s", "When, in arena time");
-    visit.number("for_s", self.for_s, Range{0.0, 1e6}, "s", "How long");
+    visit.choice(self.kind, kFaultKinds, {.name = "kind", .help = "Kind of the fault"});
+    visit.number(self.at_s, {.name = "at_s", .range = {0.0, 1e6}, .unit = "s", .help = "Start, in arena time"});
+    visit.number(self.for_s, {.name = "for_s", .range = {0.0, 1e6}, .unit = "s", .help = "Duration"});
   }
 };
 
@@ -301,26 +380,35 @@ struct ArenaParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.section("field", self.field, "Lines and walls");
-    visit.section("physics", self.physics, "Robots, ball and what happens when they meet");
-    visit.section("camera", self.camera, "Lens and place of the camera");
-    visit.section("sensor", self.sensor, "Noise, tone curve, times");
-    visit.section("light", self.light, "Lamps");
-    visit.section("radio", self.radio, "Delay, jitter and losses");
-    visit.choice("opponents", self.opponents, std::span<const Choice<Opponents>>(kOpponentModes),
-                 "What the other team does");
-    visit.number("opponent_speed_mps", self.opponent_speed_mps, Range{0.0, 5.0}, "m/s", "How fast it does it");
-    visit.number("robot_side_m", self.robot_side_m, Range{0.02, 0.4}, "m", "A robot is a cuboid");
-    visit.number("robot_height_m", self.robot_height_m, Range{0.01, 0.5}, "m", "Its top is where the patches are");
-    visit.number("ball_radius_m", self.ball_radius_m, Range{0.005, 0.2}, "m", "Golf ball: 0.02135");
-    visit.text("own_color", self.own_color, "Paint of the own team's patches");
-    visit.text("opponent_color", self.opponent_color, "Paint of the other team's patches");
-    visit.text("ball_color", self.ball_color, "Paint of the ball");
-    visit.numbers("body_rgb", self.body_rgb, kRgbRange, "", "Robots where no patch is");
-    visit.list("paint", self.paint, "A color that robots and ball may have");
-    visit.list("patch", self.patch, "A patch on each robot's top, the team's first");
-    visit.list("robot", self.robot, "A robot on the field");
-    visit.list("fault", self.fault, "Something that goes wrong");
+    visit.section(self.field, {.name = "field", .help = "Lines and walls of the field"});
+    visit.section(self.physics, {.name = "physics", .help = "Motion and collisions of robots and ball"});
+    visit.section(self.camera, {.name = "camera", .help = "Lens and pose of the camera"});
+    visit.section(self.sensor, {.name = "sensor", .help = "Noise, tone curve and times of the image sensor"});
+    visit.section(self.light, {.name = "light", .help = "Lamps of the hall"});
+    visit.section(self.radio, {.name = "radio", .help = "Delay, jitter and losses of the radio link"});
+    visit.choice(self.opponents, kOpponentModes, {.name = "opponents", .help = "Behavior of the other team"});
+    visit.number(
+        self.opponent_speed_mps,
+        {.name = "opponent_speed_mps", .range = {0.0, 5.0}, .unit = "m/s", .help = "Maximum speed of the other team"});
+    visit.number(self.robot_side_m,
+                 {.name = "robot_side_m", .range = {0.02, 0.4}, .unit = "m", .help = "Side of the robots"});
+    visit.number(self.robot_height_m, {.name = "robot_height_m",
+                                       .range = {0.01, 0.5},
+                                       .unit = "m",
+                                       .help = "Height of the robots' tops, on which the patches are"});
+    visit.number(self.ball_radius_m, {.name = "ball_radius_m",
+                                      .range = {0.005, 0.2},
+                                      .unit = "m",
+                                      .help = "Radius of the ball; golf ball: 0.02135"});
+    visit.text(self.own_color, {.name = "own_color", .help = "Paint of the own team's patches"});
+    visit.text(self.opponent_color, {.name = "opponent_color", .help = "Paint of the other team's patches"});
+    visit.text(self.ball_color, {.name = "ball_color", .help = "Paint of the ball"});
+    visit.numbers(self.body_rgb,
+                  {.name = "body_rgb", .range = kRgbRange, .help = "Color of the robots' tops outside of the patches"});
+    visit.list(self.paint, {.name = "paint", .help = "A color for robots and ball"});
+    visit.list(self.patch, {.name = "patch", .help = "A patch on each robot's top; the first one is the team patch"});
+    visit.list(self.robot, {.name = "robot", .help = "A robot on the field"});
+    visit.list(self.fault, {.name = "fault", .help = "A fault to inject"});
   }
 };
 

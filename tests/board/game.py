@@ -76,7 +76,7 @@ class Game:
         self.run("mkdir -p /etc/touchline && cp board.toml venue.toml venue-light.png team.toml /etc/touchline/ &&"
                  " sed 's/^space = .*/space = \"yuv\"/' venue.toml >venue-yuv.toml")
         said = self.run("touchline check --board /etc/touchline/board.toml")
-        self.checks.expect("are sound" in said and "neon" in said, "touchline check: files are sound, NEON kernel")
+        self.checks.expect("are valid" in said and "neon" in said, "touchline check: files are valid, NEON kernel")
 
     def list_devices(self):
         self.run("cp board.rules /etc/udev/rules.d/99-board.rules && udevadm control --reload")

@@ -26,9 +26,8 @@ TEST_F(ConfigFiles, DumpTellsUnitRangeAndMeaning) {
   ASSERT_TRUE(load().ok()) << problems();
   const std::string text = dump(*configuration_);
   EXPECT_NE(text.find("\n[camera]\n"), std::string::npos);
-  EXPECT_NE(
-      text.find("exposure_us = 5000                  # Exposure time; 0: leave to the driver (0 to 1000000 us)\n"),
-      std::string::npos)
+  EXPECT_NE(text.find("exposure_us = 5000                  # Exposure time; 0: not set (0 to 1000000 us)\n"),
+            std::string::npos)
       << text;
   EXPECT_NE(text.find("\n[[own.robot]]\nid = 1"), std::string::npos) << text;
   EXPECT_NE(text.find("backend = \"none\""), std::string::npos);

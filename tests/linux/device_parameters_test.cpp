@@ -13,28 +13,28 @@ namespace {
 struct Checker {
   std::set<std::string> keys;
 
-  void add(std::string_view key, std::string_view help) {
-    EXPECT_TRUE(keys.insert(std::string(key)).second) << key << " twice";
-    EXPECT_FALSE(help.empty()) << key;
+  void add(const Key& key) {
+    EXPECT_TRUE(keys.insert(std::string(key.name)).second) << key.name << " twice";
+    EXPECT_FALSE(key.help.empty()) << key.name;
   }
   template <class Number>
-  void number(std::string_view key, Number& value, Range range, std::string_view, std::string_view help) {
-    add(key, help);
-    EXPECT_GE(static_cast<double>(value), range.low) << key;
-    EXPECT_LE(static_cast<double>(value), range.high) << key;
+  void number(Number& value, const Key& key) {
+    add(key);
+    EXPECT_GE(static_cast<double>(value), key.range.low) << key.name;
+    EXPECT_LE(static_cast<double>(value), key.range.high) << key.name;
   }
-  template <class Enum>
-  void choice(std::string_view key, Enum& value, std::span<const Choice<Enum>> choices, std::string_view help) {
-    add(key, help);
+  template <class Enum, class Choices>
+  void choice(Enum& value, const Choices& choices, const Key& key) {
+    add(key);
     const auto is = [&](const Choice<Enum>& choice) { return choice.value == value; };
-    EXPECT_EQ(std::count_if(choices.begin(), choices.end(), is), 1) << key;
+    EXPECT_EQ(std::count_if(choices.begin(), choices.end(), is), 1) << key.name;
     std::set<std::string_view> words;
     for (const Choice<Enum>& choice : choices) EXPECT_TRUE(words.insert(choice.word).second) << choice.word;
   }
-  void flag(std::string_view key, const bool&, std::string_view help) { add(key, help); }
-  void text(std::string_view key, const std::string& value, std::string_view help) {
-    add(key, help);
-    EXPECT_FALSE(value.empty()) << key;
+  void flag(const bool&, const Key& key) { add(key); }
+  void text(const std::string& value, const Key& key) {
+    add(key);
+    EXPECT_FALSE(value.empty()) << key.name;
   }
 };
 

@@ -84,6 +84,7 @@ Status OutputFile::open(const std::string& path, const OutputOptions& options) {
   path_ = path;
   sync_ = options.sync;
   if (path == "-" || path == "/dev/stdout") {
+    path_ = "standard output";
     file_ = STDOUT_FILENO;
     return {};
   }

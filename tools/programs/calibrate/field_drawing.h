@@ -22,11 +22,11 @@ struct DrawnLine {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("x1_m", self.x1_m, Range{-20.0, 20.0}, "m", "One end of the line's middle");
-    visit.number("y1_m", self.y1_m, Range{-20.0, 20.0}, "m", "One end of the line's middle");
-    visit.number("x2_m", self.x2_m, Range{-20.0, 20.0}, "m", "The other end");
-    visit.number("y2_m", self.y2_m, Range{-20.0, 20.0}, "m", "The other end");
-    visit.number("width_m", self.width_m, Range{0.001, 0.3}, "m", "How wide it is painted");
+    visit.number(self.x1_m, {.name = "x1_m", .range = {-20.0, 20.0}, .unit = "m", .help = "Start of the center line"});
+    visit.number(self.y1_m, {.name = "y1_m", .range = {-20.0, 20.0}, .unit = "m", .help = "Start of the center line"});
+    visit.number(self.x2_m, {.name = "x2_m", .range = {-20.0, 20.0}, .unit = "m", .help = "End of the center line"});
+    visit.number(self.y2_m, {.name = "y2_m", .range = {-20.0, 20.0}, .unit = "m", .help = "End of the center line"});
+    visit.number(self.width_m, {.name = "width_m", .range = {0.001, 0.3}, .unit = "m", .help = "Width of the paint"});
   }
 };
 
@@ -36,12 +36,17 @@ struct DrawnArc {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("x_m", self.x_m, Range{-20.0, 20.0}, "m", "Center");
-    visit.number("y_m", self.y_m, Range{-20.0, 20.0}, "m", "Center");
-    visit.number("radius_m", self.radius_m, Range{0.01, 20.0}, "m", "Of the arc's middle");
-    visit.number("from_rad", self.from_rad, Range{-6.3, 6.3}, "rad", "Where it begins; 0 is along x");
-    visit.number("to_rad", self.to_rad, Range{-6.3, 12.6}, "rad", "Where it ends, counter-clockwise; absent: a circle");
-    visit.number("width_m", self.width_m, Range{0.001, 0.3}, "m", "How wide it is painted");
+    visit.number(self.x_m, {.name = "x_m", .range = {-20.0, 20.0}, .unit = "m", .help = "Center of the arc"});
+    visit.number(self.y_m, {.name = "y_m", .range = {-20.0, 20.0}, .unit = "m", .help = "Center of the arc"});
+    visit.number(self.radius_m,
+                 {.name = "radius_m", .range = {0.01, 20.0}, .unit = "m", .help = "Radius of the center line"});
+    visit.number(self.from_rad,
+                 {.name = "from_rad", .range = {-6.3, 6.3}, .unit = "rad", .help = "Start angle; 0 is along x"});
+    visit.number(self.to_rad, {.name = "to_rad",
+                               .range = {-6.3, 12.6},
+                               .unit = "rad",
+                               .help = "End angle, counter-clockwise; absent: a full circle"});
+    visit.number(self.width_m, {.name = "width_m", .range = {0.001, 0.3}, .unit = "m", .help = "Width of the paint"});
   }
 };
 
@@ -58,11 +63,17 @@ struct DrawnBorder {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice("kind", self.kind, std::span<const Choice<BorderKind>>(kKinds),
-                 "wall: the dark floor ends at something bright; line: painted, its outer edge is the field's");
-    visit.number("width_m", self.width_m, Range{0.001, 0.3}, "m", "Of a painted line");
-    visit.number("corner_m", self.corner_m, Range{0.0, 1.0}, "m", "Legs of the bright triangles that fill the corners");
-    visit.flag("open_goals", self.open_goals, "Nothing bright crosses the mouths of the goals");
+    visit.choice(self.kind, kKinds,
+                 {.name = "kind",
+                  .help = "wall: the dark floor ends at a bright wall; line: a painted line whose outer edge is the "
+                          "edge of the field"});
+    visit.number(self.width_m,
+                 {.name = "width_m", .range = {0.001, 0.3}, .unit = "m", .help = "Width of a painted line"});
+    visit.number(self.corner_m, {.name = "corner_m",
+                                 .range = {0.0, 1.0},
+                                 .unit = "m",
+                                 .help = "Legs of the bright right triangles that fill the corners"});
+    visit.flag(self.open_goals, {.name = "open_goals", .help = "The openings of the goals have no bright line"});
   }
 };
 
@@ -80,11 +91,12 @@ struct FieldDrawing {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.number("version", self.version, config::kVersionRange, "", "Of this file's keys");
-    visit.section("field", self.field, "The field and its goals; origin in the center");
-    visit.section("border", self.border, "What goes around the field");
-    visit.list("line", self.line, "A line on the floor");
-    visit.list("arc", self.arc, "An arc or a circle on the floor");
+    visit.number(self.version,
+                 {.name = "version", .range = config::kVersionRange, .help = "Version of the file format"});
+    visit.section(self.field, {.name = "field", .help = "The field and its goals; the origin is the center"});
+    visit.section(self.border, {.name = "border", .help = "The border around the field"});
+    visit.list(self.line, {.name = "line", .help = "A line on the floor"});
+    visit.list(self.arc, {.name = "arc", .help = "An arc or a circle on the floor"});
   }
 };
 

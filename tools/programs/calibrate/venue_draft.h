@@ -35,7 +35,7 @@ struct Titled {
   const Struct& value;
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.section(self.name, self.value, "");
+    visit.section(self.value, {.name = self.name});
   }
 };
 template <class Struct>
@@ -44,7 +44,7 @@ struct TitledList {
   const std::vector<Struct>& values;
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.list(self.name, self.values, "");
+    visit.list(self.values, {.name = self.name});
   }
 };
 }  // namespace detail

@@ -1,0 +1,115 @@
+#include "firmware/config/key_reference.h"
+
+#include <cstring>
+
+#include "firmware/config/board_file.h"
+#include "firmware/config/key_list.h"
+#include "firmware/config/team_file.h"
+#include "firmware/config/venue_file.h"
+
+namespace touchline::config {
+namespace {
+
+struct FileKeys {
+  const char* file;
+  std::vector<KeyInfo> keys;
+};
+
+std::vector<FileKeys> all_files() {
+  return {{"board.toml", KeyLister::keys_of<BoardFile>()},
+          {"venue.toml", KeyLister::keys_of<VenueFile>()},
+          {"team.toml", KeyLister::keys_of<TeamFile>()}};
+}
+
+// One word for the column "Reload"; empty: the key needs a restart.
+std::string_view reload_word(Reload reload) {
+  switch (reload) {
+    case Reload::kInherit:
+    case Reload::kRestart:
+      break;
+    case Reload::kNoEffect:
+      return "no effect";
+    case Reload::kCamera:
+      return "camera";
+    case Reload::kThresholds:
+      return "thresholds";
+    case Reload::kControl:
+      return "control";
+    case Reload::kLoop:
+      return "loop";
+  }
+  return {};
+}
+
+bool is_section(const KeyInfo& key) { return key.type == "section" || key.type == "list of sections"; }
+
+// "[own]" or "[[own.robot]]".
+std::string header_of(const KeyInfo& section) {
+  std::string path = section.path;
+  for (std::size_t at = path.find("[]"); at != std::string::npos; at = path.find("[]")) path.erase(at, 2);
+  return section.type == "section" ? "[" + path + "]" : "[[" + path + "]]";
+}
+
+// A vertical bar would end the cell.
+std::string cell(std::string_view text) {
+  std::string out;
+  for (const char c : text) out.append(c == '|' ? "\\|" : std::string(1, c));
+  return out;
+}
+
+void append_table(const std::vector<KeyInfo>& keys, const std::string& prefix, std::string& page) {
+  std::string rows;
+  for (const KeyInfo& key : keys) {
+    const bool inside = key.path.starts_with(prefix) && key.path.find('.', prefix.size()) == std::string::npos;
+    if (!inside || is_section(key)) continue;
+    rows.append("| `").append(key.path.substr(prefix.size())).append("` | ").append(cell(key.type)).append(" | ");
+    rows.append(key.initial.empty() ? "" : "`" + cell(key.initial) + "`").append(" | ").append(key.limits);
+    rows.append(" | ").append(reload_word(key.reload)).append(" | ").append(cell(key.help)).append(" |\n");
+  }
+  if (!rows.empty()) page.append("\n| key | type | default | range | reload | meaning |\n|---|---|---|---|---|---|\n");
+  page.append(rows);
+}
+
+}  // namespace
+
+std::string key_reference_text() {
+  std::string text;
+  for (const auto& [file, keys] : all_files()) {
+    text.append(file).append("\n");
+    for (const KeyInfo& key : keys) {
+      text.append("  ").append(key.path).append(": ").append(key.type);
+      if (!key.limits.empty()) text.append(", ").append(key.limits);
+      if (!key.initial.empty()) text.append(", default ").append(key.initial);
+      if (const std::string_view word = reload_word(key.reload); !word.empty() && !is_section(key)) {
+        text.append(", reload: ").append(word);
+      }
+      text.append("\n      ").append(key.help).append("\n");
+    }
+  }
+  return text;
+}
+
+std::string key_reference_markdown() {
+  std::string page;
+  for (const auto& [file, keys] : all_files()) {
+    page.append("\n### ").append(file).append("\n");
+    append_table(keys, "", page);
+    for (const KeyInfo& key : keys) {
+      if (!is_section(key)) continue;
+      page.append("\n#### ").append(header_of(key)).append("\n\n").append(key.help).append(".\n");
+      append_table(keys, key.path + (key.type == "section" ? "." : "[]."), page);
+    }
+  }
+  return page;
+}
+
+Status update_key_reference(std::string& page) {
+  const std::size_t begin = page.find(kReferenceBegin);
+  const std::size_t from = begin + std::strlen(kReferenceBegin);
+  const std::size_t end = begin == std::string::npos ? begin : page.find(kReferenceEnd, from);
+  if (end == std::string::npos) return ErrorCode::kNotFound;
+  page.replace(from, end - from, key_reference_markdown() + "\n");
+  return {};
+}
+
+}  // namespace touchline::config

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "core/status.h"
+
+// The reference of all keys, made from their declarations.
+namespace touchline::config {
+
+/// For the terminal: two or three lines for each key of the three files.
+std::string key_reference_text();
+
+/// For docs/files.md: a table for each section of the three files.
+std::string key_reference_markdown();
+
+/// Replaces the part of a page between the lines kReferenceBegin and kReferenceEnd by key_reference_markdown().
+/// kNotFound: the page does not have both lines.
+Status update_key_reference(std::string& page);
+
+inline constexpr const char* kReferenceBegin =
+    "<!-- Begin of the reference. Do not edit it: `touchline keys --update docs/files.md` writes it. -->\n";
+inline constexpr const char* kReferenceEnd = "<!-- End of the reference. -->\n";
+
+}  // namespace touchline::config

@@ -1,0 +1,51 @@
+#include "firmware/config/reload.h"
+
+#include <algorithm>
+
+#include "core/parameter_copy.h"
+
+namespace touchline::config {
+namespace {
+
+/// Boxes, maps and polygons belong to pictures of one size and format, and to one list of colors.
+bool same_pictures_and_colors(const Configuration& a, const Configuration& b) {
+  const ScanParameters &x = a.pipeline.scan, &y = b.pipeline.scan;
+  return x.format == y.format && x.width_px == y.width_px && x.height_px == y.height_px &&
+         std::equal(a.venue.color.begin(), a.venue.color.end(), b.venue.color.begin(), b.venue.color.end(),
+                    [](const ColorEntry& one, const ColorEntry& other) { return one.name == other.name; });
+}
+
+void copy(const Configuration& next, Configuration& running, Reload which) {
+  copy_reloadable(next.board, running.board, which);
+  copy_reloadable(next.venue, running.venue, which);
+  copy_reloadable(next.team, running.team, which);
+}
+
+}  // namespace
+
+bool ReloadChanges::concern(Reload by) const {
+  return std::any_of(applied.begin(), applied.end(), [by](const Change& change) { return change.reload == by; });
+}
+
+Status apply_reloadable(const Configuration& next, Configuration& running, ReloadChanges& changes, Problems& problems) {
+  changes = {};
+  const bool thresholds_fit = same_pictures_and_colors(running, next);
+  const auto can_change = [thresholds_fit](Reload reload) {
+    return reload != Reload::kRestart && (reload != Reload::kThresholds || thresholds_fit);
+  };
+  for (Change& change : difference(running, next)) {
+    (can_change(change.reload) ? changes.applied : changes.need_restart).push_back(std::move(change));
+  }
+  for (const Reload which :
+       {Reload::kNoEffect, Reload::kCamera, Reload::kThresholds, Reload::kControl, Reload::kLoop}) {
+    if (can_change(which)) copy(next, running, which);
+  }
+  running.pipeline.control = running.team.control;
+  if (!changes.concern(Reload::kThresholds)) return {};
+  running.venue_where = next.venue_where;  // the path of the light map is relative to the venue file
+  const ScanParameters& scan = running.pipeline.scan;
+  const InputFormat input{scan.format, scan.width_px, scan.height_px, "the running camera"};
+  return resolve(input, running, problems);
+}
+
+}  // namespace touchline::config

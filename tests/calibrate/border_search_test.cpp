@@ -1,4 +1,4 @@
-#include "tools/programs/calibrate/border_search.h"
+#include "tools/programs/calibrate/field/border_search.h"
 
 #include <gtest/gtest.h>
 
@@ -91,7 +91,7 @@ TEST(BorderSearch, RefusesWhatHasNoBorder) {
   std::string reason;
   EXPECT_EQ(find_border(photograph(arena, hal::mock::Floor::kGreyPaper, kSeed), border, reason).code(),
             ErrorCode::kNotFound);
-  EXPECT_NE(reason.find("nothing as bright as a border goes around"), std::string::npos) << reason;
+  EXPECT_NE(reason.find("no bright border surrounds"), std::string::npos) << reason;
 }
 
 TEST(BorderSearch, HalfAFieldIsNotTakenForAWholeOne) {

@@ -1,10 +1,10 @@
-#include "tools/programs/calibrate/box_learning.h"
+#include "tools/programs/calibrate/colors/box_learning.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "tools/programs/calibrate/box_split.h"
+#include "tools/programs/calibrate/colors/initial_boxes.h"
 
 namespace touchline::calibrate {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/programs/calibrate/color_fit.h"
+#include "tools/programs/calibrate/colors/color_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -253,13 +253,13 @@ TEST(ColorFit, ProposesAPaintForOneOfTwoThatAreClose) {
   ColorFit fit;
   std::string reason;
   ASSERT_TRUE(fit_colors(input, fit, reason).ok()) << reason;
-  ASSERT_EQ(fit.advice.exchanges.size(), 1U);
-  const Exchange& exchange = fit.advice.exchanges[0];
-  const std::set<std::string> pair{fit.names[exchange.first], fit.names[exchange.second]};
+  ASSERT_EQ(fit.advice.replacements.size(), 1U);
+  const ColorReplacement& replacement = fit.advice.replacements[0];
+  const std::set<std::string> pair{fit.names[replacement.first], fit.names[replacement.second]};
   EXPECT_EQ(pair, (std::set<std::string>{"red", "maroon"}));
-  EXPECT_LT(exchange.levels, 20);
-  EXPECT_GT(exchange.instead.levels, 35) << exchange.instead.name;
-  EXPECT_EQ(std::count(fit.names.begin(), fit.names.end(), exchange.instead.name), 0);
+  EXPECT_LT(replacement.levels, 20);
+  EXPECT_GT(replacement.suggestion.levels, 35) << replacement.suggestion.name;
+  EXPECT_EQ(std::count(fit.names.begin(), fit.names.end(), replacement.suggestion.name), 0);
 }
 
 TEST(ColorFit, RefusesPicturesOfDifferentSizes) {

@@ -1,4 +1,4 @@
-#include "tools/programs/calibrate/field_drawing.h"
+#include "tools/programs/calibrate/field/field_drawing.h"
 
 #include <gtest/gtest.h>
 
@@ -91,8 +91,8 @@ TEST_F(Drawing, NamesFileLineAndKeyOfWhatIsWrong) {
   for (const Case& c :
        {Case{"radius_m = 0.2", "radius_m = -0.2", ":22: arc[0].radius_m: "},
         Case{"radius_m = 0.2\n", "", "arc[0].radius_m: is missing"},
-        Case{"y2_m = 0.1", "y2_m = -0.1", ":14: line[1]: its ends are less than 0.05 m apart"},
-        Case{"x2_m = 0.5", "x2_m = 5.0", ":14: line[1]: ends more than 1 m outside"},
+        Case{"y2_m = 0.1", "y2_m = -0.1", ":14: line[1]: the ends must be at least 0.05 m apart"},
+        Case{"x2_m = 0.5", "x2_m = 5.0", ":14: line[1]: an end is more than 1 m outside"},
         Case{"radius_m = 0.2", "radius_m = 0.2\nfrom_rad = 1.0\nto_rad = 0.5", "arc[0].to_rad: the arc"},
         Case{"corner_m = 0.1", "corner_m = 0.7", ":7: border.corner_m: "},
         Case{"[border]", "[border]\nbrim = 1", ":7: border.brim: "},

@@ -1,4 +1,4 @@
-#include "tools/programs/calibrate/field_fit.h"
+#include "tools/programs/calibrate/field/field_fit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/programs/calibrate/field_refinement.h"
+#include "tools/programs/calibrate/field/field_refinement.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "tests/calibrate/arena_photograph.h"
-#include "tools/programs/calibrate/error_map.h"
-#include "tools/programs/calibrate/field_drawing.h"
+#include "tools/programs/calibrate/field/field_drawing.h"
+#include "tools/programs/calibrate/field/residual_map.h"
 
 // The arena's camera has a lens of another kind (Kannala and Brandt) than the model that is fitted, noise, lamps, goals
 // in the border and filled corners.
@@ -109,7 +109,7 @@ TEST_F(FieldRefinement, DrawsItsErrors) {
   ASSERT_TRUE(refine(picture, fit).ok()) << reason_;
   CameraModel camera;
   ASSERT_TRUE(camera.configure(fit.camera).ok());
-  const hal::Picture drawn = draw_errors(picture, camera, report_);
+  const hal::Picture drawn = draw_residuals(picture, camera, report_);
   EXPECT_EQ(drawn.width_px, picture.width_px);
   EXPECT_GT(drawn.height_px, picture.height_px) << "with a legend below";
   // A point of the lower border that fits well: a bluish or greenish dot on the darkened photograph.
@@ -139,7 +139,7 @@ TEST_F(FieldRefinement, WithoutABorderTheFitStaysAsItWas) {
   FieldFit fit = rough_fit();
   const FullModelParameters before = fit.camera.full;
   EXPECT_EQ(refine(photograph(hal::mock::Floor::kGreyPaper), fit).code(), ErrorCode::kNotFound);
-  EXPECT_EQ(reason_, "only 0 of the border's four sides can be found, straight and where a camera would see them");
+  EXPECT_EQ(reason_, "only 0 of the four sides of the border were found");
   EXPECT_EQ(fit.camera.full.fx_px, before.fx_px);
   EXPECT_EQ(fit.camera.full.rotation_rad, before.rotation_rad);
   EXPECT_EQ(fit.camera.full.position_m, before.position_m);

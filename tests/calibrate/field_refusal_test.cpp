@@ -6,7 +6,7 @@
 
 #include "tests/calibrate/arena_photograph.h"
 #include "tests/tools/program_folder.h"
-#include "tools/programs/calibrate/venue_draft.h"
+#include "tools/programs/calibrate/venue/venue_draft.h"
 
 // `touchline-calibrate field` without a click, from outside: what it must not believe, and what it must.
 namespace touchline::calibrate {
@@ -48,19 +48,19 @@ TEST_F(FieldWithoutAClick, CutOffByThePicture) {
   expect_refusal(kMiroSot, "the picture cuts the field off");
   arena_.camera.aim_m = {0.0, 0.3};
   write_field(render());
-  expect_refusal(kMiroSot, "is it cut off?");
+  expect_refusal(kMiroSot, "is the border cut off?");
 }
 
 TEST_F(FieldWithoutAClick, TooFewEdges) {
   write_field(render(hal::mock::Floor::kGreyPaper));
-  expect_refusal(kMiroSot, "nothing as bright as a border goes around");
+  expect_refusal(kMiroSot, "no bright border surrounds");
 }
 
 TEST_F(FieldWithoutAClick, ItCouldBeTurned) {
   resize(1.6, 1.6);
   const double line_m = std::exchange(arena_.field.line_m, 0.0);
   write_field(render());
-  expect_refusal("--length 1.6 --width 1.6 --camera-height 2.3", "turned by 90 degrees");
+  expect_refusal("--length 1.6 --width 1.6 --camera-height 2.3", "rotated by 90 degrees");
   arena_.field.line_m = line_m;
   write_field(render());
   EXPECT_TRUE(run("--length 1.6 --width 1.6 --camera-height 2.3")) << "the center line tells: " << read("out");
@@ -85,7 +85,7 @@ TEST_F(FieldWithoutAClick, ResidualsTooLarge) {
     }
   }
   write_field(picture);
-  expect_refusal(kMiroSot + " --camera-height 2.3", "of the border's four sides can be found");
+  expect_refusal(kMiroSot + " --camera-height 2.3", "of the four sides of the border were found");
 }
 
 TEST_F(FieldWithoutAClick, AVerticalCamerasHeightMustBeMeasured) {

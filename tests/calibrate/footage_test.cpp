@@ -9,8 +9,8 @@
 
 #include "core/region/region_scanner.h"
 #include "hal/replay/replay_camera.h"
-#include "tools/programs/calibrate/camera_picture.h"
-#include "tools/programs/calibrate/venue_draft.h"
+#include "tools/programs/calibrate/imaging/camera_picture.h"
+#include "tools/programs/calibrate/venue/venue_draft.h"
 
 // The colors of tests/footage, learned from other pictures of the same set, on annotated ones: is there a region of the
 // right color at every patch? What matching makes of them is tested elsewhere.

@@ -1,4 +1,4 @@
-#include "tools/programs/calibrate/light_fit.h"
+#include "tools/programs/calibrate/light/light_fit.h"
 
 #include <gtest/gtest.h>
 

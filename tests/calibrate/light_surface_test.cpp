@@ -6,8 +6,8 @@
 
 #include "hal/mock/lens.h"
 #include "tests/calibrate/arena_photograph.h"
-#include "tools/programs/calibrate/field_fit.h"
-#include "tools/programs/calibrate/light_fit.h"
+#include "tools/programs/calibrate/field/field_fit.h"
+#include "tools/programs/calibrate/light/light_fit.h"
 
 // The arena's lamps, measured on grey paper, on the floor itself, and on a floor that robots are on.
 namespace touchline::calibrate {

@@ -1,4 +1,4 @@
-#include "tools/programs/calibrate/linear_assignment.h"
+#include "tools/programs/calibrate/colors/linear_assignment.h"
 
 #include <gtest/gtest.h>
 

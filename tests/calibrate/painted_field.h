@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/types.h"
-#include "tools/programs/calibrate/camera_picture.h"
+#include "tools/programs/calibrate/imaging/camera_picture.h"
 
 namespace touchline::calibrate {
 

@@ -8,8 +8,8 @@
 #include "hal/replay/picture.h"
 #include "tests/calibrate/painted_field.h"
 #include "tests/tools/program_folder.h"
-#include "tools/programs/calibrate/clicks.h"
-#include "tools/programs/calibrate/venue_draft.h"
+#include "tools/programs/calibrate/colors/clicks.h"
+#include "tools/programs/calibrate/venue/venue_draft.h"
 
 // The program from outside, as a person runs it.
 namespace touchline::calibrate {

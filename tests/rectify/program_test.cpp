@@ -5,7 +5,7 @@
 
 #include "tests/rectify/bent_field.h"
 #include "tests/tools/program_folder.h"
-#include "tools/programs/calibrate/venue_draft.h"
+#include "tools/programs/calibrate/venue/venue_draft.h"
 
 // The program from outside, as a person runs it.
 namespace touchline::rectify {

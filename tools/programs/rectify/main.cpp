@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "tools/programs/calibrate/camera_picture.h"
-#include "tools/programs/calibrate/venue_draft.h"
+#include "tools/programs/calibrate/imaging/camera_picture.h"
+#include "tools/programs/calibrate/venue/venue_draft.h"
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/rectify/rectification.h"
 #include "tools/programs/rectify/straightness.h"
@@ -21,7 +21,7 @@ int refuse(const std::string& message) {
   return 1;
 }
 
-// Which models are asked for, and are in the file; the one in use comes first.
+// Returns the requested models that the file contains, the one in use first.
 std::vector<CameraParameters> models_of(const CameraParameters& venue, const std::string& kind) {
   std::vector<CameraParameters> models;
   for (const bool other : {false, true}) {
@@ -55,22 +55,22 @@ int run(const Options& options) {
   std::string reason;
   calibrate::VenueDraft draft;
   if (!calibrate::read_draft(options.venue, draft, reason).ok()) return refuse(reason);
-  if (!draft.exists) return refuse(options.venue + ": no such file; make it with touchline-calibrate field");
+  if (!draft.exists) return refuse(options.venue + ": no such file; touchline-calibrate field creates it");
   const auto models = models_of(draft.file.camera_model, options.kind);
   if (models.empty()) {
     return refuse(options.venue + ": [camera_model]" + (options.kind.empty() ? "" : "." + options.kind) +
-                  " holds no camera that makes sense; touchline-calibrate field finds one");
+                  " holds no camera model; run touchline-calibrate field");
   }
   hal::Picture picture;
   if (!calibrate::load_rgb(options.picture, picture, reason).ok()) return refuse(reason);
   if (picture.width_px != draft.file.picture.width_px || picture.height_px != draft.file.picture.height_px) {
     return refuse(options.picture + " is " + std::to_string(picture.width_px) + " x " +
-                  std::to_string(picture.height_px) + ", but " + options.venue + " is made for " +
+                  std::to_string(picture.height_px) + ", but " + options.venue + " is for " +
                   std::to_string(draft.file.picture.width_px) + " x " + std::to_string(draft.file.picture.height_px));
   }
   std::error_code error;
   fs::create_directories(options.out, error);
-  if (error) return refuse(options.out + ": cannot be made: " + error.message());
+  if (error) return refuse(options.out + ": cannot be created: " + error.message());
   const std::string stem = (fs::path(options.out) / fs::path(options.picture).stem()).string();
   std::vector<std::string> written;
   const auto write = [&](const std::string& name, const hal::Picture& figure) {
@@ -80,11 +80,11 @@ int run(const Options& options) {
   if (!write(stem + "-distorted.png", picture)) return refuse(reason);
 
   CameraModel in_use;
-  if (!in_use.configure(models[0]).ok()) return refuse(options.venue + ": the camera model cannot be used");
+  if (!in_use.configure(models[0]).ok()) return refuse(options.venue + ": the camera model is invalid");
   std::array<std::size_t, 4> left_out{};
   const auto points = border_points(picture, in_use, draft.file.field, left_out);
   std::printf(
-      "straightness of the border: deviation from a line of each side, as the camera shows it (fig. 11),\n"
+      "straightness of the border: deviation of each side from a line in the camera's picture (fig. 11),\n"
       "with radial distortion corrected (fig. 12 a), and with radial and perspective corrected (fig. 12 b)\n"
       "%-10s%7s%9s%10s%8s%10s%8s%10s%8s%8s\n%-10s%7s%9s%10s%8s%10s%8s%10s%8s%8s\n",
       "", "", "", "distorted", "", "radial", "", "both", "", "", "model side", "points", "left out", "RMS px", "RMS mm",
@@ -124,10 +124,11 @@ int main(int argc, char** argv) {
       "touchline-rectify");
   app.add_option("picture", options.picture, "A picture, or a video (its first frame)")->required();
   app.add_option("--venue", options.venue, "Venue file with the camera model")->required();
-  app.add_option("--out", options.out, "Folder for the pictures; made when it does not exist")->required();
-  app.add_option("--kind", options.kind, "Which camera model: full, or paper (eq. 12-15); without it, all in the venue")
+  app.add_option("--out", options.out, "Folder for the pictures; created if it does not exist")->required();
+  app.add_option("--kind", options.kind, "Camera model: full, or paper (eq. 12-15) (default: all in the venue file)")
       ->check(CLI::IsMember({"full", "paper"}));
-  app.add_option("--scale", options.scale_px_per_m, "Pixels a meter of the floor; without it, as in the field's center")
+  app.add_option("--scale", options.scale_px_per_m,
+                 "Pixels per meter of the floor (default: as in the center of the field)")
       ->check(touchline::number_range(10.0, 10000.0));
   app.add_option("--margin", options.margin_m, "Floor shown around the field and its goals, m")
       ->check(touchline::number_range(0.0, 5.0))

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::array<std::uint8_t, 3> kGridColor{0, 200, 255}, kOutlineColor{255, 0, 0};
 
-// Bilinear; black beyond the picture.
+// Interpolates bilinearly; black outside the picture.
 std::array<std::uint8_t, 3> sample(const hal::Picture& picture, const Point& at) {
   const double u = at[0], v = at[1];
   const double width = picture.width_px, height = picture.height_px;

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/programs/calibrate/edge_search.h"
-#include "tools/programs/calibrate/field_drawing.h"
+#include "tools/programs/calibrate/field/edge_search.h"
+#include "tools/programs/calibrate/field/field_drawing.h"
 
 namespace touchline::rectify {
 namespace {
@@ -106,7 +106,7 @@ std::array<SideStraightness, 4> straightness(const std::vector<BorderPoint>& poi
       straight.push_back(lens.straightened(p.pixel));
       floor.push_back(floor_m(camera, p.pixel));
       seen_scale.push_back(scale_at(camera, p.pixel));
-      // The lens stretches the surroundings of a point by the root of its determinant.
+      // The lens stretches the neighborhood of a point by the square root of the determinant of the Jacobian.
       const Point right = lens.straightened({p.pixel[0] + 1, p.pixel[1]});
       const Point below = lens.straightened({p.pixel[0], p.pixel[1] + 1});
       const Point& at = straight.back();

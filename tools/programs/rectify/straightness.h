@@ -10,31 +10,31 @@
 
 namespace touchline::rectify {
 
-/// How far the points of a side are from their common straight line.
+/// Deviation of the points of one side from their common straight line.
 struct Deviation {
   double rms_px = 0, rms_mm = 0, max_mm = 0;
 };
 
-/// One side of the field's border, as it was found in the picture.
+/// One side of the border as found in the picture.
 struct SideStraightness {
-  std::size_t points = 0, left_out = 0;  // left out: what stands before the border, goals, chamfers
+  std::size_t points = 0, left_out = 0;  // left out: objects in front of the border, goals, chamfers
   Deviation distorted, straightened, rectified;
 };
 
-/// A place of the border that was found in the picture.
+/// A point of the border found in the picture.
 struct BorderPoint {
   std::size_t side = 0;  // 0 to 3: -y, +x, +y, -x
   Point pixel{};
 };
 
-/// The border's sides looked for where `camera` has them, up to kReach_px beside; what is not on the side's straight
-/// line once rectified by this camera is left out.
+/// Searches the sides of the border up to kReach_px from where `camera` has them. Points that are not on the straight
+/// line of their side after rectification are left out.
 std::vector<BorderPoint> border_points(const hal::Picture& picture, const CameraModel& camera,
                                        const FieldParameters& field, std::array<std::size_t, 4>& left_out);
 inline constexpr double kReach_px = 10.0;
 
-/// Deviations of these points in the three pictures. Millimeters are those of the floor where the point lies.
-/// `scale_px_per_m`: of the rectified picture.
+/// Computes the deviations of these points in the three pictures. Millimeters are on the floor at the point.
+/// `scale_px_per_m`: scale of the rectified picture.
 std::array<SideStraightness, 4> straightness(const std::vector<BorderPoint>& points,
                                              const std::array<std::size_t, 4>& left_out, const CameraModel& camera,
                                              const LensMap& lens, double scale_px_per_m);

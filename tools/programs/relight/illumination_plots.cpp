@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "tools/programs/calibrate/text.h"
+#include "tools/programs/command_line/formatted.h"
 
 namespace touchline::relight {
 namespace {
@@ -15,7 +15,7 @@ using replay::Rgb;
 constexpr double kWidth = 900, kHeight = 640;
 constexpr Rgb kPaper{0.11, 0.12, 0.14}, kInk{0.85, 0.87, 0.9}, kFrame{0.45, 0.47, 0.5};
 
-// From dark blue over green to yellow, of rising lightness, so that it can be read in grey as well.
+// Color scale from dark blue over green to yellow with increasing lightness, which is readable in grey as well.
 Rgb shade(double t) {
   constexpr std::array<Rgb, 5> kStops{
       {{0.27, 0.0, 0.33}, {0.23, 0.32, 0.55}, {0.13, 0.57, 0.55}, {0.37, 0.79, 0.38}, {0.99, 0.91, 0.14}}};
@@ -26,7 +26,7 @@ Rgb shade(double t) {
   return {mix(kStops[i].r, kStops[i + 1].r), mix(kStops[i].g, kStops[i + 1].g), mix(kStops[i].b, kStops[i + 1].b)};
 }
 
-// A step of 1, 2 or 5 times a power of ten that gives about five ticks.
+// Returns a step of 1, 2 or 5 times a power of ten that gives about five ticks.
 double step_of(double range) {
   const double raw = range / 5, power = std::pow(10.0, std::floor(std::log10(raw)));
   for (const double factor : {1.0, 2.0, 5.0}) {
@@ -39,7 +39,7 @@ struct Point {
   double x, y;
 };
 
-// The unit cube, turned and seen from above without perspective.
+// Projects the unit cube, rotated and seen from above, without perspective.
 Point project(double x, double y, double z) {
   constexpr double kTurn = 0.62, kRise = 0.56, kScale = 400, kTall = 0.62;
   const double a = x - 0.5, b = 0.75 * (y - 0.5);
@@ -76,7 +76,7 @@ class Component {
   [[nodiscard]] double tick(int i) const { return low_ + i * step_; }
   [[nodiscard]] double height(double value) const { return (value - low_) / (high_ - low_); }
 
-  // Rows of the picture run away from the viewer's left: the far ones first.
+  // Draws the far rows first.
   void draw(cairo_t& context) const {
     for (std::size_t row = 0; row + 1 < rows_; ++row) {
       for (std::size_t column = columns_ - 1; column-- > 0;) {
@@ -121,15 +121,14 @@ void draw_box(cairo_t& context, const Component& component, std::size_t width_px
     stroke_line(context, project(0, 1, z), project(1, 1, z), {0.27, 0.29, 0.32}, 1);
     stroke_line(context, project(0, 0, z), project(0, 1, z), {0.27, 0.29, 0.32}, 1);
     const Point p = project(0, 0, z);
-    const std::string label = calibrate::text("%.2f", value);
+    const std::string label = formatted("%.2f", value);
     replay::draw_text(context, p.x - 10 - replay::text_width(context, label, kSize), p.y + 5, label, kInk, kSize);
   }
   for (int i = 0; i <= 4; ++i) {
     const Point u = project(i / 4.0, 0, 0), v = project(1, i / 4.0, 0);
-    centered_text(context, {u.x - 4, u.y + 20}, calibrate::text("%.0f", i / 4.0 * static_cast<double>(width_px)),
-                  kSize);
-    replay::draw_text(context, v.x + 10, v.y + 12,
-                      calibrate::text("%.0f", (1 - i / 4.0) * static_cast<double>(height_px)), kInk, kSize);
+    centered_text(context, {u.x - 4, u.y + 20}, formatted("%.0f", i / 4.0 * static_cast<double>(width_px)), kSize);
+    replay::draw_text(context, v.x + 10, v.y + 12, formatted("%.0f", (1 - i / 4.0) * static_cast<double>(height_px)),
+                      kInk, kSize);
   }
   centered_text(context, {project(0.5, 0, 0).x - 30, project(0.5, 0, 0).y + 48}, "column, px", kSize);
   replay::draw_text(context, project(1, 0.5, 0).x + 48, project(1, 0.5, 0).y + 24, "row, px", kInk, kSize);
@@ -145,7 +144,7 @@ void draw_scale(cairo_t& context, const Component& component) {
   for (int i = 0; i < component.ticks(); ++i) {
     const double value = component.tick(i);
     const double y = kTop + kTall * (1 - component.height(value));
-    replay::draw_text(context, kLeft + kThick + 8, y + 5, calibrate::text("%.2f", value), kInk, 13);
+    replay::draw_text(context, kLeft + kThick + 8, y + 5, formatted("%.2f", value), kInk, 13);
   }
 }
 
@@ -177,7 +176,7 @@ class Luminance {
   std::vector<double> values_;
 };
 
-// Marching squares: the pieces of one contour.
+// Marching squares: the segments of one contour.
 std::vector<std::pair<Point, Point>> contour(const Luminance& field, double level) {
   std::vector<std::pair<Point, Point>> out;
   for (std::size_t row = 0; row + 1 < field.rows(); ++row) {
@@ -215,8 +214,7 @@ replay::SurfacePtr draw_component(const LightMap& map, std::size_t channel, std:
   component.draw(*context);
   draw_scale(*context, component);
   replay::draw_text(*context, 30, 40,
-                    calibrate::text("multiplicative component C/N of eq. (17), %s channel", kNames.at(channel)), kInk,
-                    17);
+                    formatted("multiplicative component C/N of eq. (17), %s channel", kNames.at(channel)), kInk, 17);
   return surface;
 }
 
@@ -240,7 +238,7 @@ void draw_contours(cairo_t& context, const LightMap& map, std::size_t width_px, 
     cairo_stroke(&context);
     const Point& at = pieces[pieces.size() / 2].first;
     replay::draw_text(context, std::clamp(at.x - 10, 2.0, static_cast<double>(width_px) - 28),
-                      std::clamp(at.y + 4, 12.0, static_cast<double>(height_px) - 4), calibrate::text("%.2f", level),
+                      std::clamp(at.y + 4, 12.0, static_cast<double>(height_px) - 4), formatted("%.2f", level),
                       dark_background ? ink : Rgb{0.75, 0.87, 1.0}, 10);
   }
 }

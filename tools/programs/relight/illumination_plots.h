@@ -12,8 +12,8 @@ namespace touchline::relight {
 replay::SurfacePtr draw_component(const LightMap& map, std::size_t channel, std::size_t width_px,
                                   std::size_t height_px);
 
-/// Lines of equal illumination (its luminance, ITU-R BT.601), each tenth of C with its value, over a picture of this
-/// size (figs. 13 to 15). `background` is dark or light: the lines are the other.
+/// Draws contours of equal illumination (luminance, ITU-R BT.601) with their values, a tenth of C apart, over a picture
+/// of this size (figs. 13 to 15). The lines are light on a dark background and dark on a light one.
 void draw_contours(cairo_t& context, const LightMap& map, std::size_t width_px, std::size_t height_px,
                    bool dark_background);
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "tools/programs/calibrate/camera_picture.h"
+#include "tools/programs/calibrate/imaging/camera_picture.h"
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/relight/illumination_plots.h"
 #include "tools/programs/relight/same_color.h"
@@ -26,7 +26,7 @@ int refuse(const std::string& message) {
   return 1;
 }
 
-// The figures of one picture, and their file names.
+// Draws the figures of one picture and writes their files.
 class Figures {
  public:
   Figures(const LightMap& map, const ChannelImage& picture, std::string stem)
@@ -48,7 +48,8 @@ class Figures {
     return surface;
   }
 
-  // Recognized pixels black; the patches framed, the one that the thresholds come from in red.
+  // Draws recognized pixels in black and circles around the patches; the patch that defines the thresholds has a red
+  // circle.
   [[nodiscard]] replay::SurfacePtr classified(const std::vector<std::uint8_t>& pixels, const SameColor& color) const {
     using Channels = calibrate::Channels;
     replay::SurfacePtr surface = paint([&](std::size_t i) {
@@ -97,7 +98,7 @@ int run(const Options& options) {
   calibrate::VenueDraft draft;
   if (!calibrate::read_draft(options.venue, draft, reason).ok()) return refuse(reason);
   if (draft.light.columns == 0)
-    return refuse(options.venue + ": no [light] in it; touchline-calibrate light measures it");
+    return refuse(options.venue + ": the section [light] is missing; run touchline-calibrate light");
   std::optional<std::array<double, 2>> at;
   if (!options.patch.empty()) {
     if (!std::isfinite(options.patch[0]) || !std::isfinite(options.patch[1]))
@@ -110,7 +111,7 @@ int run(const Options& options) {
   const Frame frame = picture.frame();
   const auto shading = std::make_unique<Shading>();
   if (Status s = shading->build(draft.light, frame.width_px, frame.height_px, ColorSpace::kRgb); !s.ok()) {
-    return refuse(std::string("the light map cannot be used: ") + describe(s.code()));
+    return refuse(std::string("the light map is invalid: ") + describe(s.code()));
   }
   const ChannelImage acquired = calibrate::corrected_channels(frame, Shading{});
   const ChannelImage corrected = calibrate::corrected_channels(frame, *shading);
@@ -120,7 +121,7 @@ int run(const Options& options) {
 
   std::error_code error;
   fs::create_directories(options.out, error);
-  if (error) return refuse(options.out + ": cannot be made: " + error.message());
+  if (error) return refuse(options.out + ": cannot be created: " + error.message());
   const Figures figures(draft.light, acquired, (fs::path(options.out) / fs::path(options.picture).stem()).string());
   const std::size_t channel = options.channel == "red" ? 0 : options.channel == "green" ? 1 : 2;
   const calibrate::FoundPatch& sample = color.patches[color.representative];
@@ -155,17 +156,16 @@ int main(int argc, char** argv) {
       "touchline-relight");
   app.add_option("picture", options.picture, "A picture, or a video (its first frame)")->required();
   app.add_option("--venue", options.venue, "Venue file with light map and camera model")->required();
-  app.add_option("--out", options.out, "Folder for the pictures; made when it does not exist")->required();
-  app.add_option(
-         "--patch", options.patch,
-         "U,V of the patch that thresholds are made of; without it, of the most frequent color the one nearest to "
-         "the middle")
+  app.add_option("--out", options.out, "Folder for the pictures; created if it does not exist")->required();
+  app.add_option("--patch", options.patch,
+                 "Pixel U,V of the patch that defines the thresholds (default: of the most frequent color, the patch "
+                 "nearest to the center)")
       ->delimiter(',')
       ->expected(2);
-  app.add_option("--channel", options.channel, "Of figure 8")
+  app.add_option("--channel", options.channel, "Channel of figure 8")
       ->check(CLI::IsMember({"red", "green", "blue"}))
       ->capture_default_str();
-  app.add_option("--margin", options.margin, "Levels that the thresholds are wider than the patch's pixels")
+  app.add_option("--margin", options.margin, "Levels added to the range of the patch's pixels on each side")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;

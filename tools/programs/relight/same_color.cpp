@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "tools/programs/calibrate/box_split.h"
-#include "tools/programs/calibrate/click_growth.h"
-#include "tools/programs/calibrate/color_clusters.h"
-#include "tools/programs/calibrate/text.h"
+#include "tools/programs/calibrate/colors/color_clusters.h"
+#include "tools/programs/calibrate/colors/initial_boxes.h"
+#include "tools/programs/calibrate/colors/region_growing.h"
+#include "tools/programs/command_line/formatted.h"
 
 namespace touchline::relight {
 namespace {
@@ -15,16 +15,16 @@ namespace {
 using calibrate::ChannelImage;
 using calibrate::FoundPatch;
 
-// Patches of one paint differ less in a corrected picture, two paints more.
+// Patches of one paint differ by less than this in a corrected picture, two paints by more.
 constexpr double kOneColor = 15.0;
-// Of a patch's pixels, each side of each channel: edges.
+// Share of a patch's pixels that is cut off per side and channel: edges.
 constexpr double kEdgeShare = 0.05;
 
 double distance_px(const FoundPatch& patch, double u, double v) {
   return std::hypot(static_cast<double>(patch.center.u_px) - u, static_cast<double>(patch.center.v_px) - v);
 }
 
-// Nearest to the place, of those that `wanted` says.
+// Index of the patch nearest to this position among those that `wanted` accepts.
 template <class Wanted>
 std::size_t nearest(const std::vector<FoundPatch>& patches, double u, double v, Wanted&& wanted) {
   std::size_t best = 0;
@@ -44,7 +44,7 @@ Status find_same_color(const ChannelImage& corrected, const calibrate::VenueDraf
   out = {};
   CameraModel camera;
   if (Status s = camera.configure(venue.file.camera_model); !s.ok()) {
-    reason = "the venue has no camera model that makes sense; touchline-calibrate field finds one";
+    reason = "the venue has no camera model; run touchline-calibrate field";
     return s;
   }
   const MarkerLayout layout = paper_layout();
@@ -52,7 +52,7 @@ Status find_same_color(const ChannelImage& corrected, const calibrate::VenueDraf
   std::vector<FoundPatch> found =
       find_patches(corrected, inside, camera, venue.file.field, {calibrate::size_of(layout.patches[0], layout)});
   if (found.empty()) {
-    reason = "no patch is to be seen";
+    reason = "no patch was found";
     return ErrorCode::kNotFound;
   }
   std::size_t representative = 0;
@@ -60,7 +60,7 @@ Status find_same_color(const ChannelImage& corrected, const calibrate::VenueDraf
     const auto [u, v] = *at_px;
     representative = nearest(found, u, v, [](std::size_t) { return true; });
     if (distance_px(found[representative], u, v) > found[representative].radius_px) {
-      reason = calibrate::text("no patch at %.0f,%.0f", u, v);
+      reason = formatted("no patch at %.0f,%.0f", u, v);
       return ErrorCode::kNotFound;
     }
   } else {
@@ -69,7 +69,7 @@ Status find_same_color(const ChannelImage& corrected, const calibrate::VenueDraf
     for (const FoundPatch& patch : found) colors.push_back(patch.lab);
     std::size_t count = 0;
     const auto label = calibrate::ColorClusters(colors).cut(kOneColor, count);
-    // Colorful ones: white is also the lines'.
+    // Counts saturated colors only, because lines are white too.
     constexpr double kLeastChroma = 20.0;
     std::vector<double> members(count, 0.0);
     for (std::size_t i = 0; i < found.size(); ++i) {

@@ -1,0 +1,140 @@
+#include "tools/programs/calibrate/colors/auto_detect.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <random>
+
+#include "hal/mock/lens.h"
+#include "tests/calibrate/arena_photograph.h"
+#include "tools/programs/calibrate/field/field_fit.h"
+
+// Colors without a click, on pictures of the arena, whose lens, lamps and paints are not the tool's.
+namespace touchline::calibrate {
+namespace {
+
+class AutoDetect : public testing::Test {
+ protected:
+  AutoDetect() {
+    FieldFitInput input;
+    input.width_px = kWidth;
+    input.height_px = kHeight;
+    input.camera_height_m = arena_.camera.position_m[2];
+    for (int i = 0; i < 4; ++i) {
+      const double x = (i == 1 || i == 2 ? 0.5 : -0.5) * arena_.field.length_m;
+      const double y = (i >= 2 ? 0.5 : -0.5) * arena_.field.width_m;
+      const auto [u, v] = lens_.project({x, y, 0.0});
+      input.points.push_back({x, y, u, v});
+    }
+    FieldFit fit;
+    EXPECT_TRUE(fit_field(input, fit, reason_).ok()) << reason_;
+    venue_.exists = true;
+    venue_.file.camera_model = fit.camera;
+    venue_.file.field.length_m = static_cast<float>(arena_.field.length_m);
+    venue_.file.field.width_m = static_cast<float>(arena_.field.width_m);
+    EXPECT_TRUE(read_team_colors(TOUCHLINE_MOCK_TEAM, team_, reason_).ok()) << reason_;
+  }
+
+  // Robots on a grid of 0.2 m, in an order and at angles of their own.
+  void add_picture(const std::string& name, unsigned seed) {
+    std::mt19937 random(seed);
+    std::vector<std::pair<double, double>> places;
+    for (int i = 0; i < 80; ++i) places.emplace_back(-0.9 + 0.2 * (i % 10), -0.7 + 0.2 * (i / 10));
+    std::shuffle(places.begin(), places.end(), random);
+    hal::mock::Snapshot things;
+    for (std::size_t i = 0; i < arena_.robot.size(); ++i) {
+      const double angle = std::uniform_real_distribution<double>(-3.1, 3.1)(random);
+      things.robots.push_back({places[i].first, places[i].second, angle});
+      const double team = angle + std::atan2(1.0, 1.0), reach = std::hypot(0.01875, 0.01875);
+      const auto at = [&](double side) {
+        const auto [u, v] = lens_.project({places[i].first + side * reach * std::cos(team),
+                                           places[i].second + side * reach * std::sin(team), arena_.robot_height_m});
+        return std::pair{u, v};
+      };
+      truth_[name].push_back({arena_.robot[i].team == hal::mock::Side::kOwn ? "blue" : "yellow", at(1)});
+      truth_[name].push_back({arena_.robot[i].colors[0], at(-1)});
+    }
+    things.ball = {places.back().first, places.back().second, 0};
+    const auto [u, v] = lens_.project({things.ball.x_m, things.ball.y_m, arena_.ball_radius_m});
+    truth_[name].push_back({"orange", {u, v}});
+    const hal::Picture photo = photograph(arena_, hal::mock::Floor::kField, seed, &things);
+    Frame frame;
+    frame.format = PixelFormat::kRgb24;
+    frame.width_px = kWidth;
+    frame.height_px = kHeight;
+    frame.stride_bytes[0] = 3 * kWidth;
+    frame.plane[0] = photo.rgb8.data();
+    pictures_[name] = CameraPicture::copy_of(frame);
+  }
+
+  // Color of the patch that is there in truth; "" when none is within 4 pixels.
+  std::string truth_at(const Click& click) const {
+    for (const auto& [color, place] : truth_.at(click.image)) {
+      if (std::hypot(click.u_px - place.first, click.v_px - place.second) < 4) return color;
+    }
+    return "";
+  }
+
+  hal::mock::ArenaParameters arena_;
+  const hal::mock::Lens lens_{arena_.camera};
+  VenueDraft venue_;
+  TeamColors team_;
+  std::map<std::string, CameraPicture> pictures_;
+  std::map<std::string, std::vector<std::pair<std::string, std::pair<double, double>>>> truth_;
+  std::string reason_;
+};
+
+TEST_F(AutoDetect, FindsWhatAPersonWouldHaveClickedOn) {
+  add_picture("a", 1);
+  add_picture("b", 2);
+  DetectedColors found;
+  ASSERT_TRUE(auto_detect_colors(venue_, team_, {}, pictures_, found, reason_).ok()) << reason_;
+  EXPECT_TRUE(found.doubts.empty()) << found.doubts.front();
+  EXPECT_GE(found.clicks.size(), 36U) << "of 42";
+  for (const Click& click : found.clicks) {
+    EXPECT_EQ(click.color, truth_at(click)) << click.image << " " << click.u_px << "," << click.v_px;
+  }
+}
+
+TEST_F(AutoDetect, RefusesNamesThatSayNothingUntilTheyAreClickedOn) {
+  add_picture("a", 1);
+  add_picture("b", 2);
+  Click click;
+  for (std::string& name : team_.names) {
+    if (name == "red") name = "first";
+    if (name == "violet") name = "second";
+  }
+  DetectedColors found;
+  ASSERT_TRUE(auto_detect_colors(venue_, team_, {}, pictures_, found, reason_).ok()) << reason_;
+  ASSERT_EQ(found.doubts.size(), 2U);
+  EXPECT_EQ(found.doubts[0], "first: could also be second; click on one patch of each");
+
+  for (const auto& [color, place] : truth_["a"]) {
+    if (color == "red") click = {"a", "first", place.first, place.second, 0, {}};
+  }
+  ASSERT_TRUE(auto_detect_colors(venue_, team_, {click}, pictures_, found, reason_).ok()) << reason_;
+  EXPECT_TRUE(found.doubts.empty()) << found.doubts.front();
+  for (const Click& c : found.clicks) {
+    const std::string truth = truth_at(c);
+    EXPECT_EQ(c.color, truth == "violet" ? "second" : truth);
+    EXPECT_NE(c.color, "first") << "clicked on already";
+  }
+}
+
+TEST_F(AutoDetect, RefusesAColorThatIsNotThere) {
+  add_picture("a", 1);
+  arena_.robot[0].colors = {"green"};  // the red robot is somebody else
+  pictures_.clear();
+  add_picture("b", 2);
+  DetectedColors found;
+  ASSERT_TRUE(auto_detect_colors(venue_, team_, {}, pictures_, found, reason_).ok()) << reason_;
+  ASSERT_FALSE(found.doubts.empty());
+  EXPECT_NE(found.doubts[0].find("red"), std::string::npos) << found.doubts[0];
+  venue_.file.camera_model.full.fx_px = 0;
+  EXPECT_EQ(auto_detect_colors(venue_, team_, {}, pictures_, found, reason_).code(), ErrorCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace touchline::calibrate

@@ -1,0 +1,276 @@
+#include "tools/programs/calibrate/colors/auto_detect.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "tools/programs/calibrate/colors/patch_selection.h"
+#include "tools/programs/command_line/formatted.h"
+#include "tools/programs/command_line/progress.h"
+#include "tools/programs/replay/canvas.h"
+#include "tools/programs/statistics/statistics.h"
+
+namespace touchline::calibrate {
+namespace {
+
+// Least difference in negative log-likelihood to the next best assignment: a probability of 95 %.
+constexpr double kLeastMargin = 3.0;
+// Greatest difference from the expected appearance of a color name; the names themselves are 30 to 100 apart.
+constexpr double kMostUnlike = 55.0;
+// Greatest elongation of a ball. Shadow and motion elongate a ball; the end of a line is longer.
+constexpr double kBallElongation = 1.6;
+
+std::vector<PatchSize> sizes_of(const MarkerParameters& marker) {
+  std::vector<PatchSize> sizes;
+  for (const TeamMarking& team : marker.teams) {
+    if (team.team_color == kBackground) continue;
+    for (const PatchPlace& place : team.layout.patches) sizes.push_back(size_of(place, team.layout));
+  }
+  if (marker.ball.color != kBackground) sizes.push_back(size_of(marker.ball));
+  return sizes;
+}
+
+// Returns the median color of the patches that were clicked on for a color.
+std::optional<Rgb> clicked_rgb(const std::string& color, const std::vector<Click>& clicks,
+                               const std::map<std::string, ChannelImage>& images,
+                               const std::vector<std::uint8_t>& inside) {
+  std::array<std::vector<std::uint8_t>, 3> values;
+  for (const Click& click : clicks) {
+    const auto image = images.find(click.image);
+    if (click.color != color || image == images.end()) continue;
+    GrownPatch patch;
+    std::string reason;
+    if (!select_patch(image->second, inside, click, {}, patch, reason).ok()) continue;
+    for (const std::size_t pixel : patch.pixels) {
+      const Channels rgb = shown_rgb(image->second.pixels[pixel], image->second.space);
+      for (std::size_t c = 0; c < 3; ++c) values[c].push_back(rgb[c]);
+    }
+  }
+  if (values[0].empty()) return std::nullopt;
+  Rgb look{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    look[c] = statistics::median(values[c]);
+  }
+  return look;
+}
+
+// Selects the patches to learn from: those with usual area, evenness and appearance for their color. A patch that grew
+// into its neighbor or beyond its edge would teach a wrong color.
+std::vector<std::size_t> cleanest(const AssignmentInput& input, const AssignedColor& color,
+                                  const std::vector<const ChannelImage*>& images) {
+  struct Measure {
+    double uneven, area, unlike;
+  };
+  std::vector<Measure> measures;
+  const Lab lab = lab_of(color.rgb);
+  for (const std::size_t p : color.patches) {
+    const FoundPatch& patch = input.patches[p];
+    const ChannelImage& image = *images[input.picture[p]];
+    std::array<double, 3> sum{}, squares{};
+    for (const std::size_t pixel : patch.pixels) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double x = image.pixels[pixel][c];
+        sum[c] += x;
+        squares[c] += x * x;
+      }
+    }
+    const auto count = static_cast<double>(patch.pixels.size());
+    double variance = 0;
+    for (std::size_t c = 0; c < 3; ++c) variance += squares[c] / count - sum[c] / count * (sum[c] / count);
+    measures.push_back({std::sqrt(std::max(0.0, variance)), count, difference(patch.lab, lab)});
+  }
+  const auto usual = [&](double Measure::*what) {
+    std::vector<double> values;
+    values.reserve(measures.size());
+    for (const Measure& m : measures) values.push_back(m.*what);
+    // The lower median takes the better one of two.
+    return statistics::lower_median(values);
+  };
+  if (measures.empty()) return {};
+  const double uneven = usual(&Measure::uneven), area = usual(&Measure::area), unlike = usual(&Measure::unlike);
+  constexpr double kMoreUneven = 1.5, kLarger = 1.6, kUnlike = 6.0;
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < measures.size(); ++i) {
+    const Measure& m = measures[i];
+    if (m.uneven <= kMoreUneven * uneven && m.area <= kLarger * area && m.unlike <= 2 * unlike + kUnlike) {
+      out.push_back(color.patches[i]);
+    }
+  }
+  return out;
+}
+
+// Adds all pixels that the robot with this team patch can cover.
+void add_robot(const FoundPatch& patch, const ChannelImage& image, const CameraModel& camera,
+               const MarkerLayout& layout, std::vector<std::size_t>& out) {
+  const float scale = camera.scale_px_per_m(camera.to_field(patch.center, layout.height_m), layout.height_m);
+  const int radius = std::clamp(static_cast<int>(std::ceil(layout.robot_side_m * scale)), 1, 200);
+  const int u = static_cast<int>(std::lround(patch.center.u_px)), v = static_cast<int>(std::lround(patch.center.v_px));
+  for (int dv = -radius; dv <= radius; ++dv) {
+    for (int du = -radius; du <= radius; ++du) {
+      if (du * du + dv * dv <= radius * radius && image.contains(u + du, v + dv))
+        out.push_back(image.index(u + du, v + dv));
+    }
+  }
+}
+
+void add_doubts(DetectedColors& out) {
+  for (std::size_t c = 0; c < out.input.colors.size(); ++c) {
+    const AssignedColor& color = out.assignment.colors[c];
+    const WantedColor& wanted = out.input.colors[c];
+    const char* const name = wanted.name.c_str();
+    if (wanted.clicked) continue;
+    if (color.patches.empty()) {
+      out.doubts.push_back(formatted("%s: no patch was found; add a picture that shows one, or click on one", name));
+    } else if (color.dissimilarity > kMostUnlike) {
+      out.doubts.push_back(
+          formatted("%s: the remaining patches do not look like it (difference %.0f); click on one of its patches",
+                    name, color.dissimilarity));
+    } else if (color.margin < kLeastMargin) {
+      out.doubts.push_back(formatted("%s: could also be %s; click on one patch of %s", name,
+                                     color.rival.empty() ? "another patch" : color.rival.c_str(),
+                                     color.rival.empty() ? "it" : "each"));
+    }
+  }
+  if (out.assignment.unknown_robots * 4 > out.assignment.robots) {
+    out.doubts.push_back(
+        formatted("%zu robots match the team file, %zu have colors of no robot in it; is it the right team file?",
+                  out.assignment.robots, out.assignment.unknown_robots));
+  }
+}
+
+}  // namespace
+
+Status auto_detect_colors(const VenueDraft& venue, const TeamColors& team, const std::vector<Click>& clicks,
+                          const std::map<std::string, CameraPicture>& pictures, DetectedColors& out,
+                          std::string& reason) {
+  out = {};
+  const CameraParameters& model = venue.file.camera_model;
+  if ((model.kind == CameraModelKind::kFull ? model.full.fx_px : model.paper.focal_px) <= 0) {
+    reason = "without clicks, the camera model is needed: calibrate the field first";
+    return ErrorCode::kNotFound;
+  }
+  CameraModel camera;
+  if (Status s = camera.configure(model); !s.ok()) {
+    reason = formatted("the camera model is invalid: %s", describe(s.code()));
+    return s;
+  }
+  const Frame first = pictures.begin()->second.frame();
+  auto shading = std::make_unique<Shading>();
+  if (venue.light.columns > 0) {
+    if (Status s = shading->build(venue.light, first.width_px, first.height_px, color_space(first.format)); !s.ok()) {
+      reason = formatted("the light map does not fit the pictures: %s", describe(s.code()));
+      return s;
+    }
+  }
+  const auto inside = inside_mask(venue.region_of_interest, first.width_px, first.height_px);
+  std::map<std::string, ChannelImage> images;
+  for (const auto& [image, picture] : pictures) {
+    const Frame frame = picture.frame();
+    if (frame.width_px != first.width_px || frame.height_px != first.height_px) {
+      reason = formatted("%s is %u x %u, %s is %u x %u: all pictures must have the size of the camera's frames",
+                         image.c_str(), frame.width_px, frame.height_px, pictures.begin()->first.c_str(),
+                         first.width_px, first.height_px);
+      return ErrorCode::kInconsistent;
+    }
+    images[image] = corrected_channels(frame, *shading);
+  }
+
+  AssignmentInput& input = out.input;
+  input.teams = team.marker.teams;
+  input.ball = team.marker.ball.color;
+  for (const std::string& name : team.names) {
+    WantedColor wanted{name, clicked_rgb(name, clicks, images, inside), false};
+    wanted.clicked = wanted.look.has_value();
+    if (!wanted.look) wanted.look = usual_rgb(name);
+    input.colors.push_back(wanted);
+  }
+  const std::vector<PatchSize> sizes = sizes_of(team.marker);
+  std::vector<const ChannelImage*> searched;
+  Progress progress("searching for patches in pictures", images.size());
+  for (const auto& [image, channels] : images) {
+    std::vector<std::size_t> numbers;
+    for (FoundPatch& patch : find_patches(channels, inside, camera, venue.file.field, sizes)) {
+      if (input.ball != kBackground && patch.elongation < kBallElongation) {
+        const double relative = relative_area(patch, camera, size_of(team.marker.ball));
+        if (relative >= kLeastRelativeArea && relative <= kMostRelativeArea)
+          input.balls.push_back(input.patches.size());
+      }
+      numbers.push_back(input.patches.size());
+      input.patches.push_back(std::move(patch));
+      input.picture.push_back(out.images.size());
+    }
+    for (std::size_t t = 0; t < 2; ++t) {
+      if (input.teams[t].team_color == kBackground) continue;
+      for (MarkerCandidate& marker : find_markers(input.patches, numbers, input.teams[t].layout, camera)) {
+        marker.team = t;
+        marker.picture = out.images.size();
+        input.markers.push_back(std::move(marker));
+      }
+    }
+    out.images.push_back(image);
+    searched.push_back(&channels);
+    progress.step();
+  }
+  out.assignment = assign_colors(input);
+  add_doubts(out);
+  for (std::size_t c = 0; c < input.colors.size(); ++c) {
+    const AssignedColor& color = out.assignment.colors[c];
+    for (const auto* patches : {&color.patches, &color.others}) {
+      for (const std::size_t p : *patches) {
+        std::vector<std::size_t>& unclear = out.unclear[out.images[input.picture[p]]];
+        unclear.insert(unclear.end(), input.patches[p].pixels.begin(), input.patches[p].pixels.end());
+      }
+    }
+    for (const TeamMarking& marking : input.teams) {
+      if (marking.team_color != c + 1) continue;
+      for (const std::size_t p : color.others) {
+        add_robot(input.patches[p], *searched[input.picture[p]], camera, marking.layout,
+                  out.unclear[out.images[input.picture[p]]]);
+      }
+    }
+    if (input.colors[c].clicked) continue;
+    for (const std::size_t p : cleanest(input, color, searched)) {
+      const FoundPatch& patch = input.patches[p];
+      out.clicks.push_back(
+          {out.images[input.picture[p]], input.colors[c].name, patch.u_px, patch.v_px, patch.radius_px, {}});
+    }
+  }
+  return {};
+}
+
+Status write_detection_picture(const std::string& path, const DetectedColors& found, const std::string& image,
+                               const CameraPicture& picture, std::string& reason) {
+  const auto number =
+      static_cast<std::size_t>(std::find(found.images.begin(), found.images.end(), image) - found.images.begin());
+  const replay::SurfacePtr surface = replay::to_surface(picture.frame());
+  const replay::ContextPtr context(cairo_create(surface.get()));
+  const int width = picture.frame().width_px;
+  std::vector<std::size_t> color_of(found.input.patches.size(), found.input.colors.size());
+  for (std::size_t c = 0; c < found.assignment.colors.size(); ++c) {
+    for (const std::size_t p : found.assignment.colors[c].patches) color_of[p] = c;
+  }
+  for (std::size_t p = 0; p < color_of.size(); ++p) {
+    if (found.input.picture[p] != number) continue;
+    const FoundPatch& patch = found.input.patches[p];
+    int left = width, right = 0, top = picture.frame().height_px, bottom = 0;
+    for (const std::size_t pixel : patch.pixels) {
+      const int u = static_cast<int>(pixel) % width, v = static_cast<int>(pixel) / width;
+      left = std::min(left, u);
+      right = std::max(right, u + 1);
+      top = std::min(top, v);
+      bottom = std::max(bottom, v + 1);
+    }
+    const bool named = color_of[p] < found.input.colors.size();
+    cairo_set_line_width(context.get(), named ? 1.5 : 0.75);
+    replay::set_color(*context, named ? replay::Rgb{1, 1, 1} : replay::Rgb{0.6, 0.6, 0.6});
+    cairo_rectangle(context.get(), left - 1, top - 1, right - left + 2, bottom - top + 2);
+    cairo_stroke(context.get());
+    if (named) {
+      replay::draw_text(*context, right + 3, bottom, found.input.colors[color_of[p]].name,
+                        {patch.rgb[0] / 255, patch.rgb[1] / 255, patch.rgb[2] / 255}, 11);
+    }
+  }
+  return replay::write_png(*surface, path, reason);
+}
+
+}  // namespace touchline::calibrate

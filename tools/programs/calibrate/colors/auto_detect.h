@@ -1,0 +1,40 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tools/programs/calibrate/colors/clicks.h"
+#include "tools/programs/calibrate/colors/color_assignment.h"
+#include "tools/programs/calibrate/colors/team_colors.h"
+#include "tools/programs/calibrate/imaging/camera_picture.h"
+#include "tools/programs/calibrate/venue/venue_draft.h"
+
+namespace touchline::calibrate {
+
+/// Colors that were detected without clicks.
+struct DetectedColors {
+  AssignmentInput input;
+  Assignment assignment;
+  std::vector<std::string> images;  // AssignmentInput::picture is an index into these
+  std::vector<Click> clicks;        // a click on each patch to learn from, without the colors that were clicked
+  // Per picture, pixels that are neither sample nor background: patches that are not learned from, and the areas where
+  // other patches of an incompletely detected robot must be.
+  std::map<std::string, std::vector<std::size_t>> unclear;
+  std::vector<std::string> doubts;  // why the result is uncertain; if empty, a person only has to confirm it
+};
+
+/// Detects which patches have which color: finds patches (find_patches) and markers among them (find_markers), then
+/// assigns colors (assign_colors). Colors in `clicks` keep the appearance that was clicked on. Needs camera model and
+/// field of the venue; uses its light map and region of interest. kNotFound: the venue has no camera model.
+/// kInconsistent: pictures have different sizes. Also errors of Shading::build() and CameraModel::configure().
+Status auto_detect_colors(const VenueDraft& venue, const TeamColors& team, const std::vector<Click>& clicks,
+                          const std::map<std::string, CameraPicture>& pictures, DetectedColors& out,
+                          std::string& reason);
+
+/// Writes the picture with a named frame around each patch of a color and a grey frame around other patches, for the
+/// person who confirms the result.
+Status write_detection_picture(const std::string& path, const DetectedColors& found, const std::string& image,
+                               const CameraPicture& picture, std::string& reason);
+
+}  // namespace touchline::calibrate

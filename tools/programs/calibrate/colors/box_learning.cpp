@@ -1,0 +1,155 @@
+#include "tools/programs/calibrate/colors/box_learning.h"
+
+#include <algorithm>
+#include <map>
+
+#include "tools/programs/calibrate/colors/box_separation.h"
+#include "tools/programs/calibrate/colors/initial_boxes.h"
+#include "tools/programs/command_line/formatted.h"
+
+namespace touchline::calibrate {
+namespace {
+
+// A growing box. Sides: channel * 2 + (0 low, 1 high).
+struct Growing {
+  ColorBox box;
+  ColorBox core;
+  std::array<bool, 6> stopped{};
+  double caught_background = 0;
+  std::vector<double> caught_other;
+};
+
+class Grower {
+ public:
+  Grower(const LearningInput& input, const LearningRules& rules) : input_(input), rules_(rules) {
+    for (const ColorCount& c : input.background) background_total_ += c.count;
+    for (const ColorSamples& color : input.colors) color_total_.push_back(total(color.pixels));
+  }
+
+  void grow(ColorBoxes& boxes) const {
+    std::vector<Growing> growing;
+    for (const ColorBox& box : boxes) growing.push_back({box, box, {}, 0.0, std::vector<double>(color_total_.size())});
+    bool any = true;
+    while (any) {
+      any = false;
+      for (Growing& g : growing) {
+        for (std::size_t side = 0; side < 6; ++side) {
+          if (!g.stopped[side]) any |= step(g, side, growing);
+        }
+      }
+    }
+    for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = growing[i].box;
+  }
+
+ private:
+  // Moves a side by one level, or stops it.
+  bool step(Growing& g, std::size_t side, const std::vector<Growing>& all) const {
+    const int now = side_value(g.box, side), next = side % 2 == 0 ? now - 1 : now + 1;
+    if (next < 0 || next > 255 || std::abs(next - side_value(g.core, side)) > rules_.max_margin) {
+      g.stopped[side] = true;
+      return false;
+    }
+    ColorBox slab = g.box;
+    set_side(slab, side, next);
+    set_side(slab, side ^ 1, next);
+    for (const Growing& other : all) {
+      if (other.box.color != g.box.color && boxes_meet(other.box, slab)) {
+        g.stopped[side] = true;  // two boxes meet
+        return false;
+      }
+    }
+    bool met = false;
+    const double background = count_in(input_.background, slab);
+    met |= g.caught_background + background > rules_.background_share * background_total_;
+    std::vector<double> other(color_total_.size());
+    for (std::size_t c = 0; c < color_total_.size(); ++c) {
+      if (c + 1 == g.box.color) continue;
+      other[c] = count_in(input_.colors[c].pixels, slab);
+      met |= g.caught_other[c] + other[c] > rules_.other_share * color_total_[c];
+    }
+    if (met) {
+      // Keeps half of the distance to the samples, so that both colors have the same tolerance against changes.
+      const int core = side_value(g.core, side);
+      set_side(g.box, side, core + (now - core) / 2);
+      g.stopped[side] = true;
+      return false;
+    }
+    g.caught_background += background;
+    for (std::size_t c = 0; c < other.size(); ++c) g.caught_other[c] += other[c];
+    set_side(g.box, side, next);
+    return true;
+  }
+
+  const LearningInput& input_;
+  const LearningRules& rules_;
+  double background_total_ = 0;
+  std::vector<double> color_total_;
+};
+
+int core_distance(const ColorBoxes& cores, std::size_t first, std::size_t second) {
+  int smallest = 255;
+  for (const ColorBox& a : cores) {
+    for (const ColorBox& b : cores) {
+      if (a.color != first + 1 || b.color != second + 1) continue;
+      int widest = -255;
+      for (std::size_t c = 0; c < 3; ++c) {
+        widest = std::max({widest, static_cast<int>(a.low[c]) - b.high[c], static_cast<int>(b.low[c]) - a.high[c]});
+      }
+      smallest = std::min(smallest, widest);
+    }
+  }
+  return smallest;
+}
+
+}  // namespace
+
+std::vector<ColorCount> count_colors(const std::vector<Channels>& pixels) {
+  std::map<Channels, std::uint32_t> counts;
+  for (const Channels& p : pixels) ++counts[p];
+  std::vector<ColorCount> out;
+  out.reserve(counts.size());
+  for (const auto& [value, count] : counts) out.push_back({value, count});
+  return out;
+}
+
+Status learn_boxes(const LearningInput& input, const LearningRules& rules, LearnedColors& out, std::string& reason) {
+  out = {};
+  if (input.colors.empty() || input.colors.size() > kMaxColors) {
+    reason = formatted("there are %zu colors; 1 to %zu are possible", input.colors.size(), kMaxColors);
+    return ErrorCode::kOutOfRange;
+  }
+  for (const ColorSamples& color : input.colors) {
+    if (color.pixels.empty()) {
+      reason = formatted("color %s has no pixels", color.name.c_str());
+      return ErrorCode::kNotFound;
+    }
+  }
+  ColorBoxes cores = initial_boxes(input, rules);
+  for (std::size_t i = 0; i < input.colors.size(); ++i) {
+    for (std::size_t j = i + 1; j < input.colors.size(); ++j) {
+      out.margins.push_back({i, j, core_distance(cores, i, j)});
+    }
+  }
+  std::sort(out.margins.begin(), out.margins.end(),
+            [](const PairMargin& a, const PairMargin& b) { return a.levels < b.levels; });
+
+  std::vector<double> before(input.colors.size()), after(input.colors.size());
+  const auto covered = [&](std::vector<double>& share) {
+    for (std::size_t c = 0; c < share.size(); ++c) {
+      share[c] = 0;
+      for (const ColorBox& box : cores) {
+        if (box.color == c + 1) share[c] += count_in(input.colors[c].pixels, box) / total(input.colors[c].pixels);
+      }
+    }
+  };
+  covered(before);
+  carve_background(input, rules, cores);
+  if (Status s = separate_boxes(input, rules, cores, reason); !s.ok()) return s;
+  covered(after);
+  for (std::size_t c = 0; c < before.size(); ++c) out.cut_share.push_back(before[c] - after[c]);
+  Grower(input, rules).grow(cores);
+  out.boxes = cores;
+  return {};
+}
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+
+namespace touchline::calibrate {
+
+/// A click of a person on a patch or on the ball, or a rectangle of about its size.
+struct Click {
+  std::string image;  // the name in the file
+  std::string color;
+  double u_px = 0, v_px = 0;                      // for a rectangle: its center
+  int radius_px = 0;                              // 0: GrowthLimits::radius_px
+  std::optional<std::array<double, 4>> box = {};  // u0, v0, u1, v1; u0 < u1, v0 < v1
+};
+
+/// Reads {"samples": [{"image", "color", "u", "v"}, ...]}, where "box": [u0, v0, u1, v1] (any two opposite corners) can
+/// replace u and v. Other keys are ignored. kNotFound, kIo: errors of the file. kInconsistent: wrong content. `reason`
+/// names the file and the sample (counted from 0).
+Status read_clicks(const std::string& path, std::vector<Click>& out, std::string& reason);
+
+}  // namespace touchline::calibrate

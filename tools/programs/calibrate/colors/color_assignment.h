@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/marker/marker_layout.h"
+#include "core/marker/matcher.h"
+#include "tools/programs/calibrate/colors/marker_search.h"
+
+namespace touchline::calibrate {
+
+/// A color of the team file and its expected appearance.
+struct WantedColor {
+  std::string name;
+  std::optional<Rgb> look;  // as clicked on, or usual_rgb(); empty if unknown
+  bool clicked = false;     // `look` was measured with this camera
+};
+
+struct AssignmentInput {
+  std::vector<WantedColor> colors;   // ColorId is the index + 1
+  std::array<TeamMarking, 2> teams;  // indexed by Team
+  ColorId ball = kBackground;
+  std::vector<FoundPatch> patches;   // of all pictures
+  std::vector<std::size_t> picture;  // per patch: index of its picture
+  std::vector<MarkerCandidate> markers;
+  std::vector<std::size_t> balls;  // patches with size and shape of the ball
+};
+
+/// The patches assigned to a color.
+struct AssignedColor {
+  std::vector<std::size_t> patches;  // empty: not found
+  std::vector<std::size_t> others;   // of this color, but not part of a robot and not a single ball
+  Rgb rgb{};                         // their median
+  double dissimilarity = 0;          // dissimilarity() to the expected color, corrected for exposure and white balance
+  double margin = 0;                 // cost difference to the best other assignment of this color, nats
+  std::string rival;                 // the color of its patches in that assignment, or ""
+  [[nodiscard]] double confidence() const;
+};
+
+struct Assignment {
+  std::vector<AssignedColor> colors;  // in the order of the input
+  std::size_t robots = 0;             // markers recognized as robots of the team file
+  std::size_t unknown_robots = 0;     // markers with known colors that match no robot
+};
+
+/// Clusters the patches by color and assigns the clusters to colors. The cost is a negative log-likelihood: the
+/// dissimilarity of each cluster to the color of its name (after one gain per channel, which is estimated as well),
+/// recognized robots (a team patch and a combination of identification patches of that team, each robot at most once
+/// per picture), and single balls (at most one per picture). All cuts of the dendrogram and all pairs of team colors
+/// are tried; the lowest cost wins. The margin of a color is the cost increase if it must take another cluster.
+Assignment assign_colors(const AssignmentInput& input);
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,343 @@
+#include "tools/programs/calibrate/colors/color_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "tools/programs/calibrate/colors/initial_boxes.h"
+#include "tools/programs/calibrate/colors/patch_selection.h"
+#include "tools/programs/command_line/formatted.h"
+
+namespace touchline::calibrate {
+namespace {
+
+// Width of the margin around a patch whose pixels belong neither to the patch nor to the background: Bayer
+// interpolation and chroma subsampling reach two pixels.
+constexpr int kEdge_px = 3;
+
+// Share of a patch's pixels that is cut off per side and channel, because they are mixed with the neighbor.
+constexpr double kEdgeShare = 0.03;
+
+// Least distance of two colors in levels: twice the change by lamp flicker and a tilted robot.
+constexpr int kLeastMargin = 20;
+
+// Reasons why a pixel is not background; a later one overrides an earlier one.
+enum Reserved : std::uint8_t { kFree, kLookAlike, kNearClick };
+
+// A picture during color learning.
+struct Scene {
+  std::string image;
+  const CameraPicture* picture = nullptr;
+  ChannelImage channels;
+  std::vector<std::uint8_t> owner;     // index of the color + 1; 0: none
+  std::vector<std::uint8_t> reserved;  // one Reserved value per pixel
+};
+
+void reserve_around(Scene& scene, int u, int v, Reserved why) {
+  for (int dv = -kEdge_px; dv <= kEdge_px; ++dv) {
+    for (int du = -kEdge_px; du <= kEdge_px; ++du) {
+      if (!scene.channels.contains(u + du, v + dv)) continue;
+      std::uint8_t& reserved = scene.reserved[scene.channels.index(u + du, v + dv)];
+      reserved = std::max<std::uint8_t>(reserved, why);
+    }
+  }
+}
+
+void reserve_pixel(Scene& scene, std::size_t pixel) {
+  const auto width = static_cast<std::size_t>(scene.channels.width_px);
+  reserve_around(scene, static_cast<int>(pixel % width), static_cast<int>(pixel / width), kNearClick);
+}
+
+// Buffers of the scanner are large, so they are on the heap.
+struct Scan {
+  RegionScanner scanner;
+  Runs runs;
+  Regions regions;
+};
+
+Status scan(const ColorFitInput& input, const ColorBoxes& boxes, const CameraPicture& picture, Scan& out) {
+  const Frame frame = picture.frame();
+  ScanParameters parameters;
+  parameters.format = frame.format;
+  parameters.width_px = frame.width_px;
+  parameters.height_px = frame.height_px;
+  parameters.boxes = boxes;
+  parameters.light = input.light;
+  parameters.region_of_interest = input.region_of_interest;
+  if (Status s = out.scanner.configure(parameters); !s.ok()) return s;
+  const Status s = out.scanner.scan(frame, out.runs, out.regions);
+  return s.code() == ErrorCode::kFull ? Status{} : s;  // regions that do not fit are small noise
+}
+
+template <class Visit>
+void each_pixel(const Runs& runs, const Region& region, Visit&& visit) {
+  for (std::uint32_t i = region.first_run; i != kNoRun; i = runs[i].next) {
+    for (int u = runs[i].begin; u < runs[i].end; ++u) visit(u, static_cast<int>(runs[i].row));
+  }
+}
+
+// Median of each channel.
+Channels median(const std::vector<ColorCount>& pixels) {
+  Channels middle{};
+  for (std::size_t channel = 0; channel < middle.size(); ++channel) {
+    std::array<std::uint64_t, 256> counts{};
+    std::uint64_t all = 0, below = 0;
+    for (const ColorCount& color : pixels) {
+      counts[color.value[channel]] += color.count;
+      all += color.count;
+    }
+    while (below + counts[middle[channel]] <= all / 2 && middle[channel] < 255) below += counts[middle[channel]++];
+  }
+  return middle;
+}
+
+bool touches_click(const Scene& scene, const Runs& runs, const Region& region) {
+  bool touched = false;
+  each_pixel(runs, region, [&](int u, int v) { touched |= scene.reserved[scene.channels.index(u, v)] == kNearClick; });
+  return touched;
+}
+
+class Fitter {
+ public:
+  Fitter(const ColorFitInput& input, ColorFit& out, std::string& reason)
+      : input_(input), out_(out), reason_(reason), scan_(std::make_unique<Scan>()) {}
+
+  Status run() {
+    if (Status s = read_scenes(); !s.ok()) return s;
+    if (Status s = grow_clicks(); !s.ok()) return s;
+    LearningInput learning = samples();
+    // Finds similar regions first: a patch without a click would push the boxes away from its own color.
+    if (Status s = reserve_look_alikes(learning); !s.ok()) return s;
+    learning.background = background();
+    if (!learning.background.empty()) out_.background = median(learning.background);
+    if (Status s = learn_boxes(learning, input_.rules, out_.learned, reason_); !s.ok()) return s;
+    out_.advice = advise(learning, input_.rules, out_.shown_rgb, out_.learned.margins, kLeastMargin);
+    return judge();
+  }
+
+ private:
+  Status read_scenes() {
+    if (input_.pictures.empty()) {
+      reason_ = "there is no picture";
+      return ErrorCode::kNotFound;
+    }
+    const Frame first = input_.pictures.begin()->second.frame();
+    out_.space = color_space(first.format);
+    auto shading = std::make_unique<Shading>();
+    if (input_.light.columns > 0) {
+      if (Status s = shading->build(input_.light, first.width_px, first.height_px, out_.space); !s.ok()) {
+        reason_ = formatted("the light map does not fit the pictures: %s", describe(s.code()));
+        return s;
+      }
+    }
+    inside_ = inside_mask(input_.region_of_interest, first.width_px, first.height_px);
+    for (const auto& [image, picture] : input_.pictures) {
+      const Frame frame = picture.frame();
+      if (frame.format != first.format || frame.width_px != first.width_px || frame.height_px != first.height_px) {
+        reason_ = formatted("%s is %u x %u, %s is %u x %u: all pictures must have the size of the camera's frames",
+                            image.c_str(), frame.width_px, frame.height_px, input_.pictures.begin()->first.c_str(),
+                            first.width_px, first.height_px);
+        return ErrorCode::kInconsistent;
+      }
+      Scene scene{image, &picture, corrected_channels(frame, *shading), {}, {}};
+      scene.owner.assign(scene.channels.pixels.size(), 0);
+      scene.reserved.assign(scene.channels.pixels.size(), kFree);
+      scenes_.push_back(std::move(scene));
+    }
+    return {};
+  }
+
+  Status grow_clicks() {
+    for (const Click& click : input_.clicks) {
+      auto name = std::find(out_.names.begin(), out_.names.end(), click.color);
+      if (name == out_.names.end()) name = out_.names.insert(out_.names.end(), click.color);
+      const auto color = static_cast<std::size_t>(name - out_.names.begin());
+      const auto scene =
+          std::find_if(scenes_.begin(), scenes_.end(), [&](const Scene& s) { return s.image == click.image; });
+      ClickResult result;
+      GrownPatch patch;
+      if (scene == scenes_.end()) {
+        result.reason = "the picture is missing";
+      } else if (select_patch(scene->channels, inside_, click, input_.growth, patch, result.reason).ok()) {
+        result.area_px = patch.pixels.size();
+        for (const std::size_t pixel : patch.pixels) {
+          scene->owner[pixel] = static_cast<std::uint8_t>(color + 1);
+          reserve_pixel(*scene, pixel);
+        }
+      } else if (scene->channels.contains(static_cast<int>(click.u_px), static_cast<int>(click.v_px))) {
+        // An object is there although its outline is unclear.
+        reserve_around(*scene, static_cast<int>(click.u_px), static_cast<int>(click.v_px), kNearClick);
+      }
+      patches_.push_back(
+          {scene == scenes_.end() ? 0 : static_cast<std::size_t>(scene - scenes_.begin()), color, std::move(patch)});
+      out_.clicks.push_back(std::move(result));
+    }
+    for (Scene& scene : scenes_) {
+      const auto unclear = input_.unclear.find(scene.image);
+      if (unclear == input_.unclear.end()) continue;
+      for (const std::size_t pixel : unclear->second) reserve_pixel(scene, pixel);
+    }
+    patch_area_.assign(out_.names.size(), 0);
+    for (std::size_t c = 0; c < out_.names.size(); ++c) {
+      std::vector<std::size_t> areas;
+      for (const Grown& g : patches_) {
+        if (g.color == c && !g.patch.pixels.empty()) areas.push_back(g.patch.pixels.size());
+      }
+      const auto middle = areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 2);
+      std::nth_element(areas.begin(), middle, areas.end());
+      if (!areas.empty()) patch_area_[c] = *middle;
+    }
+    for (std::size_t c = 0; c < patch_area_.size(); ++c) {
+      if (patch_area_[c] == 0) {
+        reason_ = formatted("color %s: no click selected a patch", out_.names[c].c_str());
+        for (std::size_t i = 0; i < patches_.size(); ++i) {
+          if (patches_[i].color == c) reason_ += " (" + out_.clicks[i].reason + ")";
+        }
+        return ErrorCode::kNotFound;
+      }
+    }
+    return {};
+  }
+
+  LearningInput samples() {
+    std::vector<std::vector<Channels>> pixels(out_.names.size());
+    for (const Grown& g : patches_) {
+      // The edge is cut per patch, so that a patch in poor light counts as much as ten in good light.
+      std::vector<Channels> own;
+      for (const std::size_t pixel : g.patch.pixels) own.push_back(scenes_[g.scene].channels.pixels[pixel]);
+      if (own.empty()) continue;
+      const ColorBox inner = core_of(count_colors(own), static_cast<ColorId>(g.color + 1), kEdgeShare);
+      std::copy_if(own.begin(), own.end(), std::back_inserter(pixels[g.color]),
+                   [&](const Channels& p) { return contains(inner, p); });
+    }
+    LearningInput learning;
+    learning.space = out_.space;
+    for (std::size_t c = 0; c < pixels.size(); ++c) {
+      learning.colors.push_back({out_.names[c], count_colors(pixels[c])});
+      out_.typical.push_back(median(learning.colors.back().pixels));
+      out_.shown_rgb.push_back(shown_rgb(out_.typical.back(), out_.space));
+    }
+    return learning;
+  }
+
+  Status reserve_look_alikes(const LearningInput& learning) {
+    LearningRules rules = input_.rules;
+    rules.max_margin = 6;  // noise between two patches of a color
+    LearnedColors cores;
+    if (Status s = learn_boxes(learning, rules, cores, reason_); !s.ok()) return s;
+    for (Scene& scene : scenes_) {
+      if (Status s = scan(input_, cores.boxes, *scene.picture, *scan_); !s.ok()) return fail_scan(s);
+      for (const Region& region : scan_->regions) {
+        if (!is_look_alike(region) || touches_click(scene, scan_->runs, region)) continue;
+        each_pixel(scan_->runs, region, [&](int u, int v) { reserve_around(scene, u, v, kLookAlike); });
+      }
+    }
+    return {};
+  }
+
+  // A region that the matcher could take for a patch.
+  [[nodiscard]] bool is_patch_sized(const Region& region) const {
+    return region.color != kBackground && std::size_t{2} * region.area_px >= patch_area_[region.color - 1U];
+  }
+  // Larger regions are floor or furniture.
+  [[nodiscard]] bool is_look_alike(const Region& region) const {
+    return is_patch_sized(region) && region.area_px <= 2 * patch_area_[region.color - 1U];
+  }
+
+  std::vector<ColorCount> background() const {
+    std::vector<Channels> pixels;
+    for (const Scene& scene : scenes_) {
+      for (std::size_t i = 0; i < scene.channels.pixels.size(); ++i) {
+        if (inside_[i] != 0 && scene.reserved[i] == kFree) pixels.push_back(scene.channels.pixels[i]);
+      }
+    }
+    return count_colors(pixels);
+  }
+
+  // Classifies each picture like the firmware.
+  Status judge() {
+    const std::size_t colors = out_.names.size();
+    std::vector<double> clicked(colors), caught(colors);
+    double background = 0;
+    out_.confusion.assign(colors, std::vector<double>(colors + 1, 0.0));
+    for (std::size_t s = 0; s < scenes_.size(); ++s) {
+      Scene& scene = scenes_[s];
+      if (Status status = scan(input_, out_.learned.boxes, *scene.picture, *scan_); !status.ok())
+        return fail_scan(status);
+      std::vector<std::uint8_t> classified(scene.channels.pixels.size(), 0);
+      for (const Region& region : scan_->regions) {
+        each_pixel(scan_->runs, region, [&](int u, int v) { classified[scene.channels.index(u, v)] = region.color; });
+        if (is_patch_sized(region) && !touches_click(scene, scan_->runs, region)) {
+          out_.strays.push_back({scene.image, region.color - std::size_t{1}, region.centroid, region.area_px});
+        }
+      }
+      for (std::size_t i = 0; i < classified.size(); ++i) {
+        if (scene.owner[i] != 0) {
+          out_.confusion[scene.owner[i] - 1U][classified[i]] += 1;
+          clicked[scene.owner[i] - 1U] += 1;
+        } else if (inside_[i] != 0 && scene.reserved[i] == kFree) {
+          background += 1;
+          if (classified[i] != kBackground) caught[classified[i] - 1U] += 1;
+        }
+      }
+      for (std::size_t i = 0; i < patches_.size(); ++i) {
+        const Grown& g = patches_[i];
+        if (g.scene != s || g.patch.pixels.empty()) continue;
+        const auto right = std::count_if(g.patch.pixels.begin(), g.patch.pixels.end(),
+                                         [&](std::size_t pixel) { return classified[pixel] == g.color + 1; });
+        out_.clicks[i].recognized = static_cast<double>(right) / static_cast<double>(g.patch.pixels.size());
+      }
+    }
+    for (std::size_t c = 0; c < colors; ++c) {
+      for (double& share : out_.confusion[c]) share /= std::max(1.0, clicked[c]);
+      out_.background_share.push_back(caught[c] / std::max(1.0, background));
+    }
+    return {};
+  }
+
+  Status fail_scan(Status status) {
+    reason_ = formatted("the pictures cannot be classified: %s", describe(status.code()));
+    return status;
+  }
+
+  struct Grown {
+    std::size_t scene, color;
+    GrownPatch patch;
+  };
+  const ColorFitInput& input_;
+  ColorFit& out_;
+  std::string& reason_;
+  std::unique_ptr<Scan> scan_;
+  std::vector<Scene> scenes_;
+  std::vector<std::uint8_t> inside_;
+  std::vector<Grown> patches_;
+  std::vector<std::size_t> patch_area_;  // median over the clicks of a color
+};
+
+}  // namespace
+
+Status fit_colors(const ColorFitInput& input, ColorFit& out, std::string& reason) {
+  out = {};
+  return Fitter(input, out, reason).run();
+}
+
+std::vector<std::uint8_t> preview_rgb(const ColorFitInput& input, const ColorFit& fit, const CameraPicture& picture) {
+  const ChannelImage channels = corrected_channels(picture.frame(), Shading{});
+  std::vector<std::uint8_t> out(3 * channels.pixels.size());
+  for (std::size_t i = 0; i < channels.pixels.size(); ++i) {
+    const Channels& p = channels.pixels[i];
+    const int grey = fit.space == ColorSpace::kYuv ? p[0] : (p[0] + 2 * p[1] + p[2]) / 4;
+    for (std::size_t c = 0; c < 3; ++c) out[3 * i + c] = static_cast<std::uint8_t>(grey / 3);
+  }
+  const auto scanned = std::make_unique<Scan>();
+  if (!scan(input, fit.learned.boxes, picture, *scanned).ok()) return out;
+  for (const Region& region : scanned->regions) {
+    const Channels& shown = fit.shown_rgb[region.color - 1U];
+    each_pixel(scanned->runs, region, [&](int u, int v) {
+      for (std::size_t c = 0; c < 3; ++c) out[3 * channels.index(u, v) + c] = shown[c];
+    });
+  }
+  return out;
+}
+
+}  // namespace touchline::calibrate

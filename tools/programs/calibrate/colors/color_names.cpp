@@ -1,0 +1,78 @@
+#include "tools/programs/calibrate/colors/color_names.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+namespace touchline::calibrate {
+namespace {
+
+constexpr std::pair<std::string_view, Rgb> kPaints[] = {
+    {"red", {210, 35, 45}},         {"orange", {240, 120, 40}},    {"yellow", {245, 225, 55}},
+    {"gold", {215, 165, 45}},       {"lime", {175, 235, 60}},      {"green", {45, 170, 80}},
+    {"darkgreen", {30, 95, 60}},    {"olive", {125, 125, 45}},     {"mint", {110, 210, 160}},
+    {"teal", {25, 125, 125}},       {"turquoise", {45, 190, 180}}, {"cyan", {60, 210, 230}},
+    {"lightblue", {130, 185, 235}}, {"skyblue", {130, 190, 235}},  {"azure", {60, 140, 230}},
+    {"blue", {40, 90, 200}},        {"navy", {25, 35, 110}},       {"violet", {140, 70, 200}},
+    {"purple", {120, 50, 150}},     {"magenta", {230, 55, 170}},   {"pink", {245, 165, 190}},
+    {"rose", {235, 110, 140}},      {"salmon", {245, 140, 120}},   {"peach", {250, 195, 160}},
+    {"lavender", {195, 180, 235}},  {"brown", {135, 85, 55}},      {"maroon", {115, 30, 45}},
+    {"beige", {220, 200, 165}},     {"white", {240, 240, 240}},    {"grey", {130, 130, 130}},
+    {"gray", {130, 130, 130}},      {"black", {25, 25, 25}}};
+
+std::optional<Rgb> paint(std::string_view word) {
+  const auto* const found =
+      std::find_if(std::begin(kPaints), std::end(kPaints), [&](const auto& p) { return p.first == word; });
+  if (found == std::end(kPaints)) return std::nullopt;
+  return found->second;
+}
+
+}  // namespace
+
+std::span<const std::pair<std::string_view, Rgb>> usual_paints() { return kPaints; }
+
+Lab lab_of(const Rgb& rgb) {
+  std::array<double, 3> linear{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double x = std::clamp(rgb[c] / 255.0, 0.0, 1.0);
+    linear[c] = x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+  }
+  const auto f = [](double t) {
+    constexpr double kKnee = 216.0 / 24389.0, kSlope = 24389.0 / 27.0;
+    return t > kKnee ? std::cbrt(t) : (kSlope * t + 16.0) / 116.0;
+  };
+  const double x = f((0.4124 * linear[0] + 0.3576 * linear[1] + 0.1805 * linear[2]) / 0.9505);
+  const double y = f(0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]);
+  const double z = f((0.0193 * linear[0] + 0.1192 * linear[1] + 0.9505 * linear[2]) / 1.089);
+  return {116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)};
+}
+
+double difference(const Lab& a, const Lab& b) {
+  return std::sqrt(0.25 * (a.l - b.l) * (a.l - b.l) + (a.a - b.a) * (a.a - b.a) + (a.b - b.b) * (a.b - b.b));
+}
+
+double dissimilarity(const Lab& color, const Lab& expected) {
+  constexpr double kLightness = 0.25, kChroma = 0.4, kHue = 1.5;
+  const double l = color.l - expected.l, a = color.a - expected.a, b = color.b - expected.b;
+  const double chroma = std::hypot(color.a, color.b) - std::hypot(expected.a, expected.b);
+  const double hue = std::max(0.0, a * a + b * b - chroma * chroma);  // squared, as in CIE 1976
+  return std::sqrt(kLightness * l * l + kChroma * chroma * chroma + kHue * hue);
+}
+
+std::optional<Rgb> usual_rgb(const std::string& name) {
+  std::string word;
+  for (const char c : name) {
+    if (std::isalpha(static_cast<unsigned char>(c)) != 0) {
+      word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
+  }
+  if (const auto known = paint(word)) return known;
+  const bool light = word.rfind("light", 0) == 0, dark = word.rfind("dark", 0) == 0;
+  if (!light && !dark) return std::nullopt;
+  auto base = paint(std::string_view(word).substr(light ? 5 : 4));
+  if (!base) return std::nullopt;
+  for (double& x : *base) x = light ? (x + 255.0) / 2 : 0.55 * x;
+  return base;
+}
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "tools/programs/calibrate/colors/box_learning.h"
+
+namespace touchline::calibrate {
+
+double total(const std::vector<ColorCount>& pixels);
+/// Number of pixels whose value is in the box.
+double count_in(const std::vector<ColorCount>& pixels, const ColorBox& box);
+bool contains(const ColorBox& box, const Channels& value);
+bool boxes_meet(const ColorBox& a, const ColorBox& b);
+/// The box between the quantiles `tail` and 1 - `tail` of each channel.
+ColorBox core_of(const std::vector<ColorCount>& pixels, ColorId color, double tail);
+
+/// Sides of a box: channel * 2 + (0 low, 1 high).
+constexpr std::size_t kSides = 6;
+int side_value(const ColorBox& box, std::size_t side);
+void set_side(ColorBox& box, std::size_t side, int value);
+
+/// Computes the core boxes of all colors, at most kMaxColorBoxes: one box from the percentiles of each channel, or
+/// several where one box would include other colors or the background (the pixels of a color under varying light form a
+/// slanted cloud).
+ColorBoxes initial_boxes(const LearningInput& input, const LearningRules& rules);
+
+}  // namespace touchline::calibrate

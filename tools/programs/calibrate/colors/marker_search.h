@@ -1,0 +1,24 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "tools/programs/calibrate/colors/patch_search.h"
+
+namespace touchline::calibrate {
+
+/// Patches in the arrangement of a robot's marker, whatever their colors.
+struct MarkerCandidate {
+  std::size_t team = 0;  // team whose layout fits, indexed by Team
+  std::size_t picture = 0;
+  std::vector<std::size_t> patches;  // in the order of the layout, the team patch first
+  double residual_m = 0;             // RMS distance between patches and layout
+};
+
+/// Returns all combinations of patches of one picture that fit a robot with this `layout`: sizes and distances in the
+/// plane of the patches, and their order around the robot. `numbers`: indices of the patches to use.
+std::vector<MarkerCandidate> find_markers(const std::vector<FoundPatch>& patches,
+                                          const std::vector<std::size_t>& numbers, const MarkerLayout& layout,
+                                          const CameraModel& camera);
+
+}  // namespace touchline::calibrate

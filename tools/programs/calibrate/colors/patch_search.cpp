@@ -1,0 +1,193 @@
+#include "tools/programs/calibrate/colors/patch_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tools/programs/calibrate/colors/region_growing.h"
+#include "tools/programs/calibrate/imaging/local_background.h"
+
+namespace touchline::calibrate {
+namespace {
+
+// Least color difference to the background. Pixel noise and shading of the floor stay below; a dark patch on a dark
+// floor exceeds it.
+constexpr double kDiffersFromFloor = 16.0;
+// More elongated regions are lines: the longest patches (2 : 1) reach 2.2 with blur.
+constexpr double kMostElongation = 3.0;
+// Least distance between seeds: next to a patch the colors are mixed, and neighboring seeds give the same region.
+constexpr int kRim_px = 1;
+// A region with a clearer edge is final; no better one grows inside it.
+constexpr double kClear = 0.25;
+
+template <class Values>
+std::uint8_t median(Values& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Largest difference to the eight neighbors; small inside a patch.
+int unevenness(const ChannelImage& image, int u, int v) {
+  int largest = 0;
+  for (int dv = -1; dv <= 1; ++dv) {
+    for (int du = -1; du <= 1; ++du) {
+      if (!image.contains(u + du, v + dv)) return 255;
+      for (std::size_t c = 0; c < 3; ++c) {
+        largest = std::max(largest, std::abs(image.at(u, v)[c] - image.at(u + du, v + dv)[c]));
+      }
+    }
+  }
+  return largest;
+}
+
+FoundPatch patch_of(const ChannelImage& image, PixelPoint from, const GrowthLimits& limits, GrownPatch grown) {
+  FoundPatch patch;
+  patch.u_px = static_cast<double>(from.u_px);
+  patch.v_px = static_cast<double>(from.v_px);
+  patch.radius_px = limits.radius_px;
+  patch.instability = grown.instability;
+  patch.pixels = std::move(grown.pixels);
+  const auto width = static_cast<std::size_t>(image.width_px);
+  const auto count = static_cast<double>(patch.pixels.size());
+  double u = 0, v = 0, uu = 0, vv = 0, uv = 0;
+  std::array<std::vector<std::uint8_t>, 3> values;
+  for (const std::size_t pixel : patch.pixels) {
+    const std::size_t column = pixel % width, row = pixel / width;
+    const auto x = static_cast<double>(column), y = static_cast<double>(row);
+    u += x;
+    v += y;
+    uu += x * x;
+    vv += y * y;
+    uv += x * y;
+    const Channels rgb = shown_rgb(image.pixels[pixel], image.space);
+    for (std::size_t c = 0; c < 3; ++c) values[c].push_back(rgb[c]);
+  }
+  u /= count;
+  v /= count;
+  const double a = uu / count - u * u, b = vv / count - v * v, c = uv / count - u * v;
+  const double middle = (a + b) / 2, spread = std::sqrt((a - b) * (a - b) / 4 + c * c);
+  patch.elongation = std::sqrt((middle + spread) / std::max(1e-9, middle - spread));
+  patch.center = {static_cast<float>(u), static_cast<float>(v)};
+  for (std::size_t channel = 0; channel < 3; ++channel) patch.rgb[channel] = median(values[channel]);
+  patch.lab = lab_of(patch.rgb);
+  return patch;
+}
+
+// Body of a robot or shadow: darker than the floor in every channel and not more saturated.
+bool is_shadow(const Rgb& rgb, const Channels& floor) {
+  bool darker = true;
+  for (std::size_t c = 0; c < 3; ++c) darker &= rgb[c] < floor[c] + kDiffersFromFloor / 2;
+  const auto [least, most] = std::minmax_element(rgb.begin(), rgb.end());
+  const auto [floor_least, floor_most] = std::minmax_element(floor.begin(), floor.end());
+  return darker && *most - *least < *floor_most - *floor_least + kDiffersFromFloor;
+}
+
+// Keeps the region with the clearest edge of those that overlap.
+std::vector<FoundPatch> clearest(std::vector<FoundPatch> patches, std::size_t pixels) {
+  std::sort(patches.begin(), patches.end(),
+            [](const FoundPatch& a, const FoundPatch& b) { return a.instability < b.instability; });
+  std::vector<std::uint8_t> owned(pixels, 0);
+  std::vector<FoundPatch> out;
+  for (FoundPatch& patch : patches) {
+    const auto shared = static_cast<std::size_t>(
+        std::count_if(patch.pixels.begin(), patch.pixels.end(), [&](std::size_t pixel) { return owned[pixel] != 0; }));
+    if (4 * shared > patch.pixels.size()) continue;
+    for (const std::size_t pixel : patch.pixels) owned[pixel] = 1;
+    out.push_back(std::move(patch));
+  }
+  return out;
+}
+
+double expected_area_px(PixelPoint at, const CameraModel& camera, const PatchSize& size) {
+  const auto height = static_cast<float>(size.height_m);
+  const auto scale = static_cast<double>(camera.scale_px_per_m(camera.to_field(at, height), height));
+  return size.area_m2 * scale * scale;
+}
+
+}  // namespace
+
+PatchSize size_of(const PatchPlace& place, const MarkerLayout& layout) {
+  const double extent = std::hypot(static_cast<double>(place.length_m), static_cast<double>(place.width_m));
+  return {static_cast<double>(area_m2(place)), static_cast<double>(layout.height_m), extent};
+}
+
+PatchSize size_of(const BallParameters& ball) {
+  const PatchPlace disk = outline_of(ball);
+  return {static_cast<double>(area_m2(disk)), static_cast<double>(ball.radius_m), static_cast<double>(disk.length_m)};
+}
+
+double relative_area(const FoundPatch& patch, const CameraModel& camera, const PatchSize& size) {
+  return static_cast<double>(patch.pixels.size()) / std::max(1e-9, expected_area_px(patch.center, camera, size));
+}
+
+std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vector<std::uint8_t>& inside,
+                                     const CameraModel& camera, const FieldParameters& field,
+                                     const std::vector<PatchSize>& sizes) {
+  const LocalBackground floor(image, inside);
+  double height = 0, extent = 0;
+  for (const PatchSize& size : sizes) {
+    height = std::max(height, size.height_m);
+    extent = std::max(extent, size.extent_m);
+  }
+  // The most even seeds come first, so that growth begins in the middle of patches.
+  std::vector<std::vector<std::pair<int, int>>> seeds(256);
+  for (int v = 1; v + 1 < image.height_px; ++v) {
+    for (int u = 1; u + 1 < image.width_px; ++u) {
+      if (inside[image.index(u, v)] == 0 ||
+          color_distance(image.at(u, v), floor.at(u, v), image.space) < kDiffersFromFloor) {
+        continue;
+      }
+      seeds[static_cast<std::size_t>(unevenness(image, u, v))].emplace_back(u, v);
+    }
+  }
+  std::vector<std::uint8_t> tried(image.pixels.size(), 0);
+  const auto done = [&](int u, int v) {
+    for (int dv = -kRim_px; dv <= kRim_px; ++dv) {
+      for (int du = -kRim_px; du <= kRim_px; ++du) {
+        if (image.contains(u + du, v + dv)) tried[image.index(u + du, v + dv)] = 1;
+      }
+    }
+  };
+  std::vector<FoundPatch> grown_patches;
+  std::string reason;
+  for (const auto& even : seeds) {
+    for (const auto& [u, v] : even) {
+      if (tried[image.index(u, v)] != 0) continue;
+      done(u, v);
+      const PixelPoint at{static_cast<float>(u), static_cast<float>(v)};
+      const FieldPoint place = camera.to_field(at, static_cast<float>(height));
+      if (!inside_field(field, place)) continue;
+      GrowthLimits limits;
+      const double scale = static_cast<double>(camera.scale_px_per_m(place, static_cast<float>(height)));
+      limits.radius_px = std::clamp(static_cast<int>(std::ceil(extent * scale)) + 3, 5, 120);
+      GrownPatch grown;
+      if (!grow_region(image, inside, u, v, limits, grown, reason).ok()) continue;
+      FoundPatch patch = patch_of(image, at, limits, std::move(grown));
+      // Grows again from the center, like a click of a person: a region that grew from an edge is the edge and
+      // everything inside it.
+      if (const PixelPoint middle{std::round(patch.center.u_px), std::round(patch.center.v_px)};
+          grow_region(image, inside, static_cast<double>(middle.u_px), static_cast<double>(middle.v_px), limits, grown,
+                      reason)
+              .ok()) {
+        patch = patch_of(image, middle, limits, std::move(grown));
+      }
+      const bool fits = std::any_of(sizes.begin(), sizes.end(), [&](const PatchSize& size) {
+        const double relative = relative_area(patch, camera, size);
+        return relative >= kLeastRelativeArea && relative <= kMostRelativeArea;
+      });
+      if (!fits || patch.elongation > kMostElongation || is_shadow(patch.rgb, shown_rgb(floor.at(u, v), image.space))) {
+        continue;
+      }
+      if (patch.instability < kClear) {
+        const auto width = static_cast<std::size_t>(image.width_px);
+        for (const std::size_t pixel : patch.pixels)
+          done(static_cast<int>(pixel % width), static_cast<int>(pixel / width));
+      }
+      grown_patches.push_back(std::move(patch));
+    }
+  }
+  return clearest(std::move(grown_patches), image.pixels.size());
+}
+
+}  // namespace touchline::calibrate

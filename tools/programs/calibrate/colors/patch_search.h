@@ -1,0 +1,49 @@
+#pragma once
+
+#include <vector>
+
+#include "core/geometry/camera_model.h"
+#include "core/geometry/field_area.h"
+#include "core/marker/marker_layout.h"
+#include "core/marker/matcher.h"
+#include "tools/programs/calibrate/colors/color_names.h"
+#include "tools/programs/calibrate/imaging/channel_image.h"
+
+namespace touchline::calibrate {
+
+/// Size of an object of one color to search for: a patch of a layout, or the ball.
+struct PatchSize {
+  double area_m2 = 0;
+  double height_m = 0;  // above the floor
+  double extent_m = 0;  // largest diameter
+};
+
+/// A region of one color with the size of a patch.
+struct FoundPatch {
+  double u_px = 0, v_px = 0;  // seed of the region
+  int radius_px = 0;          // limit of growth
+  PixelPoint center;
+  std::vector<std::size_t> pixels;  // indices into ChannelImage::pixels
+  Rgb rgb{};                        // median
+  Lab lab;
+  double instability = 0;  // see GrownPatch
+  double elongation = 1;   // ratio of the standard deviations along the principal axes; 1 for a square and a disk
+};
+
+/// Finds patches without clicks. Grows a region (grow_region) from each even spot that differs from the local
+/// background, and keeps it if its area is 0.35 to 1.7 times the projected area of one of the sizes (allows for shade,
+/// blur and the dark side of a ball). `inside`: see inside_mask(); pixels outside the field and its margin are ignored.
+/// Other objects of this size (white dots, logos) are found as well; color and arrangement have to exclude them.
+std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vector<std::uint8_t>& inside,
+                                     const CameraModel& camera, const FieldParameters& field,
+                                     const std::vector<PatchSize>& sizes);
+
+/// Ratio of the area of the patch to the projected area of the size.
+double relative_area(const FoundPatch& patch, const CameraModel& camera, const PatchSize& size);
+
+constexpr double kLeastRelativeArea = 0.35, kMostRelativeArea = 1.7;
+
+PatchSize size_of(const PatchPlace& place, const MarkerLayout& layout);
+PatchSize size_of(const BallParameters& ball);
+
+}  // namespace touchline::calibrate

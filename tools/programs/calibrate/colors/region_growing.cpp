@@ -1,0 +1,161 @@
+#include "tools/programs/calibrate/colors/region_growing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "tools/programs/command_line/formatted.h"
+
+namespace touchline::calibrate {
+namespace {
+
+constexpr int kMaxDistance = 255;
+constexpr int kOutside = kMaxDistance + 1;
+
+// The seed color is the median of the pixels around the click, so that one noisy pixel has no influence.
+Channels seed_color(const ChannelImage& image, int u, int v) {
+  Channels seed{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::vector<std::uint8_t> values;
+    for (int dv = -1; dv <= 1; ++dv) {
+      for (int du = -1; du <= 1; ++du) {
+        if (image.contains(u + du, v + dv)) values.push_back(image.at(u + du, v + dv)[c]);
+      }
+    }
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+    seed[c] = values[values.size() / 2];
+  }
+  return seed;
+}
+
+// Computes for each pixel of a window the smallest tolerance at which growth from the center reaches it.
+class Window {
+ public:
+  Window(const ChannelImage& image, const std::vector<std::uint8_t>& inside, int u, int v, int radius)
+      : left_(u - radius), top_(v - radius), side_(2 * radius + 1) {
+    const Channels seed = seed_color(image, u, v);
+    const auto cells = static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_);
+    // Computed on demand, because growth does not reach most of the window.
+    const auto distance = [&](int x, int y) {
+      if (!image.contains(left_ + x, top_ + y) || inside[image.index(left_ + x, top_ + y)] == 0) return kOutside;
+      return std::min(kMaxDistance, static_cast<int>(color_distance(image.at(left_ + x, top_ + y), seed, image.space)));
+    };
+    reached_at_.assign(cells, kOutside);
+    // One queue per tolerance: a pixel is reached at the largest distance along its best path (minimax path).
+    std::vector<std::vector<std::size_t>> queue(kMaxDistance + 1);
+    const std::size_t start = cell(radius, radius);
+    const int at_start = distance(radius, radius);
+    if (at_start == kOutside) return;
+    reached_at_[start] = at_start;
+    queue[static_cast<std::size_t>(at_start)].push_back(start);
+    for (int t = 0; t <= std::min(kMaxDistance, border_at_); ++t) {  // larger regions are no patches
+      auto& ready = queue[static_cast<std::size_t>(t)];
+      for (std::size_t i = 0; i < ready.size(); ++i) {  // `ready` grows in this loop
+        const int x = static_cast<int>(ready[i]) % side_, y = static_cast<int>(ready[i]) / side_;
+        constexpr std::array<std::array<int, 2>, 4> kSteps = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+        for (const auto& step : kSteps) {
+          const int nx = x + step[0], ny = y + step[1];
+          if (nx < 0 || ny < 0 || nx >= side_ || ny >= side_) continue;
+          const std::size_t next = cell(nx, ny);
+          if (reached_at_[next] != kOutside) continue;
+          const int there = distance(nx, ny);
+          if (there == kOutside) continue;
+          reached_at_[next] = std::max(t, there);
+          if (nx == 0 || ny == 0 || nx == side_ - 1 || ny == side_ - 1) {
+            border_at_ = std::min(border_at_, reached_at_[next]);
+          }
+          queue[static_cast<std::size_t>(reached_at_[next])].push_back(next);
+        }
+      }
+    }
+  }
+
+  // Tolerance at which growth reaches the edge of the window.
+  [[nodiscard]] int border_at() const { return border_at_; }
+
+  // Number of pixels reached per tolerance, up to the edge of the window.
+  void areas(std::array<double, kMaxDistance + 1>& area) const {
+    area.fill(0);
+    for (int y = 0; y < side_; ++y) {
+      for (int x = 0; x < side_; ++x) {
+        const int t = reached_at_[cell(x, y)];
+        if (t == kOutside) continue;
+        area[static_cast<std::size_t>(t)] += 1;
+      }
+    }
+    for (std::size_t t = 1; t < area.size(); ++t) area[t] += area[t - 1];
+  }
+
+  void pixels(const ChannelImage& image, int tolerance, std::vector<std::size_t>& out) const {
+    for (int y = 0; y < side_; ++y) {
+      for (int x = 0; x < side_; ++x) {
+        if (reached_at_[cell(x, y)] <= tolerance) out.push_back(image.index(left_ + x, top_ + y));
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] std::size_t cell(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(side_) + static_cast<std::size_t>(x);
+  }
+  int left_, top_, side_;
+  int border_at_ = kOutside;
+  std::vector<int> reached_at_;
+};
+
+}  // namespace
+
+Status grow_region(const ChannelImage& image, const std::vector<std::uint8_t>& inside, double u_px, double v_px,
+                   const GrowthLimits& limits, GrownPatch& out, std::string& reason) {
+  out = {};
+  const int u = static_cast<int>(std::lround(u_px)), v = static_cast<int>(std::lround(v_px));
+  if (!image.contains(u, v)) {
+    reason = formatted("outside the picture (%d x %d)", image.width_px, image.height_px);
+    return ErrorCode::kNotFound;
+  }
+  if (inside[image.index(u, v)] == 0) {
+    reason = "outside the region of interest";
+    return ErrorCode::kNotFound;
+  }
+  const Window window(image, inside, u, v, limits.radius_px);
+  std::array<double, kMaxDistance + 1> area{};
+  window.areas(area);
+  const int border_at = window.border_at();
+
+  // Relative growth of the area around this tolerance. Two levels to either side cover pixel noise. Of two equal
+  // plateaus the one with the lower tolerance wins, because the other may include a neighbor.
+  constexpr int kStep = 4;
+  constexpr double kPriceOfTolerance = 0.004;
+  constexpr double kUnstable = 0.8;
+  double best_score = std::numeric_limits<double>::infinity();
+  int best = -1;
+  for (int t = kStep; t + kStep <= kMaxDistance && t + kStep < border_at; ++t) {
+    const auto level = static_cast<std::size_t>(t);
+    const double here = area[level];
+    if (here < static_cast<double>(limits.min_area_px)) continue;
+    const double growth = (area[level + kStep] - area[level - kStep]) / here;
+    const double score = growth + kPriceOfTolerance * t;
+    if (growth < kUnstable && score < best_score) {
+      best_score = score;
+      best = t;
+    }
+  }
+  if (best < 0) {
+    if (border_at <= 2 * kStep) {
+      reason = formatted("the surface clicked on is larger than a patch (%d px around the click)", limits.radius_px);
+    } else if (area[static_cast<std::size_t>(std::min(border_at, kMaxDistance))] <
+               static_cast<double>(limits.min_area_px)) {
+      reason = formatted("fewer than %zu pixels of one color (an edge or noise)", limits.min_area_px);
+    } else {
+      reason = "no edge around it: the color merges into its surroundings";
+    }
+    return ErrorCode::kNotFound;
+  }
+  out.tolerance = best;
+  out.instability = best_score;
+  window.pixels(image, best, out.pixels);
+  return {};
+}
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,43 @@
+#include "tools/programs/calibrate/colors/team_colors.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "firmware/config/resolution.h"
+#include "firmware/config/team_file.h"
+#include "firmware/config/toml_file.h"
+
+namespace touchline::calibrate {
+
+Status read_team_colors(const std::string& path, TeamColors& out, std::string& reason) {
+  out = {};
+  config::TeamFile team;
+  config::Locations where;
+  config::Problems problems;
+  Status status = config::read_toml(path, "", {}, team, where, problems);
+  if (status.ok()) {
+    std::vector<std::string> names = {team.own.color, team.opponent.color, team.ball.color};
+    for (const auto* side : {&team.own, &team.opponent}) {
+      for (const auto& robot : side->robot) names.insert(names.end(), robot.colors.begin(), robot.colors.end());
+    }
+    // With a venue that has all colors, the remaining errors are those of the team file.
+    config::VenueFile venue;
+    for (const std::string& name : names) {
+      if (name.empty() || std::find(out.names.begin(), out.names.end(), name) != out.names.end()) continue;
+      out.names.push_back(name);
+      venue.color.emplace_back();
+      venue.color.back().name = name;
+    }
+    const auto parameters = std::make_unique<PipelineParameters>();
+    config::resolve_team(team, where, venue, config::Locations(), *parameters, problems);
+    out.marker = parameters->marker;
+    if (!problems.empty()) status = ErrorCode::kInconsistent;
+  }
+  if (!status.ok()) {
+    reason = problems.text();
+    while (!reason.empty() && reason.back() == '\n') reason.pop_back();
+  }
+  return status;
+}
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/marker/matcher.h"
+#include "core/status.h"
+
+namespace touchline::calibrate {
+
+/// The colors in a team file and their use.
+struct TeamColors {
+  std::vector<std::string> names;  // ColorId is the index + 1; team colors, ball, then identification colors
+  MarkerParameters marker;         // with these ColorIds
+};
+
+/// Reads and checks a team file without a venue. Errors: see config::read_toml() and resolve_team(); `reason` has one
+/// line per error.
+Status read_team_colors(const std::string& path, TeamColors& out, std::string& reason);
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/status.h"
+#include "hal/replay/picture.h"
+#include "tools/programs/calibrate/field/field_fit.h"
+
+namespace touchline::calibrate {
+
+/// A pixel of the field next to its border.
+struct OutlinePixel {
+  double u_px = 0, v_px = 0;
+};
+
+/// The line u cos(angle) + v sin(angle) = distance.
+struct HoughLine {
+  double angle_rad = 0, distance_px = 0;
+  std::size_t votes = 0;
+};
+
+/// Finds the corners of the field's border in a picture with the steps of Klancar section 6.2.
+
+/// Step 1: finds a bright region that surrounds most of the picture, the border, and returns the pixels inside that
+/// touch it: one-pixel lines along the border and along the markings that are connected to it. Empty if no bright
+/// region surrounds at least a tenth of the picture. Brightness is the smallest of the three channels, because white is
+/// bright in all of them.
+std::vector<OutlinePixel> border_outline(const hal::Picture& picture, int threshold);
+/// Returns the threshold between the two classes of brightness with the largest variance between them (Otsu, "A
+/// threshold selection method from gray-level histograms", 1979).
+int brightness_threshold(const hal::Picture& picture);
+
+/// Step 2: Hough transform (Duda and Hart 1972). Finds the four sides of the border: the line with most votes, the
+/// opposite line and the two lines across, in the order bottom, right, top, left. Returns false if there are no four
+/// such lines.
+bool hough_sides(const std::vector<OutlinePixel>& outline, int width_px, int height_px,
+                 std::array<HoughLine, 4>& sides);
+
+/// Step 3: returns H of eq. (12) for which three points of a side (near both ends and in the middle) lie on one line. A
+/// lens without distortion, or with pincushion distortion, gives kLargestH_px.
+double h_of_three_points(const std::vector<OutlinePixel>& outline, const HoughLine& side, int width_px, int height_px);
+inline constexpr double kLargestH_px = 1e5;
+
+/// Steps 4 and 5 (p, q and the rotation) are in vanishing_points.h; they use the straightened sides.
+struct BorderSearch {
+  int threshold = 0;
+  std::vector<OutlinePixel> outline;
+  std::array<HoughLine, 4> sides;
+  double h_px = 0;  // the second smallest value of the four sides
+  Corners corners;  // of the field in the order of fit_field(), x to the right in the picture
+  // After the picture was straightened with eq. (12); sides in the order of hough_sides().
+  std::array<HoughLine, 4> straight_sides;
+  Corners straight_corners;
+};
+
+/// Runs all steps. kNotFound, with the reason: there is no border.
+Status find_border(const hal::Picture& picture, BorderSearch& out, std::string& reason);
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/camera_model.h"
+#include "core/marker/matcher.h"
+#include "tools/programs/calibrate/field/edge_search.h"
+#include "tools/programs/calibrate/field/field_fit.h"
+
+namespace touchline::calibrate {
+
+/// The unknowns of the full model in double precision, as the solver uses them.
+enum Intrinsic : std::size_t { kFocal, kAspect, kCenterU, kCenterV, kK1, kK2, kK3, kP1, kP2, kIntrinsics };
+struct AdjustedCamera {
+  std::array<double, kIntrinsics> intrinsics{};
+  std::array<double, 3> rotation{}, position_m{};
+
+  static AdjustedCamera of(const FullModelParameters& full);
+  [[nodiscard]] FullModelParameters full() const;
+};
+
+/// Standard deviations of the result.
+struct CameraUncertainty {
+  double height_m = 0, x_m = 0, y_m = 0, tilt_rad = 0;
+  double focal_px = 0, center_u_px = 0, center_v_px = 0;
+  double floor_center_mm = 0, floor_corner_mm = 0;  // of the floor position of a pixel; in the worst corner
+  double top_corner_mm = 0;                         // of the position of a robot's top there, at kTop_m
+  // Chi-square of the lens parameters under their priors: how unusual the lens is. With a wrong size of the field,
+  // tilt, focal length and distortion take unusual values to compensate.
+  double strain = 0;
+};
+inline constexpr double kTop_m = 0.075;
+
+/// Weights of the adjustment: standard deviation of a point, scale of the Cauchy loss beyond which a point has little
+/// influence, and the free lens parameters (1: k1; 2: k1, k2 and the principal point; 3: all).
+struct AdjustmentWeights {
+  double edge_sigma_px = 0.15, loss_px = 1.0;
+  int lens = 3;
+};
+
+/// Bundle adjustment of one camera: nonlinear least squares on the distances perpendicular to the marks. Unknowns are
+/// focal length, principal point, radial (k1 to k3) and tangential distortion, and pose. Priors on the lens and the
+/// height hold the parameters that the floor does not determine.
+class Adjustment {
+ public:
+  Adjustment(int width_px, int height_px, const std::optional<HeightPrior>& height, const AdjustedCamera& start);
+
+  /// Returns false if the result is not a camera above the floor.
+  [[nodiscard]] bool run(const std::vector<MarkPoint>& points, const AdjustmentWeights& weights,
+                         AdjustedCamera& camera) const;
+  /// Computes standard deviations from the normal equations at the minimum, for the center and corners of `field`.
+  /// Infinite where the equations are singular.
+  [[nodiscard]] CameraUncertainty uncertainty(const std::vector<MarkPoint>& points, const AdjustmentWeights& weights,
+                                              AdjustedCamera camera, const FieldParameters& field) const;
+
+ private:
+  int width_px_;
+  double center_u_, center_v_, aspect_;
+  std::optional<HeightPrior> height_;
+};
+
+}  // namespace touchline::calibrate

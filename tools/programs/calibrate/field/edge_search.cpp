@@ -1,0 +1,195 @@
+#include "tools/programs/calibrate/field/edge_search.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace touchline::calibrate {
+namespace {
+
+constexpr double kToneExponent = 2.2;
+// Spacing of the samples across a mark: a quarter of a pixel.
+constexpr double kSampleStep_px = 0.25;
+// Least contrast as a fraction of full scale. White paint reflects ten times as much light as a dark floor.
+constexpr double kLeastContrast = 0.04;
+constexpr double kFlatRise = 0.35;
+// Lens and interpolation blur an edge over about this distance; beyond it each side has its own level.
+constexpr double kBlur_px = 2.0;
+// Greatest width of a line.
+constexpr double kWidestLine_px = 14.0;
+
+class Profile {
+ public:
+  Profile(const LightPicture& picture, double u, double v, double across_u, double across_v, double reach_px) {
+    const auto half = static_cast<int>(std::ceil(reach_px / kSampleStep_px));
+    origin_ = half;
+    values_.reserve(std::size_t{2} * static_cast<std::size_t>(half) + 1);
+    for (int i = -half; i <= half; ++i) {
+      const double s = i * kSampleStep_px;
+      double sum = 0;
+      // Averages along the mark, because the pattern of a Bayer filter repeats after two pixels.
+      for (const double t : {-1.5, -0.5, 0.5, 1.5}) {
+        sum += picture.at(u + s * across_u - t * across_v, v + s * across_v + t * across_u);
+      }
+      values_.push_back(sum / 4);
+    }
+  }
+
+  [[nodiscard]] int size() const { return static_cast<int>(values_.size()); }
+  [[nodiscard]] double operator[](int i) const { return values_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] double place(double i) const { return (i - origin_) * kSampleStep_px; }
+
+  // Position between samples i and i + 1 at which the light crosses `level`.
+  [[nodiscard]] double crossing(int i, double level) const {
+    return place(i + (level - (*this)[i]) / ((*this)[i + 1] - (*this)[i]));
+  }
+  // The smallest value of the samples [first, last].
+  [[nodiscard]] double least(int first, int last) const {
+    double value = (*this)[std::clamp(first, 0, size() - 1)];
+    for (int i = std::max(first, 0); i <= std::min(last, size() - 1); ++i) value = std::min(value, (*this)[i]);
+    return value;
+  }
+  [[nodiscard]] double greatest(int first, int last) const {
+    double value = (*this)[std::clamp(first, 0, size() - 1)];
+    for (int i = std::max(first, 0); i <= std::min(last, size() - 1); ++i) value = std::max(value, (*this)[i]);
+    return value;
+  }
+
+ private:
+  std::vector<double> values_;
+  int origin_ = 0;
+};
+
+constexpr int kBlurSamples = static_cast<int>(kBlur_px / kSampleStep_px);
+
+// Finds the steepest rise outwards, or the innermost rise that is nearly as steep: the side of a wall, which is darker
+// than its top, begins at the edge of the floor.
+std::optional<double> border_in(const Profile& profile, bool innermost) {
+  const double flattest = innermost ? kFlatRise : 1.0;
+  const auto rise_at = [&](int i) { return profile[i + 2] - profile[i - 2]; };
+  double steepest_rise = 0;
+  for (int i = 2; i + 2 < profile.size(); ++i) steepest_rise = std::max(steepest_rise, rise_at(i));
+  int steepest = -1;
+  for (int i = 2; i + 2 < profile.size(); ++i) {
+    if (rise_at(i) < flattest * steepest_rise) continue;
+    // Continues to the top of this rise.
+    while (i + 3 < profile.size() && rise_at(i + 1) > rise_at(i)) ++i;
+    steepest = i;
+    break;
+  }
+  if (steepest < 2 * kBlurSamples || steepest + 2 * kBlurSamples >= profile.size()) return std::nullopt;
+  const double dark = profile.least(steepest - 2 * kBlurSamples, steepest);
+  const double bright = profile.greatest(steepest, steepest + 2 * kBlurSamples);
+  if (bright - dark < kLeastContrast) return std::nullopt;
+  const double level = 0.5 * (bright + dark);
+  int i = steepest;
+  while (i > 0 && profile[i] > level) --i;
+  while (i + 1 < profile.size() - 1 && profile[i + 1] <= level) ++i;
+  return profile[i] <= level && profile[i + 1] > level ? std::optional(profile.crossing(i, level)) : std::nullopt;
+}
+
+// The middle between the two flanks of the brightest sample.
+std::optional<double> line_in(const Profile& profile) {
+  int top = 0;
+  for (int i = 1; i < profile.size(); ++i) {
+    if (profile[i] > profile[top]) top = i;
+  }
+  const int widest = static_cast<int>(kWidestLine_px / kSampleStep_px);
+  const double dark = std::max(profile.least(top - widest, top), profile.least(top, top + widest));
+  if (profile[top] - dark < kLeastContrast) return std::nullopt;
+  const double level = 0.5 * (profile[top] + dark);
+  int left = top, right = top;
+  while (left > 0 && profile[left] > level) --left;
+  while (right < profile.size() - 1 && profile[right] > level) ++right;
+  if (profile[left] > level || profile[right] > level || right - left > widest) return std::nullopt;
+  return 0.5 * (profile.crossing(left, level) + profile.crossing(right - 1, level));
+}
+
+PixelPoint seen(const CameraModel& camera, double x_m, double y_m) {
+  return camera.to_pixel({static_cast<float>(x_m), static_cast<float>(y_m)}, 0.0f);
+}
+
+}  // namespace
+
+LightPicture::LightPicture(const std::vector<hal::Picture>& pictures)
+    : width_(static_cast<int>(pictures.at(0).width_px)), height_(static_cast<int>(pictures.at(0).height_px)) {
+  std::array<float, 256> light{};
+  for (std::size_t i = 0; i < light.size(); ++i) {
+    light[i] = static_cast<float>(std::pow(static_cast<double>(i) / 255.0, kToneExponent));
+  }
+  values_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+  for (const hal::Picture& picture : pictures) {
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      const std::uint8_t* rgb = &picture.rgb8[3 * i];
+      values_[i] += (light[rgb[0]] + light[rgb[1]] + light[rgb[2]]) / (3.0f * static_cast<float>(pictures.size()));
+    }
+  }
+}
+
+double LightPicture::at(double u_px, double v_px) const {
+  const double u = std::clamp(u_px, 0.0, static_cast<double>(width_ - 1));
+  const double v = std::clamp(v_px, 0.0, static_cast<double>(height_ - 1));
+  const int column = std::min(static_cast<int>(u), width_ - 2), row = std::min(static_cast<int>(v), height_ - 2);
+  const double du = u - column, dv = v - row;
+  const float* here =
+      &values_[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(column)];
+  const float* below = here + width_;
+  return (1 - dv) * ((1 - du) * static_cast<double>(here[0]) + du * static_cast<double>(here[1])) +
+         dv * ((1 - du) * static_cast<double>(below[0]) + du * static_cast<double>(below[1]));
+}
+
+double length_of(const Mark& mark) {
+  return mark.radius_m > 0 ? mark.radius_m * (mark.to_rad - mark.from_rad)
+                           : std::hypot(mark.end_x_m - mark.begin_x_m, mark.end_y_m - mark.begin_y_m);
+}
+
+MarkPlace place_on(const Mark& mark, double way_m) {
+  if (mark.radius_m > 0) {
+    const double angle = mark.from_rad + way_m / mark.radius_m, c = std::cos(angle), s = std::sin(angle);
+    return {mark.begin_x_m + mark.radius_m * c, mark.begin_y_m + mark.radius_m * s, -s, c};
+  }
+  const double length = length_of(mark);
+  const double dx = (mark.end_x_m - mark.begin_x_m) / length, dy = (mark.end_y_m - mark.begin_y_m) / length;
+  return {mark.begin_x_m + way_m * dx, mark.begin_y_m + way_m * dy, dx, dy};
+}
+
+std::vector<MarkPoint> find_marks(const LightPicture& picture, const CameraModel& camera,
+                                  const std::vector<Mark>& marks, double step_px, double reach_px,
+                                  std::vector<std::size_t>* looked_at) {
+  std::vector<MarkPoint> points;
+  if (looked_at != nullptr) looked_at->assign(marks.size(), 0);
+  for (std::size_t m = 0; m < marks.size(); ++m) {
+    const Mark& mark = marks[m];
+    const double length = length_of(mark);
+    const bool closed = mark.radius_m > 0 && length > mark.radius_m * 6.28;
+    const double from = closed ? 0 : std::min(kMarkEnd_m, length / 4), to = length - from;
+    const MarkPlace middle = place_on(mark, length / 2);
+    const double scale = static_cast<double>(
+        camera.scale_px_per_m({static_cast<float>(middle.x_m), static_cast<float>(middle.y_m)}, 0.0f));
+    // During the search the camera can project a mark anywhere.
+    const int count = std::clamp(static_cast<int>(std::min((to - from) * scale / step_px, 4000.0)), 2, 4000);
+    for (int i = 0; i <= count; ++i) {
+      if (looked_at != nullptr) ++(*looked_at)[m];
+      const MarkPlace place = place_on(mark, from + (to - from) * i / count);
+      const PixelPoint at = seen(camera, place.x_m, place.y_m);
+      // A point one centimeter to the right of the mark.
+      const PixelPoint aside = seen(camera, place.x_m + 0.01 * place.along_y, place.y_m - 0.01 * place.along_x);
+      const double u = static_cast<double>(at.u_px), v = static_cast<double>(at.v_px);
+      double across_u = static_cast<double>(aside.u_px) - u, across_v = static_cast<double>(aside.v_px) - v;
+      const double norm = std::hypot(across_u, across_v);
+      if (norm <= 0 || u < 1 || v < 1 || u > picture.width_px() - 2 || v > picture.height_px() - 2) {
+        continue;
+      }
+      across_u /= norm;
+      across_v /= norm;
+      const Profile profile(picture, u, v, across_u, across_v, reach_px);
+      const auto found = mark.kind == MarkKind::kBorder ? border_in(profile, mark.innermost) : line_in(profile);
+      if (!found) continue;
+      points.push_back({m, place.x_m, place.y_m, u + *found * across_u, v + *found * across_v, across_u, across_v});
+    }
+  }
+  return points;
+}
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,375 @@
+#include "tools/programs/calibrate/field/field_command.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "tools/programs/calibrate/field/border_search.h"
+#include "tools/programs/calibrate/field/field_drawing.h"
+#include "tools/programs/calibrate/field/field_fit.h"
+#include "tools/programs/calibrate/field/field_overlay.h"
+#include "tools/programs/calibrate/field/field_refinement.h"
+#include "tools/programs/calibrate/field/field_report.h"
+#include "tools/programs/calibrate/field/paper_fit.h"
+#include "tools/programs/calibrate/field/residual_map.h"
+#include "tools/programs/calibrate/field/vanishing_points.h"
+#include "tools/programs/calibrate/imaging/camera_picture.h"
+#include "tools/programs/calibrate/venue/venue_draft.h"
+#include "tools/programs/command_line/command_line.h"
+#include "tools/programs/command_line/formatted.h"
+#include "tools/programs/command_line/progress.h"
+
+namespace touchline::calibrate {
+namespace {
+
+// Parses "1.5,-2" to {1.5, -2}. Empty unless there are exactly `count` finite numbers.
+std::optional<std::vector<double>> numbers_of(const std::string& text, std::size_t count) {
+  std::vector<double> numbers;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (numbers.size() < count) {
+    double value = 0;
+    const auto [rest, error] = std::from_chars(at, end, value);
+    if (error != std::errc() || !std::isfinite(value)) return std::nullopt;
+    numbers.push_back(value);
+    at = rest;
+    if (numbers.size() < count) {
+      if (at == end || *at != ',') return std::nullopt;
+      ++at;
+    }
+  }
+  if (at != end) return std::nullopt;
+  return numbers;
+}
+
+Status read_pixels(const std::vector<std::string>& words, const char* option, std::vector<PixelPoint>& out,
+                   std::string& reason) {
+  for (const std::string& word : words) {
+    const auto numbers = numbers_of(word, 2);
+    if (!numbers) {
+      reason = formatted("%s: \"%s\" is not a pixel u,v", option, word.c_str());
+      return ErrorCode::kOutOfRange;
+    }
+    out.push_back({static_cast<float>((*numbers)[0]), static_cast<float>((*numbers)[1])});
+  }
+  return {};
+}
+
+Status load_photographs(const std::vector<std::string>& paths, std::vector<hal::Picture>& out, std::string& reason) {
+  for (const std::string& path : paths) {
+    hal::Picture picture;
+    if (Status s = load_rgb(path, picture, reason); !s.ok()) return s;
+    if (!out.empty() && (picture.width_px != out[0].width_px || picture.height_px != out[0].height_px)) {
+      reason = formatted("%s is %u x %u, but %s is %u x %u", path.c_str(), picture.width_px, picture.height_px,
+                         paths[0].c_str(), out[0].width_px, out[0].height_px);
+      return ErrorCode::kInconsistent;
+    }
+    out.push_back(std::move(picture));
+  }
+  return {};
+}
+
+Corners turned(const Corners& c) { return {c[1], c[2], c[3], c[0]}; }
+
+// Every tenth point, so that the photograph remains visible.
+std::vector<FloorPoint> points_of(const RefinementReport& refinement) {
+  std::vector<FloorPoint> points;
+  for (std::size_t i = 0; i < refinement.found.size(); i += 10) {
+    const MarkPoint& p = refinement.found[i];
+    points.push_back({p.x_m, p.y_m, p.u_px, p.v_px});
+  }
+  return points;
+}
+
+std::vector<FloorPoint> all_points_of(const RefinementReport& refinement) {
+  std::vector<FloorPoint> points;
+  points.reserve(refinement.found.size());
+  for (const MarkPoint& p : refinement.found) points.push_back({p.x_m, p.y_m, p.u_px, p.v_px});
+  return points;
+}
+
+// Tries both orientations of the border: x to the right or upwards in the picture.
+Status fit_border(const LightPicture& picture, const FieldDrawing& drawing, const std::optional<HeightPrior>& height,
+                  const std::optional<double>& measured_m, Progress& progress, FieldReport& report,
+                  std::string& reason) {
+  struct Attempt {
+    FieldFit fit;
+    RefinementReport refinement;
+    bool quarter_turned = false;
+  };
+  const BorderSearch& border = *report.border;
+  const double length = static_cast<double>(drawing.field.length_m), width = static_cast<double>(drawing.field.width_m);
+  std::vector<Attempt> good;
+  std::string first_reason;
+  for (const bool quarter_turned : {false, true}) {
+    Attempt attempt;
+    attempt.quarter_turned = quarter_turned;
+    FieldFitInput input;
+    input.width_px = picture.width_px();
+    input.height_px = picture.height_px();
+    input.camera_height_m = measured_m;
+    input.start_only = true;
+    const Corners& corners = border.straight_corners;
+    input.points = corner_points(quarter_turned ? turned(corners) : corners, length, width);
+    std::string why;
+    if (!fit_field(input, attempt.fit, why).ok()) {
+      why.insert(0, "the bright region is not the border, or the picture cuts the field off: ");
+    } else {
+      // Third order of eq. (12) and of Brown's model.
+      FullModelParameters& full = attempt.fit.camera.full;
+      full.k1 = static_cast<float>(-std::pow(static_cast<double>(full.fx_px) / border.h_px, 2) / 6);
+      if (refine_field(picture, drawing.field, report.marks, height, attempt.fit, attempt.refinement, why).ok()) {
+        good.push_back(std::move(attempt));
+        progress.step();
+        continue;
+      }
+    }
+    progress.step();
+    // Reports the error of the orientation in which the longer sides of field and picture are parallel.
+    const auto distance = [&](std::size_t a, std::size_t b) {
+      return std::hypot(static_cast<double>(corners[a].u_px - corners[b].u_px),
+                        static_cast<double>(corners[a].v_px - corners[b].v_px));
+    };
+    const bool upright = distance(0, 1) + distance(2, 3) < distance(1, 2) + distance(3, 0);
+    if (first_reason.empty() || (upright == (length >= width)) == quarter_turned) first_reason = why;
+  }
+  if (good.empty()) {
+    reason = first_reason;
+    return ErrorCode::kNotFound;
+  }
+  std::sort(good.begin(), good.end(),
+            [](const Attempt& a, const Attempt& b) { return a.refinement.points > b.refinement.points; });
+  // The markings inside the border distinguish both orientations: a center line has at least a tenth of the points.
+  constexpr double kAlike = 0.92;
+  if (good.size() > 1 &&
+      static_cast<double>(good[1].refinement.points) > kAlike * static_cast<double>(good[0].refinement.points)) {
+    reason = "the field looks the same when rotated by 90 degrees, and no marking shows the direction";
+    return ErrorCode::kNotFound;
+  }
+  report.fit = good[0].fit;
+  report.refinement = std::move(good[0].refinement);
+  report.steps =
+      vanishing_point_model(border, good[0].quarter_turned, picture.width_px(), picture.height_px(), drawing.field);
+  if (report.steps) report.steps_mm = paper_residual(report.steps->model, all_points_of(report.refinement));
+  return {};
+}
+
+}  // namespace
+
+void FieldCommand::add_options(CLI::App& app) {
+  app.add_option("--picture", pictures,
+                 "Picture of the field as the camera delivers it; repeatable, pictures are averaged")
+      ->required()
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--venue", venue, "Venue file; created if it does not exist")->required();
+  app.add_option(
+         "--corners", corners,
+         "Pixels u,v of the corners of the field: -x-y +x-y +x+y -x+y (x along the field). Without corners and\n"
+         "points, the program searches the bright border; x then points to the right or upwards in the picture")
+      ->expected(4);
+  app.add_option("--point", points, "x,y,u,v: a point on the floor (m) and its pixel; repeatable")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--field-preset", preset,
+                 "Size of field and goals, and markings: mirosot-middle, vsss, ssl-a (or ssl), ssl-b");
+  app.add_option("--drawing", drawing,
+                 "TOML file with size, border, lines and arcs of the field (docs/calibration.md)");
+  app.add_option("--length", length_m, "Length of the field, m")->check(number_range(0.3, 30.0));
+  app.add_option("--width", width_m, "Width of the field, m")->check(number_range(0.3, 30.0));
+  app.add_option("--camera-height", camera_height_m, "Measured height of the lens above the floor, m")
+      ->check(number_range(0.3, 20.0));
+  app.add_option("--kind", kind, "Camera model that the firmware uses: full, or paper (Klancar eq. 12-15)")
+      ->check(CLI::IsMember({"full", "paper"}));
+  app.add_flag_callback(
+      "--no-refine", [this] { refine = false; }, "Use only the given points, without refinement along the border");
+  app.add_option("--roi", region, "Pixels u,v of the corners of the region of interest, three or more");
+  app.add_option(
+      "--preview", preview,
+      "PNG file to write: border and markings according to the model; the residuals are drawn in NAME-errors.png");
+  app.add_option("--report", report, "JSON file to write with the complete report");
+}
+
+bool FieldCommand::choose_drawing(const VenueDraft& draft, FieldDrawing& out, std::optional<HeightPrior>& height,
+                                  std::string& reason) const {
+  if (!drawing.empty() && !preset.empty()) {
+    reason = "--drawing and --field-preset cannot be combined";
+    return false;
+  }
+  FieldParameters field = draft.file.field;
+  if (!drawing.empty()) {
+    if (!read_drawing(drawing, out, reason).ok()) return false;
+    field = out.field;
+  } else if (!preset.empty()) {
+    const FieldPreset* known = find_preset(preset);
+    if (known == nullptr) {
+      reason = "--field-preset: " + preset + " is unknown; the presets are";
+      for (const FieldPreset& p : field_presets()) reason += " " + std::string(p.name);
+      return false;
+    }
+    out = known->drawing;
+    height = known->height;
+    const float margin = field.margin_m;
+    field = out.field;
+    field.margin_m = margin;
+  } else if (!draft.exists && (length_m <= 0 || width_m <= 0)) {
+    reason = "the size of the field is needed: --field-preset, --drawing, or --length and --width";
+    return false;
+  }
+  const bool resized = length_m > 0 || width_m > 0;
+  if (length_m > 0) field.length_m = static_cast<float>(length_m);
+  if (width_m > 0) field.width_m = static_cast<float>(width_m);
+  if (resized || (drawing.empty() && preset.empty())) {
+    // The markings are known only for the size of a league.
+    const FieldPreset* league = find_preset(field.length_m, field.width_m);
+    out = league != nullptr ? league->drawing : bare_drawing(field);
+    height = league != nullptr ? league->height : std::nullopt;
+  }
+  out.field = field;
+  return true;
+}
+
+bool FieldCommand::write_previews(const hal::Picture& photograph, const FieldReport& found,
+                                  const FieldParameters& field, const std::vector<FloorPoint>& given,
+                                  std::string& reason) const {
+  CameraModel camera;
+  if (!camera.configure(found.fit.camera).ok()) {
+    reason = "the camera model found is invalid";
+    return false;
+  }
+  hal::Picture drawn = photograph;
+  const bool refined = found.refinement.points > 0;
+  draw_field(camera, field, found.marks, refined ? points_of(found.refinement) : given, drawn);
+  if (!hal::write_picture(preview, drawn, reason).ok()) return false;
+  if (!refined) return true;
+  const std::filesystem::path path(preview);
+  const std::string errors = (path.parent_path() / (path.stem().string() + "-errors.png")).string();
+  return hal::write_picture(errors, draw_residuals(photograph, camera, found.refinement), reason).ok();
+}
+
+bool FieldCommand::find_camera(const std::vector<hal::Picture>& photographs, const FieldDrawing& drawn,
+                               const std::optional<HeightPrior>& height, FieldFitInput& input, FieldReport& found,
+                               std::string& reason) const {
+  // Steps: reading, border, one fit per orientation.
+  const bool clicked = !input.points.empty();
+  Progress progress("field", clicked ? 2 : 4);
+  const LightPicture light(photographs);
+  progress.step();
+  if (!clicked) {
+    found.border.emplace();
+    if (!find_border(photographs[0], *found.border, reason).ok()) {
+      reason.insert(0, "no --corners or --point are given, and the border was not found in " + pictures[0] + ": ");
+      return false;
+    }
+    progress.step();
+    if (!fit_border(light, drawn, height, input.camera_height_m, progress, found, reason).ok()) {
+      reason = "a border was found in " + pictures[0] + ", but " + reason + " (try --corners)";
+      return false;
+    }
+  } else {
+    input.start_only = refine;
+    if (!fit_field(input, found.fit, reason).ok()) return false;
+    const Status refined =
+        refine ? refine_field(light, drawn.field, found.marks, height, found.fit, found.refinement, found.unrefined)
+               : Status();
+    if (refined.code() == ErrorCode::kInconsistent) {
+      reason = found.unrefined + " (--no-refine skips the refinement)";
+      return false;
+    }
+    // Without refinement, the camera model follows from the given points alone.
+    if (!refined.ok() || !refine) {
+      found.refinement = {};
+      if (found.height == HeightSource::kRules) found.height = HeightSource::kSeen;
+    }
+    if (!refined.ok()) {
+      input.start_only = false;
+      if (!fit_field(input, found.fit, reason).ok()) {
+        reason += "; and " + found.unrefined;
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+int FieldCommand::run() const {
+  const auto begin = std::chrono::steady_clock::now();
+  std::string reason;
+  VenueDraft draft;
+  if (!read_draft(venue, draft, reason).ok()) return fail("touchline-calibrate", reason);
+  std::vector<hal::Picture> photographs;
+  if (!load_photographs(pictures, photographs, reason).ok()) return fail("touchline-calibrate", reason);
+  const hal::Picture& photograph = photographs[0];
+
+  FieldDrawing drawn;
+  std::optional<HeightPrior> height;
+  if (!choose_drawing(draft, drawn, height, reason)) return fail("touchline-calibrate", reason);
+  const FieldParameters& field = drawn.field;
+  FieldReport found;
+  found.marks = marks_of(drawn);
+  if (height) found.height = HeightSource::kRules;
+  if (camera_height_m > 0) {
+    height = HeightPrior{camera_height_m, kHeightSigma_m};
+    found.height = HeightSource::kMeasured;
+  }
+
+  FieldFitInput input;
+  input.width_px = static_cast<int>(photograph.width_px);
+  input.height_px = static_cast<int>(photograph.height_px);
+  if (camera_height_m > 0) input.camera_height_m = camera_height_m;
+  if (!corners.empty()) {
+    std::vector<PixelPoint> pixels;
+    if (!read_pixels(corners, "--corners", pixels, reason).ok()) return fail("touchline-calibrate", reason);
+    const Corners four = {pixels[0], pixels[1], pixels[2], pixels[3]};
+    if (!check_corners(four, reason).ok()) return fail("touchline-calibrate", "--corners: " + reason);
+    input.points = corner_points(four, static_cast<double>(field.length_m), static_cast<double>(field.width_m));
+  }
+  for (const std::string& word : points) {
+    const auto n = numbers_of(word, 4);
+    if (!n) return fail("touchline-calibrate", "--point: \"" + word + "\" is not x,y,u,v");
+    input.points.push_back({(*n)[0], (*n)[1], (*n)[2], (*n)[3]});
+  }
+  const bool clicked = !input.points.empty();
+  if (clicked && input.points.size() < 4)
+    return fail("touchline-calibrate", "at least four corners and points are needed, or none");
+  std::vector<PixelPoint> polygon;
+  if (!read_pixels(region, "--roi", polygon, reason).ok()) return fail("touchline-calibrate", reason);
+  if (!polygon.empty() && (polygon.size() < 3 || polygon.size() > kMaxPolygonPoints)) {
+    return fail("touchline-calibrate",
+                formatted("--roi: there are %zu corners; 3 to %zu are possible", polygon.size(), kMaxPolygonPoints));
+  }
+
+  if (!find_camera(photographs, drawn, height, input, found, reason)) return fail("touchline-calibrate", reason);
+  found.points_given = input.points.size();
+  FieldFit& fit = found.fit;
+  fit.camera.kind = kind == "paper" ? CameraModelKind::kPaper : CameraModelKind::kFull;
+  found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  config::PictureEntry entry = draft.file.picture;
+  entry.width_px = static_cast<std::uint16_t>(photograph.width_px);
+  entry.height_px = static_cast<std::uint16_t>(photograph.height_px);
+  std::vector<Section> sections = {section_of("picture", entry, ""), section_of("field", field, ""),
+                                   section_of("camera_model", fit.camera, residual_text(found))};
+  if (!polygon.empty()) {
+    config::RegionOfInterestEntry roi;
+    for (const PixelPoint& p : polygon) {
+      roi.u_px.push_back(p.u_px);
+      roi.v_px.push_back(p.v_px);
+    }
+    sections.push_back(section_of("region_of_interest", roi, ""));
+  }
+  if (!preview.empty() && !write_previews(photograph, found, field, input.points, reason))
+    return fail("touchline-calibrate", reason);
+  if (!report.empty() && !write_json(found, report, reason).ok()) return fail("touchline-calibrate", reason);
+  if (!write_sections(venue, sections, reason).ok()) return fail("touchline-calibrate", reason);
+
+  std::printf("%s%.1f s\n", text_of(found).c_str(), found.seconds);
+  std::printf("%s: [picture], [field], [camera_model]%s written\n", venue.c_str(),
+              polygon.empty() ? "" : ", [region_of_interest]");
+  return 0;
+}
+
+}  // namespace touchline::calibrate

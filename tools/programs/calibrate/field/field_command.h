@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/programs/calibrate/field/field_report.h"
+#include "tools/programs/calibrate/venue/venue_draft.h"
+
+namespace CLI {
+class App;
+}
+
+namespace touchline::calibrate {
+
+/// touchline-calibrate field: finds the camera model from pictures of the field and writes it to the venue file.
+struct FieldCommand {
+  std::string venue, preset, drawing, kind = "full", preview, report;
+  std::vector<std::string> pictures;
+  bool refine = true;
+  std::vector<std::string> corners, points, region;
+  double length_m = 0, width_m = 0, camera_height_m = 0;
+  void add_options(CLI::App& app);
+  /// Prints a report to standard output and errors to standard error. Returns the exit code: kExitOk if the venue file
+  /// was written, kExitBadFile if it is unchanged.
+  int run() const;
+
+ private:
+  bool choose_drawing(const VenueDraft& draft, FieldDrawing& out, std::optional<HeightPrior>& height,
+                      std::string& reason) const;
+  bool find_camera(const std::vector<hal::Picture>& photographs, const FieldDrawing& drawn,
+                   const std::optional<HeightPrior>& height, FieldFitInput& input, FieldReport& found,
+                   std::string& reason) const;
+  bool write_previews(const hal::Picture& photograph, const FieldReport& found, const FieldParameters& field,
+                      const std::vector<FloorPoint>& given, std::string& reason) const;
+};
+
+}  // namespace touchline::calibrate

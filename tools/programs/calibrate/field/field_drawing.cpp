@@ -1,0 +1,233 @@
+#include "tools/programs/calibrate/field/field_drawing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "firmware/config/toml_file.h"
+#include "tools/programs/command_line/formatted.h"
+
+namespace touchline::calibrate {
+namespace {
+
+constexpr double kCircle_rad = 2 * std::numbers::pi;
+// Upper limit that bounds the work and catches typing errors.
+constexpr std::size_t kMostMarkings = 200;
+// Markings may extend into the goals and around them.
+constexpr double kBeyondField_m = 1.0;
+// A shorter line is too short for its direction to be measured.
+constexpr double kShortestLine_m = 0.05;
+// Share of the field that a line must cross to be found before the camera is known well.
+constexpr double kLongLine = 0.8;
+
+FieldParameters field_of(float length_m, float width_m, float goal_width_m, float goal_depth_m) {
+  FieldParameters field;
+  field.length_m = length_m;
+  field.width_m = width_m;
+  field.goal_width_m = goal_width_m;
+  field.goal_depth_m = goal_depth_m;
+  return field;
+}
+
+// Adds a rectangle of lines in front of both goals, `depth_m` into the field and `width_m` along the goal line, both to
+// the center of the lines.
+void add_areas(FieldDrawing& drawing, double depth_m, double width_m, double line_m) {
+  const double goal_line = static_cast<double>(drawing.field.length_m) / 2;
+  for (const double side : {-1.0, 1.0}) {
+    const double x = side * (goal_line - depth_m), y = width_m / 2, end = side * goal_line;
+    drawing.line.push_back({x, -y, x, y, line_m});
+    drawing.line.push_back({end, -y, x, -y, line_m});
+    drawing.line.push_back({end, y, x, y, line_m});
+  }
+}
+
+void add_middle(FieldDrawing& drawing, double circle_m, double line_m) {
+  const double y = static_cast<double>(drawing.field.width_m) / 2;
+  drawing.line.push_back({0, -y, 0, y, line_m});
+  drawing.arc.push_back({0, 0, circle_m, 0, kCircle_rad, line_m});
+}
+
+// Rules of FIRA MiroSot middle league and IEEE very small size: walls, lines of 3 mm, triangles of 7 cm in the corners.
+FieldDrawing walled(const FieldParameters& field, double circle_m, double area_depth_m, double area_width_m) {
+  constexpr double kLine_m = 0.003, kCorner_m = 0.07;
+  FieldDrawing drawing;
+  drawing.field = field;
+  drawing.border.corner_m = kCorner_m;
+  drawing.border.open_goals = true;
+  add_middle(drawing, circle_m, kLine_m);
+  add_areas(drawing, area_depth_m, area_width_m, kLine_m);
+  return drawing;
+}
+
+// Rules of RoboCup small size: white lines of 10 mm, which belong to the area that they bound.
+FieldDrawing painted(const FieldParameters& field, double area_depth_m, double area_width_m) {
+  constexpr double kLine_m = 0.01, kCircle_m = 0.5;
+  FieldDrawing drawing;
+  drawing.field = field;
+  drawing.border.kind = BorderKind::kLine;
+  drawing.border.width_m = kLine_m;
+  add_middle(drawing, kCircle_m - kLine_m / 2, kLine_m);
+  const double x = static_cast<double>(field.length_m) / 2;
+  drawing.line.push_back({-x, 0, x, 0, kLine_m});
+  add_areas(drawing, area_depth_m - kLine_m / 2, area_width_m - kLine_m, kLine_m);
+  return drawing;
+}
+
+void check(const FieldDrawing& drawing, const config::Locations& where, config::Problems& problems) {
+  const double length = static_cast<double>(drawing.field.length_m), width = static_cast<double>(drawing.field.width_m);
+  const auto outside = [&](double x, double y) {
+    return std::abs(x) > length / 2 + kBeyondField_m || std::abs(y) > width / 2 + kBeyondField_m;
+  };
+  if (drawing.field.goal_width_m >= drawing.field.width_m) {
+    problems.add(where.of("field.goal_width_m"), "field.goal_width_m", "must be less than the width of the field");
+  }
+  if (2 * drawing.border.corner_m >= std::min(length, width) - static_cast<double>(drawing.field.goal_width_m)) {
+    problems.add(where.of("border.corner_m"), "border.corner_m", "must leave a part of each side of the border");
+  }
+  if (drawing.line.size() + drawing.arc.size() > kMostMarkings) {
+    problems.add(where.file(), "",
+                 formatted("there are %zu lines and arcs; at most %zu are possible",
+                           drawing.line.size() + drawing.arc.size(), kMostMarkings));
+  }
+  for (std::size_t i = 0; i < drawing.line.size(); ++i) {
+    const DrawnLine& line = drawing.line[i];
+    const std::string key = formatted("line[%zu]", i);
+    if (std::hypot(line.x2_m - line.x1_m, line.y2_m - line.y1_m) < kShortestLine_m) {
+      problems.add(where.of(key), key, formatted("the ends must be at least %g m apart", kShortestLine_m));
+    }
+    if (outside(line.x1_m, line.y1_m) || outside(line.x2_m, line.y2_m)) {
+      problems.add(where.of(key), key, formatted("an end is more than %g m outside the field", kBeyondField_m));
+    }
+  }
+  for (std::size_t i = 0; i < drawing.arc.size(); ++i) {
+    const DrawnArc& arc = drawing.arc[i];
+    const std::string key = formatted("arc[%zu]", i);
+    const double turn = arc.to_rad - arc.from_rad;
+    if (turn * arc.radius_m < kShortestLine_m || turn > kCircle_rad + 1e-3) {
+      problems.add(
+          where.of(key + ".to_rad"), key + ".to_rad",
+          formatted(
+              "the arc must run counter-clockwise from from_rad to to_rad, at most one turn, and be at least %g m long",
+              kShortestLine_m));
+    }
+    if (outside(arc.x_m, arc.y_m)) {
+      problems.add(where.of(key), key, formatted("the center is more than %g m outside the field", kBeyondField_m));
+    }
+  }
+}
+
+void add_straight(std::vector<Mark>& marks, MarkKind kind, int side, const std::array<double, 4>& ends) {
+  Mark mark{kind, ends[0], ends[1], ends[2], ends[3]};
+  mark.side = side;
+  mark.early = side >= 0;
+  marks.push_back(mark);
+}
+
+void add_border(const FieldDrawing& drawing, std::vector<Mark>& marks) {
+  const bool wall = drawing.border.kind == BorderKind::kWall;
+  const MarkKind kind = wall ? MarkKind::kBorder : MarkKind::kLine;
+  const double inset = wall ? 0 : drawing.border.width_m / 2;
+  const double x = static_cast<double>(drawing.field.length_m) / 2 - inset;
+  const double y = static_cast<double>(drawing.field.width_m) / 2 - inset;
+  const double corner = drawing.border.corner_m;
+  const double goal =
+      drawing.border.open_goals ? std::min(static_cast<double>(drawing.field.goal_width_m) / 2, y - corner) : 0;
+  add_straight(marks, kind, 0, {corner - x, -y, x - corner, -y});
+  add_straight(marks, kind, 2, {x - corner, y, corner - x, y});
+  for (const int side : {1, 3}) {
+    // Counter-clockwise around the field: up on the right, down on the left.
+    const double s = side == 1 ? 1.0 : -1.0;
+    if (goal > 0) {
+      add_straight(marks, kind, side, {s * x, s * (corner - y), s * x, -s * goal});
+      add_straight(marks, kind, side, {s * x, s * goal, s * x, s * (y - corner)});
+    } else {
+      add_straight(marks, kind, side, {s * x, s * (corner - y), s * x, s * (y - corner)});
+    }
+  }
+  if (corner <= 2 * kMarkEnd_m) return;
+  for (const double sx : {-1.0, 1.0}) {
+    for (const double sy : {-1.0, 1.0}) {
+      const std::array<double, 2> at_side{sx * (x - corner), sy * y}, at_goal{sx * x, sy * (y - corner)};
+      // The dark side, on the left of the mark, is the field.
+      const auto& from = sx * sy > 0 ? at_goal : at_side;
+      const auto& to = sx * sy > 0 ? at_side : at_goal;
+      add_straight(marks, MarkKind::kBorder, -1, {from[0], from[1], to[0], to[1]});
+    }
+  }
+}
+
+}  // namespace
+
+Status read_drawing(const std::string& path, FieldDrawing& out, std::string& reason) {
+  FieldDrawing drawing;
+  config::Locations where;
+  config::Problems problems;
+  Status status = config::read_toml(path, "", {}, drawing, where, problems);
+  if (status.ok()) {
+    check(drawing, where, problems);
+    if (!problems.empty()) status = ErrorCode::kInconsistent;
+  }
+  if (!status.ok()) {
+    reason = problems.text();
+    while (!reason.empty() && reason.back() == '\n') reason.pop_back();
+    return status;
+  }
+  out = drawing;
+  return {};
+}
+
+const std::vector<FieldPreset>& field_presets() {
+  // The rules require two meters or more; halls and tripods limit the height.
+  constexpr HeightPrior kTwoMeters{2.2, 0.4};
+  static const std::vector<FieldPreset> presets = {
+      {"mirosot-middle", walled(field_of(2.2f, 1.8f, 0.4f, 0.15f), 0.25, 0.35, 0.8), kTwoMeters},
+      {"vsss", walled(field_of(1.5f, 1.3f, 0.4f, 0.1f), 0.2, 0.15, 0.7), kTwoMeters},
+      {"ssl-a", painted(field_of(12.0f, 9.0f, 1.8f, 0.18f), 1.8, 3.6), std::nullopt},
+      {"ssl-b", painted(field_of(9.0f, 6.0f, 1.0f, 0.18f), 1.0, 2.0), std::nullopt}};
+  return presets;
+}
+
+const FieldPreset* find_preset(std::string_view name) {
+  if (name == "ssl") name = "ssl-a";
+  const auto& presets = field_presets();
+  const auto found =
+      std::find_if(presets.begin(), presets.end(), [&](const FieldPreset& preset) { return preset.name == name; });
+  return found == presets.end() ? nullptr : &*found;
+}
+
+const FieldPreset* find_preset(float length_m, float width_m) {
+  const auto& presets = field_presets();
+  const auto found = std::find_if(presets.begin(), presets.end(), [&](const FieldPreset& preset) {
+    const FieldParameters& field = preset.drawing.field;
+    return std::abs(field.length_m - length_m) < 1e-3f && std::abs(field.width_m - width_m) < 1e-3f;
+  });
+  return found == presets.end() ? nullptr : &*found;
+}
+
+FieldDrawing bare_drawing(const FieldParameters& field) {
+  FieldDrawing drawing;
+  drawing.field = field;
+  const double y = static_cast<double>(field.width_m) / 2;
+  drawing.line.push_back({0, -y, 0, y, 0.003});
+  return drawing;
+}
+
+std::vector<Mark> marks_of(const FieldDrawing& drawing) {
+  std::vector<Mark> marks;
+  add_border(drawing, marks);
+  const double least = static_cast<double>(std::min(drawing.field.length_m, drawing.field.width_m));
+  for (const DrawnLine& line : drawing.line) {
+    add_straight(marks, MarkKind::kLine, -1, {line.x1_m, line.y1_m, line.x2_m, line.y2_m});
+    marks.back().early = length_of(marks.back()) >= kLongLine * least;
+  }
+  for (const DrawnArc& arc : drawing.arc) {
+    Mark mark{MarkKind::kLine, arc.x_m, arc.y_m, arc.x_m, arc.y_m};
+    mark.radius_m = arc.radius_m;
+    mark.from_rad = arc.from_rad;
+    mark.to_rad = arc.to_rad;
+    marks.push_back(mark);
+  }
+  return marks;
+}
+
+}  // namespace touchline::calibrate

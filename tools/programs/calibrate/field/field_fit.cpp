@@ -1,0 +1,325 @@
+#include "tools/programs/calibrate/field/field_fit.h"
+
+#include <ceres/rotation.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "tools/programs/calibrate/field/homography.h"
+#include "tools/programs/calibrate/field/least_squares.h"
+#include "tools/programs/calibrate/field/paper_fit.h"
+#include "tools/programs/command_line/formatted.h"
+
+namespace touchline::calibrate {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// Unknowns of the full model in the order that the solver uses.
+struct Unknowns {
+  double focal_px = 0;
+  std::array<double, 3> rotation{}, position_m{};
+  double k1 = 0;
+  double aspect = 1;  // fy / fx
+};
+
+struct Center {
+  double u_px = 0, v_px = 0;
+};
+
+// Pinhole projection with k1 as core/geometry defines it, in double precision with derivatives.
+struct Reprojection {
+  FloorPoint point;
+  Center center;
+  template <class T>
+  bool operator()(const T* focal, const T* rotation, const T* position, const T* k1, const T* aspect,
+                  T* residual) const {
+    const T offset[3] = {point.x_m - position[0], point.y_m - position[1], -position[2]};
+    T camera[3];
+    ceres::AngleAxisRotatePoint(rotation, offset, camera);
+    if (camera[2] <= T(0)) return false;
+    const T x = camera[0] / camera[2], y = camera[1] / camera[2];
+    const T stretch = focal[0] * (T(1) + k1[0] * (x * x + y * y));
+    residual[0] = stretch * x + center.u_px - point.u_px;
+    residual[1] = stretch * aspect[0] * y + center.v_px - point.v_px;
+    return true;
+  }
+};
+
+// Standard deviation of the prior of k1. Lenses of the leagues have a few tenths; the prior keeps k1 finite if the
+// points hardly determine it.
+constexpr double kDistortionSigma = 0.5;
+
+// Drivers that scale a wide picture to 4:3 stretch it by up to a third; most do not scale.
+constexpr double kAspectSigma = 0.1;
+
+class Solver {
+ public:
+  Solver(const FieldFitInput& input, Center center) : input_(input), center_(center) {}
+
+  // Half the sum of squares, or infinity if the start is unusable. Distortion is freed last, because it diverges from a
+  // wrong focal length.
+  double refine(Unknowns& x) const {
+    const double straight = minimize(x, false);
+    if (!has_distortion() || !std::isfinite(straight)) return straight;
+    Unknowns bent = x;
+    const double cost = minimize(bent, true);
+    if (cost < straight) x = bent;
+    return std::min(cost, straight);
+  }
+
+  [[nodiscard]] bool has_distortion() const { return input_.points.size() >= kPointsForDistortion; }
+
+  // Standard deviation of the camera height for clicks with kClickSigma_px; infinity if the height is not determined.
+  double height_sigma_m(Unknowns& x) const {
+    ceres::Problem problem;
+    build(problem, x, has_distortion());
+    ceres::CRSMatrix sparse;
+    if (!problem.Evaluate({}, nullptr, nullptr, nullptr, &sparse)) return std::numeric_limits<double>::infinity();
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(sparse.num_rows, sparse.num_cols);
+    for (int row = 0; row < sparse.num_rows; ++row) {
+      for (int i = sparse.rows[static_cast<std::size_t>(row)]; i < sparse.rows[static_cast<std::size_t>(row) + 1];
+           ++i) {
+        jacobian(row, sparse.cols[static_cast<std::size_t>(i)]) = sparse.values[static_cast<std::size_t>(i)];
+      }
+    }
+    // Columns: focal length, rotation, position, and k1 and aspect ratio if they are free.
+    constexpr Eigen::Index kHeight = 6;
+    const Eigen::VectorXd scale = jacobian.colwise().norm().cwiseMax(1e-12);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(jacobian * scale.cwiseInverse().asDiagonal(), Eigen::ComputeThinV);
+    double variance = 0;
+    for (Eigen::Index i = 0; i < svd.singularValues().size(); ++i) {
+      const double part = svd.matrixV()(kHeight, i) / std::max(svd.singularValues()(i), 1e-12);
+      variance += part * part;
+    }
+    return std::sqrt(variance) / scale(kHeight);
+  }
+
+ private:
+  double minimize(Unknowns& x, bool with_distortion) const {
+    ceres::Problem problem;
+    build(problem, x, with_distortion);
+    const ceres::Solver::Summary summary = calibrate::minimize(problem, 1e-12, 1e-12);
+    return summary.IsSolutionUsable() && x.position_m[2] > 0 ? summary.final_cost
+                                                             : std::numeric_limits<double>::infinity();
+  }
+
+  void build(ceres::Problem& problem, Unknowns& x, bool with_distortion) const {
+    for (const FloorPoint& p : input_.points) {
+      // Divides pixels by the standard deviation of a click, so that the priors have the right weight.
+      auto* loss = new ceres::ScaledLoss(nullptr, 1.0 / (kClickSigma_px * kClickSigma_px), ceres::TAKE_OWNERSHIP);
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<Reprojection, 2, 1, 3, 3, 1, 1>(new Reprojection{p, center_}), loss,
+          &x.focal_px, x.rotation.data(), x.position_m.data(), &x.k1, &x.aspect);
+    }
+    if (input_.camera_height_m) {
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<Prior, 1, 3>(new Prior{2, *input_.camera_height_m, kHeightSigma_m}), nullptr,
+          x.position_m.data());
+    }
+    if (input_.start_only) {
+      // Without a prior, the height of a vertical camera could start anywhere.
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<LogPrior, 1, 1>(new LogPrior{0, kFocalWidths * input_.width_px, kFocalSigma}),
+          nullptr, &x.focal_px);
+    }
+    // While the height is free, a tilt has the same effect as non-square pixels.
+    if (!has_distortion() || !input_.camera_height_m) {
+      problem.SetParameterBlockConstant(&x.aspect);
+    } else {
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, 1>(new Prior{0, 1.0, kAspectSigma}), nullptr,
+                               &x.aspect);
+    }
+    if (!with_distortion) {
+      problem.SetParameterBlockConstant(&x.k1);
+    } else {
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, 1>(new Prior{0, 0.0, kDistortionSigma}),
+                               nullptr, &x.k1);
+    }
+  }
+
+  const FieldFitInput& input_;
+  Center center_;
+};
+
+FullModelParameters full_model(const Unknowns& x, Center center) {
+  FullModelParameters full;
+  full.fx_px = static_cast<float>(x.focal_px);
+  full.fy_px = static_cast<float>(x.focal_px * x.aspect);
+  full.cx_px = static_cast<float>(center.u_px);
+  full.cy_px = static_cast<float>(center.v_px);
+  full.k1 = static_cast<float>(x.k1);
+  for (std::size_t i = 0; i < 3; ++i) {
+    full.rotation_rad[i] = static_cast<float>(x.rotation[i]);
+    full.position_m[i] = static_cast<float>(x.position_m[i]);
+  }
+  return full;
+}
+
+void add_residuals(const FieldFitInput& input, const CameraModel& camera, FieldFit& out) {
+  for (const FloorPoint& p : input.points) {
+    const PixelPoint seen = camera.to_pixel({static_cast<float>(p.x_m), static_cast<float>(p.y_m)}, 0.0f);
+    const FieldPoint there = camera.to_field({static_cast<float>(p.u_px), static_cast<float>(p.v_px)}, 0.0f);
+    const double px = std::hypot(static_cast<double>(seen.u_px) - p.u_px, static_cast<double>(seen.v_px) - p.v_px);
+    const double mm = 1e3 * std::hypot(static_cast<double>(there.x_m) - p.x_m, static_cast<double>(there.y_m) - p.y_m);
+    out.residual_px.rms += px * px;
+    out.residual_mm.rms += mm * mm;
+    out.residual_px.max = std::max(out.residual_px.max, px);
+    out.residual_mm.max = std::max(out.residual_mm.max, mm);
+  }
+  const auto count = static_cast<double>(input.points.size());
+  out.residual_px.rms = std::sqrt(out.residual_px.rms / count);
+  out.residual_mm.rms = std::sqrt(out.residual_mm.rms / count);
+}
+
+double cross(PixelPoint a, PixelPoint b, PixelPoint c) {
+  const double abu = static_cast<double>(b.u_px) - static_cast<double>(a.u_px);
+  const double abv = static_cast<double>(b.v_px) - static_cast<double>(a.v_px);
+  const double bcu = static_cast<double>(c.u_px) - static_cast<double>(b.u_px);
+  const double bcv = static_cast<double>(c.v_px) - static_cast<double>(b.v_px);
+  return abu * bcv - abv * bcu;
+}
+
+double distance(PixelPoint a, PixelPoint b) {
+  return std::hypot(static_cast<double>(a.u_px) - static_cast<double>(b.u_px),
+                    static_cast<double>(a.v_px) - static_cast<double>(b.v_px));
+}
+
+}  // namespace
+
+Status check_corners(const Corners& corners, std::string& reason) {
+  int clockwise = 0, counter = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const PixelPoint a = corners[i], b = corners[(i + 1) % 4], c = corners[(i + 2) % 4];
+    const double turn = cross(a, b, c);
+    // Less than 2 degrees at a corner, or coincident corners.
+    constexpr double kStraight = 0.035;
+    if (std::abs(turn) < std::max(1.0, kStraight * distance(a, b) * distance(b, c))) {
+      reason = formatted("corners %zu, %zu and %zu lie on one line", i + 1, (i + 1) % 4 + 1, (i + 2) % 4 + 1);
+      return ErrorCode::kInconsistent;
+    }
+    ++(turn > 0 ? clockwise : counter);  // v grows downwards
+  }
+  if (counter == 4) return {};
+  if (clockwise == 4) {
+    reason = "the corners run clockwise in the picture, as in a mirror image; the order is -x-y, +x-y, +x+y, -x+y";
+  } else if (clockwise == 2) {
+    reason = "the lines between the corners cross; the order is -x-y, +x-y, +x+y, -x+y, around the field";
+  } else {
+    reason = "one corner lies inside the triangle of the others";
+  }
+  return ErrorCode::kInconsistent;
+}
+
+std::vector<FloorPoint> corner_points(const Corners& corners, double length_m, double width_m) {
+  const std::array<std::array<double, 2>, 4> sign = {{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
+  std::vector<FloorPoint> points;
+  for (std::size_t i = 0; i < 4; ++i) {
+    points.push_back({sign[i][0] * length_m / 2, sign[i][1] * width_m / 2, static_cast<double>(corners[i].u_px),
+                      static_cast<double>(corners[i].v_px)});
+  }
+  return points;
+}
+
+Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason) {
+  out = {};
+  if (input.width_px <= 0 || input.height_px <= 0) {
+    reason = "the picture has no size";
+    return ErrorCode::kOutOfRange;
+  }
+  if (input.points.size() < 4) {
+    reason = formatted("%zu points are given; at least four are needed", input.points.size());
+    return ErrorCode::kOutOfRange;
+  }
+  const Center center{(input.width_px - 1) / 2.0, (input.height_px - 1) / 2.0};
+  const auto homography = floor_to_picture(input.points, center.u_px, center.v_px);
+  if (!homography) {
+    reason = "the points do not determine the view of the floor (three of four on one line, or coincident points)";
+    return ErrorCode::kInconsistent;
+  }
+  if (homography->determinant() > 0) {
+    reason = "the points show the field mirrored; seen from above, y must be to the left of x";
+    return ErrorCode::kInconsistent;
+  }
+
+  // Starts from the closed-form solution if there is one and from several focal lengths, because a vertical camera has
+  // no vanishing points.
+  std::vector<double> focal_starts;
+  if (const double w = inverse_focal_squared(*homography); w > 0) focal_starts.push_back(1.0 / std::sqrt(w));
+  for (const double widths : {0.4, 0.6, 0.9, 1.35, 2.0, 3.0, 4.5}) focal_starts.push_back(widths * input.width_px);
+  if (input.camera_height_m) {
+    // The height is almost proportional to the focal length.
+    const double unit = input.width_px;
+    focal_starts.push_back(unit * *input.camera_height_m / pose_from(*homography, unit).position.z());
+  }
+  const Solver solver(input, center);
+  Unknowns best;
+  double best_cost = std::numeric_limits<double>::infinity();
+  for (const double focal : focal_starts) {
+    const CameraPose pose = pose_from(*homography, focal);
+    Unknowns x{focal,
+               {pose.rotation.x(), pose.rotation.y(), pose.rotation.z()},
+               {pose.position.x(), pose.position.y(), pose.position.z()},
+               0.0,
+               1.0};
+    const double cost = solver.refine(x);
+    if (cost < best_cost && x.focal_px > 0) {
+      best_cost = cost;
+      best = x;
+    }
+  }
+  if (!std::isfinite(best_cost)) {
+    reason = "no camera above the floor fits the points";
+    return ErrorCode::kInconsistent;
+  }
+  // A wrong order of the corners, or swapped length and width, leaves residuals of tens of pixels; lens distortion that
+  // four corners cannot show leaves a few.
+  const double tolerance_px = 0.015 * std::hypot(input.width_px, input.height_px);
+  const double misfit_px = kClickSigma_px * std::sqrt(2.0 * best_cost / static_cast<double>(input.points.size()));
+  if (misfit_px > tolerance_px) {
+    reason = formatted(
+        "no camera%s fits these points: residual %.1f px (RMS); is the order right, are length and "
+        "width exchanged, is --camera-height right?",
+        solver.has_distortion() && input.camera_height_m ? "" : " with square pixels", misfit_px);
+    return ErrorCode::kInconsistent;
+  }
+  const Eigen::Vector3d turn(best.rotation.data());
+  const Eigen::Matrix3d rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+  out.tilt_rad = std::acos(std::clamp(-rotation(2, 2), -1.0, 1.0));
+  // Overhead cameras of the leagues are tilted by less than 20 degrees; the wrong order that is consistent with a
+  // camera needs 50.
+  constexpr double kMaxTilt_rad = 0.7;
+  if (out.tilt_rad > kMaxTilt_rad) {
+    reason = formatted(
+        "the camera model found is tilted by %.0f degrees; is the order right, are length and width exchanged?",
+        out.tilt_rad * 180.0 / kPi);
+    return ErrorCode::kInconsistent;
+  }
+  out.height_m = best.position_m[2];
+  out.height_sigma_m = solver.height_sigma_m(best);
+  // Objects are up to a tenth of the camera height tall: an error of 15 % of the height moves them by millimeters at
+  // the border.
+  constexpr double kHeightDoubt = 0.15;
+  if (!input.start_only && !(out.height_sigma_m < kHeightDoubt * out.height_m)) {
+    reason = formatted(
+        "the camera points almost straight down, so its height and its focal length cannot be separated (height "
+        "uncertain by %.0f %%): measure the height of the lens above the floor and give --camera-height",
+        std::min(100 * out.height_sigma_m / out.height_m, 999.0));
+    return ErrorCode::kInconsistent;
+  }
+  out.camera.kind = CameraModelKind::kFull;
+  out.camera.full = full_model(best, center);
+  out.has_distortion = solver.has_distortion();
+  CameraModel camera;
+  if (Status s = camera.configure(out.camera); !s.ok()) {
+    reason = formatted("the camera model found is invalid: %s", describe(s.code()));
+    return s;
+  }
+  add_residuals(input, camera, out);
+  return fit_paper_model(input, out, reason);
+}
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/camera_model.h"
+#include "core/status.h"
+#include "core/types.h"
+
+namespace touchline::calibrate {
+
+/// A point on the floor and its pixel.
+struct FloorPoint {
+  double x_m = 0, y_m = 0;
+  double u_px = 0, v_px = 0;
+};
+
+/// The corners of the field in the order -x-y, +x-y, +x+y, -x+y.
+using Corners = std::array<PixelPoint, 4>;
+
+/// Checks that a camera above the field can see these corners. kInconsistent, with the reason: three corners on one
+/// line, crossing sides, not convex, or mirrored (clockwise in the picture).
+Status check_corners(const Corners& corners, std::string& reason);
+
+/// Returns the corners of a field of this size with their pixels.
+std::vector<FloorPoint> corner_points(const Corners& corners, double length_m, double width_m);
+
+/// Prior of the camera height.
+struct HeightPrior {
+  double height_m = 0, sigma_m = 0;
+};
+
+struct FieldFitInput {
+  int width_px = 0, height_px = 0;
+  std::vector<FloorPoint> points;         // at least four, no three of four on one line
+  std::optional<double> camera_height_m;  // measured by a person, with standard deviation kHeightSigma_m
+  bool start_only = false;                // a refinement follows: accept an uncertain height
+};
+
+// Standard deviation of a height measured with a tape from the floor to the lens.
+constexpr double kHeightSigma_m = 0.02;
+// Standard deviation of a click on a corner.
+constexpr double kClickSigma_px = 0.7;
+// Prior of the focal length: lenses above fields see 45 to 100 degrees of the picture width. Expected focal length in
+// picture widths, and standard deviation of its logarithm. On its own it determines the height of a vertical camera to
+// a third.
+constexpr double kFocalWidths = 0.8, kFocalSigma = 0.35;
+// From this number of points on, k1 is estimated too, and if the height is given, the pixel aspect ratio (fy / fx):
+// twelve equations for nine unknowns.
+constexpr std::size_t kPointsForDistortion = 6;
+
+struct ResidualSummary {
+  double rms = 0, max = 0;
+};
+
+struct FieldFit {
+  CameraParameters camera;                   // both models are set; kind: full
+  ResidualSummary residual_px, residual_mm;  // of the full model at the points
+  ResidualSummary paper_residual_mm;         // of Klancar's model, eq. (12)-(15) and the affine part
+  double height_m = 0, height_sigma_m = 0;   // of the camera above the floor, for clicks of kClickSigma_px
+  double tilt_rad = 0;                       // of the optical axis against the vertical
+  bool has_distortion = false;
+};
+
+/// Finds the camera from points on the floor. A homography (direct linear transform, Hartley's normalization) gives
+/// focal length and pose in closed form (Zhang 2000; square pixels, principal point in the center of the picture).
+/// Nonlinear least squares on pixels refine focal length, pose and, with enough points, k1 (Brown 1971) and fy / fx.
+/// Klancar's model is fitted to the same points.
+/// kOutOfRange: picture size, or too few points. kInconsistent, with the reason: points on a line, mirrored, or not
+/// consistent with any camera, or focal length and height cannot be separated (a nearly vertical camera) and no height
+/// is given.
+Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason);
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/programs/calibrate/field/camera_adjustment.h"
+#include "tools/programs/calibrate/field/edge_search.h"
+#include "tools/programs/calibrate/field/field_fit.h"
+
+namespace touchline::calibrate {
+
+/// Result for one mark of the drawing.
+struct MarkReport {
+  std::size_t looked_at = 0, found = 0;  // number of points along it
+  double offset_px = 0;                  // mean distance from its position according to the border alone
+  bool used = false;
+};
+
+/// How well the drawing of the field and the camera model agree.
+struct RefinementReport {
+  std::size_t points = 0, outliers = 0;
+  double rms_px = 0, p95_px = 0, max_px = 0;  // perpendicular to the marks, without outliers
+  double rms_mm = 0, p95_mm = 0, max_mm = 0;
+  double edge_sigma_px = 0;  // standard deviation per point that accounts for correlated neighbors
+  CameraUncertainty sigma;
+  std::vector<MarkReport> marks;  // one per mark
+  std::vector<MarkPoint> found;   // without the outliers
+};
+
+/// Refines a camera model that is a few dozen pixels off to a tenth of a pixel. Finds the border and the long lines
+/// along their whole length and adjusts the camera (see Adjustment) with a robust loss, repeatedly, while the reach of
+/// the search shrinks. Then the other markings are added, each only if it is found where the drawing has it
+/// (kMarkingTolerance_px), because the markings of a real field can differ from those of the league.
+///
+/// `fit` must hold a camera of fit_field(); it is unchanged on failure. `height`: prior of the camera's height. Errors,
+/// with the reason: kNotFound: too little of the border was found, or the picture cuts it off. kInconsistent: the
+/// border contradicts the size of the field, or residuals or uncertainties are too large.
+Status refine_field(const LightPicture& picture, const FieldParameters& field, const std::vector<Mark>& marks,
+                    const std::optional<HeightPrior>& height, FieldFit& fit, RefinementReport& report,
+                    std::string& reason);
+
+// A larger mean offset means that the marking differs from the drawing: the border alone determines the position of a
+// mark to a tenth of a pixel.
+inline constexpr double kMarkingTolerance_px = 0.35;
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/status.h"
+#include "tools/programs/calibrate/field/border_search.h"
+#include "tools/programs/calibrate/field/field_drawing.h"
+#include "tools/programs/calibrate/field/field_refinement.h"
+#include "tools/programs/calibrate/field/vanishing_points.h"
+
+namespace touchline::calibrate {
+
+enum class HeightSource : std::uint8_t { kSeen, kMeasured, kRules };
+
+/// Everything that `touchline-calibrate field` found.
+struct FieldReport {
+  std::optional<BorderSearch> border;  // empty if corners or points were given
+  std::optional<VanishingPointModel> steps;
+  ResidualSummary steps_mm;  // of the paper's model without refinement, at the points found
+  FieldFit fit;
+  std::size_t points_given = 0;
+  RefinementReport refinement;  // points is 0 if the fit was not refined
+  std::string unrefined;        // why it was not refined
+  std::vector<Mark> marks;
+  HeightSource height = HeightSource::kSeen;
+  double seconds = 0;
+};
+
+/// Formats the residual of the model in use: one line.
+std::string residual_text(const FieldReport& report);
+/// Formats the report for a terminal; each line ends with a newline.
+std::string text_of(const FieldReport& report);
+/// Writes the report as JSON with units in the keys. kIo, kPermission: errors of the file; `reason` has the details.
+Status write_json(const FieldReport& report, const std::string& path, std::string& reason);
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,86 @@
+#include "tools/programs/calibrate/imaging/camera_picture.h"
+
+#include "hal/device_parameters.h"
+#include "hal/replay/replay_camera.h"
+#include "tools/programs/replay/canvas.h"
+
+namespace touchline::calibrate {
+
+Status CameraPicture::load(const std::string& path, PixelFormat format, CameraPicture& out, std::string& reason) {
+  hal::ReplayCamera camera({path, format, 0.0});
+  Status status = camera.open();
+  if (status.ok()) status = camera.start();
+  if (status.ok()) {
+    const Result<hal::FrameLease> lease = camera.wait(Instant::max());
+    if (lease.ok()) {
+      out = copy_of(lease.value().frame());
+    } else {
+      status = lease.code();
+    }
+  }
+  if (!status.ok()) reason = camera.reason();
+  camera.stop();
+  camera.close();
+  return status;
+}
+
+CameraPicture CameraPicture::copy_of(const Frame& frame) {
+  CameraPicture out;
+  out.shape_ = frame;
+  const std::size_t rows = frame.height_px;
+  out.chroma_offset_ = rows * frame.stride_bytes[0];
+  out.bytes_.assign(frame.plane[0], frame.plane[0] + out.chroma_offset_);
+  if (frame.format == PixelFormat::kNv12) {
+    const std::size_t chroma_rows = (rows + 1) / 2;
+    out.bytes_.insert(out.bytes_.end(), frame.plane[1], frame.plane[1] + chroma_rows * frame.stride_bytes[1]);
+  }
+  return out;
+}
+
+Frame CameraPicture::frame() const {
+  Frame frame = shape_;
+  frame.plane[0] = bytes_.data();
+  frame.plane[1] = frame.format == PixelFormat::kNv12 ? bytes_.data() + chroma_offset_ : nullptr;
+  return frame;
+}
+
+Status load_rgb(const std::string& path, hal::Picture& out, std::string& reason) {
+  out = {};
+  CameraPicture photograph;
+  if (Status s = CameraPicture::load(path, PixelFormat::kRgb24, photograph, reason); !s.ok()) return s;
+  out = picture_of(photograph.frame());
+  return {};
+}
+
+hal::Picture picture_of(cairo_surface_t& surface) {
+  const replay::Pixels pixels = replay::pixels_of(surface);
+  hal::Picture picture;
+  picture.width_px = pixels.width;
+  picture.height_px = pixels.height;
+  picture.rgb8.reserve(std::size_t{3} * pixels.width * pixels.height);
+  for (std::size_t v = 0; v < pixels.height; ++v) {
+    for (std::size_t u = 0; u < pixels.width; ++u) {
+      const auto bgr = pixels.bgrx.subspan(v * pixels.stride_bytes + 4 * u, 3);
+      picture.rgb8.insert(picture.rgb8.end(), bgr.rbegin(), bgr.rend());
+    }
+  }
+  return picture;
+}
+
+hal::Picture picture_of(const Frame& frame) { return picture_of(*replay::to_surface(frame)); }
+
+std::optional<PixelFormat> format_of(std::string_view word) {
+  for (const Choice<PixelFormat>& choice : hal::kPixelFormats) {
+    if (choice.word == word) return choice.value;
+  }
+  return std::nullopt;
+}
+
+std::string_view word_of(PixelFormat format) {
+  for (const Choice<PixelFormat>& choice : hal::kPixelFormats) {
+    if (choice.value == format) return choice.word;
+  }
+  return {};
+}
+
+}  // namespace touchline::calibrate

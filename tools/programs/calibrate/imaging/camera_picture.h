@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cairo.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/status.h"
+#include "core/types.h"
+#include "hal/replay/picture.h"
+
+namespace touchline::calibrate {
+
+/// A picture in one of the camera's pixel formats that owns its bytes.
+class CameraPicture {
+ public:
+  /// Loads the first frame of a picture or video file and converts it exactly as a replay does.
+  static Status load(const std::string& path, PixelFormat format, CameraPicture& out, std::string& reason);
+  /// Copies a frame and its pixels.
+  static CameraPicture copy_of(const Frame& frame);
+
+  /// The returned frame points into this object.
+  [[nodiscard]] Frame frame() const;
+
+ private:
+  Frame shape_;
+  std::vector<std::uint8_t> bytes_;
+  std::size_t chroma_offset_ = 0;
+};
+
+/// Loads the first frame of a picture or video file as 8-bit RGB.
+Status load_rgb(const std::string& path, hal::Picture& out, std::string& reason);
+
+/// Copies a Cairo surface to 8-bit RGB.
+hal::Picture picture_of(cairo_surface_t& surface);
+/// Converts a frame to 8-bit RGB (YUV: ITU-R BT.601, limited range, as load() reads it).
+hal::Picture picture_of(const Frame& frame);
+
+/// Converts between a pixel format and its name in the board file, e.g. "yuyv". Unknown names give no format.
+std::optional<PixelFormat> format_of(std::string_view word);
+std::string_view word_of(PixelFormat format);
+
+}  // namespace touchline::calibrate

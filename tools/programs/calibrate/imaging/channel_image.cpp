@@ -1,0 +1,72 @@
+#include "tools/programs/calibrate/imaging/channel_image.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/color/pixel.h"
+
+namespace touchline::calibrate {
+ChannelImage corrected_channels(const Frame& frame, const Shading& shading) {
+  ChannelImage image{frame.width_px, frame.height_px, color_space(frame.format), {}};
+  image.pixels.resize(static_cast<std::size_t>(image.width_px) * static_cast<std::size_t>(image.height_px));
+  for (int v = 0; v < image.height_px; ++v) {
+    for (int u = 0; u < image.width_px; ++u) {
+      Channels value = pixel_at(frame, static_cast<std::size_t>(u), static_cast<std::size_t>(v));
+      if (shading.active()) {
+        const auto column = static_cast<std::uint16_t>(u / kTileWidth),
+                   row = static_cast<std::uint16_t>(v / kTileHeight);
+        for (std::size_t c = 0; c < 3; ++c) {
+          value[c] = corrected(value[c], shading.level(c, column, row), black_value(image.space, c));
+        }
+      }
+      image.pixels[image.index(u, v)] = value;
+    }
+  }
+  return image;
+}
+
+double color_distance(const Channels& a, const Channels& b, ColorSpace space) {
+  const std::array<double, 3> weight =
+      space == ColorSpace::kYuv ? std::array<double, 3>{0.25, 4.0, 4.0} : std::array<double, 3>{1.0, 1.0, 1.0};
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double d = static_cast<double>(a[c]) - static_cast<double>(b[c]);
+    sum += weight[c] * d * d;
+  }
+  return std::sqrt(sum);
+}
+
+Channels shown_rgb(const Channels& value, ColorSpace space) {
+  if (space == ColorSpace::kRgb) return value;
+  const double y = 1.164 * (value[0] - 16.0), u = value[1] - 128.0, v = value[2] - 128.0;
+  const auto byte = [](double x) { return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 255.0))); };
+  return {byte(y + 1.596 * v), byte(y - 0.392 * u - 0.813 * v), byte(y + 2.017 * u)};
+}
+
+std::vector<std::uint8_t> inside_mask(const Polygon& polygon, int width_px, int height_px) {
+  const auto size = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
+  if (polygon.size() < 3) return std::vector<std::uint8_t>(size, 1);
+  std::vector<std::uint8_t> mask(size, 0);
+  for (int v = 0; v < height_px; ++v) {
+    std::vector<float> crossings;
+    const auto row = static_cast<float>(v);
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const PixelPoint a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+      if ((a.v_px <= row) != (b.v_px <= row)) {
+        crossings.push_back(a.u_px + (row - a.v_px) / (b.v_px - a.v_px) * (b.u_px - a.u_px));
+      }
+    }
+    std::sort(crossings.begin(), crossings.end());
+    for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
+      for (int u = 0; u < width_px; ++u) {
+        const auto x = static_cast<float>(u);
+        if (x >= crossings[i] && x <= crossings[i + 1]) {
+          mask[static_cast<std::size_t>(v) * static_cast<std::size_t>(width_px) + static_cast<std::size_t>(u)] = 1;
+        }
+      }
+    }
+  }
+  return mask;
+}
+
+}  // namespace touchline::calibrate

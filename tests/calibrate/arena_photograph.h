@@ -6,10 +6,10 @@
 
 namespace touchline::calibrate {
 
-/// What the arena's camera takes of the floor, noise included: in RGB, 640 x 480.
+/// Takes a picture of the floor with the arena's camera, with noise: RGB, 640 x 480.
 inline constexpr std::uint16_t kWidth = 640, kHeight = 480;
 
-/// `things`: robots and ball on it; else nobody is there.
+/// `things`: robots and ball on the field; empty by default.
 inline hal::Picture photograph(const hal::mock::ArenaParameters& arena, hal::mock::Floor floor, std::uint64_t seed,
                                const hal::mock::Snapshot* things = nullptr) {
   hal::mock::Renderer renderer(arena, kWidth, kHeight, floor);

@@ -11,7 +11,8 @@
 #include "tests/calibrate/arena_photograph.h"
 #include "tools/programs/calibrate/field/field_fit.h"
 
-// Colors without a click, on pictures of the arena, whose lens, lamps and paints are not the tool's.
+// Detects colors without clicks in pictures of the arena, whose lens, lamps and paints differ from the tool's
+// assumptions.
 namespace touchline::calibrate {
 namespace {
 
@@ -37,7 +38,7 @@ class AutoDetect : public testing::Test {
     EXPECT_TRUE(read_team_colors(TOUCHLINE_MOCK_TEAM, team_, reason_).ok()) << reason_;
   }
 
-  // Robots on a grid of 0.2 m, in an order and at angles of their own.
+  // Robots on a grid of 0.2 m, in mixed order and at different angles.
   void add_picture(const std::string& name, unsigned seed) {
     std::mt19937 random(seed);
     std::vector<std::pair<double, double>> places;
@@ -69,7 +70,7 @@ class AutoDetect : public testing::Test {
     pictures_[name] = CameraPicture::copy_of(frame);
   }
 
-  // Color of the patch that is there in truth; "" when none is within 4 pixels.
+  // True color of the patch at the click; "" if there is none within 4 pixels.
   std::string truth_at(const Click& click) const {
     for (const auto& [color, place] : truth_.at(click.image)) {
       if (std::hypot(click.u_px - place.first, click.v_px - place.second) < 4) return color;
@@ -86,7 +87,7 @@ class AutoDetect : public testing::Test {
   std::string reason_;
 };
 
-TEST_F(AutoDetect, FindsWhatAPersonWouldHaveClickedOn) {
+TEST_F(AutoDetect, FindsAllColorsWithoutClicks) {
   add_picture("a", 1);
   add_picture("b", 2);
   DetectedColors found;
@@ -98,7 +99,7 @@ TEST_F(AutoDetect, FindsWhatAPersonWouldHaveClickedOn) {
   }
 }
 
-TEST_F(AutoDetect, RefusesNamesThatSayNothingUntilTheyAreClickedOn) {
+TEST_F(AutoDetect, UnknownColorNamesNeedAClick) {
   add_picture("a", 1);
   add_picture("b", 2);
   Click click;
@@ -119,13 +120,13 @@ TEST_F(AutoDetect, RefusesNamesThatSayNothingUntilTheyAreClickedOn) {
   for (const Click& c : found.clicks) {
     const std::string truth = truth_at(c);
     EXPECT_EQ(c.color, truth == "violet" ? "second" : truth);
-    EXPECT_NE(c.color, "first") << "clicked on already";
+    EXPECT_NE(c.color, "first") << "already clicked on";
   }
 }
 
-TEST_F(AutoDetect, RefusesAColorThatIsNotThere) {
+TEST_F(AutoDetect, RefusesAMissingColor) {
   add_picture("a", 1);
-  arena_.robot[0].colors = {"green"};  // the red robot is somebody else
+  arena_.robot[0].colors = {"green"};  // no robot is red
   pictures_.clear();
   add_picture("b", 2);
   DetectedColors found;

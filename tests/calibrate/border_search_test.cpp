@@ -13,7 +13,8 @@ namespace {
 constexpr std::uint64_t kSeed = 5;
 constexpr hal::mock::Floor kField = hal::mock::Floor::kField;
 
-// From found corners to true ones, the farthest; a turn of half a circle is not told apart, and nobody can.
+// Largest distance between found and true corners. The field looks the same when rotated by 180 degrees, so both orders
+// are accepted.
 double worst_corner_px(const hal::mock::ArenaParameters& arena, const Corners& corners) {
   const hal::mock::Lens lens(arena.camera);
   double worst = 0;
@@ -69,7 +70,7 @@ TEST(BorderSearch, AmongHundredsOfSpecks) {
 }
 
 TEST(BorderSearch, HIsThatOfTheLens) {
-  // Points of a straight line, bent by eq. (12) with H = 400.
+  // Points of a straight line, distorted by eq. (12) with H = 400.
   const double h = 400, cu = 319.5, cv = 239.5;
   std::vector<OutlinePixel> outline;
   for (double u = -340; u <= 340; u += 0.5) {
@@ -99,7 +100,7 @@ TEST(BorderSearch, HalfAFieldIsNotTakenForAWholeOne) {
   arena.camera.aim_m = {0.6, 0.0};
   BorderSearch border;
   std::string reason;
-  // Of the field that is left, border and center line go around one half.
+  // In the remaining picture, border and center line surround one half of the field.
   ASSERT_TRUE(find_border(photograph(arena, kField, kSeed), border, reason).ok()) << reason;
   const Corners turned = {border.corners[1], border.corners[2], border.corners[3], border.corners[0]};
   FieldFitInput input;

@@ -48,7 +48,7 @@ TEST(BoxLearning, KeepsHalfOfTheWayToTheNeighbor) {
   EXPECT_LT(learned.boxes[0].high[0], learned.boxes[1].low[0]);
   ASSERT_EQ(learned.margins.size(), 1U);
   EXPECT_NEAR(learned.margins[0].levels, 40, 2);
-  // Nothing in the way: the largest margin.
+  // Without other samples, the box grows by the largest margin.
   EXPECT_NEAR(learned.boxes[0].low[0], 95 - 40, 1);
 }
 
@@ -59,13 +59,13 @@ TEST(BoxLearning, StaysAwayFromTheBackground) {
   LearnedColors learned;
   std::string reason;
   ASSERT_TRUE(learn_boxes(input, {}, learned, reason).ok()) << reason;
-  EXPECT_NEAR(learned.boxes[0].low[2], 105, 2);  // half of the way from 115 to 95
+  EXPECT_NEAR(learned.boxes[0].low[2], 105, 2);  // half the distance from 115 to 95
   EXPECT_EQ(caught(learned, 1, input.background), 0.0);
   EXPECT_EQ(caught(learned, 1, input.colors[0].pixels), 1.0);
 }
 
 TEST(BoxLearning, SplitsAColorThatRunsPastAnother) {
-  // Two slanted clouds, as a color in rising light: one box of each would hold the other.
+  // Two slanted clouds, like colors under increasing light: a single box around one would include the other.
   std::vector<Channels> first, second;
   std::mt19937 random(3);
   std::uniform_int_distribution<int> noise(-3, 3);

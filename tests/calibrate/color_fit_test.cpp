@@ -23,7 +23,7 @@ const std::vector<std::pair<std::string, std::array<double, 3>>>& palette() {
   return colors;
 }
 
-// Every color three times; `shift` moves them to places of other light.
+// Each color three times; `shift` moves the patches to places with other light.
 std::vector<PaintedPatch> arrangement(int shift) {
   std::vector<PaintedPatch> patches;
   for (int row = 0; row < 3; ++row) {
@@ -45,7 +45,8 @@ struct Found {
   std::size_t right = 0, wrong = 0, ghosts = 0;
 };
 
-// What the pipeline's scanner finds in another picture: a patch is right when a region of its color covers it.
+// Share of correct patches according to the pipeline's scanner in another picture: a region of the right color covers
+// the patch.
 Found recognize(const ColorFitInput& input, const ColorFit& fit, const std::vector<PaintedPatch>& patches,
                 const CameraPicture& picture) {
   const auto scanner = std::make_unique<RegionScanner>();
@@ -108,7 +109,7 @@ TEST_P(ColorFitOf, OnePictureIsEnoughForAnother) {
 INSTANTIATE_TEST_SUITE_P(Formats, ColorFitOf, testing::Values(PixelFormat::kRgb24, PixelFormat::kYuyv));
 
 TEST(ColorFit, LightMapMakesOneCornerEnough) {
-  // Colors clicked on in bright light only, found in light of a third.
+  // Colors learned in bright light only must be found in a third of the light.
   const auto lamp = [](int u, int) { return u < 160 ? 1.2 : 0.4; };
   std::vector<PaintedPatch> bright, dark;
   for (int i = 0; i < 6; ++i) {
@@ -134,7 +135,7 @@ TEST(ColorFit, LightMapMakesOneCornerEnough) {
   const Found found = recognize(input, fit, dark, other);
   EXPECT_EQ(found.right, 6U);
   EXPECT_EQ(found.wrong, 0U);
-  // The floor in light 1, not in that of the half that shows.
+  // The floor at illumination 1, not at that of the visible half.
   ASSERT_TRUE(fit.background.has_value());
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR((*fit.background)[c], (std::array{45, 48, 50})[c], 2);
 }
@@ -156,7 +157,7 @@ TEST(ColorFit, SaysWhyAClickCaughtNothing) {
   EXPECT_NE(fit.clicks[good].reason.find("larger than a patch"), std::string::npos) << fit.clicks[good].reason;
   EXPECT_NE(fit.clicks[good + 1].reason.find("outside the picture"), std::string::npos);
   EXPECT_NE(fit.clicks[good + 2].reason.find("missing"), std::string::npos);
-  // The boxes did not learn the floor.
+  // The boxes must not include the floor.
   for (const double share : fit.background_share) EXPECT_LT(share, 1e-3);
 }
 
@@ -185,7 +186,7 @@ TEST(ColorFit, NamesColorsThatLookTheSame) {
   std::string reason;
   const Status status = fit_colors(input, fit, reason);
   if (status.ok()) {
-    // Parted at some level: the report must show that they cannot be told apart.
+    // Both are separated at some level; the report must show that they cannot be distinguished.
     const PairMargin& closest = fit.learned.margins.front();
     EXPECT_LT(closest.levels, 0);
     EXPECT_TRUE((fit.names[closest.first] == "green" && fit.names[closest.second] == "mint") ||
@@ -216,7 +217,7 @@ TEST(ColorFit, ReportsPatchesThatWereLeftOutAndDoesNotTakeThemForBackground) {
 }
 
 TEST(ColorFit, TellsTwentyFourColorsApart) {
-  // Four values a channel, without those that are grey or near another.
+  // Four values per channel, without grey and similar colors.
   std::vector<PaintedPatch> patches, others;
   for (const int r : {40, 120, 200}) {
     for (const int g : {40, 120, 200}) {

@@ -59,7 +59,7 @@ TEST_F(Drawing, BecomesMarks) {
   for (const std::size_t side : {1u, 3u}) EXPECT_NEAR(length[side], 1.6 - 2 * 0.1 - 0.4, 1e-6);
   for (const Mark& mark : marks) {
     if (mark.kind != MarkKind::kBorder) continue;
-    // The field's center is on the dark side: to the left.
+    // The center of the field is on the dark side, on the left of the mark.
     const MarkPlace at = place_on(mark, length_of(mark) / 2);
     EXPECT_GT(at.along_x * (0 - at.y_m) - at.along_y * (0 - at.x_m), 0) << at.x_m << ", " << at.y_m;
   }

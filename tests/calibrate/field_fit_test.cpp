@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kLength_m = 2.2, kWidth_m = 1.8;
 
-// A camera above the field, tilted about the picture's horizontal, at the given place.
+// A camera above the field at the given position, tilted about the horizontal axis of the picture.
 CameraParameters camera_at(double x_m, double y_m, double z_m, double tilt_rad, double focal_px, double k1 = 0.0) {
   CameraParameters p;
   p.kind = CameraModelKind::kFull;
@@ -20,7 +20,7 @@ CameraParameters camera_at(double x_m, double y_m, double z_m, double tilt_rad, 
   p.full.cy_px = 239.5f;
   p.full.k1 = static_cast<float>(k1);
   const double pi = std::acos(-1.0);
-  // Looking straight down is half a turn about x.
+  // A camera that points straight down is rotated by pi about x.
   const Eigen::AngleAxisd turn(Eigen::AngleAxisd(pi - tilt_rad, Eigen::Vector3d::UnitX()));
   for (int i = 0; i < 3; ++i)
     p.full.rotation_rad[static_cast<std::size_t>(i)] = static_cast<float>(turn.angle() * turn.axis()(i));
@@ -76,7 +76,7 @@ TEST(FieldFit, FindsDistortionFromMoreMarks) {
   EXPECT_NEAR(static_cast<double>(fit.camera.full.k1), -0.12, 0.003);
   EXPECT_NEAR(fit.height_m, 2.0, 0.01);
   EXPECT_LT(fit.residual_px.max, 0.1);
-  // Klancar's one parameter follows a lens of this strength to a few millimeters, and not better.
+  // Klancar's model with one parameter approximates a lens of this distortion to a few millimeters.
   EXPECT_GT(fit.paper_residual_mm.rms, 0.02);
   EXPECT_LT(fit.paper_residual_mm.rms, 4.0);
 }
@@ -181,7 +181,7 @@ TEST(FieldFit, RefusesPointsThatNoCameraSees) {
   EXPECT_EQ(fit_field(input_of(mirrored), fit, reason).code(), ErrorCode::kInconsistent);
   EXPECT_NE(reason.find("mirrored"), std::string::npos) << reason;
 
-  // A quarter turn: length and width exchanged.
+  // Rotated by 90 degrees: length and width exchanged.
   std::vector<FloorPoint> turned = good;
   for (std::size_t i = 0; i < 4; ++i) {
     turned[i].u_px = good[(i + 1) % 4].u_px;
@@ -201,7 +201,7 @@ TEST(Corners, AreToldApartFromImpossibleOnes) {
   const Corners good = {{{60, 440}, {580, 460}, {570, 40}, {80, 35}}};
   std::string reason;
   EXPECT_TRUE(check_corners(good, reason).ok()) << reason;
-  // Every camera above the field keeps the order, however it is turned.
+  // All cameras above the field keep the order, whatever their rotation.
   EXPECT_TRUE(check_corners({good[2], good[3], good[0], good[1]}, reason).ok()) << reason;
   EXPECT_FALSE(check_corners({good[3], good[2], good[1], good[0]}, reason).ok());
   EXPECT_NE(reason.find("clockwise"), std::string::npos) << reason;

@@ -9,8 +9,8 @@
 #include "tools/programs/calibrate/field/field_drawing.h"
 #include "tools/programs/calibrate/field/residual_map.h"
 
-// The arena's camera has a lens of another kind (Kannala and Brandt) than the model that is fitted, noise, lamps, goals
-// in the border and filled corners.
+// The lens of the arena's camera follows another model (Kannala and Brandt) than the one that is fitted. The picture
+// has noise, uneven light, goals in the border and filled corners.
 namespace touchline::calibrate {
 namespace {
 
@@ -20,7 +20,7 @@ class FieldRefinement : public ::testing::Test {
     return calibrate::photograph(arena_, floor, 1, things);
   }
 
-  // Corners clicked a pixel off, each in another direction, and no word about the lens.
+  // Corners are clicked with an error of one pixel in different directions, and the lens is unknown.
   FieldFit rough_fit(double click_error_px = 1.0) const {
     const hal::mock::Lens lens(arena_.camera);
     FieldFitInput input;
@@ -40,7 +40,7 @@ class FieldRefinement : public ::testing::Test {
     return fit;
   }
 
-  // Largest distance between where the model and where the arena's lens sees points at this height, all over the field.
+  // Largest distance on the field between the projections with the model and with the arena's lens, at this height.
   double worst_px(const CameraParameters& parameters, double height_m) const {
     CameraModel model;
     EXPECT_TRUE(model.configure(parameters).ok());
@@ -86,7 +86,7 @@ TEST_F(FieldRefinement, FindsTheLensAlongTheBorder) {
 }
 
 TEST_F(FieldRefinement, KnowsHowUncertainTheHeightIs) {
-  // Not given, under a camera that is tilted enough to tell; three cameras, so that luck does not.
+  // The height is not given; the cameras are tilted enough to determine it. Three cameras exclude luck.
   double squares = 0;
   for (const double x : {-0.45, 0.35, 0.5}) {
     arena_.camera.position_m = {x, -0.3, 2.2};
@@ -112,7 +112,7 @@ TEST_F(FieldRefinement, DrawsItsErrors) {
   const hal::Picture drawn = draw_residuals(picture, camera, report_);
   EXPECT_EQ(drawn.width_px, picture.width_px);
   EXPECT_GT(drawn.height_px, picture.height_px) << "with a legend below";
-  // A point of the lower border that fits well: a bluish or greenish dot on the darkened photograph.
+  // A point of the lower border with a small residual: a bluish or greenish dot on the darkened photograph.
   const auto best = std::min_element(report_.found.begin(), report_.found.end(), [&](const auto& a, const auto& b) {
     const auto off = [&](const MarkPoint& p) {
       const PixelPoint at = camera.to_pixel({static_cast<float>(p.x_m), static_cast<float>(p.y_m)}, 0.0f);
@@ -146,8 +146,8 @@ TEST_F(FieldRefinement, WithoutABorderTheFitStaysAsItWas) {
 }
 
 TEST_F(FieldRefinement, PlacesOfABlurredEdgeAndOfALine) {
-  // Dark, then bright from 40.25 on, and a line of 4 pixels around 20.5, blurred by nothing but the pixels: between two
-  // of them the place can be told to a tenth.
+  // Dark, then bright from 40.25 on, and a line of 4 pixels around 20.5, without blur except for the integration over
+  // pixels: between two of them the position is known to a tenth.
   hal::Picture picture;
   picture.width_px = 64;
   picture.height_px = 64;
@@ -160,7 +160,7 @@ TEST_F(FieldRefinement, PlacesOfABlurredEdgeAndOfALine) {
       picture.rgb8.insert(picture.rgb8.end(), 3, value);
     }
   }
-  // A camera 1 m above, one pixel a centimeter: u = 32 + 100 x, v = 32 - 100 y.
+  // A camera 1 m above the floor with one pixel per centimeter: u = 32 + 100 x, v = 32 - 100 y.
   CameraParameters parameters;
   parameters.full.fx_px = parameters.full.fy_px = 100.0f;
   parameters.full.cx_px = parameters.full.cy_px = 32.0f;

@@ -8,7 +8,7 @@
 #include "tests/tools/program_folder.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 
-// `touchline-calibrate field` without a click, from outside: what it must not believe, and what it must.
+// Runs `touchline-calibrate field` without clicks: cases that it must refuse and cases that it must accept.
 namespace touchline::calibrate {
 namespace {
 
@@ -74,7 +74,7 @@ TEST_F(FieldWithoutAClick, WrongSize) {
 }
 
 TEST_F(FieldWithoutAClick, ResidualsTooLarge) {
-  // Every row of the picture moved aside by a wave: no field is drawn so.
+  // Shifts the rows of the picture by a sine wave: no field looks like this.
   hal::Picture picture = render();
   const hal::Picture straight = picture;
   for (std::size_t v = 0; v < kHeight; ++v) {
@@ -117,7 +117,7 @@ TEST_F(FieldWithoutAClick, ACameraInPortrait) {
     for (const double y : {-0.6, 0.0, 0.6}) {
       const auto [u, v] = lens.project({x, y, 0.0});
       const FieldPoint at = camera.to_field({static_cast<float>(u), static_cast<float>(v)}, 0.0f);
-      // x runs upwards in the picture, whatever the arena calls it.
+      // x points upwards in the picture; the arena uses another direction.
       const double sign = lens.project({0.7, 0.0, 0.0})[1] < lens.project({-0.7, 0.0, 0.0})[1] ? 1.0 : -1.0;
       EXPECT_NEAR(static_cast<double>(at.x_m), sign * x, 0.0015);
       EXPECT_NEAR(static_cast<double>(at.y_m), sign * y, 0.0015);

@@ -12,21 +12,21 @@
 #include "tools/programs/calibrate/imaging/camera_picture.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 
-// The colors of tests/footage, learned from other pictures of the same set, on annotated ones: is there a region of the
-// right color at every patch? What matching makes of them is tested elsewhere.
+// Learns the colors of tests/footage from other pictures of the same set and checks annotated pictures: each patch must
+// have a region of the right color. Other tests check the matching.
 namespace touchline::calibrate {
 namespace {
 
 struct Case {
   const char* venue;
   const char* annotation;
-  std::size_t team_patches, identifications;  // found within kNear_px, of those annotated
+  std::size_t team_patches, identifications;  // annotated ones that were found within kNear_px
   std::size_t all_team_patches, all_identifications;
 };
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.venue; }
 
-// The annotation's error and half a pixel of chroma, or an outline that bleeds into its neighbor.
+// Error of the annotation plus half a pixel of chroma, or an outline that merges with a neighbor.
 constexpr double kNear_px = 2.0;
 constexpr std::uint32_t kLeastArea_px = 6;
 
@@ -114,7 +114,7 @@ TEST_P(Footage, HasARegionAtEveryPatch) {
   EXPECT_EQ(identifications, GetParam().identifications);
 }
 
-// One frame teaches the colors of all 502: standing patches keep their regions, in light that flickers and while a dark
+// Learns colors in one of 502 frames: standing patches must keep their regions although the light flickers and a dark
 // stick passes over them.
 TEST(FootageVideo, KeepsItsRegions) {
   const char* shared = std::getenv("TOUCHLINE_SHARED");  // NOLINT(concurrency-mt-unsafe): one thread
@@ -130,7 +130,7 @@ TEST(FootageVideo, KeepsItsRegions) {
   const auto runs = std::make_unique<Runs>();
   const auto regions = std::make_unique<Regions>();
   std::map<std::string, ColorId> id;
-  // Wholly visible ones; the fifth robot's red patch is cut off by the window.
+  // Patches that are completely visible; the window cuts off the red patch of the fifth robot.
   const std::map<std::string, std::size_t> expected = {{"yellow", 2}, {"red", 2},   {"pink", 2},
                                                        {"blue", 3},   {"green", 1}, {"orange", 1}};
   constexpr std::uint32_t kPatchArea_px = 35;
@@ -154,7 +154,7 @@ TEST(FootageVideo, KeepsItsRegions) {
   }
   EXPECT_EQ(frames, 502U);
   for (const auto& [color, count] : as_expected) {
-    // The stick lies over the pushed robot's blue patch in eight frames.
+    // The stick covers the blue patch of the pushed robot in eight frames.
     EXPECT_EQ(count, color == "blue" ? 494U : 502U) << color;
   }
 }

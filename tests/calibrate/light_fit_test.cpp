@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t kWidth = 320, kHeight = 240;
 
-// One lamp: bright in the middle.
+// One lamp above the middle.
 double lamp(double u, double v) {
   const double x = (u - 160) / 200, y = (v - 120) / 200;
   return 1.0 / std::pow(1.0 + x * x + y * y, 1.5);
@@ -67,7 +67,7 @@ TEST(LightFit, FollowsTheLampAndForgetsStainsAndTint) {
   EXPECT_EQ(map->rows, 48);
   EXPECT_EQ(report.saturated_cells, 0U);
   EXPECT_EQ(report.dark_cells, 0U);
-  // C is the median: half of the cells are brighter.
+  // C is the median: half of the cells are brighter than it.
   std::size_t brighter = 0;
   for (std::size_t i = 0; i < 64 * 48; ++i) brighter += map->illumination[0][i] > 1.0f ? 1U : 0U;
   EXPECT_NEAR(static_cast<double>(brighter), 64 * 24, 40);
@@ -80,7 +80,7 @@ TEST(LightFit, FollowsTheLampAndForgetsStainsAndTint) {
 }
 
 TEST(LightFit, KeepsTheBrightestCellInTheFilesRange) {
-  // Half of the picture four times as bright as the other: its ratio to the median would not fit into 16 bits.
+  // Half of the picture is four times as bright as the other: the ratio to the median does not fit into 16 bits.
   hal::Picture picture = grey_picture(0, 3);
   for (std::size_t i = 0; i < picture.rgb8.size(); ++i) {
     picture.rgb8[i] = (i / 3) % kWidth < 3 * kWidth / 4 ? std::uint8_t{50} : std::uint8_t{200};

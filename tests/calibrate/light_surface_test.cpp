@@ -9,14 +9,14 @@
 #include "tools/programs/calibrate/field/field_fit.h"
 #include "tools/programs/calibrate/light/light_fit.h"
 
-// The arena's lamps, measured on grey paper, on the floor itself, and on a floor that robots are on.
+// Measures the arena's lamps on grey paper, on the floor, and on a floor with robots.
 namespace touchline::calibrate {
 namespace {
 
 class LightSurfaceOf : public testing::Test {
  protected:
   LightSurfaceOf() {
-    // A lamp over one half: 2 : 1 and more.
+    // A lamp above one half: at least 2 : 1.
     arena_.light.lamp = {{-0.8, 0.5, 1.6, 1.0}};
     const hal::mock::Lens lens(arena_.camera);
     const double x = 0.5 * arena_.field.length_m - 0.05, y = 0.5 * arena_.field.width_m - 0.05;
@@ -36,7 +36,7 @@ class LightSurfaceOf : public testing::Test {
     return map;
   }
 
-  // Largest difference between two maps within the field, apart from one factor.
+  // Largest difference between two maps within the field after scaling one of them.
   double worst(const LightMap& a, const LightMap& b) const {
     double sum = 0, worst = 0;
     std::vector<double> ratios;
@@ -64,7 +64,7 @@ TEST_F(LightSurfaceOf, FieldTellsWhatPaperTells) {
   EXPECT_GT(report_.most[1] / report_.least[1], 1.5) << "or there is nothing to correct";
   const auto field = fit(LightSurface::kField, {photograph(arena_, hal::mock::Floor::kField, 2)});
   EXPECT_LT(worst(*paper, *field), 0.03);
-  // Lines as if they were floor: the test must be able to fail.
+  // With lines as floor, the check must fail.
   const auto lines = fit(LightSurface::kGreyPaper, {photograph(arena_, hal::mock::Floor::kField, 2)});
   EXPECT_GT(worst(*paper, *lines), 0.05);
 }
@@ -88,7 +88,7 @@ TEST_F(LightSurfaceOf, WhatMovesIsLeftOut) {
 }
 
 TEST_F(LightSurfaceOf, BorderTellsTintAndSlope) {
-  // One lamp far away: what a border can tell.
+  // One distant lamp, whose light the border can show.
   arena_.light.lamp = {{-3.0, 1.0, 3.0, 1.0}};
   const hal::mock::Lens lens(arena_.camera);
   FieldFitInput points;
@@ -118,14 +118,14 @@ TEST_F(LightSurfaceOf, BorderTellsTintAndSlope) {
   EXPECT_GT(report_.most[1] / report_.least[1], 1.3) << "or there is nothing to correct";
   EXPECT_LT(worst(*paper, border), 0.06);
 
-  // The same camera in yellower, dimmer light: with C kept, the map says so.
+  // The same camera in yellower, dimmer light: with C kept, the map shows the change.
   input.normal = report_.normal;
   const std::array<double, 3> left = {0.8, 0.7, 0.5};
   hal::Picture& picture = input.pictures[0];
   for (std::size_t i = 0; i < picture.rgb8.size(); ++i) {
     picture.rgb8[i] = static_cast<std::uint8_t>(std::lround(picture.rgb8[i] * left[i % 3]));
   }
-  // A robot's shadow lies on a part of it.
+  // The shadow of a robot covers a part of the border.
   for (std::size_t i = 0; i < input.border.size(); i += 6) {
     for (const std::size_t pixel : input.border[i]) picture.rgb8[3 * pixel] = picture.rgb8[3 * pixel + 1] = 20;
   }

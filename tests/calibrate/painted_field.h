@@ -19,7 +19,7 @@ struct PaintedPatch {
   int u_px = 0, v_px = 0;  // of its center
 };
 
-/// A dark floor with patches, a lamp, blurred edges and noise, in one of the camera's formats.
+/// Draws a dark floor with patches, a lamp, blurred edges and noise in one of the camera's pixel formats.
 inline CameraPicture painted_field(const std::vector<PaintedPatch>& patches, PixelFormat format, unsigned seed,
                                    const std::function<double(int, int)>& lamp) {
   constexpr int kWidth = 320, kHeight = 240, kPatch = 6, kRobot = 11;

@@ -10,13 +10,13 @@
 namespace touchline::calibrate {
 namespace {
 
-// Squares of 12 pixels around (80, 60) and (96, 60), on dark tops of 22, on the floor.
+// Squares of 12 pixels around (80, 60) and (96, 60) on dark robot tops of 22 pixels.
 class Rectangle : public testing::Test {
  protected:
   Rectangle() : inside_(image_.pixels.size(), 1) {}
 
-  // Pixels caught, and how many of them lie in the first square.
-  std::pair<std::size_t, std::size_t> caught(const std::array<double, 4>& box) {
+  // Number of selected pixels, and how many of them are in the first square.
+  std::pair<std::size_t, std::size_t> selected(const std::array<double, 4>& box) {
     Click click{"a", "red", 0, 0, 0, box};
     GrownPatch patch;
     if (!select_patch(image_, inside_, click, {}, patch, reason_).ok()) return {0, 0};
@@ -34,19 +34,19 @@ class Rectangle : public testing::Test {
   std::string reason_;
 };
 
-TEST_F(Rectangle, InsideOfThePatchOrAroundItCatchesThePatchAlone) {
+TEST_F(Rectangle, SelectsThePatchIfSmallerOrLarger) {
   for (const std::array<double, 4>& box : {std::array<double, 4>{76, 56, 83, 63}, {73, 53, 86, 66}, {70, 50, 89, 70}}) {
-    const auto [all, right] = caught(box);
+    const auto [all, right] = selected(box);
     EXPECT_EQ(all, right) << box[0] << ": " << reason_;
     EXPECT_GE(right, box[0] > 75 ? 60U : 115U) << box[0];
   }
 }
 
-TEST_F(Rectangle, LooksOnlyWhereThePictureIs) {
-  EXPECT_EQ(caught({-20, -20, -5, -5}).first, 0U);
+TEST_F(Rectangle, IgnoresTheAreaOutsideThePicture) {
+  EXPECT_EQ(selected({-20, -20, -5, -5}).first, 0U);
   EXPECT_NE(reason_.find("0 pixels"), std::string::npos) << reason_;
   std::fill(inside_.begin(), inside_.end(), std::uint8_t{0});
-  EXPECT_EQ(caught({76, 56, 83, 63}).first, 0U);
+  EXPECT_EQ(selected({76, 56, 83, 63}).first, 0U);
 }
 
 }  // namespace

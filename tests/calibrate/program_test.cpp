@@ -11,7 +11,7 @@
 #include "tools/programs/calibrate/colors/clicks.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 
-// The program from outside, as a person runs it.
+// Runs the program as a user does.
 namespace touchline::calibrate {
 namespace {
 
@@ -77,7 +77,7 @@ TEST_F(Program, TakesPicturesAsTheCameraDeliversThem) {
   ASSERT_TRUE(hal::read_picture(path("yuv-1.png"), yuv, reason).ok()) << reason;
   ASSERT_EQ(rgb.width_px, 640U);
   ASSERT_EQ(rgb.rgb8.size(), yuv.rgb8.size());
-  // The floor beyond the field, at the same place some frames apart.
+  // The floor outside the field at the same pixel, some frames apart.
   double difference = 0.0;
   for (std::size_t i = 0; i < 3000; ++i) difference += std::abs(rgb.rgb8[i] - yuv.rgb8[i]) / 3000.0;
   EXPECT_LT(difference, 6.0);
@@ -91,11 +91,11 @@ TEST_F(Program, TakesPicturesAsTheCameraDeliversThem) {
   EXPECT_FALSE(fs::exists(path("a.png")));
 }
 
-// What is calibrated with is what the camera gave: to YUV again it is the same, but for what RGB rounds.
+// Pictures for calibration match the camera's frames: converted back to YUV, they differ only by the rounding of RGB.
 TEST(PictureOfAFrame, IsReadBackAsItWas) {
   std::vector<std::uint8_t> bytes;
   for (int i = 0; i < 32 * 16 / 2; ++i) {
-    const int luma = 60 + i % 120, row = i / 16;  // one color a row: what lies between two is the reader's to mix
+    const int luma = 60 + i % 120, row = i / 16;  // one color per row, so that chroma interpolation has no influence
     for (const int value : {luma, 100 + 3 * row, luma + 2, 150 - 2 * row}) {
       bytes.push_back(static_cast<std::uint8_t>(value));
     }
@@ -119,7 +119,7 @@ TEST(PictureOfAFrame, IsReadBackAsItWas) {
   }
 }
 
-// The lamps become dimmer and yellower; the colors stay, and the map says how much light is left of each.
+// The lamps become dimmer and yellower; the colors are kept, and the map shows the remaining light per channel.
 TEST_F(Program, KeepsTheColorsWhenTheLampsChange) {
   ASSERT_TRUE(run(field() + corners_ + " --camera-height 1.8")) << read("out");
   const std::string keep = " --keep-normal --picture " + path("grey.png") + venue();
@@ -221,7 +221,7 @@ TEST_F(Program, AsksBeforeItWritesColorsThatNobodyClickedOn) {
   write("team.toml",
         "version = 1\n[own]\ncolor = \"red\"\n[[own.robot]]\nid = 0\ncolors = [\"green\"]\n"
         "[[own.robot]]\nid = 1\ncolors = [\"blue\"]\n[ball]\ncolor = \"orange\"\n");
-  // Straight down from 2 m; a patch of 34.5 mm on a robot of 75 mm comes to 12 pixels.
+  // A camera 2 m above the floor: a patch of 34.5 mm on a robot of 75 mm is 12 pixels wide.
   const std::string before =
       "version = 1\n[picture]\nwidth_px = 320\nheight_px = 240\n[camera_model]\nkind = \"full\"\n[camera_model.full]\n"
       "fx_px = 669.6\nfy_px = 669.6\ncx_px = 159.5\ncy_px = 119.5\nrotation_rad = [3.14159265, 0.0, 0.0]\n"

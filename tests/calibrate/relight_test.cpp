@@ -24,7 +24,7 @@ class Relight : public testing::Test {
       for (auto& channel : map_.illumination) channel[i] = i % 20 < 10 ? 1.2f : 0.6f;
     }
     EXPECT_TRUE(shading_->build(map_, 320, 240, ColorSpace::kRgb).ok());
-    // Straight down from 2 m; a patch of 34.5 mm on a robot of 75 mm comes to 12 pixels.
+    // A camera 2 m above the floor: a patch of 34.5 mm on a robot of 75 mm is 12 pixels wide.
     FullModelParameters& camera = venue_.file.camera_model.full;
     camera.fx_px = camera.fy_px = 669.6f;
     camera.cx_px = 159.5f;
@@ -65,7 +65,7 @@ TEST_F(Relight, ContoursLieWhereTheLightChanges) {
   for (std::size_t v = 0; v < 240; ++v) {
     for (std::size_t u = 0; u < 320; ++u) {
       if (pixels.bgrx[v * pixels.stride_bytes + 4 * u + 1] < 20) continue;
-      // Between the centers of the cells either side; the levels' numbers stand there too.
+      // The contour lies between the centers of adjacent cells; the labels are drawn there too.
       ++(u >= 130 && u <= 200 ? at_edge : far);
     }
   }

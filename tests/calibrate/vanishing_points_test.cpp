@@ -10,8 +10,8 @@
 namespace touchline::calibrate {
 namespace {
 
-// The border as it would be found if the lens were straight and the floor a plane that eq. (14) rectifies: a field of
-// 2 x 1.5 m, turned by 0.1 in the picture, seen with these p and q.
+// The border for a lens without distortion and a floor that eq. (14) rectifies: a field of 2 x 1.5 m, rotated by 0.1
+// rad in the picture, with these p and q.
 BorderSearch seen_with(double p, double q) {
   const double scale = 200, turn = 0.1;
   BorderSearch border;

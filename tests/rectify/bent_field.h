@@ -12,7 +12,7 @@ namespace touchline::rectify {
 
 inline constexpr std::uint32_t kWidth = 320, kHeight = 240;
 
-/// A tilted camera with a bent lens above a field of 1.5 x 1.3 m, and Klancar's model of much the same view.
+/// A tilted camera with lens distortion above a field of 1.5 x 1.3 m, and Klancar's model of nearly the same view.
 inline CameraParameters bent_camera() {
   CameraParameters camera;
   camera.full = {270, 270, 160, 118, -0.35f, 0.09f, 0, 0.001f, -0.001f, {3.0f, 0.05f, 0.1f}, {0.05f, -0.2f, 1.9f}};
@@ -28,8 +28,8 @@ inline FieldParameters small_field() {
   return field;
 }
 
-/// The dark field, its bright border (5 cm) and grey surroundings as this camera shows them: 4 x 4 rays a pixel, sRGB
-/// of exponent 2.2.
+/// Renders the dark field, its bright border (5 cm) and grey surroundings with this camera: 4 x 4 rays per pixel, sRGB
+/// with exponent 2.2.
 inline hal::Picture photograph(const CameraParameters& parameters, const FieldParameters& field) {
   CameraModel camera;
   if (!camera.configure(parameters).ok()) return {};
@@ -41,7 +41,7 @@ inline hal::Picture photograph(const CameraParameters& parameters, const FieldPa
       const auto place = [&](float du, float dv) {
         return camera.to_field({static_cast<float>(u) + du, static_cast<float>(v) + dv}, 0.0f);
       };
-      // Within a pixel the floor is flat.
+      // The projection is linear within a pixel.
       const FieldPoint at = place(0, 0), right = place(1, 0), below = place(0, 1);
       double light = 0;
       for (int ray = 0; ray < 16; ++ray) {

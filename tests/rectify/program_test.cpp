@@ -7,7 +7,7 @@
 #include "tests/tools/program_folder.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 
-// The program from outside, as a person runs it.
+// Runs the program as a user does.
 namespace touchline::rectify {
 namespace {
 

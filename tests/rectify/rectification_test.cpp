@@ -86,7 +86,7 @@ TEST(Straightness, FallsWithTheRightModelAndStaysWithAWrongOne) {
     EXPECT_GT(side.distorted.rms_px, 0.7);
     EXPECT_LT(side.straightened.rms_px, 0.12);
     EXPECT_LT(side.rectified.rms_mm, 0.8);
-    // The same deviation in two units: the camera is nearly vertical.
+    // The same deviation in two units, because the camera is nearly vertical.
     EXPECT_NEAR(side.straightened.rms_mm, side.rectified.rms_mm, 0.05);
     EXPECT_NEAR(side.rectified.rms_px, side.rectified.rms_mm * 0.15, 1e-6);
   }
@@ -102,7 +102,7 @@ TEST(Straightness, FallsWithTheRightModelAndStaysWithAWrongOne) {
 TEST(Straightness, LeavesOutWhatStandsBeforeTheBorder) {
   hal::Picture seen = photograph(bent_camera(), small_field());
   const CameraModel camera = model_of(bent_camera());
-  // A bright thing, 12 x 8 pixels, that reaches 4 pixels into the field from the lower border.
+  // A bright object of 12 x 8 pixels that extends 4 pixels from the lower border into the field.
   const PixelPoint at = camera.to_pixel({0.2f, -0.65f}, 0.0f);
   for (int dv = -4; dv < 4; ++dv) {
     const auto first = 3 * (static_cast<std::ptrdiff_t>(at.v_px) + dv) * std::ptrdiff_t{kWidth} +

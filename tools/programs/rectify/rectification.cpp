@@ -48,7 +48,7 @@ hal::Picture resample(const hal::Picture& picture, const Raster& raster,
 }
 
 void put(hal::Picture& picture, const Point& at, const std::array<std::uint8_t, 3>& color) {
-  // Before rounding: what is far outside does not fit into an integer.
+  // Before rounding, because positions far outside do not fit into an integer.
   if (!(at[0] > -0.5 && at[1] > -0.5 && at[0] < picture.width_px - 0.5 && at[1] < picture.height_px - 0.5)) return;
   const auto column = static_cast<std::size_t>(std::lround(at[0])), row = static_cast<std::size_t>(std::lround(at[1]));
   std::copy(color.begin(), color.end(),
@@ -148,10 +148,10 @@ Status rectify_floor(const hal::Picture& picture, const CameraModel& camera, con
                      double margin_m, double scale_px_per_m, hal::Picture& out, Raster& raster) {
   const double x = static_cast<double>(field.length_m) / 2 + static_cast<double>(field.goal_depth_m) + margin_m;
   const double y = static_cast<double>(field.width_m) / 2 + margin_m;
-  // Sizes in floats are whole pixels only nearly.
+  // Sizes in floats are only approximately whole pixels.
   const double width = std::ceil(2 * x * scale_px_per_m - 0.01), height = std::ceil(2 * y * scale_px_per_m - 0.01);
   if (!(width >= 1 && height >= 1 && width <= kLargestSide_px && height <= kLargestSide_px)) return ErrorCode::kFull;
-  // Pixel centers: half a pixel inside.
+  // Pixel centers are half a pixel inside the edge.
   raster = {-x + 0.5 / scale_px_per_m, y - 0.5 / scale_px_per_m, scale_px_per_m, static_cast<std::uint32_t>(width),
             static_cast<std::uint32_t>(height)};
   out = resample(picture, raster, [&](double column, double row) {

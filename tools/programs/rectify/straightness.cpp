@@ -11,7 +11,7 @@ namespace touchline::rectify {
 namespace {
 
 constexpr double kStep_px = 3.0;
-// Distances from the line within which points are kept, one fit after the other.
+// Greatest distance of points from the line, for successive fits.
 constexpr std::array<double, 4> kKeep_px{6.0, 3.0, 1.5, 1.5};
 
 struct Line {
@@ -20,7 +20,7 @@ struct Line {
   [[nodiscard]] double off(const Point& p) const { return std::abs(normal.x() * p[0] + normal.y() * p[1] - distance); }
 };
 
-// Total least squares.
+// Fits a line by total least squares.
 Line line_through(const std::vector<Point>& points) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
   for (const Point& p : points) mean += Eigen::Vector2d(p[0], p[1]) / static_cast<double>(points.size());
@@ -30,7 +30,7 @@ Line line_through(const std::vector<Point>& points) {
     spread += away * away.transpose();
   }
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
-  axes.computeDirect(spread);  // in closed form; the general way takes seconds to compile
+  axes.computeDirect(spread);  // closed form; the iterative solver takes seconds to compile
   const Eigen::Vector2d normal = axes.eigenvectors().col(0);
   return {normal, normal.dot(mean)};
 }
@@ -45,7 +45,7 @@ double scale_at(const CameraModel& camera, const Point& pixel) {
   return static_cast<double>(camera.scale_px_per_m({static_cast<float>(at[0]), static_cast<float>(at[1])}, 0.0f));
 }
 
-// `per_m`: units of `places` a meter, point by point; `px_per_unit`: pixels of the picture a unit.
+// `per_m`: units of `places` per meter for each point; `px_per_unit`: pixels of the picture per unit.
 Deviation deviation(const std::vector<Point>& places, const std::vector<double>& per_m, double px_per_unit) {
   const Line line = line_through(places);
   Deviation out;

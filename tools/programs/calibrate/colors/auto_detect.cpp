@@ -14,7 +14,7 @@ namespace touchline::calibrate {
 namespace {
 
 // Least difference in negative log-likelihood to the next best assignment: a probability of 95 %.
-constexpr double kLeastMargin = 3.0;
+constexpr double kLeastCostMargin = 3.0;
 // Greatest difference from the expected appearance of a color name; the names themselves are 30 to 100 apart.
 constexpr double kMostUnlike = 55.0;
 // Greatest elongation of a ball. Shadow and motion elongate a ball; the end of a line is longer.
@@ -125,7 +125,7 @@ void add_doubts(DetectedColors& out) {
       out.doubts.push_back(
           formatted("%s: the remaining patches do not look like it (difference %.0f); click on one of its patches",
                     name, color.dissimilarity));
-    } else if (color.margin < kLeastMargin) {
+    } else if (color.margin < kLeastCostMargin) {
       out.doubts.push_back(formatted("%s: could also be %s; click on one patch of %s", name,
                                      color.rival.empty() ? "another patch" : color.rival.c_str(),
                                      color.rival.empty() ? "it" : "each"));

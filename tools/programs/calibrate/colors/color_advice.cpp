@@ -9,7 +9,6 @@
 namespace touchline::calibrate {
 namespace {
 
-constexpr double kDark = 12.0;  // added to both sides of a ratio, which is noise near black
 constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
 
 // Distance between a color and a box: the largest over all channels; 0 inside.
@@ -66,7 +65,8 @@ class Adviser {
     for (std::size_t i = 0; i < shown_rgb.size(); ++i) {
       const auto look = usual_rgb(input_.colors[i].name);
       if (!look) continue;
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += std::log((shown_rgb[i][c] + kDark) / ((*look)[c] + kDark));
+      for (std::size_t c = 0; c < 3; ++c)
+        sum[c] += std::log((shown_rgb[i][c] + kRatioOffset) / ((*look)[c] + kRatioOffset));
       count += 1;
     }
     for (std::size_t c = 0; c < 3; ++c) gain_[c] = count > 0 ? std::exp(sum[c] / count) : 1.0;

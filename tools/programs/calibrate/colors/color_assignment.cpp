@@ -348,13 +348,14 @@ class Solver {
 
   // Exposure and white balance relative to the table: one gain per channel with a prior of 1.
   Rgb fitted_gain(const Cut& cut, const std::vector<std::size_t>& label_of) const {
-    constexpr double kDark = 12.0, kDrawnToOne = 4.0;
+    constexpr double kPriorWeight = 4.0;
     Rgb sum{};
-    double count = kDrawnToOne;
+    double count = kPriorWeight;
     for (std::size_t c = 0; c < label_of.size(); ++c) {
       if (label_of[c] == kNone || !input_.colors[c].look || input_.colors[c].clicked) continue;
       for (std::size_t k = 0; k < 3; ++k) {
-        sum[k] += std::log((cut.labels[label_of[c]].rgb[k] + kDark) / ((*input_.colors[c].look)[k] + kDark));
+        sum[k] +=
+            std::log((cut.labels[label_of[c]].rgb[k] + kRatioOffset) / ((*input_.colors[c].look)[k] + kRatioOffset));
       }
       count += 1;
     }

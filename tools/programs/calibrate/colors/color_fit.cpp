@@ -19,7 +19,7 @@ constexpr int kEdge_px = 3;
 constexpr double kEdgeShare = 0.03;
 
 // Least distance of two colors in levels: twice the change by lamp flicker and a tilted robot.
-constexpr int kLeastMargin = 20;
+constexpr int kLeastPairMargin = 20;
 
 // Reasons why a pixel is not background; a later one overrides an earlier one.
 enum Reserved : std::uint8_t { kFree, kLookAlike, kNearClick };
@@ -111,7 +111,7 @@ class Fitter {
     learning.background = background();
     if (!learning.background.empty()) out_.background = median(learning.background);
     if (Status s = learn_boxes(learning, input_.rules, out_.learned, reason_); !s.ok()) return s;
-    out_.advice = advise(learning, input_.rules, out_.shown_rgb, out_.learned.margins, kLeastMargin);
+    out_.advice = advise(learning, input_.rules, out_.shown_rgb, out_.learned.margins, kLeastPairMargin);
     return judge();
   }
 

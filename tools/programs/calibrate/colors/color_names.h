@@ -12,6 +12,9 @@ namespace touchline::calibrate {
 /// Red, green and blue as cameras deliver them (sRGB), 0 to 255.
 using Rgb = std::array<double, 3>;
 
+/// Added to both sides of a ratio of channel values, which is noise near black.
+inline constexpr double kRatioOffset = 12.0;
+
 /// CIE 1976 L*a*b* with illuminant D65.
 struct Lab {
   double l = 0, a = 0, b = 0;

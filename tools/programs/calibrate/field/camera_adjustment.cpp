@@ -15,7 +15,7 @@ namespace {
 // Standard deviations of the prior: the principal point lies within a few percent of the picture width from the center;
 // sensors have square pixels.
 constexpr double kCenterSigma = 0.04;
-constexpr double kAspectSigma = 0.002;
+constexpr double kSensorAspectSigma = 0.002;
 // Typical sizes of the distortion terms: terms that the border does not determine stay near zero.
 constexpr std::array<double, 5> kLensSigma{0.5, 0.3, 0.1, 0.003, 0.003};
 constexpr Eigen::Index kUnknowns = kIntrinsics + 6;
@@ -49,10 +49,10 @@ struct AcrossMark {
   }
 };
 
-using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+using UnknownsVector = Eigen::Matrix<double, kUnknowns, 1>;
 
-Unknowns unknowns_of(const AdjustedCamera& camera) {
-  Unknowns x;
+UnknownsVector unknowns_of(const AdjustedCamera& camera) {
+  UnknownsVector x;
   for (std::size_t i = 0; i < kIntrinsics; ++i) x(static_cast<Eigen::Index>(i)) = camera.intrinsics[i];
   for (std::size_t i = 0; i < 3; ++i) {
     x(static_cast<Eigen::Index>(kIntrinsics + i)) = camera.rotation[i];
@@ -61,18 +61,18 @@ Unknowns unknowns_of(const AdjustedCamera& camera) {
   return x;
 }
 
-Eigen::Vector2d seen(const Unknowns& x, const std::array<double, 3>& place) {
+Eigen::Vector2d seen(const UnknownsVector& x, const std::array<double, 3>& place) {
   Eigen::Vector2d pixel(0, 0);
   static_cast<void>(project(x.data(), x.data() + kIntrinsics, x.data() + kIntrinsics + 3, place, pixel.data()));
   return pixel;
 }
 
 // Standard deviation of the position that follows from a pixel, mm: the pixel is fixed and the camera varies.
-double place_sigma_mm(const Unknowns& x, const Eigen::MatrixXd& covariance, const std::array<double, 3>& place) {
+double place_sigma_mm(const UnknownsVector& x, const Eigen::MatrixXd& covariance, const std::array<double, 3>& place) {
   Eigen::Matrix<double, 2, kUnknowns> by_camera;
   for (Eigen::Index i = 0; i < kUnknowns; ++i) {
     const double step = 1e-6 * std::max(1.0, std::abs(x(i)));
-    Unknowns more = x, less = x;
+    UnknownsVector more = x, less = x;
     more(i) += step;
     less(i) -= step;
     by_camera.col(i) = (seen(more, place) - seen(less, place)) / (2 * step);
@@ -148,7 +148,7 @@ void expect(ceres::Problem& problem, AdjustedCamera& camera, std::size_t index, 
 
 void add_lens_knowledge(ceres::Problem& problem, AdjustedCamera& camera, int width_px,
                         const std::array<double, 2>& center, double aspect) {
-  expect(problem, camera, kAspect, aspect, kAspectSigma);
+  expect(problem, camera, kAspect, aspect, kSensorAspectSigma);
   expect(problem, camera, kCenterU, center[0], kCenterSigma * width_px);
   expect(problem, camera, kCenterV, center[1], kCenterSigma * width_px);
   for (std::size_t i = 0; i < kLensSigma.size(); ++i) expect(problem, camera, kK1 + i, 0.0, kLensSigma[i]);
@@ -211,7 +211,7 @@ CameraUncertainty Adjustment::uncertainty(const std::vector<MarkPoint>& points, 
   if (normal.info() != Eigen::Success || !normal.isPositive()) return out;
   const Eigen::MatrixXd covariance =
       scale.asDiagonal() * normal.solve(Eigen::MatrixXd::Identity(kUnknowns, kUnknowns)) * scale.asDiagonal();
-  const Unknowns x = unknowns_of(camera);
+  const UnknownsVector x = unknowns_of(camera);
   const auto sigma = [&](std::size_t index) {
     const auto i = static_cast<Eigen::Index>(index);
     return std::sqrt(std::max(0.0, covariance(i, i)));
@@ -224,7 +224,7 @@ CameraUncertainty Adjustment::uncertainty(const std::vector<MarkPoint>& points, 
   out.height_m = sigma(kIntrinsics + 5);
   // Angle between the optical axis and the vertical.
   Eigen::Matrix<double, 1, kUnknowns> by_rotation = Eigen::Matrix<double, 1, kUnknowns>::Zero();
-  const auto tilt = [](const Unknowns& at) {
+  const auto tilt = [](const UnknownsVector& at) {
     const double* rotation = at.data() + kIntrinsics;
     const double down[3] = {0, 0, -1};
     double axis[3];
@@ -233,7 +233,7 @@ CameraUncertainty Adjustment::uncertainty(const std::vector<MarkPoint>& points, 
   };
   for (Eigen::Index i = kUnknowns - 6; i < kUnknowns - 3; ++i) {
     constexpr double kStep = 1e-5;
-    Unknowns more = x, less = x;
+    UnknownsVector more = x, less = x;
     more(i) += kStep;
     less(i) -= kStep;
     by_rotation(i) = (tilt(more) - tilt(less)) / (2 * kStep);

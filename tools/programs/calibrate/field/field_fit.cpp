@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "tools/programs/calibrate/field/homography.h"
@@ -16,10 +17,8 @@
 namespace touchline::calibrate {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
-// Unknowns of the full model in the order that the solver uses.
-struct Unknowns {
+// CameraUnknowns of the full model in the order that the solver uses.
+struct CameraUnknowns {
   double focal_px = 0;
   std::array<double, 3> rotation{}, position_m{};
   double k1 = 0;
@@ -54,7 +53,7 @@ struct Reprojection {
 constexpr double kDistortionSigma = 0.5;
 
 // Drivers that scale a wide picture to 4:3 stretch it by up to a third; most do not scale.
-constexpr double kAspectSigma = 0.1;
+constexpr double kScaledAspectSigma = 0.1;
 
 class Solver {
  public:
@@ -62,10 +61,10 @@ class Solver {
 
   // Half the sum of squares, or infinity if the start is unusable. Distortion is freed last, because it diverges from a
   // wrong focal length.
-  double refine(Unknowns& x) const {
+  double refine(CameraUnknowns& x) const {
     const double straight = minimize(x, false);
     if (!has_distortion() || !std::isfinite(straight)) return straight;
-    Unknowns bent = x;
+    CameraUnknowns bent = x;
     const double cost = minimize(bent, true);
     if (cost < straight) x = bent;
     return std::min(cost, straight);
@@ -74,7 +73,7 @@ class Solver {
   [[nodiscard]] bool has_distortion() const { return input_.points.size() >= kPointsForDistortion; }
 
   // Standard deviation of the camera height for clicks with kClickSigma_px; infinity if the height is not determined.
-  double height_sigma_m(Unknowns& x) const {
+  double height_sigma_m(CameraUnknowns& x) const {
     ceres::Problem problem;
     build(problem, x, has_distortion());
     ceres::CRSMatrix sparse;
@@ -99,7 +98,7 @@ class Solver {
   }
 
  private:
-  double minimize(Unknowns& x, bool with_distortion) const {
+  double minimize(CameraUnknowns& x, bool with_distortion) const {
     ceres::Problem problem;
     build(problem, x, with_distortion);
     const ceres::Solver::Summary summary = calibrate::minimize(problem, 1e-12, 1e-12);
@@ -107,7 +106,7 @@ class Solver {
                                                              : std::numeric_limits<double>::infinity();
   }
 
-  void build(ceres::Problem& problem, Unknowns& x, bool with_distortion) const {
+  void build(ceres::Problem& problem, CameraUnknowns& x, bool with_distortion) const {
     for (const FloorPoint& p : input_.points) {
       // Divides pixels by the standard deviation of a click, so that the priors have the right weight.
       auto* loss = new ceres::ScaledLoss(nullptr, 1.0 / (kClickSigma_px * kClickSigma_px), ceres::TAKE_OWNERSHIP);
@@ -130,8 +129,8 @@ class Solver {
     if (!has_distortion() || !input_.camera_height_m) {
       problem.SetParameterBlockConstant(&x.aspect);
     } else {
-      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, 1>(new Prior{0, 1.0, kAspectSigma}), nullptr,
-                               &x.aspect);
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 1, 1>(new Prior{0, 1.0, kScaledAspectSigma}),
+                               nullptr, &x.aspect);
     }
     if (!with_distortion) {
       problem.SetParameterBlockConstant(&x.k1);
@@ -145,7 +144,7 @@ class Solver {
   Center center_;
 };
 
-FullModelParameters full_model(const Unknowns& x, Center center) {
+FullModelParameters full_model(const CameraUnknowns& x, Center center) {
   FullModelParameters full;
   full.fx_px = static_cast<float>(x.focal_px);
   full.fy_px = static_cast<float>(x.focal_px * x.aspect);
@@ -256,15 +255,15 @@ Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason)
     focal_starts.push_back(unit * *input.camera_height_m / pose_from(*homography, unit).position.z());
   }
   const Solver solver(input, center);
-  Unknowns best;
+  CameraUnknowns best;
   double best_cost = std::numeric_limits<double>::infinity();
   for (const double focal : focal_starts) {
     const CameraPose pose = pose_from(*homography, focal);
-    Unknowns x{focal,
-               {pose.rotation.x(), pose.rotation.y(), pose.rotation.z()},
-               {pose.position.x(), pose.position.y(), pose.position.z()},
-               0.0,
-               1.0};
+    CameraUnknowns x{focal,
+                     {pose.rotation.x(), pose.rotation.y(), pose.rotation.z()},
+                     {pose.position.x(), pose.position.y(), pose.position.z()},
+                     0.0,
+                     1.0};
     const double cost = solver.refine(x);
     if (cost < best_cost && x.focal_px > 0) {
       best_cost = cost;
@@ -295,7 +294,7 @@ Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason)
   if (out.tilt_rad > kMaxTilt_rad) {
     reason = formatted(
         "the camera model found is tilted by %.0f degrees; is the order right, are length and width exchanged?",
-        out.tilt_rad * 180.0 / kPi);
+        out.tilt_rad * 180.0 / std::numbers::pi);
     return ErrorCode::kInconsistent;
   }
   out.height_m = best.position_m[2];

@@ -7,9 +7,9 @@
 namespace touchline::calibrate {
 namespace {
 
-using Rgb = std::array<std::uint8_t, 3>;
+using Rgb8 = std::array<std::uint8_t, 3>;
 
-void put(hal::Picture& picture, double u, double v, const Rgb& color) {
+void put(hal::Picture& picture, double u, double v, const Rgb8& color) {
   const long column = std::lround(u), row = std::lround(v);
   if (column < 0 || row < 0 || column >= static_cast<long>(picture.width_px) ||
       row >= static_cast<long>(picture.height_px)) {

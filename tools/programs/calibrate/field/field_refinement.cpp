@@ -16,13 +16,13 @@ namespace {
 constexpr double kStep_px = 3.0;
 // Rounds of the search: reach, and scale of the loss. After a fit to four corners without distortion, the middles of
 // the sides are two dozen pixels off with a wide-angle lens; the last rounds converge. Values are for a picture of
-// width kUsualWidth_px; wider pictures have more pixels for the same lens.
+// width kReferenceWidth_px; wider pictures have more pixels for the same lens.
 struct Round {
   double reach_px, loss_px;
   int lens;  // see AdjustmentWeights
   bool all;  // use markings too, and weigh points by their measured scatter
 };
-constexpr double kUsualWidth_px = 640;
+constexpr double kReferenceWidth_px = 640;
 constexpr std::array<Round, 8> kRounds{{{30, 4, 1, false},
                                         {16, 2, 2, false},
                                         {10, 1, 2, false},
@@ -154,7 +154,7 @@ Status refine(const LightPicture& picture, const FieldParameters& field, const s
   }
   AdjustedCamera camera = AdjustedCamera::of(fit.camera.full);
   const Adjustment adjustment(picture.width_px(), picture.height_px(), height, camera);
-  const double zoom = std::max(1.0, picture.width_px() / kUsualWidth_px);
+  const double zoom = std::max(1.0, picture.width_px() / kReferenceWidth_px);
   CameraParameters parameters = fit.camera;
   CameraModel model;
   AdjustmentWeights weights{kEdgeSigma_px, 0, 0};

@@ -18,7 +18,6 @@ constexpr double kCorner_m = 0.15;
 // Number of pixels that are averaged at each sampling point: the brightest ones, which lie inside the border.
 constexpr std::size_t kBrightest = 3;
 constexpr std::size_t kLeastPlaces = 40;
-constexpr double kSaturated = 250.0, kDark = 10.0;
 constexpr int kRounds = 40;
 // Deviations of the logarithm: below this limit they count as squares, above as absolute values.
 constexpr double kFine = 0.01;

@@ -15,8 +15,6 @@ namespace {
 
 // Least share of plain floor in a cell.
 constexpr double kLeastFloorShare = 0.3;
-// 8-bit values: the sensor is saturated above, and below, one step is more than 10 %.
-constexpr double kSaturated = 250.0, kDark = 10.0;
 // core/light limits the gain to 4; the file format ends at 65535 / 32768 = 1.99997.
 constexpr float kLeastIllumination = 0.25f, kMostIllumination = 65535.0f / 32768.0f;
 

@@ -8,6 +8,9 @@ namespace touchline::calibrate {
 /// One value per pixel or per cell in raster order; NaN: unknown.
 using Plane = std::vector<double>;
 
+/// 8-bit values: from kSaturated on the sensor may be saturated; below kDark one step is more than 10 %.
+inline constexpr double kSaturated = 250.0, kDark = 10.0;
+
 /// The coarse grid of a light map: at most kMaxColumns x kMaxRows cells, each at least kLeastCellSide_px wide and high.
 class LightGrid {
  public:

@@ -26,7 +26,7 @@ struct ColorsCommand {
  private:
   [[nodiscard]] std::string preview_folder() const;
   bool read_input(ColorFitInput& input, std::string& reason) const;
-  bool find_without_clicks(const VenueDraft& draft, ColorFitInput& input, std::string& reason) const;
+  bool detect_colors(const VenueDraft& draft, ColorFitInput& input, std::string& reason) const;
 };
 
 }  // namespace touchline::calibrate

@@ -105,8 +105,9 @@ int run(int argc, char** argv) {
   print_table(cases);
   print_goals(goals);
   print_memory();
-  if (!options.json.empty() && !write_json(options.json, cases, goals, options.repetitions)) {
-    return fail(kProgram, options.json + ": cannot be written");
+  std::string error;
+  if (!options.json.empty() && !write_json(options.json, cases, goals, options.repetitions, error)) {
+    return fail(kProgram, error);
   }
   return kExitOk;
 }

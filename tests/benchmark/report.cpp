@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "core/pipeline.h"
+#include "hal/linux/files/output_file.h"
 #include "tests/benchmark/measurement.h"
 
 namespace touchline::testing {
@@ -123,7 +123,7 @@ void print_memory() {
 }
 
 bool write_json(const std::string& path, const BenchmarkCases& cases, const std::vector<Goal>& goals,
-                std::size_t repetitions) {
+                std::size_t repetitions, std::string& error) {
   using nlohmann::ordered_json;
   ordered_json frames = ordered_json::array();
   for (const auto& benchmark : cases) {
@@ -147,10 +147,7 @@ bool write_json(const std::string& path, const BenchmarkCases& cases, const std:
   }
   const ordered_json report{{"format", 1},      {"unit", "microseconds of CPU"}, {"repetitions", repetitions},
                             {"frames", frames}, {"goals", measured_goals},       {"memory_bytes", sizeof(Pipeline)}};
-  std::ofstream file(path);
-  file << report.dump(1) << '\n';
-  file.close();
-  return static_cast<bool>(file);
+  return hal::write_file(path, report.dump(1) + "\n", error).ok();
 }
 
 }  // namespace touchline::testing

@@ -1,32 +1,34 @@
-// Runs on the host, beside the board's guest: the arena whose robots the guest drives (tests/board/lock_step.h).
+// The mock arena for tests with an emulated board (tests/board/lockstep.h). It runs on the host; the robots are driven
+// by the guest.
 //   board-arena BOARD.toml PICTURES.sock RADIO.sock [KEY=VALUE...]
-// Takes a command a line, answers with a line of JSON:
-//   play N        N frames with pictures, a packet expected for each that is shown
-//   drive N       the same, a packet with speeds
-//   watch N       the same, packets may stay away
+// Reads one command per line from standard input and answers each with one line of JSON:
+//   play N        N frames with pictures; each frame that is shown must be followed by a packet
+//   drive N       the same; the packet must contain wheel speeds
+//   watch N       the same; packets may be missing
 //   blind N       N frames without pictures
-//   tear N        N frames whose pictures lose a part on the way
-//   plug, unplug  the guest opens or closes the camera's device
-//   listen S      what is on the line until S seconds of this machine's time are quiet
+//   tear N        N frames whose pictures lose a part in transmission
+//   plug, unplug  the guest opens or closes the camera device
+//   listen S      receive packets until the line is silent for S seconds of the host's time
 #include <sys/socket.h>
 #include <sys/un.h>
 
-#include <cinttypes>
 #include <cstdio>
 #include <cstring>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "firmware/config/configuration.h"
-#include "tests/board/lock_step.h"
+#include "firmware/exit_codes.h"
+#include "tests/board/lockstep.h"
 
 namespace {
 
 using namespace touchline;
-using board::LockStep;
+using board::Lockstep;
 
-// An emulated board may be a hundred times slower than a real one, and start-up has much to do.
+// An emulated board can be a hundred times slower than a real one.
 constexpr double kFrameTimeoutS = 300.0;
 
 int connect_to(const std::string& path) {
@@ -38,55 +40,60 @@ int connect_to(const std::string& path) {
   return ::connect(file, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ? file : -1;
 }
 
-void answer(const LockStep& game, const board::Played& played, const std::string& reason) {
+void answer(const Lockstep& game, const board::PlayResult& played, const std::string& error) {
   const hal::mock::Arena& arena = game.arena();
-  const hal::mock::ChannelStatistics& air = arena.channel().statistics();
+  const hal::mock::ChannelStatistics& radio = arena.channel().statistics();
   const hal::mock::GameStatistics& statistics = arena.world().statistics();
-  std::printf("{\"error\": \"%s\", \"frames\": \"%s\", \"shown\": %" PRIu64 ", \"late\": %" PRIu64
-              ", \"latest_us\": %d, \"last_errno\": %d, \"packets\": %" PRIu64 ", \"stops\": %" PRIu64
-              ", \"own_path_m\": %.4f",
-              reason.c_str(), played.frames.c_str(), played.shown, played.late, played.latest_us, played.last_error,
-              played.packets, played.stops, played.own_path_m);
-  std::printf(", \"damaged_bytes\": %" PRIu64 ", \"sequence_gaps\": %" PRIu64 ", \"obeyed\": %" PRIu64
-              ", \"air_lost\": %" PRIu64 ", \"air_damaged\": %" PRIu64 ", \"ignored\": %" PRIu64
-              ", \"timeouts\": %" PRIu64 ", \"touches\": %" PRIu64 ", \"ball_path_m\": %.3f",
-              game.damaged_bytes(), game.sequence_gaps(), air.obeyed, air.lost, air.corrupted, air.ignored,
-              air.timeouts, statistics.touches, statistics.ball_path_m);
-  std::printf(", \"ball\": [");
-  const char* separator = "";
-  for (const hal::mock::Placement& ball : played.ball) {
-    std::printf("%s[%.4f, %.4f]", separator, ball.x_m, ball.y_m);
-    separator = ", ";
-  }
-  std::printf("]}\n");
-  std::fflush(stdout);
+  nlohmann::ordered_json ball = nlohmann::ordered_json::array();
+  for (const hal::mock::Placement& place : played.ball) ball.push_back({place.x_m, place.y_m});
+  const nlohmann::ordered_json answer{{"error", error},
+                                      {"frames", played.frames},
+                                      {"shown", played.shown},
+                                      {"late", played.late},
+                                      {"latest_us", played.latest_us},
+                                      {"last_errno", played.last_error},
+                                      {"packets", played.packets},
+                                      {"stops", played.stops},
+                                      {"own_path_m", played.own_path_m},
+                                      {"damaged_bytes", game.damaged_bytes()},
+                                      {"sequence_gaps", game.sequence_gaps()},
+                                      {"obeyed", radio.obeyed},
+                                      {"air_lost", radio.lost},
+                                      {"air_damaged", radio.corrupted},
+                                      {"ignored", radio.ignored},
+                                      {"timeouts", radio.timeouts},
+                                      {"touches", statistics.touches},
+                                      {"ball_path_m", statistics.ball_path_m},
+                                      {"ball", ball}};
+  // One line per answer, sent immediately.
+  std::cout << answer.dump() << std::endl;
 }
 
-int serve(LockStep& game) {
+int serve(Lockstep& game) {
   std::string line;
   while (std::getline(std::cin, line)) {
     std::istringstream words(line);
-    std::string verb, reason;
+    std::string verb, error;
     double number = 0.0;
     words >> verb >> number;
     const auto count = static_cast<std::uint64_t>(number);
-    board::Played played;
+    board::PlayResult played;
     if (verb == "play" || verb == "drive" || verb == "watch" || verb == "blind" || verb == "tear") {
-      const auto expect = verb == "play"    ? LockStep::Expect::kPacket
-                          : verb == "drive" ? LockStep::Expect::kSpeeds
-                                            : LockStep::Expect::kNothing;
+      const auto expect = verb == "play"    ? Lockstep::Expect::kPacket
+                          : verb == "drive" ? Lockstep::Expect::kSpeeds
+                                            : Lockstep::Expect::kNothing;
       const auto kind = verb == "blind"  ? board::ToGuest::kNoFrame
                         : verb == "tear" ? board::ToGuest::kTornFrame
                                          : board::ToGuest::kFrame;
-      static_cast<void>(game.play(count, kind, expect, played, reason));
+      static_cast<void>(game.play(count, kind, expect, played, error));
     } else if (verb == "plug" || verb == "unplug") {
-      static_cast<void>(game.plug(verb == "plug", reason));
+      static_cast<void>(game.plug(verb == "plug", error));
     } else if (verb == "listen") {
-      static_cast<void>(game.listen(number, played, reason));
+      static_cast<void>(game.listen(number, played, error));
     } else {
-      reason = "there is no command " + verb;
+      error = "unknown command " + verb;
     }
-    answer(game, played, reason);
+    answer(game, played, error);
   }
   return 0;
 }
@@ -96,7 +103,7 @@ int serve(LockStep& game) {
 int main(int argc, char** argv) {
   if (argc < 4) {
     std::fprintf(stderr, "usage: board-arena BOARD.toml PICTURES.sock RADIO.sock [KEY=VALUE...]\n");
-    return 64;
+    return kExitBadCommandLine;
   }
   const auto configuration = std::make_unique<config::Configuration>();
   config::Problems problems;
@@ -105,13 +112,13 @@ int main(int argc, char** argv) {
   static_cast<void>(config::load_board(argv[1], overrides.board, *configuration, problems));
   if (!problems.empty()) {
     std::fputs(problems.text().c_str(), stderr);
-    return 1;
+    return kExitBadFile;
   }
   const int pictures = connect_to(argv[2]), radio = connect_to(argv[3]);
   if (pictures < 0 || radio < 0) {
     std::fprintf(stderr, "board-arena: %s: %s\n", pictures < 0 ? argv[2] : argv[3], std::strerror(errno));
-    return 1;
+    return kExitBadFile;
   }
-  LockStep game(configuration->board, 1, pictures, radio, kFrameTimeoutS);
+  Lockstep game(configuration->board, 1, pictures, radio, kFrameTimeoutS);
   return serve(game);
 }

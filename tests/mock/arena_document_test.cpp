@@ -24,8 +24,8 @@ class ArenaDocument : public ::testing::Test {
 };
 
 TEST_F(ArenaDocument, NamesEveryScene) {
-  for (const SceneWord& scene : scene_words()) {
-    const std::string row = "| `" + std::string(scene.word) + "` | " + std::to_string(scene.pictures) + " |";
+  for (const SceneType& scene : scene_types()) {
+    const std::string row = "| `" + std::string(scene.name) + "` | " + std::to_string(scene.pictures) + " |";
     EXPECT_TRUE(has(row)) << row;
   }
 }

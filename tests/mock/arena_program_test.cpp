@@ -51,7 +51,7 @@ class ArenaProgram : public ::testing::Test {
 };
 
 TEST_F(ArenaProgram, WritesEverySceneWithItsTruth) {
-  for (const SceneWord& scene : scene_words()) {
+  for (const SceneWord& scene : scene_types()) {
     const std::string word(scene.word);
     const Outcome outcome = touchline_arena(word + " " + kSmall + out(word) + "--count 3");
     ASSERT_EQ(outcome.code, 0) << outcome.text;
@@ -159,7 +159,7 @@ TEST_F(ArenaProgram, BadArgumentsAreRefusedInClearWords) {
   };
   refused("", "scene is required");
   refused("layouts " + kBoard, "--out is required");
-  refused("cup " + kBoard + out("x"), "there is no scene \"cup\"; there are:");
+  refused("cup " + kBoard + out("x"), "unknown scene \"cup\"; scenes:");
   refused("layouts " + kBoard + out("x") + "--count 0", "--count");
   refused("layouts " + kBoard + out("x") + "--seed minus", "--seed");
   refused("layouts --board '" + folder_ / "none.toml" + "' " + out("x"), "none.toml: no such file");
@@ -179,7 +179,7 @@ TEST_F(ArenaProgram, BadArgumentsAreRefusedInClearWords) {
   refused("layouts --board '" + folder_ / "full.toml" + "' " + out("x"),
           "full.toml: the field has no room for all its robots and the ball");
   media::write_text(folder_ / "file", "in the way");
-  refused("layouts " + kBoard + out("file"), "file: cannot be made: ");
+  refused("layouts " + kBoard + out("file"), "file: cannot be created: ");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "x")) << "nothing is written when something is wrong";
 }
 

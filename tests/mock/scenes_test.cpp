@@ -42,14 +42,14 @@ TEST(Scenes, NothingStandsOnAnythingElse) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       const auto moments = make_scene(kind, parameters, 60.0, 40, seed);
       ASSERT_EQ(moments.size(), 40U);
-      for (const Moment& moment : moments) expect_free(moment.begin, parameters);
+      for (const SceneFrame& moment : moments) expect_free(moment.begin, parameters);
     }
   }
 }
 
 TEST(Scenes, PairsTouchAlmost) {
   const ArenaParameters parameters;
-  for (const Moment& moment : make_scene(SceneKind::kTouching, parameters, 60.0, 20, 3)) {
+  for (const SceneFrame& moment : make_scene(SceneKind::kTouching, parameters, 60.0, 20, 3)) {
     for (std::size_t i = 0; i + 1 < moment.begin.robots.size(); i += 2) {
       Body a = body_of(moment.begin.robots[i]), b = body_of(moment.begin.robots[i + 1]);
       Contacts contacts;
@@ -76,7 +76,7 @@ TEST(Scenes, SeedSaysWhereThingsAre) {
 TEST(Scenes, StaticOnesStandStillAndMatchesMove) {
   const ArenaParameters parameters;
   const auto quiet = make_scene(SceneKind::kStatic, parameters, 60.0, 10, 1);
-  for (const Moment& moment : quiet) EXPECT_EQ(moment.begin.robots[3].x_m, quiet[0].begin.robots[3].x_m);
+  for (const SceneFrame& moment : quiet) EXPECT_EQ(moment.begin.robots[3].x_m, quiet[0].begin.robots[3].x_m);
   const auto match = make_scene(SceneKind::kMatch, parameters, 50.0, 100, 1);
   double way = 0.0;
   for (std::size_t i = 1; i < match.size(); ++i) {
@@ -97,7 +97,7 @@ TEST(Scenes, FieldWithoutRoomGivesNone) {
 }
 
 TEST(Scenes, WordsAreFoundAndOthersAreNot) {
-  for (const SceneWord& scene : scene_words()) EXPECT_EQ(find_scene(scene.word), &scene);
+  for (const SceneType& scene : scene_types()) EXPECT_EQ(find_scene(scene.name), &scene);
   EXPECT_EQ(find_scene("matches"), nullptr);
   EXPECT_EQ(find_scene(""), nullptr);
 }

@@ -75,7 +75,7 @@ TEST_F(LatencyProgram, WrongFilesAre1AndLostDevicesAre2) {
   EXPECT_TRUE(said("none.mp4: No such file or directory")) << read("out");
   write("broken.json", "{\"format\": 1, \"source\": 5}");
   EXPECT_EQ(latency("--compare " + path("broken.json") + " " + path("none.json")), 1);
-  EXPECT_EQ(read("out"), "touchline-latency: " + path("broken.json") + ": source: a text is wanted\n");
+  EXPECT_EQ(read("out"), "touchline-latency: " + path("broken.json") + ": source: must be a text\n");
 }
 
 TEST_F(LatencyProgram, ASignalGivesTheReportSoFar) {

@@ -8,7 +8,7 @@
 
 #include "tools/programs/latency/background_load.h"
 #include "tools/programs/latency/measurement.h"
-#include "tools/programs/latency/report_document.h"
+#include "tools/programs/latency/report_content.h"
 #include "tools/programs/latency/report_json.h"
 #include "tools/programs/latency/system_facts.h"
 
@@ -110,16 +110,16 @@ TEST(LatencyJson, NamesTheKeyThatIsWrong) {
     EXPECT_FALSE(from_json(text, report, error)) << what;
     return error;
   };
-  EXPECT_EQ(error_with("{", "["), "is no JSON");
-  EXPECT_EQ(error_with("\"format\": 1", "\"format\": 2"), "format: 2 is not one that this program reads (1)");
+  EXPECT_EQ(error_with("{", "["), "is not JSON");
+  EXPECT_EQ(error_with("\"format\": 1", "\"format\": 2"), "format: 2 is not supported; this program reads format 1");
   EXPECT_EQ(error_with("\"format\"", "\"fromat\""), "format: is missing");
-  EXPECT_EQ(error_with("\"frames\": 1000", "\"frames\": -1"), "frames: a count is wanted");
+  EXPECT_EQ(error_with("\"frames\": 1000", "\"frames\": -1"), "frames: must be a count");
   EXPECT_EQ(error_with("\"p99.9\"", "\"p99_9\""), "spans_ns.capture to frame.p99.9: is missing");
-  EXPECT_EQ(error_with("\"number\": 999", "\"number\": \"x\""), "worst_frames[1].number: a count is wanted");
-  EXPECT_EQ(error_with("\"governor\": \"performance\"", "\"governor\": 5"), "system.governor: a text is wanted");
+  EXPECT_EQ(error_with("\"number\": 999", "\"number\": \"x\""), "worst_frames[1].number: must be a count");
+  EXPECT_EQ(error_with("\"governor\": \"performance\"", "\"governor\": 5"), "system.governor: must be a text");
   // Of 1 ms, the camera's part.
   EXPECT_EQ(error_with("[\n    80,", "[\n    160,"),
-            "histograms.capture to frame: a list of bins and counts is wanted");
+            "histograms.capture to frame: must be a list of bins and counts");
 }
 
 TEST(LatencyComparison, SaysWhatGotWorse) {
@@ -128,15 +128,15 @@ TEST(LatencyComparison, SaysWhatGotWorse) {
   b.system.governor = "powersave";
   const Document document = comparison_of({"old", a}, {"new", b});
   EXPECT_EQ(
-      document.verdict,
+      document.summary,
       "Worse in B: capture to packet (p50 x 1.12, p99 x 1.14), marker (p50 x 2.00, p99 x 2.00, max x 2.00), frame "
       "to packet (p50 x 1.17, p99 x 1.17); more often in B: page faults (major).");
   const std::string text = to_text(document);
   EXPECT_NE(text.find("governor differs  A performance; B powersave\n"), std::string::npos) << text;
   EXPECT_EQ(text.find("scheduler differs"), std::string::npos) << text;
   EXPECT_NE(text.find("marker             0.500  1.000  *2.00"), std::string::npos) << text;
-  EXPECT_EQ(comparison_of({"a", a}, {"a", a}).verdict, "No time got worse from A to B.");
-  const std::string better = comparison_of({"b", b}, {"a", a}).verdict;
+  EXPECT_EQ(comparison_of({"a", a}, {"a", a}).summary, "No time got worse from A to B.");
+  const std::string better = comparison_of({"b", b}, {"a", a}).summary;
   EXPECT_TRUE(better.starts_with("No time got worse from A to B; better in B: capture to packet (p50 x 0.89, "))
       << better;
 }
@@ -144,9 +144,9 @@ TEST(LatencyComparison, SaysWhatGotWorse) {
 TEST(LatencyComparison, ATimeThatWasNothingCanGetWorse) {
   const LatencyReport a = report_of(0), b = report_of(1);
   const Document document = comparison_of({"old", a}, {"new", b});
-  EXPECT_NE(document.verdict.find("marker (p50 from 0, p99 from 0, max from 0)"), std::string::npos)
-      << document.verdict;
-  EXPECT_EQ(comparison_of({"a", a}, {"a", a}).verdict, "No time got worse from A to B.");
+  EXPECT_NE(document.summary.find("marker (p50 from 0, p99 from 0, max from 0)"), std::string::npos)
+      << document.summary;
+  EXPECT_EQ(comparison_of({"a", a}, {"a", a}).summary, "No time got worse from A to B.");
 }
 
 // A tree with the kernel's files in it.

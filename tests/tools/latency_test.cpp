@@ -119,11 +119,11 @@ TEST(Measurement, ListsTheWorstFramesAndNamesTheirStage) {
   EXPECT_EQ(report.worst[0].number, 48u) << "from 1, after the warm-up";
   EXPECT_EQ(report.worst[1].number, 49u);
   EXPECT_EQ(report.worst[2].number, 31u);
-  EXPECT_EQ(culprit(report, report.worst[0]), Span::kMarker) << "although the camera's part is the longest";
-  EXPECT_EQ(culprit(report, report.worst[1]), Span::kCamera);
-  EXPECT_EQ(culprit(report, report.worst[2]), Span::kTrack);
+  EXPECT_EQ(most_delayed_span(report, report.worst[0]), Span::kMarker) << "although the camera's part is the longest";
+  EXPECT_EQ(most_delayed_span(report, report.worst[1]), Span::kCamera);
+  EXPECT_EQ(most_delayed_span(report, report.worst[2]), Span::kTrack);
   EXPECT_EQ(
-      verdict(report),
+      summary_sentence(report),
       "Worst frame: number 48 took 17.6 ms from capture to packet, 7.1 ms of it in marker (usually 0.101 ms); the "
       "deadline of 16.7 ms was missed by 1 of 200 frames.");
 }
@@ -131,7 +131,7 @@ TEST(Measurement, ListsTheWorstFramesAndNamesTheirStage) {
 TEST(Measurement, OneFrameIsItsOwnWorst) {
   Measurement measurement(1, 0);
   measurement.add(stages_of(100), timing_of(700, 10), false);
-  EXPECT_EQ(verdict(measurement.report("test", {})),
+  EXPECT_EQ(summary_sentence(measurement.report("test", {})),
             "Worst frame: number 1 took 0.71 ms from capture to packet, 0.19 ms of it in send (usually 0.19 ms).");
 }
 

@@ -237,7 +237,7 @@ TEST_F(Replay, NothingIsWrittenOverAnInput) {
   write_flat("a.png");
   options.out = options.venue;
   EXPECT_FALSE(run());
-  EXPECT_NE(error.find("would replace"), std::string::npos) << error;
+  EXPECT_NE(error.find("would overwrite"), std::string::npos) << error;
   options.out = folder / "in/a.png";
   EXPECT_FALSE(run());
   options.out = folder / "in/../in/a.png";

@@ -23,10 +23,7 @@ struct Options {
   bool quiet = false;
 };
 
-int fail(const std::string& message) {
-  std::cerr << "touchline-arena: " << message << '\n';
-  return 1;
-}
+int fail(const std::string& message) { return touchline::fail("touchline-arena", message); }
 
 std::string number_of(std::size_t index) {
   std::array<char, 32> name{};
@@ -34,9 +31,9 @@ std::string number_of(std::size_t index) {
   return name.data();
 }
 
-// What was rendered; as RGB, whatever the board's camera delivers: files are for every tool.
-int write_scene(const config::BoardFile& board, const arena::SceneWord& scene,
-                const std::vector<arena::Moment>& moments, const Options& options) {
+// Renders the frames and writes all files. Pictures are RGB, independent of the camera's format.
+int write_scene(const config::BoardFile& board, const arena::SceneType& scene,
+                const std::vector<arena::SceneFrame>& frames, const Options& options) {
   const hal::mock::ArenaParameters& parameters = board.arena;
   const std::uint16_t width = board.camera.width_px, height = board.camera.height_px;
   hal::mock::Renderer renderer(
@@ -51,13 +48,13 @@ int write_scene(const config::BoardFile& board, const arena::SceneWord& scene,
   std::string truth, reason;
   const std::string prefix = options.out + "/";
   const bool progress = !options.quiet && ::isatty(STDERR_FILENO) != 0;
-  for (std::size_t i = 0; i < moments.size(); ++i) {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
     files.push_back(number_of(i));
-    const arena::Moment& moment = moments[i];
-    sensor.expose(moment.objects ? renderer.render(moment.begin, moment.end) : renderer.render_floor(), picture.rgb8);
+    const arena::SceneFrame& frame = frames[i];
+    sensor.expose(frame.objects ? renderer.render(frame.begin, frame.end) : renderer.render_floor(), picture.rgb8);
     if (!hal::write_picture(prefix + files[i], picture, reason, {.sync = false}).ok()) return fail(reason);
-    truth += arena::truth_line(moment, files[i], parameters, renderer.lens()) + "\n";
-    if (progress) std::fprintf(stderr, "\r%zu of %zu pictures", i + 1, moments.size());
+    truth += arena::truth_line(frame, files[i], parameters, renderer.lens()) + "\n";
+    if (progress) std::fprintf(stderr, "\r%zu of %zu pictures", i + 1, frames.size());
   }
   if (progress) std::fputc('\n', stderr);
   if (!hal::write_file(prefix + "truth.jsonl", truth, reason).ok() ||
@@ -66,40 +63,40 @@ int write_scene(const config::BoardFile& board, const arena::SceneWord& scene,
     return fail(reason);
   }
   if (scene.kind == arena::SceneKind::kSamples &&
-      !hal::write_file(prefix + "clicks.json", arena::clicks(moments, files, parameters, renderer.lens()), reason)
+      !hal::write_file(prefix + "clicks.json", arena::clicks(frames, files, parameters, renderer.lens()), reason)
            .ok()) {
     return fail(reason);
   }
   if (!options.quiet)
     std::printf("%zu pictures of scene %s in %s\n", files.size(), options.scene.c_str(), options.out.c_str());
-  return 0;
+  return touchline::kExitOk;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Pictures of the mock arena with their truth: to calibrate from, and to measure recognition with",
+  CLI::App app{"Renders pictures of the mock arena with their truth, for calibration and for measuring recognition",
                "touchline-arena"};
   std::string scenes;
-  for (const arena::SceneWord& scene : arena::scene_words()) {
-    scenes += "\n  " + std::string(scene.word) + ": " + std::string(scene.help);
+  for (const arena::SceneType& scene : arena::scene_types()) {
+    scenes += "\n  " + std::string(scene.name) + ": " + std::string(scene.help);
   }
   app.add_option("scene", options.scene, "One of:" + scenes)->required();
   app.add_option("--out", options.out,
-                 "Folder for pictures, truth.jsonl, scene.json, field-points.txt (and clicks.json of samples)")
+                 "Folder for pictures, truth.jsonl, scene.json, field-points.txt (samples: also clicks.json)")
       ->required();
-  app.add_option("--board", options.board, "Board file whose [camera] and [arena] are used")->capture_default_str();
-  app.add_option("--set", options.overrides, "KEY=VALUE of the board file for this time; repeatable");
-  app.add_option("--count", options.count, "Pictures; unless given, as many as such a scene needs")
+  app.add_option("--board", options.board, "Board file with the sections [camera] and [arena]")->capture_default_str();
+  touchline::add_overrides(app, options.overrides, "the board file");
+  app.add_option("--count", options.count, "Number of pictures (default: depends on the scene)")
       ->check(CLI::Range(1, 1000000));
-  app.add_option("--seed", options.seed, "Of placements and noise")->capture_default_str();
-  app.add_flag("--quiet", options.quiet, "Say nothing but errors");
+  app.add_option("--seed", options.seed, "Random seed of poses and noise")->capture_default_str();
+  app.add_flag("--quiet", options.quiet, "Print only errors");
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
 
-  const arena::SceneWord* scene = arena::find_scene(options.scene);
+  const arena::SceneType* scene = arena::find_scene(options.scene);
   if (scene == nullptr) {
-    return fail("there is no scene \"" + options.scene + "\"; there are:" + scenes);
+    return fail("unknown scene \"" + options.scene + "\"; scenes:" + scenes);
   }
   const auto configuration = std::make_unique<config::Configuration>();
   config::Problems problems;
@@ -108,14 +105,14 @@ int main(int argc, char** argv) {
   static_cast<void>(config::load_board(options.board, overrides.board, *configuration, problems));
   if (!problems.empty()) {
     std::cerr << problems.text();
-    return 1;
+    return touchline::kExitBadFile;
   }
   const config::BoardFile& board = configuration->board;
   const unsigned count = options.count == 0 ? scene->pictures : options.count;
-  const auto moments = arena::make_scene(scene->kind, board.arena, board.camera.rate_hz, count, options.seed);
-  if (moments.empty()) return fail(options.board + ": the field has no room for all its robots and the ball");
+  const auto frames = arena::make_scene(scene->kind, board.arena, board.camera.rate_hz, count, options.seed);
+  if (frames.empty()) return fail(options.board + ": the field has no room for all its robots and the ball");
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
-  if (error) return fail(options.out + ": cannot be made: " + error.message());
-  return write_scene(board, *scene, moments, options);
+  if (error) return fail(options.out + ": cannot be created: " + error.message());
+  return write_scene(board, *scene, frames, options);
 }

@@ -39,15 +39,15 @@ Json patch_pixel(const ArenaParameters& parameters, const Lens& lens, const Plac
   return pixel_of(lens, robot.x_m + at.x, robot.y_m + at.y, parameters.robot_height_m);
 }
 
-// What a person can point at on the empty field.
-struct FieldMark {
+// Points of the empty field that a person can identify.
+struct NamedPoint {
   const char* what;
   double x_m, y_m;
 };
-std::vector<FieldMark> field_marks(const hal::mock::FieldParameters& field) {
+std::vector<NamedPoint> named_field_points(const hal::mock::FieldParameters& field) {
   const double x = 0.5 * field.length_m, y = 0.5 * field.width_m;
   const double goal = 0.5 * field.goal_width_m, corner = field.corner_m;
-  std::vector<FieldMark> marks;
+  std::vector<NamedPoint> marks;
   for (const double sx : {-1.0, 1.0}) {
     for (const double sy : {-1.0, 1.0}) {
       marks.push_back({"goal post", sx * x, sy * goal});
@@ -61,25 +61,25 @@ std::vector<FieldMark> field_marks(const hal::mock::FieldParameters& field) {
   return marks;
 }
 
-// To half a pixel, as a hand with a mouse does at best.
+// Rounds to half a pixel, about the best precision of a click with the mouse.
 double clicked(double pixel) { return rounded(pixel, 2.0); }
 
 }  // namespace
 
-std::string truth_line(const Moment& moment, const std::string& file, const ArenaParameters& parameters,
+std::string truth_line(const SceneFrame& frame, const std::string& file, const ArenaParameters& parameters,
                        const Lens& lens) {
   Json line;
   line["file"] = file;
-  line["t"] = rounded(moment.t_s, 1e6);
+  line["t"] = rounded(frame.t_s, 1e6);
   line["ball"] = nullptr;
   line["robots"] = Json::array();
-  if (moment.objects) {
-    const Placement ball = middle(moment.begin.ball, moment.end.ball);
+  if (frame.objects) {
+    const Placement ball = middle(frame.begin.ball, frame.end.ball);
     const Json at = pixel_of(lens, ball.x_m, ball.y_m, parameters.ball_radius_m);
     line["ball"] = {{"x", meters(ball.x_m)}, {"y", meters(ball.y_m)}, {"u", at[0]}, {"v", at[1]}};
-    for (std::size_t i = 0; i < moment.begin.robots.size(); ++i) {
+    for (std::size_t i = 0; i < frame.begin.robots.size(); ++i) {
       const ArenaRobot& robot = parameters.robot[i];
-      const Placement place = middle(moment.begin.robots[i], moment.end.robots[i]);
+      const Placement place = middle(frame.begin.robots[i], frame.end.robots[i]);
       Json entry{{"team", team_color(parameters, robot)},
                  {"id", robot.id},
                  {"x", meters(place.x_m)},
@@ -95,22 +95,22 @@ std::string truth_line(const Moment& moment, const std::string& file, const Aren
   return line.dump();
 }
 
-std::string clicks(const std::vector<Moment>& moments, const std::vector<std::string>& files,
+std::string clicks(const std::vector<SceneFrame>& frames, const std::vector<std::string>& files,
                    const ArenaParameters& parameters, const Lens& lens) {
   Json samples = Json::array();
   const auto add = [&](const std::string& file, const std::string& color, const Json& at) {
     samples.push_back(
         {{"image", file}, {"color", color}, {"u", clicked(at[0].get<double>())}, {"v", clicked(at[1].get<double>())}});
   };
-  for (std::size_t m = 0; m < moments.size(); ++m) {
-    if (!moments[m].objects) continue;
-    const Placement& ball = moments[m].begin.ball;
+  for (std::size_t m = 0; m < frames.size(); ++m) {
+    if (!frames[m].objects) continue;
+    const Placement& ball = frames[m].begin.ball;
     add(files[m], parameters.ball_color, pixel_of(lens, ball.x_m, ball.y_m, parameters.ball_radius_m));
-    for (std::size_t i = 0; i < moments[m].begin.robots.size(); ++i) {
+    for (std::size_t i = 0; i < frames[m].begin.robots.size(); ++i) {
       const ArenaRobot& robot = parameters.robot[i];
       for (std::size_t k = 0; k < parameters.patch.size(); ++k) {
         add(files[m], k == 0 ? team_color(parameters, robot) : robot.colors[k - 1],
-            patch_pixel(parameters, lens, moments[m].begin.robots[i], k));
+            patch_pixel(parameters, lens, frames[m].begin.robots[i], k));
       }
     }
   }
@@ -121,7 +121,7 @@ std::string scene_description(const ArenaParameters& parameters, const Lens& len
   const auto& field = parameters.field;
   const double x = 0.5 * field.length_m, y = 0.5 * field.width_m;
   Json points = Json::array();
-  for (const FieldMark& mark : field_marks(field)) {
+  for (const NamedPoint& mark : named_field_points(field)) {
     points.push_back({{"what", mark.what},
                       {"x", meters(mark.x_m)},
                       {"y", meters(mark.y_m)},
@@ -144,7 +144,7 @@ std::string scene_description(const ArenaParameters& parameters, const Lens& len
 
 std::string field_points(const ArenaParameters& parameters, const Lens& lens) {
   std::ostringstream lines;
-  for (const FieldMark& mark : field_marks(parameters.field)) {
+  for (const NamedPoint& mark : named_field_points(parameters.field)) {
     const auto [u, v] = lens.project({mark.x_m, mark.y_m, 0.0});
     lines << mark.x_m << ',' << mark.y_m << ',' << clicked(u) << ',' << clicked(v) << '\n';
   }

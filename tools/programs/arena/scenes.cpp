@@ -15,7 +15,7 @@ using hal::mock::Snapshot;
 using hal::mock::World;
 
 constexpr std::uint64_t kSceneStream = 10;
-// Between robots of a pair, and along their sides in parts of a side.
+// Largest gap between the robots of a pair in meters, and largest shift along their sides in robot sides.
 constexpr double kPairGap = 0.001, kPairShift = 0.4;
 
 class Placer {
@@ -23,22 +23,22 @@ class Placer {
   Placer(const ArenaParameters& parameters, std::uint64_t seed)
       : parameters_(parameters), random_(seed, kSceneStream) {}
 
-  /// False from the moment on that there was no room for something.
+  /// False if at least one object found no room.
   [[nodiscard]] bool found_room() const { return found_room_; }
 
   Snapshot scattered() {
     Snapshot all;
-    for (std::size_t i = 0; i < parameters_.robot.size(); ++i) all.robots.push_back(free_place(all, robot_reach()));
-    all.ball = free_place(all, parameters_.ball_radius_m);
+    for (std::size_t i = 0; i < parameters_.robot.size(); ++i) all.robots.push_back(free_placement(all, robot_reach()));
+    all.ball = free_placement(all, parameters_.ball_radius_m);
     return all;
   }
 
-  // Each robot with the next one at its side, turned by quarters, so that patches of two robots meet in every way.
+  // Places the robots in touching pairs, rotated by multiples of 90 degrees, so that all sides meet.
   Snapshot in_pairs() {
     Snapshot all;
     const double side = parameters_.robot_side_m;
     for (std::size_t i = 0; i < parameters_.robot.size(); i += 2) {
-      const Placement first = free_place(all, robot_reach() + std::hypot(side + kPairGap, kPairShift * side));
+      const Placement first = free_placement(all, robot_reach() + std::hypot(side + kPairGap, kPairShift * side));
       all.robots.push_back(first);
       if (i + 1 == parameters_.robot.size()) break;
       const double way = first.theta_rad + quarter_turn();
@@ -47,7 +47,7 @@ class Placer {
       all.robots.push_back({first.x_m + gap * std::cos(way) - shift * std::sin(way),
                             first.y_m + gap * std::sin(way) + shift * std::cos(way), first.theta_rad + quarter_turn()});
     }
-    all.ball = free_place(all, parameters_.ball_radius_m);
+    all.ball = free_placement(all, parameters_.ball_radius_m);
     return all;
   }
 
@@ -55,10 +55,10 @@ class Placer {
   double quarter_turn() { return 0.5 * std::numbers::pi * static_cast<double>(random_.bits() % 4); }
   [[nodiscard]] double robot_reach() const { return parameters_.robot_side_m * std::numbers::sqrt2 / 2.0; }
 
-  Placement free_place(const Snapshot& taken, double reach_m) {
+  Placement free_placement(const Snapshot& taken, double reach_m) {
     const double gap = 0.004;
     Placement place;
-    // A field so full that a thousand draws find no place has none.
+    // If a thousand draws fail, the field counts as full.
     for (int draw = 0; draw < 1000; ++draw) {
       place = {random_.uniform(-0.5, 0.5) * (parameters_.field.length_m - 2.0 * reach_m),
                random_.uniform(-0.5, 0.5) * (parameters_.field.width_m - 2.0 * reach_m),
@@ -81,15 +81,15 @@ class Placer {
   bool found_room_ = true;
 };
 
-// A game without strategy: own robots get new wheel speeds every half second, the others play.
-std::vector<Moment> play(const ArenaParameters& parameters, double rate_hz, unsigned count, std::uint64_t seed) {
+// A game without strategy: own robots get random wheel speeds every half second; the opponents play.
+std::vector<SceneFrame> play(const ArenaParameters& parameters, double rate_hz, unsigned count, std::uint64_t seed) {
   World world(parameters, seed);
   Random random(seed, kSceneStream);
-  std::vector<Moment> moments;
+  std::vector<SceneFrame> frames;
   const auto exposure = static_cast<std::uint64_t>(std::lround(parameters.sensor.exposure_s / World::kStepS));
   std::uint64_t steps = 0;
   double decide_s = 0.0;
-  const auto go_on = [&] {
+  const auto step = [&] {
     const double t_s = static_cast<double>(steps) * World::kStepS;
     if (t_s >= decide_s) {
       decide_s += 0.5;
@@ -104,57 +104,57 @@ std::vector<Moment> play(const ArenaParameters& parameters, double rate_hz, unsi
   };
   for (unsigned i = 0; i < count; ++i) {
     const auto begin = static_cast<std::uint64_t>(std::ceil(static_cast<double>(i) / rate_hz / World::kStepS));
-    while (steps < begin) go_on();
-    Moment moment;
-    moment.begin = world.snapshot();
+    while (steps < begin) step();
+    SceneFrame frame;
+    frame.begin = world.snapshot();
     const std::uint64_t since = steps;
-    while (steps < since + exposure) go_on();
-    moment.end = world.snapshot();
-    moment.t_s = 0.5 * static_cast<double>(since + steps) * World::kStepS;
-    moments.push_back(moment);
+    while (steps < since + exposure) step();
+    frame.end = world.snapshot();
+    frame.t_s = 0.5 * static_cast<double>(since + steps) * World::kStepS;
+    frames.push_back(frame);
   }
-  return moments;
+  return frames;
 }
 
 }  // namespace
 
-const std::vector<SceneWord>& scene_words() {
-  static const std::vector<SceneWord> all{
-      {"empty", SceneKind::kEmpty, 1, "the field alone"},
+const std::vector<SceneType>& scene_types() {
+  static const std::vector<SceneType> all{
+      {"empty", SceneKind::kEmpty, 1, "only the field"},
       {"grey", SceneKind::kGrey, 1, "the field covered with grey paper"},
       {"samples", SceneKind::kSamples, 4, "robots and ball at random places, with clicks to learn colors from"},
       {"layouts", SceneKind::kLayouts, 50, "robots and ball at random places"},
-      {"static", SceneKind::kStatic, 50, "nothing moves, only the noise differs"},
+      {"static", SceneKind::kStatic, 50, "nothing moves; only the noise differs"},
       {"touching", SceneKind::kTouching, 20, "robots in pairs, side by side"},
       {"match", SceneKind::kMatch, 120, "a game, at the camera's rate"}};
   return all;
 }
 
-const SceneWord* find_scene(std::string_view word) {
-  const auto& all = scene_words();
-  const auto found = std::find_if(all.begin(), all.end(), [&](const SceneWord& scene) { return scene.word == word; });
+const SceneType* find_scene(std::string_view name) {
+  const auto& all = scene_types();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const SceneType& scene) { return scene.name == name; });
   return found == all.end() ? nullptr : &*found;
 }
 
-std::vector<Moment> make_scene(SceneKind kind, const ArenaParameters& parameters, double rate_hz, unsigned count,
-                               std::uint64_t seed) {
+std::vector<SceneFrame> make_scene(SceneKind kind, const ArenaParameters& parameters, double rate_hz, unsigned count,
+                                   std::uint64_t seed) {
   if (kind == SceneKind::kMatch) return play(parameters, rate_hz, count, seed);
   Placer placer(parameters, seed);
-  std::vector<Moment> moments;
+  std::vector<SceneFrame> frames;
   for (unsigned i = 0; i < count; ++i) {
-    Moment moment;
-    moment.t_s = static_cast<double>(i) / rate_hz;
-    moment.objects = kind != SceneKind::kEmpty && kind != SceneKind::kGrey;
+    SceneFrame frame;
+    frame.t_s = static_cast<double>(i) / rate_hz;
+    frame.objects = kind != SceneKind::kEmpty && kind != SceneKind::kGrey;
     if (kind == SceneKind::kStatic && i > 0) {
-      moment.begin = moments[0].begin;
-    } else if (moment.objects) {
-      moment.begin = kind == SceneKind::kTouching ? placer.in_pairs() : placer.scattered();
+      frame.begin = frames[0].begin;
+    } else if (frame.objects) {
+      frame.begin = kind == SceneKind::kTouching ? placer.in_pairs() : placer.scattered();
     }
-    moment.end = moment.begin;
-    moments.push_back(moment);
+    frame.end = frame.begin;
+    frames.push_back(frame);
   }
-  if (!placer.found_room()) moments.clear();
-  return moments;
+  if (!placer.found_room()) frames.clear();
+  return frames;
 }
 
 }  // namespace touchline::arena

@@ -8,31 +8,31 @@
 #include "hal/mock/renderer.h"
 #include "hal/mock/world.h"
 
-// Scenes of the arena as pictures with truth: to calibrate from, to measure recognition with.
+// Scenes of the mock arena: object poses for pictures with known truth.
 namespace touchline::arena {
 
 enum class SceneKind : std::uint8_t { kEmpty, kGrey, kSamples, kLayouts, kStatic, kTouching, kMatch };
 
-struct SceneWord {
-  std::string_view word;
+struct SceneType {
+  std::string_view name;
   SceneKind kind;
-  unsigned pictures;  // unless the person says how many
+  unsigned pictures;  // default number
   std::string_view help;
 };
-const std::vector<SceneWord>& scene_words();
-/// Null: no such scene.
-const SceneWord* find_scene(std::string_view word);
+const std::vector<SceneType>& scene_types();
+/// Returns null if there is no such scene.
+const SceneType* find_scene(std::string_view name);
 
-/// What is where during one exposure.
-struct Moment {
+/// Poses of all objects during one exposure.
+struct SceneFrame {
   hal::mock::Snapshot begin, end;
   double t_s = 0.0;
-  bool objects = true;  // false: field or paper alone
+  bool objects = true;  // false: only the field or paper
 };
 
-/// `count` moments of a scene, 1 or more; none when the field has no room for all. Placements are drawn from `seed`;
-/// robots never overlap each other, the ball or the walls.
-std::vector<Moment> make_scene(SceneKind kind, const hal::mock::ArenaParameters& parameters, double rate_hz,
-                               unsigned count, std::uint64_t seed);
+/// Makes `count` frames of a scene (at least 1). Returns none if the field has no room for all objects. Poses are
+/// random and depend on `seed`; robots never overlap each other, the ball or the walls.
+std::vector<SceneFrame> make_scene(SceneKind kind, const hal::mock::ArenaParameters& parameters, double rate_hz,
+                                   unsigned count, std::uint64_t seed);
 
 }  // namespace touchline::arena

@@ -4,9 +4,11 @@
 
 namespace touchline::latency {
 
-/// Calls of malloc and its kin, by new or directly, on the calling thread since it began. The program that links this
-/// library gets an allocator that counts; false: a sanitizer's allocator is in its place and nothing is counted.
+/// Whether allocations are counted. A program that links this library gets an allocator that counts, unless it is built
+/// with a sanitizer, which brings its own allocator.
 bool allocations_are_counted() noexcept;
+/// Number of calls of malloc, calloc, realloc and so on, including those by `new`, on the calling thread since it
+/// began.
 std::uint64_t allocations_of_this_thread() noexcept;
 
 }  // namespace touchline::latency

@@ -21,12 +21,12 @@ using namespace std::chrono_literals;
 constexpr std::array kArguments{"--cpu", "0",     "--cache", "1",           "--vm", "1",      "--vm-bytes",
                                 "128m",  "--hdd", "1",       "--hdd-bytes", "16m",  "--quiet"};
 
-// Waits up to `patience` for the end of `process`.
-bool has_ended(pid_t process, std::chrono::milliseconds patience) {
+// Waits up to `timeout` for `process` to end.
+bool has_ended(pid_t process, std::chrono::milliseconds timeout) {
   constexpr auto kStep = 10ms;
   for (auto waited = 0ms;; waited += kStep) {
     if (waitpid(process, nullptr, WNOHANG) != 0) return true;
-    if (waited >= patience) return false;
+    if (waited >= timeout) return false;
     std::this_thread::sleep_for(kStep);
   }
 }
@@ -40,11 +40,11 @@ std::string BackgroundLoad::description() {
 }
 
 bool BackgroundLoad::start(std::string& error, const std::string& program) {
-  // All that allocates stands before fork().
+  // Everything that allocates is done before fork().
   std::error_code missing;
   const std::string folder = std::filesystem::temp_directory_path(missing).string();
   if (missing) {
-    error = "no load: the folder for temporary files (TMPDIR): " + missing.message();
+    error = "--load: the folder for temporary files (TMPDIR): " + missing.message();
     return false;
   }
   std::array<char*, kArguments.size() + 4> arguments{};
@@ -56,13 +56,13 @@ bool BackgroundLoad::start(std::string& error, const std::string& program) {
   append(folder.c_str());
   std::array<int, 2> pipe{};
   if (pipe2(pipe.data(), O_CLOEXEC) != 0) {
-    error = std::string("no load: ") + std::strerror(errno);
+    error = std::string("--load: ") + std::strerror(errno);
     return false;
   }
   const pid_t parent = getpid();
   process_ = fork();
   if (process_ == 0) {
-    // A group of its own: Ctrl-C is for this program, which then ends the load.
+    // Its own process group: Ctrl-C must reach only this program, which then ends the load.
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() == parent) execvp(arguments[0], arguments.data());
@@ -73,15 +73,15 @@ bool BackgroundLoad::start(std::string& error, const std::string& program) {
   const int fork_error = errno;
   close(pipe[1]);
   int reason = process_ < 0 ? fork_error : 0;
-  // Nothing is read when the program could be begun, for that closes the pipe.
+  // A successful exec closes the pipe, and nothing is read.
   if (process_ > 0) static_cast<void>(!read(pipe[0], &reason, sizeof reason));
   close(pipe[0]);
   if (reason == ENOENT) {
     error = "--load needs " + program + ", which is not installed: sudo apt install stress-ng";
   } else if (reason != 0) {
-    error = "--load cannot begin " + program + ": " + std::strerror(reason);
+    error = "--load cannot start " + program + ": " + std::strerror(reason);
   } else if (has_ended(process_, 1s)) {
-    error = "--load: " + program + " ended at once; try it alone: " + description();
+    error = "--load: " + program + " ended immediately; run it separately: " + description();
     process_ = -1;
   } else {
     return true;

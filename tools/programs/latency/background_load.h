@@ -6,10 +6,11 @@
 
 namespace touchline::latency {
 
-/// stress-ng beside the measurement, on all processors, with ordinary priority: arithmetic on each processor, one
-/// process that thrashes the caches, one that fills and checks 128 MiB of memory, one that writes files of 16 MiB and
-/// reads them back. Ends with this object, and with this process, however that ends. From the thread that lives
-/// longest, before it becomes privileged.
+/// Runs stress-ng during the measurement with ordinary priority: arithmetic on each processor, one process that
+/// thrashes the caches, one that fills and checks 128 MiB of memory, and one that writes files of 16 MiB and reads them
+/// back. stress-ng ends with this object, or with this process, however the process ends. Start it from the main thread
+/// (the kernel ends it with the thread that started it), before that thread gets real-time priority, which it would
+/// inherit.
 class BackgroundLoad {
  public:
   BackgroundLoad() = default;
@@ -17,11 +18,11 @@ class BackgroundLoad {
   BackgroundLoad(const BackgroundLoad&) = delete;
   BackgroundLoad& operator=(const BackgroundLoad&) = delete;
 
-  /// Takes a second, after which the load is there. `program`: another one only in tests.
+  /// Starts the load; blocks for one second until it runs. `program`: replaced by tests.
   bool start(std::string& error, const std::string& program = "stress-ng");
-  /// False: it had ended by itself.
+  /// Stops the load. Returns false if it had ended before.
   bool stop();
-  /// The command line.
+  /// The command line of the load.
   [[nodiscard]] static std::string description();
 
  private:

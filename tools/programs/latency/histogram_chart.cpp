@@ -19,7 +19,7 @@ constexpr int kWidth = 960, kPanelHeight = 300;
 constexpr double kLeft = 66.0, kRight = 16.0, kTop = 30.0, kBottom = 50.0, kGap = 38.0;
 constexpr double kTextSize = 13.0;
 constexpr Rgb kInk{0.13, 0.13, 0.13}, kMinor{0.93, 0.93, 0.93}, kMajor{0.82, 0.82, 0.82}, kDeadline{0.70, 0.0, 0.10};
-// The color-blind-safe palette of Okabe and Ito (2008), without its yellow, which white paper swallows.
+// The color-blind-safe palette of Okabe and Ito (2008) without its yellow, which is invisible on white.
 constexpr std::array<Rgb, kPartCount> kColors{{{0.00, 0.45, 0.70},
                                                {0.90, 0.62, 0.00},
                                                {0.00, 0.62, 0.45},
@@ -47,15 +47,15 @@ struct Axes {
     const double share = (std::log10(s) - first_decade) / (last_decade - first_decade);
     return kLeft + std::clamp(share, 0.0, 1.0) * (kWidth - kLeft - kRight);
   }
-  // One frame stands a third of a decade above the ground, so that a single outlier is seen.
+  // A count of one is drawn a third of a decade above the axis, so that a single outlier is visible.
   [[nodiscard]] double y(const Panel& panel, double count) const {
-    constexpr double kFoot = 1.0 / 3.0;
-    const double share = count < 1.0 ? 0.0 : (std::log10(count) + kFoot) / (std::log10(top_count) + kFoot);
+    constexpr double kOffset = 1.0 / 3.0;
+    const double share = count < 1.0 ? 0.0 : (std::log10(count) + kOffset) / (std::log10(top_count) + kOffset);
     return panel.top + panel.height * (1.0 - std::min(share, 1.0));
   }
 };
 
-// To be called once for a context.
+// Call once per context.
 void use_font(cairo_t& context) {
   cairo_select_font_face(&context, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(&context, kTextSize);
@@ -94,7 +94,7 @@ Axes axes_for(std::span<const Panel> panels, double deadline_s) {
       }
     }
   }
-  axes.top_count *= 1.8;  // room for the deadline's name
+  axes.top_count *= 1.8;  // room for the label of the deadline
   if (deadline_s > 0.0) last = std::max(last, LogHistogram::bin_of(from_seconds(deadline_s)));
   axes.first_decade =
       LogHistogram::kFirstDecade + static_cast<int>(std::min(first, last)) / LogHistogram::kBinsPerDecade;
@@ -194,7 +194,7 @@ std::vector<Panel> panels_of(std::span<const NamedReport> reports) {
     }
     return panels;
   }
-  // The packet's way through this program above, with the camera's part below.
+  // Upper panel: frame to packet. Lower panel: capture to packet.
   panels.push_back({kTop + kPanelHeight + kGap, kPanelHeight, {}});
   for (std::size_t i = 0; i < reports.size(); ++i) {
     const Rgb& color = kColors[i % kColors.size()];
@@ -213,7 +213,7 @@ void draw(cairo_t& context, std::span<const NamedReport> reports) {
   cairo_paint(&context);
   use_font(context);
   const std::vector<Panel> panels = panels_of(reports);
-  // A deadline that differs between reports is none.
+  // Draws the deadline only if it is the same in all reports.
   Duration deadline = reports.front().report.deadline;
   for (const NamedReport& other : reports) {
     if (other.report.deadline != deadline) deadline = Duration::zero();

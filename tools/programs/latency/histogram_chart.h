@@ -12,8 +12,9 @@ struct NamedReport {
   const LatencyReport& report;
 };
 
-// Both axes logarithmic, for paper: dark on white. One report: the whole frame above, its parts below, and the
-// deadline. Several: their whole frames, one over the other.
+/// Draws the latency histograms with logarithmic axes, dark on white. For one report: the sums in the upper panel with
+/// the deadline, the parts in the lower panel. For several reports: frame to packet in the upper panel, capture to
+/// packet in the lower panel, all reports overlaid.
 std::string histogram_svg(std::span<const NamedReport> reports);
 std::string histogram_png(std::span<const NamedReport> reports);
 

@@ -54,12 +54,12 @@ double LogHistogram::lower_edge_s(std::size_t bin) {
   return std::pow(10.0, kFirstDecade + static_cast<double>(bin) / kBinsPerDecade);
 }
 
-Span culprit(const LatencyReport& report, const WorstFrame& frame) {
+Span most_delayed_span(const LatencyReport& report, const WorstFrame& frame) {
   std::size_t found = 0;
   const auto excess = [&](std::size_t i) { return frame.times[i] - report.spans[i].p50; };
   for (std::size_t i = 1; i < kPartCount; ++i) {
     const bool more = excess(i) > excess(found);
-    // Of a single frame everything is as usual: then the longest part.
+    // With a single frame, all parts equal their medians; then the longest part wins.
     if (more || (excess(i) == excess(found) && frame.times[i] > frame.times[found])) found = i;
   }
   return static_cast<Span>(found);
@@ -68,15 +68,15 @@ Span culprit(const LatencyReport& report, const WorstFrame& frame) {
 std::string text_of(Duration duration) {
   char text[32];
   const double s = seconds(duration);
-  // 999.5 would be printed as 1e+03.
+  // %.3g would print 999.5 as 1e+03.
   const bool micro = s < 0.99e-4, milli = s < 0.9995;
   std::snprintf(text, sizeof text, "%.3g %s", s * (micro ? 1e6 : milli ? 1e3 : 1.0), micro ? "µs" : milli ? "ms" : "s");
   return text;
 }
 
-std::string verdict(const LatencyReport& report) {
+std::string summary_sentence(const LatencyReport& report) {
   const WorstFrame& frame = report.worst.front();
-  const Span part = culprit(report, frame);
+  const Span part = most_delayed_span(report, frame);
   const auto index = static_cast<std::size_t>(part);
   std::string text = "Worst frame: number " + std::to_string(frame.number) + " took " +
                      text_of(frame.times[static_cast<std::size_t>(Span::kLatency)]) + " from capture to packet, " +

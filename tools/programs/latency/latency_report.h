@@ -12,28 +12,28 @@
 
 namespace touchline::latency {
 
-/// What is measured: where a frame is from its capture to its packet, and the frame as a whole.
+/// The time spans that are measured for each frame: the parts from capture to packet, and two sums.
 enum class Span : std::uint8_t {
-  kCamera,  // the driver's stamp until the loop has the frame
+  kCamera,  // from the driver's time stamp until the loop has the frame
   kRegion,
   kMarker,
   kTrack,
   kControl,
-  kEncode,      // Stage, in its order
-  kSend,        // the rest until the radio has taken the packet
-  kProcessing,  // all but kCamera
-  kLatency      // all
+  kEncode,      // kRegion to kEncode: in the order of Stage
+  kSend,        // the rest, until the radio has accepted the packet
+  kProcessing,  // all parts except kCamera
+  kLatency      // all parts
 };
-inline constexpr std::size_t kSpanCount = 9, kPartCount = 7;  // the first seven add up to the last
+inline constexpr std::size_t kSpanCount = 9, kPartCount = 7;  // the first seven are parts; they add up to kLatency
 const char* describe(Span span) noexcept;
 
-/// One frame, by Span.
+/// The times of one frame, indexed by Span.
 using SpanTimes = std::array<Duration, kSpanCount>;
 
-/// Kernel's account of a thread.
+/// Resource usage of a thread, as counted by the kernel.
 struct ThreadUsage {
   std::uint64_t minor_faults = 0, major_faults = 0;
-  std::uint64_t voluntary_switches = 0, involuntary_switches = 0;  // it waited; it was displaced
+  std::uint64_t voluntary_switches = 0, involuntary_switches = 0;  // context switches: it waited; it was preempted
   static ThreadUsage of_this_thread();
   ThreadUsage since(const ThreadUsage& before) const;
 
@@ -46,17 +46,17 @@ struct ThreadUsage {
   }
 };
 
-/// What the measurement ran on. Empty texts and values: this system does not tell.
+/// The system on which the measurement ran. Empty texts and values: the system does not provide them.
 struct SystemFacts {
-  std::string processor, kernel, preemption, isolated;  // isolated: processors that others are kept away from
+  std::string processor, kernel, preemption, isolated;  // isolated: list of isolated processors (isolcpus)
   std::uint64_t processors = 0;
   std::string scheduler, affinity;
   std::int64_t priority = 0, timer_slack_ns = 0, locked_kb = 0;
-  std::string governor;  // of the loop's processor, as the frequencies
+  std::string governor;  // of the loop's processor, like the frequencies
   std::optional<double> min_mhz, max_mhz, begin_mhz, end_mhz;
-  std::optional<double> begin_celsius, end_celsius;  // of the hottest zone
-  std::string load;                                  // what ran beside it
-  std::vector<std::string> refused;                  // real-time requests and hints, with what to do
+  std::optional<double> begin_celsius, end_celsius;  // of the hottest thermal zone
+  std::string load;                                  // command line of the background load
+  std::vector<std::string> refused;                  // refused real-time requests and hints, with advice
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -87,7 +87,7 @@ struct WorstFrame {
   SpanTimes times{};
 };
 
-/// Counts of durations in bins that are a 20th of a decade wide; the outermost ones hold what lies beyond.
+/// Histogram of durations with bins of a 20th of a decade. Durations beyond the range count in the outermost bins.
 class LogHistogram {
  public:
   static constexpr int kBinsPerDecade = 20, kFirstDecade = -7, kLastDecade = 1;  // 100 ns to 10 s
@@ -98,30 +98,31 @@ class LogHistogram {
   std::array<std::uint64_t, kBins> counts{};
 };
 
-/// Everything that output needs; what the JSON file holds.
+/// Result of a measurement: the content of the JSON file and of all reports.
 struct LatencyReport {
   static constexpr std::int64_t kFormat = 1;
   std::string source, measured_at;  // ISO 8601, UTC
   std::uint64_t frames = 0, warm_up = 0;
-  double rate_hz = 0.0;  // 0: the input has none
+  double rate_hz = 0.0;  // 0: the input has no frame rate
   Duration deadline{};   // from capture to packet; zero: none
   std::uint64_t deadline_misses = 0;
   std::uint64_t period_overruns = 0;  // frames that took longer than a period from frame to packet
-  std::uint64_t lost = 0;             // gaps in the driver's count
+  std::uint64_t lost = 0;             // frames missing in the driver's sequence numbers
   std::uint64_t overloads = 0;
   std::array<LatencySummary, kSpanCount> spans{};
   std::array<LogHistogram, kSpanCount> histograms{};
   std::vector<WorstFrame> worst;             // by kLatency, longest first
   ThreadUsage usage;                         // of the loop's thread after warm-up
-  std::optional<std::uint64_t> allocations;  // likewise; nothing: built with a sanitizer, whose allocator is its own
+  std::optional<std::uint64_t> allocations;  // likewise; empty in builds with a sanitizer
   SystemFacts system;
 };
 
-/// The part of `frame` that lay farthest above its median.
-Span culprit(const LatencyReport& report, const WorstFrame& frame);
-/// One sentence: the worst frame, the stage it sat in, the deadline. `report.worst` must not be empty.
-std::string verdict(const LatencyReport& report);
-/// Three digits and a unit: "1.86 ms".
+/// The part of `frame` that exceeds its median most.
+Span most_delayed_span(const LatencyReport& report, const WorstFrame& frame);
+/// Describes the worst frame, its most delayed part and the missed deadlines in one sentence. `report.worst` must not
+/// be empty.
+std::string summary_sentence(const LatencyReport& report);
+/// Formats a duration with three significant digits and a unit: "1.86 ms".
 std::string text_of(Duration duration);
 
 }  // namespace touchline::latency

@@ -21,19 +21,19 @@ struct LatencySummary {
   }
 };
 
-/// Every duration of a run, so that percentiles are exact. All memory is taken and touched by the constructor.
+/// Stores every duration of a measurement, so percentiles are exact. The constructor allocates and touches all memory.
 class LatencySamples {
  public:
   explicit LatencySamples(std::size_t capacity) : samples_(capacity) {}
-  /// Never allocates. A full one takes no more.
+  /// Never allocates. Ignores the duration if the capacity is reached.
   void add(Duration duration) {
     if (count_ < samples_.size()) samples_[count_++] = duration;
   }
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] Duration operator[](std::size_t i) const { return samples_[i]; }
-  /// Nearest-rank percentiles; all zero without samples.
+  /// Computes nearest-rank percentiles; all zero without samples.
   [[nodiscard]] LatencySummary summarize() const;
-  /// How many are longer.
+  /// Number of samples longer than `limit`.
   [[nodiscard]] std::uint64_t longer_than(Duration limit) const;
 
  private:

@@ -12,37 +12,37 @@ int main(int argc, char** argv) {
   std::vector<std::string> compared;
   config::FilePaths& files = options.session.files;
   CLI::App app{
-      "Measures what frames cost from capture to packet, stage by stage, and says what the worst one was.\n"
-      "With a board whose radio is real, robots are driven while it measures.",
+      "Measures the time of each frame from capture to packet, stage by stage, and reports the worst frames.\n"
+      "With a real radio, robots are driven during the measurement.",
       "touchline-latency"};
   app.footer(
-      "Ctrl-C ends it with the report so far. Exit codes: 0 all went well, 1 a file is wrong or cannot be written,\n"
-      "2 a device failed, 64 the command line is wrong. docs/latency.md explains the report.");
+      "Ctrl-C ends the measurement with a report of the frames so far. Exit codes: 0 success, 1 a file is invalid or\n"
+      "cannot be written, 2 a device failed, 64 the command line is wrong. docs/latency.md explains the report.");
   app.add_option("--board", files.board, "Board file");
-  app.add_option("--venue", files.venue, "Venue file instead of the board's");
-  app.add_option("--team", files.team, "Team file instead of the board's");
-  app.add_option("--set", files.overrides, "key=value: overrides a key of the three files")->allow_extra_args(false);
-  app.add_option("--seed", options.session.seed, "Of a simulation (1)");
+  app.add_option("--venue", files.venue, "Venue file instead of the one that the board file names");
+  app.add_option("--team", files.team, "Team file instead of the one that the board file names");
+  add_overrides(app, files.overrides, "the three files");
+  app.add_option("--seed", options.session.seed, "Random seed of the mock arena (1)");
   CLI::Option* frames =
-      app.add_option("--frames", options.frames, "Frames to measure (10000)")->check(CLI::Range(1, 10000000));
-  app.add_option("--duration", options.duration_s, "Seconds to measure instead (simulated ones in the arena)")
+      app.add_option("--frames", options.frames, "Number of frames to measure (10000)")->check(CLI::Range(1, 10000000));
+  app.add_option("--duration", options.duration_s, "Seconds to measure instead (simulated seconds in the mock arena)")
       ->check(number_range(0.1, 1e6))
       ->excludes(frames);
-  app.add_option("--warm-up", options.warm_up, "Frames before them that do not count (200)")
+  app.add_option("--warm-up", options.warm_up, "Number of frames before the measurement (200)")
       ->check(CLI::Range(0, 1000000));
-  app.add_option("--deadline-ms", options.deadline_ms, "From capture to packet (a frame's period)")
+  app.add_option("--deadline-ms", options.deadline_ms, "Deadline from capture to packet (the frame period)")
       ->check(number_range(0.001, 1e6));
-  app.add_option("--list", options.listed, "Worst frames to list (5)")->check(CLI::Range(1, 20));
+  app.add_option("--list", options.listed, "Number of worst frames in the report (5)")->check(CLI::Range(1, 20));
   app.add_flag("--worst-frames", options.worst_frames,
-               "Pictures that cost the most work instead of the board's camera, and no radio");
-  app.add_flag("--load", options.load, "With stress-ng beside it: arithmetic on all processors, caches, memory, files");
-  app.add_option("--out", outputs.json, "Write the numbers as JSON into this file");
-  app.add_option("--histogram", outputs.histogram, "Draw the histogram into this file, .svg or .png")
+               "Measure synthetic pictures that are most expensive to process, instead of the camera; no radio");
+  app.add_flag("--load", options.load, "Run stress-ng at the same time: processors, caches, memory, files");
+  app.add_option("--out", outputs.json, "Write all numbers into this JSON file");
+  app.add_option("--histogram", outputs.histogram, "Write the histogram into this file, .svg or .png")
       ->check([](const std::string& path) {
-        return path.ends_with(".svg") || path.ends_with(".png") ? "" : path + " ends neither in .svg nor in .png";
+        return path.ends_with(".svg") || path.ends_with(".png") ? "" : path + ": the name must end in .svg or .png";
       });
-  app.add_option("--html", outputs.html, "Write the whole report as a page into this file");
-  app.add_option("--compare", compared, "Measure nothing: hold the second JSON file against the first")
+  app.add_option("--html", outputs.html, "Write the whole report into this HTML file");
+  app.add_option("--compare", compared, "Compare the second JSON file with the first, without measuring")
       ->expected(2)
       ->type_name("A.json B.json");
   app.final_callback([&] {

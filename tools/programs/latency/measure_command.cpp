@@ -18,20 +18,20 @@
 #include "firmware/signals.h"
 #include "hal/linux/files/output_file.h"
 #include "hal/linux/monotonic_clock.h"
+#include "tools/programs/command_line/command_line.h"
 #include "tools/programs/latency/background_load.h"
 #include "tools/programs/latency/measurement.h"
 #include "tools/programs/latency/progress.h"
-#include "tools/programs/latency/report_document.h"
+#include "tools/programs/latency/report_content.h"
 #include "tools/programs/latency/report_json.h"
+#include "tools/programs/latency/stress_pattern_camera.h"
 #include "tools/programs/latency/system_facts.h"
-#include "tools/programs/latency/worst_frames.h"
 
 namespace touchline::latency {
 namespace {
 
-int fail(const std::string& message, int code = kExitBadFile) {
-  std::cerr << "touchline-latency: " << message << '\n';
-  return code;
+int fail(const std::string& message, int exit_code = kExitBadFile) {
+  return touchline::fail("touchline-latency", message, exit_code);
 }
 
 int refuse(const config::Problems& problems) {
@@ -39,7 +39,7 @@ int refuse(const config::Problems& problems) {
   return kExitBadFile;
 }
 
-// Without making or touching the file: a measurement that fails must not leave empty ones behind.
+// Checks the path without creating or changing the file, because a failed measurement must not leave empty files.
 bool can_be_written(const std::string& path, std::string& error) {
   if (path.empty() || path == "-") return true;
   const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
@@ -73,14 +73,14 @@ std::string utc_now() {
   return text.data();
 }
 
-// From an open loop to its end.
+// One measurement: runs a loop that is open, and writes the report.
 class Run {
  public:
-  Run(const MeasureOptions& options, const config::BoardFile& board, double most_hz)
+  Run(const MeasureOptions& options, const config::BoardFile& board, double max_rate_hz)
       : options_(options),
         board_(board),
-        warm_up_s_(static_cast<double>(options.warm_up) / most_hz),
-        frames_(frames_for(options, most_hz)),
+        warm_up_s_(static_cast<double>(options.warm_up) / max_rate_hz),
+        frames_(frames_for(options, max_rate_hz)),
         measurement_(frames_, options.warm_up) {}
 
   [[nodiscard]] LoopObserver observer() { return measurement_.observer(); }
@@ -89,56 +89,56 @@ class Run {
     return options_.duration_s > 0.0 ? from_seconds(options_.duration_s + warm_up_s_) : Duration::zero();
   }
 
-  // First of all: what may not be possible, and memory, before the camera fills its first buffers.
+  // Starts the load, which can fail, and locks the memory. Call it before the camera fills its first buffers.
   bool prepare(std::string& error) {
     if (options_.load && !load_.start(error)) return false;
-    tell(lock_memory(board_.realtime));
+    report_refused(lock_memory(board_.realtime));
     return true;
   }
 
-  // Nobody prints the loop's reports: what does not fit into their ring is left out.
   int measure(Loop& loop, const std::string& source, double rate_hz) {
     LoopEnd end = LoopEnd::kRequested;
     SystemFacts facts;
     {
-      // Begins before this thread becomes privileged, and inherits nothing of it.
+      // Its thread starts before this one gets real-time priority and does not inherit it.
       const Progress progress(measurement_, options_.duration_s > 0.0 ? 0 : steps());
       const CpuLatencyRequest cpu_latency_request(board_.realtime);
-      tell(cpu_latency_request.refused());
-      tell(become_realtime(board_.realtime));
-      tell(realtime_hints(board_.realtime, is_realtime()));
+      report_refused(cpu_latency_request.refused());
+      report_refused(become_realtime(board_.realtime));
+      report_refused(realtime_hints(board_.realtime, is_realtime()));
       facts = read_system_facts();
       measurement_.begin();
       end = loop.run(handle_stop_signals());
       measurement_.end();
       read_final_facts(facts);
     }
-    const Expected expected{rate_hz, from_seconds(options_.deadline_ms * 1e-3), options_.listed};
+    const ReportSettings expected{rate_hz, from_seconds(options_.deadline_ms * 1e-3), options_.listed};
     LatencyReport report = measurement_.report(source, expected);
     report.measured_at = utc_now();
     if (options_.load) facts.load = BackgroundLoad::description();
-    if (!load_.stop()) facts.load += " (it ended before the measurement)";
-    facts.refused = std::move(told_);
+    if (!load_.stop()) facts.load += " (ended before the measurement did)";
+    facts.refused = std::move(refused_);
     report.system = std::move(facts);
     const int code = output(report);
     if (end != LoopEnd::kFault && end != LoopEnd::kDeviceLost) return code;
-    return fail(std::string("the loop ended by a fault: ") + loop.last_fault().reason.data(), kExitDeviceFailure);
+    return fail(std::string("the loop ended because of a fault: ") + loop.last_fault().reason.data(),
+                kExitDeviceFailure);
   }
 
  private:
-  static std::size_t frames_for(const MeasureOptions& options, double most_hz) {
+  static std::size_t frames_for(const MeasureOptions& options, double max_rate_hz) {
     if (options.duration_s <= 0.0) return options.frames;
-    // A tenth more than expected; never more than a gigabyte of samples.
-    return static_cast<std::size_t>(std::min(1e7, 100.0 + 1.1 * most_hz * options.duration_s));
+    // A tenth more than expected, and at most a gigabyte of samples.
+    return static_cast<std::size_t>(std::min(1e7, 100.0 + 1.1 * max_rate_hz * options.duration_s));
   }
 
-  void tell(const std::vector<std::string>& sentences) {
+  void report_refused(const std::vector<std::string>& sentences) {
     for (const std::string& sentence : sentences) std::cerr << "real time: " << sentence << '\n';
-    told_.insert(told_.end(), sentences.begin(), sentences.end());
+    refused_.insert(refused_.end(), sentences.begin(), sentences.end());
   }
 
   [[nodiscard]] int output(const LatencyReport& report) const {
-    if (report.frames == 0) return fail("ended before the warm-up was over");
+    if (report.frames == 0) return fail("the measurement ended during the warm-up");
     const Document document = document_of(report);
     const Outputs& outputs = options_.outputs;
     // With "-" as a file's name, standard output holds that file and nothing else.
@@ -161,7 +161,7 @@ class Run {
   std::size_t frames_;
   Measurement measurement_;
   BackgroundLoad load_;
-  std::vector<std::string> told_;
+  std::vector<std::string> refused_;
 };
 
 std::string picture_text(const hal::CameraInfo& info) {
@@ -177,7 +177,7 @@ int measure_board(const MeasureOptions& options) {
   config::Problems problems;
   if (!session.load(options.session, problems).ok()) return refuse(problems);
   const config::BoardFile& board = session.configuration().board;
-  // A video's own rate is known later.
+  // The rate of a video is not known yet.
   Run run(options, board, board.camera.rate_hz > 0.0 ? board.camera.rate_hz : 240.0);
   std::string reason;
   if (!run.prepare(reason)) return fail(reason);
@@ -188,7 +188,7 @@ int measure_board(const MeasureOptions& options) {
   return run.measure(session.loop(), "board " + board.name + ", " + picture_text(info), rate_hz);
 }
 
-// Without the board's radio: nonsense in the picture must not drive anybody's robots.
+// Does not use the board's radio: random pictures must not drive robots.
 int measure_worst_frames(const MeasureOptions& options) {
   const auto configuration = std::make_unique<config::Configuration>();
   config::Problems problems;
@@ -199,9 +199,9 @@ int measure_worst_frames(const MeasureOptions& options) {
   hal::MonotonicClock clock;
   NullRadio radio;
   NullGpio gpio;
-  WorstFrames camera(configuration->pipeline, clock);
+  StressPatternCamera camera(configuration->pipeline, clock);
   const config::BoardFile& board = configuration->board;
-  Run run(options, board, 5000.0);  // one after the other, without a pause
+  Run run(options, board, 5000.0);  // frames follow each other without a pause
   LoopSettings settings;
   settings.faults = board.faults;
   settings.frames = run.steps();
@@ -221,7 +221,7 @@ bool read_report(const std::string& path, LatencyReport& report) {
   text << file.rdbuf();
   std::string error = "cannot be read: " + std::string(std::strerror(errno));
   if (file && from_json(text.str(), report, error) && report.frames > 0) return true;
-  fail(path + ": " + (error.empty() ? "holds no frames" : error));
+  fail(path + ": " + (error.empty() ? "contains no frames" : error));
   return false;
 }
 
@@ -230,7 +230,7 @@ bool read_report(const std::string& path, LatencyReport& report) {
 int measure(const MeasureOptions& options) {
   std::string error;
   if (!can_be_written(options.outputs, error)) return fail(error);
-  handle_stop_signals();  // from here on: devices are opened soon
+  handle_stop_signals();  // before devices are opened
   return options.worst_frames ? measure_worst_frames(options) : measure_board(options);
 }
 

@@ -8,28 +8,26 @@
 
 namespace touchline::latency {
 
-// Exit codes, as those of touchline.
-inline constexpr int kExitOk = 0, kExitBadFile = 1, kExitDeviceFailure = 2;
-
+/// Paths of the output files; empty: not written.
 struct Outputs {
-  std::string json, histogram, html;  // paths; empty: none
+  std::string json, histogram, html;
 };
 
 struct MeasureOptions {
-  SessionOptions session;  // its limits are set from these:
+  SessionOptions session;  // its limits follow from the next members
   std::size_t frames = 10000, warm_up = 200;
-  double duration_s = 0.0;   // 0: `frames`
-  double deadline_ms = 0.0;  // 0: the frame's period
-  std::size_t listed = 5;    // worst frames
+  double duration_s = 0.0;   // 0: limited by `frames`
+  double deadline_ms = 0.0;  // 0: the frame period
+  std::size_t listed = 5;    // number of worst frames in the report
   bool worst_frames = false, load = false;
   Outputs outputs;
 };
 
-/// Runs the loop, prints the report and writes the files; returns the exit code. What can be refused is refused before
-/// anything moves. A signal ends it early with the report so far.
+/// Runs the loop, prints the report and writes the files; returns the exit code. All files are checked before the first
+/// robot can move. A signal ends the measurement early with a report of the frames so far.
 int measure(const MeasureOptions& options);
 
-/// Prints B against A. `html`: as well as a page; empty: none.
+/// Prints a comparison of measurement B with A; returns the exit code. `html`: path of an HTML page, or empty.
 int compare(const std::string& path_a, const std::string& path_b, const std::string& html);
 
 }  // namespace touchline::latency

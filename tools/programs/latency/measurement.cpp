@@ -27,7 +27,7 @@ void Measurement::end() {
 void Measurement::on_step(void* context, const StepTrace& trace, const StepTiming& timing) {
   Measurement& self = *static_cast<Measurement*>(context);
   const std::uint32_t sequence = trace.frame.sequence;
-  // A camera that was opened again counts anew.
+  // The sequence restarts when the camera is reopened.
   const bool gap = self.last_sequence_ && sequence > *self.last_sequence_ + 1;
   if (gap && self.seen() >= self.warm_up_) self.lost_ += sequence - *self.last_sequence_ - 1;
   self.last_sequence_ = sequence;
@@ -69,7 +69,7 @@ std::vector<WorstFrame> Measurement::worst(std::size_t count) const {
   return frames;
 }
 
-LatencyReport Measurement::report(const std::string& source, const Expected& expected) const {
+LatencyReport Measurement::report(const std::string& source, const ReportSettings& expected) const {
   LatencyReport report;
   report.source = source;
   report.warm_up = warm_up_;

@@ -14,30 +14,31 @@
 
 namespace touchline::latency {
 
-/// What a measurement is held against.
-struct Expected {
-  double rate_hz = 0.0;   // 0: none known
+/// Settings of the report.
+struct ReportSettings {
+  double rate_hz = 0.0;   // frame rate; 0: unknown
   Duration deadline{};    // from capture to packet; zero: a period of `rate_hz`
   std::size_t worst = 5;  // frames to list
 };
 
-/// Takes every step's times after the warm-up. Allocates in its constructor and in report(), and nowhere else.
+/// Records the times of every step after the warm-up. Only the constructor and report() allocate.
 class Measurement {
  public:
-  /// `frames`: as many as are kept at most.
+  /// `frames`: the largest number of frames that is recorded.
   Measurement(std::size_t frames, std::size_t warm_up);
-  /// For Loop; `this` is the context.
+  /// Observer to pass to Loop. This object must outlive the loop.
   [[nodiscard]] LoopObserver observer() { return {&Measurement::on_step, this}; }
-  /// The loop begins, and has ended, unless all frames were seen before: what the thread does before and after does not
-  /// count. (Where it ended early its last packets do: they stop the robots.)
+  /// Call these on the loop's thread immediately before and after the loop runs; page faults, context switches and
+  /// allocations count only between them. They stop counting earlier when the last frame is recorded. If the loop ends
+  /// early, its final stop packets count too.
   void begin();
   void end();
   void add(const std::array<Duration, kStageCount>& stages, const StepTiming& timing, bool overload);
 
-  /// Steps so far, warm-up included; from any thread.
+  /// Number of steps so far, including the warm-up. May be called from any thread.
   [[nodiscard]] std::size_t seen() const { return seen_.load(std::memory_order_relaxed); }
-  /// On the thread that was measured.
-  [[nodiscard]] LatencyReport report(const std::string& source, const Expected& expected) const;
+  /// Makes the report. Call it on the measured thread.
+  [[nodiscard]] LatencyReport report(const std::string& source, const ReportSettings& expected) const;
 
  private:
   static void on_step(void* context, const StepTrace& trace, const StepTiming& timing);

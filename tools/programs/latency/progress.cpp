@@ -22,7 +22,7 @@ void show(const std::stop_token& stop, const Measurement& measurement, std::size
       std::fprintf(stderr, "\r%zu frames", measurement.seen());
     }
   }
-  std::fputs("\r\x1b[K", stderr);  // the report follows on an empty line
+  std::fputs("\r\x1b[K", stderr);  // clears the line for the report
 }
 
 }  // namespace

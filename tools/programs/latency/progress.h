@@ -7,11 +7,11 @@
 
 namespace touchline::latency {
 
-/// Counts steps on a person's terminal, from a thread of its own: the loop that is measured does not know. Silent when
-/// standard error is no terminal.
+/// Shows the number of steps on the terminal, from its own thread, so that the measured loop is not affected. Does
+/// nothing if standard error is not a terminal.
 class Progress {
  public:
-  /// `steps`: as many as there will be; 0: nobody knows.
+  /// `steps`: total number of steps; 0: unknown.
   Progress(const Measurement& measurement, std::size_t steps);
 
  private:

@@ -8,7 +8,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// The report is described once; Writer and Reader visit that description.
+// The keys are declared once, in the describe functions; Writer and Reader visit them.
 
 template <class Array>
 struct BySpan {
@@ -92,7 +92,7 @@ class Writer {
 
 class Reader {
  public:
-  // `error` is set by the first thing that is wrong; what follows is skipped.
+  // Keeps the first error and skips all later values.
   Reader(const ordered_json& json, std::string path, std::string& error)
       : json_(json), path_(std::move(path)), error_(error) {}
 
@@ -108,7 +108,7 @@ class Reader {
   }
 
  private:
-  void refuse(const std::string& path, const char* wanted) { error_ = path + ": " + wanted + " is wanted"; }
+  void refuse(const std::string& path, const char* expected) { error_ = path + ": must be " + expected; }
 
   void read(const ordered_json& json, const std::string& path, std::uint64_t& value) {
     json.is_number_unsigned() ? static_cast<void>(value = json.get<std::uint64_t>()) : refuse(path, "a count");
@@ -178,7 +178,7 @@ bool from_json(const std::string& text, LatencyReport& report, std::string& erro
   error.clear();
   const ordered_json json = ordered_json::parse(text, nullptr, false);
   if (json.is_discarded()) {
-    error = "is no JSON";
+    error = "is not JSON";
     return false;
   }
   report = {};
@@ -186,8 +186,8 @@ bool from_json(const std::string& text, LatencyReport& report, std::string& erro
   std::int64_t format = 0;
   reader("format", format);
   if (error.empty() && format != LatencyReport::kFormat) {
-    error = "format: " + std::to_string(format) + " is not one that this program reads (" +
-            std::to_string(LatencyReport::kFormat) + ")";
+    error = "format: " + std::to_string(format) + " is not supported; this program reads format " +
+            std::to_string(LatencyReport::kFormat);
   }
   describe_report(report, reader);
   return error.empty();

@@ -6,9 +6,9 @@
 
 namespace touchline::latency {
 
-/// Durations are nanoseconds.
+/// Writes the report as JSON. Durations are in nanoseconds.
 std::string to_json(const LatencyReport& report);
-/// Reads what to_json() wrote. False: `error` names the key and what is wrong with it.
+/// Reads a report that to_json() wrote. Returns false, with the key and the problem in `error`, if it is malformed.
 bool from_json(const std::string& text, LatencyReport& report, std::string& error);
 
 }  // namespace touchline::latency

@@ -34,7 +34,7 @@ std::string value_of(const std::string& path, const std::string& key) {
   return "";
 }
 
-// As the kernel writes lists: "0-3,6".
+// Formats a set of processors as the kernel does: "0-3,6".
 std::string list_of(const cpu_set_t& set) {
   std::string list;
   for (std::size_t i = 0; i < CPU_SETSIZE; ++i) {
@@ -60,7 +60,7 @@ const char* name_of_policy(int policy) {
     case SCHED_IDLE:
       return "SCHED_IDLE";
     default:
-      return "another";
+      return "unknown policy";
   }
 }
 
@@ -91,7 +91,7 @@ std::optional<double> hottest_celsius(const std::string& root) {
 
 SystemFacts read_system_facts(const std::string& root) {
   SystemFacts facts;
-  // Boards tell their name, PCs the processor's.
+  // Boards provide their own name, PCs the name of the processor.
   facts.processor = line_of(root + "/proc/device-tree/model");
   if (facts.processor.empty()) facts.processor = value_of(root + "/proc/cpuinfo", "model name");
   std::ifstream cpuinfo(root + "/proc/cpuinfo");

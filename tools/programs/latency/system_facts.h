@@ -6,10 +6,10 @@
 
 namespace touchline::latency {
 
-/// What the kernel says about the calling thread, its processor and the machine. `root` stands before the paths of its
-/// files: empty, except in tests. The loop must not run meanwhile: reading a frequency interrupts its processor.
+/// Reads the properties of the calling thread, its processor and the machine from the kernel. `root`: prefix of the
+/// kernel's file paths, for tests. Do not call it while the loop runs: reading a frequency interrupts its processor.
 SystemFacts read_system_facts(const std::string& root = "");
-/// Once more at the end: frequency and temperature.
+/// Reads frequency and temperature again at the end of the measurement.
 void read_final_facts(SystemFacts& facts, const std::string& root = "");
 
 }  // namespace touchline::latency

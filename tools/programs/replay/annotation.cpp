@@ -6,53 +6,26 @@
 #include <cstdio>
 #include <numbers>
 
+#include "tools/programs/replay/field_shapes.h"
+
 namespace touchline::replay {
 namespace {
 
 constexpr Rgb kWhite{1.0, 1.0, 1.0}, kGrey{0.75, 0.75, 0.75}, kAlarm{1.0, 0.35, 0.3}, kTrack{0.35, 1.0, 0.9};
 constexpr double kHeaderHeight = 30.0, kLegendHeight = 26.0;
-constexpr double kTextSize = 15.0, kSmallText = 10.0, kBadgeRadius = 10.0;
+constexpr double kTextSize = 15.0, kSmallText = 10.0, kIdLabelRadius = 10.0;
 constexpr float kAheadSeconds = 0.25f;  // length of velocity vectors
 constexpr float kSigmas = 3.0f;
-// Refusals of noise would cover the picture: only what is large enough to be a patch, and not more than can be read.
+// Labels at rejected noise would cover the picture: labels only regions that are large enough for a patch, up to a
+// limit.
 constexpr std::uint32_t kFewestRefusedPixels = 12;
 constexpr int kMostRefusals = 24;
-// Pictures smaller than this are doubled, so that text fits between robots.
+// Narrower pictures are doubled in size, so that text fits between robots.
 constexpr int kDoubledBelow = 1200;
 
 double scale_of(const Frame& frame) { return frame.width_px < kDoubledBelow ? 2.0 : 1.0; }
 
-FieldPoint ahead(const Pose& pose, float forward_m, float left_m) {
-  const float c = std::cos(pose.theta_rad), s = std::sin(pose.theta_rad);
-  return {pose.position.x_m + c * forward_m - s * left_m, pose.position.y_m + s * forward_m + c * left_m};
-}
-
-// Along the edges of pixels, so that a person sees which ones belong to the region.
-void outline(cairo_t& context, const Runs& runs, const Region& region) {
-  const std::size_t width = region.box.right - region.box.left + 3u, height = region.box.bottom - region.box.top + 3u;
-  std::vector<bool> inside(width * height);  // with a rim of one pixel
-  for (std::uint32_t r = region.first_run; r != kNoRun; r = runs[r].next) {
-    const std::size_t row = (runs[r].row - region.box.top + 1u) * width;
-    for (std::size_t u = runs[r].begin; u < runs[r].end; ++u) inside[row + u - region.box.left + 1] = true;
-  }
-  const double left = region.box.left - 1.5, top = region.box.top - 1.5;  // corner of the rim's first pixel
-  for (std::size_t y = 0; y + 1 < height; ++y) {
-    for (std::size_t x = 0; x + 1 < width; ++x) {
-      const std::size_t at = y * width + x;
-      const double right_edge = left + static_cast<double>(x) + 1.0, lower_edge = top + static_cast<double>(y) + 1.0;
-      if (inside[at] != inside[at + 1]) {
-        cairo_move_to(&context, right_edge, lower_edge - 1.0);
-        cairo_line_to(&context, right_edge, lower_edge);
-      }
-      if (inside[at] != inside[at + width]) {
-        cairo_move_to(&context, right_edge - 1.0, lower_edge);
-        cairo_line_to(&context, right_edge, lower_edge);
-      }
-    }
-  }
-}
-
-// Legible on its dark rim, and still the same color.
+// A lighter shade of the color for text with a dark outline.
 Rgb lightened(const Rgb& color) { return {0.5 + color.r / 2.0, 0.5 + color.g / 2.0, 0.5 + color.b / 2.0}; }
 
 bool refused(Verdict verdict) {
@@ -70,72 +43,17 @@ bool refused(Verdict verdict) {
 
 }  // namespace
 
-Annotator::Annotator(const PipelineParameters& parameters, Appearance appearance)
-    : parameters_(parameters), appearance_(std::move(appearance)) {
+Annotator::Annotator(const PipelineParameters& parameters, AnnotationStyle style)
+    : parameters_(parameters), style_(std::move(style)) {
   has_camera_ = camera_.configure(parameters_.camera).ok();
 }
 
-Rgb Annotator::color_of(ColorId color) const {
-  return color < appearance_.colors.size() ? appearance_.colors[color] : kGrey;
-}
+Rgb Annotator::color_of(ColorId color) const { return color < style_.colors.size() ? style_.colors[color] : kGrey; }
 Rgb Annotator::team_color(Team team) const {
   return color_of(parameters_.marker.teams[static_cast<std::size_t>(team)].team_color);
 }
 
-// --- Shapes on the field, in picture coordinates
-// ----------------------------------------------------------------------
-
-void Annotator::line_on_field(cairo_t& context, FieldPoint from, FieldPoint to, float height_m) const {
-  constexpr int kPieces = 32;  // the lens bends straight lines
-  for (int i = 0; i <= kPieces; ++i) {
-    const float t = static_cast<float>(i) / kPieces;
-    const PixelPoint p =
-        camera_.to_pixel({from.x_m + t * (to.x_m - from.x_m), from.y_m + t * (to.y_m - from.y_m)}, height_m);
-    (i == 0 ? cairo_move_to : cairo_line_to)(&context, static_cast<double>(p.u_px), static_cast<double>(p.v_px));
-  }
-}
-
-void Annotator::circle_on_field(cairo_t& context, FieldPoint center, float radius_x_m, float radius_y_m,
-                                float height_m) const {
-  constexpr int kPieces = 36;
-  for (int i = 0; i < kPieces; ++i) {
-    const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / kPieces;
-    const PixelPoint p = camera_.to_pixel(
-        {center.x_m + radius_x_m * std::cos(angle), center.y_m + radius_y_m * std::sin(angle)}, height_m);
-    (i == 0 ? cairo_move_to : cairo_line_to)(&context, static_cast<double>(p.u_px), static_cast<double>(p.v_px));
-  }
-  cairo_close_path(&context);
-}
-
-void Annotator::square_on_field(cairo_t& context, const Pose& pose, float side_m, float height_m) const {
-  const float h = side_m / 2.0f;
-  const std::array<FieldPoint, 4> corners{ahead(pose, h, h), ahead(pose, -h, h), ahead(pose, -h, -h),
-                                          ahead(pose, h, -h)};
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const PixelPoint p = camera_.to_pixel(corners[i], height_m);
-    (i == 0 ? cairo_move_to : cairo_line_to)(&context, static_cast<double>(p.u_px), static_cast<double>(p.v_px));
-  }
-  cairo_close_path(&context);
-}
-
-void Annotator::arrow_on_field(cairo_t& context, FieldPoint from, FieldPoint to, float height_m) const {
-  const PixelPoint a = camera_.to_pixel(from, height_m), b = camera_.to_pixel(to, height_m);
-  const double du = static_cast<double>(b.u_px - a.u_px), dv = static_cast<double>(b.v_px - a.v_px);
-  const double length = std::hypot(du, dv);
-  if (length < 1.0) return;
-  const double tip = std::min(4.5, length / 2.0) / length;
-  const double u = static_cast<double>(b.u_px), v = static_cast<double>(b.v_px);
-  cairo_move_to(&context, static_cast<double>(a.u_px), static_cast<double>(a.v_px));
-  cairo_line_to(&context, u, v);
-  cairo_move_to(&context, u - tip * (du - 0.6 * dv), v - tip * (dv + 0.6 * du));
-  cairo_line_to(&context, u, v);
-  cairo_line_to(&context, u - tip * (du + 0.6 * dv), v - tip * (dv - 0.6 * du));
-}
-
-// --- Layers
-// -----------------------------------------------------------------------------------------------------------
-
-void Annotator::shade_outside(cairo_t& context, const Frame& frame) const {
+void Annotator::dim_outside(cairo_t& context, const Frame& frame) const {
   const Polygon& polygon = parameters_.scan.region_of_interest;
   if (polygon.size() < 3) return;
   cairo_rectangle(&context, -0.5, -0.5, frame.width_px, frame.height_px);
@@ -162,9 +80,9 @@ void Annotator::draw_field(cairo_t& context) const {
                                                          {{{-x, -goal}, {-back, -goal}}},
                                                          {{{-back, -goal}, {-back, goal}}},
                                                          {{{-back, goal}, {-x, goal}}}}};
-  for (const std::array<FieldPoint, 2>& line : lines) line_on_field(context, line[0], line[1], 0.0f);
-  // An axis of a tenth of a meter at the origin: which way x goes.
-  arrow_on_field(context, {0.0f, 0.0f}, {0.1f, 0.0f}, 0.0f);
+  for (const std::array<FieldPoint, 2>& line : lines) line_on_field(context, camera_, line[0], line[1], 0.0f);
+  // An arrow of 0.1 m at the origin shows the x axis.
+  arrow_on_field(context, camera_, {0.0f, 0.0f}, {0.1f, 0.0f}, 0.0f);
   set_color(context, {0.0, 0.0, 0.0}, 0.5);
   cairo_set_line_width(&context, 1.6);
   cairo_stroke_preserve(&context);
@@ -180,7 +98,7 @@ void Annotator::draw_regions(cairo_t& context, const StepTrace& trace) const {
   cairo_set_line_cap(&context, CAIRO_LINE_CAP_SQUARE);
   for (std::size_t i = 0; i < trace.regions.size(); ++i) {
     const bool is_refused = i >= trace.sightings.verdicts.size() || refused(trace.sightings.verdicts[i]);
-    outline(context, trace.runs, trace.regions[i]);
+    region_outline(context, trace.runs, trace.regions[i]);
     set_color(context, {0.0, 0.0, 0.0}, is_refused ? 0.4 : 0.8);
     cairo_set_line_width(&context, 1.1);
     cairo_stroke_preserve(&context);
@@ -206,10 +124,11 @@ void Annotator::draw_refusals(cairo_t& context, const StepTrace& trace) const {
 void Annotator::draw_robot(cairo_t& context, const RobotSighting& robot) const {
   const MarkerLayout& layout = parameters_.marker.teams[static_cast<std::size_t>(robot.team)].layout;
   if (robot.has_heading) {
-    square_on_field(context, robot.pose, layout.robot_side_m, layout.height_m);
-    arrow_on_field(context, robot.pose.position, ahead(robot.pose, layout.robot_side_m * 0.95f, 0.0f), layout.height_m);
+    square_on_field(context, camera_, robot.pose, layout.robot_side_m, layout.height_m);
+    arrow_on_field(context, camera_, robot.pose.position, point_ahead(robot.pose, layout.robot_side_m * 0.95f, 0.0f),
+                   layout.height_m);
   } else {
-    circle_on_field(context, robot.pose.position, layout.robot_side_m / 2.0f, layout.robot_side_m / 2.0f,
+    circle_on_field(context, camera_, robot.pose.position, layout.robot_side_m / 2.0f, layout.robot_side_m / 2.0f,
                     layout.height_m);
   }
   set_color(context, {0.0, 0.0, 0.0}, 0.7);
@@ -230,17 +149,17 @@ void Annotator::draw_robot(cairo_t& context, const RobotSighting& robot) const {
   }
 }
 
-// The id in a disk of the team's color, beside the robot so that its patches stay in sight.
-void Annotator::draw_badge(cairo_t& context, const RobotSighting& robot, double scale) const {
+// The id in a disk of the team's color, beside the robot so that it does not cover the patches.
+void Annotator::draw_id_label(cairo_t& context, const RobotSighting& robot, double scale) const {
   const MarkerLayout& layout = parameters_.marker.teams[static_cast<std::size_t>(robot.team)].layout;
   const PixelPoint p = camera_.to_pixel(robot.pose.position, layout.height_m);
   const double diagonal =
       static_cast<double>(camera_.scale_px_per_m(robot.pose.position, layout.height_m) * layout.robot_side_m) / 2.0;
-  const double u = (static_cast<double>(p.u_px) + 0.5 + diagonal) * scale + kBadgeRadius;
-  const double v = (static_cast<double>(p.v_px) + 0.5 - diagonal) * scale - kBadgeRadius;
+  const double u = (static_cast<double>(p.u_px) + 0.5 + diagonal) * scale + kIdLabelRadius;
+  const double v = (static_cast<double>(p.v_px) + 0.5 - diagonal) * scale - kIdLabelRadius;
   const bool known = robot.id != kUnknownId;
   const std::string text = known ? std::to_string(int{robot.id}) : "?";
-  cairo_arc(&context, u, v, kBadgeRadius, 0.0, 2.0 * std::numbers::pi);
+  cairo_arc(&context, u, v, kIdLabelRadius, 0.0, 2.0 * std::numbers::pi);
   set_color(context, team_color(robot.team));
   cairo_fill_preserve(&context);
   set_color(context, known ? kWhite : kAlarm);
@@ -251,7 +170,7 @@ void Annotator::draw_badge(cairo_t& context, const RobotSighting& robot, double 
 
 void Annotator::draw_ball(cairo_t& context, const BallSighting& ball) const {
   const float radius = parameters_.marker.ball.radius_m;
-  circle_on_field(context, ball.position, radius * 1.35f, radius * 1.35f, radius);
+  circle_on_field(context, camera_, ball.position, radius * 1.35f, radius * 1.35f, radius);
   set_color(context, {0.0, 0.0, 0.0}, 0.7);
   cairo_set_line_width(&context, 2.4);
   cairo_stroke_preserve(&context);
@@ -271,19 +190,20 @@ void Annotator::draw_tracks(cairo_t& context, const StepTrace& trace) const {
   };
   for (const RobotTrack& robot : trace.tracks.robots) {
     const MarkerLayout& layout = parameters_.marker.teams[static_cast<std::size_t>(robot.team)].layout;
-    circle_on_field(context, robot.pose.position, kSigmas * robot.sigma[0], kSigmas * robot.sigma[1], layout.height_m);
-    arrow_on_field(context, robot.pose.position, ahead(robot.pose, robot.twist.v_mps * kAheadSeconds, 0.0f),
-                   layout.height_m);
+    circle_on_field(context, camera_, robot.pose.position, kSigmas * robot.sigma[0], kSigmas * robot.sigma[1],
+                    layout.height_m);
+    arrow_on_field(context, camera_, robot.pose.position,
+                   point_ahead(robot.pose, robot.twist.v_mps * kAheadSeconds, 0.0f), layout.height_m);
     if (robot.state == TrackState::kCoasting)
-      square_on_field(context, robot.pose, layout.robot_side_m, layout.height_m);
+      square_on_field(context, camera_, robot.pose, layout.robot_side_m, layout.height_m);
     stroke();
   }
   const BallTrack& ball = trace.tracks.ball;
   if (ball.state == TrackState::kLost) return;
   const float radius = parameters_.marker.ball.radius_m;
-  circle_on_field(context, ball.position, kSigmas * ball.sigma_m, kSigmas * ball.sigma_m, radius);
+  circle_on_field(context, camera_, ball.position, kSigmas * ball.sigma_m, kSigmas * ball.sigma_m, radius);
   arrow_on_field(
-      context, ball.position,
+      context, camera_, ball.position,
       {ball.position.x_m + ball.velocity.x_m * kAheadSeconds, ball.position.y_m + ball.velocity.y_m * kAheadSeconds},
       radius);
   stroke();
@@ -312,10 +232,10 @@ void Annotator::draw_header(cairo_t& context, const StepTrace& trace, std::uint6
 
 void Annotator::draw_legend(cairo_t& context, const StepTrace& trace, double top, double width) const {
   double x = 10.0;
-  for (std::size_t color = 1; color < appearance_.names.colors.size(); ++color) {
+  for (std::size_t color = 1; color < style_.names.colors.size(); ++color) {
     const auto count = std::count_if(trace.regions.begin(), trace.regions.end(),
                                      [color](const Region& region) { return region.color == color; });
-    const std::string text = appearance_.names.colors[color] + " " + std::to_string(count);
+    const std::string text = style_.names.colors[color] + " " + std::to_string(count);
     const double needed = 16.0 + text_width(context, text, kTextSize - 3.0) + 12.0;
     if (x + needed > width) return;
     cairo_rectangle(&context, x, top + 8.0, 11.0, 11.0);
@@ -346,10 +266,10 @@ SurfacePtr Annotator::draw(const StepTrace& trace, std::uint64_t frame, const st
   cairo_save(&context);
   cairo_scale(&context, scale, scale);
   cairo_set_source_surface(&context, picture.get(), 0.0, 0.0);
-  cairo_pattern_set_filter(cairo_get_source(&context), CAIRO_FILTER_NEAREST);  // pixels must be seen as they are
+  cairo_pattern_set_filter(cairo_get_source(&context), CAIRO_FILTER_NEAREST);  // shows single pixels
   cairo_paint(&context);
   cairo_translate(&context, 0.5, 0.5);  // the center of the first pixel is (0, 0)
-  shade_outside(context, trace.frame);
+  dim_outside(context, trace.frame);
   if (has_camera_) draw_field(context);
   draw_regions(context, trace);
   if (has_camera_) {
@@ -361,7 +281,7 @@ SurfacePtr Annotator::draw(const StepTrace& trace, std::uint64_t frame, const st
 
   draw_refusals(context, trace);
   if (has_camera_) {
-    for (const RobotSighting& robot : trace.sightings.robots) draw_badge(context, robot, scale);
+    for (const RobotSighting& robot : trace.sightings.robots) draw_id_label(context, robot, scale);
   }
   return surface;
 }

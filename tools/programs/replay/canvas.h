@@ -25,7 +25,7 @@ struct ContextDeleter {
 using SurfacePtr = std::unique_ptr<cairo_surface_t, SurfaceDeleter>;
 using ContextPtr = std::unique_ptr<cairo_t, ContextDeleter>;
 
-/// Cairo's pixels: B, G, R and an unused byte on little-endian machines.
+/// The pixels of a Cairo image surface: B, G, R and an unused byte on little-endian machines.
 struct Pixels {
   std::span<const std::uint8_t> bgrx;
   std::size_t stride_bytes = 0;
@@ -33,14 +33,14 @@ struct Pixels {
 };
 Pixels pixels_of(cairo_surface_t& surface);
 
-/// A camera's frame of any format for showing to a person (YUV: ITU-R BT.601, limited range).
+/// Converts a frame of any format to an RGB surface (YUV: ITU-R BT.601, limited range).
 SurfacePtr to_surface(const Frame& frame);
 
-/// Text with a dark rim, so that it is legible on any ground. `x`, `y`: left end of the base line.
+/// Draws text with a dark outline, which is legible on any background. `x`, `y`: left end of the baseline.
 void draw_text(cairo_t& context, double x, double y, const std::string& text, const Rgb& color, double size);
 double text_width(cairo_t& context, const std::string& text, double size);
 
-/// A PNG file, written by an hal::OutputFile. On error `reason` names the file and the cause.
+/// Writes a PNG file with hal::OutputFile. On error, `reason` names the file and the cause.
 Status write_png(cairo_surface_t& surface, const std::string& path, std::string& reason,
                  const hal::OutputOptions& options = {});
 

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <iostream>
 
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/replay/replay.h"
@@ -21,25 +20,25 @@ double seconds_since(WallClock::time_point begin) {
   return std::chrono::duration<double>(WallClock::now() - begin).count();
 }
 
-// Ten times a second are smooth to the eye and cost nothing.
+// Updates the terminal at most ten times per second.
 class ProgressBar {
  public:
   explicit ProgressBar(bool shown) : shown_(shown) {}
-  void show(std::uint64_t done, std::uint64_t of) {
+  void show(std::uint64_t done, std::uint64_t total) {
     constexpr double kPeriod = 0.1;
     constexpr std::uint64_t kWidth = 40;
-    if (!shown_ || (done != of && seconds_since(last_) < kPeriod)) return;
+    if (!shown_ || (done != total && seconds_since(last_) < kPeriod)) return;
     last_ = WallClock::now();
     drawn_ = true;
     const double rate = static_cast<double>(done) / std::max(1e-9, seconds_since(begin_));
-    if (of == 0) {
+    if (total == 0) {
       std::fprintf(stderr, "\r%llu frames, %.0f/s ", static_cast<unsigned long long>(done), rate);
       return;
     }
-    const std::uint64_t filled = std::min(kWidth, done * kWidth / of);
+    const std::uint64_t filled = std::min(kWidth, done * kWidth / total);
     std::fprintf(stderr, "\r[%s%s] %llu/%llu, %.0f/s ", std::string(filled, '#').c_str(),
                  std::string(kWidth - filled, '.').c_str(), static_cast<unsigned long long>(done),
-                 static_cast<unsigned long long>(of), rate);
+                 static_cast<unsigned long long>(total), rate);
   }
   void clear() const {
     if (drawn_) std::fprintf(stderr, "\r\033[K");
@@ -53,11 +52,11 @@ class ProgressBar {
 void print(std::FILE* out, const ReplaySummary& s, double elapsed_s) {
   const double frames = s.frames == 0 ? 1.0 : static_cast<double>(s.frames);
   std::fprintf(
-      out, "%llu frames in %.2f s (%.0f/s): %.2f robots a frame, %.2f with id; ball in %.1f %%; overload in %llu",
+      out, "%llu frames in %.2f s (%.0f/s): %.2f robots per frame, %.2f with id; ball in %.1f %%; overload in %llu",
       static_cast<unsigned long long>(s.frames), elapsed_s, static_cast<double>(s.frames) / std::max(1e-9, elapsed_s),
       static_cast<double>(s.robots) / frames, static_cast<double>(s.robots_with_id) / frames,
       100.0 * static_cast<double>(s.frames_with_ball) / frames, static_cast<unsigned long long>(s.frames_overloaded));
-  if (s.damaged > 0) std::fprintf(out, "; %llu damaged pictures left out", static_cast<unsigned long long>(s.damaged));
+  if (s.damaged > 0) std::fprintf(out, "; %llu damaged pictures skipped", static_cast<unsigned long long>(s.damaged));
   std::fprintf(out, "\n");
 }
 
@@ -66,19 +65,19 @@ void print(std::FILE* out, const ReplaySummary& s, double elapsed_s) {
 int main(int argc, char** argv) {
   ReplayOptions options;
   bool quiet = false;
-  CLI::App app{"Sends pictures or a video through the pipeline and writes what it saw, one JSON object a frame.",
+  CLI::App app{"Runs the vision pipeline on pictures or a video and writes the results, one JSON object per frame.",
                "touchline-replay"};
   app.add_option("input", options.input, "A folder of pictures (png, ppm, jpg), one picture, or a video")->required();
   app.add_option("--venue", options.venue, "Venue file")->required();
   app.add_option("--team", options.team, "Team file")->required();
-  app.add_option("--out", options.out, "Result, JSON lines; -: standard output")->required();
-  app.add_option("--annotate", options.annotate, "Draw what was seen: into a folder, or into a video NAME.mp4");
-  app.add_option("--rate", options.rate_hz, "Frames a second (default: a video's own stamps, pictures 30)")
+  app.add_option("--out", options.out, "Result file, JSON lines; -: standard output")->required();
+  app.add_option("--annotate", options.annotate,
+                 "Draw the results into pictures in this folder, or into a video NAME.mp4");
+  app.add_option("--rate", options.rate_hz, "Frames per second (default: a video's own time stamps, pictures 30)")
       ->check(touchline::number_range(0.001, 10000.0));
-  app.add_option("--set", options.overrides, "key=value: overrides a key of the venue or team file")
-      ->allow_extra_args(false);
-  app.add_flag("--skip-damaged", options.skip_damaged, "Leave out pictures that cannot be decoded instead of stopping");
-  app.add_flag("--quiet", quiet, "Neither progress nor summary");
+  touchline::add_overrides(app, options.overrides, "the venue or team file");
+  app.add_flag("--skip-damaged", options.skip_damaged, "Skip pictures that cannot be decoded instead of stopping");
+  app.add_flag("--quiet", quiet, "Print neither progress nor summary");
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
 
   const auto request_stop = [](int) { stop_requested = true; };
@@ -90,13 +89,11 @@ int main(int argc, char** argv) {
   ReplaySummary summary;
   std::string error;
   const bool ok = replay(
-      options, [&bar](std::uint64_t done, std::uint64_t of) { bar.show(done, of); }, stop_requested, summary, error);
+      options, [&bar](std::uint64_t done, std::uint64_t total) { bar.show(done, total); }, stop_requested, summary,
+      error);
   bar.clear();
-  if (!ok) {
-    std::cerr << "touchline-replay: " << error << '\n';
-    return 1;
-  }
-  // With --out -, standard output holds the result and nothing else.
+  if (!ok) return touchline::fail("touchline-replay", error);
+  // With --out -, only the result goes to standard output.
   if (!quiet) print(options.out == "-" ? stderr : stdout, summary, seconds_since(begin));
-  return 0;
+  return touchline::kExitOk;
 }

@@ -8,34 +8,34 @@
 #include "hal/linux/files/output_file.h"
 #include "hal/replay/replay_camera.h"
 #include "tools/programs/replay/annotation.h"
-#include "tools/programs/replay/output_files.h"
+#include "tools/programs/replay/annotation_output.h"
 
 namespace touchline::replay {
 namespace {
 
-Appearance appearance_of(const config::Configuration& configuration) {
-  Appearance appearance;
-  appearance.names.colors = {"background"};
-  appearance.colors = {Rgb{0.0, 0.0, 0.0}};
+AnnotationStyle annotation_style(const config::Configuration& configuration) {
+  AnnotationStyle style;
+  style.names.colors = {"background"};
+  style.colors = {Rgb{0.0, 0.0, 0.0}};
   for (const config::ColorEntry& color : configuration.venue.color) {
-    appearance.names.colors.push_back(color.name);
-    appearance.colors.push_back({color.shown_rgb[0] / 255.0, color.shown_rgb[1] / 255.0, color.shown_rgb[2] / 255.0});
+    style.names.colors.push_back(color.name);
+    style.colors.push_back({color.shown_rgb[0] / 255.0, color.shown_rgb[1] / 255.0, color.shown_rgb[2] / 255.0});
   }
-  appearance.names.teams = {configuration.team.own.color, configuration.team.opponent.color};
-  return appearance;
+  style.names.teams = {configuration.team.own.color, configuration.team.opponent.color};
+  return style;
 }
 
 bool outputs_are_safe(const ReplayOptions& options, std::string& error) {
   for (const std::string& output : {options.out, options.annotate}) {
     if (output.empty()) continue;
     for (const std::string& input : {options.input, options.venue, options.team}) {
-      if (!endangers(input, output)) continue;
+      if (!would_overwrite(input, output)) continue;
       error = output;
-      error.append(": would replace, or lie among, what is read: ").append(input);
+      error.append(": would overwrite, or be added to, the input ").append(input);
       return false;
     }
   }
-  if (endangers(options.out, options.annotate)) error = options.annotate + ": is the result's file as well";
+  if (would_overwrite(options.out, options.annotate)) error = options.annotate + ": is also the result file";
   return error.empty();
 }
 
@@ -64,7 +64,7 @@ bool replay(const ReplayOptions& options, const Progress& progress, const std::a
   const config::FilePaths paths{{}, options.venue, options.team, options.overrides};
   if (!config::load_venue_and_team(paths, *configuration, problems).ok()) return refuse();
 
-  // YUYV holds all that 4:2:0 and 4:2:2 files have, to the bit.
+  // YUYV keeps the values of 4:2:0 and 4:2:2 files exactly.
   const PixelFormat format =
       configuration->venue.colors.space == ColorSpace::kRgb ? PixelFormat::kRgb24 : PixelFormat::kYuyv;
   hal::ReplayCamera camera({options.input, format, options.rate_hz});
@@ -84,7 +84,7 @@ bool replay(const ReplayOptions& options, const Progress& progress, const std::a
   }
   pipeline->set_observing(true);
 
-  const Appearance appearance = appearance_of(*configuration);
+  const AnnotationStyle style = annotation_style(*configuration);
   hal::OutputFile lines;
   AnnotationOutput pictures;
   std::unique_ptr<Annotator> annotator;
@@ -95,7 +95,7 @@ bool replay(const ReplayOptions& options, const Progress& progress, const std::a
   if (!lines.open(options.out).ok()) return fail_lines();
   if (!options.annotate.empty()) {
     if (!pictures.open(options.annotate, info.rate_hz, error)) return false;
-    annotator = std::make_unique<Annotator>(configuration->pipeline, appearance);
+    annotator = std::make_unique<Annotator>(configuration->pipeline, style);
   }
   for (;;) {
     const Result<hal::FrameLease> lease = camera.wait(Instant::max());
@@ -111,7 +111,7 @@ bool replay(const ReplayOptions& options, const Progress& progress, const std::a
     const Frame& frame = lease.value().frame();
     const StepTrace& trace = pipeline->step(frame);
     pipeline->adapt();
-    const std::string line = report::trace_line(trace, appearance.names, frame.sequence, camera.file()) + "\n";
+    const std::string line = report::trace_line(trace, style.names, frame.sequence, camera.file()) + "\n";
     if (!lines.write(line).ok()) return fail_lines();
     if (annotator != nullptr) {
       const SurfacePtr surface = annotator->draw(trace, frame.sequence, camera.file());

@@ -11,24 +11,24 @@ namespace touchline::replay {
 struct ReplayOptions {
   std::string input;  // folder of pictures, one picture, or a video
   std::string venue, team;
-  std::vector<std::string> overrides;  // "key=value" of the two files
+  std::vector<std::string> overrides;  // "key=value" for keys of the two files
   std::string out;                     // JSON lines; appears when all frames are in it
   std::string annotate;                // empty, a folder, or a file NAME.mp4
-  double rate_hz = 0.0;                // 0: a video by its own stamps, pictures at 30 Hz
-  bool skip_damaged = false;           // else the first picture that cannot be decoded ends the replay
+  double rate_hz = 0.0;                // 0: a video's own time stamps, pictures at 30 Hz
+  bool skip_damaged = false;           // false: the first picture that cannot be decoded ends the replay
 };
 
 struct ReplaySummary {
   std::uint64_t frames = 0, damaged = 0;
-  std::uint64_t robots = 0, robots_with_id = 0;  // sightings of all frames
+  std::uint64_t robots = 0, robots_with_id = 0;  // sightings in all frames
   std::uint64_t frames_with_ball = 0, frames_overloaded = 0;
 };
 
-/// Called after each frame with its number from 1 and how many there are (0: unknown).
+/// Called after each frame with the number of frames so far and the total number (0: unknown).
 using Progress = std::function<void(std::uint64_t done, std::uint64_t of)>;
 
-/// Sends every frame of the input through Pipeline::step and writes what it saw. False: `error` has one or more lines,
-/// and no output was made or changed. `stop`, when set, ends it likewise.
+/// Runs Pipeline::step on every frame of the input and writes the results. On failure, or if `stop` becomes true, it
+/// returns false with one or more lines in `error`, and the result file is not created or changed.
 bool replay(const ReplayOptions& options, const Progress& progress, const std::atomic<bool>& stop,
             ReplaySummary& summary, std::string& error);
 

@@ -10,7 +10,7 @@
 
 namespace touchline::replay {
 
-/// Annotated pictures: a folder of PNG files, NUMBER_NAME.png, or a video when the path ends in .mp4.
+/// Writes annotated pictures: a folder of PNG files, NUMBER_NAME.png, or a video if the path ends in .mp4.
 class AnnotationOutput {
  public:
   bool open(const std::string& path, double rate_hz, std::string& error);
@@ -25,7 +25,7 @@ class AnnotationOutput {
   bool video_open_ = false;
 };
 
-/// True when writing `output` would replace `input`, or put a picture among the pictures of that folder.
-bool endangers(const std::string& input, const std::string& output);
+/// Whether writing `output` would replace `input` or add a picture to the input folder.
+bool would_overwrite(const std::string& input, const std::string& output);
 
 }  // namespace touchline::replay

@@ -1,4 +1,4 @@
-#include "tools/programs/latency/document.h"
+#include "tools/programs/latency/report_rendering.h"
 
 #include <algorithm>
 #include <string_view>
@@ -10,7 +10,7 @@ constexpr std::string_view kStyle = R"(
   body { font: 15px/1.45 "Helvetica Neue", Arial, sans-serif; color: #222; background: #fff; max-width: 980px;
          margin: 2em auto; padding: 0 1em; }
   h1 { font-size: 1.45em; margin: 0 0 .6em; } h2 { font-size: 1.1em; margin: 1.6em 0 .4em; }
-  .verdict { font-size: 1.12em; border-left: 4px solid #0072b2; padding: .3em 0 .3em .8em; margin: 0 0 1.2em; }
+  .summary { font-size: 1.12em; border-left: 4px solid #0072b2; padding: .3em 0 .3em .8em; margin: 0 0 1.2em; }
   svg { width: 100%; height: auto; }
   table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
   th, td { padding: .18em .8em; text-align: right; border-bottom: 1px solid #ddd; white-space: nowrap; }
@@ -22,13 +22,13 @@ constexpr std::string_view kStyle = R"(
   @media print { body { margin: 0; max-width: none; font-size: 10pt; } table, svg { break-inside: avoid; } }
 )";
 
-// Characters, not bytes: what would be a column of a terminal.
+// Number of characters (not bytes) in UTF-8, the width on a terminal.
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0u) != 0x80u; }));
 }
 
-std::string filled(const std::string& text, std::size_t width) {
+std::string padding(const std::string& text, std::size_t width) {
   return std::string(width - std::min(width, width_of(text)), ' ');
 }
 
@@ -42,7 +42,7 @@ std::string to_text(const Table& table) {
   }
   std::string text = table.title + "\n";
   const auto put = [&](std::size_t column, const std::string& cell) {
-    const std::string gap = filled(cell, widths[column]);
+    const std::string gap = padding(cell, widths[column]);
     text += column == 0 ? cell + gap : "  " + gap + cell;
   };
   for (std::size_t i = 0; i < table.head.size(); ++i) put(i, table.head[i]);
@@ -95,16 +95,16 @@ std::string to_text(const Document& document) {
   std::size_t width = 0;
   for (const auto& [name, value] : document.facts) width = std::max(width, width_of(name));
   for (const auto& [name, value] : document.facts)
-    text.append(name).append(filled(name, width)).append("  ").append(value).append("\n");
-  return text + (document.facts.empty() ? "" : "\n") + document.verdict + "\n";
+    text.append(name).append(padding(name, width)).append("  ").append(value).append("\n");
+  return text + (document.facts.empty() ? "" : "\n") + document.summary + "\n";
 }
 
 std::string to_html(const Document& document, const std::string& svg) {
   std::string html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>" +
                      escaped(document.title) + "</title>\n<style>" + std::string(kStyle) +
-                     "</style>\n</head>\n<body>\n<h1>" + escaped(document.title) + "</h1>\n<p class=\"verdict\">" +
-                     escaped(document.verdict) + "</p>\n";
-  // Inside of a page there is no second XML declaration.
+                     "</style>\n</head>\n<body>\n<h1>" + escaped(document.title) + "</h1>\n<p class=\"summary\">" +
+                     escaped(document.summary) + "</p>\n";
+  // Skips the XML declaration, which is not allowed inside of a page.
   const std::size_t begin = svg.find("<svg");
   if (begin != std::string::npos) html += svg.substr(begin);
   for (const Table& table : document.tables) html += to_html(table);

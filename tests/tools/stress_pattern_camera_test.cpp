@@ -1,4 +1,4 @@
-#include "tools/programs/latency/worst_frames.h"
+#include "tools/programs/latency/stress_pattern_camera.h"
 
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ TEST_P(WorstFramesOf, PatternsCostWhatTheyClaim) {
   constexpr std::uint16_t kWidth = 48, kHeight = 48;  // all of it fits into the budget of runs
   const PipelineParameters parameters = parameters_for(GetParam(), kWidth, kHeight);
   const StandingClock clock;
-  WorstFrames camera(parameters, clock);
+  StressPatternCamera camera(parameters, clock);
   ASSERT_TRUE(camera.open().ok() && camera.start().ok()) << camera.reason();
   const auto scanner = std::make_unique<RegionScanner>();
   ASSERT_TRUE(scanner->configure(parameters.scan).ok());
@@ -46,7 +46,7 @@ TEST_P(WorstFramesOf, PatternsCostWhatTheyClaim) {
   // In YUV two pixels share their colors, in NV12 2 x 2.
   const std::size_t column = color_space(GetParam()) == ColorSpace::kRgb ? 1 : 2;
   const std::size_t row = GetParam() == PixelFormat::kNv12 ? 2 : 1;
-  for (std::uint32_t pattern = 0; pattern < WorstFrames::kPatterns; ++pattern) {
+  for (std::uint32_t pattern = 0; pattern < StressPatternCamera::kPatterns; ++pattern) {
     const Result<hal::FrameLease> lease = camera.wait(Instant::max());
     ASSERT_TRUE(lease.ok());
     EXPECT_EQ(lease.value().frame().sequence, pattern);
@@ -94,11 +94,11 @@ INSTANTIATE_TEST_SUITE_P(Formats, WorstFramesOf,
                          testing::Values(PixelFormat::kRgb24, PixelFormat::kBgr24, PixelFormat::kYuyv,
                                          PixelFormat::kUyvy, PixelFormat::kNv12));
 
-TEST(WorstFrames, NeedColors) {
+TEST(StressPatternCamera, NeedColors) {
   PipelineParameters parameters = parameters_for(PixelFormat::kRgb24, 16, 16);
   parameters.scan.boxes.clear();
   const StandingClock clock;
-  WorstFrames camera(parameters, clock);
+  StressPatternCamera camera(parameters, clock);
   EXPECT_EQ(camera.open().code(), ErrorCode::kInconsistent);
   EXPECT_NE(camera.reason().find("no colors"), std::string::npos);
 }

@@ -8,27 +8,27 @@ namespace touchline::latency {
 
 struct Cell {
   std::string text;
-  bool marked = false;  // what the reader should see first
+  bool marked = false;  // highlighted
 };
 
-/// Of numbers: the first column is on the left, the others on the right.
+/// A table of numbers. The first column is aligned to the left, the others to the right.
 struct Table {
   std::string title;
   std::vector<std::string> head;
   std::vector<std::vector<Cell>> rows;
 };
 
-/// What is said to a person, on a terminal or on a page.
+/// Content of a report, independent of its rendering.
 struct Document {
   std::string title;
-  std::string verdict;  // one sentence
+  std::string summary;  // one sentence
   std::vector<Table> tables;
   std::vector<std::pair<std::string, std::string>> facts;  // name and value
 };
 
-/// For a terminal; the verdict comes last, where one looks. Marks are asterisks.
+/// Renders the report for a terminal. The summary comes last, next to the prompt. Marked cells get an asterisk.
 std::string to_text(const Document& document);
-/// One page that needs nothing else: no script, no file beside it. `svg`: a picture, may be empty.
+/// Renders the report as one self-contained HTML page without scripts. `svg`: a chart, may be empty.
 std::string to_html(const Document& document, const std::string& svg);
 
 }  // namespace touchline::latency

@@ -1,4 +1,4 @@
-#include "tools/programs/latency/report_document.h"
+#include "tools/programs/latency/report_content.h"
 
 #include <cmath>
 #include <cstdio>
@@ -38,14 +38,14 @@ Table span_table(const LatencyReport& report) {
 }
 
 Table worst_table(const LatencyReport& report) {
-  Table table{"Worst frames, milliseconds; marked: what was farthest from usual", {"", "usually"}, {}};
+  Table table{"Worst frames, milliseconds; marked: the part farthest above its median", {"", "usually"}, {}};
   for (const WorstFrame& frame : report.worst) table.head.push_back("#" + count(frame.number));
   for (std::size_t i = 0; i < kSpanCount; ++i) {
     auto& row = table.rows.emplace_back();
     row.push_back({describe(static_cast<Span>(i))});
     row.push_back({milliseconds(report.spans[i].p50)});
     for (const WorstFrame& frame : report.worst) {
-      row.push_back({milliseconds(frame.times[i]), culprit(report, frame) == static_cast<Span>(i)});
+      row.push_back({milliseconds(frame.times[i]), most_delayed_span(report, frame) == static_cast<Span>(i)});
     }
   }
   return table;
@@ -57,7 +57,7 @@ void add(Facts& facts, const char* name, const std::string& value) {
   if (!value.empty()) facts.emplace_back(name, value);
 }
 
-// What was chosen or given, not what came of it.
+// Settings and system properties, without measured values.
 Facts conditions_of(const LatencyReport& report) {
   const SystemFacts& system = report.system;
   Facts facts;
@@ -66,7 +66,7 @@ Facts conditions_of(const LatencyReport& report) {
   if (report.deadline > Duration::zero()) add(facts, "deadline", text_of(report.deadline));
   add(facts, "processors", count(system.processors) + " x " + system.processor);
   add(facts, "loop on",
-      system.affinity + (system.isolated.empty() ? "; none isolated" : "; isolated " + system.isolated));
+      system.affinity + (system.isolated.empty() ? "; no isolated processors" : "; isolated " + system.isolated));
   add(facts, "scheduler",
       system.scheduler + ", priority " + std::to_string(system.priority) + ", timer slack " +
           std::to_string(system.timer_slack_ns) + " ns");
@@ -76,7 +76,7 @@ Facts conditions_of(const LatencyReport& report) {
     add(facts, "frequency range", number(*system.min_mhz) + " to " + number(*system.max_mhz) + " MHz");
   }
   add(facts, "kernel", system.kernel + ", " + system.preemption);
-  add(facts, "load beside it", system.load.empty() ? "none" : system.load);
+  add(facts, "background load", system.load.empty() ? "none" : system.load);
   return facts;
 }
 
@@ -89,12 +89,12 @@ std::vector<Counted> counts_of(const LatencyReport& report) {
   const ThreadUsage& usage = report.usage;
   return {{"deadline missed", report.deadline_misses},
           {"frame to packet longer than a period", report.period_overruns},
-          {"frames lost on the way", report.lost},
+          {"lost frames", report.lost},
           {"frames overloaded", report.overloads},
           {"page faults (minor)", usage.minor_faults},
           {"page faults (major)", usage.major_faults},
-          {"context switches (to wait)", usage.voluntary_switches},
-          {"context switches (displaced)", usage.involuntary_switches},
+          {"context switches (voluntary)", usage.voluntary_switches},
+          {"context switches (preempted)", usage.involuntary_switches},
           {"allocations", report.allocations}};
 }
 
@@ -125,7 +125,8 @@ std::string listed(const std::vector<std::string>& items) {
 }  // namespace
 
 Document document_of(const LatencyReport& report) {
-  Document document{"Frame latency: " + report.source, verdict(report), {span_table(report), worst_table(report)}, {}};
+  Document document{
+      "Frame latency: " + report.source, summary_sentence(report), {span_table(report), worst_table(report)}, {}};
   Facts& facts = document.facts;
   for (const Counted& counted : counts_of(report)) add(facts, counted.name, text_of_count(counted));
   for (auto& condition : conditions_of(report)) facts.push_back(std::move(condition));
@@ -160,7 +161,7 @@ Document comparison_of(const NamedReport& a, const NamedReport& b) {
             .push_back(std::string(column.name) + (std::isinf(ratio) ? " " : " x ") + ratio_text(ratio));
       row.insert(row.end(), {{milliseconds(from)}, {milliseconds(to)}, {ratio_text(ratio), grew}});
     }
-    // The whole frame first, then its parts.
+    // Lists capture to packet first, then the parts.
     const auto note = [&](std::vector<std::string>& list, const std::vector<std::string>& changes) {
       const bool whole = static_cast<Span>(i) == Span::kLatency;
       if (!changes.empty()) list.insert(whole ? list.begin() : list.end(), row[0].text + " (" + listed(changes) + ")");
@@ -176,7 +177,7 @@ Document comparison_of(const NamedReport& a, const NamedReport& b) {
       return static_cast<double>(counted.value.value_or(0)) / static_cast<double>(report.frames);
     };
     const double from = rate(before[i], a.report), to = rate(after[i], b.report);
-    // The clock decides about a few; one in a thousand frames is no accident.
+    // A few counts differ by chance. An increase of one per thousand frames is significant.
     const bool grew = before[i].value && to > 1.1 * from + 1e-3;
     if (grew) more.emplace_back(before[i].name);
     counts.rows.push_back({{before[i].name}, {text_of_count(before[i])}, {text_of_count(after[i]), grew}});
@@ -203,10 +204,10 @@ Document comparison_of(const NamedReport& a, const NamedReport& b) {
   for (const auto& [name, value] : of_b) {
     if (value_in(of_a, name) == "unknown") differs(name, "unknown", value);
   }
-  document.verdict = worse.empty() ? "No time got worse from A to B" : "Worse in B: " + listed(worse);
-  if (!more.empty()) document.verdict += "; more often in B: " + listed(more);
-  if (!better.empty()) document.verdict += "; better in B: " + listed(better);
-  document.verdict += ".";
+  document.summary = worse.empty() ? "No time got worse from A to B" : "Worse in B: " + listed(worse);
+  if (!more.empty()) document.summary += "; more often in B: " + listed(more);
+  if (!better.empty()) document.summary += "; better in B: " + listed(better);
+  document.summary += ".";
   return document;
 }
 

@@ -1,4 +1,4 @@
-#include "tools/programs/latency/worst_frames.h"
+#include "tools/programs/latency/stress_pattern_camera.h"
 
 #include <algorithm>
 
@@ -7,15 +7,15 @@
 namespace touchline::latency {
 namespace {
 
-constexpr std::size_t kPatchPx = 12;  // a patch of 37.5 mm under a camera that sees 2.2 m with 640 pixels
+constexpr std::size_t kPatchPx = 12;  // a patch of 37.5 mm if 640 pixels cover 2.2 m
 
 std::uint32_t next_random(std::uint32_t& state) {
   state = state * 1664525u + 1013904223u;  // Numerical Recipes
   return state >> 16;
 }
 
-// The same number for the same place.
-std::uint32_t scattered(std::size_t u, std::size_t v) {
+// A hash of the position.
+std::uint32_t position_hash(std::size_t u, std::size_t v) {
   auto hash = static_cast<std::uint32_t>(u * 0x9E3779B1u ^ v * 0x85EBCA77u);
   hash = (hash ^ hash >> 15) * 0x2C1B3C6Du;
   return (hash ^ hash >> 12) >> 4;
@@ -30,10 +30,10 @@ bool in_box(const ColorBox& box, const std::array<std::uint8_t, 3>& value) {
 
 }  // namespace
 
-WorstFrames::WorstFrames(const PipelineParameters& parameters, const hal::Clock& clock)
+StressPatternCamera::StressPatternCamera(const PipelineParameters& parameters, const hal::Clock& clock)
     : parameters_(parameters), clock_(clock) {}
 
-void WorstFrames::choose_values() {
+void StressPatternCamera::choose_values() {
   const ColorBoxes& boxes = parameters_.scan.boxes;
   values_.assign(1, {0, 128, 128});
   const auto in_any = [&boxes](const Value& value) {
@@ -53,9 +53,10 @@ void WorstFrames::choose_values() {
   }
 }
 
-std::size_t WorstFrames::value_at(std::size_t pattern, std::size_t u, std::size_t v, std::uint32_t& random) const {
+std::size_t StressPatternCamera::value_at(std::size_t pattern, std::size_t u, std::size_t v,
+                                          std::uint32_t& random) const {
   const std::size_t colors = values_.size() - 1;
-  // Chroma is shared by pairs (by blocks in NV12): colors that must differ change with the pair.
+  // Pixels of a pair (of a 2 x 2 block in NV12) share their chroma, so colors change only from pair to pair.
   const PixelFormat format = parameters_.scan.format;
   const std::size_t column = color_space(format) == ColorSpace::kRgb ? u : u / 2;
   const std::size_t row = format == PixelFormat::kNv12 ? v / 2 : v;
@@ -71,14 +72,14 @@ std::size_t WorstFrames::value_at(std::size_t pattern, std::size_t u, std::size_
     case 4:
       return next_random(random) % (colors + 1);
     case 5:
-      // Two rows of pairs: nothing that removes specks removes these.
+      // Blocks of two rows, which are too large to be removed as specks.
       return column % 3 < 2 && row % 3 < 2 ? 1 + (column / 3 + row / 3) % colors : 0;
     case 6:
-      // Salt in pairs, which is no specks either.
-      return scattered(u / 2, row) % (colors + 1);
+      // Random pairs of pixels, also too large for specks.
+      return position_hash(u / 2, row) % (colors + 1);
     case 7:
-      // Just above the threshold of site percolation, 0.5927: clusters as ragged as they get.
-      return scattered(column, row) % 1000 < 600 ? 1 : 0;
+      // Just above the site percolation threshold of the square lattice, 0.5927, where clusters are most ragged.
+      return position_hash(column, row) % 1000 < 600 ? 1 : 0;
     default: {
       const std::size_t cell = u / kPatchPx + v / kPatchPx;
       return u % kPatchPx < kPatchPx - 2 && v % kPatchPx < kPatchPx - 2 ? 1 + cell % colors : 0;
@@ -86,7 +87,7 @@ std::size_t WorstFrames::value_at(std::size_t pattern, std::size_t u, std::size_
   }
 }
 
-void WorstFrames::paint(std::size_t pattern) {
+void StressPatternCamera::paint(std::size_t pattern) {
   const std::size_t width = info_.width_px, height = info_.height_px;
   std::vector<std::uint8_t>& picture = pictures_[pattern];
   const Frame frame = frame_of(pattern);
@@ -118,7 +119,7 @@ void WorstFrames::paint(std::size_t pattern) {
   }
 }
 
-Frame WorstFrames::frame_of(std::size_t pattern) const {
+Frame StressPatternCamera::frame_of(std::size_t pattern) const {
   Frame frame;
   frame.format = info_.format;
   frame.width_px = info_.width_px;
@@ -130,10 +131,10 @@ Frame WorstFrames::frame_of(std::size_t pattern) const {
   return frame;
 }
 
-Status WorstFrames::do_open() {
+Status StressPatternCamera::do_open() {
   const ScanParameters& scan = parameters_.scan;
   if (scan.boxes.empty()) {
-    reason_ = "worst frames: the venue has no colors to paint with";
+    reason_ = "worst frames: the venue file has no colors";
     return ErrorCode::kInconsistent;
   }
   info_ = {scan.format, scan.width_px, scan.height_px, 0.0};
@@ -146,7 +147,7 @@ Status WorstFrames::do_open() {
   return {};
 }
 
-Result<hal::FrameLease> WorstFrames::do_wait(Instant) {
+Result<hal::FrameLease> StressPatternCamera::do_wait(Instant) {
   Frame frame = frame_of(sequence_ % kPatterns);
   frame.capture_time = clock_.now();
   frame.sequence = sequence_++;

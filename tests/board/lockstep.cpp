@@ -1,4 +1,4 @@
-#include "tests/board/lock_step.h"
+#include "tests/board/lockstep.h"
 
 #include <poll.h>
 #include <sys/socket.h>
@@ -59,7 +59,7 @@ bool send_all(int file, const void* data, std::size_t bytes) {
 
 }  // namespace
 
-LockStep::LockStep(const config::BoardFile& board, std::uint64_t seed, int pictures, int radio, double frame_timeout_s)
+Lockstep::Lockstep(const config::BoardFile& board, std::uint64_t seed, int pictures, int radio, double frame_timeout_s)
     : arena_(board.arena, board.camera, board.radio, seed),
       fourcc_(fourcc_of(hal::pixel_format(board.camera.format))),
       period_us_(static_cast<std::uint32_t>(std::lround(1e6 / board.camera.rate_hz))),
@@ -73,7 +73,7 @@ LockStep::LockStep(const config::BoardFile& board, std::uint64_t seed, int pictu
   arena_.start_camera();
 }
 
-FrameHeader LockStep::next_header(ToGuest kind) {
+FrameHeader Lockstep::next_header(ToGuest kind) {
   FrameHeader header;
   header.kind = kind;
   header.number = number_++;
@@ -85,33 +85,33 @@ FrameHeader LockStep::next_header(ToGuest kind) {
   return header;
 }
 
-bool LockStep::exchange(const FrameHeader& header, FrameAnswer& answer, std::string& reason) {
+bool Lockstep::exchange(const FrameHeader& header, FrameAnswer& answer, std::string& error) {
   const std::size_t bytes = has_picture(header.kind) ? picture_.size() : 0;
   if (!send_all(pictures_, &header, sizeof header) || !send_all(pictures_, picture_.data(), bytes)) {
-    reason = std::string("the guest takes no picture: ") + std::strerror(errno);
+    error = std::string("the guest does not accept the picture: ") + std::strerror(errno);
     return false;
   }
   auto* const at = reinterpret_cast<char*>(&answer);
   for (std::size_t got = 0; got < sizeof answer;) {
     const ssize_t more = readable(pictures_, frame_timeout_s_) ? ::read(pictures_, at + got, sizeof answer - got) : 0;
     if (more <= 0) {
-      reason = "the guest does not answer to frame " + std::to_string(header.number);
+      error = "the guest does not answer to frame " + std::to_string(header.number);
       return false;
     }
     got += static_cast<std::size_t>(more);
   }
   if (answer.magic == kWireMagic && answer.number == header.number) return true;
-  reason = "the guest answered something else to frame " + std::to_string(header.number);
+  error = "the guest sent a wrong answer to frame " + std::to_string(header.number);
   return false;
 }
 
-bool LockStep::hear(double timeout_s, Expect expect, Heard& heard, std::string& reason) {
+bool Lockstep::receive(double timeout_s, Expect expect, Received& received, std::string& error) {
   const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
   while (readable(radio_, timeout_s)) {
     std::array<std::byte, 256> bytes;
     const ssize_t got = ::read(radio_, bytes.data(), bytes.size());
     if (got <= 0) {
-      reason = "the line to the robots was closed";
+      error = "the radio socket was closed";
       return false;
     }
     for (ssize_t i = 0; i < got; ++i) {
@@ -121,26 +121,26 @@ bool LockStep::hear(double timeout_s, Expect expect, Heard& heard, std::string& 
       while (stream_.next(commands, sequence)) {
         if (last_sequence_ >= 0 && sequence != ((last_sequence_ + 1) & 0xff)) ++sequence_gaps_;
         last_sequence_ = sequence;
-        ++(commands.stop ? heard.stops : heard.drives);
+        ++(commands.stop ? received.stops : received.drives);
         Packet packet;
-        // The arena's time stands still between frames, the guest's does not: a packet that finds the air full is lost.
+        // The arena's time stands still between frames, the guest's does not. A packet is lost if the queue is full.
         const Status sent = encode(commands, sequence, packet).ok()
                                 ? arena_.channel().send({packet.data(), packet.size()}, arena_.now())
                                 : ErrorCode::kInconsistent;
         if (!sent.ok() && sent.code() != ErrorCode::kBusy) {
-          reason = "the arena's air does not take packet " + std::to_string(sequence);
+          error = "the arena's radio channel refuses packet " + std::to_string(sequence);
           return false;
         }
       }
     }
-    const bool enough = heard.drives > 0 || (expect != Expect::kSpeeds && heard.stops > 0);
-    // Then only what is there already.
+    const bool enough = received.drives > 0 || (expect != Expect::kSpeeds && received.stops > 0);
+    // Then reads only what has already arrived.
     timeout_s = enough ? 0.0 : std::max(0.0, std::chrono::duration<double>(end - Clock::now()).count());
   }
   return true;
 }
 
-bool LockStep::one_frame(ToGuest kind, Expect expect, Played& out, std::string& reason) {
+bool Lockstep::one_frame(ToGuest kind, Expect expect, PlayResult& out, std::string& error) {
   const hal::mock::Snapshot before = arena_.world().snapshot();
   std::optional<hal::mock::Exposure> exposure;
   while (!(exposure = arena_.take_exposure())) arena_.advance_to(*arena_.next_frame_ready());
@@ -154,48 +154,48 @@ bool LockStep::one_frame(ToGuest kind, Expect expect, Played& out, std::string& 
   const FrameHeader header = next_header(kind);
   if (has_picture(kind)) arena_.render(*exposure, picture_);
   FrameAnswer answer;
-  if (!exchange(header, answer, reason)) return false;
+  if (!exchange(header, answer, error)) return false;
   const bool shown = kind == ToGuest::kFrame && answer.error == 0;
   if (answer.error != 0) out.last_error = answer.error;
   out.shown += shown ? 1 : 0;
   out.late += answer.late_us > 0 ? 1 : 0;
   out.latest_us = std::max(out.latest_us, answer.late_us);
-  Heard heard;
+  Received received;
   const bool wait = shown && expect != Expect::kNothing;
-  if (!hear(wait ? frame_timeout_s_ : 0.0, expect, heard, reason)) return false;
-  out.packets += heard.drives + heard.stops;
-  out.stops += heard.stops;
-  const char letter = heard.drives > 0 ? (heard.stops > 0 ? 'm' : 'd') : (heard.stops > 0 ? 's' : '.');
+  if (!receive(wait ? frame_timeout_s_ : 0.0, expect, received, error)) return false;
+  out.packets += received.drives + received.stops;
+  out.stops += received.stops;
+  const char letter = received.drives > 0 ? (received.stops > 0 ? 'm' : 'd') : (received.stops > 0 ? 's' : '.');
   out.frames += shown || letter == '.' ? letter : static_cast<char>(letter - 'a' + 'A');
-  if (wait && (letter == '.' || (expect == Expect::kSpeeds && heard.drives == 0))) {
-    reason = "no packet came for frame " + std::to_string(header.number);
+  if (wait && (letter == '.' || (expect == Expect::kSpeeds && received.drives == 0))) {
+    error = "no packet followed frame " + std::to_string(header.number);
     return false;
   }
   return true;
 }
 
-bool LockStep::play(std::uint64_t count, ToGuest kind, Expect expect, Played& out, std::string& reason) {
+bool Lockstep::play(std::uint64_t count, ToGuest kind, Expect expect, PlayResult& out, std::string& error) {
   for (std::uint64_t i = 0; i < count; ++i) {
-    if (!one_frame(kind, expect, out, reason)) return false;
+    if (!one_frame(kind, expect, out, error)) return false;
   }
   return true;
 }
 
-bool LockStep::plug(bool in, std::string& reason) {
+bool Lockstep::plug(bool in, std::string& error) {
   FrameAnswer answer;
-  if (!exchange(next_header(in ? ToGuest::kPlug : ToGuest::kUnplug), answer, reason)) return false;
-  if (answer.error != 0) reason = std::string("the guest's camera cannot be opened: ") + std::strerror(answer.error);
+  if (!exchange(next_header(in ? ToGuest::kPlug : ToGuest::kUnplug), answer, error)) return false;
+  if (answer.error != 0) error = std::string("the guest's camera cannot be opened: ") + std::strerror(answer.error);
   return answer.error == 0;
 }
 
-bool LockStep::listen(double quiet_s, Played& out, std::string& reason) {
+bool Lockstep::listen(double quiet_s, PlayResult& out, std::string& error) {
   for (;;) {
-    Heard heard;
-    if (!hear(quiet_s, Expect::kNothing, heard, reason)) return false;
-    if (heard.drives + heard.stops == 0) return true;
-    out.packets += heard.drives + heard.stops;
-    out.stops += heard.stops;
-    out.frames += heard.drives > 0 ? (heard.stops > 0 ? 'm' : 'd') : 's';
+    Received received;
+    if (!receive(quiet_s, Expect::kNothing, received, error)) return false;
+    if (received.drives + received.stops == 0) return true;
+    out.packets += received.drives + received.stops;
+    out.stops += received.stops;
+    out.frames += received.drives > 0 ? (received.stops > 0 ? 'm' : 'd') : 's';
   }
 }
 

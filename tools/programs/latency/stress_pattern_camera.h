@@ -12,15 +12,15 @@
 
 namespace touchline::latency {
 
-/// Pictures that cost the most work that anybody can hold in front of the camera, one after the other, each stamped
-/// with the clock's time when it is asked for. Made of the venue's own colors, in the camera's format:
-/// one color everywhere; pixels that alternate (most runs); single dots (most regions); combs that meet only in their
-/// last row (most merges of labels); random colors; blocks and pairs of pixels that are no specks; clusters as ragged
-/// as they get (percolation); a grid of patches as large as real ones (most pairs to match).
-class WorstFrames final : public hal::Camera {
+/// A camera that cycles through synthetic pictures that are the most expensive to process. Each is stamped with the
+/// time at which it is requested. The pictures use the venue's colors and the camera's format: one color everywhere;
+/// alternating pixels (most runs); single pixels (most regions); combs whose teeth meet only in the last row (most
+/// merges of labels); random colors; blocks of 2 x 2 pixels and pairs of pixels, which the minimum area does not
+/// remove; clusters at the percolation threshold (most ragged); a grid of patches of real size (most pairs to match).
+class StressPatternCamera final : public hal::Camera {
  public:
-  /// `parameters.scan` says format, size and colors.
-  WorstFrames(const PipelineParameters& parameters, const hal::Clock& clock);
+  /// `parameters.scan` gives format, size and colors; it must outlive this object.
+  StressPatternCamera(const PipelineParameters& parameters, const hal::Clock& clock);
 
   [[nodiscard]] const hal::CameraInfo& info() const override { return info_; }
   [[nodiscard]] const std::string& reason() const override { return reason_; }
@@ -28,7 +28,7 @@ class WorstFrames final : public hal::Camera {
   static constexpr std::size_t kPatterns = 9;
 
  private:
-  // Values of three channels.
+  // Values of the three channels.
   using Value = std::array<std::uint8_t, 3>;
 
   Status do_open() override;
@@ -47,7 +47,7 @@ class WorstFrames final : public hal::Camera {
   const hal::Clock& clock_;
   hal::CameraInfo info_;
   std::string reason_;
-  std::vector<Value> values_;  // [0]: background, then one a color
+  std::vector<Value> values_;  // [0]: background, then one per color
   std::array<std::vector<std::uint8_t>, kPatterns> pictures_;
   std::uint32_t sequence_ = 0;
 };

@@ -1,4 +1,4 @@
-#include "tools/programs/replay/output_files.h"
+#include "tools/programs/replay/annotation_output.h"
 
 #include <cstdio>
 #include <filesystem>
@@ -20,7 +20,7 @@ bool AnnotationOutput::open(const std::string& path, double rate_hz, std::string
   std::error_code failure;
   std::filesystem::create_directories(path, failure);
   if (std::filesystem::is_directory(path)) return true;
-  error = path + ": " + (failure ? failure.message() : "is no folder") + " (a video's name must end in .mp4)";
+  error = path + ": " + (failure ? failure.message() : "is not a folder") + " (the name of a video must end in .mp4)";
   return false;
 }
 
@@ -49,7 +49,7 @@ bool AnnotationOutput::finish(std::string& error) {
   return status.ok();
 }
 
-bool endangers(const std::string& input, const std::string& output) {
+bool would_overwrite(const std::string& input, const std::string& output) {
   std::error_code failure;
   const std::filesystem::path from = std::filesystem::weakly_canonical(input, failure);
   const std::filesystem::path to = std::filesystem::weakly_canonical(output, failure);

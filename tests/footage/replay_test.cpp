@@ -11,7 +11,7 @@
 #include "tools/programs/evaluate/pose_evaluation.h"
 #include "tools/programs/replay/replay.h"
 
-// Real footage through the whole pipeline, with the venue and team files of this folder.
+// The whole pipeline on real recordings, with the venue and team files of this folder.
 namespace touchline {
 namespace {
 
@@ -19,7 +19,7 @@ class Footage : public ::testing::Test {
  protected:
   void SetUp() override {
     const char* shared = std::getenv("TOUCHLINE_SHARED");  // NOLINT(concurrency-mt-unsafe): one thread
-    if (shared == nullptr) GTEST_SKIP() << "TOUCHLINE_SHARED does not name the folder with footage/";
+    if (shared == nullptr) GTEST_SKIP() << "TOUCHLINE_SHARED must name the folder that contains footage/";
     footage = std::string(shared) + "/footage/";
   }
   void see(const std::string& input, const std::string& name, const evaluate::NameMap& names = {}) {
@@ -34,15 +34,17 @@ class Footage : public ::testing::Test {
     ASSERT_TRUE(replay::replay(
         options, [](auto, auto) {}, stop, summary, error))
         << error;
-    ASSERT_TRUE(evaluate::read_result(options.out, names, frames, error)) << error;
+    auto result = evaluate::read_result(options.out, names);
+    ASSERT_TRUE(result.ok()) << result.text();
+    frames = std::move(result).value();
   }
-  [[nodiscard]] evaluate::PictureReport held_against(const std::string& annotation) const {
-    evaluate::AnnotatedPicture truth;
-    evaluate::PictureReport report;
-    std::string error;
-    EXPECT_TRUE(evaluate::read_annotated(footage + "annotated/" + annotation, truth, error)) << error;
-    EXPECT_TRUE(evaluate::evaluate_picture(truth, frames, {}, report, error)) << error;
-    return report;
+  [[nodiscard]] evaluate::PictureReport evaluated_against(const std::string& annotation) const {
+    const auto truth = evaluate::read_annotated(footage + "annotated/" + annotation);
+    EXPECT_TRUE(truth.ok()) << truth.text();
+    if (!truth.ok()) return {};
+    const auto report = evaluate::evaluate_picture(truth.value(), frames, {});
+    EXPECT_TRUE(report.ok()) << report.text();
+    return report.ok() ? report.value() : evaluate::PictureReport();
   }
 
   media::Folder folder;
@@ -50,8 +52,8 @@ class Footage : public ::testing::Test {
   std::vector<evaluate::FrameRecord> frames;
 };
 
-// Two yellow robots and two blue ones stand or are pushed; a fifth is cut off by a window of the desktop.
-TEST_F(Footage, FourRobotsAndTheBallAreFoundIn99OfAHundredFrames) {
+// Two yellow and two blue robots stand still or are pushed; a fifth is partly hidden by a window of the desktop.
+TEST_F(Footage, FindsFourRobotsAndTheBallIn99PercentOfTheFrames) {
   see("vss-overhead.mp4", "vss-overhead");
   ASSERT_EQ(frames.size(), 502u);
   std::map<std::string, std::size_t> found;
@@ -68,11 +70,11 @@ TEST_F(Footage, FourRobotsAndTheBallAreFoundIn99OfAHundredFrames) {
     found["ball"] += frame.sightings.ball ? 1u : 0u;
   }
   for (const char* name : {"blue 0", "blue 1", "yellow 0", "yellow 1", "ball"}) EXPECT_GE(found[name], 497u) << name;
-  // Nobody else but the fifth, and no robot without a name.
+  // No others except the fifth, and none without an id.
   EXPECT_EQ(found.size(), found.count("blue 2") + 5);
   EXPECT_EQ(unknown, 0u);
 
-  // An id on another robot would be a leap of decimeters. The pushed robot moves.
+  // A swapped id would be a jump of decimeters. The pushed robot moves.
   for (const evaluate::PoseSpread& spread : evaluate::pose_spreads(frames)) {
     if (spread.name == "blue 0") {
       EXPECT_LT(spread.largest_step, 0.04);
@@ -81,10 +83,10 @@ TEST_F(Footage, FourRobotsAndTheBallAreFoundIn99OfAHundredFrames) {
     EXPECT_GT(spread.position_rms, 0.0002) << spread.name;
     EXPECT_LT(spread.position_rms, 0.001) << spread.name;
     EXPECT_LT(spread.position_max, 0.006) << spread.name;
-    // The fifth shows half of itself; another processor's decoder rounds its colors otherwise.
+    // Only half of the fifth is visible, and video decoders round differently on other processors.
     EXPECT_LT(spread.angle_rms, spread.name == "blue 2" ? 0.015 : 0.01) << spread.name;
   }
-  const evaluate::PictureReport report = held_against("vsssdk_move_f270.json");
+  const evaluate::PictureReport report = evaluated_against("vsssdk_move_f270.json");
   EXPECT_EQ(report.ids_right, 4u);
   EXPECT_EQ(report.team_good, 4u);
   EXPECT_EQ(report.balls_good, 1u);
@@ -94,18 +96,18 @@ struct Picture {
   const char* venue;
   const char* file;
   const char* annotation;
-  std::size_t robots, least_right;  // ids; the others are unknown
+  std::size_t robots, least_right;  // minimum number of right ids; the others are unknown
 };
 
 void PrintTo(const Picture& picture, std::ostream* out) { *out << picture.venue; }
 
 class AnnotatedFootage : public Footage, public ::testing::WithParamInterface<Picture> {};
 
-// Four marker layouts, colors learned from other pictures of the same set.
-TEST_P(AnnotatedFootage, EveryTeamPatchAndNoWrongId) {
+// Four marker layouts; the colors were learned from other pictures of the same set.
+TEST_P(AnnotatedFootage, FindsEveryTeamPatchAndNoWrongId) {
   const Picture& picture = GetParam();
   see(picture.file, picture.venue, {{"mint", "cyan-green"}, {"brown", "red-brown"}, {"grey", "grey-purple"}});
-  const evaluate::PictureReport report = held_against(picture.annotation);
+  const evaluate::PictureReport report = evaluated_against(picture.annotation);
   EXPECT_EQ(report.robots, picture.robots);
   EXPECT_EQ(report.team_good, picture.robots);
   EXPECT_EQ(report.balls_good, 1u);

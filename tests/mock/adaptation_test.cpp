@@ -1,4 +1,4 @@
-// The light changes while robots play: the arena's pictures, dimmed and tinted step by step.
+// Adaptation to changing light during a game: pictures of the arena that are dimmed and tinted step by step.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,15 +17,15 @@ namespace {
 constexpr int kPictures = 4, kRobots = 10;
 constexpr Duration kPeriod = std::chrono::milliseconds(100);
 
-// What is left of red, green and blue at the left and at the right border of the picture.
+// Remaining share of red, green and blue light at the left and right border of the picture.
 struct Light {
   std::array<double, 3> left{1, 1, 1}, right{1, 1, 1};
-  // `share` 0: full light, 1: this one; logarithmic between.
+  // `share` 0: full light; 1: this light; interpolated logarithmically.
   [[nodiscard]] double at(std::size_t channel, double x, double share) const {
     return std::pow(left[channel] * (1 - x) + right[channel] * x, share);
   }
 };
-// A cloud before windows on the left: less and bluer light there.
+// A cloud before windows on the left: the light there is darker and bluer.
 constexpr Light kCloud{{0.42, 0.48, 0.58}, {0.60, 0.62, 0.66}};
 
 class AdaptationTest : public ::testing::Test {
@@ -60,7 +60,7 @@ class AdaptationTest : public ::testing::Test {
     pipeline->set_observing(true);
   }
 
-  // Robots of the last frame whose id was seen.
+  // Number of robots with an id in the last frame.
   int run(int frames, const Light& light, double from_share, double to_share) {
     int seen = 0;
     for (int i = 1; i <= frames; ++i) seen = step(light, from_share + (to_share - from_share) * i / frames);
@@ -112,7 +112,7 @@ std::vector<std::string> with(std::vector<std::string> overrides, const std::str
 TEST_F(AdaptationTest, FollowsWhatWouldBlindIt) {
   start(with(kFast, "adaptation.mode=off"));
   ASSERT_EQ(run(5, kCloud, 0, 0), kRobots);
-  EXPECT_LE(run(120, kCloud, 0, 1), kRobots / 2) << "so much light is too easy to do without";
+  EXPECT_LE(run(120, kCloud, 0, 1), kRobots / 2) << "the change of light is too small for this test";
 
   start(kFast);
   ASSERT_EQ(run(5, kCloud, 0, 0), kRobots);
@@ -124,8 +124,8 @@ TEST_F(AdaptationTest, FollowsWhatWouldBlindIt) {
     for (int i = 0; i <= 20; ++i) brightness += std::log(kCloud.at(c, i / 20.0, 1)) / 63;
   }
   EXPECT_NEAR(static_cast<double>(trace->light.brightness) / std::exp(brightness), 1.0, 0.15)
-      << "a part of it is in the boxes, and where no robot stands little is known";
-  // And back.
+      << "a part of the change goes into the boxes, and little is known where no robot stands";
+  // And back to full light.
   EXPECT_EQ(run(120, kCloud, 1, 0), kRobots);
   run(100, kCloud, 0, 0);
   EXPECT_NEAR(static_cast<double>(trace->light.brightness), 1.0, 0.05);
@@ -153,7 +153,7 @@ TEST_F(AdaptationTest, FrozenItStaysAndOffItIsPutBack) {
   EXPECT_EQ(trace->light.patches, 0U);
 
   pipeline->set_adaptation(AdaptationMode::kOff);
-  // Tables and rows of tiles are put back one after the other, two tables a frame.
+  // The reset is gradual: two tables per frame.
   run(200, kCloud, 0, 0);
   EXPECT_EQ(trace->light.brightness, 1.0f);
   count = count / pictures.size() * pictures.size();
@@ -167,11 +167,11 @@ TEST_F(AdaptationTest, IsBounded) {
   run(5, kCloud, 0, 0);
   run(120, kCloud, 0, 0.5);
   EXPECT_GE(trace->light.brightness, 1 / 1.2501f);
-  EXPECT_LT(trace->light.brightness, 1 / 1.15f) << "it did follow as far as it may";
+  EXPECT_LT(trace->light.brightness, 1 / 1.15f) << "it must follow up to the bound";
 }
 
-TEST_F(AdaptationTest, LearnsNothingFromRobotsThatAreNotCertain) {
-  // Nobody's robot: every pair of patches is a robot without an id.
+TEST_F(AdaptationTest, LearnsNothingFromRobotsWithoutId) {
+  // No marker matches, so every pair of patches is a robot without an id.
   start(with(kFast, "adaptation.mode=follow"));
   auto& teams = configuration->pipeline.marker.teams;
   for (auto& team : teams) team.robots.clear();
@@ -181,7 +181,7 @@ TEST_F(AdaptationTest, LearnsNothingFromRobotsThatAreNotCertain) {
   EXPECT_EQ(trace->light.brightness, 1.0f);
 }
 
-TEST_F(AdaptationTest, AnEvenMapTakesThePlaceOfNone) {
+TEST_F(AdaptationTest, WorksWithoutALightMap) {
   start(with(kFast, "light.map=\"\""));
   EXPECT_GE(run(5, kCloud, 0, 0), kRobots - 2) << "the arena's light is uneven";
   const int before = run(60, kCloud, 0, 0.5);

@@ -1,4 +1,4 @@
-// docs/arena.md names what there is.
+// docs/arena.md must list all scenes and faults.
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -1,4 +1,4 @@
-// The program touchline-arena as a person calls it: every scene's files, and what it says when something is wrong.
+// The program touchline-arena: the files of every scene, and error messages.
 #include <sys/wait.h>
 #include <array>
 #include <cstdio>
@@ -34,7 +34,7 @@ Outcome touchline_arena(const std::string& arguments) {
 }
 
 const std::string kBoard = "--board '" TOUCHLINE_BOARDS "/mock/board.toml' ";
-// Small pictures of the same part of the field.
+// Small pictures that show the same part of the field.
 const std::string kSmall = kBoard +
                            "--set camera.width_px=160 --set camera.height_px=120 --set arena.camera.focal_px=140.0 "
                            "--set arena.camera.center_u_px=80.0 --set arena.camera.center_v_px=60.0 ";
@@ -51,17 +51,16 @@ class ArenaProgram : public ::testing::Test {
 };
 
 TEST_F(ArenaProgram, WritesEverySceneWithItsTruth) {
-  for (const SceneWord& scene : scene_types()) {
-    const std::string word(scene.word);
+  for (const SceneType& scene : scene_types()) {
+    const std::string word(scene.name);
     const Outcome outcome = touchline_arena(word + " " + kSmall + out(word) + "--count 3");
     ASSERT_EQ(outcome.code, 0) << outcome.text;
     EXPECT_EQ(outcome.text, "3 pictures of scene " + word + " in " + folder_ / word + "\n");
-    std::vector<evaluate::FrameRecord> truth;
-    std::string error;
-    ASSERT_TRUE(evaluate::read_truth(folder_ / word + "/truth.jsonl", truth, error)) << error;
-    ASSERT_EQ(truth.size(), 3U);
+    const auto truth = evaluate::read_truth(folder_ / word + "/truth.jsonl");
+    ASSERT_TRUE(truth.ok()) << truth.text();
+    ASSERT_EQ(truth.value().size(), 3U);
     const bool things = scene.kind != SceneKind::kEmpty && scene.kind != SceneKind::kGrey;
-    for (const evaluate::FrameRecord& frame : truth) {
+    for (const evaluate::FrameRecord& frame : truth.value()) {
       EXPECT_EQ(frame.sightings.robots.size(), things ? 10U : 0U);
       EXPECT_EQ(frame.sightings.ball.has_value(), things);
       EXPECT_TRUE(std::filesystem::exists(folder_ / word + "/" + frame.file));
@@ -80,7 +79,7 @@ TEST_F(ArenaProgram, TruthIsWhatThePictureShows) {
   hal::Picture picture;
   std::string reason;
   ASSERT_TRUE(hal::read_picture(folder_ / "layouts/000000.png", picture, reason).ok()) << reason;
-  // The color at a place, against the paint: the hue decides, light and tone do not.
+  // Compares the hue of the pixel with that of the paint, independent of brightness.
   const auto hue_of = [](double r, double g, double b) {
     return std::atan2(std::sqrt(3.0) * (g - b), 2.0 * r - g - b);
   };
@@ -119,7 +118,7 @@ TEST_F(ArenaProgram, DescriptionAndPointsAgree) {
     const nlohmann::json& point = scene["points"][lines];
     EXPECT_NEAR(point["x"].get<double>(), x, 1e-5);
     EXPECT_NEAR(point["y"].get<double>(), y, 1e-5);
-    EXPECT_NEAR(point["pixel"][0].get<double>(), u, 0.2501) << "to half a pixel";
+    EXPECT_NEAR(point["pixel"][0].get<double>(), u, 0.2501) << "rounded to half a pixel";
     EXPECT_NEAR(point["pixel"][1].get<double>(), v, 0.2501);
     EXPECT_EQ(u * 2.0, std::round(u * 2.0));
   }
@@ -151,7 +150,7 @@ TEST_F(ArenaProgram, SeedRepeatsPicturesToTheBit) {
   }
 }
 
-TEST_F(ArenaProgram, BadArgumentsAreRefusedInClearWords) {
+TEST_F(ArenaProgram, RefusesBadArgumentsWithAMessage) {
   const auto refused = [&](const std::string& arguments, const std::string& part) {
     const Outcome outcome = touchline_arena(arguments);
     EXPECT_NE(outcome.code, 0) << arguments;
@@ -165,7 +164,7 @@ TEST_F(ArenaProgram, BadArgumentsAreRefusedInClearWords) {
   refused("layouts --board '" + folder_ / "none.toml" + "' " + out("x"), "none.toml: no such file");
   refused("layouts " + kBoard + out("x") + "--set arena.robot_side_m=9.0", "out of range: 0.02 to 0.4 m");
   refused("layouts " + kBoard + out("x") + "--set arena.ball_color=purple", "\"purple\" is none of the paints");
-  // Six large robots stand side by side, but not turned at random.
+  // Six large robots fit side by side, but not at random angles.
   std::string board =
       "version = 1\nvenue = \"venue.toml\"\nteam = \"team.toml\"\n[camera]\nbackend = \"mock\"\n[radio]\nbackend = "
       "\"mock\"\n[arena]\nrobot_side_m = "
@@ -180,7 +179,7 @@ TEST_F(ArenaProgram, BadArgumentsAreRefusedInClearWords) {
           "full.toml: the field has no room for all its robots and the ball");
   media::write_text(folder_ / "file", "in the way");
   refused("layouts " + kBoard + out("file"), "file: cannot be created: ");
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "x")) << "nothing is written when something is wrong";
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "x")) << "nothing must be written on error";
 }
 
 }  // namespace

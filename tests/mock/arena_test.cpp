@@ -1,4 +1,4 @@
-// The arena as a whole: repeatable, without allocation, on its own time or on the machine's.
+// The whole arena: it is repeatable, does not allocate, and runs in virtual or real time.
 #include <atomic>
 #include <thread>
 
@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 
 class ArenaTest : public DevicesTest {
  protected:
-  // Frames, packets and the emergency line in turn, as a loop does; `driver` says what to send.
+  // Processes frames, packets and the emergency stop as the firmware's loop does; `driver` makes the packets.
   template <class Driver>
   void play(double until_s, Driver driver) {
     std::uint8_t sequence = 0;
@@ -53,7 +53,7 @@ TEST_F(ArenaTest, SameSeedAndPacketsGiveTheSameGameToTheBit) {
   EXPECT_NE(hash_after_game(2), first);
 }
 
-TEST_F(ArenaTest, ResultDoesNotDependOnHowOftenSomebodyLooks) {
+TEST_F(ArenaTest, ResultDoesNotDependOnTheTimeSteps) {
   parameters = ArenaParameters{};
   Arena coarse(parameters, settings, radio_settings, 1), fine(parameters, settings, radio_settings, 1);
   for (int i = 1; i <= 50; ++i) {
@@ -63,12 +63,11 @@ TEST_F(ArenaTest, ResultDoesNotDependOnHowOftenSomebodyLooks) {
     ASSERT_EQ(coarse.world().hash(), fine.world().hash()) << i;
   }
   fine.advance_to(Arena::kBegin);
-  EXPECT_EQ(fine.now(), Arena::kBegin + 1000ms) << "time does not run back";
+  EXPECT_EQ(fine.now(), Arena::kBegin + 1000ms) << "time must not run backwards";
 }
 
 TEST_F(ArenaTest, AllocatesNothingWhileItRuns) {
-  if (!latency::allocations_are_counted())
-    GTEST_SKIP() << "a sanitizer's allocator is in the place of the one that counts";
+  if (!latency::allocations_are_counted()) GTEST_SKIP() << "with a sanitizer, allocations are not counted";
   parameters.opponents = Opponents::kPlay;
   parameters.robot = ArenaParameters{}.robot;
   parameters.physics = {};
@@ -93,11 +92,11 @@ TEST_F(ArenaTest, AllocatesNothingWhileItRuns) {
   }
   const std::uint64_t before = latency::allocations_of_this_thread();
   ASSERT_TRUE(camera->open().ok());
-  EXPECT_GT(latency::allocations_of_this_thread() - before, 0U) << "the counter counts";
+  EXPECT_GT(latency::allocations_of_this_thread() - before, 0U) << "the counter must work";
 }
 
 TEST_F(ArenaTest, NoPacketActsBeforeItsArrival) {
-  parameters.radio.delay_s = 0.0154;  // with 13 bytes at 115200 baud it arrives after 16.53 ms
+  parameters.radio.delay_s = 0.0154;  // plus 13 bytes at 115200 baud: arrives after 16.53 ms
   start();
   ASSERT_TRUE(radio->send(packet_of(std::array<Drive, 1>{{{0, 0.1, 0.1}}}, 1)).ok());
   arena->advance_to(Arena::kBegin + 17ms);
@@ -113,13 +112,13 @@ TEST_F(ArenaTest, StopPacketsAtTheEndStopTheRobots) {
   EXPECT_GT(arena->world().energy(), 1e-4);
   ASSERT_TRUE(radio->send(packet_of(std::array<Drive, 1>{{{0, 0.0, 0.0}}}, 3, true)).ok());
   ASSERT_TRUE(radio->drain(arena->now() + 20ms).ok());
-  go_to(1.19);  // before the time-out would stop it
+  go_to(1.19);  // before the time-out
   EXPECT_LT(arena->world().energy(), 1e-5);
   EXPECT_EQ(arena->channel().statistics().timeouts, 0U);
 }
 
-// With anything real beside it the arena follows the machine's clock.
-TEST_F(ArenaTest, FollowsTheMachinesClock) {
+// With a real device, the arena follows the system clock.
+TEST_F(ArenaTest, FollowsTheSystemClock) {
   const MonotonicClock machine;
   arena.emplace(parameters, settings, radio_settings, 1, machine.now());
   MonotonicClock time;
@@ -136,15 +135,15 @@ TEST_F(ArenaTest, FollowsTheMachinesClock) {
     ASSERT_TRUE(lease.ok());
     const Frame& frame = lease.value().frame();
     EXPECT_LT(frame.capture_time, machine.now());
-    EXPECT_GE(seconds(machine.now() - frame.capture_time), 0.002 + 0.007 - 1e-9) << "ahead of its time";
+    EXPECT_GE(seconds(machine.now() - frame.capture_time), 0.002 + 0.007 - 1e-9) << "frame delivered too early";
     EXPECT_TRUE(frames == 0 || frame.sequence > last);
-    // How many of them are too late depends on the machine, how many there were does not.
+    // The number of late frames depends on the machine; the number of exposures does not.
     EXPECT_NEAR(frame.sequence, seconds(frame.capture_time - begin) * settings.rate_hz, 1.0);
     last = frame.sequence;
     ++frames;
     ASSERT_TRUE(radio->send(packet_of(std::array<Drive, 1>{{{0, 0.1, 0.1}}}, static_cast<std::uint8_t>(frames))).ok());
   }
-  EXPECT_GT(arena->world().energy(), 0.0) << "the packets came to nothing";
+  EXPECT_GT(arena->world().energy(), 0.0) << "the packets had no effect";
 }
 
 TEST_F(ArenaTest, ARealClockDoesNotJumpToTheDeadline) {
@@ -159,7 +158,7 @@ TEST_F(ArenaTest, ARealClockDoesNotJumpToTheDeadline) {
   EXPECT_GE(machine.now(), before + 5ms);
 }
 
-// A lost device is opened again on a thread of its own (firmware/device_reconnector.h) while the loop uses the others.
+// A lost device is reopened on its own thread (firmware/device_reconnector.h) while the loop uses the others.
 TEST_F(ArenaTest, OneDeviceMayBeOpenedWhileOthersAreUsed) {
   MonotonicClock time;
   arena.emplace(parameters, settings, radio_settings, 1, time.now());

@@ -1,4 +1,4 @@
-// boards/mock as it is delivered: its files are sound, and the whole loop plays on it.
+// The board boards/mock: its files are valid, and the whole loop plays with it.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -20,7 +20,7 @@ using hal::mock::FaultKind;
 
 const std::string kBoard = TOUCHLINE_BOARDS "/mock/board.toml";
 
-/// FNV-1a over all values of a trace; member by member, as the bytes between them are nobody's.
+/// FNV-1a hash over all values of a trace, member by member, because padding bytes are undefined.
 class StateHash {
  public:
   void add(const StepTrace& trace) {
@@ -81,7 +81,7 @@ class StateHash {
   std::uint64_t value_ = 0xcbf29ce484222325u;
 };
 
-/// The loop on the board's arena, as Session builds it, with the arena in the open.
+/// The loop on the board's arena, built as by Session, but with access to the arena.
 class Game {
  public:
   explicit Game(std::uint64_t seed, std::vector<hal::mock::ArenaFault> faults = {},
@@ -139,12 +139,13 @@ class Game {
   }
 };
 
-// Whatever classifies the pixels, every value of every frame is the same, and with it the whole game.
+// All kernels must give the same values in every frame, and so the same game.
 TEST(MockBoard, PlaysTheSameGameWithEveryKernel) {
   std::optional<std::uint64_t> expected;
   for (const Choice<KernelChoice>& kernel : kKernelChoices) {
     KernelChoice choice = kernel.value;
-    if (find_kernel(PixelFormat::kRgb24, choice) == nullptr) continue;  // the kernels' own tests say so
+    if (find_kernel(PixelFormat::kRgb24, choice) == nullptr)
+      continue;  // the processor lacks it; the kernels' own tests report this
     Game game(3, {}, {"scan.kernel=" + std::string(kernel.word)});
     game.run_until(0.2);
     EXPECT_GE(game.frames, 10);
@@ -154,14 +155,14 @@ TEST(MockBoard, PlaysTheSameGameWithEveryKernel) {
   }
 }
 
-TEST(MockBoard, FilesAreSound) {
+TEST(MockBoard, FilesAreValid) {
   config::Configuration configuration;
   config::Problems problems;
   EXPECT_TRUE(config::load({kBoard, "", "", {}}, configuration, problems).ok());
   EXPECT_EQ(problems.text(), "");
   EXPECT_EQ(configuration.board.camera.backend, hal::CameraBackend::kMock);
   EXPECT_EQ(configuration.board.radio.backend, hal::RadioBackend::kMock);
-  // What the team file says of the robots is what the arena builds.
+  // The team file must describe the robots of the arena.
   const hal::mock::ArenaParameters& arena = configuration.board.arena;
   for (const hal::mock::ArenaRobot& robot : arena.robot) {
     const auto& team = robot.team == hal::mock::Side::kOwn ? configuration.team.own : configuration.team.opponent;
@@ -172,12 +173,12 @@ TEST(MockBoard, FilesAreSound) {
   EXPECT_NEAR(configuration.board.radio.delay_s, arena.radio.delay_s + arena.radio.jitter_s, 1e-9);
 }
 
-// Measured over 20 seeds, in six seconds each: all ten robots in every frame, the ball in 95.8 % of them or more
-// (robots hide it), the first touch after 0.81 to 1.16 s, the ball's way 1.15 to 2.94 m.
+// Measured with 20 seeds for six seconds each: all ten robots are seen in every frame, the ball in at least 95.8 %
+// (robots hide it), the first touch happens after 0.81 to 1.16 s, and the ball moves 1.15 to 2.94 m.
 TEST(MockBoard, RobotsAreSeenReachTheBallAndStopAtTheEnd) {
   Game game(1);
   game.run_until(2.0);
-  EXPECT_GE(game.world().statistics().touches, 1U) << "no robot came to the ball";
+  EXPECT_GE(game.world().statistics().touches, 1U) << "no robot touched the ball";
   game.run_until(4.0);
   EXPECT_NEAR(game.frames, 240, 3);
   EXPECT_GT(game.frames_with_all, game.frames * 99 / 100);
@@ -187,7 +188,7 @@ TEST(MockBoard, RobotsAreSeenReachTheBallAndStopAtTheEnd) {
 
   game.loop->send_final_stops();
   EXPECT_GE(game.loop->statistics().stop_packets, 5U);
-  // In the time that wheels need and the time-out does not give.
+  // Long enough for the wheels to stop, but shorter than the command time-out.
   game.arena->advance_to(game.arena->now() + 100ms);
   const hal::mock::Snapshot before = game.world().snapshot();
   const std::uint64_t timeouts = game.arena->channel().statistics().timeouts;
@@ -196,12 +197,13 @@ TEST(MockBoard, RobotsAreSeenReachTheBallAndStopAtTheEnd) {
     if (game.configuration->board.arena.robot[i].team != hal::mock::Side::kOwn) continue;
     const hal::mock::Placement now = game.world().snapshot().robots[i];
     EXPECT_LT(std::hypot(now.x_m - before.robots[i].x_m, now.y_m - before.robots[i].y_m), 0.05 * 0.15)
-        << "robot " << i << " goes on";
+        << "robot " << i << " still moves";
   }
-  EXPECT_EQ(game.arena->channel().statistics().timeouts, timeouts) << "the packets stopped them, not the silence";
+  EXPECT_EQ(game.arena->channel().statistics().timeouts, timeouts)
+      << "robots must be stopped by packets, not by the time-out";
 }
 
-TEST(MockBoard, EveryFaultIsSurvivedAndTheGameGoesOn) {
+TEST(MockBoard, SurvivesEveryFaultAndContinues) {
   std::vector<hal::mock::ArenaFault> faults;
   double at_s = 1.0;
   for (const auto& kind : hal::mock::kFaultKinds) {
@@ -221,7 +223,7 @@ TEST(MockBoard, EveryFaultIsSurvivedAndTheGameGoesOn) {
   EXPECT_GE(count(Device::kRadio, ErrorCode::kBusy), 15U);
   EXPECT_EQ(statistics.reopened[static_cast<std::size_t>(Device::kCamera)], 1U);
   EXPECT_EQ(statistics.reopened[static_cast<std::size_t>(Device::kRadio)], 1U);
-  EXPECT_GE(game.stopped, 20) << "the emergency stop alone lasts for 24 frames";
+  EXPECT_GE(game.stopped, 20) << "the emergency stop alone lasts 24 frames";
   const int all = game.frames_with_all, frames = game.frames, commanded = game.commanded;
   game.run_until(at_s + 1.0);
   EXPECT_GT(game.frames_with_all - all, (game.frames - frames) * 9 / 10);

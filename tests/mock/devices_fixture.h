@@ -7,11 +7,11 @@
 
 #include "hal/mock/arena.h"
 #include "hal/mock/mock_devices.h"
-#include "tests/mock/quiet_arena.h"
+#include "tests/mock/noise_free_arena.h"
 
 namespace touchline::hal::mock {
 
-/// The three devices on an arena of their own, with its time. Small pictures, so that frames cost little.
+/// The three mock devices with their own arena and its virtual time. Pictures are small, so that tests are fast.
 class DevicesTest : public ::testing::Test {
  protected:
   DevicesTest() {
@@ -24,7 +24,7 @@ class DevicesTest : public ::testing::Test {
     parameters.camera.center_v_px = 24.0;
   }
 
-  /// Builds all; opens and starts what can be.
+  /// Makes all devices, opens them and starts the camera.
   void start() {
     arena.emplace(parameters, settings, radio_settings, 1);
     clock = std::make_unique<ArenaClock>(*arena);
@@ -39,14 +39,14 @@ class DevicesTest : public ::testing::Test {
   [[nodiscard]] double now_s() const { return seconds(arena->now() - Arena::kBegin); }
   void go_to(double at_s) { arena->advance_to(Arena::kBegin + from_seconds(at_s)); }
   Result<FrameLease> wait(double for_s = 1.0) { return camera->wait(arena->now() + from_seconds(for_s)); }
-  /// Throws away the frames that came meanwhile.
+  /// Discards the frames that are in memory.
   void skip_frames() {
     while (wait(0.0).ok()) {
     }
   }
   void add_fault(FaultKind kind, double at_s, double for_s) { parameters.fault.push_back({kind, at_s, for_s}); }
 
-  ArenaParameters parameters = quiet_arena();
+  ArenaParameters parameters = noise_free_arena();
   CameraSettings settings;
   RadioSettings radio_settings;
   std::optional<Arena> arena;

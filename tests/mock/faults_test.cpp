@@ -1,4 +1,4 @@
-// Every kind of [[arena.fault]]: what the device answers while it lasts, and that all is well afterwards.
+// Every kind of [[arena.fault]]: errors of the device during the fault, and recovery afterwards.
 #include "tests/mock/devices_fixture.h"
 
 namespace touchline::hal::mock {
@@ -16,7 +16,7 @@ class Faults : public DevicesTest {
   std::uint8_t sequence_ = 0;
 };
 
-TEST_F(Faults, StalledCameraGivesNothingAndThenAGap) {
+TEST_F(Faults, StalledCameraGivesNoFramesAndThenASequenceGap) {
   add_fault(FaultKind::kCameraStall, 1.0, 0.5);
   start();
   std::uint32_t before = 0;
@@ -35,7 +35,7 @@ TEST_F(Faults, StalledCameraGivesNothingAndThenAGap) {
   EXPECT_NEAR(lease.value().frame().sequence - before, 0.5 * 50, 3.0);
 }
 
-TEST_F(Faults, LostCameraMustBeOpenedAgain) {
+TEST_F(Faults, LostCameraMustBeReopened) {
   add_fault(FaultKind::kCameraLost, 1.0, 0.5);
   start();
   go_to(1.1);
@@ -44,7 +44,7 @@ TEST_F(Faults, LostCameraMustBeOpenedAgain) {
   EXPECT_EQ(camera->open(), Status(ErrorCode::kNotFound));
   EXPECT_EQ(camera->reason(), "mock camera: unplugged (an [[arena.fault]])");
   go_to(1.6);
-  EXPECT_EQ(wait().code(), ErrorCode::kDisconnected) << "plugged in again is not open again";
+  EXPECT_EQ(wait().code(), ErrorCode::kDisconnected) << "the device must be reopened after it is plugged in again";
   camera->stop();
   camera->close();
   ASSERT_TRUE(camera->open().ok());
@@ -54,7 +54,7 @@ TEST_F(Faults, LostCameraMustBeOpenedAgain) {
   EXPECT_EQ(lease.value().frame().sequence, 0U);
 }
 
-TEST_F(Faults, ShortAndCorruptFramesAreLostOneByOne) {
+TEST_F(Faults, ShortAndCorruptFramesReturnErrors) {
   add_fault(FaultKind::kFrameShort, 1.0, 0.2);
   add_fault(FaultKind::kFrameCorrupt, 2.0, 0.2);
   start();
@@ -69,8 +69,8 @@ TEST_F(Faults, ShortAndCorruptFramesAreLostOneByOne) {
       EXPECT_EQ(camera->reason(), "mock camera: the frame is damaged (an [[arena.fault]])");
       ++bad;
     }
-    EXPECT_NEAR(bad, 10, 1) << "one answer a frame";
-    // The buffers have come back: many more frames than there are buffers.
+    EXPECT_NEAR(bad, 10, 1) << "one error per frame";
+    // All buffers are free again: receives many more frames than there are buffers.
     for (int i = 0; i < 20; ++i) EXPECT_TRUE(wait().ok());
   }
 }
@@ -95,7 +95,7 @@ TEST_F(Faults, LampsGoOut) {
   EXPECT_GT(brightness(again.value()), 50.0);
 }
 
-TEST_F(Faults, LostRadioMustBeOpenedAgain) {
+TEST_F(Faults, LostRadioMustBeReopened) {
   add_fault(FaultKind::kRadioLost, 1.0, 0.5);
   start();
   EXPECT_TRUE(send().ok());
@@ -105,7 +105,7 @@ TEST_F(Faults, LostRadioMustBeOpenedAgain) {
   EXPECT_EQ(radio->reason(), "mock radio: unplugged (an [[arena.fault]])");
   EXPECT_EQ(radio->open(), Status(ErrorCode::kNotFound));
   go_to(1.6);
-  EXPECT_EQ(send(), Status(ErrorCode::kDisconnected)) << "plugged in again is not open again";
+  EXPECT_EQ(send(), Status(ErrorCode::kDisconnected)) << "the device must be reopened after it is plugged in again";
   radio->close();
   ASSERT_TRUE(radio->open().ok());
   EXPECT_TRUE(send().ok());
@@ -157,7 +157,7 @@ TEST_F(Faults, EmergencyStopIsPulled) {
   EXPECT_TRUE(gpio->strobe());
 }
 
-TEST_F(Faults, PulsesBetweenTwoLooksCountWhenTheyLast) {
+TEST_F(Faults, PulsesBetweenTwoReadingsCountIfLongEnough) {
   add_fault(FaultKind::kEmergencyStop, 1.0, 0.004);
   add_fault(FaultKind::kEmergencyStop, 2.0, 0.006);
   start();
@@ -170,18 +170,18 @@ TEST_F(Faults, PulsesBetweenTwoLooksCountWhenTheyLast) {
   EXPECT_FALSE(look(*gpio, *arena).emergency_stop);
 }
 
-TEST_F(Faults, StartButtonIsPressedOnceHoweverLongItIsHeld) {
+TEST_F(Faults, AHeldStartButtonCountsOnce) {
   add_fault(FaultKind::kStartButton, 0.0, 0.5);
   add_fault(FaultKind::kStartButton, 1.0, 0.5);
   start();
-  EXPECT_FALSE(look(*gpio, *arena).start_pressed) << "held since before the start";
+  EXPECT_FALSE(look(*gpio, *arena).start_pressed) << "held since before opening";
   for (const auto& [at_s, pressed] : {std::pair{0.9, false}, {1.001, false}, {1.1, true}, {1.2, false}, {1.6, false}}) {
     go_to(at_s);
     EXPECT_EQ(look(*gpio, *arena).start_pressed, pressed) << at_s;
   }
 }
 
-TEST_F(Faults, ComeAgainAndOverlap) {
+TEST_F(Faults, CanRepeatAndOverlap) {
   add_fault(FaultKind::kEmergencyStop, 0.1, 0.1);
   add_fault(FaultKind::kEmergencyStop, 0.3, 0.2);
   add_fault(FaultKind::kEmergencyStop, 0.4, 0.3);
@@ -195,13 +195,13 @@ TEST_F(Faults, ComeAgainAndOverlap) {
                                      {0.75, true},
                                      {0.78, false}}) {
     go_to(at_s);
-    EXPECT_EQ(look(*gpio, *arena).emergency_stop, pulled) << at_s << ": at any time since the last look";
+    EXPECT_EQ(look(*gpio, *arena).emergency_stop, pulled) << at_s << ": at any time since the last reading";
   }
 }
 
-// Radio without a fault: what the line itself does.
+// The radio without faults: behavior of the serial line.
 TEST_F(Faults, SlowLineTakesOnePacketAndDrainWaitsForTheNewest) {
-  radio_settings.baud = 1200;  // 108 ms a packet of 13 bytes
+  radio_settings.baud = 1200;  // 108 ms per packet of 13 bytes
   start();
   EXPECT_TRUE(send().ok());
   EXPECT_TRUE(send().ok()) << "waits";
@@ -213,7 +213,7 @@ TEST_F(Faults, SlowLineTakesOnePacketAndDrainWaitsForTheNewest) {
   EXPECT_NEAR(now_s(), before_s + 0.2, 0.002);
   EXPECT_TRUE(radio->drain(arena->now() + from_seconds(5.0)).ok());
   EXPECT_NEAR(now_s(), before_s + 2 * 13 * 10.0 / 1200, 0.002);
-  EXPECT_TRUE(radio->drain(arena->now()).ok()) << "nothing waits any more";
+  EXPECT_TRUE(radio->drain(arena->now()).ok()) << "no packet is waiting";
   EXPECT_EQ(arena->channel().statistics().sent, 2U);
 }
 

@@ -1,5 +1,5 @@
-// When the arena's camera delivers what, and what becomes of its buffers.
-#include "tests/mock/dark_scene.h"
+// Timing and buffers of the arena's camera.
+#include "tests/mock/black_field.h"
 #include "tests/mock/devices_fixture.h"
 
 namespace touchline::hal::mock {
@@ -20,7 +20,7 @@ TEST_F(FrameTimes, RateAndSequenceAreKept) {
       const Frame& frame = lease.value().frame();
       if (before) {
         EXPECT_EQ(frame.sequence, before->sequence + 1);
-        // The shutter works in the world's steps of a millisecond.
+        // The shutter works in steps of a millisecond.
         EXPECT_NEAR(seconds(frame.capture_time - before->capture_time), 1.0 / rate_hz, 0.00101);
       } else {
         first = frame.capture_time;
@@ -56,9 +56,9 @@ TEST_F(FrameTimes, NoFrameIsHandedOutBeforeItIsInMemory) {
   }
 }
 
-// A robot at constant speed tells where it was at each capture time.
+// The position of a robot at constant speed gives the capture time.
 TEST_F(FrameTimes, CaptureTimeIsTheMiddleOfTheExposure) {
-  parameters = dark_scene();
+  parameters = black_field();
   parameters.physics.wheel_lag_s = 0.0;
   parameters.sensor.exposure_s = 0.02;
   parameters.sensor.gamma = 1.0;
@@ -77,16 +77,16 @@ TEST_F(FrameTimes, CaptureTimeIsTheMiddleOfTheExposure) {
     const Frame& frame = lease.value().frame();
     std::vector<std::uint16_t> linear(std::size_t{3} * 640 * 480);
     for (std::size_t k = 0; k < linear.size(); ++k) linear[k] = static_cast<std::uint16_t>(frame.plane[0][k]);
-    const Blot blot = blot_of(linear, 640, 0);
+    const IntensityMoments moments = intensity_moments(linear, 640, 0);
     const double x_now = arena->world().snapshot().robots[0].x_m;
     const double x_then = x_now - 0.4 * seconds(arena->now() - frame.capture_time);
     const auto [u, v] = arena->lens().project({x_then, 0.1, parameters.robot_height_m});
-    EXPECT_NEAR(blot.u, u, 0.15);  // 0.4 m/s are 100 px/s: 1.5 ms
-    EXPECT_NEAR(blot.v, v, 0.15);
+    EXPECT_NEAR(moments.u, u, 0.15);  // 0.4 m/s are 100 px/s: 1.5 ms
+    EXPECT_NEAR(moments.v, v, 0.15);
   }
 }
 
-TEST_F(FrameTimes, InfoAndFrameSayWhatTheBoardAskedFor) {
+TEST_F(FrameTimes, InfoAndFrameMatchTheSettings) {
   for (const CameraFormat asked :
        {CameraFormat::kRgb24, CameraFormat::kYuyv, CameraFormat::kNv12, CameraFormat::kMjpg}) {
     settings.format = asked;
@@ -118,7 +118,7 @@ TEST_F(FrameTimes, WaitEndsAtItsDeadline) {
   EXPECT_NEAR(now_s(), before_s + 0.1, 1e-6);
 }
 
-TEST_F(FrameTimes, ExposureLongerThanAFrameMakesFewerFrames) {
+TEST_F(FrameTimes, ExposureLongerThanThePeriodReducesTheRate) {
   settings.rate_hz = 100.0;
   parameters.sensor.exposure_s = 0.03;
   start();
@@ -127,10 +127,10 @@ TEST_F(FrameTimes, ExposureLongerThanAFrameMakesFewerFrames) {
   EXPECT_NEAR(frames, 3.0 / 0.031, 3.0);
 }
 
-TEST_F(FrameTimes, FramesThatFindNoBufferAreLostAndLeaveAGap) {
+TEST_F(FrameTimes, FramesWithoutFreeBufferAreLostAndLeaveAGap) {
   settings.buffers = 4;
   start();
-  go_to(1.0);  // 50 frames; the first four wait
+  go_to(1.0);  // 50 frames; the first four fill the buffers
   for (std::uint32_t i = 0; i < 4; ++i) {
     const auto lease = wait(0.0);
     ASSERT_TRUE(lease.ok());
@@ -142,7 +142,7 @@ TEST_F(FrameTimes, FramesThatFindNoBufferAreLostAndLeaveAGap) {
   EXPECT_NEAR(lease.value().frame().sequence, 50.0, 1.0);
 }
 
-TEST_F(FrameTimes, BuffersThatAreHeldAreNotOverwritten) {
+TEST_F(FrameTimes, HeldBuffersAreNotOverwritten) {
   settings.buffers = 3;
   start();
   std::vector<FrameLease> held;
@@ -162,10 +162,10 @@ TEST_F(FrameTimes, BuffersThatAreHeldAreNotOverwritten) {
   const auto next = wait();
   ASSERT_TRUE(next.ok());
   EXPECT_EQ(next.value().frame().plane[0], freed);
-  EXPECT_GT(next.value().frame().sequence, 20U) << "what came meanwhile is lost";
+  EXPECT_GT(next.value().frame().sequence, 20U) << "frames in the meantime are lost";
 }
 
-TEST_F(FrameTimes, StartsAnewAfterAStop) {
+TEST_F(FrameTimes, RestartsAfterAStop) {
   start();
   for (int i = 0; i < 5; ++i) ASSERT_TRUE(wait().ok());
   camera->stop();
@@ -176,10 +176,11 @@ TEST_F(FrameTimes, StartsAnewAfterAStop) {
   const auto lease = wait();
   ASSERT_TRUE(lease.ok());
   EXPECT_EQ(lease.value().frame().sequence, 0U);
-  EXPECT_GT(seconds(lease.value().frame().capture_time - Arena::kBegin), 2.0) << "no frame from before the start";
+  EXPECT_GT(seconds(lease.value().frame().capture_time - Arena::kBegin), 2.0)
+      << "no frame may be from before the start";
 }
 
-TEST_F(FrameTimes, ClosedDevicesSaySo) {
+TEST_F(FrameTimes, ClosedDevicesReturnErrors) {
   arena.emplace(parameters, settings, radio_settings, 1);
   ArenaClock time(*arena);
   MockCamera closed_camera(*arena, time);

@@ -1,15 +1,15 @@
-// Goals, free balls, touches, and the team that nobody controls.
+// Goals, free balls, touches, and the opponents.
 #include <gtest/gtest.h>
 
-#include "tests/mock/quiet_arena.h"
+#include "tests/mock/noise_free_arena.h"
 
 namespace touchline::hal::mock {
 namespace {
 
 double from_center(const World& world) { return length(position(world.snapshot().ball)); }
 
-TEST(Referee, CountsAGoalOfEachSideAndKicksOff) {
-  World world(quiet_arena(), 1);
+TEST(Referee, CountsGoalsOfBothSidesAndKicksOff) {
+  World world(noise_free_arena(), 1);
   world.place_ball({0.9, 0.0, 0.0}, {1.5, 0.0});
   run(world, 0.4);
   EXPECT_EQ(world.statistics().goals_own, 1U);
@@ -22,7 +22,7 @@ TEST(Referee, CountsAGoalOfEachSideAndKicksOff) {
 }
 
 TEST(Referee, BallOnTheLineIsNoGoal) {
-  const ArenaParameters parameters = quiet_arena();
+  const ArenaParameters parameters = noise_free_arena();
   World world(parameters, 1);
   world.place_ball({0.5 * parameters.field.length_m + 0.9 * parameters.ball_radius_m, 0.0, 0.0});
   run(world, 1.0);
@@ -33,15 +33,15 @@ TEST(Referee, BallOnTheLineIsNoGoal) {
 }
 
 TEST(Referee, ShotBesideTheGoalBouncesBack) {
-  World world(quiet_arena(), 1);
+  World world(noise_free_arena(), 1);
   world.place_ball({0.8, 0.3, 0.0}, {2.0, 0.0});
   run(world, 1.0);
   EXPECT_EQ(world.statistics().goals_own, 0U);
   EXPECT_LT(world.snapshot().ball.x_m, 1.08);
 }
 
-TEST(Referee, FreesABallThatLiesStill) {
-  ArenaParameters parameters = quiet_arena();
+TEST(Referee, MovesABallThatStandsStill) {
+  ArenaParameters parameters = noise_free_arena();
   parameters.physics.free_ball_after_s = 2.0;
   World world(parameters, 1);
   world.place_ball({0.9, 0.8, 0.0});
@@ -53,7 +53,7 @@ TEST(Referee, FreesABallThatLiesStill) {
 }
 
 TEST(Referee, LeavesABallThatRolls) {
-  ArenaParameters parameters = quiet_arena();
+  ArenaParameters parameters = noise_free_arena();
   parameters.physics.free_ball_after_s = 1.0;
   parameters.physics.ball_deceleration_mps2 = parameters.physics.ball_damping_per_s = 0.0;
   World world(parameters, 1);
@@ -63,7 +63,7 @@ TEST(Referee, LeavesABallThatRolls) {
 }
 
 TEST(Referee, PutsTheBallBesideARobotInTheCenter) {
-  ArenaParameters parameters = quiet_arena();
+  ArenaParameters parameters = noise_free_arena();
   World world(parameters, 1);
   world.place(0, {0.0, 0.0, 0.3});
   world.place_ball({1.13, 0.0, 0.0});
@@ -77,11 +77,11 @@ TEST(Referee, PutsTheBallBesideARobotInTheCenter) {
 }
 
 TEST(Statistics, TouchCountsOnceUntilTheRobotLeavesTheBall) {
-  World world(quiet_arena(), 1);
+  World world(noise_free_arena(), 1);
   world.place(0, {-0.5, 0.0, 0.0});
   world.place_ball({-0.3, 0.0, 0.0});
   EXPECT_EQ(world.statistics().touches, 0U);
-  // Slowly: the ball is pushed all the time, and nearly stays at the robot.
+  // Slowly, so that the ball stays in contact with the robot.
   world.drive(0, 0.1, 0.1);
   run(world, 3.0);
   const std::uint64_t pushed = world.statistics().touches;
@@ -93,7 +93,7 @@ TEST(Statistics, TouchCountsOnceUntilTheRobotLeavesTheBall) {
   EXPECT_EQ(world.statistics().touches, pushed);
 }
 
-TEST(Opponents, StandOrPlayAsToldAndObeyNoPacket) {
+TEST(Opponents, StandOrPlayAsConfiguredAndIgnorePackets) {
   for (const bool play : {false, true}) {
     ArenaParameters parameters;
     parameters.opponents = play ? Opponents::kPlay : Opponents::kStand;
@@ -115,17 +115,17 @@ TEST(Opponents, StandOrPlayAsToldAndObeyNoPacket) {
   }
 }
 
-TEST(Opponents, KeeperStaysAtItsGoalAndAnotherOneGoesForTheBall) {
+TEST(Opponents, KeeperStaysAtItsGoalAndAnotherOneDrivesAtTheBall) {
   ArenaParameters parameters;
   World world(parameters, 2);
   world.place_ball({0.2, 0.6, 0.0});
   run(world, 4.0);
   EXPECT_GT(world.snapshot().robots[5].x_m, 0.9);
-  EXPECT_GT(world.statistics().ball_path_m, 0.05) << "nobody came to the ball";
+  EXPECT_GT(world.statistics().ball_path_m, 0.05) << "no robot touched the ball";
 }
 
-TEST(World, IgnoresANumberThatNobodyHas) {
-  World world(quiet_arena(), 1), other(quiet_arena(), 1);
+TEST(World, IgnoresAnUnknownId) {
+  World world(noise_free_arena(), 1), other(noise_free_arena(), 1);
   world.drive(5, 1.0, 1.0);
   run(world, 0.5);
   run(other, 0.5);

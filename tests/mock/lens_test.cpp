@@ -10,7 +10,7 @@
 namespace touchline::hal::mock {
 namespace {
 
-// Straight down from 2 m, so that the angle to the axis can be read off the floor.
+// Looks straight down from 2 m, so that the angle to the axis follows from the position on the floor.
 LensParameters straight_down() {
   LensParameters parameters;
   parameters.position_m = {0.0, 0.0, 2.0};
@@ -20,7 +20,7 @@ LensParameters straight_down() {
   return parameters;
 }
 
-TEST(Lens, RadiusIsTheStatedPolynomialOfTheAngle) {
+TEST(Lens, RadiusFollowsTheModel) {
   for (const double cubic : {-0.1, 0.0, 0.3}) {
     LensParameters parameters = straight_down();
     parameters.cubic = cubic;
@@ -33,11 +33,11 @@ TEST(Lens, RadiusIsTheStatedPolynomialOfTheAngle) {
   }
 }
 
-TEST(Lens, PictureHasTheFieldsAxesTheRightWayRound) {
+TEST(Lens, ImageAxesMatchTheFieldAxes) {
   const Lens lens(straight_down());
-  EXPECT_GT(lens.project({0.5, 0.0, 0.0})[0], 320.0) << "x is to the right";
-  EXPECT_LT(lens.project({0.0, 0.5, 0.0})[1], 240.0) << "y is up";
-  // Nearer things are larger.
+  EXPECT_GT(lens.project({0.5, 0.0, 0.0})[0], 320.0) << "x points to the right";
+  EXPECT_LT(lens.project({0.0, 0.5, 0.0})[1], 240.0) << "y points up";
+  // Closer objects appear larger.
   EXPECT_GT(lens.project({0.5, 0.0, 0.5})[0], lens.project({0.5, 0.0, 0.0})[0]);
 }
 
@@ -59,7 +59,7 @@ TEST(Lens, LooksAtTheAimPoint) {
   EXPECT_NEAR(v, parameters.center_v_px, 1e-9);
 }
 
-TEST(Lens, DirectionIsTheInverseOfProjection) {
+TEST(Lens, UnprojectIsTheInverseOfProject) {
   Random random(1, 1);
   for (const double cubic : {-0.2, -0.03, 0.0, 1.0}) {
     LensParameters parameters;
@@ -78,7 +78,7 @@ TEST(Lens, DirectionIsTheInverseOfProjection) {
   }
 }
 
-// A negative factor lets the radius turn back at some angle: pixels beyond have that angle, and are no nonsense.
+// With a negative cubic term the radius has a maximum. Pixels beyond it must give the direction of the maximum.
 TEST(Lens, PixelsBeyondTheWidestAngleHaveADirectionToo) {
   for (const double cubic : {-0.2, -0.03, 0.0, 1.0}) {
     LensParameters parameters = straight_down();
@@ -90,7 +90,7 @@ TEST(Lens, PixelsBeyondTheWidestAngleHaveADirectionToo) {
     for (int radius = 0; radius <= 3000; ++radius) {
       const Vec3 sight = lens.unproject(320.0 + radius, 240.0);
       ASSERT_NEAR(sight[0] * sight[0] + sight[1] * sight[1] + sight[2] * sight[2], 1.0, 1e-12);
-      ASSERT_LE(-sight[2], before + 1e-12) << "the angle grows with the radius";
+      ASSERT_LE(-sight[2], before + 1e-12) << "the angle must grow with the radius";
       ASSERT_GE(-sight[2], std::cos(widest) - 1e-9);
       before = -sight[2];
     }
@@ -98,7 +98,7 @@ TEST(Lens, PixelsBeyondTheWidestAngleHaveADirectionToo) {
   }
 }
 
-TEST(Lens, CenterLooksAlongTheAxis) {
+TEST(Lens, CenterPixelIsOnTheOpticalAxis) {
   const Lens lens(straight_down());
   const Vec3 sight = lens.unproject(320.0, 240.0);
   EXPECT_NEAR(sight[2], -1.0, 1e-15);

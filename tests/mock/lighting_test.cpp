@@ -18,7 +18,7 @@ double mean_on_floor(const Lighting& lighting, const FieldParameters& field) {
   return sum / (kGrid * kGrid);
 }
 
-TEST(Lighting, FloorsMeanIsOneWhateverTheLamps) {
+TEST(Lighting, MeanIrradianceOfTheFieldIsOne) {
   const FieldParameters field;
   LightParameters light;
   for (const double ambient : {0.0, 0.35, 1.0}) {
@@ -31,7 +31,7 @@ TEST(Lighting, FloorsMeanIsOneWhateverTheLamps) {
   light.lamp.clear();
   EXPECT_FLOAT_EQ(Lighting(light, field).irradiance(0.3f, 0.2f, 0.0f), 1.0f);
   light.lamp = {{0.0, 0.0, 2.0, 0.0}};
-  EXPECT_FLOAT_EQ(Lighting(light, field).irradiance(0.3f, 0.2f, 0.0f), 1.0f) << "lamps without power are no lamps";
+  EXPECT_FLOAT_EQ(Lighting(light, field).irradiance(0.3f, 0.2f, 0.0f), 1.0f) << "lamps without power must not count";
 }
 
 TEST(Lighting, FallsOffWithSquareAndCosine) {
@@ -44,7 +44,7 @@ TEST(Lighting, FallsOffWithSquareAndCosine) {
     const float square = x * x + 4.0f;
     EXPECT_NEAR(lighting.irradiance(x, 0.0f, 0.0f) / below, 4.0f / square * 2.0f / std::sqrt(square), 1e-5f);
   }
-  EXPECT_NEAR(lighting.irradiance(0.0f, 0.0f, 1.0f) / below, 4.0f, 1e-4f) << "half as far";
+  EXPECT_NEAR(lighting.irradiance(0.0f, 0.0f, 1.0f) / below, 4.0f, 1e-4f) << "half the distance";
   EXPECT_EQ(lighting.irradiance(0.0f, 0.0f, 2.5f), 0.0f) << "above the lamp";
 }
 
@@ -60,7 +60,7 @@ TEST(Lighting, PowersAreRelativeToEachOther) {
   EXPECT_NEAR(beam.towards[2], 2.0f / std::sqrt(6.0f), 1e-6f);
 }
 
-// IEC 61966-2-1: mid grey 188 reflects half, 12 is on the straight part.
+// IEC 61966-2-1: 188 is half the reflectance; 12 lies on the linear part.
 TEST(Reflectance, FollowsTheSrgbCurve) {
   EXPECT_NEAR(reflectance({188, 188, 188})[0], 0.5029f, 1e-4f);
   EXPECT_NEAR(reflectance({12, 10, 0})[1], 10.0f / 255.0f / 12.92f, 1e-6f);

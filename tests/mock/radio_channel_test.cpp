@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/mock/quiet_arena.h"
+#include "tests/mock/noise_free_arena.h"
 
 namespace touchline::hal::mock {
 namespace {
@@ -10,7 +10,7 @@ namespace {
 using namespace std::chrono_literals;
 constexpr Instant kStart{1s};
 
-// A channel with its world; time goes on in the world's steps, as in the arena.
+// A radio channel with a world; time advances in steps of the world, as in the arena.
 struct Air {
   explicit Air(const ArenaParameters& parameters, int baud = 115200, std::uint64_t seed = 1)
       : world(parameters, seed), channel(parameters, baud, seed) {}
@@ -40,13 +40,13 @@ struct Air {
 };
 
 ArenaParameters instant_wheels() {
-  ArenaParameters parameters = quiet_arena();
+  ArenaParameters parameters = noise_free_arena();
   parameters.physics.wheel_lag_s = 0.0;
   parameters.physics.tire_friction = 3.0;
   return parameters;
 }
 
-TEST(Channel, PacketActsAfterLineAndDelay) {
+TEST(Channel, PacketActsAfterTransmissionAndDelay) {
   ArenaParameters parameters = instant_wheels();
   parameters.radio.delay_s = 0.015;
   // 13 bytes of 10 bits: 1.13 ms at 115200 baud, 13.5 ms at 9600.
@@ -55,7 +55,7 @@ TEST(Channel, PacketActsAfterLineAndDelay) {
     ASSERT_TRUE(air.drive(0.02, 0.02, 1).ok());
     EXPECT_NEAR(seconds(air.channel.drained() - kStart), line_s, 1e-6);
     while (air.channel.statistics().obeyed == 0 && air.now < kStart + 100ms) air.advance(1ms);
-    // Told at the first step after the arrival.
+    // Takes effect on the first step after the arrival.
     const double arrived_s = seconds(air.now - kStart);
     EXPECT_GE(arrived_s, line_s + 0.015);
     EXPECT_LE(arrived_s, line_s + 0.0161);
@@ -63,16 +63,16 @@ TEST(Channel, PacketActsAfterLineAndDelay) {
   }
 }
 
-TEST(Channel, LineCarriesOnePacketAfterTheOther) {
-  Air air(quiet_arena(), 115200);
+TEST(Channel, LineSendsPacketsOneByOne) {
+  Air air(noise_free_arena(), 115200);
   ASSERT_TRUE(air.drive(0.1, 0.1, 1).ok());
   const Instant first = air.channel.drained();
   ASSERT_TRUE(air.drive(0.1, 0.1, 2).ok());
   EXPECT_NEAR(seconds(air.channel.drained() - first), 13 * 10.0 / 115200, 1e-6);
 }
 
-TEST(Channel, RefusesWhatTheQueueCannotHoldAndTakesNothingOfIt) {
-  ArenaParameters parameters = quiet_arena();
+TEST(Channel, RefusesAPacketThatDoesNotFitIntoTheQueue) {
+  ArenaParameters parameters = noise_free_arena();
   parameters.radio.queue_bytes = 128;
   Air air(parameters, 9600);
   std::uint8_t sequence = 0;
@@ -82,14 +82,14 @@ TEST(Channel, RefusesWhatTheQueueCannotHoldAndTakesNothingOfIt) {
   const Instant drained = air.channel.drained();
   EXPECT_EQ(air.channel.statistics().sent, 9U);
   air.advance(15ms);  // a packet has left: 13.5 ms
-  EXPECT_EQ(air.channel.drained(), drained) << "a refused packet took time on the line";
+  EXPECT_EQ(air.channel.drained(), drained) << "a refused packet must not use the line";
   EXPECT_TRUE(air.drive(0.1, 0.1, sequence).ok());
   air.advance(1s);
   EXPECT_EQ(air.channel.statistics().obeyed, 10U);
 }
 
-TEST(Channel, RefusesWhenTheAirIsFullWithoutTakingAnything) {
-  ArenaParameters parameters = quiet_arena();
+TEST(Channel, RefusesAPacketIfTooManyAreInFlight) {
+  ArenaParameters parameters = noise_free_arena();
   parameters.radio.delay_s = 1.0;
   Air air(parameters, 4000000);
   std::uint8_t sequence = 0;
@@ -105,8 +105,8 @@ TEST(Channel, RefusesWhenTheAirIsFullWithoutTakingAnything) {
   EXPECT_EQ(air.channel.drained(), drained);
 }
 
-TEST(Channel, RefusesWhatIsNoPacket) {
-  Air air(quiet_arena());
+TEST(Channel, RefusesEmptyAndOversizedPackets) {
+  Air air(noise_free_arena());
   EXPECT_EQ(air.channel.send({}, air.now), Status(ErrorCode::kOutOfRange));
   const std::array<std::byte, kMaxPacketBytes + 1> bytes{};
   EXPECT_EQ(air.channel.send(bytes, air.now), Status(ErrorCode::kOutOfRange));
@@ -114,8 +114,8 @@ TEST(Channel, RefusesWhatIsNoPacket) {
   EXPECT_EQ(air.channel.statistics().due, 0U);
 }
 
-TEST(Channel, BytesThatAreNoPacketAreThrownAway) {
-  Air air(quiet_arena());
+TEST(Channel, DiscardsBytesThatAreNoPacket) {
+  Air air(noise_free_arena());
   const std::array<std::byte, 20> bytes{};
   ASSERT_TRUE(air.channel.send(bytes, air.now).ok());
   air.advance(100ms);
@@ -123,9 +123,9 @@ TEST(Channel, BytesThatAreNoPacketAreThrownAway) {
   EXPECT_EQ(air.channel.statistics().obeyed, 0U);
 }
 
-// Bounds of the rates: four standard deviations of a binomial with this many trials.
-TEST(Channel, LosesDamagesAndDelaysAsStated) {
-  ArenaParameters parameters = quiet_arena();
+// Bounds: four standard deviations of a binomial distribution with this number of trials.
+TEST(Channel, LossesErrorsAndDelayMatchTheParameters) {
+  ArenaParameters parameters = noise_free_arena();
   parameters.radio.loss = 0.05;
   parameters.radio.corruption = 0.1;
   parameters.radio.delay_s = 0.01;
@@ -142,11 +142,11 @@ TEST(Channel, LosesDamagesAndDelaysAsStated) {
   const double heard_at_all = static_cast<double>(kPackets - heard.lost);
   EXPECT_NEAR(static_cast<double>(heard.corrupted) / heard_at_all, 0.1, 4.0 * std::sqrt(0.1 * 0.9 / kPackets));
   EXPECT_EQ(heard.lost + heard.corrupted + heard.ignored + heard.obeyed, heard.due);
-  EXPECT_EQ(heard.ignored, 0U) << "without jitter no packet overtakes another";
+  EXPECT_EQ(heard.ignored, 0U) << "without jitter no packet can overtake another";
 }
 
 TEST(Channel, JitterIsExponentialWithItsMean) {
-  ArenaParameters parameters = quiet_arena();
+  ArenaParameters parameters = noise_free_arena();
   parameters.radio.delay_s = 0.002;
   parameters.radio.jitter_s = 0.01;
   Air air(parameters, 4000000);
@@ -157,7 +157,7 @@ TEST(Channel, JitterIsExponentialWithItsMean) {
     const Instant sent = air.now;
     ASSERT_TRUE(air.drive(0.1, 0.1, static_cast<std::uint8_t>(i)).ok());
     while (air.channel.statistics().due == due) air.advance(1ms);
-    // Seen half a step late on average.
+    // Observed half a step late on average.
     const double took_s = seconds(air.now - sent) - 0.0005 - 13 * 10.0 / 4e6 - 0.002;
     sum += took_s;
     squares += took_s * took_s;
@@ -169,7 +169,7 @@ TEST(Channel, JitterIsExponentialWithItsMean) {
   EXPECT_GE(least, -0.0006);
 }
 
-TEST(Channel, EachRobotHearsForItself) {
+TEST(Channel, LossesOfRobotsAreIndependent) {
   ArenaParameters parameters;
   parameters.radio.loss = 0.5;
   parameters.radio.corruption = 0.0;
@@ -187,7 +187,7 @@ TEST(Channel, EachRobotHearsForItself) {
   EXPECT_TRUE(some_heard_and_some_not);
 }
 
-TEST(Robot, IgnoresAPacketThatWasOvertaken) {
+TEST(Robot, IgnoresOvertakenPackets) {
   Air air(instant_wheels());
   ASSERT_TRUE(air.drive(0.02, 0.02, 6).ok());
   air.advance(50ms);
@@ -197,8 +197,8 @@ TEST(Robot, IgnoresAPacketThatWasOvertaken) {
   EXPECT_NEAR(air.speed(), 0.02, 1e-6);
 }
 
-TEST(Robot, PacketsDoOvertakeEachOtherWhenTheJitterIsLarge) {
-  ArenaParameters parameters = quiet_arena();
+TEST(Robot, LargeJitterMakesPacketsOvertakeEachOther) {
+  ArenaParameters parameters = noise_free_arena();
   parameters.radio.jitter_s = 0.05;
   Air air(parameters);
   std::uint8_t sequence = 0;
@@ -212,7 +212,7 @@ TEST(Robot, PacketsDoOvertakeEachOtherWhenTheJitterIsLarge) {
   EXPECT_EQ(air.channel.statistics().ignored + air.channel.statistics().obeyed, 500U);
 }
 
-TEST(Robot, ObeysAStopWhateverItsNumber) {
+TEST(Robot, ObeysAStopWithAnySequenceNumber) {
   Air air(instant_wheels());
   ASSERT_TRUE(air.drive(0.02, 0.02, 100).ok());
   air.advance(50ms);
@@ -223,8 +223,8 @@ TEST(Robot, ObeysAStopWhateverItsNumber) {
   EXPECT_EQ(air.channel.statistics().timeouts, 0U);
 }
 
-// Our own sender puts zeros into a stop packet; docs/radio.md wants the flag obeyed whatever the list says.
-TEST(Robot, ObeysTheStopFlagAgainstTheList) {
+// The firmware's stop packets contain zero speeds, but docs/radio.md requires robots to obey the flag alone.
+TEST(Robot, StopFlagOverridesSpeeds) {
   Air air(instant_wheels());
   Packet packet = packet_of(std::array<Drive, 1>{{{0, 0.02, 0.02}}}, 1);
   packet[3] |= kPacketFlagStop;
@@ -241,7 +241,7 @@ TEST(Robot, ObeysTheStopFlagAgainstTheList) {
   EXPECT_EQ(air.world.energy(), 0.0);
 }
 
-TEST(Robot, StandsWhenAPacketDoesNotNameIt) {
+TEST(Robot, StopsIfAPacketDoesNotListIt) {
   Air air(instant_wheels());
   ASSERT_TRUE(air.drive(0.02, 0.02, 1).ok());
   air.advance(50ms);
@@ -251,7 +251,7 @@ TEST(Robot, StandsWhenAPacketDoesNotNameIt) {
   EXPECT_NEAR(air.speed(), 0.0, 1e-9);
 }
 
-TEST(Robot, StandsAfterTheTimeOutAndThenObeysAnyNumber) {
+TEST(Robot, StopsAfterTheTimeOutAndThenObeysAnySequenceNumber) {
   Air air(instant_wheels());
   ASSERT_TRUE(air.drive(0.02, 0.02, 200).ok());
   air.advance(17ms);  // line and delay are 16.1 ms
@@ -263,14 +263,14 @@ TEST(Robot, StandsAfterTheTimeOutAndThenObeysAnyNumber) {
   EXPECT_NEAR(air.speed(), 0.0, 1e-9);
   EXPECT_EQ(air.channel.statistics().timeouts, 1U);
   air.advance(5s);
-  EXPECT_EQ(air.channel.statistics().timeouts, 1U) << "one silence is one time-out";
-  ASSERT_TRUE(air.drive(0.02, 0.02, 199).ok()) << "older than the last one, had there been no silence";
+  EXPECT_EQ(air.channel.statistics().timeouts, 1U) << "one silence counts as one time-out";
+  ASSERT_TRUE(air.drive(0.02, 0.02, 199).ok()) << "an older number is valid after a time-out";
   air.advance(20ms);
   EXPECT_NEAR(air.speed(), 0.02, 1e-6);
 }
 
-TEST(Robot, StandsAtTheStartWithoutCountingATimeOut) {
-  Air air(quiet_arena());
+TEST(Robot, StandsStillAtTheStartWithoutATimeOut) {
+  Air air(noise_free_arena());
   air.advance(1s);
   EXPECT_EQ(air.channel.statistics().timeouts, 0U);
   EXPECT_EQ(air.world.energy(), 0.0);

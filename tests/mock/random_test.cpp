@@ -23,7 +23,7 @@ Moments moments_of(Draw draw) {
   return {mean, squares / kDraws - mean * mean};
 }
 
-// Of an implementation of our own in another language, which gives the published numbers from the state 1, 2, 3, 4.
+// Values of an independent implementation, which reproduces the published numbers for the state 1, 2, 3, 4.
 TEST(Random, SequenceIsThePublishedOne) {
   Random random(1, 2);
   EXPECT_EQ(random.bits(), 0xF6F50E5EA678C37CU);
@@ -32,7 +32,7 @@ TEST(Random, SequenceIsThePublishedOne) {
   EXPECT_EQ(random.bits(), 0x76D423E42E725F46U);
 }
 
-// Bounds: five standard deviations of the estimates from so many draws.
+// Bounds: five standard deviations of the estimates.
 TEST(Random, DistributionsHaveTheirMoments) {
   Random random(5, 1);
   const Moments uniform = moments_of([&] { return random.uniform(-1.0, 3.0); });
@@ -65,11 +65,11 @@ TEST(Random, StreamsAndSeedsAreIndependent) {
   };
   EXPECT_NEAR(correlation({1, 1}, {1, 2}), 0.0, 0.0112);
   EXPECT_NEAR(correlation({1, 1}, {2, 1}), 0.0, 0.0112);
-  // Streams are told apart from seeds, too.
+  // A stream of one seed must differ from another seed's stream, too.
   EXPECT_NE(Random(1, 2).bits(), Random(2, 1).bits());
 }
 
-TEST(NormalTable, HoldsTheQuantiles) {
+TEST(NormalTable, ContainsTheQuantiles) {
   const NormalTable table;
   double sum = 0.0, squares = 0.0;
   for (std::uint64_t i = 0; i < NormalTable::kSize; ++i) {

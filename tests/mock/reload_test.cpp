@@ -1,4 +1,4 @@
-// boards/mock, whose files change in the middle of a game.
+// Reloading the configuration of boards/mock during a game.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -19,7 +19,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr const char* kBallBox = "low = [163, 64, 0]\nhigh = [255, 154, 116]";
-// A corner of it, which next to no pixel of the ball lies in.
+// A corner of the ball's color box that contains almost none of its pixels.
 constexpr const char* kNobodysBox = "low = [163, 64, 0]\nhigh = [165, 66, 2]";
 
 class Reload : public ::testing::Test {
@@ -46,13 +46,13 @@ class Reload : public ::testing::Test {
     ASSERT_TRUE(session_.open({&Reload::look, this}, reason).ok()) << reason;
     reloader_.emplace(session_.files(), session_.configuration(), session_.devices().loop_devices().camera,
                       session_.live_update());
-    run(30);  // from where all robots have tracks
+    run(30);  // until all robots have tracks
     watching_ = true;
   }
   void run(int frames) {
     for (const int end = frames_ + frames; frames_ < end;) ASSERT_FALSE(session_.loop().iterate().has_value());
   }
-  /// While the game goes on; what is said.
+  /// Reloads during the game; returns the messages.
   std::string reload() {
     std::string said;
     std::atomic<bool> done{false};
@@ -102,7 +102,7 @@ class Reload : public ::testing::Test {
   std::array<std::array<FieldPoint, 128>, 2> last_{};
 };
 
-// The same frames without a reload: no robot moves farther than 0.021 m from one to the next (1.2 m/s is 0.02).
+// Without a reload, no robot moves farther than 0.021 m from frame to frame (1.2 m/s is 0.02 m).
 TEST_F(Reload, ThresholdsChangeWithoutAFrameOrAPoseLost) {
   replace("venue.toml", kBallBox, kNobodysBox);
   begin();
@@ -113,7 +113,7 @@ TEST_F(Reload, ThresholdsChangeWithoutAFrameOrAPoseLost) {
   EXPECT_NE(said.find(" on: color.orange\n"), std::string::npos) << said;
   run(30);
   EXPECT_GE(with_ball_, 25);
-  EXPECT_EQ(incomplete_, 0) << "frames in which not all ten robots were seen";
+  EXPECT_EQ(incomplete_, 0) << "frames that do not show all ten robots";
   EXPECT_LT(longest_step_m_, 0.03);
   EXPECT_EQ(session_.loop().statistics().frames_lost, 0U);
   EXPECT_EQ(session_.loop().statistics().frames, session_.loop().statistics().good_frames);
@@ -126,7 +126,7 @@ TEST_F(Reload, TheArenasCameraBecomesDarker) {
   const std::string said = reload();
   EXPECT_NE(said.find(" on: camera.exposure_us 5000 -> 3500\n"), std::string::npos) << said;
   run(5);
-  // 0.7 of the light is 0.85 of the values after a tone curve of 2.2.
+  // With a gamma of 2.2, 0.7 of the light gives 0.85 of the value.
   EXPECT_NEAR(brightness_ / before, 0.85, 0.03);
   EXPECT_EQ(session_.loop().statistics().frames_lost, 0U);
 }

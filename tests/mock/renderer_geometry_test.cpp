@@ -1,8 +1,8 @@
-// Where things are drawn, against the lens.
+// Positions of rendered objects compared with the lens model.
 #include <gtest/gtest.h>
 
 #include "hal/mock/random.h"
-#include "tests/mock/dark_scene.h"
+#include "tests/mock/black_field.h"
 
 namespace touchline::hal::mock {
 namespace {
@@ -14,26 +14,27 @@ Placement anywhere(Random& random) {
   return {random.uniform(-1.0, 1.0), random.uniform(-0.8, 0.8), random.uniform(-3.1, 3.1)};
 }
 
-TEST(Patch, CentroidIsWhereTheLensSeesIt) {
-  ArenaParameters parameters = dark_scene();
+TEST(Patch, CentroidIsAtTheProjectedPoint) {
+  ArenaParameters parameters = black_field();
   parameters.patch[0] = {PatchShape::kSquare, 0.01875, 0.01875, 0.0345, 0.0345};
   Renderer renderer(parameters, kWidth, kHeight);
   Random random(1, 9);
   double worst = 0.0;
   for (int i = 0; i < 60; ++i) {
     const Placement robot = anywhere(random);
-    const Blot blot = blot_of(renderer.render(still(robot), still(robot)), kWidth, kRed);
+    const IntensityMoments moments =
+        intensity_moments(renderer.render(stationary(robot), stationary(robot)), kWidth, kRed);
     const Vector2 patch = position(robot) + rotated({0.01875, 0.01875}, robot.theta_rad);
     const auto [u, v] = renderer.lens().project({patch.x, patch.y, parameters.robot_height_m});
-    worst = std::max(worst, std::hypot(blot.u - u, blot.v - v));
+    worst = std::max(worst, std::hypot(moments.u - u, moments.v - v));
   }
   EXPECT_LT(worst, 0.1);
 }
 
 TEST(Patch, EachShapeHasItsAreaAndCentroid) {
-  ArenaParameters parameters = dark_scene();
+  ArenaParameters parameters = black_field();
   const Placement robot{0.3, -0.2, 0.7};
-  // Area of the robot's top in pixels: as much as the lens makes of a square about the point.
+  // Area of the robot's top in pixels, from the projection of a square around the point.
   const auto area_px = [&](const Renderer& renderer, double area_m2) {
     const auto at = [&](double x, double y) { return renderer.lens().project({x, y, parameters.robot_height_m}); };
     const auto a = at(robot.x_m - 0.01, robot.y_m), b = at(robot.x_m + 0.01, robot.y_m);
@@ -44,11 +45,12 @@ TEST(Patch, EachShapeHasItsAreaAndCentroid) {
   const auto check = [&](PatchShape shape, double area_m2) {
     parameters.patch[0] = {shape, 0.004, -0.003, 0.04, 0.03};
     Renderer renderer(parameters, kWidth, kHeight);
-    const Blot blot = blot_of(renderer.render(still(robot), still(robot)), kWidth, kRed);
-    EXPECT_NEAR(blot.sum, area_px(renderer, area_m2), 0.02 * area_px(renderer, area_m2));
+    const IntensityMoments moments =
+        intensity_moments(renderer.render(stationary(robot), stationary(robot)), kWidth, kRed);
+    EXPECT_NEAR(moments.sum, area_px(renderer, area_m2), 0.02 * area_px(renderer, area_m2));
     const Vector2 patch = position(robot) + rotated({0.004, -0.003}, robot.theta_rad);
     const auto [u, v] = renderer.lens().project({patch.x, patch.y, parameters.robot_height_m});
-    EXPECT_NEAR(std::hypot(blot.u - u, blot.v - v), 0.0, 0.1);
+    EXPECT_NEAR(std::hypot(moments.u - u, moments.v - v), 0.0, 0.1);
   };
   check(PatchShape::kSquare, 0.04 * 0.03);
   check(PatchShape::kTriangle, 0.5 * 0.04 * 0.03);
@@ -56,11 +58,11 @@ TEST(Patch, EachShapeHasItsAreaAndCentroid) {
 }
 
 TEST(Patch, TriangleHasItsBaseBehind) {
-  ArenaParameters parameters = dark_scene();
+  ArenaParameters parameters = black_field();
   parameters.patch[0] = {PatchShape::kTriangle, 0.0, 0.0, 0.06, 0.06};
   Renderer renderer(parameters, kWidth, kHeight);
   const Placement robot{0.0, 0.0, 0.0};
-  const auto picture = renderer.render(still(robot), still(robot));
+  const auto picture = renderer.render(stationary(robot), stationary(robot));
   const auto lit = [&](double x, double y) {
     const auto [u, v] = renderer.lens().project({x, y, parameters.robot_height_m});
     const auto index = static_cast<std::size_t>(std::lround(v)) * kWidth + static_cast<std::size_t>(std::lround(u));
@@ -73,21 +75,22 @@ TEST(Patch, TriangleHasItsBaseBehind) {
   EXPECT_FALSE(lit(0.02, -0.02));
 }
 
-TEST(Patch, LaterOnesLieOnTop) {
-  ArenaParameters parameters = dark_scene();
+TEST(Patch, LaterPatchesCoverEarlierOnes) {
+  ArenaParameters parameters = black_field();
   parameters.patch = {{PatchShape::kSquare, 0.0, 0.0, 0.06, 0.06}, {PatchShape::kCircle, 0.0, 0.0, 0.03, 0.03}};
   parameters.robot[0].colors = {"green"};
   Renderer renderer(parameters, kWidth, kHeight);
-  const auto picture = renderer.render(still({}), still({}));
-  const Blot red = blot_of(picture, kWidth, kRed), green = blot_of(picture, kWidth, kGreen);
+  const auto picture = renderer.render(stationary({}), stationary({}));
+  const IntensityMoments red = intensity_moments(picture, kWidth, kRed),
+                         green = intensity_moments(picture, kWidth, kGreen);
   const double circle = std::numbers::pi / 4.0 * 0.03 * 0.03, square = 0.06 * 0.06;
   EXPECT_NEAR(red.sum / green.sum, (square - circle) / square, 0.02);
 }
 
-// The outline of a ball as a mask: its brightness is not even. A mask's centroid is uncertain by a tenth of a pixel,
-// the mean of many is not.
-TEST(Ball, OutlineIsAboutTheProjectedCenter) {
-  ArenaParameters parameters = dark_scene();
+// Uses a mask of the ball, because its brightness is uneven. The centroid of one mask is uncertain by a tenth of a
+// pixel; the mean of many is not.
+TEST(Ball, OutlineIsCenteredOnTheProjection) {
+  ArenaParameters parameters = black_field();
   parameters.ball_radius_m = 0.04;
   Renderer renderer(parameters, kWidth, kHeight);
   Random random(2, 9);
@@ -95,11 +98,11 @@ TEST(Ball, OutlineIsAboutTheProjectedCenter) {
   constexpr int kBalls = 60;
   for (int i = 0; i < kBalls; ++i) {
     Placement ball = anywhere(random);
-    const Snapshot all = still({9.0, 9.0, 0.0}, ball);
+    const Snapshot all = stationary({9.0, 9.0, 0.0}, ball);
     const auto picture = renderer.render(all, all);
     double u = 0.0, v = 0.0, count = 0.0;
     for (std::size_t k = 0; k < picture.size() / 3; ++k) {
-      if (picture[3 * k + kGreen] < kWhite / 4) continue;  // half covered: at its rim a ball has half of the light
+      if (picture[3 * k + kGreen] < kWhite / 4) continue;  // half covered; the edge of the ball has half of the light
       u += static_cast<double>(k % kWidth);
       v += static_cast<double>(k / kWidth);
       ++count;
@@ -115,44 +118,45 @@ TEST(Ball, OutlineIsAboutTheProjectedCenter) {
   EXPECT_LT(worst, 0.3);
 }
 
-TEST(Motion, BlurIsAsLongAsTheWayAndCenteredOnIt) {
-  ArenaParameters parameters = dark_scene();
+TEST(Motion, BlurMatchesTheMotion) {
+  ArenaParameters parameters = black_field();
   Renderer renderer(parameters, kWidth, kHeight);
   const Placement begin{0.2, 0.1, 0.0}, end{0.24, 0.1, 0.0}, middle{0.22, 0.1, 0.0};
-  const Blot sharp = blot_of(renderer.render(still(middle), still(middle)), kWidth, kRed);
-  const Blot blurred = blot_of(renderer.render(still(begin), still(end)), kWidth, kRed);
+  const IntensityMoments sharp =
+      intensity_moments(renderer.render(stationary(middle), stationary(middle)), kWidth, kRed);
+  const IntensityMoments blurred = intensity_moments(renderer.render(stationary(begin), stationary(end)), kWidth, kRed);
   EXPECT_NEAR(blurred.sum, sharp.sum, 0.01 * sharp.sum);
   EXPECT_NEAR(blurred.u, sharp.u, 0.1);
   EXPECT_NEAR(blurred.v, sharp.v, 0.1);
   const auto a = renderer.lens().project({begin.x_m, begin.y_m, parameters.robot_height_m});
   const auto b = renderer.lens().project({end.x_m, end.y_m, parameters.robot_height_m});
-  // An even motion adds a twelfth of its square to the variance.
+  // A uniform motion over length d adds d^2 / 12 to the variance.
   EXPECT_NEAR(blurred.variance_u - sharp.variance_u, std::pow(b[0] - a[0], 2.0) / 12.0,
               0.05 * std::pow(b[0] - a[0], 2.0) / 12.0);
   EXPECT_NEAR(blurred.variance_v - sharp.variance_v, std::pow(b[1] - a[1], 2.0) / 12.0, 0.3);
 }
 
-TEST(Motion, TurningTakesTheShortWay) {
-  ArenaParameters parameters = dark_scene();
+TEST(Motion, RotationTakesTheShorterDirection) {
+  ArenaParameters parameters = black_field();
   parameters.patch[0] = {PatchShape::kSquare, 0.025, 0.0, 0.01, 0.01};
   Renderer renderer(parameters, kWidth, kHeight);
   const Placement begin{0.0, 0.0, 3.1}, end{0.0, 0.0, -3.1};
-  const Blot blot = blot_of(renderer.render(still(begin), still(end)), kWidth, kRed);
+  const IntensityMoments moments = intensity_moments(renderer.render(stationary(begin), stationary(end)), kWidth, kRed);
   const auto [u, v] = renderer.lens().project({-0.025, 0.0, parameters.robot_height_m});
-  EXPECT_NEAR(std::hypot(blot.u - u, blot.v - v), 0.0, 0.2);
+  EXPECT_NEAR(std::hypot(moments.u - u, moments.v - v), 0.0, 0.2);
 }
 
 TEST(Picture, OfOddSizeShowsTheSamePart) {
-  ArenaParameters parameters = dark_scene();
+  ArenaParameters parameters = black_field();
   parameters.camera.center_u_px = 8.0;
   parameters.camera.center_v_px = 16.0;
   Renderer renderer(parameters, 17, 33);
-  const auto picture = renderer.render(still({}), still({}));
+  const auto picture = renderer.render(stationary({}), stationary({}));
   ASSERT_EQ(picture.size(), 17U * 33U * 3U);
-  const Blot blot = blot_of(picture, 17, kRed);
+  const IntensityMoments moments = intensity_moments(picture, 17, kRed);
   const auto [u, v] = renderer.lens().project({0.0, 0.0, parameters.robot_height_m});
-  EXPECT_NEAR(blot.u, u, 0.1);
-  EXPECT_NEAR(blot.v, v, 0.1);
+  EXPECT_NEAR(moments.u, u, 0.1);
+  EXPECT_NEAR(moments.v, v, 0.1);
 }
 
 }  // namespace

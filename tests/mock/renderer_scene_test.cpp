@@ -1,4 +1,4 @@
-// What hides what, what is on the floor, and what is left when things move on.
+// Occlusion, the floor, and consecutive frames.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hal/mock/random.h"
-#include "tests/mock/dark_scene.h"
+#include "tests/mock/black_field.h"
 
 namespace touchline::hal::mock {
 namespace {
@@ -14,27 +14,27 @@ namespace {
 constexpr std::uint16_t kWidth = 640, kHeight = 480;
 constexpr std::size_t kRed = 0, kGreen = 1;
 
-// The camera looks along x from a place low beside the field: what is nearer hides a lot.
+// The camera looks along x from a low position beside the field, so that closer objects hide much.
 ArenaParameters low_camera() {
-  ArenaParameters parameters = dark_scene();
+  ArenaParameters parameters = black_field();
   parameters.camera.position_m = {-1.6, 0.0, 0.8};
   return parameters;
 }
 
 double green_of(Renderer& renderer, const Snapshot& all) {
-  return blot_of(renderer.render(all, all), kWidth, kGreen).sum;
+  return intensity_moments(renderer.render(all, all), kWidth, kGreen).sum;
 }
 
-TEST(Occlusion, RobotHidesTheBallBehindItAndNotTheOneInFront) {
+TEST(Occlusion, RobotHidesOnlyABallBehindIt) {
   const ArenaParameters parameters = low_camera();
   Renderer renderer(parameters, kWidth, kHeight);
   const Placement robot{0.0, 0.0, 0.0}, away{9.0, 9.0, 0.0};
-  const double patch = green_of(renderer, still(robot));  // white has green as well
-  const double behind = green_of(renderer, still(robot, {0.075, 0.0, 0.0}));
+  const double patch = green_of(renderer, stationary(robot));  // white also contains green
+  const double behind = green_of(renderer, stationary(robot, {0.075, 0.0, 0.0}));
   EXPECT_NEAR(behind, patch, 1e-9);
-  const double ball_alone = green_of(renderer, still(away, {-0.075, 0.0, 0.0}));
+  const double ball_alone = green_of(renderer, stationary(away, {-0.075, 0.0, 0.0}));
   ASSERT_GT(ball_alone, 20.0);
-  EXPECT_NEAR(green_of(renderer, still(robot, {-0.075, 0.0, 0.0})), patch + ball_alone, 1e-3 * patch);
+  EXPECT_NEAR(green_of(renderer, stationary(robot, {-0.075, 0.0, 0.0})), patch + ball_alone, 1e-3 * patch);
 }
 
 TEST(Occlusion, OrderInTheListDoesNotMatter) {
@@ -43,27 +43,29 @@ TEST(Occlusion, OrderInTheListDoesNotMatter) {
   parameters.robot.push_back(parameters.robot[0]);
   parameters.robot[1].id = 1;
   Renderer renderer(parameters, kWidth, kHeight);
-  const Placement near{0.0, 0.0, 0.3}, far{0.09, 0.02, 0.1};  // its side is partly behind the nearer one's top
+  const Placement near{0.0, 0.0, 0.3}, far{0.09, 0.02, 0.1};  // its side is partly hidden by the closer robot's top
   const auto draw = [&](const Placement& first, const Placement& second) {
-    Snapshot all = still(first);
+    Snapshot all = stationary(first);
     all.robots.push_back(second);
     const auto picture = renderer.render(all, all);
     return std::vector<std::uint16_t>(picture.begin(), picture.end());
   };
   EXPECT_EQ(draw(near, far), draw(far, near));
-  const auto light = [](const std::vector<std::uint16_t>& picture) { return blot_of(picture, kWidth, kRed).sum; };
+  const auto light = [](const std::vector<std::uint16_t>& picture) {
+    return intensity_moments(picture, kWidth, kRed).sum;
+  };
   const Placement away{9.0, 9.0, 0.0};
   const double apart = light(draw(near, away)) + light(draw(away, far));
-  EXPECT_LT(light(draw(near, far)), 0.98 * apart) << "nothing was hidden";
+  EXPECT_LT(light(draw(near, far)), 0.98 * apart) << "nothing is hidden";
 }
 
-TEST(Occlusion, LargeBallHidesWhatIsBehindItOnly) {
+TEST(Occlusion, LargeBallHidesOnlyObjectsBehindIt) {
   ArenaParameters parameters = low_camera();
   parameters.ball_radius_m = 0.2;
   Renderer renderer(parameters, kWidth, kHeight);
   const auto patch = [&](double ball_x) {
-    const Snapshot all = still({0.5, 0.0, 0.0}, {ball_x, 0.0, 0.0});
-    return blot_of(renderer.render(all, all), kWidth, kRed).sum;
+    const Snapshot all = stationary({0.5, 0.0, 0.0}, {ball_x, 0.0, 0.0});
+    return intensity_moments(renderer.render(all, all), kWidth, kRed).sum;
   };
   const double alone = patch(9.0);
   ASSERT_GT(alone, 50.0);
@@ -76,7 +78,7 @@ TEST(Occlusion, SidesOfARobotAreDarkerThanItsTop) {
   parameters.body_rgb = {255, 255, 255};
   parameters.patch[0] = {PatchShape::kSquare, 0.0, 0.0, 0.001, 0.001};
   Renderer renderer(parameters, kWidth, kHeight);
-  const Snapshot all = still({});
+  const Snapshot all = stationary({});
   const auto picture = renderer.render(all, all);
   const auto light_at = [&](double x, double z) {
     const auto [u, v] = renderer.lens().project({x, 0.0, z});
@@ -89,8 +91,8 @@ TEST(Occlusion, SidesOfARobotAreDarkerThanItsTop) {
   EXPECT_GT(front, 0.3);
 }
 
-TEST(Frames, NothingIsLeftOverFromFormerOnes) {
-  ArenaParameters parameters;  // the whole arena, with lamps, lines and grain
+TEST(Frames, NothingRemainsOfEarlierFrames) {
+  ArenaParameters parameters;  // the whole arena with lamps, lines and floor texture
   parameters.robot.resize(4);
   Renderer used(parameters, 320, 240), fresh(parameters, 320, 240);
   Random random(4, 9);
@@ -125,7 +127,7 @@ class FloorPicture : public ::testing::Test {
     parameters_.field.outside_rgb = {130, 130, 130};
   }
 
-  // Of a pixel wholly on one thing, to the grain's 3 %.
+  // For a pixel on a single surface, within the 3 % of the floor texture.
   void expect(double x, double y, const Rgb& rgb) {
     const auto [u, v] = renderer().lens().project({x, y, 0.0});
     const auto index = static_cast<std::size_t>(std::lround(v)) * kWidth + static_cast<std::size_t>(std::lround(u));
@@ -137,12 +139,12 @@ class FloorPicture : public ::testing::Test {
     return *renderer_;
   }
 
-  ArenaParameters parameters_ = quiet_arena();
+  ArenaParameters parameters_ = noise_free_arena();
   std::optional<Renderer> renderer_;
 };
 
 TEST_F(FloorPicture, LinesAreWhereTheyShouldBe) {
-  parameters_.field.line_m = 0.04;  // 10 pixels, so that a pixel in it is wholly white
+  parameters_.field.line_m = 0.04;  // 10 pixels wide, so that some pixels are entirely on the line
   parameters_.field.border_m = 0.05;
   const Rgb line = parameters_.field.line_rgb, floor = parameters_.field.floor_rgb,
             outside = parameters_.field.outside_rgb;
@@ -175,7 +177,7 @@ TEST_F(FloorPicture, CenterLineIsStraightUnderTheLens) {
   double worst = 0.0;
   for (const double y : {-0.7, -0.4, 0.4, 0.6, 0.8}) {
     const auto [u, v] = renderer().lens().project({0.0, y, 0.0});
-    // The line's place in the row of pixels next to the point, by light above the floor's.
+    // Position of the line in the nearest pixel row, from the brightness above that of the floor.
     const auto row = static_cast<std::size_t>(std::lround(v));
     double sum = 0.0, moment = 0.0;
     for (auto column = static_cast<std::size_t>(std::lround(u)) - 4;
@@ -184,7 +186,7 @@ TEST_F(FloorPicture, CenterLineIsStraightUnderTheLens) {
       sum += above;
       moment += above * static_cast<double>(column);
     }
-    // And where the lens has the line in this row.
+    // Position of the line in this row according to the lens.
     const auto up = renderer().lens().project({0.0, y + 0.01, 0.0});
     const double expected = u + (static_cast<double>(row) - v) / (up[1] - v) * (up[0] - u);
     worst = std::max(worst, std::abs(moment / sum - expected));
@@ -193,7 +195,7 @@ TEST_F(FloorPicture, CenterLineIsStraightUnderTheLens) {
 }
 
 TEST(Paper, IsGreyEverywhereAndVignettingDarkensCorners) {
-  ArenaParameters parameters = quiet_arena();
+  ArenaParameters parameters = noise_free_arena();
   parameters.light.lamp.clear();
   parameters.camera.vignetting = 0.4;
   Renderer renderer(parameters, 101, 81, Floor::kGreyPaper);
@@ -204,7 +206,7 @@ TEST(Paper, IsGreyEverywhereAndVignettingDarkensCorners) {
     return sum / kWhite;
   };
   EXPECT_NEAR(around(48, 38), 0.45, 0.01);
-  // All four alike; the middle of the 5 x 5 pixels is at 0.96 of the way to the corner.
+  // All four corners are equal. The center of the 5 x 5 pixels is at 0.96 of the distance to the corner.
   const double corner = 0.45 * (1.0 - 0.4 * (48.0 * 48.0 + 38.0 * 38.0) / (50.5 * 50.5 + 40.5 * 40.5));
   EXPECT_NEAR(around(0, 0), corner, 0.01);
   EXPECT_NEAR(around(96, 0), corner, 0.01);
@@ -213,20 +215,20 @@ TEST(Paper, IsGreyEverywhereAndVignettingDarkensCorners) {
 }
 
 TEST(Dark, IsBlack) {
-  Renderer renderer(quiet_arena(), 32, 24);
+  Renderer renderer(noise_free_arena(), 32, 24);
   for (const std::uint16_t value : renderer.render_dark()) ASSERT_EQ(value, 0);
   EXPECT_EQ(renderer.render_dark().size(), 32U * 24U * 3U);
 }
 
-TEST(Light, TopsAreLitByTheLampsAndFullScaleIsNotExceeded) {
-  ArenaParameters parameters = dark_scene();
+TEST(Light, LampsIlluminateTopsWithinFullScale) {
+  ArenaParameters parameters = black_field();
   parameters.light.lamp = {{0.8, 0.0, 1.5, 1.0}};
   parameters.light.ambient = 0.1;
   Renderer renderer(parameters, kWidth, kHeight);
   const Lighting lighting(parameters.light, parameters.field);
   const auto height = static_cast<float>(parameters.robot_height_m);
   for (const double x : {-0.8, 0.0, 0.4}) {
-    const Snapshot all = still({x, 0.0, 0.0});
+    const Snapshot all = stationary({x, 0.0, 0.0});
     const auto [u, v] = renderer.lens().project({x, 0.0, parameters.robot_height_m});
     const auto index = static_cast<std::size_t>(std::lround(v)) * kWidth + static_cast<std::size_t>(std::lround(u));
     const double expected = static_cast<double>(lighting.irradiance(static_cast<float>(x), 0.0f, height));
@@ -234,7 +236,7 @@ TEST(Light, TopsAreLitByTheLampsAndFullScaleIsNotExceeded) {
   }
   parameters.light.exposure = 20.0;
   Renderer bright(parameters, kWidth, kHeight);
-  const Snapshot all = still({0.7, 0.0, 0.0});
+  const Snapshot all = stationary({0.7, 0.0, 0.0});
   const auto picture = bright.render(all, all);
   EXPECT_EQ(*std::max_element(picture.begin(), picture.end()), kLinearScale);
 }

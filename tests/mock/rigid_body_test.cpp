@@ -12,7 +12,7 @@ namespace {
 constexpr double kHalfSide = 0.0375, kRadius = 0.02;
 constexpr double kPi = std::numbers::pi;
 
-// Of a robot: 0.45 kg, a homogeneous square.
+// A robot: a homogeneous square of 0.45 kg.
 Body robot_at(Vector2 position, double theta = 0.0) {
   Body body;
   body.position = position;
@@ -42,7 +42,7 @@ double energy(const Body& body) {
   return 0.5 * (dot(body.velocity, body.velocity) / body.inverse_mass + spin);
 }
 
-// A field of 2 x 1 m with an opening of 0.4 m in the right side, 0.2 m deep, as a goal.
+// A field of 2 x 1 m with a goal in the right side, 0.4 m wide and 0.2 m deep.
 Outline walls() {
   Outline all;
   for (const Vector2 corner :
@@ -78,8 +78,8 @@ TEST(Collision, ConservesMomentumAndNeverAddsEnergy) {
     for (Body* body : {&a, &b}) body->velocity = {random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0)};
     a.w = random.uniform(-10.0, 10.0);
     Contacts contacts;
-    // Without friction: impacts with friction and a given restitution may add energy, a flaw of Newton's law of
-    // restitution that is known since Kane (1984); the arena's heaps are tested with friction below.
+    // Without friction: with friction, Newton's law of restitution can add energy (Kane 1984). Heaps with friction are
+    // tested below.
     const Surface surface{random.uniform(), 0.0};
     if (i % 2 == 0) {
       collide(Square{&a, kHalfSide}, Square{&b, kHalfSide}, surface, contacts);
@@ -90,7 +90,7 @@ TEST(Collision, ConservesMomentumAndNeverAddsEnergy) {
     ++hits;
     const Vector2 before = momentum(a) + momentum(b);
     const double spin_before = angular_momentum(a) + angular_momentum(b), energy_before = energy(a) + energy(b);
-    // Correcting positions is no motion: look at the velocities as they are where the impulses act.
+    // Position correction is no motion: uses the velocities at the contact points.
     const Vector2 at_a = a.position, at_b = b.position;
     resolve(contacts);
     a.position = at_a;
@@ -107,7 +107,7 @@ TEST(Collision, ConservesMomentumAndNeverAddsEnergy) {
     }
   }
   EXPECT_GT(hits, 5000);
-  // Two points solved at once may gain a little where one of them parted already: 0.54 % at most was measured here.
+  // Two simultaneous contacts can gain a little energy if one of them is separating: at most 0.54 % was measured.
   EXPECT_LT(most_gained, 0.01);
 }
 
@@ -120,7 +120,7 @@ TEST(Collision, FrictionObeysCoulombsLaw) {
   ASSERT_EQ(contacts.size(), 1U);
   resolve(contacts);
   EXPECT_NEAR(ball.velocity.y, 0.5, 1e-9);
-  // The normal impulse is 1.5 m/s times the mass; the tangent one a fifth of it.
+  // The normal impulse is 1.5 m/s times the mass, the tangential impulse a fifth of it.
   EXPECT_NEAR(ball.velocity.x, 1.0 - 0.2 * 1.5, 1e-9);
 }
 
@@ -129,7 +129,7 @@ TEST(Collision, SquaresFarApartDoNotTouch) {
   Contacts contacts;
   collide(Square{&a, kHalfSide}, Square{&b, kHalfSide}, {}, contacts);
   EXPECT_TRUE(contacts.empty());
-  // Their circles overlap, they do not: the sides are what counts.
+  // Their circumscribed circles overlap, but the squares do not.
   b = robot_at({2.0 * kHalfSide + 0.001, 0.0}, 0.0);
   a.theta = 0.0;
   collide(Square{&a, kHalfSide}, Square{&b, kHalfSide}, {}, contacts);
@@ -141,7 +141,7 @@ TEST(Collision, SquaresFarApartDoNotTouch) {
   EXPECT_NEAR(contacts[0].depth_m, 0.001, 1e-9);
 }
 
-TEST(Collision, SquaresThatCrossLikeAStarArePartedToo) {
+TEST(Collision, SeparatesSquaresThatOverlapWithoutInnerCorners) {
   Body a = robot_at({0.0, 0.0}), b = robot_at({0.001, 0.0}, kPi / 4.0);
   for (int i = 0; i < 200; ++i) {
     Contacts contacts;
@@ -162,8 +162,8 @@ TEST(Outline, KnowsInsideFromOutside) {
   }
 }
 
-// A robot that leans on the wall beside the goal is held by this wall alone: the goal's side wall, whose line its
-// corners have passed, is no business of it.
+// A robot against the wall beside the goal touches only this wall, although its corners are beyond the line of the
+// goal's side wall.
 TEST(Outline, WallBesideThePostPushesStraightBack) {
   Outline all = walls();
   Body robot = robot_at({1.0 - kHalfSide + 0.0005, -0.2 - kHalfSide - 0.01});
@@ -187,11 +187,11 @@ TEST(Outline, PostHoldsARobotThatRunsIntoItWithItsFront) {
   Contacts contacts;
   collide(Square{&robot, kHalfSide}, all, {0.0, 0.0}, contacts);
   resolve(contacts);
-  // The post and the lower corner hold it; it neither moves on nor turns.
+  // The post and the lower corner stop it; it neither moves nor rotates.
   EXPECT_NEAR(robot.velocity.x, 0.0, 0.01);
 }
 
-TEST(Outline, CornerPokedIntoACornerOfTheFieldIsHeld) {
+TEST(Outline, RobotCornerInAFieldCornerIsStopped) {
   Outline all = walls();
   Body robot = robot_at({-1.0, -0.5}, kPi / 4.0);
   const double reach = kHalfSide * std::numbers::sqrt2;
@@ -219,7 +219,7 @@ TEST(Outline, BallTouchesBothWallsOfACornerAndOnePostOnce) {
   EXPECT_NEAR(contacts[0].normal.x, -1.0 / std::numbers::sqrt2, 1e-9);
 }
 
-TEST(Outline, WhatHasComeOutsideIsLedBack) {
+TEST(Outline, BodiesOutsideAreMovedBack) {
   Outline all = walls();
   Body ball = ball_at({0.3, 0.6}), robot = robot_at({-1.1, 0.0}, 0.2);
   for (int i = 0; i < 200; ++i) {

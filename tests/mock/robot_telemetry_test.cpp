@@ -4,7 +4,7 @@
 
 #include "hal/mock/radio_channel.h"
 #include "hal/mock/world.h"
-#include "tests/mock/quiet_arena.h"
+#include "tests/mock/noise_free_arena.h"
 
 namespace touchline::hal::mock {
 namespace {
@@ -37,7 +37,7 @@ ArenaParameters perfect_air() {
   return parameters;
 }
 
-TEST(RobotTelemetry, EachOwnRobotSpeaksAtItsRate) {
+TEST(RobotTelemetry, EachOwnRobotSendsAtItsRate) {
   Listener air(perfect_air());
   air.advance(10.0);
   ASSERT_EQ(air.reports.robots.size(), 5U);
@@ -65,7 +65,7 @@ TEST(RobotTelemetry, BatteriesFallWithTimeAndUnderLoad) {
   EXPECT_NEAR(resting - air.reports.robots[2].last.battery_v, 0.3, 0.03);
 }
 
-TEST(RobotTelemetry, LinkTellsWhatWasHeard) {
+TEST(RobotTelemetry, LinkQualityFollowsReception) {
   Listener air(perfect_air());
   air.advance(3.0, true);
   EXPECT_EQ(air.reports.robots[0].last.link_percent, 100);
@@ -73,7 +73,7 @@ TEST(RobotTelemetry, LinkTellsWhatWasHeard) {
   EXPECT_LE(air.reports.robots[0].last.link_percent, 1);
 }
 
-TEST(RobotTelemetry, GetsLostDamagedAndCutLikeEverythingElse) {
+TEST(RobotTelemetry, IsLostCorruptedAndTruncated) {
   ArenaParameters parameters;
   parameters.radio.loss = 0.1;
   parameters.radio.corruption = 0.1;
@@ -81,13 +81,13 @@ TEST(RobotTelemetry, GetsLostDamagedAndCutLikeEverythingElse) {
   Listener air(parameters);
   air.advance(30.0);
   const double sent = 5 * 50 * 30.0;
-  // Four standard deviations; a packet that is cut may take the one behind it along for a moment, never for good.
+  // Four standard deviations. A truncated packet can delay the next one, but must not lose it.
   const double good = 0.9 * 0.9;
   EXPECT_NEAR(static_cast<double>(air.reports.packets) / sent, good, 4.0 * std::sqrt(good * (1 - good) / sent) + 0.001);
   EXPECT_GT(air.reports.foreign_bytes, 3000U);
 }
 
-TEST(RobotTelemetry, NobodySpeaksAtRateZeroAndNobodyListensForLong) {
+TEST(RobotTelemetry, RateZeroSendsNothingAndTheBufferIsLimited) {
   ArenaParameters parameters = perfect_air();
   parameters.radio.telemetry_hz = 0.0;
   Listener silent(parameters);
@@ -97,12 +97,12 @@ TEST(RobotTelemetry, NobodySpeaksAtRateZeroAndNobodyListensForLong) {
   RobotTelemetrySource unheard(parameters, 1);
   for (int ms = 0; ms < 60000; ++ms) unheard.advance(Instant(1s) + ms * 1ms);
   std::array<std::byte, 8192> bytes{};
-  EXPECT_EQ(unheard.read(bytes), 4096U) << "a port's buffer, and no more";
+  EXPECT_EQ(unheard.read(bytes), 4096U) << "the size of a port's buffer";
   EXPECT_EQ(unheard.read(bytes), 0U);
 }
 
-// Who speaks and who listens must not change the game.
-TEST(RobotTelemetry, DrawsFromAStreamOfItsOwn) {
+// Telemetry must not change the game.
+TEST(RobotTelemetry, UsesItsOwnRandomStream) {
   const auto losses = [](double telemetry_hz) {
     ArenaParameters parameters;
     parameters.radio.telemetry_hz = telemetry_hz;

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "hal/mock/rigid_body.h"
-#include "tests/mock/quiet_arena.h"
+#include "tests/mock/noise_free_arena.h"
 
 namespace touchline::arena {
 namespace {
@@ -25,7 +25,7 @@ void expect_free(const Snapshot& all, const ArenaParameters& parameters) {
   for (std::size_t i = 0; i < all.robots.size(); ++i) {
     Body robot = body_of(all.robots[i]), ball = body_of(all.ball);
     for (const Vector2 corner : corners(Square{&robot, half_side})) {
-      EXPECT_EQ(distance_outside(parameters.field, corner), 0.0) << "robot " << i << " stands in a wall";
+      EXPECT_EQ(distance_outside(parameters.field, corner), 0.0) << "robot " << i << " overlaps a wall";
     }
     for (std::size_t k = 0; k < i; ++k) {
       Body other = body_of(all.robots[k]);
@@ -33,10 +33,10 @@ void expect_free(const Snapshot& all, const ArenaParameters& parameters) {
     }
     collide(Circle{&ball, parameters.ball_radius_m}, Square{&robot, half_side}, {}, contacts);
   }
-  EXPECT_TRUE(contacts.empty()) << "something stands on something";
+  EXPECT_TRUE(contacts.empty()) << "objects overlap";
 }
 
-TEST(Scenes, NothingStandsOnAnythingElse) {
+TEST(Scenes, ObjectsDoNotOverlap) {
   const ArenaParameters parameters;
   for (const SceneKind kind : {SceneKind::kLayouts, SceneKind::kTouching, SceneKind::kSamples, SceneKind::kStatic}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -61,7 +61,7 @@ TEST(Scenes, PairsTouchAlmost) {
   }
 }
 
-TEST(Scenes, SeedSaysWhereThingsAre) {
+TEST(Scenes, SeedDeterminesPoses) {
   const ArenaParameters parameters;
   const auto first = make_scene(SceneKind::kLayouts, parameters, 60.0, 5, 1),
              same = make_scene(SceneKind::kLayouts, parameters, 60.0, 5, 1),
@@ -84,19 +84,19 @@ TEST(Scenes, StaticOnesStandStillAndMatchesMove) {
     const double step = length(position(match[i].begin.robots[0]) - position(match[i - 1].begin.robots[0]));
     EXPECT_LT(step, 2.0 * 0.02);
     way += step;
-    // Of the exposure alone.
+    // Motion during the exposure only.
     EXPECT_LE(length(position(match[i].end.robots[0]) - position(match[i].begin.robots[0])), 0.25 * step + 0.0005);
   }
   EXPECT_GT(way, 0.1);
 }
 
-TEST(Scenes, FieldWithoutRoomGivesNone) {
+TEST(Scenes, FieldWithoutRoomGivesNoFrames) {
   ArenaParameters parameters;
   parameters.robot_side_m = 0.4;
   EXPECT_TRUE(make_scene(SceneKind::kLayouts, parameters, 60.0, 50, 1).empty());
 }
 
-TEST(Scenes, WordsAreFoundAndOthersAreNot) {
+TEST(Scenes, FindsScenesByName) {
   for (const SceneType& scene : scene_types()) EXPECT_EQ(find_scene(scene.name), &scene);
   EXPECT_EQ(find_scene("matches"), nullptr);
   EXPECT_EQ(find_scene(""), nullptr);

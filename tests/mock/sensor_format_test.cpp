@@ -1,4 +1,4 @@
-// All five formats against a conversion of our own, pixel by pixel, in floating point: ITU-R BT.601, limited range.
+// All formats compared pixel by pixel with an independent floating-point conversion: ITU-R BT.601, limited range.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ std::vector<std::uint16_t> colorful(Size size, std::uint64_t seed) {
   return linear;
 }
 
-// One seed gives one noise, whatever the format: so RGB is the reference of the others.
+// The noise depends only on the seed, so RGB serves as the reference for all formats.
 std::vector<std::uint8_t> expose(PixelFormat format, Size size, const std::vector<std::uint16_t>& linear) {
   const PictureLayout layout = layout_of(format, size.width, size.height);
   std::vector<std::uint8_t> out(layout.bytes + 16, 0xA5);
@@ -43,7 +43,7 @@ std::vector<std::uint8_t> expose(PixelFormat format, Size size, const std::vecto
 struct Yuv {
   double y, u, v;
 };
-// From the definition: luma weights 0.299, 0.587, 0.114; 219 steps of luma from 16, 224 of chroma about 128.
+// By definition: luma weights 0.299, 0.587, 0.114; 219 luma steps from 16, 224 chroma steps around 128.
 Yuv bt601(const std::uint8_t* rgb) {
   const double r = rgb[0] / 255.0, g = rgb[1] / 255.0, b = rgb[2] / 255.0;
   const double y = 0.299 * r + 0.587 * g + 0.114 * b;
@@ -56,7 +56,7 @@ class Formats : public ::testing::TestWithParam<Size> {
   [[nodiscard]] const std::uint8_t* pixel(std::size_t column, std::size_t row) const {
     return &rgb_[3 * (row * size_.width + column)];
   }
-  // Mean over the pixels of a block that are in the picture.
+  // Mean over those pixels of a block that lie inside the picture.
   [[nodiscard]] Yuv block(std::size_t column, std::size_t row, std::size_t rows) const {
     Yuv sum{0.0, 0.0, 0.0};
     int count = 0;
@@ -70,7 +70,7 @@ class Formats : public ::testing::TestWithParam<Size> {
     return {sum.y / count, sum.u / count, sum.v / count};
   }
   static void expect_luma(std::uint8_t value, double expected) { EXPECT_NEAR(value, expected, 0.51); }
-  // Each pixel is rounded before the mean is: half a step twice.
+  // Each pixel and then the mean is rounded: two errors of half a step.
   static void expect_chroma(std::uint8_t value, double expected) { EXPECT_NEAR(value, expected, 1.01); }
 
   const Size size_ = GetParam();
@@ -78,14 +78,14 @@ class Formats : public ::testing::TestWithParam<Size> {
   const std::vector<std::uint8_t> rgb_ = expose(PixelFormat::kRgb24, size_, linear_);
 };
 
-TEST_P(Formats, RgbHasTheLightsToneInItsOrder) {
+TEST_P(Formats, RgbFollowsTheGammaCurve) {
   ASSERT_EQ(rgb_.size(), linear_.size());
   for (std::size_t i = 0; i < rgb_.size(); ++i) {
     ASSERT_NEAR(rgb_[i], 255.0 * std::pow(linear_[i] / static_cast<double>(kLinearScale), 1.0 / 2.2), 6.0) << i;
   }
 }
 
-TEST_P(Formats, BgrIsRgbTurnedRound) {
+TEST_P(Formats, BgrIsReversedRgb) {
   const auto bgr = expose(PixelFormat::kBgr24, size_, linear_);
   ASSERT_EQ(bgr.size(), rgb_.size());
   for (std::size_t i = 0; i < rgb_.size(); i += 3) {
@@ -141,7 +141,7 @@ TEST(Range, IsLimited) {
   for (const auto& [light, luma] : {std::pair{0, 16}, {kLinearScale, 235}}) {
     const std::vector<std::uint16_t> linear(std::size_t{3} * 16 * 16, static_cast<std::uint16_t>(light));
     const auto yuyv = expose(PixelFormat::kYuyv, size, linear);
-    // White may be a step below: noise is cut at full scale.
+    // White can be one step lower, because noise is clipped at full scale.
     EXPECT_NEAR(yuyv[0], luma, 1);
     EXPECT_EQ(yuyv[1], 128);
     EXPECT_EQ(yuyv[3], 128);

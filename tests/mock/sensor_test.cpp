@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint16_t kWidth = 320, kHeight = 240;
 
-// A linear tone curve, so that the noise in the picture is the sensor's.
+// A linear gamma curve, so that the noise of the picture is that of the sensor.
 SensorParameters linear_sensor() {
   SensorParameters parameters;
   parameters.gamma = 1.0;
@@ -24,7 +24,7 @@ struct Moments {
   double mean = 0.0, variance = 0.0;
 };
 
-// Of an even picture with this much light, 0 to 1; in the camera's steps.
+// Mean and variance of a uniform picture with this much light, 0 to 1, in 8-bit steps.
 Moments exposed(const SensorParameters& parameters, double light, std::uint64_t seed = 1) {
   const std::vector<std::uint16_t> linear(std::size_t{3} * kWidth * kHeight,
                                           static_cast<std::uint16_t>(std::lround(light * kLinearScale)));
@@ -50,10 +50,10 @@ TEST(Brightness, ScalesTheLightAndItsNoise) {
   EXPECT_NEAR(sum / static_cast<double>(half.size()), exposed(linear_sensor(), 0.25).mean, 0.1);
   sensor.set_brightness(100.0);
   sensor.expose(half, as_darker);
-  EXPECT_GE(*std::min_element(as_darker.begin(), as_darker.end()), 240) << "more light than the sensor holds";
+  EXPECT_GE(*std::min_element(as_darker.begin(), as_darker.end()), 240) << "saturated";
 }
 
-// Shot noise has the variance of its electrons, read noise its own; rounding to steps adds a twelfth.
+// The variance is the number of electrons (shot noise) plus that of the read noise; rounding adds 1/12.
 TEST(Noise, HasTheStatedVarianceAtEachLevel) {
   SensorParameters parameters = linear_sensor();
   for (const double full_well : {1000.0, 9000.0}) {
@@ -66,7 +66,7 @@ TEST(Noise, HasTheStatedVarianceAtEachLevel) {
         const double electrons = light * full_well;
         const double expected =
             (electrons + read_noise * read_noise) / (electrons_per_step * electrons_per_step) + 1.0 / 12.0;
-        // Four standard deviations of the estimate; noise must neither lighten nor darken.
+        // Four standard deviations of the estimate. Noise must not change the mean.
         const double exact = std::round(light * kLinearScale) / kLinearScale;
         EXPECT_NEAR(seen.mean, 255.0 * exact, 0.005 + 4.0 * std::sqrt(expected / (3.0 * kWidth * kHeight)));
         EXPECT_NEAR(seen.variance, expected, 0.03 * expected) << full_well << ' ' << read_noise << ' ' << light;
@@ -98,7 +98,7 @@ TEST(Noise, IsWhiteFromPixelToPixelAndFrameToFrame) {
   EXPECT_NEAR(correlation(first, second, 0), 0.0, 0.0105);
 }
 
-TEST(Noise, IsTheSeeds) {
+TEST(Noise, DependsOnTheSeed) {
   const std::vector<std::uint16_t> linear(std::size_t{3} * 32 * 32, kLinearScale / 2);
   const auto picture = [&](std::uint64_t seed) {
     std::vector<std::uint8_t> out(layout_of(PixelFormat::kRgb24, 32, 32).bytes);
@@ -112,7 +112,7 @@ TEST(Noise, IsTheSeeds) {
 TEST(Tone, FollowsTheGammaCurve) {
   SensorParameters parameters;
   parameters.read_noise_electrons = 0.0;
-  parameters.full_well_electrons = 1e7;  // nearly no noise: 0.03 % of full scale
+  parameters.full_well_electrons = 1e7;  // almost no noise: 0.03 % of full scale
   for (const double gamma : {1.0, 2.2, 3.0}) {
     parameters.gamma = gamma;
     for (const double light : {0.05, 0.2, 0.5, 0.9, 1.0}) {
@@ -122,14 +122,14 @@ TEST(Tone, FollowsTheGammaCurve) {
   }
 }
 
-TEST(Tone, FullScaleIsWhiteAndNoiseBelowBlackIsCut) {
+TEST(Tone, FullScaleIsWhiteAndNoiseIsClippedAtBlack) {
   SensorParameters parameters;
   parameters.read_noise_electrons = 0.0;
   EXPECT_GT(exposed(parameters, 1.0).mean, 253.0);
   parameters.gamma = 1.0;
   parameters.full_well_electrons = 9000.0;
   parameters.read_noise_electrons = 360.0;  // 10.2 steps
-  // Half of a normal distribution: the mean of what is left above zero is sigma / sqrt(2 pi).
+  // The mean of a normal distribution clipped at zero is sigma / sqrt(2 pi).
   EXPECT_NEAR(exposed(parameters, 0.0).mean, 10.2 / std::sqrt(2.0 * 3.14159265), 0.15);
 }
 

@@ -1,8 +1,8 @@
-// What must hold however the robots are driven.
+// Invariants that hold for any commands.
 #include <gtest/gtest.h>
 
 #include "hal/mock/random.h"
-#include "tests/mock/quiet_arena.h"
+#include "tests/mock/noise_free_arena.h"
 
 namespace touchline::hal::mock {
 namespace {
@@ -56,9 +56,9 @@ struct Game {
 };
 class RandomGame : public ::testing::TestWithParam<Game> {};
 
-// Two minutes at speeds that the leagues' robots have. Before walls were one outline, a post of the goal threw robots
-// by 15 mm in a step; the limits are about twice what was measured since (1.5, 1.2, 1.3 and 2.1 mm).
-TEST_P(RandomGame, NobodySinksInLeavesOrJumps) {
+// Two minutes at the speeds of real robots. When walls were separate segments, a goal post threw robots by 15 mm in one
+// step. The limits are about twice the values measured since then (1.5, 1.2, 1.3 and 2.1 mm).
+TEST_P(RandomGame, NoOverlapNoEscapeNoJump) {
   ArenaParameters parameters = GetParam().robots == 22 ? full_arena() : ArenaParameters{};
   parameters.opponent_speed_mps = 0.8;
   World world(parameters, GetParam().seed);
@@ -86,14 +86,14 @@ TEST_P(RandomGame, NobodySinksInLeavesOrJumps) {
   EXPECT_LT(overlap, 0.003);
   EXPECT_LT(outside, 0.0025);
   EXPECT_LT(jump, 0.0026) << "2.6 m/s, or a jump";
-  EXPECT_EQ(ball_outside, 0.0) << "its center";
+  EXPECT_EQ(ball_outside, 0.0) << "center of the ball";
   EXPECT_LT(ball_jump, 0.006);
-  EXPECT_GT(world.statistics().ball_path_m, 10.0) << "a game in which nothing happens shows nothing";
+  EXPECT_GT(world.statistics().ball_path_m, 10.0) << "the test needs a game with motion";
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomGame, ::testing::Values(Game{10, 1}, Game{10, 2}, Game{22, 1}));
 
-// All robots driven into one corner of the field and into each other.
-TEST(Heap, IsNotPressedTogether) {
+// All robots drive into one corner of the field.
+TEST(Heap, DoesNotOverlap) {
   ArenaParameters parameters = full_arena();
   for (ArenaRobot& robot : parameters.robot) {
     robot.team = Side::kOwn;
@@ -114,7 +114,7 @@ TEST(Heap, IsNotPressedTogether) {
   EXPECT_EQ(distance_outside(parameters.field, position(world.snapshot().ball)), 0.0);
 }
 
-TEST(Energy, NeverGrowsWhenNobodyDrives) {
+TEST(Energy, NeverGrowsWithoutCommands) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     ArenaParameters parameters = full_arena();
     parameters.opponents = Opponents::kStand;
@@ -125,21 +125,21 @@ TEST(Energy, NeverGrowsWhenNobodyDrives) {
     run(world, 0.7);
     world.place_ball({0.0, 0.6, 0.0}, {1.5, -2.5});
     for (int id = 0; id < 11; ++id) world.drive(id, 0.0, 0.0);
-    // Wheels that run out still drive: ten time constants of them.
+    // Stopping wheels still drive for some time: ten time constants.
     run(world, 0.8);
     double before = world.energy();
-    ASSERT_GT(before, 0.001) << "the ball still rolls";
+    ASSERT_GT(before, 0.001) << "the ball must still roll";
     for (int i = 0; i < 8000; ++i) {
       world.step();
       const double now = world.energy();
       ASSERT_LE(now, before + 1e-9) << "seed " << seed << " step " << i;
       before = now;
     }
-    EXPECT_LT(before, 1e-6) << "all has come to rest";
+    EXPECT_LT(before, 1e-6) << "everything must come to rest";
   }
 }
 
-TEST(Overlap, AtTheStartIsPartedWithoutABang) {
+TEST(Overlap, AtTheStartIsResolvedGently) {
   ArenaParameters parameters = full_arena();
   parameters.opponents = Opponents::kStand;
   World world(parameters, 1);
@@ -174,18 +174,18 @@ TEST(Hash, SameSeedAndCommandsGiveTheSameStates) {
   }
 }
 
-// What is not to be seen in places and speeds yet must be in it as well.
-TEST(Hash, HoldsCommandsAndTheRefereesClock) {
-  World world(quiet_arena(), 1), driven(quiet_arena(), 1);
+// The hash must include state that does not yet show in positions and velocities.
+TEST(Hash, IncludesCommandsAndTheRefereesClock) {
+  World world(noise_free_arena(), 1), driven(noise_free_arena(), 1);
   EXPECT_EQ(world.hash(), driven.hash());
   driven.drive(0, 0.1, 0.1);
   EXPECT_NE(world.hash(), driven.hash());
-  World moved(quiet_arena(), 1);
+  World moved(noise_free_arena(), 1);
   const Placement ball = moved.snapshot().ball;
   run(world, 0.1);
   run(moved, 0.1);
   EXPECT_EQ(world.hash(), moved.hash());
-  moved.place_ball(ball);  // where it lies already: only its time begins anew
+  moved.place_ball(ball);  // same position: only resets the referee's clock
   EXPECT_NE(world.hash(), moved.hash());
 }
 

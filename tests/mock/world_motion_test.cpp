@@ -1,7 +1,7 @@
-// How robots and ball move by themselves, against the laws that the parameters name.
+// Motion of single robots and the ball compared with the models in the parameters.
 #include <gtest/gtest.h>
 
-#include "tests/mock/quiet_arena.h"
+#include "tests/mock/noise_free_arena.h"
 
 namespace touchline::hal::mock {
 namespace {
@@ -20,26 +20,26 @@ double ball_speed_of(World& world) {
   return length(position(world.snapshot().ball) - before) / World::kStepS;
 }
 
-TEST(Wheels, FollowWithTheStatedTimeConstant) {
-  ArenaParameters parameters = quiet_arena();
+TEST(Wheels, FollowCommandsWithTheTimeConstant) {
+  ArenaParameters parameters = noise_free_arena();
   for (const double lag_s : {0.03, 0.08, 0.2}) {
     parameters.physics.wheel_lag_s = lag_s;
     World world(parameters, 1);
     world.drive(0, 0.2, 0.2);
     run(world, lag_s - World::kStepS);
-    // After one time constant 1 - 1/e of the way is done.
+    // After one time constant the response is 1 - 1/e.
     EXPECT_NEAR(speed_of(world), 0.2 * (1.0 - std::exp(-1.0)), 0.2 * 0.005) << lag_s;
     run(world, 10.0 * lag_s);
     EXPECT_NEAR(speed_of(world), 0.2, 1e-4);
   }
   parameters.physics.wheel_lag_s = 0.0;
   World world(parameters, 1);
-  world.drive(0, 0.007, 0.007);  // less than the tires give in one step
+  world.drive(0, 0.007, 0.007);  // below the friction limit of one step
   EXPECT_NEAR(speed_of(world), 0.007, 1e-9);
 }
 
-TEST(Wheels, TurnByTheirDifferenceOverTheBase) {
-  const ArenaParameters parameters = quiet_arena();
+TEST(Wheels, TurnRateIsDifferenceOverWheelBase) {
+  const ArenaParameters parameters = noise_free_arena();
   World world(parameters, 1);
   world.drive(0, -0.07, 0.07);
   run(world, 1.0);
@@ -51,13 +51,13 @@ TEST(Wheels, TurnByTheirDifferenceOverTheBase) {
 }
 
 TEST(Wheels, AnArcHasTheRadiusOfTheTwist) {
-  World world(quiet_arena(), 1);
+  World world(noise_free_arena(), 1);
   world.place(0, {0.0, -0.3, 0.0});
   world.place_ball({-1.0, 0.8, 0.0});
   const double v = 0.15, w = 0.5, half_base = 0.035;
   world.drive(0, v - w * half_base, v + w * half_base);
   run(world, 1.0);
-  // The center of the circle stands still: left of the robot by v / w.
+  // The center of the arc, v / w to the left of the robot, stays in place.
   const auto center = [&] {
     const Placement at = robot_of(world);
     return position(at) + v / w * rotated({0.0, 1.0}, at.theta_rad);
@@ -68,7 +68,7 @@ TEST(Wheels, AnArcHasTheRadiusOfTheTwist) {
 }
 
 TEST(Tires, LimitAcceleration) {
-  ArenaParameters parameters = quiet_arena();
+  ArenaParameters parameters = noise_free_arena();
   parameters.physics.wheel_lag_s = 0.0;
   for (const double friction : {0.1, 0.5}) {
     parameters.physics.tire_friction = friction;
@@ -83,13 +83,13 @@ TEST(Tires, LimitAcceleration) {
   }
 }
 
-TEST(Tires, RobotThatIsPushedAsideSlidesToRest) {
-  ArenaParameters parameters = quiet_arena();
+TEST(Tires, SidewaysMotionSlidesToRest) {
+  ArenaParameters parameters = noise_free_arena();
   parameters.physics.tire_friction = 0.3;
   World world(parameters, 1);
   world.drive(0, 1.0, 1.0);
   run(world, 0.6);
-  // Wheels stopped at once: it needs v^2 / (2 mu g) until it stands.
+  // With blocked wheels the stopping distance is v^2 / (2 mu g).
   parameters.physics.wheel_lag_s = 0.0;
   World sliding(parameters, 1);
   sliding.place(0, {-0.9, 0.0, 0.0});
@@ -102,8 +102,8 @@ TEST(Tires, RobotThatIsPushedAsideSlidesToRest) {
   EXPECT_NEAR(length(position(robot_of(sliding)) - from), v * v / (2.0 * 0.3 * 9.81), 0.002);
 }
 
-TEST(Wheels, ErrorAndSlipHaveTheStatedSize) {
-  ArenaParameters parameters = quiet_arena();
+TEST(Wheels, ErrorAndSlipMatchTheParameters) {
+  ArenaParameters parameters = noise_free_arena();
   parameters.physics.wheel_error = 0.05;
   parameters.field.length_m = parameters.field.width_m = 20.0;
   double squares = 0.0;
@@ -133,8 +133,8 @@ TEST(Wheels, ErrorAndSlipHaveTheStatedSize) {
   EXPECT_NEAR(std::sqrt(squares / kSteps), 0.1 / std::sqrt(2.0), 0.1 / std::sqrt(2.0) * 0.15);
 }
 
-TEST(Ball, SlowsDownByItsLaw) {
-  ArenaParameters parameters = quiet_arena();
+TEST(Ball, DeceleratesAsModeled) {
+  ArenaParameters parameters = noise_free_arena();
   parameters.field.length_m = 20.0;
   const double a = parameters.physics.ball_deceleration_mps2, k = parameters.physics.ball_damping_per_s;
   World world(parameters, 1);
@@ -150,7 +150,7 @@ TEST(Ball, SlowsDownByItsLaw) {
 }
 
 TEST(Ball, BouncesOffTheWallWithItsRestitution) {
-  ArenaParameters parameters = quiet_arena();
+  ArenaParameters parameters = noise_free_arena();
   parameters.physics.ball_deceleration_mps2 = parameters.physics.ball_damping_per_s = 0.0;
   World world(parameters, 1);
   world.place_ball({0.5, 0.5, 0.0}, {0.0, 1.0});
@@ -161,8 +161,8 @@ TEST(Ball, BouncesOffTheWallWithItsRestitution) {
   EXPECT_LT(world.snapshot().ball.y_m, high);
 }
 
-TEST(Ball, FloorTurnsItAsideByTheStatedAmount) {
-  ArenaParameters parameters = quiet_arena();
+TEST(Ball, FloorRoughnessMatchesTheParameter) {
+  ArenaParameters parameters = noise_free_arena();
   parameters.physics.ball_deceleration_mps2 = parameters.physics.ball_damping_per_s = 0.0;
   parameters.physics.floor_roughness_mps_rts = 0.02;
   parameters.field.length_m = parameters.field.width_m = 20.0;
@@ -177,12 +177,12 @@ TEST(Ball, FloorTurnsItAsideByTheStatedAmount) {
     const double sideways = (position(world.snapshot().ball).y - before.y) / World::kStepS;
     squares += sideways * sideways;
   }
-  // A random walk: its spread grows with the root of time.
+  // A random walk: the standard deviation grows with the square root of time.
   EXPECT_NEAR(std::sqrt(squares / kBalls), 0.02 * std::sqrt(0.25), 0.01 * 0.15);
 }
 
-TEST(World, PlacedRobotStandsUntilItIsDrivenAgain) {
-  World world(quiet_arena(), 1);
+TEST(World, PlacedRobotStandsStillUntilDriven) {
+  World world(noise_free_arena(), 1);
   world.drive(0, 0.5, 0.5);
   run(world, 0.3);
   world.place(0, {0.3, 0.2, 1.0});

@@ -9,7 +9,7 @@
 #include "tools/programs/evaluate/pose_evaluation.h"
 #include "tools/programs/replay/replay.h"
 
-// The reference scenes from calibration to poses: what a hall's first day is, without a person.
+// The reference scenes from calibration to poses, without user interaction.
 namespace touchline {
 namespace {
 
@@ -30,7 +30,7 @@ class Scenes : public ::testing::Test {
     folder = nullptr;
   }
   void SetUp() override {
-    if (scenes.empty()) GTEST_SKIP() << "TOUCHLINE_SHARED does not name the folder with scenes/";
+    if (scenes.empty()) GTEST_SKIP() << "TOUCHLINE_SHARED must name the folder that contains scenes/";
     std::ostringstream log;
     log << std::ifstream(*folder / "log").rdbuf();
     ASSERT_TRUE(calibrated) << log.str();
@@ -44,15 +44,17 @@ class Scenes : public ::testing::Test {
     replay::ReplaySummary summary;
     std::string error;
     const std::atomic<bool> stop = false;
-    std::vector<evaluate::FrameRecord> truth, result;
-    evaluate::PoseReport report;
     EXPECT_TRUE(replay::replay(
         options, [](auto, auto) {}, stop, summary, error))
         << error;
-    EXPECT_TRUE(evaluate::read_truth(scenes + scene + "/truth.jsonl", truth, error)) << error;
-    EXPECT_TRUE(evaluate::read_result(options.out, {}, result, error)) << error;
-    EXPECT_TRUE(evaluate::evaluate_poses(truth, result, 0.02, report, error)) << error;
-    return report;
+    const auto truth = evaluate::read_truth(scenes + scene + "/truth.jsonl");
+    EXPECT_TRUE(truth.ok()) << truth.text();
+    const auto result = evaluate::read_result(options.out, {});
+    EXPECT_TRUE(result.ok()) << result.text();
+    if (!truth.ok() || !result.ok()) return {};
+    const auto report = evaluate::evaluate_poses(truth.value(), result.value(), 0.02);
+    EXPECT_TRUE(report.ok()) << report.text();
+    return report.ok() ? report.value() : evaluate::PoseReport();
   }
   static void expect_all_seen(const evaluate::PoseSummary& seen, std::size_t frames) {
     EXPECT_EQ(seen.robots, 10 * frames);
@@ -62,7 +64,7 @@ class Scenes : public ::testing::Test {
     EXPECT_EQ(seen.balls_seen, frames);
     EXPECT_EQ(seen.ball_ghosts, 0u);
   }
-  // Bands: what is better than expected wants an explanation as well.
+  // Bands with two limits: an unexpected improvement needs an explanation too.
   static void expect_within(double value, double low, double high, const char* what) {
     EXPECT_GE(value, low) << what;
     EXPECT_LE(value, high) << what;
@@ -91,14 +93,14 @@ TEST_F(Scenes, Samples) {
   expect_within(seen.angle.rms, 0.15 * kDegree, 0.6 * kDegree, "angle RMS, rad");
 }
 
-TEST_F(Scenes, StandingRobots) {
+TEST_F(Scenes, StationaryRobots) {
   const evaluate::PoseReport report = see("static");
   expect_all_seen(report.sightings, 12);
   expect_all_seen(report.tracks, 12);
   expect_within(report.sightings.position.rms, 0.00015, 0.0005, "position RMS, m");
   ASSERT_EQ(report.spread.size(), 11u);
   for (const evaluate::PoseSpread& spread : report.spread) {
-    // The paper: within 1 mm and 1 degree.
+    // The paper reports errors within 1 mm and 1 degree.
     EXPECT_LT(spread.position_rms, 0.00012) << spread.name;
     EXPECT_LT(spread.angle_rms, 0.12 * kDegree) << spread.name;
   }

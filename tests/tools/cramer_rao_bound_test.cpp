@@ -16,12 +16,12 @@ namespace {
 constexpr std::size_t kWidth = 64, kHeight = 48;
 constexpr double kSigma = 4.0;
 
-// A level for every pixel, with noise that the same seed makes the same.
+// A picture with the given level at each pixel plus noise that depends only on the seed.
 template <class Level>
 std::vector<std::uint8_t> noisy(std::mt19937& random, Level level) {
   std::vector<std::uint8_t> rgb(3 * kWidth * kHeight);
   for (std::size_t i = 0; i < rgb.size(); ++i) {
-    double noise = -6.0;  // twelve uniform ones: nearly a normal distribution
+    double noise = -6.0;  // the sum of twelve uniform numbers is nearly normal
     for (int k = 0; k < 12; ++k) noise += static_cast<double>(random()) / 4294967296.0;
     const double value =
         level(static_cast<double>(i / 3 % kWidth), static_cast<double>(i / 3 / kWidth)) + kSigma * noise;
@@ -39,28 +39,28 @@ StaticPictures pictures_of(std::size_t count, Level level) {
   return pictures;
 }
 
-TEST(PatchBound, ARampsInformationIsItsSlopeOverTheNoise) {
-  // 3 levels a pixel along u, in all three channels; about 314 pixels lie within the radius.
+TEST(FisherInformation, InformationOfARampIsItsSquaredSlopeOverTheVariance) {
+  // 3 levels per pixel along u in all three channels; about 314 pixels lie within the radius.
   const StaticPictures pictures = pictures_of(12, [](double u, double) { return 30.0 + 3.0 * u; });
   const StaticPictures::FisherInformation i = pictures.fisher_information({32.0, 24.0}, 10.0);
   const double expected = 3.0 * 317.0 * 9.0 / (kSigma * kSigma + 1.0 / 12.0);
   EXPECT_NEAR(i.uu / expected, 1.0, 0.1);
-  EXPECT_LT(std::abs(i.vv), 0.1 * expected) << "nothing changes along v";
+  EXPECT_LT(std::abs(i.vv), 0.1 * expected) << "no gradient along v";
   EXPECT_LT(std::abs(i.uv), 0.1 * expected);
 }
 
-// With four pictures the mean's own noise would be information of 3 * 317 * 2 / 4 along each axis.
-TEST(PatchBound, NoiseAloneTellsNothing) {
+// With four pictures, the noise of the mean alone would be information of 3 * 317 * 2 / 4 along each axis.
+TEST(FisherInformation, IsZeroForNoiseAlone) {
   const StaticPictures pictures = pictures_of(4, [](double, double) { return 100.0; });
   const StaticPictures::FisherInformation i = pictures.fisher_information({32.0, 24.0}, 10.0);
   EXPECT_LT(std::abs(i.uu), 60.0);
   EXPECT_LT(std::abs(i.vv), 60.0);
 }
 
-class BoundOfRobot : public ::testing::Test {
+class CramerRaoBound : public ::testing::Test {
  protected:
   void SetUp() override {
-    CameraParameters camera;  // straight down from 2 m
+    CameraParameters camera;  // looks straight down from 2 m
     camera.full.fx_px = camera.full.fy_px = 500.0f;
     camera.full.cx_px = 31.5f;
     camera.full.cy_px = 23.5f;
@@ -69,7 +69,7 @@ class BoundOfRobot : public ::testing::Test {
     ASSERT_TRUE(setting_.camera.configure(camera).ok());
     setting_.layouts = {paper_layout(), paper_layout()};
     setting_.teams = {"blue", "yellow"};
-    // Tests run side by side.
+    // Tests run in parallel.
     folder_ = ::testing::TempDir() + "touchline_bound_" + std::to_string(::getpid()) + "/";
     std::filesystem::create_directories(folder_);
     std::mt19937 random(5);
@@ -93,7 +93,7 @@ class BoundOfRobot : public ::testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  // Two squares of 8 pixels with edges of 2 pixels on a dark ground.
+  // Two squares of 8 pixels with edges 2 pixels wide on a dark background.
   double patches(double u, double v) const {
     double value = 30.0;
     for (const Vector2& c : center_) {
@@ -109,36 +109,34 @@ class BoundOfRobot : public ::testing::Test {
   std::vector<FrameRecord> results_;
 };
 
-TEST_F(BoundOfRobot, FollowsFromItsPatches) {
-  std::vector<PoseBound> bounds;
-  std::string error;
-  ASSERT_TRUE(cramer_rao_bounds(results_, folder_, setting_, bounds, error)) << error;
-  ASSERT_EQ(bounds.size(), 1u);
-  const PoseBound& b = bounds[0];
+TEST_F(CramerRaoBound, FollowsFromItsPatches) {
+  const auto bounds = cramer_rao_bounds(results_, folder_, setting_);
+  ASSERT_TRUE(bounds.ok()) << bounds.text();
+  ASSERT_EQ(bounds.value().size(), 1u);
+  const PoseBound& b = bounds.value()[0];
   EXPECT_EQ(b.name, "blue 2");
-  // Each edge pixel has slope 75: two edges of two pixels' width, 8 long, three channels.
+  // Each edge pixel has a slope of 75: two edges, two pixels wide and 8 long, in three channels.
   const double per_axis = 1.0 / std::sqrt(3.0 * 2 * 2 * 8 * 75.0 * 75.0 / (kSigma * kSigma));
   EXPECT_NEAR(b.center_px / (std::numbers::sqrt2 * per_axis), 1.0, 0.25);
-  // The mean of two patches, and the direction between them, 53 mm apart; 259.7 pixels a meter at 75 mm.
+  // The position is the mean of two patches, the heading their direction; they are 53 mm apart. The scale at a height
+  // of 75 mm is 259.7 px/m.
   const double scale = 500.0 / 1.925;
   EXPECT_NEAR(b.position_m / (b.center_px / std::numbers::sqrt2 / scale), 1.0, 0.02);
   EXPECT_NEAR(b.angle_rad / (b.center_px / 0.053033 / scale), 1.0, 0.05);
-  // Half of six stand 0.2 mm and 0.01 rad from the others.
+  // Three of six poses differ by 0.2 mm and 0.01 rad from the others.
   EXPECT_NEAR(b.position_rms_m, 0.0001 * std::sqrt(6.0 / 5.0), 1e-8);
   EXPECT_NEAR(b.angle_rms_rad, 0.005 * std::sqrt(6.0 / 5.0), 1e-8);
 }
 
-TEST_F(BoundOfRobot, NeedsRobotsAndPictures) {
-  std::vector<PoseBound> bounds;
-  std::string error;
-  EXPECT_FALSE(cramer_rao_bounds({results_[0], results_[1]}, folder_, setting_, bounds, error));
-  EXPECT_NE(error.find("fewer than 3 pictures"), std::string::npos) << error;
+TEST_F(CramerRaoBound, NeedsRobotsAndPictures) {
+  const std::string too_few = cramer_rao_bounds({results_[0], results_[1]}, folder_, setting_).text();
+  EXPECT_NE(too_few.find("fewer than 3 pictures"), std::string::npos) << too_few;
   results_[3].sightings.robots.clear();
-  EXPECT_FALSE(cramer_rao_bounds(results_, folder_, setting_, bounds, error));
-  EXPECT_NE(error.find("no robot"), std::string::npos) << error;
+  const std::string no_robot = cramer_rao_bounds(results_, folder_, setting_).text();
+  EXPECT_NE(no_robot.find("no robot"), std::string::npos) << no_robot;
   results_[2].file = "missing.png";
-  EXPECT_FALSE(cramer_rao_bounds(results_, folder_, setting_, bounds, error));
-  EXPECT_NE(error.find("missing.png"), std::string::npos) << error;
+  const std::string no_picture = cramer_rao_bounds(results_, folder_, setting_).text();
+  EXPECT_NE(no_picture.find("missing.png"), std::string::npos) << no_picture;
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// touchline-latency as a person calls it: exit codes, files, what it says.
+// The program touchline-latency: exit codes, files, output.
 #include <sys/wait.h>
 
 #include "tests/tools/program_folder.h"
@@ -8,7 +8,7 @@ namespace {
 
 class LatencyProgram : public ProgramFolder {
  protected:
-  // Exit code; what it printed is in the file "out".
+  // Returns the exit code. The output is in the file "out".
   [[nodiscard]] int latency(const std::string& arguments, const std::string& before = "") const {
     const std::string command =
         before + kKeepsFonts + "'" TOUCHLINE_LATENCY "' " + arguments + " >" + path("out") + " 2>&1";
@@ -56,8 +56,8 @@ TEST_F(LatencyProgram, WrongCommandLineIs64) {
   EXPECT_EQ(latency("--compare one.json"), 64);
 }
 
-TEST_F(LatencyProgram, WhatCannotBeWrittenIsRefusedBeforeAnythingMoves) {
-  // The board file would be complained about next.
+TEST_F(LatencyProgram, UnwritableFilesAreRefusedBeforeTheStart) {
+  // The invalid board file would be the next error.
   for (const char* option : {"--out", "--histogram", "--html"}) {
     const std::string file = path("none/a.svg");
     EXPECT_EQ(latency(std::string("--board none.toml ") + option + " " + file), 1);
@@ -78,8 +78,8 @@ TEST_F(LatencyProgram, WrongFilesAre1AndLostDevicesAre2) {
   EXPECT_EQ(read("out"), "touchline-latency: " + path("broken.json") + ": source: must be a text\n");
 }
 
-TEST_F(LatencyProgram, ASignalGivesTheReportSoFar) {
-  // A busy machine may take long until the first frame.
+TEST_F(LatencyProgram, ASignalEndsItWithAReport) {
+  // On a busy machine the first frame can take long.
   int code = -1;
   for (const char* after : {"1", "4", "16"}) {
     code = latency("--board '" TOUCHLINE_MOCK_BOARD "' --warm-up 0 --frames 100000",

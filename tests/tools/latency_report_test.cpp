@@ -1,4 +1,4 @@
-// What is made of a measurement: JSON and back, tables, page, pictures, comparison; the system's facts.
+// Reports of latency measurements: JSON, tables, HTML, charts, comparison; system facts; background load.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 using std::chrono::microseconds;
 
-// Stages of i us each, `slow` times that in the marker stage; i is 1 to 1000.
+// Frames i = 1 to 1000, in which each stage takes i us and the marker stage `slow` times as long.
 LatencyReport report_of(int slow) {
   Measurement measurement(1000, 0);
   for (int i = 1; i <= 1000; ++i) {
@@ -25,7 +25,7 @@ LatencyReport report_of(int slow) {
     stages.fill(microseconds(i));
     stages[static_cast<std::size_t>(Stage::kMarker)] *= slow;
     StepTiming timing;
-    timing.processing = microseconds((5 + slow) * i);  // as much as a stage for sending
+    timing.processing = microseconds((5 + slow) * i);  // sending takes as long as a stage
     timing.latency = timing.processing + microseconds(1000);
     measurement.add(stages, timing, i % 100 == 0);
   }
@@ -43,7 +43,7 @@ LatencyReport report_of(int slow) {
   return report;
 }
 
-TEST(LatencyDocument, TextHoldsTablesFactsAndTheVerdictLast) {
+TEST(LatencyDocument, TextEndsWithTheSummary) {
   const std::string text = to_text(document_of(report_of(1)));
   EXPECT_NE(text.find("frame to packet    3.000  5.400  5.940  5.994  6.000\n"), std::string::npos) << text;
   EXPECT_NE(text.find("                   usually   #1000    #999\n"), std::string::npos) << text;
@@ -54,7 +54,7 @@ TEST(LatencyDocument, TextHoldsTablesFactsAndTheVerdictLast) {
   EXPECT_TRUE(text.ends_with("the deadline of 8 ms was missed by 0 of 1000 frames.\n")) << text;
 }
 
-TEST(LatencyDocument, PageStandsAloneAndEscapes) {
+TEST(LatencyDocument, PageIsSelfContainedAndEscaped) {
   const LatencyReport report = report_of(1);
   const NamedReport named{"x", report};
   const std::string html = to_html(document_of(report), histogram_svg({&named, 1}));
@@ -79,15 +79,15 @@ TEST(LatencyChart, ShowsOneReportOrTwo) {
   EXPECT_GT(histogram_png(both).size(), 10000u);
 }
 
-TEST(LatencyJson, GivesBackWhatWasWritten) {
+TEST(LatencyJson, RoundTrip) {
   LatencyReport report = report_of(2);
   report.usage = {1, 2, 3, 4};
   report.allocations.reset();
   report.lost = 7;
   const std::string text = to_json(report);
-  LatencyReport read;
-  std::string error;
-  ASSERT_TRUE(from_json(text, read, error)) << error;
+  const Result<LatencyReport> parsed = from_json(text);
+  ASSERT_TRUE(parsed.ok()) << parsed.text();
+  const LatencyReport& read = parsed.value();
   EXPECT_EQ(to_json(read), text);
   EXPECT_EQ(read.spans[3].p99_9, report.spans[3].p99_9);
   EXPECT_EQ(read.histograms[8].counts, report.histograms[8].counts);
@@ -98,17 +98,16 @@ TEST(LatencyJson, GivesBackWhatWasWritten) {
   EXPECT_EQ(read.system.refused, report.system.refused);
 }
 
-TEST(LatencyJson, NamesTheKeyThatIsWrong) {
+TEST(LatencyJson, NamesTheMalformedKey) {
   const std::string good = to_json(report_of(1));
   const auto error_with = [&good](const std::string& what, const std::string& instead) {
     std::string text = good;
     const std::size_t at = text.find(what);
     EXPECT_NE(at, std::string::npos) << what;
     text.replace(at, what.size(), instead);
-    LatencyReport report;
-    std::string error;
-    EXPECT_FALSE(from_json(text, report, error)) << what;
-    return error;
+    const Result<LatencyReport> report = from_json(text);
+    EXPECT_FALSE(report.ok()) << what;
+    return report.text();
   };
   EXPECT_EQ(error_with("{", "["), "is not JSON");
   EXPECT_EQ(error_with("\"format\": 1", "\"format\": 2"), "format: 2 is not supported; this program reads format 1");
@@ -117,9 +116,8 @@ TEST(LatencyJson, NamesTheKeyThatIsWrong) {
   EXPECT_EQ(error_with("\"p99.9\"", "\"p99_9\""), "spans_ns.capture to frame.p99.9: is missing");
   EXPECT_EQ(error_with("\"number\": 999", "\"number\": \"x\""), "worst_frames[1].number: must be a count");
   EXPECT_EQ(error_with("\"governor\": \"performance\"", "\"governor\": 5"), "system.governor: must be a text");
-  // Of 1 ms, the camera's part.
-  EXPECT_EQ(error_with("[\n    80,", "[\n    160,"),
-            "histograms.capture to frame: must be a list of bins and counts");
+  // The bin of 1 ms in the camera's part.
+  EXPECT_EQ(error_with("[\n    80,", "[\n    160,"), "histograms.capture to frame: must be a list of bins and counts");
 }
 
 TEST(LatencyComparison, SaysWhatGotWorse) {
@@ -141,7 +139,7 @@ TEST(LatencyComparison, SaysWhatGotWorse) {
       << better;
 }
 
-TEST(LatencyComparison, ATimeThatWasNothingCanGetWorse) {
+TEST(LatencyComparison, AZeroTimeCanGetWorse) {
   const LatencyReport a = report_of(0), b = report_of(1);
   const Document document = comparison_of({"old", a}, {"new", b});
   EXPECT_NE(document.summary.find("marker (p50 from 0, p99 from 0, max from 0)"), std::string::npos)
@@ -149,7 +147,7 @@ TEST(LatencyComparison, ATimeThatWasNothingCanGetWorse) {
   EXPECT_EQ(comparison_of({"a", a}, {"a", a}).summary, "No time got worse from A to B.");
 }
 
-// A tree with the kernel's files in it.
+// A folder with copies of the kernel's files.
 class SystemTree : public testing::Test {
  protected:
   SystemTree() : root_(testing::TempDir() + "touchline_system_tree_" + std::to_string(::getpid())) {}
@@ -161,7 +159,7 @@ class SystemTree : public testing::Test {
   const std::string root_;
 };
 
-TEST_F(SystemTree, FactsAreReadAndWhatIsMissingStaysEmpty) {
+TEST_F(SystemTree, ReadsFactsAndLeavesMissingOnesEmpty) {
   EXPECT_EQ(read_system_facts(root_).kernel, "");
   EXPECT_FALSE(read_system_facts(root_).begin_celsius.has_value());
   write("/proc/cpuinfo", "processor\t: 0\nmodel name\t: A Processor\n\nprocessor\t: 1\nmodel name\t: A Processor\n");
@@ -169,7 +167,7 @@ TEST_F(SystemTree, FactsAreReadAndWhatIsMissingStaysEmpty) {
   write("/proc/sys/kernel/version", "#1 SMP PREEMPT_RT Debian 6.1\n");
   write("/proc/self/status", "Name:\tx\nVmLck:\t    2048 kB\n");
   write("/sys/devices/system/cpu/isolated", "2-3\n");
-  // The test may run on any.
+  // The test can run on any processor.
   for (long processor = 0; processor < sysconf(_SC_NPROCESSORS_CONF); ++processor) {
     const std::string folder = "/sys/devices/system/cpu/cpu" + std::to_string(processor) + "/cpufreq/";
     write(folder + "scaling_governor", "ondemand\n");
@@ -204,7 +202,7 @@ TEST_F(SystemTree, FactsAreReadAndWhatIsMissingStaysEmpty) {
 
 class Load : public SystemTree {
  protected:
-  // Stands for stress-ng: says who and where it is, and stays for `seconds`.
+  // A replacement for stress-ng that writes its process id and runs for `seconds`.
   [[nodiscard]] std::string program(const std::string& seconds) const {
     write("/load", "#!/bin/sh\necho $$ >" + root_ + "/pid\nexec sleep " + seconds + "\n");
     std::filesystem::permissions(root_ + "/load", std::filesystem::perms::owner_all);
@@ -218,22 +216,21 @@ class Load : public SystemTree {
 };
 
 TEST_F(Load, EndsWithItsObject) {
-  std::string error;
   {
     BackgroundLoad load;
-    ASSERT_TRUE(load.start(error, program("60"))) << error;
+    const Result<void> started = load.start(program("60"));
+    ASSERT_TRUE(started.ok()) << started.text();
     EXPECT_TRUE(is_alive());
   }
   EXPECT_FALSE(is_alive());
 }
 
-TEST_F(Load, AMissingOrBrokenProgramIsNamed) {
-  std::string error;
+TEST_F(Load, ReportsAMissingOrBrokenProgram) {
   BackgroundLoad load;
-  EXPECT_FALSE(load.start(error, "touchline-no-such-program"));
-  EXPECT_EQ(error, "--load needs touchline-no-such-program, which is not installed: sudo apt install stress-ng");
-  EXPECT_FALSE(load.start(error, "false"));
-  EXPECT_TRUE(error.starts_with("--load: false ended at once; try it alone: stress-ng --cpu 0 ")) << error;
+  EXPECT_EQ(load.start("touchline-no-such-program").text(),
+            "--load needs touchline-no-such-program, which is not installed: sudo apt install stress-ng");
+  const std::string error = load.start("false").text();
+  EXPECT_TRUE(error.starts_with("--load: false ended immediately; run it separately: stress-ng --cpu 0 ")) << error;
 }
 
 }  // namespace

@@ -36,10 +36,10 @@ TEST(LatencySamples, PercentilesAreExact) {
   EXPECT_EQ(s.p99_9, microseconds(999));
   EXPECT_EQ(s.max, microseconds(1000));
   EXPECT_EQ(samples.longer_than(microseconds(900)), 100u);
-  EXPECT_EQ(samples[0], microseconds(1000)) << "summarizing must not reorder";
+  EXPECT_EQ(samples[0], microseconds(1000)) << "summarize() must not reorder";
 }
 
-TEST(LatencySamples, AFullOneTakesNoMore) {
+TEST(LatencySamples, IgnoresSamplesBeyondTheCapacity) {
   LatencySamples samples(2);
   for (int i = 0; i < 5; ++i) samples.add(microseconds(i));
   EXPECT_EQ(samples.count(), 2u);
@@ -47,7 +47,7 @@ TEST(LatencySamples, AFullOneTakesNoMore) {
   EXPECT_EQ(LatencySamples(0).summarize().max, Duration::zero());
 }
 
-TEST(Measurement, LeavesTheWarmUpOut) {
+TEST(Measurement, IgnoresTheWarmUp) {
   Measurement measurement(4, 3);
   for (int i = 0; i < 10; ++i) {
     measurement.add(stages_of(i), timing_of(i < 3 ? 90000 : 100 + i, 40), i == 1 || i == 4);
@@ -60,12 +60,12 @@ TEST(Measurement, LeavesTheWarmUpOut) {
   EXPECT_EQ(span(Span::kCamera).max, microseconds(40));
   EXPECT_EQ(span(Span::kRegion).max, microseconds(6));
   EXPECT_EQ(span(Span::kEncode).max, microseconds(10));
-  // What is left of 105 us by stages of 5 to 9 us.
+  // 105 us minus the stages of 5 to 9 us.
   EXPECT_EQ(span(Span::kSend).p50, microseconds(105 - 35));
   EXPECT_EQ(report.overloads, 1u);
 }
 
-TEST(Measurement, DeadlineIsFromCaptureAndAPeriodUnlessGiven) {
+TEST(Measurement, DeadlineIsOnePeriodByDefault) {
   Measurement measurement(4, 0);
   for (int i = 0; i < 4; ++i) measurement.add(stages_of(1), timing_of(100 + i, 40), false);
   EXPECT_EQ(measurement.report("test", {.rate_hz = 60.0}).deadline_misses, 0u);
@@ -76,11 +76,11 @@ TEST(Measurement, DeadlineIsFromCaptureAndAPeriodUnlessGiven) {
   const LatencyReport given = measurement.report("test", {.rate_hz = 9800.0, .deadline = microseconds(141)});
   EXPECT_EQ(given.deadline_misses, 2u);
   EXPECT_EQ(given.period_overruns, 1u);
-  EXPECT_EQ(measurement.report("test", {}).deadline, Duration::zero()) << "no rate, no deadline";
+  EXPECT_EQ(measurement.report("test", {}).deadline, Duration::zero()) << "without a rate there is no deadline";
 }
 
-TEST(Measurement, WhatFollowsTheLastFrameDoesNotCount) {
-  if (!allocations_are_counted()) GTEST_SKIP() << "the sanitizer's allocator does not count";
+TEST(Measurement, IgnoresUsageAfterTheLastFrame) {
+  if (!allocations_are_counted()) GTEST_SKIP() << "with a sanitizer, allocations are not counted";
   Measurement measurement(10, 2);
   for (int i = 0; i < 12; ++i) measurement.add(stages_of(1), timing_of(100, 40), false);
   const auto later = std::make_unique<std::vector<int>>(1000);
@@ -91,7 +91,7 @@ TEST(Measurement, WhatFollowsTheLastFrameDoesNotCount) {
 TEST(Measurement, CountsGapsAfterTheWarmUp) {
   Measurement measurement(10, 2);
   const auto trace = std::make_unique<StepTrace>();
-  // 5 is lost in the warm-up, 7 and 8 later; then the camera was opened again.
+  // Frame 5 is lost during the warm-up, 7 and 8 later; then the camera is reopened.
   for (const std::uint32_t sequence : {4u, 6u, 9u, 10u, 0u, 1u}) {
     trace->frame.sequence = sequence;
     measurement.observer().on_step(measurement.observer().context, *trace, timing_of(100, 0));
@@ -99,7 +99,7 @@ TEST(Measurement, CountsGapsAfterTheWarmUp) {
   EXPECT_EQ(measurement.report("test", {}).lost, 2u);
 }
 
-TEST(Measurement, ListsTheWorstFramesAndNamesTheirStage) {
+TEST(Measurement, ListsTheWorstFramesWithTheirMostDelayedPart) {
   Measurement measurement(200, 10);
   for (int i = 0; i < 210; ++i) {
     auto stages = stages_of(100);
@@ -116,10 +116,10 @@ TEST(Measurement, ListsTheWorstFramesAndNamesTheirStage) {
   }
   const LatencyReport report = measurement.report("test", {.rate_hz = 60.0, .worst = 3});
   ASSERT_EQ(report.worst.size(), 3u);
-  EXPECT_EQ(report.worst[0].number, 48u) << "from 1, after the warm-up";
+  EXPECT_EQ(report.worst[0].number, 48u) << "numbers start at 1 after the warm-up";
   EXPECT_EQ(report.worst[1].number, 49u);
   EXPECT_EQ(report.worst[2].number, 31u);
-  EXPECT_EQ(most_delayed_span(report, report.worst[0]), Span::kMarker) << "although the camera's part is the longest";
+  EXPECT_EQ(most_delayed_span(report, report.worst[0]), Span::kMarker) << "although the camera's part takes longest";
   EXPECT_EQ(most_delayed_span(report, report.worst[1]), Span::kCamera);
   EXPECT_EQ(most_delayed_span(report, report.worst[2]), Span::kTrack);
   EXPECT_EQ(
@@ -128,7 +128,7 @@ TEST(Measurement, ListsTheWorstFramesAndNamesTheirStage) {
       "deadline of 16.7 ms was missed by 1 of 200 frames.");
 }
 
-TEST(Measurement, OneFrameIsItsOwnWorst) {
+TEST(Measurement, OneFrameIsTheWorst) {
   Measurement measurement(1, 0);
   measurement.add(stages_of(100), timing_of(700, 10), false);
   EXPECT_EQ(summary_sentence(measurement.report("test", {})),
@@ -136,12 +136,12 @@ TEST(Measurement, OneFrameIsItsOwnWorst) {
 }
 
 TEST(Measurement, FindsPlantedAllocations) {
-  if (!allocations_are_counted()) GTEST_SKIP() << "the sanitizer's allocator does not count";
+  if (!allocations_are_counted()) GTEST_SKIP() << "with a sanitizer, allocations are not counted";
   const auto run = [](int planted) {
     Measurement measurement(10, 2);
     for (int i = 0; i < 12; ++i) {
       measurement.add(stages_of(1), {}, false);
-      if (i == 0) free(malloc(100));  // in the warm-up: allowed
+      if (i == 0) free(malloc(100));  // during the warm-up
       if (i == 5) {
         for (int k = 0; k < planted; ++k) {
           void* volatile block = k % 2 == 0 ? malloc(64) : ::operator new(64);
@@ -170,13 +170,13 @@ TEST(Measurement, FindsPlantedPageFaults) {
     }
     return measurement.report("test", {}).usage.minor_faults;
   };
-  run(0);  // touches what the code itself needs
+  run(0);  // touches the pages that the code needs
   EXPECT_EQ(run(0), 0u);
   EXPECT_GE(run(32), 32u);
   EXPECT_LE(run(32), 40u);
 }
 
-TEST(Measurement, ARunThatEndedEarlyIsReported) {
+TEST(Measurement, ReportsARunThatEndsEarly) {
   Measurement measurement(100, 2);
   for (int i = 0; i < 5; ++i) measurement.add(stages_of(1), timing_of(10, 0), false);
   measurement.end();
@@ -184,7 +184,7 @@ TEST(Measurement, ARunThatEndedEarlyIsReported) {
   free(block);
   const LatencyReport report = measurement.report("test", {});
   EXPECT_EQ(report.frames, 3u);
-  EXPECT_EQ(report.allocations.value_or(0), 0u) << "what came after the end does not count";
+  EXPECT_EQ(report.allocations.value_or(0), 0u) << "usage after the end must not count";
   EXPECT_EQ(Measurement(100, 2).report("test", {}).frames, 0u);
 }
 
@@ -193,7 +193,7 @@ TEST(LogHistogram, BinsAreATwentiethOfADecade) {
   EXPECT_EQ(LogHistogram::bin_of(nanoseconds(-5)), 0u);
   EXPECT_EQ(LogHistogram::bin_of(nanoseconds(100)), 0u);
   EXPECT_EQ(LogHistogram::bin_of(nanoseconds(113)), 1u) << "10^(1/20) is 1.122";
-  EXPECT_EQ(LogHistogram::bin_of(microseconds(1)), 20u) << "the edge belongs to the bin that it begins";
+  EXPECT_EQ(LogHistogram::bin_of(microseconds(1)), 20u) << "the lower edge belongs to the bin";
   EXPECT_EQ(LogHistogram::bin_of(nanoseconds(999)), 19u);
   EXPECT_EQ(LogHistogram::bin_of(std::chrono::hours(1)), LogHistogram::kBins - 1);
   EXPECT_DOUBLE_EQ(LogHistogram::lower_edge_s(60), 1e-4);

@@ -13,7 +13,7 @@ PatchRecord patch(const char* color, double u, double v, bool identification) {
   return {identification, color, {u, v}};
 }
 
-// Two robots of a layout with two identification patches, one that is cut off, and a ball.
+// Two robots with two identification patches each, one that is partly outside of the picture, and a ball.
 AnnotatedPicture truth() {
   AnnotatedPicture picture;
   picture.name = "one";
@@ -31,7 +31,7 @@ RobotRecord robot(const char* team, std::optional<int> id, std::vector<PatchReco
   return {team, id, {}, 0.0, std::move(patches)};
 }
 
-// What a perfect pipeline says; the identification patches in another order than the annotator's.
+// A perfect result, with the identification patches in another order than in the annotation.
 std::vector<FrameRecord> perfect() {
   FrameRecord frame;
   frame.file = "one.png";
@@ -47,10 +47,9 @@ std::vector<FrameRecord> perfect() {
 }
 
 PictureReport evaluate(const std::vector<FrameRecord>& results) {
-  PictureReport report;
-  std::string error;
-  EXPECT_TRUE(evaluate_picture(truth(), results, {}, report, error)) << error;
-  return report;
+  const Result<PictureReport> report = evaluate_picture(truth(), results, {});
+  EXPECT_TRUE(report.ok()) << report.text();
+  return report.ok() ? report.value() : PictureReport();
 }
 
 TEST(PictureEvaluation, PerfectResult) {
@@ -102,7 +101,7 @@ TEST(PictureEvaluation, GhostsWrongTeamsAndMisses) {
   results[0].sightings.robots[0].team = "yellow";
   results[0].sightings.robots.push_back(robot("blue", 1, {patch("blue", 400.0, 100.0, false)}));
   results[0].sightings.robots.push_back(
-      robot("blue", std::nullopt, {patch("blue", 3.0, 200.0, false)}));  // the cut one
+      robot("blue", std::nullopt, {patch("blue", 3.0, 200.0, false)}));  // the one that is partly outside
   results[0].sightings.ball->center_px = Vector2{100.0, 300.0};
   const PictureReport r = evaluate(results);
   EXPECT_EQ(r.found, 1u);
@@ -112,7 +111,7 @@ TEST(PictureEvaluation, GhostsWrongTeamsAndMisses) {
   EXPECT_EQ(r.balls_found, 0u);
 }
 
-TEST(PictureEvaluation, FramesOfAVideoAreToldByNumber) {
+TEST(PictureEvaluation, FramesOfAVideoAreIdentifiedByNumber) {
   std::vector<FrameRecord> results = perfect();
   results.push_back(results[0]);
   results[0].frame = 3;
@@ -120,24 +119,23 @@ TEST(PictureEvaluation, FramesOfAVideoAreToldByNumber) {
   results[1].frame = 270;
   AnnotatedPicture picture = truth();
   picture.frame = 270;
-  PictureReport report;
-  std::string error;
-  ASSERT_TRUE(evaluate_picture(picture, results, {}, report, error));
-  EXPECT_EQ(report.found, 2u);
+  const Result<PictureReport> report = evaluate_picture(picture, results, {});
+  ASSERT_TRUE(report.ok()) << report.text();
+  EXPECT_EQ(report.value().found, 2u);
   picture.frame = 4;
-  EXPECT_FALSE(evaluate_picture(picture, results, {}, report, error));
+  const std::string error = evaluate_picture(picture, results, {}).text();
   EXPECT_NE(error.find("one.png frame 4"), std::string::npos) << error;
 }
 
-TEST(Annotation, ReadsWhatAnAnnotatorWrote) {
+TEST(Annotation, ReadsAnAnnotation) {
   const std::string path = testing::TempDir() + "touchline_annotation.json";
   std::ofstream(path) << R"({"image": "../vss-overhead.mp4 frame 270", "objects": [
     {"type": "ball", "centre": [461.0, 335.25], "radius": 6.7},
     {"type": "robot", "team": "yellow", "team_patch": [457.5, 38.8], "id_patches": [{"colour": "red", "centre": [469.0, 50.5]}]},
     {"type": "robot", "team": "blue", "team_patch": [111.75, 232.0], "id_patches": []}]})";
-  AnnotatedPicture picture;
-  std::string error;
-  ASSERT_TRUE(read_annotated(path, picture, error)) << error;
+  const Result<AnnotatedPicture> read = read_annotated(path);
+  ASSERT_TRUE(read.ok()) << read.text();
+  const AnnotatedPicture& picture = read.value();
   EXPECT_EQ(picture.name, "touchline_annotation");
   EXPECT_EQ(picture.file, "vss-overhead.mp4");
   EXPECT_EQ(picture.frame, 270);
@@ -148,7 +146,7 @@ TEST(Annotation, ReadsWhatAnAnnotatorWrote) {
   EXPECT_TRUE(picture.robots[1].identification.empty());
 
   std::ofstream(path) << R"({"image": "a.png", "objects": [{"type": "ball", "centre": [461.0]}]})";
-  EXPECT_FALSE(read_annotated(path, picture, error));
+  const std::string error = read_annotated(path).text();
   EXPECT_NE(error.find("objects[0].centre is not a pair"), std::string::npos) << error;
 }
 

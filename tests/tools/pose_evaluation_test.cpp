@@ -25,7 +25,7 @@ RobotRecord robot(const std::string& team, std::optional<int> id, double x, doub
   return {team, id, {x, y}, theta, {}};
 }
 
-// Three blue robots and two yellow ones, far from each other, and a ball.
+// Three blue and two yellow robots, far apart, and a ball.
 FrameRecord truth_frame(int number) {
   FrameRecord frame;
   frame.file = std::to_string(number) + ".png";
@@ -39,10 +39,9 @@ FrameRecord truth_frame(int number) {
 }
 
 PoseReport evaluate(const std::vector<FrameRecord>& truth, const std::vector<FrameRecord>& result) {
-  PoseReport report;
-  std::string error;
-  EXPECT_TRUE(evaluate_poses(truth, result, kWithin, report, error)) << error;
-  return report;
+  const Result<PoseReport> report = evaluate_poses(truth, result, kWithin);
+  EXPECT_TRUE(report.ok()) << report.text();
+  return report.ok() ? report.value() : PoseReport();
 }
 
 void expect_counts(const PoseSummary& s, std::size_t right, std::size_t unknown, std::size_t swapped,
@@ -70,7 +69,7 @@ TEST(PoseEvaluation, SwappedIdsAreCountedEach) {
   std::vector<FrameRecord> result{truth_frame(0)};
   std::swap(result[0].sightings.robots[0].id, result[0].sightings.robots[1].id);
   expect_counts(evaluate({truth_frame(0)}, result).sightings, 3, 0, 2, 0, 0);
-  expect_counts(evaluate({truth_frame(0)}, result).tracks, 5, 0, 0, 0, 0);  // they were left as they are
+  expect_counts(evaluate({truth_frame(0)}, result).tracks, 5, 0, 0, 0, 0);  // unchanged
 }
 
 TEST(PoseEvaluation, WrongTeamIsSwapped) {
@@ -97,7 +96,7 @@ TEST(PoseEvaluation, MissesAndGhosts) {
   expect_counts(evaluate({truth_frame(0)}, result).sightings, 4, 0, 0, 1, 0);
   result[0].sightings.robots.push_back(robot("blue", 0, -0.7, 0.1));
   expect_counts(evaluate({truth_frame(0)}, result).sightings, 4, 0, 0, 1, 1);
-  // Two reports of one robot: the nearer one counts, the other is a ghost.
+  // Two reports of one robot: the closer one counts, the other is a ghost.
   result[0] = truth_frame(0);
   result[0].sightings.robots.push_back(robot("blue", 1, 0.205, 0.0));
   const PoseReport twice = evaluate({truth_frame(0)}, result);
@@ -105,7 +104,7 @@ TEST(PoseEvaluation, MissesAndGhosts) {
   EXPECT_EQ(twice.sightings.position.max, 0.0);
 }
 
-TEST(PoseEvaluation, TheLimitOfDistanceHasTwoSides) {
+TEST(PoseEvaluation, TheDistanceLimitIsExact) {
   std::vector<FrameRecord> result{truth_frame(0)};
   result[0].sightings.robots[0].position_m.x = 0.0199;
   expect_counts(evaluate({truth_frame(0)}, result).sightings, 5, 0, 0, 0, 0);
@@ -156,22 +155,20 @@ TEST(PoseEvaluation, VideoFramesArePairedByNumber) {
   expect_counts(evaluate(truth, result).sightings, 5, 0, 0, 5, 0);
 }
 
-TEST(PoseEvaluation, WhatCannotBePairedIsAnError) {
-  PoseReport report;
-  std::string error;
-  EXPECT_FALSE(evaluate_poses({truth_frame(0)}, {truth_frame(1)}, kWithin, report, error));
-  EXPECT_NE(error.find("file name"), std::string::npos) << error;
+TEST(PoseEvaluation, UnmatchedFramesAreAnError) {
+  const std::string unmatched = evaluate_poses({truth_frame(0)}, {truth_frame(1)}, kWithin).text();
+  EXPECT_NE(unmatched.find("file name"), std::string::npos) << unmatched;
   std::vector<FrameRecord> twice{truth_frame(0), truth_frame(0)};
-  EXPECT_FALSE(evaluate_poses({truth_frame(0)}, twice, kWithin, report, error));
-  EXPECT_NE(error.find("twice"), std::string::npos) << error;
+  const std::string repeated = evaluate_poses({truth_frame(0)}, twice, kWithin).text();
+  EXPECT_NE(repeated.find("twice"), std::string::npos) << repeated;
 }
 
-TEST(PoseEvaluation, SpreadOfWhatStandsStill) {
+TEST(PoseEvaluation, SpreadOfStationaryRobots) {
   std::vector<FrameRecord> truth, result;
   for (int i = 0; i < 4; ++i) {
     truth.push_back(truth_frame(i));
     result.push_back(truth_frame(i));
-    // 3 mm to either side, half a hundredth of a radian to either side of pi.
+    // Deviations of +-3 mm and, around pi, of +-0.005 rad.
     const double sign = i % 2 == 0 ? 1.0 : -1.0;
     result.back().sightings.robots[0].position_m.x += 0.003 * sign + 0.001;
     result.back().sightings.robots[0].theta_rad =
@@ -181,7 +178,7 @@ TEST(PoseEvaluation, SpreadOfWhatStandsStill) {
   ASSERT_EQ(report.spread.size(), 6u);
   EXPECT_EQ(report.spread[0].name, "blue 0");
   EXPECT_EQ(report.spread[0].frames, 4u);
-  EXPECT_NEAR(report.spread[0].position_rms, 0.003, 1e-12);  // the constant error is none of the spread
+  EXPECT_NEAR(report.spread[0].position_rms, 0.003, 1e-12);  // the spread does not include the constant error
   EXPECT_NEAR(report.spread[0].largest_step, 0.006, 1e-12);
   EXPECT_NEAR(report.spread[0].angle_rms, 0.005, 1e-9);
   EXPECT_NEAR(report.spread[1].position_rms, 0.0, 1e-12);
@@ -197,9 +194,9 @@ TEST(Records, ReadsTheFormatOfTheScenes) {
       "\n\n"
       R"({"file":"000001.png","t":0.6,"ball":null,"robots":[]})"
       "\n");
-  std::vector<FrameRecord> records;
-  std::string error;
-  ASSERT_TRUE(read_truth(path, records, error)) << error;
+  const auto read = read_truth(path);
+  ASSERT_TRUE(read.ok()) << read.text();
+  const std::vector<FrameRecord>& records = read.value();
   ASSERT_EQ(records.size(), 2u);
   EXPECT_EQ(records[0].file, "000000.png");
   ASSERT_TRUE(records[0].sightings.ball.has_value());
@@ -218,12 +215,10 @@ class BadTruth : public testing::TestWithParam<BadLine> {};
 
 TEST_P(BadTruth, IsRefusedWithItsLineAndKey) {
   const std::string good = R"({"file":"a.png","t":0,"ball":null,"robots":[]})";
-  // Tests run side by side.
+  // Tests run in parallel.
   const std::string path = testing::TempDir() + "touchline_bad_" + std::to_string(::getpid()) + ".jsonl";
   std::ofstream(path) << good << '\n' << GetParam().text << '\n';
-  std::vector<FrameRecord> records;
-  std::string error;
-  EXPECT_FALSE(read_truth(path, records, error));
+  const std::string error = read_truth(path).text();
   EXPECT_NE(error.find(path + ":2: "), std::string::npos) << error;
   EXPECT_NE(error.find(GetParam().complaint), std::string::npos) << error;
 }
@@ -241,13 +236,11 @@ INSTANTIATE_TEST_SUITE_P(
                             "robots[0].id is not an integer"}));
 
 TEST(Records, FilesThatCannotBeRead) {
-  std::vector<FrameRecord> records;
-  std::string error;
-  EXPECT_FALSE(read_truth(testing::TempDir() + "touchline_none.jsonl", records, error));
-  EXPECT_NE(error.find("No such file"), std::string::npos) << error;
-  EXPECT_FALSE(read_truth(testing::TempDir(), records, error));
-  EXPECT_FALSE(read_truth(in_temporary_file("\n"), records, error));
-  EXPECT_NE(error.find("contains no frames"), std::string::npos) << error;
+  const std::string missing = read_truth(testing::TempDir() + "touchline_none.jsonl").text();
+  EXPECT_NE(missing.find("No such file"), std::string::npos) << missing;
+  EXPECT_FALSE(read_truth(testing::TempDir()).ok());
+  const std::string empty = read_truth(in_temporary_file("\n")).text();
+  EXPECT_NE(empty.find("contains no frames"), std::string::npos) << empty;
 }
 
 TEST(Records, NamesOfResultsAreTranslated) {
@@ -255,10 +248,9 @@ TEST(Records, NamesOfResultsAreTranslated) {
       R"({"frame":0,"file":"a.png","t":0,"sightings":{"ball":null,"robots":[{"team":"own","id":null,"x":0,"y":0,"theta":null,)"
       R"("patches":[{"role":"identification","color":"rot","u":1,"v":2}]}]},"tracks":{"ball":null,"robots":[]},"overload":false})"
       "\n");
-  std::vector<FrameRecord> records;
-  std::string error;
-  ASSERT_TRUE(read_result(path, {{"own", "blue"}, {"rot", "red"}}, records, error)) << error;
-  const RobotRecord& found = records[0].sightings.robots.at(0);
+  const auto records = read_result(path, {{"own", "blue"}, {"rot", "red"}});
+  ASSERT_TRUE(records.ok()) << records.text();
+  const RobotRecord& found = records.value()[0].sightings.robots.at(0);
   EXPECT_EQ(found.team, "blue");
   EXPECT_FALSE(found.id.has_value());
   EXPECT_FALSE(found.theta_rad.has_value());

@@ -11,10 +11,10 @@
 
 namespace touchline::testing {
 
-// Before a program that draws text on pictures: the system's font library keeps its fonts until the end.
+// Prefix for programs that draw text: the font library never frees its fonts, which the leak sanitizer would report.
 inline const std::string kKeepsFonts = "ASAN_OPTIONS=detect_leaks=0 ";
 
-/// A program from outside, as a person runs it, in a folder of its own that is gone with the test.
+/// Runs a program in a temporary folder that is removed after the test.
 class ProgramFolder : public ::testing::Test {
  protected:
   ProgramFolder()
@@ -35,7 +35,7 @@ class ProgramFolder : public ::testing::Test {
     all << file.rdbuf();
     return all.str();
   }
-  /// True: exit code 0. What it printed is in the file "out".
+  /// Returns true if the exit code is 0. The output is in the file "out".
   [[nodiscard]] bool run_program(const std::string& program, const std::string& arguments) const {
     const std::string command = program + " " + arguments + " >" + path("out") + " 2>&1";
     return std::system(command.c_str()) == 0;  // NOLINT(cert-env33-c,concurrency-mt-unsafe): the program under test

@@ -75,7 +75,7 @@ struct Placed {
   Pose pose;
 };
 
-// A picture of the arena, painted with three samples a pixel along each axis.
+// A picture of the arena, painted with 3 x 3 samples per pixel.
 class Scene {
  public:
   Scene() {
@@ -153,7 +153,7 @@ class Replay : public testing::Test {
         },
         stop, summary, error);
   }
-  // Refused, and nothing was left behind.
+  // Checks that the input is refused and no file remains.
   void expect_refused(const std::string& complaint) {
     EXPECT_FALSE(run());
     EXPECT_NE(error.find(complaint), std::string::npos) << error;
@@ -171,7 +171,7 @@ class Replay : public testing::Test {
   std::pair<std::uint64_t, std::uint64_t> progress;
 };
 
-TEST_F(Replay, SeesWhatWasPainted) {
+TEST_F(Replay, RecognizesThePaintedScene) {
   const Scene scene;
   std::vector<evaluate::FrameRecord> truth;
   for (int i = 0; i < 3; ++i) {
@@ -203,10 +203,12 @@ TEST_F(Replay, SeesWhatWasPainted) {
   EXPECT_EQ(summary.frames_with_ball, 3u);
   EXPECT_EQ(progress, (std::pair<std::uint64_t, std::uint64_t>{3, 3}));
 
-  std::vector<evaluate::FrameRecord> result;
-  ASSERT_TRUE(evaluate::read_result(options.out, {}, result, error)) << error;
-  evaluate::PoseReport report;
-  ASSERT_TRUE(evaluate::evaluate_poses(truth, result, 0.01, report, error)) << error;
+  const auto records = evaluate::read_result(options.out, {});
+  ASSERT_TRUE(records.ok()) << records.text();
+  const std::vector<evaluate::FrameRecord>& result = records.value();
+  const auto evaluated = evaluate::evaluate_poses(truth, result, 0.01);
+  ASSERT_TRUE(evaluated.ok()) << evaluated.text();
+  const evaluate::PoseReport& report = evaluated.value();
   EXPECT_EQ(report.sightings.right, 6u);
   EXPECT_EQ(report.sightings.ghosts, 0u);
   EXPECT_EQ(report.sightings.balls_seen, 3u);
@@ -215,7 +217,7 @@ TEST_F(Replay, SeesWhatWasPainted) {
   EXPECT_NEAR(result[2].t_s, 2.0 / 30.0, 1e-6);
 }
 
-TEST_F(Replay, AnnotatesIntoAFolderAndIntoAVideo) {
+TEST_F(Replay, AnnotatesIntoFolderAndVideo) {
   write_flat("a.png");
   write_flat("b.png");
   options.annotate = folder / "seen/pictures";
@@ -233,7 +235,7 @@ TEST_F(Replay, AnnotatesIntoAFolderAndIntoAVideo) {
   EXPECT_EQ(camera.info().width_px, 640);
 }
 
-TEST_F(Replay, NothingIsWrittenOverAnInput) {
+TEST_F(Replay, NeverOverwritesAnInput) {
   write_flat("a.png");
   options.out = options.venue;
   EXPECT_FALSE(run());
@@ -249,7 +251,7 @@ TEST_F(Replay, NothingIsWrittenOverAnInput) {
   EXPECT_FALSE(run());
   EXPECT_EQ(media::read_bytes(options.venue).size(), std::string(kVenue).size());
   options.annotate.clear();
-  options.out = folder / "in/result.jsonl";  // no picture: harmless
+  options.out = folder / "in/result.jsonl";  // not a picture, so it is allowed
   EXPECT_TRUE(run()) << error;
 }
 
@@ -294,7 +296,7 @@ TEST_F(Replay, ALinkStaysALinkAndFilesBesideItStay) {
   }
 }
 
-TEST_F(Replay, InputsThatCannotBeUsed) {
+TEST_F(Replay, RefusesUnusableInputs) {
   expect_refused("no picture");
   write_flat("a.png");
   write_flat("b.png", 320, 200);
@@ -306,12 +308,12 @@ TEST_F(Replay, InputsThatCannotBeUsed) {
   expect_refused("ball.radius_m");
 }
 
-TEST_F(Replay, PicturesOfAnotherSizeThanTheCalibration) {
+TEST_F(Replay, RefusesPicturesOfAnotherSizeThanTheCalibration) {
   write_flat("a.png", 160, 120);
   expect_refused("160 x 120");
 }
 
-TEST_F(Replay, ADamagedPictureEndsItUnlessItMayBeSkipped) {
+TEST_F(Replay, ADamagedPictureEndsTheReplayUnlessSkipped) {
   write_flat("a.png");
   write_flat("c.png");
   const std::vector<std::uint8_t> whole = media::read_bytes(folder / "in/a.png");
@@ -323,7 +325,7 @@ TEST_F(Replay, ADamagedPictureEndsItUnlessItMayBeSkipped) {
   EXPECT_EQ(summary.damaged, 1u);
 }
 
-TEST_F(Replay, StoppingLeavesNothing) {
+TEST_F(Replay, StoppingLeavesNoFiles) {
   write_flat("a.png");
   stop = true;
   expect_refused("stopped");

@@ -21,7 +21,7 @@ PipelineParameters parameters_for(PixelFormat format, std::uint16_t width, std::
   parameters.scan.format = format;
   parameters.scan.width_px = width;
   parameters.scan.height_px = height;
-  // Five colors and a background that falls into the first box unless another is looked for.
+  // Five colors; the first box contains the default background color, so another one must be found.
   for (std::uint8_t i = 0; i < 5; ++i) {
     const auto low = static_cast<std::uint8_t>(40 * i);
     parameters.scan.boxes.push_back(
@@ -30,11 +30,11 @@ PipelineParameters parameters_for(PixelFormat format, std::uint16_t width, std::
   return parameters;
 }
 
-class WorstFramesOf : public testing::TestWithParam<PixelFormat> {};
+class StressPatterns : public testing::TestWithParam<PixelFormat> {};
 
-// Each pattern must be what it claims, or the latency report would flatter.
-TEST_P(WorstFramesOf, PatternsCostWhatTheyClaim) {
-  constexpr std::uint16_t kWidth = 48, kHeight = 48;  // all of it fits into the budget of runs
+// Each pattern must cause the work that it claims; otherwise the latency report is too optimistic.
+TEST_P(StressPatterns, PatternsCauseTheWorkThatTheyClaim) {
+  constexpr std::uint16_t kWidth = 48, kHeight = 48;  // all runs fit into the budget
   const PipelineParameters parameters = parameters_for(GetParam(), kWidth, kHeight);
   const StandingClock clock;
   StressPatternCamera camera(parameters, clock);
@@ -43,7 +43,7 @@ TEST_P(WorstFramesOf, PatternsCostWhatTheyClaim) {
   ASSERT_TRUE(scanner->configure(parameters.scan).ok());
   const auto runs = std::make_unique<Runs>();
   const auto regions = std::make_unique<Regions>();
-  // In YUV two pixels share their colors, in NV12 2 x 2.
+  // In YUV two pixels share their chroma, in NV12 2 x 2.
   const std::size_t column = color_space(GetParam()) == ColorSpace::kRgb ? 1 : 2;
   const std::size_t row = GetParam() == PixelFormat::kNv12 ? 2 : 1;
   for (std::uint32_t pattern = 0; pattern < StressPatternCamera::kPatterns; ++pattern) {
@@ -82,7 +82,7 @@ TEST_P(WorstFramesOf, PatternsCostWhatTheyClaim) {
         EXPECT_GT(runs->size(), std::size_t{kWidth} * kHeight / (5 * column));
         std::uint32_t largest = 0;
         for (const Region& region : *regions) largest = std::max(largest, region.area_px);
-        EXPECT_GT(largest, std::uint32_t{kWidth} * kHeight / 6) << "one of the clusters spans the picture";
+        EXPECT_GT(largest, std::uint32_t{kWidth} * kHeight / 6) << "one cluster spans the picture";
         break;
       }
       default:
@@ -90,11 +90,11 @@ TEST_P(WorstFramesOf, PatternsCostWhatTheyClaim) {
     }
   }
 }
-INSTANTIATE_TEST_SUITE_P(Formats, WorstFramesOf,
+INSTANTIATE_TEST_SUITE_P(Formats, StressPatterns,
                          testing::Values(PixelFormat::kRgb24, PixelFormat::kBgr24, PixelFormat::kYuyv,
                                          PixelFormat::kUyvy, PixelFormat::kNv12));
 
-TEST(StressPatternCamera, NeedColors) {
+TEST(StressPatternCamera, NeedsColors) {
   PipelineParameters parameters = parameters_for(PixelFormat::kRgb24, 16, 16);
   parameters.scan.boxes.clear();
   const StandingClock clock;

@@ -12,7 +12,7 @@ namespace {
 
 const report::TraceNames kNames{{"background", "orange", "blue", "red"}, {"blue", "yellow"}};
 
-// A trace is large: not for the stack.
+// A trace is too large for the stack.
 std::unique_ptr<StepTrace> trace_of_two_robots() {
   auto trace = std::make_unique<StepTrace>();
   trace->frame.capture_time = Instant(from_seconds(1.25));
@@ -38,7 +38,7 @@ std::unique_ptr<StepTrace> trace_of_two_robots() {
   return trace;
 }
 
-TEST(TraceJson, IsTheDocumentedLine) {
+TEST(TraceJson, HasTheDocumentedFormat) {
   const auto trace = trace_of_two_robots();
   EXPECT_EQ(
       report::trace_line(*trace, kNames, 7, "000007.png"),
@@ -62,12 +62,12 @@ TEST(TraceJson, BallTrackAndOverload) {
             R"("tracks":{"ball":{"x":0.1,"y":0.2,"vx":-1.5,"vy":0.0},"robots":[]},"overload":true})");
 }
 
-TEST(TraceJson, IsReadByTheEvaluation) {
+TEST(TraceJson, IsReadableByTheEvaluation) {
   const std::string path = testing::TempDir() + "touchline_trace.jsonl";
   std::ofstream(path) << report::trace_line(*trace_of_two_robots(), kNames, 7, "000007.png") << '\n';
-  std::vector<evaluate::FrameRecord> records;
-  std::string error;
-  ASSERT_TRUE(evaluate::read_result(path, {}, records, error)) << error;
+  const auto read = evaluate::read_result(path, {});
+  ASSERT_TRUE(read.ok()) << read.text();
+  const std::vector<evaluate::FrameRecord>& records = read.value();
   ASSERT_EQ(records.size(), 1u);
   EXPECT_EQ(records[0].frame, 7);
   ASSERT_EQ(records[0].sightings.robots.size(), 2u);
@@ -76,7 +76,7 @@ TEST(TraceJson, IsReadByTheEvaluation) {
   EXPECT_EQ(records[0].tracks.robots.at(0).theta_rad, -2.0);
 }
 
-TEST(TraceJson, NamesThatAreNoUtf8DoNotStopIt) {
+TEST(TraceJson, AcceptsNamesThatAreNotUtf8) {
   const auto trace = std::make_unique<StepTrace>();
   const std::string line = report::trace_line(*trace, kNames, 0, "\xff\"quoted\".png");
   EXPECT_NE(line.find("\xef\xbf\xbd\\\"quoted\\\".png"), std::string::npos) << line;

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 
 #include "core/geometry/angle.h"
 #include "core/marker/rigid_fit.h"
@@ -80,8 +80,8 @@ double deviation_of_angles(const std::vector<double>& angles) {
   return std::sqrt(squares / (n - 1.0));
 }
 
-bool bound_of(const StaticPictures& pictures, const StaticRobot& robot, const BoundInputs& setting, PoseBound& out) {
-  const MarkerLayout& layout = setting.layouts[robot.team];
+bool bound_of(const StaticPictures& pictures, const StaticRobot& robot, const BoundInputs& inputs, PoseBound& out) {
+  const MarkerLayout& layout = inputs.layouts[robot.team];
   const std::size_t patches = robot.center_px.size();
   const double n = static_cast<double>(robot.position_m.size());
   std::vector<Vector2> centers;
@@ -89,7 +89,7 @@ bool bound_of(const StaticPictures& pictures, const StaticRobot& robot, const Bo
   for (std::size_t k = 0; k < patches; ++k) {
     centers.push_back({robot.center_px[k].x / n, robot.center_px[k].y / n});
     points.push_back({{layout.patches[k].x_m, layout.patches[k].y_m},
-                      setting.camera.to_field(as_pixel(centers[k]), layout.height_m)});
+                      inputs.camera.to_field(as_pixel(centers[k]), layout.height_m)});
   }
   Eigen::Matrix3d pose = Eigen::Matrix3d::Zero();
   double squares_px = 0.0;
@@ -106,7 +106,7 @@ bool bound_of(const StaticPictures& pictures, const StaticRobot& robot, const Bo
     if (!(fisher.determinant() > 0.0 && i.uu > 0.0)) return false;
     const Eigen::Matrix2d pixel = fisher.inverse();
     squares_px += pixel.trace();
-    const Eigen::Matrix2d field_by_px = field_by_pixel(setting.camera, as_pixel(centers[k]), layout.height_m);
+    const Eigen::Matrix2d field_by_px = field_by_pixel(inputs.camera, as_pixel(centers[k]), layout.height_m);
     Eigen::Matrix<double, 3, 2> pose_by_field;
     pose_by_field << pose_by(points, k, false), pose_by(points, k, true);
     pose += pose_by_field * field_by_px * pixel * field_by_px.transpose() * pose_by_field.transpose();
@@ -119,40 +119,39 @@ bool bound_of(const StaticPictures& pictures, const StaticRobot& robot, const Bo
   return true;
 }
 
-bool read_pictures(const std::vector<FrameRecord>& results, const std::string& folder,
-                   std::unique_ptr<StaticPictures>& pictures, std::string& error) {
+Result<StaticPictures> read_pictures(const std::vector<FrameRecord>& results, const std::string& folder) {
+  std::optional<StaticPictures> pictures;
   std::size_t width = 0, height = 0;
   for (const FrameRecord& record : results) {
     const std::string path = folder + "/" + record.file;
     hal::Picture picture;
-    if (!hal::read_picture(path, picture, error).ok()) return false;
-    if (picture.deep()) {
-      error = path + ": has more than 8 bits a channel";
-      return false;
+    std::string error;
+    if (const Status status = hal::read_picture(path, picture, error); !status.ok()) {
+      return failure(status.code(), "%s", error.c_str());
     }
-    if (pictures == nullptr) {
+    if (picture.deep()) return failure(ErrorCode::kInconsistent, "%s: has more than 8 bits per channel", path.c_str());
+    if (!pictures) {
       width = picture.width_px;
       height = picture.height_px;
-      pictures = std::make_unique<StaticPictures>(width, height);
+      pictures.emplace(width, height);
     } else if (picture.width_px != width || picture.height_px != height) {
-      error =
-          path + ": differs in size from the first picture, " + std::to_string(width) + " x " + std::to_string(height);
-      return false;
+      return failure(ErrorCode::kInconsistent, "%s: differs in size from the first picture, %zu x %zu", path.c_str(),
+                     width, height);
     }
     pictures->add(picture.rgb8);
   }
   pictures->estimate_noise();
-  return true;
+  return *std::move(pictures);
 }
 
-std::map<std::string, StaticRobot> static_robots(const std::vector<FrameRecord>& results, const BoundInputs& setting) {
+std::map<std::string, StaticRobot> static_robots(const std::vector<FrameRecord>& results, const BoundInputs& inputs) {
   std::map<std::string, StaticRobot> robots;
   for (const FrameRecord& record : results) {
     for (const RobotRecord& robot : record.sightings.robots) {
-      const auto team = std::find(setting.teams.begin(), setting.teams.end(), robot.team);
-      if (team == setting.teams.end() || !robot.id.has_value() || !robot.theta_rad.has_value()) continue;
-      const auto index = static_cast<std::size_t>(team - setting.teams.begin());
-      const std::size_t patches = setting.layouts[index].patches.size();
+      const auto team = std::find(inputs.teams.begin(), inputs.teams.end(), robot.team);
+      if (team == inputs.teams.end() || !robot.id.has_value() || !robot.theta_rad.has_value()) continue;
+      const auto index = static_cast<std::size_t>(team - inputs.teams.begin());
+      const std::size_t patches = inputs.layouts[index].patches.size();
       if (patches < 2 || robot.patches.size() != patches) continue;
       StaticRobot& static_robot = robots[robot.team + " " + std::to_string(*robot.id)];
       static_robot.team = index;
@@ -223,22 +222,24 @@ StaticPictures::FisherInformation StaticPictures::fisher_information(Vector2 cen
   return sum;
 }
 
-bool cramer_rao_bounds(const std::vector<FrameRecord>& results, const std::string& folder, const BoundInputs& setting,
-                       std::vector<PoseBound>& out, std::string& error) {
-  out.clear();
+Result<std::vector<PoseBound>> cramer_rao_bounds(const std::vector<FrameRecord>& results, const std::string& folder,
+                                                 const BoundInputs& inputs) {
   if (results.size() < kLeastPictures) {
-    error = folder + ": the noise cannot be estimated from fewer than " + std::to_string(kLeastPictures) + " pictures";
-    return false;
+    return failure(ErrorCode::kOutOfRange, "%s: the noise cannot be estimated from fewer than %zu pictures",
+                   folder.c_str(), kLeastPictures);
   }
-  std::unique_ptr<StaticPictures> pictures;
-  if (!read_pictures(results, folder, pictures, error)) return false;
-  for (const auto& [name, robot] : static_robots(results, setting)) {
+  TOUCHLINE_TRY_ASSIGN(const StaticPictures pictures, read_pictures(results, folder));
+  std::vector<PoseBound> bounds;
+  for (const auto& [name, robot] : static_robots(results, inputs)) {
     PoseBound bound;
     bound.name = name;
-    if (bound_of(*pictures, robot, setting, bound)) out.push_back(bound);
+    if (bound_of(pictures, robot, inputs, bound)) bounds.push_back(bound);
   }
-  if (out.empty()) error = folder + ": no robot has its id, heading and all its patches in every picture";
-  return !out.empty();
+  if (bounds.empty()) {
+    return failure(ErrorCode::kNotFound, "%s: no robot has its id, heading and all its patches in every picture",
+                   folder.c_str());
+  }
+  return bounds;
 }
 
 void print(const std::vector<PoseBound>& bounds, std::ostream& out) {

@@ -66,10 +66,10 @@ struct BoundInputs {
 };
 
 /// Reads the pictures of the results from `folder` and computes the bound of each robot that has an id, a heading and
-/// all of its patches in every result. Returns false, with the reason in `error`, if there are fewer than three results
-/// or no such robot, or if a picture cannot be read or has another size.
-bool cramer_rao_bounds(const std::vector<FrameRecord>& results, const std::string& folder, const BoundInputs& setting,
-                       std::vector<PoseBound>& out, std::string& error);
+/// all of its patches in every result. kOutOfRange: fewer than three results. kNotFound: no such robot. kInconsistent:
+/// a picture has another size or more than 8 bits. Other codes: a picture cannot be read.
+Result<std::vector<PoseBound>> cramer_rao_bounds(const std::vector<FrameRecord>& results, const std::string& folder,
+                                                 const BoundInputs& inputs);
 
 /// Prints a table in pixels, millimeters and degrees, with the ratio of measured value to bound.
 void print(const std::vector<PoseBound>& bounds, std::ostream& out);

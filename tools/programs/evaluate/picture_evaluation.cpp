@@ -38,9 +38,9 @@ void compare_identification(const AnnotatedPicture::Robot& truth, const RobotRec
 
 }  // namespace
 
-bool evaluate_picture(const AnnotatedPicture& truth, const std::vector<FrameRecord>& results,
-                      const PictureTolerance& tolerance, PictureReport& out, std::string& error) {
-  out = {};
+Result<PictureReport> evaluate_picture(const AnnotatedPicture& truth, const std::vector<FrameRecord>& results,
+                                       const PictureTolerance& tolerance) {
+  PictureReport out;
   out.name = truth.name;
   // The number of a picture depends on the replayed folder. Only the frame number of a video must match.
   const auto of_file =
@@ -49,9 +49,9 @@ bool evaluate_picture(const AnnotatedPicture& truth, const std::vector<FrameReco
     return r.file == truth.file && (of_file == 1 || r.frame == truth.frame);
   });
   if (frame == results.end()) {
-    error =
-        truth.name + ": no result for " + truth.file + (truth.frame > 0 ? " frame " + std::to_string(truth.frame) : "");
-    return false;
+    const std::string number = truth.frame > 0 ? " frame " + std::to_string(truth.frame) : "";
+    return failure(ErrorCode::kNotFound, "%s: no result for %s%s", truth.name.c_str(), truth.file.c_str(),
+                   number.c_str());
   }
   const SceneRecord& seen = frame->sightings;
 
@@ -103,7 +103,7 @@ bool evaluate_picture(const AnnotatedPicture& truth, const std::vector<FrameReco
   out.team_px = statistics::summarize(std::move(team_errors));
   out.identification_px = statistics::summarize(std::move(identification_errors));
   out.ball_px = statistics::summarize(std::move(ball_errors));
-  return true;
+  return out;
 }
 
 }  // namespace touchline::evaluate

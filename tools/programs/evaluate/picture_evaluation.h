@@ -27,9 +27,8 @@ struct PictureReport {
   statistics::ErrorSummary team_px, identification_px, ball_px;
 };
 
-/// Compares the picture with the result of the same file and frame. Returns false, with the reason in `error`, if there
-/// is no such result.
-bool evaluate_picture(const AnnotatedPicture& truth, const std::vector<FrameRecord>& results,
-                      const PictureTolerance& tolerance, PictureReport& out, std::string& error);
+/// Compares the picture with the result of the same file and frame. kNotFound: there is no such result.
+Result<PictureReport> evaluate_picture(const AnnotatedPicture& truth, const std::vector<FrameRecord>& results,
+                                       const PictureTolerance& tolerance);
 
 }  // namespace touchline::evaluate

@@ -111,16 +111,16 @@ PoseSpread spread_about_mean(const std::string& name, const Observations& seen) 
 
 }  // namespace
 
-bool evaluate_poses(const std::vector<FrameRecord>& truth, const std::vector<FrameRecord>& result, double seen_within_m,
-                    PoseReport& out, std::string& error) {
-  out = {};
+Result<PoseReport> evaluate_poses(const std::vector<FrameRecord>& truth, const std::vector<FrameRecord>& result,
+                                  double seen_within_m) {
+  PoseReport out;
   const bool by_name = names_are_unique(truth) && names_are_unique(result);
   const auto key = [by_name](const FrameRecord& r) { return by_name ? r.file : std::to_string(r.frame); };
   std::map<std::string, const FrameRecord*> results;
   for (const FrameRecord& record : result) {
     if (!results.emplace(key(record), &record).second) {
-      error = "frame " + std::to_string(record.frame) + " occurs twice in the result";
-      return false;
+      return failure(ErrorCode::kInconsistent, "frame %lld occurs twice in the result",
+                     static_cast<long long>(record.frame));
     }
   }
   Errors sighting_errors, track_errors;
@@ -128,8 +128,7 @@ bool evaluate_poses(const std::vector<FrameRecord>& truth, const std::vector<Fra
   std::set<std::string> used;
   for (const FrameRecord& record : truth) {
     if (!used.insert(key(record)).second) {
-      error = "frame " + key(record) + " occurs twice in the truth";
-      return false;
+      return failure(ErrorCode::kInconsistent, "frame %s occurs twice in the truth", key(record).c_str());
     }
     const auto found = results.find(key(record));
     ++out.frames;
@@ -141,9 +140,8 @@ bool evaluate_poses(const std::vector<FrameRecord>& truth, const std::vector<Fra
   }
   const std::size_t paired = out.frames - out.frames_without_result;
   if (paired == 0) {
-    error = std::string("no frame of the truth is in the result (compared by ") +
-            (by_name ? "file name" : "frame number") + ")";
-    return false;
+    return failure(ErrorCode::kInconsistent, "no frame of the truth is in the result (compared by %s)",
+                   by_name ? "file name" : "frame number");
   }
   out.results_without_truth = result.size() - paired;
   finish(out.sightings, sighting_errors);
@@ -155,7 +153,7 @@ bool evaluate_poses(const std::vector<FrameRecord>& truth, const std::vector<Fra
     }
     out.spread = pose_spreads(paired_results);
   }
-  return true;
+  return out;
 }
 
 std::vector<PoseSpread> pose_spreads(const std::vector<FrameRecord>& result) {

@@ -41,10 +41,10 @@ struct PoseReport {
 };
 
 /// Compares results with the truth. Frames are paired by file name if all names are unique, otherwise by frame number.
-/// Robots are paired greedily by distance up to `seen_within_m`. Returns false, with the reason in `error`, if no
-/// frames match or a frame occurs twice.
-bool evaluate_poses(const std::vector<FrameRecord>& truth, const std::vector<FrameRecord>& result, double seen_within_m,
-                    PoseReport& out, std::string& error);
+/// Robots are paired greedily by distance up to `seen_within_m`. kInconsistent: no frames match, or a frame occurs
+/// twice.
+Result<PoseReport> evaluate_poses(const std::vector<FrameRecord>& truth, const std::vector<FrameRecord>& result,
+                                  double seen_within_m);
 
 /// Spread of each id and of the ball in a recording of stationary robots, sorted by team and id. Needs no truth.
 std::vector<PoseSpread> pose_spreads(const std::vector<FrameRecord>& result);

@@ -88,20 +88,18 @@ const std::string& renamed(const NameMap& names, const std::string& name) {
   return found == names.end() ? name : found->second;
 }
 
-bool open_file(const std::string& path, std::ifstream& file, std::string& error) {
+Result<std::ifstream> open_file(const std::string& path) {
   errno = 0;
   std::error_code ignored;
-  file.open(path);
-  if (file && !std::filesystem::is_directory(path, ignored)) return true;
-  error = path + ": " + std::strerror(errno != 0 ? errno : EISDIR);
-  return false;
+  std::ifstream file(path);
+  if (file && !std::filesystem::is_directory(path, ignored)) return file;
+  return failure(ErrorCode::kIo, "%s: %s", path.c_str(), std::strerror(errno != 0 ? errno : EISDIR));
 }
 
-bool read_lines(const std::string& path, const std::function<FrameRecord(const JsonReader&)>& read,
-                std::vector<FrameRecord>& out, std::string& error) {
-  std::ifstream file;
-  if (!open_file(path, file, error)) return false;
-  out.clear();
+Result<std::vector<FrameRecord>> read_lines(const std::string& path,
+                                            const std::function<FrameRecord(const JsonReader&)>& read) {
+  TOUCHLINE_TRY_ASSIGN(std::ifstream file, open_file(path));
+  std::vector<FrameRecord> records;
   std::string line;
   for (std::size_t number = 1; std::getline(file, line); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
@@ -111,19 +109,14 @@ bool read_lines(const std::string& path, const std::function<FrameRecord(const J
       problem = "is not JSON";
     } else {
       FrameRecord record = read(JsonReader(value, "", problem));
-      out.push_back(std::move(record));
+      records.push_back(std::move(record));
     }
     if (!problem.empty()) {
-      error = path + ":";
-      error.append(std::to_string(number)).append(": ").append(problem);
-      return false;
+      return failure(ErrorCode::kInconsistent, "%s:%zu: %s", path.c_str(), number, problem.c_str());
     }
   }
-  if (out.empty()) {
-    error = path + ": contains no frames";
-    return false;
-  }
-  return true;
+  if (records.empty()) return failure(ErrorCode::kInconsistent, "%s: contains no frames", path.c_str());
+  return records;
 }
 
 std::optional<BallRecord> ball_of(const JsonReader& node, bool with_pixels) {
@@ -157,7 +150,7 @@ SceneRecord scene_of(const JsonReader& node, bool is_result, bool with_pixels, c
 
 }  // namespace
 
-bool read_truth(const std::string& path, std::vector<FrameRecord>& out, std::string& error) {
+Result<std::vector<FrameRecord>> read_truth(const std::string& path) {
   const auto read = [](const JsonReader& line) {
     FrameRecord record;
     // Pictures are identified by their file, frames of a video by their number.
@@ -167,10 +160,10 @@ bool read_truth(const std::string& path, std::vector<FrameRecord>& out, std::str
     record.sightings = record.tracks = scene_of(line, false, false, {});
     return record;
   };
-  return read_lines(path, read, out, error);
+  return read_lines(path, read);
 }
 
-bool read_result(const std::string& path, const NameMap& names, std::vector<FrameRecord>& out, std::string& error) {
+Result<std::vector<FrameRecord>> read_result(const std::string& path, const NameMap& names) {
   const auto read = [&names](const JsonReader& line) {
     FrameRecord record;
     record.file = line.text("file");
@@ -180,20 +173,16 @@ bool read_result(const std::string& path, const NameMap& names, std::vector<Fram
     record.tracks = scene_of(line.at("tracks"), true, false, names);
     return record;
   };
-  return read_lines(path, read, out, error);
+  return read_lines(path, read);
 }
 
-bool read_annotated(const std::string& path, AnnotatedPicture& out, std::string& error) {
-  std::ifstream file;
-  if (!open_file(path, file, error)) return false;
+Result<AnnotatedPicture> read_annotated(const std::string& path) {
+  TOUCHLINE_TRY_ASSIGN(std::ifstream file, open_file(path));
   const json value = json::parse(file, nullptr, false);
-  if (value.is_discarded()) {
-    error = path + ": is not JSON";
-    return false;
-  }
+  if (value.is_discarded()) return failure(ErrorCode::kInconsistent, "%s: is not JSON", path.c_str());
   std::string problem;
   const JsonReader root(value, "", problem);
-  out = {};
+  AnnotatedPicture out;
   out.name = std::filesystem::path(path).stem().string();
   // "../folder/picture.png" or "../video.mp4 frame 270"
   std::string image = root.text("image");
@@ -226,9 +215,8 @@ bool read_annotated(const std::string& path, AnnotatedPicture& out, std::string&
       object.complain("type \"" + type + "\" is neither ball nor robot");
     }
   }
-  if (problem.empty()) return true;
-  error = path + ": " + problem;
-  return false;
+  if (!problem.empty()) return failure(ErrorCode::kInconsistent, "%s: %s", path.c_str(), problem.c_str());
+  return out;
 }
 
 }  // namespace touchline::evaluate

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "hal/result.h"
+
 #include "core/geometry/vector2.h"
 
 // Readers for truth files, annotated pictures and results of touchline-replay. Every key is checked.
@@ -61,9 +63,10 @@ struct AnnotatedPicture {
 /// Maps names of colors and teams in results to those in the truth.
 using NameMap = std::map<std::string, std::string>;
 
-/// Each returns false with "file:line: reason" in `error` when anything is missing or of the wrong kind.
-bool read_truth(const std::string& path, std::vector<FrameRecord>& out, std::string& error);
-bool read_result(const std::string& path, const NameMap& names, std::vector<FrameRecord>& out, std::string& error);
-bool read_annotated(const std::string& path, AnnotatedPicture& out, std::string& error);
+/// Read a whole file. kIo: it cannot be opened. kInconsistent: a value is missing or has the wrong type; the message is
+/// "file:line: problem".
+Result<std::vector<FrameRecord>> read_truth(const std::string& path);
+Result<std::vector<FrameRecord>> read_result(const std::string& path, const NameMap& names);
+Result<AnnotatedPicture> read_annotated(const std::string& path);
 
 }  // namespace touchline::evaluate

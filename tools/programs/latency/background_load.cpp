@@ -39,13 +39,12 @@ std::string BackgroundLoad::description() {
   return text;
 }
 
-bool BackgroundLoad::start(std::string& error, const std::string& program) {
+Result<void> BackgroundLoad::start(const std::string& program) {
   // Everything that allocates is done before fork().
   std::error_code missing;
   const std::string folder = std::filesystem::temp_directory_path(missing).string();
   if (missing) {
-    error = "--load: the folder for temporary files (TMPDIR): " + missing.message();
-    return false;
+    return failure(ErrorCode::kIo, "--load: the folder for temporary files (TMPDIR): %s", missing.message().c_str());
   }
   std::array<char*, kArguments.size() + 4> arguments{};
   std::size_t count = 0;
@@ -56,8 +55,7 @@ bool BackgroundLoad::start(std::string& error, const std::string& program) {
   append(folder.c_str());
   std::array<int, 2> pipe{};
   if (pipe2(pipe.data(), O_CLOEXEC) != 0) {
-    error = std::string("--load: ") + std::strerror(errno);
-    return false;
+    return failure(ErrorCode::kIo, "--load: %s", std::strerror(errno));
   }
   const pid_t parent = getpid();
   process_ = fork();
@@ -76,18 +74,19 @@ bool BackgroundLoad::start(std::string& error, const std::string& program) {
   // A successful exec closes the pipe, and nothing is read.
   if (process_ > 0) static_cast<void>(!read(pipe[0], &reason, sizeof reason));
   close(pipe[0]);
-  if (reason == ENOENT) {
-    error = "--load needs " + program + ", which is not installed: sudo apt install stress-ng";
-  } else if (reason != 0) {
-    error = "--load cannot start " + program + ": " + std::strerror(reason);
-  } else if (has_ended(process_, 1s)) {
-    error = "--load: " + program + " ended immediately; run it separately: " + description();
-    process_ = -1;
-  } else {
-    return true;
-  }
+  const bool ended = reason == 0 && has_ended(process_, 1s);
+  if (reason == 0 && !ended) return {};
+  if (ended) process_ = -1;
   static_cast<void>(stop());
-  return false;
+  if (ended) {
+    return failure(ErrorCode::kIo, "--load: %s ended immediately; run it separately: %s", program.c_str(),
+                   description().c_str());
+  }
+  if (reason == ENOENT) {
+    return failure(ErrorCode::kNotFound, "--load needs %s, which is not installed: sudo apt install stress-ng",
+                   program.c_str());
+  }
+  return failure(ErrorCode::kIo, "--load cannot start %s: %s", program.c_str(), std::strerror(reason));
 }
 
 bool BackgroundLoad::stop() {

@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "hal/result.h"
+
 namespace touchline::latency {
 
 /// Runs stress-ng during the measurement with ordinary priority: arithmetic on each processor, one process that
@@ -18,8 +20,9 @@ class BackgroundLoad {
   BackgroundLoad(const BackgroundLoad&) = delete;
   BackgroundLoad& operator=(const BackgroundLoad&) = delete;
 
-  /// Starts the load; blocks for one second until it runs. `program`: replaced by tests.
-  bool start(std::string& error, const std::string& program = "stress-ng");
+  /// Starts the load; blocks for one second until it runs. kNotFound: the program is not installed; kIo: it cannot be
+  /// started or ended immediately. `program`: replaced by tests.
+  Result<void> start(const std::string& program = "stress-ng");
   /// Stops the load. Returns false if it had ended before.
   bool stop();
   /// The command line of the load.

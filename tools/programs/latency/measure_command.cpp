@@ -7,15 +7,13 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
-#include <optional>
-#include <sstream>
 
 #include "firmware/null_devices.h"
 #include "firmware/realtime.h"
 #include "firmware/signals.h"
+#include "hal/linux/files/input_file.h"
 #include "hal/linux/files/output_file.h"
 #include "hal/linux/monotonic_clock.h"
 #include "tools/programs/command_line/command_line.h"
@@ -40,22 +38,16 @@ int refuse(const config::Problems& problems) {
 }
 
 // Checks the path without creating or changing the file, because a failed measurement must not leave empty files.
-bool can_be_written(const std::string& path, std::string& error) {
-  if (path.empty() || path == "-") return true;
+Result<void> check_writable(const std::string& path) {
+  if (path.empty() || path == "-") return {};
   const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
   std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    error = path + ": is a folder";
-  } else if (const bool there = ::access(path.c_str(), F_OK) == 0;
-             ::access(there ? path.c_str() : folder.c_str(), there ? W_OK : W_OK | X_OK) != 0) {
-    error = path + ": cannot be written: " + std::strerror(errno);
+  if (std::filesystem::is_directory(path, ignored)) return failure(ErrorCode::kIo, "%s: is a folder", path.c_str());
+  const bool exists = ::access(path.c_str(), F_OK) == 0;
+  if (::access(exists ? path.c_str() : folder.c_str(), exists ? W_OK : W_OK | X_OK) != 0) {
+    return failure(ErrorCode::kPermission, "%s: cannot be written: %s", path.c_str(), std::strerror(errno));
   }
-  return error.empty();
-}
-
-bool can_be_written(const Outputs& outputs, std::string& error) {
-  return can_be_written(outputs.json, error) && can_be_written(outputs.histogram, error) &&
-         can_be_written(outputs.html, error);
+  return {};
 }
 
 bool write_file(const std::string& path, const std::string& bytes) {
@@ -90,10 +82,10 @@ class Run {
   }
 
   // Starts the load, which can fail, and locks the memory. Call it before the camera fills its first buffers.
-  bool prepare(std::string& error) {
-    if (options_.load && !load_.start(error)) return false;
+  Result<void> prepare() {
+    if (options_.load) TOUCHLINE_TRY(load_.start());
     report_refused(lock_memory(board_.realtime));
-    return true;
+    return {};
   }
 
   int measure(Loop& loop, const std::string& source, double rate_hz) {
@@ -179,8 +171,8 @@ int measure_board(const MeasureOptions& options) {
   const config::BoardFile& board = session.configuration().board;
   // The rate of a video is not known yet.
   Run run(options, board, board.camera.rate_hz > 0.0 ? board.camera.rate_hz : 240.0);
+  if (const Result<void> prepared = run.prepare(); !prepared.ok()) return fail(prepared.text());
   std::string reason;
-  if (!run.prepare(reason)) return fail(reason);
   session.limit(run.steps(), run.duration());
   if (!session.open(run.observer(), reason).ok()) return fail(reason, kExitDeviceFailure);
   const hal::CameraInfo& info = session.devices().loop_devices().camera.info();
@@ -209,38 +201,42 @@ int measure_worst_frames(const MeasureOptions& options) {
   const auto reports = std::make_unique<ReportRing>();
   const auto loop =
       std::make_unique<Loop>(LoopDevices{camera, radio, gpio, clock}, *pipeline, settings, *reports, run.observer());
+  if (const Result<void> prepared = run.prepare(); !prepared.ok()) return fail(prepared.text());
   std::string reason;
-  if (!run.prepare(reason)) return fail(reason);
   if (!loop->open(reason).ok()) return fail(reason);
   return run.measure(*loop, "worst frames, " + picture_text(camera.info()), board.camera.rate_hz);
 }
 
-bool read_report(const std::string& path, LatencyReport& report) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  std::string error = "cannot be read: " + std::string(std::strerror(errno));
-  if (file && from_json(text.str(), report, error) && report.frames > 0) return true;
-  fail(path + ": " + (error.empty() ? "contains no frames" : error));
-  return false;
+Result<LatencyReport> read_report(const std::string& path) {
+  std::string text, error;
+  if (const Status status = hal::read_file(path, hal::kMaxDataFileBytes, text, error); !status.ok()) {
+    return failure(status.code(), "%s", error.c_str());
+  }
+  Result<LatencyReport> report = from_json(text);
+  if (!report.ok()) return prefixed(path, std::move(report).error());
+  if (report.value().frames == 0) return failure(ErrorCode::kInconsistent, "%s: contains no frames", path.c_str());
+  return report;
 }
 
 }  // namespace
 
 int measure(const MeasureOptions& options) {
-  std::string error;
-  if (!can_be_written(options.outputs, error)) return fail(error);
+  const Outputs& outputs = options.outputs;
+  for (const std::string& path : {outputs.json, outputs.histogram, outputs.html}) {
+    if (const Result<void> writable = check_writable(path); !writable.ok()) return fail(writable.text());
+  }
   handle_stop_signals();  // before devices are opened
   return options.worst_frames ? measure_worst_frames(options) : measure_board(options);
 }
 
 int compare(const std::string& path_a, const std::string& path_b, const std::string& html) {
-  LatencyReport a, b;
-  std::string error;
-  if (!read_report(path_a, a) || !read_report(path_b, b)) return kExitBadFile;
-  if (!can_be_written(html, error)) return fail(error);
+  const Result<LatencyReport> a = read_report(path_a), b = read_report(path_b);
+  for (const Result<LatencyReport>* report : {&a, &b}) {
+    if (!report->ok()) return fail(report->text());
+  }
+  if (const Result<void> writable = check_writable(html); !writable.ok()) return fail(writable.text());
   const auto name = [](const std::string& path) { return std::filesystem::path(path).stem().string(); };
-  const std::array<NamedReport, 2> reports{NamedReport{name(path_a), a}, NamedReport{name(path_b), b}};
+  const std::array<NamedReport, 2> reports{NamedReport{name(path_a), a.value()}, NamedReport{name(path_b), b.value()}};
   const Document document = comparison_of(reports[0], reports[1]);
   (html == "-" ? std::cerr : std::cout) << to_text(document) << std::flush;
   return html.empty() || write_file(html, to_html(document, histogram_svg(reports))) ? kExitOk : kExitBadFile;

@@ -174,23 +174,21 @@ std::string to_json(const LatencyReport& report) {
   return json.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
-bool from_json(const std::string& text, LatencyReport& report, std::string& error) {
-  error.clear();
+Result<LatencyReport> from_json(const std::string& text) {
   const ordered_json json = ordered_json::parse(text, nullptr, false);
-  if (json.is_discarded()) {
-    error = "is not JSON";
-    return false;
-  }
-  report = {};
+  if (json.is_discarded()) return failure(ErrorCode::kInconsistent, "is not JSON");
+  std::string error;
   Reader reader(json, "", error);
   std::int64_t format = 0;
   reader("format", format);
   if (error.empty() && format != LatencyReport::kFormat) {
-    error = "format: " + std::to_string(format) + " is not supported; this program reads format " +
-            std::to_string(LatencyReport::kFormat);
+    return failure(ErrorCode::kInconsistent, "format: %lld is not supported; this program reads format %lld",
+                   static_cast<long long>(format), static_cast<long long>(LatencyReport::kFormat));
   }
+  LatencyReport report;
   describe_report(report, reader);
-  return error.empty();
+  if (!error.empty()) return failure(ErrorCode::kInconsistent, "%s", error.c_str());
+  return report;
 }
 
 }  // namespace touchline::latency

@@ -12,8 +12,8 @@
 
 namespace touchline::hal::mock {
 
-/// An arena in which nothing happens by chance, with one own robot, number 0, in the center of its half.
-inline ArenaParameters quiet_arena() {
+/// An arena without noise, errors or losses, with one own robot (id 0) in the center of its half.
+inline ArenaParameters noise_free_arena() {
   ArenaParameters parameters;
   parameters.physics.wheel_error = parameters.physics.wheel_slip = parameters.physics.floor_roughness_mps_rts = 0.0;
   parameters.radio.jitter_s = parameters.radio.loss = parameters.radio.corruption = 0.0;
@@ -24,7 +24,7 @@ inline ArenaParameters quiet_arena() {
   return parameters;
 }
 
-/// Twenty-two robots in two rows and a half, beside each other.
+/// 22 robots in two rows.
 inline ArenaParameters full_arena() {
   ArenaParameters parameters;
   parameters.robot.clear();
@@ -41,8 +41,7 @@ inline void run(World& world, double seconds) {
 
 inline Vector2 position(const Placement& placement) { return {placement.x_m, placement.y_m}; }
 
-/// Distance outside of the field that `parameters` describe, from first principles: the field with its corners cut off,
-/// and the two goals. 0 inside.
+/// Distance of a point from the field including its goals, computed independently of the simulation. 0 inside.
 inline double distance_outside(const FieldParameters& field, Vector2 p) {
   const double x = std::abs(p.x) - 0.5 * field.length_m, y = std::abs(p.y) - 0.5 * field.width_m;
   const double in_corner = (x + y + field.corner_m) / std::sqrt(2.0);

@@ -4,14 +4,14 @@
 #include <numbers>
 
 #include "hal/mock/renderer.h"
-#include "tests/mock/quiet_arena.h"
+#include "tests/mock/noise_free_arena.h"
 
 namespace touchline::hal::mock {
 
-/// Even light on a black field with black robots, so that only what is painted shows: one white square patch in the
-/// middle of the robot's top, and a green ball.
-inline ArenaParameters dark_scene() {
-  ArenaParameters parameters = quiet_arena();
+/// A black field with black robots in uniform light. Only a white square patch in the center of the robot's top and a
+/// green ball are visible.
+inline ArenaParameters black_field() {
+  ArenaParameters parameters = noise_free_arena();
   parameters.light.lamp.clear();
   parameters.camera.vignetting = 0.0;
   parameters.field.floor_rgb = parameters.field.line_rgb = parameters.field.outside_rgb = {0, 0, 0};
@@ -24,37 +24,38 @@ inline ArenaParameters dark_scene() {
   return parameters;
 }
 
-inline Snapshot still(const Placement& robot, const Placement& ball = {9.0, 9.0, 0.0}) {
+inline Snapshot stationary(const Placement& robot, const Placement& ball = {9.0, 9.0, 0.0}) {
   Snapshot all;
   all.robots.push_back(robot);
   all.ball = ball;
   return all;
 }
 
-/// Light of one channel in a picture, as weights of pixels. 1 is what a fully lit pixel of white sends.
-struct Blot {
+/// Moments of the intensity of one channel over the picture. An intensity of 1 is a fully lit white pixel.
+struct IntensityMoments {
   double sum = 0.0, u = 0.0, v = 0.0, variance_u = 0.0, variance_v = 0.0;
 };
 inline constexpr double kWhite = 0.9 * kLinearScale;
 
-inline Blot blot_of(std::span<const std::uint16_t> picture, std::size_t width, std::size_t channel) {
-  Blot blot;
+inline IntensityMoments intensity_moments(std::span<const std::uint16_t> picture, std::size_t width,
+                                          std::size_t channel) {
+  IntensityMoments moments;
   double uu = 0.0, vv = 0.0;
   for (std::size_t i = 0; i < picture.size() / 3; ++i) {
     const double weight = picture[3 * i + channel] / kWhite;
     const auto u = static_cast<double>(i % width), v = static_cast<double>(i / width);
-    blot.sum += weight;
-    blot.u += weight * u;
-    blot.v += weight * v;
+    moments.sum += weight;
+    moments.u += weight * u;
+    moments.v += weight * v;
     uu += weight * u * u;
     vv += weight * v * v;
   }
-  if (blot.sum <= 0.0) return blot;
-  blot.u /= blot.sum;
-  blot.v /= blot.sum;
-  blot.variance_u = uu / blot.sum - blot.u * blot.u;
-  blot.variance_v = vv / blot.sum - blot.v * blot.v;
-  return blot;
+  if (moments.sum <= 0.0) return moments;
+  moments.u /= moments.sum;
+  moments.v /= moments.sum;
+  moments.variance_u = uu / moments.sum - moments.u * moments.u;
+  moments.variance_v = vv / moments.sum - moments.v * moments.v;
+  return moments;
 }
 
 }  // namespace touchline::hal::mock

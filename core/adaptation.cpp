@@ -9,44 +9,44 @@
 namespace touchline {
 namespace {
 
-// A gap between frames counts as no more than this: nothing is learned faster because frames were lost.
-constexpr float kLongestStep_s = 0.1f;
-// The boxes must not take for paint what is light.
-constexpr float kBoxesSlower = 4.0f;
-// A sighting this near to where the robot is known to be is it.
-constexpr float kNear_m = 0.02f;
-// Within 3 x 3 pixels of a patch's middle; more is an edge, or something that lies on it.
-constexpr int kEven_levels = 48;
-// The sensor's last levels do not tell how bright it is.
+// Upper bound of the time between frames, so that lost frames do not speed up learning.
+constexpr float kMaxStep_s = 0.1f;
+// The boxes move more slowly than the light map, because they must not follow changes of the light.
+constexpr float kBoxSlowdown = 4.0f;
+// Largest distance of a certain sighting from its track.
+constexpr float kMaxDistance_m = 0.02f;
+// Largest range of values among 3 x 3 uniform pixels; a larger one is an edge, or an object on the patch.
+constexpr int kMaxRange_levels = 48;
+// Values from here upwards count as saturated.
 constexpr std::uint8_t kSaturated = 250;
-// From so many levels on a channel tells all it can about its light; below, noise and black level count more and more.
-constexpr float kTelling_levels = 100.0f;
+// Expected value at which a channel has full weight. Below it, noise and black level have a growing influence.
+constexpr float kFullWeight_levels = 100.0f;
 
-// A picture of 480 rows is through in eight frames.
+// A picture of 480 rows is updated in eight frames.
 constexpr int kTileRowsAFrame = 8;
 constexpr std::uint32_t kTables = 3 * kLightLevels;
 constexpr std::uint32_t kTablesAFrame = 2;
 
-// The light map's gain at a point.
+// Gain of the light map at a point.
 float map_gain_levels(const Shading& shading, std::size_t channel, const PixelPoint& at) {
   const auto column = static_cast<std::uint16_t>(at.u_px / static_cast<float>(kTileWidth));
   const auto row = static_cast<std::uint16_t>(at.v_px / static_cast<float>(kTileHeight));
   return static_cast<float>(int{shading.level(channel, column, row)} - int{kNeutralLevel});
 }
 
-// The robot was seen for some time and is where it ought to be.
+// True if the robot has been seen for some time and agrees with its track.
 bool is_certain(const RobotSighting& robot, const Tracks& tracks) {
   if (robot.id == kUnknownId || !robot.has_heading) return false;
   return std::any_of(tracks.robots.begin(), tracks.robots.end(), [&](const RobotTrack& track) {
     return track.team == robot.team && track.id == robot.id && track.state == TrackState::kSeen &&
            std::hypot(track.pose.position.x_m - robot.pose.position.x_m,
-                      track.pose.position.y_m - robot.pose.position.y_m) < kNear_m;
+                      track.pose.position.y_m - robot.pose.position.y_m) < kMaxDistance_m;
   });
 }
 
 bool is_certain(const BallSighting& ball, const BallTrack& track) {
   return ball.seen && track.state == TrackState::kSeen &&
-         std::hypot(track.position.x_m - ball.position.x_m, track.position.y_m - ball.position.y_m) < kNear_m;
+         std::hypot(track.position.x_m - ball.position.x_m, track.position.y_m - ball.position.y_m) < kMaxDistance_m;
 }
 
 bool same(const ColorBoxes& a, const ColorBoxes& b) {
@@ -90,7 +90,7 @@ void Adaptation::update(RegionScanner& scanner, StepTrace& trace) {
   last_ = now;
   trace.light = {};
   if (mode_ == AdaptationMode::kFollow && trace.status.ok() && elapsed_s > 0.0f) {
-    learn(scanner.shading(), trace, std::min(elapsed_s, kLongestStep_s) / time_constant_s_);
+    learn(scanner.shading(), trace, std::min(elapsed_s, kMaxStep_s) / time_constant_s_);
   }
   apply(scanner);
   trace.light.brightness = std::exp2(light_.mean() / kLevelsAnOctave);
@@ -105,7 +105,7 @@ void Adaptation::learn(const Shading& shading, StepTrace& trace, float step) {
     }
   }
   if (trace.light.patches > 0) light_.relax(step);
-  // A ball's top shows more than its share of the lamps above it: its color follows, but it says nothing about light.
+  // The top of a ball reflects the lamps above it. Its color is adapted, but the light map does not learn from it.
   const BallSighting& ball = trace.sightings.ball;
   Sample sample;
   if (is_certain(ball, trace.tracks.ball) && sample_at(trace.frame, ball.center, sample)) {
@@ -129,7 +129,7 @@ bool Adaptation::sample_at(const Frame& frame, const PixelPoint& center, Sample&
     }
   }
   for (std::size_t c = 0; c < 3; ++c) {
-    if (most[c] - least[c] > kEven_levels) return false;
+    if (most[c] - least[c] > kMaxRange_levels) return false;
     out.mean[c] = static_cast<float>(sum[c]) / 9.0f;
     out.saturated[c] = most[c] >= kSaturated;
   }
@@ -146,12 +146,12 @@ bool Adaptation::learn_patch(const Shading& shading, const Frame& frame, const P
     const auto black = static_cast<float>(black_value(space, c));
     const float expected = static_cast<float>(typical[c]) - black, measured = sample.mean[c] - black;
     if (expected <= 0.0f || measured <= 0.0f || sample.saturated[c]) continue;
-    const float telling = std::min(1.0f, expected / kTelling_levels);
+    const float reliability = std::min(1.0f, expected / kFullWeight_levels);
     brighter[c] = kLevelsAnOctave * std::log2(measured / expected) + map_gain_levels(shading, c, patch.center);
-    weight[c] = telling * telling;
+    weight[c] = reliability * reliability;
   }
   if (space == ColorSpace::kYuv) {
-    // Chroma's sign says nothing about light; luma does, for all.
+    // Chroma does not measure light, so luma is used for all channels.
     brighter.fill(brighter[0]);
     weight.fill(weight[0]);
   }
@@ -171,7 +171,7 @@ void Adaptation::learn_color(const Shading& shading, ColorSpace space, ColorId c
     const float corrected = black + (sample.mean[c] - black) * std::exp2(gain_levels / kLevelsAnOctave);
     off[c] = corrected - static_cast<float>(typical_[color][c]);
   }
-  shift_.observe(color, off, step / kBoxesSlower);
+  shift_.observe(color, off, step / kBoxSlowdown);
   changed_ = true;
 }
 

@@ -13,9 +13,9 @@
 namespace touchline {
 
 enum class AdaptationMode : std::uint8_t {
-  kOff,     // as calibrated; what was adapted is put back
-  kFollow,  // light map and boxes follow the light
-  kFrozen   // they stay as they are
+  kOff,     // as calibrated; adapted values are reset
+  kFollow,  // light map and color boxes follow the light
+  kFrozen   // they keep their current values
 };
 inline constexpr std::array<Choice<AdaptationMode>, 3> kAdaptationModes{
     {{"off", AdaptationMode::kOff}, {"follow", AdaptationMode::kFollow}, {"frozen", AdaptationMode::kFrozen}}};
@@ -25,7 +25,8 @@ struct AdaptationParameters {
   double time_constant_s = 10.0;
   double most_light = 2.0;
   double most_shift = 10.0;
-  // What a color's patches show on average after correction by the light map, by color id; not in a file's section.
+  // Mean pixel value of a color's patches after correction by the light map, by color id. Not a key of the venue file's
+  // section.
   std::array<std::array<std::uint8_t, 3>, kMaxColors + 1> typical{};
 
   template <class Self, class Visitor>
@@ -45,20 +46,21 @@ struct AdaptationParameters {
   }
 };
 
-/// Follows slow changes of the light (announced in Klancar's section 8 as future work) by what is known for certain:
-/// the patches of robots whose team and id were seen in this frame and agree with their track, and a ball that does.
-/// The light's part, common to all patches around, goes into the light map; what is left of a single color moves its
-/// boxes, four times more slowly. Both are bounded. Large (fixed memory): not on the stack.
+/// Adapts to slow changes of the light (future work in Klancar's section 8). It learns only from certain sightings: the
+/// patches of robots whose team and id were seen in this frame and agree with their track, and a ball that agrees with
+/// its track. A change that is common to all patches in a neighborhood corrects the light map. A remaining change of a
+/// single color moves its boxes, four times more slowly. Both are bounded. The object is large (fixed memory); do not
+/// put it on the stack.
 class Adaptation {
  public:
   /// kOutOfRange: as LightChange and BoxShift.
   Status configure(const AdaptationParameters& parameters, const ScanParameters& scan, ColorId ball_color);
-  /// kOff puts everything back, within some hundred frames.
+  /// kOff restores the calibrated values within a few hundred frames.
   void set_mode(AdaptationMode mode);
   [[nodiscard]] AdaptationMode mode() const { return mode_; }
 
-  /// Learns from a frame whose pixels are still there, and brings one part of what the scanner uses up to date. Bounded
-  /// time: some pixels a patch, some rows of tiles, two tables. Writes trace.light.
+  /// Learns from a frame whose pixels are still valid, and updates a part of the scanner's tables. The time is bounded:
+  /// nine pixels per patch, some rows of tiles, two tables. Writes trace.light.
   void update(RegionScanner& scanner, StepTrace& trace);
 
  private:
@@ -66,7 +68,7 @@ class Adaptation {
     std::array<float, 3> mean{};
     std::array<bool, 3> saturated{};
   };
-  // Mean of the 3 x 3 pixels around the point; false: it is at the picture's edge, or not even.
+  // Mean of the 3 x 3 pixels around the point. False at the picture's edge, or if the pixels are not uniform.
   static bool sample_at(const Frame& frame, const PixelPoint& center, Sample& out);
   void learn(const Shading& shading, StepTrace& trace, float step);
   bool learn_patch(const Shading& shading, const Frame& frame, const PatchSighting& patch, float step);
@@ -81,9 +83,8 @@ class Adaptation {
   LightChange light_;
   BoxShift shift_;
   Instant last_{};
-  // What the scanner has.
-  ColorBoxes target_;
-  bool changed_ = false;  // since its boxes were last looked at
+  ColorBoxes target_;     // boxes of the scanner, after all tables are rebuilt
+  bool changed_ = false;  // since the boxes were last compared
   std::uint16_t next_row_ = 0, rows_due_ = 0;
   std::uint32_t next_table_ = 0;
 };

@@ -6,7 +6,7 @@
 namespace touchline {
 
 /// A vector of at most `N` default-constructible, trivially copyable elements that never allocates.
-/// `push_back` on a full vector changes nothing but the overflow count, which the caller reports.
+/// `push_back` on a full vector only increments the overflow count, which the caller reports.
 template <class T, std::size_t N>
 class FixedVector {
  public:
@@ -16,7 +16,7 @@ class FixedVector {
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
   [[nodiscard]] bool full() const { return size_ == N; }
-  /// Elements refused since the last clear().
+  /// Number of rejected elements since the last clear().
   [[nodiscard]] std::size_t overflow() const { return overflow_; }
 
   bool push_back(const T& value) {
@@ -27,11 +27,11 @@ class FixedVector {
     data_[size_++] = value;
     return true;
   }
-  /// Counts elements that were not even offered, because there was no room for them.
+  /// Adds to the overflow count elements for which push_back was not called because there is no room.
   void refuse(std::size_t count) { overflow_ += count; }
   void pop_back() { --size_; }
   void clear() { size_ = overflow_ = 0; }
-  /// Shrinks, or grows with elements whose values are unspecified; sizes above the capacity become the capacity.
+  /// Changes the size, at most to the capacity. New elements have unspecified values.
   void resize(std::size_t size) { size_ = size < N ? size : N; }
 
   T& operator[](std::size_t i) { return data_[i]; }

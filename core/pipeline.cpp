@@ -3,7 +3,7 @@
 namespace touchline {
 namespace {
 
-// Time between construction and destruction goes to the stage.
+// Measures the time between construction and destruction as the time of a stage.
 class StageTimer {
  public:
   StageTimer(Pipeline::StageClock clock, Duration& spent) : clock_(clock), spent_(spent) {
@@ -55,7 +55,7 @@ const StepTrace& Pipeline::step(const Frame& frame) {
   {
     const StageTimer t = timer(Stage::kMarker);
     matcher_.match(trace_.runs, trace_.regions, trace_.sightings);
-    // A frame that was refused has no regions, and nothing was sighted in it.
+    // A frame that the scan rejected has no regions and no sightings.
     patch_center_fit_.refine(frame, trace_.sightings);
     ball_center_fit_.refine(frame, trace_.sightings);
   }
@@ -68,7 +68,7 @@ const StepTrace& Pipeline::step(const Frame& frame) {
   {
     const StageTimer t = timer(Stage::kControl);
     controller_.decide(trace_.tracks, halted_, trace_.commands);
-    if (!observing_) tracker_.commanded(trace_.commands, acts_at);
+    if (!observing_) tracker_.add_commands(trace_.commands, acts_at);
   }
   {
     const StageTimer t = timer(Stage::kRadio);
@@ -91,7 +91,7 @@ void Pipeline::revoke() {
 
 void Pipeline::stop_from(Instant acts_at) {
   trace_.commands.stop = true;
-  tracker_.commanded(trace_.commands, acts_at);
+  tracker_.add_commands(trace_.commands, acts_at);
   encode_commands();
 }
 
@@ -101,7 +101,7 @@ void Pipeline::reset() {
 }
 
 void Pipeline::encode_commands() {
-  // Every set of commands fits: both lists have the same capacity.
+  // All commands fit into a packet, because both lists have the same capacity.
   if (!encode(trace_.commands, packet_sequence_, trace_.packet).ok()) trace_.packet.clear();
   ++packet_sequence_;
 }

@@ -21,57 +21,58 @@ struct PipelineParameters {
   TrackParameters track;
   ControlParameters control;
   AdaptationParameters adaptation;
-  float low_battery_v = 0.0f;  // below it a robot's battery is low; 0: never
+  float low_battery_v = 0.0f;  // a battery below this voltage is low; 0: never
 };
 
-/// The way of one frame, camera to packet. Large (fixed memory): make one, not on the stack.
+/// Processes a frame from the camera to the radio packet. The object is large (fixed memory); do not put it on the
+/// stack.
 class Pipeline {
  public:
-  /// Reads a clock for StepTrace::stage_time; null: times stay zero.
+  /// Clock for StepTrace::stage_time. If null, the times stay zero.
   using StageClock = Instant (*)();
 
   Status configure(const PipelineParameters& parameters, StageClock clock = nullptr);
 
-  /// From now on commands act this long after the capture of the frame they were computed from: measured loop latency
-  /// and the radio's and robots' delay. Range 0 to 1 s.
+  /// Sets the time from the capture of a frame until its commands act: the measured loop latency plus the delay of
+  /// radio and robots. Range 0 to 1 s.
   void set_action_delay(Duration delay) { action_delay_ = delay; }
-  /// The controller's output is replaced by stop commands while true.
+  /// While true, stop commands replace the controller's output.
   void set_halted(bool halted) { halted_ = halted; }
-  /// While true nobody sends what the controller decides (a replay; robots driven by others), so that the filters take
-  /// the robots' commands for unknown.
+  /// While true, the commands are not sent (a replay, or robots that another program drives), so the filters treat the
+  /// robots' commands as unknown.
   void set_observing(bool observing) { observing_ = observing; }
 
-  /// The trace is valid until the next call. Never fails: a frame of another format or size gives an empty trace whose
-  /// `status` says so.
+  /// Processes one frame. The trace is valid until the next call. A frame of another format or size gives an empty
+  /// trace with an error in `status`.
   const StepTrace& step(const Frame& frame);
 
-  /// Follows the light by what the last step() saw, whose frame must still be there. Nothing waits for it: to be called
-  /// when the packet is on its way. Adds to that step's trace.
+  /// Adapts to the light, using the sightings of the last step(), whose frame must still be valid. Call it after the
+  /// packet was sent, because nothing depends on it. Writes to that step's trace.
   void adapt() { adaptation_.update(scanner_, trace_); }
   void set_adaptation(AdaptationMode mode) { adaptation_.set_mode(mode); }
   [[nodiscard]] AdaptationMode adaptation() const { return adaptation_.mode(); }
 
-  /// Bytes that the radio received until `now`, whatever they are: StepTrace::reports tells what robots said in them.
+  /// Decodes telemetry from the bytes that the radio received until `now`, and updates StepTrace::reports.
   void listen(std::span<const std::byte> bytes, Instant now) { monitor_.listen(bytes, now, trace_.reports); }
   [[nodiscard]] const RobotReports& reports() const { return trace_.reports; }
 
-  /// Between two frames: thresholds, light map and region of interest are those of `tables` from the next frame on, and
-  /// the adaptation begins anew as `adaptation` is configured; tracks and play go on. For `tables` and the answer see
-  /// RegionScanner::exchange. Copies some hundred bytes.
+  /// Replaces thresholds, light map and region of interest by those of `tables`, and restarts the adaptation with the
+  /// configuration of `adaptation`. Tracks and game continue. Call it between two frames. For `tables` and the return
+  /// value see RegionScanner::exchange. Copies a few hundred bytes.
   ScanTables& exchange(ScanTables& tables, const Adaptation& adaptation) {
     adaptation_ = adaptation;
     return scanner_.exchange(tables);
   }
-  /// Between two frames; errors as Controller::retune.
-  Status retune(const ControlParameters& parameters) { return controller_.retune(parameters); }
+  /// Changes control parameters between two frames. Errors as Controller::set_parameters.
+  Status set_control(const ControlParameters& parameters) { return controller_.set_parameters(parameters); }
 
-  /// A packet that halts all robots, for when there is no frame to step; it acts after the action delay, counted from
+  /// Creates a packet that stops all robots, for times without a frame. It acts after the action delay, counted from
   /// `now`. Valid until the next call.
   const Packet& stop(Instant now);
-  /// Puts a stop in the place of the last step's commands, in its trace and under its packet's number, as if it had
-  /// been halted: for when robots must be halted before that packet was sent.
+  /// Replaces the last step's commands by a stop, in its trace and with its packet's sequence number. For robots that
+  /// must stop before that packet was sent.
   void revoke();
-  /// Forgets tracks and play: after a gap as long as a camera that was opened again, the robots may be anywhere.
+  /// Resets tracks and game. Call it after a long gap, for example when the camera was reopened.
   void reset();
 
  private:

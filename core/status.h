@@ -4,30 +4,30 @@
 
 namespace touchline {
 
-/// Everything that can go wrong while frames flow. `firmware/fault_policy.h` maps each code to what is done about it.
+/// Errors of all layers. `firmware/fault_policy.h` maps each code to a reaction.
 enum class ErrorCode : std::uint8_t {
   kOk,
   kTimeout,       // nothing arrived before the deadline
-  kBusy,          // something waits before it; the function that answers so says what was taken
+  kBusy,          // a former request is still pending; the function documents what was accepted
   kEndOfStream,   // a replayed input has ended
   kShortFrame,    // fewer bytes than the format needs
   kCorruptFrame,  // the driver marked the buffer as bad, or a picture could not be decoded
   kUnsupported,   // format, size or feature that cannot be served
   kNotFound,      // no such device, file or port
-  kPermission,    // the system refuses access
+  kPermission,    // the operating system denies access
   kDeviceBusy,    // held by another process
   kDisconnected,  // the device went away
   kIo,            // any other failure of the device
   kOutOfRange,    // a value outside its documented range
   kInconsistent,  // values that contradict each other
-  kFull,          // a fixed capacity was reached; what fits is there
-  kStopped,       // asked to leave
+  kFull,          // a fixed capacity was reached; the output has the elements that fit
+  kStopped,       // stop was requested
 };
 
 /// A short lower-case English phrase ("device disconnected").
 const char* describe(ErrorCode code) noexcept;
 
-/// Success or an error code. Costs a byte; never throws.
+/// Success or an error code. One byte; never throws.
 class [[nodiscard]] Status {
  public:
   constexpr Status() = default;

@@ -4,8 +4,8 @@
 
 namespace touchline {
 
-/// Tag of the one time line of the system: the camera driver's monotonic clock, or the arena's virtual one.
-/// It has no now(): in the core, time comes in with the frame.
+/// Clock of all time stamps: the camera driver's monotonic clock, or the virtual clock of the mock arena. It has no
+/// now(), because the core takes the time only from frames.
 struct CaptureClock {
   using duration = std::chrono::nanoseconds;
   using rep = duration::rep;

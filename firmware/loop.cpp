@@ -193,7 +193,7 @@ void Loop::take_live_settings() {
     if (settings->keep_adaptation_mode) settings->adaptation.set_mode(pipeline_.adaptation());
     settings->tables = &pipeline_.exchange(*settings->tables, settings->adaptation);
   }
-  static_cast<void>(pipeline_.retune(settings->control));  // was checked with the files
+  static_cast<void>(pipeline_.set_control(settings->control));  // was checked with the files
   set_faults(settings->faults);
   settings_.radio_delay = settings->radio_delay;
   settings->taken_after = statistics_.frames;

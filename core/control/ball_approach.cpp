@@ -10,19 +10,17 @@
 namespace touchline {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
-// Drives along the line through the ball with whichever end is nearer to its direction.
+// Drives along the line through the ball, forward or backward, whichever end is nearer to its direction.
 Twist follow_line(const Pose& robot, const PushPlan& plan, double speed, const MotionParameters& gains) {
   const double line = bearing(plan.direction);
-  const bool backward = std::abs(wrap_angle(line - heading(robot))) > 0.5 * kPi;
+  const bool backward = std::abs(wrap_angle(line - heading(robot))) > 0.5 * std::numbers::pi;
   const Pose front = backward ? reversed(robot) : robot;
-  // Beside the robot on the line; from far off a point on the way to it, lest the law, which answers in proportion,
-  // turn it past the right angle.
-  constexpr double kFar = 0.15;
+  // The reference is the robot's projection on the line. The distance to the line is limited, because the law is
+  // proportional and would turn a distant robot by more than 90 degrees.
+  constexpr double kMaxOffset = 0.15;
   const Vector2 from_ball = position(robot) - plan.ball;
   const double beside = cross(plan.direction, from_ball);
-  const Vector2 on_line = position(robot) - std::clamp(beside, -kFar, kFar) * perpendicular(plan.direction);
+  const Vector2 on_line = position(robot) - std::clamp(beside, -kMaxOffset, kMaxOffset) * perpendicular(plan.direction);
   const Pose reference{to_field_point(on_line), wrap_to_float(line)};
   Twist twist = track_trajectory(front, reference, {static_cast<float>(speed), 0.0f}, gains);
   if (backward) twist.v_mps = -twist.v_mps;
@@ -45,12 +43,12 @@ PushPlan plan_push(Vector2 ball, const FieldParameters& field, const PlayParamet
   plan.in_corner = at_side && (at_own_end || at_far_end);
   if (at_side) d = {1.0, 0.0};                            // along the side
   if (at_own_end) d = {0.0, std::copysign(1.0, ball.y)};  // along the end, away from the own goal
-  // Along the end into the goal, pressed against the wall a little, lest it roll past the mouth.
+  // Along the end wall into the goal, with some pressure against the wall, so the ball does not roll past the goal.
   if (at_far_end && !at_side) d = {0.3, -std::copysign(1.0, ball.y)};
   const double length = norm(d);
   plan.direction = length > 1e-6 ? (1.0 / length) * d : Vector2{1.0, 0.0};
   plan.behind = ball - play.behind_ball_m * plan.direction;
-  // Inside the walls, so that the attacker does not grind along one.
+  // Keep a distance to the walls, so the attacker does not touch them.
   const double margin = play.robot_radius_m + 0.005;
   plan.behind = {std::clamp(plan.behind.x, -end + margin, end - margin),
                  std::clamp(plan.behind.y, -side + margin, side - margin)};
@@ -63,7 +61,8 @@ Approach go_to_ball(const Pose& robot, const Twist& twist, const PushPlan& plan,
   const double rho = norm(from_ball);
   Approach approach;
   if (plan.in_corner) {
-    // The robot's rim sweeps the ball along the wall: up the side from an own corner, to the goal from a far one.
+    // The spinning robot moves the ball along the wall: along the side wall from an own corner, along the end wall to
+    // the goal from a far corner.
     const double touching = 2.0 * play.robot_radius_m + 0.01;
     if (rho < touching) {
       approach.phase = ApproachPhase::kSpin;
@@ -87,10 +86,11 @@ Approach go_to_ball(const Pose& robot, const Twist& twist, const PushPlan& plan,
     return approach;
   }
 
-  // Seen from the ball: the robot's bearing, and how far it is from there around to behind the ball.
+  // Bearing of the robot as seen from the ball, and angle from there to the place behind the ball.
   const double now = bearing(from_ball);
   const double around = wrap_angle(bearing(plan.behind - plan.ball) - now);
-  // A straight line from here touches the circle around the ball after this angle; a little more keeps it turning.
+  // Angle at which a straight line from the robot touches the circle around the ball, plus a margin so that the robot
+  // keeps turning.
   const double radius = play.behind_ball_m;
   const double tangent = (rho > radius ? std::acos(radius / rho) : 0.0) + 0.35;
   if (std::abs(around) <= tangent) {

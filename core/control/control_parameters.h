@@ -4,7 +4,7 @@
 
 namespace touchline {
 
-/// What a robot can do. Defaults: a MiroSot / VSS robot of 75 mm with two motors.
+/// Limits of a robot's drive. Defaults: a MiroSot or VSS robot of 75 mm with two motors.
 struct DriveParameters {
   double wheel_base_m = 0.07;
   double max_speed_mps = 1.2;
@@ -84,7 +84,7 @@ struct MotionParameters {
   }
 };
 
-/// Who does what on the field.
+/// Parameters of the default game.
 struct PlayParameters {
   bool enabled = true;
   int goalkeeper_id = -1;

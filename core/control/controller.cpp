@@ -9,18 +9,18 @@
 namespace touchline {
 namespace {
 
-// After a longer pause the robots have stopped by themselves (docs/radio.md): a jump to full speed would be wrong.
+// After a longer pause the robots have stopped by themselves (docs/radio.md) and must accelerate from rest again.
 constexpr double kMaxStep = 0.1;
 
 }  // namespace
 
 Status Controller::configure(const ControlParameters& parameters, const FieldParameters& field) {
-  if (Status s = take(parameters, field); !s.ok()) return s;
+  if (Status s = apply(parameters, field); !s.ok()) return s;
   reset();
   return {};
 }
 
-Status Controller::take(const ControlParameters& parameters, const FieldParameters& field) {
+Status Controller::apply(const ControlParameters& parameters, const FieldParameters& field) {
   const DriveParameters& drive = parameters.drive;
   if (!is_positive(drive.wheel_base_m) || !is_positive(drive.max_speed_mps) || !is_positive(drive.max_turn_radps) ||
       !is_positive(drive.max_wheel_speed_mps) || !is_positive(drive.max_wheel_acceleration_mps2)) {
@@ -39,31 +39,31 @@ Status Controller::take(const ControlParameters& parameters, const FieldParamete
 
 void Controller::reset() {
   play_.reset();
-  memories_.clear();
+  states_.clear();
   started_ = false;
 }
 
-bool Controller::fit_to_play(const RobotTrack& robot, Instant now) const {
+bool Controller::is_usable(const RobotTrack& robot, Instant now) const {
   if (robot.state == TrackState::kSeen) return true;
   return robot.state == TrackState::kCoasting && seconds(now - robot.last_seen) <= parameters_.play.max_coast_s;
 }
 
-Controller::Memory* Controller::memory_of(RobotId id) {
-  for (Memory& memory : memories_) {
-    if (memory.id == id) return &memory;
+Controller::RobotState* Controller::state_of(RobotId id) {
+  for (RobotState& state : states_) {
+    if (state.id == id) return &state;
   }
-  if (memories_.full()) return nullptr;
-  memories_.push_back({});
-  memories_.back().id = id;
-  return &memories_.back();
+  if (states_.full()) return nullptr;
+  states_.push_back({});
+  states_.back().id = id;
+  return &states_.back();
 }
 
-void Controller::forget_absent() {
+void Controller::remove_absent() {
   std::size_t kept = 0;
-  for (const Memory& memory : memories_) {
-    if (memory.listed) memories_[kept++] = memory;
+  for (const RobotState& state : states_) {
+    if (state.listed) states_[kept++] = state;
   }
-  memories_.resize(kept);
+  states_.resize(kept);
 }
 
 void Controller::decide(const Tracks& tracks, bool halted, Commands& out) {
@@ -76,7 +76,7 @@ void Controller::decide(const Tracks& tracks, bool halted, Commands& out) {
 
   Players players;
   for (const RobotTrack& robot : tracks.robots) {
-    if (robot.team != Team::kOwn || robot.id < 0 || !fit_to_play(robot, now)) continue;
+    if (robot.team != Team::kOwn || robot.id < 0 || !is_usable(robot, now)) continue;
     if (!players.full()) players.push_back({robot.id, robot.pose_at_action, robot.twist_at_action});
   }
   Play::Twists wanted{};
@@ -86,32 +86,32 @@ void Controller::decide(const Tracks& tracks, bool halted, Commands& out) {
     play_.decide(tracks, players, wanted);
   }
 
-  for (Memory& memory : memories_) memory.listed = false;
+  for (RobotState& state : states_) state.listed = false;
   std::size_t player = 0;
   for (const RobotTrack& robot : tracks.robots) {
     if (robot.team != Team::kOwn || robot.id < 0 || out.robots.full()) continue;
-    Memory* memory = memory_of(robot.id);
-    if (memory == nullptr) {
-      // Eleven others are remembered, of whom some are gone.
-      forget_absent();
-      memory = memory_of(robot.id);
-      if (memory == nullptr) continue;
+    RobotState* state = state_of(robot.id);
+    if (state == nullptr) {
+      // The list is full, but robots in it may be gone.
+      remove_absent();
+      state = state_of(robot.id);
+      if (state == nullptr) continue;
     }
-    memory->listed = true;
+    state->listed = true;
     const bool plays = player < players.size() && players[player].id == robot.id;
     Twist twist;
     if (plays && !halted && parameters_.play.enabled) {
-      twist = memory->stuck.watch(robot.pose_at_action, wanted[player], now, parameters_.play);
+      twist = state->stuck.watch(robot.pose_at_action, wanted[player], now, parameters_.play);
       twist = within_speed_limits(twist, parameters_.drive);
-      twist = within_acceleration_limit(twist, memory->last, dt, parameters_.drive);
+      twist = within_acceleration_limit(twist, state->last, dt, parameters_.drive);
     } else {
-      memory->stuck = StuckMonitor();
+      state->stuck = StuckMonitor();
     }
     if (plays) ++player;
-    memory->last = twist;
+    state->last = twist;
     out.robots.push_back({robot.id, twist, wheels_of(twist, parameters_.drive.wheel_base_m)});
   }
-  forget_absent();
+  remove_absent();
 }
 
 }  // namespace touchline

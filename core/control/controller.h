@@ -8,36 +8,37 @@
 
 namespace touchline {
 
-/// Tracks -> velocities for every own robot (paper, section 2, last paragraph).
+/// Computes the velocities of all own robots from the tracks (paper, section 2, last paragraph).
 class Controller {
  public:
-  /// kOutOfRange: a limit or gain that no drive can have.
+  /// kOutOfRange: an impossible limit or gain.
   Status configure(const ControlParameters& parameters, const FieldParameters& field);
-  /// Other limits, gains and rules in the middle of a game, which goes on. Errors as configure(); then all stays.
-  Status retune(const ControlParameters& parameters) { return take(parameters, play_.field()); }
+  /// Changes limits, gains and rules during a game without resetting it. Errors as configure(); nothing changes then.
+  Status set_parameters(const ControlParameters& parameters) { return apply(parameters, play_.field()); }
   void reset();
-  /// One command for each own robot that is tracked under an id, in the order of the tracks. A robot that is new, or
-  /// has coasted for longer than max_coast_s, is told to stand; one that is lost is not listed, which tells it the same
-  /// (docs/radio.md). `halted`: all stand, and start from rest afterwards. Same input, same bits.
+  /// Writes one command for each own robot that is tracked with an id, in the order of the tracks. The command of a new
+  /// robot, or of one that was not seen for longer than max_coast_s, is zero. A lost robot is not listed, which has the
+  /// same effect (docs/radio.md). If `halted`, all commands are zero, and the robots start from rest afterwards. The
+  /// same input gives the same bits.
   void decide(const Tracks& tracks, bool halted, Commands& out);
 
   [[nodiscard]] const Roles& roles() const { return play_.roles(); }
 
  private:
-  struct Memory {
+  struct RobotState {
     RobotId id = kUnknownId;
     bool listed = false;
-    Twist last;  // commanded
+    Twist last;  // last command
     StuckMonitor stuck;
   };
-  Status take(const ControlParameters& parameters, const FieldParameters& field);
-  Memory* memory_of(RobotId id);
-  void forget_absent();
-  [[nodiscard]] bool fit_to_play(const RobotTrack& robot, Instant now) const;
+  Status apply(const ControlParameters& parameters, const FieldParameters& field);
+  RobotState* state_of(RobotId id);
+  void remove_absent();
+  [[nodiscard]] bool is_usable(const RobotTrack& robot, Instant now) const;
 
   ControlParameters parameters_;
   Play play_;
-  FixedVector<Memory, kMaxRobotsPerTeam> memories_;
+  FixedVector<RobotState, kMaxRobotsPerTeam> states_;
   bool started_ = false;
   Instant last_time_{};
 };

@@ -16,7 +16,7 @@ double sinc(double a) { return std::abs(a) < 1e-4 ? 1.0 - a * a / 6.0 : std::sin
 
 Twist twist(double v, double w) { return {static_cast<float>(v), static_cast<float>(w)}; }
 
-// The equivalent of an angle in (-pi/2, pi/2] for a robot without front and back.
+// Maps an angle to (-pi/2, pi/2], modulo pi: for a robot that may drive forward or backward.
 double fold(double angle) {
   const double wrapped = wrap_angle(angle);
   if (wrapped > 0.5 * kPi) return wrapped - kPi;
@@ -45,17 +45,17 @@ Twist go_to_pose(const Pose& robot, const Twist& now, const Pose& target, Facing
   const double e = norm(way);
   if (e < gains.arrived_m) return turn_to(robot, heading(target), facing, gains);
 
-  // Four ways to go: forward or backward, arriving as asked or turned around.
-  constexpr double kKeepOn = 0.4;  // radians: what a change of direction must gain
+  // Four options: forward or backward, arriving with the given heading or rotated by 180 degrees.
+  constexpr double kHysteresis = 0.4;  // radians that a change of the driving direction must save
   double best = 1e9, alpha = 0.0, theta = 0.0, sign = 1.0;
   for (const double drive : {1.0, -1.0}) {
     const double start = drive > 0.0 ? heading(robot) : heading(robot) + kPi;
     for (const bool turned : {false, true}) {
       if (turned && facing == Facing::kExact) continue;
-      // A robot that drives backward arrives with its back first, and its front shows as asked.
+      // A robot that drives backward arrives with its back first, so its heading is as requested.
       const double end = heading(target) + ((drive < 0.0) != turned ? kPi : 0.0);
       const double a = wrap_angle(bearing(way) - start), t = wrap_angle(bearing(way) - end);
-      const double keep = drive * static_cast<double>(now.v_mps) > 0.1 ? kKeepOn : 0.0;
+      const double keep = drive * static_cast<double>(now.v_mps) > 0.1 ? kHysteresis : 0.0;
       const double cost = std::abs(a) + 0.5 * std::abs(t) - keep;
       if (cost >= best) continue;
       best = cost;
@@ -64,7 +64,7 @@ Twist go_to_pose(const Pose& robot, const Twist& now, const Pose& target, Facing
       sign = drive;
     }
   }
-  const double speed = std::min(gains.distance_per_s * e, max_speed_mps);  // gamma e of the article
+  const double speed = std::min(gains.distance_per_s * e, max_speed_mps);  // gamma e in the article
   const double v = speed * std::cos(alpha);
   const double w =
       gains.bearing_per_s * alpha + speed / e * std::cos(alpha) * sinc(alpha) * (alpha + gains.approach_weight * theta);

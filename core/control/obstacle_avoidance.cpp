@@ -20,10 +20,10 @@ Vector2 detour(Vector2 from, Vector2 target, const Obstacles& obstacles, double 
     blocking = &obstacle;
   }
   if (blocking == nullptr) return target;
-  // Pass on the side where the obstacle is not, unless that is outside the field.
+  // Pass on the side that is farther from the obstacle, unless it is outside the field.
   const double side = cross(ahead, *blocking - from) > 0.0 ? -1.0 : 1.0;
-  constexpr double kBeyond = 1.1;  // a little more than just touching the clearance
-  const Vector2 offset = (kBeyond * side * clearance_m) * perpendicular(ahead);
+  constexpr double kMargin = 1.1;  // slightly more than the clearance
+  const Vector2 offset = (kMargin * side * clearance_m) * perpendicular(ahead);
   const Vector2 here = *blocking + offset, there = *blocking - offset;
   const auto inside = [&field, clearance_m](Vector2 p) {
     const double margin = 0.5 * clearance_m;

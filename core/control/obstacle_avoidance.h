@@ -6,12 +6,12 @@
 
 namespace touchline {
 
-// All robots but the own one, and the ball.
+// Positions of the ball and of all other robots.
 using Obstacles = FixedVector<Vector2, kMaxRobots>;
 
-/// Where to go next on the way to `target`: the target itself when the straight way is free, else a place beside the
-/// nearest obstacle that blocks it, on the side that is shorter and inside the field. An obstacle at the target itself
-/// blocks nothing: whoever goes there means to. `clearance_m`: free distance from an obstacle's center to the way.
+/// Next waypoint on the way to `target`: the target itself if the straight way is free, else a point beside the nearest
+/// blocking obstacle, on the shorter side and inside the field. An obstacle at the target does not block, because the
+/// robot is meant to go there. `clearance_m`: required distance from an obstacle's center to the way.
 Vector2 detour(Vector2 from, Vector2 target, const Obstacles& obstacles, double clearance_m,
                const FieldParameters& field);
 

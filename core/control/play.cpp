@@ -10,8 +10,6 @@
 namespace touchline {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 bool known(const BallTrack& ball) { return ball.state == TrackState::kSeen || ball.state == TrackState::kCoasting; }
 
 void obstacles_for(RobotId id, const Tracks& tracks, Obstacles& out) {
@@ -60,21 +58,21 @@ Twist Play::guard(const Player& player, const BallTrack& ball) const {
     const Vector2 b = to_vector(ball.position_at_action), v = to_vector(ball.velocity_at_action);
     const Vector2 to_ball = b - position(player.pose);
     if (norm(to_ball) < 2.0 * parameters_.play.robot_radius_m + 0.01 && std::abs(b.y) < mouth) {
-      // Sweeps the ball away: the rim that touches it moves up the field, or off the goal's middle.
+      // Spin so that the side that touches the ball moves it away from the goal line, or from the middle of the goal.
       const double side = std::abs(to_ball.y) > 0.02 ? -to_ball.y : b.y;
       return {0.0f, static_cast<float>(std::copysign(parameters_.drive.max_turn_radps, side))};
     }
-    // Where a ball that comes will cross the line; else level with it.
-    constexpr double kComing = -0.2, kSoon = 1.5;
+    // Go where an approaching ball will cross the line, else to the same y as the ball.
+    constexpr double kApproaching = -0.2, kMaxTime = 1.5;
     y = b.y;
     vy = v.y;
-    if (v.x < kComing && b.x > line) y += v.y * std::min((line - b.x) / v.x, kSoon);
+    if (v.x < kApproaching && b.x > line) y += v.y * std::min((line - b.x) / v.x, kMaxTime);
     if (std::abs(y) > mouth) vy = 0.0;
     y = std::clamp(y, -mouth, mouth);
   }
-  // It stands across, so that it can go both ways along the line at once.
+  // Its heading is along the line, so it can drive in both directions without turning.
   const bool down = wrap_angle(heading(player.pose)) < 0.0;
-  const double across = down ? -0.5 * kPi : 0.5 * kPi;
+  const double across = down ? -0.5 * std::numbers::pi : 0.5 * std::numbers::pi;
   const Pose target{to_field_point({line, y}), wrap_to_float(across)};
   const double limit = parameters_.drive.max_speed_mps;
   constexpr double kOnLine = 0.03;
@@ -85,11 +83,11 @@ Twist Play::guard(const Player& player, const BallTrack& ball) const {
   return track_trajectory(player.pose, target, {static_cast<float>(along), 0.0f}, gains);
 }
 
-// Where the ball will be when the robot gets there.
+// Plans for the predicted position of the ball at the time when the robot reaches it.
 PushPlan Play::plan_ahead(const BallTrack& ball, double time_s) const {
-  constexpr double kFarthest = 0.8;  // then it has met somebody, or a wall
+  constexpr double kMaxTime = 0.8;  // later, the ball has probably hit a robot or a wall
   const Vector2 b =
-      to_vector(ball.position_at_action) + std::min(time_s, kFarthest) * to_vector(ball.velocity_at_action);
+      to_vector(ball.position_at_action) + std::min(time_s, kMaxTime) * to_vector(ball.velocity_at_action);
   const double x = 0.5 * static_cast<double>(field_.length_m), y = 0.5 * static_cast<double>(field_.width_m);
   return plan_push({std::clamp(b.x, -x, x), std::clamp(b.y, -y, y)}, field_, parameters_.play);
 }
@@ -103,17 +101,17 @@ Twist Play::attack(const Player& player, const BallTrack& ball, const Obstacles&
   const double free = std::max(0.0, way - 1.5 * play.robot_radius_m);
   Approach approach = approach_to(free / play.push_speed_mps);
   if (approach.phase == ApproachPhase::kPush || approach.phase == ApproachPhase::kSpin) return approach.twist;
-  // On the way to behind the ball a law that goes at what it sees would trail a moving ball by about this time. Longer
-  // leads were tried in simulation and score less: the ball meets somebody before.
-  constexpr double kTrail = 0.2;
-  approach = approach_to(kTrail);
+  // On the way to the place behind the ball, a law that uses the current position would lag behind a moving ball by
+  // about this time. Longer lead times scored less in simulation, because the ball hits another robot before.
+  constexpr double kLeadTime = 0.2;
+  approach = approach_to(kLeadTime);
   const Vector2 next = detour(position(player.pose), approach.target, obstacles, play.clearance_m, field_);
   if (distance(next, approach.target) < 1e-9) return approach.twist;
   return go_to_point(player.pose, next, false, parameters_.drive.max_speed_mps, parameters_.motion);
 }
 
 Twist Play::support(const Player& player, Vector2 place, const PushPlan& plan, const Obstacles& others) const {
-  // Around the ball and the line along which it will be pushed, too.
+  // Also avoid the ball.
   Obstacles obstacles = others;
   obstacles.push_back(plan.ball);
   const Vector2 here = position(player.pose);
@@ -124,7 +122,7 @@ Twist Play::support(const Player& player, Vector2 place, const PushPlan& plan, c
   const Vector2 next = detour(here, place, obstacles, clearance, field_);
   const bool direct = distance(next, place) < 1e-9;
   Twist twist = go_to_point(player.pose, next, direct, parameters_.drive.max_speed_mps, parameters_.motion);
-  // A supporter never pushes: it waits when somebody is right before it.
+  // A supporter never pushes other robots: it waits if one is directly ahead.
   const double near = 2.0 * parameters_.play.robot_radius_m + 0.02;
   const Vector2 motion = static_cast<double>(twist.v_mps) * unit_vector(heading(player.pose));
   for (const Vector2& other : others) {

@@ -8,16 +8,16 @@
 
 namespace touchline {
 
-/// The default game: a goalkeeper that stays on its line, an attacker that brings the ball to the opponent's goal,
-/// supporters behind and aside. Without a ball the keeper guards the middle and the others stand.
+/// The default game: a goalkeeper that stays on its line, an attacker that pushes the ball to the opponent's goal, and
+/// supporters behind and beside it. Without a ball, the goalkeeper guards the middle and the others stand still.
 class Play {
  public:
-  /// Roles stay as they are.
+  /// Keeps the current roles.
   void configure(const ControlParameters& parameters, const FieldParameters& field);
   void reset() { roles_.reset(); }
 
   using Twists = std::array<Twist, kMaxRobotsPerTeam>;
-  /// What each player should do, before any limit. `tracks` shows the ball and everybody who stands in the way.
+  /// Computes the desired velocities of each player, without limits. `tracks` gives the ball and the obstacles.
   void decide(const Tracks& tracks, const Players& players, Twists& wanted);
 
   [[nodiscard]] const Roles& roles() const { return roles_; }

@@ -19,11 +19,11 @@ Vector2 inside(Vector2 p, const FieldParameters& field, double margin) {
   return {std::clamp(p.x, -x, x), std::clamp(p.y, -y, y)};
 }
 
-// Moves `p` away from `other` until `least` lies between them.
-Vector2 apart(Vector2 p, Vector2 other, double least) {
+// Moves `p` away from `other` to a distance of at least `min_distance`.
+Vector2 apart(Vector2 p, Vector2 other, double min_distance) {
   const double d = distance(p, other);
-  if (d >= least) return p;
-  return d > 1e-6 ? other + (least / d) * (p - other) : other + Vector2{-least, 0.0};
+  if (d >= min_distance) return p;
+  return d > 1e-6 ? other + (min_distance / d) * (p - other) : other + Vector2{-min_distance, 0.0};
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ void supporter_places(const PushPlan& plan, const FieldParameters& field, const 
       const double row = static_cast<double>(rank), column = (i - 3) % 2 == 0 ? 0.35 : -0.7;
       place = {column * end, inner * side * (0.7 - 0.45 * row)};
     }
-    // Out of the keeper's way, off the ball, off one another.
+    // Keep a distance to the goalkeeper, the ball and the other places.
     place.x = std::max(place.x, -end + play.keeper_line_m + 2.0 * play.clearance_m);
     place = apart(place, plan.ball, 2.0 * play.clearance_m);
     for (const Vector2& other : out) place = apart(place, other, 1.5 * play.clearance_m);
@@ -101,7 +101,7 @@ void Roles::choose_attacker(const Players& players, const PushPlan& plan, const 
   double best = std::numeric_limits<double>::max();
   for (const Player& player : players) {
     if (player.id == goalkeeper_) continue;
-    // The way to behind the ball; one who stands before the ball has to go around it.
+    // Distance to the place behind the ball. A robot in front of the ball has to drive around it.
     const Vector2 from_ball = position(player.pose) - plan.ball;
     double cost = distance(position(player.pose), plan.behind);
     if (dot(from_ball, plan.direction) > 0.0) cost += play.behind_ball_m;

@@ -6,7 +6,7 @@
 
 namespace touchline {
 
-/// An own robot that takes part, at the instant at which its command acts.
+/// An own robot that takes part in the game, predicted to the time at which its command acts.
 struct Player {
   RobotId id = kUnknownId;
   Pose pose;
@@ -15,22 +15,22 @@ struct Player {
 using Players = FixedVector<Player, kMaxRobotsPerTeam>;
 
 using Places = FixedVector<Vector2, kMaxRobotsPerTeam>;
-/// Where supporters stand for a ball, the most important place first: one behind the attacker on the inner side, then
-/// between ball and own goal, then spread over the field. No two places are nearer than robots need to pass.
+/// Places of the supporters, the most important first: behind the attacker on the inner side, between ball and own
+/// goal, then distributed over the field. The distance between two places is large enough for robots to pass.
 void supporter_places(const PushPlan& plan, const FieldParameters& field, const PlayParameters& play, std::size_t count,
                       Places& out);
 
-/// Goalkeeper, attacker and supporters. Who has a role keeps it until another is better by the hysteresis, so that two
-/// robots that are equally good do not swap every frame.
+/// Assigns goalkeeper, attacker and supporters. A robot keeps its role until another one is better by more than the
+/// hysteresis, so two equally good robots do not swap roles in every frame.
 class Roles {
  public:
   void reset();
-  /// `plan` null: no ball, hence no attacker and no supporters.
+  /// `plan` is null without a ball; there is no attacker and no supporter then.
   void assign(const Players& players, const PushPlan* plan, const FieldParameters& field, const PlayParameters& play);
 
   [[nodiscard]] RobotId goalkeeper() const { return goalkeeper_; }
   [[nodiscard]] RobotId attacker() const { return attacker_; }
-  /// Null: none is assigned to this robot.
+  /// Null if this robot has no place.
   [[nodiscard]] const Vector2* place_of(RobotId id) const;
 
  private:
@@ -40,8 +40,8 @@ class Roles {
 
   RobotId goalkeeper_ = kUnknownId, attacker_ = kUnknownId;
   Places places_;
-  std::array<RobotId, kMaxRobotsPerTeam> holder_{};  // of each place
-  std::size_t held_ = 0;                             // places that had a holder in the last frame
+  std::array<RobotId, kMaxRobotsPerTeam> holder_{};  // by place
+  std::size_t held_ = 0;                             // number of places in the last frame
 };
 
 }  // namespace touchline

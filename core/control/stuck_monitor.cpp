@@ -7,9 +7,9 @@
 namespace touchline {
 namespace {
 
-// Well above the noise of a standing robot, well below what a free one does within stuck_after_s.
+// Well above the noise of a robot at rest, and well below the motion of a free robot within stuck_after_s.
 constexpr double kMoved = 0.015, kTurned = 0.3;
-// Commands below these are no attempt to move.
+// Smaller commands are no attempt to move.
 constexpr double kSlow = 0.1, kSlowTurn = 1.0;
 constexpr double kEscapeTurn = 4.0;
 
@@ -24,7 +24,7 @@ void StuckMonitor::restart(const Pose& robot, Instant now) {
 Twist StuckMonitor::watch(const Pose& robot, const Twist& wanted, Instant now, const PlayParameters& play) {
   if (escaping_) {
     if (seconds(now - since_) < play.escape_for_s) {
-      // Away from where it wanted to go; the position decides nothing, so a jam in mid-field opens as well.
+      // Drive opposite to the desired direction. This also resolves a jam in mid-field.
       const double speed = std::copysign(play.escape_speed_mps, -wanted_);
       return {static_cast<float>(speed), static_cast<float>(turn_ * kEscapeTurn)};
     }

@@ -6,11 +6,11 @@
 
 namespace touchline {
 
-/// Notices that a robot does not move although it is told to (a wall, another robot, the ball jammed between them)
-/// and backs it off for a while.
+/// Detects a robot that does not move although it is commanded to (a wall, another robot, a ball jammed between them),
+/// and drives it backward for a while.
 class StuckMonitor {
  public:
-  /// To be asked every frame with what the play wants; returns that, or the way out.
+  /// Call once per frame with the desired velocities. Returns them, or those of the escape.
   Twist watch(const Pose& robot, const Twist& wanted, Instant now, const PlayParameters& play);
   [[nodiscard]] bool escaping() const { return escaping_; }
 
@@ -18,10 +18,10 @@ class StuckMonitor {
   void restart(const Pose& robot, Instant now);
 
   bool started_ = false, escaping_ = false;
-  Pose anchor_;  // where it was when it last had moved
+  Pose anchor_;  // pose at the last detected motion
   Instant since_{};
-  double wanted_ = 0.0;  // speed it was told to go last, with sign
-  double turn_ = 1.0;    // alternates, so that the same jam is not run into again
+  double wanted_ = 0.0;  // last desired speed, with sign
+  double turn_ = 1.0;    // alternates, so the robot does not run into the same jam again
 };
 
 }  // namespace touchline

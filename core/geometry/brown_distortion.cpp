@@ -20,23 +20,24 @@ double polynomial_slope(double r, double k1, double k2, double k3) {
 
 BrownDistortion::BrownDistortion(double k1, double k2, double k3, double p1, double p2)
     : k1_(k1), k2_(k2), k3_(k3), p1_(p1), p2_(p2) {
-  // First radius at which the slope is too small: a scan, because the slope may dip and rise again, then bisection.
-  constexpr int kSteps = 1000 * static_cast<int>(kLargestRadius);
-  constexpr double kStep = kLargestRadius / kSteps;
+  // Find the first radius at which the slope is too small. Scan first, because the slope may fall and rise again; then
+  // bisect.
+  constexpr int kSteps = 1000 * static_cast<int>(kMaxRadius);
+  constexpr double kStep = kMaxRadius / kSteps;
   for (int step = 1; step < kSteps; ++step) {
     const double r = step * kStep;
-    if (polynomial_slope(r, k1, k2, k3) >= kLeastSlope) continue;
+    if (polynomial_slope(r, k1, k2, k3) >= kMinSlope) continue;
     double low = r - kStep, high = r;
     for (int i = 0; i < 40; ++i) {
       const double middle = 0.5 * (low + high);
-      (polynomial_slope(middle, k1, k2, k3) >= kLeastSlope ? low : high) = middle;
+      (polynomial_slope(middle, k1, k2, k3) >= kMinSlope ? low : high) = middle;
     }
     limit_ = low;
     break;
   }
   radius_at_limit_ = polynomial(limit_, k1, k2, k3);
-  slope_at_limit_ = std::max(kLeastSlope, polynomial_slope(limit_, k1, k2, k3));
-  // Pictures end long before a radius of 1; beyond it the last guess must do.
+  slope_at_limit_ = std::max(kMinSlope, polynomial_slope(limit_, k1, k2, k3));
+  // Pictures end well below a radius of 1. Beyond it the last guess is used.
   const double largest_square = std::min(radius_at_limit_ * radius_at_limit_, 1.0);
   guesses_per_square_ = static_cast<double>(kGuesses) / largest_square;
   for (std::size_t i = 0; i <= kGuesses; ++i) {
@@ -55,7 +56,7 @@ double BrownDistortion::radial_slope(double r) const {
 
 double BrownDistortion::ideal_radius(double distorted, double guess) const {
   if (distorted >= radius_at_limit_) return limit_ + (distorted - radius_at_limit_) / slope_at_limit_;
-  // Newton's steps, kept inside a bracket: the radial part rises everywhere, so this cannot miss.
+  // Newton's method inside a bracket. It always converges because the radial part is strictly increasing.
   double low = 0.0, high = limit_;
   double r = std::clamp(guess, low, high);
   for (int i = 0; i < 50; ++i) {
@@ -70,14 +71,14 @@ double BrownDistortion::ideal_radius(double distorted, double guess) const {
 }
 
 BrownDistortion::Point BrownDistortion::tangential(Point ideal) const {
-  // Held at its value on the limit: it grows with the square of the radius.
+  // Beyond the limit, keep the value at the limit, because this term grows with the square of the radius.
   const double r = std::hypot(ideal[0], ideal[1]);
   const double keep = r > limit_ ? limit_ / r : 1.0;
   const double x = keep * ideal[0], y = keep * ideal[1];
   return tangential_inside({x, y}, x * x + y * y);
 }
 
-// Without a square root, which only the limit asks for.
+// Within the limit no square root is needed.
 BrownDistortion::Point BrownDistortion::inside(Point ideal, double square) const {
   const double scale = 1.0 + square * (k1_ + square * (k2_ + square * k3_));
   const Point aside = tangential_inside(ideal, square);
@@ -90,7 +91,7 @@ BrownDistortion::Point BrownDistortion::tangential_inside(Point ideal, double sq
   return {p1_ * twice_xy + p2_ * (square + 2 * x * x), p1_ * (square + 2 * y * y) + p2_ * twice_xy};
 }
 
-BrownDistortion::Slope BrownDistortion::slope(Point ideal, double square) const {
+BrownDistortion::Jacobian BrownDistortion::jacobian(Point ideal, double square) const {
   const auto [x, y] = ideal;
   const double scale = 1.0 + square * (k1_ + square * (k2_ + square * k3_));
   const double twice_by_square = 2 * (k1_ + square * (2 * k2_ + square * 3 * k3_));
@@ -102,7 +103,7 @@ BrownDistortion::Slope BrownDistortion::slope(Point ideal, double square) const 
 double BrownDistortion::stretch(Point ideal) const {
   const double square = ideal[0] * ideal[0] + ideal[1] * ideal[1];
   if (!(square <= limit_ * limit_)) return 0.0;
-  const Slope s = slope(ideal, square);
+  const Jacobian s = jacobian(ideal, square);
   return s.xx * s.yy - s.xy * s.xy;
 }
 
@@ -115,11 +116,11 @@ BrownDistortion::Point BrownDistortion::distort(Point ideal) const {
   return {scale * ideal[0] + t[0], scale * ideal[1] + t[1]};
 }
 
-// Newton's method in both coordinates at once, from a guess that is good to some thousandths. False: it left the
-// limit's circle or has not settled.
-bool BrownDistortion::undistort_quickly(Point distorted, Point& ideal) const {
-  // The error after a step is about the step's square.
-  constexpr double kSettled = 1e-6 * 1e-6;
+// Newton's method in both coordinates, from a guess with an error of a few thousandths. False if it leaves the circle
+// of the limit or does not converge.
+bool BrownDistortion::undistort_by_newton(Point distorted, Point& ideal) const {
+  // Convergence is quadratic: the error after a step is about the square of the step.
+  constexpr double kConverged = 1e-6 * 1e-6;
   const double place = (distorted[0] * distorted[0] + distorted[1] * distorted[1]) * guesses_per_square_;
   const std::size_t below = place < static_cast<double>(kGuesses) ? static_cast<std::size_t>(place) : kGuesses - 1;
   const double part = std::min(place - static_cast<double>(below), 1.0);
@@ -132,14 +133,14 @@ bool BrownDistortion::undistort_quickly(Point distorted, Point& ideal) const {
     const double square = x * x + y * y;
     if (!(square <= limit_ * limit_)) return false;
     const Point there = inside({x, y}, square);
-    const Slope s = slope({x, y}, square);
+    const Jacobian s = jacobian({x, y}, square);
     const double determinant = s.xx * s.yy - s.xy * s.xy;
     if (!(determinant > 0.0)) return false;
     const double inverse = 1.0 / determinant, u = distorted[0] - there[0], v = distorted[1] - there[1];
     const double dx = inverse * (s.yy * u - s.xy * v), dy = inverse * (s.xx * v - s.xy * u);
     x += dx;
     y += dy;
-    if (dx * dx + dy * dy > kSettled) continue;
+    if (dx * dx + dy * dy > kConverged) continue;
     ideal = {x, y};
     return x * x + y * y <= limit_ * limit_;
   }
@@ -147,10 +148,10 @@ bool BrownDistortion::undistort_quickly(Point distorted, Point& ideal) const {
 }
 
 BrownDistortion::Point BrownDistortion::undistort(Point distorted) const {
-  // Where that fails: the tangential part is small and smooth, so iterating on it alone converges, by a factor of about
-  // 4 |p| r / slope; the radial part is solved exactly in every turn.
   Point ideal = distorted;
-  if (undistort_quickly(distorted, ideal)) return ideal;
+  if (undistort_by_newton(distorted, ideal)) return ideal;
+  // Otherwise iterate on the tangential part, which is small and smooth, and solve the radial part exactly in each
+  // iteration. The error shrinks by a factor of about 4 |p| r / slope.
   double r = std::hypot(ideal[0], ideal[1]);
   for (int i = 0; i < 60; ++i) {
     const Point t = tangential(ideal);

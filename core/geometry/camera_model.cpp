@@ -7,23 +7,23 @@
 namespace touchline {
 namespace {
 
-// From this r / H on, eq. (12) goes on along its tangent: R = 10 H is 84 degrees off the axis.
-constexpr double kLargestSinhArgument = 3.0;
-// Denominator of eq. (14) at which a pixel counts as on the horizon.
-constexpr double kLeastDenominator = 0.02;
-// Depth in front of the camera, as a part of the distance, below which a point counts as beside it.
-constexpr double kLeastDepth = 1e-3;
+// Beyond this r / H, eq. (12) continues along its tangent. R = 10 H is 84 degrees from the axis.
+constexpr double kMaxSinhArgument = 3.0;
+// Denominator of eq. (14) at which a pixel is treated as lying on the horizon.
+constexpr double kMinDenominator = 0.02;
+// Depth in front of the camera, as a fraction of the distance, below which a point is treated as beside the camera.
+constexpr double kMinDepth = 1e-3;
 
 double rectified_radius(double r, double h) {
   const double t = r / h;
-  if (t <= kLargestSinhArgument) return h * std::sinh(t);
-  return h * (std::sinh(kLargestSinhArgument) + std::cosh(kLargestSinhArgument) * (t - kLargestSinhArgument));
+  if (t <= kMaxSinhArgument) return h * std::sinh(t);
+  return h * (std::sinh(kMaxSinhArgument) + std::cosh(kMaxSinhArgument) * (t - kMaxSinhArgument));
 }
 
 double distorted_radius(double rectified, double h) {
-  const double s = rectified / h, end = std::sinh(kLargestSinhArgument);
+  const double s = rectified / h, end = std::sinh(kMaxSinhArgument);
   if (s <= end) return h * std::asinh(s);
-  return h * (kLargestSinhArgument + (s - end) / std::cosh(kLargestSinhArgument));
+  return h * (kMaxSinhArgument + (s - end) / std::cosh(kMaxSinhArgument));
 }
 
 template <class Values>
@@ -43,10 +43,10 @@ bool usable(const PaperModelParameters& p) {
          p.position_m[2] > 0;
 }
 
-// So that no double overflows the interface's floats: whatever lies so far out is nowhere near field or picture.
+// Limits values to the range of the interface's floats. Such points are far from field and picture.
 float bounded(double value) {
-  constexpr double kFarthest = 1e9;
-  return static_cast<float>(std::clamp(value, -kFarthest, kFarthest));
+  constexpr double kLimit = 1e9;
+  return static_cast<float>(std::clamp(value, -kLimit, kLimit));
 }
 
 template <class From>
@@ -92,75 +92,75 @@ Status CameraModel::configure(const PaperModelParameters& p) {
   std::transform(p.affine.begin(), p.affine.end(), affine_.begin(), [](float v) { return static_cast<double>(v); });
   position_ = as_double(p.position_m);
   determinant_ = affine_[0] * affine_[4] - affine_[1] * affine_[3];
-  // Relative to its columns, so that the test does not depend on the scale of a pixel.
+  // The test is relative to the norms of the columns, because they depend on the scale of a pixel.
   const double columns = std::hypot(affine_[0], affine_[3]) * std::hypot(affine_[1], affine_[4]);
   if (!(std::abs(determinant_) > 1e-6 * columns)) return ErrorCode::kInconsistent;
   return {};
 }
 
-CameraModel::Vector2 CameraModel::paper_floor(Vector2 pixel) const {
+CameraModel::Point2 CameraModel::paper_floor(Point2 pixel) const {
   // Eq. (13); the angle itself is not needed.
   const double x = pixel[0] - center_[0], y = pixel[1] - center_[1];
   const double r = std::hypot(x, y);
   const double stretch = r > 0 ? rectified_radius(r, h_) / r : 1.0;
   const double rectified_x = stretch * x, rectified_y = stretch * y;
   // Eq. (14), solved for x and y.
-  const double w = std::max(kLeastDenominator, 1.0 - p_ * rectified_x - q_ * rectified_y);
+  const double w = std::max(kMinDenominator, 1.0 - p_ * rectified_x - q_ * rectified_y);
   const double a = rectified_x / w, b = rectified_y / w;
   return {affine_[0] * a + affine_[1] * b + affine_[2], affine_[3] * a + affine_[4] * b + affine_[5]};
 }
 
-CameraModel::Vector2 CameraModel::paper_pixel(Vector2 floor) const {
+CameraModel::Point2 CameraModel::paper_pixel(Point2 floor) const {
   const double dx = floor[0] - affine_[2], dy = floor[1] - affine_[5];
   const double a = (affine_[4] * dx - affine_[1] * dy) / determinant_;
   const double b = (affine_[0] * dy - affine_[3] * dx) / determinant_;
-  const double w = 1.0 / std::max(kLeastDenominator, 1.0 + p_ * a + q_ * b);
+  const double w = 1.0 / std::max(kMinDenominator, 1.0 + p_ * a + q_ * b);
   const double x = a * w, y = b * w;
   const double rectified = std::hypot(x, y);
   const double shrink = rectified > 0 ? distorted_radius(rectified, h_) / rectified : 1.0;
   return {center_[0] + shrink * x, center_[1] + shrink * y};
 }
 
-CameraModel::Vector3 CameraModel::direction(Vector2 pixel) const {
-  Vector3 d{};
+CameraModel::Point3 CameraModel::direction(Point2 pixel) const {
+  Point3 d{};
   if (kind_ == CameraModelKind::kPaper) {
-    const Vector2 floor = paper_floor(pixel);
+    const Point2 floor = paper_floor(pixel);
     d = {floor[0] - position_[0], floor[1] - position_[1], -position_[2]};
   } else {
-    const Vector2 ideal =
+    const Point2 ideal =
         distortion_.undistort({(pixel[0] - principal_[0]) / focal_[0], (pixel[1] - principal_[1]) / focal_[1]});
     for (std::size_t i = 0; i < 3; ++i) {
       d[i] = rotation_[0][i] * ideal[0] + rotation_[1][i] * ideal[1] + rotation_[2][i];
     }
   }
   const double level = d[0] * d[0] + d[1] * d[1];
-  if (!(d[2] < 0.0 && d[2] * d[2] >= kLeastDip * kLeastDip * level)) {
+  if (!(d[2] < 0.0 && d[2] * d[2] >= kMinDip * kMinDip * level)) {
     double length = std::sqrt(level);
-    if (length == 0.0) d[0] = length = 1.0;  // straight up: any azimuth will do
-    d[2] = std::min(d[2], -kLeastDip * length);
+    if (length == 0.0) d[0] = length = 1.0;  // straight up: the azimuth is arbitrary
+    d[2] = std::min(d[2], -kMinDip * length);
   }
   return d;
 }
 
-CameraModel::Vector3 CameraModel::from_camera(Vector3 way) const {
-  Vector3 c{};
+CameraModel::Point3 CameraModel::from_camera(Point3 way) const {
+  Point3 c{};
   for (std::size_t i = 0; i < 3; ++i) {
     c[i] = rotation_[i][0] * way[0] + rotation_[i][1] * way[1] + rotation_[i][2] * way[2];
   }
   return c;
 }
 
-CameraModel::Vector2 CameraModel::project(Vector3 point) const {
-  const Vector3 d{point[0] - position_[0], point[1] - position_[1], point[2] - position_[2]};
+CameraModel::Point2 CameraModel::project(Point3 point) const {
+  const Point3 d{point[0] - position_[0], point[1] - position_[1], point[2] - position_[2]};
   if (kind_ == CameraModelKind::kPaper) {
-    const double down = position_[2] / -d[2];  // the line of sight, lengthened down to the floor
+    const double down = position_[2] / -d[2];  // factor that extends the line of sight to the floor
     return paper_pixel({position_[0] + down * d[0], position_[1] + down * d[1]});
   }
-  const Vector3 c = from_camera(d);
+  const Point3 c = from_camera(d);
   const double distance = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-  const bool ahead = c[2] > 0.0 && c[2] * c[2] >= kLeastDepth * kLeastDepth * distance;
-  const double depth = ahead ? c[2] : kLeastDepth * std::sqrt(distance);
-  const Vector2 distorted = distortion_.distort({c[0] / depth, c[1] / depth});
+  const bool ahead = c[2] > 0.0 && c[2] * c[2] >= kMinDepth * kMinDepth * distance;
+  const double depth = ahead ? c[2] : kMinDepth * std::sqrt(distance);
+  const Point2 distorted = distortion_.distort({c[0] / depth, c[1] / depth});
   return {focal_[0] * distorted[0] + principal_[0], focal_[1] * distorted[1] + principal_[1]};
 }
 
@@ -169,7 +169,7 @@ double CameraModel::below_camera(float height_m) const {
 }
 
 Ray CameraModel::ray(PixelPoint pixel) const {
-  const Vector3 d = direction({static_cast<double>(pixel.u_px), static_cast<double>(pixel.v_px)});
+  const Point3 d = direction({static_cast<double>(pixel.u_px), static_cast<double>(pixel.v_px)});
   const double norm = std::hypot(d[0], d[1], d[2]);
   Ray out;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -180,36 +180,36 @@ Ray CameraModel::ray(PixelPoint pixel) const {
 }
 
 FieldPoint CameraModel::to_field(PixelPoint pixel, float height_m) const {
-  const Vector3 d = direction({static_cast<double>(pixel.u_px), static_cast<double>(pixel.v_px)});
+  const Point3 d = direction({static_cast<double>(pixel.u_px), static_cast<double>(pixel.v_px)});
   const double length = (below_camera(height_m) - position_[2]) / d[2];
   return {bounded(position_[0] + length * d[0]), bounded(position_[1] + length * d[1])};
 }
 
 PixelPoint CameraModel::to_pixel(FieldPoint point, float height_m) const {
-  const Vector2 pixel =
+  const Point2 pixel =
       project({static_cast<double>(point.x_m), static_cast<double>(point.y_m), below_camera(height_m)});
   return {bounded(pixel[0]), bounded(pixel[1])};
 }
 
 float CameraModel::scale_px_per_m(FieldPoint point, float height_m) const {
   if (kind_ == CameraModelKind::kFull) {
-    // A plane's area through a pinhole: by the sine of the view's dip and the cube of the depth.
-    const Vector3 d{static_cast<double>(point.x_m) - position_[0], static_cast<double>(point.y_m) - position_[1],
-                    below_camera(height_m) - position_[2]};
-    const Vector3 c = from_camera(d);
+    // Area of a horizontal plane through a pinhole: proportional to the vertical distance over the cube of the depth.
+    const Point3 d{static_cast<double>(point.x_m) - position_[0], static_cast<double>(point.y_m) - position_[1],
+                   below_camera(height_m) - position_[2]};
+    const Point3 c = from_camera(d);
     const double distance = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    if (c[2] > 0.0 && c[2] * c[2] >= kLeastDepth * kLeastDepth * distance) {
+    if (c[2] > 0.0 && c[2] * c[2] >= kMinDepth * kMinDepth * distance) {
       const double stretch = distortion_.stretch({c[0] / c[2], c[1] / c[2]});
       if (stretch > 0.0) {
         return bounded(std::sqrt(focal_[0] * focal_[1] * stretch * -d[2] / (c[2] * c[2] * c[2])));
       }
     }
   }
-  // Central differences: at a millimeter their error is the lens's third derivative times 1e-6.
+  // Central differences. With a step of 1 mm their error is the third derivative of the lens model times 1e-6.
   constexpr double kStep = 1e-3;
   const double x = static_cast<double>(point.x_m), y = static_cast<double>(point.y_m), z = below_camera(height_m);
-  const Vector2 right = project({x + kStep, y, z}), left = project({x - kStep, y, z});
-  const Vector2 up = project({x, y + kStep, z}), down = project({x, y - kStep, z});
+  const Point2 right = project({x + kStep, y, z}), left = project({x - kStep, y, z});
+  const Point2 up = project({x, y + kStep, z}), down = project({x, y - kStep, z});
   const double area = (right[0] - left[0]) * (up[1] - down[1]) - (right[1] - left[1]) * (up[0] - down[0]);
   return bounded(std::sqrt(std::abs(area)) / (2.0 * kStep));
 }

@@ -42,13 +42,13 @@ struct FullModelParameters {
   }
 };
 
-/// Klancar eq. (12)-(15), and the affine part that is left after them.
+/// Klancar eq. (12)-(15) and the affine map that remains after them.
 struct PaperModelParameters {
   float center_u_px = 0, center_v_px = 0;
   float focal_px = 0;                 // H of eq. (12)
   float p_per_px = 0, q_per_px = 0;   // eq. (14)
-  std::array<float, 6> affine{};      // x_m = a0 x + a1 y + a2, y_m = a3 x + a4 y + a5 of the floor
-  std::array<float, 3> position_m{};  // of the camera; its height lets objects stand above the floor
+  std::array<float, 6> affine{};      // floor: x_m = a0 x + a1 y + a2, y_m = a3 x + a4 y + a5
+  std::array<float, 3> position_m{};  // of the camera; its height is needed for objects above the floor
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -99,53 +99,53 @@ struct Ray {
   std::array<float, 3> origin_m{}, direction{};  // direction: unit vector away from the camera
 };
 
-/// Pixel -> ray -> plane, and back. Only coordinates are transformed, never a picture.
+/// Transforms pixels to rays and points on a plane, and back. Only coordinates are transformed, never a picture.
 ///
-/// Inside, everything is double, so that only the interface's floats cost anything: less than 0.002 mm on the field
+/// The model computes in double. Only the floats of the interface cost accuracy: less than 0.002 mm on the field
 /// (tests/geometry).
 ///
-/// Every function gives a finite answer for every finite argument, so that a region outside the calibrated part of the
-/// picture cannot poison what follows: lines of sight that miss the ground (above kLeastDip) meet it at that dip, far
-/// outside of any field; planes at or above the camera count as just below it; where the lens model would fold back,
-/// it goes on along its tangent. Answers end at a million kilometers (1e9 m or px).
+/// Every function returns finite values for finite arguments, because regions also appear outside the calibrated part
+/// of the picture. A line of sight above the angle kMinDip hits the ground at this angle, far outside of any field. A
+/// plane at or above the camera is replaced by one just below it. Beyond its limit the lens model continues along its
+/// tangent. Results are limited to 1e9 m or px.
 class CameraModel {
  public:
-  // Tangent of the flattest angle below the horizon: 50 camera heights away.
-  static constexpr double kLeastDip = 0.02;
+  // Tangent of the smallest angle below the horizon; it corresponds to a distance of 50 camera heights.
+  static constexpr double kMinDip = 0.02;
 
-  /// kOutOfRange: focal length or camera height not positive, or a value that is not finite; kInconsistent: the affine
-  /// part is singular. The model then stays as it was.
+  /// kOutOfRange: focal length or camera height not positive, or a value is not finite. kInconsistent: the affine map
+  /// is singular. After an error the model is unchanged.
   Status configure(const CameraParameters& parameters);
 
   [[nodiscard]] Ray ray(PixelPoint pixel) const;
-  /// Where the line of sight meets the plane z = height_m (below the camera).
+  /// Intersection of the line of sight with the plane z = height_m, which is below the camera.
   [[nodiscard]] FieldPoint to_field(PixelPoint pixel, float height_m) const;
-  /// The inverse of to_field() below the horizon, to 1e-3 px (the floats of a pixel and of a field point).
+  /// Inverse of to_field() below the horizon, accurate to 1e-3 px (rounding of pixels and field points to float).
   [[nodiscard]] PixelPoint to_pixel(FieldPoint point, float height_m) const;
-  /// Square root of the area in pixels that a square meter at this place and height covers.
+  /// Square root of the area in pixels of one square meter at this place and height.
   [[nodiscard]] float scale_px_per_m(FieldPoint point, float height_m) const;
 
  private:
-  using Vector2 = std::array<double, 2>;
-  using Vector3 = std::array<double, 3>;
+  using Point2 = std::array<double, 2>;
+  using Point3 = std::array<double, 3>;
 
   Status configure(const FullModelParameters& p);
   Status configure(const PaperModelParameters& p);
-  [[nodiscard]] Vector3 direction(Vector2 pixel) const;    // of any length, pointing below the horizon
-  [[nodiscard]] Vector2 project(Vector3 point) const;      // field frame, below the camera
-  [[nodiscard]] Vector3 from_camera(Vector3 way) const;    // field frame -> camera frame, full model
-  [[nodiscard]] Vector2 paper_floor(Vector2 pixel) const;  // eq. (12)-(14) and the affine part
-  [[nodiscard]] Vector2 paper_pixel(Vector2 floor) const;
+  [[nodiscard]] Point3 direction(Point2 pixel) const;    // of any length, pointing below the horizon
+  [[nodiscard]] Point2 project(Point3 point) const;      // field frame, below the camera
+  [[nodiscard]] Point3 from_camera(Point3 way) const;    // field frame -> camera frame, full model
+  [[nodiscard]] Point2 paper_floor(Point2 pixel) const;  // eq. (12)-(14) and the affine part
+  [[nodiscard]] Point2 paper_pixel(Point2 floor) const;
   [[nodiscard]] double below_camera(float height_m) const;
 
   CameraModelKind kind_ = CameraModelKind::kFull;
-  Vector3 position_{0, 0, 1};
+  Point3 position_{0, 0, 1};
   // full
-  Vector2 focal_{1, 1}, principal_{};
+  Point2 focal_{1, 1}, principal_{};
   BrownDistortion distortion_;
-  std::array<Vector3, 3> rotation_{};  // rows; field -> camera
+  std::array<Point3, 3> rotation_{};  // rows; field -> camera
   // paper
-  Vector2 center_{};
+  Point2 center_{};
   double h_ = 1, p_ = 0, q_ = 0;
   std::array<double, 6> affine_{};
   double determinant_ = 1;

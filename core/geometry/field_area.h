@@ -5,10 +5,11 @@
 
 namespace touchline {
 
+/// Size of the field and its goals.
 struct FieldParameters {
   float length_m = 2.2f, width_m = 1.8f;
   float goal_width_m = 0.4f, goal_depth_m = 0.15f;
-  float margin_m = 0.1f;  // sightings farther outside the border (and its goals) are refused
+  float margin_m = 0.1f;  // sightings farther outside the border and the goals are rejected
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -28,7 +29,7 @@ struct FieldParameters {
   }
 };
 
-/// Is the point on the field or in a goal, each widened by the margin? False for coordinates that are not numbers.
+/// True if the point is on the field or in a goal, each enlarged by the margin. False if a coordinate is NaN.
 bool inside_field(const FieldParameters& field, FieldPoint point);
 
 }  // namespace touchline

@@ -8,21 +8,21 @@
 namespace touchline {
 namespace {
 
-// Of a smaller ball no pixel is wholly covered.
-constexpr float kLeastRadiusPx = 2.0f;
-// From a pixel away it takes three or four turns, where a lamp cuts channels off more.
-constexpr int kTurns = 12;
-constexpr float kSettledPx = 0.01f;
+// A smaller ball covers no pixel completely.
+constexpr float kMinRadiusPx = 2.0f;
+// From an error of one pixel, three or four iterations are enough; more if a lamp saturates channels.
+constexpr int kMaxBallIterations = 12;
+constexpr float kConvergedPx = 0.01f;
 constexpr float kSmallStepPx = 0.2f;
-// Of a step to the one before.
-constexpr float kLargestShrinking = 0.7f;
-constexpr float kLargestStepPx = 1.5f;
-// Part of the ball's own light by which a pixel may be off until it counts half.
-constexpr float kForeignLight = 0.2f;
-// So much of what is weighed must fit: a ball of which a robot hides half still has it.
-constexpr float kLeastFitting = 0.4f;
-// The shade takes at most the side that the lamp does not reach.
-constexpr float kFarthest = 0.6f;
+// Largest ratio of a step to the one before it that is used for the extrapolation.
+constexpr float kMaxStepRatio = 0.7f;
+constexpr float kMaxStepPx = 1.5f;
+// Error of a pixel, as a fraction of the ball's own light, at which its weight is one half.
+constexpr float kHalfWeightError = 0.2f;
+// Minimum mean weight of the covered pixels. A ball that is half hidden by a robot still reaches it.
+constexpr float kMinFittingFraction = 0.4f;
+// Largest correction in radii. Shading hides at most the side that the lamp does not reach.
+constexpr float kMaxCorrection = 0.6f;
 
 using Normal = Eigen::Matrix<float, kShadeTerms, kShadeTerms>;
 using Terms = Eigen::Matrix<float, kShadeTerms, 1>;
@@ -35,7 +35,7 @@ class BallCenterFit::Solver {
   Solver(const FitKernel& kernel, const CameraModel& camera, float radius_m, const Frame& frame,
          const BallSighting& ball, BallDisk& disk)
       : kernel_(kernel), frame_(frame), disk_(disk) {
-    // Two directions across the line of sight: level, and the one that is left.
+    // Two directions perpendicular to the line of sight: a horizontal one, and the one perpendicular to both.
     const Ray ray = camera.ray(ball.center);
     const std::array<float, 3>& d = ray.direction;
     const float level = std::hypot(d[0], d[1]);
@@ -60,22 +60,22 @@ class BallCenterFit::Solver {
              std::sqrt(std::abs(determinant))};
   }
 
-  // False: keep what is there.
+  // Returns false if the former center should be kept.
   bool run() {
-    if (!(view_.radius_px >= kLeastRadiusPx) || !std::isfinite(view_.radius_px)) return false;
+    if (!(view_.radius_px >= kMinRadiusPx) || !std::isfinite(view_.radius_px)) return false;
     const PixelPoint start = view_.center;
-    float step_px = 2.0f * kSettledPx;
-    for (int turn = 0; turn < kTurns && step_px > kSettledPx; ++turn) {
+    float step_px = 2.0f * kConvergedPx;
+    for (int iteration = 0; iteration < kMaxBallIterations && step_px > kConvergedPx; ++iteration) {
       if (!kernel_.sample_ball(frame_, view_, disk_) || !shade() || !step(step_px)) return false;
     }
     const float moved = std::hypot(center().u_px - start.u_px, center().v_px - start.v_px);
-    return moved <= kFarthest * view_.radius_px && fitting_ >= kLeastFitting;
+    return moved <= kMaxCorrection * view_.radius_px && fitting_ >= kMinFittingFraction;
   }
 
   [[nodiscard]] PixelPoint center() const { return view_.center; }
 
  private:
-  // b of every channel, for the present center.
+  // Solves for b of every channel at the current center.
   bool shade() {
     const ShadingEquations found = kernel_.accumulate_shading(disk_, shades_);
     Normal sums;
@@ -85,7 +85,7 @@ class BallCenterFit::Solver {
         sums(row, column) = sums(column, row) = found.normal[i][j];
       }
     }
-    // A hidden side leaves a direction of b open; a small part of a brightness for it does not harm the others.
+    // If one side is hidden, a direction of b is undetermined. A small regularization does not harm the others.
     sums.diagonal().array() += 1e-4f * sums(0, 0) + 1e-9f;
     inverse_normal_ = sums.cast<double>().inverse().cast<float>();
     shades_.allowed = 0;
@@ -93,7 +93,7 @@ class BallCenterFit::Solver {
       std::array<float, kShadeTerms>& of = shades_.of[c];
       Terms::Map(of.data()) = inverse_normal_ * Terms::Map(found.right[c].data());
       const float facing = of[0] + of[3];
-      shades_.allowed += kForeignLight * kForeignLight * facing * facing;
+      shades_.allowed += kHalfWeightError * kHalfWeightError * facing * facing;
     }
     return shades_.allowed > 0.0f;
   }
@@ -104,7 +104,7 @@ class BallCenterFit::Solver {
     fitting_ = sums.fitting / sums.covered;
     float xx = sums.edge.xx, xy = sums.edge.xy, yy = sums.edge.yy;
     const float scale = xx + yy;
-    // What the shades could explain as well does not count for the center.
+    // Project out the changes that different shading would explain as well.
     for (std::size_t c = 0; c < kLightChannels; ++c) {
       const Terms by_x = Terms::Map(sums.shared_x[c].data()), by_y = Terms::Map(sums.shared_y[c].data());
       const Terms solved_x = inverse_normal_ * by_x, solved_y = inverse_normal_ * by_y;
@@ -118,18 +118,19 @@ class BallCenterFit::Solver {
             (xx * sums.edge.ry - xy * sums.edge.rx) / determinant};
     by = accelerated(by);
     step_px = by.norm() * view_.radius_px;
-    if (step_px > kLargestStepPx) by *= kLargestStepPx / step_px;
+    if (step_px > kMaxStepPx) by *= kMaxStepPx / step_px;
     view_.center.u_px += view_.axis[0].u_px * by[0] + view_.axis[1].u_px * by[1];
     view_.center.v_px += view_.axis[0].v_px * by[0] + view_.axis[1].v_px * by[1];
     return true;
   }
 
-  // Small steps of this method shrink evenly: the second of a pair goes where all that would follow lead.
+  // Small steps of this method shrink by a constant ratio. The second step of a pair therefore goes to the limit of
+  // the geometric series (Aitken extrapolation).
   Step accelerated(const Step& found) {
     const float before = last_.norm();
     if (!(found.dot(last_) > 0.0f && before * view_.radius_px < kSmallStepPx)) return last_ = found;
     last_.setZero();
-    return found / (1.0f - std::min(found.norm() / before, kLargestShrinking));
+    return found / (1.0f - std::min(found.norm() / before, kMaxStepRatio));
   }
 
   const FitKernel& kernel_;
@@ -137,9 +138,9 @@ class BallCenterFit::Solver {
   BallDisk& disk_;
   BallView view_;
   float fitting_ = 0;
-  Step last_ = Step::Zero();  // in radii; zero after one that went farther
+  Step last_ = Step::Zero();  // in radii; zero after an extrapolated step
   Normal inverse_normal_;
-  BallShading shades_;  // of the turn before, until shade() has found new ones
+  BallShading shades_;  // of the previous iteration until shade() finds new ones
 };
 
 void BallCenterFit::configure(const BallParameters& ball, const CameraModel& camera, KernelChoice kernel) {

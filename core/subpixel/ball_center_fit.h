@@ -7,24 +7,25 @@
 
 namespace touchline {
 
-/// Center of the ball from its outline. The centroid of the pixels that have the ball's color lies towards the lamps,
-/// because the other side is too dark to have it.
+/// Finds the ball's center from its outline. The centroid of the pixels with the ball's color is biased towards the
+/// lamps, because the shaded side of the ball is too dark to have this color.
 ///
-/// The ball's radius and the camera are known, and with them its outline. A matt ball of one color is shaded by the
-/// direction n of its surface: under any number of lamps, b0 + b . n per channel (Lambert's law; Basri and Jacobs 2003
-/// give the error for the side that a lamp does not reach). A pixel of which the ball covers the part w shows
+/// The ball's radius and the camera are known, and so is the shape of the outline. The light of a matt ball of one
+/// color depends on the surface normal n. Under any number of lamps it is b0 + b . n per channel (Lambert's law; Basri
+/// and Jacobs 2003 give the error on the side that a lamp does not reach). If the ball covers the fraction w of a
+/// pixel, the pixel shows
 ///   w (b0 + b . n) + (1 - w) O,
-/// O being what is seen just outside there. For a center the best b is a linear problem; the center is where the
-/// pixels on the outline fit best (Gauss-Newton with the linear part projected out: Kaufman 1975). Pixels that do not
-/// fit, as those of a robot in front, count less.
+/// where O is the light of the surroundings just outside the ball. For a given center, the best b is the solution of a
+/// linear problem. The center is found by Gauss-Newton with the linear part projected out (variable projection, Kaufman
+/// 1975). Pixels that do not fit, such as those of a robot in front of the ball, have a lower weight.
 ///
-/// A ball keeps the center it has when the picture does not look like that. The work is bounded: of a large one every
-/// second, third ... pixel of a row and every such row is looked at.
+/// If the picture does not fit this model, the ball keeps its center. The work is bounded: on a large ball, only every
+/// second, third, ... pixel and row is sampled.
 class BallCenterFit {
  public:
   void configure(const BallParameters& ball, const CameraModel& camera, KernelChoice kernel = KernelChoice::kFastest);
 
-  /// Moves center and position of the ball, if one was seen. The frame has been accepted by the scan.
+  /// Improves center and position of the ball, if one was seen. The frame must be one that the scan accepted.
   void refine(const Frame& frame, Sightings& sightings);
 
  private:

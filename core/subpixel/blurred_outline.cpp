@@ -15,7 +15,7 @@ BlurredOutline::BlurredOutline(const PatchPlace& place)
       sin_(std::sin(place.turn_rad)) {
   if (place.outline != PatchOutline::kTriangle) return;
   reach_x_m_ = 4.0f / 3.0f * half_length_m_;
-  width_m_ *= 0.5f;  // of the inscribed circle, as good as
+  width_m_ *= 0.5f;  // close to the diameter of the inscribed circle
   const float norm = std::hypot(half_width_m_, 2.0f * half_length_m_);
   nx_ = half_width_m_ / norm;
   ny_ = 2.0f * half_length_m_ / norm;
@@ -39,7 +39,7 @@ FieldPoint BlurredOutline::half_box(float ramp_m) const {
 FieldPoint BlurredOutline::inner_box(float ramp_m) const {
   if (outline_ == PatchOutline::kTriangle || width_m_ <= ramp_m) return {};
   if (outline_ == PatchOutline::kCircle) {
-    // The square in the circle, both stretched.
+    // The inscribed square, stretched like the circle.
     const float part = 0.7f * (1.0f - 0.5f * ramp_m / std::min(half_length_m_, half_width_m_));
     return {part * half_length_m_, part * half_width_m_};
   }

@@ -10,10 +10,10 @@
 #include "core/subpixel/blurred_outline.h"
 #include "core/types.h"
 
-// What of the centers' fits (patch_center.h, ball_center.h) touches pixels, eight at a time.
+// The functions of the fits (patch_center_fit.h, ball_center_fit.h) that process pixels, eight at a time.
 namespace touchline {
 
-/// Pixels that are computed at once.
+/// Number of pixels that are processed together.
 constexpr int kLanes = 8;
 
 /// Eight values in memory.
@@ -29,59 +29,59 @@ struct MarkerView {
   const MarkerLayout* layout = nullptr;
   const FixedVector<BlurredOutline, kMaxPatches>* covers = nullptr;
   float half_m = 0, ramp_m = 0, scale_px_per_m = 0;
-  PixelPoint middle;                                     // of the robot
-  float u_by_x = 0, u_by_y = 0, v_by_x = 0, v_by_y = 0;  // pixels by the robot's frame around it
+  PixelPoint middle;                                     // center of the robot
+  float u_by_x = 0, u_by_y = 0, v_by_x = 0, v_by_y = 0;  // pixels per meter of the robot's frame
   std::array<float, 3> top{};                            // light of its top
 };
 
-/// A patch of it.
+/// A patch of this robot.
 struct PatchView {
-  std::size_t number = 0;  // in the layout
+  std::size_t number = 0;  // index in the layout
   PixelPoint center;
-  FieldPoint at;  // the same, from where the pose says that it is, along its outline's axes
+  FieldPoint at;  // the same center, in meters from the place that follows from the pose, along the outline's axes
 };
 
 /// Sums over pixels that show one surface.
 struct ColorSums {
   int count = 0;
   std::array<float, 3> light{};
-  float squares = 0;  // of all channels together
+  float squares = 0;  // sum over all channels
 };
 
 /// Eight pixels of a row at a patch's edge.
 struct EdgePixels {
-  StoredFloat8 x, y;                  // m from where the pose says that the patch is, along its outline's axes
-  std::array<StoredFloat8, 3> light;  // beyond that of the top, without what surrounds the robot
-  StoredFloat8 doubt;                 // squared light of the surroundings in it
-  StoredFloat8 counts;                // 1: on the patch's edge, and on the picture; else 0
+  StoredFloat8 x, y;                  // meters from the place that follows from the pose, along the outline's axes
+  std::array<StoredFloat8, 3> light;  // minus the light of the top, and without the part of the surroundings
+  StoredFloat8 doubt;                 // squared light of the surroundings that was removed
+  StoredFloat8 counts;                // 1 for a pixel on the patch's edge and inside the picture, else 0
 };
-// The largest square of which all is looked at is 32 x 32 pixels; a row crosses its edge twice, each in two groups.
+// The largest square that is sampled completely has 32 x 32 pixels. A row crosses its edge twice, each in two groups.
 using PatchEdge = FixedVector<EdgePixels, 144>;
 
-/// What another patch adds to the pixels of one, in units of that one's own excess of light.
+/// Light that another patch of the robot adds to a patch's pixels, relative to the patch's own excess of light.
 struct NeighborPatch {
   const BlurredOutline* cover = nullptr;
-  float cos = 1, sin = 0, x_m = 0, y_m = 0;  // from the one's axes to its own
+  float cos = 1, sin = 0, x_m = 0, y_m = 0;  // from the patch's axes to those of the neighbor
   FieldPoint half_box;
   float light = 0;
 };
 
-/// An edge and what is to be fitted to it.
+/// A patch's edge and the model to fit to it.
 struct EdgeFitTask {
   const PatchEdge* edge = nullptr;
   const BlurredOutline* cover = nullptr;
-  FieldPoint at;                 // the outline's center, along its axes
-  std::array<float, 3> along{};  // takes light to parts of the patch's own
-  float doubted = 0;             // by which squared light of the surroundings takes weight away
+  FieldPoint at;                 // center of the outline, along its axes
+  std::array<float, 3> along{};  // its scalar product with the light is a fraction of the patch's own excess
+  float doubted = 0;             // factor by which squared light of the surroundings reduces the weight
   float ramp_m = 0;
   FixedVector<NeighborPatch, kMaxPatches> neighbors;
 };
 
-/// Normal equations of an outline's center: slopes s along x and y, error r, weight w.
+/// Normal equations of least squares for an outline's center: derivatives s along x and y, error r, weight w.
 struct CenterEquations {
   float xx = 0, xy = 0, yy = 0;    // w s s
   float rx = 0, ry = 0;            // w r s
-  float squares = 0, weights = 0;  // w r r, w; of a patch only
+  float squares = 0, weights = 0;  // w r r, w; only for patches
 };
 
 constexpr std::size_t kShadeTerms = 4, kLightChannels = 3;
@@ -89,65 +89,66 @@ constexpr std::size_t kShadeTerms = 4, kLightChannels = 3;
 /// A ball's outline in one picture.
 struct BallView {
   PixelPoint center;
-  std::array<PixelPoint, 2> axis{};  // radii across the line of sight, as the picture shows them
+  std::array<PixelPoint, 2> axis{};  // projections of two radii perpendicular to the line of sight
   std::array<float, 4> inverse{};    // from pixels to radii
   float radius_px = 0;
 };
 
 /// Eight pixels of a row on the ball.
 struct BallPixels {
-  StoredFloat8 cover;                                // w; 0: does not count
+  StoredFloat8 cover;                                // w; 0 if the pixel is not used
   std::array<StoredFloat8, kShadeTerms - 1> slopes;  // w n
-  std::array<StoredFloat8, kLightChannels> rest;     // seen - (1 - w) O
-  std::array<StoredFloat8, kLightChannels> up_to;    // may be as much more as this; below 0: no more than is seen
-  std::array<StoredFloat8, kLightChannels> outside;  // O, zero where the ball covers all
-  StoredFloat8 out_x, out_y;                         // unit vector outwards in the ball's axes, zero but on the edge
+  std::array<StoredFloat8, kLightChannels> rest;     // measured light - (1 - w) O
+  std::array<StoredFloat8, kLightChannels>
+      up_to;  // upper bound of the light of a saturated channel; negative if it is not saturated
+  std::array<StoredFloat8, kLightChannels> outside;  // O; zero if the ball covers the pixel completely
+  StoredFloat8 out_x, out_y;                         // outward unit vector in the ball's axes; zero except on the edge
   bool on_edge = false;
 };
-// Of 36 x 36 pixels, the largest square of which all are looked at.
+// For 36 x 36 pixels, the largest square that is sampled completely.
 using BallDisk = FixedVector<BallPixels, 185>;
 
-/// Light of the ball: by channel, sums of terms times the channel's four.
+/// Light of the ball: four coefficients (b0, b) per channel.
 struct BallShading {
   std::array<std::array<float, kShadeTerms>, kLightChannels> of{};
-  float allowed = 1e30f;  // squared error at which a pixel counts half
+  float allowed = 1e30f;  // squared error at which the weight is one half
 };
 struct ShadingEquations {
-  std::array<std::array<float, kShadeTerms>, kShadeTerms> normal{};  // its lower triangle
+  std::array<std::array<float, kShadeTerms>, kShadeTerms> normal{};  // lower triangle only
   std::array<std::array<float, kShadeTerms>, kLightChannels> right{};
 };
 struct BallOutlineEquations {
-  CenterEquations edge;                                                               // by the center, in radii
-  std::array<std::array<float, kShadeTerms>, kLightChannels> shared_x{}, shared_y{};  // slopes times terms
-  float fitting = 0, covered = 0;  // what is covered, with its weight and without
+  CenterEquations edge;                                                               // for the center, in radii
+  std::array<std::array<float, kShadeTerms>, kLightChannels> shared_x{}, shared_y{};  // derivatives times terms
+  float fitting = 0, covered = 0;  // sum of the covered fractions, with and without weights
 };
 
-/// Frames have been accepted by the scan and are more than one pixel.
+/// Frames must be ones that the scan accepted, and wider than one pixel.
 struct FitKernel {
-  /// Light of the robot's top, where no patch is near.
+  /// Measures the light of the robot's top where no patch is near.
   ColorSums (*sample_top)(const Frame& frame, const MarkerView& robot);
-  /// The patch's pixels: those wholly covered, and the edge. False: too many.
+  /// Collects the patch's pixels: completely covered ones and those on the edge. False if there are too many.
   bool (*sample_patch)(const Frame& frame, const MarkerView& robot, const PatchView& patch, ColorSums& inside,
                        PatchEdge& edge);
   CenterEquations (*accumulate_edge)(const EdgeFitTask& task);
-  /// False: too many.
+  /// Collects the pixels of the ball. False if there are too many.
   bool (*sample_ball)(const Frame& frame, const BallView& ball, BallDisk& disk);
   ShadingEquations (*accumulate_shading)(const BallDisk& disk, const BallShading& before);
   BallOutlineEquations (*accumulate_outline)(const BallDisk& disk, const BallShading& shades, float radius_px);
 };
 
-/// The fastest that this processor has, or the portable one. They give the same bits.
+/// The fastest kernel that this processor supports, or the portable one. Both give identical results.
 const FitKernel& fit_kernel(KernelChoice choice);
 
 const FitKernel& portable_fit_kernel();
-/// Null where the processor lacks AVX2.
+/// Null if the processor lacks AVX2.
 const FitKernel* avx2_fit_kernel();
 
-// A pixel's own width, and once and a half as much of the lens and of Bayer's pattern together.
+// Width of an edge: one pixel, and 1.5 pixels for the blur of lens and Bayer pattern.
 constexpr float kRampPx = 2.5f;
 
-/// Of a square with half this side, `reach_px`, every pixel is looked at where it is at most `all_px`; of larger ones
-/// every second, third ...
+/// Sampling stride for a square with half side `reach_px`: 1 (every pixel) if `reach_px` is below `all_px`, then 2, 3,
+/// ...
 int sampling_stride(float reach_px, float all_px);
 
 }  // namespace touchline

@@ -10,23 +10,24 @@
 namespace touchline {
 namespace {
 
-// With narrower patches too few pixels are wholly covered.
-constexpr float kLeastWidthPx = 1.2f * kRampPx;
-constexpr int kLeastInside = 4, kLeastTop = 4;
-// Difference of light between patch and top; less is noise.
-constexpr float kLeastContrast = 0.01f;
-// Surroundings whose difference from the top is this part of the patch's own count half.
-constexpr float kForeignLight = 0.3f;
-// A region's centroid is rarely off by a pixel; farther on, something else is fitted.
-constexpr float kFarthestPx = 2.0f;
-// RMS error of the part of a pixel that is covered, on the edges, up to which the fit is believed, and from which on it
-// is not. (Sharp edges under the ramp, noise and shared chroma leave 0.1, a centroid that is a pixel off 0.25.) Between
-// them it counts in part: a robot at the limit would else jump between its two centers from frame to frame.
-constexpr float kGoodCover = 0.22f, kWorstCover = 0.32f;
-// The first turn leaves a tenth of its way, or less: after a short one nothing that noise would let see.
-constexpr int kTurns = 2;
-constexpr float kShortWayPx = 0.05f;
-// After a longer way other pixels are on the edges.
+// On narrower patches, too few pixels are completely covered.
+constexpr float kMinWidthPx = 1.2f * kRampPx;
+constexpr int kMinInsidePixels = 4, kMinTopPixels = 4;
+// Minimum difference of light between patch and top; smaller differences are noise.
+constexpr float kMinContrast = 0.01f;
+// Difference between surroundings and top, relative to that between patch and top, at which a pixel's weight is one
+// half.
+constexpr float kHalfWeightSurroundings = 0.3f;
+// A region's centroid rarely has an error of one pixel. A larger correction means that something else was fitted.
+constexpr float kMaxCorrectionPx = 2.0f;
+// RMS error of the covered fraction of edge pixels. Up to the first value the fit is used, beyond the second it is not.
+// (Sharp edges under the ramp, noise and shared chroma leave 0.1; a centroid that is wrong by a pixel leaves 0.25.)
+// In between, the result is a weighted mean, so a robot at the limit does not jump between two centers.
+constexpr float kGoodCoverage = 0.22f, kWorstCoverage = 0.32f;
+// The first iteration leaves at most a tenth of its step as error. After a short step the rest is below the noise.
+constexpr int kMaxPatchIterations = 2;
+constexpr float kShortStepPx = 0.05f;
+// After a longer step the edges cross other pixels, so they are sampled again.
 constexpr float kSameEdgePx = 0.2f;
 
 float dot(const std::array<float, 3>& a, const std::array<float, 3>& b) {
@@ -61,10 +62,10 @@ class PatchCenterFit::Solver {
     for (const PatchPlace& place : layout_.patches) targets_.push_back({seen_at(place.x_m, place.y_m), {}, {}, 0});
   }
 
-  // 0 to 1: how far the fit is to be believed.
+  // Returns the weight of the fit, 0 to 1.
   float run() {
     if (!converge()) return 0.0f;
-    return std::clamp((kWorstCover - worst_cover_) / (kWorstCover - kGoodCover), 0.0f, 1.0f);
+    return std::clamp((kWorstCoverage - worst_coverage_) / (kWorstCoverage - kGoodCoverage), 0.0f, 1.0f);
   }
 
   [[nodiscard]] PixelPoint center(std::size_t k) const {
@@ -72,7 +73,7 @@ class PatchCenterFit::Solver {
     return {targets_[k].pixel.u_px + view_.u_by_x * by.x_m + view_.u_by_y * by.y_m,
             targets_[k].pixel.v_px + view_.v_by_x * by.x_m + view_.v_by_y * by.y_m};
   }
-  // In the robot's frame, as the old pose has it.
+  // In the robot's frame of the former pose.
   [[nodiscard]] FieldPoint seen(std::size_t k) const {
     const FieldPoint by = moved(k);
     return {layout_.patches[k].x_m + by.x_m, layout_.patches[k].y_m + by.y_m};
@@ -81,31 +82,31 @@ class PatchCenterFit::Solver {
 
  private:
   struct Target {
-    PixelPoint pixel;             // where the pose says that the patch is
-    FieldPoint at;                // from there, along the outline's axes
-    std::array<float, 3> excess;  // light of the patch beyond the top's
-    float power;                  // its square
+    PixelPoint pixel;             // center of the patch according to the pose
+    FieldPoint at;                // offset from there along the outline's axes
+    std::array<float, 3> excess;  // light of the patch minus light of the top
+    float power;                  // squared norm of the excess
   };
   using Targets = FixedVector<Target, kMaxPatches>;
 
   bool converge() {
     if (!(view_.scale_px_per_m > 0.0f) || !std::isfinite(view_.scale_px_per_m)) return false;
     for (const BlurredOutline& cover : covers_) {
-      if (cover.width_m() * view_.scale_px_per_m < kLeastWidthPx) return false;
+      if (cover.width_m() * view_.scale_px_per_m < kMinWidthPx) return false;
     }
     if (!find_top()) return false;
     if (!sample_all()) return false;
-    const float unevenness = unevenness_;  // where the regions' centroids were
-    float way_px = 2.0f * kShortWayPx;
-    for (int turn = 0; turn < kTurns && way_px > kShortWayPx; ++turn) {
-      if (turn > 0 && way_px > kSameEdgePx && !sample_all()) return false;
+    const float unevenness = unevenness_;  // at the regions' centroids
+    float step_px = 2.0f * kShortStepPx;
+    for (int iteration = 0; iteration < kMaxPatchIterations && step_px > kShortStepPx; ++iteration) {
+      if (iteration > 0 && step_px > kSameEdgePx && !sample_all()) return false;
       const Targets before = targets_;
-      worst_cover_ = unevenness;
-      way_px = 0;
+      worst_coverage_ = unevenness;
+      step_px = 0;
       for (std::size_t k = 0; k < targets_.size(); ++k) {
-        if (!step(k, turn == 0, before)) return false;
+        if (!step(k, iteration == 0, before)) return false;
         const FieldPoint now = targets_[k].at, then = before[k].at;
-        way_px = std::max(way_px, std::hypot(now.x_m - then.x_m, now.y_m - then.y_m) * view_.scale_px_per_m);
+        step_px = std::max(step_px, std::hypot(now.x_m - then.x_m, now.y_m - then.y_m) * view_.scale_px_per_m);
       }
     }
     return true;
@@ -129,18 +130,18 @@ class PatchCenterFit::Solver {
 
   bool find_top() {
     const ColorSums top = kernel_.sample_top(frame_, view_);
-    if (top.count < kLeastTop) return false;
+    if (top.count < kMinTopPixels) return false;
     for (std::size_t c = 0; c < 3; ++c) view_.top[c] = top.light[c] / static_cast<float>(top.count);
     return true;
   }
 
   bool find_color(const ColorSums& inside, Target& target) {
-    if (inside.count < kLeastInside) return false;
+    if (inside.count < kMinInsidePixels) return false;
     const float count = static_cast<float>(inside.count);
     for (std::size_t c = 0; c < 3; ++c) target.excess[c] = inside.light[c] / count;
     target.power = dot(target.excess, target.excess);
-    if (!(target.power > kLeastContrast * kLeastContrast)) return false;
-    // A patch that is not of one color is covered by something.
+    if (!(target.power > kMinContrast * kMinContrast)) return false;
+    // A patch that does not have one color is covered by something.
     const float variance = std::max(0.0f, inside.squares / count - target.power);
     unevenness_ = std::max(unevenness_, std::sqrt(variance / target.power));
     return true;
@@ -160,7 +161,7 @@ class PatchCenterFit::Solver {
     }
   }
 
-  // One step of Gauss-Newton for the center of patch k, the others being where they were.
+  // One Gauss-Newton step for the center of patch k; the other patches stay at their former centers.
   bool step(std::size_t k, bool first, const Targets& before) {
     Target& target = targets_[k];
     EdgeFitTask task;
@@ -168,21 +169,21 @@ class PatchCenterFit::Solver {
     task.cover = &covers_[k];
     task.at = target.at;
     for (std::size_t c = 0; c < 3; ++c) task.along[c] = target.excess[c] / target.power;
-    task.doubted = 1.0f / (target.power * kForeignLight * kForeignLight);
+    task.doubted = 1.0f / (target.power * kHalfWeightSurroundings * kHalfWeightSurroundings);
     task.ramp_m = view_.ramp_m;
     add_neighbors(k, before, task);
     const CenterEquations sums = kernel_.accumulate_edge(task);
     const float determinant = sums.xx * sums.yy - sums.xy * sums.xy;
-    // Edges of one direction alone say nothing about the other.
+    // Edges of only one direction leave the other coordinate undetermined.
     if (!(determinant > 0.01f * sums.xx * sums.yy)) return false;
     const float x = (sums.yy * sums.rx - sums.xy * sums.ry) / determinant;
     const float y = (sums.xx * sums.ry - sums.xy * sums.rx) / determinant;
-    // Where the first step does not lead far, what it leaves is what a second look would find.
+    // After a short first step, the predicted remaining error equals the error of a second iteration.
     const float left = first ? std::max(0.0f, sums.squares - sums.rx * x - sums.ry * y) : sums.squares;
-    worst_cover_ = std::max(worst_cover_, std::sqrt(left / sums.weights));
+    worst_coverage_ = std::max(worst_coverage_, std::sqrt(left / sums.weights));
     target.at.x_m += x;
     target.at.y_m += y;
-    return std::hypot(target.at.x_m, target.at.y_m) * view_.scale_px_per_m <= kFarthestPx;
+    return std::hypot(target.at.x_m, target.at.y_m) * view_.scale_px_per_m <= kMaxCorrectionPx;
   }
 
   const FitKernel& kernel_;
@@ -191,7 +192,8 @@ class PatchCenterFit::Solver {
   const Frame& frame_;
   std::array<PatchEdge, kMaxPatches>& edges_;
   MarkerView view_;
-  float unevenness_ = 0, worst_cover_ = 0;  // the latter: as of the present turn
+  float unevenness_ = 0;      // largest relative color variation within a patch
+  float worst_coverage_ = 0;  // largest RMS error of the covered fraction in the current iteration
   Targets targets_;
 };
 
@@ -226,7 +228,7 @@ void PatchCenterFit::refine(const Frame& frame, Sightings& sightings) {
     robot.pose.position.y_m += trust * by.y_m;
     robot.pose.theta_rad = wrap_angle(robot.pose.theta_rad + trust * moved.pose.theta_rad);
     robot.residual_m += trust * (moved.residual_m - robot.residual_m);
-    // Patches of a full set stand in the layout's order, but each says its place itself.
+    // robot.patches[i].patch is the index in the layout.
     for (PatchSighting& patch : robot.patches) {
       const PixelPoint center = fit.center(patch.patch);
       patch.center.u_px += trust * (center.u_px - patch.center.u_px);

@@ -10,29 +10,31 @@
 
 namespace touchline {
 
-/// Centers of a recognized robot's patches, each pixel counting by how strongly it belongs to the patch, where the
-/// region's centroid (Klancar, section 4.2) counts it wholly or not at all.
+/// Refines the patch centers of a recognized robot to a fraction of a pixel. Each pixel is weighted by the fraction of
+/// it that the patch covers, whereas the region's centroid (Klancar, section 4.2) counts a pixel completely or not at
+/// all.
 ///
-/// What the camera should show of a robot is known: patches of known outline (w_k, the part of a pixel that patch k
-/// covers) on a top of one color T, and beyond the robot's edge (r, the part that the robot covers) whatever is there,
-/// O. Light adds up, so that a pixel shows
+/// The model of the picture has patches of known outline (patch k covers the fraction w_k of a pixel) on a top of one
+/// color T. Beyond the robot's edge (the robot covers the fraction r) there are surroundings O. Light is additive, so a
+/// pixel shows
 ///   r T + (1 - r) O + sum of w_k (P_k - T).
-/// Patch colors P_k are means of the pixels that are wholly covered, T one of the free parts of the top, O what is
-/// seen just beyond the robot's edge. A patch's center is where this fits the pixels on its edges best (least squares,
-/// Gauss-Newton): a pixel that is half covered says where the edge is, and a neighboring patch does not leak in.
-/// Pixels that depend on an O which differs much from T (a line, a wall, another robot's patch) count less.
+/// The patch color P_k is the mean of the completely covered pixels, T is the mean of the free parts of the top, and O
+/// is the light just beyond the robot's edge. A patch's center minimizes the squared error of this model on the pixels
+/// of its edges (Gauss-Newton). A half-covered pixel determines where the edge is, and a neighboring patch does not
+/// leak in. Pixels have a lower weight if they depend on an O that differs much from T (a line, a wall, another robot's
+/// patch).
 ///
-/// A robot keeps the centers it has when the picture does not look like that: no free top, patches of a few pixels,
-/// pixels that do not fit. The light map is not needed: light is even over one robot. Work a robot is bounded: of large
-/// patches every second, third ... pixel of a row and every such row is looked at.
+/// A robot keeps its centers if the picture does not fit this model: no free top, patches of a few pixels, large
+/// errors. The light map is not needed because the light is uniform over one robot. The work per robot is bounded: on
+/// large patches, only every second, third, ... pixel and row is sampled.
 class PatchCenterFit {
  public:
-  /// The layouts of both teams, by Team; a team without one has no patches. They are valid.
+  /// `layouts`: valid layouts indexed by Team. A team without a marker has no patches.
   void configure(const std::array<MarkerLayout, 2>& layouts, const CameraModel& camera,
                  KernelChoice kernel = KernelChoice::kFastest);
 
-  /// Moves centers, pose and residual of the robots that have a heading and of which all patches of the layout were
-  /// seen. The frame has been accepted by the scan.
+  /// Improves centers, pose and residual of the robots that have a heading and of which all patches were seen. The
+  /// frame must be one that the scan accepted.
   void refine(const Frame& frame, Sightings& sightings);
 
  private:
@@ -45,7 +47,7 @@ class PatchCenterFit {
   const FitKernel* kernel_ = nullptr;
   std::array<Marker, 2> markers_;
   CameraModel camera_;
-  std::array<PatchEdge, kMaxPatches> edges_;  // of the robot that is fitted
+  std::array<PatchEdge, kMaxPatches> edges_;  // of the robot that is being fitted
 };
 
 }  // namespace touchline

@@ -6,7 +6,7 @@
 namespace touchline {
 namespace {
 
-// Beyond any robot of any league; keeps a wild command from making the state overflow.
+// No robot of any league is faster. The limits protect the filter state from overflow by an absurd command.
 constexpr float kMaxSpeed = 20.0f, kMaxTurn = 200.0f;
 
 float bounded(float value, float bound) { return std::isnan(value) ? 0.0f : std::clamp(value, -bound, bound); }
@@ -29,7 +29,7 @@ void CommandHistory::add(const Commands& commands, Instant acts_at) {
   ++size_;
   added.acts_at = acts_at;
   added.count = 0;
-  if (commands.stop) return;  // nobody listed: all are told to stand
+  if (commands.stop) return;  // no robot is listed, so all must stand still
   for (const RobotCommand& robot : commands.robots) {
     added.ids[added.count] = robot.id;
     added.twists[added.count] = {bounded(robot.twist.v_mps, kMaxSpeed), bounded(robot.twist.w_radps, kMaxTurn)};
@@ -48,9 +48,9 @@ DriveInput CommandHistory::at(Instant instant, RobotId id) const {
   std::size_t i = size_;
   while (i > 0 && entry(i - 1).acts_at > instant) --i;
   if (i == 0) return {};
-  const Entry& in_force = entry(i - 1);
-  for (std::size_t k = 0; k < in_force.count; ++k) {
-    if (in_force.ids[k] == id) return {true, in_force.twists[k]};
+  const Entry& active = entry(i - 1);
+  for (std::size_t k = 0; k < active.count; ++k) {
+    if (active.ids[k] == id) return {true, active.twists[k]};
   }
   return {true, {}};
 }

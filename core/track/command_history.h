@@ -7,29 +7,29 @@
 
 namespace touchline {
 
-/// What a robot's motors are told.
+/// Commanded velocities of a robot.
 struct DriveInput {
   bool known = false;
   Twist twist;
 };
 
-/// The commands that act on the own robots, from the instant of the last filtering to the last one sent.
+/// The commands that act on the own robots, from the last filter update to the last command sent.
 class CommandHistory {
  public:
   void clear();
-  /// From `acts_at` on these commands act, until later ones do. Those that would have acted at or after `acts_at` are
-  /// replaced: a robot obeys the latest packet it has. Velocities that are no numbers count as zero.
+  /// Adds commands that act from `acts_at` until the next ones act. They replace commands that would act at `acts_at`
+  /// or later, because a robot obeys the latest packet that it has received. NaN velocities are replaced by zero.
   void add(const Commands& commands, Instant acts_at);
-  /// Forgets what no longer acts at `instant`.
+  /// Removes commands that no longer act at `instant`.
   void forget_before(Instant instant);
 
-  /// What robot `id` is told at `instant`; not known before the first commands. A robot that the commands in force do
-  /// not list is told to stand (docs/radio.md).
+  /// The command of robot `id` that acts at `instant`; unknown before the first commands. A robot that is not listed
+  /// must stand still (docs/radio.md).
   [[nodiscard]] DriveInput at(Instant instant, RobotId id) const;
-  /// The first instant after `instant` at which other commands begin to act; at most `limit`.
+  /// The first instant after `instant` at which other commands start to act, at most `limit`.
   [[nodiscard]] Instant next_change(Instant instant, Instant limit) const;
 
-  /// Commands that had to be forgotten while they might still have acted.
+  /// Number of commands that were removed for lack of space although they could still act.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
  private:
@@ -39,12 +39,12 @@ class CommandHistory {
     std::array<RobotId, kMaxRobotsPerTeam> ids{};
     std::array<Twist, kMaxRobotsPerTeam> twists{};
   };
-  // The longest delay that may be configured (1 s) at the fastest camera of the leagues (240 Hz).
+  // The longest configurable delay (1 s) with the fastest camera of the leagues (240 Hz).
   static constexpr std::size_t kCapacity = 256;
 
   [[nodiscard]] const Entry& entry(std::size_t i) const { return entries_[(first_ + i) % kCapacity]; }
 
-  std::array<Entry, kCapacity> entries_{};  // a ring, by acts_at
+  std::array<Entry, kCapacity> entries_{};  // ring buffer, sorted by acts_at
   std::size_t first_ = 0, size_ = 0;
   std::uint64_t dropped_ = 0;
 };

@@ -17,18 +17,18 @@ using VectorMap = Eigen::Map<Vector>;
 using MatrixMap = Eigen::Map<Matrix>;
 using ConstMatrixMap = Eigen::Map<const Matrix>;
 
-// A frame at 25 Hz: over longer times (lost frames) one midpoint of a fast turn is too coarse.
+// One frame at 25 Hz. For longer times (lost frames) one midpoint of a fast turn is too inaccurate.
 constexpr double kMaxStep = 0.04;
 
-// How a velocity that follows its input u goes on over a step: mean = from_now * v + from_input * u, likewise for the
-// step's first half and for the velocity at its end.
+// Response of a velocity v to its input u over a step: mean = mean_now * v + mean_input * u. `half_*` is the mean over
+// the first half of the step, `end_*` the velocity at its end.
 struct Response {
   double mean_now, mean_input, half_now, half_input, end_now, end_input;
 };
 
-// dv/dt = (u - v) / lag, u constant: exact.
+// Exact solution of dv/dt = (u - v) / lag with constant u.
 Response follow(double dt, double lag) {
-  // Part of the initial difference that is there on average over time t.
+  // Mean over time t of the remaining fraction of the initial difference.
   const auto average = [lag](double t) { return lag / t * -std::expm1(-t / lag); };
   const double mean = lag > 0.0 ? average(dt) : 0.0;
   const double half = lag > 0.0 ? average(0.5 * dt) : 0.0;
@@ -36,13 +36,13 @@ Response follow(double dt, double lag) {
   return {mean, 1.0 - mean, half, 1.0 - half, end, 1.0 - end};
 }
 
-// dv/dt = u, u an acceleration of mean zero.
+// dv/dt = u, where u is an acceleration with mean zero.
 Response coast(double dt) { return {1.0, 0.5 * dt, 1.0, 0.25 * dt, 1.0, dt}; }
 
 struct InputModel {
   Response response;
   double v, w;          // input
-  double v_var, w_var;  // its variance over the step: V of eq. (5)
+  double v_var, w_var;  // variance of the input over the step: V of eq. (5)
 };
 
 InputModel input_model(double dt, const DriveInput& input, const DriveFilter::State& x,
@@ -59,7 +59,7 @@ InputModel input_model(double dt, const DriveInput& input, const DriveFilter::St
 
 void symmetrize(MatrixMap p) { p = (0.5 * (p + p.transpose())).eval(); }
 
-// Eq. (6) in Joseph's form, which keeps the covariance positive whatever is rounded. The first Rows states are sighted.
+// Eq. (6) in Joseph form, which keeps the covariance positive despite rounding. The first Rows states are measured.
 template <int Rows>
 void correct(VectorMap x, MatrixMap p, const Eigen::Matrix<double, Rows, 1>& innovation,
              const Eigen::Matrix<double, Rows, Rows>& noise) {
@@ -124,7 +124,7 @@ void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterPara
   const double c = std::cos(middle), s = std::sin(middle);
 
   if (extent == Extent::kAll) {
-    // Eq. (9), with the velocities as further states: A P A' by the few entries that A has beside its diagonal.
+    // Eq. (9), extended by the velocities: A P A', computed from the few entries of A beside its diagonal.
     const double turn_now = 0.5 * dt * dt * r.half_now * v, turn_input = 0.5 * dt * dt * r.half_input * v;
     const auto times_a = [&](Matrix& m) {
       m.row(0) += -dt * v * s * m.row(2) + dt * r.mean_now * c * m.row(3) - turn_now * s * m.row(4);
@@ -178,7 +178,7 @@ void DriveFilter::update(FieldPoint patch, const RobotFilterParameters& paramete
   const double known = 0.5 * (p_[0] + p_[kStates + 1]);
   const double best = parameters.patch_sigma_m * parameters.patch_sigma_m;
   if (known <= best) return;
-  // The noise with which eq. (6) takes a variance `known` to `best`.
+  // The measurement noise with which eq. (6) reduces a variance `known` to `best`.
   const double variance = known * best / (known - best);
   correct<2>(VectorMap(x_.data()), MatrixMap(p_.data()), position_innovation(patch, x_),
              variance * Eigen::Matrix2d::Identity());

@@ -8,24 +8,26 @@
 
 namespace touchline {
 
-/// Extended Kalman filter of one robot with a differential drive, Klancar eq. (4)-(9). To the paper's state (x, y,
-/// heading) come the linear and angular velocity, which follow the commanded ones with the wheels' lag; with a lag of
-/// zero it is the paper's filter. A robot whose commands are not known keeps its velocities, up to noise.
+/// Extended Kalman filter of one robot with a differential drive, Klancar eq. (4)-(9). The paper's state (x, y,
+/// heading) is extended by the linear and the angular velocity, which follow the commanded ones with the time constant
+/// of the wheels. With a time constant of zero it is the paper's filter. Without known commands, the velocities are
+/// constant except for noise.
 class DriveFilter {
  public:
   // x (m), y (m), heading (rad, in (-pi, pi]), v (m/s), w (rad/s).
   static constexpr std::size_t kStates = 5;
   using State = std::array<double, kStates>;
-  using Covariance = std::array<double, kStates * kStates>;  // row by row
+  using Covariance = std::array<double, kStates * kStates>;  // row-major
 
   struct Velocity {
     double v_mps = 0.0, w_radps = 0.0, v_sigma_mps = 0.0, w_sigma_radps = 0.0;
   };
 
   void start(const Pose& pose, const Velocity& velocity, double position_sigma_m, double heading_sigma_rad);
-  /// Eq. (5) with the model of eq. (8), linearized at the middle of the step, eq. (9). dt_s >= 0; long ones are cut.
+  /// Eq. (5) with the model of eq. (8), linearized at the middle of the step, eq. (9). dt_s >= 0; long times are
+  /// divided into steps.
   void predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
-  /// The state alone, for a look ahead; the covariance stays what it is.
+  /// Predicts only the state; the covariance is unchanged.
   void predict_state(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
 
   /// Squared Mahalanobis distance of a sighted pose from the prediction (chi-square with 3 degrees of freedom).
@@ -33,11 +35,11 @@ class DriveFilter {
   /// Eq. (6); the heading's innovation is wrapped.
   void update(const Pose& sighted, const RobotFilterParameters& parameters);
 
-  /// The same for the place of a team patch that was seen alone (2 degrees of freedom).
+  /// The same for the position of a team patch whose robot showed no heading (2 degrees of freedom).
   [[nodiscard]] double distance2(FieldPoint patch, const RobotFilterParameters& parameters) const;
-  /// The patch's offset from the robot's center is unknown but constant, not noise: many such sightings tell no more
-  /// than one. The position's variance therefore shrinks to patch_sigma_m^2 at the best, and nothing is changed when
-  /// it is known better already.
+  /// The patch's offset from the robot's center is unknown but constant. It is not noise, so many such sightings
+  /// contain no more information than one. The position's variance therefore never falls below patch_sigma_m^2, and
+  /// nothing changes if it is already smaller.
   void update(FieldPoint patch, const RobotFilterParameters& parameters);
 
   [[nodiscard]] const State& state() const { return x_; }

@@ -4,7 +4,8 @@
 
 namespace touchline {
 
-/// New -> (enough sightings) seen <-> coasting -> (long unseen) lost. A new one that is not seen again is soon lost.
+/// State of a track: new -> (enough sightings) seen <-> coasting -> (long without a sighting) lost. A new track without
+/// further sightings is lost earlier.
 class LifeCycle {
  public:
   struct Limits {

@@ -6,8 +6,8 @@
 
 namespace touchline {
 
-/// Sightings in a row that a filter's gate refused. One alone is a fault of the vision; several that fit each other
-/// say that the world has changed (a collision, a hand), and the filter has to start over (paper, section 6.1).
+/// Consecutive sightings that a filter's gate rejected. A single one is an error of the vision. Several consistent ones
+/// mean that the object was moved (a collision, a hand), so the filter must be reset (paper, section 6.1).
 class OutlierRun {
  public:
   struct Outlier {
@@ -17,7 +17,7 @@ class OutlierRun {
   };
 
   void clear() { count_ = 0; }
-  /// `reach_m`: how far apart sightings of one object may be at once; `max_speed_mps`: of the object.
+  /// `reach_m`: largest distance between simultaneous sightings of one object. `max_speed_mps`: of the object.
   void add(const Outlier& outlier, double reach_m, double max_speed_mps) {
     const bool fits = count_ > 0 && within_reach(last_.pose.position, last_.when, outlier, reach_m, max_speed_mps);
     if (!fits) {
@@ -31,12 +31,12 @@ class OutlierRun {
   [[nodiscard]] const Outlier& first() const { return first_; }
   [[nodiscard]] const Outlier& last() const { return last_; }
 
-  /// Whether an object that was at `from` then can be where the outlier is.
+  /// True if an object that was at `from` at time `then` can have reached the outlier.
   static bool within_reach(FieldPoint from, Instant then, const Outlier& outlier, double reach_m,
                            double max_speed_mps) {
-    const double way = std::hypot(static_cast<double>(outlier.pose.position.x_m - from.x_m),
-                                  static_cast<double>(outlier.pose.position.y_m - from.y_m));
-    return way <= reach_m + max_speed_mps * seconds(outlier.when - then);
+    const double distance = std::hypot(static_cast<double>(outlier.pose.position.x_m - from.x_m),
+                                       static_cast<double>(outlier.pose.position.y_m - from.y_m));
+    return distance <= reach_m + max_speed_mps * seconds(outlier.when - then);
   }
 
  private:

@@ -23,7 +23,7 @@ void PointFilter::predict(double dt_s, const Noise& noise) {
   p_ += 2.0 * h * c_ + h * h * q_;
   c_ = g * (c_ + h * q_);
   q_ *= g * g;
-  // White acceleration of constant density (Bar-Shalom, Li, Kirubarajan 2001, section 6.2).
+  // White noise acceleration of constant density (Bar-Shalom, Li, Kirubarajan 2001, section 6.2).
   const double density = noise.velocity_mps_rts * noise.velocity_mps_rts;
   p_ += density * dt_s * dt_s * dt_s / 3.0;
   c_ += density * dt_s * dt_s / 2.0;
@@ -43,7 +43,7 @@ void PointFilter::update(FieldPoint sighted, const Noise& noise) {
   y_ += k * dy;
   vx_ += m * dx;
   vy_ += m * dy;
-  // Joseph's form: stays positive whatever is rounded.
+  // Joseph form: the covariance stays positive despite rounding.
   const double p = (1.0 - k) * (1.0 - k) * p_ + k * k * n;
   const double c = (1.0 - k) * (c_ - m * p_) + k * m * n;
   const double q = q_ - 2.0 * m * c_ + m * m * p_ + m * m * n;

@@ -4,13 +4,13 @@
 
 namespace touchline {
 
-/// Kalman filter of a point that rolls on, eq. (10), (11): the ball, and a robot whose heading nobody knows.
-/// The two axes are independent and have the same noise, so one covariance of position and velocity serves both.
+/// Kalman filter of a point with damped velocity, eq. (10), (11): the ball, or a robot whose heading is unknown.
+/// The two axes are independent and have the same noise, so they share one covariance of position and velocity.
 class PointFilter {
  public:
   struct Noise {
-    double position_sigma_m = 0.0;  // of a sighting, one axis
-    double velocity_mps_rts = 0.0;  // what the velocity changes by in a second
+    double position_sigma_m = 0.0;  // standard deviation of a sighting along one axis
+    double velocity_mps_rts = 0.0;  // change of the velocity in one second
     double damping_per_s = 0.0;     // lambda of eq. (10)
   };
   struct Velocity {
@@ -37,7 +37,7 @@ class PointFilter {
 
  private:
   double x_ = 0.0, y_ = 0.0, vx_ = 0.0, vy_ = 0.0;
-  double p_ = 1.0, c_ = 0.0, q_ = 1.0;  // of each axis: position, cross term, velocity
+  double p_ = 1.0, c_ = 0.0, q_ = 1.0;  // covariance of each axis: position, cross term, velocity
 };
 
 }  // namespace touchline

@@ -12,7 +12,7 @@ double distance(FieldPoint a, FieldPoint b) {
   return std::hypot(static_cast<double>(a.x_m - b.x_m), static_cast<double>(a.y_m - b.y_m));
 }
 
-// No field of any league is larger; beyond it a number is a fault of the stage before.
+// No field of any league is larger. A larger value is an error of the previous stage.
 bool credible(const RobotSighting& sighting) {
   constexpr float kFar = 100.0f;
   const FieldPoint p = sighting.pose.position;
@@ -37,20 +37,20 @@ void RobotSet::update(const Sightings& sightings, Instant from, Instant now, con
   predict_all(from, now, commands, parameters);
   served_.fill(false);
   fused_.fill(false);
-  settle_ids(sightings);
-  give_known_ids(sightings, now, parameters);
-  give_nearest(sightings, now, parameters);
-  begin_nameless(sightings, now, parameters);
+  resolve_duplicate_ids(sightings);
+  associate_by_id(sightings, now, parameters);
+  associate_nearest(sightings, now, parameters);
+  start_unidentified(sightings, now, parameters);
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (!fused_[i]) robots_[i].missed(now, parameters);
   }
-  drop_doubles(parameters);
+  remove_duplicates(parameters);
   remove_lost();
 }
 
 void RobotSet::predict_all(Instant from, Instant now, const CommandHistory& commands,
                            const TrackParameters& parameters) {
-  // Before anything is integrated: after a long pause there is nothing to go on from.
+  // Check for lost tracks before the prediction, because after a long pause there is nothing to predict from.
   for (TrackedRobot& robot : robots_) {
     if (seconds(now - robot.life().last_seen()) > parameters.lost_after_s) robot.lose();
   }
@@ -61,7 +61,7 @@ void RobotSet::predict_all(Instant from, Instant now, const CommandHistory& comm
   }
 }
 
-void RobotSet::settle_ids(const Sightings& sightings) {
+void RobotSet::resolve_duplicate_ids(const Sightings& sightings) {
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     used_[i] = !credible(sightings[i]);
     shown_id_[i] = used_[i] ? kUnknownId : std::max(sightings[i].id, kUnknownId);
@@ -80,13 +80,13 @@ void RobotSet::settle_ids(const Sightings& sightings) {
   }
 }
 
-void RobotSet::give_known_ids(const Sightings& sightings, Instant now, const TrackParameters& parameters) {
+void RobotSet::associate_by_id(const Sightings& sightings, Instant now, const TrackParameters& parameters) {
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     if (shown_id_[i] == kUnknownId) continue;
     used_[i] = true;
     std::size_t robot = find(sightings[i].team, shown_id_[i]);
     if (robot == kNone) {
-      robot = nearest_nameless(sightings[i], parameters);
+      robot = nearest_unidentified(sightings[i], parameters);
       if (robot != kNone) robots_[robot].name(shown_id_[i]);
     }
     if (robot == kNone) {
@@ -97,7 +97,7 @@ void RobotSet::give_known_ids(const Sightings& sightings, Instant now, const Tra
   }
 }
 
-void RobotSet::give_nearest(const Sightings& sightings, Instant now, const TrackParameters& parameters) {
+void RobotSet::associate_nearest(const Sightings& sightings, Instant now, const TrackParameters& parameters) {
   // At most one pair a round: bounded by robots x sightings x robots.
   for (;;) {
     std::size_t best_robot = kNone, best_sighting = 0;
@@ -119,7 +119,7 @@ void RobotSet::give_nearest(const Sightings& sightings, Instant now, const Track
   }
 }
 
-void RobotSet::begin_nameless(const Sightings& sightings, Instant now, const TrackParameters& parameters) {
+void RobotSet::start_unidentified(const Sightings& sightings, Instant now, const TrackParameters& parameters) {
   for (std::size_t i = 0; i < sightings.size(); ++i) {
     if (used_[i]) continue;
     bool taken = false;
@@ -135,7 +135,7 @@ void RobotSet::begin_nameless(const Sightings& sightings, Instant now, const Tra
 }
 
 // A nameless track that was not seen where a robot of its team was: that robot is the one it followed.
-void RobotSet::drop_doubles(const TrackParameters& parameters) {
+void RobotSet::remove_duplicates(const TrackParameters& parameters) {
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (fused_[i] || robots_[i].id() != kUnknownId) continue;
     for (std::size_t k = 0; k < robots_.size(); ++k) {
@@ -164,7 +164,7 @@ std::size_t RobotSet::find(Team team, RobotId id) const {
   return kNone;
 }
 
-std::size_t RobotSet::nearest_nameless(const RobotSighting& sighting, const TrackParameters& parameters) const {
+std::size_t RobotSet::nearest_unidentified(const RobotSighting& sighting, const TrackParameters& parameters) const {
   std::size_t nearest = kNone;
   double best = std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < robots_.size(); ++i) {
@@ -205,7 +205,7 @@ void RobotSet::report(Instant now, Instant action, const CommandHistory& command
                       FixedVector<RobotTrack, kMaxRobots>& out) const {
   std::array<std::size_t, kMaxRobots> order{};
   for (std::size_t i = 0; i < robots_.size(); ++i) order[i] = i;
-  // Nameless ones after all ids; births are different, so the order is total.
+  // Unidentified tracks come after all ids. Births are unique, so the order is total.
   const auto key = [this](std::size_t i) {
     const TrackedRobot& r = robots_[i];
     const int id = r.id() == kUnknownId ? std::numeric_limits<RobotId>::max() + 1 : r.id();

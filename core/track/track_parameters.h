@@ -4,8 +4,9 @@
 
 namespace touchline {
 
-// Noise that grows with time is given as what it adds up to in a second: a density whose unit has a 1/sqrt(s), so that
-// frame rate and lost frames change nothing. Klancar's V of eq. (5) at sampling time T is density^2 / T.
+// Process noise is given as a spectral density, the standard deviation after one second, with a unit that contains
+// 1/sqrt(s). It therefore does not depend on frame rate or lost frames. Klancar's V of eq. (5) at sampling time T is
+// density^2 / T.
 
 /// The filter of one robot, eq. (4)-(9).
 struct RobotFilterParameters {

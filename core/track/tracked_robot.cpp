@@ -9,7 +9,7 @@
 namespace touchline {
 namespace {
 
-// Standard deviation of an angle of which nothing is known (uniform over the circle).
+// Standard deviation of an unknown angle (uniform distribution over the circle).
 constexpr double kUnknownHeadingSigma = std::numbers::pi / std::numbers::sqrt3;
 
 LifeCycle::Limits limits_of(const TrackParameters& p) {
@@ -40,7 +40,7 @@ void TrackedRobot::start(const RobotSighting& sighting, Instant now, std::uint32
   life_.start(now, limits_of(parameters));
 }
 
-// Calls predict(time, input) for every stretch of time in which one command is in force.
+// Calls predict(time, input) for every interval with a constant command.
 template <class Predict>
 void TrackedRobot::follow_commands(Instant from, Instant to, const CommandHistory* commands, Predict predict) {
   while (from < to) {
@@ -80,7 +80,7 @@ bool TrackedRobot::fuse(const RobotSighting& sighting, Instant now, const TrackP
     accepted = drive_.distance2(sighting.pose.position, p) <= p.gate_position;
     if (accepted) drive_.update(sighting.pose.position, p);
   } else {
-    // The first heading moves the position from the team patch to the robot's center.
+    // With the first heading, the position moves from the team patch to the robot's center.
     PointFilter::Noise noise = point_noise(p);
     if (sighting.has_heading) noise.position_sigma_m += p.patch_sigma_m;
     accepted = point_.distance2(sighting.pose.position, noise) <= p.gate_position;
@@ -111,7 +111,7 @@ bool TrackedRobot::fuse(const RobotSighting& sighting, Instant now, const TrackP
   return true;
 }
 
-// The outliers that led here show a first velocity, too: the difference of two of them.
+// The consistent outliers also give a first velocity: the difference of two positions.
 void TrackedRobot::restart(const RobotSighting& sighting, Instant now, const TrackParameters& parameters) {
   const RobotFilterParameters& p = parameters.robot;
   const OutlierRun::Outlier& first = outliers_.first();

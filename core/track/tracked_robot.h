@@ -10,21 +10,21 @@
 
 namespace touchline {
 
-/// One robot from its first sighting to its loss. As long as no sighting has shown its heading it is a point that
-/// moves on; from the first heading on it is a differential drive.
+/// The track of one robot from its first sighting until it is lost. Before the first sighting with a heading, the
+/// motion model is a point with constant velocity; afterwards it is a differential drive.
 class TrackedRobot {
  public:
   void start(const RobotSighting& sighting, Instant now, std::uint32_t birth, const TrackParameters& parameters);
 
-  /// From `from` to `to` under the commands that act between; null: they are not known.
+  /// Predicts from `from` to `to` with the commands that act in this time; null if they are unknown.
   void predict(Instant from, Instant to, const CommandHistory* commands, const TrackParameters& parameters);
-  /// The same for pose() and twist() alone.
+  /// Like predict(), but only for pose() and twist().
   void look_ahead(Instant from, Instant to, const CommandHistory* commands, const TrackParameters& parameters);
-  /// Gate, correction, or start-over. False: the sighting was refused.
+  /// Gates the sighting, then updates or resets the filter. False if the sighting was rejected.
   bool fuse(const RobotSighting& sighting, Instant now, const TrackParameters& parameters);
   void missed(Instant now, const TrackParameters& parameters);
   void lose() { life_.lose(); }
-  /// A robot without id has shown one.
+  /// Sets the id of a robot without one.
   void name(RobotId id) { id_ = id; }
 
   [[nodiscard]] Team team() const { return team_; }
@@ -32,9 +32,9 @@ class TrackedRobot {
   [[nodiscard]] std::uint32_t birth() const { return birth_; }
   [[nodiscard]] const LifeCycle& life() const { return life_; }
   [[nodiscard]] FieldPoint position() const;
-  /// Larger one of the two axes.
+  /// The larger of the standard deviations of x and y.
   [[nodiscard]] double position_sigma_m() const;
-  /// All but the fields about the action.
+  /// Fills all fields except those at the time of the action.
   [[nodiscard]] RobotTrack report(const TrackParameters& parameters) const;
   [[nodiscard]] Pose pose() const;
   [[nodiscard]] Twist twist() const;
@@ -46,13 +46,13 @@ class TrackedRobot {
 
   Team team_ = Team::kOwn;
   RobotId id_ = kUnknownId;
-  std::uint32_t birth_ = 0;  // tells tracks without id apart
+  std::uint32_t birth_ = 0;  // distinguishes tracks without id
   bool heading_known_ = false;
   DriveFilter drive_;
   PointFilter point_;
   LifeCycle life_;
   OutlierRun outliers_;
-  FieldPoint last_position_;  // when last seen
+  FieldPoint last_position_;  // at the last sighting
 };
 
 }  // namespace touchline

@@ -36,8 +36,9 @@ LifeCycle::Limits ball_limits(const TrackParameters& p) {
 }
 
 bool credible(const BallSighting& sighting) {
-  constexpr float kFar = 100.0f;  // no field of any league is larger
-  return sighting.seen && std::abs(sighting.position.x_m) < kFar && std::abs(sighting.position.y_m) < kFar;
+  constexpr float kMaxCoordinate = 100.0f;  // no field of any league is larger
+  return sighting.seen && std::abs(sighting.position.x_m) < kMaxCoordinate &&
+         std::abs(sighting.position.y_m) < kMaxCoordinate;
 }
 
 }  // namespace
@@ -62,7 +63,7 @@ void Tracker::reset() {
   started_ = false;
 }
 
-void Tracker::commanded(const Commands& commands, Instant acts_at) { commands_.add(commands, acts_at); }
+void Tracker::add_commands(const Commands& commands, Instant acts_at) { commands_.add(commands, acts_at); }
 
 void Tracker::update(const Sightings& sightings, Instant capture_time, Instant action_time, Tracks& out) {
   const double forgotten_s = std::max(parameters_.lost_after_s, parameters_.ball.lost_after_s);
@@ -105,7 +106,7 @@ bool Tracker::fuse_ball(const BallSighting& sighting, Instant now) {
     const bool reachable = OutlierRun::within_reach(ball_last_position_, ball_life_.last_seen(), outlier,
                                                     parameters_.consistent_m, p.max_speed_mps);
     if (ball_outliers_.count() < p.restart_after || !reachable) return false;
-    // After a bounce the outliers themselves show the new velocity.
+    // After a bounce, the outliers give the new velocity.
     const OutlierRun::Outlier& first = ball_outliers_.first();
     const double dt = seconds(now - first.when);
     PointFilter::Velocity velocity{0.0, 0.0, p.start_speed_sigma_mps};

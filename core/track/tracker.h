@@ -10,25 +10,26 @@
 
 namespace touchline {
 
-/// One extended Kalman filter a robot, eq. (4)-(9), and one Kalman filter for the ball, eq. (10), (11).
+/// Tracks all robots, each with an extended Kalman filter, eq. (4)-(9), and the ball with a Kalman filter, eq. (10),
+/// (11).
 class Tracker {
  public:
-  /// kOutOfRange: a parameter outside the range of its declaration that would break a filter.
+  /// kOutOfRange: a parameter that would break a filter.
   Status configure(const TrackParameters& parameters);
   void reset();
-  /// Commands that will act on the robots from `acts_at` until the next ones do. Before the first ones (always, in a
-  /// replay) own robots are followed like opponents: they keep their velocities, up to noise.
-  void commanded(const Commands& commands, Instant acts_at);
-  /// Fuses at `capture_time` and predicts to `action_time` (earlier ones count as `capture_time`, later ones than
-  /// kMaxPrediction as that); out lists tracks that are not lost, own team first, by id, nameless ones (kUnknownId)
-  /// last, by age. A frame that was not captured after the one before it adds nothing: its sightings are ignored. When
-  /// time has gone back so far that every track would be lost, everything starts over.
+  /// Adds commands that act on the robots from `acts_at` until the next ones act. Before the first commands (in a
+  /// replay always), own robots are tracked like opponents: with constant velocities except for noise.
+  void add_commands(const Commands& commands, Instant acts_at);
+  /// Fuses the sightings at `capture_time` and predicts to `action_time`, which is limited to the interval from
+  /// `capture_time` to kMaxPrediction later. `out` lists the tracks that are not lost: own team first, by id;
+  /// unidentified ones (kUnknownId) last, by age. The sightings of a frame that was not captured after the previous one
+  /// are ignored. If time jumps back so far that every track would be lost, the tracker is reset.
   void update(const Sightings& sightings, Instant capture_time, Instant action_time, Tracks& out);
 
-  /// Nothing here is good for longer: the pipeline's action delay is at most this.
+  /// Predictions are not useful for a longer time. The pipeline's action delay is at most this.
   static constexpr Duration kMaxPrediction = std::chrono::seconds(1);
 
-  /// Sightings for which there was no track left, and commands that had to be forgotten early.
+  /// Number of sightings without a free track, and of commands that were removed too early for lack of space.
   [[nodiscard]] std::uint64_t dropped() const { return robots_.dropped() + commands_.dropped(); }
 
  private:

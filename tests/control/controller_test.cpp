@@ -50,7 +50,7 @@ TEST_F(ControllerTest, OtherLimitsAreTakenInTheMiddleOfAGame) {
   const Commands before = commands_;
   ControlParameters slow;
   slow.drive.max_speed_mps = 0.2;
-  ASSERT_TRUE(controller_.retune(slow).ok());
+  ASSERT_TRUE(controller_.set_parameters(slow).ok());
   EXPECT_EQ(controller_.roles().attacker(), attacker);
   decide(world_.tracks());
   const double most = slow.drive.max_wheel_acceleration_mps2 * 0.016 + 1e-6;
@@ -62,7 +62,7 @@ TEST_F(ControllerTest, OtherLimitsAreTakenInTheMiddleOfAGame) {
   run(60);
   for (const RobotCommand& command : commands_.robots) EXPECT_LE(std::abs(command.twist.v_mps), 0.2f + 1e-6f);
   slow.drive.wheel_base_m = 0.0;
-  EXPECT_EQ(controller_.retune(slow).code(), ErrorCode::kOutOfRange);
+  EXPECT_EQ(controller_.set_parameters(slow).code(), ErrorCode::kOutOfRange);
 }
 
 TEST_F(ControllerTest, ListsEachOwnRobotWithAnIdAndTwistAndWheelsAgree) {

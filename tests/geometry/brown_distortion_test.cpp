@@ -80,8 +80,8 @@ TEST(BrownDistortion, LimitIsWhereTheSlopeHasFallenToATenth) {
   EXPECT_NEAR(BrownDistortion(-0.3, 0, 0, 0, 0).limit(), 1.0, 1e-9);  // 1 - 0.9 r^2 = 0.1
   // 1 - 1.8 s + 0.85 s^2 = 0.1 with s = r^2: the first root, though the slope rises again behind the second.
   EXPECT_NEAR(BrownDistortion(-0.6, 0.17, 0, 0, 0).limit(), std::sqrt((1.8 - std::sqrt(0.18)) / 1.7), 1e-9);
-  EXPECT_EQ(BrownDistortion(0.3, 0, 0, 0, 0).limit(), BrownDistortion::kLargestRadius);
-  EXPECT_EQ(BrownDistortion().limit(), BrownDistortion::kLargestRadius);
+  EXPECT_EQ(BrownDistortion(0.3, 0, 0, 0, 0).limit(), BrownDistortion::kMaxRadius);
+  EXPECT_EQ(BrownDistortion().limit(), BrownDistortion::kMaxRadius);
 }
 
 TEST(BrownDistortion, RadiusRisesEverywhere) {
@@ -105,7 +105,7 @@ TEST(BrownDistortion, GoesOnAlongItsTangent) {
   const BrownDistortion model(-0.3, 0, 0, 0, 0);
   const double at_limit = model.distort({1, 0})[0];
   EXPECT_NEAR(at_limit, 0.7, 1e-9);
-  EXPECT_NEAR(model.distort({3, 0})[0], 0.7 + 2 * BrownDistortion::kLeastSlope, 1e-9);
+  EXPECT_NEAR(model.distort({3, 0})[0], 0.7 + 2 * BrownDistortion::kMinSlope, 1e-9);
   EXPECT_NEAR(model.undistort({0.9, 0})[0], 3.0, 1e-7);
   // No step and no kink.
   constexpr double kStep = 1e-6;

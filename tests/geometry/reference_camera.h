@@ -167,7 +167,7 @@ inline std::vector<PixelPoint> whole_picture() {
 inline bool over_horizon(const CameraModel& model, PixelPoint pixel) {
   const std::array<float, 3> d = model.ray(pixel).direction;
   const double level = std::hypot(static_cast<double>(d[0]), static_cast<double>(d[1]));
-  return static_cast<double>(-d[2]) < 1.001 * CameraModel::kLeastDip * level;
+  return static_cast<double>(-d[2]) < 1.001 * CameraModel::kMinDip * level;
 }
 
 /// The field of 2.2 m x 1.8 m and its goals, every 10 cm.

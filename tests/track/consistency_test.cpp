@@ -142,7 +142,7 @@ TEST(Prediction, OverTheDelayBeatsTheLastPose) {
       commands.stop = false;
       commands.robots.push_back({2, lively_command(t + 0.1 * run), {}});
       // The command computed at t acts when frame k + 3 is captured; `sent` is asked one frame later than it is filled.
-      tracker.commanded(commands, at(t + kDelay - kDt));
+      tracker.add_commands(commands, at(t + kDelay - kDt));
       sent.push_back(commands);
 
       if (k < 60) continue;

@@ -66,7 +66,7 @@ TEST_F(IdentityTest, ASightingWithoutIdKeepsTheNearestRobotAlive) {
   const RobotSighting a = sighting_of(Team::kOwn, 1, pose(0.0, 0.0)), b = sighting_of(Team::kOwn, 2, pose(0.2, 0.0));
   for (const bool told_to_stand : {true, false}) {
     ASSERT_TRUE(tracker_.configure({}).ok());
-    if (told_to_stand) tracker_.commanded({}, at(now_));
+    if (told_to_stand) tracker_.add_commands({}, at(now_));
     for (int k = 0; k < 30; ++k) frame({a, b});
     for (int k = 0; k < 60; ++k) {
       frame({a, patch_alone(Team::kOwn, 0.21, 0.015)});

@@ -92,7 +92,7 @@ TEST_F(TrackerTest, GoesOnThroughLostFrames) {
     Commands commands;
     commands.stop = false;
     commands.robots.push_back({1, lively_command(t), {}});
-    tracker_.commanded(commands, at(now_));
+    tracker_.add_commands(commands, at(now_));
     robot.advance(commands.robots[0].twist, kDt);
     // Every tenth to fifteenth frame shows nothing, as behind a hand.
     const bool blind = k % 16 >= 10;
@@ -156,7 +156,7 @@ TEST_F(TrackerTest, StartsOverAfterACollision) {
   Commands commands;
   commands.stop = false;
   commands.robots.push_back({1, {1.2f, 0.0f}, {}});
-  tracker_.commanded(commands, at(now_));
+  tracker_.add_commands(commands, at(now_));
   for (int k = 0; k < 60; ++k) {
     robot.advance(commands.robots[0].twist, kDt);
     frame_of(sighting_of(Team::kOwn, 1, robot.sighted(0.001, 0.01)));
@@ -252,7 +252,7 @@ TEST_F(TrackerTest, AppliesCommandsToOwnRobotsOnlyAndOnlyWhenTheyAct) {
   sightings.robots.push_back(sighting_of(Team::kOwn, 1, pose(0.0, 0.3)));
   sightings.robots.push_back(sighting_of(Team::kOpponent, 1, pose(0.0, -0.3)));
   for (int k = 0; k < 60; ++k) frame(sightings);
-  tracker_.commanded(commands, at(now_ + 0.1));
+  tracker_.add_commands(commands, at(now_ + 0.1));
   Tracks before, after;
   tracker_.update({}, at(now_), at(now_ + 0.1), before);
   tracker_.update({}, at(now_), at(now_ + 0.5), after);

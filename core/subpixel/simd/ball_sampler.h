@@ -3,14 +3,14 @@
 namespace touchline {
 namespace TOUCHLINE_SIMD {
 
-// How far beyond its outline what surrounds the ball is looked at: where the ramp has ended.
+// Distance beyond the outline at which the surroundings are sampled: outside the ramp.
 constexpr float kBeyondBallPx = 2.25f;
-// Farther from its center every second pixel will do, and so on.
-constexpr float kReachOfAllOfBallPx = 18.0f;
-// Light from which on a channel is cut off, or nearly: the surface is so bright there, or brighter.
-constexpr float kCutOff = 0.98f;
-// The direction of the surface at the outline itself has no slope that a fit could use.
-constexpr float kOutermost = 0.98f;
+// Up to this radius, all pixels of the ball are sampled; of a larger ball every second, third, ...
+constexpr float kFullBallReachPx = 18.0f;
+// From this light upwards a channel counts as saturated: the surface is at least as bright.
+constexpr float kSaturation = 0.98f;
+// Surface normals are limited to this radius, because their derivative diverges at the outline.
+constexpr float kMaxNormalRadius = 0.98f;
 
 inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk) {
   const LinearRgbImage picture(frame);
@@ -20,7 +20,7 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
   const float reach = 1.0f + 0.5f * kRampPx / ball.radius_px;
   const float reach_u = reach * std::hypot(ball.axis[0].u_px, ball.axis[1].u_px);
   const float reach_v = reach * std::hypot(ball.axis[0].v_px, ball.axis[1].v_px);
-  // Of a row, x and y are sums of a part by column and one by row: their squares' sum is a parabola.
+  // Within a row, the squared distance from the center is a quadratic function of the column.
   const float square = inverse[0] * inverse[0] + inverse[2] * inverse[2];
   const auto crossed = [&](Float8 from_v, float radius) {
     const Float8 x = broadcast(inverse[1]) * from_v, y = broadcast(inverse[3]) * from_v, per = broadcast(1.0f / square);
@@ -30,7 +30,7 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
     const Float8 wide = sqrt(max(rest, zero));
     return ColumnRange{select(is_crossed, zero - half - wide, one), select(is_crossed, wide - half, zero)};
   };
-  const int stride = sampling_stride(std::max(reach_u, reach_v), kReachOfAllOfBallPx);
+  const int stride = sampling_stride(std::max(reach_u, reach_v), kFullBallReachPx);
   OutlinePixels pixels_of_ball;
   if (!pixels_of_ball.collect(
           frame, ball.center, reach_v, stride, [&](Float8 from_v) { return crossed(from_v, reach); },
@@ -51,7 +51,7 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
     BallPixels& pixels = disk.back();
     LinearRgb8 rest = picture.at(u, v);
     TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
-      store(select(rest[c] >= broadcast(kCutOff), broadcast(1e9f), broadcast(-1e9f)), pixels.up_to[c]);
+      store(select(rest[c] >= broadcast(kSaturation), broadcast(1e9f), broadcast(-1e9f)), pixels.up_to[c]);
     }
     const Integer8 edge = counts & (cover < one);
     pixels.on_edge = any(edge);
@@ -73,7 +73,7 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
         rest[c] -= (one - cover) * outside;
       }
     }
-    const Float8 counted = select(counts, cover), shrunk = min(one, broadcast(kOutermost) * per_r);
+    const Float8 counted = select(counts, cover), shrunk = min(one, broadcast(kMaxNormalRadius) * per_r);
     const Float8 nx = shrunk * x, ny = shrunk * y;
     store(counted, pixels.cover);
     store(counted * nx, pixels.slopes[0]);
@@ -84,10 +84,10 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
   });
 }
 
-/// Eight pixels of the disk against what the shades predict.
+/// Eight pixels of the ball compared with the shading model.
 struct ShadedPixels {
   std::array<Float8, kShadeTerms> terms;  // w and w n
-  LinearRgb8 model, error;                // error: what is seen less the model
+  LinearRgb8 model, error;                // error: measured light minus the model
   LinearRgb8 rest;
   Float8 weight;
 
@@ -98,7 +98,7 @@ struct ShadedPixels {
       const std::array<float, kShadeTerms>& of = shades.of[c];
       model[c] = (broadcast(of[0]) * terms[0] + broadcast(of[1]) * terms[1]) +
                  (broadcast(of[2]) * terms[2] + broadcast(of[3]) * terms[3]);
-      // A channel that is cut off shows that light, or more.
+      // A saturated channel may have had more light.
       rest[c] = max(load(pixels.rest[c]), min(model[c], load(pixels.up_to[c])));
       error[c] = rest[c] - model[c];
       square += error[c] * error[c];

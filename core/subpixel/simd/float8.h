@@ -1,7 +1,7 @@
 // Part of simd/kernel_functions.h, which includes it once for each instruction set: no include guard, no #include.
 
-// For loops over channels and the like: what they index is to be in registers, and gcc 12 leaves loops as they are at
-// -O2.
+// For short loops, for example over channels: gcc 12 unrolls no loops at -O2, and arrays that such loops index stay in
+// memory instead of registers.
 #define TOUCHLINE_UNROLL _Pragma("GCC unroll 4")
 
 namespace touchline {
@@ -26,7 +26,7 @@ inline std::array<float, 4> add_halves(Float8 v) { return {v[0] + v[4], v[1] + v
 
 #else
 
-// Compilers have registers for four on every board.
+// All supported processors have registers for four floats.
 using Float4 [[gnu::vector_size(16)]] = float;
 using Integer4 [[gnu::vector_size(16)]] = std::int32_t;
 
@@ -66,7 +66,7 @@ inline Integer8 broadcast_integer(std::int32_t value) {
   return {half, half};
 }
 #if defined(__SSE2__)
-// gcc 12 makes four instructions each of the expressions below.
+// gcc 12 compiles each of the portable expressions below to four instructions.
 inline Float8 min(Float8 a, Float8 b) { return {_mm_min_ps(a.low, b.low), _mm_min_ps(a.high, b.high)}; }
 inline Float8 max(Float8 a, Float8 b) { return {_mm_max_ps(a.low, b.low), _mm_max_ps(a.high, b.high)}; }
 inline Float8 sqrt(Float8 square) { return {_mm_sqrt_ps(square.low), _mm_sqrt_ps(square.high)}; }
@@ -113,10 +113,10 @@ inline void store(Integer8 lanes, StoredInteger8& to) { std::memcpy(to.value.dat
 
 /// 0, 1, 2 ... 7.
 inline Integer8 iota() { return load(StoredInteger8{{0, 1, 2, 3, 4, 5, 6, 7}}); }
-/// Of values that an int holds.
+/// For values in the range of int.
 inline Integer8 floor_to_integer(Float8 value) {
   const Integer8 towards_0 = to_integers(value);
-  return towards_0 + (value < to_floats(towards_0));  // a mask is -1
+  return towards_0 + (value < to_floats(towards_0));  // true is -1
 }
 inline Integer8 ceil_to_integer(Float8 value) {
   const Integer8 towards_0 = to_integers(value);
@@ -125,14 +125,14 @@ inline Integer8 ceil_to_integer(Float8 value) {
 inline Float8 clamp(Float8 value, float low, float high) { return min(max(value, broadcast(low)), broadcast(high)); }
 inline Float8 clamp_to_unit(Float8 value) { return min(max(value, broadcast(0.0f)), broadcast(1.0f)); }
 
-// A comparison gives masks: all bits of a lane, or none.
+// Comparisons return masks: in each lane all bits are set, or none.
 inline Float8 select(Integer8 mask, Float8 value) { return as_floats(mask & as_integers(value)); }
 inline Float8 select(Integer8 mask, Float8 yes, Float8 no) {
   return as_floats((mask & as_integers(yes)) | (~mask & as_integers(no)));
 }
 inline Integer8 sign_bit(Float8 value) { return as_integers(value) & as_integers(broadcast(-0.0f)); }
 inline Float8 abs(Float8 value) { return as_floats(as_integers(value) ^ sign_bit(value)); }
-/// `size` is not negative.
+/// Returns `size`, which must not be negative, with the given sign bit.
 inline Float8 with_sign(Float8 size, Integer8 sign) { return as_floats(as_integers(size) | sign); }
 
 inline float horizontal_sum(Float8 value) {

@@ -3,25 +3,26 @@
 namespace touchline {
 namespace TOUCHLINE_SIMD {
 
-/// Red, green and blue in proportion to the light that fell on eight pixels; 1 is what a camera shows as 255.
+/// Red, green and blue of eight pixels, proportional to the light on the sensor; 1 corresponds to a value of 255.
 using LinearRgb8 = std::array<Float8, 3>;
 
-/// Light of a channel's values, 0 to 255: value / 255 to the power of 2.2 but for 3e-4, by sums and products alone.
+/// Converts channel values (0 to 255) to linear light: (value / 255) ^ 2.2 with an error below 3e-4, by a polynomial.
 inline Float8 linear_light(Integer8 value) {
   const Float8 t = to_floats(value) * broadcast(1.0f / 255.0f);
   return t * (broadcast(-0.0156862f) +
               t * (broadcast(0.7355875f) + t * (broadcast(0.3826977f) + t * broadcast(-0.1025990f))));
 }
 
-/// A frame's pixels as light. A pixel that two surfaces share shows the mean of their light; what the camera delivers
-/// is that mean bent by its gamma (2.2 here, within a tenth of ITU-R BT.709, BT.601 and sRGB), in which half a bright
-/// patch on a dark robot looks like three quarters of one. YUV is BT.601 of limited range, as cameras deliver it.
+/// Reads a frame's pixels as linear light. A pixel that two surfaces share shows the mean of their light, but the
+/// camera delivers this mean after gamma encoding (2.2 here, within 0.1 of ITU-R BT.709, BT.601 and sRGB). With gamma,
+/// a pixel that a bright patch covers by half looks three quarters covered. YUV is BT.601 with limited range, as
+/// cameras deliver it.
 class LinearRgbImage {
  public:
-  /// The frame has been accepted by the scan, is more than one pixel, and lives at least as long as this.
+  /// `frame` must be one that the scan accepted, wider than one pixel, and must outlive this object.
   explicit LinearRgbImage(const Frame& frame) : frame_(frame) {}
 
-  /// Of pixels of the picture.
+  /// Light of eight pixels inside the picture.
   [[nodiscard, gnu::always_inline]] LinearRgb8 at(Integer8 u, Integer8 v) const {
     std::array<Integer8, 3> value;
     if (color_space(frame_.format) == ColorSpace::kRgb) {
@@ -33,10 +34,10 @@ class LinearRgbImage {
     return {linear_light(value[0]), linear_light(value[1]), linear_light(value[2])};
   }
 
-  /// Of the pixels nearest to eight points; `inside`: those that are on the picture. The light of others is any
-  /// pixel's.
+  /// Light of the pixels nearest to eight points. `inside` masks the points inside the picture; the light of the others
+  /// is arbitrary.
   [[nodiscard, gnu::always_inline]] LinearRgb8 nearest(Float8 u_px, Float8 v_px, Integer8& inside) const {
-    // From the picture's corner. Held inside as floats, because what lies far out does not fit an int.
+    // From the picture's corner. Clamped as floats, because points far outside exceed the range of int.
     const Float8 right = u_px + broadcast(0.5f), down = v_px + broadcast(0.5f), zero = broadcast(0.0f);
     const Float8 width = broadcast(frame_.width_px), height = broadcast(frame_.height_px);
     inside = (right > zero) & (down > zero) & (right < width) & (down < height);
@@ -49,10 +50,10 @@ class LinearRgbImage {
  private:
   [[nodiscard]] std::int32_t stride() const { return static_cast<std::int32_t>(frame_.stride_bytes[0]); }
 
-  // Three bytes each of the first plane.
+  // Three bytes per pixel from the first plane.
   [[nodiscard, gnu::always_inline]] std::array<Integer8, 3> bytes_at(Integer8 offset) const {
 #if defined(TOUCHLINE_SIMD_AVX2)
-    // Four bytes at a time, of which the picture's end may have only three more.
+    // Reads four bytes per pixel. The last pixel has only three, so it is read from one byte before it.
     const int last = stride() * (frame_.height_px - 1) + 3 * frame_.width_px - 4;
     const Integer8 end = broadcast_integer(last), early = offset < end;
     const Integer8 from = (early & offset) | (~early & end);

@@ -3,15 +3,15 @@
 namespace touchline {
 namespace TOUCHLINE_SIMD {
 
-/// How much of eight blurred pixels an outline covers, and how that changes when the outline moves.
+/// Fraction of eight blurred pixels that an outline covers, and its derivatives by the position of the outline.
 struct Coverage {
   Float8 value;           // 0 to 1
-  Float8 by_x_m, by_y_m;  // derivative by the outline's center, zero where all or nothing is covered
+  Float8 by_x_m, by_y_m;  // derivatives by the outline's center; zero where the coverage is 0 or 1
 };
 
-/// What an edge leaves of pixels that lie beyond it.
+/// Coverage by a half plane with a blurred edge.
 struct EdgeRamp {
-  Float8 value, slope;  // slope: derivative by the way inwards, not negative
+  Float8 value, slope;  // slope: derivative along the inward direction, not negative
 
   EdgeRamp(Float8 outside_m, float per_m) {
     const Float8 inside = broadcast(0.5f) - broadcast(per_m) * outside_m;
@@ -20,7 +20,7 @@ struct EdgeRamp {
   }
 };
 
-// Outlines in axes of their own, from their centers. `per_m`: 1 / width of a ramp.
+// Outlines in their own axes, relative to their centers. `per_m` is 1 / (width of a ramp).
 struct Rectangle {
   float half_length_m, half_width_m;
 
@@ -32,7 +32,7 @@ struct Rectangle {
   }
 };
 
-// An ellipse is a circle in stretched axes; its edge's distance is right to first order.
+// An ellipse is treated as a circle in stretched axes. The distance to its edge is correct to first order.
 struct Ellipse {
   float half_length_m, half_width_m;
 
@@ -45,10 +45,10 @@ struct Ellipse {
   }
 };
 
-// Tip forward, the origin in its centroid.
+// With its tip forward and the origin in its centroid.
 struct Triangle {
-  float third_m;  // from the centroid to the base; twice that to the tip
-  float nx, ny;   // across the edge on the left
+  float third_m;  // distance from the centroid to the base; the tip is twice as far
+  float nx, ny;   // outward normal of the left edge
 
   [[nodiscard]] Coverage at(Float8 x, Float8 y, float per_m) const {
     const Float8 along = broadcast(nx) * (x - broadcast(2.0f * third_m)), across = broadcast(ny) * y;
@@ -60,8 +60,8 @@ struct Triangle {
   }
 };
 
-/// Calls use(shape): shape.at(x, y, per_m) is what the outline covers of pixels (x, y) meters from its center along its
-/// own axes.
+/// Calls use(shape). shape.at(x, y, per_m) is the coverage of pixels at (x, y) meters from the outline's center along
+/// its own axes.
 template <class Use>
 auto with_shape(const BlurredOutline& cover, Use use) {
   const float half_length = cover.half_length_m(), half_width = cover.half_width_m();

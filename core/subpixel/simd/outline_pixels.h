@@ -3,23 +3,23 @@
 namespace touchline {
 namespace TOUCHLINE_SIMD {
 
-/// ColumnRange of eight rows, from an outline's center; none where low is above high.
+/// Ranges of columns in eight rows, relative to an outline's center. A range is empty if low > high.
 struct ColumnRange {
   Float8 low, high;
 };
 
-/// Pixels of a picture, row after row without gaps, so that eight at a time leave few lanes empty.
+/// List of pixels, row after row without gaps, so that groups of eight have few unused lanes.
 class PixelList {
  public:
   void clear() { count_ = 0; }
 
-  /// Pixels from column `first` to `last` of row v, `stride` apart, if there are any. False: they are too many.
+  /// Adds the pixels of row v from column `first` to `last` at a distance of `stride`. False if there are too many.
   bool add_row(int first, int last, int stride, int v) {
     if (first > last) return true;
-    const int number = (stride > 1 ? (last - first) / stride : last - first) + 1;  // most are not, and division is slow
-    if (count_ + number > kMost) return false;
+    const int number = (stride > 1 ? (last - first) / stride : last - first) + 1;  // mostly 1, and division is slow
+    if (count_ + number > kMaxPixels) return false;
     const Integer8 steps = iota() * broadcast_integer(stride);
-    // Up to seven more than are counted; what comes next overwrites them, and the last eight have room.
+    // Writes up to seven entries too many. The next row overwrites them, and the array has room for the last ones.
     auto at = static_cast<std::size_t>(count_);
     for (int i = 0; i < number; i += kLanes, at += kLanes) {
       write(broadcast_integer(first + i * stride) + steps, &u_[at]);
@@ -29,7 +29,8 @@ class PixelList {
     return true;
   }
 
-  /// Calls use(u, v, counts) with eight pixels at a time; those that do not count are any of the list.
+  /// Calls use(u, v, counts) with eight pixels at a time. Lanes not masked by `counts` are arbitrary pixels of the
+  /// list.
   template <class Use>
   bool for_each_eight(Use use) {
     if (count_ == 0) return true;
@@ -44,9 +45,9 @@ class PixelList {
   }
 
  private:
-  // Of 37 x 37 pixels, the largest square of which all are looked at.
-  static constexpr int kMost = 1369;
-  using Numbers = std::array<std::int32_t, kMost + 2 * kLanes>;
+  // For 37 x 37 pixels, the largest square that is sampled completely.
+  static constexpr int kMaxPixels = 1369;
+  using Numbers = std::array<std::int32_t, kMaxPixels + 2 * kLanes>;
 
   static void write(Integer8 numbers, std::int32_t* to) { std::memcpy(to, &numbers, sizeof numbers); }
   static Integer8 read(const std::int32_t* from) {
@@ -55,15 +56,16 @@ class PixelList {
     return numbers;
   }
 
-  Numbers u_, v_;  // not set before they are added
+  Numbers u_, v_;  // uninitialized beyond count_
   int count_ = 0;
 };
 
-/// The pixels of an outline in the picture. Those that it covers wholly are told from those on its edge roughly.
+/// The pixels of an outline in the picture. A rough test separates completely covered pixels from those on the edge.
 class OutlinePixels {
  public:
-  /// Rows up to `reach_v` from the center, `stride` apart, and of each the columns crossed_by(from_v), among them
-  /// covered_in(from_v) for those inside; both tell it of eight rows at once. False: they are too many.
+  /// Collects rows up to `reach_v` from the center at a distance of `stride`. crossed_by(from_v) returns the columns of
+  /// eight rows that the outline touches, covered_in(from_v) those that it covers completely. False if there are too
+  /// many pixels.
   template <class CrossedBy, class CoveredIn>
   bool collect(const Frame& frame, PixelPoint center, float reach_v, int stride, CrossedBy crossed_by,
                CoveredIn covered_in) {
@@ -82,7 +84,7 @@ class OutlinePixels {
       store(ceil_to_integer(clamp(u + crossed.low, 0.0f, width)), left);
       store(floor_to_integer(clamp(u + crossed.high, -1.0f, width - 1.0f)), last);
       store(ceil_to_integer(clamp(u + covered.low, 0.0f, width)), inner);
-      // Where nothing is covered, no column.
+      // Empty where nothing is covered.
       store(floor_to_integer(select(covered.high >= covered.low, clamp(u + covered.high + one, 0.0f, width))), outer);
       for (std::size_t i = 0; i < kLanes; ++i) {
         const int v = first_row + static_cast<int>(i) * stride;
@@ -93,14 +95,14 @@ class OutlinePixels {
     return true;
   }
 
-  /// Calls use(u, v, counts) with all of them, as PixelList does.
+  /// Calls use(u, v, counts) for all pixels, as PixelList does.
   template <class Use>
   bool for_each_eight(Use use) {
     return edge_.for_each_eight(use) && inside_.for_each_eight(use);
   }
 
  private:
-  // Of columns left to last those from inner to before outer are inside.
+  // Of the columns [left, last], those in [inner, outer) are completely covered.
   bool add_row(int left, int last, int inner, int outer, int stride, int v) {
     if (stride > 1) {
       const auto on_grid = [&](int column) {

@@ -3,12 +3,12 @@
 namespace touchline {
 namespace TOUCHLINE_SIMD {
 
-// Points a row and rows on a robot's top.
-constexpr int kTopGrid = 8;
-// How far beyond the robot's edge its surroundings are looked at: clear of the ramp.
+// Number of rows and columns of the grid of sample points on a robot's top.
+constexpr int kTopGridSize = 8;
+// Distance beyond the robot's edge at which its surroundings are sampled: outside the ramp.
 constexpr float kBeyondRobotPx = 2.0f;
-// Farther from a patch's center every second pixel will do, and so on.
-constexpr float kReachOfAllOfPatchPx = 16.0f;
+// Up to this half size, all pixels of a patch are sampled; of larger ones every second, third, ...
+constexpr float kFullPatchReachPx = 16.0f;
 
 inline Float8 u_of(const MarkerView& robot, Float8 x, Float8 y) {
   return broadcast(robot.middle.u_px) + broadcast(robot.u_by_x) * x + broadcast(robot.u_by_y) * y;
@@ -18,16 +18,16 @@ inline Float8 v_of(const MarkerView& robot, Float8 x, Float8 y) {
 }
 
 inline ColorSums sample_top(const Frame& frame, const MarkerView& robot) {
-  static_assert(kTopGrid == kLanes);
+  static_assert(kTopGridSize == kLanes);
   const LinearRgbImage picture(frame);
   const Float8 zero = broadcast(0.0f);
-  const float inner_m = robot.half_m - 0.6f * robot.ramp_m, apart_m = 2.0f * inner_m / (kTopGrid - 1);
+  const float inner_m = robot.half_m - 0.6f * robot.ramp_m, apart_m = 2.0f * inner_m / (kTopGridSize - 1);
   const Float8 y = broadcast(-inner_m) + to_floats(iota()) * broadcast(apart_m);
   LinearRgb8 sum{zero, zero, zero};
   int count = 0;
-  for (int i = 0; i < kTopGrid; ++i) {
+  for (int i = 0; i < kTopGridSize; ++i) {
     const Float8 x = broadcast(apart_m * static_cast<float>(i) - inner_m);
-    // A ramp twice as wide ends where a pixel is clear of the patch's own.
+    // With a ramp of twice the width, coverage 0 means that the pixel is clear of the patch.
     Float8 covered = zero;
     for (std::size_t k = 0; k < robot.covers->size(); ++k) {
       const BlurredOutline& cover = (*robot.covers)[k];
@@ -46,7 +46,7 @@ inline ColorSums sample_top(const Frame& frame, const MarkerView& robot) {
   return {count, {horizontal_sum(sum[0]), horizontal_sum(sum[1]), horizontal_sum(sum[2])}, 0.0f};
 }
 
-// The pixels of one patch.
+// Samples the pixels of one patch.
 class PatchSampler {
  public:
   PatchSampler(const Frame& frame, const MarkerView& robot, const PatchView& patch, PatchEdge& edge)
@@ -71,7 +71,7 @@ class PatchSampler {
  private:
   template <class Shape>
   bool sample_shape(const Shape& shape) {
-    // Pixels by the outline's axes, and back.
+    // Jacobian from the outline's axes to pixels, and its inverse.
     const float c = cover_.cos(), s = cover_.sin();
     const float u_by_x = c * robot_.u_by_x + s * robot_.u_by_y, u_by_y = c * robot_.u_by_y - s * robot_.u_by_x;
     const float v_by_x = c * robot_.v_by_x + s * robot_.v_by_y, v_by_y = c * robot_.v_by_y - s * robot_.v_by_x;
@@ -81,8 +81,8 @@ class PatchSampler {
     const FieldPoint box = cover_.half_box(robot_.ramp_m);
     const float reach_u = std::abs(u_by_x) * box.x_m + std::abs(u_by_y) * box.y_m;
     const float reach_v = std::abs(v_by_x) * box.x_m + std::abs(v_by_y) * box.y_m;
-    find_reach(box);
-    // Where rows are between two parallel sides of a box, and in the box.
+    check_robot_edge(box);
+    // Ranges of the rows between two parallel sides of a box, and inside the box.
     const auto between_sides = [](float by_u, Float8 at_center, float half) {
       if (std::abs(by_u) * kFarPx < half) return ColumnRange{broadcast(-kFarPx), broadcast(kFarPx)};
       const Float8 per_u = broadcast(1.0f / by_u);
@@ -95,7 +95,7 @@ class PatchSampler {
       return ColumnRange{max(x.low, y.low), min(x.high, y.high)};
     };
     const FieldPoint inner = cover_.inner_box(robot_.ramp_m);
-    const int stride = sampling_stride(std::max(reach_u, reach_v), kReachOfAllOfPatchPx);
+    const int stride = sampling_stride(std::max(reach_u, reach_v), kFullPatchReachPx);
     OutlinePixels pixels;
     if (!pixels.collect(
             frame_, patch_.center, reach_v, stride, [&](Float8 from_v) { return crossed(from_v, box); },
@@ -116,8 +116,8 @@ class PatchSampler {
     });
   }
 
-  // May a pixel of the patch show what is beyond the robot's edge?
-  void find_reach(FieldPoint box) {
+  // Finds out whether pixels of the patch can show surroundings beyond the robot's edge.
+  void check_robot_edge(FieldPoint box) {
     const float c = cover_.cos(), s = cover_.sin();
     const float x = place_.x_m + c * patch_.at.x_m - s * patch_.at.y_m;
     const float y = place_.y_m + s * patch_.at.x_m + c * patch_.at.y_m;
@@ -142,7 +142,7 @@ class PatchSampler {
     if (edge_.full()) return false;
     edge_.resize(edge_.size() + 1);
     Surroundings around{broadcast(0.0f), edge};
-    if (reaches_beyond_) take_out_surroundings(x, y, light, around);
+    if (reaches_beyond_) subtract_surroundings(x, y, light, around);
     EdgePixels& pixels = edge_.back();
     store(x, pixels.x);
     store(y, pixels.y);
@@ -157,8 +157,8 @@ class PatchSampler {
     Integer8 counts;
   };
 
-  // The part of a pixel that is beyond the robot's edge shows what is seen there.
-  [[gnu::always_inline]] void take_out_surroundings(Float8 from_x, Float8 from_y, LinearRgb8& light,
+  // Subtracts the light of the surroundings from the part of each pixel beyond the robot's edge.
+  [[gnu::always_inline]] void subtract_surroundings(Float8 from_x, Float8 from_y, LinearRgb8& light,
                                                     Surroundings& around) const {
     const Float8 c = broadcast(cover_.cos()), s = broadcast(cover_.sin()), half = broadcast(robot_.half_m);
     const Float8 x = broadcast(place_.x_m) + c * from_x - s * from_y;
@@ -166,8 +166,8 @@ class PatchSampler {
     const Float8 beyond_x = abs(x) - half, beyond_y = abs(y) - half;
     const float per_m = 1.0f / robot_.ramp_m;
     const Float8 part = broadcast(1.0f) - EdgeRamp(beyond_x, per_m).value * EdgeRamp(beyond_y, per_m).value;
-    const Integer8 concerned = part > broadcast(0.0f);
-    if (!any(concerned & around.counts)) return;
+    const Integer8 affected = part > broadcast(0.0f);
+    if (!any(affected & around.counts)) return;
     const Float8 clear = broadcast(robot_.half_m + kBeyondRobotPx / robot_.scale_px_per_m);
     const Integer8 sideways = beyond_x >= beyond_y;
     const Float8 far_x = select(sideways, max(abs(x), clear), min(abs(x), half));
@@ -175,7 +175,7 @@ class PatchSampler {
     const Float8 at_x = with_sign(far_x, sign_bit(x)), at_y = with_sign(far_y, sign_bit(y));
     Integer8 inside;
     const LinearRgb8 there = picture_.nearest(u_of(robot_, at_x, at_y), v_of(robot_, at_x, at_y), inside);
-    around.counts = around.counts & (inside | ~concerned);
+    around.counts = around.counts & (inside | ~affected);
     TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) {
       const Float8 foreign = part * (there[i] - top_[i]);
       light[i] -= foreign;

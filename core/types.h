@@ -9,7 +9,7 @@
 #include "core/status.h"
 #include "core/time.h"
 
-// All values that pass between the stages, in the order in which a frame goes through them.
+// The values that pass between the stages, in the order in which a frame is processed.
 namespace touchline {
 
 // --- Capacities -----------------------------------------------------------------------------------------------------
@@ -20,9 +20,9 @@ constexpr std::size_t kMaxFrameHeight = 1944;
 // One bit each of the 32-bit table entries (paper, section 3.2).
 constexpr std::size_t kMaxColorBoxes = 32;
 constexpr std::size_t kMaxColors = 32;
-// What core/region/run_budget.h allows the largest frame.
+// Limit of core/region/run_budget.h for the largest frame.
 constexpr std::size_t kMaxRuns = 8 * kMaxFrameHeight;
-// A realistic field has 200; twenty-fold for clutter and noise.
+// A real field has 200; the factor of twenty is for clutter and noise.
 constexpr std::size_t kMaxRegions = 4096;
 // 11 robots a team is the largest class of any league (SSL division A).
 constexpr std::size_t kMaxRobotsPerTeam = 11;
@@ -60,20 +60,20 @@ constexpr ColorSpace color_space(PixelFormat format) {
   return format == PixelFormat::kRgb24 || format == PixelFormat::kBgr24 ? ColorSpace::kRgb : ColorSpace::kYuv;
 }
 
-/// A view of a picture that somebody else owns. Chroma of YUYV/UYVY is shared by pixel pairs (2k, 2k+1), of NV12 by
-/// 2 x 2 blocks; at odd sizes the last column and row use the chroma sample of the pair or block they begin.
+/// A picture that this structure does not own. Chroma of YUYV/UYVY is shared by pixel pairs (2k, 2k+1), of NV12 by
+/// 2 x 2 blocks; at odd sizes, the last column and row use the chroma sample of the pair or block that they begin.
 struct Frame {
   PixelFormat format = PixelFormat::kRgb24;
   std::uint16_t width_px = 0, height_px = 0;
   std::array<const std::uint8_t*, 2> plane{};  // second one: NV12's interleaved U, V
   std::array<std::uint32_t, 2> stride_bytes{};
-  Instant capture_time{};      // middle of the exposure as well as the driver knows it
-  std::uint32_t sequence = 0;  // the driver's count: gaps are lost frames
+  Instant capture_time{};      // middle of the exposure, as accurate as the driver reports it
+  std::uint32_t sequence = 0;  // number from the driver; gaps are lost frames
 };
 
 // --- color -> region ------------------------------------------------------------------------------------------------
 
-/// 0 is background, 1.. are the colors of the venue file in their order.
+/// 0 is background; 1, 2, ... are the colors of the venue file in their order.
 using ColorId = std::uint8_t;
 constexpr ColorId kBackground = 0;
 
@@ -118,14 +118,14 @@ struct PatchSighting {
   PixelPoint center;
 };
 
-/// What this frame alone shows of one robot.
+/// One robot as seen in a single frame.
 struct RobotSighting {
   Team team = Team::kOwn;
-  RobotId id = kUnknownId;  // unknown is better than wrong
-  // Without one theta_rad is meaningless, and position anywhere on the robot (that of its team patch, as a rule).
+  RobotId id = kUnknownId;  // an unknown id is better than a wrong one
+  // Without a heading, theta_rad is undefined, and position is a point on the robot (usually its team patch).
   bool has_heading = false;
   Pose pose;
-  float residual_m = 0.0f;  // RMS of the patches against their layout
+  float residual_m = 0.0f;  // RMS distance of the patches from their layout
   FixedVector<PatchSighting, kMaxPatches> patches;
 };
 
@@ -136,29 +136,29 @@ struct BallSighting {
   std::uint32_t area_px = 0;
 };
 
-/// Why a region is, or is not, part of what was reported.
+/// Why a region was used for a sighting, or why not.
 enum class Verdict : std::uint8_t {
-  kNotExamined,  // color of no patch and no ball
+  kNotExamined,  // its color is that of no patch and not of the ball
   kTeamPatch,
   kIdentification,
   kBall,
-  kFragment,  // merged into a patch by the weighted refinement
+  kFragment,  // merged into a patch (weighted refinement of section 5)
   kTooSmall,
   kTooLarge,
   kWrongShape,
   kOutsideField,
-  kTooClose,      // eq. (1): another team region of greater area stands there
+  kTooClose,      // eq. (1): a larger region of the same color is too close
   kNoPartner,     // eq. (2): no region at the right distance
-  kPartnerTaken,  // its partner belongs to a better match
-  kSurplus,       // more of them than robots or balls on the field
+  kPartnerTaken,  // its partner belongs to a better hypothesis
+  kSurplus,       // more than the maximum number of robots or balls
 };
 const char* describe(Verdict verdict) noexcept;
 
 struct Sightings {
   BallSighting ball;
   FixedVector<RobotSighting, kMaxRobots> robots;
-  FixedVector<Verdict, kMaxRegions> verdicts;  // one a region
-  bool cut_short = false;                      // more could be read into the picture than the bounded search tried
+  FixedVector<Verdict, kMaxRegions> verdicts;  // one per region
+  bool cut_short = false;                      // the search reached its bound before it tried all hypotheses
 };
 
 // --- marker -> track ------------------------------------------------------------------------------------------------
@@ -171,10 +171,10 @@ struct RobotTrack {
   TrackState state = TrackState::kLost;
   Pose pose;  // at capture time
   Twist twist;
-  Pose pose_at_action;  // when the command computed from it will act
+  Pose pose_at_action;  // predicted for the time when the command acts
   Twist twist_at_action;
-  // Standard deviations of x (m), y (m), theta (rad) at capture time. A robot whose heading was never seen has 1.81
-  // (nothing known); its theta is then the direction in which it moves, its position that of its team patch.
+  // Standard deviations of x (m), y (m), theta (rad) at capture time. If the heading was never seen, that of theta is
+  // 1.81 (uniform distribution), theta is the direction of motion, and position is that of the team patch.
   std::array<float, 3> sigma{};
   Instant last_seen{};
 };
@@ -190,23 +190,23 @@ struct BallTrack {
 struct Tracks {
   Instant capture_time{}, action_time{};
   BallTrack ball;
-  FixedVector<RobotTrack, kMaxRobots> robots;  // states kNew, kSeen and kCoasting; lost ones are not listed
+  FixedVector<RobotTrack, kMaxRobots> robots;  // in states kNew, kSeen and kCoasting; lost robots are not listed
 };
 
 // --- track -> control -> radio --------------------------------------------------------------------------------------
 
 struct WheelSpeeds {
-  float left_mps = 0.0f, right_mps = 0.0f;  // of the rim
+  float left_mps = 0.0f, right_mps = 0.0f;  // speed of the rim
 };
 
 struct RobotCommand {
   RobotId id = kUnknownId;
-  Twist twist;  // after all limits; what the filter is driven by
+  Twist twist;  // after all limits; input of the tracking filter
   WheelSpeeds wheels;
 };
 
 struct Commands {
-  bool stop = true;  // robots must halt, whatever the list says
+  bool stop = true;  // all robots must stop, whatever the list contains
   FixedVector<RobotCommand, kMaxRobotsPerTeam> robots;
 };
 
@@ -214,47 +214,47 @@ struct Commands {
 constexpr std::size_t kMaxPacketBytes = 128;
 using Packet = FixedVector<std::byte, kMaxPacketBytes>;
 
-// --- radio -> robots' own words -------------------------------------------------------------------------------------
+// --- radio -> telemetry ---------------------------------------------------------------------------------------------
 
 constexpr std::int8_t kLinkUnknown = -1;
 
-/// What one robot says of itself (docs/radio.md).
+/// Telemetry of one robot (docs/radio.md).
 struct RobotTelemetry {
   RobotId id = kUnknownId;
   std::uint8_t sequence = 0;
-  float battery_v = 0.0f;                   // 0: it does not measure it
-  std::int8_t link_percent = kLinkUnknown;  // of our packets, how many it heard lately
+  float battery_v = 0.0f;                   // 0: not measured
+  std::int8_t link_percent = kLinkUnknown;  // percentage of our packets that it received recently
 };
 
-/// What is known of one robot from its own words.
+/// Telemetry state of one robot.
 struct RobotReport {
   RobotTelemetry last;
-  Instant heard{};                        // when it came
-  std::uint32_t packets = 0, missed = 0;  // missed: by their sequence numbers
+  Instant heard{};                        // time of reception
+  std::uint32_t packets = 0, missed = 0;  // missed: gaps in the sequence numbers
   bool battery_low = false;
 };
 
 struct RobotReports {
-  FixedVector<RobotReport, kMaxRobotsPerTeam> robots;  // in the order of their ids
+  FixedVector<RobotReport, kMaxRobotsPerTeam> robots;  // sorted by id
   std::uint64_t packets = 0;                           // of all robots
-  std::uint64_t foreign_bytes = 0;                     // that belonged to no good packet
+  std::uint64_t foreign_bytes = 0;                     // not part of a valid packet
 };
 
-// --- the whole way --------------------------------------------------------------------------------------------------
+// --- whole pipeline ------------------------------------------------------------------------------------------------
 
 enum class Stage : std::uint8_t { kRegion, kMarker, kTrack, kControl, kRadio };  // classification is part of kRegion
 constexpr std::size_t kStageCount = 5;
 const char* describe(Stage stage) noexcept;
 
-/// What the adaptation to the light has come to; known after Pipeline::adapt().
+/// State of the adaptation to the light, valid after Pipeline::adapt().
 struct LightTrace {
-  float brightness = 1.0f;    // of the field, relative to the calibration
-  std::uint32_t patches = 0;  // that it learned from in this frame
+  float brightness = 1.0f;    // brightness of the field relative to the calibration
+  std::uint32_t patches = 0;  // number of patches that it learned from in this frame
 };
 
-/// Everything that one frame led to. Recorder, console, latency report and tests read this and nothing else.
+/// All results of one frame. Recorder, console, latency report and tests read only this structure.
 struct StepTrace {
-  Frame frame;  // its pixels are gone once the lease is given back
+  Frame frame;  // its pixels are invalid after the frame is released
   Runs runs;
   Regions regions;
   Sightings sightings;
@@ -262,10 +262,10 @@ struct StepTrace {
   Commands commands;
   Packet packet;
   LightTrace light;
-  RobotReports reports;  // all that robots have said until now
-  Status status;         // of the scan: kUnsupported (nothing seen), kFull (see overload)
+  RobotReports reports;  // telemetry of all robots until now
+  Status status;         // of the scan: kUnsupported (no sightings), kFull (see overload)
   std::array<Duration, kStageCount> stage_time{};
-  bool overload = false;  // some capacity was reached; the counters say which
+  bool overload = false;  // a capacity was reached; the counters tell which
   std::uint32_t runs_dropped = 0, regions_dropped = 0;
 };
 

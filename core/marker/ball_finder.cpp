@@ -9,19 +9,19 @@
 namespace touchline {
 namespace {
 
-// A ball that a robot half covers is still a ball; a smaller rest has its center elsewhere.
-constexpr float kLeastBall = 0.35f;
-// A disk fills 0.79 of its box; the rest of one behind a robot's edge, and small ones on the pixel grid, at least half.
-constexpr float kLeastFill = 0.45f;
-constexpr float kLongestBox = 2.6f;
-// Two candidates whose merits differ by less are not told apart.
+// A ball that is half covered by a robot is still accepted. The center of a smaller part would be wrong.
+constexpr float kMinBallRatio = 0.35f;
+// A disk fills 0.79 of its bounding box. Partly covered disks and small ones on the pixel grid fill at least half.
+constexpr float kMinFill = 0.45f;
+constexpr float kMaxAspectRatio = 2.6f;
+// Ratio of scores above which two candidates are equally likely.
 constexpr float kClearlyBetter = 0.85f;
 
 bool looks_like_a_disk(const Region& region) {
   const float width = static_cast<float>(region.box.right - region.box.left + 1);
   const float height = static_cast<float>(region.box.bottom - region.box.top + 1);
-  return static_cast<float>(region.area_px) >= kLeastFill * width * height &&
-         std::max(width, height) <= kLongestBox * std::min(width, height);
+  return static_cast<float>(region.area_px) >= kMinFill * width * height &&
+         std::max(width, height) <= kMaxAspectRatio * std::min(width, height);
 }
 
 bool on_a_robot(PixelPoint center, const PatchFinder& finder, const std::array<TeamMarking, 2>& teams,
@@ -34,8 +34,8 @@ bool on_a_robot(PixelPoint center, const PatchFinder& finder, const std::array<T
   });
 }
 
-// 1 for the expected area, falling to both sides.
-float merit(const PatchCandidate& patch) { return patch.ratio <= 1.0f ? patch.ratio : 1.0f / patch.ratio; }
+// 1 for the expected area, less for smaller and larger ones.
+float score(const PatchCandidate& patch) { return patch.ratio <= 1.0f ? patch.ratio : 1.0f / patch.ratio; }
 
 }  // namespace
 
@@ -49,31 +49,31 @@ PatchPlace outline_of(const BallParameters& ball) {
 void find_ball(const ColorPatches& patches, const PatchFinder& finder, const std::array<TeamMarking, 2>& teams,
                const Regions& regions, Sightings& out) {
   const PatchCandidate* best = nullptr;
-  float best_merit = 0, second_merit = 0;
+  float best_score = 0, second_score = 0;
   for (const PatchCandidate& patch : patches) {
     Verdict& verdict = out.verdicts[patch.region];
-    if (patch.ratio < kLeastBall) {
+    if (patch.ratio < kMinBallRatio) {
       verdict = Verdict::kTooSmall;
       continue;
     }
-    // What was put together from pieces has no box of its own.
+    // The shape test needs a single region; a candidate merged from fragments has no bounding box.
     if (patch.area_px <= static_cast<float>(regions[patch.region].area_px) &&
         !looks_like_a_disk(regions[patch.region])) {
       verdict = Verdict::kWrongShape;
       continue;
     }
     verdict = Verdict::kSurplus;
-    // On top of a robot only what nobody else is.
-    const float m = merit(patch) * (on_a_robot(patch.center, finder, teams, out) ? 0.1f : 1.0f);
-    if (m > best_merit) {
-      second_merit = best_merit;
-      best_merit = m;
+    // A candidate on top of a robot is accepted only if there is no other.
+    const float m = score(patch) * (on_a_robot(patch.center, finder, teams, out) ? 0.1f : 1.0f);
+    if (m > best_score) {
+      second_score = best_score;
+      best_score = m;
       best = &patch;
     } else {
-      second_merit = std::max(second_merit, m);
+      second_score = std::max(second_score, m);
     }
   }
-  if (best == nullptr || second_merit > kClearlyBetter * best_merit) return;
+  if (best == nullptr || second_score > kClearlyBetter * best_score) return;
   out.verdicts[best->region] = Verdict::kBall;
   out.ball.seen = true;
   out.ball.position = best->at[0];

@@ -14,12 +14,12 @@ struct BallParameters {
   float radius_m = 0.02135f;
 };
 
-/// The disk that a ball shows, as a patch at the height of its center.
+/// The ball as a circular patch at the height of its center.
 PatchPlace outline_of(const BallParameters& ball);
 
-/// The one region of the ball's color that is a ball by its size and shape, inside the field, and not on a reported
-/// robot's top unless nothing else is there. Two that are equally likely: none. `patches`: of the ball's color, not
-/// among them what is too small or too large. `out.robots` must be complete.
+/// Finds the ball: the candidate whose area fits best and whose region looks like a disk. Candidates on the top of a
+/// reported robot have a much lower rank. If two candidates are about equally likely, no ball is reported. `patches`:
+/// candidates of the ball's color inside the field. `out.robots` must be complete.
 void find_ball(const ColorPatches& patches, const PatchFinder& finder, const std::array<TeamMarking, 2>& teams,
                const Regions& regions, Sightings& out);
 

@@ -7,35 +7,39 @@
 namespace touchline {
 namespace {
 
-// Log likelihood that a patch which is explained gains over one that is not: more than the worst fit within the gate
-// costs, so that more patches are always better, and a robot's own patches better than a stranger's.
+// Gain in log likelihood per explained patch. It exceeds the cost of the worst fit within the gate, so more patches are
+// always better, and a robot's own patches are better than those of another robot.
 constexpr float kPatchReward = 60.0f;
-// A full set of a robot that exists, against any other set of the same size.
+// Gain of a complete set of a known robot compared with any other set of the same size.
 constexpr float kIdentityReward = 10.0f;
-// Another team patch on a robot's top is impossible unless it is noise.
-constexpr float kStrangerPenalty = 30.0f;
-constexpr float kStrangerInset = 0.005f;
-// An explanation by the visible rest of a team patch comes after every one by a whole patch.
-constexpr float kRestReward = 0.5f;
-// A single identification patch must be whole then, because its center alone gives the place.
-constexpr float kWholePatch = 0.6f;
-// Of an identification patch in bad light a sixth may be left in its color, if no other color has half as much there.
-constexpr float kLeastDull = 0.16f, kRivalArea = 0.5f;
-// Direction of a long team patch: its axis is good to 5 degrees when whole; beyond 40 it is another robot's.
+// Cost of another team patch on the robot's top, which is impossible unless it is noise.
+constexpr float kForeignPatchPenalty = 30.0f;
+constexpr float kForeignPatchInset = 0.005f;
+// Factor for a partly visible patch. An explanation with a complete patch always has a higher value.
+constexpr float kPartlyVisibleReward = 0.5f;
+// If the team patch is partly visible, a single identification patch must be complete, because its center gives the
+// position.
+constexpr float kCompletePatch = 0.6f;
+// In bad light, a sixth of an identification patch may have its color. This is accepted if no other color has half that
+// area at the same place.
+constexpr float kMinDullRatio = 0.16f, kRivalArea = 0.5f;
+// Error of a long team patch's axis: standard deviation 5 degrees if it is complete. Beyond 40 degrees the patch
+// belongs to another robot.
 constexpr float kAxisSigma = 0.1f, kAxisGate = 0.7f;
-// Within reach of a team patch stand at most the identification patches of four robots, of two each, and noise.
+// Within the window of a team patch there are at most the identification patches of four robots, two each, and noise.
 constexpr std::size_t kMaxNeighbors = 16;
-// Two slots, 8 neighbors and every subset are 81 sets; more happens only when nothing can be told apart anyway.
+// Two slots with 8 neighbors have 81 sets, including all subsets. More sets occur only if nothing can be distinguished.
 constexpr int kMaxSets = 400;
-// Beginnings of sets, too: five slots and 16 neighbors could have a million.
+// This bound includes incomplete sets: five slots and 16 neighbors could have a million.
 constexpr int kMaxSteps = 2000;
-// Only the best explanations of a team patch can win.
+// Only the best hypotheses of a team patch can be selected.
 constexpr std::size_t kMaxPerTeamPatch = 16;
 
 float sigma_m(float scale_px_per_m) { return 0.001f + 0.2f / scale_px_per_m; }
 
 FieldPoint place_of(const PatchPlace& place) { return {place.x_m, place.y_m}; }
 
+// Searches the hypotheses of one team patch: depth-first over the slots of identification patches.
 class Search {
  public:
   Search(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index)
@@ -56,11 +60,11 @@ class Search {
     find_neighbors();
     for (std::size_t r = 0; r < marking_.robots.size(); ++r) {
       robot_ = static_cast<std::int8_t>(r);
-      choose(0);
+      fill_slot(0);
     }
     robot_ = -1;
-    // Less than a patch and less than a full set is too little to go by.
-    if (!patch_.is_rest) choose(0);
+    // A partly visible team patch with an incomplete set is too little evidence.
+    if (!patch_.is_partly_visible) fill_slot(0);
     std::sort(found_.begin(), found_.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.value > b.value; });
     for (std::size_t i = 0; i < found_.size() && i < kMaxPerTeamPatch; ++i) out.push_back(found_[i]);
     return complete_ && !exhausted_;
@@ -70,10 +74,10 @@ class Search {
   struct Neighbor {
     std::uint16_t number = 0;
     float distance_m = 0;
-    bool is_rest = false;
+    bool is_partly_visible = false;
   };
   static bool better(const Neighbor& a, const Neighbor& b) {
-    return a.is_rest != b.is_rest ? b.is_rest : a.distance_m < b.distance_m;
+    return a.is_partly_visible != b.is_partly_visible ? b.is_partly_visible : a.distance_m < b.distance_m;
   }
 
   void find_neighbors() {
@@ -82,12 +86,12 @@ class Search {
     for (std::size_t i = 0; i < patches_.identification.size(); ++i) {
       const float distance = distance_m(patch_.at[team_], patches_.identification[i].at[team_]);
       if (distance >= reach) continue;
-      const bool rest = patches_.identification[i].is_rest;
-      if (rest && !rests_help(patches_.identification[i])) continue;
-      const Neighbor neighbor{static_cast<std::uint16_t>(i), distance, rest};
+      const bool partly_visible = patches_.identification[i].is_partly_visible;
+      if (partly_visible && !helps_partly_visible(patches_.identification[i])) continue;
+      const Neighbor neighbor{static_cast<std::uint16_t>(i), distance, partly_visible};
       if (neighbors_.full()) {
         const auto worst = std::max_element(neighbors_.begin(), neighbors_.end(), better);
-        complete_ = complete_ && (rest || worst->is_rest);
+        complete_ = complete_ && (partly_visible || worst->is_partly_visible);
         if (better(neighbor, *worst)) *worst = neighbor;
       } else {
         neighbors_.push_back(neighbor);
@@ -95,34 +99,34 @@ class Search {
     }
   }
 
-  // With three patches or more the others tell where a dull one must be.
-  bool rests_help(const PatchCandidate& rest) const {
-    return slots_ > 1 && !patch_.is_rest && rest.ratio >= kLeastDull;
+  // With three or more patches, the others determine the place of a dull one.
+  bool helps_partly_visible(const PatchCandidate& patch) const {
+    return slots_ > 1 && !patch_.is_partly_visible && patch.ratio >= kMinDullRatio;
   }
 
-  // Fills slot after slot with every neighbor that may be there. A known robot shows all its patches; what shows less,
-  // or colors that are nobody's, is searched without one.
-  void choose(std::size_t slot) {
+  // Fills the slots one after the other with every possible neighbor. For a known robot (robot_ >= 0), all patches must
+  // be present. Incomplete sets, and sets whose colors belong to no robot, are searched with robot_ < 0.
+  void fill_slot(std::size_t slot) {
     if (steps_++ >= kMaxSteps) exhausted_ = true;
     if (exhausted_) return;
     if (slot == slots_) {
-      judge();
+      evaluate();
       return;
     }
     for (const Neighbor& neighbor : neighbors_) {
-      if (!may_be(slot, neighbor)) continue;
+      if (!is_possible(slot, neighbor)) continue;
       set_[slot] = neighbor.number;
-      choose(slot + 1);
+      fill_slot(slot + 1);
       if (exhausted_) return;
     }
     set_[slot] = kMissing;
-    if (robot_ < 0 && slots_ > 1) choose(slot + 1);
+    if (robot_ < 0 && slots_ > 1) fill_slot(slot + 1);
   }
 
-  bool may_be(std::size_t slot, const Neighbor& neighbor) const {
+  bool is_possible(std::size_t slot, const Neighbor& neighbor) const {
     const PatchCandidate& patch = patches_.identification[neighbor.number];
     if (robot_ >= 0 && marking_.robots[static_cast<std::size_t>(robot_)].colors[slot] != patch.color) return false;
-    if (robot_ < 0 && (patch.is_rest || !worn(slot, patch.color))) return false;
+    if (robot_ < 0 && (patch.is_partly_visible || !is_used_in_slot(slot, patch.color))) return false;
     if (neighbor.distance_m <= window_[slot].low_m || neighbor.distance_m >= window_[slot].high_m) return false;
     for (std::size_t s = 0; s < slot; ++s) {
       if (set_[s] == kMissing) continue;
@@ -134,7 +138,7 @@ class Search {
     return true;
   }
 
-  bool worn(std::size_t slot, ColorId color) const {
+  bool is_used_in_slot(std::size_t slot, ColorId color) const {
     if (marking_.robots.empty()) return true;
     return std::any_of(marking_.robots.begin(), marking_.robots.end(),
                        [&](const RobotMarking& robot) { return robot.colors[slot] == color; });
@@ -149,7 +153,7 @@ class Search {
     });
   }
 
-  void judge() {
+  void evaluate() {
     if (robot_ < 0 && is_of_a_known_robot()) return;
     if (found_.full() || sets_++ >= kMaxSets) {
       exhausted_ = true;
@@ -168,17 +172,17 @@ class Search {
     h.robot = robot_;
     h.seen = static_cast<std::uint8_t>(points.size() - 1);
     h.identification = set_;
-    if (patch_.is_rest) {
-      judge_rest(h, {points.data() + 1, points.size() - 1});
+    if (patch_.is_partly_visible) {
+      evaluate_partly_visible(h, {points.data() + 1, points.size() - 1});
       return;
     }
     h.fit = fit_rigidly({points.data(), points.size()});
-    if (h.fit.residual_m > gate_m_ || contradicted(h.fit.pose)) return;
+    if (h.fit.residual_m > gate_m_ || is_contradicted(h.fit.pose)) return;
     h.precise = h.fit.residual_m <= precise_gate_m(patch_.scale_px_per_m);
     const float sigma = sigma_m(patch_.scale_px_per_m);
     const float n = static_cast<float>(points.size());
     h.value = reward() - 0.5f * n * h.fit.residual_m * h.fit.residual_m / (sigma * sigma) -
-              kStrangerPenalty * static_cast<float>(strangers(h.fit.pose));
+              kForeignPatchPenalty * static_cast<float>(foreign_team_patches(h.fit.pose));
     if (robot_ >= 0) h.value += kIdentityReward;
     if (patch_.has_axis) {
       const float error = axis_error(h.fit.pose.theta_rad);
@@ -192,15 +196,15 @@ class Search {
     float sum = 0;
     for (std::size_t s = 0; s < slots_; ++s) {
       if (set_[s] == kMissing) continue;
-      sum += patches_.identification[set_[s]].is_rest ? kRestReward * kPatchReward : kPatchReward;
+      sum += patches_.identification[set_[s]].is_partly_visible ? kPartlyVisibleReward * kPatchReward : kPatchReward;
     }
     return sum;
   }
 
-  // Where a dull patch is taken for one, another color is nearly as large.
-  bool contradicted(const Pose& pose) const {
+  // True if another color has nearly the same area at the place of a dull patch.
+  bool is_contradicted(const Pose& pose) const {
     for (std::size_t s = 0; s < slots_; ++s) {
-      if (set_[s] == kMissing || !patches_.identification[set_[s]].is_rest) continue;
+      if (set_[s] == kMissing || !patches_.identification[set_[s]].is_partly_visible) continue;
       const PatchCandidate& dull = patches_.identification[set_[s]];
       const FieldPoint place = place_of(layout_.patches[s + 1]);
       const float reach = 0.5f * std::sqrt(area_m2(layout_.patches[s + 1]));
@@ -214,15 +218,16 @@ class Search {
     return false;
   }
 
-  // A robot's full set of identification patches beside a visible rest of its team patch. The set gives the pose; a
-  // single patch only with the direction towards the rest, whose place within the team patch is not known.
-  void judge_rest(Hypothesis& h, std::span<const Correspondence> identification) {
-    if (!worn_once() || team_patch_near()) return;
+  // Evaluates a complete set of identification patches beside a partly visible team patch. The set gives the pose. A
+  // single identification patch gives it only with the direction to the visible part, whose place within the team patch
+  // is unknown.
+  void evaluate_partly_visible(Hypothesis& h, std::span<const Correspondence> identification) {
+    if (!is_unique_to_team() || has_other_team_patch()) return;
     const PatchPlace& place = layout_.patches[0];
     if (identification.size() > 1) {
       h.fit = fit_rigidly(identification);
     } else {
-      if (patches_.identification[set_[0]].ratio < kWholePatch) return;
+      if (patches_.identification[set_[0]].ratio < kCompletePatch) return;
       const Correspondence& only = identification.front();
       const std::array<Correspondence, 2> points{{{place_of(place), patch_.at[team_]}, only}};
       h.fit.pose.theta_rad = fit_rigidly(points).pose.theta_rad;
@@ -234,23 +239,23 @@ class Search {
     const float reach = 0.5f * std::hypot(place.length_m, place.width_m);
     if (distance_m(to_robot_frame(h.fit.pose, patch_.at[team_]), place_of(place)) > reach) return;
     h.precise = true;
-    h.value = kRestReward * kPatchReward * static_cast<float>(h.seen) -
-              kStrangerPenalty * static_cast<float>(strangers(h.fit.pose));
+    h.value = kPartlyVisibleReward * kPatchReward * static_cast<float>(h.seen) -
+              kForeignPatchPenalty * static_cast<float>(foreign_team_patches(h.fit.pose));
     if (h.value > 0.0f) found_.push_back(h);
   }
 
-  // In colors that no robot of the other team wears.
-  bool worn_once() const {
+  // True if no robot of the other team has the same colors.
+  bool is_unique_to_team() const {
     const RobotMarking& robot = marking_.robots[static_cast<std::size_t>(robot_)];
     return std::none_of(others_.robots.begin(), others_.robots.end(), [&](const RobotMarking& other) {
       return std::equal(robot.colors.begin(), robot.colors.end(), other.colors.begin(), other.colors.end());
     });
   }
 
-  // The set has, or may have, another team patch to belong to.
-  bool team_patch_near() const {
+  // True if the set belongs, or may belong, to another team patch.
+  bool has_other_team_patch() const {
     for (const TeamPatch& other : patches_.team) {
-      if (other.patch.is_rest) continue;
+      if (other.patch.is_partly_visible) continue;
       for (std::size_t s = 0; s < slots_; ++s) {
         const FieldPoint at = patches_.identification[set_[s]].at[team_];
         if (distance_m(other.patch.at[team_], at) < window_[s].high_m) return true;
@@ -264,11 +269,11 @@ class Search {
                           std::numbers::pi_v<float>);
   }
 
-  int strangers(const Pose& pose) const {
+  int foreign_team_patches(const Pose& pose) const {
     int count = 0;
     for (std::size_t i = 0; i < patches_.team.size(); ++i) {
       if (i == index_ || patches_.team[i].patch.ratio < 0.5f) continue;
-      count += on_robot(layout_, to_robot_frame(pose, patches_.team[i].patch.at[team_]), kStrangerInset) ? 1 : 0;
+      count += on_robot(layout_, to_robot_frame(pose, patches_.team[i].patch.at[team_]), kForeignPatchInset) ? 1 : 0;
     }
     return count;
   }
@@ -287,7 +292,7 @@ class Search {
   std::int8_t robot_ = -1;
   int sets_ = 0, steps_ = 0;
   bool complete_ = true;    // all neighbors fit into the list
-  bool exhausted_ = false;  // sets, steps or room came to their end, and with them the search
+  bool exhausted_ = false;  // the search reached the limit of sets, steps or hypotheses
   FixedVector<Hypothesis, 64> found_;
 };
 
@@ -296,7 +301,7 @@ class Search {
 DistanceWindow window_of(const MarkerLayout& layout, std::size_t slot) {
   const PatchPlace& team = layout.patches[0];
   const float expected = distance_m(place_of(team), place_of(layout.patches[slot + 1]));
-  // K1 = 3/4 d1 and K2 = d2, widened where a layout has its patches nearer or farther than the paper's.
+  // K1 = 3/4 d1 and K2 = d2, extended for layouts with smaller or larger distances than the paper's.
   const float k1 = 0.75f * std::min(team.length_m, team.width_m);
   return {std::min(k1, 0.5f * expected), std::max(layout.robot_side_m, 1.4f * expected)};
 }

@@ -9,7 +9,7 @@
 namespace touchline {
 namespace {
 
-// False for what is not a number.
+// False for NaN.
 bool within(float value, float bound) { return std::abs(value) <= bound; }
 
 bool same_colors(const RobotMarking& a, const RobotMarking& b) {
@@ -29,7 +29,7 @@ Status validate(const RobotMarking& robot, std::size_t identification_patches, C
 }  // namespace
 
 MarkerLayout paper_layout() {
-  // Figure 2: quadrants of 37.5 mm; the patches leave a gap, so that neighboring ones do not touch.
+  // Figure 2: quadrants of 37.5 mm. The patches are smaller, so neighboring ones do not touch.
   constexpr float kQuarter = 0.01875f, kPatch = 0.0345f;
   MarkerLayout layout;
   layout.patches.push_back({PatchRole::kTeam, PatchOutline::kSquare, kQuarter, kQuarter, kPatch, kPatch});

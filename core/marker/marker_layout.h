@@ -11,22 +11,23 @@ enum class PatchOutline : std::uint8_t { kSquare, kBar, kTriangle, kCircle };
 struct PatchPlace {
   PatchRole role = PatchRole::kTeam;
   PatchOutline outline = PatchOutline::kSquare;
-  float x_m = 0, y_m = 0;           // of the patch's centroid
-  float length_m = 0, width_m = 0;  // along x, along y; a triangle's height (tip forward) and base; a circle's diameter
-  float turn_rad = 0;               // of the outline about its centroid, counter-clockwise
+  float x_m = 0, y_m = 0;           // centroid of the patch
+  float length_m = 0, width_m = 0;  // along x and y; a triangle's height (tip forward) and base; a circle's diameter
+  float turn_rad = 0;               // rotation of the outline about its centroid, counter-clockwise
 };
 
-/// Where a robot's patches are; data of the team file.
+/// Positions of the patches on a robot; data of the team file.
 struct MarkerLayout {
   float robot_side_m = 0.075f;                   // d2 of the paper
   float height_m = 0.075f;                       // of the patches above the floor
-  FixedVector<PatchPlace, kMaxPatches> patches;  // first one: the team patch
+  FixedVector<PatchPlace, kMaxPatches> patches;  // the first is the team patch
 };
 
-/// The paper's two squares in diagonally opposite quadrants: identification to team is +45 degrees from forward.
+/// The paper's layout: two squares in opposite quadrants. The direction from identification to team patch is +45
+/// degrees from forward.
 MarkerLayout paper_layout();
 
-/// A robot that may be on the field: its identification colors in the order of the layout's identification patches.
+/// Id and colors of a robot that may be on the field. `colors` has the order of the layout's identification patches.
 struct RobotMarking {
   RobotId id = kUnknownId;
   FixedVector<ColorId, kMaxPatches> colors;
@@ -34,25 +35,27 @@ struct RobotMarking {
 
 struct TeamMarking {
   MarkerLayout layout;
-  ColorId team_color = kBackground;  // kBackground: this team is not looked for
+  ColorId team_color = kBackground;  // kBackground: do not search this team
   std::uint8_t max_robots = 5;
-  FixedVector<RobotMarking, kMaxRobotsPerTeam> robots;  // empty: identification colors unknown, positions only
+  FixedVector<RobotMarking, kMaxRobotsPerTeam>
+      robots;  // empty: unknown identification colors, so only positions are reported
 };
 
-/// kOutOfRange: no patch, a length that is not positive and finite, a negative height, a turn that is no number, a
-/// centroid outside the robot's square; kInconsistent: the first patch, and no other, must be the team patch.
+/// kOutOfRange: no patch, a length that is not positive and finite, a negative height, a rotation that is not finite,
+/// or a centroid outside the robot's square. kInconsistent: the team patch must be the first one, and the only one.
 Status validate(const MarkerLayout& layout);
 
-/// What validate(layout) says (nothing when the team is not looked for), and kOutOfRange: more robots than
-/// kMaxRobotsPerTeam, a negative id, a color that is none; kInconsistent: an id given twice, two robots with the same
-/// colors in the same places, another number of colors than identification patches, the team color among them.
+/// Errors of validate(layout), and kOutOfRange: more robots than kMaxRobotsPerTeam, a negative id, an invalid color.
+/// kInconsistent: a duplicate id, two robots with the same colors in the same places, a number of colors that differs
+/// from that of the identification patches, or the team color among them. Ok without checks if the team is not
+/// searched.
 Status validate(const TeamMarking& team);
 
 /// Area of the outline in square meters.
 float area_m2(const PatchPlace& place);
 
-/// Variances of the outline's area along its principal axes, the larger one first (square meters), and the larger
-/// one's direction in the robot's frame, modulo pi.
+/// Variances of the outline's area along its principal axes in square meters, the larger one first. `axis_rad` is the
+/// direction of the major axis in the robot's frame, modulo pi.
 struct PrincipalVariances {
   float major_m2 = 0, minor_m2 = 0;
   float axis_rad = 0;

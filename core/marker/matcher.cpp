@@ -8,13 +8,13 @@
 namespace touchline {
 namespace {
 
-// Half of a team patch alone, without any identification, is too little to believe in a robot.
-constexpr float kLeastUnpaired = 0.5f;
+// Minimum area ratio of a team patch without identification patches that is reported as a robot.
+constexpr float kMinUnpairedRatio = 0.5f;
 
 constexpr std::array<Team, 2> kTeams{Team::kOwn, Team::kOpponent};
 constexpr std::size_t index_of(Team team) { return static_cast<std::size_t>(team); }
 
-// Regions by area, among equals the first in the picture.
+// Orders regions by area; among equal ones the first in the picture comes first.
 struct Larger {
   const Regions& regions;
   bool operator()(std::uint16_t a, std::uint16_t b) const {
@@ -44,11 +44,11 @@ void Matcher::collect_kinds() {
     const TeamMarking& marking = parameters_.teams[index_of(team)];
     if (marking.team_color == kBackground) continue;
     add_kind(marking.team_color, marking.layout.patches[0], team);
-    kinds_[marking.team_color].may_be_hidden = true;
+    kinds_[marking.team_color].may_be_partly_hidden = true;
     for (const RobotMarking& robot : marking.robots) {
       for (std::size_t s = 0; s < robot.colors.size(); ++s) {
         add_kind(robot.colors[s], marking.layout.patches[s + 1], team);
-        kinds_[robot.colors[s]].may_be_hidden = true;
+        kinds_[robot.colors[s]].may_be_partly_hidden = true;
         identifies_[robot.colors[s]] = true;
       }
     }
@@ -77,14 +77,14 @@ Status Matcher::configure(const MarkerParameters& parameters, const CameraModel&
   }
   if (ball != kBackground) {
     kinds_[ball] = kind_of(outline_of(parameters.ball), parameters.ball.radius_m);
-    kinds_[ball].may_touch = false;  // there is one
+    kinds_[ball].may_touch = false;  // there is only one ball
     wanted_[ball] = true;
   }
   finder_.configure(camera, parameters.field);
   return {};
 }
 
-// Of each color the biggest regions, largest first: a heap with the least of them on top.
+// Collects the largest regions of each color, sorted by area. Uses a heap with the smallest one on top.
 void Matcher::sort_by_color(const Regions& regions, Sightings& out) {
   const Larger larger{regions};
   for (Numbers& numbers : numbers_) numbers.clear();
@@ -142,7 +142,7 @@ void Matcher::find_patches(const Runs& runs, const Regions& regions, Sightings& 
   }
 }
 
-std::size_t Matcher::room(Team team, const Sightings& out) const {
+std::size_t Matcher::free_places(Team team, const Sightings& out) const {
   const auto there = std::count_if(out.robots.begin(), out.robots.end(),
                                    [team](const RobotSighting& robot) { return robot.team == team; });
   const std::size_t most = parameters_.teams[index_of(team)].max_robots;
@@ -164,7 +164,7 @@ void Matcher::report_pair(const Chosen& choice, Sightings& out) {
     const auto place = static_cast<std::uint8_t>(s + 1);
     robot.patches.push_back({PatchRole::kIdentification, place, patch.color, patch.center});
   }
-  // Colors of a team without known robots are only lent to it, so that nobody else takes them.
+  // For a team without known robots, hypotheses only reserve the patches, so that no other robot uses them.
   const bool known_team = !marking.robots.empty();
   const bool known_pose = known_team && choice.pose_is_sure;
   robot.has_heading = known_pose && h.has_heading;
@@ -182,17 +182,17 @@ void Matcher::report_pair(const Chosen& choice, Sightings& out) {
 }
 
 void Matcher::report_pairs(Sightings& out) {
-  // The best first, should there be more than robots on the field.
+  // The best ones first, in case there are more than the maximum number of robots.
   std::sort(selection_.begin(), selection_.end(), [this](const Chosen& a, const Chosen& b) {
     return hypotheses_[a.hypothesis].value > hypotheses_[b.hypothesis].value;
   });
   for (const Chosen& choice : selection_) {
-    if (room(hypotheses_[choice.hypothesis].team, out) > 0) report_pair(choice, out);
+    if (free_places(hypotheses_[choice.hypothesis].team, out) > 0) report_pair(choice, out);
   }
 }
 
-// A team patch on the top of a robot that was recognized belongs to no other.
-bool Matcher::covered(const TeamPatch& patch, const Sightings& out) const {
+// True if the team patch is on the top of an identified robot and therefore does not belong to another one.
+bool Matcher::is_on_robot(const TeamPatch& patch, const Sightings& out) const {
   return std::any_of(out.robots.begin(), out.robots.end(), [&](const RobotSighting& robot) {
     if (!robot.has_heading) return false;
     const MarkerLayout& layout = parameters_.teams[index_of(robot.team)].layout;
@@ -201,18 +201,18 @@ bool Matcher::covered(const TeamPatch& patch, const Sightings& out) const {
 }
 
 void Matcher::report_unpaired(Sightings& out) {
-  // Lists are sorted by area within a team: the biggest first.
+  // The list is sorted by area within a team, the largest first.
   for (std::size_t i = 0; i < team_patches_.size(); ++i) {
     if (reported_[i]) continue;
     const TeamPatch& candidate = team_patches_[i];
     Verdict& verdict = out.verdicts[candidate.patch.region];
-    if (candidate.patch.is_rest) {
+    if (candidate.patch.is_partly_visible) {
       verdict = Verdict::kTooSmall;
-    } else if (covered(candidate, out)) {
+    } else if (is_on_robot(candidate, out)) {
       verdict = Verdict::kTooClose;
-    } else if (candidate.patch.ratio < kLeastUnpaired) {
+    } else if (candidate.patch.ratio < kMinUnpairedRatio) {
       verdict = Verdict::kNoPartner;
-    } else if (room(candidate.team, out) == 0) {
+    } else if (free_places(candidate.team, out) == 0) {
       verdict = Verdict::kSurplus;
     } else {
       RobotSighting robot;
@@ -225,20 +225,20 @@ void Matcher::report_unpaired(Sightings& out) {
   }
 }
 
-void Matcher::give_verdicts(Sightings& out) {
-  std::array<bool, kMaxIdentification> wished{};
+void Matcher::write_verdicts(Sightings& out) {
+  std::array<bool, kMaxIdentification> is_in_hypothesis{};
   for (const Hypothesis& h : hypotheses_) {
     for (std::size_t s = 0; s + 1 < parameters_.teams[index_of(h.team)].layout.patches.size(); ++s) {
-      if (h.identification[s] != kMissing) wished[h.identification[s]] = true;
+      if (h.identification[s] != kMissing) is_in_hypothesis[h.identification[s]] = true;
     }
   }
-  // Twice, so that a region of several parts has the verdict of the part that is used.
+  // Used patches come second, so a region of several parts gets the verdict of the used part.
   for (const bool used : {false, true}) {
     for (std::size_t i = 0; i < identification_.size(); ++i) {
-      if (used_[i] != used || (identification_[i].is_rest && !used)) continue;
-      out.verdicts[identification_[i].region] = used        ? Verdict::kIdentification
-                                                : wished[i] ? Verdict::kPartnerTaken
-                                                            : Verdict::kNoPartner;
+      if (used_[i] != used || (identification_[i].is_partly_visible && !used)) continue;
+      out.verdicts[identification_[i].region] = used                  ? Verdict::kIdentification
+                                                : is_in_hypothesis[i] ? Verdict::kPartnerTaken
+                                                                      : Verdict::kNoPartner;
     }
   }
   for (std::size_t i = 0; i < team_patches_.size(); ++i) {
@@ -270,7 +270,7 @@ void Matcher::match(const Runs& runs, const Regions& regions, Sightings& out) {
       selector_.select({hypotheses_.data(), hypotheses_.size()}, team_patches_.size(), sides, selection_) && complete;
   report_pairs(out);
   report_unpaired(out);
-  give_verdicts(out);
+  write_verdicts(out);
   find_ball(ball_patches_, finder_, parameters_.teams, regions, out);
   out.cut_short = !complete;
 }

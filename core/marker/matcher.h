@@ -19,24 +19,25 @@ struct MarkerParameters {
   FieldParameters field;
 };
 
-/// Regions -> robots and ball (paper, section 5, generalized to any marker layout).
+/// Finds robots and ball among the regions (paper, section 5, generalized to any marker layout).
 ///
-/// Per color the biggest regions that are patches by their area; team patches by eq. (1); the table of pairs by
-/// eq. (2), an entry being a robot's full set of patches; the table solved for both teams together, so that no patch is
-/// used twice; poses by the rigid fit that is eq. (3) for two patches. A robot whose identification is missing,
-/// imprecise or could as well be another one is reported without an id, and without a heading when that is in doubt.
-/// The work is bounded whatever the picture shows. Large (fixed memory): make one, not on the stack.
+/// Steps: select the largest regions of each color whose area fits a patch; apply eq. (1) to patches of one color;
+/// build the table of pairs by eq. (2), where an entry is a robot's complete set of patches; solve the table for both
+/// teams together, so that no patch is used twice; compute poses by a rigid fit, which for two patches is eq. (3). A
+/// robot whose identification is missing, imprecise or ambiguous is reported without an id, and without a heading if
+/// that is ambiguous. The work is bounded for every picture. The object is large (fixed memory); do not put it on the
+/// stack.
 class Matcher {
  public:
-  /// Errors: those of validate(const TeamMarking&); kInconsistent also: a color that is a team's or the ball's has a
-  /// second meaning; kOutOfRange also: a ball's radius or field's size that is not positive.
+  /// Errors: those of validate(const TeamMarking&). Also kInconsistent: a team color or the ball's color has a second
+  /// meaning. Also kOutOfRange: the ball's radius or the field's size is not positive.
   Status configure(const MarkerParameters& parameters, const CameraModel& camera);
 
-  /// Uses this frame alone. `out.verdicts` has one entry a region.
+  /// Uses only this frame. `out.verdicts` gets one entry per region.
   void match(const Runs& runs, const Regions& regions, Sightings& out);
 
  private:
-  // Three colors a team's patches may share with a neighbor's is already much; 22 robots of two patches are 44.
+  // 22 robots with two identification patches have 44. The rest is for fragments, noise and layouts with more patches.
   static constexpr std::size_t kMaxIdentification = 256;
   using Numbers = FixedVector<std::uint16_t, kMaxPatchesPerColor>;
 
@@ -48,9 +49,9 @@ class Matcher {
   void report_pairs(Sightings& out);
   void report_pair(const Chosen& choice, Sightings& out);
   void report_unpaired(Sightings& out);
-  [[nodiscard]] bool covered(const TeamPatch& patch, const Sightings& out) const;
-  [[nodiscard]] std::size_t room(Team team, const Sightings& out) const;
-  void give_verdicts(Sightings& out);
+  [[nodiscard]] bool is_on_robot(const TeamPatch& patch, const Sightings& out) const;
+  [[nodiscard]] std::size_t free_places(Team team, const Sightings& out) const;
+  void write_verdicts(Sightings& out);
 
   MarkerParameters parameters_;
   PatchFinder finder_;
@@ -60,7 +61,7 @@ class Matcher {
   std::array<bool, kMaxColors + 1> wanted_{};
   std::array<bool, kMaxColors + 1> identifies_{};
   std::array<Numbers, kMaxColors + 1> numbers_{};
-  // of the frame
+  // State of the current frame.
   ColorPatches of_color_, ball_patches_;
   FixedVector<TeamPatch, kMaxTeamPatches> team_patches_;
   FixedVector<PatchCandidate, kMaxIdentification> identification_;

@@ -11,24 +11,24 @@ namespace {
 
 // Klancar eq. (1): K1 = 3/4 d1.
 constexpr float kK1 = 0.75f;
-// From this ratio on the shape is looked at: two touching patches may together be little more than the expected one,
-// when shadows or thresholds take their share.
+// From this ratio upwards the shape is tested: the area of two touching patches may be little more than that of one, if
+// shadows or thresholds reduce it.
 constexpr float kSuspiciousRatio = 1.1f;
-// |log| of both variances against those of one patch of the same area: two squares side by side are at 1.4, a blurred
-// or obliquely seen one is below 0.4.
+// Limit of the sum of |log(variance / expected variance)| over both axes, for one patch of the same area: two adjacent
+// squares have 1.4, a blurred or obliquely seen patch is below 0.4.
 constexpr float kForeignShape = 0.7f;
-// Blur and thresholds may add a pixel all around, more than half of a small patch; two patches have another shape as
-// well. But two right triangles side by side are a triangle again.
-constexpr float kLargestRatio = 2.2f, kLargestRatioOfTriangle = 1.6f;
-// More than 4 patches and their blur.
-constexpr float kFloodRatio = 4.8f;
-// A patch with what belongs to it cannot be much larger than expected; more is another patch.
-constexpr float kLargestMergedRatio = 1.5f;
-// The halves of a divided bar are farther apart than K1; together they must be the one patch.
+// Blur and thresholds may add a pixel on all sides, which is more than half of a small patch; two patches also have a
+// different shape. Two adjacent right triangles, however, form a triangle.
+constexpr float kMaxRatio = 2.2f, kMaxRatioOfTriangle = 1.6f;
+// More than 4 patches with their blur: no markers.
+constexpr float kTooLargeRatio = 4.8f;
+// A patch with its fragments cannot be much larger than expected; otherwise the fragment is another patch.
+constexpr float kMaxMergedRatio = 1.5f;
+// The halves of an interrupted bar are farther apart than K1. Together they must have the area of one patch.
 constexpr float kWholeRatio = 1.15f, kHalvesApart = 0.6f;
-// The scale of an oblique or bent picture differs from one direction to the other.
-constexpr float kWideReach = 1.5f;
-// Variances differ so much that noise on the border does not turn the axis.
+// Margin for scales that depend on the direction (oblique view, distortion).
+constexpr float kReachMargin = 1.5f;
+// Ratio of variances at which noise on the border does not change the axis.
 constexpr float kElongated = 2.0f;
 
 float shape_error(const RegionShape& shape, const PrincipalVariances& expected, float ratio, float scale) {
@@ -42,12 +42,12 @@ bool larger(const PatchCandidate& a, const PatchCandidate& b) {
 }
 
 float side_of(const PatchPlace& place) {
-  // The square of the same area, for outlines that fill less than their sides promise.
+  // Includes the side of a square of the same area, for outlines that fill less than their bounding box.
   return std::min({place.length_m, place.width_m, std::sqrt(area_m2(place))});
 }
 
 float largest_ratio(const PatchPlace& place) {
-  return place.outline == PatchOutline::kTriangle ? kLargestRatioOfTriangle : kLargestRatio;
+  return place.outline == PatchOutline::kTriangle ? kMaxRatioOfTriangle : kMaxRatio;
 }
 
 }  // namespace
@@ -91,14 +91,16 @@ void PatchFinder::configure(const CameraModel& camera, const FieldParameters& fi
   }
 }
 
-// Noise, most often: too small for the rest of a patch wherever it is on the field, and too far from every larger patch
-// and every other region of its color to be a fragment. Nothing is worth a look at where it is.
-bool PatchFinder::is_lone_speck(const PatchKind& kind, const Regions& regions, std::uint16_t number,
-                                std::span<const std::uint16_t> candidates, const ColorPatches& larger) const {
+// True for a region that is too small for a partly visible patch anywhere on the field, and too far from every larger
+// patch and every other region of its color to be a fragment. Most noise is rejected here, before it is projected to
+// the field.
+bool PatchFinder::is_isolated_noise(const PatchKind& kind, const Regions& regions, std::uint16_t number,
+                                    std::span<const std::uint16_t> candidates,
+                                    const ColorPatches& larger_patches) const {
   const Region& region = regions[number];
   const float area = static_cast<float>(region.area_px);
-  if (area >= kLeastRest * kind.least_area_m2 * least_scale_px_per_m_ * least_scale_px_per_m_) return false;
-  const float reach_m = kWideReach * std::max(kind.side_m, kHalvesApart * kind.length_m);
+  if (area >= kMinVisibleRatio * kind.least_area_m2 * least_scale_px_per_m_ * least_scale_px_per_m_) return false;
+  const float reach_m = kReachMargin * std::max(kind.side_m, kHalvesApart * kind.length_m);
   const auto is_near = [&](PixelPoint other, float scale_px_per_m) {
     const float du = other.u_px - region.centroid.u_px, dv = other.v_px - region.centroid.v_px;
     const float reach_px = reach_m * scale_px_per_m;
@@ -107,7 +109,7 @@ bool PatchFinder::is_lone_speck(const PatchKind& kind, const Regions& regions, s
   const bool near_region = std::any_of(candidates.begin(), candidates.end(), [&](std::uint16_t other) {
     return other != number && is_near(regions[other].centroid, largest_scale_px_per_m_);
   });
-  return !near_region && std::none_of(larger.begin(), larger.end(), [&](const PatchCandidate& patch) {
+  return !near_region && std::none_of(larger_patches.begin(), larger_patches.end(), [&](const PatchCandidate& patch) {
     return is_near(patch.center, patch.scale_px_per_m);
   });
 }
@@ -134,7 +136,7 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
                           std::span<const std::uint16_t> candidates, std::uint16_t number, Sightings& verdicts,
                           ColorPatches& out) const {
   const Region& region = regions[number];
-  if (is_lone_speck(kind, regions, number, candidates, out)) {
+  if (is_isolated_noise(kind, regions, number, candidates, out)) {
     verdicts.verdicts[number] = Verdict::kTooSmall;
     return;
   }
@@ -151,14 +153,14 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
   const float square = patch.scale_px_per_m * patch.scale_px_per_m;
   const float of_largest = patch.area_px / (kind.largest_area_m2 * square);
   const float of_least = patch.area_px / (kind.least_area_m2 * square);
-  // Between the least and the largest patch everything is as expected.
+  // Areas between those of the smallest and the largest patch have the ratio 1.
   patch.ratio = of_largest >= 1.0f ? of_largest : std::min(1.0f, of_least);
-  if (of_largest > kFloodRatio) {
+  if (of_largest > kTooLargeRatio) {
     verdicts.verdicts[number] = Verdict::kTooLarge;
     return;
   }
   const bool long_patch = kind.variances.major_m2 > kElongated * kind.variances.minor_m2;
-  if (of_largest >= kSuspiciousRatio || (long_patch && patch.ratio >= kLeastRatio)) {
+  if (of_largest >= kSuspiciousRatio || (long_patch && patch.ratio >= kMinRatio)) {
     const RegionShape shape = shape_of(runs, region);
     const bool foreign = shape_error(shape, kind.variances, of_largest, patch.scale_px_per_m) > kForeignShape;
     const bool several = of_largest >= kSuspiciousRatio && (foreign || of_largest > kind.largest_ratio);
@@ -167,16 +169,7 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
       return;
     }
     if (several) {
-      const auto count = static_cast<std::size_t>(std::max(2.0f, std::round(of_largest)));
-      for (const RegionPart& part : split(runs, region, shape, count)) {
-        PatchCandidate piece = patch;
-        piece.center = part.center;
-        piece.area_px = part.area_px;
-        piece.ratio = std::min(1.0f, part.area_px / (kind.least_area_m2 * square));
-        piece.is_part = true;
-        place(kind, piece);
-        if (!out.push_back(piece)) return;
-      }
+      split_touching(kind, runs, region, shape, patch, of_largest, out);
       return;
     }
     patch.has_axis = long_patch && !foreign && shape.major_px2 > kElongated * shape.minor_px2;
@@ -185,7 +178,24 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
   out.push_back(patch);
 }
 
-// Weighted refinement (section 5, before eq. (3)): the average of both, by their areas.
+// Splits the region `whole` of several touching patches and adds its parts.
+void PatchFinder::split_touching(const PatchKind& kind, const Runs& runs, const Region& region,
+                                 const RegionShape& shape, const PatchCandidate& whole, float ratio_to_largest,
+                                 ColorPatches& out) const {
+  const float square = whole.scale_px_per_m * whole.scale_px_per_m;
+  const auto count = static_cast<std::size_t>(std::max(2.0f, std::round(ratio_to_largest)));
+  for (const RegionPart& part : split(runs, region, shape, count)) {
+    PatchCandidate patch = whole;
+    patch.center = part.center;
+    patch.area_px = part.area_px;
+    patch.ratio = std::min(1.0f, part.area_px / (kind.least_area_m2 * square));
+    patch.is_split_part = true;
+    place(kind, patch);
+    if (!out.push_back(patch)) return;
+  }
+}
+
+// Weighted refinement (section 5, before eq. (3)): the mean of both centers, weighted by their areas.
 bool PatchFinder::merge(const PatchKind& kind, const PatchCandidate& from, PatchCandidate& into,
                         float largest_ratio) const {
   const float area = into.area_px + from.area_px;
@@ -193,7 +203,7 @@ bool PatchFinder::merge(const PatchKind& kind, const PatchCandidate& from, Patch
   if (area > largest_ratio * kind.largest_area_m2 * square) return false;
   into.center.u_px += (from.center.u_px - into.center.u_px) * from.area_px / area;
   into.center.v_px += (from.center.v_px - into.center.v_px) * from.area_px / area;
-  // The axis of a fragment is not the patch's.
+  // With a large fragment, the axis of the larger part is not that of the patch.
   if (from.area_px > 0.2f * area) into.has_axis = false;
   into.area_px = area;
   into.ratio = std::max(area / (kind.largest_area_m2 * square), std::min(1.0f, area / (kind.least_area_m2 * square)));
@@ -206,48 +216,56 @@ void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& r
   out.clear();
   for (const std::uint16_t number : candidates) examine(kind, runs, regions, candidates, number, verdicts, out);
   std::sort(out.begin(), out.end(), larger);
+  merge_close(kind, verdicts, out);
+  merge_small(kind, verdicts, out);
+}
 
-  // Eq. (1), from the largest region to the smallest: `kept` grows at the front of the list.
+// Applies eq. (1) from the largest patch to the smallest: removes those that are too close to a larger one, merged with
+// it if they are its fragments.
+void PatchFinder::merge_close(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
     const PatchCandidate patch = out[i];
     bool taken = false, close = false;
     for (std::size_t k = 0; k < kept && !taken; ++k) {
-      if (out[k].region == patch.region) continue;  // parts of one region have been told apart already
+      if (out[k].region == patch.region) continue;  // parts of one region are already separated
       const float distance = distance_m(out[k].at[kind.plane], patch.at[kind.plane]);
       const bool is_near = distance < kK1 * kind.side_m;
       close = close || is_near;
       if (is_near) {
-        taken = merge(kind, patch, out[k], kLargestMergedRatio);
+        taken = merge(kind, patch, out[k], kMaxMergedRatio);
       } else if (distance < kHalvesApart * kind.length_m) {
         taken = merge(kind, patch, out[k], kWholeRatio);
       }
     }
     if (!taken && !close) {
       out[kept++] = patch;
-    } else if (!patch.is_part) {
+    } else if (!patch.is_split_part) {
       verdicts.verdicts[patch.region] = taken ? Verdict::kFragment : Verdict::kTooClose;
     }
   }
+  out.resize(kept);
+}
 
-  // What is too small for a patch of its own is a fragment of one that is less than d1 away, noise, or the rest of one
-  // that something hides.
+// Merges patches that are too small with a complete one at a distance below d1. Otherwise they are noise, or partly
+// visible patches.
+void PatchFinder::merge_small(const PatchKind& kind, Sightings& verdicts, ColorPatches& out) const {
   std::size_t count = 0;
-  for (std::size_t i = 0; i < kept; ++i) {
+  for (std::size_t i = 0; i < out.size(); ++i) {
     const PatchCandidate patch = out[i];
-    if (patch.ratio >= kLeastRatio) {
+    if (patch.ratio >= kMinRatio) {
       out[count++] = patch;
       continue;
     }
     bool taken = false;
     for (std::size_t k = 0; k < count && !taken; ++k) {
-      if (out[k].is_rest || distance_m(out[k].at[kind.plane], patch.at[kind.plane]) >= kind.side_m) continue;
-      taken = merge(kind, patch, out[k], kLargestMergedRatio);
+      if (out[k].is_partly_visible || distance_m(out[k].at[kind.plane], patch.at[kind.plane]) >= kind.side_m) continue;
+      taken = merge(kind, patch, out[k], kMaxMergedRatio);
     }
-    if (!patch.is_part) verdicts.verdicts[patch.region] = taken ? Verdict::kFragment : Verdict::kTooSmall;
-    if (taken || !kind.may_be_hidden || patch.is_part || patch.ratio < kLeastRest) continue;
+    if (!patch.is_split_part) verdicts.verdicts[patch.region] = taken ? Verdict::kFragment : Verdict::kTooSmall;
+    if (taken || !kind.may_be_partly_hidden || patch.is_split_part || patch.ratio < kMinVisibleRatio) continue;
     out[count] = patch;
-    out[count++].is_rest = true;
+    out[count++].is_partly_visible = true;
   }
   out.resize(count);
 }

@@ -6,9 +6,9 @@
 namespace touchline {
 namespace {
 
-// Centers of compact parts are found to a tenth of a pixel from so many of their pixels.
+// This number of sampled pixels gives the centers of compact parts to a tenth of a pixel.
 constexpr std::uint32_t kMaxSamples = 2048;
-// From starts along the major axis, k-means over two to four compact parts settles in three to six turns.
+// Started along the major axis, k-means of two to four compact parts converges in three to six iterations.
 constexpr int kMaxIterations = 10;
 
 struct Cluster {
@@ -29,7 +29,7 @@ std::size_t nearest(const RegionParts& parts, float u, float v) {
   return best;
 }
 
-// Every step-th pixel of the region goes to its nearest part.
+// Assigns every step-th pixel of the region to its nearest part.
 std::array<Cluster, kMaxParts> assign(const Runs& runs, const Region& region, const RegionParts& parts,
                                       std::uint32_t step) {
   std::array<Cluster, kMaxParts> clusters{};
@@ -51,7 +51,7 @@ std::array<Cluster, kMaxParts> assign(const Runs& runs, const Region& region, co
 }  // namespace
 
 RegionShape shape_of(const Runs& runs, const Region& region) {
-  // About the centroid, so that nothing cancels; a run of n pixels has its own variance (n^2 - 1) / 12.
+  // Sum relative to the centroid to avoid cancellation. A run of n pixels has the variance (n^2 - 1) / 12.
   double uu = 0, uv = 0, vv = 0;
   for (std::uint32_t r = region.first_run; r < runs.size(); r = runs[r].next) {
     const Run& run = runs[r];
@@ -63,7 +63,7 @@ RegionShape shape_of(const Runs& runs, const Region& region) {
     vv += n * dv * dv;
   }
   const double area = std::max(1.0, static_cast<double>(region.area_px));
-  // A pixel is a square of its own: 1/12 along both axes.
+  // A pixel is a square with a variance of 1/12 along both axes.
   uu = uu / area + 1.0 / 12.0;
   uv /= area;
   vv = vv / area + 1.0 / 12.0;
@@ -75,7 +75,7 @@ RegionShape shape_of(const Runs& runs, const Region& region) {
 RegionParts split(const Runs& runs, const Region& region, const RegionShape& shape, std::size_t count) {
   RegionParts parts;
   count = std::clamp<std::size_t>(count, 2, kMaxParts);
-  // Evenly along the major axis, over the two standard deviations to either side that hold nearly all of a region.
+  // Start with centers equally spaced along the major axis, over about two standard deviations to each side.
   const float sigma = std::sqrt(shape.major_px2), c = std::cos(shape.axis_rad), s = std::sin(shape.axis_rad);
   for (std::size_t i = 0; i < count; ++i) {
     const float along = sigma * 1.8f * (2.0f * (static_cast<float>(i) + 0.5f) / static_cast<float>(count) - 1.0f);

@@ -6,14 +6,14 @@
 
 namespace touchline {
 
-/// Second moments of a region's pixels.
+/// Second central moments of a region's pixels.
 struct RegionShape {
   float major_px2 = 0, minor_px2 = 0;  // variances along the principal axes
-  float axis_rad = 0;                  // of the major one, from u towards v
+  float axis_rad = 0;                  // direction of the major axis, from u towards v
 };
 RegionShape shape_of(const Runs& runs, const Region& region);
 
-// More than four patches of one color that touch is no marker but a flood.
+// More than four touching patches of one color are not markers.
 constexpr std::size_t kMaxParts = 4;
 
 struct RegionPart {
@@ -22,8 +22,8 @@ struct RegionPart {
 };
 using RegionParts = FixedVector<RegionPart, kMaxParts>;
 
-/// Divides a region that several touching patches have in common into `count` (2 to kMaxParts) by k-means over its
-/// pixels. The work is bounded: a fixed number of iterations over a bounded sample of the pixels.
+/// Splits a region of several touching patches into `count` parts (2 to kMaxParts) by k-means clustering of its pixels.
+/// The work is bounded: a fixed maximum of iterations over a bounded sample of the pixels.
 RegionParts split(const Runs& runs, const Region& region, const RegionShape& shape, std::size_t count);
 
 }  // namespace touchline

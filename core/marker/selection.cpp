@@ -10,12 +10,12 @@ namespace touchline {
 namespace {
 
 constexpr std::uint16_t kNone = 0xffff;
-// Ten robots in one heap need some hundreds; the budgets keep the worst picture below a few milliseconds.
+// Ten robots in one cluster need a few hundred nodes. The limits keep the worst picture below a few milliseconds.
 constexpr int kNodesPerGroup = 5000;
-constexpr int kNodesForDoubts = 40000;
-// Squares that touch have their centers at least a side apart; a fifth is left for errors of the pose.
-constexpr float kLeastDistance = 0.8f;
-// Poses that differ by less are one, as far as the controller is concerned.
+constexpr int kNodesForAlternatives = 40000;
+// Centers of touching squares are at least one side apart; the rest allows for errors of the pose.
+constexpr float kMinDistance = 0.8f;
+// Smaller differences of pose do not matter to the controller.
 constexpr float kSamePlace = 0.01f, kSameHeading = 0.2f;
 
 bool share_a_patch(const Hypothesis& a, const Hypothesis& b) {
@@ -42,7 +42,7 @@ bool Selector::conflict(const Hypothesis& a, const Hypothesis& b) const {
   if (a.team == b.team && a.robot >= 0 && a.robot == b.robot) return true;
   const float side =
       0.5f * (robot_side_m_[static_cast<std::size_t>(a.team)] + robot_side_m_[static_cast<std::size_t>(b.team)]);
-  return distance_m(a.fit.pose.position, b.fit.pose.position) < kLeastDistance * side;
+  return distance_m(a.fit.pose.position, b.fit.pose.position) < kMinDistance * side;
 }
 
 void Selector::find_conflicts() {
@@ -90,14 +90,14 @@ void Selector::search(const Group& group, std::size_t depth, const Set& excluded
   search(group, depth + 1, excluded, value);
 }
 
-// Is there a set, without the excluded ones, whose value is above `value`?
+// True if there is a set without the excluded hypotheses whose value is above `value`.
 bool Selector::alternative(const Group& group, const Set& excluded, float value) {
   stop_at_first_ = true;
   found_ = false;
   best_value_ = value;
-  nodes_left_ = doubt_nodes_left_;
+  nodes_left_ = alternative_nodes_left_;
   search(group, 0, excluded, 0.0f);
-  doubt_nodes_left_ = nodes_left_;
+  alternative_nodes_left_ = nodes_left_;
   stop_at_first_ = false;
   complete_ = complete_ && nodes_left_ > 0;
   return found_ || nodes_left_ <= 0;
@@ -137,7 +137,7 @@ bool Selector::select(std::span<const Hypothesis> hypotheses, std::size_t team_p
   out.clear();
   hypotheses_ = hypotheses;
   robot_side_m_ = robot_side_m;
-  doubt_nodes_left_ = kNodesForDoubts;
+  alternative_nodes_left_ = kNodesForAlternatives;
   complete_ = true;
   options_.fill({});
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {

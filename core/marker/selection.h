@@ -8,33 +8,34 @@
 
 namespace touchline {
 
-/// A hypothesis that was chosen, and how sure that is.
+/// A selected hypothesis and how certain it is.
 struct Chosen {
   std::uint16_t hypothesis = 0;
-  bool id_is_sure = false;    // every other explanation that names no or another robot is far less likely
-  bool pose_is_sure = false;  // the same of explanations that put the robot elsewhere or turn it
+  bool id_is_sure = false;    // all explanations with another id or without an id are far less likely
+  bool pose_is_sure = false;  // all explanations with another pose are far less likely
 };
 
 constexpr std::size_t kMaxTeamPatches = 64;
 using Selection = FixedVector<Chosen, kMaxTeamPatches>;
 
-/// Chooses the most likely set of hypotheses in which no patch is used twice, no robot named twice, and no two robots
-/// stand in one place.
+/// Selects the most likely set of hypotheses in which no patch is used twice, no robot occurs twice, and no two robots
+/// overlap.
 ///
-/// Uncontested pairs (one entry in the row and in the column of the paper's table) are settled at once. What is left
-/// falls into groups that contest the same patches; each is solved exactly by branch and bound. Where the paper's row,
-/// column and left-over rules lead to pairs for all robots of a group, there is no other set of so many pairs, and the
-/// result is theirs. The search is bounded; where the bound is reached, nothing counts as sure.
+/// Hypotheses that conflict form groups; each group is solved exactly by branch and bound. A pair without conflicts
+/// (the only entry in its row and column of the paper's table) is a group of its own. If the paper's row, column and
+/// left-over rules give pairs for all robots of a group, no other set has as many pairs, and the result is the same.
+/// The search is bounded; if it reaches the bound, no result of the group is certain.
 class Selector {
  public:
-  /// `robot_side_m` by Team. Hypotheses of one team patch stand together. True: nothing was cut short.
+  /// `robot_side_m` is indexed by Team. Hypotheses of one team patch must be adjacent. False if the search reached a
+  /// bound.
   bool select(std::span<const Hypothesis> hypotheses, std::size_t team_patches, std::array<float, 2> robot_side_m,
               Selection& out);
 
  private:
   using Set = std::bitset<kMaxHypotheses>;
   struct Options {
-    std::uint16_t begin = 0, end = 0;  // hypotheses of a team patch, best first
+    std::uint16_t begin = 0, end = 0;  // range of the hypotheses of a team patch, best first
   };
   using Group = FixedVector<std::uint16_t, kMaxTeamPatches>;  // team patches
 
@@ -50,12 +51,12 @@ class Selector {
   std::array<Set, kMaxHypotheses> conflicts_;
   std::array<Options, kMaxTeamPatches> options_{};
   std::array<std::uint16_t, kMaxTeamPatches> group_of_{};
-  // of the search
-  std::array<float, kMaxTeamPatches + 1> bound_{};  // best that the rest of the group can add
+  // State of the search.
+  std::array<float, kMaxTeamPatches + 1> bound_{};  // by depth: largest value that the rest of the group can add
   std::array<std::uint16_t, kMaxTeamPatches> path_{}, best_{};
   float best_value_ = 0;
   bool stop_at_first_ = false, found_ = false, complete_ = true;
-  int nodes_left_ = 0, doubt_nodes_left_ = 0;
+  int nodes_left_ = 0, alternative_nodes_left_ = 0;
 };
 
 }  // namespace touchline

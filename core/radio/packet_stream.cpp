@@ -3,7 +3,7 @@
 namespace touchline {
 
 std::size_t PacketStream::Format::length(std::span<const std::byte> bytes) {
-  // Each test asks for what has come only: a packet whose beginning fits so far may still become one.
+  // Each test uses only bytes that have arrived. A packet whose first bytes are valid may still become complete.
   if (bytes[0] != kPacketMagic0) return kNoPacket;
   if (bytes.size() > 1 && bytes[1] != kPacketMagic1) return kNoPacket;
   if (bytes.size() > 2 && bytes[2] != kPacketVersion) return kNoPacket;

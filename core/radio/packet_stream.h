@@ -8,22 +8,22 @@
 
 namespace touchline {
 
-/// Bytes in, packets out: the receiving end of a line that loses, adds and turns bytes. After any fault the first
-/// whole packet that follows is found, as soon as the bytes that a damaged header promised have come; at most
-/// packet_bytes(kMaxRobotsPerTeam).
+/// Finds command packets in the bytes of a line that loses, inserts and corrupts bytes. After any error, the first
+/// complete packet is found at the latest after packet_bytes(kMaxRobotsPerTeam) more bytes, because a corrupt header
+/// may announce that many.
 ///
 ///   stream.push(byte);
 ///   while (stream.next(commands, sequence)) ...
 class PacketStream {
  public:
-  /// When the caller never asks next(), the oldest byte goes (counted as skipped).
+  /// If the buffer is full because next() was not called, the oldest byte is dropped and counted as skipped.
   void push(std::byte byte) { sync_.push(byte); }
-  /// The oldest whole packet among the bytes pushed; false: more bytes are needed.
+  /// Returns the oldest complete packet. False if more bytes are needed.
   bool next(Commands& commands, std::uint8_t& sequence);
-  /// For a pause on the line longer than a packet: what has come so far is no packet's beginning.
+  /// Drops buffered bytes. Call it after a pause on the line that is longer than a packet.
   void reset() { sync_.reset(); }
 
-  /// Bytes that belonged to no good packet.
+  /// Number of bytes that were not part of a valid packet.
   [[nodiscard]] std::uint64_t skipped_bytes() const { return sync_.skipped_bytes(); }
 
  private:
@@ -34,13 +34,12 @@ class PacketStream {
   PacketSync<Format> sync_;
 };
 
-/// Which packets a robot obeys: stop packets always, others when they are newer than the last one by 1 to 127 steps
-/// of the sequence number (RFC 1982's comparison of serial numbers). So a packet repeated or overtaken on the way
-/// does nothing.
+/// Decides which packets a robot obeys: stop packets always; others if their sequence number is newer than the last one
+/// by 1 to 127 (serial number arithmetic of RFC 1982). Repeated packets and packets out of order have no effect.
 class SequenceFilter {
  public:
   [[nodiscard]] bool obey(std::uint8_t sequence, bool stop);
-  /// After a time-out (docs/radio.md) any number is new.
+  /// After a time-out (docs/radio.md), any sequence number is accepted.
   void reset() { last_known_ = false; }
 
  private:

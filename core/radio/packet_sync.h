@@ -8,21 +8,22 @@
 
 namespace touchline {
 
-/// Answers of a format in the place of a length.
+/// Return values of Format::length() instead of a length.
 constexpr std::size_t kNoPacket = 0, kMoreBytes = ~std::size_t{0};
 
-/// Finds packets among the bytes of a line that loses, adds and turns them. `Format` says what a packet looks like:
+/// Finds packets in the bytes of a line that loses, inserts and corrupts bytes. `Format` describes a packet:
 ///
 ///   static constexpr std::size_t kMaxBytes;
-///   // Length of the packet that begins here; kMoreBytes: that cannot be told yet; kNoPacket: none begins here.
-///   static std::size_t length(std::span<const std::byte> bytes);  // never empty
+///   // Length of the packet at the start of `bytes`, which is never empty. kMoreBytes: not known yet. kNoPacket: these
+///   // bytes do not start a packet.
+///   static std::size_t length(std::span<const std::byte> bytes);
 ///
-/// After any fault the first whole packet that follows is found, as soon as the bytes that a damaged header promised
-/// have come: the search goes on behind a failed start, not behind the failed packet.
+/// After any error, the first complete packet is found as soon as the bytes that a corrupt header announced have
+/// arrived: the search continues after the invalid start bytes, not after the invalid packet.
 template <class Format>
 class PacketSync {
  public:
-  /// When the caller never asks next(), the oldest byte goes (counted as skipped).
+  /// If the buffer is full because next() was not called, the oldest byte is dropped and counted as skipped.
   void push(std::byte byte) {
     if (size_ == buffer_.size()) {
       drop(1);
@@ -31,7 +32,7 @@ class PacketSync {
     buffer_[size_++] = byte;
   }
 
-  /// Hands the oldest candidate that `decode(bytes)` accepts to it, and true; false: more bytes are needed.
+  /// Calls decode(bytes) for possible packets, oldest first, until it returns true. False if more bytes are needed.
   template <class Decode>
   bool next(Decode decode) {
     std::size_t begin = 0, length = 0;
@@ -49,13 +50,13 @@ class PacketSync {
     return found;
   }
 
-  /// What has come so far is no packet's beginning.
+  /// Drops the buffered bytes and counts them as skipped.
   void reset() {
     skipped_ += size_;
     size_ = 0;
   }
 
-  /// Bytes that belonged to no good packet.
+  /// Number of bytes that were not part of a valid packet.
   [[nodiscard]] std::uint64_t skipped_bytes() const { return skipped_; }
 
  private:
@@ -64,7 +65,7 @@ class PacketSync {
     size_ -= count;
   }
 
-  // Two packets: one that turns out to be damaged, and the one that comes after it.
+  // Room for two packets: a corrupt one and the next one.
   std::array<std::byte, 2 * Format::kMaxBytes> buffer_{};
   std::size_t size_ = 0;
   std::uint64_t skipped_ = 0;

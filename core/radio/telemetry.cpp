@@ -10,10 +10,10 @@ namespace {
 
 constexpr std::size_t kCrcAt = kTelemetryBytes - 2;
 constexpr float kVoltsPerStep = 0.001f;
-// Words in a row; at two a second, a second and a half.
-constexpr std::uint8_t kEnoughWords = 3;
-// A battery recovers by a tenth or two when the motors rest.
-constexpr float kChangedBatteryV = 0.3f;
+// Number of consecutive packets; 1.5 seconds at two per second.
+constexpr std::uint8_t kRequiredPackets = 3;
+// Rise that shows a replaced battery. When the motors are off, a battery recovers by only 0.1 to 0.2 V.
+constexpr float kReplacedBatteryV = 0.3f;
 
 std::uint16_t battery_steps(float battery_v) {
   if (!(battery_v > 0.0f)) return 0;
@@ -64,19 +64,19 @@ bool TelemetryStream::next(RobotTelemetry& telemetry) {
 void RobotMonitor::configure(float low_battery_v) {
   low_battery_v_ = low_battery_v;
   stream_.reset();
-  doubts_.fill(0);
+  contradictions_.fill(0);
 }
 
 void RobotMonitor::listen(std::span<const std::byte> bytes, Instant now, RobotReports& reports) {
   RobotTelemetry telemetry;
   for (const std::byte byte : bytes) {
     stream_.push(byte);
-    while (stream_.next(telemetry)) note(telemetry, now, reports);
+    while (stream_.next(telemetry)) process(telemetry, now, reports);
   }
   reports.foreign_bytes = stream_.skipped_bytes();
 }
 
-void RobotMonitor::note(const RobotTelemetry& telemetry, Instant now, RobotReports& reports) {
+void RobotMonitor::process(const RobotTelemetry& telemetry, Instant now, RobotReports& reports) {
   auto& robots = reports.robots;
   ++reports.packets;
   std::size_t at = 0;
@@ -90,24 +90,25 @@ void RobotMonitor::note(const RobotTelemetry& telemetry, Instant now, RobotRepor
   }
   RobotReport& report = robots[at];
   const auto step = static_cast<std::uint8_t>(telemetry.sequence - report.last.sequence);
-  if (step == 0) return;                        // a module that repeats itself
-  if (step <= 127) report.missed += step - 1U;  // else it was switched on again, or this one was overtaken
+  if (step == 0) return;                        // repeated by the radio module
+  if (step <= 127) report.missed += step - 1U;  // otherwise the robot restarted, or the packet is out of order
   ++report.packets;
   report.last = telemetry;
   report.heard = now;
-  judge_battery(report);
+  update_battery_state(report);
 }
 
-void RobotMonitor::judge_battery(RobotReport& report) {
+void RobotMonitor::update_battery_state(RobotReport& report) {
   const float battery_v = report.last.battery_v;
   if (low_battery_v_ <= 0.0f || battery_v <= 0.0f) return;
-  const bool against = report.battery_low ? battery_v > low_battery_v_ + kChangedBatteryV : battery_v < low_battery_v_;
+  const bool contradicts =
+      report.battery_low ? battery_v > low_battery_v_ + kReplacedBatteryV : battery_v < low_battery_v_;
   const auto index = static_cast<std::uint8_t>(report.last.id);
-  std::uint8_t& doubts = doubts_[index];
-  doubts = against ? static_cast<std::uint8_t>(doubts + 1) : std::uint8_t{0};
-  if (doubts < kEnoughWords) return;
+  std::uint8_t& count = contradictions_[index];
+  count = contradicts ? static_cast<std::uint8_t>(count + 1) : std::uint8_t{0};
+  if (count < kRequiredPackets) return;
   report.battery_low = !report.battery_low;
-  doubts = 0;
+  count = 0;
 }
 
 }  // namespace touchline

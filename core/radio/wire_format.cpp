@@ -3,7 +3,7 @@
 namespace touchline {
 
 std::uint16_t crc16_ccitt_false(std::span<const std::byte> bytes) {
-  // Bit by bit: 63 bytes are 504 steps a frame, and robots can copy it without a table.
+  // Computed bit by bit: 63 bytes take only 504 steps per frame, and robots can copy this code without a table.
   constexpr unsigned kPolynomial = 0x1021u;
   unsigned crc = 0xFFFFu;
   for (const std::byte byte : bytes) {

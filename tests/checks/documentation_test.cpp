@@ -1,4 +1,4 @@
-// Links in the documentation lead somewhere: in the repository, and where the package puts it.
+// Links and paths in the documentation exist, in the repository and where the package installs it.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -46,6 +46,20 @@ Links links_of(std::initializer_list<fs::path> places) {
   return links;
 }
 
+/// Paths of the repository that a page names in backquotes: `core/pipeline.cpp`.
+Links named_paths(const fs::path& page, const fs::path& repository) {
+  std::ostringstream read;
+  read << std::ifstream(page).rdbuf();
+  const std::string text = read.str();
+  Links paths;
+  const std::regex path(R"(`((core|hal|firmware|tools|tests|toolchain|docs|boards|\.ci)/[\w./-]*)`)");
+  for (auto found = std::sregex_iterator(text.begin(), text.end(), path); found != std::sregex_iterator(); ++found) {
+    ++paths.count;
+    if (!fs::exists(repository / (*found)[1].str())) paths.broken.push_back((*found)[1]);
+  }
+  return paths;
+}
+
 class Documentation : public ::testing::Test {
  protected:
   Documentation() {
@@ -58,7 +72,8 @@ class Documentation : public ::testing::Test {
 };
 
 TEST_F(Documentation, LinksLeadSomewhere) {
-  const Links links = links_of({repository_ / "README.md", repository_ / "docs", repository_ / "boards"});
+  const Links links = links_of(
+      {repository_ / "README.md", repository_ / "CONTRIBUTING.md", repository_ / "docs", repository_ / "boards"});
   EXPECT_EQ(links.broken, std::vector<std::string>());
   EXPECT_GT(links.count, 30U);
 }
@@ -70,6 +85,21 @@ TEST_F(Documentation, LinksLeadSomewhereOnABoardToo) {
   EXPECT_EQ(links.broken, std::vector<std::string>());
   EXPECT_GT(links.count, 25U);
   EXPECT_TRUE(fs::exists(folder_ / "share/touchline/boards/mock/board.toml"));
+}
+
+TEST_F(Documentation, PathsForContributorsExist) {
+  for (const char* page : {"CONTRIBUTING.md", "docs/testing.md"}) {
+    const Links paths = named_paths(repository_ / page, repository_);
+    EXPECT_EQ(paths.broken, std::vector<std::string>()) << page;
+    EXPECT_GT(paths.count, 5U) << page;
+  }
+}
+
+TEST_F(Documentation, AMissingPathIsFound) {
+  std::ofstream(folder_ / "page.md") << "`core/pipeline.h`, `core/no_such_file.h`, `build/release`\n";
+  const Links paths = named_paths(folder_ / "page.md", repository_);
+  EXPECT_EQ(paths.count, 2U);
+  EXPECT_EQ(paths.broken, std::vector<std::string>{"core/no_such_file.h"});
 }
 
 TEST_F(Documentation, ABrokenLinkIsFound) {

@@ -1,0 +1,126 @@
+#!/usr/bin/env bash
+# Tests the scripts in tools/ and toolchain/ without building or installing anything: scripts_test.sh CASE
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+fail() { echo "$*" >&2; exit 1; }
+
+# tools/run and tools/bench pass --help to the program that they build.
+scripts=(tools/{deploy,estimate-arm,lint,package,setup,sysroot,test,test-arm,test-board,test-package}
+         toolchain/{debian-mirror,emulate-arm64})
+
+EveryScriptHasHelp() {
+  local script output code
+  for script in "${scripts[@]}"; do
+    output=$(cd "$work" && "$root/$script" --help </dev/null 2>&1) || fail "$script --help failed: $output"
+    [ -n "$output" ] || fail "$script --help printed nothing"
+    [[ $script == tools/test-board || $script == tools/estimate-arm ]] && continue  # Python checks their options, after tools/setup
+    code=0
+    (cd "$work" && "$root/$script" --no-such-option </dev/null >/dev/null 2>"$work/errors") || code=$?
+    [ "$code" -eq 64 ] || fail "$script --no-such-option: exit code $code instead of 64"
+    [ -s "$work/errors" ] || fail "$script --no-such-option: nothing on standard error"
+  done
+}
+
+# Prints the scripts among the arguments that use a compiler, an emulator or another package, but do not call tools/setup.
+without_setup() {
+  local script
+  for script in "$@"; do
+    if grep -qE '^[^#]*(cmake |ctest |clang-tidy |mmdebstrap |python3 )' "$script" && ! grep -qE '^[^#]*tools/setup' "$script"; then
+      echo "$script"
+    fi
+  done
+}
+
+EveryScriptInstallsItsPackages() {
+  cd "$root"
+  local found
+  found=$(without_setup tools/{bench,estimate-arm,lint,package,run,test,test-arm,test-board,test-package})
+  [ -z "$found" ] || fail "no call of tools/setup in $found"
+  printf '#!/bin/sh\ncmake --preset release\n' >"$work/planted"
+  [ "$(without_setup "$work/planted")" = "$work/planted" ] || fail "a script without tools/setup was not found"
+}
+
+# Copies tools/test to a folder where its commands are replaced. CMake fails for the preset $broken, CTest for the preset asan.
+fake_repository() {
+  mkdir -p "$work/tools" "$work/bin"
+  cp "$root/tools/test" "$work/tools/"
+  for script in tools/setup tools/test-arm tools/lint bin/git bin/clang-format; do printf '#!/bin/sh\n' >"$work/$script"; done
+  cat >"$work/bin/cmake" <<'FAKE'
+#!/bin/sh
+[ "$1" != --build ] || [ "$3" != "$broken" ]
+FAKE
+  cat >"$work/bin/ctest" <<'FAKE'
+#!/bin/sh
+echo "$2" >>"$work/ctest-calls"
+while [ "$1" != --output-log ]; do preset=${preset-$2}; shift; done
+mkdir -p "$(dirname "$2")"
+[ "$preset" = asan ] || exit 0
+cat >"$2" <<'LOG'
+3: [  FAILED  ] Pipeline.KeepsItsOrder (3 ms)
+The following tests FAILED:
+	  3 - pipeline_test.1 (Failed)
+	  9 - Deploy.FirstFrameComes (Timeout)
+LOG
+exit 8
+FAKE
+  chmod +x "$work"/bin/* "$work"/tools/*
+  export work broken=${1:-none} PATH=$work/bin:$PATH
+}
+
+ASummaryNamesFailedTests() {
+  fake_repository
+  local code=0 output
+  output=$("$work/tools/test" 2>&1) || code=$?
+  [ "$code" -eq 1 ] || fail "exit code $code instead of 1: $output"
+  for expected in 'FAILED .* tests except slow ones' 'Pipeline.KeepsItsOrder$' 'pipeline_test.1$' 'Deploy.FirstFrameComes$' \
+                  'passed .* clang-tidy' 'passed .* tests that start threads'; do
+    grep -qE "$expected" <<<"${output#*== summary}" || fail "the summary lacks $expected: $output"
+  done
+}
+
+AFailedBuildSkipsOnlyItsTests() {
+  fake_repository release
+  local output
+  output=$("$work/tools/test" 2>&1) && fail "a failed build was not reported: $output"
+  grep -qE 'FAILED .*build with gcc' <<<"$output" || fail "the summary lacks the build: $output"
+  [ "$(cat "$work/ctest-calls")" = $'asan\ntsan' ] || fail "CTest ran for: $(cat "$work/ctest-calls")"
+}
+
+# A machine where "apt-get update" never ran, such as a fresh container.
+TheMirrorIsKnownBeforeAptUpdate() {
+  mkdir -p "$work/bin"
+  cat >"$work/bin/apt-get" <<'FAKE'
+#!/bin/sh
+case $3 in
+  *ORIGIN*) printf '||http://mirror.invalid/debian/\n||http://mirror.invalid/debian-security/\n' ;;
+  *) printf 'http://mirror.invalid/debian-security/\nhttp://mirror.invalid/debian/\n' ;;
+esac
+FAKE
+  chmod +x "$work/bin/apt-get"
+  local mirror
+  mirror=$(env -u TOUCHLINE_MIRROR PATH="$work/bin:$PATH" "$root/toolchain/debian-mirror")
+  [ "$mirror" = http://mirror.invalid/debian/ ] || fail "the mirror is '$mirror'"
+}
+
+# mmdebstrap refuses a foreign system that the kernel cannot run, also when it only downloads packages.
+EmulationIsSetUpBeforeAForeignSystem() {
+  cd "$root"
+  local file first
+  for file in tools/test-package tests/board/image.py; do
+    first=$(grep -nE '^[^#]*(emulate-arm64"?\)?$|mmdebstrap --|"mmdebstrap",)' "$file" | head -n 1)
+    [[ $first == *emulate-arm64* ]] || fail "$file calls mmdebstrap before emulate-arm64: $first"
+  done
+}
+
+OneVersionNumber() {
+  cd "$root"
+  local version found
+  version=$(sed -n 's/^project(touchline VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
+  [ -n "$version" ] || fail "CMakeLists.txt has no version"
+  found=$(grep -rlF --exclude-dir=build --exclude-dir=.git -e "$version" CMakeLists.txt core hal firmware tools toolchain docs README.md || true)
+  [ "$found" = CMakeLists.txt ] || fail "the version $version is also in: $found"
+}
+
+"$1"

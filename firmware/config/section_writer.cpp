@@ -191,7 +191,7 @@ Status write_section(const std::string& path, std::string_view section, std::str
   std::string text;
   bool exists = false;
   if (const Status status = read_text(path, text, exists, reason); !status.ok()) return status;
-  if (!exists) text = "version = " + std::to_string(kFileVersion) + "\n";
+  if (!exists) text = kNewFile;
   std::string changed;
   if (const Status status = replace_section(text, section, toml, changed, reason); !status.ok()) {
     reason.insert(0, path + ": ");

@@ -20,6 +20,9 @@ namespace touchline::config {
 /// tells file and cause.
 Status write_section(const std::string& path, std::string_view section, std::string_view toml, std::string& reason);
 
+/// The text of a new file.
+inline constexpr const char* kNewFile = "version = 1\n";
+
 /// The text that write_section() would write; for tools that show it first.
 Status replace_section(const std::string& text, std::string_view section, std::string_view toml, std::string& out,
                        std::string& reason);

@@ -147,8 +147,11 @@ TEST_F(Program, KeepsTheColorsWhenTheLampsChange) {
   ASSERT_TRUE(run("light" + keep)) << read("out");
   ASSERT_TRUE(read_draft(path("venue.toml"), after, reason).ok()) << reason;
   EXPECT_EQ(after.file.light.normal, before.file.light.normal);
-  EXPECT_TRUE(fs::exists(path("venue-light.png.bak"))) << "the map that was there before";
-  EXPECT_FALSE(fs::exists(path("venue-light.new.png")));
+  EXPECT_EQ(after.file.light.map, "venue-light-2.png");
+  VenueDraft former;
+  ASSERT_TRUE(read_draft(path("venue.toml.bak"), former, reason).ok()) << reason;
+  EXPECT_EQ(former.file.light.map, "venue-light.png");
+  EXPECT_EQ(former.light.illumination, before.light.illumination) << "the former venue file still has its map";
   for (std::size_t c = 0; c < 3; ++c) {
     const std::size_t middle = 24 * 64 + 32;
     const auto ratio = static_cast<double>(after.light.illumination[c][middle] / before.light.illumination[c][middle]);

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 
-#include "firmware/config/file_replacement.h"
+#include "firmware/config/light_writer.h"
 #include "tools/programs/calibrate/light/light_fit.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 #include "tools/programs/command_line/command_line.h"
@@ -60,30 +59,6 @@ Status read_normal(const std::string& venue, const config::LightEntry& entry, co
   normal = {static_cast<double>(entry.normal[0]), static_cast<double>(entry.normal[1]),
             static_cast<double>(entry.normal[2])};
   return {};
-}
-
-// Replaces map and venue file, both or none. The former versions are kept as PATH.bak.
-Status write_light(const std::string& venue, const std::string& map_path, const LightMap& map,
-                   const config::LightEntry& entry, std::string& reason) {
-  namespace fs = std::filesystem;
-  const std::string fresh_path = fs::path(map_path).replace_extension(".new.png").string();
-  std::string fresh, former, ignored;
-  bool exists = false;
-  Status status = hal::write_picture(fresh_path, map_picture(map), reason);
-  if (status.ok()) status = config::read_text(fresh_path, fresh, exists, reason);
-  std::error_code error;
-  fs::remove(fresh_path, error);
-  if (status.ok()) status = config::read_text(map_path, former, exists, reason);
-  if (status.ok()) status = config::replace_file(map_path, fresh, reason);
-  if (!status.ok()) return status;
-  status = write_sections(venue, {section_of("light", entry, "")}, reason);
-  if (status.ok()) return status;
-  if (exists) {
-    static_cast<void>(config::replace_file(map_path, former, ignored));
-  } else {
-    fs::remove(map_path, error);
-  }
-  return status;
 }
 
 }  // namespace
@@ -143,13 +118,13 @@ int LightCommand::run() const {
   LightReport report;
   if (!fit_light(input, map, report, reason).ok()) return fail("touchline-calibrate", reason);
 
-  const std::filesystem::path file(venue);
   config::LightEntry entry;
-  entry.map = file.stem().string() + "-light.png";
   entry.surface = measured_on;
   for (const double value : report.normal) entry.normal.push_back(static_cast<float>(value));
-  const std::string map_path = (file.parent_path() / entry.map).string();
-  if (!write_light(venue, map_path, map, entry, reason).ok()) return fail("touchline-calibrate", reason);
+  std::string png;
+  if (!hal::encode_png(map_picture(map), png, reason).ok()) return fail("touchline-calibrate", venue + ": " + reason);
+  const Result<std::string> map_path = config::write_light(venue, png, entry);
+  if (!map_path.ok()) return fail("touchline-calibrate", map_path.text());
 
   constexpr const char* kNames[] = {"red", "green", "blue"};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -169,7 +144,7 @@ int LightCommand::run() const {
                 spot.left_px, spot.right_px, spot.top_px, spot.bottom_px);
   }
   if (report.spots.size() > kShown) std::printf("and %zu smaller spots\n", report.spots.size() - kShown);
-  std::printf("%s written, %s: [light] written\n", map_path.c_str(), venue.c_str());
+  std::printf("%s written, %s: [light] written\n", map_path.value().c_str(), venue.c_str());
   if (!draft.file.color.empty() && !keep_normal) {
     std::printf(
         "the colors were learned with another map: learn them again, or measure the light with --keep-normal\n");

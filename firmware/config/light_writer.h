@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "firmware/config/venue_file.h"
+#include "hal/result.h"
+
+namespace touchline::config {
+
+/// Writes an illumination map (a PNG file) and the section [light] of the venue file that belongs to it. Returns the
+/// path of the map.
+///
+/// The map never replaces the one that the venue file names: it gets the other one of the names VENUE-light.png and
+/// VENUE-light-2.png. The venue file is replaced last, by one rename, so that it names either the old map with the old
+/// `normal` or the new map with the new one, whenever the process ends. The same holds for VENUE.bak, which is written
+/// before the map. `entry.map` is set by this function.
+///
+/// Errors of replace_section() and hal::OutputFile. If the folder cannot be synced at the end, the error says that the
+/// venue file is replaced.
+Result<std::string> write_light(const std::string& venue, std::string_view png, LightEntry entry);
+
+}  // namespace touchline::config

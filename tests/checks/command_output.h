@@ -6,7 +6,7 @@
 
 namespace touchline::checks {
 
-/// What a shell command prints; empty: it failed.
+/// Runs a shell command and returns its output; empty if it failed.
 inline std::string output_of(const std::string& command) {
   std::string text;
   std::FILE* pipe = ::popen(command.c_str(), "r");

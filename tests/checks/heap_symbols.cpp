@@ -18,8 +18,8 @@ constexpr std::array<std::string_view, 22> kRefused{
     "memalign",      "valloc",       "strdup",  "mmap",           "mmap64",         "sbrk",
     "clock_gettime", "gettimeofday", "time",    "__dynamic_cast", "_Unwind_Resume", "__cxa_atexit",
     "printf",        "puts",         "fopen",   "write"};
-// operator new, new[], delete, delete[] of any signature; exceptions and guards; what the standard library throws by;
-// chrono's clocks; std::string.
+// operator new, new[], delete, delete[] of any signature; exceptions and guards; functions by which the standard
+// library throws; chrono's clocks; std::string.
 constexpr std::array<std::string_view, 13> kRefusedBeginnings{
     "_Znw",      "_Zna",        "_Zdl",          "_Zda",         "__cxa_throw",   "__cxa_allocate", "__cxa_begin",
     "__cxa_end", "__cxa_guard", "__cxa_rethrow", "_ZNSt6chrono", "_ZNSt7__cxx11", "_ZNSs"};

@@ -4,15 +4,15 @@
 #include <string>
 #include <vector>
 
-// What the objects of a static library ask of others: the core must ask nobody for memory, and throw nothing.
+// Undefined symbols of the objects of a static library: the core must not allocate memory and must not throw.
 namespace touchline::checks {
 
 struct SymbolFindings {
-  std::size_t objects = 0, undefined = 0;  // looked at
+  std::size_t objects = 0, undefined = 0;  // examined
   std::vector<std::string> refused;        // "region.cpp.o: operator new(unsigned long)"
 };
 
-/// Runs `nm` over the archive. No objects: it could not be read.
+/// Runs `nm` on the archive. Returns zero objects if it cannot be read.
 SymbolFindings check_heap_symbols(const std::string& nm, const std::string& archive);
 
 /// True for the mangled name of anything that allocates, frees, throws, catches, needs run-time type information, locks

@@ -1,4 +1,4 @@
-// The first of three checks that nothing allocates: the core's objects cannot, because they know no such function.
+// First of three checks for heap allocations: the core's objects do not reference any allocating function.
 #include "tests/checks/heap_symbols.h"
 
 #include <sstream>

@@ -1,4 +1,4 @@
-// A library that does all that the core must not do, so that the check of symbols has something to find.
+// Planted fault: a library with everything that the core must not do. The check of symbols must find it.
 #include <chrono>
 #include <cstdlib>
 #include <stdexcept>

@@ -1,4 +1,4 @@
-// What vector_symbols_test.cpp has to find: a function that other objects may define too, compiled for AVX2.
+// Planted fault for vector_symbols_test.cpp: a function that other objects may define too, compiled for AVX2.
 #include <array>
 #include <cstddef>
 

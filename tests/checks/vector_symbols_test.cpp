@@ -1,5 +1,6 @@
-// What is compiled for AVX2 or AVX-512 runs on processors that have it. A function that several objects define (inline,
-// template) is taken from any of them by the linker: compiled so in one, it would run everywhere.
+// Code that is compiled for AVX2 or AVX-512 must run only on processors with these instructions. If several objects
+// define a function (inline, template), the linker takes any of them. One that is compiled for AVX2 could then run
+// everywhere.
 #include <sstream>
 #include <unordered_set>
 
@@ -11,11 +12,11 @@ namespace touchline::checks {
 namespace {
 
 struct VectorFindings {
-  std::size_t instructions = 0;      // looked at
+  std::size_t instructions = 0;      // examined
   std::vector<std::string> refused;  // mangled names
 };
 
-// Names of their own, which only such objects define.
+// Names that only such objects define.
 bool is_named_for_it(const std::string& symbol) {
   return symbol.find("avx2") != std::string::npos || symbol.find("512") != std::string::npos;
 }
@@ -46,7 +47,7 @@ VectorFindings check_vector_symbols(const std::string& archive) {
       const bool is_vector = line[code] == 'v' && line.find("mm", code) != std::string::npos;
       if (!is_vector || weak.count(function) == 0) continue;
       findings.refused.push_back(function);
-      function.clear();  // once is enough
+      function.clear();  // report each function once
     }
   }
   return findings;

@@ -45,7 +45,7 @@ TEST(PlanPush, GoesAlongWallsAndNeverPlansARobotOutside) {
   }
 }
 
-// One robot, one resting ball: the ball ends in the goal, and on the way it is hardly pushed the wrong way.
+// One robot, one ball at rest: the ball ends in the goal and is hardly pushed in the wrong direction.
 TEST(GoToBall, BringsTheBallToTheGoalFromEverywhere) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
@@ -95,7 +95,8 @@ TEST(GoToBall, SpinsABallOutOfACornerTheRightWay) {
       const Pose robot{to_field_point(0.94 * plan.ball), 0.3f};
       const Approach approach = go_to_ball(robot, {}, plan, kPlay, drive, {});
       ASSERT_EQ(approach.phase, ApproachPhase::kSpin);
-      // Velocity of the rim at the ball: along the wall, to the goal in a far corner and up the field in an own one.
+      // Velocity of the robot's side at the ball: along the wall, to the goal in a far corner and up the field in an
+      // own one.
       const Vector2 rim = static_cast<double>(approach.twist.w_radps) * perpendicular(plan.ball - position(robot));
       EXPECT_GT(x > 0.0 ? -rim.y * y : rim.x, 0.0) << x << " " << y;
     }

@@ -10,7 +10,7 @@
 namespace touchline {
 namespace {
 
-// Three robots before a ball: the controller has something to do for each.
+// Three robots and a ball, so that the controller has a task for each.
 class ControllerTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -55,7 +55,7 @@ TEST_F(ControllerTest, OtherLimitsAreTakenInTheMiddleOfAGame) {
   decide(world_.tracks());
   const double most = slow.drive.max_wheel_acceleration_mps2 * 0.016 + 1e-6;
   for (std::size_t i = 0; i < 3; ++i) {
-    // Memory of what was commanded stays as well: nobody starts from rest, or jumps.
+    // The last commands are kept too: no robot starts from rest or jumps.
     const auto change = static_cast<double>(commands_.robots[i].wheels.left_mps - before.robots[i].wheels.left_mps);
     EXPECT_LE(std::abs(change), most + 0.064) << i;
   }

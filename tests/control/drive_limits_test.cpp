@@ -40,7 +40,7 @@ TEST(DriveLimits, ALimitedRobotStaysOnItsCurve) {
     ASSERT_LE(std::abs(got.v_mps), 1.2001f);
     ASSERT_LE(std::abs(got.w_radps), 14.001f);
     ASSERT_LE(larger_wheel(got), 1.4001f);
-    // Same curvature w / v, and no limit left unused.
+    // Same curvature w / v, and one limit is reached.
     ASSERT_NEAR(got.v_mps * wanted.w_radps, wanted.v_mps * got.w_radps, 1e-3);
     const bool at_limit =
         std::abs(got.v_mps) > 1.1999f || std::abs(got.w_radps) > 13.999f || larger_wheel(got) > 1.3999f;

@@ -1,4 +1,4 @@
-// The loop closed: five robots and a ball in a small simulation.
+// Closed loop: five robots and a ball in a small simulation.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -74,7 +74,7 @@ TEST(Game, GoalsAreScoredFromEveryKickOff) {
     contact += game.contact_s;
   }
   std::printf("total %d goals, %d own goals, contact %.2f s\n", goals, own_goals, contact);
-  // 62 when the defaults were chosen; an own goal now and then is the ball coming off a pack of robots.
+  // 62 with the default parameters. Occasional own goals happen when the ball bounces off a group of robots.
   EXPECT_GE(goals, 45);
   EXPECT_LE(goals, 85);
   EXPECT_LE(own_goals, 2);
@@ -118,7 +118,7 @@ TEST(Game, TheBallComesOutOfCornersAndOffWalls) {
 }
 
 TEST(Game, TheGoalkeeperStopsShots) {
-  // Shots at the goal from 0.7 m away, where it can reach them; without a keeper all go in.
+  // Shots at the goal from 0.7 m that the goalkeeper can reach. Without it all of them are goals.
   std::mt19937 random(7);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   int stopped = 0, open = 0;

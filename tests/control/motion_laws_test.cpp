@@ -1,4 +1,4 @@
-// Each law on a robot with lag and limits, from many places.
+// Tests each law with a simulated robot with lag and limits, from many poses.
 #include "core/control/motion_laws.h"
 
 #include <gtest/gtest.h>
@@ -87,24 +87,24 @@ TEST(GoToPose, ArrivesFromEverywhereWithTheHeadingAskedFor) {
   EXPECT_GT(backward, 10.0) << "robots go backward as well";
 }
 
-// The article's law without limits and lag: V = (alpha^2 + h theta^2) / 2 never grows.
+// The article's law without limits and lag: V = (alpha^2 + h theta^2) / 2 never increases.
 TEST(GoToPose, DescendsItsLyapunovFunction) {
   std::mt19937 random(3);
   const Pose origin{};
   int descended = 0;
   for (int run = 0; run < 100; ++run) {
     Plant robot = somewhere(random);
-    // In front of it, so that the way is forward.
+    // The target is in front, so the robot drives forward.
     robot.theta = wrap_angle(std::atan2(-robot.y, -robot.x) + 0.9 * std::sin(1.0 * run));
     const double e0 = std::hypot(robot.x, robot.y);
     double before = 1e9, first = 0.0, turned = 0.0;
     for (int k = 0; k < 4000 && std::hypot(robot.x, robot.y) > 0.05; ++k) {
       const double toward = std::atan2(-robot.y, -robot.x);
       const double alpha = wrap_angle(toward - robot.theta);
-      // Forward facing only: past a quarter turn the law would choose to go backward, to another target angle.
+      // Only forward: beyond 90 degrees the law would drive backward, to another target angle.
       if (std::abs(alpha) + 0.5 * std::abs(wrap_angle(toward)) > 0.45 * kPi) break;
       const double value = alpha * alpha + kGains.approach_weight * std::pow(wrap_angle(toward), 2);
-      // Steps are finite and poses are floats: they may lift it by a hair.
+      // Because of finite steps and float poses, it may increase slightly.
       ASSERT_LE(value, before + 2.0 * turned * turned + 2e-6) << run << " at " << k << " from " << e0;
       first = std::max(first, value);
       before = value;
@@ -153,7 +153,7 @@ double tracking_error(const Path& path, Plant robot, double from_s, double to_s,
 TEST(TrackTrajectory, ConvergesToLinesCirclesAndEights) {
   const auto line = [](double t) { return Vector2{-1.0 + 0.5 * t, 0.2}; };
   const auto eight = [](double t) { return Vector2{0.6 * std::sin(t), 0.3 * std::sin(2.0 * t)}; };
-  // On an eight the speed changes all the time, and the wheels' lag shows.
+  // On a figure eight the speed changes continuously, so the lag of the wheels has an effect.
   const std::vector<Path> paths = {{"line", 0.0, 0.5, line}, {"circle", 0.0, 0.5, circle}, {"eight", 4.0, 10.0, eight}};
   std::mt19937 random(4);
   std::uniform_real_distribution<double> off(-0.2, 0.2);

@@ -33,7 +33,7 @@ TEST(Detour, GoesAroundOnTheShorterSideInsideTheField) {
   EXPECT_LT(detour({0, 0}, {1.0, 0.0}, obstacles, 0.11, kField).y, -0.05);
   obstacles[0] = {0.5, -0.03};
   EXPECT_GT(detour({0, 0}, {1.0, 0.0}, obstacles, 0.11, kField).y, 0.05);
-  obstacles[0] = {0.5, 0.79};  // the shorter side is the wall's
+  obstacles[0] = {0.5, 0.79};  // the shorter side is next to the wall
   EXPECT_LT(detour({0, 0.83}, {1.0, 0.83}, obstacles, 0.11, kField).y, 0.75);
 }
 
@@ -77,13 +77,13 @@ TEST(Roles, AreKeptUntilAnotherIsClearlyBetter) {
   ASSERT_NE(roles.place_of(2), nullptr);
   EXPECT_EQ(roles.place_of(0), nullptr);
   EXPECT_EQ(roles.place_of(1), nullptr);
-  players[2] = player(2, -0.25, -0.2);  // a little nearer than the attacker
+  players[2] = player(2, -0.25, -0.2);  // slightly closer than the attacker
   roles.assign(players, &plan, kField, kPlay);
   EXPECT_EQ(roles.attacker(), 1);
-  players[2] = player(2, -0.11, 0.0);  // there
+  players[2] = player(2, -0.11, 0.0);  // at the ball
   roles.assign(players, &plan, kField, kPlay);
   EXPECT_EQ(roles.attacker(), 2);
-  players[0] = player(0, 0.5, 0.0);  // a keeper that was carried away stays keeper
+  players[0] = player(0, 0.5, 0.0);  // a goalkeeper that was moved away keeps its role
   roles.assign(players, &plan, kField, kPlay);
   EXPECT_EQ(roles.goalkeeper(), 0);
 }

@@ -50,7 +50,7 @@ void SmallWorld::separate(double dt) {
 }
 
 void SmallWorld::push_ball(const Robot& robot) {
-  // In the robot's frame its body is a box; the ball is moved out along the nearest side.
+  // In the robot's frame its body is a box. The ball is moved out of it through the nearest side.
   const Vector2 ahead = unit_vector(robot.heading), left = perpendicular(ahead);
   const Vector2 r = ball - robot.position;
   const Vector2 local{dot(r, ahead), dot(r, left)};

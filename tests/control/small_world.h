@@ -11,8 +11,8 @@ namespace touchline {
 
 inline Instant at(double time_s) { return Instant{} + from_seconds(time_s); }
 
-/// Just enough of a field to close the loop around the controller: robots follow their commands with a lag, do not
-/// pass through one another or the walls, and push the ball with their square bodies. Forces are not modeled.
+/// A minimal simulation for closed-loop tests of the controller. Robots follow their commands with a lag, do not pass
+/// through each other or the walls, and push the ball with their square bodies. Forces are not modeled.
 class SmallWorld {
  public:
   struct Robot {
@@ -21,7 +21,7 @@ class SmallWorld {
     Vector2 position;
     double heading = 0.0, v = 0.0, w = 0.0;
     Twist command;
-    bool jammed = false;  // does not move whatever it is told
+    bool jammed = false;  // does not move, whatever the command
   };
 
   FieldParameters field;
@@ -29,11 +29,11 @@ class SmallWorld {
   Vector2 ball, ball_velocity;
   int goals = 0, own_goals = 0;
   double time_s = 0.0;
-  double robot_contact_s = 0.0;  // robot-pair time in which two own robots pushed each other
+  double robot_contact_s = 0.0;  // time in which two own robots pushed each other, summed over pairs
 
   void obey(const Commands& commands);
   void advance(double dt_s);
-  /// What a tracker without fault would report; `noise` scatters positions by noise_m and headings by 10 noise_m rad.
+  /// Tracks of an ideal tracker; `noise` scatters positions by noise_m and headings by 10 noise_m rad.
   Tracks tracks(std::mt19937* noise = nullptr, double noise_m = 0.0) const;
 
  private:

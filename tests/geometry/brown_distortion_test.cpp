@@ -15,7 +15,7 @@ struct Lens {
   [[nodiscard]] BrownDistortion model() const { return {k1, k2, k3, p1, p2}; }
 };
 
-// Barrel, pincushion, mustache, a webcam's, and one whose slope dips and rises again.
+// Barrel, pincushion and mustache distortion, a webcam's, and one whose slope falls and rises again.
 constexpr std::array<Lens, 6> kLenses{{{0, 0, 0, 0, 0},
                                        {-0.3, 0, 0, 0, 0},
                                        {0.25, 0.1, 0, 0, 0},
@@ -43,7 +43,7 @@ TEST(BrownDistortion, IsBrownsFormulaUpToItsLimit) {
       for (int i = 0; i <= 20; ++i) {
         const double r = 0.999 * limit * i / 20, phi = turn * 0.2618;
         const Point2 ideal{r * std::cos(phi), r * std::sin(phi)};
-        // The reference's coefficients are floats.
+        // The coefficients of the reference are floats.
         EXPECT_LT(distance(model.distort(ideal), literal(lens, ideal)), 1e-6) << lens.k1 << ' ' << r << ' ' << phi;
       }
     }
@@ -78,7 +78,7 @@ TEST(BrownDistortion, InverseIsExactWithinTheLimit) {
 
 TEST(BrownDistortion, LimitIsWhereTheSlopeHasFallenToATenth) {
   EXPECT_NEAR(BrownDistortion(-0.3, 0, 0, 0, 0).limit(), 1.0, 1e-9);  // 1 - 0.9 r^2 = 0.1
-  // 1 - 1.8 s + 0.85 s^2 = 0.1 with s = r^2: the first root, though the slope rises again behind the second.
+  // 1 - 1.8 s + 0.85 s^2 = 0.1 with s = r^2: the first root, although the slope rises again after the second.
   EXPECT_NEAR(BrownDistortion(-0.6, 0.17, 0, 0, 0).limit(), std::sqrt((1.8 - std::sqrt(0.18)) / 1.7), 1e-9);
   EXPECT_EQ(BrownDistortion(0.3, 0, 0, 0, 0).limit(), BrownDistortion::kMaxRadius);
   EXPECT_EQ(BrownDistortion().limit(), BrownDistortion::kMaxRadius);
@@ -88,7 +88,7 @@ TEST(BrownDistortion, RadiusRisesEverywhere) {
   std::mt19937 random(8);
   std::uniform_real_distribution<double> k1(-10, 10), k2(-100, 100), k3(-1000, 1000);
   for (int i = 0; i < 300; ++i) {
-    // The whole range of the venue file, then what lenses have.
+    // The whole range of the venue file, then that of real lenses.
     const double part = i < 100 ? 1.0 : 0.04;
     const BrownDistortion model(part * k1(random), part * part * k2(random), part * part * part * k3(random), 0, 0);
     double before = 0;
@@ -107,7 +107,7 @@ TEST(BrownDistortion, GoesOnAlongItsTangent) {
   EXPECT_NEAR(at_limit, 0.7, 1e-9);
   EXPECT_NEAR(model.distort({3, 0})[0], 0.7 + 2 * BrownDistortion::kMinSlope, 1e-9);
   EXPECT_NEAR(model.undistort({0.9, 0})[0], 3.0, 1e-7);
-  // No step and no kink.
+  // Continuous, with a continuous derivative.
   constexpr double kStep = 1e-6;
   const double below = (at_limit - model.distort({1 - kStep, 0})[0]) / kStep;
   const double above = (model.distort({1 + kStep, 0})[0] - at_limit) / kStep;

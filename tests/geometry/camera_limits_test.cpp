@@ -1,4 +1,4 @@
-// Parameters that describe no camera, and places that no camera sees.
+// Invalid camera parameters, and points that no camera sees.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -79,7 +79,7 @@ TEST(CameraLimits, TheAffinePartMustBeInvertible) {
   EXPECT_EQ(refusal(p), ErrorCode::kInconsistent);
   p.paper.affine = {1e-3f, 0, 0, 5e-3f, 0, 0};
   EXPECT_EQ(refusal(p), ErrorCode::kInconsistent);
-  // However small a pixel is.
+  // For any size of a pixel.
   p.paper.affine = {1e-6f, 0, 0, 0, -1e-6f, 0};
   EXPECT_EQ(refusal(p), ErrorCode::kOk);
 }
@@ -101,7 +101,7 @@ TEST(CameraLimits, ARefusalLeavesTheModelAsItWas) {
   }
 }
 
-// Good cameras, one that looks level, one that looks up, and what the venue file lets through.
+// Valid cameras, one that looks horizontally, one that looks up, and the limits of the venue file.
 std::vector<CameraParameters> all_kinds() {
   std::vector<CameraParameters> out{full(), paper()};
   for (const double pitch : {-1.5708, -2.5, 3.14159}) {
@@ -162,7 +162,7 @@ TEST(CameraLimits, PlanesAtOrAboveTheCameraCountAsJustBelowIt) {
 }
 
 TEST(CameraLimits, WhatIsBehindTheCameraIsNotInThePicture) {
-  // Level, with the field's half behind it: mirrored through the center it would seem to be in front.
+  // A horizontal camera with half of the field behind it, which without a check would appear mirrored in front of it.
   FullCamera camera{{0, -1.2, 0, {0, 0, 1}}, {}};
   camera.lens.fx_px = camera.lens.fy_px = 300;
   camera.lens.cx_px = 319.5f;

@@ -14,7 +14,7 @@ constexpr float kX = 1.0625f, kY = 0.8125f, kGoalX = 1.1875f, kGoalY = 0.3125f;
 
 float beyond(float value) { return std::nextafter(value, std::numeric_limits<float>::infinity()); }
 
-// The four places that are the same but for the signs.
+// The four points that differ only in signs.
 int inside(const FieldParameters& field, float x, float y) {
   return int{inside_field(field, {x, y})} + int{inside_field(field, {-x, y})} + int{inside_field(field, {x, -y})} +
          int{inside_field(field, {-x, -y})};

@@ -1,4 +1,4 @@
-// Pinhole, Brown's lens, pose: held against the same camera written down from first principles.
+// Compares pinhole, Brown's lens and pose with an independent implementation from first principles.
 #include "tests/geometry/round_trip.h"
 
 namespace touchline::testing {
@@ -20,7 +20,7 @@ FullModelParameters lens(float focal_px, float k1 = 0, float k2 = 0, float k3 = 
   return out;
 }
 
-// Straight down; turned; beside the field and tilted; wide-angle; wide-angle, tilted and from a corner.
+// Vertical; rotated; beside the field and tilted; wide-angle; wide-angle, tilted and above a corner.
 std::vector<FullCamera> cameras() {
   return {{{0, 0, 0, {0, 0, 2}}, lens(450)},
           {{1.9, 0, 0, {0.1, -0.05, 2.2}}, lens(480, -0.12f, 0.03f)},
@@ -29,7 +29,7 @@ std::vector<FullCamera> cameras() {
           {{2.5, -0.25, 0.3, {0.7, 0.5, 1.9}}, lens(300, -0.28f, 0.1f, -0.016f)}};
 }
 
-// In the picture, and not so far off the axis (50 degrees) that Brown's polynomial folds back into it.
+// Inside the picture, and less than 50 degrees from the axis, where Brown's polynomial is monotonic.
 bool sees(const FullCamera& camera, Point3 point) {
   const Point2 ideal = camera.pinhole.project(point);
   return std::hypot(ideal[0], ideal[1]) < 1.2 && in_picture(camera.pixel(point));
@@ -53,7 +53,7 @@ TEST(FullModel, ProjectsLikeThePinholeBehindItsLens) {
 }
 
 TEST(FullModel, FindsWhatStandsOnTheFieldAtEachHeight) {
-  // A micrometer: half a step of a pixel's float is 0.03 thousandths of a pixel, of a field point's 0.06 um.
+  // One micrometer: the rounding of a float is 0.00003 px for pixels and 0.06 um for field points.
   for (const FullCamera& camera : cameras()) {
     const CameraModel model = model_of(camera.parameters());
     for (const Point2 at : whole_field()) {
@@ -78,7 +78,7 @@ TEST(FullModel, AngleAtThePicturesBorder) {
   camera.lens.cy_px = 239.5f;
   const CameraModel model = model_of(camera.parameters());
   const Ray right = model.ray({639.5f, 239.5f}), lower = model.ray({319.5f, 479.5f});
-  // 320 and 240 px off the axis at a focal length of 320 px: 45 and 36.87 degrees, to the field's +x and -y.
+  // 320 and 240 px off the axis at a focal length of 320 px: 45 and 36.87 degrees, towards the field's +x and -y.
   EXPECT_NEAR(static_cast<double>(right.direction[0]), std::sqrt(0.5), 1e-6);
   EXPECT_NEAR(static_cast<double>(right.direction[2]), -std::sqrt(0.5), 1e-6);
   EXPECT_NEAR(static_cast<double>(lower.direction[1]), -0.6, 1e-6);
@@ -102,7 +102,8 @@ TEST(FullModel, RaysAreUnitVectorsThroughTheirPoints) {
 }
 
 TEST(FullModel, HandComputedRotation) {
-  // Half a turn about x looks down; a quarter turn about the camera's axis on top of it: the picture's right is +y.
+  // A rotation by 180 degrees about x makes the camera look down. With another 90 degrees about its axis, the picture's
+  // right is +y.
   FullCamera camera{{}, lens(500)};
   CameraParameters parameters = camera.parameters();
   parameters.full.cx_px = parameters.full.cy_px = 0;
@@ -116,7 +117,7 @@ TEST(FullModel, HandComputedRotation) {
 }
 
 TEST(FullModel, AnObjectIsWhereItsOwnPlaneIsMet) {
-  // 2 m below the camera and 1 m aside, a patch 75 mm above the floor hides a place 38.96 mm farther outside.
+  // 1 m from the vertical below a camera at 2 m, a patch 75 mm above the floor hides a point 38.96 mm farther outside.
   const FullCamera camera{{}, lens(450)};
   const CameraModel model = model_of(camera.parameters());
   const PixelPoint pixel = model.to_pixel({1.0f, 0.0f}, 0.075f);
@@ -150,7 +151,7 @@ TEST(FullModel, ScaleIsTheRootOfTheAreaOfASquareMeter) {
 }
 
 TEST(FullModel, TheHorizonIsFiftyCameraHeightsAway) {
-  // Tilted by 60 degrees; the upper half of the picture looks over the horizon.
+  // Tilted by 60 degrees; the upper half of the picture is above the horizon.
   const FullCamera camera{{0, -1.05, 0, {0, 0, 1.5}}, lens(300)};
   const CameraModel model = model_of(camera.parameters());
   double before = 0;

@@ -1,10 +1,10 @@
-// Klancar eq. (12)-(15): held against the equations as they are printed, and against the camera that they describe.
+// Klancar eq. (12)-(15): compared with the printed equations and with the camera that they describe.
 #include "tests/geometry/round_trip.h"
 
 namespace touchline::testing {
 namespace {
 
-// Straight down; turned; tilted about one axis, about the other, about both; wide-angle and beside the field.
+// Vertical; rotated; tilted about one axis, about the other, about both; wide-angle and beside the field.
 std::vector<PaperCamera> cameras() {
   return {{{0, 0, 0, {0, 0, 2}}},
           {{0.8, 0, 0, {0.1, -0.1, 2.1}}, 520, {322, 238}},
@@ -33,7 +33,7 @@ TEST(PaperModel, IsTheEquationsOverTheWholePicture) {
 }
 
 TEST(PaperModel, BothFormsOfEquation12) {
-  // H / 2 (1 - e^(-2r/H)) / e^(-r/H) = H sinh(r / H), through a camera whose floor is the rectified picture itself.
+  // H / 2 (1 - e^(-2r/H)) / e^(-r/H) = H sinh(r / H), with a camera whose floor is the rectified picture.
   CameraParameters parameters;
   parameters.kind = CameraModelKind::kPaper;
   parameters.paper.focal_px = 400;
@@ -79,7 +79,7 @@ TEST(PaperModel, Equation15GivesTheTilt) {
   EXPECT_NEAR(horizontal[1], 0, 1e-9);
   EXPECT_NEAR(value(rolled.parameters().paper.p_per_px), 1 / (rolled.h_px * horizontal[0]), 1e-9);
   EXPECT_NEAR(value(rolled.parameters().paper.q_per_px), 0, 1e-9);
-  // About both, the line pX + qY = 1 runs through both vanishing points.
+  // About both, the line pX + qY = 1 contains both vanishing points.
   const PaperCamera both{{0.2, 0.2, 0.1, {-0.2, -0.5, 2.2}}};
   const PaperModelParameters p = both.parameters().paper;
   for (const Point3 direction : {Point3{1, 0, 0}, Point3{0, 1, 0}}) {
@@ -122,7 +122,7 @@ TEST(PaperModel, ScaleIsTheRootOfTheAreaOfASquareMeter) {
   const CameraModel model = model_of(straight.parameters());
   EXPECT_NEAR(value(model.scale_px_per_m({0, 0}, 0)), 300.0, 1e-2);
   EXPECT_NEAR(value(model.scale_px_per_m({0, 0}, 0.075f)), 600 / 1.925, 1e-2);
-  // Aside, dr/dR = 1 / cosh(r / H) along the radius and r / R across.
+  // Off the axis, dr/dR = 1 / cosh(r / H) along the radius and r / R across.
   const double r_over_h = std::asinh(0.45);
   EXPECT_NEAR(value(model.scale_px_per_m({0.9f, 0}, 0)), 300 * std::sqrt(r_over_h / 0.45 / std::cosh(r_over_h)), 1e-2);
 }

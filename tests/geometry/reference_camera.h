@@ -7,8 +7,8 @@
 
 #include "core/geometry/camera_model.h"
 
-// Cameras from first principles, in double: a rotation multiplied out of turns about single axes, a pinhole, and the
-// lens equations as their sources print them. Nothing here calls the code under test.
+// Cameras from first principles, in double: a product of rotations about single axes, a pinhole, and the
+// lens equations as printed in their sources. This file does not call the code under test.
 namespace touchline::testing {
 
 using Point2 = std::array<double, 2>;
@@ -25,7 +25,7 @@ inline double distance(FieldPoint a, Point2 b) {
 inline FieldPoint field_point(Point2 p) { return {static_cast<float>(p[0]), static_cast<float>(p[1])}; }
 inline PixelPoint pixel_point(Point2 p) { return {static_cast<float>(p[0]), static_cast<float>(p[1])}; }
 
-/// Without angles it looks straight down, the field's x to the right and y upwards in the picture. `yaw` turns it about
+/// With zero angles it looks vertically down; the field's x is right and y is up in the picture. `yaw` rotates it about
 /// the field's z, `pitch` and `roll` then about the picture's horizontal and vertical axis.
 struct Pinhole {
   double yaw_rad = 0, pitch_rad = 0, roll_rad = 0;
@@ -40,20 +40,20 @@ struct Pinhole {
     return turn(roll_rad, Eigen::Vector3d::UnitY()) * turn(pitch_rad, Eigen::Vector3d::UnitX()) * down *
            turn(yaw_rad, Eigen::Vector3d::UnitZ());
   }
-  /// Ideal normalized coordinates: right and down of the optical axis, at depth 1.
+  /// Ideal normalized coordinates at depth 1: right and down from the optical axis.
   [[nodiscard]] Point2 project(Point3 p) const {
     const Eigen::Vector3d c =
         rotation() * Eigen::Vector3d(p[0] - position_m[0], p[1] - position_m[1], p[2] - position_m[2]);
     return {c.x() / c.z(), c.y() / c.z()};
   }
-  /// Where parallels of this direction meet; the same coordinates.
+  /// Vanishing point of this direction in the same coordinates.
   [[nodiscard]] Point2 vanishing_point(Point3 direction) const {
     const Eigen::Vector3d c = rotation() * Eigen::Vector3d(direction[0], direction[1], direction[2]);
     return {c.x() / c.z(), c.y() / c.z()};
   }
 };
 
-/// A pinhole with Brown's lens, and the parameters that say the same.
+/// A pinhole with Brown's lens, and the corresponding parameters.
 struct FullCamera {
   Pinhole pinhole;
   FullModelParameters lens;  // without rotation and position
@@ -93,14 +93,14 @@ inline Point2 paper_straighten(Point2 distorted, double h) {
   return {paper_radius(r, h) * std::cos(phi), paper_radius(r, h) * std::sin(phi)};
 }
 
-/// Klancar eq. (14), as the two linear equations that it is, by Cramer's rule.
+/// Klancar eq. (14), solved as two linear equations by Cramer's rule.
 inline Point2 paper_untilt(Point2 straight, double p, double q) {
   const auto [x, y] = straight;
   const double determinant = (p * x - 1) * (q * y - 1) - q * x * p * y;
   return {(-x * (q * y - 1) + y * q * x) / determinant, (-(p * x - 1) * y + p * y * x) / determinant};
 }
 
-/// A pinhole with the paper's lens, whose H is the pinhole's focal length; and the parameters that say the same.
+/// A pinhole with the paper's lens, whose H is the pinhole's focal length; and the corresponding parameters.
 struct PaperCamera {
   Pinhole pinhole;
   double h_px = 600;
@@ -113,12 +113,12 @@ struct PaperCamera {
     return {center_px[0] + r * std::cos(phi), center_px[1] + r * std::sin(phi)};
   }
   [[nodiscard]] CameraParameters parameters() const {
-    // The line through both vanishing points is pX + qY = 1; they may lie at infinity, so it is taken in homogeneous
-    // coordinates: the cross product of the two directions in the camera's frame.
+    // The line through both vanishing points is pX + qY = 1; they may be at infinity, so it is computed in homogeneous
+    // coordinates as the cross product of the two directions in the camera's frame.
     const Eigen::Matrix3d r = pinhole.rotation();
     const Eigen::Vector3d line = r.col(0).cross(r.col(1));
     const double p = -line.x() / (line.z() * h_px), q = -line.y() / (line.z() * h_px);
-    // What is left is affine: three points of the floor settle it.
+    // The remaining map is affine, so three points of the floor determine it.
     Eigen::Matrix3d rectified, floor;
     rectified.setOnes();
     floor.setOnes();
@@ -163,14 +163,14 @@ inline std::vector<PixelPoint> whole_picture() {
   return out;
 }
 
-/// Does the pixel look over the horizon, where the model does not follow it?
+/// True if the pixel is above the horizon, where the model differs.
 inline bool over_horizon(const CameraModel& model, PixelPoint pixel) {
   const std::array<float, 3> d = model.ray(pixel).direction;
   const double level = std::hypot(static_cast<double>(d[0]), static_cast<double>(d[1]));
   return static_cast<double>(-d[2]) < 1.001 * CameraModel::kMinDip * level;
 }
 
-/// The field of 2.2 m x 1.8 m and its goals, every 10 cm.
+/// The field of 2.2 m x 1.8 m and its goals, in steps of 10 cm.
 inline std::vector<Point2> whole_field() {
   std::vector<Point2> out;
   for (int x = -13; x <= 13; ++x) {

@@ -18,7 +18,7 @@ class BallCenterTest : public ::testing::Test {
     centers_.configure(ball_, camera_);
   }
 
-  // Ray by ray: a matt ball under one lamp from `lamp` (unit vector) and even light from everywhere.
+  // Traces one ray: a matt ball under one lamp in direction `lamp` (unit vector) and uniform ambient light.
   Photograph photograph(PixelFormat format, FieldPoint at, std::array<double, 3> lamp, bool half_hidden) const {
     Photograph picture(format, 640, 480);
     const PixelPoint middle = camera_.to_pixel(at, ball_.radius_m);
@@ -49,7 +49,7 @@ class BallCenterTest : public ::testing::Test {
     return picture;
   }
 
-  // Distance of the answer from the truth, from a start that lies off by (du, dv).
+  // Error of the refined center if the initial center is wrong by (du, dv).
   float error_px(const Photograph& picture, FieldPoint at, float du, float dv) {
     const PixelPoint truth = camera_.to_pixel(at, ball_.radius_m);
     sightings_.ball = {};
@@ -90,12 +90,12 @@ TEST_F(BallCenterTest, HalfHiddenItComesNearer) {
   for (int n = 0; n < 6; ++n) {
     const FieldPoint at{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)};
     const Photograph picture = photograph(PixelFormat::kRgb24, at, {0.3, -0.2, 0.93}, true);
-    // What is left of it has its centroid 1.5 pixels to the side.
+    // The centroid of the visible part is 1.5 pixels to the side.
     EXPECT_LT(error_px(picture, at, -1.5f, 0.1f), 1.35f) << n;
   }
 }
 
-// Other processors have one kernel.
+// Other processors have only one kernel.
 #if defined(__x86_64__)
 TEST_F(BallCenterTest, IsTheSameWithEveryKernel) {
   if (&fit_kernel(KernelChoice::kFastest) == &portable_fit_kernel()) GTEST_SKIP() << "one kernel";
@@ -125,7 +125,7 @@ TEST_F(BallCenterTest, KeepsWhatItHasWithoutABall) {
   EXPECT_FALSE(sightings_.ball.seen);
 }
 
-// The picture's memory ends where the picture does.
+// The memory ends with the picture, so a sanitizer detects reads beyond it.
 TEST_F(BallCenterTest, AtThePicturesBorderOrBeyond) {
   for (const PixelFormat format : kAllFormats) {
     Photograph picture(format, 640, 480);

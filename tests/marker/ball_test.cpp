@@ -27,7 +27,7 @@ TEST_P(Ball, IsSeenWhereItIs) {
   }
 }
 
-// Touching a robot, whose top hides a part of it from a camera that looks from the side.
+// The ball touches a robot. Its top hides a part of the ball from a camera beside it.
 TEST_P(Ball, IsSeenWhileHalfOfItIsVisible) {
   const auto orange = [this] { return std::count(field.grid().color.begin(), field.grid().color.end(), kOrange); };
   int half_hidden = 0;
@@ -75,7 +75,7 @@ TEST_P(Ball, OfTwoThatAreAlikeNoneIsSeen) {
   EXPECT_FALSE(field.see().ball.seen);
 }
 
-// A bigger ball than a speck of its color, and one on the field rather than one on a robot's top.
+// A larger ball is preferred to a small region of its color, and one on the field to one on a robot's top.
 TEST_P(Ball, TheLikelierOneIsSeen) {
   const Placed robot{Team::kOwn, 2, {{-0.3f, 0.2f}, 1.0f}};
   field.paint(robot);

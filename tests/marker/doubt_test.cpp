@@ -18,7 +18,7 @@ const RobotSighting* of_team(const Sightings& seen, Team team) {
   return nullptr;
 }
 
-// Opponents wear what they like: red and white, which are nobody's or own robots' colors.
+// Opponents with arbitrary colors: red and white, which belong to no robot or to own robots.
 TEST(Doubt, OpponentsWithUnknownColorsHavePositions) {
   MarkerParameters parameters = paper_teams();
   const MarkerParameters painted = parameters;
@@ -62,12 +62,12 @@ TEST(Doubt, ATeamPatchAloneIsARobotWithoutIdOrHeading) {
   EXPECT_LT(distance_m(seen.robots[0].pose.position, on_field(robot.pose, patch.x_m, patch.y_m)), 0.001f);
 }
 
-// Two colors that both could be the robot's: the same distance from its team patch, each on another side.
+// Two identification patches at the same distance from the team patch, on different sides.
 TEST(Doubt, TwoEquallyGoodIdentificationsAreNone) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
   const Placed robot{Team::kOwn, 0, {{0.1f, 0.2f}, 1.0f}};
-  // Turned about the team patch by half a turn, its red patch would be there.
+  // If the robot is rotated by 180 degrees about its team patch, its red patch is here.
   const PatchPlace& patch = parameters.teams[0].layout.patches[0];
   const FieldPoint team_at = on_field(robot.pose, patch.x_m, patch.y_m);
   Placed other{Team::kOwn, 1, {{}, robot.pose.theta_rad + kPi}};
@@ -81,7 +81,7 @@ TEST(Doubt, TwoEquallyGoodIdentificationsAreNone) {
   EXPECT_FALSE(seen.robots[0].has_heading);
 }
 
-// The same color twice: which way the robot looks is not known.
+// The same color twice: the heading is ambiguous.
 TEST(Doubt, TwoEquallyGoodHeadingsAreNone) {
   const MarkerParameters parameters = paper_teams();
   RegionList list(straight_camera(), parameters);
@@ -96,7 +96,7 @@ TEST(Doubt, TwoEquallyGoodHeadingsAreNone) {
   EXPECT_FALSE(seen.robots[0].has_heading);
 }
 
-// Patches that are 7 mm from where the layout has them are somebody's, but not surely the robot's.
+// Patches 7 mm from their place in the layout belong to a robot, but the id is not certain.
 TEST(Doubt, AnImpreciseFitHasNoId) {
   const MarkerParameters parameters = paper_teams();
   RegionList list(straight_camera(), parameters);
@@ -115,7 +115,7 @@ TEST(Doubt, AnImpreciseFitHasNoId) {
   }
 }
 
-// A robot of a layout with two identification patches, of which one is hidden.
+// One of two identification patches is hidden.
 TEST(Doubt, OneOfTwoIdentificationPatchesIsNotEnough) {
   const MarkerParameters parameters = teams_with(bar_layout(), 5);
   PaintedField field(straight_camera(), parameters);
@@ -131,7 +131,7 @@ TEST(Doubt, OneOfTwoIdentificationPatchesIsNotEnough) {
   }
 }
 
-// A pair of colors that no robot of the team wears.
+// A pair of colors that belongs to no robot of the team.
 TEST(Doubt, NobodysColorsAreNoId) {
   const MarkerParameters parameters = teams_with(bar_layout(), 3);
   PaintedField field(straight_camera(), parameters);
@@ -145,7 +145,7 @@ TEST(Doubt, NobodysColorsAreNoId) {
   EXPECT_EQ(seen.robots[0].id, kUnknownId);
 }
 
-// Two robots that show the same id: one of them is somebody else (a strange patch), and nobody knows which.
+// Two robots show the same id. One of them has a wrong patch, but it is unknown which one.
 TEST(Doubt, AnIdIsNeverGivenTwice) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);

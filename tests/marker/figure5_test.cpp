@@ -14,7 +14,7 @@ namespace {
 struct Placement {
   const char* name;
   std::array<Pose, 3> robot;               // of identification patches 1, 2, 3
-  std::array<std::size_t, 3> team_letter;  // and the letter (A = 0) of that robot's team patch
+  std::array<std::size_t, 3> team_letter;  // letter (A = 0) of that robot's team patch
   std::vector<std::vector<bool>> table;    // rows 1 to 3, columns A to C
 };
 
@@ -54,7 +54,7 @@ TEST(Figure5, ThePlacementsLeadToTable1) {
   for (const Placement& placement : placements()) EXPECT_EQ(table_of(placement), placement.table) << placement.name;
 }
 
-// Everywhere on the field, turned in every direction, under both cameras, with the small regions 4 and D of the figure.
+// Anywhere on the field, with any heading, under both cameras, with the small regions 4 and D of the figure.
 void expect_all_found(const CameraParameters& camera) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(camera, parameters);

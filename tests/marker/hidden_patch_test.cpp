@@ -5,8 +5,8 @@
 
 #include "tests/marker/real_layouts.h"
 
-// A stick, a hand or another robot's flag hides most of a team patch. What is left of it shows whose robot it is, the
-// whole identification patch which one: the left-over rule of section 5 for a column that is almost empty.
+// A stick, a hand or another robot's flag hides most of a team patch. The visible part tells the team, and the complete
+// identification patch tells the robot: the left-over rule of section 5 for a column that is almost empty.
 namespace touchline::testing {
 namespace {
 
@@ -14,7 +14,7 @@ constexpr float kPi = std::numbers::pi_v<float>;
 
 class HiddenPatch : public ::testing::Test {
  protected:
-  // Paints the robot with all but a part of its team patch covered, from a random direction.
+  // Paints the robot with its team patch covered except for a part, from a random direction.
   void paint(PaintedField& field, const Placed& robot, float visible) {
     const PatchPlace& place = field.marking(robot.team).layout.patches[0];
     const auto pixels = [&] {
@@ -23,7 +23,7 @@ class HiddenPatch : public ::testing::Test {
     field.clear();
     field.paint_patch(robot, 0, field.marking(robot.team).team_color);
     const auto whole = static_cast<float>(pixels());
-    // The cover's edge moves over the patch until no more than that is visible. It does not reach the other patches.
+    // Moves the edge of the cover over the patch until only this part is visible. It does not reach the other patches.
     const bool from_left = dice.whole(0, 1) == 0;
     for (float edge = 0.0f; static_cast<float>(pixels()) > visible * whole; edge += 0.001f) {
       const float side = from_left ? -1.0f : 1.0f;
@@ -40,7 +40,7 @@ class HiddenPatch : public ::testing::Test {
     return {team, robot, {{dice.real(-0.9f, 0.9f), dice.real(-0.7f, 0.7f)}, dice.real(-kPi, kPi)}};
   }
   Dice dice{71};
-  float left = 0;  // part of the team patch that is visible
+  float left = 0;  // visible fraction of the team patch
 };
 
 TEST_F(HiddenPatch, TheRestAndTheIdentificationAreTheRobot) {
@@ -87,7 +87,7 @@ TEST_F(HiddenPatch, NothingIsReportedWithoutARest) {
   const Placed robot = anywhere(Team::kOwn, 2);
   paint(field, robot, 0.0f);
   EXPECT_TRUE(field.see().robots.empty());
-  // A pixel of noise is no rest.
+  // A pixel of noise is not accepted as a partly visible patch.
   const PixelPoint team = field.camera().to_pixel(on_field(robot.pose, 0.01875f, 0.01875f), 0.075f);
   field.grid().at(static_cast<int>(team.u_px), static_cast<int>(team.v_px)) = kBlue;
   field.grid().at(static_cast<int>(team.u_px), static_cast<int>(team.v_px) + 1) = kBlue;
@@ -95,7 +95,7 @@ TEST_F(HiddenPatch, NothingIsReportedWithoutARest) {
   EXPECT_EQ(field.verdict_at(on_field(robot.pose, -0.01875f, -0.01875f), 0.075f), Verdict::kNoPartner);
 }
 
-// A rest is too little to decide between two teams that wear the same color.
+// A partly visible patch cannot decide between two teams with the same identification colors.
 TEST_F(HiddenPatch, ColorsOfBothTeamsNeedAWholeTeamPatch) {
   MarkerParameters parameters = paper_teams();
   parameters.teams[1].robots[3].colors[0] = kRed;
@@ -106,7 +106,8 @@ TEST_F(HiddenPatch, ColorsOfBothTeamsNeedAWholeTeamPatch) {
   EXPECT_EQ(field.see().robots.size(), 1u);
 }
 
-// Another team patch to which the identification may belong, if not well: it is not taken away by a rest.
+// The identification patch may also belong to another, complete team patch, with a worse fit. The complete one has
+// priority.
 TEST_F(HiddenPatch, AWholeTeamPatchComesFirst) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
@@ -128,7 +129,8 @@ TEST_F(HiddenPatch, ARestAloneIsTooSmall) {
   EXPECT_EQ(field.verdict_at(on_field(robot.pose, 0.0175f, 0.0175f), 0.075f), Verdict::kTooSmall);
 }
 
-// Bad light leaves a spot of an identification patch's color. With the other patches around it that is enough.
+// In bad light, only a spot has the color of the identification patch. With the other patches around it, that is
+// enough.
 TEST(DullPatch, ASpotInTheRightPlaceIsEnough) {
   const MarkerParameters parameters = teams_with(bar_layout(), 5);
   Dice dice(72);
@@ -145,7 +147,7 @@ TEST(DullPatch, ASpotInTheRightPlaceIsEnough) {
       field.clear();
       field.paint(robot);
       field.paint_patch(robot, dull, kBackground);
-      // A quarter of it, somewhere on it.
+      // A quarter of the patch, at a random place on it.
       const float x = place.x_m + dice.real(-0.006f, 0.006f), y = place.y_m + dice.real(-0.006f, 0.006f);
       field.paint_part(robot, {x - 0.008f, y - 0.008f}, {x + 0.008f, y + 0.008f}, color);
       const Comparison result = compare({robot}, field.see(), parameters);
@@ -154,11 +156,11 @@ TEST(DullPatch, ASpotInTheRightPlaceIsEnough) {
       right += result.right;
     }
   }
-  // One robot of five wears the same color twice: there the spot counts as a fragment of the whole patch.
+  // One of the five robots has the same color twice. There the spot is merged with the complete patch.
   EXPECT_GE(right, 2 * 60u * 3 / 4);
 }
 
-// Where two colors are nearly as large, nobody knows which of them the patch has.
+// If two colors have nearly the same area, the color of the patch is unknown.
 TEST(DullPatch, ARivalMakesItDoubtful) {
   const MarkerParameters parameters = teams_with(bar_layout(), 5);
   PaintedField field(straight_camera(), parameters);
@@ -177,7 +179,7 @@ TEST(DullPatch, ARivalMakesItDoubtful) {
   EXPECT_EQ(result.unknown, 1u);
 }
 
-// A single identification patch has nothing around it that would tell its place.
+// A single identification patch has no other patches that determine its place.
 TEST(DullPatch, IsNotEnoughAlone) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);

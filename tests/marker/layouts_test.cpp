@@ -13,14 +13,14 @@ struct Case {
   MarkerLayout (*layout)();
   std::size_t robots;  // a team
   float position_m, heading_rad;
-  float least_right;  // part of the robots; the others may be unknown, none may be wrong
+  float least_right;  // fraction of the robots; the others may be unknown, but none may be wrong
 };
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 class Layouts : public ::testing::TestWithParam<Case> {
  protected:
-  // Of `pictures` with robots anywhere in the rectangle.
+  // Result over `pictures` with robots anywhere in the rectangle.
   void see(const CameraParameters& camera, const MarkerParameters& parameters, float length_m, float width_m,
            int pictures) {
     PaintedField field(camera, parameters);
@@ -63,7 +63,7 @@ TEST_P(Layouts, IsReadInACrowd) {
   for (const CameraParameters& camera : {straight_camera(), tilted_camera()}) see(camera, parameters, side, side, 30);
 }
 
-// Blue wears the paper's squares, yellow this layout.
+// Blue has the paper's layout, yellow the layout under test.
 TEST_P(Layouts, MayDifferBetweenTheTeams) {
   MarkerParameters parameters = teams_with(GetParam().layout(), GetParam().robots);
   parameters.teams[0] = teams_with(paper_layout(), 3).teams[0];

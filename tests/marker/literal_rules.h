@@ -4,11 +4,11 @@
 
 #include "core/types.h"
 
-// Section 5 of the paper written down word by word, for one team whose robots wear one identification patch each: what
-// the matcher is held against.
+// A literal implementation of section 5 of the paper, for one team whose robots have one identification patch each. It
+// is the reference for the matcher.
 namespace touchline::testing::literal {
 
-/// A region by what section 5 uses of it. Distances are meant on the field (a pixel near the border covers more of it).
+/// The properties of a region that section 5 uses. Distances are on the field.
 struct Region {
   ColorId color = kBackground;
   FieldPoint at;
@@ -41,8 +41,8 @@ struct Pair {
 
 struct Solution {
   std::vector<Pair> pairs;  // by row
-  /// Every row has a pair, no column has two, and the left-over rule never had a choice. Otherwise the text leaves
-  /// open what is to be done, and the pairs are those that it does name.
+  /// Every row has a pair, no column has two, and the left-over rule never had a choice. Otherwise the text does not
+  /// define a complete result, and `pairs` contains only the defined pairs.
   bool unambiguous = false;
 };
 

@@ -7,7 +7,7 @@
 #include "core/geometry/angle.h"
 #include "tests/marker/region_list.h"
 
-// The matcher against the paper's rules, taken literally, on random arrangements of the paper's two squares.
+// Compares the matcher with the paper's rules, applied literally, on random arrangements of the paper's layout.
 namespace touchline::testing {
 namespace {
 
@@ -42,8 +42,8 @@ TEST(LiteralRules, KnowWhereTheTextLeavesAChoice) {
 
 TEST(LiteralRules, ConditionsOneAndTwo) {
   const std::vector<literal::Region> regions{
-      {kBlue, {0.0f, 0.0f}, 100},   {kBlue, {0.0258f, 0.0f}, 90},  // nearer than 25.9 mm: eq. (1) refuses it
-      {kBlue, {0.0f, 0.0260f}, 80}, {kBlue, {0.5f, 0.5f}, 3},      // D of figure 5: not among the biggest
+      {kBlue, {0.0f, 0.0f}, 100},   {kBlue, {0.0258f, 0.0f}, 90},  // closer than 25.9 mm: rejected by eq. (1)
+      {kBlue, {0.0f, 0.0260f}, 80}, {kBlue, {0.5f, 0.5f}, 3},      // D of figure 5: not among the largest
       {kRed, {0.0f, -0.0740f}, 70}, {kGreen, {0.0f, -0.0265f}, 60}, {kGreen, {0.2f, 0.2f}, 2}};
   const literal::Table table = literal::make_table(regions, kBlue, {kRed, kGreen});
   EXPECT_EQ(table.columns, (std::vector<std::size_t>{0, 2}));
@@ -62,7 +62,7 @@ std::size_t patches_near(FieldPoint at, ColorId color, const RegionList& list) {
       }));
 }
 
-// What one team's arrangement leads to, by the rules and by the matcher.
+// Results of one team's arrangement, by the rules and by the matcher.
 struct Tally {
   int robots = 0, unambiguous = 0, sure = 0, contested = 0;
 };
@@ -121,9 +121,9 @@ void hold_against_each_other(const MarkerParameters& parameters, float side_m, f
   }
 }
 
-// Excluded from the comparison, because the text does not decide them: tables that leave the left-over rule a choice,
-// and arrangements in which a patch is missing (a column whose row is gone takes a neighbor's by the column rule).
-// A robot to which the matcher gives no id counts as no answer; how few these may be is asserted.
+// The comparison excludes cases that the text does not decide: tables in which the left-over rule has a choice, and
+// arrangements with a missing patch (a column without its row takes a neighbor's patch by the column rule). A robot
+// without an id from the matcher counts as no answer; their maximum number is asserted.
 TEST(PaperRules, AgreeWithTheMatcherOnAWideField) {
   Tally tally;
   hold_against_each_other(paper_teams(), 1.7f, 0.001f, 1, 2000, tally);
@@ -140,8 +140,8 @@ TEST(PaperRules, AgreeWithTheMatcherInACrowd) {
   EXPECT_GT(tally.sure, tally.robots * 99 / 100);
 }
 
-// A whole team in a heap, as after a collision: most tables are contested. Patch centers are as inexact as dull colors
-// make them.
+// A whole team in a cluster, as after a collision: most tables have conflicts. The errors of the patch centers are
+// those of dull colors.
 TEST(PaperRules, AgreeWithTheMatcherInAHeap) {
   MarkerParameters parameters = paper_teams();
   parameters.teams[1] = {};

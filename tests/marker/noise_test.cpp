@@ -5,7 +5,7 @@
 
 #include "tests/marker/real_layouts.h"
 
-// Pictures that are hard to read: whatever is missing or added, no robot may get another one's id.
+// Disturbed pictures: whatever is missing or added, no robot may get the id of another one.
 namespace touchline::testing {
 namespace {
 
@@ -22,7 +22,7 @@ void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 class Noise : public ::testing::TestWithParam<Case> {
  protected:
-  // Pixels that change to a neighbor's color or to any.
+  // Pixels that change to the color of a neighbor or to any color.
   void sprinkle(PaintedField& field, float part) {
     ColorGrid& grid = field.grid();
     const int count = static_cast<int>(part * static_cast<float>(grid.width * grid.height));
@@ -65,7 +65,7 @@ TEST_P(Noise, NobodyGetsAnotherOnesId) {
       for (const Placed& robot : placed) {
         if (dice.whole(0, 3) == 0) hide(field, robot);
       }
-      // Not on a robot: a patch of another color over a robot's own is not noise but a forgery.
+      // Not on a robot: a patch of another color on top of a robot's own patch would be a forged id, not noise.
       for (int i = 0; i < 8; ++i) {
         const FieldPoint at{dice.real(-extent, extent), dice.real(-extent, extent)};
         const Pose paper{at, 0};
@@ -87,7 +87,7 @@ TEST_P(Noise, NobodyGetsAnotherOnesId) {
       << right << " of " << robots;
 }
 
-// Dots of 2 x 2 pixels, each less than the rest of a patch: together they are four ninths of every patch.
+// Dots of 2 x 2 pixels, each too small for a partly visible patch. Together they cover four ninths of every patch.
 TEST(CrumbledPatches, AreGatheredFromTheirPieces) {
   const MarkerParameters parameters = paper_teams();
   Dice dice{5};
@@ -105,7 +105,7 @@ TEST(CrumbledPatches, AreGatheredFromTheirPieces) {
   EXPECT_GE(result.right, 8u) << "of " << placed.size();
 }
 
-// In all but the first both teams wear the same identification colors.
+// In all layouts but the first, both teams have the same identification colors.
 INSTANTIATE_TEST_SUITE_P(Marker, Noise,
                          ::testing::Values(Case{"own_colors", paper_teams, 5, 0.7f},
                                            Case{"paper", [] { return teams_with(paper_layout(), 3); }, 3, 0.7f},

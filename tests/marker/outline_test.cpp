@@ -6,7 +6,7 @@
 #include "core/marker/marker_layout.h"
 #include "tests/marker/painted_field.h"
 
-// Area, centroid and spread of the outlines against what painting them fills, point by point.
+// Compares area, centroid and variances of the outlines with those of painted points.
 namespace touchline::testing {
 namespace {
 
@@ -58,7 +58,7 @@ TEST(Outline, AreaCentroidAndSpread) {
         const PrincipalVariances s = principal_variances(place);
         EXPECT_NEAR(s.major_m2, m.major, 0.01 * m.major);
         EXPECT_NEAR(s.minor_m2, m.minor, 0.01 * m.minor);
-        if (m.major < 1.1 * m.minor) continue;  // no direction
+        if (m.major < 1.1 * m.minor) continue;  // the axis is undefined
         EXPECT_NEAR(std::remainder(static_cast<double>(s.axis_rad) - m.axis, std::numbers::pi), 0.0, 0.01);
       }
     }

@@ -24,7 +24,7 @@ bool covers(const PatchPlace& place, FieldPoint p) {
     case PatchOutline::kBar:
       return std::abs(x) <= place.length_m / 2 && std::abs(y) <= place.width_m / 2;
     case PatchOutline::kTriangle: {
-      // From the base, a third of the height behind the centroid, to the tip.
+      // From the base, which is a third of the height behind the centroid, to the tip.
       const float up = (x + place.length_m / 3) / place.length_m;
       return up >= 0 && up <= 1 && std::abs(y) <= (1 - up) * place.width_m / 2;
     }
@@ -81,7 +81,7 @@ FieldPoint on_field(const Pose& pose, float x_m, float y_m) {
 }
 
 bool overlap(const Pose& a, const Pose& b, float side_m) {
-  // Two squares are apart when a side of one of them has the other's corners all beyond it.
+  // Two squares are separate if all corners of one are beyond a side of the other (separating axis).
   const float half = side_m / 2;
   for (const auto& [base, other] : {std::pair(a, b), std::pair(b, a)}) {
     float left = 1e9f, right = -1e9f, low = 1e9f, high = -1e9f;
@@ -109,7 +109,7 @@ std::vector<Placed> scattered(Dice& dice, const MarkerParameters& parameters, st
   const float side = std::max(parameters.teams[0].layout.robot_side_m, parameters.teams[1].layout.robot_side_m);
   std::vector<Placed> placed;
   for (int tries = 0; placed.size() < wanted.size(); ++tries) {
-    // The first ones may stand so that there is no room for the last.
+    // The first robots may leave no room for the last one.
     if (tries > 1000) {
       placed.clear();
       tries = 0;
@@ -140,7 +140,7 @@ void PaintedField::clear() { std::fill(grid_.color.begin(), grid_.color.end(), k
 
 template <class Inside>
 void PaintedField::fill(const std::array<FieldPoint, 4>& corners, float height_m, ColorId color, Inside inside) {
-  // Straight edges bend by less than a pixel over a robot's width.
+  // Over a robot's width, the distortion of straight edges is below one pixel.
   constexpr float kMargin = 2.0f;
   float left = 1e9f, right = -1e9f, top = 1e9f, bottom = -1e9f;
   for (const FieldPoint& corner : corners) {

@@ -8,7 +8,7 @@
 #include "tests/marker/dice.h"
 #include "tests/region/literal_labeling.h"
 
-// Robots and ball painted into a picture of colors, as a camera sees them, and what the matcher makes of it.
+// Paints robots and ball into a picture of colors, as a camera sees them, and runs the matcher on it.
 namespace touchline::testing {
 
 enum TestColor : ColorId {
@@ -36,24 +36,24 @@ CameraParameters tilted_camera();
 /// brown, grey, white; the ball orange. Ids are 0 to 4.
 MarkerParameters paper_teams();
 
-/// A robot of MarkerParameters, standing somewhere.
+/// A robot of MarkerParameters with a pose.
 struct Placed {
   Team team = Team::kOwn;
   std::size_t robot = 0;  // index in TeamMarking::robots
   Pose pose;
 };
 
-/// Is the point (robot's frame) on the patch?
+/// True if the point (in the robot's frame) is on the patch.
 bool covers(const PatchPlace& place, FieldPoint point);
 
-/// The field's point of a robot's point.
+/// Transforms a point of the robot's frame to the field.
 FieldPoint on_field(const Pose& pose, float x_m, float y_m);
 
-/// Do the two squares have points in common?
+/// True if the two squares overlap.
 bool overlap(const Pose& a, const Pose& b, float side_m);
 
 /// Robots 0 to `robots` - 1 of every team with a color, their centers anywhere in the rectangle around the field's
-/// center, none on another. There must be room: a third of the rectangle that they may cover is the most.
+/// center, without overlap. They may cover at most a third of the rectangle.
 std::vector<Placed> scattered(Dice& dice, const MarkerParameters& parameters, std::size_t robots, float length_m,
                               float width_m);
 
@@ -66,7 +66,7 @@ class PaintedField {
   void paint(const std::vector<Placed>& robots);
   /// One of its patches, in any color; kBackground hides it.
   void paint_patch(const Placed& robot, std::size_t patch, ColorId color);
-  /// What of the robot's top (its frame, [left, right) x [bottom, top)) is a color.
+  /// Paints a rectangle of the robot's top (its frame, [left, right) x [bottom, top)) in a color.
   void paint_part(const Placed& robot, FieldPoint low, FieldPoint high, ColorId color);
   void paint_ball(FieldPoint at);
   ColorGrid& grid() { return grid_; }
@@ -75,7 +75,7 @@ class PaintedField {
   const Sightings& see();
 
   [[nodiscard]] const Regions& regions() const { return *regions_; }
-  /// Of the region at this pixel, of the picture last seen. The pixel must not be background.
+  /// Verdict of the region at this pixel of the last picture. The pixel must not be background.
   [[nodiscard]] Verdict verdict_at(PixelPoint pixel) const;
   [[nodiscard]] Verdict verdict_at(FieldPoint point, float height_m) const {
     return verdict_at(camera_.to_pixel(point, height_m));
@@ -101,8 +101,7 @@ class PaintedField {
   std::unique_ptr<Sightings> sightings_;
 };
 
-/// How what was reported compares to what was painted. A robot counts as the one whose center is nearest, up to
-/// `near_m`.
+/// Compares reported with painted robots. A reported robot is matched with the nearest painted one within `near_m`.
 struct Comparison {
   std::size_t right = 0;    // team and id
   std::size_t unknown = 0;  // team, but no id

@@ -36,8 +36,8 @@ class PatchCenter : public ::testing::Test {
     centers_.configure({layout, layout}, camera_);
   }
 
-  // What a point of the picture shows: patches on a dark top, a white line along x beside the robot, the floor. A
-  // robot's top hides the floor; heights do not matter here.
+  // Light of a point: patches on a dark top, a white line along x beside the robot, the floor. The top of a robot hides
+  // the floor; heights do not matter here.
   Light light(const Pose& pose, float line_m, double u, double v) const {
     const FieldPoint at = camera_.to_field({static_cast<float>(u), static_cast<float>(v)}, layout_.height_m);
     const FieldPoint local = to_robot_frame(pose, at);
@@ -66,7 +66,7 @@ class PatchCenter : public ::testing::Test {
     return camera_.to_pixel(on_field(pose, place.x_m, place.y_m), layout_.height_m);
   }
 
-  // As the regions' centroids leave it.
+  // A sighting with the errors of the regions' centroids.
   RobotSighting sighting(const Pose& pose) const {
     RobotSighting robot;
     robot.id = 3;
@@ -90,7 +90,7 @@ class PatchCenter : public ::testing::Test {
     return out;
   }
 
-  // The largest errors over robots anywhere, from sightings off by up to 1.5 mm and 2 degrees in every direction.
+  // Largest errors over robots anywhere, from sightings with errors of up to 1.5 mm and 2 degrees in every direction.
   Errors worst(PixelFormat format, int robots, float line_m) {
     Errors most;
     for (int n = 0; n < robots; ++n) {
@@ -122,7 +122,7 @@ class PatchCenter : public ::testing::Test {
   Dice dice_{77};
 };
 
-// Shared chroma leaves half as much of the colors' edges.
+// With shared chroma, color edges have half the resolution.
 TEST_F(PatchCenter, IsWhereThePatchIsInEveryFormat) {
   use(paper_layout());
   for (const PixelFormat format : kAllFormats) {
@@ -150,7 +150,7 @@ TEST_F(PatchCenter, OfDisksAsWell) {
 
 class LeftAlone : public PatchCenter {
  protected:
-  // From 1 mm beside the truth nothing is moved, not even by a bit.
+  // Starting 1 mm beside the truth, the result is bit-identical to the start.
   void expect_left_alone(const Frame& frame, const Pose& near) {
     sightings_.robots.clear();
     sightings_.robots.push_back(sighting(near));
@@ -166,7 +166,7 @@ class LeftAlone : public PatchCenter {
       EXPECT_EQ(after.patches[k].center.v_px, before.patches[k].center.v_px);
     }
   }
-  // Of the robot's identification patch (behind -1.5 mm) what lies behind `edge_m` is white.
+  // The part of the robot's identification patch (behind -1.5 mm) that lies behind `edge_m` is white.
   Photograph covered_from(float edge_m) const {
     Photograph picture(PixelFormat::kRgb24, 640, 480);
     const PixelPoint at = center(truth_, 1);
@@ -184,7 +184,7 @@ class LeftAlone : public PatchCenter {
 };
 
 TEST_F(LeftAlone, WhereNoTopIsFree) {
-  // Two bars that are the whole top.
+  // Two bars cover the whole top.
   MarkerLayout layout;
   layout.patches.push_back({PatchRole::kTeam, PatchOutline::kBar, 0.01875f, 0, 0.0375f, 0.075f, 0});
   layout.patches.push_back({PatchRole::kIdentification, PatchOutline::kBar, -0.01875f, 0, 0.0375f, 0.075f, 0});
@@ -196,11 +196,11 @@ TEST_F(LeftAlone, WhereThePictureIsAnother) {
   use(paper_layout());
   Photograph picture(PixelFormat::kRgb24, 640, 480);
   expect_left_alone(picture.frame(), near_);  // black: no patch differs from the top
-  // Patches as the layout has them, but something white lies on half of one.
+  // Patches of the layout, but a white object covers half of one.
   expect_left_alone(covered_from(-0.012f).frame(), near_);
 }
 
-// What does not quite fit counts in part, so that no robot jumps between two answers.
+// A bad fit has a reduced weight, so no robot jumps between two results.
 TEST_F(LeftAlone, LittleByLittle) {
   use(paper_layout());
   int between = 0;
@@ -229,7 +229,7 @@ TEST_F(LeftAlone, WithoutHeadingOrAllPatches) {
   for (const RobotSighting& robot : sightings_.robots) EXPECT_EQ(robot.pose.position.x_m, near_.position.x_m);
 }
 
-// The picture's memory ends where the picture does: a sanitizer sees what is read beyond it.
+// The memory ends with the picture, so a sanitizer detects reads beyond it.
 TEST_F(PatchCenter, AtThePicturesBorderOrBeyond) {
   use(paper_layout());
   for (const PixelFormat format : kAllFormats) {
@@ -251,9 +251,9 @@ TEST(LinearLight, IsAPowerOfTwoPointTwo) {
   }
 }
 
-// Other processors have one kernel.
+// Other processors have only one kernel.
 #if defined(__x86_64__)
-// The same bits, whatever the kernel: poses, centers, residuals, in every format and of every outline.
+// All kernels give the same bits: poses, centers, residuals, in every format and for every outline.
 TEST_F(PatchCenter, IsTheSameWithEveryKernel) {
   if (&fit_kernel(KernelChoice::kFastest) == &portable_fit_kernel()) GTEST_SKIP() << "one kernel";
   PatchCenterFit portable;
@@ -281,7 +281,7 @@ TEST_F(PatchCenter, IsTheSameWithEveryKernel) {
 }
 #endif
 
-// Slopes against differences, the lanes at as many places.
+// Compares the derivatives with finite differences, at a different place in each lane.
 TEST(BlurredOutline, SlopesAreItsDerivatives) {
   constexpr float kRamp = 0.008f, kStep = 2e-5f;
   Dice dice(5);
@@ -320,7 +320,7 @@ TEST(BlurredOutline, SlopesAreItsDerivatives) {
           EXPECT_EQ(covered[i], 1.0f) << "in the inner box";
         }
         if (covered[i] <= 0.02f || covered[i] >= 0.98f) continue;
-        // At a corner two ramps begin.
+        // At a corner two ramps start.
         if (std::abs(by_x[i] - slope_x[i]) < 3.0f && std::abs(by_y[i] - slope_y[i]) < 3.0f)
           ++edges;
         else

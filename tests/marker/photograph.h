@@ -7,8 +7,8 @@
 
 #include "tests/color/owned_picture.h"
 
-// Pictures made of light, as a camera makes them: what surfaces show is averaged over a pixel and the lens's blur, then
-// bent by the camera's gamma and rounded, and chroma is shared by neighbors where the format says so.
+// Renders pictures as a camera does: averages the light over a pixel and the lens blur, applies the camera's gamma,
+// rounds, and shares chroma between neighbors if the format does.
 namespace touchline::testing {
 
 using Light = std::array<double, 3>;  // red, green, blue; 1 is full scale
@@ -17,10 +17,10 @@ class Photograph {
  public:
   Photograph(PixelFormat format, int width, int height) : picture_(format, width, height, 5), format_(format) {}
 
-  /// Pixels [left, right) x [top, bottom), cut to the picture; light(u, v) is what a point of the picture shows.
+  /// Pixels [left, right) x [top, bottom), clipped to the picture; light(u, v) is the light of a point of the picture.
   template <class Scene>
   void expose(int left, int top, int right, int bottom, Scene light) {
-    // Whole pairs and blocks, so that all pixels that share chroma are there.
+    // Complete pairs and blocks, so that all pixels with shared chroma are present.
     left = std::max(left / 2 * 2, 0);
     top = std::max(top / 2 * 2, 0);
     right = std::min((right + 1) / 2 * 2, picture_.width());
@@ -41,7 +41,7 @@ class Photograph {
   [[nodiscard]] Frame frame() const { return picture_.frame(); }
 
  private:
-  // A pixel and a blur of a pixel and a half around it, each even.
+  // A uniform pixel and a uniform blur of 1.5 pixels around it.
   template <class Scene>
   static Light blurred(int u, int v, Scene light) {
     constexpr int kSteps = 5;

@@ -8,7 +8,7 @@
 #include "tests/marker/real_layouts.h"
 #include "tests/marker/region_list.h"
 
-// Eq. (3), the refinement of centers before it, and the geometry under both.
+// Eq. (3), the refinement of centers before it, and the geometry that both use.
 namespace touchline::testing {
 namespace {
 
@@ -18,7 +18,7 @@ TEST(Pose, TheRigidFitOfThePapersTwoPatchesIsEquation3) {
   Dice dice(21);
   const MarkerLayout layout = paper_layout();
   for (int n = 0; n < 1000; ++n) {
-    // Also of patches that are seen too near to each other or too far apart.
+    // Also for patches whose measured distance is too small or too large.
     const FieldPoint team{dice.real(-1, 1), dice.real(-1, 1)};
     const FieldPoint identification{team.x_m + dice.real(-0.06f, 0.06f), team.y_m + dice.real(-0.06f, 0.06f)};
     if (distance_m(team, identification) < 0.01f) continue;
@@ -42,7 +42,7 @@ TEST(Pose, TheRigidFitNeitherMirrorsNorScales) {
   EXPECT_NEAR(fit_rigidly(twice).residual_m, 0.01f, 1e-6f);
 }
 
-// What the camera shows of exact patches must lead back to exact poses, wherever the patches are above the floor.
+// Exact projections of patches must give exact poses, for any height of the patches.
 TEST(Pose, LensTiltAndHeightLeaveNoTrace) {
   for (const CameraParameters& camera : {straight_camera(), tilted_camera()}) {
     for (const float height : {0.0f, 0.075f, 0.15f}) {
@@ -64,7 +64,7 @@ TEST(Pose, LensTiltAndHeightLeaveNoTrace) {
   }
 }
 
-// A camera 2 m above: 75 mm of height ignored move a robot a meter off the middle by 39 mm.
+// With a camera at 2 m, ignoring a height of 75 mm moves a robot at 1 m from the middle by 39 mm.
 TEST(Pose, AWrongHeightMovesTheRobot) {
   MarkerParameters parameters = paper_teams();
   const std::vector<Placed> placed{{Team::kOwn, 0, {{1.0f, 0.0f}, 0.5f}}};
@@ -81,7 +81,7 @@ TEST(Pose, AWrongHeightMovesTheRobot) {
   EXPECT_NEAR(seen->robots[0].pose.position.x_m, 1.0f / (1 - 0.075f / 2), 1e-4f);
 }
 
-// A scratch or a highlight cuts a patch in two, and a screw leaves a hole: the weighted average is the patch's center.
+// A scratch or a highlight divides a patch, and a screw leaves a hole. The weighted mean is the center of the patch.
 TEST(Refinement, FragmentsAreAveragedByTheirAreas) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
@@ -92,13 +92,13 @@ TEST(Refinement, FragmentsAreAveragedByTheirAreas) {
     field.paint(robot);
     const Sightings whole = field.see();
     ASSERT_EQ(whole.robots.size(), 1u);
-    // A cut of 6 mm across the team patch, anywhere.
+    // A cut of 6 mm across the team patch, at any place.
     const float cut = dice.real(0.006f, 0.026f);
     field.paint_part(robot, {cut, -0.04f}, {cut + 0.006f, 0.04f}, kBackground);
     const Sightings& seen = field.see();
     ASSERT_EQ(seen.robots.size(), 1u) << n;
     EXPECT_EQ(seen.robots[0].id, 1) << n;
-    // The average of the pixels that are left: at most half a cut's width from the center.
+    // The mean of the remaining pixels is at most half the width of the cut from the center.
     EXPECT_LT(distance_m(seen.robots[0].pose.position, whole.robots[0].pose.position), 0.003f) << n;
     ASSERT_EQ(seen.robots[0].patches.size(), 2u);
     float u = 0, v = 0, area = 0;
@@ -113,7 +113,7 @@ TEST(Refinement, FragmentsAreAveragedByTheirAreas) {
   }
 }
 
-// What is farther away than d1, or would make the patch too large, is not averaged.
+// Fragments beyond d1, or those that would make the patch too large, are not merged.
 TEST(Refinement, LeavesWhatIsNotThePatch) {
   const MarkerParameters parameters = paper_teams();
   RegionList list(straight_camera(), parameters);

@@ -67,7 +67,7 @@ MarkerParameters teams_with(const MarkerLayout& layout, std::size_t robots) {
     for (std::size_t r = 0; r < robots; ++r) {
       RobotMarking robot;
       robot.id = static_cast<RobotId>(r);
-      // The robot's number written with the colors as digits, the first two patches first.
+      // The robot's number with colors as digits, the first two patches first.
       std::size_t rest = r;
       for (std::size_t s = 0; s < slots; ++s, rest /= kColors.size()) {
         robot.colors.push_back(kColors[(rest + s) % kColors.size()]);

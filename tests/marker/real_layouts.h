@@ -2,7 +2,7 @@
 
 #include "tests/marker/painted_field.h"
 
-// Marker layouts that real teams wear (../shared/footage has pictures of them), with teams to fill a field.
+// Marker layouts of real teams (../shared/footage has pictures of them), with complete teams.
 namespace touchline::testing {
 
 /// Team bar over the front half, two identification squares behind it.
@@ -11,7 +11,7 @@ MarkerLayout bar_layout();
 MarkerLayout halves_layout();
 /// Team bar, one identification square in the middle of the other half.
 MarkerLayout single_layout();
-/// A square cut along its diagonal; the team's triangle is one half, the other half is cut again.
+/// A square divided along its diagonal. The team's triangle is one half; the other half is divided again.
 MarkerLayout triangles_layout();
 /// Five disks: the team's in the center, four around it.
 MarkerLayout disks_layout();

@@ -7,14 +7,13 @@
 
 namespace touchline::testing {
 
-/// Regions that were never pixels: a centroid, an area, a color, as exact as one likes. For tests of the matching
-/// alone.
+/// Synthetic regions without pixels: centroid, area and color with any accuracy. For tests of the matcher only.
 class RegionList {
  public:
   RegionList(const CameraParameters& camera, const MarkerParameters& parameters);
 
   void clear() { regions_->clear(); }
-  /// A region at this point of the plane, `ratio` times as large as the patch is there.
+  /// A region at this point of the plane, with `ratio` times the area of the patch at this place.
   void add(FieldPoint at, ColorId color, const PatchPlace& patch, float height_m, float ratio = 1.0f);
   /// All patches of a robot, each center moved by up to `error_m` along both axes.
   void add(const Placed& robot, Dice& dice, float error_m);

@@ -8,7 +8,7 @@
 
 #include "tests/marker/dice.h"
 
-// The choice among hypotheses against trying every set of them.
+// Compares the selection with an exhaustive search of all sets.
 namespace touchline::testing {
 namespace {
 
@@ -27,7 +27,7 @@ Hypothesis hypothesis(std::uint16_t team_patch, std::int8_t robot, std::uint16_t
   return h;
 }
 
-// The rules, one by one.
+// The constraints, one by one.
 bool exclude(const Hypothesis& a, const Hypothesis& b) {
   const FieldPoint p = a.fit.pose.position, q = b.fit.pose.position;
   return a.team_patch == b.team_patch || a.identification[0] == b.identification[0] ||
@@ -63,7 +63,7 @@ Choice best_of_all(const std::vector<Hypothesis>& hypotheses, LeftOut left_out) 
 class Selecting : public ::testing::Test {
  protected:
   void choose(std::vector<Hypothesis> list, std::size_t team_patches) {
-    // As the search hands them over: those of a team patch together, best first.
+    // In the order of the search: those of a team patch together, best first.
     std::stable_sort(list.begin(), list.end(), [](const Hypothesis& a, const Hypothesis& b) {
       return a.team_patch != b.team_patch ? a.team_patch < b.team_patch : a.value > b.value;
     });
@@ -97,7 +97,7 @@ TEST_F(Selecting, TwoRobotsDoNotStandInOnePlace) {
   EXPECT_EQ(selection.size(), 2u);
 }
 
-// The left-over rule: the best pair of all would leave the other robot without one.
+// The left-over rule: selecting the best pair would leave the other robot without a pair.
 TEST_F(Selecting, MorePairsAreBetterThanABetterPair) {
   choose({hypothesis(0, 0, 7, 60, {0, 0}), hypothesis(0, 1, 8, 55, {0, 0}), hypothesis(1, 0, 7, 55, {1, 0})}, 2);
   ASSERT_EQ(selection.size(), 2u);
@@ -138,7 +138,7 @@ TEST_F(Selecting, IsExact) {
     for (const Chosen& chosen : selection) value += hypotheses[chosen.hypothesis].value;
     ASSERT_NEAR(value, best.value, 1e-3f) << n;
     for (const Chosen& chosen : selection) {
-      // Without what names this patch the same: how much worse?
+      // Loss without the hypotheses that give this patch the same id.
       const Hypothesis& mine = hypotheses[chosen.hypothesis];
       const Choice other = best_of_all(
           hypotheses, [&](const Hypothesis& h) { return h.team_patch == mine.team_patch && h.robot == mine.robot; });
@@ -149,7 +149,7 @@ TEST_F(Selecting, IsExact) {
   }
 }
 
-// A chain in which everything contests everything ends within the budget, without certainty.
+// A chain in which all hypotheses conflict ends within the search limit, without certain results.
 TEST_F(Selecting, IsBounded) {
   Dice dice(82);
   std::vector<Hypothesis> list;

@@ -6,7 +6,7 @@
 #include "core/geometry/angle.h"
 #include "tests/marker/painted_field.h"
 
-// Robots side by side: patches of one color grow together, and a neighbor's patch is as near as the own one.
+// Adjacent robots: patches of one color form one region, and a neighbor's patch is as close as the own one.
 namespace touchline::testing {
 namespace {
 
@@ -75,7 +75,7 @@ TEST(Touching, PairsOfBothTeams) {
   }
 }
 
-// A robot in the corner between a side and a neighbor that stands askew.
+// A robot in the corner between a wall and an oblique neighbor.
 TEST(Touching, PairsAtAnyAngle) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
@@ -96,7 +96,7 @@ TEST(Touching, PairsAtAnyAngle) {
   EXPECT_GT(sum.right, sum.robots * 99 / 100);
 }
 
-// Rows of five, all of a team or both teams in turn, headings by quarter turns or all alike.
+// Rows of five robots of one team or of alternating teams, with headings in multiples of 90 degrees or all equal.
 TEST(Touching, Rows) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
@@ -117,7 +117,7 @@ TEST(Touching, Rows) {
   EXPECT_GT(mixed.right, mixed.robots * 99 / 100);
 }
 
-// Ten robots in three rows without a gap: what is left of a wild game.
+// Ten robots in three rows without a gap.
 TEST(Touching, Clusters) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);

@@ -62,7 +62,7 @@ TEST(Validation, Teams) {
   EXPECT_EQ(team_with([](TeamMarking& t) { t.robots[2].colors[0] = kMaxColors + 1; }), ErrorCode::kOutOfRange);
   EXPECT_EQ(team_with([](TeamMarking& t) { t.team_color = kMaxColors + 1; }), ErrorCode::kOutOfRange);
   EXPECT_EQ(team_with([](TeamMarking& t) { t.max_robots = kMaxRobotsPerTeam + 1; }), ErrorCode::kOutOfRange);
-  // Nothing is asked of a team that is not looked for.
+  // A team that is not searched is not validated.
   EXPECT_EQ(team_with([](TeamMarking& t) {
               t.team_color = kBackground;
               t.layout.patches.clear();
@@ -96,12 +96,12 @@ TEST(Validation, WholeSets) {
   }
 }
 
-// Both teams may wear the same identification colors, each of its own.
+// Both teams may use the same identification colors.
 TEST(Validation, TeamsMayShareIdentificationColors) {
   EXPECT_EQ(matcher_with([](MarkerParameters& p) { p.teams[1].robots = p.teams[0].robots; }), ErrorCode::kOk);
 }
 
-// What was refused leaves nothing half done.
+// A rejected configuration leaves no partial state.
 TEST(Validation, AfterAnErrorNothingIsSeen) {
   MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);

@@ -8,7 +8,7 @@
 #include "tests/marker/painted_field.h"
 #include "tests/marker/region_list.h"
 
-// Why a region is, or is not, part of what was reported; and what happens when there is too much to read.
+// Verdicts of regions, and the bounds of the search.
 namespace touchline::testing {
 namespace {
 
@@ -17,7 +17,7 @@ constexpr float kHeight = 0.075f;
 class Verdicts : public ::testing::Test {
  protected:
   [[nodiscard]] const PatchPlace& patch() const { return parameters.teams[0].layout.patches[0]; }
-  // Adds a region and says what became of it.
+  // Adds a region and returns its verdict.
   std::size_t add(FieldPoint at, ColorId color, float ratio) {
     list.add(at, color, patch(), kHeight, ratio);
     return list.regions().size() - 1;
@@ -56,7 +56,7 @@ TEST_F(Verdicts, EveryRegionHasOne) {
 TEST_F(Verdicts, APartnerThatIsTaken) {
   const Placed robot{Team::kOwn, 0, {{0.4f, 0.2f}, 0.3f}};
   list.add(robot, dice, 0.0f);
-  // Another red patch, at the right distance from the team patch but not so well.
+  // Another red patch at the right distance from the team patch, with a worse fit.
   const std::size_t other = add(on_field(robot.pose, patch().x_m - 0.045f, patch().y_m + 0.045f), kRed, 1.0f);
   const Sightings& seen = list.see();
   ASSERT_EQ(seen.robots.size(), 1u);
@@ -111,8 +111,8 @@ TEST_F(Verdicts, ARobotIsReportedOnceWithAllItsPatches) {
   }
 }
 
-// A carpet of patches in which every team patch has dozens of partners: the search ends early, says so, and believes no
-// id. What it reports stays within the field's robots.
+// Dense patches in which every team patch has dozens of partners. The search stops early, sets cut_short, and reports
+// no id and no more robots than the maximum number.
 TEST(Bounds, ACarpetOfPatchesIsCutShort) {
   const MarkerParameters parameters = paper_teams();
   RegionList list(straight_camera(), parameters);
@@ -133,8 +133,8 @@ TEST(Bounds, ACarpetOfPatchesIsCutShort) {
   for (const RobotSighting& robot : seen.robots) EXPECT_EQ(robot.id, kUnknownId);
 }
 
-// Sixteen patches of one color around each team patch, any five of which may be a robot's: a million beginnings of sets
-// each, which would take seconds.
+// Sixteen patches of one color around each team patch, any five of which may belong to a robot. A complete search would
+// visit a million partial sets for each, which would take seconds.
 TEST(Bounds, SetsThatAllFitAreNotAllTried) {
   MarkerParameters parameters = paper_teams();
   MarkerLayout& layout = parameters.teams[0].layout;
@@ -168,13 +168,13 @@ TEST(Bounds, SetsThatAllFitAreNotAllTried) {
   EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 0.3);
 }
 
-// Noise in every pixel, and a chessboard of single pixels: many regions, nothing that is a patch.
+// Noise in every pixel, and a checkerboard of single pixels: many regions, no patches.
 TEST(Bounds, APictureOfNoiseHasNoRobots) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
   Dice dice(42);
   for (int n = 0; n < 3; ++n) {
-    // As many as the scan can hand over.
+    // As many regions as the scan can produce.
     for (int v = 0; v < 200; v += 2) {
       for (int u = 0; u < 78; u += 2) field.grid().at(8 * u, 2 * v) = static_cast<ColorId>(dice.whole(1, kWhite));
     }
@@ -185,7 +185,7 @@ TEST(Bounds, APictureOfNoiseHasNoRobots) {
   }
 }
 
-// The same picture gives the same answer, bit for bit, whatever was seen before.
+// The same picture gives the same bits, regardless of former pictures.
 TEST(Bounds, NothingIsRemembered) {
   const MarkerParameters parameters = paper_teams();
   RegionList used(straight_camera(), parameters), fresh(straight_camera(), parameters);

@@ -1,5 +1,5 @@
-// The second of three checks that nothing allocates: an allocator that counts while the loop runs, with every fault
-// that devices can have.
+// Second of three checks for heap allocations: an allocator counts while the loop runs, with every possible device
+// fault.
 #include "tests/firmware/loop_fixture.h"
 #include "tools/programs/latency/allocation_counter.h"
 
@@ -19,7 +19,7 @@ class NoAllocation : public LoopTest {
     radio.opened_s.reserve(1000);
   }
 
-  // Every code at every device, each for as long as its consequences last, and what is no error of a device.
+  // Every error code at every device, for as long as its consequences last, and other events.
   double add_all_faults() {
     double at_s = 1.0;
     for (int code = 1; code <= static_cast<int>(ErrorCode::kStopped); ++code) {
@@ -76,7 +76,7 @@ TEST_F(NoAllocation, PlantedMallocIsFoundToo) {
 }
 
 TEST(Memory, OfTheCoreIsFixedAndAsStated) {
-  // docs/design.md, Memory. A change beyond either end is to be stated there.
+  // docs/design.md, Memory. Update that page if the value leaves this range.
   constexpr std::size_t kMiB = std::size_t{1} << 20;
   EXPECT_GT(sizeof(Pipeline), 10 * kMiB / 4);
   EXPECT_LT(sizeof(Pipeline), 12 * kMiB / 4);

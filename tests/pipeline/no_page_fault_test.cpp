@@ -1,4 +1,4 @@
-// The third of three checks that nothing allocates: once warm, the loop touches no memory that the kernel has to bring.
+// Third of three checks for heap allocations: after warm-up, the loop causes no page faults.
 #include <sys/mman.h>
 #include <sys/resource.h>
 
@@ -9,7 +9,7 @@
 namespace touchline::testing {
 namespace {
 
-// Of the calling thread: minor ones (memory never touched before) and major ones (from a disk).
+// Page faults of the calling thread: minor ones (memory that was never touched) and major ones (from a disk).
 long page_faults() {
   rusage usage{};
   ::getrusage(RUSAGE_THREAD, &usage);
@@ -20,10 +20,10 @@ class NoPageFault : public LoopTest {
  protected:
   void SetUp() override {
     if (!latency::allocations_are_counted()) GTEST_SKIP() << "a sanitizer touches its own memory at any time";
-    // What the fakes note down is not the loop's memory.
+    // Memory in which the fakes record calls does not belong to the loop.
     radio.sent.resize(20000);
     radio.sent.clear();
-    // Where memory may not be locked, what was touched once stays all the same on a machine that does not swap.
+    // If memory must not be locked, touched pages still stay in memory on a machine without swapping.
     config::RealtimeSettings realtime;
     realtime.lock_memory = true;
     static_cast<void>(lock_memory(realtime));
@@ -52,7 +52,7 @@ TEST_F(NoPageFault, FirstFullFrameIsNoSurpriseAfterEmptyOnes) {
 }
 
 TEST_F(NoPageFault, PlantedFreshMemoryIsFound) {
-  ::munlockall();  // else the kernel brings all pages at once
+  ::munlockall();  // otherwise the kernel loads all pages at once
   constexpr std::size_t kPage = 4096, kPages = 64;
   void* fresh = ::mmap(nullptr, kPage * kPages, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   ASSERT_NE(fresh, MAP_FAILED);

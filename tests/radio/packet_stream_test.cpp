@@ -115,7 +115,8 @@ TEST(PacketStream, DropsTheOldestBytesWhenNobodyReads) {
   EXPECT_EQ(stream.skipped_bytes(), 1000u);
 }
 
-// A noisy line: bytes lost, added and turned. Whatever is reported was sent, and the line recovers at once.
+// A noisy line that loses, inserts and corrupts bytes. Every reported packet was sent, and reception recovers
+// immediately.
 TEST(PacketStream, ReportsNothingThatWasNotSentOnANoisyLine) {
   std::mt19937 random(3);
   std::uniform_int_distribution<int> byte(0, 255), fault(0, 99);
@@ -148,7 +149,8 @@ TEST(PacketStream, ReportsNothingThatWasNotSentOnANoisyLine) {
     }
   }
   EXPECT_EQ(wrong, 0);
-  // A byte added behind the last one leaves its packet whole, hence a few more are found than counted as intact.
+  // A byte inserted after the last one leaves the packet intact, so slightly more packets are found than counted as
+  // intact.
   EXPECT_GE(found, whole);
   EXPECT_LE(found, whole + kSent / 50);
   EXPECT_GT(whole, 1500);

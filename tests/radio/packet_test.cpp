@@ -121,7 +121,7 @@ TEST(Packet, WithAnyOneToThreeBitsTurnedIsRefused) {
   for (std::size_t i = 0; i < bits; ++i) {
     for (std::size_t k = 0; k <= i; ++k) {
       for (std::size_t n = 0; n <= k; ++n) {
-        Packet damaged = packet;  // i == k == n turns one bit, i > k == n turns bit i only, i > k > n turns three
+        Packet damaged = packet;  // flips one bit if i == k == n, only bit i if i > k == n, three bits if i > k > n
         turn(damaged, i);
         turn(damaged, k);
         turn(damaged, n);
@@ -152,7 +152,7 @@ TEST(Packet, CutAnywhereIsRefused) {
   EXPECT_FALSE(decode(bytes_of(packet), read, sequence).ok());
 }
 
-// Writes the checksum that belongs to the bytes before it, so that the field under test is what is refused.
+// Writes the checksum of the bytes before it, so that only the field under test is invalid.
 void seal(Packet& packet) {
   const std::uint16_t crc = crc16_ccitt_false(bytes_of(packet).first(packet.size() - 2));
   packet[packet.size() - 2] = static_cast<std::byte>(crc & 0xFFu);
@@ -191,7 +191,7 @@ TEST(Packet, SurvivesRandomBytes) {
   for (int i = 0; i < 200000; ++i) {
     std::vector<std::byte> bytes(static_cast<std::size_t>(size(random)));
     for (std::byte& b : bytes) b = static_cast<std::byte>(byte(random));
-    if (bytes.size() >= 6) {  // else hardly any would pass the first checks
+    if (bytes.size() >= 6) {  // otherwise hardly any would pass the first checks
       bytes[0] = kPacketMagic0;
       bytes[1] = kPacketMagic1;
       bytes[2] = kPacketVersion;
@@ -204,7 +204,7 @@ TEST(Packet, SurvivesRandomBytes) {
       EXPECT_LE(read.robots.size(), kMaxRobotsPerTeam);
     }
   }
-  // A twelfth of the sizes fits a count; then one in 65536 passes by chance.
+  // One twelfth of the sizes matches a count. Of these, one in 65536 passes by chance.
   EXPECT_LE(accepted, 5);
 }
 

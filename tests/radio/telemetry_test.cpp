@@ -68,7 +68,7 @@ TEST(Telemetry, WithAnyOneToThreeBitsTurnedIsRefused) {
   for (std::size_t i = 0; i < kBits; ++i) {
     for (std::size_t k = i; k < kBits; ++k) {
       for (std::size_t n = k; n < kBits; ++n) {
-        TelemetryPacket damaged = good;  // n == k > i turns bit i only
+        TelemetryPacket damaged = good;  // flips only bit i if n == k > i
         turn(damaged, i);
         if (k > i) turn(damaged, k);
         if (n > i) turn(damaged, n);
@@ -105,7 +105,7 @@ TEST(TelemetryStream, LosesOnlyThePacketThatIsCutAtAnyPlace) {
   }
 }
 
-// A radio module that repeats what it was given to send, or hears it from another one.
+// A radio module that returns our own packets, or receives them from another module.
 TEST(TelemetryStream, IgnoresOurOwnPackets) {
   Commands commands;
   commands.stop = false;
@@ -120,8 +120,8 @@ TEST(TelemetryStream, IgnoresOurOwnPackets) {
   EXPECT_EQ(sequences_in(bytes).size(), 50U);
 }
 
-// Bytes lost, added and turned; garbage that begins like a packet. Nothing is reported that was not sent, whole packets
-// behind whole ones are all found.
+// Bytes are lost, inserted and corrupted, and random bytes start like a packet. Only sent packets are reported, and all
+// intact packets after intact ones are found.
 TEST(TelemetryStream, ReportsNothingThatWasNotSentOnANoisyLine) {
   std::mt19937 random(5);
   std::uniform_int_distribution<int> byte(0, 255), fault(0, 99), kind(0, 3), size(0, 40);
@@ -154,7 +154,7 @@ TEST(TelemetryStream, ReportsNothingThatWasNotSentOnANoisyLine) {
     }
   }
   EXPECT_EQ(wrong, 0);
-  // A byte added behind the last one leaves its packet whole.
+  // A byte inserted after the last one leaves the packet intact.
   EXPECT_GE(found, whole);
   EXPECT_LE(found, whole + kSent / 50);
   EXPECT_GT(whole, kSent / 2);

@@ -1,4 +1,4 @@
-// Does the filter know how well it knows? Normalized errors over seeded Monte-Carlo runs, and what prediction gains.
+// Filter consistency: normalized errors over seeded Monte Carlo runs, and the benefit of prediction.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -16,9 +16,9 @@ namespace {
 using Matrix5 = Eigen::Matrix<double, 5, 5, Eigen::RowMajor>;
 
 struct Consistency {
-  double nees = 0.0;     // of x, y, heading: 3 when the filter is right about itself
-  double nis = 0.0;      // of the innovations: 3
-  double refused = 0.0;  // share of sightings beyond the gate
+  double nees = 0.0;     // mean of x, y, heading; 3 for a consistent filter
+  double nis = 0.0;      // mean of the innovations; 3 for a consistent filter
+  double refused = 0.0;  // fraction of sightings beyond the gate
   double raw_mm = 0.0, filtered_mm = 0.0, raw_deg = 0.0, filtered_deg = 0.0;
 };
 
@@ -67,8 +67,8 @@ Consistency monte_carlo(const SimulatedRobot::Faults& faults, double rate_hz, bo
   return mean;
 }
 
-// Bands around what was measured when the defaults were chosen; outside on either side: find out why. A good drive
-// leaves the filter too careful rather than too sure, a slipping one just right.
+// Bands around the values measured with the default parameters. Find the cause if a value is outside on either side.
+// For a good drive, the filter overestimates its error; for a slipping drive, the estimate is right.
 TEST(Consistency, OfADriveThatObeys) {
   const Consistency c = monte_carlo({0.08, 0.02, 0.05, 0.0005}, 60.0, true);
   EXPECT_GT(c.nees, 1.9);
@@ -107,14 +107,15 @@ TEST(Consistency, OfARobotThatIsOnlyWatched) {
   EXPECT_LT(c.filtered_mm / c.raw_mm, 0.78);
 }
 
-// The bands above are worth something only if they break when the filter is wrong about itself.
+// The bands above are useful only if an inconsistent filter violates them.
 TEST(Consistency, ShowsAFilterThatIsTooSure) {
-  const Consistency c = monte_carlo({0.20, 0.15, 0.1, 0.002}, 60.0, true);  // wheels slower than the model's
+  const Consistency c =
+      monte_carlo({0.20, 0.15, 0.1, 0.002}, 60.0, true);  // wheels respond more slowly than in the model
   EXPECT_GT(c.nees, 5.0);
 }
 
-// The commands of a frame act late; where is the robot then? Compared: the filtered pose of the capture (no
-// prediction), and the pose predicted with the commands on their way.
+// Commands act after a delay. Compares the filtered pose at the capture (no prediction) with the pose predicted with
+// the pending commands.
 TEST(Prediction, OverTheDelayBeatsTheLastPose) {
   constexpr double kDt = 0.0165, kDelay = 0.0495;
   TrackParameters parameters;
@@ -127,7 +128,7 @@ TEST(Prediction, OverTheDelayBeatsTheLastPose) {
     std::vector<Commands> sent;
     for (int k = 0; k < 300; ++k) {
       const double t = k * kDt;
-      // In force from now on: what was sent three frames ago.
+      // From now on, the command that was sent three frames ago acts.
       const Commands& acting = sent.size() >= 3 ? sent[sent.size() - 3] : Commands{};
       const Twist command = acting.robots.empty() ? Twist{} : acting.robots[0].twist;
       if (k > 0) robot.advance(command, kDt);
@@ -158,7 +159,7 @@ TEST(Prediction, OverTheDelayBeatsTheLastPose) {
   const double position_ratio = std::sqrt(predicted2 / still2),
                angle_ratio = std::sqrt(predicted_angle2 / still_angle2);
   std::printf("prediction leaves %.3f of the position error, %.3f of the heading error\n", position_ratio, angle_ratio);
-  // Aim: half at most. Below the bands: re-baseline, and say why.
+  // Goal: at most half. If a value is below its band, set a new band and document the reason.
   EXPECT_GT(position_ratio, 0.05);
   EXPECT_LT(position_ratio, 0.11);
   EXPECT_GT(angle_ratio, 0.08);

@@ -35,7 +35,7 @@ TEST(DriveFilter, PredictsWhatALaggingDriveDoes) {
       robot.advance(command, dt);
       filter.predict(std::round(dt / 0.0005) * 0.0005, {true, command}, parameters);
     }
-    // The midpoint of eq. (8) is not exact; over two lively seconds and 1.2 m of way it costs tenths of millimeters.
+    // The midpoint of eq. (8) is not exact; over two seconds of fast motion and 1.2 m it costs tenths of millimeters.
     EXPECT_NEAR(filter.state()[0], robot.x, 0.0012) << dt;
     EXPECT_NEAR(filter.state()[1], robot.y, 0.0012) << dt;
     EXPECT_NEAR(wrap_angle(filter.state()[2] - robot.theta), 0.0, 1e-5) << dt;
@@ -53,7 +53,7 @@ TEST(DriveFilter, KeepsTheVelocitiesOfARobotWhoseCommandsAreNotKnown) {
   EXPECT_GT(filter.sigma(3), 0.5);
 }
 
-// Without noise the covariance goes J P J', J being the derivative of the prediction: taken numerically here.
+// Without noise the covariance becomes J P J', where J is the Jacobian of the prediction, computed numerically here.
 TEST(DriveFilter, IsLinearizedAsItPredicts) {
   RobotFilterParameters parameters = quiet();
   parameters.free_noise_mps_rts = parameters.free_noise_radps_rts = 0.0;
@@ -179,7 +179,7 @@ TEST(DriveFilter, KeepsACovarianceThatIsOne) {
       const Matrix5 p = Eigen::Map<const Matrix5>(filter.covariance().data());
       ASSERT_TRUE(p.allFinite());
       ASSERT_EQ(p, p.transpose().eval());
-      // Relative to each state's own size: their units differ.
+      // Relative to the magnitude of each state, because their units differ.
       const Eigen::Matrix<double, 5, 1> scale = p.diagonal().cwiseMax(1e-18).cwiseSqrt().cwiseInverse();
       const Matrix5 correlation = scale.asDiagonal() * p * scale.asDiagonal();
       const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 5, 5>>(correlation).eigenvalues()(0);

@@ -1,4 +1,4 @@
-// Which sighting belongs to which robot.
+// Association of sightings with robots.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ class IdentityTest : public testing::Test {
     tracker_.update(sightings, at(now_), at(now_), tracks_);
     return tracks_;
   }
-  // State kLost: there is none.
+  // State kLost if there is no such track.
   [[nodiscard]] RobotTrack track(Team team, RobotId id) const {
     for (const RobotTrack& t : tracks_.robots) {
       if (t.team == team && t.id == id) return t;
@@ -48,7 +48,7 @@ TEST_F(IdentityTest, OfTwoSightingsWithOneIdTheNearerCounts) {
     EXPECT_NEAR(track(Team::kOwn, 1).pose.position.x_m, 0.0, 1e-3);
     EXPECT_EQ(track(Team::kOwn, 1).state, TrackState::kSeen);
   }
-  // The other is a robot, too, but nobody knows which.
+  // The other one is a robot too, but its id is unknown.
   ASSERT_NE(track(Team::kOwn, kUnknownId).state, TrackState::kLost);
   EXPECT_NEAR(track(Team::kOwn, kUnknownId).pose.position.x_m, 0.6, 1e-3);
 }
@@ -72,8 +72,8 @@ TEST_F(IdentityTest, ASightingWithoutIdKeepsTheNearestRobotAlive) {
       frame({a, patch_alone(Team::kOwn, 0.21, 0.015)});
       ASSERT_EQ(tracks_.robots.size(), 2u) << k;
       EXPECT_EQ(track(Team::kOwn, 2).state, TrackState::kSeen);
-      // The patch is not the center. Who knows that the robot stands is not moved by it; who does not know comes to
-      // doubt, and then the patch is better than nothing, but hardly more than its offset (18 mm).
+      // The patch is not the center. A track that is known to stand still does not move. Otherwise the uncertainty
+      // grows, and the track moves towards the patch, but hardly farther than its offset (18 mm).
       const FieldPoint p = track(Team::kOwn, 2).pose.position;
       const double moved = std::hypot(static_cast<double>(p.x_m) - 0.2, static_cast<double>(p.y_m));
       ASSERT_LT(moved, told_to_stand ? 0.002 : 0.022) << k;
@@ -98,7 +98,7 @@ TEST_F(IdentityTest, TeamsAreNotMixed) {
 }
 
 TEST_F(IdentityTest, NamelessOpponentsKeepTheirTracks) {
-  // Five that cross one another's ways at 0.12 m and more; tracks must not swap.
+  // The paths of five robots cross at distances of 0.12 m and more; tracks must not swap.
   const auto place = [](int robot, double t) {
     const double phase = 2.0 * std::numbers::pi * robot / 5.0;
     return std::array<double, 2>{0.4 * std::cos(phase + t), 0.4 * std::sin(phase + t) * std::cos(0.5 * t)};
@@ -107,7 +107,7 @@ TEST_F(IdentityTest, NamelessOpponentsKeepTheirTracks) {
     const double t = k * kDt;
     Sightings sightings;
     for (int i = 0; i < 5; ++i) {
-      const int robot = (i * 3 + k) % 5;  // in another order each frame
+      const int robot = (i * 3 + k) % 5;  // in a different order each frame
       const auto [x, y] = place(robot, t);
       sightings.robots.push_back(patch_alone(Team::kOpponent, x, y));
     }
@@ -143,7 +143,7 @@ TEST_F(IdentityTest, ANamelessTrackIsNamedWhenItShowsItsId) {
 
 TEST_F(IdentityTest, ANamelessDoubleGoesWhenTheRobotIsRecognizedAgain) {
   for (int k = 0; k < 10; ++k) frame({sighting_of(Team::kOwn, 5, pose(0.0, 0.0))});
-  // Carried away while its id cannot be read: a nameless track follows it, the old one coasts.
+  // The robot is moved by hand while its id is unreadable. An unidentified track follows it, the old one coasts.
   for (int k = 0; k < 20; ++k) frame({patch_alone(Team::kOwn, 0.3, 0.0)});
   EXPECT_EQ(tracks_.robots.size(), 2u);
   for (int k = 0; k < 5; ++k) frame({sighting_of(Team::kOwn, 5, pose(0.3, 0.0))});

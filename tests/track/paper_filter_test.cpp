@@ -1,4 +1,4 @@
-// The paper's filter, written down as it stands there, and ours held against it.
+// Compares our filter with a literal implementation of the paper's filter.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -77,7 +77,7 @@ TEST_P(PaperFilterTest, IsWhatOursIsWithoutLag) {
     const Pose seen = robot.sighted(0.0015, 0.02);
     ours.predict(ts, {true, u}, parameters);
     paper.predict(ts, static_cast<double>(u.v_mps), static_cast<double>(u.w_radps));
-    if (k % 7 != 0) {  // a lost frame now and then
+    if (k % 7 != 0) {  // lost frames
       ours.update(seen, parameters);
       paper.correct({static_cast<double>(seen.position.x_m), static_cast<double>(seen.position.y_m),
                      static_cast<double>(seen.theta_rad)});

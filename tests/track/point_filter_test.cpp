@@ -61,7 +61,7 @@ TEST(PointFilter, IsThePapersFilter) {
 }
 
 TEST(PointFilter, SaysHowWellItKnows) {
-  // Truth drawn from the model itself: the normalized error squared has mean 4.
+  // The truth is sampled from the model, so the normalized squared error has mean 4.
   std::mt19937 random(2);
   std::normal_distribution<double> normal;
   double sum = 0.0;
@@ -76,7 +76,7 @@ TEST(PointFilter, SaysHowWellItKnows) {
       const double g = 1.0 / (1.0 + kDt * kNoise.damping_per_s);
       const double a = normal(random), b = normal(random), c = normal(random), d = normal(random);
       const double s = kNoise.velocity_mps_rts * std::sqrt(kDt);
-      // Increments of velocity and of its integral, correlated as white acceleration makes them.
+      // Increments of velocity and of its integral, with the correlation of white acceleration noise.
       vx *= g;
       vy *= g;
       x += kDt * vx + s * kDt * (0.5 * a + c / std::sqrt(12.0));

@@ -1,4 +1,4 @@
-// Whatever comes in, what goes out is finite, in order and the same each time.
+// For any input, the output is finite, ordered and reproducible.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -37,7 +37,7 @@ void expect_sound(const Tracks& tracks) {
   }
 }
 
-// Sightings and commands from all over, with numbers that are none.
+// Random sightings and commands, including NaN and infinity.
 class Chaos {
  public:
   explicit Chaos(unsigned seed) : random_(seed) {}
@@ -153,7 +153,7 @@ TEST(TrackerRobustness, StampsThatDoNotAdvanceAddNothing) {
     EXPECT_EQ(again.robots[0].sigma, tracks.robots[0].sigma);
     EXPECT_EQ(again.capture_time, at(1.18));
   }
-  // An hour back: another clock. Nothing of the old tracks holds.
+  // One hour back: a different clock. The old tracks are invalid.
   tracker.update(sightings, at(-3600.0), at(-3600.0), again);
   ASSERT_EQ(again.robots.size(), 1u);
   EXPECT_EQ(again.robots[0].state, TrackState::kNew);
@@ -172,7 +172,7 @@ TEST(TrackerRobustness, MoreRobotsThanTracksAreCounted) {
   tracker.update(row(0.0), at(1.0), at(1.0), tracks);
   EXPECT_EQ(tracks.robots.size(), 22u);
   EXPECT_EQ(tracker.dropped(), 0u);
-  // Elsewhere in the next frame: the unseen make room for the seen, and it shows.
+  // All robots elsewhere in the next frame: tracks without a sighting are replaced, and the counter shows it.
   tracker.update(row(0.5), at(1.02), at(1.02), tracks);
   EXPECT_EQ(tracks.robots.size(), 22u);
   EXPECT_EQ(tracker.dropped(), 22u);

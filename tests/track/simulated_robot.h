@@ -10,8 +10,8 @@ namespace touchline {
 
 inline Instant at(double time_s) { return Instant{} + from_seconds(time_s); }
 
-/// The truth that filters are held against: a differential drive with wheel lag and slip, integrated in small steps.
-/// Its randomness is of its own kind (errors that last, not white noise), as a real drive's is.
+/// Simulated truth for filter tests: a differential drive with wheel lag and slip, integrated in small steps. Its
+/// errors are correlated over time like those of a real drive, not white noise.
 class SimulatedRobot {
  public:
   struct Faults {
@@ -63,7 +63,7 @@ class SimulatedRobot {
   double time_ = 0.0, next_error_ = 0.0, v_error_ = 0.0, w_error_ = 0.0;
 };
 
-/// A player's changing commands: a new one every 0.25 s.
+/// Changing commands as in a game: a new one every 0.25 s.
 inline Twist lively_command(double time_s) {
   const int phase = static_cast<int>(time_s / 0.25);
   const double v = 0.8 * std::sin(1.7 * phase), w = 5.0 * std::sin(2.3 * phase + 1.0);

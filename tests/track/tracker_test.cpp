@@ -22,7 +22,7 @@ Sightings ball_at(double x, double y) {
   return sightings;
 }
 
-// The tracker and a clock that ticks with the frames.
+// The tracker with a clock that advances with the frames.
 class TrackerTest : public testing::Test {
  protected:
   void SetUp() override { configure({}); }
@@ -94,7 +94,7 @@ TEST_F(TrackerTest, GoesOnThroughLostFrames) {
     commands.robots.push_back({1, lively_command(t), {}});
     tracker_.add_commands(commands, at(now_));
     robot.advance(commands.robots[0].twist, kDt);
-    // Every tenth to fifteenth frame shows nothing, as behind a hand.
+    // At intervals of ten to fifteen frames there is no sighting, as behind a hand.
     const bool blind = k % 16 >= 10;
     const Tracks& tracks = blind ? frame({}) : frame_of(sighting_of(Team::kOwn, 1, robot.sighted(0.0015, 0.02)));
     ASSERT_EQ(tracks.robots.size(), 1u) << k;
@@ -103,13 +103,13 @@ TEST_F(TrackerTest, GoesOnThroughLostFrames) {
     worst = std::max(worst, std::hypot(static_cast<double>(tracks.robots[0].pose.position.x_m) - robot.x,
                                        static_cast<double>(tracks.robots[0].pose.position.y_m) - robot.y));
   }
-  // In 0.1 s of blindness a robot goes up to 80 mm.
+  // In 0.1 s without sightings a robot moves by up to 80 mm.
   EXPECT_LT(worst, 0.012);
   EXPECT_GT(worst, 0.0005);
 }
 
 TEST_F(TrackerTest, UsesStampsNotFrameCounts) {
-  // The same motion, seen at irregular times.
+  // The same motion, sampled at irregular times.
   double t = 0.0;
   for (int k = 0; k < 60; ++k) {
     const double frames = k % 3 == 0 ? 2.5 : 0.7;
@@ -150,7 +150,7 @@ TEST_F(TrackerTest, BelievesAJumpOnlyWhenTimeHasSufficedForIt) {
   EXPECT_LE(frames, 13);
 }
 
-// A robot that is told to drive on but was stopped by another: three frames, and the filter is where the robot is.
+// A robot is commanded to drive but is stopped by another one. After three frames the filter is at its position.
 TEST_F(TrackerTest, StartsOverAfterACollision) {
   SimulatedRobot robot({0.08, 0.0, 0.1, 0.0}, 3);
   Commands commands;
@@ -162,12 +162,12 @@ TEST_F(TrackerTest, StartsOverAfterACollision) {
     frame_of(sighting_of(Team::kOwn, 1, robot.sighted(0.001, 0.01)));
   }
   EXPECT_NEAR(tracks_.robots[0].twist.v_mps, 1.2, 0.05);
-  // Thrown back and turned: 0.8 m/s backwards in its own direction, turning.
+  // Pushed back and rotated: 0.8 m/s backward while rotating.
   robot.v = -0.8;
   robot.w = 10.0;
   int frames_to_recover = 0;
   double error = 1.0, worst = 0.0;
-  SimulatedRobot thrown({0.5, 0.0, 0.1, 0.0}, 4);  // drags on
+  SimulatedRobot thrown({0.5, 0.0, 0.1, 0.0}, 4);  // continues
   thrown.x = robot.x;
   thrown.y = robot.y;
   thrown.v = -0.8;
@@ -229,7 +229,7 @@ TEST_F(TrackerTest, CoastsABallThatIsHidden) {
   for (int k = 40; k < 70; ++k) {
     const Tracks& tracks = frame({});
     ASSERT_EQ(tracks.ball.state, TrackState::kCoasting);
-    // The damping is the model's: it falls behind the undamped truth, by g and no more.
+    // The model has damping, so it falls behind the undamped truth, by at most g.
     ASSERT_NEAR(tracks.ball.position.x_m, 0.5 * k * kDt, 0.03);
   }
   double hidden = 30 * kDt;

@@ -32,13 +32,13 @@ std::string padding(const std::string& text, std::size_t width) {
   return std::string(width - std::min(width, width_of(text)), ' ');
 }
 
-std::string text_of(const Cell& cell) { return cell.marked ? "*" + cell.text : cell.text; }
+std::string cell_text(const Cell& cell) { return cell.marked ? "*" + cell.text : cell.text; }
 
 std::string to_text(const Table& table) {
   std::vector<std::size_t> widths;
   for (const std::string& head : table.head) widths.push_back(width_of(head));
   for (const auto& row : table.rows) {
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], width_of(text_of(row[i])));
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], width_of(cell_text(row[i])));
   }
   std::string text = table.title + "\n";
   const auto put = [&](std::size_t column, const std::string& cell) {
@@ -48,7 +48,7 @@ std::string to_text(const Table& table) {
   for (std::size_t i = 0; i < table.head.size(); ++i) put(i, table.head[i]);
   for (const auto& row : table.rows) {
     text += '\n';
-    for (std::size_t i = 0; i < row.size(); ++i) put(i, text_of(row[i]));
+    for (std::size_t i = 0; i < row.size(); ++i) put(i, cell_text(row[i]));
   }
   return text + "\n\n";
 }

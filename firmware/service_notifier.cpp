@@ -11,7 +11,7 @@ namespace {
 using Microseconds = std::chrono::duration<std::uint64_t, std::micro>;
 
 // A deploying person waits for the first frame.
-constexpr Microseconds kPollPeriod = std::chrono::milliseconds(50);
+constexpr Microseconds kWaitPeriod = std::chrono::milliseconds(50);
 // Three may come late before the manager loses patience.
 constexpr std::uint64_t kPingsWithinPatience = 4;
 
@@ -43,7 +43,7 @@ void ServiceNotifier::work() {
   std::uint64_t patience_us = 0;
   const bool is_watched = sd_watchdog_enabled(0, &patience_us) > 0;
   const Microseconds period =
-      is_watched ? std::min(kPollPeriod, Microseconds(patience_us / kPingsWithinPatience)) : kPollPeriod;
+      is_watched ? std::min(kWaitPeriod, Microseconds(patience_us / kPingsWithinPatience)) : kWaitPeriod;
   bool is_ready = false;
   std::uint64_t turns = 0;
   while (!end_.load(std::memory_order_acquire)) {

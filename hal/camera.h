@@ -13,6 +13,9 @@
 
 namespace touchline::hal {
 
+/// Frame buffers that a driver must provide: it fills one while the loop holds the other.
+constexpr std::size_t kFewestBuffers = 2;
+
 class Camera;
 struct CameraSettings;
 

@@ -10,12 +10,6 @@ function(touchline_library name)
   endif()
 endfunction()
 
-# touchline_alone(SOURCES...): sources of this folder that even a unity build (CMakePresets.json) compiles by themselves:
-# they call things local to the file as another of their library does.
-function(touchline_alone)
-  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-endfunction()
-
 # touchline_core_library(NAME ...): the same for a stage of the core: no exceptions, no run-time type information,
 # no thread-safe statics, and Eigen neither allocates nor throws.
 function(touchline_core_library name)

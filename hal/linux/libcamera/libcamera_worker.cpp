@@ -14,9 +14,6 @@
 namespace touchline::hal {
 namespace {
 
-// One is being filled while the loop holds the other.
-constexpr std::size_t kFewestBuffers = 2;
-
 // Where devices write past the processor's caches, drivers' own buffers are read without them.
 #if defined(__x86_64__) || defined(__i386__)
 constexpr bool kCachesSeeDevices = true;

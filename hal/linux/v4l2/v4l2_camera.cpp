@@ -18,8 +18,6 @@ namespace {
 
 // A driver that wakes us and then has nothing must not burn a real-time processor: a thirtieth of a 60 Hz frame.
 constexpr Duration kAfterFalseAlarm = std::chrono::microseconds(500);
-// One is being filled while the loop holds the other.
-constexpr std::size_t kFewestBuffers = 2;
 
 }  // namespace
 

@@ -37,7 +37,7 @@ float shape_error(const RegionShape& shape, const PrincipalVariances& expected, 
          std::abs(std::log(shape.minor_px2 / (factor * expected.minor_m2)));
 }
 
-bool larger(const PatchCandidate& a, const PatchCandidate& b) {
+bool is_larger(const PatchCandidate& a, const PatchCandidate& b) {
   return a.area_px != b.area_px ? a.area_px > b.area_px : a.region < b.region;
 }
 
@@ -215,7 +215,7 @@ void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& r
                        std::span<const std::uint16_t> candidates, Sightings& verdicts, ColorPatches& out) const {
   out.clear();
   for (const std::uint16_t number : candidates) examine(kind, runs, regions, candidates, number, verdicts, out);
-  std::sort(out.begin(), out.end(), larger);
+  std::sort(out.begin(), out.end(), is_larger);
   merge_close(kind, verdicts, out);
   merge_small(kind, verdicts, out);
 }

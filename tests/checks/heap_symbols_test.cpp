@@ -15,7 +15,7 @@ std::vector<std::string> split(const std::string& list) {
   return parts;
 }
 
-TEST(HeapSymbols, CoreAsksForNone) {
+TEST(HeapSymbols, CoreHasNone) {
   const std::vector<std::string> archives = split(TOUCHLINE_CORE_ARCHIVES);
   ASSERT_GE(archives.size(), 10U) << "one a stage, the values between them, and the pipeline";
   std::size_t undefined = 0;
@@ -28,7 +28,7 @@ TEST(HeapSymbols, CoreAsksForNone) {
   EXPECT_GT(undefined, 50U) << "stages ask each other for something: nothing was looked at";
 }
 
-TEST(HeapSymbols, FindsWhatIsPlanted) {
+TEST(HeapSymbols, FindsThePlantedFault) {
   const SymbolFindings findings = check_heap_symbols(TOUCHLINE_NM, TOUCHLINE_PLANTED_ARCHIVE);
   std::string all;
   for (const std::string& refused : findings.refused) all += refused + "\n";
@@ -38,7 +38,7 @@ TEST(HeapSymbols, FindsWhatIsPlanted) {
   }
 }
 
-TEST(HeapSymbols, ArchiveThatIsNotThereIsNoSuccess) {
+TEST(HeapSymbols, AMissingArchiveIsAnError) {
   EXPECT_EQ(check_heap_symbols(TOUCHLINE_NM, "/nowhere/libcore.a").objects, 0U);
   EXPECT_EQ(check_heap_symbols("/nowhere/nm", TOUCHLINE_PLANTED_ARCHIVE).objects, 0U);
 }

@@ -53,7 +53,7 @@ VectorFindings check_vector_symbols(const std::string& archive) {
   return findings;
 }
 
-TEST(VectorSymbols, NoFunctionThatAnyProcessorRunsNeedsThem) {
+TEST(VectorSymbols, NoPortableFunctionNeedsThem) {
   std::istringstream archives(TOUCHLINE_CORE_ARCHIVES);
   for (std::string archive; std::getline(archives, archive, ':');) {
     const VectorFindings findings = check_vector_symbols(archive);
@@ -62,7 +62,7 @@ TEST(VectorSymbols, NoFunctionThatAnyProcessorRunsNeedsThem) {
   }
 }
 
-TEST(VectorSymbols, FindsWhatIsPlanted) {
+TEST(VectorSymbols, FindsThePlantedFault) {
   const VectorFindings findings = check_vector_symbols(TOUCHLINE_PLANTED_ARCHIVE);
   ASSERT_EQ(findings.refused.size(), 1U);
   EXPECT_NE(findings.refused[0].find("planted_sum"), std::string::npos) << findings.refused[0];

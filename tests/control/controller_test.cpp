@@ -44,7 +44,7 @@ class ControllerTest : public testing::Test {
   Commands commands_;
 };
 
-TEST_F(ControllerTest, OtherLimitsAreTakenInTheMiddleOfAGame) {
+TEST_F(ControllerTest, LimitsCanChangeDuringAGame) {
   run(60);
   const RobotId attacker = controller_.roles().attacker();
   const Commands before = commands_;
@@ -86,7 +86,7 @@ TEST_F(ControllerTest, ListsEachOwnRobotWithAnIdAndTwistAndWheelsAgree) {
   EXPECT_GT(speed(1) + speed(2), 0.2) << "they play";
 }
 
-TEST_F(ControllerTest, TellsRobotsWithoutAFreshTrackToStand) {
+TEST_F(ControllerTest, StopsRobotsWithoutARecentTrack) {
   run(20);
   Tracks tracks = world_.tracks();
   tracks.robots[0].state = TrackState::kNew;
@@ -167,7 +167,7 @@ TEST_F(ControllerTest, WithoutABallOnlyTheGoalkeeperMoves) {
   EXPECT_NEAR(world_.robots[0].position.y, 0.0, 0.03);
 }
 
-TEST_F(ControllerTest, StandsWhenThePlayIsOff) {
+TEST_F(ControllerTest, StandsStillWhenTheGameIsDisabled) {
   ControlParameters parameters;
   parameters.play.enabled = false;
   ASSERT_TRUE(controller_.configure(parameters, world_.field).ok());

@@ -16,7 +16,7 @@ float larger_wheel(const Twist& twist) {
   return std::max(std::abs(wheels.left_mps), std::abs(wheels.right_mps));
 }
 
-TEST(DriveLimits, WheelsAndTwistAreOneThing) {
+TEST(DriveLimits, WheelsAndTwistAreInverse) {
   const WheelSpeeds left_turn = wheels_of({0.5f, 2.0f}, 0.07);
   EXPECT_FLOAT_EQ(left_turn.left_mps, 0.43f);
   EXPECT_FLOAT_EQ(left_turn.right_mps, 0.57f);
@@ -50,7 +50,7 @@ TEST(DriveLimits, ALimitedRobotStaysOnItsCurve) {
   EXPECT_GT(limited, 5000);
 }
 
-TEST(DriveLimits, WhatIsNoNumberIsAStop) {
+TEST(DriveLimits, NaNIsAStop) {
   for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity()}) {
     for (const Twist wanted : {Twist{bad, 0.0f}, Twist{0.5f, bad}}) {
       const Twist got = within_speed_limits(wanted, kDrive);

@@ -87,7 +87,7 @@ TEST(Game, IsTheSameToTheBitForTheSameSeed) {
   EXPECT_NE(play(4, 15.0, kick_off(4)).hash, play(5, 15.0, kick_off(5)).hash) << "else the hash sees nothing";
 }
 
-TEST(Game, OpponentsInTheWayAreNoEnd) {
+TEST(Game, OpponentsInTheWayAreAvoided) {
   int goals = 0;
   for (unsigned seed = 1; seed <= 6; ++seed) {
     SmallWorld world = kick_off(seed);

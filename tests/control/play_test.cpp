@@ -88,7 +88,7 @@ TEST(Roles, AreKeptUntilAnotherIsClearlyBetter) {
   EXPECT_EQ(roles.goalkeeper(), 0);
 }
 
-TEST(Roles, OfARobotThatIsGoneAreGivenAway) {
+TEST(Roles, OfALostRobotAreReassigned) {
   Roles roles;
   const PushPlan plan = plan_push({0.0, 0.0}, kField, kPlay);
   Players players;

@@ -84,7 +84,7 @@ TEST(BrownDistortion, LimitIsWhereTheSlopeHasFallenToATenth) {
   EXPECT_EQ(BrownDistortion().limit(), BrownDistortion::kMaxRadius);
 }
 
-TEST(BrownDistortion, RadiusRisesEverywhere) {
+TEST(BrownDistortion, RadiusIsStrictlyIncreasing) {
   std::mt19937 random(8);
   std::uniform_real_distribution<double> k1(-10, 10), k2(-100, 100), k3(-1000, 1000);
   for (int i = 0; i < 300; ++i) {
@@ -101,7 +101,7 @@ TEST(BrownDistortion, RadiusRisesEverywhere) {
   }
 }
 
-TEST(BrownDistortion, GoesOnAlongItsTangent) {
+TEST(BrownDistortion, ContinuesAlongItsTangent) {
   const BrownDistortion model(-0.3, 0, 0, 0, 0);
   const double at_limit = model.distort({1, 0})[0];
   EXPECT_NEAR(at_limit, 0.7, 1e-9);
@@ -123,7 +123,7 @@ TEST(BrownDistortion, TangentialPartStopsGrowingAtTheLimit) {
   EXPECT_NEAR(part(1.0), part(50.0), 1e-8);
 }
 
-TEST(BrownDistortion, FiniteWhateverTheCoefficients) {
+TEST(BrownDistortion, FiniteForAnyCoefficients) {
   for (const double k : {-1000.0, -10.0, -1e-9, 1e-9, 10.0, 1000.0}) {
     for (const double p : {-1.0, 0.0, 1.0}) {
       const std::array<BrownDistortion, 4> models{BrownDistortion{k, 0, 0, p, p}, BrownDistortion{0, k, 0, p, 0},

@@ -84,7 +84,7 @@ TEST(CameraLimits, TheAffinePartMustBeInvertible) {
   EXPECT_EQ(refusal(p), ErrorCode::kOk);
 }
 
-TEST(CameraLimits, ARefusalLeavesTheModelAsItWas) {
+TEST(CameraLimits, AnErrorLeavesTheModelUnchanged) {
   CameraModel model, untouched;
   ASSERT_TRUE(model.configure(full()).ok());
   ASSERT_TRUE(untouched.configure(full()).ok());
@@ -126,7 +126,7 @@ std::vector<CameraParameters> all_kinds() {
   return out;
 }
 
-TEST(CameraLimits, EveryFiniteArgumentHasAFiniteAnswer) {
+TEST(CameraLimits, FiniteArgumentsGiveFiniteResults) {
   constexpr std::array<float, 11> kNumbers{-kLargest, -1e20f, -1e4f,  -1.0f, -1e-30f, 0.0f,
                                            1e-30f,    0.3f,   319.5f, 1e6f,  kLargest};
   constexpr std::array<float, 7> kAnyHeight{-kLargest, -1.0f, 0.0f, 0.075f, 2.0f, 5.0f, kLargest};
@@ -150,7 +150,7 @@ TEST(CameraLimits, EveryFiniteArgumentHasAFiniteAnswer) {
   }
 }
 
-TEST(CameraLimits, PlanesAtOrAboveTheCameraCountAsJustBelowIt) {
+TEST(CameraLimits, PlanesAtOrAboveTheCameraAreMovedJustBelowIt) {
   for (const CameraParameters& parameters : {full(), paper()}) {
     CameraModel model;
     ASSERT_TRUE(model.configure(parameters).ok());
@@ -161,7 +161,7 @@ TEST(CameraLimits, PlanesAtOrAboveTheCameraCountAsJustBelowIt) {
   }
 }
 
-TEST(CameraLimits, WhatIsBehindTheCameraIsNotInThePicture) {
+TEST(CameraLimits, PointsBehindTheCameraAreNotInThePicture) {
   // A horizontal camera with half of the field behind it, which without a check would appear mirrored in front of it.
   FullCamera camera{{0, -1.2, 0, {0, 0, 1}}, {}};
   camera.lens.fx_px = camera.lens.fy_px = 300;

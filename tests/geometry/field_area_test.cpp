@@ -54,7 +54,7 @@ TEST(FieldArea, AGoalWithoutWidthOrDepthAddsNothing) {
   EXPECT_EQ(inside(field, beyond(kX), 0), 0);
 }
 
-TEST(FieldArea, WhatIsNoNumberIsOutside) {
+TEST(FieldArea, NaNIsOutside) {
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
   for (const float bad : {kNaN, kInfinity}) {
     EXPECT_EQ(inside(kField, bad, 0), 0);

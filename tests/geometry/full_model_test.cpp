@@ -52,7 +52,7 @@ TEST(FullModel, ProjectsLikeThePinholeBehindItsLens) {
   }
 }
 
-TEST(FullModel, FindsWhatStandsOnTheFieldAtEachHeight) {
+TEST(FullModel, FindsPointsAtEachHeight) {
   // One micrometer: the rounding of a float is 0.00003 px for pixels and 0.06 um for field points.
   for (const FullCamera& camera : cameras()) {
     const CameraModel model = model_of(camera.parameters());
@@ -116,7 +116,7 @@ TEST(FullModel, HandComputedRotation) {
   EXPECT_LT(distance(model.to_pixel({0.4f, 0.2f}, 0), {50, 100}), 1e-3);
 }
 
-TEST(FullModel, AnObjectIsWhereItsOwnPlaneIsMet) {
+TEST(FullModel, AnObjectIsAtTheIntersectionWithItsOwnPlane) {
   // 1 m from the vertical below a camera at 2 m, a patch 75 mm above the floor hides a point 38.96 mm farther outside.
   const FullCamera camera{{}, lens(450)};
   const CameraModel model = model_of(camera.parameters());

@@ -47,7 +47,7 @@ TEST(PaperModel, BothFormsOfEquation12) {
   }
 }
 
-TEST(PaperModel, FindsWhatStandsOnTheFieldAtEachHeight) {
+TEST(PaperModel, FindsPointsAtEachHeight) {
   for (const PaperCamera& camera : cameras()) {
     const CameraModel model = model_of(camera.parameters());
     int seen = 0;
@@ -88,7 +88,7 @@ TEST(PaperModel, Equation15GivesTheTilt) {
   }
 }
 
-TEST(PaperModel, TiltMattersAndIsTakenOut) {
+TEST(PaperModel, TiltMattersAndIsCorrected) {
   const PaperCamera camera{{0.2, 0.2, 0.1, {-0.2, -0.5, 2.2}}, 560, {318, 243.5}};
   CameraParameters untilted = camera.parameters();
   untilted.paper.p_per_px = untilted.paper.q_per_px = 0;

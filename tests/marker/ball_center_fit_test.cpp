@@ -71,7 +71,7 @@ class BallCenterTest : public ::testing::Test {
   Dice dice_{13};
 };
 
-TEST_F(BallCenterTest, IsNotDrawnTowardsTheLamp) {
+TEST_F(BallCenterTest, IsNotBiasedTowardsTheLamp) {
   for (const PixelFormat format : kAllFormats) {
     for (int n = 0; n < 5; ++n) {
       const FieldPoint at{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)};
@@ -86,7 +86,7 @@ TEST_F(BallCenterTest, IsNotDrawnTowardsTheLamp) {
   }
 }
 
-TEST_F(BallCenterTest, HalfHiddenItComesNearer) {
+TEST_F(BallCenterTest, ImprovesAHalfHiddenBall) {
   for (int n = 0; n < 6; ++n) {
     const FieldPoint at{dice_.real(-0.9f, 0.9f), dice_.real(-0.7f, 0.7f)};
     const Photograph picture = photograph(PixelFormat::kRgb24, at, {0.3, -0.2, 0.93}, true);
@@ -116,7 +116,7 @@ TEST_F(BallCenterTest, IsTheSameWithEveryKernel) {
 }
 #endif
 
-TEST_F(BallCenterTest, KeepsWhatItHasWithoutABall) {
+TEST_F(BallCenterTest, KeepsTheCenterWithoutABall) {
   const FieldPoint at{0.2f, 0.1f};
   Photograph flat(PixelFormat::kRgb24, 640, 480);
   EXPECT_NEAR(error_px(flat, at, 0.5f, 0.0f), 0.5f, 1e-4f);

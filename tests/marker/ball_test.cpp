@@ -54,7 +54,7 @@ TEST_P(Ball, IsSeenWhileHalfOfItIsVisible) {
   EXPECT_GT(half_hidden, 15);
 }
 
-TEST_P(Ball, IsNoSpeckNoFlagAndNoCarpet) {
+TEST_P(Ball, IsNotASmallLongOrHugeRegion) {
   const Placed somewhere{Team::kOwn, 0, {{0.2f, 0.1f}, 0.5f}};
   field.paint_part(somewhere, {0.0f, 0.0f}, {0.012f, 0.012f}, kOrange);
   EXPECT_FALSE(field.see().ball.seen);
@@ -69,14 +69,14 @@ TEST_P(Ball, IsNoSpeckNoFlagAndNoCarpet) {
   EXPECT_EQ(field.verdict_at(somewhere.pose.position, 0.075f), Verdict::kTooLarge);
 }
 
-TEST_P(Ball, OfTwoThatAreAlikeNoneIsSeen) {
+TEST_P(Ball, AmbiguousBallsAreNotReported) {
   field.paint_ball({0.3f, 0.3f});
   field.paint_ball({-0.3f, 0.2f});
   EXPECT_FALSE(field.see().ball.seen);
 }
 
 // A larger ball is preferred to a small region of its color, and one on the field to one on a robot's top.
-TEST_P(Ball, TheLikelierOneIsSeen) {
+TEST_P(Ball, TheMoreLikelyOneIsReported) {
   const Placed robot{Team::kOwn, 2, {{-0.3f, 0.2f}, 1.0f}};
   field.paint(robot);
   field.paint_part(robot, {0.002f, -0.036f}, {0.036f, -0.002f}, kOrange);
@@ -86,7 +86,7 @@ TEST_P(Ball, TheLikelierOneIsSeen) {
   EXPECT_LT(distance_m(seen.ball.position, {0.3f, 0.3f}), 0.001f);
 }
 
-TEST_P(Ball, IsNotLookedForWithoutAColor) {
+TEST_P(Ball, IsNotSearchedWithoutAColor) {
   parameters.ball.color = kBackground;
   PaintedField without(GetParam()(), parameters);
   field.paint_ball({0.3f, 0.3f});
@@ -94,7 +94,7 @@ TEST_P(Ball, IsNotLookedForWithoutAColor) {
   EXPECT_FALSE(without.see().ball.seen);
 }
 
-TEST_P(Ball, OutsideTheFieldIsNone) {
+TEST_P(Ball, OutsideTheFieldIsNotReported) {
   field.paint_ball({0.0f, 1.05f});
   EXPECT_FALSE(field.see().ball.seen);
 }

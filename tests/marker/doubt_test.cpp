@@ -63,7 +63,7 @@ TEST(Doubt, ATeamPatchAloneIsARobotWithoutIdOrHeading) {
 }
 
 // Two identification patches at the same distance from the team patch, on different sides.
-TEST(Doubt, TwoEquallyGoodIdentificationsAreNone) {
+TEST(Doubt, TwoEquallyGoodIdentificationsGiveNoId) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
   const Placed robot{Team::kOwn, 0, {{0.1f, 0.2f}, 1.0f}};
@@ -82,7 +82,7 @@ TEST(Doubt, TwoEquallyGoodIdentificationsAreNone) {
 }
 
 // The same color twice: the heading is ambiguous.
-TEST(Doubt, TwoEquallyGoodHeadingsAreNone) {
+TEST(Doubt, TwoEquallyGoodHeadingsGiveNoHeading) {
   const MarkerParameters parameters = paper_teams();
   RegionList list(straight_camera(), parameters);
   Dice dice(32);
@@ -132,7 +132,7 @@ TEST(Doubt, OneOfTwoIdentificationPatchesIsNotEnough) {
 }
 
 // A pair of colors that belongs to no robot of the team.
-TEST(Doubt, NobodysColorsAreNoId) {
+TEST(Doubt, ColorsOfNoRobotGiveNoId) {
   const MarkerParameters parameters = teams_with(bar_layout(), 3);
   PaintedField field(straight_camera(), parameters);
   const Placed robot{Team::kOpponent, 0, {{-0.5f, -0.2f}, -1.7f}};
@@ -146,7 +146,7 @@ TEST(Doubt, NobodysColorsAreNoId) {
 }
 
 // Two robots show the same id. One of them has a wrong patch, but it is unknown which one.
-TEST(Doubt, AnIdIsNeverGivenTwice) {
+TEST(Doubt, AnIdIsNeverReportedTwice) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
   field.paint(std::vector<Placed>{{Team::kOwn, 2, {{-0.5f, 0.1f}, 1.0f}}, {Team::kOwn, 2, {{0.5f, -0.1f}, -1.0f}}});
@@ -170,7 +170,7 @@ TEST(Doubt, MoreRobotsThanPlayAreNotReported) {
   EXPECT_EQ(seen.robots.size(), 8u);
 }
 
-TEST(Doubt, TeamsWithoutAColorAreNotLookedFor) {
+TEST(Doubt, TeamsWithoutAColorAreNotSearched) {
   MarkerParameters parameters = paper_teams();
   const MarkerParameters painted = parameters;
   parameters.teams[1] = {};

@@ -43,7 +43,7 @@ class HiddenPatch : public ::testing::Test {
   float left = 0;  // visible fraction of the team patch
 };
 
-TEST_F(HiddenPatch, TheRestAndTheIdentificationAreTheRobot) {
+TEST_F(HiddenPatch, APartlyVisibleTeamPatchAndItsIdentificationAreARobot) {
   const MarkerParameters parameters = paper_teams();
   for (const CameraParameters& camera : {straight_camera(), tilted_camera()}) {
     PaintedField field(camera, parameters);
@@ -81,7 +81,7 @@ TEST_F(HiddenPatch, TwoIdentificationPatchesGiveTheHeading) {
   }
 }
 
-TEST_F(HiddenPatch, NothingIsReportedWithoutARest) {
+TEST_F(HiddenPatch, NothingIsReportedIfTheTeamPatchIsHidden) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
   const Placed robot = anywhere(Team::kOwn, 2);
@@ -96,7 +96,7 @@ TEST_F(HiddenPatch, NothingIsReportedWithoutARest) {
 }
 
 // A partly visible patch cannot decide between two teams with the same identification colors.
-TEST_F(HiddenPatch, ColorsOfBothTeamsNeedAWholeTeamPatch) {
+TEST_F(HiddenPatch, ColorsOfBothTeamsNeedACompleteTeamPatch) {
   MarkerParameters parameters = paper_teams();
   parameters.teams[1].robots[3].colors[0] = kRed;
   PaintedField field(straight_camera(), parameters);
@@ -108,7 +108,7 @@ TEST_F(HiddenPatch, ColorsOfBothTeamsNeedAWholeTeamPatch) {
 
 // The identification patch may also belong to another, complete team patch, with a worse fit. The complete one has
 // priority.
-TEST_F(HiddenPatch, AWholeTeamPatchComesFirst) {
+TEST_F(HiddenPatch, ACompleteTeamPatchHasPriority) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
   const Placed robot{Team::kOwn, 0, {{0.2f, 0.1f}, 0.3f}};
@@ -120,7 +120,7 @@ TEST_F(HiddenPatch, AWholeTeamPatchComesFirst) {
   EXPECT_EQ(seen.robots[0].id, kUnknownId);
 }
 
-TEST_F(HiddenPatch, ARestAloneIsTooSmall) {
+TEST_F(HiddenPatch, APartlyVisibleTeamPatchAloneIsTooSmall) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
   const Placed robot{Team::kOwn, 0, {{0.2f, 0.1f}, 0.3f}};
@@ -161,7 +161,7 @@ TEST(DullPatch, ASpotInTheRightPlaceIsEnough) {
 }
 
 // If two colors have nearly the same area, the color of the patch is unknown.
-TEST(DullPatch, ARivalMakesItDoubtful) {
+TEST(DullPatch, ARivalColorGivesNoId) {
   const MarkerParameters parameters = teams_with(bar_layout(), 5);
   PaintedField field(straight_camera(), parameters);
   const Placed robot{Team::kOwn, 1, {{0.3f, -0.2f}, 2.1f}};

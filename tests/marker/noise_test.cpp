@@ -51,7 +51,7 @@ class Noise : public ::testing::TestWithParam<Case> {
   Dice dice{61};
 };
 
-TEST_P(Noise, NobodyGetsAnotherOnesId) {
+TEST_P(Noise, NoRobotGetsTheIdOfAnother) {
   const MarkerParameters parameters = GetParam().teams();
   const float side = parameters.teams[0].layout.robot_side_m;
   std::size_t robots = 0, right = 0, wrong = 0;
@@ -88,7 +88,7 @@ TEST_P(Noise, NobodyGetsAnotherOnesId) {
 }
 
 // Dots of 2 x 2 pixels, each too small for a partly visible patch. Together they cover four ninths of every patch.
-TEST(CrumbledPatches, AreGatheredFromTheirPieces) {
+TEST(CrumbledPatches, AreMergedFromTheirPieces) {
   const MarkerParameters parameters = paper_teams();
   Dice dice{5};
   PaintedField field(straight_camera(), parameters);

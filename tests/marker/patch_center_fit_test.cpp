@@ -183,7 +183,7 @@ class LeftAlone : public PatchCenter {
   const Pose truth_{{0.3f, -0.2f}, 0.7f}, near_{{0.301f, -0.2f}, 0.7f};
 };
 
-TEST_F(LeftAlone, WhereNoTopIsFree) {
+TEST_F(LeftAlone, WithoutAFreeTop) {
   // Two bars cover the whole top.
   MarkerLayout layout;
   layout.patches.push_back({PatchRole::kTeam, PatchOutline::kBar, 0.01875f, 0, 0.0375f, 0.075f, 0});
@@ -192,7 +192,7 @@ TEST_F(LeftAlone, WhereNoTopIsFree) {
   expect_left_alone(photograph(PixelFormat::kRgb24, truth_, 1.0f).frame(), near_);
 }
 
-TEST_F(LeftAlone, WhereThePictureIsAnother) {
+TEST_F(LeftAlone, IfThePictureDiffersFromTheModel) {
   use(paper_layout());
   Photograph picture(PixelFormat::kRgb24, 640, 480);
   expect_left_alone(picture.frame(), near_);  // black: no patch differs from the top
@@ -201,7 +201,7 @@ TEST_F(LeftAlone, WhereThePictureIsAnother) {
 }
 
 // A bad fit has a reduced weight, so no robot jumps between two results.
-TEST_F(LeftAlone, LittleByLittle) {
+TEST_F(LeftAlone, GraduallyAsTheFitGetsWorse) {
   use(paper_layout());
   int between = 0;
   std::vector<float> moves;

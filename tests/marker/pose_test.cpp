@@ -114,7 +114,7 @@ TEST(Refinement, FragmentsAreAveragedByTheirAreas) {
 }
 
 // Fragments beyond d1, or those that would make the patch too large, are not merged.
-TEST(Refinement, LeavesWhatIsNotThePatch) {
+TEST(Refinement, DoesNotMergeOtherPatches) {
   const MarkerParameters parameters = paper_teams();
   RegionList list(straight_camera(), parameters);
   Dice dice(25);

@@ -83,14 +83,14 @@ TEST_F(Selecting, APatchIsUsedOnce) {
   EXPECT_TRUE(selection[0].id_is_sure);
 }
 
-TEST_F(Selecting, ARobotIsNamedOnce) {
+TEST_F(Selecting, ARobotOccursOnce) {
   choose({hypothesis(0, 2, 7, 60, {0, 0}), hypothesis(1, 2, 8, 50, {1, 0})}, 2);
   ASSERT_EQ(selection.size(), 1u);
   choose({hypothesis(0, -1, 7, 60, {0, 0}), hypothesis(1, -1, 8, 50, {1, 0})}, 2);
   EXPECT_EQ(selection.size(), 2u);
 }
 
-TEST_F(Selecting, TwoRobotsDoNotStandInOnePlace) {
+TEST_F(Selecting, TwoRobotsDoNotOverlap) {
   choose({hypothesis(0, 0, 7, 60, {0, 0}), hypothesis(1, 1, 8, 50, {0.05f, 0})}, 2);
   EXPECT_EQ(selection.size(), 1u);
   choose({hypothesis(0, 0, 7, 60, {0, 0}), hypothesis(1, 1, 8, 50, {0.075f, 0})}, 2);
@@ -105,7 +105,7 @@ TEST_F(Selecting, MorePairsAreBetterThanABetterPair) {
   EXPECT_EQ(hypotheses[selection[1].hypothesis].robot, 0);
 }
 
-TEST_F(Selecting, WhatIsNearlyAsGoodMakesItDoubtful) {
+TEST_F(Selecting, ANearlyAsGoodAlternativeIsAmbiguous) {
   choose({hypothesis(0, 0, 7, 60, {0, 0}), hypothesis(0, 1, 8, 58, {0, 0})}, 1);
   ASSERT_EQ(selection.size(), 1u);
   EXPECT_FALSE(selection[0].id_is_sure);

@@ -102,7 +102,7 @@ TEST(Validation, TeamsMayShareIdentificationColors) {
 }
 
 // A rejected configuration leaves no partial state.
-TEST(Validation, AfterAnErrorNothingIsSeen) {
+TEST(Validation, AfterAnErrorNothingIsReported) {
   MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
   Dice dice(1);

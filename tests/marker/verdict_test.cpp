@@ -65,7 +65,7 @@ TEST_F(Verdicts, APartnerThatIsTaken) {
   EXPECT_EQ(seen.verdicts[other], Verdict::kPartnerTaken);
 }
 
-TEST_F(Verdicts, ATeamRegionOnTheTopOfARobotIsNoOther) {
+TEST_F(Verdicts, ATeamRegionOnTheTopOfARobotIsNoOtherRobot) {
   const Placed robot{Team::kOwn, 0, {{0.4f, 0.2f}, 0.3f}};
   list.add(robot, dice, 0.0f);
   const std::size_t stranger = add(on_field(robot.pose, 0.019f, -0.019f), kYellow, 0.8f);
@@ -75,7 +75,7 @@ TEST_F(Verdicts, ATeamRegionOnTheTopOfARobotIsNoOther) {
 }
 
 // The paper's "proper number of regions with the biggest area": a hundred patches of one color.
-TEST_F(Verdicts, OnlyTheBiggestAreTaken) {
+TEST_F(Verdicts, OnlyTheLargestAreUsed) {
   for (int i = 0; i < 100; ++i) {
     add({-0.95f + 0.1f * static_cast<float>(i % 20), -0.6f + 0.3f * static_cast<float>(i / 20)}, kBlue,
         i % 2 == 0 ? 1.0f : 0.8f);
@@ -113,7 +113,7 @@ TEST_F(Verdicts, ARobotIsReportedOnceWithAllItsPatches) {
 
 // Dense patches in which every team patch has dozens of partners. The search stops early, sets cut_short, and reports
 // no id and no more robots than the maximum number.
-TEST(Bounds, ACarpetOfPatchesIsCutShort) {
+TEST(Bounds, DensePatchesAreCutShort) {
   const MarkerParameters parameters = paper_teams();
   RegionList list(straight_camera(), parameters);
   const PatchPlace& patch = parameters.teams[0].layout.patches[0];
@@ -135,7 +135,7 @@ TEST(Bounds, ACarpetOfPatchesIsCutShort) {
 
 // Sixteen patches of one color around each team patch, any five of which may belong to a robot. A complete search would
 // visit a million partial sets for each, which would take seconds.
-TEST(Bounds, SetsThatAllFitAreNotAllTried) {
+TEST(Bounds, NotAllFittingSetsAreTried) {
   MarkerParameters parameters = paper_teams();
   MarkerLayout& layout = parameters.teams[0].layout;
   layout.patches.clear();
@@ -186,7 +186,7 @@ TEST(Bounds, APictureOfNoiseHasNoRobots) {
 }
 
 // The same picture gives the same bits, regardless of former pictures.
-TEST(Bounds, NothingIsRemembered) {
+TEST(Bounds, FramesAreIndependent) {
   const MarkerParameters parameters = paper_teams();
   RegionList used(straight_camera(), parameters), fresh(straight_camera(), parameters);
   Dice dice(43);

@@ -41,7 +41,7 @@ class NoAllocation : public LoopTest {
   std::unique_ptr<int> planted_;
 };
 
-TEST_F(NoAllocation, LoopNeverAsksForMemoryWhateverDevicesDo) {
+TEST_F(NoAllocation, LoopNeverAllocatesWhateverDevicesDo) {
   const double end_s = add_all_faults();
   ASSERT_GE(faults_, 30);
   start();

@@ -42,7 +42,7 @@ TEST_F(NoPageFault, WarmLoopTouchesNoNewMemory) {
   EXPECT_GE(loop->statistics().frames, 4900U);
 }
 
-TEST_F(NoPageFault, FirstFullFrameIsNoSurpriseAfterEmptyOnes) {
+TEST_F(NoPageFault, FirstFullFrameAfterEmptyOnesCausesNoPageFault) {
   start();
   run_until(1.0);
   camera.fill_with_colors();

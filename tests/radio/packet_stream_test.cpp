@@ -77,7 +77,7 @@ TEST(PacketStream, LosesOnlyThePacketThatIsCut) {
   }
 }
 
-TEST(PacketStream, FindsShortPacketsInsideWhatADamagedCountPromised) {
+TEST(PacketStream, FindsShortPacketsWithinTheLengthOfACorruptCount) {
   std::vector<std::byte> bytes;
   Packet damaged = packet_of(1, 1);
   damaged[5] = std::byte{11};
@@ -92,7 +92,7 @@ TEST(PacketStream, FindsShortPacketsInsideWhatADamagedCountPromised) {
   EXPECT_EQ(stream.skipped_bytes(), damaged.size());
 }
 
-TEST(PacketStream, BeginsAnewAfterAPause) {
+TEST(PacketStream, RestartsAfterAPause) {
   Packet first = packet_of(5, 1);
   first.resize(20);
   PacketStream stream;
@@ -103,7 +103,7 @@ TEST(PacketStream, BeginsAnewAfterAPause) {
   EXPECT_EQ(stream.skipped_bytes(), 20u);
 }
 
-TEST(PacketStream, DropsTheOldestBytesWhenNobodyReads) {
+TEST(PacketStream, DropsTheOldestBytesIfNextIsNotCalled) {
   PacketStream stream;
   for (std::size_t i = 0; i < 1000; ++i) stream.push(kPacketMagic0);
   const Packet packet = packet_of(3, 77);
@@ -117,7 +117,7 @@ TEST(PacketStream, DropsTheOldestBytesWhenNobodyReads) {
 
 // A noisy line that loses, inserts and corrupts bytes. Every reported packet was sent, and reception recovers
 // immediately.
-TEST(PacketStream, ReportsNothingThatWasNotSentOnANoisyLine) {
+TEST(PacketStream, ReportsOnlySentPacketsOnANoisyLine) {
   std::mt19937 random(3);
   std::uniform_int_distribution<int> byte(0, 255), fault(0, 99);
   std::vector<std::byte> bytes;
@@ -156,7 +156,7 @@ TEST(PacketStream, ReportsNothingThatWasNotSentOnANoisyLine) {
   EXPECT_GT(whole, 1500);
 }
 
-TEST(SequenceFilter, IgnoresRepeatedAndOvertakenPackets) {
+TEST(SequenceFilter, IgnoresRepeatedAndReorderedPackets) {
   SequenceFilter filter;
   EXPECT_TRUE(filter.obey(250, false)) << "the first one is always new";
   EXPECT_FALSE(filter.obey(250, false));

@@ -95,7 +95,7 @@ TEST(Packet, OfAStopCarriesNoSpeed) {
   EXPECT_EQ(read.robots.size(), 2u);
 }
 
-TEST(Packet, IsNotWrittenFromCommandsThatNoRobotCouldTellApart) {
+TEST(Packet, IsNotWrittenFromAmbiguousCommands) {
   Packet packet;
   Commands unknown = sample_commands();
   unknown.robots.push_back(robot(kUnknownId, 0, 0));
@@ -111,7 +111,7 @@ TEST(Packet, IsNotWrittenFromCommandsThatNoRobotCouldTellApart) {
   EXPECT_TRUE(packet.empty());
 }
 
-TEST(Packet, WithAnyOneToThreeBitsTurnedIsRefused) {
+TEST(Packet, WithAnyOneToThreeBitsFlippedIsRejected) {
   Packet packet;
   ASSERT_TRUE(encode(sample_commands(), 42, packet).ok());
   const std::size_t bits = packet.size() * 8;
@@ -139,7 +139,7 @@ TEST(Packet, WithAnyOneToThreeBitsTurnedIsRefused) {
   EXPECT_EQ(read.robots.size(), 2u);
 }
 
-TEST(Packet, CutAnywhereIsRefused) {
+TEST(Packet, TruncatedAnywhereIsRejected) {
   Packet packet;
   ASSERT_TRUE(encode(sample_commands(), 42, packet).ok());
   Commands read;
@@ -159,7 +159,7 @@ void seal(Packet& packet) {
   packet[packet.size() - 1] = static_cast<std::byte>(crc >> 8u);
 }
 
-TEST(Packet, WithWrongFieldsButAGoodChecksumIsRefused) {
+TEST(Packet, WithWrongFieldsButAValidChecksumIsRejected) {
   Packet good;
   ASSERT_TRUE(encode(sample_commands(), 42, good).ok());
   struct Fault {

@@ -58,7 +58,7 @@ TEST(Telemetry, RoundsAndSaturatesVoltages) {
   }
 }
 
-TEST(Telemetry, WithAnyOneToThreeBitsTurnedIsRefused) {
+TEST(Telemetry, WithAnyOneToThreeBitsFlippedIsRejected) {
   const TelemetryPacket good = encode_telemetry(words_of(3, 42));
   constexpr std::size_t kBits = kTelemetryBytes * 8;
   const auto turn = [](TelemetryPacket& p, std::size_t bit) {
@@ -79,7 +79,7 @@ TEST(Telemetry, WithAnyOneToThreeBitsTurnedIsRefused) {
   EXPECT_EQ(read.id, 9) << "a refused packet changes nothing";
 }
 
-TEST(Telemetry, WithAWrongFieldButAGoodChecksumIsRefused) {
+TEST(Telemetry, WithAWrongFieldButAValidChecksumIsRejected) {
   RobotTelemetry read;
   EXPECT_TRUE(decode_telemetry(encode_telemetry(words_of(127, 1, 7.4f, 100)), read).ok());
   EXPECT_FALSE(decode_telemetry(encode_telemetry(words_of(1, 1, 7.4f, 101)), read).ok()) << "101 percent";
@@ -122,7 +122,7 @@ TEST(TelemetryStream, IgnoresOurOwnPackets) {
 
 // Bytes are lost, inserted and corrupted, and random bytes start like a packet. Only sent packets are reported, and all
 // intact packets after intact ones are found.
-TEST(TelemetryStream, ReportsNothingThatWasNotSentOnANoisyLine) {
+TEST(TelemetryStream, ReportsOnlySentPacketsOnANoisyLine) {
   std::mt19937 random(5);
   std::uniform_int_distribution<int> byte(0, 255), fault(0, 99), kind(0, 3), size(0, 40);
   std::vector<std::byte> bytes;
@@ -195,7 +195,7 @@ class RobotMonitorTest : public ::testing::Test {
   int sequence = 0;
 };
 
-TEST_F(RobotMonitorTest, KeepsTheLastWordOfEachRobotInTheOrderOfTheirIds) {
+TEST_F(RobotMonitorTest, KeepsTheLastTelemetryOfEachRobotSortedById) {
   for (const int id : {7, 2, 9, 0}) hear(words_of(id, 10, 7.0f + 0.1f * static_cast<float>(id)));
   hear(words_of(2, 11, 6.9f, 50), kNow + 1s);
   ASSERT_EQ(reports.robots.size(), 4U);
@@ -211,7 +211,7 @@ TEST_F(RobotMonitorTest, KeepsTheLastWordOfEachRobotInTheOrderOfTheirIds) {
   EXPECT_EQ(reports.packets, 5U);
 }
 
-TEST_F(RobotMonitorTest, CountsWhatIsMissingAcrossTheEndOfTheNumbers) {
+TEST_F(RobotMonitorTest, CountsMissingPacketsAcrossTheWrapAround) {
   for (const int i : {253, 254, 1, 1, 2}) hear(words_of(4, i));
   EXPECT_EQ(reports.robots[0].missed, 2U) << "255 and 0";
   EXPECT_EQ(reports.robots[0].packets, 4U) << "the second 1 is a repetition";
@@ -228,7 +228,7 @@ TEST_F(RobotMonitorTest, ListsAsManyRobotsAsATeamHasAndCountsTheOthers) {
   EXPECT_EQ(reports.robots[10].packets, 2U);
 }
 
-TEST_F(RobotMonitorTest, ABatteryIsLowAfterThreeWordsAndGoodAgainWhenItWasChanged) {
+TEST_F(RobotMonitorTest, ABatteryIsLowAfterThreePacketsAndGoodAfterItsReplacement) {
   monitor.configure(7.0f);
   hear_battery(6.9f, 2);
   hear_battery(7.1f, 1);
@@ -244,7 +244,7 @@ TEST_F(RobotMonitorTest, ABatteryIsLowAfterThreeWordsAndGoodAgainWhenItWasChange
   EXPECT_FALSE(reports.robots[0].battery_low);
 }
 
-TEST_F(RobotMonitorTest, ABatteryThatIsNotMeasuredOrNotJudgedIsNotLow) {
+TEST_F(RobotMonitorTest, ABatteryThatIsNotMeasuredOrMonitoredIsNotLow) {
   monitor.configure(7.0f);
   hear_battery(0.0f, 10);
   EXPECT_FALSE(reports.robots[0].battery_low);
@@ -253,7 +253,7 @@ TEST_F(RobotMonitorTest, ABatteryThatIsNotMeasuredOrNotJudgedIsNotLow) {
   EXPECT_FALSE(reports.robots[0].battery_low);
 }
 
-TEST_F(RobotMonitorTest, PacketsMayComeInPiecesAndManyAtOnce) {
+TEST_F(RobotMonitorTest, PacketsMayArriveInPiecesAndSeveralAtOnce) {
   std::vector<std::byte> bytes;
   for (int i = 0; i < 100; ++i) append(bytes, encode_telemetry(words_of(i % 3, i / 3)));
   for (std::size_t at = 0, size = 1; at < bytes.size(); at += size, size = size % 37 + 1) {

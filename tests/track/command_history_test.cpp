@@ -25,7 +25,7 @@ TEST(CommandHistory, KnowsNothingBeforeTheFirstCommands) {
   EXPECT_TRUE(history.at(at(2.0), 0).known);
 }
 
-TEST(CommandHistory, GivesWhatIsInForce) {
+TEST(CommandHistory, GivesTheActiveCommand) {
   CommandHistory history;
   history.add(drive(3, 0.1f), at(1.0));
   history.add(drive(3, 0.2f), at(1.1));
@@ -39,14 +39,14 @@ TEST(CommandHistory, GivesWhatIsInForce) {
   EXPECT_EQ(history.next_change(at(1.2), at(5.0)), at(5.0));
 }
 
-TEST(CommandHistory, TellsRobotsThatAreNotListedToStand) {
+TEST(CommandHistory, GivesZeroForRobotsThatAreNotListed) {
   CommandHistory history;
   history.add(drive(3, 0.5f), at(1.0));
   EXPECT_TRUE(history.at(at(1.0), 4).known);
   EXPECT_FLOAT_EQ(history.at(at(1.0), 4).twist.v_mps, 0.0f);
 }
 
-TEST(CommandHistory, TakesAStopForAllWhateverIsListed) {
+TEST(CommandHistory, AppliesAStopToAllRobots) {
   CommandHistory history;
   Commands commands = drive(3, 0.5f);
   commands.stop = true;
@@ -55,7 +55,7 @@ TEST(CommandHistory, TakesAStopForAllWhateverIsListed) {
   EXPECT_FLOAT_EQ(history.at(at(1.0), 3).twist.v_mps, 0.0f);
 }
 
-TEST(CommandHistory, LetsALaterPacketReplaceWhatWouldHaveActedAfterIt) {
+TEST(CommandHistory, ReplacesPendingCommandsByANewerPacket) {
   CommandHistory history;
   history.add(drive(0, 0.1f), at(1.00));
   history.add(drive(0, 0.2f), at(1.10));
@@ -66,7 +66,7 @@ TEST(CommandHistory, LetsALaterPacketReplaceWhatWouldHaveActedAfterIt) {
   EXPECT_EQ(history.next_change(at(1.05), at(5.0)), at(5.0));
 }
 
-TEST(CommandHistory, KeepsWhatIsInForceWhenForgetting) {
+TEST(CommandHistory, KeepsTheActiveCommandWhenForgetting) {
   CommandHistory history;
   for (int i = 0; i < 10; ++i) history.add(drive(0, 0.1f * static_cast<float>(i)), at(1.0 + 0.1 * i));
   history.forget_before(at(1.55));
@@ -75,7 +75,7 @@ TEST(CommandHistory, KeepsWhatIsInForceWhenForgetting) {
   EXPECT_FALSE(history.at(at(1.2), 0).known);
 }
 
-TEST(CommandHistory, CountsWhatDoesNotFit) {
+TEST(CommandHistory, CountsDroppedCommands) {
   CommandHistory history;
   for (int i = 0; i < 256; ++i) history.add(drive(0, static_cast<float>(i)), at(1.0 + 0.001 * i));
   EXPECT_EQ(history.dropped(), 0u);
@@ -86,7 +86,7 @@ TEST(CommandHistory, CountsWhatDoesNotFit) {
   EXPECT_FLOAT_EQ(history.at(at(2.0), 0).twist.v_mps, 1.5f);
 }
 
-TEST(CommandHistory, BoundsWildVelocities) {
+TEST(CommandHistory, LimitsAbsurdVelocities) {
   CommandHistory history;
   history.add(drive(0, std::nanf(""), std::numeric_limits<float>::infinity()), at(1.0));
   const Twist twist = history.at(at(1.0), 0).twist;

@@ -69,7 +69,7 @@ Consistency monte_carlo(const SimulatedRobot::Faults& faults, double rate_hz, bo
 
 // Bands around the values measured with the default parameters. Find the cause if a value is outside on either side.
 // For a good drive, the filter overestimates its error; for a slipping drive, the estimate is right.
-TEST(Consistency, OfADriveThatObeys) {
+TEST(Consistency, OfAGoodDrive) {
   const Consistency c = monte_carlo({0.08, 0.02, 0.05, 0.0005}, 60.0, true);
   EXPECT_GT(c.nees, 1.9);
   EXPECT_LT(c.nees, 2.5);
@@ -80,7 +80,7 @@ TEST(Consistency, OfADriveThatObeys) {
   EXPECT_LT(c.filtered_deg / c.raw_deg, 0.57);
 }
 
-TEST(Consistency, OfADriveThatSlips) {
+TEST(Consistency, OfASlippingDrive) {
   const Consistency c = monte_carlo({0.08, 0.15, 0.1, 0.002}, 60.0, true);
   EXPECT_GT(c.nees, 2.7);
   EXPECT_LT(c.nees, 3.7);
@@ -98,7 +98,7 @@ TEST(Consistency, AtThePapersRate) {
   EXPECT_LT(c.filtered_mm / c.raw_mm, 0.72);
 }
 
-TEST(Consistency, OfARobotThatIsOnlyWatched) {
+TEST(Consistency, OfARobotWithUnknownCommands) {
   const Consistency c = monte_carlo({0.08, 0.05, 0.05, 0.0005}, 60.0, false);
   EXPECT_GT(c.nees, 2.2);
   EXPECT_LT(c.nees, 3.2);
@@ -108,7 +108,7 @@ TEST(Consistency, OfARobotThatIsOnlyWatched) {
 }
 
 // The bands above are useful only if an inconsistent filter violates them.
-TEST(Consistency, ShowsAFilterThatIsTooSure) {
+TEST(Consistency, ShowsAnOverconfidentFilter) {
   const Consistency c =
       monte_carlo({0.20, 0.15, 0.1, 0.002}, 60.0, true);  // wheels respond more slowly than in the model
   EXPECT_GT(c.nees, 5.0);

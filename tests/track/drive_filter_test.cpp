@@ -118,7 +118,7 @@ TEST(DriveFilter, SmoothsAStandingRobot) {
   EXPECT_LT(std::sqrt(filtered_angle2 / raw_angle2), 0.35);
 }
 
-TEST(DriveFilter, PassesTheEndOfTheAnglesUnharmed) {
+TEST(DriveFilter, WrapsTheHeading) {
   const RobotFilterParameters parameters;
   for (const double turn : {3.0, -3.0}) {
     SimulatedRobot robot({0.08, 0.02, 0.05, 0.0}, 7);
@@ -142,7 +142,7 @@ TEST(DriveFilter, PassesTheEndOfTheAnglesUnharmed) {
   }
 }
 
-TEST(DriveFilter, BelievesAPatchOnlyToItsOffset) {
+TEST(DriveFilter, UsesAPatchOnlyUpToItsOffset) {
   const RobotFilterParameters parameters;
   DriveFilter sure;
   sure.start(pose(0, 0, 0), {}, 0.002, 0.02);
@@ -157,7 +157,7 @@ TEST(DriveFilter, BelievesAPatchOnlyToItsOffset) {
   EXPECT_NEAR(unsure.state()[0], 0.1 * (1.0 - 0.025 * 0.025 / 0.01), 1e-6);
 }
 
-TEST(DriveFilter, KeepsACovarianceThatIsOne) {
+TEST(DriveFilter, KeepsAValidCovariance) {
   std::mt19937 random(9);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   for (int run = 0; run < 40; ++run) {

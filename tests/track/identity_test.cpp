@@ -38,7 +38,7 @@ class IdentityTest : public testing::Test {
   double now_ = 1.0;
 };
 
-TEST_F(IdentityTest, OfTwoSightingsWithOneIdTheNearerCounts) {
+TEST_F(IdentityTest, OfTwoSightingsWithOneIdTheNearerIsUsed) {
   const RobotSighting right = sighting_of(Team::kOwn, 1, pose(0.0, 0.0));
   const RobotSighting wrong = sighting_of(Team::kOwn, 1, pose(0.6, 0.0));
   for (int k = 0; k < 10; ++k) frame({right});
@@ -53,7 +53,7 @@ TEST_F(IdentityTest, OfTwoSightingsWithOneIdTheNearerCounts) {
   EXPECT_NEAR(track(Team::kOwn, kUnknownId).pose.position.x_m, 0.6, 1e-3);
 }
 
-TEST_F(IdentityTest, OfTwoFirstSightingsWithOneIdTheBetterFitCounts) {
+TEST_F(IdentityTest, OfTwoFirstSightingsWithOneIdTheBetterFitIsUsed) {
   RobotSighting good = sighting_of(Team::kOwn, 1, pose(0.0, 0.0)), poor = sighting_of(Team::kOwn, 1, pose(0.6, 0.0));
   good.residual_m = 0.001f;
   poor.residual_m = 0.004f;
@@ -97,7 +97,7 @@ TEST_F(IdentityTest, TeamsAreNotMixed) {
   EXPECT_NE(track(Team::kOpponent, kUnknownId).state, TrackState::kLost);
 }
 
-TEST_F(IdentityTest, NamelessOpponentsKeepTheirTracks) {
+TEST_F(IdentityTest, UnidentifiedOpponentsKeepTheirTracks) {
   // The paths of five robots cross at distances of 0.12 m and more; tracks must not swap.
   const auto place = [](int robot, double t) {
     const double phase = 2.0 * std::numbers::pi * robot / 5.0;
@@ -132,7 +132,7 @@ TEST_F(IdentityTest, ARobotWithoutHeadingShowsItsMotionAndThatItsHeadingIsUnknow
   EXPECT_GT(tracks_.robots[0].sigma[0], 0.02f) << "the patch's offset is part of the doubt";
 }
 
-TEST_F(IdentityTest, ANamelessTrackIsNamedWhenItShowsItsId) {
+TEST_F(IdentityTest, AnUnidentifiedTrackGetsTheIdThatItShows) {
   for (int k = 0; k < 10; ++k) frame({patch_alone(Team::kOwn, 0.02, 0.0)});
   frame({sighting_of(Team::kOwn, 5, pose(0.0, 0.0, 1.0))});
   ASSERT_EQ(tracks_.robots.size(), 1u);
@@ -141,7 +141,7 @@ TEST_F(IdentityTest, ANamelessTrackIsNamedWhenItShowsItsId) {
   EXPECT_NEAR(tracks_.robots[0].pose.theta_rad, 1.0, 1e-5);
 }
 
-TEST_F(IdentityTest, ANamelessDoubleGoesWhenTheRobotIsRecognizedAgain) {
+TEST_F(IdentityTest, ADuplicateTrackIsRemovedWhenTheRobotIsRecognizedAgain) {
   for (int k = 0; k < 10; ++k) frame({sighting_of(Team::kOwn, 5, pose(0.0, 0.0))});
   // The robot is moved by hand while its id is unreadable. An unidentified track follows it, the old one coasts.
   for (int k = 0; k < 20; ++k) frame({patch_alone(Team::kOwn, 0.3, 0.0)});
@@ -152,7 +152,7 @@ TEST_F(IdentityTest, ANamelessDoubleGoesWhenTheRobotIsRecognizedAgain) {
   EXPECT_NEAR(tracks_.robots[0].pose.position.x_m, 0.3, 1e-3);
 }
 
-TEST_F(IdentityTest, WrongIdsNowAndThenMoveNobody) {
+TEST_F(IdentityTest, OccasionalWrongIdsMoveNoTrack) {
   const Pose pa = pose(0.0, 0.0), pb = pose(0.09, 0.0, 2.0);  // touching
   for (int k = 0; k < 10; ++k) frame({sighting_of(Team::kOwn, 1, pa), sighting_of(Team::kOwn, 2, pb)});
   for (int k = 0; k < 100; ++k) {

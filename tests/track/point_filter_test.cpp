@@ -60,7 +60,7 @@ TEST(PointFilter, IsThePapersFilter) {
   }
 }
 
-TEST(PointFilter, SaysHowWellItKnows) {
+TEST(PointFilter, HasAConsistentCovariance) {
   // The truth is sampled from the model, so the normalized squared error has mean 4.
   std::mt19937 random(2);
   std::normal_distribution<double> normal;

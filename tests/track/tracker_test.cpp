@@ -43,7 +43,7 @@ class TrackerTest : public testing::Test {
   double now_ = 1.0;
 };
 
-TEST_F(TrackerTest, LetsATrackLiveNewSeenCoastingLost) {
+TEST_F(TrackerTest, ATrackGoesThroughAllStates) {
   const RobotSighting robot = sighting_of(Team::kOwn, 4, pose(0.1, 0.2));
   EXPECT_EQ(frame_of(robot).robots[0].state, TrackState::kNew);
   EXPECT_EQ(frame_of(robot).robots[0].state, TrackState::kNew);
@@ -57,14 +57,14 @@ TEST_F(TrackerTest, LetsATrackLiveNewSeenCoastingLost) {
   EXPECT_NEAR(coasted, TrackParameters{}.lost_after_s, 1.5 * kDt);
 }
 
-TEST_F(TrackerTest, SoonForgetsWhatWasSeenOnce) {
+TEST_F(TrackerTest, ForgetsASingleSightingSoon) {
   frame_of(sighting_of(Team::kOwn, 4, pose(0.1, 0.2)));
   double kept = 0.0;
   while (!frame({}).robots.empty()) kept += kDt;
   EXPECT_NEAR(kept, TrackParameters{}.forget_new_after_s, 1.5 * kDt);
 }
 
-TEST_F(TrackerTest, ListsOwnTeamFirstByIdAndNamelessLast) {
+TEST_F(TrackerTest, ListsOwnTeamFirstByIdAndUnidentifiedLast) {
   Sightings sightings;
   sightings.robots.push_back(patch_alone(Team::kOpponent, 0.5, 0.5));
   sightings.robots.push_back(sighting_of(Team::kOpponent, 7, pose(0.5, 0.0)));
@@ -84,7 +84,7 @@ TEST_F(TrackerTest, ListsOwnTeamFirstByIdAndNamelessLast) {
   EXPECT_FLOAT_EQ(tracks.robots[5].pose.position.y_m, -0.5f);
 }
 
-TEST_F(TrackerTest, GoesOnThroughLostFrames) {
+TEST_F(TrackerTest, SurvivesLostFrames) {
   SimulatedRobot robot({0.08, 0.03, 0.1, 0.0005}, 3);
   double worst = 0.0;
   for (int k = 0; k < 400; ++k) {
@@ -120,7 +120,7 @@ TEST_F(TrackerTest, UsesStampsNotFrameCounts) {
   EXPECT_NEAR(tracks_.robots[0].pose.position.x_m, 0.5 * t, 0.001);
 }
 
-TEST_F(TrackerTest, RefusesOneWildSighting) {
+TEST_F(TrackerTest, RejectsASingleOutlier) {
   for (int k = 0; k < 20; ++k) frame_of(sighting_of(Team::kOwn, 1, pose(0.1, 0.1)));
   const Tracks& tracks = frame_of(sighting_of(Team::kOwn, 1, pose(0.4, 0.1)));
   EXPECT_NEAR(tracks.robots[0].pose.position.x_m, 0.1, 1e-3);
@@ -130,7 +130,7 @@ TEST_F(TrackerTest, RefusesOneWildSighting) {
   EXPECT_EQ(frame_of(sighting_of(Team::kOwn, 1, pose(0.1, 0.1))).robots[0].state, TrackState::kSeen);
 }
 
-TEST_F(TrackerTest, NeverStartsOverAtSightingsThatDoNotFitEachOther) {
+TEST_F(TrackerTest, NeverResetsAtInconsistentSightings) {
   for (int k = 0; k < 20; ++k) frame_of(sighting_of(Team::kOwn, 1, pose(0.1, 0.1)));
   for (int k = 0; k < 20; ++k) {
     const Tracks& tracks = frame_of(sighting_of(Team::kOwn, 1, pose(k % 2 == 0 ? 0.8 : -0.8, 0.1)));
@@ -138,7 +138,7 @@ TEST_F(TrackerTest, NeverStartsOverAtSightingsThatDoNotFitEachOther) {
   }
 }
 
-TEST_F(TrackerTest, BelievesAJumpOnlyWhenTimeHasSufficedForIt) {
+TEST_F(TrackerTest, AcceptsAJumpOnlyAfterEnoughTime) {
   for (int k = 0; k < 20; ++k) frame_of(sighting_of(Team::kOwn, 1, pose(-0.5, 0.0)));
   // 0.6 m away: at 3 m/s that takes 0.19 s, or 12 frames.
   int frames = 0;
@@ -151,7 +151,7 @@ TEST_F(TrackerTest, BelievesAJumpOnlyWhenTimeHasSufficedForIt) {
 }
 
 // A robot is commanded to drive but is stopped by another one. After three frames the filter is at its position.
-TEST_F(TrackerTest, StartsOverAfterACollision) {
+TEST_F(TrackerTest, ResetsAfterACollision) {
   SimulatedRobot robot({0.08, 0.0, 0.1, 0.0}, 3);
   Commands commands;
   commands.stop = false;

@@ -35,7 +35,9 @@ class AutoDetect : public testing::Test {
     venue_.file.camera_model = fit.camera;
     venue_.file.field.length_m = static_cast<float>(arena_.field.length_m);
     venue_.file.field.width_m = static_cast<float>(arena_.field.width_m);
-    EXPECT_TRUE(read_team_colors(TOUCHLINE_MOCK_TEAM, team_, reason_).ok()) << reason_;
+    Result<TeamColors> team = read_team_colors(TOUCHLINE_MOCK_TEAM);
+    EXPECT_TRUE(team.ok()) << team.text();
+    team_ = std::move(team).value();
   }
 
   // Robots on a grid of 0.2 m, in mixed order and at different angles.
@@ -90,8 +92,9 @@ class AutoDetect : public testing::Test {
 TEST_F(AutoDetect, FindsAllColorsWithoutClicks) {
   add_picture("a", 1);
   add_picture("b", 2);
-  DetectedColors found;
-  ASSERT_TRUE(auto_detect_colors(venue_, team_, {}, pictures_, found, reason_).ok()) << reason_;
+  Result<DetectedColors> detected = auto_detect_colors(venue_, team_, {}, pictures_);
+  ASSERT_TRUE(detected.ok()) << detected.text();
+  DetectedColors found = std::move(detected).value();
   EXPECT_TRUE(found.doubts.empty()) << found.doubts.front();
   EXPECT_GE(found.clicks.size(), 36U) << "of 42";
   for (const Click& click : found.clicks) {
@@ -107,15 +110,18 @@ TEST_F(AutoDetect, UnknownColorNamesNeedAClick) {
     if (name == "red") name = "first";
     if (name == "violet") name = "second";
   }
-  DetectedColors found;
-  ASSERT_TRUE(auto_detect_colors(venue_, team_, {}, pictures_, found, reason_).ok()) << reason_;
+  Result<DetectedColors> detected = auto_detect_colors(venue_, team_, {}, pictures_);
+  ASSERT_TRUE(detected.ok()) << detected.text();
+  DetectedColors found = std::move(detected).value();
   ASSERT_EQ(found.doubts.size(), 2U);
   EXPECT_EQ(found.doubts[0], "first: could also be second; click on one patch of each");
 
   for (const auto& [color, place] : truth_["a"]) {
     if (color == "red") click = {"a", "first", place.first, place.second, 0, {}};
   }
-  ASSERT_TRUE(auto_detect_colors(venue_, team_, {click}, pictures_, found, reason_).ok()) << reason_;
+  detected = auto_detect_colors(venue_, team_, {click}, pictures_);
+  ASSERT_TRUE(detected.ok()) << detected.text();
+  found = std::move(detected).value();
   EXPECT_TRUE(found.doubts.empty()) << found.doubts.front();
   for (const Click& c : found.clicks) {
     const std::string truth = truth_at(c);
@@ -129,12 +135,13 @@ TEST_F(AutoDetect, RefusesAMissingColor) {
   arena_.robot[0].colors = {"green"};  // no robot is red
   pictures_.clear();
   add_picture("b", 2);
-  DetectedColors found;
-  ASSERT_TRUE(auto_detect_colors(venue_, team_, {}, pictures_, found, reason_).ok()) << reason_;
+  Result<DetectedColors> detected = auto_detect_colors(venue_, team_, {}, pictures_);
+  ASSERT_TRUE(detected.ok()) << detected.text();
+  DetectedColors found = std::move(detected).value();
   ASSERT_FALSE(found.doubts.empty());
   EXPECT_NE(found.doubts[0].find("red"), std::string::npos) << found.doubts[0];
   venue_.file.camera_model.full.fx_px = 0;
-  EXPECT_EQ(auto_detect_colors(venue_, team_, {}, pictures_, found, reason_).code(), ErrorCode::kNotFound);
+  EXPECT_EQ(auto_detect_colors(venue_, team_, {}, pictures_).code(), ErrorCode::kNotFound);
 }
 
 }  // namespace

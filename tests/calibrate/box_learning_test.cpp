@@ -38,9 +38,9 @@ double caught(const LearnedColors& learned, ColorId color, const std::vector<Col
 TEST(BoxLearning, KeepsHalfOfTheWayToTheNeighbor) {
   LearningInput input;
   input.colors = {{"a", cloud({100, 100, 100}, 5, 2000, 1)}, {"b", cloud({150, 100, 100}, 5, 2000, 2)}};
-  LearnedColors learned;
-  std::string reason;
-  ASSERT_TRUE(learn_boxes(input, {}, learned, reason).ok()) << reason;
+  const Result<LearnedColors> result = learn_boxes(input, {});
+  ASSERT_TRUE(result.ok()) << result.text();
+  const LearnedColors& learned = result.value();
   ASSERT_EQ(learned.boxes.size(), 2U);
   // Cores end at 105 and begin at 145.
   EXPECT_NEAR(learned.boxes[0].high[0], 125, 2);
@@ -56,9 +56,9 @@ TEST(BoxLearning, StaysAwayFromTheBackground) {
   LearningInput input;
   input.colors = {{"a", cloud({120, 120, 120}, 5, 2000, 1)}};
   input.background = cloud({120, 120, 90}, 5, 100000, 2);
-  LearnedColors learned;
-  std::string reason;
-  ASSERT_TRUE(learn_boxes(input, {}, learned, reason).ok()) << reason;
+  const Result<LearnedColors> result = learn_boxes(input, {});
+  ASSERT_TRUE(result.ok()) << result.text();
+  const LearnedColors& learned = result.value();
   EXPECT_NEAR(learned.boxes[0].low[2], 105, 2);  // half the distance from 115 to 95
   EXPECT_EQ(caught(learned, 1, input.background), 0.0);
   EXPECT_EQ(caught(learned, 1, input.colors[0].pixels), 1.0);
@@ -77,9 +77,9 @@ TEST(BoxLearning, SplitsAColorThatRunsPastAnother) {
   }
   LearningInput input;
   input.colors = {{"a", count_colors(first)}, {"b", count_colors(second)}};
-  LearnedColors learned;
-  std::string reason;
-  ASSERT_TRUE(learn_boxes(input, {}, learned, reason).ok()) << reason;
+  const Result<LearnedColors> result = learn_boxes(input, {});
+  ASSERT_TRUE(result.ok()) << result.text();
+  const LearnedColors& learned = result.value();
   EXPECT_GT(learned.boxes.size(), 3U);
   EXPECT_LE(learned.boxes.size(), 8U);
   std::size_t i = 0, j = 0;
@@ -104,9 +104,9 @@ TEST(BoxLearning, FifteenColorsAndMoreFit) {
     }
   }
   input.background = cloud({30, 30, 30}, 20, 50000, 99);
-  LearnedColors learned;
-  std::string reason;
-  ASSERT_TRUE(learn_boxes(input, {}, learned, reason).ok()) << reason;
+  const Result<LearnedColors> result = learn_boxes(input, {});
+  ASSERT_TRUE(result.ok()) << result.text();
+  const LearnedColors& learned = result.value();
   EXPECT_EQ(learned.boxes.size(), 26U);
   for (std::size_t c = 0; c < 26; ++c) {
     EXPECT_GT(caught(learned, static_cast<ColorId>(c + 1), input.colors[c].pixels), 0.98);
@@ -114,17 +114,16 @@ TEST(BoxLearning, FifteenColorsAndMoreFit) {
 }
 
 TEST(BoxLearning, RefusesWhatCannotBeLearned) {
-  LearnedColors learned;
-  std::string reason;
-  EXPECT_EQ(learn_boxes({}, {}, learned, reason).code(), ErrorCode::kOutOfRange);
+  EXPECT_EQ(learn_boxes({}, {}).code(), ErrorCode::kOutOfRange);
   LearningInput input;
   input.colors = {{"a", cloud({100, 100, 100}, 5, 100, 1)}, {"b", {}}};
-  EXPECT_EQ(learn_boxes(input, {}, learned, reason).code(), ErrorCode::kNotFound);
-  EXPECT_NE(reason.find("b"), std::string::npos);
+  const Result<LearnedColors> empty = learn_boxes(input, {});
+  EXPECT_EQ(empty.code(), ErrorCode::kNotFound);
+  EXPECT_NE(empty.text().find("b"), std::string::npos);
   input.colors[1] = {"b", input.colors[0].pixels};
-  EXPECT_EQ(learn_boxes(input, {}, learned, reason).code(), ErrorCode::kInconsistent);
+  EXPECT_EQ(learn_boxes(input, {}).code(), ErrorCode::kInconsistent);
   input.colors.assign(kMaxColors + 1, input.colors[0]);
-  EXPECT_EQ(learn_boxes(input, {}, learned, reason).code(), ErrorCode::kOutOfRange);
+  EXPECT_EQ(learn_boxes(input, {}).code(), ErrorCode::kOutOfRange);
 }
 
 }  // namespace

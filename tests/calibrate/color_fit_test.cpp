@@ -84,9 +84,9 @@ TEST_P(ColorFitOf, OnePictureIsEnoughForAnother) {
   const std::vector<PaintedPatch> patches = arrangement(0);
   input.pictures["a"] = painted_field(patches, GetParam(), 1, slope);
   add_clicks(input, "a", patches);
-  ColorFit fit;
-  std::string reason;
-  ASSERT_TRUE(fit_colors(input, fit, reason).ok()) << reason;
+  Result<ColorFit> fitted = fit_colors(input);
+  ASSERT_TRUE(fitted.ok()) << fitted.text();
+  ColorFit fit = std::move(fitted).value();
   ASSERT_EQ(fit.names.size(), 6U);
   EXPECT_TRUE(fit.strays.empty());
   std::size_t first = 0, second = 0;
@@ -121,9 +121,9 @@ TEST(ColorFit, LightMapMakesOneCornerEnough) {
   input.pictures["a"] = painted_field(bright, PixelFormat::kRgb24, 1, lamp);
   add_clicks(input, "a", bright);
   const CameraPicture other = painted_field(dark, PixelFormat::kRgb24, 2, lamp);
-  ColorFit fit;
-  std::string reason;
-  ASSERT_TRUE(fit_colors(input, fit, reason).ok()) << reason;
+  Result<ColorFit> fitted = fit_colors(input);
+  ASSERT_TRUE(fitted.ok()) << fitted.text();
+  ColorFit fit = std::move(fitted).value();
   EXPECT_LE(recognize(input, fit, dark, other).right, 2U);
 
   input.light.columns = 20;
@@ -131,7 +131,9 @@ TEST(ColorFit, LightMapMakesOneCornerEnough) {
   for (std::size_t i = 0; i < 20; ++i) {
     for (auto& channel : input.light.illumination) channel[i] = i < 10 ? 1.2f : 0.4f;
   }
-  ASSERT_TRUE(fit_colors(input, fit, reason).ok()) << reason;
+  fitted = fit_colors(input);
+  ASSERT_TRUE(fitted.ok()) << fitted.text();
+  fit = std::move(fitted).value();
   const Found found = recognize(input, fit, dark, other);
   EXPECT_EQ(found.right, 6U);
   EXPECT_EQ(found.wrong, 0U);
@@ -149,9 +151,9 @@ TEST(ColorFit, SaysWhyAClickCaughtNothing) {
   input.clicks.push_back({"a", "red", 10, 225});  // the floor
   input.clicks.push_back({"a", "red", 400, 20});
   input.clicks.push_back({"b", "red", 40, 40});
-  ColorFit fit;
-  std::string reason;
-  ASSERT_TRUE(fit_colors(input, fit, reason).ok()) << reason;
+  Result<ColorFit> fitted = fit_colors(input);
+  ASSERT_TRUE(fitted.ok()) << fitted.text();
+  ColorFit fit = std::move(fitted).value();
   for (std::size_t i = 0; i < good; ++i) EXPECT_GT(fit.clicks[i].area_px, 0U) << i;
   EXPECT_EQ(fit.clicks[good].area_px, 0U);
   EXPECT_NE(fit.clicks[good].reason.find("larger than a patch"), std::string::npos) << fit.clicks[good].reason;
@@ -167,10 +169,9 @@ TEST(ColorFit, RefusesAColorThatNoClickShows) {
   input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
   add_clicks(input, "a", patches);
   input.clicks.push_back({"a", "cyan", 10, 225});
-  ColorFit fit;
-  std::string reason;
-  EXPECT_EQ(fit_colors(input, fit, reason).code(), ErrorCode::kNotFound);
-  EXPECT_NE(reason.find("cyan"), std::string::npos) << reason;
+  const Result<ColorFit> fitted = fit_colors(input);
+  EXPECT_EQ(fitted.code(), ErrorCode::kNotFound);
+  EXPECT_NE(fitted.text().find("cyan"), std::string::npos) << fitted.text();
 }
 
 TEST(ColorFit, NamesColorsThatLookTheSame) {
@@ -182,10 +183,9 @@ TEST(ColorFit, NamesColorsThatLookTheSame) {
   for (Click& click : input.clicks) {
     if (click.color == "green" && (odd = !odd)) click.color = "mint";  // the same paint under two names
   }
-  ColorFit fit;
-  std::string reason;
-  const Status status = fit_colors(input, fit, reason);
-  if (status.ok()) {
+  const Result<ColorFit> fitted = fit_colors(input);
+  if (fitted.ok()) {
+    const ColorFit& fit = fitted.value();
     // Both are separated at some level; the report must show that they cannot be distinguished.
     const PairMargin& closest = fit.learned.margins.front();
     EXPECT_LT(closest.levels, 0);
@@ -195,9 +195,9 @@ TEST(ColorFit, NamesColorsThatLookTheSame) {
     for (std::size_t c = 0; c < fit.names.size(); ++c) lost = std::max(lost, 1.0 - fit.confusion[c][c + 1]);
     EXPECT_GT(lost, 0.3);
   } else {
-    EXPECT_EQ(status.code(), ErrorCode::kInconsistent);
-    EXPECT_NE(reason.find("green"), std::string::npos) << reason;
-    EXPECT_NE(reason.find("mint"), std::string::npos) << reason;
+    EXPECT_EQ(fitted.code(), ErrorCode::kInconsistent);
+    EXPECT_NE(fitted.text().find("green"), std::string::npos) << fitted.text();
+    EXPECT_NE(fitted.text().find("mint"), std::string::npos) << fitted.text();
   }
 }
 
@@ -206,9 +206,9 @@ TEST(ColorFit, ReportsPatchesThatWereLeftOutAndDoesNotTakeThemForBackground) {
   const std::vector<PaintedPatch> patches = arrangement(0);
   input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
   add_clicks(input, "a", {patches.begin(), patches.begin() + 6});  // the first row only
-  ColorFit fit;
-  std::string reason;
-  ASSERT_TRUE(fit_colors(input, fit, reason).ok()) << reason;
+  Result<ColorFit> fitted = fit_colors(input);
+  ASSERT_TRUE(fitted.ok()) << fitted.text();
+  ColorFit fit = std::move(fitted).value();
   EXPECT_EQ(fit.strays.size(), 12U);
   const std::vector<PaintedPatch> others = arrangement(3);
   const Found found = recognize(input, fit, others, painted_field(others, PixelFormat::kRgb24, 99, even));
@@ -235,9 +235,9 @@ TEST(ColorFit, TellsTwentyFourColorsApart) {
   ColorFitInput input;
   input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
   add_clicks(input, "a", patches);
-  ColorFit fit;
-  std::string reason;
-  ASSERT_TRUE(fit_colors(input, fit, reason).ok()) << reason;
+  Result<ColorFit> fitted = fit_colors(input);
+  ASSERT_TRUE(fitted.ok()) << fitted.text();
+  ColorFit fit = std::move(fitted).value();
   const Found found = recognize(input, fit, others, painted_field(others, PixelFormat::kRgb24, 9, even));
   EXPECT_EQ(found.right, 24U);
   EXPECT_EQ(found.wrong + found.ghosts, 0U);
@@ -251,9 +251,9 @@ TEST(ColorFit, ProposesAPaintForOneOfTwoThatAreClose) {
   }
   input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
   add_clicks(input, "a", patches);
-  ColorFit fit;
-  std::string reason;
-  ASSERT_TRUE(fit_colors(input, fit, reason).ok()) << reason;
+  Result<ColorFit> fitted = fit_colors(input);
+  ASSERT_TRUE(fitted.ok()) << fitted.text();
+  ColorFit fit = std::move(fitted).value();
   ASSERT_EQ(fit.advice.replacements.size(), 1U);
   const ColorReplacement& replacement = fit.advice.replacements[0];
   const std::set<std::string> pair{fit.names[replacement.first], fit.names[replacement.second]};
@@ -269,9 +269,8 @@ TEST(ColorFit, RefusesPicturesOfDifferentSizes) {
   input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
   input.pictures["b"] = painted_field(patches, PixelFormat::kYuyv, 1, even);
   add_clicks(input, "a", patches);
-  ColorFit fit;
-  std::string reason;
-  EXPECT_EQ(fit_colors(input, fit, reason).code(), ErrorCode::kInconsistent);
+  const Result<ColorFit> fitted = fit_colors(input);
+  EXPECT_EQ(fitted.code(), ErrorCode::kInconsistent);
 }
 
 }  // namespace

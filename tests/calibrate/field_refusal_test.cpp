@@ -107,9 +107,9 @@ TEST_F(FieldWithoutAClick, ACameraInPortrait) {
   ASSERT_TRUE(run("--field-preset vsss --preview " + path("seen.png"))) << read("out");
   EXPECT_TRUE(fs::exists(path("seen.png")));
   EXPECT_TRUE(fs::exists(path("seen-errors.png")));
-  VenueDraft draft;
-  std::string reason;
-  ASSERT_TRUE(read_draft(path("venue.toml"), draft, reason).ok()) << reason;
+  const Result<VenueDraft> venue_read = read_draft(path("venue.toml"));
+  ASSERT_TRUE(venue_read.ok()) << venue_read.text();
+  const VenueDraft& draft = venue_read.value();
   CameraModel camera;
   ASSERT_TRUE(camera.configure(draft.file.camera_model).ok());
   const hal::mock::Lens lens(arena_.camera);

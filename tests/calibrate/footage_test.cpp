@@ -62,15 +62,15 @@ TEST_P(Footage, HasARegionAtEveryPatch) {
   ASSERT_TRUE(file) << folder << GetParam().annotation;
   const auto annotation = nlohmann::json::parse(file);
 
-  VenueDraft venue;
-  std::string reason;
   const std::string venue_path = std::string(TOUCHLINE_FOOTAGE_TESTS) + "/" + GetParam().venue + "-venue.toml";
-  ASSERT_TRUE(read_draft(venue_path, venue, reason).ok()) << reason;
+  const Result<VenueDraft> draft = read_draft(venue_path);
+  ASSERT_TRUE(draft.ok()) << draft.text();
+  const VenueDraft& venue = draft.value();
   ASSERT_TRUE(venue.exists) << venue_path;
   const PixelFormat format = venue.file.colors.space == ColorSpace::kRgb ? PixelFormat::kRgb24 : PixelFormat::kYuyv;
-  CameraPicture picture;
-  ASSERT_TRUE(CameraPicture::load(folder + annotation["image"].get<std::string>(), format, picture, reason).ok())
-      << reason;
+  const Result<CameraPicture> loaded = CameraPicture::load(folder + annotation["image"].get<std::string>(), format);
+  ASSERT_TRUE(loaded.ok()) << loaded.text();
+  const CameraPicture& picture = loaded.value();
 
   std::map<std::string, ColorId> id;
   const ScanParameters parameters = scan_of(venue, picture.frame(), id);
@@ -119,10 +119,9 @@ TEST_P(Footage, HasARegionAtEveryPatch) {
 TEST(FootageVideo, KeepsItsRegions) {
   const char* shared = std::getenv("TOUCHLINE_SHARED");  // NOLINT(concurrency-mt-unsafe): one thread
   if (shared == nullptr) GTEST_SKIP() << "TOUCHLINE_SHARED does not name the folder with footage/";
-  VenueDraft venue;
-  std::string reason;
-  ASSERT_TRUE(read_draft(std::string(TOUCHLINE_FOOTAGE_TESTS) + "/vss-overhead-venue.toml", venue, reason).ok())
-      << reason;
+  const Result<VenueDraft> draft = read_draft(std::string(TOUCHLINE_FOOTAGE_TESTS) + "/vss-overhead-venue.toml");
+  ASSERT_TRUE(draft.ok()) << draft.text();
+  const VenueDraft& venue = draft.value();
   hal::ReplayCamera camera({std::string(shared) + "/footage/vss-overhead.mp4", PixelFormat::kRgb24, 0.0});
   ASSERT_TRUE(camera.open().ok()) << camera.reason();
   ASSERT_TRUE(camera.start().ok()) << camera.reason();

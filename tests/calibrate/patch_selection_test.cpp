@@ -18,8 +18,10 @@ class Rectangle : public testing::Test {
   // Number of selected pixels, and how many of them are in the first square.
   std::pair<std::size_t, std::size_t> selected(const std::array<double, 4>& box) {
     Click click{"a", "red", 0, 0, 0, box};
-    GrownPatch patch;
-    if (!select_patch(image_, inside_, click, {}, patch, reason_).ok()) return {0, 0};
+    const Result<GrownPatch> result = select_patch(image_, inside_, click, {});
+    reason_ = result.text();
+    if (!result.ok()) return {0, 0};
+    const GrownPatch& patch = result.value();
     const auto in_square = std::count_if(patch.pixels.begin(), patch.pixels.end(), [&](std::size_t pixel) {
       const auto u = static_cast<int>(pixel % 320), v = static_cast<int>(pixel / 320);
       return u >= 74 && u < 86 && v >= 54 && v < 66;

@@ -49,9 +49,9 @@ TEST_F(Program, MakesAVenueFromNothing) {
   ASSERT_TRUE(run(field() + corners_ + " --camera-height 1.8 --roi 5,5 315,5 315,235 5,235")) << read("out");
   ASSERT_TRUE(run("light --picture " + path("grey.png") + venue())) << read("out");
   ASSERT_TRUE(run("colors --samples " + path("clicks.json") + venue() + " --preview " + path("seen"))) << read("out");
-  VenueDraft draft;
-  std::string reason;
-  ASSERT_TRUE(read_draft(path("venue.toml"), draft, reason).ok()) << reason;
+  const Result<VenueDraft> venue_read = read_draft(path("venue.toml"));
+  ASSERT_TRUE(venue_read.ok()) << venue_read.text();
+  const VenueDraft& draft = venue_read.value();
   EXPECT_EQ(draft.file.picture.width_px, 320);
   EXPECT_FLOAT_EQ(draft.file.field.length_m, 1.5f);
   EXPECT_FLOAT_EQ(draft.file.field.width_m, 1.3f);
@@ -109,8 +109,9 @@ TEST(PictureOfAFrame, IsReadBackAsItWas) {
   const std::string path = ::testing::TempDir() + "touchline_picture_" + std::to_string(::getpid()) + ".png";
   std::string reason;
   ASSERT_TRUE(hal::write_picture(path, picture_of(frame), reason).ok()) << reason;
-  CameraPicture read;
-  ASSERT_TRUE(CameraPicture::load(path, PixelFormat::kYuyv, read, reason).ok()) << reason;
+  const Result<CameraPicture> loaded = CameraPicture::load(path, PixelFormat::kYuyv);
+  ASSERT_TRUE(loaded.ok()) << loaded.text();
+  const CameraPicture& read = loaded.value();
   fs::remove(path);
   for (std::size_t v = 0; v < 16; ++v) {
     for (std::size_t i = 0; i < 64; ++i) {
@@ -128,9 +129,10 @@ TEST_F(Program, KeepsTheColorsWhenTheLampsChange) {
   EXPECT_NE(read("out").find("light.normal"), std::string::npos) << read("out");
   EXPECT_EQ(read("venue.toml"), untouched);
   ASSERT_TRUE(run("light --picture " + path("grey.png") + venue())) << read("out");
-  VenueDraft before, after;
+  const Result<VenueDraft> read_before = read_draft(path("venue.toml"));
+  ASSERT_TRUE(read_before.ok()) << read_before.text();
+  const VenueDraft& before = read_before.value();
   std::string reason;
-  ASSERT_TRUE(read_draft(path("venue.toml"), before, reason).ok()) << reason;
   EXPECT_EQ(before.file.light.surface, "grey");
   ASSERT_EQ(before.file.light.normal.size(), 3U);
 
@@ -145,11 +147,14 @@ TEST_F(Program, KeepsTheColorsWhenTheLampsChange) {
   }
   ASSERT_TRUE(hal::write_picture(path("grey.png"), dim, reason).ok()) << reason;
   ASSERT_TRUE(run("light" + keep)) << read("out");
-  ASSERT_TRUE(read_draft(path("venue.toml"), after, reason).ok()) << reason;
+  const Result<VenueDraft> read_after = read_draft(path("venue.toml"));
+  ASSERT_TRUE(read_after.ok()) << read_after.text();
+  const VenueDraft& after = read_after.value();
   EXPECT_EQ(after.file.light.normal, before.file.light.normal);
   EXPECT_EQ(after.file.light.map, "venue-light-2.png");
-  VenueDraft former;
-  ASSERT_TRUE(read_draft(path("venue.toml.bak"), former, reason).ok()) << reason;
+  const Result<VenueDraft> read_former = read_draft(path("venue.toml.bak"));
+  ASSERT_TRUE(read_former.ok()) << read_former.text();
+  const VenueDraft& former = read_former.value();
   EXPECT_EQ(former.file.light.map, "venue-light.png");
   EXPECT_EQ(former.light.illumination, before.light.illumination) << "the former venue file still has its map";
   for (std::size_t c = 0; c < 3; ++c) {
@@ -239,9 +244,9 @@ TEST_F(Program, AsksBeforeItWritesColorsThatNobodyClickedOn) {
   EXPECT_EQ(read("venue.toml"), before);
   EXPECT_TRUE(fs::exists(path("seen/robots-found.png")));
   ASSERT_TRUE(run(with_team + " --yes")) << read("out");
-  VenueDraft draft;
-  std::string reason;
-  ASSERT_TRUE(read_draft(path("venue.toml"), draft, reason).ok()) << reason;
+  const Result<VenueDraft> venue_read = read_draft(path("venue.toml"));
+  ASSERT_TRUE(venue_read.ok()) << venue_read.text();
+  const VenueDraft& draft = venue_read.value();
   ASSERT_EQ(draft.file.color.size(), 4U);
   EXPECT_EQ(draft.file.colors.background.size(), 3U);
   for (const auto& color : draft.file.color) {
@@ -264,17 +269,17 @@ TEST_F(Program, RefusesABrokenVenue) {
 }
 
 TEST_F(Program, ReadsClicksAndNamesTheBadOne) {
-  std::vector<Click> clicks;
-  std::string reason;
-  ASSERT_TRUE(read_clicks(path("clicks.json"), clicks, reason).ok()) << reason;
+  const Result<std::vector<Click>> result = read_clicks(path("clicks.json"));
+  ASSERT_TRUE(result.ok()) << result.text();
+  const std::vector<Click>& clicks = result.value();
   ASSERT_EQ(clicks.size(), 2U);
   EXPECT_EQ(clicks[1].color, "green");
   EXPECT_DOUBLE_EQ(clicks[1].u_px, 200);
   write("empty.json", R"({"samples": []})");
-  EXPECT_EQ(read_clicks(path("empty.json"), clicks, reason).code(), ErrorCode::kInconsistent);
+  EXPECT_EQ(read_clicks(path("empty.json")).code(), ErrorCode::kInconsistent);
   write("list.json", "[1, 2]");
-  EXPECT_EQ(read_clicks(path("list.json"), clicks, reason).code(), ErrorCode::kInconsistent);
-  EXPECT_EQ(read_clicks(path("nowhere.json"), clicks, reason).code(), ErrorCode::kNotFound);
+  EXPECT_EQ(read_clicks(path("list.json")).code(), ErrorCode::kInconsistent);
+  EXPECT_EQ(read_clicks(path("nowhere.json")).code(), ErrorCode::kNotFound);
 }
 
 }  // namespace

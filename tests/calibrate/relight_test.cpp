@@ -38,23 +38,24 @@ class Relight : public testing::Test {
   LightMap map_;
   std::unique_ptr<Shading> shading_ = std::make_unique<Shading>();
   calibrate::VenueDraft venue_;
-  std::string reason_;
 };
 
 TEST_F(Relight, OnePatchIsEnoughForAllOnceTheLightIsEven) {
   const auto acquired = calibrate::corrected_channels(picture_.frame(), Shading{});
   const auto corrected = calibrate::corrected_channels(picture_.frame(), *shading_);
-  SameColor color;
-  ASSERT_TRUE(find_same_color(corrected, venue_, nullptr, color, reason_).ok()) << reason_;
+  Result<SameColor> found = find_same_color(corrected, venue_, nullptr);
+  ASSERT_TRUE(found.ok()) << found.text();
+  const SameColor color = std::move(found).value();
   ASSERT_EQ(color.patches.size(), 8U);
   const auto& sample = color.patches[color.representative];
   EXPECT_EQ(recognized(color, classify(acquired, thresholds_of(acquired, sample, 25))), 4U);
   EXPECT_EQ(recognized(color, classify(corrected, thresholds_of(corrected, sample, 25))), 8U);
 
   const std::array<double, 2> red{75, 110}, floor{300, 230};
-  ASSERT_TRUE(find_same_color(corrected, venue_, &red, color, reason_).ok()) << reason_;
-  EXPECT_EQ(color.patches.size(), 1U);
-  EXPECT_EQ(find_same_color(corrected, venue_, &floor, color, reason_).code(), ErrorCode::kNotFound);
+  const Result<SameColor> one = find_same_color(corrected, venue_, &red);
+  ASSERT_TRUE(one.ok()) << one.text();
+  EXPECT_EQ(one.value().patches.size(), 1U);
+  EXPECT_EQ(find_same_color(corrected, venue_, &floor).code(), ErrorCode::kNotFound);
 }
 
 TEST_F(Relight, ContoursLieWhereTheLightChanges) {

@@ -21,13 +21,11 @@ class Program : public touchline::testing::ProgramFolder {
     config::PictureEntry entry;
     entry.width_px = kWidth;
     entry.height_px = kHeight;
-    ASSERT_TRUE(calibrate::write_sections(
-                    path("venue.toml"),
-                    {calibrate::section_of("picture", entry, ""), calibrate::section_of("field", small_field(), ""),
-                     calibrate::section_of("camera_model", bent_camera(), "")},
-                    reason)
-                    .ok())
-        << reason;
+    const Result<void> written =
+        calibrate::write_sections(path("venue.toml"), {calibrate::section_of("picture", entry, ""),
+                                                       calibrate::section_of("field", small_field(), ""),
+                                                       calibrate::section_of("camera_model", bent_camera(), "")});
+    ASSERT_TRUE(written.ok()) << written.text();
   }
   bool run(const std::string& arguments) const { return run_program(TOUCHLINE_RECTIFY, arguments); }
   std::string said() const { return read("out"); }

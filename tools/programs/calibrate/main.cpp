@@ -26,7 +26,8 @@ int main(int argc, char** argv) {
   colors.add_options(*colors_app);
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
   if (picture_app->parsed()) return picture.run();
-  if (field_app->parsed()) return field.run();
-  if (light_app->parsed()) return light.run();
-  return colors.run();
+  const touchline::Result<void> done = field_app->parsed()   ? field.run()
+                                       : light_app->parsed() ? light.run()
+                                                             : colors.run();
+  return done.ok() ? touchline::kExitOk : touchline::fail("touchline-calibrate", done.text());
 }

@@ -16,11 +16,6 @@ struct Options {
   double scale_px_per_m = 0, margin_m = 0.1, grid_m = 0;
 };
 
-int refuse(const std::string& message) {
-  std::fprintf(stderr, "touchline-rectify: %s\n", message.c_str());
-  return 1;
-}
-
 // Returns the requested models that the file contains, the one in use first.
 std::vector<CameraParameters> models_of(const CameraParameters& venue, const std::string& kind) {
   std::vector<CameraParameters> models;
@@ -50,37 +45,40 @@ void print_table(const char* kind, const std::array<SideStraightness, 4>& sides)
   }
 }
 
-int run(const Options& options) {
+Result<void> run(const Options& options) {
   namespace fs = std::filesystem;
-  std::string reason;
-  calibrate::VenueDraft draft;
-  if (!calibrate::read_draft(options.venue, draft, reason).ok()) return refuse(reason);
-  if (!draft.exists) return refuse(options.venue + ": no such file; touchline-calibrate field creates it");
+  TOUCHLINE_TRY_ASSIGN(const calibrate::VenueDraft draft, calibrate::read_draft(options.venue));
+  if (!draft.exists)
+    return Error{ErrorCode::kInconsistent, options.venue + ": no such file; touchline-calibrate field creates it"};
   const auto models = models_of(draft.file.camera_model, options.kind);
   if (models.empty()) {
-    return refuse(options.venue + ": [camera_model]" + (options.kind.empty() ? "" : "." + options.kind) +
-                  " holds no camera model; run touchline-calibrate field");
+    return Error{ErrorCode::kInconsistent, options.venue + ": [camera_model]" +
+                                               (options.kind.empty() ? "" : "." + options.kind) +
+                                               " holds no camera model; run touchline-calibrate field"};
   }
-  hal::Picture picture;
-  if (!calibrate::load_rgb(options.picture, picture, reason).ok()) return refuse(reason);
+  TOUCHLINE_TRY_ASSIGN(const hal::Picture picture, calibrate::load_rgb(options.picture));
   if (picture.width_px != draft.file.picture.width_px || picture.height_px != draft.file.picture.height_px) {
-    return refuse(options.picture + " is " + std::to_string(picture.width_px) + " x " +
-                  std::to_string(picture.height_px) + ", but " + options.venue + " is for " +
-                  std::to_string(draft.file.picture.width_px) + " x " + std::to_string(draft.file.picture.height_px));
+    return Error{ErrorCode::kInconsistent, options.picture + " is " + std::to_string(picture.width_px) + " x " +
+                                               std::to_string(picture.height_px) + ", but " + options.venue +
+                                               " is for " + std::to_string(draft.file.picture.width_px) + " x " +
+                                               std::to_string(draft.file.picture.height_px)};
   }
   std::error_code error;
   fs::create_directories(options.out, error);
-  if (error) return refuse(options.out + ": cannot be created: " + error.message());
+  if (error) return Error{ErrorCode::kInconsistent, options.out + ": cannot be created: " + error.message()};
   const std::string stem = (fs::path(options.out) / fs::path(options.picture).stem()).string();
   std::vector<std::string> written;
-  const auto write = [&](const std::string& name, const hal::Picture& figure) {
+  const auto write = [&](const std::string& name, const hal::Picture& figure) -> Result<void> {
     written.push_back(name + " (" + std::to_string(figure.width_px) + " x " + std::to_string(figure.height_px) + ")");
-    return hal::write_picture(name, figure, reason).ok();
+    std::string reason;
+    if (const Status s = hal::write_picture(name, figure, reason); !s.ok()) return Error{s.code(), reason};
+    return {};
   };
-  if (!write(stem + "-distorted.png", picture)) return refuse(reason);
+  TOUCHLINE_TRY(write(stem + "-distorted.png", picture));
 
   CameraModel in_use;
-  if (!in_use.configure(models[0]).ok()) return refuse(options.venue + ": the camera model is invalid");
+  if (!in_use.configure(models[0]).ok())
+    return Error{ErrorCode::kInconsistent, options.venue + ": the camera model is invalid"};
   std::array<std::size_t, 4> left_out{};
   const auto points = border_points(picture, in_use, draft.file.field, left_out);
   std::printf(
@@ -99,17 +97,17 @@ int run(const Options& options) {
     Raster raster;
     hal::Picture figure = straighten(picture, lens, raster);
     if (options.grid_m > 0) draw_grid(camera, lens, draft.file.field, options.grid_m, raster, figure);
-    if (!write(stem + "-" + kind + "-radial.png", figure)) return refuse(reason);
+    TOUCHLINE_TRY(write(stem + "-" + kind + "-radial.png", figure));
     if (!rectify_floor(picture, camera, draft.file.field, options.margin_m, scale, figure, raster).ok()) {
-      return refuse("the floor would need more than " + std::to_string(kLargestSide_px) +
-                    " px; give a smaller --scale or --margin");
+      return Error{ErrorCode::kInconsistent, "the floor would need more than " + std::to_string(kLargestSide_px) +
+                                                 " px; give a smaller --scale or --margin"};
     }
     if (options.grid_m > 0) draw_grid(draft.file.field, options.grid_m, raster, figure);
-    if (!write(stem + "-" + kind + "-both.png", figure)) return refuse(reason);
+    TOUCHLINE_TRY(write(stem + "-" + kind + "-both.png", figure));
     print_table(kind, straightness(points, left_out, camera, lens, scale));
   }
   for (const std::string& name : written) std::printf("%s written\n", name.c_str());
-  return 0;
+  return {};
 }
 
 }  // namespace
@@ -136,5 +134,6 @@ int main(int argc, char** argv) {
   app.add_option("--grid", options.grid_m, "Draw lines this far apart (m) and the field's outline over the figures 12")
       ->check(touchline::number_range(0.01, 10.0));
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
-  return touchline::rectify::run(options);
+  const touchline::Result<void> done = touchline::rectify::run(options);
+  return done.ok() ? touchline::kExitOk : touchline::fail("touchline-rectify", done.text());
 }

@@ -21,11 +21,6 @@ struct Options {
   int margin = 25;
 };
 
-int refuse(const std::string& message) {
-  std::fprintf(stderr, "touchline-relight: %s\n", message.c_str());
-  return 1;
-}
-
 // Draws the figures of one picture and writes their files.
 class Figures {
  public:
@@ -92,36 +87,35 @@ class Figures {
   std::string stem_;
 };
 
-int run(const Options& options) {
+Result<void> run(const Options& options) {
   namespace fs = std::filesystem;
   std::string reason;
-  calibrate::VenueDraft draft;
-  if (!calibrate::read_draft(options.venue, draft, reason).ok()) return refuse(reason);
+  TOUCHLINE_TRY_ASSIGN(const calibrate::VenueDraft draft, calibrate::read_draft(options.venue));
   if (draft.light.columns == 0)
-    return refuse(options.venue + ": the section [light] is missing; run touchline-calibrate light");
+    return Error{ErrorCode::kInconsistent,
+                 options.venue + ": the section [light] is missing; run touchline-calibrate light"};
   std::optional<std::array<double, 2>> at;
   if (!options.patch.empty()) {
     if (!std::isfinite(options.patch[0]) || !std::isfinite(options.patch[1]))
-      return refuse("--patch: needs two numbers");
+      return Error{ErrorCode::kInconsistent, "--patch: needs two numbers"};
     at = {options.patch[0], options.patch[1]};
   }
-  calibrate::CameraPicture picture;
-  if (!calibrate::CameraPicture::load(options.picture, PixelFormat::kRgb24, picture, reason).ok())
-    return refuse(reason);
+  TOUCHLINE_TRY_ASSIGN(const calibrate::CameraPicture picture,
+                       calibrate::CameraPicture::load(options.picture, PixelFormat::kRgb24));
   const Frame frame = picture.frame();
   const auto shading = std::make_unique<Shading>();
   if (Status s = shading->build(draft.light, frame.width_px, frame.height_px, ColorSpace::kRgb); !s.ok()) {
-    return refuse(std::string("the light map is invalid: ") + describe(s.code()));
+    return Error{ErrorCode::kInconsistent, std::string("the light map is invalid: ") + describe(s.code())};
   }
   const ChannelImage acquired = calibrate::corrected_channels(frame, Shading{});
   const ChannelImage corrected = calibrate::corrected_channels(frame, *shading);
-  SameColor color;
-  if (!find_same_color(corrected, draft, at ? &*at : nullptr, color, reason).ok())
-    return refuse(options.picture + ": " + reason);
+  Result<SameColor> same_color = find_same_color(corrected, draft, at ? &*at : nullptr);
+  if (!same_color.ok()) return prefixed(options.picture, std::move(same_color).error());
+  const SameColor& color = same_color.value();
 
   std::error_code error;
   fs::create_directories(options.out, error);
-  if (error) return refuse(options.out + ": cannot be created: " + error.message());
+  if (error) return Error{ErrorCode::kInconsistent, options.out + ": cannot be created: " + error.message()};
   const Figures figures(draft.light, acquired, (fs::path(options.out) / fs::path(options.picture).stem()).string());
   const std::size_t channel = options.channel == "red" ? 0 : options.channel == "green" ? 1 : 2;
   const calibrate::FoundPatch& sample = color.patches[color.representative];
@@ -132,7 +126,7 @@ int run(const Options& options) {
       !figures.write(figures.classified(before, color), "figure14", reason) ||
       !figures.write(figures.classified(after, color), "figure15", reason) ||
       !figures.write(figures.picture(corrected, false), "corrected", reason)) {
-    return refuse(reason);
+    return Error{ErrorCode::kInconsistent, reason};
   }
   std::printf(
       "%zu patches of the color at %.0f,%.0f, thresholds from that one and %d levels more: %zu recognized in the "
@@ -140,7 +134,7 @@ int run(const Options& options) {
       "%zu in the corrected one\n",
       color.patches.size(), static_cast<double>(sample.center.u_px), static_cast<double>(sample.center.v_px),
       options.margin, recognized(color, before), recognized(color, after));
-  return 0;
+  return {};
 }
 
 }  // namespace
@@ -169,5 +163,6 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
-  return touchline::relight::run(options);
+  const touchline::Result<void> done = touchline::relight::run(options);
+  return done.ok() ? touchline::kExitOk : touchline::fail("touchline-relight", done.text());
 }

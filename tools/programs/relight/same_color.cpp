@@ -7,7 +7,6 @@
 #include "tools/programs/calibrate/colors/color_clusters.h"
 #include "tools/programs/calibrate/colors/initial_boxes.h"
 #include "tools/programs/calibrate/colors/region_growing.h"
-#include "tools/programs/command_line/formatted.h"
 
 namespace touchline::relight {
 namespace {
@@ -39,29 +38,25 @@ std::size_t nearest(const std::vector<FoundPatch>& patches, double u, double v, 
 
 }  // namespace
 
-Status find_same_color(const ChannelImage& corrected, const calibrate::VenueDraft& venue,
-                       const std::array<double, 2>* at_px, SameColor& out, std::string& reason) {
-  out = {};
+Result<SameColor> find_same_color(const ChannelImage& corrected, const calibrate::VenueDraft& venue,
+                                  const std::array<double, 2>* at_px) {
   CameraModel camera;
   if (Status s = camera.configure(venue.file.camera_model); !s.ok()) {
-    reason = "the venue has no camera model; run touchline-calibrate field";
-    return s;
+    return failure(s.code(), "the venue has no camera model; run touchline-calibrate field");
   }
   const MarkerLayout layout = paper_layout();
   const auto inside = calibrate::inside_mask(venue.region_of_interest, corrected.width_px, corrected.height_px);
   std::vector<FoundPatch> found =
       find_patches(corrected, inside, camera, venue.file.field, {calibrate::size_of(layout.patches[0], layout)});
   if (found.empty()) {
-    reason = "no patch was found";
-    return ErrorCode::kNotFound;
+    return Error{ErrorCode::kNotFound, "no patch was found"};
   }
   std::size_t representative = 0;
   if (at_px != nullptr) {
     const auto [u, v] = *at_px;
     representative = nearest(found, u, v, [](std::size_t) { return true; });
     if (distance_px(found[representative], u, v) > found[representative].radius_px) {
-      reason = formatted("no patch at %.0f,%.0f", u, v);
-      return ErrorCode::kNotFound;
+      return failure(ErrorCode::kNotFound, "no patch at %.0f,%.0f", u, v);
     }
   } else {
     std::vector<calibrate::Lab> colors;
@@ -79,13 +74,14 @@ Status find_same_color(const ChannelImage& corrected, const calibrate::VenueDraf
     representative = nearest(found, corrected.width_px / 2.0, corrected.height_px / 2.0,
                              [&](std::size_t i) { return label[i] == most; });
   }
+  SameColor out;
   const calibrate::Lab color = found[representative].lab;
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (i != representative && difference(found[i].lab, color) > kOneColor) continue;
     if (i == representative) out.representative = out.patches.size();
     out.patches.push_back(std::move(found[i]));
   }
-  return {};
+  return out;
 }
 
 ColorBox thresholds_of(const ChannelImage& image, const FoundPatch& patch, int margin) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/color/color_tables.h"
-#include "core/status.h"
+#include "hal/result.h"
 #include "tools/programs/calibrate/colors/patch_search.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 
@@ -20,8 +20,8 @@ struct SameColor {
 /// Finds the patch at the pixel (without one: of the most frequent color, the patch nearest to the center of the
 /// picture) and all others that have its color in the corrected picture. Patches have the size of the paper's,
 /// projected with the camera model. kNotFound, with the reason: no patch there, or none at all.
-Status find_same_color(const calibrate::ChannelImage& corrected, const calibrate::VenueDraft& venue,
-                       const std::array<double, 2>* at_px, SameColor& out, std::string& reason);
+Result<SameColor> find_same_color(const calibrate::ChannelImage& corrected, const calibrate::VenueDraft& venue,
+                                  const std::array<double, 2>* at_px);
 
 /// Thresholds as a person would set them from one patch: the range of its pixels without the outer hundredths, widened
 /// by a margin.

@@ -38,10 +38,9 @@ std::optional<Rgb> clicked_rgb(const std::string& color, const std::vector<Click
   for (const Click& click : clicks) {
     const auto image = images.find(click.image);
     if (click.color != color || image == images.end()) continue;
-    GrownPatch patch;
-    std::string reason;
-    if (!select_patch(image->second, inside, click, {}, patch, reason).ok()) continue;
-    for (const std::size_t pixel : patch.pixels) {
+    const Result<GrownPatch> patch = select_patch(image->second, inside, click, {});
+    if (!patch.ok()) continue;
+    for (const std::size_t pixel : patch.value().pixels) {
       const Channels rgb = shown_rgb(image->second.pixels[pixel], image->second.space);
       for (std::size_t c = 0; c < 3; ++c) values[c].push_back(rgb[c]);
     }
@@ -140,26 +139,22 @@ void add_doubts(DetectedColors& out) {
 
 }  // namespace
 
-Status auto_detect_colors(const VenueDraft& venue, const TeamColors& team, const std::vector<Click>& clicks,
-                          const std::map<std::string, CameraPicture>& pictures, DetectedColors& out,
-                          std::string& reason) {
-  out = {};
+Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamColors& team,
+                                          const std::vector<Click>& clicks,
+                                          const std::map<std::string, CameraPicture>& pictures) {
   const CameraParameters& model = venue.file.camera_model;
   if ((model.kind == CameraModelKind::kFull ? model.full.fx_px : model.paper.focal_px) <= 0) {
-    reason = "without clicks, the camera model is needed: calibrate the field first";
-    return ErrorCode::kNotFound;
+    return Error{ErrorCode::kNotFound, "without clicks, the camera model is needed: calibrate the field first"};
   }
   CameraModel camera;
   if (Status s = camera.configure(model); !s.ok()) {
-    reason = formatted("the camera model is invalid: %s", describe(s.code()));
-    return s;
+    return failure(s.code(), "the camera model is invalid: %s", describe(s.code()));
   }
   const Frame first = pictures.begin()->second.frame();
   auto shading = std::make_unique<Shading>();
   if (venue.light.columns > 0) {
     if (Status s = shading->build(venue.light, first.width_px, first.height_px, color_space(first.format)); !s.ok()) {
-      reason = formatted("the light map does not fit the pictures: %s", describe(s.code()));
-      return s;
+      return failure(s.code(), "the light map does not fit the pictures: %s", describe(s.code()));
     }
   }
   const auto inside = inside_mask(venue.region_of_interest, first.width_px, first.height_px);
@@ -167,14 +162,15 @@ Status auto_detect_colors(const VenueDraft& venue, const TeamColors& team, const
   for (const auto& [image, picture] : pictures) {
     const Frame frame = picture.frame();
     if (frame.width_px != first.width_px || frame.height_px != first.height_px) {
-      reason = formatted("%s is %u x %u, %s is %u x %u: all pictures must have the size of the camera's frames",
-                         image.c_str(), frame.width_px, frame.height_px, pictures.begin()->first.c_str(),
-                         first.width_px, first.height_px);
-      return ErrorCode::kInconsistent;
+      return failure(ErrorCode::kInconsistent,
+                     "%s is %u x %u, %s is %u x %u: all pictures must have the size of the camera's frames",
+                     image.c_str(), frame.width_px, frame.height_px, pictures.begin()->first.c_str(), first.width_px,
+                     first.height_px);
     }
     images[image] = corrected_channels(frame, *shading);
   }
 
+  DetectedColors out;
   AssignmentInput& input = out.input;
   input.teams = team.marker.teams;
   input.ball = team.marker.ball.color;
@@ -235,11 +231,11 @@ Status auto_detect_colors(const VenueDraft& venue, const TeamColors& team, const
           {out.images[input.picture[p]], input.colors[c].name, patch.u_px, patch.v_px, patch.radius_px, {}});
     }
   }
-  return {};
+  return out;
 }
 
-Status write_detection_picture(const std::string& path, const DetectedColors& found, const std::string& image,
-                               const CameraPicture& picture, std::string& reason) {
+Result<void> write_detection_picture(const std::string& path, const DetectedColors& found, const std::string& image,
+                                     const CameraPicture& picture) {
   const auto number =
       static_cast<std::size_t>(std::find(found.images.begin(), found.images.end(), image) - found.images.begin());
   const replay::SurfacePtr surface = replay::to_surface(picture.frame());
@@ -270,7 +266,10 @@ Status write_detection_picture(const std::string& path, const DetectedColors& fo
                         {patch.rgb[0] / 255, patch.rgb[1] / 255, patch.rgb[2] / 255}, 11);
     }
   }
-  return replay::write_png(*surface, path, reason);
+  std::string reason;
+  const Status written = replay::write_png(*surface, path, reason);
+  if (!written.ok()) return Error{written.code(), reason};
+  return {};
 }
 
 }  // namespace touchline::calibrate

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/result.h"
 #include "tools/programs/calibrate/colors/clicks.h"
 #include "tools/programs/calibrate/colors/color_assignment.h"
 #include "tools/programs/calibrate/colors/team_colors.h"
@@ -28,13 +29,13 @@ struct DetectedColors {
 /// assigns colors (assign_colors). Colors in `clicks` keep the appearance that was clicked on. Needs camera model and
 /// field of the venue; uses its light map and region of interest. kNotFound: the venue has no camera model.
 /// kInconsistent: pictures have different sizes. Also errors of Shading::build() and CameraModel::configure().
-Status auto_detect_colors(const VenueDraft& venue, const TeamColors& team, const std::vector<Click>& clicks,
-                          const std::map<std::string, CameraPicture>& pictures, DetectedColors& out,
-                          std::string& reason);
+Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamColors& team,
+                                          const std::vector<Click>& clicks,
+                                          const std::map<std::string, CameraPicture>& pictures);
 
 /// Writes the picture with a named frame around each patch of a color and a grey frame around other patches, for the
 /// person who confirms the result.
-Status write_detection_picture(const std::string& path, const DetectedColors& found, const std::string& image,
-                               const CameraPicture& picture, std::string& reason);
+Result<void> write_detection_picture(const std::string& path, const DetectedColors& found, const std::string& image,
+                                     const CameraPicture& picture);
 
 }  // namespace touchline::calibrate

@@ -5,7 +5,6 @@
 
 #include "tools/programs/calibrate/colors/box_separation.h"
 #include "tools/programs/calibrate/colors/initial_boxes.h"
-#include "tools/programs/command_line/formatted.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -112,18 +111,17 @@ std::vector<ColorCount> count_colors(const std::vector<Channels>& pixels) {
   return out;
 }
 
-Status learn_boxes(const LearningInput& input, const LearningRules& rules, LearnedColors& out, std::string& reason) {
-  out = {};
+Result<LearnedColors> learn_boxes(const LearningInput& input, const LearningRules& rules) {
   if (input.colors.empty() || input.colors.size() > kMaxColors) {
-    reason = formatted("there are %zu colors; 1 to %zu are possible", input.colors.size(), kMaxColors);
-    return ErrorCode::kOutOfRange;
+    return failure(ErrorCode::kOutOfRange, "there are %zu colors; 1 to %zu are possible", input.colors.size(),
+                   kMaxColors);
   }
   for (const ColorSamples& color : input.colors) {
     if (color.pixels.empty()) {
-      reason = formatted("color %s has no pixels", color.name.c_str());
-      return ErrorCode::kNotFound;
+      return failure(ErrorCode::kNotFound, "color %s has no pixels", color.name.c_str());
     }
   }
+  LearnedColors out;
   ColorBoxes cores = initial_boxes(input, rules);
   for (std::size_t i = 0; i < input.colors.size(); ++i) {
     for (std::size_t j = i + 1; j < input.colors.size(); ++j) {
@@ -144,12 +142,12 @@ Status learn_boxes(const LearningInput& input, const LearningRules& rules, Learn
   };
   covered(before);
   carve_background(input, rules, cores);
-  if (Status s = separate_boxes(input, rules, cores, reason); !s.ok()) return s;
+  TOUCHLINE_TRY(separate_boxes(input, rules, cores));
   covered(after);
   for (std::size_t c = 0; c < before.size(); ++c) out.cut_share.push_back(before[c] - after[c]);
   Grower(input, rules).grow(cores);
   out.boxes = cores;
-  return {};
+  return out;
 }
 
 }  // namespace touchline::calibrate

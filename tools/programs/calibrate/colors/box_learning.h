@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/color/color_tables.h"
+#include "hal/result.h"
 #include "tools/programs/calibrate/imaging/channel_image.h"
 
 namespace touchline::calibrate {
@@ -57,7 +58,7 @@ struct LearnedColors {
 /// the loss is least. Then all boxes grow together, level by level, until they meet a sample or another box, and keep
 /// half of that distance.
 /// kOutOfRange: no colors, or more than kMaxColors. kNotFound: a color without pixels. kFull: more boxes than
-/// kMaxColorBoxes. kInconsistent: two colors cannot be distinguished. `reason` names the color.
-Status learn_boxes(const LearningInput& input, const LearningRules& rules, LearnedColors& out, std::string& reason);
+/// kMaxColorBoxes. kInconsistent: two colors cannot be distinguished. The message names the color.
+Result<LearnedColors> learn_boxes(const LearningInput& input, const LearningRules& rules);
 
 }  // namespace touchline::calibrate

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "tools/programs/calibrate/colors/initial_boxes.h"
-#include "tools/programs/command_line/formatted.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -73,7 +72,7 @@ void erase(ColorBoxes& boxes, std::size_t index) {
 
 }  // namespace
 
-Status separate_boxes(const LearningInput& input, const LearningRules& rules, ColorBoxes& cores, std::string& reason) {
+Result<void> separate_boxes(const LearningInput& input, const LearningRules& rules, ColorBoxes& cores) {
   std::size_t first = 0, second = 0;
   while (overlapping_boxes(cores, first, second)) {
     const ColorBox common = common_part(cores[first], cores[second]);
@@ -90,10 +89,9 @@ Status separate_boxes(const LearningInput& input, const LearningRules& rules, Co
       cores.push_back(pieces[i].box);
     }
     if (boxes_of(cores, given.color) == 0) {
-      reason =
-          formatted("%s and %s have the same color in these pictures: replace one of them, or improve the lighting",
-                    input.colors[given.color - 1U].name.c_str(), input.colors[taker - 1U].name.c_str());
-      return ErrorCode::kInconsistent;
+      return failure(ErrorCode::kInconsistent,
+                     "%s and %s have the same color in these pictures: replace one of them, or improve the lighting",
+                     input.colors[given.color - 1U].name.c_str(), input.colors[taker - 1U].name.c_str());
     }
   }
   std::stable_sort(cores.begin(), cores.end(), [](const ColorBox& a, const ColorBox& b) { return a.color < b.color; });

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <string>
-
+#include "hal/result.h"
 #include "tools/programs/calibrate/colors/box_learning.h"
 
 namespace touchline::calibrate {
@@ -9,7 +8,7 @@ namespace touchline::calibrate {
 /// Removes overlaps between boxes of different colors. The color with fewer pixels in the overlap gives it up; the rest
 /// of its box is divided into several boxes, up to kMaxColorBoxes in total and rules.boxes_a_color per color.
 /// kInconsistent, with both names: nothing would be left of one color.
-Status separate_boxes(const LearningInput& input, const LearningRules& rules, ColorBoxes& cores, std::string& reason);
+Result<void> separate_boxes(const LearningInput& input, const LearningRules& rules, ColorBoxes& cores);
 
 /// Shrinks boxes that contain much background, side by side, where most background is removed for the fewest pixels of
 /// the color. A box loses at most rules.most_carved of its pixels; the report shows the remaining background.

@@ -4,35 +4,30 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "tools/programs/command_line/formatted.h"
-
 namespace touchline::calibrate {
 
-Status read_clicks(const std::string& path, std::vector<Click>& out, std::string& reason) {
-  out.clear();
+Result<std::vector<Click>> read_clicks(const std::string& path) {
   std::ifstream file(path);
   if (!file) {
-    reason = path + ": cannot be opened";
-    return ErrorCode::kNotFound;
+    return Error{ErrorCode::kNotFound, path + ": cannot be opened"};
   }
   const auto json = nlohmann::json::parse(file, nullptr, false);
   if (json.is_discarded()) {
-    reason = path + ": is not a JSON file";
-    return ErrorCode::kInconsistent;
+    return Error{ErrorCode::kInconsistent, path + ": is not a JSON file"};
   }
   if (!json.is_object() || !json.contains("samples") || !json["samples"].is_array()) {
-    reason = path + ": the list \"samples\" is missing";
-    return ErrorCode::kInconsistent;
+    return Error{ErrorCode::kInconsistent, path + ": the list \"samples\" is missing"};
   }
+  std::vector<Click> out;
   for (const auto& sample : json["samples"]) {
     const auto has = [&](const char* key, bool number) {
       return sample.is_object() && sample.contains(key) && (number ? sample[key].is_number() : sample[key].is_string());
     };
     const bool boxed = sample.is_object() && sample.contains("box");
     if (!has("image", false) || !has("color", false) || (!boxed && (!has("u", true) || !has("v", true)))) {
-      reason = formatted("%s: sample %zu: needs image and color (text), u and v (numbers) or box (four numbers)",
-                         path.c_str(), out.size());
-      return ErrorCode::kInconsistent;
+      return failure(ErrorCode::kInconsistent,
+                     "%s: sample %zu: needs image and color (text), u and v (numbers) or box (four numbers)",
+                     path.c_str(), out.size());
     }
     Click click{sample["image"].get<std::string>(), sample["color"].get<std::string>(), 0, 0, 0, {}};
     if (boxed) {
@@ -40,9 +35,9 @@ Status read_clicks(const std::string& path, std::vector<Click>& out, std::string
       const bool numbers = box.is_array() && box.size() == 4 &&
                            std::all_of(box.begin(), box.end(), [](const auto& x) { return x.is_number(); });
       if (!numbers || box[0] == box[2] || box[1] == box[3]) {
-        reason = formatted("%s: sample %zu: box needs four numbers, u0, v0, u1, v1, with u0 != u1 and v0 != v1",
-                           path.c_str(), out.size());
-        return ErrorCode::kInconsistent;
+        return failure(ErrorCode::kInconsistent,
+                       "%s: sample %zu: box needs four numbers, u0, v0, u1, v1, with u0 != u1 and v0 != v1",
+                       path.c_str(), out.size());
       }
       const double u0 = box[0], v0 = box[1], u1 = box[2], v1 = box[3];
       click.box = {std::min(u0, u1), std::min(v0, v1), std::max(u0, u1), std::max(v0, v1)};
@@ -55,10 +50,9 @@ Status read_clicks(const std::string& path, std::vector<Click>& out, std::string
     out.push_back(std::move(click));
   }
   if (out.empty()) {
-    reason = path + ": the list \"samples\" is empty";
-    return ErrorCode::kInconsistent;
+    return Error{ErrorCode::kInconsistent, path + ": the list \"samples\" is empty"};
   }
-  return {};
+  return out;
 }
 
 }  // namespace touchline::calibrate

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/status.h"
+#include "hal/result.h"
 
 namespace touchline::calibrate {
 
@@ -21,6 +21,6 @@ struct Click {
 /// Reads {"samples": [{"image", "color", "u", "v"}, ...]}, where "box": [u0, v0, u1, v1] (any two opposite corners) can
 /// replace u and v. Other keys are ignored. kNotFound, kIo: errors of the file. kInconsistent: wrong content. `reason`
 /// names the file and the sample (counted from 0).
-Status read_clicks(const std::string& path, std::vector<Click>& out, std::string& reason);
+Result<std::vector<Click>> read_clicks(const std::string& path);
 
 }  // namespace touchline::calibrate

@@ -6,7 +6,6 @@
 
 #include "tools/programs/calibrate/colors/initial_boxes.h"
 #include "tools/programs/calibrate/colors/patch_selection.h"
-#include "tools/programs/command_line/formatted.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -99,45 +98,43 @@ bool touches_click(const Scene& scene, const Runs& runs, const Region& region) {
 
 class Fitter {
  public:
-  Fitter(const ColorFitInput& input, ColorFit& out, std::string& reason)
-      : input_(input), out_(out), reason_(reason), scan_(std::make_unique<Scan>()) {}
+  explicit Fitter(const ColorFitInput& input) : input_(input), scan_(std::make_unique<Scan>()) {}
 
-  Status run() {
-    if (Status s = read_scenes(); !s.ok()) return s;
-    if (Status s = grow_clicks(); !s.ok()) return s;
+  Result<ColorFit> run() {
+    TOUCHLINE_TRY(read_scenes());
+    TOUCHLINE_TRY(grow_clicks());
     LearningInput learning = samples();
     // Finds similar regions first: a patch without a click would push the boxes away from its own color.
-    if (Status s = reserve_look_alikes(learning); !s.ok()) return s;
+    TOUCHLINE_TRY(reserve_look_alikes(learning));
     learning.background = background();
     if (!learning.background.empty()) out_.background = median(learning.background);
-    if (Status s = learn_boxes(learning, input_.rules, out_.learned, reason_); !s.ok()) return s;
+    TOUCHLINE_TRY_ASSIGN(out_.learned, learn_boxes(learning, input_.rules));
     out_.advice = advise(learning, input_.rules, out_.shown_rgb, out_.learned.margins, kLeastPairMargin);
-    return judge();
+    TOUCHLINE_TRY(judge());
+    return std::move(out_);
   }
 
  private:
-  Status read_scenes() {
+  Result<void> read_scenes() {
     if (input_.pictures.empty()) {
-      reason_ = "there is no picture";
-      return ErrorCode::kNotFound;
+      return Error{ErrorCode::kNotFound, "there is no picture"};
     }
     const Frame first = input_.pictures.begin()->second.frame();
     out_.space = color_space(first.format);
     auto shading = std::make_unique<Shading>();
     if (input_.light.columns > 0) {
       if (Status s = shading->build(input_.light, first.width_px, first.height_px, out_.space); !s.ok()) {
-        reason_ = formatted("the light map does not fit the pictures: %s", describe(s.code()));
-        return s;
+        return failure(s.code(), "the light map does not fit the pictures: %s", describe(s.code()));
       }
     }
     inside_ = inside_mask(input_.region_of_interest, first.width_px, first.height_px);
     for (const auto& [image, picture] : input_.pictures) {
       const Frame frame = picture.frame();
       if (frame.format != first.format || frame.width_px != first.width_px || frame.height_px != first.height_px) {
-        reason_ = formatted("%s is %u x %u, %s is %u x %u: all pictures must have the size of the camera's frames",
-                            image.c_str(), frame.width_px, frame.height_px, input_.pictures.begin()->first.c_str(),
-                            first.width_px, first.height_px);
-        return ErrorCode::kInconsistent;
+        return failure(ErrorCode::kInconsistent,
+                       "%s is %u x %u, %s is %u x %u: all pictures must have the size of the camera's frames",
+                       image.c_str(), frame.width_px, frame.height_px, input_.pictures.begin()->first.c_str(),
+                       first.width_px, first.height_px);
       }
       Scene scene{image, &picture, corrected_channels(frame, *shading), {}, {}};
       scene.owner.assign(scene.channels.pixels.size(), 0);
@@ -147,7 +144,7 @@ class Fitter {
     return {};
   }
 
-  Status grow_clicks() {
+  Result<void> grow_clicks() {
     for (const Click& click : input_.clicks) {
       auto name = std::find(out_.names.begin(), out_.names.end(), click.color);
       if (name == out_.names.end()) name = out_.names.insert(out_.names.end(), click.color);
@@ -158,15 +155,20 @@ class Fitter {
       GrownPatch patch;
       if (scene == scenes_.end()) {
         result.reason = "the picture is missing";
-      } else if (select_patch(scene->channels, inside_, click, input_.growth, patch, result.reason).ok()) {
+      } else if (Result<GrownPatch> selected = select_patch(scene->channels, inside_, click, input_.growth);
+                 selected.ok()) {
+        patch = std::move(selected).value();
         result.area_px = patch.pixels.size();
         for (const std::size_t pixel : patch.pixels) {
           scene->owner[pixel] = static_cast<std::uint8_t>(color + 1);
           reserve_pixel(*scene, pixel);
         }
-      } else if (scene->channels.contains(static_cast<int>(click.u_px), static_cast<int>(click.v_px))) {
-        // An object is there although its outline is unclear.
-        reserve_around(*scene, static_cast<int>(click.u_px), static_cast<int>(click.v_px), kNearClick);
+      } else {
+        result.reason = selected.text();
+        if (scene->channels.contains(static_cast<int>(click.u_px), static_cast<int>(click.v_px))) {
+          // An object is there although its outline is unclear.
+          reserve_around(*scene, static_cast<int>(click.u_px), static_cast<int>(click.v_px), kNearClick);
+        }
       }
       patches_.push_back(
           {scene == scenes_.end() ? 0 : static_cast<std::size_t>(scene - scenes_.begin()), color, std::move(patch)});
@@ -189,11 +191,11 @@ class Fitter {
     }
     for (std::size_t c = 0; c < patch_area_.size(); ++c) {
       if (patch_area_[c] == 0) {
-        reason_ = formatted("color %s: no click selected a patch", out_.names[c].c_str());
+        std::string text = "color " + out_.names[c] + ": no click selected a patch";
         for (std::size_t i = 0; i < patches_.size(); ++i) {
-          if (patches_[i].color == c) reason_ += " (" + out_.clicks[i].reason + ")";
+          if (patches_[i].color == c) text += " (" + out_.clicks[i].reason + ")";
         }
-        return ErrorCode::kNotFound;
+        return Error{ErrorCode::kNotFound, text};
       }
     }
     return {};
@@ -220,13 +222,12 @@ class Fitter {
     return learning;
   }
 
-  Status reserve_look_alikes(const LearningInput& learning) {
+  Result<void> reserve_look_alikes(const LearningInput& learning) {
     LearningRules rules = input_.rules;
     rules.max_margin = 6;  // noise between two patches of a color
-    LearnedColors cores;
-    if (Status s = learn_boxes(learning, rules, cores, reason_); !s.ok()) return s;
+    TOUCHLINE_TRY_ASSIGN(const LearnedColors cores, learn_boxes(learning, rules));
     for (Scene& scene : scenes_) {
-      if (Status s = scan(input_, cores.boxes, *scene.picture, *scan_); !s.ok()) return fail_scan(s);
+      if (Status s = scan(input_, cores.boxes, *scene.picture, *scan_); !s.ok()) return scan_error(s);
       for (const Region& region : scan_->regions) {
         if (!is_look_alike(region) || touches_click(scene, scan_->runs, region)) continue;
         each_pixel(scan_->runs, region, [&](int u, int v) { reserve_around(scene, u, v, kLookAlike); });
@@ -255,7 +256,7 @@ class Fitter {
   }
 
   // Classifies each picture like the firmware.
-  Status judge() {
+  Result<void> judge() {
     const std::size_t colors = out_.names.size();
     std::vector<double> clicked(colors), caught(colors);
     double background = 0;
@@ -263,7 +264,7 @@ class Fitter {
     for (std::size_t s = 0; s < scenes_.size(); ++s) {
       Scene& scene = scenes_[s];
       if (Status status = scan(input_, out_.learned.boxes, *scene.picture, *scan_); !status.ok())
-        return fail_scan(status);
+        return scan_error(status);
       std::vector<std::uint8_t> classified(scene.channels.pixels.size(), 0);
       for (const Region& region : scan_->regions) {
         each_pixel(scan_->runs, region, [&](int u, int v) { classified[scene.channels.index(u, v)] = region.color; });
@@ -295,9 +296,8 @@ class Fitter {
     return {};
   }
 
-  Status fail_scan(Status status) {
-    reason_ = formatted("the pictures cannot be classified: %s", describe(status.code()));
-    return status;
+  static Error scan_error(Status status) {
+    return failure(status.code(), "the pictures cannot be classified: %s", describe(status.code()));
   }
 
   struct Grown {
@@ -305,8 +305,7 @@ class Fitter {
     GrownPatch patch;
   };
   const ColorFitInput& input_;
-  ColorFit& out_;
-  std::string& reason_;
+  ColorFit out_;
   std::unique_ptr<Scan> scan_;
   std::vector<Scene> scenes_;
   std::vector<std::uint8_t> inside_;
@@ -316,10 +315,7 @@ class Fitter {
 
 }  // namespace
 
-Status fit_colors(const ColorFitInput& input, ColorFit& out, std::string& reason) {
-  out = {};
-  return Fitter(input, out, reason).run();
-}
+Result<ColorFit> fit_colors(const ColorFitInput& input) { return Fitter(input).run(); }
 
 std::vector<std::uint8_t> preview_rgb(const ColorFitInput& input, const ColorFit& fit, const CameraPicture& picture) {
   const ChannelImage channels = corrected_channels(picture.frame(), Shading{});

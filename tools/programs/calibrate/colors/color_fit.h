@@ -6,7 +6,7 @@
 
 #include "core/light/light_map.h"
 #include "core/region/region_scanner.h"
-#include "core/status.h"
+#include "hal/result.h"
 #include "tools/programs/calibrate/colors/box_learning.h"
 #include "tools/programs/calibrate/colors/clicks.h"
 #include "tools/programs/calibrate/colors/color_advice.h"
@@ -62,7 +62,7 @@ struct ColorFit {
 /// size of a patch but without a click do not count as background; they are reported. Clicks without a patch are
 /// reported and ignored. kNotFound: a color without a usable click. kInconsistent: pictures differ in size or format.
 /// Otherwise as learn_boxes().
-Status fit_colors(const ColorFitInput& input, ColorFit& out, std::string& reason);
+Result<ColorFit> fit_colors(const ColorFitInput& input);
 
 /// Draws the classified picture: classified pixels in the color of their class, all others dimmed.
 std::vector<std::uint8_t> preview_rgb(const ColorFitInput& input, const ColorFit& fit, const CameraPicture& picture);

@@ -13,7 +13,6 @@
 #include "tools/programs/calibrate/colors/auto_detect.h"
 #include "tools/programs/calibrate/colors/color_fit.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
-#include "tools/programs/command_line/command_line.h"
 #include "tools/programs/command_line/formatted.h"
 
 namespace touchline::calibrate {
@@ -22,15 +21,14 @@ namespace {
 namespace fs = std::filesystem;
 
 // Checks that each color of the team file has a click.
-bool all_colors_shown(const std::string& path, const TeamColors& team, const std::vector<Click>& clicks,
-                      std::string& reason) {
+Result<void> check_all_colors(const std::string& path, const TeamColors& team, const std::vector<Click>& clicks) {
   std::string missing;
   for (const std::string& name : team.names) {
     if (std::none_of(clicks.begin(), clicks.end(), [&](const Click& c) { return c.color == name; }))
       missing += " " + name;
   }
-  if (!missing.empty()) reason = path + ": these colors have no click:" + missing;
-  return missing.empty();
+  if (missing.empty()) return {};
+  return failure(ErrorCode::kNotFound, "%s: these colors have no click:%s", path.c_str(), missing.c_str());
 }
 
 // Prints the result for the person who confirms it.
@@ -155,88 +153,77 @@ std::string ColorsCommand::preview_folder() const {
 }
 
 // Reads clicks and pictures.
-bool ColorsCommand::read_input(ColorFitInput& input, std::string& reason) const {
+Result<void> ColorsCommand::read_input(ColorFitInput& input) const {
   if (samples.empty() && pictures.empty()) {
-    reason = "either --picture or --samples is needed";
-    return false;
+    return failure(ErrorCode::kNotFound, "either --picture or --samples is needed");
   }
   const auto pixel_format = format_of(format);
-  if (!pixel_format) {
-    reason = "--format: " + format + " is unknown";
-    return false;
+  if (!pixel_format) return failure(ErrorCode::kUnsupported, "--format: %s is unknown", format.c_str());
+  if (!samples.empty()) {
+    TOUCHLINE_TRY_ASSIGN(input.clicks, read_clicks(samples));
   }
-  if (!samples.empty() && !read_clicks(samples, input.clicks, reason).ok()) return false;
-  const auto load = [&](const std::string& path, const std::string& name) {
-    return input.pictures.count(name) > 0 ||
-           CameraPicture::load(path, *pixel_format, input.pictures[name], reason).ok();
+  const auto load = [&](const std::string& path, const std::string& name) -> Result<void> {
+    if (input.pictures.count(name) > 0) return {};
+    TOUCHLINE_TRY_ASSIGN(input.pictures[name], CameraPicture::load(path, *pixel_format));
+    return {};
   };
   const fs::path root = images.empty() ? fs::path(samples).parent_path() : fs::path(images);
   std::map<std::string, std::string> name_of;  // loads each picture once, whatever its name
   std::error_code error;
   for (const Click& click : input.clicks) {
     const std::string path = (root / click.image).string();
-    if (!load(path, click.image)) return false;
+    TOUCHLINE_TRY(load(path, click.image));
     name_of[fs::weakly_canonical(path, error).string()] = click.image;
   }
   for (const std::string& path : pictures) {
-    if (name_of.count(fs::weakly_canonical(path, error).string()) == 0 && !load(path, path)) return false;
+    if (name_of.count(fs::weakly_canonical(path, error).string()) == 0) TOUCHLINE_TRY(load(path, path));
   }
-  return true;
+  return {};
 }
 
 // Adds the detected patches to the clicks after a person has confirmed them.
-bool ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput& input, std::string& reason) const {
-  if (team.empty()) {
-    reason = "--picture needs --team, which names the colors to detect";
-    return false;
-  }
-  TeamColors wanted;
-  DetectedColors found;
-  if (!read_team_colors(team, wanted, reason).ok() ||
-      !auto_detect_colors(draft, wanted, input.clicks, input.pictures, found, reason).ok()) {
-    return false;
-  }
+Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput& input) const {
+  if (team.empty()) return failure(ErrorCode::kNotFound, "--picture needs --team, which names the colors to detect");
+  TOUCHLINE_TRY_ASSIGN(const TeamColors wanted, read_team_colors(team));
+  TOUCHLINE_TRY_ASSIGN(DetectedColors found, auto_detect_colors(draft, wanted, input.clicks, input.pictures));
   print_detected(found);
   const std::string folder = preview_folder();
   std::error_code error;
   fs::create_directories(folder, error);
   for (const auto& [image, picture] : input.pictures) {
     const std::string path = (fs::path(folder) / (fs::path(image).stem().string() + "-found.png")).string();
-    if (!write_detection_picture(path, found, image, picture, reason).ok()) return false;
+    TOUCHLINE_TRY(write_detection_picture(path, found, image, picture));
   }
   std::printf("pictures of the result are in %s\n", folder.c_str());
   if (!found.doubts.empty()) {
-    reason = "the colors are not certain:";
-    for (const std::string& doubt : found.doubts) reason += "\n  " + doubt;
-    return false;
+    std::string text = "the colors are not certain:";
+    for (const std::string& doubt : found.doubts) text += "\n  " + doubt;
+    return Error{ErrorCode::kInconsistent, text};
   }
   if (!yes && (isatty(STDIN_FILENO) == 0 || !confirmed())) {
-    reason = "not confirmed, nothing was written: check the pictures in " + folder + ", then run this again with --yes";
-    return false;
+    return failure(ErrorCode::kInconsistent,
+                   "not confirmed, nothing was written: check the pictures in %s, then run this again with --yes",
+                   folder.c_str());
   }
   input.clicks.insert(input.clicks.end(), found.clicks.begin(), found.clicks.end());
   input.unclear = std::move(found.unclear);
-  return true;
+  return {};
 }
 
-int ColorsCommand::run() const {
+Result<void> ColorsCommand::run() const {
   std::string reason;
-  VenueDraft draft;
-  if (!read_draft(venue, draft, reason).ok()) return fail("touchline-calibrate", reason);
+  TOUCHLINE_TRY_ASSIGN(const VenueDraft draft, read_draft(venue));
   ColorFitInput input;
-  if (!read_input(input, reason)) return fail("touchline-calibrate", reason);
+  TOUCHLINE_TRY(read_input(input));
   input.light = draft.light;
   input.region_of_interest = draft.region_of_interest;
   input.growth.radius_px = patch_radius_px;
-  if (!pictures.empty() && !detect_colors(draft, input, reason)) return fail("touchline-calibrate", reason);
+  if (!pictures.empty()) TOUCHLINE_TRY(detect_colors(draft, input));
   if (!team.empty()) {
-    TeamColors wanted;
-    if (!read_team_colors(team, wanted, reason).ok() || !all_colors_shown(team, wanted, input.clicks, reason)) {
-      return fail("touchline-calibrate", reason);
-    }
+    TOUCHLINE_TRY_ASSIGN(const TeamColors wanted, read_team_colors(team));
+    TOUCHLINE_TRY(check_all_colors(team, wanted, input.clicks));
   }
-  ColorFit fit;
-  if (!fit_colors(input, fit, reason).ok()) return fail("touchline-calibrate", reason);
+  TOUCHLINE_TRY_ASSIGN(const ColorFit fit, fit_colors(input));
   print_report(input, fit);
 
   std::vector<config::ColorEntry> entries;
@@ -252,11 +239,9 @@ int ColorsCommand::run() const {
   }
   config::ColorsEntry colors{fit.space, {}};
   if (fit.background) colors.background.assign(fit.background->begin(), fit.background->end());
-  if (!write_sections(venue, {section_of("colors", colors, ""), section_of("color", entries)}, reason).ok()) {
-    return fail("touchline-calibrate", reason);
-  }
+  TOUCHLINE_TRY(write_sections(venue, {section_of("colors", colors, ""), section_of("color", entries)}));
   std::printf("%s: %zu colors in %zu boxes written\n", venue.c_str(), entries.size(), fit.learned.boxes.size());
-  if (preview.empty()) return 0;
+  if (preview.empty()) return {};
   std::error_code error;
   fs::create_directories(preview, error);
   for (const auto& [image, picture] : input.pictures) {
@@ -265,9 +250,9 @@ int ColorsCommand::run() const {
     drawn.height_px = picture.frame().height_px;
     drawn.rgb8 = preview_rgb(input, fit, picture);
     const std::string path = (fs::path(preview) / (fs::path(image).stem().string() + ".png")).string();
-    if (!hal::write_picture(path, drawn, reason).ok()) return fail("touchline-calibrate", reason);
+    if (!hal::write_picture(path, drawn, reason).ok()) return Error{ErrorCode::kInconsistent, reason};
   }
-  return 0;
+  return {};
 }
 
 }  // namespace touchline::calibrate

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "hal/result.h"
+
 namespace CLI {
 class App;
 }
@@ -19,14 +21,13 @@ struct ColorsCommand {
   bool yes = false;
   int patch_radius_px = 24;
   void add_options(CLI::App& app);
-  /// Prints a report to standard output and errors to standard error. Returns the exit code: kExitOk if the venue file
-  /// was written, kExitBadFile if it is unchanged.
-  int run() const;
+  /// Prints a report to standard output. On error the venue file is unchanged.
+  Result<void> run() const;
 
  private:
   [[nodiscard]] std::string preview_folder() const;
-  bool read_input(ColorFitInput& input, std::string& reason) const;
-  bool detect_colors(const VenueDraft& draft, ColorFitInput& input, std::string& reason) const;
+  Result<void> read_input(ColorFitInput& input) const;
+  Result<void> detect_colors(const VenueDraft& draft, ColorFitInput& input) const;
 };
 
 }  // namespace touchline::calibrate

@@ -150,7 +150,6 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
     }
   };
   std::vector<FoundPatch> grown_patches;
-  std::string reason;
   for (const auto& even : seeds) {
     for (const auto& [u, v] : even) {
       if (tried[image.index(u, v)] != 0) continue;
@@ -161,17 +160,14 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
       GrowthLimits limits;
       const double scale = static_cast<double>(camera.scale_px_per_m(place, static_cast<float>(height)));
       limits.radius_px = std::clamp(static_cast<int>(std::ceil(extent * scale)) + 3, 5, 120);
-      GrownPatch grown;
-      if (!grow_region(image, inside, u, v, limits, grown, reason).ok()) continue;
-      FoundPatch patch = patch_of(image, at, limits, std::move(grown));
+      Result<GrownPatch> grown = grow_region(image, inside, u, v, limits);
+      if (!grown.ok()) continue;
+      FoundPatch patch = patch_of(image, at, limits, std::move(grown).value());
       // Grows again from the center, like a click of a person: a region that grew from an edge is the edge and
       // everything inside it.
-      if (const PixelPoint middle{std::round(patch.center.u_px), std::round(patch.center.v_px)};
-          grow_region(image, inside, static_cast<double>(middle.u_px), static_cast<double>(middle.v_px), limits, grown,
-                      reason)
-              .ok()) {
-        patch = patch_of(image, middle, limits, std::move(grown));
-      }
+      const PixelPoint middle{std::round(patch.center.u_px), std::round(patch.center.v_px)};
+      grown = grow_region(image, inside, static_cast<double>(middle.u_px), static_cast<double>(middle.v_px), limits);
+      if (grown.ok()) patch = patch_of(image, middle, limits, std::move(grown).value());
       const bool fits = std::any_of(sizes.begin(), sizes.end(), [&](const PatchSize& size) {
         const double relative = relative_area(patch, camera, size);
         return relative >= kLeastRelativeArea && relative <= kMostRelativeArea;

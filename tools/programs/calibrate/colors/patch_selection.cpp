@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "tools/programs/command_line/formatted.h"
-
 namespace touchline::calibrate {
 namespace {
 
@@ -32,8 +30,8 @@ double support(const ChannelImage& image, const std::vector<Sample>& samples, co
   return sum;
 }
 
-Status select_in_box(const ChannelImage& image, const std::vector<std::uint8_t>& inside,
-                     const std::array<double, 4>& box, std::size_t min_area_px, GrownPatch& out, std::string& reason) {
+Result<GrownPatch> select_in_box(const ChannelImage& image, const std::vector<std::uint8_t>& inside,
+                                 const std::array<double, 4>& box, std::size_t min_area_px) {
   const auto bounded = [](double x, int end) {
     return static_cast<int>(std::clamp(x, -1.0, static_cast<double>(end)));
   };
@@ -50,8 +48,8 @@ Status select_in_box(const ChannelImage& image, const std::vector<std::uint8_t>&
     }
   }
   if (samples.size() < min_area_px) {
-    reason = formatted("the rectangle has %zu pixels inside the picture and the region of interest", samples.size());
-    return ErrorCode::kNotFound;
+    return failure(ErrorCode::kNotFound, "the rectangle has %zu pixels inside the picture and the region of interest",
+                   samples.size());
   }
   double best = 0;
   Channels color{};
@@ -70,24 +68,24 @@ Status select_in_box(const ChannelImage& image, const std::vector<std::uint8_t>&
     support(image, samples, color, mean);
     color = mean;
   }
+  GrownPatch patch;
   for (const Sample& s : samples) {
-    if (color_distance(image.pixels[s.pixel], color, image.space) <= kOneColor) out.pixels.push_back(s.pixel);
+    if (color_distance(image.pixels[s.pixel], color, image.space) <= kOneColor) patch.pixels.push_back(s.pixel);
   }
-  out.tolerance = kOneColor;
-  if (out.pixels.size() >= min_area_px) return {};
-  reason = formatted("fewer than %zu pixels of one color in the rectangle", min_area_px);
-  out = {};
-  return ErrorCode::kNotFound;
+  patch.tolerance = kOneColor;
+  if (patch.pixels.size() < min_area_px) {
+    return failure(ErrorCode::kNotFound, "fewer than %zu pixels of one color in the rectangle", min_area_px);
+  }
+  return patch;
 }
 
 }  // namespace
 
-Status select_patch(const ChannelImage& image, const std::vector<std::uint8_t>& inside, const Click& click,
-                    GrowthLimits limits, GrownPatch& out, std::string& reason) {
-  out = {};
-  if (click.box) return select_in_box(image, inside, *click.box, limits.min_area_px, out, reason);
+Result<GrownPatch> select_patch(const ChannelImage& image, const std::vector<std::uint8_t>& inside, const Click& click,
+                                GrowthLimits limits) {
+  if (click.box) return select_in_box(image, inside, *click.box, limits.min_area_px);
   if (click.radius_px > 0) limits.radius_px = click.radius_px;
-  return grow_region(image, inside, click.u_px, click.v_px, limits, out, reason);
+  return grow_region(image, inside, click.u_px, click.v_px, limits);
 }
 
 }  // namespace touchline::calibrate

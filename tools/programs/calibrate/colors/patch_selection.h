@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/status.h"
+#include "hal/result.h"
 #include "tools/programs/calibrate/colors/clicks.h"
 #include "tools/programs/calibrate/colors/region_growing.h"
 
@@ -13,7 +13,7 @@ namespace touchline::calibrate {
 /// rectangle: the largest set of pixels of one color, with higher weight near the center, so that the rectangle may be
 /// smaller or larger than the patch. kNotFound, with the reason: see grow_region(), or the rectangle contains no single
 /// color.
-Status select_patch(const ChannelImage& image, const std::vector<std::uint8_t>& inside, const Click& click,
-                    GrowthLimits limits, GrownPatch& out, std::string& reason);
+Result<GrownPatch> select_patch(const ChannelImage& image, const std::vector<std::uint8_t>& inside, const Click& click,
+                                GrowthLimits limits);
 
 }  // namespace touchline::calibrate

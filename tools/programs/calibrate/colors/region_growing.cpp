@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "tools/programs/command_line/formatted.h"
-
 namespace touchline::calibrate {
 namespace {
 
@@ -106,17 +104,14 @@ class Window {
 
 }  // namespace
 
-Status grow_region(const ChannelImage& image, const std::vector<std::uint8_t>& inside, double u_px, double v_px,
-                   const GrowthLimits& limits, GrownPatch& out, std::string& reason) {
-  out = {};
+Result<GrownPatch> grow_region(const ChannelImage& image, const std::vector<std::uint8_t>& inside, double u_px,
+                               double v_px, const GrowthLimits& limits) {
   const int u = static_cast<int>(std::lround(u_px)), v = static_cast<int>(std::lround(v_px));
   if (!image.contains(u, v)) {
-    reason = formatted("outside the picture (%d x %d)", image.width_px, image.height_px);
-    return ErrorCode::kNotFound;
+    return failure(ErrorCode::kNotFound, "outside the picture (%d x %d)", image.width_px, image.height_px);
   }
   if (inside[image.index(u, v)] == 0) {
-    reason = "outside the region of interest";
-    return ErrorCode::kNotFound;
+    return Error{ErrorCode::kNotFound, "outside the region of interest"};
   }
   const Window window(image, inside, u, v, limits.radius_px);
   std::array<double, kMaxDistance + 1> area{};
@@ -143,19 +138,19 @@ Status grow_region(const ChannelImage& image, const std::vector<std::uint8_t>& i
   }
   if (best < 0) {
     if (border_at <= 2 * kStep) {
-      reason = formatted("the surface clicked on is larger than a patch (%d px around the click)", limits.radius_px);
-    } else if (area[static_cast<std::size_t>(std::min(border_at, kMaxDistance))] <
-               static_cast<double>(limits.min_area_px)) {
-      reason = formatted("fewer than %zu pixels of one color (an edge or noise)", limits.min_area_px);
-    } else {
-      reason = "no edge around it: the color merges into its surroundings";
+      return failure(ErrorCode::kNotFound, "the surface clicked on is larger than a patch (%d px around the click)",
+                     limits.radius_px);
     }
-    return ErrorCode::kNotFound;
+    if (area[static_cast<std::size_t>(std::min(border_at, kMaxDistance))] < static_cast<double>(limits.min_area_px)) {
+      return failure(ErrorCode::kNotFound, "fewer than %zu pixels of one color (an edge or noise)", limits.min_area_px);
+    }
+    return failure(ErrorCode::kNotFound, "no edge around it: the color merges into its surroundings");
   }
-  out.tolerance = best;
-  out.instability = best_score;
-  window.pixels(image, best, out.pixels);
-  return {};
+  GrownPatch patch;
+  patch.tolerance = best;
+  patch.instability = best_score;
+  window.pixels(image, best, patch.pixels);
+  return patch;
 }
 
 }  // namespace touchline::calibrate

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/status.h"
+#include "hal/result.h"
 #include "tools/programs/calibrate/imaging/channel_image.h"
 
 namespace touchline::calibrate {
@@ -24,7 +24,7 @@ struct GrownPatch {
 /// tolerance (the stability of maximally stable extremal regions, Matas et al. 2002, with the distance to the color of
 /// the click in place of the grey level). It ends at the edge of the patch and needs no threshold that depends on the
 /// lamps. kNotFound, with the reason: outside the picture or the region of interest, no stable region, or too large.
-Status grow_region(const ChannelImage& image, const std::vector<std::uint8_t>& inside, double u_px, double v_px,
-                   const GrowthLimits& limits, GrownPatch& out, std::string& reason);
+Result<GrownPatch> grow_region(const ChannelImage& image, const std::vector<std::uint8_t>& inside, double u_px,
+                               double v_px, const GrowthLimits& limits);
 
 }  // namespace touchline::calibrate

@@ -9,8 +9,8 @@
 
 namespace touchline::calibrate {
 
-Status read_team_colors(const std::string& path, TeamColors& out, std::string& reason) {
-  out = {};
+Result<TeamColors> read_team_colors(const std::string& path) {
+  TeamColors out;
   config::TeamFile team;
   config::Locations where;
   config::Problems problems;
@@ -34,10 +34,11 @@ Status read_team_colors(const std::string& path, TeamColors& out, std::string& r
     if (!problems.empty()) status = ErrorCode::kInconsistent;
   }
   if (!status.ok()) {
-    reason = problems.text();
-    while (!reason.empty() && reason.back() == '\n') reason.pop_back();
+    std::string text = problems.text();
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    return Error{status.code(), text};
   }
-  return status;
+  return out;
 }
 
 }  // namespace touchline::calibrate

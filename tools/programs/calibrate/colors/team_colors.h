@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/marker/matcher.h"
-#include "core/status.h"
+#include "hal/result.h"
 
 namespace touchline::calibrate {
 
@@ -16,6 +16,6 @@ struct TeamColors {
 
 /// Reads and checks a team file without a venue. Errors: see config::read_toml() and resolve_team(); `reason` has one
 /// line per error.
-Status read_team_colors(const std::string& path, TeamColors& out, std::string& reason);
+Result<TeamColors> read_team_colors(const std::string& path);
 
 }  // namespace touchline::calibrate

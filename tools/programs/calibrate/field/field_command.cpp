@@ -61,8 +61,12 @@ Status read_pixels(const std::vector<std::string>& words, const char* option, st
 
 Status load_photographs(const std::vector<std::string>& paths, std::vector<hal::Picture>& out, std::string& reason) {
   for (const std::string& path : paths) {
-    hal::Picture picture;
-    if (Status s = load_rgb(path, picture, reason); !s.ok()) return s;
+    Result<hal::Picture> loaded = load_rgb(path);
+    if (!loaded.ok()) {
+      reason = loaded.text();
+      return loaded.code();
+    }
+    hal::Picture picture = std::move(loaded).value();
     if (!out.empty() && (picture.width_px != out[0].width_px || picture.height_px != out[0].height_px)) {
       reason = formatted("%s is %u x %u, but %s is %u x %u", path.c_str(), picture.width_px, picture.height_px,
                          paths[0].c_str(), out[0].width_px, out[0].height_px);
@@ -296,18 +300,17 @@ bool FieldCommand::find_camera(const std::vector<hal::Picture>& photographs, con
   return true;
 }
 
-int FieldCommand::run() const {
+Result<void> FieldCommand::run() const {
   const auto begin = std::chrono::steady_clock::now();
   std::string reason;
-  VenueDraft draft;
-  if (!read_draft(venue, draft, reason).ok()) return fail("touchline-calibrate", reason);
+  TOUCHLINE_TRY_ASSIGN(const VenueDraft draft, read_draft(venue));
   std::vector<hal::Picture> photographs;
-  if (!load_photographs(pictures, photographs, reason).ok()) return fail("touchline-calibrate", reason);
+  if (!load_photographs(pictures, photographs, reason).ok()) return Error{ErrorCode::kInconsistent, reason};
   const hal::Picture& photograph = photographs[0];
 
   FieldDrawing drawn;
   std::optional<HeightPrior> height;
-  if (!choose_drawing(draft, drawn, height, reason)) return fail("touchline-calibrate", reason);
+  if (!choose_drawing(draft, drawn, height, reason)) return Error{ErrorCode::kInconsistent, reason};
   const FieldParameters& field = drawn.field;
   FieldReport found;
   found.marks = marks_of(drawn);
@@ -323,27 +326,27 @@ int FieldCommand::run() const {
   if (camera_height_m > 0) input.camera_height_m = camera_height_m;
   if (!corners.empty()) {
     std::vector<PixelPoint> pixels;
-    if (!read_pixels(corners, "--corners", pixels, reason).ok()) return fail("touchline-calibrate", reason);
+    if (!read_pixels(corners, "--corners", pixels, reason).ok()) return Error{ErrorCode::kInconsistent, reason};
     const Corners four = {pixels[0], pixels[1], pixels[2], pixels[3]};
-    if (!check_corners(four, reason).ok()) return fail("touchline-calibrate", "--corners: " + reason);
+    if (!check_corners(four, reason).ok()) return Error{ErrorCode::kInconsistent, "--corners: " + reason};
     input.points = corner_points(four, static_cast<double>(field.length_m), static_cast<double>(field.width_m));
   }
   for (const std::string& word : points) {
     const auto n = numbers_of(word, 4);
-    if (!n) return fail("touchline-calibrate", "--point: \"" + word + "\" is not x,y,u,v");
+    if (!n) return Error{ErrorCode::kInconsistent, "--point: \"" + word + "\" is not x,y,u,v"};
     input.points.push_back({(*n)[0], (*n)[1], (*n)[2], (*n)[3]});
   }
   const bool clicked = !input.points.empty();
   if (clicked && input.points.size() < 4)
-    return fail("touchline-calibrate", "at least four corners and points are needed, or none");
+    return Error{ErrorCode::kInconsistent, "at least four corners and points are needed, or none"};
   std::vector<PixelPoint> polygon;
-  if (!read_pixels(region, "--roi", polygon, reason).ok()) return fail("touchline-calibrate", reason);
+  if (!read_pixels(region, "--roi", polygon, reason).ok()) return Error{ErrorCode::kInconsistent, reason};
   if (!polygon.empty() && (polygon.size() < 3 || polygon.size() > kMaxPolygonPoints)) {
-    return fail("touchline-calibrate",
-                formatted("--roi: there are %zu corners; 3 to %zu are possible", polygon.size(), kMaxPolygonPoints));
+    return Error{ErrorCode::kInconsistent,
+                 formatted("--roi: there are %zu corners; 3 to %zu are possible", polygon.size(), kMaxPolygonPoints)};
   }
 
-  if (!find_camera(photographs, drawn, height, input, found, reason)) return fail("touchline-calibrate", reason);
+  if (!find_camera(photographs, drawn, height, input, found, reason)) return Error{ErrorCode::kInconsistent, reason};
   found.points_given = input.points.size();
   FieldFit& fit = found.fit;
   fit.camera.kind = kind == "paper" ? CameraModelKind::kPaper : CameraModelKind::kFull;
@@ -362,14 +365,14 @@ int FieldCommand::run() const {
     sections.push_back(section_of("region_of_interest", roi, ""));
   }
   if (!preview.empty() && !write_previews(photograph, found, field, input.points, reason))
-    return fail("touchline-calibrate", reason);
-  if (!report.empty() && !write_json(found, report, reason).ok()) return fail("touchline-calibrate", reason);
-  if (!write_sections(venue, sections, reason).ok()) return fail("touchline-calibrate", reason);
+    return Error{ErrorCode::kInconsistent, reason};
+  if (!report.empty() && !write_json(found, report, reason).ok()) return Error{ErrorCode::kInconsistent, reason};
+  TOUCHLINE_TRY(write_sections(venue, sections));
 
   std::printf("%s%.1f s\n", text_of(found).c_str(), found.seconds);
   std::printf("%s: [picture], [field], [camera_model]%s written\n", venue.c_str(),
               polygon.empty() ? "" : ", [region_of_interest]");
-  return 0;
+  return {};
 }
 
 }  // namespace touchline::calibrate

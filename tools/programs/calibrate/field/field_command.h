@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/result.h"
 #include "tools/programs/calibrate/field/field_report.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 
@@ -21,9 +22,8 @@ struct FieldCommand {
   std::vector<std::string> corners, points, region;
   double length_m = 0, width_m = 0, camera_height_m = 0;
   void add_options(CLI::App& app);
-  /// Prints a report to standard output and errors to standard error. Returns the exit code: kExitOk if the venue file
-  /// was written, kExitBadFile if it is unchanged.
-  int run() const;
+  /// Prints a report to standard output. On error the venue file is unchanged.
+  Result<void> run() const;
 
  private:
   bool choose_drawing(const VenueDraft& draft, FieldDrawing& out, std::optional<HeightPrior>& height,

@@ -6,22 +6,21 @@
 
 namespace touchline::calibrate {
 
-Status CameraPicture::load(const std::string& path, PixelFormat format, CameraPicture& out, std::string& reason) {
+Result<CameraPicture> CameraPicture::load(const std::string& path, PixelFormat format) {
   hal::ReplayCamera camera({path, format, 0.0});
+  CameraPicture out;
   Status status = camera.open();
   if (status.ok()) status = camera.start();
   if (status.ok()) {
     const Result<hal::FrameLease> lease = camera.wait(Instant::max());
-    if (lease.ok()) {
-      out = copy_of(lease.value().frame());
-    } else {
-      status = lease.code();
-    }
+    status = lease.code();
+    if (lease.ok()) out = copy_of(lease.value().frame());
   }
-  if (!status.ok()) reason = camera.reason();
+  const std::string reason = status.ok() ? std::string() : std::string(camera.reason());
   camera.stop();
   camera.close();
-  return status;
+  if (!status.ok()) return Error{status.code(), reason};
+  return out;
 }
 
 CameraPicture CameraPicture::copy_of(const Frame& frame) {
@@ -44,12 +43,9 @@ Frame CameraPicture::frame() const {
   return frame;
 }
 
-Status load_rgb(const std::string& path, hal::Picture& out, std::string& reason) {
-  out = {};
-  CameraPicture photograph;
-  if (Status s = CameraPicture::load(path, PixelFormat::kRgb24, photograph, reason); !s.ok()) return s;
-  out = picture_of(photograph.frame());
-  return {};
+Result<hal::Picture> load_rgb(const std::string& path) {
+  TOUCHLINE_TRY_ASSIGN(const CameraPicture photograph, CameraPicture::load(path, PixelFormat::kRgb24));
+  return picture_of(photograph.frame());
 }
 
 hal::Picture picture_of(cairo_surface_t& surface) {

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/status.h"
 #include "core/types.h"
 #include "hal/replay/picture.h"
+#include "hal/result.h"
 
 namespace touchline::calibrate {
 
@@ -18,7 +18,7 @@ namespace touchline::calibrate {
 class CameraPicture {
  public:
   /// Loads the first frame of a picture or video file and converts it exactly as a replay does.
-  static Status load(const std::string& path, PixelFormat format, CameraPicture& out, std::string& reason);
+  static Result<CameraPicture> load(const std::string& path, PixelFormat format);
   /// Copies a frame and its pixels.
   static CameraPicture copy_of(const Frame& frame);
 
@@ -32,7 +32,7 @@ class CameraPicture {
 };
 
 /// Loads the first frame of a picture or video file as 8-bit RGB.
-Status load_rgb(const std::string& path, hal::Picture& out, std::string& reason);
+Result<hal::Picture> load_rgb(const std::string& path);
 
 /// Copies a Cairo surface to 8-bit RGB.
 hal::Picture picture_of(cairo_surface_t& surface);

@@ -8,7 +8,6 @@
 #include "firmware/config/light_writer.h"
 #include "tools/programs/calibrate/light/light_fit.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
-#include "tools/programs/command_line/command_line.h"
 #include "tools/programs/command_line/formatted.h"
 #include "tools/programs/command_line/progress.h"
 
@@ -82,15 +81,14 @@ void LightCommand::add_options(CLI::App& app) {
       "colors were learned. Needs pictures of the same surface as then");
 }
 
-int LightCommand::run() const {
+Result<void> LightCommand::run() const {
   std::string reason;
-  VenueDraft draft;
-  if (!read_draft(venue, draft, reason).ok()) return fail("touchline-calibrate", reason);
+  TOUCHLINE_TRY_ASSIGN(const VenueDraft draft, read_draft(venue));
   LightFitInput input;
   const bool many = surface.empty() && pictures.size() >= kManyPictures;
   const std::string measured_on = !surface.empty() ? surface : many ? "moving" : "grey";
   if (keep_normal && !read_normal(venue, draft.file.light, measured_on, input.normal, reason).ok())
-    return fail("touchline-calibrate", reason);
+    return Error{ErrorCode::kInconsistent, reason};
   if (measured_on == "moving") {
     input.surface = LightSurface::kMoving;
   } else if (measured_on == "field") {
@@ -101,7 +99,7 @@ int LightCommand::run() const {
   Progress progress("pictures", pictures.size());
   for (const std::string& path : pictures) {
     input.pictures.emplace_back();
-    if (!hal::read_picture(path, input.pictures.back(), reason).ok()) return fail("touchline-calibrate", reason);
+    if (!hal::read_picture(path, input.pictures.back(), reason).ok()) return Error{ErrorCode::kInconsistent, reason};
     progress.step();
   }
   input.region_of_interest = draft.region_of_interest;
@@ -111,20 +109,21 @@ int LightCommand::run() const {
     input.floor = floor_mask(draft, camera, first);
     input.border = border_places(camera, draft.file.field, first.width_px, first.height_px);
   } else if (input.surface == LightSurface::kBorder) {
-    return fail("touchline-calibrate",
-                venue + ": --surface border needs the camera model: run touchline-calibrate field first");
+    return Error{ErrorCode::kInconsistent,
+                 venue + ": --surface border needs the camera model: run touchline-calibrate field first"};
   }
   LightMap map;
   LightReport report;
-  if (!fit_light(input, map, report, reason).ok()) return fail("touchline-calibrate", reason);
+  if (!fit_light(input, map, report, reason).ok()) return Error{ErrorCode::kInconsistent, reason};
 
   config::LightEntry entry;
   entry.surface = measured_on;
   for (const double value : report.normal) entry.normal.push_back(static_cast<float>(value));
   std::string png;
-  if (!hal::encode_png(map_picture(map), png, reason).ok()) return fail("touchline-calibrate", venue + ": " + reason);
-  const Result<std::string> map_path = config::write_light(venue, png, entry);
-  if (!map_path.ok()) return fail("touchline-calibrate", map_path.text());
+  if (const Status s = hal::encode_png(map_picture(map), png, reason); !s.ok()) {
+    return prefixed(venue, Error{s.code(), reason});
+  }
+  TOUCHLINE_TRY_ASSIGN(const std::string map_path, config::write_light(venue, png, entry));
 
   constexpr const char* kNames[] = {"red", "green", "blue"};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -144,12 +143,12 @@ int LightCommand::run() const {
                 spot.left_px, spot.right_px, spot.top_px, spot.bottom_px);
   }
   if (report.spots.size() > kShown) std::printf("and %zu smaller spots\n", report.spots.size() - kShown);
-  std::printf("%s written, %s: [light] written\n", map_path.value().c_str(), venue.c_str());
+  std::printf("%s written, %s: [light] written\n", map_path.c_str(), venue.c_str());
   if (!draft.file.color.empty() && !keep_normal) {
     std::printf(
         "the colors were learned with another map: learn them again, or measure the light with --keep-normal\n");
   }
-  return 0;
+  return {};
 }
 
 }  // namespace touchline::calibrate

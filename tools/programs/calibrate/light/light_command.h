@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "hal/result.h"
+
 namespace CLI {
 class App;
 }
@@ -15,9 +17,8 @@ struct LightCommand {
   std::string venue, surface;
   bool keep_normal = false;
   void add_options(CLI::App& app);
-  /// Prints a report to standard output and errors to standard error. Returns the exit code: kExitOk if map and venue
-  /// file were written, kExitBadFile if both are unchanged.
-  int run() const;
+  /// Prints a report to standard output. On error map and venue file are unchanged.
+  Result<void> run() const;
 };
 
 }  // namespace touchline::calibrate

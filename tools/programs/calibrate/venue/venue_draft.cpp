@@ -17,49 +17,50 @@ struct DraftFile : config::VenueFile {
 
 }  // namespace
 
-Status read_draft(const std::string& path, VenueDraft& out, std::string& reason) {
-  out = {};
+Result<VenueDraft> read_draft(const std::string& path) {
+  VenueDraft out;
   std::error_code error;
   out.exists = std::filesystem::exists(path, error);
-  if (!out.exists) return {};
+  if (!out.exists) return out;
   DraftFile file;
   config::Locations where;
   config::Problems problems;
   const Status status = config::read_toml(path, "", {}, file, where, problems);
   if (!status.ok()) {
-    reason = problems.text();
-    while (!reason.empty() && reason.back() == '\n') reason.pop_back();
-    return status;
+    std::string text = problems.text();
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    return Error{status.code(), text};
   }
   out.file = file;
   const auto& roi = file.region_of_interest;
   if (roi.u_px.size() != roi.v_px.size() || roi.u_px.size() > kMaxPolygonPoints) {
-    reason = where.of("region_of_interest") + ": region_of_interest: u_px and v_px need one value a corner, at most " +
-             std::to_string(kMaxPolygonPoints);
-    return ErrorCode::kInconsistent;
+    return failure(ErrorCode::kInconsistent,
+                   "%s: region_of_interest: u_px and v_px need one value per corner, at most %zu",
+                   where.of("region_of_interest").c_str(), kMaxPolygonPoints);
   }
   for (std::size_t i = 0; i < roi.u_px.size(); ++i) out.region_of_interest.push_back({roi.u_px[i], roi.v_px[i]});
-  if (file.light.map.empty()) return {};
+  if (file.light.map.empty()) return out;
   const std::string map = (std::filesystem::path(path).parent_path() / file.light.map).string();
+  std::string reason;
   const Status light = config::read_light_map(map, out.light, reason);
-  if (!light.ok()) reason = where.of("light.map") + ": light.map: " + reason;
-  return light;
+  if (!light.ok()) return prefixed(where.of("light.map") + ": light.map", Error{light.code(), reason});
+  return out;
 }
 
-Status write_sections(const std::string& path, const std::vector<Section>& sections, std::string& reason) {
-  std::string content;
+Result<void> write_sections(const std::string& path, const std::vector<Section>& sections) {
+  std::string content, reason;
   bool exists = false;
-  if (Status s = config::read_text(path, content, exists, reason); !s.ok()) return s;
+  if (Status s = config::read_text(path, content, exists, reason); !s.ok()) return Error{s.code(), reason};
   if (!exists) content = "version = 1\n";
   for (const Section& section : sections) {
     std::string changed;
     if (Status s = config::replace_section(content, section.name, section.toml, changed, reason); !s.ok()) {
-      reason.insert(0, path + ": ");
-      return s;
+      return prefixed(path, Error{s.code(), reason});
     }
     content = changed;
   }
-  return config::replace_file(path, content, reason);
+  if (Status s = config::replace_file(path, content, reason); !s.ok()) return Error{s.code(), reason};
+  return {};
 }
 
 }  // namespace touchline::calibrate

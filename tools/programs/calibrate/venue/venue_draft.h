@@ -5,9 +5,9 @@
 
 #include "core/light/light_map.h"
 #include "core/region/region_scanner.h"
-#include "core/status.h"
 #include "firmware/config/toml_writer.h"
 #include "firmware/config/venue_file.h"
+#include "hal/result.h"
 
 namespace touchline::calibrate {
 
@@ -20,8 +20,8 @@ struct VenueDraft {
 };
 
 /// Reads a venue file. A file that does not exist gives an empty draft. kInconsistent and the errors of the light map:
-/// `reason` names file, line and key.
-Status read_draft(const std::string& path, VenueDraft& out, std::string& reason);
+/// the message names file, line and key.
+Result<VenueDraft> read_draft(const std::string& path);
 
 /// Name and TOML text of one section.
 struct Section {
@@ -68,6 +68,6 @@ Section section_of(const std::string& name, const std::vector<Struct>& values) {
 
 /// Replaces these sections, all of them or none, and leaves the rest of the file as it is. The former version is kept
 /// as PATH.bak. Errors as of config::write_section().
-Status write_sections(const std::string& path, const std::vector<Section>& sections, std::string& reason);
+Result<void> write_sections(const std::string& path, const std::vector<Section>& sections);
 
 }  // namespace touchline::calibrate

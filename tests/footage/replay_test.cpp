@@ -28,12 +28,10 @@ class Footage : public ::testing::Test {
     options.venue = std::string(TOUCHLINE_FOOTAGE_TESTS) + "/" + name + "-venue.toml";
     options.team = std::string(TOUCHLINE_FOOTAGE_TESTS) + "/" + name + "-team.toml";
     options.out = folder / "result.jsonl";
-    replay::ReplaySummary summary;
-    std::string error;
     const std::atomic<bool> stop = false;
-    ASSERT_TRUE(replay::replay(
-        options, [](auto, auto) {}, stop, summary, error))
-        << error;
+    const auto replayed = replay::replay(
+        options, [](auto, auto) {}, stop);
+    ASSERT_TRUE(replayed.ok()) << replayed.text();
     auto result = evaluate::read_result(options.out, names);
     ASSERT_TRUE(result.ok()) << result.text();
     frames = std::move(result).value();

@@ -36,12 +36,10 @@ TEST_P(Recognition, MatchesTheTruth) {
   options.team = boards + "team.toml";
   options.out = folder / "result.jsonl";
   options.rate_hz = 60.0;
-  replay::ReplaySummary summary;
-  std::string error;
   const std::atomic<bool> stop = false;
-  ASSERT_TRUE(replay::replay(
-      options, [](auto, auto) {}, stop, summary, error))
-      << error;
+  const auto replayed = replay::replay(
+      options, [](auto, auto) {}, stop);
+  ASSERT_TRUE(replayed.ok()) << replayed.text();
   const auto truth = evaluate::read_truth(folder / "scene/truth.jsonl");
   ASSERT_TRUE(truth.ok()) << truth.text();
   const auto result = evaluate::read_result(options.out, {});

@@ -41,12 +41,10 @@ class Scenes : public ::testing::Test {
     options.venue = *folder / "plain-venue.toml";
     options.team = std::string(TOUCHLINE_SCENES_TESTS) + "/team.toml";
     options.out = *folder / (scene + ".jsonl");
-    replay::ReplaySummary summary;
-    std::string error;
     const std::atomic<bool> stop = false;
-    EXPECT_TRUE(replay::replay(
-        options, [](auto, auto) {}, stop, summary, error))
-        << error;
+    const auto replayed = replay::replay(
+        options, [](auto, auto) {}, stop);
+    EXPECT_TRUE(replayed.ok()) << replayed.text();
     const auto truth = evaluate::read_truth(scenes + scene + "/truth.jsonl");
     EXPECT_TRUE(truth.ok()) << truth.text();
     const auto result = evaluate::read_result(options.out, {});

@@ -146,12 +146,11 @@ class Replay : public testing::Test {
                      {width, height, std::vector<std::uint8_t>(std::size_t{3} * width * height, 60), {}});
   }
   bool run() {
-    return replay(
-        options,
-        [this](std::uint64_t done, std::uint64_t of) {
-          progress = {done, of};
-        },
-        stop, summary, error);
+    const auto show = [this](std::uint64_t done, std::uint64_t total) { progress = {done, total}; };
+    const Result<ReplaySummary> result = replay(options, show, stop);
+    summary = result.ok() ? result.value() : ReplaySummary();
+    error = result.text();
+    return result.ok();
   }
   // Checks that the input is refused and no file remains.
   void expect_refused(const std::string& complaint) {

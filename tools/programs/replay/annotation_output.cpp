@@ -10,43 +10,48 @@ bool is_video_name(const std::string& path) { return std::filesystem::path(path)
 
 }  // namespace
 
-bool AnnotationOutput::open(const std::string& path, double rate_hz, std::string& error) {
+Result<void> AnnotationOutput::open(const std::string& path, double rate_hz) {
   path_ = path;
   rate_hz_ = rate_hz;
   if (is_video_name(path)) {
     video_ = std::make_unique<hal::VideoWriter>();
-    return true;
+    return {};
   }
-  std::error_code failure;
-  std::filesystem::create_directories(path, failure);
-  if (std::filesystem::is_directory(path)) return true;
-  error = path + ": " + (failure ? failure.message() : "is not a folder") + " (the name of a video must end in .mp4)";
-  return false;
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (std::filesystem::is_directory(path)) return {};
+  const std::string cause = error ? error.message() : "is not a folder";
+  return failure(ErrorCode::kIo, "%s: %s (the name of a video must end in .mp4)", path.c_str(), cause.c_str());
 }
 
-bool AnnotationOutput::write(cairo_surface_t& surface, std::uint64_t frame, const std::string& file, Duration stamp,
-                             std::string& error) {
+Result<void> AnnotationOutput::write(cairo_surface_t& surface, std::uint64_t frame, const std::string& file,
+                                     Duration stamp) {
   if (video_ != nullptr) {
     const Pixels pixels = pixels_of(surface);
     Status status;
     if (!video_open_) status = video_->open(path_, pixels.width, pixels.height, rate_hz_);
     video_open_ = status.ok();
     if (status.ok()) status = video_->write(pixels.bgrx, pixels.stride_bytes, stamp);
-    if (!status.ok()) error = video_->reason();
-    return status.ok();
+    if (!status.ok()) return failure(status.code(), "%s", video_->reason().c_str());
+    return {};
   }
   char number[32];
   std::snprintf(number, sizeof number, "%06llu_", static_cast<unsigned long long>(frame));
   const std::string name =
       (std::filesystem::path(path_) / (number + std::filesystem::path(file).stem().string() + ".png")).string();
-  return write_png(surface, name, error, {.sync = false}).ok();
+  std::string reason;
+  if (const Status status = write_png(surface, name, reason, {.sync = false}); !status.ok()) {
+    return failure(status.code(), "%s", reason.c_str());
+  }
+  return {};
 }
 
-bool AnnotationOutput::finish(std::string& error) {
-  if (video_ == nullptr || !video_open_) return true;
-  const Status status = video_->finish();
-  if (!status.ok()) error = video_->reason();
-  return status.ok();
+Result<void> AnnotationOutput::finish() {
+  if (video_ == nullptr || !video_open_) return {};
+  if (const Status status = video_->finish(); !status.ok()) {
+    return failure(status.code(), "%s", video_->reason().c_str());
+  }
+  return {};
 }
 
 bool would_overwrite(const std::string& input, const std::string& output) {

@@ -6,6 +6,7 @@
 
 #include "core/time.h"
 #include "hal/replay/video_writer.h"
+#include "hal/result.h"
 #include "tools/programs/replay/canvas.h"
 
 namespace touchline::replay {
@@ -13,10 +14,9 @@ namespace touchline::replay {
 /// Writes annotated pictures: a folder of PNG files, NUMBER_NAME.png, or a video if the path ends in .mp4.
 class AnnotationOutput {
  public:
-  bool open(const std::string& path, double rate_hz, std::string& error);
-  bool write(cairo_surface_t& surface, std::uint64_t frame, const std::string& file, Duration stamp,
-             std::string& error);
-  bool finish(std::string& error);
+  Result<void> open(const std::string& path, double rate_hz);
+  Result<void> write(cairo_surface_t& surface, std::uint64_t frame, const std::string& file, Duration stamp);
+  Result<void> finish();
 
  private:
   std::string path_;

@@ -86,14 +86,11 @@ int main(int argc, char** argv) {
 
   ProgressBar bar(!quiet && isatty(STDERR_FILENO) == 1);
   const WallClock::time_point begin = WallClock::now();
-  ReplaySummary summary;
-  std::string error;
-  const bool ok = replay(
-      options, [&bar](std::uint64_t done, std::uint64_t total) { bar.show(done, total); }, stop_requested, summary,
-      error);
+  const touchline::Result<ReplaySummary> summary = replay(
+      options, [&bar](std::uint64_t done, std::uint64_t total) { bar.show(done, total); }, stop_requested);
   bar.clear();
-  if (!ok) return touchline::fail("touchline-replay", error);
+  if (!summary.ok()) return touchline::fail("touchline-replay", summary.text());
   // With --out -, only the result goes to standard output.
-  if (!quiet) print(options.out == "-" ? stderr : stdout, summary, seconds_since(begin));
+  if (!quiet) print(options.out == "-" ? stderr : stdout, summary.value(), seconds_since(begin));
   return touchline::kExitOk;
 }

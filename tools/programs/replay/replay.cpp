@@ -25,18 +25,27 @@ AnnotationStyle annotation_style(const config::Configuration& configuration) {
   return style;
 }
 
-bool outputs_are_safe(const ReplayOptions& options, std::string& error) {
+Error from_status(Status status, const std::string& text) { return failure(status.code(), "%s", text.c_str()); }
+
+Error from_problems(const config::Problems& problems) {
+  std::string text = problems.text();
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return failure(ErrorCode::kInconsistent, "%s", text.c_str());
+}
+
+Result<void> check_outputs(const ReplayOptions& options) {
   for (const std::string& output : {options.out, options.annotate}) {
     if (output.empty()) continue;
     for (const std::string& input : {options.input, options.venue, options.team}) {
       if (!would_overwrite(input, output)) continue;
-      error = output;
-      error.append(": would overwrite, or be added to, the input ").append(input);
-      return false;
+      return failure(ErrorCode::kInconsistent, "%s: would overwrite, or be added to, the input %s", output.c_str(),
+                     input.c_str());
     }
   }
-  if (would_overwrite(options.out, options.annotate)) error = options.annotate + ": is also the result file";
-  return error.empty();
+  if (would_overwrite(options.out, options.annotate)) {
+    return failure(ErrorCode::kInconsistent, "%s: is also the result file", options.annotate.c_str());
+  }
+  return {};
 }
 
 void count(const StepTrace& trace, ReplaySummary& summary) {
@@ -49,38 +58,27 @@ void count(const StepTrace& trace, ReplaySummary& summary) {
 
 }  // namespace
 
-bool replay(const ReplayOptions& options, const Progress& progress, const std::atomic<bool>& stop,
-            ReplaySummary& summary, std::string& error) {
-  summary = {};
-  error.clear();
-  if (!outputs_are_safe(options, error)) return false;
+Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progress, const std::atomic<bool>& stop) {
+  TOUCHLINE_TRY(check_outputs(options));
   const auto configuration = std::make_unique<config::Configuration>();
   config::Problems problems;
-  const auto refuse = [&problems, &error] {
-    error = problems.text();
-    while (!error.empty() && error.back() == '\n') error.pop_back();
-    return false;
-  };
   const config::FilePaths paths{{}, options.venue, options.team, options.overrides};
-  if (!config::load_venue_and_team(paths, *configuration, problems).ok()) return refuse();
+  if (!config::load_venue_and_team(paths, *configuration, problems).ok()) return from_problems(problems);
 
   // YUYV keeps the values of 4:2:0 and 4:2:2 files exactly.
   const PixelFormat format =
       configuration->venue.colors.space == ColorSpace::kRgb ? PixelFormat::kRgb24 : PixelFormat::kYuyv;
   hal::ReplayCamera camera({options.input, format, options.rate_hz});
-  if (!camera.open().ok() || !camera.start().ok()) {
-    error = camera.reason();
-    return false;
-  }
+  if (const Status status = camera.open(); !status.ok()) return from_status(status, camera.reason());
+  if (const Status status = camera.start(); !status.ok()) return from_status(status, camera.reason());
   const hal::CameraInfo& info = camera.info();
   if (!config::resolve({format, info.width_px, info.height_px, options.input}, *configuration, problems).ok()) {
-    return refuse();
+    return from_problems(problems);
   }
   const auto pipeline = std::make_unique<Pipeline>();
   if (const Status status = pipeline->configure(configuration->pipeline); !status.ok()) {
-    error =
-        options.venue + ", " + options.team + ": the pipeline refuses these values (" + describe(status.code()) + ")";
-    return false;
+    return failure(status.code(), "%s, %s: the pipeline refuses these values (%s)", options.venue.c_str(),
+                   options.team.c_str(), describe(status.code()));
   }
   pipeline->set_observing(true);
 
@@ -88,15 +86,12 @@ bool replay(const ReplayOptions& options, const Progress& progress, const std::a
   hal::OutputFile lines;
   AnnotationOutput pictures;
   std::unique_ptr<Annotator> annotator;
-  const auto fail_lines = [&lines, &error] {
-    error = lines.reason();
-    return false;
-  };
-  if (!lines.open(options.out).ok()) return fail_lines();
+  if (const Status status = lines.open(options.out); !status.ok()) return from_status(status, lines.reason());
   if (!options.annotate.empty()) {
-    if (!pictures.open(options.annotate, info.rate_hz, error)) return false;
+    TOUCHLINE_TRY(pictures.open(options.annotate, info.rate_hz));
     annotator = std::make_unique<Annotator>(configuration->pipeline, style);
   }
+  ReplaySummary summary;
   for (;;) {
     const Result<hal::FrameLease> lease = camera.wait(Instant::max());
     if (lease.code() == ErrorCode::kEndOfStream) break;
@@ -104,25 +99,24 @@ bool replay(const ReplayOptions& options, const Progress& progress, const std::a
       ++summary.damaged;
       continue;
     }
-    if (!lease.ok() || stop) {
-      error = stop ? "stopped; no output was written" : camera.reason();
-      return false;
-    }
+    if (stop) return failure(ErrorCode::kIo, "stopped; no output was written");
+    if (!lease.ok()) return from_status(lease.code(), camera.reason());
     const Frame& frame = lease.value().frame();
     const StepTrace& trace = pipeline->step(frame);
     pipeline->adapt();
     const std::string line = report::trace_line(trace, style.names, frame.sequence, camera.file()) + "\n";
-    if (!lines.write(line).ok()) return fail_lines();
+    if (const Status status = lines.write(line); !status.ok()) return from_status(status, lines.reason());
     if (annotator != nullptr) {
       const SurfacePtr surface = annotator->draw(trace, frame.sequence, camera.file());
       const Duration stamp = frame.capture_time.time_since_epoch();
-      if (!pictures.write(*surface, frame.sequence, camera.file(), stamp, error)) return false;
+      TOUCHLINE_TRY(pictures.write(*surface, frame.sequence, camera.file(), stamp));
     }
     count(trace, summary);
     progress(summary.frames, camera.frame_count());
   }
-  if (!pictures.finish(error)) return false;
-  return lines.commit().ok() || fail_lines();
+  TOUCHLINE_TRY(pictures.finish());
+  if (const Status status = lines.commit(); !status.ok()) return from_status(status, lines.reason());
+  return summary;
 }
 
 }  // namespace touchline::replay

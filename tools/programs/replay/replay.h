@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "hal/result.h"
+
 namespace touchline::replay {
 
 struct ReplayOptions {
@@ -27,9 +29,8 @@ struct ReplaySummary {
 /// Called after each frame with the number of frames so far and the total number (0: unknown).
 using Progress = std::function<void(std::uint64_t done, std::uint64_t of)>;
 
-/// Runs Pipeline::step on every frame of the input and writes the results. On failure, or if `stop` becomes true, it
-/// returns false with one or more lines in `error`, and the result file is not created or changed.
-bool replay(const ReplayOptions& options, const Progress& progress, const std::atomic<bool>& stop,
-            ReplaySummary& summary, std::string& error);
+/// Runs Pipeline::step on every frame of the input and writes the results. On failure, or if `stop` becomes true, the
+/// error has one or more lines, and the result file is not created or changed.
+Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progress, const std::atomic<bool>& stop);
 
 }  // namespace touchline::replay

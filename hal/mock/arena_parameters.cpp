@@ -28,7 +28,7 @@ Status check_room(const ArenaParameters& parameters, std::string& key, std::stri
   const double height = std::max(parameters.robot_height_m, 2.0 * parameters.ball_radius_m);
   if (parameters.camera.position_m[2] <= height) {
     key = "camera.position_m";
-    reason = "the camera must hang above robots and ball";
+    reason = "the camera must be above robots and ball";
     return ErrorCode::kOutOfRange;
   }
   return {};
@@ -46,7 +46,7 @@ Status check_start(const ArenaParameters& parameters, std::size_t index, std::st
   const auto at_start = corners(square);
   if (std::any_of(at_start.begin(), at_start.end(), is_outside)) {
     key = path_of(index);
-    reason = "stands outside of the field";
+    reason = "is outside of the field";
     return ErrorCode::kOutOfRange;
   }
   Contacts contacts;
@@ -55,7 +55,7 @@ Status check_start(const ArenaParameters& parameters, std::size_t index, std::st
     collide(square, Square{&body_of_other, square.half_side_m}, {}, contacts);
     if (contacts.empty()) continue;
     key = path_of(index);
-    reason = "stands on " + path_of(other);
+    reason = "overlaps " + path_of(other);
     return ErrorCode::kInconsistent;
   }
   return {};
@@ -67,22 +67,22 @@ Status check_names(const ArenaParameters& parameters, std::size_t index, std::st
   const std::size_t needed = parameters.patch.size() - 1;
   if (robot.colors.size() != needed) {
     key = path + ".colors";
-    reason = "has " + std::to_string(robot.colors.size()) + " colors, needed is one for each of the " +
+    reason = "has " + std::to_string(robot.colors.size()) + " colors; must have one for each of the " +
              std::to_string(needed) + " patches after the team's";
     return ErrorCode::kInconsistent;
   }
   for (const std::string& color : robot.colors) {
     if (find_paint(parameters, color) != nullptr) continue;
     key = path + ".colors";
-    reason = "\"" + color + "\" is none of the paints";
+    reason = "\"" + color + "\" is not in [[arena.paint]]";
     return ErrorCode::kNotFound;
   }
   const auto same = [&](const ArenaRobot& other) { return other.team == robot.team && other.id == robot.id; };
   const auto begin = parameters.robot.begin(), end = begin + static_cast<std::ptrdiff_t>(index);
   if (const auto twin = std::find_if(begin, end, same); twin != end) {
     key = path + ".id";
-    reason = std::to_string(robot.id) + " is also that of " + path_of(static_cast<std::size_t>(twin - begin)) +
-             " of its team";
+    reason = std::to_string(robot.id) + " is already used by " + path_of(static_cast<std::size_t>(twin - begin)) +
+             " of the same team";
     return ErrorCode::kInconsistent;
   }
   return {};
@@ -99,8 +99,8 @@ const Paint* find_paint(const ArenaParameters& parameters, std::string_view name
 Status validate(const ArenaParameters& parameters, std::string& key, std::string& reason) {
   if (parameters.patch.empty() || parameters.patch.size() > kMaxPatches) {
     key = "patch";
-    reason = "is given " + std::to_string(parameters.patch.size()) + " times; robots have 1 to " +
-             std::to_string(kMaxPatches) + " patches";
+    reason = "there are " + std::to_string(parameters.patch.size()) + " patches; a robot has 1 to " +
+             std::to_string(kMaxPatches);
     return ErrorCode::kOutOfRange;
   }
   if (const Status status = check_room(parameters, key, reason); !status.ok()) return status;
@@ -109,13 +109,14 @@ Status validate(const ArenaParameters& parameters, std::string& key, std::string
                                      [&](const ArenaRobot& robot) { return robot.team == side; });
     if (count <= static_cast<std::ptrdiff_t>(kMaxRobotsPerTeam)) continue;
     key = "robot";
-    reason = "gives one team " + std::to_string(count) + " robots, permitted are " + std::to_string(kMaxRobotsPerTeam);
+    reason = "one team has " + std::to_string(count) + " robots; at most " + std::to_string(kMaxRobotsPerTeam) +
+             " are allowed";
     return ErrorCode::kFull;
   }
   for (std::size_t i = 0; i < parameters.paint.size(); ++i) {
     if (find_paint(parameters, parameters.paint[i].name) == &parameters.paint[i]) continue;
     key = "paint[" + std::to_string(i) + "].name";
-    reason = "\"" + parameters.paint[i].name + "\" is another paint's name already";
+    reason = "\"" + parameters.paint[i].name + "\" is already the name of another paint";
     return ErrorCode::kInconsistent;
   }
   const std::array<std::pair<const char*, const std::string*>, 3> named{{{"own_color", &parameters.own_color},
@@ -124,7 +125,7 @@ Status validate(const ArenaParameters& parameters, std::string& key, std::string
   for (const auto& [name, color] : named) {
     if (find_paint(parameters, *color) != nullptr) continue;
     key = name;
-    reason = "\"" + *color + "\" is none of the paints";
+    reason = "\"" + *color + "\" is not in [[arena.paint]]";
     return ErrorCode::kNotFound;
   }
   for (std::size_t i = 0; i < parameters.robot.size(); ++i) {

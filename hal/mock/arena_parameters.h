@@ -10,10 +10,11 @@
 #include "core/parameter.h"
 #include "core/status.h"
 
-// Section [arena] of the board file: what backend "mock" simulates. Nothing of it is known to the pipeline.
+// Section [arena] of the board file: parameters of the simulation behind backend "mock". The pipeline does not know
+// them.
 namespace touchline::hal::mock {
 
-using Rgb = std::array<int, 3>;  // sRGB as a person would pick it, 0 to 255
+using Rgb = std::array<int, 3>;  // sRGB, 0 to 255
 inline constexpr Range kRgbRange{0, 255};
 
 struct FieldParameters {
@@ -251,7 +252,7 @@ struct ChannelParameters {
   }
 };
 
-/// A color by its name, so that scenes, clicks and truth can speak of it.
+/// A named color. Robots, ball, clicks and truth files refer to the name.
 struct Paint {
   std::string name;
   Rgb rgb{};
@@ -267,7 +268,7 @@ enum class PatchShape : std::uint8_t { kSquare, kTriangle, kCircle };
 inline constexpr std::array<Choice<PatchShape>, 3> kPatchShapes{
     {{"square", PatchShape::kSquare}, {"triangle", PatchShape::kTriangle}, {"circle", PatchShape::kCircle}}};
 
-/// A patch of color on a robot's top. The first one is the team's.
+/// A color patch on a robot's top. The first one has the team's color.
 struct PaintedPatch {
   PatchShape shape = PatchShape::kSquare;
   double x_m = 0.0, y_m = 0.0;
@@ -293,7 +294,7 @@ struct PaintedPatch {
 enum class Side : std::uint8_t { kOwn, kOpponent };
 inline constexpr std::array<Choice<Side>, 2> kSides{{{"own", Side::kOwn}, {"opponent", Side::kOpponent}}};
 
-/// A robot: its team, number, start and identification colors.
+/// A robot: its team, id, pose at the start, and identification colors.
 struct ArenaRobot {
   Side team = Side::kOwn;
   int id = 0;
@@ -333,7 +334,7 @@ inline constexpr std::array<Choice<FaultKind>, 9> kFaultKinds{{{"camera_stall", 
                                                                {"emergency_stop", FaultKind::kEmergencyStop},
                                                                {"start_button", FaultKind::kStartButton}}};
 
-/// Something that goes wrong during the game.
+/// A fault that is injected during the game.
 struct ArenaFault {
   FaultKind kind = FaultKind::kCameraStall;
   double at_s = 0.0, for_s = 1.0;
@@ -367,7 +368,7 @@ struct ArenaParameters {
                            {"cyan", {35, 190, 225}},   {"violet", {120, 50, 175}},  {"pink", {255, 150, 170}},
                            {"lime", {170, 225, 40}},   {"darkgreen", {10, 90, 45}}, {"lavender", {175, 155, 230}},
                            {"brown", {130, 72, 35}}};
-  // The paper's two squares in diagonally opposite quadrants.
+  // Two squares in diagonally opposite quadrants, as in the paper.
   std::vector<PaintedPatch> patch{{PatchShape::kSquare, 0.01875, 0.01875, 0.0345, 0.0345},
                                   {PatchShape::kSquare, -0.01875, -0.01875, 0.0345, 0.0345}};
   std::vector<ArenaRobot> robot{
@@ -412,13 +413,13 @@ struct ArenaParameters {
   }
 };
 
-/// Null: there is no such paint.
+/// Returns null if there is no such paint.
 const Paint* find_paint(const ArenaParameters& parameters, std::string_view name);
 
-/// What no single key's range can say. kOutOfRange: a number of patches, a robot outside of the field, a camera that
-/// does not hang above it; kFull: too many robots of a team; kNotFound: a color that is no paint; kInconsistent: a
-/// robot or paint given twice, a robot on another one or with another number of colors than patches, walls that do not
-/// fit. `key` (below [arena]) and `reason` tell a person.
+/// Checks the constraints between keys. kOutOfRange: number of patches, a robot outside of the field, or a camera that
+/// is not above it. kFull: too many robots in a team. kNotFound: an unknown paint. kInconsistent: a robot id or paint
+/// name occurs twice, robots overlap, a robot has the wrong number of colors, or the walls do not fit. `key` (below
+/// [arena]) and `reason` describe the first violation.
 Status validate(const ArenaParameters& parameters, std::string& key, std::string& reason);
 
 }  // namespace touchline::hal::mock

@@ -30,22 +30,22 @@ TEST_F(ArenaSection, KeysAreCheckedLikeAllOthers) {
 
 TEST_F(ArenaSection, ColorsMustBePaints) {
   add("[arena]\nown_color = \"bleu\"\n");
-  EXPECT_EQ(refusal(), "board.toml:16: arena.own_color: \"bleu\" is none of the paints\n");
+  EXPECT_EQ(refusal(), "board.toml:16: arena.own_color: \"bleu\" is not in [[arena.paint]]\n");
 }
 
 TEST_F(ArenaSection, RobotsColorsMustBePaintsAndOneForEachPatch) {
   add("[[arena.robot]]\nid = 0\ncolors = [\"ruby\"]\n");
-  EXPECT_EQ(refusal(), "board.toml:17: arena.robot[0].colors: \"ruby\" is none of the paints\n");
+  EXPECT_EQ(refusal(), "board.toml:17: arena.robot[0].colors: \"ruby\" is not in [[arena.paint]]\n");
   replace("board.toml", "[\"ruby\"]", "[]");
   EXPECT_EQ(refusal(),
-            "board.toml:17: arena.robot[0].colors: has 0 colors, needed is one for each of the 1 patches after the "
+            "board.toml:17: arena.robot[0].colors: has 0 colors; must have one for each of the 1 patches after the "
             "team's\n");
 }
 
 TEST_F(ArenaSection, RobotsAreGivenOnce) {
   add("[[arena.robot]]\nid = 3\nx_m = 0.2\ncolors = [\"red\"]\n[[arena.robot]]\nid = 3\nx_m = 0.5\ncolors = "
       "[\"red\"]\n");
-  EXPECT_EQ(refusal(), "board.toml:20: arena.robot[1].id: 3 is also that of robot[0] of its team\n");
+  EXPECT_EQ(refusal(), "board.toml:20: arena.robot[1].id: 3 is already used by robot[0] of the same team\n");
   // The other team has numbers of its own.
   replace("board.toml", "x_m = 0.5", "x_m = 0.5\nteam = \"opponent\"");
   EXPECT_TRUE(load().ok()) << problems();
@@ -54,11 +54,11 @@ TEST_F(ArenaSection, RobotsAreGivenOnce) {
 TEST_F(ArenaSection, RobotsStandOnTheFieldAndNotOnEachOther) {
   add("[[arena.robot]]\nid = 0\nx_m = 1.08\ncolors = [\"red\"]\n[[arena.robot]]\nid = 1\nx_m = 0.5\ncolors = "
       "[\"red\"]\n");
-  EXPECT_EQ(refusal(), "board.toml:15: arena.robot[0]: stands outside of the field\n");
+  EXPECT_EQ(refusal(), "board.toml:15: arena.robot[0]: is outside of the field\n");
   replace("board.toml", "x_m = 1.08", "x_m = 1.03\ny_m = 0.83");
-  EXPECT_EQ(refusal(), "board.toml:15: arena.robot[0]: stands outside of the field\n") << "in the corner piece";
+  EXPECT_EQ(refusal(), "board.toml:15: arena.robot[0]: is outside of the field\n") << "in the corner piece";
   replace("board.toml", "x_m = 1.03\ny_m = 0.83", "x_m = 0.43");
-  EXPECT_EQ(refusal(), "board.toml:19: arena.robot[1]: stands on robot[0]\n");
+  EXPECT_EQ(refusal(), "board.toml:19: arena.robot[1]: overlaps robot[0]\n");
   replace("board.toml", "x_m = 0.43", "x_m = 0.42");
   EXPECT_TRUE(load().ok()) << problems();
 }
@@ -68,19 +68,19 @@ TEST_F(ArenaSection, ATeamHasNoMoreRobotsThanAPacketCarries) {
     add("[[arena.robot]]\nid = " + std::to_string(i) + "\nx_m = " + std::to_string(0.15 * i - 0.9) +
         "\ncolors = [\"red\"]\n");
   }
-  EXPECT_EQ(refusal(), "board.toml:15: arena.robot: gives one team 12 robots, permitted are 11\n");
+  EXPECT_EQ(refusal(), "board.toml:15: arena.robot: one team has 12 robots; at most 11 are allowed\n");
 }
 
 TEST_F(ArenaSection, PaintsHaveDifferentNames) {
   add("[[arena.paint]]\nname = \"blue\"\nrgb = [0, 0, 255]\n[[arena.paint]]\nname = \"blue\"\nrgb = [0, 0, 200]\n");
-  EXPECT_EQ(refusal(), "board.toml:19: arena.paint[1].name: \"blue\" is another paint's name already\n");
+  EXPECT_EQ(refusal(), "board.toml:19: arena.paint[1].name: \"blue\" is already the name of another paint\n");
 }
 
 TEST_F(ArenaSection, RobotsHaveOneToSixPatches) {
   std::string patches;
   for (int i = 0; i < 7; ++i) patches += "[[arena.patch]]\nshape = \"circle\"\nx_m = 0.0\ny_m = 0.0\n";
   add(patches);
-  EXPECT_EQ(refusal(), "board.toml:15: arena.patch: is given 7 times; robots have 1 to 6 patches\n");
+  EXPECT_EQ(refusal(), "board.toml:15: arena.patch: there are 7 patches; a robot has 1 to 6\n");
 }
 
 TEST_F(ArenaSection, WallsFitTogether) {
@@ -90,12 +90,12 @@ TEST_F(ArenaSection, WallsFitTogether) {
 
 TEST_F(ArenaSection, CameraHangsAboveTheRobots) {
   add("[arena.camera]\nposition_m = [0.0, 0.0, 0.07]\n");
-  EXPECT_EQ(refusal(), "board.toml:16: arena.camera.position_m: the camera must hang above robots and ball\n");
+  EXPECT_EQ(refusal(), "board.toml:16: arena.camera.position_m: the camera must be above robots and ball\n");
 }
 
 TEST_F(ArenaSection, IsCheckedAfterOverridesToo) {
   EXPECT_EQ(refusal({"arena.ball_color=purple"}),
-            "--set arena.ball_color=purple: arena.ball_color: \"purple\" is none of the paints\n");
+            "--set arena.ball_color=purple: arena.ball_color: \"purple\" is not in [[arena.paint]]\n");
   EXPECT_TRUE(load({"arena.ball_color=red"}).ok()) << problems();
 }
 

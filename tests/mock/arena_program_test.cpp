@@ -163,7 +163,7 @@ TEST_F(ArenaProgram, RefusesBadArgumentsWithAMessage) {
   refused("layouts " + kBoard + out("x") + "--seed minus", "--seed");
   refused("layouts --board '" + folder_ / "none.toml" + "' " + out("x"), "none.toml: no such file");
   refused("layouts " + kBoard + out("x") + "--set arena.robot_side_m=9.0", "out of range: 0.02 to 0.4 m");
-  refused("layouts " + kBoard + out("x") + "--set arena.ball_color=purple", "\"purple\" is none of the paints");
+  refused("layouts " + kBoard + out("x") + "--set arena.ball_color=purple", "\"purple\" is not in [[arena.paint]]");
   // Six large robots fit side by side, but not at random angles.
   std::string board =
       "version = 1\nvenue = \"venue.toml\"\nteam = \"team.toml\"\n[camera]\nbackend = \"mock\"\n[radio]\nbackend = "

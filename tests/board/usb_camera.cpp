@@ -4,12 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 
-// In this order: libjpeg's header needs FILE.
-#include <jpeglib.h>
+#include "tests/linux/jpeg_encoder.h"
 
 namespace touchline::board {
 namespace {
@@ -143,37 +140,18 @@ Bytes number(std::int64_t value, std::size_t bytes) {
 }
 
 Bytes jpeg_of(const FrameHeader& header, std::span<const std::uint8_t> rgb, bool with_huffman_tables) {
-  jpeg_compress_struct jpeg{};
-  jpeg_error_mgr errors{};
-  jpeg.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&jpeg);
-  unsigned char* memory = nullptr;
-  unsigned long size = 0;
-  jpeg_mem_dest(&jpeg, &memory, &size);
-  jpeg.image_width = header.width_px;
-  jpeg.image_height = header.height_px;
-  jpeg.input_components = 3;
-  jpeg.in_color_space = JCS_RGB;
-  jpeg_set_defaults(&jpeg);
-  jpeg_set_quality(&jpeg, 90, TRUE);
-  jpeg.comp_info[0].h_samp_factor = 2;
-  jpeg.comp_info[0].v_samp_factor = 1;
-  jpeg_suppress_tables(&jpeg, FALSE);
-  for (int i = 0; i < 2; ++i) {
-    jpeg.dc_huff_tbl_ptrs[i]->sent_table = jpeg.ac_huff_tbl_ptrs[i]->sent_table = with_huffman_tables ? FALSE : TRUE;
-  }
-  jpeg_start_compress(&jpeg, FALSE);
-  Bytes row(std::size_t{3} * header.width_px);
-  while (jpeg.next_scanline < jpeg.image_height) {
-    std::copy_n(rgb.begin() + static_cast<std::ptrdiff_t>(row.size() * jpeg.next_scanline), row.size(), row.begin());
-    JSAMPROW pointer = row.data();
-    jpeg_write_scanlines(&jpeg, &pointer, 1);
-  }
-  jpeg_finish_compress(&jpeg);
-  jpeg_destroy_compress(&jpeg);
-  Bytes bytes(memory, memory + size);
-  std::free(memory);
-  return bytes;
+  const auto set_up = [with_huffman_tables](jpeg_compress_struct& jpeg) {
+    jpeg_set_quality(&jpeg, 90, TRUE);
+    jpeg.comp_info[0].h_samp_factor = 2;
+    jpeg.comp_info[0].v_samp_factor = 1;
+    jpeg_suppress_tables(&jpeg, FALSE);
+    const boolean sent = with_huffman_tables ? FALSE : TRUE;
+    for (int i = 0; i < 2; ++i) jpeg.dc_huff_tbl_ptrs[i]->sent_table = jpeg.ac_huff_tbl_ptrs[i]->sent_table = sent;
+  };
+  const auto fill_row = [rgb](unsigned v, std::span<std::uint8_t> row) {
+    std::copy_n(rgb.begin() + static_cast<std::ptrdiff_t>(row.size() * v), row.size(), row.begin());
+  };
+  return testing::encode_jpeg(header.width_px, header.height_px, set_up, fill_row, false);
 }
 
 /// What is asked for, as far as the camera can.

@@ -1,9 +1,6 @@
 #include "tests/linux/jpeg_picture.h"
 
-#include <cstdio>
-#include <cstdlib>
-
-#include <jpeglib.h>
+#include "tests/linux/jpeg_encoder.h"
 
 namespace touchline::testing {
 
@@ -16,43 +13,26 @@ std::array<int, 3> color_at(const JpegStyle& style, unsigned u, unsigned v) {
 }
 
 std::vector<std::uint8_t> jpeg_of(const JpegStyle& style) {
-  jpeg_compress_struct jpeg{};
-  jpeg_error_mgr errors{};
-  jpeg.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&jpeg);
-  unsigned char* memory = nullptr;
-  unsigned long size = 0;
-  jpeg_mem_dest(&jpeg, &memory, &size);
-  jpeg.image_width = style.width;
-  jpeg.image_height = style.height;
-  jpeg.input_components = 3;
-  jpeg.in_color_space = JCS_RGB;
-  jpeg_set_defaults(&jpeg);
-  if (style.gray) jpeg_set_colorspace(&jpeg, JCS_GRAYSCALE);
-  jpeg_set_quality(&jpeg, 95, TRUE);
-  if (!style.gray) {
-    jpeg.comp_info[0].h_samp_factor = style.horizontal;
-    jpeg.comp_info[0].v_samp_factor = style.vertical;
-  }
-  jpeg.optimize_coding = style.own_huffman_tables ? TRUE : FALSE;
-  jpeg.restart_in_rows = style.with_restarts ? 1 : 0;
-  if (style.progressive) jpeg_simple_progression(&jpeg);
-  jpeg_start_compress(&jpeg, TRUE);
-  std::vector<std::uint8_t> row(3 * std::size_t{style.width});
-  while (jpeg.next_scanline < jpeg.image_height) {
+  const auto set_up = [&style](jpeg_compress_struct& jpeg) {
+    if (style.gray) jpeg_set_colorspace(&jpeg, JCS_GRAYSCALE);
+    jpeg_set_quality(&jpeg, 95, TRUE);
+    if (!style.gray) {
+      jpeg.comp_info[0].h_samp_factor = style.horizontal;
+      jpeg.comp_info[0].v_samp_factor = style.vertical;
+    }
+    jpeg.optimize_coding = style.own_huffman_tables ? TRUE : FALSE;
+    jpeg.restart_in_rows = style.with_restarts ? 1 : 0;
+    if (style.progressive) jpeg_simple_progression(&jpeg);
+  };
+  const auto fill_row = [&style](unsigned v, std::span<std::uint8_t> row) {
     for (unsigned u = 0; u < style.width; ++u) {
-      const std::array<int, 3> color = color_at(style, u, jpeg.next_scanline);
+      const std::array<int, 3> color = color_at(style, u, v);
       for (std::size_t c = 0; c < 3; ++c) row[3 * u + c] = static_cast<std::uint8_t>(color[c]);
     }
-    JSAMPROW pointer = row.data();
-    jpeg_write_scanlines(&jpeg, &pointer, 1);
-  }
-  jpeg_finish_compress(&jpeg);
-  jpeg_destroy_compress(&jpeg);
-  std::vector<std::uint8_t> bytes(memory, memory + size);
-  std::free(memory);
+  };
+  std::vector<std::uint8_t> bytes = encode_jpeg(style.width, style.height, set_up, fill_row);
   if (style.with_huffman_tables) return bytes;
-  // Segments of marker DHT, each with its length in two bytes, before the picture's data.
+  // Removes the segments with marker DHT (Huffman tables), each with a length of two bytes, before the picture's data.
   for (std::size_t i = 2; bytes[i + 1] != 0xda;) {
     const std::size_t length = 2u + 256u * bytes[i + 2] + bytes[i + 3];
     if (bytes[i + 1] != 0xc4) {

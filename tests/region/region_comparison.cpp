@@ -120,17 +120,6 @@ bool is_speck(const ColorGrid& grid, const RowRun& run, int v) {
   return run.end - run.begin == 1 && !like(v - 1) && !like(v + 1);
 }
 
-// Which of the row's runs stay: the shortest go until no more than `limit` are left.
-std::vector<RowRun> longest_runs(const std::vector<RowRun>& runs, std::size_t limit) {
-  std::vector<RowRun> kept = runs;
-  for (const int length : {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64}) {
-    if (kept.size() <= limit) break;
-    std::erase_if(kept, [&](const RowRun& run) { return run.end - run.begin <= length; });
-  }
-  if (kept.size() > limit) kept.resize(limit);
-  return kept;
-}
-
 // The largest, among equals the first ones, in their order.
 std::vector<ExpectedRegion> largest(std::vector<ExpectedRegion> regions, std::size_t count) {
   std::vector<std::size_t> order(regions.size());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,18 @@ std::vector<ExpectedRegion> expected_regions(const ColorGrid& grid, std::uint32_
 /// The first difference, as a sentence; empty when there is none. Also looks at the runs themselves: in raster order,
 /// maximal, each in exactly one chain, chains in raster order.
 std::string difference(const std::vector<ExpectedRegion>& expected, const Runs& runs, const Regions& regions);
+
+/// Removes the shortest runs of a row until at most `limit` remain, with the length steps of RunWriter::cut(). `Run`
+/// has members `begin` and `end`.
+template <class Run>
+std::vector<Run> longest_runs(std::vector<Run> runs, std::size_t limit) {
+  for (const int length : {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64}) {
+    if (runs.size() <= limit) break;
+    std::erase_if(runs, [&](const Run& run) { return run.end - run.begin <= length; });
+  }
+  if (runs.size() > limit) runs.erase(runs.begin() + static_cast<std::ptrdiff_t>(limit), runs.end());
+  return runs;
+}
 
 /// A picture without the runs that RunBudget takes from it, by the rule to the letter.
 struct ServedPicture {

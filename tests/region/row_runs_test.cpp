@@ -9,6 +9,7 @@
 #include "core/region/row_runs.h"
 #include "tests/color/kernels.h"
 #include "tests/color/owned_picture.h"
+#include "tests/region/region_comparison.h"
 
 namespace touchline::testing {
 namespace {
@@ -72,16 +73,6 @@ class RowRunsTest : public ::testing::TestWithParam<KernelChoice> {
     return list;
   }
 
-  // The rule of RunWriter::cut.
-  static std::vector<Found> longest(std::vector<Found> runs, std::size_t limit) {
-    for (const int length : {2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64}) {
-      if (runs.size() <= limit) break;
-      std::erase_if(runs, [&](const Found& run) { return run.end - run.begin <= length; });
-    }
-    runs.resize(std::min(runs.size(), limit), Found{});
-    return runs;
-  }
-
   static constexpr int kWidths[] = {1, 2, 31, 63, 64, 65, 127, 128, 129, 191, 192, 193, 640, 2592};
   std::mt19937 random_{11};
   RowMasks masks_;
@@ -111,7 +102,7 @@ TEST_P(RowRunsTest, AreThoseThatLookingAtEachPixelFinds) {
 
     if (expected.empty()) continue;
     const auto limit = static_cast<std::size_t>(pick(random_, 0, static_cast<int>(expected.size()) - 1));
-    const std::vector<Found> left = longest(expected, limit);
+    const std::vector<Found> left = longest_runs(expected, limit);
     ASSERT_EQ(writer->cut(masks_, limit), left.size()) << round << ", limit " << limit;
     ASSERT_EQ(found(out->data(), writer->write(masks_, row.colors, 5, out->data())), left) << round;
   }
@@ -137,7 +128,7 @@ TEST_P(RowRunsTest, ContactsAreOfRunsThatShareAColumnAndTheirColor) {
       if (runs.empty() || pick(random_, 0, 1) == 0) return runs;
       const auto limit = static_cast<std::size_t>(pick(random_, 0, static_cast<int>(runs.size()) - 1));
       writer->cut(masks, limit);
-      return longest(std::move(runs), limit);
+      return longest_runs(std::move(runs), limit);
     };
     const std::vector<Found> runs_above = runs_left(above_masks, above.list), runs = runs_left(masks_, row.list);
     std::vector<std::pair<std::size_t, std::size_t>> expected, contacts;

@@ -1,4 +1,4 @@
-"""Real pictures: repeatability of what stands still, and what a change of the lamps does to recognition."""
+"""Real pictures: repeatability for stationary robots, and recognition after a change of the lamps."""
 import json
 import math
 import os
@@ -9,23 +9,23 @@ import subprocess
 import programs
 import scenes
 
-# The colors are learned in the first picture; the others have other lamps.
+# The picture that the colors are learned from; the other pictures have other lamps.
 MIROSOT_LEARNED = "r0"
 MIROSOT_ROBOTS = 10
-# Robots and balls in all pictures of an exposure, counted by eye.
+# Number of robots and balls in all pictures of an exposure, counted by hand.
 BAR_COUNTS = {"dark": (28, 5), "normal": (70, 12)}
-# So long a picture is shown to the adaptation, which then has followed what it can.
+# Number of times that a picture is repeated, so that the adaptation can converge.
 REPEATS = 60
 
 
 def ids_of(line):
-    """Robots with an id, and how often one was given twice."""
+    """Returns the number of different ids and the number of ids that were reported twice."""
     ids = [(r["team"], r["id"]) for r in line["sightings"]["robots"] if r["id"] is not None]
     return len(set(ids)), len(ids) - len(set(ids))
 
 
 def spread_px(lines, names):
-    """RMS distance of a robot's team patch from its mean, pixels."""
+    """Returns the RMS distance of each robot's team patch from its mean in pixels."""
     out = {}
     for name in names:
         team, number = name.split()
@@ -37,7 +37,7 @@ def spread_px(lines, names):
 
 
 def standing(tools, pictures, venue, team, name, moving=()):
-    """Spread of everything that stands, in mm, degrees and pixels."""
+    """Returns the spread of all stationary robots and balls in mm, degrees and pixels."""
     result, lines = tools.replay(pictures, venue, team, name)
     spread = tools.evaluate("--spread", result)["spread"]
     robots = [s["name"] for s in spread if s["name"] != "ball" and s["name"] not in moving]
@@ -48,7 +48,7 @@ def standing(tools, pictures, venue, team, name, moving=()):
 
 
 def make_venues(tools, recipes, shared):
-    """All venue files of the recipes, made anew by this tool."""
+    """Creates all venue files of the recipes with touchline-calibrate."""
     environment = dict(os.environ, TOUCHLINE_SHARED=str(shared))
     done = subprocess.run([recipes / "make-venues", tools.path("calibrate"), tools.out.resolve()], env=environment,
                           capture_output=True, text=True, check=False)
@@ -57,7 +57,7 @@ def make_venues(tools, recipes, shared):
 
 
 def copy_venue(source, target):
-    """With its light map, which bears the venue's name."""
+    """Copies a venue file with its light map, whose name contains that of the venue."""
     target.write_text(source.read_text().replace(f"{source.stem}-light.png", f"{target.stem}-light.png"))
     light = source.with_name(f"{source.stem}-light.png")
     if light.exists():
@@ -66,14 +66,14 @@ def copy_venue(source, target):
 
 
 def with_colors_of(venue, other):
-    """Puts the other venue's [colors] and [[color]] in place of the venue's own."""
+    """Replaces the sections [colors] and [[color]] of a venue file by those of another one."""
     parts = re.split(r"(?m)^(?=\[)", venue.read_text())
     colors = [p for p in re.split(r"(?m)^(?=\[)", other.read_text()) if p.startswith(("[colors]", "[[color"))]
     venue.write_text("".join(p for p in parts if not p.startswith(("[colors]", "[[color"))) + "\n" + "".join(colors))
 
 
 def repeated(tools, picture, name):
-    """A folder in which the picture comes again and again."""
+    """Makes a folder that contains the picture REPEATS times."""
     folder = tools.out / f"{name}-repeated"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
@@ -83,7 +83,7 @@ def repeated(tools, picture, name):
 
 
 def seen_in(tools, picture, venue, team, name, adapt):
-    """Ids, doubled ids and ball of one picture; with adaptation: after it was shown for a while."""
+    """Returns ids, doubled ids and ball of one picture; with `adapt`, after the adaptation has converged."""
     if adapt:
         _, lines = tools.replay(repeated(tools, picture, name), venue, team, name, "--rate", 10, "--set",
                                 "adaptation.time_constant_s=1")
@@ -95,10 +95,10 @@ def seen_in(tools, picture, venue, team, name, adapt):
 
 
 def annotated(tools, picture, line):
-    """Ids that are right, unknown and wrong by the picture's annotation; None without one."""
+    """Returns the numbers of right, unknown and wrong ids by the picture's annotation; None without an annotation."""
     for truth in (picture.parent.parent / "annotated").glob("*.json"):
         if json.loads(truth.read_text())["image"].endswith(f"{picture.parent.name}/{picture.name}"):
-            # A picture that was shown again and again had other names.
+            # Repeated pictures have other file names.
             result = tools.out / "annotated.jsonl"
             result.write_text(json.dumps({**line, "file": picture.name, "frame": 0}) + "\n")
             numbers = tools.evaluate("--annotated", truth, result)["pictures"][0]
@@ -107,7 +107,7 @@ def annotated(tools, picture, line):
 
 
 def mirosot_fields(tools, pictures):
-    """The field found without a click in every picture: residual as printed, and the border's straightness."""
+    """Finds the field without clicks in every picture; returns the residual and the straightness of the border."""
     out = {}
     for picture in pictures:
         venue = tools.out / "mirosot-field-venue.toml"
@@ -128,7 +128,7 @@ def mirosot_fields(tools, pictures):
 
 
 def mirosot_lamps(tools, pictures, recipes):
-    """Colors learned under one lamp, used under all: without map; with a map from the picture's own border; adapted."""
+    """Uses colors learned under one lamp for all: without light map, with one from the picture's border, and adapted."""
     team = recipes / "mirosot-triangles-team.toml"
     learned = next(p for p in pictures if p.stem == MIROSOT_LEARNED)
     clicks = tools.out / "mirosot-one-lamp-clicks.json"
@@ -145,7 +145,7 @@ def mirosot_lamps(tools, pictures, recipes):
                          *options, may_fail=True) is not None
 
     made = tools.out / "mirosot-triangles-venue.toml"
-    # In RGB: a lamp's tint is a factor a channel.
+    # In RGB, because a lamp's tint is a factor per channel.
     even = copy_venue(made, tools.out / "mirosot-even-venue.toml")
     even.write_text(scenes.without_section(even.read_text(), "light").replace('space = "yuv"', 'space = "rgb"'))
     colors(even)
@@ -164,7 +164,7 @@ def mirosot_lamps(tools, pictures, recipes):
 
 
 def bars(tools, folder, recipes):
-    """Colors learned in one exposure, used in the other: as they are, with a map of the picture itself, and adapted."""
+    """Uses colors learned in one exposure for the other one: unchanged and adapted."""
     out = {}
     for used, learned in (("dark", "normal"), ("normal", "dark")):
         team = recipes / f"vsss-bar-{used}-team.toml"
@@ -200,7 +200,7 @@ def evaluate(tools, folder, recipes):
 
 
 def print_standing(title, rows):
-    print(f"\n{title}: RMS about the mean")
+    print(f"\n{title}: RMS deviation from the mean")
     for row in rows:
         pixels = "" if row["px"] is None else f"{row['px']:.3f} px, "
         turn = f", {row['degrees']:.3f} degrees" if row["name"] != "ball" else ""
@@ -212,12 +212,12 @@ def print_tables(results):
         return
     print_standing("vss-overhead.mp4, what stands", results["overhead"])
     print_standing("vsss-halves, one standing scene", results["halves"])
-    print("\nmirosot-triangles: field found without a click; border about straight lines")
+    print("\nmirosot-triangles: field found without clicks; deviation of the border from straight lines")
     for name, row in results["mirosot_fields"].items():
         print(f"  {name:<10} " + ("refused" if row is None else (
             f"residual {row['residual_px']:.2f} px; border {row['distorted_px']:.2f} px in the picture, rectified "
             f"{row['straight_px']:.2f} px, {row['straight_mm']:.2f} mm")))
-    print(f"\nmirosot-triangles: colors learned in {MIROSOT_LEARNED} alone; ids of {MIROSOT_ROBOTS} (twice given), robots "
+    print(f"\nmirosot-triangles: colors learned only in {MIROSOT_LEARNED}; ids of {MIROSOT_ROBOTS} (reported twice), robots "
           "seen, ball")
     cases = [case for case in next(iter(results["mirosot_lamps"].values())) if case != "map_measured"]
     print(f"  {'':<10}" + "".join(f"{case:>22}" for case in cases))
@@ -234,7 +234,7 @@ def print_tables(results):
     totals = {case: sum(r[case]["ids"] for r in results["mirosot_lamps"].values()) for case in cases}
     whole = MIROSOT_ROBOTS * len(results["mirosot_lamps"])
     print(f"  {'ids':<10}" + "".join(f"{100 * totals[case] / whole:>20.1f} %" for case in cases))
-    print("\nvsss-bar: colors of one exposure used in the other; ids (twice given), robots, balls")
+    print("\nvsss-bar: colors of one exposure used in the other; ids (reported twice), robots, balls")
     for name, row in results["bars"].items():
         for case, seen in row.items():
             robots, balls = BAR_COUNTS[name.split()[-1]]

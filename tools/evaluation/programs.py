@@ -6,11 +6,11 @@ import sys
 
 
 class Failed(Exception):
-    """A program ended with an error; the text names the command and what it said."""
+    """A program failed; the text contains the command and its error output."""
 
 
 def progress(text):
-    """One line that replaces itself, on a terminal; else a line each."""
+    """Shows progress: on a terminal in a single line, otherwise one line per call."""
     if sys.stderr.isatty():
         print(f"\r\033[K{text}", end="", file=sys.stderr, flush=True)
     elif text:
@@ -30,7 +30,7 @@ class Programs:
         return str(program)
 
     def run(self, name, *arguments, may_fail=False):
-        """What it printed; None when it failed and may."""
+        """Returns the program's output; None if it failed and `may_fail` is set."""
         command = [self.path(name), *map(str, arguments)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode == 0:
@@ -40,13 +40,13 @@ class Programs:
         raise Failed(f"{' '.join(command)}\n{done.stderr.strip()}")
 
     def replay(self, pictures, venue, team, name, *options):
-        """The result's path and its lines."""
+        """Returns the path of the result and its parsed lines."""
         result = self.out / f"{name}.jsonl"
         self.run("replay", pictures, "--venue", venue, "--team", team, "--out", result, "--quiet", *options)
         return result, [json.loads(line) for line in result.read_text().splitlines()]
 
     def evaluate(self, *arguments):
-        """The numbers, as touchline-evaluate --json writes them."""
+        """Returns the numbers that touchline-evaluate --json writes."""
         numbers = self.out / "numbers.json"
         self.run("evaluate", *arguments, "--json", numbers)
         return json.loads(numbers.read_text())

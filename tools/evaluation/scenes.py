@@ -3,7 +3,7 @@ import json
 import math
 import re
 
-# Issue by issue these were agreed on; other sets have no goals.
+# Goals of the known sets; other sets have none.
 GOALS = {
     "plain": {"seen": 99.9, "ball_seen": 100, "position": (0.7, 2.5), "angle": (0.7, 3), "ball": 1.0,
               "noise": (0.25, 0.25), "filtered": (0.12, 0.12)},
@@ -22,7 +22,7 @@ def truth_of(folder):
 
 
 def write_team(scene, robots, path):
-    """The team file of the robots that the set has."""
+    """Returns the team file that matches the robots of the set."""
     ids = {}
     for robot in robots:
         ids.setdefault(robot["team"], {})[robot["id"]] = robot["ident"]
@@ -60,7 +60,7 @@ def pictures_of(folder):
 
 
 def calibrate(tools, folder, team, clicks, venue, no_height):
-    """Writes the venue file; how the field was found."""
+    """Writes the venue file; returns how the field was found."""
     venue.unlink(missing_ok=True)
     scene = json.loads((folder / "empty" / "scene.json").read_text())
     empty = [option for p in pictures_of(folder / "empty") for option in ("--picture", p)]
@@ -82,12 +82,12 @@ def learn_colors(tools, folder, team, clicks, venue):
 
 
 def without_section(text, section):
-    """A TOML text without one of its sections."""
+    """Returns a TOML text without one of its sections."""
     return re.sub(rf"(?m)^\[{section}\]\n(?:(?!\[).*\n)*", "", text)
 
 
 class Sum:
-    """Pooled numbers of several folders."""
+    """Pools the numbers of several folders."""
 
     def __init__(self):
         self.counts, self.errors = {}, {}
@@ -115,7 +115,7 @@ class Sum:
 
 
 def look(tools, folder, venue, team, name, *options):
-    """Numbers of all folders that are not for calibration, pooled and each; results by folder."""
+    """Returns the numbers of all folders except those for calibration, pooled and per folder, and the results by folder."""
     total, each, results = Sum(), {}, {}
     for part in sorted(p for p in folder.iterdir() if (p / "truth.jsonl").exists()):
         if part.name in ("empty", "grey", "samples"):
@@ -135,7 +135,7 @@ def mean_angle(angles):
 
 
 def standing_noise(lines, source):
-    """RMS about each robot's mean, mm and degrees, over all robots; of tracks the second half, when they have settled."""
+    """Returns the RMS deviation from each robot's mean in mm and degrees; for tracks over the second half of the frames."""
     robots = {}
     for line in lines[len(lines) // 2 if source == "tracks" else 0:]:
         for robot in line[source]["robots"]:
@@ -154,7 +154,7 @@ def standing_noise(lines, source):
 
 
 def times_bound(tools, folder, result, venue, team):
-    """How many times the Cramer-Rao bound the noise of standing robots is: position, angle; RMS over the robots."""
+    """Returns the ratio of the noise of stationary robots to the Cramer-Rao bound: position, angle; RMS over the robots."""
     robots = tools.evaluate(folder / "truth.jsonl", result, "--pictures", folder, "--venue", venue, "--team",
                             team)["bound"]
 
@@ -179,7 +179,7 @@ def evaluate(tools, folder, no_height):
         out["filtered"] = standing_noise(lines, "tracks")
         out["times_bound"] = times_bound(tools, folder / "static", tools.out / f"{name}-static.jsonl", venue, team)
     out["paper_model"], _, _ = look(tools, folder, venue, team, f"{name}-paper", "--set", "camera_model.kind=paper")
-    # The same colors are learned anew, as somebody without a map would.
+    # Learns the colors again without the light map.
     without = tools.out / f"{name}-without-light.toml"
     without.write_text(without_section(venue.read_text(), "light"))
     learn_colors(tools, folder, team, clicks, without)
@@ -239,7 +239,7 @@ def print_table(sets):
         good = part["swapped"] == 0 and (wanted is None or part["seen"] >= wanted)
         return f"{part['seen']:.2f} %, {part['swapped']}" + mark(good)
 
-    print("robots and balls of single pictures, without tracking; RMS / max; !: goal not reached")
+    print("robots and balls in single pictures, without tracking; RMS / max; !: goal not reached")
     row("", lambda n: n)
     row("field found by", lambda n: sets[n]["field"])
     row("robots", lambda n: str(sets[n]["all"]["robots"]))

@@ -1,4 +1,4 @@
-# GoogleTest as installed for the target, or, cross-compiling, from the sources that Debian's libgtest-dev brings along.
+# GoogleTest as installed for the target; when cross-compiling, from its sources in Debian's package googletest.
 find_package(GTest QUIET)
 if(NOT GTest_FOUND)
   if(NOT CMAKE_CROSSCOMPILING)

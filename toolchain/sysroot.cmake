@@ -1,7 +1,7 @@
-# Cross-compiles all of it with Debian's compiler (tools/setup --cross) against a sysroot (tools/sysroot SUITE); tests run under qemu.
-# A preset sets TOUCHLINE_SUITE.
+# Cross-compiles everything with Debian's compiler (tools/setup --cross) and a sysroot (tools/sysroot SUITE). Tests run under qemu.
+# The preset sets TOUCHLINE_SUITE.
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES TOUCHLINE_SUITE)
-# Which folders the compiler searches by itself is asked here; ccache with a base_dir would answer with paths that lead elsewhere.
+# CMake asks the compiler for its include folders. ccache with a base_dir would return relative paths, which are wrong elsewhere.
 set(ENV{CCACHE_DISABLE} 1)
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
@@ -12,11 +12,11 @@ if(NOT EXISTS ${CMAKE_SYSROOT}/.made-of)
 endif()
 set(CMAKE_C_COMPILER ${triplet}-gcc)
 set(CMAKE_CXX_COMPILER ${triplet}-g++)
-# Nothing newer than a Raspberry Pi 4 has is used.
+# The emulated Cortex-A72 has no instructions that a Raspberry Pi 4 lacks.
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64-static -cpu cortex-a72 -L ${CMAKE_SYSROOT})
 
-# The compiler brings a C and a C++ library of its own, which it would take first. Its headers may be older than the sysroot's libraries;
-# its libraries may not, since those of the sysroot ask for what their own C++ library has.
+# The cross compiler has its own C and C++ libraries, which it searches first. Their headers may be older than the sysroot's libraries. The
+# libraries may not: those in the sysroot need the symbols of their own C++ library.
 file(GLOB runtime ${CMAKE_SYSROOT}/usr/lib/gcc/${triplet}/*)
 string(JOIN " " first -L${CMAKE_SYSROOT}/usr/lib/${triplet} -L${runtime} -Wl,-rpath-link,${CMAKE_SYSROOT}/usr/lib/${triplet})
 foreach(kind EXE SHARED MODULE)

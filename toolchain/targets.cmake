@@ -10,8 +10,8 @@ function(touchline_library name)
   endif()
 endfunction()
 
-# touchline_core_library(NAME ...): the same for a stage of the core: no exceptions, no run-time type information,
-# no thread-safe statics, and Eigen neither allocates nor throws.
+# touchline_core_library(NAME ...): the same for a stage of the core, without exceptions, run-time type information and
+# thread-safe statics. Eigen neither allocates nor throws there.
 function(touchline_core_library name)
   touchline_library(${name} ${ARGN})
   get_target_property(type ${name} TYPE)
@@ -28,15 +28,15 @@ function(touchline_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE touchline_options ${ARG_LINK})
-  # Else a library's function is looked up when the loop calls it first.
+  # Resolves all library functions at start instead of at their first call in the loop.
   target_link_options(${name} PRIVATE -Wl,-z,now)
   add_dependencies(programs ${name})
   set_property(GLOBAL APPEND PROPERTY TOUCHLINE_PROGRAMS ${name})
   install(TARGETS ${name} RUNTIME)
 endfunction()
 
-# touchline_command_line(SOURCES...): sources of this folder that include CLI11. Its templates compile in half the time
-# when nothing is optimized, and gcc 12 then sees no null pointers where they would be inlined.
+# touchline_command_line(SOURCES...): for sources of this folder that include CLI11. Without optimization its templates compile in half
+# the time, and gcc 12 does not warn about null pointers that do not exist.
 function(touchline_command_line)
   set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O0)
 endfunction()

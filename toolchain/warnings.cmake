@@ -7,16 +7,16 @@ target_compile_options(touchline_options INTERFACE
 if(TOUCHLINE_WERROR)
   target_compile_options(touchline_options INTERFACE -Werror)
 endif()
-# One rounding everywhere: without contraction x86 and ARM, gcc and clang compute the same bits.
+# No fused multiply-add: x86 and ARM, gcc and clang round alike and compute the same bits.
 target_compile_options(touchline_options INTERFACE -ffp-contract=off)
 if(TOUCHLINE_SANITIZE)
   target_compile_options(touchline_options INTERFACE -fsanitize=${TOUCHLINE_SANITIZE} -fno-omit-frame-pointer
                                                      -fno-sanitize-recover=all)
-  # What the address sanitizer stops at too; half as much again to compile. Alignment and bounds stay.
+  # The address sanitizer finds these errors too, and these checks add half to the compile time. Alignment and bounds stay on.
   if(TOUCHLINE_SANITIZE MATCHES "undefined" AND TOUCHLINE_SANITIZE MATCHES "address")
     target_compile_options(touchline_options INTERFACE -fno-sanitize=null,object-size)
   endif()
   target_link_options(touchline_options INTERFACE -fsanitize=${TOUCHLINE_SANITIZE})
-  # The library's own checks of indices and empty containers.
+  # The C++ library's checks of indices and empty containers.
   target_compile_definitions(touchline_options INTERFACE _GLIBCXX_ASSERTIONS)
 endif()

@@ -1,4 +1,4 @@
-"""What tools/test-board asks of the board, and what must come of it."""
+"""The steps of tools/test-board with the game's camera and vivid, and their checks."""
 import math
 import pathlib
 import re
@@ -14,7 +14,7 @@ LOG = "journalctl -u touchline -o cat --no-pager"
 
 
 def payload():
-    """Files that the guest finds in /run/board."""
+    """Returns the files that are copied to /run/board in the guest."""
     return [HERE / "board.toml", HERE / "board.rules", HERE / "board-shell.service",
             *(MOCK / name for name in ("venue.toml", "venue-light.png", "team.toml"))]
 
@@ -45,18 +45,18 @@ class Game:
     def run(self, command, **more):
         return self.board.run(command, **more)
 
-    def tell(self, pattern, seconds=60):
-        """Waits, by the guest's clock, until the service's log has it."""
+    def wait_for_log(self, pattern, seconds=60):
+        """Waits until the service's log contains the pattern; `seconds` of the guest's clock at most."""
         self.run(f"timeout {seconds} sh -c 'until {LOG} | grep -q \"{pattern}\"; do sleep 0.05; done'")
 
     def ask(self, line, meanwhile=None):
-        told = self.arena.ask(line, meanwhile)
-        self.frames += told["shown"]
-        self.packets += told["packets"]
-        return told
+        result = self.arena.ask(line, meanwhile)
+        self.frames += result["shown"]
+        self.packets += result["packets"]
+        return result
 
     def close_arena(self):
-        """Its end of the radio is free then."""
+        """Ends the arena, so that another one can connect to the radio."""
         if self.arena is not None:
             self.arena.close()
         self.arena = None
@@ -75,12 +75,12 @@ class Game:
                            f"{package} is installed by dpkg, in the guest")
         self.run("mkdir -p /etc/touchline && cp board.toml venue.toml venue-light.png team.toml /etc/touchline/ &&"
                  " sed 's/^space = .*/space = \"yuv\"/' venue.toml >venue-yuv.toml")
-        said = self.run("touchline check --board /etc/touchline/board.toml")
-        self.checks.expect("are valid" in said and "neon" in said, "touchline check: files are valid, NEON kernel")
+        output = self.run("touchline check --board /etc/touchline/board.toml")
+        self.checks.expect("are valid" in output and "neon" in output, "touchline check: files are valid, NEON kernel")
 
     def list_devices(self):
         self.run("cp board.rules /etc/udev/rules.d/99-board.rules && udevadm control --reload")
-        # Two cameras that are nothing but cameras, the second one multi-planar.
+        # Two devices that only capture, the second one multi-planar.
         self.run("modprobe vivid n_devs=2 node_types=0x1,0x1 num_inputs=1,1 input_types=0,0 multiplanar=1,2")
         self.load_loopback(0)
         self.run("modprobe virtio_console")
@@ -96,20 +96,20 @@ class Game:
             if name.startswith("vivid"):
                 self.vivid = getattr(self, "vivid", []) + [device]
         self.checks.expect(len(self.vivid) == 2, f"vivid's cameras: {', '.join(self.vivid)}")
-        said = self.run("touchline-devices", may_fail=True)
-        print("\n".join(line for line in said.splitlines() if re.match(r"\S|  /", line)))
+        output = self.run("touchline-devices", may_fail=True)
+        print("\n".join(line for line in output.splitlines() if re.match(r"\S|  /", line)))
         for name in ("Arena", "vivid", "/dev/ttyS0", "gpiochip0"):
-            self.checks.expect(name in said, f"touchline-devices names {name}")
+            self.checks.expect(name in output, f"touchline-devices names {name}")
 
     def load_loopback(self, number):
-        # As many buffers as the program asks for: else the module mixes up its first frames.
+        # As many buffers as the program requests: with fewer, the module confuses its first frames.
         self.run(f"modprobe v4l2loopback video_nr={number} card_label=Arena exclusive_caps=0 max_buffers=4 && {SETTLE}")
 
     def watch_vivid(self, device, frames, *settings):
         return self.run(f"{self.vivid_command(device, frames, *settings)} 2>&1", may_fail=True)
 
     def vivid_command(self, device, frames, *settings):
-        """What it sees does not matter, so any boxes will do; they must be in the space of the camera's colors."""
+        """Returns a command that streams from vivid. Its color boxes only need the color space of the format."""
         venue = "venue.toml" if any("rgb24" in s or "bgr24" in s for s in settings) else "venue-yuv.toml"
         words = " ".join(f"--set {setting}" for setting in (
             f"camera.device={device}", "radio.backend=none", "gpio.backend=none", "camera.rate_hz=15", *settings))
@@ -118,22 +118,22 @@ class Game:
     def try_formats(self):
         for device, planes in zip(self.vivid, ("one plane", "several planes")):
             for word, fourcc in FORMATS.items():
-                said = self.watch_vivid(device, 5, f"camera.format={word}")
-                found = re.search(r"frames +(\d+) in .* (\d+) lost", said)
+                output = self.watch_vivid(device, 5, f"camera.format={word}")
+                found = re.search(r"frames +(\d+) in .* (\d+) lost", output)
                 pixels = self.run(f"v4l2-ctl -d {device} --get-fmt-video", may_fail=True)
                 self.checks.expect(found is not None and found[1] == "5" and f"'{fourcc}'" in pixels,
-                                   f"{device} ({planes}), {word}: 5 frames" if found else f"{device} {word}: {said[-600:]}")
+                                   f"{device} ({planes}), {word}: 5 frames" if found else f"{device} {word}: {output[-600:]}")
         self.read_back_controls()
 
     def read_back_controls(self):
         device = self.vivid[0]
         for value in (40, 200):
-            said = self.watch_vivid(device, 2, "camera.format=yuyv", f"camera.gain={value}")
+            output = self.watch_vivid(device, 2, "camera.format=yuyv", f"camera.gain={value}")
             is_set = self.run(f"v4l2-ctl -d {device} -C gain,gain_automatic")
             self.checks.expect(f"gain: {value}" in is_set and "gain_automatic: 0" in is_set,
-                               f"gain {value} is in force, the automatic is off (read back by v4l2-ctl)")
-        said = self.watch_vivid(device, 2, "camera.format=yuyv", "camera.gain=9999")
-        self.checks.expect("gain = 9999: granted 255" in said, "gain 9999: granted 255, and told")
+                               f"gain {value} is set and automatic gain is off (read back by v4l2-ctl)")
+        output = self.watch_vivid(device, 2, "camera.format=yuyv", "camera.gain=9999")
+        self.checks.expect(re.search(r"gain = 9999: \w+ 255", output), "gain 9999: 255 is set and reported")
 
     def unplug_vivid(self):
         name = "vivid.0"
@@ -146,14 +146,14 @@ class Game:
         self.run(wait.format("opening it again"), may_fail=True)
         self.run(f"echo {name} >/sys/bus/platform/drivers/vivid/bind")
         self.run(wait.format("^code"), may_fail=True)
-        said = self.run("cat vivid.log")
-        print(said)
-        self.checks.expect("code 0" in said and re.search(r"frames +40 in", said),
+        output = self.run("cat vivid.log")
+        print(output)
+        self.checks.expect("code 0" in output and re.search(r"frames +40 in", output),
                            "unplugged and plugged in again while it streams: 40 frames, exit code 0")
 
     def play(self, frames):
         self.run("systemctl start --no-block touchline")
-        self.tell("^camera\\|^board")
+        self.wait_for_log("^camera\\|^board")
         begin = self.ask("play 10")
         self.checks.expect(begin["stops"] == begin["packets"] == 10, f"robots stand until the start button: {begin['frames']}")
         self.board.drive_pin(START, True)
@@ -166,17 +166,17 @@ class Game:
         for part in (frames // 4, frames // 4, frames - frames // 4 * 2):
             parts.append(self.ask(f"play {part}"))
             own = max(own, self.own_seen())
-        told = {**parts[-1], **{key: sum(part[key] for part in parts)
+        result = {**parts[-1], **{key: sum(part[key] for part in parts)
                                 for key in ("shown", "packets", "stops", "late", "own_path_m")}}
-        self.checks.expect(own == 5, f"robots seen in the best of three looks: {own} of 5")
-        self.checks.expect(told["shown"] == frames == told["packets"] and told["stops"] == 0,
-                           f"{frames} frames: {told['packets']} packets with speeds, none missing")
-        self.checks.expect(told["damaged_bytes"] == 0 and told["sequence_gaps"] == 0,
+        self.checks.expect(own == 5, f"robots seen, the best of three samples: {own} of 5")
+        self.checks.expect(result["shown"] == frames == result["packets"] and result["stops"] == 0,
+                           f"{frames} frames: {result['packets']} packets with speeds, none missing")
+        self.checks.expect(result["damaged_bytes"] == 0 and result["sequence_gaps"] == 0,
                            "no packet damaged and none missing in the sequence on the UART")
-        self.checks.expect(told["own_path_m"] > 1.0, f"robots moved {told['own_path_m']:.1f} m")
-        self.checks.expect(told["touches"] > 0, f"the ball was touched {told['touches']} times")
-        self.compare(told)
-        self.numbers(told)
+        self.checks.expect(result["own_path_m"] > 1.0, f"robots moved {result['own_path_m']:.1f} m")
+        self.checks.expect(result["touches"] > 0, f"the ball was touched {result['touches']} times")
+        self.compare(result)
+        self.numbers(result)
 
     def status(self):
         return self.run("systemctl show -p StatusText --value touchline")
@@ -185,8 +185,8 @@ class Game:
         found = re.search(r"own (\d)/5", self.status())
         return int(found[1]) if found else 0
 
-    def compare(self, told):
-        """What the program says that it sees, with what is there."""
+    def compare(self, result):
+        """Compares the reported position of the ball with its true path."""
         status = self.status()
         print("  " + status)
         found = re.search(r"ball \((-?[\d.]+), (-?[\d.]+)\)", status)
@@ -194,29 +194,29 @@ class Game:
             self.checks.expect(False, "the ball is seen")
             return
         seen = float(found[1]), float(found[2])
-        # The status is a second old at most, and given in centimeters.
-        off = min(math.dist(seen, place) for place in told["ball"][-40:])
+        # The status is at most one second old and rounded to centimeters.
+        off = min(math.dist(seen, place) for place in result["ball"][-40:])
         self.checks.expect(off < 0.015, f"the ball is seen {1000 * off:.0f} mm from its path")
 
-    def numbers(self, told):
-        print(f"  {told['shown']} frames: {told['packets']} packets ({told['stops']} stops), own robots moved "
-              f"{told['own_path_m']:.2f} m, ball {told['ball_path_m']:.2f} m, {told['late']} frames late")
+    def numbers(self, result):
+        print(f"  {result['shown']} frames: {result['packets']} packets ({result['stops']} stops), own robots moved "
+              f"{result['own_path_m']:.2f} m, ball {result['ball_path_m']:.2f} m, {result['late']} frames late")
 
     def watch_pins(self):
-        """With 40 frames: the status light blinks once a second, the strobe is high from a frame to its packet."""
+        """Samples the pins during 40 frames: the status light blinks once a second, the strobe is high from a frame to its packet."""
         seen = []
         self.ask("play 40", lambda: seen.append(self.board.pins_now()))
         for line, name in ((LED, "status light"), (STROBE, "strobe")):
             levels = [pins >> line & 1 for pins in seen]
             changes = sum(a != b for a, b in zip(levels, levels[1:]))
-            self.checks.expect(changes >= 2, f"{name}: {changes} changes in {len(seen)} looks from outside, 40 frames")
+            self.checks.expect(changes >= 2, f"{name}: {changes} changes in {len(seen)} samples from outside, 40 frames")
 
     def pull_emergency_stop(self):
         self.watch_pins()
         self.board.drive_pin(EMERGENCY, True)
-        told = self.ask("play 10")
-        pulled = told["frames"]
-        # The line is read after the work on a frame, which takes longer here than a level must last to count.
+        result = self.ask("play 10")
+        pulled = result["frames"]
+        # The loop reads the line after it has processed a frame, which takes longer here than the debounce time.
         self.checks.expect(re.fullmatch("s+", pulled), f"pulled: stopped with the next frame's packet: {pulled}")
         self.board.drive_pin(EMERGENCY, False)
         released = self.ask("play 15")["frames"]
@@ -225,32 +225,32 @@ class Game:
 
     def reload_module(self):
         self.arena.ask("unplug")
-        told = self.ask("blind 40")
-        self.checks.expect("S" in told["frames"], f"no frames: the robots are told to stop: {told['frames']}")
-        # Tried until the program has let go of the device.
+        result = self.ask("blind 40")
+        self.checks.expect("S" in result["frames"], f"no frames: stop packets: {result['frames']}")
+        # Repeats until the program has closed the device.
         self.run("timeout 60 sh -c 'until rmmod v4l2loopback 2>/dev/null; do sleep 0.02; done'")
         self.checks.expect(self.run("ls /dev/video7 /dev/arena-camera 2>&1 | grep -c 'No such'", may_fail=True) == "2",
                            "the module is unloaded, the camera is gone")
         self.ask("blind 20")
         self.load_loopback(7)
         self.arena.ask("plug")
-        self.tell("camera: is back")
-        told = self.ask("play 60")
-        self.checks.expect(re.fullmatch("s{0,3}d+", told["frames"]) and told["shown"] == 60,
-                           f"the camera is /dev/video7 now, and the game goes on: {told['frames']}")
-        self.compare(told)  # rather than where robots go: a game may have come to a standstill
+        self.wait_for_log("camera: is back")
+        result = self.ask("play 60")
+        self.checks.expect(re.fullmatch("s{0,3}d+", result["frames"]) and result["shown"] == 60,
+                           f"the camera is /dev/video7 now, and the game goes on: {result['frames']}")
+        self.compare(result)  # not the robots' paths: they may have nothing left to do
 
     def stop(self):
         self.run("systemctl stop --no-block touchline")
-        told = self.ask("watch 20")
+        result = self.ask("watch 20")
         more = self.ask("listen 2")
-        self.checks.expect(re.fullmatch(r"[dm]*m?s+\.*", told["frames"] + more["frames"]) and told["stops"] + more["stops"] >= 5,
-                           f"SIGTERM: {told['stops'] + more['stops']} stop packets and no other: {told['frames']}")
+        self.checks.expect(re.fullmatch(r"[dm]*m?s+\.*", result["frames"] + more["frames"]) and result["stops"] + more["stops"] >= 5,
+                           f"SIGTERM: {result['stops'] + more['stops']} stop packets and no other: {result['frames']}")
         self.run("timeout 30 sh -c 'while systemctl is-active -q touchline; do sleep 0.1; done'", may_fail=True)
         result = self.run("systemctl show -p ExecMainStatus -p Result touchline")
         self.checks.expect("Result=success" in result and "ExecMainStatus=0" in result, "exit code 0")
         self.checks.expect(not self.board.pins_now() & (1 << LED | 1 << STROBE), "status light and strobe are off")
-        said = self.run(f"{LOG} | tail -n 20")
-        print(said)
-        self.checks.expect(" 0 lost on the way, 0 not good" in said, "no gap in the frames' sequence from begin to end")
+        output = self.run(f"{LOG} | tail -n 20")
+        print(output)
+        self.checks.expect(" 0 lost on the way, 0 not good" in output, "no gap in the frames' sequence from begin to end")
         self.checks.numbers.append(f"{self.frames} frames shown, {self.packets} packets received")

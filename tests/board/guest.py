@@ -1,4 +1,4 @@
-"""The board in software: an arm64 guest under qemu, its console, its pins, and the arena on the host beside it."""
+"""The emulated board: an arm64 guest under qemu with its console and GPIO pins, and the arena on the host."""
 import json
 import pathlib
 import re
@@ -7,18 +7,18 @@ import socket
 import subprocess
 import time
 
-# The guest's clock counts instructions, two nanoseconds each: a board of 500 MIPS, however slow the emulation is.
+# The guest's clock counts instructions of 2 ns each, like a board with 500 MIPS, at any speed of the emulation.
 ICOUNT = "shift=1,sleep=on"
-# Nothing on the console but the shell; devices are announced when the test asks for them, not all at the start.
-QUICKLY = ("quiet panic=-1 systemd.show_status=no systemd.mask=systemd-udev-trigger.service "
+# The console shows only the shell. udev announces devices when the test triggers it, not all at the start.
+KERNEL_OPTIONS = ("quiet panic=-1 systemd.show_status=no systemd.mask=systemd-udev-trigger.service "
            "systemd.machine_id=00000000000000000000000000000001")
-# Of this machine's time, for anything that the guest does: an emulated board may be a hundred times slower than a real one.
-PATIENCE_S = 900
+# Longest time for a step of the guest, in the host's time: an emulated board can be a hundred times slower than a real one.
+TIMEOUT_S = 900
 PL061_DATA = 0x90303FC  # data register of the virt board's GPIO chip, all eight lines
 
 
 class Failed(Exception):
-    """The board did not do what it should; the text says what."""
+    """The board failed in a step; the text describes it."""
 
 
 def connect(path, timeout_s=20.0):
@@ -46,7 +46,7 @@ class Guest:
         command = [
             "qemu-system-aarch64", "-M", "virt", "-cpu", "cortex-a72", "-m", "1024", "-nic", "none", "-display", "none",
             "-no-reboot", "-icount", ICOUNT, "-rtc", "clock=vm", "-kernel", str(kernel), "-initrd", str(initrd),
-            "-append", f"console=ttyAMA0 {QUICKLY}",
+            "-append", f"console=ttyAMA0 {KERNEL_OPTIONS}",
             "-drive", f"file={image},if=virtio,format=raw,snapshot=on", *chardevs, "-serial", "chardev:console",
             "-device", "pci-serial,chardev=radio", "-device", "virtio-serial-pci",
             "-device", "virtserialport,chardev=pictures,name=arena",
@@ -60,7 +60,7 @@ class Guest:
         self.qtest = connect(self.folder / "qtest.sock").makefile("rw")
         self.pins = None
         self.qmp = connect(self.folder / "qmp.sock").makefile("rw")
-        self.said = b""
+        self.console_text = b""
         self.marks = 0
 
     def close(self):
@@ -75,28 +75,28 @@ class Guest:
     # The console.
 
     def read_until(self, pattern, timeout_s):
-        """The match; what was said until its end is used up."""
+        """Waits for the pattern on the console. Returns the text before it and removes both from the buffer."""
         end = time.monotonic() + timeout_s
-        while not (found := re.search(pattern, self.said)):
+        while not (found := re.search(pattern, self.console_text)):
             left = end - time.monotonic()
             if left <= 0 or not select.select([self.console], [], [], left)[0]:
-                raise Failed(f"the guest's console says nothing like {pattern!r}; last: {self.said[-400:]!r}")
+                raise Failed(f"the guest's console shows no {pattern!r}; its last text: {self.console_text[-400:]!r}")
             more = self.console.recv(65536)
             if not more:
                 raise Failed(f"the guest ended; see {self.folder}/console.log")
             self.log.write(more)
             self.log.flush()
-            self.said += more
-        before = self.said[:found.start()]
-        self.said = self.said[found.end():]
+            self.console_text += more
+        before = self.console_text[:found.start()]
+        self.console_text = self.console_text[found.end():]
         return before
 
-    def boot(self, timeout_s=PATIENCE_S):
+    def boot(self, timeout_s=TIMEOUT_S):
         self.read_until(rb"[#$] $", timeout_s)
         self.run("PS1=; PS2=; cd /run/board")
 
-    def run(self, command, timeout_s=PATIENCE_S, may_fail=False):
-        """What the shell command printed; Failed when its exit code is not 0."""
+    def run(self, command, timeout_s=TIMEOUT_S, may_fail=False):
+        """Runs a shell command in the guest and returns its output. Raises Failed if its exit code is not 0."""
         self.marks += 1
         mark = f"@@{self.marks}:"
         self.console.sendall(f"{command}\nprintf '\\n%s%d@@\\n' '{mark}' $?\n".encode())
@@ -106,7 +106,7 @@ class Guest:
             raise Failed(f"in the guest, `{command}` ended with {code}: {text}")
         return text
 
-    # The pins, from outside.
+    # The GPIO pins, driven and read from outside the guest.
 
     def ask_qtest(self, line):
         self.qtest.write(line + "\n")
@@ -138,12 +138,12 @@ class Guest:
         self.ask_qtest(f"set_irq_in {self.pins} unnamed-gpio-in {line} {int(high)}")
 
     def pins_now(self):
-        """All eight, a bit each."""
+        """Returns the levels of all eight pins, one bit each."""
         return int(self.ask_qtest(f"readl {PL061_DATA:#x}")[0], 16)
 
 
 class Arena:
-    """tests/board/arena_main.cpp"""
+    """The program tests/board/arena_main.cpp, which takes one command per line."""
 
     def __init__(self, program, board, folder, overrides):
         self.log = open(pathlib.Path(folder) / "arena.log", "w")
@@ -152,7 +152,7 @@ class Arena:
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self.log, text=True)
 
     def ask(self, line, meanwhile=None):
-        """What came of it, as a dictionary. `meanwhile`: called again and again until there is an answer."""
+        """Sends a command and returns its result as a dictionary. Calls `meanwhile` repeatedly until the answer arrives."""
         self.process.stdin.write(line + "\n")
         self.process.stdin.flush()
         while meanwhile is not None and not select.select([self.process.stdout], [], [], 0)[0]:
@@ -162,10 +162,10 @@ class Arena:
         self.log.flush()
         if not answer:
             raise Failed(f"the arena ended; see {self.log.name}")
-        told = json.loads(answer)
-        if told["error"]:
-            raise Failed(f"arena, {line}: {told['error']}")
-        return told
+        result = json.loads(answer)
+        if result["error"]:
+            raise Failed(f"arena, {line}: {result['error']}")
+        return result
 
     def close(self):
         self.process.stdin.close()

@@ -1,4 +1,4 @@
-"""A USB camera: the kernel's driver for them, uvcvideo, and what tools/test-board asks of it."""
+"""The steps of tools/test-board with a USB camera (the kernel's driver uvcvideo), and their checks."""
 import pathlib
 import re
 import subprocess
@@ -11,24 +11,24 @@ CAMERA = "/dev/touchline/camera"  # as the package's udev rules name it
 LOG = "usb.log"
 BOARD = "/etc/touchline/usb.toml"
 CONTROLS = ("camera.gain=40", "camera.white_balance_k=4000", "camera.focus=35", "camera.power_line=50hz")
-# Hosts may be slow and the guest waits: only what the test does ends a stream.
+# A long timeout, because the guest waits for a slow host: only the test itself ends a stream.
 SETTINGS = (f"camera.device={CAMERA}", "camera.rate_hz=15", "gpio.backend=none", "gpio.start_line=-1",
             "faults.camera_timeout_s=30", *CONTROLS)
 
 
 class UsbCamera:
-    """Steps after the game's; the arena is another one, whose camera is at the USB port."""
+    """Steps after those of the game, with another arena, whose camera is at the USB port."""
 
     def __init__(self, board, game, checks, folder, programs):
         self.game, self.checks, self.folder = game, checks, folder / "usb"
         self.run = board.run
         self.arena_program, self.camera_program = programs / "board-arena", programs / "board-usb-camera"
-        self.heard = 0  # of the camera's log
+        self.log_position = 0  # characters of the camera's log that were read
 
-    # What the steps are made of.
+    # Parts of the steps.
 
     def open_arena(self, pixels):
-        """The arena draws in the format that the camera sends, or compresses."""
+        """Starts arena and camera. `pixels`: yuyv, or mjpg, for which the arena renders RGB and the camera compresses."""
         self.folder.mkdir(exist_ok=True)
         for name in ("radio.sock", "usb.sock"):  # qemu's
             (self.folder / name).unlink(missing_ok=True)
@@ -53,10 +53,10 @@ class UsbCamera:
     def set_exposure(self, exposure_us):
         self.run(f"sed 's/^exposure_us = .*/exposure_us = {exposure_us}/' /etc/touchline/board.toml >{BOARD}")
 
-    def was_set(self):
-        """What the camera was told since the last look, in its own words."""
+    def new_requests(self):
+        """Returns the lines of the camera's log since the last call: the requests of the driver."""
         text = (self.folder / "camera.log").read_text(encoding="utf-8")
-        new, self.heard = text[self.heard:], len(text)
+        new, self.log_position = text[self.log_position:], len(text)
         return new.splitlines()
 
     def command(self, frames, venue, *settings):
@@ -65,16 +65,16 @@ class UsbCamera:
 
     def start(self, *what):
         self.run(f"rm -f {LOG}; ({self.command(*what)} >{LOG} 2>&1; echo code $? >>{LOG}) &")
-        self.tell("^camera:\\|^code")
+        self.wait_for_log("^camera:\\|^code")
 
-    def tell(self, pattern):
+    def wait_for_log(self, pattern):
         self.run(f"timeout 60 sh -c 'until grep -q \"{pattern}\" {LOG}; do sleep 0.05; done'", may_fail=True)
 
     def end(self):
-        self.tell("^code")
-        said = self.run(f"cat {LOG}")
-        print("\n".join("  " + line for line in said.splitlines() if not re.match(r"\d+ s  ", line)))
-        return said
+        self.wait_for_log("^code")
+        output = self.run(f"cat {LOG}")
+        print("\n".join("  " + line for line in output.splitlines() if not re.match(r"\d+ s  ", line)))
+        return output
 
     # The steps.
 
@@ -83,21 +83,21 @@ class UsbCamera:
         self.set_exposure(5000)
         self.run("modprobe xhci_pci")
         self.open_arena("yuyv")
-        said = self.run("touchline-devices --camera")
-        print(said)
+        output = self.run("touchline-devices --camera")
+        print(output)
         node, metadata = self.run(f"readlink -f {CAMERA}; readlink -f /dev/v4l/by-path/*-video-index1").split()
-        self.checks.expect(f"{node}  Camera of a test (driver uvcvideo" in said,
+        self.checks.expect(f"{node}  Camera of a test (driver uvcvideo" in output,
                            f"udev loads uvcvideo and names the camera; touchline-devices has it: {node}")
-        self.checks.expect(metadata not in said, f"its node for metadata, {metadata}, is not offered as a camera")
+        self.checks.expect(metadata not in output, f"its node for metadata, {metadata}, is not offered as a camera")
         for what, pattern in (
                 ("YUYV, MJPG, sizes and rates", r"yuyv .*\n +640x480 at 15, 10 Hz\n +320x240.*\n +mjpg .*\n +640x480 at 15, 10 Hz"),
                 ("a menu with holes", r"Auto Exposure +3 \(Aperture Priority Mode\) 1, 3 "),
-                ("a control that an automatic keeps", r"Exposure Time, Absolute .*without effect now")):
-            self.checks.expect(re.search(pattern, said), f"touchline-devices has {what}")
-        said = self.run(self.command(1, "venue.toml", f"camera.device={metadata}") + " 2>&1", may_fail=True)
-        self.checks.expect(re.search(rf"does not capture video; cameras here: .*{node} \(Camera of a test", said),
-                           "asked for the metadata, touchline says what it is and which camera there is")
-        self.was_set()
+                ("a control that is inactive while an automatic is on", r"Exposure Time, Absolute .*without effect now")):
+            self.checks.expect(re.search(pattern, output), f"touchline-devices has {what}")
+        output = self.run(self.command(1, "venue.toml", f"camera.device={metadata}") + " 2>&1", may_fail=True)
+        self.checks.expect(re.search(rf"does not capture video; cameras here: .*{node} \(Camera of a test", output),
+                           "with the metadata node, touchline reports the node and the camera that exists")
+        self.new_requests()
 
     def play_yuyv(self, frames=30):
         self.start(frames, "venue-yuv.toml", "camera.format=yuyv")
@@ -108,57 +108,57 @@ class UsbCamera:
         self.set_exposure(8000)
         self.run("kill -HUP $(busybox pidof touchline)")
         second = self.arena.ask(f"drive {frames - frames // 2}")
-        said = self.end()
-        self.good_frames(frames, (first, second), said, "YUYV")
-        self.checks.expect("reload: from frame" in said, "SIGHUP while it streams: another exposure, and no frame lost by it")
+        output = self.end()
+        self.good_frames(frames, (first, second), output, "YUYV")
+        self.checks.expect("reload: from frame" in output, "SIGHUP while it streams: another exposure, and no frame lost by it")
         self.fixed_controls(80, "exposure: 80")
 
     def tear_a_picture(self):
-        """A packet is lost on the cable, as happens: the picture is of no use, and no other one suffers."""
+        """Loses one packet on the cable: that picture is incomplete, the others are not affected."""
         self.arena.ask("tear 1")
         self.run("sleep 0.2")
 
-    def good_frames(self, frames, parts, said, what):
+    def good_frames(self, frames, parts, output, what):
         shown = sum(part["shown"] for part in parts)
         letters = "".join(part["frames"] for part in parts)
-        found = re.search(rf"frames +{frames} in .* 1 lost on the way, 0 not good", said)
-        self.checks.expect(found and shown == frames and re.fullmatch("[dm]+", letters) and "code 0" in said,
-                           f"{what}: {frames} pictures, a packet with speeds for each, and the torn one counted as lost: {letters}")
+        found = re.search(rf"frames +{frames} in .* 1 lost on the way, 0 not good", output)
+        self.checks.expect(found and shown == frames and re.fullmatch("[dm]+", letters) and "code 0" in output,
+                           f"{what}: {frames} pictures, a packet with speeds for each, the incomplete one counted as lost: {letters}")
 
     def fixed_controls(self, exposure, *expected):
-        """The camera refuses what an automatic keeps, so the order is right when nothing was."""
-        told = {line for line in self.was_set() if not line.startswith("format")}
-        self.checks.expect(told == set(expected), f"the camera was told, and refused nothing: {', '.join(sorted(told))}")
+        """Checks the controls. The camera refuses those whose automatic is on, so no refusal means that the order was right."""
+        result = {line for line in self.new_requests() if not line.startswith("format")}
+        self.checks.expect(result == set(expected), f"the camera got these controls and refused none: {', '.join(sorted(result))}")
         values = {"auto_exposure": 1, "exposure_time_absolute": exposure, "gain": 40, "white_balance_temperature": 4000,
                   "focus_absolute": 35, "power_line_frequency": 1}
-        said = self.run(f"v4l2-ctl -d {CAMERA} -C {','.join(values)}")
-        found = {name: int(value) for name, value in re.findall(r"(\w+): (\d+)", said)}
-        self.checks.expect(found == values, f"and has it, as v4l2-ctl reads back: {found}")
+        output = self.run(f"v4l2-ctl -d {CAMERA} -C {','.join(values)}")
+        found = {name: int(value) for name, value in re.findall(r"(\w+): (\d+)", output)}
+        self.checks.expect(found == values, f"v4l2-ctl reads back: {found}")
 
     def play_mjpg(self, frames=30):
-        """Unplugged in the middle, and plugged in again with its old number taken."""
+        """Streams MJPG. The camera is unplugged in between and plugged in again while its old number is in use."""
         self.close_arena()
         self.open_arena("mjpg")
         self.start(2 * frames, "venue.toml", "camera.format=mjpg")
-        told = self.arena.ask(f"drive {frames}")
-        self.checks.expect("format: mjpg" in self.was_set() and told["shown"] == frames,
-                           f"MJPG, every other picture without Huffman tables: {told['frames']}")
-        self.checks.expect(told["own_path_m"] > 0.1, f"robots moved {told['own_path_m']:.1f} m")
+        result = self.arena.ask(f"drive {frames}")
+        self.checks.expect("format: mjpg" in self.new_requests() and result["shown"] == frames,
+                           f"MJPG, every other picture without Huffman tables: {result['frames']}")
+        self.checks.expect(result["own_path_m"] > 0.1, f"robots moved {result['own_path_m']:.1f} m")
         before = self.run(f"exec 9<{CAMERA}; readlink -f {CAMERA}")
         self.arena.ask("unplug")
-        self.tell("robots halted")
+        self.wait_for_log("robots halted")
         stopped = self.arena.ask("blind 1")
         self.checks.expect(stopped["frames"] == "S", f"unplugged: {stopped['stops']} packets, all of them stop the robots")
         self.checks.expect(self.run("ls /dev/video* /dev/touchline/camera 2>&1 | grep -c 'No such'", may_fail=True) != "0",
                            "its nodes are gone")
         self.arena.ask("plug")
-        self.tell("camera: is back")
+        self.wait_for_log("camera: is back")
         after = self.run(f"exec 9<&-; readlink -f {CAMERA}")
         again = self.arena.ask(f"drive {frames // 2}")
         self.checks.expect(before != after, f"plugged in again: it was {before}, is {after}, and the game goes on")
         self.tear_a_picture()
         more = self.arena.ask(f"drive {frames - frames // 2}")
-        said = self.end()
-        self.good_frames(2 * frames, (told, again, more), said, "MJPG")
-        self.checks.expect("camera: corrupt frame, 1 times" in said, "the torn JPEG was seen to be damaged")
+        output = self.end()
+        self.good_frames(2 * frames, (result, again, more), output, "MJPG")
+        self.checks.expect("camera: corrupt frame, 1 times" in output, "the incomplete JPEG was reported")
         self.close_arena()

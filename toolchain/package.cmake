@@ -1,10 +1,10 @@
-# What a .deb holds beside the programs, and how CPack makes it (tools/package).
+# The files of a .deb besides the programs, and CPack's settings for it (tools/package).
 install(FILES toolchain/package/touchline.service DESTINATION lib/systemd/system)
 install(FILES toolchain/package/touchline.rules DESTINATION lib/udev/rules.d RENAME 70-touchline.rules)
 install(CODE "execute_process(COMMAND \"${CMAKE_SOURCE_DIR}/toolchain/package/install-documentation\"
                                       \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/share\" COMMAND_ERROR_IS_FATAL ANY)")
 
-# Man pages as the programs describe themselves. Not of every build: for another processor's programs an emulator says it slowly.
+# Man pages made from --help. Not part of every build: for another processor an emulator runs the programs, which is slow.
 set(manual ${CMAKE_BINARY_DIR}/manual)
 get_property(programs GLOBAL PROPERTY TOUCHLINE_PROGRAMS)
 list(TRANSFORM programs REPLACE "(.+)" "${manual}/\\1.1.gz" OUTPUT_VARIABLE pages)
@@ -15,7 +15,7 @@ foreach(program ${programs})
 endforeach()
 add_custom_target(manual DEPENDS ${pages})
 install(FILES ${pages} DESTINATION share/man/man1 OPTIONAL)
-# tools/package writes it.
+# Written by tools/package.
 install(FILES ${CMAKE_BINARY_DIR}/changelog.gz DESTINATION share/doc/touchline OPTIONAL)
 
 file(READ LICENSE license)
@@ -38,9 +38,9 @@ set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_MAINTAINER "The Touchline authors <touchline@invalid.example.org>")
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
-# libcamera-ipa: what libcamera loads for a camera at a ribbon cable; without it there is no camera at all.
+# libcamera-ipa: libcamera's modules for CSI cameras, which do not work without it.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "adduser, libcamera-ipa")
-# stress-ng: touchline-latency --load.
+# stress-ng: for touchline-latency --load.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "stress-ng, v4l-utils, gpiod")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION TRUE)

@@ -5,7 +5,8 @@
 
 #include "core/parameter.h"
 
-// The instruction sets for which there are kernels, and whether this processor has them. All sets give the same results.
+// The instruction sets for which there are kernels, and whether this processor has them. All sets give the same
+// results.
 
 // The features that the functions of a set are compiled for, as [[gnu::target]] expects them. cpu_supports() checks the
 // same list.
@@ -14,8 +15,8 @@
 #define TOUCHLINE_AVX512_TARGET "avx512f,avx512bw,avx512vl,avx512vbmi,bmi,bmi2,popcnt"
 #define TOUCHLINE_NEON_TARGET "neon"
 
-// Every vector function names its target itself. If a whole file were compiled for AVX2, inline functions that it shares
-// with other files would contain AVX2 code as well, and the linker could pick them for an older processor.
+// Every vector function names its target itself. If a whole file were compiled for AVX2, inline functions that it
+// shares with other files would contain AVX2 code as well, and the linker could pick them for an older processor.
 #define TOUCHLINE_AVX2 [[gnu::target(TOUCHLINE_AVX2_TARGET)]]
 #define TOUCHLINE_AVX2_INLINE [[gnu::target(TOUCHLINE_AVX2_TARGET), gnu::always_inline]] inline
 #define TOUCHLINE_AVX512 [[gnu::target(TOUCHLINE_AVX512_TARGET)]]
@@ -33,20 +34,22 @@
 #define TOUCHLINE_ON_ARM(...)
 #endif
 
-/// The only list of kernels: a new set is a line here, with the functions of each stage. A stage that has no code for the
-/// set names the functions of another one. Of the sets of a processor family, a later one is the faster one.
+/// The only list of kernels: a new set is a line here, with the functions of each stage. A stage that has no code for
+/// the set names the functions of another one. Of the sets of a processor family, a later one is the faster one.
 ///   family, enumerator, word of scan.kernel, features,
-///   span kernel (core/color), row masks and row bits (core/region)
+///   span kernel (core/color), row masks and row bits (core/region), fit kernel (core/subpixel)
 // clang-format off
 #define TOUCHLINE_KERNEL_SETS(SET)                                     \
   SET(ANY, kPortable, "portable", TOUCHLINE_PORTABLE_TARGET,           \
-      portable_kernel, portable_row_masks, portable_row_bits)          \
+      portable_kernel, portable_row_masks, portable_row_bits,          \
+      portable_fit_kernel)                                             \
   SET(X86, kAvx2, "avx2", TOUCHLINE_AVX2_TARGET,                       \
-      avx2_kernel, avx2_row_masks, avx2_row_bits)                      \
+      avx2_kernel, avx2_row_masks, avx2_row_bits, avx2_fit_kernel)     \
   SET(X86, kAvx512, "avx512", TOUCHLINE_AVX512_TARGET,                 \
-      avx512_kernel, avx512_row_masks, avx2_row_bits)                  \
+      avx512_kernel, avx512_row_masks, avx2_row_bits, avx2_fit_kernel) \
   SET(ARM, kNeon, "neon", TOUCHLINE_NEON_TARGET,                       \
-      neon_kernel, neon_row_masks, portable_row_bits)
+      neon_kernel, neon_row_masks, portable_row_bits,                  \
+      portable_fit_kernel)
 // clang-format on
 
 namespace touchline {
@@ -60,10 +63,9 @@ enum class KernelChoice : std::uint8_t {
 };
 
 /// The words of scan.kernel, in the order of the enumerators.
-inline constexpr std::array kKernelChoices{
-    Choice<KernelChoice>{"fastest", KernelChoice::kFastest},
+inline constexpr std::array kKernelChoices{Choice<KernelChoice>{"fastest", KernelChoice::kFastest},
 #define TOUCHLINE_SET(family, choice, word, ...) Choice<KernelChoice>{word, KernelChoice::choice},
-    TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)
+                                           TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)
 #undef TOUCHLINE_SET
 };
 

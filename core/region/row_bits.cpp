@@ -172,7 +172,7 @@ constexpr RowBits avx2_row_bits = {count_avx2, widen_avx2, list_avx2, list_conta
 
 const RowBits& row_bits(KernelChoice kernel) {
   switch (kernel) {
-#define TOUCHLINE_SET(family, set, word, features, span_kernel, row_masks, row_bits) \
+#define TOUCHLINE_SET(family, set, word, features, span_kernel, row_masks, row_bits, ...) \
   TOUCHLINE_ON_##family(case KernelChoice::set : return row_bits;)
     TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)
 #undef TOUCHLINE_SET

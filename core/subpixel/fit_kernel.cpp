@@ -18,8 +18,16 @@ const FitKernel& portable_fit_kernel() {
 }
 
 const FitKernel& fit_kernel(KernelChoice choice) {
-  const FitKernel* avx2 = choice == KernelChoice::kPortable ? nullptr : avx2_fit_kernel();
-  return avx2 != nullptr ? *avx2 : portable_fit_kernel();
+  const KernelChoice chosen = resolve(choice);
+  if (!cpu_supports(chosen)) return portable_fit_kernel();
+  switch (chosen) {
+#define TOUCHLINE_SET(family, set, word, features, span_kernel, row_masks, row_bits, kernel, ...) \
+  TOUCHLINE_ON_##family(case KernelChoice::set : return kernel();)
+    TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)
+#undef TOUCHLINE_SET
+    default:
+      return portable_fit_kernel();
+  }
 }
 
 int sampling_stride(float reach_px, float all_px) { return 1 + static_cast<int>(std::min(reach_px, 4000.0f) / all_px); }

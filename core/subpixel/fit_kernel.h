@@ -137,12 +137,14 @@ struct FitKernel {
   BallOutlineEquations (*accumulate_outline)(const BallDisk& disk, const BallShading& shades, float radius_px);
 };
 
-/// The fastest kernel that this processor supports, or the portable one. Both give identical results.
+/// The kernel of the chosen instruction set; the portable one if this processor lacks the set. All kernels give
+/// identical results.
 const FitKernel& fit_kernel(KernelChoice choice);
 
+/// The kernel of each instruction set; core/cpu.h lists them. The AVX2 kernel is only defined on x86-64 and must only
+/// run on processors with AVX2.
 const FitKernel& portable_fit_kernel();
-/// Null if the processor lacks AVX2.
-const FitKernel* avx2_fit_kernel();
+const FitKernel& avx2_fit_kernel();
 
 // Width of an edge: one pixel, and 1.5 pixels for the blur of lens and Bayer pattern.
 constexpr float kRampPx = 2.5f;

@@ -26,20 +26,12 @@
 
 namespace touchline {
 
-const FitKernel* avx2_fit_kernel() {
+const FitKernel& avx2_fit_kernel() {
   using namespace avx2;
   static constexpr FitKernel kKernel{sample_top,  sample_patch,       accumulate_edge,
                                      sample_ball, accumulate_shading, accumulate_outline};
-  return __builtin_cpu_supports("avx2") ? &kKernel : nullptr;
+  return kKernel;
 }
-
-}  // namespace touchline
-
-#else
-
-namespace touchline {
-
-const FitKernel* avx2_fit_kernel() { return nullptr; }
 
 }  // namespace touchline
 

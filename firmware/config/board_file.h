@@ -12,11 +12,11 @@
 
 namespace touchline::config {
 
-/// The version of the three files that this program reads and writes.
+/// Version of the file format that this program reads and writes.
 inline constexpr int kFileVersion = 1;
 inline constexpr Range kVersionRange{kFileVersion, kFileVersion};
 
-/// [scan] of the board file: how pixels become colors.
+/// [scan] of the board file: color classification.
 struct ScanSettings {
   KernelChoice kernel = KernelChoice::kFastest;
 
@@ -27,7 +27,7 @@ struct ScanSettings {
   }
 };
 
-/// [realtime] of the board file: what the loop asks of the kernel.
+/// [realtime] of the board file: real-time settings of the loop.
 struct RealtimeSettings {
   int cpu = -1;
   int priority = 0;
@@ -50,7 +50,7 @@ struct RealtimeSettings {
   }
 };
 
-/// [faults] of the board file: how long the loop bears with a fault.
+/// [faults] of the board file: time limits after a fault.
 struct FaultSettings {
   double stop_after_s = 0.2;
   double camera_timeout_s = 1.0;

@@ -10,9 +10,9 @@
 namespace touchline::config {
 namespace {
 
-constexpr std::string_view kBoardRemedy = "boards/ has one folder for each board that is known";
+constexpr std::string_view kBoardRemedy = "copy one of the folders in boards/";
 constexpr std::string_view kVenueRemedy = "make it with touchline-calibrate field and touchline-calibrate colors";
-constexpr std::string_view kTeamRemedy = "docs/files.md shows what stands in it";
+constexpr std::string_view kTeamRemedy = "docs/files.md has an example";
 
 template <class File>
 bool has_top_level_key(std::string_view key) {
@@ -31,12 +31,12 @@ std::string beside(const std::string& file, const std::string& path) {
   return (std::filesystem::path(file).parent_path() / path).lexically_normal().string();
 }
 
-// The path of the command line, else the board's, else a problem.
+// The path of the command line, or the board file's.
 std::string path_of(const std::string& given, const std::string& named, const char* key, const Locations& board,
                     Problems& problems) {
   if (!given.empty()) return given;
   if (!named.empty()) return beside(board.file(), named);
-  problems.add(board.file(), key, "no such file is named; write " + std::string(key) + " = \"FILE\" or give --" + key);
+  problems.add(board.file(), key, "no file is given; write " + std::string(key) + " = \"FILE\" or use --" + key);
   return {};
 }
 
@@ -44,19 +44,19 @@ template <class File>
 void read_if_named(const std::string& path, std::string_view remedy, const std::vector<Override>& overrides, File& out,
                    Locations& where, Problems& problems) {
   if (path.empty()) return;
-  // What is wrong has been said in `problems`, which the caller looks at.
+  // The caller looks at `problems`.
   static_cast<void>(read_toml(path, remedy, overrides, out, where, problems));
 }
 
-// A recording has a rate of its own, which the default must not replace; a camera has to be asked for one.
-void settle_rate(Configuration& configuration, Problems& problems) {
+// A recording has its own frame rate, which the default must not replace. A camera needs a requested rate.
+void check_rate(Configuration& configuration, Problems& problems) {
   hal::CameraSettings& camera = configuration.board.camera;
   const Locations& where = configuration.board_where;
   const char* const key = "camera.rate_hz";
   if (camera.backend == hal::CameraBackend::kReplay) {
     if (!where.has(key)) camera.rate_hz = 0.0;
   } else if (camera.rate_hz < 1.0) {
-    problems.add(where.of(key), key, "must be at least 1 Hz; only the backend \"replay\" has a rate of its own");
+    problems.add(where.of(key), key, "must be at least 1 Hz; only the backend \"replay\" accepts 0");
   }
 }
 
@@ -92,7 +92,7 @@ Status sort_overrides(const std::vector<std::string>& texts, SortedOverrides& ou
       file = &out.team;
     }
     if (first == "version") {
-      problems.add("--set " + text, "", "the version belongs to the file");
+      problems.add("--set " + text, "", "the version cannot be overridden");
     } else if (file == nullptr) {
       std::vector<std::string> words;
       append_top_level<BoardFile>(words);
@@ -112,10 +112,11 @@ Status load_venue_and_team(const FilePaths& paths, Configuration& out, Problems&
   SortedOverrides overrides;
   static_cast<void>(sort_overrides(paths.overrides, overrides, problems));
   for (const Override& override : overrides.board) {
-    problems.add("--set " + override.key + "=" + override.value, "", "belongs to a board file, and none is used here");
+    problems.add("--set " + override.key + "=" + override.value, "",
+                 "is a key of the board file, which this program does not read");
   }
-  if (paths.venue.empty()) problems.add("", "", "no venue file is given (--venue FILE)");
-  if (paths.team.empty()) problems.add("", "", "no team file is given (--team FILE)");
+  if (paths.venue.empty()) problems.add("", "", "no venue file is given; use --venue FILE");
+  if (paths.team.empty()) problems.add("", "", "no team file is given; use --team FILE");
   read_if_named(paths.venue, kVenueRemedy, overrides.venue, out.venue, out.venue_where, problems);
   read_if_named(paths.team, kTeamRemedy, overrides.team, out.team, out.team_where, problems);
   return problems.size() == before ? Status() : ErrorCode::kInconsistent;
@@ -136,13 +137,13 @@ Status load_board(const std::string& path, const std::vector<Override>& override
     return status;
   }
   const std::size_t before = problems.size();
-  settle_rate(out, problems);
+  check_rate(out, problems);
   std::string key, reason;
   out.pipeline.scan.kernel = out.board.scan.kernel;
   out.pipeline.low_battery_v = static_cast<float>(out.board.radio.low_battery_v);
   if (kernel_word(out.board).empty()) {
     problems.add(out.board_where.of("scan.kernel"), "scan.kernel",
-                 "this processor has not got it; \"fastest\" takes what is there");
+                 "this processor does not support it; use \"fastest\"");
   }
   if (!hal::mock::validate(out.board.arena, key, reason).ok()) {
     key = "arena." + key;
@@ -163,7 +164,7 @@ Status load(const FilePaths& paths, Configuration& out, Problems& problems) {
   const std::string team = path_of(paths.team, out.board.team, "team", out.board_where, problems);
   read_if_named(venue, kVenueRemedy, overrides.venue, out.venue, out.venue_where, problems);
   read_if_named(team, kTeamRemedy, overrides.team, out.team, out.team_where, problems);
-  // Contradictions between values that are wrong already would only bury what is to be repaired first.
+  // Do not check wrong values against each other: that would hide the first errors among others.
   if (problems.size() != before) return ErrorCode::kInconsistent;
   const hal::CameraSettings& camera = out.board.camera;
   const InputFormat input{hal::pixel_format(camera.format), camera.width_px, camera.height_px,

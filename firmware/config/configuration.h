@@ -6,20 +6,20 @@
 #include "core/pipeline.h"
 #include "firmware/config/board_file.h"
 #include "firmware/config/problems.h"
-#include "firmware/config/resolution.h"
+#include "firmware/config/resolve.h"
 #include "firmware/config/team_file.h"
 #include "firmware/config/toml_file.h"
 #include "firmware/config/venue_file.h"
 
 namespace touchline::config {
 
-/// Where the files are. Without a board, venue and team must be given.
+/// Paths of the three files. Without a board file, venue and team must be given.
 struct FilePaths {
-  std::string board, venue, team;      // venue, team: relative to the working directory; empty: as the board says
-  std::vector<std::string> overrides;  // "key=value", as after --set
+  std::string board, venue, team;      // empty venue or team: as the board file says
+  std::vector<std::string> overrides;  // "key=value", see --set
 };
 
-/// All that the three files say, and what the core is configured with. Large: not for the stack.
+/// Content of the three files, and the parameters of the core that follow from it. Large: not for the stack.
 struct Configuration {
   BoardFile board;
   VenueFile venue;
@@ -28,32 +28,33 @@ struct Configuration {
   PipelineParameters pipeline;
 };
 
-/// Board, venue and team for the firmware. The picture's format and size are the board's.
-/// kNotFound, kInconsistent: `problems` has at least one line. What it touches are the files and nothing else.
+/// Loads the three files. Format and size of the pictures are those of the board file. Opens no device.
+/// kNotFound: the board file cannot be read; kInconsistent: errors in the files. `problems` has a line for each error.
 Status load(const FilePaths& paths, Configuration& out, Problems& problems);
 
-/// The board file alone, for tools that need no venue yet. Errors as load().
+/// Loads the board file alone, for tools that need no venue yet. Errors as for load().
 Status load_board(const std::string& path, const std::vector<Override>& overrides, Configuration& out,
                   Problems& problems);
 
-/// The word for what classifies the board's pixels: "avx2", never "fastest"; empty where the processor lacks it.
+/// The word for the instruction set that classifies the board's pixels: "avx2", never "fastest". Empty if the processor
+/// does not support it.
 std::string_view kernel_word(const BoardFile& board);
 
-/// Venue and team alone, for tools that bring their own pictures. resolve() must follow once those are known.
+/// Loads venue and team alone, for tools that read pictures. Call resolve() when the format of the pictures is known.
 Status load_venue_and_team(const FilePaths& paths, Configuration& out, Problems& problems);
-/// Venue and team against the pictures that will come.
+/// Checks venue and team for these pictures and fills `configuration.pipeline`.
 Status resolve(const InputFormat& input, Configuration& configuration, Problems& problems);
 
-/// Which file a key of `--set` belongs to: by its first part ("camera": board), or said outright ("venue.light.map").
+/// One of the three files. The first part of a key tells which ("camera": board), or names it ("venue.light.map").
 enum class FileKind : std::uint8_t { kBoard, kVenue, kTeam };
 
-/// Splits and sorts overrides; what fits into no file is a problem.
+/// Splits overrides by file. A key that belongs to no file is an error.
 struct SortedOverrides {
   std::vector<Override> board, venue, team;
 };
 Status sort_overrides(const std::vector<std::string>& texts, SortedOverrides& out, Problems& problems);
 
-/// The three files with all their values, defaults included, as they are in force.
+/// The three files with the values of all keys, defaults included.
 std::string dump(const Configuration& configuration);
 
 }  // namespace touchline::config

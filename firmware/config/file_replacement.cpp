@@ -9,35 +9,36 @@
 
 namespace touchline::config {
 
-Status read_text(const std::string& path, std::string& text, bool& exists, std::string& reason) {
+Result<std::optional<std::string>> read_text(const std::string& path) {
+  std::string text, reason;
   const Status status = hal::read_file(path, hal::kMaxTextFileBytes, text, reason);
-  exists = status.code() != ErrorCode::kNotFound;
-  return exists ? status : Status();
+  if (status.ok()) return std::optional(std::move(text));
+  if (status.code() == ErrorCode::kNotFound) return std::optional<std::string>();
+  return Error{status.code(), reason};
 }
 
-Status back_up(const std::string& path, std::string& reason) {
-  std::string text;
-  bool exists = false;
-  if (const Status status = read_text(path, text, exists, reason); !status.ok() || !exists) return status;
+Result<void> back_up(const std::string& path) {
+  TOUCHLINE_TRY_ASSIGN(const std::optional<std::string> text, read_text(path));
   struct stat former {};
-  if (::stat(path.c_str(), &former) != 0) return {};
+  if (!text.has_value() || ::stat(path.c_str(), &former) != 0) return {};
   std::error_code error;
   const std::filesystem::path target = std::filesystem::canonical(path, error);
-  // A link that somebody has put there under this name is not followed.
+  // Do not follow a link that somebody has put there under this name.
   const hal::OutputOptions options{.follow_links = false, .mode = former.st_mode & 0777};
-  return hal::write_file((error ? path : target.string()) + ".bak", text, reason, options);
+  std::string reason;
+  const Status status = hal::write_file((error ? path : target.string()) + ".bak", *text, reason, options);
+  if (!status.ok()) return Error{status.code(), reason};
+  return {};
 }
 
-Status replace_file(const std::string& path, std::string_view text, std::string& reason) {
+Result<void> replace_file(const std::string& path, std::string_view text) {
   hal::OutputFile file;
-  Status status = file.open(path);
-  if (status.ok()) status = file.write(text);
-  if (status.ok()) {
-    if (const Status kept = back_up(path, reason); !kept.ok()) return kept;
-    status = file.commit();
-  }
-  if (!status.ok()) reason = file.reason();
-  return status;
+  const auto failed = [&file](Status status) { return Error{status.code(), file.reason()}; };
+  if (const Status status = file.open(path); !status.ok()) return failed(status);
+  if (const Status status = file.write(text); !status.ok()) return failed(status);
+  TOUCHLINE_TRY(back_up(path));
+  if (const Status status = file.commit(); !status.ok()) return failed(status);
+  return {};
 }
 
 }  // namespace touchline::config

@@ -25,27 +25,25 @@ bool same_file(const fs::path& a, const fs::path& b) {
 }  // namespace
 
 Result<std::string> write_light(const std::string& venue, std::string_view png, LightEntry entry) {
-  std::string former, changed, reason;
-  bool exists = false;
-  if (const Status status = read_text(venue, former, exists, reason); !status.ok()) return Error{status.code(), reason};
-  if (!exists) former = kNewFile;
+  TOUCHLINE_TRY_ASSIGN(const std::optional<std::string> text, read_text(venue));
+  const std::string former = text.value_or(kNewFile);
   const fs::path folder = fs::path(venue).parent_path();
-  const auto section = [&entry] { return "[light]\n" + TomlWriter::text_of(entry, false); };
+  const auto changed_file = [&] {
+    return replace_section(former, "light", "[light]\n" + TomlWriter::text_of(entry, false));
+  };
   entry.map = fs::path(venue).stem().string() + "-light.png";
-  // This also checks that the file is TOML, and that its section can be replaced.
-  Status status = replace_section(former, "light", section(), changed, reason);
-  if (status.ok() && same_file(folder / map_of(former), folder / entry.map)) {
+  Result<std::string> changed = changed_file();
+  if (!changed.ok()) return prefixed(venue, std::move(changed).error());
+  if (same_file(folder / map_of(former), folder / entry.map)) {
     entry.map = fs::path(venue).stem().string() + "-light-2.png";
-    status = replace_section(former, "light", section(), changed, reason);
+    changed = changed_file();
   }
-  if (!status.ok()) return Error{status.code(), venue + ": " + reason};
-
   const std::string map = (folder / entry.map).string();
   // The former backup may name the map that is going to be replaced.
-  status = back_up(venue, reason);
-  if (status.ok()) status = hal::write_file(map, png, reason);
-  if (status.ok()) status = replace_file(venue, changed, reason);
-  if (!status.ok()) return Error{status.code(), reason};
+  TOUCHLINE_TRY(back_up(venue));
+  std::string reason;
+  if (const Status status = hal::write_file(map, png, reason); !status.ok()) return Error{status.code(), reason};
+  TOUCHLINE_TRY(replace_file(venue, changed.value()));
   return map;
 }
 

@@ -8,7 +8,7 @@
 
 namespace touchline::config {
 
-/// What is wrong with the configuration: everything that was found, so that a person repairs it in one go.
+/// Collects all errors of the configuration files, so that a person can correct them together.
 class Problems {
  public:
   /// `where`: "file:line" or "file"; `key`: path of the key, may be empty.
@@ -25,14 +25,15 @@ class Problems {
   std::vector<std::string> lines_;
 };
 
-/// Where each key of a file stands, for checks that come after reading.
+/// File and line of each key, for the messages of checks after reading.
 class Locations {
  public:
   explicit Locations(std::string file = {}) : file_(std::move(file)) {}
   void note(std::string_view key_path, std::string_view where) {
     where_.insert_or_assign(std::string(key_path), where);
   }
-  /// Of the key or of the nearest table around it ("own.robot[1].colors", "own.robot[1]", ...), else the file.
+  /// "file:line" of the key, or of the nearest table around it ("own.robot[1].colors", "own.robot[1]", ...), or the
+  /// file.
   [[nodiscard]] const std::string& of(std::string_view key_path) const;
   [[nodiscard]] bool has(std::string_view key_path) const { return where_.find(key_path) != where_.end(); }
   [[nodiscard]] const std::string& file() const { return file_; }

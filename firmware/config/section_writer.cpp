@@ -9,10 +9,10 @@
 namespace touchline::config {
 namespace {
 
-// Follows TOML's lexical structure far enough to know which lines begin a table: not inside of a string or a list.
+// Finds the lines that can be a header: those that begin outside of strings and lists.
 class LineScanner {
  public:
-  /// True when the line begins outside of any value; to be called for each line in turn.
+  /// True if the line begins outside of any value. Call it for each line in order.
   bool begins_outside(std::string_view line) {
     const bool outside = !in_string_ && depth_ == 0;
     scan(line);
@@ -27,7 +27,7 @@ class LineScanner {
           ++i;
         } else if (line.substr(i, delimiter_.size()) == delimiter_) {
           i += delimiter_.size() - 1;
-          // A multi-line string may end in one or two quotes of its own.
+          // The content of a multi-line string may end with one or two quotes.
           while (delimiter_.size() == 3 && i + 1 < line.size() && line[i + 1] == delimiter_[0]) ++i;
           in_string_ = false;
         }
@@ -47,7 +47,7 @@ class LineScanner {
         --depth_;
       }
     }
-    if (in_string_ && delimiter_.size() == 1) in_string_ = false;  // not valid TOML; the parser has said so
+    if (in_string_ && delimiter_.size() == 1) in_string_ = false;  // not valid TOML; the parser reports it
   }
 
   bool in_string_ = false, quote_is_literal_ = false;
@@ -61,7 +61,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
 }
 
-// First part of "[a.b]" or "[[a.b]]", quotes taken off; "" when the line is no header.
+// First part of "[a.b]" or "[[a.b]]" without quotes; "" if the line is not a header.
 std::string header_of(std::string_view line) {
   line = trimmed(line);
   if (!line.starts_with('[')) return {};
@@ -81,19 +81,19 @@ std::vector<std::string_view> lines_of(std::string_view text) {
   return lines;
 }
 
-// For each line: the section it belongs to. Blank lines and comments above a header go with that header as far as the
-// comment touches it; blank lines in between stay with what is above.
+// The section of each line. A block of comments directly above a header belongs to that header; blank lines belong to
+// the section above.
 std::vector<std::string> owners_of(const std::vector<std::string_view>& lines) {
   std::vector<std::string> owner(lines.size());
   LineScanner scanner;
   std::string current;
-  std::size_t comment = 0;  // where the block of comments begins that the next line may belong to
+  std::size_t comment = 0;  // first line of the block of comments above the current line
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const bool outside = scanner.begins_outside(lines[i]);
     const std::string_view content = trimmed(lines[i]);
     if (const std::string header = outside ? header_of(content) : std::string(); !header.empty()) {
       current = header;
-      // Without a blank line before it, a comment is the last of the section above.
+      // Without a blank line before it, the comment belongs to the section above.
       const bool apart = comment == 0 || trimmed(lines[comment - 1]).empty();
       for (std::size_t j = apart ? comment : i; j < i; ++j) owner[j] = current;
     }
@@ -103,13 +103,12 @@ std::vector<std::string> owners_of(const std::vector<std::string_view>& lines) {
   return owner;
 }
 
-bool parse(const std::string& text, const std::string& what, toml::table& out, std::string& reason) {
+Result<toml::table> parse(const std::string& text, const std::string& name) {
   try {
-    out = toml::parse(text);
-    return true;
+    return toml::parse(text);
   } catch (const toml::parse_error& fault) {
-    reason = what + ", line " + std::to_string(fault.source().begin.line) + ": " + std::string(fault.description());
-    return false;
+    return failure(ErrorCode::kInconsistent, "%s, line %u: %s", name.c_str(), fault.source().begin.line,
+                   std::string(fault.description()).c_str());
   }
 }
 
@@ -137,14 +136,12 @@ bool same_at(const toml::table& a, const toml::table& b, std::string_view sectio
 
 }  // namespace
 
-Status replace_section(const std::string& text, std::string_view section, std::string_view toml, std::string& out,
-                       std::string& reason) {
-  toml::table before, added, after;
-  if (!parse(text, "the file", before, reason)) return ErrorCode::kInconsistent;
-  if (!parse(std::string(toml), "the new section", added, reason)) return ErrorCode::kInconsistent;
+Result<std::string> replace_section(const std::string& text, std::string_view section, std::string_view toml) {
+  TOUCHLINE_TRY_ASSIGN(const toml::table before, parse(text, "the file"));
+  TOUCHLINE_TRY_ASSIGN(const toml::table added, parse(std::string(toml), "the new section"));
+  const std::string name(section);
   if (added.size() > 1 || (added.size() == 1 && !added.contains(section))) {
-    reason = "the new text must hold [" + std::string(section) + "] and nothing else";
-    return ErrorCode::kInconsistent;
+    return failure(ErrorCode::kInconsistent, "the new text must hold [%s] and nothing else", name.c_str());
   }
   const std::size_t first_end = text.find('\n');
   const bool crlf = first_end != std::string::npos && first_end > 0 && text[first_end - 1] == '\r';
@@ -153,7 +150,7 @@ Status replace_section(const std::string& text, std::string_view section, std::s
 
   const std::vector<std::string_view> lines = lines_of(text);
   const std::vector<std::string> owners = owners_of(lines);
-  out.clear();
+  std::string out;
   bool done = false;
   for (std::size_t i = 0; i < lines.size();) {
     std::size_t end = i;
@@ -162,7 +159,7 @@ Status replace_section(const std::string& text, std::string_view section, std::s
       for (; i < end; ++i) out += lines[i];
       continue;
     }
-    // Blank lines at its end part it from the next section: they stay.
+    // Blank lines at the end of the section separate it from the next one: keep them.
     std::size_t blank = end;
     while (blank > i && trimmed(lines[blank - 1]).empty()) --blank;
     if (!done) out += replacement;
@@ -177,27 +174,19 @@ Status replace_section(const std::string& text, std::string_view section, std::s
     if (!out.empty()) out += line_end;
     out += replacement;
   }
-  // The scanner above knows TOML's lines only; the parser has the last word on whether just this section changed.
-  if (!parse(out, "the changed file", after, reason) || !same_but(before, after, section) ||
-      !same_at(added, after, section)) {
-    reason = "[" + std::string(section) + "] is not written as a section with a header; write it so by hand once" +
-             (reason.empty() ? "" : " (" + reason + ")");
-    return ErrorCode::kInconsistent;
-  }
-  return {};
+  // The scanner above knows only lines. Check with the parser that only this section has changed.
+  const Result<toml::table> after = parse(out, "the changed file");
+  if (after.ok() && same_but(before, after.value(), section) && same_at(added, after.value(), section)) return out;
+  const std::string cause = after.ok() ? std::string() : " (" + after.text() + ")";
+  return failure(ErrorCode::kInconsistent, "[%s] is not written as a section with a header; rewrite it by hand%s",
+                 name.c_str(), cause.c_str());
 }
 
-Status write_section(const std::string& path, std::string_view section, std::string_view toml, std::string& reason) {
-  std::string text;
-  bool exists = false;
-  if (const Status status = read_text(path, text, exists, reason); !status.ok()) return status;
-  if (!exists) text = kNewFile;
-  std::string changed;
-  if (const Status status = replace_section(text, section, toml, changed, reason); !status.ok()) {
-    reason.insert(0, path + ": ");
-    return status;
-  }
-  return replace_file(path, changed, reason);
+Result<void> write_section(const std::string& path, std::string_view section, std::string_view toml) {
+  TOUCHLINE_TRY_ASSIGN(const std::optional<std::string> text, read_text(path));
+  Result<std::string> changed = replace_section(text.value_or(kNewFile), section, toml);
+  if (!changed.ok()) return prefixed(path, std::move(changed).error());
+  return replace_file(path, changed.value());
 }
 
 }  // namespace touchline::config

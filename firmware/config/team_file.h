@@ -22,7 +22,7 @@ inline constexpr std::array<Choice<PatchOutline>, 4> kPatchOutlines{{{"square", 
                                                                      {"bar", PatchOutline::kBar},
                                                                      {"triangle", PatchOutline::kTriangle},
                                                                      {"circle", PatchOutline::kCircle}}};
-// The largest robots of the leagues (SSL) are 0.18 m wide; twice that for machines of other sizes.
+// The largest robots of the leagues (SSL) are 0.18 m wide. Twice that leaves room for larger machines.
 inline constexpr Range kRobotLengths{0.0, 0.4};
 inline constexpr Range kPatchPlaces{-0.2, 0.2};
 
@@ -59,7 +59,7 @@ struct PatchEntry {
   }
 };
 
-/// [[layout]]: where a robot's patches are. The name "paper" is known without an entry.
+/// [[layout]]: positions of the patches on a robot. The layout "paper" is built in.
 struct LayoutEntry {
   std::string name;
   float robot_side_m = MarkerLayout{}.robot_side_m;
@@ -85,7 +85,7 @@ struct RobotEntry {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    // What RobotId and the radio packet hold (docs/radio.md).
+    // Range of RobotId and of the radio packet (docs/radio.md).
     visit.number(self.id, {.name = "id", .range = {0, 127}, .help = "Id of the robot in reports and radio packets"});
     visit.texts(self.colors, {.name = "colors", .help = "Colors of the identification patches, in the layout's order"});
   }

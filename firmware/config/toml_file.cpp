@@ -10,13 +10,13 @@ namespace {
 
 std::string option_text(const Override& override) { return "--set " + override.key + "=" + override.value; }
 
-// A table with the value as its only node, whose source is the option, so that messages name it.
+// A table with the value as its only node. Its source is the option, which messages then name.
 std::optional<toml::table> parse_value(const Override& override) {
   const auto parse = [&](const std::string& value) -> std::optional<toml::table> {
     try {
       toml::table parsed = toml::parse("value = " + value + "\n", option_text(override));
       if (parsed.size() == 1) return parsed;
-      return std::nullopt;  // a line break in the value began another key
+      return std::nullopt;  // a line break in the value started another key
     } catch (const toml::parse_error&) {
       return std::nullopt;
     }

@@ -16,21 +16,21 @@ namespace touchline::config {
 /// One `--set key=value`.
 struct Override {
   std::string key;    // path of the key: "camera.exposure_us", "color[2].name"
-  std::string value;  // TOML, or a bare word, which is a text
+  std::string value;  // TOML; anything else is taken as text
 };
 
-/// The syntax tree, or nothing and a problem with the line. `remedy` is what to do when there is no such file.
+/// Parses a file. On error, adds a problem and returns nothing. `remedy` is added to the message if there is no file.
 std::optional<toml::table> parse_file(const std::string& path, std::string_view remedy, Problems& problems);
 
-/// False, with a problem, when the file has no version or one that this program does not read.
+/// Checks the version. On error, adds a problem and returns false.
 bool check_version(const toml::table& root, const std::string& path, Problems& problems);
 
-/// Puts the value where a file would have it; what it means is checked by the reading that follows.
+/// Puts the value into the table. The reader checks it later, like a value of the file.
 void apply(const Override& override, toml::table& root, Problems& problems);
 
-/// Reads one of the three files with all its keys checked. Values that are wrong keep their default.
-/// kNotFound: no such file, or none of this format and version; nothing was read. kInconsistent: values are wrong. Both
-/// have added problems.
+/// Reads a file and checks all keys. Keys with a wrong value keep their default.
+/// kNotFound: the file does not exist or has another version; nothing was read. kInconsistent: values are wrong. Both
+/// add problems.
 template <class File>
 Status read_toml(const std::string& path, std::string_view remedy, std::span<const Override> overrides, File& out,
                  Locations& locations, Problems& problems) {

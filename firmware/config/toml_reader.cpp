@@ -40,7 +40,7 @@ std::string TomlReader::pattern_of(std::string_view key) const { return dotted(l
 std::string TomlReader::where(const toml::node& node) const { return where(node.source()); }
 std::string TomlReader::where(const toml::source_region& source) const {
   std::string file = source.path ? *source.path : locations_.file();
-  // A value from the command line carries its option instead of a file.
+  // The source of a value from the command line is its option.
   if (file.starts_with("--") || source.begin.line == 0) return file;
   return file + ":" + std::to_string(source.begin.line);
 }

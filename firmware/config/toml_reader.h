@@ -14,12 +14,12 @@
 
 namespace touchline::config {
 
-/// Visitor of core/parameter.h that fills a struct from a TOML table. Keys that are absent keep their value. Every
-/// fault goes to Problems with its line; reading goes on, so that all faults of a file are reported at once.
+/// Visitor of core/parameter.h that fills a struct from a TOML table. Absent keys keep their value. Each error is added
+/// to Problems with its line, and reading continues, so that all errors of a file are reported together.
 class TomlReader {
  public:
-  /// `required`: paths that must be present, elements of lists without their index ("color.box.low"); they are
-  /// demanded wherever the table around them is present, and at the top level always.
+  /// `required`: paths of keys that must be present if the table around them is, without list indices
+  /// ("color.box.low").
   TomlReader(const toml::table& root, std::span<const std::string_view> required, Locations& locations,
              Problems& problems);
 
@@ -95,7 +95,7 @@ class TomlReader {
     if (!take_number(node, path, std::is_integral_v<T>, narrowed<T>(key.range), key.unit, read)) return;
     value = static_cast<T>(read);
   }
-  // What does not fit into the variable is out of range as well.
+  // A value that does not fit into the variable is out of range, too.
   template <class T>
   static Range narrowed(Range range) {
     if constexpr (std::is_integral_v<T>) {
@@ -141,7 +141,7 @@ class TomlReader {
   struct Level {
     const toml::table* table = nullptr;
     std::string path, pattern;            // "own.robot[1]" and "own.robot"
-    std::vector<std::string_view> known;  // keys that the struct asked for
+    std::vector<std::string_view> known;  // keys of the struct
   };
 
   const toml::table* root_;

@@ -11,10 +11,10 @@
 namespace touchline::config {
 
 /// Visitor of core/parameter.h that writes a struct as TOML, each key with its unit, range and meaning as a comment.
-/// What it writes, TomlReader reads back as the same values.
+/// TomlReader reads back the same values.
 class TomlWriter {
  public:
-  /// With `comments` false: the bare keys.
+  /// Without `comments`: keys and values only.
   explicit TomlWriter(bool comments = true) : comments_(comments) {}
 
   template <class Struct>
@@ -66,7 +66,7 @@ class TomlWriter {
 
   bool comments_;
   std::string path_;
-  // Apart, because TOML wants a table's own keys before its inner tables, whatever the order of declaration.
+  // TOML needs the keys of a table before its inner tables, in whatever order they are declared.
   std::string keys_, tables_;
 };
 

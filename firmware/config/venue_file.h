@@ -16,10 +16,10 @@
 
 namespace touchline::config {
 
-/// [picture]: what the calibration was made for.
+/// [picture]: the picture that the calibration was made for.
 struct PictureEntry {
   std::uint16_t width_px = 640, height_px = 480;
-  // No patch is a single pixel, and specks that are none take next to no time.
+  // No patch is a single pixel, and ignored pixels take almost no time.
   std::uint32_t min_area_px = 2;
 
   template <class Self, class Visitor>
@@ -39,7 +39,7 @@ struct PictureEntry {
   }
 };
 
-/// [region_of_interest]: corners of a polygon in the picture; none: the whole picture.
+/// [region_of_interest]: corners of a polygon in the picture; empty: the whole picture.
 struct RegionOfInterestEntry {
   std::vector<float> u_px, v_px;
 
@@ -119,7 +119,7 @@ struct ColorsEntry {
   }
 };
 
-/// venue.toml (docs/files.md): one hall, as the calibration tools found it.
+/// venue.toml (docs/files.md): one hall, written by touchline-calibrate.
 struct VenueFile {
   int version = kFileVersion;
   PictureEntry picture;

@@ -45,7 +45,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return table[a.size() * columns + b.size()];
 }
 
-// A bound is for people: "1000000", not "1e+06".
+// People read the limits: "1000000", not "1e+06".
 std::string bound_text(double value) {
   constexpr double kWholeBelow = 1e12;
   const bool whole = std::abs(value) < kWholeBelow && value == std::trunc(value);
@@ -91,7 +91,7 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
   std::string_view best;
   std::size_t best_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string_view candidate : known) {
-    // The beginning of a word is as near as one wrong letter: "exposure" for "exposure_us".
+    // The beginning of a word counts as one wrong letter: "exposure" for "exposure_us".
     const bool begun = word.size() >= 3 && candidate.starts_with(word);
     const std::size_t distance = begun ? 1 : edit_distance(word, candidate);
     if (distance < best_distance) {

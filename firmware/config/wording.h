@@ -8,11 +8,10 @@
 
 #include "core/parameter.h"
 
-// How numbers, ranges and lists of words read in messages, dumps and documentation.
+// Text of numbers, ranges and lists of words in messages, dumps and documentation.
 namespace touchline::config {
 
-/// The shortest text that reads back as the same value, in TOML's syntax (a floating-point number has a point or an
-/// exponent).
+/// The shortest text in TOML that reads back as the same value. A floating-point number has a point or an exponent.
 std::string number_text(double value);
 std::string number_text(float value);
 std::string number_text(long long value);
@@ -25,7 +24,7 @@ std::string value_text(T value) {
   }
 }
 
-/// "0 to 10 m", "at least 0 m", "at most 1", or "" for a range without bounds.
+/// "0 to 10 m", "at least 0 m", "at most 1", or "" for an unlimited range.
 std::string range_text(Range range, std::string_view unit);
 /// The range with its unit, or the unit alone.
 std::string limits_text(const Key& key);
@@ -47,14 +46,14 @@ std::string_view word_of(Enum value, const Choices& choices) {
   return {};
 }
 
-/// The known word with the smallest edit distance, or one that begins with it; "" when none is near (more than a third
-/// of the letters differ).
+/// The known word with the smallest edit distance, or one that begins with `word`. "" if more than a third of the
+/// letters differ.
 std::string_view nearest_word(std::string_view word, std::span<const std::string_view> known);
 
-/// `; did you mean "x"?`, or `; known <what>: a, b, c` when no word is near, or "" when none is known.
+/// `; did you mean "x"?`, `; known <what>: a, b, c` if no word is similar, or "" if there are no known words.
 std::string suggestion(std::string_view word, std::span<const std::string_view> known, std::string_view what);
 
-/// The key of a list's entry: "list[0]".
+/// The key of an element of a list: "list[0]".
 std::string element(std::string_view list, std::size_t index);
 
 /// A text as a TOML basic string.

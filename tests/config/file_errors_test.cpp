@@ -130,13 +130,13 @@ TEST_F(ConfigFiles, MissingFilesSayHowTheyAreMade) {
   std::filesystem::remove(path("team.toml"));
   EXPECT_EQ(refusal(),
             "venue.toml: no such file; make it with touchline-calibrate field and touchline-calibrate colors\n"
-            "team.toml: no such file; docs/files.md shows what stands in it\n");
+            "team.toml: no such file; docs/files.md has an example\n");
 }
 
 TEST_F(ConfigFiles, MissingBoardEndsTheSearch) {
   std::filesystem::remove(path("board.toml"));
   EXPECT_EQ(load().code(), ErrorCode::kNotFound);
-  EXPECT_EQ(problems(), "board.toml: no such file; boards/ has one folder for each board that is known\n");
+  EXPECT_EQ(problems(), "board.toml: no such file; copy one of the folders in boards/\n");
 }
 
 TEST_F(ConfigFiles, FolderInPlaceOfAFile) {

@@ -14,7 +14,7 @@ TEST_F(ConfigFiles, KernelIsTheBoardsAndMustBeThere) {
 #else
   replace("board.toml", "portable", "neon");
 #endif
-  EXPECT_EQ(refusal(), "board.toml:14: scan.kernel: this processor has not got it; \"fastest\" takes what is there\n");
+  EXPECT_EQ(refusal(), "board.toml:14: scan.kernel: this processor does not support it; use \"fastest\"\n");
 }
 
 TEST_F(ConfigFiles, ColorIdsFollowTheVenueFile) {
@@ -51,29 +51,29 @@ TEST_F(ConfigFiles, DuplicateRobots) {
   replace("team.toml", "id = 1", "id = 0");
   replace("team.toml", "colors = [\"green\"]", "colors = [\"red\"]");
   EXPECT_EQ(refusal(),
-            "team.toml:11: own.robot[1].id: id 0 belongs already to the robot at team.toml:7\n"
+            "team.toml:11: own.robot[1].id: id 0 is already used by the robot at team.toml:7\n"
             "team.toml:12: own.robot[1].colors: robot 0 has the same colors as robot 0 at team.toml:7; they cannot be "
-            "told apart\n");
+            "distinguished\n");
 }
 
 TEST_F(ConfigFiles, NoRobotToDrive) {
   write("team.toml", "version = 1\n[own]\ncolor = \"blue\"\n[ball]\ncolor = \"orange\"\n");
-  EXPECT_EQ(refusal(), "team.toml:2: own.robot: no [[own.robot]] is there; whom to drive?\n");
+  EXPECT_EQ(refusal(), "team.toml:2: own.robot: is missing; add an [[own.robot]] for each robot to drive\n");
 }
 
 TEST_F(ConfigFiles, WrongNumberOfIdentificationColors) {
   replace("team.toml", "colors = [\"green\"]", "colors = [\"green\", \"red\"]");
   EXPECT_EQ(refusal(),
-            "team.toml:12: own.robot[1].colors: the layout \"paper\" has 1 identification patches, the robot 2 "
+            "team.toml:12: own.robot[1].colors: the layout \"paper\" has 1 identification patches, but the robot has 2 "
             "colors\n");
 }
 
 TEST_F(ConfigFiles, OneColorForTwoThings) {
   replace("team.toml", "[ball]\ncolor = \"orange\"", "[ball]\ncolor = \"blue\"\n[opponent]\ncolor = \"blue\"");
   EXPECT_EQ(refusal(),
-            "team.toml:17: opponent.color: \"blue\" is own.color as well\n"
-            "team.toml:15: ball.color: \"blue\" is own.color as well\n"
-            "team.toml:15: ball.color: \"blue\" is opponent.color as well\n");
+            "team.toml:17: opponent.color: \"blue\" is also own.color\n"
+            "team.toml:15: ball.color: \"blue\" is also own.color\n"
+            "team.toml:15: ball.color: \"blue\" is also opponent.color\n");
 }
 
 TEST_F(ConfigFiles, UnknownLayout) {
@@ -114,7 +114,7 @@ width_m = 0.04
   replace("team.toml", "role = \"team\"", "role = \"identification\"");
   replace("team.toml", "length_m = 0.08\nwidth_m = 0.04\n[[", "length_m = 0.0\nwidth_m = 0.04\n[[");
   EXPECT_EQ(refusal(),
-            "team.toml:21: layout[0].patch[0].role: the first patch is the team patch, and the only one\n"
+            "team.toml:21: layout[0].patch[0].role: the first patch, and no other, must be the team patch\n"
             "team.toml:20: layout[0].patch[0]: length_m and width_m must be above 0\n"
             "team.toml:27: layout[0].patch[1]: the patch's center lies outside of the robot, whose side is 0.08 m\n");
 }
@@ -142,32 +142,30 @@ TEST_F(ConfigFiles, MoreBoxesThanBits) {
   std::string boxes;
   for (int i = 0; i < 29; ++i) boxes += "[[color.box]]\nlow = [0, 150, 0]\nhigh = [80, 255, 80]\n";
   write("venue.toml", read(path("venue.toml")) + boxes);
-  EXPECT_EQ(refusal(), "venue.toml:24: color: 33 boxes are more than the 32 that the tables have bits for\n");
+  EXPECT_EQ(refusal(), "venue.toml:24: color: 33 boxes; at most 32 are supported\n");
 }
 
 TEST_F(ConfigFiles, ColorTwice) {
   replace("venue.toml", "name = \"green\"", "name = \"red\"");
   replace("team.toml", "colors = [\"green\"]", "colors = [\"orange\"]");
   EXPECT_EQ(refusal(),
-            "venue.toml:44: color[3].name: \"red\" is there already at venue.toml:38; a color of several boxes has "
-            "several [[color.box]]\n");
+            "venue.toml:44: color[3].name: \"red\" is already defined at venue.toml:38; give the color "
+            "several [[color.box]] instead\n");
 }
 
 TEST_F(ConfigFiles, VenueOfAnotherPicture) {
   replace("board.toml", "width_px = 640\nheight_px = 480", "width_px = 1280\nheight_px = 960");
-  EXPECT_EQ(
-      refusal(),
-      "venue.toml:4: picture: the calibration is for pictures of 640 x 480 pixels, the camera of board.toml gives "
-      "1280 x 960\n");
+  EXPECT_EQ(refusal(),
+            "venue.toml:4: picture: the calibration is for pictures of 640 x 480 pixels, but the camera of board.toml "
+            "delivers "
+            "1280 x 960\n");
 }
 
 TEST_F(ConfigFiles, OnlyARecordingHasARateOfItsOwn) {
   const std::string board = read(path("board.toml"));
   ASSERT_EQ(board.find("rate_hz"), std::string::npos);
   replace("board.toml", "format = \"rgb24\"", "format = \"rgb24\"\nrate_hz = 0.0");
-  EXPECT_EQ(
-      refusal(),
-      "board.toml:10: camera.rate_hz: must be at least 1 Hz; only the backend \"replay\" has a rate of its own\n");
+  EXPECT_EQ(refusal(), "board.toml:10: camera.rate_hz: must be at least 1 Hz; only the backend \"replay\" accepts 0\n");
   replace("board.toml", "backend = \"v4l2\"", "backend = \"replay\"");
   ASSERT_TRUE(load().ok()) << problems();
   EXPECT_EQ(configuration_->board.camera.rate_hz, 0.0);
@@ -182,7 +180,7 @@ TEST_F(ConfigFiles, OnlyARecordingHasARateOfItsOwn) {
 TEST_F(ConfigFiles, VenueOfAnotherColorSpace) {
   replace("board.toml", "format = \"rgb24\"", "format = \"nv12\"");
   EXPECT_EQ(refusal(),
-            "venue.toml:22: colors.space: the boxes are in rgb, but the camera of board.toml gives nv12, which is "
+            "venue.toml:22: colors.space: the boxes are in rgb, but the camera of board.toml delivers nv12, which is "
             "yuv\n");
 }
 
@@ -193,12 +191,12 @@ TEST_F(ConfigFiles, TypicalBackground) {
   ASSERT_TRUE(load().ok()) << problems();
   EXPECT_EQ(configuration_->pipeline.scan.background, (TypicalBackground{{58, 61, 59}}));
   replace("venue.toml", "[58, 61, 59]", "[58, 61]");
-  EXPECT_EQ(refusal(), "venue.toml:22: colors.background: needs one value a channel, has 2\n");
+  EXPECT_EQ(refusal(), "venue.toml:22: colors.background: needs three values, one per channel; has 2\n");
 }
 
 TEST_F(ConfigFiles, CameraModelThatIsNotThere) {
   replace("venue.toml", "kind = \"full\"", "kind = \"paper\"");
-  EXPECT_EQ(refusal(), "venue.toml:12: camera_model.paper: is missing; make it with touchline-calibrate field\n");
+  EXPECT_EQ(refusal(), "venue.toml:12: camera_model.paper: is missing; run touchline-calibrate field\n");
 }
 
 TEST_F(ConfigFiles, RegionOfInterest) {
@@ -209,7 +207,7 @@ TEST_F(ConfigFiles, RegionOfInterest) {
   replace("venue.toml", "v_px = [5, 5, 470]", "v_px = [5, 5]");
   EXPECT_EQ(refusal(), "venue.toml:21: region_of_interest: u_px has 3 corners, v_px 2\n");
   replace("venue.toml", "u_px = [10, 630, 320]", "u_px = [10, 630]");
-  EXPECT_EQ(refusal(), "venue.toml:21: region_of_interest: a polygon has 3 to 32 corners, this one 2\n");
+  EXPECT_EQ(refusal(), "venue.toml:21: region_of_interest: needs 3 to 32 corners; has 2\n");
 }
 
 TEST_F(ConfigFiles, LightMap) {
@@ -250,13 +248,14 @@ TEST_F(ConfigFiles, ToolsBringTheirOwnPictures) {
   EXPECT_TRUE(resolve({PixelFormat::kBgr24, 640, 480, "clip.mp4"}, *configuration_, problems_).ok()) << problems();
   EXPECT_EQ(configuration_->pipeline.scan.format, PixelFormat::kBgr24);
   EXPECT_FALSE(resolve({PixelFormat::kBgr24, 320, 240, "clip.mp4"}, *configuration_, problems_).ok());
-  EXPECT_EQ(problems(),
-            "venue.toml:4: picture: the calibration is for pictures of 640 x 480 pixels, clip.mp4 gives 320 x 240\n");
+  EXPECT_EQ(
+      problems(),
+      "venue.toml:4: picture: the calibration is for pictures of 640 x 480 pixels, but clip.mp4 delivers 320 x 240\n");
 }
 
 TEST_F(ConfigFiles, ToolsNeedBothFiles) {
   EXPECT_FALSE(load_venue_and_team({"", path("venue.toml"), "", {}}, *configuration_, problems_).ok());
-  EXPECT_EQ(problems(), "no team file is given (--team FILE)\n");
+  EXPECT_EQ(problems(), "no team file is given; use --team FILE\n");
 }
 
 }  // namespace

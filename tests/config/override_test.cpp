@@ -50,7 +50,7 @@ TEST_F(ConfigFiles, WrongOverridesAreNamedAsTheyWereGiven) {
   EXPECT_EQ(refusal({"camera.gain"}), "--set camera.gain: expected key=value\n");
   EXPECT_EQ(refusal({"camera..gain=1"}),
             "--set camera..gain=1: a key looks like camera.exposure_us or color[0].name\n");
-  EXPECT_EQ(refusal({"version=2"}), "--set version=2: the version belongs to the file\n");
+  EXPECT_EQ(refusal({"version=2"}), "--set version=2: the version cannot be overridden\n");
   EXPECT_EQ(refusal({"color[9].name=x"}), "--set color[9].name=x: color[9]: the list has 4 elements\n");
   EXPECT_EQ(refusal({"color.name=x"}), "--set color.name=x: color: is a list; name an element: color[0]\n");
   EXPECT_EQ(refusal({"name.first=x"}), "--set name.first=x: name: has no keys of its own\n");
@@ -63,7 +63,7 @@ TEST_F(ConfigFiles, ValueCannotSmuggleInOtherKeys) {
 TEST_F(ConfigFiles, ToolsWithoutABoardRefuseItsKeys) {
   const FilePaths paths{"", path("venue.toml"), path("team.toml"), {"camera.gain=1"}};
   EXPECT_FALSE(load_venue_and_team(paths, *configuration_, problems_).ok());
-  EXPECT_EQ(problems(), "--set camera.gain=1: belongs to a board file, and none is used here\n");
+  EXPECT_EQ(problems(), "--set camera.gain=1: is a key of the board file, which this program does not read\n");
 }
 
 }  // namespace

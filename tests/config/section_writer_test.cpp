@@ -9,9 +9,9 @@ namespace touchline::config {
 namespace {
 
 std::string replaced(const std::string& text, std::string_view section, std::string_view toml) {
-  std::string out, reason;
-  EXPECT_TRUE(replace_section(text, section, toml, out, reason).ok()) << reason;
-  return out;
+  const Result<std::string> out = replace_section(text, section, toml);
+  EXPECT_TRUE(out.ok()) << out.text();
+  return out.ok() ? out.value() : std::string();
 }
 
 TEST(SectionWriter, ReplacesOneSectionAndKeepsAllElse) {
@@ -73,24 +73,23 @@ TEST(SectionWriter, RemovesASection) {
 }
 
 TEST(SectionWriter, RefusesWhatItWouldSpoil) {
-  std::string out, reason;
-  EXPECT_EQ(replace_section("light = {map = \"m\"}\n", "light", "[light]\nmap = \"n\"\n", out, reason).code(),
-            ErrorCode::kInconsistent);
-  EXPECT_EQ(reason.substr(0, 70), "[light] is not written as a section with a header; write it so by hand");
-  EXPECT_EQ(replace_section("a = \n", "light", "[light]\n", out, reason).code(), ErrorCode::kInconsistent);
-  EXPECT_EQ(reason.substr(0, 17), "the file, line 1:");
-  EXPECT_EQ(replace_section("", "light", "[dark]\n", out, reason).code(), ErrorCode::kInconsistent);
-  EXPECT_EQ(reason, "the new text must hold [light] and nothing else");
-  EXPECT_EQ(replace_section("", "light", "[light\n", out, reason).code(), ErrorCode::kInconsistent);
-  EXPECT_EQ(reason.substr(0, 24), "the new section, line 1:");
+  const auto refusal = [](const std::string& text, std::string_view toml) {
+    const Result<std::string> out = replace_section(text, "light", toml);
+    EXPECT_EQ(out.code(), ErrorCode::kInconsistent);
+    return out.text();
+  };
+  EXPECT_EQ(refusal("light = {map = \"m\"}\n", "[light]\nmap = \"n\"\n").substr(0, 69),
+            "[light] is not written as a section with a header; rewrite it by hand");
+  EXPECT_EQ(refusal("a = \n", "[light]\n").substr(0, 17), "the file, line 1:");
+  EXPECT_EQ(refusal("", "[dark]\n"), "the new text must hold [light] and nothing else");
+  EXPECT_EQ(refusal("", "[light\n").substr(0, 24), "the new section, line 1:");
 }
 
 TEST_F(ConfigFiles, SectionWriterKeepsTheFormerFile) {
   const std::string before = read(path("venue.toml"));
   ::chmod(path("venue.toml").c_str(), 0640);
-  std::string reason;
-  ASSERT_TRUE(write_section(path("venue.toml"), "field", "[field]\nlength_m = 1.5\nwidth_m = 1.3\n", reason).ok())
-      << reason;
+  const Result<void> written = write_section(path("venue.toml"), "field", "[field]\nlength_m = 1.5\nwidth_m = 1.3\n");
+  ASSERT_TRUE(written.ok()) << written.text();
   EXPECT_EQ(read(path("venue.toml.bak")), before);
   EXPECT_FALSE(std::filesystem::exists(path("venue.toml.new")));
   std::string after = before;
@@ -104,16 +103,16 @@ TEST_F(ConfigFiles, SectionWriterKeepsTheFormerFile) {
 }
 
 TEST_F(ConfigFiles, SectionWriterBeginsAFile) {
-  std::string reason;
-  ASSERT_TRUE(write_section(path("new.toml"), "light", "[light]\nmap = \"m\"\n", reason).ok()) << reason;
+  const Result<void> written = write_section(path("new.toml"), "light", "[light]\nmap = \"m\"\n");
+  ASSERT_TRUE(written.ok()) << written.text();
   EXPECT_EQ(read(path("new.toml")), "version = 1\n\n[light]\nmap = \"m\"\n");
   EXPECT_FALSE(std::filesystem::exists(path("new.toml.bak")));
 }
 
 TEST_F(ConfigFiles, SectionWriterKeepsALink) {
   std::filesystem::create_symlink("venue.toml", path("link.toml"));
-  std::string reason;
-  ASSERT_TRUE(write_section(path("link.toml"), "light", "[light]\nmap = \"\"\n", reason).ok()) << reason;
+  const Result<void> written = write_section(path("link.toml"), "light", "[light]\nmap = \"\"\n");
+  ASSERT_TRUE(written.ok()) << written.text();
   EXPECT_TRUE(std::filesystem::is_symlink(path("link.toml")));
   EXPECT_NE(read(path("venue.toml")).find("[light]"), std::string::npos);
 }
@@ -123,8 +122,8 @@ TEST_F(ConfigFiles, SectionWriterFollowsNoLinkThatSomebodyPlanted) {
   for (const char* name : {"venue.toml.new", "venue.toml.bak"}) {
     std::filesystem::create_symlink("precious", path(name));
   }
-  std::string reason;
-  ASSERT_TRUE(write_section(path("venue.toml"), "light", "[light]\nmap = \"\"\n", reason).ok()) << reason;
+  const Result<void> written = write_section(path("venue.toml"), "light", "[light]\nmap = \"\"\n");
+  ASSERT_TRUE(written.ok()) << written.text();
   EXPECT_EQ(read(path("precious")), "keep");
   EXPECT_TRUE(std::filesystem::is_symlink(path("venue.toml.new"))) << "not ours";
   EXPECT_NE(read(path("venue.toml")).find("[light]"), std::string::npos);
@@ -132,14 +131,14 @@ TEST_F(ConfigFiles, SectionWriterFollowsNoLinkThatSomebodyPlanted) {
 }
 
 TEST_F(ConfigFiles, SectionWriterNamesTheFileItCannotWrite) {
-  std::string reason;
-  EXPECT_EQ(write_section(path("nowhere/venue.toml"), "light", "[light]\nmap = \"m\"\n", reason).code(),
-            ErrorCode::kNotFound);
-  EXPECT_NE(reason.find("nowhere/venue.toml"), std::string::npos);
-  EXPECT_NE(reason.find("No such file or directory"), std::string::npos);
+  const Result<void> nowhere = write_section(path("nowhere/venue.toml"), "light", "[light]\nmap = \"m\"\n");
+  EXPECT_EQ(nowhere.code(), ErrorCode::kNotFound);
+  EXPECT_NE(nowhere.text().find("nowhere/venue.toml"), std::string::npos);
+  EXPECT_NE(nowhere.text().find("No such file or directory"), std::string::npos);
   write("broken.toml", "a = \n");
-  EXPECT_EQ(write_section(path("broken.toml"), "light", "[light]\n", reason).code(), ErrorCode::kInconsistent);
-  EXPECT_EQ(reason.substr(0, path("broken.toml").size() + 2), path("broken.toml") + ": ");
+  const Result<void> broken = write_section(path("broken.toml"), "light", "[light]\n");
+  EXPECT_EQ(broken.code(), ErrorCode::kInconsistent);
+  EXPECT_EQ(broken.text().substr(0, path("broken.toml").size() + 2), path("broken.toml") + ": ");
   EXPECT_EQ(read(path("broken.toml")), "a = \n");
 }
 

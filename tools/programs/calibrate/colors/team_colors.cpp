@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "firmware/config/resolution.h"
+#include "firmware/config/resolve.h"
 #include "firmware/config/team_file.h"
 #include "firmware/config/toml_file.h"
 

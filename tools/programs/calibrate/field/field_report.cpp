@@ -214,7 +214,9 @@ Status write_json(const FieldReport& report, const std::string& path, std::strin
       steps["mm"] = json_of(report.steps_mm);
     }
   }
-  return config::replace_file(path, out.dump(1) + "\n", reason);
+  const Result<void> written = config::replace_file(path, out.dump(1) + "\n");
+  reason = written.text();
+  return written.code();
 }
 
 }  // namespace touchline::calibrate

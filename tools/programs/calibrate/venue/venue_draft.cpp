@@ -48,19 +48,14 @@ Result<VenueDraft> read_draft(const std::string& path) {
 }
 
 Result<void> write_sections(const std::string& path, const std::vector<Section>& sections) {
-  std::string content, reason;
-  bool exists = false;
-  if (Status s = config::read_text(path, content, exists, reason); !s.ok()) return Error{s.code(), reason};
-  if (!exists) content = "version = 1\n";
+  TOUCHLINE_TRY_ASSIGN(const std::optional<std::string> text, config::read_text(path));
+  std::string content = text.value_or(config::kNewFile);
   for (const Section& section : sections) {
-    std::string changed;
-    if (Status s = config::replace_section(content, section.name, section.toml, changed, reason); !s.ok()) {
-      return prefixed(path, Error{s.code(), reason});
-    }
-    content = changed;
+    Result<std::string> changed = config::replace_section(content, section.name, section.toml);
+    if (!changed.ok()) return prefixed(path, std::move(changed).error());
+    content = std::move(changed).value();
   }
-  if (Status s = config::replace_file(path, content, reason); !s.ok()) return Error{s.code(), reason};
-  return {};
+  return config::replace_file(path, content);
 }
 
 }  // namespace touchline::calibrate

@@ -3,7 +3,7 @@
 
 #include "core/color/color_tables.h"
 #include "firmware/config/light_map_file.h"
-#include "firmware/config/resolution.h"
+#include "firmware/config/resolve.h"
 #include "firmware/config/wording.h"
 
 namespace touchline::config {
@@ -21,7 +21,7 @@ std::string size_text(unsigned width, unsigned height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-// Which entry a bit of the tables came from.
+// The entry of the file that a box of the tables comes from.
 struct BoxSource {
   std::size_t color = 0, box = 0;
 };
@@ -66,12 +66,12 @@ void resolve_colors(const VenueFile& venue, const Locations& where, ColorBoxes& 
   boxes.clear();
   std::vector<BoxSource> sources;
   if (venue.color.empty()) {
-    problems.add(where.file(), "color", "no [[color]] is there; learn them with touchline-calibrate colors");
+    problems.add(where.file(), "color", "no [[color]]; run touchline-calibrate colors");
   }
   if (venue.color.size() > kMaxColors) {
-    problems.add(where.of("color"), "color",
-                 std::to_string(venue.color.size()) + " colors are more than the " + std::to_string(kMaxColors) +
-                     " that can be told apart");
+    problems.add(
+        where.of("color"), "color",
+        std::to_string(venue.color.size()) + " colors; at most " + std::to_string(kMaxColors) + " are supported");
     return;
   }
   std::size_t count = 0;
@@ -81,8 +81,8 @@ void resolve_colors(const VenueFile& venue, const Locations& where, ColorBoxes& 
     for (std::size_t j = 0; j < i; ++j) {
       if (venue.color[j].name == color.name) {
         problems.add(where.of(path + ".name"), path + ".name",
-                     "\"" + color.name + "\" is there already at " + where.of(element("color", j) + ".name") +
-                         "; a color of several boxes has several [[color.box]]");
+                     "\"" + color.name + "\" is already defined at " + where.of(element("color", j) + ".name") +
+                         "; give the color several [[color.box]] instead");
       }
     }
     if (color.box.empty()) problems.add(where.of(path), path, "\"" + color.name + "\" has no [[color.box]]");
@@ -103,8 +103,7 @@ void resolve_colors(const VenueFile& venue, const Locations& where, ColorBoxes& 
   }
   if (count > kMaxColorBoxes) {
     problems.add(where.of("color"), "color",
-                 std::to_string(count) + " boxes are more than the " + std::to_string(kMaxColorBoxes) +
-                     " that the tables have bits for");
+                 std::to_string(count) + " boxes; at most " + std::to_string(kMaxColorBoxes) + " are supported");
   }
   check_overlap(venue, where, sources, problems);
 }
@@ -116,7 +115,7 @@ void resolve_background(const VenueFile& venue, const Locations& where, TypicalB
   if (value.empty()) return;
   if (value.size() != 3) {
     problems.add(where.of("colors.background"), "colors.background",
-                 "needs one value a channel, has " + std::to_string(value.size()));
+                 "needs three values, one per channel; has " + std::to_string(value.size()));
     return;
   }
   background = {value[0], value[1], value[2]};
@@ -133,23 +132,24 @@ void resolve_region_of_interest(const VenueFile& venue, const Locations& where, 
     return;
   }
   if (region.u_px.size() == 1 || region.u_px.size() == 2 || region.u_px.size() > kMaxPolygonPoints) {
-    problems.add(where.of(key), key,
-                 "a polygon has 3 to " + std::to_string(kMaxPolygonPoints) + " corners, this one " +
-                     std::to_string(region.u_px.size()));
+    problems.add(
+        where.of(key), key,
+        "needs 3 to " + std::to_string(kMaxPolygonPoints) + " corners; has " + std::to_string(region.u_px.size()));
     return;
   }
   for (std::size_t i = 0; i < region.u_px.size(); ++i) polygon.push_back({region.u_px[i], region.v_px[i]});
 }
 
-// Levels that boxes may move, and what is known of the colors; without a light map an even one takes its place, because
-// it is what follows.
+// Fills the limits of the adaptation and the typical values of the colors. The adaptation changes the light map; if the
+// venue has none, it starts with an even one.
 void resolve_adaptation(const VenueFile& venue, const Locations& where, PipelineParameters& out, Problems& problems) {
   out.adaptation = venue.adaptation;
   for (std::size_t i = 0; i < venue.color.size() && i < kMaxColors; ++i) {
     const ColorEntry& color = venue.color[i];
     const std::string key = element("color", i) + ".typical";
     if (!color.typical.empty() && color.typical.size() != 3) {
-      problems.add(where.of(key), key, "needs one value a channel, has " + std::to_string(color.typical.size()));
+      problems.add(where.of(key), key,
+                   "needs three values, one per channel; has " + std::to_string(color.typical.size()));
       continue;
     }
     for (std::size_t c = 0; c < 3 && !color.box.empty(); ++c) {
@@ -184,12 +184,12 @@ void resolve_venue(const VenueFile& venue, const Locations& where, const InputFo
   if (venue.picture.width_px != input.width_px || venue.picture.height_px != input.height_px) {
     problems.add(where.of("picture.width_px"), "picture",
                  "the calibration is for pictures of " + size_text(venue.picture.width_px, venue.picture.height_px) +
-                     " pixels, " + input.source + " gives " + size_text(input.width_px, input.height_px));
+                     " pixels, but " + input.source + " delivers " + size_text(input.width_px, input.height_px));
   }
   if (venue.colors.space != color_space(input.format)) {
     problems.add(where.of("colors.space"), "colors.space",
-                 "the boxes are in " + std::string(word_of(venue.colors.space)) + ", but " + input.source + " gives " +
-                     std::string(word_of(input.format)) + ", which is " +
+                 "the boxes are in " + std::string(word_of(venue.colors.space)) + ", but " + input.source +
+                     " delivers " + std::string(word_of(input.format)) + ", which is " +
                      std::string(word_of(color_space(input.format))));
   }
   resolve_colors(venue, where, out.scan.boxes, problems);
@@ -210,8 +210,7 @@ void resolve_venue(const VenueFile& venue, const Locations& where, const InputFo
   out.camera = venue.camera_model;
   const std::string kind = venue.camera_model.kind == CameraModelKind::kFull ? "full" : "paper";
   if (where.has("camera_model.kind") && !where.has("camera_model." + kind)) {
-    problems.add(where.of("camera_model.kind"), "camera_model." + kind,
-                 "is missing; make it with touchline-calibrate field");
+    problems.add(where.of("camera_model.kind"), "camera_model." + kind, "is missing; run touchline-calibrate field");
   }
   out.marker.field = venue.field;
 }

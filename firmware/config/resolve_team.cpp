@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "firmware/config/resolution.h"
+#include "firmware/config/resolve.h"
 #include "firmware/config/wording.h"
 
 namespace touchline::config {
@@ -31,8 +31,8 @@ class TeamResolver {
     const auto identification = std::count_if(out.layout.patches.begin(), out.layout.patches.end(),
                                               [](const auto& p) { return p.role == PatchRole::kIdentification; });
     if (entry.robot.size() > kMaxRobotsPerTeam) {
-      add(name + ".robot", std::to_string(entry.robot.size()) + " robots are more than the " +
-                               std::to_string(kMaxRobotsPerTeam) + " of a team");
+      add(name + ".robot",
+          std::to_string(entry.robot.size()) + " robots; a team has at most " + std::to_string(kMaxRobotsPerTeam));
       return;
     }
     for (std::size_t i = 0; i < entry.robot.size(); ++i) {
@@ -64,14 +64,14 @@ class TeamResolver {
     const std::size_t before = problems_.size();
     if (entry.patch.empty()) add(key, "\"" + entry.name + "\" has no [[layout.patch]]");
     if (entry.patch.size() > kMaxPatches) {
-      add(key + ".patch", std::to_string(entry.patch.size()) + " patches are more than the " +
-                              std::to_string(kMaxPatches) + " of a robot");
+      add(key + ".patch",
+          std::to_string(entry.patch.size()) + " patches; a robot has at most " + std::to_string(kMaxPatches));
     }
     for (std::size_t i = 0; i < entry.patch.size(); ++i) {
       const PatchEntry& patch = entry.patch[i];
       const std::string patch_key = element(key + ".patch", i);
       if ((patch.role == PatchRole::kTeam) != (i == 0)) {
-        add(patch_key + ".role", "the first patch is the team patch, and the only one");
+        add(patch_key + ".role", "the first patch, and no other, must be the team patch");
       }
       if (patch.length_m <= 0.0f || patch.width_m <= 0.0f) {
         add(patch_key, "length_m and width_m must be above 0");
@@ -93,16 +93,17 @@ class TeamResolver {
     for (std::size_t j = 0; j < index; ++j) {
       const std::string there = " at " + where_.of(element(list, j));
       if (team.robot[j].id == entry.id) {
-        add(key + ".id", "id " + std::to_string(entry.id) + " belongs already to the robot" + there);
+        add(key + ".id", "id " + std::to_string(entry.id) + " is already used by the robot" + there);
       }
       if (team.robot[j].colors == entry.colors) {
         add(key + ".colors", "robot " + std::to_string(entry.id) + " has the same colors as robot " +
-                                 std::to_string(team.robot[j].id) + there + "; they cannot be told apart");
+                                 std::to_string(team.robot[j].id) + there + "; they cannot be distinguished");
       }
     }
     if (entry.colors.size() != identification) {
       add(key + ".colors", "the layout \"" + team.layout + "\" has " + std::to_string(identification) +
-                               " identification patches, the robot " + std::to_string(entry.colors.size()) + " colors");
+                               " identification patches, but the robot has " + std::to_string(entry.colors.size()) +
+                               " colors");
       return;
     }
     RobotMarking marking;
@@ -122,14 +123,14 @@ class TeamResolver {
   Problems& problems_;
 };
 
-// Every patch of this color belongs to one thing only; otherwise nothing tells them apart.
+// Each of these colors identifies one kind of object only.
 void check_distinct(TeamResolver& resolver, const TeamFile& team) {
   const std::array<std::pair<const char*, const std::string*>, 3> things{
       {{"own.color", &team.own.color}, {"opponent.color", &team.opponent.color}, {"ball.color", &team.ball.color}}};
   for (std::size_t i = 0; i < things.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (things[i].second->empty() || *things[i].second != *things[j].second) continue;
-      resolver.add(things[i].first, "\"" + *things[i].second + "\" is " + things[j].first + " as well");
+      resolver.add(things[i].first, "\"" + *things[i].second + "\" is also " + things[j].first);
     }
   }
 }
@@ -142,7 +143,7 @@ void resolve_team(const TeamFile& team, const Locations& where, const VenueFile&
   resolver.team(team.own, "own", out.marker.teams[static_cast<std::size_t>(Team::kOwn)]);
   resolver.team(team.opponent, "opponent", out.marker.teams[static_cast<std::size_t>(Team::kOpponent)]);
   if (team.own.robot.empty() && where.has("own")) {
-    resolver.add("own.robot", "no [[own.robot]] is there; whom to drive?");
+    resolver.add("own.robot", "is missing; add an [[own.robot]] for each robot to drive");
   }
   out.marker.ball.color = resolver.color(team.ball.color, "ball.color");
   out.marker.ball.radius_m = team.ball.radius_m;

@@ -10,23 +10,24 @@
 
 namespace touchline::config {
 
-/// The pictures that will come: of the board's camera, or of a replayed input.
+/// Format of the pictures from the camera or the replay.
 struct InputFormat {
   PixelFormat format = PixelFormat::kRgb24;
   std::uint16_t width_px = 0, height_px = 0;
-  std::string source;  // who says so, for messages: "boards/mock/board.toml:12: camera" or a folder's name
+  std::string source;  // for messages: "the camera of boards/mock/board.toml", or a folder
 };
 
-/// Fills what the venue says: scan, camera, field. All contradictions go to `problems`; the color ids are 1.. in the
-/// file's order. The light map is read from its file.
+/// Fills the parameters that the venue defines: scan, camera, field. Reads the light map. Color ids count from 1 in the
+/// order of the file. Contradictions are added to `problems`.
 void resolve_venue(const VenueFile& venue, const Locations& where, const InputFormat& input, PipelineParameters& out,
                    Problems& problems);
 
-/// Fills what the team file says: markers, ball, tracking, control. Colors are looked up in the venue.
+/// Fills the parameters that the team file defines: markers, ball, tracking, control. Colors are found in the venue by
+/// name.
 void resolve_team(const TeamFile& team, const Locations& where, const VenueFile& venue, const Locations& venue_where,
                   PipelineParameters& out, Problems& problems);
 
-/// 0 (kBackground) when the venue has no such color.
+/// kBackground (0) if the venue has no such color.
 ColorId color_id(const VenueFile& venue, std::string_view name);
 
 }  // namespace touchline::config

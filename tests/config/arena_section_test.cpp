@@ -1,4 +1,4 @@
-// [arena]: what no single key can say is wrong with it.
+// [arena]: errors that concern more than one key.
 #include "tests/config/config_files.h"
 
 namespace touchline::config {
@@ -6,7 +6,7 @@ namespace {
 
 class ArenaSection : public ConfigFiles {
  protected:
-  /// Adds lines to the board file, whose last one is 14.
+  /// Appends lines to the board file, which has 14.
   void add(const std::string& lines) { write("board.toml", read(path("board.toml")) + lines); }
 };
 
@@ -46,7 +46,7 @@ TEST_F(ArenaSection, RobotsAreGivenOnce) {
   add("[[arena.robot]]\nid = 3\nx_m = 0.2\ncolors = [\"red\"]\n[[arena.robot]]\nid = 3\nx_m = 0.5\ncolors = "
       "[\"red\"]\n");
   EXPECT_EQ(refusal(), "board.toml:20: arena.robot[1].id: 3 is already used by robot[0] of the same team\n");
-  // The other team has numbers of its own.
+  // The other team has its own ids.
   replace("board.toml", "x_m = 0.5", "x_m = 0.5\nteam = \"opponent\"");
   EXPECT_TRUE(load().ok()) << problems();
 }

@@ -10,7 +10,7 @@
 
 namespace touchline::config {
 
-/// A folder with a sound board, venue and team, for tests that break one thing of them.
+/// A folder with a valid board, venue and team file, for tests that introduce one error.
 class ConfigFiles : public ::testing::Test {
  protected:
   ConfigFiles();
@@ -18,14 +18,14 @@ class ConfigFiles : public ::testing::Test {
 
   static std::string read(const std::filesystem::path& path);
   void write(const std::string& name, const std::string& text) const;
-  /// In the file, exactly once.
+  /// Replaces a text that the file contains exactly once.
   void replace(const std::string& name, const std::string& from, const std::string& to) const;
   [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
   Status load(std::vector<std::string> overrides = {});
-  /// All lines of problems with the folder's name taken off.
+  /// All messages, without the name of the folder.
   [[nodiscard]] std::string problems() const;
-  /// Loads, expects it to fail, and gives the problems.
+  /// Loads the files, expects errors, and returns the messages.
   std::string refusal(std::vector<std::string> overrides = {});
 
   std::filesystem::path folder_;

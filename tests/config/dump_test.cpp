@@ -1,4 +1,4 @@
-// What is written is what is read, and every key can be read about.
+// A dump reads back as the same values, and every key has a description.
 #include "firmware/config/key_list.h"
 #include "firmware/config/toml_writer.h"
 #include "tests/config/config_files.h"

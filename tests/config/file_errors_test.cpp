@@ -1,4 +1,4 @@
-// What a person wrote wrongly, and the whole sentence that answers it.
+// Errors in a file, and the complete message for each.
 #include "tests/config/config_files.h"
 
 namespace touchline::config {
@@ -8,7 +8,7 @@ TEST_F(ConfigFiles, SoundFilesAreTakenWithAllTheirValues) {
   ASSERT_TRUE(load().ok()) << problems();
   EXPECT_EQ(problems(), "");
   EXPECT_EQ(configuration_->board.camera.device, "/dev/video7");
-  EXPECT_EQ(configuration_->board.camera.rate_hz, 60.0);  // not in the file: the declaration's default
+  EXPECT_EQ(configuration_->board.camera.rate_hz, 60.0);  // not in the file: the default
   EXPECT_EQ(configuration_->venue.color.size(), 4U);
   EXPECT_EQ(configuration_->team.own.robot.size(), 2U);
 }

@@ -1,4 +1,4 @@
-// Files that were damaged at random: each is taken, or refused with a reason; none brings the program down.
+// Randomly damaged files: each is accepted, or rejected with a message; none crashes the program.
 #include <random>
 
 #include "tests/config/config_files.h"
@@ -49,7 +49,7 @@ TEST_F(ConfigFiles, DamagedFilesAreTakenOrRefusedWithAReason) {
     refused += ok ? 0 : 1;
     write(name, sound);
   }
-  // Both happen often, or the damage is not what it should be.
+  // Both must happen often; otherwise the damage is too small or too large.
   EXPECT_GT(refused, kFiles / 2U);
   EXPECT_LT(refused, kFiles - kFiles / 50U);
 }

@@ -1,4 +1,4 @@
-// Values that are right one by one and wrong together.
+// Values that are valid alone and contradict each other.
 #include "hal/replay/picture.h"
 #include "tests/config/config_files.h"
 
@@ -33,7 +33,7 @@ TEST_F(ConfigFiles, ColorIdsFollowTheVenueFile) {
   EXPECT_EQ(own.robots[1].id, 1);
   EXPECT_EQ(own.robots[1].colors[0], 4);
   EXPECT_EQ(own.layout.patches.size(), paper_layout().patches.size());
-  EXPECT_EQ(p.marker.teams[1].team_color, kBackground);  // no [opponent]: not looked for
+  EXPECT_EQ(p.marker.teams[1].team_color, kBackground);  // no [opponent]: not detected
   EXPECT_EQ(p.camera.full.fx_px, 500.0f);
   EXPECT_EQ(p.marker.field.length_m, 2.2f);
 }

@@ -1,4 +1,4 @@
-// --set key=value: the same checks as in a file, with the option in the place of file and line.
+// --set key=value: the same checks as in a file; messages name the option instead of file and line.
 #include "tests/config/config_files.h"
 
 namespace touchline::config {

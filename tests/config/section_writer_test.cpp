@@ -1,4 +1,4 @@
-// The calibration tools' way to change one section: all else stays as it was, to the byte.
+// Replacing one section keeps all other bytes of the file.
 #include "firmware/config/section_writer.h"
 
 #include <sys/stat.h>

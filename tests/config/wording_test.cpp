@@ -29,7 +29,7 @@ TEST(Wording, NearestWord) {
   EXPECT_EQ(nearest_word("gian", kWords), "gain");
   EXPECT_EQ(nearest_word("gai", kWords), "gain");
   EXPECT_EQ(nearest_word("grin", kWords), "gain");
-  EXPECT_EQ(nearest_word("grit", kWords), "");  // two changes of four letters are another word
+  EXPECT_EQ(nearest_word("grit", kWords), "");  // two changes in four letters: a different word
   EXPECT_EQ(nearest_word("zoom", kWords), "");
 }
 

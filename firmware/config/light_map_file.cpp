@@ -6,7 +6,9 @@ namespace touchline::config {
 
 Status read_light_map(const std::string& path, LightMap& out, std::string& reason) {
   hal::Picture picture;
-  if (const Status status = hal::read_picture(path, picture, reason); !status.ok()) return status;
+  // Larger files are refused before memory is allocated for their pixels, smaller ones below with their size.
+  constexpr std::int64_t kMaxPixels = 1 << 20;
+  if (const Status status = hal::read_picture(path, picture, reason, kMaxPixels); !status.ok()) return status;
   if (!picture.deep()) {
     reason = path + ": an illumination map has 16 bits a channel, this picture has 8";
     return ErrorCode::kUnsupported;

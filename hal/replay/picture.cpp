@@ -25,11 +25,16 @@ AVCodecID kind_of(std::string_view bytes) {
   return AV_CODEC_ID_NONE;
 }
 
+/// Whether the decoder gave up because of the size. Decoders that forget the size log it.
+bool is_too_large(const LogCapture& log, const AVCodecContext& codec, std::int64_t max_pixels) {
+  return std::int64_t{codec.width} * codec.height > max_pixels || log.first_error().starts_with("Picture size");
+}
+
 }  // namespace
 
 namespace ffmpeg {
 
-Status decode_picture(const std::string& path, FramePtr& out, std::string& reason) {
+Status decode_picture(const std::string& path, std::int64_t max_pixels, FramePtr& out, std::string& reason) {
   std::string bytes;
   if (Status s = read_file(path, kMaxDataFileBytes, bytes, reason); !s.ok()) return s;
   if (bytes.empty()) {
@@ -51,6 +56,7 @@ Status decode_picture(const std::string& path, FramePtr& out, std::string& reaso
   // Damage must be an error: FFmpeg would hand out what it could decode and log a line.
   codec->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
   codec->thread_count = 1;
+  codec->max_pixels = max_pixels;  // checked by FFmpeg before it allocates the frame
   int result = avcodec_open2(codec.get(), decoder, nullptr);
   packet->data = reinterpret_cast<std::uint8_t*>(bytes.data());
   packet->size = static_cast<int>(size);
@@ -60,6 +66,12 @@ Status decode_picture(const std::string& path, FramePtr& out, std::string& reaso
   // A cut JPEG is only warned of ("EOI missing, emulating").
   const std::string& complaint = log.first_error().empty() ? log.first_warning() : log.first_error();
   const bool damaged = !log.first_error().empty() || (kind == AV_CODEC_ID_MJPEG && !log.first_warning().empty());
+  if (result < 0 && is_too_large(log, *codec, max_pixels)) {
+    out.reset();
+    reason = path + ": the picture has more than " + std::to_string(max_pixels) + " pixels";
+    if (!log.first_error().empty()) reason += " (" + log.first_error() + ")";
+    return ErrorCode::kOutOfRange;
+  }
   if (result < 0 || damaged || out->decode_error_flags != 0 || (out->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
     out.reset();
     reason = path + ": truncated or damaged (" + (complaint.empty() ? error_text(result) : complaint) + ")";
@@ -70,9 +82,9 @@ Status decode_picture(const std::string& path, FramePtr& out, std::string& reaso
 
 }  // namespace ffmpeg
 
-Status read_picture(const std::string& path, Picture& out, std::string& reason) {
+Status read_picture(const std::string& path, Picture& out, std::string& reason, std::int64_t max_pixels) {
   FramePtr frame;
-  if (Status s = decode_picture(path, frame, reason); !s.ok()) return s;
+  if (Status s = decode_picture(path, max_pixels, frame, reason); !s.ok()) return s;
   const auto width = static_cast<std::size_t>(frame->width), height = static_cast<std::size_t>(frame->height);
   out = {};
   out.width_px = static_cast<std::uint32_t>(width);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/status.h"
+#include "core/types.h"
 #include "hal/linux/files/output_file.h"
 
 namespace touchline::hal {
@@ -18,11 +19,18 @@ struct Picture {
   [[nodiscard]] bool deep() const { return !rgb16.empty(); }
 };
 
-/// Reads a PNG, PPM/PGM or JPEG file; its kind is told from its first bytes. Pictures of more than 8 bits a channel
-/// come as rgb16, all others as rgb8; alpha is dropped, grey is repeated in the three channels. kNotFound, kPermission,
-/// kIo: the file; kUnsupported: no such picture; kCorruptFrame: truncated or damaged, also where a decoder would
-/// deliver the undamaged part. `reason` then names the file and the cause.
-Status read_picture(const std::string& path, Picture& out, std::string& reason);
+/// Pictures that are read are at most twice as wide and twice as high as the largest frame: tools draw figures of that
+/// size. One of 16 bits a channel then takes 240 MB while it is read.
+inline constexpr std::int64_t kMaxPicturePixels = std::int64_t{4} * kMaxFrameWidth * kMaxFrameHeight;
+
+/// Reads a PNG, PPM/PGM or JPEG file; the format is detected from its first bytes. Pictures of more than 8 bits a
+/// channel become rgb16, all others rgb8; alpha is dropped, gray is copied to the three channels. Pictures of more than
+/// `max_pixels` are refused before memory for their pixels is allocated.
+/// kNotFound, kPermission, kIo: the file; kUnsupported: not such a picture; kOutOfRange: too many pixels;
+/// kCorruptFrame: truncated or damaged, even if a decoder could deliver the undamaged part. `reason` then names the
+/// file and the cause.
+Status read_picture(const std::string& path, Picture& out, std::string& reason,
+                    std::int64_t max_pixels = kMaxPicturePixels);
 
 /// A PNG file of 8 or 16 bits a channel, in memory. kOutOfRange: sizes and values do not fit together; kUnsupported: no
 /// encoder. `reason` then has the cause.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "core/status.h"
@@ -7,7 +8,7 @@
 
 namespace touchline::hal::ffmpeg {
 
-/// One PNG, PNM or JPEG file as it is stored; errors as read_picture().
-Status decode_picture(const std::string& path, FramePtr& out, std::string& reason);
+/// Decodes one PNG, PNM or JPEG file of at most `max_pixels`. Errors as for read_picture().
+Status decode_picture(const std::string& path, std::int64_t max_pixels, FramePtr& out, std::string& reason);
 
 }  // namespace touchline::hal::ffmpeg

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <string_view>
 
+#include "core/types.h"
 #include "hal/replay/picture_decoder.h"
 
 namespace touchline::hal::ffmpeg {
@@ -83,7 +84,7 @@ Status PictureSource::next(SourceFrame& out) {
   out.file = file.filename().string();
   out.stamp = from_seconds(static_cast<double>(next_) / rate_hz_);
   ++next_;
-  return decode_picture(file.string(), out.picture, reason_);
+  return decode_picture(file.string(), std::int64_t{kMaxFrameWidth} * kMaxFrameHeight, out.picture, reason_);
 }
 
 }  // namespace touchline::hal::ffmpeg

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <filesystem>
 
+#include "core/types.h"
+
 namespace touchline::hal::ffmpeg {
 namespace {
 
@@ -49,6 +51,7 @@ Status VideoReader::open() {
   packet_.reset(av_packet_alloc());
   result = avcodec_parameters_to_context(codec_.get(), stream.codecpar);
   if (result >= 0) {
+    codec_->max_pixels = std::int64_t{kMaxFrameWidth} * kMaxFrameHeight;
     codec_->pkt_timebase = stream.time_base;
     codec_->thread_count = 0;  // as many as there are CPUs; the pictures are the same
     result = avcodec_open2(codec_.get(), decoder, nullptr);

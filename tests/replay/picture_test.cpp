@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 
@@ -139,6 +140,33 @@ TEST(Picture, CutPpmIsRefused) {
   refused(folder / "cut.ppm", ErrorCode::kCorruptFrame);
   media::write_text(folder / "head.ppm", "P6 2");
   refused(folder / "head.ppm", ErrorCode::kCorruptFrame);
+}
+
+// Under a limit of memory (MemoryMax= of the service) the pixels of such a file could not even be allocated.
+TEST(Picture, TooManyPixelsAreRefusedBeforeMemoryIsTaken) {
+  const media::Folder folder;
+  media::write_png(folder / "large.png", media::colorful(64, 48));
+  std::vector<std::uint8_t> bytes = media::read_bytes(folder / "large.png");
+  const std::array<std::uint8_t, 9> size_and_depth{0, 0, 0x2e, 0xe0, 0, 0, 0x23, 0x28, 16};  // 12000 x 9000, 16 bits
+  std::copy(size_and_depth.begin(), size_and_depth.end(), bytes.begin() + 16);
+  const std::uint32_t crc = media::crc32(std::span(bytes).subspan(12, 17));
+  for (std::size_t i = 0; i < 4; ++i) bytes[29 + i] = static_cast<std::uint8_t>(crc >> (24 - 8 * i));
+  media::write_bytes(folder / "large.png", bytes);
+  const std::string reason = refused(folder / "large.png", ErrorCode::kOutOfRange);
+  EXPECT_NE(reason.find("more than 20155392 pixels"), std::string::npos) << reason;
+  media::write_text(folder / "large.ppm", "P6 12000 9000 65535\n");
+  refused(folder / "large.ppm", ErrorCode::kOutOfRange);
+  // A JPEG's size stands in its SOF marker: FF C0, length, precision, height, width.
+  media::write_jpeg(folder / "large.jpg", media::colorful(64, 48));
+  bytes = media::read_bytes(folder / "large.jpg");
+  const std::array<std::uint8_t, 2> marker{0xff, 0xc0};
+  const auto sof = std::search(bytes.begin(), bytes.end(), marker.begin(), marker.end());
+  ASSERT_NE(sof, bytes.end());
+  const std::array<std::uint8_t, 4> height_and_width{0x23, 0x28, 0x2e, 0xe0};
+  std::copy(height_and_width.begin(), height_and_width.end(), sof + 5);
+  bytes.resize(std::size_t{500} * 1024);  // fewer bytes than blocks are refused as damaged
+  media::write_bytes(folder / "large.jpg", bytes);
+  refused(folder / "large.jpg", ErrorCode::kOutOfRange);
 }
 
 TEST(Picture, FilesThatAreNoPictures) {

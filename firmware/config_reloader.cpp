@@ -90,9 +90,9 @@ Status ConfigReloader::prepare(const config::Configuration& next, const config::
 
 void ConfigReloader::adjust_camera(config::Configuration& next, config::ReloadChanges& changes,
                                    std::vector<std::string>& said) {
-  std::string grants;
-  const Status adjusted = camera_.adjust(next.board.camera, grants);
-  if (!grants.empty()) said.push_back("reload: camera: " + grants);
+  const Result<std::string> adjusted = camera_.adjust(next.board.camera);
+  const std::string text = adjusted.ok() ? adjusted.value() : adjusted.text();
+  if (!text.empty()) said.push_back("reload: camera: " + text);
   if (adjusted.ok()) return;
   next.board.camera = running_->board.camera;
   const auto of_camera = [](const config::Change& change) {

@@ -1,6 +1,7 @@
 #include "firmware/device_reconnector.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace touchline {
 
@@ -24,7 +25,7 @@ void DeviceReconnector::work() {
     try {
       result_ = reopen_(device_);
     } catch (...) {  // memory is short, or a driver's library failed: another attempt may succeed
-      result_ = ErrorCode::kIo;
+      result_ = failure(ErrorCode::kIo, "the driver threw an exception");
     }
     // Fails if stop() came meanwhile.
     if (!task_.compare_exchange_strong(task, Task::kDone, std::memory_order_acq_rel)) return;
@@ -40,7 +41,7 @@ void DeviceReconnector::mark_lost(Instant now) {
   next_attempt_ = now + pause_;
 }
 
-std::optional<Status> DeviceReconnector::poll(Instant now) {
+std::optional<Result<void>> DeviceReconnector::poll(Instant now) {
   if (is_open_) return std::nullopt;
   Task task = task_.load(std::memory_order_acquire);
   if (task == Task::kIdle) {
@@ -54,7 +55,7 @@ std::optional<Status> DeviceReconnector::poll(Instant now) {
     task = task_.load(std::memory_order_acquire);
   }
   if (task != Task::kDone) return std::nullopt;
-  const Status result = result_;
+  Result<void> result = std::move(result_);
   task_.store(Task::kIdle, std::memory_order_release);
   task_.notify_all();
   is_open_ = result.ok();

@@ -5,8 +5,8 @@
 #include <optional>
 #include <thread>
 
-#include "core/status.h"
 #include "core/time.h"
+#include "hal/result.h"
 
 namespace touchline {
 
@@ -15,7 +15,7 @@ namespace touchline {
 class DeviceReconnector {
  public:
   /// Closes what is left, opens and starts the device; may block, allocate and throw.
-  using Reopen = Status (*)(void* device);
+  using Reopen = Result<void> (*)(void* device);
   static constexpr Duration kLongestPause = std::chrono::seconds(8);
   // For a device that is not there: the attempt costs little, and somebody may be about to plug it in.
   static constexpr Duration kLongestPauseAbsent = std::chrono::seconds(2);
@@ -34,7 +34,7 @@ class DeviceReconnector {
   void mark_lost(Instant now);
   /// Call it in each iteration. Starts the attempts that are due; returns the result of one that has ended since the
   /// last call. After success the device is open.
-  std::optional<Status> poll(Instant now);
+  std::optional<Result<void>> poll(Instant now);
   /// For how long the device has been lost.
   [[nodiscard]] Duration time_lost(Instant now) const { return is_open_ ? Duration::zero() : now - lost_at_; }
   /// Waits for an attempt in progress and makes no others.
@@ -52,7 +52,7 @@ class DeviceReconnector {
   Instant lost_at_{}, next_attempt_{};
   Duration pause_{};
   std::atomic<Task> task_{Task::kIdle};
-  Status result_;  // the thread's, published by task_
+  Result<void> result_;  // the thread's, published by task_
   std::thread thread_;
 };
 

@@ -55,9 +55,8 @@ void Loop::set_faults(const config::FaultSettings& faults) {
   poll_period_ = std::clamp<Duration>(stop_after / 4, 5ms, 50ms);
 }
 
-Status Loop::open(std::string& reason) {
-  const Status opened = connections_.open(from_seconds(settings_.faults.reopen_after_s), reason);
-  if (!opened.ok()) return opened;
+Result<void> Loop::open() {
+  TOUCHLINE_TRY(connections_.open(from_seconds(settings_.faults.reopen_after_s)));
   const Instant now = devices_.clock.now();
   statistics_.begin = last_frame_ = last_packet_ = now;
   reports_.begin(now);
@@ -102,13 +101,13 @@ void Loop::wait_for_frame(Instant deadline) {
   if (lease.ok()) {
     process_frame(lease.value());
   } else if (lease.code() != ErrorCode::kTimeout) {
-    on_fault(Device::kCamera, lease.code(), devices_.clock.now());
+    on_fault(Device::kCamera, lease.error(), devices_.clock.now());
   }
   // A camera that hangs reports no error.
   const Instant now = devices_.clock.now();
   const bool is_silent = now - last_frame_ > from_seconds(settings_.faults.camera_timeout_s);
   if (is_silent && connections_.is_open(Device::kCamera)) {
-    report_fault(Device::kCamera, ErrorCode::kTimeout, FaultAction::kReopen, now);
+    report_fault(Device::kCamera, {ErrorCode::kTimeout, {}}, FaultAction::kReopen, now);
     connections_.mark_lost(Device::kCamera, now);
   }
 }
@@ -155,7 +154,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
     rules_.accept_frame(frame.capture_time, timing.received);
     if (timing.received - frame.capture_time <= from_seconds(settings_.faults.stop_after_s)) ++statistics_.good_frames;
   } else {
-    on_fault(Device::kCamera, trace.status.code(), timing.sent);
+    on_fault(Device::kCamera, {trace.status.code(), "the pipeline refused the frame"}, timing.sent);
   }
 }
 
@@ -223,7 +222,7 @@ void Loop::read_inputs(Instant now) {
     if (read.ok()) {
       inputs = read.value();
     } else {
-      on_fault(Device::kGpio, read.code(), now);
+      on_fault(Device::kGpio, read.error(), now);
     }
   }
   input_due_ = inputs ? inputs->look_again : Duration::max();
@@ -244,8 +243,8 @@ void Loop::send(const Packet& packet, bool is_stop, Instant now) {
     ++statistics_.packets_refused;
     return;
   }
-  const Status sent = devices_.radio.send(packet);
-  const bool drops = sent == Status(ErrorCode::kBusy);
+  const Result<void> sent = devices_.radio.send(packet);
+  const bool drops = sent.code() == ErrorCode::kBusy;
   if (sent.ok() || drops) {
     ++statistics_.packets;
     statistics_.stop_packets += is_stop ? 1 : 0;
@@ -253,7 +252,7 @@ void Loop::send(const Packet& packet, bool is_stop, Instant now) {
   } else {
     ++statistics_.packets_refused;
   }
-  if (!sent.ok()) on_fault(Device::kRadio, sent.code(), now);
+  if (!sent.ok()) on_fault(Device::kRadio, sent.error(), now);
 }
 
 void Loop::serve_radio(Instant now) {
@@ -263,7 +262,7 @@ void Loop::serve_radio(Instant now) {
   if (due.ok()) {
     radio_due_ = due.value();
   } else {
-    on_fault(Device::kRadio, due.code(), now);
+    on_fault(Device::kRadio, due.error(), now);
   }
 }
 
@@ -271,7 +270,7 @@ void Loop::receive_telemetry(Instant now) {
   if (!settings_.telemetry || !connections_.is_open(Device::kRadio)) return;
   const Result<std::size_t> count = devices_.radio.receive(received_);
   if (!count.ok()) {
-    on_fault(Device::kRadio, count.code(), now);
+    on_fault(Device::kRadio, count.error(), now);
   } else if (count.value() > 0) {
     pipeline_.listen(std::span(received_).first(count.value()), now);
     statistics_.robots = pipeline_.reports();
@@ -293,8 +292,8 @@ void Loop::send_final_stops() {
   needs_final_stops_ = false;
   if (!connections_.is_open(Device::kRadio)) return;
   const Instant now = devices_.clock.now();
-  if (const Status drained = devices_.radio.drain(now + kDrainTime); !drained.ok()) {
-    report_fault(Device::kRadio, drained.code(), action_for(drained.code()), now);
+  if (const Result<void> drained = devices_.radio.drain(now + kDrainTime); !drained.ok()) {
+    report_fault(Device::kRadio, drained.error(), action_for(drained.code()), now);
   }
 }
 
@@ -309,7 +308,7 @@ void Loop::close() {
 
 void Loop::set_strobe(bool high, Instant now) {
   if (!outputs_work()) return;
-  if (const Status s = devices_.gpio.set_strobe(high); !s.ok()) on_output_fault(s.code(), now);
+  if (const Result<void> r = devices_.gpio.set_strobe(high); !r.ok()) on_output_fault(r.error(), now);
 }
 
 void Loop::update_status_light(Instant now) {
@@ -318,40 +317,40 @@ void Loop::update_status_light(Instant now) {
   const bool on = rules_.only_waits_for_start() || (now - statistics_.begin) / half % 2 == 0;
   if (led_ == on) return;
   led_ = on;
-  if (const Status s = devices_.gpio.set_status_led(on); !s.ok()) on_output_fault(s.code(), now);
+  if (const Result<void> r = devices_.gpio.set_status_led(on); !r.ok()) on_output_fault(r.error(), now);
 }
 
-void Loop::on_fault(Device device, ErrorCode code, Instant now) {
-  if (code == ErrorCode::kEndOfStream) {
+void Loop::on_fault(Device device, const Error& error, Instant now) {
+  if (error.code == ErrorCode::kEndOfStream) {
     end_ = LoopEnd::kEndOfStream;
     return;
   }
   const FaultAction optional = is_awaited(device) ? FaultAction::kReopen : FaultAction::kContinueWithout;
-  const FaultAction action = is_required(device) ? action_for(code) : optional;
-  report_fault(device, code, action, now);
+  const FaultAction action = is_required(device) ? action_for(error.code) : optional;
+  report_fault(device, error, action, now);
   if (action == FaultAction::kReopen || action == FaultAction::kContinueWithout) connections_.mark_lost(device, now);
   if (action == FaultAction::kLeave) end_ = LoopEnd::kFault;
 }
 
-void Loop::on_output_fault(ErrorCode code, Instant now) {
-  if (!is_awaited(Device::kGpio)) return on_fault(Device::kGpio, code, now);
+void Loop::on_output_fault(const Error& error, Instant now) {
+  if (!is_awaited(Device::kGpio)) return on_fault(Device::kGpio, error, now);
   // Reopening the chip would interrupt the emergency stop or the start button. They still work, or will report an error
   // of their own.
   outputs_failed_ = true;
-  report_fault(Device::kGpio, code, FaultAction::kContinueWithout, now);
+  report_fault(Device::kGpio, error, FaultAction::kContinueWithout, now);
 }
 
 void Loop::reopen_lost_devices(Instant now) {
   for (const Device device : kDevices) {
     if (connections_.is_open(device)) continue;
-    const std::optional<Status> attempt = connections_.poll(device, now);
+    const std::optional<Result<void>> attempt = connections_.poll(device, now);
     if (attempt && attempt->ok()) {
       on_reopened(device, now);
     } else if (attempt) {
       // Never kLeave, whatever the code: the device has worked with these settings, and somebody who plugged it in
       // badly may plug it in again.
       const FaultAction action = is_awaited(device) ? FaultAction::kReopen : FaultAction::kContinueWithout;
-      report_fault(device, attempt->code(), action, now);
+      report_fault(device, attempt->error(), action, now);
     }
     const Duration limit = from_seconds(settings_.faults.leave_after_s);
     if (is_required(device) && limit > 0s && connections_.time_lost(device, now) > limit) end_ = LoopEnd::kDeviceLost;
@@ -360,7 +359,7 @@ void Loop::reopen_lost_devices(Instant now) {
 
 void Loop::on_reopened(Device device, Instant now) {
   ++statistics_.reopened[static_cast<std::size_t>(device)];
-  if (is_awaited(device)) report_fault(device, ErrorCode::kOk, FaultAction::kNone, now);
+  if (is_awaited(device)) report_fault(device, {ErrorCode::kOk, {}}, FaultAction::kNone, now);
   switch (device) {
     case Device::kCamera:
       // Robots moved unseen, and the driver counts its frames from the start again.
@@ -377,12 +376,10 @@ void Loop::on_reopened(Device device, Instant now) {
   }
 }
 
-void Loop::report_fault(Device device, ErrorCode code, FaultAction action, Instant now) {
-  if (code != ErrorCode::kOk) ++statistics_.faults[static_cast<std::size_t>(device)][static_cast<std::size_t>(code)];
-  // The text of a device that is back or silent would be an old one.
-  const bool has_text = code != ErrorCode::kOk && code != ErrorCode::kTimeout;
-  reports_.report_fault(device, code, action,
-                        has_text ? std::string_view(connections_.reason_of(device)) : std::string_view(), now);
+void Loop::report_fault(Device device, const Error& error, FaultAction action, Instant now) {
+  const auto code = static_cast<std::size_t>(error.code);
+  if (error.code != ErrorCode::kOk) ++statistics_.faults[static_cast<std::size_t>(device)][code];
+  reports_.report_fault(device, error.code, action, error.text.view(), now);
 }
 
 }  // namespace touchline

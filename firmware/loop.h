@@ -78,7 +78,7 @@ class Loop {
   Loop& operator=(const Loop&) = delete;
 
   /// Opens radio, GPIO and camera, in this order. On error `reason` names the device and the cause.
-  Status open(std::string& reason);
+  Result<void> open();
   /// Iterates until one of LoopEnd's reasons, then sends the final stop packets. If an exception passes through, they
   /// are sent first. Only after open().
   LoopEnd run(const std::atomic<bool>& stop);
@@ -118,9 +118,9 @@ class Loop {
   void send_stop(Instant now);
   void set_strobe(bool high, Instant now);
   void on_reopened(Device device, Instant now);
-  void on_fault(Device device, ErrorCode code, Instant now);
-  void on_output_fault(ErrorCode code, Instant now);
-  void report_fault(Device device, ErrorCode code, FaultAction action, Instant now);
+  void on_fault(Device device, const Error& error, Instant now);
+  void on_output_fault(const Error& error, Instant now);
+  void report_fault(Device device, const Error& error, FaultAction action, Instant now);
   void set_faults(const config::FaultSettings& faults);
   [[nodiscard]] bool is_required(Device device) const { return device != Device::kGpio || settings_.emergency_stop; }
   // Until the start button is pressed, robots wait for its chip as well.

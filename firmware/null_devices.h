@@ -10,30 +10,30 @@ namespace touchline {
 /// Backend "none": nobody listens. For trying a camera without robots.
 class NullRadio final : public hal::Radio {
  public:
-  [[nodiscard]] const std::string& reason() const override { return reason_; }
+  [[nodiscard]] const std::string& description() const override { return description_; }
 
  private:
-  Status do_open() override { return {}; }
-  Status do_send(const Packet&) override { return {}; }
+  Result<void> do_open() override { return {}; }
+  Result<void> do_send(const Packet&) override { return {}; }
   Result<Duration> do_serve() override { return Duration::max(); }
   Result<std::size_t> do_receive(std::span<std::byte>) override { return std::size_t{0}; }
-  Status do_drain(Instant) override { return {}; }
+  Result<void> do_drain(Instant) override { return {}; }
   void do_close() override {}
-  const std::string reason_ = "no radio is configured";
+  const std::string description_ = "no radio is configured";
 };
 
 /// Backend "none": no light, and switches that nobody can touch.
 class NullGpio final : public hal::Gpio {
  public:
-  [[nodiscard]] const std::string& reason() const override { return reason_; }
+  [[nodiscard]] const std::string& description() const override { return description_; }
 
  private:
-  Status do_open() override { return {}; }
+  Result<void> do_open() override { return {}; }
   void do_close() override {}
-  Status do_set_status_led(bool) override { return {}; }
-  Status do_set_strobe(bool) override { return {}; }
+  Result<void> do_set_status_led(bool) override { return {}; }
+  Result<void> do_set_strobe(bool) override { return {}; }
   Result<hal::GpioInputs> do_inputs(Instant) override { return hal::GpioInputs{}; }
-  const std::string reason_ = "no GPIO is configured";
+  const std::string description_ = "no GPIO is configured";
 };
 
 }  // namespace touchline

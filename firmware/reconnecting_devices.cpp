@@ -1,41 +1,41 @@
 #include "firmware/reconnecting_devices.h"
 
+#include <utility>
+
 namespace touchline {
 namespace {
 
-Status reopen_camera(void* device) {
+Result<void> reopen_camera(void* device) {
   auto& camera = *static_cast<hal::Camera*>(device);
   camera.stop();
   camera.close();
-  Status status = camera.open();
-  if (!status.ok()) return status;
-  status = camera.start();
+  TOUCHLINE_TRY(camera.open());
+  Result<void> started = camera.start();
   // A camera held open until the next attempt would keep its device number, and its module could not be unloaded.
-  if (!status.ok()) camera.close();
-  return status;
+  if (!started.ok()) camera.close();
+  return started;
 }
 
 template <class Device>
-Status reopen(void* device) {
+Result<void> reopen(void* device) {
   static_cast<Device*>(device)->close();
   return static_cast<Device*>(device)->open();
 }
 
 }  // namespace
 
-Status ReconnectingDevices::open(Duration first_pause, std::string& reason) {
-  const auto refused = [&](Device device, Status status) {
-    reason = std::string(describe(device)) + ": " + reason_of(device);
+Result<void> ReconnectingDevices::open(Duration first_pause) {
+  const auto close_all = [&](Device device, Result<void>&& failed) {
     devices_.camera.close();
     devices_.radio.close();
     devices_.gpio.close();
-    return status;
+    return prefixed(describe(device), std::move(failed).error());
   };
   // The radio first: robots that are still moving can then be stopped.
-  if (const Status s = devices_.radio.open(); !s.ok()) return refused(Device::kRadio, s);
-  if (const Status s = devices_.gpio.open(); !s.ok()) return refused(Device::kGpio, s);
-  if (const Status s = devices_.camera.open(); !s.ok()) return refused(Device::kCamera, s);
-  if (const Status s = devices_.camera.start(); !s.ok()) return refused(Device::kCamera, s);
+  if (Result<void> r = devices_.radio.open(); !r.ok()) return close_all(Device::kRadio, std::move(r));
+  if (Result<void> r = devices_.gpio.open(); !r.ok()) return close_all(Device::kGpio, std::move(r));
+  if (Result<void> r = devices_.camera.open(); !r.ok()) return close_all(Device::kCamera, std::move(r));
+  if (Result<void> r = devices_.camera.start(); !r.ok()) return close_all(Device::kCamera, std::move(r));
   const auto watch = [&](Device device, DeviceReconnector::Reopen how, void* which) {
     reconnectors_[static_cast<std::size_t>(device)].emplace(how, which, first_pause, devices_.simulated_time);
   };
@@ -60,18 +60,6 @@ void ReconnectingDevices::set_first_pause(Duration pause) {
   for (auto& reconnector : reconnectors_) {
     if (reconnector) reconnector->set_first_pause(pause);
   }
-}
-
-const std::string& ReconnectingDevices::reason_of(Device device) const {
-  switch (device) {
-    case Device::kCamera:
-      return devices_.camera.reason();
-    case Device::kRadio:
-      return devices_.radio.reason();
-    case Device::kGpio:
-      break;
-  }
-  return devices_.gpio.reason();
 }
 
 }  // namespace touchline

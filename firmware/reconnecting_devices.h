@@ -29,9 +29,8 @@ class ReconnectingDevices {
   ReconnectingDevices(const ReconnectingDevices&) = delete;
   ReconnectingDevices& operator=(const ReconnectingDevices&) = delete;
 
-  /// Opens radio, GPIO and camera, in this order, and starts the camera. On error nothing is open, and `reason` names
-  /// the device and the cause.
-  Status open(Duration first_pause, std::string& reason);
+  /// Opens radio, GPIO and camera, in this order, and starts the camera. On error nothing is open.
+  Result<void> open(Duration first_pause);
   /// Waits for attempts in progress, then closes all.
   void close();
   /// Between open() and close().
@@ -41,11 +40,9 @@ class ReconnectingDevices {
   void mark_lost(Device device, Instant now) { at(device).mark_lost(now); }
   [[nodiscard]] Duration time_lost(Device device, Instant now) const { return at(device).time_lost(now); }
   /// The result of an attempt to reopen the device that has ended since the last call; see DeviceReconnector::poll.
-  std::optional<Status> poll(Device device, Instant now) { return at(device).poll(now); }
+  std::optional<Result<void>> poll(Device device, Instant now) { return at(device).poll(now); }
   /// Pause before the first attempt, from the next loss on.
   void set_first_pause(Duration pause);
-  /// Device and cause of its last error.
-  [[nodiscard]] const std::string& reason_of(Device device) const;
 
  private:
   [[nodiscard]] const DeviceReconnector& at(Device device) const {

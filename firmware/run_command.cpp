@@ -38,10 +38,13 @@ void print_start(const Session& session, const std::vector<std::string>& refused
   std::printf("board %s, venue %s, team %s\n", configuration.board_where.file().c_str(),
               configuration.venue_where.file().c_str(), configuration.team_where.file().c_str());
   std::printf("colors: %s kernel\n", std::string(config::kernel_word(configuration.board)).c_str());
-  if (!session.granted().empty()) std::printf("camera: %s\n", session.granted().c_str());
-  if (!session.grants().empty()) std::printf("camera: %s\n", session.grants().c_str());
-  if (!session.radio_grants().empty()) std::printf("radio: %s\n", session.radio_grants().c_str());
-  if (!session.gpio_grants().empty()) std::printf("gpio: %s\n", session.gpio_grants().c_str());
+  const auto print_device = [](const char* device, const std::string& text) {
+    if (!text.empty()) std::printf("%s: %s\n", device, text.c_str());
+  };
+  print_device("camera", session.camera_info().description);
+  print_device("camera", session.camera_info().negotiated);
+  print_device("radio", session.radio_description());
+  print_device("gpio", session.gpio_description());
   std::fflush(stdout);
   for (const std::string& refusal : refused) std::fprintf(stderr, "real time: %s\n", refusal.c_str());
 }
@@ -66,9 +69,8 @@ int run_command(const CommandLine& command_line) {
   const std::atomic<std::uint32_t>& reload_requests = handle_reload_signal();
   RealTimePace pace;
   const bool paced = is_simulated(session.configuration().board) && !command_line.headless;
-  std::string reason;
-  if (!session.open(paced ? pace.observer() : LoopObserver{}, reason).ok()) {
-    std::fprintf(stderr, "%s\n", reason.c_str());
+  if (const Result<void> opened = session.open(paced ? pace.observer() : LoopObserver{}); !opened.ok()) {
+    std::fprintf(stderr, "%s\n", opened.error().text.c_str());
     return kExitDeviceFailure;
   }
   ReportPrinterSettings reporting;

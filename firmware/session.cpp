@@ -18,7 +18,7 @@ Status Session::load(const SessionOptions& options, config::Problems& problems) 
   return {};
 }
 
-Status Session::open(LoopObserver observer, std::string& reason) {
+Result<void> Session::open(LoopObserver observer) {
   devices_.make(*configuration_, options_.seed);
   const LoopDevices devices = devices_.loop_devices();
   LoopSettings settings;
@@ -33,11 +33,10 @@ Status Session::open(LoopObserver observer, std::string& reason) {
   settings.emergency_stop = configuration_->board.gpio.emergency_stop_line != hal::kNoLine;
   settings.live_update = &live_update_;
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
-  if (const Status s = loop_->open(reason); !s.ok()) return s;
-  granted_ = devices.camera.info().granted;
-  grants_ = devices.camera.reason();
-  radio_grants_ = devices.radio.reason();
-  gpio_grants_ = devices.gpio.reason();
+  TOUCHLINE_TRY(loop_->open());
+  camera_info_ = devices.camera.info();
+  radio_description_ = devices.radio.description();
+  gpio_description_ = devices.gpio.description();
   return {};
 }
 

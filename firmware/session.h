@@ -36,8 +36,8 @@ class Session {
   void steer_adaptation(const AdaptationRequests& requests) { adaptation_ = &requests; }
   /// By which somebody may change parameters while the loop runs (firmware/config_reloader.h).
   [[nodiscard]] LiveUpdate& live_update() { return live_update_; }
-  /// Builds and opens the devices, after load(). On error `reason` names device and cause.
-  Status open(LoopObserver observer, std::string& reason);
+  /// Builds and opens the devices, after load().
+  Result<void> open(LoopObserver observer);
 
   [[nodiscard]] const config::FilePaths& files() const { return options_.files; }
   [[nodiscard]] const config::Configuration& configuration() const { return *configuration_; }
@@ -45,13 +45,10 @@ class Session {
   [[nodiscard]] Loop& loop() { return *loop_; }
   [[nodiscard]] ReportRing& reports() { return *reports_; }
   [[nodiscard]] Expectation expectation() const;
-  /// What the camera granted, in a line; empty when it had nothing to be asked for.
-  [[nodiscard]] const std::string& granted() const { return granted_; }
-  /// What of it is not as asked; empty when nothing.
-  [[nodiscard]] const std::string& grants() const { return grants_; }
-  /// What the radio's port granted, and which input lines can only be looked at; empty when there is nothing to say.
-  [[nodiscard]] const std::string& radio_grants() const { return radio_grants_; }
-  [[nodiscard]] const std::string& gpio_grants() const { return gpio_grants_; }
+  /// Of the devices as open() left them.
+  [[nodiscard]] const hal::CameraInfo& camera_info() const { return camera_info_; }
+  [[nodiscard]] const std::string& radio_description() const { return radio_description_; }
+  [[nodiscard]] const std::string& gpio_description() const { return gpio_description_; }
 
  private:
   SessionOptions options_;
@@ -62,7 +59,8 @@ class Session {
   std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();
   std::unique_ptr<ReportRing> reports_ = std::make_unique<ReportRing>();
   Devices devices_;
-  std::string granted_, grants_, radio_grants_, gpio_grants_;
+  hal::CameraInfo camera_info_;
+  std::string radio_description_, gpio_description_;
   std::unique_ptr<Loop> loop_;  // last: it must go before the devices
 };
 

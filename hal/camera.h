@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "core/status.h"
 #include "core/time.h"
 #include "core/types.h"
 #include "hal/result.h"
@@ -58,50 +57,51 @@ class FrameLease {
   DmaBufs dma_bufs_ = kNotShared;
 };
 
-/// What open() was granted.
+/// Format and settings of an open camera.
 struct CameraInfo {
   PixelFormat format = PixelFormat::kRgb24;
   std::uint16_t width_px = 0, height_px = 0;
   double rate_hz = 0.0;  // 0: the input has no rate of its own
-  // A line for a person: device, what is granted, settings in force; empty where nothing had to be asked for.
-  std::string granted{};
+  // One line: device, format, and the values of its controls; empty if the camera has no settings.
+  std::string description{};
+  // Device, and what differs from the settings; empty if nothing does.
+  std::string negotiated{};
 };
 
-/// One source of frames. After any error but kTimeout, kShortFrame and kCorruptFrame: close() and open() again.
+/// A source of frames. After any error but kTimeout, kShortFrame and kCorruptFrame: close() and open() it again.
+/// Messages of errors name the device, the cause and what to do.
 class Camera {
  public:
   virtual ~Camera() = default;
 
-  /// Negotiates the format and allocates; may block. On error reason() tells a person what to do about it.
-  Status open() { return do_open(); }
-  /// Begins to stream. Nothing is allocated from here to stop().
-  Status start() { return do_start(); }
-  /// The oldest frame not yet handed out, waiting for it until `deadline` (of hal::Clock). kTimeout: none came.
-  /// kShortFrame, kCorruptFrame: this frame is lost, the next may be good. kEndOfStream: a recording is over.
+  /// Negotiates the format and allocates; may block.
+  Result<void> open() { return do_open(); }
+  /// Starts to stream. Nothing is allocated between start() and stop(), except for error messages that do not fit into
+  /// an ErrorText.
+  Result<void> start() { return do_start(); }
+  /// Returns the oldest frame that was not returned yet and waits for it until `deadline` (of hal::Clock).
+  /// kTimeout: no frame arrived. kShortFrame, kCorruptFrame: this frame is lost, the next one may be good.
+  /// kEndOfStream: a recording has ended.
   Result<FrameLease> wait(Instant deadline) { return do_wait(deadline); }
-  /// Exposure, gain, white balance, focus and lamp flicker are as `settings` say from now on, also after the next
-  /// open(); all else that stands there is ignored. From any thread, whatever the camera does meanwhile: streaming goes
-  /// on. May block. `grants`: what was granted otherwise than asked, with the device's name; empty when nothing was,
-  /// and when the camera is not open: then open() tells. kUnsupported: it has no such thing, which `grants` says as
-  /// well.
-  Status adjust(const CameraSettings& settings, std::string& grants) { return do_adjust(settings, grants); }
+  /// Sets exposure, gain, white balance, focus and the flicker filter to the values in `settings`, now and after the
+  /// next open(); ignores all other settings. May block. Any thread may call it at any time; streaming goes on.
+  /// Returns the device and what differs from the settings; "" if nothing does, or if the camera is not open (open()
+  /// then reports it in info()). kUnsupported: the camera has no such controls.
+  Result<std::string> adjust(const CameraSettings& settings) { return do_adjust(settings); }
   void stop() { do_stop(); }
   void close() { do_close(); }
 
   /// Valid after open().
   [[nodiscard]] virtual const CameraInfo& info() const = 0;
-  /// Device and cause of the last failure, and what was granted otherwise than asked; never empty after an error.
-  [[nodiscard]] virtual const std::string& reason() const = 0;
 
  private:
   friend class FrameLease;
-  virtual Status do_open() = 0;
-  virtual Status do_start() = 0;
+  virtual Result<void> do_open() = 0;
+  virtual Result<void> do_start() = 0;
   virtual Result<FrameLease> do_wait(Instant deadline) = 0;
   virtual void do_release(std::uint32_t buffer) noexcept = 0;
-  virtual Status do_adjust(const CameraSettings& /*settings*/, std::string& grants) {
-    grants = "this camera has no exposure, gain or focus to be changed while it runs";
-    return ErrorCode::kUnsupported;
+  virtual Result<std::string> do_adjust(const CameraSettings& /*settings*/) {
+    return failure(ErrorCode::kUnsupported, "this camera has no exposure, gain or focus to be changed while it runs");
   }
   virtual void do_stop() = 0;
   virtual void do_close() = 0;

@@ -2,7 +2,6 @@
 
 #include <string>
 
-#include "core/status.h"
 #include "core/time.h"
 #include "hal/result.h"
 
@@ -21,23 +20,24 @@ class Gpio {
  public:
   virtual ~Gpio() = default;
 
-  /// On success reason() tells how the inputs are watched where that is not by edges.
-  Status open() { return do_open(); }
+  Result<void> open() { return do_open(); }
   void close() { do_close(); }
-  Status set_status_led(bool on) { return do_set_status_led(on); }
+  Result<void> set_status_led(bool on) { return do_set_status_led(on); }
   /// High from the arrival of a frame to the hand-over of its packet.
-  Status set_strobe(bool high) { return do_set_strobe(high); }
+  Result<void> set_strobe(bool high) { return do_set_strobe(high); }
   /// `now`: of the clock that stamps edges, CLOCK_MONOTONIC or the arena's. A line that is active when it is opened
   /// counts at once as an emergency stop, and not as a press of the button.
   Result<GpioInputs> inputs(Instant now) { return do_inputs(now); }
-  [[nodiscard]] virtual const std::string& reason() const = 0;
+  /// Valid after open(): the inputs that are polled because their chip reports no edges; empty if there are none.
+  [[nodiscard]] virtual const std::string& description() const { return no_description_; }
 
  private:
-  virtual Status do_open() = 0;
+  virtual Result<void> do_open() = 0;
   virtual void do_close() = 0;
-  virtual Status do_set_status_led(bool on) = 0;
-  virtual Status do_set_strobe(bool high) = 0;
+  virtual Result<void> do_set_status_led(bool on) = 0;
+  virtual Result<void> do_set_strobe(bool high) = 0;
   virtual Result<GpioInputs> do_inputs(Instant now) = 0;
+  const std::string no_description_;
 };
 
 }  // namespace touchline::hal

@@ -4,32 +4,31 @@
 
 namespace touchline::hal {
 
-Status PacketSlot::send(const Packet& packet, ByteLine& line) {
+Result<void> PacketSlot::send(const Packet& packet, ByteLine& line) {
   const bool drops = !held_.empty();
   held_ = packet;
-  if (const Status status = serve(line); !status.ok()) return status;
-  return drops ? Status(ErrorCode::kBusy) : Status();
+  TOUCHLINE_TRY(serve(line));
+  if (drops) return failure(ErrorCode::kBusy, "the line is still busy, an older packet was dropped for a newer one");
+  return {};
 }
 
-Status PacketSlot::serve(ByteLine& line) {
+Result<void> PacketSlot::serve(ByteLine& line) {
   if (rest_begin_ < rest_end_) {
-    const Result<std::size_t> taken = line.write(std::span(rest_).subspan(rest_begin_, rest_end_ - rest_begin_));
-    if (!taken.ok()) return taken.error();
-    rest_begin_ += taken.value();
+    TOUCHLINE_TRY_ASSIGN(const std::size_t taken,
+                         line.write(std::span(rest_).subspan(rest_begin_, rest_end_ - rest_begin_)));
+    rest_begin_ += taken;
     if (rest_begin_ < rest_end_) return {};
   }
   if (held_.empty()) return {};
-  const Result<std::size_t> waiting = line.waiting();
-  if (!waiting.ok()) return waiting.error();
-  if (waiting.value() > 0) return {};
-  const Result<std::size_t> taken = line.write({held_.data(), held_.size()});
-  if (!taken.ok()) return taken.error();
-  if (taken.value() == 0) return {};
-  if (taken.value() < held_.size()) {
+  TOUCHLINE_TRY_ASSIGN(const std::size_t waiting, line.waiting());
+  if (waiting > 0) return {};
+  TOUCHLINE_TRY_ASSIGN(const std::size_t taken, line.write({held_.data(), held_.size()}));
+  if (taken == 0) return {};
+  if (taken < held_.size()) {
     ++split_packets_;
     rest_begin_ = 0;
-    rest_end_ = held_.size() - taken.value();
-    std::copy(held_.begin() + taken.value(), held_.end(), rest_.begin());
+    rest_end_ = held_.size() - taken;
+    std::copy(held_.begin() + taken, held_.end(), rest_.begin());
   }
   held_.clear();
   return {};

@@ -32,9 +32,9 @@ class ByteLine {
 class PacketSlot {
  public:
   /// Takes the packet in any case but an error of the line. kBusy: an older packet was dropped for it.
-  Status send(const Packet& packet, ByteLine& line);
+  Result<void> send(const Packet& packet, ByteLine& line);
   /// Moves on what waits.
-  Status serve(ByteLine& line);
+  Result<void> serve(ByteLine& line);
   /// Forgets it.
   void clear();
 

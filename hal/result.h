@@ -15,8 +15,6 @@ namespace touchline {
 struct Error {
   ErrorCode code = ErrorCode::kIo;
   ErrorText text;
-  operator ErrorCode() const { return code; }  // NOLINT(google-explicit-constructor)
-  operator Status() const { return code; }     // NOLINT(google-explicit-constructor)
 };
 
 /// Makes an Error. Arguments after the code as for printf.
@@ -30,8 +28,6 @@ class [[nodiscard]] Result {
  public:
   Result(T value) : value_(std::move(value)) {}      // NOLINT(google-explicit-constructor)
   Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
-
-  Result(ErrorCode code) : Result(Error{code, describe(code)}) {}  // NOLINT(google-explicit-constructor)
 
   [[nodiscard]] bool ok() const { return value_.has_value(); }
   /// Only if ok().

@@ -32,36 +32,26 @@ const char* system_text(int error) noexcept {
   return text != nullptr ? text : "unknown error";
 }
 
-ErrorCode say_busy(Reason& reason, const char* device) {
-  reason.set("%s: held by another process; `fuser -v %s` names it", device, device);
-  return ErrorCode::kDeviceBusy;
+Error device_busy(const char* device) noexcept {
+  return failure(ErrorCode::kDeviceBusy, "%s: held by another process; `fuser -v %s` names it", device, device);
 }
 
-ErrorCode say_lost(Reason& reason, const char* device, const char* kind, ErrorCode code, const char* doing, int error) {
-  if (code == ErrorCode::kDisconnected) {
-    reason.set("%s: the %s went away (%s)", device, kind, doing);
-  } else {
-    reason.set("%s: %s failed: %s", device, doing, system_text(error));
-  }
-  return code;
+Error device_lost(const char* device, const char* kind, ErrorCode code, const char* doing, int error) noexcept {
+  if (code == ErrorCode::kDisconnected) return failure(code, "%s: the %s went away (%s)", device, kind, doing);
+  return failure(code, "%s: %s failed: %s", device, doing, system_text(error));
 }
 
-ErrorCode say_denied(Reason& reason, const char* device, const char* group) {
-  reason.set("%s: permission denied; add the user to the group %s (`sudo usermod -aG %s $USER`) and log in again",
-             device, group, group);
-  return ErrorCode::kPermission;
+Error permission_denied(const char* device, const char* group) noexcept {
+  return failure(ErrorCode::kPermission,
+                 "%s: permission denied; add the user to the group %s (`sudo usermod -aG %s $USER`) and log in again",
+                 device, group, group);
 }
 
-std::string refusal_text(const std::string& device, int error, const char* group) {
-  Reason reason;
-  if (open_error(error) == ErrorCode::kPermission) {
-    static_cast<void>(say_denied(reason, device.c_str(), group));
-  } else if (open_error(error) == ErrorCode::kDeviceBusy) {
-    static_cast<void>(say_busy(reason, device.c_str()));
-  } else if (error != 0) {
-    reason.set("%s: cannot be asked: %s", device.c_str(), system_text(error));
-  }
-  return reason.text();
+std::string open_error_text(const std::string& device, int error, const char* group) {
+  if (error == 0) return {};
+  if (open_error(error) == ErrorCode::kPermission) return permission_denied(device.c_str(), group).text.str();
+  if (open_error(error) == ErrorCode::kDeviceBusy) return device_busy(device.c_str()).text.str();
+  return device + ": cannot be opened: " + system_text(error);
 }
 
 }  // namespace touchline::hal

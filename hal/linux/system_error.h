@@ -2,26 +2,29 @@
 
 #include <string>
 
-#include "core/status.h"
-#include "hal/linux/reason.h"
+#include "hal/result.h"
 
 namespace touchline::hal {
 
-/// What an errno of an open call means: no such device, no permission, held by another process, or kIo.
+/// Code for an errno of an open call: kNotFound, kPermission, kDeviceBusy or kIo.
 ErrorCode open_error(int error) noexcept;
 
-/// What an errno of a device in use means: gone, or kIo.
+/// Code for an errno of a device in use: kDisconnected or kIo.
 ErrorCode use_error(int error) noexcept;
 
-/// The system's sentence for an errno, untranslated: unlike strerror() it never allocates.
+/// The system's message for an errno, untranslated. Unlike strerror() it never allocates.
 const char* system_text(int error) noexcept;
 
-/// Sentences that all devices share, with their codes.
-ErrorCode say_busy(Reason& reason, const char* device);
-/// A device of this kind ("camera") was lost: it went away (kDisconnected), or what was `doing` failed with `error`.
-ErrorCode say_lost(Reason& reason, const char* device, const char* kind, ErrorCode code, const char* doing, int error);
-ErrorCode say_denied(Reason& reason, const char* device, const char* group);
-/// Why a device cannot be asked, with what to do about it; "" for error 0.
-std::string refusal_text(const std::string& device, int error, const char* group);
+// Errors that all devices share.
+
+/// kDeviceBusy: another process holds the device.
+Error device_busy(const char* device) noexcept;
+/// A device in use failed. kDisconnected: the `kind` of device ("camera") went away; otherwise the step `doing`
+/// ("queuing buffers") failed with the errno `error`.
+Error device_lost(const char* device, const char* kind, ErrorCode code, const char* doing, int error) noexcept;
+/// kPermission: the user is not in the `group` that may use the device.
+Error permission_denied(const char* device, const char* group) noexcept;
+/// Why a device cannot be opened, and what to do; "" for the errno 0.
+std::string open_error_text(const std::string& device, int error, const char* group);
 
 }  // namespace touchline::hal

@@ -3,53 +3,35 @@
 #include <algorithm>
 #include <cstddef>
 #include <mutex>
+#include <utility>
 
 namespace touchline::hal::mock {
-namespace {
-
-// Made once: a failing device must not allocate in the loop.
-const std::string no_reason;
-const std::string camera_lost = "mock camera: unplugged (an [[arena.fault]])";
-const std::string camera_stall = "mock camera: no frame came in time";
-const std::string camera_bad = "mock camera: the frame is damaged (an [[arena.fault]])";
-const std::string camera_held = "mock camera: every buffer is held by somebody";
-const std::string camera_closed = "mock camera: used before it was opened and started";
-const std::string radio_lost = "mock radio: unplugged (an [[arena.fault]])";
-const std::string radio_busy = "mock radio: the line is still busy, an older packet was dropped for a newer one";
-const std::string radio_late = "mock radio: not everything has left before the deadline";
-const std::string radio_closed = "mock radio: used before it was opened";
-const std::string gpio_closed = "mock gpio: used before it was opened";
-
-}  // namespace
+namespace {}  // namespace
 
 MockCamera::MockCamera(Arena& arena, Clock& clock)
     : arena_(arena),
       clock_(clock),
       info_{pixel_format(arena.camera().format), arena.camera().width_px, arena.camera().height_px,
             arena.camera().rate_hz},
-      layout_(layout_of(info_.format, info_.width_px, info_.height_px)),
-      reason_(&no_reason) {}
+      layout_(layout_of(info_.format, info_.width_px, info_.height_px)) {}
 
-Status MockCamera::do_open() {
+Result<void> MockCamera::do_open() {
   const std::scoped_lock alone(arena_.mutex());
   arena_.advance_to(clock_.now());
   if (arena_.fault_active(FaultKind::kCameraLost)) {
-    reason_ = &camera_lost;
-    return ErrorCode::kNotFound;
+    return failure(ErrorCode::kNotFound, "mock camera: unplugged (an [[arena.fault]])");
   }
   const auto count = static_cast<std::size_t>(arena_.camera().buffers);
   buffers_.assign(count, std::vector<std::uint8_t>(layout_.bytes));
   held_.assign(count, false);
   open_ = true;
   lost_ = false;
-  reason_ = &no_reason;
   return {};
 }
 
-Status MockCamera::do_start() {
+Result<void> MockCamera::do_start() {
   if (!open_) {
-    reason_ = &camera_closed;
-    return ErrorCode::kIo;
+    return failure(ErrorCode::kIo, "mock camera: used before it was opened and started");
   }
   const std::scoped_lock alone(arena_.mutex());
   arena_.advance_to(clock_.now());
@@ -60,22 +42,20 @@ Status MockCamera::do_start() {
 
 Result<FrameLease> MockCamera::do_wait(Instant deadline) {
   if (!streaming_) {
-    reason_ = &camera_closed;
-    return ErrorCode::kIo;
+    return failure(ErrorCode::kIo, "mock camera: used before it was opened and started");
   }
   std::unique_lock alone(arena_.mutex());
   for (;;) {
     arena_.advance_to(clock_.now());
     lost_ = lost_ || arena_.fault_active(FaultKind::kCameraLost);
     if (lost_) {
-      reason_ = &camera_lost;
-      return ErrorCode::kDisconnected;
+      return failure(ErrorCode::kDisconnected, "mock camera: unplugged (an [[arena.fault]])");
     }
     if (const std::optional<Exposure> exposure = arena_.take_exposure()) return hand_out(*exposure);
     if (clock_.now() >= deadline) {
       const bool all_held = std::find(held_.begin(), held_.end(), false) == held_.end();
-      reason_ = all_held ? &camera_held : &camera_stall;
-      return ErrorCode::kTimeout;
+      return failure(ErrorCode::kTimeout, "mock camera: %s",
+                     all_held ? "every buffer is held by somebody" : "no frame came in time");
     }
     const Instant until = std::min(deadline, arena_.next_frame_ready().value_or(deadline));
     alone.unlock();
@@ -86,8 +66,8 @@ Result<FrameLease> MockCamera::do_wait(Instant deadline) {
 
 Result<FrameLease> MockCamera::hand_out(const Exposure& exposure) {
   if (arena_.fault_active(FaultKind::kFrameShort) || arena_.fault_active(FaultKind::kFrameCorrupt)) {
-    reason_ = &camera_bad;
-    return arena_.fault_active(FaultKind::kFrameShort) ? ErrorCode::kShortFrame : ErrorCode::kCorruptFrame;
+    return failure(arena_.fault_active(FaultKind::kFrameShort) ? ErrorCode::kShortFrame : ErrorCode::kCorruptFrame,
+                   "mock camera: the frame is damaged (an [[arena.fault]])");
   }
   // The arena takes no picture without a buffer for it, so there is one.
   const auto free = std::find(held_.begin(), held_.end(), false);
@@ -114,10 +94,10 @@ void MockCamera::do_release(std::uint32_t buffer) noexcept {
   arena_.release_buffer();
 }
 
-Status MockCamera::do_adjust(const CameraSettings& settings, std::string& /*grants*/) {
+Result<std::string> MockCamera::do_adjust(const CameraSettings& settings) {
   const std::scoped_lock alone(arena_.mutex());
   arena_.adjust_camera(settings);
-  return {};
+  return std::string();
 }
 
 void MockCamera::do_stop() {
@@ -131,19 +111,17 @@ void MockCamera::do_close() {
   open_ = false;
 }
 
-MockRadio::MockRadio(Arena& arena, Clock& clock) : arena_(arena), clock_(clock), reason_(&no_reason) {}
+MockRadio::MockRadio(Arena& arena, Clock& clock) : arena_(arena), clock_(clock) {}
 
-Status MockRadio::do_open() {
+Result<void> MockRadio::do_open() {
   const std::scoped_lock alone(arena_.mutex());
   arena_.advance_to(clock_.now());
   if (arena_.fault_active(FaultKind::kRadioLost)) {
-    reason_ = &radio_lost;
-    return ErrorCode::kNotFound;
+    return failure(ErrorCode::kNotFound, "mock radio: unplugged (an [[arena.fault]])");
   }
   open_ = true;
   lost_ = false;
   slot_.clear();
-  reason_ = &no_reason;
   return {};
 }
 
@@ -152,16 +130,14 @@ void MockRadio::do_close() {
   slot_.clear();
 }
 
-Status MockRadio::check_usable() {
+Result<void> MockRadio::check_usable() {
   if (!open_) {
-    reason_ = &radio_closed;
-    return ErrorCode::kIo;
+    return failure(ErrorCode::kIo, "mock radio: used before it was opened");
   }
   arena_.advance_to(clock_.now());
   lost_ = lost_ || arena_.fault_active(FaultKind::kRadioLost);
   if (!lost_) return {};
-  reason_ = &radio_lost;
-  return ErrorCode::kDisconnected;
+  return failure(ErrorCode::kDisconnected, "mock radio: unplugged (an [[arena.fault]])");
 }
 
 Result<std::size_t> MockRadio::waiting() {
@@ -173,19 +149,19 @@ Result<std::size_t> MockRadio::write(std::span<const std::byte> bytes) {
   return arena_.channel().send(bytes, arena_.now()).ok() ? bytes.size() : std::size_t{0};
 }
 
-Status MockRadio::do_send(const Packet& packet) {
+Result<void> MockRadio::do_send(const Packet& packet) {
   const std::scoped_lock alone(arena_.mutex());
-  if (const Status status = check_usable(); !status.ok()) return status;
-  const Status status = slot_.send(packet, *this);
-  if (!status.ok()) reason_ = &radio_busy;
-  return status;
+  TOUCHLINE_TRY(check_usable());
+  Result<void> sent = slot_.send(packet, *this);
+  if (!sent.ok()) return prefixed("mock radio", std::move(sent).error());
+  return sent;
 }
 
 Result<Duration> MockRadio::do_serve() {
   if (slot_.bytes() == 0) return Duration::max();
   const std::scoped_lock alone(arena_.mutex());
-  if (const Status status = check_usable(); !status.ok()) return status.code();
-  if (const Status status = slot_.serve(*this); !status.ok()) return status.code();
+  TOUCHLINE_TRY(check_usable());
+  TOUCHLINE_TRY(slot_.serve(*this));
   if (slot_.bytes() == 0) return Duration::max();
   constexpr Duration kShortestPause = std::chrono::milliseconds(1);
   return std::max(kShortestPause, arena_.channel().drained() - arena_.now());
@@ -193,15 +169,15 @@ Result<Duration> MockRadio::do_serve() {
 
 Result<std::size_t> MockRadio::do_receive(std::span<std::byte> into) {
   const std::scoped_lock alone(arena_.mutex());
-  if (const Status status = check_usable(); !status.ok()) return status.code();
+  TOUCHLINE_TRY(check_usable());
   return arena_.channel().receive(into);
 }
 
-Status MockRadio::do_drain(Instant deadline) {
+Result<void> MockRadio::do_drain(Instant deadline) {
   for (;;) {
     std::unique_lock alone(arena_.mutex());
-    if (const Status status = check_usable(); !status.ok()) return status;
-    if (const Status status = slot_.serve(*this); !status.ok()) return status;
+    TOUCHLINE_TRY(check_usable());
+    TOUCHLINE_TRY(slot_.serve(*this));
     const Instant now = arena_.now();
     const Instant drained = arena_.channel().drained();
     if (slot_.bytes() == 0 && drained <= now) return {};
@@ -210,28 +186,25 @@ Status MockRadio::do_drain(Instant deadline) {
     constexpr Duration kPause = std::chrono::milliseconds(1);
     clock_.sleep_until(std::min(deadline, std::max(drained, now + kPause)));
   }
-  reason_ = &radio_late;
-  return ErrorCode::kTimeout;
+  return failure(ErrorCode::kTimeout, "mock radio: not everything has left before the deadline");
 }
 
 MockGpio::MockGpio(Arena& arena, Clock& clock, const GpioSettings& settings)
-    : arena_(arena), clock_(clock), debounce_(from_seconds(settings.debounce_s)), reason_(&no_reason) {}
+    : arena_(arena), clock_(clock), debounce_(from_seconds(settings.debounce_s)) {}
 
-Status MockGpio::do_open() {
+Result<void> MockGpio::do_open() {
   const std::scoped_lock alone(arena_.mutex());
   looked_ = clock_.now();
   arena_.advance_to(looked_);
   emergency_stop_.begin(debounce_, arena_.fault_active(FaultKind::kEmergencyStop), looked_);
   start_.begin(debounce_, arena_.fault_active(FaultKind::kStartButton), looked_);
   open_ = true;
-  reason_ = &no_reason;
   return {};
 }
 
-Status MockGpio::set(bool& output, bool high) {
+Result<void> MockGpio::set(bool& output, bool high) {
   if (!open_) {
-    reason_ = &gpio_closed;
-    return ErrorCode::kIo;
+    return failure(ErrorCode::kIo, "mock gpio: used before it was opened");
   }
   output = high;
   return {};
@@ -239,8 +212,7 @@ Status MockGpio::set(bool& output, bool high) {
 
 Result<GpioInputs> MockGpio::do_inputs(Instant now) {
   if (!open_) {
-    reason_ = &gpio_closed;
-    return ErrorCode::kIo;
+    return failure(ErrorCode::kIo, "mock gpio: used before it was opened");
   }
   const std::scoped_lock alone(arena_.mutex());
   arena_.advance_to(now);

@@ -23,14 +23,13 @@ class MockCamera : public Camera {
   MockCamera(Arena& arena, Clock& clock);
 
   [[nodiscard]] const CameraInfo& info() const override { return info_; }
-  [[nodiscard]] const std::string& reason() const override { return *reason_; }
 
  private:
-  Status do_open() override;
-  Status do_start() override;
+  Result<void> do_open() override;
+  Result<void> do_start() override;
   Result<FrameLease> do_wait(Instant deadline) override;
   void do_release(std::uint32_t buffer) noexcept override;
-  Status do_adjust(const CameraSettings& settings, std::string& grants) override;
+  Result<std::string> do_adjust(const CameraSettings& settings) override;
   void do_stop() override;
   void do_close() override;
   Result<FrameLease> hand_out(const Exposure& exposure);
@@ -42,32 +41,29 @@ class MockCamera : public Camera {
   std::vector<std::vector<std::uint8_t>> buffers_;
   std::vector<bool> held_;
   bool open_ = false, streaming_ = false, lost_ = false;
-  const std::string* reason_;
 };
 
 /// The line to the arena's robots.
 class MockRadio : public Radio, private ByteLine {
  public:
   MockRadio(Arena& arena, Clock& clock);
-  [[nodiscard]] const std::string& reason() const override { return *reason_; }
 
  private:
-  Status do_open() override;
-  Status do_send(const Packet& packet) override;
+  Result<void> do_open() override;
+  Result<void> do_send(const Packet& packet) override;
   Result<Duration> do_serve() override;
   Result<std::size_t> do_receive(std::span<std::byte> into) override;
-  Status do_drain(Instant deadline) override;
+  Result<void> do_drain(Instant deadline) override;
   void do_close() override;
   // Of the arena, which the caller has to itself.
   Result<std::size_t> waiting() override;
   Result<std::size_t> write(std::span<const std::byte> bytes) override;
-  Status check_usable();
+  Result<void> check_usable();
 
   Arena& arena_;
   Clock& clock_;
   PacketSlot slot_;
   bool open_ = false, lost_ = false;
-  const std::string* reason_;
 };
 
 /// A status light and a strobe that nobody sees, an emergency stop and a start button that the arena's faults pull and
@@ -75,17 +71,16 @@ class MockRadio : public Radio, private ByteLine {
 class MockGpio : public Gpio {
  public:
   MockGpio(Arena& arena, Clock& clock, const GpioSettings& settings = {});
-  [[nodiscard]] const std::string& reason() const override { return *reason_; }
   [[nodiscard]] bool status_led() const { return led_; }
   [[nodiscard]] bool strobe() const { return strobe_; }
 
  private:
-  Status do_open() override;
+  Result<void> do_open() override;
   void do_close() override { open_ = false; }
-  Status do_set_status_led(bool on) override { return set(led_, on); }
-  Status do_set_strobe(bool high) override { return set(strobe_, high); }
+  Result<void> do_set_status_led(bool on) override { return set(led_, on); }
+  Result<void> do_set_strobe(bool high) override { return set(strobe_, high); }
   Result<GpioInputs> do_inputs(Instant now) override;
-  Status set(bool& output, bool high);
+  Result<void> set(bool& output, bool high);
   Debouncer::View look(FaultKind kind, Debouncer& debouncer, Instant now);
 
   Arena& arena_;
@@ -94,7 +89,6 @@ class MockGpio : public Gpio {
   Debouncer emergency_stop_, start_;
   Instant looked_{};
   bool open_ = false, led_ = false, strobe_ = false;
-  const std::string* reason_;
 };
 
 }  // namespace touchline::hal::mock

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cinttypes>
 #include <span>
 
 #include "core/types.h"
@@ -34,25 +35,25 @@ bool is_too_large(const LogCapture& log, const AVCodecContext& codec, std::int64
 
 namespace ffmpeg {
 
-Status decode_picture(const std::string& path, std::int64_t max_pixels, FramePtr& out, std::string& reason) {
-  std::string bytes;
-  if (Status s = read_file(path, kMaxDataFileBytes, bytes, reason); !s.ok()) return s;
+Result<FramePtr> decode_picture(const std::string& path, std::int64_t max_pixels) {
+  std::string bytes, reason;
+  if (const Status s = read_file(path, kMaxDataFileBytes, bytes, reason); !s.ok()) {
+    return failure(s.code(), "%s", reason.c_str());
+  }
   if (bytes.empty()) {
-    reason = path + ": the file is empty";
-    return ErrorCode::kCorruptFrame;
+    return failure(ErrorCode::kCorruptFrame, "%s: the file is empty", path.c_str());
   }
   const AVCodecID kind = kind_of(bytes);
   const AVCodec* decoder = kind == AV_CODEC_ID_NONE ? nullptr : avcodec_find_decoder(kind);
   if (decoder == nullptr) {
-    reason = path + ": is no PNG, PPM or JPEG picture";
-    return ErrorCode::kUnsupported;
+    return failure(ErrorCode::kUnsupported, "%s: is no PNG, PPM or JPEG picture", path.c_str());
   }
   const std::size_t size = bytes.size();
   bytes.append(AV_INPUT_BUFFER_PADDING_SIZE, '\0');  // decoders read past the end
   const LogCapture log;
   CodecPtr codec(avcodec_alloc_context3(decoder));
   PacketPtr packet(av_packet_alloc());
-  out.reset(av_frame_alloc());
+  FramePtr out(av_frame_alloc());
   // Damage must be an error: FFmpeg would hand out what it could decode and log a line.
   codec->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
   codec->thread_count = 1;
@@ -67,24 +68,26 @@ Status decode_picture(const std::string& path, std::int64_t max_pixels, FramePtr
   const std::string& complaint = log.first_error().empty() ? log.first_warning() : log.first_error();
   const bool damaged = !log.first_error().empty() || (kind == AV_CODEC_ID_MJPEG && !log.first_warning().empty());
   if (result < 0 && is_too_large(log, *codec, max_pixels)) {
-    out.reset();
-    reason = path + ": the picture has more than " + std::to_string(max_pixels) + " pixels";
-    if (!log.first_error().empty()) reason += " (" + log.first_error() + ")";
-    return ErrorCode::kOutOfRange;
+    const std::string& details = log.first_error();
+    return failure(ErrorCode::kOutOfRange, "%s: the picture has more than %" PRId64 " pixels%s%s%s", path.c_str(),
+                   max_pixels, details.empty() ? "" : " (", details.c_str(), details.empty() ? "" : ")");
   }
   if (result < 0 || damaged || out->decode_error_flags != 0 || (out->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
-    out.reset();
-    reason = path + ": truncated or damaged (" + (complaint.empty() ? error_text(result) : complaint) + ")";
-    return ErrorCode::kCorruptFrame;
+    return failure(ErrorCode::kCorruptFrame, "%s: truncated or damaged (%s)", path.c_str(),
+                   complaint.empty() ? error_text(result).c_str() : complaint.c_str());
   }
-  return {};
+  return out;
 }
 
 }  // namespace ffmpeg
 
 Status read_picture(const std::string& path, Picture& out, std::string& reason, std::int64_t max_pixels) {
-  FramePtr frame;
-  if (Status s = decode_picture(path, max_pixels, frame, reason); !s.ok()) return s;
+  Result<FramePtr> decoded = decode_picture(path, max_pixels);
+  if (!decoded.ok()) {
+    reason = decoded.text();
+    return decoded.code();
+  }
+  const FramePtr frame = std::move(decoded).value();
   const auto width = static_cast<std::size_t>(frame->width), height = static_cast<std::size_t>(frame->height);
   out = {};
   out.width_px = static_cast<std::uint32_t>(width);

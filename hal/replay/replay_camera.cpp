@@ -34,37 +34,35 @@ ReplayCamera::~ReplayCamera() = default;
 
 std::uint64_t ReplayCamera::frame_count() const { return input_ == nullptr ? 0 : input_->source->frame_count(); }
 
-Status ReplayCamera::fetch() {
-  const Status status = input_->source->next(input_->decoded);
+Error ReplayCamera::failed(ErrorCode code, const std::string& cause) const {
+  return failure(code, "%s: %s", parameters_.path.c_str(), cause.c_str());
+}
+
+Result<void> ReplayCamera::fetch() {
+  Result<void> decoded = input_->source->next(input_->decoded);
   file_ = input_->decoded.file;
-  if (!status.ok()) {
-    reason_ = input_->source->reason();
-    return status;
-  }
+  if (!decoded.ok()) return decoded;
   const AVFrame& picture = *input_->decoded.picture;
   const auto width = static_cast<std::uint32_t>(picture.width), height = static_cast<std::uint32_t>(picture.height);
   if (width > kMaxFrameWidth || height > kMaxFrameHeight) {
-    reason_ = parameters_.path + ": " + file_ + " is " + size_text(width, height) + ", larger than " +
-              size_text(kMaxFrameWidth, kMaxFrameHeight);
-    return ErrorCode::kUnsupported;
+    return failed(ErrorCode::kUnsupported, file_ + " is " + size_text(width, height) + ", larger than " +
+                                               size_text(kMaxFrameWidth, kMaxFrameHeight));
   }
   if (info_.width_px != 0 && (info_.width_px != width || info_.height_px != height)) {
-    reason_ = parameters_.path + ": " + file_ + " is " + size_text(width, height) + ", but " + first_file_ + " is " +
-              size_text(info_.width_px, info_.height_px);
-    return ErrorCode::kInconsistent;
+    return failed(ErrorCode::kInconsistent, file_ + " is " + size_text(width, height) + ", but " + first_file_ +
+                                                " is " + size_text(info_.width_px, info_.height_px));
   }
   input_->pending = true;
   return {};
 }
 
-Status ReplayCamera::do_open() {
+Result<void> ReplayCamera::do_open() {
   do_close();
-  reason_.clear();
   std::error_code error;
   const std::filesystem::path path(parameters_.path);
   if (!std::filesystem::exists(path, error)) {
-    reason_ = parameters_.path + ": " + (error ? error.message() : "No such file or directory");
-    return error == std::errc::permission_denied ? ErrorCode::kPermission : ErrorCode::kNotFound;
+    return failed(error == std::errc::permission_denied ? ErrorCode::kPermission : ErrorCode::kNotFound,
+                  error ? error.message() : "No such file or directory");
   }
   input_ = std::make_unique<Input>(parameters_.format);
   if (std::filesystem::is_directory(path, error) || ffmpeg::is_picture_name(path)) {
@@ -73,13 +71,12 @@ Status ReplayCamera::do_open() {
   } else {
     input_->source = std::make_unique<ffmpeg::VideoReader>(parameters_.path, parameters_.rate_hz);
   }
-  Status status = input_->source->open();
-  if (!status.ok()) reason_ = input_->source->reason();
+  Result<void> opened = input_->source->open();
   // The first frame tells the size, and whether anything can be decoded at all.
-  if (status.ok()) status = fetch();
-  if (!status.ok()) {
+  if (opened.ok()) opened = fetch();
+  if (!opened.ok()) {
     input_.reset();
-    return status;
+    return opened;
   }
   first_file_ = file_;
   info_ = {parameters_.format, static_cast<std::uint16_t>(input_->decoded.picture->width),
@@ -87,10 +84,9 @@ Status ReplayCamera::do_open() {
   return {};
 }
 
-Status ReplayCamera::do_start() {
+Result<void> ReplayCamera::do_start() {
   if (input_ == nullptr) {
-    reason_ = parameters_.path + ": is not open";
-    return ErrorCode::kIo;
+    return failed(ErrorCode::kIo, "is not open");
   }
   running_ = true;
   begin_ = pace_ == nullptr ? Instant{} : pace_->now() - input_->decoded.stamp;
@@ -99,34 +95,30 @@ Status ReplayCamera::do_start() {
 
 Result<FrameLease> ReplayCamera::do_wait(Instant deadline) {
   if (!running_) {
-    reason_ = parameters_.path + ": is not started";
-    return ErrorCode::kIo;
+    return failed(ErrorCode::kIo, "is not started");
   }
   std::uint32_t slot = 0;
   while (slot < kBuffers && input_->leased[slot]) ++slot;
   if (slot == kBuffers) {
-    reason_ = parameters_.path + ": all buffers are held";
-    return ErrorCode::kBusy;
+    return failed(ErrorCode::kBusy, "all buffers are held");
   }
   if (!input_->pending) {
-    if (Status s = fetch(); !s.ok()) {
-      if (s.code() == ErrorCode::kCorruptFrame) ++sequence_;  // a gap, as a driver would count it
-      return s.code();
+    if (Result<void> fetched = fetch(); !fetched.ok()) {
+      if (fetched.code() == ErrorCode::kCorruptFrame) ++sequence_;  // a gap, as a driver would count it
+      return std::move(fetched).error();
     }
   }
   const Instant stamp = begin_ + input_->decoded.stamp;
   if (pace_ != nullptr && pace_->now() < stamp) {
     pace_->sleep_until(stamp < deadline ? stamp : deadline);
     if (pace_->now() < stamp) {
-      reason_ = parameters_.path + ": the next frame is not due yet";
-      return ErrorCode::kTimeout;
+      return failed(ErrorCode::kTimeout, "the next frame is not due yet");
     }
   }
   input_->pending = false;
   ffmpeg::ConvertedFrame& converted = input_->buffer[slot];
   if (Status s = input_->converter.convert(*input_->decoded.picture, converted); !s.ok()) {
-    reason_ = parameters_.path + ": " + file_ + " cannot be converted to the format asked for";
-    return s.code();
+    return failed(s.code(), file_ + " cannot be converted to the format asked for");
   }
   input_->leased[slot] = true;
   latest_ = stamp;

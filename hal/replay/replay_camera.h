@@ -29,7 +29,6 @@ class ReplayCamera final : public Camera {
   ReplayCamera& operator=(const ReplayCamera&) = delete;
 
   [[nodiscard]] const CameraInfo& info() const override { return info_; }
-  [[nodiscard]] const std::string& reason() const override { return reason_; }
   /// File name, without folder, of the frame that wait() gave or failed on.
   [[nodiscard]] const std::string& file() const { return file_; }
   /// How many frames the input has; 0: it does not say.
@@ -40,18 +39,19 @@ class ReplayCamera final : public Camera {
  private:
   struct Input;  // FFmpeg's types stay inside
 
-  Status do_open() override;
-  Status do_start() override;
+  Result<void> do_open() override;
+  Result<void> do_start() override;
   Result<FrameLease> do_wait(Instant deadline) override;
   void do_release(std::uint32_t buffer) noexcept override;
   void do_stop() override;
   void do_close() override;
-  Status fetch();
+  Result<void> fetch();
+  [[nodiscard]] Error failed(ErrorCode code, const std::string& cause) const;
 
   ReplayParameters parameters_;
   Clock* pace_;
   CameraInfo info_;
-  std::string reason_, file_, first_file_;
+  std::string file_, first_file_;
   std::unique_ptr<Input> input_;
   bool running_ = false;
   Instant begin_{}, latest_{};

@@ -49,7 +49,7 @@ bool is_picture_name(const std::filesystem::path& path) {
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
-Status PictureSource::open() {
+Result<void> PictureSource::open() {
   files_.clear();
   next_ = 0;
   std::error_code error;
@@ -62,12 +62,11 @@ Status PictureSource::open() {
     if (is_picture_name(entry->path()) && !entry->is_directory()) files_.push_back(entry->path());
   }
   if (error) {
-    reason_ = path_.string() + ": " + error.message();
-    return error == std::errc::permission_denied ? ErrorCode::kPermission : ErrorCode::kIo;
+    return failure(error == std::errc::permission_denied ? ErrorCode::kPermission : ErrorCode::kIo, "%s: %s",
+                   path_.c_str(), error.message().c_str());
   }
   if (files_.empty()) {
-    reason_ = path_.string() + ": the folder holds no picture (png, ppm, pgm, jpg, jpeg)";
-    return ErrorCode::kNotFound;
+    return failure(ErrorCode::kNotFound, "%s: the folder holds no picture (png, ppm, pgm, jpg, jpeg)", path_.c_str());
   }
   std::sort(files_.begin(), files_.end(), [](const std::filesystem::path& a, const std::filesystem::path& b) {
     return natural_less(a.filename().string(), b.filename().string());
@@ -75,16 +74,16 @@ Status PictureSource::open() {
   return {};
 }
 
-Status PictureSource::next(SourceFrame& out) {
+Result<void> PictureSource::next(SourceFrame& out) {
   if (next_ == files_.size()) {
-    reason_ = path_.string() + ": no more pictures";
-    return ErrorCode::kEndOfStream;
+    return failure(ErrorCode::kEndOfStream, "%s: no more pictures", path_.c_str());
   }
   const std::filesystem::path& file = files_[next_];
   out.file = file.filename().string();
   out.stamp = from_seconds(static_cast<double>(next_) / rate_hz_);
   ++next_;
-  return decode_picture(file.string(), std::int64_t{kMaxFrameWidth} * kMaxFrameHeight, out.picture, reason_);
+  TOUCHLINE_TRY_ASSIGN(out.picture, decode_picture(file.string(), std::int64_t{kMaxFrameWidth} * kMaxFrameHeight));
+  return {};
 }
 
 }  // namespace touchline::hal::ffmpeg

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/status.h"
 #include "core/time.h"
 #include "hal/replay/ffmpeg.h"
+#include "hal/result.h"
 
 namespace touchline::hal::ffmpeg {
 
@@ -19,20 +19,16 @@ struct SourceFrame {
   std::string file;
 };
 
-/// Decoded pictures in their order. Every failure leaves a sentence in reason().
+/// Decoded pictures in their order. Messages of errors name the file.
 class ReplaySource {
  public:
   virtual ~ReplaySource() = default;
-  virtual Status open() = 0;
+  virtual Result<void> open() = 0;
   /// kEndOfStream: no more. kCorruptFrame: this one is lost, the next may be good.
-  virtual Status next(SourceFrame& out) = 0;
+  virtual Result<void> next(SourceFrame& out) = 0;
   /// 0: unknown.
   [[nodiscard]] virtual std::uint64_t frame_count() const = 0;
   [[nodiscard]] virtual double rate_hz() const = 0;
-  [[nodiscard]] const std::string& reason() const { return reason_; }
-
- protected:
-  std::string reason_;
 };
 
 /// "picture9.png" before "picture10.png": runs of digits compare as numbers, all else byte by byte.
@@ -45,8 +41,8 @@ bool is_picture_name(const std::filesystem::path& path);
 class PictureSource final : public ReplaySource {
  public:
   PictureSource(std::filesystem::path path, double rate_hz) : path_(std::move(path)), rate_hz_(rate_hz) {}
-  Status open() override;
-  Status next(SourceFrame& out) override;
+  Result<void> open() override;
+  Result<void> next(SourceFrame& out) override;
   [[nodiscard]] std::uint64_t frame_count() const override { return files_.size(); }
   [[nodiscard]] double rate_hz() const override { return rate_hz_; }
 

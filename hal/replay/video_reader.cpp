@@ -21,12 +21,11 @@ ErrorCode code_of(int error) {
 
 }  // namespace
 
-Status VideoReader::fail(ErrorCode code, const std::string& cause) {
-  reason_ = path_ + ": " + cause;
-  return code;
+Error VideoReader::fail(ErrorCode code, const std::string& cause) const {
+  return failure(code, "%s: %s", path_.c_str(), cause.c_str());
 }
 
-Status VideoReader::open() {
+Result<void> VideoReader::open() {
   const LogCapture log;
   frames_read_ = frame_count_ = 0;
   first_pts_ = AV_NOPTS_VALUE;
@@ -80,13 +79,13 @@ Duration VideoReader::stamp_of(const AVFrame& frame) {
   return stamp;
 }
 
-Status VideoReader::feed_decoder() {
+Result<void> VideoReader::feed_decoder() {
   for (;;) {
     int result = av_read_frame(input_.get(), packet_.get());
     if (result == AVERROR_EOF && input_->pb != nullptr && input_->pb->error < 0) result = input_->pb->error;
     if (result == AVERROR_EOF) {
       result = avcodec_send_packet(codec_.get(), nullptr);
-      return result >= 0 || result == AVERROR_EOF ? Status{} : fail(ErrorCode::kIo, error_text(result));
+      return result >= 0 || result == AVERROR_EOF ? Result<void>() : fail(ErrorCode::kIo, error_text(result));
     }
     if (result < 0) {
       return fail(ErrorCode::kIo,
@@ -105,7 +104,7 @@ Status VideoReader::feed_decoder() {
   }
 }
 
-Status VideoReader::next(SourceFrame& out) {
+Result<void> VideoReader::next(SourceFrame& out) {
   const LogCapture log;
   if (codec_ == nullptr) return fail(ErrorCode::kIo, "is not open");
   out.file = std::filesystem::path(path_).filename().string();
@@ -120,7 +119,7 @@ Status VideoReader::next(SourceFrame& out) {
       return fail(ErrorCode::kCorruptFrame,
                   "damaged after frame " + std::to_string(frames_read_) + " (" + error_text(result) + ")");
     }
-    if (Status s = feed_decoder(); !s.ok()) return s;
+    TOUCHLINE_TRY(feed_decoder());
   }
   out.stamp = stamp_of(*out.picture);
   ++frames_read_;

@@ -10,14 +10,14 @@ class VideoReader final : public ReplaySource {
  public:
   /// rate_hz above 0 replaces the stream's stamps: frame n is at n / rate_hz.
   VideoReader(std::string path, double rate_hz) : path_(std::move(path)), forced_rate_hz_(rate_hz) {}
-  Status open() override;
-  Status next(SourceFrame& out) override;
+  Result<void> open() override;
+  Result<void> next(SourceFrame& out) override;
   [[nodiscard]] std::uint64_t frame_count() const override { return frame_count_; }
   [[nodiscard]] double rate_hz() const override { return rate_hz_; }
 
  private:
-  Status fail(ErrorCode code, const std::string& cause);
-  Status feed_decoder();
+  [[nodiscard]] Error fail(ErrorCode code, const std::string& cause) const;
+  Result<void> feed_decoder();
   Duration stamp_of(const AVFrame& frame);
 
   std::string path_;

@@ -32,16 +32,16 @@ std::string StepBenchmark::play(std::size_t frames) {
   Devices devices;
   devices.make(*configuration_, 1);
   const LoopDevices loop = devices.loop_devices();
-  if (!loop.camera.open().ok()) return loop.camera.reason();
-  if (!loop.camera.start().ok()) return loop.camera.reason();
-  if (!loop.radio.open().ok()) return loop.radio.reason();
+  if (const Result<void> r = loop.camera.open(); !r.ok()) return r.text();
+  if (const Result<void> r = loop.camera.start(); !r.ok()) return r.text();
+  if (const Result<void> r = loop.radio.open(); !r.ok()) return r.text();
   pipeline_->set_action_delay(from_seconds(configuration_->board.radio.delay_s));
   for (std::size_t i = 0; i < kFramesBefore + frames; ++i) {
     const Result<hal::FrameLease> lease = loop.camera.wait(loop.clock.now() + std::chrono::seconds(1));
-    if (!lease.ok()) return loop.camera.reason();
+    if (!lease.ok()) return lease.text();
     const Frame& frame = lease.value().frame();
     const StepTrace& trace = pipeline_->step(frame);
-    if (!loop.radio.send(trace.packet).ok()) return loop.radio.reason();
+    if (const Result<void> r = loop.radio.send(trace.packet); !r.ok()) return r.text();
     pipeline_->adapt();
     if (i < kFramesBefore) continue;
     if (!trace.status.ok()) return describe(trace.status.code());

@@ -9,6 +9,7 @@
 
 #include "core/region/region_scanner.h"
 #include "hal/replay/replay_camera.h"
+#include "tests/results.h"
 #include "tools/programs/calibrate/imaging/camera_picture.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 
@@ -123,8 +124,8 @@ TEST(FootageVideo, KeepsItsRegions) {
   ASSERT_TRUE(draft.ok()) << draft.text();
   const VenueDraft& venue = draft.value();
   hal::ReplayCamera camera({std::string(shared) + "/footage/vss-overhead.mp4", PixelFormat::kRgb24, 0.0});
-  ASSERT_TRUE(camera.open().ok()) << camera.reason();
-  ASSERT_TRUE(camera.start().ok()) << camera.reason();
+  ASSERT_OK(camera.open());
+  ASSERT_OK(camera.start());
   const auto scanner = std::make_unique<RegionScanner>();
   const auto runs = std::make_unique<Runs>();
   const auto regions = std::make_unique<Regions>();

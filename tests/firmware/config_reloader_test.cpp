@@ -160,7 +160,7 @@ TEST_F(ConfigReloaderTest, WrongFilesChangeNothing) {
 }
 
 TEST_F(ConfigReloaderTest, CameraAndTimesChangeAndTheRestIsNamed) {
-  camera.grants = "/dev/fake0: exposure_us = 4000: granted 4100";
+  camera.negotiated = "/dev/fake0: exposure_us = 4000: granted 4100";
   begin();
   write_board(4000, "0.06", 6);
   EXPECT_EQ(reload_from_next_frame(),

@@ -17,9 +17,10 @@ Instant at(double s) { return Instant(from_seconds(s)); }
 struct Scripted {
   int failures = 0, calls = 0;
   ErrorCode failure = ErrorCode::kNotFound;
-  static Status reopen(void* self) {
+  static Result<void> reopen(void* self) {
     Scripted& script = *static_cast<Scripted*>(self);
-    return ++script.calls > script.failures ? Status() : script.failure;
+    if (++script.calls > script.failures) return {};
+    return Error{script.failure, "as the script says"};
   }
 };
 
@@ -74,13 +75,13 @@ TEST(ThreadsDeviceReconnector, WhatIsAbsentIsLookedForMoreOften) {
 }
 
 struct Throwing {
-  static Status reopen(void*) { throw std::bad_alloc(); }
+  static Result<void> reopen(void*) { throw std::bad_alloc(); }
 };
 
 TEST(ThreadsDeviceReconnector, ADriverThatThrowsHasFailed) {
   DeviceReconnector reconnector(Throwing::reopen, nullptr, 100ms, true);
   reconnector.mark_lost(at(1.0));
-  const std::optional<Status> result = reconnector.poll(at(2.0));
+  const std::optional<Result<void>> result = reconnector.poll(at(2.0));
   ASSERT_TRUE(result.has_value());
   EXPECT_EQ(result->code(), ErrorCode::kIo);
   EXPECT_FALSE(reconnector.is_open());
@@ -88,7 +89,7 @@ TEST(ThreadsDeviceReconnector, ADriverThatThrowsHasFailed) {
 
 struct Hanging {
   std::binary_semaphore entered{0}, answer{0};
-  static Status reopen(void* self) {
+  static Result<void> reopen(void* self) {
     Hanging& driver = *static_cast<Hanging*>(self);
     driver.entered.release();
     driver.answer.acquire();

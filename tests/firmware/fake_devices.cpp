@@ -54,23 +54,22 @@ void FakeCamera::paint(std::size_t u, std::size_t v, std::uint8_t red) {
   pixel[2] = 220;
 }
 
-Status FakeCamera::do_adjust(const hal::CameraSettings& settings, std::string& answer) {
+Result<std::string> FakeCamera::do_adjust(const hal::CameraSettings& settings) {
   adjusted_exposure_us = settings.exposure_us;
-  answer = grants;
-  return {};
+  return negotiated;
 }
 
-Status FakeCamera::do_open() {
+Result<void> FakeCamera::do_open() {
   opened_s.push_back(now_s());
   const Status fault = status();
-  if (is_absence(fault.code())) return ErrorCode::kNotFound;
-  if (now_s() < fits_from_s) return ErrorCode::kUnsupported;
+  if (is_absence(fault.code())) return failed(ErrorCode::kNotFound);
+  if (now_s() < fits_from_s) return failed(ErrorCode::kUnsupported);
   is_open = true;
   return {};
 }
 
-Status FakeCamera::do_start() {
-  if (!is_open || now_s() < starts_from_s) return ErrorCode::kIo;
+Result<void> FakeCamera::do_start() {
+  if (!is_open || now_s() < starts_from_s) return failed(ErrorCode::kIo);
   running = true;
   sequence_ = 0;  // as drivers do
   next_ = clock_.now() + kPeriod;
@@ -78,15 +77,15 @@ Status FakeCamera::do_start() {
 }
 
 Result<hal::FrameLease> FakeCamera::do_wait(Instant deadline) {
-  if (!running || leased) return ErrorCode::kIo;  // the loop breaks the contract
+  if (!running || leased) return failed(ErrorCode::kIo);  // the loop breaks the contract
   if (const Status fault = status(); !fault.ok() && fault != Status(ErrorCode::kTimeout)) {
     clock_.sleep_until(clock_.now() + kPeriod);  // a bad frame takes its time as well
-    return fault.code();
+    return failed(fault.code());
   }
-  if (frames_ == last_frame) return ErrorCode::kEndOfStream;
+  if (frames_ == last_frame) return failed(ErrorCode::kEndOfStream);
   if (status() == Status(ErrorCode::kTimeout) || next_ > deadline) {
     clock_.sleep_until(deadline);
-    return ErrorCode::kTimeout;
+    return failed(ErrorCode::kTimeout);
   }
   clock_.sleep_until(next_);
   next_ = clock_.now() + kPeriod;
@@ -106,24 +105,25 @@ Result<hal::FrameLease> FakeCamera::do_wait(Instant deadline) {
 
 void FakeCamera::do_close() { is_open = running = false; }
 
-Status FakeRadio::do_open() {
+Result<void> FakeRadio::do_open() {
   opened_s.push_back(now_s());
-  if (is_absence(status().code())) return ErrorCode::kNotFound;
+  if (is_absence(status().code())) return failed(ErrorCode::kNotFound);
   is_open = true;
   return {};
 }
 
-Status FakeRadio::do_send(const Packet& bytes) {
-  if (!is_open) return ErrorCode::kIo;
-  if (const Status fault = status(); !fault.ok()) return fault;
+Result<void> FakeRadio::do_send(const Packet& bytes) {
+  if (!is_open) return failed(ErrorCode::kIo);
+  if (const Status fault = status(); !fault.ok()) return failed(fault.code());
   Commands commands;
   SentPacket packet{0.0, false, 0};
-  if (!decode({bytes.data(), bytes.size()}, commands, packet.sequence).ok()) return ErrorCode::kCorruptFrame;
+  if (!decode({bytes.data(), bytes.size()}, commands, packet.sequence).ok()) return failed(ErrorCode::kCorruptFrame);
   packet.stop = commands.stop;
   const bool drops = waiting_.has_value();
   waiting_ = packet;
   if (clock_.now() >= line_free_) put_on_line(packet);
-  return drops ? Status(ErrorCode::kBusy) : Status();
+  if (drops) return failed(ErrorCode::kBusy);
+  return {};
 }
 
 void FakeRadio::put_on_line(const SentPacket& packet) {
@@ -139,14 +139,14 @@ Result<Duration> FakeRadio::do_serve() {
 }
 
 Result<std::size_t> FakeRadio::do_receive(std::span<std::byte> into) {
-  if (!is_open) return ErrorCode::kIo;
+  if (!is_open) return failed(ErrorCode::kIo);
   const std::size_t count = std::min(into.size(), heard_.size());
   std::copy_n(heard_.begin(), count, into.begin());
   heard_.erase(heard_.begin(), heard_.begin() + static_cast<std::ptrdiff_t>(count));
   return count;
 }
 
-Status FakeRadio::do_drain(Instant) {
+Result<void> FakeRadio::do_drain(Instant) {
   drained_s = now_s();
   return {};
 }
@@ -156,23 +156,28 @@ void FakeRadio::do_close() {
   closed_s = now_s();
 }
 
-Status FakeGpio::do_open() {
+Result<void> FakeGpio::do_open() {
   ++opened;
-  return is_absence(status().code()) ? Status(ErrorCode::kNotFound) : Status();
+  if (is_absence(status().code())) return failed(ErrorCode::kNotFound);
+  return {};
 }
 
-Status FakeGpio::do_set_status_led(bool on) {
+Result<void> FakeGpio::do_set_status_led(bool on) {
   led.emplace_back(now_s(), on);
-  return outputs.ok() ? status() : outputs;
+  const Status result = outputs.ok() ? status() : outputs;
+  if (!result.ok()) return failed(result.code());
+  return {};
 }
 
-Status FakeGpio::do_set_strobe(bool high) {
+Result<void> FakeGpio::do_set_strobe(bool high) {
   strobe.emplace_back(now_s(), high);
-  return outputs.ok() ? status() : outputs;
+  const Status result = outputs.ok() ? status() : outputs;
+  if (!result.ok()) return failed(result.code());
+  return {};
 }
 
 Result<hal::GpioInputs> FakeGpio::do_inputs(Instant) {
-  if (const Status fault = status(); !fault.ok()) return fault.code();
+  if (const Status fault = status(); !fault.ok()) return failed(fault.code());
   ++looks;
   hal::GpioInputs inputs;
   inputs.look_again = look_again;

@@ -58,7 +58,6 @@ class FakeCamera final : public hal::Camera, public Script {
   explicit FakeCamera(hal::Clock& clock) : Script(clock), pixels_(std::size_t{kWidth} * kHeight * 3) {}
 
   [[nodiscard]] const hal::CameraInfo& info() const override { return info_; }
-  [[nodiscard]] const std::string& reason() const override { return reason_; }
 
   /// From now on the picture is full of single pixels of dark_room()'s colors.
   void fill_with_colors();
@@ -80,12 +79,12 @@ class FakeCamera final : public hal::Camera, public Script {
   double fits_from_s = 0.0;                      // before, it opens but has not what is asked for
   bool leased = false, running = false, is_open = false;
   std::optional<int> adjusted_exposure_us;
-  std::string grants;  // of adjust()
+  std::string negotiated;  // what adjust() returns
 
  private:
-  Status do_open() override;
-  Status do_start() override;
-  Status do_adjust(const hal::CameraSettings& settings, std::string& answer) override;
+  Result<void> do_open() override;
+  Result<void> do_start() override;
+  Result<std::string> do_adjust(const hal::CameraSettings& settings) override;
   Result<hal::FrameLease> do_wait(Instant deadline) override;
   void do_release(std::uint32_t) noexcept override { leased = false; }
   void do_stop() override { running = false; }
@@ -94,7 +93,7 @@ class FakeCamera final : public hal::Camera, public Script {
   void paint(std::size_t u, std::size_t v, std::uint8_t red);
   std::vector<std::uint8_t> pixels_;
   hal::CameraInfo info_{PixelFormat::kRgb24, kWidth, kHeight, 50.0};
-  const std::string reason_ = "/dev/fake0: as the script says";
+  Error failed(ErrorCode code) const { return {code, "/dev/fake0: as the script says"}; }
   std::uint32_t sequence_ = 0;
   std::uint64_t frames_ = 0;
   Instant next_{};
@@ -109,7 +108,6 @@ struct SentPacket {
 class FakeRadio final : public hal::Radio, public Script {
  public:
   explicit FakeRadio(hal::Clock& clock) : Script(clock) { sent.reserve(100000); }
-  [[nodiscard]] const std::string& reason() const override { return reason_; }
 
   /// From now on robots' bytes wait to be received.
   void hear(std::span<const std::byte> bytes) { heard_.insert(heard_.end(), bytes.begin(), bytes.end()); }
@@ -122,17 +120,17 @@ class FakeRadio final : public hal::Radio, public Script {
   bool is_open = false;
 
  private:
-  Status do_open() override;
-  Status do_send(const Packet& packet) override;
+  Result<void> do_open() override;
+  Result<void> do_send(const Packet& packet) override;
   Result<Duration> do_serve() override;
   Result<std::size_t> do_receive(std::span<std::byte> into) override;
-  Status do_drain(Instant deadline) override;
+  Result<void> do_drain(Instant deadline) override;
   void do_close() override;
   void put_on_line(const SentPacket& packet);
   std::vector<std::byte> heard_;
   std::optional<SentPacket> waiting_;
   Instant line_free_{};
-  const std::string reason_ = "/dev/fake1: as the script says";
+  Error failed(ErrorCode code) const { return {code, "/dev/fake1: as the script says"}; }
 };
 
 /// A fault with code kOk stands for a pulled emergency stop.
@@ -142,7 +140,6 @@ class FakeGpio final : public hal::Gpio, public Script {
     led.reserve(100000);
     strobe.reserve(100000);
   }
-  [[nodiscard]] const std::string& reason() const override { return reason_; }
   void pull(double from_s, double to_s) { pulled_.push_back({from_s, to_s}); }
   void press(double at_s) { pressed_.push_back(at_s); }
 
@@ -153,15 +150,15 @@ class FakeGpio final : public hal::Gpio, public Script {
   int opened = 0;
 
  private:
-  Status do_open() override;
+  Result<void> do_open() override;
   void do_close() override {}
-  Status do_set_status_led(bool on) override;
-  Status do_set_strobe(bool high) override;
+  Result<void> do_set_status_led(bool on) override;
+  Result<void> do_set_strobe(bool high) override;
   Result<hal::GpioInputs> do_inputs(Instant now) override;
   std::vector<double> pressed_;
   double looked_s_ = -1.0;
   std::vector<std::pair<double, double>> pulled_;
-  const std::string reason_ = "/dev/fakechip: as the script says";
+  Error failed(ErrorCode code) const { return {code, "/dev/fakechip: as the script says"}; }
 };
 
 }  // namespace touchline::testing

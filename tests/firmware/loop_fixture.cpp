@@ -1,4 +1,5 @@
 #include "tests/firmware/loop_fixture.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 
@@ -46,8 +47,7 @@ LoopTest::~LoopTest() {
 Loop& LoopTest::start(LoopObserver observer) {
   EXPECT_TRUE(pipeline->configure(dark_room()).ok());
   loop = std::make_unique<Loop>(LoopDevices{camera, radio, gpio, clock, true}, *pipeline, settings, *ring, observer);
-  std::string reason;
-  EXPECT_TRUE(loop->open(reason).ok()) << reason;
+  EXPECT_OK(loop->open());
   return *loop;
 }
 

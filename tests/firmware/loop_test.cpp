@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "tests/firmware/loop_fixture.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 namespace {
@@ -197,9 +198,7 @@ TEST_F(LoopTest, WhatCannotBeOpenedAtTheStartIsNamed) {
   camera.add({0.0, 1.0, ErrorCode::kNotFound});
   ASSERT_TRUE(pipeline->configure(dark_room()).ok());
   loop = std::make_unique<Loop>(LoopDevices{camera, radio, gpio, clock, true}, *pipeline, settings, *ring);
-  std::string reason;
-  EXPECT_EQ(loop->open(reason).code(), ErrorCode::kNotFound);
-  EXPECT_EQ(reason, "camera: /dev/fake0: as the script says");
+  expect_error(loop->open(), ErrorCode::kNotFound, "camera: /dev/fake0: as the script says");
   EXPECT_FALSE(radio.is_open);
   EXPECT_TRUE(radio.sent.empty());
 }

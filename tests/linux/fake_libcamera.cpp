@@ -18,10 +18,10 @@ void LibcameraWorld::finish(std::uint32_t buffer, std::uint32_t number, const Ch
   frame.bytes = frame_bytes_;
   frame.stamp_ns = hal::MonotonicClock::read().time_since_epoch().count();
   obey(buffer);
-  frame.told = told;
+  frame.reported = told;
   if (frames_left_ > 0 && early_frames > 0) {
     --early_frames;
-    frame.told = early;
+    frame.reported = early;
   }
   if (change) change(frame);
   buffers[buffer]->write(0, std::vector<std::uint8_t>(frame_bytes_, static_cast<std::uint8_t>(number)));

@@ -8,6 +8,7 @@
 #include "tests/linux/driver_allocations.h"
 #include "tests/linux/fake_gpiod.h"
 #include "tests/linux/fake_kernel.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 namespace {
@@ -36,12 +37,11 @@ class GpiodGpioTest : public ::testing::Test {
   }
   static void expect_refusal(const GpioSettings& settings, ErrorCode code, const std::string& reason) {
     GpiodGpio gpio(settings);
-    EXPECT_EQ(describe(gpio.open().code()), std::string(describe(code)));
-    EXPECT_EQ(gpio.reason(), reason);
+    expect_error(gpio.open(), code, reason);
   }
   hal::GpioInputs look(GpiodGpio& gpio) {
     const Result<hal::GpioInputs> inputs = gpio.inputs(kernel_.now());
-    EXPECT_TRUE(inputs.ok()) << gpio.reason();
+    EXPECT_TRUE(inputs.ok()) << inputs.text();
     return inputs.value();
   }
   bool pulled(GpiodGpio& gpio) { return look(gpio).emergency_stop; }
@@ -58,8 +58,8 @@ class GpiodGpioTest : public ::testing::Test {
 TEST_F(GpiodGpioTest, LightGoesOnAndOffAndIsOffAtTheEnd) {
   {
     GpiodGpio gpio(settings());
-    ASSERT_TRUE(gpio.open().ok()) << gpio.reason();
-    EXPECT_EQ(gpio.reason(), "");
+    ASSERT_OK(gpio.open());
+    EXPECT_EQ(gpio.description(), "");
     EXPECT_EQ(chip_.pins[kLed].holder, "touchline");
     EXPECT_TRUE(chip_.pins[kLed].output);
     EXPECT_EQ(chip_.pins[kLed].level, 0);
@@ -121,7 +121,7 @@ TEST_F(GpiodGpioTest, LinesThatAreNotWiredDoNothing) {
   asked.status_led_line = asked.emergency_stop_line = hal::kNoLine;
   asked.chip = "/dev/gpiochip9";
   GpiodGpio gpio(asked);
-  EXPECT_TRUE(gpio.open().ok()) << gpio.reason();
+  EXPECT_OK(gpio.open());
   EXPECT_TRUE(gpio.set_status_led(true).ok());
   EXPECT_FALSE(pulled(gpio));
   EXPECT_TRUE(chip_.pins.empty());
@@ -129,10 +129,8 @@ TEST_F(GpiodGpioTest, LinesThatAreNotWiredDoNothing) {
 
 TEST_F(GpiodGpioTest, UseWithoutOpenFails) {
   GpiodGpio gpio(settings());
-  EXPECT_EQ(gpio.set_status_led(true).code(), ErrorCode::kDisconnected);
-  EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 17: not open");
-  EXPECT_EQ(gpio.inputs(kernel_.now()).code(), ErrorCode::kDisconnected);
-  EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 27: not open");
+  expect_error(gpio.set_status_led(true), ErrorCode::kDisconnected, "/dev/gpiochip0 line 17: not open");
+  expect_error(gpio.inputs(kernel_.now()), ErrorCode::kDisconnected, "/dev/gpiochip0 line 27: not open");
 }
 
 TEST_F(GpiodGpioTest, MissingChipListsTheChipsThatAreHere) {
@@ -167,13 +165,12 @@ TEST_F(GpiodGpioTest, AChipIsFoundByItsLabelWhateverItsNumber) {
     fake::GpioChips two({&chip_, &header});
     kernel_.link("/dev/gpiochip0", "/dev/gpiochip4");  // a number of before
     GpiodGpio gpio(asked);
-    ASSERT_TRUE(gpio.open().ok()) << gpio.reason();
+    ASSERT_OK(gpio.open());
     EXPECT_EQ(header.pins[kLed].holder, "touchline");
     EXPECT_EQ(chip_.pins[kLed].holder, "");
     kernel_.unlink("/dev/gpiochip0");
     header.value_error = EIO;
-    EXPECT_FALSE(gpio.inputs(kernel_.now()).ok());
-    EXPECT_EQ(gpio.reason(), "pinctrl-rp1 line 27: reading failed: Input/output error");
+    EXPECT_EQ(gpio.inputs(kernel_.now()).text(), "pinctrl-rp1 line 27: reading failed: Input/output error");
     header.value_error = 0;
     gpio.close();
     header.label = chip_.label;
@@ -242,16 +239,17 @@ TEST_F(GpiodGpioTest, ChipThatGoesAway) {
   GpiodGpio gpio(settings());
   ASSERT_TRUE(gpio.open().ok());
   chip_.value_error = ENODEV;
-  EXPECT_EQ(gpio.set_status_led(true).code(), ErrorCode::kDisconnected);
-  EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 17: setting failed: No such device");
-  EXPECT_EQ(gpio.inputs(kernel_.now()).code(), ErrorCode::kDisconnected) << "not \"not pulled\"";
-  EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 27: reading failed: No such device");
+  expect_error(gpio.set_status_led(true), ErrorCode::kDisconnected,
+               "/dev/gpiochip0 line 17: setting failed: No such device");
+  // An error, not "not pulled".
+  expect_error(gpio.inputs(kernel_.now()), ErrorCode::kDisconnected,
+               "/dev/gpiochip0 line 27: reading failed: No such device");
   chip_.value_error = EIO;
   EXPECT_EQ(gpio.inputs(kernel_.now()).code(), ErrorCode::kIo);
   chip_.value_error = 0;
   chip_.read_error = ENODEV;
-  EXPECT_EQ(gpio.inputs(kernel_.now()).code(), ErrorCode::kDisconnected);
-  EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 27: reading edges failed: No such device");
+  expect_error(gpio.inputs(kernel_.now()), ErrorCode::kDisconnected,
+               "/dev/gpiochip0 line 27: reading edges failed: No such device");
 }
 
 TEST_F(GpiodGpioTest, StrobeIsAnOutputOfItsOwn) {
@@ -382,8 +380,8 @@ TEST_F(GpiodGpioTest, ALooseWireStopsTheRobots) {
 TEST_F(GpiodGpioTest, AChipThatTellsNoEdgesIsLookedAt) {
   chip_.has_interrupts = false;
   GpiodGpio gpio(settings());
-  ASSERT_TRUE(gpio.open().ok()) << gpio.reason();
-  EXPECT_EQ(gpio.reason(), "/dev/gpiochip0 line 27: tells no edges, a pulse between two frames goes unseen");
+  ASSERT_OK(gpio.open());
+  EXPECT_EQ(gpio.description(), "/dev/gpiochip0 line 27: tells no edges, a pulse between two frames goes unseen");
   drive(kStop, 0);
   EXPECT_FALSE(pulled(gpio));
   kernel_.advance(16ms);

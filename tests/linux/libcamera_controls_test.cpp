@@ -39,9 +39,9 @@ TEST(LibcameraControls, SettingsBecomeControls) {
   LibcameraLimits camera = limits();
   camera.low[kTemperature] = 100.0;
   camera.high[kTemperature] = 100000.0;
-  Reason grants;
-  LibcameraNumbers controls = controls_for(settings(), camera, grants);
-  EXPECT_EQ(grants.text(), "");
+  ErrorText negotiated;
+  LibcameraNumbers controls = controls_for(settings(), camera, negotiated);
+  EXPECT_EQ(negotiated.str(), "");
   EXPECT_EQ(controls[kExposureManual], 1.0);
   EXPECT_EQ(controls[kExposure], 5000.0);
   EXPECT_EQ(controls[kGainManual], 1.0);
@@ -54,62 +54,62 @@ TEST(LibcameraControls, SettingsBecomeControls) {
   EXPECT_DOUBLE_EQ(*controls[kFrameDuration], 1e6 / 30.0);
   EXPECT_EQ(controls[kFocusManual], 1.0);
   EXPECT_EQ(controls[kLensPosition], 0.5);
-  Reason text;
+  ErrorText text;
   describe_controls(controls, text);
-  EXPECT_EQ(text.text(), ", exposure 5000 us, gain 250, white balance 4600 K, focus 50");
+  EXPECT_EQ(text.str(), ", exposure 5000 us, gain 250, white balance 4600 K, focus 50");
 
   CameraSettings asked = settings();
   asked.power_line = PowerLine::k60Hz;
-  EXPECT_DOUBLE_EQ(*controls_for(asked, camera, grants)[kFlickerPeriod], 1e6 / 120.0);
+  EXPECT_DOUBLE_EQ(*controls_for(asked, camera, negotiated)[kFlickerPeriod], 1e6 / 120.0);
   asked.power_line = PowerLine::kOff;
-  EXPECT_EQ(controls_for(asked, camera, grants)[kFlickerManual], 0.0);
+  EXPECT_EQ(controls_for(asked, camera, negotiated)[kFlickerManual], 0.0);
 }
 
 TEST(LibcameraControls, WhatIsLeftToTheCameraIsNotTouched) {
   CameraSettings asked;  // focus is left by default
   asked.exposure_us = asked.gain = asked.white_balance_k = 0;
   asked.rate_hz = 0.0;
-  Reason grants;
-  const LibcameraNumbers controls = controls_for(asked, limits(), grants);
+  ErrorText negotiated;
+  const LibcameraNumbers controls = controls_for(asked, limits(), negotiated);
   for (std::size_t i = 0; i < kLibcameraControls; ++i) EXPECT_FALSE(controls[static_cast<LibcameraControl>(i)]) << i;
-  EXPECT_EQ(grants.text(), "");
+  EXPECT_EQ(negotiated.str(), "");
 }
 
 TEST(LibcameraControls, ACameraWithoutTemperatureGetsTheGainsOfACommonSensor) {
-  Reason grants;
+  ErrorText negotiated;
   CameraSettings asked = settings();
   asked.white_balance_k = 5600;
-  LibcameraNumbers controls = controls_for(asked, limits(), grants);
+  LibcameraNumbers controls = controls_for(asked, limits(), negotiated);
   EXPECT_EQ(controls[kWhiteBalanceManual], 1.0);
   EXPECT_NEAR(*controls[kRedGain], 2.2, 1e-9);
   EXPECT_NEAR(*controls[kBlueGain], 1.86, 1e-9);
   asked.white_balance_k = 2500;  // warm light needs less red
-  controls = controls_for(asked, limits(), grants);
+  controls = controls_for(asked, limits(), negotiated);
   EXPECT_NEAR(*controls[kRedGain], 1.07, 0.02);
   EXPECT_NEAR(*controls[kBlueGain], 2.78, 0.02);
-  tell_grants(asked, limits(), controls, controls, grants);
-  EXPECT_EQ(grants.text(), "white_balance_k = 2500: the camera takes gains only: red 1.06, blue 2.78");
+  report_negotiated(asked, limits(), controls, controls, negotiated);
+  EXPECT_EQ(negotiated.str(), "white_balance_k = 2500: the camera takes gains only: red 1.06, blue 2.78");
 }
 
 TEST(LibcameraControls, WhatACameraLacksIsTold) {
-  Reason grants;
-  const LibcameraNumbers controls = controls_for(settings(), {}, grants);
-  tell_grants(settings(), {}, controls, {}, grants);
-  EXPECT_EQ(grants.text(),
+  ErrorText negotiated;
+  const LibcameraNumbers controls = controls_for(settings(), {}, negotiated);
+  report_negotiated(settings(), {}, controls, {}, negotiated);
+  EXPECT_EQ(negotiated.str(),
             "exposure_us = 5000: the camera has no such control; gain = 250: the camera has no such control; "
             "white_balance_k = 4600: the camera has no such control; focus = 50: the camera has no such control; "
             "power_line = 50hz: the camera has no such control; "
             "rate_hz = 30: the camera does not tell its rate");
-  grants.clear();
+  negotiated.clear();
   CameraSettings asked = settings();
   asked.power_line = PowerLine::kOff;  // it filters nothing, as asked
   asked.exposure_us = asked.gain = asked.white_balance_k = 0;
   asked.focus = kFocusLeave;
-  EXPECT_FALSE(controls_for(asked, {}, grants)[kFlickerManual]);
-  EXPECT_EQ(grants.text(), "");
+  EXPECT_FALSE(controls_for(asked, {}, negotiated)[kFlickerManual]);
+  EXPECT_EQ(negotiated.str(), "");
   asked.exposure_steps = 40;
-  static_cast<void>(controls_for(asked, {}, grants));
-  EXPECT_EQ(grants.text(), "exposure_steps = 40: the camera has no such control");
+  static_cast<void>(controls_for(asked, {}, negotiated));
+  EXPECT_EQ(negotiated.str(), "exposure_steps = 40: the camera has no such control");
 }
 
 TEST(LibcameraControls, WhatIsGrantedOtherwiseIsToldInTheKeysUnits) {
@@ -117,33 +117,33 @@ TEST(LibcameraControls, WhatIsGrantedOtherwiseIsToldInTheKeysUnits) {
   asked.gain = 2000;
   asked.rate_hz = 120.0;
   asked.white_balance_k = 0;
-  Reason grants;
-  const LibcameraNumbers controls = controls_for(asked, limits(), grants);
+  ErrorText negotiated;
+  const LibcameraNumbers controls = controls_for(asked, limits(), negotiated);
   EXPECT_EQ(controls[kGain], 10.6);
   EXPECT_EQ(controls[kFrameDuration], 16971.0);
   LibcameraNumbers told = controls;
   EXPECT_TRUE(is_taken_with(told, controls));
   told[kExposure] = 4970.0;  // whole rows
   EXPECT_TRUE(is_taken_with(told, controls));
-  tell_grants(asked, limits(), controls, told, grants);
-  EXPECT_EQ(grants.text(),
+  report_negotiated(asked, limits(), controls, told, negotiated);
+  EXPECT_EQ(negotiated.str(),
             "rate_hz = 120: granted 58.92 (range 0.08498 to 58.92); gain = 2000: granted 1060 (range 100 to 1060)");
   told[kExposure] = 4000.0;
   EXPECT_FALSE(is_taken_with(told, controls));
-  grants.clear();
-  tell_grants(asked, limits(), controls, told, grants);
-  EXPECT_NE(grants.text().find("exposure_us = 5000: granted 4000 (range 75 to 1.17668e+07)"), std::string::npos)
-      << grants.text();
+  negotiated.clear();
+  report_negotiated(asked, limits(), controls, told, negotiated);
+  EXPECT_NE(negotiated.str().find("exposure_us = 5000: granted 4000 (range 75 to 1.17668e+07)"), std::string::npos)
+      << negotiated.str();
 }
 
 TEST(LibcameraControls, WhatIsNotToldBackIsToldToThePerson) {
-  Reason grants;
+  ErrorText negotiated;
   CameraSettings asked = settings();
   asked.white_balance_k = 0;
-  const LibcameraNumbers controls = controls_for(asked, limits(), grants);
+  const LibcameraNumbers controls = controls_for(asked, limits(), negotiated);
   EXPECT_TRUE(is_taken_with({}, controls));
-  tell_grants(asked, limits(), controls, {}, grants);
-  EXPECT_EQ(grants.text(),
+  report_negotiated(asked, limits(), controls, {}, negotiated);
+  EXPECT_EQ(negotiated.str(),
             "rate_hz = 30: set, but the camera does not tell it back; exposure_us = 5000: set, but the camera does not "
             "tell it back; gain = 250: set, but the camera does not tell it back; focus = 50: set, but the camera does "
             "not tell it back");

@@ -12,6 +12,7 @@
 #include "tests/linux/fake_dma.h"
 #include "tests/linux/fake_kernel.h"
 #include "tests/linux/fake_libcamera.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 
@@ -49,26 +50,24 @@ class LibcameraTest : public ::testing::Test {
   }
   void begin(const hal::CameraSettings& asked = settings()) {
     make(asked);
-    ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
-    ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
+    ASSERT_OK(camera_->open());
+    ASSERT_OK(camera_->start());
   }
   /// open() must fail with `code` and say `reason`.
   void expect_refusal(const hal::CameraSettings& asked, ErrorCode code, const std::string& reason) {
     make(asked);
-    EXPECT_EQ(describe(camera_->open().code()), std::string(describe(code)));
-    EXPECT_EQ(camera_->reason(), reason);
+    expect_error(camera_->open(), code, reason);
   }
   /// Late enough for any machine; nothing waits for it but what fails.
   static Instant late() { return hal::MonotonicClock::read() + std::chrono::seconds(20); }
   /// The next frame must be lost with `code` and `reason`.
   void expect_loss(ErrorCode code, const std::string& reason) {
     const Result<hal::FrameLease> frame = camera_->wait(late());
-    EXPECT_EQ(describe(frame.code()), std::string(describe(code)));
-    EXPECT_EQ(camera_->reason(), reason);
+    expect_error(frame, code, reason);
   }
   void expect_frame(std::uint32_t sequence) {
     const Result<hal::FrameLease> frame = camera_->wait(late());
-    ASSERT_TRUE(frame.ok()) << camera_->reason();
+    ASSERT_TRUE(frame.ok()) << frame.text();
     EXPECT_EQ(frame.value().frame().sequence, sequence);
     EXPECT_EQ(frame.value().frame().plane[0][0], static_cast<std::uint8_t>(sequence));
   }

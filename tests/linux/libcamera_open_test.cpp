@@ -2,6 +2,7 @@
 #include <cerrno>
 
 #include "tests/linux/libcamera_fixture.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 namespace {
@@ -24,9 +25,9 @@ class LibcameraOpenTest : public LibcameraTest {
 
 TEST_F(LibcameraOpenTest, ABuildWithoutTheLibrarySaysSo) {
   camera_.emplace(settings(), 0, nullptr);
-  EXPECT_EQ(camera_->open().code(), ErrorCode::kUnsupported);
-  EXPECT_EQ(camera_->reason(),
-            "camera.backend = \"libcamera\": this build is without libcamera; install libcamera-dev and build again");
+  expect_error(
+      camera_->open(), ErrorCode::kUnsupported,
+      "camera.backend = \"libcamera\": this build is without libcamera; install libcamera-dev and build again");
   EXPECT_EQ(camera_->start().code(), ErrorCode::kInconsistent);
 }
 
@@ -63,10 +64,9 @@ TEST_F(LibcameraOpenTest, EachCallThatFailsIsNamed) {
     make(settings());
     ASSERT_TRUE(camera_->open().ok());
     world_.errors = {{call, EIO}};
-    EXPECT_EQ(camera_->start().code(), ErrorCode::kIo);
-    EXPECT_EQ(camera_->reason(), id + ": starting the stream failed: Input/output error");
+    expect_error(camera_->start(), ErrorCode::kIo, id + ": starting the stream failed: Input/output error");
     EXPECT_FALSE(world_.running);
-    EXPECT_TRUE(camera_->start().ok()) << camera_->reason();  // the next attempt
+    EXPECT_OK(camera_->start());  // the next attempt
   }
 }
 
@@ -99,7 +99,7 @@ TEST_F(LibcameraOpenTest, PlanesAndStridesOfAllFormats) {
     const std::uint32_t stride = 640 * example.pixel_bytes + 32;
     world_.complete(7);
     Result<FrameLease> lease = camera_->wait(late());
-    ASSERT_TRUE(lease.ok()) << camera_->reason();
+    ASSERT_TRUE(lease.ok()) << lease.text();
     const Frame& frame = lease.value().frame();
     EXPECT_EQ(frame.format, pixel_format(example.format));
     EXPECT_EQ(frame.width_px, 640);
@@ -116,7 +116,7 @@ TEST_F(LibcameraOpenTest, PlanesAndStridesOfAllFormats) {
     EXPECT_EQ(camera_->info().format, frame.format);
     EXPECT_EQ(lease.value().dma_bufs()[1], -1) << "one piece of memory";
     EXPECT_GE(lease.value().dma_bufs()[0], 0);
-    lease = ErrorCode::kTimeout;
+    lease = failure(ErrorCode::kTimeout, "the lease ends");
     camera_->close();
   }
 }
@@ -125,13 +125,13 @@ TEST_F(LibcameraOpenTest, FullRangeAndOtherBuffersThanAskedAreTold) {
   world_.full_range = true;
   world_.granted_buffers = 6;
   begin();
-  EXPECT_EQ(camera_->reason(), std::string(kId) +
-                                   ": YUV of full range: its darkest 16 levels are taken for black; "
-                                   "buffers = 4: granted 6; rate_hz = 60: the camera does not tell its rate");
+  EXPECT_EQ(camera_->info().negotiated, std::string(kId) +
+                                            ": YUV of full range: its darkest 16 levels are taken for black; "
+                                            "buffers = 4: granted 6; rate_hz = 60: the camera does not tell its rate");
   CameraSettings rgb = settings();
   rgb.format = hal::CameraFormat::kRgb24;
   begin(rgb);
-  EXPECT_EQ(camera_->reason(),
+  EXPECT_EQ(camera_->info().negotiated,
             std::string(kId) + ": buffers = 4: granted 6; rate_hz = 60: the camera does not tell its rate");
   world_.granted_buffers = 1;
   expect_refusal(settings(), ErrorCode::kUnsupported, std::string(kId) + ": grants 1 buffers, 2 to 32 are needed");
@@ -149,7 +149,7 @@ TEST_F(LibcameraOpenTest, PicturesLieInMemoryOfTheHeapElseInTheDriversOwn) {
   heap_.room = 1000000;  // two pictures
   begin();
   EXPECT_FALSE(world_.heap_used);
-  EXPECT_EQ(camera_->reason(),
+  EXPECT_EQ(camera_->info().negotiated,
             std::string(kId) +
                 ": no memory of a DMA heap (/dev/dma_heap/linux,cma: Cannot allocate memory): the "
                 "driver's own buffers may be slow to read; rate_hz = 60: the camera does not tell its "
@@ -161,8 +161,8 @@ TEST_F(LibcameraOpenTest, PicturesLieInMemoryOfTheHeapElseInTheDriversOwn) {
   kernel_.refuse_open("/dev/dma_heap/linux,cma", EACCES);
   begin();
   EXPECT_FALSE(world_.heap_used);
-  EXPECT_NE(camera_->reason().find("(/dev/dma_heap/linux,cma: Permission denied)"), std::string::npos)
-      << camera_->reason();
+  EXPECT_NE(camera_->info().negotiated.find("(/dev/dma_heap/linux,cma: Permission denied)"), std::string::npos)
+      << camera_->info().negotiated;
   world_.errors = {{"make_buffers", ENOBUFS}};
   expect_refusal(settings(), ErrorCode::kIo, std::string(kId) + ": making buffers failed: No buffer space available");
   world_.missing_bytes = 1;

@@ -5,6 +5,7 @@
 
 #include "tests/linux/driver_allocations.h"
 #include "tests/linux/libcamera_fixture.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 namespace {
@@ -69,9 +70,9 @@ TEST_F(LibcameraStreamTest, NeitherWaitNorReleaseAllocates) {
 TEST_F(LibcameraStreamTest, WithoutAFrameTheDeadlineEndsTheWait) {
   begin();
   const Instant before = MonotonicClock::read();
-  EXPECT_EQ(camera_->wait(before + milliseconds(20)).code(), ErrorCode::kTimeout);
+  expect_error(camera_->wait(before + milliseconds(20)), ErrorCode::kTimeout,
+               std::string(kId) + ": no frame before the deadline");
   EXPECT_GE(MonotonicClock::read() - before, milliseconds(20));
-  EXPECT_EQ(camera_->reason(), std::string(kId) + ": no frame before the deadline");
   world_.complete(1);
   expect_frame(1);
 }
@@ -135,7 +136,7 @@ TEST_F(LibcameraStreamTest, AChangeOfTheRateOrAStrayStampIsNoGapInTime) {
   const auto come = [&](std::int64_t stamp_ms, double duration_ms) {
     world_.complete(++number, [=](LibcameraFrame& frame) {
       frame.stamp_ns = stamp_ms * 1000000;
-      frame.told[LibcameraControl::kFrameDuration] = duration_ms * 1000.0;
+      frame.reported[LibcameraControl::kFrameDuration] = duration_ms * 1000.0;
     });
     EXPECT_TRUE(camera_->wait(late()).ok());
     return camera_->counters().lost;
@@ -193,8 +194,8 @@ TEST_F(LibcameraStreamTest, ACameraThatGoesAwayWakesTheLoopAndComesBackById) {
   camera_->close();
   EXPECT_EQ(camera_->open().code(), ErrorCode::kNotFound);
   world_.cameras = cameras;
-  ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
-  ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
+  ASSERT_OK(camera_->open());
+  ASSERT_OK(camera_->start());
   world_.complete(1);
   expect_frame(1);
   camera_->stop();
@@ -224,7 +225,7 @@ TEST_F(LibcameraStreamTest, AStopForgetsWhatWasUnderWay) {
   world_.complete(2);
   camera_->stop();
   EXPECT_EQ(camera_->wait(late()).code(), ErrorCode::kInconsistent);
-  ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
+  ASSERT_OK(camera_->start());
   ASSERT_TRUE(camera_->start().ok());  // nothing happens
   world_.complete(8);
   expect_frame(8);
@@ -236,10 +237,10 @@ TEST_F(LibcameraStreamTest, AStartThatFailsHalfWayLeavesNoFrameToTheNext) {
   world_.good_queues = 2;
   world_.errors = {{"queue", EIO}};
   make(settings());
-  ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
+  ASSERT_OK(camera_->open());
   EXPECT_EQ(camera_->start().code(), ErrorCode::kIo);
   world_.frames_at_start = 1;
-  ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
+  ASSERT_OK(camera_->start());
   world_.wait_for_queued(4);
   world_.complete(1);
   expect_frame(1);
@@ -258,17 +259,18 @@ TEST_F(LibcameraStreamTest, TheStartPassesOverFramesThatAreNotYetAsAsked) {
   asked.exposure_us = 5000;
   asked.rate_hz = 30.0;
   begin(asked);
-  EXPECT_EQ(camera_->reason(), std::string(kId) + ": rate_hz = 30: the camera does not tell its rate");
+  EXPECT_EQ(camera_->info().negotiated, std::string(kId) + ": rate_hz = 30: the camera does not tell its rate");
   EXPECT_EQ(world_.early_frames, 0);
   EXPECT_DOUBLE_EQ(camera_->info().rate_hz, 30.0);
-  EXPECT_EQ(camera_->info().granted, std::string(kId) +
-                                         " (imx219): nv12 640x480 at 30 Hz, 4 buffers of /dev/dma_heap/linux,cma, "
-                                         "exposure 4980 us");
+  EXPECT_EQ(camera_->info().description, std::string(kId) +
+                                             " (imx219): nv12 640x480 at 30 Hz, 4 buffers of /dev/dma_heap/linux,cma, "
+                                             "exposure 4980 us");
   world_.early_frames = 20;  // never as asked: told, and no reason to stand still
   camera_->stop();
   ASSERT_TRUE(camera_->start().ok());
-  EXPECT_NE(camera_->reason().find("exposure_us = 5000: granted 20000 (range 100 to 100000)"), std::string::npos)
-      << camera_->reason();
+  EXPECT_NE(camera_->info().negotiated.find("exposure_us = 5000: granted 20000 (range 100 to 100000)"),
+            std::string::npos)
+      << camera_->info().negotiated;
 }
 
 TEST_F(LibcameraStreamTest, AStartWithoutFramesDoesNotBlameTheControls) {
@@ -280,16 +282,17 @@ TEST_F(LibcameraStreamTest, AStartWithoutFramesDoesNotBlameTheControls) {
   hal::CameraSettings asked = settings();
   asked.exposure_us = 5000;
   make(asked);
-  ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
+  ASSERT_OK(camera_->open());
   std::thread somebody([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     world_.plug_out();  // else the start waits for two seconds
   });
   EXPECT_TRUE(camera_->start().ok());
   somebody.join();
-  EXPECT_EQ(camera_->reason(), std::string(kId) +
-                                   ": exposure_us = 5000: granted 4000 (range 75 to 4000); no frame came yet to tell "
-                                   "what is in force");
+  EXPECT_EQ(camera_->info().negotiated,
+            std::string(kId) +
+                ": exposure_us = 5000: granted 4000 (range 75 to 4000); no frame came yet to tell "
+                "what is in force");
 }
 
 TEST_F(LibcameraStreamTest, ThreadsAtFullSpeedLoseNothing) {

@@ -5,6 +5,7 @@
 #include "tests/linux/driver_allocations.h"
 #include "tests/linux/jpeg_picture.h"
 #include "tests/linux/v4l2_fixture.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 namespace {
@@ -22,7 +23,7 @@ class MjpgDecoderTest : public ::testing::Test {
     rgb_.assign(std::size_t{3} * style.width * style.height + kGuard, 77);
   }
   void expect_picture(const JpegStyle& style, const std::vector<std::uint8_t>& jpeg) {
-    ASSERT_TRUE(decoder_.decode(jpeg, rgb_.data()).ok()) << decoder_.reason();
+    ASSERT_OK(decoder_.decode(jpeg, rgb_.data()));
     for (const unsigned u : {3u, style.width / 4, style.width - 4}) {
       for (const unsigned v : {3u, style.height / 4, style.height - 4}) {
         const std::array<int, 3> color = color_at(style, u, v);
@@ -34,8 +35,7 @@ class MjpgDecoderTest : public ::testing::Test {
     for (std::size_t i = rgb_.size() - kGuard; i < rgb_.size(); ++i) ASSERT_EQ(rgb_[i], 77) << "beyond the picture";
   }
   void expect_damage(const std::vector<std::uint8_t>& jpeg, const std::string& reason) {
-    EXPECT_EQ(decoder_.decode(jpeg, rgb_.data()).code(), ErrorCode::kCorruptFrame);
-    EXPECT_EQ(decoder_.reason(), reason);
+    expect_error(decoder_.decode(jpeg, rgb_.data()), ErrorCode::kCorruptFrame, reason);
   }
 
   static constexpr std::size_t kGuard = 64;
@@ -165,7 +165,7 @@ TEST_F(MjpgCameraTest, FramesAreRgbAndTheDriverHasItsBufferBackAtOnce) {
     begin(asked());
     EXPECT_EQ(camera_->info().format, PixelFormat::kRgb24);
     const Result<FrameLease> result = camera_->wait(soon());
-    ASSERT_TRUE(result.ok()) << camera_->reason();
+    ASSERT_TRUE(result.ok()) << result.text();
     EXPECT_EQ(device_.queued(), 4u);
     EXPECT_EQ(device_.readable(), 0u);
     const Frame& frame = result.value().frame();
@@ -205,8 +205,8 @@ TEST_F(MjpgCameraTest, AllPicturesLentOutTimesOutAndRecovers) {
     leases.push_back(std::move(frame).value());
   }
   const Instant deadline = soon();
-  EXPECT_EQ(camera_->wait(deadline).code(), ErrorCode::kTimeout);
-  EXPECT_EQ(camera_->reason(), "/dev/video0: no frame can come: all 4 buffers are lent out");
+  expect_error(camera_->wait(deadline), ErrorCode::kTimeout,
+               "/dev/video0: no frame can come: all 4 buffers are lent out");
   EXPECT_GE(kernel_.now(), deadline);
   const std::uint8_t* const first = leases[0].frame().plane[0];
   leases.clear();

@@ -9,6 +9,7 @@
 #include "hal/linux/serial/serial_radio.h"
 #include "tests/linux/fake_kernel.h"
 #include "tests/linux/fake_serial.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 
@@ -50,13 +51,9 @@ class SerialRadioTest : public ::testing::Test {
     return settings;
   }
   static std::string text(const std::string& rest) { return std::string(kById) + ": " + rest; }
-  static void expect_status(SerialRadio& radio, Status status, ErrorCode code, const std::string& reason) {
-    EXPECT_EQ(describe(status.code()), std::string(describe(code)));
-    EXPECT_EQ(radio.reason(), reason);
-  }
   static void expect_refusal(const RadioSettings& settings, ErrorCode code, const std::string& reason) {
     SerialRadio radio(settings);
-    expect_status(radio, radio.open(), code, reason);
+    expect_error(radio.open(), code, reason);
     EXPECT_EQ(radio.send(packet(4, 0)).code(), ErrorCode::kDisconnected);
   }
 

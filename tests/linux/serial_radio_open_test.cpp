@@ -4,14 +4,15 @@
 
 #include "tests/linux/fake_v4l2.h"
 #include "tests/linux/serial_radio_fixture.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 namespace {
 
 TEST_F(SerialRadioTest, OpensRawForUsAlone) {
   SerialRadio radio(settings());
-  ASSERT_TRUE(radio.open().ok()) << radio.reason();
-  EXPECT_EQ(radio.reason(), text("115200 baud, low latency"));
+  ASSERT_OK(radio.open());
+  EXPECT_EQ(radio.description(), text("115200 baud, low latency"));
   EXPECT_TRUE(adapter_.low_latency);
   EXPECT_EQ(adapter_.baud, 115200);
   EXPECT_EQ(adapter_.bits, 8);
@@ -91,15 +92,15 @@ TEST_F(SerialRadioTest, BaudRatesThatThePortCannotDo) {
   adapter_.granted_baud = 115200 + 2200;  // 1.9 % too fast
   SerialRadio radio(settings());
   EXPECT_TRUE(radio.open().ok());
-  EXPECT_EQ(radio.reason(), text("115200 baud, granted 117400, low latency"));
+  EXPECT_EQ(radio.description(), text("115200 baud, granted 117400, low latency"));
 }
 
 TEST_F(SerialRadioTest, FastRatesAndRatesOfOnesOwn) {
   for (const int baud : {1000000, 1234567, 4000000}) {
     SerialRadio radio(settings(baud));
-    ASSERT_TRUE(radio.open().ok()) << radio.reason();
+    ASSERT_OK(radio.open());
     EXPECT_EQ(adapter_.baud, baud);
-    EXPECT_EQ(radio.reason(), text(std::to_string(baud) + " baud, low latency"));
+    EXPECT_EQ(radio.description(), text(std::to_string(baud) + " baud, low latency"));
   }
 }
 
@@ -107,7 +108,7 @@ TEST_F(SerialRadioTest, DriversWithoutLowLatencyServeAsWell) {
   adapter_.offers_low_latency = false;
   SerialRadio radio(settings());
   ASSERT_TRUE(radio.open().ok());
-  EXPECT_EQ(radio.reason(), text("115200 baud"));
+  EXPECT_EQ(radio.description(), text("115200 baud"));
 }
 
 TEST_F(SerialRadioTest, PortThatGoesAwayWhileItIsSetUp) {

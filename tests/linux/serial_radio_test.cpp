@@ -3,6 +3,7 @@
 
 #include "tests/linux/driver_allocations.h"
 #include "tests/linux/serial_radio_fixture.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 namespace {
@@ -12,9 +13,9 @@ TEST_F(SerialRadioTest, OnlyTheNewestPacketWaitsForTheLine) {
   ASSERT_TRUE(radio.open().ok());
   ASSERT_TRUE(radio.send(packet(100, 1)).ok());
   ASSERT_TRUE(radio.send(packet(100, 2)).ok()) << "waits, and nothing is lost yet";
-  expect_status(radio, radio.send(packet(100, 3)), ErrorCode::kBusy,
-                text("the line is still busy, an older packet was dropped for a newer one; 9600 baud is too slow for "
-                     "the rate of packets, or the port stands still"));
+  expect_error(radio.send(packet(100, 3)), ErrorCode::kBusy,
+               text("the line is still busy, an older packet was dropped for a newer one; 9600 baud is too slow for "
+                    "the rate of packets, or the port stands still"));
   EXPECT_EQ(adapter_.waiting(), 100u) << "the driver has no more than the packet that is on its way";
   ASSERT_TRUE(radio.serve().ok());
   EXPECT_NEAR(seconds(radio.serve().value()), 1.02 * 100 * 10.0 / 9600, 0.001);
@@ -79,8 +80,7 @@ TEST_F(SerialRadioTest, ReceivesWhatThereIsAndNeverWaits) {
   EXPECT_EQ(radio.receive(bytes).value(), 0u);
   EXPECT_EQ(radio.counters().received_bytes, 20u);
   adapter_.read_error = EIO;
-  EXPECT_EQ(radio.receive(bytes).code(), ErrorCode::kDisconnected);
-  EXPECT_EQ(radio.reason(), text("the port went away (receiving)"));
+  expect_error(radio.receive(bytes), ErrorCode::kDisconnected, text("the port went away (receiving)"));
 }
 
 TEST_F(SerialRadioTest, DrainCompletesASplitPacket) {
@@ -119,7 +119,7 @@ TEST_F(SerialRadioTest, DrainGivesUpAtTheDeadline) {
   ASSERT_TRUE(radio.open().ok());
   ASSERT_TRUE(radio.send(packet(66, 1)).ok());
   const Instant deadline = kernel_.now() + std::chrono::milliseconds(30);
-  expect_status(radio, radio.drain(deadline), ErrorCode::kTimeout, text("66 bytes have not left before the deadline"));
+  expect_error(radio.drain(deadline), ErrorCode::kTimeout, text("66 bytes have not left before the deadline"));
   EXPECT_GE(kernel_.now(), deadline);
   EXPECT_LE(kernel_.now(), deadline + std::chrono::milliseconds(1));
   radio.close();
@@ -131,14 +131,13 @@ TEST_F(SerialRadioTest, PluggedOutAndInAgainUnderAnotherNumber) {
   ASSERT_TRUE(radio.open().ok());
   ASSERT_TRUE(radio.send(packet(10, 1)).ok());
   adapter_.hang_up(EIO);
-  expect_status(radio, radio.send(packet(10, 2)), ErrorCode::kDisconnected,
-                text("the port went away (asking what waits)"));
+  expect_error(radio.send(packet(10, 2)), ErrorCode::kDisconnected, text("the port went away (asking what waits)"));
   adapter_.hang_up(0);
   EXPECT_EQ(radio.send(packet(10, 3)).code(), ErrorCode::kDisconnected) << "it stays so until it is opened again";
   EXPECT_EQ(radio.drain(kernel_.now()).code(), ErrorCode::kDisconnected);
   radio.close();
   kernel_.link(kById, "/dev/ttyS0");
-  ASSERT_TRUE(radio.open().ok()) << radio.reason();
+  ASSERT_OK(radio.open());
   ASSERT_TRUE(radio.send(packet(10, 4)).ok());
   EXPECT_EQ(on_board_.waiting(), 10u);
   EXPECT_EQ(radio.counters().refused, 2u);
@@ -149,20 +148,20 @@ TEST_F(SerialRadioTest, APortThatStandsStillIsToBeOpenedAgain) {
   SerialRadio radio(settings(1200));
   ASSERT_TRUE(radio.open().ok());
   adapter_.stalled = true;
-  const auto send_for = [&](Duration time) {
+  const auto send_for = [&](Duration time) -> Result<void> {
     for (const Instant end = kernel_.now() + time; kernel_.now() < end;) {
-      const Status sent = radio.send(packet(60, 1));
-      if (!sent.ok() && sent != Status(ErrorCode::kBusy)) return sent;
+      Result<void> sent = radio.send(packet(60, 1));
+      if (!sent.ok() && sent.code() != ErrorCode::kBusy) return sent;
       kernel_.advance(std::chrono::milliseconds(17));
     }
-    return Status{};
+    return {};
   };
   EXPECT_TRUE(send_for(std::chrono::milliseconds(4900)).ok());
   adapter_.stalled = false;
   EXPECT_TRUE(send_for(std::chrono::seconds(10)).ok()) << "slow, and a byte at a time";
   adapter_.stalled = true;
-  expect_status(radio, send_for(std::chrono::milliseconds(5100)), ErrorCode::kIo,
-                text("the port stands still: " + std::to_string(adapter_.waiting()) + " bytes have not left for 5 s"));
+  expect_error(send_for(std::chrono::milliseconds(5100)), ErrorCode::kIo,
+               text("the port stands still: " + std::to_string(adapter_.waiting()) + " bytes have not left for 5 s"));
   EXPECT_EQ(radio.send(packet(60, 1)).code(), ErrorCode::kIo);
   adapter_.stalled = false;
   ASSERT_TRUE(radio.open().ok());
@@ -189,11 +188,11 @@ TEST_F(SerialRadioTest, FailureWhileWriting) {
   SerialRadio radio(settings());
   ASSERT_TRUE(radio.open().ok());
   adapter_.write_error = EIO;
-  expect_status(radio, radio.send(packet(10, 1)), ErrorCode::kDisconnected, text("the port went away (sending)"));
+  expect_error(radio.send(packet(10, 1)), ErrorCode::kDisconnected, text("the port went away (sending)"));
   radio.close();
   adapter_.write_error = EPERM;
   ASSERT_TRUE(radio.open().ok());
-  expect_status(radio, radio.send(packet(10, 1)), ErrorCode::kIo, text("sending failed: Operation not permitted"));
+  expect_error(radio.send(packet(10, 1)), ErrorCode::kIo, text("sending failed: Operation not permitted"));
 }
 
 TEST_F(SerialRadioTest, ReopeningForgetsTheRestOfASplitPacket) {

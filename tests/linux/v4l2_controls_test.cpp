@@ -2,6 +2,7 @@
 #include <set>
 
 #include "tests/linux/v4l2_fixture.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 namespace {
@@ -28,7 +29,7 @@ TEST_F(V4l2ControlsTest, FixesAllThatIsAskedAndReadsItBack) {
   device_.controls[V4L2_CID_AUTOGAIN] = {0, 1, 1, 1};
   device_.controls[V4L2_CID_FOCUS_AUTO] = {0, 1, 1, 1};
   device_.controls[V4L2_CID_FOCUS_ABSOLUTE] = {0, 250, 5, 30};
-  expect_grants(asked, "");
+  expect_negotiated(asked, "");
   const auto value = [&](std::uint32_t id) { return device_.controls.at(id).value; };
   EXPECT_EQ(value(V4L2_CID_EXPOSURE_AUTO), V4L2_EXPOSURE_MANUAL);
   EXPECT_EQ(value(V4L2_CID_EXPOSURE_AUTO_PRIORITY), 0);
@@ -44,7 +45,7 @@ TEST_F(V4l2ControlsTest, FixesAllThatIsAskedAndReadsItBack) {
 }
 
 TEST_F(V4l2ControlsTest, ZeroLeavesTheDriverAlone) {
-  expect_grants(untouched(settings()), "");
+  expect_negotiated(untouched(settings()), "");
   for (const auto& [id, control] : device_.controls) {
     EXPECT_EQ(control.writes, id == V4L2_CID_EXPOSURE_AUTO_PRIORITY ? 1 : 0) << id;
   }
@@ -53,12 +54,12 @@ TEST_F(V4l2ControlsTest, ZeroLeavesTheDriverAlone) {
 
 TEST_F(V4l2ControlsTest, ARateThatGivesWayToTheExposureIsTold) {
   device_.controls[V4L2_CID_EXPOSURE_AUTO_PRIORITY].stubborn = true;
-  expect_grants(untouched(settings()),
-                "/dev/video0: rate_hz = 60: exposure before frame rate stays on (the driver kept it)");
+  expect_negotiated(untouched(settings()),
+                    "/dev/video0: rate_hz = 60: exposure before frame rate stays on (the driver kept it)");
   device_.controls[V4L2_CID_EXPOSURE_AUTO_PRIORITY].stubborn = false;
   CameraSettings asked = settings();
   asked.exposure_us = 16700;
-  expect_grants(asked, "/dev/video0: exposure of 16700 us: longer than a frame at 60 Hz, so fewer frames come");
+  expect_negotiated(asked, "/dev/video0: exposure of 16700 us: longer than a frame at 60 Hz, so fewer frames come");
 }
 
 TEST_F(V4l2ControlsTest, ACameraThatCountsExposureInItsOwnStepsIsSetInThem) {
@@ -68,23 +69,24 @@ TEST_F(V4l2ControlsTest, ACameraThatCountsExposureInItsOwnStepsIsSetInThem) {
   device_.controls[V4L2_CID_EXPOSURE] = {0, 255, 1, 120};
   CameraSettings asked = untouched(settings());
   asked.exposure_us = 5000;
-  expect_grants(asked,
-                "/dev/video0: exposure_us = 5000: the camera counts exposure in steps of its own, 0 to 255, and not in "
-                "time: exposure_steps fixes it");
+  expect_negotiated(
+      asked,
+      "/dev/video0: exposure_us = 5000: the camera counts exposure in steps of its own, 0 to 255, and not in "
+      "time: exposure_steps fixes it");
   EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_AUTO).writes, 0) << "fixed at what nobody chose, it would be worse";
   asked.exposure_steps = 300;
   V4l2Camera camera(asked);
   ASSERT_TRUE(camera.open().ok());
-  EXPECT_EQ(camera.reason(), "/dev/video0: exposure_steps = 300: granted 255 (range 0 to 255, step 1)");
+  EXPECT_EQ(camera.info().negotiated, "/dev/video0: exposure_steps = 300: granted 255 (range 0 to 255, step 1)");
   EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_AUTO).value, V4L2_EXPOSURE_MANUAL);
   EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE).value, 255);
-  EXPECT_NE(camera.info().granted.find(", exposure 255 steps"), std::string::npos) << camera.info().granted;
+  EXPECT_NE(camera.info().description.find(", exposure 255 steps"), std::string::npos) << camera.info().description;
 }
 
 TEST_F(V4l2ControlsTest, ExposureStepsThatACameraLacksLeaveItAutomatic) {
   CameraSettings asked = untouched(settings());
   asked.exposure_steps = 100;
-  expect_grants(asked, "/dev/video0: exposure_steps = 100: the camera has no such control");
+  expect_negotiated(asked, "/dev/video0: exposure_steps = 100: the camera has no such control");
   EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_AUTO).writes, 0);
 }
 
@@ -95,17 +97,17 @@ TEST_F(V4l2ControlsTest, WhiteBalanceByGainsIsTheSameAtEachStart) {
   red.normal = 140;
   blue.normal = 130;
   const std::string said = "/dev/video0: white_balance_k = 4600: the camera takes gains only: ";
-  expect_grants(settings(), said + "red 140, blue 130");
+  expect_negotiated(settings(), said + "red 140, blue 130");
   EXPECT_EQ(device_.controls.at(V4L2_CID_AUTO_WHITE_BALANCE).value, 0);
   EXPECT_EQ(red.value, 140);
   EXPECT_EQ(blue.value, 130);
   blue.set_error = EIO;
-  expect_grants(settings(), said + "refused (Input/output error)");
+  expect_negotiated(settings(), said + "refused (Input/output error)");
 }
 
 TEST_F(V4l2ControlsTest, ShutterPriorityFixesTheTimeWhereNothingElseDoes) {
   device_.controls[V4L2_CID_EXPOSURE_AUTO].refuses = V4L2_EXPOSURE_MANUAL;
-  expect_grants(settings(), "");
+  expect_negotiated(settings(), "");
   EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_AUTO).value, V4L2_EXPOSURE_SHUTTER_PRIORITY);
   EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 50);
 }
@@ -117,7 +119,7 @@ TEST_F(V4l2ControlsTest, ValuesOutsideTheRangeAreClampedAndReported) {
   asked.white_balance_k = 4604;
   asked.focus = 12;
   device_.controls[V4L2_CID_FOCUS_ABSOLUTE] = {0, 250, 5, 30};
-  expect_grants(
+  expect_negotiated(
       asked,
       "/dev/video0: exposure_us = 300000: granted 204700 (range 300 to 204700, step 100); gain = 1000: granted "
       "255 (range 0 to 255, step 1); white_balance_k = 4604: granted 4600 (range 2000 to 6500, step 10); "
@@ -129,13 +131,13 @@ TEST_F(V4l2ControlsTest, ARangeThatDoesNotEndOnAStepIsUsedToItsLastStep) {
   CameraSettings asked = untouched(settings());
   asked.white_balance_k = 7000;
   device_.controls[V4L2_CID_WHITE_BALANCE_TEMPERATURE].high = 6507;
-  expect_grants(asked, "/dev/video0: white_balance_k = 7000: granted 6500 (range 2000 to 6507, step 10)");
+  expect_negotiated(asked, "/dev/video0: white_balance_k = 7000: granted 6500 (range 2000 to 6507, step 10)");
 }
 
 TEST_F(V4l2ControlsTest, ExposureIsRoundedToTheDriversHundredMicroseconds) {
   CameraSettings asked = untouched(settings());
   asked.exposure_us = 5060;
-  expect_grants(asked, "/dev/video0: exposure_us = 5060: granted 5100 (range 300 to 204700, step 100)");
+  expect_negotiated(asked, "/dev/video0: exposure_us = 5060: granted 5100 (range 300 to 204700, step 100)");
 }
 
 TEST_F(V4l2ControlsTest, LackingControlsAreNamed) {
@@ -144,19 +146,20 @@ TEST_F(V4l2ControlsTest, LackingControlsAreNamed) {
   asked.power_line = PowerLine::k60Hz;
   asked.focus = 0;
   device_.controls.clear();
-  expect_grants(asked,
-                "/dev/video0: power_line = 60hz: the camera has no such control; exposure_us = 5000: the camera has no "
-                "such control; gain = 10: the camera has no such control; white_balance_k = 4600: the camera has no "
-                "such control; focus = 0: the camera has no such "
-                "control");
+  expect_negotiated(
+      asked,
+      "/dev/video0: power_line = 60hz: the camera has no such control; exposure_us = 5000: the camera has no "
+      "such control; gain = 10: the camera has no such control; white_balance_k = 4600: the camera has no "
+      "such control; focus = 0: the camera has no such "
+      "control");
   asked = untouched(asked);
   asked.power_line = PowerLine::kOff;
-  expect_grants(asked, "");
+  expect_negotiated(asked, "");
 }
 
 TEST_F(V4l2ControlsTest, DisabledControlsCountAsLacking) {
   device_.controls[V4L2_CID_WHITE_BALANCE_TEMPERATURE].flags = V4L2_CTRL_FLAG_DISABLED;
-  expect_grants(settings(), "/dev/video0: white_balance_k = 4600: the camera has no such control");
+  expect_negotiated(settings(), "/dev/video0: white_balance_k = 4600: the camera has no such control");
 }
 
 TEST_F(V4l2ControlsTest, RefusedControlsAreReportedAndTheCameraOpens) {
@@ -166,10 +169,11 @@ TEST_F(V4l2ControlsTest, RefusedControlsAreReportedAndTheCameraOpens) {
   device_.controls[V4L2_CID_EXPOSURE_ABSOLUTE].set_error = EIO;
   device_.controls[V4L2_CID_AUTO_WHITE_BALANCE].stubborn = true;
   device_.controls[V4L2_CID_POWER_LINE_FREQUENCY].stubborn = true;
-  expect_grants(asked,
-                "/dev/video0: power_line = 50hz: the driver kept another; exposure_us = 5000: automatic exposure stays "
-                "on (Device or resource busy); exposure_us = 5000: refused (Input/output error); white_balance_k = "
-                "4600: automatic white balance stays on (the driver kept it)");
+  expect_negotiated(
+      asked,
+      "/dev/video0: power_line = 50hz: the driver kept another; exposure_us = 5000: automatic exposure stays "
+      "on (Device or resource busy); exposure_us = 5000: refused (Input/output error); white_balance_k = "
+      "4600: automatic white balance stays on (the driver kept it)");
 }
 
 TEST_F(V4l2ControlsTest, GainFallsBackToTheSensorsOwn) {
@@ -177,7 +181,7 @@ TEST_F(V4l2ControlsTest, GainFallsBackToTheSensorsOwn) {
   asked.gain = 12;
   device_.controls.erase(V4L2_CID_GAIN);
   device_.controls[V4L2_CID_ANALOGUE_GAIN] = {1, 16, 1, 1};
-  expect_grants(asked, "");
+  expect_negotiated(asked, "");
   EXPECT_EQ(device_.controls.at(V4L2_CID_ANALOGUE_GAIN).value, 12);
 }
 
@@ -197,10 +201,10 @@ TEST_F(V4l2ControlsTest, AReportIsNotRepeatedByStart) {
   asked.gain = 300;
   V4l2Camera camera(asked);
   ASSERT_TRUE(camera.open().ok());
-  const std::string report = camera.reason();
+  const std::string report = camera.info().negotiated;
   EXPECT_EQ(report, "/dev/video0: rate_hz = 60: granted 30; gain = 300: granted 255 (range 0 to 255, step 1)");
   ASSERT_TRUE(camera.start().ok());
-  EXPECT_EQ(camera.reason(), report);
+  EXPECT_EQ(camera.info().negotiated, report);
 }
 
 using V4l2AdjustTest = V4l2RunningTest;
@@ -212,16 +216,14 @@ TEST_F(V4l2AdjustTest, ChangesWhatTheStreamShowsWithoutAFrameLost) {
   asked.exposure_us = 4000;
   asked.gain = 1000;
   asked.rate_hz = 7.0;
-  const std::string reason = camera_->reason();
-  std::string grants;
-  ASSERT_TRUE(camera_->adjust(asked, grants).ok());
-  EXPECT_EQ(grants, "/dev/video0: gain = 1000: granted 255 (range 0 to 255, step 1)");
-  EXPECT_EQ(camera_->reason(), reason) << "the thread that waits for frames may be reading it";
+  const std::string negotiated = camera_->info().negotiated;
+  EXPECT_EQ(negotiated_by(camera_->adjust(asked)), "/dev/video0: gain = 1000: granted 255 (range 0 to 255, step 1)");
+  EXPECT_EQ(camera_->info().negotiated, negotiated) << "the thread that waits for frames may be reading it";
   EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 40);
   EXPECT_EQ(device_.controls.at(V4L2_CID_GAIN).value, 255);
   EXPECT_TRUE(device_.streaming());
   const Result<hal::FrameLease> frame = camera_->wait(soon());
-  ASSERT_TRUE(frame.ok()) << camera_->reason();
+  ASSERT_TRUE(frame.ok()) << frame.text();
   EXPECT_EQ(frame.value().frame().sequence, 1u);
   // V4L2 stamps in whole microseconds.
   const Duration into_exposure = frame.value().frame().capture_time - device_.start_of_exposure(1);
@@ -237,9 +239,7 @@ TEST_F(V4l2AdjustTest, WritesNothingThatDoesNotChange) {
   begin(asked);
   const auto written_by = [&](const CameraSettings& next) {
     for (auto& [id, control] : device_.controls) control.writes = 0;
-    std::string grants;
-    EXPECT_TRUE(camera_->adjust(next, grants).ok());
-    EXPECT_EQ(grants, "");
+    EXPECT_EQ(negotiated_by(camera_->adjust(next)), "");
     std::set<std::uint32_t> written;
     for (const auto& [id, control] : device_.controls) {
       if (control.writes > 0) written.insert(id);
@@ -264,15 +264,13 @@ TEST_F(V4l2AdjustTest, HoldsWhenTheCameraIsOpenedAgain) {
   begin();
   CameraSettings asked = settings();
   asked.exposure_us = 4000;
-  std::string grants = "of before";
   camera_->close();
-  ASSERT_TRUE(camera_->adjust(asked, grants).ok());
-  EXPECT_EQ(grants, "");
+  EXPECT_EQ(negotiated_by(camera_->adjust(asked)), "");
   EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 50) << "a closed camera is not touched";
-  ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
+  ASSERT_OK(camera_->open());
   EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 40);
   device_.controls[V4L2_CID_EXPOSURE_ABSOLUTE].value = 999;
-  ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
+  ASSERT_OK(camera_->start());
   EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 40);
 }
 
@@ -281,9 +279,7 @@ TEST_F(V4l2AdjustTest, ACameraThatIsGoneLacksNoControl) {
   device_.plug_out();
   CameraSettings asked = untouched(settings());
   asked.power_line = PowerLine::k50Hz;
-  std::string grants;
-  ASSERT_TRUE(camera_->adjust(asked, grants).ok());
-  EXPECT_EQ(grants, "/dev/video0: the camera went away; its next opening sets them");
+  EXPECT_EQ(negotiated_by(camera_->adjust(asked)), "/dev/video0: the camera went away; its next opening sets them");
 }
 
 TEST_F(V4l2ControlsTest, EveryReopeningSetsThemAnew) {

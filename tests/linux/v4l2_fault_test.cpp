@@ -1,6 +1,7 @@
 #include <cerrno>
 
 #include "tests/linux/v4l2_fixture.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 namespace {
@@ -13,8 +14,9 @@ class V4l2FaultTest : public V4l2RunningTest {
   /// The same error again and again, and the driver is left in peace.
   void expect_lost_for_good(ErrorCode code) {
     const int requests = device_.requests(VIDIOC_DQBUF);
-    const std::string reason = camera_->reason();
-    expect_loss(*camera_, code, reason);
+    const std::string text = camera_->wait(soon()).text();
+    EXPECT_NE(text, "");
+    expect_loss(*camera_, code, text);
     EXPECT_EQ(device_.requests(VIDIOC_DQBUF), requests);
   }
 };
@@ -92,7 +94,7 @@ TEST_F(V4l2FaultTest, PluggedInAgainUnderAnotherNumberItIsFoundByItsSocket) {
     kernel_.add("/dev/video0", other);  // somebody else's camera takes the number
     kernel_.add("/dev/video3", after);
     kernel_.link(kByPath, "/dev/video3");
-    ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
+    ASSERT_OK(camera_->open());
     ASSERT_TRUE(camera_->start().ok());
     EXPECT_TRUE(after.streaming()) << named;
     EXPECT_EQ(other.mapped(), 0u) << named;
@@ -143,7 +145,7 @@ TEST_F(V4l2FaultTest, ACameraThatIsOfNoUseIsNotRememberedForItsNumber) {
   EXPECT_EQ(camera_->open().code(), ErrorCode::kUnsupported);
   kernel_.add("/dev/video1", device_);
   kernel_.link(kByPath, "/dev/video1");
-  ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
+  ASSERT_OK(camera_->open());
   ASSERT_TRUE(camera_->start().ok());
   EXPECT_TRUE(device_.streaming());
   camera_.reset();
@@ -198,7 +200,7 @@ TEST_F(V4l2FaultTest, WhoIsTooSlowForAllFramesGetsTheNewest) {
   begin();
   const auto next = [&] {
     const Result<hal::FrameLease> frame = camera_->wait(soon());
-    EXPECT_TRUE(frame.ok()) << camera_->reason();
+    EXPECT_TRUE(frame.ok()) << frame.text();
     return frame.value().frame().sequence;
   };
   EXPECT_EQ(next(), 0u);
@@ -277,40 +279,36 @@ TEST_F(V4l2FaultTest, StampsThatGoBackOrLieInTheFutureAreReplacedAndTimeGoesForw
 
 TEST_F(V4l2FaultTest, RefusalsAtTheStartOfTheStream) {
   V4l2Camera camera(settings());
-  EXPECT_EQ(camera.start().code(), ErrorCode::kInconsistent);
-  EXPECT_EQ(camera.reason(), "/dev/video0: not open");
+  expect_error(camera.start(), ErrorCode::kInconsistent, "/dev/video0: not open");
   ASSERT_TRUE(camera.open().ok());
   device_.fail(VIDIOC_STREAMON, ENOSPC);
-  EXPECT_EQ(camera.start().code(), ErrorCode::kUnsupported);
-  EXPECT_EQ(
-      camera.reason(),
+  expect_error(
+      camera.start(), ErrorCode::kUnsupported,
       "/dev/video0: the USB bus has no bandwidth left for 640x480 at 60 Hz; use another port or a smaller picture");
   camera.close();
   ASSERT_TRUE(camera.open().ok());
   device_.fail(VIDIOC_STREAMON, EBUSY);
-  EXPECT_EQ(camera.start().code(), ErrorCode::kDeviceBusy);
-  EXPECT_EQ(camera.reason(), "/dev/video0: held by another process; `fuser -v /dev/video0` names it");
+  expect_error(camera.start(), ErrorCode::kDeviceBusy,
+               "/dev/video0: held by another process; `fuser -v /dev/video0` names it");
   camera.close();
   ASSERT_TRUE(camera.open().ok());
   device_.fail(VIDIOC_STREAMON, EPIPE);
-  EXPECT_EQ(camera.start().code(), ErrorCode::kIo);
-  EXPECT_EQ(camera.reason(), "/dev/video0: starting the stream failed: Broken pipe");
+  expect_error(camera.start(), ErrorCode::kIo, "/dev/video0: starting the stream failed: Broken pipe");
   camera.close();
   device_.bus = "platform:rkisp1";
   for (const int error : {EPIPE, ENOLINK}) {
     ASSERT_TRUE(camera.open().ok());
     device_.fail(VIDIOC_STREAMON, error);
-    EXPECT_EQ(camera.start().code(), ErrorCode::kIo) << "somebody may set them up";
-    EXPECT_EQ(
-        camera.reason(),
+    // Not kUnsupported: the parts may still be set up.
+    expect_error(
+        camera.start(), ErrorCode::kIo,
         "/dev/video0: no stream: the parts of the camera are not connected, or not all set to 640x480 (`media-ctl "
         "-p`)");
     camera.close();
   }
   ASSERT_TRUE(camera.open().ok());
   device_.fail(VIDIOC_QBUF, ENODEV, 1);
-  EXPECT_EQ(camera.start().code(), ErrorCode::kDisconnected);
-  EXPECT_EQ(camera.reason(), "/dev/video0: the camera went away (queuing buffers)");
+  expect_error(camera.start(), ErrorCode::kDisconnected, "/dev/video0: the camera went away (queuing buffers)");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "hal/linux/v4l2/v4l2_camera.h"
 #include "tests/linux/fake_kernel.h"
 #include "tests/linux/fake_v4l2.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 
@@ -26,29 +27,32 @@ class V4l2Test : public ::testing::Test {
     settings.backend = hal::CameraBackend::kV4l2;
     return settings;
   }
+  /// What adjust() reports; it must succeed.
+  static std::string negotiated_by(const Result<std::string>& adjusted) {
+    EXPECT_TRUE(adjusted.ok()) << adjusted.text();
+    return adjusted.ok() ? adjusted.value() : "";
+  }
   [[nodiscard]] Instant soon() const { return kernel_.now() + std::chrono::milliseconds(100); }
   /// open() must fail with `code` and say `reason`.
   void expect_refusal(const hal::CameraSettings& settings, ErrorCode code, const std::string& reason) {
     hal::V4l2Camera camera(settings);
-    EXPECT_EQ(describe(camera.open().code()), std::string(describe(code)));
-    EXPECT_EQ(camera.reason(), reason);
+    expect_error(camera.open(), code, reason);
   }
-  /// open() must succeed and say `reason`.
-  void expect_grants(const hal::CameraSettings& settings, const std::string& reason) {
+  /// open() must succeed and report `negotiated`.
+  void expect_negotiated(const hal::CameraSettings& settings, const std::string& negotiated) {
     hal::V4l2Camera camera(settings);
     EXPECT_TRUE(camera.open().ok());
-    EXPECT_EQ(camera.reason(), reason);
+    EXPECT_EQ(camera.info().negotiated, negotiated);
   }
   /// The next frame must be lost with `code` and `reason`.
   void expect_loss(hal::V4l2Camera& camera, ErrorCode code, const std::string& reason) {
     const Result<hal::FrameLease> frame = camera.wait(soon());
-    EXPECT_EQ(describe(frame.code()), std::string(describe(code)));
-    EXPECT_EQ(camera.reason(), reason);
+    expect_error(frame, code, reason);
   }
   /// The next frame must be good and have this number.
   void expect_frame(hal::V4l2Camera& camera, std::uint32_t sequence) {
     const Result<hal::FrameLease> frame = camera.wait(soon());
-    ASSERT_TRUE(frame.ok()) << camera.reason();
+    ASSERT_TRUE(frame.ok()) << frame.text();
     EXPECT_EQ(frame.value().frame().sequence, sequence);
   }
 
@@ -61,8 +65,8 @@ class V4l2RunningTest : public V4l2Test {
  protected:
   void begin(const hal::CameraSettings& asked = settings()) {
     camera_.emplace(asked);
-    ASSERT_TRUE(camera_->open().ok()) << camera_->reason();
-    ASSERT_TRUE(camera_->start().ok()) << camera_->reason();
+    ASSERT_OK(camera_->open());
+    ASSERT_OK(camera_->start());
   }
   void TearDown() override {
     camera_.reset();

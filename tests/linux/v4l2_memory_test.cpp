@@ -33,7 +33,7 @@ TEST_F(V4l2MemoryTest, Nv12InTwoPiecesOfMemory) {
   EXPECT_EQ(device_.exported(), 8u);
   for (std::uint32_t i = 0; i < 10; ++i) {
     const Result<FrameLease> result = camera_->wait(soon());
-    ASSERT_TRUE(result.ok()) << camera_->reason();
+    ASSERT_TRUE(result.ok()) << result.text();
     const Frame& frame = result.value().frame();
     EXPECT_EQ(frame.format, PixelFormat::kNv12);
     EXPECT_EQ(frame.stride_bytes[0], 336u);
@@ -119,7 +119,7 @@ TEST_F(V4l2MemoryTest, ADriverThatDoesNotExportStreamsAllTheSame) {
   const Result<FrameLease> frame = camera_->wait(soon());
   ASSERT_TRUE(frame.ok());
   EXPECT_EQ(frame.value().dma_bufs(), hal::kNotShared);
-  EXPECT_EQ(camera_->info().granted.find("dma-buf"), std::string::npos);
+  EXPECT_EQ(camera_->info().description.find("dma-buf"), std::string::npos);
 }
 
 TEST_F(V4l2MemoryTest, AnExportThatFailsHalfwayLeavesNoFileOpen) {

@@ -1,6 +1,7 @@
 #include <cerrno>
 
 #include "tests/linux/v4l2_fixture.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 namespace {
@@ -12,15 +13,15 @@ using hal::V4l2Camera;
 
 TEST_F(V4l2OpenTest, GrantsWhatIsAskedAndHasNothingToSay) {
   V4l2Camera camera(settings());
-  ASSERT_TRUE(camera.open().ok()) << camera.reason();
-  EXPECT_EQ(camera.reason(), "");
+  ASSERT_OK(camera.open());
+  EXPECT_EQ(camera.info().negotiated, "");
   EXPECT_EQ(camera.info().format, PixelFormat::kYuyv);
   EXPECT_EQ(camera.info().width_px, 640);
   EXPECT_EQ(camera.info().height_px, 480);
   EXPECT_DOUBLE_EQ(camera.info().rate_hz, 60.0);
   EXPECT_EQ(device_.mapped(), 4u);
   EXPECT_EQ(
-      camera.info().granted,
+      camera.info().description,
       "/dev/video0 (Fake Camera, usb-0000:00:14.0-1): yuyv 640x480 at 60 Hz, 4 buffers mapped and shared as "
       "dma-bufs, stamps of the start of exposure, exposure 5000 us, gain 64, white balance 4600 K, power line 60 Hz");
   camera.close();
@@ -31,8 +32,8 @@ TEST_F(V4l2OpenTest, GrantsWhatIsAskedAndHasNothingToSay) {
 TEST_F(V4l2OpenTest, OpensAgainAfterCloseAndWithoutClose) {
   V4l2Camera camera(settings());
   for (int i = 0; i < 3; ++i) {
-    ASSERT_TRUE(camera.open().ok()) << camera.reason();
-    ASSERT_TRUE(camera.open().ok()) << camera.reason();
+    ASSERT_OK(camera.open());
+    ASSERT_OK(camera.open());
     EXPECT_EQ(kernel_.open_files(), 1u + 4u) << "and a dma-buf a buffer";
     camera.close();
   }
@@ -66,18 +67,18 @@ TEST_F(V4l2OpenTest, OpensByItsStableName) {
       asked, ErrorCode::kNotFound,
       std::string(kByPath) + ": no such device; cameras here: /dev/video0 (Fake Camera, usb-0000:00:14.0-1)");
   kernel_.link(kByPath, "/dev/video0");
-  expect_grants(asked, "");
+  expect_negotiated(asked, "");
 }
 
 TEST_F(V4l2OpenTest, ANumberIsPointedOutWhereALinkWouldStay) {
   kernel_.link("/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0", "/dev/video0");
   kernel_.link("/dev/goal-camera", "/dev/video0");
-  expect_grants(settings(),
-                "/dev/video0: device = \"/dev/video0\": a number, which the order of plugging in decides; "
-                "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0 is the same camera");
+  expect_negotiated(settings(),
+                    "/dev/video0: device = \"/dev/video0\": a number, which the order of plugging in decides; "
+                    "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0 is the same camera");
   CameraSettings asked = settings();
   asked.device = "/dev/goal-camera";
-  expect_grants(asked, "");
+  expect_negotiated(asked, "");
 }
 
 TEST_F(V4l2OpenTest, WhatIsGrantedIsSaidAsItIs) {
@@ -93,11 +94,11 @@ TEST_F(V4l2OpenTest, WhatIsGrantedIsSaidAsItIs) {
   V4l2Camera camera(asked);
   ASSERT_TRUE(camera.open().ok());
   EXPECT_EQ(
-      camera.reason(),
+      camera.info().negotiated,
       "/dev/video0: rate_hz = 60: the driver does not tell its rate; YUV of full range: its darkest 16 levels are "
       "taken for black");
   EXPECT_EQ(
-      camera.info().granted,
+      camera.info().description,
       "/dev/video0 (Fake Camera, usb-0000:00:14.0-1): yuyv 640x480, 4 buffers mapped (multi-planar), stamps of the "
       "end of frame, exposure automatic, gain 64, white balance automatic, focus automatic, power line 60 Hz");
 }
@@ -173,12 +174,12 @@ TEST_F(V4l2OpenTest, RateIsReportedWhenItIsNotTheOneAsked) {
   V4l2Camera camera(settings());
   ASSERT_TRUE(camera.open().ok());
   EXPECT_DOUBLE_EQ(camera.info().rate_hz, 30.0);
-  EXPECT_EQ(camera.reason(), "/dev/video0: rate_hz = 60: granted 30");
+  EXPECT_EQ(camera.info().negotiated, "/dev/video0: rate_hz = 60: granted 30");
 
   device_.tells_rate = false;
   ASSERT_TRUE(camera.open().ok());
   EXPECT_DOUBLE_EQ(camera.info().rate_hz, 0.0);
-  EXPECT_EQ(camera.reason(), "/dev/video0: rate_hz = 60: the driver does not tell its rate");
+  EXPECT_EQ(camera.info().negotiated, "/dev/video0: rate_hz = 60: the driver does not tell its rate");
 }
 
 TEST_F(V4l2OpenTest, FractionalRateIsAskedInMillihertz) {
@@ -187,15 +188,15 @@ TEST_F(V4l2OpenTest, FractionalRateIsAskedInMillihertz) {
   V4l2Camera camera(asked);
   ASSERT_TRUE(camera.open().ok());
   EXPECT_DOUBLE_EQ(camera.info().rate_hz, 30.0);
-  EXPECT_EQ(camera.reason(), "") << "29.97 is 30 to a person";
+  EXPECT_EQ(camera.info().negotiated, "") << "29.97 is 30 to a person";
 }
 
 TEST_F(V4l2OpenTest, BuffersFewerOrMoreThanAskedAreReported) {
   device_.most_buffers = 3;
-  expect_grants(settings(), "/dev/video0: buffers = 4: granted 3");
+  expect_negotiated(settings(), "/dev/video0: buffers = 4: granted 3");
   device_.most_buffers = 64;
   device_.fewest_buffers = 40;
-  expect_grants(settings(), "/dev/video0: buffers = 4: granted 32");
+  expect_negotiated(settings(), "/dev/video0: buffers = 4: granted 32");
   device_.fewest_buffers = device_.most_buffers = 1;
   expect_refusal(settings(), ErrorCode::kUnsupported, "/dev/video0: grants 1 buffers, at least 2 are needed");
 }
@@ -219,14 +220,14 @@ TEST_F(V4l2OpenTest, InterlacedPicturesAndForeignClocksAreReportedTogether) {
   device_.field = V4L2_FIELD_INTERLACED;
   device_.stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_COPY;
   device_.rates_hz = {25};
-  expect_grants(settings(),
-                "/dev/video0: rate_hz = 60: granted 25; interlaced: odd and even rows are half a frame apart; the "
-                "driver's time stamps are of no monotonic clock: frames are stamped when they are fetched");
+  expect_negotiated(settings(),
+                    "/dev/video0: rate_hz = 60: granted 25; interlaced: odd and even rows are half a frame apart; the "
+                    "driver's time stamps are of no monotonic clock: frames are stamped when they are fetched");
 }
 
 TEST_F(V4l2OpenTest, SignalsDoNotDisturb) {
   kernel_.interrupt_requests(5);
-  expect_grants(settings(), "");
+  expect_negotiated(settings(), "");
 }
 
 TEST_F(V4l2OpenTest, ACameraWithNothingThatCanBeReadSaysSo) {
@@ -240,16 +241,18 @@ TEST_F(V4l2OpenTest, ACameraWithNothingThatCanBeReadSaysSo) {
                  "/dev/video0: no yuyv 640x480 (invalid argument); it offers uyvy");
 }
 
-TEST_F(V4l2OpenTest, ListThatIsTooLongIsCutAndNothingElse) {
+TEST_F(V4l2OpenTest, ALongListOfSizesIsReportedWhole) {
   device_.formats = {{V4L2_PIX_FMT_RGB24, {}, false}, {V4L2_PIX_FMT_NV12, {}, false}, {V4L2_PIX_FMT_UYVY, {}, false}};
   for (fake::V4l2Format& format : device_.formats) {
     for (std::uint32_t i = 0; i < 100; ++i) format.sizes.emplace_back(1000 + i, 1000);
   }
   V4l2Camera camera(settings());
-  EXPECT_EQ(camera.open().code(), ErrorCode::kUnsupported);
-  EXPECT_EQ(camera.reason().size(), hal::Reason::kCapacity - 1);
+  const Result<void> opened = camera.open();
+  EXPECT_EQ(opened.code(), ErrorCode::kUnsupported);
   const std::string begin = "/dev/video0: no yuyv 640x480 but rgb24 1000x1000; it offers rgb24 1000x1000, 1001x1000, ";
-  EXPECT_EQ(camera.reason().substr(0, begin.size()), begin);
+  EXPECT_EQ(opened.text().substr(0, begin.size()), begin);
+  EXPECT_NE(opened.text().find("uyvy 1000x1000"), std::string::npos);
+  EXPECT_NE(opened.text().find("1099x1000", 2048), std::string::npos) << "the last one";
 }
 
 }  // namespace

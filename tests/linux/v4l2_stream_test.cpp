@@ -4,6 +4,7 @@
 
 #include "tests/linux/driver_allocations.h"
 #include "tests/linux/v4l2_fixture.h"
+#include "tests/results.h"
 
 namespace touchline::testing {
 namespace {
@@ -37,7 +38,7 @@ TEST_F(V4l2StreamTest, FramesComeInOrderFromTheDriversOwnMemory) {
   begin(settings());
   for (std::uint32_t i = 0; i < 20; ++i) {
     Result<FrameLease> result = camera_->wait(soon());
-    ASSERT_TRUE(result.ok()) << camera_->reason();
+    ASSERT_TRUE(result.ok()) << result.text();
     const Frame& frame = result.value().frame();
     EXPECT_EQ(frame.sequence, i);
     EXPECT_EQ(number_in(frame), i);
@@ -68,7 +69,7 @@ TEST_F(V4l2StreamTest, PlanesAndStridesOfAllFormats) {
       device_.formats = {{c.fourcc, {{320, 240}}, false}};
       begin(small(c.format));
       const Result<FrameLease> result = camera_->wait(soon());
-      ASSERT_TRUE(result.ok()) << camera_->reason();
+      ASSERT_TRUE(result.ok()) << result.text();
       const Frame& frame = result.value().frame();
       EXPECT_EQ(frame.format, hal::pixel_format(c.format));
       EXPECT_EQ(frame.stride_bytes[0], 320 * c.bytes_per_pixel + 24);
@@ -116,7 +117,7 @@ TEST_F(V4l2StreamTest, StampsOfUvcvideoMoveBackByHalfTheExposure) {
   begin(settings());
   const bool computes = hal::uvc_computes_stamps();  // as this machine's is loaded
   const std::string word = computes ? "stamps of the start of exposure" : "stamps of the first packet";
-  EXPECT_NE(camera_->info().granted.find(word), std::string::npos) << camera_->info().granted;
+  EXPECT_NE(camera_->info().description.find(word), std::string::npos) << camera_->info().description;
   const Result<FrameLease> frame = camera_->wait(soon());
   ASSERT_TRUE(frame.ok());
   const Instant expected = device_.start_of_exposure(0) + (computes ? kExposure : -kExposure) / 2;
@@ -187,8 +188,7 @@ TEST_F(V4l2StreamTest, TimesOutAtTheDeadline) {
   begin(settings());
   const Instant deadline = kernel_.now() + std::chrono::milliseconds(3);
   const Result<FrameLease> frame = camera_->wait(deadline);
-  EXPECT_EQ(frame.code(), ErrorCode::kTimeout);
-  EXPECT_EQ(camera_->reason(), "/dev/video0: no frame before the deadline");
+  expect_error(frame, ErrorCode::kTimeout, "/dev/video0: no frame before the deadline");
   EXPECT_GE(kernel_.now(), deadline);
   EXPECT_LE(kernel_.now(), deadline + 10 * kMicrosecond);
   expect_frame(*camera_, 0);

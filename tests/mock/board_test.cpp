@@ -11,6 +11,7 @@
 #include "hal/linux/monotonic_clock.h"
 #include "hal/mock/arena.h"
 #include "hal/mock/mock_devices.h"
+#include "tests/results.h"
 
 namespace touchline {
 namespace {
@@ -101,8 +102,7 @@ class Game {
     settings.radio_delay = from_seconds(board.radio.delay_s);
     loop.emplace(LoopDevices{*camera, *radio, *gpio, *clock, true}, *pipeline, settings, *ring,
                  LoopObserver{&Game::look, this});
-    std::string reason;
-    EXPECT_TRUE(loop->open(reason).ok()) << reason;
+    EXPECT_OK(loop->open());
   }
 
   [[nodiscard]] double now_s() const { return seconds(arena->now() - hal::mock::Arena::kBegin); }
@@ -237,9 +237,8 @@ std::string run_session(std::uint64_t seed) {
   options.seed = seed;
   options.duration = 3s;
   config::Problems problems;
-  std::string reason;
   EXPECT_TRUE(session.load(options, problems).ok()) << problems.text();
-  EXPECT_TRUE(session.open({}, reason).ok()) << reason;
+  EXPECT_OK(session.open({}));
   const std::atomic<bool> stop = false;
   EXPECT_EQ(session.loop().run(stop), LoopEnd::kLimit);
   const std::string summary = session.devices().summary();

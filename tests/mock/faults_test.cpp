@@ -1,5 +1,6 @@
 // Every kind of [[arena.fault]]: errors of the device during the fault, and recovery afterwards.
 #include "tests/mock/devices_fixture.h"
+#include "tests/results.h"
 
 namespace touchline::hal::mock {
 namespace {
@@ -11,7 +12,7 @@ class Faults : public DevicesTest {
     for (std::size_t i = 0; i < std::size_t{3} * 64 * 48; ++i) sum += lease.frame().plane[0][i];
     return sum / (3 * 64 * 48);
   }
-  Status send() { return radio->send(packet_of(std::array<Drive, 1>{{{0, 0.1, 0.1}}}, ++sequence_)); }
+  Result<void> send() { return radio->send(packet_of(std::array<Drive, 1>{{{0, 0.1, 0.1}}}, ++sequence_)); }
 
   std::uint8_t sequence_ = 0;
 };
@@ -27,8 +28,7 @@ TEST_F(Faults, StalledCameraGivesNoFramesAndThenASequenceGap) {
     ASSERT_LT(now_s(), 1.1);
   }
   EXPECT_NEAR(before, 1.0 * 50, 2.0);
-  EXPECT_EQ(wait(0.1).code(), ErrorCode::kTimeout);
-  EXPECT_EQ(camera->reason(), "mock camera: no frame came in time");
+  expect_error(wait(0.1), ErrorCode::kTimeout, "mock camera: no frame came in time");
   const auto lease = wait();
   ASSERT_TRUE(lease.ok());
   EXPECT_NEAR(now_s(), 1.52, 0.02);
@@ -39,10 +39,8 @@ TEST_F(Faults, LostCameraMustBeReopened) {
   add_fault(FaultKind::kCameraLost, 1.0, 0.5);
   start();
   go_to(1.1);
-  EXPECT_EQ(wait().code(), ErrorCode::kDisconnected);
-  EXPECT_EQ(camera->reason(), "mock camera: unplugged (an [[arena.fault]])");
-  EXPECT_EQ(camera->open(), Status(ErrorCode::kNotFound));
-  EXPECT_EQ(camera->reason(), "mock camera: unplugged (an [[arena.fault]])");
+  expect_error(wait(), ErrorCode::kDisconnected, "mock camera: unplugged (an [[arena.fault]])");
+  expect_error(camera->open(), ErrorCode::kNotFound, "mock camera: unplugged (an [[arena.fault]])");
   go_to(1.6);
   EXPECT_EQ(wait().code(), ErrorCode::kDisconnected) << "the device must be reopened after it is plugged in again";
   camera->stop();
@@ -65,8 +63,7 @@ TEST_F(Faults, ShortAndCorruptFramesReturnErrors) {
     while (now_s() < at_s + 0.2) {
       const auto lease = wait();
       if (lease.ok()) continue;
-      EXPECT_EQ(lease.code(), code);
-      EXPECT_EQ(camera->reason(), "mock camera: the frame is damaged (an [[arena.fault]])");
+      expect_error(lease, code, "mock camera: the frame is damaged (an [[arena.fault]])");
       ++bad;
     }
     EXPECT_NEAR(bad, 10, 1) << "one error per frame";
@@ -100,12 +97,11 @@ TEST_F(Faults, LostRadioMustBeReopened) {
   start();
   EXPECT_TRUE(send().ok());
   go_to(1.1);
-  EXPECT_EQ(send(), Status(ErrorCode::kDisconnected));
-  EXPECT_EQ(radio->drain(arena->now()), Status(ErrorCode::kDisconnected));
-  EXPECT_EQ(radio->reason(), "mock radio: unplugged (an [[arena.fault]])");
-  EXPECT_EQ(radio->open(), Status(ErrorCode::kNotFound));
+  EXPECT_EQ(send().code(), ErrorCode::kDisconnected);
+  expect_error(radio->drain(arena->now()), ErrorCode::kDisconnected, "mock radio: unplugged (an [[arena.fault]])");
+  EXPECT_EQ(radio->open().code(), ErrorCode::kNotFound);
   go_to(1.6);
-  EXPECT_EQ(send(), Status(ErrorCode::kDisconnected)) << "the device must be reopened after it is plugged in again";
+  EXPECT_EQ(send().code(), ErrorCode::kDisconnected) << "the device must be reopened after it is plugged in again";
   radio->close();
   ASSERT_TRUE(radio->open().ok());
   EXPECT_TRUE(send().ok());
@@ -118,8 +114,8 @@ TEST_F(Faults, BusyRadioKeepsTheNewestPacketAndDropsTheOthers) {
   start();
   go_to(1.1);
   EXPECT_TRUE(send().ok());
-  EXPECT_EQ(send(), Status(ErrorCode::kBusy));
-  EXPECT_EQ(radio->reason(), "mock radio: the line is still busy, an older packet was dropped for a newer one");
+  expect_error(send(), ErrorCode::kBusy,
+               "mock radio: the line is still busy, an older packet was dropped for a newer one");
   EXPECT_EQ(radio->counters().packets, 2U);
   EXPECT_EQ(radio->counters().dropped, 1U);
   EXPECT_EQ(arena->channel().statistics().sent, 0U);
@@ -205,11 +201,11 @@ TEST_F(Faults, SlowLineTakesOnePacketAndDrainWaitsForTheNewest) {
   start();
   EXPECT_TRUE(send().ok());
   EXPECT_TRUE(send().ok()) << "waits";
-  EXPECT_EQ(send(), Status(ErrorCode::kBusy));
-  EXPECT_EQ(send(), Status(ErrorCode::kBusy));
+  EXPECT_EQ(send().code(), ErrorCode::kBusy);
+  EXPECT_EQ(send().code(), ErrorCode::kBusy);
   const double before_s = now_s();
-  EXPECT_EQ(radio->drain(arena->now() + from_seconds(0.2)), Status(ErrorCode::kTimeout));
-  EXPECT_EQ(radio->reason(), "mock radio: not everything has left before the deadline");
+  expect_error(radio->drain(arena->now() + from_seconds(0.2)), ErrorCode::kTimeout,
+               "mock radio: not everything has left before the deadline");
   EXPECT_NEAR(now_s(), before_s + 0.2, 0.002);
   EXPECT_TRUE(radio->drain(arena->now() + from_seconds(5.0)).ok());
   EXPECT_NEAR(now_s(), before_s + 2 * 13 * 10.0 / 1200, 0.002);

@@ -1,6 +1,7 @@
 // Timing and buffers of the arena's camera.
 #include "tests/mock/black_field.h"
 #include "tests/mock/devices_fixture.h"
+#include "tests/results.h"
 
 namespace touchline::hal::mock {
 namespace {
@@ -154,8 +155,7 @@ TEST_F(FrameTimes, HeldBuffersAreNotOverwritten) {
   EXPECT_NE(held[0].frame().plane[0], held[1].frame().plane[0]);
   EXPECT_NE(held[1].frame().plane[0], held[2].frame().plane[0]);
   const auto none = wait(0.5);
-  EXPECT_EQ(none.code(), ErrorCode::kTimeout);
-  EXPECT_EQ(camera->reason(), "mock camera: every buffer is held by somebody");
+  expect_error(none, ErrorCode::kTimeout, "mock camera: every buffer is held by somebody");
 
   const std::uint8_t* const freed = held[1].frame().plane[0];
   held.erase(held.begin() + 1);
@@ -169,8 +169,7 @@ TEST_F(FrameTimes, RestartsAfterAStop) {
   start();
   for (int i = 0; i < 5; ++i) ASSERT_TRUE(wait().ok());
   camera->stop();
-  EXPECT_EQ(wait(0.1).code(), ErrorCode::kIo);
-  EXPECT_EQ(camera->reason(), "mock camera: used before it was opened and started");
+  expect_error(wait(0.1), ErrorCode::kIo, "mock camera: used before it was opened and started");
   go_to(2.0);
   ASSERT_TRUE(camera->start().ok());
   const auto lease = wait();
@@ -186,16 +185,13 @@ TEST_F(FrameTimes, ClosedDevicesReturnErrors) {
   MockCamera closed_camera(*arena, time);
   MockRadio closed_radio(*arena, time);
   MockGpio closed_gpio(*arena, time);
-  EXPECT_EQ(closed_camera.start(), Status(ErrorCode::kIo));
-  EXPECT_EQ(closed_camera.wait(arena->now()).code(), ErrorCode::kIo);
-  EXPECT_EQ(closed_camera.reason(), "mock camera: used before it was opened and started");
-  EXPECT_EQ(closed_radio.send(packet_of({}, 1)), Status(ErrorCode::kIo));
-  EXPECT_EQ(closed_radio.drain(arena->now()), Status(ErrorCode::kIo));
-  EXPECT_EQ(closed_radio.reason(), "mock radio: used before it was opened");
-  EXPECT_EQ(closed_gpio.set_status_led(true), Status(ErrorCode::kIo));
+  EXPECT_EQ(closed_camera.start().code(), ErrorCode::kIo);
+  expect_error(closed_camera.wait(arena->now()), ErrorCode::kIo, "mock camera: used before it was opened and started");
+  EXPECT_EQ(closed_radio.send(packet_of({}, 1)).code(), ErrorCode::kIo);
+  expect_error(closed_radio.drain(arena->now()), ErrorCode::kIo, "mock radio: used before it was opened");
+  EXPECT_EQ(closed_gpio.set_status_led(true).code(), ErrorCode::kIo);
   EXPECT_EQ(closed_gpio.set_strobe(true).code(), ErrorCode::kIo);
-  EXPECT_EQ(closed_gpio.inputs(arena->now()).code(), ErrorCode::kIo);
-  EXPECT_EQ(closed_gpio.reason(), "mock gpio: used before it was opened");
+  expect_error(closed_gpio.inputs(arena->now()), ErrorCode::kIo, "mock gpio: used before it was opened");
 }
 
 }  // namespace

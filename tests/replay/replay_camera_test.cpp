@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tests/replay/media.h"
+#include "tests/results.h"
 
 namespace touchline {
 namespace {
@@ -27,11 +28,11 @@ std::vector<std::uint8_t> pixels(const Frame& frame, std::size_t bytes_per_row) 
 std::string refused(const std::string& path, ErrorCode expected) {
   ReplayCamera camera({.path = path});
   testing::internal::CaptureStderr();
-  const Status status = camera.open();
+  const Result<void> opened = camera.open();
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
-  EXPECT_EQ(status.code(), expected) << camera.reason();
-  EXPECT_NE(camera.reason().find(path), std::string::npos) << "the reason must name the input: " << camera.reason();
-  return camera.reason();
+  EXPECT_EQ(opened.code(), expected) << opened.text();
+  EXPECT_NE(opened.text().find(path), std::string::npos) << "the message must name the input: " << opened.text();
+  return opened.text();
 }
 
 TEST(ReplayCamera, PicturesComeInNaturalOrderWithTheirStamps) {
@@ -42,7 +43,7 @@ TEST(ReplayCamera, PicturesComeInNaturalOrderWithTheirStamps) {
   std::filesystem::create_directory(folder / "more.png");
 
   ReplayCamera camera({.path = folder.path(), .format = PixelFormat::kRgb24, .rate_hz = 8.0});
-  ASSERT_TRUE(camera.open().ok()) << camera.reason();
+  ASSERT_OK(camera.open());
   EXPECT_EQ(camera.info().width_px, 7);
   EXPECT_EQ(camera.info().height_px, 5);
   EXPECT_EQ(camera.info().rate_hz, 8.0);
@@ -50,7 +51,7 @@ TEST(ReplayCamera, PicturesComeInNaturalOrderWithTheirStamps) {
   ASSERT_TRUE(camera.start().ok());
   for (std::uint32_t i = 0; i < names.size(); ++i) {
     const Result<FrameLease> lease = camera.wait(kForever);
-    ASSERT_TRUE(lease.ok()) << camera.reason();
+    ASSERT_TRUE(lease.ok()) << lease.text();
     const Frame& frame = lease.value().frame();
     EXPECT_EQ(camera.file(), names[i]);
     EXPECT_EQ(frame.sequence, i);
@@ -89,9 +90,9 @@ TEST(ReplayCamera, BgrAndYuvOfAPicture) {
   media::write_png(folder / "red.png", picture);
   const auto first_frame = [&folder](PixelFormat format, auto look) {
     ReplayCamera camera({.path = folder / "red.png", .format = format});
-    ASSERT_TRUE(camera.open().ok() && camera.start().ok()) << camera.reason();
+    ASSERT_TRUE(camera.open().ok() && camera.start().ok());
     const Result<FrameLease> lease = camera.wait(kForever);
-    ASSERT_TRUE(lease.ok()) << camera.reason();
+    ASSERT_TRUE(lease.ok()) << lease.text();
     EXPECT_EQ(lease.value().frame().format, format);
     look(lease.value().frame());
   };
@@ -147,8 +148,9 @@ TEST(ReplayCamera, APictureOfAnotherSizeIsNamed) {
   ReplayCamera camera({.path = folder.path()});
   ASSERT_TRUE(camera.open().ok() && camera.start().ok());
   ASSERT_TRUE(camera.wait(kForever).ok());
-  EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kInconsistent);
-  EXPECT_NE(camera.reason().find("2.png is 8 x 6, but 1.png is 8 x 8"), std::string::npos) << camera.reason();
+  const Result<FrameLease> lost = camera.wait(kForever);
+  EXPECT_EQ(lost.code(), ErrorCode::kInconsistent);
+  EXPECT_NE(lost.text().find("2.png is 8 x 6, but 1.png is 8 x 8"), std::string::npos) << lost.text();
 }
 
 TEST(ReplayCamera, ADamagedPictureIsALostFrame) {
@@ -160,8 +162,9 @@ TEST(ReplayCamera, ADamagedPictureIsALostFrame) {
   ReplayCamera camera({.path = folder.path(), .format = PixelFormat::kRgb24, .rate_hz = 10.0});
   ASSERT_TRUE(camera.open().ok() && camera.start().ok());
   ASSERT_TRUE(camera.wait(kForever).ok());
-  EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kCorruptFrame);
-  EXPECT_NE(camera.reason().find("2.png"), std::string::npos) << camera.reason();
+  const Result<FrameLease> lost = camera.wait(kForever);
+  EXPECT_EQ(lost.code(), ErrorCode::kCorruptFrame);
+  EXPECT_NE(lost.text().find("2.png"), std::string::npos) << lost.text();
   const Result<FrameLease> next = camera.wait(kForever);
   ASSERT_TRUE(next.ok());
   EXPECT_EQ(camera.file(), "3.png");

@@ -13,6 +13,7 @@
 #include "core/geometry/camera_model.h"
 #include "hal/replay/replay_camera.h"
 #include "tests/replay/media.h"
+#include "tests/results.h"
 #include "tools/programs/evaluate/pose_evaluation.h"
 
 namespace touchline::replay {
@@ -229,7 +230,7 @@ TEST_F(Replay, AnnotatesIntoFolderAndVideo) {
   options.annotate = folder / "seen.mp4";
   ASSERT_TRUE(run()) << error;
   hal::ReplayCamera camera({.path = options.annotate});
-  ASSERT_TRUE(camera.open().ok()) << camera.reason();
+  ASSERT_OK(camera.open());
   EXPECT_EQ(camera.frame_count(), 2u);
   EXPECT_EQ(camera.info().width_px, 640);
 }

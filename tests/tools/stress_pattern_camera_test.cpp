@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "core/region/region_scanner.h"
+#include "tests/results.h"
 
 namespace touchline::latency {
 namespace {
@@ -38,7 +39,7 @@ TEST_P(StressPatterns, PatternsCauseTheWorkThatTheyClaim) {
   const PipelineParameters parameters = parameters_for(GetParam(), kWidth, kHeight);
   const StandingClock clock;
   StressPatternCamera camera(parameters, clock);
-  ASSERT_TRUE(camera.open().ok() && camera.start().ok()) << camera.reason();
+  ASSERT_TRUE(camera.open().ok() && camera.start().ok());
   const auto scanner = std::make_unique<RegionScanner>();
   ASSERT_TRUE(scanner->configure(parameters.scan).ok());
   const auto runs = std::make_unique<Runs>();
@@ -99,8 +100,9 @@ TEST(StressPatternCamera, NeedsColors) {
   parameters.scan.boxes.clear();
   const StandingClock clock;
   StressPatternCamera camera(parameters, clock);
-  EXPECT_EQ(camera.open().code(), ErrorCode::kInconsistent);
-  EXPECT_NE(camera.reason().find("no colors"), std::string::npos);
+  const Result<void> opened = camera.open();
+  EXPECT_EQ(opened.code(), ErrorCode::kInconsistent);
+  EXPECT_NE(opened.text().find("no colors"), std::string::npos);
 }
 
 }  // namespace

@@ -5,10 +5,9 @@
 #include <span>
 #include <string>
 
-#include "core/status.h"
 #include "core/time.h"
 #include "hal/device_parameters.h"
-#include "hal/linux/reason.h"
+#include "hal/result.h"
 
 namespace touchline::hal {
 
@@ -33,10 +32,10 @@ class GpioLine {
   GpioLine& operator=(const GpioLine&) = delete;
   ~GpioLine();
 
-  /// Low at first. On error `reason` names chip, line and cause.
-  Status request_output(const std::string& chip, int line, Reason& reason);
+  /// The line is low at first. The message of an error names chip, line and cause.
+  Result<void> request_output(const std::string& chip, int line);
   /// With edges where the chip can tell them, debounced by the kernel where it does that.
-  Status request_input(const std::string& chip, int line, const GpioInput& input, Reason& reason);
+  Result<void> request_input(const std::string& chip, int line, const GpioInput& input);
   void release();
   [[nodiscard]] bool requested() const { return request_ != nullptr; }
   /// Of an input; else it can only be looked at.

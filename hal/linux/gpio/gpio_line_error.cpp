@@ -22,58 +22,51 @@ std::string chips_here() {
 
 }  // namespace
 
-Status find_chip(const std::string& named, std::string& device, Reason& reason) {
-  device = named;
-  if (named.find('/') != std::string::npos) return {};
+Result<std::string> find_chip(const std::string& named) {
+  if (named.find('/') != std::string::npos) return named;
   std::string found, refused;
   for (const GpioChipNode& chip : list_gpio_chips()) {
     if (chip.error == EACCES) refused = chip.path;
     if (chip.error != 0 || chip.label != named) continue;
     if (!found.empty()) {
-      reason.set("%s: is both %s and %s; name one of them", named.c_str(), found.c_str(), chip.path.c_str());
-      return ErrorCode::kInconsistent;
+      return failure(ErrorCode::kInconsistent, "%s: is both %s and %s; name one of them", named.c_str(), found.c_str(),
+                     chip.path.c_str());
     }
     found = chip.path;
   }
-  if (found.empty())
-    return say_chip_refused(refused.empty() ? named : refused, refused.empty() ? ENOENT : EACCES, reason);
-  device = found;
-  return {};
+  if (found.empty()) return chip_error(refused.empty() ? named : refused, refused.empty() ? ENOENT : EACCES);
+  return found;
 }
 
-Status say_chip_refused(const std::string& chip, int error, Reason& reason) {
+Error chip_error(const std::string& chip, int error) {
   const ErrorCode code = open_error(error);
-  if (code == ErrorCode::kPermission) return say_denied(reason, chip.c_str(), "gpio");
+  if (code == ErrorCode::kPermission) return permission_denied(chip.c_str(), "gpio");
   if (code == ErrorCode::kNotFound) {
-    reason.set("%s: no such chip; GPIO chips here: %s", chip.c_str(), chips_here().c_str());
-    return code;
+    return failure(code, "%s: no such chip; GPIO chips here: %s", chip.c_str(), chips_here().c_str());
   }
   if (error == ENOTTY) {
-    reason.set("%s: not a GPIO chip; GPIO chips here: %s", chip.c_str(), chips_here().c_str());
-    return ErrorCode::kUnsupported;
+    return failure(ErrorCode::kUnsupported, "%s: not a GPIO chip; GPIO chips here: %s", chip.c_str(),
+                   chips_here().c_str());
   }
-  reason.set("%s: cannot be opened: %s", chip.c_str(), system_text(error));
-  return code;
+  return failure(code, "%s: cannot be opened: %s", chip.c_str(), system_text(error));
 }
 
-Status say_no_such_line(const std::string& chip, int line, const char* label, std::size_t lines, Reason& reason) {
-  reason.set("%s line %d: no such line; the chip (%s) has lines 0 to %zu", chip.c_str(), line, label, lines - 1);
-  return ErrorCode::kNotFound;
+Error no_such_line(const std::string& chip, int line, const char* label, std::size_t lines) {
+  return failure(ErrorCode::kNotFound, "%s line %d: no such line; the chip (%s) has lines 0 to %zu", chip.c_str(), line,
+                 label, lines - 1);
 }
 
-Status say_line_refused(const std::string& chip, int line, int error, const char* holder, const GpioInput* input,
-                        Reason& reason) {
+Error line_error(const std::string& chip, int line, int error, const char* holder, const GpioInput* input) {
   if (error == EBUSY) {
-    reason.set("%s line %d: held by \"%s\"; `gpioinfo` lists who holds what", chip.c_str(), line,
-               holder != nullptr ? holder : "the kernel");
-  } else if (input != nullptr && input->bias != GpioBias::kNone && (error == EINVAL || error == EOPNOTSUPP)) {
-    reason.set("%s line %d: the kernel has no bias for it; set %s = \"none\" and fit a resistor", chip.c_str(), line,
-               input->bias_key);
-    return ErrorCode::kUnsupported;
-  } else {
-    reason.set("%s line %d: cannot be requested: %s", chip.c_str(), line, system_text(error));
+    return failure(open_error(error), "%s line %d: held by \"%s\"; `gpioinfo` lists who holds what", chip.c_str(), line,
+                   holder != nullptr ? holder : "the kernel");
   }
-  return open_error(error);
+  if (input != nullptr && input->bias != GpioBias::kNone && (error == EINVAL || error == EOPNOTSUPP)) {
+    return failure(ErrorCode::kUnsupported,
+                   "%s line %d: the kernel has no bias for it; set %s = \"none\" and fit a resistor", chip.c_str(),
+                   line, input->bias_key);
+  }
+  return failure(open_error(error), "%s line %d: cannot be requested: %s", chip.c_str(), line, system_text(error));
 }
 
 int make_nonblocking(int file) { return ::fcntl(file, F_SETFL, O_NONBLOCK) == 0 ? 0 : errno; }

@@ -40,20 +40,19 @@ int flags_of(const GpioInput& input) {
   return polarity;  // as the chip has it: kernels before 5.5 refuse every bias flag
 }
 
-Status find(const std::string& chip, int line, gpiod_chip*& found_chip, gpiod_line*& found_line, Reason& reason) {
+Result<void> find(const std::string& chip, int line, gpiod_chip*& found_chip, gpiod_line*& found_line) {
   found_chip = gpiod_chip_open(chip.c_str());
   if (found_chip == nullptr) {
     const int error = errno;
-    return say_chip_refused(chip, error, reason);
+    return chip_error(chip, error);
   }
   found_line = gpiod_chip_get_line(found_chip, static_cast<unsigned>(line));
   if (found_line != nullptr) return {};
   const int error = errno;
   if (error == EINVAL) {
-    return say_no_such_line(chip, line, gpiod_chip_label(found_chip), gpiod_chip_num_lines(found_chip), reason);
+    return no_such_line(chip, line, gpiod_chip_label(found_chip), gpiod_chip_num_lines(found_chip));
   }
-  reason.set("%s line %d: cannot be found: %s", chip.c_str(), line, system_text(error));
-  return use_error(error);
+  return failure(use_error(error), "%s line %d: cannot be found: %s", chip.c_str(), line, system_text(error));
 }
 
 }  // namespace
@@ -61,32 +60,32 @@ Status find(const std::string& chip, int line, gpiod_chip*& found_chip, gpiod_li
 GpioLine::GpioLine() = default;
 GpioLine::~GpioLine() = default;
 
-Status GpioLine::request_output(const std::string& chip, int line, Reason& reason) {
+Result<void> GpioLine::request_output(const std::string& chip, int line) {
   release();
   auto request = std::make_unique<Request>();
-  if (const Status s = find(chip, line, request->chip, request->line, reason); !s.ok()) return s;
+  TOUCHLINE_TRY(find(chip, line, request->chip, request->line));
   if (gpiod_line_request_output(request->line, kConsumer, 0) != 0) {
     const int error = errno;
-    return say_line_refused(chip, line, error, gpiod_line_consumer(request->line), nullptr, reason);
+    return line_error(chip, line, error, gpiod_line_consumer(request->line), nullptr);
   }
   request_ = std::move(request);
   return {};
 }
 
-Status GpioLine::request_input(const std::string& chip, int line, const GpioInput& input, Reason& reason) {
+Result<void> GpioLine::request_input(const std::string& chip, int line, const GpioInput& input) {
   release();
   auto request = std::make_unique<Request>();
-  if (const Status s = find(chip, line, request->chip, request->line, reason); !s.ok()) return s;
+  TOUCHLINE_TRY(find(chip, line, request->chip, request->line));
   const int flags = flags_of(input);
   tells_edges_ = gpiod_line_request_both_edges_events_flags(request->line, kConsumer, flags) == 0;
   // A chip without interrupts can still be looked at.
   if (!tells_edges_ && gpiod_line_request_input_flags(request->line, kConsumer, flags) != 0) {
     const int error = errno;
-    return say_line_refused(chip, line, error, gpiod_line_consumer(request->line), &input, reason);
+    return line_error(chip, line, error, gpiod_line_consumer(request->line), &input);
   }
   if (tells_edges_) {
     if (const int error = make_nonblocking(gpiod_line_event_get_fd(request->line)); error != 0) {
-      return say_line_refused(chip, line, error, nullptr, &input, reason);
+      return line_error(chip, line, error, nullptr, &input);
     }
   }
   request_ = std::move(request);

@@ -69,27 +69,26 @@ Owned<gpiod_line_request> request_line(gpiod_chip* chip, unsigned line, gpiod_li
 }
 
 // Opens the chip and makes sure that it has the line.
-Status find(const std::string& path, int line, Owned<gpiod_chip>& chip, Reason& reason) {
+Result<void> find(const std::string& path, int line, Owned<gpiod_chip>& chip) {
   chip.reset(gpiod_chip_open(path.c_str()));
   if (!chip) {
     const int error = errno;
-    return say_chip_refused(path, error, reason);
+    return chip_error(path, error);
   }
   const Owned<gpiod_chip_info> info(gpiod_chip_get_info(chip.get()));
   if (!info) {
     const int error = errno;
-    reason.set("%s: says nothing about itself: %s", path.c_str(), system_text(error));
-    return use_error(error);
+    return failure(use_error(error), "%s: says nothing about itself: %s", path.c_str(), system_text(error));
   }
   const std::size_t lines = gpiod_chip_info_get_num_lines(info.get());
   if (static_cast<std::size_t>(line) < lines) return {};
-  return say_no_such_line(path, line, gpiod_chip_info_get_label(info.get()), lines, reason);
+  return no_such_line(path, line, gpiod_chip_info_get_label(info.get()), lines);
 }
 
-Status refused(const std::string& path, gpiod_chip* chip, int line, int error, const GpioInput* input, Reason& reason) {
+Error refused(const std::string& path, gpiod_chip* chip, int line, int error, const GpioInput* input) {
   const Owned<gpiod_line_info> info(gpiod_chip_get_line_info(chip, static_cast<unsigned>(line)));
   const char* const holder = info ? gpiod_line_info_get_consumer(info.get()) : nullptr;
-  return say_line_refused(path, line, error, holder, input, reason);
+  return line_error(path, line, error, holder, input);
 }
 
 }  // namespace
@@ -103,10 +102,10 @@ struct GpioLine::Request {
 GpioLine::GpioLine() = default;
 GpioLine::~GpioLine() = default;
 
-Status GpioLine::request_output(const std::string& chip, int line, Reason& reason) {
+Result<void> GpioLine::request_output(const std::string& chip, int line) {
   release();
   Owned<gpiod_chip> opened;
-  if (const Status s = find(chip, line, opened, reason); !s.ok()) return s;
+  TOUCHLINE_TRY(find(chip, line, opened));
   const Owned<gpiod_line_settings> settings(gpiod_line_settings_new());
   if (settings) {
     static_cast<void>(gpiod_line_settings_set_direction(settings.get(), GPIOD_LINE_DIRECTION_OUTPUT));
@@ -115,15 +114,15 @@ Status GpioLine::request_output(const std::string& chip, int line, Reason& reaso
   auto request = std::make_unique<Request>();
   request->offset = static_cast<unsigned>(line);
   request->lines = request_line(opened.get(), request->offset, settings.get());
-  if (!request->lines) return refused(chip, opened.get(), line, errno, nullptr, reason);
+  if (!request->lines) return refused(chip, opened.get(), line, errno, nullptr);
   request_ = std::move(request);
   return {};
 }
 
-Status GpioLine::request_input(const std::string& chip, int line, const GpioInput& input, Reason& reason) {
+Result<void> GpioLine::request_input(const std::string& chip, int line, const GpioInput& input) {
   release();
   Owned<gpiod_chip> opened;
-  if (const Status s = find(chip, line, opened, reason); !s.ok()) return s;
+  TOUCHLINE_TRY(find(chip, line, opened));
   auto request = std::make_unique<Request>();
   request->offset = static_cast<unsigned>(line);
   const auto ask = [&](bool with_edges, bool with_debounce) {
@@ -136,12 +135,12 @@ Status GpioLine::request_input(const std::string& chip, int line, const GpioInpu
   // Kernels before 5.10 do not debounce; a chip without interrupts tells no edges and can still be looked at.
   const bool debounce = input.debounce > Duration::zero();
   if (!(debounce && ask(true, true)) && !ask(true, false) && !ask(false, false)) {
-    return refused(chip, opened.get(), line, errno, &input, reason);
+    return refused(chip, opened.get(), line, errno, &input);
   }
   if (tells_edges_) {
     request->events.reset(gpiod_edge_event_buffer_new(kMostEvents));
     const int error = request->events ? make_nonblocking(gpiod_line_request_get_fd(request->lines.get())) : ENOMEM;
-    if (error != 0) return refused(chip, opened.get(), line, error, &input, reason);
+    if (error != 0) return refused(chip, opened.get(), line, error, &input);
   }
   request_ = std::move(request);
   return {};

@@ -14,33 +14,32 @@ constexpr std::size_t kMostEdges = 16;
 
 }  // namespace
 
-Status GpiodGpio::do_open() {
+Result<void> GpiodGpio::do_open() {
   do_close();
-  reason_.clear();
-  Status status = check_lines();
-  if (status.ok()) status = find_chip(settings_.chip, chip_, reason_);
-  if (status.ok()) {
-    // Not debounced by the kernel: it tells nothing of a line that never rests.
-    status =
-        open_input(emergency_stop_, settings_.emergency_stop_line,
-                   {settings_.emergency_stop_active_low, settings_.emergency_stop_bias, "emergency_stop_bias", {}});
-  }
-  if (status.ok()) {
-    status = open_input(start_, settings_.start_line,
-                        {settings_.start_active_low, settings_.start_bias, "start_bias", debounce_});
-  }
-  if (status.ok() && settings_.status_led_line != kNoLine) {
-    status = status_led_.request_output(chip_, settings_.status_led_line, reason_);
-  }
-  if (status.ok() && settings_.strobe_line != kNoLine) {
-    status = strobe_.request_output(chip_, settings_.strobe_line, reason_);
-  }
-  if (!status.ok()) do_close();
-  open_ = status.ok();
-  return status;
+  description_.clear();
+  Result<void> opened = open_lines();
+  if (!opened.ok()) do_close();
+  open_ = opened.ok();
+  return opened;
 }
 
-Status GpiodGpio::check_lines() {
+Result<void> GpiodGpio::open_lines() {
+  TOUCHLINE_TRY(check_lines());
+  TOUCHLINE_TRY_ASSIGN(chip_, find_chip(settings_.chip));
+  // Not debounced by the kernel, which reports no edge of a line that never settles.
+  TOUCHLINE_TRY(
+      open_input(emergency_stop_, settings_.emergency_stop_line,
+                 {settings_.emergency_stop_active_low, settings_.emergency_stop_bias, "emergency_stop_bias", {}}));
+  TOUCHLINE_TRY(open_input(start_, settings_.start_line,
+                           {settings_.start_active_low, settings_.start_bias, "start_bias", debounce_}));
+  if (settings_.status_led_line != kNoLine) {
+    TOUCHLINE_TRY(status_led_.request_output(chip_, settings_.status_led_line));
+  }
+  if (settings_.strobe_line != kNoLine) TOUCHLINE_TRY(strobe_.request_output(chip_, settings_.strobe_line));
+  return {};
+}
+
+Result<void> GpiodGpio::check_lines() {
   struct Use {
     int line;
     const char* name;
@@ -52,22 +51,22 @@ Status GpiodGpio::check_lines() {
   for (std::size_t i = 0; i < uses.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       if (uses[i].line == kNoLine || uses[i].line != uses[k].line) continue;
-      reason_.set("%s line %d: is both %s and %s", settings_.chip.c_str(), uses[i].line, uses[k].name, uses[i].name);
-      return ErrorCode::kInconsistent;
+      return failure(ErrorCode::kInconsistent, "%s line %d: is both %s and %s", settings_.chip.c_str(), uses[i].line,
+                     uses[k].name, uses[i].name);
     }
   }
   return {};
 }
 
-Status GpiodGpio::open_input(Input& input, int line, const GpioInput& how) {
+Result<void> GpiodGpio::open_input(Input& input, int line, const GpioInput& how) {
   if (line == kNoLine) return {};
-  if (const Status s = input.line.request_input(chip_, line, how, reason_); !s.ok()) return s;
+  TOUCHLINE_TRY(input.line.request_input(chip_, line, how));
   bool active = false;
   if (const int error = input.line.get(active); error != 0) return fail(line, "reading", error);
   input.debouncer.begin(input.line.debounced() ? Duration::zero() : debounce_, active, MonotonicClock::read());
   if (!input.line.tells_edges()) {
-    reason_.append("%s%s line %d: tells no edges, a pulse between two frames goes unseen", reason_.empty() ? "" : "; ",
-                   settings_.chip.c_str(), line);
+    description_ += (description_.empty() ? "" : "; ") + settings_.chip + " line " + std::to_string(line) +
+                    ": tells no edges, a pulse between two frames goes unseen";
   }
   return {};
 }
@@ -83,22 +82,20 @@ void GpiodGpio::do_close() {
   open_ = false;
 }
 
-Status GpiodGpio::set(const GpioLine& output, int line, bool high) {
+Result<void> GpiodGpio::set(const GpioLine& output, int line, bool high) {
   if (line == kNoLine) return {};
   if (!open_) return fail(line, "not open", 0);
   const int error = output.set(high);
-  return error == 0 ? Status{} : fail(line, "setting", error);
+  return error == 0 ? Result<void>() : fail(line, "setting", error);
 }
 
 Result<GpioInputs> GpiodGpio::do_inputs(Instant now) {
-  const Result<Debouncer::View> stop = look(emergency_stop_, settings_.emergency_stop_line, now);
-  if (!stop.ok()) return stop.error();
-  const Result<Debouncer::View> start = look(start_, settings_.start_line, now);
-  if (!start.ok()) return start.error();
+  TOUCHLINE_TRY_ASSIGN(const Debouncer::View stop, look(emergency_stop_, settings_.emergency_stop_line, now));
+  TOUCHLINE_TRY_ASSIGN(const Debouncer::View start, look(start_, settings_.start_line, now));
   GpioInputs inputs;
-  inputs.emergency_stop = stop.value().active || stop.value().restless;
-  inputs.start_pressed = start.value().activated;
-  inputs.look_again = std::min(stop.value().settles_in, start.value().settles_in);
+  inputs.emergency_stop = stop.active || stop.restless;
+  inputs.start_pressed = start.activated;
+  inputs.look_again = std::min(stop.settles_in, start.settles_in);
   return inputs;
 }
 
@@ -119,13 +116,12 @@ Result<Debouncer::View> GpiodGpio::look(Input& input, int line, Instant now) {
   return input.debouncer.look(now);
 }
 
-ErrorCode GpiodGpio::fail(int line, const char* doing, int error) {
+Error GpiodGpio::fail(int line, const char* doing, int error) {
   if (error == 0) {
-    reason_.set("%s line %d: %s", settings_.chip.c_str(), line, doing);
-    return ErrorCode::kDisconnected;
+    return failure(ErrorCode::kDisconnected, "%s line %d: %s", settings_.chip.c_str(), line, doing);
   }
-  reason_.set("%s line %d: %s failed: %s", settings_.chip.c_str(), line, doing, system_text(error));
-  return use_error(error);
+  return failure(use_error(error), "%s line %d: %s failed: %s", settings_.chip.c_str(), line, doing,
+                 system_text(error));
 }
 
 }  // namespace touchline::hal

@@ -7,13 +7,13 @@
 
 #include "hal/debouncer.h"
 #include "hal/device_parameters.h"
+#include "hal/error_text.h"
 #include "hal/gpio.h"
 #include "hal/linux/gpio/gpio_line.h"
-#include "hal/linux/reason.h"
 
 namespace touchline::hal {
 
-/// Status light, strobe, emergency stop and start button on lines of one GPIO chip.
+/// Result<void> light, strobe, emergency stop and start button on lines of one GPIO chip.
 class GpiodGpio final : public Gpio {
  public:
   explicit GpiodGpio(GpioSettings settings)
@@ -22,7 +22,7 @@ class GpiodGpio final : public Gpio {
   GpiodGpio(const GpiodGpio&) = delete;
   GpiodGpio& operator=(const GpiodGpio&) = delete;
 
-  [[nodiscard]] const std::string& reason() const override { return reason_.text(); }
+  [[nodiscard]] const std::string& description() const override { return description_; }
 
  private:
   struct Input {
@@ -30,24 +30,25 @@ class GpiodGpio final : public Gpio {
     Debouncer debouncer;
   };
 
-  Status do_open() override;
+  Result<void> do_open() override;
   void do_close() override;
-  Status do_set_status_led(bool on) override { return set(status_led_, settings_.status_led_line, on); }
-  Status do_set_strobe(bool high) override { return set(strobe_, settings_.strobe_line, high); }
+  Result<void> do_set_status_led(bool on) override { return set(status_led_, settings_.status_led_line, on); }
+  Result<void> do_set_strobe(bool high) override { return set(strobe_, settings_.strobe_line, high); }
   Result<GpioInputs> do_inputs(Instant now) override;
 
-  Status check_lines();
-  Status open_input(Input& input, int line, const GpioInput& how);
-  Status set(const GpioLine& output, int line, bool high);
+  Result<void> open_lines();
+  Result<void> check_lines();
+  Result<void> open_input(Input& input, int line, const GpioInput& how);
+  Result<void> set(const GpioLine& output, int line, bool high);
   Result<Debouncer::View> look(Input& input, int line, Instant now);
-  ErrorCode fail(int line, const char* doing, int error);
+  Error fail(int line, const char* doing, int error);
 
   GpioSettings settings_;
   std::string chip_;  // the device behind settings_.chip
   Duration debounce_;
   GpioLine status_led_, strobe_;
   Input emergency_stop_, start_;
-  Reason reason_;
+  std::string description_;
   bool open_ = false;
 };
 

@@ -23,52 +23,50 @@ LibcameraCamera::LibcameraCamera(CameraSettings settings, int priority, std::uni
 
 // --- the caller's thread --------------------------------------------------------------------------------------------
 
-Status LibcameraCamera::do_open() {
+Result<void> LibcameraCamera::do_open() {
   const std::scoped_lock alone(changing_);
   shut();
-  reason_.clear();
-  grants_.clear();
+  negotiated_.clear();
   info_ = {};
   if (link_ == nullptr) {
-    reason_.set(
+    return failure(
+        ErrorCode::kUnsupported,
         "camera.backend = \"libcamera\": this build is without libcamera; install libcamera-dev and build again");
-    return ErrorCode::kUnsupported;
   }
   worker_ = std::thread([this] { work(); });
-  if (const Status status = ask(Task::kOpen); !status.ok()) {
+  if (Result<void> opened = ask(Task::kOpen); !opened.ok()) {
     shut();
-    return status;
+    return opened;
   }
-  tell_grants(controls_);
+  report_negotiated(controls_);
   return {};
 }
 
-Status LibcameraCamera::ask(Task task) {
+Result<void> LibcameraCamera::ask(Task task) {
   task_.store(task, std::memory_order_release);
   work_.post();
   done_.wait();
   return result_;
 }
 
-/// What is in force, for the start's message; and what differs from the settings, for reason().
-void LibcameraCamera::tell_grants(const LibcameraNumbers& told) {
-  reason_.clear();
-  if (!grants_.empty()) reason_.set("%s: %s", name(), grants_.c_str());
-  Reason text;
+/// Describes the open camera in info().
+void LibcameraCamera::report_negotiated(const LibcameraNumbers& reported) {
+  info_.negotiated.clear();
+  if (!negotiated_.empty()) info_.negotiated = std::string(name()) + ": " + negotiated_.str();
+  ErrorText text;
   text.set("%s (%s): %s %ux%u", name(), model_.c_str(),
            kCameraFormats[static_cast<std::size_t>(settings_.format)].word.data(), unsigned{info_.width_px},
            unsigned{info_.height_px});
-  if (info_.rate_hz > 0.0) text.append(" at %.4g Hz", info_.rate_hz);
-  text.append(", %zu buffers of %s", stream_.buffers, files_.empty() ? "the driver's own" : heap_.name());
-  describe_controls(told, text);
-  info_.granted = text.text();
+  if (info_.rate_hz > 0.0) text.append_format(" at %.4g Hz", info_.rate_hz);
+  text.append_format(", %zu buffers of %s", stream_.buffers, files_.empty() ? "the driver's own" : heap_.name());
+  describe_controls(reported, text);
+  info_.description = text.str();
 }
 
-Status LibcameraCamera::do_start() {
+Result<void> LibcameraCamera::do_start() {
   const std::scoped_lock alone(changing_);
   if (!worker_.joinable()) {
-    reason_.set("%s: not open", name());
-    return ErrorCode::kInconsistent;
+    return failure(ErrorCode::kInconsistent, "%s: not open", name());
   }
   if (streaming_) return {};
   counters_ = {};
@@ -78,10 +76,10 @@ Status LibcameraCamera::do_start() {
   last_stamp_ = {};
   last_has_stamp_ = false;
   last_duration_us_ = 0.0;
-  lost_ = ErrorCode::kOk;
-  if (const Status status = ask(Task::kStart); !status.ok()) {
+  lost_.reset();
+  if (Result<void> started = ask(Task::kStart); !started.ok()) {
     forget_completed();
-    return status;
+    return started;
   }
   streaming_ = true;
   settle();
@@ -90,47 +88,45 @@ Status LibcameraCamera::do_start() {
 
 /// Passes over the frames that were not yet taken as asked, and notes what the first of the others tells.
 void LibcameraCamera::settle() {
-  grants_.truncate(grants_at_open_);
+  negotiated_.truncate(negotiated_at_open_);
   const Instant deadline = MonotonicClock::read() + kLongestStart;
-  LibcameraNumbers told;
+  LibcameraNumbers reported;
   bool came = false;
   for (std::size_t i = 0; i < kFramesToSettle; ++i) {
     LibcameraFrame frame;
     if (!take(deadline, frame)) break;
     do_release(frame.buffer);
     if (frame.state != LibcameraFrame::State::kGood) continue;
-    told = frame.told;
+    reported = frame.reported;
     came = true;
-    if (is_taken_with(told, controls_)) break;
+    if (is_taken_with(reported, controls_)) break;
   }
-  hal::tell_grants(settings_, limits_, controls_, came ? told : controls_, grants_);
-  if (!came) grants_.append("%sno frame came yet to tell what is in force", grants_.separator());
-  const std::optional<double>& duration_us = told[LibcameraControl::kFrameDuration]
-                                                 ? told[LibcameraControl::kFrameDuration]
+  hal::report_negotiated(settings_, limits_, controls_, came ? reported : controls_, negotiated_);
+  if (!came) negotiated_.append_format("%sno frame came yet to tell what is in force", negotiated_.separator());
+  const std::optional<double>& duration_us = reported[LibcameraControl::kFrameDuration]
+                                                 ? reported[LibcameraControl::kFrameDuration]
                                                  : controls_[LibcameraControl::kFrameDuration];
   info_.rate_hz = duration_us && *duration_us > 0.0 ? 1e6 / *duration_us : 0.0;
-  tell_grants(told);
+  report_negotiated(reported);
 }
 
 /// Beside wait() on another thread: of what that writes, nothing is touched but the exposure time for the stamps.
-Status LibcameraCamera::do_adjust(const CameraSettings& settings, std::string& grants) {
+Result<std::string> LibcameraCamera::do_adjust(const CameraSettings& settings) {
   const std::scoped_lock alone(changing_);
   settings_.take_controls(settings);
-  grants.clear();
-  if (!worker_.joinable()) return {};
-  Reason text;
+  if (!worker_.joinable()) return std::string();
+  ErrorText text;
   controls_ = adjusted(controls_, controls_for(settings_, limits_, text));
   if (streaming_) {
     static_cast<void>(ask(Task::kAdjust));
-    if (const std::optional<LibcameraNumbers> told = await_controls()) {
-      tell_control_grants(settings_, limits_, controls_, *told, text);
+    if (const std::optional<LibcameraNumbers> reported = await_controls()) {
+      report_negotiated_controls(settings_, limits_, controls_, *reported, text);
     } else {
-      text.append("%sset, but no frame came to tell what is in force", text.separator());
+      text.append_format("%sset, but no frame came to tell what is in force", text.separator());
     }
     set_exposure(controls_);
   }
-  if (!text.empty()) grants = std::string(name()) + ": " + text.text();
-  return {};
+  return text.empty() ? std::string() : std::string(name()) + ": " + text.str();
 }
 
 /// What the first frame that was taken with the controls tells, else the last of as many as it can take until one is.
@@ -143,15 +139,15 @@ std::optional<LibcameraNumbers> LibcameraCamera::await_controls() {
   LibcameraNumbers next;
   while (told_.pop(next) || telling_.wait_until(Instant{})) {  // what was left over by the change before
   }
-  std::optional<LibcameraNumbers> told;
+  std::optional<LibcameraNumbers> reported;
   watched_.store(true, std::memory_order_release);
   for (std::size_t i = 0; i < frames; ++i) {
-    told.reset();
-    if (telling_.wait_until(MonotonicClock::read() + patience) && told_.pop(next)) told = next;
-    if (!told || is_taken_with(*told, controls_)) break;
+    reported.reset();
+    if (telling_.wait_until(MonotonicClock::read() + patience) && told_.pop(next)) reported = next;
+    if (!reported || is_taken_with(*reported, controls_)) break;
   }
   watched_.store(false, std::memory_order_release);
-  return told;
+  return reported;
 }
 
 /// The oldest completed frame; false: none came, or none will.
@@ -164,27 +160,24 @@ bool LibcameraCamera::take(Instant deadline, LibcameraFrame& frame) {
 }
 
 Result<FrameLease> LibcameraCamera::do_wait(Instant deadline) {
-  if (lost_ != ErrorCode::kOk) return lost_;
+  if (lost_) return *lost_;
   if (!streaming_) {
-    reason_.set("%s: not streaming", name());
-    return ErrorCode::kInconsistent;
+    return failure(ErrorCode::kInconsistent, "%s: not streaming", name());
   }
   LibcameraFrame frame;
   if (take(deadline, frame)) return deliver(frame);
   if (gone_.load(std::memory_order_acquire)) {
-    return fail(say_lost(reason_, name(), "camera", ErrorCode::kDisconnected, "libcamera tells so", 0));
+    return fail(device_lost(name(), "camera", ErrorCode::kDisconnected, "libcamera tells so", 0));
   }
   if (const int error = queue_error_.load(std::memory_order_acquire); error != 0) {
-    return fail(say_lost(reason_, name(), "camera", use_error(error), "queuing a request", error));
+    return fail(device_lost(name(), "camera", use_error(error), "queuing a request", error));
   }
-  reason_.set("%s: no frame before the deadline", name());
-  return ErrorCode::kTimeout;
+  return failure(ErrorCode::kTimeout, "%s: no frame before the deadline", name());
 }
 
 Result<FrameLease> LibcameraCamera::deliver(const LibcameraFrame& completed) {
   if (completed.state == LibcameraFrame::State::kCancelled) {
-    reason_.set("%s: libcamera gave up a frame that was under way", name());
-    return fail(ErrorCode::kIo);
+    return fail(failure(ErrorCode::kIo, "%s: libcamera gave up a frame that was under way", name()));
   }
   const Instant now = MonotonicClock::read();
   const Instant stamp =
@@ -192,12 +185,15 @@ Result<FrameLease> LibcameraCamera::deliver(const LibcameraFrame& completed) {
   const std::uint32_t sequence = sequence_.count(completed.sequence, periods_since_last(completed, stamp, now));
   counters_.lost = sequence_.lost();
   if (completed.state == LibcameraFrame::State::kDamaged) {
-    reason_.set("%s: libcamera marks frame %u as damaged", name(), sequence);
-    return lose(completed.buffer, ErrorCode::kCorruptFrame, counters_.corrupt);
+    ++counters_.corrupt;
+    do_release(completed.buffer);
+    return failure(ErrorCode::kCorruptFrame, "%s: libcamera marks frame %u as damaged", name(), sequence);
   }
   if (completed.bytes < needed_bytes_) {
-    reason_.set("%s: frame %u has %zu bytes instead of %zu", name(), sequence, completed.bytes, needed_bytes_);
-    return lose(completed.buffer, ErrorCode::kShortFrame, counters_.short_frames);
+    ++counters_.short_frames;
+    do_release(completed.buffer);
+    return failure(ErrorCode::kShortFrame, "%s: frame %u has %zu bytes instead of %zu", name(), sequence,
+                   completed.bytes, needed_bytes_);
   }
   Frame frame;
   frame.format = stream_.format;
@@ -207,7 +203,7 @@ Result<FrameLease> LibcameraCamera::deliver(const LibcameraFrame& completed) {
     frame.plane[i] = mappings_[completed.buffer].plane(i);
     frame.stride_bytes[i] = frame.plane[i] != nullptr ? stream_.stride_bytes : 0;
   }
-  set_exposure(completed.told);
+  set_exposure(completed.reported);
   frame.capture_time = stamps_.middle_of_exposure(stamp_flags_, stamp, now);
   frame.sequence = sequence;
   ++counters_.frames;
@@ -221,17 +217,10 @@ void LibcameraCamera::set_exposure(const LibcameraNumbers& numbers) {
   }
 }
 
-/// A frame that nobody wants.
-Result<FrameLease> LibcameraCamera::lose(std::uint32_t buffer, ErrorCode code, std::uint64_t& counter) {
-  ++counter;
-  do_release(buffer);
-  return code;
-}
-
 /// How many frame times after the frame before, where both frames tell: some devices count the pictures that they
 /// processed, not those that the sensor took.
 std::uint32_t LibcameraCamera::periods_since_last(const LibcameraFrame& frame, Instant stamp, Instant now) {
-  const double duration_us = frame.told[LibcameraControl::kFrameDuration].value_or(0.0);
+  const double duration_us = frame.reported[LibcameraControl::kFrameDuration].value_or(0.0);
   const double duration_before_us = std::exchange(last_duration_us_, duration_us);
   const bool follows = std::exchange(last_has_stamp_, stamp > last_stamp_ && stamp <= now);
   if (!last_has_stamp_) return 1;
@@ -281,7 +270,10 @@ void LibcameraCamera::shut() {
   id_.clear();
 }
 
-ErrorCode LibcameraCamera::fail(ErrorCode code) noexcept { return lost_ = code; }
+Error LibcameraCamera::fail(Error error) noexcept {
+  lost_ = std::move(error);
+  return *lost_;
+}
 
 // --- a thread of libcamera's ----------------------------------------------------------------------------------------
 
@@ -292,7 +284,7 @@ void LibcameraCamera::frame_done(const LibcameraFrame& frame) noexcept {
     done.state = LibcameraFrame::State::kDamaged;  // the caches may hold the picture before
   }
   if (done.state == LibcameraFrame::State::kGood && watched_.load(std::memory_order_acquire)) {
-    if (told_.push(done.told)) telling_.post();
+    if (told_.push(done.reported)) telling_.post();
   }
   completed_.push(done);
   ready_.post();

@@ -12,10 +12,10 @@
 
 #include "hal/camera.h"
 #include "hal/device_parameters.h"
+#include "hal/error_text.h"
 #include "hal/linux/dma_buffer.h"
 #include "hal/linux/frame_counter.h"
 #include "hal/linux/libcamera/libcamera_link.h"
-#include "hal/linux/reason.h"
 #include "hal/linux/semaphore.h"
 #include "hal/linux/v4l2/capture_stamp.h"
 #include "hal/spsc_ring.h"
@@ -45,7 +45,6 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   LibcameraCamera& operator=(const LibcameraCamera&) = delete;
 
   [[nodiscard]] const CameraInfo& info() const override { return info_; }
-  [[nodiscard]] const std::string& reason() const override { return reason_.text(); }
 
   /// Since start().
   [[nodiscard]] const LibcameraCounters& counters() const { return counters_; }
@@ -56,41 +55,40 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   enum class Task : std::uint8_t { kNone, kOpen, kStart, kAdjust, kStop, kClose };
 
   // Of Camera: on the caller's thread.
-  Status do_open() override;
-  Status do_start() override;
-  Status do_adjust(const CameraSettings& settings, std::string& grants) override;
+  Result<void> do_open() override;
+  Result<void> do_start() override;
+  Result<std::string> do_adjust(const CameraSettings& settings) override;
   Result<FrameLease> do_wait(Instant deadline) override;
   void do_release(std::uint32_t buffer) noexcept override;
   void do_stop() override;
   void do_close() override;
   void halt();
   void shut();
-  Status ask(Task task);
+  Result<void> ask(Task task);
   bool take(Instant deadline, LibcameraFrame& frame);
   void settle();
   std::optional<LibcameraNumbers> await_controls();
   void set_exposure(const LibcameraNumbers& numbers);
   void forget_completed();
-  void tell_grants(const LibcameraNumbers& told);
+  void report_negotiated(const LibcameraNumbers& reported);
   Result<FrameLease> deliver(const LibcameraFrame& frame);
-  Result<FrameLease> lose(std::uint32_t buffer, ErrorCode code, std::uint64_t& counter);
   std::uint32_t periods_since_last(const LibcameraFrame& frame, Instant stamp, Instant now);
-  ErrorCode fail(ErrorCode code) noexcept;
+  Error fail(Error error) noexcept;
 
   // On the driver's own thread.
   void work();
-  Status perform(Task task);
-  Status open_here();
-  Status choose_camera();
-  Status configure();
-  Status prepare_buffers();
-  Status allocate_buffers(std::vector<DmaBuffer>& buffers);
-  Status start_here();
+  Result<void> perform(Task task);
+  Result<void> open_here();
+  Result<void> choose_camera();
+  Result<void> configure();
+  Result<void> prepare_buffers();
+  Result<void> allocate_buffers(std::vector<DmaBuffer>& buffers);
+  Result<void> start_here();
   void stop_here();
   void close_here();
   [[nodiscard]] int queue(std::uint32_t buffer);
   void queue_returned();
-  Status refused(const char* doing, int error);
+  Error refused(const char* doing, int error);
 
   // On a thread of libcamera's.
   void frame_done(const LibcameraFrame& frame) noexcept override;
@@ -113,11 +111,11 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   DmaHeap heap_;
   std::vector<int> files_;  // of the heap's
   std::array<DmaMapping, kMostBuffers> mappings_;
-  Reason reason_, grants_;
-  std::size_t grants_at_open_ = 0;
+  ErrorText negotiated_;  // what differs from the settings
+  std::size_t negotiated_at_open_ = 0;
 
   bool streaming_ = false;
-  ErrorCode lost_ = ErrorCode::kOk;  // an error after which only opening again helps
+  std::optional<Error> lost_;  // an error after which the camera must be reopened
   CaptureStamp stamps_;
   FrameCounter sequence_;
   Instant last_stamp_{};         // that could be true
@@ -137,7 +135,7 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   SpscRing<LibcameraNumbers, 2 * kMostBuffers> told_;
   Semaphore telling_;
   std::atomic<Task> task_{Task::kNone};
-  Status result_;  // of the task; published by done_
+  Result<void> result_;  // of the task; published by done_
   std::thread worker_;
 };
 

@@ -40,17 +40,17 @@ std::array<Key, kKeys> keys_of(const CameraSettings& asked) {
 
 bool is_asked(const Key& key) { return key.value == kLensPosition ? key.asked >= 0.0 : key.asked > 0.0; }
 
-void note(Reason& grants, const char* key, double asked) {
-  grants.append("%s%s = %.6g: ", grants.separator(), key, asked);
+void note(ErrorText& negotiated, const char* key, double asked) {
+  negotiated.append_format("%s%s = %.6g: ", negotiated.separator(), key, asked);
 }
 
-void note_power_line(Reason& grants, PowerLine power_line) {
-  grants.append("%spower_line = %s: ", grants.separator(), word_of(power_line));
+void note_power_line(ErrorText& negotiated, PowerLine power_line) {
+  negotiated.append_format("%spower_line = %s: ", negotiated.separator(), word_of(power_line));
 }
 
 constexpr const char* kNotTold = "set, but the camera does not tell it back";
 
-void lacking(Reason& grants) { grants.append("the camera has no such control"); }
+void lacking(ErrorText& negotiated) { negotiated.append_format("the camera has no such control"); }
 
 double within(const LibcameraLimits& limits, LibcameraControl control, double value) {
   return std::min(std::max(value, *limits.low[control]), *limits.high[control]);
@@ -66,27 +66,27 @@ void set_gains(const LibcameraLimits& limits, double temperature_k, LibcameraNum
 }
 
 /// What the frame tells of a control, else what was set.
-double granted(const LibcameraNumbers& controls, const LibcameraNumbers& told, LibcameraControl control) {
-  return told[control].value_or(*controls[control]);
+double granted(const LibcameraNumbers& controls, const LibcameraNumbers& reported, LibcameraControl control) {
+  return reported[control].value_or(*controls[control]);
 }
 
-void tell(const Key& key, const LibcameraLimits& limits, const LibcameraNumbers& controls, const LibcameraNumbers& told,
-          Reason& grants) {
+void tell(const Key& key, const LibcameraLimits& limits, const LibcameraNumbers& controls,
+          const LibcameraNumbers& reported, ErrorText& negotiated) {
   if (!controls[key.value]) return;
-  const double got = granted(controls, told, key.value);
+  const double got = granted(controls, reported, key.value);
   if (!is_near(got, key.asked * key.unit)) {
-    note(grants, key.name, key.asked);
-    grants.append("granted %.6g (range %.6g to %.6g)", got / key.unit, *limits.low[key.value] / key.unit,
-                  *limits.high[key.value] / key.unit);
-  } else if (!told[key.value]) {
-    note(grants, key.name, key.asked);
-    grants.append("%s", kNotTold);
+    note(negotiated, key.name, key.asked);
+    negotiated.append_format("granted %.6g (range %.6g to %.6g)", got / key.unit, *limits.low[key.value] / key.unit,
+                             *limits.high[key.value] / key.unit);
+  } else if (!reported[key.value]) {
+    note(negotiated, key.name, key.asked);
+    negotiated.append_format("%s", kNotTold);
   }
 }
 
 }  // namespace
 
-LibcameraNumbers controls_for(const CameraSettings& asked, const LibcameraLimits& limits, Reason& grants) {
+LibcameraNumbers controls_for(const CameraSettings& asked, const LibcameraLimits& limits, ErrorText& negotiated) {
   LibcameraNumbers controls;
   for (const Key& key : keys_of(asked)) {
     if (!is_asked(key)) continue;
@@ -96,13 +96,13 @@ LibcameraNumbers controls_for(const CameraSettings& asked, const LibcameraLimits
     } else if (key.value == kTemperature && limits.has(kRedGain)) {
       set_gains(limits, key.asked, controls);
     } else {
-      note(grants, key.name, key.asked);
-      lacking(grants);
+      note(negotiated, key.name, key.asked);
+      lacking(negotiated);
     }
   }
   if (asked.exposure_steps != kExposureStepsLeave) {
-    note(grants, "exposure_steps", asked.exposure_steps);
-    lacking(grants);
+    note(negotiated, "exposure_steps", asked.exposure_steps);
+    lacking(negotiated);
   }
   if (limits.has(kFlickerPeriod)) {
     if (asked.power_line == PowerLine::kOff) controls[kFlickerManual] = 0.0;
@@ -111,8 +111,8 @@ LibcameraNumbers controls_for(const CameraSettings& asked, const LibcameraLimits
       controls[kFlickerPeriod] = within(limits, kFlickerPeriod, flicker_period_us(asked.power_line));
     }
   } else if (asked.power_line == PowerLine::k50Hz || asked.power_line == PowerLine::k60Hz) {
-    note_power_line(grants, asked.power_line);
-    lacking(grants);
+    note_power_line(negotiated, asked.power_line);
+    lacking(negotiated);
   }
   if (asked.rate_hz > 0.0 && limits.has(kFrameDuration)) {
     controls[kFrameDuration] = within(limits, kFrameDuration, 1e6 / asked.rate_hz);
@@ -120,17 +120,18 @@ LibcameraNumbers controls_for(const CameraSettings& asked, const LibcameraLimits
   return controls;
 }
 
-void describe_controls(const LibcameraNumbers& told, Reason& text) {
-  if (told[kExposure]) text.append(", exposure %.0f us", *told[kExposure]);
-  if (told[kGain]) text.append(", gain %.0f", *told[kGain] * kLibcameraSteps);
-  if (told[kTemperature]) text.append(", white balance %.0f K", *told[kTemperature]);
-  if (told[kRedGain] && told[kBlueGain]) text.append(", red x%.3g, blue x%.3g", *told[kRedGain], *told[kBlueGain]);
-  if (told[kLensPosition]) text.append(", focus %.0f", *told[kLensPosition] * kLibcameraSteps);
+void describe_controls(const LibcameraNumbers& reported, ErrorText& text) {
+  if (reported[kExposure]) text.append_format(", exposure %.0f us", *reported[kExposure]);
+  if (reported[kGain]) text.append_format(", gain %.0f", *reported[kGain] * kLibcameraSteps);
+  if (reported[kTemperature]) text.append_format(", white balance %.0f K", *reported[kTemperature]);
+  if (reported[kRedGain] && reported[kBlueGain])
+    text.append_format(", red x%.3g, blue x%.3g", *reported[kRedGain], *reported[kBlueGain]);
+  if (reported[kLensPosition]) text.append_format(", focus %.0f", *reported[kLensPosition] * kLibcameraSteps);
 }
 
-bool is_taken_with(const LibcameraNumbers& told, const LibcameraNumbers& controls) {
+bool is_taken_with(const LibcameraNumbers& reported, const LibcameraNumbers& controls) {
   for (const LibcameraControl control : {kExposure, kGain, kRedGain, kBlueGain, kFrameDuration, kLensPosition}) {
-    if (controls[control] && told[control] && !is_near(*controls[control], *told[control])) return false;
+    if (controls[control] && reported[control] && !is_near(*controls[control], *reported[control])) return false;
   }
   return true;
 }
@@ -144,32 +145,34 @@ LibcameraNumbers adjusted(const LibcameraNumbers& before, const LibcameraNumbers
   return all;
 }
 
-void tell_control_grants(const CameraSettings& asked, const LibcameraLimits& limits, const LibcameraNumbers& controls,
-                         const LibcameraNumbers& told, Reason& grants) {
+void report_negotiated_controls(const CameraSettings& asked, const LibcameraLimits& limits,
+                                const LibcameraNumbers& controls, const LibcameraNumbers& reported,
+                                ErrorText& negotiated) {
   for (const Key& key : keys_of(asked)) {
-    if (is_asked(key)) tell(key, limits, controls, told, grants);
+    if (is_asked(key)) tell(key, limits, controls, reported, negotiated);
   }
   if (asked.white_balance_k > 0 && controls[kRedGain]) {
-    note(grants, "white_balance_k", asked.white_balance_k);
-    grants.append("the camera takes gains only: red %.3g, blue %.3g", granted(controls, told, kRedGain),
-                  granted(controls, told, kBlueGain));
+    note(negotiated, "white_balance_k", asked.white_balance_k);
+    negotiated.append_format("the camera takes gains only: red %.3g, blue %.3g", granted(controls, reported, kRedGain),
+                             granted(controls, reported, kBlueGain));
   }
 }
 
-void tell_grants(const CameraSettings& asked, const LibcameraLimits& limits, const LibcameraNumbers& controls,
-                 const LibcameraNumbers& told, Reason& grants) {
+void report_negotiated(const CameraSettings& asked, const LibcameraLimits& limits, const LibcameraNumbers& controls,
+                       const LibcameraNumbers& reported, ErrorText& negotiated) {
   if (!controls[kFrameDuration]) {
-    note(grants, "rate_hz", asked.rate_hz);
-    grants.append("the camera does not tell its rate");
-  } else if (const double rate_hz = 1e6 / granted(controls, told, kFrameDuration); !is_near(rate_hz, asked.rate_hz)) {
-    note(grants, "rate_hz", asked.rate_hz);
-    grants.append("granted %.4g (range %.4g to %.4g)", rate_hz, 1e6 / *limits.high[kFrameDuration],
-                  1e6 / *limits.low[kFrameDuration]);
-  } else if (!told[kFrameDuration]) {
-    note(grants, "rate_hz", asked.rate_hz);
-    grants.append("%s", kNotTold);
+    note(negotiated, "rate_hz", asked.rate_hz);
+    negotiated.append_format("the camera does not tell its rate");
+  } else if (const double rate_hz = 1e6 / granted(controls, reported, kFrameDuration);
+             !is_near(rate_hz, asked.rate_hz)) {
+    note(negotiated, "rate_hz", asked.rate_hz);
+    negotiated.append_format("granted %.4g (range %.4g to %.4g)", rate_hz, 1e6 / *limits.high[kFrameDuration],
+                             1e6 / *limits.low[kFrameDuration]);
+  } else if (!reported[kFrameDuration]) {
+    note(negotiated, "rate_hz", asked.rate_hz);
+    negotiated.append_format("%s", kNotTold);
   }
-  tell_control_grants(asked, limits, controls, told, grants);
+  report_negotiated_controls(asked, limits, controls, reported, negotiated);
 }
 
 }  // namespace touchline::hal

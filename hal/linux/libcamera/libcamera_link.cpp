@@ -177,8 +177,8 @@ class Link final : public LibcameraLink {
       for (const libcamera::FrameBuffer::Plane& plane : buffer->planes()) {
         if (plane.length == 0) continue;
         if (count == added.plane.size()) return ENOTSUP;
-        const bool told = plane.offset != libcamera::FrameBuffer::Plane::kInvalidOffset;
-        added.plane[count++] = {plane.fd.get(), told ? plane.offset : 0, plane.length};
+        const bool reported = plane.offset != libcamera::FrameBuffer::Plane::kInvalidOffset;
+        added.plane[count++] = {plane.fd.get(), reported ? plane.offset : 0, plane.length};
       }
       if (const int error = make_request(*buffer); error != 0) return error;
     }
@@ -245,7 +245,7 @@ class Link final : public LibcameraLink {
     for (const libcamera::FrameMetadata::Plane& plane : data.planes()) frame.bytes += plane.bytesused;
     const auto stamp = request->metadata().get(libcamera::controls::SensorTimestamp);
     frame.stamp_ns = stamp.value_or(static_cast<std::int64_t>(data.timestamp));
-    frame.told = told_by(request->metadata());
+    frame.reported = told_by(request->metadata());
     sink_->frame_done(frame);
   }
 

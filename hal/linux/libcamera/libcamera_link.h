@@ -82,7 +82,7 @@ struct LibcameraFrame {
   std::uint32_t sequence = 0;
   std::size_t bytes = 0;      // that were written
   std::int64_t stamp_ns = 0;  // of CLOCK_MONOTONIC or CLOCK_BOOTTIME; 0: none
-  LibcameraNumbers told;      // what the camera says that it did
+  LibcameraNumbers reported;  // what the camera says that it did
 };
 
 /// Who gets frames, on a thread of libcamera's.

@@ -87,9 +87,9 @@ void set_controls(libcamera::ControlList& list, const libcamera::ControlInfoMap&
 }
 
 LibcameraNumbers told_by(const libcamera::ControlList& metadata) {
-  LibcameraNumbers told;
+  LibcameraNumbers reported;
   const auto note = [&](LibcameraControl ours, const auto& value) {
-    if (value) told[ours] = static_cast<double>(*value);
+    if (value) reported[ours] = static_cast<double>(*value);
   };
   note(kExposure, metadata.get(controls::ExposureTime));
   note(kGain, metadata.get(controls::AnalogueGain));
@@ -97,10 +97,10 @@ LibcameraNumbers told_by(const libcamera::ControlList& metadata) {
   note(kFrameDuration, metadata.get(controls::FrameDuration));
   note(kLensPosition, metadata.get(controls::LensPosition));
   if (const auto gains = metadata.get(controls::ColourGains)) {
-    told[kRedGain] = (*gains)[0];
-    told[kBlueGain] = (*gains)[1];
+    reported[kRedGain] = (*gains)[0];
+    reported[kBlueGain] = (*gains)[1];
   }
-  return told;
+  return reported;
 }
 
 }  // namespace touchline::hal

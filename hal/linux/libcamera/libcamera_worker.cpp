@@ -66,7 +66,7 @@ void LibcameraCamera::work() {
   }
 }
 
-Status LibcameraCamera::perform(Task task) {
+Result<void> LibcameraCamera::perform(Task task) {
   switch (task) {
     case Task::kOpen:
       return open_here();
@@ -87,28 +87,26 @@ Status LibcameraCamera::perform(Task task) {
   return {};
 }
 
-Status LibcameraCamera::open_here() {
+Result<void> LibcameraCamera::open_here() {
   gone_.store(false, std::memory_order_relaxed);
-  if (const Status status = choose_camera(); !status.ok()) return status;
-  if (const Status status = configure(); !status.ok()) return status;
-  if (const Status status = prepare_buffers(); !status.ok()) return status;
+  TOUCHLINE_TRY(choose_camera());
+  TOUCHLINE_TRY(configure());
+  TOUCHLINE_TRY(prepare_buffers());
   limits_ = link_->limits();
-  controls_ = controls_for(settings_, limits_, grants_);
-  grants_at_open_ = grants_.size();
+  controls_ = controls_for(settings_, limits_, negotiated_);
+  negotiated_at_open_ = negotiated_.size();
   return {};
 }
 
-Status LibcameraCamera::choose_camera() {
+Result<void> LibcameraCamera::choose_camera() {
   std::vector<LibcameraName> cameras;
   if (const int error = link_->cameras(cameras); error != 0) {
-    reason_.set("libcamera does not start: %s", system_text(error));
-    return open_error(error);
+    return failure(open_error(error), "libcamera does not start: %s", system_text(error));
   }
   const LibcameraName* const chosen = choose(cameras, settings_.device);
   if (chosen == nullptr) {
-    reason_.set("%s: no such camera; cameras here: %s%s", name(), list_of(cameras).c_str(),
-                cameras.empty() ? " (is it plugged in, and the user in the group video?)" : "");
-    return ErrorCode::kNotFound;
+    return failure(ErrorCode::kNotFound, "%s: no such camera; cameras here: %s%s", name(), list_of(cameras).c_str(),
+                   cameras.empty() ? " (is it plugged in, and the user in the group video?)" : "");
   }
   id_ = chosen->id;
   model_ = chosen->model;
@@ -121,11 +119,11 @@ Status LibcameraCamera::choose_camera() {
   return {};
 }
 
-Status LibcameraCamera::configure() {
+Result<void> LibcameraCamera::configure() {
   const char* const format = kCameraFormats[static_cast<std::size_t>(settings_.format)].word.data();
   if (settings_.format == CameraFormat::kMjpg) {
-    reason_.set("%s: no %s from libcamera; a USB camera gives it to backend v4l2", name(), format);
-    return ErrorCode::kUnsupported;
+    return failure(ErrorCode::kUnsupported, "%s: no %s from libcamera; a USB camera gives it to backend v4l2", name(),
+                   format);
   }
   stream_ = {};
   stream_.format = pixel_format(settings_.format);
@@ -135,39 +133,38 @@ Status LibcameraCamera::configure() {
   std::string offers;
   const int error = link_->configure(stream_, offers);
   if (error == EINVAL) {
-    reason_.set("%s: no %s %ux%u; it offers %s", name(), format, unsigned{settings_.width_px},
-                unsigned{settings_.height_px}, offers.c_str());
-    return ErrorCode::kUnsupported;
+    return failure(ErrorCode::kUnsupported, "%s: no %s %ux%u; it offers %s", name(), format,
+                   unsigned{settings_.width_px}, unsigned{settings_.height_px}, offers.c_str());
   }
   if (error != 0) return refused("setting a format", error);
   info_ = {stream_.format, stream_.width_px, stream_.height_px, settings_.rate_hz};
   const std::array<std::size_t, 2> bytes = plane_bytes(stream_);
   needed_bytes_ = bytes[1] == 0 ? bytes[0] : std::size_t{stream_.stride_bytes} * stream_.height_px + bytes[1];
   if (stream_.full_range && color_space(stream_.format) == ColorSpace::kYuv) {
-    grants_.append("YUV of full range: its darkest 16 levels are taken for black");
+    negotiated_.append_format("YUV of full range: its darkest 16 levels are taken for black");
   }
   return {};
 }
 
-Status LibcameraCamera::prepare_buffers() {
+Result<void> LibcameraCamera::prepare_buffers() {
   std::vector<DmaBuffer> buffers;
-  if (const Status status = allocate_buffers(buffers); !status.ok()) return status;
+  TOUCHLINE_TRY(allocate_buffers(buffers));
   if (buffers.size() < kFewestBuffers || buffers.size() > kMostBuffers) {
-    reason_.set("%s: grants %zu buffers, %zu to %zu are needed", name(), buffers.size(), kFewestBuffers, kMostBuffers);
-    return ErrorCode::kUnsupported;
+    return failure(ErrorCode::kUnsupported, "%s: negotiated %zu buffers, %zu to %zu are needed", name(), buffers.size(),
+                   kFewestBuffers, kMostBuffers);
   }
   stream_.buffers = buffers.size();
   if (stream_.buffers != static_cast<std::size_t>(settings_.buffers)) {
-    grants_.append("%sbuffers = %d: granted %zu", grants_.separator(), settings_.buffers, stream_.buffers);
+    negotiated_.append_format("%sbuffers = %d: granted %zu", negotiated_.separator(), settings_.buffers,
+                              stream_.buffers);
   }
   const std::array<std::size_t, 2> needed = plane_bytes(stream_);
   for (std::size_t i = 0; i < buffers.size(); ++i) {
     split(buffers[i], stream_);
     for (std::size_t p = 0; p < needed.size(); ++p) {
       if (buffers[i].plane[p].length >= needed[p]) continue;
-      reason_.set("%s: plane %zu of a buffer has %zu bytes, a picture needs %zu", name(), p, buffers[i].plane[p].length,
-                  needed[p]);
-      return ErrorCode::kUnsupported;
+      return failure(ErrorCode::kUnsupported, "%s: plane %zu of a buffer has %zu bytes, a picture needs %zu", name(), p,
+                     buffers[i].plane[p].length, needed[p]);
     }
     if (const int error = mappings_[i].map(buffers[i]); error != 0) return refused("mapping buffers", error);
   }
@@ -175,7 +172,7 @@ Status LibcameraCamera::prepare_buffers() {
 }
 
 /// From a heap that processor caches may hold, else the driver's own.
-Status LibcameraCamera::allocate_buffers(std::vector<DmaBuffer>& buffers) {
+Result<void> LibcameraCamera::allocate_buffers(std::vector<DmaBuffer>& buffers) {
   int error = heap_.open();
   const std::size_t bytes = std::max(stream_.frame_bytes, needed_bytes_);
   while (error == 0 && buffers.size() < stream_.buffers) {
@@ -188,20 +185,21 @@ Status LibcameraCamera::allocate_buffers(std::vector<DmaBuffer>& buffers) {
   }
   if (error == 0) {
     error = link_->use_buffers(buffers);
-    return error == 0 ? Status{} : refused("taking buffers of a DMA heap", error);
+    return error == 0 ? Result<void>() : refused("taking buffers of a DMA heap", error);
   }
   if (!kCachesSeeDevices || error != ENOENT) {
-    grants_.append("%sno memory of a DMA heap (%s%s%s): the driver's own buffers may be slow to read",
-                   grants_.separator(), heap_.name(), *heap_.name() != '\0' ? ": " : "", system_text(error));
+    negotiated_.append_format("%sno memory of a DMA heap (%s%s%s): the driver's own buffers may be slow to read",
+                              negotiated_.separator(), heap_.name(), *heap_.name() != '\0' ? ": " : "",
+                              system_text(error));
   }
   buffers.clear();
   error = link_->make_buffers(buffers);
-  return error == 0 ? Status{} : refused("making buffers", error);
+  return error == 0 ? Result<void>() : refused("making buffers", error);
 }
 
-Status LibcameraCamera::start_here() {
+Result<void> LibcameraCamera::start_here() {
   if (gone_.load(std::memory_order_acquire)) {
-    return say_lost(reason_, name(), "camera", ErrorCode::kDisconnected, "before the stream began", 0);
+    return device_lost(name(), "camera", ErrorCode::kDisconnected, "before the stream began", 0);
   }
   queue_error_.store(0, std::memory_order_relaxed);
   flowing_.store(true, std::memory_order_release);
@@ -242,14 +240,12 @@ void LibcameraCamera::queue_returned() {
   }
 }
 
-Status LibcameraCamera::refused(const char* doing, int error) {
+Error LibcameraCamera::refused(const char* doing, int error) {
   const ErrorCode code = open_error(error);
   if (code == ErrorCode::kDeviceBusy) {
-    reason_.set("%s: held by another process; `fuser -v /dev/media* /dev/video*` names it", name());
-  } else {
-    reason_.set("%s: %s failed: %s", name(), doing, system_text(error));
+    return failure(code, "%s: held by another process; `fuser -v /dev/media* /dev/video*` names it", name());
   }
-  return code;
+  return failure(code, "%s: %s failed: %s", name(), doing, system_text(error));
 }
 
 }  // namespace touchline::hal

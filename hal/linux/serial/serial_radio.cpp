@@ -40,22 +40,25 @@ ErrorCode port_error(int error) { return error == EIO ? ErrorCode::kDisconnected
 
 }  // namespace
 
-Status SerialRadio::do_open() {
+Result<void> SerialRadio::do_open() {
   do_close();
-  reason_.clear();
-  lost_ = ErrorCode::kOk;
+  lost_.reset();
   slot_.clear();
   free_at_ = {};
   in_driver_ = 0;
   moved_at_ = MonotonicClock::read();
-  Status status = find_port();
-  if (status.ok()) status = claim_port();
-  if (status.ok()) status = configure_port();
-  if (!status.ok()) do_close();
-  return status;
+  Result<void> opened = open_port();
+  if (!opened.ok()) do_close();
+  return opened;
 }
 
-Status SerialRadio::find_port() {
+Result<void> SerialRadio::open_port() {
+  TOUCHLINE_TRY(find_port());
+  TOUCHLINE_TRY(claim_port());
+  return configure_port();
+}
+
+Result<void> SerialRadio::find_port() {
   // libserialport knows ports by their kernel names only; links such as /dev/serial/by-id/... are followed anew at each
   // opening, so that a plugged-in-again adapter may have another number.
   const std::unique_ptr<char, decltype(&std::free)> path(::realpath(name(), nullptr), &std::free);
@@ -63,41 +66,37 @@ Status SerialRadio::find_port() {
     const int error = errno;
     const ErrorCode code = open_error(error);
     if (code == ErrorCode::kNotFound) {
-      reason_.set("%s: no such port; ports here: %s", name(), ports_here().c_str());
-    } else {
-      reason_.set("%s: cannot be reached: %s", name(), system_text(error));
+      return failure(code, "%s: no such port; ports here: %s", name(), ports_here().c_str());
     }
-    return code;
+    return failure(code, "%s: cannot be reached: %s", name(), system_text(error));
   }
   if (sp_get_port_by_name(path.get(), &port_) != SP_OK) {
     port_ = nullptr;
-    reason_.set("%s: not a serial port; ports here: %s", name(), ports_here().c_str());
-    return ErrorCode::kUnsupported;
+    return failure(ErrorCode::kUnsupported, "%s: not a serial port; ports here: %s", name(), ports_here().c_str());
   }
   return {};
 }
 
-Status SerialRadio::claim_port() {
+Result<void> SerialRadio::claim_port() {
   if (sp_open(port_, SP_MODE_READ_WRITE) != SP_OK) {
     const int error = sp_last_error_code();
     sp_free_port(port_);
     port_ = nullptr;
     const ErrorCode code = open_error(error);
-    if (code == ErrorCode::kPermission) return say_denied(reason_, name(), "dialout");
-    if (code == ErrorCode::kDeviceBusy) return say_busy(reason_, name());
+    if (code == ErrorCode::kPermission) return permission_denied(name(), "dialout");
+    if (code == ErrorCode::kDeviceBusy) return device_busy(name());
     if (error == EIO) {
-      reason_.set("%s: no UART behind this port; ports here: %s", name(), ports_here().c_str());
-      return ErrorCode::kNotFound;
+      return failure(ErrorCode::kNotFound, "%s: no UART behind this port; ports here: %s", name(),
+                     ports_here().c_str());
     }
-    reason_.set("%s: cannot be opened: %s", name(), system_text(error));
-    return code;
+    return failure(code, "%s: cannot be opened: %s", name(), system_text(error));
   }
   int file = -1;
   if (sp_get_port_handle(port_, &file) != SP_OK) return fail("asking for the port's file", sp_last_error_code());
   // Two programs on one radio send each other's robots astray. The lock keeps out those who lock, whoever they are; the
   // exclusive mode keeps out everybody but root.
   if (::flock(file, LOCK_EX | LOCK_NB) != 0) {
-    if (errno == EWOULDBLOCK) return say_busy(reason_, name());
+    if (errno == EWOULDBLOCK) return device_busy(name());
     return fail("locking", errno);
   }
   if (::ioctl(file, TIOCEXCL) != 0) return fail("claiming", errno);
@@ -105,12 +104,11 @@ Status SerialRadio::claim_port() {
   return {};
 }
 
-Status SerialRadio::configure_port() {
+Result<void> SerialRadio::configure_port() {
   if (sp_set_baudrate(port_, settings_.baud) != SP_OK) {
     const int error = sp_last_error_code();
     if (port_error(error) == ErrorCode::kDisconnected) return fail("setting the baud rate", error);
-    reason_.set("%s: refuses baud = %d: %s", name(), settings_.baud, system_text(error));
-    return ErrorCode::kUnsupported;
+    return failure(ErrorCode::kUnsupported, "%s: refuses baud = %d: %s", name(), settings_.baud, system_text(error));
   }
   if (sp_set_bits(port_, 8) != SP_OK || sp_set_parity(port_, SP_PARITY_NONE) != SP_OK ||
       sp_set_stopbits(port_, 1) != SP_OK || sp_set_flowcontrol(port_, SP_FLOWCONTROL_NONE) != SP_OK) {
@@ -122,7 +120,7 @@ Status SerialRadio::configure_port() {
   return check_baud();
 }
 
-Status SerialRadio::check_baud() {
+Result<void> SerialRadio::check_baud() {
   sp_port_config* raw = nullptr;
   if (sp_new_config(&raw) != SP_OK) return fail("reading the settings back", ENOMEM);
   const std::unique_ptr<sp_port_config, decltype(&sp_free_config)> config(raw, &sp_free_config);
@@ -132,16 +130,16 @@ Status SerialRadio::check_baud() {
   }
   const double error = static_cast<double>(std::abs(granted - settings_.baud)) / settings_.baud;
   if (error > kMaxBaudError) {
-    reason_.set("%s: baud = %d: granted %d, which is too far off for the robots to understand", name(), settings_.baud,
-                granted);
-    return ErrorCode::kUnsupported;
+    return failure(ErrorCode::kUnsupported,
+                   "%s: baud = %d: granted %d, which is too far off for the robots to understand", name(),
+                   settings_.baud, granted);
   }
   // At its slowest, so that a line that is never idle falls behind by nothing.
   byte_time_ = from_seconds(kBitsPerByte * (1.0 + kMaxBaudError) / granted);
-  reason_.set("%s: %d baud", name(), settings_.baud);
-  if (granted != settings_.baud) reason_.append(", granted %d", granted);
+  description_ = std::string(name()) + ": " + std::to_string(settings_.baud) + " baud";
+  if (granted != settings_.baud) description_ += ", granted " + std::to_string(granted);
   int file = -1;
-  if (sp_get_port_handle(port_, &file) == SP_OK && ask_for_low_latency(file)) reason_.append(", low latency");
+  if (sp_get_port_handle(port_, &file) == SP_OK && ask_for_low_latency(file)) description_ += ", low latency";
   return {};
 }
 
@@ -155,37 +153,36 @@ bool SerialRadio::ask_for_low_latency(int file) {
   return ::ioctl(file, TIOCGSERIAL, &line) == 0 && (line.flags & kLowLatency) != 0;
 }
 
-Status SerialRadio::check_usable() {
-  if (lost_ != ErrorCode::kOk) return lost_;
+Result<void> SerialRadio::check_usable() {
+  if (lost_) return *lost_;
   if (port_ != nullptr) return {};
-  reason_.set("%s: not open", name());
-  return ErrorCode::kDisconnected;
+  return failure(ErrorCode::kDisconnected, "%s: not open", name());
 }
 
-Status SerialRadio::do_send(const Packet& packet) {
-  if (const Status status = check_usable(); !status.ok()) return status;
-  const Status status = slot_.send(packet, *this);
-  if (status == Status(ErrorCode::kBusy)) {
-    reason_.set(
+Result<void> SerialRadio::do_send(const Packet& packet) {
+  TOUCHLINE_TRY(check_usable());
+  Result<void> sent = slot_.send(packet, *this);
+  if (sent.code() == ErrorCode::kBusy) {
+    return failure(
+        ErrorCode::kBusy,
         "%s: the line is still busy, an older packet was dropped for a newer one; %d baud is too slow for the rate of "
         "packets, or the port stands still",
         name(), settings_.baud);
   }
-  return status;
+  return sent;
 }
 
 Result<Duration> SerialRadio::do_serve() {
   if (slot_.bytes() == 0) return Duration::max();
-  if (const Status status = check_usable(); !status.ok()) return status.code();
-  if (const Status status = slot_.serve(*this); !status.ok()) return status.code();
+  TOUCHLINE_TRY(check_usable());
+  TOUCHLINE_TRY(slot_.serve(*this));
   if (slot_.bytes() == 0) return Duration::max();
-  const Result<std::size_t> before = waiting();
-  if (!before.ok()) return before.error();
-  return std::max(time_of(before.value()), kShortestPause);
+  TOUCHLINE_TRY_ASSIGN(const std::size_t before, waiting());
+  return std::max(time_of(before), kShortestPause);
 }
 
 Result<std::size_t> SerialRadio::do_receive(std::span<std::byte> into) {
-  if (const Status status = check_usable(); !status.ok()) return status.code();
+  TOUCHLINE_TRY(check_usable());
   // Into an int at once: the library returns counts that its enum has no values for.
   const int received = sp_nonblocking_read(port_, into.data(), into.size());
   if (received < 0) return fail("receiving", sp_last_error_code());
@@ -201,9 +198,9 @@ Result<std::size_t> SerialRadio::waiting() {
   const std::size_t before = std::exchange(in_driver_, static_cast<std::size_t>(bytes));
   if (in_driver_ == 0 || in_driver_ < before) moved_at_ = now;
   if (now - moved_at_ > kStandstill) {
-    reason_.set("%s: the port stands still: %zu bytes have not left for %.0f s", name(), in_driver_,
-                seconds(kStandstill));
-    return lost_ = ErrorCode::kIo;
+    lost_ = failure(ErrorCode::kIo, "%s: the port stands still: %zu bytes have not left for %.0f s", name(), in_driver_,
+                    seconds(kStandstill));
+    return *lost_;
   }
   const Duration left = std::max(free_at_ - now, Duration::zero());
   const auto on_line = static_cast<std::size_t>((left + byte_time_ - Duration(1)) / byte_time_);
@@ -219,17 +216,16 @@ Result<std::size_t> SerialRadio::write(std::span<const std::byte> bytes) {
   return static_cast<std::size_t>(taken);
 }
 
-Status SerialRadio::do_drain(Instant deadline) {
-  if (const Status status = check_usable(); !status.ok()) return status;
+Result<void> SerialRadio::do_drain(Instant deadline) {
+  TOUCHLINE_TRY(check_usable());
   for (;;) {
-    if (const Status status = slot_.serve(*this); !status.ok()) return status;
-    const Result<std::size_t> before = waiting();
-    if (!before.ok()) return before.error();
-    if (slot_.bytes() + before.value() == 0) break;
+    TOUCHLINE_TRY(slot_.serve(*this));
+    TOUCHLINE_TRY_ASSIGN(const std::size_t before, waiting());
+    if (slot_.bytes() + before == 0) break;
     const Instant now = MonotonicClock::read();
     if (now >= deadline) {
-      reason_.set("%s: %zu bytes have not left before the deadline", name(), slot_.bytes() + before.value());
-      return ErrorCode::kTimeout;
+      return failure(ErrorCode::kTimeout, "%s: %zu bytes have not left before the deadline", name(),
+                     slot_.bytes() + before);
     }
     MonotonicClock::wait_for(std::min(deadline, now + kDrainPeriod));
   }
@@ -247,9 +243,9 @@ void SerialRadio::do_close() {
   slot_.clear();
 }
 
-ErrorCode SerialRadio::fail(const char* doing, int error) noexcept {
-  lost_ = port_error(error);
-  return say_lost(reason_, name(), "port", lost_, doing, error);
+Error SerialRadio::fail(const char* doing, int error) noexcept {
+  lost_ = device_lost(name(), "port", port_error(error), doing, error);
+  return *lost_;
 }
 
 }  // namespace touchline::hal

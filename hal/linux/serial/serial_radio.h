@@ -2,12 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 
 #include "hal/device_parameters.h"
-#include "hal/linux/reason.h"
+#include "hal/error_text.h"
 #include "hal/packet_slot.h"
 #include "hal/radio.h"
 
@@ -29,35 +30,36 @@ class SerialRadio final : public Radio, private ByteLine {
   SerialRadio(const SerialRadio&) = delete;
   SerialRadio& operator=(const SerialRadio&) = delete;
 
-  [[nodiscard]] const std::string& reason() const override { return reason_.text(); }
+  [[nodiscard]] const std::string& description() const override { return description_; }
 
   /// Packets that the port took in more than one piece.
   [[nodiscard]] std::uint64_t split_packets() const { return slot_.split_packets(); }
 
  private:
-  Status do_open() override;
-  Status do_send(const Packet& packet) override;
+  Result<void> do_open() override;
+  Result<void> do_send(const Packet& packet) override;
   Result<Duration> do_serve() override;
   Result<std::size_t> do_receive(std::span<std::byte> into) override;
-  Status do_drain(Instant deadline) override;
+  Result<void> do_drain(Instant deadline) override;
   void do_close() override;
 
-  Status find_port();
-  Status claim_port();
-  Status configure_port();
-  Status check_usable();
-  Status check_baud();
+  Result<void> open_port();
+  Result<void> find_port();
+  Result<void> claim_port();
+  Result<void> configure_port();
+  Result<void> check_usable();
+  Result<void> check_baud();
   bool ask_for_low_latency(int file);
   Result<std::size_t> waiting() override;
   Result<std::size_t> write(std::span<const std::byte> bytes) override;
   [[nodiscard]] Duration time_of(std::size_t bytes) const { return static_cast<Duration::rep>(bytes) * byte_time_; }
-  ErrorCode fail(const char* doing, int error) noexcept;
+  Error fail(const char* doing, int error) noexcept;
   [[nodiscard]] const char* name() const { return settings_.device.c_str(); }
 
   RadioSettings settings_;
-  Reason reason_;
+  std::string description_;
   sp_port* port_ = nullptr;
-  ErrorCode lost_ = ErrorCode::kOk;  // an error after which only opening again helps
+  std::optional<Error> lost_;  // an error after which the port must be reopened
   PacketSlot slot_;
   Duration byte_time_{1};  // of one byte on the line
   Instant free_at_{};      // when all that was written will have left it

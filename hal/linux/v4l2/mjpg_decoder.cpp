@@ -159,12 +159,12 @@ void MjpgDecoder::open(std::uint16_t width_px, std::uint16_t height_px) {
   library_ = std::make_unique<Library>(width_px, height_px);
 }
 
-Status MjpgDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8_t* rgb) {
+Result<void> MjpgDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8_t* rgb) {
   Library& library = *library_;
   jpeg_decompress_struct& jpeg = library.jpeg;
   if (setjmp(library.escape) != 0) {  // NOLINT(cert-err52-cpp)
     jpeg_abort_decompress(&jpeg);
-    return ErrorCode::kCorruptFrame;
+    return failure(ErrorCode::kCorruptFrame, "%s", library.reason.data());
   }
   library.forget_tables();
   library.has_ended = false;
@@ -190,7 +190,5 @@ Status MjpgDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8_t* rg
   jpeg_finish_decompress(&jpeg);
   return {};
 }
-
-const char* MjpgDecoder::reason() const { return library_->reason.data(); }
 
 }  // namespace touchline::hal

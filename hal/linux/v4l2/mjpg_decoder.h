@@ -4,7 +4,7 @@
 #include <memory>
 #include <span>
 
-#include "core/status.h"
+#include "hal/result.h"
 
 namespace touchline::hal {
 
@@ -24,9 +24,7 @@ class MjpgDecoder {
   void open(std::uint16_t width_px, std::uint16_t height_px);
   /// Writes 3 * width_px bytes a row. kCorruptFrame: truncated, damaged, of another size, or no baseline JPEG; `rgb`
   /// then holds anything, and the next picture may be good. Allocates nothing.
-  Status decode(std::span<const std::uint8_t> jpeg, std::uint8_t* rgb);
-  /// What was wrong with the last picture.
-  [[nodiscard]] const char* reason() const;
+  Result<void> decode(std::span<const std::uint8_t> jpeg, std::uint8_t* rgb);
 
  private:
   struct Library;

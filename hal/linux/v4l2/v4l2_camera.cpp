@@ -21,43 +21,39 @@ constexpr Duration kAfterFalseAlarm = std::chrono::microseconds(500);
 
 }  // namespace
 
-Status V4l2Camera::do_open() {
+Result<void> V4l2Camera::do_open() {
   const std::scoped_lock alone(changing_);
   return open_anew();
 }
 
-Status V4l2Camera::open_anew() {
+Result<void> V4l2Camera::open_anew() {
   shut();
-  reason_.clear();
-  grants_.clear();
+  negotiated_.clear();
   info_ = {};
-  if (const Status status = open_file(); !status.ok()) return status;
-  Status status = identify();
-  if (status.ok()) {
-    const Result<V4l2Picture> picture = negotiate_format(device_, identity_.multi_planar, settings_, reason_);
-    status = picture.ok() ? Status{} : Status{picture.code()};
-    picture_ = picture.value();
-  }
-  if (status.ok()) {
-    note_device();
-    note_rate();
-    status = map_buffers();
-  }
-  if (!status.ok()) {
+  if (Result<void> opened = open_device(); !opened.ok()) {
     shut();
-    return status;
+    return opened;
   }
   if (decodes()) {
     decoder_.open(picture_.width_px, picture_.height_px);
     decoded_.allocate(buffers_.count(), std::size_t{3} * picture_.width_px * picture_.height_px);
   }
-  grants_before_controls_ = grants_.size();
-  noted(apply_controls(device_, settings_, grants_), grants_);
-  tell_grants();
+  negotiated_before_controls_ = negotiated_.size();
+  noted(apply_controls(device_, settings_, negotiated_), negotiated_);
+  report_negotiated();
   return {};
 }
 
-Status V4l2Camera::open_file() {
+Result<void> V4l2Camera::open_device() {
+  TOUCHLINE_TRY(open_file());
+  TOUCHLINE_TRY(identify());
+  TOUCHLINE_TRY_ASSIGN(picture_, negotiate_format(device_, identity_.multi_planar, settings_));
+  note_device();
+  note_rate();
+  return map_buffers();
+}
+
+Result<void> V4l2Camera::open_file() {
   int error = ENOENT;
   if (!link_.empty()) error = device_.open(link_);
   // In another socket it has another link; the number is what was asked for.
@@ -65,28 +61,24 @@ Status V4l2Camera::open_file() {
   if (by_number_) error = device_.open(settings_.device);
   if (error == 0) return {};
   const ErrorCode code = open_error(error);
-  if (code == ErrorCode::kPermission) return say_denied(reason_, name(), "video");
-  if (code == ErrorCode::kDeviceBusy) return say_busy(reason_, name());
+  if (code == ErrorCode::kPermission) return permission_denied(name(), "video");
+  if (code == ErrorCode::kDeviceBusy) return device_busy(name());
   if (code == ErrorCode::kNotFound) {
-    reason_.set("%s: no such device; cameras here: %s", name(), cameras_here().c_str());
-  } else {
-    reason_.set("%s: cannot be opened: %s", name(), system_text(error));
+    return failure(code, "%s: no such device; cameras here: %s", name(), cameras_here().c_str());
   }
-  return code;
+  return failure(code, "%s: cannot be opened: %s", name(), system_text(error));
 }
 
-Status V4l2Camera::identify() {
+Result<void> V4l2Camera::identify() {
   if (const int error = device_.identify(identity_); error != 0) {
     if (error == ENODEV) return fail("asking what it is", error);
-    reason_.set("%s: not a video device; cameras here: %s", name(), cameras_here().c_str());
-    return ErrorCode::kUnsupported;
+    return failure(ErrorCode::kUnsupported, "%s: not a video device; cameras here: %s", name(), cameras_here().c_str());
   }
   stamps_first_packet_ = identity_.driver == "uvcvideo" && !uvc_computes_stamps();
   if (identity_.captures && identity_.streams) return {};
-  reason_.set("%s (%s): %s; cameras here: %s", name(), identity_.card.c_str(),
-              identity_.captures ? "cannot stream into mapped buffers" : "does not capture video",
-              cameras_here().c_str());
-  return ErrorCode::kUnsupported;
+  return failure(ErrorCode::kUnsupported, "%s (%s): %s; cameras here: %s", name(), identity_.card.c_str(),
+                 identity_.captures ? "cannot stream into mapped buffers" : "does not capture video",
+                 cameras_here().c_str());
 }
 
 void V4l2Camera::note_device() {
@@ -96,8 +88,8 @@ void V4l2Camera::note_device() {
     if (std::string link = stable_link(kCameraLinks, settings_.device); !link.empty()) link_ = std::move(link);
   }
   if (link_.empty()) return;
-  grants_.append("device = \"%s\": a number, which the order of plugging in decides; %s is the same camera", name(),
-                 link_.c_str());
+  negotiated_.append_format("device = \"%s\": a number, which the order of plugging in decides; %s is the same camera",
+                            name(), link_.c_str());
 }
 
 void V4l2Camera::note_rate() {
@@ -106,40 +98,43 @@ void V4l2Camera::note_rate() {
   info_.height_px = picture_.height_px;
   info_.rate_hz = negotiate_rate(device_, identity_.multi_planar, settings_.rate_hz);
   if (info_.rate_hz <= 0.0) {
-    grants_.append("%srate_hz = %g: the driver does not tell its rate", grants_.separator(), settings_.rate_hz);
+    negotiated_.append_format("%srate_hz = %g: the driver does not tell its rate", negotiated_.separator(),
+                              settings_.rate_hz);
   } else if (std::abs(info_.rate_hz - settings_.rate_hz) > 0.005 * settings_.rate_hz) {  // 29.97 is 30 to a person
-    grants_.append("%srate_hz = %g: granted %.4g", grants_.separator(), settings_.rate_hz, info_.rate_hz);
+    negotiated_.append_format("%srate_hz = %g: granted %.4g", negotiated_.separator(), settings_.rate_hz,
+                              info_.rate_hz);
   }
   if (picture_.interlaced) {
-    grants_.append("%sinterlaced: odd and even rows are half a frame apart", grants_.separator());
+    negotiated_.append_format("%sinterlaced: odd and even rows are half a frame apart", negotiated_.separator());
   }
   if (picture_.full_range) {
-    grants_.append("%sYUV of full range: its darkest 16 levels are taken for black", grants_.separator());
+    negotiated_.append_format("%sYUV of full range: its darkest 16 levels are taken for black",
+                              negotiated_.separator());
   }
 }
 
-Status V4l2Camera::map_buffers() {
+Result<void> V4l2Camera::map_buffers() {
   const std::size_t asked = static_cast<std::size_t>(settings_.buffers);
   const int error = buffers_.map(device_, identity_.multi_planar, picture_.planes, asked);
-  if (error == EBUSY) return say_busy(reason_, name());
+  if (error == EBUSY) return device_busy(name());
   if (error != 0) return fail("mapping buffers", error);
   if (buffers_.count() < kFewestBuffers) {
-    reason_.set("%s: grants %zu buffers, at least %zu are needed", name(), buffers_.count(), kFewestBuffers);
-    return ErrorCode::kUnsupported;
+    return failure(ErrorCode::kUnsupported, "%s: negotiated %zu buffers, at least %zu are needed", name(),
+                   buffers_.count(), kFewestBuffers);
   }
   for (std::size_t i = 0; i < buffers_.count() * picture_.planes; ++i) {
     const std::size_t size = buffers_.size(i / picture_.planes, i % picture_.planes);
     const std::uint32_t needed = picture_.needed_bytes[i % picture_.planes];
     if (size >= needed) continue;
-    reason_.set("%s: a buffer has %zu bytes, a picture needs %u", name(), size, needed);
-    return ErrorCode::kUnsupported;
+    return failure(ErrorCode::kUnsupported, "%s: a buffer has %zu bytes, a picture needs %u", name(), size, needed);
   }
   if (buffers_.count() != asked) {
-    grants_.append("%sbuffers = %zu: granted %zu", grants_.separator(), asked, buffers_.count());
+    negotiated_.append_format("%sbuffers = %zu: granted %zu", negotiated_.separator(), asked, buffers_.count());
   }
   if (!CaptureStamp::is_monotonic(buffers_.flags())) {
-    grants_.append("%sthe driver's time stamps are of no monotonic clock: frames are stamped when they are fetched",
-                   grants_.separator());
+    negotiated_.append_format(
+        "%sthe driver's time stamps are of no monotonic clock: frames are stamped when they are fetched",
+        negotiated_.separator());
   }
   return {};
 }
@@ -150,73 +145,74 @@ std::uint32_t V4l2Camera::meant(std::uint32_t flags) const {
 }
 
 /// `exposure`, in force from now on; `text` tells where the rate leaves no room for it.
-Duration V4l2Camera::noted(Duration exposure, Reason& text) const {
+Duration V4l2Camera::noted(Duration exposure, ErrorText& text) const {
   if (info_.rate_hz > 0.0 && seconds(exposure) * info_.rate_hz > 1.0) {
-    text.append("%sexposure of %.0f us: longer than a frame at %.4g Hz, so fewer frames come", text.separator(),
-                seconds(exposure) * 1e6, info_.rate_hz);
+    text.append_format("%sexposure of %.0f us: longer than a frame at %.4g Hz, so fewer frames come", text.separator(),
+                       seconds(exposure) * 1e6, info_.rate_hz);
   }
   return exposure;
 }
 
-/// What is in force, for the start's message; and what differs from the settings, for reason().
-void V4l2Camera::tell_grants() {
-  reason_.clear();
-  if (!grants_.empty()) reason_.set("%s: %s", name(), grants_.c_str());
-  Reason text;
+/// Describes the open camera in info().
+void V4l2Camera::report_negotiated() {
+  info_.negotiated.clear();
+  if (!negotiated_.empty()) info_.negotiated = std::string(name()) + ": " + negotiated_.str();
+  ErrorText text;
   text.set("%s (%s, %s): %s %ux%u", name(), identity_.card.c_str(), identity_.bus.c_str(),
            kCameraFormats[static_cast<std::size_t>(picture_.format)].word.data(), unsigned{info_.width_px},
            unsigned{info_.height_px});
-  if (info_.rate_hz > 0.0) text.append(" at %.4g Hz", info_.rate_hz);
-  text.append(", %zu buffers mapped%s%s, stamps of the %s", buffers_.count(),
-              buffers_.exported() ? " and shared as dma-bufs" : "", identity_.multi_planar ? " (multi-planar)" : "",
-              stamps_first_packet_ ? "first packet" : CaptureStamp::name_of(buffers_.flags()));
+  if (info_.rate_hz > 0.0) text.append_format(" at %.4g Hz", info_.rate_hz);
+  text.append_format(", %zu buffers mapped%s%s, stamps of the %s", buffers_.count(),
+                     buffers_.exported() ? " and shared as dma-bufs" : "",
+                     identity_.multi_planar ? " (multi-planar)" : "",
+                     stamps_first_packet_ ? "first packet" : CaptureStamp::name_of(buffers_.flags()));
   describe_controls(device_, text);
-  info_.granted = text.text();
+  info_.description = text.str();
 }
 
-Status V4l2Camera::do_start() {
+Result<void> V4l2Camera::do_start() {
   const std::scoped_lock alone(changing_);
   if (!device_.is_open()) {
-    reason_.set("%s: not open", name());
-    return ErrorCode::kInconsistent;
+    return failure(ErrorCode::kInconsistent, "%s: not open", name());
   }
   if (streaming_) return {};
   counters_ = {};
   sequence_.restart();
   behind_ = 0;
   decoded_.give_back_all();
-  lost_ = ErrorCode::kOk;
+  lost_.reset();
   if (const int error = buffers_.queue_all(device_); error != 0) return fail("queuing buffers", error);
   std::uint32_t type = capture_type(identity_.multi_planar);
   if (const int error = device_.request(VIDIOC_STREAMON, &type); error != 0) {
     buffers_.forget_queue();
-    if (error == EBUSY) return say_busy(reason_, name());
+    if (error == EBUSY) return device_busy(name());
     if (error == ENOSPC) {
-      reason_.set("%s: the USB bus has no bandwidth left for %ux%u at %.4g Hz; use another port or a smaller picture",
-                  name(), unsigned{info_.width_px}, unsigned{info_.height_px}, info_.rate_hz);
-      return ErrorCode::kUnsupported;
+      return failure(
+          ErrorCode::kUnsupported,
+          "%s: the USB bus has no bandwidth left for %ux%u at %.4g Hz; use another port or a smaller picture", name(),
+          unsigned{info_.width_px}, unsigned{info_.height_px}, info_.rate_hz);
     }
     const bool has_parts = !identity_.bus.starts_with("usb-");  // sensor, receiver, scaler, each a device
     if (has_parts && (error == EPIPE || error == ENOLINK)) {
-      reason_.set("%s: no stream: the parts of the camera are not connected, or not all set to %ux%u (`media-ctl -p`)",
-                  name(), unsigned{info_.width_px}, unsigned{info_.height_px});
-      return ErrorCode::kIo;
+      return failure(
+          ErrorCode::kIo,
+          "%s: no stream: the parts of the camera are not connected, or not all set to %ux%u (`media-ctl -p`)", name(),
+          unsigned{info_.width_px}, unsigned{info_.height_px});
     }
     return fail("starting the stream", error);
   }
   streaming_ = true;
   // Again: some cameras go back to automatic when the stream begins.
-  grants_.truncate(grants_before_controls_);
-  stamps_.restart(noted(apply_controls(device_, settings_, grants_), grants_));
-  tell_grants();
+  negotiated_.truncate(negotiated_before_controls_);
+  stamps_.restart(noted(apply_controls(device_, settings_, negotiated_), negotiated_));
+  report_negotiated();
   return {};
 }
 
 Result<FrameLease> V4l2Camera::do_wait(Instant deadline) {
-  if (lost_ != ErrorCode::kOk) return lost_;
+  if (lost_) return *lost_;
   if (!streaming_) {
-    reason_.set("%s: not streaming", name());
-    return ErrorCode::kInconsistent;
+    return failure(ErrorCode::kInconsistent, "%s: not streaming", name());
   }
   if (decodes() && decoded_.all_lent()) {
     MonotonicClock::wait_for(deadline);
@@ -259,11 +255,10 @@ int V4l2Camera::pass_over(V4l2Buffers::Filled& oldest) {
 
 Result<FrameLease> V4l2Camera::timed_out() {
   if (buffers_.queued() == 0 || (decodes() && decoded_.all_lent())) {
-    reason_.set("%s: no frame can come: all %zu buffers are lent out", name(), buffers_.count());
-  } else {
-    reason_.set("%s: no frame before the deadline", name());
+    return failure(ErrorCode::kTimeout, "%s: no frame can come: all %zu buffers are lent out", name(),
+                   buffers_.count());
   }
-  return ErrorCode::kTimeout;
+  return failure(ErrorCode::kTimeout, "%s: no frame before the deadline", name());
 }
 
 Result<FrameLease> V4l2Camera::deliver(const V4l2Buffers::Filled& filled) {
@@ -273,15 +268,14 @@ Result<FrameLease> V4l2Camera::deliver(const V4l2Buffers::Filled& filled) {
   counters_.lost = sequence_.lost();
   if ((filled.flags & V4L2_BUF_FLAG_ERROR) != 0) {
     ++counters_.corrupt;
-    reason_.set("%s: the driver marks frame %u as damaged", name(), frame.sequence);
-    return give_back(filled.index, ErrorCode::kCorruptFrame);
+    return give_back(filled.index, failure(ErrorCode::kCorruptFrame, "%s: the driver marks frame %u as damaged", name(),
+                                           frame.sequence));
   }
   for (std::size_t i = 0; i < picture_.planes; ++i) {
     if (filled.bytes[i] >= picture_.needed_bytes[i]) continue;
     ++counters_.short_frames;
-    reason_.set("%s: frame %u has %u bytes instead of %u", name(), frame.sequence, filled.bytes[i],
-                picture_.needed_bytes[i]);
-    return give_back(filled.index, ErrorCode::kShortFrame);
+    return give_back(filled.index, failure(ErrorCode::kShortFrame, "%s: frame %u has %u bytes instead of %u", name(),
+                                           frame.sequence, filled.bytes[i], picture_.needed_bytes[i]));
   }
   if (const int error = buffers_.begin_read(filled.index); error != 0) return fail("synchronizing a buffer", error);
   frame.format = info_.format;
@@ -306,23 +300,23 @@ Result<FrameLease> V4l2Camera::decode(const V4l2Buffers::Filled& filled, Frame& 
   frame.plane[0] = decoded_.bytes(slot);
   frame.stride_bytes[0] = 3u * frame.width_px;
   FrameLease lease(*this, frame, static_cast<std::uint32_t>(slot));
-  const Status status = decoder_.decode({filled.begin[0], filled.bytes[0]}, decoded_.bytes(slot));
+  const Result<void> decoded = decoder_.decode({filled.begin[0], filled.bytes[0]}, decoded_.bytes(slot));
   int error = buffers_.end_read(filled.index);
   if (error == 0) error = buffers_.queue(device_, filled.index);
   if (error != 0) return fail("queuing a buffer", error);
-  if (!status.ok()) {
+  if (!decoded.ok()) {
     ++counters_.corrupt;
-    reason_.set("%s: frame %u cannot be decoded: %s", name(), frame.sequence, decoder_.reason());
-    return status.code();
+    return failure(decoded.code(), "%s: frame %u cannot be decoded: %s", name(), frame.sequence,
+                   decoded.error().text.c_str());
   }
   ++counters_.frames;
   return lease;
 }
 
 /// A frame that nobody wants; when the buffer cannot be queued again, the device is what failed.
-Result<FrameLease> V4l2Camera::give_back(std::size_t buffer, ErrorCode code) {
+Result<FrameLease> V4l2Camera::give_back(std::size_t buffer, Error lost) {
   const int error = buffers_.queue(device_, buffer);
-  return error == 0 ? code : fail("queuing a buffer", error);
+  return error == 0 ? lost : fail("queuing a buffer", error);
 }
 
 void V4l2Camera::do_release(std::uint32_t buffer) noexcept {
@@ -334,18 +328,16 @@ void V4l2Camera::do_release(std::uint32_t buffer) noexcept {
 }
 
 /// Beside wait() on another thread: of what that writes, nothing is touched but the exposure time for the stamps.
-Status V4l2Camera::do_adjust(const CameraSettings& settings, std::string& grants) {
+Result<std::string> V4l2Camera::do_adjust(const CameraSettings& settings) {
   const std::scoped_lock alone(changing_);
   const CameraSettings before = settings_;
   settings_.take_controls(settings);
-  grants.clear();
-  if (!device_.is_open()) return {};
-  Reason text;
+  if (!device_.is_open()) return std::string();
+  ErrorText text;
   stamps_.set_exposure(noted(change_controls(device_, before, settings_, text), text));
   // Then controls are not lacking, whatever was said of each.
   if (V4l2Identity same; device_.identify(same) == ENODEV) text.set("the camera went away; its next opening sets them");
-  if (!text.empty()) grants = std::string(name()) + ": " + text.text();
-  return {};
+  return text.empty() ? std::string() : std::string(name()) + ": " + text.str();
 }
 
 void V4l2Camera::do_stop() {
@@ -367,9 +359,9 @@ void V4l2Camera::shut() {
   device_.close();
 }
 
-ErrorCode V4l2Camera::fail(const char* doing, int error) noexcept {
-  lost_ = use_error(error);
-  return say_lost(reason_, name(), "camera", lost_, doing, error);
+Error V4l2Camera::fail(const char* doing, int error) noexcept {
+  lost_ = device_lost(name(), "camera", use_error(error), doing, error);
+  return *lost_;
 }
 
 }  // namespace touchline::hal

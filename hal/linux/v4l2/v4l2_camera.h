@@ -2,11 +2,12 @@
 
 #include <cstdint>
 #include <mutex>
+#include <optional>
 
 #include "hal/camera.h"
 #include "hal/device_parameters.h"
+#include "hal/error_text.h"
 #include "hal/linux/frame_counter.h"
-#include "hal/linux/reason.h"
 #include "hal/linux/v4l2/capture_stamp.h"
 #include "hal/linux/v4l2/mjpg_decoder.h"
 #include "hal/linux/v4l2/picture_slots.h"
@@ -41,38 +42,38 @@ class V4l2Camera final : public Camera {
   V4l2Camera& operator=(const V4l2Camera&) = delete;
 
   [[nodiscard]] const CameraInfo& info() const override { return info_; }
-  [[nodiscard]] const std::string& reason() const override { return reason_.text(); }
 
   /// Since start().
   [[nodiscard]] const V4l2Counters& counters() const { return counters_; }
   [[nodiscard]] const CaptureStamp& stamps() const { return stamps_; }
 
  private:
-  Status do_open() override;
-  Status do_start() override;
+  Result<void> do_open() override;
+  Result<void> do_start() override;
   Result<FrameLease> do_wait(Instant deadline) override;
   void do_release(std::uint32_t buffer) noexcept override;
-  Status do_adjust(const CameraSettings& settings, std::string& grants) override;
+  Result<std::string> do_adjust(const CameraSettings& settings) override;
   void do_stop() override;
   void do_close() override;
 
-  Status open_anew();
+  Result<void> open_anew();
   void shut();
-  Status open_file();
-  Status identify();
-  Status map_buffers();
+  Result<void> open_device();
+  Result<void> open_file();
+  Result<void> identify();
+  Result<void> map_buffers();
   void note_device();
   void note_rate();
   [[nodiscard]] std::uint32_t meant(std::uint32_t flags) const;
-  Duration noted(Duration exposure, Reason& text) const;
-  void tell_grants();
+  Duration noted(Duration exposure, ErrorText& text) const;
+  void report_negotiated();
   [[nodiscard]] bool decodes() const { return picture_.format == CameraFormat::kMjpg; }
   int pass_over(V4l2Buffers::Filled& oldest);
   Result<FrameLease> timed_out();
   Result<FrameLease> deliver(const V4l2Buffers::Filled& filled);
   Result<FrameLease> decode(const V4l2Buffers::Filled& filled, Frame& frame);
-  Result<FrameLease> give_back(std::size_t buffer, ErrorCode code);
-  ErrorCode fail(const char* doing, int error) noexcept;
+  Result<FrameLease> give_back(std::size_t buffer, Error lost);
+  Error fail(const char* doing, int error) noexcept;
   [[nodiscard]] const char* name() const { return settings_.device.c_str(); }
 
   CameraSettings settings_;
@@ -88,12 +89,11 @@ class V4l2Camera final : public Camera {
   CameraInfo info_;
   CaptureStamp stamps_;
   V4l2Counters counters_;
-  Reason reason_;
-  Reason grants_;  // what was granted otherwise than asked
-  std::size_t grants_before_controls_ = 0;
+  ErrorText negotiated_;  // what differs from the settings
+  std::size_t negotiated_before_controls_ = 0;
   bool streaming_ = false;
   bool stamps_first_packet_ = false;  // whatever the flags say
-  ErrorCode lost_ = ErrorCode::kOk;   // an error after which only opening again helps
+  std::optional<Error> lost_;         // an error after which the camera must be reopened
   FrameCounter sequence_;
   std::size_t behind_ = 0;  // frames in a row that were there before they were asked for
 };

@@ -56,14 +56,16 @@ struct Wish {
   int value;
 };
 
-/// A camera, and who hears of what it grants otherwise.
+/// A camera, and who hears of what it negotiated otherwise.
 struct Controlled {
   const V4l2Device& device;
-  Reason& grants;
+  ErrorText& negotiated;
   bool streams = false;  // then each write may cost frames, and none is made that changes nothing
 };
 
-void note(Reason& grants, const Wish& wish) { grants.append("%s%s = %d: ", grants.separator(), wish.key, wish.value); }
+void note(ErrorText& negotiated, const Wish& wish) {
+  negotiated.append_format("%s%s = %d: ", negotiated.separator(), wish.key, wish.value);
+}
 
 /// Sets a control that a camera may lack without harm, such as the automatic twin of a value. `or_to`: as good as `to`,
 /// for cameras that refuse that.
@@ -76,8 +78,8 @@ void switch_off(const Controlled& camera, std::uint32_t id, int to, int or_to, c
   int error = set(camera.device, id, to);
   if (error == EINVAL && or_to != to) error = set(camera.device, id, or_to);
   if (error == 0 && is_off()) return;
-  note(camera.grants, wish);
-  camera.grants.append("%s stays on (%s)", name, error != 0 ? system_text(error) : "the driver kept it");
+  note(camera.negotiated, wish);
+  camera.negotiated.append_format("%s stays on (%s)", name, error != 0 ? system_text(error) : "the driver kept it");
 }
 
 void switch_off(const Controlled& camera, std::uint32_t id, const char* name, const Wish& wish) {
@@ -90,26 +92,27 @@ bool set_value(const Controlled& camera, std::uint32_t id, int unit, const Wish&
   if (!find(camera.device, id, control)) return false;
   const int error = set(camera.device, id, nearest(control, (wish.value + unit / 2) / unit));
   if (error != 0) {
-    note(camera.grants, wish);
-    camera.grants.append("refused (%s)", system_text(error));
+    note(camera.negotiated, wish);
+    camera.negotiated.append_format("refused (%s)", system_text(error));
     return true;
   }
   int granted = 0;
   const int read_error = get(camera.device, id, granted);
   if (read_error != 0) {
-    note(camera.grants, wish);
-    camera.grants.append("set, but cannot be read back (%s)", system_text(read_error));
+    note(camera.negotiated, wish);
+    camera.negotiated.append_format("set, but cannot be read back (%s)", system_text(read_error));
   } else if (std::int64_t{granted} * unit != wish.value) {
-    note(camera.grants, wish);
-    camera.grants.append("granted %" PRId64 " (range %" PRId64 " to %" PRId64 ", step %" PRId64 ")",
-                         std::int64_t{granted} * unit, control.low * unit, control.high * unit, control.step * unit);
+    note(camera.negotiated, wish);
+    camera.negotiated.append_format("granted %" PRId64 " (range %" PRId64 " to %" PRId64 ", step %" PRId64 ")",
+                                    std::int64_t{granted} * unit, control.low * unit, control.high * unit,
+                                    control.step * unit);
   }
   return true;
 }
 
 void lacking(const Controlled& camera, const Wish& wish) {
-  note(camera.grants, wish);
-  camera.grants.append("the camera has no such control");
+  note(camera.negotiated, wish);
+  camera.negotiated.append_format("the camera has no such control");
 }
 
 /// UVC cameras lower the frame rate in the dark otherwise, whatever was granted.
@@ -124,10 +127,10 @@ void fix_exposure(const Controlled& camera, const CameraSettings& asked) {
   const std::uint32_t id = in_steps ? V4L2_CID_EXPOSURE : V4L2_CID_EXPOSURE_ABSOLUTE;
   Control steps;
   if (!in_steps && !find(camera.device, id, steps) && find(camera.device, V4L2_CID_EXPOSURE, steps)) {
-    note(camera.grants, wish);
-    camera.grants.append("the camera counts exposure in steps of its own, %" PRId64 " to %" PRId64
-                         ", and not in time: exposure_steps fixes it",
-                         steps.low, steps.high);
+    note(camera.negotiated, wish);
+    camera.negotiated.append_format("the camera counts exposure in steps of its own, %" PRId64 " to %" PRId64
+                                    ", and not in time: exposure_steps fixes it",
+                                    steps.low, steps.high);
     return;  // fixed at anything, it would be worse than automatic
   }
   if (!find(camera.device, id, steps)) return lacking(camera, wish);
@@ -156,10 +159,10 @@ bool set_gains(const Controlled& camera, const Wish& wish) {
   if (error == 0) error = set(camera.device, blue.id, blue.normal);
   if (error == 0) error = get(camera.device, red.id, red_now);
   if (error == 0) error = get(camera.device, blue.id, blue_now);
-  note(camera.grants, wish);
-  camera.grants.append("the camera takes gains only: ");
-  if (error != 0) camera.grants.append("refused (%s)", system_text(error));
-  if (error == 0) camera.grants.append("red %d, blue %d", red_now, blue_now);
+  note(camera.negotiated, wish);
+  camera.negotiated.append_format("the camera takes gains only: ");
+  if (error != 0) camera.negotiated.append_format("refused (%s)", system_text(error));
+  if (error == 0) camera.negotiated.append_format("red %d, blue %d", red_now, blue_now);
   return true;
 }
 
@@ -177,7 +180,7 @@ void fix_focus(const Controlled& camera, int focus) {
   if (!set_value(camera, V4L2_CID_FOCUS_ABSOLUTE, 1, wish)) lacking(camera, wish);
 }
 
-void fix_power_line(const V4l2Device& device, PowerLine power_line, Reason& grants) {
+void fix_power_line(const V4l2Device& device, PowerLine power_line, ErrorText& negotiated) {
   const int hz = power_line == PowerLine::k50Hz ? 50 : power_line == PowerLine::k60Hz ? 60 : 0;
   const int value = hz == 50   ? V4L2_CID_POWER_LINE_FREQUENCY_50HZ
                     : hz == 60 ? V4L2_CID_POWER_LINE_FREQUENCY_60HZ
@@ -188,13 +191,13 @@ void fix_power_line(const V4l2Device& device, PowerLine power_line, Reason& gran
   int granted = value;
   const int error = there ? set(device, V4L2_CID_POWER_LINE_FREQUENCY, value) : EINVAL;
   if (error == 0 && get(device, V4L2_CID_POWER_LINE_FREQUENCY, granted) == 0 && granted == value) return;
-  grants.append("%spower_line = %s: %s", grants.separator(),
-                hz == 50   ? "50hz"
-                : hz == 60 ? "60hz"
-                           : "off",
-                !there       ? "the camera has no such control"
-                : error != 0 ? system_text(error)
-                             : "the driver kept another");
+  negotiated.append_format("%spower_line = %s: %s", negotiated.separator(),
+                           hz == 50   ? "50hz"
+                           : hz == 60 ? "60hz"
+                                      : "off",
+                           !there       ? "the camera has no such control"
+                           : error != 0 ? system_text(error)
+                                        : "the driver kept another");
 }
 
 /// In shutter priority the time is fixed and the aperture is automatic.
@@ -213,7 +216,7 @@ Duration exposure_in_force(const V4l2Device& device) {
 
 Duration apply(const Controlled& camera, const CameraSettings& asked) {
   // Flicker first: it limits which exposures some cameras accept.
-  if (asked.power_line != PowerLine::kLeave) fix_power_line(camera.device, asked.power_line, camera.grants);
+  if (asked.power_line != PowerLine::kLeave) fix_power_line(camera.device, asked.power_line, camera.negotiated);
   if (asked.exposure_us > 0 || asked.exposure_steps != kExposureStepsLeave) fix_exposure(camera, asked);
   if (asked.gain > 0) fix_gain(camera, asked.gain);
   if (asked.white_balance_k > 0) fix_white_balance(camera, asked.white_balance_k);
@@ -223,14 +226,14 @@ Duration apply(const Controlled& camera, const CameraSettings& asked) {
 
 }  // namespace
 
-Duration apply_controls(const V4l2Device& device, const CameraSettings& asked, Reason& grants) {
-  const Controlled camera{device, grants};
+Duration apply_controls(const V4l2Device& device, const CameraSettings& asked, ErrorText& negotiated) {
+  const Controlled camera{device, negotiated};
   fix_rate(camera, asked.rate_hz);
   return apply(camera, asked);
 }
 
 Duration change_controls(const V4l2Device& device, const CameraSettings& before, const CameraSettings& asked,
-                         Reason& grants) {
+                         ErrorText& negotiated) {
   CameraSettings changes = asked;
   const bool other_flicker = asked.power_line != before.power_line;
   if (!other_flicker) changes.power_line = PowerLine::kLeave;
@@ -241,26 +244,26 @@ Duration change_controls(const V4l2Device& device, const CameraSettings& before,
   if (asked.gain == before.gain) changes.gain = 0;
   if (asked.white_balance_k == before.white_balance_k) changes.white_balance_k = 0;
   if (asked.focus == before.focus) changes.focus = kFocusLeave;
-  return apply({device, grants, true}, changes);
+  return apply({device, negotiated, true}, changes);
 }
 
-void describe_controls(const V4l2Device& device, Reason& text) {
+void describe_controls(const V4l2Device& device, ErrorText& text) {
   Control control;
   const Duration exposure = exposure_in_force(device);
   if (exposure > Duration::zero()) {
-    text.append(", exposure %" PRId64 " us",
-                std::int64_t{std::chrono::duration_cast<std::chrono::microseconds>(exposure).count()});
+    text.append_format(", exposure %" PRId64 " us",
+                       std::int64_t{std::chrono::duration_cast<std::chrono::microseconds>(exposure).count()});
   } else if (find(device, V4L2_CID_EXPOSURE_ABSOLUTE, control)) {
-    text.append(", exposure automatic");
+    text.append_format(", exposure automatic");
   } else if (int steps = 0; get(device, V4L2_CID_EXPOSURE, steps) == 0) {
-    text.append(is_exposure_automatic(device) ? ", exposure automatic" : ", exposure %d steps", steps);
+    text.append_format(is_exposure_automatic(device) ? ", exposure automatic" : ", exposure %d steps", steps);
   }
   const auto describe = [&](const char* name, std::uint32_t automatic, std::uint32_t id, const char* unit) {
     int value = 0;
     if (get(device, automatic, value) == 0 && value != 0) {
-      text.append(", %s automatic", name);
+      text.append_format(", %s automatic", name);
     } else if (get(device, id, value) == 0) {
-      text.append(", %s %d%s", name, value, unit);
+      text.append_format(", %s %d%s", name, value, unit);
     }
   };
   const bool has_gain = find(device, V4L2_CID_GAIN, control);
@@ -269,10 +272,10 @@ void describe_controls(const V4l2Device& device, Reason& text) {
   describe("focus", V4L2_CID_FOCUS_AUTO, V4L2_CID_FOCUS_ABSOLUTE, "");
   int line = 0;
   if (get(device, V4L2_CID_POWER_LINE_FREQUENCY, line) != 0) return;
-  text.append(", power line %s", line == V4L2_CID_POWER_LINE_FREQUENCY_DISABLED ? "off"
-                                 : line == V4L2_CID_POWER_LINE_FREQUENCY_50HZ   ? "50 Hz"
-                                 : line == V4L2_CID_POWER_LINE_FREQUENCY_60HZ   ? "60 Hz"
-                                                                                : "automatic");
+  text.append_format(", power line %s", line == V4L2_CID_POWER_LINE_FREQUENCY_DISABLED ? "off"
+                                        : line == V4L2_CID_POWER_LINE_FREQUENCY_50HZ   ? "50 Hz"
+                                        : line == V4L2_CID_POWER_LINE_FREQUENCY_60HZ   ? "60 Hz"
+                                                                                       : "automatic");
 }
 
 }  // namespace touchline::hal

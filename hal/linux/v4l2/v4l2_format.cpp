@@ -126,8 +126,7 @@ V4l2Picture picture_of(const Granted& granted, CameraFormat format, bool multi_p
 
 }  // namespace
 
-Result<V4l2Picture> negotiate_format(const V4l2Device& device, bool multi_planar, const CameraSettings& asked,
-                                     Reason& reason) {
+Result<V4l2Picture> negotiate_format(const V4l2Device& device, bool multi_planar, const CameraSettings& asked) {
   const std::array<std::uint32_t, 2> codes = codes_of(asked.format, multi_planar);
   const std::string wanted = name_of(codes[0]) + " " + size_text(asked.width_px, asked.height_px);
   Granted granted;
@@ -137,29 +136,26 @@ Result<V4l2Picture> negotiate_format(const V4l2Device& device, bool multi_planar
     error = set_format(device, multi_planar, code, asked, granted);
     if ((error == 0 && granted.fourcc == code) || (error != 0 && error != EINVAL)) break;
   }
-  if (error == EBUSY) return say_busy(reason, asked.device.c_str());
+  if (error == EBUSY) return device_busy(asked.device.c_str());
   if (error != 0 && error != EINVAL) {
-    reason.set("%s: cannot set a format: %s", asked.device.c_str(), system_text(error));
-    return use_error(error);
+    return failure(use_error(error), "%s: cannot set a format: %s", asked.device.c_str(), system_text(error));
   }
   const bool same_format = granted.fourcc == codes[0] || granted.fourcc == codes[1];
   if (error != 0 || !same_format || granted.width != asked.width_px || granted.height != asked.height_px) {
     const std::string instead = error != 0
                                     ? std::string("(invalid argument)")
                                     : "but " + name_of(granted.fourcc) + " " + size_text(granted.width, granted.height);
-    reason.set("%s: no %s %s; it offers %s", asked.device.c_str(), wanted.c_str(), instead.c_str(),
-               formats_text(list_formats(device, multi_planar, false)).c_str());
-    return ErrorCode::kUnsupported;
+    return failure(ErrorCode::kUnsupported, "%s: no %s %s; it offers %s", asked.device.c_str(), wanted.c_str(),
+                   instead.c_str(), formats_text(list_formats(device, multi_planar, false)).c_str());
   }
   if (granted.field == V4L2_FIELD_TOP || granted.field == V4L2_FIELD_BOTTOM || granted.field == V4L2_FIELD_ALTERNATE) {
-    reason.set("%s: delivers single fields, not whole frames, at %s; half the height may be progressive",
-               asked.device.c_str(), wanted.c_str());
-    return ErrorCode::kUnsupported;
+    return failure(ErrorCode::kUnsupported,
+                   "%s: delivers single fields, not whole frames, at %s; half the height may be progressive",
+                   asked.device.c_str(), wanted.c_str());
   }
   if (granted.planes != (granted.fourcc == V4L2_PIX_FMT_NV12M ? 2 : 1)) {
-    reason.set("%s: delivers %s in %u pieces of memory", asked.device.c_str(), wanted.c_str(),
-               unsigned{granted.planes});
-    return ErrorCode::kUnsupported;
+    return failure(ErrorCode::kUnsupported, "%s: delivers %s in %u pieces of memory", asked.device.c_str(),
+                   wanted.c_str(), unsigned{granted.planes});
   }
   return picture_of(granted, asked.format, multi_planar);
 }

@@ -6,7 +6,7 @@
 #include "core/status.h"
 #include "core/types.h"
 #include "hal/device_parameters.h"
-#include "hal/linux/reason.h"
+#include "hal/error_text.h"
 #include "hal/linux/v4l2/v4l2_device.h"
 #include "hal/result.h"
 
@@ -24,10 +24,9 @@ struct V4l2Picture {
   bool full_range = false;                      // YUV whose luma begins at 0 and not at 16
 };
 
-/// Asks for the format and size of `asked`; NV12 in one piece of memory or in two. kUnsupported: the driver has another
-/// one; `reason` then lists what it has. kDeviceBusy: somebody else streams.
-Result<V4l2Picture> negotiate_format(const V4l2Device& device, bool multi_planar, const CameraSettings& asked,
-                                     Reason& reason);
+/// Asks for the format and size of `asked`; NV12 in one piece of memory or in two. kUnsupported: the driver set
+/// another one; the message lists the available ones. kDeviceBusy: another process streams.
+Result<V4l2Picture> negotiate_format(const V4l2Device& device, bool multi_planar, const CameraSettings& asked);
 
 /// Asks for a frame rate. Hz that were granted, 0 when the driver does not tell.
 double negotiate_rate(const V4l2Device& device, bool multi_planar, double asked_hz);

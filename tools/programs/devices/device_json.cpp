@@ -38,7 +38,7 @@ Json json_of(const Camera& camera) {
   const hal::CameraNode& node = camera.node;
   Json entry{{"path", node.path}, {"by_path", node.by_path}, {"by_id", node.by_id}};
   if (node.error != 0) {
-    entry["refused"] = hal::refusal_text(node.path, node.error, "video");
+    entry["refused"] = hal::open_error_text(node.path, node.error, "video");
     return entry;
   }
   entry["card"] = node.identity.card;
@@ -63,14 +63,14 @@ Json json_of(const hal::SerialPortNode& port) {
     entry["usb_vendor"] = port.usb_vendor;
     entry["usb_product"] = port.usb_product;
   }
-  if (port.denied) entry["refused"] = hal::refusal_text(port.path, EACCES, "dialout");
+  if (port.denied) entry["refused"] = hal::open_error_text(port.path, EACCES, "dialout");
   return entry;
 }
 
 Json json_of(const hal::GpioChipNode& chip) {
   Json entry{{"path", chip.path}};
   if (chip.error != 0) {
-    entry["refused"] = hal::refusal_text(chip.path, chip.error, "gpio");
+    entry["refused"] = hal::open_error_text(chip.path, chip.error, "gpio");
     return entry;
   }
   entry["label"] = chip.label;

@@ -52,7 +52,7 @@ DeviceList list_devices(const Selection& selection) {
     std::vector<hal::CameraNode> nodes = hal::list_cameras();
     select(
         nodes, *selection.camera, "camera", list.troubles, [](const hal::CameraNode& node) { return node.path; },
-        [](const hal::CameraNode& node) { return hal::refusal_text(node.path, node.error, "video"); });
+        [](const hal::CameraNode& node) { return hal::open_error_text(node.path, node.error, "video"); });
     list.cameras = ask_cameras(std::move(nodes));
   }
   if (selection.libcamera) list.libcamera = hal::libcamera_cameras();
@@ -63,7 +63,7 @@ DeviceList list_devices(const Selection& selection) {
         ports, *selection.serial, "serial port", list.troubles,
         [](const hal::SerialPortNode& node) { return node.path; },
         [](const hal::SerialPortNode& node) {
-          return node.denied ? hal::refusal_text(node.path, EACCES, "dialout") : std::string();
+          return node.denied ? hal::open_error_text(node.path, EACCES, "dialout") : std::string();
         });
     list.ports = std::move(ports);
   }
@@ -72,7 +72,7 @@ DeviceList list_devices(const Selection& selection) {
     select(
         chips, *selection.gpio, "GPIO chip", list.troubles,
         [&](const hal::GpioChipNode& node) { return node.label == *selection.gpio ? node.label : node.path; },
-        [](const hal::GpioChipNode& node) { return hal::refusal_text(node.path, node.error, "gpio"); });
+        [](const hal::GpioChipNode& node) { return hal::open_error_text(node.path, node.error, "gpio"); });
     list.chips = std::move(chips);
   }
   return list;

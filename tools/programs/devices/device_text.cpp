@@ -86,7 +86,7 @@ void add_cameras(std::string& text, const std::vector<Camera>& cameras) {
   for (const Camera& camera : cameras) {
     const hal::CameraNode& node = camera.node;
     if (node.error != 0) {
-      line(text, "  %s", hal::refusal_text(node.path, node.error, "video").c_str());
+      line(text, "  %s", hal::open_error_text(node.path, node.error, "video").c_str());
       continue;
     }
     line(text, "  %s  %s (driver %s, %s%s)", node.path.c_str(), node.identity.card.c_str(),
@@ -116,7 +116,7 @@ void add_ports(std::string& text, const std::vector<hal::SerialPortNode>& ports)
                     static_cast<unsigned>(port.usb_product));
     }
     line(text, "  %s  %s%s", port.path.c_str(), port.description.c_str(), usb.data());
-    if (port.denied) line(text, "    %s", hal::refusal_text(port.path, EACCES, "dialout").c_str());
+    if (port.denied) line(text, "    %s", hal::open_error_text(port.path, EACCES, "dialout").c_str());
     if (!port.by_id.empty()) line(text, "    device = \"%s\"", port.by_id.c_str());
     if (!port.by_path.empty()) line(text, "    by its socket: %s", port.by_path.c_str());
   }
@@ -127,7 +127,7 @@ void add_chips(std::string& text, const std::vector<hal::GpioChipNode>& chips) {
   if (chips.empty()) line(text, "  none: a PC has no pins");
   for (const hal::GpioChipNode& chip : chips) {
     if (chip.error != 0) {
-      line(text, "  %s", hal::refusal_text(chip.path, chip.error, "gpio").c_str());
+      line(text, "  %s", hal::open_error_text(chip.path, chip.error, "gpio").c_str());
       continue;
     }
     line(text, "  %s  %s, %u lines", chip.path.c_str(), chip.label.c_str(), chip.line_count);

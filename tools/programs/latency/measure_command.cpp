@@ -172,9 +172,10 @@ int measure_board(const MeasureOptions& options) {
   // The rate of a video is not known yet.
   Run run(options, board, board.camera.rate_hz > 0.0 ? board.camera.rate_hz : 240.0);
   if (const Result<void> prepared = run.prepare(); !prepared.ok()) return fail(prepared.text());
-  std::string reason;
   session.limit(run.steps(), run.duration());
-  if (!session.open(run.observer(), reason).ok()) return fail(reason, kExitDeviceFailure);
+  if (const Result<void> opened = session.open(run.observer()); !opened.ok()) {
+    return fail(opened.text(), kExitDeviceFailure);
+  }
   const hal::CameraInfo& info = session.devices().loop_devices().camera.info();
   const double rate_hz = info.rate_hz > 0.0 ? info.rate_hz : board.camera.rate_hz;
   return run.measure(session.loop(), "board " + board.name + ", " + picture_text(info), rate_hz);
@@ -202,8 +203,7 @@ int measure_worst_frames(const MeasureOptions& options) {
   const auto loop =
       std::make_unique<Loop>(LoopDevices{camera, radio, gpio, clock}, *pipeline, settings, *reports, run.observer());
   if (const Result<void> prepared = run.prepare(); !prepared.ok()) return fail(prepared.text());
-  std::string reason;
-  if (!loop->open(reason).ok()) return fail(reason);
+  if (const Result<void> opened = loop->open(); !opened.ok()) return fail(opened.text());
   return run.measure(*loop, "worst frames, " + picture_text(camera.info()), board.camera.rate_hz);
 }
 

@@ -131,11 +131,10 @@ Frame StressPatternCamera::frame_of(std::size_t pattern) const {
   return frame;
 }
 
-Status StressPatternCamera::do_open() {
+Result<void> StressPatternCamera::do_open() {
   const ScanParameters& scan = parameters_.scan;
   if (scan.boxes.empty()) {
-    reason_ = "worst frames: the venue file has no colors";
-    return ErrorCode::kInconsistent;
+    return failure(ErrorCode::kInconsistent, "worst frames: the venue file has no colors");
   }
   info_ = {scan.format, scan.width_px, scan.height_px, 0.0};
   choose_values();

@@ -23,7 +23,6 @@ class StressPatternCamera final : public hal::Camera {
   StressPatternCamera(const PipelineParameters& parameters, const hal::Clock& clock);
 
   [[nodiscard]] const hal::CameraInfo& info() const override { return info_; }
-  [[nodiscard]] const std::string& reason() const override { return reason_; }
 
   static constexpr std::size_t kPatterns = 9;
 
@@ -31,8 +30,8 @@ class StressPatternCamera final : public hal::Camera {
   // Values of the three channels.
   using Value = std::array<std::uint8_t, 3>;
 
-  Status do_open() override;
-  Status do_start() override { return {}; }
+  Result<void> do_open() override;
+  Result<void> do_start() override { return {}; }
   Result<hal::FrameLease> do_wait(Instant deadline) override;
   void do_release(std::uint32_t) noexcept override {}
   void do_stop() override {}
@@ -46,7 +45,6 @@ class StressPatternCamera final : public hal::Camera {
   const PipelineParameters& parameters_;
   const hal::Clock& clock_;
   hal::CameraInfo info_;
-  std::string reason_;
   std::vector<Value> values_;  // [0]: background, then one per color
   std::array<std::vector<std::uint8_t>, kPatterns> pictures_;
   std::uint32_t sequence_ = 0;

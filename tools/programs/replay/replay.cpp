@@ -69,8 +69,8 @@ Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progr
   const PixelFormat format =
       configuration->venue.colors.space == ColorSpace::kRgb ? PixelFormat::kRgb24 : PixelFormat::kYuyv;
   hal::ReplayCamera camera({options.input, format, options.rate_hz});
-  if (const Status status = camera.open(); !status.ok()) return from_status(status, camera.reason());
-  if (const Status status = camera.start(); !status.ok()) return from_status(status, camera.reason());
+  TOUCHLINE_TRY(camera.open());
+  TOUCHLINE_TRY(camera.start());
   const hal::CameraInfo& info = camera.info();
   if (!config::resolve({format, info.width_px, info.height_px, options.input}, *configuration, problems).ok()) {
     return from_problems(problems);
@@ -100,7 +100,7 @@ Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progr
       continue;
     }
     if (stop) return failure(ErrorCode::kIo, "stopped; no output was written");
-    if (!lease.ok()) return from_status(lease.code(), camera.reason());
+    if (!lease.ok()) return lease.error();
     const Frame& frame = lease.value().frame();
     const StepTrace& trace = pipeline->step(frame);
     pipeline->adapt();

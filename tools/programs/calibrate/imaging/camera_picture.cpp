@@ -8,19 +8,16 @@ namespace touchline::calibrate {
 
 Result<CameraPicture> CameraPicture::load(const std::string& path, PixelFormat format) {
   hal::ReplayCamera camera({path, format, 0.0});
-  CameraPicture out;
-  Status status = camera.open();
-  if (status.ok()) status = camera.start();
-  if (status.ok()) {
-    const Result<hal::FrameLease> lease = camera.wait(Instant::max());
-    status = lease.code();
-    if (lease.ok()) out = copy_of(lease.value().frame());
-  }
-  const std::string reason = status.ok() ? std::string() : std::string(camera.reason());
+  const auto load_first = [&]() -> Result<CameraPicture> {
+    TOUCHLINE_TRY(camera.open());
+    TOUCHLINE_TRY(camera.start());
+    TOUCHLINE_TRY_ASSIGN(const hal::FrameLease lease, camera.wait(Instant::max()));
+    return copy_of(lease.frame());
+  };
+  Result<CameraPicture> loaded = load_first();
   camera.stop();
   camera.close();
-  if (!status.ok()) return Error{status.code(), reason};
-  return out;
+  return loaded;
 }
 
 CameraPicture CameraPicture::copy_of(const Frame& frame) {

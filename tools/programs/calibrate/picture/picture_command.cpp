@@ -28,15 +28,15 @@ std::string name_of(const std::string& out, unsigned number, unsigned count) {
       .string();
 }
 
-int camera_failed(const hal::Camera& camera) {
-  static_cast<void>(fail("touchline-calibrate", camera.reason()));
+int camera_failed(const Error& error) {
+  static_cast<void>(fail("touchline-calibrate", error.text.str()));
   return 2;
 }
 
 // Opens and starts the camera; stops and closes it at the end of the scope.
 struct Streaming {
-  explicit Streaming(hal::Camera& c) : camera(c), status(c.open()) {
-    if (status.ok()) status = camera.start();
+  explicit Streaming(hal::Camera& c) : camera(c), started(c.open()) {
+    if (started.ok()) started = camera.start();
   }
   ~Streaming() {
     camera.stop();
@@ -45,7 +45,7 @@ struct Streaming {
   Streaming(const Streaming&) = delete;
   Streaming& operator=(const Streaming&) = delete;
   hal::Camera& camera;
-  Status status;
+  Result<void> started;
 };
 
 }  // namespace
@@ -89,16 +89,17 @@ int PictureCommand::run() const {
   devices.make(*configuration, 1);
   const LoopDevices parts = devices.loop_devices();
   const Streaming streaming(parts.camera);
-  if (!streaming.status.ok()) return camera_failed(parts.camera);
-  if (!parts.camera.info().granted.empty()) std::printf("camera: %s\n", parts.camera.info().granted.c_str());
-  if (!parts.camera.reason().empty()) std::printf("camera: %s\n", parts.camera.reason().c_str());
+  if (!streaming.started.ok()) return camera_failed(streaming.started.error());
+  if (!parts.camera.info().description.empty()) std::printf("camera: %s\n", parts.camera.info().description.c_str());
+  const std::string& negotiated = parts.camera.info().negotiated;
+  if (!negotiated.empty()) std::printf("camera: %s\n", negotiated.c_str());
   Instant last_good = parts.clock.now(), due = last_good + from_seconds(after_s);
   for (unsigned written = 0; written < count;) {
     const Result<hal::FrameLease> lease = parts.camera.wait(parts.clock.now() + kPatience);
     const Instant now = parts.clock.now();
     if (!lease.ok()) {
       if (is_temporary(lease.code()) && now - last_good < kPatience) continue;
-      return camera_failed(parts.camera);
+      return camera_failed(lease.error());
     }
     last_good = now;
     if (now < due) continue;

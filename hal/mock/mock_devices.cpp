@@ -6,7 +6,6 @@
 #include <utility>
 
 namespace touchline::hal::mock {
-namespace {}  // namespace
 
 MockCamera::MockCamera(Arena& arena, Clock& clock)
     : arena_(arena),
@@ -16,10 +15,10 @@ MockCamera::MockCamera(Arena& arena, Clock& clock)
       layout_(layout_of(info_.format, info_.width_px, info_.height_px)) {}
 
 Result<void> MockCamera::do_open() {
-  const std::scoped_lock alone(arena_.mutex());
+  const std::scoped_lock lock(arena_.mutex());
   arena_.advance_to(clock_.now());
   if (arena_.fault_active(FaultKind::kCameraLost)) {
-    return failure(ErrorCode::kNotFound, "mock camera: unplugged (an [[arena.fault]])");
+    return failure(ErrorCode::kNotFound, "mock camera: unplugged (injected by [[arena.fault]])");
   }
   const auto count = static_cast<std::size_t>(arena_.camera().buffers);
   buffers_.assign(count, std::vector<std::uint8_t>(layout_.bytes));
@@ -33,7 +32,7 @@ Result<void> MockCamera::do_start() {
   if (!open_) {
     return failure(ErrorCode::kIo, "mock camera: used before it was opened and started");
   }
-  const std::scoped_lock alone(arena_.mutex());
+  const std::scoped_lock lock(arena_.mutex());
   arena_.advance_to(clock_.now());
   arena_.start_camera();
   streaming_ = true;
@@ -44,32 +43,32 @@ Result<FrameLease> MockCamera::do_wait(Instant deadline) {
   if (!streaming_) {
     return failure(ErrorCode::kIo, "mock camera: used before it was opened and started");
   }
-  std::unique_lock alone(arena_.mutex());
+  std::unique_lock lock(arena_.mutex());
   for (;;) {
     arena_.advance_to(clock_.now());
     lost_ = lost_ || arena_.fault_active(FaultKind::kCameraLost);
     if (lost_) {
-      return failure(ErrorCode::kDisconnected, "mock camera: unplugged (an [[arena.fault]])");
+      return failure(ErrorCode::kDisconnected, "mock camera: unplugged (injected by [[arena.fault]])");
     }
     if (const std::optional<Exposure> exposure = arena_.take_exposure()) return hand_out(*exposure);
     if (clock_.now() >= deadline) {
       const bool all_held = std::find(held_.begin(), held_.end(), false) == held_.end();
       return failure(ErrorCode::kTimeout, "mock camera: %s",
-                     all_held ? "every buffer is held by somebody" : "no frame came in time");
+                     all_held ? "all buffers are in use" : "no frame arrived in time");
     }
     const Instant until = std::min(deadline, arena_.next_frame_ready().value_or(deadline));
-    alone.unlock();
+    lock.unlock();
     clock_.sleep_until(until);
-    alone.lock();
+    lock.lock();
   }
 }
 
 Result<FrameLease> MockCamera::hand_out(const Exposure& exposure) {
   if (arena_.fault_active(FaultKind::kFrameShort) || arena_.fault_active(FaultKind::kFrameCorrupt)) {
     return failure(arena_.fault_active(FaultKind::kFrameShort) ? ErrorCode::kShortFrame : ErrorCode::kCorruptFrame,
-                   "mock camera: the frame is damaged (an [[arena.fault]])");
+                   "mock camera: the frame is damaged (injected by [[arena.fault]])");
   }
-  // The arena takes no picture without a buffer for it, so there is one.
+  // A buffer is free, because the arena exposes only if one is free.
   const auto free = std::find(held_.begin(), held_.end(), false);
   const auto buffer = static_cast<std::size_t>(free - held_.begin());
   *free = true;
@@ -89,19 +88,19 @@ Result<FrameLease> MockCamera::hand_out(const Exposure& exposure) {
 }
 
 void MockCamera::do_release(std::uint32_t buffer) noexcept {
-  const std::scoped_lock alone(arena_.mutex());
+  const std::scoped_lock lock(arena_.mutex());
   held_[buffer] = false;
   arena_.release_buffer();
 }
 
 Result<std::string> MockCamera::do_adjust(const CameraSettings& settings) {
-  const std::scoped_lock alone(arena_.mutex());
+  const std::scoped_lock lock(arena_.mutex());
   arena_.adjust_camera(settings);
   return std::string();
 }
 
 void MockCamera::do_stop() {
-  const std::scoped_lock alone(arena_.mutex());
+  const std::scoped_lock lock(arena_.mutex());
   arena_.stop_camera();
   streaming_ = false;
 }
@@ -114,10 +113,10 @@ void MockCamera::do_close() {
 MockRadio::MockRadio(Arena& arena, Clock& clock) : arena_(arena), clock_(clock) {}
 
 Result<void> MockRadio::do_open() {
-  const std::scoped_lock alone(arena_.mutex());
+  const std::scoped_lock lock(arena_.mutex());
   arena_.advance_to(clock_.now());
   if (arena_.fault_active(FaultKind::kRadioLost)) {
-    return failure(ErrorCode::kNotFound, "mock radio: unplugged (an [[arena.fault]])");
+    return failure(ErrorCode::kNotFound, "mock radio: unplugged (injected by [[arena.fault]])");
   }
   open_ = true;
   lost_ = false;
@@ -137,7 +136,7 @@ Result<void> MockRadio::check_usable() {
   arena_.advance_to(clock_.now());
   lost_ = lost_ || arena_.fault_active(FaultKind::kRadioLost);
   if (!lost_) return {};
-  return failure(ErrorCode::kDisconnected, "mock radio: unplugged (an [[arena.fault]])");
+  return failure(ErrorCode::kDisconnected, "mock radio: unplugged (injected by [[arena.fault]])");
 }
 
 Result<std::size_t> MockRadio::waiting() {
@@ -150,7 +149,7 @@ Result<std::size_t> MockRadio::write(std::span<const std::byte> bytes) {
 }
 
 Result<void> MockRadio::do_send(const Packet& packet) {
-  const std::scoped_lock alone(arena_.mutex());
+  const std::scoped_lock lock(arena_.mutex());
   TOUCHLINE_TRY(check_usable());
   Result<void> sent = slot_.send(packet, *this);
   if (!sent.ok()) return prefixed("mock radio", std::move(sent).error());
@@ -159,7 +158,7 @@ Result<void> MockRadio::do_send(const Packet& packet) {
 
 Result<Duration> MockRadio::do_serve() {
   if (slot_.bytes() == 0) return Duration::max();
-  const std::scoped_lock alone(arena_.mutex());
+  const std::scoped_lock lock(arena_.mutex());
   TOUCHLINE_TRY(check_usable());
   TOUCHLINE_TRY(slot_.serve(*this));
   if (slot_.bytes() == 0) return Duration::max();
@@ -168,36 +167,36 @@ Result<Duration> MockRadio::do_serve() {
 }
 
 Result<std::size_t> MockRadio::do_receive(std::span<std::byte> into) {
-  const std::scoped_lock alone(arena_.mutex());
+  const std::scoped_lock lock(arena_.mutex());
   TOUCHLINE_TRY(check_usable());
   return arena_.channel().receive(into);
 }
 
 Result<void> MockRadio::do_drain(Instant deadline) {
   for (;;) {
-    std::unique_lock alone(arena_.mutex());
+    std::unique_lock lock(arena_.mutex());
     TOUCHLINE_TRY(check_usable());
     TOUCHLINE_TRY(slot_.serve(*this));
     const Instant now = arena_.now();
     const Instant drained = arena_.channel().drained();
     if (slot_.bytes() == 0 && drained <= now) return {};
     if (now >= deadline) break;
-    alone.unlock();
+    lock.unlock();
     constexpr Duration kPause = std::chrono::milliseconds(1);
     clock_.sleep_until(std::min(deadline, std::max(drained, now + kPause)));
   }
-  return failure(ErrorCode::kTimeout, "mock radio: not everything has left before the deadline");
+  return failure(ErrorCode::kTimeout, "mock radio: not all bytes were sent before the deadline");
 }
 
 MockGpio::MockGpio(Arena& arena, Clock& clock, const GpioSettings& settings)
     : arena_(arena), clock_(clock), debounce_(from_seconds(settings.debounce_s)) {}
 
 Result<void> MockGpio::do_open() {
-  const std::scoped_lock alone(arena_.mutex());
-  looked_ = clock_.now();
-  arena_.advance_to(looked_);
-  emergency_stop_.begin(debounce_, arena_.fault_active(FaultKind::kEmergencyStop), looked_);
-  start_.begin(debounce_, arena_.fault_active(FaultKind::kStartButton), looked_);
+  const std::scoped_lock lock(arena_.mutex());
+  last_read_ = clock_.now();
+  arena_.advance_to(last_read_);
+  emergency_stop_.begin(debounce_, arena_.fault_active(FaultKind::kEmergencyStop), last_read_);
+  start_.begin(debounce_, arena_.fault_active(FaultKind::kStartButton), last_read_);
   open_ = true;
   return {};
 }
@@ -214,22 +213,22 @@ Result<GpioInputs> MockGpio::do_inputs(Instant now) {
   if (!open_) {
     return failure(ErrorCode::kIo, "mock gpio: used before it was opened");
   }
-  const std::scoped_lock alone(arena_.mutex());
+  const std::scoped_lock lock(arena_.mutex());
   arena_.advance_to(now);
-  const Debouncer::View stop = look(FaultKind::kEmergencyStop, emergency_stop_, now);
-  const Debouncer::View start = look(FaultKind::kStartButton, start_, now);
-  looked_ = now;
+  const Debouncer::View stop = read_input(FaultKind::kEmergencyStop, emergency_stop_, now);
+  const Debouncer::View start = read_input(FaultKind::kStartButton, start_, now);
+  last_read_ = now;
   return GpioInputs{stop.active || stop.restless, start.activated, std::min(stop.settles_in, start.settles_in)};
 }
 
-Debouncer::View MockGpio::look(FaultKind kind, Debouncer& debouncer, Instant now) {
-  FixedVector<Instant, 16> changes;  // as many as a kernel keeps
+Debouncer::View MockGpio::read_input(FaultKind kind, Debouncer& debouncer, Instant now) {
+  FixedVector<Instant, 16> changes;  // as many as the kernel stores per line
   for (const ArenaFault& fault : arena_.faults()) {
     if (fault.kind != kind) continue;
     for (const double at_s : {fault.at_s, fault.at_s + fault.for_s}) {
-      // A moment later: what rounding leaves must not be before it.
+      // One microsecond later, so that rounding cannot place the edge before the fault.
       const Instant at = arena_.begin() + from_seconds(at_s) + std::chrono::microseconds(1);
-      if (at > looked_ && at <= now) changes.push_back(at);
+      if (at > last_read_ && at <= now) changes.push_back(at);
     }
   }
   std::sort(changes.begin(), changes.end());

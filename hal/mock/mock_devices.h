@@ -12,12 +12,12 @@
 #include "hal/packet_slot.h"
 #include "hal/radio.h"
 
-// The three devices of backend "mock". Their faults come from the arena's list (ArenaParameters::fault); one that was
-// unplugged must be opened again. A device may be opened on another thread while the others are used
-// (firmware/device_reconnector.h): each call has the arena to itself.
+// The three devices of backend "mock". Their faults come from ArenaParameters::fault; a device that was unplugged must
+// be reopened. A device may be opened on another thread while the others are in use (firmware/device_reconnector.h):
+// each call locks the arena.
 namespace touchline::hal::mock {
 
-/// Frames of the arena's camera. `clock`: the arena's, or a real one; then the arena follows it.
+/// Camera that delivers rendered frames of the arena. `clock`: an ArenaClock, or a real clock that the arena follows.
 class MockCamera : public Camera {
  public:
   MockCamera(Arena& arena, Clock& clock);
@@ -43,7 +43,7 @@ class MockCamera : public Camera {
   bool open_ = false, streaming_ = false, lost_ = false;
 };
 
-/// The line to the arena's robots.
+/// Radio to the arena's robots.
 class MockRadio : public Radio, private ByteLine {
  public:
   MockRadio(Arena& arena, Clock& clock);
@@ -55,7 +55,7 @@ class MockRadio : public Radio, private ByteLine {
   Result<std::size_t> do_receive(std::span<std::byte> into) override;
   Result<void> do_drain(Instant deadline) override;
   void do_close() override;
-  // Of the arena, which the caller has to itself.
+  // ByteLine; the caller has locked the arena.
   Result<std::size_t> waiting() override;
   Result<std::size_t> write(std::span<const std::byte> bytes) override;
   Result<void> check_usable();
@@ -66,8 +66,8 @@ class MockRadio : public Radio, private ByteLine {
   bool open_ = false, lost_ = false;
 };
 
-/// A status light and a strobe that nobody sees, an emergency stop and a start button that the arena's faults pull and
-/// press, debounced like real ones.
+/// Status light and strobe as stored values; emergency stop and start button driven by the arena's faults and debounced
+/// like real inputs.
 class MockGpio : public Gpio {
  public:
   MockGpio(Arena& arena, Clock& clock, const GpioSettings& settings = {});
@@ -81,13 +81,13 @@ class MockGpio : public Gpio {
   Result<void> do_set_strobe(bool high) override { return set(strobe_, high); }
   Result<GpioInputs> do_inputs(Instant now) override;
   Result<void> set(bool& output, bool high);
-  Debouncer::View look(FaultKind kind, Debouncer& debouncer, Instant now);
+  Debouncer::View read_input(FaultKind kind, Debouncer& debouncer, Instant now);
 
   Arena& arena_;
   Clock& clock_;
   const Duration debounce_;
   Debouncer emergency_stop_, start_;
-  Instant looked_{};
+  Instant last_read_{};
   bool open_ = false, led_ = false, strobe_ = false;
 };
 

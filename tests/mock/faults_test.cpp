@@ -28,7 +28,7 @@ TEST_F(Faults, StalledCameraGivesNoFramesAndThenASequenceGap) {
     ASSERT_LT(now_s(), 1.1);
   }
   EXPECT_NEAR(before, 1.0 * 50, 2.0);
-  expect_error(wait(0.1), ErrorCode::kTimeout, "mock camera: no frame came in time");
+  expect_error(wait(0.1), ErrorCode::kTimeout, "mock camera: no frame arrived in time");
   const auto lease = wait();
   ASSERT_TRUE(lease.ok());
   EXPECT_NEAR(now_s(), 1.52, 0.02);
@@ -39,8 +39,8 @@ TEST_F(Faults, LostCameraMustBeReopened) {
   add_fault(FaultKind::kCameraLost, 1.0, 0.5);
   start();
   go_to(1.1);
-  expect_error(wait(), ErrorCode::kDisconnected, "mock camera: unplugged (an [[arena.fault]])");
-  expect_error(camera->open(), ErrorCode::kNotFound, "mock camera: unplugged (an [[arena.fault]])");
+  expect_error(wait(), ErrorCode::kDisconnected, "mock camera: unplugged (injected by [[arena.fault]])");
+  expect_error(camera->open(), ErrorCode::kNotFound, "mock camera: unplugged (injected by [[arena.fault]])");
   go_to(1.6);
   EXPECT_EQ(wait().code(), ErrorCode::kDisconnected) << "the device must be reopened after it is plugged in again";
   camera->stop();
@@ -63,7 +63,7 @@ TEST_F(Faults, ShortAndCorruptFramesReturnErrors) {
     while (now_s() < at_s + 0.2) {
       const auto lease = wait();
       if (lease.ok()) continue;
-      expect_error(lease, code, "mock camera: the frame is damaged (an [[arena.fault]])");
+      expect_error(lease, code, "mock camera: the frame is damaged (injected by [[arena.fault]])");
       ++bad;
     }
     EXPECT_NEAR(bad, 10, 1) << "one error per frame";
@@ -98,7 +98,8 @@ TEST_F(Faults, LostRadioMustBeReopened) {
   EXPECT_TRUE(send().ok());
   go_to(1.1);
   EXPECT_EQ(send().code(), ErrorCode::kDisconnected);
-  expect_error(radio->drain(arena->now()), ErrorCode::kDisconnected, "mock radio: unplugged (an [[arena.fault]])");
+  expect_error(radio->drain(arena->now()), ErrorCode::kDisconnected,
+               "mock radio: unplugged (injected by [[arena.fault]])");
   EXPECT_EQ(radio->open().code(), ErrorCode::kNotFound);
   go_to(1.6);
   EXPECT_EQ(send().code(), ErrorCode::kDisconnected) << "the device must be reopened after it is plugged in again";
@@ -205,7 +206,7 @@ TEST_F(Faults, SlowLineTakesOnePacketAndDrainWaitsForTheNewest) {
   EXPECT_EQ(send().code(), ErrorCode::kBusy);
   const double before_s = now_s();
   expect_error(radio->drain(arena->now() + from_seconds(0.2)), ErrorCode::kTimeout,
-               "mock radio: not everything has left before the deadline");
+               "mock radio: not all bytes were sent before the deadline");
   EXPECT_NEAR(now_s(), before_s + 0.2, 0.002);
   EXPECT_TRUE(radio->drain(arena->now() + from_seconds(5.0)).ok());
   EXPECT_NEAR(now_s(), before_s + 2 * 13 * 10.0 / 1200, 0.002);

@@ -155,7 +155,7 @@ TEST_F(FrameTimes, HeldBuffersAreNotOverwritten) {
   EXPECT_NE(held[0].frame().plane[0], held[1].frame().plane[0]);
   EXPECT_NE(held[1].frame().plane[0], held[2].frame().plane[0]);
   const auto none = wait(0.5);
-  expect_error(none, ErrorCode::kTimeout, "mock camera: every buffer is held by somebody");
+  expect_error(none, ErrorCode::kTimeout, "mock camera: all buffers are in use");
 
   const std::uint8_t* const freed = held[1].frame().plane[0];
   held.erase(held.begin() + 1);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/calibrate/arena_photograph.h"
+#include "tests/calibrate/result_code.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -31,8 +32,7 @@ double worst_corner_px(const hal::mock::ArenaParameters& arena, const Corners& c
 TEST(BorderSearch, FindsTheCornersOfTheArena) {
   const hal::mock::ArenaParameters arena;
   BorderSearch border;
-  std::string reason;
-  ASSERT_TRUE(find_border(photograph(arena, kField, kSeed), border, reason).ok()) << reason;
+  ASSERT_EQ(find_border(photograph(arena, kField, kSeed), border).text(), "");
   EXPECT_LT(worst_corner_px(arena, border.corners), 8.0) << "the refinement finds the rest from 30 px";
 }
 
@@ -49,9 +49,7 @@ TEST(BorderSearch, FromOtherPlacesWithOtherLensesAndLamps) {
     arena.camera.roll_rad = view.roll_rad;
     arena.light.lamp = {{-1.2, 0.9, 1.8, 1.0}, {1.3, -0.8, 1.9, 0.5}};
     BorderSearch border;
-    std::string reason;
-    ASSERT_TRUE(find_border(photograph(arena, kField, kSeed), border, reason).ok())
-        << reason << " from x = " << view.x_m;
+    ASSERT_EQ(find_border(photograph(arena, kField, kSeed), border).text(), "") << " from x = " << view.x_m;
     EXPECT_LT(worst_corner_px(arena, border.corners), 12.0) << "from x = " << view.x_m;
   }
 }
@@ -64,8 +62,7 @@ TEST(BorderSearch, AmongHundredsOfSpecks) {
       std::fill_n(&picture.rgb8[3 * (v * kWidth + u)], 3, std::uint8_t{255});
   }
   BorderSearch border;
-  std::string reason;
-  ASSERT_TRUE(find_border(picture, border, reason).ok()) << reason;
+  ASSERT_EQ(find_border(picture, border).text(), "");
   EXPECT_LT(worst_corner_px(arena, border.corners), 8.0);
 }
 
@@ -90,7 +87,7 @@ TEST(BorderSearch, RefusesWhatHasNoBorder) {
   const hal::mock::ArenaParameters arena;
   BorderSearch border;
   std::string reason;
-  EXPECT_EQ(find_border(photograph(arena, hal::mock::Floor::kGreyPaper, kSeed), border, reason).code(),
+  EXPECT_EQ(code_of(find_border(photograph(arena, hal::mock::Floor::kGreyPaper, kSeed), border), reason),
             ErrorCode::kNotFound);
   EXPECT_NE(reason.find("no bright border surrounds"), std::string::npos) << reason;
 }
@@ -101,7 +98,7 @@ TEST(BorderSearch, HalfAFieldIsNotTakenForAWholeOne) {
   BorderSearch border;
   std::string reason;
   // In the remaining picture, border and center line surround one half of the field.
-  ASSERT_TRUE(find_border(photograph(arena, kField, kSeed), border, reason).ok()) << reason;
+  ASSERT_EQ(find_border(photograph(arena, kField, kSeed), border).text(), "");
   const Corners turned = {border.corners[1], border.corners[2], border.corners[3], border.corners[0]};
   FieldFitInput input;
   input.width_px = kWidth;
@@ -109,7 +106,7 @@ TEST(BorderSearch, HalfAFieldIsNotTakenForAWholeOne) {
   input.start_only = true;
   input.points = corner_points(turned, arena.field.length_m, arena.field.width_m);
   FieldFit fit;
-  EXPECT_EQ(fit_field(input, fit, reason).code(), ErrorCode::kInconsistent);
+  EXPECT_EQ(code_of(fit_field(input, fit), reason), ErrorCode::kInconsistent);
   EXPECT_NE(reason.find("are length and width exchanged?"), std::string::npos) << reason;
 }
 

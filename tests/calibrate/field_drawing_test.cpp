@@ -14,7 +14,10 @@ class Drawing : public testing::Test {
   void TearDown() override { std::filesystem::remove(path_); }
   Status read(const std::string& toml) {
     std::ofstream(path_) << toml;
-    return read_drawing(path_, drawing_, reason_);
+    const Result<FieldDrawing> result = read_drawing(path_);
+    if (result.ok()) drawing_ = result.value();
+    reason_ = result.text();
+    return result.code();
   }
   const std::string path_ =
       testing::TempDir() + "drawing_" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".toml";

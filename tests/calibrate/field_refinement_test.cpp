@@ -35,8 +35,7 @@ class FieldRefinement : public ::testing::Test {
       input.points.push_back({x, y, u + click_error_px * std::cos(2.0 * i), v + click_error_px * std::sin(2.0 * i)});
     }
     FieldFit fit;
-    std::string reason;
-    EXPECT_TRUE(fit_field(input, fit, reason).ok()) << reason;
+    EXPECT_EQ(fit_field(input, fit).text(), "");
     return fit;
   }
 
@@ -61,8 +60,10 @@ class FieldRefinement : public ::testing::Test {
     FieldParameters field;
     field.length_m = static_cast<float>(arena_.field.length_m);
     field.width_m = static_cast<float>(arena_.field.width_m);
-    return refine_field(LightPicture({picture}), field, marks_of(bare_drawing(field)),
-                        HeightPrior{arena_.camera.position_m[2], kHeightSigma_m}, fit, report_, reason_);
+    const Result<void> result = refine_field(LightPicture({picture}), field, marks_of(bare_drawing(field)),
+                                             HeightPrior{arena_.camera.position_m[2], kHeightSigma_m}, fit, report_);
+    reason_ = result.text();
+    return result.code();
   }
 
   hal::mock::ArenaParameters arena_;
@@ -93,10 +94,10 @@ TEST_F(FieldRefinement, KnowsHowUncertainTheHeightIs) {
     FieldFit fit = rough_fit();
     FieldParameters field;
     RefinementReport report;
-    const Status status =
+    const Result<void> result =
         refine_field(LightPicture({photograph(hal::mock::Floor::kField)}), field,
-                     marks_of(find_preset("mirosot-middle")->drawing), std::nullopt, fit, report, reason_);
-    ASSERT_TRUE(status.ok()) << reason_;
+                     marks_of(find_preset("mirosot-middle")->drawing), std::nullopt, fit, report);
+    ASSERT_TRUE(result.ok()) << result.text();
     EXPECT_LT(report.sigma.height_m, 0.1);
     squares += std::pow((fit.height_m - 2.2) / report.sigma.height_m, 2);
   }

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "firmware/config/light_map_file.h"
+#include "tests/calibrate/result_code.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -61,8 +62,7 @@ TEST(LightFit, FollowsTheLampAndForgetsStainsAndTint) {
   }
   auto map = std::make_unique<LightMap>();
   LightReport report;
-  std::string reason;
-  ASSERT_TRUE(fit_light(of(pictures), *map, report, reason).ok()) << reason;
+  ASSERT_EQ(fit_light(of(pictures), *map, report).text(), "");
   EXPECT_EQ(map->columns, 64);
   EXPECT_EQ(map->rows, 48);
   EXPECT_EQ(report.saturated_cells, 0U);
@@ -87,8 +87,7 @@ TEST(LightFit, KeepsTheBrightestCellInTheFilesRange) {
   }
   auto map = std::make_unique<LightMap>();
   LightReport report;
-  std::string reason;
-  ASSERT_TRUE(fit_light(of({picture}), *map, report, reason).ok()) << reason;
+  ASSERT_EQ(fit_light(of({picture}), *map, report).text(), "");
   EXPECT_NEAR(static_cast<double>(cell(*map, 0, 300, 120) / cell(*map, 0, 20, 120)), 4.0, 0.01);
   EXPECT_LE(cell(*map, 0, 300, 120), 2.0f);
   EXPECT_GT(cell(*map, 0, 300, 120), 1.99f);
@@ -98,20 +97,20 @@ TEST(LightFit, CountsAndRefusesWhatCannotBeMeasured) {
   auto map = std::make_unique<LightMap>();
   LightReport report;
   std::string reason;
-  ASSERT_TRUE(fit_light(of({grey_picture(330, 4)}), *map, report, reason).ok()) << reason;
+  ASSERT_EQ(fit_light(of({grey_picture(330, 4)}), *map, report).text(), "");
   EXPECT_GT(report.saturated_cells, 300U);
   EXPECT_LT(report.saturated_cells, 1536U);
-  EXPECT_EQ(fit_light(of({grey_picture(2000, 5)}), *map, report, reason).code(), ErrorCode::kOutOfRange);
-  EXPECT_EQ(fit_light(of({grey_picture(8, 6)}), *map, report, reason).code(), ErrorCode::kOutOfRange);
-  EXPECT_EQ(fit_light(of({}), *map, report, reason).code(), ErrorCode::kOutOfRange);
+  EXPECT_EQ(code_of(fit_light(of({grey_picture(2000, 5)}), *map, report), reason), ErrorCode::kOutOfRange);
+  EXPECT_EQ(code_of(fit_light(of({grey_picture(8, 6)}), *map, report), reason), ErrorCode::kOutOfRange);
+  EXPECT_EQ(code_of(fit_light(of({}), *map, report), reason), ErrorCode::kOutOfRange);
   LightFitInput other = of({grey_picture(200, 7)});
   other.normal = {20, 20, 20};
-  EXPECT_EQ(fit_light(other, *map, report, reason).code(), ErrorCode::kOutOfRange);
+  EXPECT_EQ(code_of(fit_light(other, *map, report), reason), ErrorCode::kOutOfRange);
   EXPECT_NE(reason.find("learn the colors again"), std::string::npos) << reason;
   hal::Picture small = grey_picture(200, 7);
   small.height_px = kHeight / 2;
   small.rgb8.resize(small.rgb8.size() / 2);
-  EXPECT_EQ(fit_light(of({grey_picture(200, 7), small}), *map, report, reason).code(), ErrorCode::kInconsistent);
+  EXPECT_EQ(code_of(fit_light(of({grey_picture(200, 7), small}), *map, report), reason), ErrorCode::kInconsistent);
 }
 
 TEST(LightFit, LooksOnlyIntoTheRegionOfInterest) {
@@ -124,8 +123,7 @@ TEST(LightFit, LooksOnlyIntoTheRegionOfInterest) {
   for (const PixelPoint p : {PixelPoint{80, 0}, {319, 0}, {319, 239}, {80, 239}}) region.push_back(p);
   auto map = std::make_unique<LightMap>();
   LightReport report;
-  std::string reason;
-  ASSERT_TRUE(fit_light(of({picture}, region), *map, report, reason).ok()) << reason;
+  ASSERT_EQ(fit_light(of({picture}, region), *map, report).text(), "");
   EXPECT_EQ(report.saturated_cells, 0U);
   EXPECT_NEAR(static_cast<double>(cell(*map, 0, 20, 120)), static_cast<double>(cell(*map, 0, 84, 120)), 0.05);
 }
@@ -134,7 +132,7 @@ TEST(LightFit, MapSurvivesItsFile) {
   auto map = std::make_unique<LightMap>(), back = std::make_unique<LightMap>();
   LightReport report;
   std::string reason;
-  ASSERT_TRUE(fit_light(of({grey_picture(200, 9)}), *map, report, reason).ok()) << reason;
+  ASSERT_EQ(fit_light(of({grey_picture(200, 9)}), *map, report).text(), "");
   const std::string path = testing::TempDir() + "/touchline_light_map.png";
   ASSERT_TRUE(hal::write_picture(path, map_picture(*map), reason).ok()) << reason;
   ASSERT_TRUE(config::read_light_map(path, *back, reason).ok()) << reason;

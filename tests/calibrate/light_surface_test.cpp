@@ -6,6 +6,7 @@
 
 #include "hal/mock/lens.h"
 #include "tests/calibrate/arena_photograph.h"
+#include "tests/calibrate/result_code.h"
 #include "tools/programs/calibrate/field/field_fit.h"
 #include "tools/programs/calibrate/light/light_fit.h"
 
@@ -32,7 +33,7 @@ class LightSurfaceOf : public testing::Test {
     input.surface = surface;
     input.region_of_interest = field_;
     auto map = std::make_unique<LightMap>();
-    EXPECT_TRUE(fit_light(input, *map, report_, reason_).ok()) << reason_;
+    EXPECT_EQ(fit_light(input, *map, report_).text(), "");
     return map;
   }
 
@@ -84,7 +85,7 @@ TEST_F(LightSurfaceOf, WhatMovesIsLeftOut) {
   LightFitInput input;
   input.pictures = {pictures[0], pictures[1]};
   input.surface = LightSurface::kMoving;
-  EXPECT_EQ(fit_light(input, *moving, report_, reason_).code(), ErrorCode::kNotFound);
+  EXPECT_EQ(code_of(fit_light(input, *moving, report_), reason_), ErrorCode::kNotFound);
 }
 
 TEST_F(LightSurfaceOf, BorderTellsTintAndSlope) {
@@ -102,7 +103,7 @@ TEST_F(LightSurfaceOf, BorderTellsTintAndSlope) {
     }
   }
   FieldFit camera_fit;
-  ASSERT_TRUE(fit_field(points, camera_fit, reason_).ok()) << reason_;
+  ASSERT_EQ(fit_field(points, camera_fit).text(), "");
   CameraModel camera;
   ASSERT_TRUE(camera.configure(camera_fit.camera).ok());
 
@@ -114,7 +115,7 @@ TEST_F(LightSurfaceOf, BorderTellsTintAndSlope) {
   input.border = border_places(camera, FieldParameters{}, kWidth, kHeight);
   EXPECT_GT(input.border.size(), 200U);
   LightMap border;
-  ASSERT_TRUE(fit_light(input, border, report_, reason_).ok()) << reason_;
+  ASSERT_EQ(fit_light(input, border, report_).text(), "");
   EXPECT_GT(report_.most[1] / report_.least[1], 1.3) << "or there is nothing to correct";
   EXPECT_LT(worst(*paper, border), 0.06);
 
@@ -130,14 +131,14 @@ TEST_F(LightSurfaceOf, BorderTellsTintAndSlope) {
     for (const std::size_t pixel : input.border[i]) picture.rgb8[3 * pixel] = picture.rgb8[3 * pixel + 1] = 20;
   }
   LightMap dimmer;
-  ASSERT_TRUE(fit_light(input, dimmer, report_, reason_).ok()) << reason_;
+  ASSERT_EQ(fit_light(input, dimmer, report_).text(), "");
   for (std::size_t c = 0; c < 3; ++c) {
     const std::size_t middle = 24 * 64 + 32;
     EXPECT_NEAR(static_cast<double>(dimmer.illumination[c][middle] / border.illumination[c][middle]), left[c], 0.02);
   }
 
   input.border.resize(30);
-  EXPECT_EQ(fit_light(input, dimmer, report_, reason_).code(), ErrorCode::kNotFound);
+  EXPECT_EQ(code_of(fit_light(input, dimmer, report_), reason_), ErrorCode::kNotFound);
   EXPECT_NE(reason_.find("border"), std::string::npos) << reason_;
 }
 
@@ -154,8 +155,7 @@ TEST(LightReport, SaysWhereItIsSaturatedAndDark) {
   }
   auto map = std::make_unique<LightMap>();
   LightReport report;
-  std::string reason;
-  ASSERT_TRUE(fit_light(input, *map, report, reason).ok()) << reason;
+  ASSERT_EQ(fit_light(input, *map, report).text(), "");
   ASSERT_EQ(report.spots.size(), 2U);
   EXPECT_TRUE(report.spots[0].saturated);
   EXPECT_EQ(report.spots[0].left_px, 100U);

@@ -73,8 +73,7 @@ TEST(VanishingPointModel, AVerticalCameraHasNone) {
 TEST(VanishingPointModel, OnAPhotographTheyAreGoodForCentimeters) {
   const hal::mock::ArenaParameters arena;
   BorderSearch border;
-  std::string reason;
-  ASSERT_TRUE(find_border(photograph(arena, hal::mock::Floor::kField, 5), border, reason).ok()) << reason;
+  ASSERT_EQ(find_border(photograph(arena, hal::mock::Floor::kField, 5), border).text(), "");
   const FieldParameters field =
       field_of(static_cast<float>(arena.field.length_m), static_cast<float>(arena.field.width_m));
   const auto steps = vanishing_point_model(border, false, kWidth, kHeight, field);

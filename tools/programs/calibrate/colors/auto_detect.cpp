@@ -126,8 +126,8 @@ void add_doubts(DetectedColors& out) {
                     name, color.dissimilarity));
     } else if (color.margin < kLeastCostMargin) {
       out.doubts.push_back(formatted("%s: could also be %s; click on one patch of %s", name,
-                                     color.rival.empty() ? "another patch" : color.rival.c_str(),
-                                     color.rival.empty() ? "it" : "each"));
+                                     color.alternative.empty() ? "another patch" : color.alternative.c_str(),
+                                     color.alternative.empty() ? "it" : "each"));
     }
   }
   if (out.assignment.unknown_robots * 4 > out.assignment.robots) {

@@ -9,7 +9,7 @@
 namespace touchline::calibrate {
 namespace {
 
-constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
+constexpr std::size_t kNoColor = static_cast<std::size_t>(-1);
 
 // Distance between a color and a box: the largest over all channels; 0 inside.
 int distance(const std::array<int, 3>& color, const ColorBox& box) {
@@ -95,7 +95,7 @@ ColorAdvice advise(const LearningInput& input, const LearningRules& rules, const
                    const std::vector<PairMargin>& margins, int least_levels) {
   const Adviser adviser(input, rules, shown_rgb);
   ColorAdvice advice;
-  advice.additional = adviser.additional(kNobody);
+  advice.additional = adviser.additional(kNoColor);
   std::vector<bool> replaced(input.colors.size(), false);
   for (const PairMargin& pair : margins) {
     if (pair.levels >= least_levels || replaced[pair.first] || replaced[pair.second]) continue;

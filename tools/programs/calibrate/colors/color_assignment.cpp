@@ -370,7 +370,7 @@ class Solver {
 };
 
 // Returns the color that gets these patches in the solution in which `color` may not have them.
-std::string rival_of(const AssignmentInput& input, const Solution& other, std::size_t color, const Lab& lab) {
+std::string alternative_of(const AssignmentInput& input, const Solution& other, std::size_t color, const Lab& lab) {
   for (std::size_t c = 0; c < input.colors.size(); ++c) {
     if (c == color || other.label_of[c] == kNone) continue;
     if (difference(other.labels[other.label_of[c]].lab, lab) < kSame) return input.colors[c].name;
@@ -408,7 +408,7 @@ Assignment assign_colors(const AssignmentInput& input) {
     }
     const Solution other = solver.solve({c, label.lab});
     color.margin = std::min(50.0, other.cost - best.cost);
-    if (!other.label_of.empty()) color.rival = rival_of(input, other, c, label.lab);
+    if (!other.label_of.empty()) color.alternative = alternative_of(input, other, c, label.lab);
   }
   return out;
 }

@@ -35,7 +35,7 @@ struct AssignedColor {
   Rgb rgb{};                         // their median
   double dissimilarity = 0;          // dissimilarity() to the expected color, corrected for exposure and white balance
   double margin = 0;                 // cost difference to the best other assignment of this color, nats
-  std::string rival;                 // the color of its patches in that assignment, or ""
+  std::string alternative;           // the color of its patches in that assignment, or ""
   [[nodiscard]] double confidence() const;
 };
 

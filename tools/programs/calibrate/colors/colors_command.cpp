@@ -41,7 +41,7 @@ void print_detected(const DetectedColors& found) {
     const std::string rgb =
         color.patches.empty() ? "-" : formatted("%3.0f %3.0f %3.0f", color.rgb[0], color.rgb[1], color.rgb[2]);
     std::printf("%-12s %-15s %7zu %-12s %s\n", wanted.name.c_str(), rgb.c_str(), color.patches.size(),
-                color.rival.empty() ? "-" : color.rival.c_str(),
+                color.alternative.empty() ? "-" : color.alternative.c_str(),
                 wanted.clicked ? "clicked" : formatted("%.1f %%", 100 * color.confidence()).c_str());
   }
 }

@@ -6,8 +6,6 @@
 #include <numbers>
 #include <optional>
 
-#include "tools/programs/command_line/formatted.h"
-
 namespace touchline::calibrate {
 namespace {
 
@@ -332,12 +330,13 @@ double h_of_three_points(const std::vector<OutlinePixel>& outline, const HoughLi
   return 2.0 / (low + high);
 }
 
-Status find_border(const hal::Picture& picture, BorderSearch& out, std::string& reason) {
+Result<void> find_border(const hal::Picture& picture, BorderSearch& out) {
   out = {};
   const int width = static_cast<int>(picture.width_px), height = static_cast<int>(picture.height_px);
   const int otsus = brightness_threshold(picture);
-  reason = formatted("no bright border surrounds a tenth of the picture (threshold %d of 255): is the border cut off?",
-                     otsus);
+  Error error =
+      failure(ErrorCode::kNotFound,
+              "no bright border surrounds a tenth of the picture (threshold %d of 255): is the border cut off?", otsus);
   // If lamps make parts of the floor as bright as the border elsewhere, another threshold may separate them. The best
   // threshold leaves most border pixels on the four sides and has not lost the half of the field behind the center
   // line.
@@ -348,7 +347,7 @@ Status find_border(const hal::Picture& picture, BorderSearch& out, std::string& 
     attempt.outline = border_outline(picture, attempt.threshold);
     if (attempt.outline.empty()) continue;
     if (!hough_sides(attempt.outline, width, height, attempt.sides)) {
-      if (best <= 0) reason = "the bright region around the field does not have four straight sides";
+      if (best <= 0) error.text = "the bright region around the field does not have four straight sides";
       continue;
     }
     std::size_t votes = 0;
@@ -359,7 +358,7 @@ Status find_border(const hal::Picture& picture, BorderSearch& out, std::string& 
     best = merit;
     out = std::move(attempt);
   }
-  if (best <= 0) return ErrorCode::kNotFound;
+  if (best <= 0) return error;
   // Klancar uses the longest side only, but a goal or a marking at its ends can spoil it. The curvature of eq. (12) is
   // proportional to 1 / H^2 to first order; the second largest is used.
   std::array<double, 4> bend{};
@@ -384,14 +383,15 @@ Status find_border(const hal::Picture& picture, BorderSearch& out, std::string& 
   for (std::size_t i = 0; i < 4; ++i) {
     const auto corner = crossing(lines[kCornerSides[i][0]], lines[kCornerSides[i][1]]);
     if (!corner) {
-      reason = "two adjacent sides of the border are parallel";
-      return ErrorCode::kNotFound;
+      return Error{ErrorCode::kNotFound, "two adjacent sides of the border are parallel"};
     }
     out.straight_corners[i] = {static_cast<float>(corner->x()), static_cast<float>(corner->y())};
     const Eigen::Vector2d pixel = bent(*corner, center, out.h_px);
     out.corners[i] = {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
   }
-  return check_corners(out.corners, reason).ok() ? Status() : Status(ErrorCode::kNotFound);
+  Result<void> checked = check_corners(out.corners);
+  if (!checked.ok()) return Error{ErrorCode::kNotFound, checked.error().text};
+  return {};
 }
 
 }  // namespace touchline::calibrate

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/status.h"
 #include "hal/replay/picture.h"
+#include "hal/result.h"
 #include "tools/programs/calibrate/field/field_fit.h"
 
 namespace touchline::calibrate {
@@ -57,6 +57,6 @@ struct BorderSearch {
 };
 
 /// Runs all steps. kNotFound, with the reason: there is no border.
-Status find_border(const hal::Picture& picture, BorderSearch& out, std::string& reason);
+Result<void> find_border(const hal::Picture& picture, BorderSearch& out);
 
 }  // namespace touchline::calibrate

@@ -192,7 +192,7 @@ CameraUncertainty Adjustment::uncertainty(const std::vector<MarkPoint>& points, 
   add_lens_knowledge(lens, camera, width_px_, {center_u_, center_v_}, aspect_);
   double half_squares = 0;
   if (!lens.Evaluate({}, &half_squares, nullptr, nullptr, nullptr)) return out;
-  out.strain = 2 * half_squares;
+  out.lens_chi_square = 2 * half_squares;
   ceres::Problem problem;
   build(problem, points, weights, camera);
   add_lens_knowledge(problem, camera, width_px_, {center_u_, center_v_}, aspect_);

@@ -29,7 +29,7 @@ struct CameraUncertainty {
   double top_corner_mm = 0;                         // of the position of a robot's top there, at kTop_m
   // Chi-square of the lens parameters under their priors: how unusual the lens is. With a wrong size of the field,
   // tilt, focal length and distortion take unusual values to compensate.
-  double strain = 0;
+  double lens_chi_square = 0;
 };
 inline constexpr double kTop_m = 0.075;
 

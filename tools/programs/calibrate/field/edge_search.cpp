@@ -156,9 +156,9 @@ MarkPlace place_on(const Mark& mark, double way_m) {
 
 std::vector<MarkPoint> find_marks(const LightPicture& picture, const CameraModel& camera,
                                   const std::vector<Mark>& marks, double step_px, double reach_px,
-                                  std::vector<std::size_t>* looked_at) {
+                                  std::vector<std::size_t>* tried_points) {
   std::vector<MarkPoint> points;
-  if (looked_at != nullptr) looked_at->assign(marks.size(), 0);
+  if (tried_points != nullptr) tried_points->assign(marks.size(), 0);
   for (std::size_t m = 0; m < marks.size(); ++m) {
     const Mark& mark = marks[m];
     const double length = length_of(mark);
@@ -170,7 +170,7 @@ std::vector<MarkPoint> find_marks(const LightPicture& picture, const CameraModel
     // During the search the camera can project a mark anywhere.
     const int count = std::clamp(static_cast<int>(std::min((to - from) * scale / step_px, 4000.0)), 2, 4000);
     for (int i = 0; i <= count; ++i) {
-      if (looked_at != nullptr) ++(*looked_at)[m];
+      if (tried_points != nullptr) ++(*tried_points)[m];
       const MarkPlace place = place_on(mark, from + (to - from) * i / count);
       const PixelPoint at = seen(camera, place.x_m, place.y_m);
       // A point one centimeter to the right of the mark.

@@ -60,10 +60,10 @@ struct MarkPoint {
 
 /// Samples each mark every `step_px` along its projection with `camera`, and searches up to `reach_px` to both sides
 /// for the edge: the position where the light is halfway between the levels of both sides (for a line: of both flanks).
-/// Points with little contrast or at the limit of the reach are left out. `looked_at`: number of points tried per mark,
-/// including points outside the picture.
+/// Points with little contrast or at the limit of the reach are left out. `tried_points`: number of points tried per
+/// mark, including points outside the picture.
 std::vector<MarkPoint> find_marks(const LightPicture& picture, const CameraModel& camera,
                                   const std::vector<Mark>& marks, double step_px, double reach_px,
-                                  std::vector<std::size_t>* looked_at = nullptr);
+                                  std::vector<std::size_t>* tried_points = nullptr);
 
 }  // namespace touchline::calibrate

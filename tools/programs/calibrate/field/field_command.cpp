@@ -46,35 +46,27 @@ std::optional<std::vector<double>> numbers_of(const std::string& text, std::size
   return numbers;
 }
 
-Status read_pixels(const std::vector<std::string>& words, const char* option, std::vector<PixelPoint>& out,
-                   std::string& reason) {
+Result<std::vector<PixelPoint>> read_pixels(const std::vector<std::string>& words, const char* option) {
+  std::vector<PixelPoint> out;
   for (const std::string& word : words) {
     const auto numbers = numbers_of(word, 2);
-    if (!numbers) {
-      reason = formatted("%s: \"%s\" is not a pixel u,v", option, word.c_str());
-      return ErrorCode::kOutOfRange;
-    }
+    if (!numbers) return failure(ErrorCode::kOutOfRange, "%s: \"%s\" is not a pixel u,v", option, word.c_str());
     out.push_back({static_cast<float>((*numbers)[0]), static_cast<float>((*numbers)[1])});
   }
-  return {};
+  return out;
 }
 
-Status load_photographs(const std::vector<std::string>& paths, std::vector<hal::Picture>& out, std::string& reason) {
+Result<std::vector<hal::Picture>> load_photographs(const std::vector<std::string>& paths) {
+  std::vector<hal::Picture> out;
   for (const std::string& path : paths) {
-    Result<hal::Picture> loaded = load_rgb(path);
-    if (!loaded.ok()) {
-      reason = loaded.text();
-      return loaded.code();
-    }
-    hal::Picture picture = std::move(loaded).value();
+    TOUCHLINE_TRY_ASSIGN(hal::Picture picture, load_rgb(path));
     if (!out.empty() && (picture.width_px != out[0].width_px || picture.height_px != out[0].height_px)) {
-      reason = formatted("%s is %u x %u, but %s is %u x %u", path.c_str(), picture.width_px, picture.height_px,
-                         paths[0].c_str(), out[0].width_px, out[0].height_px);
-      return ErrorCode::kInconsistent;
+      return failure(ErrorCode::kInconsistent, "%s is %u x %u, but %s is %u x %u", path.c_str(), picture.width_px,
+                     picture.height_px, paths[0].c_str(), out[0].width_px, out[0].height_px);
     }
     out.push_back(std::move(picture));
   }
-  return {};
+  return out;
 }
 
 Corners turned(const Corners& c) { return {c[1], c[2], c[3], c[0]}; }
@@ -97,9 +89,9 @@ std::vector<FloorPoint> all_points_of(const RefinementReport& refinement) {
 }
 
 // Tries both orientations of the border: x to the right or upwards in the picture.
-Status fit_border(const LightPicture& picture, const FieldDrawing& drawing, const std::optional<HeightPrior>& height,
-                  const std::optional<double>& measured_m, Progress& progress, FieldReport& report,
-                  std::string& reason) {
+Result<void> fit_border(const LightPicture& picture, const FieldDrawing& drawing,
+                        const std::optional<HeightPrior>& height, const std::optional<double>& measured_m,
+                        Progress& progress, FieldReport& report) {
   struct Attempt {
     FieldFit fit;
     RefinementReport refinement;
@@ -108,7 +100,7 @@ Status fit_border(const LightPicture& picture, const FieldDrawing& drawing, cons
   const BorderSearch& border = *report.border;
   const double length = static_cast<double>(drawing.field.length_m), width = static_cast<double>(drawing.field.width_m);
   std::vector<Attempt> good;
-  std::string first_reason;
+  std::optional<Error> first_error;
   for (const bool quarter_turned : {false, true}) {
     Attempt attempt;
     attempt.quarter_turned = quarter_turned;
@@ -119,14 +111,15 @@ Status fit_border(const LightPicture& picture, const FieldDrawing& drawing, cons
     input.start_only = true;
     const Corners& corners = border.straight_corners;
     input.points = corner_points(quarter_turned ? turned(corners) : corners, length, width);
-    std::string why;
-    if (!fit_field(input, attempt.fit, why).ok()) {
-      why.insert(0, "the bright region is not the border, or the picture cuts the field off: ");
+    Result<void> result = fit_field(input, attempt.fit);
+    if (!result.ok()) {
+      result = prefixed("the bright region is not the border, or the picture cuts the field off", result.error());
     } else {
       // Third order of eq. (12) and of Brown's model.
       FullModelParameters& full = attempt.fit.camera.full;
       full.k1 = static_cast<float>(-std::pow(static_cast<double>(full.fx_px) / border.h_px, 2) / 6);
-      if (refine_field(picture, drawing.field, report.marks, height, attempt.fit, attempt.refinement, why).ok()) {
+      result = refine_field(picture, drawing.field, report.marks, height, attempt.fit, attempt.refinement);
+      if (result.ok()) {
         good.push_back(std::move(attempt));
         progress.step();
         continue;
@@ -139,20 +132,17 @@ Status fit_border(const LightPicture& picture, const FieldDrawing& drawing, cons
                         static_cast<double>(corners[a].v_px - corners[b].v_px));
     };
     const bool upright = distance(0, 1) + distance(2, 3) < distance(1, 2) + distance(3, 0);
-    if (first_reason.empty() || (upright == (length >= width)) == quarter_turned) first_reason = why;
+    if (!first_error || (upright == (length >= width)) == quarter_turned) first_error = result.error();
   }
-  if (good.empty()) {
-    reason = first_reason;
-    return ErrorCode::kNotFound;
-  }
+  if (good.empty()) return *first_error;
   std::sort(good.begin(), good.end(),
             [](const Attempt& a, const Attempt& b) { return a.refinement.points > b.refinement.points; });
   // The markings inside the border distinguish both orientations: a center line has at least a tenth of the points.
   constexpr double kAlike = 0.92;
   if (good.size() > 1 &&
       static_cast<double>(good[1].refinement.points) > kAlike * static_cast<double>(good[0].refinement.points)) {
-    reason = "the field looks the same when rotated by 90 degrees, and no marking shows the direction";
-    return ErrorCode::kNotFound;
+    return Error{ErrorCode::kNotFound,
+                 "the field looks the same when rotated by 90 degrees, and no marking shows the direction"};
   }
   report.fit = good[0].fit;
   report.refinement = std::move(good[0].refinement);
@@ -198,22 +188,21 @@ void FieldCommand::add_options(CLI::App& app) {
   app.add_option("--report", report, "JSON file to write with the complete report");
 }
 
-bool FieldCommand::choose_drawing(const VenueDraft& draft, FieldDrawing& out, std::optional<HeightPrior>& height,
-                                  std::string& reason) const {
+Result<void> FieldCommand::choose_drawing(const VenueDraft& draft, FieldDrawing& out,
+                                          std::optional<HeightPrior>& height) const {
   if (!drawing.empty() && !preset.empty()) {
-    reason = "--drawing and --field-preset cannot be combined";
-    return false;
+    return Error{ErrorCode::kInconsistent, "--drawing and --field-preset cannot be combined"};
   }
   FieldParameters field = draft.file.field;
   if (!drawing.empty()) {
-    if (!read_drawing(drawing, out, reason).ok()) return false;
+    TOUCHLINE_TRY_ASSIGN(out, read_drawing(drawing));
     field = out.field;
   } else if (!preset.empty()) {
     const FieldPreset* known = find_preset(preset);
     if (known == nullptr) {
-      reason = "--field-preset: " + preset + " is unknown; the presets are";
-      for (const FieldPreset& p : field_presets()) reason += " " + std::string(p.name);
-      return false;
+      std::string text = "--field-preset: " + preset + " is unknown; the presets are";
+      for (const FieldPreset& p : field_presets()) text += " " + std::string(p.name);
+      return Error{ErrorCode::kNotFound, text};
     }
     out = known->drawing;
     height = known->height;
@@ -221,8 +210,8 @@ bool FieldCommand::choose_drawing(const VenueDraft& draft, FieldDrawing& out, st
     field = out.field;
     field.margin_m = margin;
   } else if (!draft.exists && (length_m <= 0 || width_m <= 0)) {
-    reason = "the size of the field is needed: --field-preset, --drawing, or --length and --width";
-    return false;
+    return Error{ErrorCode::kInconsistent,
+                 "the size of the field is needed: --field-preset, --drawing, or --length and --width"};
   }
   const bool resized = length_m > 0 || width_m > 0;
   if (length_m > 0) field.length_m = static_cast<float>(length_m);
@@ -234,30 +223,31 @@ bool FieldCommand::choose_drawing(const VenueDraft& draft, FieldDrawing& out, st
     height = league != nullptr ? league->height : std::nullopt;
   }
   out.field = field;
-  return true;
+  return {};
 }
 
-bool FieldCommand::write_previews(const hal::Picture& photograph, const FieldReport& found,
-                                  const FieldParameters& field, const std::vector<FloorPoint>& given,
-                                  std::string& reason) const {
+Result<void> FieldCommand::write_previews(const hal::Picture& photograph, const FieldReport& found,
+                                          const FieldParameters& field, const std::vector<FloorPoint>& given) const {
   CameraModel camera;
   if (!camera.configure(found.fit.camera).ok()) {
-    reason = "the camera model found is invalid";
-    return false;
+    return Error{ErrorCode::kInconsistent, "the camera model found is invalid"};
   }
   hal::Picture drawn = photograph;
   const bool refined = found.refinement.points > 0;
   draw_field(camera, field, found.marks, refined ? points_of(found.refinement) : given, drawn);
-  if (!hal::write_picture(preview, drawn, reason).ok()) return false;
-  if (!refined) return true;
+  std::string reason;
+  if (const Status s = hal::write_picture(preview, drawn, reason); !s.ok()) return Error{s.code(), reason};
+  if (!refined) return {};
   const std::filesystem::path path(preview);
   const std::string errors = (path.parent_path() / (path.stem().string() + "-errors.png")).string();
-  return hal::write_picture(errors, draw_residuals(photograph, camera, found.refinement), reason).ok();
+  const Status written = hal::write_picture(errors, draw_residuals(photograph, camera, found.refinement), reason);
+  if (!written.ok()) return Error{written.code(), reason};
+  return {};
 }
 
-bool FieldCommand::find_camera(const std::vector<hal::Picture>& photographs, const FieldDrawing& drawn,
-                               const std::optional<HeightPrior>& height, FieldFitInput& input, FieldReport& found,
-                               std::string& reason) const {
+Result<void> FieldCommand::find_camera(const std::vector<hal::Picture>& photographs, const FieldDrawing& drawn,
+                                       const std::optional<HeightPrior>& height, FieldFitInput& input,
+                                       FieldReport& found) const {
   // Steps: reading, border, one fit per orientation.
   const bool clicked = !input.points.empty();
   Progress progress("field", clicked ? 2 : 4);
@@ -265,24 +255,24 @@ bool FieldCommand::find_camera(const std::vector<hal::Picture>& photographs, con
   progress.step();
   if (!clicked) {
     found.border.emplace();
-    if (!find_border(photographs[0], *found.border, reason).ok()) {
-      reason.insert(0, "no --corners or --point are given, and the border was not found in " + pictures[0] + ": ");
-      return false;
+    if (const Result<void> border = find_border(photographs[0], *found.border); !border.ok()) {
+      return prefixed("no --corners or --point are given, and the border was not found in " + pictures[0],
+                      border.error());
     }
     progress.step();
-    if (!fit_border(light, drawn, height, input.camera_height_m, progress, found, reason).ok()) {
-      reason = "a border was found in " + pictures[0] + ", but " + reason + " (try --corners)";
-      return false;
+    const Result<void> fitted = fit_border(light, drawn, height, input.camera_height_m, progress, found);
+    if (!fitted.ok()) {
+      return Error{fitted.code(),
+                   "a border was found in " + pictures[0] + ", but " + fitted.text() + " (try --corners)"};
     }
   } else {
     input.start_only = refine;
-    if (!fit_field(input, found.fit, reason).ok()) return false;
-    const Status refined =
-        refine ? refine_field(light, drawn.field, found.marks, height, found.fit, found.refinement, found.unrefined)
-               : Status();
+    TOUCHLINE_TRY(fit_field(input, found.fit));
+    Result<void> refined;
+    if (refine) refined = refine_field(light, drawn.field, found.marks, height, found.fit, found.refinement);
+    found.unrefined = refined.text();
     if (refined.code() == ErrorCode::kInconsistent) {
-      reason = found.unrefined + " (--no-refine skips the refinement)";
-      return false;
+      return Error{refined.code(), found.unrefined + " (--no-refine skips the refinement)"};
     }
     // Without refinement, the camera model follows from the given points alone.
     if (!refined.ok() || !refine) {
@@ -291,26 +281,23 @@ bool FieldCommand::find_camera(const std::vector<hal::Picture>& photographs, con
     }
     if (!refined.ok()) {
       input.start_only = false;
-      if (!fit_field(input, found.fit, reason).ok()) {
-        reason += "; and " + found.unrefined;
-        return false;
+      if (const Result<void> fitted = fit_field(input, found.fit); !fitted.ok()) {
+        return Error{fitted.code(), fitted.text() + "; and " + found.unrefined};
       }
     }
   }
-  return true;
+  return {};
 }
 
 Result<void> FieldCommand::run() const {
   const auto begin = std::chrono::steady_clock::now();
-  std::string reason;
   TOUCHLINE_TRY_ASSIGN(const VenueDraft draft, read_draft(venue));
-  std::vector<hal::Picture> photographs;
-  if (!load_photographs(pictures, photographs, reason).ok()) return Error{ErrorCode::kInconsistent, reason};
+  TOUCHLINE_TRY_ASSIGN(const std::vector<hal::Picture> photographs, load_photographs(pictures));
   const hal::Picture& photograph = photographs[0];
 
   FieldDrawing drawn;
   std::optional<HeightPrior> height;
-  if (!choose_drawing(draft, drawn, height, reason)) return Error{ErrorCode::kInconsistent, reason};
+  TOUCHLINE_TRY(choose_drawing(draft, drawn, height));
   const FieldParameters& field = drawn.field;
   FieldReport found;
   found.marks = marks_of(drawn);
@@ -325,10 +312,9 @@ Result<void> FieldCommand::run() const {
   input.height_px = static_cast<int>(photograph.height_px);
   if (camera_height_m > 0) input.camera_height_m = camera_height_m;
   if (!corners.empty()) {
-    std::vector<PixelPoint> pixels;
-    if (!read_pixels(corners, "--corners", pixels, reason).ok()) return Error{ErrorCode::kInconsistent, reason};
+    TOUCHLINE_TRY_ASSIGN(const std::vector<PixelPoint> pixels, read_pixels(corners, "--corners"));
     const Corners four = {pixels[0], pixels[1], pixels[2], pixels[3]};
-    if (!check_corners(four, reason).ok()) return Error{ErrorCode::kInconsistent, "--corners: " + reason};
+    if (const Result<void> checked = check_corners(four); !checked.ok()) return prefixed("--corners", checked.error());
     input.points = corner_points(four, static_cast<double>(field.length_m), static_cast<double>(field.width_m));
   }
   for (const std::string& word : points) {
@@ -339,14 +325,13 @@ Result<void> FieldCommand::run() const {
   const bool clicked = !input.points.empty();
   if (clicked && input.points.size() < 4)
     return Error{ErrorCode::kInconsistent, "at least four corners and points are needed, or none"};
-  std::vector<PixelPoint> polygon;
-  if (!read_pixels(region, "--roi", polygon, reason).ok()) return Error{ErrorCode::kInconsistent, reason};
+  TOUCHLINE_TRY_ASSIGN(const std::vector<PixelPoint> polygon, read_pixels(region, "--roi"));
   if (!polygon.empty() && (polygon.size() < 3 || polygon.size() > kMaxPolygonPoints)) {
     return Error{ErrorCode::kInconsistent,
                  formatted("--roi: there are %zu corners; 3 to %zu are possible", polygon.size(), kMaxPolygonPoints)};
   }
 
-  if (!find_camera(photographs, drawn, height, input, found, reason)) return Error{ErrorCode::kInconsistent, reason};
+  TOUCHLINE_TRY(find_camera(photographs, drawn, height, input, found));
   found.points_given = input.points.size();
   FieldFit& fit = found.fit;
   fit.camera.kind = kind == "paper" ? CameraModelKind::kPaper : CameraModelKind::kFull;
@@ -364,9 +349,8 @@ Result<void> FieldCommand::run() const {
     }
     sections.push_back(section_of("region_of_interest", roi, ""));
   }
-  if (!preview.empty() && !write_previews(photograph, found, field, input.points, reason))
-    return Error{ErrorCode::kInconsistent, reason};
-  if (!report.empty() && !write_json(found, report, reason).ok()) return Error{ErrorCode::kInconsistent, reason};
+  if (!preview.empty()) TOUCHLINE_TRY(write_previews(photograph, found, field, input.points));
+  if (!report.empty()) TOUCHLINE_TRY(write_json(found, report));
   TOUCHLINE_TRY(write_sections(venue, sections));
 
   std::printf("%s%.1f s\n", text_of(found).c_str(), found.seconds);

@@ -26,13 +26,11 @@ struct FieldCommand {
   Result<void> run() const;
 
  private:
-  bool choose_drawing(const VenueDraft& draft, FieldDrawing& out, std::optional<HeightPrior>& height,
-                      std::string& reason) const;
-  bool find_camera(const std::vector<hal::Picture>& photographs, const FieldDrawing& drawn,
-                   const std::optional<HeightPrior>& height, FieldFitInput& input, FieldReport& found,
-                   std::string& reason) const;
-  bool write_previews(const hal::Picture& photograph, const FieldReport& found, const FieldParameters& field,
-                      const std::vector<FloorPoint>& given, std::string& reason) const;
+  Result<void> choose_drawing(const VenueDraft& draft, FieldDrawing& out, std::optional<HeightPrior>& height) const;
+  Result<void> find_camera(const std::vector<hal::Picture>& photographs, const FieldDrawing& drawn,
+                           const std::optional<HeightPrior>& height, FieldFitInput& input, FieldReport& found) const;
+  Result<void> write_previews(const hal::Picture& photograph, const FieldReport& found, const FieldParameters& field,
+                              const std::vector<FloorPoint>& given) const;
 };
 
 }  // namespace touchline::calibrate

@@ -158,7 +158,7 @@ void add_border(const FieldDrawing& drawing, std::vector<Mark>& marks) {
 
 }  // namespace
 
-Status read_drawing(const std::string& path, FieldDrawing& out, std::string& reason) {
+Result<FieldDrawing> read_drawing(const std::string& path) {
   FieldDrawing drawing;
   config::Locations where;
   config::Problems problems;
@@ -168,12 +168,11 @@ Status read_drawing(const std::string& path, FieldDrawing& out, std::string& rea
     if (!problems.empty()) status = ErrorCode::kInconsistent;
   }
   if (!status.ok()) {
-    reason = problems.text();
-    while (!reason.empty() && reason.back() == '\n') reason.pop_back();
-    return status;
+    std::string text = problems.text();
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    return Error{status.code(), text};
   }
-  out = drawing;
-  return {};
+  return drawing;
 }
 
 const std::vector<FieldPreset>& field_presets() {

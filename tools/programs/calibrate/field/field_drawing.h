@@ -9,8 +9,8 @@
 
 #include "core/marker/matcher.h"
 #include "core/parameter.h"
-#include "core/status.h"
 #include "firmware/config/board_file.h"
+#include "hal/result.h"
 #include "tools/programs/calibrate/field/edge_search.h"
 #include "tools/programs/calibrate/field/field_fit.h"
 
@@ -100,8 +100,8 @@ struct FieldDrawing {
   }
 };
 
-/// Reads and checks a drawing. kNotFound, kInconsistent: `reason` names file, line and key of every error.
-Status read_drawing(const std::string& path, FieldDrawing& out, std::string& reason);
+/// Reads and checks a drawing. kNotFound, kInconsistent: the message names file, line and key of every error.
+Result<FieldDrawing> read_drawing(const std::string& path);
 
 /// The field of a league. `height`: the prior of the camera height that follows from its rules; empty if they do not
 /// help.

@@ -12,7 +12,6 @@
 #include "tools/programs/calibrate/field/homography.h"
 #include "tools/programs/calibrate/field/least_squares.h"
 #include "tools/programs/calibrate/field/paper_fit.h"
-#include "tools/programs/command_line/formatted.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -189,7 +188,7 @@ double distance(PixelPoint a, PixelPoint b) {
 
 }  // namespace
 
-Status check_corners(const Corners& corners, std::string& reason) {
+Result<void> check_corners(const Corners& corners) {
   int clockwise = 0, counter = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     const PixelPoint a = corners[i], b = corners[(i + 1) % 4], c = corners[(i + 2) % 4];
@@ -197,20 +196,22 @@ Status check_corners(const Corners& corners, std::string& reason) {
     // Less than 2 degrees at a corner, or coincident corners.
     constexpr double kStraight = 0.035;
     if (std::abs(turn) < std::max(1.0, kStraight * distance(a, b) * distance(b, c))) {
-      reason = formatted("corners %zu, %zu and %zu lie on one line", i + 1, (i + 1) % 4 + 1, (i + 2) % 4 + 1);
-      return ErrorCode::kInconsistent;
+      return failure(ErrorCode::kInconsistent, "corners %zu, %zu and %zu lie on one line", i + 1, (i + 1) % 4 + 1,
+                     (i + 2) % 4 + 1);
     }
     ++(turn > 0 ? clockwise : counter);  // v grows downwards
   }
   if (counter == 4) return {};
   if (clockwise == 4) {
-    reason = "the corners run clockwise in the picture, as in a mirror image; the order is -x-y, +x-y, +x+y, -x+y";
-  } else if (clockwise == 2) {
-    reason = "the lines between the corners cross; the order is -x-y, +x-y, +x+y, -x+y, around the field";
-  } else {
-    reason = "one corner lies inside the triangle of the others";
+    return failure(
+        ErrorCode::kInconsistent,
+        "the corners run clockwise in the picture, as in a mirror image; the order is -x-y, +x-y, +x+y, -x+y");
   }
-  return ErrorCode::kInconsistent;
+  if (clockwise == 2) {
+    return failure(ErrorCode::kInconsistent,
+                   "the lines between the corners cross; the order is -x-y, +x-y, +x+y, -x+y, around the field");
+  }
+  return failure(ErrorCode::kInconsistent, "one corner lies inside the triangle of the others");
 }
 
 std::vector<FloorPoint> corner_points(const Corners& corners, double length_m, double width_m) {
@@ -223,25 +224,23 @@ std::vector<FloorPoint> corner_points(const Corners& corners, double length_m, d
   return points;
 }
 
-Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason) {
+Result<void> fit_field(const FieldFitInput& input, FieldFit& out) {
   out = {};
   if (input.width_px <= 0 || input.height_px <= 0) {
-    reason = "the picture has no size";
-    return ErrorCode::kOutOfRange;
+    return Error{ErrorCode::kOutOfRange, "the picture has no size"};
   }
   if (input.points.size() < 4) {
-    reason = formatted("%zu points are given; at least four are needed", input.points.size());
-    return ErrorCode::kOutOfRange;
+    return failure(ErrorCode::kOutOfRange, "%zu points are given; at least four are needed", input.points.size());
   }
   const Center center{(input.width_px - 1) / 2.0, (input.height_px - 1) / 2.0};
   const auto homography = floor_to_picture(input.points, center.u_px, center.v_px);
   if (!homography) {
-    reason = "the points do not determine the view of the floor (three of four on one line, or coincident points)";
-    return ErrorCode::kInconsistent;
+    return Error{ErrorCode::kInconsistent,
+                 "the points do not determine the view of the floor (three of four on one line, or coincident points)"};
   }
   if (homography->determinant() > 0) {
-    reason = "the points show the field mirrored; seen from above, y must be to the left of x";
-    return ErrorCode::kInconsistent;
+    return failure(ErrorCode::kInconsistent,
+                   "the points show the field mirrored; seen from above, y must be to the left of x");
   }
 
   // Starts from the closed-form solution if there is one and from several focal lengths, because a vertical camera has
@@ -271,19 +270,17 @@ Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason)
     }
   }
   if (!std::isfinite(best_cost)) {
-    reason = "no camera above the floor fits the points";
-    return ErrorCode::kInconsistent;
+    return Error{ErrorCode::kInconsistent, "no camera above the floor fits the points"};
   }
   // A wrong order of the corners, or swapped length and width, leaves residuals of tens of pixels; lens distortion that
   // four corners cannot show leaves a few.
   const double tolerance_px = 0.015 * std::hypot(input.width_px, input.height_px);
   const double misfit_px = kClickSigma_px * std::sqrt(2.0 * best_cost / static_cast<double>(input.points.size()));
   if (misfit_px > tolerance_px) {
-    reason = formatted(
-        "no camera%s fits these points: residual %.1f px (RMS); is the order right, are length and "
-        "width exchanged, is --camera-height right?",
-        solver.has_distortion() && input.camera_height_m ? "" : " with square pixels", misfit_px);
-    return ErrorCode::kInconsistent;
+    return failure(ErrorCode::kInconsistent,
+                   "no camera%s fits these points: residual %.1f px (RMS); is the order right, are length and "
+                   "width exchanged, is --camera-height right?",
+                   solver.has_distortion() && input.camera_height_m ? "" : " with square pixels", misfit_px);
   }
   const Eigen::Vector3d turn(best.rotation.data());
   const Eigen::Matrix3d rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
@@ -292,10 +289,10 @@ Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason)
   // camera needs 50.
   constexpr double kMaxTilt_rad = 0.7;
   if (out.tilt_rad > kMaxTilt_rad) {
-    reason = formatted(
+    return failure(
+        ErrorCode::kInconsistent,
         "the camera model found is tilted by %.0f degrees; is the order right, are length and width exchanged?",
         out.tilt_rad * 180.0 / std::numbers::pi);
-    return ErrorCode::kInconsistent;
   }
   out.height_m = best.position_m[2];
   out.height_sigma_m = solver.height_sigma_m(best);
@@ -303,22 +300,21 @@ Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason)
   // the border.
   constexpr double kHeightDoubt = 0.15;
   if (!input.start_only && !(out.height_sigma_m < kHeightDoubt * out.height_m)) {
-    reason = formatted(
+    return failure(
+        ErrorCode::kInconsistent,
         "the camera points almost straight down, so its height and its focal length cannot be separated (height "
         "uncertain by %.0f %%): measure the height of the lens above the floor and give --camera-height",
         std::min(100 * out.height_sigma_m / out.height_m, 999.0));
-    return ErrorCode::kInconsistent;
   }
   out.camera.kind = CameraModelKind::kFull;
   out.camera.full = full_model(best, center);
   out.has_distortion = solver.has_distortion();
   CameraModel camera;
   if (Status s = camera.configure(out.camera); !s.ok()) {
-    reason = formatted("the camera model found is invalid: %s", describe(s.code()));
-    return s;
+    return failure(s.code(), "the camera model found is invalid: %s", describe(s.code()));
   }
   add_residuals(input, camera, out);
-  return fit_paper_model(input, out, reason);
+  return fit_paper_model(input, out);
 }
 
 }  // namespace touchline::calibrate

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/geometry/camera_model.h"
-#include "core/status.h"
 #include "core/types.h"
+#include "hal/result.h"
 
 namespace touchline::calibrate {
 
@@ -22,7 +22,7 @@ using Corners = std::array<PixelPoint, 4>;
 
 /// Checks that a camera above the field can see these corners. kInconsistent, with the reason: three corners on one
 /// line, crossing sides, not convex, or mirrored (clockwise in the picture).
-Status check_corners(const Corners& corners, std::string& reason);
+Result<void> check_corners(const Corners& corners);
 
 /// Returns the corners of a field of this size with their pixels.
 std::vector<FloorPoint> corner_points(const Corners& corners, double length_m, double width_m);
@@ -71,6 +71,6 @@ struct FieldFit {
 /// kOutOfRange: picture size, or too few points. kInconsistent, with the reason: points on a line, mirrored, or not
 /// consistent with any camera, or focal length and height cannot be separated (a nearly vertical camera) and no height
 /// is given.
-Status fit_field(const FieldFitInput& input, FieldFit& out, std::string& reason);
+Result<void> fit_field(const FieldFitInput& input, FieldFit& out);
 
 }  // namespace touchline::calibrate

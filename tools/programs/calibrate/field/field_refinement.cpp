@@ -7,7 +7,6 @@
 
 #include "tools/programs/calibrate/field/fit_checks.h"
 #include "tools/programs/calibrate/field/paper_fit.h"
-#include "tools/programs/command_line/formatted.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -107,7 +106,7 @@ std::vector<MarkPoint> agreeing(const CameraModel& camera, const std::vector<Mar
     mark.found = near[m];
     mark.offset_px = near[m] > 0 ? sum[m] / static_cast<double>(near[m]) : 0;
     mark.used =
-        marks[m].side >= 0 || (static_cast<double>(near[m]) >= kLeastSeen * static_cast<double>(mark.looked_at) &&
+        marks[m].side >= 0 || (static_cast<double>(near[m]) >= kLeastSeen * static_cast<double>(mark.tried_points) &&
                                near[m] >= 3 && std::abs(mark.offset_px) < kMarkingTolerance_px);
   }
   std::vector<MarkPoint> kept;
@@ -141,8 +140,8 @@ void add_residuals(const CameraModel& camera, RefinementReport& report) {
   report.max_mm = percentile(millimeters, 1.0);
 }
 
-Status refine(const LightPicture& picture, const FieldParameters& field, const std::vector<Mark>& marks,
-              const std::optional<HeightPrior>& height, FieldFit& fit, RefinementReport& report, std::string& reason) {
+Result<void> refine(const LightPicture& picture, const FieldParameters& field, const std::vector<Mark>& marks,
+                    const std::optional<HeightPrior>& height, FieldFit& fit, RefinementReport& report) {
   report = {};
   report.marks.resize(marks.size());
   std::vector<Mark> early;
@@ -160,31 +159,29 @@ Status refine(const LightPicture& picture, const FieldParameters& field, const s
   AdjustmentWeights weights{kEdgeSigma_px, 0, 0};
   for (std::size_t i = 0; i <= kRounds.size(); ++i) {
     if (!model.configure(parameters).ok()) {
-      reason = "no plausible camera model fits the border";
-      return ErrorCode::kNotFound;
+      return Error{ErrorCode::kNotFound, "no plausible camera model fits the border"};
     }
     const bool last = i == kRounds.size();
     const Round& round = kRounds[last ? i - 1 : i];
     const double reach_px = round.all ? round.reach_px : round.reach_px * zoom;
-    std::vector<std::size_t> looked_at;
-    report.found = find_marks(picture, model, round.all ? marks : early, kStep_px, reach_px, &looked_at);
+    std::vector<std::size_t> tried_points;
+    report.found = find_marks(picture, model, round.all ? marks : early, kStep_px, reach_px, &tried_points);
     if (round.all) {
-      for (std::size_t m = 0; m < marks.size(); ++m) report.marks[m].looked_at = looked_at[m];
+      for (std::size_t m = 0; m < marks.size(); ++m) report.marks[m].tried_points = tried_points[m];
       report.found = agreeing(model, marks, report.found, report);
       weights.edge_sigma_px = independent_sigma(model, report.found);
     } else {
       std::vector<std::size_t> tried(marks.size());
       for (MarkPoint& p : report.found) p.mark = of_early[p.mark];
-      for (std::size_t e = 0; e < early.size(); ++e) tried[of_early[e]] = looked_at[e];
-      looked_at = tried;
+      for (std::size_t e = 0; e < early.size(); ++e) tried[of_early[e]] = tried_points[e];
+      tried_points = tried;
     }
-    if (!check_sides(marks, looked_at, report.found, reason)) return ErrorCode::kNotFound;
+    TOUCHLINE_TRY(check_sides(marks, tried_points, report.found));
     if (last) break;
     weights.loss_px = round.all ? std::max(round.loss_px, 2 * weights.edge_sigma_px) : round.loss_px;
     weights.lens = round.lens;
     if (!adjustment.run(report.found, weights, camera)) {
-      reason = "the border and the points given contradict each other";
-      return ErrorCode::kNotFound;
+      return Error{ErrorCode::kNotFound, "the border and the points given contradict each other"};
     }
     parameters.full = camera.full();
   }
@@ -192,9 +189,9 @@ Status refine(const LightPicture& picture, const FieldParameters& field, const s
   report.sigma = adjustment.uncertainty(report.found, weights, camera, field);
   add_residuals(model, report);
   // Checks again, because a side whose points are mostly outliers was not found.
-  std::vector<std::size_t> looked_at;
-  for (const MarkReport& mark : report.marks) looked_at.push_back(mark.looked_at);
-  if (!check_sides(marks, looked_at, report.found, reason)) return ErrorCode::kNotFound;
+  std::vector<std::size_t> tried_points;
+  for (const MarkReport& mark : report.marks) tried_points.push_back(mark.tried_points);
+  TOUCHLINE_TRY(check_sides(marks, tried_points, report.found));
   FieldFit refined = fit;
   refined.camera.full = parameters.full;
   refined.has_distortion = true;
@@ -203,15 +200,15 @@ Status refine(const LightPicture& picture, const FieldParameters& field, const s
   const Eigen::Vector3d turn(camera.rotation.data());
   const Eigen::Matrix3d rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
   refined.tilt_rad = std::acos(std::clamp(-rotation(2, 2), -1.0, 1.0));
-  if (Status s = check_camera({picture.width_px(), picture.height_px(), zoom}, field, model, refined, report, reason);
-      !s.ok()) {
-    return s;
-  }
+  TOUCHLINE_TRY(
+      check_camera(PictureSize{picture.width_px(), picture.height_px(), zoom}, field, model, refined, report));
   FieldFitInput input;
   input.width_px = picture.width_px();
   input.height_px = picture.height_px();
   for (const MarkPoint& p : report.found) input.points.push_back({p.x_m, p.y_m, p.u_px, p.v_px});
-  if (!fit_paper_model(input, refined, reason).ok()) return ErrorCode::kNotFound;
+  if (const Result<void> paper = fit_paper_model(input, refined); !paper.ok()) {
+    return Error{ErrorCode::kNotFound, paper.error().text};
+  }
   fit = refined;
   return {};
 }
@@ -224,20 +221,18 @@ double misfit(const RefinementReport& report) {
 
 }  // namespace
 
-Status refine_field(const LightPicture& picture, const FieldParameters& field, const std::vector<Mark>& marks,
-                    const std::optional<HeightPrior>& height, FieldFit& fit, RefinementReport& report,
-                    std::string& reason) {
+Result<void> refine_field(const LightPicture& picture, const FieldParameters& field, const std::vector<Mark>& marks,
+                          const std::optional<HeightPrior>& height, FieldFit& fit, RefinementReport& report) {
   const FieldFit start = fit;
-  const Status status = refine(picture, field, marks, height, fit, report, reason);
-  if (status.ok() && misfit(report) < kClean_px * kClean_px) return {};
+  Result<void> result = refine(picture, field, marks, height, fit, report);
+  if (result.ok() && misfit(report) < kClean_px * kClean_px) return {};
   // A wall has a side and a top: tries which of their edges is visible all around.
   std::vector<Mark> inner = marks;
   for (Mark& mark : inner) mark.innermost = mark.kind == MarkKind::kBorder;
   FieldFit other = start;
   RefinementReport other_report;
-  std::string other_reason;
-  const Status other_status = refine(picture, field, inner, height, other, other_report, other_reason);
-  if (!other_status.ok() || (status.ok() && misfit(report) <= misfit(other_report))) return status;
+  const Result<void> other_result = refine(picture, field, inner, height, other, other_report);
+  if (!other_result.ok() || (result.ok() && misfit(report) <= misfit(other_report))) return result;
   fit = other;
   report = std::move(other_report);
   return {};

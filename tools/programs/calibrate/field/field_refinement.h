@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/result.h"
 #include "tools/programs/calibrate/field/camera_adjustment.h"
 #include "tools/programs/calibrate/field/edge_search.h"
 #include "tools/programs/calibrate/field/field_fit.h"
@@ -12,8 +13,8 @@ namespace touchline::calibrate {
 
 /// Result for one mark of the drawing.
 struct MarkReport {
-  std::size_t looked_at = 0, found = 0;  // number of points along it
-  double offset_px = 0;                  // mean distance from its position according to the border alone
+  std::size_t tried_points = 0, found = 0;  // number of points along it
+  double offset_px = 0;                     // mean distance from its position according to the border alone
   bool used = false;
 };
 
@@ -36,9 +37,8 @@ struct RefinementReport {
 /// `fit` must hold a camera of fit_field(); it is unchanged on failure. `height`: prior of the camera's height. Errors,
 /// with the reason: kNotFound: too little of the border was found, or the picture cuts it off. kInconsistent: the
 /// border contradicts the size of the field, or residuals or uncertainties are too large.
-Status refine_field(const LightPicture& picture, const FieldParameters& field, const std::vector<Mark>& marks,
-                    const std::optional<HeightPrior>& height, FieldFit& fit, RefinementReport& report,
-                    std::string& reason);
+Result<void> refine_field(const LightPicture& picture, const FieldParameters& field, const std::vector<Mark>& marks,
+                          const std::optional<HeightPrior>& height, FieldFit& fit, RefinementReport& report);
 
 // A larger mean offset means that the marking differs from the drawing: the border alone determines the position of a
 // mark to a tenth of a pixel.

@@ -79,7 +79,7 @@ std::string describe_markings(const FieldReport& report) {
     ++markings;
     if (mark.used) {
       ++used;
-    } else if (2 * mark.found >= mark.looked_at) {
+    } else if (2 * mark.found >= mark.tried_points) {
       elsewhere += formatted("  %s is %.2f px away from its position in the drawing\n",
                              describe_mark(report.marks[m]).c_str(), std::abs(mark.offset_px));
     } else {
@@ -109,7 +109,7 @@ nlohmann::json json_of(const RefinementReport& r) {
             {"floor_center_mm", r.sigma.floor_center_mm},
             {"floor_corner_mm", r.sigma.floor_corner_mm},
             {"robot_top_corner_mm", r.sigma.top_corner_mm}}},
-          {"strain", r.sigma.strain}};
+          {"strain", r.sigma.lens_chi_square}};
 }
 
 }  // namespace
@@ -167,7 +167,7 @@ std::string text_of(const FieldReport& report) {
   return out;
 }
 
-Status write_json(const FieldReport& report, const std::string& path, std::string& reason) {
+Result<void> write_json(const FieldReport& report, const std::string& path) {
   const FieldFit& fit = report.fit;
   const FullModelParameters& full = fit.camera.full;
   nlohmann::json out = {{"height_m", fit.height_m},
@@ -189,7 +189,7 @@ Status write_json(const FieldReport& report, const std::string& path, std::strin
     for (std::size_t m = 0; m < report.marks.size(); ++m) {
       const MarkReport& mark = report.refinement.marks[m];
       out["marks"].push_back({{"side", report.marks[m].side},
-                              {"tried", mark.looked_at},
+                              {"tried", mark.tried_points},
                               {"found", mark.found},
                               {"offset_px", mark.offset_px},
                               {"used", mark.used}});
@@ -214,9 +214,7 @@ Status write_json(const FieldReport& report, const std::string& path, std::strin
       steps["mm"] = json_of(report.steps_mm);
     }
   }
-  const Result<void> written = config::replace_file(path, out.dump(1) + "\n");
-  reason = written.text();
-  return written.code();
+  return config::replace_file(path, out.dump(1) + "\n");
 }
 
 }  // namespace touchline::calibrate

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "core/status.h"
+#include "hal/result.h"
 #include "tools/programs/calibrate/field/border_search.h"
 #include "tools/programs/calibrate/field/field_drawing.h"
 #include "tools/programs/calibrate/field/field_refinement.h"
@@ -31,7 +31,7 @@ struct FieldReport {
 std::string residual_text(const FieldReport& report);
 /// Formats the report for a terminal; each line ends with a newline.
 std::string text_of(const FieldReport& report);
-/// Writes the report as JSON with units in the keys. kIo, kPermission: errors of the file; `reason` has the details.
-Status write_json(const FieldReport& report, const std::string& path, std::string& reason);
+/// Writes the report as JSON with units in the keys. kIo, kPermission: errors of the file.
+Result<void> write_json(const FieldReport& report, const std::string& path);
 
 }  // namespace touchline::calibrate

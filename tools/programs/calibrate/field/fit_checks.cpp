@@ -5,15 +5,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "tools/programs/command_line/formatted.h"
-
 namespace touchline::calibrate {
 
-bool check_sides(const std::vector<Mark>& marks, const std::vector<std::size_t>& looked_at,
-                 const std::vector<MarkPoint>& found, std::string& reason) {
+Result<void> check_sides(const std::vector<Mark>& marks, const std::vector<std::size_t>& tried_points,
+                         const std::vector<MarkPoint>& found) {
   std::array<std::size_t, 4> tried{}, seen{};
   for (std::size_t m = 0; m < marks.size(); ++m) {
-    if (marks[m].side >= 0) tried[static_cast<std::size_t>(marks[m].side)] += looked_at[m];
+    if (marks[m].side >= 0) tried[static_cast<std::size_t>(marks[m].side)] += tried_points[m];
   }
   for (const MarkPoint& p : found) {
     if (marks[p.mark].side >= 0) ++seen[static_cast<std::size_t>(marks[p.mark].side)];
@@ -22,13 +20,12 @@ bool check_sides(const std::vector<Mark>& marks, const std::vector<std::size_t>&
   for (std::size_t i = 0; i < 4; ++i) {
     sides += static_cast<double>(seen[i]) > kLeastSideShare * static_cast<double>(tried[i]) ? 1u : 0u;
   }
-  if (sides == 4) return true;
-  reason = formatted("only %zu of the four sides of the border were found", sides);
-  return false;
+  if (sides == 4) return {};
+  return failure(ErrorCode::kNotFound, "only %zu of the four sides of the border were found", sides);
 }
 
-Status check_camera(const PictureSize& picture, const FieldParameters& field, const CameraModel& model,
-                    const FieldFit& fit, const RefinementReport& report, std::string& reason) {
+Result<void> check_camera(const PictureSize& picture, const FieldParameters& field, const CameraModel& model,
+                          const FieldFit& fit, const RefinementReport& report) {
   constexpr int kSteps = 100;
   int outside = 0;
   const float x = field.length_m / 2, y = field.width_m / 2;
@@ -42,56 +39,56 @@ Status check_camera(const PictureSize& picture, const FieldParameters& field, co
     }
   }
   if (outside > kMostOutside * 4 * kSteps) {
-    reason = formatted("the picture cuts off %.0f %% of the border: turn or raise the camera, or use a wider lens",
-                       100.0 * outside / (4 * kSteps));
-    return ErrorCode::kNotFound;
+    return failure(ErrorCode::kNotFound,
+                   "the picture cuts off %.0f %% of the border: turn or raise the camera, or use a wider lens",
+                   100.0 * outside / (4 * kSteps));
   }
   if (static_cast<double>(report.outliers) > kMostOutliers * static_cast<double>(report.points + report.outliers)) {
-    reason = formatted(
+    return failure(
+        ErrorCode::kInconsistent,
         "%zu of %zu points found along the border and the markings do not fit the drawing of the field; is the size "
         "of the field right, and is the border free of objects?",
         report.outliers, report.points + report.outliers);
-    return ErrorCode::kInconsistent;
   }
   if (report.rms_px > kMostRms_px * picture.zoom) {
-    reason = formatted(
+    return failure(
+        ErrorCode::kInconsistent,
         "the drawing of the field differs from the picture by %.2f px (RMS; at most %.2f is accepted); are length and "
         "width "
         "right?",
         report.rms_px, kMostRms_px * picture.zoom);
-    return ErrorCode::kInconsistent;
   }
-  if (!(report.sigma.strain < kMostStrain)) {
-    reason = formatted(
+  if (!(report.sigma.lens_chi_square < kMostLensChiSquare)) {
+    return failure(
+        ErrorCode::kInconsistent,
         "the camera model found is implausible (%.1f m high, %.0f degrees off the vertical, focal length %.0f px, "
         "center "
         "%.0f, %.0f px, k1 %.2f): are length and width right, and is the picture as the camera delivers it?",
         fit.height_m, fit.tilt_rad * 180.0 / std::numbers::pi, static_cast<double>(fit.camera.full.fx_px),
         static_cast<double>(fit.camera.full.cx_px), static_cast<double>(fit.camera.full.cy_px),
         static_cast<double>(fit.camera.full.k1));
-    return ErrorCode::kInconsistent;
   }
   // Overhead cameras of the leagues are tilted by less than 20 degrees.
   constexpr double kMaxTilt_rad = 0.7;
   if (fit.tilt_rad > kMaxTilt_rad) {
-    reason = formatted("the camera model found is tilted by %.0f degrees; is the size of the field right?",
-                       fit.tilt_rad * 180.0 / std::numbers::pi);
-    return ErrorCode::kInconsistent;
+    return failure(ErrorCode::kInconsistent,
+                   "the camera model found is tilted by %.0f degrees; is the size of the field right?",
+                   fit.tilt_rad * 180.0 / std::numbers::pi);
   }
   if (!(report.sigma.floor_corner_mm < kMostFloor_mm)) {
-    reason = formatted(
+    return failure(
+        ErrorCode::kInconsistent,
         "the corners of the field are uncertain by %.1f mm (standard deviation): too little of the border is "
         "visible, or its contrast is too low",
         std::min(report.sigma.floor_corner_mm, 999.0));
-    return ErrorCode::kInconsistent;
   }
   if (!(report.sigma.top_corner_mm < kMostTop_mm)) {
-    reason = formatted(
+    return failure(
+        ErrorCode::kInconsistent,
         "the camera points almost straight down, so its height and its focal length cannot be separated (%.2f m +- "
         "%.2f: the top of a robot in a corner would be %.0f mm off): measure the height of the lens above the "
         "floor and give --camera-height",
         fit.height_m, std::min(report.sigma.height_m, 99.0), std::min(report.sigma.top_corner_mm, 999.0));
-    return ErrorCode::kInconsistent;
   }
   return {};
 }

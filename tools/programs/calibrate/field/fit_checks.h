@@ -5,7 +5,7 @@
 
 #include "core/geometry/camera_model.h"
 #include "core/marker/matcher.h"
-#include "core/status.h"
+#include "hal/result.h"
 #include "tools/programs/calibrate/field/edge_search.h"
 #include "tools/programs/calibrate/field/field_refinement.h"
 
@@ -13,9 +13,9 @@
 // do.
 namespace touchline::calibrate {
 
-/// Checks that enough of each side of the border was found. `looked_at`: points tried per mark.
-[[nodiscard]] bool check_sides(const std::vector<Mark>& marks, const std::vector<std::size_t>& looked_at,
-                               const std::vector<MarkPoint>& found, std::string& reason);
+/// Checks that enough of each side of the border was found. `tried_points`: points tried per mark.
+Result<void> check_sides(const std::vector<Mark>& marks, const std::vector<std::size_t>& tried_points,
+                         const std::vector<MarkPoint>& found);
 // Least share of each side; beyond a side that is not visible the lens model would be extrapolated.
 inline constexpr double kLeastSideShare = 0.4;
 
@@ -27,13 +27,13 @@ struct PictureSize {
 /// Checks that the border lies in the picture, that the drawing fits to a fraction of a pixel, that the camera model is
 /// plausible, and that its height is known well enough to locate the top of a robot. kNotFound: too little is visible.
 /// kInconsistent: the picture contradicts the size of the field or any plausible camera, or the height is uncertain.
-Status check_camera(const PictureSize& picture, const FieldParameters& field, const CameraModel& model,
-                    const FieldFit& fit, const RefinementReport& report, std::string& reason);
-inline constexpr double kMostOutside = 0.05;   // share of the border
-inline constexpr double kMostOutliers = 0.35;  // share of the points
-inline constexpr double kMostRms_px = 0.45;    // multiplied by zoom
-inline constexpr double kMostStrain = 12.0;    // see CameraUncertainty
-inline constexpr double kMostTop_mm = 14.0;    // standard deviation in the worst corner
-inline constexpr double kMostFloor_mm = 5.0;   // likewise, on the floor
+Result<void> check_camera(const PictureSize& picture, const FieldParameters& field, const CameraModel& model,
+                          const FieldFit& fit, const RefinementReport& report);
+inline constexpr double kMostOutside = 0.05;        // share of the border
+inline constexpr double kMostOutliers = 0.35;       // share of the points
+inline constexpr double kMostRms_px = 0.45;         // multiplied by zoom
+inline constexpr double kMostLensChiSquare = 12.0;  // see CameraUncertainty
+inline constexpr double kMostTop_mm = 14.0;         // standard deviation in the worst corner
+inline constexpr double kMostFloor_mm = 5.0;        // likewise, on the floor
 
 }  // namespace touchline::calibrate

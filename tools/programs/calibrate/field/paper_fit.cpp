@@ -40,7 +40,7 @@ struct PaperResidual {
 
 }  // namespace
 
-Status fit_paper_model(const FieldFitInput& input, FieldFit& fit, std::string& reason) {
+Result<void> fit_paper_model(const FieldFitInput& input, FieldFit& fit) {
   const FullModelParameters& full = fit.camera.full;
   const double cu = static_cast<double>(full.cx_px), cv = static_cast<double>(full.cy_px);
   const double focal = static_cast<double>(full.fx_px), k1 = static_cast<double>(full.k1);
@@ -56,8 +56,7 @@ Status fit_paper_model(const FieldFitInput& input, FieldFit& fit, std::string& r
   }
   const auto homography = floor_to_picture(straight, 0.0, 0.0);
   if (!homography) {
-    reason = "the points do not determine the model of eq. (14)";
-    return ErrorCode::kInconsistent;
+    return Error{ErrorCode::kInconsistent, "the points do not determine the model of eq. (14)"};
   }
   // The homography from the straightened picture to the floor is the affine part A, followed by the division by 1 - pX
   // - qY: its last row contains p and q.

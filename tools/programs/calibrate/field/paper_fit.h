@@ -3,13 +3,14 @@
 #include <string>
 #include <vector>
 
+#include "hal/result.h"
 #include "tools/programs/calibrate/field/field_fit.h"
 
 namespace touchline::calibrate {
 
 /// Fits Klancar's model to the same points: H of eq. (12), p and q of eq. (14) and (15), and the remaining affine part.
 /// Starts from the full model in `fit` and sets its `camera.paper` and `paper_residual_mm`.
-Status fit_paper_model(const FieldFitInput& input, FieldFit& fit, std::string& reason);
+Result<void> fit_paper_model(const FieldFitInput& input, FieldFit& fit);
 
 /// Computes the distances between the points and their positions according to this model.
 ResidualSummary paper_residual(const PaperModelParameters& model, const std::vector<FloorPoint>& points);

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/programs/command_line/formatted.h"
-
 namespace touchline::calibrate {
 namespace {
 
@@ -88,9 +86,9 @@ std::vector<BorderPlace> border_places(const CameraModel& camera, const FieldPar
   return places;
 }
 
-Status border_light(const std::array<Plane, 3>& background, const std::vector<BorderPlace>& places,
-                    const LightGrid& grid, std::size_t width_px, std::size_t height_px, std::array<Plane, 3>& cells,
-                    std::string& reason) {
+Result<void> border_light(const std::array<Plane, 3>& background, const std::vector<BorderPlace>& places,
+                          const LightGrid& grid, std::size_t width_px, std::size_t height_px,
+                          std::array<Plane, 3>& cells) {
   const auto place_of = [](double pixel, std::size_t size) { return 2.0 * pixel / static_cast<double>(size) - 1.0; };
   std::vector<Sample> samples;
   std::size_t saturated = 0;
@@ -116,14 +114,14 @@ Status border_light(const std::array<Plane, 3>& background, const std::vector<Bo
     samples.push_back(sample);
   }
   if (2 * saturated > places.size()) {
-    reason = formatted("the border is saturated at %zu of %zu points: shorten the exposure", saturated, places.size());
-    return ErrorCode::kNotFound;
+    return failure(ErrorCode::kNotFound, "the border is saturated at %zu of %zu points: shorten the exposure",
+                   saturated, places.size());
   }
   if (samples.size() < kLeastPlaces) {
-    reason = formatted(
+    return failure(
+        ErrorCode::kNotFound,
         "the border is bright enough at only %zu points; %zu are needed: check the camera model and the exposure",
         samples.size(), kLeastPlaces);
-    return ErrorCode::kNotFound;
   }
   for (std::size_t c = 0; c < 3; ++c) {
     const Terms solution = fit(samples, c);

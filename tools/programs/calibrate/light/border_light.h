@@ -6,7 +6,7 @@
 
 #include "core/geometry/camera_model.h"
 #include "core/geometry/field_area.h"
-#include "core/status.h"
+#include "hal/result.h"
 #include "tools/programs/calibrate/light/light_grid.h"
 
 namespace touchline::calibrate {
@@ -27,8 +27,8 @@ std::vector<BorderPlace> border_places(const CameraModel& camera, const FieldPar
 /// there.
 /// The result shows brightness, tint and gradient of the light. It cannot show a bright spot in the middle of the
 /// field. kNotFound, with the reason: too little of the border is visible, or most of it is saturated.
-Status border_light(const std::array<Plane, 3>& background, const std::vector<BorderPlace>& places,
-                    const LightGrid& grid, std::size_t width_px, std::size_t height_px, std::array<Plane, 3>& cells,
-                    std::string& reason);
+Result<void> border_light(const std::array<Plane, 3>& background, const std::vector<BorderPlace>& places,
+                          const LightGrid& grid, std::size_t width_px, std::size_t height_px,
+                          std::array<Plane, 3>& cells);
 
 }  // namespace touchline::calibrate

@@ -8,7 +8,6 @@
 #include "firmware/config/light_writer.h"
 #include "tools/programs/calibrate/light/light_fit.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
-#include "tools/programs/command_line/formatted.h"
 #include "tools/programs/command_line/progress.h"
 
 namespace touchline::calibrate {
@@ -42,18 +41,19 @@ std::vector<std::uint8_t> floor_mask(const VenueDraft& draft, const CameraModel&
 }
 
 // Reads C of the map that the venue's colors were learned with.
-Status read_normal(const std::string& venue, const config::LightEntry& entry, const std::string& measured_on,
-                   std::optional<std::array<double, 3>>& normal, std::string& reason) {
+Result<void> read_normal(const std::string& venue, const config::LightEntry& entry, const std::string& measured_on,
+                         std::optional<std::array<double, 3>>& normal) {
   if (entry.normal.size() != 3) {
-    reason = venue + ": light.normal is missing: measure the light without --keep-normal, then learn the " + "colors";
-    return ErrorCode::kNotFound;
+    return Error{
+        ErrorCode::kNotFound,
+        venue + ": light.normal is missing: measure the light without --keep-normal, then learn the " + "colors"};
   }
   // Pictures of a game show the same floor as pictures of the empty field.
   const auto surface_of = [](const std::string& surface) { return surface == "moving" ? "field" : surface; };
   if (surface_of(entry.surface) != surface_of(measured_on)) {
-    reason = venue + ": light.surface: the colors were learned with a map of surface " + entry.surface +
-             "; --keep-normal needs pictures of the same surface, not of " + measured_on;
-    return ErrorCode::kInconsistent;
+    return Error{ErrorCode::kInconsistent,
+                 venue + ": light.surface: the colors were learned with a map of surface " + entry.surface +
+                     "; --keep-normal needs pictures of the same surface, not of " + measured_on};
   }
   normal = {static_cast<double>(entry.normal[0]), static_cast<double>(entry.normal[1]),
             static_cast<double>(entry.normal[2])};
@@ -87,8 +87,7 @@ Result<void> LightCommand::run() const {
   LightFitInput input;
   const bool many = surface.empty() && pictures.size() >= kManyPictures;
   const std::string measured_on = !surface.empty() ? surface : many ? "moving" : "grey";
-  if (keep_normal && !read_normal(venue, draft.file.light, measured_on, input.normal, reason).ok())
-    return Error{ErrorCode::kInconsistent, reason};
+  if (keep_normal) TOUCHLINE_TRY(read_normal(venue, draft.file.light, measured_on, input.normal));
   if (measured_on == "moving") {
     input.surface = LightSurface::kMoving;
   } else if (measured_on == "field") {
@@ -114,7 +113,7 @@ Result<void> LightCommand::run() const {
   }
   LightMap map;
   LightReport report;
-  if (!fit_light(input, map, report, reason).ok()) return Error{ErrorCode::kInconsistent, reason};
+  TOUCHLINE_TRY(fit_light(input, map, report));
 
   config::LightEntry entry;
   entry.surface = measured_on;

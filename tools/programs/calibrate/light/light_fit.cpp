@@ -7,7 +7,6 @@
 #include "tools/programs/calibrate/imaging/channel_image.h"
 #include "tools/programs/calibrate/light/floor_light.h"
 #include "tools/programs/calibrate/light/light_grid.h"
-#include "tools/programs/command_line/formatted.h"
 #include "tools/programs/statistics/statistics.h"
 
 namespace touchline::calibrate {
@@ -72,24 +71,22 @@ void add_spots(const LightGrid& grid, std::vector<std::uint8_t> flagged, bool sa
 
 }  // namespace
 
-Status fit_light(const LightFitInput& input, LightMap& out, LightReport& report, std::string& reason) {
+Result<void> fit_light(const LightFitInput& input, LightMap& out, LightReport& report) {
   report = {};
   const std::vector<hal::Picture>& pictures = input.pictures;
   if (pictures.empty() || pictures[0].width_px == 0 || pictures[0].height_px == 0) {
-    reason = "there is no reference picture";
-    return ErrorCode::kOutOfRange;
+    return Error{ErrorCode::kOutOfRange, "there is no reference picture"};
   }
   const std::size_t width = pictures[0].width_px, height = pictures[0].height_px;
   for (const hal::Picture& p : pictures) {
     if (p.width_px != width || p.height_px != height) {
-      reason = formatted("the reference pictures differ in size: %zu x %zu and %u x %u", width, height, p.width_px,
-                         p.height_px);
-      return ErrorCode::kInconsistent;
+      return failure(ErrorCode::kInconsistent, "the reference pictures differ in size: %zu x %zu and %u x %u", width,
+                     height, p.width_px, p.height_px);
     }
   }
   if (input.surface == LightSurface::kMoving && pictures.size() < 3) {
-    reason = "at least three pictures are needed to remove moving objects; a few dozen are better";
-    return ErrorCode::kNotFound;
+    return failure(ErrorCode::kNotFound,
+                   "at least three pictures are needed to remove moving objects; a few dozen are better");
   }
   std::vector<std::uint8_t> inside =
       inside_mask(input.region_of_interest, static_cast<int>(width), static_cast<int>(height));
@@ -104,7 +101,7 @@ Status fit_light(const LightFitInput& input, LightMap& out, LightReport& report,
   std::vector<std::uint8_t> known(grid.cells(), 0), saturated(grid.cells(), 0), dark(grid.cells(), 0);
   std::array<Plane, 3> continued;
   if (border) {
-    if (Status s = border_light(background, input.border, grid, width, height, continued, reason); !s.ok()) return s;
+    TOUCHLINE_TRY(border_light(background, input.border, grid, width, height, continued));
   }
   for (std::size_t channel = 0; channel < 3; ++channel) {
     planes[channel] = grid.reduce(background[channel], counts, least_share);
@@ -128,13 +125,12 @@ Status fit_light(const LightFitInput& input, LightMap& out, LightReport& report,
                    [](const LightSpot& a, const LightSpot& b) { return a.cells > b.cells; });
   if (const auto able = static_cast<std::size_t>(std::count(inside.begin(), inside.end(), 1));
       floor && 4 * static_cast<std::size_t>(std::count(counts.begin(), counts.end(), 1)) < able) {
-    reason = "less than a quarter of the field is plain floor: use pictures of grey paper (--surface grey)";
-    return ErrorCode::kOutOfRange;
+    return Error{ErrorCode::kOutOfRange,
+                 "less than a quarter of the field is plain floor: use pictures of grey paper (--surface grey)"};
   }
   if (cells == 0 || 2 * report.saturated_cells > cells || 2 * report.dark_cells > cells) {
-    reason = formatted("%zu of %zu cells are saturated and %zu are black: change the exposure", report.saturated_cells,
-                       cells, report.dark_cells);
-    return ErrorCode::kOutOfRange;
+    return failure(ErrorCode::kOutOfRange, "%zu of %zu cells are saturated and %zu are black: change the exposure",
+                   report.saturated_cells, cells, report.dark_cells);
   }
 
   if (floor) mend_floor(grid, planes);
@@ -171,11 +167,11 @@ Status fit_light(const LightFitInput& input, LightMap& out, LightReport& report,
   }
   report.clamped_cells = static_cast<std::size_t>(std::count(clamped.begin(), clamped.end(), 1));
   if (2 * report.clamped_cells > cells) {
-    reason = formatted(
+    return failure(
+        ErrorCode::kOutOfRange,
         "%zu of %zu cells have %.2f to %.2f times the light in which the colors were learned; a light map can correct "
         "0.25 to 2 times. The light or the camera's black level has changed too much: learn the colors again",
         report.clamped_cells, cells, report.least[1], report.most[1]);
-    return ErrorCode::kOutOfRange;
   }
   out = map;
   return {};

@@ -9,8 +9,8 @@
 
 #include "core/light/light_map.h"
 #include "core/region/region_scanner.h"
-#include "core/status.h"
 #include "hal/replay/picture.h"
+#include "hal/result.h"
 #include "tools/programs/calibrate/light/border_light.h"
 
 namespace touchline::calibrate {
@@ -60,7 +60,7 @@ struct LightReport {
 /// of the nearest cell inside.
 /// kInconsistent: pictures of different sizes. kOutOfRange: most of the surface is saturated, black or beyond the range
 /// of a map, or there is hardly any floor. kNotFound: fewer than three pictures with moving objects.
-Status fit_light(const LightFitInput& input, LightMap& out, LightReport& report, std::string& reason);
+Result<void> fit_light(const LightFitInput& input, LightMap& out, LightReport& report);
 
 /// Returns the map in the form of the map file: 16 bits per channel, 32768 is illumination 1.
 hal::Picture map_picture(const LightMap& map);

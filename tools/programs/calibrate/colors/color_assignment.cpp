@@ -38,7 +38,7 @@ struct Solution {
 };
 
 // Excludes a cluster (and similar ones) for a color.
-struct Taboo {
+struct Exclusion {
   std::size_t color = kNone;
   Lab lab;
 };
@@ -80,14 +80,14 @@ class Solver {
     }
   }
 
-  Solution solve(const Taboo& taboo) const {
+  Solution solve(const Exclusion& exclusion) const {
     Solution best;
     for (const Cut& cut : cuts_) {
       const auto own = team_labels(cut, 0), other = team_labels(cut, 1);
       for (const std::size_t a : own) {
         for (const std::size_t b : other) {
           if (a == b && a != kNone) continue;
-          Solution s = with_teams(cut, {a, b}, taboo);
+          Solution s = with_teams(cut, {a, b}, exclusion);
           if (s.cost < best.cost) best = std::move(s);
         }
       }
@@ -142,8 +142,9 @@ class Solver {
     return out;
   }
 
-  double unlikely(std::size_t color, const Label& label, const std::vector<Lab>& expected, const Taboo& taboo) const {
-    if (taboo.color == color && difference(label.lab, taboo.lab) < kSame) return kForbidden;
+  double unlikely(std::size_t color, const Label& label, const std::vector<Lab>& expected,
+                  const Exclusion& exclusion) const {
+    if (exclusion.color == color && difference(label.lab, exclusion.lab) < kSame) return kForbidden;
     if (!input_.colors[color].look) return kLeastLikely / 2;
     const double d =
         dissimilarity(label.lab, expected[color]) / (input_.colors[color].clicked ? kClickedPaint : kPaint);
@@ -230,7 +231,7 @@ class Solver {
     return cost;
   }
 
-  Solution with_teams(const Cut& cut, const Teams& teams, const Taboo& taboo) const {
+  Solution with_teams(const Cut& cut, const Teams& teams, const Exclusion& exclusion) const {
     const std::size_t colors = input_.colors.size(), labels = cut.labels.size();
     Solution out;
     out.labels = cut.labels;
@@ -266,7 +267,7 @@ class Solver {
             row[l] = kForbidden;
             continue;
           }
-          row[l] = unlikely(c, cut.labels[l], out.expected, taboo);
+          row[l] = unlikely(c, cut.labels[l], out.expected, exclusion);
           if (is_id) row[l] += role[c][l] >= 0 ? kMissing : role[c][l];
           if (c + 1 == input_.ball) row[l] += ball[l];
         }
@@ -274,10 +275,10 @@ class Solver {
       }
       const std::vector<std::size_t> column = assign(cost);
       for (std::size_t i = 0; i < wanted.size(); ++i) label_of[wanted[i]] = column[i] < labels ? column[i] : kNone;
-      improve(cut, wanted, teams, taboo, ball, out, label_of);
+      improve(cut, wanted, teams, exclusion, ball, out, label_of);
       if (round + 1 < kRounds) gain = fitted_gain(cut, label_of);
     }
-    out.cost = total(cut, label_of, taboo, ball, out);
+    out.cost = total(cut, label_of, exclusion, ball, out);
     for (const double g : gain) out.cost += std::pow(std::log(g) / 0.35, 2) / 2;
     out.label_of = label_of;
     return out;
@@ -292,7 +293,7 @@ class Solver {
     return false;
   }
 
-  double total(const Cut& cut, const std::vector<std::size_t>& label_of, const Taboo& taboo,
+  double total(const Cut& cut, const std::vector<std::size_t>& label_of, const Exclusion& exclusion,
                const std::vector<double>& ball, Solution& out) const {
     double cost = marker_cost(cut, colors_of(cut, label_of), out);
     for (std::size_t c = 0; c < label_of.size(); ++c) {
@@ -300,7 +301,7 @@ class Solver {
         cost += kMissing;
         continue;
       }
-      cost += unlikely(c, cut.labels[label_of[c]], out.expected, taboo);
+      cost += unlikely(c, cut.labels[label_of[c]], out.expected, exclusion);
       if (c + 1 == input_.ball) cost += ball[label_of[c]];
     }
     return cost;
@@ -308,11 +309,11 @@ class Solver {
 
   // If robots have several identification patches, the colors depend on each other: swaps pairs as long as the cost
   // decreases.
-  void improve(const Cut& cut, const std::vector<std::size_t>& wanted, const Teams& teams, const Taboo& taboo,
+  void improve(const Cut& cut, const std::vector<std::size_t>& wanted, const Teams& teams, const Exclusion& exclusion,
                const std::vector<double>& ball, Solution& out, std::vector<std::size_t>& label_of) const {
     if (std::none_of(out.markers.begin(), out.markers.end(), [](const auto* m) { return m->patches.size() > 2; }))
       return;
-    double best = total(cut, label_of, taboo, ball, out);
+    double best = total(cut, label_of, exclusion, ball, out);
     for (bool better = true; better;) {
       better = false;
       for (const std::size_t c : wanted) {
@@ -323,7 +324,7 @@ class Solver {
             if (tried[other] == l) tried[other] = label_of[c];
           }
           tried[c] = l;
-          const double cost = total(cut, tried, taboo, ball, out);
+          const double cost = total(cut, tried, exclusion, ball, out);
           if (cost < best - 1e-9) {
             best = cost;
             label_of = std::move(tried);

@@ -44,9 +44,10 @@ EveryScriptInstallsItsPackages() {
 
 # Copies tools/test to a folder where its commands are replaced. CMake fails for the preset $broken, CTest for the preset asan.
 fake_repository() {
-  mkdir -p "$work/tools" "$work/bin"
+  mkdir -p "$work/tools" "$work/toolchain" "$work/bin"
   cp "$root/tools/test" "$work/tools/"
-  for script in tools/setup tools/test-arm tools/lint bin/git bin/clang-format; do printf '#!/bin/sh\n' >"$work/$script"; done
+  cp "$root/toolchain/use-ccache.sh" "$work/toolchain/"
+  for script in tools/setup tools/test-arm tools/lint bin/git bin/clang-format bin/ccache; do printf '#!/bin/sh\n' >"$work/$script"; done
   cat >"$work/bin/cmake" <<'FAKE'
 #!/bin/sh
 [ "$1" != --build ] || [ "$3" != "$broken" ]

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/color/pixel.h"
-
 namespace touchline {
 namespace {
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/fixed_vector.h"
+#include "core/pixel_format.h"
 #include "core/status.h"
 #include "core/time.h"
 
@@ -52,24 +53,44 @@ struct Twist {
 
 // --- camera -> color ------------------------------------------------------------------------------------------------
 
-enum class PixelFormat : std::uint8_t { kRgb24, kBgr24, kYuyv, kUyvy, kNv12 };
-
-/// Which three channels a format delivers; color boxes are in the same.
-enum class ColorSpace : std::uint8_t { kRgb, kYuv };
-constexpr ColorSpace color_space(PixelFormat format) {
-  return format == PixelFormat::kRgb24 || format == PixelFormat::kBgr24 ? ColorSpace::kRgb : ColorSpace::kYuv;
-}
-
-/// A picture that this structure does not own. Chroma of YUYV/UYVY is shared by pixel pairs (2k, 2k+1), of NV12 by
-/// 2 x 2 blocks; at odd sizes, the last column and row use the chroma sample of the pair or block that they begin.
+/// A picture that this structure does not own. Where pixels share a chroma sample and the size is odd, the last
+/// column and row use the sample of the pair or block that they begin.
 struct Frame {
   PixelFormat format = PixelFormat::kRgb24;
   std::uint16_t width_px = 0, height_px = 0;
-  std::array<const std::uint8_t*, 2> plane{};  // second one: NV12's interleaved U, V
-  std::array<std::uint32_t, 2> stride_bytes{};
+  std::array<const std::uint8_t*, kMaxPlanes> plane{};  // null: the format has fewer planes
+  std::array<std::uint32_t, kMaxPlanes> stride_bytes{};
   Instant capture_time{};      // middle of the exposure, as accurate as the driver reports it
   std::uint32_t sequence = 0;  // number from the driver; gaps are lost frames
 };
+
+/// A row of a frame: the first byte of each plane's row.
+struct RowPixels {
+  std::array<const std::uint8_t*, kMaxPlanes> plane{};
+};
+inline RowPixels row_pixels(const Frame& frame, std::size_t v) {
+  RowPixels row;
+  for (std::size_t i = 0; i < info_of(frame.format).planes; ++i) {
+    row.plane[i] = frame.plane[i] + plane_row(frame.format, i, v) * frame.stride_bytes[i];
+  }
+  return row;
+}
+
+/// Bytes from the first to the last pixel of a plane; 0: the format has no such plane.
+inline std::size_t plane_bytes(const Frame& frame, std::size_t plane) {
+  return plane_bytes(frame.format, plane, frame.width_px, frame.height_px, frame.stride_bytes[plane]);
+}
+
+/// R, G, B or Y, U, V of pixel (u, v), which lies in the frame.
+inline std::array<std::uint8_t, 3> pixel_at(const Frame& frame, std::size_t u, std::size_t v) {
+  std::array<std::uint8_t, 3> value{};
+  for (std::size_t c = 0; c < value.size(); ++c) {
+    const ChannelLayout& channel = info_of(frame.format).channel[c];
+    const std::size_t row = (v >> channel.shift_v) * frame.stride_bytes[channel.plane];
+    value[c] = frame.plane[channel.plane][row + channel.byte(u)];
+  }
+  return value;
+}
 
 // --- color -> region ------------------------------------------------------------------------------------------------
 

@@ -20,8 +20,8 @@ struct CameraSettings;
 
 /// File descriptors of the memory (Linux's dma-buf) in which a picture lies, so that another device (an encoder, a
 /// display) can read it without a copy: one a piece of memory, -1: none. NV12 lies in one piece or in two.
-using DmaBufs = std::array<int, 2>;
-inline constexpr DmaBufs kNotShared{-1, -1};
+using DmaBufs = std::array<int, kMaxPlanes>;
+inline constexpr DmaBufs kNotShared{-1, -1, -1};
 
 /// A frame that still lies in the driver's buffer. Move-only; the buffer goes back to the driver with the lease.
 /// The camera must outlive it, and stop() must not be called while one is held.

@@ -17,37 +17,27 @@ inline constexpr std::array<Choice<CameraBackend>, 4> kCameraBackends{{{"mock", 
                                                                        {"libcamera", CameraBackend::kLibcamera},
                                                                        {"replay", CameraBackend::kReplay}}};
 
-inline constexpr std::array<Choice<PixelFormat>, 5> kPixelFormats{{{"rgb24", PixelFormat::kRgb24},
-                                                                   {"bgr24", PixelFormat::kBgr24},
-                                                                   {"yuyv", PixelFormat::kYuyv},
-                                                                   {"uyvy", PixelFormat::kUyvy},
-                                                                   {"nv12", PixelFormat::kNv12}}};
+/// The format in which a camera sends pictures: a pixel format of core/pixel_format.h, or JPEG, which is decoded.
+enum class CameraFormat : std::uint8_t {
+#define TOUCHLINE_FORMAT(name) name,
+  TOUCHLINE_PIXEL_FORMATS(TOUCHLINE_FORMAT)
+#undef TOUCHLINE_FORMAT
+      kMjpg,
+};
 
-/// What a camera sends: a format of the core, or one that is turned into one before anybody sees it.
-enum class CameraFormat : std::uint8_t { kRgb24, kBgr24, kYuyv, kUyvy, kNv12, kMjpg };
-inline constexpr std::array<Choice<CameraFormat>, 6> kCameraFormats{{{"rgb24", CameraFormat::kRgb24},
-                                                                     {"bgr24", CameraFormat::kBgr24},
-                                                                     {"yuyv", CameraFormat::kYuyv},
-                                                                     {"uyvy", CameraFormat::kUyvy},
-                                                                     {"nv12", CameraFormat::kNv12},
-                                                                     {"mjpg", CameraFormat::kMjpg}}};
-
-/// What frames of the camera have.
-constexpr PixelFormat pixel_format(CameraFormat format) {
-  switch (format) {
-    case CameraFormat::kBgr24:
-      return PixelFormat::kBgr24;
-    case CameraFormat::kYuyv:
-      return PixelFormat::kYuyv;
-    case CameraFormat::kUyvy:
-      return PixelFormat::kUyvy;
-    case CameraFormat::kNv12:
-      return PixelFormat::kNv12;
-    case CameraFormat::kRgb24:
-    case CameraFormat::kMjpg:  // full-range YUV, which the core has no format for: RGB keeps every level of it
-      break;
+/// The words of camera.format, in the order of the enumerators.
+inline constexpr auto kCameraFormats = [] {
+  std::array<Choice<CameraFormat>, kPixelFormatTable.size() + 1> choices{};
+  for (std::size_t i = 0; i < kPixelFormatTable.size(); ++i) {
+    choices[i] = {kPixelFormatTable[i].word, static_cast<CameraFormat>(i)};
   }
-  return PixelFormat::kRgb24;
+  choices.back() = {"mjpg", CameraFormat::kMjpg};
+  return choices;
+}();
+
+/// The format of the camera's frames. JPEG is full-range YUV, for which the core has no format: RGB keeps every level.
+constexpr PixelFormat pixel_format(CameraFormat format) {
+  return format == CameraFormat::kMjpg ? PixelFormat::kRgb24 : static_cast<PixelFormat>(format);
 }
 
 /// Flicker of the hall's lamps that the sensor filters out.

@@ -174,8 +174,8 @@ TileParameters BackgroundRanges::of(const std::array<std::uint8_t, 3>& level) co
     set(at[c], ranges[c][level[c]]);
   }
   const ValueRange luma = ranges[0][level[0]];
-  if (format_ == PixelFormat::kNv12) set(1, luma);
-  if (format_ == PixelFormat::kYuyv || format_ == PixelFormat::kUyvy) set(at[0] + 2u, luma);
+  if (info_of(format_).planes > 1) set(1, luma);
+  if (info_of(format_).packing == Packing::kPacked422) set(at[0] + 2u, luma);
   return tile;
 }
 

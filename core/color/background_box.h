@@ -30,29 +30,24 @@ struct ValueRange {
 };
 ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std::uint8_t black);
 
-/// What holds for a tile of Shading. A pixel is background when value - background_low <= background_extent,
-/// differences taken modulo 256, for each of its bytes; only when there is a BackgroundBox.
+/// Light level and background range of a tile of Shading. If there is a BackgroundBox, a pixel is background when
+/// value - background_low <= background_extent for each of its bytes, with differences modulo 256.
 struct TileParameters {
   std::array<std::uint8_t, 4> level{};  // by channel
-  std::array<std::uint8_t, 4> background_low{},
-      background_extent{};  // by byte: R G B -, B G R -, Y U Y V, U Y V Y; NV12 Y Y U V
+  // By byte: R G B -, B G R -, Y U Y V, U Y V Y; with chroma in planes of its own Y Y U V. Unused bytes have any value.
+  std::array<std::uint8_t, 4> background_low{};
+  std::array<std::uint8_t, 4> background_extent{255, 255, 255, 255};
 };
 
-/// Where in TileParameters a format's channels are; of YUYV and UYVY luma a second time two bytes further.
+/// Where in TileParameters a format's channels are: as in the first plane, or chroma of planes of its own in bytes 2
+/// and 3. Packed formats with two luma samples repeat luma two bytes further, others with planes in byte 1.
 constexpr std::array<std::uint8_t, 3> background_bytes(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::kRgb24:
-      return {0, 1, 2};
-    case PixelFormat::kBgr24:
-      return {2, 1, 0};
-    case PixelFormat::kYuyv:
-      return {0, 1, 3};
-    case PixelFormat::kUyvy:
-      return {1, 0, 2};
-    case PixelFormat::kNv12:
-      break;
+  std::array<std::uint8_t, 3> bytes{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const ChannelLayout& channel = info_of(format).channel[c];
+    bytes[c] = channel.plane == 0 ? channel.offset : static_cast<std::uint8_t>(c + 1);
   }
-  return {0, 2, 3};
+  return bytes;
 }
 
 /// Background ranges of all channels at every light level, by which those of a tile are put together.

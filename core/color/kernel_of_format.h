@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
+#include <utility>
 
 #include "core/color/span_kernel.h"
 
@@ -31,23 +33,22 @@ OccupiedWords classify_any_span(const SpanTables& tables, const RowPixels& row, 
   return count < 8 * number && 2 * number <= count;
 }
 
-/// Of a family of kernels the one for the format; `Family::kKernel<format>` takes spans that are not empty and, where
-/// pixel pairs share chroma, of whole pairs.
-template <class Family>
+/// The kernel of a family for the format. `Family::kKernel<format>` takes spans that are not empty and, where pixel
+/// pairs share chroma, consist of whole pairs.
+template <class Family, bool kTakesAnySpan = false>
 SpanKernel kernel_of_format(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::kRgb24:
-      return Family::template kKernel<PixelFormat::kRgb24>;
-    case PixelFormat::kBgr24:
-      return Family::template kKernel<PixelFormat::kBgr24>;
-    case PixelFormat::kYuyv:
-      return classify_any_span<PixelFormat::kYuyv, Family::template kKernel<PixelFormat::kYuyv>>;
-    case PixelFormat::kUyvy:
-      return classify_any_span<PixelFormat::kUyvy, Family::template kKernel<PixelFormat::kUyvy>>;
-    case PixelFormat::kNv12:
-      return classify_any_span<PixelFormat::kNv12, Family::template kKernel<PixelFormat::kNv12>>;
+  static constexpr auto kKernels = []<std::size_t... kIndex>(std::index_sequence<kIndex...>) {
+    const auto kernel_of = []<std::size_t kFormat>() -> SpanKernel {
+      constexpr PixelFormat kThis = kPixelFormatTable[kFormat].format;
+      if constexpr (shares_chroma(kThis) && !kTakesAnySpan)
+        return classify_any_span<kThis, Family::template kKernel<kThis>>;
+      else
+        return Family::template kKernel<kThis>;
+    };
+    return std::array{kernel_of.template operator()<kIndex>()...};
   }
-  return nullptr;
+  (std::make_index_sequence<kPixelFormatTable.size()>());
+  return kKernels[static_cast<std::size_t>(format)];
 }
 
 }  // namespace touchline

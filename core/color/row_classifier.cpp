@@ -2,13 +2,6 @@
 
 namespace touchline {
 
-std::size_t row_bytes(PixelFormat format, std::size_t plane, std::uint16_t width_px) {
-  const std::size_t whole_pairs = (std::size_t{width_px} + 1) / 2 * 2;
-  if (plane > 0) return plane == 1 && format == PixelFormat::kNv12 ? whole_pairs : 0;
-  if (color_space(format) == ColorSpace::kRgb) return std::size_t{width_px} * 3;
-  return format == PixelFormat::kNv12 ? width_px : whole_pairs * 2;
-}
-
 Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,
                                 const ColorBoxes& boxes, const LightMap& light, KernelChoice kernel,
                                 std::uint8_t box_shift_limit, const TypicalBackground& background) {
@@ -63,9 +56,7 @@ Status RowClassifier::accepts(const Frame& frame) const {
 
 OccupiedWords RowClassifier::classify(const Frame& frame, std::uint16_t v, std::uint16_t begin, std::uint16_t end,
                                       ColorId* colors) const {
-  RowPixels row;
-  row.samples = frame.plane[0] + std::size_t{v} * frame.stride_bytes[0];
-  if (format_ == PixelFormat::kNv12) row.chroma = frame.plane[1] + std::size_t{v / 2u} * frame.stride_bytes[1];
+  const RowPixels row = row_pixels(frame, v);
 
   const std::size_t tile_row = v / kTileHeight, first_tile = shading_.active() ? tile_row * shading_.columns() : 0;
   const SpanTables tables = {&tables_,           &nibbles_,           &tiles_[first_tile],

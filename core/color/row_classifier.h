@@ -12,10 +12,6 @@
 
 namespace touchline {
 
-/// Bytes that a row of the plane holds; with shared chroma an odd width still has the last pair's whole chroma. Planes
-/// that the format does not have need none.
-std::size_t row_bytes(PixelFormat format, std::size_t plane, std::uint16_t width_px);
-
 /// Pixels -> colors, one row at a time, in the format in which they arrive; with or without shading correction.
 class RowClassifier {
  public:

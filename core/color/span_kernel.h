@@ -23,12 +23,6 @@ struct SpanTables {
   [[nodiscard]] const TileParameters& tile_at(std::uint32_t u) const { return tiles[unshaded ? 0 : u / kTileWidth]; }
 };
 
-/// The first bytes of a picture's row: interleaved samples, or luma and (NV12) the chroma row that belongs to it.
-struct RowPixels {
-  const std::uint8_t* samples = nullptr;
-  const std::uint8_t* chroma = nullptr;
-};
-
 /// Bit i: columns 64 i to 64 i + 63 may hold a color. All of a word whose bit is not set is background.
 using OccupiedWords = std::uint64_t;
 constexpr std::uint32_t kOccupiedWordPixels = 64;

@@ -9,12 +9,7 @@
 namespace touchline::config {
 namespace {
 
-std::string_view word_of(PixelFormat format) {
-  for (const auto& choice : hal::kPixelFormats) {
-    if (choice.value == format) return choice.word;
-  }
-  return "?";
-}
+std::string_view word_of(PixelFormat format) { return info_of(format).word; }
 std::string_view word_of(ColorSpace space) { return kColorSpaces[space == ColorSpace::kRgb ? 0 : 1].word; }
 
 std::string size_text(unsigned width, unsigned height) {

@@ -21,6 +21,13 @@ constexpr std::array<const char*, 4> kHeaps{
     "/dev/dma_heap/linux,cma",           // before that, its size from the device tree
     "/dev/dma_heap/reserved"};           // the same, its size from the kernel's command line
 
+/// The first plane with the file of plane i: each file is mapped once.
+std::size_t piece_of(const DmaBuffer& buffer, std::size_t i) {
+  std::size_t first = 0;
+  while (buffer.plane[first].file != buffer.plane[i].file) ++first;
+  return first;
+}
+
 }  // namespace
 
 int DmaHeap::open() {
@@ -64,7 +71,7 @@ int DmaMapping::map(const DmaBuffer& buffer) {
   for (std::size_t i = 0; i < buffer.plane.size(); ++i) {
     const DmaPlane& plane = buffer.plane[i];
     if (plane.file < 0) continue;
-    Piece& piece = pieces_[i != 0 && plane.file == pieces_[0].file ? 0 : i];
+    Piece& piece = pieces_[piece_of(buffer, i)];
     piece.file = plane.file;
     piece.length = std::max(piece.length, plane.offset + plane.length);
   }
@@ -81,7 +88,7 @@ int DmaMapping::map(const DmaBuffer& buffer) {
   for (std::size_t i = 0; i < buffer.plane.size(); ++i) {
     const DmaPlane& plane = buffer.plane[i];
     if (plane.file < 0) continue;
-    const Piece& piece = pieces_[plane.file == pieces_[0].file ? 0 : i];
+    const Piece& piece = pieces_[piece_of(buffer, i)];
     plane_[i] = static_cast<const std::uint8_t*>(piece.memory) + plane.offset;
   }
   return 0;

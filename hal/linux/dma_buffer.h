@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/pixel_format.h"
+
 namespace touchline::hal {
 
 /// A plane of a picture in a dma-buf.
@@ -14,7 +16,7 @@ struct DmaPlane {
 
 /// A picture's memory: what devices write and we read. Unused planes have no file.
 struct DmaBuffer {
-  std::array<DmaPlane, 2> plane{};
+  std::array<DmaPlane, kMaxPlanes> plane{};
 };
 
 /// Memory that devices can write to and that our processor's caches may hold: reading is fast, as long as each reading
@@ -60,7 +62,9 @@ class DmaMapping {
   /// Null for a plane that the buffer has not.
   [[nodiscard]] const std::uint8_t* plane(std::size_t index) const { return plane_[index]; }
   /// The files that were mapped, each once; -1: fewer.
-  [[nodiscard]] std::array<int, 2> files() const { return {pieces_[0].file, pieces_[1].file}; }
+  [[nodiscard]] std::array<int, kMaxPlanes> files() const {
+    return {pieces_[0].file, pieces_[1].file, pieces_[2].file};
+  }
 
  private:
   struct Piece {
@@ -71,8 +75,8 @@ class DmaMapping {
     bool reading = false;
   };
   int synchronize(bool begin);
-  std::array<Piece, 2> pieces_{};  // one for each file
-  std::array<const std::uint8_t*, 2> plane_{};
+  std::array<Piece, kMaxPlanes> pieces_{};  // one for each file
+  std::array<const std::uint8_t*, kMaxPlanes> plane_{};
 };
 
 }  // namespace touchline::hal

@@ -60,7 +60,7 @@ class Arena {
   [[nodiscard]] std::optional<Instant> next_frame_ready() const;
   /// Removes and returns the oldest frame that is in memory; empty if there is none.
   std::optional<Exposure> take_exposure();
-  /// Renders the frame into `out`, which holds layout_of().bytes bytes.
+  /// Renders the frame into `out`, which holds the bytes of picture_layout().
   void render(const Exposure& exposure, std::span<std::uint8_t> out);
 
   /// Scales the brightness by exposure time and gain relative to the settings at construction. A value that is missing

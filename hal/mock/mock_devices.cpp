@@ -12,7 +12,7 @@ MockCamera::MockCamera(Arena& arena, Clock& clock)
       clock_(clock),
       info_{pixel_format(arena.camera().format), arena.camera().width_px, arena.camera().height_px,
             arena.camera().rate_hz},
-      layout_(layout_of(info_.format, info_.width_px, info_.height_px)) {}
+      layout_(picture_layout(info_.format, info_.width_px, info_.height_px)) {}
 
 Result<void> MockCamera::do_open() {
   const std::scoped_lock lock(arena_.mutex());
@@ -79,8 +79,8 @@ Result<FrameLease> MockCamera::hand_out(const Exposure& exposure) {
   frame.format = info_.format;
   frame.width_px = info_.width_px;
   frame.height_px = info_.height_px;
-  frame.plane[0] = bytes.data();
-  if (layout_.second_plane != 0) frame.plane[1] = bytes.data() + layout_.second_plane;
+  for (std::size_t i = 0; i < info_of(frame.format).planes; ++i)
+    frame.plane[i] = bytes.data() + layout_.offset_bytes[i];
   frame.stride_bytes = layout_.stride_bytes;
   frame.capture_time = exposure.capture_time;
   frame.sequence = exposure.sequence;

@@ -24,31 +24,13 @@ Yuv to_yuv(const std::uint8_t* rgb) {
 
 }  // namespace
 
-PictureLayout layout_of(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px) {
-  const std::uint32_t width = width_px, height = height_px;
-  const std::uint32_t pairs = (width + 1) / 2;
-  switch (format) {
-    case PixelFormat::kRgb24:
-    case PixelFormat::kBgr24:
-      return {{3 * width, 0}, 0, std::size_t{3} * width * height};
-    case PixelFormat::kYuyv:
-    case PixelFormat::kUyvy:
-      return {{4 * pairs, 0}, 0, std::size_t{4} * pairs * height};
-    case PixelFormat::kNv12:
-      return {{width, 2 * pairs},
-              std::size_t{width} * height,
-              std::size_t{width} * height + std::size_t{2} * pairs * ((height + 1) / 2)};
-  }
-  return {};
-}
-
 Sensor::Sensor(const SensorParameters& parameters, PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,
                std::uint64_t seed)
     : parameters_(parameters),
       format_(format),
       width_(width_px),
       height_(height_px),
-      layout_(layout_of(format, width_px, height_px)),
+      layout_(picture_layout(format, width_px, height_px)),
       random_(seed, kSensorStream),
       mean_(kLinearScale + 1),
       sigma_(kLinearScale + 1),
@@ -93,51 +75,49 @@ void Sensor::add_noise_and_gamma(const std::uint16_t* linear) {
 }
 
 void Sensor::write_row(std::size_t row, std::span<std::uint8_t> out) {
-  std::uint8_t* to = out.data() + row * layout_.stride_bytes[0];
-  const std::uint8_t* from = row_.data();
-  switch (format_) {
-    case PixelFormat::kRgb24:
-      std::copy(row_.begin(), row_.end(), to);
-      return;
-    case PixelFormat::kBgr24:
-      for (std::size_t i = 0; i < row_.size(); i += 3) {
-        to[i] = from[i + 2];
-        to[i + 1] = from[i + 1];
-        to[i + 2] = from[i];
-      }
-      return;
-    case PixelFormat::kYuyv:
-    case PixelFormat::kUyvy: {
-      const std::size_t luma = format_ == PixelFormat::kYuyv ? 0 : 1;
-      for (std::size_t column = 0; column < width_; column += 2) {
-        const Yuv a = to_yuv(from + 3 * column);
-        const Yuv b = column + 1 < width_ ? to_yuv(from + 3 * column + 3) : a;
-        std::uint8_t* quad = to + 2 * column;
-        quad[luma] = static_cast<std::uint8_t>(a.y);
-        quad[luma + 2] = static_cast<std::uint8_t>(b.y);
-        quad[1 - luma] = static_cast<std::uint8_t>((a.u + b.u + 1) / 2);
-        quad[3 - luma] = static_cast<std::uint8_t>((a.v + b.v + 1) / 2);
-      }
-      return;
-    }
-    case PixelFormat::kNv12: {
-      const bool begins_block = row % 2 == 0, ends_block = !begins_block || row + 1 == height_;
-      std::uint8_t* chroma = out.data() + layout_.second_plane + row / 2 * layout_.stride_bytes[1];
-      if (begins_block) std::fill(chroma_.begin(), chroma_.end(), std::uint16_t{0});
-      for (std::size_t column = 0; column < width_; column += 2) {
-        const Yuv a = to_yuv(from + 3 * column);
-        const Yuv b = column + 1 < width_ ? to_yuv(from + 3 * column + 3) : a;
-        to[column] = static_cast<std::uint8_t>(a.y);
-        if (column + 1 < width_) to[column + 1] = static_cast<std::uint8_t>(b.y);
-        chroma_[column] = static_cast<std::uint16_t>(chroma_[column] + a.u + b.u);
-        chroma_[column + 1] = static_cast<std::uint16_t>(chroma_[column + 1] + a.v + b.v);
-      }
-      const int count = begins_block ? 2 : 4;
-      for (std::size_t i = 0; ends_block && i < chroma_.size(); ++i) {
-        chroma[i] = static_cast<std::uint8_t>((chroma_[i] + count / 2) / count);
-      }
-      return;
-    }
+  if (color_space(format_) == ColorSpace::kRgb) {
+    write_rgb_row(row, out);
+  } else {
+    write_yuv_row(row, out);
+  }
+}
+
+std::uint8_t* Sensor::channel_row(std::size_t channel, std::size_t row, std::span<std::uint8_t> out) const {
+  const ChannelLayout& layout = info_of(format_).channel[channel];
+  return out.data() + layout_.offset_bytes[layout.plane] +
+         (row >> layout.shift_v) * layout_.stride_bytes[layout.plane] + layout.offset;
+}
+
+void Sensor::write_rgb_row(std::size_t row, std::span<std::uint8_t> out) {
+  const std::size_t step = info_of(format_).channel[0].step;
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    std::uint8_t* const to = channel_row(channel, row, out);
+    for (std::size_t column = 0; column < width_; ++column) to[column * step] = row_[3 * column + channel];
+  }
+}
+
+void Sensor::write_yuv_row(std::size_t row, std::span<std::uint8_t> out) {
+  const std::array<ChannelLayout, 3>& channel = info_of(format_).channel;
+  // Pixels 2 * k and 2 * k + 1 share chroma, in 4:2:0 with those of the next row. An odd width repeats the last pixel.
+  const std::size_t luma_samples = row_bytes(format_, 0, width_) / channel[0].step;
+  const std::size_t rows_of_sample = std::size_t{1} << channel[1].shift_v;
+  const bool begins_block = row % rows_of_sample == 0;
+  const bool ends_block = (row + 1) % rows_of_sample == 0 || row + 1 == height_;
+  std::uint8_t* const luma = channel_row(0, row, out);
+  if (begins_block) std::fill(chroma_.begin(), chroma_.end(), std::uint16_t{0});
+  for (std::size_t column = 0; column < width_; column += 2) {
+    const Yuv a = to_yuv(&row_[3 * column]);
+    const Yuv b = column + 1 < width_ ? to_yuv(&row_[3 * column + 3]) : a;
+    luma[column * channel[0].step] = static_cast<std::uint8_t>(a.y);
+    if (column + 1 < luma_samples) luma[(column + 1) * channel[0].step] = static_cast<std::uint8_t>(b.y);
+    chroma_[column] = static_cast<std::uint16_t>(chroma_[column] + a.u + b.u);
+    chroma_[column + 1] = static_cast<std::uint16_t>(chroma_[column + 1] + a.v + b.v);
+  }
+  if (!ends_block) return;
+  const int count = static_cast<int>(2 * (row % rows_of_sample + 1));
+  std::uint8_t* const to[] = {channel_row(1, row, out), channel_row(2, row, out)};
+  for (std::size_t i = 0; i < chroma_.size(); ++i) {
+    to[i % 2][i / 2 * channel[1].step] = static_cast<std::uint8_t>((chroma_[i] + count / 2) / count);
   }
 }
 

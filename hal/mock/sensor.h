@@ -12,14 +12,6 @@
 
 namespace touchline::hal::mock {
 
-/// Memory layout of a picture in a buffer.
-struct PictureLayout {
-  std::array<std::uint32_t, 2> stride_bytes{};
-  std::size_t second_plane = 0;  // its offset; NV12 only
-  std::size_t bytes = 0;
-};
-PictureLayout layout_of(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px);
-
 /// Converts linear light to the camera's pixel values: shot noise, read noise, gamma curve, 8 bits, RGB or YUV (BT.601,
 /// limited range).
 class Sensor {
@@ -30,13 +22,16 @@ class Sensor {
   /// Sets the product of exposure time and gain relative to that at construction. Range: above 0. Does not allocate.
   void set_brightness(double brightness);
 
-  /// Writes one picture. `linear`: R, G, B of each pixel, 0 to kLinearScale. `out`: layout_of().bytes bytes. Does not
-  /// allocate.
+  /// Writes one picture. `linear`: R, G, B of each pixel, 0 to kLinearScale. `out`: the bytes of picture_layout()
+  /// without padding. Does not allocate.
   void expose(std::span<const std::uint16_t> linear, std::span<std::uint8_t> out);
 
  private:
   void add_noise_and_gamma(const std::uint16_t* linear);
   void write_row(std::size_t row, std::span<std::uint8_t> out);
+  void write_rgb_row(std::size_t row, std::span<std::uint8_t> out);
+  void write_yuv_row(std::size_t row, std::span<std::uint8_t> out);
+  [[nodiscard]] std::uint8_t* channel_row(std::size_t channel, std::size_t row, std::span<std::uint8_t> out) const;
 
   const SensorParameters parameters_;
   PixelFormat format_;
@@ -47,7 +42,7 @@ class Sensor {
   std::vector<float> mean_, sigma_;    // indexed by linear value
   std::vector<std::uint8_t> tone_;     // indexed by linear value
   std::vector<std::uint8_t> row_;      // R, G, B of one row
-  std::vector<std::uint16_t> chroma_;  // NV12: sums of U and V over the pixel pairs of a block's first row
+  std::vector<std::uint16_t> chroma_;  // sums of U and V over the pixels that share a sample
 };
 
 }  // namespace touchline::hal::mock

@@ -60,7 +60,20 @@ void set_chroma_place(SwsContext* scaler, const AVFrame& frame, const AVPixFmtDe
   if (layout.log2_chroma_h == 1) av_opt_set_int(scaler, "src_v_chr_pos", on_top ? 0 : 128, 0);
 }
 
-std::uint32_t aligned(std::uint32_t bytes) { return (bytes + 3u) & ~3u; }
+constexpr std::size_t kRowAlignment_bytes = 4;
+std::size_t aligned(std::size_t bytes) {
+  return (bytes + kRowAlignment_bytes - 1) / kRowAlignment_bytes * kRowAlignment_bytes;
+}
+
+/// Writes the samples of a channel that belong to the picture's row y; `sample_at(i)` is its sample i.
+template <class SampleAt>
+void write_channel(ConvertedFrame& out, std::size_t channel, std::size_t y, std::size_t samples, SampleAt sample_at) {
+  const ChannelLayout& layout = info_of(out.view.format).channel[channel];
+  const std::size_t plane_begin = static_cast<std::size_t>(out.view.plane[layout.plane] - out.bytes.data());
+  std::uint8_t* const row =
+      out.bytes.data() + plane_begin + (y >> layout.shift_v) * out.view.stride_bytes[layout.plane] + layout.offset;
+  for (std::size_t i = 0; i < samples; ++i) row[i * layout.step] = sample_at(i);
+}
 
 }  // namespace
 
@@ -113,6 +126,12 @@ Status FrameConverter::convert(const AVFrame& source, ConvertedFrame& out) {
   out.view.format = format_;
   out.view.width_px = static_cast<std::uint16_t>(source.width);
   out.view.height_px = static_cast<std::uint16_t>(source.height);
+  const PictureLayout layout = picture_layout(format_, out.view.width_px, out.view.height_px, kRowAlignment_bytes);
+  out.bytes.resize(layout.bytes + AV_INPUT_BUFFER_PADDING_SIZE);
+  out.view.plane = {};
+  out.view.stride_bytes = layout.stride_bytes;
+  for (std::size_t i = 0; i < info_of(format_).planes; ++i)
+    out.view.plane[i] = out.bytes.data() + layout.offset_bytes[i];
   return color_space(format_) == ColorSpace::kRgb ? to_rgb(source, out) : to_yuv(source, out);
 }
 
@@ -154,36 +173,38 @@ Status FrameConverter::scale(const AVFrame& source, AVPixelFormat target, std::u
   return rows == source.height ? Status{} : Status{ErrorCode::kUnsupported};
 }
 
+Status FrameConverter::read_as_rgb(const AVFrame& source, std::size_t stride_bytes) {
+  rgb_.resize(stride_bytes * static_cast<std::size_t>(source.height) + AV_INPUT_BUFFER_PADDING_SIZE);
+  return read_rgb(source, line_, rgb_.data(), stride_bytes);
+}
+
 Status FrameConverter::to_rgb(const AVFrame& source, ConvertedFrame& out) {
-  const std::uint32_t stride = aligned(3u * out.view.width_px);
-  out.bytes.resize(static_cast<std::size_t>(stride) * out.view.height_px + AV_INPUT_BUFFER_PADDING_SIZE);
-  out.view.plane = {out.bytes.data(), nullptr};
-  out.view.stride_bytes = {stride, 0};
-  if (!stored_as_rgb(source)) {
-    std::uint8_t* const data[4] = {out.bytes.data(), nullptr, nullptr, nullptr};
+  const std::size_t width = out.view.width_px, height = out.view.height_px, stride = aligned(3 * width);
+  if (stored_as_rgb(source)) {
+    if (Status s = read_as_rgb(source, stride); !s.ok()) return s;
+  } else {
+    rgb_.resize(stride * height + AV_INPUT_BUFFER_PADDING_SIZE);
+    std::uint8_t* const data[4] = {rgb_.data(), nullptr, nullptr, nullptr};
     const int strides[4] = {static_cast<int>(stride), 0, 0, 0};
-    return scale(source, format_ == PixelFormat::kRgb24 ? AV_PIX_FMT_RGB24 : AV_PIX_FMT_BGR24, data, strides);
+    if (Status s = scale(source, AV_PIX_FMT_RGB24, data, strides); !s.ok()) return s;
   }
-  if (Status s = read_rgb(source, line_, out.bytes.data(), stride); !s.ok()) return s;
-  if (format_ == PixelFormat::kBgr24) {
-    for (std::size_t y = 0; y < out.view.height_px; ++y) {
-      std::uint8_t* row = out.bytes.data() + y * stride;
-      for (std::size_t x = 0; x < out.view.width_px; ++x) std::swap(row[3 * x], row[3 * x + 2]);
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t y = 0; y < height; ++y) {
+      write_channel(out, c, y, width, [row = rgb_.data() + y * stride + c](std::size_t x) { return row[3 * x]; });
     }
   }
   return {};
 }
 
 Status FrameConverter::to_yuv(const AVFrame& source, ConvertedFrame& out) {
-  const bool nv12 = format_ == PixelFormat::kNv12;
-  const std::size_t width = out.view.width_px, height = out.view.height_px;
-  const std::size_t half = (width + 1) / 2;
+  const std::size_t width = out.view.width_px, height = out.view.height_px, half = (width + 1) / 2;
+  const bool has_420 = info_of(format_).channel[1].shift_v == 1;
   const auto layout = static_cast<AVPixelFormat>(source.format);
   const bool stored_420 = layout == AV_PIX_FMT_YUV420P || layout == AV_PIX_FMT_YUVJ420P;
   const bool stored_422 = layout == AV_PIX_FMT_YUV422P || layout == AV_PIX_FMT_YUVJ422P;
 
   Planes planes{};
-  if (stored_420 || (stored_422 && !nv12)) {
+  if (stored_420 || (stored_422 && !has_420)) {
     for (std::size_t i = 0; i < 3; ++i) {
       planes.data[i] = source.data[i];
       planes.stride[i] = source.linesize[i];
@@ -193,8 +214,7 @@ Status FrameConverter::to_yuv(const AVFrame& source, ConvertedFrame& out) {
     const AVFrame* input = &source;
     AVFrame rgb{};
     if (stored_as_rgb(source)) {
-      rgb_.resize(3 * width * height + AV_INPUT_BUFFER_PADDING_SIZE);
-      if (Status s = read_rgb(source, line_, rgb_.data(), 3 * width); !s.ok()) return s;
+      if (Status s = read_as_rgb(source, 3 * width); !s.ok()) return s;
       rgb.format = AV_PIX_FMT_RGB24;
       rgb.width = source.width;
       rgb.height = source.height;
@@ -202,57 +222,32 @@ Status FrameConverter::to_yuv(const AVFrame& source, ConvertedFrame& out) {
       rgb.linesize[0] = static_cast<int>(3 * width);
       input = &rgb;
     }
-    const std::size_t chroma_rows = nv12 ? (height + 1) / 2 : height;
+    const std::size_t chroma_rows = has_420 ? (height + 1) / 2 : height;
     planar_.resize(width * height + 2 * half * chroma_rows + AV_INPUT_BUFFER_PADDING_SIZE);
     std::uint8_t* const data[4] = {planar_.data(), planar_.data() + width * height,
                                    planar_.data() + width * height + half * chroma_rows, nullptr};
     const int strides[4] = {static_cast<int>(width), static_cast<int>(half), static_cast<int>(half), 0};
-    const AVPixelFormat target = nv12 ? AV_PIX_FMT_YUV420P : AV_PIX_FMT_YUV422P;
-    if (Status s = scale(*input, target, data, strides); !s.ok()) return s;
+    if (Status s = scale(*input, has_420 ? AV_PIX_FMT_YUV420P : AV_PIX_FMT_YUV422P, data, strides); !s.ok()) return s;
     for (std::size_t i = 0; i < 3; ++i) {
       planes.data[i] = data[i];
       planes.stride[i] = strides[i];
     }
-    planes.chroma_shift = nv12 ? 1 : 0;
+    planes.chroma_shift = has_420 ? 1 : 0;
   }
 
   const auto row_of = [&planes](std::size_t plane, std::size_t row) {
     return planes.data[plane] + static_cast<std::ptrdiff_t>(row) * planes.stride[plane];
   };
-  if (nv12) {
-    const std::uint32_t stride = aligned(static_cast<std::uint32_t>(2 * half));
-    const std::size_t chroma_rows = (height + 1) / 2;
-    out.bytes.resize(stride * (height + chroma_rows));
-    std::uint8_t* chroma = out.bytes.data() + stride * height;
-    for (std::size_t y = 0; y < height; ++y) std::copy_n(row_of(0, y), width, out.bytes.data() + y * stride);
-    for (std::size_t y = 0; y < chroma_rows; ++y) {
-      const std::uint8_t *u = row_of(1, y), *v = row_of(2, y);
-      for (std::size_t x = 0; x < half; ++x) {
-        chroma[y * stride + 2 * x] = u[x];
-        chroma[y * stride + 2 * x + 1] = v[x];
-      }
-    }
-    out.view.plane = {out.bytes.data(), chroma};
-    out.view.stride_bytes = {stride, stride};
-    return {};
-  }
-  const auto stride = static_cast<std::uint32_t>(4 * half);
-  out.bytes.resize(stride * height);
-  const std::size_t luma = format_ == PixelFormat::kYuyv ? 0 : 1, chroma = 1 - luma;
+  // In packed formats the last pair of an odd width repeats the luma of its only pixel.
+  const std::size_t luma_samples = row_bytes(format_, 0, width) / info_of(format_).channel[0].step;
   for (std::size_t y = 0; y < height; ++y) {
-    const std::uint8_t* l = row_of(0, y);
-    const std::uint8_t* u = row_of(1, y >> planes.chroma_shift);
-    const std::uint8_t* v = row_of(2, y >> planes.chroma_shift);
-    std::uint8_t* row = out.bytes.data() + y * stride;
-    for (std::size_t x = 0; x < half; ++x) {
-      row[4 * x + luma] = l[2 * x];
-      row[4 * x + luma + 2] = l[std::min(2 * x + 1, width - 1)];
-      row[4 * x + chroma] = u[x];
-      row[4 * x + chroma + 2] = v[x];
+    write_channel(out, 0, y, luma_samples,
+                  [row = row_of(0, y), width](std::size_t x) { return row[std::min(x, width - 1)]; });
+    for (std::size_t c = 1; c < 3; ++c) {
+      if (has_420 && y % 2 == 1) continue;
+      write_channel(out, c, y, half, [row = row_of(c, y >> planes.chroma_shift)](std::size_t x) { return row[x]; });
     }
   }
-  out.view.plane = {out.bytes.data(), nullptr};
-  out.view.stride_bytes = {stride, 0};
   return {};
 }
 

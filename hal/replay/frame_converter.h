@@ -9,7 +9,7 @@
 
 namespace touchline::hal::ffmpeg {
 
-/// A decoded picture in one of the project's pixel formats. Rows are 4-byte aligned and complete pairs (YUYV, UYVY).
+/// A decoded picture in one of the pixel formats of core/pixel_format.h. Strides are multiples of four bytes.
 struct ConvertedFrame {
   std::vector<std::uint8_t> bytes;
   Frame view;  // capture_time and sequence are the caller's
@@ -36,6 +36,8 @@ class FrameConverter {
     int stride[3];
     int chroma_shift;  // rows of the picture for one row of chroma, as a power of two
   };
+  /// Reads a file that is stored_as_rgb() into rgb_.
+  Status read_as_rgb(const AVFrame& source, std::size_t stride_bytes);
   Status to_rgb(const AVFrame& source, ConvertedFrame& out);
   Status to_yuv(const AVFrame& source, ConvertedFrame& out);
   Status scale(const AVFrame& source, AVPixelFormat target, std::uint8_t* const data[], const int stride[]);

@@ -2,8 +2,8 @@
 
 #include <cstring>
 
+#include "core/cpu.h"
 #include "tests/benchmark/field_picture.h"
-#include "tests/benchmark/plane_bytes.h"
 #include "tests/region/patterns.h"
 
 namespace touchline::testing {
@@ -30,13 +30,9 @@ using Words [[gnu::vector_size(32)]] = std::uint64_t;
 }
 std::uint64_t read_portable(const std::uint8_t* bytes, std::size_t count) { return sum_of(bytes, count); }
 #if defined(__x86_64__)
-[[gnu::target("avx2")]] std::uint64_t read_avx2(const std::uint8_t* bytes, std::size_t count) {
-  return sum_of(bytes, count);
-}
-bool has_avx2() { return __builtin_cpu_supports("avx2") != 0; }
+TOUCHLINE_AVX2 std::uint64_t read_avx2(const std::uint8_t* bytes, std::size_t count) { return sum_of(bytes, count); }
 #else
 std::uint64_t read_avx2(const std::uint8_t* bytes, std::size_t count) { return sum_of(bytes, count); }
-bool has_avx2() { return false; }
 #endif
 
 BenchmarkCase case_of(OwnedPicture picture, const ScanParameters& parameters) {
@@ -59,7 +55,9 @@ BenchmarkCase with_slow_methods(BenchmarkCase benchmark) {
 
 BenchmarkCase uncached(BenchmarkCase benchmark) {
   const Frame frame = benchmark.picture.frame();
-  benchmark.copies.assign(kColdBytes / (plane_bytes(frame, 0) + plane_bytes(frame, 1)) + 1, benchmark.picture);
+  std::size_t bytes = 0;
+  for (std::size_t plane = 0; plane < kMaxPlanes; ++plane) bytes += plane_bytes(frame, plane);
+  benchmark.copies.assign(kColdBytes / bytes + 1, benchmark.picture);
   return benchmark;
 }
 
@@ -82,8 +80,8 @@ Frame BenchmarkCase::next_frame() {
 
 std::uint64_t read_frame(const Frame& frame) {
   std::uint64_t sum = 0;
-  for (std::size_t plane = 0; plane < 2; ++plane) {
-    const auto read = has_avx2() ? read_avx2 : read_portable;
+  for (std::size_t plane = 0; plane < kMaxPlanes; ++plane) {
+    const auto read = cpu_supports(KernelChoice::kAvx2) ? read_avx2 : read_portable;
     sum ^= read(frame.plane[plane], plane_bytes(frame, plane));
   }
   return sum;

@@ -13,22 +13,13 @@ struct ChannelRow {
 };
 
 std::array<ChannelRow, 3> channel_rows(const Frame& frame, std::size_t v) {
-  const std::uint8_t* row = frame.plane[0] + v * frame.stride_bytes[0];
-  switch (frame.format) {
-    case PixelFormat::kRgb24:
-      return {{{row, 0, 3}, {row + 1, 0, 3}, {row + 2, 0, 3}}};
-    case PixelFormat::kBgr24:
-      return {{{row + 2, 0, 3}, {row + 1, 0, 3}, {row, 0, 3}}};
-    case PixelFormat::kYuyv:
-      return {{{row, 0, 2}, {row + 1, 1, 4}, {row + 3, 1, 4}}};
-    case PixelFormat::kUyvy:
-      return {{{row + 1, 0, 2}, {row, 1, 4}, {row + 2, 1, 4}}};
-    case PixelFormat::kNv12: {
-      const std::uint8_t* chroma = frame.plane[1] + v / 2 * frame.stride_bytes[1];
-      return {{{row, 0, 1}, {chroma, 1, 2}, {chroma + 1, 1, 2}}};
-    }
+  const RowPixels row = row_pixels(frame, v);
+  std::array<ChannelRow, 3> rows;
+  for (std::size_t c = 0; c < rows.size(); ++c) {
+    const ChannelLayout& channel = info_of(frame.format).channel[c];
+    rows[c] = {row.plane[channel.plane] + channel.offset, channel.shift_u, channel.step};
   }
-  return {};
+  return rows;
 }
 
 PaperScan::Found describe_list(const PixelList& list) {

@@ -3,7 +3,6 @@
 #include <cstring>
 
 #include "firmware/devices.h"
-#include "tests/benchmark/plane_bytes.h"
 
 namespace touchline::testing {
 namespace {
@@ -16,14 +15,13 @@ constexpr std::size_t kFramesBefore = 90;
 StepBenchmark::Picture StepBenchmark::copy_of(const Frame& frame) {
   Picture copy;
   copy.frame = frame;
-  const std::array<std::size_t, 2> bytes{plane_bytes(frame, 0), plane_bytes(frame, 1)};
-  copy.bytes.resize(bytes[0] + bytes[1]);
-  std::size_t begin = 0;
-  for (std::size_t plane = 0; plane < 2; ++plane) {
-    if (bytes[plane] == 0) continue;
-    std::memcpy(copy.bytes.data() + begin, frame.plane[plane], bytes[plane]);
-    copy.frame.plane[plane] = copy.bytes.data() + begin;
-    begin += bytes[plane];
+  std::array<std::size_t, kMaxPlanes> begin{};
+  for (std::size_t plane = 0; plane < kMaxPlanes; ++plane) {
+    begin[plane] = copy.bytes.size();
+    copy.bytes.insert(copy.bytes.end(), frame.plane[plane], frame.plane[plane] + plane_bytes(frame, plane));
+  }
+  for (std::size_t plane = 0; plane < kMaxPlanes; ++plane) {
+    if (frame.plane[plane] != nullptr) copy.frame.plane[plane] = copy.bytes.data() + begin[plane];
   }
   return copy;
 }

@@ -12,34 +12,11 @@
 #include <cstring>
 
 #include "core/radio/packet.h"
-#include "hal/mock/sensor.h"
 
 namespace touchline::board {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-constexpr std::uint32_t fourcc(const char (&letters)[5]) {
-  std::uint32_t code = 0;
-  for (int i = 3; i >= 0; --i) code = (code << 8U) | static_cast<unsigned char>(letters[i]);
-  return code;
-}
-
-std::uint32_t fourcc_of(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::kRgb24:
-      return fourcc("RGB3");
-    case PixelFormat::kBgr24:
-      return fourcc("BGR3");
-    case PixelFormat::kYuyv:
-      return fourcc("YUYV");
-    case PixelFormat::kUyvy:
-      return fourcc("UYVY");
-    case PixelFormat::kNv12:
-      return fourcc("NV12");
-  }
-  return 0;
-}
 
 bool readable(int file, double timeout_s) {
   pollfd entry{file, POLLIN, 0};
@@ -61,14 +38,13 @@ bool send_all(int file, const void* data, std::size_t bytes) {
 
 Lockstep::Lockstep(const config::BoardFile& board, std::uint64_t seed, int pictures, int radio, double frame_timeout_s)
     : arena_(board.arena, board.camera, board.radio, seed),
-      fourcc_(fourcc_of(hal::pixel_format(board.camera.format))),
+      fourcc_(info_of(hal::pixel_format(board.camera.format)).v4l2),
       period_us_(static_cast<std::uint32_t>(std::lround(1e6 / board.camera.rate_hz))),
       frame_timeout_s_(frame_timeout_s),
       pictures_(pictures),
       radio_(radio),
       picture_(
-          hal::mock::layout_of(hal::pixel_format(board.camera.format), board.camera.width_px, board.camera.height_px)
-              .bytes) {
+          picture_layout(hal::pixel_format(board.camera.format), board.camera.width_px, board.camera.height_px).bytes) {
   for (const hal::mock::ArenaRobot& robot : board.arena.robot) is_own_.push_back(robot.team == hal::mock::Side::kOwn);
   arena_.start_camera();
 }

@@ -146,8 +146,8 @@ TEST(BackgroundRanges, HoldBackgroundOnly) {
           not_from_unlit += std::size_t{low > black_value(color_space(format), c)};
         }
         ASSERT_EQ(tables->mask(value, level), 0u) << name_of(format);
-        if (format == PixelFormat::kRgb24 || format == PixelFormat::kBgr24) continue;
-        const std::size_t luma_again = format == PixelFormat::kNv12 ? 1u : at[0] + 2u;
+        if (color_space(format) == ColorSpace::kRgb) continue;
+        const std::size_t luma_again = info_of(format).planes > 1 ? 1u : at[0] + 2u;
         ASSERT_EQ(light.background_low[luma_again], light.background_low[at[0]]);
         ASSERT_EQ(light.background_extent[luma_again], light.background_extent[at[0]]);
       }

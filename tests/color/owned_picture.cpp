@@ -10,7 +10,7 @@ namespace {
 struct Place {
   std::size_t plane, offset;
 };
-std::array<Place, 3> places(PixelFormat format, const std::array<std::size_t, 2>& stride, int u, int v) {
+std::array<Place, 3> places(PixelFormat format, const std::array<std::size_t, kMaxPlanes>& stride, int u, int v) {
   const auto x = static_cast<std::size_t>(u), y = static_cast<std::size_t>(v);
   const std::size_t row = y * stride[0], pair = x / 2;
   switch (format) {
@@ -30,21 +30,27 @@ std::array<Place, 3> places(PixelFormat format, const std::array<std::size_t, 2>
 
 }  // namespace
 
-const char* name_of(PixelFormat format) {
-  constexpr std::array names = {"rgb24", "bgr24", "yuyv", "uyvy", "nv12"};
-  return names[static_cast<std::size_t>(format)];
-}
+std::string name_of(PixelFormat format) { return std::string(info_of(format).word); }
 
 OwnedPicture::OwnedPicture(PixelFormat format, int width, int height, int padding)
     : format_(format), width_(width), height_(height) {
   const auto w = static_cast<std::size_t>(width), h = static_cast<std::size_t>(height);
-  const std::size_t even = (w + 1) / 2 * 2;
-  const std::array<std::size_t, 2> row = {color_space(format) == ColorSpace::kRgb ? 3 * w
-                                          : format == PixelFormat::kNv12          ? w
-                                                                                  : 2 * even,
-                                          format == PixelFormat::kNv12 ? even : 0};
-  const std::array<std::size_t, 2> rows = {h, (h + 1) / 2};
-  for (std::size_t plane = 0; plane < 2; ++plane) {
+  const std::size_t even = (w + 1) / 2 * 2, half_rows = (h + 1) / 2;
+  std::array<std::size_t, kMaxPlanes> row{}, rows{h, half_rows, half_rows};
+  switch (format) {
+    case PixelFormat::kRgb24:
+    case PixelFormat::kBgr24:
+      row = {3 * w};
+      break;
+    case PixelFormat::kYuyv:
+    case PixelFormat::kUyvy:
+      row = {2 * even};
+      break;
+    case PixelFormat::kNv12:
+      row = {w, even};
+      break;
+  }
+  for (std::size_t plane = 0; plane < kMaxPlanes; ++plane) {
     if (row[plane] == 0) continue;
     stride_[plane] = row[plane] + static_cast<std::size_t>(padding) + 3 * plane;
     bytes_[plane] = std::vector<std::uint8_t>(stride_[plane] * (rows[plane] - 1) + row[plane]);
@@ -56,7 +62,7 @@ Frame OwnedPicture::frame() const {
   frame.format = format_;
   frame.width_px = static_cast<std::uint16_t>(width_);
   frame.height_px = static_cast<std::uint16_t>(height_);
-  for (std::size_t plane = 0; plane < 2; ++plane) {
+  for (std::size_t plane = 0; plane < kMaxPlanes; ++plane) {
     frame.plane[plane] = bytes_[plane].empty() ? nullptr : bytes_[plane].data();
     frame.stride_bytes[plane] = static_cast<std::uint32_t>(stride_[plane]);
   }
@@ -69,7 +75,7 @@ void OwnedPicture::set(int u, int v, Channels value) {
 }
 
 Channels channels_at(const Frame& frame, int u, int v) {
-  const auto where = places(frame.format, {frame.stride_bytes[0], frame.stride_bytes[1]}, u, v);
+  const auto where = places(frame.format, {frame.stride_bytes[0], frame.stride_bytes[1], frame.stride_bytes[2]}, u, v);
   Channels value{};
   for (std::size_t c = 0; c < 3; ++c) value[c] = frame.plane[where[c].plane][where[c].offset];
   return value;

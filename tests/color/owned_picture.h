@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "core/color/color_tables.h"
@@ -11,14 +12,17 @@
 // Pictures in every pixel format and, written down anew and slowly, what their pixels are.
 namespace touchline::testing {
 
-inline constexpr std::array kAllFormats = {PixelFormat::kRgb24, PixelFormat::kBgr24, PixelFormat::kYuyv,
-                                           PixelFormat::kUyvy, PixelFormat::kNv12};
-const char* name_of(PixelFormat format);
+inline constexpr auto kAllFormats = [] {
+  std::array<PixelFormat, kPixelFormatTable.size()> formats{};
+  for (std::size_t i = 0; i < formats.size(); ++i) formats[i] = kPixelFormatTable[i].format;
+  return formats;
+}();
+std::string name_of(PixelFormat format);
 
 using Channels = std::array<std::uint8_t, 3>;
 
 /// Owns exactly the bytes that the format needs, so that a sanitizer sees a read beyond them: nothing follows the last
-/// row. `padding` bytes lie between rows, three more between those of a second plane.
+/// row. `padding` bytes lie between rows, three more in each further plane.
 class OwnedPicture {
  public:
   OwnedPicture(PixelFormat format, int width, int height, int padding);
@@ -39,8 +43,8 @@ class OwnedPicture {
  private:
   PixelFormat format_;
   int width_, height_;
-  std::array<std::size_t, 2> stride_{};
-  std::array<std::vector<std::uint8_t>, 2> bytes_;
+  std::array<std::size_t, kMaxPlanes> stride_{};
+  std::array<std::vector<std::uint8_t>, kMaxPlanes> bytes_;
 };
 
 /// R, G, B or Y, U, V of a pixel.

@@ -202,7 +202,7 @@ TEST_P(SpanKernelTest, IsThePortableOneOnAnySpan) {
                            1, 0);
       paint(picture);
       const Frame frame = picture.frame();
-      const RowPixels row = {frame.plane[0], frame.plane[1]};
+      const RowPixels row = row_pixels(frame, 0);
       for (const bool unshaded : {true, false}) {
         ASSERT_NO_FATAL_FAILURE(expect_equal(tables(unshaded), row, 0, frame.width_px));
         const int begin = pick(random_, 0, frame.width_px), end = pick(random_, begin, frame.width_px);
@@ -221,7 +221,7 @@ TEST_P(SpanKernelTest, IsThePortableOneOnEverySpanOfAShortRow) {
   for (std::uint32_t begin = 0; begin <= frame.width_px; ++begin) {
     paint(picture);
     for (std::uint32_t end = begin; end <= frame.width_px; ++end) {
-      ASSERT_NO_FATAL_FAILURE(expect_equal(tables(end % 2 == 0), {frame.plane[0], frame.plane[1]}, begin, end));
+      ASSERT_NO_FATAL_FAILURE(expect_equal(tables(end % 2 == 0), row_pixels(frame, 0), begin, end));
     }
   }
 }
@@ -234,8 +234,7 @@ TEST_P(SpanKernelTest, IsThePortableOneOnEverySmallPicture) {
       paint_fast(picture);
       const Frame frame = picture.frame();
       for (std::uint32_t v = 0; v < frame.height_px; ++v) {
-        RowPixels row = {frame.plane[0] + std::size_t{v} * frame.stride_bytes[0], nullptr};
-        if (frame.plane[1] != nullptr) row.chroma = frame.plane[1] + std::size_t{v / 2} * frame.stride_bytes[1];
+        const RowPixels row = row_pixels(frame, v);
         ASSERT_NO_FATAL_FAILURE(expect_equal(tables(v / kTileHeight % 2 == 0), row, 0, frame.width_px));
       }
     }
@@ -246,11 +245,11 @@ TEST_P(SpanKernelTest, IsThePortableOneOnEverySmallPicture) {
 // A page that may not be touched begins where the span ends, and another one ends where it begins.
 TEST_P(SpanKernelTest, ReadsNothingBeyondTheSpan) {
   const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-  void* const memory = mmap(nullptr, 6 * page, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  void* const memory = mmap(nullptr, 9 * page, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   ASSERT_NE(memory, MAP_FAILED);
   std::uint8_t* const start = static_cast<std::uint8_t*>(memory);
-  // Pages 1 and 4, for a plane each.
-  for (const std::size_t number : {1u, 4u}) {
+  // Pages 1, 4 and 7, for a plane each.
+  for (const std::size_t number : {1u, 4u, 7u}) {
     ASSERT_EQ(mprotect(start + number * page, page, PROT_READ | PROT_WRITE), 0);
     for (std::size_t i = 0; i < page; ++i) start[number * page + i] = static_cast<std::uint8_t>(random_());
   }
@@ -260,17 +259,18 @@ TEST_P(SpanKernelTest, ReadsNothingBeyondTheSpan) {
       // Of chroma whole pairs.
       const auto even_begin = static_cast<std::uint16_t>(begin / 2 * 2);
       RowPixels at_start, at_end;
-      const bool pairs = format() == PixelFormat::kYuyv || format() == PixelFormat::kUyvy;
-      at_start.samples = start + page - row_bytes(format(), 0, pairs ? even_begin : begin);
-      at_start.chroma = start + 4 * page - even_begin;
-      at_end.samples = start + 2 * page - row_bytes(format(), 0, end);
-      at_end.chroma = start + 5 * page - row_bytes(PixelFormat::kNv12, 1, end);
+      for (std::size_t plane = 0; plane < kMaxPlanes; ++plane) {
+        const bool pairs = plane > 0 || info_of(format()).packing == Packing::kPacked422;
+        std::uint8_t* const first = start + (1 + 3 * plane) * page;
+        at_start.plane[plane] = first - row_bytes(format(), plane, pairs ? even_begin : begin);
+        at_end.plane[plane] = first + page - row_bytes(format(), plane, end);
+      }
       for (const RowPixels& row : {at_start, at_end}) {
         ASSERT_NO_FATAL_FAILURE(expect_equal(tables(end % 2 == 0), row, begin, end));
       }
     }
   }
-  munmap(memory, 6 * page);
+  munmap(memory, 9 * page);
 }
 
 // A class that contains black: nothing may be rejected as background.
@@ -284,7 +284,7 @@ TEST_P(SpanKernelTest, SeesBlack) {
     picture.fill([] { return std::uint8_t{0}; });
     const Frame frame = picture.frame();
     colored_ = 0;
-    ASSERT_NO_FATAL_FAILURE(expect_equal(tables(true), {frame.plane[0], frame.plane[1]}, 0, 200));
+    ASSERT_NO_FATAL_FAILURE(expect_equal(tables(true), row_pixels(frame, 0), 0, 200));
     EXPECT_EQ(colored_, 200u);
   }
 }

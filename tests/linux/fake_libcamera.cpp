@@ -89,10 +89,9 @@ int FakeLibcamera::configure(hal::LibcameraStream& wish, std::string& offers) {
     offers = world_.offers;
     return error;
   }
-  const bool nv12 = wish.format == PixelFormat::kNv12;
-  const std::uint32_t pixel_bytes = nv12 ? 1 : color_space(wish.format) == ColorSpace::kYuv ? 2 : 3;
-  wish.stride_bytes = wish.width_px * pixel_bytes + world_.padding_bytes;
-  world_.frame_bytes_ = std::size_t{wish.stride_bytes} * wish.height_px * (nv12 ? 3 : 2) / 2;
+  const bool has_planes = info_of(wish.format).planes > 1;
+  wish.stride_bytes = wish.width_px * info_of(wish.format).channel[0].step + world_.padding_bytes;
+  world_.frame_bytes_ = std::size_t{wish.stride_bytes} * wish.height_px * (has_planes ? 3 : 2) / 2;
   wish.frame_bytes = world_.frame_bytes_ + world_.spare_bytes;
   wish.full_range = world_.full_range;
   if (world_.granted_buffers != 0) wish.buffers = world_.granted_buffers;
@@ -104,10 +103,13 @@ int FakeLibcamera::use_buffers(const std::vector<hal::DmaBuffer>& buffers) {
   world_.heap_used = true;
   for (const hal::DmaBuffer& buffer : buffers) {
     world_.buffers.push_back(static_cast<DmaBufferFile*>(kernel()->file(buffer.plane[0].file)));
-    const bool nv12 = stream_.format == PixelFormat::kNv12;
-    if (nv12 != (buffer.plane[1].file == buffer.plane[0].file)) world_.breach = "planes of a heap's buffer";
-    if (buffer.plane[0].length + buffer.plane[1].length != stream_.frame_bytes)
-      world_.breach = "a heap's buffer's size";
+    std::size_t bytes = 0;
+    for (std::size_t i = 0; i < kMaxPlanes; ++i) {
+      const bool is_used = i < info_of(stream_.format).planes;
+      if (is_used != (buffer.plane[i].file == buffer.plane[0].file)) world_.breach = "planes of a heap's buffer";
+      bytes += buffer.plane[i].length;
+    }
+    if (bytes != stream_.frame_bytes) world_.breach = "a heap's buffer's size";
   }
   return error_of("use_buffers");
 }

@@ -21,6 +21,22 @@ std::uint32_t bytes_per_pixel(std::uint32_t fourcc) {
   }
 }
 
+/// Planes of chroma, each of half as many rows as luma.
+struct ChromaPlanes {
+  std::uint32_t count = 0, stride_divisor = 1;
+  bool has_own_memory = false;
+};
+ChromaPlanes chroma_planes(std::uint32_t fourcc) {
+  switch (fourcc) {
+    case V4L2_PIX_FMT_NV12:
+      return {1, 1, false};
+    case V4L2_PIX_FMT_NV12M:
+      return {1, 1, true};
+    default:
+      return {};
+  }
+}
+
 template <class Text, std::size_t N>
 void copy_text(Text (&target)[N], const std::string& source) {
   std::memcpy(target, source.c_str(), std::min(source.size() + 1, N));
@@ -203,14 +219,15 @@ void VideoDevice::choose(std::uint32_t fourcc, std::uint32_t width, std::uint32_
   picture_.width = width;
   picture_.height = height;
   const std::uint32_t stride = width * bytes_per_pixel(chosen->fourcc) + padding_bytes;
-  const std::uint32_t chroma_bytes = stride * ((height + 1) / 2);
   picture_.stride_bytes[0] = stride;
   picture_.bytes[0] = stride * height;
-  if (chosen->fourcc == V4L2_PIX_FMT_NV12) picture_.bytes[0] += chroma_bytes;
-  if (chosen->fourcc == V4L2_PIX_FMT_NV12M) {
-    picture_.planes = 2;
-    picture_.stride_bytes[1] = stride;
-    picture_.bytes[1] = chroma_bytes;
+  const ChromaPlanes chroma = chroma_planes(chosen->fourcc);
+  for (std::uint32_t i = 1; i <= chroma.count; ++i) {
+    const std::uint32_t chroma_stride = stride / chroma.stride_divisor;
+    picture_.bytes[chroma.has_own_memory ? i : 0] += chroma_stride * ((height + 1) / 2);
+    if (!chroma.has_own_memory) continue;
+    ++picture_.planes;
+    picture_.stride_bytes[i] = chroma_stride;
   }
   picture_.bytes[0] -= missing_bytes;
 }

@@ -126,7 +126,7 @@ class VideoDevice final : public File {
     v4l2_plane filled{};
   };
   struct Buffer {
-    std::array<Plane, 2> plane;
+    std::array<Plane, kMaxPlanes> plane;
     Owner owner = Owner::kUser;
     v4l2_buffer filled{};
   };
@@ -134,7 +134,7 @@ class VideoDevice final : public File {
   struct Picture {
     std::uint32_t fourcc = 0, width = 0, height = 0;
     std::size_t planes = 1;
-    std::array<std::uint32_t, 2> stride_bytes{}, bytes{};
+    std::array<std::uint32_t, kMaxPlanes> stride_bytes{}, bytes{};
   };
   struct Failure {
     int error = 0, after = 0, times = 0;

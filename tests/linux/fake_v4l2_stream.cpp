@@ -83,7 +83,7 @@ int VideoDevice::query_buffer(v4l2_buffer& buffer) const {
   buffer.length = static_cast<std::uint32_t>(picture_.planes);
   for (std::uint32_t i = 0; i < buffer.length; ++i) {
     buffer.m.planes[i].length = static_cast<std::uint32_t>(planes[i].memory.size());
-    buffer.m.planes[i].m.mem_offset = (2 * buffer.index + i) * kOffsetStep;
+    buffer.m.planes[i].m.mem_offset = (kMaxPlanes * buffer.index + i) * kOffsetStep;
   }
   return 0;
 }
@@ -101,8 +101,8 @@ int VideoDevice::export_buffer(v4l2_exportbuffer& request) {
 
 void* VideoDevice::map(std::size_t length, long offset, int protection) {
   const std::size_t index = static_cast<std::size_t>(offset) / kOffsetStep;
-  if (!maps || index / 2 >= buffers_.size() || protection != PROT_READ) return nullptr;
-  Plane& plane = buffers_[index / 2]->plane[index % 2];
+  if (!maps || index / kMaxPlanes >= buffers_.size() || protection != PROT_READ) return nullptr;
+  Plane& plane = buffers_[index / kMaxPlanes]->plane[index % kMaxPlanes];
   if (plane.memory.size() != length) return nullptr;
   plane.mapped = true;
   return plane.memory.data();

@@ -38,7 +38,8 @@ TEST_F(V4l2MemoryTest, Nv12InTwoPiecesOfMemory) {
     EXPECT_EQ(frame.format, PixelFormat::kNv12);
     EXPECT_EQ(frame.stride_bytes[0], 336u);
     EXPECT_EQ(frame.stride_bytes[1], 336u);
-    for (const std::uint8_t* const plane : frame.plane) {
+    EXPECT_EQ(frame.plane[2], nullptr);
+    for (const std::uint8_t* const plane : {frame.plane[0], frame.plane[1]}) {
       std::uint32_t number = 99;
       std::memcpy(&number, plane, sizeof number);
       EXPECT_EQ(number, i);

@@ -65,7 +65,7 @@ class Photograph {
   }
 
   void share_chroma(std::vector<std::array<double, 3>>& values, std::size_t across) const {
-    const std::size_t rows = format_ == PixelFormat::kNv12 ? 2 : 1;
+    const std::size_t rows = std::size_t{1} << info_of(format_).channel[1].shift_v;
     for (std::size_t first = 0; first < values.size(); first += 2) {
       if (first / across % rows != 0) continue;
       for (std::size_t c = 1; c < 3; ++c) {

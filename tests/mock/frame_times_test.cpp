@@ -98,12 +98,12 @@ TEST_F(FrameTimes, InfoAndFrameMatchTheSettings) {
     const auto lease = wait();
     ASSERT_TRUE(lease.ok());
     const Frame& frame = lease.value().frame();
-    const PictureLayout layout = layout_of(format, 64, 48);
+    const PictureLayout layout = picture_layout(format, 64, 48);
     EXPECT_EQ(frame.format, format);
     EXPECT_EQ(frame.width_px, 64);
     EXPECT_EQ(frame.height_px, 48);
     EXPECT_EQ(frame.stride_bytes, layout.stride_bytes);
-    EXPECT_EQ(frame.plane[1], format == PixelFormat::kNv12 ? frame.plane[0] + layout.second_plane : nullptr);
+    EXPECT_EQ(frame.plane[1], format == PixelFormat::kNv12 ? frame.plane[0] + layout.offset_bytes[1] : nullptr);
   }
 }
 

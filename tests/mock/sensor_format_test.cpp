@@ -32,7 +32,7 @@ std::vector<std::uint16_t> colorful(Size size, std::uint64_t seed) {
 
 // The noise depends only on the seed, so RGB serves as the reference for all formats.
 std::vector<std::uint8_t> expose(PixelFormat format, Size size, const std::vector<std::uint16_t>& linear) {
-  const PictureLayout layout = layout_of(format, size.width, size.height);
+  const PictureLayout layout = picture_layout(format, size.width, size.height);
   std::vector<std::uint8_t> out(layout.bytes + 16, 0xA5);
   Sensor(clean_sensor(), format, size.width, size.height, 1).expose(linear, {out.data(), layout.bytes});
   for (std::size_t i = layout.bytes; i < out.size(); ++i) EXPECT_EQ(out[i], 0xA5) << "wrote beyond the buffer";
@@ -97,7 +97,7 @@ TEST_P(Formats, BgrIsReversedRgb) {
 
 TEST_P(Formats, YuyvAndUyvyShareChromaByPairs) {
   const auto yuyv = expose(PixelFormat::kYuyv, size_, linear_), uyvy = expose(PixelFormat::kUyvy, size_, linear_);
-  const std::size_t stride = layout_of(PixelFormat::kYuyv, size_.width, size_.height).stride_bytes[0];
+  const std::size_t stride = picture_layout(PixelFormat::kYuyv, size_.width, size_.height).stride_bytes[0];
   EXPECT_EQ(stride, 4U * ((size_.width + 1U) / 2U));
   for (std::size_t row = 0; row < size_.height; ++row) {
     for (std::size_t column = 0; column < size_.width; ++column) {
@@ -117,13 +117,13 @@ TEST_P(Formats, YuyvAndUyvyShareChromaByPairs) {
 
 TEST_P(Formats, Nv12SharesChromaByBlocks) {
   const auto nv12 = expose(PixelFormat::kNv12, size_, linear_);
-  const PictureLayout layout = layout_of(PixelFormat::kNv12, size_.width, size_.height);
-  EXPECT_EQ(layout.second_plane, std::size_t{size_.width} * size_.height);
+  const PictureLayout layout = picture_layout(PixelFormat::kNv12, size_.width, size_.height);
+  EXPECT_EQ(layout.offset_bytes[1], std::size_t{size_.width} * size_.height);
   for (std::size_t row = 0; row < size_.height; ++row) {
     for (std::size_t column = 0; column < size_.width; ++column) {
       expect_luma(nv12[row * layout.stride_bytes[0] + column], bt601(pixel(column, row)).y);
       if (row % 2 != 0 || column % 2 != 0) continue;
-      const std::size_t at = layout.second_plane + row / 2 * layout.stride_bytes[1] + column;
+      const std::size_t at = layout.offset_bytes[1] + row / 2 * layout.stride_bytes[1] + column;
       const Yuv mean = block(column, row, 2);
       expect_chroma(nv12[at], mean.u);
       expect_chroma(nv12[at + 1], mean.v);

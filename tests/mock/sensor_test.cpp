@@ -28,7 +28,7 @@ struct Moments {
 Moments exposed(const SensorParameters& parameters, double light, std::uint64_t seed = 1) {
   const std::vector<std::uint16_t> linear(std::size_t{3} * kWidth * kHeight,
                                           static_cast<std::uint16_t>(std::lround(light * kLinearScale)));
-  std::vector<std::uint8_t> out(layout_of(PixelFormat::kRgb24, kWidth, kHeight).bytes);
+  std::vector<std::uint8_t> out(picture_layout(PixelFormat::kRgb24, kWidth, kHeight).bytes);
   Sensor(parameters, PixelFormat::kRgb24, kWidth, kHeight, seed).expose(linear, out);
   double sum = 0.0, squares = 0.0;
   for (const std::uint8_t value : out) {
@@ -77,7 +77,7 @@ TEST(Noise, HasTheStatedVarianceAtEachLevel) {
 
 TEST(Noise, IsWhiteFromPixelToPixelAndFrameToFrame) {
   const std::vector<std::uint16_t> linear(std::size_t{3} * kWidth * kHeight, kLinearScale / 2);
-  std::vector<std::uint8_t> first(layout_of(PixelFormat::kRgb24, kWidth, kHeight).bytes), second(first);
+  std::vector<std::uint8_t> first(picture_layout(PixelFormat::kRgb24, kWidth, kHeight).bytes), second(first);
   Sensor sensor(linear_sensor(), PixelFormat::kRgb24, kWidth, kHeight, 1);
   sensor.expose(linear, first);
   sensor.expose(linear, second);
@@ -101,7 +101,7 @@ TEST(Noise, IsWhiteFromPixelToPixelAndFrameToFrame) {
 TEST(Noise, DependsOnTheSeed) {
   const std::vector<std::uint16_t> linear(std::size_t{3} * 32 * 32, kLinearScale / 2);
   const auto picture = [&](std::uint64_t seed) {
-    std::vector<std::uint8_t> out(layout_of(PixelFormat::kRgb24, 32, 32).bytes);
+    std::vector<std::uint8_t> out(picture_layout(PixelFormat::kRgb24, 32, 32).bytes);
     Sensor(SensorParameters{}, PixelFormat::kRgb24, 32, 32, seed).expose(linear, out);
     return out;
   };

@@ -96,12 +96,12 @@ struct Packed24 {
   }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, std::uint32_t u,
                                                     const Background& background) {
-    const std::uint8_t* bytes = row.samples + std::size_t{3} * u;
+    const std::uint8_t* bytes = row.plane[0] + std::size_t{3} * u;
     return beyond(load(bytes), load(bytes + 32), load(bytes + 64), background);
   }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, const TwoTiles& tiles) {
-    const std::uint8_t *low = row.samples + std::size_t{3} * tiles.u_low,
-                       *high = row.samples + std::size_t{3} * tiles.u_high;
+    const std::uint8_t *low = row.plane[0] + std::size_t{3} * tiles.u_low,
+                       *high = row.plane[0] + std::size_t{3} * tiles.u_high;
     return beyond(load_halves(low, high), load_halves(low + 16, high + 16), load_halves(low + 32, high + 32),
                   spread(background_bytes_of(tiles),
                          {in_both_halves(&kPeriod[0]), in_both_halves(&kPeriod[16]), in_both_halves(&kPeriod[32])}));
@@ -115,15 +115,15 @@ struct Packed24 {
   }
 
   TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u) {
-    const std::uint8_t *low = row.samples + std::size_t{3} * u, *high = low + 48;
+    const std::uint8_t *low = row.plane[0] + std::size_t{3} * u, *high = low + 48;
     return planes(load_halves(low, high), load_halves(low + 16, high + 16), load_halves(low + 32, high + 32));
   }
   TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
-    const std::uint8_t* bytes = row.samples + std::size_t{3} * u;
+    const std::uint8_t* bytes = row.plane[0] + std::size_t{3} * u;
     return planes(in_both_halves(bytes), in_both_halves(bytes + 16), in_both_halves(bytes + 32));
   }
   TOUCHLINE_TARGET_INLINE static Planes planes(__m256i first, __m256i second, __m256i third) {
-    constexpr std::size_t kRed = kFormat == PixelFormat::kRgb24 ? 0 : 2;
+    constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
     return {picked(first, second, third, kOfThree[kRed]), picked(first, second, third, kOfThree[1]),
             picked(first, second, third, kOfThree[2 - kRed])};
   }
@@ -143,28 +143,28 @@ struct Packed16 {
   }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, std::uint32_t u,
                                                     const Background& background) {
-    const std::uint8_t* bytes = row.samples + std::size_t{2} * u;
+    const std::uint8_t* bytes = row.plane[0] + std::size_t{2} * u;
     return _mm256_or_si256(beyond(load(bytes), background.low, background.extent),
                            beyond(load(bytes + 32), background.low, background.extent));
   }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, const TwoTiles& tiles) {
-    const std::uint8_t *low = row.samples + std::size_t{2} * tiles.u_low,
-                       *high = row.samples + std::size_t{2} * tiles.u_high;
+    const std::uint8_t *low = row.plane[0] + std::size_t{2} * tiles.u_low,
+                       *high = row.plane[0] + std::size_t{2} * tiles.u_high;
     const Background of_tiles = background(background_bytes_of(tiles));
     return _mm256_or_si256(beyond(load_halves(low, high), of_tiles.low, of_tiles.extent),
                            beyond(load_halves(low + 16, high + 16), of_tiles.low, of_tiles.extent));
   }
 
   TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u) {
-    const std::uint8_t *low = row.samples + std::size_t{2} * u, *high = low + 32;
+    const std::uint8_t *low = row.plane[0] + std::size_t{2} * u, *high = low + 32;
     return planes(load_halves(low, high), load_halves(low + 16, high + 16));
   }
   TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
-    const std::uint8_t* bytes = row.samples + std::size_t{2} * u;
+    const std::uint8_t* bytes = row.plane[0] + std::size_t{2} * u;
     return planes(in_both_halves(bytes), in_both_halves(bytes + 16));
   }
   TOUCHLINE_TARGET_INLINE static Planes planes(__m256i first, __m256i second) {
-    constexpr std::size_t kLuma = kFormat == PixelFormat::kYuyv ? 0 : 1, kChroma = 1 - kLuma;
+    constexpr std::size_t kLuma = info_of(kFormat).channel[0].offset, kChroma = 1 - kLuma;
     return {picked(first, second, kLumaOfFour[kLuma]), picked(first, second, kChromaOfFour[kChroma]),
             picked(first, second, kChromaOfFour[kChroma + 2])};
   }
@@ -185,11 +185,11 @@ struct Planar {
   }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, std::uint32_t u,
                                                     const Background& background) {
-    return candidates(load(row.samples + u), load(row.chroma + u), background);
+    return candidates(load(row.plane[0] + u), load(row.plane[1] + u), background);
   }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, const TwoTiles& tiles) {
-    return candidates(load_halves(row.samples + tiles.u_low, row.samples + tiles.u_high),
-                      load_halves(row.chroma + tiles.u_low, row.chroma + tiles.u_high),
+    return candidates(load_halves(row.plane[0] + tiles.u_low, row.plane[0] + tiles.u_high),
+                      load_halves(row.plane[1] + tiles.u_low, row.plane[1] + tiles.u_high),
                       background(background_bytes_of(tiles)));
   }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(__m256i luma, __m256i chroma, const Background& background) {
@@ -198,19 +198,24 @@ struct Planar {
   }
 
   TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u) {
-    return planes(load(row.samples + u), load(row.chroma + u));
+    return planes(load(row.plane[0] + u), load(row.plane[1] + u));
   }
   TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
-    return planes(in_both_halves(row.samples + u), in_both_halves(row.chroma + u));
+    return planes(in_both_halves(row.plane[0] + u), in_both_halves(row.plane[1] + u));
   }
   TOUCHLINE_TARGET_INLINE static Planes planes(__m256i luma, __m256i chroma) {
     return {luma, picked(chroma, kChromaOfTwo[0]), picked(chroma, kChromaOfTwo[1])};
   }
 };
 
+template <PixelFormat kFormat, Packing kPacking = info_of(kFormat).packing>
+struct LayoutOf;
 template <PixelFormat kFormat>
-using LayoutOf = std::conditional_t<color_space(kFormat) == ColorSpace::kRgb, Packed24<kFormat>,
-                                    std::conditional_t<kFormat == PixelFormat::kNv12, Planar, Packed16<kFormat>>>;
+struct LayoutOf<kFormat, Packing::kPacked24> : Packed24<kFormat> {};
+template <PixelFormat kFormat>
+struct LayoutOf<kFormat, Packing::kPacked422> : Packed16<kFormat> {};
+template <PixelFormat kFormat>
+struct LayoutOf<kFormat, Packing::kSemiPlanar> : Planar {};
 
 }  // namespace touchline::TOUCHLINE_TARGET_NAMESPACE
 

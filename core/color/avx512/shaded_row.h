@@ -90,15 +90,15 @@ struct ShadedPacked24 {
   static constexpr std::uint32_t kWords = 6;
   TOUCHLINE_TARGET_INLINE static std::uint64_t candidate_words(const RowPixels& row, std::uint32_t u,
                                                                const TileParameters* lights) {
-    const std::uint8_t* bytes = row.samples + std::size_t{3} * u;
+    const std::uint8_t* bytes = row.plane[0] + std::size_t{3} * u;
     const __m512i light = four_lights(lights);
     return avx512_shaded::candidate_words(_mm512_loadu_si512(bytes), light, kLowOf24[0], kExtentOf24[0]) |
            avx512_shaded::candidate_words(_mm512_loadu_si512(bytes + 64), light, kLowOf24[1], kExtentOf24[1]) << 8 |
            avx512_shaded::candidate_words(_mm512_loadu_si512(bytes + 128), light, kLowOf24[2], kExtentOf24[2]) << 16;
   }
   TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
-    constexpr std::size_t kRed = kFormat == PixelFormat::kRgb24 ? 0 : 2;
-    const __m512i bytes = _mm512_maskz_loadu_epi8(~0ULL >> 16, row.samples + std::size_t{3} * u);
+    constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
+    const __m512i bytes = _mm512_maskz_loadu_epi8(~0ULL >> 16, row.plane[0] + std::size_t{3} * u);
     return {plane(bytes, kPlaneOf24[kRed]), plane(bytes, kPlaneOf24[1]), plane(bytes, kPlaneOf24[2 - kRed])};
   }
 };
@@ -108,14 +108,14 @@ struct ShadedPacked16 {
   static constexpr std::uint32_t kWords = 4;
   TOUCHLINE_TARGET_INLINE static std::uint64_t candidate_words(const RowPixels& row, std::uint32_t u,
                                                                const TileParameters* lights) {
-    const std::uint8_t* bytes = row.samples + std::size_t{2} * u;
+    const std::uint8_t* bytes = row.plane[0] + std::size_t{2} * u;
     const __m512i light = four_lights(lights);
     return avx512_shaded::candidate_words(_mm512_loadu_si512(bytes), light, kLowOf16[0], kExtentOf16[0]) |
            avx512_shaded::candidate_words(_mm512_loadu_si512(bytes + 64), light, kLowOf16[1], kExtentOf16[1]) << 8;
   }
   TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
-    constexpr std::size_t kLuma = kFormat == PixelFormat::kYuyv ? 0 : 1, kChroma = 1 - kLuma;
-    const __m256i bytes = load(row.samples + std::size_t{2} * u);
+    constexpr std::size_t kLuma = info_of(kFormat).channel[0].offset, kChroma = 1 - kLuma;
+    const __m256i bytes = load(row.plane[0] + std::size_t{2} * u);
     return {plane(bytes, kLumaOf16[kLuma]), plane(bytes, kChromaOf16[kChroma]), plane(bytes, kChromaOf16[kChroma + 2])};
   }
 };
@@ -125,8 +125,8 @@ struct ShadedPlanar : Planar {
   TOUCHLINE_TARGET_INLINE static std::uint64_t candidate_words(const RowPixels& row, std::uint32_t u,
                                                                const TileParameters* lights) {
     const __m512i light = four_lights(lights);
-    return avx512_shaded::candidate_words(_mm512_loadu_si512(row.samples + u), light, kLowOfLuma, kExtentOfLuma) |
-           avx512_shaded::candidate_words(_mm512_loadu_si512(row.chroma + u), light, kLowOfChroma, kExtentOfChroma);
+    return avx512_shaded::candidate_words(_mm512_loadu_si512(row.plane[0] + u), light, kLowOfLuma, kExtentOfLuma) |
+           avx512_shaded::candidate_words(_mm512_loadu_si512(row.plane[1] + u), light, kLowOfChroma, kExtentOfChroma);
   }
 };
 
@@ -152,10 +152,16 @@ struct ShadedLayout512 : Layout {
   }
 };
 
+template <PixelFormat kFormat, Packing kPacking = info_of(kFormat).packing>
+struct ShadedBytesOf;
 template <PixelFormat kFormat>
-using ShadedLayoutOf = ShadedLayout512<
-    std::conditional_t<color_space(kFormat) == ColorSpace::kRgb, ShadedPacked24<kFormat>,
-                       std::conditional_t<kFormat == PixelFormat::kNv12, ShadedPlanar, ShadedPacked16<kFormat>>>>;
+struct ShadedBytesOf<kFormat, Packing::kPacked24> : ShadedPacked24<kFormat> {};
+template <PixelFormat kFormat>
+struct ShadedBytesOf<kFormat, Packing::kPacked422> : ShadedPacked16<kFormat> {};
+template <PixelFormat kFormat>
+struct ShadedBytesOf<kFormat, Packing::kSemiPlanar> : ShadedPlanar {};
+template <PixelFormat kFormat>
+using ShadedLayoutOf = ShadedLayout512<ShadedBytesOf<kFormat>>;
 
 }  // namespace touchline::avx512_shaded
 

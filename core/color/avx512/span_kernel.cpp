@@ -153,7 +153,7 @@ struct Planes {
 // Three bytes a pixel.
 template <PixelFormat kFormat>
 struct Packed24 {
-  static constexpr std::size_t kRed = kFormat == PixelFormat::kRgb24 ? 0 : 2;
+  static constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
   static constexpr std::array kPick = {pick_bytes(kRed, 3, 1), pick_bytes(1, 3, 1), pick_bytes(2 - kRed, 3, 1)};
   // Those pixels whose byte is among the third 64.
   static constexpr std::uint64_t in_third(std::size_t offset) {
@@ -179,7 +179,7 @@ struct Packed24 {
   };
   template <bool kIsWhole>
   TOUCHLINE_TARGET_INLINE static Bytes bytes_of(const RowPixels& row, const Block& block) {
-    const std::uint8_t* bytes = row.samples + std::size_t{3} * block.u;
+    const std::uint8_t* bytes = row.plane[0] + std::size_t{3} * block.u;
     const std::uint32_t begin = 3 * block.begin, end = 3 * block.end;
     return {load<kIsWhole>(bytes, begin, end, 0), load<kIsWhole>(bytes, begin, end, 1),
             load<kIsWhole>(bytes, begin, end, 2)};
@@ -201,7 +201,7 @@ struct Packed24 {
 // Two bytes a pixel.
 template <PixelFormat kFormat>
 struct Packed16 {
-  static constexpr std::size_t kLumaAt = kFormat == PixelFormat::kYuyv ? 0 : 1, kChromaAt = 1 - kLumaAt;
+  static constexpr std::size_t kLumaAt = info_of(kFormat).channel[0].offset, kChromaAt = 1 - kLumaAt;
   static constexpr std::array kPick = {pick_bytes(kLumaAt, 2, 1), pick_bytes(kChromaAt, 4, 2),
                                        pick_bytes(kChromaAt + 2, 4, 2)};
   static constexpr std::array kLow = {repeat_bytes(0, kBackgroundLow, 4), repeat_bytes(1, kBackgroundLow, 4)};
@@ -218,7 +218,7 @@ struct Packed16 {
   };
   template <bool kIsWhole>
   TOUCHLINE_TARGET_INLINE static Bytes bytes_of(const RowPixels& row, const Block& block) {
-    const std::uint8_t* bytes = row.samples + std::size_t{2} * block.u;
+    const std::uint8_t* bytes = row.plane[0] + std::size_t{2} * block.u;
     const std::uint32_t begin = 2 * block.begin, end = 2 * block.end;
     return {load<kIsWhole>(bytes, begin, end, 0), load<kIsWhole>(bytes, begin, end, 1)};
   }
@@ -250,8 +250,8 @@ struct Planar {
   };
   template <bool kIsWhole>
   TOUCHLINE_TARGET_INLINE static Bytes bytes_of(const RowPixels& row, const Block& block) {
-    return {load<kIsWhole>(row.samples + block.u, block.begin, block.end, 0),
-            load<kIsWhole>(row.chroma + block.u, block.begin, block.end, 0)};
+    return {load<kIsWhole>(row.plane[0] + block.u, block.begin, block.end, 0),
+            load<kIsWhole>(row.plane[1] + block.u, block.begin, block.end, 0)};
   }
   TOUCHLINE_TARGET_INLINE static __m512i candidates(const Bytes& bytes, const Background& background) {
     return _mm512_or_si512(beyond(bytes.luma, background.luma_low, background.luma_extent),
@@ -377,9 +377,14 @@ TOUCHLINE_TARGET_FUNCTION OccupiedWords classify_span(const SpanTables& tables, 
   return classify_blocks<Layout>(of_row, pixels, {begin, end}, colors);
 }
 
+template <PixelFormat kFormat, Packing kPacking = info_of(kFormat).packing>
+struct LayoutOf;
 template <PixelFormat kFormat>
-using LayoutOf = std::conditional_t<color_space(kFormat) == ColorSpace::kRgb, Packed24<kFormat>,
-                                    std::conditional_t<kFormat == PixelFormat::kNv12, Planar, Packed16<kFormat>>>;
+struct LayoutOf<kFormat, Packing::kPacked24> : Packed24<kFormat> {};
+template <PixelFormat kFormat>
+struct LayoutOf<kFormat, Packing::kPacked422> : Packed16<kFormat> {};
+template <PixelFormat kFormat>
+struct LayoutOf<kFormat, Packing::kSemiPlanar> : Planar {};
 struct Family {
   template <PixelFormat kFormat>
   static constexpr SpanKernel kKernel = classify_span<kFormat, LayoutOf<kFormat>>;

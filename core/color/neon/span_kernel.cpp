@@ -133,10 +133,10 @@ bool background_words(const TileParameters* lights, BackgroundWords& all) {
 // Three bytes a pixel. kFromZero: background_low is 0.
 template <PixelFormat kFormat, bool kFromZero>
 struct Packed24 {
-  static constexpr std::size_t kRed = kFormat == PixelFormat::kRgb24 ? 0 : 2;
+  static constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
   static constexpr bool kBackgroundFromZero = kFromZero;
 
-  static RowPixels at(const RowPixels& row, std::size_t u) { return {row.samples + 3 * u, nullptr}; }
+  static RowPixels at(const RowPixels& row, std::size_t u) { return {{row.plane[0] + 3 * u}}; }
 
   // Which of four bytes byte i of 48 is.
   static constexpr auto kPick = [] {
@@ -157,9 +157,9 @@ struct Packed24 {
     [[nodiscard]] bool holds(const RowPixels& tiles) const {
       Values beyond = vdupq_n_u8(0);
       TOUCHLINE_UNROLL for (std::size_t i = 0; i < 3; ++i) {
-        Values largest = from_low(tiles.samples + kTile * i, i);
+        Values largest = from_low(tiles.plane[0] + kTile * i, i);
         TOUCHLINE_UNROLL for (std::size_t tile = 1; tile < kTiles; ++tile) {
-          largest = vmaxq_u8(largest, from_low(tiles.samples + kTile * (3 * tile + i), i));
+          largest = vmaxq_u8(largest, from_low(tiles.plane[0] + kTile * (3 * tile + i), i));
         }
         beyond = vorrq_u8(beyond, vqsubq_u8(largest, extent[i]));
       }
@@ -173,7 +173,7 @@ struct Packed24 {
 
   // False: background by the high nibbles, as most tiles are that are not background.
   static bool may_be_colored(const Within& within, const RowPixels& tile) {
-    const uint8x16x3_t bytes = vld3q_u8(tile.samples);
+    const uint8x16x3_t bytes = vld3q_u8(tile.plane[0]);
     return !is_zero(both(vqtbl1q_u8(within.first, vshrq_n_u8(bytes.val[kRed], 4)),
                          both(vqtbl1q_u8(within.second, vshrq_n_u8(bytes.val[1], 4)),
                               vqtbl1q_u8(within.third, vshrq_n_u8(bytes.val[2 - kRed], 4)))));
@@ -181,7 +181,7 @@ struct Packed24 {
 
   [[gnu::noinline]] static Values colors(const TileNibbles& tables, RowPixels tile) {
     Values found = vdupq_n_u8(kBackground);
-    const uint8x16x3_t bytes = vld3q_u8(tile.samples);
+    const uint8x16x3_t bytes = vld3q_u8(tile.plane[0]);
     const Nibbles<Values> a = nibbles_of(bytes.val[kRed]), b = nibbles_of(bytes.val[1]),
                           c = nibbles_of(bytes.val[2 - kRed]);
     for (std::size_t group = 0; group < tables.groups; ++group) {
@@ -196,15 +196,15 @@ struct Packed24 {
 // Formats whose pixel pairs share a chroma sample.
 template <PixelFormat kFormat>
 struct SharedChroma {
-  static constexpr bool kPlanar = kFormat == PixelFormat::kNv12, kBackgroundFromZero = false;
+  static constexpr bool kPlanar = info_of(kFormat).planes > 1, kBackgroundFromZero = false;
 
   static RowPixels at(const RowPixels& row, std::size_t u) {
-    return {row.samples + u * (kPlanar ? 1 : 2), kPlanar ? row.chroma + u : nullptr};
+    return {{row.plane[0] + u * (kPlanar ? 1 : 2), kPlanar ? row.plane[1] + u : nullptr}};
   }
 
   // 32 bytes, of YUYV and UYVY in turn and of NV12 luma and chroma.
-  static Values first(const RowPixels& tile) { return vld1q_u8(tile.samples); }
-  static Values second(const RowPixels& tile) { return vld1q_u8(kPlanar ? tile.chroma : tile.samples + kTile); }
+  static Values first(const RowPixels& tile) { return vld1q_u8(tile.plane[0]); }
+  static Values second(const RowPixels& tile) { return vld1q_u8(kPlanar ? tile.plane[1] : tile.plane[0] + kTile); }
 
   struct Background {
     BackgroundWords of_first, of_second;
@@ -233,7 +233,7 @@ struct SharedChroma {
   };
   static Samples samples(const RowPixels& tile) {
     const Values a = first(tile), b = second(tile);
-    const bool even = kFormat == PixelFormat::kYuyv;
+    const bool even = info_of(kFormat).channel[0].offset == 0;
     const Values luma = kPlanar ? a : even ? vuzp1q_u8(a, b) : vuzp2q_u8(a, b);
     const uint16x8_t chroma = vreinterpretq_u16_u8(kPlanar ? b : even ? vuzp2q_u8(a, b) : vuzp1q_u8(a, b));
     return {luma, vmovn_u16(chroma), vshrn_n_u16(chroma, 8)};

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "core/color/kernel_of_format.h"
 #include "core/color/load_word.h"
 #include "core/color/span_kernel.h"
 
@@ -65,12 +66,12 @@ BackgroundWord background_word(const TileParameters& light, const std::array<std
 
 template <PixelFormat kFormat>
 struct Packed24 {
-  static constexpr std::size_t kRed = kFormat == PixelFormat::kRgb24 ? 0 : 2;
+  static constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
 
   static void pixels(const LightTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
                      ColorId* colors) {
     const auto& [red, green, blue] = tables.channel;
-    const std::uint8_t* pixel = row.samples + std::size_t{begin} * 3;
+    const std::uint8_t* pixel = row.plane[0] + std::size_t{begin} * 3;
     for (std::uint32_t u = begin; u < end; ++u, pixel += 3) {
       colors[u] = tables.color_of((*red)[pixel[kRed]] & (*green)[pixel[1]] & (*blue)[pixel[2 - kRed]]);
     }
@@ -82,7 +83,7 @@ struct Packed24 {
       for (std::size_t i = 0; i < words_.size(); ++i) words_[i] = background_word<3>(light, {0, 1, 2}, 8 * i);
     }
     [[nodiscard]] bool holds(const RowPixels& row, std::uint32_t begin) const {
-      const std::uint8_t* bytes = row.samples + std::size_t{begin} * 3;
+      const std::uint8_t* bytes = row.plane[0] + std::size_t{begin} * 3;
       return (words_[0].candidates(load_word(bytes)) | words_[1].candidates(load_word(bytes + 8)) |
               words_[2].candidates(load_word(bytes + 16))) == 0;
     }
@@ -95,19 +96,16 @@ struct Packed24 {
 // Formats whose pixel pairs (2k, 2k + 1) share a chroma sample: most pairs are background by their chroma alone.
 template <PixelFormat kFormat>
 struct SharedChroma {
-  static constexpr bool kPlanar = kFormat == PixelFormat::kNv12;
-  static constexpr std::size_t kLumaStep = kPlanar ? 1 : 2;
-  static constexpr std::size_t kLumaAt = kFormat == PixelFormat::kUyvy ? 1 : 0;
-  static constexpr std::size_t kPairStep = kPlanar ? 2 : 4;
-  static constexpr std::size_t kFirstChromaAt = kFormat == PixelFormat::kYuyv ? 1 : 0;
-  static constexpr std::size_t kSecondChromaAt = kFirstChromaAt + (kPlanar ? 1 : 2);
+  static constexpr const auto& kChannel = info_of(kFormat).channel;
+  static constexpr bool kPlanar = info_of(kFormat).planes > 1;
+  static constexpr std::size_t kLumaStep = kChannel[0].step;
 
   static std::uint32_t chroma_mask(const LightTables& tables, const RowPixels& row, std::uint32_t u) {
-    const std::uint8_t* pair = (kPlanar ? row.chroma : row.samples) + std::size_t{u / 2} * kPairStep;
-    return (*tables.channel[1])[pair[kFirstChromaAt]] & (*tables.channel[2])[pair[kSecondChromaAt]];
+    return (*tables.channel[1])[row.plane[kChannel[1].plane][kChannel[1].byte(u)]] &
+           (*tables.channel[2])[row.plane[kChannel[2].plane][kChannel[2].byte(u)]];
   }
   static ColorId with_luma(const LightTables& tables, const RowPixels& row, std::uint32_t u, std::uint32_t chroma) {
-    return tables.color_of(chroma & (*tables.channel[0])[row.samples[std::size_t{u} * kLumaStep + kLumaAt]]);
+    return tables.color_of(chroma & (*tables.channel[0])[row.plane[0][kChannel[0].byte(u)]]);
   }
 
   static void pixels(const LightTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
@@ -134,9 +132,9 @@ struct SharedChroma {
           second_(kPlanar ? background_word<2>(light, {2, 3}) : first_) {}
     /// `begin` is even.
     [[nodiscard]] bool holds(const RowPixels& row, std::uint32_t begin) const {
-      const std::uint8_t* bytes = row.samples + std::size_t{begin} * kLumaStep;
+      const std::uint8_t* bytes = row.plane[0] + std::size_t{begin} * kLumaStep;
       return (first_.candidates(load_word(bytes)) |
-              second_.candidates(load_word(kPlanar ? row.chroma + begin : bytes + 8))) == 0;
+              second_.candidates(load_word(kPlanar ? row.plane[1] + begin : bytes + 8))) == 0;
     }
 
    private:
@@ -191,23 +189,19 @@ OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std:
   return occupied;
 }
 
+template <PixelFormat kFormat, Packing kPacking = info_of(kFormat).packing>
+struct LayoutOf : SharedChroma<kFormat> {};
+template <PixelFormat kFormat>
+struct LayoutOf<kFormat, Packing::kPacked24> : Packed24<kFormat> {};
+
+struct Family {
+  template <PixelFormat kFormat>
+  static constexpr SpanKernel kKernel = classify_span<LayoutOf<kFormat>>;
+};
+
 }  // namespace
 }  // namespace portable
 
-SpanKernel portable_kernel(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::kRgb24:
-      return portable::classify_span<portable::Packed24<PixelFormat::kRgb24>>;
-    case PixelFormat::kBgr24:
-      return portable::classify_span<portable::Packed24<PixelFormat::kBgr24>>;
-    case PixelFormat::kYuyv:
-      return portable::classify_span<portable::SharedChroma<PixelFormat::kYuyv>>;
-    case PixelFormat::kUyvy:
-      return portable::classify_span<portable::SharedChroma<PixelFormat::kUyvy>>;
-    case PixelFormat::kNv12:
-      return portable::classify_span<portable::SharedChroma<PixelFormat::kNv12>>;
-  }
-  return nullptr;
-}
+SpanKernel portable_kernel(PixelFormat format) { return kernel_of_format<portable::Family, true>(format); }
 
 }  // namespace touchline

@@ -20,14 +20,17 @@ inline Float8 linear_light(Integer8 value) {
 class LinearRgbImage {
  public:
   /// `frame` must be one that the scan accepted, wider than one pixel, and must outlive this object.
-  explicit LinearRgbImage(const Frame& frame) : frame_(frame) {}
+  explicit LinearRgbImage(const Frame& frame)
+      : frame_(frame),
+        step_(info_of(frame.format).channel[0].step),
+        first_is_blue_(info_of(frame.format).channel[0].offset == 2) {}
 
   /// Light of eight pixels inside the picture.
   [[nodiscard, gnu::always_inline]] LinearRgb8 at(Integer8 u, Integer8 v) const {
     std::array<Integer8, 3> value;
     if (color_space(frame_.format) == ColorSpace::kRgb) {
-      value = bytes_at(v * broadcast_integer(stride()) + u + u + u);
-      if (frame_.format == PixelFormat::kBgr24) value = {value[2], value[1], value[0]};
+      value = bytes_at(v * broadcast_integer(stride()) + u * broadcast_integer(step_));
+      if (first_is_blue_) value = {value[2], value[1], value[0]};
     } else {
       value = from_yuv(u, v);
     }
@@ -50,11 +53,11 @@ class LinearRgbImage {
  private:
   [[nodiscard]] std::int32_t stride() const { return static_cast<std::int32_t>(frame_.stride_bytes[0]); }
 
-  // Three bytes per pixel from the first plane.
+  // The first three bytes of pixels in the first plane.
   [[nodiscard, gnu::always_inline]] std::array<Integer8, 3> bytes_at(Integer8 offset) const {
 #if defined(TOUCHLINE_SIMD_AVX2)
-    // Reads four bytes per pixel. The last pixel has only three, so it is read from one byte before it.
-    const int last = stride() * (frame_.height_px - 1) + 3 * frame_.width_px - 4;
+    // Reads four bytes per pixel. The last pixel may have only three, so it is read from one byte before it.
+    const int last = stride() * (frame_.height_px - 1) + step_ * frame_.width_px - 4;
     const Integer8 end = broadcast_integer(last), early = offset < end;
     const Integer8 from = (early & offset) | (~early & end);
     const auto* const bytes = reinterpret_cast<const int*>(frame_.plane[0]);
@@ -91,6 +94,8 @@ class LinearRgbImage {
   }
 
   Frame frame_;
+  std::int32_t step_;  // bytes of a pixel, in RGB
+  bool first_is_blue_;
 };
 
 }  // namespace TOUCHLINE_SIMD

@@ -14,7 +14,6 @@
 #include <immintrin.h>
 #endif
 
-#include "core/color/pixel.h"
 #include "core/fixed_vector.h"
 #include "core/subpixel/blurred_outline.h"
 #include "core/subpixel/fit_kernel.h"

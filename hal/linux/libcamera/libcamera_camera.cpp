@@ -201,7 +201,7 @@ Result<FrameLease> LibcameraCamera::deliver(const LibcameraFrame& completed) {
   frame.height_px = stream_.height_px;
   for (std::size_t i = 0; i < frame.plane.size(); ++i) {
     frame.plane[i] = mappings_[completed.buffer].plane(i);
-    frame.stride_bytes[i] = frame.plane[i] != nullptr ? stream_.stride_bytes : 0;
+    frame.stride_bytes[i] = frame.plane[i] != nullptr ? plane_stride(stream_.format, i, stream_.stride_bytes) : 0;
   }
   set_exposure(completed.reported);
   frame.capture_time = stamps_.middle_of_exposure(stamp_flags_, stamp, now);

@@ -19,26 +19,11 @@
 namespace touchline::hal {
 namespace {
 
-// libcamera names formats of RGB by the order in a little-endian word: the other way round in memory.
-libcamera::PixelFormat format_of(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::kRgb24:
-      return libcamera::formats::BGR888;
-    case PixelFormat::kBgr24:
-      return libcamera::formats::RGB888;
-    case PixelFormat::kYuyv:
-      return libcamera::formats::YUYV;
-    case PixelFormat::kUyvy:
-      return libcamera::formats::UYVY;
-    case PixelFormat::kNv12:
-      break;
-  }
-  return libcamera::formats::NV12;
-}
+libcamera::PixelFormat format_of(PixelFormat format) { return libcamera::PixelFormat(info_of(format).drm); }
 
 std::string name_of(const libcamera::PixelFormat& format) {
-  for (const Choice<PixelFormat>& choice : kPixelFormats) {
-    if (format_of(choice.value) == format) return std::string(choice.word);
+  for (const PixelFormatInfo& info : kPixelFormatTable) {
+    if (format_of(info.format) == format) return std::string(info.word);
   }
   return format.toString();
 }
@@ -132,7 +117,7 @@ class Link final : public LibcameraLink {
     stream.size = size;
     stream.bufferCount = static_cast<unsigned>(wish.buffers);
     // As USB cameras send it: luma from 16 to 235.
-    if (color_space(wish.format) == ColorSpace::kYuv) stream.colorSpace = libcamera::ColorSpace::Smpte170m;
+    if (info_of(wish.format).range == ColorRange::kLimited) stream.colorSpace = libcamera::ColorSpace::Smpte170m;
     const libcamera::CameraConfiguration::Status status = configuration_->validate();
     if (status == libcamera::CameraConfiguration::Invalid || stream.pixelFormat != format || stream.size != size) {
       offers = list_formats(stream.formats());

@@ -68,7 +68,7 @@ struct LibcameraLimits {
 struct LibcameraStream {
   PixelFormat format = PixelFormat::kNv12;
   std::uint16_t width_px = 0, height_px = 0;
-  std::uint32_t stride_bytes = 0;  // of both planes
+  std::uint32_t stride_bytes = 0;  // of the first plane
   std::size_t frame_bytes = 0;     // that the device needs a buffer
   std::size_t buffers = 0;
   bool full_range = false;  // luma from 0 to 255 instead of 16 to 235

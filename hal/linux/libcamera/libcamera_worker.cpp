@@ -21,30 +21,34 @@ constexpr bool kCachesSeeDevices = true;
 constexpr bool kCachesSeeDevices = false;
 #endif
 
-/// Bytes of the picture's rows in each plane; the last row need not be padded.
-std::array<std::size_t, 2> plane_bytes(const LibcameraStream& stream) {
-  const std::size_t width = stream.width_px, height = stream.height_px, stride = stream.stride_bytes;
-  const std::size_t pairs = (width + 1) / 2 * 2;
-  switch (stream.format) {
-    case PixelFormat::kNv12:
-      return {stride * (height - 1) + width, stride * ((height + 1) / 2 - 1) + pairs};
-    case PixelFormat::kYuyv:
-    case PixelFormat::kUyvy:
-      return {stride * (height - 1) + 2 * pairs, 0};
-    case PixelFormat::kRgb24:
-    case PixelFormat::kBgr24:
-      break;
+std::array<std::uint32_t, kMaxPlanes> strides_of(const LibcameraStream& stream) {
+  std::array<std::uint32_t, kMaxPlanes> stride_bytes{};
+  for (std::size_t i = 0; i < info_of(stream.format).planes; ++i) {
+    stride_bytes[i] = plane_stride(stream.format, i, stream.stride_bytes);
   }
-  return {stride * (height - 1) + 3 * width, 0};
+  return stride_bytes;
 }
 
-/// A picture in one piece becomes its planes: NV12's chroma follows luma with the same stride.
+/// Bytes that a picture needs in each plane.
+std::array<std::size_t, kMaxPlanes> needed_bytes(const LibcameraStream& stream) {
+  std::array<std::size_t, kMaxPlanes> bytes{};
+  for (std::size_t i = 0; i < kMaxPlanes; ++i) {
+    bytes[i] = plane_bytes(stream.format, i, stream.width_px, stream.height_px, strides_of(stream)[i]);
+  }
+  return bytes;
+}
+
+/// Splits a picture in one piece of memory into its planes.
 void split(DmaBuffer& buffer, const LibcameraStream& stream) {
-  DmaPlane& luma = buffer.plane[0];
-  const std::size_t luma_bytes = std::size_t{stream.stride_bytes} * stream.height_px;
-  if (stream.format != PixelFormat::kNv12 || buffer.plane[1].file >= 0 || luma.length < luma_bytes) return;
-  buffer.plane[1] = {luma.file, luma.offset + luma_bytes, luma.length - luma_bytes};
-  luma.length = luma_bytes;
+  const std::size_t planes = info_of(stream.format).planes;
+  const DmaPlane whole = buffer.plane[0];
+  const PictureLayout layout = picture_layout(stream.format, stream.height_px, strides_of(stream));
+  if (planes == 1 || buffer.plane[1].file >= 0 || whole.length < layout.offset_bytes[planes - 1]) return;
+  for (std::size_t i = 0; i < planes; ++i) {
+    const std::size_t begin = layout.offset_bytes[i];
+    const std::size_t end = i + 1 < planes ? layout.offset_bytes[i + 1] : whole.length;
+    buffer.plane[i] = {whole.file, whole.offset + begin, end - begin};
+  }
 }
 
 }  // namespace
@@ -138,9 +142,11 @@ Result<void> LibcameraCamera::configure() {
   }
   if (error != 0) return refused("setting a format", error);
   info_ = {stream_.format, stream_.width_px, stream_.height_px, settings_.rate_hz};
-  const std::array<std::size_t, 2> bytes = plane_bytes(stream_);
-  needed_bytes_ = bytes[1] == 0 ? bytes[0] : std::size_t{stream_.stride_bytes} * stream_.height_px + bytes[1];
-  if (stream_.full_range && color_space(stream_.format) == ColorSpace::kYuv) {
+  const std::array<std::size_t, kMaxPlanes> bytes = needed_bytes(stream_);
+  const std::size_t last = info_of(stream_.format).planes - std::size_t{1};
+  const PictureLayout layout = picture_layout(stream_.format, stream_.height_px, strides_of(stream_));
+  needed_bytes_ = layout.offset_bytes[last] + bytes[last];
+  if (stream_.full_range && info_of(stream_.format).range == ColorRange::kLimited) {
     negotiated_.append_format("YUV of full range: its darkest 16 levels are taken for black");
   }
   return {};
@@ -158,7 +164,7 @@ Result<void> LibcameraCamera::prepare_buffers() {
     negotiated_.append_format("%sbuffers = %d: granted %zu", negotiated_.separator(), settings_.buffers,
                               stream_.buffers);
   }
-  const std::array<std::size_t, 2> needed = plane_bytes(stream_);
+  const std::array<std::size_t, kMaxPlanes> needed = needed_bytes(stream_);
   for (std::size_t i = 0; i < buffers.size(); ++i) {
     split(buffers[i], stream_);
     for (std::size_t p = 0; p < needed.size(); ++p) {

@@ -22,8 +22,8 @@ class V4l2Buffers {
  public:
   // VIDEO_MAX_FRAME of the kernel.
   static constexpr std::size_t kMax = 32;
-  // Pieces of memory of one picture: luma and chroma of NV12.
-  static constexpr std::size_t kMaxPlanes = std::tuple_size_v<DmaBufs>;
+  // Pieces of memory of one picture: one for each plane.
+  static constexpr std::size_t kMaxPlanes = touchline::kMaxPlanes;
 
   /// A filled buffer. `begin`: where the picture begins in each piece of memory, and how many bytes it has there.
   struct Filled {

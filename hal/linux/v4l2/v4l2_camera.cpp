@@ -283,12 +283,10 @@ Result<FrameLease> V4l2Camera::deliver(const V4l2Buffers::Filled& filled) {
   frame.height_px = picture_.height_px;
   frame.capture_time = stamps_.middle_of_exposure(meant(filled.flags), filled.stamp, now);
   if (decodes()) return decode(filled, frame);
-  frame.plane[0] = filled.begin[0];
-  frame.stride_bytes[0] = picture_.stride_bytes[0];
-  if (frame.format == PixelFormat::kNv12) {
-    const bool apart = picture_.planes == 2;
-    frame.plane[1] = apart ? filled.begin[1] : frame.plane[0] + std::size_t{frame.stride_bytes[0]} * frame.height_px;
-    frame.stride_bytes[1] = picture_.stride_bytes[1];
+  frame.stride_bytes = picture_.stride_bytes;
+  const PictureLayout layout = picture_layout(frame.format, frame.height_px, frame.stride_bytes);
+  for (std::size_t i = 0; i < info_of(frame.format).planes; ++i) {
+    frame.plane[i] = picture_.planes > 1 ? filled.begin[i] : filled.begin[0] + layout.offset_bytes[i];
   }
   ++counters_.frames;
   return FrameLease(*this, frame, static_cast<std::uint32_t>(filled.index), buffers_.dma_bufs(filled.index));

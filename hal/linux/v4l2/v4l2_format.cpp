@@ -20,8 +20,14 @@ struct Granted {
   std::uint32_t field = V4L2_FIELD_NONE;
   std::uint32_t quantization = V4L2_QUANTIZATION_DEFAULT, colorspace = V4L2_COLORSPACE_DEFAULT;
   std::uint8_t planes = 1;
-  std::array<std::uint32_t, 2> stride_bytes{};
+  std::array<std::uint32_t, kMaxPlanes> stride_bytes{};
 };
+
+/// The planes lie in one piece of memory, or each in its own.
+std::uint8_t pieces_of_memory(CameraFormat format, std::uint32_t fourcc) {
+  const PixelFormatInfo& info = info_of(pixel_format(format));
+  return format != CameraFormat::kMjpg && fourcc == info.v4l2_planar ? info.planes : 1;
+}
 
 int set_format(const V4l2Device& device, bool multi_planar, std::uint32_t fourcc, const CameraSettings& asked,
                Granted& granted) {
@@ -35,7 +41,7 @@ int set_format(const V4l2Device& device, bool multi_planar, std::uint32_t fourcc
     pix.field = V4L2_FIELD_NONE;
     const int error = device.request(VIDIOC_S_FMT, &format);
     granted = {pix.pixelformat,  pix.width,      pix.height, pix.field,
-               pix.quantization, pix.colorspace, 1,          {pix.bytesperline, 0}};
+               pix.quantization, pix.colorspace, 1,          {pix.bytesperline}};
     return error;
   }
   v4l2_pix_format_mplane& pix = format.fmt.pix_mp;
@@ -43,53 +49,23 @@ int set_format(const V4l2Device& device, bool multi_planar, std::uint32_t fourcc
   pix.height = asked.height_px;
   pix.pixelformat = fourcc;
   pix.field = V4L2_FIELD_NONE;
-  pix.num_planes = fourcc == V4L2_PIX_FMT_NV12M ? 2 : 1;
+  pix.num_planes = pieces_of_memory(asked.format, fourcc);
   const int error = device.request(VIDIOC_S_FMT, &format);
-  granted = {
-      pix.pixelformat,  pix.width,      pix.height,     pix.field,
-      pix.quantization, pix.colorspace, pix.num_planes, {pix.plane_fmt[0].bytesperline, pix.plane_fmt[1].bytesperline}};
+  granted = {pix.pixelformat, pix.width, pix.height, pix.field, pix.quantization, pix.colorspace, pix.num_planes, {}};
+  for (std::size_t i = 0; i < kMaxPlanes; ++i) granted.stride_bytes[i] = pix.plane_fmt[i].bytesperline;
   return error;
 }
 
 /// Codes of a format in the order in which they are tried.
 std::array<std::uint32_t, 2> codes_of(CameraFormat format, bool multi_planar) {
-  switch (format) {
-    case CameraFormat::kRgb24:
-      return {V4L2_PIX_FMT_RGB24, 0};
-    case CameraFormat::kBgr24:
-      return {V4L2_PIX_FMT_BGR24, 0};
-    case CameraFormat::kYuyv:
-      return {V4L2_PIX_FMT_YUYV, 0};
-    case CameraFormat::kUyvy:
-      return {V4L2_PIX_FMT_UYVY, 0};
-    case CameraFormat::kNv12:
-      return {V4L2_PIX_FMT_NV12, multi_planar ? V4L2_PIX_FMT_NV12M : 0};
-    case CameraFormat::kMjpg:
-      break;
-  }
-  return {V4L2_PIX_FMT_MJPEG, V4L2_PIX_FMT_JPEG};
+  if (format == CameraFormat::kMjpg) return {V4L2_PIX_FMT_MJPEG, V4L2_PIX_FMT_JPEG};
+  const PixelFormatInfo& info = info_of(pixel_format(format));
+  return {info.v4l2, multi_planar ? info.v4l2_planar : 0};
 }
 
 std::string name_of(std::uint32_t fourcc) {
   const char* const word = word_of_fourcc(fourcc);
   return word != nullptr ? word : code_of_fourcc(fourcc);
-}
-
-/// Bytes of a row of pixels; 0: the rows are not where one could tell.
-std::uint32_t row_bytes(CameraFormat format, std::uint32_t width) {
-  switch (format) {
-    case CameraFormat::kRgb24:
-    case CameraFormat::kBgr24:
-      return 3 * width;
-    case CameraFormat::kYuyv:
-    case CameraFormat::kUyvy:
-      return (width + 1) / 2 * 4;  // whole pairs of pixels
-    case CameraFormat::kNv12:
-      return width;
-    case CameraFormat::kMjpg:
-      break;
-  }
-  return 0;
 }
 
 V4l2Picture picture_of(const Granted& granted, CameraFormat format, bool multi_planar) {
@@ -101,25 +77,29 @@ V4l2Picture picture_of(const Granted& granted, CameraFormat format, bool multi_p
   picture.planes = granted.planes;
   picture.interlaced = granted.field != V4L2_FIELD_NONE && granted.field != V4L2_FIELD_ANY;
   picture.full_range =
-      color_space(pixel_format(format)) == ColorSpace::kYuv &&
+      info_of(pixel_format(format)).range == ColorRange::kLimited &&
       (granted.quantization == V4L2_QUANTIZATION_FULL_RANGE ||
        (granted.quantization == V4L2_QUANTIZATION_DEFAULT && granted.colorspace == V4L2_COLORSPACE_JPEG));
   if (format == CameraFormat::kMjpg) {
     picture.needed_bytes[0] = 1;
     return picture;
   }
-  const std::uint32_t luma_row = row_bytes(format, granted.width);
-  picture.stride_bytes[0] = std::max(granted.stride_bytes[0], luma_row);
-  // The last row need not be padded.
-  picture.needed_bytes[0] = picture.stride_bytes[0] * (granted.height - 1) + luma_row;
-  if (format != CameraFormat::kNv12) return picture;
-  const std::uint32_t chroma_row = (granted.width + 1) / 2 * 2, chroma_rows = (granted.height + 1) / 2;
-  if (granted.planes == 2) {
-    picture.stride_bytes[1] = std::max(granted.stride_bytes[1], chroma_row);
-    picture.needed_bytes[1] = picture.stride_bytes[1] * (chroma_rows - 1) + chroma_row;
-  } else {  // the chroma rows follow with the same stride
-    picture.stride_bytes[1] = picture.stride_bytes[0];
-    picture.needed_bytes[0] = picture.stride_bytes[0] * (granted.height + chroma_rows - 1) + chroma_row;
+  const PixelFormat pixels = pixel_format(format);
+  const auto bytes_of = [&](std::size_t plane) {
+    const std::size_t bytes = plane_bytes(pixels, plane, granted.width, granted.height, picture.stride_bytes[plane]);
+    return static_cast<std::uint32_t>(bytes);
+  };
+  for (std::size_t plane = 0; plane < info_of(pixels).planes; ++plane) {
+    const auto row = static_cast<std::uint32_t>(row_bytes(pixels, plane, granted.width));
+    const bool has_own_stride = plane < granted.planes;
+    picture.stride_bytes[plane] = has_own_stride ? std::max(granted.stride_bytes[plane], row)
+                                                 : plane_stride(pixels, plane, picture.stride_bytes[0]);
+    if (has_own_stride) picture.needed_bytes[plane] = bytes_of(plane);
+  }
+  if (granted.planes == 1) {
+    const std::size_t last = info_of(pixels).planes - std::size_t{1};
+    const PictureLayout layout = picture_layout(pixels, granted.height, picture.stride_bytes);
+    picture.needed_bytes[0] = static_cast<std::uint32_t>(layout.offset_bytes[last]) + bytes_of(last);
   }
   return picture;
 }
@@ -153,7 +133,7 @@ Result<V4l2Picture> negotiate_format(const V4l2Device& device, bool multi_planar
                    "%s: delivers single fields, not whole frames, at %s; half the height may be progressive",
                    asked.device.c_str(), wanted.c_str());
   }
-  if (granted.planes != (granted.fourcc == V4L2_PIX_FMT_NV12M ? 2 : 1)) {
+  if (granted.planes != pieces_of_memory(asked.format, granted.fourcc)) {
     return failure(ErrorCode::kUnsupported, "%s: delivers %s in %u pieces of memory", asked.device.c_str(),
                    wanted.c_str(), unsigned{granted.planes});
   }

@@ -17,11 +17,11 @@ struct V4l2Picture {
   CameraFormat format = CameraFormat::kYuyv;
   std::uint16_t width_px = 0, height_px = 0;
   bool multi_planar = false;
-  std::uint8_t planes = 1;                      // pieces of memory
-  std::array<std::uint32_t, 2> stride_bytes{};  // of the picture's planes; JPEG has none
-  std::array<std::uint32_t, 2> needed_bytes{};  // with fewer in a piece of memory it is a short frame
-  bool interlaced = false;                      // the two fields are half a frame apart
-  bool full_range = false;                      // YUV whose luma begins at 0 and not at 16
+  std::uint8_t planes = 1;                               // pieces of memory
+  std::array<std::uint32_t, kMaxPlanes> stride_bytes{};  // of the picture's planes; JPEG has none
+  std::array<std::uint32_t, kMaxPlanes> needed_bytes{};  // with fewer in a piece of memory it is a short frame
+  bool interlaced = false;                               // the two fields are half a frame apart
+  bool full_range = false;                               // YUV whose luma begins at 0 and not at 16
 };
 
 /// Asks for the format and size of `asked`; NV12 in one piece of memory or in two. kUnsupported: the driver set

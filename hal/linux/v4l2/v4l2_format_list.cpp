@@ -14,15 +14,6 @@ namespace {
 // A driver that never says "no more" must not hold us: no camera lists so many formats, sizes or rates.
 constexpr std::uint32_t kMaxListed = 64;
 
-constexpr std::array<std::pair<std::uint32_t, CameraFormat>, 8> kReadable{{{V4L2_PIX_FMT_RGB24, CameraFormat::kRgb24},
-                                                                           {V4L2_PIX_FMT_BGR24, CameraFormat::kBgr24},
-                                                                           {V4L2_PIX_FMT_YUYV, CameraFormat::kYuyv},
-                                                                           {V4L2_PIX_FMT_UYVY, CameraFormat::kUyvy},
-                                                                           {V4L2_PIX_FMT_NV12, CameraFormat::kNv12},
-                                                                           {V4L2_PIX_FMT_NV12M, CameraFormat::kNv12},
-                                                                           {V4L2_PIX_FMT_MJPEG, CameraFormat::kMjpg},
-                                                                           {V4L2_PIX_FMT_JPEG, CameraFormat::kMjpg}}};
-
 double rate_of(const v4l2_fract& period) {
   return period.numerator == 0 ? 0.0 : static_cast<double>(period.denominator) / period.numerator;
 }
@@ -71,8 +62,9 @@ std::string size_text(std::uint32_t width_px, std::uint32_t height_px) {
 }
 
 const char* word_of_fourcc(std::uint32_t fourcc) {
-  for (const auto& [readable, format] : kReadable) {
-    if (readable == fourcc) return kCameraFormats[static_cast<std::size_t>(format)].word.data();
+  if (fourcc == V4L2_PIX_FMT_MJPEG || fourcc == V4L2_PIX_FMT_JPEG) return kCameraFormats.back().word.data();
+  for (const PixelFormatInfo& info : kPixelFormatTable) {
+    if (fourcc != 0 && (fourcc == info.v4l2 || fourcc == info.v4l2_planar)) return info.word.data();
   }
   return nullptr;
 }

@@ -157,11 +157,8 @@ class Run {
 };
 
 std::string picture_text(const hal::CameraInfo& info) {
-  std::string text = std::to_string(info.width_px) + " x " + std::to_string(info.height_px);
-  for (const auto& format : hal::kPixelFormats) {
-    if (format.value == info.format) text += " " + std::string(format.word);
-  }
-  return text;
+  return std::to_string(info.width_px) + " x " + std::to_string(info.height_px) + " " +
+         std::string(info_of(info.format).word);
 }
 
 int measure_board(const MeasureOptions& options) {

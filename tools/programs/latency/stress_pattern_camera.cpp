@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "hal/mock/sensor.h"
-
 namespace touchline::latency {
 namespace {
 
@@ -56,10 +54,9 @@ void StressPatternCamera::choose_values() {
 std::size_t StressPatternCamera::value_at(std::size_t pattern, std::size_t u, std::size_t v,
                                           std::uint32_t& random) const {
   const std::size_t colors = values_.size() - 1;
-  // Pixels of a pair (of a 2 x 2 block in NV12) share their chroma, so colors change only from pair to pair.
-  const PixelFormat format = parameters_.scan.format;
-  const std::size_t column = color_space(format) == ColorSpace::kRgb ? u : u / 2;
-  const std::size_t row = format == PixelFormat::kNv12 ? v / 2 : v;
+  // Pixels that share a chroma sample cannot differ in color, so colors change from sample to sample.
+  const ChannelLayout& chroma = info_of(parameters_.scan.format).channel[1];
+  const std::size_t column = u >> chroma.shift_u, row = v >> chroma.shift_v;
   switch (pattern) {
     case 0:
       return 1;
@@ -92,28 +89,16 @@ void StressPatternCamera::paint(std::size_t pattern) {
   std::vector<std::uint8_t>& picture = pictures_[pattern];
   const Frame frame = frame_of(pattern);
   std::uint8_t* const first = picture.data();
+  const PictureLayout layout = picture_layout(frame.format, width, height);
   std::uint32_t random = 7;
   for (std::size_t v = 0; v < height; ++v) {
-    std::uint8_t* row = first + v * frame.stride_bytes[0];
-    std::uint8_t* chroma = first + height * frame.stride_bytes[0] + (v / 2) * frame.stride_bytes[1];
     for (std::size_t u = 0; u < width; ++u) {
       const Value& value = values_[value_at(pattern, u, v, random)];
-      switch (frame.format) {
-        case PixelFormat::kRgb24:
-          std::copy_n(value.begin(), 3, row + 3 * u);
-          break;
-        case PixelFormat::kBgr24:
-          std::reverse_copy(value.begin(), value.end(), row + 3 * u);
-          break;
-        case PixelFormat::kYuyv:
-          row[2 * u] = value[0], row[u / 2 * 4 + 1] = value[1], row[u / 2 * 4 + 3] = value[2];
-          break;
-        case PixelFormat::kUyvy:
-          row[2 * u + 1] = value[0], row[u / 2 * 4] = value[1], row[u / 2 * 4 + 2] = value[2];
-          break;
-        case PixelFormat::kNv12:
-          row[u] = value[0], chroma[u / 2 * 2] = value[1], chroma[u / 2 * 2 + 1] = value[2];
-          break;
+      for (std::size_t c = 0; c < value.size(); ++c) {
+        const ChannelLayout& channel = info_of(frame.format).channel[c];
+        const std::size_t row =
+            layout.offset_bytes[channel.plane] + (v >> channel.shift_v) * layout.stride_bytes[channel.plane];
+        first[row + channel.byte(u)] = value[c];
       }
     }
   }
@@ -124,10 +109,10 @@ Frame StressPatternCamera::frame_of(std::size_t pattern) const {
   frame.format = info_.format;
   frame.width_px = info_.width_px;
   frame.height_px = info_.height_px;
-  const hal::mock::PictureLayout layout = hal::mock::layout_of(info_.format, info_.width_px, info_.height_px);
+  const PictureLayout layout = picture_layout(info_.format, info_.width_px, info_.height_px);
   frame.stride_bytes = layout.stride_bytes;
   const std::uint8_t* data = pictures_[pattern].data();
-  frame.plane = {data, layout.second_plane == 0 ? nullptr : data + layout.second_plane};
+  for (std::size_t i = 0; i < info_of(info_.format).planes; ++i) frame.plane[i] = data + layout.offset_bytes[i];
   return frame;
 }
 
@@ -139,7 +124,7 @@ Result<void> StressPatternCamera::do_open() {
   info_ = {scan.format, scan.width_px, scan.height_px, 0.0};
   choose_values();
   for (std::size_t pattern = 0; pattern < kPatterns; ++pattern) {
-    pictures_[pattern].assign(hal::mock::layout_of(scan.format, scan.width_px, scan.height_px).bytes, 0);
+    pictures_[pattern].assign(picture_layout(scan.format, scan.width_px, scan.height_px).bytes, 0);
     paint(pattern);
   }
   sequence_ = 0;

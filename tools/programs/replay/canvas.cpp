@@ -17,22 +17,8 @@ std::array<std::uint8_t, 3> rgb_of_yuv(int y, int u, int v) {
 }
 
 std::array<std::uint8_t, 3> rgb_at(const Frame& frame, std::size_t x, std::size_t y) {
-  const std::uint8_t* row = frame.plane[0] + y * frame.stride_bytes[0];
-  switch (frame.format) {
-    case PixelFormat::kRgb24:
-      return {row[3 * x], row[3 * x + 1], row[3 * x + 2]};
-    case PixelFormat::kBgr24:
-      return {row[3 * x + 2], row[3 * x + 1], row[3 * x]};
-    case PixelFormat::kYuyv:
-      return rgb_of_yuv(row[2 * x], row[x / 2 * 4 + 1], row[x / 2 * 4 + 3]);
-    case PixelFormat::kUyvy:
-      return rgb_of_yuv(row[2 * x + 1], row[x / 2 * 4], row[x / 2 * 4 + 2]);
-    case PixelFormat::kNv12: {
-      const std::uint8_t* chroma = frame.plane[1] + (y / 2) * frame.stride_bytes[1];
-      return rgb_of_yuv(row[x], chroma[x / 2 * 2], chroma[x / 2 * 2 + 1]);
-    }
-  }
-  return {};
+  const std::array<std::uint8_t, 3> value = pixel_at(frame, x, y);
+  return color_space(frame.format) == ColorSpace::kRgb ? value : rgb_of_yuv(value[0], value[1], value[2]);
 }
 
 void use_font(cairo_t& context, double size) {

@@ -23,20 +23,18 @@ Result<CameraPicture> CameraPicture::load(const std::string& path, PixelFormat f
 CameraPicture CameraPicture::copy_of(const Frame& frame) {
   CameraPicture out;
   out.shape_ = frame;
-  const std::size_t rows = frame.height_px;
-  out.chroma_offset_ = rows * frame.stride_bytes[0];
-  out.bytes_.assign(frame.plane[0], frame.plane[0] + out.chroma_offset_);
-  if (frame.format == PixelFormat::kNv12) {
-    const std::size_t chroma_rows = (rows + 1) / 2;
-    out.bytes_.insert(out.bytes_.end(), frame.plane[1], frame.plane[1] + chroma_rows * frame.stride_bytes[1]);
+  for (std::size_t plane = 0; plane < kMaxPlanes; ++plane) {
+    out.begin_[plane] = out.bytes_.size();
+    out.bytes_.insert(out.bytes_.end(), frame.plane[plane], frame.plane[plane] + plane_bytes(frame, plane));
   }
   return out;
 }
 
 Frame CameraPicture::frame() const {
   Frame frame = shape_;
-  frame.plane[0] = bytes_.data();
-  frame.plane[1] = frame.format == PixelFormat::kNv12 ? bytes_.data() + chroma_offset_ : nullptr;
+  for (std::size_t plane = 0; plane < kMaxPlanes; ++plane) {
+    frame.plane[plane] = shape_.plane[plane] != nullptr ? bytes_.data() + begin_[plane] : nullptr;
+  }
   return frame;
 }
 
@@ -63,17 +61,10 @@ hal::Picture picture_of(cairo_surface_t& surface) {
 hal::Picture picture_of(const Frame& frame) { return picture_of(*replay::to_surface(frame)); }
 
 std::optional<PixelFormat> format_of(std::string_view word) {
-  for (const Choice<PixelFormat>& choice : hal::kPixelFormats) {
-    if (choice.word == word) return choice.value;
+  for (const PixelFormatInfo& info : kPixelFormatTable) {
+    if (info.word == word) return info.format;
   }
   return std::nullopt;
-}
-
-std::string_view word_of(PixelFormat format) {
-  for (const Choice<PixelFormat>& choice : hal::kPixelFormats) {
-    if (choice.value == format) return choice.word;
-  }
-  return {};
 }
 
 }  // namespace touchline::calibrate

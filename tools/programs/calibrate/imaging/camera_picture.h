@@ -2,6 +2,7 @@
 
 #include <cairo.h>
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -28,7 +29,7 @@ class CameraPicture {
  private:
   Frame shape_;
   std::vector<std::uint8_t> bytes_;
-  std::size_t chroma_offset_ = 0;
+  std::array<std::size_t, kMaxPlanes> begin_{};  // of each plane, in bytes_
 };
 
 /// Loads the first frame of a picture or video file as 8-bit RGB.
@@ -39,8 +40,7 @@ hal::Picture picture_of(cairo_surface_t& surface);
 /// Converts a frame to 8-bit RGB (YUV: ITU-R BT.601, limited range, as load() reads it).
 hal::Picture picture_of(const Frame& frame);
 
-/// Converts between a pixel format and its name in the board file, e.g. "yuyv". Unknown names give no format.
+/// The pixel format for its name in the board file, e.g. "yuyv". Unknown names give none.
 std::optional<PixelFormat> format_of(std::string_view word);
-std::string_view word_of(PixelFormat format);
 
 }  // namespace touchline::calibrate

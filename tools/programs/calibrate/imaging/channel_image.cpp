@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/color/pixel.h"
-
 namespace touchline::calibrate {
 ChannelImage corrected_channels(const Frame& frame, const Shading& shading) {
   ChannelImage image{frame.width_px, frame.height_px, color_space(frame.format), {}};

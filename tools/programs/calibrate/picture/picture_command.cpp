@@ -112,9 +112,9 @@ int PictureCommand::run() const {
     std::fflush(stdout);
   }
   const PixelFormat format = parts.camera.info().format;
-  if (format == PixelFormat::kYuyv || format == PixelFormat::kUyvy || format == PixelFormat::kNv12) {
+  if (color_space(format) == ColorSpace::kYuv) {
     std::printf("the camera delivers YUV: use touchline-calibrate colors --format %s with these pictures\n",
-                std::string(word_of(format)).c_str());
+                info_of(format).word.data());
   }
   return 0;
 }

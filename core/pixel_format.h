@@ -10,7 +10,8 @@
 // and a row of the table; a color kernel is needed only for a new Packing (docs/cameras.md).
 namespace touchline {
 
-#define TOUCHLINE_PIXEL_FORMATS(FORMAT) FORMAT(kRgb24) FORMAT(kBgr24) FORMAT(kYuyv) FORMAT(kUyvy) FORMAT(kNv12)
+#define TOUCHLINE_PIXEL_FORMATS(FORMAT) \
+  FORMAT(kRgb24) FORMAT(kBgr24) FORMAT(kYuyv) FORMAT(kUyvy) FORMAT(kNv12) FORMAT(kI420)
 
 enum class PixelFormat : std::uint8_t {
 #define TOUCHLINE_FORMAT(name) name,
@@ -29,6 +30,7 @@ enum class Packing : std::uint8_t {
   kPacked24,    // three bytes a pixel
   kPacked422,   // four bytes for two pixels that share chroma
   kSemiPlanar,  // luma, and chroma in pairs U, V of 2 x 2 pixels
+  kPlanar,      // luma, and a plane each of U and V of 2 x 2 pixels
 };
 
 constexpr std::size_t kMaxPlanes = 3;
@@ -79,6 +81,9 @@ inline constexpr std::array kPixelFormatTable{
     PixelFormatInfo{PixelFormat::kNv12, "nv12", Packing::kSemiPlanar, ColorSpace::kYuv, ColorRange::kLimited, 2,
                     {{{0, 0, 1}, {1, 0, 2, 1, 1}, {1, 1, 2, 1, 1}}},
                     fourcc("NV12"), fourcc("NM12"), fourcc("NV12")},
+    PixelFormatInfo{PixelFormat::kI420, "i420", Packing::kPlanar, ColorSpace::kYuv, ColorRange::kLimited, 3,
+                    {{{0, 0, 1}, {1, 0, 1, 1, 1}, {2, 0, 1, 1, 1}}},
+                    fourcc("YU12"), fourcc("YM12"), fourcc("YU12")},
 };
 // clang-format on
 

@@ -52,24 +52,31 @@ inline CameraPicture painted_field(const std::vector<PaintedPatch>& patches, Pix
   frame.format = format;
   frame.width_px = kWidth;
   frame.height_px = kHeight;
-  std::vector<std::uint8_t> bytes;
-  if (format == PixelFormat::kRgb24) {
-    frame.stride_bytes[0] = 3 * kWidth;
-    for (const auto& p : pixels) bytes.insert(bytes.end(), p.begin(), p.end());
-  } else {  // YUYV, ITU-R BT.601 limited range, chroma of pairs averaged
-    frame.stride_bytes[0] = 2 * kWidth;
-    for (std::size_t i = 0; i < pixels.size(); i += 2) {
-      std::array<double, 4> out{};
-      for (std::size_t k = 0; k < 2; ++k) {
-        const double r = pixels[i + k][0], g = pixels[i + k][1], b = pixels[i + k][2];
-        out[2 * k] = 16 + 0.257 * r + 0.504 * g + 0.098 * b;
-        out[1] += 64 + (-0.148 * r - 0.291 * g + 0.439 * b) / 2;
-        out[3] += 64 + (0.439 * r - 0.368 * g - 0.071 * b) / 2;
+  // YUV: ITU-R BT.601 in limited range; a chroma sample is the mean of its pixels.
+  const auto value_of = [&](const std::array<std::uint8_t, 3>& pixel, std::size_t c) {
+    const double r = pixel[0], g = pixel[1], b = pixel[2];
+    if (color_space(format) == ColorSpace::kRgb) return double{pixel[c]};
+    if (c == 0) return 16 + 0.257 * r + 0.504 * g + 0.098 * b;
+    return c == 1 ? 128 - 0.148 * r - 0.291 * g + 0.439 * b : 128 + 0.439 * r - 0.368 * g - 0.071 * b;
+  };
+  const PictureLayout layout = picture_layout(format, kWidth, kHeight);
+  std::vector<std::uint8_t> bytes(layout.bytes);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const ChannelLayout& channel = info_of(format).channel[c];
+    const std::size_t across = std::size_t{1} << channel.shift_u, down = std::size_t{1} << channel.shift_v;
+    for (std::size_t v = 0; v < kHeight; v += down) {
+      for (std::size_t u = 0; u < kWidth; u += across) {
+        double sum = 0;
+        for (std::size_t i = 0; i < across * down; ++i) {
+          sum += value_of(pixels[(v + i / across) * kWidth + u + i % across], c);
+        }
+        const std::size_t row = layout.offset_bytes[channel.plane] + (v / down) * layout.stride_bytes[channel.plane];
+        bytes[row + channel.byte(u)] = static_cast<std::uint8_t>(sum / static_cast<double>(across * down) + 0.5);
       }
-      for (const double x : out) bytes.push_back(static_cast<std::uint8_t>(x + 0.5));
     }
   }
-  frame.plane[0] = bytes.data();
+  frame.stride_bytes = layout.stride_bytes;
+  for (std::size_t i = 0; i < info_of(format).planes; ++i) frame.plane[i] = bytes.data() + layout.offset_bytes[i];
   return CameraPicture::copy_of(frame);
 }
 

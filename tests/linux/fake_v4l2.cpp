@@ -15,6 +15,8 @@ std::uint32_t bytes_per_pixel(std::uint32_t fourcc) {
       return 3;
     case V4L2_PIX_FMT_NV12:
     case V4L2_PIX_FMT_NV12M:
+    case V4L2_PIX_FMT_YUV420:
+    case V4L2_PIX_FMT_YUV420M:
       return 1;
     default:
       return 2;
@@ -32,6 +34,10 @@ ChromaPlanes chroma_planes(std::uint32_t fourcc) {
       return {1, 1, false};
     case V4L2_PIX_FMT_NV12M:
       return {1, 1, true};
+    case V4L2_PIX_FMT_YUV420:
+      return {2, 2, false};
+    case V4L2_PIX_FMT_YUV420M:
+      return {2, 2, true};
     default:
       return {};
   }

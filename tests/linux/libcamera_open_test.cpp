@@ -85,11 +85,12 @@ TEST_F(LibcameraOpenTest, PlanesAndStridesOfAllFormats) {
     hal::CameraFormat format;
     std::uint32_t pixel_bytes;
   };
-  constexpr std::array<Case, 5> kCases{{{hal::CameraFormat::kRgb24, 3},
+  constexpr std::array<Case, 6> kCases{{{hal::CameraFormat::kRgb24, 3},
                                         {hal::CameraFormat::kBgr24, 3},
                                         {hal::CameraFormat::kYuyv, 2},
                                         {hal::CameraFormat::kUyvy, 2},
-                                        {hal::CameraFormat::kNv12, 1}}};
+                                        {hal::CameraFormat::kNv12, 1},
+                                        {hal::CameraFormat::kI420, 1}}};
   world_.padding_bytes = 32;
   world_.spare_bytes = 4096;
   for (const Case& example : kCases) {
@@ -110,6 +111,12 @@ TEST_F(LibcameraOpenTest, PlanesAndStridesOfAllFormats) {
       EXPECT_EQ(frame.stride_bytes[1], stride);
       EXPECT_EQ(frame.plane[1], frame.plane[0] + stride * 480);
       EXPECT_EQ(frame.plane[1][stride * 239], 7);
+    } else if (frame.format == PixelFormat::kI420) {
+      EXPECT_EQ(frame.stride_bytes[1], stride / 2);
+      EXPECT_EQ(frame.stride_bytes[2], stride / 2);
+      EXPECT_EQ(frame.plane[1], frame.plane[0] + stride * 480);
+      EXPECT_EQ(frame.plane[2], frame.plane[1] + stride / 2 * 240);
+      EXPECT_EQ(frame.plane[2][stride / 2 * 239], 7);
     } else {
       EXPECT_EQ(frame.plane[1], nullptr);
     }

@@ -52,6 +52,32 @@ TEST_F(V4l2MemoryTest, Nv12InTwoPiecesOfMemory) {
   }
 }
 
+TEST_F(V4l2MemoryTest, I420InThreePiecesOfMemory) {
+  device_.formats = {{V4L2_PIX_FMT_YUV420M, {{320, 240}}, false}};
+  device_.padding_bytes = 16;
+  device_.plane_offset = 128;
+  hal::CameraSettings asked = nv12();
+  asked.format = CameraFormat::kI420;
+  begin(asked);
+  EXPECT_EQ(device_.exported(), 12u);
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    const auto result = camera_->wait(soon());
+    ASSERT_TRUE(result.ok());
+    const Frame& frame = result.value().frame();
+    EXPECT_EQ(frame.format, PixelFormat::kI420);
+    EXPECT_EQ(frame.stride_bytes, (std::array<std::uint32_t, 3>{336, 168, 168}));
+    for (const std::uint8_t* const plane : frame.plane) {
+      std::uint32_t number = 99;
+      std::memcpy(&number, plane, sizeof number);
+      EXPECT_EQ(number, i);
+    }
+    EXPECT_EQ(frame.plane[0][336 * 240 - 1], i);
+    EXPECT_EQ(frame.plane[1][168 * 120 - 1], i);
+    EXPECT_EQ(frame.plane[2][168 * 120 - 1], i);
+    for (const int file : result.value().dma_bufs()) EXPECT_GE(file, 0);
+  }
+}
+
 TEST_F(V4l2MemoryTest, Nv12InOnePieceIsTakenWhereThereAreBoth) {
   device_.formats.push_back({V4L2_PIX_FMT_NV12, {{320, 240}}, false});
   begin(nv12());

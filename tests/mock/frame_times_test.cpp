@@ -89,7 +89,7 @@ TEST_F(FrameTimes, CaptureTimeIsTheMiddleOfTheExposure) {
 
 TEST_F(FrameTimes, InfoAndFrameMatchTheSettings) {
   for (const CameraFormat asked :
-       {CameraFormat::kRgb24, CameraFormat::kYuyv, CameraFormat::kNv12, CameraFormat::kMjpg}) {
+       {CameraFormat::kRgb24, CameraFormat::kYuyv, CameraFormat::kNv12, CameraFormat::kI420, CameraFormat::kMjpg}) {
     settings.format = asked;
     const PixelFormat format = pixel_format(asked);
     start();
@@ -103,7 +103,9 @@ TEST_F(FrameTimes, InfoAndFrameMatchTheSettings) {
     EXPECT_EQ(frame.width_px, 64);
     EXPECT_EQ(frame.height_px, 48);
     EXPECT_EQ(frame.stride_bytes, layout.stride_bytes);
-    EXPECT_EQ(frame.plane[1], format == PixelFormat::kNv12 ? frame.plane[0] + layout.offset_bytes[1] : nullptr);
+    for (std::size_t i = 1; i < kMaxPlanes; ++i) {
+      EXPECT_EQ(frame.plane[i], i < info_of(format).planes ? frame.plane[0] + layout.offset_bytes[i] : nullptr);
+    }
   }
 }
 

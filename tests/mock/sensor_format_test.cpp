@@ -131,6 +131,17 @@ TEST_P(Formats, Nv12SharesChromaByBlocks) {
   }
 }
 
+TEST_P(Formats, I420HasTheSamplesOfNv12) {
+  const auto nv12 = expose(PixelFormat::kNv12, size_, linear_), i420 = expose(PixelFormat::kI420, size_, linear_);
+  ASSERT_EQ(i420.size(), nv12.size());
+  const std::size_t luma = std::size_t{size_.width} * size_.height, chroma = (nv12.size() - luma) / 2;
+  for (std::size_t i = 0; i < luma; ++i) ASSERT_EQ(i420[i], nv12[i]);
+  for (std::size_t i = 0; i < chroma; ++i) {
+    ASSERT_EQ(i420[luma + i], nv12[luma + 2 * i]);
+    ASSERT_EQ(i420[luma + chroma + i], nv12[luma + 2 * i + 1]);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Sizes, Formats, ::testing::Values(Size{64, 48}, Size{33, 18}, Size{18, 33}, Size{17, 17}),
                          [](const auto& size) {
                            return std::to_string(size.param.width) + "x" + std::to_string(size.param.height);

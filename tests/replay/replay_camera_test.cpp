@@ -115,6 +115,11 @@ TEST(ReplayCamera, BgrAndYuvOfAPicture) {
     near(pixels(frame, 3), {81, 81, 81, 81, 81, 81});
     near({frame.plane[1], frame.plane[1] + 4}, {90, 240, 90, 240});
   });
+  first_frame(PixelFormat::kI420, [&near](const Frame& frame) {
+    near(pixels(frame, 3), {81, 81, 81, 81, 81, 81});
+    near({frame.plane[1], frame.plane[1] + 2}, {90, 90});
+    near({frame.plane[2], frame.plane[2] + 2}, {240, 240});
+  });
 }
 
 TEST(ReplayCamera, SixteenBitPicturesAreRoundedToEight) {

@@ -92,7 +92,7 @@ TEST(Video, YuvGoesToYuvAsItIsStored) {
   const std::vector<std::uint8_t> planes = planes_420();
   for (const char* header : {"F25:1 C420mpeg2 XCOLORRANGE=LIMITED", "F25:1 C420jpeg XCOLORRANGE=FULL"}) {
     media::write_y4m(folder / "a.y4m", 6, 4, header, {planes});
-    for (const PixelFormat format : {PixelFormat::kNv12, PixelFormat::kYuyv, PixelFormat::kUyvy}) {
+    for (const PixelFormat format : {PixelFormat::kNv12, PixelFormat::kI420, PixelFormat::kYuyv, PixelFormat::kUyvy}) {
       ReplayCamera camera({.path = folder / "a.y4m", .format = format});
       ASSERT_TRUE(camera.open().ok() && camera.start().ok());
       const Result<FrameLease> lease = camera.wait(kForever);
@@ -105,6 +105,9 @@ TEST(Video, YuvGoesToYuvAsItIsStored) {
           if (format == PixelFormat::kNv12) {
             const std::uint8_t* chroma = frame.plane[1] + (y / 2) * frame.stride_bytes[1];
             luma = row[x], u = chroma[x / 2 * 2], v = chroma[x / 2 * 2 + 1];
+          } else if (format == PixelFormat::kI420) {
+            luma = row[x], u = frame.plane[1][y / 2 * frame.stride_bytes[1] + x / 2];
+            v = frame.plane[2][y / 2 * frame.stride_bytes[2] + x / 2];
           } else {
             const std::size_t first_luma = format == PixelFormat::kYuyv ? 0 : 1;
             luma = row[2 * x + first_luma], u = row[x / 2 * 4 + 1 - first_luma], v = row[x / 2 * 4 + 3 - first_luma];

@@ -44,9 +44,9 @@ TEST_P(StressPatterns, PatternsCauseTheWorkThatTheyClaim) {
   ASSERT_TRUE(scanner->configure(parameters.scan).ok());
   const auto runs = std::make_unique<Runs>();
   const auto regions = std::make_unique<Regions>();
-  // In YUV two pixels share their chroma, in NV12 2 x 2.
+  // In YUV two pixels share their chroma, in 4:2:0 2 x 2.
   const std::size_t column = color_space(GetParam()) == ColorSpace::kRgb ? 1 : 2;
-  const std::size_t row = GetParam() == PixelFormat::kNv12 ? 2 : 1;
+  const std::size_t row = std::size_t{1} << info_of(GetParam()).channel[1].shift_v;
   for (std::uint32_t pattern = 0; pattern < StressPatternCamera::kPatterns; ++pattern) {
     const Result<hal::FrameLease> lease = camera.wait(Instant::max());
     ASSERT_TRUE(lease.ok());
@@ -93,7 +93,7 @@ TEST_P(StressPatterns, PatternsCauseTheWorkThatTheyClaim) {
 }
 INSTANTIATE_TEST_SUITE_P(Formats, StressPatterns,
                          testing::Values(PixelFormat::kRgb24, PixelFormat::kBgr24, PixelFormat::kYuyv,
-                                         PixelFormat::kUyvy, PixelFormat::kNv12));
+                                         PixelFormat::kUyvy, PixelFormat::kNv12, PixelFormat::kI420));
 
 TEST(StressPatternCamera, NeedsColors) {
   PipelineParameters parameters = parameters_for(PixelFormat::kRgb24, 16, 16);

@@ -170,8 +170,23 @@ struct Packed16 {
   }
 };
 
-// A byte a pixel, and two a pair.
+// A byte a pixel, and two a pair, in one plane or in two.
+template <PixelFormat kFormat>
 struct Planar {
+  static constexpr bool kApart = info_of(kFormat).packing == Packing::kPlanar;
+
+  // U and V in turn, of a tile and of a block.
+  TOUCHLINE_TARGET_INLINE static __m128i tile_chroma(const RowPixels& row, std::uint32_t u) {
+    if constexpr (!kApart) return load_half(row.plane[1] + u);
+    return _mm_unpacklo_epi8(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(row.plane[1] + u / 2)),
+                             _mm_loadl_epi64(reinterpret_cast<const __m128i*>(row.plane[2] + u / 2)));
+  }
+  TOUCHLINE_TARGET_INLINE static __m256i chroma(const RowPixels& row, std::uint32_t u) {
+    if constexpr (!kApart) return load(row.plane[1] + u);
+    const __m128i first = load_half(row.plane[1] + u / 2), second = load_half(row.plane[2] + u / 2);
+    return halves(_mm_unpacklo_epi8(first, second), _mm_unpackhi_epi8(first, second));
+  }
+
   struct Background {
     __m256i luma_low, luma_extent, chroma_low, chroma_extent;
   };
@@ -185,11 +200,11 @@ struct Planar {
   }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, std::uint32_t u,
                                                     const Background& background) {
-    return candidates(load(row.plane[0] + u), load(row.plane[1] + u), background);
+    return candidates(load(row.plane[0] + u), chroma(row, u), background);
   }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, const TwoTiles& tiles) {
     return candidates(load_halves(row.plane[0] + tiles.u_low, row.plane[0] + tiles.u_high),
-                      load_halves(row.plane[1] + tiles.u_low, row.plane[1] + tiles.u_high),
+                      halves(tile_chroma(row, tiles.u_low), tile_chroma(row, tiles.u_high)),
                       background(background_bytes_of(tiles)));
   }
   TOUCHLINE_TARGET_INLINE static __m256i candidates(__m256i luma, __m256i chroma, const Background& background) {
@@ -198,10 +213,10 @@ struct Planar {
   }
 
   TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u) {
-    return planes(load(row.plane[0] + u), load(row.plane[1] + u));
+    return planes(load(row.plane[0] + u), chroma(row, u));
   }
   TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
-    return planes(in_both_halves(row.plane[0] + u), in_both_halves(row.plane[1] + u));
+    return planes(in_both_halves(row.plane[0] + u), _mm256_broadcastsi128_si256(tile_chroma(row, u)));
   }
   TOUCHLINE_TARGET_INLINE static Planes planes(__m256i luma, __m256i chroma) {
     return {luma, picked(chroma, kChromaOfTwo[0]), picked(chroma, kChromaOfTwo[1])};
@@ -215,7 +230,9 @@ struct LayoutOf<kFormat, Packing::kPacked24> : Packed24<kFormat> {};
 template <PixelFormat kFormat>
 struct LayoutOf<kFormat, Packing::kPacked422> : Packed16<kFormat> {};
 template <PixelFormat kFormat>
-struct LayoutOf<kFormat, Packing::kSemiPlanar> : Planar {};
+struct LayoutOf<kFormat, Packing::kSemiPlanar> : Planar<kFormat> {};
+template <PixelFormat kFormat>
+struct LayoutOf<kFormat, Packing::kPlanar> : Planar<kFormat> {};
 
 }  // namespace touchline::TOUCHLINE_TARGET_NAMESPACE
 

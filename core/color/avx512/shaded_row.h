@@ -120,13 +120,27 @@ struct ShadedPacked16 {
   }
 };
 
-struct ShadedPlanar : Planar {
+// U and V in turn out of 32 of each.
+inline constexpr Bytes64 kInterleave = [] {
+  Bytes64 which{};
+  for (std::size_t i = 0; i < 64; ++i) which[i] = static_cast<std::uint8_t>(i % 2 * 64 + i / 2);
+  return which;
+}();
+
+template <PixelFormat kFormat>
+struct ShadedPlanar : Planar<kFormat> {
   static constexpr std::uint32_t kWords = 2;
+  TOUCHLINE_TARGET_INLINE static __m512i chroma_of_four_tiles(const RowPixels& row, std::uint32_t u) {
+    if constexpr (!Planar<kFormat>::kApart) return _mm512_loadu_si512(row.plane[1] + u);
+    const __m512i first = _mm512_maskz_loadu_epi8(~0ULL >> 32, row.plane[1] + u / 2),
+                  second = _mm512_maskz_loadu_epi8(~0ULL >> 32, row.plane[2] + u / 2);
+    return _mm512_permutex2var_epi8(first, _mm512_load_si512(kInterleave.data()), second);
+  }
   TOUCHLINE_TARGET_INLINE static std::uint64_t candidate_words(const RowPixels& row, std::uint32_t u,
                                                                const TileParameters* lights) {
     const __m512i light = four_lights(lights);
     return avx512_shaded::candidate_words(_mm512_loadu_si512(row.plane[0] + u), light, kLowOfLuma, kExtentOfLuma) |
-           avx512_shaded::candidate_words(_mm512_loadu_si512(row.plane[1] + u), light, kLowOfChroma, kExtentOfChroma);
+           avx512_shaded::candidate_words(chroma_of_four_tiles(row, u), light, kLowOfChroma, kExtentOfChroma);
   }
 };
 
@@ -159,7 +173,9 @@ struct ShadedBytesOf<kFormat, Packing::kPacked24> : ShadedPacked24<kFormat> {};
 template <PixelFormat kFormat>
 struct ShadedBytesOf<kFormat, Packing::kPacked422> : ShadedPacked16<kFormat> {};
 template <PixelFormat kFormat>
-struct ShadedBytesOf<kFormat, Packing::kSemiPlanar> : ShadedPlanar {};
+struct ShadedBytesOf<kFormat, Packing::kSemiPlanar> : ShadedPlanar<kFormat> {};
+template <PixelFormat kFormat>
+struct ShadedBytesOf<kFormat, Packing::kPlanar> : ShadedPlanar<kFormat> {};
 template <PixelFormat kFormat>
 using ShadedLayoutOf = ShadedLayout512<ShadedBytesOf<kFormat>>;
 

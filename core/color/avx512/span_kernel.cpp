@@ -232,7 +232,8 @@ struct Packed16 {
   }
 };
 
-// A byte a pixel, and two a pair.
+// A byte a pixel, and two a pair, in one plane or in two.
+template <PixelFormat kFormat>
 struct Planar {
   static constexpr std::array kPick = {pick_bytes(0, 2, 2), pick_bytes(1, 2, 2)};
   static constexpr std::array kLow = {repeat_bytes(0, kBackgroundLow, 1), repeat_bytes(0, kBackgroundLow + 2, 2)};
@@ -245,13 +246,27 @@ struct Planar {
   TOUCHLINE_TARGET_INLINE static Background background(__m512i light) {
     return {choose(light, kLow[0]), choose(light, kLow[1]), choose(light, kExtent[0]), choose(light, kExtent[1])};
   }
+  // U and V in turn. Blocks begin and end with whole pairs.
+  static constexpr Pick kInterleave = [] {
+    Pick pick{};
+    for (std::size_t i = 0; i < 64; ++i) pick[i] = static_cast<std::uint8_t>(i % 2 * 64 + i / 2);
+    return pick;
+  }();
+  template <bool kIsWhole>
+  TOUCHLINE_TARGET_INLINE static __m512i chroma(const RowPixels& row, const Block& block) {
+    if constexpr (info_of(kFormat).packing == Packing::kSemiPlanar) {
+      return load<kIsWhole>(row.plane[1] + block.u, block.begin, block.end, 0);
+    }
+    const std::uint64_t pairs = bits(block.begin / 2, block.end / 2);
+    return choose(_mm512_maskz_loadu_epi8(pairs, row.plane[1] + block.u / 2),
+                  _mm512_maskz_loadu_epi8(pairs, row.plane[2] + block.u / 2), kInterleave);
+  }
   struct Bytes {
     __m512i luma, chroma;
   };
   template <bool kIsWhole>
   TOUCHLINE_TARGET_INLINE static Bytes bytes_of(const RowPixels& row, const Block& block) {
-    return {load<kIsWhole>(row.plane[0] + block.u, block.begin, block.end, 0),
-            load<kIsWhole>(row.plane[1] + block.u, block.begin, block.end, 0)};
+    return {load<kIsWhole>(row.plane[0] + block.u, block.begin, block.end, 0), chroma<kIsWhole>(row, block)};
   }
   TOUCHLINE_TARGET_INLINE static __m512i candidates(const Bytes& bytes, const Background& background) {
     return _mm512_or_si512(beyond(bytes.luma, background.luma_low, background.luma_extent),
@@ -384,7 +399,9 @@ struct LayoutOf<kFormat, Packing::kPacked24> : Packed24<kFormat> {};
 template <PixelFormat kFormat>
 struct LayoutOf<kFormat, Packing::kPacked422> : Packed16<kFormat> {};
 template <PixelFormat kFormat>
-struct LayoutOf<kFormat, Packing::kSemiPlanar> : Planar {};
+struct LayoutOf<kFormat, Packing::kSemiPlanar> : Planar<kFormat> {};
+template <PixelFormat kFormat>
+struct LayoutOf<kFormat, Packing::kPlanar> : Planar<kFormat> {};
 struct Family {
   template <PixelFormat kFormat>
   static constexpr SpanKernel kKernel = classify_span<kFormat, LayoutOf<kFormat>>;

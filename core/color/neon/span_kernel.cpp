@@ -196,15 +196,23 @@ struct Packed24 {
 // Formats whose pixel pairs share a chroma sample.
 template <PixelFormat kFormat>
 struct SharedChroma {
+  static constexpr bool kApart = info_of(kFormat).packing == Packing::kPlanar;
   static constexpr bool kPlanar = info_of(kFormat).planes > 1, kBackgroundFromZero = false;
 
   static RowPixels at(const RowPixels& row, std::size_t u) {
+    if constexpr (kApart) return {{row.plane[0] + u, row.plane[1] + u / 2, row.plane[2] + u / 2}};
     return {{row.plane[0] + u * (kPlanar ? 1 : 2), kPlanar ? row.plane[1] + u : nullptr}};
   }
 
   // 32 bytes, of YUYV and UYVY in turn and of NV12 luma and chroma.
   static Values first(const RowPixels& tile) { return vld1q_u8(tile.plane[0]); }
-  static Values second(const RowPixels& tile) { return vld1q_u8(kPlanar ? tile.plane[1] : tile.plane[0] + kTile); }
+  static Values second(const RowPixels& tile) {
+    if constexpr (kApart) {
+      const PairValues u = vld1_u8(tile.plane[1]), v = vld1_u8(tile.plane[2]);
+      return vcombine_u8(vzip1_u8(u, v), vzip2_u8(u, v));
+    }
+    return vld1q_u8(kPlanar ? tile.plane[1] : tile.plane[0] + kTile);
+  }
 
   struct Background {
     BackgroundWords of_first, of_second;
@@ -232,6 +240,7 @@ struct SharedChroma {
     PairValues u, v;
   };
   static Samples samples(const RowPixels& tile) {
+    if constexpr (kApart) return {first(tile), vld1_u8(tile.plane[1]), vld1_u8(tile.plane[2])};
     const Values a = first(tile), b = second(tile);
     const bool even = info_of(kFormat).channel[0].offset == 0;
     const Values luma = kPlanar ? a : even ? vuzp1q_u8(a, b) : vuzp2q_u8(a, b);

@@ -97,6 +97,7 @@ struct Packed24 {
 template <PixelFormat kFormat>
 struct SharedChroma {
   static constexpr const auto& kChannel = info_of(kFormat).channel;
+  static constexpr Packing kPacking = info_of(kFormat).packing;
   static constexpr bool kPlanar = info_of(kFormat).planes > 1;
   static constexpr std::size_t kLumaStep = kChannel[0].step;
 
@@ -129,10 +130,18 @@ struct SharedChroma {
    public:
     explicit Background(const TileParameters& light)
         : first_(kPlanar ? background_word<1>(light, {0}) : background_word<4>(light, {0, 1, 2, 3})),
-          second_(kPlanar ? background_word<2>(light, {2, 3}) : first_) {}
+          second_(kPacking == Packing::kPlanar       ? background_word<8>(light, {2, 2, 2, 2, 3, 3, 3, 3})
+                  : kPacking == Packing::kSemiPlanar ? background_word<2>(light, {2, 3})
+                                                     : first_) {}
     /// `begin` is even.
     [[nodiscard]] bool holds(const RowPixels& row, std::uint32_t begin) const {
       const std::uint8_t* bytes = row.plane[0] + std::size_t{begin} * kLumaStep;
+      if constexpr (kPacking == Packing::kPlanar) {
+        std::array<std::uint8_t, 8> chroma;
+        std::memcpy(chroma.data(), row.plane[1] + begin / 2, 4);
+        std::memcpy(chroma.data() + 4, row.plane[2] + begin / 2, 4);
+        return (first_.candidates(load_word(bytes)) | second_.candidates(load_word(chroma.data()))) == 0;
+      }
       return (first_.candidates(load_word(bytes)) |
               second_.candidates(load_word(kPlanar ? row.plane[1] + begin : bytes + 8))) == 0;
     }

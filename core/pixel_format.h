@@ -11,7 +11,7 @@
 namespace touchline {
 
 #define TOUCHLINE_PIXEL_FORMATS(FORMAT) \
-  FORMAT(kRgb24) FORMAT(kBgr24) FORMAT(kYuyv) FORMAT(kUyvy) FORMAT(kNv12) FORMAT(kI420)
+  FORMAT(kRgb24) FORMAT(kBgr24) FORMAT(kYuyv) FORMAT(kUyvy) FORMAT(kNv12) FORMAT(kI420) FORMAT(kXrgb8888)
 
 enum class PixelFormat : std::uint8_t {
 #define TOUCHLINE_FORMAT(name) name,
@@ -28,6 +28,7 @@ enum class ColorRange : std::uint8_t { kFull, kLimited };
 /// How samples are arranged in memory; color kernels differ by it.
 enum class Packing : std::uint8_t {
   kPacked24,    // three bytes a pixel
+  kPacked32,    // four bytes a pixel, the last of them unused
   kPacked422,   // four bytes for two pixels that share chroma
   kSemiPlanar,  // luma, and chroma in pairs U, V of 2 x 2 pixels
   kPlanar,      // luma, and a plane each of U and V of 2 x 2 pixels
@@ -84,6 +85,9 @@ inline constexpr std::array kPixelFormatTable{
     PixelFormatInfo{PixelFormat::kI420, "i420", Packing::kPlanar, ColorSpace::kYuv, ColorRange::kLimited, 3,
                     {{{0, 0, 1}, {1, 0, 1, 1, 1}, {2, 0, 1, 1, 1}}},
                     fourcc("YU12"), fourcc("YM12"), fourcc("YU12")},
+    PixelFormatInfo{PixelFormat::kXrgb8888, "xrgb8888", Packing::kPacked32, ColorSpace::kRgb, ColorRange::kFull, 1,
+                    {{{0, 2, 4}, {0, 1, 4}, {0, 0, 4}}},
+                    fourcc("XR24"), 0, fourcc("XR24")},
 };
 // clang-format on
 

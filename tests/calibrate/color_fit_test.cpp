@@ -106,7 +106,9 @@ TEST_P(ColorFitOf, OnePictureIsEnoughForAnother) {
   EXPECT_EQ(found.ghosts, 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, ColorFitOf, testing::Values(PixelFormat::kRgb24, PixelFormat::kYuyv, PixelFormat::kI420));
+INSTANTIATE_TEST_SUITE_P(Formats, ColorFitOf,
+                         testing::Values(PixelFormat::kRgb24, PixelFormat::kYuyv, PixelFormat::kI420,
+                                         PixelFormat::kXrgb8888));
 
 TEST(ColorFit, LightMapMakesOneCornerEnough) {
   // Colors learned in bright light only must be found in a third of the light.

@@ -24,6 +24,8 @@ std::array<Place, 3> places(PixelFormat format, const std::array<std::size_t, kM
       return {{{0, row + 2 * x + 1}, {0, row + 4 * pair}, {0, row + 4 * pair + 2}}};
     case PixelFormat::kNv12:
       return {{{0, row + x}, {1, y / 2 * stride[1] + 2 * pair}, {1, y / 2 * stride[1] + 2 * pair + 1}}};
+    case PixelFormat::kXrgb8888:
+      return {{{0, row + 4 * x + 2}, {0, row + 4 * x + 1}, {0, row + 4 * x}}};
     case PixelFormat::kI420:
       return {{{0, row + x}, {1, y / 2 * stride[1] + pair}, {2, y / 2 * stride[2] + pair}}};
   }
@@ -53,6 +55,9 @@ OwnedPicture::OwnedPicture(PixelFormat format, int width, int height, int paddin
       break;
     case PixelFormat::kI420:
       row = {w, even / 2, even / 2};
+      break;
+    case PixelFormat::kXrgb8888:
+      row = {4 * w};
       break;
   }
   for (std::size_t plane = 0; plane < kMaxPlanes; ++plane) {

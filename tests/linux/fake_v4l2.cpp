@@ -13,6 +13,8 @@ std::uint32_t bytes_per_pixel(std::uint32_t fourcc) {
     case V4L2_PIX_FMT_RGB24:
     case V4L2_PIX_FMT_BGR24:
       return 3;
+    case V4L2_PIX_FMT_XBGR32:
+      return 4;
     case V4L2_PIX_FMT_NV12:
     case V4L2_PIX_FMT_NV12M:
     case V4L2_PIX_FMT_YUV420:

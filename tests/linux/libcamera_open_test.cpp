@@ -85,12 +85,13 @@ TEST_F(LibcameraOpenTest, PlanesAndStridesOfAllFormats) {
     hal::CameraFormat format;
     std::uint32_t pixel_bytes;
   };
-  constexpr std::array<Case, 6> kCases{{{hal::CameraFormat::kRgb24, 3},
+  constexpr std::array<Case, 7> kCases{{{hal::CameraFormat::kRgb24, 3},
                                         {hal::CameraFormat::kBgr24, 3},
                                         {hal::CameraFormat::kYuyv, 2},
                                         {hal::CameraFormat::kUyvy, 2},
                                         {hal::CameraFormat::kNv12, 1},
-                                        {hal::CameraFormat::kI420, 1}}};
+                                        {hal::CameraFormat::kI420, 1},
+                                        {hal::CameraFormat::kXrgb8888, 4}}};
   world_.padding_bytes = 32;
   world_.spare_bytes = 4096;
   for (const Case& example : kCases) {

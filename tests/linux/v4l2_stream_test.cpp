@@ -57,12 +57,13 @@ TEST_F(V4l2StreamTest, PlanesAndStridesOfAllFormats) {
     CameraFormat format;
     std::uint32_t fourcc, bytes_per_pixel;
   };
-  constexpr std::array<Case, 6> kCases{{{CameraFormat::kRgb24, V4L2_PIX_FMT_RGB24, 3},
+  constexpr std::array<Case, 7> kCases{{{CameraFormat::kRgb24, V4L2_PIX_FMT_RGB24, 3},
                                         {CameraFormat::kBgr24, V4L2_PIX_FMT_BGR24, 3},
                                         {CameraFormat::kYuyv, V4L2_PIX_FMT_YUYV, 2},
                                         {CameraFormat::kUyvy, V4L2_PIX_FMT_UYVY, 2},
                                         {CameraFormat::kNv12, V4L2_PIX_FMT_NV12, 1},
-                                        {CameraFormat::kI420, V4L2_PIX_FMT_YUV420, 1}}};
+                                        {CameraFormat::kI420, V4L2_PIX_FMT_YUV420, 1},
+                                        {CameraFormat::kXrgb8888, V4L2_PIX_FMT_XBGR32, 4}}};
   device_.padding_bytes = 24;
   for (const unsigned interface : {V4L2_CAP_VIDEO_CAPTURE + 0u, V4L2_CAP_VIDEO_CAPTURE_MPLANE + 0u}) {
     device_.capabilities = interface | V4L2_CAP_STREAMING;

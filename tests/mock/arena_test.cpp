@@ -80,7 +80,7 @@ TEST_F(ArenaTest, AllocatesNothingWhileItRuns) {
   add_fault(FaultKind::kCameraLost, 8.0, 0.3);
   add_fault(FaultKind::kRadioLost, 8.5, 0.3);
   for (const CameraFormat format :
-       {CameraFormat::kRgb24, CameraFormat::kYuyv, CameraFormat::kNv12, CameraFormat::kI420}) {
+       {CameraFormat::kRgb24, CameraFormat::kYuyv, CameraFormat::kNv12, CameraFormat::kI420, CameraFormat::kXrgb8888}) {
     settings.format = format;
     start();
     const std::uint64_t before = latency::allocations_of_this_thread();

@@ -155,6 +155,18 @@ TEST(MockBoard, PlaysTheSameGameWithEveryKernel) {
   }
 }
 
+TEST(MockBoard, PlaysTheSameGameInEveryRgbFormat) {
+  std::optional<std::uint64_t> expected;
+  for (const PixelFormatInfo& format : kPixelFormatTable) {
+    if (format.space != ColorSpace::kRgb) continue;
+    Game game(3, {}, {"camera.format=" + std::string(format.word)});
+    game.run_until(0.2);
+    EXPECT_GE(game.frames_with_all, 5);
+    if (!expected) expected = game.state.value();
+    EXPECT_EQ(game.state.value(), *expected) << format.word;
+  }
+}
+
 TEST(MockBoard, FilesAreValid) {
   config::Configuration configuration;
   config::Problems problems;

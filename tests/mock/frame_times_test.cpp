@@ -88,8 +88,8 @@ TEST_F(FrameTimes, CaptureTimeIsTheMiddleOfTheExposure) {
 }
 
 TEST_F(FrameTimes, InfoAndFrameMatchTheSettings) {
-  for (const CameraFormat asked :
-       {CameraFormat::kRgb24, CameraFormat::kYuyv, CameraFormat::kNv12, CameraFormat::kI420, CameraFormat::kMjpg}) {
+  for (const CameraFormat asked : {CameraFormat::kRgb24, CameraFormat::kYuyv, CameraFormat::kNv12, CameraFormat::kI420,
+                                   CameraFormat::kXrgb8888, CameraFormat::kMjpg}) {
     settings.format = asked;
     const PixelFormat format = pixel_format(asked);
     start();

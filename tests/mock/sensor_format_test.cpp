@@ -131,6 +131,14 @@ TEST_P(Formats, Nv12SharesChromaByBlocks) {
   }
 }
 
+TEST_P(Formats, Xrgb8888HasTheSamplesOfRgb24) {
+  const auto xrgb = expose(PixelFormat::kXrgb8888, size_, linear_);
+  ASSERT_EQ(xrgb.size(), rgb_.size() / 3 * 4);
+  for (std::size_t i = 0; i < rgb_.size() / 3; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) ASSERT_EQ(xrgb[4 * i + 2 - c], rgb_[3 * i + c]);
+  }
+}
+
 TEST_P(Formats, I420HasTheSamplesOfNv12) {
   const auto nv12 = expose(PixelFormat::kNv12, size_, linear_), i420 = expose(PixelFormat::kI420, size_, linear_);
   ASSERT_EQ(i420.size(), nv12.size());

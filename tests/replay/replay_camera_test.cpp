@@ -99,6 +99,13 @@ TEST(ReplayCamera, BgrAndYuvOfAPicture) {
   first_frame(PixelFormat::kBgr24, [](const Frame& frame) {
     EXPECT_EQ(pixels(frame, 6), (std::vector<std::uint8_t>{0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255}));
   });
+  first_frame(PixelFormat::kXrgb8888, [](const Frame& frame) {
+    const std::vector<std::uint8_t> bytes = pixels(frame, 12);
+    ASSERT_EQ(bytes.size(), 24u);
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      if (i % 4 != 3) EXPECT_EQ(bytes[i], i % 4 == 2 ? 255 : 0) << "byte " << i;
+    }
+  });
   // ITU-R BT.601, limited range: pure red is Y 81, U 90, V 240.
   const auto near = [](const std::vector<std::uint8_t>& bytes, const std::vector<int>& expected) {
     ASSERT_EQ(bytes.size(), expected.size());

@@ -93,7 +93,8 @@ TEST_P(StressPatterns, PatternsCauseTheWorkThatTheyClaim) {
 }
 INSTANTIATE_TEST_SUITE_P(Formats, StressPatterns,
                          testing::Values(PixelFormat::kRgb24, PixelFormat::kBgr24, PixelFormat::kYuyv,
-                                         PixelFormat::kUyvy, PixelFormat::kNv12, PixelFormat::kI420));
+                                         PixelFormat::kUyvy, PixelFormat::kNv12, PixelFormat::kI420,
+                                         PixelFormat::kXrgb8888));
 
 TEST(StressPatternCamera, NeedsColors) {
   PipelineParameters parameters = parameters_for(PixelFormat::kRgb24, 16, 16);

@@ -129,9 +129,8 @@ struct Packed24 {
   }
 };
 
-// Two bytes a pixel.
-template <PixelFormat kFormat>
-struct Packed16 {
+// Formats whose bytes repeat after four.
+struct PeriodOfFour {
   struct Background {
     __m256i low, extent;
   };
@@ -141,6 +140,11 @@ struct Packed16 {
   TOUCHLINE_TARGET_INLINE static Background background(__m256i bytes) {
     return {_mm256_shuffle_epi32(bytes, 0b00000000), _mm256_shuffle_epi32(bytes, 0b01010101)};
   }
+};
+
+// Two bytes a pixel.
+template <PixelFormat kFormat>
+struct Packed16 : PeriodOfFour {
   TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, std::uint32_t u,
                                                     const Background& background) {
     const std::uint8_t* bytes = row.plane[0] + std::size_t{2} * u;
@@ -167,6 +171,55 @@ struct Packed16 {
     constexpr std::size_t kLuma = info_of(kFormat).channel[0].offset, kChroma = 1 - kLuma;
     return {picked(first, second, kLumaOfFour[kLuma]), picked(first, second, kChromaOfFour[kChroma]),
             picked(first, second, kChromaOfFour[kChroma + 2])};
+  }
+};
+
+// Four bytes a pixel, the last of them unused.
+template <PixelFormat kFormat>
+struct Packed32 : PeriodOfFour {
+  struct Bytes {
+    __m256i first, second, third, fourth;
+  };
+  TOUCHLINE_TARGET_INLINE static __m256i candidates(const Bytes& bytes, const Background& background) {
+    const __m256i low = background.low, extent = background.extent;
+    return _mm256_or_si256(_mm256_or_si256(beyond(bytes.first, low, extent), beyond(bytes.second, low, extent)),
+                           _mm256_or_si256(beyond(bytes.third, low, extent), beyond(bytes.fourth, low, extent)));
+  }
+  TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, std::uint32_t u,
+                                                    const Background& background) {
+    const std::uint8_t* bytes = row.plane[0] + std::size_t{4} * u;
+    return candidates({load(bytes), load(bytes + 32), load(bytes + 64), load(bytes + 96)}, background);
+  }
+  TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, const TwoTiles& tiles) {
+    return candidates(
+        two_tiles(row.plane[0] + std::size_t{4} * tiles.u_low, row.plane[0] + std::size_t{4} * tiles.u_high),
+        background(background_bytes_of(tiles)));
+  }
+
+  TOUCHLINE_TARGET_INLINE static Bytes two_tiles(const std::uint8_t* low, const std::uint8_t* high) {
+    return {load_halves(low, high), load_halves(low + 16, high + 16), load_halves(low + 32, high + 32),
+            load_halves(low + 48, high + 48)};
+  }
+  TOUCHLINE_TARGET_INLINE static Planes planes(const RowPixels& row, std::uint32_t u) {
+    const std::uint8_t* bytes = row.plane[0] + std::size_t{4} * u;
+    return planes(two_tiles(bytes, bytes + 64));
+  }
+  TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
+    const std::uint8_t* bytes = row.plane[0] + std::size_t{4} * u;
+    return planes(
+        {in_both_halves(bytes), in_both_halves(bytes + 16), in_both_halves(bytes + 32), in_both_halves(bytes + 48)});
+  }
+  // Of a tile in each half: four pixels' bytes by channel, then eight pixels', then all 16.
+  TOUCHLINE_TARGET_INLINE static Planes planes(const Bytes& bytes) {
+    constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
+    const __m256i by_channel = _mm256_setr_epi8(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15,  //
+                                                0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
+    const __m256i a = _mm256_shuffle_epi8(bytes.first, by_channel), b = _mm256_shuffle_epi8(bytes.second, by_channel),
+                  c = _mm256_shuffle_epi8(bytes.third, by_channel), d = _mm256_shuffle_epi8(bytes.fourth, by_channel);
+    const __m256i ab = _mm256_unpacklo_epi32(a, b), cd = _mm256_unpacklo_epi32(c, d);
+    const __m256i zeroth = _mm256_unpacklo_epi64(ab, cd), first = _mm256_unpackhi_epi64(ab, cd),
+                  second = _mm256_unpacklo_epi64(_mm256_unpackhi_epi32(a, b), _mm256_unpackhi_epi32(c, d));
+    return kRed == 0 ? Planes{zeroth, first, second} : Planes{second, first, zeroth};
   }
 };
 
@@ -227,6 +280,8 @@ template <PixelFormat kFormat, Packing kPacking = info_of(kFormat).packing>
 struct LayoutOf;
 template <PixelFormat kFormat>
 struct LayoutOf<kFormat, Packing::kPacked24> : Packed24<kFormat> {};
+template <PixelFormat kFormat>
+struct LayoutOf<kFormat, Packing::kPacked32> : Packed32<kFormat> {};
 template <PixelFormat kFormat>
 struct LayoutOf<kFormat, Packing::kPacked422> : Packed16<kFormat> {};
 template <PixelFormat kFormat>

@@ -53,6 +53,11 @@ inline constexpr std::array kLowOf24 = {bytes_of_lights(0, 48, kLow, 3), bytes_o
                                         bytes_of_lights(2, 48, kLow, 3)};
 inline constexpr std::array kExtentOf24 = {bytes_of_lights(0, 48, kExtent, 3), bytes_of_lights(1, 48, kExtent, 3),
                                            bytes_of_lights(2, 48, kExtent, 3)};
+// Four bytes a pixel.
+inline constexpr std::array kLowOf32 = {bytes_of_lights(0, 64, kLow, 4), bytes_of_lights(1, 64, kLow, 4),
+                                        bytes_of_lights(2, 64, kLow, 4), bytes_of_lights(3, 64, kLow, 4)};
+inline constexpr std::array kExtentOf32 = {bytes_of_lights(0, 64, kExtent, 4), bytes_of_lights(1, 64, kExtent, 4),
+                                           bytes_of_lights(2, 64, kExtent, 4), bytes_of_lights(3, 64, kExtent, 4)};
 // Two bytes a pixel.
 inline constexpr std::array kLowOf16 = {bytes_of_lights(0, 32, kLow, 4), bytes_of_lights(1, 32, kLow, 4)};
 inline constexpr std::array kExtentOf16 = {bytes_of_lights(0, 32, kExtent, 4), bytes_of_lights(1, 32, kExtent, 4)};
@@ -69,6 +74,7 @@ constexpr Bytes64 plane_of_tile(std::size_t first, std::size_t step, std::size_t
   return which;
 }
 inline constexpr std::array kPlaneOf24 = {plane_of_tile(0, 3, 1), plane_of_tile(1, 3, 1), plane_of_tile(2, 3, 1)};
+inline constexpr std::array kPlaneOf32 = {plane_of_tile(0, 4, 1), plane_of_tile(1, 4, 1), plane_of_tile(2, 4, 1)};
 inline constexpr std::array kLumaOf16 = {plane_of_tile(0, 2, 1), plane_of_tile(1, 2, 1)};
 inline constexpr std::array kChromaOf16 = {plane_of_tile(0, 4, 2), plane_of_tile(1, 4, 2), plane_of_tile(2, 4, 2),
                                            plane_of_tile(3, 4, 2)};
@@ -100,6 +106,25 @@ struct ShadedPacked24 {
     constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
     const __m512i bytes = _mm512_maskz_loadu_epi8(~0ULL >> 16, row.plane[0] + std::size_t{3} * u);
     return {plane(bytes, kPlaneOf24[kRed]), plane(bytes, kPlaneOf24[1]), plane(bytes, kPlaneOf24[2 - kRed])};
+  }
+};
+
+template <PixelFormat kFormat>
+struct ShadedPacked32 {
+  static constexpr std::uint32_t kWords = 8;
+  TOUCHLINE_TARGET_INLINE static std::uint64_t candidate_words(const RowPixels& row, std::uint32_t u,
+                                                               const TileParameters* lights) {
+    const std::uint8_t* bytes = row.plane[0] + std::size_t{4} * u;
+    const __m512i light = four_lights(lights);
+    return avx512_shaded::candidate_words(_mm512_loadu_si512(bytes), light, kLowOf32[0], kExtentOf32[0]) |
+           avx512_shaded::candidate_words(_mm512_loadu_si512(bytes + 64), light, kLowOf32[1], kExtentOf32[1]) << 8 |
+           avx512_shaded::candidate_words(_mm512_loadu_si512(bytes + 128), light, kLowOf32[2], kExtentOf32[2]) << 16 |
+           avx512_shaded::candidate_words(_mm512_loadu_si512(bytes + 192), light, kLowOf32[3], kExtentOf32[3]) << 24;
+  }
+  TOUCHLINE_TARGET_INLINE static Planes tile_planes(const RowPixels& row, std::uint32_t u) {
+    constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
+    const __m512i bytes = _mm512_loadu_si512(row.plane[0] + std::size_t{4} * u);
+    return {plane(bytes, kPlaneOf32[kRed]), plane(bytes, kPlaneOf32[1]), plane(bytes, kPlaneOf32[2 - kRed])};
   }
 };
 
@@ -157,6 +182,7 @@ struct ShadedLayout512 : Layout {
     std::uint64_t candidates = words | words >> 1;
     if constexpr (kWords == 4) candidates |= candidates >> 2;
     if constexpr (kWords == 6) candidates |= candidates >> 2 | candidates >> 4;
+    if constexpr (kWords == 8) candidates |= candidates >> 2 | candidates >> 4 | candidates >> 6;
     constexpr std::uint64_t kFirstWords = [] {
       std::uint64_t first = 0;
       for (std::uint32_t tile = 0; tile < 8; ++tile) first |= std::uint64_t{1} << tile * kWords;
@@ -170,6 +196,8 @@ template <PixelFormat kFormat, Packing kPacking = info_of(kFormat).packing>
 struct ShadedBytesOf;
 template <PixelFormat kFormat>
 struct ShadedBytesOf<kFormat, Packing::kPacked24> : ShadedPacked24<kFormat> {};
+template <PixelFormat kFormat>
+struct ShadedBytesOf<kFormat, Packing::kPacked32> : ShadedPacked32<kFormat> {};
 template <PixelFormat kFormat>
 struct ShadedBytesOf<kFormat, Packing::kPacked422> : ShadedPacked16<kFormat> {};
 template <PixelFormat kFormat>

@@ -198,6 +198,46 @@ struct Packed24 {
   }
 };
 
+// Four bytes a pixel, the last of them unused.
+template <PixelFormat kFormat>
+struct Packed32 {
+  static constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
+  // Pixels 32 to 63 are in the third and fourth 64 bytes, at the same places as the others in the first two.
+  static constexpr std::array kPick = {pick_bytes(kRed, 4, 1), pick_bytes(1, 4, 1), pick_bytes(2 - kRed, 4, 1)};
+  static constexpr std::uint64_t kInSecondHalf = kWhole << 32;
+  static constexpr Pick kLow = repeat_bytes(0, kBackgroundLow, 4), kExtent = repeat_bytes(0, kBackgroundExtent, 4);
+
+  struct Background {
+    __m512i low, extent;
+  };
+  TOUCHLINE_TARGET_INLINE static Background background(__m512i light) {
+    return {choose(light, kLow), choose(light, kExtent)};
+  }
+  struct Bytes {
+    __m512i first, second, third, fourth;
+  };
+  template <bool kIsWhole>
+  TOUCHLINE_TARGET_INLINE static Bytes bytes_of(const RowPixels& row, const Block& block) {
+    const std::uint8_t* bytes = row.plane[0] + std::size_t{4} * block.u;
+    const std::uint32_t begin = 4 * block.begin, end = 4 * block.end;
+    return {load<kIsWhole>(bytes, begin, end, 0), load<kIsWhole>(bytes, begin, end, 1),
+            load<kIsWhole>(bytes, begin, end, 2), load<kIsWhole>(bytes, begin, end, 3)};
+  }
+  TOUCHLINE_TARGET_INLINE static __m512i candidates(const Bytes& bytes, const Background& background) {
+    const __m512i of_three = or_of(beyond(bytes.first, background.low, background.extent),
+                                   beyond(bytes.second, background.low, background.extent),
+                                   beyond(bytes.third, background.low, background.extent));
+    return _mm512_or_si512(of_three, beyond(bytes.fourth, background.low, background.extent));
+  }
+  TOUCHLINE_TARGET_INLINE static Planes planes(const Bytes& bytes) {
+    return {channel(bytes, 0), channel(bytes, 1), channel(bytes, 2)};
+  }
+  TOUCHLINE_TARGET_INLINE static __m512i channel(const Bytes& bytes, std::size_t channel) {
+    return _mm512_mask_mov_epi8(choose(bytes.first, bytes.second, kPick[channel]), kInSecondHalf,
+                                choose(bytes.third, bytes.fourth, kPick[channel]));
+  }
+};
+
 // Two bytes a pixel.
 template <PixelFormat kFormat>
 struct Packed16 {
@@ -396,6 +436,8 @@ template <PixelFormat kFormat, Packing kPacking = info_of(kFormat).packing>
 struct LayoutOf;
 template <PixelFormat kFormat>
 struct LayoutOf<kFormat, Packing::kPacked24> : Packed24<kFormat> {};
+template <PixelFormat kFormat>
+struct LayoutOf<kFormat, Packing::kPacked32> : Packed32<kFormat> {};
 template <PixelFormat kFormat>
 struct LayoutOf<kFormat, Packing::kPacked422> : Packed16<kFormat> {};
 template <PixelFormat kFormat>

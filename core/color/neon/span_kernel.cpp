@@ -130,6 +130,27 @@ bool background_words(const TileParameters* lights, BackgroundWords& all) {
   return kFromZero || is_zero(vcgtq_u8(all.low, high));
 }
 
+// R, G and B of 16 pixels.
+struct RgbValues {
+  Values red, green, blue;
+};
+// False: background by the high nibbles, as most tiles are that the background box does not reject.
+bool may_be_colored(const Within& within, const RgbValues& value) {
+  return !is_zero(both(vqtbl1q_u8(within.first, vshrq_n_u8(value.red, 4)),
+                       both(vqtbl1q_u8(within.second, vshrq_n_u8(value.green, 4)),
+                            vqtbl1q_u8(within.third, vshrq_n_u8(value.blue, 4)))));
+}
+[[gnu::always_inline]] inline Values colors_of(const TileNibbles& tables, const RgbValues& value) {
+  Values found = vdupq_n_u8(kBackground);
+  const Nibbles<Values> a = nibbles_of(value.red), b = nibbles_of(value.green), c = nibbles_of(value.blue);
+  for (std::size_t group = 0; group < tables.groups; ++group) {
+    const Values classes = both(classes_of(tables.first, group, a),
+                                both(classes_of(tables.second, group, b), classes_of(tables.third, group, c)));
+    found = add_colors(found, tables.colors, group, classes);
+  }
+  return found;
+}
+
 // Three bytes a pixel. kFromZero: background_low is 0.
 template <PixelFormat kFormat, bool kFromZero>
 struct Packed24 {
@@ -171,25 +192,48 @@ struct Packed24 {
     }
   };
 
-  // False: background by the high nibbles, as most tiles are that are not background.
-  static bool may_be_colored(const Within& within, const RowPixels& tile) {
+  static RgbValues values(const RowPixels& tile) {
     const uint8x16x3_t bytes = vld3q_u8(tile.plane[0]);
-    return !is_zero(both(vqtbl1q_u8(within.first, vshrq_n_u8(bytes.val[kRed], 4)),
-                         both(vqtbl1q_u8(within.second, vshrq_n_u8(bytes.val[1], 4)),
-                              vqtbl1q_u8(within.third, vshrq_n_u8(bytes.val[2 - kRed], 4)))));
+    return {bytes.val[kRed], bytes.val[1], bytes.val[2 - kRed]};
   }
-
+  static bool may_be_colored(const Within& within, const RowPixels& tile) {
+    return neon::may_be_colored(within, values(tile));
+  }
   [[gnu::noinline]] static Values colors(const TileNibbles& tables, RowPixels tile) {
-    Values found = vdupq_n_u8(kBackground);
-    const uint8x16x3_t bytes = vld3q_u8(tile.plane[0]);
-    const Nibbles<Values> a = nibbles_of(bytes.val[kRed]), b = nibbles_of(bytes.val[1]),
-                          c = nibbles_of(bytes.val[2 - kRed]);
-    for (std::size_t group = 0; group < tables.groups; ++group) {
-      const Values classes = both(classes_of(tables.first, group, a),
-                                  both(classes_of(tables.second, group, b), classes_of(tables.third, group, c)));
-      found = add_colors(found, tables.colors, group, classes);
+    return colors_of(tables, values(tile));
+  }
+};
+
+// Four bytes a pixel, the last of them unused.
+template <PixelFormat kFormat>
+struct Packed32 {
+  static constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
+  static constexpr bool kBackgroundFromZero = false;
+
+  static RowPixels at(const RowPixels& row, std::size_t u) { return {{row.plane[0] + 4 * u}}; }
+
+  struct Background {
+    BackgroundWords words;
+    explicit Background(const BackgroundWords& of_tile) : words(of_tile) {}
+    template <std::size_t kTiles>
+    [[nodiscard]] bool holds(const RowPixels& tiles) const {
+      Values largest = vsubq_u8(vld1q_u8(tiles.plane[0]), words.low);
+      TOUCHLINE_UNROLL for (std::size_t i = 1; i < 4 * kTiles; ++i) {
+        largest = vmaxq_u8(largest, vsubq_u8(vld1q_u8(tiles.plane[0] + kTile * i), words.low));
+      }
+      return is_zero(vqsubq_u8(largest, words.extent));
     }
-    return found;
+  };
+
+  static RgbValues values(const RowPixels& tile) {
+    const uint8x16x4_t bytes = vld4q_u8(tile.plane[0]);
+    return {bytes.val[kRed], bytes.val[1], bytes.val[2 - kRed]};
+  }
+  static bool may_be_colored(const Within& within, const RowPixels& tile) {
+    return neon::may_be_colored(within, values(tile));
+  }
+  [[gnu::noinline]] static Values colors(const TileNibbles& tables, RowPixels tile) {
+    return colors_of(tables, values(tile));
   }
 };
 
@@ -391,7 +435,9 @@ template <PixelFormat kFormat>
 OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
                             ColorId* colors) {
   if (end - begin < kTile) return portable_kernel(kFormat)(tables, row, begin, end, colors);
-  if constexpr (color_space(kFormat) == ColorSpace::kRgb) {
+  if constexpr (info_of(kFormat).packing == Packing::kPacked32) {
+    return classify_light<Packed32<kFormat>>(tables, row, begin, end, colors);
+  } else if constexpr (info_of(kFormat).packing == Packing::kPacked24) {
     return tables.background_from_zero ? classify_light<Packed24<kFormat, true>>(tables, row, begin, end, colors)
                                        : classify_light<Packed24<kFormat, false>>(tables, row, begin, end, colors);
   } else {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "core/color/kernel_of_format.h"
 #include "core/color/load_word.h"
@@ -64,32 +65,42 @@ BackgroundWord background_word(const TileParameters& light, const std::array<std
   return BackgroundWord(low, extent);
 }
 
+// R, G and B next to each other.
 template <PixelFormat kFormat>
-struct Packed24 {
-  static constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
+struct PackedRgb {
+  static constexpr std::size_t kRed = info_of(kFormat).channel[0].offset, kStep = info_of(kFormat).channel[0].step;
 
   static void pixels(const LightTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
                      ColorId* colors) {
     const auto& [red, green, blue] = tables.channel;
-    const std::uint8_t* pixel = row.plane[0] + std::size_t{begin} * 3;
-    for (std::uint32_t u = begin; u < end; ++u, pixel += 3) {
+    const std::uint8_t* pixel = row.plane[0] + std::size_t{begin} * kStep;
+    for (std::uint32_t u = begin; u < end; ++u, pixel += kStep) {
       colors[u] = tables.color_of((*red)[pixel[kRed]] & (*green)[pixel[1]] & (*blue)[pixel[2 - kRed]]);
     }
   }
 
+  // Eight pixels are as many words as a pixel has bytes.
   class Background {
    public:
     explicit Background(const TileParameters& light) {
-      for (std::size_t i = 0; i < words_.size(); ++i) words_[i] = background_word<3>(light, {0, 1, 2}, 8 * i);
+      for (std::size_t i = 0; i < kStep; ++i) {
+        if constexpr (kStep == 3) {
+          words_[i] = background_word<3>(light, {0, 1, 2}, 8 * i);
+        } else {
+          words_[i] = background_word<4>(light, {0, 1, 2, 3});
+        }
+      }
     }
     [[nodiscard]] bool holds(const RowPixels& row, std::uint32_t begin) const {
-      const std::uint8_t* bytes = row.plane[0] + std::size_t{begin} * 3;
-      return (words_[0].candidates(load_word(bytes)) | words_[1].candidates(load_word(bytes + 8)) |
-              words_[2].candidates(load_word(bytes + 16))) == 0;
+      const std::uint8_t* bytes = row.plane[0] + std::size_t{begin} * kStep;
+      return [&]<std::size_t... kIndex>(std::index_sequence<kIndex...>) {
+        return (words_[kIndex].candidates(load_word(bytes + 8 * kIndex)) | ...) == 0;
+      }
+      (std::make_index_sequence<kStep>());
     }
 
    private:
-    std::array<BackgroundWord, 3> words_;
+    std::array<BackgroundWord, kStep> words_;
   };
 };
 
@@ -201,7 +212,9 @@ OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std:
 template <PixelFormat kFormat, Packing kPacking = info_of(kFormat).packing>
 struct LayoutOf : SharedChroma<kFormat> {};
 template <PixelFormat kFormat>
-struct LayoutOf<kFormat, Packing::kPacked24> : Packed24<kFormat> {};
+struct LayoutOf<kFormat, Packing::kPacked24> : PackedRgb<kFormat> {};
+template <PixelFormat kFormat>
+struct LayoutOf<kFormat, Packing::kPacked32> : PackedRgb<kFormat> {};
 
 struct Family {
   template <PixelFormat kFormat>

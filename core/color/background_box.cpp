@@ -5,10 +5,10 @@
 namespace touchline {
 namespace {
 
-// How much a value of a channel is expected of a background.
+// Weight of a channel's values as background.
 struct Expectation {
-  std::uint8_t anchor;  // is in the box
-  int extent;           // levels from the anchor at which it is least; 0: all values are alike
+  std::uint8_t anchor;  // always in the box
+  int extent;           // distance from the anchor at which the weight is least; 0: all values weigh the same
 
   [[nodiscard]] std::uint32_t weight(std::uint32_t value) const {
     const int off = static_cast<int>(value) - anchor;
@@ -24,7 +24,7 @@ using Expectations = std::array<Expectation, 3>;
 
 Expectations expected_of(ColorSpace space, const TypicalBackground& background) {
   constexpr int kMaxChroma = 64;
-  constexpr int kUnevenness = 32;  // what light and noise move a floor by, and no more
+  constexpr int kUnevenness = 32;  // levels by which light and noise change a floor
   Expectations expected{};
   for (std::size_t c = 0; c < 3; ++c) {
     const bool is_chroma = space == ColorSpace::kYuv && c > 0;
@@ -44,7 +44,7 @@ bool meet(const ColorBox& box, std::size_t channel, ValueRange range) {
   return box.low[channel] <= range.high && box.high[channel] >= range.low;
 }
 
-// The widest range about the anchor that meets none of the boxes; weight 0 when there is none.
+// Finds the widest range around the anchor that meets no box. Weight 0: there is none.
 Candidate widest(const ColorBoxes& boxes, const Expectation& expected, std::size_t channel) {
   const std::uint8_t anchor = expected.anchor;
   ValueRange range = {0, 255};
@@ -60,7 +60,7 @@ Candidate widest(const ColorBoxes& boxes, const Expectation& expected, std::size
   return {range, expected.weight(range)};
 }
 
-// The bounds that a best range of the channel can have: next to a box, or none.
+// Collects the bounds that the best range of the channel can have: next to a box, or at the end of the scale.
 void find_bounds(const ColorBoxes& boxes, std::uint8_t anchor, std::size_t channel, Bounds& low, Bounds& high) {
   low.push_back(0);
   high.push_back(255);
@@ -76,7 +76,7 @@ void find_bounds(const ColorBoxes& boxes, std::uint8_t anchor, std::size_t chann
   make_unique(high);
 }
 
-// Calls `use` with every range that the channel may have, and the boxes that meet it.
+// Calls `use` with every range that the channel can have, and the boxes that meet it.
 template <class Use>
 void for_each_range(const ColorBoxes& boxes, const Expectation& expected, std::size_t channel, Use use) {
   Bounds lows, highs;
@@ -114,7 +114,7 @@ BackgroundBox find_background_box(const ColorBoxes& boxes, ColorSpace space, con
 }
 
 ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std::uint8_t black) {
-  // Both grow with the value.
+  // Both conditions are monotonic in the value.
   const auto reaches_low = [&](std::uint32_t value) {
     return corrected(static_cast<std::uint8_t>(value), level, black) >= corrected_range.low;
   };

@@ -10,24 +10,25 @@
 
 namespace touchline {
 
-/// What most of the background shows, corrected by the light map, by channel; none: unknown.
+/// Typical value of the background in each channel, corrected by the light map. None: unknown.
 using TypicalBackground = std::optional<std::array<std::uint8_t, 3>>;
 
-/// A box of color space, bounds inclusive, that no color's box meets and that holds the typical background, or black
-/// when that is unknown: a pixel in it is background at a glance. Of all such boxes the one that holds most of what
-/// backgrounds look like: about the typical one, or any brightness, and in YUV little chroma, which is what white
-/// balance makes of carpets, lines and robots' tops.
+/// A box of color space, bounds inclusive, that overlaps no color box. A pixel inside it is background, which one cheap
+/// test shows. The box contains the typical background, or black if that is unknown. Among all such boxes it is the one
+/// with the largest share of expected backgrounds: values near the typical one, or any brightness, and in YUV little
+/// chroma, because white balance gives little chroma to carpets, lines and the tops of robots.
 struct BackgroundBox {
   std::array<std::uint8_t, 3> low{}, high{};
-  bool exists = false;  // false: what it must hold is in some box
+  bool exists = false;  // false: the value that it must contain lies in a color box
 };
 BackgroundBox find_background_box(const ColorBoxes& boxes, ColorSpace space, const TypicalBackground& background = {});
 
-/// The values that the light level moves into low..high, full scale being any value above as well (ColorTables). None:
-/// low above high.
+/// An interval of values, bounds inclusive. Empty: low is above high.
 struct ValueRange {
   std::uint8_t low = 0, high = 0;
 };
+/// Returns the values that correction by the light level moves into `corrected_range`. Full scale stands for all larger
+/// values as well (ColorTables).
 ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std::uint8_t black);
 
 /// Light level and background range of a tile of Shading. If there is a BackgroundBox, a pixel is background when
@@ -50,16 +51,16 @@ constexpr std::array<std::uint8_t, 3> background_bytes(PixelFormat format) {
   return bytes;
 }
 
-/// Background ranges of all channels at every light level, by which those of a tile are put together.
+/// The background box of each light level, before correction.
 class BackgroundRanges {
  public:
-  /// Errors: none. Boxes may be moved later by up to `box_shift_limit` levels. A typical background within reach of a
-  /// box counts as unknown.
+  /// Finds the background box for color boxes that may later move by up to `box_shift_limit` levels. A typical
+  /// background that a moved color box can contain counts as unknown.
   void build(PixelFormat format, const ColorBoxes& boxes, std::uint8_t box_shift_limit,
              const TypicalBackground& background = {});
   [[nodiscard]] TileParameters of(const std::array<std::uint8_t, 3>& level) const;
   [[nodiscard]] bool exist() const { return exist_; }
-  /// Whether they all begin at 0, as they do in R, G, B when the typical background is unknown or dark.
+  /// Whether all ranges begin at 0. This holds in RGB if the typical background is unknown or dark.
   [[nodiscard]] bool begin_at_zero() const { return begin_at_zero_; }
 
  private:
@@ -69,7 +70,7 @@ class BackgroundRanges {
 
   PixelFormat format_ = PixelFormat::kRgb24;
   bool exist_ = false, begin_at_zero_ = false;
-  Ranges usual_{}, dark_{};  // dark_: where no value is in the usual ones; it holds the black value at all levels
+  Ranges usual_{}, dark_{};  // dark_: for levels at which usual_ is empty; contains black at all levels
 };
 
 }  // namespace touchline

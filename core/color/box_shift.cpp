@@ -10,7 +10,7 @@ int levels_between(const ColorBox& a, const ColorBox& b, std::size_t channel) {
   return std::max(int{a.low[channel]} - b.high[channel], int{b.low[channel]} - a.high[channel]) - 1;
 }
 
-// The channel in which two boxes are farthest apart: of boxes that do not meet, one in which they do not overlap.
+// Returns the channel in which two boxes are farthest apart. Disjoint boxes do not overlap in it.
 std::size_t separating_channel(const ColorBox& a, const ColorBox& b) {
   std::size_t best = 0;
   for (std::size_t channel = 1; channel < 3; ++channel) {
@@ -19,7 +19,7 @@ std::size_t separating_channel(const ColorBox& a, const ColorBox& b) {
   return best;
 }
 
-// Both end halfway through what they have in common. False, and nothing is changed: one of them would vanish.
+// Ends both boxes halfway through their overlap. Returns false and changes nothing if one of them would become empty.
 bool part(ColorBox& below, ColorBox& above, std::size_t channel) {
   const int middle = (int{below.high[channel]} + above.low[channel]) / 2;
   if (middle < below.low[channel] || middle + 1 > above.high[channel]) return false;
@@ -54,7 +54,7 @@ ColorBoxes BoxShift::moved() const {
   for (ColorBox& box : moved) {
     for (std::size_t channel = 0; channel < 3; ++channel) {
       const int by = static_cast<int>(std::lround(shift_[box.color][channel]));
-      // A side at the end of the scale stays there: saturated pixels remain what they are.
+      // A side at the end of the scale stays there, so that saturated pixels keep their class.
       if (box.low[channel] > 0) {
         box.low[channel] = static_cast<std::uint8_t>(std::clamp(box.low[channel] + by, 1, 255));
       }

@@ -7,22 +7,23 @@
 
 namespace touchline {
 
-/// How far the colors' boxes have to move, each color by its own: what a change of the lamps' tint does to paints, and
-/// light alone does not explain.
+/// Tracks how far each color's boxes must move in color space. A change of the lamps' tint moves paints in ways that a
+/// change of brightness does not explain.
 class BoxShift {
  public:
-  /// No color is moved yet. `max_levels`: none is moved farther in any channel. kOutOfRange: check(boxes), or a
-  /// negative bound.
+  /// Sets the boxes and resets all shifts to 0. `max_levels` limits the shift of each channel. kOutOfRange:
+  /// check(boxes) fails, or the limit is negative.
   Status configure(const ColorBoxes& boxes, float max_levels);
   void reset();
 
-  /// The color was seen `off` levels from where it is expected. `step`, 0 to 1: the share of the difference to the
-  /// present shift that is believed; a single observation moves it by at most kMaxStep_levels times that.
+  /// Moves the shift of a color towards an observation: the color was seen `off` levels from its expected value.
+  /// `step`, 0 to 1, is the share of the difference that is applied. One observation moves the shift by at most
+  /// kMaxStep_levels * step.
   void observe(ColorId color, const std::array<float, 3>& off, float step);
 
   [[nodiscard]] const std::array<float, 3>& of(ColorId color) const { return shift_[color]; }
-  /// The boxes, moved by whole levels. Where two colors would meet, both end halfway; if nothing would be left of one,
-  /// all stay in their places.
+  /// Returns the boxes, moved by whole levels. Boxes of two colors that would overlap both end halfway. If a box would
+  /// become empty, no box is moved.
   [[nodiscard]] ColorBoxes moved() const;
 
   static constexpr float kMaxStep_levels = 8.0f;

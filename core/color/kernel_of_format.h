@@ -9,7 +9,7 @@
 
 namespace touchline {
 
-/// A kernel for spans of whole pairs made into one for any: single pixels at the ends go to the portable kernel.
+/// Extends a kernel for whole pixel pairs to any span: the portable kernel classifies single pixels at the ends.
 template <PixelFormat kFormat, SpanKernel kKernel>
 OccupiedWords classify_any_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
                                 ColorId* colors) {
@@ -26,8 +26,8 @@ OccupiedWords classify_any_span(const SpanTables& tables, const RowPixels& row, 
   return begin < end ? occupied | kKernel(tables, row, begin, end, colors) : occupied;
 }
 
-/// Of `count` blocks some are left, a bit each, which might have colors. Few of them are classified sooner than looked
-/// at again, and where most are left they do have colors.
+/// Decides whether a further rejection test pays off for the candidates `left`, one bit each, of `count` blocks. Few
+/// candidates are classified faster than tested. If most blocks are candidates, most of them do contain colors.
 [[gnu::always_inline]] inline bool is_second_pass_worthwhile(std::uint64_t left, std::uint32_t count) {
   const auto number = static_cast<std::uint32_t>(std::popcount(left));
   return count < 8 * number && 2 * number <= count;

@@ -5,7 +5,8 @@
 namespace touchline {
 namespace {
 
-// Of one class, whose values are all from the first to the last: correction by light never reverses an order.
+// Adds one class. Its values are all those from the first to the last, because light correction never decreases when
+// the value grows.
 void add_class(const ColorTables::Table& table, std::size_t bit, ChannelNibbles& nibbles) {
   const std::uint32_t mask = std::uint32_t{1} << bit;
   std::size_t first = 0, last = table.size() - 1;

@@ -12,38 +12,38 @@
 
 namespace touchline {
 
-/// Pixels -> colors, one row at a time, in the format in which they arrive; with or without shading correction.
+/// Classifies pixels by color, one row at a time, in the camera's format, with or without shading correction.
 class RowClassifier {
  public:
-  /// Boxes may be moved later by up to `box_shift_limit` levels. The typical background decides nothing but the speed.
-  /// kOutOfRange: as ColorTables::build and Shading::build; kUnsupported: this processor has no such kernel. After an
-  /// error no frame is accepted.
+  /// Boxes may later move by up to `box_shift_limit` levels. The typical background affects only the speed.
+  /// kOutOfRange: as ColorTables::build and Shading::build. kUnsupported: this processor lacks the kernel's
+  /// instructions. After an error no frame is accepted.
   Status configure(PixelFormat format, std::uint16_t width_px, std::uint16_t height_px, const ColorBoxes& boxes,
                    const LightMap& light, KernelChoice kernel = KernelChoice::kFastest,
                    std::uint8_t box_shift_limit = 0, const TypicalBackground& background = {});
 
-  /// Between two frames, a part at a time so that none takes long: the light of a row of tiles
-  /// (Shading::level; no effect without a light map), and the boxes of one channel and light level
-  /// (ColorTables::rebuild).
+  /// Update the light of one row of tiles (Shading::level; no effect without a light map), and the tables of one
+  /// channel and light level (ColorTables::rebuild). Call them between two frames, one part at a time to bound the
+  /// time.
   void apply_light_change(const LightChange& change, std::uint16_t tile_row);
   void rebuild_tables(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level);
 
-  /// kUnsupported: another format or size than configured, or not configured. kShortFrame: a plane is missing, or its
-  /// stride is smaller than a row.
+  /// kUnsupported: the format or size differs from the configured one, or nothing is configured. kShortFrame: a plane
+  /// is missing, or its stride is smaller than a row.
   [[nodiscard]] Status accepts(const Frame& frame) const;
 
-  /// Writes colors[u] for begin <= u < end, the columns of row v. The frame has been accepted, v and end are in it.
-  /// Returns which words of 64 columns may hold a color: all of the others is background.
+  /// Writes colors[u] for the columns begin <= u < end of row v. The frame must have been accepted and contain v and
+  /// end. Returns the words of 64 columns that may contain a color; all others are background.
   OccupiedWords classify(const Frame& frame, std::uint16_t v, std::uint16_t begin, std::uint16_t end,
                          ColorId* colors) const;
 
-  /// Never kFastest once configured.
+  /// The chosen instruction set; not kFastest after configure().
   [[nodiscard]] KernelChoice kernel() const { return choice_; }
   [[nodiscard]] const ColorTables& tables() const { return tables_; }
   [[nodiscard]] const Shading& shading() const { return shading_; }
 
  private:
-  void find_tiles(std::uint16_t tile_row, const LightChange* change);  // null: as the light map says
+  void update_tiles(std::uint16_t tile_row, const LightChange* change);  // null: no change since the light map was made
 
   SpanKernel kernel_ = nullptr;
   KernelChoice choice_ = KernelChoice::kFastest;
@@ -53,7 +53,7 @@ class RowClassifier {
   NibbleTables nibbles_;
   Shading shading_;
   BackgroundRanges background_;
-  std::array<TileParameters, kMaxTiles> tiles_{};  // without a light map the first holds for all
+  std::array<TileParameters, kMaxTiles> tiles_{};  // without a light map, the first applies to all columns
 };
 
 }  // namespace touchline

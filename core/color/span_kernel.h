@@ -11,27 +11,27 @@
 
 namespace touchline {
 
-/// What a kernel needs to know about the colors in a row.
+/// Tables that a kernel needs for a row.
 struct SpanTables {
   const ColorTables* colors = nullptr;
-  const NibbleTables* nibbles = nullptr;  // the same classes for kernels that look up nibbles
-  const TileParameters* tiles = nullptr;  // column u is in tiles[u / kTileWidth], or with one light in tiles[0]
+  const NibbleTables* nibbles = nullptr;  // the same classes for vector kernels
+  const TileParameters* tiles = nullptr;  // of column u: tiles[u / kTileWidth], or tiles[0] if unshaded
   bool unshaded = true;
-  bool has_background_box = false;    // there is a BackgroundBox, and the tiles say where
-  bool background_from_zero = false;  // all of their background_low are 0
+  bool has_background_box = false;    // the tiles have the ranges of a BackgroundBox
+  bool background_from_zero = false;  // background_low is 0 in all tiles
 
   [[nodiscard]] const TileParameters& tile_at(std::uint32_t u) const { return tiles[unshaded ? 0 : u / kTileWidth]; }
 };
 
-/// Bit i: columns 64 i to 64 i + 63 may hold a color. All of a word whose bit is not set is background.
+/// Bit i: columns 64 i to 64 i + 63 may contain a color. If the bit is not set, all of them are background.
 using OccupiedWords = std::uint64_t;
 constexpr std::uint32_t kOccupiedWordPixels = 64;
 static_assert(kMaxFrameWidth / kOccupiedWordPixels < 64);
 
-/// Writes colors[u] for begin <= u < end and nothing else; columns count from the row's first pixel, begin may be odd.
-/// Reads no byte beyond those of the pixels (and, with shared chroma, pixel pairs) in the span. By definition
+/// Classifies the pixels begin <= u < end of a row and writes only their colors[u]. `begin` may be odd. Reads only the
+/// bytes of these pixels (with shared chroma, of these pixel pairs). The result is defined as
 ///   colors[u] = colors->color_of(colors->mask(value, tile_at(u).level)).
-/// Returns which words of the span may hold a color; bits of words beyond the span are 0.
+/// Returns which words of the span may contain a color; bits of words outside the span are 0.
 using SpanKernel = OccupiedWords (*)(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
                                      std::uint32_t end, ColorId* colors);
 

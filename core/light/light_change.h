@@ -7,31 +7,30 @@
 
 namespace touchline {
 
-// Light is counted in logarithms, 32 levels an octave: see light/shading.h.
+// Light is counted on a logarithmic scale with 32 levels per octave; see light/shading.h.
 constexpr float kLevelsAnOctave = 32.0f;
 
-/// How the light has changed since the light map was made, as the picture's regions of known color tell it: a logarithm
-/// a channel on a coarse grid that covers the picture. Kept as logarithms, in the levels of light/shading.h (32 an
-/// octave).
+/// Estimates how the light has changed since the light map was made, from regions of known color. It holds one value
+/// per channel on a coarse grid that covers the picture, in levels (logarithmic, 32 per octave).
 class LightChange {
  public:
   static constexpr std::size_t kColumns = 5, kRows = 4;
 
-  /// No change yet. `max_levels`: the change is held within plus and minus so many levels. kOutOfRange: an empty
-  /// picture, or a bound that is not positive.
+  /// Sets the picture size and resets the change to 0. The change stays within -max_levels..max_levels. kOutOfRange:
+  /// the picture is smaller than 2 x 2 pixels, or the limit is not positive.
   Status configure(std::uint16_t width_px, std::uint16_t height_px, float max_levels);
   void reset();
 
-  /// At `where` each channel is `levels` brighter than the light map says. `weight`, 0 to 1 a channel: how much a
-  /// channel tells (a red patch says nothing about blue light). `step`, 0 to 1: the share of the difference that is
-  /// believed; a single observation moves nothing by more than kMaxStep_levels times it.
+  /// Adds an observation: at `where` each channel is `levels` brighter than the light map. `weight`, 0 to 1 per
+  /// channel, is the reliability of the channel (a red patch gives no information about blue light). `step`, 0 to 1, is
+  /// the share of the difference that is applied. One observation changes a value by at most kMaxStep_levels * step.
   void observe(const PixelPoint& where, const std::array<float, 3>& levels, const std::array<float, 3>& weight,
                float step);
-  /// Lets what was observed spread to where nothing is: each node drifts by `step`, 0 to 1, times kSpread towards its
-  /// neighbors, and times kCommon towards the other channels.
+  /// Spreads observations to the rest of the picture: each node moves by step * kSpread, step from 0 to 1, towards the
+  /// mean of its neighbors, and by step * kCommon towards the mean of all channels.
   void relax(float step);
 
-  /// In levels, positive: brighter than the light map says.
+  /// Change at a point, in levels; positive: brighter than in the light map.
   [[nodiscard]] float at(std::size_t channel, const PixelPoint& where) const;
   /// Mean of all nodes and channels, in levels.
   [[nodiscard]] float mean() const;

@@ -7,8 +7,8 @@
 namespace touchline {
 namespace {
 
-// 2^(k / 64), k = 0..63: the even ones are gains, the odd ones the borders between neighbors. Written out, because
-// libraries disagree in the last bit of exp2 and tables must be the same on every board.
+// 2^(k / 64) for k = 0..63. Even k are gains, odd k the borders between neighboring levels. The values are constants,
+// because libraries differ in the last bit of exp2 and the tables must be the same on every board.
 constexpr std::array<float, 64> kOctave = {
     1.0f,        1.01088929f, 1.0218972f,  1.03302491f, 1.04427373f, 1.05564523f, 1.06714046f, 1.07876074f,
     1.09050775f, 1.10238254f, 1.1143868f,  1.12652159f, 1.13878858f, 1.15118921f, 1.1637249f,  1.17639697f,
@@ -20,7 +20,7 @@ constexpr std::array<float, 64> kOctave = {
     1.8340081f,  1.85397911f, 1.87416768f, 1.89457595f, 1.91520655f, 1.93606174f, 1.95714414f, 1.97845602f,
 };
 
-// 2^(step / 64), exactly scaled from the octave above; step 0 is a gain of 1/4.
+// Returns 2^(step / 64) / 4: an entry of kOctave times a power of two, which is exact.
 constexpr float power(int step) {
   const float octave[] = {0.25f, 0.5f, 1.0f, 2.0f};
   return octave[step / 64] * kOctave[static_cast<std::size_t>(step % 64)];
@@ -60,7 +60,7 @@ bool usable(const LightMap& map) {
   const std::size_t cells = std::size_t{map.columns} * map.rows;
   if (cells == 0 || cells > kMaxLightCells) return false;
   for (const auto& plane : map.illumination) {
-    // Written so that a value that is no number fails.
+    // Written so that NaN fails.
     const auto good = [](float value) { return value > 0.0f && value <= std::numeric_limits<float>::max(); };
     if (!std::all_of(plane.begin(), plane.begin() + static_cast<std::ptrdiff_t>(cells), good)) return false;
   }

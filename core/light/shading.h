@@ -9,53 +9,53 @@
 
 namespace touchline {
 
-// A gain holds for a tile: constant inside it, so that kernels change tables between tiles and never between pixels.
-// Even sizes: pixels that share a chroma sample share a tile.
+// The gain is constant within a tile, so kernels change tables only between tiles. Tile sizes are even, so pixels that
+// share a chroma sample lie in the same tile.
 constexpr std::uint16_t kTileWidth = 16, kTileHeight = 8;
 constexpr std::size_t kMaxTiles =
     ((kMaxFrameWidth + kTileWidth - 1) / kTileWidth) * ((kMaxFrameHeight + kTileHeight - 1) / kTileHeight);
 
-// Gains are quantized to levels a 32nd of an octave apart (2.2 %, below the noise of a pixel): 64 is no change,
-// the range is 1/4 to 4.
+// Gains are quantized to levels of 1/32 octave (2.2 %, below the noise of a pixel). Level 64 is a gain of 1; the range
+// is 1/4 to 4.
 constexpr std::uint8_t kLightLevels = 128, kNeutralLevel = 64;
 
-/// Gain of a level: 2^((level - 64) / 32). Range of level: below kLightLevels.
+/// Returns the gain of a level, 2^((level - 64) / 32). Range of level: below kLightLevels.
 float gain_of_level(std::uint8_t level);
 
-/// The level whose gain is nearest to `gain` by ratio; gains beyond the range get the last level on their side.
+/// Returns the level whose gain is nearest to `gain` by ratio. Gains outside the range get the first or last level.
 /// Range of gain: above 0.
 std::uint8_t level_of_gain(float gain);
 
-/// What a channel shows where no light falls, and about which light scales it: R, G and B 0; luma 16 and chroma 128
+/// Value of black in a channel, about which light scales the values: 0 for R, G and B, 16 for luma and 128 for chroma
 /// (ITU-R BT.601, limited range, as cameras deliver it).
 constexpr std::uint8_t black_value(ColorSpace space, std::size_t channel) {
   if (space == ColorSpace::kRgb) return 0;
   return channel == 0 ? 16 : 128;
 }
 
-/// The largest value that a camera delivers: what is brighter looks the same.
+/// The largest value that a camera delivers. Brighter light gives the same value.
 constexpr std::uint8_t kFullScale = 255;
 
-/// What a channel's value becomes: round(black + (value - black) * gain), bounded to 0..255. Never decreases when value
-/// grows.
+/// Corrects a channel's value: round(black + (value - black) * gain), clamped to 0..255. It never decreases when the
+/// value grows.
 std::uint8_t corrected(std::uint8_t value, std::uint8_t level, std::uint8_t black);
 
-/// Eq. (17) as levels a tile: 1 / illumination at the tile's center, interpolated bilinearly between the map's cells
-/// and constant beyond the outermost cell centers.
+/// Eq. (17) as one level per tile: 1 / illumination at the center of the tile. It is interpolated bilinearly between
+/// the cells of the map and constant outside the outermost cell centers.
 class Shading {
  public:
-  /// A map without columns switches the correction off. In YUV the luminance of the map (ITU-R BT.601 weights) gives
-  /// all three channels one level.
-  /// kOutOfRange: an illumination that is not positive and finite, columns without rows, more cells than the capacity,
-  /// or a picture that is empty or larger than the capacity. After an error the correction is off.
+  /// A map without columns turns the correction off. In YUV all three channels have the same level, from the luminance
+  /// of the map (ITU-R BT.601 weights). kOutOfRange: an illumination is not positive and finite, the map has columns
+  /// but no rows or more cells than the capacity, or the picture is empty or larger than the capacity. After an error
+  /// the correction is off.
   Status build(const LightMap& map, std::uint16_t width_px, std::uint16_t height_px, ColorSpace space);
   void clear() { active_ = false; }
   [[nodiscard]] bool active() const { return active_; }
-  /// Level of channel 0, 1, 2 in tile (u / kTileWidth, v / kTileHeight); only when active().
+  /// Level of channel 0, 1 or 2 in tile (u / kTileWidth, v / kTileHeight). Only valid if active().
   [[nodiscard]] std::uint8_t level(std::size_t channel, std::uint16_t column, std::uint16_t row) const {
     return level_[channel][row * columns_ + column];
   }
-  /// The same, corrected by what has changed since the map was made. In YUV the first channel's change holds for all
+  /// The same, with the change of light since the map was made. In YUV the change of the first channel applies to all
   /// three.
   [[nodiscard]] std::uint8_t level(const LightChange& change, std::size_t channel, std::uint16_t column,
                                    std::uint16_t row) const;

@@ -11,8 +11,8 @@ constexpr std::uint32_t kDropped = kMaxRegions;
 
 }  // namespace
 
-// What a picture of nothing but noise decides at random is not branched on below: a wrong guess costs the processor
-// more than the few instructions that it would have saved.
+// The code below avoids branches on conditions that are random in a noisy picture. A misprediction costs more than the
+// few instructions that a branch would save.
 
 void Labeling::begin(std::uint32_t min_area_px) {
   labels_ = 0;
@@ -39,9 +39,9 @@ void Labeling::add_row(Runs& runs, std::size_t first, std::span<const Contact> c
     parent_[std::max(upper, lower)] = label;
   }
   for (; row != runs.end(); ++row) {
-    // There are no more labels than runs before this one.
+    // There are at most as many labels as earlier runs.
     parent_[labels_] = labels_;
-    // A label is far below 2^31.
+    // Labels are far below 2^31; kNoLabel is above.
     const std::uint32_t is_new = row->next >> 31;
     row->next = is_new * labels_ + (1 - is_new) * row->next;
     labels_ += is_new;
@@ -58,7 +58,7 @@ PixelBox Labeling::box_of(Extent extent) {
   return {bound(0), bound(2), bound(1), bound(3)};
 }
 
-// Afterwards parent_ holds the numbers of the labels' components, in the order of their first runs.
+// Replaces parent_ by the numbers of the components, in the order of their first runs.
 void Labeling::number_components() {
   components_ = 0;
   for (std::uint32_t label = 0; label < labels_; ++label) {
@@ -70,16 +70,16 @@ void Labeling::number_components() {
   }
 }
 
-// Returns how many components compete for being reported.
+// Adds up the sums of all components. Returns how many have the least area.
 std::size_t Labeling::sum_up(const Runs& runs) {
   std::uint32_t begun = 0;
   for (const Run& run : runs) {
     const std::uint32_t length = std::uint32_t{run.end} - run.begin, number = parent_[run.next];
-    // The next component's first run may be this one.
+    // This may be the first run of the next component.
     sums_[begun] = {};
     begun += static_cast<std::uint32_t>(number == begun);
     Sums& sums = sums_[number];
-    // (first + last) * length is even: of the two factors one is.
+    // (first + last) * length is even, because one of the factors is.
     sums.u += std::uint64_t{run.begin + run.end - 1u} * length / 2;
     sums.v += std::uint64_t{run.row} * length;
     sums.area_px += length;
@@ -106,7 +106,7 @@ Labeling::Quota Labeling::quota(std::size_t competing) {
   return {static_cast<std::uint32_t>(area), room};
 }
 
-// Afterwards region_of_ holds the components' regions, or kDropped.
+// Writes the regions, and the region of each component (or kDropped) to region_of_.
 void Labeling::report(Quota quota, Regions& regions) {
   std::uint32_t count = 0;
   for (std::uint32_t i = 0; i < components_; ++i) {

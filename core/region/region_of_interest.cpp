@@ -8,13 +8,13 @@ namespace {
 
 using Crossings = FixedVector<double, kMaxPolygonPoints>;
 
-// Where the polygon's border crosses a row of pixel centers, from left to right.
+// Finds where the border of the polygon crosses a row of pixel centers, from left to right.
 void cross(const Polygon& polygon, double v, Crossings& crossings) {
   crossings.clear();
   PixelPoint from = polygon.back();
   for (const PixelPoint& to : polygon) {
     const double v0 = static_cast<double>(from.v_px), v1 = static_cast<double>(to.v_px);
-    // Half open: a corner on the row counts for one of its two edges, or for both or none where the border turns.
+    // Half open: a corner on the row counts for one of its two edges, or for both or neither if the border turns back.
     if ((v0 <= v) != (v1 <= v)) {
       const double u0 = static_cast<double>(from.u_px), u1 = static_cast<double>(to.u_px);
       crossings.push_back(u0 + (v - v0) * (u1 - u0) / (v1 - v0));

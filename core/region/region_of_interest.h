@@ -8,7 +8,7 @@
 
 namespace touchline {
 
-// Chamfered corners and goal boxes of a real field need 12; the rest is for hands that draw.
+// Chamfered corners and goal boxes of a real field need 12 points; the others allow for hand-drawn polygons.
 constexpr std::size_t kMaxPolygonPoints = 32;
 using Polygon = FixedVector<PixelPoint, kMaxPolygonPoints>;
 
@@ -17,21 +17,21 @@ struct ColumnSpan {
   std::uint16_t begin = 0, end = 0;
 };
 
-/// A polygon in the picture as spans of columns, row by row. A pixel belongs to it when its center does by the even-odd
-/// rule; of centers exactly on the border, those of a left or upper edge do.
+/// A polygon in the picture as spans of columns for each row. A pixel belongs to it if its center is inside by the
+/// even-odd rule. Centers exactly on the border belong to it at left and upper edges.
 class RegionOfInterest {
  public:
-  /// Fewer than 3 points: the whole picture. kOutOfRange: a coordinate that is not finite, or a picture that is larger
-  /// than the capacity. kInconsistent: the polygon covers no pixel.
+  /// Fewer than 3 points: the whole picture. kOutOfRange: a coordinate is not finite, or the picture is larger than the
+  /// capacity. kInconsistent: the polygon covers no pixel.
   Status build(const Polygon& polygon, std::uint16_t width_px, std::uint16_t height_px);
 
-  /// From left to right; at least one column lies between two of them. Only rows of the picture.
+  /// Spans of row v from left to right. At least one column lies between two spans. v must be in the picture.
   [[nodiscard]] std::span<const ColumnSpan> row(std::uint16_t v) const {
     return {spans_.data() + first_span_[v], spans_.data() + first_span_[v + 1u]};
   }
 
  private:
-  // An edge crosses a row once, and two crossings make a span.
+  // An edge crosses a row at most once, and two crossings make a span.
   static constexpr std::size_t kMaxSpans = kMaxFrameHeight * (kMaxPolygonPoints / 2);
 
   FixedVector<ColumnSpan, kMaxSpans> spans_;

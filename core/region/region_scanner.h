@@ -24,16 +24,16 @@ struct ScanParameters {
   Polygon region_of_interest;     // pixel centers inside count; fewer than 3 points: the whole picture
   std::uint32_t min_area_px = 1;  // smaller regions are dropped with their runs
   KernelChoice kernel = KernelChoice::kFastest;
-  std::uint8_t box_shift_limit = 0;  // levels by which boxes may be moved while frames come
-  TypicalBackground background;      // for speed alone
+  std::uint8_t box_shift_limit = 0;  // levels by which boxes may move while it runs
+  TypicalBackground background;      // affects only the speed
 };
 
-/// All that the parameters decide of a scan: made while another set is in use, and exchanged for it between two frames.
-/// Large (fixed memory): not on the stack.
+/// Everything that a scan derives from its parameters. A new set can be built while another one is in use, and replaces
+/// it between two frames. Large (fixed memory): do not put it on the stack.
 class ScanTables {
  public:
-  /// kOutOfRange: a size of 0 or above the capacity, a bad box, light map or polygon; kInconsistent: a polygon without
-  /// a pixel. (Boxes of different colors that overlap are not an error here: the loader reports them.)
+  /// kOutOfRange: a size is 0 or above the capacity, or a box, the light map or the polygon is invalid. kInconsistent:
+  /// the polygon contains no pixel. (Overlapping boxes of different colors are no error here; the loader reports them.)
   /// After an error no frame is accepted.
   Status configure(const ScanParameters& parameters);
 
@@ -48,9 +48,9 @@ class ScanTables {
   RunWriter run_writer_;
 };
 
-/// Classification and labeling in one scan of the frame (paper, sections 3.2 and 4.1), over runs instead of pixels:
-/// union-find gives the paper's regions without copying, in a bounded time.
-/// Large (fixed memory): make one, not on the stack.
+/// Classifies and labels a frame in one scan (paper, sections 3.2 and 4.1). It works on runs instead of pixels, and
+/// union-find gives the regions of the paper without copying, in bounded time.
+/// Large (fixed memory): do not put it on the stack.
 class RegionScanner {
  public:
   RegionScanner() = default;
@@ -58,14 +58,15 @@ class RegionScanner {
   RegionScanner& operator=(const RegionScanner&) = delete;
   ~RegionScanner() = default;
 
-  /// As ScanTables::configure, of the set that is the scanner's own and in use from now on.
+  /// Configures the scanner's own tables (as ScanTables::configure) and uses them.
   Status configure(const ScanParameters& parameters);
 
-  /// Between two scans: from the next one on `tables` are in use, which must be configured for pictures of the same
-  /// size and live as long as they are. Returns those that were in use; the scanner's own live as long as it does.
+  /// Uses `tables` beginning with the next scan, and returns the previous ones. Call it between two scans. `tables`
+  /// must be configured for the same picture size and live while they are in use; the scanner's own live as long as it
+  /// does.
   ScanTables& exchange(ScanTables& tables) { return *std::exchange(tables_, &tables); }
 
-  /// Between two scans, a part at a time: see RowClassifier.
+  /// See RowClassifier. Call them between two scans, one part at a time.
   void apply_light_change(const LightChange& change, std::uint16_t tile_row) {
     tables_->classifier_.apply_light_change(change, tile_row);
   }
@@ -74,16 +75,16 @@ class RegionScanner {
   }
   [[nodiscard]] const Shading& shading() const { return tables_->classifier_.shading(); }
 
-  /// Regions in raster order of their first pixel, 4-neighborhood, exact sums; `runs` holds the runs of these regions
-  /// in raster order, those of one region chained by Run::next, and no others.
-  /// kUnsupported: frame of another format or size than configured; kShortFrame: a plane is missing or its stride is
-  /// too small. Both leave `runs` and `regions` empty.
-  /// kFull: too much was found, one or both of
-  /// - rows with more runs than RunBudget lets them have, which no realistic field has: such a row lost its shortest
-  ///   runs, and the regions are those of the picture without these. A region that has no pixel in such a row is whole
-  ///   and exact. runs.overflow() counts what was lost. (Where the least area is 2 or more, pixels without a neighbor
-  ///   of their color are no runs.)
-  /// - more regions than fit: the largest are there; regions.overflow() counts the others.
+  /// Finds regions (4-neighborhood, exact sums) in raster order of their first pixel. `runs` holds exactly the runs of
+  /// these regions in raster order; Run::next chains the runs of a region.
+  /// kUnsupported: the format or size of the frame differs from the configured one. kShortFrame: a plane is missing or
+  /// its stride is too small. Both leave `runs` and `regions` empty. kFull: a capacity was exceeded, by one or both of
+  /// - rows with more runs than RunBudget allows, which no realistic field has. Such a row lost its shortest runs, and
+  /// the
+  ///   regions are those of the picture without these. A region without pixels in such a row is complete and exact.
+  ///   runs.overflow() counts the lost runs. (If the least area is 2 or more, pixels without a neighbor of their color
+  ///   are no runs.)
+  /// - more regions than fit. The largest are reported, and regions.overflow() counts the others.
   Status scan(const Frame& frame, Runs& runs, Regions& regions);
 
  private:
@@ -94,8 +95,8 @@ class RegionScanner {
   ScanTables* tables_ = &own_;
   RunBudget budget_;
   Labeling labeling_;
-  std::array<ColorRow, 2> colors_;  // row v is number v % 2
-  std::array<RowMasks, 3> masks_;   // row v is number v % 3
+  std::array<ColorRow, 2> colors_;  // row v has index v % 2
+  std::array<RowMasks, 3> masks_;   // row v has index v % 3
 };
 
 }  // namespace touchline

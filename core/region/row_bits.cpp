@@ -12,13 +12,13 @@ namespace {
 
 // --- Two words at a time --------------------------------------------------------------------------------------------
 
-// Bits of each byte, 0 to 8, by halves.
+// Counts the bits of each byte, 0 to 8, by halves.
 WordPair bits_of_bytes(WordPair x) {
   x -= (x >> 1) & 0x5555555555555555u;
   x = (x & 0x3333333333333333u) + ((x >> 2) & 0x3333333333333333u);
   return (x + (x >> 4)) & 0x0f0f0f0f0f0f0f0fu;
 }
-// As many pairs as a row has can be added up before a byte is full.
+// All pairs of a row can be added before a byte overflows.
 static_assert((kMaxRowWords + 1) / kWordsOfPair * 8 < 256);
 std::size_t sum_of_bytes(WordPair x) {
   constexpr std::uint64_t kEvenBytes = 0x00ff00ff00ff00ffu;
@@ -54,7 +54,8 @@ std::size_t widen_by_pairs(const PixelBits& ending, std::size_t pixels, const Pi
   for (; occupied != 0; occupied &= occupied - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(occupied));
     const std::size_t base = i * kPixelsOfWord;
-    // Most words have none to three, and which of these is random: all are written, and count when they are there.
+    // Most words have up to three bits, at random. Three entries are always written, and only existing bits are
+    // counted: a mispredicted branch would cost more.
     const std::uint64_t word = bits[i], second = word & (word - 1), third = second & (second - 1);
     next[0] = column_of(base, word);
     next[1] = column_of(base, second);
@@ -71,21 +72,21 @@ std::size_t list_portably(const PixelBits& bits, OccupiedWords occupied, Columns
   return list_bits(bits, occupied, columns);
 }
 
-// Of what lies before the lowest of `bits`.
+// Number of `ends` before the lowest of `bits`.
 [[gnu::always_inline]] inline std::uint16_t number_of(std::size_t base, std::uint64_t ends, std::uint64_t bits) {
   return static_cast<std::uint16_t>(base + static_cast<std::size_t>(std::popcount(ends & ~bits & (bits - 1))));
 }
 [[gnu::always_inline]] inline std::size_t list_contacts(const RowMasks& above, const RowMasks& row,
                                                         Contacts& contacts) {
   Contact* next = contacts.data();
-  std::size_t runs_above = 0, runs = 0;  // that end in the words before
+  std::size_t runs_above = 0, runs = 0;  // number of runs that end in earlier words
   for (OccupiedWords words = above.occupied | row.occupied; words != 0; words &= words - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(words));
     const std::uint64_t ends_above = above.last[i], ends = row.last[i];
     const auto contact_at = [&](std::uint64_t begins) {
       return Contact{number_of(runs_above, ends_above, begins), number_of(runs, ends, begins)};
     };
-    // As with columns.
+    // Three entries are always written, as in list_bits().
     const std::uint64_t begins = row.like_above[i] & (row.first[i] | above.first[i]), second = begins & (begins - 1),
                         third = second & (second - 1);
     next[0] = contact_at(begins);
@@ -124,7 +125,7 @@ TOUCHLINE_AVX2 std::size_t count_avx2(const PixelBits& bits, std::size_t words) 
   return count;
 }
 
-// Bits of each byte.
+// Counts the bits of each byte.
 TOUCHLINE_AVX2_INLINE __m256i bits_of_bytes(__m256i words) {
   const __m256i nibble = _mm256_set1_epi8(15);
   const __m256i bits_of_nibble = _mm256_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4,  //
@@ -142,7 +143,8 @@ TOUCHLINE_AVX2 std::size_t widen_avx2(const PixelBits& ending, std::size_t pixel
                                       std::size_t words, PixelBits& wider) {
   const __m128i by = _mm_cvtsi64_si128(static_cast<long long>(pixels)),
                 rest = _mm_cvtsi64_si128(static_cast<long long>(kPixelsOfWord - pixels));
-  __m256i count = _mm256_setzero_si256(), turned = count;  // of the quad to the right, each word a place further left
+  __m256i count = _mm256_setzero_si256(),
+          turned = count;  // the quad to the right, with its words moved one place to the left
   for (std::size_t i = (words + kQuad - 1) / kQuad * kQuad; i > 0;) {
     i -= kQuad;
     const __m256i here = load_quad(ending, i), left = _mm256_permute4x64_epi64(here, 0b00111001);

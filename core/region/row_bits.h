@@ -9,26 +9,27 @@
 
 namespace touchline {
 
-// A few more than a row can have may be written, and do not count.
+// Functions may write a few entries after the last one; those are ignored.
 using Columns = std::array<std::uint16_t, kMaxRowWords * kPixelsOfWord + 8>;
 
-/// Runs of neighboring rows that share a column and their color, numbered in their rows from 0 on.
+/// Two runs of neighboring rows with the same color that share a column, as their numbers in their rows (from 0).
 struct Contact {
   std::uint16_t above = 0, below = 0;
 };
-// At most one a column.
+// At most one per column.
 using Contacts = std::array<Contact, kMaxRowWords * kPixelsOfWord + 8>;
 
-/// Work on the bits of a row, in the instructions that go with a color kernel. All sets do the same.
+/// Functions on the bits of a row, for one instruction set. All sets give the same results.
 struct RowBits {
   std::size_t (*count)(const PixelBits& bits, std::size_t words);
-  /// A bit of `ending` says that the pixel's run ends less than some pixels further to the right, as many as `pixels`
-  /// or more. (Where there is no run it says nothing.) Adds `pixels`, 1 to 63, and returns how many runs are longer.
+  /// A bit of `ending` is set if the run of the pixel ends less than n pixels to the right, with n >= `pixels`. (Bits
+  /// outside of runs have no meaning.) Writes the same bits for n + `pixels` to `wider`; `pixels` is 1 to 63. Returns
+  /// how many runs are longer.
   std::size_t (*widen)(const PixelBits& ending, std::size_t pixels, const PixelBits& first, std::size_t words,
                        PixelBits& wider);
-  /// The columns of the bits from left to right; words that are not occupied have none. Returns how many.
+  /// Lists the columns of the bits from left to right and returns their number. Words that are not occupied have none.
   std::size_t (*list)(const PixelBits& bits, OccupiedWords occupied, Columns& columns);
-  /// The contacts of a row's runs with those of the row above, from left to right. Returns how many.
+  /// Lists the contacts between the runs of two rows from left to right and returns their number.
   std::size_t (*list_contacts)(const RowMasks& above, const RowMasks& row, Contacts& contacts);
 };
 

@@ -13,7 +13,7 @@
 namespace touchline {
 namespace {
 
-// Bit i of the result of differ(a, b): a[i] != b[i], for 64 bytes.
+// differ(a, b) sets bit i if a[i] != b[i], for 64 bytes.
 
 struct Portable {
   static std::uint64_t differ(const std::uint8_t* a, const std::uint8_t* b) {
@@ -22,7 +22,7 @@ struct Portable {
     for (std::size_t i = 0; i < kPixelsOfWord; i += 8) {
       const std::uint64_t difference = load_word(a + i) ^ load_word(b + i);
       const std::uint64_t high_bits = (((difference & kLowBits) + kLowBits) | difference) & ~kLowBits;
-      // Byte k's bit moves to bit 56 + k; no two products meet in a bit.
+      // Moves the bit of byte k to bit 56 + k. No two partial products share a bit.
       mask |= ((high_bits >> 7) * 0x0102040810204080u >> 56) << i;
     }
     return mask;
@@ -59,7 +59,7 @@ constexpr RowMasker portable_row_masks = fill_masks<Portable>;
 TOUCHLINE_AVX2_INLINE __m256i load(const ColorId* colors) {
   return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(colors));
 }
-// Bit i: a[i] == b[i], of 64 bytes in two registers.
+// Sets bit i if a[i] == b[i], for 64 bytes in two registers.
 TOUCHLINE_AVX2_INLINE std::uint64_t equal(__m256i a_low, __m256i a_high, __m256i b_low, __m256i b_high) {
   const auto low = static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(a_low, b_low)));
   const auto high = static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(a_high, b_high)));
@@ -112,7 +112,7 @@ struct Neon {
     for (std::size_t k = 0; k < 4; ++k) {
       part[k] = vbicq_u8(bits, vceqq_u8(vld1q_u8(a + 16 * k), vld1q_u8(b + 16 * k)));
     }
-    // Adding neighbors three times makes eight bits a byte.
+    // Three pairwise additions combine eight bits to a byte.
     const uint8x16_t bytes = vpaddq_u8(vpaddq_u8(part[0], part[1]), vpaddq_u8(part[2], part[3]));
     return vgetq_lane_u64(vreinterpretq_u64_u8(vpaddq_u8(bytes, bytes)), 0);
   }

@@ -10,18 +10,18 @@
 
 namespace touchline {
 
-// A pixel's bit: bit u % 64 of word u / 64.
+// Pixel u has bit u % 64 of word u / 64.
 constexpr std::size_t kPixelsOfWord = kOccupiedWordPixels;
 constexpr std::size_t kMaxRowWords = (kMaxFrameWidth + kPixelsOfWord - 1) / kPixelsOfWord;
 
-// Two words at once, as every 64-bit processor with vectors can take them.
+// Two words in a vector, which every 64-bit processor with vectors supports.
 using WordPair [[gnu::vector_size(16)]] = std::uint64_t;
 constexpr std::size_t kWordsOfPair = 2;
 
-// What a row's words are rounded up to, at the most, where several are taken at once.
+// The number of words of a row is rounded up to a multiple of this, for code that takes several at once.
 constexpr std::size_t kMaxWordsAtOnce = 8;
 
-/// A bit a pixel, and zeros after the last so that groups of up to kMaxWordsAtOnce words can be read.
+/// One bit per pixel, followed by zeros, so that groups of up to kMaxWordsAtOnce words can be read.
 class PixelBits {
  public:
   std::uint64_t& operator[](std::size_t i) { return words_[i]; }
@@ -38,16 +38,16 @@ class PixelBits {
   std::array<std::uint64_t, (kMaxRowWords + kMaxWordsAtOnce - 1) / kMaxWordsAtOnce * kMaxWordsAtOnce> words_{};
 };
 
-/// Where a row's runs begin and end. Both have the same number of bits, and the n-th of each belongs to the n-th run.
+/// First and last pixels of the runs of a row. Both masks have the same number of bits; the n-th bits belong to run n.
 struct RowMasks {
   PixelBits first, last;       // pixels that are the first, or last, of a run
   PixelBits like_above;        // pixels of a run whose upper neighbor has their color
-  OccupiedWords occupied = 0;  // all other words are zero
-  bool is_cut = false;         // runs were taken out; `inside` are the pixels of those that are left
+  OccupiedWords occupied = 0;  // words with runs; all others are zero
+  bool is_cut = false;         // runs were removed; `inside` has the pixels of the others
   PixelBits inside;
 };
 
-/// A row of colors with background around it, so that whole words and the neighbors of all pixels can be read.
+/// A row of colors with background on both sides, so that whole words and the neighbors of all pixels can be read.
 class ColorRow {
  public:
   void clear() { colors_.fill(kBackground); }
@@ -59,10 +59,10 @@ class ColorRow {
   std::array<ColorId, (kMaxRowWords + 2) * kPixelsOfWord> colors_{};
 };
 
-/// Fills the masks. Words that are not in `occupied` have no color.
+/// Fills the masks. Words that are not in `occupied` contain no color.
 using RowMasker = void (*)(const ColorRow& row, const ColorRow& above, OccupiedWords occupied, RowMasks& masks);
 
-/// The one that goes with the color kernel, which this processor has. All give the same masks.
+/// The function for an instruction set that this processor has. All give the same masks.
 RowMasker row_masker(KernelChoice kernel);
 
 }  // namespace touchline

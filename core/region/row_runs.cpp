@@ -6,7 +6,7 @@
 namespace touchline {
 namespace {
 
-// Takes all but the first runs out that do not end so soon.
+// Keeps only the first `count` of the runs that are longer than `ending` tells.
 void leave_first(std::size_t count, const PixelBits& ending, std::size_t words, PixelBits& first) {
   for (std::size_t i = 0; i < words; ++i) {
     std::uint64_t others = first[i] & ~ending[i];
@@ -15,15 +15,15 @@ void leave_first(std::size_t count, const PixelBits& ending, std::size_t words, 
   }
 }
 
-// Takes the runs out that end so soon.
+// Removes the runs that begin in `ending`, which are the short ones.
 void leave_others(const PixelBits& ending, std::size_t words, RowMasks& masks) {
   masks.occupied = 0;
   masks.is_cut = true;
   bool borrow = false;
   for (std::size_t i = 0; i < words; ++i) {
     const std::uint64_t first = masks.first[i] & ~ending[i], last = masks.last[i];
-    // Taking the first pixels away from the last ones borrows, and clears, the first of these that is not further left,
-    // and sets all between.
+    // For each run, subtracting its first pixel from its last one sets the bits from the first to the one before the
+    // last and clears the last (borrow).
     std::uint64_t between = 0;
     const bool borrows = __builtin_sub_overflow(last, first, &between);
     borrow = __builtin_sub_overflow(between, std::uint64_t{borrow}, &between) || borrows;

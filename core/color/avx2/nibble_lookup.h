@@ -18,10 +18,9 @@
 #define TOUCHLINE_TARGET_FUNCTION [[gnu::target(TOUCHLINE_TARGET)]]
 #define TOUCHLINE_TARGET_INLINE [[gnu::target(TOUCHLINE_TARGET), gnu::always_inline]] inline
 
-// How the AVX2 kernel looks up classes and colors.
 namespace touchline::TOUCHLINE_TARGET_NAMESPACE {
 
-// A byte shuffle looks up within 16 bytes: half a register is a tile, which has its own tables.
+// A byte shuffle looks up within 16 bytes, so half a register holds a tile, which has its own tables.
 constexpr std::uint32_t kTile = kTileWidth, kBlock = 2 * kTile;
 static_assert(kTile == 16);
 
@@ -46,16 +45,17 @@ TOUCHLINE_TARGET_INLINE void store(ColorId* colors, __m256i value) {
 TOUCHLINE_TARGET_INLINE void store_half(ColorId* colors, __m128i value) {
   _mm_storeu_si128(reinterpret_cast<__m128i*>(colors), value);
 }
-// 1 or 0, as a number: no branch.
+// Returns 1 or 0 as a number, to avoid a branch.
 TOUCHLINE_TARGET_INLINE std::uint64_t is_zero(__m256i value) {
   return static_cast<std::uint64_t>(_mm256_testz_si256(value, value));
 }
 TOUCHLINE_TARGET_INLINE std::uint64_t is_zero(__m128i value) {
   return static_cast<std::uint64_t>(_mm_testz_si128(value, value));
 }
-// Bit i: the lower half of register i is zero; bit i + 4: the upper half is. Half the instructions of asking each.
+// Bit i: the lower half of register i is zero. Bit i + 4: the upper half is zero. This takes half the instructions of
+// eight separate tests.
 TOUCHLINE_TARGET_INLINE std::uint64_t zero_halves(__m256i a, __m256i b, __m256i c, __m256i d) {
-  // What is left of each half is eight bytes, then four.
+  // ORs each half down to eight bytes, then to four.
   const __m256 ab = _mm256_castsi256_ps(_mm256_or_si256(_mm256_unpacklo_epi64(a, b), _mm256_unpackhi_epi64(a, b))),
                cd = _mm256_castsi256_ps(_mm256_or_si256(_mm256_unpacklo_epi64(c, d), _mm256_unpackhi_epi64(c, d)));
   const __m256 abcd = _mm256_or_ps(_mm256_shuffle_ps(ab, cd, 0b10001000), _mm256_shuffle_ps(ab, cd, 0b11011101));
@@ -63,7 +63,7 @@ TOUCHLINE_TARGET_INLINE std::uint64_t zero_halves(__m256i a, __m256i b, __m256i 
   return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_castsi256_ps(is_zero)));
 }
 
-// Values of a block, or of two that share their tables: loading these is half of the work.
+// Values of one block, or of two that share their tables. Loading tables is half of the work.
 struct OneBlock {
   __m256i first;
 };
@@ -88,7 +88,7 @@ TOUCHLINE_TARGET_INLINE OneBlock shuffle(__m256i table, const OneBlock& nibble) 
 TOUCHLINE_TARGET_INLINE TwoBlocks shuffle(__m256i table, const TwoBlocks& nibble) {
   return {_mm256_shuffle_epi8(table, nibble.first), _mm256_shuffle_epi8(table, nibble.second)};
 }
-// `a` where it is not zero, else `b`.
+// Returns `a` where it is not zero, else `b`.
 TOUCHLINE_TARGET_INLINE __m256i first_of(__m256i a, __m256i b) {
   return _mm256_blendv_epi8(a, b, _mm256_cmpeq_epi8(a, _mm256_setzero_si256()));
 }
@@ -100,7 +100,7 @@ TOUCHLINE_TARGET_INLINE TwoBlocks first_of(const TwoBlocks& a, const TwoBlocks& 
   return {first_of(a.first, b.first), first_of(a.second, b.second)};
 }
 
-// Left to themselves compilers do all look-ups of a group first, and have no registers for what they find.
+// Without these barriers, compilers do all look-ups of a group first and run out of registers for the results.
 TOUCHLINE_TARGET_INLINE void optimization_barrier(OneBlock& values) { asm volatile("" : "+x"(values.first)); }
 TOUCHLINE_TARGET_INLINE void optimization_barrier(TwoBlocks& values) {
   asm volatile("" : "+x"(values.first), "+x"(values.second));
@@ -109,7 +109,7 @@ TOUCHLINE_TARGET_INLINE void optimization_barrier(TwoBlocks& values) {
 TOUCHLINE_TARGET_INLINE __m256i low_nibble(__m256i values) { return _mm256_and_si256(values, _mm256_set1_epi8(15)); }
 TOUCHLINE_TARGET_INLINE __m256i high_nibble(__m256i values) { return low_nibble(_mm256_srli_epi16(values, 4)); }
 
-// The nibbles of values.
+// High and low nibbles of values.
 template <class Values>
 struct Nibbles {
   Values high, low;
@@ -122,10 +122,10 @@ TOUCHLINE_TARGET_INLINE Nibbles<TwoBlocks> nibbles_of(const TwoBlocks& values) {
           {low_nibble(values.first), low_nibble(values.second)}};
 }
 
-// Which tables a register holds.
+// Tables in a register.
 enum class GroupsInRegister {
-  kOne,  // those of one group in each half, for a block's pixels
-  kTwo,  // those of a group and of the next one, for a tile's pixels in each half
+  kOne,  // the same group in both halves, for the pixels of a block
+  kTwo,  // a group and the next one, for the pixels of a tile in both halves
 };
 
 template <GroupsInRegister kGroups, class Values>
@@ -134,7 +134,7 @@ TOUCHLINE_TARGET_INLINE Values look_up(const GroupLookups& tables, std::size_t g
   return shuffle(kGroups == GroupsInRegister::kOne ? in_both_halves(bytes) : load(bytes), nibble);
 }
 
-// A channel's values, and its tables.
+// Values and tables of a channel.
 template <class Values>
 struct Channel {
   Nibbles<Values> value;
@@ -145,7 +145,7 @@ struct Channels {
   Channel<Values> first, second, third;
 };
 
-// The group's classes of which all three intervals' high nibbles include the values'.
+// Coarse test: classes of the group whose three intervals contain the high nibbles of the values.
 template <GroupsInRegister kGroups, class Values>
 TOUCHLINE_TARGET_INLINE Values coarse_classes(const Channels<Values>& channels, std::size_t group) {
   return and_of(look_up<kGroups>(channels.first.tables->within, group, channels.first.value.high),
@@ -153,7 +153,7 @@ TOUCHLINE_TARGET_INLINE Values coarse_classes(const Channels<Values>& channels, 
                        look_up<kGroups>(channels.third.tables->within, group, channels.third.value.high)));
 }
 
-// Leaves those classes to which the values of a channel belong, a byte a value.
+// Exact test: keeps the classes to which the values of a channel belong, one byte per value.
 template <GroupsInRegister kGroups, class Values>
 TOUCHLINE_TARGET_INLINE void narrow(Values& classes, const Channel<Values>& channel, std::size_t group) {
   const ChannelNibbles& tables = *channel.tables;
@@ -166,7 +166,7 @@ TOUCHLINE_TARGET_INLINE void narrow(Values& classes, const Channel<Values>& chan
   optimization_barrier(classes);
 }
 
-// The color of the lowest class of the group, or of each of the two groups.
+// Returns the color of the lowest class of the group, or of each of the two groups.
 template <GroupsInRegister kGroups, class Values>
 TOUCHLINE_TARGET_INLINE Values colors_in(const ColorNibbles& colors, const Channels<Values>& channels,
                                          std::size_t group) {

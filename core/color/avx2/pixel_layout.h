@@ -4,16 +4,16 @@
 
 #include <type_traits>
 
-// Where the AVX2 kernel finds a format's channels, and which of its bytes are not background.
+// Memory layouts of the pixel formats: extraction of the channels, and the test against the background box.
 namespace touchline::TOUCHLINE_TARGET_NAMESPACE {
 
-// Which bytes are farther above `low` than `extent`: those are not zero.
+// Returns bytes that are not zero where a value is outside low..low + extent.
 TOUCHLINE_TARGET_INLINE __m256i beyond(__m256i bytes, __m256i low, __m256i extent) {
   return _mm256_subs_epu8(_mm256_sub_epi8(bytes, low), extent);
 }
 
-// A byte shuffle's pattern that takes byte first + step * (i / repeat) of two times 16 as byte i; what is not in this
-// 16 is 128, which gives zero.
+// Shuffle patterns, one for each 16 bytes, that move byte first + step * (i / repeat) to byte i. Entries for bytes of
+// another 16 are 128, which gives zero.
 using Pick = std::array<std::array<std::uint8_t, 16>, 3>;
 constexpr Pick pick_bytes(std::size_t first, std::size_t step, std::size_t repeat) {
   Pick pick{};
@@ -30,12 +30,12 @@ struct Planes {
   __m256i first, second, third;
 };
 
-// A tile for each half of a register.
+// One tile for each half of a register.
 struct TwoTiles {
   std::uint32_t u_low, u_high;
   const TileParameters *light_low, *light_high;
 };
-// background_low and background_extent, eight bytes over and over; those of each tile in its half.
+// Repeats the eight bytes of background_low and background_extent; with two tiles, each in its half.
 TOUCHLINE_TARGET_INLINE __m256i background_bytes_of(const TileParameters& light) {
   static_assert(offsetof(TileParameters, background_extent) == offsetof(TileParameters, background_low) + 4);
   return _mm256_broadcastq_epi64(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(light.background_low.data())));
@@ -44,15 +44,15 @@ TOUCHLINE_TARGET_INLINE __m256i background_bytes_of(const TwoTiles& tiles) {
   return _mm256_blend_epi32(background_bytes_of(*tiles.light_low), background_bytes_of(*tiles.light_high), 0b11110000);
 }
 
-// The layouts below give
-// - candidates: bytes that are not zero unless all of a block is in the background box of one light; or, of two tiles
-// that begin at
-//   any columns, those of a tile in each half, each in the background box of its own light,
-// - planes: the three channels of a block, chroma doubled,
-// - tile_planes: the same of a tile, in both halves.
-// With shared chroma all begin at even columns.
+// Each layout below has these functions:
+// - candidates: returns zero only if all pixels are in the background box. It takes a block with one light level, or
+// two
+//   tiles that begin at any columns, each with its own level; each tile gives the result of its half.
+// - planes: returns the three channels of a block, with chroma repeated for both pixels of a pair.
+// - tile_planes: returns the same for a tile, in both halves.
+// With shared chroma, blocks and tiles begin at even columns.
 
-// Of three bytes a pixel; of luma and of chroma in four bytes a pair; of chroma in two bytes a pair.
+// Patterns for three bytes a pixel, for luma and chroma in four bytes a pair, and for chroma in two bytes a pair.
 inline constexpr std::array kOfThree = {pick_bytes(0, 3, 1), pick_bytes(1, 3, 1), pick_bytes(2, 3, 1)};
 inline constexpr std::array kLumaOfFour = {pick_bytes(0, 2, 1), pick_bytes(1, 2, 1)};
 inline constexpr std::array kChromaOfFour = {pick_bytes(0, 4, 2), pick_bytes(1, 4, 2), pick_bytes(2, 4, 2),
@@ -69,7 +69,7 @@ TOUCHLINE_TARGET_INLINE __m256i picked(__m256i first, __m256i second, __m256i th
   return _mm256_or_si256(picked(first, second, pick), _mm256_shuffle_epi8(third, in_both_halves(pick[2].data())));
 }
 
-// Three bytes over and over.
+// 0, 1, 2, repeated.
 inline constexpr auto kPeriod = [] {
   std::array<std::uint8_t, 96> period{};
   for (std::size_t i = 0; i < period.size(); ++i) period[i] = static_cast<std::uint8_t>(i % 3);
@@ -82,7 +82,7 @@ struct Packed24 {
   struct Background {
     __m256i low[3], extent[3];
   };
-  // `at`: where in each half of the light its 32 bytes begin.
+  // `at`: which of the three bytes of the light belongs to each byte.
   TOUCHLINE_TARGET_INLINE static Background spread(__m256i light, const Planes& at) {
     const __m256i extent = _mm256_set1_epi8(4);
     return {{_mm256_shuffle_epi8(light, at.first), _mm256_shuffle_epi8(light, at.second),
@@ -129,7 +129,7 @@ struct Packed24 {
   }
 };
 
-// Formats whose bytes repeat after four.
+// Formats whose channels repeat after four bytes.
 struct PeriodOfFour {
   struct Background {
     __m256i low, extent;
@@ -209,7 +209,7 @@ struct Packed32 : PeriodOfFour {
     return planes(
         {in_both_halves(bytes), in_both_halves(bytes + 16), in_both_halves(bytes + 32), in_both_halves(bytes + 48)});
   }
-  // Of a tile in each half: four pixels' bytes by channel, then eight pixels', then all 16.
+  // Each half holds a tile. Sorts bytes by channel: within four pixels, then eight, then all 16.
   TOUCHLINE_TARGET_INLINE static Planes planes(const Bytes& bytes) {
     constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
     const __m256i by_channel = _mm256_setr_epi8(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15,  //
@@ -228,7 +228,7 @@ template <PixelFormat kFormat>
 struct Planar {
   static constexpr bool kApart = info_of(kFormat).packing == Packing::kPlanar;
 
-  // U and V in turn, of a tile and of a block.
+  // U and V interleaved, of a tile and of a block.
   TOUCHLINE_TARGET_INLINE static __m128i tile_chroma(const RowPixels& row, std::uint32_t u) {
     if constexpr (!kApart) return load_half(row.plane[1] + u);
     return _mm_unpacklo_epi8(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(row.plane[1] + u / 2)),

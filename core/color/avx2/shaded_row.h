@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <bit>
 
-// Rows with a light map: every tile of 16 pixels has its own tables, so that a register has a tile twice and in each
-// half the tables of another group of classes.
+// Rows with a light map. Every tile of 16 pixels has its own tables. A register holds a tile twice, and each half looks
+// up another group of classes.
 namespace touchline::TOUCHLINE_TARGET_NAMESPACE {
 
-// What rows with a light map need of a layout:
-// - tile_planes,
-// - reject_eight_tiles: a bit for each of eight tiles whether it is background. Makes all of them background.
+// Layout functions that rows with a light map need:
+// - tile_planes: see pixel_layout.h.
+// - reject_eight_tiles: returns a bit for each of eight tiles that is background. Writes background to all of them.
 template <class Layout>
 struct ShadedLayout : Layout {
   TOUCHLINE_TARGET_INLINE static std::uint64_t reject_eight_tiles(const RowPixels& row, std::uint32_t u,
@@ -38,7 +38,7 @@ TOUCHLINE_TARGET_INLINE Channels<OneBlock> tile_channels(const NibbleTables& nib
           {nibbles_of(OneBlock{planes.third}), &nibbles.channel(2, light.level[2])}};
 }
 
-// The colors of the 16 pixels from column u on, by the classes of two groups.
+// Returns the colors of the 16 pixels that begin at column u, by the classes of two groups.
 template <class Layout>
 TOUCHLINE_TARGET_INLINE __m128i tile_colors(const NibbleTables& nibbles, std::size_t group, const RowPixels& row,
                                             std::uint32_t u, const TileParameters& light) {
@@ -47,7 +47,7 @@ TOUCHLINE_TARGET_INLINE __m128i tile_colors(const NibbleTables& nibbles, std::si
   return first_of(_mm256_castsi256_si128(found), _mm256_extracti128_si256(found, 1));
 }
 
-// By all classes.
+// By the classes of all groups.
 template <class Layout>
 TOUCHLINE_TARGET_INLINE __m128i tile_colors(const NibbleTables& nibbles, const RowPixels& row, std::uint32_t u,
                                             const TileParameters& light) {
@@ -58,10 +58,10 @@ TOUCHLINE_TARGET_INLINE __m128i tile_colors(const NibbleTables& nibbles, const R
   return colors;
 }
 
-// Up to 64 tiles of a row, a bit each.
+// A pass takes up to 64 tiles of a row, one bit each.
 constexpr std::uint32_t kMaxTilesPerPass = 64, kTilesPerTest = 8;
 
-// Those of the tiles that may have a class of the two groups, by high nibbles alone.
+// Returns the tiles that may contain a class of the two groups, by the high nibbles alone.
 template <class Layout>
 TOUCHLINE_PASS std::uint64_t find_coarse_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t first,
                                                std::uint64_t among, std::size_t group) {
@@ -77,7 +77,7 @@ TOUCHLINE_PASS std::uint64_t find_coarse_tiles(const SpanTables& tables, const R
   return found;
 }
 
-// Gives those pixels of the tiles their colors that have none.
+// Classifies those pixels of the tiles that have no color yet.
 template <class Layout>
 TOUCHLINE_PASS OccupiedWords color_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t first,
                                          std::uint64_t among, std::size_t group, ColorId* colors) {
@@ -95,7 +95,7 @@ TOUCHLINE_PASS OccupiedWords color_tiles(const SpanTables& tables, const RowPixe
   return occupied;
 }
 
-// The tiles that are not background. Makes all of them background.
+// Returns the tiles that the background box does not reject. Writes background to all tiles.
 template <class Layout>
 TOUCHLINE_PASS std::uint64_t find_candidate_tiles(const SpanTables& tables, const RowPixels& row, std::uint32_t first,
                                                   std::uint32_t count, ColorId* colors) {
@@ -115,7 +115,7 @@ TOUCHLINE_PASS std::uint64_t find_candidate_tiles(const SpanTables& tables, cons
   return ~background;
 }
 
-// Whole tiles, if any.
+// Classifies whole tiles, if there are any.
 template <class Layout>
 TOUCHLINE_TARGET_INLINE OccupiedWords classify_shaded_tiles(const SpanTables& tables, const RowPixels& row,
                                                             std::uint32_t begin, std::uint32_t end, ColorId* colors) {
@@ -125,7 +125,7 @@ TOUCHLINE_TARGET_INLINE OccupiedWords classify_shaded_tiles(const SpanTables& ta
     const std::uint64_t all = ~std::uint64_t{0} >> (kMaxTilesPerPass - count);
     std::uint64_t left = find_candidate_tiles<Layout>(tables, row, first, count, colors);
     left = tables.has_background_box ? left & all : all;
-    // Where most are left they do have colors; and two are colored sooner than looked at again.
+    // The coarse test does not pay off for two tiles, or if most tiles are candidates and so contain colors.
     const auto number = static_cast<std::uint32_t>(std::popcount(left));
     if (number > 2 && 2 * number <= count) {
       std::uint64_t near = 0;
@@ -141,8 +141,7 @@ TOUCHLINE_TARGET_INLINE OccupiedWords classify_shaded_tiles(const SpanTables& ta
   return occupied;
 }
 
-// The parts of tiles at the span's ends, less than a tile each: from the first pixel on, and up to the last. The span
-// is a tile wide at least.
+// Classifies the incomplete tiles at both ends of the span. The span is at least a tile wide.
 template <class Layout>
 TOUCHLINE_PASS OccupiedWords classify_ends(const SpanTables& tables, const RowPixels& row, std::uint32_t begin,
                                            std::uint32_t end, ColorId* colors) {
@@ -155,7 +154,7 @@ TOUCHLINE_PASS OccupiedWords classify_ends(const SpanTables& tables, const RowPi
   const __m128i last_colors =
       _mm_andnot_si128(_mm_cmplt_epi8(place, _mm_set1_epi8(before_last)),
                        tile_colors<Layout>(*tables.nibbles, row, last, tables.tile_at(end - 1)));
-  // The two may overlap each other.
+  // Both parts may overlap.
   store_half(colors + last, _mm_setzero_si128());
   store_half(colors + begin, first_colors);
   store_half(colors + last, _mm_or_si128(load_half(colors + last), last_colors));
@@ -163,7 +162,7 @@ TOUCHLINE_PASS OccupiedWords classify_ends(const SpanTables& tables, const RowPi
                                                                           << (end - 1) / kOccupiedWordPixels;
 }
 
-// A tile wide at least.
+// The span is at least a tile wide.
 template <class Layout>
 TOUCHLINE_TARGET_INLINE OccupiedWords classify_shaded_span(const SpanTables& tables, const RowPixels& row,
                                                            std::uint32_t begin, std::uint32_t end, ColorId* colors) {

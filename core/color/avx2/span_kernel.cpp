@@ -24,13 +24,13 @@ namespace touchline {
 namespace avx2 {
 namespace {
 
-// The tables of a row that has one light.
+// Tables of a row without a light map.
 struct RowTables {
   const ChannelNibbles *first, *second, *third;
   const ColorNibbles* colors;
   std::size_t groups;
 };
-// One register for a channel's tables. gcc 12 else keeps each table's own address, and those in memory.
+// Keeps the tables of a channel in one register. Otherwise gcc 12 keeps the address of each table, in memory.
 TOUCHLINE_TARGET_INLINE const ChannelNibbles* channel_of(const SpanTables& tables, std::size_t channel) {
   const ChannelNibbles* nibbles = &tables.nibbles->channel(channel, tables.tiles->level[channel]);
   asm("" : "+r"(nibbles));
@@ -60,19 +60,19 @@ TOUCHLINE_TARGET_INLINE Values colors_of(const RowTables& tables, const Channels
   return colors;
 }
 
-// Up to 64 blocks of a row, a bit each. The last overlaps the one before it when there is no whole one left.
+// A pass takes up to 64 blocks of a row, one bit each. An incomplete last block is moved to overlap the one before it.
 constexpr std::uint32_t kMaxBlocksPerPass = 64;
 struct Blocks {
   std::uint32_t first, end;  // columns
   [[nodiscard]] std::uint32_t count() const { return std::min(kMaxBlocksPerPass, (end - first + kBlock - 1) / kBlock); }
   [[nodiscard]] std::uint32_t column(std::uint32_t i) const { return std::min(first + i * kBlock, end - kBlock); }
-  // Of the lowest bit.
+  // Column of the block with the lowest bit.
   [[nodiscard]] std::uint32_t lowest(std::uint64_t among) const {
     return column(static_cast<std::uint32_t>(std::countr_zero(among)));
   }
 };
 
-// Bytes that are not zero unless the block is background. Makes it background.
+// Returns bytes that are all zero only if the block is background. Writes background to it.
 template <class Layout>
 TOUCHLINE_TARGET_INLINE __m256i candidates_at(const RowPixels& row, std::uint32_t u,
                                               const typename Layout::Background& of_row, ColorId* colors) {
@@ -81,7 +81,7 @@ TOUCHLINE_TARGET_INLINE __m256i candidates_at(const RowPixels& row, std::uint32_
   return candidates;
 }
 
-// The blocks that are not background. Makes all of them background.
+// Returns the blocks that the background box does not reject. Writes background to all blocks.
 template <class Layout>
 TOUCHLINE_TARGET_INLINE std::uint64_t find_candidates(const SpanTables& tables, const RowPixels& row, Blocks blocks,
                                                       ColorId* colors) {
@@ -91,7 +91,7 @@ TOUCHLINE_TARGET_INLINE std::uint64_t find_candidates(const SpanTables& tables, 
   std::uint64_t background = 0;
   std::uint32_t i = 0, u = blocks.first;
   for (; i + 4 <= count && u + 4 * kBlock <= blocks.end; i += 4, u += 4 * kBlock) {
-    // In this order, in which the processor fetches ahead.
+    // The order of addresses matters: the processor prefetches along it.
     const __m256i first = candidates_at<Layout>(pixels, u, of_row, colors),
                   second = candidates_at<Layout>(pixels, u + kBlock, of_row, colors),
                   third = candidates_at<Layout>(pixels, u + 2 * kBlock, of_row, colors),
@@ -103,7 +103,7 @@ TOUCHLINE_TARGET_INLINE std::uint64_t find_candidates(const SpanTables& tables, 
   return ~background;
 }
 
-// Those of the blocks that may have a class, by high nibbles alone.
+// Returns the blocks that may contain a class, by the high nibbles alone.
 template <class Layout>
 TOUCHLINE_PASS std::uint64_t find_coarse_blocks(const SpanTables& tables, const RowPixels& row, Blocks blocks,
                                                 std::uint64_t among) {
@@ -126,7 +126,7 @@ TOUCHLINE_TARGET_INLINE OccupiedWords occupied_at(std::uint32_t u, __m256i color
   return is_colored << u / kOccupiedWordPixels | is_colored << (u + kTile) / kOccupiedWordPixels;
 }
 
-// Gives the blocks their colors.
+// Classifies the blocks.
 template <class Layout>
 TOUCHLINE_PASS OccupiedWords color_blocks(const SpanTables& tables, const RowPixels& row, Blocks blocks,
                                           std::uint64_t left, ColorId* colors) {
@@ -152,14 +152,14 @@ TOUCHLINE_PASS OccupiedWords color_blocks(const SpanTables& tables, const RowPix
   return occupied;
 }
 
-// A block at least.
+// The span is at least a block wide.
 template <class Layout>
 TOUCHLINE_TARGET_INLINE OccupiedWords classify_blocks(const SpanTables& tables, const RowPixels& row,
                                                       std::uint32_t begin, std::uint32_t end, ColorId* colors) {
   OccupiedWords occupied = 0;
   for (Blocks blocks = {begin, end}; blocks.first < end; blocks.first += kMaxBlocksPerPass * kBlock) {
     const std::uint64_t all = ~std::uint64_t{0} >> (kMaxBlocksPerPass - blocks.count());
-    // Three looks, each closer and at fewer blocks. No branch depends on what is there: no wrong guess costs time.
+    // Three passes, each more exact and over fewer blocks. No branch depends on the pixels, so none is mispredicted.
     std::uint64_t left = find_candidates<Layout>(tables, row, blocks, colors) & all;
     if (!tables.has_background_box) left = all;
     if (is_second_pass_worthwhile(left, blocks.count())) left = find_coarse_blocks<Layout>(tables, row, blocks, left);

@@ -14,18 +14,18 @@
 #define TOUCHLINE_PASS [[gnu::target(TOUCHLINE_TARGET), gnu::always_inline]] inline
 #include "core/color/avx2/shaded_row.h"
 
-// Rows with a light map as the AVX-512 kernel looks at them: 64 pixels in four tiles at a time while they are
-// background, and a tile at a time what is not.
+// Rows with a light map in the AVX-512 kernel. The background test takes four tiles (64 pixels) at a time, and the
+// exact test one tile.
 namespace touchline::avx512_shaded {
 
-// A constant, in one cache line.
+// A constant that fills a cache line.
 struct alignas(64) Bytes64 : std::array<std::uint8_t, 64> {};
 TOUCHLINE_TARGET_INLINE __m512i choose(__m512i bytes, const Bytes64& which) {
   return _mm512_maskz_permutexvar_epi8(~0ULL, _mm512_load_si512(which.data()), bytes);
 }
 
-// Of four tiles' lights: for bytes 64 * piece to 64 * piece + 63, of which a tile has `tile_bytes`, the `period` bytes
-// from `at` on over and over.
+// Pattern for the bytes 64 * piece to 64 * piece + 63 of four tiles with `tile_bytes` each: from the parameters of each
+// tile, repeats the `period` bytes that begin at `at`.
 constexpr Bytes64 bytes_of_lights(std::size_t piece, std::size_t tile_bytes, std::size_t at, std::size_t period) {
   Bytes64 which{};
   for (std::size_t i = 0; i < 64; ++i) {
@@ -38,7 +38,7 @@ TOUCHLINE_TARGET_INLINE __m512i four_lights(const TileParameters* lights) {
   return _mm512_maskz_loadu_epi8(~0ULL >> (64 - 4 * sizeof(TileParameters)), lights);
 }
 
-// A bit for each eight bytes: whether one is farther above background_low than background_extent.
+// Returns a bit for each eight bytes that contain a value outside the background range.
 TOUCHLINE_TARGET_INLINE std::uint64_t candidate_words(__m512i bytes, __m512i lights, const Bytes64& low,
                                                       const Bytes64& extent) {
   const __m512i candidates = _mm512_subs_epu8(_mm512_sub_epi8(bytes, choose(lights, low)), choose(lights, extent));
@@ -67,7 +67,7 @@ inline constexpr Bytes64 kLowOfLuma = bytes_of_lights(0, 16, kLow, 1),
 inline constexpr Bytes64 kLowOfChroma = bytes_of_lights(0, 16, kLow + 2, 2),
                          kExtentOfChroma = bytes_of_lights(0, 16, kExtent + 2, 2);
 
-// Twice the 16 bytes first + step * (i / repeat).
+// Pattern that selects the 16 bytes first + step * (i / repeat), twice.
 constexpr Bytes64 plane_of_tile(std::size_t first, std::size_t step, std::size_t repeat) {
   Bytes64 which{};
   for (std::size_t i = 0; i < 32; ++i) which[i] = static_cast<std::uint8_t>(first + step * (i % 16 / repeat));
@@ -85,11 +85,10 @@ TOUCHLINE_TARGET_INLINE __m256i plane(__m512i bytes, const Bytes64& which) {
   return _mm512_maskz_extracti64x4_epi64(0xff, choose(bytes, which), 0);
 }
 
-// The layouts below give
-// - candidate_words: of 64 pixels a bit for each eight bytes as they follow each other, kWords of a tile; of planes one
-// or
-//   the other,
-// - tile_planes, as those of the AVX2 kernel.
+// Each layout below has these functions:
+// - candidate_words: returns a bit for each eight bytes of 64 pixels, in memory order, that contain a candidate. A tile
+//   has kWords bits. With several planes, their bits are combined.
+// - tile_planes: as in the AVX2 kernel.
 
 template <PixelFormat kFormat>
 struct ShadedPacked24 {
@@ -145,7 +144,7 @@ struct ShadedPacked16 {
   }
 };
 
-// U and V in turn out of 32 of each.
+// Interleaves 32 bytes each of U and V.
 inline constexpr Bytes64 kInterleave = [] {
   Bytes64 which{};
   for (std::size_t i = 0; i < 64; ++i) which[i] = static_cast<std::uint8_t>(i % 2 * 64 + i / 2);
@@ -169,7 +168,7 @@ struct ShadedPlanar : Planar<kFormat> {
   }
 };
 
-// What classify_shaded_span needs of a layout.
+// Adds the function that classify_shaded_span() needs.
 template <class Layout>
 struct ShadedLayout512 : Layout {
   TOUCHLINE_TARGET_INLINE static std::uint64_t reject_eight_tiles(const RowPixels& row, std::uint32_t u,

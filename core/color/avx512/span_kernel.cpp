@@ -20,26 +20,26 @@ namespace {
 constexpr std::uint32_t kBlock = kOccupiedWordPixels;
 static_assert(kBlock == 64);
 
-// Those of a block's pixels that are in the span: a bit each.
+// Pixels of a block that are in the span, one bit each.
 using Inside = std::uint64_t;
 constexpr Inside kWhole = ~Inside{0};
 constexpr Inside bits(std::uint32_t begin, std::uint32_t end) { return kWhole >> (64 - (end - begin)) << begin; }
 
-// Those of the bytes 64 * piece to 64 * piece + 63 that are in begin..end - 1.
+// The bytes among 64 * piece to 64 * piece + 63 that lie in begin..end - 1, one bit each.
 constexpr std::uint64_t bytes_inside(std::uint32_t begin, std::uint32_t end, std::uint32_t piece) {
   const std::uint32_t low = std::clamp(begin, 64 * piece, 64 * piece + 64),
                       high = std::clamp(end, low, 64 * piece + 64);
   return low == high ? 0 : bits(low - 64 * piece, high - 64 * piece);
 }
 
-// Where a block is and what of it may be read: pixels begin to end - 1 of its 64.
+// A block that begins at column u. Only its pixels begin to end - 1 may be read.
 struct Block {
   std::uint32_t u, begin, end;
   [[nodiscard]] bool is_whole() const { return end - begin == kBlock; }
   [[nodiscard]] Inside inside() const { return bits(begin, end); }
 };
 
-// 64 bytes, of which those outside are neither read nor anything but 0. `begin` and `end` count bytes of the block.
+// Loads 64 bytes. Bytes outside of begin..end - 1 (counted in the block) are not read and become 0.
 template <bool kIsWhole>
 TOUCHLINE_TARGET_INLINE __m512i load(const std::uint8_t* bytes, std::uint32_t begin, std::uint32_t end,
                                      std::uint32_t piece) {
@@ -54,7 +54,7 @@ TOUCHLINE_TARGET_INLINE void store(ColorId* colors, const Block& block, __m512i 
     _mm512_mask_storeu_epi8(colors + block.u, block.inside(), values);
   }
 }
-// A constant, in one cache line.
+// A constant that fills a cache line.
 struct alignas(64) Pick : std::array<std::uint8_t, 64> {};
 TOUCHLINE_TARGET_INLINE __m512i constant(const Pick& bytes) { return _mm512_load_si512(bytes.data()); }
 TOUCHLINE_TARGET_INLINE __m512i or_of(__m512i a, __m512i b, __m512i c) {
@@ -67,7 +67,7 @@ TOUCHLINE_TARGET_INLINE __m128i load_table(const NibbleLookup& table) {
   return _mm_loadu_si128(reinterpret_cast<const __m128i*>(table.data()));
 }
 
-// A channel's values by their nibbles, and their tables.
+// Nibbles of a channel's values, and the channel's tables.
 struct Channel {
   __m512i high, low;
   const ChannelNibbles* nibbles;
@@ -88,13 +88,13 @@ TOUCHLINE_TARGET_INLINE __m512i look_up(const NibbleLookup& table, __m512i nibbl
 TOUCHLINE_TARGET_INLINE __m512i coarse_classes(const Channel& channel, std::size_t group) {
   return look_up(channel.nibbles->within[group], channel.high);
 }
-// The group's classes of which all three intervals' high nibbles include the values'.
+// Coarse test: classes of the group whose three intervals contain the high nibbles of the values.
 TOUCHLINE_TARGET_INLINE __m512i coarse_classes(const Channels& channels, std::size_t group) {
   return and_of(coarse_classes(channels.first, group), coarse_classes(channels.second, group),
                 coarse_classes(channels.third, group));
 }
 
-// Out of the near classes those to which the values of a channel belong, a byte a value.
+// Exact test: keeps those of the classes `near` to which the values of a channel belong, one byte per value.
 TOUCHLINE_TARGET_INLINE __m512i classes_of(const Channel& channel, std::size_t group, __m512i near) {
   const ChannelNibbles& tables = *channel.nibbles;
   const __m512i from =
@@ -104,7 +104,7 @@ TOUCHLINE_TARGET_INLINE __m512i classes_of(const Channel& channel, std::size_t g
   return and_of(from, to, near);
 }
 
-// The color of the lowest class; where an earlier group has given a color, that.
+// Adds the color of the lowest class, except where an earlier group has given a color.
 TOUCHLINE_TARGET_INLINE __m512i add_colors(__m512i colors, const ColorNibbles& tables, std::size_t group,
                                            __m512i classes) {
   const __m512i low = look_up(tables.low[group], low_nibble(classes)),
@@ -113,17 +113,17 @@ TOUCHLINE_TARGET_INLINE __m512i add_colors(__m512i colors, const ColorNibbles& t
   return _mm512_mask_mov_epi8(colors, _mm512_testn_epi8_mask(colors, colors), color);
 }
 
-// For byte i the byte first + step * (i / repeat), modulo 128.
+// Pattern that selects byte first + step * (i / repeat), modulo 128, for byte i.
 constexpr Pick pick_bytes(std::size_t first, std::size_t step, std::size_t repeat) {
   Pick pick{};
   for (std::size_t i = 0; i < 64; ++i) pick[i] = static_cast<std::uint8_t>((first + step * (i / repeat)) % 128);
   return pick;
 }
 
-// In a TileParameters.
+// Offsets in TileParameters.
 constexpr std::size_t kBackgroundLow = offsetof(TileParameters, background_low),
                       kBackgroundExtent = offsetof(TileParameters, background_extent);
-// For bytes 64 * piece to 64 * piece + 63 of a block: `period` bytes from `at` on, over and over.
+// Pattern for bytes 64 * piece to 64 * piece + 63 of a block: repeats the `period` bytes that begin at `at`.
 constexpr Pick repeat_bytes(std::size_t piece, std::size_t at, std::size_t period) {
   Pick pick{};
   for (std::size_t i = 0; i < 64; ++i) pick[i] = static_cast<std::uint8_t>(at + (64 * piece + i) % period);
@@ -137,7 +137,7 @@ TOUCHLINE_TARGET_INLINE __m512i choose(__m512i first, __m512i second, const Pick
   return _mm512_permutex2var_epi8(first, constant(pick), second);
 }
 
-// Which bytes are farther above `low` than `extent`: those are not zero.
+// Returns bytes that are not zero where a value is outside low..low + extent.
 TOUCHLINE_TARGET_INLINE __m512i beyond(__m512i bytes, __m512i low, __m512i extent) {
   return _mm512_subs_epu8(_mm512_sub_epi8(bytes, low), extent);
 }
@@ -146,16 +146,16 @@ struct Planes {
   __m512i first, second, third;
 };
 
-// The layouts below give of a block
-// - candidates: bytes that are not zero unless all of it is in the background box, also where nothing is inside,
-// - planes: its three channels, chroma doubled.
+// Each layout below has these functions for a block:
+// - candidates: returns zero only if all bytes are in the background box, including those outside the span.
+// - planes: returns the three channels, with chroma repeated for both pixels of a pair.
 
 // Three bytes a pixel.
 template <PixelFormat kFormat>
 struct Packed24 {
   static constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
   static constexpr std::array kPick = {pick_bytes(kRed, 3, 1), pick_bytes(1, 3, 1), pick_bytes(2 - kRed, 3, 1)};
-  // Those pixels whose byte is among the third 64.
+  // Pixels whose byte is in the third register.
   static constexpr std::uint64_t in_third(std::size_t offset) {
     std::uint64_t pixels = 0;
     for (std::size_t i = 0; i < 64; ++i) pixels |= std::uint64_t{3 * i + offset >= 128} << i;
@@ -202,7 +202,7 @@ struct Packed24 {
 template <PixelFormat kFormat>
 struct Packed32 {
   static constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
-  // Pixels 32 to 63 are in the third and fourth 64 bytes, at the same places as the others in the first two.
+  // Pixels 32 to 63 are in the third and fourth register, at the same places as the others in the first two.
   static constexpr std::array kPick = {pick_bytes(kRed, 4, 1), pick_bytes(1, 4, 1), pick_bytes(2 - kRed, 4, 1)};
   static constexpr std::uint64_t kInSecondHalf = kWhole << 32;
   static constexpr Pick kLow = repeat_bytes(0, kBackgroundLow, 4), kExtent = repeat_bytes(0, kBackgroundExtent, 4);
@@ -286,7 +286,7 @@ struct Planar {
   TOUCHLINE_TARGET_INLINE static Background background(__m512i light) {
     return {choose(light, kLow[0]), choose(light, kLow[1]), choose(light, kExtent[0]), choose(light, kExtent[1])};
   }
-  // U and V in turn. Blocks begin and end with whole pairs.
+  // U and V interleaved. Blocks begin and end with whole pairs.
   static constexpr Pick kInterleave = [] {
     Pick pick{};
     for (std::size_t i = 0; i < 64; ++i) pick[i] = static_cast<std::uint8_t>(i % 2 * 64 + i / 2);
@@ -339,7 +339,7 @@ TOUCHLINE_TARGET_INLINE __m512i colors_of(const SpanTables& tables, const Channe
   return colors;
 }
 
-// The blocks that a span meets, a bit each: the words of the row.
+// The blocks that overlap a span. A block is a word of the row, so each has a bit in OccupiedWords.
 struct Span {
   std::uint32_t begin, end;
   [[nodiscard]] Block block(std::uint32_t word) const {
@@ -348,7 +348,7 @@ struct Span {
   }
 };
 
-// The three looks at a block. Each gives 1 or 0: whether the next is needed, in the end whether there are colors.
+// The three tests of a block. Each returns 1 if the next one is needed; the last one, if the block contains colors.
 template <class Layout, bool kIsWhole>
 TOUCHLINE_TARGET_INLINE OccupiedWords is_candidate(const RowPixels& row, const Block& block,
                                                    const typename Layout::Background& of_row, ColorId* colors) {
@@ -375,7 +375,7 @@ TOUCHLINE_TARGET_INLINE OccupiedWords is_colored(const SpanTables& tables, const
   return OccupiedWords{_mm512_mask_test_epi8_mask(block.inside(), found, found) != 0};
 }
 
-// As in the AVX2 kernel, a round for each look: within one no branch depends on what is there.
+// One pass for each test, as in the AVX2 kernel: no branch within a pass depends on the pixels.
 template <class Layout>
 TOUCHLINE_TARGET_INLINE OccupiedWords classify_blocks(const SpanTables& tables, const RowPixels& row, const Span& span,
                                                       ColorId* colors) {
@@ -412,7 +412,7 @@ TOUCHLINE_TARGET_INLINE OccupiedWords classify_blocks(const SpanTables& tables, 
   return occupied;
 }
 
-// Apart: rows of one light need no room for its registers.
+// A function of its own, so that rows without a light map need no room for its registers.
 template <PixelFormat kFormat>
 [[gnu::noinline]] TOUCHLINE_TARGET_FUNCTION OccupiedWords classify_shaded(const SpanTables& tables,
                                                                           const RowPixels& row, std::uint32_t begin,
@@ -426,7 +426,7 @@ TOUCHLINE_TARGET_FUNCTION OccupiedWords classify_span(const SpanTables& tables, 
                                                       std::uint32_t begin, std::uint32_t end, ColorId* colors) {
   if (begin >= end) return 0;
   if (!tables.unshaded) return classify_shaded<kFormat>(tables, row, begin, end, colors);
-  // Copies: what is written to `colors` cannot change them.
+  // Copies, which stores to `colors` cannot change.
   const SpanTables of_row = tables;
   const RowPixels pixels = row;
   return classify_blocks<Layout>(of_row, pixels, {begin, end}, colors);

@@ -13,14 +13,14 @@ namespace touchline {
 namespace neon {
 namespace {
 
-// A tile of one light fills a register; four are background at a glance or are looked at one by one.
+// A tile fills a register. The background test takes four tiles; if it fails, tiles are tested one by one.
 constexpr std::uint32_t kTile = kTileWidth, kTilesOfBlock = 4, kBlock = kTilesOfBlock * kTile;
 static_assert(kTile == 16 && kBackground == 0);
 
 using Values = uint8x16_t;  // of a tile's pixels
 using PairValues = uint8x8_t;
 
-// Loops over tiles and channels below are of a few turns, and what they index is to be in registers.
+// Unrolls short loops over tiles and channels, so that the arrays stay in registers.
 #define TOUCHLINE_UNROLL _Pragma("GCC unroll 4")
 
 bool is_zero(Values value) {
@@ -29,7 +29,7 @@ bool is_zero(Values value) {
 }
 bool is_zero(PairValues value) { return vget_lane_u64(vreinterpret_u64_u8(value), 0) == 0; }
 
-// For 16 pixels, and for 8 pairs: a Cortex-A72 looks up half a register in a third of the time.
+// For 16 pixels and for 8 pairs. A Cortex-A72 looks up half a register in a third of the time.
 Values look_up(const std::uint8_t* table, Values nibble) { return vqtbl1q_u8(vld1q_u8(table), nibble); }
 PairValues look_up(const std::uint8_t* table, PairValues nibble) { return vqtbl1_u8(vld1q_u8(table), nibble); }
 Values both(Values a, Values b) { return vandq_u8(a, b); }
@@ -37,7 +37,7 @@ PairValues both(PairValues a, PairValues b) { return vand_u8(a, b); }
 Values either(Values a, Values b) { return vorrq_u8(a, b); }
 PairValues either(PairValues a, PairValues b) { return vorr_u8(a, b); }
 
-// The nibbles of values.
+// High and low nibbles of values.
 template <class Register>
 struct Nibbles {
   Register high, low;
@@ -45,7 +45,7 @@ struct Nibbles {
 Nibbles<Values> nibbles_of(Values values) { return {vshrq_n_u8(values, 4), vandq_u8(values, vdupq_n_u8(15))}; }
 Nibbles<PairValues> nibbles_of(PairValues values) { return {vshr_n_u8(values, 4), vand_u8(values, vdup_n_u8(15))}; }
 
-// A group's tables, by their distance from the first. One address for all: gcc 12 else works out each by itself.
+// Tables of a group, by their distance from the first. One address serves all; otherwise gcc 12 computes each one.
 class GroupTables {
  public:
   GroupTables(const GroupLookups& first, std::size_t group) : at_(first[group].data()) { asm("" : "+r"(at_)); }
@@ -56,7 +56,7 @@ class GroupTables {
 };
 static_assert(offsetof(ChannelNibbles, to_last) == 4 * sizeof(GroupLookups));
 
-// The group's classes to which the values of a channel belong, a byte a value.
+// Classes of the group to which the values of a channel belong, one byte per value.
 template <class Register>
 Register classes_of(const ChannelNibbles& tables, std::size_t group, const Nibbles<Register>& value) {
   const GroupTables within_and_ends(tables.within, group);
@@ -65,7 +65,7 @@ Register classes_of(const ChannelNibbles& tables, std::size_t group, const Nibbl
   return both(look_up(within_and_ends[0], value.high), both(from, to));
 }
 
-// The color of the lowest class; where an earlier group has given a color, that.
+// Adds the color of the lowest class, except where an earlier group has given a color.
 Values add_colors(Values colors, const ColorNibbles& tables, std::size_t group, Values classes) {
   const Nibbles<Values> bits = nibbles_of(classes);
   const GroupTables low_and_high(tables.low, group);
@@ -74,7 +74,7 @@ Values add_colors(Values colors, const ColorNibbles& tables, std::size_t group, 
   return vbslq_u8(vceqzq_u8(colors), color, colors);
 }
 
-// The classes of a tile's light.
+// Tables for the light level of a tile.
 struct TileNibbles {
   const ChannelNibbles& first;
   const ChannelNibbles& second;
@@ -90,7 +90,7 @@ struct TileNibbles {
         groups(nibbles.groups()) {}
 };
 
-// `within` of all groups in one: where none of its bits is left no class is.
+// ORs `within` of all groups: if no bit is left, the pixel has no class.
 Values within_any(const ChannelNibbles& channel) {
   Values any = vld1q_u8(channel.within[0].data());
   TOUCHLINE_UNROLL for (std::size_t group = 1; group < kClassGroups; ++group) {
@@ -104,7 +104,7 @@ struct Within {
       : first(within_any(tables.first)), second(within_any(tables.second)), third(within_any(tables.third)) {}
 };
 
-// TileParameters's background range of four bytes, four times over.
+// The four bytes of the background range in TileParameters, repeated four times.
 struct BackgroundWords {
   Values low, extent;
 };
@@ -116,7 +116,7 @@ Values repeated(const std::array<std::uint8_t, 4>& bytes) {
 BackgroundWords background_words(const TileParameters& light) {
   return {repeated(light.background_low), repeated(light.background_extent)};
 }
-// What is background in all tiles of a block; false: nothing, which cannot be when all ranges begin at 0.
+// Intersects the background ranges of all tiles of a block. False: empty, which is impossible if all begin at 0.
 template <bool kFromZero>
 bool background_words(const TileParameters* lights, BackgroundWords& all) {
   all = background_words(lights[0]);
@@ -151,7 +151,7 @@ bool may_be_colored(const Within& within, const RgbValues& value) {
   return found;
 }
 
-// Three bytes a pixel. kFromZero: background_low is 0.
+// Three bytes a pixel. kFromZero: background_low is 0 everywhere.
 template <PixelFormat kFormat, bool kFromZero>
 struct Packed24 {
   static constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
@@ -159,7 +159,7 @@ struct Packed24 {
 
   static RowPixels at(const RowPixels& row, std::size_t u) { return {{row.plane[0] + 3 * u}}; }
 
-  // Which of four bytes byte i of 48 is.
+  // For byte i of 48, its channel.
   static constexpr auto kPick = [] {
     std::array<std::array<std::uint8_t, kTile>, 3> pick{};
     for (std::size_t i = 0; i < 3 * kTile; ++i) pick[i / kTile][i % kTile] = static_cast<std::uint8_t>(i % 3);
@@ -248,7 +248,7 @@ struct SharedChroma {
     return {{row.plane[0] + u * (kPlanar ? 1 : 2), kPlanar ? row.plane[1] + u : nullptr}};
   }
 
-  // 32 bytes, of YUYV and UYVY in turn and of NV12 luma and chroma.
+  // The first and second 16 bytes of a tile: consecutive in packed formats, luma and chroma in the others.
   static Values first(const RowPixels& tile) { return vld1q_u8(tile.plane[0]); }
   static Values second(const RowPixels& tile) {
     if constexpr (kApart) {
@@ -292,7 +292,7 @@ struct SharedChroma {
     return {luma, vmovn_u16(chroma), vshrn_n_u16(chroma, 8)};
   }
 
-  // False: background by the high nibbles of chroma, as most tiles are that are not background.
+  // False: background by the high nibbles of chroma, as most tiles are that the background box does not reject.
   static bool may_be_colored(const Within& within, const RowPixels& tile) {
     const Samples sample = samples(tile);
     return !is_zero(
@@ -307,7 +307,7 @@ struct SharedChroma {
     for (std::size_t group = 0; group < tables.groups; ++group) {
       const PairValues pairs = both(classes_of(tables.second, group, u), classes_of(tables.third, group, v));
       if (is_zero(pairs)) continue;
-      // Each pair's classes for both its pixels.
+      // Repeats the classes of each pair for both pixels.
       const Values of_pixels = vcombine_u8(vzip1_u8(pairs, pairs), vzip2_u8(pairs, pairs));
       found = add_colors(found, tables.colors, group, both(of_pixels, classes_of(tables.first, group, luma)));
     }
@@ -315,7 +315,7 @@ struct SharedChroma {
   }
 };
 
-// Columns of a row, of at least a tile, in pairs where pairs share chroma.
+// Classifies columns of a row: at least a tile, and whole pairs if pairs share chroma.
 template <class Layout, bool kUnshaded>
 class Span {
   using Background = typename Layout::Background;
@@ -364,14 +364,14 @@ class Span {
     }
   }
 
-  // The part of a tile from column u on; kTile columns from there on are in the span, and those after it follow.
+  // Classifies the end of a tile, which begins at column u. kTile columns are in the span; later ones are overwritten.
   void classify_first(std::uint32_t u) {
     const Values found = colors_at(u, u);
     vst1q_u8(colors_ + u, found);
     note(vandq_u8(found, vcltq_u8(columns(), vdupq_n_u8(static_cast<std::uint8_t>(kTile - u % kTile)))), u);
   }
 
-  // The part of a tile before column `end`; kTile columns before it are in the span, and those of other tiles are done.
+  // Classifies the begin of a tile, before column `end`. kTile columns are in the span; other tiles are already done.
   void classify_last(std::uint32_t end) {
     const std::uint32_t from = end - kTile;
     const Values here = vcgeq_u8(columns(), vdupq_n_u8(static_cast<std::uint8_t>(kTile - end % kTile)));
@@ -402,7 +402,7 @@ class Span {
     if constexpr (kUnshaded) return Layout::may_be_colored(within_, tile);
     return Layout::may_be_colored(Within(TileNibbles(*tables_.nibbles, tables_.tiles[u / kTile])), tile);
   }
-  // Of kTile columns from `u` on, in the light of column `lit`.
+  // Colors of kTile columns that begin at `u`, with the light level of column `lit`.
   [[nodiscard]] Values colors_at(std::uint32_t u, std::uint32_t lit) const {
     const RowPixels tile = Layout::at(row_, u);
     if constexpr (kUnshaded) return Layout::colors(nibbles_, tile);
@@ -418,7 +418,7 @@ class Span {
   const SpanTables tables_;
   const RowPixels row_;
   ColorId* const colors_;
-  // Of the first tile: with one light those of all.
+  // Of the first tile; without a light map, of all tiles.
   const Background background_;
   const TileNibbles nibbles_;
   const Within within_;

@@ -12,11 +12,11 @@ namespace {
 
 static_assert(sizeof(ColorId) == 1, "a block of colors is cleared as one word");
 
-// Eight pixels are looked at as machine words, and a tile has whole blocks.
+// The background test takes blocks of eight pixels as machine words. A tile consists of whole blocks.
 constexpr std::uint32_t kBlockPixels = 8;
 static_assert(kTileWidth % kBlockPixels == 0);
 
-// The tables of one light.
+// Tables of one light level.
 struct LightTables {
   std::array<const ColorTables::Table*, 3> channel;
   const ColorTables::ColorOfBit& color_of_bit;
@@ -31,20 +31,21 @@ struct LightTables {
   }
 };
 
-// Eight bytes against the background range of each.
+// Compares eight bytes with their background ranges.
 class BackgroundWord {
  public:
   BackgroundWord() = default;
   explicit BackgroundWord(const std::array<std::uint8_t, 8>& low, const std::array<std::uint8_t, 8>& extent)
       : low_(load_word(low.data())), beyond_(~load_word(extent.data())) {}
 
-  /// High bits of the bytes that are out of range.
+  /// Returns the high bits of the bytes that are out of range.
   [[nodiscard]] std::uint64_t candidates(std::uint64_t bytes) const {
-    // Byte by byte, no borrow into the next: bytes - low.
+    // bytes - low for each byte, without borrow between bytes.
     const std::uint64_t from_low = ((bytes | kHighBits) - (low_ & ~kHighBits)) ^ ((bytes ^ ~low_) & kHighBits);
-    // A byte's high bit becomes (value & 127) + addend >= 128; no byte carries into the next, 127 + 127 < 255.
+    // The high bit of each byte becomes (value & 127) + addend >= 128. There is no carry, because 127 + 127 < 255.
     const std::uint64_t sum = (from_low & ~kHighBits) + (beyond_ & ~kHighBits);
-    // Beyond a extent below 128 is what the sum or the value's own high bit says, else what both say: a majority vote.
+    // If the extent is below 128, a byte is out of range if the sum or its own high bit is set, else if both are set: a
+    // majority vote of three bits.
     return ((sum & from_low) | (beyond_ & (sum | from_low))) & kHighBits;
   }
 
@@ -53,7 +54,7 @@ class BackgroundWord {
   std::uint64_t low_ = 0, beyond_ = 0;
 };
 
-// The pattern's bytes `at`, over and over; each may stand for several channels in turn.
+// Repeats the bytes `at` of the background range, beginning with byte `first` of the repetition.
 template <std::size_t kPeriod>
 BackgroundWord background_word(const TileParameters& light, const std::array<std::size_t, kPeriod>& at,
                                std::size_t first = 0) {
@@ -79,7 +80,7 @@ struct PackedRgb {
     }
   }
 
-  // Eight pixels are as many words as a pixel has bytes.
+  // Eight pixels fill as many words as a pixel has bytes.
   class Background {
    public:
     explicit Background(const TileParameters& light) {
@@ -104,7 +105,7 @@ struct PackedRgb {
   };
 };
 
-// Formats whose pixel pairs (2k, 2k + 1) share a chroma sample: most pairs are background by their chroma alone.
+// Formats whose pixel pairs (2k, 2k + 1) share a chroma sample. The chroma alone shows that most pairs are background.
 template <PixelFormat kFormat>
 struct SharedChroma {
   static constexpr const auto& kChannel = info_of(kFormat).channel;
@@ -144,7 +145,7 @@ struct SharedChroma {
           second_(kPacking == Packing::kPlanar       ? background_word<8>(light, {2, 2, 2, 2, 3, 3, 3, 3})
                   : kPacking == Packing::kSemiPlanar ? background_word<2>(light, {2, 3})
                                                      : first_) {}
-    /// `begin` is even.
+    /// `begin` must be even.
     [[nodiscard]] bool holds(const RowPixels& row, std::uint32_t begin) const {
       const std::uint8_t* bytes = row.plane[0] + std::size_t{begin} * kLumaStep;
       if constexpr (kPacking == Packing::kPlanar) {
@@ -162,7 +163,7 @@ struct SharedChroma {
   };
 };
 
-// Pixels of one light. Blocks in the background box are background at a glance; the others are looked at pixel
+// Classifies pixels with one light level. Blocks inside the background box are background; others are classified pixel
 // by pixel.
 template <class Layout>
 OccupiedWords classify_light(const SpanTables& tables, const TileParameters& light, const RowPixels& row,
@@ -197,7 +198,7 @@ OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std:
   if (tables.unshaded) return classify_light<Layout>(tables, *tables.tiles, row, begin, end, colors);
   OccupiedWords occupied = 0;
   for (std::uint32_t u = begin; u < end;) {
-    // Neighboring tiles of one light are one stretch.
+    // Joins neighboring tiles with the same light level.
     const TileParameters& light = tables.tile_at(u);
     std::uint32_t stop = u;
     do {

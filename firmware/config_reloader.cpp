@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <utility>
 
 #include "firmware/config/reload.h"
@@ -104,8 +105,8 @@ void ConfigReloader::adjust_camera(config::Configuration& next, config::ReloadCh
   changes.applied.erase(refused, changes.applied.end());
 }
 
-ReloadThread::ReloadThread(ConfigReloader& reloader, const std::atomic<std::uint32_t>& requests, Say say)
-    : reloader_(reloader), requests_(requests), say_(std::move(say)) {
+ReloadThread::ReloadThread(Reload reload, const std::atomic<std::uint32_t>& requests, Print print)
+    : reload_(std::move(reload)), requests_(requests), print_(std::move(print)) {
   thread_ = std::thread([this] { work(); });
 }
 
@@ -117,10 +118,19 @@ ReloadThread::~ReloadThread() {
 void ReloadThread::work() {
   while (!end_.load(std::memory_order_acquire)) {
     const std::uint32_t asked = requests_.load(std::memory_order_relaxed);
-    if (std::exchange(served_, asked) != asked) {
-      for (const std::string& line : reloader_.reload(end_)) say_(line);
-    }
+    if (std::exchange(served_, asked) != asked) reload_and_print();
     std::this_thread::sleep_for(kAskedPeriod);
+  }
+}
+
+void ReloadThread::reload_and_print() {
+  try {
+    try {
+      for (const std::string& line : reload_(end_)) print_(line);
+    } catch (const std::exception& error) {
+      print_(std::string("reload: failed: ") + error.what() + "; everything stays as it is");
+    }
+  } catch (...) {  // not even memory for a message: the game goes on without it
   }
 }
 

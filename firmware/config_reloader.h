@@ -51,14 +51,16 @@ class ConfigReloader {
   std::unique_ptr<LiveSettings> live_settings_ = std::make_unique<LiveSettings>();
 };
 
-/// A thread that retunes whenever it is asked to. Made before the loop's thread becomes privileged, of which it
-/// inherits nothing then.
+/// A thread that reloads whenever it is asked to. Start it before the loop's thread gets its real-time priority, which
+/// it would inherit. An exception ends the reload that threw it, and nothing else.
 class ReloadThread {
  public:
-  using Say = std::function<void(const std::string& line)>;
-  /// `requests` counts up. `say` is called on the thread.
-  ReloadThread(ConfigReloader& reloader, const std::atomic<std::uint32_t>& requests, Say say);
-  /// The loop has ended, or goes on taking what is offered.
+  /// ConfigReloader::reload.
+  using Reload = std::function<std::vector<std::string>(const std::atomic<bool>& cancelled)>;
+  using Print = std::function<void(const std::string& line)>;
+  /// `requests` counts up. `reload` and `print` are called on the thread.
+  ReloadThread(Reload reload, const std::atomic<std::uint32_t>& requests, Print print);
+  /// Cancels a reload that waits for the loop.
   ~ReloadThread();
   ReloadThread(const ReloadThread&) = delete;
   ReloadThread& operator=(const ReloadThread&) = delete;
@@ -66,9 +68,11 @@ class ReloadThread {
  private:
   void work();
 
-  ConfigReloader& reloader_;
+  void reload_and_print();
+
+  const Reload reload_;
   const std::atomic<std::uint32_t>& requests_;
-  const Say say_;
+  const Print print_;
   std::uint32_t served_ = 0;
   std::atomic<bool> end_{false};
   std::thread thread_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "firmware/crash_stop.h"
 #include "hal/linux/monotonic_clock.h"
 
 namespace touchline {
@@ -57,6 +58,7 @@ void Loop::set_faults(const config::FaultSettings& faults) {
 
 Result<void> Loop::open() {
   TOUCHLINE_TRY(connections_.open(from_seconds(settings_.faults.reopen_after_s)));
+  crash_stop::set_radio(devices_.radio.descriptor());
   const Instant now = devices_.clock.now();
   statistics_.begin = last_frame_ = last_packet_ = now;
   reports_.begin(now);
@@ -237,6 +239,7 @@ void Loop::stop_if_due(Instant now) {
 void Loop::send_stop(Instant now) { send(pipeline_.stop(now), true, now); }
 
 void Loop::send(const Packet& packet, bool is_stop, Instant now) {
+  if (crash_stop::is_stopping()) return;  // another thread has crashed, and its stop packets must be the last ones
   last_packet_ = now;
   needs_final_stops_ = true;
   if (!connections_.is_open(Device::kRadio)) {
@@ -244,6 +247,7 @@ void Loop::send(const Packet& packet, bool is_stop, Instant now) {
     return;
   }
   const Result<void> sent = devices_.radio.send(packet);
+  crash_stop::note_sent(packet);
   const bool drops = sent.code() == ErrorCode::kBusy;
   if (sent.ok() || drops) {
     ++statistics_.packets;
@@ -303,6 +307,7 @@ void Loop::close() {
   if (led_.value_or(false) && connections_.is_open(Device::kGpio)) {
     static_cast<void>(devices_.gpio.set_status_led(false));
   }
+  crash_stop::set_radio(-1);
   connections_.close();
 }
 
@@ -328,7 +333,10 @@ void Loop::on_fault(Device device, const Error& error, Instant now) {
   const FaultAction optional = is_awaited(device) ? FaultAction::kReopen : FaultAction::kContinueWithout;
   const FaultAction action = is_required(device) ? action_for(error.code) : optional;
   report_fault(device, error, action, now);
-  if (action == FaultAction::kReopen || action == FaultAction::kContinueWithout) connections_.mark_lost(device, now);
+  if (action == FaultAction::kReopen || action == FaultAction::kContinueWithout) {
+    if (device == Device::kRadio) crash_stop::set_radio(-1);  // its descriptor will be closed
+    connections_.mark_lost(device, now);
+  }
   if (action == FaultAction::kLeave) end_ = LoopEnd::kFault;
 }
 
@@ -372,6 +380,7 @@ void Loop::on_reopened(Device device, Instant now) {
       outputs_failed_ = false;
       break;
     case Device::kRadio:
+      crash_stop::set_radio(devices_.radio.descriptor());
       break;
   }
 }

@@ -1,10 +1,12 @@
 #include <cstdio>
+#include <exception>
 
 #include "firmware/command_line.h"
 #include "firmware/config/key_reference.h"
 #include "firmware/run_command.h"
 #include "hal/linux/files/input_file.h"
 #include "hal/linux/files/output_file.h"
+#include "hal/linux/standard_descriptors.h"
 
 namespace touchline {
 namespace {
@@ -51,16 +53,22 @@ int keys_command(const std::string& page_to_update) {
 }  // namespace touchline
 
 int main(int argc, char** argv) {
+  touchline::hal::reserve_standard_descriptors();
   touchline::CommandLine command_line;
   int exit_code = 0;
   if (!touchline::parse_command_line(argc, argv, command_line, exit_code)) return exit_code;
-  switch (command_line.command) {
-    case touchline::Command::kRun:
-      return touchline::run_command(command_line);
-    case touchline::Command::kCheck:
-      return touchline::check_command(command_line);
-    case touchline::Command::kKeys:
-      return touchline::keys_command(command_line.page_to_update);
+  try {
+    switch (command_line.command) {
+      case touchline::Command::kRun:
+        return touchline::run_command(command_line);
+      case touchline::Command::kCheck:
+        return touchline::check_command(command_line);
+      case touchline::Command::kKeys:
+        return touchline::keys_command(command_line.page_to_update);
+    }
+  } catch (const std::exception& error) {  // Loop::run() has stopped the robots
+    std::fprintf(stderr, "touchline: internal error: %s\n", error.what());
+    return touchline::kExitInternalError;
   }
   return exit_code;
 }

@@ -36,6 +36,13 @@ void ReportPrinter::say(const std::string& line) {
 }
 
 void ReportPrinter::print_all() {
+  try {
+    print_waiting();
+  } catch (...) {  // memory is short: a report is missing, the game goes on
+  }
+}
+
+void ReportPrinter::print_waiting() {
   std::string said;
   {
     const std::scoped_lock alone(saying_);

@@ -34,6 +34,7 @@ class ReportPrinter {
  private:
   void work();
   void print_all();
+  void print_waiting();
   void print(const Report& report);
   void print_map(const StatusReport& status);
 

@@ -5,8 +5,10 @@
 #include <optional>
 
 #include "firmware/config_reloader.h"
+#include "firmware/crash_stop.h"
 #include "firmware/realtime.h"
 #include "firmware/report_printer.h"
+#include "firmware/run_marker.h"
 #include "firmware/service_notifier.h"
 #include "firmware/signals.h"
 #include "hal/linux/monotonic_clock.h"
@@ -49,8 +51,12 @@ void print_start(const Session& session, const std::vector<std::string>& refused
   for (const std::string& refusal : refused) std::fprintf(stderr, "real time: %s\n", refusal.c_str());
 }
 
-int exit_code_of(LoopEnd end) {
-  return end == LoopEnd::kDeviceLost || end == LoopEnd::kFault ? kExitDeviceFailure : kExitOk;
+bool is_failure(LoopEnd end) { return end == LoopEnd::kDeviceLost || end == LoopEnd::kFault; }
+
+void print_hold(const hal::GpioSettings& gpio) {
+  std::fprintf(stderr, "the previous run ended unexpectedly: robots stand until %s\n",
+               gpio.start_line != hal::kNoLine ? "the start button is pressed"
+                                               : "somebody restarts the service (systemctl restart touchline)");
 }
 
 }  // namespace
@@ -64,14 +70,21 @@ int run_command(const CommandLine& command_line) {
   }
   const config::RealtimeSettings& realtime = session.configuration().board.realtime;
   std::vector<std::string> refused = lock_memory(realtime);
+  crash_stop::install_handlers();
   const std::atomic<bool>& stop = handle_stop_signals();
   session.steer_adaptation(handle_adaptation_signals());
   const std::atomic<std::uint32_t>& reload_requests = handle_reload_signal();
+  const RunMarker marker = RunMarker::of_service();
+  session.hold_after_crash(marker.exists());
   RealTimePace pace;
   const bool paced = is_simulated(session.configuration().board) && !command_line.headless;
   if (const Result<void> opened = session.open(paced ? pace.observer() : LoopObserver{}); !opened.ok()) {
     std::fprintf(stderr, "%s\n", opened.error().text.c_str());
     return kExitDeviceFailure;
+  }
+  if (marker.exists()) print_hold(session.configuration().board.gpio);
+  if (const Result<void> marked = marker.create(); !marked.ok()) {
+    std::fprintf(stderr, "%s\n", std::string(marked.text()).c_str());
   }
   ReportPrinterSettings reporting;
   reporting.expected = session.expectation();
@@ -88,18 +101,19 @@ int run_command(const CommandLine& command_line) {
   {
     // The threads that print and read files begin before this one becomes privileged, and inherit nothing of it.
     ReportPrinter printer(session.reports(), reporting, stdout, stderr);
-    const ReloadThread reload(reloader, reload_requests, [&](const std::string& line) { printer.say(line); });
+    const ReloadThread reload([&](const std::atomic<bool>& cancelled) { return reloader.reload(cancelled); },
+                              reload_requests, [&](const std::string& line) { printer.say(line); });
     for (std::string& refusal : become_realtime(realtime)) refused.push_back(std::move(refusal));
     for (std::string& hint : realtime_hints(realtime, is_realtime())) refused.push_back(std::move(hint));
     print_start(session, refused);
     end = run(session.loop(), service, stop);
   }
   session.loop().close();
+  if (!is_failure(end)) marker.remove();
   std::printf("\n%s%s", summary(session.loop().statistics(), end).c_str(), session.devices().summary().c_str());
-  if (end == LoopEnd::kFault || end == LoopEnd::kDeviceLost) {
-    std::fprintf(stderr, "%s\n", fault_line(session.loop().last_fault()).c_str());
-  }
-  return exit_code_of(end);
+  if (!is_failure(end)) return kExitOk;
+  std::fprintf(stderr, "%s\n", fault_line(session.loop().last_fault()).c_str());
+  return kExitDeviceFailure;
 }
 
 }  // namespace touchline

@@ -19,7 +19,7 @@ constexpr std::uint64_t kPingsWithinPatience = 4;
 
 ServiceNotifier::ServiceNotifier(const LoopHeartbeat& heartbeat)
     : heartbeat_(heartbeat), enabled_(std::getenv("NOTIFY_SOCKET") != nullptr) {
-  if (enabled_) thread_ = std::thread([this] { work(); });
+  if (enabled_) thread_ = std::thread([this] { work(); });  // calls nothing that throws
 }
 
 void ServiceNotifier::end() {

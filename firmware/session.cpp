@@ -31,6 +31,7 @@ Result<void> Session::open(LoopObserver observer) {
   settings.telemetry = configuration_->board.radio.telemetry;
   settings.start_button = configuration_->board.gpio.start_line != hal::kNoLine;
   settings.emergency_stop = configuration_->board.gpio.emergency_stop_line != hal::kNoLine;
+  settings.hold_after_crash = hold_after_crash_;
   settings.live_update = &live_update_;
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
   TOUCHLINE_TRY(loop_->open());

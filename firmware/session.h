@@ -34,6 +34,8 @@ class Session {
   }
   /// Whoever may freeze the adaptation or put it back while the loop runs; before open().
   void steer_adaptation(const AdaptationRequests& requests) { adaptation_ = &requests; }
+  /// Whether robots wait for a start because the previous run ended unexpectedly; before open().
+  void hold_after_crash(bool hold) { hold_after_crash_ = hold; }
   /// By which somebody may change parameters while the loop runs (firmware/config_reloader.h).
   [[nodiscard]] LiveUpdate& live_update() { return live_update_; }
   /// Builds and opens the devices, after load().
@@ -53,6 +55,7 @@ class Session {
  private:
   SessionOptions options_;
   const AdaptationRequests* adaptation_ = nullptr;
+  bool hold_after_crash_ = false;
   LiveUpdate live_update_;
   // On the heap: megabytes.
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();

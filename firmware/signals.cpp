@@ -6,6 +6,7 @@
 #include <csignal>
 #include <initializer_list>
 
+#include "firmware/crash_stop.h"
 #include "hal/linux/monotonic_clock.h"
 
 namespace touchline {
@@ -25,6 +26,7 @@ void on_stop_signal(int signal) {
   if (!stop_requested.exchange(true, std::memory_order_relaxed)) {
     first_stop_request.store(now, std::memory_order_relaxed);
   } else if (Duration(now - first_stop_request.load(std::memory_order_relaxed)) >= kForcedExitDelay) {
+    crash_stop::send_stop_packets();
     std::signal(signal, SIG_DFL);
     static_cast<void>(std::raise(signal));  // delivered when this handler returns
   }

@@ -34,7 +34,9 @@ std::string halt_reasons(std::uint8_t halt) {
   add(kHaltEmergency, "emergency stop");
   add(kHaltUnreadableLine, "emergency stop cannot be read");
   add(kHaltStart, "waiting for the start button");
-  add(kHaltCrash, "the previous run ended unexpectedly");
+  add(kHaltCrash, (halt & kHaltStart) != 0
+                      ? "the previous run ended unexpectedly"
+                      : "the previous run ended unexpectedly, restart the service to let robots move");
   return reasons;
 }
 

@@ -51,6 +51,8 @@ class Radio {
   /// Waits until everything handed over has left, at most until `deadline`; for the stop packets at the end.
   Result<void> drain(Instant deadline) { return do_drain(deadline); }
 
+  /// File descriptor to which a handler of fatal signals may write whole packets while the radio is open; -1: none.
+  [[nodiscard]] virtual int descriptor() const { return -1; }
   [[nodiscard]] const RadioCounters& counters() const { return counters_; }
   /// Valid after open(): one line with the port and its settings; empty if there are none.
   [[nodiscard]] virtual const std::string& description() const { return no_description_; }

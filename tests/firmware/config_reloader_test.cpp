@@ -70,11 +70,13 @@ class ConfigReloaderTest : public LoopTest {
     std::atomic<std::uint32_t> requests{0};
     std::atomic<bool> done{false};
     {
-      const ReloadThread thread(*reloader_, requests, [&](const std::string& line) {
-        const std::scoped_lock alone(saying);
-        said += line + "\n";
-        done.store(true, std::memory_order_release);
-      });
+      const ReloadThread thread([&](const std::atomic<bool>& cancelled) { return reloader_->reload(cancelled); },
+                                requests,
+                                [&](const std::string& line) {
+                                  const std::scoped_lock alone(saying);
+                                  said += line + "\n";
+                                  done.store(true, std::memory_order_release);
+                                });
       requests.fetch_add(1);
       const std::uint64_t before = latency::allocations_of_this_thread();
       while (!done.load(std::memory_order_acquire)) {
@@ -174,6 +176,39 @@ TEST_F(ConfigReloaderTest, CameraAndTimesChangeAndTheRestIsNamed) {
   camera.add({stalled_s, stalled_s + 0.15, ErrorCode::kTimeout});
   run_until(stalled_s + 0.15);
   EXPECT_TRUE(all_stop(stalled_s + 0.1, stalled_s + 0.15));
+}
+
+TEST(ReloadThreadTest, AnExceptionEndsOneReloadOnly) {
+  std::atomic<std::uint32_t> requests{1};
+  std::atomic<int> reloads{0};
+  std::mutex printing;
+  std::vector<std::string> printed;
+  {
+    const ReloadThread thread(
+        [&](const std::atomic<bool>&) -> std::vector<std::string> {
+          if (++reloads == 1) throw std::bad_alloc();
+          return {"reload: nothing has changed"};
+        },
+        requests,
+        [&](const std::string& line) {
+          const std::scoped_lock lock(printing);
+          printed.push_back(line);
+        });
+    const auto wait_for = [&](std::size_t lines) {
+      for (int i = 0; i < 5000; ++i) {
+        {
+          const std::scoped_lock lock(printing);
+          if (printed.size() >= lines) return;
+        }
+        std::this_thread::sleep_for(1ms);
+      }
+    };
+    wait_for(1);
+    requests.fetch_add(1);
+    wait_for(2);
+  }
+  EXPECT_EQ(printed, (std::vector<std::string>{"reload: failed: std::bad_alloc; everything stays as it is",
+                                               "reload: nothing has changed"}));
 }
 
 TEST_F(ConfigReloaderTest, AnAdaptationThatAPersonHasFrozenStaysSo) {

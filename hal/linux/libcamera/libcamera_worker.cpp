@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <exception>
 
 #include "hal/linux/libcamera/libcamera_camera.h"
 #include "hal/linux/libcamera/libcamera_controls.h"
@@ -64,7 +65,11 @@ void LibcameraCamera::work() {
     queue_returned();
     const Task task = task_.exchange(Task::kNone, std::memory_order_acquire);
     if (task == Task::kNone) continue;
-    result_ = perform(task);
+    try {
+      result_ = perform(task);
+    } catch (const std::exception& error) {  // memory is short, or the library failed: the camera may be reopened
+      result_ = failure(ErrorCode::kIo, "%s: libcamera failed: %s", name(), error.what());
+    }
     done_.post();
     if (task == Task::kClose) return;
   }

@@ -101,6 +101,7 @@ Result<void> SerialRadio::claim_port() {
   }
   if (::ioctl(file, TIOCEXCL) != 0) return fail("claiming", errno);
   if (::fcntl(file, F_SETFD, FD_CLOEXEC) != 0) return fail("claiming", errno);
+  file_ = file;
   return {};
 }
 
@@ -234,6 +235,7 @@ Result<void> SerialRadio::do_drain(Instant deadline) {
 }
 
 void SerialRadio::do_close() {
+  file_ = -1;
   if (port_ == nullptr) return;
   // Else the kernel waits up to 30 s for a line that stands still. Neither call can fail in a way that matters here.
   static_cast<void>(sp_flush(port_, SP_BUF_OUTPUT));

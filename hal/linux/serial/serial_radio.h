@@ -32,6 +32,8 @@ class SerialRadio final : public Radio, private ByteLine {
 
   [[nodiscard]] const std::string& description() const override { return description_; }
 
+  [[nodiscard]] int descriptor() const override { return file_; }
+
   /// Packets that the port took in more than one piece.
   [[nodiscard]] std::uint64_t split_packets() const { return slot_.split_packets(); }
 
@@ -59,6 +61,7 @@ class SerialRadio final : public Radio, private ByteLine {
   RadioSettings settings_;
   std::string description_;
   sp_port* port_ = nullptr;
+  int file_ = -1;  // of the port while it is ours
   std::optional<Error> lost_;  // an error after which the port must be reopened
   PacketSlot slot_;
   Duration byte_time_{1};  // of one byte on the line

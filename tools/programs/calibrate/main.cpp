@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 
+#include "hal/linux/standard_descriptors.h"
 #include "tools/programs/calibrate/colors/colors_command.h"
 #include "tools/programs/calibrate/field/field_command.h"
 #include "tools/programs/calibrate/light/light_command.h"
@@ -7,6 +8,7 @@
 #include "tools/programs/command_line/command_line.h"
 
 int main(int argc, char** argv) {
+  touchline::hal::reserve_standard_descriptors();
   using namespace touchline::calibrate;
   CLI::App app("Calibrates camera, light and colors for a venue; each command writes its sections of the venue file",
                "touchline-calibrate");

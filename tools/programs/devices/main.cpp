@@ -2,10 +2,12 @@
 #include <cstdio>
 #include <string>
 
+#include "hal/linux/standard_descriptors.h"
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/devices/device_list.h"
 
 int main(int argc, char** argv) {
+  touchline::hal::reserve_standard_descriptors();
   constexpr int kExitDeviceFailure = 2;
   using namespace touchline;
   std::string camera, serial, gpio;

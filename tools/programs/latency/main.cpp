@@ -2,10 +2,12 @@
 #include <string>
 #include <vector>
 
+#include "hal/linux/standard_descriptors.h"
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/latency/measure_command.h"
 
 int main(int argc, char** argv) {
+  touchline::hal::reserve_standard_descriptors();
   using namespace touchline;
   latency::MeasureOptions options;
   latency::Outputs& outputs = options.outputs;

@@ -10,6 +10,7 @@
 #include <iostream>
 #include <memory>
 
+#include "firmware/crash_stop.h"
 #include "firmware/null_devices.h"
 #include "firmware/realtime.h"
 #include "firmware/signals.h"
@@ -222,6 +223,7 @@ int measure(const MeasureOptions& options) {
   for (const std::string& path : {outputs.json, outputs.histogram, outputs.html}) {
     if (const Result<void> writable = check_writable(path); !writable.ok()) return fail(writable.text());
   }
+  crash_stop::install_handlers();
   handle_stop_signals();  // before devices are opened
   return options.worst_frames ? measure_worst_frames(options) : measure_board(options);
 }

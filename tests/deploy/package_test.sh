@@ -80,6 +80,15 @@ case $1 in
     # trigger says "change".
     ! grep -q 'ACTION=="add"' "$package/touchline.rules" || fail "a rule is for what is plugged in later only"
     ;;
+  OnlyATaggedAdapterIsTheRadio)
+    # Other serial adapters keep their names, and ModemManager may use them.
+    mapfile -t rules < <(grep -E '^[^#].*(touchline/radio|ID_MM_)' "$package/touchline.rules")
+    [ ${#rules[@]} -ge 1 ] || fail "no rule names the radio"
+    for rule in "${rules[@]}"; do
+      [[ $rule == *'SUBSYSTEM=="tty"'*'ENV{TOUCHLINE_RADIO}=="1"'* ]] || fail "holds for every adapter: $rule"
+    done
+    grep -q 'ENV{TOUCHLINE_RADIO}="1"' "$package/../../docs/deploy.md" || fail "docs/deploy.md does not say how to tag an adapter"
+    ;;
   TheServiceIsSound)
     # $2: systemd-analyze. The program is another; the rest is as delivered.
     sed 's|^ExecStart=.*|ExecStart=/bin/true|; /^Documentation=/d' "$package/touchline.service" >"$work/touchline.service"
@@ -87,7 +96,8 @@ case $1 in
     # What the manager would not see: exposure 1.5 of 10 at most.
     "$2" security --offline=true --threshold=15 --no-pager "$work/touchline.service" >"$work/said" || fail "$(tail -n 1 "$work/said")"
     for line in WatchdogSec=5 Type=notify LimitRTPRIO=99 LimitMEMLOCK=infinity User=touchline ProtectSystem=strict DevicePolicy=closed \
-      'RestartPreventExitStatus=1 64' StartLimitIntervalSec=0 StateDirectory=touchline; do
+      'RestartPreventExitStatus=1 64' StartLimitIntervalSec=0 StateDirectory=touchline RuntimeDirectory=touchline \
+      RuntimeDirectoryPreserve=restart LimitDATA=512M MemoryMax=768M TasksMax=64; do
       grep -qxF "$line" "$package/touchline.service" || fail "$line is missing"
     done
     ;;

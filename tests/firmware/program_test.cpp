@@ -201,6 +201,67 @@ TEST_F(Program, TerminationStopsTheRobotsAndIsNoFailure) {
   EXPECT_GE(std::stoi(outcome.text.substr(outcome.text.rfind(' ', stops - 1))), 5) << outcome.text;
 }
 
+// Robots must not drive by themselves after a crash and an automatic restart.
+TEST_F(Program, AfterAnUnexpectedEndRobotsWaitForAStart) {
+  std::filesystem::create_directories(folder_ / "run");
+  const std::string marker = "'" + (folder_ / "run/driving-robots").string() + "'";
+  const std::string service =
+      "RUNTIME_DIRECTORY='" + (folder_ / "run").string() + "' '" TOUCHLINE_PROGRAM "' run --headless ";
+  write("crash.sh", service + "--status-interval 0.1 --set camera.rate_hz=1.0 " + board() +
+                        " >/dev/null 2>&1 & p=$!\n" + "for i in $(seq 500); do test -e " + marker +
+                        " && break; sleep 0.02; done\nkill -KILL $p\nwait $p\n");
+  static_cast<void>(outcome_of("sh '" + (folder_ / "crash.sh").string() + "'"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "run/driving-robots"));
+  const Outcome restarted = outcome_of(service + "--frames 7 " + board());
+  EXPECT_EQ(restarted.code, 0) << restarted.text;
+  EXPECT_NE(
+      restarted.text.find("the previous run ended unexpectedly: robots stand until somebody restarts the service"),
+      std::string::npos)
+      << restarted.text;
+  EXPECT_NE(restarted.text.find("packets   12 sent, 12 of them stop packets"), std::string::npos) << restarted.text;
+  // It was ended properly: after the next start robots move.
+  const Outcome started = outcome_of(service + "--frames 7 " + board());
+  EXPECT_NE(started.text.find("packets   12 sent, 5 of them stop packets"), std::string::npos) << started.text;
+}
+
+TEST_F(Program, ARunThatLosesItsDeviceHoldsTheNextOne) {
+  std::filesystem::create_directories(folder_ / "run");
+  const std::string service =
+      "RUNTIME_DIRECTORY='" + (folder_ / "run").string() + "' '" TOUCHLINE_PROGRAM "' run --headless ";
+  EXPECT_EQ(outcome_of(service + board() + "--frames 3").code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "run/driving-robots"));
+  // Pictures of another size from the fourth on are a fault.
+  write("frames/15.ppm", "P6\n32 24\n255\n" + std::string(std::size_t{32} * 24 * 3, '\0'));
+  EXPECT_EQ(outcome_of(service + board()).code, 2);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "run/driving-robots"));
+}
+
+TEST_F(Program, ClosedStandardDescriptorsAreNoDevices) {
+  const std::string arguments = "run --headless --set camera.rate_hz=1.0 ";
+  write("closed.sh",
+        "'" TOUCHLINE_PROGRAM "' " + arguments + board() + " <&- >&- 2>&- & p=$!\n" +
+            "for i in $(seq 250); do test \"$(readlink /proc/$p/fd/2)\" = /dev/null && break; sleep 0.02; done\n" +
+            "readlink /proc/$p/fd/0 /proc/$p/fd/1 /proc/$p/fd/2\nkill -TERM $p\nwait $p\n");
+  EXPECT_EQ(outcome_of("sh '" + (folder_ / "closed.sh").string() + "'").text, "/dev/null\n/dev/null\n/dev/null\n");
+}
+
+// Sanitizers do not work with little memory.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST_F(Program, AReloadWithoutMemoryLeavesTheGameRunning) {
+  const std::string output = "'" + (folder_ / "output.txt").string() + "'";
+  const std::string arguments = "run --headless --status-interval 0.1 --set camera.rate_hz=2.0 ";
+  write("reload.sh", "'" TOUCHLINE_PROGRAM "' " + arguments + board() + " >" + output + " 2>&1 & p=$!\n" +
+                         "until grep -q latency " + output + " || ! kill -0 $p; do sleep 0.02; done\n" +
+                         "size=$(sed -n 's/VmSize:[^0-9]*\\([0-9]*\\).*/\\1/p' /proc/$p/status)\n" +
+                         "prlimit --pid $p --as=$((size * 1024)):unlimited\nkill -HUP $p\nsleep 1\n" +
+                         "prlimit --pid $p --as=unlimited\nkill -TERM $p\nwait $p; code=$?\ncat " + output +
+                         "\nexit $code\n");
+  const Outcome outcome = outcome_of("sh '" + (folder_ / "reload.sh").string() + "'");
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_NE(outcome.text.find("end       asked to leave\n"), std::string::npos) << outcome.text;
+}
+#endif
+
 TEST_F(Program, FrameLimit) {
   const Outcome outcome = touchline("run --frames 7 " + board());
   EXPECT_EQ(outcome.code, 0) << outcome.text;

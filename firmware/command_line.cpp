@@ -15,14 +15,16 @@ constexpr const char* kDescription =
     "camera frame in, radio packet out, on time.";
 
 constexpr const char* kFooter =
-    "Exit codes: 0 all went well, 1 the configuration is wrong, 2 a device failed, 64 the command line is wrong.\n"
-    "Nothing moves before all files have been checked. Ctrl-C stops the robots and leaves; another one, a "
-    "second later, leaves at once.\n"
-    "SIGUSR1 freezes the adaptation to the light or lets it go on, SIGUSR2 puts it back to the calibration or begins\n"
-    "it anew. SIGHUP reads the files again: exposure, gain, thresholds, light map, limits of the control and times\n"
-    "change while robots play; what cannot is named. (When the terminal is closed it stops the robots and leaves.)";
+    "Exit codes: 0 success, 1 the configuration is wrong, 2 a device failed, 64 the command line is wrong, 70 an\n"
+    "internal error.\n"
+    "Nothing moves before all files have been checked. Ctrl-C stops the robots and ends the program; pressed again\n"
+    "after a second, it ends the program immediately.\n"
+    "SIGUSR1 freezes the adaptation to the light or resumes it, SIGUSR2 resets it to the calibration or restarts it.\n"
+    "SIGHUP reads the files again: exposure, gain, thresholds, light map, limits of the control and times change "
+    "while\n"
+    "robots play; keys that need a restart are listed. (After the terminal was closed, SIGHUP ends the program.)";
 
-// The library's own ranges let "nan" through, and name the largest double there is.
+// CLI11's own ranges accept "nan" and print the largest double as limit.
 CLI::Validator between(double low, double high) {
   std::array<char, 64> range{};
   std::snprintf(range.data(), range.size(), "%g to %g", low, high);
@@ -56,19 +58,19 @@ bool parse_command_line(int argc, char** argv, CommandLine& out, int& exit_code)
   app.require_subcommand(1);
 
   double duration_s = 0.0, interval_s = 1.0;
-  CLI::App* run = app.add_subcommand("run", "Observe, decide and drive until told to leave");
+  CLI::App* run = app.add_subcommand("run", "Observe the field and drive the robots until interrupted");
   add_files(*run, out.session.files);
-  run->add_option("--frames", out.session.frames, "Leave after so many frames")->check(between(1.0, 1e12));
-  run->add_option("--duration", duration_s, "Leave after so many seconds (simulated ones in the mock arena)")
+  run->add_option("--frames", out.session.frames, "End after this number of frames")->check(between(1.0, 1e12));
+  run->add_option("--duration", duration_s, "End after this number of seconds (of simulated time in the mock arena)")
       ->check(between(0.001, 1e8));
   run->add_option("--seed", out.session.seed,
-                  "Of all that is random in the mock arena: a run can be repeated to the bit")
+                  "Seed of all random numbers of the mock arena; the same seed gives the same run to the bit")
       ->check(between(0.0, 1.8446744073709552e19))
       ->capture_default_str();
   run->add_flag("--headless", out.headless,
-                "No picture of the field in the terminal, status lines instead; and the mock arena runs as fast as\n"
-                "this machine can, not in real time");
-  run->add_option("--status-interval", interval_s, "Seconds from one status to the next")
+                "Print status lines instead of a map of the field, and run the mock arena as fast as possible\n"
+                "instead of in real time");
+  run->add_option("--status-interval", interval_s, "Seconds between two status lines")
       ->check(between(0.05, 3600.0))
       ->capture_default_str();
   run->footer(kFooter);

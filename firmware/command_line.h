@@ -17,7 +17,7 @@ struct CommandLine {
   std::string page_to_update;  // keys --update
 };
 
-/// True: go on with `out`. False: help, version or an error was printed, leave with `exit_code`.
+/// Returns true with the result in `out`, or false if help, version or an error was printed: end with `exit_code`.
 bool parse_command_line(int argc, char** argv, CommandLine& out, int& exit_code);
 
 }  // namespace touchline

@@ -10,10 +10,10 @@
 namespace touchline {
 namespace {
 
-// A person does not see the difference; and the loop need not wake this thread by a call to the kernel.
-constexpr auto kAskedPeriod = std::chrono::milliseconds(20);
-// Of a frame's time at most a part.
-constexpr auto kTakingPeriod = std::chrono::milliseconds(2);
+// Polling is fast enough for a person, and a signal handler needs no system call to wake this thread.
+constexpr auto kRequestPollPeriod = std::chrono::milliseconds(20);
+// A fraction of a frame's period.
+constexpr auto kTakenPollPeriod = std::chrono::milliseconds(2);
 
 std::string listed(const std::vector<config::Change>& changes, std::string (*text)(const config::Change&)) {
   std::string list;
@@ -34,12 +34,12 @@ ConfigReloader::ConfigReloader(config::FilePaths paths, const config::Configurat
 
 ConfigReloader::~ConfigReloader() = default;
 
-std::vector<std::string> ConfigReloader::reload(const std::atomic<bool>& given_up) {
-  std::vector<std::string> said;
+std::vector<std::string> ConfigReloader::reload(const std::atomic<bool>& cancelled) {
+  std::vector<std::string> messages;
   const auto refused = [&](const config::Problems& problems) {
-    said = problems.lines();
-    said.emplace_back("reload: everything stays as it runs");
-    return said;
+    messages = problems.lines();
+    messages.emplace_back("reload: everything stays as it runs");
+    return messages;
   };
   config::Problems problems;
   const auto files = std::make_unique<config::Configuration>();
@@ -52,22 +52,22 @@ std::vector<std::string> ConfigReloader::reload(const std::atomic<bool>& given_u
     problems.add(files->venue_where.file(), "", std::string("it cannot be used: ") + describe(s.code()));
     return refused(problems);
   }
-  if (changes.concern(Reload::kCamera)) adjust_camera(*next, changes, said);
+  if (changes.concern(Reload::kCamera)) adjust_camera(*next, changes, messages);
   live_update_.offer(*live_settings_);
   while (live_update_.is_pending()) {
-    if (given_up.load(std::memory_order_acquire)) return said;
-    std::this_thread::sleep_for(kTakingPeriod);
+    if (cancelled.load(std::memory_order_acquire)) return messages;
+    std::this_thread::sleep_for(kTakenPollPeriod);
   }
   if (live_settings_->tables != nullptr) unused_ = live_settings_->tables;
   running_ = std::move(next);
   if (!changes.applied.empty()) {
-    said.push_back("reload: from frame " + std::to_string(live_settings_->taken_after + 1) +
+    messages.push_back("reload: from frame " + std::to_string(live_settings_->taken_after + 1) +
                    " on: " + listed(changes.applied, config::text_of));
   }
   if (!changes.need_restart.empty()) {
-    said.push_back("reload: needs a restart: " + listed(changes.need_restart, key_of));
+    messages.push_back("reload: needs a restart: " + listed(changes.need_restart, key_of));
   }
-  return said;
+  return messages;
 }
 
 Status ConfigReloader::prepare(const config::Configuration& next, const config::ReloadChanges& changes) {
@@ -90,10 +90,10 @@ Status ConfigReloader::prepare(const config::Configuration& next, const config::
 }
 
 void ConfigReloader::adjust_camera(config::Configuration& next, config::ReloadChanges& changes,
-                                   std::vector<std::string>& said) {
+                                   std::vector<std::string>& messages) {
   const Result<std::string> adjusted = camera_.adjust(next.board.camera);
   const std::string text = adjusted.ok() ? adjusted.value() : adjusted.text();
-  if (!text.empty()) said.push_back("reload: camera: " + text);
+  if (!text.empty()) messages.push_back("reload: camera: " + text);
   if (adjusted.ok()) return;
   next.board.camera = running_->board.camera;
   const auto of_camera = [](const config::Change& change) {
@@ -117,9 +117,9 @@ ReloadThread::~ReloadThread() {
 
 void ReloadThread::work() {
   while (!end_.load(std::memory_order_acquire)) {
-    const std::uint32_t asked = requests_.load(std::memory_order_relaxed);
-    if (std::exchange(served_, asked) != asked) reload_and_print();
-    std::this_thread::sleep_for(kAskedPeriod);
+    const std::uint32_t requests = requests_.load(std::memory_order_relaxed);
+    if (std::exchange(served_, requests) != requests) reload_and_print();
+    std::this_thread::sleep_for(kRequestPollPeriod);
   }
 }
 

@@ -18,36 +18,36 @@ namespace config {
 struct ReloadChanges;
 }
 
-/// Reads the three files again while the loop runs and brings into force what may change then (config/reload.h):
-/// camera controls on the open device, thresholds and all else by a LiveUpdate. On a thread of its own: it reads files,
-/// allocates, and waits for the camera and for the loop.
+/// Reads the three files again while the loop runs and applies the keys that may change then (config/reload.h): camera
+/// controls to the open device, everything else by a LiveUpdate. Use it on a thread of its own: it reads files,
+/// allocates, and waits for the camera and the loop.
 class ConfigReloader {
  public:
-  /// `paths`: as the program was begun with. `running`: what runs; copied. `camera` and `live_update` must outlive the
-  /// reloader, and the reloader the loop that takes its tables.
+  /// `paths`: those that the program was started with. `running`: the configuration in use; copied. `camera` and
+  /// `live_update` must outlive the reloader, and the reloader the loop that uses its tables.
   ConfigReloader(config::FilePaths paths, const config::Configuration& running, hal::Camera& camera,
                  LiveUpdate& live_update);
   ~ConfigReloader();
   ConfigReloader(const ConfigReloader&) = delete;
   ConfigReloader& operator=(const ConfigReloader&) = delete;
 
-  /// Sentences for a person: what is in force from which frame on, what needs a restart, what is wrong with the files
-  /// (then everything stays as it runs). Returns when the loop has taken all, or `given_up` was set.
-  std::vector<std::string> reload(const std::atomic<bool>& given_up);
-  /// What runs.
+  /// Returns messages for a person: which keys have changed from which frame on, which need a restart, what is wrong
+  /// with the files (then nothing changes). Returns when the loop has taken the settings or `cancelled` is set.
+  std::vector<std::string> reload(const std::atomic<bool>& cancelled);
+  /// The configuration in use.
   [[nodiscard]] const config::Configuration& running() const { return *running_; }
 
  private:
-  void adjust_camera(config::Configuration& next, config::ReloadChanges& changes, std::vector<std::string>& said);
+  void adjust_camera(config::Configuration& next, config::ReloadChanges& changes, std::vector<std::string>& messages);
   Status prepare(const config::Configuration& next, const config::ReloadChanges& changes);
 
   const config::FilePaths paths_;
   hal::Camera& camera_;
   LiveUpdate& live_update_;
-  // On the heap: megabytes.
+  // On the heap because it takes megabytes.
   std::unique_ptr<config::Configuration> running_;
-  std::unique_ptr<ScanTables> second_;  // made when they are needed first
-  ScanTables* unused_ = nullptr;        // these, or the scanner's own
+  std::unique_ptr<ScanTables> second_;  // made at the first reload that needs them
+  ScanTables* unused_ = nullptr;        // these or the ones that the scanner began with
   std::unique_ptr<LiveSettings> live_settings_ = std::make_unique<LiveSettings>();
 };
 

@@ -17,7 +17,7 @@ namespace hal::mock {
 class Arena;
 }
 
-/// The devices of one board, each of the backend that the board file names; none is open yet.
+/// The devices of one board, with the backends that the board file names. They are made closed.
 class Devices {
  public:
   Devices();
@@ -25,15 +25,15 @@ class Devices {
   Devices(const Devices&) = delete;
   Devices& operator=(const Devices&) = delete;
 
-  /// `seed`: of everything that is random in a simulation. Any mix of backends will do: an arena with something real
-  /// beside it lives in real time.
+  /// `seed`: of all random numbers of a simulation. Backends can be combined freely: a simulated arena with a real
+  /// device beside it runs in real time.
   void make(const config::Configuration& configuration, std::uint64_t seed);
 
   /// After make().
   [[nodiscard]] LoopDevices loop_devices();
   /// In simulated time the clock stands still while the processor works.
   [[nodiscard]] bool simulated_time() const { return simulated_time_; }
-  /// What a simulation has to tell at the end, in lines; empty for real devices.
+  /// Result of a simulation, several lines; empty for real devices.
   [[nodiscard]] std::string summary() const;
 
  private:

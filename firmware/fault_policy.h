@@ -6,17 +6,16 @@
 
 namespace touchline {
 
-/// What the loop does about an error of a device.
+/// Reaction of the loop to an error of a device.
 enum class FaultAction : std::uint8_t {
   kNone,             // no error
   kSkip,             // this frame or packet is lost; the next may be good
-  kReopen,           // close the device and open it again, with a pause that doubles; robots are stopped meanwhile
-  kLeave,            // stop the robots and end the program: trying again cannot help
-  kContinueWithout,  // robots do not need it: the game goes on, whatever the code
+  kReopen,           // close and reopen the device, with pauses that double; robots are stopped meanwhile
+  kLeave,            // stop the robots and end the program, because a retry cannot help
+  kContinueWithout,  // robots do not need the device: the game goes on, whatever the code
 };
 
-/// The one place where a code becomes an action. There is no default: the compiler asks for an answer to every new
-/// code.
+/// Maps each code to an action. There is no default, so the compiler reports a new code that is missing here.
 constexpr FaultAction action_for(ErrorCode code) {
   switch (code) {
     case ErrorCode::kOk:

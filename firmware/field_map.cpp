@@ -10,7 +10,7 @@
 namespace touchline {
 namespace {
 
-// A cell of a terminal is about twice as high as wide.
+// A character cell of a terminal is about twice as high as wide.
 constexpr double kCellAspect = 2.0;
 constexpr int kMostRows = 40;
 
@@ -22,7 +22,7 @@ struct Cell {
   Paint paint = Paint::kNone;
 };
 
-// Characters from left to right along x, rows from top to bottom along -y, the border line around.
+// Characters from left to right along x, rows from top to bottom along -y, inside a border.
 class Canvas {
  public:
   Canvas(const FieldParameters& field, int columns) : field_(field), columns_(std::max(columns, 12)) {
@@ -85,13 +85,13 @@ class Canvas {
   std::vector<Cell> cells_;
 };
 
-// The neighboring cell that the robot looks to.
+// The neighboring cell in the direction of the robot's heading.
 void put_heading(Canvas& canvas, const SeenRobot& robot, Paint paint) {
   struct Direction {
     int right, down;
     char letter;
   };
-  // Counter-clockwise from x, an eighth of a turn each.
+  // Counter-clockwise from x, 45 degrees each.
   static constexpr std::array<Direction, 8> kDirections{
       {{1, 0, '-'}, {1, -1, '/'}, {0, -1, '|'}, {-1, -1, '\\'}, {-1, 0, '-'}, {-1, 1, '/'}, {0, 1, '|'}, {1, 1, '\\'}}};
   const double eighths = static_cast<double>(robot.pose.theta_rad) / (std::numbers::pi / 4.0);

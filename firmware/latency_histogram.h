@@ -8,16 +8,16 @@
 
 namespace touchline {
 
-/// Durations counted in bins that are a 64th of an octave wide, so that every percentile is at most 1.6 % too large, in
-/// a fixed memory. Below 64 ns bins are 1 ns wide; above 137 s everything is in the last one. Negative counts as 0.
+/// Histogram of durations in fixed memory. Bins are 1/64 octave wide, so percentiles are at most 1.6 % too large. Below
+/// 64 ns bins are 1 ns wide; durations above 137 s are in the last bin. Negative durations count as 0.
 class LatencyHistogram {
  public:
   void add(Duration latency);
   void clear();
 
   [[nodiscard]] std::uint64_t count() const { return count_; }
-  /// The duration that `fraction` (0 to 1) of all do not exceed: the upper edge of its bin, at most max(). 0 when
-  /// empty.
+  /// The duration that `fraction` (0 to 1) of all durations do not exceed: the upper edge of its bin, at most max().
+  /// 0 if empty.
   [[nodiscard]] Duration percentile(double fraction) const;
   /// Exact.
   [[nodiscard]] Duration max() const { return max_; }

@@ -11,31 +11,31 @@
 
 namespace touchline {
 
-/// What the loop is to work by from its next frame on, all of it made and checked before.
+/// Settings that the loop uses from its next frame on, prepared and checked in advance.
 struct LiveSettings {
-  ScanTables* tables = nullptr;      // null: those in use stay; after the loop has taken them: those that were in use
-  Adaptation adaptation;             // goes with the tables
-  bool keep_adaptation_mode = true;  // the one that a person may have set meanwhile
+  ScanTables* tables = nullptr;      // null: keep those in use. The loop puts its former ones here
+  Adaptation adaptation;             // belongs to the tables
+  bool keep_adaptation_mode = true;  // a person may have changed it since
   ControlParameters control;
   config::FaultSettings faults;
   Duration radio_delay{};
-  std::uint64_t taken_after = 0;  // the loop's answer: so many frames had been served
+  std::uint64_t taken_after = 0;  // set by the loop: frames processed before
 };
 
-/// Hands a LiveSettings from one thread to the loop, which takes it between two frames without waiting for anybody.
+/// Passes LiveSettings from one thread to the loop, which takes them between two frames without waiting.
 class LiveUpdate {
  public:
-  /// By the thread that made it, which may touch it again when it is not pending any more.
+  /// Called by the thread that made the settings. It must not touch them while they are pending.
   void offer(LiveSettings& live_settings) { offered_.store(&live_settings, std::memory_order_release); }
   [[nodiscard]] bool is_pending() const { return offered_.load(std::memory_order_acquire) != nullptr; }
 
-  /// By the loop: null when there is nothing; when it has been taken over, taken() gives it back.
+  /// Called by the loop. nullptr: nothing is pending. After it has applied the settings, it calls taken().
   [[nodiscard]] LiveSettings* offered() const { return offered_.load(std::memory_order_acquire); }
   void taken() { offered_.store(nullptr, std::memory_order_release); }
 
  private:
   std::atomic<LiveSettings*> offered_{nullptr};
-  static_assert(std::atomic<LiveSettings*>::is_always_lock_free, "the loop may not wait");
+  static_assert(std::atomic<LiveSettings*>::is_always_lock_free, "the loop must not wait");
 };
 
 }  // namespace touchline

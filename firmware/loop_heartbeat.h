@@ -5,11 +5,11 @@
 
 namespace touchline {
 
-/// What the loop shows of itself to a thread that watches over it.
+/// Counters by which another thread sees that the loop is alive.
 struct LoopHeartbeat {
   std::atomic<std::uint64_t> iterations{0};
   std::atomic<std::uint64_t> good_frames{0};
 };
-static_assert(std::atomic<std::uint64_t>::is_always_lock_free, "the loop may not wait");
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free, "the loop must not wait");
 
 }  // namespace touchline

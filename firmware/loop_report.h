@@ -14,7 +14,7 @@
 #include "firmware/stop_rules.h"
 #include "hal/spsc_ring.h"
 
-// What the loop tells the thread that prints: plain values of a fixed size, no text that would have to be formatted.
+// Messages from the loop to the thread that prints: values of fixed size, because formatting text takes time.
 namespace touchline {
 
 enum class Device : std::uint8_t { kCamera, kRadio, kGpio };
@@ -29,16 +29,16 @@ struct SeenRobot {
   Pose pose;
 };
 
-/// What a robot said of itself last.
+/// Last telemetry of a robot.
 struct RobotStatus {
   RobotId id = kUnknownId;
   float battery_v = 0.0f;                   // 0: not measured
-  std::int8_t link_percent = kLinkUnknown;  // of our packets, how many it heard lately
+  std::int8_t link_percent = kLinkUnknown;  // share of our packets that it received lately
   double age_s = 0.0;
   bool battery_low = false;
 };
 
-/// State of affairs, once an interval.
+/// Status, once an interval.
 struct StatusReport {
   double elapsed_s = 0.0;
   double rate_hz = 0.0;  // of good frames, over the interval
@@ -46,7 +46,7 @@ struct StatusReport {
   bool ball_seen = false;
   FieldPoint ball;
   Duration p50{}, p99{}, max{};  // capture to send, over the interval
-  std::uint64_t packets = 0;     // all since start, as all that follow
+  std::uint64_t packets = 0;     // since the start, like all counts below
   std::uint64_t packets_dropped = 0, frames_lost = 0, future_stamps = 0, overloads = 0, faults = 0;
   std::uint8_t halt = kHaltNone;
   AdaptationMode adaptation = AdaptationMode::kFollow;
@@ -55,10 +55,10 @@ struct StatusReport {
   FixedVector<RobotStatus, kMaxRobotsPerTeam> robot_status;
 };
 
-// A driver's reason in one line; the rest is cut off.
+// Text of an error in one line; the rest is cut off.
 inline constexpr std::size_t kMaxReasonBytes = 240;
 
-/// A device failed, in a way that was not reported in this interval yet, or came back (code kOk).
+/// A device failed for the first time in this interval in this way, or is back (code kOk).
 struct FaultReport {
   double elapsed_s = 0.0;
   Device device = Device::kCamera;
@@ -69,7 +69,7 @@ struct FaultReport {
   void set_reason(std::string_view text);
 };
 
-/// Robots were halted, or may move again.
+/// Robots were stopped, or may move again.
 struct HaltReport {
   double elapsed_s = 0.0;
   std::uint8_t halt = kHaltNone, before = kHaltNone;
@@ -90,7 +90,7 @@ struct Report {
   BatteryReport battery;
 };
 
-// A minute of status reports for a terminal that is stuck.
+// One minute of status reports while the terminal is blocked.
 using ReportRing = SpscRing<Report, 64>;
 
 }  // namespace touchline

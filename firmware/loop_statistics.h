@@ -12,22 +12,22 @@ namespace touchline {
 
 inline constexpr std::size_t kErrorCodeCount = static_cast<std::size_t>(ErrorCode::kStopped) + 1;
 
-/// What happened since the loop began. Fixed memory.
+/// Counts since the start of the loop, in fixed memory.
 struct LoopStatistics {
   Instant begin{}, end{};
-  std::uint64_t frames = 0;         // that went through the pipeline
-  std::uint64_t good_frames = 0;    // of those, the ones that could be read and were young enough
-  std::uint64_t frames_lost = 0;    // gaps in the driver's count
+  std::uint64_t frames = 0;         // processed by the pipeline
+  std::uint64_t good_frames = 0;    // of these, readable and fresh enough
+  std::uint64_t frames_lost = 0;    // gaps in the driver's sequence numbers
   std::uint64_t future_stamps = 0;  // frames stamped later than their arrival, which then counts
-  std::uint64_t overloads = 0;      // frames for which some capacity was reached
+  std::uint64_t overloads = 0;      // frames that exceeded some capacity
   std::uint64_t runs_dropped = 0, regions_dropped = 0;
-  std::uint64_t packets = 0;          // taken by the radio
-  std::uint64_t packets_dropped = 0;  // of those, the ones that a newer one replaced before they left
+  std::uint64_t packets = 0;          // accepted by the radio
+  std::uint64_t packets_dropped = 0;  // of these, replaced by a newer one before they were sent
   std::uint64_t packets_refused = 0;
-  std::uint64_t stop_packets = 0;  // of the packets taken, those that halt all robots
+  std::uint64_t stop_packets = 0;  // of the accepted packets, those that stop all robots
   std::array<std::array<std::uint64_t, kErrorCodeCount>, kDeviceCount> faults{};
   std::array<std::uint64_t, kDeviceCount> reopened{};
-  RobotReports robots;       // what they said of themselves
+  RobotReports robots;       // their telemetry
   LatencyHistogram latency;  // capture to send, see StepTiming::latency
 
   [[nodiscard]] std::uint64_t fault_count() const {

@@ -25,12 +25,12 @@ std::string refusal(const std::string& what, int error, const std::string& remed
   constexpr std::size_t kPage = 4096;
   std::byte stack[kStackBytes];
   for (std::size_t i = 0; i < kStackBytes; i += kPage) stack[i] = std::byte{0};
-  asm volatile("" : : "r"(stack) : "memory");  // else the compiler sees that nobody reads them
+  asm volatile("" : : "r"(stack) : "memory");  // otherwise the compiler removes the writes
 }
 
 std::vector<std::string> lock_memory(const config::RealtimeSettings& settings) {
   if (!settings.lock_memory) return {};
-  // Memory that is given back to the kernel would fault again when it is next used.
+  // Memory that is returned to the kernel would cause page faults at its next use.
   mallopt(M_TRIM_THRESHOLD, -1);
   mallopt(M_MMAP_MAX, 0);
   if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return {};
@@ -50,7 +50,7 @@ std::vector<std::string> become_realtime(const config::RealtimeSettings& setting
     }
   }
   prefault_stack();
-  // Ordinary threads are woken up to 50 us late so that wake-ups can be bundled; 0 would stand for that default.
+  // By default the kernel wakes ordinary threads up to 50 us late to combine wake-ups; 0 would mean that default.
   if (prctl(PR_SET_TIMERSLACK, 1UL) != 0) {
     refused.push_back(refusal("timers of the loop stay late by some 50 us", errno,
                               "a priority makes them exact as well (realtime.priority)"));
@@ -69,7 +69,7 @@ std::vector<std::string> become_realtime(const config::RealtimeSettings& setting
 CpuLatencyRequest::CpuLatencyRequest(const config::RealtimeSettings& settings, const std::string& root) {
   if (settings.wake_within_us < 0) return;
   const std::string path = root + "/dev/cpu_dma_latency";
-  // The kernel's "PM QoS" interface: 32 bits, in force for as long as the file is open.
+  // The kernel's PM QoS interface: a 32-bit number that applies while the file is open.
   const auto microseconds = static_cast<std::int32_t>(settings.wake_within_us);
   file_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (file_ >= 0 && ::write(file_, &microseconds, sizeof microseconds) == sizeof microseconds) return;

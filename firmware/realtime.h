@@ -8,20 +8,18 @@
 
 namespace touchline {
 
-// Each function does what the board file asks for; what the system refuses is a sentence of the answer: what, why, and
-// what to do about it. The program goes on without. `root` stands before the paths of the kernel's files: empty, except
-// in tests.
+// Each function applies settings of the board file and returns one message for each setting that the system refuses:
+// what, why, and what to do. The program runs without it. `root`: prefix of the kernel's files; empty except in tests.
 
-/// Keeps all memory of the process in RAM, that of now and that to come; takes some tenths of a second, so it belongs
-/// before the camera's start.
+/// Locks all present and future memory of the process in RAM. Takes some tenths of a second, so call it before the
+/// camera is started.
 std::vector<std::string> lock_memory(const config::RealtimeSettings& settings);
 
-/// Pins the calling thread, touches the stack that the loop will use, lets its timers be exact and asks for SCHED_FIFO.
-/// Threads that this one begins later inherit all of it.
+/// Pins the calling thread, touches the stack that the loop will use, makes its timers exact and sets SCHED_FIFO.
+/// Threads that it starts later inherit these settings.
 std::vector<std::string> become_realtime(const config::RealtimeSettings& settings);
 
-/// Keeps the processors from sleeping so deeply that they wake up late; holds until it is destroyed, for the whole
-/// machine.
+/// Limits the wake-up latency of all processors (PM QoS) until it is destroyed.
 class CpuLatencyRequest {
  public:
   explicit CpuLatencyRequest(const config::RealtimeSettings& settings, const std::string& root = "");
@@ -39,13 +37,13 @@ class CpuLatencyRequest {
 /// Whether the calling thread runs under SCHED_FIFO.
 bool is_realtime();
 
-/// Settings of the kernel that cost punctuality, on the calling thread, after become_realtime(): the governor of its
-/// processor's frequency; the time that is taken from threads under SCHED_FIFO, if it is one (`realtime`). Empty where
-/// the board file asks neither for a processor nor for a priority.
+/// Returns hints about kernel settings that make the calling thread late; call it after become_realtime(). Checks the
+/// frequency governor of its processor and, if it runs under SCHED_FIFO (`realtime`), the limit of real-time run time.
+/// Empty if the board file sets neither a processor nor a priority.
 std::vector<std::string> realtime_hints(const config::RealtimeSettings& settings, bool realtime,
                                         const std::string& root = "");
 
-/// Touches so much stack that no page fault comes later; the loop's deepest call needs less than an eighth of it.
+/// Touches the stack to avoid page faults later; the loop's deepest call needs less than an eighth of it.
 inline constexpr std::size_t kStackBytes = std::size_t{512} * 1024;
 void prefault_stack();
 

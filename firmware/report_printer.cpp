@@ -5,8 +5,8 @@
 
 namespace touchline {
 
-// Nobody reads faster; and the loop need not wake this thread by a call to the kernel.
-constexpr auto kPollPeriod = std::chrono::milliseconds(20);
+// Fast enough for a reader, and the loop needs no system call to wake this thread.
+constexpr auto kPrintPeriod = std::chrono::milliseconds(20);
 
 ReportPrinter::ReportPrinter(ReportRing& ring, const ReportPrinterSettings& settings, std::FILE* out, std::FILE* err)
     : ring_(ring), settings_(settings), out_(out), err_(err) {
@@ -21,18 +21,18 @@ ReportPrinter::~ReportPrinter() {
 void ReportPrinter::work() {
   while (!end_.load(std::memory_order_acquire)) {
     print_all();
-    std::this_thread::sleep_for(kPollPeriod);
+    std::this_thread::sleep_for(kPrintPeriod);
   }
   print_all();
   if (const auto dropped = ring_.dropped(); dropped > 0) {
-    std::fprintf(err_, "%llu reports came faster than they could be printed and are missing above\n",
+    std::fprintf(err_, "%llu reports are missing above: they came faster than they could be printed\n",
                  static_cast<unsigned long long>(dropped));
   }
 }
 
-void ReportPrinter::say(const std::string& line) {
-  const std::scoped_lock alone(saying_);
-  said_ += line + "\n";
+void ReportPrinter::print_line(const std::string& line) {
+  const std::scoped_lock lock(lines_mutex_);
+  lines_ += line + "\n";
 }
 
 void ReportPrinter::print_all() {
@@ -43,13 +43,13 @@ void ReportPrinter::print_all() {
 }
 
 void ReportPrinter::print_waiting() {
-  std::string said;
+  std::string lines;
   {
-    const std::scoped_lock alone(saying_);
-    said.swap(said_);
+    const std::scoped_lock lock(lines_mutex_);
+    lines.swap(lines_);
   }
-  if (!said.empty()) {
-    std::fputs(said.c_str(), err_);
+  if (!lines.empty()) {
+    std::fputs(lines.c_str(), err_);
     map_lines_ = 0;
   }
   while (ring_.pop(report_)) print(report_);
@@ -76,7 +76,7 @@ void ReportPrinter::print(const Report& report) {
       std::fprintf(err_, "%s\n", battery_line(report.battery).c_str());
       break;
   }
-  map_lines_ = 0;  // the sentence stands below the picture: the next picture begins below the sentence
+  map_lines_ = 0;  // the next map is drawn below this line
 }
 
 void ReportPrinter::print_map(const StatusReport& status) {

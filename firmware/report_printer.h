@@ -14,20 +14,20 @@ namespace touchline {
 
 struct ReportPrinterSettings {
   Expectation expected;
-  bool status_lines = true;                  // else faults and halts only
-  int map_columns = 0;                       // 0: no picture of the field
-  const ServiceNotifier* service = nullptr;  // is told the status as well; null: nobody
+  bool status_lines = true;                  // false: only faults, halts and low batteries
+  int map_columns = 0;                       // width of the field map; 0: none
+  const ServiceNotifier* service = nullptr;  // gets the status as well; null: none
 };
 
-/// Takes the loop's reports from the ring, makes sentences of them and prints: status to `out`, faults to `err`.
-/// A terminal that hangs holds up this thread and nobody else.
+/// Takes the loop's reports from the ring on a thread of its own and prints them: the status to `out`, events to `err`.
+/// A blocked terminal blocks only this thread.
 class ReportPrinter {
  public:
   ReportPrinter(ReportRing& ring, const ReportPrinterSettings& settings, std::FILE* out, std::FILE* err);
-  /// Prints what is left.
+  /// Prints the remaining reports.
   ~ReportPrinter();
-  /// Prints the line, without its end, to `err` before what comes from the ring. From any thread but the loop's.
-  void say(const std::string& line);
+  /// Prints a line, given without its end, to `err`. Callable from any thread but the loop's, because it locks.
+  void print_line(const std::string& line);
   ReportPrinter(const ReportPrinter&) = delete;
   ReportPrinter& operator=(const ReportPrinter&) = delete;
 
@@ -42,10 +42,10 @@ class ReportPrinter {
   const ReportPrinterSettings settings_;
   std::FILE* out_;
   std::FILE* err_;
-  int map_lines_ = 0;  // of the picture that stands above the cursor
+  int map_lines_ = 0;  // lines of the map above the cursor
   Report report_;
-  std::mutex saying_;
-  std::string said_;
+  std::mutex lines_mutex_;
+  std::string lines_;  // waiting to be printed
   std::atomic<bool> end_{false};
   std::thread thread_;
 };

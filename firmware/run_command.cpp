@@ -16,10 +16,10 @@
 namespace touchline {
 namespace {
 
-// Fits into a terminal of 80 columns and 24 rows at a field's usual shape, status line included.
+// With the usual shape of a field, map and status line fit into a terminal of 80 columns and 24 rows.
 constexpr int kMapColumns = 52;
 
-// Holds a simulation back to the speed of the world, so that a person can watch it.
+// Slows a simulation down to real time, so that a person can watch it.
 class RealTimePace {
  public:
   [[nodiscard]] LoopObserver observer() { return {&RealTimePace::on_step, this}; }
@@ -30,7 +30,7 @@ class RealTimePace {
     if (!pace.offset_) pace.offset_ = hal::MonotonicClock::read() - timing.sent;
     hal::MonotonicClock::wait_for(timing.sent + *pace.offset_);
   }
-  std::optional<Duration> offset_;  // from simulated to real time
+  std::optional<Duration> offset_;  // real time minus simulated time
 };
 
 bool is_simulated(const config::BoardFile& board) { return board.camera.backend == hal::CameraBackend::kMock; }
@@ -72,7 +72,7 @@ int run_command(const CommandLine& command_line) {
   std::vector<std::string> refused = lock_memory(realtime);
   crash_stop::install_handlers();
   const std::atomic<bool>& stop = handle_stop_signals();
-  session.steer_adaptation(handle_adaptation_signals());
+  session.set_adaptation_requests(handle_adaptation_signals());
   const std::atomic<std::uint32_t>& reload_requests = handle_reload_signal();
   const RunMarker marker = RunMarker::of_service();
   session.hold_after_crash(marker.exists());
@@ -84,13 +84,13 @@ int run_command(const CommandLine& command_line) {
   }
   if (marker.exists()) print_hold(session.configuration().board.gpio);
   if (const Result<void> marked = marker.create(); !marked.ok()) {
-    std::fprintf(stderr, "%s\n", std::string(marked.text()).c_str());
+    std::fprintf(stderr, "%s\n", marked.error().text.c_str());
   }
   ReportPrinterSettings reporting;
   reporting.expected = session.expectation();
   ServiceNotifier service(session.loop().heartbeat());
   reporting.service = &service;
-  // The service manager keeps the last status; its journal is for what happened.
+  // The service manager shows the last status; its journal should contain events only.
   reporting.status_lines = !service.is_enabled();
   reporting.map_columns = !command_line.headless && ::isatty(STDOUT_FILENO) != 0 ? kMapColumns : 0;
   LoopEnd end = LoopEnd::kRequested;
@@ -99,10 +99,10 @@ int run_command(const CommandLine& command_line) {
   ConfigReloader reloader(session.files(), session.configuration(), session.devices().loop_devices().camera,
                           session.live_update());
   {
-    // The threads that print and read files begin before this one becomes privileged, and inherit nothing of it.
+    // These threads are started before this one gets its real-time priority, which they would inherit.
     ReportPrinter printer(session.reports(), reporting, stdout, stderr);
     const ReloadThread reload([&](const std::atomic<bool>& cancelled) { return reloader.reload(cancelled); },
-                              reload_requests, [&](const std::string& line) { printer.say(line); });
+                              reload_requests, [&](const std::string& line) { printer.print_line(line); });
     for (std::string& refusal : become_realtime(realtime)) refused.push_back(std::move(refusal));
     for (std::string& hint : realtime_hints(realtime, is_realtime())) refused.push_back(std::move(hint));
     print_start(session, refused);

@@ -4,7 +4,7 @@
 
 namespace touchline {
 
-/// `touchline run`: all of it, from the files to the summary. Returns the exit code.
+/// Runs `touchline run` from reading the files to printing the summary. Returns the exit code.
 int run_command(const CommandLine& command_line);
 
 }  // namespace touchline

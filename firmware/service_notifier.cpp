@@ -10,10 +10,10 @@ namespace {
 
 using Microseconds = std::chrono::duration<std::uint64_t, std::micro>;
 
-// A deploying person waits for the first frame.
-constexpr Microseconds kWaitPeriod = std::chrono::milliseconds(50);
-// Three may come late before the manager loses patience.
-constexpr std::uint64_t kPingsWithinPatience = 4;
+// Short, because a person who deploys waits for the first frame.
+constexpr Microseconds kLongestNotifyPeriod = std::chrono::milliseconds(50);
+// Three may be late before the watchdog acts.
+constexpr std::uint64_t kPingsPerWatchdogTime = 4;
 
 }  // namespace
 
@@ -40,20 +40,21 @@ LoopEnd run(Loop& loop, ServiceNotifier& service, const std::atomic<bool>& stop)
 }
 
 void ServiceNotifier::work() {
-  std::uint64_t patience_us = 0;
-  const bool is_watched = sd_watchdog_enabled(0, &patience_us) > 0;
-  const Microseconds period =
-      is_watched ? std::min(kWaitPeriod, Microseconds(patience_us / kPingsWithinPatience)) : kWaitPeriod;
+  std::uint64_t watchdog_us = 0;
+  const bool is_watched = sd_watchdog_enabled(0, &watchdog_us) > 0;
+  const Microseconds period = is_watched
+                                  ? std::min(kLongestNotifyPeriod, Microseconds(watchdog_us / kPingsPerWatchdogTime))
+                                  : kLongestNotifyPeriod;
   bool is_ready = false;
-  std::uint64_t turns = 0;
+  std::uint64_t iterations = 0;
   while (!end_.load(std::memory_order_acquire)) {
     if (!is_ready && heartbeat_.good_frames.load(std::memory_order_relaxed) > 0) {
       is_ready = true;
       static_cast<void>(sd_notify(0, "READY=1"));
     }
     const std::uint64_t iterations_now = heartbeat_.iterations.load(std::memory_order_relaxed);
-    if (is_watched && iterations_now != turns) static_cast<void>(sd_notify(0, "WATCHDOG=1"));
-    turns = iterations_now;
+    if (is_watched && iterations_now != iterations) static_cast<void>(sd_notify(0, "WATCHDOG=1"));
+    iterations = iterations_now;
     std::this_thread::sleep_for(period);
   }
 }

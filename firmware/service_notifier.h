@@ -8,23 +8,22 @@
 
 namespace touchline {
 
-/// Tells systemd how it goes (sd_notify): READY=1 after the first good frame, WATCHDOG=1 while the loop turns and no
-/// longer, STATUS= as a person would read it, STOPPING=1 at the end. On a thread of its own: output that hangs must not
-/// look like a loop that hangs, and the loop calls nothing. When nobody asked to be told (no $NOTIFY_SOCKET), nothing
-/// is done.
+/// Notifies systemd (sd_notify): READY=1 after the first good frame, WATCHDOG=1 only while the loop iterates, STATUS=
+/// as text, STOPPING=1 at the end. It has a thread of its own, so that blocked output does not look like a hanging loop
+/// and the loop makes no system calls for it. Does nothing without a service manager ($NOTIFY_SOCKET).
 class ServiceNotifier {
  public:
-  /// `heartbeat` must outlive the watch.
+  /// `heartbeat` must outlive the notifier.
   explicit ServiceNotifier(const LoopHeartbeat& heartbeat);
   ~ServiceNotifier() { end(); }
   ServiceNotifier(const ServiceNotifier&) = delete;
   ServiceNotifier& operator=(const ServiceNotifier&) = delete;
 
-  /// Whether a service manager listens.
+  /// Whether there is a service manager to notify.
   [[nodiscard]] bool is_enabled() const { return enabled_; }
-  /// One line, without its end. From any thread but the loop's: it may block.
+  /// Sends one line, given without its end. Callable from any thread but the loop's, because it may block.
   void status(const std::string& line) const;
-  /// Tells the end, once: the watchdog wants nothing more.
+  /// Sends STOPPING=1, once, which ends the watchdog.
   void end();
 
  private:
@@ -36,8 +35,8 @@ class ServiceNotifier {
   std::thread thread_;
 };
 
-/// Loop::run(), and tells the end before anything else is waited for: a loop that turns no more is no work for a
-/// watchdog, but the camera may be just being set or opened, and both may take long. Robots have been stopped by then.
+/// Calls Loop::run(), then ServiceNotifier::end(). After that the program may wait for a camera that is being set or
+/// opened, which the watchdog must not take for a hanging loop. Robots have been stopped by then.
 LoopEnd run(Loop& loop, ServiceNotifier& service, const std::atomic<bool>& stop);
 
 }  // namespace touchline

@@ -21,22 +21,22 @@ struct SessionOptions {
   Duration status_interval = std::chrono::seconds(1);
 };
 
-/// Everything that one run needs, built in the order in which it may fail: files, pipeline, devices. What touchline,
-/// touchline-latency and viewers have in common.
+/// Everything that one run needs, made in the order in which it may fail: files, pipeline, devices. Shared by touchline
+/// and touchline-latency.
 class Session {
  public:
   /// Reads the files and configures the pipeline. Touches no device. kNotFound, kInconsistent: see `problems`.
   Status load(const SessionOptions& options, config::Problems& problems);
-  /// Other limits than the options'; before open().
+  /// Replaces the limits of the options; call it before open().
   void limit(std::uint64_t frames, Duration duration) {
     options_.frames = frames;
     options_.duration = duration;
   }
-  /// Whoever may freeze the adaptation or put it back while the loop runs; before open().
-  void steer_adaptation(const AdaptationRequests& requests) { adaptation_ = &requests; }
-  /// Whether robots wait for a start because the previous run ended unexpectedly; before open().
+  /// Requests to the adaptation while the loop runs; call it before open().
+  void set_adaptation_requests(const AdaptationRequests& requests) { adaptation_ = &requests; }
+  /// Whether robots wait for a start because the previous run ended unexpectedly; call it before open().
   void hold_after_crash(bool hold) { hold_after_crash_ = hold; }
-  /// By which somebody may change parameters while the loop runs (firmware/config_reloader.h).
+  /// Passes new settings to the running loop (firmware/config_reloader.h).
   [[nodiscard]] LiveUpdate& live_update() { return live_update_; }
   /// Builds and opens the devices, after load().
   Result<void> open(LoopObserver observer);
@@ -57,14 +57,14 @@ class Session {
   const AdaptationRequests* adaptation_ = nullptr;
   bool hold_after_crash_ = false;
   LiveUpdate live_update_;
-  // On the heap: megabytes.
+  // On the heap because they take megabytes.
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
   std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();
   std::unique_ptr<ReportRing> reports_ = std::make_unique<ReportRing>();
   Devices devices_;
   hal::CameraInfo camera_info_;
   std::string radio_description_, gpio_description_;
-  std::unique_ptr<Loop> loop_;  // last: it must go before the devices
+  std::unique_ptr<Loop> loop_;  // last, because it must be destroyed before the devices
 };
 
 }  // namespace touchline

@@ -8,7 +8,7 @@
 namespace touchline {
 namespace {
 
-// Robots speak about twice a second.
+// Robots send telemetry about twice a second.
 constexpr double kStaleRobotStatusS = 2.0;
 
 // Appends as printf does.
@@ -40,7 +40,7 @@ std::string halt_reasons(std::uint8_t halt) {
   return reasons;
 }
 
-// A value that a robot does not measure is left out.
+// Leaves out values that a robot does not measure.
 void print_robot_status(std::string& out, float battery_v, int link_percent) {
   if (battery_v > 0.0f) print(out, " %.2f V", static_cast<double>(battery_v));
   if (link_percent >= 0) print(out, " %d %%", link_percent);
@@ -99,10 +99,10 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
   count("frames stamped in the future", status.future_stamps);
   count("overloads", status.overloads);
   count("faults", status.faults);
-  // Some percent come and go with the noise.
-  constexpr double kWorthSaying = 4.5;
+  // Noise changes the brightness by some percent.
+  constexpr double kNoise_percent = 4.5;
   const double brighter = 100.0 * (static_cast<double>(status.brightness) - 1.0);
-  if (std::abs(brighter) > kWorthSaying) print(line, "  light %+.0f %%", brighter);
+  if (std::abs(brighter) > kNoise_percent) print(line, "  light %+.0f %%", brighter);
   if (status.adaptation == AdaptationMode::kFrozen) line += "  adaptation frozen";
   for (std::size_t i = 0; i < status.robot_status.size(); ++i) {
     const RobotStatus& robot = status.robot_status[i];

@@ -6,18 +6,18 @@
 #include "firmware/loop.h"
 #include "firmware/loop_report.h"
 
-// Reports as a person reads them.
+// Reports as text.
 namespace touchline {
 
-/// How many robots there should be, and how large the field is.
+/// Expected number of robots, and the size of the field.
 struct Expectation {
   std::uint32_t own = 0, opponents = 0;
   FieldParameters field;
 };
 
 /// "12 s  60.0 fps  own 5/5  opp 5/5  ball (0.12, -0.30)  latency p50 1.2 p99 2.3 max 3.1 ms  packets 720", followed by
-/// what is not as it should be (lost, overloads, faults), what robots said of themselves ("robots 0: 7.92 V 98 %"),
-/// and whether they are halted.
+/// counts of problems (lost frames, overloads, faults), the robots' telemetry ("robots 0: 7.92 V 98 %"), and the
+/// reasons for which robots are halted.
 std::string status_line(const StatusReport& status, const Expectation& expected);
 /// "camera: device disconnected (/dev/video0: ...); robots stopped, opening it again"
 std::string fault_line(const FaultReport& fault);
@@ -25,10 +25,10 @@ std::string fault_line(const FaultReport& fault);
 std::string battery_line(const BatteryReport& battery);
 /// "robots halted: emergency stop" or "robots may move".
 std::string halt_line(const HaltReport& halt);
-/// The field as `columns` characters a row and as many rows as its shape asks for: own robots by the last digit of
-/// their id with their heading, opponents as x, the ball as o; unknown ids as ?. With `color`, in ANSI colors.
+/// Draws the field with `columns` characters a row and the number of rows that its shape needs: own robots as the last
+/// digit of their id with their heading, opponents as x, the ball as o, unknown ids as ?. `color`: with ANSI colors.
 std::string field_map(const StatusReport& status, const FieldParameters& field, int columns, bool color);
-/// What happened, at the end: several lines.
+/// Summary of a run, several lines.
 std::string summary(const LoopStatistics& statistics, LoopEnd end);
 
 }  // namespace touchline

@@ -68,11 +68,7 @@ void LibcameraCamera::work() {
     try {
       result_ = perform(task);
     } catch (const std::exception& error) {  // memory is short, or the library failed: the camera may be reopened
-    try {
-      result_ = perform(task);
-    } catch (const std::exception& error) {  // memory is short, or the library failed: the camera may be reopened
       result_ = failure(ErrorCode::kIo, "%s: libcamera failed: %s", name(), error.what());
-    }
     }
     done_.post();
     if (task == Task::kClose) return;

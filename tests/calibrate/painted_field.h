@@ -55,7 +55,7 @@ inline CameraPicture painted_field(const std::vector<PaintedPatch>& patches, Pix
   // YUV: ITU-R BT.601 in limited range; a chroma sample is the mean of its pixels.
   const auto value_of = [&](const std::array<std::uint8_t, 3>& pixel, std::size_t c) {
     const double r = pixel[0], g = pixel[1], b = pixel[2];
-    if (color_space(format) == ColorSpace::kRgb) return double{pixel[c]};
+    if (color_space(format) == ColorSpace::kRgb) return static_cast<double>(pixel[c]);
     if (c == 0) return 16 + 0.257 * r + 0.504 * g + 0.098 * b;
     return c == 1 ? 128 - 0.148 * r - 0.291 * g + 0.439 * b : 128 + 0.439 * r - 0.368 * g - 0.071 * b;
   };

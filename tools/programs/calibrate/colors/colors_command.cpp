@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <string>
+#include <vector>
 
 #include <unistd.h>
 
@@ -137,8 +139,10 @@ void ColorsCommand::add_options(CLI::App& app) {
       ->required();
   app.add_option("--images", images, "Folder of the pictures in the JSON file (default: the folder of the JSON file)");
   app.add_option("--team", team, "Team file: each of its colors must have a click or be detected");
-  app.add_option("--format", format, "Pixel format of the camera: rgb24, bgr24, yuyv, uyvy, nv12")
-      ->check(CLI::IsMember({"rgb24", "bgr24", "yuyv", "uyvy", "nv12"}));
+  std::vector<std::string> formats;
+  for (const PixelFormatInfo& info : kPixelFormatTable) formats.emplace_back(info.word);
+  app.add_option("--format", format, "Pixel format of the camera, as camera.format in board.toml")
+      ->check(CLI::IsMember(formats));
   app.add_option("--patch-radius", patch_radius_px, "Greatest distance of a patch's pixels from the click, px")
       ->check(CLI::Range(3, 200));
   app.add_option("--preview", preview, "Folder for pictures of the detected patches and of classified pixels");

@@ -17,8 +17,8 @@ int fail(const std::string& message) {
 }
 
 int print(const std::string& text) {
-  std::string reason;
-  return hal::write_file("-", text, reason).ok() ? kExitOk : fail(reason);
+  const Result<void> written = hal::write_file("-", text);
+  return written.ok() ? kExitOk : fail(written.text());
 }
 
 int check_command(const CommandLine& command_line) {
@@ -39,14 +39,13 @@ int check_command(const CommandLine& command_line) {
 
 int keys_command(const std::string& page_to_update) {
   if (page_to_update.empty()) return print(config::key_reference_text());
-  std::string page, reason;
-  Status status = hal::read_file(page_to_update, hal::kMaxTextFileBytes, page, reason);
-  if (status.ok()) {
-    status = config::update_key_reference(page);
-    if (!status.ok()) reason = page_to_update + ": the lines that begin and end the reference are missing";
+  Result<std::string> page = hal::read_file(page_to_update, hal::kMaxTextFileBytes);
+  if (!page.ok()) return fail(page.text());
+  if (!config::update_key_reference(page.value()).ok()) {
+    return fail(page_to_update + ": the lines that begin and end the reference are missing");
   }
-  if (status.ok()) status = hal::write_file(page_to_update, page, reason);
-  return status.ok() ? kExitOk : fail(reason);
+  const Result<void> written = hal::write_file(page_to_update, page.value());
+  return written.ok() ? kExitOk : fail(written.text());
 }
 
 }  // namespace

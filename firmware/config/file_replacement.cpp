@@ -10,11 +10,10 @@
 namespace touchline::config {
 
 Result<std::optional<std::string>> read_text(const std::string& path) {
-  std::string text, reason;
-  const Status status = hal::read_file(path, hal::kMaxTextFileBytes, text, reason);
-  if (status.ok()) return std::optional(std::move(text));
-  if (status.code() == ErrorCode::kNotFound) return std::optional<std::string>();
-  return Error{status.code(), reason};
+  Result<std::string> text = hal::read_file(path, hal::kMaxTextFileBytes);
+  if (text.ok()) return std::optional(std::move(text).value());
+  if (text.code() == ErrorCode::kNotFound) return std::optional<std::string>();
+  return std::move(text).error();
 }
 
 Result<void> back_up(const std::string& path) {
@@ -25,20 +24,15 @@ Result<void> back_up(const std::string& path) {
   const std::filesystem::path target = std::filesystem::canonical(path, error);
   // Do not follow a link that somebody has put there under this name.
   const hal::OutputOptions options{.follow_links = false, .mode = former.st_mode & 0777};
-  std::string reason;
-  const Status status = hal::write_file((error ? path : target.string()) + ".bak", *text, reason, options);
-  if (!status.ok()) return Error{status.code(), reason};
-  return {};
+  return hal::write_file((error ? path : target.string()) + ".bak", *text, options);
 }
 
 Result<void> replace_file(const std::string& path, std::string_view text) {
   hal::OutputFile file;
-  const auto failed = [&file](Status status) { return Error{status.code(), file.reason()}; };
-  if (const Status status = file.open(path); !status.ok()) return failed(status);
-  if (const Status status = file.write(text); !status.ok()) return failed(status);
+  TOUCHLINE_TRY(file.open(path));
+  TOUCHLINE_TRY(file.write(text));
   TOUCHLINE_TRY(back_up(path));
-  if (const Status status = file.commit(); !status.ok()) return failed(status);
-  return {};
+  return file.commit();
 }
 
 }  // namespace touchline::config

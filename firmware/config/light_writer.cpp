@@ -41,8 +41,7 @@ Result<std::string> write_light(const std::string& venue, std::string_view png, 
   const std::string map = (folder / entry.map).string();
   // The former backup may name the map that is going to be replaced.
   TOUCHLINE_TRY(back_up(venue));
-  std::string reason;
-  if (const Status status = hal::write_file(map, png, reason); !status.ok()) return Error{status.code(), reason};
+  TOUCHLINE_TRY(hal::write_file(map, png));
   TOUCHLINE_TRY(replace_file(venue, changed.value()));
   return map;
 }

@@ -54,14 +54,14 @@ bool parse_steps(std::string_view path, std::vector<Step>& steps) {
 }  // namespace
 
 std::optional<toml::table> parse_file(const std::string& path, std::string_view remedy, Problems& problems) {
-  std::string content, reason;
-  if (const Status status = hal::read_file(path, hal::kMaxTextFileBytes, content, reason); !status.ok()) {
-    if (status.code() == ErrorCode::kNotFound && !remedy.empty()) reason.append("; ").append(remedy);
-    problems.add("", "", reason);
+  const Result<std::string> content = hal::read_file(path, hal::kMaxTextFileBytes);
+  if (!content.ok()) {
+    const bool show_remedy = content.code() == ErrorCode::kNotFound && !remedy.empty();
+    problems.add("", "", content.text() + (show_remedy ? "; " + std::string(remedy) : ""));
     return std::nullopt;
   }
   try {
-    return toml::parse(content, path);
+    return toml::parse(content.value(), path);
   } catch (const toml::parse_error& fault) {
     problems.add(path + ":" + std::to_string(fault.source().begin.line), "", fault.description());
     return std::nullopt;

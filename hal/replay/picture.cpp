@@ -36,10 +36,7 @@ bool is_too_large(const LogCapture& log, const AVCodecContext& codec, std::int64
 namespace ffmpeg {
 
 Result<FramePtr> decode_picture(const std::string& path, std::int64_t max_pixels) {
-  std::string bytes, reason;
-  if (const Status s = read_file(path, kMaxDataFileBytes, bytes, reason); !s.ok()) {
-    return failure(s.code(), "%s", reason.c_str());
-  }
+  TOUCHLINE_TRY_ASSIGN(std::string bytes, read_file(path, kMaxDataFileBytes));
   if (bytes.empty()) {
     return failure(ErrorCode::kCorruptFrame, "%s: the file is empty", path.c_str());
   }
@@ -175,7 +172,9 @@ Status write_picture(const std::string& path, const Picture& picture, std::strin
     reason.insert(0, path + ": ");
     return status;
   }
-  return write_file(path, png, reason, options);
+  const Result<void> written = write_file(path, png, options);
+  reason = written.text();
+  return written.code();
 }
 
 }  // namespace touchline::hal

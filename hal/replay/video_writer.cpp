@@ -7,6 +7,7 @@ extern "C" {
 #include <cmath>
 #include <cstdio>
 
+#include "hal/linux/files/output_file.h"
 #include "hal/replay/ffmpeg.h"
 
 namespace touchline::hal {
@@ -26,16 +27,30 @@ struct StreamDeleter {
   }
 };
 
-// FFmpeg's callbacks. `Byte` is const from FFmpeg 7 on.
+// The file, and its error in a callback of FFmpeg, which passes on a number only.
+struct Stream {
+  OutputFile file;
+  std::string error;
+};
+
+// FFmpeg's callbacks. `Byte` is const since FFmpeg 7.
 template <class Byte>
-int write_bytes(void* file, Byte* bytes, int size) {
+int write_bytes(void* opaque, Byte* bytes, int size) {
+  auto& stream = *static_cast<Stream*>(opaque);
   const std::string_view view(reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size));
-  return static_cast<OutputFile*>(file)->write(view).ok() ? size : AVERROR(EIO);
+  const Result<void> written = stream.file.write(view);
+  if (written.ok()) return size;
+  stream.error = written.text();
+  return AVERROR(EIO);
 }
 
-int64_t seek_to(void* file, int64_t position, int whence) {
+int64_t seek_to(void* opaque, int64_t position, int whence) {
   if ((whence & ~AVSEEK_FORCE) != SEEK_SET) return AVERROR(ENOSYS);
-  return static_cast<OutputFile*>(file)->seek(static_cast<std::uint64_t>(position)).ok() ? position : AVERROR(EIO);
+  auto& stream = *static_cast<Stream*>(opaque);
+  const Result<void> done = stream.file.seek(static_cast<std::uint64_t>(position));
+  if (done.ok()) return position;
+  stream.error = done.text();
+  return AVERROR(EIO);
 }
 
 constexpr int kStreamBytes = 65536;
@@ -43,6 +58,7 @@ constexpr int kStreamBytes = 65536;
 }  // namespace
 
 struct VideoWriter::Output {
+  Stream bytes;
   std::unique_ptr<AVIOContext, StreamDeleter> stream_out;
   std::unique_ptr<AVFormatContext, MuxerDeleter> file;
   CodecPtr codec;
@@ -62,8 +78,8 @@ Status VideoWriter::fail(ErrorCode code, const std::string& cause) {
 
 // The file's own error says more than the muxer's.
 Status VideoWriter::fail_writing(int result) {
-  if (file_.reason().empty()) return fail(ErrorCode::kIo, error_text(result));
-  reason_ = file_.reason();
+  if (output_->bytes.error.empty()) return fail(ErrorCode::kIo, error_text(result));
+  reason_ = output_->bytes.error;
   return ErrorCode::kIo;
 }
 
@@ -108,18 +124,19 @@ Status VideoWriter::open(const std::string& path, std::uint32_t width_px, std::u
   avcodec_parameters_from_context(output->stream->codecpar, &codec);
   output->stream->time_base = kTick;
   output->stream->avg_frame_rate = codec.framerate;
-  if (const Status status = file_.open(path); !status.ok()) {
-    reason_ = file_.reason();
-    return status;
+  OutputFile& target = output->bytes.file;
+  if (const Result<void> opened = target.open(path); !opened.ok()) {
+    reason_ = opened.text();
+    return opened.code();
   }
   auto* buffer = static_cast<unsigned char*>(av_malloc(kStreamBytes));
-  output->stream_out.reset(avio_alloc_context(buffer, kStreamBytes, 1, &file_, nullptr, write_bytes,
-                                              file_.replaces_file() ? seek_to : nullptr));
+  output->stream_out.reset(avio_alloc_context(buffer, kStreamBytes, 1, &output->bytes, nullptr, write_bytes,
+                                              target.replaces_file() ? seek_to : nullptr));
   if (output->stream_out == nullptr) return fail(ErrorCode::kIo, "no memory");
   file->pb = output->stream_out.get();
   file->flags |= AVFMT_FLAG_CUSTOM_IO;
   // An index at the end would have to be announced at the beginning, which has been sent by then.
-  if (!file_.replaces_file()) av_opt_set(file->priv_data, "movflags", "frag_keyframe+empty_moov+default_base_moof", 0);
+  if (!target.replaces_file()) av_opt_set(file->priv_data, "movflags", "frag_keyframe+empty_moov+default_base_moof", 0);
   output_ = std::move(output);
   result = avformat_write_header(file, nullptr);
   if (result < 0) return fail_writing(result);
@@ -177,10 +194,10 @@ Status VideoWriter::finish() {
   avio_flush(output_->file->pb);
   if (result >= 0) result = output_->file->pb->error;
   if (result < 0) return fail_writing(result);
+  const Result<void> committed = output_->bytes.file.commit();
   output_.reset();
-  const Status status = file_.commit();
-  if (!status.ok()) reason_ = file_.reason();
-  return status;
+  reason_ = committed.text();
+  return committed.code();
 }
 
 }  // namespace touchline::hal

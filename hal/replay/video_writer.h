@@ -7,7 +7,6 @@
 
 #include "core/status.h"
 #include "core/time.h"
-#include "hal/linux/files/output_file.h"
 
 namespace touchline::hal {
 
@@ -34,7 +33,6 @@ class VideoWriter {
   Status fail_writing(int result);
   Status drain();
 
-  OutputFile file_;
   std::unique_ptr<Output> output_;
   std::string path_, reason_;
 };

@@ -147,7 +147,9 @@ bool write_json(const std::string& path, const BenchmarkCases& cases, const std:
   }
   const ordered_json report{{"format", 1},      {"unit", "microseconds of CPU"}, {"repetitions", repetitions},
                             {"frames", frames}, {"goals", measured_goals},       {"memory_bytes", sizeof(Pipeline)}};
-  return hal::write_file(path, report.dump(1) + "\n", error).ok();
+  const Result<void> written = hal::write_file(path, report.dump(1) + "\n");
+  error = written.text();
+  return written.ok();
 }
 
 }  // namespace touchline::testing

@@ -9,15 +9,15 @@ namespace {
 using testing::TemporaryFolder;
 
 std::string refusal(const std::string& path, ErrorCode code, std::size_t limit_bytes = kMaxTextFileBytes) {
-  std::string bytes, reason;
-  EXPECT_EQ(read_file(path, limit_bytes, bytes, reason).code(), code) << reason;
-  return reason;
+  const Result<std::string> bytes = read_file(path, limit_bytes);
+  EXPECT_EQ(bytes.code(), code) << bytes.text();
+  return bytes.text();
 }
 
 std::string content(const std::string& path, std::size_t limit_bytes = kMaxTextFileBytes) {
-  std::string bytes, reason;
-  EXPECT_TRUE(read_file(path, limit_bytes, bytes, reason).ok()) << reason;
-  return bytes;
+  const Result<std::string> bytes = read_file(path, limit_bytes);
+  EXPECT_TRUE(bytes.ok()) << bytes.text();
+  return bytes.ok() ? bytes.value() : std::string();
 }
 
 TEST(InputFile, ReadsRegularFiles) {

@@ -16,26 +16,25 @@ namespace {
 
 using testing::TemporaryFolder;
 
-Status write(const std::string& path, const std::string& text, const OutputOptions& options = {}) {
-  std::string reason;
-  const Status status = write_file(path, text, reason, options);
-  EXPECT_EQ(status.ok(), reason.empty()) << reason;
-  return status;
+Result<void> write(const std::string& path, const std::string& text, const OutputOptions& options = {}) {
+  Result<void> written = write_file(path, text, options);
+  EXPECT_TRUE(written.ok()) << written.text();
+  return written;
 }
 
 std::string refusal(const std::string& path, ErrorCode code) {
-  std::string reason;
-  EXPECT_EQ(write_file(path, "text", reason).code(), code) << reason;
-  return reason;
+  const Result<void> written = write_file(path, "text");
+  EXPECT_EQ(written.code(), code) << written.text();
+  return written.text();
 }
 
 TEST(OutputFile, ANewFileAppearsWithCommit) {
   const TemporaryFolder folder;
   OutputFile file;
-  ASSERT_TRUE(file.open(folder / "a").ok()) << file.reason();
-  ASSERT_TRUE(file.write("one ").ok() && file.write("two").ok()) << file.reason();
+  ASSERT_TRUE(file.open(folder / "a").ok());
+  ASSERT_TRUE(file.write("one ").ok() && file.write("two").ok());
   EXPECT_FALSE(std::filesystem::exists(folder / "a"));
-  ASSERT_TRUE(file.commit().ok()) << file.reason();
+  ASSERT_TRUE(file.commit().ok());
   EXPECT_EQ(folder.read("a"), "one two");
   EXPECT_EQ(folder.count(), 1U);
 }
@@ -80,7 +79,7 @@ TEST(OutputFile, WritesLongFilesAndSeeks) {
   const std::string large(200000, '.');
   ASSERT_TRUE(file.write(large).ok());
   expected += large;
-  ASSERT_TRUE(file.seek(10).ok() && file.write("HERE").ok() && file.commit().ok()) << file.reason();
+  ASSERT_TRUE(file.seek(10).ok() && file.write("HERE").ok() && file.commit().ok());
   expected.replace(10, 4, "HERE");
   EXPECT_TRUE(folder.read("a") == expected);
 }
@@ -138,10 +137,10 @@ TEST(OutputFile, AFifoIsWrittenInPlace) {
   std::string received;
   std::thread reader([&] { received = folder.read("fifo"); });
   OutputFile file;
-  EXPECT_TRUE(file.open(folder / "fifo").ok()) << file.reason();
+  EXPECT_TRUE(file.open(folder / "fifo").ok());
   EXPECT_FALSE(file.replaces_file());
   EXPECT_EQ(file.seek(0).code(), ErrorCode::kUnsupported);
-  EXPECT_TRUE(file.write("through the pipe").ok() && file.commit().ok()) << file.reason();
+  EXPECT_TRUE(file.write("through the pipe").ok() && file.commit().ok());
   reader.join();
   EXPECT_EQ(received, "through the pipe");
   EXPECT_EQ(folder.mode("fifo") & S_IFMT, mode_t{S_IFIFO});
@@ -167,10 +166,9 @@ TEST(OutputFile, AFullDiskLeavesTheFormerFile) {
   if (child == 0) {
     ::signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{1000, 1000};
-    std::string reason;
     const bool limited = ::setrlimit(RLIMIT_FSIZE, &limit) == 0;
-    const bool refused = !write_file(folder / "a", std::string(5000, 'x'), reason).ok();
-    ::_exit(limited && refused && reason == folder / "a: cannot be written: File too large" ? 0 : 1);
+    const Result<void> written = write_file(folder / "a", std::string(5000, 'x'));
+    ::_exit(limited && written.text() == folder / "a: cannot be written: File too large" ? 0 : 1);
   }
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);

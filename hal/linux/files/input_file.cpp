@@ -26,17 +26,17 @@ class Descriptor {
   int fd_;
 };
 
-Status failed(const std::string& path, int error, std::string& reason) {
+Error error_of(const std::string& path, int error) {
   std::error_code ignored;
   if (error == ENOENT || error == ENOTDIR) {
-    const std::filesystem::path target = std::filesystem::read_symlink(path, ignored);
-    reason = path + (target.empty() ? ": no such file"
-                                    : ": is a symbolic link to " + target.string() + ", which does not exist");
-    return ErrorCode::kNotFound;
+    const std::string target = std::filesystem::read_symlink(path, ignored).string();
+    if (target.empty()) return failure(ErrorCode::kNotFound, "%s: no such file", path.c_str());
+    return failure(ErrorCode::kNotFound, "%s: is a symbolic link to %s, which does not exist", path.c_str(),
+                   target.c_str());
   }
-  reason = path + (error == ELOOP ? ": is a symbolic link in a loop"
-                                  : std::string(": cannot be read: ") + std::strerror(error));
-  return error == EACCES || error == EPERM ? ErrorCode::kPermission : ErrorCode::kIo;
+  if (error == ELOOP) return failure(ErrorCode::kIo, "%s: is a symbolic link in a loop", path.c_str());
+  const ErrorCode code = error == EACCES || error == EPERM ? ErrorCode::kPermission : ErrorCode::kIo;
+  return failure(code, "%s: cannot be read: %s", path.c_str(), std::strerror(error));
 }
 
 const char* kind_of(mode_t mode) {
@@ -47,39 +47,37 @@ const char* kind_of(mode_t mode) {
   return "socket";
 }
 
-Status too_large(const std::string& path, std::size_t limit_bytes, std::string& reason) {
-  reason =
-      path + ": is larger than " + std::to_string(limit_bytes >> 20) + " MiB, the most that is read of such a file";
-  return ErrorCode::kOutOfRange;
+Error too_large(const std::string& path, std::size_t limit_bytes) {
+  return failure(ErrorCode::kOutOfRange, "%s: is larger than %zu MiB, the most that is read of such a file",
+                 path.c_str(), limit_bytes >> 20);
 }
 
 }  // namespace
 
-Status read_file(const std::string& path, std::size_t limit_bytes, std::string& bytes, std::string& reason) {
-  bytes.clear();
+Result<std::string> read_file(const std::string& path, std::size_t limit_bytes) {
+  std::string bytes;
   // Without O_NONBLOCK, opening a FIFO would wait for a writer.
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   struct stat status {};
-  if (file.get() < 0 || ::fstat(file.get(), &status) != 0) return failed(path, errno, reason);
+  if (file.get() < 0 || ::fstat(file.get(), &status) != 0) return error_of(path, errno);
   if (!S_ISREG(status.st_mode)) {
-    reason = path + ": is a " + kind_of(status.st_mode) + ", not a file";
-    return ErrorCode::kUnsupported;
+    return failure(ErrorCode::kUnsupported, "%s: is a %s, not a file", path.c_str(), kind_of(status.st_mode));
   }
-  if (static_cast<std::size_t>(status.st_size) > limit_bytes) return too_large(path, limit_bytes, reason);
+  if (static_cast<std::size_t>(status.st_size) > limit_bytes) return too_large(path, limit_bytes);
   // Files of /proc and /sys have size 0, and any file can grow meanwhile.
   std::size_t size = 0;
   bytes.resize(std::max<std::size_t>(4096, static_cast<std::size_t>(status.st_size) + 1));
   for (;;) {
     const ssize_t count = ::read(file.get(), bytes.data() + size, bytes.size() - size);
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return failed(path, errno, reason);
+    if (count < 0) return error_of(path, errno);
     if (count == 0) break;
     size += static_cast<std::size_t>(count);
-    if (size > limit_bytes) return too_large(path, limit_bytes, reason);
+    if (size > limit_bytes) return too_large(path, limit_bytes);
     if (size == bytes.size()) bytes.resize(std::min(2 * size, limit_bytes + 1));
   }
   bytes.resize(size);
-  return {};
+  return bytes;
 }
 
 }  // namespace touchline::hal

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "core/status.h"
+#include "hal/result.h"
 
 namespace touchline::hal {
 
@@ -14,8 +14,8 @@ inline constexpr std::size_t kMaxTextFileBytes = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxDataFileBytes = std::size_t{256} << 20;
 
 /// Reads a whole regular file of at most `limit_bytes`. Never waits: a FIFO or a device is refused, not read.
-/// kNotFound, kPermission, kIo; kOutOfRange: larger than the limit; kUnsupported: no regular file. `reason` names the
-/// file and the cause.
-Status read_file(const std::string& path, std::size_t limit_bytes, std::string& bytes, std::string& reason);
+/// kNotFound, kPermission, kIo; kOutOfRange: larger than the limit; kUnsupported: no regular file. The message names
+/// the file and the cause.
+Result<std::string> read_file(const std::string& path, std::size_t limit_bytes);
 
 }  // namespace touchline::hal

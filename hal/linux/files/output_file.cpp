@@ -74,12 +74,11 @@ void OutputFile::close() {
   buffer_.clear();
 }
 
-Status OutputFile::fail(const char* what, int error) {
-  reason_ = path_ + ": " + what + ": " + std::strerror(error);
-  return code_of(error);
+Error OutputFile::error_of(const char* what, int error) const {
+  return failure(code_of(error), "%s: %s: %s", path_.c_str(), what, std::strerror(error));
 }
 
-Status OutputFile::open(const std::string& path, const OutputOptions& options) {
+Result<void> OutputFile::open(const std::string& path, const OutputOptions& options) {
   close();
   path_ = path;
   sync_ = options.sync;
@@ -91,38 +90,36 @@ Status OutputFile::open(const std::string& path, const OutputOptions& options) {
   struct stat status {};
   // The kernel follows the links here, and refuses those that it does not trust (sysctl fs.protected_symlinks).
   const bool exists = (options.follow_links ? ::stat(path.c_str(), &status) : ::lstat(path.c_str(), &status)) == 0;
-  if (!exists && errno != ENOENT) return fail("cannot be written", errno);
+  if (!exists && errno != ENOENT) return error_of("cannot be written", errno);
   if (path.empty() || path.back() == '/' || (exists && S_ISDIR(status.st_mode))) {
-    reason_ = path_ + ": is a folder, not a file to write";
-    return ErrorCode::kIo;
+    return failure(ErrorCode::kIo, "%s: is a folder, not a file to write", path_.c_str());
   }
   if (exists && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode)) return open_in_place(options);
   return open_temporary(options);
 }
 
-Status OutputFile::open_in_place(const OutputOptions& options) {
+Result<void> OutputFile::open_in_place(const OutputOptions& options) {
   const int no_follow = options.follow_links ? 0 : O_NOFOLLOW;
   file_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY | no_follow);
-  if (file_ < 0) return fail("cannot be written", errno);
+  if (file_ < 0) return error_of("cannot be written", errno);
   struct stat status {};
   if (::fstat(file_, &status) == 0 && !S_ISREG(status.st_mode)) return {};
   close();
-  reason_ = path_ + ": was replaced by another file while it was opened; try again";
-  return ErrorCode::kIo;
+  return failure(ErrorCode::kIo, "%s: was replaced by another file while it was opened; try again", path_.c_str());
 }
 
-Status OutputFile::open_temporary(const OutputOptions& options) {
+Result<void> OutputFile::open_temporary(const OutputOptions& options) {
   std::string target = path_;
   if (options.follow_links) {
-    if (const int error = follow_links(target); error != 0) return fail("cannot be written", error);
+    if (const int error = follow_links(target); error != 0) return error_of("cannot be written", error);
   }
   name_ = name_of(target);
   folder_ = ::open(folder_of(target).c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
-  if (folder_ < 0) return fail("cannot be created", errno);
+  if (folder_ < 0) return error_of("cannot be created", errno);
   struct stat former {};
   const bool exists = ::fstatat(folder_, name_.c_str(), &former, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(former.st_mode);
   // A rename asks for the folder's permissions only, and would replace a file that may not be written.
-  if (exists && ::faccessat(folder_, name_.c_str(), W_OK, AT_EACCESS) != 0) return fail("cannot be written", errno);
+  if (exists && ::faccessat(folder_, name_.c_str(), W_OK, AT_EACCESS) != 0) return error_of("cannot be written", errno);
 
   const bool mode_known = exists || options.mode.has_value();
   for (int attempt = 0; attempt < kMaxAttempts && file_ < 0; ++attempt) {
@@ -132,68 +129,68 @@ Status OutputFile::open_temporary(const OutputOptions& options) {
     if (file_ >= 0) temporary_ = name;
     if (file_ < 0 && errno != EEXIST) break;
   }
-  if (file_ < 0) return fail("cannot be created in its folder", errno);
+  if (file_ < 0) return error_of("cannot be created in its folder", errno);
   if (!mode_known) return {};
   // Only root may give a file away, and to a group only its members: otherwise the file becomes ours.
   if (exists && (former.st_uid != ::geteuid() || former.st_gid != ::getegid())) {
     static_cast<void>(::fchown(file_, former.st_uid, former.st_gid) == 0 || ::fchown(file_, -1u, former.st_gid) == 0);
   }
-  if (::fchmod(file_, options.mode.value_or(former.st_mode & 0777)) != 0) return fail("cannot be written", errno);
+  if (::fchmod(file_, options.mode.value_or(former.st_mode & 0777)) != 0) return error_of("cannot be written", errno);
   return {};
 }
 
-Status OutputFile::write(std::string_view bytes) {
+Result<void> OutputFile::write(std::string_view bytes) {
   // A reader of a pipe or a terminal waits for each line.
   if (!replaces_file()) return write_all(bytes);
   if (buffer_.size() + bytes.size() > kBufferBytes) {
-    if (const Status status = flush(); !status.ok()) return status;
+    TOUCHLINE_TRY(flush());
     if (bytes.size() >= kBufferBytes) return write_all(bytes);
   }
   buffer_.append(bytes);
   return {};
 }
 
-Status OutputFile::flush() {
-  const Status status = write_all(buffer_);
+Result<void> OutputFile::flush() {
+  Result<void> written = write_all(buffer_);
   buffer_.clear();
-  return status;
+  return written;
 }
 
-Status OutputFile::write_all(std::string_view bytes) {
+Result<void> OutputFile::write_all(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t count = ::write(file_, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return fail("cannot be written", errno);
+    if (count < 0) return error_of("cannot be written", errno);
     bytes.remove_prefix(static_cast<std::size_t>(count));
   }
   return {};
 }
 
-Status OutputFile::seek(std::uint64_t position) {
-  if (!replaces_file()) return ErrorCode::kUnsupported;
-  if (const Status status = flush(); !status.ok()) return status;
-  if (::lseek(file_, static_cast<off_t>(position), SEEK_SET) < 0) return fail("cannot be written", errno);
+Result<void> OutputFile::seek(std::uint64_t position) {
+  if (!replaces_file()) return failure(ErrorCode::kUnsupported, "%s: has no positions", path_.c_str());
+  TOUCHLINE_TRY(flush());
+  if (::lseek(file_, static_cast<off_t>(position), SEEK_SET) < 0) return error_of("cannot be written", errno);
   return {};
 }
 
-Status OutputFile::commit() {
-  if (const Status status = flush(); !status.ok()) return status;
+Result<void> OutputFile::commit() {
+  TOUCHLINE_TRY(flush());
   if (replaces_file()) {
-    if (sync_ && ::fsync(file_) != 0) return fail("cannot be written to the disk", errno);
+    if (sync_ && ::fsync(file_) != 0) return error_of("cannot be written to the disk", errno);
     if (::renameat(folder_, temporary_.c_str(), folder_, name_.c_str()) != 0) {
-      return fail("cannot be replaced", errno);
+      return error_of("cannot be replaced", errno);
     }
     temporary_.clear();
   }
   // Network file systems report here what they could not write.
   const int file = std::exchange(file_, -1);
-  if (file != STDOUT_FILENO && ::close(file) != 0) return fail("cannot be written", errno);
-  const Status status = sync_ && folder_ >= 0 ? sync_folder() : Status();
+  if (file != STDOUT_FILENO && ::close(file) != 0) return error_of("cannot be written", errno);
+  Result<void> synced = sync_ && folder_ >= 0 ? sync_folder() : Result<void>();
   close();
-  return status;
+  return synced;
 }
 
-Status OutputFile::sync_folder() {
+Result<void> OutputFile::sync_folder() {
   const int folder = ::openat(folder_, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   // A folder may permit writing without reading. Some file systems cannot sync a folder: EINVAL.
   if (folder < 0 && errno == EACCES) return {};
@@ -201,17 +198,15 @@ Status OutputFile::sync_folder() {
   const int error = errno;
   if (folder >= 0) ::close(folder);
   if (synced) return {};
-  return fail("is replaced, but a power failure now may bring back the former file: its folder cannot be synced",
-              error);
+  return error_of("is replaced, but a power failure now may bring back the former file: its folder cannot be synced",
+                  error);
 }
 
-Status write_file(const std::string& path, std::string_view bytes, std::string& reason, const OutputOptions& options) {
+Result<void> write_file(const std::string& path, std::string_view bytes, const OutputOptions& options) {
   OutputFile file;
-  Status status = file.open(path, options);
-  if (status.ok()) status = file.write(bytes);
-  if (status.ok()) status = file.commit();
-  if (!status.ok()) reason = file.reason();
-  return status;
+  TOUCHLINE_TRY(file.open(path, options));
+  TOUCHLINE_TRY(file.write(bytes));
+  return file.commit();
 }
 
 }  // namespace touchline::hal

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/status.h"
+#include "hal/result.h"
 
 namespace touchline::hal {
 
@@ -32,7 +32,7 @@ struct OutputOptions {
 /// reader.
 /// - "-" is standard output.
 ///
-/// Errors of all functions: kNotFound (no such folder), kPermission, kIo; reason() then names the file and the cause.
+/// Errors of all functions: kNotFound (no such folder), kPermission, kIo. The message names the file and the cause.
 class OutputFile {
  public:
   OutputFile() = default;
@@ -40,36 +40,34 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  Status open(const std::string& path, const OutputOptions& options = {});
-  Status write(std::string_view bytes);
+  Result<void> open(const std::string& path, const OutputOptions& options = {});
+  Result<void> write(std::string_view bytes);
   /// True for regular files: seek() works, and nothing can be read before commit().
   [[nodiscard]] bool replaces_file() const { return !temporary_.empty(); }
   /// Position in bytes from the file's beginning for the next write(). kUnsupported unless replaces_file().
-  Status seek(std::uint64_t position);
+  Result<void> seek(std::uint64_t position);
   /// Syncs the file, gives it its name, and syncs the folder. If only the last step fails, the error says that the file
   /// is replaced.
-  Status commit();
-  [[nodiscard]] const std::string& reason() const { return reason_; }
+  Result<void> commit();
 
  private:
-  Status fail(const char* what, int error);
-  Status open_in_place(const OutputOptions& options);
-  Status open_temporary(const OutputOptions& options);
-  Status flush();
-  Status write_all(std::string_view bytes);
-  Status sync_folder();
+  [[nodiscard]] Error error_of(const char* what, int error) const;
+  Result<void> open_in_place(const OutputOptions& options);
+  Result<void> open_temporary(const OutputOptions& options);
+  Result<void> flush();
+  Result<void> write_all(std::string_view bytes);
+  Result<void> sync_folder();
   void close();
 
   std::string path_;       // as given, for messages
   std::string name_;       // of the file in the folder
   std::string temporary_;  // name in the folder; empty: written in place
-  std::string buffer_, reason_;
+  std::string buffer_;
   int file_ = -1, folder_ = -1;
   bool sync_ = true;
 };
 
 /// Writes a whole file with an OutputFile.
-Status write_file(const std::string& path, std::string_view bytes, std::string& reason,
-                  const OutputOptions& options = {});
+Result<void> write_file(const std::string& path, std::string_view bytes, const OutputOptions& options = {});
 
 }  // namespace touchline::hal

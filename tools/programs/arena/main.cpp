@@ -57,15 +57,15 @@ int write_scene(const config::BoardFile& board, const arena::SceneType& scene,
     if (progress) std::fprintf(stderr, "\r%zu of %zu pictures", i + 1, frames.size());
   }
   if (progress) std::fputc('\n', stderr);
-  if (!hal::write_file(prefix + "truth.jsonl", truth, reason).ok() ||
-      !hal::write_file(prefix + "scene.json", arena::scene_description(parameters, renderer.lens()), reason).ok() ||
-      !hal::write_file(prefix + "field-points.txt", arena::field_points(parameters, renderer.lens()), reason).ok()) {
-    return fail(reason);
+  std::vector<std::pair<std::string, std::string>> documents{
+      {"truth.jsonl", truth},
+      {"scene.json", arena::scene_description(parameters, renderer.lens())},
+      {"field-points.txt", arena::field_points(parameters, renderer.lens())}};
+  if (scene.kind == arena::SceneKind::kSamples) {
+    documents.emplace_back("clicks.json", arena::clicks(frames, files, parameters, renderer.lens()));
   }
-  if (scene.kind == arena::SceneKind::kSamples &&
-      !hal::write_file(prefix + "clicks.json", arena::clicks(frames, files, parameters, renderer.lens()), reason)
-           .ok()) {
-    return fail(reason);
+  for (const auto& [name, text] : documents) {
+    if (const Result<void> written = hal::write_file(prefix + name, text); !written.ok()) return fail(written.text());
   }
   if (!options.quiet)
     std::printf("%zu pictures of scene %s in %s\n", files.size(), options.scene.c_str(), options.out.c_str());

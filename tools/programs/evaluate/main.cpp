@@ -40,12 +40,7 @@ Result<NameMap> parse_names(const std::vector<std::string>& texts) {
 }
 
 Result<void> write_json(const std::string& path, const std::string& text) {
-  std::string error;
-  if (path.empty()) return {};
-  if (const Status status = hal::write_file(path, text, error); !status.ok()) {
-    return failure(status.code(), "%s", error.c_str());
-  }
-  return {};
+  return path.empty() ? Result<void>() : hal::write_file(path, text);
 }
 
 Result<std::vector<FrameRecord>> read_results(const std::vector<std::string>& paths, const NameMap& names) {

@@ -52,10 +52,9 @@ Result<void> check_writable(const std::string& path) {
 }
 
 bool write_file(const std::string& path, const std::string& bytes) {
-  std::string reason;
-  if (hal::write_file(path, bytes, reason).ok()) return true;
-  fail(reason);
-  return false;
+  const Result<void> written = hal::write_file(path, bytes);
+  if (!written.ok()) fail(written.text());
+  return written.ok();
 }
 
 std::string utc_now() {
@@ -206,10 +205,7 @@ int measure_worst_frames(const MeasureOptions& options) {
 }
 
 Result<LatencyReport> read_report(const std::string& path) {
-  std::string text, error;
-  if (const Status status = hal::read_file(path, hal::kMaxDataFileBytes, text, error); !status.ok()) {
-    return failure(status.code(), "%s", error.c_str());
-  }
+  TOUCHLINE_TRY_ASSIGN(const std::string text, hal::read_file(path, hal::kMaxDataFileBytes));
   Result<LatencyReport> report = from_json(text);
   if (!report.ok()) return prefixed(path, std::move(report).error());
   if (report.value().frames == 0) return failure(ErrorCode::kInconsistent, "%s: contains no frames", path.c_str());

@@ -90,7 +90,9 @@ Status write_png(cairo_surface_t& surface, const std::string& path, std::string&
     reason = path + ": " + cairo_status_to_string(status);
     return ErrorCode::kIo;
   }
-  return hal::write_file(path, png, reason, options);
+  const Result<void> written = hal::write_file(path, png, options);
+  reason = written.text();
+  return written.code();
 }
 
 }  // namespace touchline::replay

@@ -25,8 +25,6 @@ AnnotationStyle annotation_style(const config::Configuration& configuration) {
   return style;
 }
 
-Error from_status(Status status, const std::string& text) { return failure(status.code(), "%s", text.c_str()); }
-
 Error from_problems(const config::Problems& problems) {
   std::string text = problems.text();
   while (!text.empty() && text.back() == '\n') text.pop_back();
@@ -86,7 +84,7 @@ Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progr
   hal::OutputFile lines;
   AnnotationOutput pictures;
   std::unique_ptr<Annotator> annotator;
-  if (const Status status = lines.open(options.out); !status.ok()) return from_status(status, lines.reason());
+  TOUCHLINE_TRY(lines.open(options.out));
   if (!options.annotate.empty()) {
     TOUCHLINE_TRY(pictures.open(options.annotate, info.rate_hz));
     annotator = std::make_unique<Annotator>(configuration->pipeline, style);
@@ -105,7 +103,7 @@ Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progr
     const StepTrace& trace = pipeline->step(frame);
     pipeline->adapt();
     const std::string line = report::trace_line(trace, style.names, frame.sequence, camera.file()) + "\n";
-    if (const Status status = lines.write(line); !status.ok()) return from_status(status, lines.reason());
+    TOUCHLINE_TRY(lines.write(line));
     if (annotator != nullptr) {
       const SurfacePtr surface = annotator->draw(trace, frame.sequence, camera.file());
       const Duration stamp = frame.capture_time.time_since_epoch();
@@ -115,7 +113,7 @@ Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progr
     progress(summary.frames, camera.frame_count());
   }
   TOUCHLINE_TRY(pictures.finish());
-  if (const Status status = lines.commit(); !status.ok()) return from_status(status, lines.reason());
+  TOUCHLINE_TRY(lines.commit());
   return summary;
 }
 

@@ -13,7 +13,7 @@
 
 namespace touchline::hal {
 
-/// Result<void> light, strobe, emergency stop and start button on lines of one GPIO chip.
+/// Status light, strobe, emergency stop and start button on lines of one GPIO chip.
 class GpiodGpio final : public Gpio {
  public:
   explicit GpiodGpio(GpioSettings settings)

@@ -20,7 +20,7 @@ std::vector<CameraNode> list_cameras() {
     node.path = path;
     V4l2Device device;
     node.error = device.open(path);
-    // A file that is no video device, or is just going away, is none either.
+    // Skips files that are not video devices, and devices that disappear at this moment.
     if (node.error == 0 && device.identify(node.identity) != 0) continue;
     if (node.error == 0 && !(node.identity.captures && node.identity.streams)) continue;
     node.by_path = stable_link(kCameraLinks, path);

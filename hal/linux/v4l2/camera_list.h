@@ -7,25 +7,25 @@
 
 namespace touchline::hal {
 
-// Where udev keeps links to cameras, by the socket they are in and by what they are.
+// Folders of udev's links to cameras: by socket, and by model and serial number.
 inline constexpr const char* kCameraLinks = "/dev/v4l/by-path";
 inline constexpr const char* kCameraIdLinks = "/dev/v4l/by-id";
 
-/// A video device that captures and streams, or one that cannot be asked.
+/// A video device that captures and streams, or that cannot be opened.
 struct CameraNode {
   std::string path;            // "/dev/video0"
-  std::string by_path, by_id;  // links to it, "" where there is none
-  int error = 0;               // errno of opening it; the rest is empty then
+  std::string by_path, by_id;  // links to it, "" if there is none
+  int error = 0;               // errno of open(); then the rest is empty
   V4l2Identity identity;
 };
 
-/// All of them, by number. Opens every video device.
+/// All cameras, sorted by number. Opens every video device.
 std::vector<CameraNode> list_cameras();
 
 /// "/dev/video0 (name, bus) = /dev/v4l/by-path/..., ..." of list_cameras(), or "none": for messages.
 std::string cameras_here();
 
-/// Whether a board file names a camera by a number, which changes, and not by a link.
+/// Whether a board file names a camera by its number, which can change, instead of a link.
 bool is_numbered_camera(const std::string& device);
 
 }  // namespace touchline::hal

@@ -8,26 +8,27 @@
 
 namespace touchline::hal {
 
-/// Turns a V4L2 buffer's stamp into the middle of its exposure.
+/// Converts the time stamp of a V4L2 buffer to the middle of its exposure.
 ///
-/// Start-of-exposure stamps lie half an exposure early. End-of-frame stamps lie late by half an exposure and by the
-/// sensor's read-out; the read-out is unknown to V4L2 and stays in (at most half a frame for the picture's middle row).
-/// Stamps of the first row's arrival (uvcvideo, below) are treated as those: its exposure is over.
-/// A stamp that is of no monotonic clock, not later than the one before, or in the future, is replaced by the instant
-/// of dequeuing, treated as end of frame.
+/// Stamps of the start of exposure are half an exposure early. Stamps of the end of a frame are late by half an
+/// exposure and by the sensor's read-out. V4L2 does not tell the read-out time, so it remains (at most half a frame for
+/// the middle row). Stamps of the arrival of the first row (uvcvideo, see below) count as end-of-frame stamps: the
+/// exposure of that row is over. A stamp is replaced by the time of dequeuing, as an end of frame, if it is not of the
+/// monotonic clock, not later than the one before, or in the future. The result is never later than the time of
+/// dequeuing.
 class CaptureStamp {
  public:
-  /// `exposure` zero: unknown, nothing is corrected by it.
+  /// `exposure` zero: unknown, no correction. Values outside 0 to 1 s are limited to this range.
   void restart(Duration exposure);
-  /// Of the frames to come; from any thread.
+  /// Exposure time of the next frames. Any thread may call it.
   void set_exposure(Duration exposure) { exposure_.store(exposure.count(), std::memory_order_relaxed); }
-  /// `flags` of v4l2_buffer; `now` at dequeuing.
+  /// `flags`: of v4l2_buffer; `now`: the time of dequeuing.
   Instant middle_of_exposure(std::uint32_t flags, Instant stamp, Instant now);
 
-  /// Stamps of a monotonic clock that were not credible, since restart().
+  /// Number of monotonic stamps since restart() that were replaced.
   [[nodiscard]] std::uint64_t replaced() const { return replaced_; }
   [[nodiscard]] static bool is_monotonic(std::uint32_t flags);
-  /// "start of exposure", "end of frame" or "fetching": whose instant the stamp is taken for.
+  /// The event that is stamped: "start of exposure", "end of frame" or "fetching".
   [[nodiscard]] static const char* name_of(std::uint32_t flags);
 
  private:
@@ -36,14 +37,14 @@ class CaptureStamp {
   std::uint64_t replaced_ = 0;
 };
 
-/// The driver of USB cameras, uvcvideo, stamps a picture when its first packet arrives and calls that the start of
-/// exposure (uvc_video_decode_start() in drivers/media/usb/uvc). True: it is loaded with `hwtimestamps=1` and computes
-/// that start from the camera's own clock.
+/// uvcvideo, the driver of USB cameras, stamps a frame when its first packet arrives and calls that the start of
+/// exposure (uvc_video_decode_start() in drivers/media/usb/uvc). Returns true if the module is loaded with
+/// `hwtimestamps=1`: it then computes the start of exposure from the camera's own clock.
 bool uvc_computes_stamps(const std::string& parameter = "/sys/module/uvcvideo/parameters/hwtimestamps");
 
-/// A stamp that is of CLOCK_MONOTONIC or of CLOCK_BOOTTIME, which also counts the time of suspension, on the first
-/// one's scale; drivers and libcamera's documents differ on which it is. No frame is from the future: what lies after
-/// `monotonic_now` is the other clock's.
+/// Converts a stamp of CLOCK_MONOTONIC or CLOCK_BOOTTIME, which also runs during suspend, to CLOCK_MONOTONIC. Drivers
+/// and the documentation of libcamera differ in the clock. A stamp after `monotonic_now` must be of CLOCK_BOOTTIME,
+/// since no frame is from the future.
 Instant monotonic_stamp(Instant stamp, Instant monotonic_now, Instant boottime_now);
 
 }  // namespace touchline::hal

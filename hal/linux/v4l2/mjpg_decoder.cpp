@@ -8,7 +8,7 @@
 #include <iterator>
 #include <vector>
 
-// In this order: libjpeg's header needs FILE.
+// After <cstdio>: libjpeg's header needs FILE.
 #include <jpeglib.h>
 
 #include <jerror.h>
@@ -16,7 +16,7 @@
 namespace touchline::hal {
 namespace {
 
-// What the library's vector instructions want of a row; they may read so far beyond its end.
+// Alignment of rows for the library's vector instructions, which may read this far beyond the end.
 constexpr std::size_t kAlignment = 64;
 // libjpeg-turbo 2.1 takes 20 KiB for tables and 40 bytes a column for the rows in work, with all samplings of cameras.
 constexpr std::size_t kTableBytes = std::size_t{64} * 1024;
@@ -26,7 +26,7 @@ constexpr std::size_t rounded_up(std::size_t bytes) { return (bytes + kAlignment
 
 }  // namespace
 
-/// libjpeg's object, and the functions that it calls: for errors, which leave it by a long jump, and for memory.
+/// libjpeg's object and its callbacks for errors, which leave the library by longjmp(), and for memory.
 struct MjpgDecoder::Library {
   Library(std::uint16_t width, std::uint16_t height);
   ~Library();
@@ -36,15 +36,15 @@ struct MjpgDecoder::Library {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
   jpeg_memory_mgr memory{};
-  jpeg_memory_mgr* own_memory = nullptr;  // the library's, for its beginning and its end
+  jpeg_memory_mgr* own_memory = nullptr;  // the library's own, used by its constructor and destructor
   std::jmp_buf escape{};
   std::array<char, JMSG_LENGTH_MAX> reason{};
   const std::uint16_t width_px, height_px;
-  // What lives as long as the object is taken from the front, what is of one picture from the back.
+  // Permanent memory is allocated from the front, memory of one picture from the back.
   std::vector<std::byte> block;
   std::byte* begin = nullptr;
   std::size_t size = 0, front = 0, back = 0;
-  bool has_ended = false;  // the bytes, before the picture's last marker
+  bool has_ended = false;  // the data ended before the EOI marker
 
   template <class Any>
   static Library& of(Any* jpeg) {
@@ -76,7 +76,7 @@ struct MjpgDecoder::Library {
     return list;
   }
 
-  /// A picture without tables means the usual ones, not those of the picture before it.
+  /// A picture without tables uses the standard ones, not those of the picture before it.
   void forget_tables() {
     std::fill(std::begin(jpeg.quant_tbl_ptrs), std::end(jpeg.quant_tbl_ptrs), nullptr);
     std::fill(std::begin(jpeg.dc_huff_tbl_ptrs), std::end(jpeg.dc_huff_tbl_ptrs), nullptr);
@@ -110,12 +110,12 @@ void MjpgDecoder::Library::answer_errors() {
     of(any).give_up();
   };
   errors.emit_message = [](j_common_ptr any, int level) {
-    if (level >= 0) return;  // a remark
+    if (level >= 0) return;  // only information
     const int code = any->err->msg_code;
     Library& library = of(any);
-    // Of these nothing of the picture is lost: another version of the header, a few bytes before a marker, no last
-    // marker. Where more is missing, the decoder warns of the bits that it lacks; where bytes are left over before an
-    // end without a marker, the picture was cut off and filled up.
+    // These warnings lose nothing of the picture: another version of the header, a few bytes before a marker, no EOI
+    // marker. If more is missing, the decoder warns about missing bits. Bytes that are left over before an end without
+    // EOI mean that the picture was cut off and padded.
     if (code == JWRN_JFIF_MAJOR || (code == JWRN_EXTRANEOUS_DATA && !library.has_ended)) return;
     if (code == JWRN_JPEG_EOF) {
       library.has_ended = true;
@@ -140,7 +140,7 @@ void MjpgDecoder::Library::serve_memory() {
   memory.free_pool = [](j_common_ptr any, int pool) {
     if (pool == JPOOL_IMAGE) of(any).back = of(any).size;
   };
-  // Whole pictures of coefficients, which decode() lets nobody need.
+  // Arrays for a whole picture of coefficients; decode() refuses pictures that need them.
   memory.realize_virt_arrays = [](j_common_ptr) {};
   memory.request_virt_sarray = [](j_common_ptr any, int, boolean, JDIMENSION, JDIMENSION,
                                   JDIMENSION) -> jvirt_sarray_ptr {
@@ -179,7 +179,7 @@ Result<void> MjpgDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8
     library.give_up("no baseline JPEG of one scan");
   }
   jpeg.out_color_space = JCS_RGB;
-  jpeg.dct_method = JDCT_ISLOW;  // the exact one, and as fast where there are vector instructions
+  jpeg.dct_method = JDCT_ISLOW;  // the exact one, as fast as the others with vector instructions
   jpeg.do_fancy_upsampling = FALSE;
   jpeg_start_decompress(&jpeg);
   const std::size_t stride = std::size_t{3} * library.width_px;

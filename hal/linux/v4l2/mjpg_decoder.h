@@ -8,11 +8,10 @@
 
 namespace touchline::hal {
 
-/// Turns the JPEG pictures of a camera into RGB24, with libjpeg-turbo.
+/// Decodes the JPEG pictures of a camera to RGB24 with libjpeg-turbo.
 ///
-/// Their YUV is of full range, which no format of the core is: RGB keeps all its levels, and black is 0. Chroma that
-/// pixels share is shared in RGB too, as in YUYV. All memory is taken by open(), also what the library asks for while
-/// it decodes.
+/// JPEG has full-range YUV, which no format of the core has: RGB keeps all levels, and black is 0. Pixels that share
+/// chroma share it in RGB too, as in YUYV. open() allocates all memory, also that of the library while it decodes.
 class MjpgDecoder {
  public:
   MjpgDecoder();
@@ -20,10 +19,10 @@ class MjpgDecoder {
   MjpgDecoder(const MjpgDecoder&) = delete;
   MjpgDecoder& operator=(const MjpgDecoder&) = delete;
 
-  /// Pictures will have this size. Ranges: those of a Frame.
+  /// Size of the pictures, in the range of a Frame.
   void open(std::uint16_t width_px, std::uint16_t height_px);
-  /// Writes 3 * width_px bytes a row. kCorruptFrame: truncated, damaged, of another size, or no baseline JPEG; `rgb`
-  /// then holds anything, and the next picture may be good. Allocates nothing.
+  /// Writes rows of 3 * width_px bytes to `rgb`. kCorruptFrame: truncated, damaged, of another size, or not a baseline
+  /// JPEG; then the content of `rgb` is undefined, and the next picture may be good. Does not allocate.
   Result<void> decode(std::span<const std::uint8_t> jpeg, std::uint8_t* rgb);
 
  private:

@@ -8,16 +8,16 @@
 
 namespace touchline::hal {
 
-/// Memory for pictures that are made of what a driver delivers, and which of it is lent out.
+/// Memory for decoded pictures, and which of them are lent out.
 class PictureSlots {
  public:
-  /// Takes all memory at once; all slots are free.
+  /// Allocates all memory; all slots are free.
   void allocate(std::size_t count, std::size_t picture_bytes) {
     picture_bytes_ = picture_bytes;
     memory_.assign(count * picture_bytes, 0);
     lent_.assign(count, false);
   }
-  /// The first free one, so that who holds one picture at a time always gets memory that is in the caches.
+  /// Takes the first free slot: a caller that holds one picture at a time always gets memory that is in the caches.
   [[nodiscard]] std::optional<std::size_t> take() {
     const auto free = std::find(lent_.begin(), lent_.end(), false);
     if (free == lent_.end()) return std::nullopt;

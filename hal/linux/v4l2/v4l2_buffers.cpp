@@ -12,7 +12,7 @@
 
 namespace touchline::hal {
 
-/// Fills in what every request about a buffer needs; `planes` must live as long as `buffer`.
+/// Sets the fields that every request about a buffer needs; `planes` must outlive `buffer`.
 void V4l2Buffers::address(v4l2_buffer& buffer, Planes& planes, std::size_t index) const {
   buffer = {};
   buffer.type = capture_type(multi_planar_);
@@ -31,11 +31,11 @@ int V4l2Buffers::map(const V4l2Device& device, bool multi_planar, std::size_t pl
   request.count = static_cast<std::uint32_t>(std::min(count, kMax));
   request.type = capture_type(multi_planar_);
   request.memory = V4L2_MEMORY_MMAP;
-  request.flags = V4L2_MEMORY_FLAG_NON_COHERENT;  // ignored by drivers without the choice
+  request.flags = V4L2_MEMORY_FLAG_NON_COHERENT;  // ignored by drivers that have no choice
   if (const int error = device.request(VIDIOC_REQBUFS, &request); error != 0) return error;
   const std::size_t granted = std::min<std::size_t>(request.count, kMax);
   while (count_ < granted) {
-    // Counted first, so that unmap() finds a buffer of which a part is mapped.
+    // Counted before mapping, so that unmap() also unmaps a partly mapped buffer.
     if (const int error = map_slot(device, count_++); error != 0) return error;
   }
   export_all(device);
@@ -53,7 +53,7 @@ int V4l2Buffers::map_slot(const V4l2Device& device, std::size_t index) {
   for (std::size_t i = 0; i < planes_; ++i) {
     const std::size_t size = multi_planar_ ? planes[i].length : buffer.length;
     const std::uint32_t offset = multi_planar_ ? planes[i].m.mem_offset : buffer.m.offset;
-    // Written by the driver only.
+    // Only the driver writes.
     void* const memory = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, device.file(), offset);
     if (memory == MAP_FAILED) return errno;
     slot.memory[i] = static_cast<std::uint8_t*>(memory);
@@ -62,7 +62,7 @@ int V4l2Buffers::map_slot(const V4l2Device& device, std::size_t index) {
   return 0;
 }
 
-/// All or none: who shares a picture needs every one.
+/// Exports all planes of all buffers or none: users of a picture need every plane.
 void V4l2Buffers::export_all(const V4l2Device& device) {
   exported_ = true;
   for (std::size_t i = 0; i < count_ * planes_ && exported_; ++i) {
@@ -100,7 +100,7 @@ void V4l2Buffers::unmap(const V4l2Device& device) noexcept {
   v4l2_requestbuffers request{};
   request.type = capture_type(multi_planar_);
   request.memory = V4L2_MEMORY_MMAP;
-  // A device that is gone has freed them already.
+  // Fails if the device is gone; then the kernel has freed the buffers.
   static_cast<void>(device.request(VIDIOC_REQBUFS, &request));
 }
 
@@ -135,7 +135,7 @@ int V4l2Buffers::dequeue(const V4l2Device& device, Filled& filled) {
   filled.stamp =
       Instant(std::chrono::seconds(buffer.timestamp.tv_sec) + std::chrono::microseconds(buffer.timestamp.tv_usec));
   for (std::size_t i = 0; i < planes_; ++i) {
-    // What precedes the picture in its memory counts as used.
+    // bytesused includes data_offset.
     const std::size_t used =
         std::min<std::size_t>(multi_planar_ ? planes[i].bytesused : buffer.bytesused, slot.size[i]);
     const std::size_t offset = multi_planar_ ? std::min<std::size_t>(planes[i].data_offset, used) : 0;

@@ -13,19 +13,19 @@ struct v4l2_plane;
 
 namespace touchline::hal {
 
-/// The driver's buffers, mapped into our memory and exported as dma-bufs, and who has each: the driver or the loop.
-/// Errors are errnos.
+/// The driver's buffers: mapped, exported as dma-bufs, and marked as owned by the driver or by the loop. Errors are
+/// errnos.
 ///
-/// Memory is asked for that the processor caches, where the driver has a choice; the kernel then looks after the caches
-/// whenever a buffer changes hands, and begin_read() and end_read() do so for those who share the dma-buf.
+/// Cached memory is requested if the driver has a choice. The kernel then synchronizes the caches whenever a buffer
+/// changes its owner; begin_read() and end_read() do so for users of the dma-buf.
 class V4l2Buffers {
  public:
-  // VIDEO_MAX_FRAME of the kernel.
+  // The kernel's VIDEO_MAX_FRAME.
   static constexpr std::size_t kMax = 32;
-  // Pieces of memory of one picture: one for each plane.
+  // Memory planes of a picture: at most one per color plane.
   static constexpr std::size_t kMaxPlanes = touchline::kMaxPlanes;
 
-  /// A filled buffer. `begin`: where the picture begins in each piece of memory, and how many bytes it has there.
+  /// A filled buffer. `begin` and `bytes`: start and length of the picture in each memory plane.
   struct Filled {
     std::size_t index = 0;
     std::array<const std::uint8_t*, kMaxPlanes> begin{};
@@ -34,30 +34,30 @@ class V4l2Buffers {
     Instant stamp{};
   };
 
-  /// Asks for `count` and maps what is granted; then exports it, if the driver can.
+  /// Requests `count` buffers, maps those that the driver allocates, and exports them if the driver can.
   [[nodiscard]] int map(const V4l2Device& device, bool multi_planar, std::size_t planes, std::size_t count);
   void unmap(const V4l2Device& device) noexcept;
   [[nodiscard]] std::size_t count() const { return count_; }
 
-  /// Hands all buffers to the driver.
+  /// Queues all buffers.
   [[nodiscard]] int queue_all(const V4l2Device& device);
-  /// Hands one back; nothing happens when the driver has it already.
+  /// Queues one buffer; does nothing if it is queued already.
   [[nodiscard]] int queue(const V4l2Device& device, std::size_t index);
-  /// Takes the oldest filled one. EAGAIN: none is filled.
+  /// Dequeues the oldest filled buffer. EAGAIN: none is filled.
   [[nodiscard]] int dequeue(const V4l2Device& device, Filled& filled);
-  /// After the end of streaming the driver holds none.
+  /// Marks all buffers as not queued; to be called after VIDIOC_STREAMOFF.
   void forget_queue();
   [[nodiscard]] std::size_t queued() const;
 
-  /// Around the processor's reading of a buffer.
+  /// To be called before and after the processor reads a buffer.
   [[nodiscard]] int begin_read(std::size_t index) const;
   [[nodiscard]] int end_read(std::size_t index) const;
 
   [[nodiscard]] std::size_t size(std::size_t index, std::size_t plane) const { return slots_[index].size[plane]; }
-  /// One a piece of memory, -1: not exported.
+  /// One per memory plane; -1: not exported.
   [[nodiscard]] const DmaBufs& dma_bufs(std::size_t index) const { return slots_[index].dma_bufs; }
   [[nodiscard]] bool exported() const { return exported_; }
-  /// v4l2_buffer's flags at mapping: the kind of time stamp.
+  /// The flags of v4l2_buffer when it was mapped: they tell the kind of time stamp.
   [[nodiscard]] std::uint32_t flags() const { return flags_; }
 
  private:

@@ -16,22 +16,23 @@
 namespace touchline::hal {
 namespace {
 
-// A driver that wakes us and then has nothing must not burn a real-time processor: a thirtieth of a 60 Hz frame.
+// Pause after a driver woke the thread without a frame, so that a real-time thread does not spin: a thirtieth of a
+// frame at 60 Hz.
 constexpr Duration kAfterFalseAlarm = std::chrono::microseconds(500);
 
 }  // namespace
 
 Result<void> V4l2Camera::do_open() {
   const std::scoped_lock alone(changing_);
-  return open_anew();
+  return reopen();
 }
 
-Result<void> V4l2Camera::open_anew() {
-  shut();
+Result<void> V4l2Camera::reopen() {
+  close_device();
   negotiated_.clear();
   info_ = {};
   if (Result<void> opened = open_device(); !opened.ok()) {
-    shut();
+    close_device();
     return opened;
   }
   if (decodes()) {
@@ -39,7 +40,7 @@ Result<void> V4l2Camera::open_anew() {
     decoded_.allocate(buffers_.count(), std::size_t{3} * picture_.width_px * picture_.height_px);
   }
   negotiated_before_controls_ = negotiated_.size();
-  noted(apply_controls(device_, settings_, negotiated_), negotiated_);
+  check_exposure(apply_controls(device_, settings_, negotiated_), negotiated_);
   report_negotiated();
   return {};
 }
@@ -56,7 +57,7 @@ Result<void> V4l2Camera::open_device() {
 Result<void> V4l2Camera::open_file() {
   int error = ENOENT;
   if (!link_.empty()) error = device_.open(link_);
-  // In another socket it has another link; the number is what was asked for.
+  // In another socket the camera has another link; then the number in the settings counts.
   by_number_ = open_error(error) == ErrorCode::kNotFound;
   if (by_number_) error = device_.open(settings_.device);
   if (error == 0) return {};
@@ -84,7 +85,7 @@ Result<void> V4l2Camera::identify() {
 void V4l2Camera::note_device() {
   if (!is_numbered_camera(settings_.device)) return;
   if (by_number_) {
-    // udev may not have made it yet: the one before is better than none.
+    // udev may not have created the link yet; then the former one stays.
     if (std::string link = stable_link(kCameraLinks, settings_.device); !link.empty()) link_ = std::move(link);
   }
   if (link_.empty()) return;
@@ -100,7 +101,7 @@ void V4l2Camera::note_rate() {
   if (info_.rate_hz <= 0.0) {
     negotiated_.append_format("%srate_hz = %g: the driver does not tell its rate", negotiated_.separator(),
                               settings_.rate_hz);
-  } else if (std::abs(info_.rate_hz - settings_.rate_hz) > 0.005 * settings_.rate_hz) {  // 29.97 is 30 to a person
+  } else if (std::abs(info_.rate_hz - settings_.rate_hz) > 0.005 * settings_.rate_hz) {  // 29.97 Hz counts as 30 Hz
     negotiated_.append_format("%srate_hz = %g: granted %.4g", negotiated_.separator(), settings_.rate_hz,
                               info_.rate_hz);
   }
@@ -139,13 +140,13 @@ Result<void> V4l2Camera::map_buffers() {
   return {};
 }
 
-std::uint32_t V4l2Camera::meant(std::uint32_t flags) const {
+std::uint32_t V4l2Camera::corrected_flags(std::uint32_t flags) const {
   constexpr std::uint32_t kSource = V4L2_BUF_FLAG_TSTAMP_SRC_MASK;
   return stamps_first_packet_ ? (flags & ~kSource) | V4L2_BUF_FLAG_TSTAMP_SRC_EOF : flags;
 }
 
-/// `exposure`, in force from now on; `text` tells where the rate leaves no room for it.
-Duration V4l2Camera::noted(Duration exposure, ErrorText& text) const {
+/// Returns `exposure` unchanged; appends to `text` if it is longer than the frame period.
+Duration V4l2Camera::check_exposure(Duration exposure, ErrorText& text) const {
   if (info_.rate_hz > 0.0 && seconds(exposure) * info_.rate_hz > 1.0) {
     text.append_format("%sexposure of %.0f us: longer than a frame at %.4g Hz, so fewer frames come", text.separator(),
                        seconds(exposure) * 1e6, info_.rate_hz);
@@ -192,7 +193,7 @@ Result<void> V4l2Camera::do_start() {
           "%s: the USB bus has no bandwidth left for %ux%u at %.4g Hz; use another port or a smaller picture", name(),
           unsigned{info_.width_px}, unsigned{info_.height_px}, info_.rate_hz);
     }
-    const bool has_parts = !identity_.bus.starts_with("usb-");  // sensor, receiver, scaler, each a device
+    const bool has_parts = !identity_.bus.starts_with("usb-");  // a media pipeline of sensor, receiver and scaler
     if (has_parts && (error == EPIPE || error == ENOLINK)) {
       return failure(
           ErrorCode::kIo,
@@ -202,9 +203,9 @@ Result<void> V4l2Camera::do_start() {
     return fail("starting the stream", error);
   }
   streaming_ = true;
-  // Again: some cameras go back to automatic when the stream begins.
+  // Once more, because some cameras return to automatic control when the stream starts.
   negotiated_.truncate(negotiated_before_controls_);
-  stamps_.restart(noted(apply_controls(device_, settings_, negotiated_), negotiated_));
+  stamps_.restart(check_exposure(apply_controls(device_, settings_, negotiated_), negotiated_));
   report_negotiated();
   return {};
 }
@@ -223,7 +224,7 @@ Result<FrameLease> V4l2Camera::do_wait(Instant deadline) {
     int error = buffers_.dequeue(device_, filled);
     if (error == 0) {
       behind_ = woken ? 0 : behind_ + 1;
-      if (behind_ > buffers_.count()) error = pass_over(filled);
+      if (behind_ > buffers_.count()) error = skip_to_newest(filled);
       if (error == 0) return deliver(filled);
     }
     if (error != EAGAIN) return fail("fetching a frame", error);
@@ -237,9 +238,9 @@ Result<FrameLease> V4l2Camera::do_wait(Instant deadline) {
   return timed_out();
 }
 
-/// Frames come faster than they are worked on, and not just for a moment: of those that are there the newest good one
-/// is taken. Else each would be as late as there are buffers.
-int V4l2Camera::pass_over(V4l2Buffers::Filled& oldest) {
+/// Requeues all waiting frames but the newest good one. Called when frames arrive faster than they are processed for
+/// longer than a moment; otherwise each frame would be late by as many frames as there are buffers.
+int V4l2Camera::skip_to_newest(V4l2Buffers::Filled& oldest) {
   V4l2Buffers::Filled newer;
   for (std::size_t i = 1; i < buffers_.count(); ++i) {
     int error = buffers_.dequeue(device_, newer);
@@ -281,7 +282,7 @@ Result<FrameLease> V4l2Camera::deliver(const V4l2Buffers::Filled& filled) {
   frame.format = info_.format;
   frame.width_px = picture_.width_px;
   frame.height_px = picture_.height_px;
-  frame.capture_time = stamps_.middle_of_exposure(meant(filled.flags), filled.stamp, now);
+  frame.capture_time = stamps_.middle_of_exposure(corrected_flags(filled.flags), filled.stamp, now);
   if (decodes()) return decode(filled, frame);
   frame.stride_bytes = picture_.stride_bytes;
   const PictureLayout layout = picture_layout(frame.format, frame.height_px, frame.stride_bytes);
@@ -292,9 +293,9 @@ Result<FrameLease> V4l2Camera::deliver(const V4l2Buffers::Filled& filled) {
   return FrameLease(*this, frame, static_cast<std::uint32_t>(filled.index), buffers_.dma_bufs(filled.index));
 }
 
-/// The driver has its buffer back before anybody sees the picture.
+/// Decodes a JPEG frame. The driver gets its buffer back before the picture is returned.
 Result<FrameLease> V4l2Camera::decode(const V4l2Buffers::Filled& filled, Frame& frame) {
-  const std::size_t slot = decoded_.take().value_or(0);  // wait() has made sure of one
+  const std::size_t slot = decoded_.take().value_or(0);  // wait() has checked that one is free
   frame.plane[0] = decoded_.bytes(slot);
   frame.stride_bytes[0] = 3u * frame.width_px;
   FrameLease lease(*this, frame, static_cast<std::uint32_t>(slot));
@@ -311,7 +312,7 @@ Result<FrameLease> V4l2Camera::decode(const V4l2Buffers::Filled& filled, Frame& 
   return lease;
 }
 
-/// A frame that nobody wants; when the buffer cannot be queued again, the device is what failed.
+/// Requeues the buffer of a lost frame. If that fails, the error is that of the device.
 Result<FrameLease> V4l2Camera::give_back(std::size_t buffer, Error lost) {
   const int error = buffers_.queue(device_, buffer);
   return error == 0 ? lost : fail("queuing a buffer", error);
@@ -322,18 +323,19 @@ void V4l2Camera::do_release(std::uint32_t buffer) noexcept {
   if (decodes()) return decoded_.give_back(buffer);
   int error = buffers_.end_read(buffer);
   if (error == 0) error = buffers_.queue(device_, buffer);
-  if (error != 0) static_cast<void>(fail("queuing a buffer", error));  // the next wait() tells
+  if (error != 0) static_cast<void>(fail("queuing a buffer", error));  // the next wait() reports it
 }
 
-/// Beside wait() on another thread: of what that writes, nothing is touched but the exposure time for the stamps.
+/// May run on another thread during wait(): of the members that wait() uses, only the exposure time is written
+/// (atomic).
 Result<std::string> V4l2Camera::do_adjust(const CameraSettings& settings) {
   const std::scoped_lock alone(changing_);
   const CameraSettings before = settings_;
   settings_.take_controls(settings);
   if (!device_.is_open()) return std::string();
   ErrorText text;
-  stamps_.set_exposure(noted(change_controls(device_, before, settings_, text), text));
-  // Then controls are not lacking, whatever was said of each.
+  stamps_.set_exposure(check_exposure(change_controls(device_, before, settings_, text), text));
+  // If the camera went away, the messages about missing controls are wrong.
   if (V4l2Identity same; device_.identify(same) == ENODEV) text.set("the camera went away; its next opening sets them");
   return text.empty() ? std::string() : std::string(name()) + ": " + text.str();
 }
@@ -341,17 +343,18 @@ Result<std::string> V4l2Camera::do_adjust(const CameraSettings& settings) {
 void V4l2Camera::do_stop() {
   if (!streaming_) return;
   std::uint32_t type = capture_type(identity_.multi_planar);
-  static_cast<void>(device_.request(VIDIOC_STREAMOFF, &type));  // a device that is gone streams no more either
+  static_cast<void>(
+      device_.request(VIDIOC_STREAMOFF, &type));  // fails if the device is gone; then it does not stream either
   buffers_.forget_queue();
   streaming_ = false;
 }
 
 void V4l2Camera::do_close() {
   const std::scoped_lock alone(changing_);
-  shut();
+  close_device();
 }
 
-void V4l2Camera::shut() {
+void V4l2Camera::close_device() {
   do_stop();
   buffers_.unmap(device_);
   device_.close();

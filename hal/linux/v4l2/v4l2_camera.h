@@ -18,22 +18,24 @@
 namespace touchline::hal {
 
 struct V4l2Counters {
-  std::uint64_t frames = 0;  // handed out
-  std::uint64_t lost = 0;    // gaps in the driver's count
+  std::uint64_t frames = 0;  // returned by wait()
+  std::uint64_t lost = 0;    // gaps in the driver's sequence numbers
   std::uint64_t corrupt = 0, short_frames = 0;
 };
 
-/// A camera of the kernel: V4L2, single-planar or multi-planar capture, buffers mapped into our memory and lent to the
-/// caller, shared as dma-bufs where the driver can. MJPG is decoded within wait() into pictures of our own, as many as
-/// there are buffers, and those are lent.
+/// A V4L2 camera with single-planar or multi-planar capture. Its buffers are mapped, lent to the caller, and exported
+/// as dma-bufs if the driver can. wait() decodes MJPG into pictures in memory of the camera object, as many as there
+/// are buffers, and lends those.
 ///
-/// wait() answers kTimeout, kShortFrame, kCorruptFrame (go on), kDisconnected and kIo (open again). With all buffers
-/// lent out nothing can come: wait() then runs into its deadline and says so. To who is too slow for all frames, and
-/// for longer than the buffers last (decoding large MJPG on a small board), wait() gives the newest and not the oldest.
+/// wait() returns kTimeout, kShortFrame, kCorruptFrame (the next frame may be good), kDisconnected and kIo (reopen the
+/// camera). If all buffers are lent out, no frame can arrive: wait() then times out with a message that says so. If the
+/// caller is too slow for longer than the buffers last (for example while a small board decodes large MJPG pictures),
+/// wait() returns the newest frame instead of the oldest.
 ///
-/// A link under /dev/v4l is followed anew by each open(). When the settings name a number (/dev/video0), the first
-/// open() notes the link to it and later ones look there first: after being plugged in again a camera may have another
-/// number. In another socket it is found by its number, and that socket's link is noted.
+/// Each open() follows a link below /dev/v4l again. If the settings name a number (/dev/video0), the first open()
+/// stores the link to that device, and later calls try this link first: a camera that is plugged in again may have
+/// another number. If it is plugged into another socket, it is found by its number, and the link of that socket is
+/// stored.
 class V4l2Camera final : public Camera {
  public:
   explicit V4l2Camera(CameraSettings settings) : settings_(std::move(settings)) {}
@@ -56,19 +58,19 @@ class V4l2Camera final : public Camera {
   void do_stop() override;
   void do_close() override;
 
-  Result<void> open_anew();
-  void shut();
+  Result<void> reopen();
+  void close_device();
   Result<void> open_device();
   Result<void> open_file();
   Result<void> identify();
   Result<void> map_buffers();
   void note_device();
   void note_rate();
-  [[nodiscard]] std::uint32_t meant(std::uint32_t flags) const;
-  Duration noted(Duration exposure, ErrorText& text) const;
+  [[nodiscard]] std::uint32_t corrected_flags(std::uint32_t flags) const;
+  Duration check_exposure(Duration exposure, ErrorText& text) const;
   void report_negotiated();
   [[nodiscard]] bool decodes() const { return picture_.format == CameraFormat::kMjpg; }
-  int pass_over(V4l2Buffers::Filled& oldest);
+  int skip_to_newest(V4l2Buffers::Filled& oldest);
   Result<FrameLease> timed_out();
   Result<FrameLease> deliver(const V4l2Buffers::Filled& filled);
   Result<FrameLease> decode(const V4l2Buffers::Filled& filled, Frame& frame);
@@ -77,11 +79,11 @@ class V4l2Camera final : public Camera {
   [[nodiscard]] const char* name() const { return settings_.device.c_str(); }
 
   CameraSettings settings_;
-  std::mutex changing_;  // the controls of the settings, or whether the device is open; wait() changes neither
+  std::mutex changing_;  // guards the controls in settings_ and opening and closing; not needed by wait()
   V4l2Device device_;
   V4l2Identity identity_;
-  std::string link_;        // to the device, where the settings name its number
-  bool by_number_ = false;  // how it was opened
+  std::string link_;        // to the device, if the settings name its number
+  bool by_number_ = false;  // opened by its number instead of its link
   V4l2Buffers buffers_;
   V4l2Picture picture_;
   MjpgDecoder decoder_;
@@ -92,10 +94,10 @@ class V4l2Camera final : public Camera {
   ErrorText negotiated_;  // what differs from the settings
   std::size_t negotiated_before_controls_ = 0;
   bool streaming_ = false;
-  bool stamps_first_packet_ = false;  // whatever the flags say
+  bool stamps_first_packet_ = false;  // overrides the flags of the buffers
   std::optional<Error> lost_;         // an error after which the camera must be reopened
   FrameCounter sequence_;
-  std::size_t behind_ = 0;  // frames in a row that were there before they were asked for
+  std::size_t behind_ = 0;  // consecutive frames that were already waiting when wait() was called
 };
 
 }  // namespace touchline::hal

@@ -7,7 +7,7 @@
 namespace touchline::hal {
 namespace {
 
-// A driver that never says "no more" must not hold us: the kernel has some hundreds in all.
+// Limit for drivers whose lists never end; the kernel knows some hundred controls.
 constexpr int kMostControls = 512;
 constexpr std::int64_t kLongestMenu = 64;
 
@@ -41,7 +41,7 @@ const char* key_of(std::uint32_t id) {
 
 bool is_number(const v4l2_queryctrl& query) {
   const std::uint32_t type = query.type;
-  if (type == V4L2_CTRL_TYPE_INTEGER64) return (query.flags & V4L2_CTRL_FLAG_HAS_PAYLOAD) == 0;  // else a list of them
+  if (type == V4L2_CTRL_TYPE_INTEGER64) return (query.flags & V4L2_CTRL_FLAG_HAS_PAYLOAD) == 0;  // not an array
   return type == V4L2_CTRL_TYPE_INTEGER || type == V4L2_CTRL_TYPE_BOOLEAN || type == V4L2_CTRL_TYPE_MENU ||
          type == V4L2_CTRL_TYPE_INTEGER_MENU || type == V4L2_CTRL_TYPE_BITMASK;
 }
@@ -66,7 +66,7 @@ bool read(const V4l2Device& device, V4l2ControlState& control) {
   return true;
 }
 
-/// Of a control of 64 bits, which the requests for the others know nothing of.
+/// Range and value of a 64-bit control, which needs the extended requests.
 bool read_wide(const V4l2Device& device, V4l2ControlState& control) {
   v4l2_query_ext_ctrl query{};
   query.id = control.id;

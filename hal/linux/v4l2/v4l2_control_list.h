@@ -9,19 +9,19 @@
 
 namespace touchline::hal {
 
-/// A control that a driver offers, as it is now.
+/// A control of a driver, with its range and current value.
 struct V4l2ControlState {
   std::uint32_t id = 0;
   std::string name;
-  std::string key;  // of the board file that sets it, "": none does
+  std::string key;  // key of the board file that sets it, "": none
   std::int64_t low = 0, high = 0, step = 1, normal = 0, value = 0;
-  bool readable = true;  // else `value` is unknown
+  bool readable = true;  // otherwise `value` is unknown
   bool read_only = false;
-  bool inactive = false;  // without effect while another one, such as an automatic, has its value
-  std::vector<std::pair<std::int64_t, std::string>> menu;  // its values, where they have names
+  bool inactive = false;  // has no effect because of another control, for example an automatic one
+  std::vector<std::pair<std::int64_t, std::string>> menu;  // names of its values
 };
 
-/// Those with numbers (also of menus and switches), in the driver's order.
+/// All controls with integer values (also menus and switches), in the order of the driver.
 std::vector<V4l2ControlState> list_controls(const V4l2Device& device);
 
 }  // namespace touchline::hal

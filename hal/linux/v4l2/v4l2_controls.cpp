@@ -30,11 +30,12 @@ bool find(const V4l2Device& device, std::uint32_t id, Control& found) {
   return true;
 }
 
-/// The nearest value that the control can take: drivers differ in whether they round or refuse.
+/// The nearest valid value of the control: some drivers round, others refuse.
 int nearest(const Control& control, std::int64_t value) {
   const std::int64_t inside = std::clamp(value, control.low, control.high);
   const std::int64_t steps = (inside - control.low + control.step / 2) / control.step;
-  const std::int64_t most = (control.high - control.low) / control.step;  // the range need not end on a step
+  const std::int64_t most =
+      (control.high - control.low) / control.step;  // the maximum need not be a multiple of the step
   return static_cast<int>(control.low + std::min(steps, most) * control.step);
 }
 
@@ -50,25 +51,24 @@ int get(const V4l2Device& device, std::uint32_t id, int& value) {
   return error;
 }
 
-/// What a person asked for: "exposure_us = 5000".
+/// A key of the board file and its value: "exposure_us = 5000".
 struct Wish {
   const char* key;
   int value;
 };
 
-/// A camera, and who hears of what it negotiated otherwise.
+/// A camera, and the text to which differences from the settings are appended.
 struct Controlled {
   const V4l2Device& device;
   ErrorText& negotiated;
-  bool streams = false;  // then each write may cost frames, and none is made that changes nothing
+  bool streams = false;  // then each write may cost frames; values that do not change are not written
 };
 
 void note(ErrorText& negotiated, const Wish& wish) {
   negotiated.append_format("%s%s = %d: ", negotiated.separator(), wish.key, wish.value);
 }
 
-/// Sets a control that a camera may lack without harm, such as the automatic twin of a value. `or_to`: as good as `to`,
-/// for cameras that refuse that.
+/// Turns off an automatic control that a camera may lack. `or_to`: an equally good value for cameras that refuse `to`.
 void switch_off(const Controlled& camera, std::uint32_t id, int to, int or_to, const char* name, const Wish& wish) {
   Control control;
   if (!find(camera.device, id, control)) return;
@@ -86,7 +86,7 @@ void switch_off(const Controlled& camera, std::uint32_t id, const char* name, co
   switch_off(camera, id, 0, 0, name, wish);
 }
 
-/// Sets `wish.value` in units of `unit` and reads it back; false when the camera has no such control.
+/// Sets `wish.value`, converted to steps of `unit`, and reads it back; false if the camera has no such control.
 bool set_value(const Controlled& camera, std::uint32_t id, int unit, const Wish& wish) {
   Control control;
   if (!find(camera.device, id, control)) return false;
@@ -115,7 +115,7 @@ void lacking(const Controlled& camera, const Wish& wish) {
   camera.negotiated.append_format("the camera has no such control");
 }
 
-/// UVC cameras lower the frame rate in the dark otherwise, whatever was granted.
+/// Otherwise UVC cameras lower the frame rate in the dark, whatever rate was negotiated.
 void fix_rate(const Controlled& camera, double rate_hz) {
   switch_off(camera, V4L2_CID_EXPOSURE_AUTO_PRIORITY, "exposure before frame rate",
              {"rate_hz", static_cast<int>(std::lround(rate_hz))});
@@ -131,10 +131,10 @@ void fix_exposure(const Controlled& camera, const CameraSettings& asked) {
     camera.negotiated.append_format("the camera counts exposure in steps of its own, %" PRId64 " to %" PRId64
                                     ", and not in time: exposure_steps fixes it",
                                     steps.low, steps.high);
-    return;  // fixed at anything, it would be worse than automatic
+    return;  // an arbitrary fixed exposure would be worse than an automatic one
   }
   if (!find(camera.device, id, steps)) return lacking(camera, wish);
-  // In shutter priority the time is fixed and the aperture is automatic.
+  // With shutter priority the exposure time is fixed and the aperture is automatic.
   switch_off(camera, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL, V4L2_EXPOSURE_SHUTTER_PRIORITY, "automatic exposure",
              wish);
   set_value(camera, id, in_steps ? 1 : kExposureStepUs, wish);
@@ -148,8 +148,9 @@ void fix_gain(const Controlled& camera, int gain) {
   }
 }
 
-/// Gains of red and blue where a camera takes no temperature: the driver's defaults and not what the automatic left
-/// behind, so that the picture's tint is the same at each start. False: it has no such gains.
+/// Sets the gains of red and blue of a camera without a color temperature: to the defaults of the driver and not to
+/// what automatic white balance left behind, so that the tint is the same at each start. False: the camera has no such
+/// gains.
 bool set_gains(const Controlled& camera, const Wish& wish) {
   Control red, blue;
   if (!find(camera.device, V4L2_CID_RED_BALANCE, red) || !find(camera.device, V4L2_CID_BLUE_BALANCE, blue))
@@ -187,7 +188,7 @@ void fix_power_line(const V4l2Device& device, PowerLine power_line, ErrorText& n
                                : V4L2_CID_POWER_LINE_FREQUENCY_DISABLED;
   Control control;
   const bool there = find(device, V4L2_CID_POWER_LINE_FREQUENCY, control);
-  if (!there && hz == 0) return;  // a camera without the filter filters nothing, as asked
+  if (!there && hz == 0) return;  // without the control there is no filter, as asked
   int granted = value;
   const int error = there ? set(device, V4L2_CID_POWER_LINE_FREQUENCY, value) : EINVAL;
   if (error == 0 && get(device, V4L2_CID_POWER_LINE_FREQUENCY, granted) == 0 && granted == value) return;
@@ -200,7 +201,7 @@ void fix_power_line(const V4l2Device& device, PowerLine power_line, ErrorText& n
                                         : "the driver kept another");
 }
 
-/// In shutter priority the time is fixed and the aperture is automatic.
+/// With shutter priority the exposure time is fixed and the aperture is automatic.
 bool is_exposure_automatic(const V4l2Device& device) {
   int mode = V4L2_EXPOSURE_MANUAL;
   return get(device, V4L2_CID_EXPOSURE_AUTO, mode) == 0 && mode != V4L2_EXPOSURE_MANUAL &&
@@ -215,7 +216,7 @@ Duration exposure_in_force(const V4l2Device& device) {
 }
 
 Duration apply(const Controlled& camera, const CameraSettings& asked) {
-  // Flicker first: it limits which exposures some cameras accept.
+  // First the flicker filter: it limits the exposures that some cameras accept.
   if (asked.power_line != PowerLine::kLeave) fix_power_line(camera.device, asked.power_line, camera.negotiated);
   if (asked.exposure_us > 0 || asked.exposure_steps != kExposureStepsLeave) fix_exposure(camera, asked);
   if (asked.gain > 0) fix_gain(camera, asked.gain);

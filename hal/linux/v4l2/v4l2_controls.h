@@ -7,20 +7,19 @@
 
 namespace touchline::hal {
 
-/// Fixes exposure, gain, white balance, focus and lamp flicker as the settings say, and that the rate comes before the
-/// exposure where that is automatic; reads each back. What the camera lacks, refuses or rounds is appended to
-/// `negotiated`, each with "; " before it where something stands there already. Returns the exposure time in force,
-/// zero when it is the driver's secret (automatic, or no such control). Works on an open device whether it streams or
-/// not, and on any thread: nothing but `negotiated` is written to.
+/// Sets exposure, gain, white balance, focus and the power line filter as in the settings, and turns off UVC's option
+/// to lower the frame rate for long exposures. Reads each value back. Appends to `negotiated` what the camera lacks,
+/// refuses or rounds, separated by "; ". Returns the exposure time; zero if the driver does not tell it (automatic, or
+/// no such control). The device must be open; it may stream. Any thread may call it.
 Duration apply_controls(const V4l2Device& device, const CameraSettings& asked, ErrorText& negotiated);
 
-/// The same for a stream under way, and only for what `asked` has otherwise than `before`: a UVC camera may take
-/// milliseconds for each control, or drop a frame, and moves its lens even where it stands already.
+/// The same while the camera streams, and only for values that differ between `before` and `asked`: each control can
+/// take a UVC camera milliseconds or a frame, and writing the focus moves the lens even if the value is the same.
 Duration change_controls(const V4l2Device& device, const CameraSettings& before, const CameraSettings& asked,
                          ErrorText& negotiated);
 
-/// Appends what is in force: ", exposure 5000 us, gain 64, white balance automatic, ..."; controls that the camera
-/// lacks are left out.
+/// Appends the current values: ", exposure 5000 us, gain 64, white balance automatic, ...". Leaves out controls that
+/// the camera lacks.
 void describe_controls(const V4l2Device& device, ErrorText& text);
 
 }  // namespace touchline::hal

@@ -7,15 +7,15 @@
 
 namespace touchline::hal {
 
-/// What a video device says that it is.
+/// Result of VIDIOC_QUERYCAP.
 struct V4l2Identity {
   std::string driver, card, bus;
-  bool captures = false;      // pictures, through one of V4L2's two interfaces
-  bool multi_planar = false;  // the one whose pictures may lie in several pieces of memory, and the other is not there
-  bool streams = false;       // into buffers that can be mapped
+  bool captures = false;      // video, single-planar or multi-planar
+  bool multi_planar = false;  // only through the multi-planar interface
+  bool streams = false;       // into mapped buffers
 };
 
-/// A file of V4L2, closed with the object. Calls answer 0 or an errno.
+/// An open V4L2 device, closed by the destructor. Calls return 0 or an errno.
 class V4l2Device {
  public:
   V4l2Device() = default;
@@ -28,9 +28,9 @@ class V4l2Device {
   [[nodiscard]] bool is_open() const { return file_ >= 0; }
   [[nodiscard]] int file() const { return file_; }
 
-  /// ioctl(), repeated when a signal came in between. Any thread may call it while the device is open.
+  /// ioctl(), repeated after EINTR. Any thread may call it while the device is open.
   [[nodiscard]] int request(unsigned long code, void* argument) const;
-  /// 0 when the driver wants to be asked (a frame, or an error that the next request tells), ETIMEDOUT at the deadline.
+  /// Waits for a frame or an error, which the next request returns. ETIMEDOUT at the deadline.
   [[nodiscard]] int wait(Instant deadline) const;
   [[nodiscard]] int identify(V4l2Identity& identity) const;
 
@@ -38,7 +38,7 @@ class V4l2Device {
   int file_ = -1;
 };
 
-/// V4L2's number for the queue that captures.
+/// The type of the capture queue in V4L2's requests.
 std::uint32_t capture_type(bool multi_planar);
 
 }  // namespace touchline::hal

@@ -14,7 +14,7 @@
 namespace touchline::hal {
 namespace {
 
-/// What both of V4L2's interfaces say about a format.
+/// The fields of a format that V4L2's single-planar and multi-planar interfaces share.
 struct Granted {
   std::uint32_t fourcc = 0, width = 0, height = 0;
   std::uint32_t field = V4L2_FIELD_NONE;
@@ -56,7 +56,7 @@ int set_format(const V4l2Device& device, bool multi_planar, std::uint32_t fourcc
   return error;
 }
 
-/// Codes of a format in the order in which they are tried.
+/// The FourCCs of a format in the order in which they are tried.
 std::array<std::uint32_t, 2> codes_of(CameraFormat format, bool multi_planar) {
   if (format == CameraFormat::kMjpg) return {V4L2_PIX_FMT_MJPEG, V4L2_PIX_FMT_JPEG};
   const PixelFormatInfo& info = info_of(pixel_format(format));

@@ -12,23 +12,23 @@
 
 namespace touchline::hal {
 
-/// How a granted picture lies in a buffer.
+/// Layout of a picture in a buffer.
 struct V4l2Picture {
   CameraFormat format = CameraFormat::kYuyv;
   std::uint16_t width_px = 0, height_px = 0;
   bool multi_planar = false;
-  std::uint8_t planes = 1;                               // pieces of memory
-  std::array<std::uint32_t, kMaxPlanes> stride_bytes{};  // of the picture's planes; JPEG has none
-  std::array<std::uint32_t, kMaxPlanes> needed_bytes{};  // with fewer in a piece of memory it is a short frame
-  bool interlaced = false;                               // the two fields are half a frame apart
-  bool full_range = false;                               // YUV whose luma begins at 0 and not at 16
+  std::uint8_t planes = 1;                               // memory planes
+  std::array<std::uint32_t, kMaxPlanes> stride_bytes{};  // per color plane; 0 for JPEG
+  std::array<std::uint32_t, kMaxPlanes> needed_bytes{};  // per memory plane; with fewer bytes it is a short frame
+  bool interlaced = false;                               // its two fields were taken half a frame apart
+  bool full_range = false;                               // YUV whose black is at luma 0 instead of 16
 };
 
-/// Asks for the format and size of `asked`; NV12 in one piece of memory or in two. kUnsupported: the driver set
+/// Sets format and size as in `asked`; NV12 in one or two memory planes. kUnsupported: the driver set
 /// another one; the message lists the available ones. kDeviceBusy: another process streams.
 Result<V4l2Picture> negotiate_format(const V4l2Device& device, bool multi_planar, const CameraSettings& asked);
 
-/// Asks for a frame rate. Hz that were granted, 0 when the driver does not tell.
+/// Sets the frame rate. Returns the rate in Hz that the driver chose; 0 if it does not tell.
 double negotiate_rate(const V4l2Device& device, bool multi_planar, double asked_hz);
 
 }  // namespace touchline::hal

@@ -11,7 +11,7 @@
 namespace touchline::hal {
 namespace {
 
-// A driver that never says "no more" must not hold us: no camera lists so many formats, sizes or rates.
+// Limit for drivers whose lists never end; no camera has so many formats, sizes or rates.
 constexpr std::uint32_t kMaxListed = 64;
 
 double rate_of(const v4l2_fract& period) {
@@ -27,7 +27,7 @@ void list_rates(const V4l2Device& device, std::uint32_t fourcc, V4l2FrameSize& s
     if (interval.type != V4L2_FRMIVAL_TYPE_DISCRETE) {
       size.rates_hz = {rate_of(interval.stepwise.min), rate_of(interval.stepwise.max)};
       size.rates_are_range = true;
-      break;  // by the standard there is one entry only
+      break;  // the specification allows only one entry
     }
     size.rates_hz.push_back(rate_of(interval.discrete));
   }
@@ -39,7 +39,7 @@ void list_sizes(const V4l2Device& device, bool with_rates, V4l2FormatInfo& forma
   size.pixel_format = format.fourcc;
   for (bool range = false; !range && size.index < kMaxListed && device.request(VIDIOC_ENUM_FRAMESIZES, &size) == 0;
        ++size.index) {
-    range = size.type != V4L2_FRMSIZE_TYPE_DISCRETE;  // by the standard there is one entry only
+    range = size.type != V4L2_FRMSIZE_TYPE_DISCRETE;  // the specification allows only one entry
     V4l2FrameSize offer{
         size.discrete.width, size.discrete.height, size.discrete.width, size.discrete.height, {}, false};
     if (range) {

@@ -8,26 +8,26 @@
 
 namespace touchline::hal {
 
-/// A size of a format, or a range of them.
+/// A frame size, or a range of sizes.
 struct V4l2FrameSize {
-  std::uint32_t width_px = 0, height_px = 0;            // the smallest of a range
-  std::uint32_t most_width_px = 0, most_height_px = 0;  // the largest; equal to the former: one size
-  std::vector<double> rates_hz;                         // of the largest; fastest first; of a range both ends
+  std::uint32_t width_px = 0, height_px = 0;            // the smallest size of a range
+  std::uint32_t most_width_px = 0, most_height_px = 0;  // the largest; equal to the smallest for a single size
+  std::vector<double> rates_hz;                         // of the largest size, fastest first; both ends of a range
   bool rates_are_range = false;
 };
 
 struct V4l2FormatInfo {
   std::uint32_t fourcc = 0;
   std::string code;         // "YUYV"
-  std::string word;         // the board file's, "": not read by Touchline
-  std::string description;  // the driver's
+  std::string word;         // name in the board file; "": Touchline cannot read it
+  std::string description;  // from the driver
   std::vector<V4l2FrameSize> sizes;
 };
 
-/// What the driver says it can deliver. `with_rates`: asks for those too, one request each.
+/// Formats and sizes that the driver lists. `with_rates`: also the frame rates, one request for each.
 std::vector<V4l2FormatInfo> list_formats(const V4l2Device& device, bool multi_planar, bool with_rates);
 
-/// "yuyv 640x480, 320x240; and besides, GREY, which cannot be read": sizes only of what would help.
+/// "yuyv 640x480, 320x240; and besides, GREY, which cannot be read": sizes only for formats that can be read.
 std::string formats_text(const std::vector<V4l2FormatInfo>& offers);
 
 std::string size_text(std::uint32_t width_px, std::uint32_t height_px);

@@ -227,7 +227,7 @@ void Loop::read_inputs(Instant now) {
       on_fault(Device::kGpio, read.error(), now);
     }
   }
-  input_due_ = inputs ? inputs->look_again : Duration::max();
+  input_due_ = inputs ? inputs->next_poll_in : Duration::max();
   rules_.apply_inputs(inputs, now);
 }
 

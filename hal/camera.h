@@ -18,13 +18,13 @@ constexpr std::size_t kFewestBuffers = 2;
 class Camera;
 struct CameraSettings;
 
-/// File descriptors of the memory (Linux's dma-buf) in which a picture lies, so that another device (an encoder, a
-/// display) can read it without a copy: one a piece of memory, -1: none. NV12 lies in one piece or in two.
+/// File descriptors of the memory (dma-buf) of a picture, so that another device (encoder, display) can read it without
+/// a copy. One per memory plane; -1: none. Planar formats may lie in one memory plane.
 using DmaBufs = std::array<int, kMaxPlanes>;
 inline constexpr DmaBufs kNotShared{-1, -1, -1};
 
-/// A frame that still lies in the driver's buffer. Move-only; the buffer goes back to the driver with the lease.
-/// The camera must outlive it, and stop() must not be called while one is held.
+/// A frame in the driver's buffer. Move-only; the destructor returns the buffer to the driver. The camera must outlive
+/// the lease, and stop() must not be called while a lease exists.
 class FrameLease {
  public:
   FrameLease() = default;
@@ -40,8 +40,8 @@ class FrameLease {
   ~FrameLease();
 
   [[nodiscard]] const Frame& frame() const { return frame_; }
-  /// The camera's, open until its close(); to be duplicated by who needs them longer, and only read from. The picture
-  /// stays as it is as long as the lease lives.
+  /// Owned by the camera and open until its close(). To keep them longer, duplicate them. Read only. The picture does
+  /// not change during the lifetime of the lease.
   [[nodiscard]] const DmaBufs& dma_bufs() const { return dma_bufs_; }
 
  private:
@@ -61,7 +61,7 @@ class FrameLease {
 struct CameraInfo {
   PixelFormat format = PixelFormat::kRgb24;
   std::uint16_t width_px = 0, height_px = 0;
-  double rate_hz = 0.0;  // 0: the input has no rate of its own
+  double rate_hz = 0.0;  // 0: the input has no frame rate
   // One line: device, format, and the values of its controls; empty if the camera has no settings.
   std::string description{};
   // Device, and what differs from the settings; empty if nothing does.

@@ -4,12 +4,12 @@
 
 namespace touchline::hal {
 
-/// The one time line: CLOCK_MONOTONIC on a real board, the arena's virtual time in a simulation.
+/// The clock of all time stamps: CLOCK_MONOTONIC on a real board, virtual time in a simulation.
 class Clock {
  public:
   virtual ~Clock() = default;
   [[nodiscard]] virtual Instant now() const = 0;
-  /// A virtual clock jumps.
+  /// A virtual clock advances to `instant` immediately.
   virtual void sleep_until(Instant instant) = 0;
 };
 

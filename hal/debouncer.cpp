@@ -5,7 +5,7 @@
 namespace touchline::hal {
 namespace {
 
-// Contacts bounce for some milliseconds; what goes on for longer is a loose wire.
+// Contacts bounce for some milliseconds; an input that changes for longer is a loose wire.
 constexpr Duration kLongestBounce = std::chrono::milliseconds(50);
 
 }  // namespace
@@ -15,7 +15,7 @@ void Debouncer::begin(Duration time, bool active, Instant now) {
   time_ = time;
   stable_ = raw_ = was_active_ = active;
   since_ = now - time;
-  restless_since_ = now;  // an edge may have come just before
+  bouncing_since_ = now;  // there may have been an edge just before
 }
 
 void Debouncer::settle(Instant until) {
@@ -27,22 +27,22 @@ void Debouncer::settle(Instant until) {
 
 void Debouncer::edge(bool active, Instant at) {
   settle(at);
-  if (at - since_ >= time_) restless_since_ = at;
+  if (at - since_ >= time_) bouncing_since_ = at;
   raw_ = active;
   since_ = at;
 }
 
-Debouncer::View Debouncer::look(Instant now) {
+Debouncer::State Debouncer::poll(Instant now) {
   settle(now);
-  View view;
+  State state;
   const bool settled = now - since_ >= time_;
-  view.active = was_active_;
-  view.activated = activated_;
-  view.restless = !settled && now - restless_since_ >= std::max(kLongestBounce, 2 * time_);
-  if (raw_ != stable_) view.settles_in = since_ + time_ - now;
+  state.active = was_active_;
+  state.activated = activated_;
+  state.bouncing = !settled && now - bouncing_since_ >= std::max(kLongestBounce, 2 * time_);
+  if (raw_ != stable_) state.settles_in = since_ + time_ - now;
   was_active_ = stable_;
   activated_ = false;
-  return view;
+  return state;
 }
 
 }  // namespace touchline::hal

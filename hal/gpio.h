@@ -7,15 +7,15 @@
 
 namespace touchline::hal {
 
-/// What the input lines showed since the last look, after debouncing.
+/// The debounced inputs since the last call.
 struct GpioInputs {
-  bool emergency_stop = false;            // pulled at any time, or a line that does not come to rest
-  bool start_pressed = false;             // the button went down
-  Duration look_again = Duration::max();  // when a level that is new will have lasted long enough to count
+  bool emergency_stop = false;              // active at any time, or bouncing for too long
+  bool start_pressed = false;               // the button was pressed
+  Duration next_poll_in = Duration::max();  // time until a new level counts
 };
 
-/// The lines that a person sees, pulls and presses (docs/gpio.md). A line that the board file does not name does
-/// nothing when set and is at rest when read. No call but open() and close() blocks or allocates.
+/// Status light, strobe, emergency stop and start button (docs/gpio.md). Lines that the board file does not name do
+/// nothing when set and read as inactive. Only open() and close() may block or allocate.
 class Gpio {
  public:
   virtual ~Gpio() = default;
@@ -23,10 +23,10 @@ class Gpio {
   Result<void> open() { return do_open(); }
   void close() { do_close(); }
   Result<void> set_status_led(bool on) { return do_set_status_led(on); }
-  /// High from the arrival of a frame to the hand-over of its packet.
+  /// High from the arrival of a frame until its packet is sent.
   Result<void> set_strobe(bool high) { return do_set_strobe(high); }
-  /// `now`: of the clock that stamps edges, CLOCK_MONOTONIC or the arena's. A line that is active when it is opened
-  /// counts at once as an emergency stop, and not as a press of the button.
+  /// `now`: of the clock that stamps the edges, CLOCK_MONOTONIC or that of the arena. A line that is active at open()
+  /// counts as an emergency stop, but not as a press of the button.
   Result<GpioInputs> inputs(Instant now) { return do_inputs(now); }
   /// Valid after open(): the inputs that are polled because their chip reports no edges; empty if there are none.
   [[nodiscard]] virtual const std::string& description() const { return no_description_; }

@@ -11,9 +11,9 @@
 namespace touchline::hal {
 
 struct RadioCounters {
-  std::uint64_t packets = 0, bytes = 0;  // taken by the radio
-  std::uint64_t dropped = 0;             // of the packets taken, those that a newer one replaced before they were sent
-  std::uint64_t refused = 0;             // errors
+  std::uint64_t packets = 0, bytes = 0;  // taken by send()
+  std::uint64_t dropped = 0;             // taken, but replaced by a newer one before they were sent
+  std::uint64_t refused = 0;             // failed calls of send()
   std::uint64_t received_bytes = 0;
 };
 
@@ -25,9 +25,9 @@ class Radio {
   Result<void> open() { return do_open(); }
   void close() { do_close(); }
 
-  /// Hands over a packet of at least one byte. While the line is busy with an earlier one it waits, in the place of an
-  /// older packet that waited: that one is dropped, which kBusy tells; the new packet is taken all the same.
-  /// kDisconnected, kIo: close() and open() again.
+  /// Sends a packet of at least one byte. While the line is busy with an earlier packet, the new one waits and replaces
+  /// an older one that waits: kBusy tells that; the new packet is taken nevertheless. kDisconnected, kIo: close() and
+  /// open() again.
   Result<void> send(const Packet& packet) {
     Result<void> sent = do_send(packet);
     if (!sent.ok() && sent.code() != ErrorCode::kBusy) {
@@ -39,16 +39,16 @@ class Radio {
     if (!sent.ok()) ++counters_.dropped;
     return sent;
   }
-  /// Moves on a packet that waits; to be called in each iteration. Gives how long it may wait further until there is
-  /// anything to do again; Duration::max(): nothing waits.
+  /// Sends a waiting packet if the line is free; to be called in each iteration. Returns the time until the next call
+  /// is useful; Duration::max(): no packet waits.
   Result<Duration> serve() { return do_serve(); }
-  /// Copies what has come from the robots' side to the begin of `into`; gives how many bytes, 0 when there are none.
+  /// Copies bytes received from the robots to `into`; returns their number, 0 if there are none.
   Result<std::size_t> receive(std::span<std::byte> into) {
     Result<std::size_t> received = do_receive(into);
     if (received.ok()) counters_.received_bytes += received.value();
     return received;
   }
-  /// Waits until everything handed over has left, at most until `deadline`; for the stop packets at the end.
+  /// Waits until all packets are sent, at most until `deadline` (kTimeout); for the stop packets at the end.
   Result<void> drain(Instant deadline) { return do_drain(deadline); }
 
   /// File descriptor to which a handler of fatal signals may write whole packets while the radio is open; -1: none.

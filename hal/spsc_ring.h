@@ -7,14 +7,14 @@
 
 namespace touchline {
 
-/// A queue from one thread to one other that never blocks, allocates or calls the kernel. `N` is a power of two.
-/// What does not fit is counted, not queued.
+/// A lock-free queue from one thread to another. Never blocks, allocates or calls the kernel. `N` is a power of two.
+/// Values that do not fit are dropped and counted.
 template <class T, std::size_t N>
 class SpscRing {
   static_assert((N & (N - 1)) == 0);
 
  public:
-  /// By the producing thread.
+  /// For the producing thread. False: the ring is full, the value is dropped.
   bool push(const T& value) {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (tail - head_.load(std::memory_order_acquire) == N) {
@@ -26,7 +26,7 @@ class SpscRing {
     return true;
   }
 
-  /// By the consuming thread; false when there is nothing.
+  /// For the consuming thread. False: the ring is empty.
   bool pop(T& value) {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     if (head == tail_.load(std::memory_order_acquire)) return false;
@@ -35,11 +35,11 @@ class SpscRing {
     return true;
   }
 
-  /// By any thread.
+  /// For any thread.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
  private:
-  // Apart, so that the two threads do not fight over one cache line.
+  // On separate cache lines, so that the two threads do not share one.
   static constexpr std::size_t kCacheLine = 64;
   alignas(kCacheLine) std::atomic<std::size_t> head_{0};
   alignas(kCacheLine) std::atomic<std::size_t> tail_{0};

@@ -8,14 +8,14 @@
 namespace touchline::hal {
 namespace {
 
-// The loop calls this under a real-time priority: a driver that never gets ready must not stop it. A millisecond or so.
+// The loop calls this with real-time priority: a driver that is never ready must not block it. About a millisecond.
 constexpr int kMostTries = 1000;
 
 int synchronize(int dma_buf, unsigned long long flags) {
   dma_buf_sync request{flags};
   for (int tries = 1;; ++tries) {
     if (::ioctl(dma_buf, DMA_BUF_IOCTL_SYNC, &request) == 0) return 0;
-    const bool again = errno == EINTR || errno == EAGAIN;  // then the kernel's document asks to try again
+    const bool again = errno == EINTR || errno == EAGAIN;  // the kernel's documentation asks to repeat the call
     if (!again || tries == kMostTries) return errno;
   }
 }

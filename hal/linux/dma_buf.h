@@ -2,9 +2,9 @@
 
 namespace touchline::hal {
 
-// Memory that devices share (dma-buf) may be cached for the processor while a device writes past the caches: what the
-// processor reads between these two calls is what the device wrote. 0 or an errno; ENOTTY: no dma-buf; EAGAIN,
-// EINTR: the driver would not, however often it was asked.
+// Memory that devices share (a dma-buf) may be in the processor's caches while a device writes past them. What the
+// processor reads between these two calls (DMA_BUF_IOCTL_SYNC) is what the device wrote. They return 0 or an errno;
+// ENOTTY: not a dma-buf; EAGAIN, EINTR: the driver refused repeatedly.
 [[nodiscard]] int begin_cpu_read(int dma_buf);
 [[nodiscard]] int end_cpu_read(int dma_buf);
 

@@ -14,12 +14,12 @@
 namespace touchline::hal {
 namespace {
 
-// Only memory that every camera's device can write to: heap "system" is scattered, which needs an IOMMU.
+// Only heaps that every camera device can write to: the memory of heap "system" is scattered and needs an IOMMU.
 constexpr std::array<const char*, 4> kHeaps{
-    "/dev/dma_heap/vidbuf_cached",       // a name that Raspberry Pi OS gives: the one that suits the board
-    "/dev/dma_heap/default_cma_region",  // contiguous memory, from Linux 6.17 on
-    "/dev/dma_heap/linux,cma",           // before that, its size from the device tree
-    "/dev/dma_heap/reserved"};           // the same, its size from the kernel's command line
+    "/dev/dma_heap/vidbuf_cached",       // Raspberry Pi OS: an alias of the heap that suits the board
+    "/dev/dma_heap/default_cma_region",  // contiguous memory; since Linux 6.17
+    "/dev/dma_heap/linux,cma",           // the same before Linux 6.17; size from the device tree
+    "/dev/dma_heap/reserved"};           // the same; size from the kernel's command line
 
 /// The first plane with the file of plane i: each file is mapped once.
 std::size_t piece_of(const DmaBuffer& buffer, std::size_t i) {

@@ -14,14 +14,14 @@ struct DmaPlane {
   std::size_t offset = 0, length = 0;
 };
 
-/// A picture's memory: what devices write and we read. Unused planes have no file.
+/// Memory of a picture, written by devices. Unused planes have no file.
 struct DmaBuffer {
   std::array<DmaPlane, kMaxPlanes> plane{};
 };
 
-/// Memory that devices can write to and that our processor's caches may hold: reading is fast, as long as each reading
-/// is announced (DmaMapping). The memory that V4L2 drivers make by themselves is not cached on most ARM boards, and
-/// every look at a pixel then goes to the RAM.
+/// A DMA heap, whose memory devices can write and the processor can cache. Reading is fast if each read is announced
+/// (DmaMapping). Most ARM boards do not cache the memory that V4L2 drivers allocate themselves: each access to a pixel
+/// then goes to RAM.
 class DmaHeap {
  public:
   DmaHeap() = default;
@@ -29,12 +29,12 @@ class DmaHeap {
   DmaHeap& operator=(const DmaHeap&) = delete;
   ~DmaHeap() { close(); }
 
-  /// 0, or an errno: EACCES when a heap may not be used, ENOENT when this system has none that cameras can write to.
+  /// 0 or an errno. EACCES: no permission; ENOENT: this system has no heap that cameras can write to.
   [[nodiscard]] int open();
   void close();
-  /// Of the heap that was opened or refused.
+  /// Name of the heap that was opened or refused.
   [[nodiscard]] const char* name() const { return name_; }
-  /// A dma-buf, to be closed by the caller; 0 or an errno.
+  /// Allocates a dma-buf, which the caller closes. 0 or an errno.
   [[nodiscard]] int allocate(std::size_t bytes, int& file) const;
 
  private:
@@ -42,7 +42,7 @@ class DmaHeap {
   const char* name_ = "";
 };
 
-/// A picture's memory, mapped for reading, and the processor's caches kept true to it. Errors are errnos.
+/// Maps the memory of a picture for reading and synchronizes the processor's caches. Errors are errnos.
 class DmaMapping {
  public:
   DmaMapping() = default;
@@ -50,18 +50,18 @@ class DmaMapping {
   DmaMapping& operator=(const DmaMapping&) = delete;
   ~DmaMapping() { unmap(); }
 
-  /// The files must stay open while it is mapped.
+  /// The files must stay open until unmap().
   [[nodiscard]] int map(const DmaBuffer& buffer);
   void unmap();
 
-  /// To be called after the device has written and before the first look: what the caches hold is out of date.
+  /// To be called after the device has written and before the first read: the caches are out of date.
   [[nodiscard]] int begin_read() { return synchronize(true); }
-  /// To be called before the device writes again; without begin_read() nothing happens.
+  /// To be called before the device writes again. Does nothing without begin_read().
   [[nodiscard]] int end_read() { return synchronize(false); }
 
-  /// Null for a plane that the buffer has not.
+  /// Null for unused planes.
   [[nodiscard]] const std::uint8_t* plane(std::size_t index) const { return plane_[index]; }
-  /// The files that were mapped, each once; -1: fewer.
+  /// The mapped files, each once; unused entries are -1.
   [[nodiscard]] std::array<int, kMaxPlanes> files() const {
     return {pieces_[0].file, pieces_[1].file, pieces_[2].file};
   }
@@ -71,7 +71,7 @@ class DmaMapping {
     int file = -1;
     void* memory = nullptr;
     std::size_t length = 0;
-    bool is_dma = true;  // ordinary shared memory needs no care
+    bool is_dma = true;  // ordinary shared memory needs no synchronization
     bool reading = false;
   };
   int synchronize(bool begin);

@@ -6,7 +6,7 @@
 namespace touchline::hal {
 namespace {
 
-constexpr std::uint32_t kBackward = 0x80000000u;  // half the range tells forward from backward
+constexpr std::uint32_t kBackward = 0x80000000u;  // larger differences are steps back
 
 }  // namespace
 
@@ -14,13 +14,13 @@ std::uint32_t FrameCounter::count(std::uint32_t driver_sequence, std::uint32_t p
   std::uint32_t step = driver_sequence - std::exchange(driver_last_, driver_sequence);
   if (!std::exchange(counted_, true)) return last_ = driver_sequence;
   const bool is_back = step >= kBackward;
-  // One that begins anew owes nothing, nor does one that was odd for a frame.
+  // A count that starts anew, or was wrong for one frame, has no frames to catch up.
   if (is_back || (was_back_ && driver_sequence == last_ + 1)) {
     step = 1;
     ahead_ = 0;
   }
   was_back_ = is_back;
-  // What a count that was behind makes up for was counted before.
+  // Frames that a delayed count catches up were counted before.
   const std::uint32_t made_up = std::min(ahead_, std::max(step, 1u) - 1);
   const std::uint32_t counted = std::max({step - made_up, periods, 1u});
   ahead_ += counted - step;

@@ -4,13 +4,14 @@
 
 namespace touchline::hal {
 
-/// Numbers frames so that each gap is as many frames as were lost.
+/// Numbers frames so that each gap in the numbers is the number of lost frames.
 class FrameCounter {
  public:
   void restart() { *this = FrameCounter{}; }
-  /// `driver_sequence`: the driver's count. One that stands still is counted for, and followed when it comes right
-  /// again; one that goes backwards begins anew, unless it comes right with the next frame. `periods`: so many frame
-  /// times after the frame before, where the stamps tell; it counts when the driver's count tells of fewer.
+  /// Returns the number of a frame. `driver_sequence`: the driver's sequence number. If it is repeated, the frame still
+  /// gets the next number, and the driver's count is followed again once it continues. If it goes back, counting starts
+  /// anew from it, unless the next frame continues the former count. `periods`: number of frame periods since the frame
+  /// before, if the time stamps tell; used if it is larger than the difference of the driver's count.
   std::uint32_t count(std::uint32_t driver_sequence, std::uint32_t periods = 1);
 
   /// Since restart().
@@ -19,7 +20,7 @@ class FrameCounter {
  private:
   bool counted_ = false, was_back_ = false;
   std::uint32_t last_ = 0, driver_last_ = 0;
-  std::uint32_t ahead_ = 0;  // frames that the driver's count has not told of
+  std::uint32_t ahead_ = 0;  // lost frames that the driver's count does not contain
   std::uint64_t lost_ = 0;
 };
 

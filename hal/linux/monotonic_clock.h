@@ -8,13 +8,13 @@ namespace touchline::hal {
 class MonotonicClock final : public Clock {
  public:
   [[nodiscard]] Instant now() const override { return read(); }
-  /// To an absolute instant, so that a loop of sleeps does not drift. Signals do not end it early.
+  /// Sleeps until an absolute time, so that repeated sleeps do not drift. Signals do not end the sleep.
   void sleep_until(Instant instant) override { wait_for(instant); }
 
-  /// The same without an object; Pipeline::StageClock.
+  /// The same without an object, as Pipeline::StageClock needs it.
   [[nodiscard]] static Instant read();
   static void wait_for(Instant instant);
-  /// CLOCK_BOOTTIME: the same and the time that the system was suspended.
+  /// CLOCK_BOOTTIME: includes the time that the system was suspended.
   [[nodiscard]] static Instant read_with_suspension();
 };
 

@@ -6,13 +6,13 @@
 
 namespace touchline::hal {
 
-Semaphore::Semaphore() { ::sem_init(&count_, 0, 0); }  // cannot fail: not shared between processes, and zero
+Semaphore::Semaphore() { ::sem_init(&count_, 0, 0); }  // cannot fail for a count of zero within one process
 Semaphore::~Semaphore() { ::sem_destroy(&count_); }
 
 void Semaphore::post() noexcept { ::sem_post(&count_); }
 
 void Semaphore::wait() noexcept {
-  while (::sem_wait(&count_) != 0) {  // a signal came in between
+  while (::sem_wait(&count_) != 0) {  // EINTR
   }
 }
 

@@ -6,8 +6,7 @@
 
 namespace touchline::hal {
 
-/// Counts what one thread has ready for another; waiting ends at an instant. Neither call allocates; post() never
-/// blocks.
+/// A counting semaphore between threads, with a timeout. Neither call allocates; post() never blocks.
 class Semaphore {
  public:
   Semaphore();
@@ -17,7 +16,7 @@ class Semaphore {
 
   void post() noexcept;
   void wait() noexcept;
-  /// False: nothing came before `deadline` (of hal::Clock).
+  /// False: timeout at `deadline` (of hal::Clock).
   [[nodiscard]] bool wait_until(Instant deadline) noexcept;
 
  private:

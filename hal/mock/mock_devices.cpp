@@ -215,13 +215,13 @@ Result<GpioInputs> MockGpio::do_inputs(Instant now) {
   }
   const std::scoped_lock lock(arena_.mutex());
   arena_.advance_to(now);
-  const Debouncer::View stop = read_input(FaultKind::kEmergencyStop, emergency_stop_, now);
-  const Debouncer::View start = read_input(FaultKind::kStartButton, start_, now);
+  const Debouncer::State stop = read_input(FaultKind::kEmergencyStop, emergency_stop_, now);
+  const Debouncer::State start = read_input(FaultKind::kStartButton, start_, now);
   last_read_ = now;
-  return GpioInputs{stop.active || stop.restless, start.activated, std::min(stop.settles_in, start.settles_in)};
+  return GpioInputs{stop.active || stop.bouncing, start.activated, std::min(stop.settles_in, start.settles_in)};
 }
 
-Debouncer::View MockGpio::read_input(FaultKind kind, Debouncer& debouncer, Instant now) {
+Debouncer::State MockGpio::read_input(FaultKind kind, Debouncer& debouncer, Instant now) {
   FixedVector<Instant, 16> changes;  // as many as the kernel stores per line
   for (const ArenaFault& fault : arena_.faults()) {
     if (fault.kind != kind) continue;
@@ -234,7 +234,7 @@ Debouncer::View MockGpio::read_input(FaultKind kind, Debouncer& debouncer, Insta
   std::sort(changes.begin(), changes.end());
   for (const Instant at : changes) debouncer.edge(arena_.fault_active(kind, at), at);
   debouncer.level(arena_.fault_active(kind, now), now);
-  return debouncer.look(now);
+  return debouncer.poll(now);
 }
 
 }  // namespace touchline::hal::mock

@@ -81,7 +81,7 @@ class MockGpio : public Gpio {
   Result<void> do_set_strobe(bool high) override { return set(strobe_, high); }
   Result<GpioInputs> do_inputs(Instant now) override;
   Result<void> set(bool& output, bool high);
-  Debouncer::View read_input(FaultKind kind, Debouncer& debouncer, Instant now);
+  Debouncer::State read_input(FaultKind kind, Debouncer& debouncer, Instant now);
 
   Arena& arena_;
   Clock& clock_;

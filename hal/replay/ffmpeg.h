@@ -10,7 +10,7 @@ extern "C" {
 #include <memory>
 #include <string>
 
-// Owners for FFmpeg's C objects, and its log turned into reasons. Private to hal/replay.
+// Smart pointers for FFmpeg's objects, and messages from its log. Private to hal/replay.
 namespace touchline::hal::ffmpeg {
 
 template <auto release>
@@ -30,11 +30,11 @@ struct ScalerDeleter {
 };
 using ScalerPtr = std::unique_ptr<SwsContext, ScalerDeleter>;
 
-/// What FFmpeg says of its own error code ("No such file or directory").
+/// FFmpeg's text for its error code ("No such file or directory").
 std::string error_text(int code);
 
-/// While one lives, warnings and errors that FFmpeg logs on this thread are kept here; all others are dropped, so that
-/// nothing spills to the terminal. Decoders need thread_count 1 for it.
+/// During its lifetime, keeps warnings and errors that FFmpeg logs on this thread; all others are dropped, so that
+/// nothing is printed to the terminal. Decoders must use thread_count 1.
 class LogCapture {
  public:
   LogCapture();
@@ -42,7 +42,7 @@ class LogCapture {
   LogCapture(const LogCapture&) = delete;
   LogCapture& operator=(const LogCapture&) = delete;
 
-  /// First line of the given severity or worse; empty when there was none.
+  /// First line with this severity or a worse one; empty if there was none.
   [[nodiscard]] const std::string& first_error() const { return first_error_; }
   [[nodiscard]] const std::string& first_warning() const { return first_warning_; }
   void add(int level, const std::string& line);

@@ -52,7 +52,7 @@ const int* matrix_of(const AVFrame& frame) {
   return sws_getCoefficients(space);
 }
 
-// swscale counts the place of chroma in 256ths of a pixel from the first luma sample.
+// swscale gives the position of chroma in 256ths of a pixel from the first luma sample.
 void set_chroma_place(SwsContext* scaler, const AVFrame& frame, const AVPixFmtDescriptor& layout) {
   const bool centered = frame.chroma_location == AVCHROMA_LOC_CENTER || frame.chroma_location == AVCHROMA_LOC_TOP;
   const bool on_top = frame.chroma_location == AVCHROMA_LOC_TOPLEFT || frame.chroma_location == AVCHROMA_LOC_TOP;

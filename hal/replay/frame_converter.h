@@ -12,18 +12,16 @@ namespace touchline::hal::ffmpeg {
 /// A decoded picture in one of the pixel formats of core/pixel_format.h. Strides are multiples of four bytes.
 struct ConvertedFrame {
   std::vector<std::uint8_t> bytes;
-  Frame view;  // capture_time and sequence are the caller's
+  Frame view;  // the caller sets capture_time and sequence
 };
 
-/// Converts decoded frames. What happens to the values:
-/// - RGB file -> RGB format: nothing; more than 8 bits are rounded, alpha is dropped.
-/// - YUV file -> YUV format: nothing (same matrix, same range as in the file); chroma is resampled only where the
-/// file's
-///   is finer than the format's, and repeated where it is coarser.
-/// - YUV file -> RGB format: matrix and range as the file says; a file that does not say is ITU-R BT.601 below 720
-/// rows,
-///   else BT.709, in limited range (JPEG: full). Chroma is interpolated at the place where the file has it.
-/// - RGB file -> YUV format: ITU-R BT.601, limited range, as cameras deliver it.
+/// Converts decoded frames:
+/// - RGB file to RGB format: no change, except that more than 8 bits are rounded and alpha is dropped.
+/// - YUV file to YUV format: same matrix and same range as in the file. Chroma is averaged where the file has more of
+/// it than the format, and repeated where it has less.
+/// - YUV file to RGB format: matrix and range of the file. A file without them is ITU-R BT.601 below 720 rows, else
+/// BT.709, in limited range (JPEG: full). Chroma is interpolated at its position in the file.
+/// - RGB file to YUV format: ITU-R BT.601, limited range, as cameras deliver it.
 class FrameConverter {
  public:
   explicit FrameConverter(PixelFormat format) : format_(format) {}
@@ -50,12 +48,12 @@ class FrameConverter {
   std::vector<std::uint16_t> line_;
 };
 
-/// 8 or 16 bits a channel, exact for all that is stored as RGB, grey or palette. `samples` holds 3 * width * height.
+/// Reads 8 or 16 bits a channel, exact for files stored as RGB, gray or palette. `samples` has 3 * width * height.
 /// kUnsupported: a YUV layout.
 template <class Sample>
 Status read_rgb(const AVFrame& source, std::vector<std::uint16_t>& line, Sample* samples, std::size_t stride_samples);
 
-/// True for RGB, grey and palette.
+/// True for RGB, gray and palette.
 bool stored_as_rgb(const AVFrame& source);
 
 }  // namespace touchline::hal::ffmpeg

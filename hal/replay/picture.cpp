@@ -26,7 +26,7 @@ AVCodecID kind_of(std::string_view bytes) {
   return AV_CODEC_ID_NONE;
 }
 
-/// Whether the decoder gave up because of the size. Decoders that forget the size log it.
+/// True if the decoder failed because of the size. Some decoders only log it.
 bool is_too_large(const LogCapture& log, const AVCodecContext& codec, std::int64_t max_pixels) {
   return std::int64_t{codec.width} * codec.height > max_pixels || log.first_error().starts_with("Picture size");
 }
@@ -51,7 +51,7 @@ Result<FramePtr> decode_picture(const std::string& path, std::int64_t max_pixels
   CodecPtr codec(avcodec_alloc_context3(decoder));
   PacketPtr packet(av_packet_alloc());
   FramePtr out(av_frame_alloc());
-  // Damage must be an error: FFmpeg would hand out what it could decode and log a line.
+  // Damage must be an error: by default FFmpeg returns what it could decode and logs a message.
   codec->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
   codec->thread_count = 1;
   codec->max_pixels = max_pixels;  // checked by FFmpeg before it allocates the frame
@@ -61,7 +61,7 @@ Result<FramePtr> decode_picture(const std::string& path, std::int64_t max_pixels
   if (result >= 0) result = avcodec_send_packet(codec.get(), packet.get());
   if (result >= 0) result = avcodec_send_packet(codec.get(), nullptr);
   if (result >= 0) result = avcodec_receive_frame(codec.get(), out.get());
-  // A cut JPEG is only warned of ("EOI missing, emulating").
+  // A truncated JPEG only causes a warning ("EOI missing, emulating").
   const std::string& complaint = log.first_error().empty() ? log.first_warning() : log.first_error();
   const bool damaged = !log.first_error().empty() || (kind == AV_CODEC_ID_MJPEG && !log.first_warning().empty());
   if (result < 0 && is_too_large(log, *codec, max_pixels)) {

@@ -10,8 +10,8 @@
 
 namespace touchline::hal {
 
-/// A picture in memory: rows without gaps, R, G, B interleaved, 3 * width_px * height_px values in the one of the two
-/// arrays that is not empty.
+/// A picture in memory: rows without padding, R, G, B interleaved, 3 * width_px * height_px values in one of the two
+/// arrays; the other one is empty.
 struct Picture {
   std::uint32_t width_px = 0, height_px = 0;
   std::vector<std::uint8_t> rgb8;
@@ -32,8 +32,8 @@ inline constexpr std::int64_t kMaxPicturePixels = std::int64_t{4} * kMaxFrameWid
 Status read_picture(const std::string& path, Picture& out, std::string& reason,
                     std::int64_t max_pixels = kMaxPicturePixels);
 
-/// A PNG file of 8 or 16 bits a channel, in memory. kOutOfRange: sizes and values do not fit together; kUnsupported: no
-/// encoder. `reason` then has the cause.
+/// A PNG file of 8 or 16 bits a channel, in memory. kOutOfRange: the number of values does not match the size;
+/// kUnsupported: no encoder. `reason` then has the cause.
 Status encode_png(const Picture& picture, std::string& png, std::string& reason);
 
 /// Writes a PNG file by an OutputFile. Errors of encode_png() and OutputFile; `reason` names the file and the cause.

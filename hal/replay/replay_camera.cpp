@@ -8,8 +8,8 @@
 namespace touchline::hal {
 namespace {
 
-constexpr double kPictureRateHz = 30.0;  // the paper's
-// One in the pipeline, one that a recorder may still hold, one being filled.
+constexpr double kPictureRateHz = 30.0;  // as in the paper
+// One in the pipeline, one held by a recorder, one being filled.
 constexpr std::size_t kBuffers = 3;
 
 std::string size_text(std::uint32_t width, std::uint32_t height) {
@@ -22,7 +22,7 @@ struct ReplayCamera::Input {
   explicit Input(PixelFormat format) : converter(format) {}
   std::unique_ptr<ffmpeg::ReplaySource> source;
   ffmpeg::FrameConverter converter;
-  ffmpeg::SourceFrame decoded;  // the next frame to hand out, when `pending`
+  ffmpeg::SourceFrame decoded;  // the next frame, if `pending`
   bool pending = false;
   std::array<ffmpeg::ConvertedFrame, kBuffers> buffer;
   std::array<bool, kBuffers> leased{};
@@ -72,7 +72,7 @@ Result<void> ReplayCamera::do_open() {
     input_->source = std::make_unique<ffmpeg::VideoReader>(parameters_.path, parameters_.rate_hz);
   }
   Result<void> opened = input_->source->open();
-  // The first frame tells the size, and whether anything can be decoded at all.
+  // The first frame has the size and shows whether the input can be decoded.
   if (opened.ok()) opened = fetch();
   if (!opened.ok()) {
     input_.reset();

@@ -12,32 +12,32 @@ namespace touchline::hal {
 
 struct ReplayParameters {
   std::string path;                          // a folder of pictures, one picture, or a video
-  PixelFormat format = PixelFormat::kRgb24;  // what frames are converted to; see hal/replay/frame_converter.h
-  double rate_hz = 0.0;                      // 0: a video by its own stamps, pictures at 30 Hz
+  PixelFormat format = PixelFormat::kRgb24;  // frames are converted to it; see hal/replay/frame_converter.h
+  double rate_hz = 0.0;                      // 0: the stamps of a video, 30 Hz for pictures
 };
 
-/// Pictures and videos as a camera. Stamps begin at 0 and depend on the input alone, so that a replay can be repeated
-/// to the bit. A picture that cannot be decoded is kCorruptFrame, one of another size than the first kInconsistent.
-/// Decoding allocates: for tools and tests, not for a real-time loop.
+/// Plays pictures and videos as a camera. Stamps begin at 0 and depend on the input alone, so a replay is repeatable to
+/// the bit. wait() returns kCorruptFrame for a picture that cannot be decoded and kInconsistent for one of another size
+/// than the first. Decoding allocates: for tools and tests, not for a real-time loop.
 class ReplayCamera final : public Camera {
  public:
-  /// With a clock frames come no sooner than they were taken (start() is the first one's time, stamps are the clock's),
-  /// as for a real radio; without one each is there at once.
+  /// With a clock, frames arrive in real time and stamps are of that clock (the first frame at start()), as a real
+  /// radio needs it. Without a clock each frame is available immediately.
   explicit ReplayCamera(ReplayParameters parameters, Clock* pace = nullptr);
   ~ReplayCamera() override;
   ReplayCamera(const ReplayCamera&) = delete;
   ReplayCamera& operator=(const ReplayCamera&) = delete;
 
   [[nodiscard]] const CameraInfo& info() const override { return info_; }
-  /// File name, without folder, of the frame that wait() gave or failed on.
+  /// File name, without folder, of the last frame that wait() returned or failed on.
   [[nodiscard]] const std::string& file() const { return file_; }
-  /// How many frames the input has; 0: it does not say.
+  /// Number of frames of the input; 0: unknown.
   [[nodiscard]] std::uint64_t frame_count() const;
-  /// Stamp of the latest frame handed out.
+  /// Stamp of the last frame that wait() returned.
   [[nodiscard]] Instant latest() const { return latest_; }
 
  private:
-  struct Input;  // FFmpeg's types stay inside
+  struct Input;  // hides FFmpeg's types
 
   Result<void> do_open() override;
   Result<void> do_start() override;
@@ -58,7 +58,7 @@ class ReplayCamera final : public Camera {
   std::uint32_t sequence_ = 0;
 };
 
-/// The time line of a replay without pace: it stands at the latest frame.
+/// The clock of a replay without real-time clock: the time of the last frame.
 class ReplayClock final : public Clock {
  public:
   explicit ReplayClock(const ReplayCamera& camera) : camera_(camera) {}

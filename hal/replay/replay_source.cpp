@@ -13,7 +13,7 @@ namespace {
 
 bool digit(char c) { return c >= '0' && c <= '9'; }
 
-// The run of digits at the front of `text`, without leading zeros, is taken off.
+// Removes the leading digits from `text` and returns them without leading zeros.
 std::string_view take_number(std::string_view& text) {
   const auto end = static_cast<std::size_t>(std::find_if_not(text.begin(), text.end(), digit) - text.begin());
   std::string_view number = text.substr(0, end);
@@ -38,7 +38,7 @@ bool natural_less(const std::string& a, const std::string& b) {
     y.remove_prefix(1);
   }
   if (x.empty() != y.empty()) return x.empty();
-  return a < b;  // "01" and "1": any order, but always the same
+  return a < b;  // "01" and "1": a fixed order
 }
 
 bool is_picture_name(const std::filesystem::path& path) {

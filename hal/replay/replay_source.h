@@ -12,19 +12,19 @@
 
 namespace touchline::hal::ffmpeg {
 
-/// A decoded frame, when it was taken (the first one: 0), and the file it stands in, without folder.
+/// A decoded frame, its time (the first one: 0), and its file name without folder.
 struct SourceFrame {
   FramePtr picture;
   Duration stamp{};
   std::string file;
 };
 
-/// Decoded pictures in their order. Messages of errors name the file.
+/// A sequence of decoded pictures. Messages of errors name the file.
 class ReplaySource {
  public:
   virtual ~ReplaySource() = default;
   virtual Result<void> open() = 0;
-  /// kEndOfStream: no more. kCorruptFrame: this one is lost, the next may be good.
+  /// kEndOfStream: no more pictures. kCorruptFrame: this one is lost, the next may be good.
   virtual Result<void> next(SourceFrame& out) = 0;
   /// 0: unknown.
   [[nodiscard]] virtual std::uint64_t frame_count() const = 0;

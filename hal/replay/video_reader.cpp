@@ -9,7 +9,7 @@
 namespace touchline::hal::ffmpeg {
 namespace {
 
-// For a stream that says nothing of its rate: the paper's.
+// For a stream without a rate: the paper's rate.
 constexpr double kUnknownRateHz = 30.0;
 
 ErrorCode code_of(int error) {
@@ -37,7 +37,7 @@ Result<void> VideoReader::open() {
   int result = avformat_open_input(&input, ("file:" + path_).c_str(), nullptr, nullptr);
   if (result < 0) return fail(code_of(result), result == AVERROR_INVALIDDATA ? "is no video" : error_text(result));
   input_.reset(input);
-  // FFmpeg draws any text file as a terminal's screen.
+  // FFmpeg renders any text file as a terminal screen.
   if (std::strcmp(input_->iformat->name, "tty") == 0) return fail(ErrorCode::kUnsupported, "is a text, not a video");
   result = avformat_find_stream_info(input_.get(), nullptr);
   if (result < 0) return fail(code_of(result), "its streams cannot be read (" + error_text(result) + ")");
@@ -52,7 +52,7 @@ Result<void> VideoReader::open() {
   if (result >= 0) {
     codec_->max_pixels = std::int64_t{kMaxFrameWidth} * kMaxFrameHeight;
     codec_->pkt_timebase = stream.time_base;
-    codec_->thread_count = 0;  // as many as there are CPUs; the pictures are the same
+    codec_->thread_count = 0;  // one per CPU; the pictures do not depend on it
     result = avcodec_open2(codec_.get(), decoder, nullptr);
   }
   if (result < 0) return fail(ErrorCode::kUnsupported, "its video cannot be decoded (" + error_text(result) + ")");

@@ -15,7 +15,7 @@ namespace {
 
 using namespace ffmpeg;
 
-constexpr AVRational kTick{1, 90000};  // fine enough for any frame rate, and what MPEG systems use
+constexpr AVRational kTick{1, 90000};  // the clock of MPEG systems, fine enough for any frame rate
 
 struct MuxerDeleter {
   void operator()(AVFormatContext* context) const { avformat_free_context(context); }
@@ -76,7 +76,7 @@ Status VideoWriter::fail(ErrorCode code, const std::string& cause) {
   return code;
 }
 
-// The file's own error says more than the muxer's.
+// The error of the file has more information than that of the muxer.
 Status VideoWriter::fail_writing(int result) {
   if (output_->bytes.error.empty()) return fail(ErrorCode::kIo, error_text(result));
   reason_ = output_->bytes.error;
@@ -108,7 +108,7 @@ Status VideoWriter::open(const std::string& path, std::uint32_t width_px, std::u
   codec.framerate = av_d2q(rate_hz, 100000);
   codec.colorspace = AVCOL_SPC_SMPTE170M;
   codec.color_range = AVCOL_RANGE_MPEG;
-  codec.flags |= AV_CODEC_FLAG_GLOBAL_HEADER;  // MP4 keeps them once, in front
+  codec.flags |= AV_CODEC_FLAG_GLOBAL_HEADER;  // MP4 stores the headers once, at the beginning
   if (h264) {
     av_opt_set(codec.priv_data, "preset", "veryfast", 0);
     av_opt_set(codec.priv_data, "crf", "18", 0);  // lines and small text stay sharp

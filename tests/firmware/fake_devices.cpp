@@ -180,7 +180,7 @@ Result<hal::GpioInputs> FakeGpio::do_inputs(Instant) {
   if (const Status fault = status(); !fault.ok()) return failed(fault.code());
   ++looks;
   hal::GpioInputs inputs;
-  inputs.look_again = look_again;
+  inputs.next_poll_in = next_poll_in;
   for (const auto& [from_s, to_s] : pulled_) {
     if (now_s() >= from_s && now_s() < to_s) inputs.emergency_stop = true;
   }

@@ -145,7 +145,7 @@ class FakeGpio final : public hal::Gpio, public Script {
 
   std::vector<std::pair<double, bool>> led, strobe;
   Status outputs;  // of light and strobe alone
-  Duration look_again = Duration::max();
+  Duration next_poll_in = Duration::max();
   int looks = 0;
   int opened = 0;
 

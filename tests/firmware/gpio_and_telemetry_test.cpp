@@ -184,7 +184,7 @@ TEST_F(LoopTest, StartButtonEndsAnEmergencyOnlyOnceTheLineIsReleased) {
 
 TEST_F(LoopTest, WaitsNoLongerThanALineNeedsToSettle) {
   camera.add({0.5, 1.5, ErrorCode::kTimeout});
-  gpio.look_again = 3ms;
+  gpio.next_poll_in = 3ms;
   gpio.pull(1.001, 2.0);
   start();
   run_until(1.4);

@@ -16,25 +16,25 @@ class DebouncerTest : public ::testing::Test {
  protected:
   void begin(bool active = false) { debouncer.begin(5ms, active, kStart); }
   void edge(bool active, Duration at) { debouncer.edge(active, kStart + at); }
-  Debouncer::View look(Duration at) { return debouncer.look(kStart + at); }
+  Debouncer::State poll(Duration at) { return debouncer.poll(kStart + at); }
   Debouncer debouncer;
 };
 
 TEST_F(DebouncerTest, LevelAtTheStartCountsAtOnceAndIsNoPress) {
   begin(true);
-  EXPECT_TRUE(look(0ms).active);
-  EXPECT_FALSE(look(1ms).activated);
+  EXPECT_TRUE(poll(0ms).active);
+  EXPECT_FALSE(poll(1ms).activated);
   edge(false, 2ms);
-  EXPECT_TRUE(look(6ms).active);
-  EXPECT_TRUE(look(7ms).active) << "it was, since the last look";
-  EXPECT_FALSE(look(8ms).active);
+  EXPECT_TRUE(poll(6ms).active);
+  EXPECT_TRUE(poll(7ms).active) << "it was, since the last look";
+  EXPECT_FALSE(poll(8ms).active);
 }
 
 TEST_F(DebouncerTest, AnEdgeJustBeforeTheStartIsNoUnrest) {
   begin();
   edge(false, -1ms);
   edge(true, 1ms);
-  EXPECT_FALSE(look(2ms).restless);
+  EXPECT_FALSE(poll(2ms).bouncing);
 }
 
 TEST_F(DebouncerTest, APulseCountsFromTheDebounceTimeOn) {
@@ -42,22 +42,22 @@ TEST_F(DebouncerTest, APulseCountsFromTheDebounceTimeOn) {
     begin();
     edge(true, 20ms);
     edge(false, 20ms + length);
-    const Debouncer::View view = look(1s);
-    EXPECT_EQ(view.active, length >= 5ms) << length.count();
-    EXPECT_EQ(view.activated, length >= 5ms) << length.count();
-    EXPECT_FALSE(look(1s + 1ms).active) << "told once";
-    EXPECT_FALSE(look(1s + 2ms).activated);
+    const Debouncer::State state = poll(1s);
+    EXPECT_EQ(state.active, length >= 5ms) << length.count();
+    EXPECT_EQ(state.activated, length >= 5ms) << length.count();
+    EXPECT_FALSE(poll(1s + 1ms).active) << "told once";
+    EXPECT_FALSE(poll(1s + 2ms).activated);
   }
 }
 
 TEST_F(DebouncerTest, SaysWhenANewLevelWillCount) {
   begin();
-  EXPECT_EQ(look(10ms).settles_in, Duration::max());
+  EXPECT_EQ(poll(10ms).settles_in, Duration::max());
   edge(true, 20ms);
-  EXPECT_FALSE(look(22ms).active);
-  EXPECT_EQ(look(22ms).settles_in, 3ms);
-  EXPECT_TRUE(look(25ms).active);
-  EXPECT_EQ(look(25ms).settles_in, Duration::max());
+  EXPECT_FALSE(poll(22ms).active);
+  EXPECT_EQ(poll(22ms).settles_in, 3ms);
+  EXPECT_TRUE(poll(25ms).active);
+  EXPECT_EQ(poll(25ms).settles_in, Duration::max());
 }
 
 TEST_F(DebouncerTest, BouncingCountsOnceItHasEnded) {
@@ -67,27 +67,27 @@ TEST_F(DebouncerTest, BouncingCountsOnceItHasEnded) {
     edge(false, 20ms + i * 1ms + 500us);
   }
   edge(true, 30ms);
-  EXPECT_FALSE(look(34ms).active);
-  EXPECT_TRUE(look(35ms).activated);
+  EXPECT_FALSE(poll(34ms).active);
+  EXPECT_TRUE(poll(35ms).activated);
   for (int i = 0; i < 10; ++i) {
     edge(false, 50ms + i * 1ms);
     edge(true, 50ms + i * 1ms + 500us);
   }
-  EXPECT_FALSE(look(100ms).activated) << "it never let go";
+  EXPECT_FALSE(poll(100ms).activated) << "it never let go";
 }
 
 TEST_F(DebouncerTest, ALooseWireIsNoBouncing) {
   begin();
-  bool restless = false;
+  bool bouncing = false;
   for (int ms = 20; ms < 60; ++ms) {
     edge(ms % 2 == 0, ms * 1ms);
-    restless = restless || look(ms * 1ms).restless;
+    bouncing = bouncing || poll(ms * 1ms).bouncing;
   }
-  EXPECT_FALSE(restless);
+  EXPECT_FALSE(bouncing);
   for (int ms = 60; ms < 100; ++ms) edge(ms % 2 == 0, ms * 1ms);
-  EXPECT_TRUE(look(100ms).restless);
-  EXPECT_FALSE(look(100ms).active);
-  EXPECT_FALSE(look(110ms).restless) << "at rest again";
+  EXPECT_TRUE(poll(100ms).bouncing);
+  EXPECT_FALSE(poll(100ms).active);
+  EXPECT_FALSE(poll(110ms).bouncing) << "at rest again";
 }
 
 TEST_F(DebouncerTest, PulsesWithPausesBetweenThemDoNothingForEver) {
@@ -95,8 +95,8 @@ TEST_F(DebouncerTest, PulsesWithPausesBetweenThemDoNothingForEver) {
   for (int i = 1; i < 1000; ++i) {
     edge(true, i * 10ms);
     edge(false, i * 10ms + 4ms);
-    const Debouncer::View view = look(i * 10ms + 4ms);
-    ASSERT_FALSE(view.active || view.activated || view.restless) << i;
+    const Debouncer::State state = poll(i * 10ms + 4ms);
+    ASSERT_FALSE(state.active || state.activated || state.bouncing) << i;
   }
 }
 
@@ -104,16 +104,16 @@ TEST_F(DebouncerTest, AnEdgeThatWasMissedBeginsTheTimeAnew) {
   begin();
   edge(true, 20ms);
   edge(true, 24ms);  // it was low in between
-  EXPECT_FALSE(look(26ms).active);
-  EXPECT_TRUE(look(29ms).active);
+  EXPECT_FALSE(poll(26ms).active);
+  EXPECT_TRUE(poll(29ms).active);
 }
 
 TEST_F(DebouncerTest, WithoutTimeEveryLevelCounts) {
   debouncer.begin(0ms, false, kStart);
   edge(true, 20ms);
   edge(false, 20ms);
-  EXPECT_TRUE(look(30ms).activated);
-  EXPECT_FALSE(look(31ms).active);
+  EXPECT_TRUE(poll(30ms).activated);
+  EXPECT_FALSE(poll(31ms).active);
 }
 
 // Against the definition: active at some time in (last look, now] when there was a level that lasted 5 ms until then.
@@ -146,9 +146,9 @@ TEST_F(DebouncerTest, AgreesWithItsDefinitionOnRandomEdges) {
         active = active || (stable[i].second && stable[i].first <= now && end > last);
         activated = activated || (stable[i].second && stable[i].first > last && stable[i].first <= now);
       }
-      const Debouncer::View view = look(now);
-      ASSERT_EQ(view.active, active) << game << " " << now.count();
-      ASSERT_EQ(view.activated, activated) << game << " " << now.count();
+      const Debouncer::State state = poll(now);
+      ASSERT_EQ(state.active, active) << game << " " << now.count();
+      ASSERT_EQ(state.activated, activated) << game << " " << now.count();
     }
   }
 }

@@ -311,7 +311,7 @@ TEST_F(GpiodGpioTest, APressCountsAfterTheDebounceTimeAndTellsWhenThatWillBe) {
     kernel_.advance(2ms);
     const hal::GpioInputs early = look(gpio);
     EXPECT_FALSE(early.emergency_stop);
-    EXPECT_NEAR(seconds(early.look_again), 0.003, 1e-5);
+    EXPECT_NEAR(seconds(early.next_poll_in), 0.003, 1e-5);
     kernel_.advance(3ms + 1us);
     EXPECT_TRUE(pulled(gpio));
     drive(kStop, 1);

@@ -14,17 +14,17 @@ namespace touchline::hal {
 struct GpioInput {
   bool active_low = false;
   GpioBias bias = GpioBias::kNone;
-  const char* bias_key = "";  // of the board file
+  const char* bias_key = "";  // key of the board file, for messages
   Duration debounce{};
 };
 
 struct GpioEdge {
-  bool active = false;  // after the edge, after the polarity
+  bool active = false;  // level after the edge, polarity applied
   Instant at{};         // CLOCK_MONOTONIC
 };
 
-/// One requested line of a GPIO chip, under the name "touchline". Its implementation alone knows the version of
-/// libgpiod: gpio_line_v1.cpp or gpio_line_v2.cpp, whichever fits the library that is there when Touchline is built.
+/// One requested line of a GPIO chip, with consumer name "touchline". Only its implementation depends on the version of
+/// libgpiod: gpio_line_v1.cpp or gpio_line_v2.cpp, chosen by the installed library at build time.
 class GpioLine {
  public:
   GpioLine();
@@ -34,18 +34,18 @@ class GpioLine {
 
   /// The line is low at first. The message of an error names chip, line and cause.
   Result<void> request_output(const std::string& chip, int line);
-  /// With edges where the chip can tell them, debounced by the kernel where it does that.
+  /// With edge events if the chip supports them, debounced if the kernel supports that.
   Result<void> request_input(const std::string& chip, int line, const GpioInput& input);
   void release();
   [[nodiscard]] bool requested() const { return request_ != nullptr; }
-  /// Of an input; else it can only be looked at.
+  /// Input with edge events; otherwise it must be polled.
   [[nodiscard]] bool tells_edges() const { return tells_edges_; }
   [[nodiscard]] bool debounced() const { return debounced_; }
 
   // The calls below do not block and return 0 or an errno.
   [[nodiscard]] int set(bool active) const;
   [[nodiscard]] int get(bool& active) const;
-  /// The oldest edges that have not been read yet, as many as there are and fit.
+  /// Reads the oldest unread edges, as many as fit into `edges`.
   [[nodiscard]] int read_edges(std::span<GpioEdge> edges, std::size_t& count) const;
 
  private:

@@ -24,7 +24,7 @@ struct GpioLine::Request {
 namespace {
 
 constexpr const char* kConsumer = "touchline";
-// As many as the kernel keeps for a line.
+// Size of the kernel's event buffer of a line.
 constexpr std::size_t kMostEvents = 16;
 
 int flags_of(const GpioInput& input) {
@@ -37,7 +37,7 @@ int flags_of(const GpioInput& input) {
     case GpioBias::kNone:
       break;
   }
-  return polarity;  // as the chip has it: kernels before 5.5 refuse every bias flag
+  return polarity;  // unchanged: kernels before 5.5 refuse all bias flags
 }
 
 Result<void> find(const std::string& chip, int line, gpiod_chip*& found_chip, gpiod_line*& found_line) {
@@ -78,7 +78,7 @@ Result<void> GpioLine::request_input(const std::string& chip, int line, const Gp
   TOUCHLINE_TRY(find(chip, line, request->chip, request->line));
   const int flags = flags_of(input);
   tells_edges_ = gpiod_line_request_both_edges_events_flags(request->line, kConsumer, flags) == 0;
-  // A chip without interrupts can still be looked at.
+  // A chip without interrupts can still be polled.
   if (!tells_edges_ && gpiod_line_request_input_flags(request->line, kConsumer, flags) != 0) {
     const int error = errno;
     return line_error(chip, line, error, gpiod_line_consumer(request->line), &input);

@@ -10,7 +10,7 @@
 namespace touchline::hal {
 namespace {
 
-// Closes what the library handed out.
+// Frees objects of the library.
 struct Closer {
   void operator()(gpiod_chip* p) const { gpiod_chip_close(p); }
   void operator()(gpiod_chip_info* p) const { gpiod_chip_info_free(p); }
@@ -25,7 +25,7 @@ template <class T>
 using Owned = std::unique_ptr<T, Closer>;
 
 constexpr const char* kConsumer = "touchline";
-// As many as the kernel keeps for a line.
+// Size of the kernel's event buffer of a line.
 constexpr std::size_t kMostEvents = 16;
 
 gpiod_line_bias bias_of(GpioBias bias) {
@@ -40,7 +40,7 @@ gpiod_line_bias bias_of(GpioBias bias) {
   return GPIOD_LINE_BIAS_AS_IS;
 }
 
-// The setters below refuse nothing but values that their enumerations do not have.
+// These setters only fail for values outside of their enumerations.
 Owned<gpiod_line_settings> settings_of(const GpioInput& input, bool with_edges, bool with_debounce) {
   Owned<gpiod_line_settings> settings(gpiod_line_settings_new());
   if (!settings) return settings;
@@ -55,7 +55,7 @@ Owned<gpiod_line_settings> settings_of(const GpioInput& input, bool with_edges, 
   return settings;
 }
 
-// Null: errno tells why.
+// Null on error, with errno.
 Owned<gpiod_line_request> request_line(gpiod_chip* chip, unsigned line, gpiod_line_settings* settings) {
   const Owned<gpiod_line_config> lines(gpiod_line_config_new());
   const Owned<gpiod_request_config> config(gpiod_request_config_new());
@@ -68,7 +68,7 @@ Owned<gpiod_line_request> request_line(gpiod_chip* chip, unsigned line, gpiod_li
   return Owned<gpiod_line_request>(gpiod_chip_request_lines(chip, config.get(), lines.get()));
 }
 
-// Opens the chip and makes sure that it has the line.
+// Opens the chip and checks that it has the line.
 Result<void> find(const std::string& path, int line, Owned<gpiod_chip>& chip) {
   chip.reset(gpiod_chip_open(path.c_str()));
   if (!chip) {
@@ -78,7 +78,7 @@ Result<void> find(const std::string& path, int line, Owned<gpiod_chip>& chip) {
   const Owned<gpiod_chip_info> info(gpiod_chip_get_info(chip.get()));
   if (!info) {
     const int error = errno;
-    return failure(use_error(error), "%s: says nothing about itself: %s", path.c_str(), system_text(error));
+    return failure(use_error(error), "%s: reading the chip information failed: %s", path.c_str(), system_text(error));
   }
   const std::size_t lines = gpiod_chip_info_get_num_lines(info.get());
   if (static_cast<std::size_t>(line) < lines) return {};
@@ -132,7 +132,7 @@ Result<void> GpioLine::request_input(const std::string& chip, int line, const Gp
     debounced_ = request->lines && with_debounce;
     return request->lines != nullptr;
   };
-  // Kernels before 5.10 do not debounce; a chip without interrupts tells no edges and can still be looked at.
+  // Kernels before 5.10 do not debounce. A chip without interrupts has no edge events but can be polled.
   const bool debounce = input.debounce > Duration::zero();
   if (!(debounce && ask(true, true)) && !ask(true, false) && !ask(false, false)) {
     return refused(chip, opened.get(), line, errno, &input);

@@ -16,7 +16,7 @@
 namespace touchline::hal {
 namespace {
 
-/// A text of the kernel's, which need not end with a zero.
+/// A text of the kernel, which may lack the terminating zero.
 template <std::size_t N>
 std::string text_of(const char (&text)[N]) {
   std::string copy(text, N);
@@ -51,7 +51,7 @@ int ask(int file, GpioChipNode& chip) {
 std::vector<GpioChipNode> list_gpio_chips() {
   std::vector<GpioChipNode> chips;
   for (const std::string& path : numbered_files("/dev/gpiochip")) {
-    // Raspberry Pi OS links an old number to the new one.
+    // Skips links: Raspberry Pi OS links an old number to the new one.
     if (leads_elsewhere(path)) continue;
     GpioChipNode chip;
     chip.path = path;

@@ -7,22 +7,22 @@ namespace touchline::hal {
 
 struct GpioLineNode {
   unsigned number = 0;
-  std::string name;      // "" where the device tree gives none
-  std::string consumer;  // who holds it, "": nobody, or a nameless one
+  std::string name;      // "" if the device tree has none
+  std::string consumer;  // its user; "": none, or one without a name
   bool used = false;     // cannot be requested
   bool output = false, active_low = false;
-  const char* bias = "";  // "pull_up", "pull_down", "none", "": as the chip has it
+  const char* bias = "";  // "pull_up", "pull_down", "none", "": not set
 };
 
 struct GpioChipNode {
   std::string path;  // "/dev/gpiochip0"
   std::string label;
-  int error = 0;  // errno of opening or asking it; the rest is empty then
+  int error = 0;  // errno of opening it or reading its information; then the rest is empty
   unsigned line_count = 0;
-  std::vector<GpioLineNode> lines;  // all, or none where the kernel does not tell (before 5.10)
+  std::vector<GpioLineNode> lines;  // all lines; empty before Linux 5.10, which does not list them
 };
 
-/// All chips by number, asked of the kernel itself.
+/// All chips, sorted by number, from the kernel's interface.
 std::vector<GpioChipNode> list_gpio_chips();
 
 }  // namespace touchline::hal

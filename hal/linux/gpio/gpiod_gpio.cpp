@@ -9,7 +9,7 @@
 namespace touchline::hal {
 namespace {
 
-// As many as the kernel keeps for a line.
+// Size of the kernel's event buffer of a line.
 constexpr std::size_t kMostEdges = 16;
 
 }  // namespace
@@ -72,7 +72,7 @@ Result<void> GpiodGpio::open_input(Input& input, int line, const GpioInput& how)
 }
 
 void GpiodGpio::do_close() {
-  // A light that stays on would say that the program still runs.
+  // A light that stays on would mean that the program still runs.
   if (status_led_.requested()) static_cast<void>(status_led_.set(false));
   if (strobe_.requested()) static_cast<void>(strobe_.set(false));
   status_led_.release();
@@ -90,30 +90,30 @@ Result<void> GpiodGpio::set(const GpioLine& output, int line, bool high) {
 }
 
 Result<GpioInputs> GpiodGpio::do_inputs(Instant now) {
-  TOUCHLINE_TRY_ASSIGN(const Debouncer::View stop, look(emergency_stop_, settings_.emergency_stop_line, now));
-  TOUCHLINE_TRY_ASSIGN(const Debouncer::View start, look(start_, settings_.start_line, now));
+  TOUCHLINE_TRY_ASSIGN(const Debouncer::State stop, poll(emergency_stop_, settings_.emergency_stop_line, now));
+  TOUCHLINE_TRY_ASSIGN(const Debouncer::State start, poll(start_, settings_.start_line, now));
   GpioInputs inputs;
-  inputs.emergency_stop = stop.active || stop.restless;
+  inputs.emergency_stop = stop.active || stop.bouncing;
   inputs.start_pressed = start.activated;
-  inputs.look_again = std::min(stop.settles_in, start.settles_in);
+  inputs.next_poll_in = std::min(stop.settles_in, start.settles_in);
   return inputs;
 }
 
-Result<Debouncer::View> GpiodGpio::look(Input& input, int line, Instant now) {
-  if (line == kNoLine) return Debouncer::View{};
+Result<Debouncer::State> GpiodGpio::poll(Input& input, int line, Instant now) {
+  if (line == kNoLine) return Debouncer::State{};
   if (!open_) return fail(line, "not open", 0);
   if (input.line.tells_edges()) {
     std::array<GpioEdge, kMostEdges> edges{};
     std::size_t count = 0;
     if (const int error = input.line.read_edges(edges, count); error != 0) return fail(line, "reading edges", error);
-    // Kernels before 5.7 stamp by another clock: an edge of the future would never settle.
+    // Kernels before 5.7 stamp edges with another clock; an edge in the future would never count.
     for (std::size_t i = 0; i < count; ++i) input.debouncer.edge(edges[i].active, std::min(edges[i].at, now));
   }
-  // Also where edges are told: the kernel keeps only so many, and a lost one must not hide a line that is pulled.
+  // Also with edge events: the kernel's buffer is limited, and a lost edge must not hide an active line.
   bool active = false;
   if (const int error = input.line.get(active); error != 0) return fail(line, "reading", error);
   input.debouncer.level(active, now);
-  return input.debouncer.look(now);
+  return input.debouncer.poll(now);
 }
 
 Error GpiodGpio::fail(int line, const char* doing, int error) {

@@ -40,11 +40,11 @@ class GpiodGpio final : public Gpio {
   Result<void> check_lines();
   Result<void> open_input(Input& input, int line, const GpioInput& how);
   Result<void> set(const GpioLine& output, int line, bool high);
-  Result<Debouncer::View> look(Input& input, int line, Instant now);
+  Result<Debouncer::State> poll(Input& input, int line, Instant now);
   Error fail(int line, const char* doing, int error);
 
   GpioSettings settings_;
-  std::string chip_;  // the device behind settings_.chip
+  std::string chip_;  // device of settings_.chip
   Duration debounce_;
   GpioLine status_led_, strobe_;
   Input emergency_stop_, start_;

@@ -1,4 +1,4 @@
-// In the place of libcamera_link.cpp where the library is not installed.
+// Replaces libcamera_link.cpp if the library is not installed.
 #include "hal/linux/libcamera/libcamera_link.h"
 
 namespace touchline::hal {

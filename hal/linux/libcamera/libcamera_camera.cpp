@@ -9,11 +9,11 @@
 namespace touchline::hal {
 namespace {
 
-// Controls are in force after the pictures that the sensor is already taking; cameras have four of them at most.
+// Controls take effect after the frames that the sensor is already taking; cameras have at most four of these.
 constexpr std::size_t kFramesToSettle = 10;
-// Sensors start within half a second; more is a loose cable, which the loop's own limits deal with.
+// Sensors start within half a second. A longer start means a loose cable, which the limits of the loop handle.
 constexpr Duration kLongestStart = std::chrono::seconds(2);
-// Beside two frames' times; a camera that stalls is opened again only afterwards.
+// Added to two frame periods; a camera that stalls is reopened only later.
 constexpr Duration kFrameDelay = std::chrono::milliseconds(500);
 
 }  // namespace
@@ -21,7 +21,8 @@ constexpr Duration kFrameDelay = std::chrono::milliseconds(500);
 LibcameraCamera::LibcameraCamera(CameraSettings settings, int priority, std::unique_ptr<LibcameraLink> link)
     : settings_(std::move(settings)), priority_(priority), link_(std::move(link)) {}
 
-// --- the caller's thread --------------------------------------------------------------------------------------------
+// --- on the caller's thread
+// --------------------------------------------------------------------------------------------
 
 Result<void> LibcameraCamera::do_open() {
   const std::scoped_lock alone(changing_);
@@ -86,7 +87,7 @@ Result<void> LibcameraCamera::do_start() {
   return {};
 }
 
-/// Passes over the frames that were not yet taken as asked, and notes what the first of the others tells.
+/// Skips the frames that were taken before the controls took effect and reports the metadata of the next one.
 void LibcameraCamera::settle() {
   negotiated_.truncate(negotiated_at_open_);
   const Instant deadline = MonotonicClock::read() + kLongestStart;
@@ -110,7 +111,8 @@ void LibcameraCamera::settle() {
   report_negotiated(reported);
 }
 
-/// Beside wait() on another thread: of what that writes, nothing is touched but the exposure time for the stamps.
+/// May run on another thread during wait(): of the members that wait() uses, only the exposure time is written
+/// (atomic).
 Result<std::string> LibcameraCamera::do_adjust(const CameraSettings& settings) {
   const std::scoped_lock alone(changing_);
   settings_.take_controls(settings);
@@ -129,15 +131,15 @@ Result<std::string> LibcameraCamera::do_adjust(const CameraSettings& settings) {
   return text.empty() ? std::string() : std::string(name()) + ": " + text.str();
 }
 
-/// What the first frame that was taken with the controls tells, else the last of as many as it can take until one is.
-/// Nothing: frames ceased to come before that.
+/// Returns the metadata of the first frame that was taken with the new controls; if none of the next frames was, that
+/// of the last one. Nothing: no frame arrived.
 std::optional<LibcameraNumbers> LibcameraCamera::await_controls() {
-  // They go with the next request, behind those for all other buffers.
+  // The controls go with the next request, after the requests for all other buffers.
   const std::size_t frames = stream_.buffers + kFramesToSettle;
   const double rate_hz = info_.rate_hz > 0.0 ? info_.rate_hz : settings_.rate_hz;
   const Duration patience = kFrameDelay + from_seconds(2.0 / rate_hz);
   LibcameraNumbers next;
-  while (told_.pop(next) || telling_.wait_until(Instant{})) {  // what was left over by the change before
+  while (told_.pop(next) || telling_.wait_until(Instant{})) {  // metadata left over from the change before
   }
   std::optional<LibcameraNumbers> reported;
   watched_.store(true, std::memory_order_release);
@@ -150,7 +152,7 @@ std::optional<LibcameraNumbers> LibcameraCamera::await_controls() {
   return reported;
 }
 
-/// The oldest completed frame; false: none came, or none will.
+/// Takes the oldest completed frame; false: none arrived, or none can arrive.
 bool LibcameraCamera::take(Instant deadline, LibcameraFrame& frame) {
   while (ready_.wait_until(deadline)) {
     if (gone_.load(std::memory_order_acquire) || queue_error_.load(std::memory_order_acquire) != 0) return false;
@@ -210,15 +212,15 @@ Result<FrameLease> LibcameraCamera::deliver(const LibcameraFrame& completed) {
   return FrameLease(*this, frame, completed.buffer, mappings_[completed.buffer].files());
 }
 
-/// For the stamps: what a frame tells or, where it tells nothing, what was set last.
+/// Sets the exposure time for the stamps: that of the frame, or the last one that was set.
 void LibcameraCamera::set_exposure(const LibcameraNumbers& numbers) {
   if (const auto& exposure_us = numbers[LibcameraControl::kExposure]) {
     stamps_.set_exposure(from_seconds(*exposure_us * 1e-6));
   }
 }
 
-/// How many frame times after the frame before, where both frames tell: some devices count the pictures that they
-/// processed, not those that the sensor took.
+/// Returns the number of frame periods since the frame before, if both frames have stamps: some devices count processed
+/// frames instead of those that the sensor took.
 std::uint32_t LibcameraCamera::periods_since_last(const LibcameraFrame& frame, Instant stamp, Instant now) {
   const double duration_us = frame.reported[LibcameraControl::kFrameDuration].value_or(0.0);
   const double duration_before_us = std::exchange(last_duration_us_, duration_us);
@@ -226,8 +228,8 @@ std::uint32_t LibcameraCamera::periods_since_last(const LibcameraFrame& frame, I
   if (!last_has_stamp_) return 1;
   const Instant before = std::exchange(last_stamp_, stamp);
   if (!follows || duration_us <= 0.0) return 1;
-  constexpr double kMost = 1000.0;  // in so long a pause the camera would have been opened again
-  // From one stamp to the next it is one frame's time or the other's: a change of the rate is no gap.
+  constexpr double kMost = 1000.0;  // during a longer pause the camera is reopened
+  // The time between two stamps is the period of one frame or of the other: a change of the rate is not a gap.
   const double periods = std::round(seconds(stamp - before) * 1e6 / std::max(duration_us, duration_before_us));
   return periods >= 1.0 && periods <= kMost ? static_cast<std::uint32_t>(periods) : 1;
 }
@@ -250,7 +252,7 @@ void LibcameraCamera::halt() {
   forget_completed();
 }
 
-/// What came before the stop: its buffers are queued anew by the next start.
+/// Drops frames completed before the stop; the next start queues their buffers.
 void LibcameraCamera::forget_completed() {
   LibcameraFrame frame;
   while (completed_.pop(frame) || ready_.wait_until(Instant{})) {
@@ -275,13 +277,13 @@ Error LibcameraCamera::fail(Error error) noexcept {
   return *lost_;
 }
 
-// --- a thread of libcamera's ----------------------------------------------------------------------------------------
+// --- on a thread of libcamera ----------------------------------------------------------------------------------------
 
 void LibcameraCamera::frame_done(const LibcameraFrame& frame) noexcept {
   if (!flowing_.load(std::memory_order_acquire)) return;
   LibcameraFrame done = frame;
   if (done.state == LibcameraFrame::State::kGood && mappings_[done.buffer].begin_read() != 0) {
-    done.state = LibcameraFrame::State::kDamaged;  // the caches may hold the picture before
+    done.state = LibcameraFrame::State::kDamaged;  // the caches may contain the picture before
   }
   if (done.state == LibcameraFrame::State::kGood && watched_.load(std::memory_order_acquire)) {
     if (told_.push(done.reported)) telling_.post();

@@ -23,22 +23,24 @@
 namespace touchline::hal {
 
 struct LibcameraCounters {
-  std::uint64_t frames = 0;  // handed out
-  std::uint64_t lost = 0;    // gaps in the device's count, or in time
+  std::uint64_t frames = 0;  // returned by wait()
+  std::uint64_t lost = 0;    // gaps in the device's sequence numbers or in time
   std::uint64_t corrupt = 0, short_frames = 0;
 };
 
-/// A camera of libcamera's, its buffers mapped once and lent to the caller.
+/// A camera of libcamera. Its buffers are mapped once and lent to the caller.
 ///
-/// Three threads: all calls to libcamera are made on a thread of the driver's own; libcamera hands completed frames to
-/// a ring on a thread of its own, caches made true to them; the caller takes them from there and gives buffers back by
-/// a second ring. So wait() and the lease's end touch neither heap nor libcamera, which allocates for every frame.
+/// There are three threads. A thread of the driver makes all calls to libcamera. A thread of libcamera synchronizes the
+/// caches and puts completed frames into a ring. The caller takes frames from this ring and returns buffers through a
+/// second one. So neither wait() nor the end of a lease uses the heap or calls libcamera, which allocates for every
+/// frame.
 ///
-/// wait() answers kTimeout, kShortFrame, kCorruptFrame (go on), kDisconnected and kIo (open again).
+/// wait() returns kTimeout, kShortFrame, kCorruptFrame (the next frame may be good), kDisconnected and kIo (reopen the
+/// camera).
 class LibcameraCamera final : public Camera, private LibcameraSink {
  public:
-  /// `priority`: of the loop under SCHED_FIFO, 0 for none. libcamera's threads are put one below: a frame comes through
-  /// them. `link` null: this build has no libcamera, which open() tells.
+  /// `priority`: of the loop under SCHED_FIFO; 0: none. The threads of libcamera get one less, since frames come
+  /// through them. `link` null: this build has no libcamera; open() fails with a message that says so.
   LibcameraCamera(CameraSettings settings, int priority, std::unique_ptr<LibcameraLink> link);
   ~LibcameraCamera() override { LibcameraCamera::do_close(); }
   LibcameraCamera(const LibcameraCamera&) = delete;
@@ -54,7 +56,7 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   static constexpr std::size_t kMostBuffers = 32;
   enum class Task : std::uint8_t { kNone, kOpen, kStart, kAdjust, kStop, kClose };
 
-  // Of Camera: on the caller's thread.
+  // On the caller's thread.
   Result<void> do_open() override;
   Result<void> do_start() override;
   Result<std::string> do_adjust(const CameraSettings& settings) override;
@@ -75,7 +77,7 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   std::uint32_t periods_since_last(const LibcameraFrame& frame, Instant stamp, Instant now);
   Error fail(Error error) noexcept;
 
-  // On the driver's own thread.
+  // On the driver's thread.
   void work();
   Result<void> perform(Task task);
   Result<void> open_here();
@@ -90,26 +92,26 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   void queue_returned();
   Error refused(const char* doing, int error);
 
-  // On a thread of libcamera's.
+  // On a thread of libcamera.
   void frame_done(const LibcameraFrame& frame) noexcept override;
   void camera_gone() noexcept override;
 
   [[nodiscard]] const char* name() const { return id_.empty() ? settings_.device.c_str() : id_.c_str(); }
 
   CameraSettings settings_;
-  std::mutex changing_;  // the controls, or whether the device is open and streams; wait() changes neither
+  std::mutex changing_;  // guards the controls, opening, closing and streaming; not needed by wait()
   const int priority_;
   const std::unique_ptr<LibcameraLink> link_;
 
   std::string id_, model_;
-  std::uint32_t stamp_flags_ = 0;  // as V4L2 has them
+  std::uint32_t stamp_flags_ = 0;  // flags of v4l2_buffer
   CameraInfo info_;
   LibcameraStream stream_;
-  std::size_t needed_bytes_ = 0;  // a frame with fewer is short
+  std::size_t needed_bytes_ = 0;  // with fewer it is a short frame
   LibcameraLimits limits_;
   LibcameraNumbers controls_;
   DmaHeap heap_;
-  std::vector<int> files_;  // of the heap's
+  std::vector<int> files_;  // allocated from the heap
   std::array<DmaMapping, kMostBuffers> mappings_;
   ErrorText negotiated_;  // what differs from the settings
   std::size_t negotiated_at_open_ = 0;
@@ -118,24 +120,24 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   std::optional<Error> lost_;  // an error after which the camera must be reopened
   CaptureStamp stamps_;
   FrameCounter sequence_;
-  Instant last_stamp_{};         // that could be true
-  bool last_has_stamp_ = false;  // so could the last frame's
+  Instant last_stamp_{};         // the last plausible one
+  bool last_has_stamp_ = false;  // the last frame had a plausible stamp
   double last_duration_us_ = 0.0;
   LibcameraCounters counters_;
 
-  // Between the threads. A buffer is in one ring at most, so neither can be full.
+  // Shared by the threads. A buffer is in one ring at most, so no ring can be full.
   SpscRing<LibcameraFrame, kMostBuffers> completed_;
   SpscRing<std::uint32_t, kMostBuffers> returned_;
   Semaphore ready_, work_, done_;
   std::atomic<bool> flowing_{false}, gone_{false};
   std::atomic<int> queue_error_{0};
-  // Somebody wants to know what frames tell. No lock: who changes a parameter has an ordinary priority, and frames do
-  // not wait until that thread has its turn.
+  // True while adjust() waits for the metadata of frames. No lock: adjust() runs with ordinary priority, and frames
+  // must not wait for its thread.
   std::atomic<bool> watched_{false};
   SpscRing<LibcameraNumbers, 2 * kMostBuffers> told_;
   Semaphore telling_;
   std::atomic<Task> task_{Task::kNone};
-  Result<void> result_;  // of the task; published by done_
+  Result<void> result_;  // result of the task; published by done_
   std::thread worker_;
 };
 

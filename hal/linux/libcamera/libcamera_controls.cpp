@@ -8,11 +8,11 @@ namespace {
 
 using enum LibcameraControl;
 
-constexpr double kTolerance = 0.01;  // a row's time, a step of the gain
+constexpr double kTolerance = 0.01;  // the time of a row, a step of the gain
 
 bool is_near(double a, double b) { return std::abs(a - b) <= kTolerance * std::max(std::abs(a), std::abs(b)); }
 
-// Lamps flicker at twice the mains' frequency.
+// Lamps flicker at twice the mains frequency.
 double flicker_period_us(PowerLine power_line) { return power_line == PowerLine::k50Hz ? 1e6 / 100.0 : 1e6 / 120.0; }
 
 const char* word_of(PowerLine power_line) {
@@ -22,11 +22,11 @@ const char* word_of(PowerLine power_line) {
   return "";
 }
 
-/// One key of the board file that is one control.
+/// A key of the board file and its control.
 struct Key {
   const char* name;
-  double asked = 0.0;  // in the key's units
-  double unit = 1.0;   // of libcamera in one of the key's
+  double asked = 0.0;  // in the unit of the key
+  double unit = 1.0;   // libcamera's value for one unit of the key
   LibcameraControl value, manual;
 };
 
@@ -56,8 +56,8 @@ double within(const LibcameraLimits& limits, LibcameraControl control, double va
   return std::min(std::max(value, *limits.low[control]), *limits.high[control]);
 }
 
-// Where a camera takes no temperature but gains: those that a common sensor needs (within 10 % of the IMX219's between
-// 2500 and 5700 K). Another sensor's picture gets a tint, always the same one, and colors are learned with it.
+// For cameras without a color temperature: the gains that a common sensor needs (within 10 % of those of the IMX219
+// between 2500 and 5700 K). Other sensors show a tint, which is always the same and is learned with the colors.
 void set_gains(const LibcameraLimits& limits, double temperature_k, LibcameraNumbers& controls) {
   const double relative = temperature_k / 5600.0;
   controls[kWhiteBalanceManual] = 1.0;
@@ -65,7 +65,7 @@ void set_gains(const LibcameraLimits& limits, double temperature_k, LibcameraNum
   controls[kBlueGain] = within(limits, kBlueGain, 1.86 * std::pow(relative, -0.5));
 }
 
-/// What the frame tells of a control, else what was set.
+/// The value of a control that the frame reports; otherwise the value that was set.
 double granted(const LibcameraNumbers& controls, const LibcameraNumbers& reported, LibcameraControl control) {
   return reported[control].value_or(*controls[control]);
 }

@@ -9,21 +9,21 @@ namespace touchline::hal {
 /// Units of `gain` and `focus` in the board file: hundredths of libcamera's factor and of a dioptre.
 inline constexpr double kLibcameraSteps = 100.0;
 
-/// What to tell a camera so that it does as the settings say, within its limits. A control that it lacks is appended to
+/// Returns the controls for these settings, limited to the ranges of the camera. Appends the controls that it lacks to
 /// `negotiated`.
 LibcameraNumbers controls_for(const CameraSettings& asked, const LibcameraLimits& limits, ErrorText& negotiated);
 
-/// Whether a frame was taken with these controls; what the frame does not tell is taken to be so.
+/// True if a frame was taken with these controls. Values that the frame does not report count as equal.
 bool is_taken_with(const LibcameraNumbers& reported, const LibcameraNumbers& controls);
 
 /// What is reported a camera that was reported `before`: what the settings leave alone stays as it is.
 LibcameraNumbers adjusted(const LibcameraNumbers& before, const LibcameraNumbers& controls);
 
-/// Appends to `negotiated` what differs from the settings by more than the sensor's rounding (1 %), and what was set
-/// but is not reported by a frame.
+/// Appends to `negotiated` the values that differ from the settings by more than the rounding of the sensor (1 %), and
+/// those that were set but that no frame reports.
 void report_negotiated(const CameraSettings& asked, const LibcameraLimits& limits, const LibcameraNumbers& controls,
                        const LibcameraNumbers& reported, ErrorText& negotiated);
-/// The same without the rate, which only a start sets.
+/// The same without the rate, which can only be set at the start.
 void report_negotiated_controls(const CameraSettings& asked, const LibcameraLimits& limits,
                                 const LibcameraNumbers& controls, const LibcameraNumbers& reported,
                                 ErrorText& negotiated);

@@ -14,7 +14,7 @@
 
 #include "hal/device_parameters.h"
 #include "hal/linux/libcamera/libcamera_numbers.h"
-#include "hal/linux/sole_instance.h"
+#include "hal/linux/shared_instance.h"
 
 namespace touchline::hal {
 namespace {
@@ -51,16 +51,16 @@ class RunningManager final : public libcamera::CameraManager {
   ~RunningManager() override { stop(); }
 };
 
-/// libcamera allows one manager a process; everybody shares it.
-SoleInstance<RunningManager>& shared_manager() {
-  static SoleInstance<RunningManager> manager;
+/// libcamera allows one camera manager in a process; all users share it.
+SharedInstance<RunningManager>& shared_manager() {
+  static SharedInstance<RunningManager> manager;
   return manager;
 }
 
 RunningManager* take_manager(int& error) {
   error = 0;
-  return shared_manager().take([&error]() -> std::unique_ptr<RunningManager> {
-    // It tells on standard error of every step; who wants to read that sets the variable.
+  return shared_manager().acquire([&error]() -> std::unique_ptr<RunningManager> {
+    // By default libcamera logs every step to standard error; the variable can turn this on again.
     ::setenv("LIBCAMERA_LOG_LEVELS", "*:WARN", 0);
     auto manager = std::make_unique<RunningManager>();
     error = -manager->start();
@@ -116,7 +116,7 @@ class Link final : public LibcameraLink {
     stream.pixelFormat = format;
     stream.size = size;
     stream.bufferCount = static_cast<unsigned>(wish.buffers);
-    // As USB cameras send it: luma from 16 to 235.
+    // Limited range as from USB cameras: luma from 16 to 235.
     if (info_of(wish.format).range == ColorRange::kLimited) stream.colorSpace = libcamera::ColorSpace::Smpte170m;
     const libcamera::CameraConfiguration::Status status = configuration_->validate();
     if (status == libcamera::CameraConfiguration::Invalid || stream.pixelFormat != format || stream.size != size) {
@@ -139,7 +139,7 @@ class Link final : public LibcameraLink {
       for (const DmaPlane& plane : buffer.plane) {
         if (plane.file < 0) continue;
         libcamera::FrameBuffer::Plane& added = planes.emplace_back();
-        // One descriptor for all planes tells libcamera that they are one memory.
+        // The same descriptor for all planes tells libcamera that they share one memory.
         added.fd = planes.size() > 1 ? planes.front().fd : libcamera::SharedFD(plane.file);
         added.offset = static_cast<unsigned>(plane.offset);
         added.length = static_cast<unsigned>(plane.length);
@@ -187,9 +187,9 @@ class Link final : public LibcameraLink {
   }
 
   void stop() override {
-    static_cast<void>(camera_->stop());  // a camera that is gone has stopped
+    static_cast<void>(camera_->stop());  // fails if the camera is gone
     adjusted_.reset();
-    // A request that was never completed is like new.
+    // Requests that were not completed can be queued again.
     for (const auto& request : requests_) request->reuse(libcamera::Request::ReuseBuffers);
   }
 
@@ -204,7 +204,7 @@ class Link final : public LibcameraLink {
       static_cast<void>(camera_->release());
       camera_.reset();
     }
-    if (std::exchange(manager_, nullptr) != nullptr) shared_manager().give_back();
+    if (std::exchange(manager_, nullptr) != nullptr) shared_manager().release();
   }
 
  private:

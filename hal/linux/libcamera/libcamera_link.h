@@ -11,24 +11,24 @@
 #include "core/types.h"
 #include "hal/linux/dma_buffer.h"
 
-// The seam between the driver (libcamera_camera.h) and the library: what is above knows nothing of libcamera's types
-// and versions and is tested without it; what is below (libcamera_link.cpp) only calls.
+// Interface between the driver (libcamera_camera.h) and libcamera. The driver uses no type of libcamera and is tested
+// without it; the implementation (libcamera_link.cpp) only calls the library.
 namespace touchline::hal {
 
 struct LibcameraName {
-  std::string id;     // stays the same in the same socket
-  std::string model;  // of the sensor, or what a USB camera calls itself
+  std::string id;     // fixed for a socket
+  std::string model;  // of the sensor or of a USB camera
   bool external = false;
 };
 
 /// "id (model), ..." or "none".
 std::string list_of(const std::vector<LibcameraName>& cameras);
 
-/// The camera that `device` means: "auto" the first, at a ribbon cable rather than at USB; else an id, or a part that
-/// only one id has. Null: none.
+/// Returns the camera that `device` names. "auto": the first camera that is not at USB, else the first one. Otherwise
+/// an id, or a part that only one id contains. Null: none.
 const LibcameraName* choose(const std::vector<LibcameraName>& cameras, const std::string& device);
 
-/// Each a number: times in microseconds, gains as factors, Kelvin, dioptres; of switches 1 is manual.
+/// Units: microseconds, gains as factors, Kelvin, dioptres; switches: 1 is manual.
 enum class LibcameraControl : std::uint8_t {
   kExposureManual,
   kExposure,
@@ -46,7 +46,7 @@ enum class LibcameraControl : std::uint8_t {
 };
 inline constexpr std::size_t kLibcameraControls = 13;
 
-/// Of each control a number, where there is one.
+/// A number for each control, if known.
 class LibcameraNumbers {
  public:
   std::optional<double>& operator[](LibcameraControl control) { return numbers_[static_cast<std::size_t>(control)]; }
@@ -58,13 +58,13 @@ class LibcameraNumbers {
   std::array<std::optional<double>, kLibcameraControls> numbers_{};
 };
 
-/// What a camera can be told: the least and most of each control that it has.
+/// Ranges of the controls that a camera has.
 struct LibcameraLimits {
   LibcameraNumbers low, high;
   [[nodiscard]] bool has(LibcameraControl control) const { return low[control].has_value(); }
 };
 
-/// How pictures will come.
+/// Format and buffers of a stream.
 struct LibcameraStream {
   PixelFormat format = PixelFormat::kNv12;
   std::uint16_t width_px = 0, height_px = 0;
@@ -85,7 +85,7 @@ struct LibcameraFrame {
   LibcameraNumbers reported;  // what the camera says that it did
 };
 
-/// Who gets frames, on a thread of libcamera's.
+/// Receives frames, on a thread of libcamera.
 class LibcameraSink {
  public:
   virtual void frame_done(const LibcameraFrame& frame) noexcept = 0;
@@ -100,27 +100,27 @@ class LibcameraLink {
  public:
   virtual ~LibcameraLink() = default;
 
-  /// Starts the library where it is not running.
+  /// Lists the cameras; starts the library if it is not running.
   virtual int cameras(std::vector<LibcameraName>& found) = 0;
-  /// Takes a camera of the list for this process alone; `sink` must live until release().
+  /// Acquires a camera for this process; `sink` must live until release().
   virtual int acquire(const std::string& id, LibcameraSink& sink) = 0;
-  /// Asks for `wish` and puts in its place what is granted. EINVAL: another format or size; `offers` lists what there
-  /// is.
+  /// Sets format, size and number of buffers, and writes the negotiated values to `wish`. EINVAL: not available;
+  /// `offers` then lists the available ones.
   virtual int configure(LibcameraStream& wish, std::string& offers) = 0;
   /// After configure().
   virtual LibcameraLimits limits() = 0;
-  /// Pictures go to buffers of the caller's, whose files stay the caller's too.
+  /// Uses buffers of the caller, who keeps the ownership of their files.
   virtual int use_buffers(const std::vector<DmaBuffer>& buffers) = 0;
-  /// Has the driver make buffers; their files stay open until release().
+  /// Lets the driver allocate buffers; their files stay open until release().
   virtual int make_buffers(std::vector<DmaBuffer>& buffers) = 0;
-  /// Begins, with these controls from the first frame on. Buffers are queued afterwards.
+  /// Starts the stream with these controls. Buffers are queued afterwards.
   virtual int start(const LibcameraNumbers& controls) = 0;
-  /// While it streams: these controls go with the next buffer that is queued.
+  /// Sets these controls with the next queued buffer.
   virtual void adjust(const LibcameraNumbers& controls) = 0;
   virtual int queue(std::uint32_t buffer) = 0;
-  /// When it returns no frame is under way.
+  /// Stops the stream; afterwards no frame is in progress.
   virtual void stop() = 0;
-  /// Ends the library, too, unless somebody else uses it.
+  /// Releases the camera, and the library if nobody else uses it.
   virtual void release() = 0;
 };
 

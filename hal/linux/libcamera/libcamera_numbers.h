@@ -4,16 +4,16 @@
 
 #include "hal/linux/libcamera/libcamera_link.h"
 
-// Between libcamera's controls and our numbers. Included by libcamera_link.cpp and its tests alone.
+// Converts libcamera's controls to numbers and back. Only libcamera_link.cpp and its tests include this file.
 namespace touchline::hal {
 
 LibcameraLimits limits_of(const libcamera::ControlInfoMap& of_camera);
 
-/// `external`: at USB, where exposure and gain are automatic or fixed together.
+/// `external`: a USB camera, whose exposure and gain are automatic or fixed together.
 void set_controls(libcamera::ControlList& list, const libcamera::ControlInfoMap& of_camera,
                   const LibcameraNumbers& numbers, bool external);
 
-/// What a completed request's metadata tell.
+/// The values in the metadata of a completed request.
 LibcameraNumbers told_by(const libcamera::ControlList& metadata);
 
 }  // namespace touchline::hal

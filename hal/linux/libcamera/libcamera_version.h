@@ -4,13 +4,13 @@
 #include <libcamera/controls.h>
 #include <libcamera/version.h>
 
-// What differs between libcamera 0.0.3 (Debian 12), 0.4 (Debian 13) and 0.5 and later (Raspberry Pi OS). Included by
-// libcamera_link.cpp alone.
+// Differences between libcamera 0.0.3 (Debian 12), 0.4 (Debian 13) and 0.5 and later (Raspberry Pi OS). Only
+// libcamera_link.cpp includes this file.
 #define TOUCHLINE_LIBCAMERA (LIBCAMERA_VERSION_MAJOR * 10000 + LIBCAMERA_VERSION_MINOR * 100 + LIBCAMERA_VERSION_PATCH)
 
 namespace touchline::hal::version {
 
-/// Nothing happens where the camera has no such control.
+/// Sets a control if the camera has it.
 template <class T, class V>
 void set(libcamera::ControlList& list, const libcamera::ControlInfoMap& of_camera, const libcamera::Control<T>& control,
          const V& value) {
@@ -27,12 +27,12 @@ inline void set_exposure_modes(libcamera::ControlList& list, const libcamera::Co
   set(list, of_camera, libcamera::controls::AnalogueGainMode,
       gain ? libcamera::controls::AnalogueGainModeManual : libcamera::controls::AnalogueGainModeAuto);
 #else
-  // One alone is fixed by its value, and what is left stays automatic.
+  // A value fixes one of them; the other one stays automatic.
   set(list, of_camera, libcamera::controls::AeEnable, !(both_or_none ? exposure || gain : exposure && gain));
 #endif
 }
 
-/// Null: this version has no filter against flickering lamps.
+/// Null: this version has no flicker filter.
 inline const libcamera::Control<std::int32_t>* flicker_period() {
 #if TOUCHLINE_LIBCAMERA >= 200
   return &libcamera::controls::AeFlickerPeriod;

@@ -1,5 +1,4 @@
-// The part of LibcameraCamera that runs on the driver's own thread: all that calls libcamera, and may block and
-// allocate.
+// The part of LibcameraCamera that runs on the driver's thread: all calls to libcamera. It may block and allocate.
 #include <linux/videodev2.h>
 #include <pthread.h>
 #include <unistd.h>
@@ -15,7 +14,7 @@
 namespace touchline::hal {
 namespace {
 
-// Where devices write past the processor's caches, drivers' own buffers are read without them.
+// On processors whose caches do not see writes of devices, the driver's own buffers are not cached.
 #if defined(__x86_64__) || defined(__i386__)
 constexpr bool kCachesSeeDevices = true;
 #else
@@ -55,7 +54,8 @@ void split(DmaBuffer& buffer, const LibcameraStream& stream) {
 }  // namespace
 
 void LibcameraCamera::work() {
-  // libcamera's threads inherit it. A refusal is what the loop is refused too, which tells.
+  // The threads of libcamera inherit the priority. If the system refuses it, it also refuses the loop's priority, which
+  // is reported.
   if (priority_ > 0) {
     const sched_param below{.sched_priority = std::max(priority_ - 1, 1)};
     static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &below));
@@ -119,8 +119,8 @@ Result<void> LibcameraCamera::choose_camera() {
   }
   id_ = chosen->id;
   model_ = chosen->model;
-  // The first row arrives, that is, its exposure is over; what libcamera's documents call the time when the row is
-  // exposed. At USB it is what the kernel's driver says.
+  // The stamp is of the arrival of the first row, when its exposure is over; the documentation of libcamera calls it
+  // the time when the row is exposed. The stamps of USB cameras are those of the kernel's driver.
   const bool is_of_start = chosen->external && uvc_computes_stamps();
   stamp_flags_ =
       V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | (is_of_start ? V4L2_BUF_FLAG_TSTAMP_SRC_SOE : V4L2_BUF_FLAG_TSTAMP_SRC_EOF);
@@ -182,7 +182,7 @@ Result<void> LibcameraCamera::prepare_buffers() {
   return {};
 }
 
-/// From a heap that processor caches may hold, else the driver's own.
+/// Allocates buffers from a cached DMA heap, otherwise from the driver.
 Result<void> LibcameraCamera::allocate_buffers(std::vector<DmaBuffer>& buffers) {
   int error = heap_.open();
   const std::size_t bytes = std::max(stream_.frame_bytes, needed_bytes_);

@@ -21,21 +21,21 @@ namespace {
 
 // A start bit, eight data bits, a stop bit.
 constexpr double kBitsPerByte = 10.0;
-// The largest transmit FIFO of common UARTs, for a line that is slower than its baud rate: what stands there then is in
-// nobody's count.
+// The largest transmit FIFO of common UARTs. Its bytes are in no count, which matters if the line is slower than its
+// baud rate.
 constexpr std::size_t kFifoBytes = 64;
-// Receivers sample ten bits from one start edge: the two ends may differ by about 5 % in all, and each has its own
+// Receivers sample ten bits after one start edge: the two ends may differ by about 5 % in total, and each has its own
 // error.
 constexpr double kMaxBaudError = 0.02;
-// An adapter that takes nothing for so long hangs, and opening it again may bring it back. Not sooner: opening restarts
-// many radios, and some take seconds to begin.
+// An adapter that sends nothing for this time hangs, and reopening it may help. Not earlier: reopening restarts many
+// radios, and some need seconds to start.
 constexpr Duration kStandstill = std::chrono::seconds(5);
-// Between looks at the output while draining.
+// Poll interval of drain().
 constexpr Duration kDrainPeriod = std::chrono::milliseconds(1);
-// Between looks at a line that is busy: the kernel's own count is no finer.
+// Shortest poll interval of a busy line; the kernel's count has no finer resolution.
 constexpr Duration kShortestPause = std::chrono::microseconds(500);
 
-/// A disappeared tty answers EIO where other devices answer ENODEV.
+/// A tty that disappeared returns EIO, other devices ENODEV.
 ErrorCode port_error(int error) { return error == EIO ? ErrorCode::kDisconnected : use_error(error); }
 
 }  // namespace
@@ -59,8 +59,8 @@ Result<void> SerialRadio::open_port() {
 }
 
 Result<void> SerialRadio::find_port() {
-  // libserialport knows ports by their kernel names only; links such as /dev/serial/by-id/... are followed anew at each
-  // opening, so that a plugged-in-again adapter may have another number.
+  // libserialport only knows the kernel names of ports. Links such as /dev/serial/by-id/... are followed again at each
+  // open(), because an adapter that is plugged in again may have another number.
   const std::unique_ptr<char, decltype(&std::free)> path(::realpath(name(), nullptr), &std::free);
   if (path == nullptr) {
     const int error = errno;
@@ -93,8 +93,8 @@ Result<void> SerialRadio::claim_port() {
   }
   int file = -1;
   if (sp_get_port_handle(port_, &file) != SP_OK) return fail("asking for the port's file", sp_last_error_code());
-  // Two programs on one radio send each other's robots astray. The lock keeps out those who lock, whoever they are; the
-  // exclusive mode keeps out everybody but root.
+  // Two programs on one radio would mix their packets. The lock excludes all programs that lock, also those of root;
+  // exclusive mode excludes all others but root.
   if (::flock(file, LOCK_EX | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK) return device_busy(name());
     return fail("locking", errno);
@@ -115,7 +115,7 @@ Result<void> SerialRadio::configure_port() {
       sp_set_stopbits(port_, 1) != SP_OK || sp_set_flowcontrol(port_, SP_FLOWCONTROL_NONE) != SP_OK) {
     return fail("setting 8N1 without flow control", sp_last_error_code());
   }
-  // Bytes that another program left there would be half a packet to the robots.
+  // Bytes that another program left in the buffers would be half a packet for the robots.
   if (sp_flush(port_, SP_BUF_BOTH) != SP_OK) return fail("emptying", sp_last_error_code());
 
   return check_baud();
@@ -135,7 +135,7 @@ Result<void> SerialRadio::check_baud() {
                    "%s: baud = %d: granted %d, which is too far off for the robots to understand", name(),
                    settings_.baud, granted);
   }
-  // At its slowest, so that a line that is never idle falls behind by nothing.
+  // The slowest allowed rate, so that the estimate is never ahead of the line.
   byte_time_ = from_seconds(kBitsPerByte * (1.0 + kMaxBaudError) / granted);
   description_ = std::string(name()) + ": " + std::to_string(settings_.baud) + " baud";
   if (granted != settings_.baud) description_ += ", granted " + std::to_string(granted);
@@ -145,7 +145,7 @@ Result<void> SerialRadio::check_baud() {
 }
 
 bool SerialRadio::ask_for_low_latency(int file) {
-  // Drivers that know no such thing refuse one of the calls or keep the flag as it was.
+  // Drivers without low latency refuse one of the calls or ignore the flag.
   constexpr auto kLowLatency = static_cast<int>(ASYNC_LOW_LATENCY);
   serial_struct line{};
   if (::ioctl(file, TIOCGSERIAL, &line) != 0) return false;
@@ -184,14 +184,14 @@ Result<Duration> SerialRadio::do_serve() {
 
 Result<std::size_t> SerialRadio::do_receive(std::span<std::byte> into) {
   TOUCHLINE_TRY(check_usable());
-  // Into an int at once: the library returns counts that its enum has no values for.
+  // An int, because the library returns counts that its enumeration does not contain.
   const int received = sp_nonblocking_read(port_, into.data(), into.size());
   if (received < 0) return fail("receiving", sp_last_error_code());
   return static_cast<std::size_t>(received);
 }
 
-/// The kernel's count leaves out what the device has taken: 16 to 64 bytes in a UART, up to a thousand in a USB
-/// adapter, which at 9600 baud is a second of old packets. So the time that bytes need on the line counts as well.
+/// The kernel's count does not contain bytes in the device: 16 to 64 in a UART, up to a thousand in a USB adapter,
+/// which at 9600 baud is a second of old packets. Therefore the time that the bytes need on the line also counts.
 Result<std::size_t> SerialRadio::waiting() {
   const int bytes = sp_output_waiting(port_);
   if (bytes < 0) return fail("asking what waits", sp_last_error_code());
@@ -237,7 +237,7 @@ Result<void> SerialRadio::do_drain(Instant deadline) {
 void SerialRadio::do_close() {
   file_ = -1;
   if (port_ == nullptr) return;
-  // Else the kernel waits up to 30 s for a line that stands still. Neither call can fail in a way that matters here.
+  // Otherwise the kernel waits up to 30 s for a line that is blocked. Errors of these calls do not matter here.
   static_cast<void>(sp_flush(port_, SP_BUF_OUTPUT));
   static_cast<void>(sp_close(port_));
   sp_free_port(port_);

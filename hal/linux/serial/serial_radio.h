@@ -16,13 +16,13 @@ struct sp_port;
 
 namespace touchline::hal {
 
-/// A radio behind a serial port: 8 data bits, no parity, 1 stop bit, no flow control, for us alone.
+/// A radio at a serial port: 8 data bits, no parity, 1 stop bit, no flow control, opened exclusively.
 ///
-/// PacketSlot decides which packet goes out; a line is taken for busy for as long as its bytes need at the baud rate,
-/// whatever the driver and the adapter behind it have swallowed. Where the driver offers it, the port is set to low
-/// latency: an FTDI adapter then hands on what it receives after 1 ms instead of 16. A port that lets nothing go for
-/// five seconds answers kIo: it is to be opened again. close() drops what has not left (drain() first): a port that is
-/// gone must not hold up the exit.
+/// PacketSlot decides which packet is sent. The line counts as busy for as long as its bytes need at the baud rate, no
+/// matter how many bytes the driver and the adapter buffer. The port is set to low latency if the driver supports it:
+/// an FTDI adapter then delivers received bytes after 1 ms instead of 16 ms. If the port sends nothing for five
+/// seconds, it returns kIo and must be reopened. close() drops unsent bytes (call drain() first): a lost port must not
+/// delay the exit.
 class SerialRadio final : public Radio, private ByteLine {
  public:
   explicit SerialRadio(RadioSettings settings) : settings_(std::move(settings)) {}
@@ -61,13 +61,13 @@ class SerialRadio final : public Radio, private ByteLine {
   RadioSettings settings_;
   std::string description_;
   sp_port* port_ = nullptr;
-  int file_ = -1;  // of the port while it is ours
+  int file_ = -1;              // of the port while it is ours
   std::optional<Error> lost_;  // an error after which the port must be reopened
   PacketSlot slot_;
-  Duration byte_time_{1};  // of one byte on the line
-  Instant free_at_{};      // when all that was written will have left it
+  Duration byte_time_{1};  // of one byte at the baud rate
+  Instant free_at_{};      // when all written bytes will be sent
   std::size_t in_driver_ = 0;
-  Instant moved_at_{};  // when the driver last took a byte or let one go
+  Instant moved_at_{};  // when the driver last took or sent a byte
 };
 
 }  // namespace touchline::hal

@@ -6,21 +6,21 @@
 
 namespace touchline::hal {
 
-/// An object of which there may be one at a time in a process: made for its first user, shared by all, destroyed with
-/// the last one. Who comes while it is being destroyed waits and gets a new one.
+/// A shared object of which a process may have only one at a time. The first user creates it, the last one destroys it.
+/// A user that arrives during destruction waits and gets a new object.
 template <class T>
-class SoleInstance {
+class SharedInstance {
  public:
-  /// `make` gives a std::unique_ptr<T>, null when it fails: then null, and there is nothing to be given back.
+  /// `make` returns a std::unique_ptr<T>. If that is null, returns null, and release() must not be called.
   template <class Make>
-  T* take(const Make& make) {
+  T* acquire(const Make& make) {
     const std::scoped_lock alone(mutex_);
     if (users_ == 0) instance_ = make();
     if (instance_ != nullptr) ++users_;
     return instance_.get();
   }
-  /// Once for each take() that was not null.
-  void give_back() {
+  /// To be called once for each acquire() that was not null.
+  void release() {
     const std::scoped_lock alone(mutex_);
     if (--users_ == 0) instance_.reset();
   }

@@ -1,4 +1,4 @@
-#include "hal/linux/sole_instance.h"
+#include "hal/linux/shared_instance.h"
 
 #include <gtest/gtest.h>
 
@@ -21,24 +21,24 @@ struct Slow {
 
 std::unique_ptr<Slow> make() { return std::make_unique<Slow>(); }
 
-TEST(SoleInstance, IsSharedAndEndsWithTheLast) {
-  SoleInstance<Slow> sole;
-  Slow* const first = sole.take(make);
+TEST(SharedInstance, IsDestroyedWithTheLastUser) {
+  SharedInstance<Slow> shared;
+  Slow* const first = shared.acquire(make);
   ASSERT_NE(first, nullptr);
-  EXPECT_EQ(sole.take(make), first);
-  sole.give_back();
+  EXPECT_EQ(shared.acquire(make), first);
+  shared.release();
   EXPECT_EQ(Slow::alive, 1);
-  sole.give_back();
+  shared.release();
   EXPECT_EQ(Slow::alive, 0);
 }
 
-TEST(SoleInstance, WhoComesWhileItEndsDoesNotMakeASecond) {
-  SoleInstance<Slow> sole;
+TEST(SharedInstance, AUserThatArrivesDuringDestructionGetsANewOne) {
+  SharedInstance<Slow> shared;
   Slow::most = 0;
   const auto come_and_go = [&] {
     for (int i = 0; i < 100; ++i) {
-      ASSERT_NE(sole.take(make), nullptr);
-      sole.give_back();
+      ASSERT_NE(shared.acquire(make), nullptr);
+      shared.release();
     }
   };
   std::thread other(come_and_go);
@@ -48,11 +48,11 @@ TEST(SoleInstance, WhoComesWhileItEndsDoesNotMakeASecond) {
   EXPECT_EQ(Slow::most, 1);
 }
 
-TEST(SoleInstance, AFailureIsNoUse) {
-  SoleInstance<Slow> sole;
-  EXPECT_EQ(sole.take([] { return std::unique_ptr<Slow>(); }), nullptr);
-  EXPECT_NE(sole.take(make), nullptr) << "another attempt";
-  sole.give_back();
+TEST(SharedInstance, AFailedCreationIsNotAUser) {
+  SharedInstance<Slow> shared;
+  EXPECT_EQ(shared.acquire([] { return std::unique_ptr<Slow>(); }), nullptr);
+  EXPECT_NE(shared.acquire(make), nullptr) << "another attempt";
+  shared.release();
   EXPECT_EQ(Slow::alive, 0);
 }
 

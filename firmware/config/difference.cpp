@@ -38,7 +38,7 @@ class ValueLister {
   void texts(const std::vector<std::string>& values, const Key& key) { add(key, list_text(values)); }
   template <class Enum, class Choices>
   void choice(const Enum& value, const Choices& choices, const Key& key) {
-    add(key, toml_string(word_of(value, choices)));
+    add(key, toml_string(config::word_of(value, choices)));
   }
   template <class Struct>
   void section(const Struct& value, const Key& key) {

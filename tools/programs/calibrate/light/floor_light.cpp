@@ -62,8 +62,8 @@ std::vector<std::uint8_t> plain_floor(const std::array<Plane, 3>& background, co
 void mend_floor(const LightGrid& grid, std::array<Plane, 3>& cells) {
   constexpr double kUnlike = 0.05;  // of the value; the noise of a cell's median is smaller
   constexpr double kNeighborhood = 2.5;
-  constexpr int kRounds = 4;
-  for (int round = 0; round < kRounds; ++round) {
+  constexpr int kMendingRounds = 4;
+  for (int round = 0; round < kMendingRounds; ++round) {
     std::vector<bool> wrong(grid.cells(), false);
     for (const Plane& plane : cells) {
       const Plane expected = grid.around(plane, kNeighborhood);

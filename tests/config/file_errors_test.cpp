@@ -65,7 +65,8 @@ TEST_F(ConfigFiles, NotANumberIsOutOfRange) {
 TEST_F(ConfigFiles, WordOfNoChoice) {
   replace("board.toml", "format = \"rgb24\"", "format = \"rbg24\"");
   EXPECT_EQ(refusal(),
-            "board.toml:9: camera.format: \"rbg24\" is none of rgb24, bgr24, yuyv, uyvy, nv12, mjpg; did you mean "
+            "board.toml:9: camera.format: \"rbg24\" is none of rgb24, bgr24, yuyv, uyvy, nv12, i420, xrgb8888, mjpg; "
+            "did you mean "
             "\"rgb24\"?\n");
 }
 

@@ -78,10 +78,11 @@ class RegionScanner {
   /// Finds regions (4-neighborhood, exact sums) in raster order of their first pixel. `runs` holds exactly the runs of
   /// these regions in raster order; Run::next chains the runs of a region.
   /// kUnsupported: the format or size of the frame differs from the configured one. kShortFrame: a plane is missing or
-  /// its stride is too small. Both leave `runs` and `regions` empty. kFull: a capacity was exceeded, by one or both of
+  /// its stride is too small. Both leave `runs` and `regions` empty.
+  ///
+  /// kFull: a capacity was exceeded, by one or both of
   /// - rows with more runs than RunBudget allows, which no realistic field has. Such a row lost its shortest runs, and
-  /// the
-  ///   regions are those of the picture without these. A region without pixels in such a row is complete and exact.
+  ///   the regions are those of the picture without these. A region without pixels in such a row is complete and exact.
   ///   runs.overflow() counts the lost runs. (If the least area is 2 or more, pixels without a neighbor of their color
   ///   are no runs.)
   /// - more regions than fit. The largest are reported, and regions.overflow() counts the others.

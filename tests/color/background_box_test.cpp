@@ -156,7 +156,7 @@ TEST(BackgroundRanges, HoldBackgroundOnly) {
   EXPECT_GT(not_from_unlit, 100u);
 }
 
-// Four times darker light is all that a sensor can show of 64 and more: such a floor is not told at a glance there.
+// At a gain of 1/4, full scale becomes 64, so no value shows this floor.
 TEST(BackgroundRanges, FallBackToBlackWhereNoValueShowsTheFloor) {
   ColorBoxes boxes;
   boxes.push_back({1, {0, 90, 0}, {99, 255, 255}});

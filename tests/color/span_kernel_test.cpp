@@ -111,7 +111,7 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
         box.high[channel] = std::max(box.low[channel], box.high[channel]);
       }
     } else if (kind != 0) {
-      // None of them dark, so that whole blocks can be told from them at a glance.
+      // No box is dark, so that the background box can reject whole blocks.
       for (ColorBox& box : boxes_) {
         const std::size_t channel = random_() % 3;
         box.low[channel] = std::max<std::uint8_t>(box.low[channel], 180);

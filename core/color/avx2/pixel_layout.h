@@ -46,8 +46,7 @@ TOUCHLINE_TARGET_INLINE __m256i background_bytes_of(const TwoTiles& tiles) {
 
 // Each layout below has these functions:
 // - candidates: returns zero only if all pixels are in the background box. It takes a block with one light level, or
-// two
-//   tiles that begin at any columns, each with its own level; each tile gives the result of its half.
+//   two tiles that begin at any columns, each with its own level; each tile gives the result of its half.
 // - planes: returns the three channels of a block, with chroma repeated for both pixels of a pair.
 // - tile_planes: returns the same for a tile, in both halves.
 // With shared chroma, blocks and tiles begin at even columns.

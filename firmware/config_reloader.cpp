@@ -62,7 +62,7 @@ std::vector<std::string> ConfigReloader::reload(const std::atomic<bool>& cancell
   running_ = std::move(next);
   if (!changes.applied.empty()) {
     messages.push_back("reload: from frame " + std::to_string(live_settings_->taken_after + 1) +
-                   " on: " + listed(changes.applied, config::text_of));
+                       " on: " + listed(changes.applied, config::text_of));
   }
   if (!changes.need_restart.empty()) {
     messages.push_back("reload: needs a restart: " + listed(changes.need_restart, key_of));

@@ -1,4 +1,4 @@
-// Parameters that change while the loop runs; under the thread sanitizer as well.
+// Settings that change while the loop runs; also run under the thread sanitizer.
 #include "firmware/config_reloader.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ class ConfigReloaderTest : public LoopTest {
               std::to_string(exposure_us) + "\nbuffers = " + std::to_string(buffers) +
               "\n[radio]\nbackend = \"none\"\n[faults]\nstop_after_s = " + stop_after_s + "\n");
   }
-  /// The ball shows 210, 110, 220.
+  /// The ball's pixels are 210, 110, 220.
   void write_venue(const std::string& orange_low) const {
     write("venue.toml",
           "version = 1\n[picture]\nwidth_px = 64\nheight_px = 48\n[field]\nlength_m = 2.2\nwidth_m = 1.8\n"
@@ -51,7 +51,7 @@ class ConfigReloaderTest : public LoopTest {
               "]\n[[color]]\nname = \"blue\"\n[[color.box]]\nlow = [100, 100, 200]\nhigh = [120, 120, 255]\n"
               "[[color]]\nname = \"red\"\n[[color.box]]\nlow = [150, 100, 200]\nhigh = [170, 120, 255]\n");
   }
-  /// The loop as the files say.
+  /// Starts the loop with the files.
   void begin() {
     const config::FilePaths paths{(folder_ / "board.toml").string(), "", "", {}};
     config::Problems problems;
@@ -63,7 +63,7 @@ class ConfigReloaderTest : public LoopTest {
     camera.show_ball();
     run_until(0.5);
   }
-  /// Asks for a reload on its thread and lets the loop run on meanwhile; what is said, without the folder's name.
+  /// Requests a reload on its thread while the loop iterates. Returns the messages without the folder's name.
   std::string reload() {
     std::mutex saying;
     std::string said;
@@ -92,7 +92,7 @@ class ConfigReloaderTest : public LoopTest {
     }
     return said;
   }
-  /// What is said after a reload, the frame's number taken out, which is checked.
+  /// As reload(), with the checked number of the frame replaced by N.
   std::string reload_from_next_frame() {
     std::string said = reload();
     const std::string begin = "reload: from frame ";
@@ -132,7 +132,7 @@ TEST_F(ConfigReloaderTest, AColorThatWasNotSeenIsSeenFromTheNextFrameOn) {
   write_venue("200, 100, 200");
   EXPECT_EQ(reload_from_next_frame(), "reload: from frame N on: color.orange\n");
   EXPECT_TRUE(ball_is_seen_);
-  // And back, by the tables that the scanner began with.
+  // Back again, with the tables that the scanner began with.
   write_venue("200, 20, 200");
   EXPECT_EQ(reload_from_next_frame(), "reload: from frame N on: color.orange\n");
   EXPECT_FALSE(ball_is_seen_);
@@ -171,7 +171,7 @@ TEST_F(ConfigReloaderTest, CameraAndTimesChangeAndTheRestIsNamed) {
             "reload: needs a restart: camera.buffers\n");
   EXPECT_EQ(camera.adjusted_exposure_us, 4000);
   expect_no_hitch();
-  // The new time is in force: robots are stopped by it.
+  // Robots are stopped after the new time.
   const double stalled_s = now_s();
   camera.add({stalled_s, stalled_s + 0.15, ErrorCode::kTimeout});
   run_until(stalled_s + 0.15);

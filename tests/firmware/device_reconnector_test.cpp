@@ -36,7 +36,7 @@ TEST(ThreadsDeviceReconnector, PausesDoubleFromFailureToFailure) {
   EXPECT_TRUE(poll(5.0));
   EXPECT_EQ(script.calls, 0);
   reconnector.mark_lost(at(10.0));
-  reconnector.mark_lost(at(10.05));  // said twice: counts from the first time
+  reconnector.mark_lost(at(10.05));  // ignored: it is lost already
   EXPECT_FALSE(reconnector.is_open());
   for (const auto& [time, calls] : {std::pair{10.09, 0}, {10.1, 1}, {10.29, 1}, {10.3, 2}, {10.69, 2}, {10.7, 3}}) {
     EXPECT_FALSE(poll(time));
@@ -105,7 +105,7 @@ TEST(ThreadsDeviceReconnector, DriverThatHangsHoldsUpNobody) {
   driver.entered.acquire();
   for (int i = 0; i < 1000; ++i) EXPECT_FALSE(reconnector.poll(at(3.0 + i)));
   driver.answer.release();
-  // The answer crosses from the worker's thread; it comes, but not at once.
+  // The result comes from another thread, after some time.
   bool back = false;
   for (int i = 0; i < 5000 && !back; ++i) {
     back = reconnector.poll(at(2000.0)).has_value();

@@ -1,4 +1,4 @@
-// The emergency stop: pulled, released, bouncing, and a line that cannot be read.
+// Emergency stop: pulled, released, bouncing, unreadable.
 #include <algorithm>
 
 #include "tests/firmware/loop_fixture.h"

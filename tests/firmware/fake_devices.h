@@ -11,10 +11,10 @@
 #include "hal/gpio.h"
 #include "hal/radio.h"
 
-// Devices that do what a test's script says, at the times that it says. They never succeed silently in a fault's time.
+// Fake devices that follow the script of a test. During a scripted fault no call succeeds.
 namespace touchline::testing {
 
-/// Jumps when somebody waits.
+/// Waiting makes the time jump.
 class FakeClock final : public hal::Clock {
  public:
   [[nodiscard]] Instant now() const override { return now_; }
@@ -24,13 +24,13 @@ class FakeClock final : public hal::Clock {
   Instant now_ = Instant(std::chrono::seconds(1000));
 };
 
-/// [from_s, to_s) after the test's begin: the device answers with `code`.
+/// In [from_s, to_s) after the start of the test the device returns `code`.
 struct Fault {
   double from_s = 0.0, to_s = 0.0;
   ErrorCode code = ErrorCode::kIo;
 };
 
-/// What all of them have: the script and the time line.
+/// Script and time line of a fake device.
 class Script {
  public:
   explicit Script(hal::Clock& clock) : clock_(clock), begin_(clock.now()) {}
@@ -49,8 +49,8 @@ class Script {
   std::vector<Fault> faults_;
 };
 
-/// A dark picture every 20 ms. In a fault's time wait() gives the code (kTimeout: waits in vain), and open() gives it
-/// when it is one of an absent device.
+/// Delivers a dark picture every 20 ms. During a fault wait() returns its code (kTimeout: after the deadline), and
+/// open() does if the code is that of an absent device.
 class FakeCamera final : public hal::Camera, public Script {
  public:
   static constexpr std::uint16_t kWidth = 64, kHeight = 48;
@@ -59,24 +59,24 @@ class FakeCamera final : public hal::Camera, public Script {
 
   [[nodiscard]] const hal::CameraInfo& info() const override { return info_; }
 
-  /// From now on the picture is full of single pixels of dark_room()'s colors.
+  /// Fills the following pictures with single pixels in the colors of dark_room().
   void fill_with_colors();
 
-  /// From now on a disc of 12 pixels in dark_room()'s ball color stands in the middle, 0.04 m on its field.
+  /// Draws the ball of dark_room() into the following pictures: a disc of 12 pixels (0.04 m) in the middle.
   void show_ball();
 
-  /// From now on dark_room()'s robot stands in the middle and looks to the right.
+  /// Draws the robot of dark_room() into the following pictures, in the middle, heading right.
   void show_robot();
 
-  Duration age = std::chrono::milliseconds(5);   // of a frame when it is handed out
-  std::uint32_t skip_at = 0, skipped = 0;        // at this sequence number the driver's count jumps by so many
-  std::uint64_t misstamped_frame = 0;            // this one, counted from 1, is stamped ahead of the clock; 0: none
+  Duration age = std::chrono::milliseconds(5);   // of a frame when wait() returns it
+  std::uint32_t skip_at = 0, skipped = 0;        // at this sequence number the count jumps by `skipped`
+  std::uint64_t misstamped_frame = 0;            // the frame (counted from 1) that is stamped ahead; 0: none
   Duration misstamped_by{};                      // how far ahead
-  std::uint64_t last_frame = ~std::uint64_t{0};  // kEndOfStream after so many
+  std::uint64_t last_frame = ~std::uint64_t{0};  // kEndOfStream after this number of frames
   std::uint16_t width = kWidth;                  // of the frames
-  std::vector<double> opened_s;                  // each attempt
-  double starts_from_s = 0.0;                    // before, it opens but refuses to stream
-  double fits_from_s = 0.0;                      // before, it opens but has not what is asked for
+  std::vector<double> opened_s;                  // times of all attempts
+  double starts_from_s = 0.0;                    // before this time it opens but does not start
+  double fits_from_s = 0.0;                      // before this time it does not offer the requested format
   bool leased = false, running = false, is_open = false;
   std::optional<int> adjusted_exposure_us;
   std::string negotiated;  // what adjust() returns
@@ -109,9 +109,9 @@ class FakeRadio final : public hal::Radio, public Script {
  public:
   explicit FakeRadio(hal::Clock& clock) : Script(clock) { sent.reserve(100000); }
 
-  /// From now on robots' bytes wait to be received.
+  /// Adds bytes that the next receive() calls return.
   void hear(std::span<const std::byte> bytes) { heard_.insert(heard_.end(), bytes.begin(), bytes.end()); }
-  /// The next packets wait for the line so long each; one that is sent meanwhile replaces the one that waits.
+  /// Time that each packet takes on the line. A packet sent meanwhile replaces the one that waits.
   Duration line_time{};
 
   std::vector<SentPacket> sent;
@@ -144,7 +144,7 @@ class FakeGpio final : public hal::Gpio, public Script {
   void press(double at_s) { pressed_.push_back(at_s); }
 
   std::vector<std::pair<double, bool>> led, strobe;
-  Status outputs;  // of light and strobe alone
+  Status outputs;  // result of status light and strobe only
   Duration next_poll_in = Duration::max();
   int looks = 0;
   int opened = 0;

@@ -1,4 +1,4 @@
-// What a person sees and presses, and what robots say of themselves.
+// Status light, strobe, start button, and telemetry of the robots.
 #include <algorithm>
 
 #include "core/radio/telemetry.h"
@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 
 constexpr double kRelease = 0.1;
 
-/// Longest time for which the light stayed as it was, in [from_s, to_s).
+/// Longest time without a change of the light in [from_s, to_s).
 double longest_rest(const std::vector<std::pair<double, bool>>& light, double from_s, double to_s) {
   double longest = 0.0, last = from_s;
   for (const auto& [at_s, on] : light) {
@@ -51,7 +51,7 @@ TEST_F(LoopTest, StrobeFramesTheWorkOnEachFrame) {
   for (std::size_t i = 0; i < gpio.strobe.size(); ++i) EXPECT_EQ(gpio.strobe[i].second, i % 2 == 0);
 }
 
-/// What was told of the GPIO.
+/// Reported faults of the GPIO chip.
 std::vector<FaultReport> gpio_faults(const std::vector<Report>& reports) {
   std::vector<FaultReport> faults;
   for (const Report& report : reports) {
@@ -71,7 +71,7 @@ TEST_F(LoopTest, AFailingLightIsToldOnceAndTheGameGoesOn) {
   ASSERT_EQ(told.size(), 1U);
   EXPECT_EQ(told[0].action, FaultAction::kContinueWithout);
   EXPECT_EQ(changes(gpio.led, 1.001, 5.0) + changes(gpio.strobe, 1.001, 5.0), 1U) << "each call costs the loop time";
-  // The chip is opened again for the emergency stop's sake, and light and strobe with it.
+  // A lost emergency stop makes the loop reopen the chip; light and strobe then work again.
   gpio.outputs = {};
   gpio.add({5.0, 5.3, ErrorCode::kDisconnected});
   run_until(8.0);
@@ -190,7 +190,7 @@ TEST_F(LoopTest, WaitsNoLongerThanALineNeedsToSettle) {
   run_until(1.4);
   const auto sent = packets(1.001, 1.4);
   ASSERT_FALSE(sent.empty());
-  // Without frames the loop looks every 50 ms, but for a line that is about to settle.
+  // Without frames the loop reads the lines every 50 ms, and earlier if a line is being debounced.
   EXPECT_TRUE(sent.front().stop);
   EXPECT_LE(sent.front().at_s, 1.001 + 0.05);
   EXPECT_GE(gpio.looks, 100);

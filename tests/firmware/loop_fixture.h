@@ -10,7 +10,7 @@
 
 namespace touchline::testing {
 
-/// A pipeline for FakeCamera's pictures, in which there is nothing to see.
+/// Parameters for the pictures of FakeCamera, which show an empty dark field.
 PipelineParameters dark_room();
 
 /// A loop on fake devices and a fake clock.
@@ -19,15 +19,15 @@ class LoopTest : public ::testing::Test {
   LoopTest();
   ~LoopTest() override;
 
-  /// Builds and opens the loop with `settings`; once a test.
+  /// Makes and opens the loop with `settings`. Once in each test.
   Loop& start(LoopObserver observer = {});
-  /// Runs until so long after the begin.
+  /// Iterates until `end_s` after the start of the test.
   void run_until(double end_s);
   [[nodiscard]] double now_s() const { return camera.now_s(); }
 
   /// Packets sent in [from_s, to_s).
   [[nodiscard]] std::vector<SentPacket> packets(double from_s, double to_s) const;
-  /// All of them are stop packets, or none is; fails when there are none or both kinds.
+  /// Whether these packets are stop packets. Fails if there are none, or both kinds.
   [[nodiscard]] bool all_stop(double from_s, double to_s) const;
   /// Everything in the ring.
   std::vector<Report> reports();

@@ -1,4 +1,4 @@
-// The loop when all goes well, and how it ends.
+// The loop without faults, wrong stamps and sequence numbers, and how it ends.
 #include <algorithm>
 
 #include "tests/firmware/loop_fixture.h"
@@ -67,7 +67,7 @@ TEST_F(LoopTest, PredictionReachesToTheInstantOfAction) {
          },
          &ahead});
   run_until(0.5);
-  // Measured on the loop's clock: 9 ms old when the packet left; and the radio's 20 ms.
+  // 9 ms from capture to packet on the loop's clock, and 20 ms of the radio.
   EXPECT_EQ(ahead, 29ms);
 }
 
@@ -164,7 +164,7 @@ TEST_F(LoopTest, StopFlagStopsTheRobotsBeforeDevicesAreClosed) {
   EXPECT_EQ(loop->run(stop), LoopEnd::kRequested);
   ASSERT_EQ(radio.sent.size(), 15U);
   for (std::size_t i = 0; i < 15; ++i) EXPECT_EQ(radio.sent[i].stop, i >= 10) << i;
-  // Spaced, so that one disturbance does not take all of them.
+  // Spaced, so that one disturbance does not hit all of them.
   EXPECT_NEAR(radio.sent[14].at_s - radio.sent[10].at_s, 0.08, 1e-9);
   ASSERT_TRUE(radio.drained_s.has_value());
   EXPECT_GE(*radio.drained_s, radio.sent[14].at_s);

@@ -1,4 +1,4 @@
-// Frames that do not come, devices that go and come back.
+// Missing frames, and devices that are lost and come back.
 #include <algorithm>
 
 #include "tests/firmware/loop_fixture.h"
@@ -8,7 +8,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// stop_after_s, and the longest time between two looks at the clock.
+// stop_after_s, and the longest time between two iterations.
 constexpr double kStopAfter = 0.2, kSlice = 0.05;
 
 TEST_F(LoopTest, RobotsStopWhenFramesStayAway) {
@@ -131,7 +131,7 @@ TEST_F(LoopTest, ACameraThatComesBackWithLessIsWaitedFor) {
   camera.add({1.0, 1.02, ErrorCode::kDisconnected});
   settings.faults.reopen_after_s = 0.5;
   start();
-  camera.fits_from_s = 3.0;  // badly plugged in: USB 2 instead of 3, and not the size that is asked for
+  camera.fits_from_s = 3.0;  // badly plugged in: USB 2 instead of 3, without the requested size
   run_until(6.0);
   EXPECT_EQ(loop->statistics().faults[0][static_cast<std::size_t>(ErrorCode::kUnsupported)], 2U);
   EXPECT_EQ(loop->statistics().reopened[0], 1U);

@@ -1,4 +1,4 @@
-// The program touchline as a person or a script calls it: exit codes, and what it says.
+// The program touchline as a person or a script calls it: exit codes and output.
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -219,7 +219,7 @@ TEST_F(Program, AfterAnUnexpectedEndRobotsWaitForAStart) {
       std::string::npos)
       << restarted.text;
   EXPECT_NE(restarted.text.find("packets   12 sent, 12 of them stop packets"), std::string::npos) << restarted.text;
-  // It was ended properly: after the next start robots move.
+  // That run ended properly, so robots move after the next start.
   const Outcome started = outcome_of(service + "--frames 7 " + board());
   EXPECT_NE(started.text.find("packets   12 sent, 5 of them stop packets"), std::string::npos) << started.text;
 }
@@ -230,7 +230,7 @@ TEST_F(Program, ARunThatLosesItsDeviceHoldsTheNextOne) {
       "RUNTIME_DIRECTORY='" + (folder_ / "run").string() + "' '" TOUCHLINE_PROGRAM "' run --headless ";
   EXPECT_EQ(outcome_of(service + board() + "--frames 3").code, 0);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "run/driving-robots"));
-  // Pictures of another size from the fourth on are a fault.
+  // A picture of another size is a fault.
   write("frames/15.ppm", "P6\n32 24\n255\n" + std::string(std::size_t{32} * 24 * 3, '\0'));
   EXPECT_EQ(outcome_of(service + board()).code, 2);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "run/driving-robots"));
@@ -245,7 +245,7 @@ TEST_F(Program, ClosedStandardDescriptorsAreNoDevices) {
   EXPECT_EQ(outcome_of("sh '" + (folder_ / "closed.sh").string() + "'").text, "/dev/null\n/dev/null\n/dev/null\n");
 }
 
-// Sanitizers do not work with little memory.
+// Sanitizers do not work with a memory limit.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST_F(Program, AReloadWithoutMemoryLeavesTheGameRunning) {
   const std::string output = "'" + (folder_ / "output.txt").string() + "'";

@@ -1,4 +1,4 @@
-// What the kernel is asked for, and what is said when it refuses.
+// Real-time settings, and the messages if the kernel refuses them.
 #include "firmware/realtime.h"
 
 #include <sched.h>
@@ -19,7 +19,7 @@
 namespace touchline {
 namespace {
 
-// In a thread of its own, so that the test's keeps its rights and its processor.
+// In a thread of its own, so that the test's thread keeps its scheduling and its processor.
 std::vector<std::string> refusals_of(const config::RealtimeSettings& settings, int* processor = nullptr) {
   std::vector<std::string> refused;
   std::thread([&] {
@@ -75,7 +75,7 @@ TEST(Realtime, PriorityIsGivenOrTheRefusalSaysWhatToDo) {
   }
 }
 
-// In kB; the kernel's own account.
+// In kB, from /proc.
 long locked_memory() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {
@@ -110,7 +110,7 @@ TEST(Realtime, TimersAreExact) {
   EXPECT_EQ(slack_ns, 1);
 }
 
-// A tree with the kernel's files in it, as far as they are read.
+// A folder with copies of the kernel's files that are read.
 class KernelFiles : public ::testing::Test {
  protected:
   KernelFiles() : root_(::testing::TempDir() + "touchline_kernel_files_" + std::to_string(::getpid())) {}

@@ -22,9 +22,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kLongEnough{1500};  // what must come does so after 50 ms
+constexpr milliseconds kLongEnough{1500};  // messages normally come after 50 ms
 
-/// Listens as a service manager does.
+/// Receives messages as a service manager does.
 class ServiceNotifierTest : public testing::LoopTest {
  protected:
   ServiceNotifierTest()
@@ -44,7 +44,7 @@ class ServiceNotifierTest : public testing::LoopTest {
     std::filesystem::remove(path_);
   }
 
-  /// The next message, or nothing when none comes in time.
+  /// The next message, or "" if none comes in time.
   [[nodiscard]] std::string message(milliseconds patience) const {
     pollfd waiting{socket_, POLLIN, 0};
     if (::poll(&waiting, 1, static_cast<int>(patience.count())) <= 0) return "";

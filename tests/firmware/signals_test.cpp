@@ -11,8 +11,8 @@
 namespace touchline {
 namespace {
 
-// Libraries of drivers have threads, beside which a fork alone tells the thread sanitizer nothing: processes begin
-// anew.
+// Threadsafe style: the process has threads of drivers' libraries, and the thread sanitizer cannot follow a fork
+// without exec.
 class Signals : public ::testing::Test {
  protected:
   Signals() { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
@@ -21,7 +21,7 @@ using StopSignal = Signals;
 using ReloadSignal = Signals;
 using AdaptationSignal = Signals;
 
-// Signals reach a process of their own; its exit code tells whether the flag was set.
+// Runs in a process of its own, whose exit code says whether the flag was set.
 [[noreturn]] void receive(int signal, int again, Duration pause) {
   const std::atomic<bool>& stop = handle_stop_signals();
   if (stop.load()) std::_Exit(2);
@@ -65,7 +65,7 @@ TEST_F(StopSignal, APipeWithoutReaderEndsNothing) {
   std::_Exit(stop.load() ? 3 : static_cast<int>(requests.load()));
 }
 
-/// In a session of its own with a terminal, which is closed before the second signal comes.
+/// Runs in a session of its own with a terminal that is closed before the second signal.
 [[noreturn]] void lose_terminal(bool ignored) {
   const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
   if (master < 0 || ::grantpt(master) != 0 || ::unlockpt(master) != 0) std::_Exit(90);
@@ -75,7 +75,7 @@ TEST_F(StopSignal, APipeWithoutReaderEndsNothing) {
   const std::atomic<bool>& stop = handle_stop_signals();
   const std::atomic<std::uint32_t>& requests = handle_reload_signal();
   static_cast<void>(std::raise(SIGHUP));
-  if (stop.load() || requests.load() != 1) std::_Exit(93);  // the terminal is there: read the files
+  if (stop.load() || requests.load() != 1) std::_Exit(93);  // the terminal is open: SIGHUP requests a reload
   ::close(master);
   while (!stop.load() && requests.load() < 2) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   std::_Exit(stop.load() ? 3 : 2);

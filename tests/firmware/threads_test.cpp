@@ -1,4 +1,4 @@
-// Everything that starts a thread; run under the thread sanitizer as well.
+// Classes that start threads; also run under the thread sanitizer.
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
@@ -44,7 +44,7 @@ TEST(ThreadsLoop, StopPacketsGoOnWhileADriverHangs) {
   const auto ring = std::make_unique<ReportRing>();
   LoopSettings settings;
   settings.faults.reopen_after_s = 0.01;
-  settings.faults.stop_after_s = 0.02;  // looks at the clock every 5 ms
+  settings.faults.stop_after_s = 0.02;  // an iteration takes at most 5 ms
   settings.duration = 400ms;
   Loop loop({camera, radio, gpio, clock}, *pipeline, settings, *ring);
   ASSERT_TRUE(loop.open().ok());

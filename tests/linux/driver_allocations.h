@@ -4,10 +4,10 @@
 
 #include "tools/programs/latency/allocation_counter.h"
 
-// What a driver asks of the heap, without what the fakes below it ask for.
+// Counts the allocations of a driver without those of the fakes below it.
 namespace touchline::testing {
 
-/// What a fake allocates while one of these lives is not the driver's.
+/// Allocations during its lifetime are those of a fake and do not count.
 class UncountedAllocations {
  public:
   UncountedAllocations() : begin_(latency::allocations_of_this_thread()) { ++depth_; }
@@ -25,10 +25,10 @@ class UncountedAllocations {
   std::uint64_t begin_;
 };
 
-/// Counts from its construction on, on the calling thread.
+/// Counts the allocations of the calling thread since its construction.
 class DriverAllocations {
  public:
-  /// False under a sanitizer, which has an allocator of its own: a test that counts is skipped there.
+  /// False with a sanitizer, which has its own allocator: tests that count are skipped then.
   static bool are_counted() { return latency::allocations_are_counted(); }
   [[nodiscard]] std::uint64_t count() const { return total() - begin_; }
 

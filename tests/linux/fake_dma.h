@@ -9,17 +9,17 @@
 
 namespace touchline::fake {
 
-/// A dma-buf on a machine whose processor caches do not see what devices write: a mapping shows what its caches hold,
-/// and they are true to the memory only after a reading was announced.
+/// A dma-buf on a machine whose caches do not see writes of devices: a mapping shows the content of the caches, which
+/// are up to date only after a read was announced.
 class DmaBufferFile final : public File {
  public:
   explicit DmaBufferFile(std::size_t bytes) : memory_(bytes), cached_(bytes) {}
 
-  /// By the device. Writing while somebody reads is a breach.
+  /// Writes as the device. Writing during a read is a violation.
   void write(std::size_t offset, const std::vector<std::uint8_t>& bytes);
 
-  bool is_dma = true;  // else memory like any other, which knows no such request
-  int fail_with = 0;   // of the next synchronisation
+  bool is_dma = true;  // otherwise ordinary memory, which refuses the request
+  int fail_with = 0;   // error of the next synchronization
   [[nodiscard]] std::size_t size() const { return memory_.size(); }
   [[nodiscard]] bool reading() const { return reading_; }
   [[nodiscard]] bool mapped() const { return mapped_; }
@@ -40,7 +40,7 @@ class DmaBufferFile final : public File {
 /// A heap under /dev/dma_heap.
 class DmaHeapFile final : public File {
  public:
-  std::size_t room = SIZE_MAX;  // bytes that it has left
+  std::size_t room = SIZE_MAX;  // free bytes
   [[nodiscard]] const std::vector<std::unique_ptr<DmaBufferFile>>& buffers() const { return buffers_; }
 
   [[nodiscard]] bool never_blocks() const override { return true; }

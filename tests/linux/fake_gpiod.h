@@ -10,9 +10,9 @@
 
 namespace touchline::fake {
 
-/// A chip as the kernel has it; fake_gpiod_v1.cpp and fake_gpiod_v2.cpp show it as the two versions of libgpiod do
-/// (gpiod_* are wrapped). Levels are those of the pins; polarity and bias are applied as the kernel does: an input that
-/// nobody drives has the level of its bias.
+/// A GPIO chip of the kernel, which fake_gpiod_v1.cpp and fake_gpiod_v2.cpp present as the two versions of libgpiod do
+/// (gpiod_* are wrapped). Levels are those of the pins. Polarity and bias are applied as in the kernel: an input that
+/// is not driven has the level of its bias.
 struct GpioChip : File {
   std::string name = "gpiochip0", label = "pinctrl-bcm2711";
   unsigned lines = 58;
@@ -22,7 +22,7 @@ struct GpioChip : File {
     Instant at{};
   };
   struct Pin {
-    int driven = -1;     // level from outside; -1: nobody drives it
+    int driven = -1;     // level from outside; -1: not driven
     int level = 0;       // of an output
     std::string holder;  // "": free
     bool output = false, active_low = false, tells_edges = false;
@@ -37,14 +37,14 @@ struct GpioChip : File {
 
   bool has_interrupts = true, debounces = true;
   int open_error = 0, request_error = 0, value_error = 0, read_error = 0;
-  bool blocked = false;  // somebody waited for events
+  bool blocked = false;  // a call waited for events
 
   /// For listings: its name, and of each line nothing but that it is there.
   int ioctl(unsigned long request, void* argument) override;
-  /// Somebody outside changes the level.
+  /// Changes the level from outside.
   void drive(unsigned line, int level, Instant at);
 
-  // Entry points of the wrapped functions: a value, or a negative errno.
+  // Entry points of the wrapped functions. They return a value or a negative errno.
   struct Request {
     std::string consumer;
     bool output = false, active_low = false, edges = false;
@@ -55,7 +55,7 @@ struct GpioChip : File {
   void release(unsigned line);
   int set(unsigned line, bool active);
   int get(unsigned line);
-  /// Events that may be read, at most `most`.
+  /// Reads at most `most` events.
   int read(unsigned line, std::size_t most, std::vector<Event>& events);
 
  private:
@@ -63,7 +63,7 @@ struct GpioChip : File {
   static void settle(Pin& pin, Instant until);
 };
 
-/// All chips of the machine while it lives; the kernel in force shows them, too.
+/// All chips of the machine during its lifetime; the fake kernel lists them, too.
 class GpioChips {
  public:
   explicit GpioChips(std::vector<GpioChip*> chips);
@@ -72,16 +72,16 @@ class GpioChips {
   GpioChips& operator=(const GpioChips&) = delete;
   [[nodiscard]] const std::vector<GpioChip*>& all() const { return chips_; }
   [[nodiscard]] GpioChip* find(const std::string& path) const;
-  int unclosed = 0;  // what the library handed out
+  int unclosed = 0;  // objects of the library that were not freed
 
  private:
   std::vector<GpioChip*> chips_;
 };
 
-/// The machine in force.
+/// The current machine.
 GpioChips& gpio_chips();
 
-/// The libgpiod that this program was built for lets the kernel debounce.
+/// True if this version of libgpiod supports debouncing by the kernel.
 extern const bool kKernelDebounces;
 
 }  // namespace touchline::fake

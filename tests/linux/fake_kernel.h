@@ -7,32 +7,32 @@
 
 #include "core/time.h"
 
-// A kernel of our own, put under the code with `-Wl,--wrap=open,--wrap=ioctl,...`: files under /dev, the clock and
-// sleep are this one's, all other files are the real one's. Time is virtual: it stands still but for sleeping, waiting,
-// and a microsecond a look at the clock, so that tests neither wait nor depend on the machine, and no loop without an
-// end can hide.
+// A fake kernel below the code under test, linked with `-Wl,--wrap=open,--wrap=ioctl,...`. It provides files below
+// /dev, the clock and sleeping; all other files are the real ones. Time is virtual: it only advances while the code
+// sleeps or waits, and by a microsecond for each read of the clock. So tests neither wait nor depend on the machine,
+// and endless loops do not go unnoticed.
 namespace touchline::fake {
 
-/// What stands behind a device file. Calls answer 0 (or a value) or a negative errno, as in the kernel.
+/// The driver of a device file. Calls return 0 (or a value) or a negative errno, as in the kernel.
 class File {
  public:
   virtual ~File() = default;
   virtual int open() { return 0; }
-  /// Whether it may be opened without O_NONBLOCK: nothing is ever waited for.
+  /// True if it may be opened without O_NONBLOCK because no call ever waits.
   [[nodiscard]] virtual bool never_blocks() const { return false; }
   virtual void close() {}
   virtual int ioctl(unsigned long request, void* argument) = 0;
-  /// poll()'s events now, and the instant at which they may change (the far future: never).
+  /// The current events for poll(), and the time at which they may change (Instant::max(): never).
   virtual short events() { return 0; }
   virtual Instant next_event() { return Instant::max(); }
   /// Null: EINVAL.
   virtual void* map(std::size_t length, long offset, int protection);
-  /// False: not this file's memory.
+  /// False: the memory does not belong to this file.
   virtual bool unmap(void* memory);
   virtual int lock() { return 0; }
 };
 
-/// While one lives, it is the kernel. Not copyable, one at a time.
+/// Replaces the kernel during its lifetime. There may be only one at a time.
 class Kernel {
  public:
   Kernel();
@@ -45,10 +45,10 @@ class Kernel {
   void refuse_open(const std::string& path, int error) { refusals_[path] = error; }
   void link(const std::string& from, const std::string& to) { links_[from] = to; }
   void unlink(const std::string& from) { links_.erase(from); }
-  /// The next waits and sleeps, or requests, end early with EINTR, as when a signal comes.
+  /// The next waits and sleeps, or requests, fail with EINTR, as after a signal.
   void interrupt_waits(int times) { interrupted_waits_ = times; }
   void interrupt_requests(int times) { interrupted_requests_ = times; }
-  /// For code whose threads wait for each other: the clock is the real one's too.
+  /// Uses the real clock, for code whose threads wait for each other.
   void use_real_clock() { has_clock_ = false; }
   [[nodiscard]] bool has_clock() const { return has_clock_; }
 

@@ -16,39 +16,39 @@
 
 namespace touchline::fake {
 
-/// What libcamera and its camera do, by the test's word. The first frames come by themselves, in the thread that
-/// queues, as a driver's start needs them; after that complete() makes each.
+/// A fake libcamera with a camera, controlled by the test. The first frames are completed on the thread that queues
+/// buffers, as the start of the driver needs them; after that complete() makes each frame.
 struct LibcameraWorld {
   using Change = std::function<void(hal::LibcameraFrame&)>;
-  // What it is.
+  // Properties.
   std::vector<hal::LibcameraName> cameras{{"/base/soc/i2c0mux/i2c@1/imx219@10", "imx219", false}};
-  std::map<std::string, int> errors;  // by the call's name, once each
-  int good_queues = 0;                // before the error of "queue"
+  std::map<std::string, int> errors;  // by name of the call, once each
+  int good_queues = 0;                // calls before the error of "queue"
   std::string offers = "nv12 32x32 to 3280x2464";
-  std::uint32_t padding_bytes = 0;  // of a row
-  std::size_t spare_bytes = 0;      // behind the picture
+  std::uint32_t padding_bytes = 0;  // per row
+  std::size_t spare_bytes = 0;      // after the picture
   std::size_t granted_buffers = 0;  // 0: as asked
-  std::size_t missing_bytes = 0;    // of a buffer that the driver makes
+  std::size_t missing_bytes = 0;    // of buffers that the driver allocates
   bool full_range = false;
   hal::LibcameraLimits limits;
-  hal::LibcameraNumbers told;   // by each frame
-  hal::LibcameraNumbers early;  // by the first `early_frames`
+  hal::LibcameraNumbers told;   // reported by each frame
+  hal::LibcameraNumbers early;  // reported by the first `early_frames`
   int early_frames = 0, frames_at_start = 1;
-  bool obeys = true;  // an adjustment, in what is told from the frame on whose buffer it went with
+  bool obeys = true;  // reports an adjustment from the frame on with whose buffer it was sent
 
-  // What was seen.
+  // Observations.
   std::string acquired;
   hal::LibcameraNumbers controls;
-  int adjustments = 0;  // that went with a buffer
+  int adjustments = 0;  // sent with a buffer
   std::vector<std::unique_ptr<DmaBufferFile>> own_buffers;
   std::vector<DmaBufferFile*> buffers;
   bool heap_used = false, running = false, released = true;
   std::string breach;
 
-  /// The oldest queued buffer is filled with its number and completed. `change`: what is odd about it. Waits until one
+  /// Writes the number to the oldest queued buffer and completes it. `change` modifies the frame. Waits until a buffer
   /// is queued.
   void complete(std::uint32_t number, const Change& change = {});
-  /// Waits until so many buffers are queued.
+  /// Waits until this number of buffers is queued.
   void wait_for_queued(std::size_t count);
   void plug_out();
 
@@ -60,13 +60,13 @@ struct LibcameraWorld {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::uint32_t> queued_;
-  std::map<std::uint32_t, hal::LibcameraNumbers> carried_;  // by buffers
+  std::map<std::uint32_t, hal::LibcameraNumbers> carried_;  // by buffer
   std::size_t frame_bytes_ = 0;
   int frames_left_ = 0;
   std::thread::id caller_;
 };
 
-/// The link to it.
+/// The LibcameraLink to it.
 class FakeLibcamera final : public hal::LibcameraLink {
  public:
   explicit FakeLibcamera(LibcameraWorld& world) : world_(world) {}

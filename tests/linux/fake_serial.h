@@ -15,24 +15,24 @@ class SerialPort final : public File {
  public:
   explicit SerialPort(std::string path) : path_(std::move(path)) {}
 
-  // What it is, and what goes wrong.
+  // Properties and faults.
   std::string description = "FT232R USB UART";
-  int usb_vendor = 0x0403, usb_product = 0x6001;  // -1: not at USB
+  int usb_vendor = 0x0403, usb_product = 0x6001;  // -1: not a USB device
   std::size_t buffer_bytes = 4096;
-  std::size_t chip_bytes = 0;  // so many of the first stand in the adapter, which the kernel does not count
-  bool stalled = false;        // nothing leaves
-  bool flushes = true;         // not all drivers can throw bytes away
+  std::size_t chip_bytes = 0;  // bytes in the adapter, which the kernel does not count
+  bool stalled = false;        // sends nothing
+  bool flushes = true;         // some drivers cannot drop bytes
   int open_error = 0;
   int granted_baud = 0;  // 0: as asked
   int baud_error = 0, bits_error = 0, write_error = 0;
   bool locked_by_another = false;
   bool offers_low_latency = true;  // as FTDI adapters and most UARTs do
   int read_error = 0;
-  /// Robots' bytes, which wait to be read.
+  /// Bytes from the robots, to be read.
   void hear(std::span<const std::byte> bytes) { heard_.insert(heard_.end(), bytes.begin(), bytes.end()); }
   void hang_up(int error) { error_ = error; }
 
-  // What was seen.
+  // Observations.
   [[nodiscard]] const std::vector<std::byte>& wire();
   [[nodiscard]] bool is_open() const { return number_ >= 0; }
   [[nodiscard]] std::size_t waiting();
@@ -44,7 +44,7 @@ class SerialPort final : public File {
   int ioctl(unsigned long request, void* argument) override;
   int lock() override { return locked_by_another ? -11 : 0; }  // EWOULDBLOCK
 
-  // Entry points of the wrapped functions: a value, or a negative errno.
+  // Entry points of the wrapped functions. They return a value or a negative errno.
   int open_port();
   void close_port();
   int write(const std::byte* bytes, std::size_t count);
@@ -64,7 +64,7 @@ class SerialPort final : public File {
   Instant sent_until_{};
 };
 
-/// All ports of the machine while it lives.
+/// All ports of the machine during its lifetime.
 class SerialPorts {
  public:
   explicit SerialPorts(std::vector<SerialPort*> ports);
@@ -74,7 +74,7 @@ class SerialPorts {
   [[nodiscard]] const std::vector<SerialPort*>& all() const { return ports_; }
   [[nodiscard]] SerialPort* find(const std::string& path) const;
   int last_error = 0;
-  int unfreed = 0;  // ports, lists and settings that the library handed out
+  int unfreed = 0;  // objects of the library that were not freed
 
  private:
   std::vector<SerialPort*> ports_;

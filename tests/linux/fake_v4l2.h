@@ -23,49 +23,49 @@ struct V4l2Format {
 
 struct V4l2Control {
   int low = 0, high = 0, step = 1, value = 0;
-  int set_error = 0;      // refuses
-  int refuses = -1;       // this value
-  bool stubborn = false;  // accepts, and keeps its value
+  int set_error = 0;      // error of setting it
+  int refuses = -1;       // a value that it refuses
+  bool stubborn = false;  // accepts new values but keeps its own
   std::uint32_t flags = 0;
   std::uint32_t type = V4L2_CTRL_TYPE_INTEGER;
   std::string name = "Control";
-  std::int64_t unit = 1;            // of 64 bits: all values are so many times as large
-  std::vector<std::string> menu{};  // "": a gap
+  std::int64_t unit = 1;            // for 64-bit controls: factor of all values
+  std::vector<std::string> menu{};  // "": not used
   int reads = 0, writes = 0;
   int normal = low;  // the default
 };
 
-/// What goes wrong with one frame, by the driver's count.
+/// Faults of a frame, by the driver's sequence number.
 struct V4l2FrameFault {
   bool damaged = false;
-  bool dropped = false;        // lost before it had a buffer
-  std::int64_t bytes = -1;     // -1: all; of the last piece of memory
-  std::int64_t wrong_at = -1;  // this byte of a JPEG is another
+  bool dropped = false;        // lost before it got a buffer
+  std::int64_t bytes = -1;     // in the last memory plane; -1: all
+  std::int64_t wrong_at = -1;  // position of a wrong byte in a JPEG
   Duration stamp_shift{};
-  std::int64_t sequence = -1;  // counted as this instead
+  std::int64_t sequence = -1;  // sequence number instead of the right one
 };
 
-/// One piece of a buffer's memory, shared: it may be mapped by somebody else, and says whether the processor may read.
+/// A memory plane of a buffer. Others may map it; it knows whether the processor may read it.
 class DmaBuf final : public File {
  public:
   explicit DmaBuf(std::vector<std::string>& breaches) : breaches_(breaches) {}
   int ioctl(unsigned long request, void* argument) override;
   void close() override { open = false; }
   bool open = true, readable = false;
-  int interruptions = 0;  // so often EAGAIN
+  int interruptions = 0;  // number of calls that return EAGAIN
 
  private:
   std::vector<std::string>& breaches_;
 };
 
-/// A camera that behaves as the kernel's videobuf2 does: buffers queued, filled in time, dequeued in order; formats
-/// adjusted to the nearest; refusals by the standard. Breaches of the standard that the kernel would not tell are
-/// noted.
+/// A camera that behaves like videobuf2 of the kernel: buffers are queued, filled in time and dequeued in order;
+/// formats are adjusted to the nearest one; errors are those of the specification. It records violations of the
+/// specification that the kernel would not report.
 class VideoDevice final : public File {
  public:
   VideoDevice();
 
-  // What it is.
+  // Properties.
   std::string driver = "fake", card = "Fake Camera", bus = "usb-0000:00:14.0-1";
   std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   std::vector<V4l2Format> formats;
@@ -73,9 +73,9 @@ class VideoDevice final : public File {
   bool tells_rate = true;
   bool exports = true;
   std::uint32_t quantization = V4L2_QUANTIZATION_DEFAULT;
-  std::uint32_t plane_offset = 0;   // multi-planar: so many bytes precede the picture in each piece of memory
-  std::vector<std::uint8_t> jpeg;   // what frames of MJPG hold
-  std::uint32_t padding_bytes = 0;  // of a row
+  std::uint32_t plane_offset = 0;   // multi-planar: bytes before the picture in each memory plane
+  std::vector<std::uint8_t> jpeg;   // content of MJPG frames
+  std::uint32_t padding_bytes = 0;  // per row
   std::uint32_t field = V4L2_FIELD_NONE;
   std::uint32_t missing_bytes = 0;  // of a buffer
   std::uint32_t fewest_buffers = 2, most_buffers = 32;
@@ -83,24 +83,24 @@ class VideoDevice final : public File {
   std::map<std::uint32_t, V4l2Control> controls;
   bool forgets_controls_at_start = false;
 
-  // What goes wrong.
+  // Faults.
   std::map<std::uint32_t, V4l2FrameFault> frame_faults;
-  std::int64_t gone_at_frame = -1;    // unplugged when this one is due
-  std::int64_t stalls_at_frame = -1;  // from this one on nothing comes, until the stream is begun anew
+  std::int64_t gone_at_frame = -1;    // unplugged at this frame
+  std::int64_t stalls_at_frame = -1;  // no frames from this one on, until the stream is restarted
   bool maps = true;
   int sync_interruptions = 0;
-  int false_alarms = 0;  // so often poll() says ready and nothing is
+  int false_alarms = 0;  // number of times that poll() reports a frame although there is none
   void plug_out() { gone_ = true; }
   /// The `after`-th next request of the kind fails, `times` times.
   void fail(unsigned long request, int error, int after = 0, int times = 1) {
     failures_[request] = {error, after, times};
   }
 
-  // What was seen.
+  // Observations.
   [[nodiscard]] Instant start_of_exposure(std::uint32_t sequence) const;
   [[nodiscard]] std::size_t queued() const { return queue_.size(); }
   [[nodiscard]] std::size_t mapped() const;
-  /// Buffers that the processor may read by their dma-bufs' account, and dma-bufs that are open.
+  /// Numbers of buffers whose dma-buf is synchronized for reading, and of open dma-bufs.
   [[nodiscard]] std::size_t readable() const;
   [[nodiscard]] std::size_t exported() const;
   [[nodiscard]] bool cached_memory_asked() const { return cached_memory_asked_; }
@@ -130,7 +130,7 @@ class VideoDevice final : public File {
     Owner owner = Owner::kUser;
     v4l2_buffer filled{};
   };
-  /// What both interfaces say of the format in force.
+  /// The current format, as both interfaces report it.
   struct Picture {
     std::uint32_t fourcc = 0, width = 0, height = 0;
     std::size_t planes = 1;

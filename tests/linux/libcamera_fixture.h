@@ -16,8 +16,8 @@
 
 namespace touchline::testing {
 
-/// A board with a camera at the ribbon cable and a heap for pictures. Whatever a test does, all must be given back at
-/// its end. Time is the real one's, since threads wait for each other; nothing depends on how long they do.
+/// A board with a camera at a ribbon cable and a DMA heap. At the end of each test all resources must be released. The
+/// clock is the real one, because threads wait for each other; no result depends on how long they take.
 class LibcameraTest : public ::testing::Test {
  protected:
   LibcameraTest() {
@@ -41,7 +41,7 @@ class LibcameraTest : public ::testing::Test {
     settings.backend = hal::CameraBackend::kLibcamera;
     settings.device = "auto";
     settings.format = hal::CameraFormat::kNv12;
-    settings.exposure_us = 0;  // else every start tells that the camera lacks the control
+    settings.exposure_us = 0;  // otherwise every start reports that the camera lacks the control
     settings.white_balance_k = 0;
     return settings;
   }
@@ -53,14 +53,14 @@ class LibcameraTest : public ::testing::Test {
     ASSERT_OK(camera_->open());
     ASSERT_OK(camera_->start());
   }
-  /// open() must fail with `code` and say `reason`.
+  /// open() must fail with `code` and the message `reason`.
   void expect_refusal(const hal::CameraSettings& asked, ErrorCode code, const std::string& reason) {
     make(asked);
     expect_error(camera_->open(), code, reason);
   }
-  /// Late enough for any machine; nothing waits for it but what fails.
+  /// Late enough for any machine; only failing tests wait for it.
   static Instant late() { return hal::MonotonicClock::read() + std::chrono::seconds(20); }
-  /// The next frame must be lost with `code` and `reason`.
+  /// The next frame must be lost with `code` and the message `reason`.
   void expect_loss(ErrorCode code, const std::string& reason) {
     const Result<hal::FrameLease> frame = camera_->wait(late());
     expect_error(frame, code, reason);

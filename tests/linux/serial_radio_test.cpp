@@ -233,8 +233,8 @@ TEST_F(SerialRadioTest, AllocatesNothingWhateverComes) {
   EXPECT_EQ(gone, 100);
 }
 
-// Whatever the line's speed, its buffers and the times: whole packets in their order, the newest at the end, and none
-// that was older than the frame before when its first byte was handed over.
+// For any speed of the line, buffers and times: packets arrive whole and in order, the newest one last, and no packet
+// was older than the frame before when its first byte was sent.
 TEST_F(SerialRadioTest, WholePacketsInOrderAndNoneIsOld) {
   for (const int baud : {9600, 57600, 115200, 1000000}) {
     for (const auto& [buffer_bytes, chip_bytes] :

@@ -12,7 +12,7 @@
 
 namespace touchline::testing {
 
-/// A machine with one camera at /dev/video0. Whatever a test does, all must be given back at its end.
+/// A machine with one camera at /dev/video0. At the end of each test all resources must be released.
 class V4l2Test : public ::testing::Test {
  protected:
   V4l2Test() { kernel_.add("/dev/video0", device_); }
@@ -33,7 +33,7 @@ class V4l2Test : public ::testing::Test {
     return adjusted.ok() ? adjusted.value() : "";
   }
   [[nodiscard]] Instant soon() const { return kernel_.now() + std::chrono::milliseconds(100); }
-  /// open() must fail with `code` and say `reason`.
+  /// open() must fail with `code` and the message `reason`.
   void expect_refusal(const hal::CameraSettings& settings, ErrorCode code, const std::string& reason) {
     hal::V4l2Camera camera(settings);
     expect_error(camera.open(), code, reason);
@@ -44,7 +44,7 @@ class V4l2Test : public ::testing::Test {
     EXPECT_TRUE(camera.open().ok());
     EXPECT_EQ(camera.info().negotiated, negotiated);
   }
-  /// The next frame must be lost with `code` and `reason`.
+  /// The next frame must be lost with `code` and the message `reason`.
   void expect_loss(hal::V4l2Camera& camera, ErrorCode code, const std::string& reason) {
     const Result<hal::FrameLease> frame = camera.wait(soon());
     expect_error(frame, code, reason);

@@ -1,5 +1,5 @@
-// Runs in the guest: takes the arena's pictures from a port of virtio-serial and shows them, one a period of the
-// guest's clock, on a v4l2loopback device, where they are a camera's frames.
+// Runs in the guest: reads the arena's pictures from a virtio-serial port and writes them to a v4l2loopback device, one
+// per period of the guest's clock. There they appear as the frames of a camera.
 //   board-feeder PORT DEVICE
 #include <fcntl.h>
 #include <linux/videodev2.h>
@@ -37,7 +37,7 @@ bool read_all(int file, void* out, std::size_t bytes) {
     const ssize_t got = ::read(file, at, bytes);
     if (got < 0 && errno != EINTR) return false;
     if (got <= 0) {
-      sleep_until(now_ns() + kRetryNs);  // nobody has connected to the other end yet
+      sleep_until(now_ns() + kRetryNs);  // the other end is not connected yet
       continue;
     }
     at += got;
@@ -46,7 +46,7 @@ bool read_all(int file, void* out, std::size_t bytes) {
   return true;
 }
 
-/// The device behind `path` as an output of such pictures; -1 with errno set.
+/// Opens the device at `path` as an output of such pictures. Returns -1 with errno set on failure.
 int open_camera(const char* path, const FrameHeader& header) {
   const int file = ::open(path, O_RDWR | O_CLOEXEC);
   if (file < 0) return -1;
@@ -58,7 +58,7 @@ int open_camera(const char* path, const FrameHeader& header) {
   format.fmt.pix.field = V4L2_FIELD_NONE;
   format.fmt.pix.sizeimage = header.bytes;
   int type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
-  errno = EINVAL;  // when another format was granted
+  errno = EINVAL;  // the driver chose another format
   if (::ioctl(file, VIDIOC_S_FMT, &format) == 0 && format.fmt.pix.pixelformat == header.fourcc &&
       ::ioctl(file, VIDIOC_STREAMON, &type) == 0) {
     return file;
@@ -109,13 +109,13 @@ int main(int argc, char** argv) {
       const std::int64_t now = now_ns();
       const std::int64_t period = header.period_us * kNsPerUs;
       due += period;
-      // A picture that the host could not draw in time comes when it is there, and the next one a period later.
+      // If the host rendered a picture too late, it is written when it arrives, and the next one a period later.
       if (now > due) {
         answer.late_us = static_cast<std::int32_t>(due > period ? (now - due) / kNsPerUs : 0);
         due = now;
       }
       sleep_until(due);
-      // Nothing gets lost on the way into this camera.
+      // No frame is lost between this program and the device.
       answer.error = header.kind == ToGuest::kFrame     ? show(camera, picture)
                      : header.kind == ToGuest::kNoFrame ? 0
                                                         : EINVAL;

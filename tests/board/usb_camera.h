@@ -13,8 +13,8 @@
 
 namespace touchline::board {
 
-/// A webcam (USB Video Class 1.0): YUYV and MJPG of 640 x 480, and controls as webcams have them: exposure by a menu
-/// with holes, and values that are refused while their automatic is on. Says on standard output what the host sets.
+/// A webcam (USB Video Class 1.0) with YUYV and MJPG of 640 x 480 and usual controls: a menu of exposure modes with
+/// holes, and values that are refused while their automatic is on. Prints what the host sets to standard output.
 class UsbCamera final : public UsbDevice {
  public:
   UsbCamera();
@@ -43,8 +43,8 @@ class UsbCamera final : public UsbDevice {
   Bytes configuration_;
   std::vector<Control> controls_;
   uvc_streaming_control probed_{}, committed_{};
-  std::uint8_t error_ = 0;  // why a control was refused
-  std::uint8_t frame_ = 0;  // its last bit goes with the packets
+  std::uint8_t error_ = 0;  // reason of the last refused control
+  std::uint8_t frame_ = 0;  // the packets contain its lowest bit
 };
 
 }  // namespace touchline::board

@@ -1,7 +1,8 @@
-// Runs on the host, beside the board's guest: a USB camera at a port of the guest's (tests/board/usb_camera.h), which
-// shows what the arena sends (tests/board/wire.h).
+// Runs on the host: a USB camera at a port of the guest (tests/board/usb_camera.h). Its pictures come from the arena
+// (tests/board/wire.h).
 //   board-usb-camera PICTURES.sock USB.sock
-// The arena connects to the first; the second is qemu's, and plugged into when the arena says so.
+// The arena connects to the first socket. The second one is qemu's; the camera is plugged in when the arena requests
+// it.
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -18,9 +19,9 @@ namespace {
 
 using namespace touchline::board;
 
-/// The arena's end, once it has connected.
+/// Waits for the arena and returns its connection.
 int accept_at(const std::string& path) {
-  const std::string unfinished = path + ".new";  // who sees the name finds somebody listening
+  const std::string unfinished = path + ".new";  // the final name appears when the socket listens
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (unfinished.size() >= sizeof address.sun_path) return -1;
@@ -40,7 +41,7 @@ bool read_all(int file, void* out, std::size_t bytes) {
   return bytes == 0 || ::recv(file, out, bytes, MSG_WAITALL) == static_cast<ssize_t>(bytes);
 }
 
-/// Whether it is done; else the guest's turn comes first.
+/// Returns whether the message is done; if not, the guest has to be served first.
 bool obey(UsbLink& link, UsbCamera& camera, const std::string& port, const FrameHeader& header, const Bytes& picture,
           FrameAnswer& answer) {
   switch (header.kind) {

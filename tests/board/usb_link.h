@@ -16,7 +16,7 @@ struct ControlRequest {
   Bytes data;                                      // what the host sends with it
 };
 
-/// What a plugged device says of itself, and the isochronous endpoint on which it streams.
+/// Identity of a device, and the isochronous endpoint on which it streams.
 struct UsbIdentity {
   std::uint8_t device_class = 0, device_subclass = 0, device_protocol = 0;
   std::uint16_t vendor = 0, product = 0;
@@ -39,8 +39,7 @@ class UsbDevice {
   virtual std::optional<Bytes> answer(const ControlRequest& request) = 0;
 };
 
-/// A high-speed device's cable into the guest: qemu's `usb-redir`, a socket on which requests and packets go as
-/// messages.
+/// Connects a high-speed device to the guest through qemu's `usb-redir`, a socket for requests and packets.
 class UsbLink {
  public:
   explicit UsbLink(UsbDevice& device) : device_(device) {}
@@ -50,16 +49,16 @@ class UsbLink {
 
   /// `path`: qemu's socket. The guest sees the device soon after. Errors are errnos.
   [[nodiscard]] int plug(const std::string& path);
-  /// The guest sees it gone.
+  /// Unplugs the device.
   void unplug();
   [[nodiscard]] bool is_plugged() const { return file_ >= 0; }
   [[nodiscard]] int file() const { return file_; }
-  /// Takes a message and answers it. When the other end hangs up, the device is unplugged.
+  /// Receives a message and answers it. The device is unplugged if the other end closes the connection.
   void serve();
 
-  /// Whether the guest fetches packets.
+  /// Returns whether the guest requests packets.
   [[nodiscard]] bool is_streaming() const { return streaming_; }
-  /// A picture, in packets of at most `packet_bytes`, at most 480.
+  /// Sends a picture in packets of at most `packet_bytes`, at most 480 packets.
   void stream(const std::vector<Bytes>& packets);
 
  private:

@@ -8,7 +8,7 @@
 #include "core/parameter_copy.h"
 #include "core/types.h"
 
-// Sections [camera], [radio] and [gpio] of the board file (docs/files.md): what the backends have in common.
+// Sections [camera], [radio] and [gpio] of the board file (docs/files.md), shared by the backends.
 namespace touchline::hal {
 
 enum class CameraBackend : std::uint8_t { kMock, kV4l2, kLibcamera, kReplay };
@@ -40,15 +40,15 @@ constexpr PixelFormat pixel_format(CameraFormat format) {
   return format == CameraFormat::kMjpg ? PixelFormat::kRgb24 : static_cast<PixelFormat>(format);
 }
 
-/// Flicker of the hall's lamps that the sensor filters out.
+/// Mains frequency of the lamps whose flicker the camera filters out.
 enum class PowerLine : std::uint8_t { kLeave, kOff, k50Hz, k60Hz };
 inline constexpr std::array<Choice<PowerLine>, 4> kPowerLines{
     {{"leave", PowerLine::kLeave}, {"off", PowerLine::kOff}, {"50hz", PowerLine::k50Hz}, {"60hz", PowerLine::k60Hz}}};
 
-/// Focus is the driver's; 0 is a distance (far, as a rule).
+/// The focus is left to the driver; 0 is a valid focus (usually infinity).
 inline constexpr int kFocusLeave = -1;
 
-/// Exposure is a time, or the driver's.
+/// The key is not used; exposure_us counts.
 inline constexpr int kExposureStepsLeave = -1;
 
 struct CameraSettings {
@@ -162,7 +162,7 @@ enum class GpioBias : std::uint8_t { kNone, kPullUp, kPullDown };
 inline constexpr std::array<Choice<GpioBias>, 3> kGpioBiases{
     {{"none", GpioBias::kNone}, {"pull_up", GpioBias::kPullUp}, {"pull_down", GpioBias::kPullDown}}};
 
-/// A line that is not wired.
+/// The line is not connected.
 inline constexpr int kNoLine = -1;
 
 struct GpioSettings {

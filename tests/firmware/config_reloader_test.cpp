@@ -162,11 +162,11 @@ TEST_F(ConfigReloaderTest, WrongFilesChangeNothing) {
 }
 
 TEST_F(ConfigReloaderTest, CameraAndTimesChangeAndTheRestIsNamed) {
-  camera.negotiated = "/dev/fake0: exposure_us = 4000: granted 4100";
+  camera.negotiated = "/dev/fake0: exposure_us = 4000: set to 4100";
   begin();
   write_board(4000, "0.06", 6);
   EXPECT_EQ(reload_from_next_frame(),
-            "reload: camera: /dev/fake0: exposure_us = 4000: granted 4100\n"
+            "reload: camera: /dev/fake0: exposure_us = 4000: set to 4100\n"
             "reload: from frame N on: camera.exposure_us 5000 -> 4000, faults.stop_after_s 0.2 -> 0.06\n"
             "reload: needs a restart: camera.buffers\n");
   EXPECT_EQ(camera.adjusted_exposure_us, 4000);

@@ -72,11 +72,11 @@ TEST_F(LibcameraAdjustTest, GoesWithTheNextRequestAndNoFrameIsLost) {
 TEST_F(LibcameraAdjustTest, WhatIsGrantedOtherwiseIsTold) {
   begin(asked(5000, 250));
   std::uint32_t frames = 0;
-  EXPECT_EQ(adjust(asked(5000, 2000), frames), std::string(kId) + ": gain = 2000: granted 1060 (range 100 to 1060)");
+  EXPECT_EQ(adjust(asked(5000, 2000), frames), std::string(kId) + ": gain = 2000: set to 1060 (range 100 to 1060)");
   world_.obeys = false;
   EXPECT_EQ(adjust(asked(8000, 300), frames), std::string(kId) +
-                                                  ": exposure_us = 8000: granted 5000 (range 75 to 100000); "
-                                                  "gain = 300: granted 1060 (range 100 to 1060)");
+                                                  ": exposure_us = 8000: set to 5000 (range 75 to 100000); "
+                                                  "gain = 300: set to 1060 (range 100 to 1060)");
   EXPECT_GE(frames, 14u) << "no earlier is it certain that it will not come";
 }
 
@@ -98,7 +98,7 @@ TEST_F(LibcameraAdjustTest, WaitsAsLongAsFramesCome) {
   slow.exposure_us = 3000;
   std::uint32_t frames = 0;
   world_.obeys = false;
-  EXPECT_EQ(adjust(slow, frames), std::string(kId) + ": exposure_us = 3000: granted 5000 (range 75 to 100000)");
+  EXPECT_EQ(adjust(slow, frames), std::string(kId) + ": exposure_us = 3000: set to 5000 (range 75 to 100000)");
   EXPECT_GE(frames, 14u);
 }
 

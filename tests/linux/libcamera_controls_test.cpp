@@ -127,12 +127,12 @@ TEST(LibcameraControls, WhatIsGrantedOtherwiseIsToldInTheKeysUnits) {
   EXPECT_TRUE(is_taken_with(told, controls));
   report_negotiated(asked, limits(), controls, told, negotiated);
   EXPECT_EQ(negotiated.str(),
-            "rate_hz = 120: granted 58.92 (range 0.08498 to 58.92); gain = 2000: granted 1060 (range 100 to 1060)");
+            "rate_hz = 120: set to 58.92 (range 0.08498 to 58.92); gain = 2000: set to 1060 (range 100 to 1060)");
   told[kExposure] = 4000.0;
   EXPECT_FALSE(is_taken_with(told, controls));
   negotiated.clear();
   report_negotiated(asked, limits(), controls, told, negotiated);
-  EXPECT_NE(negotiated.str().find("exposure_us = 5000: granted 4000 (range 75 to 1.17668e+07)"), std::string::npos)
+  EXPECT_NE(negotiated.str().find("exposure_us = 5000: set to 4000 (range 75 to 1.17668e+07)"), std::string::npos)
       << negotiated.str();
 }
 

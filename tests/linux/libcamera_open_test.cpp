@@ -135,12 +135,12 @@ TEST_F(LibcameraOpenTest, FullRangeAndOtherBuffersThanAskedAreTold) {
   begin();
   EXPECT_EQ(camera_->info().negotiated, std::string(kId) +
                                             ": YUV of full range: its darkest 16 levels are taken for black; "
-                                            "buffers = 4: granted 6; rate_hz = 60: the camera does not tell its rate");
+                                            "buffers = 4: set to 6; rate_hz = 60: the camera does not tell its rate");
   CameraSettings rgb = settings();
   rgb.format = hal::CameraFormat::kRgb24;
   begin(rgb);
   EXPECT_EQ(camera_->info().negotiated,
-            std::string(kId) + ": buffers = 4: granted 6; rate_hz = 60: the camera does not tell its rate");
+            std::string(kId) + ": buffers = 4: set to 6; rate_hz = 60: the camera does not tell its rate");
   world_.granted_buffers = 1;
   expect_refusal(settings(), ErrorCode::kUnsupported, std::string(kId) + ": grants 1 buffers, 2 to 32 are needed");
   world_.granted_buffers = 33;

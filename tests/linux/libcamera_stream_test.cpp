@@ -268,7 +268,7 @@ TEST_F(LibcameraStreamTest, TheStartPassesOverFramesThatAreNotYetAsAsked) {
   world_.early_frames = 20;  // never as asked: told, and no reason to stand still
   camera_->stop();
   ASSERT_TRUE(camera_->start().ok());
-  EXPECT_NE(camera_->info().negotiated.find("exposure_us = 5000: granted 20000 (range 100 to 100000)"),
+  EXPECT_NE(camera_->info().negotiated.find("exposure_us = 5000: set to 20000 (range 100 to 100000)"),
             std::string::npos)
       << camera_->info().negotiated;
 }
@@ -291,7 +291,7 @@ TEST_F(LibcameraStreamTest, AStartWithoutFramesDoesNotBlameTheControls) {
   somebody.join();
   EXPECT_EQ(camera_->info().negotiated,
             std::string(kId) +
-                ": exposure_us = 5000: granted 4000 (range 75 to 4000); no frame came yet to tell "
+                ": exposure_us = 5000: set to 4000 (range 75 to 4000); no frame came yet to tell "
                 "what is in force");
 }
 

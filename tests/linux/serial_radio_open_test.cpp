@@ -85,14 +85,14 @@ TEST_F(SerialRadioTest, BaudRatesThatThePortCannotDo) {
   adapter_.baud_error = 0;
   adapter_.granted_baud = 9600;
   expect_refusal(settings(), ErrorCode::kUnsupported,
-                 text("baud = 115200: granted 9600, which is too far off for the robots to understand"));
+                 text("baud = 115200: set to 9600, which is too far off for the robots to understand"));
   adapter_.granted_baud = 115200 - 2400;  // 2.1 % too slow
   expect_refusal(settings(), ErrorCode::kUnsupported,
-                 text("baud = 115200: granted 112800, which is too far off for the robots to understand"));
+                 text("baud = 115200: set to 112800, which is too far off for the robots to understand"));
   adapter_.granted_baud = 115200 + 2200;  // 1.9 % too fast
   SerialRadio radio(settings());
   EXPECT_TRUE(radio.open().ok());
-  EXPECT_EQ(radio.description(), text("115200 baud, granted 117400, low latency"));
+  EXPECT_EQ(radio.description(), text("115200 baud, set to 117400, low latency"));
 }
 
 TEST_F(SerialRadioTest, FastRatesAndRatesOfOnesOwn) {

@@ -77,7 +77,7 @@ TEST_F(V4l2ControlsTest, ACameraThatCountsExposureInItsOwnStepsIsSetInThem) {
   asked.exposure_steps = 300;
   V4l2Camera camera(asked);
   ASSERT_TRUE(camera.open().ok());
-  EXPECT_EQ(camera.info().negotiated, "/dev/video0: exposure_steps = 300: granted 255 (range 0 to 255, step 1)");
+  EXPECT_EQ(camera.info().negotiated, "/dev/video0: exposure_steps = 300: set to 255 (range 0 to 255, step 1)");
   EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_AUTO).value, V4L2_EXPOSURE_MANUAL);
   EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE).value, 255);
   EXPECT_NE(camera.info().description.find(", exposure 255 steps"), std::string::npos) << camera.info().description;
@@ -121,9 +121,9 @@ TEST_F(V4l2ControlsTest, ValuesOutsideTheRangeAreClampedAndReported) {
   device_.controls[V4L2_CID_FOCUS_ABSOLUTE] = {0, 250, 5, 30};
   expect_negotiated(
       asked,
-      "/dev/video0: exposure_us = 300000: granted 204700 (range 300 to 204700, step 100); gain = 1000: granted "
-      "255 (range 0 to 255, step 1); white_balance_k = 4604: granted 4600 (range 2000 to 6500, step 10); "
-      "focus = 12: granted 10 (range 0 to 250, step 5); exposure of 204700 us: longer than a frame at 60 Hz, so fewer "
+      "/dev/video0: exposure_us = 300000: set to 204700 (range 300 to 204700, step 100); gain = 1000: set to "
+      "255 (range 0 to 255, step 1); white_balance_k = 4604: set to 4600 (range 2000 to 6500, step 10); "
+      "focus = 12: set to 10 (range 0 to 250, step 5); exposure of 204700 us: longer than a frame at 60 Hz, so fewer "
       "frames come");
 }
 
@@ -131,13 +131,13 @@ TEST_F(V4l2ControlsTest, ARangeThatDoesNotEndOnAStepIsUsedToItsLastStep) {
   CameraSettings asked = untouched(settings());
   asked.white_balance_k = 7000;
   device_.controls[V4L2_CID_WHITE_BALANCE_TEMPERATURE].high = 6507;
-  expect_negotiated(asked, "/dev/video0: white_balance_k = 7000: granted 6500 (range 2000 to 6507, step 10)");
+  expect_negotiated(asked, "/dev/video0: white_balance_k = 7000: set to 6500 (range 2000 to 6507, step 10)");
 }
 
 TEST_F(V4l2ControlsTest, ExposureIsRoundedToTheDriversHundredMicroseconds) {
   CameraSettings asked = untouched(settings());
   asked.exposure_us = 5060;
-  expect_negotiated(asked, "/dev/video0: exposure_us = 5060: granted 5100 (range 300 to 204700, step 100)");
+  expect_negotiated(asked, "/dev/video0: exposure_us = 5060: set to 5100 (range 300 to 204700, step 100)");
 }
 
 TEST_F(V4l2ControlsTest, LackingControlsAreNamed) {
@@ -202,7 +202,7 @@ TEST_F(V4l2ControlsTest, AReportIsNotRepeatedByStart) {
   V4l2Camera camera(asked);
   ASSERT_TRUE(camera.open().ok());
   const std::string report = camera.info().negotiated;
-  EXPECT_EQ(report, "/dev/video0: rate_hz = 60: granted 30; gain = 300: granted 255 (range 0 to 255, step 1)");
+  EXPECT_EQ(report, "/dev/video0: rate_hz = 60: set to 30; gain = 300: set to 255 (range 0 to 255, step 1)");
   ASSERT_TRUE(camera.start().ok());
   EXPECT_EQ(camera.info().negotiated, report);
 }
@@ -217,7 +217,7 @@ TEST_F(V4l2AdjustTest, ChangesWhatTheStreamShowsWithoutAFrameLost) {
   asked.gain = 1000;
   asked.rate_hz = 7.0;
   const std::string negotiated = camera_->info().negotiated;
-  EXPECT_EQ(negotiated_by(camera_->adjust(asked)), "/dev/video0: gain = 1000: granted 255 (range 0 to 255, step 1)");
+  EXPECT_EQ(negotiated_by(camera_->adjust(asked)), "/dev/video0: gain = 1000: set to 255 (range 0 to 255, step 1)");
   EXPECT_EQ(camera_->info().negotiated, negotiated) << "the thread that waits for frames may be reading it";
   EXPECT_EQ(device_.controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 40);
   EXPECT_EQ(device_.controls.at(V4L2_CID_GAIN).value, 255);

@@ -174,7 +174,7 @@ TEST_F(V4l2OpenTest, RateIsReportedWhenItIsNotTheOneAsked) {
   V4l2Camera camera(settings());
   ASSERT_TRUE(camera.open().ok());
   EXPECT_DOUBLE_EQ(camera.info().rate_hz, 30.0);
-  EXPECT_EQ(camera.info().negotiated, "/dev/video0: rate_hz = 60: granted 30");
+  EXPECT_EQ(camera.info().negotiated, "/dev/video0: rate_hz = 60: set to 30");
 
   device_.tells_rate = false;
   ASSERT_TRUE(camera.open().ok());
@@ -193,10 +193,10 @@ TEST_F(V4l2OpenTest, FractionalRateIsAskedInMillihertz) {
 
 TEST_F(V4l2OpenTest, BuffersFewerOrMoreThanAskedAreReported) {
   device_.most_buffers = 3;
-  expect_negotiated(settings(), "/dev/video0: buffers = 4: granted 3");
+  expect_negotiated(settings(), "/dev/video0: buffers = 4: set to 3");
   device_.most_buffers = 64;
   device_.fewest_buffers = 40;
-  expect_negotiated(settings(), "/dev/video0: buffers = 4: granted 32");
+  expect_negotiated(settings(), "/dev/video0: buffers = 4: set to 32");
   device_.fewest_buffers = device_.most_buffers = 1;
   expect_refusal(settings(), ErrorCode::kUnsupported, "/dev/video0: grants 1 buffers, at least 2 are needed");
 }
@@ -221,7 +221,7 @@ TEST_F(V4l2OpenTest, InterlacedPicturesAndForeignClocksAreReportedTogether) {
   device_.stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_COPY;
   device_.rates_hz = {25};
   expect_negotiated(settings(),
-                    "/dev/video0: rate_hz = 60: granted 25; interlaced: odd and even rows are half a frame apart; the "
+                    "/dev/video0: rate_hz = 60: set to 25; interlaced: odd and even rows are half a frame apart; the "
                     "driver's time stamps are of no monotonic clock: frames are stamped when they are fetched");
 }
 

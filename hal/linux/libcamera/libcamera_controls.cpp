@@ -76,7 +76,7 @@ void tell(const Key& key, const LibcameraLimits& limits, const LibcameraNumbers&
   const double got = granted(controls, reported, key.value);
   if (!is_near(got, key.asked * key.unit)) {
     note(negotiated, key.name, key.asked);
-    negotiated.append_format("granted %.6g (range %.6g to %.6g)", got / key.unit, *limits.low[key.value] / key.unit,
+    negotiated.append_format("set to %.6g (range %.6g to %.6g)", got / key.unit, *limits.low[key.value] / key.unit,
                              *limits.high[key.value] / key.unit);
   } else if (!reported[key.value]) {
     note(negotiated, key.name, key.asked);
@@ -166,7 +166,7 @@ void report_negotiated(const CameraSettings& asked, const LibcameraLimits& limit
   } else if (const double rate_hz = 1e6 / granted(controls, reported, kFrameDuration);
              !is_near(rate_hz, asked.rate_hz)) {
     note(negotiated, "rate_hz", asked.rate_hz);
-    negotiated.append_format("granted %.4g (range %.4g to %.4g)", rate_hz, 1e6 / *limits.high[kFrameDuration],
+    negotiated.append_format("set to %.4g (range %.4g to %.4g)", rate_hz, 1e6 / *limits.high[kFrameDuration],
                              1e6 / *limits.low[kFrameDuration]);
   } else if (!reported[kFrameDuration]) {
     note(negotiated, "rate_hz", asked.rate_hz);

@@ -166,7 +166,7 @@ Result<void> LibcameraCamera::prepare_buffers() {
   }
   stream_.buffers = buffers.size();
   if (stream_.buffers != static_cast<std::size_t>(settings_.buffers)) {
-    negotiated_.append_format("%sbuffers = %d: granted %zu", negotiated_.separator(), settings_.buffers,
+    negotiated_.append_format("%sbuffers = %d: set to %zu", negotiated_.separator(), settings_.buffers,
                               stream_.buffers);
   }
   const std::array<std::size_t, kMaxPlanes> needed = needed_bytes(stream_);

@@ -132,13 +132,13 @@ Result<void> SerialRadio::check_baud() {
   const double error = static_cast<double>(std::abs(granted - settings_.baud)) / settings_.baud;
   if (error > kMaxBaudError) {
     return failure(ErrorCode::kUnsupported,
-                   "%s: baud = %d: granted %d, which is too far off for the robots to understand", name(),
+                   "%s: baud = %d: set to %d, which is too far off for the robots to understand", name(),
                    settings_.baud, granted);
   }
   // The slowest allowed rate, so that the estimate is never ahead of the line.
   byte_time_ = from_seconds(kBitsPerByte * (1.0 + kMaxBaudError) / granted);
   description_ = std::string(name()) + ": " + std::to_string(settings_.baud) + " baud";
-  if (granted != settings_.baud) description_ += ", granted " + std::to_string(granted);
+  if (granted != settings_.baud) description_ += ", set to " + std::to_string(granted);
   int file = -1;
   if (sp_get_port_handle(port_, &file) == SP_OK && ask_for_low_latency(file)) description_ += ", low latency";
   return {};

@@ -102,8 +102,7 @@ void V4l2Camera::note_rate() {
     negotiated_.append_format("%srate_hz = %g: the driver does not tell its rate", negotiated_.separator(),
                               settings_.rate_hz);
   } else if (std::abs(info_.rate_hz - settings_.rate_hz) > 0.005 * settings_.rate_hz) {  // 29.97 Hz counts as 30 Hz
-    negotiated_.append_format("%srate_hz = %g: granted %.4g", negotiated_.separator(), settings_.rate_hz,
-                              info_.rate_hz);
+    negotiated_.append_format("%srate_hz = %g: set to %.4g", negotiated_.separator(), settings_.rate_hz, info_.rate_hz);
   }
   if (picture_.interlaced) {
     negotiated_.append_format("%sinterlaced: odd and even rows are half a frame apart", negotiated_.separator());
@@ -130,7 +129,7 @@ Result<void> V4l2Camera::map_buffers() {
     return failure(ErrorCode::kUnsupported, "%s: a buffer has %zu bytes, a picture needs %u", name(), size, needed);
   }
   if (buffers_.count() != asked) {
-    negotiated_.append_format("%sbuffers = %zu: granted %zu", negotiated_.separator(), asked, buffers_.count());
+    negotiated_.append_format("%sbuffers = %zu: set to %zu", negotiated_.separator(), asked, buffers_.count());
   }
   if (!CaptureStamp::is_monotonic(buffers_.flags())) {
     negotiated_.append_format(

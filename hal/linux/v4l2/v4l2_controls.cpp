@@ -103,7 +103,7 @@ bool set_value(const Controlled& camera, std::uint32_t id, int unit, const Wish&
     camera.negotiated.append_format("set, but cannot be read back (%s)", system_text(read_error));
   } else if (std::int64_t{granted} * unit != wish.value) {
     note(camera.negotiated, wish);
-    camera.negotiated.append_format("granted %" PRId64 " (range %" PRId64 " to %" PRId64 ", step %" PRId64 ")",
+    camera.negotiated.append_format("set to %" PRId64 " (range %" PRId64 " to %" PRId64 ", step %" PRId64 ")",
                                     std::int64_t{granted} * unit, control.low * unit, control.high * unit,
                                     control.step * unit);
   }

@@ -107,7 +107,7 @@ std::string to_json(const DeviceList& list) {
   if (!list.libcamera.empty()) add(document, "libcamera", std::optional(list.libcamera));
   add(document, "serial_ports", list.ports);
   add(document, "gpio_chips", list.chips);
-  // Names are of devices, in whatever bytes they please.
+  // Names come from devices and may contain any bytes.
   return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -11,7 +11,7 @@
 namespace touchline::devices {
 namespace {
 
-/// Leaves what `wanted` names, "": all. What is missing or refused is noted down.
+/// Keeps only the devices that `wanted` names ("": all) and records those that are missing or cannot be opened.
 template <class Node, class PathOf, class TroubleOf>
 void select(std::vector<Node>& nodes, const std::string& wanted, const char* kind, std::vector<std::string>& troubles,
             PathOf path_of, TroubleOf trouble_of) {

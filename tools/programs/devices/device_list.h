@@ -19,10 +19,10 @@ struct Camera {
   std::vector<hal::V4l2ControlState> controls;
 };
 
-/// What is looked for: absent: this kind is not asked for; "": all of it; else one device, by its file or a link to it.
+/// The devices to list. Absent: none of this kind; "": all; otherwise one device, by its file or a link to it.
 struct Selection {
   std::optional<std::string> camera, serial, gpio;
-  bool libcamera = false;  // its cameras too; starts the library
+  bool libcamera = false;  // also list its cameras; starts the library
 };
 
 struct DeviceList {
@@ -30,15 +30,15 @@ struct DeviceList {
   std::vector<hal::LibcameraName> libcamera;
   std::optional<std::vector<hal::SerialPortNode>> ports;
   std::optional<std::vector<hal::GpioChipNode>> chips;
-  std::vector<std::string> troubles;  // a device that was asked for by name is not there, or cannot be asked
+  std::vector<std::string> troubles;  // requested devices that are missing or cannot be opened
 };
 
-/// Asks the system. Opens cameras and GPIO chips, changes nothing.
+/// Lists the devices of the system. Opens cameras and GPIO chips, but changes nothing.
 DeviceList list_devices(const Selection& selection);
 
-/// For a person: what there is, what of it goes into board.toml, and what to do where there is none.
+/// The list for a person: devices, their names for board.toml, and what to do if there are none.
 std::string to_text(const DeviceList& list);
-/// The same for programs, in one object; keys are those of the fields here, units in their names.
+/// The list as one JSON object; its keys are the names of the fields, with units.
 std::string to_json(const DeviceList& list);
 
 }  // namespace touchline::devices

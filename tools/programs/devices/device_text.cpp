@@ -10,7 +10,7 @@
 namespace touchline::devices {
 namespace {
 
-/// As printf, and the end of the line.
+/// Appends a line; arguments as for printf.
 __attribute__((format(printf, 2, 3))) void line(std::string& text, const char* format, ...) {
   std::array<char, 1024> buffer{};
   std::va_list arguments;
@@ -52,7 +52,7 @@ std::string value_text(const hal::V4l2ControlState& control, std::int64_t value)
   return std::to_string(value);
 }
 
-/// Menus of USB cameras have gaps: then only what is there.
+/// The values of a menu. Menus of USB cameras have gaps, which are left out.
 std::string range_text(const hal::V4l2ControlState& control) {
   const auto numbers = static_cast<std::size_t>(control.high - control.low) + 1;
   if (control.menu.empty() || control.menu.size() == numbers) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# tools/deploy against a board that is a folder: apt-get, systemctl and sudo are replaced on the PATH, and ssh but for
-# OverARealConnection. deploy_test.sh CASE [SSHD]
+# Tests tools/deploy with a folder as board: fakes on the PATH replace apt-get, systemctl, sudo and, except in
+# OverARealConnection, ssh. deploy_test.sh CASE [SSHD]
 set -euo pipefail
 source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 work=$(mktemp -d)
@@ -28,12 +28,12 @@ fake dpkg <<'END'
 #!/bin/sh
 cat "$TOUCHLINE_ROOT/arch"
 END
-# Whoever runs the test is no root on the board.
+# The user is not root on the board, whoever runs the test.
 fake id <<'END'
 #!/bin/sh
 echo 1000
 END
-# With a file "password" sudo wants what stands there.
+# If there is a file "password", sudo requires the password in it.
 fake sudo <<'END'
 #!/bin/sh
 password=$TOUCHLINE_ROOT/password
@@ -54,8 +54,8 @@ case $pattern in
   *) [ -f "$TOUCHLINE_ROOT/version" ] && printf '%s\n' "$3" | sed "s/.{db:Status-Status}/installed/; s/.{Version}/$(cat "$TOUCHLINE_ROOT/version")/; s/.n$//" ;;
 esac
 END
-# Versions that begin with 9 cannot be fetched, those with 8 cannot be installed, those with 5 not before the lists are new. The system's
-# updates have just begun, always: who does not wait for them gets nothing.
+# Versions that begin with 9 cannot be downloaded, with 8 cannot be installed, with 5 cannot be downloaded before apt-get update. The
+# system's updates are always in progress: a call that does not wait for the lock fails.
 fake apt-get <<'END'
 #!/bin/sh
 for deb; do :; done
@@ -70,7 +70,7 @@ case "$version $*" in
 esac
 echo "$version" >"$TOUCHLINE_ROOT/version"
 END
-# Versions that begin with 7 start and never see a frame, those with 6 fail, those with 4 after their first frame; without a camera all do.
+# Versions that begin with 7 start but get no frame, with 6 fail, with 4 fail after their first frame. Without a camera all fail.
 fake systemctl <<'END'
 #!/bin/sh
 state=$TOUCHLINE_ROOT/state
@@ -90,7 +90,7 @@ fake journalctl <<'END'
 echo "camera: no such device"
 END
 
-# package VERSION [ARCH [DEPENDS]]: prints the path of such a package.
+# package VERSION [ARCH [DEPENDS]]: makes a package and prints its path.
 package() {
   local tree=$work/tree deb=$work/touchline_$1.deb
   mkdir -p "$tree/DEBIAN"
@@ -100,7 +100,7 @@ package() {
   dpkg-deb --build -Znone "$tree" "$deb" >/dev/null
   echo "$deb"
 }
-# deploy CODE ARGUMENTS...: runs it, and fails unless it ends with that code. Output in $work/said.
+# deploy CODE ARGUMENTS...: runs tools/deploy and fails unless it exits with CODE. The output is in $work/said.
 deploy() {
   local wanted=$1 code=0
   shift
@@ -183,9 +183,9 @@ case $1 in
     deploy 0 robot@board --deb "$(package 1.0)"
     code=0
     sh "$source_dir/toolchain/deploy-on-board" "$(package 6.0)" 1 none >/dev/full 2>&1 || code=$?
-    [ "$code" = 3 ] || fail "exit code $code instead of 3 when nobody listens"
+    [ "$code" = 3 ] || fail "exit code $code instead of 3 when the output cannot be written"
     runs 1.0
-    # A file that cannot be replaced: a folder has its name.
+    # A file cannot be replaced because a folder has its name.
     mkdir -p "$work/config" "$board/etc/touchline/hall.toml"
     touch "$work/config/hall.toml"
     code=0
@@ -220,12 +220,12 @@ case $1 in
     says "camera: no such device"
     ;;
   WhatWasNotReplacedRunsAgain)
-    # Installed by hand: no package of it is kept.
+    # Installed by hand: the board has no package file of this version.
     echo 1.0 >"$board/version"
     deploy 3 robot@board --deb "$(package 8.0)"
     runs 1.0
     says "way back is none"
-    # Nothing can be installed, neither the new one nor the former.
+    # Neither the new nor the former package can be installed.
     deploy 0 robot@board --deb "$(package 1.1)"
     mv "$fakes/apt-get" "$fakes/no-lock"
     fake apt-get <<'END'
@@ -248,7 +248,7 @@ END
     for ((i = 0; i < 200; ++i)); do [ "$(cat "$board/state")" = activating ] && break; sleep 0.05; done
     kill -9 $!
     wait $! 2>/dev/null || true
-    flock "$board/var/cache/touchline/lock" true  # what it had begun holds it for a moment
+    flock "$board/var/cache/touchline/lock" true  # its child processes hold the lock for a moment
     [ "$(cat "$board/version" "$board/etc/touchline/board.toml")" = "$(printf "7.0\nthe new one's")" ] || fail "it was not cut off halfway"
     echo "an hour's work" >"$board/etc/touchline/team.toml"
     deploy 3 robot@board --deb "$(package 6.0)"
@@ -328,7 +328,7 @@ END
     ! grep -q ribbon "$work/said" || fail "warns without need"
     ;;
   OverARealConnection)
-    # ssh and sshd themselves, one at each end of a pipe: quoting, exit codes, one connection for all.
+    # The real ssh and sshd at the ends of a pipe: quoting, exit codes, one connection for all commands.
     ssh-keygen -q -t ed25519 -N "" -f "$work/host"
     ssh-keygen -q -t ed25519 -N "" -f "$work/user"
     [ "$(/usr/bin/id -u)" -ne 0 ] || mkdir -p /run/sshd

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# What the .deb brings beside the programs, without a package and without root: package_test.sh CASE [ARGUMENTS]
+# Tests the files of the .deb other than the programs, without a package and without root: package_test.sh CASE [ARGUMENTS]
 set -euo pipefail
 package=$(cd "$(dirname "${BASH_SOURCE[0]}")/../../toolchain/package" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 fail() { echo "$*"; exit 1; }
 
-# A board that is a folder: what the scripts of the package call is written down and done by nobody.
+# A folder takes the place of the board. Fakes record the commands that the package's scripts call and do nothing.
 export DPKG_ROOT=$work/board PATH=$work/fakes:$PATH
 etc=$DPKG_ROOT/etc/touchline boards=$DPKG_ROOT/usr/share/touchline/boards
 mkdir -p "$work/fakes" "$boards" "$DPKG_ROOT/run/systemd/system" "$DPKG_ROOT/run/udev" "$DPKG_ROOT/etc"
@@ -43,7 +43,7 @@ case $1 in
   AnInterruptedFirstInstallationIsMadeWhole)
     printf '#!/bin/sh\ncase $1 in *team.toml) echo half >"$2"; exit 1 ;; esac\nexec %s "$@"\n' "$(command -v cp)" >"$work/fakes/cp"
     chmod +x "$work/fakes/cp"
-    if script postinst configure ""; then fail "a failure is not told"; fi
+    if script postinst configure ""; then fail "a failure is not reported"; fi
     rm "$work/fakes/cp"
     script postinst configure ""
     for file in board.toml venue.toml team.toml venue-light.png; do cmp "$boards/mock/$file" "$etc/$file"; done
@@ -55,7 +55,7 @@ case $1 in
     script postinst abort-remove
     called "deb-systemd-invoke start touchline.service" || fail "not started again"
     [ ! -e "$etc" ] || fail "more was done than that"
-    # One that is not enabled did not run by itself.
+    # A service that is not enabled was not running.
     rm "$work/called"
     touch "$work/no---quiet"
     script postinst abort-remove
@@ -77,7 +77,7 @@ case $1 in
     for subsystem in "${subsystems[@]}"; do
       grep "^udevadm trigger" "$work/called" | grep -qE -- "--subsystem-match=$subsystem( |\$)" || fail "$subsystem is not triggered"
     done
-    # trigger says "change".
+    # udevadm trigger sends the action "change".
     ! grep -q 'ACTION=="add"' "$package/touchline.rules" || fail "a rule is for what is plugged in later only"
     ;;
   OnlyATaggedAdapterIsTheRadio)
@@ -93,7 +93,7 @@ case $1 in
     # $2: systemd-analyze. The program is another; the rest is as delivered.
     sed 's|^ExecStart=.*|ExecStart=/bin/true|; /^Documentation=/d' "$package/touchline.service" >"$work/touchline.service"
     said=$("$2" verify "$work/touchline.service" 2>&1) && [ -z "$said" ] || fail "$said"
-    # What the manager would not see: exposure 1.5 of 10 at most.
+    # The exposure that systemd-analyze computes must be 1.5 of 10 at most.
     "$2" security --offline=true --threshold=15 --no-pager "$work/touchline.service" >"$work/said" || fail "$(tail -n 1 "$work/said")"
     for line in WatchdogSec=5 Type=notify LimitRTPRIO=99 LimitMEMLOCK=infinity User=touchline ProtectSystem=strict DevicePolicy=closed \
       'RestartPreventExitStatus=1 64' StartLimitIntervalSec=0 StateDirectory=touchline RuntimeDirectory=touchline \
@@ -102,7 +102,7 @@ case $1 in
     done
     ;;
   ManualPage)
-    # $2: its name; the rest: the program, after its emulator where it needs one. Whatever --help lists is in the page.
+    # $2: the program's name; the rest: the program, after its emulator if it needs one. The page must contain all options of --help.
     name=$2
     "$package/man-page" "$name" 1.2.3 "$work/page.gz" "${@:3}"
     gunzip -c "$work/page.gz" | sed 's/\\-/-/g' >"$work/page"

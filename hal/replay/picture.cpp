@@ -16,7 +16,8 @@ namespace {
 
 using namespace ffmpeg;
 
-AVCodecID kind_of(std::string_view bytes) {
+// Not inlined: gcc 12 would warn that a short string may be uninitialized.
+[[gnu::noinline]] AVCodecID kind_of(std::string_view bytes) {
   if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return AV_CODEC_ID_PNG;
   if (bytes.starts_with("\xff\xd8\xff")) return AV_CODEC_ID_MJPEG;
   if (bytes.size() > 2 && bytes[0] == 'P') {

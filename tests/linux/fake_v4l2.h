@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/pixel_format.h"
 #include "tests/linux/fake_kernel.h"
 
 namespace touchline::fake {

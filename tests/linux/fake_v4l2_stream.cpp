@@ -83,7 +83,7 @@ int VideoDevice::query_buffer(v4l2_buffer& buffer) const {
   buffer.length = static_cast<std::uint32_t>(picture_.planes);
   for (std::uint32_t i = 0; i < buffer.length; ++i) {
     buffer.m.planes[i].length = static_cast<std::uint32_t>(planes[i].memory.size());
-    buffer.m.planes[i].m.mem_offset = (kMaxPlanes * buffer.index + i) * kOffsetStep;
+    buffer.m.planes[i].m.mem_offset = (static_cast<__u32>(kMaxPlanes) * buffer.index + i) * kOffsetStep;
   }
   return 0;
 }

@@ -11,6 +11,7 @@
 
 #include "firmware/config_reloader.h"
 #include "firmware/session.h"
+#include "tests/results.h"
 #include "tools/programs/latency/allocation_counter.h"
 
 namespace touchline {
@@ -41,9 +42,8 @@ class Reload : public ::testing::Test {
     SessionOptions options;
     options.files.board = (folder_ / "board.toml").string();
     config::Problems problems;
-    std::string reason;
     ASSERT_TRUE(session_.load(options, problems).ok()) << problems.text();
-    ASSERT_TRUE(session_.open({&Reload::look, this}, reason).ok()) << reason;
+    ASSERT_OK(session_.open({&Reload::look, this}));
     reloader_.emplace(session_.files(), session_.configuration(), session_.devices().loop_devices().camera,
                       session_.live_update());
     run(30);  // until all robots have tracks

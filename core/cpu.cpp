@@ -33,8 +33,10 @@ bool has_feature(std::string_view name) {
 bool has_features(std::string_view list) {
   while (!list.empty()) {
     const std::size_t comma = list.find(',');
-    if (!has_feature(list.substr(0, comma))) return false;
-    list = comma == std::string_view::npos ? std::string_view() : list.substr(comma + 1);
+    const bool is_last = comma == std::string_view::npos;
+    // Not substr(), which can throw.
+    if (!has_feature({list.data(), is_last ? list.size() : comma})) return false;
+    list.remove_prefix(is_last ? list.size() : comma + 1);
   }
   return true;
 }

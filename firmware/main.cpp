@@ -4,8 +4,8 @@
 #include "firmware/command_line.h"
 #include "firmware/config/key_reference.h"
 #include "firmware/run_command.h"
-#include "hal/linux/files/input_file.h"
-#include "hal/linux/files/output_file.h"
+#include "hal/files/input_file.h"
+#include "hal/files/output_file.h"
 #include "hal/linux/standard_descriptors.h"
 
 namespace touchline {

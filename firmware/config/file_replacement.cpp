@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
-#include "hal/linux/files/input_file.h"
-#include "hal/linux/files/output_file.h"
+#include "hal/files/input_file.h"
+#include "hal/files/output_file.h"
 
 namespace touchline::config {
 

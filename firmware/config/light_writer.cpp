@@ -7,7 +7,7 @@
 #include "firmware/config/file_replacement.h"
 #include "firmware/config/section_writer.h"
 #include "firmware/config/toml_writer.h"
-#include "hal/linux/files/output_file.h"
+#include "hal/files/output_file.h"
 
 namespace touchline::config {
 namespace {

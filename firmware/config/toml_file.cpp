@@ -3,7 +3,7 @@
 #include <charconv>
 
 #include "firmware/config/board_file.h"
-#include "hal/linux/files/input_file.h"
+#include "hal/files/input_file.h"
 
 namespace touchline::config {
 namespace {

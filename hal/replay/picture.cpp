@@ -7,7 +7,7 @@
 #include <span>
 
 #include "core/types.h"
-#include "hal/linux/files/input_file.h"
+#include "hal/files/input_file.h"
 #include "hal/replay/frame_converter.h"
 #include "hal/replay/picture_decoder.h"
 

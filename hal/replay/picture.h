@@ -6,7 +6,7 @@
 
 #include "core/status.h"
 #include "core/types.h"
-#include "hal/linux/files/output_file.h"
+#include "hal/files/output_file.h"
 
 namespace touchline::hal {
 

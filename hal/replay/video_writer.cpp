@@ -7,7 +7,7 @@ extern "C" {
 #include <cmath>
 #include <cstdio>
 
-#include "hal/linux/files/output_file.h"
+#include "hal/files/output_file.h"
 #include "hal/replay/ffmpeg.h"
 
 namespace touchline::hal {

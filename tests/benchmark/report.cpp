@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/pipeline.h"
-#include "hal/linux/files/output_file.h"
+#include "hal/files/output_file.h"
 #include "tests/benchmark/measurement.h"
 
 namespace touchline::testing {

@@ -1,5 +1,5 @@
 // Only regular files of a bounded size are read; nothing else can make a program wait.
-#include "hal/linux/files/input_file.h"
+#include "hal/files/input_file.h"
 
 #include "tests/files/temporary_folder.h"
 

@@ -1,5 +1,5 @@
 // Files appear complete or not at all, and only where they belong: each attack on the way an output file is written.
-#include "hal/linux/files/output_file.h"
+#include "hal/files/output_file.h"
 
 #include <fcntl.h>
 #include <sys/resource.h>

@@ -147,8 +147,11 @@ TEST_F(Program, DumpShowsAllValuesInForce) {
 TEST_F(Program, KeysAreListed) {
   const Outcome keys = touchline("keys");
   EXPECT_EQ(keys.code, 0);
-  EXPECT_NE(keys.text.find("  camera.exposure_us: integer, 0 to 1000000 us, default 5000\n"), std::string::npos);
-  EXPECT_NE(keys.text.find("  color[].box[].low: list of 3 integers, 0 to 255\n"), std::string::npos);
+  EXPECT_NE(keys.text.find("  camera.exposure_us: integer, 0 to 1000000 us, default 5000, reload: camera\n"),
+            std::string::npos);
+  EXPECT_NE(
+      keys.text.find("  color[].box[].low: list of 3 integers, 0 to 255, default [0, 0, 0], reload: thresholds\n"),
+      std::string::npos);
 }
 
 TEST_F(Program, BadFilesStopARunBeforeAnythingIsOpened) {

@@ -77,7 +77,7 @@ int VideoDevice::query_buffer(v4l2_buffer& buffer) const {
   buffer.flags = stamp_flags;
   if (!multi_planar()) {
     buffer.length = static_cast<std::uint32_t>(planes[0].memory.size());
-    buffer.m.offset = 2 * buffer.index * kOffsetStep;
+    buffer.m.offset = static_cast<__u32>(kMaxPlanes) * buffer.index * kOffsetStep;
     return 0;
   }
   buffer.length = static_cast<std::uint32_t>(picture_.planes);

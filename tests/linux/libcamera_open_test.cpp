@@ -142,9 +142,11 @@ TEST_F(LibcameraOpenTest, FullRangeAndOtherBuffersThanAskedAreTold) {
   EXPECT_EQ(camera_->info().negotiated,
             std::string(kId) + ": buffers = 4: set to 6; rate_hz = 60: the camera does not tell its rate");
   world_.granted_buffers = 1;
-  expect_refusal(settings(), ErrorCode::kUnsupported, std::string(kId) + ": grants 1 buffers, 2 to 32 are needed");
+  expect_refusal(settings(), ErrorCode::kUnsupported,
+                 std::string(kId) + ": the camera provides 1 buffers; 2 to 32 are needed");
   world_.granted_buffers = 33;
-  expect_refusal(settings(), ErrorCode::kUnsupported, std::string(kId) + ": grants 33 buffers, 2 to 32 are needed");
+  expect_refusal(settings(), ErrorCode::kUnsupported,
+                 std::string(kId) + ": the camera provides 33 buffers; 2 to 32 are needed");
 }
 
 TEST_F(LibcameraOpenTest, PicturesLieInMemoryOfTheHeapElseInTheDriversOwn) {

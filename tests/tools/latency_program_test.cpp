@@ -52,7 +52,7 @@ TEST_F(LatencyProgram, WrongCommandLineIs64) {
   EXPECT_EQ(measure("--frames 5 --duration 1"), 64);
   EXPECT_EQ(measure("--duration nan"), 64);
   EXPECT_EQ(measure("--histogram a.jpg"), 64);
-  EXPECT_TRUE(said("a.jpg ends neither in .svg nor in .png")) << read("out");
+  EXPECT_TRUE(said("a.jpg: the name must end in .svg or .png")) << read("out");
   EXPECT_EQ(latency("--compare one.json"), 64);
 }
 

@@ -161,8 +161,8 @@ Result<void> LibcameraCamera::prepare_buffers() {
   std::vector<DmaBuffer> buffers;
   TOUCHLINE_TRY(allocate_buffers(buffers));
   if (buffers.size() < kFewestBuffers || buffers.size() > kMostBuffers) {
-    return failure(ErrorCode::kUnsupported, "%s: negotiated %zu buffers, %zu to %zu are needed", name(), buffers.size(),
-                   kFewestBuffers, kMostBuffers);
+    return failure(ErrorCode::kUnsupported, "%s: the camera provides %zu buffers; %zu to %zu are needed", name(),
+                   buffers.size(), kFewestBuffers, kMostBuffers);
   }
   stream_.buffers = buffers.size();
   if (stream_.buffers != static_cast<std::size_t>(settings_.buffers)) {

@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "firmware/config/configuration.h"
-#include "hal/linux/files/output_file.h"
+#include "hal/files/output_file.h"
 #include "hal/mock/sensor.h"
 #include "hal/replay/picture.h"
 #include "tools/programs/arena/scene_files.h"

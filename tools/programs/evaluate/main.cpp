@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "firmware/config/configuration.h"
-#include "hal/linux/files/output_file.h"
+#include "hal/files/output_file.h"
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/evaluate/cramer_rao_bound.h"
 #include "tools/programs/evaluate/report.h"

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/types.h"
-#include "hal/linux/files/output_file.h"
+#include "hal/files/output_file.h"
 
 namespace touchline::replay {
 

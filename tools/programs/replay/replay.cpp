@@ -5,7 +5,7 @@
 #include "core/pipeline.h"
 #include "firmware/config/configuration.h"
 #include "firmware/report/trace_json.h"
-#include "hal/linux/files/output_file.h"
+#include "hal/files/output_file.h"
 #include "hal/replay/replay_camera.h"
 #include "tools/programs/replay/annotation.h"
 #include "tools/programs/replay/annotation_output.h"

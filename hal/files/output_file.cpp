@@ -1,4 +1,4 @@
-#include "hal/linux/files/output_file.h"
+#include "hal/files/output_file.h"
 
 #include <fcntl.h>
 #include <sys/random.h>

@@ -1,4 +1,4 @@
-#include "hal/linux/files/input_file.h"
+#include "hal/files/input_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

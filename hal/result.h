@@ -79,9 +79,11 @@ class [[nodiscard]] Result<void> {
 /// The same, and on success `target` gets the value: TOUCHLINE_TRY_ASSIGN(const Settings settings, read(file));
 #define TOUCHLINE_TRY_ASSIGN(target, expression) \
   TOUCHLINE_TRY_ASSIGN_AS(TOUCHLINE_JOINED(touchline_result_, __LINE__), target, expression)
+// NOLINTBEGIN(bugprone-macro-parentheses): `result` and `target` are declared here.
 #define TOUCHLINE_TRY_ASSIGN_AS(result, target, expression) \
   auto result = (expression);                               \
   if (!result.ok()) return std::move(result).error();       \
   target = std::move(result).value()
+// NOLINTEND(bugprone-macro-parentheses)
 #define TOUCHLINE_JOINED(a, b) TOUCHLINE_JOINED_AGAIN(a, b)
 #define TOUCHLINE_JOINED_AGAIN(a, b) a##b

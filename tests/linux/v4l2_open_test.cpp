@@ -198,7 +198,8 @@ TEST_F(V4l2OpenTest, BuffersFewerOrMoreThanAskedAreReported) {
   device_.fewest_buffers = 40;
   expect_negotiated(settings(), "/dev/video0: buffers = 4: set to 32");
   device_.fewest_buffers = device_.most_buffers = 1;
-  expect_refusal(settings(), ErrorCode::kUnsupported, "/dev/video0: grants 1 buffers, at least 2 are needed");
+  expect_refusal(settings(), ErrorCode::kUnsupported,
+                 "/dev/video0: the camera provides 1 buffers; at least 2 are needed");
 }
 
 TEST_F(V4l2OpenTest, FailuresOfBuffersLeaveNothingBehind) {
@@ -252,7 +253,9 @@ TEST_F(V4l2OpenTest, ALongListOfSizesIsReportedWhole) {
   const std::string begin = "/dev/video0: no yuyv 640x480 but rgb24 1000x1000; it offers rgb24 1000x1000, 1001x1000, ";
   EXPECT_EQ(opened.text().substr(0, begin.size()), begin);
   EXPECT_NE(opened.text().find("uyvy 1000x1000"), std::string::npos);
-  EXPECT_NE(opened.text().find("1099x1000", 2048), std::string::npos) << "the last one";
+  // Drivers that never end a list are cut off after 64 sizes per format.
+  EXPECT_TRUE(opened.text().ends_with("1063x1000")) << opened.text();
+  EXPECT_GT(opened.text().size(), 2048u);
 }
 
 }  // namespace

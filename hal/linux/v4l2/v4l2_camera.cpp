@@ -119,7 +119,7 @@ Result<void> V4l2Camera::map_buffers() {
   if (error == EBUSY) return device_busy(name());
   if (error != 0) return fail("mapping buffers", error);
   if (buffers_.count() < kFewestBuffers) {
-    return failure(ErrorCode::kUnsupported, "%s: negotiated %zu buffers, at least %zu are needed", name(),
+    return failure(ErrorCode::kUnsupported, "%s: the camera provides %zu buffers; at least %zu are needed", name(),
                    buffers_.count(), kFewestBuffers);
   }
   for (std::size_t i = 0; i < buffers_.count() * picture_.planes; ++i) {

@@ -176,7 +176,7 @@ const RowBits& row_bits(KernelChoice kernel) {
   switch (kernel) {
 #define TOUCHLINE_SET(family, set, word, features, span_kernel, row_masks, row_bits, ...) \
   TOUCHLINE_ON_##family(case KernelChoice::set : return row_bits;)
-    TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)
+    TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)  // NOLINT(bugprone-branch-clone): sets may share a function
 #undef TOUCHLINE_SET
     default:
       return portable_row_bits;

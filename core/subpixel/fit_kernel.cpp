@@ -23,7 +23,7 @@ const FitKernel& fit_kernel(KernelChoice choice) {
   switch (chosen) {
 #define TOUCHLINE_SET(family, set, word, features, span_kernel, row_masks, row_bits, kernel, ...) \
   TOUCHLINE_ON_##family(case KernelChoice::set : return kernel();)
-    TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)
+    TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)  // NOLINT(bugprone-branch-clone): sets may share a function
 #undef TOUCHLINE_SET
     default:
       return portable_fit_kernel();

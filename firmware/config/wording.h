@@ -34,6 +34,7 @@ std::string joined(std::span<const std::string_view> words);
 template <class Choices>
 std::vector<std::string_view> words_of(const Choices& choices) {
   std::vector<std::string_view> words;
+  words.reserve(std::size(choices));
   for (const auto& choice : choices) words.push_back(choice.word);
   return words;
 }

@@ -48,7 +48,7 @@ int follow_links(std::string& path) {
     const ssize_t size = ::readlink(path.c_str(), target.data(), target.size());
     if (size < 0) return errno == EINVAL || errno == ENOENT ? 0 : errno;
     std::string next(target.data(), static_cast<std::size_t>(size));
-    path = next.starts_with('/') ? next : folder_of(path) + "/" + next;
+    path = next.starts_with('/') ? next : folder_of(path).append("/").append(next);
   }
   return ELOOP;
 }

@@ -225,6 +225,7 @@ struct Packed32 : PeriodOfFour {
 // A byte a pixel, and two a pair, in one plane or in two.
 template <PixelFormat kFormat>
 struct Planar {
+  // NOLINTNEXTLINE(bugprone-dynamic-static-initializers): it is a constant
   static constexpr bool kApart = info_of(kFormat).packing == Packing::kPlanar;
 
   // U and V interleaved, of a tile and of a block.

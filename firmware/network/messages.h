@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/control/external_command.h"
+#include "core/fixed_vector.h"
+#include "core/types.h"
+#include "firmware/snapshot.h"
+
+// What passes between the publisher, the receiver and the protocols: encoders turn an OutputFrame into one datagram,
+// decoders turn one datagram into a CommandBatch or a RefereeState.
+namespace touchline::network {
+
+// Largest UDP payload over IPv4: 65535 bytes less the headers of IP (20) and UDP (8).
+constexpr std::size_t kMaxDatagramBytes = 65507;
+
+/// The leagues name teams by the color of their markers, whatever colors the venue file calls them.
+enum class TeamColor : std::uint8_t { kYellow, kBlue };
+constexpr TeamColor other(TeamColor color) {
+  return color == TeamColor::kYellow ? TeamColor::kBlue : TeamColor::kYellow;
+}
+
+/// A snapshot and what the encoders need beside it.
+struct OutputFrame {
+  const Snapshot& snapshot;
+  double captured_unix_s = 0.0, sent_unix_s = 0.0;  // Snapshot::captured and sent as Unix time
+  TeamColor own = TeamColor::kBlue;                 // the opponent has the other color
+  std::uint32_t camera_id = 0;
+  std::array<float, 2> robot_height_m{};  // by Team
+};
+
+/// The commands of one datagram.
+struct CommandBatch {
+  FixedVector<ExternalCommand, kMaxRobotsPerTeam> commands;  // at most one per robot: its last; `received` is not set
+  std::uint32_t other_team = 0;                              // commands for robots of the other color, ignored
+};
+
+}  // namespace touchline::network

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <type_traits>
+
+#include "core/types.h"
+#include "firmware/stop_rules.h"
+
+namespace touchline {
+
+/// What one frame led to, for the threads beside the loop: its StepTrace without pixels, runs and regions. Fixed size,
+/// so that it passes through a SnapshotRing.
+struct Snapshot {
+  std::uint64_t number = 0;          // of processed frames: 0, 1, 2, ... without gaps
+  std::uint32_t frame_sequence = 0;  // number from the driver; gaps are lost frames
+  std::uint16_t width_px = 0, height_px = 0;
+  // Capture is the middle of the exposure; `sent`: the radio accepted the packet. Of the loop's clock.
+  Instant captured{}, received{}, sent{};
+  Instant machine_sent{};  // CLOCK_MONOTONIC at `sent`; differs from it in simulated time
+  BallSighting ball;
+  FixedVector<RobotSighting, kMaxRobots> robots;
+  Tracks tracks;
+  Commands commands;
+  LightTrace light;
+  RobotReports reports;
+  Status status;                  // of the scan: kUnsupported (no sightings), kFull (see overload)
+  bool overload = false;          // a capacity was reached
+  std::uint8_t halt = kHaltNone;  // bits of Halt, after the frame
+};
+static_assert(std::is_trivially_copyable_v<Snapshot>, "SnapshotRing copies it word by word");
+
+}  // namespace touchline

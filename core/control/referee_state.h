@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/time.h"
+
+namespace touchline {
+
+/// Robots may move in kNoReferee and kRunning only.
+enum class GamePhase : std::uint8_t { kNoReferee, kHalt, kStop, kPrepare, kRunning };
+
+constexpr bool may_move_in(GamePhase phase) { return phase == GamePhase::kNoReferee || phase == GamePhase::kRunning; }
+
+/// The last message of a referee.
+struct RefereeState {
+  GamePhase phase = GamePhase::kNoReferee;
+  // nullopt: the referee does not say; the former value remains.
+  std::optional<bool> own_is_yellow, own_on_positive_half;
+  // Height of the robots' markers above the floor; 0: as the team file says.
+  float own_height_m = 0.0f, opponent_height_m = 0.0f;
+  // Whether the referee repeats its messages. Then silence stops the robots.
+  bool repeats = false;
+  Instant received{};
+};
+
+}  // namespace touchline

@@ -69,11 +69,13 @@ struct RowPixels {
   std::array<const std::uint8_t*, kMaxPlanes> plane{};
 };
 inline RowPixels row_pixels(const Frame& frame, std::size_t v) {
-  RowPixels row;
-  for (std::size_t i = 0; i < info_of(frame.format).planes; ++i) {
-    row.plane[i] = frame.plane[i] + plane_row(frame.format, i, v) * frame.stride_bytes[i];
-  }
-  return row;
+  const PixelFormatInfo& info = info_of(frame.format);
+  const auto plane = [&](std::size_t i, std::size_t shift) {
+    return frame.plane[i] + (v >> shift) * frame.stride_bytes[i];
+  };
+  if (info.planes == 1) return {{plane(0, 0)}};
+  return {
+      {plane(0, 0), plane(1, info.channel[1].shift_v), info.planes > 2 ? plane(2, info.channel[2].shift_v) : nullptr}};
 }
 
 /// Bytes from the first to the last pixel of a plane; 0: the format has no such plane.

@@ -1,25 +1,34 @@
 #include "tests/benchmark/paper_scan.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace touchline::testing {
 namespace {
 
-// A channel's samples in a row: that of pixel u is first[(u >> shared) * step].
-struct ChannelRow {
-  const std::uint8_t* first = nullptr;
-  std::uint8_t shared = 0, step = 1;
-  [[nodiscard]] std::uint8_t at(std::size_t u) const { return first[(u >> shared) * step]; }
-};
-
-std::array<ChannelRow, 3> channel_rows(const Frame& frame, std::size_t v) {
+// Classifies a row. The format is a constant, as in a program that is written for one camera.
+template <PixelFormat kFormat>
+void classify_row(const ColorTables& tables, const Frame& frame, std::size_t v, ColorId* colors) {
+  static constexpr std::array kChannel = info_of(kFormat).channel;
   const RowPixels row = row_pixels(frame, v);
-  std::array<ChannelRow, 3> rows;
-  for (std::size_t c = 0; c < rows.size(); ++c) {
-    const ChannelLayout& channel = info_of(frame.format).channel[c];
-    rows[c] = {row.plane[channel.plane] + channel.offset, channel.shift_u, channel.step};
+  const std::uint8_t* const first_row = row.plane[kChannel[0].plane];
+  const std::uint8_t* const second_row = row.plane[kChannel[1].plane];
+  const std::uint8_t* const third_row = row.plane[kChannel[2].plane];
+  const ColorTables::Table& first = tables.table(0, kNeutralLevel);
+  const ColorTables::Table& second = tables.table(1, kNeutralLevel);
+  const ColorTables::Table& third = tables.table(2, kNeutralLevel);
+  for (std::size_t u = 0; u < frame.width_px; ++u) {
+    colors[u] = tables.color_of(first[first_row[kChannel[0].byte(u)]] & second[second_row[kChannel[1].byte(u)]] &
+                                third[third_row[kChannel[2].byte(u)]]);
   }
-  return rows;
+}
+
+template <std::size_t... kIndex>
+void classify_row(std::index_sequence<kIndex...> /*formats*/, const ColorTables& tables, const Frame& frame,
+                  std::size_t v, ColorId* colors) {
+  static_cast<void>(((frame.format == kPixelFormatTable[kIndex].format &&
+                      (classify_row<kPixelFormatTable[kIndex].format>(tables, frame, v, colors), true)) ||
+                     ...));
 }
 
 PaperScan::Found describe_list(const PixelList& list) {
@@ -49,19 +58,11 @@ Status PaperScan::configure(const ScanParameters& parameters) {
   return tables_.build(parameters.boxes, color_space(parameters.format));
 }
 
-void PaperScan::classify_row(const Frame& frame, int v) {
-  const std::array<ChannelRow, 3> rows = channel_rows(frame, static_cast<std::size_t>(v));
-  const ColorTables::Table& first = tables_.table(0, kNeutralLevel);
-  const ColorTables::Table& second = tables_.table(1, kNeutralLevel);
-  const ColorTables::Table& third = tables_.table(2, kNeutralLevel);
-  ColorId* colors = &grid_.at(0, v);
-  for (std::size_t u = 0; u < frame.width_px; ++u) {
-    colors[u] = tables_.color_of(first[rows[0].at(u)] & second[rows[1].at(u)] & third[rows[2].at(u)]);
-  }
-}
-
 const std::vector<PaperScan::Found>& PaperScan::scan(const Frame& frame) {
-  for (int v = 0; v < grid_.height; ++v) classify_row(frame, v);
+  for (int v = 0; v < grid_.height; ++v) {
+    classify_row(std::make_index_sequence<kPixelFormatTable.size()>(), tables_, frame, static_cast<std::size_t>(v),
+                 &grid_.at(0, v));
+  }
   found_.clear();
   for (const PixelList& list : labeling_.label(grid_)) {
     if (!list.pixels.empty()) found_.push_back(describe_list(list));

@@ -26,8 +26,6 @@ class PaperScan {
   const std::vector<Found>& scan(const Frame& frame);
 
  private:
-  void classify_row(const Frame& frame, int v);
-
   ColorTables tables_;
   ColorGrid grid_;
   LiteralLabeling labeling_;

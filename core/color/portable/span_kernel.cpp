@@ -108,14 +108,16 @@ struct PackedRgb {
 // Formats whose pixel pairs (2k, 2k + 1) share a chroma sample. The chroma alone shows that most pairs are background.
 template <PixelFormat kFormat>
 struct SharedChroma {
-  static constexpr const auto& kChannel = info_of(kFormat).channel;
+  // A copy: gcc 12 does not treat what a reference refers to as a constant.
+  static constexpr std::array kChannel = info_of(kFormat).channel;
   static constexpr Packing kPacking = info_of(kFormat).packing;
   static constexpr bool kPlanar = info_of(kFormat).planes > 1;
   static constexpr std::size_t kLumaStep = kChannel[0].step;
 
   static std::uint32_t chroma_mask(const LightTables& tables, const RowPixels& row, std::uint32_t u) {
-    return (*tables.channel[1])[row.plane[kChannel[1].plane][kChannel[1].byte(u)]] &
-           (*tables.channel[2])[row.plane[kChannel[2].plane][kChannel[2].byte(u)]];
+    const std::size_t pair = std::size_t{u / 2} * kChannel[1].step;
+    return (*tables.channel[1])[(row.plane[kChannel[1].plane] + pair)[kChannel[1].offset]] &
+           (*tables.channel[2])[(row.plane[kChannel[2].plane] + pair)[kChannel[2].offset]];
   }
   static ColorId with_luma(const LightTables& tables, const RowPixels& row, std::uint32_t u, std::uint32_t chroma) {
     return tables.color_of(chroma & (*tables.channel[0])[row.plane[0][kChannel[0].byte(u)]]);

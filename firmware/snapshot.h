@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "core/control/referee_state.h"
 #include "core/types.h"
 #include "firmware/stop_rules.h"
 
@@ -26,7 +27,11 @@ struct Snapshot {
   Status status;                  // of the scan: kUnsupported (no sightings), kFull (see overload)
   bool overload = false;          // a capacity was reached
   std::uint8_t halt = kHaltNone;  // bits of Halt, after the frame
+  RefereeState referee;           // in effect
 };
 static_assert(std::is_trivially_copyable_v<Snapshot>, "SnapshotRing copies it word by word");
+
+/// Copies what the pipeline found. The other members are the caller's.
+void copy_trace(const StepTrace& trace, Snapshot& out);
 
 }  // namespace touchline

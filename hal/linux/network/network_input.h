@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "hal/linux/network/network_address.h"
+#include "hal/result.h"
+
+namespace touchline::hal {
+
+/// A message that was received.
+struct ReceivedMessage {
+  std::size_t size = 0;
+  bool is_complete = true;   // false: it was longer than the buffer
+  bool is_local = false;     // sent by this computer
+  std::uint32_t sender = 0;  // IPv4 address; 0: unix socket
+};
+
+/// A source of messages. No call blocks.
+class NetworkInput {
+ public:
+  virtual ~NetworkInput() = default;
+  /// Opens the socket. On error the message names the address, and open() may be called again.
+  virtual Result<void> open() = 0;
+  /// Descriptor for poll(): readable when there may be a message. -1: closed.
+  [[nodiscard]] virtual int descriptor() const = 0;
+  /// Receives one message; nullopt: there is none. On error the input must be closed and opened again.
+  virtual Result<std::optional<ReceivedMessage>> receive(std::span<std::byte> into) = 0;
+  /// Checks that the network still is as it was when the input was opened; call it about once a second. On error the
+  /// input must be closed and opened again. An interface that was removed and added again has lost its multicast
+  /// groups without an error.
+  virtual Result<void> check() = 0;
+  virtual void close() = 0;
+};
+
+/// UDP: one message per datagram; multicast is received from the interface that the address names. Unix: Touchline
+/// listens, and programs that connect to the stream send one message per line.
+std::unique_ptr<NetworkInput> make_network_input(const NetworkAddress& address);
+
+}  // namespace touchline::hal

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hal/linux/network/network_input.h"
+#include "hal/linux/network/udp_socket.h"
+
+namespace touchline::hal {
+
+/// Receives datagrams at a port or from a multicast group.
+class UdpInput final : public NetworkInput {
+ public:
+  explicit UdpInput(const NetworkAddress& address) : address_(address), name_(address.text()) {}
+
+  Result<void> open() override;
+  [[nodiscard]] int descriptor() const override { return socket_.get(); }
+  Result<std::optional<ReceivedMessage>> receive(std::span<std::byte> into) override;
+  Result<void> check() override;
+  void close() override { socket_.reset(); }
+
+ private:
+  Result<void> join(const Descriptor& socket);
+  [[nodiscard]] bool is_local(std::uint32_t sender) const;
+
+  const NetworkAddress address_;
+  const std::string name_;
+  Descriptor socket_;
+  unsigned interface_ = 0;                    // index at the time of opening
+  std::vector<std::uint32_t> own_addresses_;  // of this computer's interfaces
+};
+
+}  // namespace touchline::hal

@@ -1,90 +1,148 @@
 #include "firmware/report/trace_json.h"
 
-#include <cmath>
-#include <nlohmann/json.hpp>
+#include <charconv>
 
 namespace touchline::report {
 namespace {
 
-using nlohmann::ordered_json;
-
-// Steps to which values are rounded: below the noise, and short in the file.
-constexpr double kMeters = 1e-5, kRadians = 1e-5, kSpeed = 1e-4, kPixels = 1e-3, kSeconds = 1e-6;
-
-double rounded(double value, double step) {
-  const double steps = std::round(1.0 / step);     // a whole number, so that the quotient below prints short
-  return std::round(value * steps) / steps + 0.0;  // + 0.0: no "-0.0"
+void write_point(JsonWriter& json, FieldPoint point) {
+  write_number(json, "x", point.x_m, kMeterStep);
+  write_number(json, "y", point.y_m, kMeterStep);
 }
 
-ordered_json id_or_null(RobotId id) { return id == kUnknownId ? ordered_json(nullptr) : ordered_json(int{id}); }
-
-std::string color_name(const TraceNames& names, ColorId color) {
-  return color < names.colors.size() ? names.colors[color] : std::to_string(int{color});
+void write_pixel(JsonWriter& json, PixelPoint pixel) {
+  write_number(json, "u", pixel.u_px, kPixelStep);
+  write_number(json, "v", pixel.v_px, kPixelStep);
 }
 
-ordered_json robot_json(const RobotSighting& robot, const TraceNames& names) {
-  ordered_json patches = ordered_json::array();
+void write_identity(JsonWriter& json, Team team, RobotId id, const TraceNames& names) {
+  json.key("team");
+  json.string(names.teams[static_cast<std::size_t>(team)]);
+  json.key("id");
+  if (id == kUnknownId) {
+    json.null();
+  } else {
+    json.integer(id);
+  }
+}
+
+void write_color(JsonWriter& json, ColorId color, const TraceNames& names) {
+  json.key("color");
+  if (color < names.colors.size()) return json.string(names.colors[color]);
+  std::array<char, 4> number{};
+  const auto [end, error] = std::to_chars(number.data(), number.data() + number.size(), unsigned{color});
+  json.string({number.data(), static_cast<std::size_t>(end - number.data())});
+}
+
+void write_robot(JsonWriter& json, const RobotSighting& robot, const TraceNames& names) {
+  json.begin_object();
+  write_identity(json, robot.team, robot.id, names);
+  write_point(json, robot.pose.position);
+  json.key("theta");
+  if (robot.has_heading) {
+    json.number(rounded(static_cast<double>(robot.pose.theta_rad), kRadianStep));
+  } else {
+    json.null();
+  }
+  json.key("patches");
+  json.begin_array();
   for (const PatchSighting& patch : robot.patches) {
-    patches.push_back({{"role", patch.role == PatchRole::kTeam ? "team" : "identification"},
-                       {"color", color_name(names, patch.color)},
-                       {"u", rounded(static_cast<double>(patch.center.u_px), kPixels)},
-                       {"v", rounded(static_cast<double>(patch.center.v_px), kPixels)}});
+    json.begin_object();
+    json.key("role");
+    json.string(patch.role == PatchRole::kTeam ? "team" : "identification");
+    write_color(json, patch.color, names);
+    write_pixel(json, patch.center);
+    json.end_object();
   }
-  ordered_json theta = nullptr;
-  if (robot.has_heading) theta = rounded(static_cast<double>(robot.pose.theta_rad), kRadians);
-  return {{"team", names.teams[static_cast<std::size_t>(robot.team)]},
-          {"id", id_or_null(robot.id)},
-          {"x", rounded(static_cast<double>(robot.pose.position.x_m), kMeters)},
-          {"y", rounded(static_cast<double>(robot.pose.position.y_m), kMeters)},
-          {"theta", theta},
-          {"patches", patches}};
+  json.end_array();
+  json.end_object();
 }
 
-ordered_json sightings_json(const Sightings& sightings, const TraceNames& names) {
-  ordered_json ball = nullptr;
-  if (sightings.ball.seen) {
-    ball = {{"x", rounded(static_cast<double>(sightings.ball.position.x_m), kMeters)},
-            {"y", rounded(static_cast<double>(sightings.ball.position.y_m), kMeters)},
-            {"u", rounded(static_cast<double>(sightings.ball.center.u_px), kPixels)},
-            {"v", rounded(static_cast<double>(sightings.ball.center.v_px), kPixels)}};
+void write_sightings(JsonWriter& json, const FrameResults& results, const TraceNames& names) {
+  json.begin_object();
+  json.key("ball");
+  if (results.ball.seen) {
+    json.begin_object();
+    write_point(json, results.ball.position);
+    write_pixel(json, results.ball.center);
+    json.end_object();
+  } else {
+    json.null();
   }
-  ordered_json robots = ordered_json::array();
-  for (const RobotSighting& robot : sightings.robots) robots.push_back(robot_json(robot, names));
-  return {{"ball", ball}, {"robots", robots}};
+  json.key("robots");
+  json.begin_array();
+  for (const RobotSighting& robot : results.robots) write_robot(json, robot, names);
+  json.end_array();
+  json.end_object();
 }
 
-ordered_json tracks_json(const Tracks& tracks, const TraceNames& names) {
-  ordered_json ball = nullptr;
+void write_tracks(JsonWriter& json, const Tracks& tracks, const TraceNames& names) {
+  json.begin_object();
+  json.key("ball");
   if (tracks.ball.state != TrackState::kLost) {
-    ball = {{"x", rounded(static_cast<double>(tracks.ball.position.x_m), kMeters)},
-            {"y", rounded(static_cast<double>(tracks.ball.position.y_m), kMeters)},
-            {"vx", rounded(static_cast<double>(tracks.ball.velocity.x_m), kSpeed)},
-            {"vy", rounded(static_cast<double>(tracks.ball.velocity.y_m), kSpeed)}};
+    json.begin_object();
+    write_point(json, tracks.ball.position);
+    write_number(json, "vx", tracks.ball.velocity.x_m, kSpeedStep);
+    write_number(json, "vy", tracks.ball.velocity.y_m, kSpeedStep);
+    json.end_object();
+  } else {
+    json.null();
   }
-  ordered_json robots = ordered_json::array();
+  json.key("robots");
+  json.begin_array();
   for (const RobotTrack& robot : tracks.robots) {
-    robots.push_back({{"team", names.teams[static_cast<std::size_t>(robot.team)]},
-                      {"id", id_or_null(robot.id)},
-                      {"x", rounded(static_cast<double>(robot.pose.position.x_m), kMeters)},
-                      {"y", rounded(static_cast<double>(robot.pose.position.y_m), kMeters)},
-                      {"theta", rounded(static_cast<double>(robot.pose.theta_rad), kRadians)},
-                      {"v", rounded(static_cast<double>(robot.twist.v_mps), kSpeed)},
-                      {"w", rounded(static_cast<double>(robot.twist.w_radps), kSpeed)}});
+    json.begin_object();
+    write_identity(json, robot.team, robot.id, names);
+    write_point(json, robot.pose.position);
+    write_number(json, "theta", robot.pose.theta_rad, kRadianStep);
+    write_number(json, "v", robot.twist.v_mps, kSpeedStep);
+    write_number(json, "w", robot.twist.w_radps, kSpeedStep);
+    json.end_object();
   }
-  return {{"ball", ball}, {"robots", robots}};
+  json.end_array();
+  json.end_object();
 }
 
 }  // namespace
 
+void write_number(JsonWriter& json, std::string_view key, double value, double step) {
+  json.key(key);
+  json.number(rounded(value, step));
+}
+
+void write_number(JsonWriter& json, std::string_view key, float value, double step) {
+  write_number(json, key, static_cast<double>(value), step);
+}
+
+void write_frame(JsonWriter& json, const FrameResults& results, const TraceNames& names, std::uint64_t frame,
+                 std::string_view file) {
+  json.key("frame");
+  json.integer(static_cast<std::int64_t>(frame));
+  json.key("file");
+  json.string(file);
+  write_number(json, "t", seconds(results.captured.time_since_epoch()), kSecondStep);
+  json.key("sightings");
+  write_sightings(json, results, names);
+  json.key("tracks");
+  write_tracks(json, results.tracks, names);
+  json.key("overload");
+  json.boolean(results.overload);
+}
+
 std::string trace_line(const StepTrace& trace, const TraceNames& names, std::uint64_t frame, std::string_view file) {
-  const ordered_json line{{"frame", frame},
-                          {"file", file},
-                          {"t", rounded(seconds(trace.frame.capture_time.time_since_epoch()), kSeconds)},
-                          {"sightings", sightings_json(trace.sightings, names)},
-                          {"tracks", tracks_json(trace.tracks, names)},
-                          {"overload", trace.overload}};
-  // A file name that is no UTF-8 must not stop the report.
-  return line.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+  const FrameResults results{trace.frame.capture_time, trace.sightings.ball, trace.sightings.robots, trace.tracks,
+                             trace.overload};
+  // A usual frame needs 4 KB. Names of colors and files have any length.
+  for (std::size_t capacity = 8192;; capacity *= 2) {
+    std::string line(capacity, '\0');
+    JsonWriter json(line);
+    json.begin_object();
+    write_frame(json, results, names, frame, file);
+    json.end_object();
+    if (!json.fits()) continue;
+    line.resize(json.size());
+    return line;
+  }
 }
 
 }  // namespace touchline::report

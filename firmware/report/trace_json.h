@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/types.h"
+#include "firmware/report/json_writer.h"
 
 namespace touchline::report {
 
@@ -16,10 +17,29 @@ struct TraceNames {
   std::array<std::string, 2> teams;  // indexed by Team: the color of its team patches
 };
 
-/// What a frame led to, as one line of JSON without line end (docs/replay.md): what it alone shows (`sightings`) and
-/// the filtered state at its capture time (`tracks`). Meters, radians, seconds; rounded to 0.01 mm, 0.00001 rad, 0.1
-/// mm/s, 0.001 pixel. Unknown ids and headings are null. `frame`: its number in the input from 0; `file`: where it
-/// stands, or the device.
+/// What a frame led to, of a StepTrace or a Snapshot.
+struct FrameResults {
+  Instant captured;
+  const BallSighting& ball;
+  const FixedVector<RobotSighting, kMaxRobots>& robots;
+  const Tracks& tracks;
+  bool overload;
+};
+
+// Steps to which values are rounded: below the noise, and short in the text.
+constexpr double kMeterStep = 1e-5, kRadianStep = 1e-5, kSpeedStep = 1e-4, kPixelStep = 1e-3, kSecondStep = 1e-6;
+
+/// Writes the members that the replay's lines and the live lines share (docs/replay.md): what the frame alone shows
+/// (`sightings`) and the filtered state at its capture time (`tracks`). Meters, radians, seconds. Unknown ids and
+/// headings are null. `frame`: its number from 0; `file`: where it stands, or the device.
+void write_frame(JsonWriter& json, const FrameResults& results, const TraceNames& names, std::uint64_t frame,
+                 std::string_view file);
+
+/// Writes a pair of key and rounded number.
+void write_number(JsonWriter& json, std::string_view key, double value, double step);
+void write_number(JsonWriter& json, std::string_view key, float value, double step);
+
+/// The replay's line for a frame: an object with the members of write_frame(), without line end.
 std::string trace_line(const StepTrace& trace, const TraceNames& names, std::uint64_t frame, std::string_view file);
 
 }  // namespace touchline::report

@@ -10,6 +10,7 @@ struct FieldParameters {
   float length_m = 2.2f, width_m = 1.8f;
   float goal_width_m = 0.4f, goal_depth_m = 0.15f;
   float margin_m = 0.1f;  // sightings farther outside the border and the goals are rejected
+  float line_width_m = 0.01f, center_circle_m = 0.0f;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -26,6 +27,15 @@ struct FieldParameters {
                                  .range = {0.0, 5.0},
                                  .unit = "m",
                                  .help = "Sightings farther outside the field are rejected"});
+    visit.number(self.line_width_m, {.name = "line_width_m",
+                                     .range = {0.0, 0.5},
+                                     .unit = "m",
+                                     .help = "Width of the lines; only published to other programs"});
+    visit.number(self.center_circle_m,
+                 {.name = "center_circle_m",
+                  .range = {0.0, 10.0},
+                  .unit = "m",
+                  .help = "Radius of the center circle, 0: none; only published to other programs"});
   }
 };
 

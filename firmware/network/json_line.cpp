@@ -1,0 +1,112 @@
+#include "firmware/network/json_line.h"
+
+#include <array>
+#include <charconv>
+
+namespace touchline::network {
+namespace {
+
+using report::JsonWriter;
+using report::write_number;
+
+constexpr double kVoltStep = 1e-3;
+
+void write_id_key(JsonWriter& json, RobotId id) {
+  std::array<char, 4> text{};
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), int{id});
+  json.key({text.data(), static_cast<std::size_t>(end - text.data())});
+}
+
+/// {"blue":{"3":{"x":...}},"yellow":{}}. A plotter shows an object's members as series, which do not change places when
+/// another robot is lost.
+void write_robots(JsonWriter& json, const Snapshot& snapshot, const report::TraceNames& names) {
+  json.begin_object();
+  for (const Team team : {Team::kOwn, Team::kOpponent}) {
+    const std::string& name = names.teams[static_cast<std::size_t>(team)];
+    if (name.empty()) continue;  // this team is not detected
+    json.key(name);
+    json.begin_object();
+    for (const RobotTrack& robot : snapshot.tracks.robots) {
+      if (robot.team != team || robot.id == kUnknownId) continue;
+      write_id_key(json, robot.id);
+      json.begin_object();
+      write_number(json, "x", robot.pose.position.x_m, report::kMeterStep);
+      write_number(json, "y", robot.pose.position.y_m, report::kMeterStep);
+      write_number(json, "theta", robot.pose.theta_rad, report::kRadianStep);
+      write_number(json, "v", robot.twist.v_mps, report::kSpeedStep);
+      write_number(json, "w", robot.twist.w_radps, report::kSpeedStep);
+      json.key("seen");
+      json.boolean(robot.state != TrackState::kCoasting);
+      json.end_object();
+    }
+    json.end_object();
+  }
+  json.end_object();
+}
+
+void write_commands(JsonWriter& json, const Commands& commands) {
+  json.begin_object();
+  for (const RobotCommand& command : commands.robots) {
+    write_id_key(json, command.id);
+    json.begin_object();
+    write_number(json, "v", command.twist.v_mps, report::kSpeedStep);
+    write_number(json, "w", command.twist.w_radps, report::kSpeedStep);
+    write_number(json, "left", command.wheels.left_mps, report::kSpeedStep);
+    write_number(json, "right", command.wheels.right_mps, report::kSpeedStep);
+    json.end_object();
+  }
+  json.end_object();
+}
+
+void write_telemetry(JsonWriter& json, const Snapshot& snapshot) {
+  json.begin_object();
+  for (const RobotReport& report : snapshot.reports.robots) {
+    write_id_key(json, report.last.id);
+    json.begin_object();
+    json.key("battery");
+    if (report.last.battery_v > 0.0f) {
+      json.number(report::rounded(static_cast<double>(report.last.battery_v), kVoltStep));
+    } else {
+      json.null();
+    }
+    json.key("link");
+    if (report.last.link_percent == kLinkUnknown) {
+      json.null();
+    } else {
+      json.integer(report.last.link_percent);
+    }
+    write_number(json, "age", seconds(snapshot.sent - report.heard), report::kSecondStep);
+    json.end_object();
+  }
+  json.end_object();
+}
+
+}  // namespace
+
+std::size_t write_json_line(const OutputFrame& frame, const report::TraceNames& names, std::string_view device,
+                            std::span<std::byte> out) {
+  const Snapshot& snapshot = frame.snapshot;
+  JsonWriter json({reinterpret_cast<char*>(out.data()), out.size()});
+  json.begin_object();
+  json.key("schema");
+  json.integer(kJsonSchema);
+  write_number(json, "timestamp", frame.captured_unix_s, report::kSecondStep);
+  write_number(json, "sent", frame.sent_unix_s, report::kSecondStep);
+  report::write_frame(json, {snapshot.captured, snapshot.ball, snapshot.robots, snapshot.tracks, snapshot.overload},
+                      names, snapshot.number, device);
+  json.key("robots");
+  write_robots(json, snapshot, names);
+  json.key("stop");
+  json.boolean(snapshot.commands.stop);
+  json.key("halt");
+  json.integer(snapshot.halt);
+  json.key("commands");
+  write_commands(json, snapshot.commands);
+  json.key("telemetry");
+  write_telemetry(json, snapshot);
+  json.end_object();
+  json.line_end();
+  return json.fits() ? json.size() : 0;
+}
+
+}  // namespace touchline::network

@@ -1,0 +1,103 @@
+#include <firmware/network/proto/ssl_referee.pb.h>
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+
+#include "firmware/network/protobuf.h"
+#include "firmware/network/referee.h"
+
+namespace touchline::network {
+namespace {
+
+std::optional<GamePhase> phase_of(std::int32_t command) {
+  switch (command) {
+    case ssl_Command_HALT:
+    case ssl_Command_TIMEOUT_YELLOW:  // people are on the field
+    case ssl_Command_TIMEOUT_BLUE:
+      return GamePhase::kHalt;
+    case ssl_Command_STOP:
+    case ssl_Command_GOAL_YELLOW:
+    case ssl_Command_GOAL_BLUE:
+    case ssl_Command_BALL_PLACEMENT_YELLOW:  // our robots place no ball
+    case ssl_Command_BALL_PLACEMENT_BLUE:
+      return GamePhase::kStop;
+    case ssl_Command_PREPARE_KICKOFF_YELLOW:
+    case ssl_Command_PREPARE_KICKOFF_BLUE:
+    case ssl_Command_PREPARE_PENALTY_YELLOW:
+    case ssl_Command_PREPARE_PENALTY_BLUE:
+      return GamePhase::kPrepare;
+    case ssl_Command_NORMAL_START:
+    case ssl_Command_FORCE_START:
+    case ssl_Command_DIRECT_FREE_YELLOW:
+    case ssl_Command_DIRECT_FREE_BLUE:
+    case ssl_Command_INDIRECT_FREE_YELLOW:
+    case ssl_Command_INDIRECT_FREE_BLUE:
+      return GamePhase::kRunning;
+    default:
+      return std::nullopt;
+  }
+}
+
+/// In breaks and after the game, robots stand whatever the command is. nullopt: unknown stage.
+std::optional<bool> is_break(std::int32_t stage) {
+  switch (stage) {
+    case ssl_Stage_NORMAL_HALF_TIME:
+    case ssl_Stage_EXTRA_TIME_BREAK:
+    case ssl_Stage_EXTRA_HALF_TIME:
+    case ssl_Stage_PENALTY_SHOOTOUT_BREAK:
+    case ssl_Stage_POST_GAME:
+      return true;
+    default:
+      if (stage < ssl_Stage_NORMAL_FIRST_HALF_PRE || stage > ssl_Stage_POST_GAME) return std::nullopt;
+      return false;
+  }
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  return text;
+}
+
+bool same_team(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  a = trimmed(a), b = trimmed(b);
+  return !a.empty() &&
+         std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+}
+
+float height_of(std::string_view team, const RefereeSettings& settings) {
+  for (const TeamHeight& entry : settings.heights) {
+    if (same_team(entry.team, team)) return entry.height_m;
+  }
+  return 0.0f;
+}
+
+}  // namespace
+
+Result<RefereeState> decode_ssl_referee(std::span<const std::byte> bytes, const RefereeSettings& settings) {
+  ssl_Referee message = ssl_Referee_init_zero;
+  TOUCHLINE_TRY(decode_message(ssl_Referee_fields, bytes, &message));
+  const std::optional<bool> in_break = is_break(message.stage);
+  if (!in_break) return failure(ErrorCode::kOutOfRange, "unknown stage %d", int{message.stage});
+  const std::optional<GamePhase> phase = phase_of(message.command);
+  if (!phase) return failure(ErrorCode::kOutOfRange, "unknown command %d", int{message.command});
+
+  RefereeState state;
+  state.phase = *in_break ? GamePhase::kHalt : *phase;
+  state.repeats = true;
+  const std::string_view yellow = message.yellow.name, blue = message.blue.name;
+  const bool own_is_yellow = same_team(settings.own_team, yellow);
+  if (own_is_yellow != same_team(settings.own_team, blue)) {
+    state.own_is_yellow = own_is_yellow;
+    if (message.has_blue_team_on_positive_half) {
+      state.own_on_positive_half = message.blue_team_on_positive_half != own_is_yellow;
+    }
+    state.own_height_m = height_of(own_is_yellow ? yellow : blue, settings);
+    state.opponent_height_m = height_of(own_is_yellow ? blue : yellow, settings);
+  }
+  return state;
+}
+
+}  // namespace touchline::network

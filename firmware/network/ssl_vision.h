@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/geometry/camera_model.h"
+#include "core/geometry/field_area.h"
+#include "core/status.h"
+#include "firmware/network/messages.h"
+#include "firmware/network/ssl_calibration.h"
+
+namespace touchline::network {
+
+/// What the encoders say about venue and robots.
+struct VenueGeometry {
+  FieldParameters field;
+  CameraParameters camera;
+  std::uint16_t width_px = 0, height_px = 0;  // of the picture
+  float ball_radius_m = 0.0f;
+  std::array<float, 2> robot_height_m{};    // by Team
+  std::array<std::size_t, 2> patches_of{};  // by Team: number of patches of a marker
+};
+
+/// Encodes SSL-Vision's SSL_WrapperPacket (docs/network.md): millimeters, radians, pixels. A ball or robot has these
+/// confidences:
+/// - ball: its area in the picture divided by that of a ball of this radius, or the reverse if it is larger
+/// - robot: share of the marker's patches that were seen, times 1 less the residual as a share of the largest that the
+///   matcher accepts, times 0.5 if the id is unknown
+class SslVisionEncoder {
+ public:
+  /// Errors of fit_ssl_calibration().
+  Status configure(const VenueGeometry& geometry);
+
+  /// A packet with the frame's detections. Returns its bytes; 0: `out` is too small.
+  std::size_t encode_detection(const OutputFrame& frame, std::span<std::byte> out) const;
+  /// A packet with field and calibration.
+  std::size_t encode_geometry(std::uint32_t camera_id, std::span<std::byte> out) const;
+
+  [[nodiscard]] const SslCalibration& calibration() const { return calibration_; }
+  [[nodiscard]] float confidence(const BallSighting& ball) const;
+  [[nodiscard]] float confidence(const RobotSighting& robot) const;
+
+ private:
+  VenueGeometry geometry_;
+  CameraModel camera_;
+  SslCalibration calibration_;
+};
+
+}  // namespace touchline::network

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware/network/messages.h"
+#include "firmware/network/ssl_vision.h"
+#include "firmware/report/trace_json.h"
+
+// A frame with everything that the protocols publish: known and unknown robots of both teams, seen and predicted ones,
+// commands and telemetry.
+namespace touchline::network {
+
+Snapshot example_snapshot();
+/// All lists are full, and all values have as many digits as possible.
+Snapshot fullest_snapshot();
+
+/// The own team is blue.
+OutputFrame example_output(const Snapshot& snapshot);
+
+/// The mock board's field and a camera above it.
+VenueGeometry example_geometry();
+
+inline const report::TraceNames kExampleNames{{"background", "orange", "blue", "yellow", "red"}, {"blue", "yellow"}};
+
+/// Calls `encode` with memory for the largest datagram and returns the bytes.
+template <class Encode>
+std::string datagram(Encode encode) {
+  std::vector<std::byte> memory(kMaxDatagramBytes);
+  const std::size_t size = encode(std::span<std::byte>(memory));
+  return {reinterpret_cast<const char*>(memory.data()), size};
+}
+
+inline std::span<const std::byte> bytes_of(const std::string& text) {
+  return std::as_bytes(std::span<const char>(text.data(), text.size()));
+}
+
+}  // namespace touchline::network

@@ -1,0 +1,134 @@
+#include "tests/fuzz/decoder_checks.h"
+
+#include <firmware/network/proto/firasim.pb.h>
+#include <firmware/network/proto/ssl_referee.pb.h>
+#include <firmware/network/proto/vss_referee.pb.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "firmware/network/firasim.h"
+#include "firmware/network/json_commands.h"
+#include "firmware/network/protobuf.h"
+#include "firmware/network/referee.h"
+
+namespace touchline::fuzz {
+namespace {
+
+using network::CommandBatch;
+using network::TeamColor;
+
+void require(bool condition, const char* promise) {
+  if (condition) return;
+  std::fprintf(stderr, "broken promise: %s\n", promise);
+  std::abort();
+}
+
+template <class T>
+void require_result(const Result<T>& result) {
+  if (result.ok()) return;
+  require(result.code() != ErrorCode::kOk, "an error has a code");
+  require(!result.error().text.empty(), "an error has a text");
+  // A line of the log.
+  require(result.error().text.size() < 300, "the text is short");
+  for (const char c : result.error().text.view()) require(c >= ' ' && c <= '~', "the text is printable");
+}
+
+bool is_within(float value, double limit) { return static_cast<double>(std::fabs(value)) <= limit; }
+
+void require_commands(const Result<CommandBatch>& batch) {
+  require_result(batch);
+  if (!batch.ok()) return;
+  std::array<bool, 128> seen{};
+  for (const ExternalCommand& command : batch.value().commands) {
+    require(command.id >= 0, "an id is 0 to 127");
+    require(!seen[static_cast<std::size_t>(command.id)], "a robot has one command");
+    seen[static_cast<std::size_t>(command.id)] = true;
+    // Comparisons with NaN are false.
+    require(is_within(command.twist.v_mps, 10.0) && is_within(command.twist.w_radps, 100.0), "the twist is limited");
+    require(is_within(command.wheels.left_mps, 10.0) && is_within(command.wheels.right_mps, 10.0),
+            "wheel speeds are limited");
+    require(is_within(command.target.position.x_m, 20.0) && is_within(command.target.position.y_m, 20.0) &&
+                is_within(command.target.theta_rad, 3.15),
+            "the target is limited");
+  }
+}
+
+void require_state(const Result<RefereeState>& state) {
+  require_result(state);
+  if (!state.ok()) return;
+  require(state.value().phase != GamePhase::kNoReferee, "a referee's message has a phase");
+  require(state.value().own_is_yellow.has_value() || !state.value().own_on_positive_half.has_value(),
+          "the side needs the color");
+}
+
+void check_firasim_packet(std::span<const std::byte> bytes) {
+  const Result<CommandBatch> blue = decode_firasim_packet(bytes, TeamColor::kBlue, network::kFirasimWheelRadius_m);
+  require_commands(blue);
+  const Result<CommandBatch> yellow = decode_firasim_packet(bytes, TeamColor::kYellow, 1.0f);
+  require_commands(yellow);
+  if (blue.ok() && yellow.ok()) {
+    require(yellow.value().other_team >= blue.value().commands.size(), "each command belongs to one team");
+  }
+}
+
+void check_json_commands(std::span<const std::byte> bytes) { require_commands(network::decode_json_commands(bytes)); }
+
+void check_ssl_referee(std::span<const std::byte> bytes) {
+  static const network::RefereeSettings settings{"Lemons", {{"Lemons", 0.15f}, {"Plums", 0.14f}}};
+  require_state(decode_ssl_referee(bytes, settings));
+}
+
+void check_vss_referee(std::span<const std::byte> bytes) { require_state(network::decode_vss_referee(bytes)); }
+
+template <class Message>
+std::string encoded(const pb_msgdesc_t* fields, const Message& message) {
+  std::array<std::byte, 2048> memory{};
+  const std::size_t size = network::encode_message(fields, &message, memory);
+  return {reinterpret_cast<const char*>(memory.data()), size};
+}
+
+std::vector<std::string> firasim_seeds() {
+  fira_message_Packet packet = fira_message_Packet_init_zero;
+  packet.has_cmd = true;
+  for (std::uint32_t id = 0; id < 4; ++id) {
+    packet.cmd.robot_commands[packet.cmd.robot_commands_count++] = {id, id == 3, 10.0 * id, -5.0};
+  }
+  return {encoded(fira_message_Packet_fields, packet)};
+}
+
+std::vector<std::string> json_seeds() {
+  return {R"({"commands":[{"id":1,"v":0.3,"w":0},{"id":2,"left":0.25,"right":-0.5}]})",
+          R"({"commands":[{"id":3,"x":0.1,"y":-0.2,"theta":1.57},{"id":4,"release":true},{"id":0,"x":1,"y":2}]})"};
+}
+
+std::vector<std::string> ssl_referee_seeds() {
+  ssl_Referee message = ssl_Referee_init_zero;
+  message.packet_timestamp = 1700000000123456;
+  message.stage = ssl_Stage_NORMAL_FIRST_HALF;
+  message.command = ssl_Command_FORCE_START;
+  message.command_counter = 7;
+  std::strcpy(message.yellow.name, "Lemons");
+  std::strcpy(message.blue.name, "Plums");
+  message.has_blue_team_on_positive_half = true;
+  return {encoded(ssl_Referee_fields, message)};
+}
+
+std::vector<std::string> vss_referee_seeds() {
+  // Field 1 (foul), 2 (color), 3 (quadrant), 4 (time stamp, 8 bytes).
+  return {std::string("\x08\x06\x10\x01\x18\x02\x21\x00\x00\x00\x00\x00\x00\x29\x40", 15)};
+}
+
+constexpr std::array<DecoderCheck, 4> kChecks{{{"firasim_packet", check_firasim_packet, firasim_seeds},
+                                               {"json_commands", check_json_commands, json_seeds},
+                                               {"ssl_referee", check_ssl_referee, ssl_referee_seeds},
+                                               {"vss_referee", check_vss_referee, vss_referee_seeds}}};
+
+}  // namespace
+
+std::span<const DecoderCheck> decoder_checks() { return kChecks; }
+
+}  // namespace touchline::fuzz

@@ -1,7 +1,12 @@
 #include "core/pipeline.h"
 
+#include <utility>
+
 namespace touchline {
 namespace {
+
+// No robot of any league is higher. Between floor and camera there must be a distance.
+constexpr float kMaxMarkerHeight = 0.5f;
 
 // Measures the time between construction and destruction as the time of a stage.
 class StageTimer {
@@ -31,6 +36,9 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   if (Status s = scanner_.configure(parameters.scan); !s.ok()) return s;
   if (Status s = camera_.configure(parameters.camera); !s.ok()) return s;
   if (Status s = matcher_.configure(parameters.marker, camera_); !s.ok()) return s;
+  teams_ = parameters.marker.teams;
+  assignment_ = {};
+  controller_.set_turned(false);
   const KernelChoice kernel = parameters.scan.kernel;
   patch_center_fit_.configure({parameters.marker.teams[0].layout, parameters.marker.teams[1].layout}, camera_, kernel);
   ball_center_fit_.configure(parameters.marker.ball, camera_, kernel);
@@ -38,6 +46,26 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   if (Status s = adaptation_.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color); !s.ok())
     return s;
   return controller_.configure(parameters.control, parameters.marker.field);
+}
+
+Status Pipeline::assign_teams(const TeamAssignment& assignment) {
+  if (assignment == assignment_) return {};
+  TeamMarkings teams = teams_;
+  for (std::size_t team = 0; team < teams.size(); ++team) {
+    const float height_m = assignment.height_m[team];
+    if (!(height_m >= 0.0f && height_m <= kMaxMarkerHeight)) return ErrorCode::kOutOfRange;
+    if (height_m > 0.0f) teams[team].layout.height_m = height_m;
+  }
+  if (assignment.colors_exchanged) {
+    if (teams[0].team_color == kBackground || teams[1].team_color == kBackground) return ErrorCode::kInconsistent;
+    std::swap(teams[0].team_color, teams[1].team_color);
+  }
+  if (Status s = matcher_.set_teams(teams); !s.ok()) return s;
+  patch_center_fit_.set_heights({teams[0].layout.height_m, teams[1].layout.height_m});
+  controller_.set_turned(assignment.sides_exchanged);
+  if (assignment.colors_exchanged != assignment_.colors_exchanged) reset();
+  assignment_ = assignment;
+  return {};
 }
 
 const StepTrace& Pipeline::step(const Frame& frame) {
@@ -85,7 +113,10 @@ const Packet& Pipeline::stop(Instant now) {
 
 void Pipeline::revoke() {
   --packet_sequence_;
-  for (RobotCommand& robot : trace_.commands.robots) robot = {robot.id, {}, {}};
+  for (RobotCommand& robot : trace_.commands.robots) {
+    robot.twist = {};
+    robot.wheels = {};
+  }
   stop_from(trace_.frame.capture_time + action_delay_);
 }
 

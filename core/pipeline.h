@@ -24,6 +24,15 @@ struct PipelineParameters {
   float low_battery_v = 0.0f;  // a battery below this voltage is low; 0: never
 };
 
+/// What a referee decides about the teams.
+struct TeamAssignment {
+  bool colors_exchanged = false;    // each team has the team color of the other one
+  bool sides_exchanged = false;     // the own team defends the half with positive x
+  std::array<float, 2> height_m{};  // of the markers, by Team; 0: as configured
+
+  friend bool operator==(const TeamAssignment&, const TeamAssignment&) = default;
+};
+
 /// Processes a frame from the camera to the radio packet. The object is large (fixed memory); do not put it on the
 /// stack.
 class Pipeline {
@@ -66,6 +75,13 @@ class Pipeline {
   /// Changes control parameters between two frames. Errors as Controller::set_parameters.
   Status set_control(const ControlParameters& parameters) { return controller_.set_parameters(parameters); }
 
+  /// Sets the commands of other programs, as Controller::set_external.
+  void set_external(const ExternalCommands& commands, Instant now) { controller_.set_external(commands, now); }
+  /// Changes team colors, sides and marker heights between two frames. New team colors reset tracks and game. Positions
+  /// remain in the venue's coordinates. kOutOfRange: a height; kInconsistent: the colors cannot be exchanged, because
+  /// one team has none, or it has another meaning. Nothing changes then.
+  Status assign_teams(const TeamAssignment& assignment);
+
   /// Creates a packet that stops all robots, for times without a frame. It acts after the action delay, counted from
   /// `now`. Valid until the next call.
   const Packet& stop(Instant now);
@@ -86,6 +102,8 @@ class Pipeline {
   BallCenterFit ball_center_fit_;
   Tracker tracker_;
   Controller controller_;
+  TeamMarkings teams_;  // as configured
+  TeamAssignment assignment_;
   Adaptation adaptation_;
   RobotMonitor monitor_;
   StageClock clock_ = nullptr;

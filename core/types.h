@@ -37,7 +37,8 @@ constexpr std::size_t kMaxPatches = 6;
 struct PixelPoint {
   float u_px = 0.0f, v_px = 0.0f;
 };
-/// Origin: center of the field; x along it towards the opponent's goal, y to the left.
+/// Origin: center of the field; x along it, y to the left of x. The own team attacks towards positive x unless a
+/// referee changes the sides.
 struct FieldPoint {
   float x_m = 0.0f, y_m = 0.0f;
 };
@@ -222,10 +223,17 @@ struct WheelSpeeds {
   float left_mps = 0.0f, right_mps = 0.0f;  // speed of the rim
 };
 
+enum class CommandSource : std::uint8_t {
+  kPlay,      // the built-in play
+  kExternal,  // another program
+  kExpired    // another program whose last command is too old: the robot stops
+};
+
 struct RobotCommand {
   RobotId id = kUnknownId;
   Twist twist;  // after all limits; input of the tracking filter
   WheelSpeeds wheels;
+  CommandSource source = CommandSource::kPlay;
 };
 
 struct Commands {

@@ -41,6 +41,7 @@ Loop::Loop(const LoopDevices& devices, Pipeline& pipeline, const LoopSettings& s
       observer_(observer),
       connections_(devices),
       rules_(stop_rule_settings(settings)),
+      external_(settings.external),
       reports_(reports, settings.status_interval) {
   set_faults(settings.faults);
 }
@@ -131,6 +132,8 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   const Duration to_wheels = smoothed_latency_.value_or(0s) + settings_.radio_delay;
   pipeline_.set_action_delay(std::clamp<Duration>(to_wheels, 0s, 1s));
   rules_.check_frame(frame.capture_time, timing.received);
+  take_external_input(timing.received);
+  pipeline_.set_external(external_.commands(), timing.received);
   pipeline_.set_halted(!rules_.may_move());
   const StepTrace& trace = pipeline_.step(frame);
   // The emergency stop may have been pulled since.
@@ -142,6 +145,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   set_strobe(false, timing.sent);
   timing.latency = timing.received - frame.capture_time + timing.processing;
 
+  external_.count_expired(trace.commands);
   ++statistics_.frames;
   statistics_.overloads += trace.overload ? 1 : 0;
   statistics_.runs_dropped += trace.runs_dropped;
@@ -201,8 +205,15 @@ void Loop::take_live_settings() {
   settings_.live_update->taken();
 }
 
+void Loop::take_external_input(Instant now) {
+  external_.take(now, hal::MonotonicClock::read());
+  const bool assigned = external_.assign_teams(pipeline_);
+  rules_.apply_referee(external_.referee_stops(now, from_seconds(settings_.faults.referee_timeout_s)), !assigned);
+}
+
 void Loop::update_end(Instant now) {
   statistics_.end = now;
+  statistics_.external = external_.counts();
   heartbeat_.good_frames.store(statistics_.good_frames, std::memory_order_relaxed);
   heartbeat_.iterations.fetch_add(1, std::memory_order_relaxed);
   const bool enough_frames = settings_.frames != 0 && statistics_.frames >= settings_.frames;
@@ -213,6 +224,7 @@ void Loop::update_end(Instant now) {
 void Loop::check_inputs(Instant now) {
   const bool could_move = rules_.may_move();
   read_inputs(now);
+  take_external_input(now);
   // The first stop packet must not wait for the next frame.
   if (could_move && !rules_.may_move()) send_stop(now);
 }

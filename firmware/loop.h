@@ -8,6 +8,7 @@
 
 #include "core/pipeline.h"
 #include "firmware/config/board_file.h"
+#include "firmware/external_input.h"
 #include "firmware/live_update.h"
 #include "firmware/loop_heartbeat.h"
 #include "firmware/loop_report.h"
@@ -31,6 +32,7 @@ struct LoopSettings {
   bool emergency_stop = true;                      // the board has one: robots stand while it cannot be read
   bool hold_after_crash = false;                   // the previous run ended unexpectedly: robots wait for a start
   LiveUpdate* live_update = nullptr;               // new settings while the loop runs; null: none
+  ExternalInputSettings external;
 };
 
 /// When one frame was where.
@@ -104,6 +106,7 @@ class Loop {
   void receive_telemetry(Instant now);
   void reopen_lost_devices(Instant now);
   void update_status_light(Instant now);
+  void take_external_input(Instant now);
   void take_live_settings();
   void update_end(Instant now);
 
@@ -133,6 +136,7 @@ class Loop {
   LoopObserver observer_;
   ReconnectingDevices connections_;
   StopRules rules_;
+  ExternalInput external_;
   ReportWriter reports_;
   LoopStatistics statistics_;
   LoopHeartbeat heartbeat_;

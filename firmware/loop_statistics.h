@@ -12,6 +12,13 @@ namespace touchline {
 
 inline constexpr std::size_t kErrorCodeCount = static_cast<std::size_t>(ErrorCode::kStopped) + 1;
 
+/// What other programs and the referee sent.
+struct ExternalCounts {
+  std::uint64_t commands = 0;          // for single robots
+  std::uint64_t commands_expired = 0;  // times that a robot stopped because its last command was too old
+  std::uint64_t referee_messages = 0;
+};
+
 /// Counts since the start of the loop, in fixed memory.
 struct LoopStatistics {
   Instant begin{}, end{};
@@ -25,6 +32,7 @@ struct LoopStatistics {
   std::uint64_t packets_dropped = 0;  // of these, replaced by a newer one before they were sent
   std::uint64_t packets_refused = 0;
   std::uint64_t stop_packets = 0;  // of the accepted packets, those that stop all robots
+  ExternalCounts external;
   std::array<std::array<std::uint64_t, kErrorCodeCount>, kDeviceCount> faults{};
   std::array<std::uint64_t, kDeviceCount> reopened{};
   RobotReports robots;       // their telemetry

@@ -43,6 +43,7 @@ void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::u
   status.future_stamps = statistics.future_stamps;
   status.overloads = statistics.overloads;
   status.faults = statistics.fault_count();
+  status.commands_expired = statistics.external.commands_expired;
   status.halt = halt;
   status.adaptation = adaptation;
   // Without new frames, the robots of the last one are not seen any more.

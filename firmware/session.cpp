@@ -33,6 +33,7 @@ Result<void> Session::open(LoopObserver observer) {
   settings.emergency_stop = configuration_->board.gpio.emergency_stop_line != hal::kNoLine;
   settings.hold_after_crash = hold_after_crash_;
   settings.live_update = &live_update_;
+  settings.external = external_;
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
   TOUCHLINE_TRY(loop_->open());
   camera_info_ = devices.camera.info();

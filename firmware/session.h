@@ -36,6 +36,8 @@ class Session {
   void set_adaptation_requests(const AdaptationRequests& requests) { adaptation_ = &requests; }
   /// Whether robots wait for a start because the previous run ended unexpectedly; call it before open().
   void hold_after_crash(bool hold) { hold_after_crash_ = hold; }
+  /// Commands of other programs and messages of a referee; call it before open().
+  void set_external_input(const ExternalInputSettings& settings) { external_ = settings; }
   /// Passes new settings to the running loop (firmware/config_reloader.h).
   [[nodiscard]] LiveUpdate& live_update() { return live_update_; }
   /// Builds and opens the devices, after load().
@@ -56,6 +58,7 @@ class Session {
   SessionOptions options_;
   const AdaptationRequests* adaptation_ = nullptr;
   bool hold_after_crash_ = false;
+  ExternalInputSettings external_;
   LiveUpdate live_update_;
   // On the heap because they take megabytes.
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();

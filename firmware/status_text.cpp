@@ -34,6 +34,8 @@ std::string halt_reasons(std::uint8_t halt) {
   add(kHaltEmergency, "emergency stop");
   add(kHaltUnreadableLine, "emergency stop cannot be read");
   add(kHaltStart, "waiting for the start button");
+  add(kHaltReferee, "the referee stopped the game");
+  add(kHaltTeams, "the referee's team colors or heights do not fit the team file");
   add(kHaltCrash, (halt & kHaltStart) != 0
                       ? "the previous run ended unexpectedly"
                       : "the previous run ended unexpectedly, restart the service to let robots move");
@@ -95,6 +97,7 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
     if (value > 0) print(line, "  %s %llu", what, static_cast<unsigned long long>(value));
   };
   count("packets dropped", status.packets_dropped);
+  count("commands expired", status.commands_expired);
   count("frames lost", status.frames_lost);
   count("frames stamped in the future", status.future_stamps);
   count("overloads", status.overloads);
@@ -156,6 +159,13 @@ std::string summary(const LoopStatistics& statistics, LoopEnd end) {
   print(text, "packets   %llu sent, %llu of them stop packets; %llu refused, %llu dropped for newer ones\n",
         number(statistics.packets - statistics.packets_dropped), number(statistics.stop_packets),
         number(statistics.packets_refused), number(statistics.packets_dropped));
+  if (const ExternalCounts& external = statistics.external; external.commands > 0) {
+    print(text, "commands  %llu of other programs; %llu times a robot stopped because its last one was too old\n",
+          number(external.commands), number(external.commands_expired));
+  }
+  if (const std::uint64_t messages = statistics.external.referee_messages; messages > 0) {
+    print(text, "referee   %llu messages\n", number(messages));
+  }
   for (const RobotReport& robot : statistics.robots.robots) {
     print(text, "robot %-2d ", robot.last.id);
     print_robot_status(text, robot.last.battery_v, robot.last.link_percent);

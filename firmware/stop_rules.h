@@ -16,6 +16,8 @@ enum Halt : std::uint8_t {
   kHaltUnreadableLine = 4,  // the emergency stop cannot be read, which counts as pulled
   kHaltStart = 8,           // the start button has not been pressed yet
   kHaltCrash = 16,          // the previous run ended unexpectedly while robots were driven
+  kHaltReferee = 32,        // the referee stopped the game, or is silent
+  kHaltTeams = 64,          // the referee demands team colors or heights that cannot be used
 };
 
 struct StopRuleSettings {
@@ -26,8 +28,8 @@ struct StopRuleSettings {
   bool hold_after_crash = false;  // the previous run ended unexpectedly: robots wait for a start
 };
 
-/// Decides when robots must stand still: no fresh frame, emergency stop, start button, crash of the previous run. No
-/// I/O and no clock: time and inputs are arguments, so the same calls give the same answers.
+/// Decides when robots must stand still: no fresh frame, emergency stop, start button, crash of the previous run,
+/// referee. No I/O and no clock: time and inputs are arguments, so the same calls give the same answers.
 ///
 /// Robots may move only while halt() is kHaltNone.
 class StopRules {
@@ -43,13 +45,15 @@ class StopRules {
   /// Applies the input lines as read at `now`. nullopt: they cannot be read, which counts as a pulled emergency stop if
   /// there is one.
   void apply_inputs(const std::optional<hal::GpioInputs>& inputs, Instant now);
+  /// `stops`: the referee stopped the game or is silent; `teams_unusable`: see kHaltTeams.
+  void apply_referee(bool stops, bool teams_unusable);
   /// Before a frame is processed: commands that are computed from an old frame must not drive robots.
-  void check_frame(Instant capture_time, Instant now) { set_stale(is_stale(capture_time, now)); }
+  void check_frame(Instant capture_time, Instant now) { set(kHaltNoFrames, is_stale(capture_time, now)); }
   /// A frame that was processed is good. A capture time later than `now` counts as `now`: a wrong stamp must not keep
   /// robots moving.
   void accept_frame(Instant capture_time, Instant now);
   /// Checks the age of the last good frame.
-  void check_last_frame(Instant now) { set_stale(!last_good_ || is_stale(*last_good_, now)); }
+  void check_last_frame(Instant now) { set(kHaltNoFrames, !last_good_ || is_stale(*last_good_, now)); }
 
   /// Bits of Halt.
   [[nodiscard]] std::uint8_t halt() const { return halt_; }
@@ -63,7 +67,7 @@ class StopRules {
   [[nodiscard]] bool is_stale(Instant capture_time, Instant now) const {
     return now - capture_time > settings_.stop_after;
   }
-  void set_stale(bool stale);
+  void set(Halt reason, bool holds);
   void update_emergency(const hal::GpioInputs& inputs, Instant now);
 
   StopRuleSettings settings_;

@@ -105,7 +105,9 @@ struct PlayParameters {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.flag(self.enabled, {.name = "enabled", .help = "Play the built-in game; false: robots stop"});
+    visit.flag(
+        self.enabled,
+        {.name = "enabled", .help = "Play the built-in game; false: robots without a command of another program stop"});
     visit.number(self.goalkeeper_id, {.name = "goalkeeper_id",
                                       .range = {-1, 127},
                                       .help = "Id of the goalkeeper; -1: the robot nearest to the goal at the start"});
@@ -165,16 +167,31 @@ struct PlayParameters {
   }
 };
 
+/// Commands of other programs.
+struct ExternalParameters {
+  double max_age_s = 0.2;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.number(self.max_age_s, {.name = "max_age_s",
+                                  .range = {0.02, 2.0},
+                                  .unit = "s",
+                                  .help = "Age of the last command of another program after which its robot stops"});
+  }
+};
+
 struct ControlParameters {
   DriveParameters drive;
   MotionParameters motion;
   PlayParameters play;
+  ExternalParameters external;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
     visit.section(self.drive, {.name = "drive", .help = "Wheels and limits of the drive"});
     visit.section(self.motion, {.name = "motion", .help = "Gains of the control laws"});
     visit.section(self.play, {.name = "play", .help = "Roles and rules of the built-in game"});
+    visit.section(self.external, {.name = "external", .help = "Robots that other programs drive"});
   }
 };
 

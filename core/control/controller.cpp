@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/control/drive_limits.h"
+#include "core/control/turned_field.h"
 #include "core/parameter.h"
 
 namespace touchline {
@@ -28,8 +29,8 @@ Status Controller::apply(const ControlParameters& parameters, const FieldParamet
   }
   const PlayParameters& play = parameters.play;
   if (!is_positive(play.robot_radius_m) || !is_positive(play.clearance_m) || !is_positive(play.behind_ball_m) ||
-      !is_positive(parameters.motion.distance_per_s) || !is_positive(static_cast<double>(field.length_m)) ||
-      !is_positive(static_cast<double>(field.width_m))) {
+      !is_positive(parameters.motion.distance_per_s) || !is_positive(parameters.external.max_age_s) ||
+      !is_positive(static_cast<double>(field.length_m)) || !is_positive(static_cast<double>(field.width_m))) {
     return ErrorCode::kOutOfRange;
   }
   parameters_ = parameters;
@@ -66,19 +67,43 @@ void Controller::remove_absent() {
   states_.resize(kept);
 }
 
-void Controller::decide(const Tracks& tracks, bool halted, Commands& out) {
+void Controller::set_turned(bool turned) {
+  if (turned == turned_) return;
+  turned_ = turned;
+  play_.reset();
+}
+
+Players Controller::players_of(const Tracks& tracks) const {
+  Players players;
+  for (const RobotTrack& robot : tracks.robots) {
+    if (robot.team != Team::kOwn || robot.id < 0 || !is_usable(robot, tracks.capture_time)) continue;
+    if (external_.command_of(robot.id) != nullptr || players.full()) continue;
+    players.push_back({robot.id, robot.pose_at_action, robot.twist_at_action});
+  }
+  return players;
+}
+
+Twist Controller::external_twist(const ExternalCommand& command, const RobotTrack& robot, const Tracks& tracks) const {
+  ExternalCommand seen = command;
+  if (turned_) seen.target = turned(command.target);
+  return twist_of(seen, {robot.id, robot.pose_at_action, robot.twist_at_action}, tracks, parameters_, play_.field());
+}
+
+Twist Controller::within_limits(const Twist& wanted, const Twist& last, double dt_s) const {
+  return within_acceleration_limit(within_speed_limits(wanted, parameters_.drive), last, dt_s, parameters_.drive);
+}
+
+void Controller::decide(const Tracks& measured, bool halted, Commands& out) {
   out.stop = halted;
   out.robots.clear();
+  if (turned_) turn(measured, turned_tracks_);
+  const Tracks& tracks = turned_ ? turned_tracks_ : measured;
   const Instant now = tracks.capture_time;
   const double dt = started_ ? std::clamp(seconds(now - last_time_), 0.0, kMaxStep) : 0.0;
   last_time_ = now;
   started_ = true;
 
-  Players players;
-  for (const RobotTrack& robot : tracks.robots) {
-    if (robot.team != Team::kOwn || robot.id < 0 || !is_usable(robot, now)) continue;
-    if (!players.full()) players.push_back({robot.id, robot.pose_at_action, robot.twist_at_action});
-  }
+  const Players players = players_of(tracks);
   Play::Twists wanted{};
   if (halted || !parameters_.play.enabled) {
     play_.reset();
@@ -98,18 +123,27 @@ void Controller::decide(const Tracks& tracks, bool halted, Commands& out) {
       if (state == nullptr) continue;
     }
     state->listed = true;
+    RobotCommand command;
+    command.id = robot.id;
+    const ExternalCommand* external = external_.command_of(robot.id);
     const bool plays = player < players.size() && players[player].id == robot.id;
-    Twist twist;
+    if (external != nullptr) {
+      const bool expired = external_.is_expired(*external, parameters_.external);
+      command.source = expired ? CommandSource::kExpired : CommandSource::kExternal;
+      if (!halted && !expired && is_usable(robot, now)) {
+        command.twist = within_limits(external_twist(*external, robot, tracks), state->last, dt);
+      }
+    }
     if (plays && !halted && parameters_.play.enabled) {
-      twist = state->stuck.watch(robot.pose_at_action, wanted[player], now, parameters_.play);
-      twist = within_speed_limits(twist, parameters_.drive);
-      twist = within_acceleration_limit(twist, state->last, dt, parameters_.drive);
+      const Twist twist = state->stuck.watch(robot.pose_at_action, wanted[player], now, parameters_.play);
+      command.twist = within_limits(twist, state->last, dt);
     } else {
       state->stuck = StuckMonitor();
     }
     if (plays) ++player;
-    state->last = twist;
-    out.robots.push_back({robot.id, twist, wheels_of(twist, parameters_.drive.wheel_base_m)});
+    state->last = command.twist;
+    command.wheels = wheels_of(command.twist, parameters_.drive.wheel_base_m);
+    out.robots.push_back(command);
   }
   remove_absent();
 }

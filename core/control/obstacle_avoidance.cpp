@@ -4,6 +4,14 @@
 
 namespace touchline {
 
+void obstacles_for(RobotId id, const Tracks& tracks, Obstacles& out) {
+  out.clear();
+  for (const RobotTrack& robot : tracks.robots) {
+    if (robot.team == Team::kOwn && robot.id == id) continue;
+    out.push_back(position(robot.pose_at_action));
+  }
+}
+
 Vector2 detour(Vector2 from, Vector2 target, const Obstacles& obstacles, double clearance_m,
                const FieldParameters& field) {
   const Vector2 way = target - from;

@@ -12,14 +12,6 @@ namespace {
 
 bool known(const BallTrack& ball) { return ball.state == TrackState::kSeen || ball.state == TrackState::kCoasting; }
 
-void obstacles_for(RobotId id, const Tracks& tracks, Obstacles& out) {
-  out.clear();
-  for (const RobotTrack& robot : tracks.robots) {
-    if (robot.team == Team::kOwn && robot.id == id) continue;
-    out.push_back(position(robot.pose_at_action));
-  }
-}
-
 }  // namespace
 
 void Play::configure(const ControlParameters& parameters, const FieldParameters& field) {

@@ -37,7 +37,7 @@ void Matcher::add_kind(ColorId color, const PatchPlace& place, Team team) {
   kind.height_m[index_of(team)] = layout.height_m;
 }
 
-void Matcher::collect_kinds() {
+Status Matcher::collect_kinds() {
   wanted_.fill(false);
   identifies_.fill(false);
   for (const Team team : kTeams) {
@@ -53,6 +53,21 @@ void Matcher::collect_kinds() {
       }
     }
   }
+  const ColorId own = parameters_.teams[0].team_color, other = parameters_.teams[1].team_color;
+  const BallParameters& ball = parameters_.ball;
+  if (ball.color > kMaxColors || (ball.color != kBackground && !is_positive(ball.radius_m))) {
+    return ErrorCode::kOutOfRange;
+  }
+  if ((own != kBackground && own == other) || identifies_[own] || identifies_[other] ||
+      (ball.color != kBackground && wanted_[ball.color])) {
+    return ErrorCode::kInconsistent;
+  }
+  if (ball.color != kBackground) {
+    kinds_[ball.color] = kind_of(outline_of(ball), ball.radius_m);
+    kinds_[ball.color].may_touch = false;  // there is only one ball
+    wanted_[ball.color] = true;
+  }
+  return {};
 }
 
 Status Matcher::configure(const MarkerParameters& parameters, const CameraModel& camera) {
@@ -62,26 +77,25 @@ Status Matcher::configure(const MarkerParameters& parameters, const CameraModel&
   }
   if (!is_positive(parameters.field.length_m) || !is_positive(parameters.field.width_m)) return ErrorCode::kOutOfRange;
   parameters_ = parameters;
-  collect_kinds();
-  const ColorId own = parameters.teams[0].team_color, other = parameters.teams[1].team_color;
-  const ColorId ball = parameters.ball.color;
-  const bool ambiguous = (own != kBackground && own == other) || identifies_[own] || identifies_[other] ||
-                         (ball != kBackground && ball <= kMaxColors && wanted_[ball]);
-  Status status;
-  if (ambiguous) status = ErrorCode::kInconsistent;
-  if (ball > kMaxColors || (ball != kBackground && !is_positive(parameters.ball.radius_m)))
-    status = ErrorCode::kOutOfRange;
-  if (!status.ok()) {
+  if (Status s = collect_kinds(); !s.ok()) {
     wanted_.fill(false);
-    return status;
-  }
-  if (ball != kBackground) {
-    kinds_[ball] = kind_of(outline_of(parameters.ball), parameters.ball.radius_m);
-    kinds_[ball].may_touch = false;  // there is only one ball
-    wanted_[ball] = true;
+    return s;
   }
   finder_.configure(camera, parameters.field);
   return {};
+}
+
+Status Matcher::set_teams(const TeamMarkings& teams) {
+  for (const TeamMarking& team : teams) {
+    if (Status s = validate(team); !s.ok()) return s;
+  }
+  const TeamMarkings former = parameters_.teams;
+  parameters_.teams = teams;
+  const Status status = collect_kinds();
+  if (status.ok()) return {};
+  parameters_.teams = former;
+  static_cast<void>(collect_kinds());  // was successful with these teams
+  return status;
 }
 
 // Collects the largest regions of each color, sorted by area. Uses a heap with the smallest one on top.

@@ -13,8 +13,10 @@
 
 namespace touchline {
 
+using TeamMarkings = std::array<TeamMarking, 2>;  // indexed by Team
+
 struct MarkerParameters {
-  std::array<TeamMarking, 2> teams;  // indexed by Team
+  TeamMarkings teams;
   BallParameters ball;
   FieldParameters field;
 };
@@ -33,6 +35,10 @@ class Matcher {
   /// meaning. Also kOutOfRange: the ball's radius or the field's size is not positive.
   Status configure(const MarkerParameters& parameters, const CameraModel& camera);
 
+  /// Exchanges the teams' markers between two frames. Takes some microseconds. Errors as configure(); nothing changes
+  /// then.
+  Status set_teams(const TeamMarkings& teams);
+
   /// Uses only this frame. `out.verdicts` gets one entry per region.
   void match(const Runs& runs, const Regions& regions, Sightings& out);
 
@@ -41,7 +47,7 @@ class Matcher {
   static constexpr std::size_t kMaxIdentification = 256;
   using Numbers = FixedVector<std::uint16_t, kMaxPatchesPerColor>;
 
-  void collect_kinds();
+  Status collect_kinds();
   void add_kind(ColorId color, const PatchPlace& place, Team team);
   void sort_by_color(const Regions& regions, Sightings& out);
   void find_patches(const Runs& runs, const Regions& regions, Sightings& out);

@@ -208,6 +208,10 @@ void PatchCenterFit::configure(const std::array<MarkerLayout, 2>& layouts, const
   }
 }
 
+void PatchCenterFit::set_heights(const std::array<float, 2>& height_m) {
+  for (std::size_t team = 0; team < markers_.size(); ++team) markers_[team].layout.height_m = height_m[team];
+}
+
 void PatchCenterFit::refine(const Frame& frame, Sightings& sightings) {
   if (frame.width_px < 2) return;
   for (RobotSighting& robot : sightings.robots) {

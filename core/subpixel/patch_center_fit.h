@@ -33,6 +33,9 @@ class PatchCenterFit {
   void configure(const std::array<MarkerLayout, 2>& layouts, const CameraModel& camera,
                  KernelChoice kernel = KernelChoice::kFastest);
 
+  /// Changes the heights of the markers, by Team, between two frames.
+  void set_heights(const std::array<float, 2>& height_m);
+
   /// Improves centers, pose and residual of the robots that have a heading and of which all patches were seen. The
   /// frame must be one that the scan accepted.
   void refine(const Frame& frame, Sightings& sightings);

@@ -56,6 +56,7 @@ struct FaultSettings {
   double camera_timeout_s = 1.0;
   double reopen_after_s = 0.5;
   double leave_after_s = 0.0;
+  double referee_timeout_s = 1.0;
   bool resume_after_emergency = true;
 
   template <class Self, class Visitor>
@@ -77,6 +78,11 @@ struct FaultSettings {
                                       .range = {0.0, 86400.0},
                                       .unit = "s",
                                       .help = "Time without a device after which the program exits; 0: never"});
+    visit.number(self.referee_timeout_s,
+                 {.name = "referee_timeout_s",
+                  .range = {0.2, 60.0},
+                  .unit = "s",
+                  .help = "Time without a message, of a referee that repeats them, after which robots are stopped"});
     visit.flag(
         self.resume_after_emergency,
         {.name = "resume_after_emergency",

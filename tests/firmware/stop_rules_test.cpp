@@ -135,5 +135,22 @@ TEST(StopRules, AfterACrashRobotsWaitForAStart) {
   EXPECT_TRUE(with_button.may_move());
 }
 
+TEST(StopRules, RefereeStopsRobotsWhateverTheInputsAre) {
+  StopRules rules = playing();
+  rules.apply_referee(true, false);
+  EXPECT_EQ(rules.halt(), kHaltReferee);
+  rules.apply_inputs(kAtRest, at(0.1));
+  rules.check_last_frame(at(0.1));
+  EXPECT_EQ(rules.halt(), kHaltReferee);
+  rules.apply_inputs(kPulled, at(0.1));
+  rules.apply_referee(false, true);
+  EXPECT_EQ(rules.halt(), kHaltTeams | kHaltEmergency);
+  rules.apply_inputs(kAtRest, at(0.19));
+  rules.apply_inputs(kAtRest, at(0.21));
+  rules.apply_referee(false, false);
+  rules.check_last_frame(at(0.2));
+  EXPECT_TRUE(rules.may_move());
+}
+
 }  // namespace
 }  // namespace touchline

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "core/control/control_parameters.h"
+#include "core/control/external_command.h"
+#include "core/control/roles.h"
+#include "core/geometry/field_area.h"
+#include "core/types.h"
+
+namespace touchline {
+
+/// The commands of other programs, and whether they are recent enough.
+class ExternalControl {
+ public:
+  /// `now`: the time of the next decision, on the clock of ExternalCommand::received.
+  void set(const ExternalCommands& commands, Instant now) {
+    commands_ = commands;
+    now_ = now;
+  }
+  /// Null if the built-in play drives this robot.
+  [[nodiscard]] const ExternalCommand* command_of(RobotId id) const;
+  [[nodiscard]] bool is_expired(const ExternalCommand& command, const ExternalParameters& parameters) const;
+
+ private:
+  ExternalCommands commands_;
+  Instant now_{};
+};
+
+/// The velocities that the command asks for, without limits. To a pose, the robot drives around the other robots in
+/// `tracks`, but not around the ball. The command, the robot and the tracks have the same coordinates.
+Twist twist_of(const ExternalCommand& command, const Player& robot, const Tracks& tracks,
+               const ControlParameters& parameters, const FieldParameters& field);
+
+}  // namespace touchline

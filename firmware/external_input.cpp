@@ -1,0 +1,81 @@
+#include "firmware/external_input.h"
+
+#include <algorithm>
+
+namespace touchline {
+namespace {
+
+// A time of reception in the future counts as now.
+Instant on_loop_clock(Instant received, Instant now, Instant machine_now) {
+  return now - std::max(machine_now - received, Duration::zero());
+}
+
+}  // namespace
+
+void ExternalInput::take(Instant now, Instant machine_now) {
+  take_commands(now, machine_now);
+  take_referee(now, machine_now);
+}
+
+void ExternalInput::take_commands(Instant now, Instant machine_now) {
+  if (settings_.commands == nullptr || !settings_.commands->take(arrived_)) return;
+  const ExternalCommands former = commands_;
+  const auto former_received = machine_received_;
+  commands_ = arrived_;
+  for (std::size_t i = 0; i < commands_.size(); ++i) {
+    ExternalCommand& command = commands_[i];
+    machine_received_[i] = command.received;
+    const auto* const same = std::find_if(former.begin(), former.end(),
+                                          [&](const ExternalCommand& other) { return other.id == command.id; });
+    // A command that was there before keeps its time: the simulated clock may have run faster since.
+    if (same != former.end() && former_received[static_cast<std::size_t>(same - former.begin())] == command.received) {
+      command.received = same->received;
+    } else {
+      command.received = on_loop_clock(command.received, now, machine_now);
+      ++counts_.commands;
+    }
+  }
+}
+
+void ExternalInput::take_referee(Instant now, Instant machine_now) {
+  RefereeState state;
+  if (settings_.referee == nullptr || !settings_.referee->take(state)) return;
+  state.received = on_loop_clock(state.received, now, machine_now);
+  if (!state.own_is_yellow) state.own_is_yellow = referee_.own_is_yellow;
+  if (!state.own_on_positive_half) state.own_on_positive_half = referee_.own_on_positive_half;
+  referee_ = state;
+  ++counts_.referee_messages;
+}
+
+void ExternalInput::count_expired(const Commands& commands) {
+  FixedVector<RobotId, kMaxRobotsPerTeam> expired;
+  for (const RobotCommand& robot : commands.robots) {
+    if (robot.source != CommandSource::kExpired) continue;
+    expired.push_back(robot.id);
+    if (std::find(expired_.begin(), expired_.end(), robot.id) == expired_.end()) ++counts_.commands_expired;
+  }
+  expired_ = expired;
+}
+
+bool ExternalInput::referee_stops(Instant now, Duration timeout) const {
+  return !may_move_in(referee_.phase) || (referee_.repeats && now - referee_.received > timeout);
+}
+
+TeamAssignment ExternalInput::wanted_assignment() const {
+  const std::optional<bool> configured = settings_.own_is_yellow, demanded = referee_.own_is_yellow;
+  TeamAssignment assignment;
+  assignment.colors_exchanged = configured && demanded && *configured != *demanded;
+  assignment.sides_exchanged = referee_.own_on_positive_half.value_or(false);
+  assignment.height_m = {referee_.own_height_m, referee_.opponent_height_m};
+  return assignment;
+}
+
+bool ExternalInput::assign_teams(Pipeline& pipeline) {
+  if (const TeamAssignment wanted = wanted_assignment(); wanted != assignment_) {
+    assignment_ = wanted;
+    is_assigned_ = pipeline.assign_teams(wanted).ok();
+  }
+  return is_assigned_;
+}
+
+}  // namespace touchline

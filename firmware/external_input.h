@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "core/control/external_command.h"
+#include "core/control/referee_state.h"
+#include "core/pipeline.h"
+#include "firmware/loop_statistics.h"
+#include "hal/mailbox.h"
+
+namespace touchline {
+
+struct ExternalInputSettings {
+  Mailbox<ExternalCommands>* commands = nullptr;  // null: no other program may drive robots
+  Mailbox<RefereeState>* referee = nullptr;       // null: there is no referee
+  // Color of the own team in the team file; nullopt: the referee's team colors are ignored.
+  std::optional<bool> own_is_yellow;
+};
+
+/// Takes the commands of other programs and the messages of a referee from their mailboxes. They are stamped with
+/// CLOCK_MONOTONIC. The loop's clock differs from it in a simulation; on both clocks a value has the same age when it
+/// is taken.
+class ExternalInput {
+ public:
+  explicit ExternalInput(const ExternalInputSettings& settings) : settings_(settings) {}
+
+  /// `now`: of the loop's clock; `machine_now`: CLOCK_MONOTONIC.
+  void take(Instant now, Instant machine_now);
+  /// Passes team colors, sides and heights of the referee on. False: the last ones cannot be used.
+  bool assign_teams(Pipeline& pipeline);
+  /// Counts the robots whose command has become too old since the last frame.
+  void count_expired(const Commands& commands);
+
+  /// `received` is of the loop's clock, here and in referee().
+  [[nodiscard]] const ExternalCommands& commands() const { return commands_; }
+  [[nodiscard]] const RefereeState& referee() const { return referee_; }
+  /// Whether robots must stand: the game does not run, or a referee that repeats its messages is silent for longer than
+  /// `timeout`.
+  [[nodiscard]] bool referee_stops(Instant now, Duration timeout) const;
+  [[nodiscard]] const ExternalCounts& counts() const { return counts_; }
+
+ private:
+  void take_commands(Instant now, Instant machine_now);
+  void take_referee(Instant now, Instant machine_now);
+  [[nodiscard]] TeamAssignment wanted_assignment() const;
+
+  const ExternalInputSettings settings_;
+  ExternalCommands arrived_, commands_;
+  std::array<Instant, kMaxRobotsPerTeam> machine_received_{};  // of commands_, in their order
+  FixedVector<RobotId, kMaxRobotsPerTeam> expired_;
+  RefereeState referee_;
+  TeamAssignment assignment_;  // the last wanted one
+  bool is_assigned_ = true;
+  ExternalCounts counts_;
+};
+
+}  // namespace touchline

@@ -15,15 +15,15 @@ constexpr float kBoxSlowdown = 4.0f;
 constexpr float kMaxDistance_m = 0.02f;
 // Largest range of values among 3 x 3 uniform pixels; a larger one is an edge, or an object on the patch.
 constexpr int kMaxRange_levels = 48;
-// Values from here upwards count as saturated.
+// Values from this one upwards count as saturated.
 constexpr std::uint8_t kSaturated = 250;
 // Expected value at which a channel has full weight. Below it, noise and black level have a growing influence.
 constexpr float kFullWeight_levels = 100.0f;
 
 // A picture of 480 rows is updated in eight frames.
-constexpr int kTileRowsAFrame = 8;
+constexpr int kTileRowsPerFrame = 8;
 constexpr std::uint32_t kTables = 3 * kLightLevels;
-constexpr std::uint32_t kTablesAFrame = 2;
+constexpr std::uint32_t kTablesPerFrame = 2;
 
 // Gain of the light map at a point.
 float map_gain_levels(const Shading& shading, std::size_t channel, const PixelPoint& at) {
@@ -56,7 +56,7 @@ bool same(const ColorBoxes& a, const ColorBoxes& b) {
 }  // namespace
 
 Status Adaptation::configure(const AdaptationParameters& parameters, const ScanParameters& scan, ColorId ball_color) {
-  const float max_levels = kLevelsAnOctave * std::log2(static_cast<float>(parameters.most_light));
+  const float max_levels = kLevelsPerOctave * std::log2(static_cast<float>(parameters.most_light));
   if (Status s = light_.configure(scan.width_px, scan.height_px, max_levels); !s.ok()) return s;
   const float most_shift =
       std::min(static_cast<float>(parameters.most_shift), static_cast<float>(scan.box_shift_limit));
@@ -91,7 +91,7 @@ void Adaptation::update(RegionScanner& scanner, StepTrace& trace) {
     learn(scanner.shading(), trace, std::min(elapsed_s, kMaxStep_s) / time_constant_s_);
   }
   apply(scanner);
-  trace.light.brightness = std::exp2(light_.mean() / kLevelsAnOctave);
+  trace.light.brightness = std::exp2(light_.mean() / kLevelsPerOctave);
 }
 
 void Adaptation::learn(const Shading& shading, StepTrace& trace, float step) {
@@ -145,7 +145,7 @@ bool Adaptation::learn_patch(const Shading& shading, const Frame& frame, const P
     const float expected = static_cast<float>(typical[c]) - black, measured = sample.mean[c] - black;
     if (expected <= 0.0f || measured <= 0.0f || sample.saturated[c]) continue;
     const float reliability = std::min(1.0f, expected / kFullWeight_levels);
-    brighter[c] = kLevelsAnOctave * std::log2(measured / expected) + map_gain_levels(shading, c, patch.center);
+    brighter[c] = kLevelsPerOctave * std::log2(measured / expected) + map_gain_levels(shading, c, patch.center);
     weight[c] = reliability * reliability;
   }
   if (space == ColorSpace::kYuv) {
@@ -162,21 +162,21 @@ bool Adaptation::learn_patch(const Shading& shading, const Frame& frame, const P
 void Adaptation::learn_color(const Shading& shading, ColorSpace space, ColorId color, const PixelPoint& center,
                              const Sample& sample, float step) {
   if (sample.saturated[0] || sample.saturated[1] || sample.saturated[2]) return;
-  std::array<float, 3> off{};
+  std::array<float, 3> deviation{};
   for (std::size_t c = 0; c < 3; ++c) {
     const auto black = static_cast<float>(black_value(space, c));
     const float gain_levels = map_gain_levels(shading, c, center) - light_.at(c, center);
-    const float corrected = black + (sample.mean[c] - black) * std::exp2(gain_levels / kLevelsAnOctave);
-    off[c] = corrected - static_cast<float>(typical_[color][c]);
+    const float corrected = black + (sample.mean[c] - black) * std::exp2(gain_levels / kLevelsPerOctave);
+    deviation[c] = corrected - static_cast<float>(typical_[color][c]);
   }
-  shift_.observe(color, off, step / kBoxSlowdown);
+  shift_.observe(color, deviation, step / kBoxSlowdown);
   changed_ = true;
 }
 
 void Adaptation::apply(RegionScanner& scanner) {
   const Shading& shading = scanner.shading();
   if (changed_ && shading.active()) rows_due_ = shading.rows();
-  for (int i = 0; i < kTileRowsAFrame && rows_due_ > 0; ++i, --rows_due_) {
+  for (int i = 0; i < kTileRowsPerFrame && rows_due_ > 0; ++i, --rows_due_) {
     scanner.apply_light_change(light_, next_row_);
     next_row_ = static_cast<std::uint16_t>((next_row_ + 1) % shading.rows());
   }
@@ -187,7 +187,7 @@ void Adaptation::apply(RegionScanner& scanner) {
     target_ = wanted;
     next_table_ = 0;
   }
-  for (std::uint32_t i = 0; i < kTablesAFrame && next_table_ < kTables; ++i, ++next_table_) {
+  for (std::uint32_t i = 0; i < kTablesPerFrame && next_table_ < kTables; ++i, ++next_table_) {
     scanner.rebuild_tables(target_, next_table_ / kLightLevels, static_cast<std::uint8_t>(next_table_ % kLightLevels));
   }
 }

@@ -34,21 +34,21 @@
 #define TOUCHLINE_ON_ARM(...)
 #endif
 
-/// The only list of kernels: a new set is a line here, with the functions of each stage. A stage that has no code for
-/// the set names the functions of another one. Of the sets of a processor family, a later one is the faster one.
+/// The only list of kernels. To add an instruction set, add a line with the functions of each stage; if a stage has no
+/// code for the set, name the functions of another set. Within a processor family, faster sets come later.
 ///   family, enumerator, word of scan.kernel, features,
 ///   span kernel (core/color), row masks and row bits (core/region), fit kernel (core/subpixel)
 // clang-format off
 #define TOUCHLINE_KERNEL_SETS(SET)                                     \
   SET(ANY, kPortable, "portable", TOUCHLINE_PORTABLE_TARGET,           \
-      portable_kernel, portable_row_masks, portable_row_bits,          \
+      portable_span_kernel, portable_row_mask_kernel, portable_row_bit_kernel,          \
       portable_fit_kernel)                                             \
   SET(X86, kAvx2, "avx2", TOUCHLINE_AVX2_TARGET,                       \
-      avx2_kernel, avx2_row_masks, avx2_row_bits, avx2_fit_kernel)     \
+      avx2_span_kernel, avx2_row_mask_kernel, avx2_row_bit_kernel, avx2_fit_kernel)     \
   SET(X86, kAvx512, "avx512", TOUCHLINE_AVX512_TARGET,                 \
-      avx512_kernel, avx512_row_masks, avx2_row_bits, avx2_fit_kernel) \
+      avx512_span_kernel, avx512_row_mask_kernel, avx2_row_bit_kernel, avx2_fit_kernel) \
   SET(ARM, kNeon, "neon", TOUCHLINE_NEON_TARGET,                       \
-      neon_kernel, neon_row_masks, portable_row_bits,                  \
+      neon_span_kernel, neon_row_mask_kernel, portable_row_bit_kernel,                  \
       portable_fit_kernel)
 // clang-format on
 
@@ -62,7 +62,7 @@ enum class KernelChoice : std::uint8_t {
 #undef TOUCHLINE_SET
 };
 
-/// The words of scan.kernel, in the order of the enumerators.
+/// The values of the key scan.kernel, in the order of the enumerators.
 inline constexpr std::array kKernelChoices{Choice<KernelChoice>{"fastest", KernelChoice::kFastest},
 #define TOUCHLINE_SET(family, choice, word, ...) Choice<KernelChoice>{word, KernelChoice::choice},
                                            TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)

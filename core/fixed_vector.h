@@ -28,7 +28,7 @@ class FixedVector {
     return true;
   }
   /// Adds to the overflow count elements for which push_back was not called because there is no room.
-  void refuse(std::size_t count) { overflow_ += count; }
+  void add_overflow(std::size_t count) { overflow_ += count; }
   void pop_back() { --size_; }
   void clear() { size_ = overflow_ = 0; }
   /// Changes the size, at most to the capacity. New elements have unspecified values.

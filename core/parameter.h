@@ -19,18 +19,18 @@ template <class Float>
   return std::isfinite(value) && value > Float{0};
 }
 
-/// A word of a configuration file and the value that it stands for.
+/// A word in a configuration file and the value that it stands for.
 template <class Enum>
 struct Choice {
   std::string_view word;
   Enum value;
 };
 
-/// What takes over a new value of a key when the files are read again while robots play (SIGHUP).
+/// The part of the program that applies a new value of a key when the files are reloaded while robots play (SIGHUP).
 enum class Reload : std::uint8_t {
-  kInherit,     // as the section around it; at the top level: kRestart
-  kRestart,     // nothing: the value needs a restart
-  kNoEffect,    // nothing needs to: names, and paths of files whose content is compared anyway
+  kInherit,     // as the enclosing section; at the top level: kRestart
+  kRestart,     // none: the value needs a restart
+  kNoEffect,    // no part has to: names, and paths of files whose content is compared anyway
   kCamera,      // the open camera, by Camera::adjust()
   kThresholds,  // the scanner's tables and the adaptation
   kControl,     // the controller
@@ -43,7 +43,7 @@ struct Key {
   Range range = {};            // of a number, or of each number of a list
   std::string_view unit = {};  // of a number; empty: no unit
   Reload reload = Reload::kInherit;
-  std::string_view help = {};  // one line for the person who writes the file
+  std::string_view help = {};  // description in one line for the author of the file
 };
 
 // A configuration key is declared once, in the struct that holds its value. Reading, checking, writing, reloading and

@@ -6,10 +6,10 @@
 
 namespace touchline {
 
-/// `own` unless it inherits from the section around it.
+/// Returns `own`, or `outer` (of the enclosing section) if `own` is kInherit.
 constexpr Reload inherited(Reload own, Reload outer) { return own == Reload::kInherit ? outer : own; }
 
-/// Visitor of core/parameter.h that copies the keys of one kind of reload from a struct to another of its type.
+/// Visitor of core/parameter.h that copies the keys of one kind of reload from one struct to another of the same type.
 template <class Root>
 class ReloadableCopy {
  public:
@@ -51,8 +51,8 @@ class ReloadableCopy {
   }
 
  private:
-  // Lists are copied as a whole, so that every value visited is a part of the struct: the other one has it at the same
-  // distance from its beginning.
+  // Lists are copied as a whole, so every visited value is a member of the struct and has the same offset in the other
+  // struct.
   template <class T>
   void copy(const T& value, const Key& key) {
     if (inherited(key.reload, outer_) != which_) return;
@@ -66,7 +66,7 @@ class ReloadableCopy {
   Reload outer_ = Reload::kRestart;
 };
 
-/// Copies the keys that `which` takes over from one struct to another of the same type.
+/// Copies the keys with the reload kind `which` from one struct to another of the same type.
 template <class Struct>
 void copy_reloadable(const Struct& from, Struct& to, Reload which) {
   ReloadableCopy<Struct>(from, to, which);

@@ -51,8 +51,8 @@ class Pipeline {
   /// robots' commands as unknown.
   void set_observing(bool observing) { observing_ = observing; }
 
-  /// Processes one frame. The trace is valid until the next call. A frame of another format or size gives an empty
-  /// trace with an error in `status`.
+  /// Processes one frame. The trace is valid until the next call. For a frame of another format or size, the trace is
+  /// empty and has an error in `status`.
   const StepTrace& step(const Frame& frame);
 
   /// Adapts to the light, using the sightings of the last step(), whose frame must still be valid. Call it after the

@@ -25,13 +25,13 @@ enum class ColorSpace : std::uint8_t { kRgb, kYuv };
 /// Limited: luma from 16 to 235 and chroma from 16 to 240 (ITU-R BT.601), as cameras deliver YUV.
 enum class ColorRange : std::uint8_t { kFull, kLimited };
 
-/// How samples are arranged in memory; color kernels differ by it.
+/// How samples are arranged in memory. Each packing needs its own color kernel.
 enum class Packing : std::uint8_t {
-  kPacked24,    // three bytes a pixel
-  kPacked32,    // four bytes a pixel, the last of them unused
+  kPacked24,    // three bytes per pixel
+  kPacked32,    // four bytes per pixel, the last of them unused
   kPacked422,   // four bytes for two pixels that share chroma
-  kSemiPlanar,  // luma, and chroma in pairs U, V of 2 x 2 pixels
-  kPlanar,      // luma, and a plane each of U and V of 2 x 2 pixels
+  kSemiPlanar,  // luma, and a plane of interleaved U and V for 2 x 2 pixels
+  kPlanar,      // luma, and one plane each of U and V for 2 x 2 pixels
 };
 
 constexpr std::size_t kMaxPlanes = 3;
@@ -53,12 +53,12 @@ struct PixelFormatInfo {
   ColorRange range;
   std::uint8_t planes;
   std::array<ChannelLayout, 3> channel;  // R, G, B or Y, U, V
-  std::uint32_t v4l2;                    // V4L2's code, all planes in one piece of memory
-  std::uint32_t v4l2_planar;             // V4L2's code with a piece of memory for each plane; 0: none
-  std::uint32_t drm;  // DRM's code, which libcamera uses. It names RGB formats from the last byte on.
+  std::uint32_t v4l2;                    // V4L2's code, all planes in one buffer
+  std::uint32_t v4l2_planar;             // V4L2's code with one buffer per plane; 0: none
+  std::uint32_t drm;                     // DRM's code, which libcamera uses; RGB in reverse order of bytes
 };
 
-/// A format's code of four letters, as Linux has it.
+/// Four-character code of a format (V4L2, DRM).
 constexpr std::uint32_t fourcc(const char (&letters)[5]) {
   std::uint32_t code = 0;
   for (std::size_t i = 4; i > 0; --i) code = code << 8u | static_cast<unsigned char>(letters[i - 1]);
@@ -96,7 +96,7 @@ constexpr const PixelFormatInfo& info_of(PixelFormat format) {
 }
 static_assert(std::all_of(kPixelFormatTable.begin(), kPixelFormatTable.end(),
                           [](const PixelFormatInfo& row) { return &row == &info_of(row.format); }),
-              "the table has the order of the enumerators");
+              "the table must have the order of the enumerators");
 
 constexpr ColorSpace color_space(PixelFormat format) { return info_of(format).space; }
 
@@ -114,12 +114,12 @@ constexpr std::size_t row_bytes(PixelFormat format, std::size_t plane, std::size
   return bytes;
 }
 
-/// The plane's row that has the samples of the picture's row v.
+/// Row of the plane that contains the samples of picture row v.
 constexpr std::size_t plane_row(PixelFormat format, std::size_t plane, std::size_t v) {
   return plane == 0 ? v : v >> info_of(format).channel[plane].shift_v;
 }
 
-/// Rows of a plane that the format has.
+/// Number of rows of a plane, which the format must have.
 constexpr std::size_t plane_rows(PixelFormat format, std::size_t plane, std::size_t height_px) {
   return plane_row(format, plane, height_px - 1) + 1;
 }
@@ -131,15 +131,15 @@ constexpr std::size_t plane_bytes(PixelFormat format, std::size_t plane, std::si
   return row == 0 ? 0 : (plane_rows(format, plane, height_px) - 1) * stride_bytes + row;
 }
 
-/// Stride of a plane where drivers tell only that of the first plane: it is divided as the width of the rows is (V4L2,
-/// struct v4l2_pix_format).
+/// Stride of a plane if the driver reports only the stride of the first plane: the ratio of the strides is that of the
+/// rows' bytes (V4L2, struct v4l2_pix_format).
 constexpr std::uint32_t plane_stride(PixelFormat format, std::size_t plane, std::uint32_t first_stride_bytes) {
   if (plane == 0) return first_stride_bytes;
   const ChannelLayout& chroma = info_of(format).channel[plane];
   return first_stride_bytes * chroma.step >> chroma.shift_u;
 }
 
-/// A picture whose planes follow each other in one piece of memory.
+/// A picture whose planes follow each other in one buffer.
 struct PictureLayout {
   std::array<std::uint32_t, kMaxPlanes> stride_bytes{};
   std::array<std::size_t, kMaxPlanes> offset_bytes{};

@@ -8,7 +8,7 @@ namespace touchline {
 enum class ErrorCode : std::uint8_t {
   kOk,
   kTimeout,       // nothing arrived before the deadline
-  kBusy,          // a former request is still pending; the function documents what was accepted
+  kBusy,          // a previous request is pending; the function documents what was accepted
   kEndOfStream,   // a replayed input has ended
   kShortFrame,    // fewer bytes than the format needs
   kCorruptFrame,  // the driver marked the buffer as bad, or a picture could not be decoded

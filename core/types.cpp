@@ -5,7 +5,7 @@ namespace touchline {
 const char* describe(Verdict verdict) noexcept {
   switch (verdict) {
     case Verdict::kNotExamined:
-      return "color of no patch";
+      return "not the color of a patch";
     case Verdict::kTeamPatch:
       return "team patch";
     case Verdict::kIdentification:
@@ -29,7 +29,7 @@ const char* describe(Verdict verdict) noexcept {
     case Verdict::kPartnerTaken:
       return "partner belongs to a better match";
     case Verdict::kSurplus:
-      return "more than there are";
+      return "more than the maximum number";
   }
   return "unknown";
 }

@@ -21,11 +21,11 @@ constexpr std::size_t kMaxFrameHeight = 1944;
 // One bit each of the 32-bit table entries (paper, section 3.2).
 constexpr std::size_t kMaxColorBoxes = 32;
 constexpr std::size_t kMaxColors = 32;
-// Limit of core/region/run_budget.h for the largest frame.
+// Limit of core/region/run_limiter.h for the largest frame.
 constexpr std::size_t kMaxRuns = 8 * kMaxFrameHeight;
 // A real field has 200; the factor of twenty is for clutter and noise.
 constexpr std::size_t kMaxRegions = 4096;
-// 11 robots a team is the largest class of any league (SSL division A).
+// The largest teams of any league have 11 robots (SSL division A).
 constexpr std::size_t kMaxRobotsPerTeam = 11;
 constexpr std::size_t kMaxRobots = 2 * kMaxRobotsPerTeam;
 // Five dots (SSL) and one spare.
@@ -62,7 +62,7 @@ struct Frame {
   std::array<const std::uint8_t*, kMaxPlanes> plane{};  // null: the format has fewer planes
   std::array<std::uint32_t, kMaxPlanes> stride_bytes{};
   Instant capture_time{};      // middle of the exposure, as accurate as the driver reports it
-  std::uint32_t sequence = 0;  // number from the driver; gaps are lost frames
+  std::uint32_t sequence = 0;  // frame number from the driver; gaps are lost frames
 };
 
 /// A row of a frame: the first byte of each plane's row.

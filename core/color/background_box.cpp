@@ -8,7 +8,7 @@ namespace {
 // Weight of a channel's values as background.
 struct Expectation {
   std::uint8_t anchor;  // always in the box
-  int extent;           // distance from the anchor at which the weight is least; 0: all values weigh the same
+  int extent;           // distance from the anchor at which the weight is least; 0: all values have the same weight
 
   [[nodiscard]] std::uint32_t weight(std::uint32_t value) const {
     const int off = static_cast<int>(value) - anchor;
@@ -40,11 +40,11 @@ struct Candidate {
 };
 using Bounds = FixedVector<std::uint8_t, kMaxColorBoxes + 1>;
 
-bool meet(const ColorBox& box, std::size_t channel, ValueRange range) {
+bool overlap(const ColorBox& box, std::size_t channel, ValueRange range) {
   return box.low[channel] <= range.high && box.high[channel] >= range.low;
 }
 
-// Finds the widest range around the anchor that meets no box. Weight 0: there is none.
+// Finds the widest range around the anchor that overlaps no box. The weight is 0 if there is none.
 Candidate widest(const ColorBoxes& boxes, const Expectation& expected, std::size_t channel) {
   const std::uint8_t anchor = expected.anchor;
   ValueRange range = {0, 255};
@@ -86,7 +86,7 @@ void for_each_range(const ColorBoxes& boxes, const Expectation& expected, std::s
       const ValueRange range = {low, high};
       ColorBoxes met;
       for (const ColorBox& box : boxes) {
-        if (meet(box, channel, range)) met.push_back(box);
+        if (overlap(box, channel, range)) met.push_back(box);
       }
       use(Candidate{range, expected.weight(range)}, met);
     }

@@ -13,10 +13,11 @@ namespace touchline {
 /// Typical value of the background in each channel, corrected by the light map. None: unknown.
 using TypicalBackground = std::optional<std::array<std::uint8_t, 3>>;
 
-/// A box of color space, bounds inclusive, that overlaps no color box. A pixel inside it is background, which one cheap
-/// test shows. The box contains the typical background, or black if that is unknown. Among all such boxes it is the one
-/// with the largest share of expected backgrounds: values near the typical one, or any brightness, and in YUV little
-/// chroma, because white balance gives little chroma to carpets, lines and the tops of robots.
+/// A box in color space, bounds inclusive, that overlaps no color box: one cheap test shows that a pixel inside is
+/// background. The box contains the typical background, or black if that is unknown. Among all such boxes it is the one
+/// that contains the largest share of expected background values: values near the typical one if it is known, otherwise
+/// any brightness, and in YUV little chroma, because white balance gives little chroma to carpets, lines and the tops
+/// of robots.
 struct BackgroundBox {
   std::array<std::uint8_t, 3> low{}, high{};
   bool exists = false;  // false: the value that it must contain lies in a color box
@@ -40,8 +41,8 @@ struct TileParameters {
   std::array<std::uint8_t, 4> background_extent{255, 255, 255, 255};
 };
 
-/// Where in TileParameters a format's channels are: as in the first plane, or chroma of planes of its own in bytes 2
-/// and 3. Packed formats with two luma samples repeat luma two bytes further, others with planes in byte 1.
+/// Byte of TileParameters::background_low for each channel: its offset in the first plane, or byte 2 or 3 for chroma in
+/// other planes. Packed formats with two luma samples repeat luma two bytes later, planar formats in byte 1.
 constexpr std::array<std::uint8_t, 3> background_bytes(PixelFormat format) {
   std::array<std::uint8_t, 3> bytes{};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -51,7 +52,7 @@ constexpr std::array<std::uint8_t, 3> background_bytes(PixelFormat format) {
   return bytes;
 }
 
-/// The background box of each light level, before correction.
+/// The background box of each light level, in pixel values before correction.
 class BackgroundRanges {
  public:
   /// Finds the background box for color boxes that may later move by up to `box_shift_limit` levels. A typical

@@ -20,7 +20,7 @@ std::size_t separating_channel(const ColorBox& a, const ColorBox& b) {
 }
 
 // Ends both boxes halfway through their overlap. Returns false and changes nothing if one of them would become empty.
-bool part(ColorBox& below, ColorBox& above, std::size_t channel) {
+bool separate(ColorBox& below, ColorBox& above, std::size_t channel) {
   const int middle = (int{below.high[channel]} + above.low[channel]) / 2;
   if (middle < below.low[channel] || middle + 1 > above.high[channel]) return false;
   below.high[channel] = static_cast<std::uint8_t>(middle);
@@ -41,11 +41,11 @@ Status BoxShift::configure(const ColorBoxes& boxes, float max_levels) {
 
 void BoxShift::reset() { shift_.fill({}); }
 
-void BoxShift::observe(ColorId color, const std::array<float, 3>& off, float step) {
+void BoxShift::observe(ColorId color, const std::array<float, 3>& deviation, float step) {
   for (std::size_t channel = 0; channel < 3; ++channel) {
     float& shift = shift_[color][channel];
-    const float believed = std::clamp(off[channel] - shift, -kMaxStep_levels, kMaxStep_levels);
-    shift = std::clamp(shift + step * believed, -max_levels_, max_levels_);
+    const float limited = std::clamp(deviation[channel] - shift, -kMaxStep_levels, kMaxStep_levels);
+    shift = std::clamp(shift + step * limited, -max_levels_, max_levels_);
   }
 }
 
@@ -75,7 +75,7 @@ ColorBoxes BoxShift::moved() const {
       if (levels_between(moved[a], moved[b], separating_channel(moved[a], moved[b])) >= 0) continue;
       const bool a_below = boxes_[a].high[channel] < boxes_[b].low[channel];
       ColorBox &below = moved[a_below ? a : b], &above = moved[a_below ? b : a];
-      if (!part(below, above, channel)) return boxes_;
+      if (!separate(below, above, channel)) return boxes_;
     }
   }
   return moved;

@@ -16,10 +16,11 @@ class BoxShift {
   Status configure(const ColorBoxes& boxes, float max_levels);
   void reset();
 
-  /// Moves the shift of a color towards an observation: the color was seen `off` levels from its expected value.
+  /// Moves the shift of a color towards an observation: each channel of the color was `deviation` levels above its
+  /// expected value.
   /// `step`, 0 to 1, is the share of the difference that is applied. One observation moves the shift by at most
   /// kMaxStep_levels * step.
-  void observe(ColorId color, const std::array<float, 3>& off, float step);
+  void observe(ColorId color, const std::array<float, 3>& deviation, float step);
 
   [[nodiscard]] const std::array<float, 3>& of(ColorId color) const { return shift_[color]; }
   /// Returns the boxes, moved by whole levels. Boxes of two colors that would overlap both end halfway. If a box would

@@ -3,7 +3,7 @@
 namespace touchline {
 namespace {
 
-bool meet(const ColorBox& a, const ColorBox& b) {
+bool overlap(const ColorBox& a, const ColorBox& b) {
   for (std::size_t channel = 0; channel < 3; ++channel) {
     if (a.low[channel] > b.high[channel] || b.low[channel] > a.high[channel]) return false;
   }
@@ -35,7 +35,7 @@ Status check(const ColorBoxes& boxes) {
 bool overlapping_boxes(const ColorBoxes& boxes, std::size_t& first, std::size_t& second) {
   for (std::size_t a = 0; a < boxes.size(); ++a) {
     for (std::size_t b = a + 1; b < boxes.size(); ++b) {
-      if (boxes[a].color == boxes[b].color || !meet(boxes[a], boxes[b])) continue;
+      if (boxes[a].color == boxes[b].color || !overlap(boxes[a], boxes[b])) continue;
       first = a;
       second = b;
       return true;

@@ -14,7 +14,7 @@ struct ColorBox {
   ColorId color = kBackground;
   std::array<std::uint8_t, 3> low{}, high{};
 };
-/// A color is the union of its boxes. Box i is bit i of the tables; where boxes meet, the lowest bit wins.
+/// A color is the union of its boxes. Box i is bit i of the tables; where boxes overlap, the lowest bit wins.
 using ColorBoxes = FixedVector<ColorBox, kMaxColorBoxes>;
 
 /// kOutOfRange: low above high in some channel, or color 0 or above kMaxColors.
@@ -27,8 +27,8 @@ bool overlapping_boxes(const ColorBoxes& boxes, std::size_t& first, std::size_t&
 /// 3.2). This is the definition that every kernel implements.
 ///
 /// Each light level has its own tables, with the masks of the corrected values. Shading correction therefore costs
-/// another pointer, but no arithmetic. A value at full scale is only a lower bound of the light. Where correction makes
-/// values smaller, it has the classes of all values from its corrected value upwards.
+/// another pointer, but no arithmetic. A value at full scale is only a lower bound of the light: where the correction
+/// reduces values, it has the classes of all values from its corrected value upwards.
 class ColorTables {
  public:
   using Table = std::array<std::uint32_t, 256>;

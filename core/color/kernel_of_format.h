@@ -16,18 +16,18 @@ OccupiedWords classify_any_span(const SpanTables& tables, const RowPixels& row, 
   if ((begin | end) % 2 == 0 && begin < end) return kKernel(tables, row, begin, end, colors);
   OccupiedWords occupied = 0;
   if (begin % 2 == 1 && begin < end) {
-    occupied |= portable_kernel(kFormat)(tables, row, begin, begin + 1, colors);
+    occupied |= portable_span_kernel(kFormat)(tables, row, begin, begin + 1, colors);
     ++begin;
   }
   if (end % 2 == 1 && begin < end) {
-    occupied |= portable_kernel(kFormat)(tables, row, end - 1, end, colors);
+    occupied |= portable_span_kernel(kFormat)(tables, row, end - 1, end, colors);
     --end;
   }
   return begin < end ? occupied | kKernel(tables, row, begin, end, colors) : occupied;
 }
 
-/// Decides whether a further rejection test pays off for the candidates `left`, one bit each, of `count` blocks. Few
-/// candidates are classified faster than tested. If most blocks are candidates, most of them do contain colors.
+/// Decides whether a further rejection test pays off. `left` has one bit for each candidate among `count` blocks. Few
+/// candidates are classified faster than they are tested. If most blocks are candidates, most of them contain colors.
 [[gnu::always_inline]] inline bool is_second_pass_worthwhile(std::uint64_t left, std::uint32_t count) {
   const auto number = static_cast<std::uint32_t>(std::popcount(left));
   return count < 8 * number && 2 * number <= count;

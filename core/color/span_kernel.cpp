@@ -2,7 +2,7 @@
 
 namespace touchline {
 
-SpanKernel find_kernel(PixelFormat format, KernelChoice& choice) {
+SpanKernel find_span_kernel(PixelFormat format, KernelChoice& choice) {
   choice = resolve(choice);
   if (!cpu_supports(choice)) return nullptr;
   switch (choice) {

@@ -37,12 +37,12 @@ using SpanKernel = OccupiedWords (*)(const SpanTables& tables, const RowPixels& 
 
 /// The kernel of a format for each instruction set, in the folder of that name; the portable one is the reference for
 /// all others. A kernel is only defined on its processor family, and must only run where cpu_supports() its set.
-SpanKernel portable_kernel(PixelFormat format);
-SpanKernel avx2_kernel(PixelFormat format);
-SpanKernel avx512_kernel(PixelFormat format);
-SpanKernel neon_kernel(PixelFormat format);
+SpanKernel portable_span_kernel(PixelFormat format);
+SpanKernel avx2_span_kernel(PixelFormat format);
+SpanKernel avx512_span_kernel(PixelFormat format);
+SpanKernel neon_span_kernel(PixelFormat format);
 
 /// The kernel of the chosen set. `choice` becomes the set that kFastest stands for. Null: this processor lacks the set.
-SpanKernel find_kernel(PixelFormat format, KernelChoice& choice);
+SpanKernel find_span_kernel(PixelFormat format, KernelChoice& choice);
 
 }  // namespace touchline

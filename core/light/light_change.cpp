@@ -25,9 +25,9 @@ void LightChange::observe(const PixelPoint& where, const std::array<float, 3>& l
   for (const Corner& corner : corners) squares += corner.weight * corner.weight;
   for (std::size_t channel = 0; channel < levels_.size(); ++channel) {
     Plane& plane = levels_[channel];
-    const float off = std::clamp(levels[channel] - value_at(plane, corners), -kMaxStep_levels, kMaxStep_levels);
-    // With this scale, the interpolated value at `where` moves by step * weight * off.
-    const float move = step * weight[channel] * off / squares;
+    const float deviation = std::clamp(levels[channel] - value_at(plane, corners), -kMaxStep_levels, kMaxStep_levels);
+    // With this scale, the interpolated value at `where` moves by step * weight * deviation.
+    const float move = step * weight[channel] * deviation / squares;
     for (const Corner& corner : corners) {
       plane[corner.node] = std::clamp(plane[corner.node] + move * corner.weight, -max_levels_, max_levels_);
     }

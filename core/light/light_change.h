@@ -8,7 +8,7 @@
 namespace touchline {
 
 // Light is counted on a logarithmic scale with 32 levels per octave; see light/shading.h.
-constexpr float kLevelsAnOctave = 32.0f;
+constexpr float kLevelsPerOctave = 32.0f;
 
 /// Estimates how the light has changed since the light map was made, from regions of known color. It holds one value
 /// per channel on a coarse grid that covers the picture, in levels (logarithmic, 32 per octave).

@@ -58,7 +58,7 @@ PixelBox Labeling::box_of(Extent extent) {
   return {bound(0), bound(2), bound(1), bound(3)};
 }
 
-// Replaces parent_ by the numbers of the components, in the order of their first runs.
+// Replaces the labels in parent_ by the numbers of the components, in the order of their first runs.
 void Labeling::number_components() {
   components_ = 0;
   for (std::uint32_t label = 0; label < labels_; ++label) {
@@ -70,7 +70,7 @@ void Labeling::number_components() {
   }
 }
 
-// Adds up the sums of all components. Returns how many have the least area.
+// Computes the sums of all components. Returns how many have at least the minimum area.
 std::size_t Labeling::sum_up(const Runs& runs) {
   std::uint32_t begun = 0;
   for (const Run& run : runs) {
@@ -132,14 +132,14 @@ void Labeling::report(Quota quota, Regions& regions) {
 void Labeling::chain(Runs& runs, Regions& regions) {
   std::uint32_t kept = 0;
   for (std::size_t i = 0; i < regions.size(); ++i) end_of_chain_[i] = &regions[i].first_run;
-  end_of_chain_[kDropped] = &nowhere_;
+  end_of_chain_[kDropped] = &unused_link_;
   for (const Run& run : runs) {
     const std::uint32_t number = region_of_[parent_[run.next]];
     Run& place = runs[kept];
     place = run;
     place.next = kNoRun;
     *end_of_chain_[number] = kept;
-    end_of_chain_[number] = number == kDropped ? &nowhere_ : &place.next;
+    end_of_chain_[number] = number == kDropped ? &unused_link_ : &place.next;
     kept += number == kDropped ? 0u : 1u;
   }
   runs.resize(kept);
@@ -149,7 +149,7 @@ void Labeling::finish(Runs& runs, Regions& regions) {
   number_components();
   const std::size_t competing = sum_up(runs);
   regions.resize(competing);
-  regions.refuse(competing - regions.size());
+  regions.add_overflow(competing - regions.size());
   report(quota(competing), regions);
   chain(runs, regions);
 }

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/region/row_bits.h"
+#include "core/region/row_bit_kernel.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -64,7 +64,7 @@ class Labeling {
   static constexpr std::size_t kAreaBins = kMaxFrameWidth * kMaxFrameHeight / kMaxRegions + 2;
   std::array<std::uint32_t, kAreaBins> of_area_{};
   std::array<std::uint32_t*, kMaxRegions + 1> end_of_chain_{};  // the last entry: for dropped runs
-  std::uint32_t nowhere_ = 0;                                   // target of the last entry
+  std::uint32_t unused_link_ = 0;                               // target of the last entry
   std::uint32_t labels_ = 0, components_ = 0;
   std::size_t above_ = 0;  // the first run of the last row added
   std::uint32_t min_area_px_ = 1;

@@ -17,7 +17,7 @@ Status ScanTables::configure(const ScanParameters& parameters) {
     return s;
   }
   min_area_px_ = parameters.min_area_px;
-  find_masks_ = row_masker(classifier_.kernel());
+  find_masks_ = row_mask_kernel(classifier_.kernel());
   run_writer_.configure(classifier_.kernel(), (std::size_t{parameters.width_px} + kPixelsOfWord - 1) / kPixelsOfWord);
   configured_ = true;
   return {};
@@ -37,7 +37,7 @@ Status RegionScanner::scan(const Frame& frame, Runs& runs, Regions& regions) {
   if (Status s = tables_->classifier_.accepts(frame); !s.ok()) return s;
 
   labeling_.begin(tables_->min_area_px_);
-  budget_.begin(frame.height_px);
+  run_limiter_.begin(frame.height_px);
   const std::uint16_t last = static_cast<std::uint16_t>(frame.height_px - 1);
   colors_[1].clear();  // above the first row
   masks_[2] = {};
@@ -69,17 +69,17 @@ void RegionScanner::classify(const Frame& frame, std::uint16_t v) {
 void RegionScanner::add_row(std::uint16_t v, Runs& runs) {
   RowMasks& masks = masks_[v % 3u];
   if (masks.occupied == 0) {
-    budget_.spend(0);
+    run_limiter_.spend(0);
     return;
   }
   if (tables_->min_area_px_ > 1) remove_isolated_pixels(masks_[(v + 1u) % 3], masks);
   const std::size_t first = runs.size();
   std::size_t count = tables_->run_writer_.count(masks);
-  if (const std::size_t found = count, limit = budget_.limit(found); found > limit) {
+  if (const std::size_t found = count, limit = run_limiter_.limit(found); found > limit) {
     count = tables_->run_writer_.cut(masks, limit);
-    runs.refuse(found - count);
+    runs.add_overflow(found - count);
   }
-  budget_.spend(count);
+  run_limiter_.spend(count);
   tables_->run_writer_.write(masks, colors_[v % 2u], v, runs.data() + first);
   runs.resize(first + count);
   labeling_.add_row(runs, first, tables_->run_writer_.find_contacts(masks_[(v + 2u) % 3], masks));

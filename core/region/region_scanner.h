@@ -11,7 +11,7 @@
 #include "core/region/region_of_interest.h"
 #include "core/region/row_masks.h"
 #include "core/region/row_runs.h"
-#include "core/region/run_budget.h"
+#include "core/region/run_limiter.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -44,7 +44,7 @@ class ScanTables {
   std::uint32_t min_area_px_ = 1;
   RowClassifier classifier_;
   RegionOfInterest region_of_interest_;
-  RowMasker find_masks_ = nullptr;
+  RowMaskKernel find_masks_ = nullptr;
   RunWriter run_writer_;
 };
 
@@ -81,7 +81,7 @@ class RegionScanner {
   /// its stride is too small. Both leave `runs` and `regions` empty.
   ///
   /// kFull: a capacity was exceeded, by one or both of
-  /// - rows with more runs than RunBudget allows, which no realistic field has. Such a row lost its shortest runs, and
+  /// - rows with more runs than RunLimiter allows, which no realistic field has. Such a row lost its shortest runs, and
   ///   the regions are those of the picture without these. A region without pixels in such a row is complete and exact.
   ///   runs.overflow() counts the lost runs. (If the least area is 2 or more, pixels without a neighbor of their color
   ///   are no runs.)
@@ -94,7 +94,7 @@ class RegionScanner {
 
   ScanTables own_;
   ScanTables* tables_ = &own_;
-  RunBudget budget_;
+  RunLimiter run_limiter_;
   Labeling labeling_;
   std::array<ColorRow, 2> colors_;  // row v has index v % 2
   std::array<RowMasks, 3> masks_;   // row v has index v % 3

@@ -52,7 +52,7 @@ void fill_masks(const ColorRow& row, const ColorRow& above, OccupiedWords occupi
   }
 }
 
-constexpr RowMasker portable_row_masks = fill_masks<Portable>;
+constexpr RowMaskKernel portable_row_mask_kernel = fill_masks<Portable>;
 
 #if defined(__x86_64__)
 
@@ -66,8 +66,8 @@ TOUCHLINE_AVX2_INLINE std::uint64_t equal(__m256i a_low, __m256i a_high, __m256i
   return low | std::uint64_t{high} << 32;
 }
 
-TOUCHLINE_AVX2 void avx2_row_masks(const ColorRow& row, const ColorRow& above, OccupiedWords occupied,
-                                   RowMasks& masks) {
+TOUCHLINE_AVX2 void avx2_row_mask_kernel(const ColorRow& row, const ColorRow& above, OccupiedWords occupied,
+                                         RowMasks& masks) {
   const __m256i zero = _mm256_setzero_si256();
   clear(masks.occupied & ~occupied, masks);
   masks.occupied = occupied;
@@ -84,8 +84,8 @@ TOUCHLINE_AVX2 void avx2_row_masks(const ColorRow& row, const ColorRow& above, O
   }
 }
 
-TOUCHLINE_AVX512 void avx512_row_masks(const ColorRow& row, const ColorRow& above, OccupiedWords occupied,
-                                       RowMasks& masks) {
+TOUCHLINE_AVX512 void avx512_row_mask_kernel(const ColorRow& row, const ColorRow& above, OccupiedWords occupied,
+                                             RowMasks& masks) {
   clear(masks.occupied & ~occupied, masks);
   masks.occupied = occupied;
   masks.is_cut = false;
@@ -117,20 +117,20 @@ struct Neon {
     return vgetq_lane_u64(vreinterpretq_u64_u8(vpaddq_u8(bytes, bytes)), 0);
   }
 };
-constexpr RowMasker neon_row_masks = fill_masks<Neon>;
+constexpr RowMaskKernel neon_row_mask_kernel = fill_masks<Neon>;
 
 #endif
 
 }  // namespace
 
-RowMasker row_masker(KernelChoice kernel) {
+RowMaskKernel row_mask_kernel(KernelChoice kernel) {
   switch (kernel) {
 #define TOUCHLINE_SET(family, set, word, features, span_kernel, row_masks, ...) \
   TOUCHLINE_ON_##family(case KernelChoice::set : return row_masks;)
     TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)
 #undef TOUCHLINE_SET
     default:
-      return portable_row_masks;
+      return portable_row_mask_kernel;
   }
 }
 

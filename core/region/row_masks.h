@@ -60,9 +60,9 @@ class ColorRow {
 };
 
 /// Fills the masks. Words that are not in `occupied` contain no color.
-using RowMasker = void (*)(const ColorRow& row, const ColorRow& above, OccupiedWords occupied, RowMasks& masks);
+using RowMaskKernel = void (*)(const ColorRow& row, const ColorRow& above, OccupiedWords occupied, RowMasks& masks);
 
 /// The function for an instruction set that this processor has. All give the same masks.
-RowMasker row_masker(KernelChoice kernel);
+RowMaskKernel row_mask_kernel(KernelChoice kernel);
 
 }  // namespace touchline

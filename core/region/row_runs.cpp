@@ -6,8 +6,8 @@
 namespace touchline {
 namespace {
 
-// Keeps only the first `count` of the runs that are longer than `ending` tells.
-void leave_first(std::size_t count, const PixelBits& ending, std::size_t words, PixelBits& first) {
+// Keeps only the leftmost `count` of the long runs, which do not begin in `ending`.
+void keep_leftmost_long_runs(std::size_t count, const PixelBits& ending, std::size_t words, PixelBits& first) {
   for (std::size_t i = 0; i < words; ++i) {
     std::uint64_t others = first[i] & ~ending[i];
     for (; count > 0 && others != 0; --count) others &= others - 1;
@@ -15,8 +15,8 @@ void leave_first(std::size_t count, const PixelBits& ending, std::size_t words, 
   }
 }
 
-// Removes the runs that begin in `ending`, which are the short ones.
-void leave_others(const PixelBits& ending, std::size_t words, RowMasks& masks) {
+// Removes the short runs, which begin in `ending`.
+void remove_short_runs(const PixelBits& ending, std::size_t words, RowMasks& masks) {
   masks.occupied = 0;
   masks.is_cut = true;
   bool borrow = false;
@@ -47,7 +47,7 @@ void remove_isolated_pixels(const RowMasks& below, RowMasks& masks) {
 }
 
 void RunWriter::configure(KernelChoice kernel, std::size_t words) {
-  bits_ = &row_bits(kernel);
+  bits_ = &row_bit_kernel(kernel);
   words_ = words;
 }
 
@@ -66,8 +66,8 @@ std::size_t RunWriter::cut(RowMasks& masks, std::size_t limit) {
       ending = &halfway_;
     }
   }
-  if (longer > limit) leave_first(limit, *ending, words_, masks.first);
-  leave_others(*ending, words_, masks);
+  if (longer > limit) keep_leftmost_long_runs(limit, *ending, words_, masks.first);
+  remove_short_runs(*ending, words_, masks);
   return std::min(longer, limit);
 }
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/region/row_bits.h"
+#include "core/region/row_bit_kernel.h"
 #include "core/region/row_masks.h"
 #include "core/types.h"
 
@@ -33,7 +33,7 @@ class RunWriter {
   std::span<const Contact> find_contacts(const RowMasks& above, RowMasks& masks);
 
  private:
-  const RowBits* bits_ = &row_bits(KernelChoice::kPortable);
+  const RowBitKernel* bits_ = &row_bit_kernel(KernelChoice::kPortable);
   std::size_t words_ = 0;
   // endings_[k]: pixels whose run ends less than 2^(k + 1) pixels to the right. halfway_: less than 3 * 2^k.
   std::array<PixelBits, 6> endings_;

@@ -77,7 +77,7 @@ class BallCenterFit::Solver {
  private:
   // Solves for b of every channel at the current center.
   bool shade() {
-    const ShadingEquations found = kernel_.accumulate_shading(disk_, shades_);
+    const ShadingEquations found = kernel_.accumulate_shading(disk_, shading_);
     Normal sums;
     for (std::size_t i = 0; i < kShadeTerms; ++i) {
       for (std::size_t j = 0; j <= i; ++j) {
@@ -88,18 +88,18 @@ class BallCenterFit::Solver {
     // If one side is hidden, a direction of b is undetermined. A small regularization does not harm the others.
     sums.diagonal().array() += 1e-4f * sums(0, 0) + 1e-9f;
     inverse_normal_ = sums.cast<double>().inverse().cast<float>();
-    shades_.allowed = 0;
+    shading_.allowed = 0;
     for (std::size_t c = 0; c < kLightChannels; ++c) {
-      std::array<float, kShadeTerms>& of = shades_.of[c];
+      std::array<float, kShadeTerms>& of = shading_.of[c];
       Terms::Map(of.data()) = inverse_normal_ * Terms::Map(found.right[c].data());
       const float facing = of[0] + of[3];
-      shades_.allowed += kHalfWeightError * kHalfWeightError * facing * facing;
+      shading_.allowed += kHalfWeightError * kHalfWeightError * facing * facing;
     }
-    return shades_.allowed > 0.0f;
+    return shading_.allowed > 0.0f;
   }
 
   bool step(float& step_px) {
-    const BallOutlineEquations sums = kernel_.accumulate_outline(disk_, shades_, view_.radius_px);
+    const BallOutlineEquations sums = kernel_.accumulate_outline(disk_, shading_, view_.radius_px);
     if (sums.covered <= 0.0f) return false;
     fitting_ = sums.fitting / sums.covered;
     float xx = sums.edge.xx, xy = sums.edge.xy, yy = sums.edge.yy;
@@ -140,7 +140,7 @@ class BallCenterFit::Solver {
   float fitting_ = 0;
   Step last_ = Step::Zero();  // in radii; zero after an extrapolated step
   Normal inverse_normal_;
-  BallShading shades_;  // of the previous iteration until shade() finds new ones
+  BallShading shading_;  // of the previous iteration until shade() finds new ones
 };
 
 void BallCenterFit::configure(const BallParameters& ball, const CameraModel& camera, KernelChoice kernel) {

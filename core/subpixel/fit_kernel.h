@@ -27,7 +27,7 @@ struct alignas(32) StoredInteger8 {
 /// A robot in one picture.
 struct MarkerView {
   const MarkerLayout* layout = nullptr;
-  const FixedVector<BlurredOutline, kMaxPatches>* covers = nullptr;
+  const FixedVector<BlurredOutline, kMaxPatches>* outlines = nullptr;
   float half_m = 0, ramp_m = 0, scale_px_per_m = 0;
   PixelPoint middle;                                     // center of the robot
   float u_by_x = 0, u_by_y = 0, v_by_x = 0, v_by_y = 0;  // pixels per meter of the robot's frame
@@ -60,7 +60,7 @@ using PatchEdge = FixedVector<EdgePixels, 144>;
 
 /// Light that another patch of the robot adds to a patch's pixels, relative to the patch's own excess of light.
 struct NeighborPatch {
-  const BlurredOutline* cover = nullptr;
+  const BlurredOutline* outline = nullptr;
   float cos = 1, sin = 0, x_m = 0, y_m = 0;  // from the patch's axes to those of the neighbor
   FieldPoint half_box;
   float light = 0;
@@ -69,7 +69,7 @@ struct NeighborPatch {
 /// A patch's edge and the model to fit to it.
 struct EdgeFitTask {
   const PatchEdge* edge = nullptr;
-  const BlurredOutline* cover = nullptr;
+  const BlurredOutline* outline = nullptr;
   FieldPoint at;                 // center of the outline, along its axes
   std::array<float, 3> along{};  // its scalar product with the light is a fraction of the patch's own excess
   float doubted = 0;             // factor by which squared light of the surroundings reduces the weight
@@ -96,7 +96,7 @@ struct BallView {
 
 /// Eight pixels of a row on the ball.
 struct BallPixels {
-  StoredFloat8 cover;                                // w; 0 if the pixel is not used
+  StoredFloat8 coverage;                             // w; 0 if the pixel is not used
   std::array<StoredFloat8, kShadeTerms - 1> slopes;  // w n
   std::array<StoredFloat8, kLightChannels> rest;     // measured light - (1 - w) O
   std::array<StoredFloat8, kLightChannels>
@@ -134,7 +134,7 @@ struct FitKernel {
   /// Collects the pixels of the ball. False if there are too many.
   bool (*sample_ball)(const Frame& frame, const BallView& ball, BallDisk& disk);
   ShadingEquations (*accumulate_shading)(const BallDisk& disk, const BallShading& before);
-  BallOutlineEquations (*accumulate_outline)(const BallDisk& disk, const BallShading& shades, float radius_px);
+  BallOutlineEquations (*accumulate_outline)(const BallDisk& disk, const BallShading& shading, float radius_px);
 };
 
 /// The kernel of the chosen instruction set; the portable one if this processor lacks the set. All kernels give

@@ -41,14 +41,14 @@ class PatchCenterFit::Solver {
  public:
   Solver(const FitKernel& kernel, const Marker& marker, const CameraModel& camera, const Frame& frame, const Pose& pose,
          std::array<PatchEdge, kMaxPatches>& edges)
-      : kernel_(kernel), layout_(marker.layout), covers_(marker.covers), frame_(frame), edges_(edges) {
+      : kernel_(kernel), layout_(marker.layout), outlines_(marker.outlines), frame_(frame), edges_(edges) {
     const float c = std::cos(pose.theta_rad), s = std::sin(pose.theta_rad);
     const auto seen_at = [&](float x_m, float y_m) {
       return camera.to_pixel({pose.position.x_m + c * x_m - s * y_m, pose.position.y_m + s * x_m + c * y_m},
                              layout_.height_m);
     };
     view_.layout = &layout_;
-    view_.covers = &covers_;
+    view_.outlines = &outlines_;
     view_.half_m = 0.5f * layout_.robot_side_m;
     const PixelPoint front = seen_at(view_.half_m, 0), back = seen_at(-view_.half_m, 0);
     const PixelPoint left = seen_at(0, view_.half_m), right = seen_at(0, -view_.half_m);
@@ -91,8 +91,8 @@ class PatchCenterFit::Solver {
 
   bool converge() {
     if (!(view_.scale_px_per_m > 0.0f) || !std::isfinite(view_.scale_px_per_m)) return false;
-    for (const BlurredOutline& cover : covers_) {
-      if (cover.width_m() * view_.scale_px_per_m < kMinWidthPx) return false;
+    for (const BlurredOutline& outline : outlines_) {
+      if (outline.width_m() * view_.scale_px_per_m < kMinWidthPx) return false;
     }
     if (!find_top()) return false;
     if (!sample_all()) return false;
@@ -123,7 +123,7 @@ class PatchCenterFit::Solver {
 
   // Offset of patch k in the robot's frame.
   [[nodiscard]] FieldPoint moved(std::size_t k) const {
-    const float c = covers_[k].cos(), s = covers_[k].sin();
+    const float c = outlines_[k].cos(), s = outlines_[k].sin();
     const FieldPoint at = targets_[k].at;
     return {c * at.x_m - s * at.y_m, s * at.x_m + c * at.y_m};
   }
@@ -148,15 +148,16 @@ class PatchCenterFit::Solver {
   }
 
   void add_neighbors(std::size_t k, const Targets& targets, EdgeFitTask& task) const {
-    const float c = covers_[k].cos(), s = covers_[k].sin();
+    const float c = outlines_[k].cos(), s = outlines_[k].sin();
     for (std::size_t i = 0; i < targets.size(); ++i) {
       if (i == k) continue;
-      const BlurredOutline& cover = covers_[i];
+      const BlurredOutline& outline = outlines_[i];
       const float x = layout_.patches[k].x_m - layout_.patches[i].x_m;
       const float y = layout_.patches[k].y_m - layout_.patches[i].y_m;
-      task.neighbors.push_back({&cover, cover.cos() * c + cover.sin() * s, cover.cos() * s - cover.sin() * c,
-                                cover.cos() * x + cover.sin() * y - targets[i].at.x_m,
-                                cover.cos() * y - cover.sin() * x - targets[i].at.y_m, cover.half_box(view_.ramp_m),
+      task.neighbors.push_back({&outline, outline.cos() * c + outline.sin() * s, outline.cos() * s - outline.sin() * c,
+                                outline.cos() * x + outline.sin() * y - targets[i].at.x_m,
+                                outline.cos() * y - outline.sin() * x - targets[i].at.y_m,
+                                outline.half_box(view_.ramp_m),
                                 dot(targets[i].excess, targets[k].excess) / targets[k].power});
     }
   }
@@ -166,7 +167,7 @@ class PatchCenterFit::Solver {
     Target& target = targets_[k];
     EdgeFitTask task;
     task.edge = &edges_[k];
-    task.cover = &covers_[k];
+    task.outline = &outlines_[k];
     task.at = target.at;
     for (std::size_t c = 0; c < 3; ++c) task.along[c] = target.excess[c] / target.power;
     task.doubted = 1.0f / (target.power * kHalfWeightSurroundings * kHalfWeightSurroundings);
@@ -188,7 +189,7 @@ class PatchCenterFit::Solver {
 
   const FitKernel& kernel_;
   const MarkerLayout& layout_;
-  const FixedVector<BlurredOutline, kMaxPatches>& covers_;
+  const FixedVector<BlurredOutline, kMaxPatches>& outlines_;
   const Frame& frame_;
   std::array<PatchEdge, kMaxPatches>& edges_;
   MarkerView view_;
@@ -203,8 +204,8 @@ void PatchCenterFit::configure(const std::array<MarkerLayout, 2>& layouts, const
   camera_ = camera;
   for (std::size_t team = 0; team < layouts.size(); ++team) {
     markers_[team].layout = layouts[team];
-    markers_[team].covers.clear();
-    for (const PatchPlace& place : layouts[team].patches) markers_[team].covers.push_back(BlurredOutline(place));
+    markers_[team].outlines.clear();
+    for (const PatchPlace& place : layouts[team].patches) markers_[team].outlines.push_back(BlurredOutline(place));
   }
 }
 

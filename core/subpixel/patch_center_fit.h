@@ -43,7 +43,7 @@ class PatchCenterFit {
  private:
   struct Marker {
     MarkerLayout layout;
-    FixedVector<BlurredOutline, kMaxPatches> covers;
+    FixedVector<BlurredOutline, kMaxPatches> outlines;
   };
   class Solver;
 

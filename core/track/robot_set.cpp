@@ -87,7 +87,7 @@ void RobotSet::associate_by_id(const Sightings& sightings, Instant now, const Tr
     std::size_t robot = find(sightings[i].team, shown_id_[i]);
     if (robot == kNone) {
       robot = nearest_unidentified(sightings[i], parameters);
-      if (robot != kNone) robots_[robot].name(shown_id_[i]);
+      if (robot != kNone) robots_[robot].set_id(shown_id_[i]);
     }
     if (robot == kNone) {
       begin(sightings[i], now, parameters);
@@ -98,7 +98,7 @@ void RobotSet::associate_by_id(const Sightings& sightings, Instant now, const Tr
 }
 
 void RobotSet::associate_nearest(const Sightings& sightings, Instant now, const TrackParameters& parameters) {
-  // At most one pair a round: bounded by robots x sightings x robots.
+  // At most one pair per round: bounded by robots x sightings x robots.
   for (;;) {
     std::size_t best_robot = kNone, best_sighting = 0;
     double best = std::numeric_limits<double>::max();
@@ -134,7 +134,8 @@ void RobotSet::start_unidentified(const Sightings& sightings, Instant now, const
   }
 }
 
-// A nameless track that was not seen where a robot of its team was: that robot is the one it followed.
+// Removes an unidentified track that has no sighting and is at the place of a robot of its team that was seen: the
+// track followed that robot.
 void RobotSet::remove_duplicates(const TrackParameters& parameters) {
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (fused_[i] || robots_[i].id() != kUnknownId) continue;
@@ -185,7 +186,7 @@ void RobotSet::fuse(std::size_t robot, const RobotSighting& sighting, Instant no
 void RobotSet::begin(const RobotSighting& sighting, Instant now, const TrackParameters& parameters) {
   std::size_t place = robots_.size();
   if (robots_.full()) {
-    // The one that was not seen for longest makes room, if any was not seen.
+    // Replaces the track without a sighting whose last sighting is the oldest, if there is one.
     place = kNone;
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       if (served_[i] || robots_[i].life().last_seen() >= now) continue;

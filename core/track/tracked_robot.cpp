@@ -98,10 +98,10 @@ bool TrackedRobot::fuse(const RobotSighting& sighting, Instant now, const TrackP
   }
 
   if (!accepted) {
-    const OutlierRun::Outlier outlier{sighting.pose, sighting.has_heading, now};
+    const ConsecutiveOutliers::Outlier outlier{sighting.pose, sighting.has_heading, now};
     outliers_.add(outlier, parameters.consistent_m, p.max_speed_mps);
-    const bool reachable =
-        OutlierRun::within_reach(last_position_, life_.last_seen(), outlier, parameters.consistent_m, p.max_speed_mps);
+    const bool reachable = ConsecutiveOutliers::within_reach(last_position_, life_.last_seen(), outlier,
+                                                             parameters.consistent_m, p.max_speed_mps);
     if (outliers_.count() < p.restart_after || !reachable) return false;
     restart(sighting, now, parameters);
   }
@@ -114,7 +114,7 @@ bool TrackedRobot::fuse(const RobotSighting& sighting, Instant now, const TrackP
 // The consistent outliers also give a first velocity: the difference of two positions.
 void TrackedRobot::restart(const RobotSighting& sighting, Instant now, const TrackParameters& parameters) {
   const RobotFilterParameters& p = parameters.robot;
-  const OutlierRun::Outlier& first = outliers_.first();
+  const ConsecutiveOutliers::Outlier& first = outliers_.first();
   const double dt = seconds(now - first.when);
   double vx = 0.0, vy = 0.0, v_sigma = p.start_speed_sigma_mps;
   if (outliers_.count() >= 2 && dt > 0.0) {

@@ -3,9 +3,9 @@
 #include <cstdint>
 
 #include "core/track/command_history.h"
+#include "core/track/consecutive_outliers.h"
 #include "core/track/drive_filter.h"
 #include "core/track/life_cycle.h"
-#include "core/track/outlier_run.h"
 #include "core/track/point_filter.h"
 
 namespace touchline {
@@ -25,7 +25,7 @@ class TrackedRobot {
   void missed(Instant now, const TrackParameters& parameters);
   void lose() { life_.lose(); }
   /// Sets the id of a robot without one.
-  void name(RobotId id) { id_ = id; }
+  void set_id(RobotId id) { id_ = id; }
 
   [[nodiscard]] Team team() const { return team_; }
   [[nodiscard]] RobotId id() const { return id_; }
@@ -51,7 +51,7 @@ class TrackedRobot {
   DriveFilter drive_;
   PointFilter point_;
   LifeCycle life_;
-  OutlierRun outliers_;
+  ConsecutiveOutliers outliers_;
   FieldPoint last_position_;  // at the last sighting
 };
 

@@ -101,13 +101,13 @@ bool Tracker::fuse_ball(const BallSighting& sighting, Instant now) {
   if (ball_.distance2(sighting.position, noise_of(p)) <= p.gate_position) {
     ball_.update(sighting.position, noise_of(p));
   } else {
-    const OutlierRun::Outlier outlier{{sighting.position, 0.0f}, false, now};
+    const ConsecutiveOutliers::Outlier outlier{{sighting.position, 0.0f}, false, now};
     ball_outliers_.add(outlier, parameters_.consistent_m, p.max_speed_mps);
-    const bool reachable = OutlierRun::within_reach(ball_last_position_, ball_life_.last_seen(), outlier,
-                                                    parameters_.consistent_m, p.max_speed_mps);
+    const bool reachable = ConsecutiveOutliers::within_reach(ball_last_position_, ball_life_.last_seen(), outlier,
+                                                             parameters_.consistent_m, p.max_speed_mps);
     if (ball_outliers_.count() < p.restart_after || !reachable) return false;
     // After a bounce, the outliers give the new velocity.
-    const OutlierRun::Outlier& first = ball_outliers_.first();
+    const ConsecutiveOutliers::Outlier& first = ball_outliers_.first();
     const double dt = seconds(now - first.when);
     PointFilter::Velocity velocity{0.0, 0.0, p.start_speed_sigma_mps};
     if (ball_outliers_.count() >= 2 && dt > 0.0) {

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/track/command_history.h"
+#include "core/track/consecutive_outliers.h"
 #include "core/track/life_cycle.h"
-#include "core/track/outlier_run.h"
 #include "core/track/point_filter.h"
 #include "core/track/robot_set.h"
 #include "core/track/track_parameters.h"
@@ -42,7 +42,7 @@ class Tracker {
   RobotSet robots_;
   PointFilter ball_;
   LifeCycle ball_life_;
-  OutlierRun ball_outliers_;
+  ConsecutiveOutliers ball_outliers_;
   FieldPoint ball_last_position_;
   bool started_ = false;
   Instant last_time_{};

@@ -31,7 +31,7 @@ std::string beside(const std::string& file, const std::string& path) {
   return (std::filesystem::path(file).parent_path() / path).lexically_normal().string();
 }
 
-// The path of the command line, or the board file's.
+// Returns the path from the command line, or the one from the board file.
 std::string path_of(const std::string& given, const std::string& named, const char* key, const Locations& board,
                     Problems& problems) {
   if (!given.empty()) return given;
@@ -64,7 +64,7 @@ void check_rate(Configuration& configuration, Problems& problems) {
 
 std::string_view kernel_word(const BoardFile& board) {
   KernelChoice kernel = board.scan.kernel;
-  if (find_kernel(hal::pixel_format(board.camera.format), kernel) == nullptr) return {};
+  if (find_span_kernel(hal::pixel_format(board.camera.format), kernel) == nullptr) return {};
   return kKernelChoices[static_cast<std::size_t>(kernel)].word;
 }
 
@@ -164,7 +164,7 @@ Status load(const FilePaths& paths, Configuration& out, Problems& problems) {
   const std::string team = path_of(paths.team, out.board.team, "team", out.board_where, problems);
   read_if_named(venue, kVenueRemedy, overrides.venue, out.venue, out.venue_where, problems);
   read_if_named(team, kTeamRemedy, overrides.team, out.team, out.team_where, problems);
-  // Do not check wrong values against each other: that would hide the first errors among others.
+  // Invalid values are not checked against each other, because follow-up errors would hide the first ones.
   if (problems.size() != before) return ErrorCode::kInconsistent;
   const hal::CameraSettings& camera = out.board.camera;
   const InputFormat input{hal::pixel_format(camera.format), camera.width_px, camera.height_px,

@@ -9,7 +9,7 @@ import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BUILD = os.path.join(ROOT, "build", "arm64")
-PROGRAM = os.path.join(BUILD, "tests", "arm", "traced_scan")
+PROGRAM = os.path.join(BUILD, "tests", "arm", "scan_field")
 MCA = "llvm-mca-19"
 PIXELS = 640 * 480
 FRAME_BYTES = {"rgb24": 3 * PIXELS, "yuyv": 2 * PIXELS, "nv12": PIXELS * 3 // 2}
@@ -109,7 +109,7 @@ def main():
 
     with open(os.devnull, "w") as nowhere:
         subprocess.run(["cmake", "--preset", "arm64"], cwd=ROOT, check=True, stdout=nowhere)
-        subprocess.run(["cmake", "--build", BUILD, "--target", "traced_scan"], check=True, stdout=nowhere)
+        subprocess.run(["cmake", "--build", BUILD, "--target", "scan_field"], check=True, stdout=nowhere)
     ranges = core_ranges()
 
     print("Cycles a pixel (llvm-mca) if one step of the NEON kernel decides every pixel\n")

@@ -9,24 +9,24 @@
 namespace touchline::testing {
 namespace {
 
-bool holds(const BackgroundBox& background, const Channels& value) {
+bool contains(const BackgroundBox& background, const Channels& value) {
   for (std::size_t c = 0; c < 3; ++c) {
     if (value[c] < background.low[c] || value[c] > background.high[c]) return false;
   }
   return background.exists;
 }
 
-bool meets(const BackgroundBox& background, const ColorBox& box) {
+bool overlaps(const BackgroundBox& background, const ColorBox& box) {
   for (std::size_t c = 0; c < 3; ++c) {
     if (box.low[c] > background.high[c] || box.high[c] < background.low[c]) return false;
   }
   return true;
 }
 
-TEST(BackgroundBox, LeavesEachBoxOutByAChannelThatItNeeds) {
+TEST(BackgroundBox, ExcludesEachColorBoxInAChannelThatSeparatesIt) {
   ColorBoxes boxes;
   const BackgroundBox everything = find_background_box(boxes, ColorSpace::kRgb);
-  EXPECT_TRUE(holds(everything, {0, 0, 0}) && holds(everything, {255, 255, 255}));
+  EXPECT_TRUE(contains(everything, {0, 0, 0}) && contains(everything, {255, 255, 255}));
   boxes.push_back({1, {180, 0, 0}, {255, 80, 80}});
   EXPECT_EQ(find_background_box(boxes, ColorSpace::kRgb).high, (Channels{179, 255, 255}));
   boxes.push_back({2, {20, 0, 120}, {90, 90, 255}});
@@ -35,26 +35,26 @@ TEST(BackgroundBox, LeavesEachBoxOutByAChannelThatItNeeds) {
   EXPECT_FALSE(find_background_box(boxes, ColorSpace::kRgb).exists) << "black is a color";
 }
 
-TEST(BackgroundBox, KeepsInYuvWhatHasLittleChroma) {
+TEST(BackgroundBox, ContainsLowChromaInYuv) {
   ColorBoxes boxes;
   boxes.push_back({1, {50, 150, 90}, {200, 200, 140}});    // blue
   boxes.push_back({2, {50, 80, 160}, {200, 140, 220}});    // red
   boxes.push_back({3, {180, 100, 100}, {255, 150, 150}});  // white
-  boxes.push_back({4, {60, 60, 70}, {190, 108, 110}});     // green: more chroma is left out by U
+  boxes.push_back({4, {60, 60, 70}, {190, 108, 110}});     // green: U excludes more chroma
   const BackgroundBox background = find_background_box(boxes, ColorSpace::kYuv);
   ASSERT_TRUE(background.exists);
   EXPECT_EQ(background.low, (Channels{0, 0, 111}));
   EXPECT_EQ(background.high, (Channels{179, 149, 159}));
 }
 
-// A grey floor between dark green, which is darker in red, and brown: no box that holds black holds it.
-TEST(BackgroundBox, HoldsTheTypicalBackground) {
+// A grey floor between dark green, which has less red, and brown: no box contains both the floor and black.
+TEST(BackgroundBox, ContainsTheTypicalBackground) {
   ColorBoxes boxes;
   boxes.push_back({1, {0, 46, 0}, {47, 123, 101}});
   boxes.push_back({2, {76, 11, 0}, {158, 124, 69}});
   boxes.push_back({3, {0, 0, 129}, {255, 255, 255}});
   const Channels floor = {58, 61, 59};
-  EXPECT_FALSE(holds(find_background_box(boxes, ColorSpace::kRgb), floor));
+  EXPECT_FALSE(contains(find_background_box(boxes, ColorSpace::kRgb), floor));
   const BackgroundBox background = find_background_box(boxes, ColorSpace::kRgb, floor);
   EXPECT_EQ(background.low, (Channels{48, 0, 0}));
   EXPECT_EQ(background.high, (Channels{75, 255, 128}));
@@ -62,7 +62,7 @@ TEST(BackgroundBox, HoldsTheTypicalBackground) {
   EXPECT_FALSE(find_background_box(boxes, ColorSpace::kRgb, floor).exists) << "the floor is a color";
 }
 
-TEST(BackgroundBox, MeetsNoBox) {
+TEST(BackgroundBox, OverlapsNoColorBox) {
   std::mt19937 random(3);
   std::size_t existing = 0;
   for (int round = 0; round < 300; ++round) {
@@ -76,8 +76,8 @@ TEST(BackgroundBox, MeetsNoBox) {
     const BackgroundBox background = find_background_box(boxes, space);
     if (!background.exists) continue;
     ++existing;
-    EXPECT_TRUE(holds(background, {black_value(space, 0), black_value(space, 1), black_value(space, 2)}));
-    for (const ColorBox& box : boxes) EXPECT_FALSE(meets(background, box));
+    EXPECT_TRUE(contains(background, {black_value(space, 0), black_value(space, 1), black_value(space, 2)}));
+    for (const ColorBox& box : boxes) EXPECT_FALSE(overlaps(background, box));
     if (space == ColorSpace::kYuv) continue;
     std::uint32_t gray = 256, volume = 1;  // the simplest choice: one bound for all channels
     for (const ColorBox& box : boxes)
@@ -88,7 +88,7 @@ TEST(BackgroundBox, MeetsNoBox) {
   EXPECT_GT(existing, 150u);
 }
 
-TEST(BeforeCorrection, IsWhatTheLightMovesIntoTheRange) {
+TEST(BeforeCorrection, GivesTheValuesThatAreCorrectedIntoTheRange) {
   for (const std::uint8_t black : std::initializer_list<std::uint8_t>{0, 16, 128}) {
     for (int low = 0; low <= 255; low += 15) {
       for (int high = low; high <= 255; high += 15) {
@@ -97,7 +97,7 @@ TEST(BeforeCorrection, IsWhatTheLightMovesIntoTheRange) {
               before_correction({static_cast<std::uint8_t>(low), static_cast<std::uint8_t>(high)}, level, black);
           for (int value = 0; value < 256; ++value) {
             const int seen = corrected(static_cast<std::uint8_t>(value), level, black);
-            // 255 stands for all that is brighter, up to 255.
+            // 255 also stands for all brighter light.
             const bool is_in = low <= seen && (value == 255 ? 255 : seen) <= high;
             ASSERT_EQ(range.low <= value && value <= range.high, is_in)
                 << value << " at level " << int{level} << ", range " << low << " to " << high;
@@ -108,8 +108,8 @@ TEST(BeforeCorrection, IsWhatTheLightMovesIntoTheRange) {
   }
 }
 
-// The classes of every value in it are none, whatever the light, and however boxes are moved in their room.
-TEST(BackgroundRanges, HoldBackgroundOnly) {
+// No value in the ranges has a class, at any light level and for any permitted shift of the boxes.
+TEST(BackgroundRanges, ContainOnlyBackground) {
   std::mt19937 random(4);
   const auto tables = std::make_unique<ColorTables>();
   const auto ranges = std::make_unique<BackgroundRanges>();
@@ -156,8 +156,8 @@ TEST(BackgroundRanges, HoldBackgroundOnly) {
   EXPECT_GT(not_from_unlit, 100u);
 }
 
-// At a gain of 1/4, full scale becomes 64, so no value shows this floor.
-TEST(BackgroundRanges, FallBackToBlackWhereNoValueShowsTheFloor) {
+// At a gain of 1/4, full scale becomes 64, so no pixel value corresponds to this floor.
+TEST(BackgroundRanges, FallBackToBlackWhereNoValueIsTheFloor) {
   ColorBoxes boxes;
   boxes.push_back({1, {0, 90, 0}, {99, 255, 255}});
   const auto ranges = std::make_unique<BackgroundRanges>();

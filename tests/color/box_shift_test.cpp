@@ -23,7 +23,7 @@ BoxShift shift_of(const ColorBoxes& boxes, float most = 20) {
   return shift;
 }
 
-TEST(BoxShift, RefusesBadBoxesAndBounds) {
+TEST(BoxShift, RejectsInvalidBoxesAndLimits) {
   BoxShift shift;
   ColorBoxes bad;
   bad.push_back({1, {9, 0, 0}, {8, 0, 0}});
@@ -32,12 +32,12 @@ TEST(BoxShift, RefusesBadBoxesAndBounds) {
   EXPECT_EQ(shift.configure(two_neighbors(), std::numeric_limits<float>::quiet_NaN()).code(), ErrorCode::kOutOfRange);
 }
 
-TEST(BoxShift, FollowsInBoundedStepsUpToItsBound) {
+TEST(BoxShift, FollowsObservationsInBoundedStepsUpToTheLimit) {
   BoxShift shift = shift_of(two_neighbors(), 6);
   shift.observe(1, {4, -100, 100}, 0.25f);
   EXPECT_FLOAT_EQ(shift.of(1)[0], 1.0f);
   EXPECT_FLOAT_EQ(shift.of(1)[1], -0.25f * BoxShift::kMaxStep_levels);
-  EXPECT_FLOAT_EQ(shift.of(2)[0], 0.0f) << "each color by its own";
+  EXPECT_FLOAT_EQ(shift.of(2)[0], 0.0f) << "each color has its own shift";
   for (int i = 0; i < 1000; ++i) shift.observe(1, {4, -100, 100}, 0.25f);
   EXPECT_NEAR(shift.of(1)[0], 4.0f, 1e-3f);
   EXPECT_FLOAT_EQ(shift.of(1)[1], -6.0f);
@@ -46,7 +46,7 @@ TEST(BoxShift, FollowsInBoundedStepsUpToItsBound) {
   EXPECT_FLOAT_EQ(shift.of(1)[2], 0.0f);
 }
 
-TEST(BoxShift, MovesBoxesButNotWhatEndsWithTheScale) {
+TEST(BoxShift, DoesNotMoveSidesAtTheEndOfTheScale) {
   BoxShift shift = shift_of(two_neighbors());
   for (int i = 0; i < 200; ++i) shift.observe(2, {0, -7.4f, 9.6f}, 0.5f);
   const ColorBoxes moved = shift.moved();
@@ -56,13 +56,13 @@ TEST(BoxShift, MovesBoxesButNotWhatEndsWithTheScale) {
   EXPECT_EQ(moved[1].high, (Channels{200, 93, 255}));
 }
 
-TEST(BoxShift, NeighborsThatWouldMeetEndHalfway) {
+TEST(BoxShift, BoxesThatWouldOverlapEndHalfway) {
   BoxShift shift = shift_of(two_neighbors());
   for (int i = 0; i < 200; ++i) {
     shift.observe(1, {10, 0, 0}, 0.5f);
     shift.observe(2, {-4, 0, 0}, 0.5f);
   }
-  // 160 and 149 meet.
+  // The sides at 160 and 149 would overlap.
   const ColorBoxes moved = shift.moved();
   EXPECT_EQ(moved[0].high[0], 154);
   EXPECT_EQ(moved[1].low[0], 155);
@@ -70,7 +70,7 @@ TEST(BoxShift, NeighborsThatWouldMeetEndHalfway) {
   EXPECT_EQ(moved[1].high[0], 196);
 }
 
-TEST(BoxShift, NoTwoColorsEverMeet) {
+TEST(BoxShift, BoxesOfTwoColorsNeverOverlap) {
   std::mt19937 random(5);
   for (int round = 0; round < 300; ++round) {
     ColorBoxes boxes;
@@ -92,8 +92,8 @@ TEST(BoxShift, NoTwoColorsEverMeet) {
   }
 }
 
-// What the tables say after the boxes were moved entry by entry is what they say when built so.
-TEST(BoxShift, MovedTablesAreThoseOfTheMovedBoxes) {
+// Tables that were rebuilt one by one give the same classes as tables built from the moved boxes.
+TEST(BoxShift, RebuiltTablesAreThoseOfTheMovedBoxes) {
   std::mt19937 random(6);
   for (const PixelFormat format : kAllFormats) {
     ColorBoxes boxes = two_neighbors();
@@ -119,7 +119,8 @@ TEST(BoxShift, MovedTablesAreThoseOfTheMovedBoxes) {
     OwnedPicture picture(format, 64, 16, 0);
     for (int v = 0; v < 16; ++v) {
       for (int u = 0; u < 64; ++u) {
-        picture.set(u, v, {telling_value(random, moved), telling_value(random, moved), telling_value(random, moved)});
+        picture.set(u, v,
+                    {critical_value(random, moved), critical_value(random, moved), critical_value(random, moved)});
       }
     }
     const Frame frame = picture.frame();

@@ -7,7 +7,7 @@
 
 namespace touchline::testing {
 
-// The kernels that processors of this kind may have, beside the portable one.
+// The kernels for this processor family, except the portable one. The processor may lack some of them.
 #if defined(__x86_64__)
 constexpr std::array kKernels = {KernelChoice::kAvx2, KernelChoice::kAvx512};
 #elif defined(__aarch64__)

@@ -16,7 +16,7 @@ LightChange change_of(float max_levels = 32) {
   return change;
 }
 
-TEST(LightChange, RefusesWhatCannotBe) {
+TEST(LightChange, RejectsInvalidSizesAndLimits) {
   LightChange change;
   EXPECT_EQ(change.configure(1, 480, 10).code(), ErrorCode::kOutOfRange);
   EXPECT_EQ(change.configure(640, 1, 10).code(), ErrorCode::kOutOfRange);
@@ -24,7 +24,7 @@ TEST(LightChange, RefusesWhatCannotBe) {
   EXPECT_EQ(change.configure(640, 480, std::numeric_limits<float>::quiet_NaN()).code(), ErrorCode::kOutOfRange);
 }
 
-TEST(LightChange, MovesThePlaceItselfByItsShareOfTheDifference) {
+TEST(LightChange, AnObservationMovesItsPlaceByTheStepTimesTheDifference) {
   LightChange change = change_of();
   const PixelPoint places[] = {{0, 0}, {639, 479}, {320, 240}, {80, 80}, {250.5f, 410.25f}};
   for (const PixelPoint& place : places) {
@@ -36,14 +36,14 @@ TEST(LightChange, MovesThePlaceItselfByItsShareOfTheDifference) {
   }
 }
 
-TEST(LightChange, OneObservationHasABoundedInfluence) {
+TEST(LightChange, OneObservationHasLimitedInfluence) {
   LightChange change = change_of();
   change.observe({100, 100}, {1000, -1000, 1000}, kAll, 0.1f);
   EXPECT_NEAR(change.at(0, {100, 100}), 0.1f * LightChange::kMaxStep_levels, 1e-5f);
   EXPECT_NEAR(change.at(1, {100, 100}), -0.1f * LightChange::kMaxStep_levels, 1e-5f);
 }
 
-TEST(LightChange, StaysWithinItsBound) {
+TEST(LightChange, StaysWithinTheLimit) {
   LightChange change = change_of(12);
   for (int i = 0; i < 2000; ++i) change.observe({300, 200}, {100, -100, 5}, kAll, 0.2f);
   EXPECT_FLOAT_EQ(change.at(0, {300, 200}), 12.0f);
@@ -51,7 +51,7 @@ TEST(LightChange, StaysWithinItsBound) {
   EXPECT_NEAR(change.at(2, {300, 200}), 5.0f, 1e-3f);
 }
 
-TEST(LightChange, FindsAGradientFromScatteredPlaces) {
+TEST(LightChange, FindsAGradientFromScatteredObservations) {
   LightChange change = change_of();
   const auto truth = [](float u, float v) { return -6.0f + 10.0f * u / 640 + 4.0f * v / 480; };
   for (int i = 0; i < 20000; ++i) {
@@ -64,7 +64,7 @@ TEST(LightChange, FindsAGradientFromScatteredPlaces) {
   }
 }
 
-TEST(LightChange, RelaxingSpreadsToWhereNothingIsSeenAndKeepsTheMean) {
+TEST(LightChange, RelaxingSpreadsObservationsAndKeepsTheMean) {
   LightChange change = change_of();
   for (int i = 0; i < 100; ++i) change.observe({320, 240}, {8, 8, 8}, kAll, 0.1f);
   EXPECT_EQ(change.at(0, {0, 0}), 0.0f);
@@ -77,7 +77,7 @@ TEST(LightChange, RelaxingSpreadsToWhereNothingIsSeenAndKeepsTheMean) {
   EXPECT_NEAR(change.mean(), 8.0f, 0.2f);
 }
 
-TEST(LightChange, ChannelsThatTellNothingFollowTheOthersSlowly) {
+TEST(LightChange, ChannelsWithoutObservationsFollowTheOthersSlowly) {
   LightChange change = change_of();
   for (int i = 0; i < 40000; ++i) {
     change.observe({320, 240}, {6, 6, 0}, {1, 1, 0}, 0.01f);
@@ -86,7 +86,7 @@ TEST(LightChange, ChannelsThatTellNothingFollowTheOthersSlowly) {
   EXPECT_GT(change.at(2, {320, 240}), 5.0f);
 }
 
-TEST(ShadingFollows, MovesEachTileByWhatChangedThere) {
+TEST(ShadingWithLightChange, ChangesEachTileByTheLocalChange) {
   LightMap map;
   map.columns = map.rows = 1;
   for (auto& plane : map.illumination) plane[0] = 1.0f;
@@ -106,7 +106,7 @@ TEST(ShadingFollows, MovesEachTileByWhatChangedThere) {
   EXPECT_NE(shading.level(change, 0, 0, 12), shading.level(change, 0, 39, 12));
 }
 
-TEST(ShadingFollows, LumaForAllChannelsAndWithinTheScale) {
+TEST(ShadingWithLightChange, UsesLumaForAllYuvChannelsAndStaysInRange) {
   LightMap map;
   map.columns = map.rows = 1;
   for (auto& plane : map.illumination) plane[0] = 0.27f;
@@ -115,7 +115,7 @@ TEST(ShadingFollows, LumaForAllChannelsAndWithinTheScale) {
   LightChange change = change_of(64);
   for (int i = 0; i < 500; ++i) change.observe({0, 0}, {-30, 5, 5}, kAll, 0.2f);
   for (std::size_t channel = 0; channel < 3; ++channel) {
-    EXPECT_EQ(shading.level(change, channel, 0, 0), kLightLevels - 1) << "the gain ends at 4";
+    EXPECT_EQ(shading.level(change, channel, 0, 0), kLightLevels - 1) << "the largest gain is 4";
     EXPECT_EQ(shading.level(change, channel, 39, 0), shading.level(0, 39, 0));
   }
 }

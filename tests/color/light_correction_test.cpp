@@ -7,8 +7,8 @@
 #include "core/color/row_classifier.h"
 #include "tests/color/owned_picture.h"
 
-// Classification under uneven light against eq. (17) to the letter: every pixel divided by its own illumination, in
-// double precision, without tiles and without levels.
+// Compares the classification under uneven light with a literal implementation of eq. (17): every pixel is divided by
+// its own illumination in double precision, without tiles and without levels.
 namespace touchline::testing {
 namespace {
 
@@ -26,7 +26,7 @@ double illumination(const LightMap& map, std::size_t channel, double u, double v
   return std::lerp(upper, lower, y - top);
 }
 
-// What the light does to a channel: in YUV that of the luminance (ITU-R BT.601) to all three.
+// Illumination of a channel; in YUV all three channels have that of the luminance (ITU-R BT.601).
 double light_of(const LightMap& map, ColorSpace space, std::size_t channel, double u, double v, int width, int height) {
   const auto of = [&](std::size_t c) { return illumination(map, c, u, v, width, height); };
   return space == ColorSpace::kRgb ? of(channel) : 0.299 * of(0) + 0.587 * of(1) + 0.114 * of(2);
@@ -44,7 +44,7 @@ struct Interval {
   }
 };
 
-// Smooth light with peaks and valleys, another one a channel.
+// Smooth illumination with several maxima and minima, different for each channel.
 LightMap hilly_light(std::mt19937& random) {
   LightMap map;
   map.columns = static_cast<std::uint16_t>(pick(random, 3, 20));
@@ -64,7 +64,7 @@ LightMap hilly_light(std::mt19937& random) {
 
 class LightCorrectionTest : public ::testing::TestWithParam<PixelFormat> {
  protected:
-  // All that eq. (17) can give in the pixel's tile (its gain is held there), up to a level's half step and rounding.
+  // All results of eq. (17) in the pixel's tile, in which the gain is constant, within half a level and rounding.
   Interval corrected_values(const LightMap& map, const OwnedPicture& picture, std::size_t channel, int u, int v,
                             std::uint8_t value) {
     const ColorSpace space = color_space(GetParam());
@@ -82,7 +82,7 @@ class LightCorrectionTest : public ::testing::TestWithParam<PixelFormat> {
         }
       }
     }
-    // A channel at full scale shows that much light, or any more.
+    // A channel at full scale stands for this light and all brighter light.
     if (value == 255) interval.include(255.0);
     return interval;
   }
@@ -91,7 +91,7 @@ class LightCorrectionTest : public ::testing::TestWithParam<PixelFormat> {
   std::mt19937 random_{static_cast<std::uint32_t>(GetParam()) + 40};
 };
 
-TEST_P(LightCorrectionTest, IsEquation17WhereverALevelCannotDecide) {
+TEST_P(LightCorrectionTest, AgreesWithEquation17WhereQuantizationDoesNotMatter) {
   std::size_t certain = 0, all = 0, colored = 0;
   for (int round = 0; round < 12; ++round) {
     OwnedPicture picture(GetParam(), pick(random_, 40, 150), pick(random_, 20, 60), pick(random_, 0, 7));
@@ -130,7 +130,7 @@ TEST_P(LightCorrectionTest, IsEquation17WhereverALevelCannotDecide) {
       }
     }
   }
-  EXPECT_GT(certain, all / 2) << "a test that decides nothing proves nothing";
+  EXPECT_GT(certain, all / 2) << "too few pixels have a certain result";
   EXPECT_GT(colored, certain / 20);
 }
 
@@ -166,7 +166,7 @@ TEST_P(LightCorrectionTest, RecognizesColorsInLightFromTwoFifthsToFourThirds) {
     boxes.push_back(box);
   }
 
-  // Lamps of two colors in opposite corners; what sees only luma and chroma gets one of white light.
+  // Lamps of two colors in opposite corners; for YUV formats, white lamps.
   constexpr int kWidth = 320, kHeight = 240;
   const auto map = std::make_unique<LightMap>();
   map->columns = 32, map->rows = 24;
@@ -186,7 +186,7 @@ TEST_P(LightCorrectionTest, RecognizesColorsInLightFromTwoFifthsToFourThirds) {
       truth.push_back(static_cast<ColorId>(paint + 1));
       Rgb lit{};
       for (std::size_t c = 0; c < 3; ++c) {
-        // Pixels that share chroma are lit alike.
+        // Pixels that share chroma have the same illumination.
         lit[c] = paints[paint][c] * illumination(*map, c, u / 2 * 2 + 1.0, v / 2 * 2 + 1.0, kWidth, kHeight);
       }
       picture.set(u, v, in_format(space, lit));

@@ -6,7 +6,7 @@
 namespace touchline::testing {
 namespace {
 
-// Where a pixel's three channels stand.
+// Plane and byte of a channel of a pixel.
 struct Place {
   std::size_t plane, offset;
 };
@@ -95,10 +95,10 @@ ColorId color_by_boxes(const ColorBoxes& boxes, ColorSpace space, Channels value
   for (const ColorBox& box : boxes) {
     bool inside = true;
     for (std::size_t c = 0; c < 3; ++c) {
-      const double origin = space == ColorSpace::kRgb ? 0.0 : c == 0 ? 16.0 : 128.0;  // what no light leaves
+      const double origin = space == ColorSpace::kRgb ? 0.0 : c == 0 ? 16.0 : 128.0;  // black
       const double gain = static_cast<double>(gain_of_level(level[c]));
       const double seen = std::clamp(origin + std::round((value[c] - origin) * gain), 0.0, 255.0);
-      const bool is_bright_enough = box.low[c] <= seen || value[c] == 255;  // 255: so much light or more
+      const bool is_bright_enough = box.low[c] <= seen || value[c] == 255;  // 255 also stands for all brighter light
       inside = inside && is_bright_enough && seen <= box.high[c];
     }
     if (inside) return box.color;
@@ -128,7 +128,7 @@ ColorBoxes random_boxes(std::mt19937& random, std::size_t count) {
   return boxes;
 }
 
-std::uint8_t telling_value(std::mt19937& random, const ColorBoxes& boxes) {
+std::uint8_t critical_value(std::mt19937& random, const ColorBoxes& boxes) {
   const int kind = pick(random, 0, 9);
   if (kind == 0) return 0;
   if (kind == 1) return 255;

@@ -9,7 +9,7 @@
 #include "core/color/color_tables.h"
 #include "core/types.h"
 
-// Pictures in every pixel format and, written down anew and slowly, what their pixels are.
+// Pictures in every pixel format, and an independent, simple implementation of reading their pixels.
 namespace touchline::testing {
 
 inline constexpr auto kAllFormats = [] {
@@ -21,8 +21,8 @@ std::string name_of(PixelFormat format);
 
 using Channels = std::array<std::uint8_t, 3>;
 
-/// Owns exactly the bytes that the format needs, so that a sanitizer sees a read beyond them: nothing follows the last
-/// row. `padding` bytes lie between rows, three more in each further plane.
+/// Owns exactly the bytes that the format needs, so that a sanitizer detects reads beyond them: the last row has no
+/// padding. Other rows have `padding` bytes of padding, and three more in each further plane.
 class OwnedPicture {
  public:
   OwnedPicture(PixelFormat format, int width, int height, int padding);
@@ -30,9 +30,9 @@ class OwnedPicture {
   [[nodiscard]] Frame frame() const;
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
-  /// With shared chroma the whole pair or block gets it.
+  /// Sets a pixel. Shared chroma changes for the whole pair or block.
   void set(int u, int v, Channels value);
-  /// Every byte, padding included.
+  /// Fills all bytes, including the padding.
   template <class Source>
   void fill(Source source) {
     for (auto& plane : bytes_) {
@@ -50,14 +50,14 @@ class OwnedPicture {
 /// R, G, B or Y, U, V of a pixel.
 Channels channels_at(const Frame& frame, int u, int v);
 
-/// The color of the first box that the corrected value lies in: the definition, without tables.
+/// Returns the color of the first box that contains the corrected value: the definition, without tables.
 ColorId color_by_boxes(const ColorBoxes& boxes, ColorSpace space, Channels value, Channels level);
 
-/// Boxes of any shape, thin ones and full ones among them.
+/// Random boxes, some of them one level wide, some of the full range.
 ColorBoxes random_boxes(std::mt19937& random, std::size_t count);
 
-/// A value that decides something: 0, 255, the bounds of a box and their neighbors; or any.
-std::uint8_t telling_value(std::mt19937& random, const ColorBoxes& boxes);
+/// A value that tests the bounds: 0, 255, a bound of a box or its neighbor; sometimes any value.
+std::uint8_t critical_value(std::mt19937& random, const ColorBoxes& boxes);
 
 /// Uniform in [low, high]. (The standard's distributions differ between libraries.)
 int pick(std::mt19937& random, int low, int high);

@@ -14,7 +14,7 @@ constexpr ColorId kUntouched = 0xee;
 
 class RowClassifierTest : public ::testing::TestWithParam<std::tuple<PixelFormat, KernelChoice>> {
  protected:
-  // Classifies columns [begin, end) of every row and compares them, and what lies around them, with the definition.
+  // Classifies columns [begin, end) of every row and compares them with the definition. Other columns must not change.
   void expect_defined_colors(const OwnedPicture& picture, const ColorBoxes& boxes, std::uint16_t begin,
                              std::uint16_t end) {
     const Frame frame = picture.frame();
@@ -62,7 +62,7 @@ TEST_P(RowClassifierTest, AgreesWithTheBoxesOnEveryPixel) {
     const ColorBoxes boxes = random_boxes(random_, static_cast<std::size_t>(pick(random_, 0, kMaxColorBoxes)));
     const LightMap light = round % 2 == 0 ? LightMap{} : random_light(random_);
     ASSERT_TRUE(configure(frame, boxes, light).ok());
-    picture.fill([&] { return telling_value(random_, boxes); });
+    picture.fill([&] { return critical_value(random_, boxes); });
     const int begin = pick(random_, 0, picture.width()), end = pick(random_, begin, picture.width());
     ASSERT_NO_FATAL_FAILURE(
         expect_defined_colors(picture, boxes, static_cast<std::uint16_t>(begin), static_cast<std::uint16_t>(end)));
@@ -70,12 +70,12 @@ TEST_P(RowClassifierTest, AgreesWithTheBoxesOnEveryPixel) {
 }
 
 TEST_P(RowClassifierTest, AgreesOnEverySmallSizeAndSpan) {
-  // Few boxes, none of them dark, over a dark picture: whole blocks are rejected between others that are not.
+  // Few boxes, none of them dark, and a mostly dark picture: whole blocks are rejected between others that are not.
   ColorBoxes boxes;
   boxes.push_back({1, {0, 150, 0}, {255, 255, 120}});
   boxes.push_back({2, {90, 0, 160}, {200, 100, 255}});
-  const auto dark_or_telling = [&](bool dark) {
-    return dark ? static_cast<std::uint8_t>(pick(random_, 0, 89)) : telling_value(random_, boxes);
+  const auto dark_or_critical = [&](bool dark) {
+    return dark ? static_cast<std::uint8_t>(pick(random_, 0, 89)) : critical_value(random_, boxes);
   };
   for (int width = 1; width <= 35; ++width) {
     OwnedPicture picture(format(), width, 3, 1);
@@ -83,7 +83,7 @@ TEST_P(RowClassifierTest, AgreesOnEverySmallSizeAndSpan) {
     ASSERT_TRUE(configure(frame, boxes, LightMap{}).ok());
     for (std::uint16_t begin = 0; begin <= width; ++begin) {
       int byte = 0;
-      picture.fill([&] { return dark_or_telling(++byte % 29 != 0); });
+      picture.fill([&] { return dark_or_critical(++byte % 29 != 0); });
       for (std::uint16_t end = begin; end <= width; ++end) {
         ASSERT_NO_FATAL_FAILURE(expect_defined_colors(picture, boxes, begin, end));
       }
@@ -95,7 +95,7 @@ TEST_P(RowClassifierTest, AgreesOnOnePictureOfTheLargestWidth) {
   OwnedPicture picture(format(), static_cast<int>(kMaxFrameWidth), 17, 32);
   const Frame frame = picture.frame();
   const ColorBoxes boxes = random_boxes(random_, 13);
-  picture.fill([&] { return telling_value(random_, boxes); });
+  picture.fill([&] { return critical_value(random_, boxes); });
   for (const LightMap& light : {LightMap{}, random_light(random_)}) {
     ASSERT_TRUE(configure(frame, boxes, light).ok());
     ASSERT_NO_FATAL_FAILURE(expect_defined_colors(picture, boxes, 0, frame.width_px));
@@ -110,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(EveryFormat, RowClassifierTest,
                            return std::string(name_of(std::get<0>(test.param))) + (portable ? "_portable" : "_fastest");
                          });
 
-TEST(RowBytes, AreThoseOfWholePairs) {
+TEST(RowBytes, CountWholePixelPairs) {
   EXPECT_EQ(row_bytes(PixelFormat::kRgb24, 0, 7), 21u);
   EXPECT_EQ(row_bytes(PixelFormat::kYuyv, 0, 7), 16u);
   EXPECT_EQ(row_bytes(PixelFormat::kUyvy, 0, 8), 16u);

@@ -21,7 +21,7 @@ LightMap uniform(float r, float g, float b, std::uint16_t columns = 4, std::uint
 
 double ideal_level(double gain) { return 64.0 + 32.0 * std::log2(gain); }
 
-TEST(Gain, IsATwoAndThirtiethRootOfTwoALevel) {
+TEST(Gain, GrowsByThe32ndRootOfTwoPerLevel) {
   EXPECT_EQ(gain_of_level(0), 0.25f);
   EXPECT_EQ(gain_of_level(32), 0.5f);
   EXPECT_EQ(gain_of_level(kNeutralLevel), 1.0f);
@@ -31,7 +31,7 @@ TEST(Gain, IsATwoAndThirtiethRootOfTwoALevel) {
   }
 }
 
-TEST(Gain, LevelIsTheNearestByRatio) {
+TEST(LevelOfGain, IsTheNearestByRatio) {
   for (std::uint8_t level = 0; level < kLightLevels; ++level) {
     EXPECT_EQ(level_of_gain(gain_of_level(level)), level);
   }
@@ -43,7 +43,7 @@ TEST(Gain, LevelIsTheNearestByRatio) {
   EXPECT_EQ(level_of_gain(1e6f), kLightLevels - 1);
 }
 
-TEST(Corrected, NeutralLevelChangesNothing) {
+TEST(Corrected, IsUnchangedAtTheNeutralLevel) {
   for (int value = 0; value < 256; ++value) {
     const auto v = static_cast<std::uint8_t>(value);
     EXPECT_EQ(corrected(v, kNeutralLevel, 0), v);
@@ -52,7 +52,7 @@ TEST(Corrected, NeutralLevelChangesNothing) {
   }
 }
 
-TEST(Corrected, ScalesAboutTheUnlitValue) {
+TEST(Corrected, ScalesAboutBlack) {
   EXPECT_EQ(corrected(100, 96, 0), 200);
   EXPECT_EQ(corrected(101, 32, 0), 51) << "50.5 is rounded up";
   EXPECT_EQ(corrected(200, 96, 0), 255);
@@ -62,8 +62,8 @@ TEST(Corrected, ScalesAboutTheUnlitValue) {
   EXPECT_EQ(corrected(128, 96, 128), 128);
   EXPECT_EQ(corrected(138, 96, 128), 148);
   EXPECT_EQ(corrected(118, 96, 128), 108);
-  EXPECT_EQ(corrected(20, 96, 128), 0) << "bounded below";
-  EXPECT_EQ(corrected(250, 96, 128), 255) << "and above";
+  EXPECT_EQ(corrected(20, 96, 128), 0) << "clamped to 0";
+  EXPECT_EQ(corrected(250, 96, 128), 255) << "clamped to 255";
 }
 
 TEST(Corrected, NeverDecreasesWithTheValue) {
@@ -82,14 +82,14 @@ class ShadingTest : public ::testing::Test {
   std::unique_ptr<Shading> shading_ = std::make_unique<Shading>();
 };
 
-TEST_F(ShadingTest, WithoutAMapIsOff) {
+TEST_F(ShadingTest, IsInactiveWithoutAMap) {
   EXPECT_TRUE(shading_->build(uniform(1, 1, 1), 640, 480, ColorSpace::kRgb).ok());
   EXPECT_TRUE(shading_->active());
   EXPECT_TRUE(shading_->build(LightMap{}, 640, 480, ColorSpace::kRgb).ok());
   EXPECT_FALSE(shading_->active());
 }
 
-TEST_F(ShadingTest, EachChannelHasTheInverseOfItsLight) {
+TEST_F(ShadingTest, EachChannelHasTheInverseOfItsIllumination) {
   ASSERT_TRUE(shading_->build(uniform(0.5f, 1.0f, 2.0f), 100, 50, ColorSpace::kRgb).ok());
   for (std::uint16_t row = 0; row < 7; ++row) {
     for (std::uint16_t column = 0; column < 7; ++column) {
@@ -100,7 +100,7 @@ TEST_F(ShadingTest, EachChannelHasTheInverseOfItsLight) {
   }
 }
 
-TEST_F(ShadingTest, YuvTakesTheLuminanceForAllChannels) {
+TEST_F(ShadingTest, YuvUsesTheLuminanceForAllChannels) {
   ASSERT_TRUE(shading_->build(uniform(0.3f, 0.9f, 1.7f), 100, 50, ColorSpace::kYuv).ok());
   const double luminance = 0.299 * 0.3 + 0.587 * 0.9 + 0.114 * 1.7;
   for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -132,11 +132,11 @@ TEST_F(ShadingTest, InterpolatesBetweenCellCentersAndIsConstantBeyond) {
   }
 }
 
-TEST_F(ShadingTest, RefusesMapsThatMeanNothing) {
+TEST_F(ShadingTest, RejectsInvalidMaps) {
   const auto code_of = [&](const LightMap& map, std::uint16_t width = 64, std::uint16_t height = 64) {
     EXPECT_TRUE(shading_->build(uniform(1, 1, 1), 64, 64, ColorSpace::kRgb).ok());
     const ErrorCode code = shading_->build(map, width, height, ColorSpace::kRgb).code();
-    EXPECT_FALSE(shading_->active()) << "off after an error";
+    EXPECT_FALSE(shading_->active()) << "inactive after an error";
     return code;
   };
   for (const float bad :

@@ -19,7 +19,7 @@ namespace {
 
 constexpr ColorId kUntouched = 0xee;
 
-TEST(GroupLookups, SayOfEveryValueWhatTheTablesSay) {
+TEST(NibbleTables, GiveTheClassesOfTheColorTablesForEveryValue) {
   std::mt19937 random(17);
   const auto tables = std::make_unique<ColorTables>();
   const auto nibbles = std::make_unique<NibbleTables>();
@@ -50,7 +50,7 @@ TEST(GroupLookups, SayOfEveryValueWhatTheTablesSay) {
   }
 }
 
-TEST(GroupLookups, GiveTheColorOfTheLowestClass) {
+TEST(NibbleTables, GiveTheColorOfTheLowestClass) {
   std::mt19937 random(18);
   const auto tables = std::make_unique<ColorTables>();
   const auto nibbles = std::make_unique<NibbleTables>();
@@ -65,16 +65,16 @@ TEST(GroupLookups, GiveTheColorOfTheLowestClass) {
   }
 }
 
-TEST(FindKernel, TakesTheFastestOrTheOneThatIsNamed) {
+TEST(FindSpanKernel, ReturnsTheFastestOrTheNamedKernel) {
   for (const PixelFormat format : kAllFormats) {
     KernelChoice choice = KernelChoice::kPortable;
-    EXPECT_EQ(find_kernel(format, choice), portable_kernel(format));
+    EXPECT_EQ(find_span_kernel(format, choice), portable_span_kernel(format));
     choice = KernelChoice::kFastest;
-    const SpanKernel fastest = find_kernel(format, choice);
+    const SpanKernel fastest = find_span_kernel(format, choice);
     ASSERT_NE(choice, KernelChoice::kFastest);
     for (const KernelChoice named : {KernelChoice::kAvx2, KernelChoice::kAvx512, KernelChoice::kNeon}) {
       KernelChoice kept = named;
-      const SpanKernel kernel = find_kernel(format, kept);
+      const SpanKernel kernel = find_span_kernel(format, kept);
       EXPECT_EQ(kept, named);
       EXPECT_EQ(kernel == fastest, named == choice) << word_of(named);
     }
@@ -84,13 +84,13 @@ TEST(FindKernel, TakesTheFastestOrTheOneThatIsNamed) {
   }
 }
 
-// Kernels for some processors against the portable one, row by row.
+// Compares the kernels of instruction sets with the portable one, row by row.
 class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, KernelChoice>> {
  protected:
   void SetUp() override {
     KernelChoice choice = std::get<1>(GetParam());
-    kernel_ = find_kernel(format(), choice);
-    if (kernel_ == nullptr) GTEST_SKIP() << "this processor has no " << word_of(choice);
+    kernel_ = find_span_kernel(format(), choice);
+    if (kernel_ == nullptr) GTEST_SKIP() << "this processor does not support " << word_of(choice);
     for (std::uint8_t& byte : bytes_) byte = static_cast<std::uint8_t>(random_());
   }
 
@@ -100,7 +100,7 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
     boxes_ = random_boxes(random_, count);
     background_.reset();
     if (const int kind = pick(random_, 0, 3); kind == 1) {
-      // None at a floor, as likely to be bright as dark.
+      // No box contains the typical background, which is as likely to be bright as dark.
       const auto floor = static_cast<std::uint8_t>(pick(random_, 0, 255));
       background_ = {floor, floor, floor};
       for (ColorBox& box : boxes_) {
@@ -126,7 +126,7 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
     nibbles_->build(*tables_, boxes_.size());
     ranges_->build(format(), boxes_, 0, background_);
     for (TileParameters& tile : lights_) {
-      // Often the neighbor's again.
+      // Often the same value as its neighbor.
       Channels level = {kNeutralLevel, kNeutralLevel, kNeutralLevel};
       for (std::uint8_t& of_channel : level) of_channel = static_cast<std::uint8_t>(pick(random_, 40, 90));
       tile = &tile != lights_.data() && pick(random_, 0, 2) == 0 ? *(&tile - 1) : ranges_->of(level);
@@ -137,7 +137,7 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
     return {tables_.get(), nibbles_.get(), lights_.data(), unshaded, ranges_->exist(), ranges_->begin_at_zero()};
   }
 
-  // Stretches of background pixels between others.
+  // Sequences of background pixels between others.
   void paint(OwnedPicture& picture) {
     int stretch = 0;
     bool background = false;
@@ -150,12 +150,12 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
       if (background && background_) return static_cast<std::uint8_t>((*background_)[0] ^ (random_() % 4));
       if (background)
         return static_cast<std::uint8_t>(color_space(format()) == ColorSpace::kRgb ? 0 : 120 + random_() % 8);
-      if (random_() % 4 != 0) value = telling_value(random_, boxes_);
+      if (random_() % 4 != 0) value = critical_value(random_, boxes_);
       return value;
     });
   }
 
-  // Of bytes chosen beforehand: no time for more.
+  // The bytes are prepared in advance, because choosing each one takes too long.
   void paint_fast(OwnedPicture& picture) {
     std::size_t at = random_() % bytes_.size();
     picture.fill([&] { return bytes_[at++ % bytes_.size()]; });
@@ -164,7 +164,7 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
   void expect_equal(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end) {
     expected_.fill(kUntouched);
     found_.fill(kUntouched);
-    const OccupiedWords least = portable_kernel(format())(tables, row, begin, end, expected_.data());
+    const OccupiedWords least = portable_span_kernel(format())(tables, row, begin, end, expected_.data());
     const OccupiedWords occupied = kernel_(tables, row, begin, end, found_.data());
     ASSERT_EQ(std::memcmp(found_.data(), expected_.data(), found_.size()), 0)
         << "columns " << begin << " to " << end << (tables.unshaded ? "" : " with a light map");
@@ -175,9 +175,10 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
       if (found_[u] != kBackground) ++colored_, colored |= word;
     }
     for (const OccupiedWords words : {least, occupied}) {
-      ASSERT_EQ(colored & ~words, 0u) << "colors in words said to have none";
-      // A block that reaches into another word may count for both.
-      ASSERT_EQ(words & ~(in_span & (colored | colored << 1 | colored >> 1)), 0u) << "words without a color near";
+      ASSERT_EQ(colored & ~words, 0u) << "colors in words that are reported as background";
+      // A block that overlaps two words may report both.
+      ASSERT_EQ(words & ~(in_span & (colored | colored << 1 | colored >> 1)), 0u)
+          << "a reported word without a color in it or next to it";
     }
   }
 
@@ -194,7 +195,7 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
   std::size_t colored_ = 0;
 };
 
-TEST_P(SpanKernelTest, IsThePortableOneOnAnySpan) {
+TEST_P(SpanKernelTest, AgreesWithThePortableKernelOnRandomSpans) {
   for (const std::size_t count : {0u, 1u, 8u, 9u, 13u, 32u}) {
     ASSERT_NO_FATAL_FAILURE(choose_colors(count));
     for (int round = 0; round < 60; ++round) {
@@ -214,7 +215,7 @@ TEST_P(SpanKernelTest, IsThePortableOneOnAnySpan) {
   EXPECT_GT(colored_, 3000u);
 }
 
-TEST_P(SpanKernelTest, IsThePortableOneOnEverySpanOfAShortRow) {
+TEST_P(SpanKernelTest, AgreesWithThePortableKernelOnEverySpanOfAShortRow) {
   ASSERT_NO_FATAL_FAILURE(choose_colors(13));
   OwnedPicture picture(format(), 100, 1, 0);
   const Frame frame = picture.frame();
@@ -226,7 +227,7 @@ TEST_P(SpanKernelTest, IsThePortableOneOnEverySpanOfAShortRow) {
   }
 }
 
-TEST_P(SpanKernelTest, IsThePortableOneOnEverySmallPicture) {
+TEST_P(SpanKernelTest, AgreesWithThePortableKernelOnEverySmallPicture) {
   ASSERT_NO_FATAL_FAILURE(choose_colors(13));
   for (int width = 1; width <= 64; ++width) {
     for (int height = 1; height <= 64; ++height) {
@@ -242,13 +243,13 @@ TEST_P(SpanKernelTest, IsThePortableOneOnEverySmallPicture) {
   EXPECT_GT(colored_, 100000u);
 }
 
-// A page that may not be touched begins where the span ends, and another one ends where it begins.
+// Inaccessible memory pages lie directly before and after the span.
 TEST_P(SpanKernelTest, ReadsNothingBeyondTheSpan) {
   const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
   void* const memory = mmap(nullptr, 9 * page, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   ASSERT_NE(memory, MAP_FAILED);
   std::uint8_t* const start = static_cast<std::uint8_t*>(memory);
-  // Pages 1, 4 and 7, for a plane each.
+  // Pages 1, 4 and 7, one for each plane.
   for (const std::size_t number : {1u, 4u, 7u}) {
     ASSERT_EQ(mprotect(start + number * page, page, PROT_READ | PROT_WRITE), 0);
     for (std::size_t i = 0; i < page; ++i) start[number * page + i] = static_cast<std::uint8_t>(random_());
@@ -256,7 +257,7 @@ TEST_P(SpanKernelTest, ReadsNothingBeyondTheSpan) {
   ASSERT_NO_FATAL_FAILURE(choose_colors(13));
   for (std::uint16_t begin = 0; begin < 70; ++begin) {
     for (std::uint16_t end = begin + 1; end < begin + 140; end = static_cast<std::uint16_t>(end + 1 + end % 3)) {
-      // Of chroma whole pairs.
+      // Chroma has whole pairs.
       const auto even_begin = static_cast<std::uint16_t>(begin / 2 * 2);
       RowPixels at_start, at_end;
       for (std::size_t plane = 0; plane < kMaxPlanes; ++plane) {
@@ -273,8 +274,8 @@ TEST_P(SpanKernelTest, ReadsNothingBeyondTheSpan) {
   munmap(memory, 9 * page);
 }
 
-// A class that contains black: nothing may be rejected as background.
-TEST_P(SpanKernelTest, SeesBlack) {
+// If a class contains black, no pixel may be rejected as background.
+TEST_P(SpanKernelTest, ClassifiesBlack) {
   for (std::uint8_t bright : {std::uint8_t{3}, std::uint8_t{20}}) {
     boxes_.clear();
     boxes_.push_back({1, {0, 0, 0}, {bright, 255, 255}});

@@ -68,7 +68,7 @@ class BallCenterTest : public ::testing::Test {
   CameraModel camera_;
   BallCenterFit centers_;
   Sightings sightings_;
-  Dice dice_{13};
+  PortableRandom dice_{13};
 };
 
 TEST_F(BallCenterTest, IsNotBiasedTowardsTheLamp) {
@@ -126,7 +126,7 @@ TEST_F(BallCenterTest, KeepsTheCenterWithoutABall) {
 }
 
 // The memory ends with the picture, so a sanitizer detects reads beyond it.
-TEST_F(BallCenterTest, AtThePicturesBorderOrBeyond) {
+TEST_F(BallCenterTest, CanBeAtThePicturesBorderOrBeyond) {
   for (const PixelFormat format : kAllFormats) {
     Photograph picture(format, 640, 480);
     picture.expose(0, 0, 640, 8, [](double, double) { return kOrangeLight; });

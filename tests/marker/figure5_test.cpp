@@ -76,7 +76,7 @@ void expect_all_found(const CameraParameters& camera) {
       const int u = static_cast<int>(noise.u_px), v = static_cast<int>(noise.v_px);
       field.grid().at(u, v) = kBlue;
       field.grid().at(u, v + 2) = kRed;
-      const Sightings& seen = field.see();
+      const Sightings& seen = field.match();
       const Comparison result = compare(placed, seen, parameters);
       EXPECT_EQ(result.right, 3u) << placement.name << ", turned by " << 15 * turn << " degrees";
       EXPECT_EQ(result.ghosts + result.missed, 0u) << placement.name;

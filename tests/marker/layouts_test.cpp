@@ -11,7 +11,7 @@ namespace {
 struct Case {
   const char* name;
   MarkerLayout (*layout)();
-  std::size_t robots;  // a team
+  std::size_t robots;  // per team
   float position_m, heading_rad;
   float least_right;  // fraction of the robots; the others may be unknown, but none may be wrong
 };
@@ -21,16 +21,16 @@ void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 class Layouts : public ::testing::TestWithParam<Case> {
  protected:
   // Result over `pictures` with robots anywhere in the rectangle.
-  void see(const CameraParameters& camera, const MarkerParameters& parameters, float length_m, float width_m,
-           int pictures) {
+  void match(const CameraParameters& camera, const MarkerParameters& parameters, float length_m, float width_m,
+             int pictures) {
     PaintedField field(camera, parameters);
-    Dice dice(11);
+    PortableRandom random(11);
     std::size_t robots = 0, right = 0;
     for (int n = 0; n < pictures; ++n) {
       field.clear();
-      const std::vector<Placed> placed = scattered(dice, parameters, GetParam().robots, length_m, width_m);
+      const std::vector<Placed> placed = scattered(random, parameters, GetParam().robots, length_m, width_m);
       field.paint(placed);
-      const Sightings& seen = field.see();
+      const Sightings& seen = field.match();
       const Comparison result = compare(placed, seen, parameters);
       EXPECT_EQ(result.wrong, 0u) << "picture " << n;
       EXPECT_EQ(result.ghosts, 0u) << "picture " << n;
@@ -52,15 +52,15 @@ TEST_P(Layouts, IsValid) {
   }
 }
 
-TEST_P(Layouts, IsReadAnywhereOnTheField) {
+TEST_P(Layouts, IsRecognizedAnywhereOnTheField) {
   const MarkerParameters parameters = teams_with(GetParam().layout(), GetParam().robots);
-  for (const CameraParameters& camera : {straight_camera(), tilted_camera()}) see(camera, parameters, 1.9f, 1.5f, 30);
+  for (const CameraParameters& camera : {straight_camera(), tilted_camera()}) match(camera, parameters, 1.9f, 1.5f, 30);
 }
 
-TEST_P(Layouts, IsReadInACrowd) {
+TEST_P(Layouts, IsRecognizedInACrowd) {
   const MarkerParameters parameters = teams_with(GetParam().layout(), GetParam().robots);
   const float side = 6.5f * GetParam().layout().robot_side_m;
-  for (const CameraParameters& camera : {straight_camera(), tilted_camera()}) see(camera, parameters, side, side, 30);
+  for (const CameraParameters& camera : {straight_camera(), tilted_camera()}) match(camera, parameters, side, side, 30);
 }
 
 // Blue has the paper's layout, yellow the layout under test.
@@ -68,14 +68,14 @@ TEST_P(Layouts, MayDifferBetweenTheTeams) {
   MarkerParameters parameters = teams_with(GetParam().layout(), GetParam().robots);
   parameters.teams[0] = teams_with(paper_layout(), 3).teams[0];
   PaintedField field(straight_camera(), parameters);
-  Dice dice(12);
+  PortableRandom random(12);
   std::size_t right = 0;
   constexpr std::size_t kPictures = 40;
   for (std::size_t n = 0; n < kPictures; ++n) {
     field.clear();
-    const std::vector<Placed> placed = scattered(dice, parameters, 3, 1.9f, 1.5f);
+    const std::vector<Placed> placed = scattered(random, parameters, 3, 1.9f, 1.5f);
     field.paint(placed);
-    const Comparison result = compare(placed, field.see(), parameters);
+    const Comparison result = compare(placed, field.match(), parameters);
     EXPECT_EQ(result.wrong + result.ghosts + result.missed, 0u) << "picture " << n;
     right += result.right;
   }

@@ -67,22 +67,22 @@ struct Tally {
   int robots = 0, unambiguous = 0, sure = 0, contested = 0;
 };
 
-void hold_against_each_other(const MarkerParameters& parameters, float side_m, float error_m, std::uint32_t seed,
-                             int arrangements, Tally& tally) {
+void compare_with_matcher(const MarkerParameters& parameters, float side_m, float error_m, std::uint32_t seed,
+                          int arrangements, Tally& tally) {
   RegionList list(straight_camera(), parameters);
-  Dice dice(seed);
+  PortableRandom random(seed);
   for (int n = 0; n < arrangements; ++n) {
     list.clear();
-    const std::vector<Placed> placed = scattered(dice, parameters, 5, side_m, side_m);
-    for (const Placed& robot : placed) list.add(robot, dice, error_m);
+    const std::vector<Placed> placed = scattered(random, parameters, 5, side_m, side_m);
+    for (const Placed& robot : placed) list.add(robot, random, error_m);
     // Regions 4 and D of figure 5. None is near two patches of its color: by the text it would be averaged with both.
-    for (int color = kBlue + dice.whole(0, 1); color <= kWhite; color += 2) {
-      const FieldPoint at{dice.real(-side_m / 2, side_m / 2), dice.real(-side_m / 2, side_m / 2)};
+    for (int color = kBlue + random.whole(0, 1); color <= kWhite; color += 2) {
+      const FieldPoint at{random.real(-side_m / 2, side_m / 2), random.real(-side_m / 2, side_m / 2)};
       if (patches_near(at, static_cast<ColorId>(color), list) < 2)
         list.add(at, static_cast<ColorId>(color), parameters.teams[0].layout.patches[0],
                  parameters.teams[0].layout.height_m, 0.02f);
     }
-    const Sightings& seen = list.see();
+    const Sightings& seen = list.match();
     ASSERT_FALSE(seen.cut_short);
     for (const Team team : {Team::kOwn, Team::kOpponent}) {
       const TeamMarking& marking = parameters.teams[static_cast<std::size_t>(team)];
@@ -126,7 +126,7 @@ void hold_against_each_other(const MarkerParameters& parameters, float side_m, f
 // without an id from the matcher counts as no answer; their maximum number is asserted.
 TEST(PaperRules, AgreeWithTheMatcherOnAWideField) {
   Tally tally;
-  hold_against_each_other(paper_teams(), 1.7f, 0.001f, 1, 2000, tally);
+  compare_with_matcher(paper_teams(), 1.7f, 0.001f, 1, 2000, tally);
   EXPECT_GT(tally.unambiguous, tally.robots * 99 / 100);
   EXPECT_GT(tally.sure, tally.robots * 999 / 1000);
 }
@@ -134,7 +134,7 @@ TEST(PaperRules, AgreeWithTheMatcherOnAWideField) {
 // Ten robots within half a meter.
 TEST(PaperRules, AgreeWithTheMatcherInACrowd) {
   Tally tally;
-  hold_against_each_other(paper_teams(), 0.5f, 0.001f, 2, 3000, tally);
+  compare_with_matcher(paper_teams(), 0.5f, 0.001f, 2, 3000, tally);
   EXPECT_GT(tally.contested, 1000);
   EXPECT_GT(tally.unambiguous, tally.robots * 95 / 100);
   EXPECT_GT(tally.sure, tally.robots * 99 / 100);
@@ -142,11 +142,11 @@ TEST(PaperRules, AgreeWithTheMatcherInACrowd) {
 
 // A whole team in a cluster, as after a collision: most tables have conflicts. The errors of the patch centers are
 // those of dull colors.
-TEST(PaperRules, AgreeWithTheMatcherInAHeap) {
+TEST(PaperRules, AgreeWithTheMatcherInACluster) {
   MarkerParameters parameters = paper_teams();
   parameters.teams[1] = {};
   Tally tally;
-  hold_against_each_other(parameters, 0.23f, 0.003f, 3, 4000, tally);
+  compare_with_matcher(parameters, 0.23f, 0.003f, 3, 4000, tally);
   EXPECT_GT(tally.contested, 2000);
   EXPECT_GT(tally.unambiguous, tally.robots * 95 / 100);
   EXPECT_GT(tally.sure, tally.robots * 99 / 100);

@@ -27,28 +27,28 @@ class Noise : public ::testing::TestWithParam<Case> {
     ColorGrid& grid = field.grid();
     const int count = static_cast<int>(part * static_cast<float>(grid.width * grid.height));
     for (int i = 0; i < count; ++i) {
-      const int u = dice.whole(1, grid.width - 2), v = dice.whole(1, grid.height - 2);
-      const bool copy = dice.whole(0, 3) > 0;
-      grid.at(u, v) = copy ? grid.at(u + dice.whole(-1, 1), v + dice.whole(-1, 1))
-                           : static_cast<ColorId>(dice.whole(0, 1) * dice.whole(0, kPink));
+      const int u = random.whole(1, grid.width - 2), v = random.whole(1, grid.height - 2);
+      const bool copy = random.whole(0, 3) > 0;
+      grid.at(u, v) = copy ? grid.at(u + random.whole(-1, 1), v + random.whole(-1, 1))
+                           : static_cast<ColorId>(random.whole(0, 1) * random.whole(0, kPink));
     }
   }
   // A stick, a hand or a cable: a band of background across the robot, up to half a robot wide.
   void hide(PaintedField& field, const Placed& robot) {
     Placed turned = robot;
-    turned.pose.theta_rad += dice.real(-kPi, kPi);
-    const float from = dice.real(-0.04f, 0.04f);
-    field.paint_part(turned, {from, -0.2f}, {from + dice.real(0.005f, 0.04f), 0.2f}, kBackground);
+    turned.pose.theta_rad += random.real(-kPi, kPi);
+    const float from = random.real(-0.04f, 0.04f);
+    field.paint_part(turned, {from, -0.2f}, {from + random.real(0.005f, 0.04f), 0.2f}, kBackground);
   }
   // A piece of colored paper on the field, of any size up to that of a patch and a half, in any of the colors.
   void litter(PaintedField& field, FieldPoint at) {
-    const Placed paper{Team::kOwn, 0, {at, dice.real(-kPi, kPi)}};
-    const float length = dice.real(0.004f, 0.04f), width = dice.real(0.004f, 0.04f);
-    const auto color = static_cast<ColorId>(dice.whole(kBlue, kPink));
+    const Placed paper{Team::kOwn, 0, {at, random.real(-kPi, kPi)}};
+    const float length = random.real(0.004f, 0.04f), width = random.real(0.004f, 0.04f);
+    const auto color = static_cast<ColorId>(random.whole(kBlue, kPink));
     field.paint_part(paper, {-length / 2, -width / 2}, {length / 2, width / 2}, color);
   }
 
-  Dice dice{61};
+  PortableRandom random{61};
 };
 
 TEST_P(Noise, NoRobotGetsTheIdOfAnother) {
@@ -60,14 +60,14 @@ TEST_P(Noise, NoRobotGetsTheIdOfAnother) {
     for (int n = 0; n < 30; ++n) {
       field.clear();
       const float extent = (n % 2 == 0 ? 16.0f : 7.0f) * side;
-      const std::vector<Placed> placed = scattered(dice, parameters, GetParam().robots, extent, extent);
+      const std::vector<Placed> placed = scattered(random, parameters, GetParam().robots, extent, extent);
       field.paint(placed);
       for (const Placed& robot : placed) {
-        if (dice.whole(0, 3) == 0) hide(field, robot);
+        if (random.whole(0, 3) == 0) hide(field, robot);
       }
       // Not on a robot: a patch of another color on top of a robot's own patch would be a forged id, not noise.
       for (int i = 0; i < 8; ++i) {
-        const FieldPoint at{dice.real(-extent, extent), dice.real(-extent, extent)};
+        const FieldPoint at{random.real(-extent, extent), random.real(-extent, extent)};
         const Pose paper{at, 0};
         if (std::none_of(placed.begin(), placed.end(),
                          [&](const Placed& p) { return overlap(p.pose, paper, side + 0.03f); })) {
@@ -75,7 +75,7 @@ TEST_P(Noise, NoRobotGetsTheIdOfAnother) {
         }
       }
       sprinkle(field, 0.01f * static_cast<float>(n % 3));
-      const Comparison result = compare(placed, field.see(), parameters);
+      const Comparison result = compare(placed, field.match(), parameters);
       wrong += result.wrong;
       EXPECT_EQ(result.wrong, 0u) << "picture " << n;
       robots += placed.size();
@@ -90,9 +90,9 @@ TEST_P(Noise, NoRobotGetsTheIdOfAnother) {
 // Dots of 2 x 2 pixels, each too small for a partly visible patch. Together they cover four ninths of every patch.
 TEST(CrumbledPatches, AreMergedFromTheirPieces) {
   const MarkerParameters parameters = paper_teams();
-  Dice dice{5};
+  PortableRandom random{5};
   PaintedField field(straight_camera(), parameters);
-  const std::vector<Placed> placed = scattered(dice, parameters, 5, 1.0f, 1.0f);
+  const std::vector<Placed> placed = scattered(random, parameters, 5, 1.0f, 1.0f);
   field.paint(placed);
   ColorGrid& grid = field.grid();
   for (int v = 0; v < grid.height; ++v) {
@@ -100,7 +100,7 @@ TEST(CrumbledPatches, AreMergedFromTheirPieces) {
       if (u % 3 == 2 || v % 3 == 2) grid.at(u, v) = kBackground;
     }
   }
-  const Comparison result = compare(placed, field.see(), parameters);
+  const Comparison result = compare(placed, field.match(), parameters);
   EXPECT_EQ(result.wrong, 0u);
   EXPECT_GE(result.right, 8u) << "of " << placed.size();
 }

@@ -99,8 +99,8 @@ bool overlap(const Pose& a, const Pose& b, float side_m) {
   return true;
 }
 
-std::vector<Placed> scattered(Dice& dice, const MarkerParameters& parameters, std::size_t robots, float length_m,
-                              float width_m) {
+std::vector<Placed> scattered(PortableRandom& random, const MarkerParameters& parameters, std::size_t robots,
+                              float length_m, float width_m) {
   std::vector<Placed> wanted;
   for (const Team team : {Team::kOwn, Team::kOpponent}) {
     if (parameters.teams[static_cast<std::size_t>(team)].team_color == kBackground) continue;
@@ -115,9 +115,9 @@ std::vector<Placed> scattered(Dice& dice, const MarkerParameters& parameters, st
       tries = 0;
     }
     Placed robot = wanted[placed.size()];
-    robot.pose.position.x_m = dice.real(-length_m / 2, length_m / 2);
-    robot.pose.position.y_m = dice.real(-width_m / 2, width_m / 2);
-    robot.pose.theta_rad = dice.real(-kPi, kPi);
+    robot.pose.position.x_m = random.real(-length_m / 2, length_m / 2);
+    robot.pose.position.y_m = random.real(-width_m / 2, width_m / 2);
+    robot.pose.theta_rad = random.real(-kPi, kPi);
     const auto collides = [&](const Placed& p) { return overlap(p.pose, robot.pose, side); };
     if (std::none_of(placed.begin(), placed.end(), collides)) placed.push_back(robot);
   }
@@ -198,7 +198,7 @@ void PaintedField::paint_ball(FieldPoint at) {
        [&](FieldPoint p) { return distance_m(p, at) <= radius; });
 }
 
-const Sightings& PaintedField::see() {
+const Sightings& PaintedField::match() {
   runs_->clear();
   labeling_->begin(1);
   std::size_t above = 0;

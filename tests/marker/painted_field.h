@@ -5,7 +5,7 @@
 
 #include "core/marker/matcher.h"
 #include "core/region/labeling.h"
-#include "tests/marker/dice.h"
+#include "tests/marker/portable_random.h"
 #include "tests/region/literal_labeling.h"
 
 // Paints robots and ball into a picture of colors, as a camera sees them, and runs the matcher on it.
@@ -27,12 +27,12 @@ enum TestColor : ColorId {
   kWhite
 };
 
-/// 640 x 480, 2 m above the middle of a field of 2.2 x 1.8 m: 250 px a meter on the floor.
+/// 640 x 480, 2 m above the middle of a field of 2.2 x 1.8 m: 250 px per meter on the floor.
 CameraParameters straight_camera();
 /// The same picture from 2.3 m, beside the middle, tilted by 8 degrees, through a lens that bends edges by 20 px.
 CameraParameters tilted_camera();
 
-/// Five robots a team in the paper's layout: blue with red, green, magenta, cyan, violet; yellow with pink, lime,
+/// Five robots per team in the paper's layout: blue with red, green, magenta, cyan, violet; yellow with pink, lime,
 /// brown, grey, white; the ball orange. Ids are 0 to 4.
 MarkerParameters paper_teams();
 
@@ -54,8 +54,8 @@ bool overlap(const Pose& a, const Pose& b, float side_m);
 
 /// Robots 0 to `robots` - 1 of every team with a color, their centers anywhere in the rectangle around the field's
 /// center, without overlap. They may cover at most a third of the rectangle.
-std::vector<Placed> scattered(Dice& dice, const MarkerParameters& parameters, std::size_t robots, float length_m,
-                              float width_m);
+std::vector<Placed> scattered(PortableRandom& random, const MarkerParameters& parameters, std::size_t robots,
+                              float length_m, float width_m);
 
 class PaintedField {
  public:
@@ -72,7 +72,7 @@ class PaintedField {
   ColorGrid& grid() { return grid_; }
 
   /// Labels and matches the picture.
-  const Sightings& see();
+  const Sightings& match();
 
   [[nodiscard]] const Regions& regions() const { return *regions_; }
   /// Verdict of the region at this pixel of the last picture. The pixel must not be background.

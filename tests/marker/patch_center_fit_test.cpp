@@ -119,11 +119,11 @@ class PatchCenter : public ::testing::Test {
   MarkerLayout layout_;
   PatchCenterFit centers_;
   Sightings sightings_;
-  Dice dice_{77};
+  PortableRandom dice_{77};
 };
 
 // With shared chroma, color edges have half the resolution.
-TEST_F(PatchCenter, IsWhereThePatchIsInEveryFormat) {
+TEST_F(PatchCenter, IsAccurateInEveryFormat) {
   use(paper_layout());
   for (const PixelFormat format : kAllFormats) {
     const Errors most = worst(format, 4, 1.0f);
@@ -134,24 +134,24 @@ TEST_F(PatchCenter, IsWhereThePatchIsInEveryFormat) {
   }
 }
 
-TEST_F(PatchCenter, AWhiteLineAtTheRobotsEdgeDoesNotPullIt) {
+TEST_F(PatchCenter, IsNotBiasedByAWhiteLineAtTheRobotsEdge) {
   use(paper_layout());
   const Errors most = worst(PixelFormat::kRgb24, 6, 0.021f);
   EXPECT_LT(most.position_m, 0.0004f);
   EXPECT_LT(most.angle_rad, 0.6f * kDegree);
 }
 
-TEST_F(PatchCenter, OfDisksAsWell) {
+TEST_F(PatchCenter, IsAccurateForDisks) {
   use(disks_layout());
   const Errors most = worst(PixelFormat::kRgb24, 3, 1.0f);
   EXPECT_LT(most.position_m, 0.0002f);
   EXPECT_LT(most.angle_rad, 0.2f * kDegree);
 }
 
-class LeftAlone : public PatchCenter {
+class UnchangedCenter : public PatchCenter {
  protected:
   // Starting 1 mm beside the truth, the result is bit-identical to the start.
-  void expect_left_alone(const Frame& frame, const Pose& near) {
+  void expect_unchanged(const Frame& frame, const Pose& near) {
     sightings_.robots.clear();
     sightings_.robots.push_back(sighting(near));
     const RobotSighting before = sightings_.robots[0];
@@ -183,25 +183,25 @@ class LeftAlone : public PatchCenter {
   const Pose truth_{{0.3f, -0.2f}, 0.7f}, near_{{0.301f, -0.2f}, 0.7f};
 };
 
-TEST_F(LeftAlone, WithoutAFreeTop) {
+TEST_F(UnchangedCenter, WithoutAFreeTop) {
   // Two bars cover the whole top.
   MarkerLayout layout;
   layout.patches.push_back({PatchRole::kTeam, PatchOutline::kBar, 0.01875f, 0, 0.0375f, 0.075f, 0});
   layout.patches.push_back({PatchRole::kIdentification, PatchOutline::kBar, -0.01875f, 0, 0.0375f, 0.075f, 0});
   use(layout);
-  expect_left_alone(photograph(PixelFormat::kRgb24, truth_, 1.0f).frame(), near_);
+  expect_unchanged(photograph(PixelFormat::kRgb24, truth_, 1.0f).frame(), near_);
 }
 
-TEST_F(LeftAlone, IfThePictureDiffersFromTheModel) {
+TEST_F(UnchangedCenter, IfThePictureDiffersFromTheModel) {
   use(paper_layout());
   Photograph picture(PixelFormat::kRgb24, 640, 480);
-  expect_left_alone(picture.frame(), near_);  // black: no patch differs from the top
+  expect_unchanged(picture.frame(), near_);  // black: no patch differs from the top
   // Patches of the layout, but a white object covers half of one.
-  expect_left_alone(covered_from(-0.012f).frame(), near_);
+  expect_unchanged(covered_from(-0.012f).frame(), near_);
 }
 
 // A bad fit has a reduced weight, so no robot jumps between two results.
-TEST_F(LeftAlone, GraduallyAsTheFitGetsWorse) {
+TEST_F(UnchangedCenter, GraduallyAsTheFitGetsWorse) {
   use(paper_layout());
   int between = 0;
   std::vector<float> moves;
@@ -218,7 +218,7 @@ TEST_F(LeftAlone, GraduallyAsTheFitGetsWorse) {
   EXPECT_GE(between, 2) << ::testing::PrintToString(moves);
 }
 
-TEST_F(LeftAlone, WithoutHeadingOrAllPatches) {
+TEST_F(UnchangedCenter, WithoutHeadingOrAllPatches) {
   use(paper_layout());
   const Photograph picture = photograph(PixelFormat::kRgb24, truth_, 1.0f);
   sightings_.robots.push_back(sighting(near_));
@@ -230,7 +230,7 @@ TEST_F(LeftAlone, WithoutHeadingOrAllPatches) {
 }
 
 // The memory ends with the picture, so a sanitizer detects reads beyond it.
-TEST_F(PatchCenter, AtThePicturesBorderOrBeyond) {
+TEST_F(PatchCenter, CanBeAtThePicturesBorderOrBeyond) {
   use(paper_layout());
   for (const PixelFormat format : kAllFormats) {
     Photograph picture(format, 640, 480);
@@ -244,7 +244,7 @@ TEST_F(PatchCenter, AtThePicturesBorderOrBeyond) {
   }
 }
 
-TEST(LinearLight, IsAPowerOfTwoPointTwo) {
+TEST(LinearLight, HasTheExponent2_2) {
   for (const int value : {0, 1, 16, 60, 128, 200, 254, 255}) {
     const Float8 light = linear_light(broadcast_integer(value));
     EXPECT_NEAR(static_cast<double>(horizontal_sum(light)) / kLanes, std::pow(value / 255.0, 2.2), 3e-4);
@@ -284,7 +284,7 @@ TEST_F(PatchCenter, IsTheSameWithEveryKernel) {
 // Compares the derivatives with finite differences, at a different place in each lane.
 TEST(BlurredOutline, SlopesAreItsDerivatives) {
   constexpr float kRamp = 0.008f, kStep = 2e-5f;
-  Dice dice(5);
+  PortableRandom random(5);
   for (const PatchOutline outline :
        {PatchOutline::kSquare, PatchOutline::kBar, PatchOutline::kTriangle, PatchOutline::kCircle}) {
     const PatchPlace place{PatchRole::kTeam, outline, 0, 0, 0.05f, 0.03f, 0.6f};
@@ -294,8 +294,8 @@ TEST(BlurredOutline, SlopesAreItsDerivatives) {
     for (int n = 0; n < 1000; ++n) {
       StoredFloat8 x, y;
       for (std::size_t i = 0; i < kLanes; ++i) {
-        x.value[i] = dice.real(-0.05f, 0.05f);
-        y.value[i] = dice.real(-0.05f, 0.05f);
+        x.value[i] = random.real(-0.05f, 0.05f);
+        y.value[i] = random.real(-0.05f, 0.05f);
       }
       const auto stored = [](Float8 lanes) {
         StoredFloat8 out;

@@ -15,12 +15,12 @@ namespace {
 constexpr float kPi = std::numbers::pi_v<float>;
 
 TEST(Pose, TheRigidFitOfThePapersTwoPatchesIsEquation3) {
-  Dice dice(21);
+  PortableRandom random(21);
   const MarkerLayout layout = paper_layout();
   for (int n = 0; n < 1000; ++n) {
     // Also for patches whose measured distance is too small or too large.
-    const FieldPoint team{dice.real(-1, 1), dice.real(-1, 1)};
-    const FieldPoint identification{team.x_m + dice.real(-0.06f, 0.06f), team.y_m + dice.real(-0.06f, 0.06f)};
+    const FieldPoint team{random.real(-1, 1), random.real(-1, 1)};
+    const FieldPoint identification{team.x_m + random.real(-0.06f, 0.06f), team.y_m + random.real(-0.06f, 0.06f)};
     if (distance_m(team, identification) < 0.01f) continue;
     const std::array<Correspondence, 2> points{{{{layout.patches[0].x_m, layout.patches[0].y_m}, team},
                                                 {{layout.patches[1].x_m, layout.patches[1].y_m}, identification}}};
@@ -50,12 +50,12 @@ TEST(Pose, LensTiltAndHeightLeaveNoTrace) {
       parameters.teams[0].layout.height_m = height;
       parameters.teams[1].layout.height_m = 0.5f * height;
       RegionList list(camera, parameters);
-      Dice dice(22);
+      PortableRandom random(22);
       for (int n = 0; n < 100; ++n) {
         list.clear();
-        const std::vector<Placed> placed = scattered(dice, parameters, 5, 1.9f, 1.5f);
-        for (const Placed& robot : placed) list.add(robot, dice, 0.0f);
-        const Comparison result = compare(placed, list.see(), parameters);
+        const std::vector<Placed> placed = scattered(random, parameters, 5, 1.9f, 1.5f);
+        for (const Placed& robot : placed) list.add(robot, random, 0.0f);
+        const Comparison result = compare(placed, list.match(), parameters);
         ASSERT_EQ(result.right, placed.size());
         EXPECT_LT(result.position_m, 2e-5f);
         EXPECT_LT(result.heading_rad, 1e-3f);
@@ -69,8 +69,8 @@ TEST(Pose, AWrongHeightMovesTheRobot) {
   MarkerParameters parameters = paper_teams();
   const std::vector<Placed> placed{{Team::kOwn, 0, {{1.0f, 0.0f}, 0.5f}}};
   RegionList list(straight_camera(), parameters);
-  Dice dice(23);
-  list.add(placed[0], dice, 0.0f);
+  PortableRandom random(23);
+  list.add(placed[0], random, 0.0f);
   Matcher on_the_floor;
   for (TeamMarking& team : parameters.teams) team.layout.height_m = 0.0f;
   ASSERT_TRUE(on_the_floor.configure(parameters, list.camera()).ok());
@@ -85,17 +85,17 @@ TEST(Pose, AWrongHeightMovesTheRobot) {
 TEST(Refinement, FragmentsAreAveragedByTheirAreas) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
-  Dice dice(24);
+  PortableRandom random(24);
   for (int n = 0; n < 200; ++n) {
-    const Placed robot{Team::kOwn, 1, {{dice.real(-0.9f, 0.9f), dice.real(-0.7f, 0.7f)}, dice.real(-kPi, kPi)}};
+    const Placed robot{Team::kOwn, 1, {{random.real(-0.9f, 0.9f), random.real(-0.7f, 0.7f)}, random.real(-kPi, kPi)}};
     field.clear();
     field.paint(robot);
-    const Sightings whole = field.see();
+    const Sightings whole = field.match();
     ASSERT_EQ(whole.robots.size(), 1u);
     // A cut of 6 mm across the team patch, at any place.
-    const float cut = dice.real(0.006f, 0.026f);
+    const float cut = random.real(0.006f, 0.026f);
     field.paint_part(robot, {cut, -0.04f}, {cut + 0.006f, 0.04f}, kBackground);
-    const Sightings& seen = field.see();
+    const Sightings& seen = field.match();
     ASSERT_EQ(seen.robots.size(), 1u) << n;
     EXPECT_EQ(seen.robots[0].id, 1) << n;
     // The mean of the remaining pixels is at most half the width of the cut from the center.
@@ -117,15 +117,15 @@ TEST(Refinement, FragmentsAreAveragedByTheirAreas) {
 TEST(Refinement, DoesNotMergeOtherPatches) {
   const MarkerParameters parameters = paper_teams();
   RegionList list(straight_camera(), parameters);
-  Dice dice(25);
+  PortableRandom random(25);
   const Placed robot{Team::kOwn, 0, {{0.3f, 0.2f}, 0.4f}};
   const PatchPlace& patch = parameters.teams[0].layout.patches[0];
   for (const auto& [distance, ratio, merged] :
        {std::tuple(0.030f, 0.05f, true), std::tuple(0.038f, 0.05f, false), std::tuple(0.020f, 0.7f, false)}) {
     list.clear();
-    list.add(robot, dice, 0.0f);
+    list.add(robot, random, 0.0f);
     list.add(on_field(robot.pose, patch.x_m + distance, patch.y_m), kBlue, patch, 0.075f, ratio);
-    const Sightings& seen = list.see();
+    const Sightings& seen = list.match();
     ASSERT_EQ(seen.robots.size(), 1u);
     EXPECT_EQ(seen.robots[0].id, 0);
     const float moved = distance_m(seen.robots[0].pose.position, robot.pose.position);

@@ -29,18 +29,18 @@ void RegionList::add(FieldPoint at, ColorId color, const PatchPlace& patch, floa
   ASSERT_TRUE(regions_->push_back(region));
 }
 
-void RegionList::add(const Placed& robot, Dice& dice, float error_m) {
+void RegionList::add(const Placed& robot, PortableRandom& random, float error_m) {
   const TeamMarking& team = parameters_.teams[static_cast<std::size_t>(robot.team)];
   for (std::size_t p = 0; p < team.layout.patches.size(); ++p) {
     const PatchPlace& place = team.layout.patches[p];
     const FieldPoint at =
-        on_field(robot.pose, place.x_m + dice.real(-error_m, error_m), place.y_m + dice.real(-error_m, error_m));
+        on_field(robot.pose, place.x_m + random.real(-error_m, error_m), place.y_m + random.real(-error_m, error_m));
     const ColorId color = p == 0 ? team.team_color : team.robots[robot.robot].colors[p - 1];
     add(at, color, place, team.layout.height_m);
   }
 }
 
-const Sightings& RegionList::see() {
+const Sightings& RegionList::match() {
   matcher_->match(*runs_, *regions_, *sightings_);
   return *sightings_;
 }

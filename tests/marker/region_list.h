@@ -16,9 +16,9 @@ class RegionList {
   /// A region at this point of the plane, with `ratio` times the area of the patch at this place.
   void add(FieldPoint at, ColorId color, const PatchPlace& patch, float height_m, float ratio = 1.0f);
   /// All patches of a robot, each center moved by up to `error_m` along both axes.
-  void add(const Placed& robot, Dice& dice, float error_m);
+  void add(const Placed& robot, PortableRandom& random, float error_m);
 
-  const Sightings& see();
+  const Sightings& match();
   [[nodiscard]] const Regions& regions() const { return *regions_; }
   [[nodiscard]] const CameraModel& camera() const { return camera_; }
 

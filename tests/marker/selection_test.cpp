@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "tests/marker/dice.h"
+#include "tests/marker/portable_random.h"
 
 // Compares the selection with an exhaustive search of all sets.
 namespace touchline::testing {
@@ -119,17 +119,18 @@ TEST_F(Selecting, ANearlyAsGoodAlternativeIsAmbiguous) {
 }
 
 TEST_F(Selecting, IsExact) {
-  Dice dice(81);
+  PortableRandom random(81);
   for (int n = 0; n < 2000; ++n) {
     constexpr int kTeamPatches = 5;
     std::vector<Hypothesis> list;
-    const int count = dice.whole(1, 10);
+    const int count = random.whole(1, 10);
     for (int i = 0; i < count; ++i) {
-      list.push_back(hypothesis(
-          static_cast<std::uint16_t>(dice.whole(0, kTeamPatches - 1)), static_cast<std::int8_t>(dice.whole(-1, 4)),
-          static_cast<std::uint16_t>(dice.whole(0, 5)), dice.real(5, 70), {dice.real(0, 0.3f), dice.real(0, 0.3f)}));
-      list.back().team = dice.whole(0, 1) == 0 ? Team::kOwn : Team::kOpponent;
-      list.back().fit.pose.theta_rad = dice.real(-3, 3);
+      list.push_back(hypothesis(static_cast<std::uint16_t>(random.whole(0, kTeamPatches - 1)),
+                                static_cast<std::int8_t>(random.whole(-1, 4)),
+                                static_cast<std::uint16_t>(random.whole(0, 5)), random.real(5, 70),
+                                {random.real(0, 0.3f), random.real(0, 0.3f)}));
+      list.back().team = random.whole(0, 1) == 0 ? Team::kOwn : Team::kOpponent;
+      list.back().fit.pose.theta_rad = random.real(-3, 3);
     }
     choose(list, kTeamPatches);
     ASSERT_TRUE(complete);
@@ -151,12 +152,12 @@ TEST_F(Selecting, IsExact) {
 
 // A chain in which all hypotheses conflict ends within the search limit, without certain results.
 TEST_F(Selecting, IsBounded) {
-  Dice dice(82);
+  PortableRandom random(82);
   std::vector<Hypothesis> list;
   for (int i = 0; i < 500; ++i) {
     list.push_back(hypothesis(static_cast<std::uint16_t>(i / 8), static_cast<std::int8_t>(-1),
-                              static_cast<std::uint16_t>(dice.whole(0, 60)), dice.real(59.9f, 60.1f),
-                              {dice.real(-1, 1), dice.real(-1, 1)}));
+                              static_cast<std::uint16_t>(random.whole(0, 60)), random.real(59.9f, 60.1f),
+                              {random.real(-1, 1), random.real(-1, 1)}));
   }
   choose(list, kMaxTeamPatches);
   EXPECT_FALSE(complete);

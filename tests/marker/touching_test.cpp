@@ -17,11 +17,11 @@ struct Sum {
   int robots = 0, right = 0;
 };
 
-void see_and_compare(PaintedField& field, const MarkerParameters& parameters, const std::vector<Placed>& placed,
-                     Sum& sum, const std::string& what) {
+void match_and_compare(PaintedField& field, const MarkerParameters& parameters, const std::vector<Placed>& placed,
+                       Sum& sum, const std::string& what) {
   field.clear();
   field.paint(placed);
-  const Sightings& seen = field.see();
+  const Sightings& seen = field.match();
   const Comparison result = compare(placed, seen, parameters);
   EXPECT_EQ(result.wrong, 0u) << what;
   EXPECT_EQ(result.ghosts, 0u) << what;
@@ -51,7 +51,7 @@ void pairs(const CameraParameters& camera, Team other, int& robots, int& right) 
         const Pose second = beside(base, kSide, shift * kSide, static_cast<float>(quarter / 4) * kPi / 2);
         const std::string what = "direction " + std::to_string(direction) + " quarter " + std::to_string(quarter) +
                                  " shift " + std::to_string(shift);
-        see_and_compare(field, parameters, {{Team::kOwn, 0, first}, {other, 1, second}}, sum, what);
+        match_and_compare(field, parameters, {{Team::kOwn, 0, first}, {other, 1, second}}, sum, what);
       }
     }
   }
@@ -79,19 +79,20 @@ TEST(Touching, PairsOfBothTeams) {
 TEST(Touching, PairsAtAnyAngle) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
-  Dice dice(7);
+  PortableRandom random(7);
   Sum sum;
   for (int n = 0; n < 600; ++n) {
-    const Pose first{{dice.real(-0.8f, 0.8f), dice.real(-0.6f, 0.6f)}, dice.real(-kPi, kPi)};
+    const Pose first{{random.real(-0.8f, 0.8f), random.real(-0.6f, 0.6f)}, random.real(-kPi, kPi)};
     Pose second = first;
-    const float direction = dice.real(-kPi, kPi), turn = dice.real(-kPi, kPi);
+    const float direction = random.real(-kPi, kPi), turn = random.real(-kPi, kPi);
     float distance = 0.0f;
     while (overlap(first, second, kSide)) {
       distance += 0.0005f;
       second = beside(first, distance * std::cos(direction), distance * std::sin(direction), turn);
     }
     const Team other = n % 2 == 0 ? Team::kOwn : Team::kOpponent;
-    see_and_compare(field, parameters, {{Team::kOwn, 2, first}, {other, 3, second}}, sum, "pair " + std::to_string(n));
+    match_and_compare(field, parameters, {{Team::kOwn, 2, first}, {other, 3, second}}, sum,
+                      "pair " + std::to_string(n));
   }
   EXPECT_GT(sum.right, sum.robots * 99 / 100);
 }
@@ -100,18 +101,18 @@ TEST(Touching, PairsAtAnyAngle) {
 TEST(Touching, Rows) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
-  Dice dice(8);
+  PortableRandom random(8);
   Sum alike, mixed;
   for (int n = 0; n < 200; ++n) {
-    const Pose base{{dice.real(-0.6f, 0.6f), dice.real(-0.4f, 0.4f)}, dice.real(-kPi, kPi)};
+    const Pose base{{random.real(-0.6f, 0.6f), random.real(-0.4f, 0.4f)}, random.real(-kPi, kPi)};
     const bool both_teams = n % 2 == 1;
     std::vector<Placed> placed;
     for (std::size_t r = 0; r < 5; ++r) {
-      const float turn = n % 4 < 2 ? 0.0f : static_cast<float>(dice.whole(0, 3)) * kPi / 2;
+      const float turn = n % 4 < 2 ? 0.0f : static_cast<float>(random.whole(0, 3)) * kPi / 2;
       placed.push_back({both_teams && r % 2 == 1 ? Team::kOpponent : Team::kOwn, r,
                         beside(base, (static_cast<float>(r) - 2) * kSide, 0, turn)});
     }
-    see_and_compare(field, parameters, placed, both_teams ? mixed : alike, "row " + std::to_string(n));
+    match_and_compare(field, parameters, placed, both_teams ? mixed : alike, "row " + std::to_string(n));
   }
   EXPECT_GT(alike.right, alike.robots * 95 / 100);
   EXPECT_GT(mixed.right, mixed.robots * 99 / 100);
@@ -121,20 +122,20 @@ TEST(Touching, Rows) {
 TEST(Touching, Clusters) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
-  Dice dice(9);
+  PortableRandom random(9);
   Sum sum;
   for (int n = 0; n < 200; ++n) {
-    const Pose base{{dice.real(-0.6f, 0.6f), dice.real(-0.4f, 0.4f)}, dice.real(-kPi, kPi)};
+    const Pose base{{random.real(-0.6f, 0.6f), random.real(-0.4f, 0.4f)}, random.real(-kPi, kPi)};
     std::vector<Placed> placed;
     std::array<std::size_t, 2> used{};
     for (int i = 0; i < 10; ++i) {
-      std::size_t team = static_cast<std::size_t>(dice.whole(0, 1));
+      std::size_t team = static_cast<std::size_t>(random.whole(0, 1));
       if (used[team] == 5) team = 1 - team;
       placed.push_back({static_cast<Team>(team), used[team]++,
                         beside(base, static_cast<float>(i % 4 - 1) * kSide, static_cast<float>(i / 4 - 1) * kSide,
-                               static_cast<float>(dice.whole(0, 3)) * kPi / 2)});
+                               static_cast<float>(random.whole(0, 3)) * kPi / 2)});
     }
-    see_and_compare(field, parameters, placed, sum, "cluster " + std::to_string(n));
+    match_and_compare(field, parameters, placed, sum, "cluster " + std::to_string(n));
   }
   EXPECT_GT(sum.right, sum.robots * 95 / 100);
 }

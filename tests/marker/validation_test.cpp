@@ -105,9 +105,9 @@ TEST(Validation, TeamsMayShareIdentificationColors) {
 TEST(Validation, AfterAnErrorNothingIsReported) {
   MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
-  Dice dice(1);
-  field.paint(scattered(dice, parameters, 2, 1, 1));
-  field.see();
+  PortableRandom random(1);
+  field.paint(scattered(random, parameters, 2, 1, 1));
+  field.match();
   Matcher matcher;
   parameters.ball.color = kBlue;
   ASSERT_FALSE(matcher.configure(parameters, field.camera()).ok());

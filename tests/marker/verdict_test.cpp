@@ -24,12 +24,12 @@ class Verdicts : public ::testing::Test {
   }
   MarkerParameters parameters = paper_teams();
   RegionList list{straight_camera(), parameters};
-  Dice dice{41};
+  PortableRandom random{41};
 };
 
 TEST_F(Verdicts, EveryRegionHasOne) {
   const Placed robot{Team::kOwn, 0, {{0.4f, 0.2f}, 0.3f}};
-  list.add(robot, dice, 0.0f);  // regions 0 and 1
+  list.add(robot, random, 0.0f);  // regions 0 and 1
   const std::size_t strange = add({0.0f, 0.0f}, kWhite + 1, 1.0f);
   const std::size_t small = add({0.0f, 0.1f}, kRed, 0.2f);
   const std::size_t flood = add({0.0f, -0.3f}, kGreen, 6.0f);
@@ -38,7 +38,7 @@ TEST_F(Verdicts, EveryRegionHasOne) {
   const std::size_t team_alone = add({-0.8f, -0.5f}, kYellow, 1.0f);
   const std::size_t faint_team = add({-0.8f, 0.5f}, kYellow, 0.4f);
   const std::size_t ball = add({-0.2f, -0.5f}, kOrange, 1.2f);
-  const Sightings& seen = list.see();
+  const Sightings& seen = list.match();
   EXPECT_EQ(seen.verdicts[0], Verdict::kTeamPatch);
   EXPECT_EQ(seen.verdicts[1], Verdict::kIdentification);
   EXPECT_EQ(seen.verdicts[strange], Verdict::kNotExamined);
@@ -55,10 +55,10 @@ TEST_F(Verdicts, EveryRegionHasOne) {
 
 TEST_F(Verdicts, APartnerThatIsTaken) {
   const Placed robot{Team::kOwn, 0, {{0.4f, 0.2f}, 0.3f}};
-  list.add(robot, dice, 0.0f);
+  list.add(robot, random, 0.0f);
   // Another red patch at the right distance from the team patch, with a worse fit.
   const std::size_t other = add(on_field(robot.pose, patch().x_m - 0.045f, patch().y_m + 0.045f), kRed, 1.0f);
-  const Sightings& seen = list.see();
+  const Sightings& seen = list.match();
   ASSERT_EQ(seen.robots.size(), 1u);
   EXPECT_EQ(seen.robots[0].id, 0);
   EXPECT_EQ(seen.verdicts[1], Verdict::kIdentification);
@@ -67,9 +67,9 @@ TEST_F(Verdicts, APartnerThatIsTaken) {
 
 TEST_F(Verdicts, ATeamRegionOnTheTopOfARobotIsNoOtherRobot) {
   const Placed robot{Team::kOwn, 0, {{0.4f, 0.2f}, 0.3f}};
-  list.add(robot, dice, 0.0f);
+  list.add(robot, random, 0.0f);
   const std::size_t stranger = add(on_field(robot.pose, 0.019f, -0.019f), kYellow, 0.8f);
-  const Sightings& seen = list.see();
+  const Sightings& seen = list.match();
   EXPECT_EQ(seen.robots.size(), 1u);
   EXPECT_EQ(seen.verdicts[stranger], Verdict::kTooClose);
 }
@@ -80,7 +80,7 @@ TEST_F(Verdicts, OnlyTheLargestAreUsed) {
     add({-0.95f + 0.1f * static_cast<float>(i % 20), -0.6f + 0.3f * static_cast<float>(i / 20)}, kBlue,
         i % 2 == 0 ? 1.0f : 0.8f);
   }
-  const Sightings& seen = list.see();
+  const Sightings& seen = list.match();
   ASSERT_EQ(seen.robots.size(), 5u);
   int team_patches = 0, surplus = 0;
   for (std::size_t i = 0; i < seen.verdicts.size(); ++i) {
@@ -94,8 +94,8 @@ TEST_F(Verdicts, OnlyTheLargestAreUsed) {
 
 TEST_F(Verdicts, ARobotIsReportedOnceWithAllItsPatches) {
   const Placed robot{Team::kOpponent, 3, {{0.4f, 0.2f}, 0.3f}};
-  list.add(robot, dice, 0.0f);
-  const Sightings& seen = list.see();
+  list.add(robot, random, 0.0f);
+  const Sightings& seen = list.match();
   ASSERT_EQ(seen.robots.size(), 1u);
   const RobotSighting& sighted = seen.robots[0];
   ASSERT_EQ(sighted.patches.size(), 2u);
@@ -126,7 +126,7 @@ TEST(Bounds, DensePatchesAreCutShort) {
     }
     ++n;
   }
-  const Sightings& seen = list.see();
+  const Sightings& seen = list.match();
   EXPECT_TRUE(seen.cut_short);
   EXPECT_LE(seen.robots.size(), 10u);
   EXPECT_FALSE(seen.robots.empty());
@@ -164,7 +164,7 @@ TEST(Bounds, NotAllFittingSetsAreTried) {
     }
   }
   const std::clock_t begin = std::clock();
-  EXPECT_TRUE(list.see().cut_short);
+  EXPECT_TRUE(list.match().cut_short);
   EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 0.3);
 }
 
@@ -172,13 +172,13 @@ TEST(Bounds, NotAllFittingSetsAreTried) {
 TEST(Bounds, APictureOfNoiseHasNoRobots) {
   const MarkerParameters parameters = paper_teams();
   PaintedField field(straight_camera(), parameters);
-  Dice dice(42);
+  PortableRandom random(42);
   for (int n = 0; n < 3; ++n) {
     // As many regions as the scan can produce.
     for (int v = 0; v < 200; v += 2) {
-      for (int u = 0; u < 78; u += 2) field.grid().at(8 * u, 2 * v) = static_cast<ColorId>(dice.whole(1, kWhite));
+      for (int u = 0; u < 78; u += 2) field.grid().at(8 * u, 2 * v) = static_cast<ColorId>(random.whole(1, kWhite));
     }
-    const Sightings& seen = field.see();
+    const Sightings& seen = field.match();
     EXPECT_EQ(seen.verdicts.size(), field.regions().size());
     EXPECT_TRUE(seen.robots.empty());
     EXPECT_FALSE(seen.ball.seen);
@@ -189,22 +189,22 @@ TEST(Bounds, APictureOfNoiseHasNoRobots) {
 TEST(Bounds, FramesAreIndependent) {
   const MarkerParameters parameters = paper_teams();
   RegionList used(straight_camera(), parameters), fresh(straight_camera(), parameters);
-  Dice dice(43);
+  PortableRandom random(43);
   for (int n = 0; n < 50; ++n) {
-    const std::vector<Placed> placed = scattered(dice, parameters, 5, 0.6f, 0.6f);
+    const std::vector<Placed> placed = scattered(random, parameters, 5, 0.6f, 0.6f);
     used.clear();
-    Dice error(static_cast<std::uint32_t>(n));
+    PortableRandom error(static_cast<std::uint32_t>(n));
     for (const Placed& robot : placed) used.add(robot, error, 0.002f);
-    used.see();
+    used.match();
   }
-  Dice place(44);
+  PortableRandom place(44);
   const std::vector<Placed> placed = scattered(place, parameters, 5, 0.6f, 0.6f);
   used.clear();
   for (RegionList* list : {&used, &fresh}) {
-    Dice error(1);
+    PortableRandom error(1);
     for (const Placed& robot : placed) list->add(robot, error, 0.002f);
   }
-  const Sightings &a = used.see(), &b = fresh.see();
+  const Sightings &a = used.match(), &b = fresh.match();
   ASSERT_EQ(a.robots.size(), b.robots.size());
   for (std::size_t i = 0; i < a.robots.size(); ++i) {
     EXPECT_EQ(a.robots[i].id, b.robots[i].id);

@@ -144,7 +144,7 @@ TEST(MockBoard, PlaysTheSameGameWithEveryKernel) {
   std::optional<std::uint64_t> expected;
   for (const Choice<KernelChoice>& kernel : kKernelChoices) {
     KernelChoice choice = kernel.value;
-    if (find_kernel(PixelFormat::kRgb24, choice) == nullptr)
+    if (find_span_kernel(PixelFormat::kRgb24, choice) == nullptr)
       continue;  // the processor lacks it; the kernels' own tests report this
     Game game(3, {}, {"scan.kernel=" + std::string(kernel.word)});
     game.run_until(0.2);

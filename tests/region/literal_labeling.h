@@ -25,13 +25,13 @@ ColorGrid make_grid(int width, int height);
 
 struct PixelList {
   ColorId color = kBackground;
-  std::vector<Pixel> pixels;  // in the order in which they joined
+  std::vector<Pixel> pixels;  // in the order in which they were added
 };
 
-/// The algorithm of the paper's section 4.1 to the letter: one pass; a pixel opens a region, joins that of its upper or
-/// left neighbor, or, when both have its color but lie in different regions, joins the larger one, into which the
-/// pixels of the smaller are copied before that is deleted. Regions are in no particular order.
-/// `region_of` and `regions` are work space that a benchmark keeps from one picture to the next.
+/// A literal implementation of the algorithm of the paper's section 4.1, in one pass: a pixel opens a new region or
+/// joins the region of its upper or left neighbor. If both neighbors have its color but belong to different regions,
+/// the pixels of the smaller region are copied to the larger one and the smaller one is deleted. Regions are in no
+/// particular order. Memory is reused from picture to picture, for benchmarks.
 class LiteralLabeling {
  public:
   const std::vector<PixelList>& label(const ColorGrid& grid);
@@ -40,9 +40,9 @@ class LiteralLabeling {
   std::size_t new_region(ColorId color);
   std::size_t merge(std::size_t a, std::size_t b, const ColorGrid& grid);
 
-  std::vector<std::size_t> region_of_;  // one a pixel
+  std::vector<std::size_t> region_of_;  // one per pixel
   std::vector<PixelList> regions_;
-  std::vector<std::size_t> deleted_;  // empty lists that can be used again
+  std::vector<std::size_t> deleted_;  // empty lists that can be reused
 };
 
 }  // namespace touchline::testing

@@ -8,7 +8,8 @@
 #include "tests/region/region_comparison.h"
 #include "tests/region/tile_recipe.h"
 
-// Pictures with more runs or regions than there is room or time for, and those that must not be taken for such.
+// Pictures with more runs or regions than the capacity or the time limit allows, and realistic pictures, of which
+// nothing may be dropped.
 namespace touchline::testing {
 namespace {
 
@@ -33,8 +34,8 @@ class OverloadTest : public ::testing::Test {
     return scanner_->scan(picture.frame(), *runs_, *regions_);
   }
 
-  // Robots of six patches, 22 of them, in a line or all over the picture. Their edges are ragged: every other row of a
-  // patch is in two runs. A field of 480 rows shows patches of 12 pixels.
+  // 22 robots with six patches each, in a line or all over the picture. The patches have ragged edges: every other row
+  // of a patch has two runs. On a field of 480 rows, patches are 12 pixels wide.
   ColorGrid crowded_field(int width, int height, bool in_line, int specks, int specks_on_top = 0) {
     ColorGrid grid = make_grid(width, height);
     draw_specks(grid, specks);
@@ -64,7 +65,7 @@ class OverloadTest : public ::testing::Test {
   std::mt19937 random_{5};
 };
 
-TEST_F(OverloadTest, ARealisticFieldIsNeverCut) {
+TEST_F(OverloadTest, ARealisticFieldLosesNoRuns) {
   for (const auto& [width, height] : {std::pair(640, 480), std::pair(1920, 1080)}) {
     for (const bool in_line : {false, true}) {
       const ColorGrid grid = crowded_field(width, height, in_line, 6000);
@@ -76,27 +77,27 @@ TEST_F(OverloadTest, ARealisticFieldIsNeverCut) {
   }
 }
 
-TEST_F(OverloadTest, NorIsOneWithSpecksOnItsPatches) {
+TEST_F(OverloadTest, ARealisticFieldWithSpecksOnItsPatchesLosesNoRuns) {
   const ColorGrid grid = crowded_field(640, 480, true, 0, 3000);
   EXPECT_TRUE(scan(grid, 2).ok());
   EXPECT_EQ(difference(expected_regions(grid, 2), *runs_, *regions_), "");
 }
 
-TEST_F(OverloadTest, SpecksCostNoRunsOnlyWhereTheyAreNoRegions) {
+TEST_F(OverloadTest, SpecksUseRunsOnlyIfTheyCountAsRegions) {
   const ColorGrid grid = crowded_field(640, 480, true, 9000);
   EXPECT_EQ(scan(grid, 1).code(), ErrorCode::kFull);
-  EXPECT_EQ(difference_from_served(grid, 1, *runs_, *regions_), "");
+  EXPECT_EQ(difference_from_limited(grid, 1, *runs_, *regions_), "");
   EXPECT_TRUE(scan(grid, 2).ok());
   EXPECT_EQ(difference(expected_regions(grid, 2), *runs_, *regions_), "");
 }
 
-TEST_F(OverloadTest, EveryPatternGivesTheRegionsOfWhatTheBudgetLeaves) {
+TEST_F(OverloadTest, EveryPatternGivesTheRegionsOfItsKeptRuns) {
   std::size_t cut = 0;
   for (const Pattern pattern : kAllPatterns) {
     for (const std::uint32_t min_area : {1u, 2u, 12u}) {
       const ColorGrid grid = make_pattern(pattern, pick(random_, 300, 350), 200, random_);
       const Status status = scan(grid, min_area);
-      ASSERT_EQ(difference_from_served(grid, min_area, *runs_, *regions_), "") << name_of(pattern) << ", " << min_area;
+      ASSERT_EQ(difference_from_limited(grid, min_area, *runs_, *regions_), "") << name_of(pattern) << ", " << min_area;
       EXPECT_EQ(status.ok(), runs_->overflow() + regions_->overflow() == 0) << name_of(pattern) << ", " << min_area;
       cut += runs_->overflow() > 0 ? 1u : 0u;
     }
@@ -104,8 +105,8 @@ TEST_F(OverloadTest, EveryPatternGivesTheRegionsOfWhatTheBudgetLeaves) {
   EXPECT_GE(cut, 12u);
 }
 
-TEST_F(OverloadTest, TheBudgetHoldsForWidestRunsAndPictures) {
-  // Stripes of any width, also such that every row has more of the longest runs than it may have.
+TEST_F(OverloadTest, TheLimitHoldsForTheWidestRunsAndPictures) {
+  // Stripes of many widths. With some of them every row has too many runs of the greatest length.
   for (const auto& [width, height, stripe] :
        {std::tuple(640, 480, 7), std::tuple(640, 480, 8), std::tuple(640, 480, 19), std::tuple(2592, 700, 63),
         std::tuple(2592, 700, 70)}) {
@@ -114,13 +115,13 @@ TEST_F(OverloadTest, TheBudgetHoldsForWidestRunsAndPictures) {
       for (int u = 0; u < width; ++u) grid.at(u, v) = static_cast<ColorId>(1 + (u + v / 3) / stripe % kPaletteColors);
     }
     EXPECT_EQ(scan(grid, 1).code(), ErrorCode::kFull) << stripe;
-    EXPECT_EQ(difference_from_served(grid, 1, *runs_, *regions_), "") << stripe;
+    EXPECT_EQ(difference_from_limited(grid, 1, *runs_, *regions_), "") << stripe;
     EXPECT_LE(runs_->size(),
-              RunBudget::reserve(static_cast<std::size_t>(height)) + kRunsPerRow * static_cast<std::size_t>(height));
+              RunLimiter::reserve(static_cast<std::size_t>(height)) + kRunsPerRow * static_cast<std::size_t>(height));
   }
 }
 
-TEST_F(OverloadTest, ABandOfClutterLeavesTheRestExact) {
+TEST_F(OverloadTest, RegionsOutsideABandOfClutterAreExact) {
   for (const Pattern pattern : {Pattern::kSalt, Pattern::kVerticalStripes, Pattern::kPercolation, Pattern::kStairs}) {
     ColorGrid grid = crowded_field(640, 480, false, 500);
     const ColorGrid clutter = make_pattern(pattern, 640, 70, random_);
@@ -142,8 +143,8 @@ TEST_F(OverloadTest, ABandOfClutterLeavesTheRestExact) {
   }
 }
 
-// Clutter that a row of patches could be: it has no more runs than a realistic row.
-TEST_F(OverloadTest, ABandOfModerateClutterLeavesTenRobotsWhole) {
+// Clutter that has no more runs per row than a realistic row.
+TEST_F(OverloadTest, ABandOfModerateClutterLeavesTenRobotsComplete) {
   for (const auto& [runs, rows] : {std::pair(30, 80), std::pair(40, 80), std::pair(60, 60), std::pair(100, 30),
                                    std::pair(100, 120), std::pair(128, 100), std::pair(140, 60)}) {
     ColorGrid grid = make_grid(640, 480);
@@ -158,13 +159,13 @@ TEST_F(OverloadTest, ABandOfModerateClutterLeavesTenRobotsWhole) {
       }
     }
     static_cast<void>(scan(grid, 2));
-    EXPECT_EQ(difference_from_served(grid, 2, *runs_, *regions_), "") << runs << " runs, " << rows << " rows";
+    EXPECT_EQ(difference_from_limited(grid, 2, *runs_, *regions_), "") << runs << " runs, " << rows << " rows";
     EXPECT_EQ(std::count_if(regions_->begin(), regions_->end(), [](const Region& r) { return r.area_px == 144; }), 60)
         << runs << " runs, " << rows << " rows";
   }
 }
 
-TEST_F(OverloadTest, PatchesInTheMidstOfFineClutterAreMostlyKept) {
+TEST_F(OverloadTest, PatchesInsideFineClutterAreMostlyKept) {
   ColorGrid grid = make_grid(640, 480);
   for (int v = 0; v < 480; ++v) {
     for (int u = 0; u < 640; ++u) grid.at(u, v) = pick(random_, 0, 2) == 0 ? kClutterColor : kBackground;
@@ -183,20 +184,20 @@ TEST_F(OverloadTest, PatchesInTheMidstOfFineClutterAreMostlyKept) {
   }
 }
 
-TEST_F(OverloadTest, TheLargestRegionsStayAndTheOthersAreCounted) {
-  // 4,320 regions within the budget of a picture that high.
+TEST_F(OverloadTest, TheLargestRegionsAreKeptAndTheOthersCounted) {
+  // 4,320 regions in a picture that is high enough for their runs.
   ColorGrid grid = make_grid(640, 960);
   for (int v = 0; v < 480; v += 2) {
     for (int u = 0; u < 18; ++u) grid.at(35 * u + v % 7, v) = grid.at(35 * u + v % 7 + pick(random_, 0, 1), v) = 3;
   }
   EXPECT_EQ(scan(grid, 1).code(), ErrorCode::kFull);
-  EXPECT_EQ(difference_from_served(grid, 1, *runs_, *regions_), "");
+  EXPECT_EQ(difference_from_limited(grid, 1, *runs_, *regions_), "");
   EXPECT_EQ(regions_->size(), kMaxRegions);
   EXPECT_EQ(regions_->overflow(), 240u * 18u - kMaxRegions);
   EXPECT_EQ(runs_->overflow(), 0u);
 }
 
-TEST_F(OverloadTest, ExactlyAsManyRegionsAsFitAreNoOverload) {
+TEST_F(OverloadTest, AFullListOfRegionsIsNoOverload) {
   // 240 rows of 17 single pixels, one of 16, and then one region more.
   static_assert(240 * 17 + 16 == kMaxRegions);
   ColorGrid grid = make_grid(640, 960);
@@ -209,12 +210,12 @@ TEST_F(OverloadTest, ExactlyAsManyRegionsAsFitAreNoOverload) {
   EXPECT_EQ(scan(grid, 1).code(), ErrorCode::kFull);
   EXPECT_EQ(regions_->size(), kMaxRegions);
   EXPECT_EQ(regions_->overflow(), 1u);
-  EXPECT_EQ(regions_->back().area_px, 2u) << "the larger one stays although it comes last";
-  EXPECT_EQ((*regions_)[kMaxRegions - 2].centroid.u_px, 504.0f) << "the last of the small ones makes room";
+  EXPECT_EQ(regions_->back().area_px, 2u) << "the larger one is kept although it comes last";
+  EXPECT_EQ((*regions_)[kMaxRegions - 2].centroid.u_px, 504.0f) << "the last of the small ones is dropped";
 }
 
-TEST_F(OverloadTest, CountsOnlyTheRegionOfInterest) {
-  // Two strips of a picture of stripes: what lies between them, and beside them, is neither kept nor counted.
+TEST_F(OverloadTest, CountsOnlyRunsInTheRegionOfInterest) {
+  // The region of interest has two strips of a striped picture. Runs outside are neither kept nor counted.
   const ColorGrid grid = make_pattern(Pattern::kVerticalStripes, 640, 480, random_);
   const OwnedPicture picture = paint(grid, PixelFormat::kYuyv, 6, random_);
   ScanParameters parameters = parameters_for(picture.frame());
@@ -227,10 +228,10 @@ TEST_F(OverloadTest, CountsOnlyTheRegionOfInterest) {
   EXPECT_EQ(scanner_->scan(picture.frame(), *runs_, *regions_).code(), ErrorCode::kFull);
   const ColorGrid seen = defined_colors(picture.frame(), parameters);
   EXPECT_GT(runs_->overflow(), 200000u);
-  EXPECT_EQ(difference_from_served(seen, 1, *runs_, *regions_), "");
+  EXPECT_EQ(difference_from_limited(seen, 1, *runs_, *regions_), "");
 }
 
-TEST_F(OverloadTest, LeavesNothingBehindForTheNextFrame) {
+TEST_F(OverloadTest, DoesNotAffectTheNextFrame) {
   const ColorGrid calm = make_pattern(Pattern::kBlobs, 640, 480, random_);
   const std::vector<ExpectedRegion> expected = expected_regions(calm);
   for (const Pattern pattern : {Pattern::kVerticalStripes, Pattern::kSalt, Pattern::kCombUp}) {
@@ -241,13 +242,13 @@ TEST_F(OverloadTest, LeavesNothingBehindForTheNextFrame) {
   }
 }
 
-TEST(TileRecipeTest, IsReadAsItIsPrinted) {
+TEST(TileRecipeTest, ReadsBackItsText) {
   TileRecipe recipe;
   recipe.width = recipe.height = 24;
   recipe.scale_u = 16, recipe.scale_v = 64;
   recipe.shift = 24, recipe.noise_per_mille = 1000, recipe.runs = 40, recipe.seed = 4294967295u;
   for (int i = 0; i < 24 * 24; ++i) recipe.cells += static_cast<char>('0' + i % (kPaletteColors + 1));
-  EXPECT_FALSE(recipe_of(text_of(recipe))) << "a cell too many";
+  EXPECT_FALSE(recipe_of(text_of(recipe))) << "one cell too many";
   recipe.cells.erase(0, 1);
   ASSERT_TRUE(recipe_of(text_of(recipe)));
   EXPECT_EQ(text_of(*recipe_of(text_of(recipe))), text_of(recipe));

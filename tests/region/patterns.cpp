@@ -15,7 +15,7 @@ constexpr char kSlowestFound[] =
 ColorId any_color(std::mt19937& random) { return static_cast<ColorId>(pick(random, 1, kPaletteColors)); }
 
 void draw_spiral(ColorGrid& grid, ColorId color) {
-  // Walks inwards along a wall that is always one pixel away from what was drawn before.
+  // Walks inwards, always one pixel away from the pixels that are already drawn.
   int left = 0, top = 0, right = grid.width - 1, bottom = grid.height - 1;
   int u = 0, v = 0;
   const auto go = [&](int to_u, int to_v) {
@@ -56,7 +56,7 @@ void draw_blobs(ColorGrid& grid, std::mt19937& random) {
   }
 }
 
-// The patterns in which a pixel's color follows from its place alone.
+// The patterns in which the color of a pixel depends only on its position.
 ColorId color_at(Pattern pattern, const ColorGrid& grid, int u, int v, ColorId color) {
   const auto painted = [color](bool is) { return is ? color : kBackground; };
   const auto numbered = [](int number) { return static_cast<ColorId>(1 + number % kPaletteColors); };
@@ -85,7 +85,7 @@ ColorId color_at(Pattern pattern, const ColorGrid& grid, int u, int v, ColorId c
 }
 
 bool inside(const Polygon& polygon, int u, int v) {
-  // In half pixels, exactly. A ray to the left crosses an odd number of edges, those through the point included.
+  // Exact, in half pixels: a ray to the left crosses an odd number of edges, including those through the point.
   bool odd = false;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const PixelPoint& a = polygon[i];
@@ -94,7 +94,7 @@ bool inside(const Polygon& polygon, int u, int v) {
     long u0 = half(a.u_px), v0 = half(a.v_px), u1 = half(b.u_px), v1 = half(b.v_px);
     if (v0 > v1) std::swap(u0, u1), std::swap(v0, v1);
     if (!(v0 <= 2 * v && 2 * v < v1)) continue;
-    // Is the edge at or left of the pixel's center?
+    // True if the edge is at the pixel's center or left of it.
     if ((2 * u - u0) * (v1 - v0) >= (2 * v - v0) * (u1 - u0)) odd = !odd;
   }
   return odd;
@@ -118,7 +118,7 @@ const char* name_of(Pattern pattern) {
                                 "spiral",
                                 "stairs",
                                 "blobs",
-                                "slowest found by search"};
+                                "slowest picture found by a search"};
   return names[static_cast<std::size_t>(pattern)];
 }
 

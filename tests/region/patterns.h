@@ -7,26 +7,26 @@
 #include "tests/color/owned_picture.h"
 #include "tests/region/literal_labeling.h"
 
-// Pictures that labeling finds hard, and their painting in every pixel format.
+// Pictures that are difficult to label, in every pixel format.
 namespace touchline::testing {
 
 enum class Pattern {
   kEmpty,
   kFull,
-  kSalt,              // every pixel any color or background
+  kSalt,              // each pixel has a random color or background
   kPercolation,       // 59.3 % of one color: the threshold at which clusters span the picture
-  kTwoColors,         // no background, colors touch everywhere
+  kTwoColors,         // no background: different colors touch everywhere
   kCheckerboard,      // single pixels
   kWideCheckerboard,  // two by two
   kVerticalStripes,
   kHorizontalStripes,
-  kCombUp,  // teeth joined below: components meet in the last row only
+  kCombUp,  // teeth that are joined only in the last row
   kCombDown,
   kNestedArches,
   kSpiral,
   kStairs,  // one-pixel steps, down to the left
-  kBlobs,   // disks of all colors on background with specks: what a field looks like
-  kFound,   // the slowest that touchline-bench --search has come upon
+  kBlobs,   // disks of all colors on background with specks, as on a field
+  kFound,   // the slowest picture that touchline-bench --search has found
 };
 inline constexpr std::array kAllPatterns = {Pattern::kEmpty,
                                             Pattern::kFull,
@@ -46,19 +46,19 @@ inline constexpr std::array kAllPatterns = {Pattern::kEmpty,
                                             Pattern::kFound};
 const char* name_of(Pattern pattern);
 
-// Colors 1 to 5 are told apart by channel 0 alone, so that even formats with shared chroma can give each pixel its own.
+// Colors 1 to 5 differ only in channel 0, so each pixel can have its own color even if pixels share chroma.
 constexpr int kPaletteColors = 5;
 ColorBoxes palette();
 
 ColorGrid make_pattern(Pattern pattern, int width, int height, std::mt19937& random);
 
-/// A picture that the palette reads as the grid; channels that do not matter are random.
+/// Makes a picture whose colors by the palette are those of the grid. Channels that do not matter are random.
 OwnedPicture paint(const ColorGrid& grid, PixelFormat format, int padding, std::mt19937& random);
 
-/// The parameters of a scan of such a picture.
+/// Parameters for scanning such a picture.
 ScanParameters parameters_for(const Frame& frame);
 
-/// The colors of a frame by the definition: boxes, light levels, and the even-odd rule for the region of interest
+/// Returns the colors of a frame by definition: boxes, light levels, and the even-odd rule for the region of interest
 /// (whose points must be multiples of half a pixel).
 ColorGrid defined_colors(const Frame& frame, const ScanParameters& parameters);
 

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <utility>
 
-#include "core/region/run_budget.h"
+#include "core/region/run_limiter.h"
 
 namespace touchline::testing {
 namespace {
@@ -53,7 +53,7 @@ std::string chain_difference(const ExpectedRegion& expected, const Runs& runs, c
     const Run& run = runs[i];
     if (run.color != expected.color) return sentence("run ", i, " has color ", int{run.color});
     for (int u = run.begin; u < run.end; ++u, ++pixel) {
-      if (pixel >= expected.pixels.size()) return sentence("surplus pixel (", u, ", ", run.row, ")");
+      if (pixel >= expected.pixels.size()) return sentence("superfluous pixel (", u, ", ", run.row, ")");
       if (expected.pixels[pixel] != Pixel{u, run.row}) {
         return sentence("pixel ", pixel, " is (", u, ", ", run.row, ") instead of (", expected.pixels[pixel].u, ", ",
                         expected.pixels[pixel].v, ")");
@@ -69,7 +69,7 @@ std::string region_difference(const ExpectedRegion& expected, const Region& regi
   if (region.area_px != expected.pixels.size()) {
     return sentence("area ", region.area_px, " instead of ", expected.pixels.size());
   }
-  // The nearest float to the exact value, not one that is merely near.
+  // Must be the float nearest to the exact value.
   if (region.centroid.u_px != static_cast<float>(expected.centroid_u) ||
       region.centroid.v_px != static_cast<float>(expected.centroid_v)) {
     return sentence("centroid (", region.centroid.u_px, ", ", region.centroid.v_px, ") instead of (",
@@ -120,7 +120,7 @@ bool is_speck(const ColorGrid& grid, const RowRun& run, int v) {
   return run.end - run.begin == 1 && !like(v - 1) && !like(v + 1);
 }
 
-// The largest, among equals the first ones, in their order.
+// Returns the largest regions, of equal ones the first, in their order.
 std::vector<ExpectedRegion> largest(std::vector<ExpectedRegion> regions, std::size_t count) {
   std::vector<std::size_t> order(regions.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -161,9 +161,9 @@ std::string difference(const std::vector<ExpectedRegion>& expected, const Runs& 
   return {};
 }
 
-ServedPicture served(const ColorGrid& grid, std::uint32_t min_area_px) {
-  ServedPicture picture = {grid, 0};
-  std::size_t credit = RunBudget::reserve(static_cast<std::size_t>(grid.height));
+LimitedPicture without_dropped_runs(const ColorGrid& grid, std::uint32_t min_area_px) {
+  LimitedPicture picture = {grid, 0};
+  std::size_t credit = RunLimiter::reserve(static_cast<std::size_t>(grid.height));
   const std::size_t held_back = credit / 6;
   for (int v = 0; v < grid.height; ++v) {
     std::vector<RowRun> runs = runs_of_row(grid, v);
@@ -185,7 +185,7 @@ ServedPicture served(const ColorGrid& grid, std::uint32_t min_area_px) {
 }
 
 ExpectedScan expected_scan(const ColorGrid& grid, std::uint32_t min_area_px) {
-  const ServedPicture picture = served(grid, min_area_px);
+  const LimitedPicture picture = without_dropped_runs(grid, min_area_px);
   std::vector<ExpectedRegion> all = expected_regions(picture.grid, min_area_px);
   const std::size_t count = all.size();
   std::vector<ExpectedRegion> reported = largest(std::move(all), kMaxRegions);
@@ -203,8 +203,8 @@ std::string difference(const ExpectedScan& expected, const Runs& runs, const Reg
   return difference(expected.regions, runs, regions);
 }
 
-std::string difference_from_served(const ColorGrid& grid, std::uint32_t min_area_px, const Runs& runs,
-                                   const Regions& regions) {
+std::string difference_from_limited(const ColorGrid& grid, std::uint32_t min_area_px, const Runs& runs,
+                                    const Regions& regions) {
   return difference(expected_scan(grid, min_area_px), runs, regions);
 }
 

@@ -9,7 +9,7 @@
 
 namespace touchline::testing {
 
-/// A region with everything that the paper asks of it, its pixels in raster order.
+/// A region with all properties that the paper names, and its pixels in raster order.
 struct ExpectedRegion {
   ColorId color = kBackground;
   std::vector<Pixel> pixels;
@@ -17,12 +17,12 @@ struct ExpectedRegion {
   int left = 0, top = 0, right = 0, bottom = 0;
 };
 
-/// What a scan must report of the picture: the literal algorithm's regions of at least that area, in raster order of
-/// their first pixel.
+/// Returns the regions that a scan must report: those of the literal algorithm with at least that area, in raster order
+/// of their first pixel.
 std::vector<ExpectedRegion> expected_regions(const ColorGrid& grid, std::uint32_t min_area_px = 1);
 
-/// The first difference, as a sentence; empty when there is none. Also looks at the runs themselves: in raster order,
-/// maximal, each in exactly one chain, chains in raster order.
+/// Returns the first difference as a sentence, or an empty text. Also checks the runs: raster order, maximal length,
+/// each run in exactly one chain, chains in raster order.
 std::string difference(const std::vector<ExpectedRegion>& expected, const Runs& runs, const Regions& regions);
 
 /// Removes the shortest runs of a row until at most `limit` remain, with the length steps of RunWriter::cut(). `Run`
@@ -37,23 +37,23 @@ std::vector<Run> longest_runs(std::vector<Run> runs, std::size_t limit) {
   return runs;
 }
 
-/// A picture without the runs that RunBudget takes from it, by the rule to the letter.
-struct ServedPicture {
+/// A picture without the runs that RunLimiter drops, by a literal implementation of its rule.
+struct LimitedPicture {
   ColorGrid grid;
   std::size_t runs_dropped = 0;
 };
-ServedPicture served(const ColorGrid& grid, std::uint32_t min_area_px);
+LimitedPicture without_dropped_runs(const ColorGrid& grid, std::uint32_t min_area_px);
 
-/// What a scan that may be kFull must report: the regions of the served picture, of more than fit only the largest
-/// (among equals the first ones), and the counts of what is missing.
+/// The result that a scan must report even if it is kFull: the regions of the LimitedPicture (if there are too many,
+/// the largest; of equal ones the first), and the numbers of dropped runs and regions.
 struct ExpectedScan {
   std::vector<ExpectedRegion> regions;
   std::size_t runs_dropped = 0, regions_dropped = 0;
 };
 ExpectedScan expected_scan(const ColorGrid& grid, std::uint32_t min_area_px);
 std::string difference(const ExpectedScan& expected, const Runs& runs, const Regions& regions);
-std::string difference_from_served(const ColorGrid& grid, std::uint32_t min_area_px, const Runs& runs,
-                                   const Regions& regions);
+std::string difference_from_limited(const ColorGrid& grid, std::uint32_t min_area_px, const Runs& runs,
+                                    const Regions& regions);
 
 std::size_t count_runs(const ColorGrid& grid);
 

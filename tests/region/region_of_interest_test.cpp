@@ -10,7 +10,7 @@ namespace {
 
 class RegionOfInterestTest : public ::testing::Test {
  protected:
-  // Rows of '#' and '.', as the spans say.
+  // Draws the spans as rows of '#' and '.'.
   std::vector<std::string> drawn(std::initializer_list<PixelPoint> points, int width, int height) {
     Polygon polygon;
     for (const PixelPoint& point : points) polygon.push_back(point);
@@ -41,10 +41,10 @@ TEST_F(RegionOfInterestTest, FewerThanThreePointsAreTheWholePicture) {
   EXPECT_TRUE(status_.ok());
 }
 
-TEST_F(RegionOfInterestTest, LeftAndUpperBordersBelongToIt) {
+TEST_F(RegionOfInterestTest, IncludesItsLeftAndUpperBorders) {
   EXPECT_EQ(drawn({{1, 1}, {4, 1}, {4, 3}, {1, 3}}, 6, 4), (Rows{"......", ".###..", ".###..", "......"}));
   EXPECT_EQ(drawn({{1, 3}, {4, 3}, {4, 1}, {1, 1}}, 6, 4), (Rows{"......", ".###..", ".###..", "......"}))
-      << "either way around";
+      << "in both directions";
   EXPECT_EQ(drawn({{0.5f, 0.5f}, {4.5f, 0.5f}, {4.5f, 2.5f}, {0.5f, 2.5f}}, 6, 4),
             (Rows{"......", ".####.", ".####.", "......"}));
 }
@@ -71,31 +71,32 @@ TEST_F(RegionOfInterestTest, MayBeConcave) {
             (Rows{".##..##..", ".##..##..", "########.", "########.", ".######..", "........."}));
 }
 
-TEST_F(RegionOfInterestTest, CountsEvenAndOddWhereItCrossesItself) {
-  // Two squares of one border overlap: what both cover is outside.
+TEST_F(RegionOfInterestTest, UsesTheEvenOddRuleWhereItCrossesItself) {
+  // One border draws two overlapping squares: their common part is outside.
   EXPECT_EQ(drawn({{0, 0}, {6, 0}, {6, 3}, {3, 3}, {3, 0}, {9, 0}, {9, 3}, {0, 3}}, 10, 3),
             (Rows{"###...###.", "###...###.", "###...###."}));
 }
 
-TEST_F(RegionOfInterestTest, SpansThatMeetAreOne) {
+TEST_F(RegionOfInterestTest, AdjacentSpansAreJoined) {
   // One border around two squares side by side.
   drawn({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}, {8, 0}, {8, 4}, {4, 4}, {4, 0}}, 10, 4);
   for (std::uint16_t v = 0; v < 4; ++v) EXPECT_EQ(region_->row(v).size(), 1u);
 }
 
-TEST_F(RegionOfInterestTest, PointsThatRepeatAndEdgesThatRunBackChangeNothing) {
+TEST_F(RegionOfInterestTest, RepeatedPointsAndEdgesThatTurnBackHaveNoEffect) {
   const Rows square = drawn({{1, 1}, {4, 1}, {4, 3}, {1, 3}}, 6, 4);
-  EXPECT_EQ(drawn({{1, 1}, {4, 1}, {4, 1}, {4, 3}, {1, 3}, {1, 3}, {1, 1}}, 6, 4), square) << "closed by hand";
+  EXPECT_EQ(drawn({{1, 1}, {4, 1}, {4, 1}, {4, 3}, {1, 3}, {1, 3}, {1, 1}}, 6, 4), square)
+      << "the first point is repeated at the end";
   EXPECT_EQ(drawn({{1, 1}, {4, 1}, {5.5f, 2}, {4, 1}, {4, 3}, {1, 3}}, 6, 4), square) << "a spike out and back";
   EXPECT_EQ(drawn({{1, 1}, {2.5f, 1}, {4, 1}, {4, 3}, {1, 3}}, 6, 4), square) << "a corner of 180 degrees";
 }
 
-TEST_F(RegionOfInterestTest, IsCutAtThePicture) {
+TEST_F(RegionOfInterestTest, IsClippedToThePicture) {
   EXPECT_EQ(drawn({{-1e6f, -1e6f}, {1e6f, -1e6f}, {1e6f, 1e6f}, {-1e6f, 1e6f}}, 3, 2), (Rows{"###", "###"}));
   EXPECT_EQ(drawn({{-4, -4}, {2, -4}, {2, 1}, {-4, 1}}, 4, 2), (Rows{"##..", "...."}));
 }
 
-TEST_F(RegionOfInterestTest, HoldsAsManySpansAsAPolygonCanHave) {
+TEST_F(RegionOfInterestTest, HasRoomForTheMaximumNumberOfSpans) {
   Polygon comb;
   for (int tooth = 0; tooth < 16; ++tooth) {
     comb.push_back({static_cast<float>(tooth) * 80.0f, 5000.0f});
@@ -110,7 +111,7 @@ TEST_F(RegionOfInterestTest, HoldsAsManySpansAsAPolygonCanHave) {
   EXPECT_GT(full_rows, kMaxFrameHeight / 2) << "fewer only where the last edge runs through a corner of the others";
 }
 
-TEST_F(RegionOfInterestTest, RefusesWhatMeansNothing) {
+TEST_F(RegionOfInterestTest, RejectsInvalidPolygons) {
   drawn({{0.2f, 0.2f}, {0.8f, 0.2f}, {0.8f, 0.8f}}, 4, 4);
   EXPECT_EQ(status_.code(), ErrorCode::kInconsistent) << "between pixel centers";
   drawn({{0, 0}, {2, 2}, {3, 3}}, 4, 4);

@@ -14,7 +14,7 @@ namespace {
 
 class RegionScannerTest : public ::testing::Test {
  protected:
-  // The first difference between the scan and the paper's algorithm on the defined colors.
+  // Returns the first difference between the scan and the paper's algorithm on the colors by definition.
   std::string difference_on(const Frame& frame, const ScanParameters& parameters) {
     if (Status s = scanner_->configure(parameters); !s.ok()) return describe(s.code());
     if (Status s = scanner_->scan(frame, *runs_, *regions_); !s.ok()) return describe(s.code());
@@ -27,11 +27,11 @@ class RegionScannerTest : public ::testing::Test {
   std::mt19937 random_{20260};
 };
 
-// Tall, flat, single rows and columns, and around every block, tile and word size.
+// Tall and flat pictures, single rows and columns, and sizes around those of blocks, tiles and words.
 constexpr std::pair<int, int> kSizes[] = {{1, 1},   {1, 40},  {40, 1},  {2, 2},  {3, 5},   {7, 9},  {8, 8},   {15, 17},
                                           {16, 16}, {17, 15}, {33, 31}, {63, 9}, {64, 24}, {65, 9}, {95, 20}, {96, 5}};
 
-TEST_F(RegionScannerTest, FindsThePapersRegionsInEveryPatternFormatAndSize) {
+TEST_F(RegionScannerTest, FindsTheRegionsOfThePaperInEveryPatternFormatAndSize) {
   std::size_t regions_seen = 0;
   for (const Pattern pattern : kAllPatterns) {
     for (const PixelFormat format : kAllFormats) {
@@ -48,8 +48,8 @@ TEST_F(RegionScannerTest, FindsThePapersRegionsInEveryPatternFormatAndSize) {
   EXPECT_GT(regions_seen, 20000u);
 }
 
-// Every picture there is, up to a size: no case of joining and merging is left to chance.
-TEST_F(RegionScannerTest, FindsThemInEverySmallPicture) {
+// All possible pictures up to a size, which covers every case of joining and merging.
+TEST_F(RegionScannerTest, FindsTheRegionsOfThePaperInEverySmallPicture) {
   struct Family {
     int width, height, colors;
   };
@@ -68,7 +68,7 @@ TEST_F(RegionScannerTest, FindsThemInEverySmallPicture) {
       ASSERT_EQ(difference(expected_regions(grid), *runs_, *regions_), "")
           << family.width << " x " << family.height << ": "
           << ::testing::PrintToString(std::vector<int>(grid.color.begin(), grid.color.end()));
-      // The next picture: count up in the base of the colors.
+      // Counts to the next picture; the number of colors is the base.
       const auto nibble =
           std::find_if(grid.color.begin(), grid.color.end(), [&](ColorId color) { return color + 1 < family.colors; });
       more = nibble != grid.color.end();
@@ -78,11 +78,11 @@ TEST_F(RegionScannerTest, FindsThemInEverySmallPicture) {
   }
 }
 
-TEST_F(RegionScannerTest, TellsThirtyTwoColorsApart) {
+TEST_F(RegionScannerTest, Distinguishes32Colors) {
   for (const PixelFormat format : kAllFormats) {
     OwnedPicture picture(format, 130, 66, 5);
     ScanParameters parameters = parameters_for(picture.frame());
-    // Neighbors in two channels, without a gap between their boxes; given in no order of color.
+    // Boxes that are adjacent in two channels, without gaps, in random order of colors.
     parameters.boxes.clear();
     for (int i = 0; i < static_cast<int>(kMaxColors); ++i) {
       const auto row = static_cast<std::uint8_t>(i / 8 * 40 + 80), column = static_cast<std::uint8_t>(i % 8 * 20 + 60);
@@ -93,7 +93,7 @@ TEST_F(RegionScannerTest, TellsThirtyTwoColorsApart) {
     std::size_t first = 0, second = 0;
     ASSERT_FALSE(overlapping_boxes(parameters.boxes, first, second));
     picture.fill([] { return std::uint8_t{0}; });
-    // A field of touching squares of 4 x 4, at bounds of their boxes.
+    // A picture of touching squares of 4 x 4 pixels with values at the bounds of their boxes.
     for (int v = 0; v < 64; ++v) {
       for (int u = 0; u < 128; ++u) {
         const ColorBox& box = parameters.boxes[static_cast<std::size_t>((u / 4 + v / 4 * 7) % 32)];
@@ -121,7 +121,7 @@ LightMap random_light(std::mt19937& random) {
   return light;
 }
 
-TEST_F(RegionScannerTest, FindsThemWithShadingInRandomRegionsOfInterestAndAboveAnArea) {
+TEST_F(RegionScannerTest, FindsRegionsWithShadingRegionOfInterestAndMinimumArea) {
   for (int round = 0; round < 500; ++round) {
     const auto pattern = kAllPatterns[random_() % kAllPatterns.size()];
     const auto format = kAllFormats[random_() % kAllFormats.size()];
@@ -144,19 +144,19 @@ TEST_F(RegionScannerTest, FindsThemWithShadingInRandomRegionsOfInterestAndAboveA
   }
 }
 
-TEST_F(RegionScannerTest, FindsThemInPicturesOfRandomBytesAndBoxes) {
+TEST_F(RegionScannerTest, FindsRegionsInPicturesOfRandomBytesAndBoxes) {
   for (int round = 0; round < 300; ++round) {
     const auto format = kAllFormats[random_() % kAllFormats.size()];
     OwnedPicture picture(format, pick(random_, 1, 80), pick(random_, 1, 24), pick(random_, 0, 5));
     ScanParameters parameters = parameters_for(picture.frame());
     parameters.boxes = random_boxes(random_, static_cast<std::size_t>(pick(random_, 0, kMaxColorBoxes)));
-    picture.fill([&] { return telling_value(random_, parameters.boxes); });
+    picture.fill([&] { return critical_value(random_, parameters.boxes); });
     ASSERT_EQ(difference_on(picture.frame(), parameters), "") << "round " << round << ", " << name_of(format);
   }
 }
 
 TEST_F(RegionScannerTest, SumsOfTheLargestRegionAreExact) {
-  // Every pixel of the largest frame but one in the corner: a float sum is wrong by pixels here.
+  // All pixels of the largest frame except one in the corner: sums of floats would be wrong by several pixels.
   OwnedPicture picture(PixelFormat::kNv12, kMaxFrameWidth, kMaxFrameHeight, 0);
   picture.fill([] { return std::uint8_t{50}; });
   picture.set(0, 0, {0, 50, 50});
@@ -173,7 +173,7 @@ TEST_F(RegionScannerTest, SumsOfTheLargestRegionAreExact) {
   EXPECT_EQ(region.box.bottom, kMaxFrameHeight - 1);
 }
 
-TEST_F(RegionScannerTest, AFrameThatCannotBeServedLeavesNothing) {
+TEST_F(RegionScannerTest, ARejectedFrameGivesNoRegions) {
   const OwnedPicture picture = paint(make_pattern(Pattern::kBlobs, 64, 48, random_), PixelFormat::kNv12, 0, random_);
   const Frame good = picture.frame();
   EXPECT_EQ(scanner_->scan(good, *runs_, *regions_).code(), ErrorCode::kUnsupported) << "not configured yet";
@@ -203,7 +203,7 @@ TEST_F(RegionScannerTest, AFrameThatCannotBeServedLeavesNothing) {
   EXPECT_EQ(status_of(frame), ErrorCode::kShortFrame);
 }
 
-TEST_F(RegionScannerTest, RefusesParametersThatCannotBeServed) {
+TEST_F(RegionScannerTest, RejectsInvalidParameters) {
   ScanParameters parameters = parameters_for(OwnedPicture(PixelFormat::kRgb24, 64, 48, 0).frame());
   ASSERT_TRUE(scanner_->configure(parameters).ok());
   const auto code_of = [&](auto change) {
@@ -221,7 +221,7 @@ TEST_F(RegionScannerTest, RefusesParametersThatCannotBeServed) {
             ErrorCode::kInconsistent);
   const OwnedPicture picture(PixelFormat::kRgb24, 64, 48, 0);
   EXPECT_EQ(scanner_->scan(picture.frame(), *runs_, *regions_).code(), ErrorCode::kUnsupported)
-      << "nothing is scanned after an error";
+      << "no frame is accepted after an error";
 }
 
 }  // namespace

@@ -30,20 +30,20 @@ std::vector<Found> found(const Run* runs, std::size_t count) {
   return list;
 }
 
-// Random rows of every width around a word's borders and density, from single pixels to runs over words.
+// Random rows with widths around multiples of a word, from single pixels to runs over several words.
 class RowRunsTest : public ::testing::TestWithParam<KernelChoice> {
  protected:
   void SetUp() override {
     KernelChoice choice = GetParam();
-    if (find_kernel(PixelFormat::kRgb24, choice) == nullptr) {
-      GTEST_SKIP() << "this processor has no " << word_of(GetParam());
+    if (find_span_kernel(PixelFormat::kRgb24, choice) == nullptr) {
+      GTEST_SKIP() << "this processor does not support " << word_of(GetParam());
     }
   }
 
   struct Row {
     ColorRow colors;
     OccupiedWords occupied = 0;
-    std::vector<ColorId> list;  // one background pixel more than the row has
+    std::vector<ColorId> list;  // the pixels of the row and one background pixel
   };
 
   void fill(Row& row, std::size_t width, int density, int length) {
@@ -78,8 +78,8 @@ class RowRunsTest : public ::testing::TestWithParam<KernelChoice> {
   RowMasks masks_;
 };
 
-TEST_P(RowRunsTest, AreThoseThatLookingAtEachPixelFinds) {
-  const RowMasker fill_masks = row_masker(GetParam());
+TEST_P(RowRunsTest, AgreeWithACheckOfEachPixel) {
+  const RowMaskKernel fill_masks = row_mask_kernel(GetParam());
   const auto out = std::make_unique<std::array<touchline::Run, kMaxFrameWidth>>();
   const auto writer = std::make_unique<RunWriter>();
   Row above, row;
@@ -108,8 +108,8 @@ TEST_P(RowRunsTest, AreThoseThatLookingAtEachPixelFinds) {
   }
 }
 
-TEST_P(RowRunsTest, ContactsAreOfRunsThatShareAColumnAndTheirColor) {
-  const RowMasker fill_masks = row_masker(GetParam());
+TEST_P(RowRunsTest, ContactsJoinRunsOfOneColorThatShareAColumn) {
+  const RowMaskKernel fill_masks = row_mask_kernel(GetParam());
   const auto writer = std::make_unique<RunWriter>();
   const auto nothing = std::make_unique<ColorRow>();
   Row above, row;
@@ -122,7 +122,7 @@ TEST_P(RowRunsTest, ContactsAreOfRunsThatShareAColumnAndTheirColor) {
     fill(row, width, density, length);
     fill_masks(above.colors, *nothing, above.occupied, above_masks);
     fill_masks(row.colors, above.colors, row.occupied, masks_);
-    // All runs of a row, or those that are left of it.
+    // All runs of a row, or the remaining ones after cut().
     const auto runs_left = [&](RowMasks& masks, const std::vector<ColorId>& colors) {
       std::vector<Found> runs = list_runs(colors);
       if (runs.empty() || pick(random_, 0, 1) == 0) return runs;
@@ -145,8 +145,8 @@ TEST_P(RowRunsTest, ContactsAreOfRunsThatShareAColumnAndTheirColor) {
   }
 }
 
-TEST_P(RowRunsTest, SpecksAreWhatHasNoNeighborOfItsColor) {
-  const RowMasker fill_masks = row_masker(GetParam());
+TEST_P(RowRunsTest, IsolatedPixelsHaveNoNeighborOfTheirColor) {
+  const RowMaskKernel fill_masks = row_mask_kernel(GetParam());
   const auto out = std::make_unique<std::array<touchline::Run, kMaxFrameWidth>>();
   const auto writer = std::make_unique<RunWriter>();
   std::array<Row, 3> rows;

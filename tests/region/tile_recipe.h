@@ -7,14 +7,14 @@
 
 namespace touchline::testing {
 
-/// A picture in one line: a tile of colors, repeated, with pixels changed at random. A search for slow pictures
-/// (touchline-bench --search) changes its numbers and letters.
+/// Describes a picture in one line of text: a tile of colors is repeated, and random pixels are changed. The search for
+/// slow pictures (touchline-bench --search) varies it.
 struct TileRecipe {
   int width = 1, height = 1;     // of the tile, in cells
   int scale_u = 1, scale_v = 1;  // pixels of a cell
-  int shift = 0;                 // columns by which each repetition of the tile stands further to the right
-  int noise_per_mille = 0;       // pixels that are any color or background
-  int runs = 1;                  // length of what is changed at random
+  int shift = 0;                 // columns by which each repetition is shifted to the right
+  int noise_per_mille = 0;       // pixels with a random color or background
+  int runs = 1;                  // length of the random runs
   unsigned seed = 1;
   std::string cells = "0";  // colors, row by row; '0' is background
 };

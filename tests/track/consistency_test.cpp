@@ -33,7 +33,7 @@ Consistency monte_carlo(const SimulatedRobot::Faults& faults, double rate_hz, bo
     filter.start(robot.sighted(0.0015, 0.02), {0.0, 0.0, 0.5, 5.0}, 0.0015, 0.02);
     const double dt = std::round(1.0 / rate_hz / 0.0005) * 0.0005;
     for (int k = 1; k * dt < 4.0; ++k) {
-      const Twist command = lively_command(k * dt + 0.13 * run);
+      const Twist command = changing_command(k * dt + 0.13 * run);
       robot.advance(command, dt);
       filter.predict(dt, {commands_known, command}, parameters);
       const Pose seen = robot.sighted(0.0015, 0.02);
@@ -116,7 +116,7 @@ TEST(Consistency, ShowsAnOverconfidentFilter) {
 
 // Commands act after a delay. Compares the filtered pose at the capture (no prediction) with the pose predicted with
 // the pending commands.
-TEST(Prediction, OverTheDelayBeatsTheLastPose) {
+TEST(Prediction, IsBetterThanTheLastPose) {
   constexpr double kDt = 0.0165, kDelay = 0.0495;
   TrackParameters parameters;
   double still2 = 0.0, predicted2 = 0.0, still_angle2 = 0.0, predicted_angle2 = 0.0;
@@ -141,8 +141,8 @@ TEST(Prediction, OverTheDelayBeatsTheLastPose) {
       history.push_back(tracks);
       Commands commands;
       commands.stop = false;
-      commands.robots.push_back({2, lively_command(t + 0.1 * run), {}});
-      // The command computed at t acts when frame k + 3 is captured; `sent` is asked one frame later than it is filled.
+      commands.robots.push_back({2, changing_command(t + 0.1 * run), {}});
+      // The command computed at t acts when frame k + 3 is captured; `sent` is read one frame after it is written.
       tracker.add_commands(commands, at(t + kDelay - kDt));
       sent.push_back(commands);
 

@@ -14,7 +14,7 @@ namespace {
 
 using Matrix5 = Eigen::Matrix<double, 5, 5, Eigen::RowMajor>;
 
-RobotFilterParameters quiet() {
+RobotFilterParameters without_noise() {
   RobotFilterParameters p;
   p.drive_noise_m_rts = p.turn_noise_rad_rts = p.drive_error_rts = p.turn_error_rts = p.slip_m_rts = p.spin_rad_rts = 0;
   return p;
@@ -24,14 +24,14 @@ Pose pose(double x, double y, double theta) {
   return {{static_cast<float>(x), static_cast<float>(y)}, static_cast<float>(theta)};
 }
 
-TEST(DriveFilter, PredictsWhatALaggingDriveDoes) {
+TEST(DriveFilter, PredictsADriveWithLag) {
   const RobotFilterParameters parameters;
   for (const double dt : {1.0 / 120.0, 1.0 / 30.0, 0.1}) {
     SimulatedRobot robot({parameters.wheel_lag_s, 0.0, 1.0, 0.0}, 1);
     DriveFilter filter;
     filter.start(robot.pose(), {}, 0.001, 0.01);
     for (double t = 0.0; t < 2.0; t += dt) {
-      const Twist command = lively_command(t);
+      const Twist command = changing_command(t);
       robot.advance(command, dt);
       filter.predict(std::round(dt / 0.0005) * 0.0005, {true, command}, parameters);
     }
@@ -44,7 +44,7 @@ TEST(DriveFilter, PredictsWhatALaggingDriveDoes) {
   }
 }
 
-TEST(DriveFilter, KeepsTheVelocitiesOfARobotWhoseCommandsAreNotKnown) {
+TEST(DriveFilter, KeepsTheVelocitiesIfCommandsAreUnknown) {
   DriveFilter filter;
   filter.start(pose(0, 0, 0), {0.5, 0.0, 0.1, 0.1}, 0.001, 0.01);
   filter.predict(0.4, {}, {});
@@ -54,8 +54,8 @@ TEST(DriveFilter, KeepsTheVelocitiesOfARobotWhoseCommandsAreNotKnown) {
 }
 
 // Without noise the covariance becomes J P J', where J is the Jacobian of the prediction, computed numerically here.
-TEST(DriveFilter, IsLinearizedAsItPredicts) {
-  RobotFilterParameters parameters = quiet();
+TEST(DriveFilter, CovarianceFollowsTheJacobianOfThePrediction) {
+  RobotFilterParameters parameters = without_noise();
   parameters.free_noise_mps_rts = parameters.free_noise_radps_rts = 0.0;
   const DriveFilter::State x0 = {0.3, -0.2, 2.9, 0.6, 4.0};
   for (const DriveInput input : {DriveInput{true, {1.0f, -6.0f}}, DriveInput{false, {}}}) {
@@ -87,7 +87,7 @@ TEST(DriveFilter, IsLinearizedAsItPredicts) {
       DriveFilter ahead = filter;
       ahead.predict_state(0.03, input, parameters);
       filter.predict(0.03, input, parameters);
-      EXPECT_EQ(ahead.state(), filter.state()) << "a look ahead goes the same way";
+      EXPECT_EQ(ahead.state(), filter.state()) << "predict_state() gives the same state";
       const Matrix5 after = Eigen::Map<const Matrix5>(filter.covariance().data());
       const Matrix5 expected = jacobian * before * jacobian.transpose();
       EXPECT_LT((after - expected).cwiseAbs().maxCoeff(), 2e-6) << lag << input.known << "\n" << after - expected;
@@ -95,7 +95,7 @@ TEST(DriveFilter, IsLinearizedAsItPredicts) {
   }
 }
 
-TEST(DriveFilter, SmoothsAStandingRobot) {
+TEST(DriveFilter, SmoothsAStationaryRobot) {
   RobotFilterParameters parameters;
   SimulatedRobot robot({}, 5);
   robot.theta = 1.0;
@@ -142,18 +142,18 @@ TEST(DriveFilter, WrapsTheHeading) {
   }
 }
 
-TEST(DriveFilter, UsesAPatchOnlyUpToItsOffset) {
+TEST(DriveFilter, ASightingOfAPatchNeverGivesMoreThanItsAccuracy) {
   const RobotFilterParameters parameters;
   DriveFilter sure;
   sure.start(pose(0, 0, 0), {}, 0.002, 0.02);
   const DriveFilter::State before = sure.state();
   for (int k = 0; k < 100; ++k) sure.update(FieldPoint{0.026f, 0.0f}, parameters);
-  EXPECT_EQ(sure.state(), before) << "a patch tells nothing to who knows better";
+  EXPECT_EQ(sure.state(), before) << "a patch does not change a more accurate position";
 
   DriveFilter unsure;
   unsure.start(pose(0, 0, 0), {}, 0.1, 0.02);
   for (int k = 0; k < 100; ++k) unsure.update(FieldPoint{0.1f, 0.0f}, parameters);
-  EXPECT_NEAR(unsure.sigma(0), parameters.patch_sigma_m, 1e-9) << "however often it is seen";
+  EXPECT_NEAR(unsure.sigma(0), parameters.patch_sigma_m, 1e-9) << "the number of sightings does not matter";
   EXPECT_NEAR(unsure.state()[0], 0.1 * (1.0 - 0.025 * 0.025 / 0.01), 1e-6);
 }
 
@@ -164,7 +164,7 @@ TEST(DriveFilter, KeepsAValidCovariance) {
     RobotFilterParameters parameters;
     parameters.wheel_lag_s = run % 2 == 0 ? 0.0 : 0.08;
     if (run % 3 == 0) parameters.position_sigma_m = 1e-5;
-    if (run % 5 == 0) parameters = quiet();
+    if (run % 5 == 0) parameters = without_noise();
     DriveFilter filter;
     filter.start(pose(any(random), any(random), 3.0 * any(random)), {0.0, 0.0, 10.0, 100.0}, 0.1, 1.0);
     for (int k = 0; k < 300; ++k) {

@@ -48,7 +48,7 @@ TEST_F(IdentityTest, OfTwoSightingsWithOneIdTheNearerIsUsed) {
     EXPECT_NEAR(track(Team::kOwn, 1).pose.position.x_m, 0.0, 1e-3);
     EXPECT_EQ(track(Team::kOwn, 1).state, TrackState::kSeen);
   }
-  // The other one is a robot too, but its id is unknown.
+  // The other one is also a robot, but its id is unknown.
   ASSERT_NE(track(Team::kOwn, kUnknownId).state, TrackState::kLost);
   EXPECT_NEAR(track(Team::kOwn, kUnknownId).pose.position.x_m, 0.6, 1e-3);
 }
@@ -64,9 +64,9 @@ TEST_F(IdentityTest, OfTwoFirstSightingsWithOneIdTheBetterFitIsUsed) {
 
 TEST_F(IdentityTest, ASightingWithoutIdKeepsTheNearestRobotAlive) {
   const RobotSighting a = sighting_of(Team::kOwn, 1, pose(0.0, 0.0)), b = sighting_of(Team::kOwn, 2, pose(0.2, 0.0));
-  for (const bool told_to_stand : {true, false}) {
+  for (const bool commanded_to_stop : {true, false}) {
     ASSERT_TRUE(tracker_.configure({}).ok());
-    if (told_to_stand) tracker_.add_commands({}, at(now_));
+    if (commanded_to_stop) tracker_.add_commands({}, at(now_));
     for (int k = 0; k < 30; ++k) frame({a, b});
     for (int k = 0; k < 60; ++k) {
       frame({a, patch_alone(Team::kOwn, 0.21, 0.015)});
@@ -76,17 +76,17 @@ TEST_F(IdentityTest, ASightingWithoutIdKeepsTheNearestRobotAlive) {
       // grows, and the track moves towards the patch, but hardly farther than its offset (18 mm).
       const FieldPoint p = track(Team::kOwn, 2).pose.position;
       const double moved = std::hypot(static_cast<double>(p.x_m) - 0.2, static_cast<double>(p.y_m));
-      ASSERT_LT(moved, told_to_stand ? 0.002 : 0.022) << k;
+      ASSERT_LT(moved, commanded_to_stop ? 0.002 : 0.022) << k;
     }
-    EXPECT_EQ(frame({a, b}).robots[1].state, TrackState::kSeen) << "nor shuts it out the next whole sighting";
+    EXPECT_EQ(frame({a, b}).robots[1].state, TrackState::kSeen) << "the next complete sighting must be accepted";
   }
 }
 
-TEST_F(IdentityTest, ASightingWithoutIdNeverMovesARobotThatShowedItsId) {
+TEST_F(IdentityTest, ASightingWithoutIdNeverMovesAnIdentifiedRobot) {
   const RobotSighting a = sighting_of(Team::kOwn, 1, pose(0.0, 0.0));
   for (int k = 0; k < 10; ++k) frame({a});
   for (int k = 0; k < 20; ++k) frame({a, patch_alone(Team::kOwn, 0.03, 0.0)});
-  EXPECT_EQ(tracks_.robots.size(), 1u) << "two robots cannot stand in one place";
+  EXPECT_EQ(tracks_.robots.size(), 1u) << "two robots cannot be at the same place";
   EXPECT_NEAR(tracks_.robots[0].pose.position.x_m, 0.0, 1e-4);
 }
 
@@ -124,20 +124,20 @@ TEST_F(IdentityTest, UnidentifiedOpponentsKeepTheirTracks) {
   }
 }
 
-TEST_F(IdentityTest, ARobotWithoutHeadingShowsItsMotionAndThatItsHeadingIsUnknown) {
+TEST_F(IdentityTest, ARobotWithoutHeadingReportsItsMotionAndAnUnknownHeading) {
   for (int k = 0; k < 60; ++k) frame({patch_alone(Team::kOpponent, 0.0, 0.5 * k * kDt)});
   EXPECT_NEAR(tracks_.robots[0].pose.theta_rad, 0.5 * std::numbers::pi, 0.1);
   EXPECT_NEAR(tracks_.robots[0].twist.v_mps, 0.5, 0.03);
   EXPECT_NEAR(tracks_.robots[0].sigma[2], 1.81, 0.01);
-  EXPECT_GT(tracks_.robots[0].sigma[0], 0.02f) << "the patch's offset is part of the doubt";
+  EXPECT_GT(tracks_.robots[0].sigma[0], 0.02f) << "the offset of the patch is part of the uncertainty";
 }
 
-TEST_F(IdentityTest, AnUnidentifiedTrackGetsTheIdThatItShows) {
+TEST_F(IdentityTest, AnUnidentifiedTrackGetsTheSightedId) {
   for (int k = 0; k < 10; ++k) frame({patch_alone(Team::kOwn, 0.02, 0.0)});
   frame({sighting_of(Team::kOwn, 5, pose(0.0, 0.0, 1.0))});
   ASSERT_EQ(tracks_.robots.size(), 1u);
   EXPECT_EQ(tracks_.robots[0].id, 5);
-  EXPECT_EQ(tracks_.robots[0].state, TrackState::kSeen) << "it was confirmed before";
+  EXPECT_EQ(tracks_.robots[0].state, TrackState::kSeen) << "the track was already confirmed";
   EXPECT_NEAR(tracks_.robots[0].pose.theta_rad, 1.0, 1e-5);
 }
 

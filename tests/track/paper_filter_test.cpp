@@ -49,7 +49,7 @@ struct Case {
 };
 class PaperFilterTest : public testing::TestWithParam<Case> {};
 
-TEST_P(PaperFilterTest, IsWhatOursIsWithoutLag) {
+TEST_P(PaperFilterTest, EqualsOurFilterWithoutLag) {
   const double ts = 1.0 / GetParam().rate_hz;
   RobotFilterParameters parameters;
   parameters.wheel_lag_s = 0.0;
@@ -72,7 +72,7 @@ TEST_P(PaperFilterTest, IsWhatOursIsWithoutLag) {
   paper.V = Eigen::Vector2d(0.02 * 0.02 / ts, 0.2 * 0.2 / ts).asDiagonal();
 
   for (int k = 1; k <= 400; ++k) {
-    const Twist u = lively_command(k * ts);
+    const Twist u = changing_command(k * ts);
     robot.advance(u, ts);
     const Pose seen = robot.sighted(0.0015, 0.02);
     ours.predict(ts, {true, u}, parameters);

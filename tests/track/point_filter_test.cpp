@@ -13,7 +13,7 @@ namespace {
 constexpr PointFilter::Noise kNoise{0.002, 0.5, 0.4};
 
 // Eq. (11) and (6) with the paper's four states and full matrices.
-TEST(PointFilter, IsThePapersFilter) {
+TEST(PointFilter, EqualsTheFilterOfThePaper) {
   Eigen::Vector4d x(0.1, 0.5, -0.2, -0.3);
   Eigen::Matrix4d p = Eigen::Vector4d(4e-6, 1.0, 4e-6, 1.0).asDiagonal();
   PointFilter ours;

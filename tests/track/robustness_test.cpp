@@ -32,7 +32,8 @@ void expect_sound(const Tracks& tracks) {
     for (std::size_t k = 0; k < i; ++k) {
       const RobotTrack& before = tracks.robots[k];
       ASSERT_LE(before.team, r.team);
-      ASSERT_FALSE(before.team == r.team && before.id == r.id && r.id != kUnknownId) << "one id, one track";
+      ASSERT_FALSE(before.team == r.team && before.id == r.id && r.id != kUnknownId)
+          << "an id must have only one track";
     }
   }
 }
@@ -135,7 +136,7 @@ TEST(TrackerRobustness, AnyInputGivesFiniteOutput) {
 
 TEST(TrackerRobustness, SameInputGivesTheSameBits) {
   EXPECT_EQ(run_chaos(5, 500), run_chaos(5, 500));
-  EXPECT_NE(run_chaos(5, 500), run_chaos(6, 500)) << "else the hash sees nothing";
+  EXPECT_NE(run_chaos(5, 500), run_chaos(6, 500)) << "otherwise the hash does not depend on the input";
 }
 
 TEST(TrackerRobustness, FramesWithOldStampsAreIgnored) {

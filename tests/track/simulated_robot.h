@@ -63,8 +63,8 @@ class SimulatedRobot {
   double time_ = 0.0, next_error_ = 0.0, v_error_ = 0.0, w_error_ = 0.0;
 };
 
-/// Changing commands as in a game: a new one every 0.25 s.
-inline Twist lively_command(double time_s) {
+/// Commands that change every 0.25 s, as in a game.
+inline Twist changing_command(double time_s) {
   const int phase = static_cast<int>(time_s / 0.25);
   const double v = 0.8 * std::sin(1.7 * phase), w = 5.0 * std::sin(2.3 * phase + 1.0);
   return {static_cast<float>(v), static_cast<float>(w)};

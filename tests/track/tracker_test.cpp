@@ -80,7 +80,7 @@ TEST_F(TrackerTest, ListsOwnTeamFirstByIdAndUnidentifiedLast) {
     EXPECT_EQ(tracks.robots[i].team, i < 3 ? Team::kOwn : Team::kOpponent) << i;
     EXPECT_EQ(tracks.robots[i].id, ids[i]) << i;
   }
-  EXPECT_FLOAT_EQ(tracks.robots[4].pose.position.y_m, 0.5f) << "the older one first";
+  EXPECT_FLOAT_EQ(tracks.robots[4].pose.position.y_m, 0.5f) << "the older one comes first";
   EXPECT_FLOAT_EQ(tracks.robots[5].pose.position.y_m, -0.5f);
 }
 
@@ -91,10 +91,10 @@ TEST_F(TrackerTest, SurvivesLostFrames) {
     const double t = k * kDt;
     Commands commands;
     commands.stop = false;
-    commands.robots.push_back({1, lively_command(t), {}});
+    commands.robots.push_back({1, changing_command(t), {}});
     tracker_.add_commands(commands, at(now_));
     robot.advance(commands.robots[0].twist, kDt);
-    // At intervals of ten to fifteen frames there is no sighting, as behind a hand.
+    // Periodically there is no sighting for several frames, as behind a hand.
     const bool blind = k % 16 >= 10;
     const Tracks& tracks = blind ? frame({}) : frame_of(sighting_of(Team::kOwn, 1, robot.sighted(0.0015, 0.02)));
     ASSERT_EQ(tracks.robots.size(), 1u) << k;
@@ -126,11 +126,11 @@ TEST_F(TrackerTest, RejectsASingleOutlier) {
   EXPECT_NEAR(tracks.robots[0].pose.position.x_m, 0.1, 1e-3);
   EXPECT_EQ(tracks.robots[0].state, TrackState::kCoasting);
   EXPECT_EQ(frame_of(sighting_of(Team::kOwn, 1, pose(0.1, 0.1, 1.5))).robots[0].state, TrackState::kCoasting)
-      << "nor one with a wild heading";
+      << "an outlier of the heading must be rejected, too";
   EXPECT_EQ(frame_of(sighting_of(Team::kOwn, 1, pose(0.1, 0.1))).robots[0].state, TrackState::kSeen);
 }
 
-TEST_F(TrackerTest, NeverResetsAtInconsistentSightings) {
+TEST_F(TrackerTest, DoesNotResetAtInconsistentSightings) {
   for (int k = 0; k < 20; ++k) frame_of(sighting_of(Team::kOwn, 1, pose(0.1, 0.1)));
   for (int k = 0; k < 20; ++k) {
     const Tracks& tracks = frame_of(sighting_of(Team::kOwn, 1, pose(k % 2 == 0 ? 0.8 : -0.8, 0.1)));
@@ -180,7 +180,7 @@ TEST_F(TrackerTest, ResetsAfterACollision) {
     worst = std::max(worst, error);
     if (frames_to_recover == 0 && k > 1 && error < 0.004) frames_to_recover = k;
   }
-  EXPECT_GT(worst, 0.03) << "else the collision was none";
+  EXPECT_GT(worst, 0.03) << "otherwise there was no collision";
   EXPECT_GE(frames_to_recover, 3);
   EXPECT_LE(frames_to_recover, 5);
   EXPECT_LT(error, 0.02);
@@ -219,7 +219,7 @@ TEST_F(TrackerTest, FollowsABouncingBall) {
     if (!good) recovered = -1;
     if (good && recovered < 0) recovered = since;
   }
-  EXPECT_GT(worst, 0.02) << "else there was no bounce";
+  EXPECT_GT(worst, 0.02) << "otherwise there was no bounce";
   EXPECT_GE(recovered, 2);
   EXPECT_LE(recovered, 3);
 }
@@ -235,10 +235,10 @@ TEST_F(TrackerTest, CoastsABallThatIsHidden) {
   double hidden = 30 * kDt;
   while (frame({}).ball.state != TrackState::kLost) hidden += kDt;
   EXPECT_NEAR(hidden, BallFilterParameters{}.lost_after_s, 1.5 * kDt);
-  EXPECT_EQ(tracks_.ball.position.x_m, 0.0f) << "a lost ball has no place";
+  EXPECT_EQ(tracks_.ball.position.x_m, 0.0f) << "a lost ball has no position";
 }
 
-TEST_F(TrackerTest, PredictsOpponentsWithTheVelocityThatTheyHave) {
+TEST_F(TrackerTest, PredictsOpponentsWithTheirCurrentVelocity) {
   for (int k = 0; k < 60; ++k) frame_of(sighting_of(Team::kOpponent, 2, pose(0.6 * k * kDt, 0.0)));
   tracker_.update({}, at(now_ + 1e-9), at(now_ + 0.1), tracks_);
   EXPECT_NEAR(tracks_.robots[0].pose_at_action.position.x_m - tracks_.robots[0].pose.position.x_m, 0.06, 0.004);
@@ -264,7 +264,7 @@ TEST_F(TrackerTest, AppliesCommandsToOwnRobotsOnlyAndOnlyWhenTheyAct) {
   EXPECT_NEAR(after.robots[1].pose_at_action.position.x_m, 0.0, 3e-3) << "an opponent with the same number";
 }
 
-TEST_F(TrackerTest, RefusesParametersThatBreakAFilter) {
+TEST_F(TrackerTest, RejectsParametersThatBreakAFilter) {
   const auto refused = [](auto change) {
     TrackParameters p;
     change(p);

@@ -51,7 +51,7 @@ TOUCHLINE_TARGET_INLINE __m256i background_bytes_of(const TwoTiles& tiles) {
 // - tile_planes: returns the same for a tile, in both halves.
 // With shared chroma, blocks and tiles begin at even columns.
 
-// Patterns for three bytes a pixel, for luma and chroma in four bytes a pair, and for chroma in two bytes a pair.
+// Patterns for three bytes per pixel, for luma and chroma in four bytes per pair, and for chroma in two bytes per pair.
 inline constexpr std::array kOfThree = {pick_bytes(0, 3, 1), pick_bytes(1, 3, 1), pick_bytes(2, 3, 1)};
 inline constexpr std::array kLumaOfFour = {pick_bytes(0, 2, 1), pick_bytes(1, 2, 1)};
 inline constexpr std::array kChromaOfFour = {pick_bytes(0, 4, 2), pick_bytes(1, 4, 2), pick_bytes(2, 4, 2),
@@ -75,7 +75,7 @@ inline constexpr auto kPeriod = [] {
   return period;
 }();
 
-// Three bytes a pixel.
+// Three bytes per pixel.
 template <PixelFormat kFormat>
 struct Packed24 {
   struct Background {
@@ -141,7 +141,7 @@ struct PeriodOfFour {
   }
 };
 
-// Two bytes a pixel.
+// Two bytes per pixel.
 template <PixelFormat kFormat>
 struct Packed16 : PeriodOfFour {
   TOUCHLINE_TARGET_INLINE static __m256i candidates(const RowPixels& row, std::uint32_t u,
@@ -173,7 +173,7 @@ struct Packed16 : PeriodOfFour {
   }
 };
 
-// Four bytes a pixel, the last of them unused.
+// Four bytes per pixel, the last of them unused.
 template <PixelFormat kFormat>
 struct Packed32 : PeriodOfFour {
   struct Bytes {
@@ -222,20 +222,20 @@ struct Packed32 : PeriodOfFour {
   }
 };
 
-// A byte a pixel, and two a pair, in one plane or in two.
+// One byte per pixel and two per pair, in one plane or in two.
 template <PixelFormat kFormat>
 struct Planar {
   // NOLINTNEXTLINE(bugprone-dynamic-static-initializers): it is a constant
-  static constexpr bool kApart = info_of(kFormat).packing == Packing::kPlanar;
+  static constexpr bool kSeparateUv = info_of(kFormat).packing == Packing::kPlanar;
 
   // U and V interleaved, of a tile and of a block.
   TOUCHLINE_TARGET_INLINE static __m128i tile_chroma(const RowPixels& row, std::uint32_t u) {
-    if constexpr (!kApart) return load_half(row.plane[1] + u);
+    if constexpr (!kSeparateUv) return load_half(row.plane[1] + u);
     return _mm_unpacklo_epi8(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(row.plane[1] + u / 2)),
                              _mm_loadl_epi64(reinterpret_cast<const __m128i*>(row.plane[2] + u / 2)));
   }
   TOUCHLINE_TARGET_INLINE static __m256i chroma(const RowPixels& row, std::uint32_t u) {
-    if constexpr (!kApart) return load(row.plane[1] + u);
+    if constexpr (!kSeparateUv) return load(row.plane[1] + u);
     const __m128i first = load_half(row.plane[1] + u / 2), second = load_half(row.plane[2] + u / 2);
     return halves(_mm_unpacklo_epi8(first, second), _mm_unpackhi_epi8(first, second));
   }

@@ -15,7 +15,7 @@
 #undef TOUCHLINE_PASS
 #define TOUCHLINE_TARGET TOUCHLINE_AVX2_TARGET
 #define TOUCHLINE_TARGET_NAMESPACE avx2
-// Each pass is a function of its own. If the compiler merges the passes, it has too few registers for the state of the
+// Each pass is a separate function. If the compiler merges the passes, it has too few registers for the state of the
 // loops.
 #define TOUCHLINE_PASS [[gnu::target(TOUCHLINE_TARGET), gnu::noinline]] static
 #include "core/color/avx2/shaded_row.h"
@@ -91,7 +91,7 @@ TOUCHLINE_TARGET_INLINE std::uint64_t find_candidates(const SpanTables& tables, 
   std::uint64_t background = 0;
   std::uint32_t i = 0, u = blocks.first;
   for (; i + 4 <= count && u + 4 * kBlock <= blocks.end; i += 4, u += 4 * kBlock) {
-    // The order of addresses matters: the processor prefetches along it.
+    // In the order of addresses, so that the processor prefetches the next ones.
     const __m256i first = candidates_at<Layout>(pixels, u, of_row, colors),
                   second = candidates_at<Layout>(pixels, u + kBlock, of_row, colors),
                   third = candidates_at<Layout>(pixels, u + 2 * kBlock, of_row, colors),
@@ -180,7 +180,7 @@ template <PixelFormat kFormat>
 TOUCHLINE_TARGET_FUNCTION OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row,
                                                       std::uint32_t begin, std::uint32_t end, ColorId* colors) {
   using Layout = LayoutOf<kFormat>;
-  if (end < begin + kTile) return portable_kernel(kFormat)(tables, row, begin, end, colors);
+  if (end < begin + kTile) return portable_span_kernel(kFormat)(tables, row, begin, end, colors);
   if (!tables.unshaded) return classify_shaded_span<ShadedLayout<Layout>>(tables, row, begin, end, colors);
   OccupiedWords occupied = 0;
   if (begin % kTile != 0 || end % kTile != 0) occupied = classify_ends<Layout>(tables, row, begin, end, colors);
@@ -198,7 +198,7 @@ struct Family {
 }  // namespace
 }  // namespace avx2
 
-SpanKernel avx2_kernel(PixelFormat format) { return kernel_of_format<avx2::Family>(format); }
+SpanKernel avx2_span_kernel(PixelFormat format) { return kernel_of_format<avx2::Family>(format); }
 
 }  // namespace touchline
 

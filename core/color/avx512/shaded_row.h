@@ -48,20 +48,20 @@ TOUCHLINE_TARGET_INLINE std::uint64_t candidate_words(__m512i bytes, __m512i lig
 constexpr std::size_t kLow = offsetof(TileParameters, background_low),
                       kExtent = offsetof(TileParameters, background_extent);
 
-// Three bytes a pixel.
+// Three bytes per pixel.
 inline constexpr std::array kLowOf24 = {bytes_of_lights(0, 48, kLow, 3), bytes_of_lights(1, 48, kLow, 3),
                                         bytes_of_lights(2, 48, kLow, 3)};
 inline constexpr std::array kExtentOf24 = {bytes_of_lights(0, 48, kExtent, 3), bytes_of_lights(1, 48, kExtent, 3),
                                            bytes_of_lights(2, 48, kExtent, 3)};
-// Four bytes a pixel.
+// Four bytes per pixel.
 inline constexpr std::array kLowOf32 = {bytes_of_lights(0, 64, kLow, 4), bytes_of_lights(1, 64, kLow, 4),
                                         bytes_of_lights(2, 64, kLow, 4), bytes_of_lights(3, 64, kLow, 4)};
 inline constexpr std::array kExtentOf32 = {bytes_of_lights(0, 64, kExtent, 4), bytes_of_lights(1, 64, kExtent, 4),
                                            bytes_of_lights(2, 64, kExtent, 4), bytes_of_lights(3, 64, kExtent, 4)};
-// Two bytes a pixel.
+// Two bytes per pixel.
 inline constexpr std::array kLowOf16 = {bytes_of_lights(0, 32, kLow, 4), bytes_of_lights(1, 32, kLow, 4)};
 inline constexpr std::array kExtentOf16 = {bytes_of_lights(0, 32, kExtent, 4), bytes_of_lights(1, 32, kExtent, 4)};
-// A byte a pixel, and two a pair.
+// One byte per pixel and two per pair.
 inline constexpr Bytes64 kLowOfLuma = bytes_of_lights(0, 16, kLow, 1),
                          kExtentOfLuma = bytes_of_lights(0, 16, kExtent, 1);
 inline constexpr Bytes64 kLowOfChroma = bytes_of_lights(0, 16, kLow + 2, 2),
@@ -155,7 +155,7 @@ template <PixelFormat kFormat>
 struct ShadedPlanar : Planar<kFormat> {
   static constexpr std::uint32_t kWords = 2;
   TOUCHLINE_TARGET_INLINE static __m512i chroma_of_four_tiles(const RowPixels& row, std::uint32_t u) {
-    if constexpr (!Planar<kFormat>::kApart) return _mm512_loadu_si512(row.plane[1] + u);
+    if constexpr (!Planar<kFormat>::kSeparateUv) return _mm512_loadu_si512(row.plane[1] + u);
     const __m512i first = _mm512_maskz_loadu_epi8(~0ULL >> 32, row.plane[1] + u / 2),
                   second = _mm512_maskz_loadu_epi8(~0ULL >> 32, row.plane[2] + u / 2);
     return _mm512_permutex2var_epi8(first, _mm512_load_si512(kInterleave.data()), second);

@@ -150,7 +150,7 @@ struct Planes {
 // - candidates: returns zero only if all bytes are in the background box, including those outside the span.
 // - planes: returns the three channels, with chroma repeated for both pixels of a pair.
 
-// Three bytes a pixel.
+// Three bytes per pixel.
 template <PixelFormat kFormat>
 struct Packed24 {
   static constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
@@ -198,7 +198,7 @@ struct Packed24 {
   }
 };
 
-// Four bytes a pixel, the last of them unused.
+// Four bytes per pixel, the last of them unused.
 template <PixelFormat kFormat>
 struct Packed32 {
   static constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
@@ -238,7 +238,7 @@ struct Packed32 {
   }
 };
 
-// Two bytes a pixel.
+// Two bytes per pixel.
 template <PixelFormat kFormat>
 struct Packed16 {
   static constexpr std::size_t kLumaAt = info_of(kFormat).channel[0].offset, kChromaAt = 1 - kLumaAt;
@@ -272,7 +272,7 @@ struct Packed16 {
   }
 };
 
-// A byte a pixel, and two a pair, in one plane or in two.
+// One byte per pixel and two per pair, in one plane or in two.
 template <PixelFormat kFormat>
 struct Planar {
   static constexpr std::array kPick = {pick_bytes(0, 2, 2), pick_bytes(1, 2, 2)};
@@ -417,7 +417,7 @@ template <PixelFormat kFormat>
 [[gnu::noinline]] TOUCHLINE_TARGET_FUNCTION OccupiedWords classify_shaded(const SpanTables& tables,
                                                                           const RowPixels& row, std::uint32_t begin,
                                                                           std::uint32_t end, ColorId* colors) {
-  if (end < begin + avx512_shaded::kTile) return portable_kernel(kFormat)(tables, row, begin, end, colors);
+  if (end < begin + avx512_shaded::kTile) return portable_span_kernel(kFormat)(tables, row, begin, end, colors);
   return avx512_shaded::classify_shaded_span<avx512_shaded::ShadedLayoutOf<kFormat>>(tables, row, begin, end, colors);
 }
 
@@ -452,7 +452,7 @@ struct Family {
 }  // namespace
 }  // namespace avx512
 
-SpanKernel avx512_kernel(PixelFormat format) { return kernel_of_format<avx512::Family>(format); }
+SpanKernel avx512_span_kernel(PixelFormat format) { return kernel_of_format<avx512::Family>(format); }
 
 }  // namespace touchline
 

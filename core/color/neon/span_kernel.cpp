@@ -32,10 +32,10 @@ bool is_zero(PairValues value) { return vget_lane_u64(vreinterpret_u64_u8(value)
 // For 16 pixels and for 8 pairs. A Cortex-A72 looks up half a register in a third of the time.
 Values look_up(const std::uint8_t* table, Values nibble) { return vqtbl1q_u8(vld1q_u8(table), nibble); }
 PairValues look_up(const std::uint8_t* table, PairValues nibble) { return vqtbl1_u8(vld1q_u8(table), nibble); }
-Values both(Values a, Values b) { return vandq_u8(a, b); }
-PairValues both(PairValues a, PairValues b) { return vand_u8(a, b); }
-Values either(Values a, Values b) { return vorrq_u8(a, b); }
-PairValues either(PairValues a, PairValues b) { return vorr_u8(a, b); }
+Values and_of(Values a, Values b) { return vandq_u8(a, b); }
+PairValues and_of(PairValues a, PairValues b) { return vand_u8(a, b); }
+Values or_of(Values a, Values b) { return vorrq_u8(a, b); }
+PairValues or_of(PairValues a, PairValues b) { return vorr_u8(a, b); }
 
 // High and low nibbles of values.
 template <class Register>
@@ -60,9 +60,9 @@ static_assert(offsetof(ChannelNibbles, to_last) == 4 * sizeof(GroupLookups));
 template <class Register>
 Register classes_of(const ChannelNibbles& tables, std::size_t group, const Nibbles<Register>& value) {
   const GroupTables within_and_ends(tables.within, group);
-  const Register from = either(look_up(within_and_ends[1], value.high), look_up(within_and_ends[2], value.low));
-  const Register to = either(look_up(within_and_ends[3], value.high), look_up(within_and_ends[4], value.low));
-  return both(look_up(within_and_ends[0], value.high), both(from, to));
+  const Register from = or_of(look_up(within_and_ends[1], value.high), look_up(within_and_ends[2], value.low));
+  const Register to = or_of(look_up(within_and_ends[3], value.high), look_up(within_and_ends[4], value.low));
+  return and_of(look_up(within_and_ends[0], value.high), and_of(from, to));
 }
 
 // Adds the color of the lowest class, except where an earlier group has given a color.
@@ -136,22 +136,22 @@ struct RgbValues {
 };
 // False: background by the high nibbles, as most tiles are that the background box does not reject.
 bool may_be_colored(const Within& within, const RgbValues& value) {
-  return !is_zero(both(vqtbl1q_u8(within.first, vshrq_n_u8(value.red, 4)),
-                       both(vqtbl1q_u8(within.second, vshrq_n_u8(value.green, 4)),
-                            vqtbl1q_u8(within.third, vshrq_n_u8(value.blue, 4)))));
+  return !is_zero(and_of(vqtbl1q_u8(within.first, vshrq_n_u8(value.red, 4)),
+                         and_of(vqtbl1q_u8(within.second, vshrq_n_u8(value.green, 4)),
+                                vqtbl1q_u8(within.third, vshrq_n_u8(value.blue, 4)))));
 }
 [[gnu::always_inline]] inline Values colors_of(const TileNibbles& tables, const RgbValues& value) {
   Values found = vdupq_n_u8(kBackground);
   const Nibbles<Values> a = nibbles_of(value.red), b = nibbles_of(value.green), c = nibbles_of(value.blue);
   for (std::size_t group = 0; group < tables.groups; ++group) {
-    const Values classes = both(classes_of(tables.first, group, a),
-                                both(classes_of(tables.second, group, b), classes_of(tables.third, group, c)));
+    const Values classes = and_of(classes_of(tables.first, group, a),
+                                  and_of(classes_of(tables.second, group, b), classes_of(tables.third, group, c)));
     found = add_colors(found, tables.colors, group, classes);
   }
   return found;
 }
 
-// Three bytes a pixel. kFromZero: background_low is 0 everywhere.
+// Three bytes per pixel. kFromZero: background_low is 0 everywhere.
 template <PixelFormat kFormat, bool kFromZero>
 struct Packed24 {
   static constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
@@ -204,7 +204,7 @@ struct Packed24 {
   }
 };
 
-// Four bytes a pixel, the last of them unused.
+// Four bytes per pixel, the last of them unused.
 template <PixelFormat kFormat>
 struct Packed32 {
   static constexpr std::size_t kRed = info_of(kFormat).channel[0].offset;
@@ -240,18 +240,18 @@ struct Packed32 {
 // Formats whose pixel pairs share a chroma sample.
 template <PixelFormat kFormat>
 struct SharedChroma {
-  static constexpr bool kApart = info_of(kFormat).packing == Packing::kPlanar;
+  static constexpr bool kSeparateUv = info_of(kFormat).packing == Packing::kPlanar;
   static constexpr bool kPlanar = info_of(kFormat).planes > 1, kBackgroundFromZero = false;
 
   static RowPixels at(const RowPixels& row, std::size_t u) {
-    if constexpr (kApart) return {{row.plane[0] + u, row.plane[1] + u / 2, row.plane[2] + u / 2}};
+    if constexpr (kSeparateUv) return {{row.plane[0] + u, row.plane[1] + u / 2, row.plane[2] + u / 2}};
     return {{row.plane[0] + u * (kPlanar ? 1 : 2), kPlanar ? row.plane[1] + u : nullptr}};
   }
 
   // The first and second 16 bytes of a tile: consecutive in packed formats, luma and chroma in the others.
   static Values first(const RowPixels& tile) { return vld1q_u8(tile.plane[0]); }
   static Values second(const RowPixels& tile) {
-    if constexpr (kApart) {
+    if constexpr (kSeparateUv) {
       const PairValues u = vld1_u8(tile.plane[1]), v = vld1_u8(tile.plane[2]);
       return vcombine_u8(vzip1_u8(u, v), vzip2_u8(u, v));
     }
@@ -284,7 +284,7 @@ struct SharedChroma {
     PairValues u, v;
   };
   static Samples samples(const RowPixels& tile) {
-    if constexpr (kApart) return {first(tile), vld1_u8(tile.plane[1]), vld1_u8(tile.plane[2])};
+    if constexpr (kSeparateUv) return {first(tile), vld1_u8(tile.plane[1]), vld1_u8(tile.plane[2])};
     const Values a = first(tile), b = second(tile);
     const bool even = info_of(kFormat).channel[0].offset == 0;
     const Values luma = kPlanar ? a : even ? vuzp1q_u8(a, b) : vuzp2q_u8(a, b);
@@ -296,7 +296,7 @@ struct SharedChroma {
   static bool may_be_colored(const Within& within, const RowPixels& tile) {
     const Samples sample = samples(tile);
     return !is_zero(
-        both(vqtbl1_u8(within.second, vshr_n_u8(sample.u, 4)), vqtbl1_u8(within.third, vshr_n_u8(sample.v, 4))));
+        and_of(vqtbl1_u8(within.second, vshr_n_u8(sample.u, 4)), vqtbl1_u8(within.third, vshr_n_u8(sample.v, 4))));
   }
 
   [[gnu::noinline]] static Values colors(const TileNibbles& tables, RowPixels tile) {
@@ -305,11 +305,11 @@ struct SharedChroma {
     const Nibbles<PairValues> u = nibbles_of(sample.u), v = nibbles_of(sample.v);
     const Nibbles<Values> luma = nibbles_of(sample.luma);
     for (std::size_t group = 0; group < tables.groups; ++group) {
-      const PairValues pairs = both(classes_of(tables.second, group, u), classes_of(tables.third, group, v));
+      const PairValues pairs = and_of(classes_of(tables.second, group, u), classes_of(tables.third, group, v));
       if (is_zero(pairs)) continue;
       // Repeats the classes of each pair for both pixels.
       const Values of_pixels = vcombine_u8(vzip1_u8(pairs, pairs), vzip2_u8(pairs, pairs));
-      found = add_colors(found, tables.colors, group, both(of_pixels, classes_of(tables.first, group, luma)));
+      found = add_colors(found, tables.colors, group, and_of(of_pixels, classes_of(tables.first, group, luma)));
     }
     return found;
   }
@@ -402,11 +402,11 @@ class Span {
     if constexpr (kUnshaded) return Layout::may_be_colored(within_, tile);
     return Layout::may_be_colored(Within(TileNibbles(*tables_.nibbles, tables_.tiles[u / kTile])), tile);
   }
-  // Colors of kTile columns that begin at `u`, with the light level of column `lit`.
-  [[nodiscard]] Values colors_at(std::uint32_t u, std::uint32_t lit) const {
+  // Colors of kTile columns that begin at `u`, with the light level of `light_column`.
+  [[nodiscard]] Values colors_at(std::uint32_t u, std::uint32_t light_column) const {
     const RowPixels tile = Layout::at(row_, u);
     if constexpr (kUnshaded) return Layout::colors(nibbles_, tile);
-    return Layout::colors(TileNibbles(*tables_.nibbles, tables_.tiles[lit / kTile]), tile);
+    return Layout::colors(TileNibbles(*tables_.nibbles, tables_.tiles[light_column / kTile]), tile);
   }
 
   void clear(std::uint32_t u) { vst1q_u8(colors_ + u, vdupq_n_u8(kBackground)); }
@@ -434,7 +434,7 @@ OccupiedWords classify_light(const SpanTables& tables, const RowPixels& row, std
 template <PixelFormat kFormat>
 OccupiedWords classify_span(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end,
                             ColorId* colors) {
-  if (end - begin < kTile) return portable_kernel(kFormat)(tables, row, begin, end, colors);
+  if (end - begin < kTile) return portable_span_kernel(kFormat)(tables, row, begin, end, colors);
   if constexpr (info_of(kFormat).packing == Packing::kPacked32) {
     return classify_light<Packed32<kFormat>>(tables, row, begin, end, colors);
   } else if constexpr (info_of(kFormat).packing == Packing::kPacked24) {
@@ -453,7 +453,7 @@ struct Family {
 }  // namespace
 }  // namespace neon
 
-SpanKernel neon_kernel(PixelFormat format) { return kernel_of_format<neon::Family>(format); }
+SpanKernel neon_span_kernel(PixelFormat format) { return kernel_of_format<neon::Family>(format); }
 
 }  // namespace touchline
 

@@ -227,6 +227,6 @@ struct Family {
 }  // namespace
 }  // namespace portable
 
-SpanKernel portable_kernel(PixelFormat format) { return kernel_of_format<portable::Family, true>(format); }
+SpanKernel portable_span_kernel(PixelFormat format) { return kernel_of_format<portable::Family, true>(format); }
 
 }  // namespace touchline

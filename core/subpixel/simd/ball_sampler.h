@@ -43,8 +43,8 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
     const Float8 x = broadcast(inverse[0]) * from_u + broadcast(inverse[1]) * from_v;
     const Float8 y = broadcast(inverse[2]) * from_u + broadcast(inverse[3]) * from_v;
     const Float8 r = sqrt(x * x + y * y), per_r = one / max(r, broadcast(1e-6f));
-    const Float8 cover = min(one, broadcast(0.5f) - (r - one) * broadcast(ball.radius_px / kRampPx));
-    counts = counts & (cover > zero);
+    const Float8 coverage = min(one, broadcast(0.5f) - (r - one) * broadcast(ball.radius_px / kRampPx));
+    counts = counts & (coverage > zero);
     if (!any(counts)) return true;
     if (disk.full()) return false;
     disk.resize(disk.size() + 1);
@@ -53,7 +53,7 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
     TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
       store(select(rest[c] >= broadcast(kSaturation), broadcast(1e9f), broadcast(-1e9f)), pixels.up_to[c]);
     }
-    const Integer8 edge = counts & (cover < one);
+    const Integer8 edge = counts & (coverage < one);
     pixels.on_edge = any(edge);
     if (pixels.on_edge) {
       const Float8 beyond = per_r * broadcast(1.0f + kBeyondBallPx / ball.radius_px);
@@ -70,12 +70,12 @@ inline bool sample_ball(const Frame& frame, const BallView& ball, BallDisk& disk
       TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
         const Float8 outside = select(edge, light[c]);
         store(outside, pixels.outside[c]);
-        rest[c] -= (one - cover) * outside;
+        rest[c] -= (one - coverage) * outside;
       }
     }
-    const Float8 counted = select(counts, cover), shrunk = min(one, broadcast(kMaxNormalRadius) * per_r);
+    const Float8 counted = select(counts, coverage), shrunk = min(one, broadcast(kMaxNormalRadius) * per_r);
     const Float8 nx = shrunk * x, ny = shrunk * y;
-    store(counted, pixels.cover);
+    store(counted, pixels.coverage);
     store(counted * nx, pixels.slopes[0]);
     store(counted * ny, pixels.slopes[1]);
     store(counted * sqrt(max(one - nx * nx - ny * ny, zero)), pixels.slopes[2]);
@@ -91,11 +91,11 @@ struct ShadedPixels {
   LinearRgb8 rest;
   Float8 weight;
 
-  ShadedPixels(const BallPixels& pixels, const BallShading& shades)
-      : terms{load(pixels.cover), load(pixels.slopes[0]), load(pixels.slopes[1]), load(pixels.slopes[2])} {
+  ShadedPixels(const BallPixels& pixels, const BallShading& shading)
+      : terms{load(pixels.coverage), load(pixels.slopes[0]), load(pixels.slopes[1]), load(pixels.slopes[2])} {
     Float8 square = broadcast(0.0f);
     TOUCHLINE_UNROLL for (std::size_t c = 0; c < kLightChannels; ++c) {
-      const std::array<float, kShadeTerms>& of = shades.of[c];
+      const std::array<float, kShadeTerms>& of = shading.of[c];
       model[c] = (broadcast(of[0]) * terms[0] + broadcast(of[1]) * terms[1]) +
                  (broadcast(of[2]) * terms[2] + broadcast(of[3]) * terms[3]);
       // A saturated channel may have had more light.
@@ -103,7 +103,7 @@ struct ShadedPixels {
       error[c] = rest[c] - model[c];
       square += error[c] * error[c];
     }
-    weight = broadcast(shades.allowed) / (broadcast(shades.allowed) + square);
+    weight = broadcast(shading.allowed) / (broadcast(shading.allowed) + square);
   }
 };
 
@@ -129,19 +129,19 @@ inline ShadingEquations accumulate_shading(const BallDisk& disk, const BallShadi
   return sums;
 }
 
-inline BallOutlineEquations accumulate_outline(const BallDisk& disk, const BallShading& shades, float radius_px) {
+inline BallOutlineEquations accumulate_outline(const BallDisk& disk, const BallShading& shading, float radius_px) {
   const Float8 zero = broadcast(0.0f), steepness = broadcast(radius_px / kRampPx);
   Float8 xx = zero, xy = zero, yy = zero, rx = zero, ry = zero, fitting = zero, covered = zero;
   std::array<std::array<Float8, kShadeTerms>, kLightChannels> shared_x, shared_y;
   for (auto& row : shared_x) row.fill(zero);
   for (auto& row : shared_y) row.fill(zero);
   for (const BallPixels& stored : disk) {
-    const ShadedPixels pixels(stored, shades);
-    const Float8 cover = pixels.terms[0];
-    fitting += pixels.weight * cover;
-    covered += cover;
+    const ShadedPixels pixels(stored, shading);
+    const Float8 coverage = pixels.terms[0];
+    fitting += pixels.weight * coverage;
+    covered += coverage;
     if (!stored.on_edge) continue;
-    const Float8 whole = broadcast(1.0f) / max(cover, broadcast(1e-6f));
+    const Float8 whole = broadcast(1.0f) / max(coverage, broadcast(1e-6f));
     const Float8 out_x = load(stored.out_x), out_y = load(stored.out_y);
     const Float8 weight_x = pixels.weight * out_x, weight_y = pixels.weight * out_y;
     Float8 power = zero, along = zero;

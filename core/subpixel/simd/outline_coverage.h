@@ -63,16 +63,16 @@ struct Triangle {
 /// Calls use(shape). shape.at(x, y, per_m) is the coverage of pixels at (x, y) meters from the outline's center along
 /// its own axes.
 template <class Use>
-auto with_shape(const BlurredOutline& cover, Use use) {
-  const float half_length = cover.half_length_m(), half_width = cover.half_width_m();
-  if (cover.outline() == PatchOutline::kCircle) return use(Ellipse{half_length, half_width});
-  if (cover.outline() == PatchOutline::kTriangle) {
-    return use(Triangle{2.0f / 3.0f * half_length, cover.across_left().x_m, cover.across_left().y_m});
+auto with_shape(const BlurredOutline& outline, Use use) {
+  const float half_length = outline.half_length_m(), half_width = outline.half_width_m();
+  if (outline.outline() == PatchOutline::kCircle) return use(Ellipse{half_length, half_width});
+  if (outline.outline() == PatchOutline::kTriangle) {
+    return use(Triangle{2.0f / 3.0f * half_length, outline.across_left().x_m, outline.across_left().y_m});
   }
   return use(Rectangle{half_length, half_width});
 }
-inline Coverage coverage_at(const BlurredOutline& cover, Float8 x_m, Float8 y_m, float ramp_m) {
-  return with_shape(cover, [&](const auto& shape) { return shape.at(x_m, y_m, 1.0f / ramp_m); });
+inline Coverage coverage_at(const BlurredOutline& outline, Float8 x_m, Float8 y_m, float ramp_m) {
+  return with_shape(outline, [&](const auto& shape) { return shape.at(x_m, y_m, 1.0f / ramp_m); });
 }
 
 }  // namespace TOUCHLINE_SIMD

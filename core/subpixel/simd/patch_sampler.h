@@ -29,12 +29,12 @@ inline ColorSums sample_top(const Frame& frame, const MarkerView& robot) {
     const Float8 x = broadcast(apart_m * static_cast<float>(i) - inner_m);
     // With a ramp of twice the width, coverage 0 means that the pixel is clear of the patch.
     Float8 covered = zero;
-    for (std::size_t k = 0; k < robot.covers->size(); ++k) {
-      const BlurredOutline& cover = (*robot.covers)[k];
-      const Float8 c = broadcast(cover.cos()), s = broadcast(cover.sin());
+    for (std::size_t k = 0; k < robot.outlines->size(); ++k) {
+      const BlurredOutline& outline = (*robot.outlines)[k];
+      const Float8 c = broadcast(outline.cos()), s = broadcast(outline.sin());
       const Float8 from_x = x - broadcast(robot.layout->patches[k].x_m);
       const Float8 from_y = y - broadcast(robot.layout->patches[k].y_m);
-      covered += coverage_at(cover, c * from_x + s * from_y, c * from_y - s * from_x, 2.0f * robot.ramp_m).value;
+      covered += coverage_at(outline, c * from_x + s * from_y, c * from_y - s * from_x, 2.0f * robot.ramp_m).value;
     }
     const Integer8 is_free = covered == zero;
     if (!any(is_free)) continue;
@@ -55,14 +55,14 @@ class PatchSampler {
         robot_(robot),
         patch_(patch),
         place_(robot.layout->patches[patch.number]),
-        cover_((*robot.covers)[patch.number]),
+        outline_((*robot.outlines)[patch.number]),
         edge_(edge) {
     TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) top_[c] = broadcast(robot.top[c]);
   }
 
   bool sample(ColorSums& inside) {
     edge_.clear();
-    if (!with_shape(cover_, [&](const auto& shape) { return sample_shape(shape); })) return false;
+    if (!with_shape(outline_, [&](const auto& shape) { return sample_shape(shape); })) return false;
     inside = {
         count_, {horizontal_sum(sum_[0]), horizontal_sum(sum_[1]), horizontal_sum(sum_[2])}, horizontal_sum(squares_)};
     return true;
@@ -72,13 +72,13 @@ class PatchSampler {
   template <class Shape>
   bool sample_shape(const Shape& shape) {
     // Jacobian from the outline's axes to pixels, and its inverse.
-    const float c = cover_.cos(), s = cover_.sin();
+    const float c = outline_.cos(), s = outline_.sin();
     const float u_by_x = c * robot_.u_by_x + s * robot_.u_by_y, u_by_y = c * robot_.u_by_y - s * robot_.u_by_x;
     const float v_by_x = c * robot_.v_by_x + s * robot_.v_by_y, v_by_y = c * robot_.v_by_y - s * robot_.v_by_x;
     const float determinant = u_by_x * v_by_y - u_by_y * v_by_x;
     const float x_by_u = v_by_y / determinant, x_by_v = -u_by_y / determinant;
     const float y_by_u = -v_by_x / determinant, y_by_v = u_by_x / determinant;
-    const FieldPoint box = cover_.half_box(robot_.ramp_m);
+    const FieldPoint box = outline_.half_box(robot_.ramp_m);
     const float reach_u = std::abs(u_by_x) * box.x_m + std::abs(u_by_y) * box.y_m;
     const float reach_v = std::abs(v_by_x) * box.x_m + std::abs(v_by_y) * box.y_m;
     check_robot_edge(box);
@@ -94,7 +94,7 @@ class PatchSampler {
                         y = between_sides(y_by_u, broadcast(y_by_v) * from_v, half.y_m);
       return ColumnRange{max(x.low, y.low), min(x.high, y.high)};
     };
-    const FieldPoint inner = cover_.inner_box(robot_.ramp_m);
+    const FieldPoint inner = outline_.inner_box(robot_.ramp_m);
     const int stride = sampling_stride(std::max(reach_u, reach_v), kFullPatchReachPx);
     OutlinePixels pixels;
     if (!pixels.collect(
@@ -118,7 +118,7 @@ class PatchSampler {
 
   // Finds out whether pixels of the patch can show surroundings beyond the robot's edge.
   void check_robot_edge(FieldPoint box) {
-    const float c = cover_.cos(), s = cover_.sin();
+    const float c = outline_.cos(), s = outline_.sin();
     const float x = place_.x_m + c * patch_.at.x_m - s * patch_.at.y_m;
     const float y = place_.y_m + s * patch_.at.x_m + c * patch_.at.y_m;
     const float wide_x = std::abs(c) * box.x_m + std::abs(s) * box.y_m;
@@ -160,7 +160,7 @@ class PatchSampler {
   // Subtracts the light of the surroundings from the part of each pixel beyond the robot's edge.
   [[gnu::always_inline]] void subtract_surroundings(Float8 from_x, Float8 from_y, LinearRgb8& light,
                                                     Surroundings& around) const {
-    const Float8 c = broadcast(cover_.cos()), s = broadcast(cover_.sin()), half = broadcast(robot_.half_m);
+    const Float8 c = broadcast(outline_.cos()), s = broadcast(outline_.sin()), half = broadcast(robot_.half_m);
     const Float8 x = broadcast(place_.x_m) + c * from_x - s * from_y;
     const Float8 y = broadcast(place_.y_m) + s * from_x + c * from_y;
     const Float8 beyond_x = abs(x) - half, beyond_y = abs(y) - half;
@@ -190,7 +190,7 @@ class PatchSampler {
   const MarkerView& robot_;
   const PatchView& patch_;
   const PatchPlace& place_;
-  const BlurredOutline& cover_;
+  const BlurredOutline& outline_;
   PatchEdge& edge_;
   LinearRgb8 top_;
   bool reaches_beyond_ = false;
@@ -208,27 +208,27 @@ inline CenterEquations accumulate_edge(const EdgeFitTask& task) {
   const Float8 zero = broadcast(0.0f), one = broadcast(1.0f);
   Float8 xx = zero, xy = zero, yy = zero, rx = zero, ry = zero, squares = zero, weights = zero;
   const Float8 doubted = broadcast(task.doubted);
-  with_shape(*task.cover, [&](const auto& shape) {
+  with_shape(*task.outline, [&](const auto& shape) {
     const float per_m = 1.0f / task.ramp_m;
     for (const EdgePixels& pixels : *task.edge) {
       const Float8 x = load(pixels.x), y = load(pixels.y);
-      const Coverage cover = shape.at(x - broadcast(task.at.x_m), y - broadcast(task.at.y_m), per_m);
+      const Coverage coverage = shape.at(x - broadcast(task.at.x_m), y - broadcast(task.at.y_m), per_m);
       Float8 error = broadcast(task.along[0]) * load(pixels.light[0]) +
                      broadcast(task.along[1]) * load(pixels.light[1]) +
-                     broadcast(task.along[2]) * load(pixels.light[2]) - cover.value;
+                     broadcast(task.along[2]) * load(pixels.light[2]) - coverage.value;
       for (const NeighborPatch& other : task.neighbors) {
         const Float8 its_x = broadcast(other.cos) * x - broadcast(other.sin) * y + broadcast(other.x_m);
         const Float8 its_y = broadcast(other.sin) * x + broadcast(other.cos) * y + broadcast(other.y_m);
         const Integer8 near =
             (abs(its_x) < broadcast(other.half_box.x_m)) & (abs(its_y) < broadcast(other.half_box.y_m));
-        if (any(near)) error -= broadcast(other.light) * coverage_at(*other.cover, its_x, its_y, task.ramp_m).value;
+        if (any(near)) error -= broadcast(other.light) * coverage_at(*other.outline, its_x, its_y, task.ramp_m).value;
       }
-      const Integer8 flat = (cover.by_x_m == zero) & (cover.by_y_m == zero);
+      const Integer8 flat = (coverage.by_x_m == zero) & (coverage.by_y_m == zero);
       const Float8 weight = select(~flat, load(pixels.counts) / (one + doubted * load(pixels.doubt)));
-      const Float8 by_x = weight * cover.by_x_m, by_y = weight * cover.by_y_m;
-      xx += by_x * cover.by_x_m;
-      xy += by_x * cover.by_y_m;
-      yy += by_y * cover.by_y_m;
+      const Float8 by_x = weight * coverage.by_x_m, by_y = weight * coverage.by_y_m;
+      xx += by_x * coverage.by_x_m;
+      xy += by_x * coverage.by_y_m;
+      yy += by_y * coverage.by_y_m;
       rx += by_x * error;
       ry += by_y * error;
       squares += weight * error * error;

@@ -21,13 +21,14 @@ constexpr std::size_t kUsualRow = 32;
 // Runs that a more crowded row keeps, as long as there is credit.
 constexpr std::size_t kRunsOfCrowdedRow = kReservePerRow + kRunsPerRow;
 
-/// Limits the runs of each row, which bounds the time for any picture. Every row adds kRunsPerRow to a credit and may
-/// take half of it. Rows with more than kUsualRow runs cannot use a part of the credit that is held back. Rows with
-/// more than kRealisticRow runs get only kRunsOfCrowdedRow. So clutter leaves credit for later rows, and the credit
-/// lasts for a whole frame of clutter. A frame keeps all runs if no row has more than kRealisticRow runs, and if the
-/// rows from the top to any row have together at most reserve(height) - held_back(height) runs plus kRunsPerRow for
-/// each row.
-class RunBudget {
+/// Limits the number of runs in each row with a token bucket, which bounds the time for any picture. Every row adds
+/// kRunsPerRow to a credit and may take half of it. Rows with more than kUsualRow runs cannot use the part of the
+/// credit that is held back. Rows with more than kRealisticRow runs get only kRunsOfCrowdedRow. Clutter therefore
+/// leaves credit for later rows, and the credit lasts for a whole frame of clutter.
+///
+/// A frame keeps all its runs if no row has more than kRealisticRow runs and if, for each row, all rows from the top to
+/// this one have at most reserve(height) - held_back(height) runs plus kRunsPerRow per row.
+class RunLimiter {
  public:
   static constexpr std::size_t reserve(std::size_t height_px) {
     return std::max(kReservePerRow * height_px, kLeastReserve);

@@ -5,9 +5,9 @@
 namespace touchline::testing {
 
 /// Random numbers that are the same with every standard library.
-class Dice {
+class PortableRandom {
  public:
-  explicit Dice(std::uint32_t seed) : engine_(seed) {}
+  explicit PortableRandom(std::uint32_t seed) : engine_(seed) {}
 
   /// Uniform in [low, high).
   float real(float low, float high) {

@@ -19,8 +19,8 @@ struct Contact {
 // At most one per column.
 using Contacts = std::array<Contact, kMaxRowWords * kPixelsOfWord + 8>;
 
-/// Functions on the bits of a row, for one instruction set. All sets give the same results.
-struct RowBits {
+/// Functions on the bit masks of a row, for one instruction set. All sets give the same results.
+struct RowBitKernel {
   std::size_t (*count)(const PixelBits& bits, std::size_t words);
   /// A bit of `ending` is set if the run of the pixel ends less than n pixels to the right, with n >= `pixels`. (Bits
   /// outside of runs have no meaning.) Writes the same bits for n + `pixels` to `wider`; `pixels` is 1 to 63. Returns
@@ -33,6 +33,6 @@ struct RowBits {
   std::size_t (*list_contacts)(const RowMasks& above, const RowMasks& row, Contacts& contacts);
 };
 
-const RowBits& row_bits(KernelChoice kernel);
+const RowBitKernel& row_bit_kernel(KernelChoice kernel);
 
 }  // namespace touchline

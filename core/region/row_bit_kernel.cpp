@@ -1,4 +1,4 @@
-#include "core/region/row_bits.h"
+#include "core/region/row_bit_kernel.h"
 
 #include <algorithm>
 #include <bit>
@@ -104,7 +104,8 @@ std::size_t list_contacts_portably(const RowMasks& above, const RowMasks& row, C
   return list_contacts(above, row, contacts);
 }
 
-constexpr RowBits portable_row_bits = {count_by_pairs, widen_by_pairs, list_portably, list_contacts_portably};
+constexpr RowBitKernel portable_row_bit_kernel = {count_by_pairs, widen_by_pairs, list_portably,
+                                                  list_contacts_portably};
 
 #if defined(__x86_64__)
 
@@ -166,20 +167,20 @@ TOUCHLINE_AVX2 std::size_t list_contacts_avx2(const RowMasks& above, const RowMa
   return list_contacts(above, row, contacts);
 }
 
-constexpr RowBits avx2_row_bits = {count_avx2, widen_avx2, list_avx2, list_contacts_avx2};
+constexpr RowBitKernel avx2_row_bit_kernel = {count_avx2, widen_avx2, list_avx2, list_contacts_avx2};
 
 #endif
 
 }  // namespace
 
-const RowBits& row_bits(KernelChoice kernel) {
+const RowBitKernel& row_bit_kernel(KernelChoice kernel) {
   switch (kernel) {
-#define TOUCHLINE_SET(family, set, word, features, span_kernel, row_masks, row_bits, ...) \
-  TOUCHLINE_ON_##family(case KernelChoice::set : return row_bits;)
+#define TOUCHLINE_SET(family, set, word, features, span_kernel, row_masks, row_bit_kernel, ...) \
+  TOUCHLINE_ON_##family(case KernelChoice::set : return row_bit_kernel;)
     TOUCHLINE_KERNEL_SETS(TOUCHLINE_SET)  // NOLINT(bugprone-branch-clone): sets may share a function
 #undef TOUCHLINE_SET
     default:
-      return portable_row_bits;
+      return portable_row_bit_kernel;
   }
 }
 

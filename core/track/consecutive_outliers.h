@@ -8,7 +8,7 @@ namespace touchline {
 
 /// Consecutive sightings that a filter's gate rejected. A single one is an error of the vision. Several consistent ones
 /// mean that the object was moved (a collision, a hand), so the filter must be reset (paper, section 6.1).
-class OutlierRun {
+class ConsecutiveOutliers {
  public:
   struct Outlier {
     Pose pose;

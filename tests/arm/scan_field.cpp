@@ -80,7 +80,7 @@ extern "C" [[gnu::noinline]] void trace_ends() { asm volatile(""); }
 
 }  // namespace
 
-// traced_scan FORMAT PICTURE KERNEL LIGHT WORK: a call of WORK, scan or classify, on a 640 x 480 picture between two
+// scan_field FORMAT PICTURE KERNEL LIGHT WORK: a call of WORK, scan or classify, on a 640 x 480 picture between two
 // marks. Prints how many regions or colored pixels it found.
 int main(int argc, char** argv) {
   if (argc != 6) return 64;

@@ -8,16 +8,16 @@
 #include "tests/region/patterns.h"
 #include "tests/region/region_comparison.h"
 
-// The comparison with the literal algorithm is itself checked: it has to catch every mistake that labelings of runs are
-// known for, planted one at a time into a labeling that is right without them.
+// Tests the comparison with the literal algorithm: it must detect every typical mistake of run-based labeling. Each one
+// is planted in turn into a labeling that is correct without it.
 namespace touchline::testing {
 namespace {
 
 enum class Fault {
   kNone,
-  kLosesFirstPixelOfLaterRuns,  // a run that ends where the next begins swallows that pixel
-  kLinksOnlyTheFirstAbove,      // a run that touches several runs above joins one of them
-  kLinksOnlyTheFirstBelow,      // a run above is joined by one of the runs that it touches
+  kLosesFirstPixelOfLaterRuns,  // a run that ends where the next one begins takes its first pixel
+  kLinksOnlyTheFirstAbove,      // a run that touches several runs above joins only one of them
+  kLinksOnlyTheFirstBelow,      // a run that touches several runs below is joined to only one of them
   kTakesDiagonals,              // 8-neighborhood
   kJoinsTouchingColors,
   kSumsInFloat,
@@ -95,22 +95,22 @@ void sum_regions(Runs& runs, const std::vector<std::size_t>& parent, Regions& re
   }
 }
 
-struct Trap {
+struct PlantedFault {
   Fault fault;
   const char* name;
 };
-void PrintTo(const Trap& trap, std::ostream* out) { *out << trap.name; }
+void PrintTo(const PlantedFault& planted, std::ostream* out) { *out << planted.name; }
 
-class TrapTest : public ::testing::TestWithParam<Trap> {};
+class PlantedFaultTest : public ::testing::TestWithParam<PlantedFault> {};
 
-TEST_P(TrapTest, IsSeenByTheComparison) {
+TEST_P(PlantedFaultTest, IsDetectedByTheComparison) {
   const Fault fault = GetParam().fault;
   std::mt19937 random(1);
   const auto runs = std::make_unique<Runs>();
   const auto regions = std::make_unique<Regions>();
   std::size_t caught = 0;
   for (const Pattern pattern : kAllPatterns) {
-    // A full picture is large enough for a float to lose nibbles.
+    // A full picture is so large that sums of floats are inexact.
     const bool large = pattern == Pattern::kFull || pattern == Pattern::kHorizontalStripes;
     const ColorGrid grid = make_pattern(pattern, large ? 640 : 96, large ? 480 : 64, random);
     runs->clear();
@@ -125,21 +125,21 @@ TEST_P(TrapTest, IsSeenByTheComparison) {
     caught += difference(expected_regions(grid), *runs, *regions).empty() ? 0u : 1u;
   }
   if (fault == Fault::kNone) {
-    EXPECT_EQ(caught, 0u) << "the labeling must be right when no fault is planted";
+    EXPECT_EQ(caught, 0u) << "without a planted fault the labeling must be correct";
   } else {
     EXPECT_GT(caught, 0u);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Planted, TrapTest,
-                         ::testing::Values(Trap{Fault::kNone, "none"},
-                                           Trap{Fault::kLosesFirstPixelOfLaterRuns, "loses_first_pixel"},
-                                           Trap{Fault::kLinksOnlyTheFirstAbove, "links_first_above"},
-                                           Trap{Fault::kLinksOnlyTheFirstBelow, "links_first_below"},
-                                           Trap{Fault::kTakesDiagonals, "takes_diagonals"},
-                                           Trap{Fault::kJoinsTouchingColors, "joins_touching_colors"},
-                                           Trap{Fault::kSumsInFloat, "sums_in_float"},
-                                           Trap{Fault::kStopsSilently, "stops_silently"}),
+INSTANTIATE_TEST_SUITE_P(Planted, PlantedFaultTest,
+                         ::testing::Values(PlantedFault{Fault::kNone, "none"},
+                                           PlantedFault{Fault::kLosesFirstPixelOfLaterRuns, "loses_first_pixel"},
+                                           PlantedFault{Fault::kLinksOnlyTheFirstAbove, "links_first_above"},
+                                           PlantedFault{Fault::kLinksOnlyTheFirstBelow, "links_first_below"},
+                                           PlantedFault{Fault::kTakesDiagonals, "takes_diagonals"},
+                                           PlantedFault{Fault::kJoinsTouchingColors, "joins_touching_colors"},
+                                           PlantedFault{Fault::kSumsInFloat, "sums_in_float"},
+                                           PlantedFault{Fault::kStopsSilently, "stops_silently"}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

@@ -17,11 +17,10 @@ constexpr const char* kDescription =
 constexpr const char* kFooter =
     "Exit codes: 0 success, 1 the configuration is wrong, 2 a device failed, 64 the command line is wrong, 70 an\n"
     "internal error.\n"
-    "Nothing moves before all files have been checked. Ctrl-C stops the robots and ends the program; pressed again\n"
+    "No device is opened before all files are checked. Ctrl-C stops the robots and ends the program; pressed again\n"
     "after a second, it ends the program immediately.\n"
     "SIGUSR1 freezes the adaptation to the light or resumes it, SIGUSR2 resets it to the calibration or restarts it.\n"
-    "SIGHUP reads the files again: exposure, gain, thresholds, light map, limits of the control and times change "
-    "while\n"
+    "SIGHUP reloads the files: exposure, gain, thresholds, light map, limits of the control and times change while\n"
     "robots play; keys that need a restart are listed. (After the terminal was closed, SIGHUP ends the program.)";
 
 // CLI11's own ranges accept "nan" and print the largest double as limit.

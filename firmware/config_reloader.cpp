@@ -38,7 +38,7 @@ std::vector<std::string> ConfigReloader::reload(const std::atomic<bool>& cancell
   std::vector<std::string> messages;
   const auto refused = [&](const config::Problems& problems) {
     messages = problems.lines();
-    messages.emplace_back("reload: everything stays as it runs");
+    messages.emplace_back("reload: nothing was changed");
     return messages;
   };
   config::Problems problems;
@@ -128,9 +128,9 @@ void ReloadThread::reload_and_print() {
     try {
       for (const std::string& line : reload_(end_)) print_(line);
     } catch (const std::exception& error) {
-      print_(std::string("reload: failed: ") + error.what() + "; everything stays as it is");
+      print_(std::string("reload: failed: ") + error.what() + "; nothing was changed");
     }
-  } catch (...) {  // not even memory for a message: the game goes on without it
+  } catch (...) {  // no memory for a message: the game continues without it
   }
 }
 

@@ -19,7 +19,7 @@ struct ReloadChanges;
 }
 
 /// Reads the three files again while the loop runs and applies the keys that may change then (config/reload.h): camera
-/// controls to the open device, everything else by a LiveUpdate. Use it on a thread of its own: it reads files,
+/// controls to the open device, everything else by a LiveUpdate. Call it on a separate thread, because it reads files,
 /// allocates, and waits for the camera and the loop.
 class ConfigReloader {
  public:
@@ -31,8 +31,8 @@ class ConfigReloader {
   ConfigReloader(const ConfigReloader&) = delete;
   ConfigReloader& operator=(const ConfigReloader&) = delete;
 
-  /// Returns messages for a person: which keys have changed from which frame on, which need a restart, what is wrong
-  /// with the files (then nothing changes). Returns when the loop has taken the settings or `cancelled` is set.
+  /// Returns messages for a person: which keys have changed and from which frame on, which need a restart, and errors
+  /// in the files (then nothing changes). Returns when the loop has taken the settings or `cancelled` is set.
   std::vector<std::string> reload(const std::atomic<bool>& cancelled);
   /// The configuration in use.
   [[nodiscard]] const config::Configuration& running() const { return *running_; }
@@ -47,18 +47,18 @@ class ConfigReloader {
   // On the heap because it takes megabytes.
   std::unique_ptr<config::Configuration> running_;
   std::unique_ptr<ScanTables> second_;  // made at the first reload that needs them
-  ScanTables* unused_ = nullptr;        // these or the ones that the scanner began with
+  ScanTables* unused_ = nullptr;        // `second_` or the scanner's own tables
   std::unique_ptr<LiveSettings> live_settings_ = std::make_unique<LiveSettings>();
 };
 
-/// A thread that reloads whenever it is asked to. Start it before the loop's thread gets its real-time priority, which
-/// it would inherit. An exception ends the reload that threw it, and nothing else.
+/// A thread that reloads on request. Start it before the loop's thread gets its real-time priority, which it would
+/// inherit. An exception ends only the reload that threw it.
 class ReloadThread {
  public:
   /// ConfigReloader::reload.
   using Reload = std::function<std::vector<std::string>(const std::atomic<bool>& cancelled)>;
   using Print = std::function<void(const std::string& line)>;
-  /// `requests` counts up. `reload` and `print` are called on the thread.
+  /// `requests` is incremented for each request. `reload` and `print` are called on the new thread.
   ReloadThread(Reload reload, const std::atomic<std::uint32_t>& requests, Print print);
   /// Cancels a reload that waits for the loop.
   ~ReloadThread();

@@ -35,7 +35,7 @@ void pause_ms(long milliseconds) noexcept {
   while (::nanosleep(&left, &left) != 0 && errno == EINTR) continue;
 }
 
-/// A full port is tried again until the next packet is due.
+// If the port is full, tries again until the next packet is due.
 void write_packet(int descriptor, const Packet& packet) noexcept {
   std::size_t written = 0;
   for (long waited = 0; written < packet.size() && waited < kPacketPause_ms; waited += kRetryPause_ms) {
@@ -99,7 +99,7 @@ void install_handlers() {
 
 void set_radio(int descriptor) { radio.store(descriptor, std::memory_order_release); }
 
-void note_sent(const Packet& packet) {
+void record_sent(const Packet& packet) {
   if (packet.size() <= kSequenceOffset) return;
   last_sequence.store(std::to_integer<std::uint8_t>(packet[kSequenceOffset]), std::memory_order_relaxed);
 }

@@ -6,23 +6,24 @@
 // SIGSEGV. Only SIGKILL and a power failure leave it to the robots, which stop by themselves without packets
 // (docs/radio.md).
 //
-// The state is the process's, because signal handlers are: one radio at a time.
+// The state is global because signal handlers are: one radio at a time.
 namespace touchline::crash_stop {
 
-/// Installs the handlers: std::terminate, exit, and all signals that end the process by default and have no handler of
-/// their own. Each sends the stop packets first and then ends the process as it would have ended. Call it on the
-/// loop's thread, which gets a signal stack of its own so that an overflow of its stack is handled as well.
+/// Installs handlers for std::terminate, exit, and all signals that end the process by default and have no other
+/// handler. Each handler sends the stop packets and then ends the process as it would have ended without the handler.
+/// Call it on the loop's thread, which gets a signal stack of its own so that an overflow of its stack is handled as
+/// well.
 void install_handlers();
 
-/// The radio's file descriptor; -1: none is open. Whole packets are written to it from a signal handler.
+/// Sets the radio's file descriptor; -1: none is open. Whole packets are written to it from a signal handler.
 void set_radio(int descriptor);
-/// The last packet handed to the radio: the stop packets carry the sequence numbers after its own.
-void note_sent(const Packet& packet);
+/// Records the last packet that was passed to the radio. The stop packets continue its sequence numbers.
+void record_sent(const Packet& packet);
 
 /// Writes five stop packets, 20 ms apart, and waits until they have left the port, half a second at most. Only the
 /// first call does; a call on another thread meanwhile waits for it. Async-signal-safe.
 void send_stop_packets() noexcept;
-/// Whether send_stop_packets() has begun: from then on nobody else may send.
+/// Whether send_stop_packets() has started. After that, no other packets may be sent.
 [[nodiscard]] bool is_stopping();
 
 }  // namespace touchline::crash_stop

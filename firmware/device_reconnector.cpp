@@ -24,10 +24,10 @@ void DeviceReconnector::work() {
     if (task != Task::kOpen) continue;
     try {
       result_ = reopen_(device_);
-    } catch (...) {  // memory is short, or a driver's library failed: another attempt may succeed
+    } catch (...) {  // out of memory, or a failure in a driver's library: another attempt may succeed
       result_ = failure(ErrorCode::kIo, "the driver threw an exception");
     }
-    // Fails if stop() came meanwhile.
+    // Fails if stop() was called meanwhile.
     if (!task_.compare_exchange_strong(task, Task::kDone, std::memory_order_acq_rel)) return;
     task_.notify_all();
   }

@@ -10,34 +10,34 @@
 
 namespace touchline {
 
-/// Reopens one lost device on a thread of its own, after pauses that double, so that the loop never waits for a driver.
+/// Reopens one lost device on its own thread, after pauses that double, so that the loop never waits for a driver.
 /// While the device is lost, only that thread may touch it.
 class DeviceReconnector {
  public:
-  /// Closes what is left, opens and starts the device; may block, allocate and throw.
+  /// Closes the device if necessary, then opens and starts it. May block, allocate and throw.
   using Reopen = Result<void> (*)(void* device);
   static constexpr Duration kLongestPause = std::chrono::seconds(8);
-  // For a device that is not there: the attempt costs little, and somebody may be about to plug it in.
+  // While the device is absent, an attempt is cheap, and a person may be about to plug it in.
   static constexpr Duration kLongestPauseAbsent = std::chrono::seconds(2);
 
-  /// With `wait_for_driver` poll() waits until the driver has answered. In simulated time, which does not pass while a
-  /// driver works, this makes a run repeatable.
+  /// `wait_for_driver`: poll() waits for the result of an attempt. Runs in simulated time are then repeatable, because
+  /// this time does not advance during the attempt.
   DeviceReconnector(Reopen reopen, void* device, Duration first_pause, bool wait_for_driver);
   ~DeviceReconnector();
   DeviceReconnector(const DeviceReconnector&) = delete;
   DeviceReconnector& operator=(const DeviceReconnector&) = delete;
 
   [[nodiscard]] bool is_open() const { return is_open_; }
-  /// Applies from the next loss on.
+  /// Applies to the next loss.
   void set_first_pause(Duration pause) { first_pause_ = pause; }
-  /// The device is lost; ignored if it is lost already.
+  /// Marks the device as lost. No effect if it is already lost.
   void mark_lost(Instant now);
   /// Call it in each iteration. Starts the attempts that are due; returns the result of one that has ended since the
   /// last call. After success the device is open.
   std::optional<Result<void>> poll(Instant now);
-  /// For how long the device has been lost.
+  /// Time since the device was lost; zero if it is open.
   [[nodiscard]] Duration time_lost(Instant now) const { return is_open_ ? Duration::zero() : now - lost_at_; }
-  /// Waits for an attempt in progress and makes no others.
+  /// Waits for an attempt in progress and starts no others.
   void stop();
 
  private:
@@ -52,7 +52,7 @@ class DeviceReconnector {
   Instant lost_at_{}, next_attempt_{};
   Duration pause_{};
   std::atomic<Task> task_{Task::kIdle};
-  Result<void> result_;  // the thread's, published by task_
+  Result<void> result_;  // written by the thread, published by task_
   std::thread thread_;
 };
 

@@ -25,7 +25,7 @@ void Devices::make(const config::Configuration& configuration, std::uint64_t see
   const bool mock_gpio = board.gpio.backend == hal::GpioBackend::kMock;
   const bool real_radio = board.radio.backend == hal::RadioBackend::kSerial;
   const bool real_gpio = board.gpio.backend == hal::GpioBackend::kGpiod;
-  // Time is simulated only if no real device takes part; otherwise the arena follows the system's clock.
+  // Time is simulated only without real devices; otherwise the arena follows the system clock.
   simulated_time_ = mock_camera && !real_radio && !real_gpio;
   if (mock_camera || mock_radio || mock_gpio) {
     arena_ =

@@ -17,7 +17,7 @@ namespace hal::mock {
 class Arena;
 }
 
-/// The devices of one board, with the backends that the board file names. They are made closed.
+/// The devices of one board, with the backends that the board file names. make() creates them without opening them.
 class Devices {
  public:
   Devices();
@@ -25,7 +25,7 @@ class Devices {
   Devices(const Devices&) = delete;
   Devices& operator=(const Devices&) = delete;
 
-  /// `seed`: of all random numbers of a simulation. Backends can be combined freely: a simulated arena with a real
+  /// `seed`: seed of all random numbers of a simulation. Backends can be combined freely: a simulated arena with a real
   /// device beside it runs in real time.
   void make(const config::Configuration& configuration, std::uint64_t seed);
 

@@ -22,7 +22,7 @@ struct Cell {
   Paint paint = Paint::kNone;
 };
 
-// Characters from left to right along x, rows from top to bottom along -y, inside a border.
+// Characters inside a border: columns run along x, rows along -y.
 class Canvas {
  public:
   Canvas(const FieldParameters& field, int columns) : field_(field), columns_(std::max(columns, 12)) {

@@ -13,23 +13,23 @@ namespace touchline {
 
 /// Settings that the loop uses from its next frame on, prepared and checked in advance.
 struct LiveSettings {
-  ScanTables* tables = nullptr;      // null: keep those in use. The loop puts its former ones here
+  ScanTables* tables = nullptr;      // null: unchanged. The loop replaces the pointer by its previous tables
   Adaptation adaptation;             // belongs to the tables
-  bool keep_adaptation_mode = true;  // a person may have changed it since
+  bool keep_adaptation_mode = true;  // a signal may have changed the mode
   ControlParameters control;
   config::FaultSettings faults;
   Duration radio_delay{};
-  std::uint64_t taken_after = 0;  // set by the loop: frames processed before
+  std::uint64_t taken_after = 0;  // set by the loop: number of frames processed before
 };
 
-/// Passes LiveSettings from one thread to the loop, which takes them between two frames without waiting.
+/// Passes LiveSettings from another thread to the loop, which applies them between two frames without waiting.
 class LiveUpdate {
  public:
-  /// Called by the thread that made the settings. It must not touch them while they are pending.
+  /// Called by the thread that owns the settings. It must not access them while they are pending.
   void offer(LiveSettings& live_settings) { offered_.store(&live_settings, std::memory_order_release); }
   [[nodiscard]] bool is_pending() const { return offered_.load(std::memory_order_acquire) != nullptr; }
 
-  /// Called by the loop. nullptr: nothing is pending. After it has applied the settings, it calls taken().
+  /// Called by the loop; null if nothing is pending. After applying the settings, the loop calls taken().
   [[nodiscard]] LiveSettings* offered() const { return offered_.load(std::memory_order_acquire); }
   void taken() { offered_.store(nullptr, std::memory_order_release); }
 

@@ -11,10 +11,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// At 3 % lost packets (users report as much) all five are lost once in 40 million times.
+// If 3 % of the packets are lost, as users report, the probability to lose all five is 1 in 40 million.
 constexpr int kFinalStops = 5;
 constexpr Duration kFinalStopPause = 20ms;
-// 63 bytes at 1200 baud, the slowest port, take 0.53 s.
+// A packet of 63 bytes takes 0.53 s at 1200 baud, the slowest port.
 constexpr Duration kDrainTime = 1s;
 // Periods of the status light.
 constexpr Duration kBlinkPeriod = 1s, kAlarmBlinkPeriod = 200ms;
@@ -53,7 +53,7 @@ void Loop::set_faults(const config::FaultSettings& faults) {
   const Duration stop_after = from_seconds(faults.stop_after_s);
   rules_.set_limits(stop_after, faults.resume_after_emergency);
   connections_.set_first_pause(from_seconds(faults.reopen_after_s));
-  // Often enough for stop packets and the emergency stop, rarely enough to be idle.
+  // Short enough for stop packets and the emergency stop, long enough to leave the processor idle.
   poll_period_ = std::clamp<Duration>(stop_after / 4, 5ms, 50ms);
 }
 
@@ -106,7 +106,7 @@ void Loop::wait_for_frame(Instant deadline) {
   } else if (lease.code() != ErrorCode::kTimeout) {
     on_fault(Device::kCamera, lease.error(), devices_.clock.now());
   }
-  // A camera that hangs reports no error.
+  // A hanging camera reports no error.
   const Instant now = devices_.clock.now();
   const bool is_silent = now - last_frame_ > from_seconds(settings_.faults.camera_timeout_s);
   if (is_silent && connections_.is_open(Device::kCamera)) {
@@ -123,7 +123,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   const Instant machine_received = hal::MonotonicClock::read();
   last_frame_ = timing.received;
   count_lost_frames(frame.sequence);
-  // No frame is captured after it arrives: such a stamp would make old commands look fresh.
+  // No frame is captured after its arrival. A stamp in the future would make old commands look recent.
   if (frame.capture_time > timing.received) {
     frame.capture_time = timing.received;
     ++statistics_.future_stamps;
@@ -136,7 +136,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   pipeline_.set_external(external_.commands(), timing.received);
   pipeline_.set_halted(!rules_.may_move());
   const StepTrace& trace = pipeline_.step(frame);
-  // The emergency stop may have been pulled since.
+  // The emergency stop may have been pulled meanwhile.
   read_inputs(devices_.clock.now());
   if (!rules_.may_move() && !trace.commands.stop) pipeline_.revoke();
   send(trace.packet, trace.commands.stop, timing.received);
@@ -155,26 +155,26 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   reports_.add_step(trace, timing.latency);
   adapt_to_light();
   if (observer_.on_step != nullptr) observer_.on_step(observer_.context, trace, timing);
-  // A frame that did not fit into the capacities was seen in part, which is better than not at all.
+  // A frame that exceeds a capacity still gives partial results, which are better than none.
   if (trace.status.ok() || trace.status == Status(ErrorCode::kFull)) {
     rules_.accept_frame(frame.capture_time, timing.received);
     if (timing.received - frame.capture_time <= from_seconds(settings_.faults.stop_after_s)) ++statistics_.good_frames;
   } else {
-    on_fault(Device::kCamera, {trace.status.code(), "the pipeline refused the frame"}, timing.sent);
+    on_fault(Device::kCamera, {trace.status.code(), "the pipeline rejected the frame"}, timing.sent);
   }
 }
 
 void Loop::count_lost_frames(std::uint32_t sequence) {
-  // As a signed number: a count that is repeated or goes back says nothing about lost frames.
+  // Signed: a repeated or decreasing number does not mean lost frames.
   const auto step = static_cast<std::int32_t>(sequence - last_sequence_.value_or(sequence - 1));
   if (step > 1) statistics_.frames_lost += static_cast<std::uint64_t>(step - 1);
   last_sequence_ = sequence;
 }
 
 void Loop::measure_latency(const Frame& frame, const StepTiming& timing) {
-  // Of the loop's clock alone: in simulated time the robots do not wait for this machine.
+  // Only the loop's clock counts: in simulated time, the processing takes no time.
   const Duration measured = std::max<Duration>(timing.sent - frame.capture_time, 0s);
-  // Robots are stopped by an older frame anyway, and a single wrong stamp must not spoil the prediction.
+  // An older frame stops the robots anyway, and a single wrong stamp must not affect the prediction.
   if (measured > from_seconds(settings_.faults.stop_after_s)) return;
   const Duration smoothed = smoothed_latency_.value_or(measured);
   smoothed_latency_ = smoothed + (measured - smoothed) / kLatencySmoothing;
@@ -186,7 +186,7 @@ void Loop::adapt_to_light() {
       pipeline_.set_adaptation(pipeline_.adaptation() == mode ? AdaptationMode::kFollow : mode);
     };
     if (take_request(settings_.adaptation->freeze, freezes_served_)) toggle(AdaptationMode::kFrozen);
-    if (take_request(settings_.adaptation->put_back, put_backs_served_)) toggle(AdaptationMode::kOff);
+    if (take_request(settings_.adaptation->reset, resets_served_)) toggle(AdaptationMode::kOff);
   }
   pipeline_.adapt();
 }
@@ -198,7 +198,7 @@ void Loop::take_live_settings() {
     if (settings->keep_adaptation_mode) settings->adaptation.set_mode(pipeline_.adaptation());
     settings->tables = &pipeline_.exchange(*settings->tables, settings->adaptation);
   }
-  static_cast<void>(pipeline_.set_control(settings->control));  // was checked with the files
+  static_cast<void>(pipeline_.set_control(settings->control));  // checked when the files were read
   set_faults(settings->faults);
   settings_.radio_delay = settings->radio_delay;
   settings->taken_after = statistics_.frames;
@@ -251,7 +251,7 @@ void Loop::stop_if_due(Instant now) {
 void Loop::send_stop(Instant now) { send(pipeline_.stop(now), true, now); }
 
 void Loop::send(const Packet& packet, bool is_stop, Instant now) {
-  if (crash_stop::is_stopping()) return;  // another thread has crashed, and its stop packets must be the last ones
+  if (crash_stop::is_stopping()) return;  // another thread has crashed; its stop packets must be the last ones
   last_packet_ = now;
   needs_final_stops_ = true;
   if (!connections_.is_open(Device::kRadio)) {
@@ -259,7 +259,7 @@ void Loop::send(const Packet& packet, bool is_stop, Instant now) {
     return;
   }
   const Result<void> sent = devices_.radio.send(packet);
-  crash_stop::note_sent(packet);
+  crash_stop::record_sent(packet);
   const bool drops = sent.code() == ErrorCode::kBusy;
   if (sent.ok() || drops) {
     ++statistics_.packets;
@@ -299,7 +299,7 @@ void Loop::send_final_stops() {
     Instant now = devices_.clock.now();
     const Instant next = now + kFinalStopPause;
     send_stop(now);
-    // A packet that waits for the line is moved on meanwhile.
+    // serve_radio() sends a packet that waits for the line.
     for (; now < next; now = devices_.clock.now()) {
       serve_radio(now);
       devices_.clock.sleep_until(now + std::min(next - now, radio_due_));
@@ -354,8 +354,8 @@ void Loop::on_fault(Device device, const Error& error, Instant now) {
 
 void Loop::on_output_fault(const Error& error, Instant now) {
   if (!is_awaited(Device::kGpio)) return on_fault(Device::kGpio, error, now);
-  // Reopening the chip would interrupt the emergency stop or the start button. They still work, or will report an error
-  // of their own.
+  // Reopening the chip would interrupt the emergency stop and the start button, which still work or report their own
+  // errors.
   outputs_failed_ = true;
   report_fault(Device::kGpio, error, FaultAction::kContinueWithout, now);
 }
@@ -367,8 +367,8 @@ void Loop::reopen_lost_devices(Instant now) {
     if (attempt && attempt->ok()) {
       on_reopened(device, now);
     } else if (attempt) {
-      // Never kLeave, whatever the code: the device has worked with these settings, and somebody who plugged it in
-      // badly may plug it in again.
+      // Never kLeave, whatever the code: the device has worked with these settings, and it may have been plugged in
+      // badly.
       const FaultAction action = is_awaited(device) ? FaultAction::kReopen : FaultAction::kContinueWithout;
       report_fault(device, attempt->error(), action, now);
     }
@@ -382,7 +382,7 @@ void Loop::on_reopened(Device device, Instant now) {
   if (is_awaited(device)) report_fault(device, {ErrorCode::kOk, {}}, FaultAction::kNone, now);
   switch (device) {
     case Device::kCamera:
-      // Robots moved unseen, and the driver counts its frames from the start again.
+      // Robots have moved meanwhile, and the driver restarts its frame numbers.
       pipeline_.reset();
       last_sequence_.reset();
       last_frame_ = now;

@@ -24,25 +24,25 @@ struct LoopSettings {
   config::FaultSettings faults;
   Duration radio_delay{};  // from the last byte sent to the wheels
   Duration status_interval = std::chrono::seconds(1);
-  std::uint64_t frames = 0;                        // ends after so many; 0: no limit
-  Duration duration{};                             // ends after so long; 0: no limit
+  std::uint64_t frames = 0;                        // ends after this number of frames; 0: no limit
+  Duration duration{};                             // ends after this time; 0: no limit
   const AdaptationRequests* adaptation = nullptr;  // requests to freeze or reset the adaptation; null: none
-  bool telemetry = true;                           // receives what robots send back
-  bool start_button = false;                       // robots stand until it is pressed
-  bool emergency_stop = true;                      // the board has one: robots stand while it cannot be read
+  bool telemetry = true;                           // receive telemetry from the robots
+  bool start_button = false;                       // robots are stopped until it is pressed
+  bool emergency_stop = true;                      // the board has one; robots are stopped while it cannot be read
   bool hold_after_crash = false;                   // the previous run ended unexpectedly: robots wait for a start
   LiveUpdate* live_update = nullptr;               // new settings while the loop runs; null: none
   ExternalInputSettings external;
 };
 
-/// When one frame was where.
+/// Times of one frame.
 struct StepTiming {
-  Instant received{}, sent{};  // of the loop's clock
-  Duration processing{};       // from `received` to `sent`, always of the machine's clock
+  Instant received{}, sent{};  // on the loop's clock
+  Duration processing{};       // from `received` to `sent`, always on the machine's clock
   Duration latency{};          // from capture to `sent`; in simulated time its part up to `received` is simulated
 };
 
-/// Called on the loop's thread after each step while the frame's pixels are still valid. Its time counts.
+/// Called on the loop's thread after each step, while the frame's pixels are still valid. It delays the next frame.
 struct LoopObserver {
   void (*on_step)(void* context, const StepTrace& trace, const StepTiming& timing) = nullptr;
   void* context = nullptr;
@@ -59,16 +59,15 @@ enum class LoopEnd : std::uint8_t {
 /// The real-time loop: takes each frame through the pipeline and sends its packet. Between open() and close() the
 /// calling thread allocates, prints and formats nothing; reports for a person go into the ring.
 ///
-/// StopRules decides when robots must stand still. Then every packet is a stop packet, and without frames stop packets
-/// are sent all the same. The input lines are read before each wait for a frame, that is at least once a frame's period
-/// or every 50 ms, and again before the frame's packet is sent. While a line has a new level, the wait ends as soon as
-/// that level has lasted long enough to count.
+/// StopRules decides when robots must stand still. Every packet is then a stop packet, also without frames. The input
+/// lines are read before each wait for a frame, which is at least once per frame period or every 50 ms, and again
+/// before the packet of a frame is sent. While a line is being debounced, the wait ends when its new level is stable.
 ///
-/// A lost camera or radio is reopened, and so is a lost emergency stop. Without status light and strobe, and on a board
-/// without an emergency stop without the whole chip, the game goes on; that is reported once.
+/// A lost camera, radio or emergency stop is reopened. The game continues without status light and strobe, and on a
+/// board without an emergency stop also without the whole GPIO chip; this is reported once.
 ///
 /// The status light blinks once a second while robots may move and five times a second while they are stopped; it stays
-/// on while everything waits for the start button. If the loop hangs, the light stays as it is.
+/// on while everything waits for the start button. If the loop hangs, the light does not change.
 class Loop {
  public:
   /// All references must outlive the loop.
@@ -79,20 +78,20 @@ class Loop {
   Loop(const Loop&) = delete;
   Loop& operator=(const Loop&) = delete;
 
-  /// Opens radio, GPIO and camera, in this order. On error `reason` names the device and the cause.
+  /// Opens radio, GPIO and camera, in this order. The error text names the device and the cause.
   Result<void> open();
-  /// Iterates until one of LoopEnd's reasons, then sends the final stop packets. If an exception passes through, they
-  /// are sent first. Only after open().
+  /// Iterates until one of the reasons in LoopEnd, then sends the final stop packets, also before an exception leaves
+  /// this function. Call it after open().
   LoopEnd run(const std::atomic<bool>& stop);
-  /// One iteration of run(): waits for a frame, the time of a stop packet or a device, whichever comes first.
+  /// One iteration of run(): waits for a frame or the next due action, whichever comes first.
   std::optional<LoopEnd> iterate();
-  /// Sends several stop packets, spaced, and waits until the radio has sent them. run() ends with it.
+  /// Sends several stop packets with pauses and waits until the radio has sent them. run() calls it at its end.
   void send_final_stops();
   /// Closes the devices; before that, sends the final stop packets if other packets followed the last ones.
   void close();
 
   [[nodiscard]] const LoopStatistics& statistics() const { return statistics_; }
-  /// For a watching thread; callable from any thread.
+  /// For a watchdog; callable from any thread.
   [[nodiscard]] const LoopHeartbeat& heartbeat() const { return heartbeat_; }
   /// The error that led to kFault or kDeviceLost.
   [[nodiscard]] const FaultReport& last_fault() const { return reports_.last_fault(); }
@@ -143,16 +142,16 @@ class Loop {
   std::optional<LoopEnd> end_;
 
   Duration poll_period_{};              // longest wait for a frame
-  Duration input_due_{}, radio_due_{};  // when a line or the radio has something to do before the next frame
-  Instant last_frame_{};                // when any frame came, good or not
+  Duration input_due_{}, radio_due_{};  // due times of an input line and the radio, before the next frame
+  Instant last_frame_{};                // arrival of the last frame, good or not
   Instant last_packet_{};
   bool needs_final_stops_ = false;  // packets were sent since the last final stop packets
   std::optional<std::uint32_t> last_sequence_;
   std::optional<Duration> smoothed_latency_;
-  std::uint32_t freezes_served_ = 0, put_backs_served_ = 0;
+  std::uint32_t freezes_served_ = 0, resets_served_ = 0;
   std::optional<bool> led_;
   bool outputs_failed_ = false;            // status light or strobe, since the chip was opened
-  std::array<std::byte, 512> received_{};  // 30 frames of it a second are more than 115200 baud bring
+  std::array<std::byte, 512> received_{};  // at 30 frames per second more than 115200 baud can deliver
 };
 
 }  // namespace touchline

@@ -33,12 +33,12 @@ struct SeenRobot {
 struct RobotStatus {
   RobotId id = kUnknownId;
   float battery_v = 0.0f;                   // 0: not measured
-  std::int8_t link_percent = kLinkUnknown;  // share of our packets that it received lately
+  std::int8_t link_percent = kLinkUnknown;  // percentage of our packets that it received recently
   double age_s = 0.0;
   bool battery_low = false;
 };
 
-/// Status, once an interval.
+/// Status, once per interval.
 struct StatusReport {
   double elapsed_s = 0.0;
   double rate_hz = 0.0;  // of good frames, over the interval
@@ -56,10 +56,10 @@ struct StatusReport {
   FixedVector<RobotStatus, kMaxRobotsPerTeam> robot_status;
 };
 
-// Text of an error in one line; the rest is cut off.
+// Maximum length of an error text; the rest is cut off.
 inline constexpr std::size_t kMaxReasonBytes = 240;
 
-/// A device failed for the first time in this interval in this way, or is back (code kOk).
+/// First failure of a device with this code in this interval, or the device was reopened (code kOk).
 struct FaultReport {
   double elapsed_s = 0.0;
   Device device = Device::kCamera;

@@ -25,7 +25,7 @@ struct LoopStatistics {
   std::uint64_t frames = 0;         // processed by the pipeline
   std::uint64_t good_frames = 0;    // of these, readable and fresh enough
   std::uint64_t frames_lost = 0;    // gaps in the driver's sequence numbers
-  std::uint64_t future_stamps = 0;  // frames stamped later than their arrival, which then counts
+  std::uint64_t future_stamps = 0;  // frames stamped later than their arrival; the time of arrival is used
   std::uint64_t overloads = 0;      // frames that exceeded some capacity
   std::uint64_t runs_dropped = 0, regions_dropped = 0;
   std::uint64_t packets = 0;          // accepted by the radio

@@ -25,7 +25,7 @@ int check_command(const CommandLine& command_line) {
   config::Problems problems;
   Session session;
   const Status status = session.load(command_line.session, problems);
-  // With an error in one value, the others are still worth a look.
+  // The other values are useful even if one is wrong.
   int code = kExitOk;
   if (command_line.dump && status.code() != ErrorCode::kNotFound) code = print(config::dump(session.configuration()));
   std::fputs(problems.text().c_str(), stderr);

@@ -7,7 +7,7 @@
 
 namespace touchline {
 
-/// Backend "none": packets are dropped. For trying a camera without robots.
+/// Backend "none": drops packets. For trials of a camera without robots.
 class NullRadio final : public hal::Radio {
  public:
   [[nodiscard]] const std::string& description() const override { return description_; }
@@ -22,7 +22,7 @@ class NullRadio final : public hal::Radio {
   const std::string description_ = "no radio is configured";
 };
 
-/// Backend "none": outputs do nothing, inputs are at rest.
+/// Backend "none": ignores outputs; inputs are inactive.
 class NullGpio final : public hal::Gpio {
  public:
   [[nodiscard]] const std::string& description() const override { return description_; }

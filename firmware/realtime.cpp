@@ -30,7 +30,7 @@ std::string refusal(const std::string& what, int error, const std::string& remed
 
 std::vector<std::string> lock_memory(const config::RealtimeSettings& settings) {
   if (!settings.lock_memory) return {};
-  // Memory that is returned to the kernel would cause page faults at its next use.
+  // If memory were returned to the kernel, its next use would cause page faults.
   mallopt(M_TRIM_THRESHOLD, -1);
   mallopt(M_MMAP_MAX, 0);
   if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return {};
@@ -52,8 +52,8 @@ std::vector<std::string> become_realtime(const config::RealtimeSettings& setting
   prefault_stack();
   // By default the kernel wakes ordinary threads up to 50 us late to combine wake-ups; 0 would mean that default.
   if (prctl(PR_SET_TIMERSLACK, 1UL) != 0) {
-    refused.push_back(refusal("timers of the loop stay late by some 50 us", errno,
-                              "a priority makes them exact as well (realtime.priority)"));
+    refused.push_back(refusal("the timer slack of the loop remains 50 us", errno,
+                              "a real-time priority also removes it (realtime.priority)"));
   }
   if (settings.priority > 0) {
     sched_param parameters{};
@@ -101,7 +101,7 @@ std::vector<std::string> realtime_hints(const config::RealtimeSettings& settings
   if (realtime && runtime_us >= 0 && runtime_us < period_us) {
     hints.push_back("a loop that is never idle is paused for " + std::to_string((period_us - runtime_us) / 1000) +
                     " ms of every " + std::to_string(period_us / 1000) +
-                    " ms; where other programs have processors of their own: "
+                    " ms; if other programs have their own processors: "
                     "sudo sysctl -w kernel.sched_rt_runtime_us=-1");
   }
   return hints;

@@ -15,7 +15,7 @@ namespace touchline {
 /// camera is started.
 std::vector<std::string> lock_memory(const config::RealtimeSettings& settings);
 
-/// Pins the calling thread, touches the stack that the loop will use, makes its timers exact and sets SCHED_FIFO.
+/// Pins the calling thread, touches the stack that the loop will use, minimizes the timer slack and sets SCHED_FIFO.
 /// Threads that it starts later inherit these settings.
 std::vector<std::string> become_realtime(const config::RealtimeSettings& settings);
 
@@ -43,7 +43,7 @@ bool is_realtime();
 std::vector<std::string> realtime_hints(const config::RealtimeSettings& settings, bool realtime,
                                         const std::string& root = "");
 
-/// Touches the stack to avoid page faults later; the loop's deepest call needs less than an eighth of it.
+/// Touches the stack to avoid page faults later. The deepest call of the loop needs less than an eighth of kStackBytes.
 inline constexpr std::size_t kStackBytes = std::size_t{512} * 1024;
 void prefault_stack();
 

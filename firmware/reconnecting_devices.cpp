@@ -11,7 +11,8 @@ Result<void> reopen_camera(void* device) {
   camera.close();
   TOUCHLINE_TRY(camera.open());
   Result<void> started = camera.start();
-  // A camera held open until the next attempt would keep its device number, and its module could not be unloaded.
+  // A camera that stays open until the next attempt would keep its device number, and its kernel module could not be
+  // unloaded.
   if (!started.ok()) camera.close();
   return started;
 }
@@ -31,7 +32,7 @@ Result<void> ReconnectingDevices::open(Duration first_pause) {
     devices_.gpio.close();
     return prefixed(describe(device), std::move(failed).error());
   };
-  // The radio first: robots that are still moving can then be stopped.
+  // The radio is first, so that robots that are still moving can be stopped.
   if (Result<void> r = devices_.radio.open(); !r.ok()) return close_all(Device::kRadio, std::move(r));
   if (Result<void> r = devices_.gpio.open(); !r.ok()) return close_all(Device::kGpio, std::move(r));
   if (Result<void> r = devices_.camera.open(); !r.ok()) return close_all(Device::kCamera, std::move(r));

@@ -41,7 +41,7 @@ class ReconnectingDevices {
   [[nodiscard]] Duration time_lost(Device device, Instant now) const { return at(device).time_lost(now); }
   /// The result of an attempt to reopen the device that has ended since the last call; see DeviceReconnector::poll.
   std::optional<Result<void>> poll(Device device, Instant now) { return at(device).poll(now); }
-  /// Pause before the first attempt, from the next loss on.
+  /// Sets the pause before the first attempt after the next loss.
   void set_first_pause(Duration pause);
 
  private:

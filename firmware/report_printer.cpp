@@ -25,7 +25,7 @@ void ReportPrinter::work() {
   }
   print_all();
   if (const auto dropped = ring_.dropped(); dropped > 0) {
-    std::fprintf(err_, "%llu reports are missing above: they came faster than they could be printed\n",
+    std::fprintf(err_, "%llu reports were dropped because they came faster than they could be printed\n",
                  static_cast<unsigned long long>(dropped));
   }
 }
@@ -38,7 +38,7 @@ void ReportPrinter::print_line(const std::string& line) {
 void ReportPrinter::print_all() {
   try {
     print_waiting();
-  } catch (...) {  // memory is short: a report is missing, the game goes on
+  } catch (...) {  // out of memory: this report is lost, the game continues
   }
 }
 
@@ -82,13 +82,13 @@ void ReportPrinter::print(const Report& report) {
 void ReportPrinter::print_map(const StatusReport& status) {
   std::string text = field_map(status, settings_.expected.field, settings_.map_columns, true);
   std::string line = status_line(status, settings_.expected);
-  // In pieces, because a line that the terminal breaks would make the picture creep down.
+  // In several lines, because a line that the terminal wraps would move the map down.
   for (const char* const piece : {"  latency", "  robots"}) {
     if (const std::size_t cut = line.find(piece); cut != std::string::npos) line.replace(cut, 2, "\x1b[K\n");
   }
   text += line;
-  if (map_lines_ > 0) std::fprintf(out_, "\x1b[%dA", map_lines_);  // up, and over the last picture
-  std::fprintf(out_, "\x1b[?7l%s\x1b[K\n\x1b[?7h", text.c_str());  // no breaking of lines meanwhile
+  if (map_lines_ > 0) std::fprintf(out_, "\x1b[%dA", map_lines_);  // moves the cursor up to draw over the last map
+  std::fprintf(out_, "\x1b[?7l%s\x1b[K\n\x1b[?7h", text.c_str());  // line wrapping is off meanwhile
   map_lines_ = static_cast<int>(std::count(text.begin(), text.end(), '\n')) + 1;
 }
 

@@ -19,7 +19,7 @@ struct ReportPrinterSettings {
   const ServiceNotifier* service = nullptr;  // gets the status as well; null: none
 };
 
-/// Takes the loop's reports from the ring on a thread of its own and prints them: the status to `out`, events to `err`.
+/// Takes the loop's reports from the ring on its own thread and prints them: the status to `out`, events to `err`.
 /// A blocked terminal blocks only this thread.
 class ReportPrinter {
  public:

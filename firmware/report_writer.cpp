@@ -26,7 +26,7 @@ void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::u
                                         Instant now) {
   if (now < next_status_) return;
   next_status_ += interval_;
-  if (next_status_ <= now) next_status_ = now + interval_;  // the loop was held up
+  if (next_status_ <= now) next_status_ = now + interval_;  // the loop was delayed
 
   StatusReport& status = report_.status;
   status = {};
@@ -46,7 +46,7 @@ void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::u
   status.commands_expired = statistics.external.commands_expired;
   status.halt = halt;
   status.adaptation = adaptation;
-  // Without new frames, the robots of the last one are not seen any more.
+  // Without new frames, the robots of the last frame no longer count as seen.
   if (last_trace_ != nullptr && good > 0) {
     for (const RobotTrack& track : last_trace_->tracks.robots) {
       const bool coasting = track.state == TrackState::kCoasting;

@@ -11,25 +11,25 @@
 
 namespace touchline {
 
-/// Writes the loop's reports into the ring: changes of the halt, faults and low batteries when they happen, the status
-/// once an interval. Allocates and formats nothing.
+/// Writes the loop's reports into the ring: changes of the halt, faults and low batteries when they happen, and the
+/// status once per interval. Allocates and formats nothing.
 class ReportWriter {
  public:
   ReportWriter(ReportRing& ring, Duration interval) : ring_(ring), interval_(interval) {}
 
   void begin(Instant now);
-  /// A frame was processed. `trace` must stay valid until the next one.
+  /// Adds a processed frame. `trace` must be valid until the next call.
   void add_step(const StepTrace& trace, Duration latency);
   void report_halt(std::uint8_t halt, Instant now);
-  /// At most once an interval for each device and code; once in all for FaultAction::kContinueWithout. `text`: device
-  /// and cause.
+  /// Reports a fault, at most once per interval for each device and code, and only once for
+  /// FaultAction::kContinueWithout. `text`: device and cause.
   void report_fault(Device device, ErrorCode code, FaultAction action, std::string_view text, Instant now);
-  /// Robots whose battery has become low since the last call.
+  /// Reports robots whose battery has become low since the last call.
   void report_batteries(const RobotReports& robots, Instant now);
   void report_status_if_due(const LoopStatistics& statistics, std::uint8_t halt, AdaptationMode adaptation,
                             Instant now);
 
-  /// The last fault that was no return of a device.
+  /// The last fault, without reports of reopened devices.
   [[nodiscard]] const FaultReport& last_fault() const { return last_fault_; }
 
  private:

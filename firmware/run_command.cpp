@@ -54,9 +54,9 @@ void print_start(const Session& session, const std::vector<std::string>& refused
 bool is_failure(LoopEnd end) { return end == LoopEnd::kDeviceLost || end == LoopEnd::kFault; }
 
 void print_hold(const hal::GpioSettings& gpio) {
-  std::fprintf(stderr, "the previous run ended unexpectedly: robots stand until %s\n",
+  std::fprintf(stderr, "the previous run ended unexpectedly: robots are stopped until %s\n",
                gpio.start_line != hal::kNoLine ? "the start button is pressed"
-                                               : "somebody restarts the service (systemctl restart touchline)");
+                                               : "the service is restarted (systemctl restart touchline)");
 }
 
 }  // namespace
@@ -99,7 +99,7 @@ int run_command(const CommandLine& command_line) {
   ConfigReloader reloader(session.files(), session.configuration(), session.devices().loop_devices().camera,
                           session.live_update());
   {
-    // These threads are started before this one gets its real-time priority, which they would inherit.
+    // These threads are started before this thread gets its real-time priority, which they would inherit.
     ReportPrinter printer(session.reports(), reporting, stdout, stderr);
     const ReloadThread reload([&](const std::atomic<bool>& cancelled) { return reloader.reload(cancelled); },
                               reload_requests, [&](const std::string& line) { printer.print_line(line); });

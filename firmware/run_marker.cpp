@@ -22,7 +22,7 @@ Result<void> RunMarker::create() const {
     ::close(file);
     return {};
   }
-  return failure(ErrorCode::kIo, "%s: cannot be created: %s; after a crash robots would move again without a start",
+  return failure(ErrorCode::kIo, "%s: cannot be created: %s; without it, robots would move again after a crash",
                  path_.c_str(), std::strerror(errno));
 }
 

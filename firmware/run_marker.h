@@ -8,7 +8,7 @@ namespace touchline {
 
 /// A file that exists while the program drives robots. If it exists when the program starts, the previous run ended
 /// unexpectedly: by a crash, a signal, the watchdog, a lost device. The service manager has then restarted the program
-/// by itself, and robots must not move before a person wants them to.
+/// automatically, and robots must not move before a person starts them.
 ///
 /// The folder is $RUNTIME_DIRECTORY, which systemd keeps across restarts and empties when the service is stopped and at
 /// a reboot. Without it (started by a person, not by a service manager) there is no marker.
@@ -21,7 +21,7 @@ class RunMarker {
   [[nodiscard]] bool exists() const;
   /// kIo: the file cannot be created.
   [[nodiscard]] Result<void> create() const;
-  /// The program ends as it should.
+  /// Removes the file at a normal end of the program.
   void remove() const;
 
  private:

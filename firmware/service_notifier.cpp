@@ -10,7 +10,7 @@ namespace {
 
 using Microseconds = std::chrono::duration<std::uint64_t, std::micro>;
 
-// Short, because a person who deploys waits for the first frame.
+// Short, because tools/deploy waits for the first frame.
 constexpr Microseconds kLongestNotifyPeriod = std::chrono::milliseconds(50);
 // Three may be late before the watchdog acts.
 constexpr std::uint64_t kPingsPerWatchdogTime = 4;

@@ -9,7 +9,7 @@
 namespace touchline {
 
 /// Notifies systemd (sd_notify): READY=1 after the first good frame, WATCHDOG=1 only while the loop iterates, STATUS=
-/// as text, STOPPING=1 at the end. It has a thread of its own, so that blocked output does not look like a hanging loop
+/// as text, STOPPING=1 at the end. It has its own thread, so that blocked output does not look like a hanging loop
 /// and the loop makes no system calls for it. Does nothing without a service manager ($NOTIFY_SOCKET).
 class ServiceNotifier {
  public:
@@ -21,7 +21,7 @@ class ServiceNotifier {
 
   /// Whether there is a service manager to notify.
   [[nodiscard]] bool is_enabled() const { return enabled_; }
-  /// Sends one line, given without its end. Callable from any thread but the loop's, because it may block.
+  /// Sends one line; `line` has no line end. Callable from any thread but the loop's, because it may block.
   void status(const std::string& line) const;
   /// Sends STOPPING=1, once, which ends the watchdog.
   void end();
@@ -35,8 +35,8 @@ class ServiceNotifier {
   std::thread thread_;
 };
 
-/// Calls Loop::run(), then ServiceNotifier::end(). After that the program may wait for a camera that is being set or
-/// opened, which the watchdog must not take for a hanging loop. Robots have been stopped by then.
+/// Calls Loop::run(), then ServiceNotifier::end(). The program may then still wait for a camera that is being
+/// configured or opened, which the watchdog must not mistake for a hanging loop. The robots have already been stopped.
 LoopEnd run(Loop& loop, ServiceNotifier& service, const std::atomic<bool>& stop);
 
 }  // namespace touchline

@@ -10,7 +10,7 @@ Status Session::load(const SessionOptions& options, config::Problems& problems) 
   options_ = options;
   if (const Status s = config::load(options.files, *configuration_, problems); !s.ok()) return s;
   if (const Status s = pipeline_->configure(configuration_->pipeline, hal::MonotonicClock::read); !s.ok()) {
-    // The checks of the files have passed, so only the code of the stage that refused is known.
+    // The checks of the files have passed, so only the error code of the stage is known.
     problems.add(configuration_->venue_where.file(), "",
                  "together with " + configuration_->team_where.file() + " it cannot be used: " + describe(s.code()));
     return s;

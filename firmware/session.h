@@ -21,8 +21,8 @@ struct SessionOptions {
   Duration status_interval = std::chrono::seconds(1);
 };
 
-/// Everything that one run needs, made in the order in which it may fail: files, pipeline, devices. Shared by touchline
-/// and touchline-latency.
+/// Everything that one run needs, created in this order: configuration, pipeline, devices. Used by touchline and
+/// touchline-latency.
 class Session {
  public:
   /// Reads the files and configures the pipeline. Touches no device. kNotFound, kInconsistent: see `problems`.

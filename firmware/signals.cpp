@@ -49,7 +49,7 @@ void on_hang_up(int /*signal*/) {
 }
 
 void on_adaptation_signal(int signal) {
-  auto& requests = signal == SIGUSR1 ? adaptation_requests.freeze : adaptation_requests.put_back;
+  auto& requests = signal == SIGUSR1 ? adaptation_requests.freeze : adaptation_requests.reset;
   requests.fetch_add(1, std::memory_order_relaxed);
 }
 

@@ -9,8 +9,8 @@
 // before any thread is started.
 namespace touchline {
 
-// Some senders deliver one request twice, to the process and to its process group (timeout of the GNU tools). A second
-// signal that comes later than this is a person who insists.
+// Some programs send a signal twice, to the process and to its process group (for example timeout of GNU coreutils). A
+// second signal that comes later than this is a new request.
 inline constexpr Duration kForcedExitDelay = std::chrono::seconds(1);
 
 /// SIGINT, SIGTERM and SIGHUP (terminal closed; unless nohup has it ignored) set the flag that Loop::run() reads, so
@@ -18,18 +18,18 @@ inline constexpr Duration kForcedExitDelay = std::chrono::seconds(1);
 /// immediately. SIGPIPE is ignored: a closed status output must not end the game.
 const std::atomic<bool>& handle_stop_signals();
 
-/// SIGHUP asks for the files to be read again; the result counts the requests. If the program was started from a
-/// terminal that has been closed since, SIGHUP counts as SIGTERM instead, because robots must not play on unattended
-/// (nohup, which ignores the signal, allows it). Call it after handle_stop_signals().
+/// SIGHUP requests a reload of the files; the returned counter counts the requests. If the program was started from a
+/// terminal that has been closed, SIGHUP counts as SIGTERM instead, because robots must not play unattended (nohup,
+/// which ignores the signal, allows it). Call it after handle_stop_signals().
 const std::atomic<std::uint32_t>& handle_reload_signal();
 
-/// Requests of a person to the adaptation to the light; each counts up.
+/// Requests to the adaptation to the light; each counter is incremented by a request.
 struct AdaptationRequests {
-  std::atomic<std::uint32_t> freeze{0};    // toggles between frozen and following the light
-  std::atomic<std::uint32_t> put_back{0};  // toggles between the calibrated state and following the light
+  std::atomic<std::uint32_t> freeze{0};  // toggles between frozen and following the light
+  std::atomic<std::uint32_t> reset{0};   // toggles between the calibrated state and following the light
 };
 
-/// SIGUSR1 toggles AdaptationRequests::freeze, SIGUSR2 AdaptationRequests::put_back.
+/// SIGUSR1 toggles AdaptationRequests::freeze, SIGUSR2 AdaptationRequests::reset.
 const AdaptationRequests& handle_adaptation_signals();
 
 }  // namespace touchline

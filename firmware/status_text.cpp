@@ -11,7 +11,7 @@ namespace {
 // Robots send telemetry about twice a second.
 constexpr double kStaleRobotStatusS = 2.0;
 
-// Appends as printf does.
+// Appends formatted text; arguments as for printf.
 [[gnu::format(printf, 2, 3)]] void print(std::string& out, const char* format, ...) {
   std::array<char, 512> buffer{};
   std::va_list arguments;
@@ -55,11 +55,11 @@ const char* consequence(FaultAction action) {
     case FaultAction::kSkip:
       return "; skipped";
     case FaultAction::kReopen:
-      return "; opening it again";
+      return "; reopening it";
     case FaultAction::kLeave:
-      return "; stopping the robots and leaving";
+      return "; stopping the robots and ending the program";
     case FaultAction::kContinueWithout:
-      return "; the game goes on without it";
+      return "; continuing without it";
   }
   return "";
 }
@@ -67,15 +67,15 @@ const char* consequence(FaultAction action) {
 const char* describe_end(LoopEnd end) {
   switch (end) {
     case LoopEnd::kRequested:
-      return "asked to leave";
+      return "stopped on request";
     case LoopEnd::kLimit:
-      return "as many frames or seconds as asked for";
+      return "limit of frames or duration reached";
     case LoopEnd::kEndOfStream:
-      return "the input is over";
+      return "end of the input";
     case LoopEnd::kDeviceLost:
-      return "a device stayed away";
+      return "a device was lost for too long";
     case LoopEnd::kFault:
-      return "a fault that cannot be cured by trying again";
+      return "a fault that reopening the device cannot fix";
   }
   return "";
 }
@@ -121,7 +121,7 @@ std::string status_line(const StatusReport& status, const Expectation& expected)
 std::string fault_line(const FaultReport& fault) {
   std::string line;
   print(line, "%.1f s  %s: ", fault.elapsed_s, describe(fault.device));
-  if (fault.code == ErrorCode::kOk) return line + "is back";
+  if (fault.code == ErrorCode::kOk) return line + "reopened";
   line += describe(fault.code);
   if (fault.reason[0] != '\0') line.append(" (").append(fault.reason.data()).append(")");
   return line + consequence(fault.action);
@@ -145,11 +145,11 @@ std::string summary(const LoopStatistics& statistics, LoopEnd end) {
   const auto number = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
   const double elapsed = seconds(statistics.end - statistics.begin);
   print(text, "end       %s\n", describe_end(end));
-  print(text, "frames    %llu in %.1f s (%.1f a second), %llu lost on the way, %llu not good\n",
-        number(statistics.frames), elapsed, elapsed > 0.0 ? static_cast<double>(statistics.frames) / elapsed : 0.0,
-        number(statistics.frames_lost), number(statistics.frames - statistics.good_frames));
+  print(text, "frames    %llu in %.1f s (%.1f per second), %llu lost, %llu unusable\n", number(statistics.frames),
+        elapsed, elapsed > 0.0 ? static_cast<double>(statistics.frames) / elapsed : 0.0, number(statistics.frames_lost),
+        number(statistics.frames - statistics.good_frames));
   if (statistics.future_stamps > 0) {
-    print(text, "stamps    %llu frames stamped in the future; their time of arrival counts\n",
+    print(text, "stamps    %llu frames with a time stamp in the future; the time of arrival was used\n",
           number(statistics.future_stamps));
   }
   print(text, "latency   capture to send: p50 %.2f  p90 %.2f  p99 %.2f  p99.9 %.2f  max %.2f ms\n",
@@ -173,7 +173,7 @@ std::string summary(const LoopStatistics& statistics, LoopEnd end) {
           robot.packets, robot.missed, robot.battery_low ? "; BATTERY LOW" : "");
   }
   if (statistics.robots.foreign_bytes > 0) {
-    print(text, "robots    %llu bytes received that are no report\n", number(statistics.robots.foreign_bytes));
+    print(text, "robots    %llu received bytes are not part of a report\n", number(statistics.robots.foreign_bytes));
   }
   print(text, "overload  %llu frames (%llu runs and %llu regions did not fit)\n", number(statistics.overloads),
         number(statistics.runs_dropped), number(statistics.regions_dropped));

@@ -15,18 +15,19 @@ struct Expectation {
   FieldParameters field;
 };
 
-/// "12 s  60.0 fps  own 5/5  opp 5/5  ball (0.12, -0.30)  latency p50 1.2 p99 2.3 max 3.1 ms  packets 720", followed by
-/// counts of problems (lost frames, overloads, faults), the robots' telemetry ("robots 0: 7.92 V 98 %"), and the
-/// reasons for which robots are halted.
+/// For example "12 s  60.0 fps  own 5/5  opp 5/5  ball (0.12, -0.30)  latency p50 1.2 p99 2.3 max 3.1 ms  packets 720",
+/// followed by counts of problems (lost frames, overloads, faults), the robots' telemetry ("robots 0: 7.92 V 98 %"),
+/// and the reasons for which robots are halted.
 std::string status_line(const StatusReport& status, const Expectation& expected);
-/// "camera: device disconnected (/dev/video0: ...); robots stopped, opening it again"
+/// For example "camera: device disconnected (/dev/video0: ...); robots stopped, reopening it"
 std::string fault_line(const FaultReport& fault);
-/// "robot 2: battery is low, 6.92 V"
+/// For example "robot 2: battery is low, 6.92 V"
 std::string battery_line(const BatteryReport& battery);
 /// "robots halted: emergency stop" or "robots may move".
 std::string halt_line(const HaltReport& halt);
-/// Draws the field with `columns` characters a row and the number of rows that its shape needs: own robots as the last
-/// digit of their id with their heading, opponents as x, the ball as o, unknown ids as ?. `color`: with ANSI colors.
+/// Draws the field with `columns` characters per row and the number of rows that its shape needs: own robots as the
+/// last digit of their id with their heading, opponents as x, the ball as o, unknown ids as ?. `color`: with ANSI
+/// colors.
 std::string field_map(const StatusReport& status, const FieldParameters& field, int columns, bool color);
 /// Summary of a run, several lines.
 std::string summary(const LoopStatistics& statistics, LoopEnd end);

@@ -34,7 +34,7 @@ struct StopRuleSettings {
 /// Robots may move only while halt() is kHaltNone.
 class StopRules {
  public:
-  /// An emergency ends only after the line has been at rest for this long. A switch's contacts bounce for some
+  /// An emergency ends only after the line has been inactive for this time. The contacts of a switch bounce for some
   /// milliseconds, and nobody releases a switch and pulls it again within a tenth of a second.
   static constexpr Duration kEmergencyReleaseTime = std::chrono::milliseconds(100);
 
@@ -47,10 +47,10 @@ class StopRules {
   void apply_inputs(const std::optional<hal::GpioInputs>& inputs, Instant now);
   /// `stops`: the referee stopped the game or is silent; `teams_unusable`: see kHaltTeams.
   void apply_referee(bool stops, bool teams_unusable);
-  /// Before a frame is processed: commands that are computed from an old frame must not drive robots.
+  /// Call it before a frame is processed: commands computed from an old frame must not drive robots.
   void check_frame(Instant capture_time, Instant now) { set(kHaltNoFrames, is_stale(capture_time, now)); }
-  /// A frame that was processed is good. A capture time later than `now` counts as `now`: a wrong stamp must not keep
-  /// robots moving.
+  /// Call it after a frame was processed successfully. A capture time later than `now` counts as `now`, because a wrong
+  /// stamp must not keep robots moving.
   void accept_frame(Instant capture_time, Instant now);
   /// Checks the age of the last good frame.
   void check_last_frame(Instant now) { set(kHaltNoFrames, !last_good_ || is_stale(*last_good_, now)); }
@@ -58,7 +58,7 @@ class StopRules {
   /// Bits of Halt.
   [[nodiscard]] std::uint8_t halt() const { return halt_; }
   [[nodiscard]] bool may_move() const { return halt_ == kHaltNone; }
-  /// Whether everything else is ready for the start button.
+  /// Whether only the start (button or restart) is missing.
   [[nodiscard]] bool only_waits_for_start() const { return !started_ && (halt_ & ~(kHaltStart | kHaltCrash)) == 0; }
   /// Whether the start button was pressed, or there is none.
   [[nodiscard]] bool is_started() const { return started_; }

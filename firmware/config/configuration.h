@@ -19,7 +19,7 @@ struct FilePaths {
   std::vector<std::string> overrides;  // "key=value", see --set
 };
 
-/// Content of the three files, and the parameters of the core that follow from it. Large: not for the stack.
+/// Content of the three files, and the core's parameters derived from it. Large: do not put it on the stack.
 struct Configuration {
   BoardFile board;
   VenueFile venue;
@@ -36,8 +36,8 @@ Status load(const FilePaths& paths, Configuration& out, Problems& problems);
 Status load_board(const std::string& path, const std::vector<Override>& overrides, Configuration& out,
                   Problems& problems);
 
-/// The word for the instruction set that classifies the board's pixels: "avx2", never "fastest". Empty if the processor
-/// does not support it.
+/// Returns the name of the instruction set that classifies the board's pixels, for example "avx2", never "fastest".
+/// Empty if the processor does not support it.
 std::string_view kernel_word(const BoardFile& board);
 
 /// Loads venue and team alone, for tools that read pictures. Call resolve() when the format of the pictures is known.
@@ -45,7 +45,7 @@ Status load_venue_and_team(const FilePaths& paths, Configuration& out, Problems&
 /// Checks venue and team for these pictures and fills `configuration.pipeline`.
 Status resolve(const InputFormat& input, Configuration& configuration, Problems& problems);
 
-/// One of the three files. The first part of a key tells which ("camera": board), or names it ("venue.light.map").
+/// One of the three files. The first part of a key determines it ("camera": board) or names it ("venue.light.map").
 enum class FileKind : std::uint8_t { kBoard, kVenue, kTeam };
 
 /// Splits overrides by file. A key that belongs to no file is an error.
@@ -54,7 +54,7 @@ struct SortedOverrides {
 };
 Status sort_overrides(const std::vector<std::string>& texts, SortedOverrides& out, Problems& problems);
 
-/// The three files with the values of all keys, defaults included.
+/// Returns the three files as TOML with the values of all keys, including the defaults.
 std::string dump(const Configuration& configuration);
 
 }  // namespace touchline::config

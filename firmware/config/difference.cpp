@@ -111,7 +111,7 @@ std::vector<Change> difference(const Configuration& before, const Configuration&
   const bool map_is_listed = std::any_of(changes.begin(), changes.end(), [](const Change& change) {
     return change.file == FileKind::kVenue && change.key == "light.map";
   });
-  // A person may have put another picture under the same name.
+  // The file may have another picture under the same name.
   const bool both_have_one = !before.venue.light.map.empty() && !after.venue.light.map.empty();
   if (!map_is_listed && both_have_one && !same(before.pipeline.scan.light, after.pipeline.scan.light)) {
     changes.push_back({FileKind::kVenue, "light.map", {}, {}, Reload::kThresholds});

@@ -18,11 +18,11 @@ struct Change {
   Reload reload = Reload::kRestart;
 };
 
-/// All keys whose values differ, in the order of the files. Elements of lists that are gone follow the other keys of
-/// their file. A light map counts as changed (`light.map`) if the picture has changed under the same name.
+/// Returns all keys whose values differ, in the order of the files. Removed elements of lists follow the other keys of
+/// their file. A light map counts as changed (`light.map`) if its picture has changed under the same name.
 std::vector<Change> difference(const Configuration& before, const Configuration& after);
 
-/// "camera.exposure_us 5000 -> 4000" or "color.orange".
+/// For example "camera.exposure_us 5000 -> 4000" or "color.orange".
 std::string text_of(const Change& change);
 
 }  // namespace touchline::config

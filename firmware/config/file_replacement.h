@@ -8,13 +8,14 @@
 
 namespace touchline::config {
 
-/// Reads a text file; nothing if it does not exist. Errors of hal::read_file() but kNotFound.
+/// Reads a text file. Empty if it does not exist. Errors: those of hal::read_file() except kNotFound.
 Result<std::optional<std::string>> read_text(const std::string& path);
 
-/// Copies the file to PATH.bak, in the folder of the target of a symbolic link. Does nothing if there is no file.
+/// Copies the file to PATH.bak. If it is a symbolic link, the copy is beside its target. Does nothing if there is no
+/// file.
 Result<void> back_up(const std::string& path);
 
-/// Replaces the file with an hal::OutputFile and keeps the former content as PATH.bak. Errors of OutputFile.
+/// Replaces the file by means of hal::OutputFile and keeps the former content as PATH.bak. Errors: those of OutputFile.
 Result<void> replace_file(const std::string& path, std::string_view text);
 
 }  // namespace touchline::config

@@ -10,7 +10,7 @@
 
 namespace touchline::config {
 
-/// One key of a file, for the reference and for finding keys by name.
+/// Description of one key, for the key reference and for finding keys by name.
 struct KeyInfo {
   std::string path;     // "camera.exposure_us"; elements of lists as "color[].name"
   std::string type;     // "integer", "number", "text", "true or false", "one of a, b", "list of ..."

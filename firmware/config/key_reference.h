@@ -4,7 +4,7 @@
 
 #include "core/status.h"
 
-// The reference of all keys, made from their declarations.
+// The reference of all keys, generated from their declarations.
 namespace touchline::config {
 
 /// For the terminal: two or three lines for each key of the three files.

@@ -10,7 +10,7 @@ Status read_light_map(const std::string& path, LightMap& out, std::string& reaso
   constexpr std::int64_t kMaxPixels = 1 << 20;
   if (const Status status = hal::read_picture(path, picture, reason, kMaxPixels); !status.ok()) return status;
   if (!picture.deep()) {
-    reason = path + ": an illumination map has 16 bits a channel, this picture has 8";
+    reason = path + ": an illumination map has 16 bits per channel, this picture has 8";
     return ErrorCode::kUnsupported;
   }
   const std::size_t cells = std::size_t{picture.width_px} * picture.height_px;

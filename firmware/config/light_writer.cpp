@@ -39,7 +39,7 @@ Result<std::string> write_light(const std::string& venue, std::string_view png, 
     changed = changed_file();
   }
   const std::string map = (folder / entry.map).string();
-  // The former backup may name the map that is going to be replaced.
+  // The previous backup may name the map that is about to be replaced.
   TOUCHLINE_TRY(back_up(venue));
   TOUCHLINE_TRY(hal::write_file(map, png));
   TOUCHLINE_TRY(replace_file(venue, changed.value()));

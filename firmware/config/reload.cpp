@@ -7,7 +7,7 @@
 namespace touchline::config {
 namespace {
 
-/// Boxes, maps and polygons belong to pictures of one size and format, and to one list of colors.
+// Boxes, maps and polygons are valid for one picture size, one format and one list of colors.
 bool same_pictures_and_colors(const Configuration& a, const Configuration& b) {
   const ScanParameters &x = a.pipeline.scan, &y = b.pipeline.scan;
   return x.format == y.format && x.width_px == y.width_px && x.height_px == y.height_px &&

@@ -27,7 +27,7 @@ void resolve_venue(const VenueFile& venue, const Locations& where, const InputFo
 void resolve_team(const TeamFile& team, const Locations& where, const VenueFile& venue, const Locations& venue_where,
                   PipelineParameters& out, Problems& problems);
 
-/// kBackground (0) if the venue has no such color.
+/// Returns the id of a color, or kBackground (0) if the venue has no such color.
 ColorId color_id(const VenueFile& venue, std::string_view name);
 
 }  // namespace touchline::config

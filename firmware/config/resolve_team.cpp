@@ -123,7 +123,7 @@ class TeamResolver {
   Problems& problems_;
 };
 
-// Each of these colors identifies one kind of object only.
+// The team colors and the ball's color must differ.
 void check_distinct(TeamResolver& resolver, const TeamFile& team) {
   const std::array<std::pair<const char*, const std::string*>, 3> things{
       {{"own.color", &team.own.color}, {"opponent.color", &team.opponent.color}, {"ball.color", &team.ball.color}}};

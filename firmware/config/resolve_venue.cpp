@@ -16,7 +16,7 @@ std::string size_text(unsigned width, unsigned height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-// The entry of the file that a box of the tables comes from.
+// The entry of the venue file from which a color box comes.
 struct BoxSource {
   std::size_t color = 0, box = 0;
 };
@@ -135,8 +135,8 @@ void resolve_region_of_interest(const VenueFile& venue, const Locations& where, 
   for (std::size_t i = 0; i < region.u_px.size(); ++i) polygon.push_back({region.u_px[i], region.v_px[i]});
 }
 
-// Fills the limits of the adaptation and the typical values of the colors. The adaptation changes the light map; if the
-// venue has none, it starts with an even one.
+// Fills the limits of the adaptation and the typical values of the colors. The adaptation changes the light map;
+// without a map in the venue file it starts with a uniform one.
 void resolve_adaptation(const VenueFile& venue, const Locations& where, PipelineParameters& out, Problems& problems) {
   out.adaptation = venue.adaptation;
   for (std::size_t i = 0; i < venue.color.size() && i < kMaxColors; ++i) {

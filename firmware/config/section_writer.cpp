@@ -9,7 +9,7 @@
 namespace touchline::config {
 namespace {
 
-// Finds the lines that can be a header: those that begin outside of strings and lists.
+// Finds the lines that can be a header, which begin outside strings and lists.
 class LineScanner {
  public:
   /// True if the line begins outside of any value. Call it for each line in order.
@@ -174,7 +174,7 @@ Result<std::string> replace_section(const std::string& text, std::string_view se
     if (!out.empty()) out += line_end;
     out += replacement;
   }
-  // The scanner above knows only lines. Check with the parser that only this section has changed.
+  // The scanner above only knows lines. The parser checks that nothing but this section has changed.
   const Result<toml::table> after = parse(out, "the changed file");
   if (after.ok() && same_but(before, after.value(), section) && same_at(added, after.value(), section)) return out;
   const std::string cause = after.ok() ? std::string() : " (" + after.text() + ")";

@@ -12,16 +12,17 @@ namespace touchline::config {
 /// section are replaced, too, and so is a comment directly above its header if a blank line precedes the comment.
 ///
 /// `toml` is the new section with its header ("[light]\nmap = \"light.png\"\n"); empty: the section is removed. A file
-/// that does not exist is created. The former file stays as PATH.bak. See replace_file().
+/// that does not exist is created. The former content is kept as PATH.bak, see replace_file().
 ///
 /// kInconsistent: the file or `toml` is not valid TOML, `toml` has another section, or the file has the section in a
-/// form without a header (`light = {...}`). kIo, kPermission, kNotFound: as hal::OutputFile. On error the file stays.
+/// form without a header (`light = {...}`). kIo, kPermission, kNotFound: as hal::OutputFile. On error the file is
+/// unchanged.
 Result<void> write_section(const std::string& path, std::string_view section, std::string_view toml);
 
-/// The text of a new file.
+/// Content of a new file before its first section is added.
 inline constexpr const char* kNewFile = "version = 1\n";
 
-/// The text that write_section() would write.
+/// Returns the text that write_section() would write.
 Result<std::string> replace_section(const std::string& text, std::string_view section, std::string_view toml);
 
 }  // namespace touchline::config

@@ -10,7 +10,7 @@ namespace {
 
 std::string option_text(const Override& override) { return "--set " + override.key + "=" + override.value; }
 
-// A table with the value as its only node. Its source is the option, which messages then name.
+// Returns a table with the value as its only node. Its source is the option, so that messages name the option.
 std::optional<toml::table> parse_value(const Override& override) {
   const auto parse = [&](const std::string& value) -> std::optional<toml::table> {
     try {
@@ -119,7 +119,7 @@ void apply(const Override& override, toml::table& root, Problems& problems) {
       table = inner->as_table();
       if (table == nullptr) {
         problems.add(option_text(override), path,
-                     inner->is_array() ? "is a list; name an element: " + path + "[0]" : "has no keys of its own");
+                     inner->is_array() ? "is a list; name an element: " + path + "[0]" : "is not a section");
         return;
       }
       continue;
@@ -139,7 +139,7 @@ void apply(const Override& override, toml::table& root, Problems& problems) {
     }
     table = array->get(*step.index)->as_table();
     if (table == nullptr) {
-      problems.add(option_text(override), path, "has no keys of its own");
+      problems.add(option_text(override), path, "is not a section");
       return;
     }
   }

@@ -16,7 +16,7 @@ namespace touchline::config {
 /// One `--set key=value`.
 struct Override {
   std::string key;    // path of the key: "camera.exposure_us", "color[2].name"
-  std::string value;  // TOML; anything else is taken as text
+  std::string value;  // TOML; anything else is read as a string
 };
 
 /// Parses a file. On error, adds a problem and returns nothing. `remedy` is added to the message if there is no file.
@@ -25,7 +25,7 @@ std::optional<toml::table> parse_file(const std::string& path, std::string_view 
 /// Checks the version. On error, adds a problem and returns false.
 bool check_version(const toml::table& root, const std::string& path, Problems& problems);
 
-/// Puts the value into the table. The reader checks it later, like a value of the file.
+/// Stores the value in the table. The reader checks it later like a value from the file.
 void apply(const Override& override, toml::table& root, Problems& problems);
 
 /// Reads a file and checks all keys. Keys with a wrong value keep their default.

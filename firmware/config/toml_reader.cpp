@@ -129,7 +129,7 @@ bool TomlReader::take_number(const toml::node& node, const std::string& path, bo
 }
 
 void TomlReader::refuse_word(std::string_view key, std::string_view word, std::span<const std::string_view> known) {
-  std::string message = "\"" + std::string(word) + "\" is none of " + joined(known);
+  std::string message = "\"" + std::string(word) + "\" is not one of " + joined(known);
   if (const std::string_view near = nearest_word(word, known); !near.empty()) {
     message.append("; did you mean \"").append(near).append("\"?");
   }

@@ -95,7 +95,7 @@ class TomlReader {
     if (!take_number(node, path, std::is_integral_v<T>, narrowed<T>(key.range), key.unit, read)) return;
     value = static_cast<T>(read);
   }
-  // A value that does not fit into the variable is out of range, too.
+  // Limits the range to the values that the variable can represent.
   template <class T>
   static Range narrowed(Range range) {
     if constexpr (std::is_integral_v<T>) {

@@ -66,7 +66,7 @@ class TomlWriter {
 
   bool comments_;
   std::string path_;
-  // TOML needs the keys of a table before its inner tables, in whatever order they are declared.
+  // In TOML, the keys of a table must precede its inner tables, whatever the order of declaration.
   std::string keys_, tables_;
 };
 

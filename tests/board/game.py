@@ -143,7 +143,7 @@ class Game:
         wait = "timeout 60 sh -c 'until grep -q \"{}\" vivid.log; do sleep 0.1; done'"
         self.run(wait.format("fps"), may_fail=True)
         self.run(f"echo {name} >/sys/bus/platform/drivers/vivid/unbind")
-        self.run(wait.format("opening it again"), may_fail=True)
+        self.run(wait.format("reopening it"), may_fail=True)
         self.run(f"echo {name} >/sys/bus/platform/drivers/vivid/bind")
         self.run(wait.format("^code"), may_fail=True)
         output = self.run("cat vivid.log")
@@ -234,7 +234,7 @@ class Game:
         self.ask("blind 20")
         self.load_loopback(7)
         self.arena.ask("plug")
-        self.wait_for_log("camera: is back")
+        self.wait_for_log("camera: reopened")
         result = self.ask("play 60")
         self.checks.expect(re.fullmatch("s{0,3}d+", result["frames"]) and result["shown"] == 60,
                            f"the camera is /dev/video7 now, and the game goes on: {result['frames']}")
@@ -252,5 +252,5 @@ class Game:
         self.checks.expect(not self.board.pins_now() & (1 << LED | 1 << STROBE), "status light and strobe are off")
         output = self.run(f"{LOG} | tail -n 20")
         print(output)
-        self.checks.expect(" 0 lost on the way, 0 not good" in output, "no gap in the frames' sequence from begin to end")
+        self.checks.expect(" 0 lost, 0 unusable" in output, "no gap in the frames' sequence from begin to end")
         self.checks.numbers.append(f"{self.frames} frames shown, {self.packets} packets received")

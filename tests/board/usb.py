@@ -121,7 +121,7 @@ class UsbCamera:
     def good_frames(self, frames, parts, output, what):
         shown = sum(part["shown"] for part in parts)
         letters = "".join(part["frames"] for part in parts)
-        found = re.search(rf"frames +{frames} in .* 1 lost on the way, 0 not good", output)
+        found = re.search(rf"frames +{frames} in .* 1 lost, 0 unusable", output)
         self.checks.expect(found and shown == frames and re.fullmatch("[dm]+", letters) and "code 0" in output,
                            f"{what}: {frames} pictures, a packet with speeds for each, the incomplete one counted as lost: {letters}")
 
@@ -152,7 +152,7 @@ class UsbCamera:
         self.checks.expect(self.run("ls /dev/video* /dev/touchline/camera 2>&1 | grep -c 'No such'", may_fail=True) != "0",
                            "its nodes are gone")
         self.arena.ask("plug")
-        self.wait_for_log("camera: is back")
+        self.wait_for_log("camera: reopened")
         after = self.run(f"exec 9<&-; readlink -f {CAMERA}")
         again = self.arena.ask(f"drive {frames // 2}")
         self.checks.expect(before != after, f"plugged in again: it was {before}, is {after}, and the game goes on")

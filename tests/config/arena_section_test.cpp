@@ -10,30 +10,30 @@ class ArenaSection : public ConfigFiles {
   void add(const std::string& lines) { write("board.toml", read(path("board.toml")) + lines); }
 };
 
-TEST_F(ArenaSection, DefaultsAreSound) {
+TEST_F(ArenaSection, DefaultsAreValid) {
   ASSERT_TRUE(load().ok()) << problems();
   EXPECT_EQ(configuration_->board.arena.robot.size(), 10U);
 }
 
-TEST_F(ArenaSection, KeysAreCheckedLikeAllOthers) {
+TEST_F(ArenaSection, KeysAreChecked) {
   add("[arena]\nopponents = \"sleep\"\nrobot_side_m = 1.0\n[arena.physics]\nwheel_lag = 0.1\n[arena.radio]\nloss = 2\n"
       "[[arena.fault]]\nkind = \"fire\"\nat_s = -1.0\n");
   EXPECT_EQ(refusal(),
             "board.toml:19: arena.physics.wheel_lag: unknown key; did you mean \"wheel_lag_s\"?\n"
             "board.toml:21: arena.radio.loss: 2 is out of range: 0 to 1\n"
-            "board.toml:16: arena.opponents: \"sleep\" is none of stand, play\n"
+            "board.toml:16: arena.opponents: \"sleep\" is not one of stand, play\n"
             "board.toml:17: arena.robot_side_m: 1.0 is out of range: 0.02 to 0.4 m\n"
-            "board.toml:23: arena.fault[0].kind: \"fire\" is none of camera_stall, camera_lost, frame_short, "
+            "board.toml:23: arena.fault[0].kind: \"fire\" is not one of camera_stall, camera_lost, frame_short, "
             "frame_corrupt, dark, radio_lost, radio_busy, emergency_stop, start_button\n"
             "board.toml:24: arena.fault[0].at_s: -1.0 is out of range: 0 to 1000000 s\n");
 }
 
-TEST_F(ArenaSection, ColorsMustBePaints) {
+TEST_F(ArenaSection, ColorsMustBeDefinedPaints) {
   add("[arena]\nown_color = \"bleu\"\n");
   EXPECT_EQ(refusal(), "board.toml:16: arena.own_color: \"bleu\" is not in [[arena.paint]]\n");
 }
 
-TEST_F(ArenaSection, RobotsColorsMustBePaintsAndOneForEachPatch) {
+TEST_F(ArenaSection, RobotsHaveOneDefinedPaintPerPatch) {
   add("[[arena.robot]]\nid = 0\ncolors = [\"ruby\"]\n");
   EXPECT_EQ(refusal(), "board.toml:17: arena.robot[0].colors: \"ruby\" is not in [[arena.paint]]\n");
   replace("board.toml", "[\"ruby\"]", "[]");
@@ -42,7 +42,7 @@ TEST_F(ArenaSection, RobotsColorsMustBePaintsAndOneForEachPatch) {
             "team's\n");
 }
 
-TEST_F(ArenaSection, RobotsAreGivenOnce) {
+TEST_F(ArenaSection, RobotIdsAreUnique) {
   add("[[arena.robot]]\nid = 3\nx_m = 0.2\ncolors = [\"red\"]\n[[arena.robot]]\nid = 3\nx_m = 0.5\ncolors = "
       "[\"red\"]\n");
   EXPECT_EQ(refusal(), "board.toml:20: arena.robot[1].id: 3 is already used by robot[0] of the same team\n");
@@ -51,7 +51,7 @@ TEST_F(ArenaSection, RobotsAreGivenOnce) {
   EXPECT_TRUE(load().ok()) << problems();
 }
 
-TEST_F(ArenaSection, RobotsStandOnTheFieldAndNotOnEachOther) {
+TEST_F(ArenaSection, RobotsAreOnTheFieldAndDoNotOverlap) {
   add("[[arena.robot]]\nid = 0\nx_m = 1.08\ncolors = [\"red\"]\n[[arena.robot]]\nid = 1\nx_m = 0.5\ncolors = "
       "[\"red\"]\n");
   EXPECT_EQ(refusal(), "board.toml:15: arena.robot[0]: is outside of the field\n");
@@ -63,7 +63,7 @@ TEST_F(ArenaSection, RobotsStandOnTheFieldAndNotOnEachOther) {
   EXPECT_TRUE(load().ok()) << problems();
 }
 
-TEST_F(ArenaSection, ATeamHasNoMoreRobotsThanAPacketCarries) {
+TEST_F(ArenaSection, ATeamHasNoMoreRobotsThanAPacket) {
   for (int i = 0; i < 12; ++i) {
     add("[[arena.robot]]\nid = " + std::to_string(i) + "\nx_m = " + std::to_string(0.15 * i - 0.9) +
         "\ncolors = [\"red\"]\n");
@@ -71,7 +71,7 @@ TEST_F(ArenaSection, ATeamHasNoMoreRobotsThanAPacketCarries) {
   EXPECT_EQ(refusal(), "board.toml:15: arena.robot: one team has 12 robots; at most 11 are allowed\n");
 }
 
-TEST_F(ArenaSection, PaintsHaveDifferentNames) {
+TEST_F(ArenaSection, PaintNamesAreUnique) {
   add("[[arena.paint]]\nname = \"blue\"\nrgb = [0, 0, 255]\n[[arena.paint]]\nname = \"blue\"\nrgb = [0, 0, 200]\n");
   EXPECT_EQ(refusal(), "board.toml:19: arena.paint[1].name: \"blue\" is already the name of another paint\n");
 }
@@ -88,12 +88,12 @@ TEST_F(ArenaSection, WallsFitTogether) {
   EXPECT_EQ(refusal(), "board.toml:15: arena.field: goal and corner pieces do not fit into the field's sides\n");
 }
 
-TEST_F(ArenaSection, CameraHangsAboveTheRobots) {
+TEST_F(ArenaSection, CameraIsAboveTheRobots) {
   add("[arena.camera]\nposition_m = [0.0, 0.0, 0.07]\n");
   EXPECT_EQ(refusal(), "board.toml:16: arena.camera.position_m: the camera must be above robots and ball\n");
 }
 
-TEST_F(ArenaSection, IsCheckedAfterOverridesToo) {
+TEST_F(ArenaSection, IsCheckedAfterOverrides) {
   EXPECT_EQ(refusal({"arena.ball_color=purple"}),
             "--set arena.ball_color=purple: arena.ball_color: \"purple\" is not in [[arena.paint]]\n");
   EXPECT_TRUE(load({"arena.ball_color=red"}).ok()) << problems();

@@ -22,7 +22,7 @@ TEST_F(ConfigFiles, DumpReadsBackAsTheSameFiles) {
   EXPECT_EQ(TomlWriter::text_of(configuration_->team), team);
 }
 
-TEST_F(ConfigFiles, DumpTellsUnitRangeAndMeaning) {
+TEST_F(ConfigFiles, DumpContainsUnitRangeAndMeaning) {
   ASSERT_TRUE(load().ok()) << problems();
   const std::string text = dump(*configuration_);
   EXPECT_NE(text.find("\n[camera]\n"), std::string::npos);
@@ -33,7 +33,7 @@ TEST_F(ConfigFiles, DumpTellsUnitRangeAndMeaning) {
   EXPECT_NE(text.find("backend = \"none\""), std::string::npos);
 }
 
-TEST(KeyList, EveryKeyOfEveryFileHasAMeaning) {
+TEST(KeyList, EveryKeyHasADescription) {
   std::size_t count = 0;
   for (const auto& keys :
        {KeyLister::keys_of<BoardFile>(), KeyLister::keys_of<VenueFile>(), KeyLister::keys_of<TeamFile>()}) {

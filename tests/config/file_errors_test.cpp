@@ -4,7 +4,7 @@
 namespace touchline::config {
 namespace {
 
-TEST_F(ConfigFiles, SoundFilesAreTakenWithAllTheirValues) {
+TEST_F(ConfigFiles, ReadsAllValuesOfValidFiles) {
   ASSERT_TRUE(load().ok()) << problems();
   EXPECT_EQ(problems(), "");
   EXPECT_EQ(configuration_->board.camera.device, "/dev/video7");
@@ -18,14 +18,14 @@ TEST_F(ConfigFiles, UnknownKeyNamesTheNearestKnownOne) {
   EXPECT_EQ(refusal(), "board.toml:10: camera.widht_px: unknown key; did you mean \"width_px\"?\n");
 }
 
-TEST_F(ConfigFiles, UnknownKeyFarFromAllListsWhatIsKnown) {
+TEST_F(ConfigFiles, UnknownKeyWithoutASimilarOneListsAllKeys) {
   replace("board.toml", "backend = \"none\"", "backend = \"none\"\nzoom = 1");
   EXPECT_EQ(refusal(),
             "board.toml:15: radio.zoom: unknown key; known keys here: backend, device, baud, delay_s, telemetry, "
             "low_battery_v\n");
 }
 
-TEST_F(ConfigFiles, UnknownSectionIsAnUnknownKey) {
+TEST_F(ConfigFiles, UnknownSectionIsReportedAsAnUnknownKey) {
   replace("venue.toml", "[picture]", "[pictures]");
   EXPECT_EQ(refusal(),
             "venue.toml:3: pictures: unknown key; did you mean \"picture\"?\n"
@@ -57,25 +57,25 @@ TEST_F(ConfigFiles, OutOfRangeNamesRangeAndUnit) {
   EXPECT_EQ(refusal(), "board.toml:10: camera.width_px: 5000 is out of range: 16 to 2592 px\n");
 }
 
-TEST_F(ConfigFiles, NotANumberIsOutOfRange) {
+TEST_F(ConfigFiles, NaNIsOutOfRange) {
   replace("venue.toml", "length_m = 2.2", "length_m = nan");
   EXPECT_EQ(refusal(), "venue.toml:8: field.length_m: nan is out of range: 0.3 to 30 m\n");
 }
 
-TEST_F(ConfigFiles, WordOfNoChoice) {
+TEST_F(ConfigFiles, UnknownChoiceListsAllChoices) {
   replace("board.toml", "format = \"rgb24\"", "format = \"rbg24\"");
   EXPECT_EQ(refusal(),
-            "board.toml:9: camera.format: \"rbg24\" is none of rgb24, bgr24, yuyv, uyvy, nv12, i420, xrgb8888, mjpg; "
+            "board.toml:9: camera.format: \"rbg24\" is not one of rgb24, bgr24, yuyv, uyvy, nv12, i420, xrgb8888, mjpg; "
             "did you mean "
             "\"rgb24\"?\n");
 }
 
-TEST_F(ConfigFiles, WrongLengthOfAList) {
+TEST_F(ConfigFiles, WrongListLength) {
   replace("venue.toml", "position_m = [0.0, 0.0, 2.0]", "position_m = [0.0, 2.0]");
   EXPECT_EQ(refusal(), "venue.toml:19: camera_model.full.position_m: expected exactly 3 entries, found 2\n");
 }
 
-TEST_F(ConfigFiles, WrongElementOfAList) {
+TEST_F(ConfigFiles, WrongListElement) {
   replace("venue.toml", "low = [180, 60, 0]", "low = [180, 300, \"x\"]");
   EXPECT_EQ(refusal(),
             "venue.toml:28: color[0].box[0].low[1]: 300 is out of range: 0 to 255\n"
@@ -89,7 +89,7 @@ TEST_F(ConfigFiles, DuplicateKey) {
   EXPECT_NE(text.find("width_px"), std::string::npos) << text;
 }
 
-TEST_F(ConfigFiles, BrokenSyntaxNamesTheLine) {
+TEST_F(ConfigFiles, SyntaxErrorNamesTheLine) {
   replace("team.toml", "color = \"blue\"", "color = \"blue");
   const std::string text = refusal();
   EXPECT_EQ(text.substr(0, text.find(' ')), "team.toml:5:") << text;
@@ -110,13 +110,13 @@ TEST_F(ConfigFiles, VersionIsRequired) {
   EXPECT_EQ(refusal(), "team.toml: version: is missing; the first line must be: version = 1\n");
 }
 
-TEST_F(ConfigFiles, BoardOfALaterVersionEndsTheSearch) {
+TEST_F(ConfigFiles, BoardOfALaterVersionIsTheOnlyError) {
   replace("board.toml", "version = 1", "version = 2");
   EXPECT_EQ(load().code(), ErrorCode::kNotFound);
   EXPECT_EQ(problems(), "board.toml:1: version: made by a later Touchline (version 2); this one reads version 1\n");
 }
 
-TEST_F(ConfigFiles, LaterVersionIsRefusedWhateverElseItHolds) {
+TEST_F(ConfigFiles, LaterVersionIsRejectedWhateverItsKeys) {
   replace("venue.toml", "version = 1", "version = 2\nnew_key = 1");
   EXPECT_EQ(refusal(), "venue.toml:1: version: made by a later Touchline (version 2); this one reads version 1\n");
 }
@@ -126,7 +126,7 @@ TEST_F(ConfigFiles, VersionMustBeAPositiveInteger) {
   EXPECT_EQ(refusal(), "team.toml:1: version: must be an integer from 1; this Touchline reads version 1\n");
 }
 
-TEST_F(ConfigFiles, MissingFilesSayHowTheyAreMade) {
+TEST_F(ConfigFiles, MissingFilesSayHowToMakeThem) {
   std::filesystem::remove(path("venue.toml"));
   std::filesystem::remove(path("team.toml"));
   EXPECT_EQ(refusal(),
@@ -134,13 +134,13 @@ TEST_F(ConfigFiles, MissingFilesSayHowTheyAreMade) {
             "team.toml: no such file; docs/files.md has an example\n");
 }
 
-TEST_F(ConfigFiles, MissingBoardEndsTheSearch) {
+TEST_F(ConfigFiles, MissingBoardIsTheOnlyError) {
   std::filesystem::remove(path("board.toml"));
   EXPECT_EQ(load().code(), ErrorCode::kNotFound);
   EXPECT_EQ(problems(), "board.toml: no such file; copy one of the folders in boards/\n");
 }
 
-TEST_F(ConfigFiles, FolderInPlaceOfAFile) {
+TEST_F(ConfigFiles, FolderInsteadOfAFile) {
   std::filesystem::remove(path("team.toml"));
   std::filesystem::create_directory(path("team.toml"));
   EXPECT_EQ(refusal(), "team.toml: is a folder, not a file\n");
@@ -151,7 +151,7 @@ TEST_F(ConfigFiles, BinaryFileIsRefused) {
   EXPECT_EQ(refusal().substr(0, 12), "team.toml:1:");
 }
 
-TEST_F(ConfigFiles, FaultsOfAllThreeFilesAreReportedAtOnce) {
+TEST_F(ConfigFiles, ErrorsOfAllThreeFilesAreReportedTogether) {
   replace("board.toml", "height_px = 480", "height_px = 1");
   replace("venue.toml", "width_m = 1.8", "width_m = true");
   replace("team.toml", "max_robots = 2", "max_robots = 12");

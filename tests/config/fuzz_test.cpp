@@ -36,7 +36,7 @@ std::string damaged(std::string text, std::mt19937& random) {
   return text;
 }
 
-TEST_F(ConfigFiles, DamagedFilesAreTakenOrRefusedWithAReason) {
+TEST_F(ConfigFiles, DamagedFilesAreAcceptedOrRejectedWithAMessage) {
   std::mt19937 random(1);
   std::size_t refused = 0;
   constexpr int kFiles = 1000;

@@ -1,4 +1,4 @@
-// docs/files.md shows the keys as they are declared.
+// docs/files.md must list the keys as they are declared.
 #include "firmware/config/key_reference.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ TEST(KeyReference, HasARowForEachKeyInTheTableOfItsSection) {
   EXPECT_NE(text.find("#### [[color.box]]\n"), std::string::npos);
 }
 
-TEST(KeyReference, TheTerminalGetsTheSameFacts) {
+TEST(KeyReference, TextForTheTerminalHasTheSameFacts) {
   EXPECT_NE(
       key_reference_text().find("  radio.delay_s: number, 0 to 1 s, default 0.02, reload: loop\n      Delay from"),
       std::string::npos);

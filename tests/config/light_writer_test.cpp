@@ -1,4 +1,4 @@
-// Light map and venue file belong together, also when the process ends at any step or a system call fails.
+// Light map and venue file stay consistent if the process ends at any step or a system call fails.
 #include "firmware/config/light_writer.h"
 
 #include <fcntl.h>
@@ -34,7 +34,7 @@ bool fails() {
 
 }  // namespace
 
-// The linker calls these instead (--wrap).
+// The linker replaces the system calls by these functions (--wrap).
 extern "C" {
 int __real_openat(int folder, const char* path, int flags, ...);
 ssize_t __real_write(int file, const void* bytes, std::size_t size);
@@ -81,7 +81,7 @@ LightEntry entry_of(float normal) {
 
 class LightWriter : public ::testing::Test {
  protected:
-  // A map's content is the number that `normal` has.
+  // The content of a map is the value of its `normal`.
   static Result<std::string> write(const testing::TemporaryFolder& folder, int number) {
     return write_light(folder / "venue.toml", std::to_string(number), entry_of(static_cast<float>(number)));
   }
@@ -93,7 +93,7 @@ class LightWriter : public ::testing::Test {
       ASSERT_TRUE(written.ok()) << written.text();
     }
   }
-  /// The number of a venue file whose map belongs to it; nothing if they differ.
+  /// Returns the value of `normal` in a venue file if its map belongs to it; otherwise nothing.
   static std::optional<int> number_of(const testing::TemporaryFolder& folder, const std::string& venue) {
     const std::string text = folder.read(venue);
     const auto value = [&text](const std::string& key, const char* end) {
@@ -118,7 +118,7 @@ TEST_F(LightWriter, AlternatesBetweenTwoMaps) {
   EXPECT_EQ(folder.count(), 4U) << "two venue files, two maps";
 }
 
-TEST_F(LightWriter, AKilledProcessLeavesAVenueWithItsMap) {
+TEST_F(LightWriter, AKilledProcessLeavesAConsistentVenue) {
   int steps = 0;
   for (int at = 1;; ++at) {
     const testing::TemporaryFolder folder;
@@ -144,7 +144,7 @@ TEST_F(LightWriter, AKilledProcessLeavesAVenueWithItsMap) {
   EXPECT_GE(steps, 15) << "four files, each created, written, synced, renamed";
 }
 
-TEST_F(LightWriter, AFailedCallIsReportedAndLeavesAVenueWithItsMap) {
+TEST_F(LightWriter, AFailedCallIsReportedAndLeavesAConsistentVenue) {
   int failures = 0;
   for (int at = 1;; ++at) {
     const testing::TemporaryFolder folder;

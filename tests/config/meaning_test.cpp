@@ -1,11 +1,11 @@
-// Values that are valid alone and contradict each other.
+// Values that are valid alone but contradict each other.
 #include "hal/replay/picture.h"
 #include "tests/config/config_files.h"
 
 namespace touchline::config {
 namespace {
 
-TEST_F(ConfigFiles, KernelIsTheBoardsAndMustBeThere) {
+TEST_F(ConfigFiles, KernelMustBeSupportedByTheProcessor) {
   replace("board.toml", "[radio]\n", "[scan]\nkernel = \"portable\"\n[radio]\n");
   ASSERT_TRUE(load().ok()) << problems();
   EXPECT_EQ(configuration_->pipeline.scan.kernel, KernelChoice::kPortable);
@@ -38,7 +38,7 @@ TEST_F(ConfigFiles, ColorIdsFollowTheVenueFile) {
   EXPECT_EQ(p.marker.field.length_m, 2.2f);
 }
 
-TEST_F(ConfigFiles, UnknownColorListsTheKnownOnes) {
+TEST_F(ConfigFiles, UnknownColorListsKnownColors) {
   replace("team.toml", "colors = [\"red\"]", "colors = [\"pink\"]");
   replace("team.toml", "color = \"orange\"", "color = \"oragne\"");
   EXPECT_EQ(
@@ -68,7 +68,7 @@ TEST_F(ConfigFiles, WrongNumberOfIdentificationColors) {
             "colors\n");
 }
 
-TEST_F(ConfigFiles, OneColorForTwoThings) {
+TEST_F(ConfigFiles, OneColorForTwoKindsOfObjects) {
   replace("team.toml", "[ball]\ncolor = \"orange\"", "[ball]\ncolor = \"blue\"\n[opponent]\ncolor = \"blue\"");
   EXPECT_EQ(refusal(),
             "team.toml:17: opponent.color: \"blue\" is also own.color\n"
@@ -81,7 +81,7 @@ TEST_F(ConfigFiles, UnknownLayout) {
   EXPECT_EQ(refusal(), "team.toml:4: own.layout: no [[layout]] is named \"halves\"; known layouts: paper\n");
 }
 
-TEST_F(ConfigFiles, LayoutOfTheTeamFile) {
+TEST_F(ConfigFiles, LayoutFromTheTeamFile) {
   replace("team.toml", "layout = \"paper\"", "layout = \"halves\"");
   write("team.toml", read(path("team.toml")) + R"([[layout]]
 name = "halves"
@@ -119,7 +119,7 @@ width_m = 0.04
             "team.toml:27: layout[0].patch[1]: the patch's center lies outside of the robot, whose side is 0.08 m\n");
 }
 
-TEST_F(ConfigFiles, OverlappingBoxesNameBothAndWhere) {
+TEST_F(ConfigFiles, OverlappingBoxesAreReportedWithTheirOverlap) {
   replace("venue.toml", "high = [255, 40, 60]", "high = [255, 80, 60]");
   EXPECT_EQ(refusal(),
             "venue.toml:39: color[2].box[0]: box of \"red\" overlaps the box of \"orange\" at venue.toml:27 in low "
@@ -133,7 +133,7 @@ TEST_F(ConfigFiles, BoxesOfOneColorMayOverlap) {
   EXPECT_EQ(configuration_->pipeline.scan.boxes.size(), 5U);
 }
 
-TEST_F(ConfigFiles, BoxThatIsInsideOut) {
+TEST_F(ConfigFiles, BoxWithLowAboveHigh) {
   replace("venue.toml", "low = [0, 0, 150]", "low = [0, 90, 150]");
   EXPECT_EQ(refusal(), "venue.toml:33: color[1].box[0]: low 90 is above high 80 in channel 1\n");
 }
@@ -145,7 +145,7 @@ TEST_F(ConfigFiles, MoreBoxesThanBits) {
   EXPECT_EQ(refusal(), "venue.toml:24: color: 33 boxes; at most 32 are supported\n");
 }
 
-TEST_F(ConfigFiles, ColorTwice) {
+TEST_F(ConfigFiles, DuplicateColor) {
   replace("venue.toml", "name = \"green\"", "name = \"red\"");
   replace("team.toml", "colors = [\"green\"]", "colors = [\"orange\"]");
   EXPECT_EQ(refusal(),
@@ -153,7 +153,7 @@ TEST_F(ConfigFiles, ColorTwice) {
             "several [[color.box]] instead\n");
 }
 
-TEST_F(ConfigFiles, VenueOfAnotherPicture) {
+TEST_F(ConfigFiles, VenueForAnotherPictureSize) {
   replace("board.toml", "width_px = 640\nheight_px = 480", "width_px = 1280\nheight_px = 960");
   EXPECT_EQ(refusal(),
             "venue.toml:4: picture: the calibration is for pictures of 640 x 480 pixels, but the camera of board.toml "
@@ -161,7 +161,7 @@ TEST_F(ConfigFiles, VenueOfAnotherPicture) {
             "1280 x 960\n");
 }
 
-TEST_F(ConfigFiles, OnlyARecordingHasARateOfItsOwn) {
+TEST_F(ConfigFiles, OnlyARecordingCanHaveItsOwnRate) {
   const std::string board = read(path("board.toml"));
   ASSERT_EQ(board.find("rate_hz"), std::string::npos);
   replace("board.toml", "format = \"rgb24\"", "format = \"rgb24\"\nrate_hz = 0.0");
@@ -174,10 +174,10 @@ TEST_F(ConfigFiles, OnlyARecordingHasARateOfItsOwn) {
   EXPECT_EQ(configuration_->board.camera.rate_hz, 25.0);
   replace("board.toml", "\nrate_hz = 25.0", "");
   ASSERT_TRUE(load().ok()) << problems();
-  EXPECT_EQ(configuration_->board.camera.rate_hz, 0.0) << "the default is a camera's";
+  EXPECT_EQ(configuration_->board.camera.rate_hz, 0.0) << "the default applies only to cameras";
 }
 
-TEST_F(ConfigFiles, VenueOfAnotherColorSpace) {
+TEST_F(ConfigFiles, VenueForAnotherColorSpace) {
   replace("board.toml", "format = \"rgb24\"", "format = \"nv12\"");
   EXPECT_EQ(refusal(),
             "venue.toml:22: colors.space: the boxes are in rgb, but the camera of board.toml delivers nv12, which is "
@@ -194,7 +194,7 @@ TEST_F(ConfigFiles, TypicalBackground) {
   EXPECT_EQ(refusal(), "venue.toml:22: colors.background: needs three values, one per channel; has 2\n");
 }
 
-TEST_F(ConfigFiles, CameraModelThatIsNotThere) {
+TEST_F(ConfigFiles, MissingCameraModel) {
   replace("venue.toml", "kind = \"full\"", "kind = \"paper\"");
   EXPECT_EQ(refusal(), "venue.toml:12: camera_model.paper: is missing; run touchline-calibrate field\n");
 }
@@ -242,7 +242,7 @@ TEST_F(ConfigFiles, LightMap) {
             "have\n");
 }
 
-TEST_F(ConfigFiles, ToolsBringTheirOwnPictures) {
+TEST_F(ConfigFiles, ToolsHaveTheirOwnPictures) {
   const FilePaths paths{"", path("venue.toml"), path("team.toml"), {}};
   ASSERT_TRUE(load_venue_and_team(paths, *configuration_, problems_).ok()) << problems();
   EXPECT_TRUE(resolve({PixelFormat::kBgr24, 640, 480, "clip.mp4"}, *configuration_, problems_).ok()) << problems();

@@ -26,7 +26,7 @@ class ReloadFiles : public ConfigFiles {
     for (const Change& change : changes) list += text_of(change) + "\n";
     return list;
   }
-  /// The changes that are applied, those that need a restart, and what takes the applied ones over.
+  /// Expects these applied changes, changes that need a restart, and parts of the program that apply them.
   void expect(const std::string& applied, const std::string& need_restart, const std::set<Reload>& by) {
     EXPECT_TRUE(reload().ok()) << problems();
     EXPECT_EQ(text(changes_.applied), applied);
@@ -45,7 +45,7 @@ TEST_F(ReloadFiles, SameFilesChangeNothing) {
   EXPECT_TRUE(changes_.empty());
 }
 
-TEST_F(ReloadFiles, CameraControlsAndTimesAreAppliedAndTheRestNeedsARestart) {
+TEST_F(ReloadFiles, CameraControlsAndTimesAreAppliedAndOtherKeysNeedARestart) {
   replace("board.toml", "height_px = 480\n",
           "height_px = 480\nexposure_us = 4000\nbuffers = 6\npower_line = \"50hz\"\n[faults]\nstop_after_s = 0.3\n");
   replace("board.toml", "/dev/video7", "/dev/video8");
@@ -62,7 +62,7 @@ TEST_F(ReloadFiles, CameraControlsAndTimesAreAppliedAndTheRestNeedsARestart) {
   expect("", "camera.device \"/dev/video7\" -> \"/dev/video8\"\ncamera.buffers 4 -> 6\n", {});
 }
 
-TEST_F(ReloadFiles, ThresholdsAreReportedByTheNameOfTheirColor) {
+TEST_F(ReloadFiles, ThresholdsAreReportedByColor) {
   replace("venue.toml", "low = [180, 60, 0]", "low = [170, 60, 0]");
   replace("venue.toml", "[colors]",
           "[region_of_interest]\nu_px = [10, 630, 630, 10]\nv_px = [5, 5, 470, 470]\n[colors]");
@@ -74,13 +74,13 @@ TEST_F(ReloadFiles, ThresholdsAreReportedByTheNameOfTheirColor) {
   EXPECT_EQ(running_->pipeline.scan.region_of_interest.size(), 4u);
 }
 
-TEST_F(ReloadFiles, TheBackgroundIsAThreshold) {
+TEST_F(ReloadFiles, TheBackgroundIsAppliedWithTheThresholds) {
   replace("venue.toml", "[colors]", "[colors]\nbackground = [58, 61, 59]");
   expect("colors.background [] -> [58, 61, 59]\n", "", {Reload::kThresholds});
   EXPECT_EQ(running_->pipeline.scan.background, (TypicalBackground{{58, 61, 59}}));
 }
 
-TEST_F(ReloadFiles, OtherColorsNeedARestartAndSoDoThresholdsThen) {
+TEST_F(ReloadFiles, AChangedListOfColorsNeedsARestart) {
   replace("venue.toml", "name = \"green\"", "name = \"lime\"");
   replace("team.toml", "\"green\"", "\"lime\"");
   replace("venue.toml", "low = [180, 60, 0]", "low = [170, 60, 0]");
@@ -92,7 +92,7 @@ TEST_F(ReloadFiles, OtherColorsNeedARestartAndSoDoThresholdsThen) {
   EXPECT_EQ(running_->venue.color[3].name, "green");
 }
 
-TEST_F(ReloadFiles, ThresholdsOfAnotherColorSpaceNeedARestart) {
+TEST_F(ReloadFiles, AChangedColorSpaceNeedsARestart) {
   replace("board.toml", "\"rgb24\"", "\"yuyv\"");
   replace("venue.toml", "\"rgb\"", "\"yuv\"");
   replace("venue.toml", "low = [180, 60, 0]", "low = [170, 60, 0]");

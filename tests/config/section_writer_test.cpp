@@ -14,7 +14,7 @@ std::string replaced(const std::string& text, std::string_view section, std::str
   return out.ok() ? out.value() : std::string();
 }
 
-TEST(SectionWriter, ReplacesOneSectionAndKeepsAllElse) {
+TEST(SectionWriter, ReplacesOneSectionAndKeepsAllOtherBytes) {
   const std::string text =
       "# hall A\nversion = 1   # keep\n\n# the lens\n[camera_model]\nkind='full'  # odd   spacing\n"
       "[camera_model.full]\nfx_px = 1\n\n\n# light stays\n[light]\n  map = \"l.png\" # x\n";
@@ -38,12 +38,12 @@ TEST(SectionWriter, ReplacesAllTablesOfAList) {
             "[light]\nmap = \"\"\n");
 }
 
-TEST(SectionWriter, SectionsWhoseNamesBeginAlikeAreOthers) {
+TEST(SectionWriter, DistinguishesSectionsWithACommonPrefix) {
   EXPECT_EQ(replaced("[color]\na = 1\n[colors]\nb = 1\n", "color", "[color]\na = 2\n"),
             "[color]\na = 2\n[colors]\nb = 1\n");
 }
 
-TEST(SectionWriter, AppendsWhatIsNotThere) {
+TEST(SectionWriter, AppendsAMissingSection) {
   EXPECT_EQ(replaced("version = 1\n", "light", "[light]\nmap = \"m\"\n"), "version = 1\n\n[light]\nmap = \"m\"\n");
   EXPECT_EQ(replaced("version = 1", "light", "[light]\nmap = \"m\""), "version = 1\n\n[light]\nmap = \"m\"\n");
 }
@@ -59,7 +59,7 @@ TEST(SectionWriter, KeepsWindowsLineEnds) {
   EXPECT_EQ(replaced("version = 1\r\n", "b", "[b]\ny = 1\n"), "version = 1\r\n\r\n[b]\r\ny = 1\r\n");
 }
 
-TEST(SectionWriter, HeadersInsideOfValuesAreNone) {
+TEST(SectionWriter, IgnoresHeadersInsideValues) {
   const std::string text =
       "[a]\ntext = \"\"\"\n[b]\nno header\n\"\"\"\nlist = [\n  [1, 2],\n  [3]\n]\nquote = '[b]'  # [b]\n[b]\nx = 1\n";
   EXPECT_EQ(replaced(text, "b", "[b]\nx = 2\n"), text.substr(0, text.rfind("x = 1")) + "x = 2\n");
@@ -72,7 +72,7 @@ TEST(SectionWriter, RemovesASection) {
   EXPECT_EQ(replaced("version = 1\n", "a", ""), "version = 1\n");
 }
 
-TEST(SectionWriter, RefusesWhatItWouldSpoil) {
+TEST(SectionWriter, RejectsFilesThatItCannotEdit) {
   const auto refusal = [](const std::string& text, std::string_view toml) {
     const Result<std::string> out = replace_section(text, "light", toml);
     EXPECT_EQ(out.code(), ErrorCode::kInconsistent);
@@ -85,7 +85,7 @@ TEST(SectionWriter, RefusesWhatItWouldSpoil) {
   EXPECT_EQ(refusal("", "[light\n").substr(0, 24), "the new section, line 1:");
 }
 
-TEST_F(ConfigFiles, SectionWriterKeepsTheFormerFile) {
+TEST_F(ConfigFiles, SectionWriterKeepsABackup) {
   const std::string before = read(path("venue.toml"));
   ::chmod(path("venue.toml").c_str(), 0640);
   const Result<void> written = write_section(path("venue.toml"), "field", "[field]\nlength_m = 1.5\nwidth_m = 1.3\n");
@@ -102,7 +102,7 @@ TEST_F(ConfigFiles, SectionWriterKeepsTheFormerFile) {
   EXPECT_EQ(configuration_->venue.field.length_m, 1.5f);
 }
 
-TEST_F(ConfigFiles, SectionWriterBeginsAFile) {
+TEST_F(ConfigFiles, SectionWriterCreatesAFile) {
   const Result<void> written = write_section(path("new.toml"), "light", "[light]\nmap = \"m\"\n");
   ASSERT_TRUE(written.ok()) << written.text();
   EXPECT_EQ(read(path("new.toml")), "version = 1\n\n[light]\nmap = \"m\"\n");
@@ -117,7 +117,7 @@ TEST_F(ConfigFiles, SectionWriterKeepsALink) {
   EXPECT_NE(read(path("venue.toml")).find("[light]"), std::string::npos);
 }
 
-TEST_F(ConfigFiles, SectionWriterFollowsNoLinkThatSomebodyPlanted) {
+TEST_F(ConfigFiles, SectionWriterDoesNotFollowAPlantedLink) {
   write("precious", "keep");
   for (const char* name : {"venue.toml.new", "venue.toml.bak"}) {
     std::filesystem::create_symlink("precious", path(name));
@@ -125,12 +125,12 @@ TEST_F(ConfigFiles, SectionWriterFollowsNoLinkThatSomebodyPlanted) {
   const Result<void> written = write_section(path("venue.toml"), "light", "[light]\nmap = \"\"\n");
   ASSERT_TRUE(written.ok()) << written.text();
   EXPECT_EQ(read(path("precious")), "keep");
-  EXPECT_TRUE(std::filesystem::is_symlink(path("venue.toml.new"))) << "not ours";
+  EXPECT_TRUE(std::filesystem::is_symlink(path("venue.toml.new"))) << "a file of somebody else";
   EXPECT_NE(read(path("venue.toml")).find("[light]"), std::string::npos);
   EXPECT_FALSE(std::filesystem::is_symlink(path("venue.toml"))) << "the planted link became the venue";
 }
 
-TEST_F(ConfigFiles, SectionWriterNamesTheFileItCannotWrite) {
+TEST_F(ConfigFiles, SectionWriterNamesTheFileThatItCannotWrite) {
   const Result<void> nowhere = write_section(path("nowhere/venue.toml"), "light", "[light]\nmap = \"m\"\n");
   EXPECT_EQ(nowhere.code(), ErrorCode::kNotFound);
   EXPECT_NE(nowhere.text().find("nowhere/venue.toml"), std::string::npos);

@@ -7,7 +7,7 @@
 namespace touchline::config {
 namespace {
 
-TEST(Wording, NumbersAreTheShortestThatReadBack) {
+TEST(Wording, NumbersHaveTheFewestDigitsThatReadBack) {
   EXPECT_EQ(value_text(0.02135f), "0.02135");
   EXPECT_EQ(value_text(0.1), "0.1");
   EXPECT_EQ(value_text(5.0), "5.0");

@@ -66,7 +66,7 @@ class ConfigReloaderTest : public LoopTest {
   /// Requests a reload on its thread while the loop iterates. Returns the messages without the folder's name.
   std::string reload() {
     std::mutex saying;
-    std::string said;
+    std::string messages;
     std::atomic<std::uint32_t> requests{0};
     std::atomic<bool> done{false};
     {
@@ -74,36 +74,36 @@ class ConfigReloaderTest : public LoopTest {
                                 requests,
                                 [&](const std::string& line) {
                                   const std::scoped_lock alone(saying);
-                                  said += line + "\n";
+                                  messages += line + "\n";
                                   done.store(true, std::memory_order_release);
                                 });
       requests.fetch_add(1);
       const std::uint64_t before = latency::allocations_of_this_thread();
       while (!done.load(std::memory_order_acquire)) {
         static_cast<void>(loop->iterate());
-        std::this_thread::sleep_for(1ms);  // simulated time costs nothing
+        std::this_thread::sleep_for(1ms);  // simulated time takes no real time
       }
       EXPECT_EQ(latency::allocations_of_this_thread() - before, 0U);
     }
     run_until(now_s() + 0.1);
     const std::string prefix = folder_.string() + "/";
-    for (std::size_t at = said.find(prefix); at != std::string::npos; at = said.find(prefix, at)) {
-      said.erase(at, prefix.size());
+    for (std::size_t at = messages.find(prefix); at != std::string::npos; at = messages.find(prefix, at)) {
+      messages.erase(at, prefix.size());
     }
-    return said;
+    return messages;
   }
   /// As reload(), with the checked number of the frame replaced by N.
   std::string reload_from_next_frame() {
-    std::string said = reload();
+    std::string messages = reload();
     const std::string begin = "reload: from frame ";
-    const std::size_t at = said.find(begin);
-    EXPECT_NE(at, std::string::npos) << said;
-    if (at == std::string::npos) return said;
+    const std::size_t at = messages.find(begin);
+    EXPECT_NE(at, std::string::npos) << messages;
+    if (at == std::string::npos) return messages;
     std::size_t digits = 0;
-    const unsigned long frame = std::stoul(said.substr(at + begin.size()), &digits);
+    const unsigned long frame = std::stoul(messages.substr(at + begin.size()), &digits);
     EXPECT_GT(frame, 25U);
     EXPECT_LE(frame, loop->statistics().frames);
-    return said.replace(at + begin.size(), digits, "N");
+    return messages.replace(at + begin.size(), digits, "N");
   }
   void expect_no_hitch() {
     EXPECT_EQ(loop->statistics().frames_lost, 0U);
@@ -126,13 +126,13 @@ class ConfigReloaderTest : public LoopTest {
   std::filesystem::path folder_;
 };
 
-TEST_F(ConfigReloaderTest, AColorThatWasNotSeenIsSeenFromTheNextFrameOn) {
+TEST_F(ConfigReloaderTest, NewThresholdsApplyFromTheNextFrame) {
   begin();
   EXPECT_FALSE(ball_is_seen_);
   write_venue("200, 100, 200");
   EXPECT_EQ(reload_from_next_frame(), "reload: from frame N on: color.orange\n");
   EXPECT_TRUE(ball_is_seen_);
-  // Back again, with the tables that the scanner began with.
+  // Changes back, which uses the scanner's first tables.
   write_venue("200, 20, 200");
   EXPECT_EQ(reload_from_next_frame(), "reload: from frame N on: color.orange\n");
   EXPECT_FALSE(ball_is_seen_);
@@ -144,24 +144,22 @@ TEST_F(ConfigReloaderTest, AColorThatWasNotSeenIsSeenFromTheNextFrameOn) {
   expect_no_hitch();
 }
 
-TEST_F(ConfigReloaderTest, WrongFilesChangeNothing) {
+TEST_F(ConfigReloaderTest, InvalidFilesChangeNothing) {
   begin();
   write_venue("230, 100, 200");
   write_board(4000, "99");
   EXPECT_EQ(reload(),
-            "board.toml:14: faults.stop_after_s: 99 is out of range: 0.02 to 5 s\nreload: everything stays as it "
-            "runs\n");
+            "board.toml:14: faults.stop_after_s: 99 is out of range: 0.02 to 5 s\nreload: nothing was changed\n");
   write_board(4000, "0.3");
   EXPECT_EQ(reload(),
-            "venue.toml:21: color[0].box[0]: low 230 is above high 220 in channel 0\nreload: everything stays as it "
-            "runs\n");
+            "venue.toml:21: color[0].box[0]: low 230 is above high 220 in channel 0\nreload: nothing was changed\n");
   EXPECT_FALSE(camera.adjusted_exposure_us.has_value());
   EXPECT_EQ(reloader_->running().board.camera.exposure_us, 5000);
   EXPECT_FALSE(ball_is_seen_);
   expect_no_hitch();
 }
 
-TEST_F(ConfigReloaderTest, CameraAndTimesChangeAndTheRestIsNamed) {
+TEST_F(ConfigReloaderTest, CameraAndTimesChangeAndOtherKeysNeedARestart) {
   camera.negotiated = "/dev/fake0: exposure_us = 4000: set to 4100";
   begin();
   write_board(4000, "0.06", 6);
@@ -178,7 +176,7 @@ TEST_F(ConfigReloaderTest, CameraAndTimesChangeAndTheRestIsNamed) {
   EXPECT_TRUE(all_stop(stalled_s + 0.1, stalled_s + 0.15));
 }
 
-TEST(ReloadThreadTest, AnExceptionEndsOneReloadOnly) {
+TEST(ReloadThreadTest, AnExceptionEndsOnlyOneReload) {
   std::atomic<std::uint32_t> requests{1};
   std::atomic<int> reloads{0};
   std::mutex printing;
@@ -207,11 +205,11 @@ TEST(ReloadThreadTest, AnExceptionEndsOneReloadOnly) {
     requests.fetch_add(1);
     wait_for(2);
   }
-  EXPECT_EQ(printed, (std::vector<std::string>{"reload: failed: std::bad_alloc; everything stays as it is",
+  EXPECT_EQ(printed, (std::vector<std::string>{"reload: failed: std::bad_alloc; nothing was changed",
                                                "reload: nothing has changed"}));
 }
 
-TEST_F(ConfigReloaderTest, AnAdaptationThatAPersonHasFrozenStaysSo) {
+TEST_F(ConfigReloaderTest, AFrozenAdaptationStaysFrozen) {
   AdaptationRequests requests;
   settings.adaptation = &requests;
   begin();

@@ -1,4 +1,5 @@
-// A loop that drives a robot by the serial line given as first argument, until it ends in the way given as second one.
+// Runs a loop that drives a robot over the serial line given as the first argument. The second argument says how the
+// process ends.
 #undef NDEBUG  // an assertion that fails
 #include <fcntl.h>
 #include <sys/resource.h>
@@ -19,7 +20,7 @@
 namespace touchline::testing {
 namespace {
 
-/// Writes packets to a terminal, as the kernel's serial ports are written to.
+/// Writes packets to a terminal as to a serial port.
 class TerminalRadio final : public hal::Radio {
  public:
   explicit TerminalRadio(const char* device) : file_(::open(device, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
@@ -46,7 +47,7 @@ class TerminalRadio final : public hal::Radio {
   int file_;
 };
 
-// Not a tail call, and not a call whose result is known.
+// Neither a tail call nor a call whose result the compiler knows.
 int overflow_stack(int depth) {
   if (depth < 0) return 0;
   volatile char block[4096] = {};
@@ -93,7 +94,7 @@ int main(int argc, char** argv) {
   TerminalRadio radio(argv[1]);
   FakeGpio gpio(clock);
   const auto pipeline = std::make_unique<Pipeline>();
-  if (!pipeline->configure(dark_room()).ok()) return 65;
+  if (!pipeline->configure(fake_camera_parameters()).ok()) return 65;
   const auto ring = std::make_unique<ReportRing>();
   LoopSettings settings;
   settings.frames = 100;

@@ -1,4 +1,4 @@
-// However the process ends, the last thing that the robots receive is stop packets.
+// However the process ends, the last packets that the robots receive are stop packets.
 #include "firmware/crash_stop.h"
 
 #include <fcntl.h>
@@ -51,7 +51,7 @@ Outcome run(const std::string& ending) {
       waited = 0;
       continue;
     }
-    if ((line.revents & POLLHUP) != 0 && opened) break;  // the program has ended, and everything is read
+    if ((line.revents & POLLHUP) != 0 && opened) break;  // the program has ended, and all bytes are read
     if (::waitpid(child, &outcome.status, WNOHANG) == child && !opened) break;
     ++waited;
     if ((line.revents & POLLHUP) != 0) ::usleep(20000);  // not opened yet
@@ -73,7 +73,7 @@ Outcome run(const std::string& ending) {
   return outcome;
 }
 
-/// Robots drove before, and at least four of the last packets, in order, are stop packets.
+/// Expects that robots were driven before, and that the last four packets or more are stop packets in order.
 void expect_stopped(const Outcome& outcome) {
   std::size_t driving = 0, last_stops = 0;
   for (const Received& packet : outcome.packets) {
@@ -81,7 +81,7 @@ void expect_stopped(const Outcome& outcome) {
     last_stops = packet.stop ? last_stops + 1 : 0;
   }
   EXPECT_GE(driving, 15U);
-  EXPECT_LE(driving, 22U) << "the loop goes on only until another thread's stop packets begin";
+  EXPECT_LE(driving, 22U) << "the loop sends no packet after the stop packets of another thread began";
   EXPECT_GE(last_stops, 4U) << "of " << outcome.packets.size() << " packets";
   for (std::size_t i = outcome.packets.size() - std::min<std::size_t>(last_stops, 4); i < outcome.packets.size(); ++i) {
     EXPECT_GE(static_cast<std::uint8_t>(outcome.packets[i].sequence - outcome.packets[i - 1].sequence), 0) << i;
@@ -117,7 +117,7 @@ TEST(CrashStopAtExit, RobotsAreStoppedBeforeExit) {
   expect_stopped(outcome);
 }
 
-TEST(CrashStopAtExit, AfterANormalEndNothingMoreIsSent) {
+TEST(CrashStopAtExit, SendsNothingMoreAfterANormalEnd) {
   const Outcome outcome = run("none");
   ASSERT_TRUE(WIFEXITED(outcome.status));
   EXPECT_EQ(WEXITSTATUS(outcome.status), 0);

@@ -20,11 +20,11 @@ struct Scripted {
   static Result<void> reopen(void* self) {
     Scripted& script = *static_cast<Scripted*>(self);
     if (++script.calls > script.failures) return {};
-    return Error{script.failure, "as the script says"};
+    return Error{script.failure, "scripted fault"};
   }
 };
 
-TEST(ThreadsDeviceReconnector, PausesDoubleFromFailureToFailure) {
+TEST(ThreadsDeviceReconnector, PausesDoubleAfterEachFailure) {
   Scripted script{3};
   DeviceReconnector reconnector(Scripted::reopen, &script, 100ms, true);
   std::vector<ErrorCode> results;
@@ -36,7 +36,7 @@ TEST(ThreadsDeviceReconnector, PausesDoubleFromFailureToFailure) {
   EXPECT_TRUE(poll(5.0));
   EXPECT_EQ(script.calls, 0);
   reconnector.mark_lost(at(10.0));
-  reconnector.mark_lost(at(10.05));  // ignored: it is lost already
+  reconnector.mark_lost(at(10.05));  // ignored: it is already lost
   EXPECT_FALSE(reconnector.is_open());
   for (const auto& [time, calls] : {std::pair{10.09, 0}, {10.1, 1}, {10.29, 1}, {10.3, 2}, {10.69, 2}, {10.7, 3}}) {
     EXPECT_FALSE(poll(time));
@@ -49,14 +49,14 @@ TEST(ThreadsDeviceReconnector, PausesDoubleFromFailureToFailure) {
   EXPECT_EQ(results.size(), 4U);
   EXPECT_EQ(results.back(), ErrorCode::kOk);
   EXPECT_EQ(reconnector.time_lost(at(12.0)), 0s);
-  // The next loss begins with the first pause again.
+  // After the next loss, the pauses start again with the first one.
   script.failures = 100;
   reconnector.mark_lost(at(20.0));
   EXPECT_FALSE(poll(20.1));
   EXPECT_EQ(script.calls, 5);
 }
 
-TEST(ThreadsDeviceReconnector, WhatIsAbsentIsLookedForMoreOften) {
+TEST(ThreadsDeviceReconnector, AnAbsentDeviceHasShorterPauses) {
   for (const auto& [failure, pause] : {std::pair{ErrorCode::kNotFound, DeviceReconnector::kLongestPauseAbsent},
                                        std::pair{ErrorCode::kIo, DeviceReconnector::kLongestPause}}) {
     Scripted script{1000, 0, failure};
@@ -78,7 +78,7 @@ struct Throwing {
   static Result<void> reopen(void*) { throw std::bad_alloc(); }
 };
 
-TEST(ThreadsDeviceReconnector, ADriverThatThrowsHasFailed) {
+TEST(ThreadsDeviceReconnector, AnExceptionOfADriverIsAFailure) {
   DeviceReconnector reconnector(Throwing::reopen, nullptr, 100ms, true);
   reconnector.mark_lost(at(1.0));
   const std::optional<Result<void>> result = reconnector.poll(at(2.0));
@@ -97,7 +97,7 @@ struct Hanging {
   }
 };
 
-TEST(ThreadsDeviceReconnector, DriverThatHangsHoldsUpNobody) {
+TEST(ThreadsDeviceReconnector, AHangingDriverDoesNotBlockTheCaller) {
   Hanging driver;
   DeviceReconnector reconnector(Hanging::reopen, &driver, 1ms, false);
   reconnector.mark_lost(at(1.0));
@@ -115,7 +115,7 @@ TEST(ThreadsDeviceReconnector, DriverThatHangsHoldsUpNobody) {
   EXPECT_TRUE(reconnector.is_open());
 }
 
-TEST(ThreadsDeviceReconnector, EndsWhileTheDriverWorks) {
+TEST(ThreadsDeviceReconnector, CanBeDestroyedDuringAnAttempt) {
   Hanging driver;
   auto reconnector = std::make_unique<DeviceReconnector>(Hanging::reopen, &driver, 1ms, false);
   reconnector->mark_lost(at(1.0));

@@ -257,7 +257,7 @@ TEST(ThreadsExternalInput, LoopFollowsWhatAnotherThreadReceives) {
   FakeRadio radio(clock);
   FakeGpio gpio(clock);
   const auto pipeline = std::make_unique<Pipeline>();
-  ASSERT_TRUE(pipeline->configure(dark_room()).ok());
+  ASSERT_TRUE(pipeline->configure(fake_camera_parameters()).ok());
   const auto ring = std::make_unique<ReportRing>();
   Mailbox<ExternalCommands> commands;
   Mailbox<RefereeState> referee;

@@ -19,7 +19,7 @@ void FakeCamera::fill_with_colors() {
   for (std::size_t i = 0; i < pixels_.size(); i += 3) {
     random = random * 1664525U + 1013904223U;  // Numerical Recipes' generator
     const auto choice = random >> 30;
-    pixels_[i] = static_cast<std::uint8_t>(60 + 50 * choice);  // 60 is nothing; 110, 160, 210 are the three colors
+    pixels_[i] = static_cast<std::uint8_t>(60 + 50 * choice);  // 60 is background; 110, 160, 210 are the three colors
     pixels_[i + 1] = 110;
     pixels_[i + 2] = 220;
   }
@@ -36,8 +36,7 @@ void FakeCamera::show_ball() {
 }
 
 void FakeCamera::show_robot() {
-  // The paper's layout at 312 pixels a meter: the team's patch ahead and to the left, the robot's behind and to the
-  // right.
+  // The paper's layout at 312 pixels per meter: the team patch is front left, the identification patch back right.
   constexpr std::size_t kSide = 11;
   for (std::size_t down = 0; down < kSide; ++down) {
     for (std::size_t right = 0; right < kSide; ++right) {
@@ -77,9 +76,9 @@ Result<void> FakeCamera::do_start() {
 }
 
 Result<hal::FrameLease> FakeCamera::do_wait(Instant deadline) {
-  if (!running || leased) return failed(ErrorCode::kIo);  // the loop breaks the contract
+  if (!running || leased) return failed(ErrorCode::kIo);  // the loop violates the contract
   if (const Status fault = status(); !fault.ok() && fault != Status(ErrorCode::kTimeout)) {
-    clock_.sleep_until(clock_.now() + kPeriod);  // a bad frame takes its time as well
+    clock_.sleep_until(clock_.now() + kPeriod);  // a bad frame takes as long as a good one
     return failed(fault.code());
   }
   if (frames_ == last_frame) return failed(ErrorCode::kEndOfStream);
@@ -140,9 +139,9 @@ Result<Duration> FakeRadio::do_serve() {
 
 Result<std::size_t> FakeRadio::do_receive(std::span<std::byte> into) {
   if (!is_open) return failed(ErrorCode::kIo);
-  const std::size_t count = std::min(into.size(), heard_.size());
-  std::copy_n(heard_.begin(), count, into.begin());
-  heard_.erase(heard_.begin(), heard_.begin() + static_cast<std::ptrdiff_t>(count));
+  const std::size_t count = std::min(into.size(), received_.size());
+  std::copy_n(received_.begin(), count, into.begin());
+  received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(count));
   return count;
 }
 
@@ -178,16 +177,16 @@ Result<void> FakeGpio::do_set_strobe(bool high) {
 
 Result<hal::GpioInputs> FakeGpio::do_inputs(Instant) {
   if (const Status fault = status(); !fault.ok()) return failed(fault.code());
-  ++looks;
+  ++reads;
   hal::GpioInputs inputs;
   inputs.next_poll_in = next_poll_in;
   for (const auto& [from_s, to_s] : pulled_) {
     if (now_s() >= from_s && now_s() < to_s) inputs.emergency_stop = true;
   }
   for (const double at_s : pressed_) {
-    if (at_s > looked_s_ && at_s <= now_s()) inputs.start_pressed = true;
+    if (at_s > read_s_ && at_s <= now_s()) inputs.start_pressed = true;
   }
-  looked_s_ = now_s();
+  read_s_ = now_s();
   return inputs;
 }
 

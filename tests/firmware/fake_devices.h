@@ -11,10 +11,10 @@
 #include "hal/gpio.h"
 #include "hal/radio.h"
 
-// Fake devices that follow the script of a test. During a scripted fault no call succeeds.
+// Fake devices that follow a script of the test. During a scripted fault all calls fail.
 namespace touchline::testing {
 
-/// Waiting makes the time jump.
+/// Sleeping advances the time at once.
 class FakeClock final : public hal::Clock {
  public:
   [[nodiscard]] Instant now() const override { return now_; }
@@ -24,7 +24,7 @@ class FakeClock final : public hal::Clock {
   Instant now_ = Instant(std::chrono::seconds(1000));
 };
 
-/// In [from_s, to_s) after the start of the test the device returns `code`.
+/// The device returns `code` in the interval [from_s, to_s) after the start of the test.
 struct Fault {
   double from_s = 0.0, to_s = 0.0;
   ErrorCode code = ErrorCode::kIo;
@@ -49,8 +49,8 @@ class Script {
   std::vector<Fault> faults_;
 };
 
-/// Delivers a dark picture every 20 ms. During a fault wait() returns its code (kTimeout: after the deadline), and
-/// open() does if the code is that of an absent device.
+/// Delivers a dark picture every 20 ms. During a fault, wait() returns its code (kTimeout: after the deadline). open()
+/// also fails if the code is that of an absent device.
 class FakeCamera final : public hal::Camera, public Script {
  public:
   static constexpr std::uint16_t kWidth = 64, kHeight = 48;
@@ -59,24 +59,25 @@ class FakeCamera final : public hal::Camera, public Script {
 
   [[nodiscard]] const hal::CameraInfo& info() const override { return info_; }
 
-  /// Fills the following pictures with single pixels in the colors of dark_room().
+  /// Fills the following pictures with single pixels in the colors of fake_camera_parameters().
   void fill_with_colors();
 
-  /// Draws the ball of dark_room() into the following pictures: a disc of 12 pixels (0.04 m) in the middle.
+  /// Draws the ball of fake_camera_parameters() into the following pictures: a disc of 12 pixels (0.04 m) in the
+  /// middle.
   void show_ball();
 
-  /// Draws the robot of dark_room() into the following pictures, in the middle, heading right.
+  /// Draws the robot of fake_camera_parameters() into the following pictures, in the middle, heading right.
   void show_robot();
 
   Duration age = std::chrono::milliseconds(5);   // of a frame when wait() returns it
-  std::uint32_t skip_at = 0, skipped = 0;        // at this sequence number the count jumps by `skipped`
+  std::uint32_t skip_at = 0, skipped = 0;        // at this sequence number, `skipped` numbers are left out
   std::uint64_t misstamped_frame = 0;            // the frame (counted from 1) that is stamped ahead; 0: none
   Duration misstamped_by{};                      // how far ahead
   std::uint64_t last_frame = ~std::uint64_t{0};  // kEndOfStream after this number of frames
   std::uint16_t width = kWidth;                  // of the frames
   std::vector<double> opened_s;                  // times of all attempts
-  double starts_from_s = 0.0;                    // before this time it opens but does not start
-  double fits_from_s = 0.0;                      // before this time it does not offer the requested format
+  double starts_from_s = 0.0;                    // until this time, start() fails
+  double fits_from_s = 0.0;                      // until this time, it does not offer the requested format
   bool leased = false, running = false, is_open = false;
   std::optional<int> adjusted_exposure_us;
   std::string negotiated;  // what adjust() returns
@@ -93,7 +94,7 @@ class FakeCamera final : public hal::Camera, public Script {
   void paint(std::size_t u, std::size_t v, std::uint8_t red);
   std::vector<std::uint8_t> pixels_;
   hal::CameraInfo info_{PixelFormat::kRgb24, kWidth, kHeight, 50.0};
-  Error failed(ErrorCode code) const { return {code, "/dev/fake0: as the script says"}; }
+  Error failed(ErrorCode code) const { return {code, "/dev/fake0: scripted fault"}; }
   std::uint32_t sequence_ = 0;
   std::uint64_t frames_ = 0;
   Instant next_{};
@@ -110,8 +111,8 @@ class FakeRadio final : public hal::Radio, public Script {
   explicit FakeRadio(hal::Clock& clock) : Script(clock) { sent.reserve(100000); }
 
   /// Adds bytes that the next receive() calls return.
-  void hear(std::span<const std::byte> bytes) { heard_.insert(heard_.end(), bytes.begin(), bytes.end()); }
-  /// Time that each packet takes on the line. A packet sent meanwhile replaces the one that waits.
+  void add_received(std::span<const std::byte> bytes) { received_.insert(received_.end(), bytes.begin(), bytes.end()); }
+  /// Transmission time of a packet. A packet that is sent meanwhile replaces the waiting one.
   Duration line_time{};
 
   std::vector<SentPacket> sent;
@@ -127,10 +128,10 @@ class FakeRadio final : public hal::Radio, public Script {
   Result<void> do_drain(Instant deadline) override;
   void do_close() override;
   void put_on_line(const SentPacket& packet);
-  std::vector<std::byte> heard_;
+  std::vector<std::byte> received_;
   std::optional<SentPacket> waiting_;
   Instant line_free_{};
-  Error failed(ErrorCode code) const { return {code, "/dev/fake1: as the script says"}; }
+  Error failed(ErrorCode code) const { return {code, "/dev/fake1: scripted fault"}; }
 };
 
 /// A fault with code kOk stands for a pulled emergency stop.
@@ -146,7 +147,7 @@ class FakeGpio final : public hal::Gpio, public Script {
   std::vector<std::pair<double, bool>> led, strobe;
   Status outputs;  // result of status light and strobe only
   Duration next_poll_in = Duration::max();
-  int looks = 0;
+  int reads = 0;
   int opened = 0;
 
  private:
@@ -156,9 +157,9 @@ class FakeGpio final : public hal::Gpio, public Script {
   Result<void> do_set_strobe(bool high) override;
   Result<hal::GpioInputs> do_inputs(Instant now) override;
   std::vector<double> pressed_;
-  double looked_s_ = -1.0;
+  double read_s_ = -1.0;
   std::vector<std::pair<double, double>> pulled_;
-  Error failed(ErrorCode code) const { return {code, "/dev/fakechip: as the script says"}; }
+  Error failed(ErrorCode code) const { return {code, "/dev/fakechip: scripted fault"}; }
 };
 
 }  // namespace touchline::testing

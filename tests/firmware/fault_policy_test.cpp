@@ -28,11 +28,11 @@ TEST(FaultPolicy, EveryCodeHasItsAction) {
       {ErrorCode::kFull, FaultAction::kSkip},
       {ErrorCode::kStopped, FaultAction::kLeave},
   };
-  ASSERT_EQ(expected.size(), kErrorCodeCount) << "a code is new: what is to be done about it?";
+  ASSERT_EQ(expected.size(), kErrorCodeCount) << "a code was added: decide about its action";
   for (const auto& [code, action] : expected) EXPECT_EQ(action_for(code), action) << describe(code);
 }
 
-TEST(FaultPolicy, DamagedCodeStopsTheRobots) {
+TEST(FaultPolicy, AnInvalidCodeStopsTheRobots) {
   EXPECT_EQ(action_for(static_cast<ErrorCode>(200)), FaultAction::kLeave);
 }
 

@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 
 constexpr double kRelease = 0.1;
 
-/// Longest time without a change of the light in [from_s, to_s).
+/// Longest time without a change of the light in the interval [from_s, to_s).
 double longest_rest(const std::vector<std::pair<double, bool>>& light, double from_s, double to_s) {
   double longest = 0.0, last = from_s;
   for (const auto& [at_s, on] : light) {
@@ -27,7 +27,7 @@ std::size_t changes(const std::vector<std::pair<double, bool>>& light, double fr
       std::count_if(light.begin(), light.end(), [&](const auto& c) { return c.first >= from_s && c.first < to_s; }));
 }
 
-TEST_F(LoopTest, LightBlinksOnceASecondWhileFramesAreGoodAndFastWhenNot) {
+TEST_F(LoopTest, LightBlinksSlowlyWithGoodFramesAndFastWithout) {
   camera.add({4.0, 8.0, ErrorCode::kTimeout});
   start();
   run_until(12.0);
@@ -38,12 +38,12 @@ TEST_F(LoopTest, LightBlinksOnceASecondWhileFramesAreGoodAndFastWhenNot) {
   EXPECT_LE(longest_rest(gpio.led, 4.3, 7.9), 0.16);
   EXPECT_EQ(changes(gpio.led, 8.4, 11.9), 7U);
   for (std::size_t i = 1; i < gpio.led.size(); ++i) {
-    EXPECT_NE(gpio.led[i].second, gpio.led[i - 1].second) << "a call to the kernel for nothing";
+    EXPECT_NE(gpio.led[i].second, gpio.led[i - 1].second) << "a superfluous call of the kernel";
   }
-  EXPECT_FALSE(gpio.led.back().second) << "dark when the program has ended";
+  EXPECT_FALSE(gpio.led.back().second) << "off after the end of the program";
 }
 
-TEST_F(LoopTest, StrobeFramesTheWorkOnEachFrame) {
+TEST_F(LoopTest, StrobeIsHighDuringTheProcessingOfEachFrame) {
   camera.add({1.0, 1.2, ErrorCode::kTimeout});
   start();
   run_until(2.0);
@@ -60,17 +60,18 @@ std::vector<FaultReport> gpio_faults(const std::vector<Report>& reports) {
   return faults;
 }
 
-TEST_F(LoopTest, AFailingLightIsToldOnceAndTheGameGoesOn) {
+TEST_F(LoopTest, AFailingLightIsReportedOnceAndTheGameContinues) {
   start();
   run_until(1.0);
   gpio.outputs = ErrorCode::kIo;
   run_until(5.0);
   EXPECT_FALSE(all_stop(0.0, 5.0));
-  EXPECT_EQ(gpio.opened, 1) << "the emergency stop is watched all the time";
-  const std::vector<FaultReport> told = gpio_faults(reports());
-  ASSERT_EQ(told.size(), 1U);
-  EXPECT_EQ(told[0].action, FaultAction::kContinueWithout);
-  EXPECT_EQ(changes(gpio.led, 1.001, 5.0) + changes(gpio.strobe, 1.001, 5.0), 1U) << "each call costs the loop time";
+  EXPECT_EQ(gpio.opened, 1) << "the chip stays open for the emergency stop";
+  const std::vector<FaultReport> faults = gpio_faults(reports());
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].action, FaultAction::kContinueWithout);
+  EXPECT_EQ(changes(gpio.led, 1.001, 5.0) + changes(gpio.strobe, 1.001, 5.0), 1U)
+      << "no further calls after the failure";
   // A lost emergency stop makes the loop reopen the chip; light and strobe then work again.
   gpio.outputs = {};
   gpio.add({5.0, 5.3, ErrorCode::kDisconnected});
@@ -81,7 +82,7 @@ TEST_F(LoopTest, AFailingLightIsToldOnceAndTheGameGoesOn) {
   EXPECT_GE(changes(gpio.strobe, 6.0, 8.0), 190U);
 }
 
-TEST_F(LoopTest, ABoardWithoutAnEmergencyStopDoesWithoutItsChip) {
+TEST_F(LoopTest, ABoardWithoutAnEmergencyStopPlaysWithoutItsChip) {
   settings.emergency_stop = false;
   settings.faults.leave_after_s = 1.0;
   gpio.add({1.0, 3.9, ErrorCode::kDisconnected});
@@ -91,13 +92,13 @@ TEST_F(LoopTest, ABoardWithoutAnEmergencyStopDoesWithoutItsChip) {
   EXPECT_EQ(loop->statistics().reopened[2], 1U);
   EXPECT_GE(gpio.opened, 4);
   EXPECT_GE(changes(gpio.led, 5.5, 8.0), 4U) << "it blinks again";
-  const std::vector<FaultReport> told = gpio_faults(reports());
-  ASSERT_EQ(told.size(), 1U);
-  EXPECT_EQ(told[0].code, ErrorCode::kDisconnected);
-  EXPECT_EQ(told[0].action, FaultAction::kContinueWithout);
+  const std::vector<FaultReport> faults = gpio_faults(reports());
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].code, ErrorCode::kDisconnected);
+  EXPECT_EQ(faults[0].action, FaultAction::kContinueWithout);
 }
 
-TEST_F(LoopTest, AStartButtonThatIsLostMayBePressedWhenItIsBack) {
+TEST_F(LoopTest, AStartButtonWorksAfterItsChipIsReopened) {
   settings.emergency_stop = false;
   settings.start_button = true;
   gpio.add({1.0, 2.2, ErrorCode::kIo});
@@ -108,20 +109,21 @@ TEST_F(LoopTest, AStartButtonThatIsLostMayBePressedWhenItIsBack) {
   EXPECT_TRUE(all_stop(0.0, 2.2));
   EXPECT_FALSE(all_stop(4.04, 6.0));
   const auto is_reopening = [](const FaultReport& fault) { return fault.action == FaultAction::kReopen; };
-  std::vector<FaultReport> told = gpio_faults(reports());
-  EXPECT_TRUE(std::any_of(told.begin(), told.end(), is_reopening)) << "no game goes on: robots wait for the button";
-  ASSERT_FALSE(told.empty());
-  EXPECT_EQ(told.back().code, ErrorCode::kOk);
+  std::vector<FaultReport> faults = gpio_faults(reports());
+  EXPECT_TRUE(std::any_of(faults.begin(), faults.end(), is_reopening))
+      << "no game is running: robots wait for the button";
+  ASSERT_FALSE(faults.empty());
+  EXPECT_EQ(faults.back().code, ErrorCode::kOk);
   gpio.add({6.0, 6.5, ErrorCode::kIo});
   run_until(9.0);
   EXPECT_FALSE(all_stop(6.0, 9.0));
   EXPECT_GE(loop->statistics().reopened[2], 2U);
-  told = gpio_faults(reports());
-  EXPECT_TRUE(std::none_of(told.begin(), told.end(), is_reopening)) << "now it does";
-  EXPECT_TRUE(told.empty() || told.back().code != ErrorCode::kOk);
+  faults = gpio_faults(reports());
+  EXPECT_TRUE(std::none_of(faults.begin(), faults.end(), is_reopening)) << "now a game is running";
+  EXPECT_TRUE(faults.empty() || faults.back().code != ErrorCode::kOk);
 }
 
-TEST_F(LoopTest, AFailingLightLeavesTheStartButtonAlone) {
+TEST_F(LoopTest, AFailingLightDoesNotDisturbTheStartButton) {
   settings.emergency_stop = false;
   settings.start_button = true;
   gpio.outputs = ErrorCode::kIo;
@@ -130,12 +132,12 @@ TEST_F(LoopTest, AFailingLightLeavesTheStartButtonAlone) {
   run_until(6.0);
   EXPECT_FALSE(all_stop(4.04, 6.0));
   EXPECT_EQ(gpio.opened, 1);
-  const std::vector<FaultReport> told = gpio_faults(reports());
-  ASSERT_EQ(told.size(), 1U);
-  EXPECT_EQ(told[0].action, FaultAction::kContinueWithout);
+  const std::vector<FaultReport> faults = gpio_faults(reports());
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].action, FaultAction::kContinueWithout);
 }
 
-TEST_F(LoopTest, AChipThatGoesAwayHaltsEvenWhenTheStrobeFailsFirst) {
+TEST_F(LoopTest, ALostChipHaltsEvenIfTheStrobeFailsFirst) {
   start();
   run_until(1.0);
   gpio.add({1.0, 1.3, ErrorCode::kDisconnected});
@@ -145,14 +147,14 @@ TEST_F(LoopTest, AChipThatGoesAwayHaltsEvenWhenTheStrobeFailsFirst) {
   EXPECT_FALSE(all_stop(2.0, 3.0));
 }
 
-TEST_F(LoopTest, RobotsStandUntilTheStartButtonIsPressed) {
+TEST_F(LoopTest, RobotsAreStoppedUntilTheStartButtonIsPressed) {
   settings.start_button = true;
   gpio.press(1.5);
   start();
   run_until(3.0);
   EXPECT_TRUE(all_stop(0.0, 1.5));
   EXPECT_FALSE(all_stop(1.54, 3.0));
-  EXPECT_LE(changes(gpio.led, 0.1, 1.5), 0U) << "on, ready";
+  EXPECT_LE(changes(gpio.led, 0.1, 1.5), 0U) << "the light stays on while the loop waits for the start";
   EXPECT_TRUE(std::prev(std::find_if(gpio.led.begin(), gpio.led.end(), [](const auto& c) {
                 return c.first >= 1.499;
               }))->second);
@@ -164,13 +166,13 @@ TEST_F(LoopTest, RobotsStandUntilTheStartButtonIsPressed) {
   EXPECT_NE(std::find(halts.begin(), halts.end(), kHaltStart), halts.end());
 }
 
-TEST_F(LoopTest, StartButtonEndsAnEmergencyOnlyOnceTheLineIsReleased) {
+TEST_F(LoopTest, StartButtonEndsAnEmergencyOnlyAfterTheRelease) {
   settings.faults.resume_after_emergency = false;
   gpio.pull(1.0, 2.0);
   gpio.press(1.5);
   gpio.press(3.0);
   gpio.pull(5.0, 6.0);
-  gpio.press(6.05);  // within the release time: counts when that is over
+  gpio.press(6.05);  // within the release time: has its effect at the end of that time
   gpio.pull(8.0, 8.5);
   start();
   run_until(12.0);
@@ -179,10 +181,10 @@ TEST_F(LoopTest, StartButtonEndsAnEmergencyOnlyOnceTheLineIsReleased) {
   EXPECT_FALSE(all_stop(3.04, 5.0));
   EXPECT_TRUE(all_stop(5.001, 6.0 + kRelease - 0.03));
   EXPECT_FALSE(all_stop(6.0 + kRelease + 0.04, 8.0));
-  EXPECT_TRUE(all_stop(8.001, 12.0)) << "each emergency needs a press of its own";
+  EXPECT_TRUE(all_stop(8.001, 12.0)) << "each emergency needs its own press";
 }
 
-TEST_F(LoopTest, WaitsNoLongerThanALineNeedsToSettle) {
+TEST_F(LoopTest, WaitsNoLongerThanTheDebouncingOfALine) {
   camera.add({0.5, 1.5, ErrorCode::kTimeout});
   gpio.next_poll_in = 3ms;
   gpio.pull(1.001, 2.0);
@@ -193,18 +195,18 @@ TEST_F(LoopTest, WaitsNoLongerThanALineNeedsToSettle) {
   // Without frames the loop reads the lines every 50 ms, and earlier if a line is being debounced.
   EXPECT_TRUE(sent.front().stop);
   EXPECT_LE(sent.front().at_s, 1.001 + 0.05);
-  EXPECT_GE(gpio.looks, 100);
+  EXPECT_GE(gpio.reads, 100);
 }
 
 class TelemetryLoopTest : public LoopTest {
  protected:
   void say(int id, float battery_v, int sequence, int link = 97) {
-    radio.hear(encode_telemetry(
+    radio.add_received(encode_telemetry(
         {static_cast<RobotId>(id), static_cast<std::uint8_t>(sequence), battery_v, static_cast<std::int8_t>(link)}));
   }
 };
 
-TEST_F(TelemetryLoopTest, StatusTellsWhatRobotsSaidAndHowLongAgo) {
+TEST_F(TelemetryLoopTest, StatusShowsTheTelemetryAndItsAge) {
   start();
   run_until(0.5);
   say(3, 7.7f, 1);
@@ -227,7 +229,7 @@ TEST_F(TelemetryLoopTest, StatusTellsWhatRobotsSaidAndHowLongAgo) {
 }
 
 TEST_F(TelemetryLoopTest, ABatteryThatBecomesLowIsReportedOnce) {
-  auto parameters = dark_room();
+  auto parameters = fake_camera_parameters();
   parameters.low_battery_v = 7.0f;
   start();
   ASSERT_TRUE(pipeline->configure(parameters).ok());
@@ -244,13 +246,13 @@ TEST_F(TelemetryLoopTest, ABatteryThatBecomesLowIsReportedOnce) {
   for (const Report& report : reports()) {
     if (report.kind == Report::Kind::kBattery) low.push_back(report.battery);
   }
-  ASSERT_EQ(low.size(), 2U) << "once a battery";
+  ASSERT_EQ(low.size(), 2U) << "once per battery";
   EXPECT_EQ(low[0].id, 2);
   EXPECT_NEAR(low[0].battery_v, 6.8f, 1e-3f);
   EXPECT_GT(low[1].elapsed_s, 3.0);
 }
 
-TEST_F(TelemetryLoopTest, NobodyListensWhenToldNotTo) {
+TEST_F(TelemetryLoopTest, TelemetryCanBeDisabled) {
   settings.telemetry = false;
   start();
   say(3, 7.7f, 1);
@@ -259,13 +261,13 @@ TEST_F(TelemetryLoopTest, NobodyListensWhenToldNotTo) {
   EXPECT_EQ(radio.counters().received_bytes, 0U);
 }
 
-TEST_F(TelemetryLoopTest, GarbageFromTheRadioHoldsUpNothing) {
+TEST_F(TelemetryLoopTest, GarbageFromTheRadioDoesNotDelayTheLoop) {
   start();
   std::vector<std::byte> garbage(100000, kTelemetryMagic0);
-  radio.hear(garbage);
+  radio.add_received(garbage);
   run_until(1.0);
   EXPECT_EQ(loop->statistics().frames, 50U);
-  EXPECT_EQ(radio.counters().received_bytes, 512U * 50U) << "so much a frame, and no more";
+  EXPECT_EQ(radio.counters().received_bytes, 512U * 50U) << "the limit per frame";
   EXPECT_GT(loop->statistics().robots.foreign_bytes, 25000U);
 }
 

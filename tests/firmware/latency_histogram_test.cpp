@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(LatencyHistogram, PercentilesAreExactToOneBin) {
+TEST(LatencyHistogram, PercentilesHaveTheAccuracyOfABin) {
   std::mt19937 random(1);
   std::lognormal_distribution<double> milliseconds(1.0, 1.5);
   LatencyHistogram histogram;
@@ -33,14 +33,14 @@ TEST(LatencyHistogram, PercentilesAreExactToOneBin) {
   EXPECT_EQ(histogram.count(), all.size());
 }
 
-TEST(LatencyHistogram, ShortOnesAreExact) {
+TEST(LatencyHistogram, ShortDurationsAreExact) {
   LatencyHistogram histogram;
   for (int ns = 0; ns < 64; ++ns) histogram.add(Duration(ns));
   EXPECT_EQ(histogram.percentile(0.5), 31ns);
   EXPECT_EQ(histogram.percentile(1.0), 63ns);
 }
 
-TEST(LatencyHistogram, ExtremesStayInside) {
+TEST(LatencyHistogram, ExtremeDurationsAreCounted) {
   LatencyHistogram histogram;
   EXPECT_EQ(histogram.percentile(0.5), 0ns);
   histogram.add(-5ms);

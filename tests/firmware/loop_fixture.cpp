@@ -3,7 +3,7 @@
 
 namespace touchline::testing {
 
-PipelineParameters dark_room() {
+PipelineParameters fake_camera_parameters() {
   PipelineParameters parameters;
   parameters.scan.format = PixelFormat::kRgb24;
   parameters.scan.width_px = FakeCamera::kWidth;
@@ -16,7 +16,7 @@ PipelineParameters dark_room() {
   color(2, 150, 100);
   color(3, 200, 100);
   FullModelParameters& camera = parameters.camera.full;
-  camera.fx_px = camera.fy_px = 600.0f;  // 300 px a meter
+  camera.fx_px = camera.fy_px = 600.0f;  // 300 px per meter
   camera.cx_px = 31.5f;
   camera.cy_px = 23.5f;
   camera.rotation_rad = {3.14159265f, 0.0f, 0.0f};
@@ -45,7 +45,7 @@ LoopTest::~LoopTest() {
 }
 
 Loop& LoopTest::start(LoopObserver observer) {
-  EXPECT_TRUE(pipeline->configure(dark_room()).ok());
+  EXPECT_TRUE(pipeline->configure(fake_camera_parameters()).ok());
   loop = std::make_unique<Loop>(LoopDevices{camera, radio, gpio, clock, true}, *pipeline, settings, *ring, observer);
   EXPECT_OK(loop->open());
   return *loop;

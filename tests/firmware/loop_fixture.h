@@ -11,7 +11,7 @@
 namespace touchline::testing {
 
 /// Parameters for the pictures of FakeCamera, which show an empty dark field.
-PipelineParameters dark_room();
+PipelineParameters fake_camera_parameters();
 
 /// A loop on fake devices and a fake clock.
 class LoopTest : public ::testing::Test {
@@ -19,7 +19,7 @@ class LoopTest : public ::testing::Test {
   LoopTest();
   ~LoopTest() override;
 
-  /// Makes and opens the loop with `settings`. Once in each test.
+  /// Creates and opens the loop with `settings`. Call it once per test.
   Loop& start(LoopObserver observer = {});
   /// Iterates until `end_s` after the start of the test.
   void run_until(double end_s);
@@ -29,7 +29,7 @@ class LoopTest : public ::testing::Test {
   [[nodiscard]] std::vector<SentPacket> packets(double from_s, double to_s) const;
   /// Whether these packets are stop packets. Fails if there are none, or both kinds.
   [[nodiscard]] bool all_stop(double from_s, double to_s) const;
-  /// Everything in the ring.
+  /// Takes all reports from the ring.
   std::vector<Report> reports();
 
   FakeClock clock;

@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST_F(LoopTest, EveryFrameLeadsToAPacket) {
+TEST_F(LoopTest, EveryFrameGivesAPacket) {
   start();
   run_until(2.0);
   const LoopStatistics& statistics = loop->statistics();
@@ -49,7 +49,7 @@ TEST_F(LoopTest, LatencyIsCountedFromCapture) {
          &seen});
   run_until(1.0);
   EXPECT_EQ(seen.steps, 50);
-  EXPECT_TRUE(seen.was_leased) << "an observer may look at the pixels";
+  EXPECT_TRUE(seen.was_leased) << "an observer may read the pixels";
   EXPECT_EQ(seen.timing.sent - seen.capture, 7ms);
   EXPECT_GT(seen.timing.processing, 0ns);
   EXPECT_EQ(seen.timing.latency, 7ms + seen.timing.processing);
@@ -59,7 +59,7 @@ TEST_F(LoopTest, LatencyIsCountedFromCapture) {
   EXPECT_LE(latency.percentile(0.5), latency.max());
 }
 
-TEST_F(LoopTest, PredictionReachesToTheInstantOfAction) {
+TEST_F(LoopTest, PredictsToTheTimeOfAction) {
   camera.age = 9ms;
   Duration ahead{};
   start({[](void* context, const StepTrace& trace, const StepTiming&) {
@@ -67,11 +67,11 @@ TEST_F(LoopTest, PredictionReachesToTheInstantOfAction) {
          },
          &ahead});
   run_until(0.5);
-  // 9 ms from capture to packet on the loop's clock, and 20 ms of the radio.
+  // 9 ms from capture to packet on the loop's clock, and 20 ms delay of the radio.
   EXPECT_EQ(ahead, 29ms);
 }
 
-TEST_F(LoopTest, GapsInTheDriversCountAreLostFrames) {
+TEST_F(LoopTest, GapsInSequenceNumbersAreLostFrames) {
   camera.skip_at = 10;
   camera.skipped = 3;
   start();
@@ -82,7 +82,7 @@ TEST_F(LoopTest, GapsInTheDriversCountAreLostFrames) {
 
 TEST_F(LoopTest, ARepeatedSequenceNumberIsNoLostFrame) {
   camera.skip_at = 10;
-  camera.skipped = ~std::uint32_t{0};  // 9 a second time
+  camera.skipped = ~std::uint32_t{0};  // sequence number 9 is repeated
   start();
   run_until(1.0);
   EXPECT_EQ(loop->statistics().frames_lost, 0U);
@@ -121,7 +121,7 @@ TEST_F(LoopTest, AStampInTheFutureCountsAsTheTimeOfArrival) {
   }
 }
 
-TEST_F(LoopTest, AnOldFrameDoesNotChangeThePrediction) {
+TEST_F(LoopTest, AnOldFrameDoesNotChangeTheLatencyEstimate) {
   camera.misstamped_frame = 25;
   camera.misstamped_by = -1h;
   Duration longest_prediction{};
@@ -134,7 +134,7 @@ TEST_F(LoopTest, AnOldFrameDoesNotChangeThePrediction) {
   EXPECT_LE(longest_prediction, 25ms);
 }
 
-TEST_F(LoopTest, FrameLimitEndsIt) {
+TEST_F(LoopTest, EndsAtTheFrameLimit) {
   settings.frames = 25;
   start();
   const std::atomic<bool> stop{false};
@@ -142,7 +142,7 @@ TEST_F(LoopTest, FrameLimitEndsIt) {
   EXPECT_EQ(loop->statistics().frames, 25U);
 }
 
-TEST_F(LoopTest, DurationEndsIt) {
+TEST_F(LoopTest, EndsAfterTheDuration) {
   settings.duration = 500ms;
   start();
   const std::atomic<bool> stop{false};
@@ -175,7 +175,7 @@ TEST_F(LoopTest, StopFlagStopsTheRobotsBeforeDevicesAreClosed) {
   EXPECT_FALSE(camera.is_open);
 }
 
-TEST_F(LoopTest, EndOfARecordingEndsIt) {
+TEST_F(LoopTest, EndsWithTheRecording) {
   camera.last_frame = 30;
   start();
   const std::atomic<bool> stop{false};
@@ -185,7 +185,7 @@ TEST_F(LoopTest, EndOfARecordingEndsIt) {
   EXPECT_TRUE(radio.sent.back().stop);
 }
 
-TEST_F(LoopTest, FramesOfAnotherSizeEndIt) {
+TEST_F(LoopTest, EndsAtAFrameOfAnotherSize) {
   camera.width = FakeCamera::kWidth - 2;
   start();
   const std::atomic<bool> stop{false};
@@ -194,16 +194,16 @@ TEST_F(LoopTest, FramesOfAnotherSizeEndIt) {
   EXPECT_TRUE(radio.sent.back().stop);
 }
 
-TEST_F(LoopTest, WhatCannotBeOpenedAtTheStartIsNamed) {
+TEST_F(LoopTest, NamesADeviceThatCannotBeOpenedAtTheStart) {
   camera.add({0.0, 1.0, ErrorCode::kNotFound});
-  ASSERT_TRUE(pipeline->configure(dark_room()).ok());
+  ASSERT_TRUE(pipeline->configure(fake_camera_parameters()).ok());
   loop = std::make_unique<Loop>(LoopDevices{camera, radio, gpio, clock, true}, *pipeline, settings, *ring);
-  expect_error(loop->open(), ErrorCode::kNotFound, "camera: /dev/fake0: as the script says");
+  expect_error(loop->open(), ErrorCode::kNotFound, "camera: /dev/fake0: scripted fault");
   EXPECT_FALSE(radio.is_open);
   EXPECT_TRUE(radio.sent.empty());
 }
 
-TEST_F(LoopTest, StatusOnceASecond) {
+TEST_F(LoopTest, ReportsTheStatusOncePerSecond) {
   camera.age = 4ms;
   start();
   run_until(3.5);
@@ -223,7 +223,7 @@ TEST_F(LoopTest, StatusOnceASecond) {
   EXPECT_FALSE(status[2].ball_seen);
 }
 
-TEST_F(LoopTest, StatusTellsWhereTheBallIs) {
+TEST_F(LoopTest, StatusContainsTheBall) {
   camera.show_ball();
   start();
   run_until(1.1);
@@ -236,7 +236,7 @@ TEST_F(LoopTest, StatusTellsWhereTheBallIs) {
   EXPECT_NEAR(status->status.ball.y_m, 0.0f, 0.002f);
 }
 
-TEST_F(LoopTest, AdaptationIsFrozenAndPutBackOnRequest) {
+TEST_F(LoopTest, AdaptationIsFrozenAndResetOnRequest) {
   AdaptationRequests requests;
   settings.adaptation = &requests;
   start();
@@ -246,11 +246,11 @@ TEST_F(LoopTest, AdaptationIsFrozenAndPutBackOnRequest) {
   run_until(0.4);
   EXPECT_EQ(pipeline->adaptation(), AdaptationMode::kFrozen);
   run_until(0.6);
-  EXPECT_EQ(pipeline->adaptation(), AdaptationMode::kFrozen) << "one request, served once";
-  requests.put_back = 1;
+  EXPECT_EQ(pipeline->adaptation(), AdaptationMode::kFrozen) << "one request has one effect";
+  requests.reset = 1;
   run_until(0.8);
   EXPECT_EQ(pipeline->adaptation(), AdaptationMode::kOff);
-  requests.put_back = 2;
+  requests.reset = 2;
   run_until(1.0);
   EXPECT_EQ(pipeline->adaptation(), AdaptationMode::kFollow);
   requests.freeze = 2;

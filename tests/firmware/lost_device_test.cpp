@@ -1,4 +1,4 @@
-// Missing frames, and devices that are lost and come back.
+// Missing frames, and devices that are lost and reopened.
 #include <algorithm>
 
 #include "tests/firmware/loop_fixture.h"
@@ -9,27 +9,27 @@ namespace {
 using namespace std::chrono_literals;
 
 // stop_after_s, and the longest time between two iterations.
-constexpr double kStopAfter = 0.2, kSlice = 0.05;
+constexpr double kStopAfter = 0.2, kLongestIteration = 0.05;
 
-TEST_F(LoopTest, RobotsStopWhenFramesStayAway) {
+TEST_F(LoopTest, RobotsStopWithoutFrames) {
   camera.add({1.0, 1.8, ErrorCode::kTimeout});
   start();
   run_until(3.0);
   EXPECT_FALSE(all_stop(0.0, 1.0));
-  EXPECT_TRUE(packets(1.001, 0.99 + kStopAfter).empty()) << "a single late frame stops nobody";
+  EXPECT_TRUE(packets(1.001, 0.99 + kStopAfter).empty()) << "a single late frame stops no robot";
   const auto halted = packets(1.001, 1.8);
   ASSERT_FALSE(halted.empty());
   EXPECT_TRUE(all_stop(1.001, 1.8));
-  EXPECT_LE(halted.front().at_s, 1.0 + kStopAfter + kSlice);
+  EXPECT_LE(halted.front().at_s, 1.0 + kStopAfter + kLongestIteration);
   for (std::size_t i = 1; i < halted.size(); ++i) {
-    EXPECT_LE(halted[i].at_s - halted[i - 1].at_s, kSlice + 1e-9);
+    EXPECT_LE(halted[i].at_s - halted[i - 1].at_s, kLongestIteration + 1e-9);
   }
   EXPECT_FALSE(all_stop(1.86, 3.0));
-  EXPECT_EQ(camera.opened_s.size(), 1U) << "a short pause is no reason to open the camera again";
+  EXPECT_EQ(camera.opened_s.size(), 1U) << "the camera is not reopened after a short pause";
   EXPECT_EQ(loop->statistics().fault_count(), 0U);
 }
 
-TEST_F(LoopTest, RobotsStandUntilTheFirstFrame) {
+TEST_F(LoopTest, RobotsAreStoppedUntilTheFirstFrame) {
   camera.add({0.0, 1.0, ErrorCode::kTimeout});
   start();
   run_until(2.0);
@@ -37,7 +37,7 @@ TEST_F(LoopTest, RobotsStandUntilTheFirstFrame) {
   EXPECT_FALSE(all_stop(1.06, 2.0));
 }
 
-TEST_F(LoopTest, SequenceRunsOnThroughStopPackets) {
+TEST_F(LoopTest, SequenceNumbersContinueThroughStopPackets) {
   camera.add({1.0, 2.0, ErrorCode::kTimeout});
   start();
   run_until(3.0);
@@ -46,7 +46,7 @@ TEST_F(LoopTest, SequenceRunsOnThroughStopPackets) {
   }
 }
 
-TEST_F(LoopTest, OldFramesStopTheRobotsToo) {
+TEST_F(LoopTest, OldFramesStopTheRobots) {
   start();
   run_until(0.5);
   camera.age = 250ms;  // the camera's queue has filled up
@@ -67,67 +67,67 @@ TEST_F(LoopTest, AFrameStampedInTheFutureDoesNotKeepRobotsMoving) {
   EXPECT_TRUE(all_stop(1.001, 11.0));
   EXPECT_GE(packets(1.001, 11.0).size(), 190U) << "one every 50 ms, also while the camera is being reopened";
   EXPECT_GE(camera.opened_s.size(), 2U);
-  EXPECT_LE(packets(1.001, 11.0).front().at_s, 1.0 + kStopAfter + kSlice);
+  EXPECT_LE(packets(1.001, 11.0).front().at_s, 1.0 + kStopAfter + kLongestIteration);
 }
 
-TEST_F(LoopTest, SilentCameraIsOpenedAgain) {
+TEST_F(LoopTest, ASilentCameraIsReopened) {
   settings.faults.camera_timeout_s = 1.0;
   settings.faults.reopen_after_s = 0.5;
   camera.add({1.0, 2.4, ErrorCode::kTimeout});
   start();
   run_until(4.0);
   ASSERT_EQ(camera.opened_s.size(), 2U);
-  EXPECT_NEAR(camera.opened_s[1], 1.0 + 1.0 + 0.5, 2 * kSlice);
+  EXPECT_NEAR(camera.opened_s[1], 1.0 + 1.0 + 0.5, 2 * kLongestIteration);
   EXPECT_EQ(loop->statistics().reopened[0], 1U);
   EXPECT_FALSE(all_stop(2.7, 4.0));
 }
 
-TEST_F(LoopTest, UnpluggedCameraComesBack) {
+TEST_F(LoopTest, AnUnpluggedCameraIsReopened) {
   camera.add({1.0, 4.0, ErrorCode::kDisconnected});
   settings.faults.reopen_after_s = 0.5;
   start();
   run_until(6.0);
   // Pauses of 0.5, 1, 2 s after the loss and after each failure.
   ASSERT_EQ(camera.opened_s.size(), 4U);
-  EXPECT_NEAR(camera.opened_s[1] - 1.0, 0.5, 2 * kSlice);
-  EXPECT_NEAR(camera.opened_s[2] - camera.opened_s[1], 1.0, kSlice);
-  EXPECT_NEAR(camera.opened_s[3] - camera.opened_s[2], 2.0, kSlice);
+  EXPECT_NEAR(camera.opened_s[1] - 1.0, 0.5, 2 * kLongestIteration);
+  EXPECT_NEAR(camera.opened_s[2] - camera.opened_s[1], 1.0, kLongestIteration);
+  EXPECT_NEAR(camera.opened_s[3] - camera.opened_s[2], 2.0, kLongestIteration);
   const double back_s = camera.opened_s[3];
 
   EXPECT_TRUE(all_stop(1.0 + kStopAfter, back_s));
-  const auto halted = packets(1.0 + kStopAfter + kSlice, back_s);
-  EXPECT_GE(halted.size(), static_cast<std::size_t>((back_s - 1.3) / kSlice));
+  const auto halted = packets(1.0 + kStopAfter + kLongestIteration, back_s);
+  EXPECT_GE(halted.size(), static_cast<std::size_t>((back_s - 1.3) / kLongestIteration));
   EXPECT_FALSE(all_stop(back_s + 0.1, 6.0));
   EXPECT_EQ(loop->statistics().reopened[0], 1U);
-  EXPECT_EQ(loop->statistics().frames_lost, 0U) << "the driver counts anew";
+  EXPECT_EQ(loop->statistics().frames_lost, 0U) << "the driver restarts its sequence numbers";
   EXPECT_EQ(loop->statistics().faults[0][static_cast<std::size_t>(ErrorCode::kDisconnected)], 1U);
   EXPECT_EQ(loop->statistics().faults[0][static_cast<std::size_t>(ErrorCode::kNotFound)], 2U);
 
-  std::vector<FaultReport> told;
+  std::vector<FaultReport> faults;
   for (const Report& report : reports()) {
-    if (report.kind == Report::Kind::kFault) told.push_back(report.fault);
+    if (report.kind == Report::Kind::kFault) faults.push_back(report.fault);
   }
-  ASSERT_EQ(told.size(), 4U);
-  EXPECT_EQ(told[0].code, ErrorCode::kDisconnected);
-  EXPECT_EQ(told[0].action, FaultAction::kReopen);
-  EXPECT_STREQ(told[0].reason.data(), "/dev/fake0: as the script says");
-  EXPECT_EQ(told[3].code, ErrorCode::kOk);
-  EXPECT_STREQ(told[3].reason.data(), "");
+  ASSERT_EQ(faults.size(), 4U);
+  EXPECT_EQ(faults[0].code, ErrorCode::kDisconnected);
+  EXPECT_EQ(faults[0].action, FaultAction::kReopen);
+  EXPECT_STREQ(faults[0].reason.data(), "/dev/fake0: scripted fault");
+  EXPECT_EQ(faults[3].code, ErrorCode::kOk);
+  EXPECT_STREQ(faults[3].reason.data(), "");
 }
 
-TEST_F(LoopTest, ACameraThatRefusesToStreamIsNotHeldOpen) {
+TEST_F(LoopTest, ACameraThatDoesNotStreamIsNotKeptOpen) {
   camera.add({1.0, 1.02, ErrorCode::kIo});
   settings.faults.reopen_after_s = 0.5;
   start();
   camera.starts_from_s = 3.0;
   run_until(2.0);
   EXPECT_EQ(camera.opened_s.size(), 2U);
-  EXPECT_FALSE(camera.is_open) << "its module could not be unloaded";
+  EXPECT_FALSE(camera.is_open) << "an open camera would block the unloading of its module";
   run_until(6.0);
   EXPECT_EQ(loop->statistics().reopened[0], 1U);
 }
 
-TEST_F(LoopTest, ACameraThatComesBackWithLessIsWaitedFor) {
+TEST_F(LoopTest, WaitsForACameraThatReturnsWithoutTheRequestedFormat) {
   camera.add({1.0, 1.02, ErrorCode::kDisconnected});
   settings.faults.reopen_after_s = 0.5;
   start();
@@ -138,10 +138,10 @@ TEST_F(LoopTest, ACameraThatComesBackWithLessIsWaitedFor) {
   EXPECT_FALSE(all_stop(5.0, 6.0));
 }
 
-TEST_F(LoopTest, TracksBeginAnewAfterTheCameraWasLost) {
+TEST_F(LoopTest, TracksRestartAfterTheCameraWasLost) {
   settings.faults.reopen_after_s = 0.01;
   camera.show_ball();
-  camera.add({1.0, 1.02, ErrorCode::kIo});  // so short that a track would coast over it
+  camera.add({1.0, 1.02, ErrorCode::kIo});  // short enough for a track to coast
   struct Seen {
     std::vector<TrackState> states;
   } seen;
@@ -159,22 +159,22 @@ TEST_F(LoopTest, TracksBeginAnewAfterTheCameraWasLost) {
   ASSERT_GT(seen.states.size(), 90U);
   EXPECT_GE(begun(0, 10), 1);
   EXPECT_EQ(begun(20, 45), 0);
-  EXPECT_GE(begun(45, 60), 1) << "the ball may be anywhere by now";
+  EXPECT_GE(begun(45, 60), 1) << "the ball may have moved anywhere meanwhile";
   EXPECT_EQ(begun(70, seen.states.size()), 0);
 }
 
-TEST_F(LoopTest, PausesWithoutACameraEndAtTwoSeconds) {
+TEST_F(LoopTest, PausesWithoutACameraAreLimitedToTwoSeconds) {
   camera.add({1.0, 1e9, ErrorCode::kDisconnected});
   settings.faults.reopen_after_s = 1.0;
   start();
   run_until(20.0);
   ASSERT_GE(camera.opened_s.size(), 9U);
   for (std::size_t i = 2; i < camera.opened_s.size(); ++i) {
-    EXPECT_NEAR(camera.opened_s[i] - camera.opened_s[i - 1], 2.0, kSlice);
+    EXPECT_NEAR(camera.opened_s[i] - camera.opened_s[i - 1], 2.0, kLongestIteration);
   }
 }
 
-TEST_F(LoopTest, GivesUpAfterLeaveAfter) {
+TEST_F(LoopTest, EndsAfterLeaveAfterSeconds) {
   camera.add({1.0, 1e9, ErrorCode::kDisconnected});
   settings.faults.leave_after_s = 3.0;
   start();
@@ -195,12 +195,12 @@ TEST_F(LoopTest, BadFramesAreSkipped) {
   const auto& faults = loop->statistics().faults[0];
   EXPECT_NEAR(static_cast<double>(faults[static_cast<std::size_t>(ErrorCode::kShortFrame)]), 5.0, 1.0);
   EXPECT_NEAR(static_cast<double>(faults[static_cast<std::size_t>(ErrorCode::kCorruptFrame)]), 5.0, 1.0);
-  std::size_t told = 0;
-  for (const Report& report : reports()) told += report.kind == Report::Kind::kFault ? 1 : 0;
-  EXPECT_EQ(told, 2U) << "each kind once a second";
+  std::size_t reported = 0;
+  for (const Report& report : reports()) reported += report.kind == Report::Kind::kFault ? 1 : 0;
+  EXPECT_EQ(reported, 2U) << "each kind once per second";
 }
 
-TEST_F(LoopTest, BadFramesForTooLongStopTheRobots) {
+TEST_F(LoopTest, BadFramesStopTheRobotsAfterSomeTime) {
   camera.add({1.0, 2.0, ErrorCode::kCorruptFrame});
   start();
   run_until(3.0);
@@ -208,7 +208,7 @@ TEST_F(LoopTest, BadFramesForTooLongStopTheRobots) {
   EXPECT_FALSE(all_stop(2.06, 3.0));
 }
 
-TEST_F(LoopTest, SlowLineCarriesTheNewestPacketAsSoonAsItIsFree) {
+TEST_F(LoopTest, ASlowLineSendsTheNewestPacketWhenItIsFree) {
   radio.line_time = 35ms;  // frames come every 20 ms
   start();
   run_until(4.0);
@@ -217,7 +217,7 @@ TEST_F(LoopTest, SlowLineCarriesTheNewestPacketAsSoonAsItIsFree) {
   EXPECT_EQ(radio.opened_s.size(), 1U);
   const auto sent = packets(0.1, 3.9);
   for (std::size_t i = 1; i < sent.size(); ++i) {
-    EXPECT_NEAR(sent[i].at_s - sent[i - 1].at_s, 0.035, 0.0055) << "the line does not stand still";
+    EXPECT_NEAR(sent[i].at_s - sent[i - 1].at_s, 0.035, 0.0055) << "the line is never idle";
     const auto skipped = static_cast<std::uint8_t>(sent[i].sequence - sent[i - 1].sequence);
     EXPECT_GE(skipped, 1);
     EXPECT_LE(skipped, 2);
@@ -226,7 +226,7 @@ TEST_F(LoopTest, SlowLineCarriesTheNewestPacketAsSoonAsItIsFree) {
   EXPECT_EQ(loop->statistics().packets_refused, 0U);
 }
 
-TEST_F(LoopTest, StopPacketDoesNotWaitBehindOthers) {
+TEST_F(LoopTest, AStopPacketDoesNotWaitBehindOthers) {
   radio.line_time = 35ms;
   gpio.pull(1.0, 2.0);
   start();
@@ -234,10 +234,10 @@ TEST_F(LoopTest, StopPacketDoesNotWaitBehindOthers) {
   const auto sent = packets(1.001, 1.5);
   const auto first = std::find_if(sent.begin(), sent.end(), [](const SentPacket& packet) { return packet.stop; });
   ASSERT_NE(first, sent.end());
-  EXPECT_LE(first->at_s, 1.0 + 0.02 + 0.035) << "a frame until the line is read, a packet that is on its way";
+  EXPECT_LE(first->at_s, 1.0 + 0.02 + 0.035) << "one frame until the line is read, and one packet in transmission";
 }
 
-TEST_F(LoopTest, LastStopsLeaveOverASlowLine) {
+TEST_F(LoopTest, FinalStopPacketsAreSentOverASlowLine) {
   radio.line_time = 15ms;
   start();
   run_until(1.0);
@@ -248,12 +248,12 @@ TEST_F(LoopTest, LastStopsLeaveOverASlowLine) {
   EXPECT_LE(first->at_s, 1.0 + 0.0151);
 }
 
-TEST_F(LoopTest, LostRadioComesBackWhileFramesGoOn) {
+TEST_F(LoopTest, ALostRadioIsReopenedWhileFramesContinue) {
   radio.add({1.0, 1.4, ErrorCode::kDisconnected});
   start();
   run_until(3.0);
   ASSERT_EQ(radio.opened_s.size(), 2U);
-  EXPECT_NEAR(radio.opened_s[1], 1.5, 2 * kSlice);
+  EXPECT_NEAR(radio.opened_s[1], 1.5, 2 * kLongestIteration);
   EXPECT_EQ(loop->statistics().frames, 150U);
   EXPECT_EQ(loop->statistics().reopened[1], 1U);
   EXPECT_FALSE(all_stop(1.6, 3.0));

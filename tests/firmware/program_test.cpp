@@ -66,7 +66,7 @@ class Program : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(Program, HelpAndVersionAreNoErrors) {
+TEST_F(Program, HelpAndVersionSucceed) {
   EXPECT_EQ(touchline("--help").code, 0);
   EXPECT_NE(touchline("run --help").text.find("--headless"), std::string::npos);
   EXPECT_EQ(touchline("--version").text, "touchline " TOUCHLINE_VERSION "\n");
@@ -80,7 +80,7 @@ TEST_F(Program, OutputThatCannotBeWrittenIsAnError) {
   }
 }
 
-TEST_F(Program, FilesThatAreNoRegularFilesAreRefusedAtOnce) {
+TEST_F(Program, RejectsFilesThatAreNotRegularFiles) {
   const auto refused = [&](const std::string& path, const std::string& message) {
     const Outcome outcome = outcome_of("timeout 10 '" TOUCHLINE_PROGRAM "' check --board '" + path + "'");
     EXPECT_EQ(outcome.code, 1) << path;
@@ -98,7 +98,7 @@ TEST_F(Program, FilesThatAreNoRegularFilesAreRefusedAtOnce) {
   refused(large, "is larger than 1 MiB, the most that is read of such a file");
 }
 
-TEST_F(Program, WrongCommandLineIs64) {
+TEST_F(Program, AWrongCommandLineGivesExitCode64) {
   EXPECT_EQ(touchline("").code, 64);
   EXPECT_EQ(touchline("play").code, 64);
   EXPECT_EQ(touchline("run").code, 64);
@@ -112,11 +112,11 @@ TEST_F(Program, WrongCommandLineIs64) {
       << endless.text;
 }
 
-TEST_F(Program, CheckTellsWhetherFilesAreSound) {
+TEST_F(Program, CheckReportsWhetherFilesAreValid) {
   const Outcome sound = touchline("check " + board());
   EXPECT_EQ(sound.code, 0) << sound.text;
   EXPECT_NE(sound.text.find("are valid\n"), std::string::npos);
-  EXPECT_EQ(sound.text.find("fastest kernel"), std::string::npos) << "it says which that is";
+  EXPECT_EQ(sound.text.find("fastest kernel"), std::string::npos) << "the actual kernel must be named";
   const Outcome portable = touchline("check " + board() + "--set scan.kernel=portable");
   EXPECT_NE(portable.text.find("colors: portable kernel\n"), std::string::npos) << portable.text;
   const Outcome wrong = touchline("check " + board() + "--set camera.gain=-1 --set ball.radius_m=9");
@@ -126,25 +126,25 @@ TEST_F(Program, CheckTellsWhetherFilesAreSound) {
   EXPECT_NE(wrong.text.find("ball.radius_m: 9 is out of range: 0.005 to 0.2 m\n"), std::string::npos) << wrong.text;
 }
 
-TEST_F(Program, CheckTouchesNoDevice) {
+TEST_F(Program, CheckOpensNoDevice) {
   write_board("v4l2", "there-is-no-such-camera");
   EXPECT_EQ(touchline("check " + board()).code, 0);
 }
 
-TEST_F(Program, CheckAsksTheStagesToo) {
+TEST_F(Program, CheckConfiguresTheStages) {
   const Outcome refused = touchline("check " + board() + "--set camera_model.full.fx_px=0.0");
   EXPECT_EQ(refused.code, 1);
   EXPECT_NE(refused.text.find("it cannot be used: "), std::string::npos) << refused.text;
 }
 
-TEST_F(Program, DumpShowsAllValuesInForce) {
+TEST_F(Program, DumpShowsAllValuesInUse) {
   const Outcome dump = touchline("check --dump " + board() + "--set faults.stop_after_s=0.35");
   EXPECT_EQ(dump.code, 0);
   EXPECT_NE(dump.text.find("stop_after_s = 0.35 "), std::string::npos);
   EXPECT_NE(dump.text.find("baud = 115200 "), std::string::npos);
 }
 
-TEST_F(Program, KeysAreListed) {
+TEST_F(Program, KeysCommandListsKeys) {
   const Outcome keys = touchline("keys");
   EXPECT_EQ(keys.code, 0);
   EXPECT_NE(keys.text.find("  camera.exposure_us: integer, 0 to 1000000 us, default 5000, reload: camera\n"),
@@ -154,14 +154,14 @@ TEST_F(Program, KeysAreListed) {
       std::string::npos);
 }
 
-TEST_F(Program, BadFilesStopARunBeforeAnythingIsOpened) {
+TEST_F(Program, InvalidFilesEndARunBeforeDevicesAreOpened) {
   write_board("v4l2", "there-is-no-such-camera");
   const Outcome outcome = touchline("run " + board() + "--set own.color=mauve");
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.text.find("there-is-no-such-camera"), std::string::npos) << outcome.text;
 }
 
-TEST_F(Program, MissingDeviceIs2) {
+TEST_F(Program, AMissingDeviceGivesExitCode2) {
   write_board("v4l2", "there-is-no-such-camera");
   const Outcome outcome = touchline("run " + board());
   EXPECT_EQ(outcome.code, 2);
@@ -169,15 +169,15 @@ TEST_F(Program, MissingDeviceIs2) {
   EXPECT_NE(outcome.text.find("there-is-no-such-camera"), std::string::npos) << outcome.text;
 }
 
-TEST_F(Program, PlaysARecordingToItsEnd) {
+TEST_F(Program, PlaysAWholeRecording) {
   const Outcome outcome = touchline("run --headless --status-interval 0.25 " + board());
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("own 0/1  opp 0/0  ball lost  latency p50"), std::string::npos) << outcome.text;
-  EXPECT_NE(outcome.text.find("end       the input is over\nframes    30 in "), std::string::npos) << outcome.text;
+  EXPECT_NE(outcome.text.find("end       end of the input\nframes    30 in "), std::string::npos) << outcome.text;
 }
 
 TEST_F(Program, PlaysARecordingAtTheBoardsRate) {
-  // 30 pictures, 29 periods; a loaded machine may take longer, none may take less.
+  // 30 pictures, 29 periods. A loaded machine may take longer, but never less.
   const auto duration_s = [this](const std::string& rate_hz) {
     const Outcome outcome = touchline("run --headless --set camera.rate_hz=" + rate_hz + " " + board());
     const std::string before = "frames    30 in ";
@@ -186,11 +186,11 @@ TEST_F(Program, PlaysARecordingAtTheBoardsRate) {
     return at == std::string::npos ? 0.0 : std::stod(outcome.text.substr(at + before.size()));
   };
   EXPECT_GE(duration_s("20.0"), 1.4);
-  EXPECT_GE(duration_s("0.0"), 0.9) << "pictures without a rate of their own come at 30 Hz";
+  EXPECT_GE(duration_s("0.0"), 0.9) << "pictures without their own rate are played at 30 Hz";
 }
 
-TEST_F(Program, TerminationStopsTheRobotsAndIsNoFailure) {
-  // A recording of 30 s, ended as soon as the first status line is there. As from timeout, the signal comes twice.
+TEST_F(Program, TerminationStopsTheRobotsAndSucceeds) {
+  // A recording of 30 s, ended after the first status line. The signal is sent twice, as timeout does.
   const std::string output = "'" + (folder_ / "output.txt").string() + "'";
   const std::string arguments = "run --headless --status-interval 0.1 --set camera.rate_hz=1.0 ";
   write("end.sh", "'" TOUCHLINE_PROGRAM "' " + arguments + board() + " >" + output + " 2>&1 & p=$!\n" +
@@ -198,7 +198,7 @@ TEST_F(Program, TerminationStopsTheRobotsAndIsNoFailure) {
                       "kill -TERM $p; kill -TERM $p\nwait $p; code=$?\ncat " + output + "\nexit $code\n");
   const Outcome outcome = outcome_of("sh '" + (folder_ / "end.sh").string() + "'");
   EXPECT_EQ(outcome.code, 0) << outcome.text;
-  EXPECT_NE(outcome.text.find("end       asked to leave\n"), std::string::npos) << outcome.text;
+  EXPECT_NE(outcome.text.find("end       stopped on request\n"), std::string::npos) << outcome.text;
   const std::size_t stops = outcome.text.find(" of them stop packets");
   ASSERT_NE(stops, std::string::npos);
   EXPECT_GE(std::stoi(outcome.text.substr(outcome.text.rfind(' ', stops - 1))), 5) << outcome.text;
@@ -218,7 +218,7 @@ TEST_F(Program, AfterAnUnexpectedEndRobotsWaitForAStart) {
   const Outcome restarted = outcome_of(service + "--frames 7 " + board());
   EXPECT_EQ(restarted.code, 0) << restarted.text;
   EXPECT_NE(
-      restarted.text.find("the previous run ended unexpectedly: robots stand until somebody restarts the service"),
+      restarted.text.find("the previous run ended unexpectedly: robots are stopped until the service is restarted"),
       std::string::npos)
       << restarted.text;
   EXPECT_NE(restarted.text.find("packets   12 sent, 12 of them stop packets"), std::string::npos) << restarted.text;
@@ -227,7 +227,7 @@ TEST_F(Program, AfterAnUnexpectedEndRobotsWaitForAStart) {
   EXPECT_NE(started.text.find("packets   12 sent, 5 of them stop packets"), std::string::npos) << started.text;
 }
 
-TEST_F(Program, ARunThatLosesItsDeviceHoldsTheNextOne) {
+TEST_F(Program, AfterALostDeviceRobotsWaitForAStart) {
   std::filesystem::create_directories(folder_ / "run");
   const std::string service =
       "RUNTIME_DIRECTORY='" + (folder_ / "run").string() + "' '" TOUCHLINE_PROGRAM "' run --headless ";
@@ -239,7 +239,7 @@ TEST_F(Program, ARunThatLosesItsDeviceHoldsTheNextOne) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "run/driving-robots"));
 }
 
-TEST_F(Program, ClosedStandardDescriptorsAreNoDevices) {
+TEST_F(Program, ClosedStandardDescriptorsAreOpenedAsDevNull) {
   const std::string arguments = "run --headless --set camera.rate_hz=1.0 ";
   write("closed.sh",
         "'" TOUCHLINE_PROGRAM "' " + arguments + board() + " <&- >&- 2>&- & p=$!\n" +
@@ -250,7 +250,7 @@ TEST_F(Program, ClosedStandardDescriptorsAreNoDevices) {
 
 // Sanitizers do not work with a memory limit.
 #if !defined(TOUCHLINE_SANITIZED)
-TEST_F(Program, AReloadWithoutMemoryLeavesTheGameRunning) {
+TEST_F(Program, AReloadWithoutMemoryDoesNotEndTheGame) {
   const std::string output = "'" + (folder_ / "output.txt").string() + "'";
   const std::string run =
       "'" TOUCHLINE_PROGRAM "' run --headless --set radio.backend=none --board '" TOUCHLINE_MOCK_BOARD "' ";
@@ -262,7 +262,7 @@ TEST_F(Program, AReloadWithoutMemoryLeavesTheGameRunning) {
                          "\nexit $code\n");
   const Outcome outcome = outcome_of("sh '" + (folder_ / "reload.sh").string() + "'");
   EXPECT_EQ(outcome.code, 0) << outcome.text;
-  EXPECT_NE(outcome.text.find("end       asked to leave\n"), std::string::npos) << outcome.text;
+  EXPECT_NE(outcome.text.find("end       stopped on request\n"), std::string::npos) << outcome.text;
 }
 #endif
 

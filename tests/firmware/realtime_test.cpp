@@ -19,7 +19,7 @@
 namespace touchline {
 namespace {
 
-// In a thread of its own, so that the test's thread keeps its scheduling and its processor.
+// In a separate thread, so that the test's thread keeps its scheduling and its processor.
 std::vector<std::string> refusals_of(const config::RealtimeSettings& settings, int* processor = nullptr) {
   std::vector<std::string> refused;
   std::thread([&] {
@@ -29,7 +29,7 @@ std::vector<std::string> refusals_of(const config::RealtimeSettings& settings, i
   return refused;
 }
 
-TEST(Realtime, NothingAskedForNothingRefused) {
+TEST(Realtime, NoRequestsGiveNoRefusals) {
   EXPECT_TRUE(refusals_of({}).empty());
   EXPECT_TRUE(lock_memory({}).empty());
 }
@@ -44,7 +44,7 @@ TEST(Realtime, PinsToAProcessor) {
   EXPECT_EQ(processor, settings.cpu);
 }
 
-TEST(Realtime, ProcessorThatIsNotThereIsNamed) {
+TEST(Realtime, NamesAProcessorThatDoesNotExist) {
   config::RealtimeSettings settings;
   settings.cpu = 1000;
   const auto refused = refusals_of(settings);
@@ -55,7 +55,7 @@ TEST(Realtime, ProcessorThatIsNotThereIsNamed) {
       "and the process may use");
 }
 
-TEST(Realtime, PriorityIsGivenOrTheRefusalSaysWhatToDo) {
+TEST(Realtime, SetsThePriorityOrSaysWhatToDo) {
   config::RealtimeSettings settings;
   settings.priority = 10;
   std::vector<std::string> refused;
@@ -85,8 +85,8 @@ long locked_memory() {
   return -1;
 }
 
-TEST(Realtime, MemoryIsLockedOrTheRefusalSaysWhatToDo) {
-  if (!latency::allocations_are_counted()) GTEST_SKIP() << "a sanitizer turns mlockall() into nothing";
+TEST(Realtime, LocksMemoryOrSaysWhatToDo) {
+  if (!latency::allocations_are_counted()) GTEST_SKIP() << "sanitizers ignore mlockall()";
   config::RealtimeSettings settings;
   settings.lock_memory = true;
   const auto refused = lock_memory(settings);
@@ -101,7 +101,7 @@ TEST(Realtime, MemoryIsLockedOrTheRefusalSaysWhatToDo) {
   ::munlockall();
 }
 
-TEST(Realtime, TimersAreExact) {
+TEST(Realtime, MinimizesTheTimerSlack) {
   int slack_ns = 0;
   std::thread([&slack_ns] {
     static_cast<void>(become_realtime({}));
@@ -122,11 +122,11 @@ class KernelFiles : public ::testing::Test {
   const std::string root_;
 };
 
-TEST_F(KernelFiles, WakingUpInTimeIsAskedForInBinary) {
+TEST_F(KernelFiles, WritesTheWakeUpLatencyInBinary) {
   write("/dev/cpu_dma_latency", "");
   config::RealtimeSettings settings;
   EXPECT_TRUE(CpuLatencyRequest(settings, root_).refused().empty());
-  EXPECT_EQ(std::filesystem::file_size(root_ + "/dev/cpu_dma_latency"), 0U) << "nobody asked for it";
+  EXPECT_EQ(std::filesystem::file_size(root_ + "/dev/cpu_dma_latency"), 0U) << "not requested";
   settings.wake_within_us = 70;
   EXPECT_TRUE(CpuLatencyRequest(settings, root_).refused().empty());
   std::int32_t asked_us = -1;
@@ -134,7 +134,7 @@ TEST_F(KernelFiles, WakingUpInTimeIsAskedForInBinary) {
   EXPECT_EQ(asked_us, 70);
 }
 
-TEST_F(KernelFiles, ARefusedWakeRequestSaysWhatToDo) {
+TEST_F(KernelFiles, ARefusedWakeUpLatencySaysWhatToDo) {
   config::RealtimeSettings settings;
   settings.wake_within_us = 0;
   const CpuLatencyRequest request(settings, root_);
@@ -145,11 +145,11 @@ TEST_F(KernelFiles, ARefusedWakeRequestSaysWhatToDo) {
                 "boards/x86-usb/README.md shows, or set realtime.wake_within_us = -1");
 }
 
-TEST_F(KernelFiles, AGovernorThatSavesPowerIsNamedWithItsCure) {
+TEST_F(KernelFiles, HintsAtAGovernorThatSavesPower) {
   const std::string file = "/sys/devices/system/cpu/cpu7/cpufreq/scaling_governor";
   write(file, "schedutil\n");
   config::RealtimeSettings settings;
-  EXPECT_TRUE(realtime_hints(settings, false, root_).empty()) << "no real time asked for";
+  EXPECT_TRUE(realtime_hints(settings, false, root_).empty()) << "no real-time setting was requested";
   settings.cpu = 7;
   ASSERT_EQ(realtime_hints(settings, false, root_).size(), 1U);
   EXPECT_EQ(realtime_hints(settings, false, root_)[0],
@@ -160,7 +160,7 @@ TEST_F(KernelFiles, AGovernorThatSavesPowerIsNamedWithItsCure) {
   EXPECT_TRUE(realtime_hints(settings, false, root_).empty());
 }
 
-TEST_F(KernelFiles, PausesOfRealTimeThreadsAreHintedAtUnderFifo) {
+TEST_F(KernelFiles, HintsAtTheThrottlingOfRealTimeThreadsUnderFifo) {
   write("/proc/sys/kernel/sched_rt_runtime_us", "950000\n");
   write("/proc/sys/kernel/sched_rt_period_us", "1000000\n");
   config::RealtimeSettings settings;
@@ -173,7 +173,7 @@ TEST_F(KernelFiles, PausesOfRealTimeThreadsAreHintedAtUnderFifo) {
   EXPECT_TRUE(realtime_hints(settings, true, root_).empty());
 }
 
-TEST(Realtime, AThreadIsRealTimeExactlyWhenItsPriorityWasGranted) {
+TEST(Realtime, AThreadIsRealTimeIfItsPriorityWasSet) {
   EXPECT_FALSE(is_realtime());
   config::RealtimeSettings settings;
   settings.priority = 10;

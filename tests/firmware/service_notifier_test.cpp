@@ -52,7 +52,7 @@ class ServiceNotifierTest : public testing::LoopTest {
     const ssize_t size = ::recv(socket_, text.data(), text.size(), 0);
     return {text.data(), size > 0 ? static_cast<std::size_t>(size) : 0};
   }
-  [[nodiscard]] bool hears(const std::string& wanted, milliseconds patience = kLongEnough) const {
+  [[nodiscard]] bool receives(const std::string& wanted, milliseconds patience = kLongEnough) const {
     const Clock::time_point end = Clock::now() + patience;
     while (Clock::now() < end) {
       if (message(std::chrono::duration_cast<milliseconds>(end - Clock::now())) == wanted) return true;
@@ -68,70 +68,70 @@ class ServiceNotifierTest : public testing::LoopTest {
   LoopHeartbeat heartbeat_;
 };
 
-TEST_F(ServiceNotifierTest, ReadyIsSaidAfterTheFirstGoodFrame) {
+TEST_F(ServiceNotifierTest, SendsReadyAfterTheFirstGoodFrame) {
   const ServiceNotifier watch(heartbeat_);
   ASSERT_TRUE(watch.is_enabled());
-  EXPECT_FALSE(hears("READY=1", milliseconds(150)));
+  EXPECT_FALSE(receives("READY=1", milliseconds(150)));
   heartbeat_.good_frames = 1;
-  EXPECT_TRUE(hears("READY=1"));
+  EXPECT_TRUE(receives("READY=1"));
   heartbeat_.good_frames = 2;
-  EXPECT_FALSE(hears("READY=1", milliseconds(150))) << "once";
+  EXPECT_FALSE(receives("READY=1", milliseconds(150))) << "once";
 }
 
-TEST_F(ServiceNotifierTest, TheWatchdogIsFedOnlyWhileTheLoopTurns) {
+TEST_F(ServiceNotifierTest, NotifiesTheWatchdogOnlyWhileTheLoopIterates) {
   const ServiceNotifier watch(heartbeat_);
   for (int turn = 0; turn < 3; ++turn) {
     ++heartbeat_.iterations;
-    EXPECT_TRUE(hears("WATCHDOG=1"));
+    EXPECT_TRUE(receives("WATCHDOG=1"));
   }
-  EXPECT_FALSE(hears("WATCHDOG=1", milliseconds(150))) << "the loop stands";
+  EXPECT_FALSE(receives("WATCHDOG=1", milliseconds(150))) << "the loop does not iterate";
   ++heartbeat_.iterations;
-  EXPECT_TRUE(hears("WATCHDOG=1"));
+  EXPECT_TRUE(receives("WATCHDOG=1"));
 }
 
-TEST_F(ServiceNotifierTest, AWatchdogThatNobodyWantsIsNotFed) {
+TEST_F(ServiceNotifierTest, DoesNotNotifyAWatchdogThatIsNotEnabled) {
   ::unsetenv("WATCHDOG_USEC");
   const ServiceNotifier watch(heartbeat_);
   ++heartbeat_.iterations;
-  EXPECT_FALSE(hears("WATCHDOG=1", milliseconds(150)));
+  EXPECT_FALSE(receives("WATCHDOG=1", milliseconds(150)));
 }
 
-TEST_F(ServiceNotifierTest, StatusAndTheEndAreTold) {
+TEST_F(ServiceNotifierTest, SendsStatusAndStopping) {
   {
     const ServiceNotifier watch(heartbeat_);
     watch.status("12 s  60.0 fps");
-    EXPECT_TRUE(hears("STATUS=12 s  60.0 fps"));
+    EXPECT_TRUE(receives("STATUS=12 s  60.0 fps"));
     drop_what_came();
   }
-  EXPECT_TRUE(hears("STOPPING=1"));
+  EXPECT_TRUE(receives("STOPPING=1"));
 }
 
-TEST_F(ServiceNotifierTest, TheEndIsToldAsSoonAsTheLoopHasStoppedTheRobots) {
+TEST_F(ServiceNotifierTest, SendsStoppingWhenTheLoopHasStoppedTheRobots) {
   start();
   ServiceNotifier service(loop->heartbeat());
   EXPECT_EQ(run(*loop, service, std::atomic<bool>(true)), LoopEnd::kRequested);
   EXPECT_TRUE(all_stop(0.0, 1.0));
-  EXPECT_TRUE(hears("STOPPING=1", milliseconds(50))) << "what is waited for now may take long";
+  EXPECT_TRUE(receives("STOPPING=1", milliseconds(50))) << "the following steps may take long";
   service.status("leaving");
   service.end();
-  EXPECT_EQ(message(milliseconds(50)), "STATUS=leaving") << "and the end once";
+  EXPECT_EQ(message(milliseconds(50)), "STATUS=leaving") << "STOPPING=1 is sent only once";
   EXPECT_EQ(message(milliseconds(50)), "");
 }
 
-TEST_F(ServiceNotifierTest, WithoutAManagerNothingIsDone) {
+TEST_F(ServiceNotifierTest, DoesNothingWithoutAServiceManager) {
   ::unsetenv("NOTIFY_SOCKET");
   heartbeat_.good_frames = 1;
   {
     const ServiceNotifier watch(heartbeat_);
     EXPECT_FALSE(watch.is_enabled());
-    watch.status("nobody hears it");
+    watch.status("not sent");
   }
   EXPECT_EQ(message(milliseconds(100)), "");
 }
 
 class LoopHeartbeatTest : public testing::LoopTest {};
 
-TEST_F(LoopHeartbeatTest, TurnsWithoutFramesAreNoGoodFrames) {
+TEST_F(LoopHeartbeatTest, IterationsWithoutFramesAreNotGoodFrames) {
   start();
   const LoopHeartbeat& heartbeat = loop->heartbeat();
   EXPECT_EQ(heartbeat.iterations.load(), 0u);

@@ -21,7 +21,7 @@ using StopSignal = Signals;
 using ReloadSignal = Signals;
 using AdaptationSignal = Signals;
 
-// Runs in a process of its own, whose exit code says whether the flag was set.
+// Runs in its own process, whose exit code says whether the flag was set.
 [[noreturn]] void receive(int signal, int again, Duration pause) {
   const std::atomic<bool>& stop = handle_stop_signals();
   if (stop.load()) std::_Exit(2);
@@ -31,7 +31,7 @@ using AdaptationSignal = Signals;
   std::_Exit(stop.load() ? 0 : 1);
 }
 
-TEST_F(StopSignal, ASecondSignalAtOnceIsTheSameRequest) {
+TEST_F(StopSignal, AnImmediateSecondSignalIsTheSameRequest) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     EXPECT_EXIT(receive(signal, signal, Duration{}), ::testing::ExitedWithCode(0), "");
   }
@@ -44,7 +44,7 @@ TEST_F(StopSignal, ASecondSignalLaterEndsTheProgram) {
               ::testing::KilledBySignal(SIGINT), "");
 }
 
-TEST_F(StopSignal, APipeWithoutReaderEndsNothing) {
+TEST_F(StopSignal, ABrokenPipeDoesNotEndTheProgram) {
   EXPECT_EXIT(receive(SIGTERM, SIGPIPE, kForcedExitDelay + std::chrono::milliseconds(50)), ::testing::ExitedWithCode(0),
               "");
 }
@@ -52,9 +52,9 @@ TEST_F(StopSignal, APipeWithoutReaderEndsNothing) {
 [[noreturn]] void steer() {
   const AdaptationRequests& requests = handle_adaptation_signals();
   static_cast<void>(std::raise(SIGUSR1));
-  const bool frozen = requests.freeze == 1 && requests.put_back == 0;
+  const bool frozen = requests.freeze == 1 && requests.reset == 0;
   static_cast<void>(std::raise(SIGUSR2));
-  std::_Exit(frozen && requests.freeze == 1 && requests.put_back == 1 ? 0 : 1);
+  std::_Exit(frozen && requests.freeze == 1 && requests.reset == 1 ? 0 : 1);
 }
 
 [[noreturn]] void hang_up(bool ignored) {
@@ -65,7 +65,7 @@ TEST_F(StopSignal, APipeWithoutReaderEndsNothing) {
   std::_Exit(stop.load() ? 3 : static_cast<int>(requests.load()));
 }
 
-/// Runs in a session of its own with a terminal that is closed before the second signal.
+/// Runs in its own session with a terminal that is closed before the second signal.
 [[noreturn]] void lose_terminal(bool ignored) {
   const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
   if (master < 0 || ::grantpt(master) != 0 || ::unlockpt(master) != 0) std::_Exit(90);
@@ -85,10 +85,10 @@ TEST_F(ReloadSignal, CountsUnlessTheTerminalIsClosed) {
   EXPECT_EXIT(hang_up(false), ::testing::ExitedWithCode(1), "");
   EXPECT_EXIT(hang_up(true), ::testing::ExitedWithCode(1), "");
   EXPECT_EXIT(lose_terminal(false), ::testing::ExitedWithCode(3), "");
-  EXPECT_EXIT(lose_terminal(true), ::testing::ExitedWithCode(2), "") << "nohup: it may play on";
+  EXPECT_EXIT(lose_terminal(true), ::testing::ExitedWithCode(2), "") << "with nohup it continues";
 }
 
-TEST_F(AdaptationSignal, EachCountsWhatItAsksFor) { EXPECT_EXIT(steer(), ::testing::ExitedWithCode(0), ""); }
+TEST_F(AdaptationSignal, EachSignalCountsItsRequests) { EXPECT_EXIT(steer(), ::testing::ExitedWithCode(0), ""); }
 
 }  // namespace
 }  // namespace touchline

@@ -7,7 +7,7 @@
 namespace touchline {
 namespace {
 
-TEST(SpscRing, KeepsOrderAndCountsWhatDoesNotFit) {
+TEST(SpscRing, KeepsTheOrderAndCountsDroppedElements) {
   SpscRing<int, 4> ring;
   int value = 0;
   EXPECT_FALSE(ring.pop(value));
@@ -23,7 +23,7 @@ TEST(SpscRing, KeepsOrderAndCountsWhatDoesNotFit) {
   EXPECT_EQ(value, 7);
 }
 
-TEST(ThreadsRing, CarriesAllFromOneThreadToAnother) {
+TEST(ThreadsRing, PassesAllElementsBetweenThreads) {
   struct Pair {
     int a = 0, b = 0;
   };

@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-StatusReport playing() {
+StatusReport good_status() {
   StatusReport status;
   status.elapsed_s = 12.02;
   status.rate_hz = 60.0;
@@ -21,13 +21,13 @@ StatusReport playing() {
   return status;
 }
 
-TEST(StatusText, LineOfAGoodSecond) {
-  EXPECT_EQ(status_line(playing(), {5, 5, {}}),
+TEST(StatusText, LineWithoutProblems) {
+  EXPECT_EQ(status_line(good_status(), {5, 5, {}}),
             "12 s  60.0 fps  own 5/5  opp 5/5  ball (0.12, -0.30)  latency p50 1.2 p99 2.3 max 3.1 ms  packets 720");
 }
 
-TEST(StatusText, LineOfABadSecond) {
-  StatusReport status = playing();
+TEST(StatusText, LineWithProblems) {
+  StatusReport status = good_status();
   status.ball_seen = false;
   status.frames_lost = 3;
   status.overloads = 2;
@@ -38,8 +38,8 @@ TEST(StatusText, LineOfABadSecond) {
             "frames lost 3  overloads 2  faults 7  HALTED: no good frame, emergency stop");
 }
 
-TEST(StatusText, LightThatChangedAndAdaptationThatIsFrozen) {
-  StatusReport status = playing();
+TEST(StatusText, ChangedLightAndFrozenAdaptation) {
+  StatusReport status = good_status();
   const std::string plain = status_line(status, {5, 5, {}});
   status.brightness = 1.04f;
   EXPECT_EQ(status_line(status, {5, 5, {}}), plain) << "noise";
@@ -56,25 +56,25 @@ TEST(StatusText, Faults) {
   fault.action = FaultAction::kReopen;
   fault.set_reason("/dev/video0: unplugged");
   EXPECT_EQ(fault_line(fault), std::string("3.2 s  camera: ") + describe(ErrorCode::kDisconnected) +
-                                   " (/dev/video0: unplugged); opening it again");
+                                   " (/dev/video0: unplugged); reopening it");
   fault.device = Device::kGpio;
   fault.action = FaultAction::kContinueWithout;
-  EXPECT_TRUE(fault_line(fault).ends_with("; the game goes on without it"));
+  EXPECT_TRUE(fault_line(fault).ends_with("; continuing without it"));
   fault.device = Device::kRadio;
   fault.code = ErrorCode::kOk;
-  EXPECT_EQ(fault_line(fault), "3.2 s  radio: is back");
+  EXPECT_EQ(fault_line(fault), "3.2 s  radio: reopened");
   EXPECT_EQ(halt_line({1.0, kHaltNone, kHaltUnreadableLine}), "1.0 s  robots may move");
   EXPECT_EQ(halt_line({1.0, kHaltUnreadableLine, kHaltNone}), "1.0 s  robots halted: emergency stop cannot be read");
 }
 
-TEST(StatusText, LongReasonIsCutOff) {
+TEST(StatusText, CutsOffLongErrorTexts) {
   FaultReport fault;
   fault.set_reason(std::string(1000, 'x'));
   EXPECT_EQ(std::string(fault.reason.data()).size(), kMaxReasonBytes - 1);
 }
 
-TEST(FieldMap, PutsEverythingWhereItIs) {
-  StatusReport status = playing();
+TEST(FieldMap, DrawsObjectsAtTheirPositions) {
+  StatusReport status = good_status();
   status.ball = {0.0f, 0.0f};
   status.robots.push_back({Team::kOwn, 3, false, {{-0.9f, 0.7f}, 0.0f}});
   status.robots.push_back({Team::kOpponent, kUnknownId, false, {{0.9f, -0.7f}, 0.0f}});
@@ -98,7 +98,7 @@ TEST(FieldMap, PutsEverythingWhereItIs) {
     return std::pair{-1, -1};
   };
   EXPECT_EQ(find('3'), std::pair(3, 6));  // upper left: y is to the left of x
-  EXPECT_EQ(rows[3][7], '-');             // looks along x
+  EXPECT_EQ(rows[3][7], '-');             // the heading points along x
   EXPECT_EQ(find('x'), std::pair(22, 53));
   EXPECT_EQ(find('o'), std::pair(13, 30));
   EXPECT_EQ(find('?').second, 59);
@@ -106,8 +106,8 @@ TEST(FieldMap, PutsEverythingWhereItIs) {
   EXPECT_NE(field_map(status, field, 60, true).find("\x1b[1;33mo\x1b[0m"), std::string::npos);
 }
 
-TEST(StatusLine, TellsWhatRobotsSaid) {
-  StatusReport status = playing();
+TEST(StatusLine, ShowsTheTelemetry) {
+  StatusReport status = good_status();
   status.robot_status.push_back({0, 7.923f, 98, 0.4, false});
   status.robot_status.push_back({1, 0.0f, 88, 3.2, false});
   status.robot_status.push_back({4, 6.75f, kLinkUnknown, 0.1, true});
@@ -121,14 +121,14 @@ TEST(StatusLine, TellsWhatRobotsSaid) {
   EXPECT_EQ(battery_line({12.34, 4, 6.754f}), "12.3 s  robot 4: battery is low, 6.75 V");
 }
 
-TEST(FieldMap, PoseThatIsNoNumberIsLeftOut) {
-  StatusReport status = playing();
+TEST(FieldMap, OmitsPosesThatAreNotNumbers) {
+  StatusReport status = good_status();
   const float nan = std::numeric_limits<float>::quiet_NaN();
   status.robots.push_back({Team::kOwn, 3, false, {{nan, nan}, nan}});
   EXPECT_EQ(field_map(status, {}, 60, false).find('3'), std::string::npos);
 }
 
-TEST(Summary, CountsEverythingThatHappened) {
+TEST(Summary, ContainsAllCounts) {
   LoopStatistics statistics;
   statistics.end = statistics.begin + 10s;
   statistics.frames = 600;
@@ -144,13 +144,13 @@ TEST(Summary, CountsEverythingThatHappened) {
   statistics.robots.robots.push_back({{0, 5, 7.92f, 98}, statistics.end - 500ms, 20, 1, false});
   statistics.robots.robots.push_back({{12, 9, 6.8f, kLinkUnknown}, statistics.end - 4s, 3, 0, true});
   EXPECT_EQ(summary(statistics, LoopEnd::kRequested),
-            "end       asked to leave\n"
-            "frames    600 in 10.0 s (60.0 a second), 4 lost on the way, 2 not good\n"
+            "end       stopped on request\n"
+            "frames    600 in 10.0 s (60.0 per second), 4 lost, 2 unusable\n"
             "latency   capture to send: p50 2.00  p90 2.00  p99 2.00  p99.9 2.00  max 2.00 ms\n"
             "packets   605 sent, 5 of them stop packets; 0 refused, 7 dropped for newer ones\n"
             "robot 0   7.92 V 98 % 0.5 s before the end; 20 reports, 1 missed\n"
             "robot 12  6.80 V 4.0 s before the end; 3 reports, 0 missed; BATTERY LOW\n"
-            "robots    9 bytes received that are no report\n"
+            "robots    9 received bytes are not part of a report\n"
             "overload  0 frames (0 runs and 0 regions did not fit)\n"
             "faults    camera: " +
                 std::string(describe(ErrorCode::kDisconnected)) +

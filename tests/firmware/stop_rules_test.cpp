@@ -28,7 +28,7 @@ StopRules playing(const StopRuleSettings& settings = touchline::settings()) {
   return rules;
 }
 
-TEST(StopRules, RobotsStandUntilTheFirstGoodFrame) {
+TEST(StopRules, RobotsAreStoppedUntilTheFirstGoodFrame) {
   StopRules rules(settings());
   EXPECT_EQ(rules.halt(), kHaltNoFrames);
   rules.apply_inputs(kAtRest, at(0.0));
@@ -42,14 +42,14 @@ TEST(StopRules, RobotsStandUntilTheFirstGoodFrame) {
 TEST(StopRules, AnOldFrameStopsRobots) {
   StopRules rules = playing();
   rules.check_last_frame(at(0.2));
-  EXPECT_TRUE(rules.may_move()) << "exactly as old as allowed";
+  EXPECT_TRUE(rules.may_move()) << "its age is exactly the limit";
   rules.check_last_frame(at(0.2001));
   EXPECT_EQ(rules.halt(), kHaltNoFrames);
   rules.set_limits(300ms, true);
   rules.check_last_frame(at(0.3));
   EXPECT_TRUE(rules.may_move());
   rules.check_frame(at(0.0), at(0.31));
-  EXPECT_EQ(rules.halt(), kHaltNoFrames) << "a frame that was too long on its way";
+  EXPECT_EQ(rules.halt(), kHaltNoFrames) << "a frame that arrived too late";
 }
 
 TEST(StopRules, AnOlderFrameDoesNotReplaceANewerOne) {
@@ -85,7 +85,7 @@ TEST(StopRules, AnEmergencyMayNeedAStart) {
   rules.apply_inputs(kPulled, at(0.0));
   rules.apply_inputs(hal::GpioInputs{true, true, Duration::max()}, at(0.01));
   rules.apply_inputs(kAtRest, at(10.0));
-  EXPECT_EQ(rules.halt() & kHaltEmergency, kHaltEmergency) << "a press while it is pulled is none";
+  EXPECT_EQ(rules.halt() & kHaltEmergency, kHaltEmergency) << "a press while the stop is pulled has no effect";
   rules.apply_inputs(kPressed, at(11.0));
   EXPECT_EQ(rules.halt() & kHaltEmergency, 0);
 }
@@ -95,7 +95,7 @@ TEST(StopRules, AnEmergencyStopThatCannotBeReadCountsAsPulled) {
   rules.apply_inputs(std::nullopt, at(0.0));
   EXPECT_EQ(rules.halt(), kHaltUnreadableLine);
   rules.apply_inputs(kAtRest, at(0.05));
-  EXPECT_EQ(rules.halt(), kHaltEmergency) << "readable again, but not at rest for long enough";
+  EXPECT_EQ(rules.halt(), kHaltEmergency) << "readable again, but not yet inactive for long enough";
   StopRuleSettings without = settings();
   without.has_emergency_stop = false;
   StopRules other = playing(without);
@@ -103,7 +103,7 @@ TEST(StopRules, AnEmergencyStopThatCannotBeReadCountsAsPulled) {
   EXPECT_TRUE(other.may_move());
 }
 
-TEST(StopRules, TheStartButtonIsWaitedFor) {
+TEST(StopRules, RobotsWaitForTheStartButton) {
   StopRuleSettings button = settings();
   button.has_start_button = true;
   StopRules rules = playing(button);
@@ -126,7 +126,7 @@ TEST(StopRules, AfterACrashRobotsWaitForAStart) {
   rules.check_last_frame(at(100.0));
   rules.apply_inputs(kPulled, at(100.0));
   rules.apply_inputs(kAtRest, at(101.0));
-  EXPECT_EQ(rules.halt() & ~kHaltNoFrames, kHaltCrash) << "neither frames nor a release end it";
+  EXPECT_EQ(rules.halt() & ~kHaltNoFrames, kHaltCrash) << "neither frames nor a release of the emergency stop end it";
   crashed.has_start_button = true;
   StopRules with_button = playing(crashed);
   EXPECT_EQ(with_button.halt(), kHaltStart | kHaltCrash);

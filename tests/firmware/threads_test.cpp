@@ -34,13 +34,13 @@ class HangingCamera final : public hal::Camera {
   int opened_ = 0;
 };
 
-TEST(ThreadsLoop, StopPacketsGoOnWhileADriverHangs) {
+TEST(ThreadsLoop, StopPacketsContinueWhileADriverHangs) {
   hal::MonotonicClock clock;
   HangingCamera camera;
   FakeRadio radio(clock);
   FakeGpio gpio(clock);
   const auto pipeline = std::make_unique<Pipeline>();
-  ASSERT_TRUE(pipeline->configure(dark_room()).ok());
+  ASSERT_TRUE(pipeline->configure(fake_camera_parameters()).ok());
   const auto ring = std::make_unique<ReportRing>();
   LoopSettings settings;
   settings.faults.reopen_after_s = 0.01;
@@ -50,7 +50,7 @@ TEST(ThreadsLoop, StopPacketsGoOnWhileADriverHangs) {
   ASSERT_TRUE(loop.open().ok());
   const std::atomic<bool> stop{false};
   EXPECT_EQ(loop.run(stop), LoopEnd::kLimit);
-  // 80 at best; a loaded machine may take a few times as long for a turn.
+  // 80 on an idle machine; on a loaded one an iteration can take several times as long.
   EXPECT_GE(radio.sent.size(), 20U);
   for (const SentPacket& packet : radio.sent) EXPECT_TRUE(packet.stop);
   camera.answer.release();
@@ -59,7 +59,7 @@ TEST(ThreadsLoop, StopPacketsGoOnWhileADriverHangs) {
 
 class ThreadsReportPrinter : public LoopTest {};
 
-TEST_F(ThreadsReportPrinter, PrintsWhatTheLoopTells) {
+TEST_F(ThreadsReportPrinter, PrintsTheReportsOfTheLoop) {
   char* text = nullptr;
   std::size_t size = 0;
   std::FILE* file = ::open_memstream(&text, &size);
@@ -76,15 +76,15 @@ TEST_F(ThreadsReportPrinter, PrintsWhatTheLoopTells) {
   std::free(text);
   EXPECT_NE(printed.find("0.0 s  robots may move\n"), std::string::npos) << printed;
   EXPECT_NE(printed.find("camera: " + std::string(describe(ErrorCode::kDisconnected)) +
-                         " (/dev/fake0: as the script says); opening it again\n"),
+                         " (/dev/fake0: scripted fault); reopening it\n"),
             std::string::npos)
       << printed;
   EXPECT_NE(printed.find("robots halted: no good frame\n"), std::string::npos) << printed;
-  EXPECT_NE(printed.find("camera: is back\n"), std::string::npos) << printed;
+  EXPECT_NE(printed.find("camera: reopened\n"), std::string::npos) << printed;
   EXPECT_NE(printed.find("1 s  50.0 fps  own 0/1  opp 0/0  ball lost  latency"), std::string::npos) << printed;
 }
 
-TEST_F(ThreadsReportPrinter, PictureIsDrawnOverTheLastOne) {
+TEST_F(ThreadsReportPrinter, DrawsEachMapOverTheLastOne) {
   char* text = nullptr;
   std::size_t size = 0;
   std::FILE* file = ::open_memstream(&text, &size);
@@ -104,12 +104,12 @@ TEST_F(ThreadsReportPrinter, PictureIsDrawnOverTheLastOne) {
   ASSERT_NE(first, std::string::npos);
   const std::size_t second = printed.find(up, first + 1);
   ASSERT_NE(second, std::string::npos);
-  EXPECT_EQ(printed.find(up, second + 1), std::string::npos) << "three pictures, two of them over another";
+  EXPECT_EQ(printed.find(up, second + 1), std::string::npos) << "three maps, two of them drawn over another one";
   const std::string picture = printed.substr(first, second - first);
   EXPECT_EQ(std::count(picture.begin(), picture.end(), '\n'), 24);
 }
 
-TEST_F(ThreadsReportPrinter, TerminatedProcessStopsItsRobots) {
+TEST_F(ThreadsReportPrinter, TerminationStopsTheRobots) {
   const std::atomic<bool>& stop = handle_stop_signals();
   ASSERT_FALSE(stop.load());
   start();

@@ -12,7 +12,7 @@ using latency::allocations_of_this_thread;
 class NoAllocation : public LoopTest {
  protected:
   void SetUp() override {
-    if (!allocations_are_counted()) GTEST_SKIP() << "a sanitizer's allocator is in the place of the one that counts";
+    if (!allocations_are_counted()) GTEST_SKIP() << "a sanitizer replaces the counting allocator";
     settings.faults.camera_timeout_s = 1.0;
     settings.faults.reopen_after_s = 0.1;
     camera.opened_s.reserve(1000);
@@ -41,7 +41,7 @@ class NoAllocation : public LoopTest {
   std::unique_ptr<int> planted_;
 };
 
-TEST_F(NoAllocation, LoopNeverAllocatesWhateverDevicesDo) {
+TEST_F(NoAllocation, LoopNeverAllocatesWithAnyDeviceFault) {
   const double end_s = add_all_faults();
   ASSERT_GE(faults_, 30);
   start();
@@ -51,7 +51,7 @@ TEST_F(NoAllocation, LoopNeverAllocatesWhateverDevicesDo) {
   }
   loop->send_final_stops();
   EXPECT_EQ(allocations_of_this_thread() - before, 0U);
-  EXPECT_GE(now_s(), end_s) << "the loop ended before all faults had their turn";
+  EXPECT_GE(now_s(), end_s) << "the loop ended before the last fault";
   for (std::size_t device = 0; device < kDeviceCount; ++device) EXPECT_GE(loop->statistics().reopened[device], 5U);
   EXPECT_GT(ring->dropped(), 0U) << "a full ring is one of the faults";
 }
@@ -67,7 +67,7 @@ TEST_F(NoAllocation, PlantedAllocationIsFound) {
   EXPECT_EQ(allocations_of_this_thread() - before, 25U);
 }
 
-TEST_F(NoAllocation, PlantedMallocIsFoundToo) {
+TEST_F(NoAllocation, PlantedMallocIsFound) {
   const std::uint64_t before = allocations_of_this_thread();
   void* volatile block = std::malloc(100);
   block = std::realloc(block, 200);
@@ -75,7 +75,7 @@ TEST_F(NoAllocation, PlantedMallocIsFoundToo) {
   EXPECT_EQ(allocations_of_this_thread() - before, 2U);
 }
 
-TEST(Memory, OfTheCoreIsFixedAndAsStated) {
+TEST(Memory, OfTheCoreIsAsDocumented) {
   // docs/design.md, Memory. Update that page if the value leaves this range.
   constexpr std::size_t kMiB = std::size_t{1} << 20;
   EXPECT_GT(sizeof(Pipeline), 10 * kMiB / 4);

@@ -19,7 +19,7 @@ long page_faults() {
 class NoPageFault : public LoopTest {
  protected:
   void SetUp() override {
-    if (!latency::allocations_are_counted()) GTEST_SKIP() << "a sanitizer touches its own memory at any time";
+    if (!latency::allocations_are_counted()) GTEST_SKIP() << "sanitizers touch their own memory";
     // Memory in which the fakes record calls does not belong to the loop.
     radio.sent.resize(20000);
     radio.sent.clear();
@@ -51,7 +51,7 @@ TEST_F(NoPageFault, FirstFullFrameAfterEmptyOnesCausesNoPageFault) {
   EXPECT_EQ(page_faults() - before, 0) << "memory that only a crowded picture needs was not touched at the start";
 }
 
-TEST_F(NoPageFault, PlantedFreshMemoryIsFound) {
+TEST_F(NoPageFault, PlantedUntouchedMemoryIsFound) {
   ::munlockall();  // otherwise the kernel loads all pages at once
   constexpr std::size_t kPage = 4096, kPages = 64;
   void* fresh = ::mmap(nullptr, kPage * kPages, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);

@@ -101,7 +101,7 @@ TEST_F(AutoDetect, FindsAllColorsWithoutClicks) {
   }
 }
 
-TEST_F(AutoDetect, UnknownColorNamesNeedAClick) {
+TEST_F(AutoDetect, ColorsWithUnknownNamesNeedAClick) {
   add_picture("a", 1);
   add_picture("b", 2);
   Click click;

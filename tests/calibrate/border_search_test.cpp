@@ -33,10 +33,10 @@ TEST(BorderSearch, FindsTheCornersOfTheArena) {
   const hal::mock::ArenaParameters arena;
   BorderSearch border;
   ASSERT_EQ(find_border(photograph(arena, kField, kSeed), border).text(), "");
-  EXPECT_LT(worst_corner_px(arena, border.corners), 8.0) << "the refinement finds the rest from 30 px";
+  EXPECT_LT(worst_corner_px(arena, border.corners), 8.0) << "the refinement tolerates 30 px";
 }
 
-TEST(BorderSearch, FromOtherPlacesWithOtherLensesAndLamps) {
+TEST(BorderSearch, WorksWithOtherCameraPositionsLensesAndLamps) {
   struct View {
     double x_m, y_m, focal_px, cubic, roll_rad;
   };
@@ -54,7 +54,7 @@ TEST(BorderSearch, FromOtherPlacesWithOtherLensesAndLamps) {
   }
 }
 
-TEST(BorderSearch, AmongHundredsOfSpecks) {
+TEST(BorderSearch, IgnoresHundredsOfSpecks) {
   const hal::mock::ArenaParameters arena;
   hal::Picture picture = photograph(arena, kField, kSeed);
   for (std::size_t v = 11; v < kHeight; v += 24) {
@@ -66,7 +66,7 @@ TEST(BorderSearch, AmongHundredsOfSpecks) {
   EXPECT_LT(worst_corner_px(arena, border.corners), 8.0);
 }
 
-TEST(BorderSearch, HIsThatOfTheLens) {
+TEST(BorderSearch, FindsHOfTheLens) {
   // Points of a straight line, distorted by eq. (12) with H = 400.
   const double h = 400, cu = 319.5, cv = 239.5;
   std::vector<OutlinePixel> outline;
@@ -83,7 +83,7 @@ TEST(BorderSearch, HIsThatOfTheLens) {
   EXPECT_GT(h_of_three_points(outline, side, kWidth, kHeight), 2000.0) << "a straight line needs no correction";
 }
 
-TEST(BorderSearch, RefusesWhatHasNoBorder) {
+TEST(BorderSearch, RejectsPicturesWithoutABorder) {
   const hal::mock::ArenaParameters arena;
   BorderSearch border;
   std::string reason;
@@ -92,7 +92,7 @@ TEST(BorderSearch, RefusesWhatHasNoBorder) {
   EXPECT_NE(reason.find("no bright border surrounds"), std::string::npos) << reason;
 }
 
-TEST(BorderSearch, HalfAFieldIsNotTakenForAWholeOne) {
+TEST(BorderSearch, RejectsHalfAField) {
   hal::mock::ArenaParameters arena;
   arena.camera.aim_m = {0.6, 0.0};
   BorderSearch border;

@@ -35,7 +35,7 @@ double caught(const LearnedColors& learned, ColorId color, const std::vector<Col
   return sum / total(pixels);
 }
 
-TEST(BoxLearning, KeepsHalfOfTheWayToTheNeighbor) {
+TEST(BoxLearning, KeepsHalfOfTheDistanceToTheNeighbor) {
   LearningInput input;
   input.colors = {{"a", cloud({100, 100, 100}, 5, 2000, 1)}, {"b", cloud({150, 100, 100}, 5, 2000, 2)}};
   const Result<LearnedColors> result = learn_boxes(input, {});
@@ -64,7 +64,7 @@ TEST(BoxLearning, StaysAwayFromTheBackground) {
   EXPECT_EQ(caught(learned, 1, input.colors[0].pixels), 1.0);
 }
 
-TEST(BoxLearning, SplitsAColorThatRunsPastAnother) {
+TEST(BoxLearning, SplitsAColorBesideAnotherOne) {
   // Two slanted clouds, like colors under increasing light: a single box around one would include the other.
   std::vector<Channels> first, second;
   std::mt19937 random(3);
@@ -90,7 +90,7 @@ TEST(BoxLearning, SplitsAColorThatRunsPastAnother) {
   EXPECT_LT(caught(learned, 2, input.colors[0].pixels), 0.03);
 }
 
-TEST(BoxLearning, FifteenColorsAndMoreFit) {
+TEST(BoxLearning, SupportsFifteenColorsAndMore) {
   LearningInput input;
   unsigned seed = 1;
   for (int r = 0; r < 3; ++r) {
@@ -113,7 +113,7 @@ TEST(BoxLearning, FifteenColorsAndMoreFit) {
   }
 }
 
-TEST(BoxLearning, RefusesWhatCannotBeLearned) {
+TEST(BoxLearning, RejectsColorsThatCannotBeLearned) {
   EXPECT_EQ(learn_boxes({}, {}).code(), ErrorCode::kOutOfRange);
   LearningInput input;
   input.colors = {{"a", cloud({100, 100, 100}, 5, 100, 1)}, {"b", {}}};

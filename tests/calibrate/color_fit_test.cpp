@@ -79,7 +79,7 @@ Found recognize(const ColorFitInput& input, const ColorFit& fit, const std::vect
 
 class ColorFitOf : public testing::TestWithParam<PixelFormat> {};
 
-TEST_P(ColorFitOf, OnePictureIsEnoughForAnother) {
+TEST_P(ColorFitOf, ColorsFromOnePictureAreFoundInAnother) {
   ColorFitInput input;
   const std::vector<PaintedPatch> patches = arrangement(0);
   input.pictures["a"] = painted_field(patches, GetParam(), 1, slope);
@@ -110,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, ColorFitOf,
                          testing::Values(PixelFormat::kRgb24, PixelFormat::kYuyv, PixelFormat::kI420,
                                          PixelFormat::kXrgb8888));
 
-TEST(ColorFit, LightMapMakesOneCornerEnough) {
+TEST(ColorFit, ColorsFromOneCornerSufficeWithALightMap) {
   // Colors learned in bright light only must be found in a third of the light.
   const auto lamp = [](int u, int) { return u < 160 ? 1.2 : 0.4; };
   std::vector<PaintedPatch> bright, dark;
@@ -144,7 +144,7 @@ TEST(ColorFit, LightMapMakesOneCornerEnough) {
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR((*fit.background)[c], (std::array{45, 48, 50})[c], 2);
 }
 
-TEST(ColorFit, SaysWhyAClickCaughtNothing) {
+TEST(ColorFit, SaysWhyAClickSelectedNoPatch) {
   ColorFitInput input;
   const std::vector<PaintedPatch> patches = arrangement(0);
   input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
@@ -165,7 +165,7 @@ TEST(ColorFit, SaysWhyAClickCaughtNothing) {
   for (const double share : fit.background_share) EXPECT_LT(share, 1e-3);
 }
 
-TEST(ColorFit, RefusesAColorThatNoClickShows) {
+TEST(ColorFit, RejectsAColorWithoutAUsableClick) {
   ColorFitInput input;
   const std::vector<PaintedPatch> patches = arrangement(0);
   input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
@@ -176,7 +176,7 @@ TEST(ColorFit, RefusesAColorThatNoClickShows) {
   EXPECT_NE(fitted.text().find("cyan"), std::string::npos) << fitted.text();
 }
 
-TEST(ColorFit, NamesColorsThatLookTheSame) {
+TEST(ColorFit, NamesColorsThatCannotBeDistinguished) {
   ColorFitInput input;
   const std::vector<PaintedPatch> patches = arrangement(0);
   input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
@@ -203,7 +203,7 @@ TEST(ColorFit, NamesColorsThatLookTheSame) {
   }
 }
 
-TEST(ColorFit, ReportsPatchesThatWereLeftOutAndDoesNotTakeThemForBackground) {
+TEST(ColorFit, ReportsPatchesWithoutAClickAndExcludesThemFromTheBackground) {
   ColorFitInput input;
   const std::vector<PaintedPatch> patches = arrangement(0);
   input.pictures["a"] = painted_field(patches, PixelFormat::kRgb24, 1, even);
@@ -218,7 +218,7 @@ TEST(ColorFit, ReportsPatchesThatWereLeftOutAndDoesNotTakeThemForBackground) {
   EXPECT_EQ(found.wrong + found.ghosts, 0U);
 }
 
-TEST(ColorFit, TellsTwentyFourColorsApart) {
+TEST(ColorFit, Distinguishes24Colors) {
   // Four values per channel, without grey and similar colors.
   std::vector<PaintedPatch> patches, others;
   for (const int r : {40, 120, 200}) {
@@ -245,7 +245,7 @@ TEST(ColorFit, TellsTwentyFourColorsApart) {
   EXPECT_EQ(found.wrong + found.ghosts, 0U);
 }
 
-TEST(ColorFit, ProposesAPaintForOneOfTwoThatAreClose) {
+TEST(ColorFit, SuggestsAPaintForOneOfTwoSimilarColors) {
   ColorFitInput input;
   std::vector<PaintedPatch> patches = arrangement(0);
   for (PaintedPatch& p : patches) {

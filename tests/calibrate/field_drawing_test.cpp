@@ -49,7 +49,7 @@ y_m = 0.0
 radius_m = 0.2
 )";
 
-TEST_F(Drawing, BecomesMarks) {
+TEST_F(Drawing, IsConvertedToMarks) {
   ASSERT_TRUE(read(kWhole).ok()) << reason_;
   const std::vector<Mark> marks = marks_of(drawing_);
   // Two long sides, four halves of the short ones, four corners; two lines, a circle.
@@ -87,7 +87,7 @@ TEST_F(Drawing, APaintedBorderBelongsToTheField) {
   }
 }
 
-TEST_F(Drawing, NamesFileLineAndKeyOfWhatIsWrong) {
+TEST_F(Drawing, NamesFileLineAndKeyOfErrors) {
   struct Case {
     const char *from, *to, *message;
   };
@@ -109,7 +109,7 @@ TEST_F(Drawing, NamesFileLineAndKeyOfWhatIsWrong) {
   }
 }
 
-TEST(Presets, HaveTheirLeaguesLines) {
+TEST(Presets, HaveTheLinesOfTheirLeague) {
   for (const FieldPreset& preset : field_presets()) {
     const double x = static_cast<double>(preset.drawing.field.length_m) / 2;
     const double y = static_cast<double>(preset.drawing.field.width_m) / 2;

@@ -68,7 +68,7 @@ TEST(FieldFit, FindsATiltedCameraFromItsFourCorners) {
   EXPECT_FALSE(fit.has_distortion);
 }
 
-TEST(FieldFit, FindsDistortionFromMoreMarks) {
+TEST(FieldFit, FindsDistortionFromMorePoints) {
   const CameraParameters truth = camera_at(0.1, -0.3, 2.0, 0.18, 430, -0.12);
   FieldFit fit;
   ASSERT_EQ(fit_field(input_of(seen_by(truth, marks_of_field())), fit).text(), "");
@@ -93,7 +93,7 @@ TEST(FieldFit, FindsPixelsThatAreNotSquare) {
   EXPECT_LT(fit.residual_px.max, 0.2);
 }
 
-TEST(FieldFit, SaysHowCertainTheHeightIs) {
+TEST(FieldFit, EstimatesTheUncertaintyOfTheHeight) {
   const CameraParameters truth = camera_at(0.1, -0.5, 2.0, 0.22, 430);
   std::mt19937 random(7);
   std::normal_distribution<double> noise(0.0, kClickSigma_px);
@@ -115,7 +115,7 @@ TEST(FieldFit, SaysHowCertainTheHeightIs) {
   EXPECT_LT(predicted / actual, 1.4);
 }
 
-TEST(FieldFit, RefusesAVerticalCameraWithoutItsHeightAndTakesItWith) {
+TEST(FieldFit, AVerticalCameraNeedsItsHeight) {
   const CameraParameters truth = camera_at(0.05, -0.04, 1.9, 0.01, 400);
   FieldFitInput input = input_of(seen_by(truth, corners_of_field()));
   FieldFit fit;
@@ -129,7 +129,7 @@ TEST(FieldFit, RefusesAVerticalCameraWithoutItsHeightAndTakesItWith) {
   EXPECT_NEAR(fit.height_sigma_m, kHeightSigma_m, 0.004);
 }
 
-TEST(FieldFit, BothModelsAgreeOnAStraightLens) {
+TEST(FieldFit, BothModelsAgreeForALensWithoutDistortion) {
   const CameraParameters truth = camera_at(0.15, -0.5, 2.1, 0.22, 430);
   FieldFit fit;
   ASSERT_EQ(fit_field(input_of(seen_by(truth, corners_of_field())), fit).text(), "");
@@ -167,7 +167,7 @@ TEST(FieldFit, FindsTheParametersOfThePapersOwnModel) {
   EXPECT_LT(fit.paper_residual_mm.max, 0.05);
 }
 
-TEST(FieldFit, RefusesPointsThatNoCameraSees) {
+TEST(FieldFit, RejectsPointsThatNoCameraCanSee) {
   const CameraParameters truth = camera_at(0.15, -0.5, 2.1, 0.22, 430);
   const std::vector<FloorPoint> good = seen_by(truth, corners_of_field());
   FieldFit fit;
@@ -193,7 +193,7 @@ TEST(FieldFit, RefusesPointsThatNoCameraSees) {
   EXPECT_EQ(code_of(fit_field(input_of(doubled), fit), reason), ErrorCode::kInconsistent);
 }
 
-TEST(Corners, AreToldApartFromImpossibleOnes) {
+TEST(Corners, AreCheckedForPlausibility) {
   const Corners good = {{{60, 440}, {580, 460}, {570, 40}, {80, 35}}};
   std::string reason;
   EXPECT_EQ(check_corners(good).text(), "");
@@ -211,7 +211,7 @@ TEST(Corners, AreToldApartFromImpossibleOnes) {
   EXPECT_EQ(code_of(check_corners({good[0], good[1], good[1], good[3]}), reason), ErrorCode::kInconsistent);
 }
 
-TEST(Corners, StandAtTheFieldsCorners) {
+TEST(Corners, HaveThePositionsOfTheFieldsCorners) {
   const Corners corners = {{{60, 440}, {580, 460}, {570, 40}, {80, 35}}};
   const std::vector<FloorPoint> points = corner_points(corners, kLength_m, kWidth_m);
   ASSERT_EQ(points.size(), 4U);

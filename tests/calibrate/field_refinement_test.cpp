@@ -73,7 +73,7 @@ class FieldRefinement : public ::testing::Test {
 
 TEST_F(FieldRefinement, FindsTheLensAlongTheBorder) {
   FieldFit fit = rough_fit();
-  EXPECT_GT(worst_px(fit.camera, 0.0), 5.0) << "or there is nothing to refine";
+  EXPECT_GT(worst_px(fit.camera, 0.0), 5.0) << "otherwise there is nothing to refine";
   ASSERT_TRUE(refine(photograph(hal::mock::Floor::kField), fit).ok()) << reason_;
   EXPECT_LT(worst_px(fit.camera, 0.0), 0.35);
   EXPECT_LT(worst_px(fit.camera, arena_.robot_height_m), 0.45);
@@ -86,7 +86,7 @@ TEST_F(FieldRefinement, FindsTheLensAlongTheBorder) {
   EXPECT_LT(fit.paper_residual_mm.rms, 2.0) << "Klancar's model follows";
 }
 
-TEST_F(FieldRefinement, KnowsHowUncertainTheHeightIs) {
+TEST_F(FieldRefinement, EstimatesTheUncertaintyOfTheHeight) {
   // The height is not given; the cameras are tilted enough to determine it. Three cameras exclude luck.
   double squares = 0;
   for (const double x : {-0.45, 0.35, 0.5}) {
@@ -104,7 +104,7 @@ TEST_F(FieldRefinement, KnowsHowUncertainTheHeightIs) {
   EXPECT_LT(std::sqrt(squares / 3), 2.5);
 }
 
-TEST_F(FieldRefinement, DrawsItsErrors) {
+TEST_F(FieldRefinement, DrawsItsResiduals) {
   FieldFit fit = rough_fit();
   const hal::Picture picture = photograph(hal::mock::Floor::kField);
   ASSERT_TRUE(refine(picture, fit).ok()) << reason_;
@@ -126,7 +126,7 @@ TEST_F(FieldRefinement, DrawsItsErrors) {
   EXPECT_GT(std::max(drawn.rgb8[at + 1], drawn.rgb8[at + 2]), drawn.rgb8[at] + 40);
 }
 
-TEST_F(FieldRefinement, ThingsOnTheBorderHardlyMoveIt) {
+TEST_F(FieldRefinement, ObjectsOnTheBorderHaveLittleInfluence) {
   hal::mock::Snapshot things;
   for (std::size_t i = 0; i < arena_.robot.size(); ++i) {
     things.robots.push_back({-0.9 + 0.2 * static_cast<double>(i), i % 2 == 0 ? 0.86 : -0.86, 0.3});
@@ -136,7 +136,7 @@ TEST_F(FieldRefinement, ThingsOnTheBorderHardlyMoveIt) {
   EXPECT_LT(worst_px(fit.camera, 0.0), 0.5);
 }
 
-TEST_F(FieldRefinement, WithoutABorderTheFitStaysAsItWas) {
+TEST_F(FieldRefinement, WithoutABorderTheFitIsUnchanged) {
   FieldFit fit = rough_fit();
   const FullModelParameters before = fit.camera.full;
   EXPECT_EQ(refine(photograph(hal::mock::Floor::kGreyPaper), fit).code(), ErrorCode::kNotFound);
@@ -146,7 +146,7 @@ TEST_F(FieldRefinement, WithoutABorderTheFitStaysAsItWas) {
   EXPECT_EQ(fit.camera.full.position_m, before.position_m);
 }
 
-TEST_F(FieldRefinement, PlacesOfABlurredEdgeAndOfALine) {
+TEST_F(FieldRefinement, LocatesABlurredEdgeAndALine) {
   // Dark, then bright from 40.25 on, and a line of 4 pixels around 20.5, without blur except for the integration over
   // pixels: between two of them the position is known to a tenth.
   hal::Picture picture;

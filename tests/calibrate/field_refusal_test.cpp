@@ -29,7 +29,7 @@ class FieldWithoutAClick : public touchline::testing::ProgramFolder {
   void expect_refusal(const std::string& options, const std::string& reason) {
     EXPECT_FALSE(run(options)) << read("out");
     EXPECT_NE(read("out").find(reason), std::string::npos) << reason << " is not in: " << read("out");
-    EXPECT_EQ(read("venue.toml"), kVenue) << "the venue is as it was";
+    EXPECT_EQ(read("venue.toml"), kVenue) << "the venue file must be unchanged";
     EXPECT_FALSE(fs::exists(path("venue.toml.bak")));
   }
   void resize(double length_m, double width_m) {
@@ -56,14 +56,15 @@ TEST_F(FieldWithoutAClick, TooFewEdges) {
   expect_refusal(kMiroSot, "no bright border surrounds");
 }
 
-TEST_F(FieldWithoutAClick, ItCouldBeTurned) {
+TEST_F(FieldWithoutAClick, AmbiguousOrientation) {
   resize(1.6, 1.6);
   const double line_m = std::exchange(arena_.field.line_m, 0.0);
   write_field(render());
   expect_refusal("--length 1.6 --width 1.6 --camera-height 2.3", "rotated by 90 degrees");
   arena_.field.line_m = line_m;
   write_field(render());
-  EXPECT_TRUE(run("--length 1.6 --width 1.6 --camera-height 2.3")) << "the center line tells: " << read("out");
+  EXPECT_TRUE(run("--length 1.6 --width 1.6 --camera-height 2.3"))
+      << "the center line shows the orientation: " << read("out");
 }
 
 TEST_F(FieldWithoutAClick, WrongSize) {
@@ -88,7 +89,7 @@ TEST_F(FieldWithoutAClick, ResidualsTooLarge) {
   expect_refusal(kMiroSot + " --camera-height 2.3", "of the four sides of the border were found");
 }
 
-TEST_F(FieldWithoutAClick, AVerticalCamerasHeightMustBeMeasured) {
+TEST_F(FieldWithoutAClick, AVerticalCameraNeedsItsHeight) {
   resize(2.8, 2.2);
   arena_.camera.position_m = {0.0, 0.0, 2.9};
   write_field(render());

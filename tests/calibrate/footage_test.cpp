@@ -115,9 +115,9 @@ TEST_P(Footage, HasARegionAtEveryPatch) {
   EXPECT_EQ(identifications, GetParam().identifications);
 }
 
-// Learns colors in one of 502 frames: standing patches must keep their regions although the light flickers and a dark
+// Learns colors in one of 502 frames: stationary patches must keep their regions although the light flickers and a dark
 // stick passes over them.
-TEST(FootageVideo, KeepsItsRegions) {
+TEST(FootageVideo, StationaryPatchesKeepTheirRegions) {
   const char* shared = std::getenv("TOUCHLINE_SHARED");  // NOLINT(concurrency-mt-unsafe): one thread
   if (shared == nullptr) GTEST_SKIP() << "TOUCHLINE_SHARED does not name the folder with footage/";
   const Result<VenueDraft> draft = read_draft(std::string(TOUCHLINE_FOOTAGE_TESTS) + "/vss-overhead-venue.toml");

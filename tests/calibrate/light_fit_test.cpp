@@ -51,7 +51,7 @@ float cell(const LightMap& map, std::size_t channel, double u, double v) {
   return map.illumination[channel][row * map.columns + column];
 }
 
-TEST(LightFit, FollowsTheLampAndForgetsStainsAndTint) {
+TEST(LightFit, MeasuresTheLampAndIgnoresStainsAndTint) {
   std::vector<hal::Picture> pictures = {grey_picture(220, 1), grey_picture(220, 2)};
   // A dark line that is narrower than half a cell, and a white mark.
   for (hal::Picture& p : pictures) {
@@ -79,7 +79,7 @@ TEST(LightFit, FollowsTheLampAndForgetsStainsAndTint) {
   }
 }
 
-TEST(LightFit, KeepsTheBrightestCellInTheFilesRange) {
+TEST(LightFit, LimitsTheBrightestCellToTheRangeOfTheFile) {
   // Half of the picture is four times as bright as the other: the ratio to the median does not fit into 16 bits.
   hal::Picture picture = grey_picture(0, 3);
   for (std::size_t i = 0; i < picture.rgb8.size(); ++i) {
@@ -93,7 +93,7 @@ TEST(LightFit, KeepsTheBrightestCellInTheFilesRange) {
   EXPECT_GT(cell(*map, 0, 300, 120), 1.99f);
 }
 
-TEST(LightFit, CountsAndRefusesWhatCannotBeMeasured) {
+TEST(LightFit, RejectsPicturesThatCannotBeMeasured) {
   auto map = std::make_unique<LightMap>();
   LightReport report;
   std::string reason;
@@ -113,7 +113,7 @@ TEST(LightFit, CountsAndRefusesWhatCannotBeMeasured) {
   EXPECT_EQ(code_of(fit_light(of({grey_picture(200, 7), small}), *map, report), reason), ErrorCode::kInconsistent);
 }
 
-TEST(LightFit, LooksOnlyIntoTheRegionOfInterest) {
+TEST(LightFit, UsesOnlyTheRegionOfInterest) {
   hal::Picture picture = grey_picture(200, 8);
   // A white window beside the field.
   for (std::uint32_t v = 0; v < kHeight; ++v) {
@@ -128,7 +128,7 @@ TEST(LightFit, LooksOnlyIntoTheRegionOfInterest) {
   EXPECT_NEAR(static_cast<double>(cell(*map, 0, 20, 120)), static_cast<double>(cell(*map, 0, 84, 120)), 0.05);
 }
 
-TEST(LightFit, MapSurvivesItsFile) {
+TEST(LightFit, MapIsReadBackFromItsFile) {
   auto map = std::make_unique<LightMap>(), back = std::make_unique<LightMap>();
   LightReport report;
   std::string reason;

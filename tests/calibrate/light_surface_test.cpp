@@ -60,17 +60,17 @@ class LightSurfaceOf : public testing::Test {
   std::string reason_;
 };
 
-TEST_F(LightSurfaceOf, FieldTellsWhatPaperTells) {
+TEST_F(LightSurfaceOf, FieldAndPaperGiveTheSameMap) {
   const auto paper = fit(LightSurface::kGreyPaper, {photograph(arena_, hal::mock::Floor::kGreyPaper, 1)});
-  EXPECT_GT(report_.most[1] / report_.least[1], 1.5) << "or there is nothing to correct";
+  EXPECT_GT(report_.most[1] / report_.least[1], 1.5) << "otherwise there is nothing to correct";
   const auto field = fit(LightSurface::kField, {photograph(arena_, hal::mock::Floor::kField, 2)});
   EXPECT_LT(worst(*paper, *field), 0.03);
-  // With lines as floor, the check must fail.
+  // If lines count as floor, the check must fail.
   const auto lines = fit(LightSurface::kGreyPaper, {photograph(arena_, hal::mock::Floor::kField, 2)});
   EXPECT_GT(worst(*paper, *lines), 0.05);
 }
 
-TEST_F(LightSurfaceOf, WhatMovesIsLeftOut) {
+TEST_F(LightSurfaceOf, IgnoresMovingObjects) {
   const auto paper = fit(LightSurface::kGreyPaper, {photograph(arena_, hal::mock::Floor::kGreyPaper, 1)});
   std::mt19937 random(3);
   std::uniform_real_distribution<double> x(-0.9, 0.9), y(-0.7, 0.7);
@@ -88,7 +88,7 @@ TEST_F(LightSurfaceOf, WhatMovesIsLeftOut) {
   EXPECT_EQ(code_of(fit_light(input, *moving, report_), reason_), ErrorCode::kNotFound);
 }
 
-TEST_F(LightSurfaceOf, BorderTellsTintAndSlope) {
+TEST_F(LightSurfaceOf, BorderGivesTintAndGradient) {
   // One distant lamp, whose light the border can show.
   arena_.light.lamp = {{-3.0, 1.0, 3.0, 1.0}};
   const hal::mock::Lens lens(arena_.camera);
@@ -116,7 +116,7 @@ TEST_F(LightSurfaceOf, BorderTellsTintAndSlope) {
   EXPECT_GT(input.border.size(), 200U);
   LightMap border;
   ASSERT_EQ(fit_light(input, border, report_).text(), "");
-  EXPECT_GT(report_.most[1] / report_.least[1], 1.3) << "or there is nothing to correct";
+  EXPECT_GT(report_.most[1] / report_.least[1], 1.3) << "otherwise there is nothing to correct";
   EXPECT_LT(worst(*paper, border), 0.06);
 
   // The same camera in yellower, dimmer light: with C kept, the map shows the change.
@@ -142,7 +142,7 @@ TEST_F(LightSurfaceOf, BorderTellsTintAndSlope) {
   EXPECT_NE(reason_.find("border"), std::string::npos) << reason_;
 }
 
-TEST(LightReport, SaysWhereItIsSaturatedAndDark) {
+TEST(LightReport, ListsSaturatedAndDarkSpots) {
   LightFitInput input;
   input.pictures.emplace_back();
   hal::Picture& picture = input.pictures[0];

@@ -17,7 +17,7 @@ double sum_of(const std::vector<std::vector<double>>& cost, const std::vector<st
   return sum;
 }
 
-TEST(LinearAssignment, CostsWhatTheBestOfAllOrdersCosts) {
+TEST(LinearAssignment, HasTheCostOfTheBestPermutation) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> value(-10.0, 10.0);
   for (int trial = 0; trial < 60; ++trial) {
@@ -28,7 +28,7 @@ TEST(LinearAssignment, CostsWhatTheBestOfAllOrdersCosts) {
       for (double& x : row) x = value(random);
     }
     const std::vector<std::size_t> found = assign(cost);
-    ASSERT_EQ(std::set<std::size_t>(found.begin(), found.end()).size(), rows) << "a column twice";
+    ASSERT_EQ(std::set<std::size_t>(found.begin(), found.end()).size(), rows) << "a column is used twice";
     std::vector<std::size_t> order(columns);
     std::iota(order.begin(), order.end(), std::size_t{0});
     double best = std::numeric_limits<double>::infinity();

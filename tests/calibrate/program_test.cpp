@@ -45,7 +45,7 @@ class Program : public touchline::testing::ProgramFolder {
   const std::string clockwise_ = "--corners 43,12 280,14 288,229 36,225";
 };
 
-TEST_F(Program, MakesAVenueFromNothing) {
+TEST_F(Program, CreatesAVenueFile) {
   ASSERT_TRUE(run(field() + corners_ + " --camera-height 1.8 --roi 5,5 315,5 315,235 5,235")) << read("out");
   ASSERT_TRUE(run("light --picture " + path("grey.png") + venue())) << read("out");
   ASSERT_TRUE(run("colors --samples " + path("clicks.json") + venue() + " --preview " + path("seen"))) << read("out");
@@ -64,7 +64,7 @@ TEST_F(Program, MakesAVenueFromNothing) {
   EXPECT_TRUE(fs::exists(path("seen/field.png")));
 }
 
-TEST_F(Program, TakesPicturesAsTheCameraDeliversThem) {
+TEST_F(Program, TakesPicturesWithTheBoardsCamera) {
   const std::string take = std::string("picture --board ") + TOUCHLINE_MOCK_BOARD + " --out ";
   ASSERT_TRUE(run(take + path("rgb.png") + " --after 0.1")) << read("out");
   ASSERT_TRUE(run(take + path("yuv.png") + " --set camera.format=yuyv --count 2 --every 0.1 --after 0")) << read("out");
@@ -92,7 +92,7 @@ TEST_F(Program, TakesPicturesAsTheCameraDeliversThem) {
 }
 
 // Pictures for calibration match the camera's frames: converted back to YUV, they differ only by the rounding of RGB.
-TEST(PictureOfAFrame, IsReadBackAsItWas) {
+TEST(PictureOfAFrame, IsReadBackUnchanged) {
   std::vector<std::uint8_t> bytes;
   for (int i = 0; i < 32 * 16 / 2; ++i) {
     const int luma = 60 + i % 120, row = i / 16;  // one color per row, so that chroma interpolation has no influence
@@ -121,7 +121,7 @@ TEST(PictureOfAFrame, IsReadBackAsItWas) {
 }
 
 // The lamps become dimmer and yellower; the colors are kept, and the map shows the remaining light per channel.
-TEST_F(Program, KeepsTheColorsWhenTheLampsChange) {
+TEST_F(Program, KeepsTheColorsAfterAChangeOfTheLamps) {
   ASSERT_TRUE(run(field() + corners_ + " --camera-height 1.8")) << read("out");
   const std::string keep = " --keep-normal --picture " + path("grey.png") + venue();
   const std::string untouched = read("venue.toml");
@@ -164,7 +164,7 @@ TEST_F(Program, KeepsTheColorsWhenTheLampsChange) {
   }
 }
 
-TEST_F(Program, KeepsTheMapWhenTheVenueCannotBeWritten) {
+TEST_F(Program, KeepsTheMapIfTheVenueCannotBeWritten) {
   ASSERT_TRUE(run(field() + corners_ + " --camera-height 1.8")) << read("out");
   // A form of the section that cannot be replaced.
   write("venue.toml", "light = { map = \"\" }\n" + read("venue.toml"));
@@ -173,7 +173,7 @@ TEST_F(Program, KeepsTheMapWhenTheVenueCannotBeWritten) {
   EXPECT_FALSE(fs::exists(path("venue-light.png")));
 }
 
-TEST_F(Program, TouchesItsOwnSectionsOnly) {
+TEST_F(Program, ChangesOnlyItsOwnSections) {
   ASSERT_TRUE(run(field() + corners_ + " --camera-height 1.8")) << read("out");
   const std::string mine =
       "\n# our hall\n[colors]   # by hand\nspace   =  'rgb'\n\n[[color]]\nname=\"red\"\nshown_rgb = [1,2,3]\n"
@@ -187,7 +187,7 @@ TEST_F(Program, TouchesItsOwnSectionsOnly) {
   EXPECT_EQ(read("venue.toml.bak"), before);
 }
 
-TEST_F(Program, LeavesTheVenueUntouchedWhenItRefuses) {
+TEST_F(Program, LeavesTheVenueUnchangedAfterAnError) {
   EXPECT_FALSE(run(field() + clockwise_ + " --camera-height 1.8"));
   EXPECT_NE(read("out").find("clockwise"), std::string::npos) << read("out");
   EXPECT_FALSE(fs::exists(path("venue.toml")));
@@ -219,7 +219,7 @@ TEST_F(Program, LeavesTheVenueUntouchedWhenItRefuses) {
   EXPECT_FALSE(fs::exists(path("venue-light.png")));
 }
 
-TEST_F(Program, AsksBeforeItWritesColorsThatNobodyClickedOn) {
+TEST_F(Program, AsksBeforeItWritesDetectedColors) {
   const std::vector<PaintedPatch> patches = {{"red", {200, 30, 30}, 80, 60},
                                              {"green", {30, 180, 60}, 93, 73},
                                              {"red", {200, 30, 30}, 200, 150},
@@ -259,7 +259,7 @@ TEST_F(Program, AsksBeforeItWritesColorsThatNobodyClickedOn) {
   EXPECT_NE(read("out").find("calibrate the field first"), std::string::npos) << read("out");
 }
 
-TEST_F(Program, RefusesABrokenVenue) {
+TEST_F(Program, RejectsAnInvalidVenue) {
   write("venue.toml", "version = 1\n[field\n");
   EXPECT_FALSE(run(field() + corners_ + " --camera-height 1.8"));
   EXPECT_EQ(read("venue.toml"), "version = 1\n[field\n");
@@ -268,7 +268,7 @@ TEST_F(Program, RefusesABrokenVenue) {
   EXPECT_NE(read("out").find("venue.toml:3"), std::string::npos) << read("out");
 }
 
-TEST_F(Program, ReadsClicksAndNamesTheBadOne) {
+TEST_F(Program, ReadsClicksAndNamesTheInvalidOne) {
   const Result<std::vector<Click>> result = read_clicks(path("clicks.json"));
   ASSERT_TRUE(result.ok()) << result.text();
   const std::vector<Click>& clicks = result.value();

@@ -40,7 +40,7 @@ class Relight : public testing::Test {
   calibrate::VenueDraft venue_;
 };
 
-TEST_F(Relight, OnePatchIsEnoughForAllOnceTheLightIsEven) {
+TEST_F(Relight, ThresholdsFromOnePatchSufficeAfterTheCorrection) {
   const auto acquired = calibrate::corrected_channels(picture_.frame(), Shading{});
   const auto corrected = calibrate::corrected_channels(picture_.frame(), *shading_);
   Result<SameColor> found = find_same_color(corrected, venue_, nullptr);
@@ -58,7 +58,7 @@ TEST_F(Relight, OnePatchIsEnoughForAllOnceTheLightIsEven) {
   EXPECT_EQ(find_same_color(corrected, venue_, &floor).code(), ErrorCode::kNotFound);
 }
 
-TEST_F(Relight, ContoursLieWhereTheLightChanges) {
+TEST_F(Relight, DrawsContoursWhereTheLightChanges) {
   const replay::SurfacePtr surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, 320, 240));
   draw_contours(*replay::ContextPtr(cairo_create(surface.get())), map_, 320, 240, true);
   const replay::Pixels pixels = replay::pixels_of(*surface);

@@ -62,15 +62,15 @@ TEST(VanishingPointModel, VanishingPointsGivePAndQ) {
   EXPECT_NEAR(static_cast<double>(corner.y_m), 0.75, 1e-4);
 }
 
-TEST(VanishingPointModel, AVerticalCameraHasNone) {
+TEST(VanishingPointModel, AVerticalCameraHasNoVanishingPoints) {
   const auto steps = vanishing_point_model(seen_with(0, 0), false, kWidth, kHeight, field_of(2.0f, 1.5f));
   ASSERT_TRUE(steps);
   EXPECT_NEAR(steps->p_per_px, 0, 1e-9);
   EXPECT_NEAR(steps->q_per_px, 0, 1e-9);
-  EXPECT_NEAR(steps->rotation_rad, -0.1, 1e-6) << "rows grow downwards";
+  EXPECT_NEAR(steps->rotation_rad, -0.1, 1e-6) << "v grows downwards";
 }
 
-TEST(VanishingPointModel, OnAPhotographTheyAreGoodForCentimeters) {
+TEST(VanishingPointModel, AreAccurateToCentimetersOnAPhotograph) {
   const hal::mock::ArenaParameters arena;
   BorderSearch border;
   ASSERT_EQ(find_border(photograph(arena, hal::mock::Floor::kField, 5), border).text(), "");

@@ -22,16 +22,16 @@ TEST(PlanPush, AimsAtTheGoalFromMidField) {
   EXPECT_GT(plan.direction.x, 0.9);
   EXPECT_LT(plan.direction.y, -0.2);
   EXPECT_NEAR(distance(plan.behind, plan.ball), kPlay.behind_ball_m, 1e-12);
-  EXPECT_GT(plan.behind.y, 0.5) << "behind, seen from the goal";
+  EXPECT_GT(plan.behind.y, 0.5) << "behind the ball as seen from the goal";
 }
 
-TEST(PlanPush, GoesAlongWallsAndNeverPlansARobotOutside) {
+TEST(PlanPush, GoesAlongWallsAndStaysInsideTheField) {
   EXPECT_EQ(plan_push({0.0, 0.88}, kField, kPlay).direction.x, 1.0);
   EXPECT_EQ(plan_push({-1.08, 0.5}, kField, kPlay).direction.y, 1.0) << "away from the own goal";
   EXPECT_EQ(plan_push({-1.08, -0.5}, kField, kPlay).direction.y, -1.0);
   EXPECT_LT(plan_push({1.08, 0.5}, kField, kPlay).direction.y, -0.9) << "into the goal";
   EXPECT_GT(plan_push({1.08, 0.5}, kField, kPlay).direction.x, 0.2) << "and not past it";
-  EXPECT_GT(plan_push({1.08, 0.1}, kField, kPlay).direction.x, 0.8) << "before the goal: straight in";
+  EXPECT_GT(plan_push({1.08, 0.1}, kField, kPlay).direction.x, 0.8) << "in front of the goal: straight into it";
   for (const double x : {-1.08, 1.08}) {
     for (const double y : {-0.88, 0.88}) EXPECT_TRUE(plan_push({x, y}, kField, kPlay).in_corner) << x << " " << y;
   }
@@ -46,7 +46,7 @@ TEST(PlanPush, GoesAlongWallsAndNeverPlansARobotOutside) {
 }
 
 // One robot, one ball at rest: the ball ends in the goal and is hardly pushed in the wrong direction.
-TEST(GoToBall, BringsTheBallToTheGoalFromEverywhere) {
+TEST(GoToBall, BringsTheBallToTheGoalFromAnywhere) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   const DriveParameters drive;
@@ -87,7 +87,7 @@ TEST(GoToBall, BringsTheBallToTheGoalFromEverywhere) {
   EXPECT_LE(back, kRuns / 15);
 }
 
-TEST(GoToBall, SpinsABallOutOfACornerTheRightWay) {
+TEST(GoToBall, SpinsABallOutOfACornerInTheRightDirection) {
   const DriveParameters drive;
   for (const double x : {-1.07, 1.07}) {
     for (const double y : {-0.87, 0.87}) {

@@ -65,7 +65,7 @@ TEST_F(ControllerTest, LimitsCanChangeDuringAGame) {
   EXPECT_EQ(controller_.set_parameters(slow).code(), ErrorCode::kOutOfRange);
 }
 
-TEST_F(ControllerTest, ListsEachOwnRobotWithAnIdAndTwistAndWheelsAgree) {
+TEST_F(ControllerTest, ListsOwnRobotsWithAnIdWithConsistentTwistAndWheels) {
   Tracks tracks = world_.tracks();
   RobotTrack other = tracks.robots[0];
   other.team = Team::kOpponent;
@@ -83,7 +83,7 @@ TEST_F(ControllerTest, ListsEachOwnRobotWithAnIdAndTwistAndWheelsAgree) {
     EXPECT_NEAR(back.v_mps, commands_.robots[i].twist.v_mps, 1e-6);
     EXPECT_NEAR(back.w_radps, commands_.robots[i].twist.w_radps, 1e-4);
   }
-  EXPECT_GT(speed(1) + speed(2), 0.2) << "they play";
+  EXPECT_GT(speed(1) + speed(2), 0.2) << "the robots must move";
 }
 
 TEST_F(ControllerTest, StopsRobotsWithoutARecentTrack) {
@@ -113,7 +113,7 @@ TEST_F(ControllerTest, DoesNotListLostRobots) {
   EXPECT_EQ(commands_.robots[1].id, 5);
 }
 
-TEST_F(ControllerTest, HaltsAndStartsFromRest) {
+TEST_F(ControllerTest, StartsFromRestAfterAHalt) {
   run(40);
   EXPECT_GT(speed(1) + speed(2), 0.3);
   decide(world_.tracks(), true);
@@ -176,7 +176,7 @@ TEST_F(ControllerTest, StandsStillWhenTheGameIsDisabled) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(speed(i), 0.0);
 }
 
-TEST_F(ControllerTest, SurvivesMoreRobotsThanATeamHas) {
+TEST_F(ControllerTest, AcceptsMoreRobotsThanATeamHas) {
   Tracks tracks = world_.tracks();
   while (!tracks.robots.full()) {
     RobotTrack robot = tracks.robots[0];
@@ -188,7 +188,7 @@ TEST_F(ControllerTest, SurvivesMoreRobotsThanATeamHas) {
   EXPECT_EQ(commands_.robots.overflow(), 0u) << "a packet must still be sent";
 }
 
-TEST_F(ControllerTest, RefusesImpossibleDrives) {
+TEST_F(ControllerTest, RejectsImpossibleDrives) {
   ControlParameters parameters;
   parameters.drive.wheel_base_m = 0.0;
   EXPECT_EQ(controller_.configure(parameters, world_.field).code(), ErrorCode::kOutOfRange);

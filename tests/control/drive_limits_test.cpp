@@ -16,7 +16,7 @@ float larger_wheel(const Twist& twist) {
   return std::max(std::abs(wheels.left_mps), std::abs(wheels.right_mps));
 }
 
-TEST(DriveLimits, WheelsAndTwistAreInverse) {
+TEST(DriveLimits, WheelsAndTwistAreInverseFunctions) {
   const WheelSpeeds left_turn = wheels_of({0.5f, 2.0f}, 0.07);
   EXPECT_FLOAT_EQ(left_turn.left_mps, 0.43f);
   EXPECT_FLOAT_EQ(left_turn.right_mps, 0.57f);
@@ -50,7 +50,7 @@ TEST(DriveLimits, ALimitedRobotStaysOnItsCurve) {
   EXPECT_GT(limited, 5000);
 }
 
-TEST(DriveLimits, NaNIsAStop) {
+TEST(DriveLimits, NaNGivesZero) {
   for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity()}) {
     for (const Twist wanted : {Twist{bad, 0.0f}, Twist{0.5f, bad}}) {
       const Twist got = within_speed_limits(wanted, kDrive);
@@ -60,7 +60,7 @@ TEST(DriveLimits, NaNIsAStop) {
   }
 }
 
-TEST(DriveLimits, AccelerationLeavesEachVelocityBetweenItsTwoValues) {
+TEST(DriveLimits, LimitedVelocitiesLieBetweenOldAndNewOnes) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> any(-2.0f, 2.0f);
   const auto between = [](float value, float a, float b) {
@@ -79,7 +79,7 @@ TEST(DriveLimits, AccelerationLeavesEachVelocityBetweenItsTwoValues) {
   }
 }
 
-TEST(DriveLimits, FullSpeedIsReachedInTheTimeThatTheLimitSays) {
+TEST(DriveLimits, ReachesFullSpeedInTheTimeOfTheLimit) {
   Twist twist;
   int frames = 0;
   while (twist.v_mps < 1.1999f) {

@@ -82,12 +82,13 @@ TEST(Game, GoalsAreScoredFromEveryKickOff) {
   EXPECT_LT(contact, 15.0);
 }
 
-TEST(Game, IsTheSameToTheBitForTheSameSeed) {
+TEST(Game, IsBitIdenticalForTheSameSeed) {
   EXPECT_EQ(play(4, 15.0, kick_off(4)).hash, play(4, 15.0, kick_off(4)).hash);
-  EXPECT_NE(play(4, 15.0, kick_off(4)).hash, play(5, 15.0, kick_off(5)).hash) << "else the hash sees nothing";
+  EXPECT_NE(play(4, 15.0, kick_off(4)).hash, play(5, 15.0, kick_off(5)).hash)
+      << "otherwise the hash does not depend on the game";
 }
 
-TEST(Game, OpponentsInTheWayAreAvoided) {
+TEST(Game, AvoidsOpponents) {
   int goals = 0;
   for (unsigned seed = 1; seed <= 6; ++seed) {
     SmallWorld world = kick_off(seed);
@@ -100,12 +101,12 @@ TEST(Game, OpponentsInTheWayAreAvoided) {
     }
     goals += play(seed, 40.0, world).goals;
   }
-  std::printf("%d goals past standing opponents\n", goals);
+  std::printf("%d goals with stationary opponents\n", goals);
   EXPECT_GE(goals, 15);
   EXPECT_LE(goals, 50);
 }
 
-TEST(Game, TheBallComesOutOfCornersAndOffWalls) {
+TEST(Game, MovesTheBallOutOfCornersAndAwayFromWalls) {
   for (const Vector2 corner : {Vector2{1.07, 0.87}, Vector2{1.07, -0.87}, Vector2{-1.07, 0.87}, Vector2{-1.07, -0.87},
                                Vector2{0.0, 0.87}, Vector2{-1.07, 0.5}, Vector2{1.07, -0.5}}) {
     SmallWorld world = kick_off(3);

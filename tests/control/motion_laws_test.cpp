@@ -45,7 +45,7 @@ Plant somewhere(std::mt19937& random) {
   return {any(random), 0.8 * any(random), kPi * any(random), 0.0, 0.0, 0.0, {}};
 }
 
-TEST(GoToPoint, ArrivesFromEverywhere) {
+TEST(GoToPoint, ArrivesFromAnywhere) {
   std::mt19937 random(1);
   for (int run = 0; run < 300; ++run) {
     Plant robot = somewhere(random);
@@ -61,7 +61,7 @@ TEST(GoToPoint, ArrivesFromEverywhere) {
   }
 }
 
-TEST(GoToPose, ArrivesFromEverywhereWithTheHeadingAskedFor) {
+TEST(GoToPose, ArrivesFromAnywhereWithTheRequestedHeading) {
   std::mt19937 random(2);
   double worst = 0.0, backward = 0.0;
   for (int run = 0; run < 400; ++run) {
@@ -78,17 +78,17 @@ TEST(GoToPose, ArrivesFromEverywhereWithTheHeadingAskedFor) {
       if (!there) arrived = -1.0;
       if (there && arrived < 0.0) arrived = robot.time_s;
     }
-    ASSERT_GT(arrived, 0.0) << "run " << run << ": not there, or not for good";
+    ASSERT_GT(arrived, 0.0) << "run " << run << ": did not arrive or did not stay";
     worst = std::max(worst, arrived);
   }
   std::printf("slowest arrival %.2f s\n", worst);
   EXPECT_LT(worst, 6.0);
-  EXPECT_GT(worst, 2.0) << "2.5 m at 1.2 m/s: anything faster were not true";
-  EXPECT_GT(backward, 10.0) << "robots go backward as well";
+  EXPECT_GT(worst, 2.0) << "2.5 m at 1.2 m/s: a faster arrival is impossible";
+  EXPECT_GT(backward, 10.0) << "robots also drive backward";
 }
 
 // The article's law without limits and lag: V = (alpha^2 + h theta^2) / 2 never increases.
-TEST(GoToPose, DescendsItsLyapunovFunction) {
+TEST(GoToPose, DecreasesItsLyapunovFunction) {
   std::mt19937 random(3);
   const Pose origin{};
   int descended = 0;
@@ -117,7 +117,7 @@ TEST(GoToPose, DescendsItsLyapunovFunction) {
     }
     descended += before < 0.5 * first ? 1 : 0;
   }
-  EXPECT_GT(descended, 20) << "else no run was long enough to show anything";
+  EXPECT_GT(descended, 20) << "otherwise no run was long enough";
 }
 
 struct Path {
@@ -171,7 +171,7 @@ TEST(TrackTrajectory, ConvergesToLinesCirclesAndEights) {
   }
 }
 
-TEST(TrackTrajectory, NeedsItsFeedForward) {
+TEST(TrackTrajectory, NeedsFeedForward) {
   const Path path{"circle", 0.0, 0.0, circle};
   const Plant robot{0.4, 0.0, 0.5 * kPi, 0.0, 0.0, 0.0, {}};
   EXPECT_GT(tracking_error(path, robot, 3.0, 7.0, false), 3.0 * tracking_error(path, robot, 3.0, 7.0, true));

@@ -17,7 +17,7 @@ constexpr FieldParameters kField;
 
 Player player(RobotId id, double x, double y) { return {id, {to_field_point({x, y}), 0.0f}, {}}; }
 
-TEST(Detour, LeavesAFreeWayAlone) {
+TEST(Detour, GivesTheTargetIfTheWayIsFree) {
   Obstacles obstacles;
   obstacles.push_back({0.5, 0.2});
   obstacles.push_back({-0.3, 0.0});
@@ -61,7 +61,7 @@ TEST(Detour, PassesAllObstaclesOnTheWay) {
     ASSERT_GT(nearest, 0.075) << run;
     met += nearest < 0.2 ? 1 : 0;
   }
-  EXPECT_GT(met, 100) << "else there was nothing to avoid";
+  EXPECT_GT(met, 100) << "otherwise there was nothing to avoid";
 }
 
 TEST(Roles, AreKeptUntilAnotherIsClearlyBetter) {
@@ -88,7 +88,7 @@ TEST(Roles, AreKeptUntilAnotherIsClearlyBetter) {
   EXPECT_EQ(roles.goalkeeper(), 0);
 }
 
-TEST(Roles, OfALostRobotAreReassigned) {
+TEST(Roles, AreReassignedAfterARobotIsLost) {
   Roles roles;
   const PushPlan plan = plan_push({0.0, 0.0}, kField, kPlay);
   Players players;
@@ -105,7 +105,7 @@ TEST(Roles, OfALostRobotAreReassigned) {
   EXPECT_EQ(roles.attacker(), kUnknownId) << "no ball, no attacker";
 }
 
-TEST(Roles, TheGoalkeeperCanBeNamed) {
+TEST(Roles, TheGoalkeeperCanBeConfigured) {
   PlayParameters play;
   play.goalkeeper_id = 2;
   Roles roles;
@@ -115,7 +115,7 @@ TEST(Roles, TheGoalkeeperCanBeNamed) {
   EXPECT_EQ(roles.goalkeeper(), 2);
 }
 
-TEST(SupporterPlaces, AreInsideApartAndOffTheBall) {
+TEST(SupporterPlaces, AreInsideTheFieldAndKeepTheirDistances) {
   for (double x = -1.1; x <= 1.1; x += 0.05) {
     for (double y = -0.9; y <= 0.9; y += 0.05) {
       const PushPlan plan = plan_push({x, y}, kField, kPlay);
@@ -137,7 +137,7 @@ TEST(SupporterPlaces, AreInsideApartAndOffTheBall) {
   EXPECT_EQ(many.size(), 9u) << "the largest teams";
 }
 
-TEST(StuckMonitor, BacksAJammedRobotOffAndLetsAFreeOneGo) {
+TEST(StuckMonitor, BacksOffAJammedRobotOnly) {
   StuckMonitor jammed, free, standing;
   Pose moving;
   double escape_began = -1.0, escaped_for = 0.0;
@@ -150,7 +150,7 @@ TEST(StuckMonitor, BacksAJammedRobotOffAndLetsAFreeOneGo) {
     }
     moving.position.x_m += 0.5f * 0.016f;
     EXPECT_EQ(free.watch(moving, {0.5f, 0.0f}, at(t), kPlay).v_mps, 0.5f);
-    EXPECT_EQ(standing.watch({}, {0.02f, 0.1f}, at(t), kPlay).v_mps, 0.02f) << "it is not asked to move";
+    EXPECT_EQ(standing.watch({}, {0.02f, 0.1f}, at(t), kPlay).v_mps, 0.02f) << "it is not commanded to move";
   }
   EXPECT_NEAR(escape_began, kPlay.stuck_after_s, 0.035);
   EXPECT_NEAR(escaped_for, kPlay.escape_for_s, 0.035);

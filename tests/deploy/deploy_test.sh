@@ -293,11 +293,11 @@ END
   SudoMayWantAPassword)
     echo "open sesame" >"$board/password"
     deploy 0 robot@board --dry-run --deb "$(package 1.0)"
-    says "sudo will want a password"
+    says "sudo will ask for a password"
     deploy 1 robot@board --deb "$(package 1.0)" </dev/null
-    says "wants a password"
+    says "needs a password"
     deploy 1 robot@board --deb "$(package 1.0)" <<<"sesame"
-    says "refuses the password"
+    says "rejects the password"
     [ ! -e "$board/version" ] || fail "something was installed"
     deploy 0 robot@board --deb "$(package 1.0)" <<<"open sesame"
     runs 1.0
@@ -319,13 +319,13 @@ END
     ;;
   ItWarnsOfAnotherLibcamera)
     deploy 0 robot@board --dry-run --deb "$(package 1.0 "" "libc6, libcamera0.4 (>= 0.4.0)")"
-    ! grep -q ribbon "$work/said" || fail "warns a board without Raspberry Pi's libcamera"
+    ! grep -q "CSI camera" "$work/said" || fail "warns a board without Raspberry Pi's libcamera"
     echo "fact libcamera-installed libcamera0.6 0.6.0+rpt20251202-1" >"$board/libcamera"
     deploy 0 robot@board --dry-run --deb "$(package 1.0 "" "libc6, libcamera0.4 (>= 0.4.0)")"
     says "built for libcamera0.4"
     says "Raspberry Pi's libcamera0.6"
     deploy 0 robot@board --dry-run --deb "$(package 1.0 "" "libc6, libcamera0.6 (>= 0.6.0)")"
-    ! grep -q ribbon "$work/said" || fail "warns without need"
+    ! grep -q "CSI camera" "$work/said" || fail "warns without need"
     ;;
   OverARealConnection)
     # The real ssh and sshd at the ends of a pipe: quoting, exit codes, one connection for all commands.

@@ -35,7 +35,7 @@ Point2 literal(const Lens& lens, Point2 ideal) {
   return camera.pixel({ideal[0], -ideal[1], 0});
 }
 
-TEST(BrownDistortion, IsBrownsFormulaUpToItsLimit) {
+TEST(BrownDistortion, FollowsBrownsFormulaUpToItsLimit) {
   for (const Lens& lens : kLenses) {
     const BrownDistortion model = lens.model();
     const double limit = std::min(model.limit(), 2.0);

@@ -16,7 +16,7 @@ std::vector<PaperCamera> cameras() {
 
 double value(float v) { return static_cast<double>(v); }
 
-TEST(PaperModel, IsTheEquationsOverTheWholePicture) {
+TEST(PaperModel, FollowsTheEquationsOverTheWholePicture) {
   for (const PaperCamera& camera : cameras()) {
     const PaperModelParameters p = camera.parameters().paper;
     const CameraModel model = model_of(camera.parameters());
@@ -32,7 +32,7 @@ TEST(PaperModel, IsTheEquationsOverTheWholePicture) {
   }
 }
 
-TEST(PaperModel, BothFormsOfEquation12) {
+TEST(PaperModel, BothFormsOfEquation12AreEqual) {
   // H / 2 (1 - e^(-2r/H)) / e^(-r/H) = H sinh(r / H), with a camera whose floor is the rectified picture.
   CameraParameters parameters;
   parameters.kind = CameraModelKind::kPaper;

@@ -83,7 +83,7 @@ TEST_F(DeviceListTest, AllThatABoardFileCanName) {
             R"(cameras
   /dev/video0  Fake Camera (driver fake, usb-0000:00:14.0-1)
     device = "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0"
-    by its name: /dev/v4l/by-id/usb-Fake_Camera-video-index0
+    by id: /dev/v4l/by-id/usb-Fake_Camera-video-index0
     mjpg   Format 0
            640x480 at 60, 30 Hz
            1280x720 at 60, 30 Hz
@@ -107,11 +107,11 @@ GPIO chips
 TEST_F(DeviceListTest, AnOldKernelTellsHowManyLinesAChipHas) {
   chip_.is_old = true;
   const auto list = list_devices({std::nullopt, std::nullopt, "/dev/gpiochip0"});
-  EXPECT_TRUE(list.troubles.empty());
+  EXPECT_TRUE(list.errors.empty());
   EXPECT_EQ(to_text(list), R"(GPIO chips
   /dev/gpiochip0  pppppppppppppppppppppppppppppppp, 3 lines
     chip = "pppppppppppppppppppppppppppppppp"
-    which are free is told by Linux 5.10 and later
+    Linux 5.10 and later also report which lines are free
 )");
   EXPECT_NE(to_json(list).find("\"line_count\": 3"), std::string::npos);
 }
@@ -198,8 +198,7 @@ TEST_F(DeviceListTest, AChipByItsLabel) {
   kernel_.add("/dev/gpiochip1", other);
   EXPECT_EQ(list_devices({std::nullopt, std::nullopt, std::string(32, 'p')}).chips->size(), 2u);
   const devices::DeviceList none = list_devices({std::nullopt, std::nullopt, "pinctrl"});
-  EXPECT_EQ(none.troubles,
-            std::vector<std::string>{"pinctrl: no such GPIO chip; here: /dev/gpiochip0, /dev/gpiochip1"});
+  EXPECT_EQ(none.errors, std::vector<std::string>{"pinctrl: no such GPIO chip; here: /dev/gpiochip0, /dev/gpiochip1"});
   EXPECT_NE(to_text(list_devices({std::nullopt, std::nullopt, ""})).find("    chip = \"/dev/gpiochip1\"\n"),
             std::string::npos)
       << "two have this label";
@@ -230,8 +229,8 @@ TEST_F(DeviceListTest, OneOfThemByItsLink) {
   ASSERT_EQ(list.cameras->size(), 1u);
   EXPECT_EQ(list.cameras->front().node.path, "/dev/video0");
   EXPECT_FALSE(list.ports || list.chips);
-  EXPECT_TRUE(list.troubles.empty());
-  EXPECT_EQ(list_devices({"/dev/video5", "/dev/ttyS7", "/dev/gpiochip4"}).troubles,
+  EXPECT_TRUE(list.errors.empty());
+  EXPECT_EQ(list_devices({"/dev/video5", "/dev/ttyS7", "/dev/gpiochip4"}).errors,
             (std::vector<std::string>{"/dev/video5: no such camera; here: /dev/video0, /dev/video2",
                                       "/dev/ttyS7: no such serial port; here: /dev/ttyUSB0",
                                       "/dev/gpiochip4: no such GPIO chip; here: /dev/gpiochip0"}));
@@ -247,7 +246,7 @@ TEST_F(DeviceListTest, RefusedAccessSaysWhatToDo) {
       "/dev/gpiochip0: permission denied; add the user to the group gpio (`sudo usermod -aG gpio "
       "$USER`) and log in again";
   EXPECT_EQ(to_text(list_devices({"", std::nullopt, ""})), "cameras\n  " + camera + "\nGPIO chips\n  " + chip + "\n");
-  EXPECT_EQ(list_devices({"/dev/video0", std::nullopt, "/dev/gpiochip0"}).troubles,
+  EXPECT_EQ(list_devices({"/dev/video0", std::nullopt, "/dev/gpiochip0"}).errors,
             (std::vector<std::string>{camera, chip}));
   EXPECT_NE(to_json(list_devices({"", std::nullopt, ""})).find("\"refused\": \"" + camera), std::string::npos);
 }
@@ -283,7 +282,7 @@ TEST(DeviceTexts, CamerasOfLibcameraAreNamedAsTheBoardFileNamesThem) {
             "cameras of libcamera (backend = \"libcamera\")\n"
             "  imx219\n"
             "    device = \"/base/soc/i2c0mux/i2c@1/imx219@10\"\n"
-            "  Webcam (at USB: better by backend v4l2)\n"
+            "  Webcam (USB camera: prefer backend v4l2)\n"
             "    device = \"usb-1.2:1.0-046d:0825\"\n");
   const std::string json = to_json(list);
   EXPECT_NE(json.find("\"libcamera\": ["), std::string::npos) << json;

@@ -39,7 +39,7 @@ std::string hexadecimal(std::span<const std::byte> packet) {
   return text;
 }
 
-TEST(RadioPage, ShowsWhatTheCodeSends) {
+TEST(RadioPage, ShowsThePacketsOfTheCode) {
   Commands commands;
   commands.stop = false;
   commands.robots.push_back({0, {}, {0.5f, -0.25f}});
@@ -58,7 +58,7 @@ TEST(RadioPage, ShowsWhatTheCodeSends) {
   EXPECT_EQ(examples_of_the_page(), sent);
 }
 
-TEST(RadioPage, NamesTheSizesThatTheCodeHas) {
+TEST(RadioPage, NamesThePacketSizesOfTheCode) {
   std::ifstream page(TOUCHLINE_RADIO_PAGE);
   std::stringstream text;
   text << page.rdbuf();

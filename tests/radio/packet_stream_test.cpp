@@ -35,7 +35,7 @@ void append(std::vector<std::byte>& bytes, const Packet& packet) {
   bytes.insert(bytes.end(), packet.begin(), packet.end());
 }
 
-TEST(PacketStream, FindsAllPacketsOfACleanLine) {
+TEST(PacketStream, FindsAllPacketsOnAnErrorFreeLine) {
   std::vector<std::byte> bytes;
   std::vector<std::uint8_t> expected;
   for (std::size_t i = 0; i < 300; ++i) {
@@ -47,7 +47,7 @@ TEST(PacketStream, FindsAllPacketsOfACleanLine) {
   EXPECT_EQ(stream.skipped_bytes(), 0u);
 }
 
-TEST(PacketStream, GivesAPacketWithItsLastByte) {
+TEST(PacketStream, ReportsAPacketAtItsLastByte) {
   const Packet packet = packet_of(5, 9);
   PacketStream stream;
   Commands commands;
@@ -59,7 +59,7 @@ TEST(PacketStream, GivesAPacketWithItsLastByte) {
   EXPECT_EQ(commands.robots.size(), 5u);
 }
 
-TEST(PacketStream, LosesOnlyThePacketThatIsCut) {
+TEST(PacketStream, LosesOnlyTheTruncatedPacket) {
   const Packet before = packet_of(5, 1), cut = packet_of(5, 2), after = packet_of(5, 3);
   for (std::size_t begin = 0; begin < cut.size(); ++begin) {
     for (const std::size_t gone : {std::size_t{1}, std::size_t{4}, cut.size() - begin}) {
@@ -162,10 +162,10 @@ TEST(SequenceFilter, IgnoresRepeatedAndReorderedPackets) {
   EXPECT_FALSE(filter.obey(250, false));
   EXPECT_TRUE(filter.obey(251, false));
   EXPECT_FALSE(filter.obey(250, false));
-  EXPECT_TRUE(filter.obey(3, false)) << "across the end of the numbers";
+  EXPECT_TRUE(filter.obey(3, false)) << "across the wrap-around";
   EXPECT_FALSE(filter.obey(255, false));
   EXPECT_TRUE(filter.obey(130, false)) << "127 steps ahead";
-  EXPECT_FALSE(filter.obey(2, false)) << "128 steps are as far behind as ahead";
+  EXPECT_FALSE(filter.obey(2, false)) << "128 steps ahead equal 128 steps behind";
 }
 
 TEST(SequenceFilter, AlwaysObeysAStop) {

@@ -77,7 +77,7 @@ TEST(Packet, RoundsToTheNearestStepAndSaturates) {
   }
 }
 
-TEST(Packet, OfAStopCarriesNoSpeed) {
+TEST(Packet, StopPacketsContainNoSpeed) {
   Commands commands = sample_commands();
   commands.stop = true;
   Packet packet;
@@ -135,7 +135,7 @@ TEST(Packet, WithAnyOneToThreeBitsFlippedIsRejected) {
       }
     }
   }
-  EXPECT_EQ(sequence, 99) << "a refused packet must change nothing";
+  EXPECT_EQ(sequence, 99) << "a rejected packet must change nothing";
   EXPECT_EQ(read.robots.size(), 2u);
 }
 
@@ -180,11 +180,11 @@ TEST(Packet, WithWrongFieldsButAValidChecksumIsRejected) {
   Packet reserved = good;
   reserved[3] = std::byte{0xFE};
   seal(reserved);
-  ASSERT_TRUE(decode(bytes_of(reserved), read, sequence).ok()) << "reserved flags are not looked at";
+  ASSERT_TRUE(decode(bytes_of(reserved), read, sequence).ok()) << "reserved flags are ignored";
   EXPECT_FALSE(read.stop);
 }
 
-TEST(Packet, SurvivesRandomBytes) {
+TEST(Packet, RandomBytesAreRejected) {
   std::mt19937 random(2);
   std::uniform_int_distribution<int> byte(0, 255), size(0, 140);
   int accepted = 0;

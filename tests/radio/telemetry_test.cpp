@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 constexpr Instant kNow{100s};
 
-RobotTelemetry words_of(int id, int sequence, float battery_v = 7.4f, int link = 98) {
+RobotTelemetry telemetry_of(int id, int sequence, float battery_v = 7.4f, int link = 98) {
   return {static_cast<RobotId>(id), static_cast<std::uint8_t>(sequence), battery_v, static_cast<std::int8_t>(link)};
 }
 
@@ -38,7 +38,7 @@ TEST(Telemetry, IsReadBackAsWritten) {
   std::uniform_int_distribution<int> id(0, 127), byte(0, 255), link(-1, 100), battery(0, 65535);
   for (int i = 0; i < 2000; ++i) {
     const float battery_v = static_cast<float>(battery(random)) * 0.001f;
-    const RobotTelemetry sent = words_of(id(random), byte(random), battery_v, link(random));
+    const RobotTelemetry sent = telemetry_of(id(random), byte(random), battery_v, link(random));
     RobotTelemetry read;
     ASSERT_TRUE(decode_telemetry(encode_telemetry(sent), read).ok());
     EXPECT_EQ(read.id, sent.id);
@@ -53,18 +53,18 @@ TEST(Telemetry, RoundsAndSaturatesVoltages) {
       {-1.0f, 0.0f}, {0.0004f, 0.0f}, {7.4006f, 7.401f}, {70.0f, 65.535f}, {1e30f, 65.535f}, {std::nanf(""), 0.0f}};
   for (const auto& [sent, read] : sent_and_read) {
     RobotTelemetry telemetry;
-    ASSERT_TRUE(decode_telemetry(encode_telemetry(words_of(1, 1, sent)), telemetry).ok());
+    ASSERT_TRUE(decode_telemetry(encode_telemetry(telemetry_of(1, 1, sent)), telemetry).ok());
     EXPECT_NEAR(telemetry.battery_v, read, 1e-4) << sent;
   }
 }
 
 TEST(Telemetry, WithAnyOneToThreeBitsFlippedIsRejected) {
-  const TelemetryPacket good = encode_telemetry(words_of(3, 42));
+  const TelemetryPacket good = encode_telemetry(telemetry_of(3, 42));
   constexpr std::size_t kBits = kTelemetryBytes * 8;
   const auto turn = [](TelemetryPacket& p, std::size_t bit) {
     p[bit / 8] ^= std::byte{1} << static_cast<int>(bit % 8);
   };
-  RobotTelemetry read = words_of(9, 9);
+  RobotTelemetry read = telemetry_of(9, 9);
   for (std::size_t i = 0; i < kBits; ++i) {
     for (std::size_t k = i; k < kBits; ++k) {
       for (std::size_t n = k; n < kBits; ++n) {
@@ -76,21 +76,21 @@ TEST(Telemetry, WithAnyOneToThreeBitsFlippedIsRejected) {
       }
     }
   }
-  EXPECT_EQ(read.id, 9) << "a refused packet changes nothing";
+  EXPECT_EQ(read.id, 9) << "a rejected packet changes nothing";
 }
 
 TEST(Telemetry, WithAWrongFieldButAValidChecksumIsRejected) {
   RobotTelemetry read;
-  EXPECT_TRUE(decode_telemetry(encode_telemetry(words_of(127, 1, 7.4f, 100)), read).ok());
-  EXPECT_FALSE(decode_telemetry(encode_telemetry(words_of(1, 1, 7.4f, 101)), read).ok()) << "101 percent";
-  EXPECT_FALSE(decode_telemetry(encode_telemetry(words_of(-1, 1)), read).ok()) << "id 255";
-  const TelemetryPacket good = encode_telemetry(words_of(1, 1));
+  EXPECT_TRUE(decode_telemetry(encode_telemetry(telemetry_of(127, 1, 7.4f, 100)), read).ok());
+  EXPECT_FALSE(decode_telemetry(encode_telemetry(telemetry_of(1, 1, 7.4f, 101)), read).ok()) << "101 percent";
+  EXPECT_FALSE(decode_telemetry(encode_telemetry(telemetry_of(-1, 1)), read).ok()) << "id 255";
+  const TelemetryPacket good = encode_telemetry(telemetry_of(1, 1));
   EXPECT_FALSE(decode_telemetry(std::span(good).first(9), read).ok());
 }
 
-TEST(TelemetryStream, LosesOnlyThePacketThatIsCutAtAnyPlace) {
-  const TelemetryPacket before = encode_telemetry(words_of(1, 1)), cut = encode_telemetry(words_of(2, 2)),
-                        after = encode_telemetry(words_of(3, 3));
+TEST(TelemetryStream, LosesOnlyTheTruncatedPacket) {
+  const TelemetryPacket before = encode_telemetry(telemetry_of(1, 1)), cut = encode_telemetry(telemetry_of(2, 2)),
+                        after = encode_telemetry(telemetry_of(3, 3));
   for (std::size_t begin = 0; begin < kTelemetryBytes; ++begin) {
     for (std::size_t gone = 1; begin + gone <= kTelemetryBytes; ++gone) {
       std::vector<std::byte> bytes;
@@ -115,7 +115,7 @@ TEST(TelemetryStream, IgnoresOurOwnPackets) {
   std::vector<std::byte> bytes;
   for (int i = 0; i < 50; ++i) {
     append(bytes, {packet.data(), packet.size()});
-    append(bytes, encode_telemetry(words_of(1, i)));
+    append(bytes, encode_telemetry(telemetry_of(1, i)));
   }
   EXPECT_EQ(sequences_in(bytes).size(), 50U);
 }
@@ -130,7 +130,7 @@ TEST(TelemetryStream, ReportsOnlySentPacketsOnANoisyLine) {
   constexpr int kSent = 20000;
   for (int i = 0; i < kSent; ++i) {
     bool intact = true;
-    for (const std::byte b : encode_telemetry(words_of(i % 11, i, 7.4f, 42))) {
+    for (const std::byte b : encode_telemetry(telemetry_of(i % 11, i, 7.4f, 42))) {
       const int f = fault(random);
       intact = intact && f > 2;
       if (f == 0) continue;
@@ -160,7 +160,7 @@ TEST(TelemetryStream, ReportsOnlySentPacketsOnANoisyLine) {
   EXPECT_GT(whole, kSent / 2);
 }
 
-TEST(TelemetryStream, AcceptsGarbageAsRarelyAsItsChecksumSays) {
+TEST(TelemetryStream, AcceptsGarbageAsRarelyAsTheChecksumAllows) {
   std::mt19937 random(6);
   std::uniform_int_distribution<int> byte(0, 255), kind(0, 4);
   TelemetryStream stream;
@@ -188,7 +188,7 @@ class RobotMonitorTest : public ::testing::Test {
     monitor.listen(encode_telemetry(telemetry), now, reports);
   }
   void hear_battery(float battery_v, int times) {
-    for (int i = 0; i < times; ++i) hear(words_of(4, ++sequence, battery_v));
+    for (int i = 0; i < times; ++i) hear(telemetry_of(4, ++sequence, battery_v));
   }
   RobotMonitor monitor;
   RobotReports reports;
@@ -196,8 +196,8 @@ class RobotMonitorTest : public ::testing::Test {
 };
 
 TEST_F(RobotMonitorTest, KeepsTheLastTelemetryOfEachRobotSortedById) {
-  for (const int id : {7, 2, 9, 0}) hear(words_of(id, 10, 7.0f + 0.1f * static_cast<float>(id)));
-  hear(words_of(2, 11, 6.9f, 50), kNow + 1s);
+  for (const int id : {7, 2, 9, 0}) hear(telemetry_of(id, 10, 7.0f + 0.1f * static_cast<float>(id)));
+  hear(telemetry_of(2, 11, 6.9f, 50), kNow + 1s);
   ASSERT_EQ(reports.robots.size(), 4U);
   const std::array<RobotId, 4> ids{0, 2, 7, 9};
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(reports.robots[i].last.id, ids[i]);
@@ -212,19 +212,19 @@ TEST_F(RobotMonitorTest, KeepsTheLastTelemetryOfEachRobotSortedById) {
 }
 
 TEST_F(RobotMonitorTest, CountsMissingPacketsAcrossTheWrapAround) {
-  for (const int i : {253, 254, 1, 1, 2}) hear(words_of(4, i));
+  for (const int i : {253, 254, 1, 1, 2}) hear(telemetry_of(4, i));
   EXPECT_EQ(reports.robots[0].missed, 2U) << "255 and 0";
   EXPECT_EQ(reports.robots[0].packets, 4U) << "the second 1 is a repetition";
-  hear(words_of(4, 200));
-  EXPECT_EQ(reports.robots[0].missed, 2U) << "further ahead than 127: it was switched on again";
+  hear(telemetry_of(4, 200));
+  EXPECT_EQ(reports.robots[0].missed, 2U) << "more than 127 ahead: the robot was restarted";
 }
 
-TEST_F(RobotMonitorTest, ListsAsManyRobotsAsATeamHasAndCountsTheOthers) {
-  for (int id = 20; id < 33; ++id) hear(words_of(id, 1));
+TEST_F(RobotMonitorTest, ListsTheRobotsOfATeamAndCountsOthers) {
+  for (int id = 20; id < 33; ++id) hear(telemetry_of(id, 1));
   EXPECT_EQ(reports.robots.size(), kMaxRobotsPerTeam);
   EXPECT_EQ(reports.robots.overflow(), 2U);
   EXPECT_EQ(reports.robots[10].last.id, 30);
-  hear(words_of(30, 2));
+  hear(telemetry_of(30, 2));
   EXPECT_EQ(reports.robots[10].packets, 2U);
 }
 
@@ -255,7 +255,7 @@ TEST_F(RobotMonitorTest, ABatteryThatIsNotMeasuredOrMonitoredIsNotLow) {
 
 TEST_F(RobotMonitorTest, PacketsMayArriveInPiecesAndSeveralAtOnce) {
   std::vector<std::byte> bytes;
-  for (int i = 0; i < 100; ++i) append(bytes, encode_telemetry(words_of(i % 3, i / 3)));
+  for (int i = 0; i < 100; ++i) append(bytes, encode_telemetry(telemetry_of(i % 3, i / 3)));
   for (std::size_t at = 0, size = 1; at < bytes.size(); at += size, size = size % 37 + 1) {
     monitor.listen(std::span(bytes).subspan(at, std::min(size, bytes.size() - at)), kNow, reports);
   }

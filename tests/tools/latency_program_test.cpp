@@ -18,7 +18,9 @@ class LatencyProgram : public ProgramFolder {
   [[nodiscard]] int measure(const std::string& arguments) const {
     return latency("--board '" TOUCHLINE_MOCK_BOARD "' --warm-up 3 " + arguments);
   }
-  [[nodiscard]] bool said(const std::string& words) const { return read("out").find(words) != std::string::npos; }
+  [[nodiscard]] bool output_contains(const std::string& words) const {
+    return read("out").find(words) != std::string::npos;
+  }
 };
 
 TEST_F(LatencyProgram, MeasuresWritesAndCompares) {
@@ -26,37 +28,37 @@ TEST_F(LatencyProgram, MeasuresWritesAndCompares) {
                     " --html " + path("a.html")),
             0)
       << read("out");
-  EXPECT_TRUE(said("the deadline of 0.5 s was missed by 0 of 12 frames.") ||
-              said("the deadline of 500 ms was missed by 0 of 12 frames."))
+  EXPECT_TRUE(output_contains("the deadline of 0.5 s was missed by 0 of 12 frames.") ||
+              output_contains("the deadline of 500 ms was missed by 0 of 12 frames."))
       << read("out");
   EXPECT_NE(read("a.json").find("\"frames\": 12"), std::string::npos);
   EXPECT_NE(read("a.svg").find("</svg>"), std::string::npos);
   EXPECT_NE(read("a.html").find("</html>"), std::string::npos);
   ASSERT_EQ(latency("--compare " + path("a.json") + " " + path("a.json") + " --html " + path("c.html")), 0);
-  EXPECT_TRUE(said("No time got worse from A to B.")) << read("out");
+  EXPECT_TRUE(output_contains("No time got worse from A to B.")) << read("out");
   EXPECT_NE(read("c.html").find("a against a"), std::string::npos);
 }
 
 TEST_F(LatencyProgram, MeasuresForADurationAndTheWorstFrames) {
   ASSERT_EQ(measure("--duration 0.2"), 0) << read("out");
-  EXPECT_TRUE(said("Milliseconds, 12 frames") || said("Milliseconds, 13 frames")) << read("out");
+  EXPECT_TRUE(output_contains("Milliseconds, 12 frames") || output_contains("Milliseconds, 13 frames")) << read("out");
   ASSERT_EQ(measure("--frames 6 --worst-frames"), 0) << read("out");
-  EXPECT_TRUE(said("Frame latency: worst frames, 640 x 480 rgb24")) << read("out");
+  EXPECT_TRUE(output_contains("Frame latency: worst frames, 640 x 480 rgb24")) << read("out");
 }
 
-TEST_F(LatencyProgram, WrongCommandLineIs64) {
+TEST_F(LatencyProgram, AWrongCommandLineGivesExitCode64) {
   EXPECT_EQ(latency("--help"), 0);
   EXPECT_EQ(latency(""), 64);
-  EXPECT_TRUE(said("--board or --compare")) << read("out");
+  EXPECT_TRUE(output_contains("--board or --compare")) << read("out");
   EXPECT_EQ(measure("--frames 0"), 64);
   EXPECT_EQ(measure("--frames 5 --duration 1"), 64);
   EXPECT_EQ(measure("--duration nan"), 64);
   EXPECT_EQ(measure("--histogram a.jpg"), 64);
-  EXPECT_TRUE(said("a.jpg: the name must end in .svg or .png")) << read("out");
+  EXPECT_TRUE(output_contains("a.jpg: the name must end in .svg or .png")) << read("out");
   EXPECT_EQ(latency("--compare one.json"), 64);
 }
 
-TEST_F(LatencyProgram, UnwritableFilesAreRefusedBeforeTheStart) {
+TEST_F(LatencyProgram, UnwritableFilesAreRejectedBeforeTheStart) {
   // The invalid board file would be the next error.
   for (const char* option : {"--out", "--histogram", "--html"}) {
     const std::string file = path("none/a.svg");
@@ -64,21 +66,21 @@ TEST_F(LatencyProgram, UnwritableFilesAreRefusedBeforeTheStart) {
     EXPECT_EQ(read("out"), "touchline-latency: " + file + ": cannot be written: No such file or directory\n");
   }
   EXPECT_EQ(latency("--board none.toml --out " + path("")), 1);
-  EXPECT_TRUE(said("is a folder")) << read("out");
+  EXPECT_TRUE(output_contains("is a folder")) << read("out");
 }
 
-TEST_F(LatencyProgram, WrongFilesAre1AndLostDevicesAre2) {
+TEST_F(LatencyProgram, InvalidFilesGiveExitCode1AndLostDevices2) {
   EXPECT_EQ(latency("--board " + path("none.toml")), 1);
   EXPECT_EQ(measure("--venue " + path("none.toml")), 1);
-  EXPECT_TRUE(said("none.toml: no such file")) << read("out");
+  EXPECT_TRUE(output_contains("none.toml: no such file")) << read("out");
   EXPECT_EQ(measure("--set camera.backend=replay --set camera.device=" + path("none.mp4")), 2);
-  EXPECT_TRUE(said("none.mp4: No such file or directory")) << read("out");
+  EXPECT_TRUE(output_contains("none.mp4: No such file or directory")) << read("out");
   write("broken.json", "{\"format\": 1, \"source\": 5}");
   EXPECT_EQ(latency("--compare " + path("broken.json") + " " + path("none.json")), 1);
   EXPECT_EQ(read("out"), "touchline-latency: " + path("broken.json") + ": source: must be a text\n");
 }
 
-TEST_F(LatencyProgram, ASignalEndsItWithAReport) {
+TEST_F(LatencyProgram, WritesAReportAfterASignal) {
   // On a busy machine the first frame can take long.
   int code = -1;
   for (const char* after : {"1", "4", "16"}) {
@@ -87,7 +89,7 @@ TEST_F(LatencyProgram, ASignalEndsItWithAReport) {
     if (code == 0) break;
   }
   EXPECT_EQ(code, 0);
-  EXPECT_TRUE(said("Worst frame: number ")) << read("out");
+  EXPECT_TRUE(output_contains("Worst frame: number ")) << read("out");
 }
 
 }  // namespace

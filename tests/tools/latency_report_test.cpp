@@ -120,7 +120,7 @@ TEST(LatencyJson, NamesTheMalformedKey) {
   EXPECT_EQ(error_with("[\n    80,", "[\n    160,"), "histograms.capture to frame: must be a list of bins and counts");
 }
 
-TEST(LatencyComparison, SaysWhatGotWorse) {
+TEST(LatencyComparison, ListsTimesThatGotWorse) {
   LatencyReport a = report_of(1), b = report_of(2);
   b.usage.major_faults = 5;
   b.system.governor = "powersave";

@@ -255,7 +255,7 @@ TEST_F(Replay, NeverOverwritesAnInput) {
   EXPECT_TRUE(run()) << error;
 }
 
-TEST_F(Replay, ADeviceOrAFifoStaysWhatItIs) {
+TEST_F(Replay, DevicesAndFifosAreNotReplaced) {
   write_flat("a.png");
   ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
   std::string received;
@@ -280,7 +280,7 @@ TEST_F(Replay, ADeviceOrAFifoStaysWhatItIs) {
   EXPECT_TRUE(std::filesystem::is_character_file(folder / "null"));
 }
 
-TEST_F(Replay, ALinkStaysALinkAndFilesBesideItStay) {
+TEST_F(Replay, LinksAndNeighboringFilesAreNotReplaced) {
   write_flat("a.png");
   std::filesystem::create_symlink("target.jsonl", folder / "link.jsonl");
   for (const char* name : {"link.jsonl.part", "target.jsonl.part"}) {

@@ -36,7 +36,7 @@ def spread_px(lines, names):
     return out
 
 
-def standing(tools, pictures, venue, team, name, moving=()):
+def stationary_spread(tools, pictures, venue, team, name, moving=()):
     """Returns the spread of all stationary robots and balls in mm, degrees and pixels."""
     result, lines = tools.replay(pictures, venue, team, name)
     spread = tools.evaluate("--spread", result)["spread"]
@@ -112,12 +112,12 @@ def mirosot_fields(tools, pictures):
     for picture in pictures:
         venue = tools.out / "mirosot-field-venue.toml"
         venue.unlink(missing_ok=True)
-        said = tools.run("calibrate", "field", "--venue", venue, "--picture", picture, "--field-preset",
+        output = tools.run("calibrate", "field", "--venue", venue, "--picture", picture, "--field-preset",
                          "mirosot-middle", "--camera-height", 2.0, may_fail=True)
-        if said is None:
+        if output is None:
             out[picture.stem] = None
             continue
-        residual = re.search(r"([0-9.]+) px RMS", said)
+        residual = re.search(r"([0-9.]+) px RMS", output)
         rows = re.findall(r"(?m)^full\s+\S+\s+(\d+)\s+\d+((?:\s+[0-9.]+)+)$",
                           tools.run("rectify", picture, "--venue", venue, "--out", tools.out / "rectified"))
         points = sum(int(n) for n, _ in rows)
@@ -184,10 +184,10 @@ def evaluate(tools, folder, recipes):
     make_venues(tools, recipes, folder.resolve().parent)
     out = {}
     programs.progress("footage vss-overhead")
-    out["overhead"] = standing(tools, folder / "vss-overhead.mp4", tools.out / "vss-overhead-venue.toml",
+    out["overhead"] = stationary_spread(tools, folder / "vss-overhead.mp4", tools.out / "vss-overhead-venue.toml",
                                recipes / "vss-overhead-team.toml", "vss-overhead", moving=("blue 0",))
     programs.progress("footage vsss-halves")
-    out["halves"] = standing(tools, folder / "vsss-halves", tools.out / "vsss-halves-venue.toml",
+    out["halves"] = stationary_spread(tools, folder / "vsss-halves", tools.out / "vsss-halves-venue.toml",
                              recipes / "vsss-halves-team.toml", "vsss-halves")
     pictures = scenes.pictures_of(folder / "mirosot-triangles")
     programs.progress("footage mirosot-triangles: fields")
@@ -199,7 +199,7 @@ def evaluate(tools, folder, recipes):
     return out
 
 
-def print_standing(title, rows):
+def print_stationary(title, rows):
     print(f"\n{title}: RMS deviation from the mean")
     for row in rows:
         pixels = "" if row["px"] is None else f"{row['px']:.3f} px, "
@@ -210,8 +210,8 @@ def print_standing(title, rows):
 def print_tables(results):
     if not results:
         return
-    print_standing("vss-overhead.mp4, what stands", results["overhead"])
-    print_standing("vsss-halves, one standing scene", results["halves"])
+    print_stationary("vss-overhead.mp4, stationary robots and balls", results["overhead"])
+    print_stationary("vsss-halves, one stationary scene", results["halves"])
     print("\nmirosot-triangles: field found without clicks; deviation of the border from straight lines")
     for name, row in results["mirosot_fields"].items():
         print(f"  {name:<10} " + ("refused" if row is None else (
@@ -226,7 +226,7 @@ def print_tables(results):
         return f"{one['ids']} ({one['doubled']}), {one['robots']}, {'ball' if one['ball'] else 'no ball'}"
     for name, row in results["mirosot_lamps"].items():
         print(f"  {name:<10}" + "".join(f"{text(row[case]):>22}" for case in cases) + (
-            "" if row["map_measured"] else "   no map of its own: that of the learned picture"))
+            "" if row["map_measured"] else "   without its own map: uses the map of the learned picture"))
     for name, row in results["mirosot_lamps"].items():
         if row[cases[0]]["annotated"]:
             print(f"  {name}, ids right/unknown/wrong by its annotation: " + ", ".join(

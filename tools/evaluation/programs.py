@@ -26,7 +26,7 @@ class Programs:
     def path(self, name):
         program = self.build / "tools" / "programs" / name / f"touchline-{name}"
         if not program.exists():
-            raise Failed(f"{program} is not there; build it first (cmake --build --preset release)")
+            raise Failed(f"{program} does not exist; build it first (cmake --build --preset release)")
         return str(program)
 
     def run(self, name, *arguments, may_fail=False):

@@ -114,7 +114,7 @@ class Sum:
             "ball": self.rms_and_max("ball_m", 1e3)}
 
 
-def look(tools, folder, venue, team, name, *options):
+def recognize(tools, folder, venue, team, name, *options):
     """Returns the numbers of all folders except those for calibration, pooled and per folder, and the results by folder."""
     total, each, results = Sum(), {}, {}
     for part in sorted(p for p in folder.iterdir() if (p / "truth.jsonl").exists()):
@@ -134,7 +134,7 @@ def mean_angle(angles):
     return math.atan2(sum(map(math.sin, angles)), sum(map(math.cos, angles)))
 
 
-def standing_noise(lines, source):
+def stationary_noise(lines, source):
     """Returns the RMS deviation from each robot's mean in mm and degrees; for tracks over the second half of the frames."""
     robots = {}
     for line in lines[len(lines) // 2 if source == "tracks" else 0:]:
@@ -172,18 +172,18 @@ def evaluate(tools, folder, no_height):
     write_clicks(samples, clicks)
     venue = tools.out / f"{name}-venue.toml"
     out = {"field": calibrate(tools, folder, team, clicks, venue, no_height)}
-    out["all"], out["folders"], results = look(tools, folder, venue, team, name)
+    out["all"], out["folders"], results = recognize(tools, folder, venue, team, name)
     if "static" in results:
         lines, _ = results["static"]
-        out["noise"] = standing_noise(lines, "sightings")
-        out["filtered"] = standing_noise(lines, "tracks")
+        out["noise"] = stationary_noise(lines, "sightings")
+        out["filtered"] = stationary_noise(lines, "tracks")
         out["times_bound"] = times_bound(tools, folder / "static", tools.out / f"{name}-static.jsonl", venue, team)
-    out["paper_model"], _, _ = look(tools, folder, venue, team, f"{name}-paper", "--set", "camera_model.kind=paper")
+    out["paper_model"], _, _ = recognize(tools, folder, venue, team, f"{name}-paper", "--set", "camera_model.kind=paper")
     # Learns the colors again without the light map.
     without = tools.out / f"{name}-without-light.toml"
     without.write_text(without_section(venue.read_text(), "light"))
     learn_colors(tools, folder, team, clicks, without)
-    out["without_light"], _, _ = look(tools, folder, without, team, f"{name}-without-light", "--set",
+    out["without_light"], _, _ = recognize(tools, folder, without, team, f"{name}-without-light", "--set",
                                       "adaptation.mode=off")
     return out
 
@@ -250,9 +250,9 @@ def print_table(sets):
     row("angle, degrees", rms_and_max("angle"))
     row("ball position, mm", rms_and_max("ball"))
     row("touching robots seen, swapped", touching)
-    row("standing: noise, mm / degrees", pair("noise"))
-    row("standing: filtered, mm / degrees", pair("filtered"))
-    row("standing: noise, times its bound", pair("times_bound"))
+    row("stationary: noise, mm / degrees", pair("noise"))
+    row("stationary: filtered, mm / degrees", pair("filtered"))
+    row("stationary: noise / Cramer-Rao bound", pair("times_bound"))
     row("without light map: robots seen", lambda n: f"{sets[n]['without_light']['seen']:.2f} %")
     row("without light map: ball seen", lambda n: f"{sets[n]['without_light']['ball_seen']:.2f} %")
     row("the paper's camera model, mm", rms_and_max("position", "paper_model"))

@@ -12,9 +12,9 @@ namespace touchline::devices {
 namespace {
 
 /// Keeps only the devices that `wanted` names ("": all) and records those that are missing or cannot be opened.
-template <class Node, class PathOf, class TroubleOf>
-void select(std::vector<Node>& nodes, const std::string& wanted, const char* kind, std::vector<std::string>& troubles,
-            PathOf path_of, TroubleOf trouble_of) {
+template <class Node, class PathOf, class ErrorOf>
+void select(std::vector<Node>& nodes, const std::string& wanted, const char* kind, std::vector<std::string>& errors,
+            PathOf path_of, ErrorOf error_of) {
   if (wanted.empty()) return;
   const std::unique_ptr<char, decltype(&std::free)> real(::realpath(wanted.c_str(), nullptr), &std::free);
   const std::string path = real != nullptr ? real.get() : wanted;
@@ -23,13 +23,13 @@ void select(std::vector<Node>& nodes, const std::string& wanted, const char* kin
   nodes.erase(std::remove_if(nodes.begin(), nodes.end(), [&](const Node& node) { return path_of(node) != path; }),
               nodes.end());
   if (nodes.empty()) {
-    troubles.push_back(wanted + ": no such " + kind + "; here: " + (here.empty() ? "none" : here));
-  } else if (std::string trouble = trouble_of(nodes.front()); !trouble.empty()) {
-    troubles.push_back(std::move(trouble));
+    errors.push_back(wanted + ": no such " + kind + "; here: " + (here.empty() ? "none" : here));
+  } else if (std::string error = error_of(nodes.front()); !error.empty()) {
+    errors.push_back(std::move(error));
   }
 }
 
-std::vector<Camera> ask_cameras(std::vector<hal::CameraNode> nodes) {
+std::vector<Camera> query_cameras(std::vector<hal::CameraNode> nodes) {
   std::vector<Camera> cameras;
   for (hal::CameraNode& node : nodes) {
     Camera camera;
@@ -51,17 +51,16 @@ DeviceList list_devices(const Selection& selection) {
   if (selection.camera) {
     std::vector<hal::CameraNode> nodes = hal::list_cameras();
     select(
-        nodes, *selection.camera, "camera", list.troubles, [](const hal::CameraNode& node) { return node.path; },
+        nodes, *selection.camera, "camera", list.errors, [](const hal::CameraNode& node) { return node.path; },
         [](const hal::CameraNode& node) { return hal::open_error_text(node.path, node.error, "video"); });
-    list.cameras = ask_cameras(std::move(nodes));
+    list.cameras = query_cameras(std::move(nodes));
   }
   if (selection.libcamera) list.libcamera = hal::libcamera_cameras();
   if (selection.serial) {
     std::vector<hal::SerialPortNode> ports;
-    if (!hal::list_serial_ports(ports)) list.troubles.emplace_back("the system does not tell its serial ports");
+    if (!hal::list_serial_ports(ports)) list.errors.emplace_back("the system does not list its serial ports");
     select(
-        ports, *selection.serial, "serial port", list.troubles,
-        [](const hal::SerialPortNode& node) { return node.path; },
+        ports, *selection.serial, "serial port", list.errors, [](const hal::SerialPortNode& node) { return node.path; },
         [](const hal::SerialPortNode& node) {
           return node.denied ? hal::open_error_text(node.path, EACCES, "dialout") : std::string();
         });
@@ -70,7 +69,7 @@ DeviceList list_devices(const Selection& selection) {
   if (selection.gpio) {
     std::vector<hal::GpioChipNode> chips = hal::list_gpio_chips();
     select(
-        chips, *selection.gpio, "GPIO chip", list.troubles,
+        chips, *selection.gpio, "GPIO chip", list.errors,
         [&](const hal::GpioChipNode& node) { return node.label == *selection.gpio ? node.label : node.path; },
         [](const hal::GpioChipNode& node) { return hal::open_error_text(node.path, node.error, "gpio"); });
     list.chips = std::move(chips);

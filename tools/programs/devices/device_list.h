@@ -19,7 +19,7 @@ struct Camera {
   std::vector<hal::V4l2ControlState> controls;
 };
 
-/// The devices to list. Absent: none of this kind; "": all; otherwise one device, by its file or a link to it.
+/// The devices to list. No value: none of this kind; "": all; otherwise one device, by its file or a link to it.
 struct Selection {
   std::optional<std::string> camera, serial, gpio;
   bool libcamera = false;  // also list its cameras; starts the library
@@ -30,15 +30,15 @@ struct DeviceList {
   std::vector<hal::LibcameraName> libcamera;
   std::optional<std::vector<hal::SerialPortNode>> ports;
   std::optional<std::vector<hal::GpioChipNode>> chips;
-  std::vector<std::string> troubles;  // requested devices that are missing or cannot be opened
+  std::vector<std::string> errors;  // requested devices that are missing or cannot be opened
 };
 
 /// Lists the devices of the system. Opens cameras and GPIO chips, but changes nothing.
 DeviceList list_devices(const Selection& selection);
 
-/// The list for a person: devices, their names for board.toml, and what to do if there are none.
+/// Formats the list for a person: devices, their names for board.toml, and hints if there are none.
 std::string to_text(const DeviceList& list);
-/// The list as one JSON object; its keys are the names of the fields, with units.
+/// Formats the list as one JSON object. Its keys are the names of the members, with units.
 std::string to_json(const DeviceList& list);
 
 }  // namespace touchline::devices

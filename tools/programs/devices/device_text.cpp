@@ -81,7 +81,7 @@ void add_controls(std::string& text, const std::vector<hal::V4l2ControlState>& c
 void add_cameras(std::string& text, const std::vector<Camera>& cameras) {
   line(text, "cameras");
   if (cameras.empty()) {
-    line(text, "  none that Video4Linux knows. Is it plugged in (`lsusb`), and its driver loaded (`dmesg`)?");
+    line(text, "  none found by Video4Linux. Is the camera plugged in (`lsusb`), and its driver loaded (`dmesg`)?");
   }
   for (const Camera& camera : cameras) {
     const hal::CameraNode& node = camera.node;
@@ -92,7 +92,7 @@ void add_cameras(std::string& text, const std::vector<Camera>& cameras) {
     line(text, "  %s  %s (driver %s, %s%s)", node.path.c_str(), node.identity.card.c_str(),
          node.identity.driver.c_str(), node.identity.bus.c_str(), node.identity.multi_planar ? ", multi-planar" : "");
     if (!node.by_path.empty()) line(text, "    device = \"%s\"", node.by_path.c_str());
-    if (!node.by_id.empty()) line(text, "    by its name: %s", node.by_id.c_str());
+    if (!node.by_id.empty()) line(text, "    by id: %s", node.by_id.c_str());
     add_formats(text, camera.formats);
     add_controls(text, camera.controls);
   }
@@ -101,14 +101,14 @@ void add_cameras(std::string& text, const std::vector<Camera>& cameras) {
 void add_libcamera(std::string& text, const std::vector<hal::LibcameraName>& cameras) {
   if (!cameras.empty()) line(text, "cameras of libcamera (backend = \"libcamera\")");
   for (const hal::LibcameraName& camera : cameras) {
-    line(text, "  %s%s", camera.model.c_str(), camera.external ? " (at USB: better by backend v4l2)" : "");
+    line(text, "  %s%s", camera.model.c_str(), camera.external ? " (USB camera: prefer backend v4l2)" : "");
     line(text, "    device = \"%s\"", camera.id.c_str());
   }
 }
 
 void add_ports(std::string& text, const std::vector<hal::SerialPortNode>& ports) {
   line(text, "serial ports");
-  if (ports.empty()) line(text, "  none. Is the adapter plugged in (`lsusb`), the UART switched on?");
+  if (ports.empty()) line(text, "  none. Is the adapter plugged in (`lsusb`), or the UART enabled?");
   for (const hal::SerialPortNode& port : ports) {
     std::array<char, 32> usb{};
     if (port.usb_vendor >= 0) {
@@ -118,13 +118,13 @@ void add_ports(std::string& text, const std::vector<hal::SerialPortNode>& ports)
     line(text, "  %s  %s%s", port.path.c_str(), port.description.c_str(), usb.data());
     if (port.denied) line(text, "    %s", hal::open_error_text(port.path, EACCES, "dialout").c_str());
     if (!port.by_id.empty()) line(text, "    device = \"%s\"", port.by_id.c_str());
-    if (!port.by_path.empty()) line(text, "    by its socket: %s", port.by_path.c_str());
+    if (!port.by_path.empty()) line(text, "    by USB port: %s", port.by_path.c_str());
   }
 }
 
 void add_chips(std::string& text, const std::vector<hal::GpioChipNode>& chips) {
   line(text, "GPIO chips");
-  if (chips.empty()) line(text, "  none: a PC has no pins");
+  if (chips.empty()) line(text, "  none; a PC has no GPIO lines");
   for (const hal::GpioChipNode& chip : chips) {
     if (chip.error != 0) {
       line(text, "  %s", hal::open_error_text(chip.path, chip.error, "gpio").c_str());
@@ -134,7 +134,7 @@ void add_chips(std::string& text, const std::vector<hal::GpioChipNode>& chips) {
     const bool is_sole = std::count_if(chips.begin(), chips.end(),
                                        [&](const hal::GpioChipNode& other) { return other.label == chip.label; }) == 1;
     line(text, "    chip = \"%s\"", is_sole && !chip.label.empty() ? chip.label.c_str() : chip.path.c_str());
-    if (chip.lines.size() < chip.line_count) line(text, "    which are free is told by Linux 5.10 and later");
+    if (chip.lines.size() < chip.line_count) line(text, "    Linux 5.10 and later also report which lines are free");
     for (const hal::GpioLineNode& pin : chip.lines) {
       const std::string holder = !pin.used ? "free" : "held by " + (pin.consumer.empty() ? "the kernel" : pin.consumer);
       line(text, "    %4u  %-20s %-6s %s%s%s%s", pin.number, pin.name.empty() ? "-" : pin.name.c_str(),

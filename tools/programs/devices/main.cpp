@@ -13,17 +13,18 @@ int main(int argc, char** argv) {
   std::string camera, serial, gpio;
   bool json = false;
   CLI::App app{
-      "Lists what a board file can name: cameras (formats, sizes, rates, controls), serial ports and GPIO chips with\n"
-      "their lines. Without an option all of them. Nothing is changed, and a running touchline is not disturbed.",
+      "Lists the devices that a board file can name: cameras (formats, sizes, rates, controls), serial ports and GPIO\n"
+      "chips with their lines. Without options it lists all. It changes nothing and does not disturb a running "
+      "touchline.",
       "touchline-devices"};
   app.footer(
-      "A device may be named by its file or by a link to it (/dev/v4l/by-path/...), a GPIO chip by its label as well.\n"
-      "Exit codes: 0 all went well, 2 a device that was named is not there or refuses, 64 the command line is wrong.");
+      "A device can be named by its file or by a link to it (/dev/v4l/by-path/...), a GPIO chip also by its label.\n"
+      "Exit codes: 0 success, 2 a named device is missing or cannot be opened, 64 the command line is wrong.");
   CLI::Option* cameras = app.add_option("--camera", camera, "Only cameras, or only this one")->expected(0, 1);
   CLI::Option* ports = app.add_option("--serial", serial, "Only serial ports, or only this one")->expected(0, 1);
   CLI::Option* chips = app.add_option("--gpio", gpio, "Only GPIO chips, or only this one")->expected(0, 1);
   for (CLI::Option* option : {cameras, ports, chips}) option->type_name("[DEVICE]");
-  app.add_flag("--json", json, "For programs: one JSON object");
+  app.add_flag("--json", json, "Print one JSON object, for programs");
   if (const auto exit_code = parse_arguments(app, argc, argv)) return *exit_code;
   devices::Selection selection;
   const bool all = cameras->count() + ports->count() + chips->count() == 0;
@@ -33,6 +34,6 @@ int main(int argc, char** argv) {
   if (all || chips->count() > 0) selection.gpio = gpio;
   const devices::DeviceList list = devices::list_devices(selection);
   std::fputs((json ? devices::to_json(list) : devices::to_text(list)).c_str(), stdout);
-  for (const std::string& trouble : list.troubles) std::fprintf(stderr, "touchline-devices: %s\n", trouble.c_str());
-  return list.troubles.empty() ? 0 : kExitDeviceFailure;
+  for (const std::string& error : list.errors) std::fprintf(stderr, "touchline-devices: %s\n", error.c_str());
+  return list.errors.empty() ? 0 : kExitDeviceFailure;
 }

@@ -68,7 +68,7 @@ Result<BoundInputs> bound_inputs(const Options& options) {
   }
   BoundInputs inputs;
   if (!inputs.camera.configure(files->pipeline.camera).ok()) {
-    return failure(ErrorCode::kInconsistent, "%s: the camera model refuses its values", options.venue.c_str());
+    return failure(ErrorCode::kInconsistent, "%s: the camera model has invalid values", options.venue.c_str());
   }
   inputs.layouts = {files->pipeline.marker.teams[0].layout, files->pipeline.marker.teams[1].layout};
   inputs.teams = {files->team.own.color, files->team.opponent.color};

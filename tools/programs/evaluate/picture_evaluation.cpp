@@ -83,7 +83,7 @@ Result<PictureReport> evaluate_picture(const AnnotatedPicture& truth, const std:
     if (match.distance <= tolerance.good_px) ++out.team_good;
     compare_identification(expected, reported, tolerance, out, identification_errors);
   }
-  // Sightings matched to robots that are not judged are no ghosts either.
+  // Sightings of robots that are not judged do not count as ghosts.
   std::vector<bool> explained(seen.robots.size());
   for (const Match& match : matches) explained[match.second] = true;
   out.ghosts = static_cast<std::size_t>(std::count(explained.begin(), explained.end(), false));

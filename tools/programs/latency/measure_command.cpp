@@ -133,7 +133,7 @@ class Run {
     if (report.frames == 0) return fail("the measurement ended during the warm-up");
     const Document document = document_of(report);
     const Outputs& outputs = options_.outputs;
-    // With "-" as a file's name, standard output holds that file and nothing else.
+    // With "-" as file name, only that file is written to standard output.
     const bool taken = outputs.json == "-" || outputs.histogram == "-" || outputs.html == "-";
     (taken ? std::cerr : std::cout) << to_text(document) << std::flush;
     const NamedReport named{report.source, report};
@@ -185,7 +185,7 @@ int measure_worst_frames(const MeasureOptions& options) {
   if (!config::load(options.session.files, *configuration, problems).ok()) return refuse(problems);
   const auto pipeline = std::make_unique<Pipeline>();
   const Status status = pipeline->configure(configuration->pipeline, hal::MonotonicClock::read);
-  if (!status.ok()) return fail(std::string("the pipeline refuses these files: ") + describe(status.code()));
+  if (!status.ok()) return fail(std::string("the pipeline rejects these files: ") + describe(status.code()));
   hal::MonotonicClock clock;
   NullRadio radio;
   NullGpio gpio;

@@ -54,7 +54,7 @@ Result<void> run(const Options& options) {
   if (models.empty()) {
     return Error{ErrorCode::kInconsistent, options.venue + ": [camera_model]" +
                                                (options.kind.empty() ? "" : "." + options.kind) +
-                                               " holds no camera model; run touchline-calibrate field"};
+                                               " has no camera model; run touchline-calibrate field"};
   }
   TOUCHLINE_TRY_ASSIGN(const hal::Picture picture, calibrate::load_rgb(options.picture));
   if (picture.width_px != draft.file.picture.width_px || picture.height_px != draft.file.picture.height_px) {

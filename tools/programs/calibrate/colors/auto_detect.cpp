@@ -53,8 +53,8 @@ std::optional<Rgb> clicked_rgb(const std::string& color, const std::vector<Click
   return look;
 }
 
-// Selects the patches to learn from: those with usual area, evenness and appearance for their color. A patch that grew
-// into its neighbor or beyond its edge would teach a wrong color.
+// Selects the patches to learn from: those with the usual area, evenness and appearance for their color. A region that
+// grew into a neighbor or beyond its edge would give a wrong color.
 std::vector<std::size_t> cleanest(const AssignmentInput& input, const AssignedColor& color,
                                   const std::vector<const ChannelImage*>& images) {
   struct Measure {
@@ -132,7 +132,7 @@ void add_doubts(DetectedColors& out) {
   }
   if (out.assignment.unknown_robots * 4 > out.assignment.robots) {
     out.doubts.push_back(
-        formatted("%zu robots match the team file, %zu have colors of no robot in it; is it the right team file?",
+        formatted("%zu robots match the team file, %zu have colors of no robot in it; is this the right team file?",
                   out.assignment.robots, out.assignment.unknown_robots));
   }
 }

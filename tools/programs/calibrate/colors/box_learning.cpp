@@ -52,8 +52,8 @@ class Grower {
     set_side(slab, side, next);
     set_side(slab, side ^ 1, next);
     for (const Growing& other : all) {
-      if (other.box.color != g.box.color && boxes_meet(other.box, slab)) {
-        g.stopped[side] = true;  // two boxes meet
+      if (other.box.color != g.box.color && boxes_overlap(other.box, slab)) {
+        g.stopped[side] = true;  // two boxes touch
         return false;
       }
     }

@@ -19,8 +19,8 @@ struct Click {
 };
 
 /// Reads {"samples": [{"image", "color", "u", "v"}, ...]}, where "box": [u0, v0, u1, v1] (any two opposite corners) can
-/// replace u and v. Other keys are ignored. kNotFound, kIo: errors of the file. kInconsistent: wrong content. `reason`
-/// names the file and the sample (counted from 0).
+/// replace u and v. Other keys are ignored. kNotFound, kIo: errors of the file. kInconsistent: wrong content. The
+/// message names the file and the sample (counted from 0).
 Result<std::vector<Click>> read_clicks(const std::string& path);
 
 }  // namespace touchline::calibrate

@@ -103,7 +103,7 @@ double count_in(const std::vector<ColorCount>& pixels, const ColorBox& box) {
   return sum;
 }
 
-bool boxes_meet(const ColorBox& a, const ColorBox& b) {
+bool boxes_overlap(const ColorBox& a, const ColorBox& b) {
   for (std::size_t c = 0; c < 3; ++c) {
     if (a.low[c] > b.high[c] || b.low[c] > a.high[c]) return false;
   }

@@ -10,7 +10,7 @@ double total(const std::vector<ColorCount>& pixels);
 /// Number of pixels whose value is in the box.
 double count_in(const std::vector<ColorCount>& pixels, const ColorBox& box);
 bool contains(const ColorBox& box, const Channels& value);
-bool boxes_meet(const ColorBox& a, const ColorBox& b);
+bool boxes_overlap(const ColorBox& a, const ColorBox& b);
 /// The box between the quantiles `tail` and 1 - `tail` of each channel.
 ColorBox core_of(const std::vector<ColorCount>& pixels, ColorId color, double tail);
 

@@ -47,7 +47,7 @@ class Window {
     if (at_start == kOutside) return;
     reached_at_[start] = at_start;
     queue[static_cast<std::size_t>(at_start)].push_back(start);
-    for (int t = 0; t <= std::min(kMaxDistance, border_at_); ++t) {  // larger regions are no patches
+    for (int t = 0; t <= std::min(kMaxDistance, border_at_); ++t) {  // larger regions are not patches
       auto& ready = queue[static_cast<std::size_t>(t)];
       for (std::size_t i = 0; i < ready.size(); ++i) {  // `ready` grows in this loop
         const int x = static_cast<int>(ready[i]) % side_, y = static_cast<int>(ready[i]) / side_;

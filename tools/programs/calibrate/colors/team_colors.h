@@ -14,8 +14,8 @@ struct TeamColors {
   MarkerParameters marker;         // with these ColorIds
 };
 
-/// Reads and checks a team file without a venue. Errors: see config::read_toml() and resolve_team(); `reason` has one
-/// line per error.
+/// Reads and checks a team file without a venue. Errors: see config::read_toml() and resolve_team(); the
+/// message has one line per error.
 Result<TeamColors> read_team_colors(const std::string& path);
 
 }  // namespace touchline::calibrate

@@ -9,8 +9,7 @@
 #include "tools/programs/calibrate/field/edge_search.h"
 #include "tools/programs/calibrate/field/field_refinement.h"
 
-// Checks that decide whether a calibration is good enough to drive robots. On failure each gives the reason and what to
-// do.
+// Checks whether a calibration is good enough to drive robots. Each error gives the reason and what to do.
 namespace touchline::calibrate {
 
 /// Checks that enough of each side of the border was found. `tried_points`: points tried per mark.

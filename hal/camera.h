@@ -12,23 +12,23 @@
 
 namespace touchline::hal {
 
-/// Frame buffers that a driver must provide: it fills one while the loop holds the other.
-constexpr std::size_t kFewestBuffers = 2;
+/// Minimum number of frame buffers: the driver fills one while the loop holds the other.
+constexpr std::size_t kMinBuffers = 2;
 
 class Camera;
 struct CameraSettings;
 
-/// File descriptors of the memory (dma-buf) of a picture, so that another device (encoder, display) can read it without
+/// File descriptors of the memory (dma-buf) of a picture, with which another device (encoder, display) reads it without
 /// a copy. One per memory plane; -1: none. Planar formats may lie in one memory plane.
 using DmaBufs = std::array<int, kMaxPlanes>;
-inline constexpr DmaBufs kNotShared{-1, -1, -1};
+inline constexpr DmaBufs kNoDmaBufs{-1, -1, -1};
 
 /// A frame in the driver's buffer. Move-only; the destructor returns the buffer to the driver. The camera must outlive
 /// the lease, and stop() must not be called while a lease exists.
 class FrameLease {
  public:
   FrameLease() = default;
-  FrameLease(Camera& owner, const Frame& frame, std::uint32_t buffer, DmaBufs dma_bufs = kNotShared)
+  FrameLease(Camera& owner, const Frame& frame, std::uint32_t buffer, DmaBufs dma_bufs = kNoDmaBufs)
       : owner_(&owner), frame_(frame), buffer_(buffer), dma_bufs_(dma_bufs) {}
   FrameLease(FrameLease&& other) noexcept { swap(other); }
   FrameLease& operator=(FrameLease&& other) noexcept {
@@ -54,7 +54,7 @@ class FrameLease {
   Camera* owner_ = nullptr;
   Frame frame_;
   std::uint32_t buffer_ = 0;
-  DmaBufs dma_bufs_ = kNotShared;
+  DmaBufs dma_bufs_ = kNoDmaBufs;
 };
 
 /// Format and settings of an open camera.
@@ -101,7 +101,8 @@ class Camera {
   virtual Result<FrameLease> do_wait(Instant deadline) = 0;
   virtual void do_release(std::uint32_t buffer) noexcept = 0;
   virtual Result<std::string> do_adjust(const CameraSettings& /*settings*/) {
-    return failure(ErrorCode::kUnsupported, "this camera has no exposure, gain or focus to be changed while it runs");
+    return failure(ErrorCode::kUnsupported,
+                   "exposure, gain and focus of this camera cannot be changed while it streams");
   }
   virtual void do_stop() = 0;
   virtual void do_close() = 0;

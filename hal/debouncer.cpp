@@ -5,8 +5,8 @@
 namespace touchline::hal {
 namespace {
 
-// Contacts bounce for some milliseconds; an input that changes for longer is a loose wire.
-constexpr Duration kLongestBounce = std::chrono::milliseconds(50);
+// Contacts bounce for some milliseconds; an input that changes for longer has a loose wire.
+constexpr Duration kMaxBounce = std::chrono::milliseconds(50);
 
 }  // namespace
 
@@ -38,7 +38,7 @@ Debouncer::State Debouncer::poll(Instant now) {
   const bool settled = now - since_ >= time_;
   state.active = was_active_;
   state.activated = activated_;
-  state.bouncing = !settled && now - bouncing_since_ >= std::max(kLongestBounce, 2 * time_);
+  state.bouncing = !settled && now - bouncing_since_ >= std::max(kMaxBounce, 2 * time_);
   if (raw_ != stable_) state.settles_in = since_ + time_ - now;
   was_active_ = stable_;
   activated_ = false;

@@ -4,23 +4,24 @@
 
 namespace touchline::hal {
 
-/// Debounces an input from its edges and their times. A level counts once it has lasted for the debounce time. Shorter
-/// pulses are ignored; longer ones are detected even if they begin and end between two calls of poll().
+/// Debounces an input from its edges and their times. A level is accepted once it has lasted for the debounce time.
+/// Shorter pulses are ignored; longer ones are detected even if they begin and end between two calls of poll().
 class Debouncer {
  public:
   /// State of the input since the last poll().
   struct State {
     bool active = false;                    // at any time since the last poll()
     bool activated = false;                 // changed to active
-    bool bouncing = false;                  // changes for longer than a contact bounces
-    Duration settles_in = Duration::max();  // until a new level counts; max(): no new level
+    bool bouncing = false;                  // keeps changing for longer than a contact bounces
+    Duration settles_in = Duration::max();  // until a new level is accepted; max(): no new level
   };
 
-  /// `active` is the level at the start. Time 0: every level counts immediately (the kernel debounces).
+  /// `active`: the level at the start. `time`: the debounce time; 0 if the kernel debounces: every level is accepted
+  /// immediately.
   void begin(Duration time, bool active, Instant now);
-  /// Edges in the order of time. An edge to the current level means that the edge before it was lost.
+  /// To be called in the order of time. An edge to the current level means that the edge before it was lost.
   void edge(bool active, Instant at);
-  /// As edge(), if only the level is known.
+  /// Like edge(), for an input of which only the level is known.
   void level(bool active, Instant now) {
     if (active != raw_) edge(active, now);
   }
@@ -32,7 +33,7 @@ class Debouncer {
   Duration time_{};
   bool stable_ = false, raw_ = false;
   Instant since_{};           // start of the raw level
-  Instant bouncing_since_{};  // valid while the raw level does not count yet
+  Instant bouncing_since_{};  // valid while the raw level is not accepted yet
   bool was_active_ = false, activated_ = false;
 };
 

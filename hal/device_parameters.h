@@ -45,11 +45,11 @@ enum class PowerLine : std::uint8_t { kLeave, kOff, k50Hz, k60Hz };
 inline constexpr std::array<Choice<PowerLine>, 4> kPowerLines{
     {{"leave", PowerLine::kLeave}, {"off", PowerLine::kOff}, {"50hz", PowerLine::k50Hz}, {"60hz", PowerLine::k60Hz}}};
 
-/// The focus is left to the driver; 0 is a valid focus (usually infinity).
-inline constexpr int kFocusLeave = -1;
+/// camera.focus is not set: the driver keeps its value. 0 is a valid focus (usually infinity).
+inline constexpr int kFocusUnset = -1;
 
-/// The key is not used; exposure_us counts.
-inline constexpr int kExposureStepsLeave = -1;
+/// camera.exposure_steps is not set: exposure_us applies.
+inline constexpr int kExposureStepsUnset = -1;
 
 struct CameraSettings {
   CameraBackend backend = CameraBackend::kMock;
@@ -59,10 +59,10 @@ struct CameraSettings {
   double rate_hz = 60.0;
   int buffers = 4;
   int exposure_us = 5000;
-  int exposure_steps = kExposureStepsLeave;
+  int exposure_steps = kExposureStepsUnset;
   int gain = 0;
   int white_balance_k = 4600;
-  int focus = kFocusLeave;
+  int focus = kFocusUnset;
   PowerLine power_line = PowerLine::kLeave;
 
   /// Copies the keys that Camera::adjust() can change.
@@ -86,7 +86,7 @@ struct CameraSettings {
          .range = {0.0, 1000.0},
          .unit = "Hz",
          .help = "Requested frame rate; replay: 0 or absent means the time stamps of a video, 30 for pictures"});
-    // One being filled, one waiting, one held by the loop is the least that loses no frame; V4L2 has at most 32.
+    // Three are needed to lose no frame: one is filled, one waits, the loop holds one. V4L2 allows at most 32.
     visit.number(self.buffers, {.name = "buffers", .range = {3, 32}, .help = "Number of frame buffers"});
     visit.number(self.exposure_us, {.name = "exposure_us",
                                     .range = {0, 1000000},
@@ -94,10 +94,10 @@ struct CameraSettings {
                                     .reload = Reload::kCamera,
                                     .help = "Exposure time; 0: not set"});
     visit.number(self.exposure_steps, {.name = "exposure_steps",
-                                       .range = {kExposureStepsLeave, 65535},
+                                       .range = {kExposureStepsUnset, 65535},
                                        .reload = Reload::kCamera,
-                                       .help = "v4l2: exposure in steps of the driver, for cameras that do not count "
-                                               "in time (docs/cameras.md); -1: exposure_us is used"});
+                                       .help = "v4l2: exposure in steps of the driver, for cameras without exposure in "
+                                               "microseconds (docs/cameras.md); -1: exposure_us is used"});
     visit.number(self.gain, {.name = "gain",
                              .range = {0, 65535},
                              .reload = Reload::kCamera,
@@ -109,7 +109,7 @@ struct CameraSettings {
                                         .help = "White balance; 0: not set"});
     visit.number(self.focus,
                  {.name = "focus",
-                  .range = {kFocusLeave, 65535},
+                  .range = {kFocusUnset, 65535},
                   .reload = Reload::kCamera,
                   .help = "Focus in steps of the driver, in hundredths of a diopter with libcamera; -1: not set"});
     visit.choice(self.power_line, kPowerLines,
@@ -146,7 +146,7 @@ struct RadioSettings {
                   .reload = Reload::kLoop,
                   .help = "Delay from the last byte sent to the wheels; it is added to the measured latency"});
     visit.flag(self.telemetry, {.name = "telemetry", .help = "Receive telemetry from the robots (docs/radio.md)"});
-    // Two lithium cells, as most small robots have: 3.5 V each under load are little, 3.0 V destroy them.
+    // Most small robots have two lithium cells: 3.5 V per cell under load is low, 3.0 V destroys the cell.
     visit.number(self.low_battery_v, {.name = "low_battery_v",
                                       .range = {0.0, 60.0},
                                       .unit = "V",
@@ -182,7 +182,7 @@ struct GpioSettings {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice(self.backend, kGpioBackends, {.name = "backend", .help = "Driver of the lines"});
+    visit.choice(self.backend, kGpioBackends, {.name = "backend", .help = "Driver of the GPIO lines"});
     visit.text(self.chip, {.name = "chip", .help = "GPIO chip: its label, which does not change, or its device"});
     // Linux numbers a chip's lines from 0; no chip of a single-board computer has more than 512.
     constexpr Range kLines{kNoLine, 511};
@@ -213,7 +213,7 @@ struct GpioSettings {
     visit.number(self.debounce_s, {.name = "debounce_s",
                                    .range = {0.0, 0.1},
                                    .unit = "s",
-                                   .help = "Pulses of emergency stop and start button that are shorter are ignored"});
+                                   .help = "Shorter pulses of the emergency stop and the start button are ignored"});
   }
 };
 

@@ -10,7 +10,7 @@
 
 namespace touchline {
 
-/// A message for a person. Up to kInlineCapacity bytes are stored in the object itself, so the real-time loop can make,
+/// A message for the user. Up to kInlineCapacity bytes are stored in the object itself, so the real-time loop can make,
 /// copy and pass on an error without allocating. Longer messages (a camera's list of formats, a list of configuration
 /// errors) use the heap; if there is no memory left, the message is cut off. Never throws.
 class ErrorText {
@@ -49,7 +49,7 @@ class ErrorText {
   [[nodiscard]] std::string_view view() const noexcept { return {c_str(), size_}; }
   /// A copy on the heap.
   [[nodiscard]] std::string str() const { return std::string(view()); }
-  /// "; " if there is text already: for lists.
+  /// "; " if there is text already, else "". For lists.
   [[nodiscard]] const char* separator() const noexcept { return empty() ? "" : "; "; }
 
   friend bool operator==(const ErrorText& a, const ErrorText& b) noexcept { return a.view() == b.view(); }

@@ -9,13 +9,13 @@ namespace touchline::hal {
 
 /// The debounced inputs since the last call.
 struct GpioInputs {
-  bool emergency_stop = false;              // active at any time, or bouncing for too long
-  bool start_pressed = false;               // the button was pressed
-  Duration next_poll_in = Duration::max();  // time until a new level counts
+  bool emergency_stop = false;              // active at any time since then, or bouncing for too long
+  bool start_pressed = false;               // the button was pressed since then
+  Duration next_poll_in = Duration::max();  // until a new level is accepted
 };
 
-/// Status light, strobe, emergency stop and start button (docs/gpio.md). Lines that the board file does not name do
-/// nothing when set and read as inactive. Only open() and close() may block or allocate.
+/// Status light, strobe, emergency stop and start button (docs/gpio.md). Setting an unconnected line does nothing; an
+/// unconnected input is inactive. Only open() and close() may block or allocate.
 class Gpio {
  public:
   virtual ~Gpio() = default;
@@ -25,8 +25,8 @@ class Gpio {
   Result<void> set_status_led(bool on) { return do_set_status_led(on); }
   /// High from the arrival of a frame until its packet is sent.
   Result<void> set_strobe(bool high) { return do_set_strobe(high); }
-  /// `now`: of the clock that stamps the edges, CLOCK_MONOTONIC or that of the arena. A line that is active at open()
-  /// counts as an emergency stop, but not as a press of the button.
+  /// `now`: time of the clock that stamps the edges, CLOCK_MONOTONIC or the arena's. An input that is active at open()
+  /// is reported as an emergency stop, but not as a press of the button.
   Result<GpioInputs> inputs(Instant now) { return do_inputs(now); }
   /// Valid after open(): the inputs that are polled because their chip reports no edges; empty if there are none.
   [[nodiscard]] virtual const std::string& description() const { return no_description_; }

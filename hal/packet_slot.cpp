@@ -5,38 +5,38 @@
 namespace touchline::hal {
 
 Result<void> PacketSlot::send(const Packet& packet, ByteLine& line) {
-  const bool drops = !held_.empty();
-  held_ = packet;
+  const bool replaces = !waiting_.empty();
+  waiting_ = packet;
   TOUCHLINE_TRY(serve(line));
-  if (drops) return failure(ErrorCode::kBusy, "the line is still busy, an older packet was dropped for a newer one");
+  if (replaces) return failure(ErrorCode::kBusy, "the line is still busy; a newer packet replaced an older one");
   return {};
 }
 
 Result<void> PacketSlot::serve(ByteLine& line) {
-  if (rest_begin_ < rest_end_) {
+  if (unsent_begin_ < unsent_end_) {
     TOUCHLINE_TRY_ASSIGN(const std::size_t taken,
-                         line.write(std::span(rest_).subspan(rest_begin_, rest_end_ - rest_begin_)));
-    rest_begin_ += taken;
-    if (rest_begin_ < rest_end_) return {};
+                         line.write(std::span(partly_sent_).subspan(unsent_begin_, unsent_end_ - unsent_begin_)));
+    unsent_begin_ += taken;
+    if (unsent_begin_ < unsent_end_) return {};
   }
-  if (held_.empty()) return {};
-  TOUCHLINE_TRY_ASSIGN(const std::size_t waiting, line.waiting());
-  if (waiting > 0) return {};
-  TOUCHLINE_TRY_ASSIGN(const std::size_t taken, line.write({held_.data(), held_.size()}));
+  if (waiting_.empty()) return {};
+  TOUCHLINE_TRY_ASSIGN(const std::size_t unsent, line.unsent_bytes());
+  if (unsent > 0) return {};
+  TOUCHLINE_TRY_ASSIGN(const std::size_t taken, line.write({waiting_.data(), waiting_.size()}));
   if (taken == 0) return {};
-  if (taken < held_.size()) {
+  if (taken < waiting_.size()) {
     ++split_packets_;
-    rest_begin_ = 0;
-    rest_end_ = held_.size() - taken;
-    std::copy(held_.begin() + taken, held_.end(), rest_.begin());
+    unsent_begin_ = 0;
+    unsent_end_ = waiting_.size() - taken;
+    std::copy(waiting_.begin() + taken, waiting_.end(), partly_sent_.begin());
   }
-  held_.clear();
+  waiting_.clear();
   return {};
 }
 
 void PacketSlot::clear() {
-  held_.clear();
-  rest_begin_ = rest_end_ = 0;
+  waiting_.clear();
+  unsent_begin_ = unsent_end_ = 0;
 }
 
 }  // namespace touchline::hal

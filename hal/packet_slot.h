@@ -12,41 +12,42 @@
 
 namespace touchline::hal {
 
-/// The driver of a line for bytes. No call blocks.
+/// A line that transmits bytes. No call blocks.
 class ByteLine {
  public:
   ByteLine() = default;
   ByteLine(const ByteLine&) = delete;
   ByteLine& operator=(const ByteLine&) = delete;
   virtual ~ByteLine() = default;
-  /// Bytes that the driver has taken and not sent yet.
-  virtual Result<std::size_t> waiting() = 0;
-  /// Takes as many bytes as fit, from the first on; returns their number, which may be 0.
+  /// Number of bytes that the driver has accepted and not sent yet.
+  virtual Result<std::size_t> unsent_bytes() = 0;
+  /// Accepts as many bytes as fit, from the first one on; returns their number, which may be 0.
   virtual Result<std::size_t> write(std::span<const std::byte> bytes) = 0;
 };
 
-/// Sends packets over a line that may be slower than the packets arrive. Commands are perishable: the driver gets a
-/// packet only after it has sent everything before. Until then one packet waits here, and a newer one replaces it. So
-/// the newest packet is sent, and no queue grows. A packet that the driver has begun to take is completed first: the
-/// receiver never gets half a packet followed by another.
+/// Sends packets over a line that may be slower than the rate of packets. Only the newest command is useful: the driver
+/// gets a packet when it has sent all earlier bytes. Until then one packet waits here, and a newer one replaces it, so
+/// no queue builds up. A packet that the driver has accepted in part is completed first: the receiver never gets a part
+/// of a packet followed by another packet.
 class PacketSlot {
  public:
-  /// Takes the packet unless the line fails. kBusy: the packet was taken, and an older one was dropped.
+  /// Accepts the packet unless the line fails. kBusy: the packet was accepted and replaced an older one.
   Result<void> send(const Packet& packet, ByteLine& line);
-  /// Gives waiting bytes to the driver if it can take them.
+  /// Passes waiting bytes to the driver if it can accept them.
   Result<void> serve(ByteLine& line);
   /// Drops waiting bytes.
   void clear();
 
-  /// Bytes that the driver has not taken yet.
-  [[nodiscard]] std::size_t bytes() const { return rest_end_ - rest_begin_ + held_.size(); }
-  /// Number of packets that the driver took in several pieces.
+  /// Number of bytes that the driver has not accepted yet.
+  [[nodiscard]] std::size_t bytes() const { return unsent_end_ - unsent_begin_ + waiting_.size(); }
+  /// Number of packets that the driver accepted in several parts.
   [[nodiscard]] std::uint64_t split_packets() const { return split_packets_; }
 
  private:
-  Packet held_;                                    // waits completely
-  std::array<std::byte, kMaxPacketBytes> rest_{};  // of a packet that the driver has taken in part
-  std::size_t rest_begin_ = 0, rest_end_ = 0;
+  Packet waiting_;  // waits for the line
+  std::array<std::byte, kMaxPacketBytes>
+      partly_sent_{};  // end of a packet of which the driver has accepted the beginning
+  std::size_t unsent_begin_ = 0, unsent_end_ = 0;
   std::uint64_t split_packets_ = 0;
 };
 

@@ -11,8 +11,8 @@
 namespace touchline::hal {
 
 struct RadioCounters {
-  std::uint64_t packets = 0, bytes = 0;  // taken by send()
-  std::uint64_t dropped = 0;             // taken, but replaced by a newer one before they were sent
+  std::uint64_t packets = 0, bytes = 0;  // accepted by send()
+  std::uint64_t dropped = 0;             // accepted, but replaced by a newer packet
   std::uint64_t refused = 0;             // failed calls of send()
   std::uint64_t received_bytes = 0;
 };
@@ -25,9 +25,8 @@ class Radio {
   Result<void> open() { return do_open(); }
   void close() { do_close(); }
 
-  /// Sends a packet of at least one byte. While the line is busy with an earlier packet, the new one waits and replaces
-  /// an older one that waits: kBusy tells that; the new packet is taken nevertheless. kDisconnected, kIo: close() and
-  /// open() again.
+  /// Sends a packet of at least one byte. While the line is busy with an earlier packet, the new one waits. kBusy: the
+  /// new packet was accepted and replaced an older waiting one. kDisconnected, kIo: close() and open() again.
   Result<void> send(const Packet& packet) {
     Result<void> sent = do_send(packet);
     if (!sent.ok() && sent.code() != ErrorCode::kBusy) {
@@ -39,8 +38,8 @@ class Radio {
     if (!sent.ok()) ++counters_.dropped;
     return sent;
   }
-  /// Sends a waiting packet if the line is free; to be called in each iteration. Returns the time until the next call
-  /// is useful; Duration::max(): no packet waits.
+  /// Sends a waiting packet if the line is free; to be called in each iteration of the loop. Returns the time until the
+  /// next call is useful; Duration::max(): no packet waits.
   Result<Duration> serve() { return do_serve(); }
   /// Copies bytes received from the robots to `into`; returns their number, 0 if there are none.
   Result<std::size_t> receive(std::span<std::byte> into) {
@@ -48,10 +47,10 @@ class Radio {
     if (received.ok()) counters_.received_bytes += received.value();
     return received;
   }
-  /// Waits until all packets are sent, at most until `deadline` (kTimeout); for the stop packets at the end.
+  /// Waits until all packets are sent, at most until `deadline` (kTimeout). Used for the stop packets at the exit.
   Result<void> drain(Instant deadline) { return do_drain(deadline); }
 
-  /// File descriptor to which a handler of fatal signals may write whole packets while the radio is open; -1: none.
+  /// File descriptor to which a handler of fatal signals can write whole packets while the radio is open; -1: none.
   [[nodiscard]] virtual int descriptor() const { return -1; }
   [[nodiscard]] const RadioCounters& counters() const { return counters_; }
   /// Valid after open(): one line with the port and its settings; empty if there are none.

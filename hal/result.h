@@ -10,8 +10,8 @@
 
 namespace touchline {
 
-/// An error code for the program and a message for the person: what happened, where (device, file, line, key), what to
-/// do next.
+/// An error code for the program, and a message for the user: what happened, where (device, file, line, key), and what
+/// to do next.
 struct Error {
   ErrorCode code = ErrorCode::kIo;
   ErrorText text;
@@ -19,7 +19,7 @@ struct Error {
 
 /// Makes an Error. Arguments after the code as for printf.
 [[nodiscard]] Error failure(ErrorCode code, const char* format, ...) noexcept __attribute__((format(printf, 2, 3)));
-/// Puts where it happened in front of the message: prefixed("venue.toml", error) -> "venue.toml: ...".
+/// Puts `context` in front of the message: prefixed("venue.toml", error) -> "venue.toml: ...".
 [[nodiscard]] Error prefixed(std::string_view context, Error error) noexcept;
 
 /// A value, or an Error that explains why there is none. Allocates nothing by itself.
@@ -68,7 +68,7 @@ class [[nodiscard]] Result<void> {
 
 }  // namespace touchline
 
-/// Returns from the calling function with the error of a Result; on success goes on and ignores its value.
+/// Returns the error of a Result from the calling function. On success, ignores its value and continues.
 #define TOUCHLINE_TRY(expression)                                       \
   do {                                                                  \
     if (auto touchline_result = (expression); !touchline_result.ok()) { \
@@ -76,7 +76,7 @@ class [[nodiscard]] Result<void> {
     }                                                                   \
   } while (false)
 
-/// The same, and on success `target` gets the value: TOUCHLINE_TRY_ASSIGN(const Settings settings, read(file));
+/// The same, but on success assigns the value to `target`: TOUCHLINE_TRY_ASSIGN(const Settings settings, read(file));
 #define TOUCHLINE_TRY_ASSIGN(target, expression) \
   TOUCHLINE_TRY_ASSIGN_AS(TOUCHLINE_JOINED(touchline_result_, __LINE__), target, expression)
 // NOLINTBEGIN(bugprone-macro-parentheses): `result` and `target` are declared here.

@@ -46,7 +46,7 @@ struct RealtimeSettings {
                                        .range = {-1, 10000},
                                        .unit = "us",
                                        .help = "Maximum wake-up latency of all CPUs (/dev/cpu_dma_latency): 10 forbids "
-                                               "deep sleep, 0 keeps them spinning; -1: not set"});
+                                               "deep idle states, 0 keeps them spinning; -1: not set"});
   }
 };
 

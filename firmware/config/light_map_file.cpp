@@ -9,7 +9,7 @@ Status read_light_map(const std::string& path, LightMap& out, std::string& reaso
   // Larger files are refused before memory is allocated for their pixels, smaller ones below with their size.
   constexpr std::int64_t kMaxPixels = 1 << 20;
   if (const Status status = hal::read_picture(path, picture, reason, kMaxPixels); !status.ok()) return status;
-  if (!picture.deep()) {
+  if (!picture.is_16_bit()) {
     reason = path + ": an illumination map has 16 bits per channel, this picture has 8";
     return ErrorCode::kUnsupported;
   }

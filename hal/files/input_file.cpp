@@ -34,7 +34,7 @@ Error error_of(const std::string& path, int error) {
     return failure(ErrorCode::kNotFound, "%s: is a symbolic link to %s, which does not exist", path.c_str(),
                    target.c_str());
   }
-  if (error == ELOOP) return failure(ErrorCode::kIo, "%s: is a symbolic link in a loop", path.c_str());
+  if (error == ELOOP) return failure(ErrorCode::kIo, "%s: its symbolic links form a loop", path.c_str());
   const ErrorCode code = error == EACCES || error == EPERM ? ErrorCode::kPermission : ErrorCode::kIo;
   return failure(code, "%s: cannot be read: %s", path.c_str(), std::strerror(error));
 }
@@ -48,8 +48,8 @@ const char* kind_of(mode_t mode) {
 }
 
 Error too_large(const std::string& path, std::size_t limit_bytes) {
-  return failure(ErrorCode::kOutOfRange, "%s: is larger than %zu MiB, the most that is read of such a file",
-                 path.c_str(), limit_bytes >> 20);
+  return failure(ErrorCode::kOutOfRange, "%s: is larger than %zu MiB, the limit for such a file", path.c_str(),
+                 limit_bytes >> 20);
 }
 
 }  // namespace
@@ -64,7 +64,7 @@ Result<std::string> read_file(const std::string& path, std::size_t limit_bytes) 
     return failure(ErrorCode::kUnsupported, "%s: is a %s, not a file", path.c_str(), kind_of(status.st_mode));
   }
   if (static_cast<std::size_t>(status.st_size) > limit_bytes) return too_large(path, limit_bytes);
-  // Files of /proc and /sys have size 0, and any file can grow meanwhile.
+  // Files in /proc and /sys report size 0, and any file can grow while it is read.
   std::size_t size = 0;
   bytes.resize(std::max<std::size_t>(4096, static_cast<std::size_t>(status.st_size) + 1));
   for (;;) {

@@ -9,12 +9,12 @@ namespace touchline::hal {
 
 /// The largest configuration file that is read. A venue of 32 color boxes has about 10 KB.
 inline constexpr std::size_t kMaxTextFileBytes = std::size_t{1} << 20;
-/// The largest picture or JSON file. A PNG of 12000 x 9000 pixels with 16 bits a channel has about 600 MB at worst;
+/// The largest picture or JSON file. A PNG of 12000 x 9000 pixels with 16 bits per channel has up to 600 MB;
 /// cameras deliver up to 5 megapixels.
 inline constexpr std::size_t kMaxDataFileBytes = std::size_t{256} << 20;
 
 /// Reads a whole regular file of at most `limit_bytes`. Never waits: a FIFO or a device is refused, not read.
-/// kNotFound, kPermission, kIo; kOutOfRange: larger than the limit; kUnsupported: no regular file. The message names
+/// kNotFound, kPermission, kIo; kOutOfRange: larger than the limit; kUnsupported: not a regular file. The message names
 /// the file and the cause.
 Result<std::string> read_file(const std::string& path, std::size_t limit_bytes);
 

@@ -16,8 +16,8 @@ namespace touchline::hal {
 namespace {
 
 constexpr std::size_t kBufferBytes = 65536;
-constexpr int kMaxLinks = 40;     // as the kernel
-constexpr int kMaxAttempts = 16;  // one suffices unless 64 random bits are there twice
+constexpr int kMaxLinks = 40;     // the limit of the kernel
+constexpr int kMaxAttempts = 16;  // more than one is needed only if two names share 64 random bits
 
 ErrorCode code_of(int error) {
   switch (error) {
@@ -41,7 +41,7 @@ std::string folder_of(const std::string& path) {
 
 std::string name_of(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 
-// The path behind the last of the links; the path itself when it is none. The links' targets need not exist.
+// Replaces `path` by the target of its symbolic links, which need not exist. Returns 0 or an errno.
 int follow_links(std::string& path) {
   for (int i = 0; i < kMaxLinks; ++i) {
     std::array<char, PATH_MAX> target{};
@@ -118,7 +118,7 @@ Result<void> OutputFile::open_temporary(const OutputOptions& options) {
   if (folder_ < 0) return error_of("cannot be created", errno);
   struct stat former {};
   const bool exists = ::fstatat(folder_, name_.c_str(), &former, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(former.st_mode);
-  // A rename asks for the folder's permissions only, and would replace a file that may not be written.
+  // A rename checks only the permissions of the folder, so it would replace a write-protected file.
   if (exists && ::faccessat(folder_, name_.c_str(), W_OK, AT_EACCESS) != 0) return error_of("cannot be written", errno);
 
   const bool mode_known = exists || options.mode.has_value();
@@ -131,7 +131,8 @@ Result<void> OutputFile::open_temporary(const OutputOptions& options) {
   }
   if (file_ < 0) return error_of("cannot be created in its folder", errno);
   if (!mode_known) return {};
-  // Only root may give a file away, and to a group only its members: otherwise the file becomes ours.
+  // Only root can change the owner; a user can choose only among the groups that the user belongs to. If both calls
+  // fail, the file belongs to this user.
   if (exists && (former.st_uid != ::geteuid() || former.st_gid != ::getegid())) {
     static_cast<void>(::fchown(file_, former.st_uid, former.st_gid) == 0 || ::fchown(file_, -1u, former.st_gid) == 0);
   }
@@ -140,7 +141,7 @@ Result<void> OutputFile::open_temporary(const OutputOptions& options) {
 }
 
 Result<void> OutputFile::write(std::string_view bytes) {
-  // A reader of a pipe or a terminal waits for each line.
+  // The reader of a pipe or a terminal waits for each line, so it is not buffered.
   if (!replaces_file()) return write_all(bytes);
   if (buffer_.size() + bytes.size() > kBufferBytes) {
     TOUCHLINE_TRY(flush());
@@ -167,7 +168,7 @@ Result<void> OutputFile::write_all(std::string_view bytes) {
 }
 
 Result<void> OutputFile::seek(std::uint64_t position) {
-  if (!replaces_file()) return failure(ErrorCode::kUnsupported, "%s: has no positions", path_.c_str());
+  if (!replaces_file()) return failure(ErrorCode::kUnsupported, "%s: cannot seek", path_.c_str());
   TOUCHLINE_TRY(flush());
   if (::lseek(file_, static_cast<off_t>(position), SEEK_SET) < 0) return error_of("cannot be written", errno);
   return {};
@@ -182,7 +183,7 @@ Result<void> OutputFile::commit() {
     }
     temporary_.clear();
   }
-  // Network file systems report here what they could not write.
+  // Network file systems report failed writes here.
   const int file = std::exchange(file_, -1);
   if (file != STDOUT_FILENO && ::close(file) != 0) return error_of("cannot be written", errno);
   Result<void> synced = sync_ && folder_ >= 0 ? sync_folder() : Result<void>();
@@ -198,8 +199,7 @@ Result<void> OutputFile::sync_folder() {
   const int error = errno;
   if (folder >= 0) ::close(folder);
   if (synced) return {};
-  return error_of("is replaced, but a power failure now may bring back the former file: its folder cannot be synced",
-                  error);
+  return error_of("is replaced, but a power failure may restore the former file: its folder cannot be synced", error);
 }
 
 Result<void> write_file(const std::string& path, std::string_view bytes, const OutputOptions& options) {

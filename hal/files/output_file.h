@@ -12,24 +12,22 @@
 namespace touchline::hal {
 
 struct OutputOptions {
-  /// False: a symbolic link of that name is replaced by the file, and its target is not touched.
+  /// False: if the path is a symbolic link, the file replaces the link, and its target is not changed.
   bool follow_links = true;
-  /// False: commit() does not wait for the disk. For series of pictures that can be made again.
+  /// False: commit() does not wait for the disk. For many files that can be written again, such as a series of
+  /// pictures.
   bool sync = true;
-  /// Permissions of the file. By default those of the file that is replaced, or 0666 less the umask for a new one.
+  /// Permissions of the file. By default those of the file that is replaced, or 0666 minus the umask for a new one.
   std::optional<mode_t> mode = std::nullopt;
 };
 
 /// A file that is written completely or not at all. The bytes go to a temporary file in the same folder; commit()
 /// renames it to its name. If the process ends before, the former file stays as it was.
-///
-/// - The temporary file is NAME.RANDOM.part, created with O_EXCL and O_NOFOLLOW: a file or link that somebody else has
-///   put there is never opened. The destructor removes it; after a SIGKILL or a power cut it stays in the folder.
+/// - The temporary file is NAME.RANDOM.part, created with O_EXCL and O_NOFOLLOW: an existing file or link is never
+///   opened. The destructor removes it; after a SIGKILL or a power cut it stays in the folder.
 /// - A symbolic link stays a link: its target is replaced, or created.
-/// - The former file's permissions are kept, and its owner where the system allows it. Its hard links keep the old
-/// file.
-/// - A path that is no regular file (character device, FIFO) is written in place, and opening a FIFO waits for a
-/// reader.
+/// - The former file's permissions are kept, and its owner if the system allows it. Its hard links keep the old data.
+/// - A character device or FIFO is written in place. Opening a FIFO waits for a reader.
 /// - "-" is standard output.
 ///
 /// Errors of all functions: kNotFound (no such folder), kPermission, kIo. The message names the file and the cause.
@@ -67,7 +65,7 @@ class OutputFile {
   bool sync_ = true;
 };
 
-/// Writes a whole file with an OutputFile.
+/// Writes a whole file as OutputFile does.
 Result<void> write_file(const std::string& path, std::string_view bytes, const OutputOptions& options = {});
 
 }  // namespace touchline::hal

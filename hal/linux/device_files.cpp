@@ -28,9 +28,22 @@ std::vector<std::string> numbered_files(const std::string& name) {
   return files;
 }
 
-bool leads_elsewhere(const std::string& file) {
+bool is_link(const std::string& file) {
   const std::unique_ptr<char, decltype(&std::free)> target(::realpath(file.c_str(), nullptr), &std::free);
   return target != nullptr && file != target.get();
+}
+
+std::string stable_link(const char* folder, const std::string& device) {
+  glob_t links{};
+  std::string found;
+  if (::glob((std::string(folder) + "/*").c_str(), 0, nullptr, &links) == 0) {
+    for (std::size_t i = 0; i < links.gl_pathc && found.empty(); ++i) {
+      const std::unique_ptr<char, decltype(&std::free)> target(::realpath(links.gl_pathv[i], nullptr), &std::free);
+      if (target != nullptr && device == target.get()) found = links.gl_pathv[i];
+    }
+  }
+  ::globfree(&links);
+  return found;
 }
 
 }  // namespace touchline::hal

@@ -12,7 +12,11 @@ std::vector<std::string> numbered_files(const std::string& name);
 /// True if `file` is `name` followed by a number.
 bool is_numbered(const std::string& file, const std::string& name);
 
-/// True if `file` is a link to another file.
-bool leads_elsewhere(const std::string& file);
+/// True if `file` is a symbolic link to another file.
+bool is_link(const std::string& file);
+
+/// Returns the link in `folder` ("/dev/v4l/by-path") to `device`; "" if there is none. Board files should contain the
+/// link: it stays the same if devices are plugged in in another order.
+std::string stable_link(const char* folder, const std::string& device);
 
 }  // namespace touchline::hal

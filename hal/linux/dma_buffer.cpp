@@ -1,6 +1,7 @@
 #include "hal/linux/dma_buffer.h"
 
 #include <fcntl.h>
+#include <linux/dma-buf.h>
 #include <linux/dma-heap.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
@@ -8,8 +9,6 @@
 
 #include <algorithm>
 #include <cerrno>
-
-#include "hal/linux/dma_buf.h"
 
 namespace touchline::hal {
 namespace {
@@ -21,8 +20,21 @@ constexpr std::array<const char*, 4> kHeaps{
     "/dev/dma_heap/linux,cma",           // the same before Linux 6.17; size from the device tree
     "/dev/dma_heap/reserved"};           // the same; size from the kernel's command line
 
-/// The first plane with the file of plane i: each file is mapped once.
-std::size_t piece_of(const DmaBuffer& buffer, std::size_t i) {
+// The loop calls synchronize() with real-time priority: a driver that is never ready must not block it. About a
+// millisecond.
+constexpr int kMaxTries = 1000;
+
+int synchronize(int dma_buf, unsigned long long flags) {
+  dma_buf_sync request{flags};
+  for (int tries = 1;; ++tries) {
+    if (::ioctl(dma_buf, DMA_BUF_IOCTL_SYNC, &request) == 0) return 0;
+    const bool again = errno == EINTR || errno == EAGAIN;  // the kernel's documentation asks to repeat the call
+    if (!again || tries == kMaxTries) return errno;
+  }
+}
+
+/// Index of the first plane in the same file as plane i: each file is mapped once.
+std::size_t first_plane_with_file_of(const DmaBuffer& buffer, std::size_t i) {
   std::size_t first = 0;
   while (buffer.plane[first].file != buffer.plane[i].file) ++first;
   return first;
@@ -30,9 +42,12 @@ std::size_t piece_of(const DmaBuffer& buffer, std::size_t i) {
 
 }  // namespace
 
+int begin_cpu_read(int dma_buf) { return synchronize(dma_buf, DMA_BUF_SYNC_START | DMA_BUF_SYNC_READ); }
+int end_cpu_read(int dma_buf) { return synchronize(dma_buf, DMA_BUF_SYNC_END | DMA_BUF_SYNC_READ); }
+
 int DmaHeap::open() {
   close();
-  int told = ENOENT;
+  int first_error = ENOENT;
   for (const char* const heap : kHeaps) {
     const int file = ::open(heap, O_RDWR | O_CLOEXEC);
     if (file >= 0) {
@@ -40,11 +55,11 @@ int DmaHeap::open() {
       name_ = heap;
       return 0;
     }
-    if (told != ENOENT || errno == ENOENT) continue;
-    told = errno;
+    if (first_error != ENOENT || errno == ENOENT) continue;
+    first_error = errno;
     name_ = heap;
   }
-  return told;
+  return first_error;
 }
 
 void DmaHeap::close() {
@@ -71,44 +86,44 @@ int DmaMapping::map(const DmaBuffer& buffer) {
   for (std::size_t i = 0; i < buffer.plane.size(); ++i) {
     const DmaPlane& plane = buffer.plane[i];
     if (plane.file < 0) continue;
-    Piece& piece = pieces_[piece_of(buffer, i)];
-    piece.file = plane.file;
-    piece.length = std::max(piece.length, plane.offset + plane.length);
+    FileMapping& mapping = mappings_[first_plane_with_file_of(buffer, i)];
+    mapping.file = plane.file;
+    mapping.length = std::max(mapping.length, plane.offset + plane.length);
   }
-  for (Piece& piece : pieces_) {
-    if (piece.file < 0) continue;
-    void* const memory = ::mmap(nullptr, piece.length, PROT_READ, MAP_SHARED, piece.file, 0);
+  for (FileMapping& mapping : mappings_) {
+    if (mapping.file < 0) continue;
+    void* const memory = ::mmap(nullptr, mapping.length, PROT_READ, MAP_SHARED, mapping.file, 0);
     if (memory == MAP_FAILED) {
       const int error = errno;
       unmap();
       return error;
     }
-    piece.memory = memory;
+    mapping.memory = memory;
   }
   for (std::size_t i = 0; i < buffer.plane.size(); ++i) {
     const DmaPlane& plane = buffer.plane[i];
     if (plane.file < 0) continue;
-    const Piece& piece = pieces_[piece_of(buffer, i)];
-    plane_[i] = static_cast<const std::uint8_t*>(piece.memory) + plane.offset;
+    const FileMapping& mapping = mappings_[first_plane_with_file_of(buffer, i)];
+    plane_[i] = static_cast<const std::uint8_t*>(mapping.memory) + plane.offset;
   }
   return 0;
 }
 
 void DmaMapping::unmap() {
-  for (Piece& piece : pieces_) {
-    if (piece.memory != nullptr) ::munmap(piece.memory, piece.length);
-    piece = {};
+  for (FileMapping& mapping : mappings_) {
+    if (mapping.memory != nullptr) ::munmap(mapping.memory, mapping.length);
+    mapping = {};
   }
   plane_ = {};
 }
 
 int DmaMapping::synchronize(bool begin) {
-  for (Piece& piece : pieces_) {
-    if (piece.file < 0 || !piece.is_dma || piece.reading == begin) continue;
-    const int error = begin ? begin_cpu_read(piece.file) : end_cpu_read(piece.file);
-    piece.is_dma = error != ENOTTY;
-    if (error != 0 && piece.is_dma) return error;
-    piece.reading = begin;
+  for (FileMapping& mapping : mappings_) {
+    if (mapping.file < 0 || !mapping.is_dma || mapping.reading == begin) continue;
+    const int error = begin ? begin_cpu_read(mapping.file) : end_cpu_read(mapping.file);
+    mapping.is_dma = error != ENOTTY;
+    if (error != 0 && mapping.is_dma) return error;
+    mapping.reading = begin;
   }
   return 0;
 }

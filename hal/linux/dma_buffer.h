@@ -8,20 +8,25 @@
 
 namespace touchline::hal {
 
+// A device writes to a dma-buf past the processor's caches. Between begin_cpu_read() and end_cpu_read()
+// (DMA_BUF_IOCTL_SYNC) the processor reads what the device wrote. Both return 0 or an errno. ENOTTY: not a dma-buf;
+// EAGAIN, EINTR: the driver refused repeatedly.
+[[nodiscard]] int begin_cpu_read(int dma_buf);
+[[nodiscard]] int end_cpu_read(int dma_buf);
+
 /// A plane of a picture in a dma-buf.
 struct DmaPlane {
   int file = -1;
   std::size_t offset = 0, length = 0;
 };
 
-/// Memory of a picture, written by devices. Unused planes have no file.
+/// Memory of a picture that a device writes. Unused planes have file -1.
 struct DmaBuffer {
   std::array<DmaPlane, kMaxPlanes> plane{};
 };
 
-/// A DMA heap, whose memory devices can write and the processor can cache. Reading is fast if each read is announced
-/// (DmaMapping). Most ARM boards do not cache the memory that V4L2 drivers allocate themselves: each access to a pixel
-/// then goes to RAM.
+/// A DMA heap allocates memory that devices can write and the processor can cache. DmaMapping synchronizes the caches.
+/// The buffers that V4L2 drivers allocate are not cached on most ARM boards: each access to a pixel then goes to RAM.
 class DmaHeap {
  public:
   DmaHeap() = default;
@@ -29,12 +34,12 @@ class DmaHeap {
   DmaHeap& operator=(const DmaHeap&) = delete;
   ~DmaHeap() { close(); }
 
-  /// 0 or an errno. EACCES: no permission; ENOENT: this system has no heap that cameras can write to.
+  /// Returns 0 or an errno. EACCES: no permission; ENOENT: this system has no heap that cameras can write to.
   [[nodiscard]] int open();
   void close();
-  /// Name of the heap that was opened or refused.
+  /// Path of the heap that was opened, or that could not be opened.
   [[nodiscard]] const char* name() const { return name_; }
-  /// Allocates a dma-buf, which the caller closes. 0 or an errno.
+  /// Allocates a dma-buf; the caller closes `file`. Returns 0 or an errno.
   [[nodiscard]] int allocate(std::size_t bytes, int& file) const;
 
  private:
@@ -54,20 +59,20 @@ class DmaMapping {
   [[nodiscard]] int map(const DmaBuffer& buffer);
   void unmap();
 
-  /// To be called after the device has written and before the first read: the caches are out of date.
+  /// To be called after the device has written and before the first read.
   [[nodiscard]] int begin_read() { return synchronize(true); }
   /// To be called before the device writes again. Does nothing without begin_read().
   [[nodiscard]] int end_read() { return synchronize(false); }
 
   /// Null for unused planes.
   [[nodiscard]] const std::uint8_t* plane(std::size_t index) const { return plane_[index]; }
-  /// The mapped files, each once; unused entries are -1.
+  /// The mapped files without repetition; unused entries are -1.
   [[nodiscard]] std::array<int, kMaxPlanes> files() const {
-    return {pieces_[0].file, pieces_[1].file, pieces_[2].file};
+    return {mappings_[0].file, mappings_[1].file, mappings_[2].file};
   }
 
  private:
-  struct Piece {
+  struct FileMapping {
     int file = -1;
     void* memory = nullptr;
     std::size_t length = 0;
@@ -75,7 +80,7 @@ class DmaMapping {
     bool reading = false;
   };
   int synchronize(bool begin);
-  std::array<Piece, kMaxPlanes> pieces_{};  // one for each file
+  std::array<FileMapping, kMaxPlanes> mappings_{};  // one per file
   std::array<const std::uint8_t*, kMaxPlanes> plane_{};
 };
 

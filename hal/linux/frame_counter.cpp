@@ -6,23 +6,23 @@
 namespace touchline::hal {
 namespace {
 
-constexpr std::uint32_t kBackward = 0x80000000u;  // larger differences are steps back
+constexpr std::uint32_t kDecrease = 0x80000000u;  // larger differences mean that the number decreased
 
 }  // namespace
 
 std::uint32_t FrameCounter::count(std::uint32_t driver_sequence, std::uint32_t periods) {
   std::uint32_t step = driver_sequence - std::exchange(driver_last_, driver_sequence);
   if (!std::exchange(counted_, true)) return last_ = driver_sequence;
-  const bool is_back = step >= kBackward;
-  // A count that starts anew, or was wrong for one frame, has no frames to catch up.
+  const bool is_back = step >= kDecrease;
+  // After a restart of the driver's numbers, or one wrong number, no frames are missing.
   if (is_back || (was_back_ && driver_sequence == last_ + 1)) {
     step = 1;
     ahead_ = 0;
   }
   was_back_ = is_back;
-  // Frames that a delayed count catches up were counted before.
-  const std::uint32_t made_up = std::min(ahead_, std::max(step, 1u) - 1);
-  const std::uint32_t counted = std::max({step - made_up, periods, 1u});
+  // If the driver's numbers lagged behind and now jump, the frames in the jump are already counted.
+  const std::uint32_t already_counted = std::min(ahead_, std::max(step, 1u) - 1);
+  const std::uint32_t counted = std::max({step - already_counted, periods, 1u});
   ahead_ += counted - step;
   lost_ += counted - 1;
   return last_ += counted;

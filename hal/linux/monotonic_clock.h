@@ -11,7 +11,7 @@ class MonotonicClock final : public Clock {
   /// Sleeps until an absolute time, so that repeated sleeps do not drift. Signals do not end the sleep.
   void sleep_until(Instant instant) override { wait_for(instant); }
 
-  /// The same without an object, as Pipeline::StageClock needs it.
+  /// Static versions, as Pipeline::StageClock needs them.
   [[nodiscard]] static Instant read();
   static void wait_for(Instant instant);
   /// CLOCK_BOOTTIME: includes the time that the system was suspended.

@@ -33,7 +33,7 @@ const char* system_text(int error) noexcept {
 }
 
 Error device_busy(const char* device) noexcept {
-  return failure(ErrorCode::kDeviceBusy, "%s: held by another process; `fuser -v %s` names it", device, device);
+  return failure(ErrorCode::kDeviceBusy, "%s: in use by another process; `fuser -v %s` shows it", device, device);
 }
 
 Error device_lost(const char* device, const char* kind, ErrorCode code, const char* doing, int error) noexcept {

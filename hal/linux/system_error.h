@@ -12,19 +12,19 @@ ErrorCode open_error(int error) noexcept;
 /// Code for an errno of a device in use: kDisconnected or kIo.
 ErrorCode use_error(int error) noexcept;
 
-/// The system's message for an errno, untranslated. Unlike strerror() it never allocates.
+/// The system's message for an errno, not localized. Unlike strerror() it never allocates.
 const char* system_text(int error) noexcept;
 
 // Errors that all devices share.
 
 /// kDeviceBusy: another process holds the device.
 Error device_busy(const char* device) noexcept;
-/// A device in use failed. kDisconnected: the `kind` of device ("camera") went away; otherwise the step `doing`
-/// ("queuing buffers") failed with the errno `error`.
+/// A device in use failed. `kind`: "camera" or the like; `doing`: the step that failed ("queuing buffers") with the
+/// errno `error`. kDisconnected: the device went away.
 Error device_lost(const char* device, const char* kind, ErrorCode code, const char* doing, int error) noexcept;
 /// kPermission: the user is not in the `group` that may use the device.
 Error permission_denied(const char* device, const char* group) noexcept;
-/// Why a device cannot be opened, and what to do; "" for the errno 0.
+/// Message that says why a device cannot be opened and what to do; "" for errno 0.
 std::string open_error_text(const std::string& device, int error, const char* group);
 
 }  // namespace touchline::hal

@@ -27,9 +27,9 @@ struct Exposure {
 };
 
 /// Runs world, radio and camera on one time line. Time advances only by advance_to(), in steps of the world. Packets,
-/// time-outs and exposures take effect in the order of time, on these steps: a packet acts on the first step after its
-/// arrival; the shutter opens and closes on the first step at or after its time. If the exposure time is longer than
-/// the frame period, the camera takes fewer pictures. Nothing is allocated after construction.
+/// time-outs and exposures take effect in the order of time, on these steps: a packet on the first step after its
+/// arrival, the opening and closing of the shutter on the first step at or after its time. If the exposure time is
+/// longer than the frame period, the camera takes fewer pictures. Nothing is allocated after construction.
 class Arena {
  public:
   // Not zero, so that an Instant that was never set differs from the start of the game.
@@ -63,8 +63,8 @@ class Arena {
   /// Renders the frame into `out`, which holds the bytes of picture_layout().
   void render(const Exposure& exposure, std::span<std::uint8_t> out);
 
-  /// Scales the brightness by exposure time and gain relative to the settings at construction. A value that is missing
-  /// in either of them is ignored.
+  /// Scales the brightness by exposure time and gain relative to the settings at construction. A value that is 0 (not
+  /// set) in either of them is ignored.
   void adjust_camera(const CameraSettings& settings);
   [[nodiscard]] const CameraSettings& camera() const { return camera_; }
   [[nodiscard]] World& world() { return world_; }
@@ -92,12 +92,12 @@ class Arena {
   std::uint64_t next_frame_ = 0;
   std::optional<Exposure> exposing_;
   Instant exposing_since_{};
-  FixedVector<Exposure, 32> waiting_;  // the largest number of buffers that a driver can have
+  FixedVector<Exposure, 32> waiting_;  // the largest number of buffers that the board file allows
   int held_ = 0;
   std::mutex mutex_;
 };
 
-/// The arena's virtual time as a Clock: it stands still while the processor works and jumps in sleep_until().
+/// The arena's virtual time as a Clock: it does not advance while the processor works, and jumps in sleep_until().
 class ArenaClock : public Clock {
  public:
   explicit ArenaClock(Arena& arena) : arena_(arena) {}

@@ -9,7 +9,7 @@
 namespace touchline::hal::mock {
 namespace {
 
-// A ball that has moved less than this counts as standing still.
+// A ball that has moved less than this is regarded as stationary.
 constexpr double kStillM = 0.05;
 // A robot this close to the ball touches it.
 constexpr double kTouchM = 0.002;
@@ -17,20 +17,20 @@ constexpr double kTouchM = 0.002;
 }  // namespace
 
 void World::kick_off() {
-  // A random spot near the center: from one fixed spot, two symmetric teams could block each other forever. The area
-  // grows with each draw until the spot is free of robots.
+  // A random point near the center: from a fixed point, two symmetric teams could block each other forever. The area
+  // grows with each draw until the point is free of robots.
   constexpr int kDraws = 200;
   const double reach = parameters_.robot_side_m * std::numbers::sqrt2 / 2.0 + parameters_.ball_radius_m;
-  Vector2 spot;
+  Vector2 point;
   for (int draw = 0; draw < kDraws; ++draw) {
     const double wider = 0.2 * draw / kDraws;
     const double x = std::min(0.02 + wider, 0.25 * parameters_.field.length_m);
     const double y = std::min(0.05 + wider, 0.25 * parameters_.field.width_m);
-    spot = {random_.uniform(-x, x), random_.uniform(-y, y)};
-    const auto is_near = [&](const Robot& robot) { return length(robot.body.position - spot) < reach; };
+    point = {random_.uniform(-x, x), random_.uniform(-y, y)};
+    const auto is_near = [&](const Robot& robot) { return length(robot.body.position - point) < reach; };
     if (std::none_of(robots_.begin(), robots_.end(), is_near)) break;
   }
-  place_ball({spot.x, spot.y, 0.0});
+  place_ball({point.x, point.y, 0.0});
 }
 
 void World::count_ball_touches() {

@@ -25,7 +25,7 @@ Lens::Lens(const LensParameters& parameters)
     : focal_(parameters.focal_px),
       cubic_(parameters.cubic),
       // pi (straight back), or the angle at which the radius reaches its maximum.
-      widest_rad_(cubic_ < 0.0 ? std::min(std::numbers::pi, std::sqrt(-1.0 / (3.0 * cubic_))) : std::numbers::pi),
+      max_angle_rad_(cubic_ < 0.0 ? std::min(std::numbers::pi, std::sqrt(-1.0 / (3.0 * cubic_))) : std::numbers::pi),
       center_{parameters.center_u_px, parameters.center_v_px},
       position_(parameters.position_m) {
   const Vec3 forward = unit({parameters.aim_m[0] - position_[0], parameters.aim_m[1] - position_[1], -position_[2]});
@@ -41,7 +41,7 @@ std::array<double, 2> Lens::project(Vec3 point_m) const {
   const double x = dot3(rotation_[0], away), y = dot3(rotation_[1], away), z = dot3(rotation_[2], away);
   const double off_axis = std::hypot(x, y);
   if (off_axis <= 0.0) return center_;
-  const double angle = std::min(std::atan2(off_axis, z), widest_rad_);
+  const double angle = std::min(std::atan2(off_axis, z), max_angle_rad_);
   const double radius = focal_ * (angle + cubic_ * angle * angle * angle);
   return {center_[0] + radius * x / off_axis, center_[1] + radius * y / off_axis};
 }
@@ -50,7 +50,7 @@ Vec3 Lens::unproject(double u_px, double v_px) const {
   const double x = u_px - center_[0], y = v_px - center_[1];
   const double radius = std::hypot(x, y);
   // Newton's method with bisection as the fallback: the radius is monotonic, so each step shrinks the bracket.
-  double low = 0.0, high = widest_rad_;
+  double low = 0.0, high = max_angle_rad_;
   double angle = std::min(radius / focal_, high);
   for (int i = 0; i < 60 && high - low > 1e-14; ++i) {
     const double error = angle + cubic_ * angle * angle * angle - radius / focal_;

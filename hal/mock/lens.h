@@ -23,7 +23,7 @@ class Lens {
   [[nodiscard]] Vec3 position_m() const { return position_; }
 
  private:
-  double focal_, cubic_, widest_rad_;
+  double focal_, cubic_, max_angle_rad_;
   std::array<double, 2> center_{};
   Vec3 position_{};
   std::array<Vec3, 3> rotation_{};  // rows: the camera's right, down and forward axes in the field frame

@@ -139,7 +139,7 @@ Result<void> MockRadio::check_usable() {
   return failure(ErrorCode::kDisconnected, "mock radio: unplugged (injected by [[arena.fault]])");
 }
 
-Result<std::size_t> MockRadio::waiting() {
+Result<std::size_t> MockRadio::unsent_bytes() {
   const std::size_t bytes = arena_.channel().queued_bytes(arena_.now());
   return arena_.fault_active(FaultKind::kRadioBusy) ? std::max<std::size_t>(bytes, 1) : bytes;
 }
@@ -162,8 +162,8 @@ Result<Duration> MockRadio::do_serve() {
   TOUCHLINE_TRY(check_usable());
   TOUCHLINE_TRY(slot_.serve(*this));
   if (slot_.bytes() == 0) return Duration::max();
-  constexpr Duration kShortestPause = std::chrono::milliseconds(1);
-  return std::max(kShortestPause, arena_.channel().drained() - arena_.now());
+  constexpr Duration kMinPause = std::chrono::milliseconds(1);
+  return std::max(kMinPause, arena_.channel().drained() - arena_.now());
 }
 
 Result<std::size_t> MockRadio::do_receive(std::span<std::byte> into) {
@@ -222,7 +222,7 @@ Result<GpioInputs> MockGpio::do_inputs(Instant now) {
 }
 
 Debouncer::State MockGpio::read_input(FaultKind kind, Debouncer& debouncer, Instant now) {
-  FixedVector<Instant, 16> changes;  // as many as the kernel stores per line
+  FixedVector<Instant, 16> changes;  // size of the kernel's event buffer of a line
   for (const ArenaFault& fault : arena_.faults()) {
     if (fault.kind != kind) continue;
     for (const double at_s : {fault.at_s, fault.at_s + fault.for_s}) {

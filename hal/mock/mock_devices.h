@@ -12,8 +12,8 @@
 #include "hal/packet_slot.h"
 #include "hal/radio.h"
 
-// The three devices of backend "mock". Their faults come from ArenaParameters::fault; a device that was unplugged must
-// be reopened. A device may be opened on another thread while the others are in use (firmware/device_reconnector.h):
+// The three devices of backend "mock". ArenaParameters::fault injects their faults; a device that was unplugged must be
+// reopened. A device may be opened on another thread while the others are in use (firmware/device_reconnector.h), so
 // each call locks the arena.
 namespace touchline::hal::mock {
 
@@ -56,7 +56,7 @@ class MockRadio : public Radio, private ByteLine {
   Result<void> do_drain(Instant deadline) override;
   void do_close() override;
   // ByteLine; the caller has locked the arena.
-  Result<std::size_t> waiting() override;
+  Result<std::size_t> unsent_bytes() override;
   Result<std::size_t> write(std::span<const std::byte> bytes) override;
   Result<void> check_usable();
 
@@ -66,8 +66,8 @@ class MockRadio : public Radio, private ByteLine {
   bool open_ = false, lost_ = false;
 };
 
-/// Status light and strobe as stored values; emergency stop and start button driven by the arena's faults and debounced
-/// like real inputs.
+/// Stores the status light and the strobe. The arena's faults drive the emergency stop and the start button, which are
+/// debounced like real inputs.
 class MockGpio : public Gpio {
  public:
   MockGpio(Arena& arena, Clock& clock, const GpioSettings& settings = {});

@@ -25,7 +25,7 @@ struct ChannelStatistics {
   std::uint64_t lost = 0;       // not received
   std::uint64_t corrupted = 0;  // received and discarded because of a wrong checksum
   std::uint64_t ignored = 0;    // valid, but older than the last one
-  std::uint64_t timeouts = 0;   // times that a robot stopped because it received nothing
+  std::uint64_t timeouts = 0;   // number of times that a robot stopped because it received nothing
 };
 
 /// Simulates the serial line, the radio link and the robots' receivers (docs/radio.md). Bytes leave at the baud rate. A
@@ -39,9 +39,9 @@ class RadioChannel {
   /// Queues one packet. kBusy: the queue is full, and nothing was queued. kOutOfRange: `bytes` is empty or larger than
   /// a packet.
   Status send(std::span<const std::byte> bytes, Instant now);
-  /// The time at which the last queued byte has left.
+  /// The time at which the last queued byte will be sent.
   [[nodiscard]] Instant drained() const { return line_free_; }
-  /// Number of queued bytes that have not left.
+  /// Number of queued bytes that are not sent yet.
   [[nodiscard]] std::size_t queued_bytes(Instant now) const;
   /// Moves the oldest bytes that the robots have sent into `into`; returns their number.
   std::size_t receive(std::span<std::byte> into) { return telemetry_.read(into); }
@@ -59,7 +59,7 @@ class RadioChannel {
     PacketStream stream;
     SequenceFilter filter;
     Instant last_good{};
-    bool timed_out = true;  // robots stand still at the start
+    bool timed_out = true;  // robots do not drive at the start
   };
 
   void deliver_to(Receiver& receiver, const Packet& packet, Instant now, World& world);

@@ -26,8 +26,8 @@ class Renderer {
   Renderer(const ArenaParameters& parameters, std::uint16_t width_px, std::uint16_t height_px,
            Floor floor = Floor::kField);
 
-  /// Renders a frame. `begin`, `end`: the scene at the begin and end of the exposure. Returns R, G, B of each pixel, 0
-  /// to kLinearScale, valid until the next call. Does not allocate.
+  /// Renders a frame. `begin`, `end`: the scene at the beginning and end of the exposure. Returns R, G, B of each
+  /// pixel, 0 to kLinearScale, valid until the next call. Does not allocate.
   std::span<const std::uint16_t> render(const Snapshot& begin, const Snapshot& end);
   /// The floor without objects.
   [[nodiscard]] std::span<const std::uint16_t> render_floor() const { return floor_; }

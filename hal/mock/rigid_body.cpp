@@ -7,7 +7,7 @@ namespace touchline::hal::mock {
 namespace {
 
 // Slower impacts do not bounce, so that resting contacts come to rest.
-constexpr double kLeastBounceMps = 0.05;
+constexpr double kMinBounceMps = 0.05;
 constexpr int kIterations = 8;
 // Share of the overlap beyond the slop that each step removes. Removing all of it makes piles of robots jitter.
 constexpr double kCorrection = 0.3, kSlopM = 0.0002;
@@ -252,7 +252,7 @@ void resolve(Contacts& contacts) {
   for (Contact& contact : contacts) {
     const Vector2 relative = velocity_at(contact.a, contact.point) - velocity_at(contact.b, contact.point);
     const double approach = -dot(relative, contact.normal);
-    contact.bounce_mps = approach > kLeastBounceMps ? contact.restitution * approach : 0.0;
+    contact.bounce_mps = approach > kMinBounceMps ? contact.restitution * approach : 0.0;
   }
   for (int i = 0; i < kIterations; ++i) {
     for (Contact& contact : contacts) solve_contact(contact);

@@ -56,7 +56,7 @@ struct Surface {
   double restitution = 0.0, friction = 0.0;
 };
 
-/// Append the contacts of a pair; nothing if it does not touch. For a body outside of the walls, the contact normal is
+/// Append the contacts of a pair, if it touches. For a body outside of the walls, the contact normal is
 /// the shortest way back.
 void collide(const Square& a, const Square& b, Surface surface, Contacts& out);
 void collide(const Square& a, const Outline& walls, Surface surface, Contacts& out);

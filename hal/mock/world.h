@@ -53,7 +53,7 @@ class World {
   /// Kinetic energy of robots and ball in J.
   [[nodiscard]] double energy() const;
 
-  /// For scenes and tests. A placed robot stands still until it is driven again.
+  /// For scenes and tests. A placed robot does not move until drive() is called for it.
   void place(std::size_t robot, const Placement& placement);
   void place_ball(const Placement& placement, Vector2 velocity_mps = {});
 
@@ -63,7 +63,7 @@ class World {
     Side team = Side::kOwn;
     int id = 0;
     std::array<double, 2> commanded_mps{}, wheel_mps{}, gain{1.0, 1.0}, slip{};
-    Vector2 target;  // opponents: the point that it drives to
+    Vector2 target;  // opponents: the point to which it drives
     double decide_in_s = 0.0;
     bool touches_ball = false;
   };

@@ -9,10 +9,10 @@ namespace {
 
 thread_local LogCapture* active_capture = nullptr;
 
-void keep_or_drop(void* object, int level, const char* format, va_list arguments) {
+void capture_message(void* object, int level, const char* format, va_list arguments) {
   if (active_capture == nullptr || level > AV_LOG_WARNING) return;
   std::array<char, 512> line{};
-  int print_prefix = 0;  // no address of the decoder in front
+  int print_prefix = 0;  // without the decoder's address
   av_log_format_line2(object, level, format, arguments, line.data(), static_cast<int>(line.size()), &print_prefix);
   std::string text(line.data());
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
@@ -29,7 +29,7 @@ std::string error_text(int code) {
 
 LogCapture::LogCapture() : outer_(active_capture) {
   static std::once_flag once;
-  std::call_once(once, [] { av_log_set_callback(keep_or_drop); });
+  std::call_once(once, [] { av_log_set_callback(capture_message); });
   active_capture = this;
 }
 

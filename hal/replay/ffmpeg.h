@@ -30,11 +30,11 @@ struct ScalerDeleter {
 };
 using ScalerPtr = std::unique_ptr<SwsContext, ScalerDeleter>;
 
-/// FFmpeg's text for its error code ("No such file or directory").
+/// FFmpeg's text for one of its error codes ("No such file or directory").
 std::string error_text(int code);
 
-/// During its lifetime, keeps warnings and errors that FFmpeg logs on this thread; all others are dropped, so that
-/// nothing is printed to the terminal. Decoders must use thread_count 1.
+/// During its lifetime, captures the first warning and the first error that FFmpeg logs on this thread. Other messages
+/// are dropped, so that nothing is printed to the terminal. Decoders must use thread_count 1.
 class LogCapture {
  public:
   LogCapture();
@@ -42,7 +42,7 @@ class LogCapture {
   LogCapture(const LogCapture&) = delete;
   LogCapture& operator=(const LogCapture&) = delete;
 
-  /// First line with this severity or a worse one; empty if there was none.
+  /// The first line of this severity; empty if there was none.
   [[nodiscard]] const std::string& first_error() const { return first_error_; }
   [[nodiscard]] const std::string& first_warning() const { return first_warning_; }
   void add(int level, const std::string& line);

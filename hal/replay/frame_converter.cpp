@@ -11,7 +11,7 @@ namespace {
 
 // Bit-exact on every CPU, chroma interpolated in both directions.
 constexpr int kScalerFlags = SWS_BILINEAR | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP | SWS_ACCURATE_RND | SWS_BITEXACT;
-// Where sizes differ, standard-definition video is BT.601 (ITU-R BT.709 begins at 720 rows).
+// Video whose file does not name a matrix: ITU-R BT.601 below this number of rows (standard definition), else BT.709.
 constexpr int kFirstHdRow = 720;
 
 bool full_range(const AVFrame& frame) {
@@ -52,20 +52,20 @@ const int* matrix_of(const AVFrame& frame) {
   return sws_getCoefficients(space);
 }
 
-// swscale gives the position of chroma in 256ths of a pixel from the first luma sample.
-void set_chroma_place(SwsContext* scaler, const AVFrame& frame, const AVPixFmtDescriptor& layout) {
+// swscale expects the position of chroma in 256ths of a pixel from the first luma sample.
+void set_chroma_position(SwsContext* scaler, const AVFrame& frame, const AVPixFmtDescriptor& layout) {
   const bool centered = frame.chroma_location == AVCHROMA_LOC_CENTER || frame.chroma_location == AVCHROMA_LOC_TOP;
   const bool on_top = frame.chroma_location == AVCHROMA_LOC_TOPLEFT || frame.chroma_location == AVCHROMA_LOC_TOP;
   if (layout.log2_chroma_w == 1) av_opt_set_int(scaler, "src_h_chr_pos", centered ? 128 : 0, 0);
   if (layout.log2_chroma_h == 1) av_opt_set_int(scaler, "src_v_chr_pos", on_top ? 0 : 128, 0);
 }
 
-constexpr std::size_t kRowAlignment_bytes = 4;
+constexpr std::size_t kRowAlignmentBytes = 4;
 std::size_t aligned(std::size_t bytes) {
-  return (bytes + kRowAlignment_bytes - 1) / kRowAlignment_bytes * kRowAlignment_bytes;
+  return (bytes + kRowAlignmentBytes - 1) / kRowAlignmentBytes * kRowAlignmentBytes;
 }
 
-/// Writes the samples of a channel that belong to the picture's row y; `sample_at(i)` is its sample i.
+/// Writes the samples of a channel that belong to row y of the picture; `sample_at(i)` returns sample i.
 template <class SampleAt>
 void write_channel(ConvertedFrame& out, std::size_t channel, std::size_t y, std::size_t samples, SampleAt sample_at) {
   const ChannelLayout& layout = info_of(out.view.format).channel[channel];
@@ -90,7 +90,7 @@ Status read_rgb(const AVFrame& source, std::vector<std::uint16_t>& line, Sample*
   if ((layout->flags & (AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BAYER)) != 0) return ErrorCode::kUnsupported;
   const auto width = static_cast<std::size_t>(source.width);
   const auto height = static_cast<std::size_t>(source.height);
-  constexpr std::uint32_t kTop = sizeof(Sample) == 1 ? 255 : 65535;
+  constexpr std::uint32_t kMaxValue = sizeof(Sample) == 1 ? 255 : 65535;
   const bool palette = (layout->flags & AV_PIX_FMT_FLAG_PAL) != 0;
   if (sizeof(Sample) == 1 && source.format == AV_PIX_FMT_RGB24) {
     for (std::size_t y = 0; y < height; ++y) {
@@ -105,11 +105,11 @@ Status read_rgb(const AVFrame& source, std::vector<std::uint16_t>& line, Sample*
     Sample* row = samples + y * stride_samples;
     for (std::size_t channel = 0; channel < 3; ++channel) {
       const std::size_t component = palette || layout->nb_components > 2 ? channel : 0;
-      const std::uint32_t top = palette ? 255u : (1u << layout->comp[component].depth) - 1u;
+      const std::uint32_t max_value = palette ? 255u : (1u << layout->comp[component].depth) - 1u;
       av_read_image_line2(line.data(), data, source.linesize, layout, 0, static_cast<int>(y),
                           static_cast<int>(component), source.width, palette ? 1 : 0, sizeof(std::uint16_t));
       for (std::size_t x = 0; x < width; ++x) {
-        row[3 * x + channel] = static_cast<Sample>((line[x] * kTop + top / 2) / top);
+        row[3 * x + channel] = static_cast<Sample>((line[x] * kMaxValue + max_value / 2) / max_value);
       }
     }
   }
@@ -126,7 +126,7 @@ Status FrameConverter::convert(const AVFrame& source, ConvertedFrame& out) {
   out.view.format = format_;
   out.view.width_px = static_cast<std::uint16_t>(source.width);
   out.view.height_px = static_cast<std::uint16_t>(source.height);
-  const PictureLayout layout = picture_layout(format_, out.view.width_px, out.view.height_px, kRowAlignment_bytes);
+  const PictureLayout layout = picture_layout(format_, out.view.width_px, out.view.height_px, kRowAlignmentBytes);
   out.bytes.resize(layout.bytes + AV_INPUT_BUFFER_PADDING_SIZE);
   out.view.plane = {};
   out.view.stride_bytes = layout.stride_bytes;
@@ -152,12 +152,12 @@ Status FrameConverter::scale(const AVFrame& source, AVPixelFormat target, std::u
     av_opt_set_int(s, "src_format", format, 0);
     av_opt_set_int(s, "dst_format", target, 0);
     av_opt_set_int(s, "sws_flags", kScalerFlags, 0);
-    set_chroma_place(s, source, *layout);
+    set_chroma_position(s, source, *layout);
     const bool from_rgb = stored_as_rgb(source);
     const int* matrix = from_rgb ? sws_getCoefficients(SWS_CS_ITU601) : matrix_of(source);
     const bool to_rgb = (av_pix_fmt_desc_get(target)->flags & AV_PIX_FMT_FLAG_RGB) != 0;
     const int range = full_range(source) ? 1 : 0;
-    // From YUV to YUV the range stays the file's; RGB is full by definition.
+    // From YUV to YUV the file's range is kept; RGB is full-range by definition.
     sws_setColorspaceDetails(s, matrix, from_rgb ? 1 : range, matrix, to_rgb ? 1 : (from_rgb ? 0 : range), 0, 1 << 16,
                              1 << 16);
     if (sws_init_context(s, nullptr, nullptr) < 0) {

@@ -17,24 +17,24 @@ struct ConvertedFrame {
 
 /// Converts decoded frames:
 /// - RGB file to RGB format: no change, except that more than 8 bits are rounded and alpha is dropped.
-/// - YUV file to YUV format: same matrix and same range as in the file. Chroma is averaged where the file has more of
-/// it than the format, and repeated where it has less.
-/// - YUV file to RGB format: matrix and range of the file. A file without them is ITU-R BT.601 below 720 rows, else
-/// BT.709, in limited range (JPEG: full). Chroma is interpolated at its position in the file.
+/// - YUV file to YUV format: matrix and range of the file are kept. Chroma is averaged if the file has more chroma
+///   samples than the format, and repeated if it has fewer.
+/// - YUV file to RGB format: matrix and range of the file. If the file does not name them: ITU-R BT.601 below 720 rows,
+///   else BT.709, in limited range (JPEG: full range). Chroma is interpolated at its position in the file.
 /// - RGB file to YUV format: ITU-R BT.601, limited range, as cameras deliver it.
 class FrameConverter {
  public:
   explicit FrameConverter(PixelFormat format) : format_(format) {}
-  /// kUnsupported: larger than the project's largest frame, or a layout that FFmpeg cannot convert.
+  /// kUnsupported: larger than kMaxFrameWidth x kMaxFrameHeight, or a layout that FFmpeg cannot convert.
   Status convert(const AVFrame& source, ConvertedFrame& out);
 
  private:
   struct Planes {
     const std::uint8_t* data[3];
     int stride[3];
-    int chroma_shift;  // rows of the picture for one row of chroma, as a power of two
+    int chroma_shift;  // log2 of the number of picture rows per row of chroma
   };
-  /// Reads a file that is stored_as_rgb() into rgb_.
+  /// Reads a frame that is stored_as_rgb() into rgb_.
   Status read_as_rgb(const AVFrame& source, std::size_t stride_bytes);
   Status to_rgb(const AVFrame& source, ConvertedFrame& out);
   Status to_yuv(const AVFrame& source, ConvertedFrame& out);
@@ -48,12 +48,12 @@ class FrameConverter {
   std::vector<std::uint16_t> line_;
 };
 
-/// Reads 8 or 16 bits a channel, exact for files stored as RGB, gray or palette. `samples` has 3 * width * height.
-/// kUnsupported: a YUV layout.
+/// Reads a frame that is stored_as_rgb(), exactly, with 8 or 16 bits per channel, into the 3 * width * height
+/// `samples`. kUnsupported: a YUV layout.
 template <class Sample>
 Status read_rgb(const AVFrame& source, std::vector<std::uint16_t>& line, Sample* samples, std::size_t stride_samples);
 
-/// True for RGB, gray and palette.
+/// True for RGB, gray and palette layouts.
 bool stored_as_rgb(const AVFrame& source);
 
 }  // namespace touchline::hal::ffmpeg

@@ -16,8 +16,8 @@ namespace {
 
 using namespace ffmpeg;
 
-// Not inlined: gcc 12 would warn that a short string may be uninitialized.
-[[gnu::noinline]] AVCodecID kind_of(std::string_view bytes) {
+// Not inlined: gcc 12 would falsely warn that a short string may be uninitialized.
+[[gnu::noinline]] AVCodecID codec_of(std::string_view bytes) {
   if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return AV_CODEC_ID_PNG;
   if (bytes.starts_with("\xff\xd8\xff")) return AV_CODEC_ID_MJPEG;
   if (bytes.size() > 2 && bytes[0] == 'P') {
@@ -27,7 +27,7 @@ using namespace ffmpeg;
   return AV_CODEC_ID_NONE;
 }
 
-/// True if the decoder failed because of the size. Some decoders only log it.
+/// True if the decoder failed because of the size. Some decoders report that only in the log.
 bool is_too_large(const LogCapture& log, const AVCodecContext& codec, std::int64_t max_pixels) {
   return std::int64_t{codec.width} * codec.height > max_pixels || log.first_error().starts_with("Picture size");
 }
@@ -41,10 +41,10 @@ Result<FramePtr> decode_picture(const std::string& path, std::int64_t max_pixels
   if (bytes.empty()) {
     return failure(ErrorCode::kCorruptFrame, "%s: the file is empty", path.c_str());
   }
-  const AVCodecID kind = kind_of(bytes);
+  const AVCodecID kind = codec_of(bytes);
   const AVCodec* decoder = kind == AV_CODEC_ID_NONE ? nullptr : avcodec_find_decoder(kind);
   if (decoder == nullptr) {
-    return failure(ErrorCode::kUnsupported, "%s: is no PNG, PPM or JPEG picture", path.c_str());
+    return failure(ErrorCode::kUnsupported, "%s: is not a PNG, PPM or JPEG picture", path.c_str());
   }
   const std::size_t size = bytes.size();
   bytes.append(AV_INPUT_BUFFER_PADDING_SIZE, '\0');  // decoders read past the end
@@ -52,7 +52,7 @@ Result<FramePtr> decode_picture(const std::string& path, std::int64_t max_pixels
   CodecPtr codec(avcodec_alloc_context3(decoder));
   PacketPtr packet(av_packet_alloc());
   FramePtr out(av_frame_alloc());
-  // Damage must be an error: by default FFmpeg returns what it could decode and logs a message.
+  // Damage must be an error: by default FFmpeg returns the part that it could decode and logs a message.
   codec->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
   codec->thread_count = 1;
   codec->max_pixels = max_pixels;  // checked by FFmpeg before it allocates the frame
@@ -63,7 +63,7 @@ Result<FramePtr> decode_picture(const std::string& path, std::int64_t max_pixels
   if (result >= 0) result = avcodec_send_packet(codec.get(), nullptr);
   if (result >= 0) result = avcodec_receive_frame(codec.get(), out.get());
   // A truncated JPEG only causes a warning ("EOI missing, emulating").
-  const std::string& complaint = log.first_error().empty() ? log.first_warning() : log.first_error();
+  const std::string& message = log.first_error().empty() ? log.first_warning() : log.first_error();
   const bool damaged = !log.first_error().empty() || (kind == AV_CODEC_ID_MJPEG && !log.first_warning().empty());
   if (result < 0 && is_too_large(log, *codec, max_pixels)) {
     const std::string& details = log.first_error();
@@ -72,7 +72,7 @@ Result<FramePtr> decode_picture(const std::string& path, std::int64_t max_pixels
   }
   if (result < 0 || damaged || out->decode_error_flags != 0 || (out->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
     return failure(ErrorCode::kCorruptFrame, "%s: truncated or damaged (%s)", path.c_str(),
-                   complaint.empty() ? error_text(result).c_str() : complaint.c_str());
+                   message.empty() ? error_text(result).c_str() : message.c_str());
   }
   return out;
 }
@@ -119,8 +119,9 @@ Status read_picture(const std::string& path, Picture& out, std::string& reason, 
 
 Status encode_png(const Picture& picture, std::string& png, std::string& reason) {
   const std::size_t values = std::size_t{3} * picture.width_px * picture.height_px;
-  const bool deep = picture.deep();
-  if (values == 0 || (deep ? picture.rgb16.size() : picture.rgb8.size()) != values || (deep && !picture.rgb8.empty())) {
+  const bool is_16_bit = picture.is_16_bit();
+  if (values == 0 || (is_16_bit ? picture.rgb16.size() : picture.rgb8.size()) != values ||
+      (is_16_bit && !picture.rgb8.empty())) {
     reason = "the number of values does not match the picture's size";
     return ErrorCode::kOutOfRange;
   }
@@ -135,7 +136,7 @@ Status encode_png(const Picture& picture, std::string& png, std::string& reason)
   PacketPtr packet(av_packet_alloc());
   codec->width = frame->width = static_cast<int>(picture.width_px);
   codec->height = frame->height = static_cast<int>(picture.height_px);
-  codec->pix_fmt = deep ? AV_PIX_FMT_RGB48BE : AV_PIX_FMT_RGB24;
+  codec->pix_fmt = is_16_bit ? AV_PIX_FMT_RGB48BE : AV_PIX_FMT_RGB24;
   codec->time_base = {1, 1};
   codec->thread_count = 1;
   frame->format = codec->pix_fmt;
@@ -146,7 +147,7 @@ Status encode_png(const Picture& picture, std::string& png, std::string& reason)
     for (std::size_t y = 0; y < picture.height_px; ++y) {
       std::uint8_t* row = frame->data[0] + static_cast<std::ptrdiff_t>(y) * frame->linesize[0];
       for (std::size_t i = 0; i < row_values; ++i) {
-        if (deep) {
+        if (is_16_bit) {
           const std::uint16_t value = picture.rgb16[y * row_values + i];
           row[2 * i] = static_cast<std::uint8_t>(value >> 8);
           row[2 * i + 1] = static_cast<std::uint8_t>(value & 0xff);

@@ -72,7 +72,7 @@ Result<void> ReplayCamera::do_open() {
     input_->source = std::make_unique<ffmpeg::VideoReader>(parameters_.path, parameters_.rate_hz);
   }
   Result<void> opened = input_->source->open();
-  // The first frame has the size and shows whether the input can be decoded.
+  // The first frame contains the size and shows whether the input can be decoded.
   if (opened.ok()) opened = fetch();
   if (!opened.ok()) {
     input_.reset();
@@ -104,7 +104,7 @@ Result<FrameLease> ReplayCamera::do_wait(Instant deadline) {
   }
   if (!input_->pending) {
     if (Result<void> fetched = fetch(); !fetched.ok()) {
-      if (fetched.code() == ErrorCode::kCorruptFrame) ++sequence_;  // a gap, as a driver would count it
+      if (fetched.code() == ErrorCode::kCorruptFrame) ++sequence_;  // leaves a gap in the numbers, as a driver does
       return std::move(fetched).error();
     }
   }
@@ -118,7 +118,7 @@ Result<FrameLease> ReplayCamera::do_wait(Instant deadline) {
   input_->pending = false;
   ffmpeg::ConvertedFrame& converted = input_->buffer[slot];
   if (Status s = input_->converter.convert(*input_->decoded.picture, converted); !s.ok()) {
-    return failed(s.code(), file_ + " cannot be converted to the format asked for");
+    return failed(s.code(), file_ + " cannot be converted to the requested format");
   }
   input_->leased[slot] = true;
   latest_ = stamp;

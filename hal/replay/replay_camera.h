@@ -13,16 +13,16 @@ namespace touchline::hal {
 struct ReplayParameters {
   std::string path;                          // a folder of pictures, one picture, or a video
   PixelFormat format = PixelFormat::kRgb24;  // frames are converted to it; see hal/replay/frame_converter.h
-  double rate_hz = 0.0;                      // 0: the stamps of a video, 30 Hz for pictures
+  double rate_hz = 0.0;                      // 0: the time stamps of a video; 30 Hz for pictures
 };
 
-/// Plays pictures and videos as a camera. Stamps begin at 0 and depend on the input alone, so a replay is repeatable to
-/// the bit. wait() returns kCorruptFrame for a picture that cannot be decoded and kInconsistent for one of another size
-/// than the first. Decoding allocates: for tools and tests, not for a real-time loop.
+/// Plays pictures and videos as a camera. Time stamps begin at 0 and depend only on the input, so replays are identical
+/// bit by bit. wait() returns kCorruptFrame for a picture that cannot be decoded, and kInconsistent if its size differs
+/// from the first one. Decoding allocates: for tools and tests, not for a real-time loop.
 class ReplayCamera final : public Camera {
  public:
-  /// With a clock, frames arrive in real time and stamps are of that clock (the first frame at start()), as a real
-  /// radio needs it. Without a clock each frame is available immediately.
+  /// With a clock, frames arrive in real time, the first one at start(), with time stamps of that clock; a real radio
+  /// requires this. Without a clock, each frame is available immediately.
   explicit ReplayCamera(ReplayParameters parameters, Clock* pace = nullptr);
   ~ReplayCamera() override;
   ReplayCamera(const ReplayCamera&) = delete;

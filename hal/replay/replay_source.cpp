@@ -38,7 +38,7 @@ bool natural_less(const std::string& a, const std::string& b) {
     y.remove_prefix(1);
   }
   if (x.empty() != y.empty()) return x.empty();
-  return a < b;  // "01" and "1": a fixed order
+  return a < b;  // a fixed order for "01" and "1"
 }
 
 bool is_picture_name(const std::filesystem::path& path) {

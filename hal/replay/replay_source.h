@@ -24,14 +24,14 @@ class ReplaySource {
  public:
   virtual ~ReplaySource() = default;
   virtual Result<void> open() = 0;
-  /// kEndOfStream: no more pictures. kCorruptFrame: this one is lost, the next may be good.
+  /// kEndOfStream: no more pictures. kCorruptFrame: this picture is lost, the next one may be good.
   virtual Result<void> next(SourceFrame& out) = 0;
   /// 0: unknown.
   [[nodiscard]] virtual std::uint64_t frame_count() const = 0;
   [[nodiscard]] virtual double rate_hz() const = 0;
 };
 
-/// "picture9.png" before "picture10.png": runs of digits compare as numbers, all else byte by byte.
+/// Natural order: "picture9.png" is before "picture10.png". Sequences of digits compare as numbers, all else by bytes.
 bool natural_less(const std::string& a, const std::string& b);
 
 /// True for the endings png, ppm, pgm, jpg, jpeg in any case.

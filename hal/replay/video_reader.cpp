@@ -9,7 +9,7 @@
 namespace touchline::hal::ffmpeg {
 namespace {
 
-// For a stream without a rate: the paper's rate.
+// The paper's rate, for a stream without a frame rate.
 constexpr double kUnknownRateHz = 30.0;
 
 ErrorCode code_of(int error) {
@@ -33,18 +33,19 @@ Result<void> VideoReader::open() {
   codec_.reset();
   input_.reset();
   AVFormatContext* input = nullptr;
-  // "file:" keeps a name with a colon from being taken for a protocol.
+  // Without "file:", FFmpeg would take the part before a colon in the name for a protocol.
   int result = avformat_open_input(&input, ("file:" + path_).c_str(), nullptr, nullptr);
-  if (result < 0) return fail(code_of(result), result == AVERROR_INVALIDDATA ? "is no video" : error_text(result));
+  if (result < 0) return fail(code_of(result), result == AVERROR_INVALIDDATA ? "is not a video" : error_text(result));
   input_.reset(input);
-  // FFmpeg renders any text file as a terminal screen.
-  if (std::strcmp(input_->iformat->name, "tty") == 0) return fail(ErrorCode::kUnsupported, "is a text, not a video");
+  // FFmpeg can "play" any text file as a terminal screen.
+  if (std::strcmp(input_->iformat->name, "tty") == 0)
+    return fail(ErrorCode::kUnsupported, "is a text file, not a video");
   result = avformat_find_stream_info(input_.get(), nullptr);
   if (result < 0) return fail(code_of(result), "its streams cannot be read (" + error_text(result) + ")");
   const AVCodec* decoder = nullptr;
   stream_ = av_find_best_stream(input_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, &decoder, 0);
-  if (stream_ == AVERROR_DECODER_NOT_FOUND) return fail(ErrorCode::kUnsupported, "no decoder for its video");
-  if (stream_ < 0) return fail(ErrorCode::kUnsupported, "holds no video stream");
+  if (stream_ == AVERROR_DECODER_NOT_FOUND) return fail(ErrorCode::kUnsupported, "there is no decoder for its video");
+  if (stream_ < 0) return fail(ErrorCode::kUnsupported, "contains no video stream");
   const AVStream& stream = *input_->streams[stream_];
   codec_.reset(avcodec_alloc_context3(decoder));
   packet_.reset(av_packet_alloc());
@@ -113,7 +114,7 @@ Result<void> VideoReader::next(SourceFrame& out) {
     const int result = avcodec_receive_frame(codec_.get(), out.picture.get());
     if (result >= 0) break;
     if (result == AVERROR_EOF) {
-      return fail(ErrorCode::kEndOfStream, frames_read_ == 0 ? "holds no frame" : "no more frames");
+      return fail(ErrorCode::kEndOfStream, frames_read_ == 0 ? "contains no frame" : "no more frames");
     }
     if (result != AVERROR(EAGAIN)) {
       return fail(ErrorCode::kCorruptFrame,

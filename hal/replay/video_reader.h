@@ -4,11 +4,11 @@
 
 namespace touchline::hal::ffmpeg {
 
-/// The first video stream of any file that FFmpeg reads. Stamps are the stream's own, counted from its first frame;
-/// where they are missing or do not grow, a frame follows the one before by the stream's mean period.
+/// The best video stream of a file that FFmpeg can read. Time stamps are those of the stream, relative to its first
+/// frame. If one is missing or does not increase, the frame follows the previous one after the stream's mean period.
 class VideoReader final : public ReplaySource {
  public:
-  /// rate_hz above 0 replaces the stream's stamps: frame n is at n / rate_hz.
+  /// A `rate_hz` above 0 replaces the stream's time stamps: frame n is at n / rate_hz.
   VideoReader(std::string path, double rate_hz) : path_(std::move(path)), forced_rate_hz_(rate_hz) {}
   Result<void> open() override;
   Result<void> next(SourceFrame& out) override;

@@ -15,7 +15,7 @@ namespace {
 
 using namespace ffmpeg;
 
-constexpr AVRational kTick{1, 90000};  // the clock of MPEG systems, fine enough for any frame rate
+constexpr AVRational kTick{1, 90000};  // the clock of MPEG, fine enough for any frame rate
 
 struct MuxerDeleter {
   void operator()(AVFormatContext* context) const { avformat_free_context(context); }
@@ -27,7 +27,7 @@ struct StreamDeleter {
   }
 };
 
-// The file, and its error in a callback of FFmpeg, which passes on a number only.
+// The file, and the error of a callback, of which FFmpeg passes on only a number.
 struct Stream {
   OutputFile file;
   std::string error;
@@ -76,7 +76,7 @@ Status VideoWriter::fail(ErrorCode code, const std::string& cause) {
   return code;
 }
 
-// The error of the file has more information than that of the muxer.
+// The error of the file contains more information than the muxer's.
 Status VideoWriter::fail_writing(int result) {
   if (output_->bytes.error.empty()) return fail(ErrorCode::kIo, error_text(result));
   reason_ = output_->bytes.error;
@@ -120,7 +120,7 @@ Status VideoWriter::open(const std::string& path, std::uint32_t width_px, std::u
   int result = avcodec_open2(&codec, encoder, nullptr);
   output->stream = avformat_new_stream(file, nullptr);
   if (result < 0 || output->stream == nullptr)
-    return fail(ErrorCode::kUnsupported, "the encoder refuses: " + error_text(result));
+    return fail(ErrorCode::kUnsupported, "the encoder cannot be opened: " + error_text(result));
   avcodec_parameters_from_context(output->stream->codecpar, &codec);
   output->stream->time_base = kTick;
   output->stream->avg_frame_rate = codec.framerate;
@@ -135,7 +135,7 @@ Status VideoWriter::open(const std::string& path, std::uint32_t width_px, std::u
   if (output->stream_out == nullptr) return fail(ErrorCode::kIo, "no memory");
   file->pb = output->stream_out.get();
   file->flags |= AVFMT_FLAG_CUSTOM_IO;
-  // An index at the end would have to be announced at the beginning, which has been sent by then.
+  // Without seeking, the index cannot be written when the file is complete; a fragmented MP4 needs no index.
   if (!target.replaces_file()) av_opt_set(file->priv_data, "movflags", "frag_keyframe+empty_moov+default_base_moof", 0);
   output_ = std::move(output);
   result = avformat_write_header(file, nullptr);
@@ -150,7 +150,8 @@ Status VideoWriter::open(const std::string& path, std::uint32_t width_px, std::u
   result = av_frame_get_buffer(&frame, 0);
   output_->scaler.reset(sws_getContext(codec.width, codec.height, AV_PIX_FMT_BGR0, codec.width, codec.height,
                                        codec.pix_fmt, SWS_BICUBIC | SWS_ACCURATE_RND, nullptr, nullptr, nullptr));
-  if (result < 0 || output_->scaler == nullptr) return fail(ErrorCode::kUnsupported, "no conversion to the encoder");
+  if (result < 0 || output_->scaler == nullptr)
+    return fail(ErrorCode::kUnsupported, "FFmpeg cannot convert to the encoder's pixel format");
   return {};
 }
 

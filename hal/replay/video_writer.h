@@ -10,8 +10,8 @@
 
 namespace touchline::hal {
 
-/// An MP4 file (H.264 where this FFmpeg has libx264, else MPEG-4 part 2), written by an OutputFile: it gets its name
-/// when finish() has completed it. A FIFO, a device or standard output gets a fragmented MP4, which needs no seeking.
+/// Writes an MP4 file (H.264 if this FFmpeg has libx264, else MPEG-4 part 2) with an OutputFile: the file gets its name
+/// when finish() completes it. A FIFO, a device or standard output gets a fragmented MP4, which needs no seeking.
 class VideoWriter {
  public:
   VideoWriter();
@@ -22,7 +22,8 @@ class VideoWriter {
   /// Width and height must be even (4:2:0), else kOutOfRange. kUnsupported: no encoder. Otherwise the errors of
   /// OutputFile.
   Status open(const std::string& path, std::uint32_t width_px, std::uint32_t height_px, double rate_hz);
-  /// BGRX rows of `stride_bytes` (Cairo's RGB24 on little-endian machines); stamps must grow.
+  /// `bgrx`: rows of `stride_bytes` (Cairo's RGB24 on little-endian machines). `stamp` must increase from frame to
+  /// frame.
   Status write(std::span<const std::uint8_t> bgrx, std::size_t stride_bytes, Duration stamp);
   Status finish();
   [[nodiscard]] const std::string& reason() const { return reason_; }

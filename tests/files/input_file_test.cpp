@@ -1,4 +1,4 @@
-// Only regular files of a bounded size are read; nothing else can make a program wait.
+// Only regular files of a limited size are read, so no file can make a program wait.
 #include "hal/files/input_file.h"
 
 #include "tests/files/temporary_folder.h"
@@ -28,7 +28,7 @@ TEST(InputFile, ReadsRegularFiles) {
   folder.write("a", text);
   std::filesystem::create_symlink("a", folder / "link");
   EXPECT_EQ(content(folder / "link"), text);
-  EXPECT_NE(content("/proc/self/status"), "") << "says that it has 0 bytes";
+  EXPECT_NE(content("/proc/self/status"), "") << "it reports a size of 0 bytes";
 }
 
 TEST(InputFile, TheLimitIsTheLargestSize) {
@@ -40,7 +40,7 @@ TEST(InputFile, TheLimitIsTheLargestSize) {
   folder.write("large", "");
   std::filesystem::resize_file(folder / "large", std::uintmax_t{1} << 40);  // a sparse file
   EXPECT_EQ(refusal(folder / "large", ErrorCode::kOutOfRange),
-            folder / "large: is larger than 1 MiB, the most that is read of such a file");
+            folder / "large: is larger than 1 MiB, the limit for such a file");
 }
 
 TEST(InputFile, DevicesFifosAndFoldersAreRefusedWithoutWaiting) {
@@ -51,7 +51,7 @@ TEST(InputFile, DevicesFifosAndFoldersAreRefusedWithoutWaiting) {
   EXPECT_EQ(refusal(folder.path(), ErrorCode::kUnsupported), folder.path().string() + ": is a folder, not a file");
 }
 
-TEST(InputFile, WhatIsMissingIsNamed) {
+TEST(InputFile, MissingFilesAndBrokenLinksAreReported) {
   const TemporaryFolder folder;
   EXPECT_EQ(refusal(folder / "none", ErrorCode::kNotFound), folder / "none: no such file");
   std::filesystem::create_symlink("gone", folder / "dangling");
@@ -59,7 +59,7 @@ TEST(InputFile, WhatIsMissingIsNamed) {
             folder / "dangling: is a symbolic link to gone, which does not exist");
   std::filesystem::create_symlink("b", folder / "a");
   std::filesystem::create_symlink("a", folder / "b");
-  EXPECT_EQ(refusal(folder / "a", ErrorCode::kIo), folder / "a: is a symbolic link in a loop");
+  EXPECT_EQ(refusal(folder / "a", ErrorCode::kIo), folder / "a: its symbolic links form a loop");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Files appear complete or not at all, and only where they belong: each attack on the way an output file is written.
+// Output files appear complete or not at all. Links, devices and other files are respected.
 #include "hal/files/output_file.h"
 
 #include <fcntl.h>
@@ -115,7 +115,7 @@ TEST(OutputFile, ALinkStaysALink) {
   EXPECT_EQ(folder.read("sub/later"), "created");
 }
 
-TEST(OutputFile, ReplacesALinkWhenAskedTo) {
+TEST(OutputFile, ReplacesALinkIfFollowLinksIsFalse) {
   const TemporaryFolder folder;
   folder.write("precious", "keep");
   std::filesystem::create_symlink("precious", folder / "link");
@@ -124,7 +124,7 @@ TEST(OutputFile, ReplacesALinkWhenAskedTo) {
   EXPECT_EQ(folder.read("precious"), "keep");
 }
 
-TEST(OutputFile, ALoopOfLinksIsNamed) {
+TEST(OutputFile, ALoopOfLinksIsReported) {
   const TemporaryFolder folder;
   std::filesystem::create_symlink("b", folder / "a");
   std::filesystem::create_symlink("a", folder / "b");
@@ -162,7 +162,7 @@ TEST(OutputFile, AFullDeviceIsAnError) {
 TEST(OutputFile, AFullDiskLeavesTheFormerFile) {
   const TemporaryFolder folder;
   folder.write("a", "former");
-  const pid_t child = ::fork();  // the limit is the process's
+  const pid_t child = ::fork();  // the limit applies to a process
   if (child == 0) {
     ::signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{1000, 1000};
@@ -177,21 +177,21 @@ TEST(OutputFile, AFullDiskLeavesTheFormerFile) {
   EXPECT_EQ(folder.count(), 1U);
 }
 
-TEST(OutputFile, StandardOutputIsADash) {
+TEST(OutputFile, ADashIsStandardOutput) {
   ::testing::internal::CaptureStdout();
   EXPECT_TRUE(write("-", "to the terminal\n").ok());
   EXPECT_TRUE(write("/dev/stdout", "again\n").ok());
   EXPECT_EQ(::testing::internal::GetCapturedStdout(), "to the terminal\nagain\n");
 }
 
-TEST(OutputFile, FilesOfOthersBesideItAreNotTouched) {
+TEST(OutputFile, OtherFilesInTheFolderAreNotChanged) {
   const TemporaryFolder folder;
   for (const char* name : {"a.part", "a.new", "a.tmp"}) folder.write(name, "somebody else's");
   EXPECT_TRUE(write(folder / "a", "new").ok());
   for (const char* name : {"a.part", "a.new", "a.tmp"}) EXPECT_EQ(folder.read(name), "somebody else's");
 }
 
-TEST(OutputFile, FoldersAndMissingFoldersAreNamed) {
+TEST(OutputFile, FoldersAndMissingFoldersAreReported) {
   const TemporaryFolder folder;
   EXPECT_EQ(refusal(folder.path(), ErrorCode::kIo), folder.path().string() + ": is a folder, not a file to write");
   EXPECT_EQ(refusal(folder / "a/", ErrorCode::kIo), folder / "a/: is a folder, not a file to write");
@@ -201,7 +201,7 @@ TEST(OutputFile, FoldersAndMissingFoldersAreNamed) {
   EXPECT_EQ(refusal(folder / "file/a", ErrorCode::kNotFound), folder / "file/a: cannot be written: Not a directory");
 }
 
-TEST(OutputFile, AFileThatMayNotBeWrittenIsNotReplaced) {
+TEST(OutputFile, AWriteProtectedFileIsNotReplaced) {
   const TemporaryFolder folder;
   folder.write("a", "former");
   ::chmod((folder / "a").c_str(), 0444);
@@ -210,7 +210,7 @@ TEST(OutputFile, AFileThatMayNotBeWrittenIsNotReplaced) {
   EXPECT_EQ(folder.read("a"), "former");
 }
 
-TEST(OutputFile, LongNames) {
+TEST(OutputFile, NamesMayHaveTheMaximumLength) {
   const TemporaryFolder folder;
   const std::string name(255, 'n');
   EXPECT_TRUE(write(folder / name, "new").ok());

@@ -11,7 +11,7 @@
 
 namespace touchline::testing {
 
-/// A folder of its own, which is removed with the object.
+/// A temporary folder, removed with the object.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -37,7 +37,7 @@ class TemporaryFolder {
     text << file.rdbuf();
     return text.str();
   }
-  /// How many files there are, hidden ones included.
+  /// Number of files, including hidden ones.
   [[nodiscard]] std::size_t count() const {
     std::size_t files = 0;
     for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder_)) ++files;

@@ -91,11 +91,11 @@ TEST_F(Program, RejectsFilesThatAreNotRegularFiles) {
   ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
   refused(fifo, "is a FIFO, not a file");
   std::filesystem::create_symlink("loop", loop);
-  refused(loop, "is a symbolic link in a loop");
+  refused(loop, "its symbolic links form a loop");
   const std::string large = (folder_ / "large").string();
   write("large", "");
   std::filesystem::resize_file(large, std::uintmax_t{1} << 40);
-  refused(large, "is larger than 1 MiB, the most that is read of such a file");
+  refused(large, "is larger than 1 MiB, the limit for such a file");
 }
 
 TEST_F(Program, AWrongCommandLineGivesExitCode64) {

@@ -13,39 +13,39 @@
 namespace touchline::config {
 namespace {
 
-/// The board files of real hardware that the repository delivers.
+/// The board files of real hardware in the repository.
 class BoardFiles : public ::testing::TestWithParam<std::string> {
  protected:
   static std::string folder() { return std::string(TOUCHLINE_BOARDS) + "/" + GetParam(); }
-  static bool begins(std::string_view name, std::initializer_list<std::string_view> beginnings) {
-    return std::any_of(beginnings.begin(), beginnings.end(),
-                       [name](std::string_view b) { return name.starts_with(b); });
+  static bool starts_with_any(std::string_view name, std::initializer_list<std::string_view> prefixes) {
+    return std::any_of(prefixes.begin(), prefixes.end(), [name](std::string_view b) { return name.starts_with(b); });
   }
 };
 
-TEST_P(BoardFiles, AreReadWithoutAComplaint) {
+TEST_P(BoardFiles, AreReadWithoutErrors) {
   BoardFile board;
   Locations where;
   Problems problems;
   EXPECT_TRUE(read_toml(folder() + "/board.toml", "", {}, board, where, problems).ok());
   EXPECT_EQ(problems.text(), "");
   EXPECT_EQ(board.name, GetParam());
-  const bool module = board.camera.backend == hal::CameraBackend::kLibcamera;
-  EXPECT_TRUE(module || board.camera.backend == hal::CameraBackend::kV4l2);
-  EXPECT_EQ(module, board.name.starts_with("raspberry-pi-"));
+  const bool is_module = board.camera.backend == hal::CameraBackend::kLibcamera;
+  EXPECT_TRUE(is_module || board.camera.backend == hal::CameraBackend::kV4l2);
+  EXPECT_EQ(is_module, board.name.starts_with("raspberry-pi-"));
   EXPECT_EQ(board.radio.backend, hal::RadioBackend::kSerial);
-  // Numbers change with the order of plugging in; these names do not, nor the number of a UART that is built in.
-  if (module) {
+  // Unlike numbers, these names do not depend on the order of plugging in; nor does the number of a built-in UART.
+  if (is_module) {
     EXPECT_EQ(board.camera.device, "auto");
   } else {
-    EXPECT_TRUE(begins(board.camera.device, {"/dev/v4l/by-path/", "/dev/touchline/"})) << board.camera.device;
+    EXPECT_TRUE(starts_with_any(board.camera.device, {"/dev/v4l/by-path/", "/dev/touchline/"})) << board.camera.device;
   }
-  EXPECT_TRUE(begins(board.radio.device, {"/dev/serial", "/dev/touchline/", "/dev/ttyAMA"})) << board.radio.device;
+  EXPECT_TRUE(starts_with_any(board.radio.device, {"/dev/serial", "/dev/touchline/", "/dev/ttyAMA"}))
+      << board.radio.device;
 }
 
-TEST_P(BoardFiles, WithoutAVenueTheCheckSaysHowToMakeOne) {
+TEST_P(BoardFiles, AMissingVenueIsReportedWithTheProgramThatMakesIt) {
   ASSERT_TRUE(std::filesystem::exists(folder() + "/README.md"));
-  ASSERT_FALSE(std::filesystem::exists(folder() + "/venue.toml")) << "a hall's own file is not delivered";
+  ASSERT_FALSE(std::filesystem::exists(folder() + "/venue.toml")) << "the venue file belongs to a hall, not to a board";
   static Configuration configuration;  // large
   Problems problems;
   EXPECT_FALSE(load({folder() + "/board.toml", "", "", {}}, configuration, problems).ok());
@@ -54,7 +54,7 @@ TEST_P(BoardFiles, WithoutAVenueTheCheckSaysHowToMakeOne) {
       << text;
 }
 
-/// All folders but the arena's, so that none is forgotten.
+/// All folders except the arena's, so that no new board is forgotten.
 std::vector<std::string> real_boards() {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(TOUCHLINE_BOARDS)) {
@@ -64,13 +64,13 @@ std::vector<std::string> real_boards() {
   return names;
 }
 
-INSTANTIATE_TEST_SUITE_P(Delivered, BoardFiles, ::testing::ValuesIn(real_boards()), [](const auto& instance) {
+INSTANTIATE_TEST_SUITE_P(AllBoards, BoardFiles, ::testing::ValuesIn(real_boards()), [](const auto& instance) {
   std::string name = instance.param;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 });
 
-TEST(MockBoard, IsSoundAndHasAPage) {
+TEST(MockBoard, IsValidAndHasAReadme) {
   const std::string folder = TOUCHLINE_BOARDS "/mock";
   static Configuration configuration;  // large
   Problems problems;

@@ -17,7 +17,7 @@ constexpr std::uint32_t kStart = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FL
 constexpr std::uint32_t kEnd = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_EOF;
 constexpr Instant at(int ms) { return Instant(milliseconds(ms)); }
 
-TEST(CaptureStamp, MiddleOfExposureFromEitherEnd) {
+TEST(CaptureStamp, StampsOfEitherEndAreMovedToTheMiddleOfTheExposure) {
   CaptureStamp stamp;
   stamp.restart(milliseconds(10));
   EXPECT_EQ(stamp.middle_of_exposure(kStart, at(100), at(120)), at(105));
@@ -25,7 +25,7 @@ TEST(CaptureStamp, MiddleOfExposureFromEitherEnd) {
   EXPECT_EQ(stamp.replaced(), 0u);
 }
 
-TEST(CaptureStamp, OtherClocksAreNotBelieved) {
+TEST(CaptureStamp, StampsOfOtherClocksAreIgnored) {
   CaptureStamp stamp;
   stamp.restart(milliseconds(10));
   EXPECT_EQ(stamp.middle_of_exposure(V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN, at(100), at(120)), at(115));
@@ -41,11 +41,11 @@ TEST(CaptureStamp, RepeatedBackwardZeroAndFutureStampsAreReplaced) {
   EXPECT_EQ(stamp.middle_of_exposure(kStart, at(100), at(140)), at(140));
   EXPECT_EQ(stamp.middle_of_exposure(kStart, at(90), at(160)), at(160));
   EXPECT_EQ(stamp.middle_of_exposure(kStart, at(999), at(180)), at(180));
-  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(190), at(200)), at(190)) << "and the next good one is believed again";
+  EXPECT_EQ(stamp.middle_of_exposure(kStart, at(190), at(200)), at(190)) << "the next good stamp is used again";
   EXPECT_EQ(stamp.replaced(), 4u);
 }
 
-TEST(CaptureStamp, TimeGoesForwardEvenWhenAReplacementWasLaterThanTheNextStamp) {
+TEST(CaptureStamp, TimeIncreasesEvenIfAReplacementIsLaterThanTheNextStamp) {
   CaptureStamp stamp;
   stamp.restart(Duration::zero());
   EXPECT_EQ(stamp.middle_of_exposure(kStart, at(999), at(100)), at(100));
@@ -53,7 +53,7 @@ TEST(CaptureStamp, TimeGoesForwardEvenWhenAReplacementWasLaterThanTheNextStamp) 
   EXPECT_EQ(stamp.middle_of_exposure(kStart, at(112), at(134)), at(112));
 }
 
-TEST(CaptureStamp, RestartForgets) {
+TEST(CaptureStamp, RestartClearsTheState) {
   CaptureStamp stamp;
   stamp.restart(milliseconds(10));
   EXPECT_EQ(stamp.middle_of_exposure(kStart, at(500), at(520)), at(505));
@@ -72,32 +72,32 @@ TEST(CaptureStamp, TheExposureMayChangeFromFrameToFrame) {
   EXPECT_EQ(stamp.replaced(), 0u);
 }
 
-TEST(CaptureStamp, NoStampLiesInTheFutureWhateverTheExposure) {
+TEST(CaptureStamp, NoStampIsInTheFutureForAnyExposure) {
   CaptureStamp stamp;
   for (const Duration exposure : {Duration(std::chrono::hours(2)), Duration(-std::chrono::hours(2))}) {
     for (const std::uint32_t flags : {kStart, kEnd, std::uint32_t{V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN}}) {
       stamp.restart(exposure);
       EXPECT_LE(stamp.middle_of_exposure(flags, at(5100), at(5120)), at(5120));
-      EXPECT_GE(stamp.middle_of_exposure(flags, at(5120), at(5140)), at(4000)) << "nor in the far past";
+      EXPECT_GE(stamp.middle_of_exposure(flags, at(5120), at(5140)), at(4000)) << "not in the distant past either";
     }
   }
 }
 
-TEST(CaptureStamp, UvcvideoComputesThemOnlyWhenItIsLoadedSo) {
+TEST(CaptureStamp, UvcvideoComputesStampsOnlyWithHwtimestamps) {
   const std::string file = ::testing::TempDir() + "touchline_hwtimestamps_" + std::to_string(::getpid());
-  for (const auto& [said, expected] :
+  for (const auto& [content, expected] :
        {std::pair("Y\n", true), {"1\n", true}, {"N\n", false}, {"0\n", false}, {"", false}}) {
-    std::ofstream(file) << said;
-    EXPECT_EQ(uvc_computes_stamps(file), expected) << said;
+    std::ofstream(file) << content;
+    EXPECT_EQ(uvc_computes_stamps(file), expected) << content;
   }
   std::filesystem::remove(file);
-  EXPECT_FALSE(uvc_computes_stamps(file)) << "no such driver is loaded";
+  EXPECT_FALSE(uvc_computes_stamps(file)) << "the driver is not loaded";
 }
 
-TEST(CaptureStamp, AStampOfTheClockThatRunsWhileSuspendedIsTakenBack) {
+TEST(CaptureStamp, BoottimeStampsAreConvertedToMonotonicTime) {
   EXPECT_EQ(monotonic_stamp(at(90), at(100), at(100)), at(90));
-  EXPECT_EQ(monotonic_stamp(at(90), at(100), at(5100)), at(90)) << "of the monotonic clock, after a suspension";
-  EXPECT_EQ(monotonic_stamp(at(5090), at(100), at(5100)), at(90)) << "of the other one";
+  EXPECT_EQ(monotonic_stamp(at(90), at(100), at(5100)), at(90)) << "a stamp of CLOCK_MONOTONIC after a suspension";
+  EXPECT_EQ(monotonic_stamp(at(5090), at(100), at(5100)), at(90)) << "a stamp of CLOCK_BOOTTIME";
 }
 
 }  // namespace

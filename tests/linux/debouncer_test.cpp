@@ -20,24 +20,24 @@ class DebouncerTest : public ::testing::Test {
   Debouncer debouncer;
 };
 
-TEST_F(DebouncerTest, LevelAtTheStartCountsAtOnceAndIsNoPress) {
+TEST_F(DebouncerTest, TheLevelAtTheStartIsAcceptedAtOnceAndIsNotAPress) {
   begin(true);
   EXPECT_TRUE(poll(0ms).active);
   EXPECT_FALSE(poll(1ms).activated);
   edge(false, 2ms);
   EXPECT_TRUE(poll(6ms).active);
-  EXPECT_TRUE(poll(7ms).active) << "it was, since the last look";
+  EXPECT_TRUE(poll(7ms).active) << "it was active since the last poll";
   EXPECT_FALSE(poll(8ms).active);
 }
 
-TEST_F(DebouncerTest, AnEdgeJustBeforeTheStartIsNoUnrest) {
+TEST_F(DebouncerTest, AnEdgeJustBeforeTheStartIsNotBouncing) {
   begin();
   edge(false, -1ms);
   edge(true, 1ms);
   EXPECT_FALSE(poll(2ms).bouncing);
 }
 
-TEST_F(DebouncerTest, APulseCountsFromTheDebounceTimeOn) {
+TEST_F(DebouncerTest, PulsesAreDetectedIfTheyLastForTheDebounceTime) {
   for (const Duration length : {1us, 1000us, 4999us, 5000us, 5001us, 100000us}) {
     begin();
     edge(true, 20ms);
@@ -45,12 +45,12 @@ TEST_F(DebouncerTest, APulseCountsFromTheDebounceTimeOn) {
     const Debouncer::State state = poll(1s);
     EXPECT_EQ(state.active, length >= 5ms) << length.count();
     EXPECT_EQ(state.activated, length >= 5ms) << length.count();
-    EXPECT_FALSE(poll(1s + 1ms).active) << "told once";
+    EXPECT_FALSE(poll(1s + 1ms).active) << "reported once";
     EXPECT_FALSE(poll(1s + 2ms).activated);
   }
 }
 
-TEST_F(DebouncerTest, SaysWhenANewLevelWillCount) {
+TEST_F(DebouncerTest, ReportsWhenANewLevelWillBeAccepted) {
   begin();
   EXPECT_EQ(poll(10ms).settles_in, Duration::max());
   edge(true, 20ms);
@@ -60,7 +60,7 @@ TEST_F(DebouncerTest, SaysWhenANewLevelWillCount) {
   EXPECT_EQ(poll(25ms).settles_in, Duration::max());
 }
 
-TEST_F(DebouncerTest, BouncingCountsOnceItHasEnded) {
+TEST_F(DebouncerTest, ALevelIsAcceptedWhenBouncingHasEnded) {
   begin();
   for (int i = 0; i < 10; ++i) {
     edge(true, 20ms + i * 1ms);
@@ -73,10 +73,10 @@ TEST_F(DebouncerTest, BouncingCountsOnceItHasEnded) {
     edge(false, 50ms + i * 1ms);
     edge(true, 50ms + i * 1ms + 500us);
   }
-  EXPECT_FALSE(poll(100ms).activated) << "it never let go";
+  EXPECT_FALSE(poll(100ms).activated) << "it was never released";
 }
 
-TEST_F(DebouncerTest, ALooseWireIsNoBouncing) {
+TEST_F(DebouncerTest, BouncingIsReportedAfterFiftyMilliseconds) {
   begin();
   bool bouncing = false;
   for (int ms = 20; ms < 60; ++ms) {
@@ -87,10 +87,10 @@ TEST_F(DebouncerTest, ALooseWireIsNoBouncing) {
   for (int ms = 60; ms < 100; ++ms) edge(ms % 2 == 0, ms * 1ms);
   EXPECT_TRUE(poll(100ms).bouncing);
   EXPECT_FALSE(poll(100ms).active);
-  EXPECT_FALSE(poll(110ms).bouncing) << "at rest again";
+  EXPECT_FALSE(poll(110ms).bouncing) << "stable again";
 }
 
-TEST_F(DebouncerTest, PulsesWithPausesBetweenThemDoNothingForEver) {
+TEST_F(DebouncerTest, ShortPulsesWithPausesAreIgnored) {
   begin();
   for (int i = 1; i < 1000; ++i) {
     edge(true, i * 10ms);
@@ -100,15 +100,15 @@ TEST_F(DebouncerTest, PulsesWithPausesBetweenThemDoNothingForEver) {
   }
 }
 
-TEST_F(DebouncerTest, AnEdgeThatWasMissedBeginsTheTimeAnew) {
+TEST_F(DebouncerTest, AMissedEdgeRestartsTheDebounceTime) {
   begin();
   edge(true, 20ms);
-  edge(true, 24ms);  // it was low in between
+  edge(true, 24ms);  // the input was low in between
   EXPECT_FALSE(poll(26ms).active);
   EXPECT_TRUE(poll(29ms).active);
 }
 
-TEST_F(DebouncerTest, WithoutTimeEveryLevelCounts) {
+TEST_F(DebouncerTest, WithoutDebounceTimeEveryLevelIsAccepted) {
   debouncer.begin(0ms, false, kStart);
   edge(true, 20ms);
   edge(false, 20ms);
@@ -116,11 +116,11 @@ TEST_F(DebouncerTest, WithoutTimeEveryLevelCounts) {
   EXPECT_FALSE(poll(31ms).active);
 }
 
-// Against the definition: active at some time in (last look, now] when there was a level that lasted 5 ms until then.
+// Compares with the definition: active if, at some time in (last poll, now], a level had lasted for 5 ms.
 TEST_F(DebouncerTest, AgreesWithItsDefinitionOnRandomEdges) {
   std::mt19937 random(4);
-  std::uniform_int_distribution<int> gap_us(100, 12000), look_us(500, 20000);
-  for (int game = 0; game < 200; ++game) {
+  std::uniform_int_distribution<int> gap_us(100, 12000), poll_us(500, 20000);
+  for (int trial = 0; trial < 200; ++trial) {
     begin();
     std::vector<std::pair<Duration, bool>> edges;
     Duration at = 0us;
@@ -136,10 +136,11 @@ TEST_F(DebouncerTest, AgreesWithItsDefinitionOnRandomEdges) {
         stable.emplace_back(edges[i].first + 5ms, edges[i].second);
       }
     }
-    std::size_t told = 0;
+    std::size_t next_edge = 0;
     for (Duration last = 0us, now = 0us; now < at; last = now) {
-      now += look_us(random) * 1us;
-      for (; told < edges.size() && edges[told].first <= now; ++told) edge(edges[told].second, edges[told].first);
+      now += poll_us(random) * 1us;
+      for (; next_edge < edges.size() && edges[next_edge].first <= now; ++next_edge)
+        edge(edges[next_edge].second, edges[next_edge].first);
       bool active = false, activated = false;
       for (std::size_t i = 0; i < stable.size(); ++i) {
         const Duration end = i + 1 < stable.size() ? stable[i + 1].first : Duration::max();
@@ -147,8 +148,8 @@ TEST_F(DebouncerTest, AgreesWithItsDefinitionOnRandomEdges) {
         activated = activated || (stable[i].second && stable[i].first > last && stable[i].first <= now);
       }
       const Debouncer::State state = poll(now);
-      ASSERT_EQ(state.active, active) << game << " " << now.count();
-      ASSERT_EQ(state.activated, activated) << game << " " << now.count();
+      ASSERT_EQ(state.active, active) << trial << " " << now.count();
+      ASSERT_EQ(state.activated, activated) << trial << " " << now.count();
     }
   }
 }

@@ -1,4 +1,4 @@
-// touchline-devices: what it finds on a faked machine, and the program itself on this one.
+// touchline-devices: the list for a fake machine, and the program itself on this machine.
 #include "tools/programs/devices/device_list.h"
 
 #include <linux/gpio.h>
@@ -26,7 +26,7 @@ class GpioFile final : public fake::File {
   int ioctl(unsigned long request, void* argument) override {
     if (request == GPIO_GET_CHIPINFO_IOCTL) {
       auto& info = *static_cast<gpiochip_info*>(argument);
-      std::memset(info.label, 'p', sizeof info.label);  // a text without an end
+      std::memset(info.label, 'p', sizeof info.label);  // a string without terminating zero
       info.lines = 3;
       return 0;
     }
@@ -77,8 +77,8 @@ class DeviceListTest : public V4l2Test {
   fake::SerialPorts ports_;
 };
 
-TEST_F(DeviceListTest, AllThatABoardFileCanName) {
-  kernel_.link("/dev/gpiochip4", "/dev/gpiochip0");  // its number of before
+TEST_F(DeviceListTest, ListsEverythingThatABoardFileCanName) {
+  kernel_.link("/dev/gpiochip4", "/dev/gpiochip0");  // its former number
   EXPECT_EQ(to_text(list_devices({"", "", ""})),
             R"(cameras
   /dev/video0  Fake Camera (driver fake, usb-0000:00:14.0-1)
@@ -104,7 +104,7 @@ GPIO chips
 )");
 }
 
-TEST_F(DeviceListTest, AnOldKernelTellsHowManyLinesAChipHas) {
+TEST_F(DeviceListTest, BeforeLinux510OnlyTheNumberOfLinesIsListed) {
   chip_.is_old = true;
   const auto list = list_devices({std::nullopt, std::nullopt, "/dev/gpiochip0"});
   EXPECT_TRUE(list.errors.empty());
@@ -116,7 +116,7 @@ TEST_F(DeviceListTest, AnOldKernelTellsHowManyLinesAChipHas) {
   EXPECT_NE(to_json(list).find("\"line_count\": 3"), std::string::npos);
 }
 
-TEST_F(DeviceListTest, TheSameForPrograms) {
+TEST_F(DeviceListTest, TheListIsAlsoWrittenAsJson) {
   device_.formats.resize(1);
   device_.formats[0].sizes.resize(1);
   EXPECT_EQ(to_json(list_devices({"", "", std::nullopt})), R"({
@@ -193,7 +193,7 @@ TEST_F(DeviceListTest, TheSameForPrograms) {
 )");
 }
 
-TEST_F(DeviceListTest, AChipByItsLabel) {
+TEST_F(DeviceListTest, ListsChipsByTheirLabel) {
   GpioFile other;
   kernel_.add("/dev/gpiochip1", other);
   EXPECT_EQ(list_devices({std::nullopt, std::nullopt, std::string(32, 'p')}).chips->size(), 2u);
@@ -201,16 +201,16 @@ TEST_F(DeviceListTest, AChipByItsLabel) {
   EXPECT_EQ(none.errors, std::vector<std::string>{"pinctrl: no such GPIO chip; here: /dev/gpiochip0, /dev/gpiochip1"});
   EXPECT_NE(to_text(list_devices({std::nullopt, std::nullopt, ""})).find("    chip = \"/dev/gpiochip1\"\n"),
             std::string::npos)
-      << "two have this label";
+      << "two chips have this label";
 }
 
-TEST_F(DeviceListTest, ControlsOf64BitsAreListedToo) {
+TEST_F(DeviceListTest, ControlsOf64BitsAreListed) {
   fake::V4l2Control& exposure = device_.controls[V4L2_CID_EXPOSURE] = {1, 50, 1, 7};
   exposure.type = V4L2_CTRL_TYPE_INTEGER64;
   exposure.name = "Exposure, ns";
   exposure.unit = 1000000000;
   device_.controls[V4L2_CID_PIXEL_RATE] = exposure;
-  device_.controls[V4L2_CID_PIXEL_RATE].flags = V4L2_CTRL_FLAG_READ_ONLY | V4L2_CTRL_FLAG_HAS_PAYLOAD;  // a list
+  device_.controls[V4L2_CID_PIXEL_RATE].flags = V4L2_CTRL_FLAG_READ_ONLY | V4L2_CTRL_FLAG_HAS_PAYLOAD;  // an array
   const devices::DeviceList list = list_devices({"/dev/video0", std::nullopt, std::nullopt});
   const auto& controls = list.cameras->at(0).controls;
   ASSERT_EQ(controls.size(), 3u);
@@ -222,7 +222,7 @@ TEST_F(DeviceListTest, ControlsOf64BitsAreListedToo) {
   EXPECT_TRUE(controls[0].readable);
 }
 
-TEST_F(DeviceListTest, OneOfThemByItsLink) {
+TEST_F(DeviceListTest, ListsOneCameraByItsLink) {
   fake::VideoDevice other;
   kernel_.add("/dev/video2", other);
   const devices::DeviceList list = list_devices({kByPath, std::nullopt, std::nullopt});
@@ -236,7 +236,7 @@ TEST_F(DeviceListTest, OneOfThemByItsLink) {
                                       "/dev/gpiochip4: no such GPIO chip; here: /dev/gpiochip0"}));
 }
 
-TEST_F(DeviceListTest, RefusedAccessSaysWhatToDo) {
+TEST_F(DeviceListTest, PermissionErrorsSayWhatToDo) {
   kernel_.refuse_open("/dev/video0", EACCES);
   kernel_.refuse_open("/dev/gpiochip0", EACCES);
   const std::string camera =
@@ -251,7 +251,7 @@ TEST_F(DeviceListTest, RefusedAccessSaysWhatToDo) {
   EXPECT_NE(to_json(list_devices({"", std::nullopt, ""})).find("\"refused\": \"" + camera), std::string::npos);
 }
 
-TEST_F(DeviceListTest, NothingThereSaysWhereToLook) {
+TEST_F(DeviceListTest, EmptyListsSayNone) {
   kernel_.remove("/dev/video0");
   kernel_.remove("/dev/gpiochip0");
   const std::string text = to_text(list_devices({"", std::nullopt, ""}));
@@ -259,13 +259,13 @@ TEST_F(DeviceListTest, NothingThereSaysWhereToLook) {
   EXPECT_NE(text.find("GPIO chips\n  none"), std::string::npos) << text;
 }
 
-TEST_F(DeviceListTest, NamesInStrangeBytesDoNotBreakTheJson) {
+TEST_F(DeviceListTest, InvalidUtf8InNamesIsReplacedInTheJson) {
   device_.card = "Cam\xff";
   EXPECT_NE(to_json(list_devices({"", std::nullopt, std::nullopt})).find("\"card\": \"Cam\xef\xbf\xbd\""),
             std::string::npos);
 }
 
-/// Exit code and output, standard error included.
+/// Returns exit code and output, including standard error.
 std::pair<int, std::string> run(const std::string& arguments) {
   std::FILE* const pipe = ::popen(("'" TOUCHLINE_DEVICES "' " + arguments + " 2>&1").c_str(), "r");
   std::string text;
@@ -275,7 +275,7 @@ std::pair<int, std::string> run(const std::string& arguments) {
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text};
 }
 
-TEST(DeviceTexts, CamerasOfLibcameraAreNamedAsTheBoardFileNamesThem) {
+TEST(DeviceTexts, CamerasOfLibcameraAreListedAsTheBoardFileNamesThem) {
   devices::DeviceList list;
   list.libcamera = {{"/base/soc/i2c0mux/i2c@1/imx219@10", "imx219", false}, {"usb-1.2:1.0-046d:0825", "Webcam", true}};
   EXPECT_EQ(to_text(list),

@@ -9,7 +9,7 @@
 namespace touchline::hal {
 namespace {
 
-/// Notes every key and checks that the default is one that the file may hold.
+/// Collects all keys and checks that each default is valid.
 struct Checker {
   std::set<std::string> keys;
 
@@ -46,7 +46,7 @@ std::set<std::string> checked_keys() {
   return checker.keys;
 }
 
-// The keys of docs/files.md.
+// The keys that docs/files.md lists.
 TEST(DeviceParameters, DefaultsAreValidAndKeysAreTheDocumentedOnes) {
   EXPECT_EQ(checked_keys<CameraSettings>(),
             (std::set<std::string>{"backend", "device", "format", "width_px", "height_px", "rate_hz", "buffers",

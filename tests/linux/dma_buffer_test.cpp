@@ -17,7 +17,7 @@ class DmaBufferTest : public ::testing::Test {
   fake::Kernel kernel_;
 };
 
-TEST_F(DmaBufferTest, TheBestHeapIsTakenAndARefusalIsTold) {
+TEST_F(DmaBufferTest, TheFirstAvailableHeapIsUsedAndARefusalIsReported) {
   DmaHeap heap;
   EXPECT_EQ(heap.open(), ENOENT);
   EXPECT_EQ(heap.name(), std::string());
@@ -44,26 +44,26 @@ TEST_F(DmaBufferTest, TheBestHeapIsTakenAndARefusalIsTold) {
   EXPECT_EQ(kernel_.open_files(), 0u);
 }
 
-TEST_F(DmaBufferTest, PlanesOfOneFileAreOneMapping) {
+TEST_F(DmaBufferTest, PlanesOfOneFileShareOneMapping) {
   fake::DmaBufferFile memory(300);
   const int file = kernel_.adopt(memory);
   DmaMapping mapping;
   ASSERT_EQ(mapping.map({{DmaPlane{file, 0, 200}, DmaPlane{file, 200, 100}}}), 0);
   EXPECT_EQ(mapping.plane(1), mapping.plane(0) + 200);
   memory.write(200, {7});
-  EXPECT_EQ(mapping.plane(1)[0], 0);  // still what the caches hold
+  EXPECT_EQ(mapping.plane(1)[0], 0);  // still the content of the caches
   EXPECT_EQ(mapping.begin_read(), 0);
   EXPECT_EQ(mapping.plane(1)[0], 7);
   EXPECT_EQ(mapping.end_read(), 0);
-  EXPECT_EQ(mapping.end_read(), 0);  // nothing to end
+  EXPECT_EQ(mapping.end_read(), 0);  // no read to end
   mapping.unmap();
   EXPECT_FALSE(memory.mapped());
-  EXPECT_EQ(memory.breach(), "");
+  EXPECT_EQ(memory.violation(), "");
   ASSERT_NE(mapping.map({{DmaPlane{file, 0, 301}, DmaPlane{}}}), 0);
   EXPECT_EQ(mapping.plane(0), nullptr);
 }
 
-TEST_F(DmaBufferTest, PlanesOfTwoFilesAreEachKeptTrue) {
+TEST_F(DmaBufferTest, PlanesOfTwoFilesAreBothSynchronized) {
   fake::DmaBufferFile luma(200), chroma(108);
   const int first = kernel_.adopt(luma), second = kernel_.adopt(chroma);
   {
@@ -82,10 +82,10 @@ TEST_F(DmaBufferTest, PlanesOfTwoFilesAreEachKeptTrue) {
     EXPECT_FALSE(chroma.reading());
   }
   EXPECT_FALSE(luma.mapped() || chroma.mapped());
-  EXPECT_EQ(luma.breach() + chroma.breach(), "");
+  EXPECT_EQ(luma.violation() + chroma.violation(), "");
 }
 
-TEST_F(DmaBufferTest, OrdinaryMemoryNeedsNoCare) {
+TEST_F(DmaBufferTest, OrdinaryMemoryIsNotSynchronized) {
   fake::DmaBufferFile memory(100);
   memory.is_dma = false;
   DmaMapping mapping;

@@ -7,7 +7,7 @@
 // Counts the allocations of a driver without those of the fakes below it.
 namespace touchline::testing {
 
-/// Allocations during its lifetime are those of a fake and do not count.
+/// Allocations of this thread during its lifetime belong to a fake and are not counted.
 class UncountedAllocations {
  public:
   UncountedAllocations() : begin_(latency::allocations_of_this_thread()) { ++depth_; }

@@ -11,7 +11,7 @@
 namespace touchline::fake {
 
 void DmaBufferFile::write(std::size_t offset, const std::vector<std::uint8_t>& bytes) {
-  if (reading_) breach_ = "written while it is read";
+  if (reading_) violation_ = "written during a read";
   std::copy(bytes.begin(), bytes.end(), memory_.begin() + static_cast<std::ptrdiff_t>(offset));
   if (!is_dma) cached_ = memory_;
 }
@@ -21,8 +21,8 @@ int DmaBufferFile::ioctl(unsigned long request, void* argument) {
   if (fail_with != 0) return -std::exchange(fail_with, 0);
   const std::uint64_t flags = static_cast<const dma_buf_sync*>(argument)->flags;
   const bool end = (flags & DMA_BUF_SYNC_END) != 0;
-  if ((flags & DMA_BUF_SYNC_RW) != DMA_BUF_SYNC_READ) breach_ = "announced for something else than reading";
-  if (reading_ != end) breach_ = end ? "an end without a beginning" : "two beginnings";
+  if ((flags & DMA_BUF_SYNC_RW) != DMA_BUF_SYNC_READ) violation_ = "synchronized for something other than reading";
+  if (reading_ != end) violation_ = end ? "end of a read without its beginning" : "read begun twice";
   reading_ = !end;
   if (!end) std::copy(memory_.begin(), memory_.end(), cached_.begin());
   return 0;

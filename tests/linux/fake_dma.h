@@ -9,13 +9,13 @@
 
 namespace touchline::fake {
 
-/// A dma-buf on a machine whose caches do not see writes of devices: a mapping shows the content of the caches, which
-/// are up to date only after a read was announced.
+/// A dma-buf on a machine where DMA bypasses the caches: a mapping shows the content of the caches, which are up to
+/// date only after the beginning of a read was announced.
 class DmaBufferFile final : public File {
  public:
   explicit DmaBufferFile(std::size_t bytes) : memory_(bytes), cached_(bytes) {}
 
-  /// Writes as the device. Writing during a read is a violation.
+  /// The device writes. Writing during a read is a violation.
   void write(std::size_t offset, const std::vector<std::uint8_t>& bytes);
 
   bool is_dma = true;  // otherwise ordinary memory, which refuses the request
@@ -24,7 +24,7 @@ class DmaBufferFile final : public File {
   [[nodiscard]] bool reading() const { return reading_; }
   [[nodiscard]] bool mapped() const { return mapped_; }
   [[nodiscard]] bool closed() const { return closed_; }
-  [[nodiscard]] const std::string& breach() const { return breach_; }
+  [[nodiscard]] const std::string& violation() const { return violation_; }
 
   void close() override { closed_ = true; }
   int ioctl(unsigned long request, void* argument) override;
@@ -34,7 +34,7 @@ class DmaBufferFile final : public File {
  private:
   std::vector<std::uint8_t> memory_, cached_;
   bool mapped_ = false, reading_ = false, closed_ = false;
-  std::string breach_;
+  std::string violation_;
 };
 
 /// A heap under /dev/dma_heap.

@@ -12,8 +12,8 @@ namespace touchline::fake {
 namespace {
 
 GpioChips* machine = nullptr;
-// What the kernel keeps for a line; what comes then is lost.
-constexpr std::size_t kMostEvents = 16;
+// Size of the kernel's event buffer of a line; further events are lost.
+constexpr std::size_t kMaxEvents = 16;
 
 }  // namespace
 
@@ -41,7 +41,7 @@ bool GpioChip::value(const Pin& pin) {
 void GpioChip::settle(Pin& pin, Instant until) {
   if (value(pin) == pin.settled || until - pin.changed < pin.debounce) return;
   pin.settled = value(pin);
-  if (pin.tells_edges && pin.events.size() < kMostEvents) {
+  if (pin.has_edge_events && pin.events.size() < kMaxEvents) {
     pin.events.push_back({pin.settled, pin.changed + pin.debounce});
   }
 }
@@ -74,7 +74,7 @@ int GpioChip::request(unsigned line, const Request& request) {
   pin.level = 0;
   pin.active_low = request.active_low;
   pin.bias = request.bias;
-  pin.tells_edges = request.edges;
+  pin.has_edge_events = request.edges;
   pin.debounce = request.debounce;
   pin.settled = value(pin);
   pin.changed = kernel() != nullptr ? kernel()->now() : Instant();

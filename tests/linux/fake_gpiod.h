@@ -10,9 +10,9 @@
 
 namespace touchline::fake {
 
-/// A GPIO chip of the kernel, which fake_gpiod_v1.cpp and fake_gpiod_v2.cpp present as the two versions of libgpiod do
-/// (gpiod_* are wrapped). Levels are those of the pins. Polarity and bias are applied as in the kernel: an input that
-/// is not driven has the level of its bias.
+/// A GPIO chip of the kernel. fake_gpiod_v1.cpp and fake_gpiod_v2.cpp make it available through the two versions of
+/// libgpiod (gpiod_* are wrapped). Levels are those of the pins. Polarity and bias are applied as in the kernel: an
+/// input that is not driven has the level of its bias.
 struct GpioChip : File {
   std::string name = "gpiochip0", label = "pinctrl-bcm2711";
   unsigned lines = 58;
@@ -25,7 +25,7 @@ struct GpioChip : File {
     int driven = -1;     // level from outside; -1: not driven
     int level = 0;       // of an output
     std::string holder;  // "": free
-    bool output = false, active_low = false, tells_edges = false;
+    bool output = false, active_low = false, has_edge_events = false;
     int bias = 0;         // 1: up, -1: down
     Duration debounce{};  // by the kernel
     int file = -1;        // of its events
@@ -39,7 +39,7 @@ struct GpioChip : File {
   int open_error = 0, request_error = 0, value_error = 0, read_error = 0;
   bool blocked = false;  // a call waited for events
 
-  /// For listings: its name, and of each line nothing but that it is there.
+  /// For listings: the label, and lines without any information.
   int ioctl(unsigned long request, void* argument) override;
   /// Changes the level from outside.
   void drive(unsigned line, int level, Instant at);
@@ -63,7 +63,7 @@ struct GpioChip : File {
   static void settle(Pin& pin, Instant until);
 };
 
-/// All chips of the machine during its lifetime; the fake kernel lists them, too.
+/// All chips of the machine during its lifetime; the fake kernel also lists them.
 class GpioChips {
  public:
   explicit GpioChips(std::vector<GpioChip*> chips);
@@ -72,7 +72,7 @@ class GpioChips {
   GpioChips& operator=(const GpioChips&) = delete;
   [[nodiscard]] const std::vector<GpioChip*>& all() const { return chips_; }
   [[nodiscard]] GpioChip* find(const std::string& path) const;
-  int unclosed = 0;  // objects of the library that were not freed
+  int unfreed = 0;  // objects of the library that were not freed
 
  private:
   std::vector<GpioChip*> chips_;

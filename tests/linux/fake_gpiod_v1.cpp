@@ -7,7 +7,7 @@
 #include "tests/linux/driver_allocations.h"
 #include "tests/linux/fake_gpiod.h"
 
-// The library's handles, which its users never look into.
+// The library's opaque handles.
 struct gpiod_chip {
   touchline::fake::GpioChip* chip;
   std::set<gpiod_line*> lines;
@@ -26,24 +26,24 @@ using touchline::testing::UncountedAllocations;
 
 namespace {
 
-int answer(int result) {
+int to_c_result(int result) {
   if (result >= 0) return result;
   errno = -result;
   return -1;
 }
 
 gpiod_chip* handle(GpioChip* chip) {
-  ++gpio_chips().unclosed;
+  ++gpio_chips().unfreed;
   return new gpiod_chip{chip, {}};
 }
 
 int request(gpiod_line* line, const char* consumer, bool output, int flags, bool edges) {
-  GpioChip::Request asked{consumer, output, (flags & GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW) != 0, edges, 0, {}};
-  if ((flags & GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_UP) != 0) asked.bias = 1;
-  if ((flags & GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_DOWN) != 0) asked.bias = -1;
-  const int result = line->chip->request(line->offset, asked);
+  GpioChip::Request requested{consumer, output, (flags & GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW) != 0, edges, 0, {}};
+  if ((flags & GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_UP) != 0) requested.bias = 1;
+  if ((flags & GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_DOWN) != 0) requested.bias = -1;
+  const int result = line->chip->request(line->offset, requested);
   line->requested = result == 0;
-  return answer(result);
+  return to_c_result(result);
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ void __wrap_gpiod_chip_close(gpiod_chip* chip) {
     delete line;
   }
   delete chip;
-  --gpio_chips().unclosed;
+  --gpio_chips().unfreed;
 }
 
 const char* __wrap_gpiod_chip_label(gpiod_chip* chip) { return chip->chip->label.c_str(); }
@@ -92,11 +92,11 @@ int __wrap_gpiod_line_request_both_edges_events_flags(gpiod_line* line, const ch
 }
 
 int __wrap_gpiod_line_set_value(gpiod_line* line, int level) {
-  return answer(line->chip->set(line->offset, level != 0));
+  return to_c_result(line->chip->set(line->offset, level != 0));
 }
 int __wrap_gpiod_line_get_value(gpiod_line* line) {
   const UncountedAllocations uncounted;
-  return answer(line->chip->get(line->offset));
+  return to_c_result(line->chip->get(line->offset));
 }
 
 int __wrap_gpiod_line_event_get_fd(gpiod_line* line) { return line->chip->pins[line->offset].file; }
@@ -110,7 +110,7 @@ int __wrap_gpiod_line_event_read_multiple(gpiod_line* line, gpiod_line_event* ou
     out->ts = {whole.count(), (at - whole).count()};
     out++->event_type = event.active ? GPIOD_LINE_EVENT_RISING_EDGE : GPIOD_LINE_EVENT_FALLING_EDGE;
   }
-  return answer(count);
+  return to_c_result(count);
 }
 
 }  // extern "C"

@@ -17,14 +17,14 @@
 namespace touchline::fake {
 namespace {
 
-Kernel* in_force = nullptr;
+Kernel* current = nullptr;
 
 Instant instant_of(const std::timespec& time) {
   return Instant(std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec));
 }
 
 /// Kernel convention to C convention.
-int answer(int result) {
+int to_c_result(int result) {
   if (result >= 0) return result;
   errno = -result;
   return -1;
@@ -32,13 +32,13 @@ int answer(int result) {
 
 }  // namespace
 
-Kernel* kernel() { return in_force; }
+Kernel* kernel() { return current; }
 
 void* File::map(std::size_t, long, int) { return nullptr; }
 bool File::unmap(void*) { return false; }
 
-Kernel::Kernel() { in_force = this; }
-Kernel::~Kernel() { in_force = nullptr; }
+Kernel::Kernel() { current = this; }
+Kernel::~Kernel() { current = nullptr; }
 
 int Kernel::open(const char* path, int flags) {
   if (const auto refusal = refusals_.find(path); refusal != refusals_.end()) return -refusal->second;
@@ -46,7 +46,7 @@ int Kernel::open(const char* path, int flags) {
   if (target == nullptr) return -ENOENT;
   const auto found = files_.find(*target);
   const bool waits = (flags & O_NONBLOCK) == 0 && !found->second->never_blocks();
-  if (waits || (flags & O_CLOEXEC) == 0) return -EINVAL;  // ours always ask for both
+  if (waits || (flags & O_CLOEXEC) == 0) return -EINVAL;  // the drivers must set both flags
   if (const int result = found->second->open(); result < 0) return result;
   return adopt(*found->second);
 }
@@ -84,7 +84,7 @@ int Kernel::wait(File& file, short events, Instant deadline, short& found) {
   }
 }
 
-Instant Kernel::look_at_clock() {
+Instant Kernel::read_clock() {
   now_ += std::chrono::microseconds(1);
   return now_;
 }
@@ -129,7 +129,7 @@ int __real_fcntl(int number, int command, ...);
 int __wrap_open(const char* path, int flags, ...) {
   const UncountedAllocations uncounted;
   if (kernel() != nullptr && std::strncmp(path, "/dev/", 5) == 0) {
-    return touchline::fake::answer(kernel()->open(path, flags));
+    return touchline::fake::to_c_result(kernel()->open(path, flags));
   }
   std::va_list arguments;
   va_start(arguments, flags);
@@ -152,8 +152,8 @@ int __wrap_ioctl(int number, unsigned long request, ...) {
   va_end(arguments);
   File* const file = kernel() != nullptr ? kernel()->file(number) : nullptr;
   if (file == nullptr) return __real_ioctl(number, request, argument);
-  if (kernel()->request_is_interrupted()) return touchline::fake::answer(-EINTR);
-  return touchline::fake::answer(file->ioctl(request, argument));
+  if (kernel()->request_is_interrupted()) return touchline::fake::to_c_result(-EINTR);
+  return touchline::fake::to_c_result(file->ioctl(request, argument));
 }
 
 void* __wrap_mmap(void* address, std::size_t length, int protection, int flags, int number, long offset) {
@@ -177,13 +177,13 @@ int __wrap_ppoll(pollfd* files, nfds_t count, const std::timespec* timeout, cons
   File* const file = kernel() != nullptr && count == 1 ? kernel()->file(files[0].fd) : nullptr;
   if (file == nullptr) return __real_ppoll(files, count, timeout, mask);
   const touchline::Instant deadline = kernel()->now() + touchline::fake::instant_of(*timeout).time_since_epoch();
-  return touchline::fake::answer(kernel()->wait(*file, files[0].events, deadline, files[0].revents));
+  return touchline::fake::to_c_result(kernel()->wait(*file, files[0].events, deadline, files[0].revents));
 }
 
 int __wrap_clock_gettime(clockid_t clock, std::timespec* time) {
   const bool ours = kernel() != nullptr && kernel()->has_clock();
   if (!ours || clock != CLOCK_MONOTONIC) return __real_clock_gettime(clock, time);
-  const auto now = kernel()->look_at_clock().time_since_epoch();
+  const auto now = kernel()->read_clock().time_since_epoch();
   time->tv_sec = static_cast<std::time_t>(std::chrono::duration_cast<std::chrono::seconds>(now).count());
   time->tv_nsec = static_cast<long>((now % std::chrono::seconds(1)).count());
   return 0;
@@ -219,7 +219,7 @@ int __wrap_glob(const char* pattern, int flags, int (*on_error)(const char*, int
 
 int __wrap_flock(int number, int operation) {
   File* const file = kernel() != nullptr ? kernel()->file(number) : nullptr;
-  return file == nullptr ? __real_flock(number, operation) : touchline::fake::answer(file->lock());
+  return file == nullptr ? __real_flock(number, operation) : touchline::fake::to_c_result(file->lock());
 }
 
 int __wrap_fcntl(int number, int command, ...) {

@@ -9,8 +9,8 @@
 
 // A fake kernel below the code under test, linked with `-Wl,--wrap=open,--wrap=ioctl,...`. It provides files below
 // /dev, the clock and sleeping; all other files are the real ones. Time is virtual: it only advances while the code
-// sleeps or waits, and by a microsecond for each read of the clock. So tests neither wait nor depend on the machine,
-// and endless loops do not go unnoticed.
+// sleeps or waits, and by a microsecond for each read of the clock. Thus tests neither wait nor depend on the machine,
+// and a loop that polls the clock reaches its deadline.
 namespace touchline::fake {
 
 /// The driver of a device file. Calls return 0 (or a value) or a negative errno, as in the kernel.
@@ -18,7 +18,7 @@ class File {
  public:
   virtual ~File() = default;
   virtual int open() { return 0; }
-  /// True if it may be opened without O_NONBLOCK because no call ever waits.
+  /// True if it may be opened without O_NONBLOCK, because its calls never wait.
   [[nodiscard]] virtual bool never_blocks() const { return false; }
   virtual void close() {}
   virtual int ioctl(unsigned long request, void* argument) = 0;
@@ -60,16 +60,16 @@ class Kernel {
   int open(const char* path, int flags);
   bool close(int number);
   File* file(int number);
-  /// A file that somebody opened elsewhere, such as a serial port.
+  /// Registers a file that was opened by other means, such as a serial port. Returns its descriptor.
   int adopt(File& file);
   bool unmap(void* memory);
   int wait(File& file, short events, Instant deadline, short& found);
-  /// Counts down: true while interruptions are left.
+  /// True while interruptions are left; counts them down.
   bool wait_is_interrupted() { return interrupted_waits_ > 0 && interrupted_waits_-- > 0; }
   bool request_is_interrupted() { return interrupted_requests_ > 0 && interrupted_requests_-- > 0; }
-  Instant look_at_clock();
+  Instant read_clock();
   const std::string* resolve(const std::string& path) const;
-  /// Files and links that begin so, without those in folders below.
+  /// Files and links whose names begin with `prefix`, without those in subfolders.
   [[nodiscard]] std::vector<std::string> names_with(const std::string& prefix) const;
 
  private:
@@ -77,13 +77,13 @@ class Kernel {
   std::map<std::string, int> refusals_;
   std::map<std::string, std::string> links_;
   std::map<int, File*> open_;
-  int next_number_ = 10000;  // above any real one
+  int next_number_ = 10000;  // above all real descriptors
   int interrupted_waits_ = 0, interrupted_requests_ = 0;
   bool has_clock_ = true;
   Instant now_{std::chrono::seconds(1000)};
 };
 
-/// The kernel in force, null outside of tests.
+/// The current fake kernel, null if there is none.
 Kernel* kernel();
 
 }  // namespace touchline::fake

@@ -17,26 +17,26 @@ void LibcameraWorld::finish(std::uint32_t buffer, std::uint32_t number, const Ch
   frame.sequence = number;
   frame.bytes = frame_bytes_;
   frame.stamp_ns = hal::MonotonicClock::read().time_since_epoch().count();
-  obey(buffer);
-  frame.reported = told;
+  apply_carried_controls(buffer);
+  frame.reported = metadata;
   if (frames_left_ > 0 && early_frames > 0) {
     --early_frames;
-    frame.reported = early;
+    frame.reported = early_metadata;
   }
   if (change) change(frame);
   buffers[buffer]->write(0, std::vector<std::uint8_t>(frame_bytes_, static_cast<std::uint8_t>(number)));
   sink_->frame_done(frame);
 }
 
-void LibcameraWorld::obey(std::uint32_t buffer) {
+void LibcameraWorld::apply_carried_controls(std::uint32_t buffer) {
   const std::lock_guard lock(mutex_);
   const auto carried = carried_.extract(buffer);
   if (!carried) return;
   ++adjustments;
   controls = carried.mapped();
-  for (std::size_t i = 0; obeys && i < hal::kLibcameraControls; ++i) {
+  for (std::size_t i = 0; applies_controls && i < hal::kLibcameraControls; ++i) {
     const auto control = static_cast<hal::LibcameraControl>(i);
-    if (told[control] && carried.mapped()[control]) told[control] = carried.mapped()[control];
+    if (metadata[control] && carried.mapped()[control]) metadata[control] = carried.mapped()[control];
   }
 }
 
@@ -56,7 +56,7 @@ void LibcameraWorld::wait_for_queued(std::size_t count) {
   changed_.wait(lock, [&] { return queued_.size() >= count; });
 }
 
-void LibcameraWorld::plug_out() {
+void LibcameraWorld::unplug() {
   cameras.clear();
   sink_->camera_gone();
 }
@@ -64,7 +64,7 @@ void LibcameraWorld::plug_out() {
 int FakeLibcamera::error_of(const char* call) {
   const auto found = world_.errors.find(call);
   if (world_.caller_ == std::thread::id{}) world_.caller_ = std::this_thread::get_id();
-  if (world_.caller_ != std::this_thread::get_id()) world_.breach = std::string(call) + " from another thread";
+  if (world_.caller_ != std::this_thread::get_id()) world_.violation = std::string(call) + " from another thread";
   if (found == world_.errors.end()) return 0;
   if (found->first == "queue" && world_.good_queues-- > 0) return 0;
   const int error = found->second;
@@ -84,18 +84,18 @@ int FakeLibcamera::acquire(const std::string& id, hal::LibcameraSink& sink) {
   return error_of("acquire");
 }
 
-int FakeLibcamera::configure(hal::LibcameraStream& wish, std::string& offers) {
+int FakeLibcamera::configure(hal::LibcameraStream& requested, std::string& offers) {
   if (const int error = error_of("configure"); error != 0) {
     offers = world_.offers;
     return error;
   }
-  const bool has_planes = info_of(wish.format).planes > 1;
-  wish.stride_bytes = wish.width_px * info_of(wish.format).channel[0].step + world_.padding_bytes;
-  world_.frame_bytes_ = std::size_t{wish.stride_bytes} * wish.height_px * (has_planes ? 3 : 2) / 2;
-  wish.frame_bytes = world_.frame_bytes_ + world_.spare_bytes;
-  wish.full_range = world_.full_range;
-  if (world_.granted_buffers != 0) wish.buffers = world_.granted_buffers;
-  stream_ = wish;
+  const bool has_planes = info_of(requested.format).planes > 1;
+  requested.stride_bytes = requested.width_px * info_of(requested.format).channel[0].step + world_.padding_bytes;
+  world_.frame_bytes_ = std::size_t{requested.stride_bytes} * requested.height_px * (has_planes ? 3 : 2) / 2;
+  requested.frame_bytes = world_.frame_bytes_ + world_.spare_bytes;
+  requested.full_range = world_.full_range;
+  if (world_.actual_buffers != 0) requested.buffers = world_.actual_buffers;
+  stream_ = requested;
   return 0;
 }
 
@@ -106,10 +106,10 @@ int FakeLibcamera::use_buffers(const std::vector<hal::DmaBuffer>& buffers) {
     std::size_t bytes = 0;
     for (std::size_t i = 0; i < kMaxPlanes; ++i) {
       const bool is_used = i < info_of(stream_.format).planes;
-      if (is_used != (buffer.plane[i].file == buffer.plane[0].file)) world_.breach = "planes of a heap's buffer";
+      if (is_used != (buffer.plane[i].file == buffer.plane[0].file)) world_.violation = "planes of a heap's buffer";
       bytes += buffer.plane[i].length;
     }
-    if (bytes != stream_.frame_bytes) world_.breach = "a heap's buffer's size";
+    if (bytes != stream_.frame_bytes) world_.violation = "a heap's buffer's size";
   }
   return error_of("use_buffers");
 }
@@ -142,7 +142,7 @@ int FakeLibcamera::queue(std::uint32_t buffer) {
   const std::lock_guard lock(world_.mutex_);
   if (adjusted_) world_.carried_[buffer] = *std::exchange(adjusted_, std::nullopt);
   if (std::find(world_.queued_.begin(), world_.queued_.end(), buffer) != world_.queued_.end()) {
-    world_.breach = "a buffer is queued twice";
+    world_.violation = "a buffer is queued twice";
   }
   world_.queued_.push_back(buffer);
   world_.changed_.notify_all();
@@ -164,7 +164,7 @@ void FakeLibcamera::stop() {
 
 void FakeLibcamera::release() {
   error_of("release");
-  if (world_.running) world_.breach = "released while it streams";
+  if (world_.running) world_.violation = "released while it streams";
   for (const int file : files_) ::close(file);
   files_.clear();
   world_.buffers.clear();

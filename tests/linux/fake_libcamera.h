@@ -16,45 +16,45 @@
 
 namespace touchline::fake {
 
-/// A fake libcamera with a camera, controlled by the test. The first frames are completed on the thread that queues
-/// buffers, as the start of the driver needs them; after that complete() makes each frame.
+/// A fake libcamera with a camera that the test controls. The first frames are completed on the thread that queues
+/// buffers, because the driver's start waits for them. After that, complete() completes each frame.
 struct LibcameraWorld {
   using Change = std::function<void(hal::LibcameraFrame&)>;
   // Properties.
   std::vector<hal::LibcameraName> cameras{{"/base/soc/i2c0mux/i2c@1/imx219@10", "imx219", false}};
-  std::map<std::string, int> errors;  // by name of the call, once each
-  int good_queues = 0;                // calls before the error of "queue"
+  std::map<std::string, int> errors;  // by name of the call; each occurs once
+  int good_queues = 0;                // number of calls of queue() before its error
   std::string offers = "nv12 32x32 to 3280x2464";
   std::uint32_t padding_bytes = 0;  // per row
   std::size_t spare_bytes = 0;      // after the picture
-  std::size_t granted_buffers = 0;  // 0: as asked
+  std::size_t actual_buffers = 0;   // 0: as requested
   std::size_t missing_bytes = 0;    // of buffers that the driver allocates
   bool full_range = false;
   hal::LibcameraLimits limits;
-  hal::LibcameraNumbers told;   // reported by each frame
-  hal::LibcameraNumbers early;  // reported by the first `early_frames`
+  hal::LibcameraNumbers metadata;        // reported by each frame
+  hal::LibcameraNumbers early_metadata;  // reported by the first `early_frames`
   int early_frames = 0, frames_at_start = 1;
-  bool obeys = true;  // reports an adjustment from the frame on with whose buffer it was sent
+  bool applies_controls = true;  // the metadata contains an adjustment from the frame of its request on
 
   // Observations.
   std::string acquired;
   hal::LibcameraNumbers controls;
-  int adjustments = 0;  // sent with a buffer
+  int adjustments = 0;  // number of adjustments sent with a buffer
   std::vector<std::unique_ptr<DmaBufferFile>> own_buffers;
   std::vector<DmaBufferFile*> buffers;
   bool heap_used = false, running = false, released = true;
-  std::string breach;
+  std::string violation;
 
   /// Writes the number to the oldest queued buffer and completes it. `change` modifies the frame. Waits until a buffer
   /// is queued.
   void complete(std::uint32_t number, const Change& change = {});
   /// Waits until this number of buffers is queued.
   void wait_for_queued(std::size_t count);
-  void plug_out();
+  void unplug();
 
  private:
   friend class FakeLibcamera;
-  void obey(std::uint32_t buffer);
+  void apply_carried_controls(std::uint32_t buffer);
   void finish(std::uint32_t buffer, std::uint32_t number, const Change& change);
   hal::LibcameraSink* sink_ = nullptr;
   std::mutex mutex_;
@@ -66,14 +66,14 @@ struct LibcameraWorld {
   std::thread::id caller_;
 };
 
-/// The LibcameraLink to it.
+/// The LibcameraLink to a LibcameraWorld.
 class FakeLibcamera final : public hal::LibcameraLink {
  public:
   explicit FakeLibcamera(LibcameraWorld& world) : world_(world) {}
 
   int cameras(std::vector<hal::LibcameraName>& found) override;
   int acquire(const std::string& id, hal::LibcameraSink& sink) override;
-  int configure(hal::LibcameraStream& wish, std::string& offers) override;
+  int configure(hal::LibcameraStream& requested, std::string& offers) override;
   hal::LibcameraLimits limits() override { return world_.limits; }
   int use_buffers(const std::vector<hal::DmaBuffer>& buffers) override;
   int make_buffers(std::vector<hal::DmaBuffer>& buffers) override;

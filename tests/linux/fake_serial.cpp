@@ -16,7 +16,7 @@ SerialPorts* machine = nullptr;
 
 SerialPort& port_of(const sp_port* port) { return *reinterpret_cast<SerialPort*>(const_cast<sp_port*>(port)); }
 
-sp_return answer(int result) {
+sp_return to_c_result(int result) {
   if (result >= 0) return static_cast<sp_return>(result);
   machine->last_error = -result;
   return SP_ERR_FAIL;
@@ -62,7 +62,7 @@ void SerialPort::close_port() {
   number_ = -1;
 }
 
-/// Ten bits a byte.
+/// Moves bytes to the wire, ten bits per byte.
 void SerialPort::transmit() {
   if (stalled || baud == 0) {
     sent_until_ = kernel()->now();
@@ -88,10 +88,10 @@ int SerialPort::write(const std::byte* bytes, std::size_t count) {
 
 int SerialPort::read(std::byte* bytes, std::size_t count) {
   if (read_error != 0) return -read_error;
-  const std::size_t taken = std::min(count, heard_.size());
-  std::copy_n(heard_.begin(), taken, bytes);
-  heard_.erase(heard_.begin(), heard_.begin() + static_cast<std::ptrdiff_t>(taken));
-  return static_cast<int>(taken);  // also after a hang-up: then it is the end of the file
+  const std::size_t taken = std::min(count, received_.size());
+  std::copy_n(received_.begin(), taken, bytes);
+  received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(taken));
+  return static_cast<int>(taken);  // 0 after a hang-up too: end of file
 }
 
 int SerialPort::output_waiting() {
@@ -159,7 +159,7 @@ sp_return __wrap_sp_get_port_usb_vid_pid(const sp_port* port, int* vendor, int* 
   return *vendor < 0 ? SP_ERR_ARG : SP_OK;
 }
 
-sp_return __wrap_sp_open(sp_port* port, sp_mode) { return touchline::fake::answer(port_of(port).open_port()); }
+sp_return __wrap_sp_open(sp_port* port, sp_mode) { return touchline::fake::to_c_result(port_of(port).open_port()); }
 sp_return __wrap_sp_close(sp_port* port) {
   port_of(port).close_port();
   return SP_OK;
@@ -172,13 +172,13 @@ int __wrap_sp_last_error_code() { return machine->last_error; }
 
 sp_return __wrap_sp_set_baudrate(sp_port* port, int baud) {
   auto& own = port_of(port);
-  if (own.baud_error != 0) return touchline::fake::answer(-own.baud_error);
-  own.baud = own.granted_baud != 0 ? own.granted_baud : baud;
+  if (own.baud_error != 0) return touchline::fake::to_c_result(-own.baud_error);
+  own.baud = own.actual_baud != 0 ? own.actual_baud : baud;
   return SP_OK;
 }
 sp_return __wrap_sp_set_bits(sp_port* port, int bits) {
   auto& own = port_of(port);
-  if (own.bits_error != 0) return touchline::fake::answer(-own.bits_error);
+  if (own.bits_error != 0) return touchline::fake::to_c_result(-own.bits_error);
   own.bits = bits;
   return SP_OK;
 }
@@ -214,19 +214,19 @@ sp_return __wrap_sp_get_config_baudrate(const sp_port_config* config, int* baud)
 
 sp_return __wrap_sp_nonblocking_write(sp_port* port, const void* bytes, std::size_t count) {
   const UncountedAllocations uncounted;
-  return touchline::fake::answer(port_of(port).write(static_cast<const std::byte*>(bytes), count));
+  return touchline::fake::to_c_result(port_of(port).write(static_cast<const std::byte*>(bytes), count));
 }
 sp_return __wrap_sp_nonblocking_read(sp_port* port, void* bytes, std::size_t count) {
   const UncountedAllocations uncounted;
-  return touchline::fake::answer(port_of(port).read(static_cast<std::byte*>(bytes), count));
+  return touchline::fake::to_c_result(port_of(port).read(static_cast<std::byte*>(bytes), count));
 }
 sp_return __wrap_sp_output_waiting(sp_port* port) {
   const UncountedAllocations uncounted;
-  return touchline::fake::answer(port_of(port).output_waiting());
+  return touchline::fake::to_c_result(port_of(port).output_waiting());
 }
 sp_return __wrap_sp_flush(sp_port* port, sp_buffer) {
   const UncountedAllocations uncounted;
-  return touchline::fake::answer(port_of(port).flush());
+  return touchline::fake::to_c_result(port_of(port).flush());
 }
 
 }  // extern "C"

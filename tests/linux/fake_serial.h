@@ -10,7 +10,7 @@
 
 namespace touchline::fake {
 
-/// A serial port as libserialport shows it (sp_* are wrapped), with a transmit buffer that empties at the baud rate.
+/// A serial port for libserialport (sp_* are wrapped), with a transmit buffer that empties at the baud rate.
 class SerialPort final : public File {
  public:
   explicit SerialPort(std::string path) : path_(std::move(path)) {}
@@ -21,15 +21,17 @@ class SerialPort final : public File {
   std::size_t buffer_bytes = 4096;
   std::size_t chip_bytes = 0;  // bytes in the adapter, which the kernel does not count
   bool stalled = false;        // sends nothing
-  bool flushes = true;         // some drivers cannot drop bytes
+  bool flushes = true;         // false: a driver that cannot drop bytes
   int open_error = 0;
-  int granted_baud = 0;  // 0: as asked
+  int actual_baud = 0;  // 0: as requested
   int baud_error = 0, bits_error = 0, write_error = 0;
   bool locked_by_another = false;
   bool offers_low_latency = true;  // as FTDI adapters and most UARTs do
   int read_error = 0;
-  /// Bytes from the robots, to be read.
-  void hear(std::span<const std::byte> bytes) { heard_.insert(heard_.end(), bytes.begin(), bytes.end()); }
+  /// Makes bytes from the robots available for reading.
+  void receive_from_robots(std::span<const std::byte> bytes) {
+    received_.insert(received_.end(), bytes.begin(), bytes.end());
+  }
   void hang_up(int error) { error_ = error; }
 
   // Observations.
@@ -59,7 +61,7 @@ class SerialPort final : public File {
   std::string path_;
   int number_ = -1;
   int error_ = 0;
-  std::vector<std::byte> buffer_, wire_, heard_;
+  std::vector<std::byte> buffer_, wire_, received_;
   std::size_t flushed_ = 0;
   Instant sent_until_{};
 };

@@ -72,7 +72,7 @@ int VideoDevice::open() {
 
 void VideoDevice::close() {
   if (--open_count_ > 0) return;
-  if (mapped() != 0) breaches_.push_back("closed with buffers mapped");
+  if (mapped() != 0) violations_.push_back("closed with buffers mapped");
   stop();
   buffers_.clear();
 }
@@ -159,7 +159,7 @@ int VideoDevice::query(v4l2_capability& capability) const {
   copy_text(capability.driver, driver.c_str());
   copy_text(capability.card, card);
   copy_text(capability.bus_info, bus);
-  // The whole driver's, which may have more nodes than this one; then this node's.
+  // First the capabilities of the whole driver, which may have several nodes, then those of this node.
   capability.capabilities = capabilities | V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_VIDEO_OUTPUT | V4L2_CAP_DEVICE_CAPS;
   capability.device_caps = capabilities;
   return 0;
@@ -199,11 +199,12 @@ int VideoDevice::enumerate(v4l2_querymenu& item) const {
   if (found == controls.end() || item.index >= found->second.menu.size()) return -EINVAL;
   if (found->second.menu[item.index].empty()) return -EINVAL;
   const std::string& name = found->second.menu[item.index];
-  std::memcpy(&item.name, name.c_str(), std::min(name.size() + 1, sizeof item.name));  // packed: no reference to it
+  std::memcpy(&item.name, name.c_str(),
+              std::min(name.size() + 1, sizeof item.name));  // packed struct: no reference to its member
   return 0;
 }
 
-/// The nearest format and size that there are.
+/// Chooses the nearest available format and size.
 void VideoDevice::choose(std::uint32_t fourcc, std::uint32_t width, std::uint32_t height) {
   const V4l2Format* chosen = &formats.front();
   for (const V4l2Format& entry : formats) {
@@ -273,10 +274,10 @@ int VideoDevice::set_format(v4l2_format& format) {
 int VideoDevice::set_rate(v4l2_streamparm& parameter) {
   if (!is_own(parameter.type)) return -EINVAL;
   v4l2_fract& time = parameter.parm.capture.timeperframe;
-  const double asked = time.numerator == 0 ? 30.0 : static_cast<double>(time.denominator) / time.numerator;
+  const double requested = time.numerator == 0 ? 30.0 : static_cast<double>(time.denominator) / time.numerator;
   rate_hz_ = *std::min_element(rates_hz.begin(), rates_hz.end(),
-                               [&](int a, int b) { return std::abs(a - asked) < std::abs(b - asked); });
-  if (!tells_rate) return -ENOTTY;
+                               [&](int a, int b) { return std::abs(a - requested) < std::abs(b - requested); });
+  if (!reports_rate) return -ENOTTY;
   parameter.parm.capture.capability = V4L2_CAP_TIMEPERFRAME;
   time = {1, static_cast<std::uint32_t>(rate_hz_)};
   return 0;
@@ -293,11 +294,11 @@ int VideoDevice::query(v4l2_queryctrl& control) const {
   control.type = own.type;
   control.flags = own.flags;
   copy_text(control.name, own.name);
-  if (own.type == V4L2_CTRL_TYPE_INTEGER64) return 0;  // they do not fit
+  if (own.type == V4L2_CTRL_TYPE_INTEGER64) return 0;  // its values do not fit
   control.minimum = own.low;
   control.maximum = own.high;
   control.step = own.step;
-  control.default_value = own.normal;
+  control.default_value = own.default_value;
   return 0;
 }
 
@@ -320,9 +321,9 @@ int VideoDevice::set(v4l2_control& control) {
   ++own.writes;
   if (own.set_error != 0) return -own.set_error;
   if (control.value < own.low || control.value > own.high) return -ERANGE;
-  if (control.value == own.refuses) return -EINVAL;
+  if (control.value == own.refused_value) return -EINVAL;
   if ((control.value - own.low) % own.step != 0) return -EINVAL;
-  if (!own.stubborn) own.value = control.value;
+  if (!own.ignores_writes) own.value = control.value;
   return 0;
 }
 

@@ -24,16 +24,16 @@ struct V4l2Format {
 
 struct V4l2Control {
   int low = 0, high = 0, step = 1, value = 0;
-  int set_error = 0;      // error of setting it
-  int refuses = -1;       // a value that it refuses
-  bool stubborn = false;  // accepts new values but keeps its own
+  int set_error = 0;            // error of setting it
+  int refused_value = -1;       // a value that it refuses
+  bool ignores_writes = false;  // accepts new values but keeps its own
   std::uint32_t flags = 0;
   std::uint32_t type = V4L2_CTRL_TYPE_INTEGER;
   std::string name = "Control";
   std::int64_t unit = 1;            // for 64-bit controls: factor of all values
   std::vector<std::string> menu{};  // "": not used
   int reads = 0, writes = 0;
-  int normal = low;  // the default
+  int default_value = low;  // the default
 };
 
 /// Faults of a frame, by the driver's sequence number.
@@ -46,17 +46,17 @@ struct V4l2FrameFault {
   std::int64_t sequence = -1;  // sequence number instead of the right one
 };
 
-/// A memory plane of a buffer. Others may map it; it knows whether the processor may read it.
+/// An exported memory plane of a buffer. Records whether the processor may read it.
 class DmaBuf final : public File {
  public:
-  explicit DmaBuf(std::vector<std::string>& breaches) : breaches_(breaches) {}
+  explicit DmaBuf(std::vector<std::string>& violations) : violations_(violations) {}
   int ioctl(unsigned long request, void* argument) override;
   void close() override { open = false; }
   bool open = true, readable = false;
   int interruptions = 0;  // number of calls that return EAGAIN
 
  private:
-  std::vector<std::string>& breaches_;
+  std::vector<std::string>& violations_;
 };
 
 /// A camera that behaves like videobuf2 of the kernel: buffers are queued, filled in time and dequeued in order;
@@ -71,7 +71,7 @@ class VideoDevice final : public File {
   std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   std::vector<V4l2Format> formats;
   std::vector<int> rates_hz{30, 60};
-  bool tells_rate = true;
+  bool reports_rate = true;
   bool exports = true;
   std::uint32_t quantization = V4L2_QUANTIZATION_DEFAULT;
   std::uint32_t plane_offset = 0;   // multi-planar: bytes before the picture in each memory plane
@@ -79,7 +79,7 @@ class VideoDevice final : public File {
   std::uint32_t padding_bytes = 0;  // per row
   std::uint32_t field = V4L2_FIELD_NONE;
   std::uint32_t missing_bytes = 0;  // of a buffer
-  std::uint32_t fewest_buffers = 2, most_buffers = 32;
+  std::uint32_t min_buffers = 2, max_buffers = 32;
   std::uint32_t stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
   std::map<std::uint32_t, V4l2Control> controls;
   bool forgets_controls_at_start = false;
@@ -90,9 +90,9 @@ class VideoDevice final : public File {
   std::int64_t stalls_at_frame = -1;  // no frames from this one on, until the stream is restarted
   bool maps = true;
   int sync_interruptions = 0;
-  int false_alarms = 0;  // number of times that poll() reports a frame although there is none
-  void plug_out() { gone_ = true; }
-  /// The `after`-th next request of the kind fails, `times` times.
+  int spurious_wakeups = 0;  // number of times that poll() reports a frame although there is none
+  void unplug() { gone_ = true; }
+  /// `times` requests of this kind fail after `after` successful ones.
   void fail(unsigned long request, int error, int after = 0, int times = 1) {
     failures_[request] = {error, after, times};
   }
@@ -104,10 +104,10 @@ class VideoDevice final : public File {
   /// Numbers of buffers whose dma-buf is synchronized for reading, and of open dma-bufs.
   [[nodiscard]] std::size_t readable() const;
   [[nodiscard]] std::size_t exported() const;
-  [[nodiscard]] bool cached_memory_asked() const { return cached_memory_asked_; }
+  [[nodiscard]] bool cached_memory_requested() const { return cached_memory_requested_; }
   [[nodiscard]] bool streaming() const { return streaming_; }
   [[nodiscard]] int requests(unsigned long request) const;
-  [[nodiscard]] const std::vector<std::string>& breaches() const { return breaches_; }
+  [[nodiscard]] const std::vector<std::string>& violations() const { return violations_; }
   static constexpr Duration kReadout = std::chrono::milliseconds(8);
 
   int open() override;
@@ -131,7 +131,7 @@ class VideoDevice final : public File {
     Owner owner = Owner::kUser;
     v4l2_buffer filled{};
   };
-  /// The current format, as both interfaces report it.
+  /// The current format, which both interfaces report.
   struct Picture {
     std::uint32_t fourcc = 0, width = 0, height = 0;
     std::size_t planes = 1;
@@ -174,13 +174,13 @@ class VideoDevice final : public File {
   int rate_hz_ = 30;
   std::vector<std::unique_ptr<Buffer>> buffers_;
   std::deque<std::uint32_t> queue_, done_;
-  bool streaming_ = false, gone_ = false, cached_memory_asked_ = false;
+  bool streaming_ = false, gone_ = false, cached_memory_requested_ = false;
   int open_count_ = 0;
   Instant started_{};
   std::uint32_t next_sequence_ = 0;
   std::map<unsigned long, Failure> failures_;
   std::map<unsigned long, int> requests_;
-  std::vector<std::string> breaches_;
+  std::vector<std::string> violations_;
 };
 
 }  // namespace touchline::fake

@@ -12,7 +12,7 @@
 namespace touchline::fake {
 namespace {
 
-// Distance of the memories' offsets for mmap(): above their size, and 64 of them fit into 32 bits.
+// Distance of the mmap() offsets of memory planes: larger than a plane, and 64 of them fit into 32 bits.
 constexpr std::uint32_t kOffsetStep = 1u << 25;
 
 }  // namespace
@@ -26,7 +26,7 @@ int DmaBuf::ioctl(unsigned long request, void* argument) {
   const auto flags = static_cast<const dma_buf_sync*>(argument)->flags;
   const bool begin = (flags & DMA_BUF_SYNC_END) == 0;
   if ((flags & DMA_BUF_SYNC_RW) != DMA_BUF_SYNC_READ) return -EINVAL;
-  if (begin == readable) breaches_.push_back(begin ? "reading begun twice" : "reading ended twice");
+  if (begin == readable) violations_.push_back(begin ? "read begun twice" : "read ended twice");
   readable = begin;
   return 0;
 }
@@ -53,11 +53,11 @@ std::size_t VideoDevice::exported() const {
 int VideoDevice::request_buffers(v4l2_requestbuffers& request) {
   if (!is_own(request.type) || request.memory != V4L2_MEMORY_MMAP) return -EINVAL;
   if (streaming_ || mapped() != 0) return -EBUSY;
-  if (exported() != 0) breaches_.push_back("given back while a dma-buf is open");
+  if (exported() != 0) violations_.push_back("buffers freed while a dma-buf is open");
   buffers_.clear();
   if (request.count == 0) return 0;
-  cached_memory_asked_ = (request.flags & V4L2_MEMORY_FLAG_NON_COHERENT) != 0;
-  request.count = std::clamp(request.count, fewest_buffers, most_buffers);
+  cached_memory_requested_ = (request.flags & V4L2_MEMORY_FLAG_NON_COHERENT) != 0;
+  request.count = std::clamp(request.count, min_buffers, max_buffers);
   for (std::uint32_t i = 0; i < request.count; ++i) {
     buffers_.push_back(std::make_unique<Buffer>());
     for (std::size_t p = 0; p < picture_.planes; ++p) {
@@ -93,7 +93,7 @@ int VideoDevice::export_buffer(v4l2_exportbuffer& request) {
   if (!is_own(request.type) || request.index >= buffers_.size() || request.plane >= picture_.planes) return -EINVAL;
   if (request.flags != (O_RDONLY | O_CLOEXEC)) return -EINVAL;
   Plane& plane = buffers_[request.index]->plane[request.plane];
-  plane.shared = std::make_unique<DmaBuf>(breaches_);
+  plane.shared = std::make_unique<DmaBuf>(violations_);
   plane.shared->interruptions = sync_interruptions;
   request.fd = kernel()->adopt(*plane.shared);
   return 0;
@@ -112,7 +112,7 @@ bool VideoDevice::unmap(void* memory) {
   for (const auto& buffer : buffers_) {
     for (Plane& plane : buffer->plane) {
       if (plane.memory.data() != memory) continue;
-      if (!plane.mapped) breaches_.push_back("unmapped twice");
+      if (!plane.mapped) violations_.push_back("unmapped twice");
       plane.mapped = false;
       return true;
     }
@@ -124,11 +124,11 @@ int VideoDevice::queue(v4l2_buffer& buffer) {
   if (buffer.index >= buffers_.size() || buffer.memory != V4L2_MEMORY_MMAP || !is_addressed(buffer)) return -EINVAL;
   Buffer& own = *buffers_[buffer.index];
   if (own.owner != Owner::kUser) {
-    breaches_.push_back("queued a buffer that the driver has");
+    violations_.push_back("queued a buffer that the driver owns");
     return -EINVAL;
   }
   for (const Plane& plane : own.plane) {
-    if (plane.shared != nullptr && plane.shared->readable) breaches_.push_back("queued while it is read");
+    if (plane.shared != nullptr && plane.shared->readable) violations_.push_back("queued during a read");
   }
   own.owner = Owner::kQueued;
   queue_.push_back(buffer.index);
@@ -137,8 +137,8 @@ int VideoDevice::queue(v4l2_buffer& buffer) {
 
 int VideoDevice::dequeue(v4l2_buffer& buffer) {
   if (!is_addressed(buffer) || buffer.memory != V4L2_MEMORY_MMAP || !streaming_) return -EINVAL;
-  if (false_alarms > 0) {
-    --false_alarms;
+  if (spurious_wakeups > 0) {
+    --spurious_wakeups;
     return -EAGAIN;
   }
   if (done_.empty()) return -EAGAIN;
@@ -179,7 +179,7 @@ short VideoDevice::events() {
   run();
   if (gone_) return POLLERR | POLLHUP;
   if (!streaming_) return POLLERR;
-  return static_cast<short>(!done_.empty() || false_alarms > 0 ? POLLIN | POLLRDNORM : 0);
+  return static_cast<short>(!done_.empty() || spurious_wakeups > 0 ? POLLIN | POLLRDNORM : 0);
 }
 
 Instant VideoDevice::next_event() {
@@ -187,7 +187,7 @@ Instant VideoDevice::next_event() {
   return streaming_ && !gone_ && !stalled ? ready(next_sequence_) : Instant::max();
 }
 
-/// Lets everything happen that is due.
+/// Processes all frames that are due.
 void VideoDevice::run() {
   while (streaming_ && !gone_ && ready(next_sequence_) <= kernel()->now()) {
     if (gone_at_frame >= 0 && next_sequence_ >= static_cast<std::uint32_t>(gone_at_frame)) {

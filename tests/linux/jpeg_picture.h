@@ -6,20 +6,20 @@
 
 namespace touchline::testing {
 
-/// How a camera may write its JPEG pictures.
+/// Variants of the JPEG pictures that cameras send.
 struct JpegStyle {
   unsigned width = 320, height = 240;
   int horizontal = 2, vertical = 1;  // pixels that share a chroma sample
   bool gray = false, progressive = false;
-  bool own_huffman_tables = false;  // made for this picture
-  bool with_huffman_tables = true;  // many cameras leave the usual ones out
+  bool own_huffman_tables = false;  // computed for this picture
+  bool with_huffman_tables = true;  // many cameras leave out the standard tables
   bool with_restarts = false;       // a marker after each row of blocks
 };
 
-/// A picture of four quarters: red, green, blue, white, all at full brightness; the corner's first 8 x 8 black.
+/// A picture of four quarters: red, green, blue, white, all at full brightness; the first 8 x 8 pixels are black.
 std::vector<std::uint8_t> jpeg_of(const JpegStyle& style = {});
 
-/// What the picture shows at a pixel, R, G, B.
+/// R, G, B of the picture at a pixel.
 std::array<int, 3> color_at(const JpegStyle& style, unsigned u, unsigned v);
 
 }  // namespace touchline::testing

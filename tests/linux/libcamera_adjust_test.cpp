@@ -1,4 +1,4 @@
-// Exposure, gain and the like while it streams.
+// Changes of exposure and gain while the camera streams.
 #include <atomic>
 #include <thread>
 
@@ -15,31 +15,31 @@ class LibcameraAdjustTest : public LibcameraTest {
     const auto add = [&](hal::LibcameraControl control, double low, double high, double now) {
       world_.limits.low[control] = low;
       world_.limits.high[control] = high;
-      world_.told[control] = now;
+      world_.metadata[control] = now;
     };
     add(kExposure, 75.0, 100000.0, 5000.0);
     add(kGain, 1.0, 10.6, 2.5);
   }
-  static hal::CameraSettings asked(int exposure_us, int gain) {
-    hal::CameraSettings asked = settings();
-    asked.exposure_us = exposure_us;
-    asked.gain = gain;
-    return asked;
+  static hal::CameraSettings requested(int exposure_us, int gain) {
+    hal::CameraSettings requested = settings();
+    requested.exposure_us = exposure_us;
+    requested.gain = gain;
+    return requested;
   }
-  /// On a thread of its own, while frames come and are taken. Returns what differs from the settings; `frames`: how
-  /// many came.
+  /// Calls adjust() on another thread while frames arrive. Returns the differences from the settings; `frames`: the
+  /// number of frames that arrived.
   std::string adjust(const hal::CameraSettings& settings, std::uint32_t& frames) {
     std::string negotiated = "?";
     std::atomic<bool> done{false};
-    std::thread person([&] {
+    std::thread adjuster([&] {
       negotiated = camera_->adjust(settings).value();
       done = true;
     });
-    for (frames = 0; !done; ++frames) come();
-    person.join();
+    for (frames = 0; !done; ++frames) complete_frame();
+    adjuster.join();
     return negotiated;
   }
-  void come() {
+  void complete_frame() {
     std::this_thread::sleep_for(pause_);
     world_.complete(++number_);
     expect_frame(number_);
@@ -48,40 +48,40 @@ class LibcameraAdjustTest : public LibcameraTest {
   std::chrono::milliseconds pause_{0};
 };
 
-TEST_F(LibcameraAdjustTest, GoesWithTheNextRequestAndNoFrameIsLost) {
-  begin(asked(5000, 250));
+TEST_F(LibcameraAdjustTest, ControlsAreSentWithTheNextRequestAndNoFrameIsLost) {
+  begin(requested(5000, 250));
   std::uint32_t frames = 0;
-  EXPECT_EQ(adjust(asked(4000, 300), frames), "");
+  EXPECT_EQ(adjust(requested(4000, 300), frames), "");
   EXPECT_EQ(world_.adjustments, 1);
-  EXPECT_EQ(world_.told[kExposure], 4000.0);
-  EXPECT_EQ(world_.told[kGain], 3.0);
+  EXPECT_EQ(world_.metadata[kExposure], 4000.0);
+  EXPECT_EQ(world_.metadata[kGain], 3.0);
   EXPECT_EQ(camera_->counters().lost, 0u);
-  EXPECT_EQ(adjust(asked(0, 300), frames), "");
-  for (int i = 0; i < 8; ++i) come();  // those queued before
+  EXPECT_EQ(adjust(requested(0, 300), frames), "");
+  for (int i = 0; i < 8; ++i) complete_frame();  // the frames that were queued before
   EXPECT_EQ(world_.adjustments, 2);
-  EXPECT_EQ(world_.controls[kExposure], 4000.0) << "0 leaves it as it is";
+  EXPECT_EQ(world_.controls[kExposure], 4000.0) << "0 does not change it";
   EXPECT_EQ(camera_->counters().lost, 0u);
   camera_->stop();
   camera_->close();
   ASSERT_TRUE(camera_->open().ok());
   ASSERT_TRUE(camera_->start().ok());
-  EXPECT_EQ(world_.controls[kGain], 3.0) << "also after the next opening";
-  EXPECT_FALSE(world_.controls[kExposure]) << "which leaves it to the camera";
+  EXPECT_EQ(world_.controls[kGain], 3.0) << "also after reopening";
+  EXPECT_FALSE(world_.controls[kExposure]) << "not set, so the camera decides";
 }
 
-TEST_F(LibcameraAdjustTest, WhatIsGrantedOtherwiseIsTold) {
-  begin(asked(5000, 250));
+TEST_F(LibcameraAdjustTest, DifferencesFromTheSettingsAreReported) {
+  begin(requested(5000, 250));
   std::uint32_t frames = 0;
-  EXPECT_EQ(adjust(asked(5000, 2000), frames), std::string(kId) + ": gain = 2000: set to 1060 (range 100 to 1060)");
-  world_.obeys = false;
-  EXPECT_EQ(adjust(asked(8000, 300), frames), std::string(kId) +
-                                                  ": exposure_us = 8000: set to 5000 (range 75 to 100000); "
-                                                  "gain = 300: set to 1060 (range 100 to 1060)");
-  EXPECT_GE(frames, 14u) << "no earlier is it certain that it will not come";
+  EXPECT_EQ(adjust(requested(5000, 2000), frames), std::string(kId) + ": gain = 2000: set to 1060 (range 100 to 1060)");
+  world_.applies_controls = false;
+  EXPECT_EQ(adjust(requested(8000, 300), frames), std::string(kId) +
+                                                      ": exposure_us = 8000: set to 5000 (range 75 to 100000); "
+                                                      "gain = 300: set to 1060 (range 100 to 1060)");
+  EXPECT_GE(frames, 14u) << "only after this many frames is it certain that the change has no effect";
 }
 
-TEST_F(LibcameraAdjustTest, WaitsForTheRequestBehindAllOthers) {
-  hal::CameraSettings many = asked(5000, 250);
+TEST_F(LibcameraAdjustTest, WaitsForTheRequestAfterAllQueuedOnes) {
+  hal::CameraSettings many = requested(5000, 250);
   many.buffers = 32;
   begin(many);
   many.exposure_us = 3000;
@@ -90,37 +90,37 @@ TEST_F(LibcameraAdjustTest, WaitsForTheRequestBehindAllOthers) {
   EXPECT_GE(frames, 31u);
 }
 
-TEST_F(LibcameraAdjustTest, WaitsAsLongAsFramesCome) {
-  hal::CameraSettings slow = asked(5000, 250);
+TEST_F(LibcameraAdjustTest, WaitsWhileFramesArrive) {
+  hal::CameraSettings slow = requested(5000, 250);
   slow.rate_hz = 10.0;
   begin(slow);
-  pause_ = std::chrono::milliseconds(80);  // in sum, more than one frame is waited for
+  pause_ = std::chrono::milliseconds(80);  // in total longer than the timeout of one frame
   slow.exposure_us = 3000;
   std::uint32_t frames = 0;
-  world_.obeys = false;
+  world_.applies_controls = false;
   EXPECT_EQ(adjust(slow, frames), std::string(kId) + ": exposure_us = 3000: set to 5000 (range 75 to 100000)");
   EXPECT_GE(frames, 14u);
 }
 
-TEST_F(LibcameraAdjustTest, AStalledCameraTellsNothing) {
-  begin(asked(5000, 250));
-  const std::string no_frame = std::string(kId) + ": set, but no frame came to tell what is in force";
-  EXPECT_EQ(camera_->adjust(asked(4000, 250)).value(), no_frame);
+TEST_F(LibcameraAdjustTest, AStalledCameraIsReported) {
+  begin(requested(5000, 250));
+  const std::string no_frame = std::string(kId) + ": set, but no frame arrived to confirm it";
+  EXPECT_EQ(camera_->adjust(requested(4000, 250)).value(), no_frame);
   std::string negotiated;
-  std::thread person([&] { negotiated = camera_->adjust(asked(3000, 250)).value(); });
-  come();
-  person.join();
-  EXPECT_EQ(negotiated, no_frame) << "that one was taken before";
+  std::thread adjuster([&] { negotiated = camera_->adjust(requested(3000, 250)).value(); });
+  complete_frame();
+  adjuster.join();
+  EXPECT_EQ(negotiated, no_frame) << "that frame was taken before the change";
 }
 
-TEST_F(LibcameraAdjustTest, ACameraThatDoesNotTellItBackIsBelieved) {
-  world_.told = {};
+TEST_F(LibcameraAdjustTest, ControlsThatTheCameraDoesNotReportAreAssumedToBeSet) {
+  world_.metadata = {};
   world_.cameras[0].external = true;
-  begin(asked(5000, 0));
+  begin(requested(5000, 0));
   std::uint32_t frames = 0;
-  EXPECT_EQ(adjust(asked(8000, 0), frames),
-            std::string(kId) + ": exposure_us = 8000: set, but the camera does not tell it back");
-  // Later than the frames before by more than the new exposure moves it back.
+  EXPECT_EQ(adjust(requested(8000, 0), frames),
+            std::string(kId) + ": exposure_us = 8000: set, but the camera does not report it");
+  // The stamp, moved back by half the new exposure, must still be later than the previous ones.
   std::this_thread::sleep_for(std::chrono::milliseconds(10));
   const Instant stamp = hal::MonotonicClock::read();
   world_.complete(++number_, [&](hal::LibcameraFrame& frame) { frame.stamp_ns = stamp.time_since_epoch().count(); });
@@ -130,21 +130,21 @@ TEST_F(LibcameraAdjustTest, ACameraThatDoesNotTellItBackIsBelieved) {
   EXPECT_EQ(frame.value().frame().capture_time - stamp, half);
 }
 
-TEST_F(LibcameraAdjustTest, WhatTheCameraLacksIsTold) {
-  begin(asked(5000, 250));
-  hal::CameraSettings more = asked(5000, 250);
+TEST_F(LibcameraAdjustTest, MissingControlsAreReported) {
+  begin(requested(5000, 250));
+  hal::CameraSettings more = requested(5000, 250);
   more.focus = 100;
   std::uint32_t frames = 0;
   EXPECT_EQ(adjust(more, frames), std::string(kId) + ": focus = 100: the camera has no such control");
 }
 
-TEST_F(LibcameraAdjustTest, BeforeItStreamsTheStartTakesItOver) {
-  make(asked(5000, 250));
-  EXPECT_EQ(camera_->adjust(asked(4000, 250)).value(), "");
+TEST_F(LibcameraAdjustTest, ChangesBeforeTheStartAreAppliedAtTheStart) {
+  make(requested(5000, 250));
+  EXPECT_EQ(camera_->adjust(requested(4000, 250)).value(), "");
   ASSERT_TRUE(camera_->open().ok());
-  EXPECT_TRUE(camera_->adjust(asked(4000, 300)).ok());
-  world_.told[kExposure] = 4000.0;
-  world_.told[kGain] = 3.0;
+  EXPECT_TRUE(camera_->adjust(requested(4000, 300)).ok());
+  world_.metadata[kExposure] = 4000.0;
+  world_.metadata[kGain] = 3.0;
   ASSERT_TRUE(camera_->start().ok());
   EXPECT_EQ(world_.controls[kExposure], 4000.0);
   EXPECT_EQ(world_.controls[kGain], 3.0);

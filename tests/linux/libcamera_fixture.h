@@ -16,8 +16,8 @@
 
 namespace touchline::testing {
 
-/// A board with a camera at a ribbon cable and a DMA heap. At the end of each test all resources must be released. The
-/// clock is the real one, because threads wait for each other; no result depends on how long they take.
+/// A board with a CSI camera and a DMA heap. At the end of each test all resources must be released. The clock is the
+/// real one, because threads wait for each other; no result depends on how long they take.
 class LibcameraTest : public ::testing::Test {
  protected:
   LibcameraTest() {
@@ -30,9 +30,9 @@ class LibcameraTest : public ::testing::Test {
     for (const auto& buffer : heap_.buffers()) {
       EXPECT_FALSE(buffer->mapped());
       EXPECT_TRUE(buffer->closed());
-      EXPECT_EQ(buffer->breach(), "");
+      EXPECT_EQ(buffer->violation(), "");
     }
-    EXPECT_EQ(world_.breach, "");
+    EXPECT_EQ(world_.violation, "");
     EXPECT_TRUE(world_.released);
   }
 
@@ -45,17 +45,17 @@ class LibcameraTest : public ::testing::Test {
     settings.white_balance_k = 0;
     return settings;
   }
-  void make(const hal::CameraSettings& asked) {
-    camera_.emplace(asked, 0, std::make_unique<fake::FakeLibcamera>(world_));
+  void make(const hal::CameraSettings& requested) {
+    camera_.emplace(requested, 0, std::make_unique<fake::FakeLibcamera>(world_));
   }
-  void begin(const hal::CameraSettings& asked = settings()) {
-    make(asked);
+  void begin(const hal::CameraSettings& requested = settings()) {
+    make(requested);
     ASSERT_OK(camera_->open());
     ASSERT_OK(camera_->start());
   }
   /// open() must fail with `code` and the message `reason`.
-  void expect_refusal(const hal::CameraSettings& asked, ErrorCode code, const std::string& reason) {
-    make(asked);
+  void expect_refusal(const hal::CameraSettings& requested, ErrorCode code, const std::string& reason) {
+    make(requested);
     expect_error(camera_->open(), code, reason);
   }
   /// Late enough for any machine; only failing tests wait for it.

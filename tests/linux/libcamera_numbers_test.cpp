@@ -1,4 +1,4 @@
-// With libcamera's own types; where it is not installed this file is left out.
+// Uses libcamera's own types, so this file is compiled only if libcamera is installed.
 #include "hal/linux/libcamera/libcamera_numbers.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ TEST(LibcameraNumbers, NumbersBecomeControlsThatTheCameraHas) {
   numbers[kExposureManual] = numbers[kGainManual] = numbers[kWhiteBalanceManual] = numbers[kFocusManual] = 1.0;
   numbers[kExposure] = 5000.4;
   numbers[kGain] = 2.5;
-  numbers[kTemperature] = 4600.0;  // which it has not
+  numbers[kTemperature] = 4600.0;  // which this camera lacks
   numbers[kRedGain] = 1.5;
   numbers[kBlueGain] = 2.0;
   numbers[kFrameDuration] = 33333.3;
@@ -70,41 +70,41 @@ TEST(LibcameraNumbers, NumbersBecomeControlsThatTheCameraHas) {
   EXPECT_EQ(list.get(controls::LensPosition), 0.5f);
 }
 
-TEST(LibcameraNumbers, ACameraAtUsbFixesExposureAndGainTogether) {
+TEST(LibcameraNumbers, AUsbCameraFixesExposureAndGainTogether) {
   LibcameraNumbers exposure_alone;
   exposure_alone[kExposureManual] = 1.0;
   libcamera::ControlList inside(controls::controls), at_usb(controls::controls);
   set_controls(inside, camera(), exposure_alone, false);
   set_controls(at_usb, camera(), exposure_alone, true);
-  EXPECT_EQ(inside.get(controls::AeEnable), true);  // the gain is still the camera's
+  EXPECT_EQ(inside.get(controls::AeEnable), true);  // the camera still controls the gain
   EXPECT_EQ(at_usb.get(controls::AeEnable), false);
 }
 
-TEST(LibcameraNumbers, MetadataAreRead) {
+TEST(LibcameraNumbers, MetadataIsRead) {
   libcamera::ControlList metadata(controls::controls);
-  EXPECT_FALSE(told_by(metadata)[kExposure]);
+  EXPECT_FALSE(reported_by(metadata)[kExposure]);
   metadata.set(controls::ExposureTime, 4970);
   metadata.set(controls::AnalogueGain, 1.5f);
   metadata.set(controls::FrameDuration, std::int64_t{33320});
   const std::vector<float> gains{1.25f, 2.5f};
   metadata.set(controls::ColourGains, libcamera::Span<const float, 2>(gains.data(), 2));
-  const LibcameraNumbers told = told_by(metadata);
-  EXPECT_EQ(told[kExposure], 4970.0);
-  EXPECT_EQ(told[kGain], 1.5);
-  EXPECT_EQ(told[kFrameDuration], 33320.0);
-  EXPECT_EQ(told[kRedGain], 1.25);
-  EXPECT_EQ(told[kBlueGain], 2.5);
+  const LibcameraNumbers numbers = reported_by(metadata);
+  EXPECT_EQ(numbers[kExposure], 4970.0);
+  EXPECT_EQ(numbers[kGain], 1.5);
+  EXPECT_EQ(numbers[kFrameDuration], 33320.0);
+  EXPECT_EQ(numbers[kRedGain], 1.25);
+  EXPECT_EQ(numbers[kBlueGain], 2.5);
 }
 
-// Whatever cameras this machine has.
-TEST(LibcameraLink, TheLibraryStartsAndEndsAsOftenAsIsAsked) {
+// Runs on any machine, with or without cameras.
+TEST(LibcameraLink, TheLibraryCanBeStartedRepeatedly) {
   CameraSettings settings;
   settings.device = "no such camera";
   LibcameraCamera camera(settings, 0, make_libcamera_link());
   for (int i = 0; i < 3; ++i) {
     const Result<void> opened = camera.open();
     EXPECT_EQ(opened.code(), ErrorCode::kNotFound);
-    EXPECT_EQ(opened.text().find("no such camera: no such camera; cameras here: "), 0u) << opened.text();
+    EXPECT_EQ(opened.text().find("no such camera: no such camera; available cameras: "), 0u) << opened.text();
     EXPECT_NE(opened.text().find(list_of(libcamera_cameras())), std::string::npos);
   }
 }

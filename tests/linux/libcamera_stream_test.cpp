@@ -19,8 +19,8 @@ using namespace std::chrono_literals;
 
 class LibcameraStreamTest : public LibcameraTest {};
 
-// The fake's caches show old pictures unless each reading is announced.
-TEST_F(LibcameraStreamTest, FramesComeInOrderFromTheDevicesOwnMemory) {
+// The fake's caches show old pictures unless each read is announced.
+TEST_F(LibcameraStreamTest, FramesArriveInOrderInTheDevicesMemory) {
   begin();
   for (std::uint32_t i = 1; i < 40; ++i) {
     world_.complete(i);
@@ -30,7 +30,7 @@ TEST_F(LibcameraStreamTest, FramesComeInOrderFromTheDevicesOwnMemory) {
   EXPECT_EQ(camera_->counters().lost, 0u);
 }
 
-TEST_F(LibcameraStreamTest, TheOldestComesFirstAndALeaseKeepsItsBuffer) {
+TEST_F(LibcameraStreamTest, TheOldestFrameIsReturnedFirstAndALeaseKeepsItsBuffer) {
   begin();
   for (std::uint32_t i = 1; i <= 4; ++i) world_.complete(i);
   {
@@ -67,7 +67,7 @@ TEST_F(LibcameraStreamTest, NeitherWaitNorReleaseAllocates) {
   EXPECT_EQ(counted, 0u);
 }
 
-TEST_F(LibcameraStreamTest, WithoutAFrameTheDeadlineEndsTheWait) {
+TEST_F(LibcameraStreamTest, WaitTimesOutAtTheDeadline) {
   begin();
   const Instant before = MonotonicClock::read();
   expect_error(camera_->wait(before + milliseconds(20)), ErrorCode::kTimeout,
@@ -77,7 +77,7 @@ TEST_F(LibcameraStreamTest, WithoutAFrameTheDeadlineEndsTheWait) {
   expect_frame(1);
 }
 
-TEST_F(LibcameraStreamTest, DamagedAndShortFramesAreLostAndTheirBuffersGoBack) {
+TEST_F(LibcameraStreamTest, DamagedAndShortFramesAreDroppedAndTheirBuffersRequeued) {
   begin();
   for (std::uint32_t i = 1; i < 30; i += 3) {
     world_.complete(i, [](LibcameraFrame& frame) { frame.state = LibcameraFrame::State::kDamaged; });
@@ -93,7 +93,7 @@ TEST_F(LibcameraStreamTest, DamagedAndShortFramesAreLostAndTheirBuffersGoBack) {
   EXPECT_EQ(camera_->counters().short_frames, 10u);
 }
 
-TEST_F(LibcameraStreamTest, CachesThatCannotBeMadeTrueMakeADamagedFrame) {
+TEST_F(LibcameraStreamTest, AFailedCacheSynchronizationMakesADamagedFrame) {
   begin();
   world_.wait_for_queued(4);
   for (const auto& buffer : heap_.buffers()) buffer->fail_with = EIO;
@@ -101,7 +101,7 @@ TEST_F(LibcameraStreamTest, CachesThatCannotBeMadeTrueMakeADamagedFrame) {
   expect_loss(ErrorCode::kCorruptFrame, std::string(kId) + ": libcamera marks frame 1 as damaged");
 }
 
-TEST_F(LibcameraStreamTest, GapsInTheCountAreLostFrames) {
+TEST_F(LibcameraStreamTest, GapsInTheSequenceAreLostFrames) {
   begin();
   for (const std::uint32_t i : {10u, 11u, 14u}) {
     world_.complete(i);
@@ -110,9 +110,9 @@ TEST_F(LibcameraStreamTest, GapsInTheCountAreLostFrames) {
   EXPECT_EQ(camera_->counters().lost, 2u);
 }
 
-// A Raspberry Pi counts pictures that were processed; those that the sensor took meanwhile show in the stamps.
+// A Raspberry Pi numbers the processed frames; frames that the sensor took in between show only in the time stamps.
 TEST_F(LibcameraStreamTest, GapsInTimeAreLostFramesToo) {
-  world_.told[LibcameraControl::kFrameDuration] = 10000.0;
+  world_.metadata[LibcameraControl::kFrameDuration] = 10000.0;
   begin();
   const auto at = [](std::int64_t stamp_ms) {
     return [=](LibcameraFrame& frame) { frame.stamp_ns = stamp_ms * 1000000; };
@@ -130,10 +130,10 @@ TEST_F(LibcameraStreamTest, GapsInTimeAreLostFramesToo) {
   EXPECT_EQ(camera_->counters().lost, 3u);
 }
 
-TEST_F(LibcameraStreamTest, AChangeOfTheRateOrAStrayStampIsNoGapInTime) {
+TEST_F(LibcameraStreamTest, AChangeOfTheRateOrAWrongStampIsNotAGap) {
   begin();
   std::uint32_t number = 0;
-  const auto come = [&](std::int64_t stamp_ms, double duration_ms) {
+  const auto complete_frame = [&](std::int64_t stamp_ms, double duration_ms) {
     world_.complete(++number, [=](LibcameraFrame& frame) {
       frame.stamp_ns = stamp_ms * 1000000;
       frame.reported[LibcameraControl::kFrameDuration] = duration_ms * 1000.0;
@@ -141,18 +141,18 @@ TEST_F(LibcameraStreamTest, AChangeOfTheRateOrAStrayStampIsNoGapInTime) {
     EXPECT_TRUE(camera_->wait(late()).ok());
     return camera_->counters().lost;
   };
-  EXPECT_EQ(come(100, 10.0), 0u);
-  EXPECT_EQ(come(110, 40.0), 0u);
-  EXPECT_EQ(come(150, 10.0), 0u) << "the frame before took 40 ms";
-  EXPECT_EQ(come(160, 10.0), 0u);
-  EXPECT_EQ(come(200, 10.0), 3u) << "a gap is one all the same";
-  EXPECT_EQ(come(50, 10.0), 3u);
-  EXPECT_EQ(come(220, 10.0), 3u) << "not so long after the stray stamp";
+  EXPECT_EQ(complete_frame(100, 10.0), 0u);
+  EXPECT_EQ(complete_frame(110, 40.0), 0u);
+  EXPECT_EQ(complete_frame(150, 10.0), 0u) << "the previous frame took 40 ms";
+  EXPECT_EQ(complete_frame(160, 10.0), 0u);
+  EXPECT_EQ(complete_frame(200, 10.0), 3u) << "a real gap still counts";
+  EXPECT_EQ(complete_frame(50, 10.0), 3u);
+  EXPECT_EQ(complete_frame(220, 10.0), 3u) << "the wrong stamp is not the reference";
   const auto tomorrow = std::chrono::duration_cast<milliseconds>(MonotonicClock::read().time_since_epoch()) + 24h;
-  EXPECT_EQ(come(tomorrow.count(), 10.0), 3u);
-  EXPECT_EQ(come(240, 10.0), 3u);
-  EXPECT_EQ(come(250, 10.0), 3u);
-  EXPECT_EQ(come(280, 10.0), 5u);
+  EXPECT_EQ(complete_frame(tomorrow.count(), 10.0), 3u);
+  EXPECT_EQ(complete_frame(240, 10.0), 3u);
+  EXPECT_EQ(complete_frame(250, 10.0), 3u);
+  EXPECT_EQ(complete_frame(280, 10.0), 5u);
 }
 
 TEST_F(LibcameraStreamTest, StampsAreTheMiddleOfTheExposure) {
@@ -163,33 +163,33 @@ TEST_F(LibcameraStreamTest, StampsAreTheMiddleOfTheExposure) {
     EXPECT_TRUE(frame.ok());
     return frame.value().frame().capture_time.time_since_epoch().count() - stamp_ns;
   };
-  // At a ribbon cable the first row comes when its exposure is over.
-  world_.told[LibcameraControl::kExposure] = 4000.0;
+  // The first row of a CSI camera arrives when its exposure is over.
+  world_.metadata[LibcameraControl::kExposure] = 4000.0;
   begin();
   EXPECT_EQ(captured_after_stamp(), -2000000);
-  // At USB nothing but the board file tells how long it takes.
+  // The exposure time of a USB camera is known only from the board file.
   camera_.reset();
-  world_.told = {};
+  world_.metadata = {};
   world_.cameras[0].external = true;
   world_.limits.low[LibcameraControl::kExposure] = 100.0;
   world_.limits.high[LibcameraControl::kExposure] = 100000.0;
-  hal::CameraSettings asked = settings();
-  asked.exposure_us = 5000;
-  begin(asked);
+  hal::CameraSettings requested = settings();
+  requested.exposure_us = 5000;
+  begin(requested);
   EXPECT_EQ(captured_after_stamp(), hal::uvc_computes_stamps() ? 2500000 : -2500000);
 }
 
-TEST_F(LibcameraStreamTest, ACameraThatGoesAwayWakesTheLoopAndComesBackById) {
+TEST_F(LibcameraStreamTest, AnUnpluggedCameraEndsTheWaitAndIsReopenedById) {
   begin();
   const std::vector<hal::LibcameraName> cameras = world_.cameras;
-  std::thread hand([&] {
+  std::thread unplugger([&] {
     std::this_thread::sleep_for(milliseconds(10));
-    world_.plug_out();
+    world_.unplug();
   });
-  const std::string gone = std::string(kId) + ": the camera went away (libcamera tells so)";
+  const std::string gone = std::string(kId) + ": the camera went away (reported by libcamera)";
   expect_loss(ErrorCode::kDisconnected, gone);
-  hand.join();
-  expect_loss(ErrorCode::kDisconnected, gone);  // until it is opened again
+  unplugger.join();
+  expect_loss(ErrorCode::kDisconnected, gone);  // until it is reopened
   camera_->stop();
   camera_->close();
   EXPECT_EQ(camera_->open().code(), ErrorCode::kNotFound);
@@ -199,18 +199,18 @@ TEST_F(LibcameraStreamTest, ACameraThatGoesAwayWakesTheLoopAndComesBackById) {
   world_.complete(1);
   expect_frame(1);
   camera_->stop();
-  world_.plug_out();
+  world_.unplug();
   EXPECT_EQ(camera_->start().code(), ErrorCode::kDisconnected);
 }
 
-TEST_F(LibcameraStreamTest, AFrameThatIsGivenUpAsksForANewStart) {
+TEST_F(LibcameraStreamTest, ACanceledFrameRequiresReopening) {
   begin();
   world_.complete(1, [](LibcameraFrame& frame) { frame.state = LibcameraFrame::State::kCancelled; });
-  expect_loss(ErrorCode::kIo, std::string(kId) + ": libcamera gave up a frame that was under way");
+  expect_loss(ErrorCode::kIo, std::string(kId) + ": libcamera canceled a frame in progress");
   EXPECT_EQ(camera_->wait(late()).code(), ErrorCode::kIo);
 }
 
-TEST_F(LibcameraStreamTest, ARequestThatIsRefusedIsToldByTheNextWait) {
+TEST_F(LibcameraStreamTest, AFailedRequestIsReportedByTheNextWait) {
   begin();
   world_.wait_for_queued(4);
   world_.complete(1);
@@ -219,20 +219,20 @@ TEST_F(LibcameraStreamTest, ARequestThatIsRefusedIsToldByTheNextWait) {
   expect_loss(ErrorCode::kIo, std::string(kId) + ": queuing a request failed: Input/output error");
 }
 
-TEST_F(LibcameraStreamTest, AStopForgetsWhatWasUnderWay) {
+TEST_F(LibcameraStreamTest, StopDropsFramesInProgress) {
   begin();
   world_.complete(1);
   world_.complete(2);
   camera_->stop();
   EXPECT_EQ(camera_->wait(late()).code(), ErrorCode::kInconsistent);
   ASSERT_OK(camera_->start());
-  ASSERT_TRUE(camera_->start().ok());  // nothing happens
+  ASSERT_TRUE(camera_->start().ok());  // no effect
   world_.complete(8);
   expect_frame(8);
   EXPECT_EQ(camera_->counters().lost, 0u);
 }
 
-TEST_F(LibcameraStreamTest, AStartThatFailsHalfWayLeavesNoFrameToTheNext) {
+TEST_F(LibcameraStreamTest, AFailedStartLeavesNoFrameForTheNextStart) {
   world_.frames_at_start = 2;
   world_.good_queues = 2;
   world_.errors = {{"queue", EIO}};
@@ -246,26 +246,26 @@ TEST_F(LibcameraStreamTest, AStartThatFailsHalfWayLeavesNoFrameToTheNext) {
   expect_frame(1);
 }
 
-// Frames that were taken before the controls were in force are no use to whoever learned colors with them.
-TEST_F(LibcameraStreamTest, TheStartPassesOverFramesThatAreNotYetAsAsked) {
+// Colors were calibrated with these controls, so frames taken before they took effect are useless.
+TEST_F(LibcameraStreamTest, StartSkipsFramesTakenBeforeTheControlsTookEffect) {
   world_.limits.low[LibcameraControl::kExposure] = 100.0;
   world_.limits.high[LibcameraControl::kExposure] = 100000.0;
   world_.frames_at_start = 20;
   world_.early_frames = 3;
-  world_.early[LibcameraControl::kExposure] = 20000.0;
-  world_.told[LibcameraControl::kExposure] = 4980.0;  // whole rows
-  world_.told[LibcameraControl::kFrameDuration] = 1e6 / 30.0;
-  hal::CameraSettings asked = settings();
-  asked.exposure_us = 5000;
-  asked.rate_hz = 30.0;
-  begin(asked);
-  EXPECT_EQ(camera_->info().negotiated, std::string(kId) + ": rate_hz = 30: the camera does not tell its rate");
+  world_.early_metadata[LibcameraControl::kExposure] = 20000.0;
+  world_.metadata[LibcameraControl::kExposure] = 4980.0;  // whole rows
+  world_.metadata[LibcameraControl::kFrameDuration] = 1e6 / 30.0;
+  hal::CameraSettings requested = settings();
+  requested.exposure_us = 5000;
+  requested.rate_hz = 30.0;
+  begin(requested);
+  EXPECT_EQ(camera_->info().negotiated, std::string(kId) + ": rate_hz = 30: the camera does not report its frame rate");
   EXPECT_EQ(world_.early_frames, 0);
   EXPECT_DOUBLE_EQ(camera_->info().rate_hz, 30.0);
   EXPECT_EQ(camera_->info().description, std::string(kId) +
                                              " (imx219): nv12 640x480 at 30 Hz, 4 buffers of /dev/dma_heap/linux,cma, "
                                              "exposure 4980 us");
-  world_.early_frames = 20;  // never as asked: told, and no reason to stand still
+  world_.early_frames = 20;  // the controls never take effect: that is reported, and the camera streams
   camera_->stop();
   ASSERT_TRUE(camera_->start().ok());
   EXPECT_NE(camera_->info().negotiated.find("exposure_us = 5000: set to 20000 (range 100 to 100000)"),
@@ -273,29 +273,28 @@ TEST_F(LibcameraStreamTest, TheStartPassesOverFramesThatAreNotYetAsAsked) {
       << camera_->info().negotiated;
 }
 
-TEST_F(LibcameraStreamTest, AStartWithoutFramesDoesNotBlameTheControls) {
+TEST_F(LibcameraStreamTest, AStartWithoutFramesReportsThatTheValuesAreUnknown) {
   world_.limits.low[hal::LibcameraControl::kExposure] = 75.0;
   world_.limits.high[hal::LibcameraControl::kExposure] = 4000.0;
   world_.limits.low[hal::LibcameraControl::kFrameDuration] = 10000.0;
   world_.limits.high[hal::LibcameraControl::kFrameDuration] = 100000.0;
   world_.frames_at_start = 0;
-  hal::CameraSettings asked = settings();
-  asked.exposure_us = 5000;
-  make(asked);
+  hal::CameraSettings requested = settings();
+  requested.exposure_us = 5000;
+  make(requested);
   ASSERT_OK(camera_->open());
-  std::thread somebody([&] {
+  std::thread unplugger([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    world_.plug_out();  // else the start waits for two seconds
+    world_.unplug();  // otherwise start() waits for two seconds
   });
   EXPECT_TRUE(camera_->start().ok());
-  somebody.join();
-  EXPECT_EQ(camera_->info().negotiated,
-            std::string(kId) +
-                ": exposure_us = 5000: set to 4000 (range 75 to 4000); no frame came yet to tell "
-                "what is in force");
+  unplugger.join();
+  EXPECT_EQ(camera_->info().negotiated, std::string(kId) +
+                                            ": exposure_us = 5000: set to 4000 (range 75 to 4000); no frame arrived "
+                                            "yet, so the actual values are unknown");
 }
 
-TEST_F(LibcameraStreamTest, ThreadsAtFullSpeedLoseNothing) {
+TEST_F(LibcameraStreamTest, ThreadsAtFullSpeedLoseNoFrame) {
   hal::CameraSettings small = settings();
   small.width_px = 64;
   small.height_px = 48;

@@ -43,7 +43,7 @@ class MjpgDecoderTest : public ::testing::Test {
   std::vector<std::uint8_t> rgb_;
 };
 
-TEST_F(MjpgDecoderTest, ReadsWhatCamerasWriteInFullRange) {
+TEST_F(MjpgDecoderTest, DecodesTheFormatsOfCamerasInFullRange) {
   const std::array<JpegStyle, 8> styles{{{},
                                          {.horizontal = 2, .vertical = 2},
                                          {.horizontal = 1, .vertical = 1},
@@ -59,19 +59,19 @@ TEST_F(MjpgDecoderTest, ReadsWhatCamerasWriteInFullRange) {
   }
 }
 
-TEST_F(MjpgDecoderTest, APictureWithoutTablesMeansTheUsualOnes) {
+TEST_F(MjpgDecoderTest, APictureWithoutHuffmanTablesUsesTheStandardOnes) {
   begin();
   expect_picture({}, jpeg_of({.own_huffman_tables = true}));
   expect_picture({}, jpeg_of({.with_huffman_tables = false}));
 }
 
-TEST_F(MjpgDecoderTest, LargestPictureHasRoom) {
+TEST_F(MjpgDecoderTest, MemorySufficesForTheLargestPicture) {
   const JpegStyle style{.width = kMaxFrameWidth, .height = 64, .horizontal = 1, .vertical = 1};
   begin(style);
   expect_picture(style, jpeg_of(style));
 }
 
-TEST_F(MjpgDecoderTest, DamageIsNamedAndTheNextPictureIsGood) {
+TEST_F(MjpgDecoderTest, DamageIsReportedAndTheNextPictureIsGood) {
   begin();
   const JpegStyle style;
   const std::vector<std::uint8_t> good = jpeg_of();
@@ -84,12 +84,12 @@ TEST_F(MjpgDecoderTest, DamageIsNamedAndTheNextPictureIsGood) {
   expect_picture(style, good);
   expect_damage({}, "Empty input file");
   expect_damage(std::vector<std::uint8_t>(1000, 0), "Not a JPEG file: starts with 0x00 0x00");
-  expect_damage(jpeg_of({.width = 640, .height = 480}), "it is 640x480");
-  expect_damage(jpeg_of({.progressive = true}), "no baseline JPEG of one scan");
+  expect_damage(jpeg_of({.width = 640, .height = 480}), "its size is 640x480");
+  expect_damage(jpeg_of({.progressive = true}), "not a baseline JPEG with one scan");
   expect_picture(style, good);
 }
 
-TEST_F(MjpgDecoderTest, StrayBytesThatManyCamerasLeaveAreNoDamage) {
+TEST_F(MjpgDecoderTest, StrayBytesOfManyCamerasAreAccepted) {
   begin();
   std::vector<std::uint8_t> jpeg = jpeg_of();
   jpeg.insert(jpeg.end() - 2, {0x00, 0x12});  // before the last marker
@@ -97,15 +97,15 @@ TEST_F(MjpgDecoderTest, StrayBytesThatManyCamerasLeaveAreNoDamage) {
   expect_picture({}, jpeg);
 }
 
-TEST_F(MjpgDecoderTest, AnotherVersionOfTheFileFormatIsNoDamage) {
+TEST_F(MjpgDecoderTest, AnotherVersionOfTheFileFormatIsAccepted) {
   begin();
   std::vector<std::uint8_t> jpeg = jpeg_of();
   ASSERT_EQ(jpeg[6], 'J');
-  jpeg[11] = 2;  // the major version; 1 is the only one there is
+  jpeg[11] = 2;  // the major version; only 1 exists
   expect_picture({}, jpeg);
 }
 
-TEST_F(MjpgDecoderTest, WithoutItsLastMarkerAPictureIsGoodUnlessMoreIsMissing) {
+TEST_F(MjpgDecoderTest, AMissingEndMarkerIsAcceptedUnlessMoreIsMissing) {
   for (const bool with_restarts : {false, true}) {
     const JpegStyle style{.width = 64, .height = 48, .horizontal = 2, .vertical = 2, .with_restarts = with_restarts};
     begin(style);
@@ -118,7 +118,7 @@ TEST_F(MjpgDecoderTest, WithoutItsLastMarkerAPictureIsGoodUnlessMoreIsMissing) {
       jpeg.pop_back();
       ASSERT_EQ(decoder_.decode(jpeg, rgb_.data()).code(), ErrorCode::kCorruptFrame) << jpeg.size() << " bytes";
     }
-    // Zeros instead of the end decode as something.
+    // Zeros instead of the end can be decoded.
     jpeg = jpeg_of(style);
     std::fill(jpeg.end() - 100, jpeg.end(), std::uint8_t{0});
     jpeg.insert(jpeg.end(), 1000, 0x00);
@@ -126,9 +126,8 @@ TEST_F(MjpgDecoderTest, WithoutItsLastMarkerAPictureIsGoodUnlessMoreIsMissing) {
   }
 }
 
-// Whatever comes over the wire, nothing is written or read where it must not be (the sanitizers watch), and the next
-// picture is good.
-TEST_F(MjpgDecoderTest, AnySingleWrongByteIsSurvived) {
+// Damaged data must not cause accesses out of bounds (the sanitizers check that), and the next picture must be good.
+TEST_F(MjpgDecoderTest, AnySingleWrongByteIsHandled) {
   const JpegStyle style{.width = 64, .height = 48, .horizontal = 2, .vertical = 2};
   begin(style);
   const std::vector<std::uint8_t> good = jpeg_of(style);
@@ -150,19 +149,19 @@ class MjpgCameraTest : public V4l2RunningTest {
     device_.formats = {{V4L2_PIX_FMT_MJPEG, {{320, 240}}, false}};
     device_.jpeg = jpeg_of();
   }
-  static hal::CameraSettings asked() {
-    hal::CameraSettings asked = settings();
-    asked.format = CameraFormat::kMjpg;
-    asked.width_px = 320;
-    asked.height_px = 240;
-    return asked;
+  static hal::CameraSettings requested() {
+    hal::CameraSettings requested = settings();
+    requested.format = CameraFormat::kMjpg;
+    requested.width_px = 320;
+    requested.height_px = 240;
+    return requested;
   }
 };
 
-TEST_F(MjpgCameraTest, FramesAreRgbAndTheDriverHasItsBufferBackAtOnce) {
+TEST_F(MjpgCameraTest, FramesAreRgbAndTheBufferIsRequeuedAtOnce) {
   for (const unsigned interface : {V4L2_CAP_VIDEO_CAPTURE + 0u, V4L2_CAP_VIDEO_CAPTURE_MPLANE + 0u}) {
     device_.capabilities = interface | V4L2_CAP_STREAMING;
-    begin(asked());
+    begin(requested());
     EXPECT_EQ(camera_->info().format, PixelFormat::kRgb24);
     const Result<FrameLease> result = camera_->wait(soon());
     ASSERT_TRUE(result.ok()) << result.text();
@@ -173,16 +172,16 @@ TEST_F(MjpgCameraTest, FramesAreRgbAndTheDriverHasItsBufferBackAtOnce) {
     EXPECT_EQ(frame.stride_bytes[0], 960u);
     EXPECT_NEAR(frame.plane[0][960 * 100 + 3 * 100], 255, 4);  // red
     EXPECT_NEAR(frame.plane[0][960 * 100 + 3 * 100 + 1], 0, 4);
-    EXPECT_EQ(result.value().dma_bufs(), hal::kNotShared) << "our own memory";
+    EXPECT_EQ(result.value().dma_bufs(), hal::kNoDmaBufs) << "memory of the camera object";
   }
 }
 
-TEST_F(MjpgCameraTest, ADamagedPictureIsLostAndTheNextIsGood) {
+TEST_F(MjpgCameraTest, ADamagedPictureIsDroppedAndTheNextIsGood) {
   device_.frame_faults[1].bytes = static_cast<std::int64_t>(device_.jpeg.size() / 2);
   device_.frame_faults[2].bytes = 0;
   device_.frame_faults[3].wrong_at = 0;
   device_.frame_faults[4].damaged = true;
-  begin(asked());
+  begin(requested());
   expect_frame(*camera_, 0);
   expect_loss(*camera_, ErrorCode::kCorruptFrame, std::string("/dev/video0: frame 1 cannot be decoded: ") + kCutOff);
   expect_loss(*camera_, ErrorCode::kShortFrame, "/dev/video0: frame 2 has 0 bytes instead of 1");
@@ -195,8 +194,8 @@ TEST_F(MjpgCameraTest, ADamagedPictureIsLostAndTheNextIsGood) {
   EXPECT_EQ(camera_->counters().lost, 0u);
 }
 
-TEST_F(MjpgCameraTest, AllPicturesLentOutTimesOutAndRecovers) {
-  begin(asked());
+TEST_F(MjpgCameraTest, WaitTimesOutWhileAllPicturesAreLent) {
+  begin(requested());
   std::vector<FrameLease> leases;
   for (std::uint32_t i = 0; i < 4; ++i) {
     Result<FrameLease> frame = camera_->wait(soon());
@@ -206,7 +205,7 @@ TEST_F(MjpgCameraTest, AllPicturesLentOutTimesOutAndRecovers) {
   }
   const Instant deadline = soon();
   expect_error(camera_->wait(deadline), ErrorCode::kTimeout,
-               "/dev/video0: no frame can come: all 4 buffers are lent out");
+               "/dev/video0: no frame can arrive: all 4 buffers are in use");
   EXPECT_GE(kernel_.now(), deadline);
   const std::uint8_t* const first = leases[0].frame().plane[0];
   leases.clear();
@@ -215,13 +214,13 @@ TEST_F(MjpgCameraTest, AllPicturesLentOutTimesOutAndRecovers) {
   EXPECT_EQ(next.value().frame().plane[0], first) << "memory that is in the caches";
 }
 
-TEST_F(MjpgCameraTest, AllocatesNothingWhilePicturesAndDamageFlow) {
-  if (!DriverAllocations::are_counted()) GTEST_SKIP() << "the sanitizer has the allocator";
+TEST_F(MjpgCameraTest, AllocatesNothingEvenForDamagedPictures) {
+  if (!DriverAllocations::are_counted()) GTEST_SKIP() << "the sanitizer replaces the allocator";
   for (std::uint32_t i = 0; i < 100; i += 10) {
     device_.frame_faults[i + 1].bytes = static_cast<std::int64_t>(device_.jpeg.size() / 2);
     device_.frame_faults[i + 3].wrong_at = 0;
   }
-  begin(asked());
+  begin(requested());
   const DriverAllocations counter;
   int good = 0, corrupt = 0;
   for (int i = 0; i < 100; ++i) {

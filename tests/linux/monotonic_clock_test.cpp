@@ -13,9 +13,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST(MonotonicClock, IsTheClockOfTheDriversStamps) {
+TEST(MonotonicClock, IsTheClockOfTheDriversTimeStamps) {
   MonotonicClock clock;
-  // libstdc++'s steady clock is CLOCK_MONOTONIC on Linux, read by another way.
+  // libstdc++'s steady clock is also CLOCK_MONOTONIC on Linux.
   const auto before = std::chrono::steady_clock::now().time_since_epoch();
   const auto now = clock.now().time_since_epoch();
   const auto after = std::chrono::steady_clock::now().time_since_epoch();
@@ -23,15 +23,15 @@ TEST(MonotonicClock, IsTheClockOfTheDriversStamps) {
   EXPECT_LE(now, after);
 }
 
-TEST(MonotonicClock, SleepsToTheInstant) {
+TEST(MonotonicClock, SleepsUntilTheInstant) {
   MonotonicClock clock;
   const Instant goal = clock.now() + milliseconds(5);
   clock.sleep_until(goal);
   EXPECT_GE(clock.now(), goal);
-  EXPECT_LT(clock.now(), goal + milliseconds(500)) << "a busy machine may be late, not lost";
+  EXPECT_LT(clock.now(), goal + milliseconds(500)) << "a busy machine may be late, but not this late";
 }
 
-TEST(MonotonicClock, PastInstantsReturnAtOnce) {
+TEST(MonotonicClock, PastInstantsReturnImmediately) {
   fake::Kernel kernel;
   MonotonicClock clock;
   const Instant before = kernel.now();
@@ -76,7 +76,7 @@ TEST(MonotonicClock, DeadlinesDoNotDrift) {
   for (int i = 0; i < 1000; ++i) {
     next += milliseconds(10);
     MonotonicClock::wait_for(next);
-    static_cast<void>(MonotonicClock::read());  // work that takes time
+    static_cast<void>(MonotonicClock::read());  // work takes time
   }
   EXPECT_EQ(kernel.now(), start + milliseconds(10000) + std::chrono::microseconds(1));
 }

@@ -62,7 +62,7 @@ TEST(Result, ErrorsGetContext) {
   EXPECT_EQ(prefixed("venue.toml", failure(ErrorCode::kNotFound, "no such file")).text, "venue.toml: no such file");
 }
 
-TEST(ErrorText, KeepsLongTextsWhole) {
+TEST(ErrorText, StoresLongTextsCompletely) {
   ErrorText text;
   std::string expected;
   for (int i = 0; i < 500; ++i) {
@@ -74,7 +74,7 @@ TEST(ErrorText, KeepsLongTextsWhole) {
 
   ErrorText moved = std::move(text);
   EXPECT_EQ(moved, expected);
-  EXPECT_TRUE(text.empty());  // NOLINT(bugprone-use-after-move): defined, as for the standard's containers of length 0
+  EXPECT_TRUE(text.empty());  // NOLINT(bugprone-use-after-move): defined to be empty
   text = moved;
   moved.set("short");
   EXPECT_EQ(moved, "short");
@@ -94,7 +94,7 @@ TEST(ErrorText, FormatsTextsOfEveryLengthAroundTheInlineCapacity) {
   }
 }
 
-TEST(ErrorText, AllocatesNothingForALine) {
+TEST(ErrorText, AllocatesNothingForOneLine) {
   if (!testing::DriverAllocations::are_counted()) GTEST_SKIP();
   const std::string line(ErrorText::kInlineCapacity - 20, 'x');
   const testing::DriverAllocations allocations;

@@ -29,7 +29,7 @@ inline std::vector<std::byte> operator+(std::vector<std::byte> bytes, const Pack
   return bytes;
 }
 
-/// A machine with /dev/ttyUSB0, which also has a link by its id, and /dev/ttyS0.
+/// A machine with /dev/ttyUSB0, which has a link by id, and /dev/ttyS0.
 class SerialRadioTest : public ::testing::Test {
  protected:
   SerialRadioTest() {

@@ -9,7 +9,7 @@
 namespace touchline::testing {
 namespace {
 
-TEST_F(SerialRadioTest, OpensRawForUsAlone) {
+TEST_F(SerialRadioTest, OpensRawAndExclusively) {
   SerialRadio radio(settings());
   ASSERT_OK(radio.open());
   EXPECT_EQ(radio.description(), text("115200 baud, low latency"));
@@ -22,7 +22,7 @@ TEST_F(SerialRadioTest, OpensRawForUsAlone) {
   EXPECT_TRUE(adapter_.exclusive);
 }
 
-TEST_F(SerialRadioTest, BytesReachTheWireAsTheyAre) {
+TEST_F(SerialRadioTest, BytesAreSentUnchanged) {
   SerialRadio radio(settings());
   ASSERT_TRUE(radio.open().ok());
   Packet all;
@@ -35,27 +35,29 @@ TEST_F(SerialRadioTest, BytesReachTheWireAsTheyAre) {
   EXPECT_EQ(radio.counters().refused, 0u);
 }
 
-TEST_F(SerialRadioTest, MissingPortListsThePortsThatAreHere) {
-  RadioSettings asked = settings();
-  asked.device = "/dev/ttyUSB7";
+TEST_F(SerialRadioTest, AMissingPortListsTheAvailablePorts) {
+  RadioSettings requested = settings();
+  requested.device = "/dev/ttyUSB7";
   expect_refusal(
-      asked, ErrorCode::kNotFound,
-      std::string("/dev/ttyUSB7: no such port; ports here: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART) = ") +
+      requested, ErrorCode::kNotFound,
+      std::string(
+          "/dev/ttyUSB7: no such port; available ports: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART) = ") +
           kById);
 }
 
-TEST_F(SerialRadioTest, AFileThatIsNoPort) {
+TEST_F(SerialRadioTest, AFileThatIsNotASerialPortIsRefused) {
   fake::VideoDevice camera;
   kernel_.add("/dev/video0", camera);
-  RadioSettings asked = settings();
-  asked.device = "/dev/video0";
+  RadioSettings requested = settings();
+  requested.device = "/dev/video0";
   expect_refusal(
-      asked, ErrorCode::kUnsupported,
-      std::string("/dev/video0: not a serial port; ports here: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART) = ") +
+      requested, ErrorCode::kUnsupported,
+      std::string(
+          "/dev/video0: not a serial port; available ports: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART) = ") +
           kById);
 }
 
-TEST_F(SerialRadioTest, RefusedAccessSaysWhatToDo) {
+TEST_F(SerialRadioTest, PermissionErrorsSayWhatToDo) {
   adapter_.open_error = EACCES;
   expect_refusal(
       settings(), ErrorCode::kPermission,
@@ -63,39 +65,40 @@ TEST_F(SerialRadioTest, RefusedAccessSaysWhatToDo) {
            "again"));
   adapter_.open_error = EBUSY;
   expect_refusal(settings(), ErrorCode::kDeviceBusy,
-                 text(std::string("held by another process; `fuser -v ") + kById + "` names it"));
+                 text(std::string("in use by another process; `fuser -v ") + kById + "` shows it"));
   adapter_.open_error = EIO;
   expect_refusal(
       settings(), ErrorCode::kNotFound,
-      text(std::string("no UART behind this port; ports here: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART) = ") +
+      text(std::string(
+               "no UART behind this port; available ports: /dev/ttyS0 (ttyS0), /dev/ttyUSB0 (FT232R USB UART) = ") +
            kById));
   adapter_.open_error = ENOMEM;
   expect_refusal(settings(), ErrorCode::kIo, text("cannot be opened: Cannot allocate memory"));
 }
 
-TEST_F(SerialRadioTest, ALockOfAnotherProgramKeepsUsOut) {
+TEST_F(SerialRadioTest, APortLockedByAnotherProgramIsBusy) {
   adapter_.locked_by_another = true;
   expect_refusal(settings(), ErrorCode::kDeviceBusy,
-                 text(std::string("held by another process; `fuser -v ") + kById + "` names it"));
+                 text(std::string("in use by another process; `fuser -v ") + kById + "` shows it"));
 }
 
-TEST_F(SerialRadioTest, BaudRatesThatThePortCannotDo) {
+TEST_F(SerialRadioTest, UnsupportedBaudRatesAreRefused) {
   adapter_.baud_error = EINVAL;
   expect_refusal(settings(1234567), ErrorCode::kUnsupported, text("refuses baud = 1234567: Invalid argument"));
   adapter_.baud_error = 0;
-  adapter_.granted_baud = 9600;
+  adapter_.actual_baud = 9600;
   expect_refusal(settings(), ErrorCode::kUnsupported,
                  text("baud = 115200: set to 9600, which is too far off for the robots to understand"));
-  adapter_.granted_baud = 115200 - 2400;  // 2.1 % too slow
+  adapter_.actual_baud = 115200 - 2400;  // 2.1 % too slow
   expect_refusal(settings(), ErrorCode::kUnsupported,
                  text("baud = 115200: set to 112800, which is too far off for the robots to understand"));
-  adapter_.granted_baud = 115200 + 2200;  // 1.9 % too fast
+  adapter_.actual_baud = 115200 + 2200;  // 1.9 % too fast
   SerialRadio radio(settings());
   EXPECT_TRUE(radio.open().ok());
   EXPECT_EQ(radio.description(), text("115200 baud, set to 117400, low latency"));
 }
 
-TEST_F(SerialRadioTest, FastRatesAndRatesOfOnesOwn) {
+TEST_F(SerialRadioTest, HighAndNonstandardBaudRatesAreSet) {
   for (const int baud : {1000000, 1234567, 4000000}) {
     SerialRadio radio(settings(baud));
     ASSERT_OK(radio.open());
@@ -104,14 +107,14 @@ TEST_F(SerialRadioTest, FastRatesAndRatesOfOnesOwn) {
   }
 }
 
-TEST_F(SerialRadioTest, DriversWithoutLowLatencyServeAsWell) {
+TEST_F(SerialRadioTest, DriversWithoutLowLatencyAreAccepted) {
   adapter_.offers_low_latency = false;
   SerialRadio radio(settings());
   ASSERT_TRUE(radio.open().ok());
   EXPECT_EQ(radio.description(), text("115200 baud"));
 }
 
-TEST_F(SerialRadioTest, PortThatGoesAwayWhileItIsSetUp) {
+TEST_F(SerialRadioTest, UnpluggingDuringTheSetupIsReported) {
   adapter_.bits_error = EIO;
   expect_refusal(settings(), ErrorCode::kDisconnected, text("the port went away (setting 8N1 without flow control)"));
   adapter_.bits_error = 0;

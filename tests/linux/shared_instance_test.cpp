@@ -9,10 +9,10 @@
 namespace touchline::hal {
 namespace {
 
-/// Ends slowly, as libcamera does.
+/// Its destructor takes long, as that of libcamera's camera manager.
 struct Slow {
-  static inline std::atomic<int> alive{0}, most{0};
-  Slow() { most = std::max(most.load(), ++alive); }
+  static inline std::atomic<int> alive{0}, max_alive{0};
+  Slow() { max_alive = std::max(max_alive.load(), ++alive); }
   ~Slow() {
     std::this_thread::sleep_for(std::chrono::microseconds(300));
     --alive;
@@ -34,7 +34,7 @@ TEST(SharedInstance, IsDestroyedWithTheLastUser) {
 
 TEST(SharedInstance, AUserThatArrivesDuringDestructionGetsANewOne) {
   SharedInstance<Slow> shared;
-  Slow::most = 0;
+  Slow::max_alive = 0;
   const auto come_and_go = [&] {
     for (int i = 0; i < 100; ++i) {
       ASSERT_NE(shared.acquire(make), nullptr);
@@ -45,13 +45,13 @@ TEST(SharedInstance, AUserThatArrivesDuringDestructionGetsANewOne) {
   come_and_go();
   other.join();
   EXPECT_EQ(Slow::alive, 0);
-  EXPECT_EQ(Slow::most, 1);
+  EXPECT_EQ(Slow::max_alive, 1);
 }
 
 TEST(SharedInstance, AFailedCreationIsNotAUser) {
   SharedInstance<Slow> shared;
   EXPECT_EQ(shared.acquire([] { return std::unique_ptr<Slow>(); }), nullptr);
-  EXPECT_NE(shared.acquire(make), nullptr) << "another attempt";
+  EXPECT_NE(shared.acquire(make), nullptr) << "the next attempt succeeds";
   shared.release();
   EXPECT_EQ(Slow::alive, 0);
 }

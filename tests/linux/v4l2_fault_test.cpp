@@ -11,8 +11,8 @@ using hal::V4l2Camera;
 
 class V4l2FaultTest : public V4l2RunningTest {
  protected:
-  /// The same error again and again, and the driver is left in peace.
-  void expect_lost_for_good(ErrorCode code) {
+  /// wait() must return the same error again without a request to the driver.
+  void expect_permanent_error(ErrorCode code) {
     const int requests = device_.requests(VIDIOC_DQBUF);
     const std::string text = camera_->wait(soon()).text();
     EXPECT_NE(text, "");
@@ -21,7 +21,7 @@ class V4l2FaultTest : public V4l2RunningTest {
   }
 };
 
-TEST_F(V4l2FaultTest, DamagedAndShortFramesAreGivenBackAndTheNextIsGood) {
+TEST_F(V4l2FaultTest, DamagedAndShortFramesAreRequeuedAndTheNextIsGood) {
   device_.frame_faults[1].damaged = true;
   device_.frame_faults[2].bytes = 307200;
   device_.frame_faults[3].bytes = 0;
@@ -36,28 +36,28 @@ TEST_F(V4l2FaultTest, DamagedAndShortFramesAreGivenBackAndTheNextIsGood) {
   EXPECT_EQ(camera_->counters().corrupt, 1u);
   EXPECT_EQ(camera_->counters().short_frames, 2u);
   EXPECT_EQ(camera_->counters().frames, 2u);
-  EXPECT_EQ(camera_->counters().lost, 0u) << "they came, if badly";
+  EXPECT_EQ(camera_->counters().lost, 0u) << "they arrived, although damaged";
 }
 
-TEST_F(V4l2FaultTest, FailureInTheMiddleOfTheStreamNeedsAReopening) {
+TEST_F(V4l2FaultTest, AnErrorWhileStreamingRequiresReopening) {
   begin();
   expect_frame(*camera_, 0);
   device_.fail(VIDIOC_DQBUF, EIO);
-  expect_loss(*camera_, ErrorCode::kIo, "/dev/video0: fetching a frame failed: Input/output error");
-  expect_lost_for_good(ErrorCode::kIo);
+  expect_loss(*camera_, ErrorCode::kIo, "/dev/video0: dequeuing a frame failed: Input/output error");
+  expect_permanent_error(ErrorCode::kIo);
   camera_->close();
   ASSERT_TRUE(camera_->open().ok());
   ASSERT_TRUE(camera_->start().ok());
   expect_frame(*camera_, 0);
 }
 
-TEST_F(V4l2FaultTest, PluggedOutAndInAgain) {
+TEST_F(V4l2FaultTest, CanBeReopenedAfterReplugging) {
   device_.gone_at_frame = 2;
   begin();
   expect_frame(*camera_, 0);
   expect_frame(*camera_, 1);
-  expect_loss(*camera_, ErrorCode::kDisconnected, "/dev/video0: the camera went away (fetching a frame)");
-  expect_lost_for_good(ErrorCode::kDisconnected);
+  expect_loss(*camera_, ErrorCode::kDisconnected, "/dev/video0: the camera went away (dequeuing a frame)");
+  expect_permanent_error(ErrorCode::kDisconnected);
   camera_->close();
   EXPECT_EQ(kernel_.open_files(), 0u);
   kernel_.remove("/dev/video0");
@@ -73,7 +73,7 @@ TEST_F(V4l2FaultTest, PluggedOutAndInAgain) {
   EXPECT_EQ(again.mapped(), 0u);
 }
 
-TEST_F(V4l2FaultTest, PluggedInAgainUnderAnotherNumberItIsFoundByItsSocket) {
+TEST_F(V4l2FaultTest, IsFoundByItsSocketAfterReplugging) {
   constexpr const char* kByPath = "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0";
   kernel_.link(kByPath, "/dev/video0");
   for (const char* const named : {kByPath, "/dev/video0"}) {
@@ -81,9 +81,9 @@ TEST_F(V4l2FaultTest, PluggedInAgainUnderAnotherNumberItIsFoundByItsSocket) {
     kernel_.add("/dev/video0", before);
     kernel_.link(kByPath, "/dev/video0");
     before.gone_at_frame = 1;
-    hal::CameraSettings asked = settings();
-    asked.device = named;
-    begin(asked);
+    hal::CameraSettings requested = settings();
+    requested.device = named;
+    begin(requested);
     expect_frame(*camera_, 0);
     EXPECT_EQ(camera_->wait(soon()).code(), ErrorCode::kDisconnected);
     camera_->close();
@@ -91,7 +91,7 @@ TEST_F(V4l2FaultTest, PluggedInAgainUnderAnotherNumberItIsFoundByItsSocket) {
     kernel_.remove("/dev/video0");
     EXPECT_EQ(camera_->open().code(), ErrorCode::kNotFound) << named;
 
-    kernel_.add("/dev/video0", other);  // somebody else's camera takes the number
+    kernel_.add("/dev/video0", other);  // another camera gets the number
     kernel_.add("/dev/video3", after);
     kernel_.link(kByPath, "/dev/video3");
     ASSERT_OK(camera_->open());
@@ -105,7 +105,7 @@ TEST_F(V4l2FaultTest, PluggedInAgainUnderAnotherNumberItIsFoundByItsSocket) {
   kernel_.add("/dev/video0", device_);
 }
 
-TEST_F(V4l2FaultTest, InAnotherSocketTheNumberIsWhatCounts) {
+TEST_F(V4l2FaultTest, IsFoundByItsNumberInAnotherSocket) {
   constexpr const char* kByPath = "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0";
   kernel_.link(kByPath, "/dev/video0");
   begin();
@@ -119,7 +119,7 @@ TEST_F(V4l2FaultTest, InAnotherSocketTheNumberIsWhatCounts) {
   camera_->stop();
   camera_->close();
 
-  fake::VideoDevice other;  // somebody else's camera takes the socket that was left
+  fake::VideoDevice other;  // another camera is plugged into the former socket
   kernel_.add("/dev/video1", other);
   kernel_.link(kByPath, "/dev/video1");
   ASSERT_TRUE(camera_->open().ok());
@@ -130,7 +130,7 @@ TEST_F(V4l2FaultTest, InAnotherSocketTheNumberIsWhatCounts) {
   kernel_.remove("/dev/video1");
 }
 
-TEST_F(V4l2FaultTest, ACameraThatIsOfNoUseIsNotRememberedForItsNumber) {
+TEST_F(V4l2FaultTest, TheLinkOfAnUnusableCameraIsNotStored) {
   constexpr const char* kByPath = "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0";
   constexpr const char* kOther = "/dev/v4l/by-path/pci-0000:00:14.0-usb-0:2:1.0-video-index0";
   kernel_.link(kByPath, "/dev/video0");
@@ -153,7 +153,7 @@ TEST_F(V4l2FaultTest, ACameraThatIsOfNoUseIsNotRememberedForItsNumber) {
   kernel_.add("/dev/video0", device_);
 }
 
-TEST_F(V4l2FaultTest, AStreamThatStallsSaysNothingUntilItIsOpenedAgain) {
+TEST_F(V4l2FaultTest, AStalledStreamTimesOutUntilReopened) {
   device_.stalls_at_frame = 3;
   begin();
   for (std::uint32_t i = 0; i < 3; ++i) expect_frame(*camera_, i);
@@ -166,37 +166,37 @@ TEST_F(V4l2FaultTest, AStreamThatStallsSaysNothingUntilItIsOpenedAgain) {
   expect_frame(*camera_, 0);
 }
 
-TEST_F(V4l2FaultTest, PluggedOutWhileAFrameIsLent) {
+TEST_F(V4l2FaultTest, UnpluggingDuringALeaseIsReported) {
   begin();
   {
     const Result<FrameLease> frame = camera_->wait(soon());
     ASSERT_TRUE(frame.ok());
-    device_.plug_out();
+    device_.unplug();
   }
   expect_loss(*camera_, ErrorCode::kDisconnected, "/dev/video0: the camera went away (queuing a buffer)");
 }
 
-TEST_F(V4l2FaultTest, ALostFrameThatCannotBeGivenBackIsTheDevicesFault) {
+TEST_F(V4l2FaultTest, AFailureToRequeueADamagedFrameIsADeviceError) {
   device_.frame_faults[0].damaged = true;
   begin();
   device_.fail(VIDIOC_QBUF, EIO);
   expect_loss(*camera_, ErrorCode::kIo, "/dev/video0: queuing a buffer failed: Input/output error");
 }
 
-TEST_F(V4l2FaultTest, FalseAlarmsNeitherEndTheWaitNorBurnTheProcessor) {
+TEST_F(V4l2FaultTest, SpuriousWakeupsNeitherEndTheWaitNorSpin) {
   begin();
-  device_.false_alarms = 1000000;
+  device_.spurious_wakeups = 1000000;
   const int before = device_.requests(VIDIOC_DQBUF);
   expect_loss(*camera_, ErrorCode::kTimeout, "/dev/video0: no frame before the deadline");
   const int tries = device_.requests(VIDIOC_DQBUF) - before;
   EXPECT_GE(tries, 150);
-  EXPECT_LE(tries, 210) << "100 ms at one look each 500 us";
-  device_.false_alarms = 5;
+  EXPECT_LE(tries, 210) << "100 ms with one request every 500 us";
+  device_.spurious_wakeups = 5;
   const Result<FrameLease> frame = camera_->wait(soon());
   EXPECT_TRUE(frame.ok());
 }
 
-TEST_F(V4l2FaultTest, WhoIsTooSlowForAllFramesGetsTheNewest) {
+TEST_F(V4l2FaultTest, ASlowReaderGetsTheNewestFrame) {
   begin();
   const auto next = [&] {
     const Result<hal::FrameLease> frame = camera_->wait(soon());
@@ -204,7 +204,7 @@ TEST_F(V4l2FaultTest, WhoIsTooSlowForAllFramesGetsTheNewest) {
     return frame.value().frame().sequence;
   };
   EXPECT_EQ(next(), 0u);
-  kernel_.advance(std::chrono::milliseconds(60));  // once: what the buffers hold is worked off
+  kernel_.advance(std::chrono::milliseconds(60));  // a single delay: the buffered frames are still delivered
   for (std::uint32_t i = 1; i < 10; ++i) EXPECT_EQ(next(), i);
   std::uint32_t last = 0;
   for (int i = 0; i < 20; ++i) {
@@ -215,10 +215,10 @@ TEST_F(V4l2FaultTest, WhoIsTooSlowForAllFramesGetsTheNewest) {
   }
   EXPECT_EQ(camera_->counters().lost, last - (10u + 20u) + 1);
   kernel_.advance(std::chrono::milliseconds(5));
-  for (std::uint32_t i = 1; i < 10; ++i) EXPECT_EQ(next(), last + i) << "in time again";
+  for (std::uint32_t i = 1; i < 10; ++i) EXPECT_EQ(next(), last + i) << "the reader is fast enough again";
 }
 
-TEST_F(V4l2FaultTest, TheNewestIsNotTakenWhereItIsDamaged) {
+TEST_F(V4l2FaultTest, ADamagedNewestFrameIsSkipped) {
   begin();
   std::uint32_t good = 0;
   for (std::uint32_t i = 1; i < 400; i += 2) device_.frame_faults[i].damaged = true;
@@ -226,10 +226,10 @@ TEST_F(V4l2FaultTest, TheNewestIsNotTakenWhereItIsDamaged) {
     kernel_.advance(std::chrono::milliseconds(50));
     good += camera_->wait(soon()).ok() ? 1u : 0u;
   }
-  EXPECT_GT(good, 50u) << "there is a good one among those of 50 ms";
+  EXPECT_GT(good, 50u) << "each 50 ms contain a good frame";
 }
 
-TEST_F(V4l2FaultTest, GapsInTheDriversCountAreLostFrames) {
+TEST_F(V4l2FaultTest, GapsInTheSequenceAreLostFrames) {
   device_.frame_faults[1].dropped = true;
   device_.frame_faults[2].dropped = true;
   device_.frame_faults[4].dropped = true;
@@ -240,7 +240,7 @@ TEST_F(V4l2FaultTest, GapsInTheDriversCountAreLostFrames) {
   EXPECT_EQ(camera_->counters().lost, 3u);
 }
 
-TEST_F(V4l2FaultTest, ACountThatStandsStillOrGoesBackIsContinued) {
+TEST_F(V4l2FaultTest, ARepeatedOrDecreasingSequenceIsContinued) {
   device_.frame_faults[1].sequence = 0;
   device_.frame_faults[2].sequence = 0;
   device_.frame_faults[4].sequence = 1;
@@ -249,7 +249,7 @@ TEST_F(V4l2FaultTest, ACountThatStandsStillOrGoesBackIsContinued) {
   EXPECT_EQ(camera_->counters().lost, 0u);
 }
 
-TEST_F(V4l2FaultTest, TheCountWrapsAround) {
+TEST_F(V4l2FaultTest, TheSequenceNumberWrapsAround) {
   device_.frame_faults[0].sequence = 0xfffffffe;
   device_.frame_faults[1].sequence = 0xffffffff;
   device_.frame_faults[2].sequence = 1;
@@ -260,7 +260,7 @@ TEST_F(V4l2FaultTest, TheCountWrapsAround) {
   EXPECT_EQ(camera_->counters().lost, 1u);
 }
 
-TEST_F(V4l2FaultTest, StampsThatGoBackOrLieInTheFutureAreReplacedAndTimeGoesForward) {
+TEST_F(V4l2FaultTest, DecreasingAndFutureStampsAreReplacedAndTimeIncreases) {
   device_.frame_faults[2].stamp_shift = -std::chrono::milliseconds(50);
   device_.frame_faults[4].stamp_shift = std::chrono::hours(1);
   begin();
@@ -277,7 +277,7 @@ TEST_F(V4l2FaultTest, StampsThatGoBackOrLieInTheFutureAreReplacedAndTimeGoesForw
   EXPECT_EQ(camera_->stamps().replaced(), 2u);
 }
 
-TEST_F(V4l2FaultTest, RefusalsAtTheStartOfTheStream) {
+TEST_F(V4l2FaultTest, ErrorsAtTheStartAreReported) {
   V4l2Camera camera(settings());
   expect_error(camera.start(), ErrorCode::kInconsistent, "/dev/video0: not open");
   ASSERT_TRUE(camera.open().ok());
@@ -289,7 +289,7 @@ TEST_F(V4l2FaultTest, RefusalsAtTheStartOfTheStream) {
   ASSERT_TRUE(camera.open().ok());
   device_.fail(VIDIOC_STREAMON, EBUSY);
   expect_error(camera.start(), ErrorCode::kDeviceBusy,
-               "/dev/video0: held by another process; `fuser -v /dev/video0` names it");
+               "/dev/video0: in use by another process; `fuser -v /dev/video0` shows it");
   camera.close();
   ASSERT_TRUE(camera.open().ok());
   device_.fail(VIDIOC_STREAMON, EPIPE);
@@ -299,11 +299,11 @@ TEST_F(V4l2FaultTest, RefusalsAtTheStartOfTheStream) {
   for (const int error : {EPIPE, ENOLINK}) {
     ASSERT_TRUE(camera.open().ok());
     device_.fail(VIDIOC_STREAMON, error);
-    // Not kUnsupported: the parts may still be set up.
-    expect_error(
-        camera.start(), ErrorCode::kIo,
-        "/dev/video0: no stream: the parts of the camera are not connected, or not all set to 640x480 (`media-ctl "
-        "-p`)");
+    // Not kUnsupported: the pipeline may still be configured.
+    expect_error(camera.start(), ErrorCode::kIo,
+                 "/dev/video0: no stream: the entities of the media pipeline are not linked, or not all set to 640x480 "
+                 "(`media-ctl "
+                 "-p`)");
     camera.close();
   }
   ASSERT_TRUE(camera.open().ok());

@@ -19,7 +19,7 @@ class V4l2Test : public ::testing::Test {
   void TearDown() override {
     EXPECT_EQ(kernel_.open_files(), 0u);
     EXPECT_EQ(device_.mapped(), 0u);
-    EXPECT_EQ(device_.breaches(), std::vector<std::string>{});
+    EXPECT_EQ(device_.violations(), std::vector<std::string>{});
   }
 
   static hal::CameraSettings settings() {
@@ -63,8 +63,8 @@ class V4l2Test : public ::testing::Test {
 /// With a camera that streams after begin().
 class V4l2RunningTest : public V4l2Test {
  protected:
-  void begin(const hal::CameraSettings& asked = settings()) {
-    camera_.emplace(asked);
+  void begin(const hal::CameraSettings& requested = settings()) {
+    camera_.emplace(requested);
     ASSERT_OK(camera_->open());
     ASSERT_OK(camera_->start());
   }

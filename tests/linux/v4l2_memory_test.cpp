@@ -1,4 +1,4 @@
-// Pictures in several pieces of memory, and memory that is shared with other devices.
+// Pictures in several memory planes, and memory that is shared with other devices.
 #include <cerrno>
 #include <cstring>
 
@@ -18,15 +18,15 @@ class V4l2MemoryTest : public V4l2RunningTest {
     device_.formats = {{V4L2_PIX_FMT_NV12M, {{320, 240}}, false}};
   }
   static hal::CameraSettings nv12() {
-    hal::CameraSettings asked = settings();
-    asked.format = CameraFormat::kNv12;
-    asked.width_px = 320;
-    asked.height_px = 240;
-    return asked;
+    hal::CameraSettings requested = settings();
+    requested.format = CameraFormat::kNv12;
+    requested.width_px = 320;
+    requested.height_px = 240;
+    return requested;
   }
 };
 
-TEST_F(V4l2MemoryTest, Nv12InTwoPiecesOfMemory) {
+TEST_F(V4l2MemoryTest, Nv12InTwoMemoryPlanesIsRead) {
   device_.padding_bytes = 16;
   device_.plane_offset = 128;
   begin(nv12());
@@ -52,13 +52,13 @@ TEST_F(V4l2MemoryTest, Nv12InTwoPiecesOfMemory) {
   }
 }
 
-TEST_F(V4l2MemoryTest, I420InThreePiecesOfMemory) {
+TEST_F(V4l2MemoryTest, I420InThreeMemoryPlanesIsRead) {
   device_.formats = {{V4L2_PIX_FMT_YUV420M, {{320, 240}}, false}};
   device_.padding_bytes = 16;
   device_.plane_offset = 128;
-  hal::CameraSettings asked = nv12();
-  asked.format = CameraFormat::kI420;
-  begin(asked);
+  hal::CameraSettings requested = nv12();
+  requested.format = CameraFormat::kI420;
+  begin(requested);
   EXPECT_EQ(device_.exported(), 12u);
   for (std::uint32_t i = 0; i < 10; ++i) {
     const auto result = camera_->wait(soon());
@@ -78,7 +78,7 @@ TEST_F(V4l2MemoryTest, I420InThreePiecesOfMemory) {
   }
 }
 
-TEST_F(V4l2MemoryTest, Nv12InOnePieceIsTakenWhereThereAreBoth) {
+TEST_F(V4l2MemoryTest, Nv12InOneMemoryPlaneIsPreferred) {
   device_.formats.push_back({V4L2_PIX_FMT_NV12, {{320, 240}}, false});
   begin(nv12());
   EXPECT_EQ(device_.exported(), 4u);
@@ -89,14 +89,14 @@ TEST_F(V4l2MemoryTest, Nv12InOnePieceIsTakenWhereThereAreBoth) {
   EXPECT_EQ(result.value().dma_bufs()[1], -1);
 }
 
-TEST_F(V4l2MemoryTest, BothInterfacesMeansTheOneForOnePiece) {
+TEST_F(V4l2MemoryTest, TheSinglePlanarInterfaceIsPreferred) {
   device_.capabilities |= V4L2_CAP_VIDEO_CAPTURE;
   device_.formats = {{V4L2_PIX_FMT_YUYV, {{640, 480}}, false}};
   begin();
   expect_frame(*camera_, 0);
 }
 
-TEST_F(V4l2MemoryTest, ShortInItsSecondPieceIsShort) {
+TEST_F(V4l2MemoryTest, AShortSecondPlaneMakesAShortFrame) {
   device_.frame_faults[1].bytes = 320 * 120 - 1;
   begin(nv12());
   expect_frame(*camera_, 0);
@@ -104,24 +104,25 @@ TEST_F(V4l2MemoryTest, ShortInItsSecondPieceIsShort) {
   expect_frame(*camera_, 2);
 }
 
-TEST_F(V4l2MemoryTest, OtherFormatsAreRefusedWithTheList) {
-  hal::CameraSettings asked = nv12();
-  asked.format = CameraFormat::kYuyv;
-  expect_refusal(asked, ErrorCode::kUnsupported,
-                 "/dev/video0: no yuyv 320x240 but nv12 320x240; it offers nv12 320x240");
+TEST_F(V4l2MemoryTest, UnavailableFormatsListTheAvailableOnes) {
+  hal::CameraSettings requested = nv12();
+  requested.format = CameraFormat::kYuyv;
+  expect_refusal(
+      requested, ErrorCode::kUnsupported,
+      "/dev/video0: yuyv 320x240 is not available (the driver set nv12 320x240); the camera offers nv12 320x240");
 }
 
 TEST_F(V4l2MemoryTest, MemoryIsCachedAndSynchronizedWhileItIsRead) {
   device_.sync_interruptions = 3;
   begin(nv12());
-  EXPECT_TRUE(device_.cached_memory_asked());
+  EXPECT_TRUE(device_.cached_memory_requested());
   EXPECT_EQ(device_.readable(), 0u);
   {
     Result<FrameLease> first = camera_->wait(soon()), second = camera_->wait(soon());
     ASSERT_TRUE(first.ok() && second.ok());
     EXPECT_EQ(device_.readable(), 2u);
     const FrameLease moved = std::move(first).value();
-    EXPECT_NE(moved.dma_bufs(), hal::kNotShared);
+    EXPECT_NE(moved.dma_bufs(), hal::kNoDmaBufs);
     EXPECT_EQ(device_.readable(), 2u);
   }
   EXPECT_EQ(device_.readable(), 0u);
@@ -129,7 +130,7 @@ TEST_F(V4l2MemoryTest, MemoryIsCachedAndSynchronizedWhileItIsRead) {
   EXPECT_EQ(kernel_.open_files(), 0u);
 }
 
-TEST_F(V4l2MemoryTest, ADriverThatIsNeverReadyToSynchronizeDoesNotHoldTheLoop) {
+TEST_F(V4l2MemoryTest, ADriverThatNeverSynchronizesDoesNotBlockTheLoop) {
   device_.sync_interruptions = 1000000;
   begin(nv12());
   expect_loss(*camera_, ErrorCode::kIo, "/dev/video0: synchronizing a buffer failed: Resource temporarily unavailable");
@@ -139,17 +140,17 @@ TEST_F(V4l2MemoryTest, ADriverThatIsNeverReadyToSynchronizeDoesNotHoldTheLoop) {
   expect_frame(*camera_, 0);
 }
 
-TEST_F(V4l2MemoryTest, ADriverThatDoesNotExportStreamsAllTheSame) {
+TEST_F(V4l2MemoryTest, ADriverWithoutDmaBufExportStreams) {
   device_.exports = false;
   begin(nv12());
   expect_frame(*camera_, 0);
   const Result<FrameLease> frame = camera_->wait(soon());
   ASSERT_TRUE(frame.ok());
-  EXPECT_EQ(frame.value().dma_bufs(), hal::kNotShared);
+  EXPECT_EQ(frame.value().dma_bufs(), hal::kNoDmaBufs);
   EXPECT_EQ(camera_->info().description.find("dma-buf"), std::string::npos);
 }
 
-TEST_F(V4l2MemoryTest, AnExportThatFailsHalfwayLeavesNoFileOpen) {
+TEST_F(V4l2MemoryTest, AFailedExportLeavesNoFileOpen) {
   device_.fail(VIDIOC_EXPBUF, ENOMEM, 5);
   begin(nv12());
   EXPECT_EQ(device_.exported(), 0u);
@@ -157,7 +158,7 @@ TEST_F(V4l2MemoryTest, AnExportThatFailsHalfwayLeavesNoFileOpen) {
   expect_frame(*camera_, 0);
 }
 
-TEST_F(V4l2MemoryTest, FailuresWhileMappingTheSecondPieceLeaveNothingBehind) {
+TEST_F(V4l2MemoryTest, AFailedMappingOfTheSecondPlaneLeavesNothingMapped) {
   device_.fail(VIDIOC_QUERYBUF, EIO, 2);
   expect_refusal(nv12(), ErrorCode::kIo, "/dev/video0: mapping buffers failed: Input/output error");
   EXPECT_EQ(device_.mapped(), 0u);

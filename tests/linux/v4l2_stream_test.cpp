@@ -15,16 +15,16 @@ using hal::FrameLease;
 using hal::V4l2Camera;
 
 constexpr Duration kExposure = std::chrono::milliseconds(5);
-constexpr Duration kMicrosecond = std::chrono::microseconds(1);  // V4L2's stamps have no finer one
+constexpr Duration kMicrosecond = std::chrono::microseconds(1);  // the resolution of V4L2's time stamps
 
 class V4l2StreamTest : public V4l2RunningTest {
  protected:
   static CameraSettings small(CameraFormat format) {
-    CameraSettings asked = settings();
-    asked.format = format;
-    asked.width_px = 320;
-    asked.height_px = 240;
-    return asked;
+    CameraSettings requested = settings();
+    requested.format = format;
+    requested.width_px = 320;
+    requested.height_px = 240;
+    return requested;
   }
 };
 
@@ -34,7 +34,7 @@ std::uint32_t number_in(const Frame& frame) {
   return number;
 }
 
-TEST_F(V4l2StreamTest, FramesComeInOrderFromTheDriversOwnMemory) {
+TEST_F(V4l2StreamTest, FramesArriveInOrderInTheDriversMemory) {
   begin(settings());
   for (std::uint32_t i = 0; i < 20; ++i) {
     Result<FrameLease> result = camera_->wait(soon());
@@ -52,7 +52,7 @@ TEST_F(V4l2StreamTest, FramesComeInOrderFromTheDriversOwnMemory) {
   EXPECT_EQ(camera_->counters().lost, 0u);
 }
 
-TEST_F(V4l2StreamTest, PlanesAndStridesOfAllFormats) {
+TEST_F(V4l2StreamTest, PlanesAndStridesAreSetForAllFormats) {
   struct Case {
     CameraFormat format;
     std::uint32_t fourcc, bytes_per_pixel;
@@ -91,7 +91,7 @@ TEST_F(V4l2StreamTest, PlanesAndStridesOfAllFormats) {
   }
 }
 
-TEST_F(V4l2StreamTest, UnpaddedLastRowIsAWholeFrame) {
+TEST_F(V4l2StreamTest, TheLastRowMayLackItsPadding) {
   device_.padding_bytes = 64;
   device_.frame_faults[0].bytes = 1344 * 479 + 1280;
   device_.frame_faults[1].bytes = 1344 * 479 + 1279;
@@ -119,11 +119,11 @@ TEST_F(V4l2StreamTest, EndOfFrameStampsMoveBackByHalfTheExposure) {
   EXPECT_LE(frame.value().frame().capture_time, expected);
 }
 
-// What it calls the start of exposure is the instant at which the first row's is over.
+// uvcvideo flags its time stamps as start of exposure, but stamps the arrival of the first row, after its exposure.
 TEST_F(V4l2StreamTest, StampsOfUvcvideoMoveBackByHalfTheExposure) {
   device_.driver = "uvcvideo";
   begin(settings());
-  const bool computes = hal::uvc_computes_stamps();  // as this machine's is loaded
+  const bool computes = hal::uvc_computes_stamps();  // depends on the driver's option on this machine
   const std::string word = computes ? "stamps of the start of exposure" : "stamps of the first packet";
   EXPECT_NE(camera_->info().description.find(word), std::string::npos) << camera_->info().description;
   const Result<FrameLease> frame = camera_->wait(soon());
@@ -133,10 +133,10 @@ TEST_F(V4l2StreamTest, StampsOfUvcvideoMoveBackByHalfTheExposure) {
   EXPECT_LE(frame.value().frame().capture_time, expected);
 }
 
-TEST_F(V4l2StreamTest, UnknownExposureCorrectsNothing) {
-  CameraSettings asked = settings();
-  asked.exposure_us = 0;  // stays automatic
-  begin(asked);
+TEST_F(V4l2StreamTest, AnUnknownExposureIsNotCorrected) {
+  CameraSettings requested = settings();
+  requested.exposure_us = 0;  // stays automatic
+  begin(requested);
   const Result<FrameLease> frame = camera_->wait(soon());
   ASSERT_TRUE(frame.ok());
   const Instant start = device_.start_of_exposure(0);
@@ -144,7 +144,7 @@ TEST_F(V4l2StreamTest, UnknownExposureCorrectsNothing) {
   EXPECT_LE(frame.value().frame().capture_time, start);
 }
 
-TEST_F(V4l2StreamTest, StampsOfAForeignClockGiveWayToTheInstantOfFetching) {
+TEST_F(V4l2StreamTest, StampsOfOtherClocksAreReplacedByTheTimeOfDequeuing) {
   device_.stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_COPY;
   device_.frame_faults[0].stamp_shift = -std::chrono::seconds(500);
   begin(settings());
@@ -153,10 +153,10 @@ TEST_F(V4l2StreamTest, StampsOfAForeignClockGiveWayToTheInstantOfFetching) {
   const Instant expected = kernel_.now() - kExposure / 2;
   EXPECT_GT(frame.value().frame().capture_time, expected - 2 * kMicrosecond);
   EXPECT_LE(frame.value().frame().capture_time, expected);
-  EXPECT_EQ(camera_->stamps().replaced(), 0u) << "said once at open(), not counted as a fault";
+  EXPECT_EQ(camera_->stamps().replaced(), 0u) << "reported once at open(), not counted as a fault";
 }
 
-TEST_F(V4l2StreamTest, EveryLeaseIsGivenBackExactlyOnce) {
+TEST_F(V4l2StreamTest, EveryBufferIsRequeuedExactlyOnce) {
   begin(settings());
   EXPECT_EQ(device_.queued(), 4u);
   const int before = device_.requests(VIDIOC_QBUF);
@@ -175,7 +175,7 @@ TEST_F(V4l2StreamTest, EveryLeaseIsGivenBackExactlyOnce) {
   EXPECT_EQ(device_.queued(), 4u);
 }
 
-TEST_F(V4l2StreamTest, AllBuffersLentOutTimesOutAndRecovers) {
+TEST_F(V4l2StreamTest, WaitTimesOutWhileAllBuffersAreLent) {
   begin(settings());
   std::vector<FrameLease> leases;
   for (std::uint32_t i = 0; i < 4; ++i) {
@@ -183,8 +183,8 @@ TEST_F(V4l2StreamTest, AllBuffersLentOutTimesOutAndRecovers) {
     ASSERT_TRUE(frame.ok());
     leases.push_back(std::move(frame).value());
   }
-  expect_loss(*camera_, ErrorCode::kTimeout, "/dev/video0: no frame can come: all 4 buffers are lent out");
-  for (std::uint32_t i = 0; i < 4; ++i) EXPECT_EQ(number_in(leases[i].frame()), i) << "a lent frame was overwritten";
+  expect_loss(*camera_, ErrorCode::kTimeout, "/dev/video0: no frame can arrive: all 4 buffers are in use");
+  for (std::uint32_t i = 0; i < 4; ++i) EXPECT_EQ(number_in(leases[i].frame()), i) << "a leased frame was overwritten";
   leases.clear();
   const Result<FrameLease> next = camera_->wait(soon());
   ASSERT_TRUE(next.ok());
@@ -202,7 +202,7 @@ TEST_F(V4l2StreamTest, TimesOutAtTheDeadline) {
   expect_frame(*camera_, 0);
 }
 
-TEST_F(V4l2StreamTest, APastDeadlineStillFetchesWhatIsThere) {
+TEST_F(V4l2StreamTest, APastDeadlineStillReturnsAvailableFrames) {
   begin(settings());
   kernel_.advance(std::chrono::milliseconds(40));
   for (std::uint32_t i = 0; i < 2; ++i) {
@@ -220,7 +220,7 @@ TEST_F(V4l2StreamTest, SignalsDoNotShortenTheWait) {
   expect_frame(*camera_, 0);
 }
 
-TEST_F(V4l2StreamTest, StopAndStartCountAnew) {
+TEST_F(V4l2StreamTest, StopAndStartResetTheCounters) {
   begin(settings());
   expect_frame(*camera_, 0);
   expect_frame(*camera_, 1);
@@ -234,7 +234,7 @@ TEST_F(V4l2StreamTest, StopAndStartCountAnew) {
   EXPECT_EQ(camera_->counters().lost, 0u);
 }
 
-TEST_F(V4l2StreamTest, ALeaseThatOutlivesTheStreamGivesNothingBack) {
+TEST_F(V4l2StreamTest, ALeaseThatEndsAfterTheStopRequeuesNothing) {
   begin(settings());
   const int before = device_.requests(VIDIOC_QBUF);
   {
@@ -245,8 +245,8 @@ TEST_F(V4l2StreamTest, ALeaseThatOutlivesTheStreamGivesNothingBack) {
   EXPECT_EQ(device_.requests(VIDIOC_QBUF), before);
 }
 
-TEST_F(V4l2StreamTest, AllocatesNothingWhileFramesAndFaultsFlow) {
-  if (!DriverAllocations::are_counted()) GTEST_SKIP() << "the sanitizer has the allocator";
+TEST_F(V4l2StreamTest, AllocatesNothingDuringFramesAndFaults) {
+  if (!DriverAllocations::are_counted()) GTEST_SKIP() << "the sanitizer replaces the allocator";
   for (std::uint32_t i = 0; i < 1000; i += 10) {
     device_.frame_faults[i + 1].damaged = true;
     device_.frame_faults[i + 3].bytes = 100;
@@ -258,7 +258,7 @@ TEST_F(V4l2StreamTest, AllocatesNothingWhileFramesAndFaultsFlow) {
   const DriverAllocations counter;
   std::array<int, 16> outcomes{};
   for (int i = 0; i < 2000; ++i) {
-    if (i % 50 == 0) device_.false_alarms = 3;
+    if (i % 50 == 0) device_.spurious_wakeups = 3;
     const Result<FrameLease> frame = camera_->wait(kernel_.now() + std::chrono::milliseconds(i % 3 == 0 ? 5 : 50));
     ++outcomes[static_cast<std::size_t>(frame.code())];
     if (frame.code() == ErrorCode::kDisconnected) break;
@@ -275,7 +275,7 @@ TEST_F(V4l2StreamTest, AllocatesNothingWhileFramesAndFaultsFlow) {
 }
 
 TEST_F(V4l2StreamTest, TheAllocationCounterSeesAnAllocation) {
-  if (!DriverAllocations::are_counted()) GTEST_SKIP() << "the sanitizer has the allocator";
+  if (!DriverAllocations::are_counted()) GTEST_SKIP() << "the sanitizer replaces the allocator";
   const DriverAllocations counter;
   ::operator delete(::operator new(100));  // called by name: a new-expression could be optimized away
   EXPECT_EQ(counter.count(), 1u);

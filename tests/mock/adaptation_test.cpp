@@ -109,7 +109,7 @@ std::vector<std::string> with(std::vector<std::string> overrides, const std::str
   return overrides;
 }
 
-TEST_F(AdaptationTest, FollowsWhatWouldBlindIt) {
+TEST_F(AdaptationTest, FollowsAChangeOfLightThatWouldPreventRecognition) {
   start(with(kFast, "adaptation.mode=off"));
   ASSERT_EQ(run(5, kCloud, 0, 0), kRobots);
   EXPECT_LE(run(120, kCloud, 0, 1), kRobots / 2) << "the change of light is too small for this test";
@@ -131,13 +131,13 @@ TEST_F(AdaptationTest, FollowsWhatWouldBlindIt) {
   EXPECT_NEAR(static_cast<double>(trace->light.brightness), 1.0, 0.05);
 }
 
-TEST_F(AdaptationTest, ChangesLittleWhereNothingChanged) {
+TEST_F(AdaptationTest, ConstantLightChangesLittle) {
   start(kFast);
   EXPECT_EQ(run(100, {}, 0, 0), kRobots);
   EXPECT_NEAR(static_cast<double>(trace->light.brightness), 1.0, 0.02);
 }
 
-TEST_F(AdaptationTest, FrozenItStaysAndOffItIsPutBack) {
+TEST_F(AdaptationTest, FrozenKeepsAndOffResetsTheAdaptation) {
   start(with(kFast, "adaptation.mode=off"));
   step(kCloud, 0);
   const std::size_t regions = trace->regions.size();
@@ -162,7 +162,7 @@ TEST_F(AdaptationTest, FrozenItStaysAndOffItIsPutBack) {
   EXPECT_EQ(trace->runs.size(), runs);
 }
 
-TEST_F(AdaptationTest, IsBounded) {
+TEST_F(AdaptationTest, TheAdaptationIsBounded) {
   start({"adaptation.time_constant_s=1", "adaptation.most_light=1.25"});
   run(5, kCloud, 0, 0);
   run(120, kCloud, 0, 0.5);

@@ -72,7 +72,7 @@ TEST_F(ArenaProgram, WritesEverySceneWithItsTruth) {
   }
 }
 
-TEST_F(ArenaProgram, TruthIsWhatThePictureShows) {
+TEST_F(ArenaProgram, TheTruthMatchesThePicture) {
   ASSERT_EQ(touchline_arena("layouts " + kBoard + out("layouts") + "--count 1 --quiet").code, 0);
   std::ifstream file(folder_ / "layouts/truth.jsonl");
   const auto line = nlohmann::json::parse(file);
@@ -137,7 +137,7 @@ TEST_F(ArenaProgram, ClicksNameEveryPatchAndTheBall) {
   EXPECT_EQ(clicks["samples"][41]["image"], "000001.png");
 }
 
-TEST_F(ArenaProgram, SeedRepeatsPicturesToTheBit) {
+TEST_F(ArenaProgram, TheSameSeedRepeatsThePictures) {
   for (const char* name : {"a", "b"}) {
     ASSERT_EQ(touchline_arena("match " + kSmall + out(name) + "--count 4 --seed 9 --quiet").code, 0);
   }
@@ -177,7 +177,7 @@ TEST_F(ArenaProgram, RefusesBadArgumentsWithAMessage) {
   media::write_text(folder_ / "full.toml", board);
   refused("layouts --board '" + folder_ / "full.toml" + "' " + out("x"),
           "full.toml: the field has no room for all its robots and the ball");
-  media::write_text(folder_ / "file", "in the way");
+  media::write_text(folder_ / "file", "a file where the folder should be");
   refused("layouts " + kBoard + out("file"), "file: cannot be created: ");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "x")) << "nothing must be written on error";
 }

@@ -35,7 +35,7 @@ Packet wild_drive(std::uint8_t sequence) {
   return packet_of(drives, sequence);
 }
 
-TEST_F(ArenaTest, SameSeedAndPacketsGiveTheSameGameToTheBit) {
+TEST_F(ArenaTest, TheSameSeedAndPacketsGiveTheSameGame) {
   parameters = ArenaParameters{};
   const auto hash_after_game = [&](std::uint64_t seed) {
     arena.emplace(parameters, settings, radio_settings, seed);

@@ -21,7 +21,7 @@ using hal::mock::FaultKind;
 
 const std::string kBoard = TOUCHLINE_BOARDS "/mock/board.toml";
 
-/// FNV-1a hash over all values of a trace, member by member, because padding bytes are undefined.
+/// FNV-1a hash of all values of a trace, member by member, because padding bytes are undefined.
 class StateHash {
  public:
   void add(const StepTrace& trace) {
@@ -101,7 +101,7 @@ class Game {
     settings.faults = board.faults;
     settings.radio_delay = from_seconds(board.radio.delay_s);
     loop.emplace(LoopDevices{*camera, *radio, *gpio, *clock, true}, *pipeline, settings, *ring,
-                 LoopObserver{&Game::look, this});
+                 LoopObserver{&Game::observe, this});
     EXPECT_OK(loop->open());
   }
 
@@ -124,7 +124,7 @@ class Game {
   int frames = 0, frames_with_all = 0, frames_with_ball = 0, commanded = 0, stopped = 0;
 
  private:
-  static void look(void* context, const StepTrace& trace, const StepTiming&) {
+  static void observe(void* context, const StepTrace& trace, const StepTiming&) {
     Game& game = *static_cast<Game*>(context);
     int own = 0, opponents = 0;
     for (const RobotSighting& robot : trace.sightings.robots) {
@@ -258,7 +258,7 @@ std::string run_session(std::uint64_t seed) {
   return summary;
 }
 
-TEST(MockBoard, SeedRepeatsAGameToTheBit) {
+TEST(MockBoard, TheSameSeedRepeatsTheGame) {
   const std::string first = run_session(1);
   EXPECT_NE(first.find("arena state: "), std::string::npos);
   EXPECT_EQ(run_session(1), first);

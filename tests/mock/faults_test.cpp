@@ -79,12 +79,12 @@ TEST_F(Faults, LampsGoOut) {
   ASSERT_TRUE(lease.ok());
   EXPECT_GT(brightness(lease.value()), 50.0);
   go_to(1.2);
-  { const FrameLease given_back = std::move(lease).value(); }
+  { const FrameLease released = std::move(lease).value(); }
   skip_frames();
   auto dark = wait();
   ASSERT_TRUE(dark.ok());
   EXPECT_LT(brightness(dark.value()), 5.0);
-  { const FrameLease given_back = std::move(dark).value(); }
+  { const FrameLease released = std::move(dark).value(); }
   go_to(1.6);
   skip_frames();
   const auto again = wait();
@@ -115,8 +115,7 @@ TEST_F(Faults, BusyRadioKeepsTheNewestPacketAndDropsTheOthers) {
   start();
   go_to(1.1);
   EXPECT_TRUE(send().ok());
-  expect_error(send(), ErrorCode::kBusy,
-               "mock radio: the line is still busy, an older packet was dropped for a newer one");
+  expect_error(send(), ErrorCode::kBusy, "mock radio: the line is still busy; a newer packet replaced an older one");
   EXPECT_EQ(radio->counters().packets, 2U);
   EXPECT_EQ(radio->counters().dropped, 1U);
   EXPECT_EQ(arena->channel().statistics().sent, 0U);
@@ -127,16 +126,16 @@ TEST_F(Faults, BusyRadioKeepsTheNewestPacketAndDropsTheOthers) {
   EXPECT_EQ(arena->channel().statistics().sent, 1U);
 }
 
-GpioInputs look(MockGpio& gpio, const Arena& arena) {
+GpioInputs read_inputs(MockGpio& gpio, const Arena& arena) {
   const Result<GpioInputs> inputs = gpio.inputs(arena.now());
   EXPECT_TRUE(inputs.ok());
   return inputs.value();
 }
 
-TEST_F(Faults, EmergencyStopIsPulled) {
+TEST_F(Faults, TheEmergencyStopIsActiveDuringTheFault) {
   add_fault(FaultKind::kEmergencyStop, 1.0, 0.5);
   start();
-  for (const auto& [at_s, pulled] : {std::pair{0.9, false},
+  for (const auto& [at_s, active] : {std::pair{0.9, false},
                                      {1.001, false},
                                      {1.006, true},
                                      {1.4, true},
@@ -144,7 +143,7 @@ TEST_F(Faults, EmergencyStopIsPulled) {
                                      {1.506, true},
                                      {1.52, false}}) {
     go_to(at_s);
-    EXPECT_EQ(look(*gpio, *arena).emergency_stop, pulled) << at_s;
+    EXPECT_EQ(read_inputs(*gpio, *arena).emergency_stop, active) << at_s;
   }
   EXPECT_TRUE(gpio->set_status_led(true).ok());
   EXPECT_TRUE(gpio->status_led());
@@ -154,27 +153,27 @@ TEST_F(Faults, EmergencyStopIsPulled) {
   EXPECT_TRUE(gpio->strobe());
 }
 
-TEST_F(Faults, PulsesBetweenTwoReadingsCountIfLongEnough) {
+TEST_F(Faults, PulsesBetweenTwoReadingsAreDetectedIfLongEnough) {
   add_fault(FaultKind::kEmergencyStop, 1.0, 0.004);
   add_fault(FaultKind::kEmergencyStop, 2.0, 0.006);
   start();
   go_to(0.9);
-  EXPECT_FALSE(look(*gpio, *arena).emergency_stop);
+  EXPECT_FALSE(read_inputs(*gpio, *arena).emergency_stop);
   go_to(1.1);
-  EXPECT_FALSE(look(*gpio, *arena).emergency_stop) << "shorter than debounce_s";
+  EXPECT_FALSE(read_inputs(*gpio, *arena).emergency_stop) << "shorter than debounce_s";
   go_to(2.1);
-  EXPECT_TRUE(look(*gpio, *arena).emergency_stop);
-  EXPECT_FALSE(look(*gpio, *arena).emergency_stop);
+  EXPECT_TRUE(read_inputs(*gpio, *arena).emergency_stop);
+  EXPECT_FALSE(read_inputs(*gpio, *arena).emergency_stop);
 }
 
 TEST_F(Faults, AHeldStartButtonCountsOnce) {
   add_fault(FaultKind::kStartButton, 0.0, 0.5);
   add_fault(FaultKind::kStartButton, 1.0, 0.5);
   start();
-  EXPECT_FALSE(look(*gpio, *arena).start_pressed) << "held since before opening";
+  EXPECT_FALSE(read_inputs(*gpio, *arena).start_pressed) << "held since before opening";
   for (const auto& [at_s, pressed] : {std::pair{0.9, false}, {1.001, false}, {1.1, true}, {1.2, false}, {1.6, false}}) {
     go_to(at_s);
-    EXPECT_EQ(look(*gpio, *arena).start_pressed, pressed) << at_s;
+    EXPECT_EQ(read_inputs(*gpio, *arena).start_pressed, pressed) << at_s;
   }
 }
 
@@ -183,7 +182,7 @@ TEST_F(Faults, CanRepeatAndOverlap) {
   add_fault(FaultKind::kEmergencyStop, 0.3, 0.2);
   add_fault(FaultKind::kEmergencyStop, 0.4, 0.3);
   start();
-  for (const auto& [at_s, pulled] : {std::pair{0.05, false},
+  for (const auto& [at_s, active] : {std::pair{0.05, false},
                                      {0.15, true},
                                      {0.25, true},
                                      {0.28, false},
@@ -192,7 +191,7 @@ TEST_F(Faults, CanRepeatAndOverlap) {
                                      {0.75, true},
                                      {0.78, false}}) {
     go_to(at_s);
-    EXPECT_EQ(look(*gpio, *arena).emergency_stop, pulled) << at_s << ": at any time since the last reading";
+    EXPECT_EQ(read_inputs(*gpio, *arena).emergency_stop, active) << at_s << ": at any time since the last reading";
   }
 }
 

@@ -33,7 +33,7 @@ TEST_F(FrameTimes, RateAndSequenceAreKept) {
   }
 }
 
-TEST_F(FrameTimes, FrameComesAfterExposureAndTransfer) {
+TEST_F(FrameTimes, AFrameArrivesAfterExposureAndTransfer) {
   parameters.sensor.exposure_s = 0.006;
   parameters.sensor.transfer_s = 0.013;
   start();
@@ -46,7 +46,7 @@ TEST_F(FrameTimes, FrameComesAfterExposureAndTransfer) {
   }
 }
 
-TEST_F(FrameTimes, NoFrameIsHandedOutBeforeItIsInMemory) {
+TEST_F(FrameTimes, NoFrameIsReturnedBeforeItIsInMemory) {
   parameters.sensor.transfer_s = 0.015;
   start();
   const double slice_s = 0.0003;
@@ -88,10 +88,10 @@ TEST_F(FrameTimes, CaptureTimeIsTheMiddleOfTheExposure) {
 }
 
 TEST_F(FrameTimes, InfoAndFrameMatchTheSettings) {
-  for (const CameraFormat asked : {CameraFormat::kRgb24, CameraFormat::kYuyv, CameraFormat::kNv12, CameraFormat::kI420,
-                                   CameraFormat::kXrgb8888, CameraFormat::kMjpg}) {
-    settings.format = asked;
-    const PixelFormat format = pixel_format(asked);
+  for (const CameraFormat requested : {CameraFormat::kRgb24, CameraFormat::kYuyv, CameraFormat::kNv12,
+                                       CameraFormat::kI420, CameraFormat::kXrgb8888, CameraFormat::kMjpg}) {
+    settings.format = requested;
+    const PixelFormat format = pixel_format(requested);
     start();
     EXPECT_EQ(camera->info().format, format);
     EXPECT_EQ(camera->info().rate_hz, 50.0);

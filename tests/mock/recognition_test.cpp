@@ -23,11 +23,11 @@ struct SceneCase {
 class Recognition : public ::testing::TestWithParam<SceneCase> {};
 
 TEST_P(Recognition, MatchesTheTruth) {
-  const SceneCase& wanted = GetParam();
+  const SceneCase& expected = GetParam();
   const media::Folder folder;
   const std::string boards = TOUCHLINE_BOARDS "/mock/";
-  const std::string command = "'" TOUCHLINE_ARENA "' " + std::string(wanted.scene) + " --quiet --seed 11 --count " +
-                              std::to_string(wanted.pictures) + " --board '" + boards + "board.toml' --out '" +
+  const std::string command = "'" TOUCHLINE_ARENA "' " + std::string(expected.scene) + " --quiet --seed 11 --count " +
+                              std::to_string(expected.pictures) + " --board '" + boards + "board.toml' --out '" +
                               folder / "scene" + "'";
   ASSERT_EQ(std::system(command.c_str()), 0);  // NOLINT(cert-env33-c,concurrency-mt-unsafe)
   replay::ReplayOptions options;
@@ -49,7 +49,7 @@ TEST_P(Recognition, MatchesTheTruth) {
 
   const evaluate::PoseReport& report = evaluated.value();
   const evaluate::PoseSummary& seen = report.sightings;
-  const auto pictures = static_cast<std::size_t>(wanted.pictures);
+  const auto pictures = static_cast<std::size_t>(expected.pictures);
   EXPECT_EQ(report.frames, pictures);
   EXPECT_EQ(seen.robots, 10 * pictures);
   EXPECT_EQ(seen.swapped, 0U);
@@ -58,9 +58,9 @@ TEST_P(Recognition, MatchesTheTruth) {
   // With seed 5, none of 500, 200, 500 and 1200 robots was missed or without an id.
   EXPECT_EQ(seen.right, seen.robots);
   EXPECT_EQ(seen.balls_seen, pictures);
-  EXPECT_LT(seen.position.rms, wanted.robot_m);
-  EXPECT_LT(seen.angle.rms, wanted.angle_rad);
-  EXPECT_LT(seen.ball.rms, wanted.ball_m);
+  EXPECT_LT(seen.position.rms, expected.robot_m);
+  EXPECT_LT(seen.angle.rms, expected.angle_rad);
+  EXPECT_LT(seen.ball.rms, expected.ball_m);
   RecordProperty("robot_rms_um", std::to_string(seen.position.rms * 1e6));
 }
 

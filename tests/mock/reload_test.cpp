@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 
 constexpr const char* kBallBox = "low = [163, 64, 0]\nhigh = [255, 154, 116]";
 // A corner of the ball's color box that contains almost none of its pixels.
-constexpr const char* kNobodysBox = "low = [163, 64, 0]\nhigh = [165, 66, 2]";
+constexpr const char* kTooSmallBox = "low = [163, 64, 0]\nhigh = [165, 66, 2]";
 
 class Reload : public ::testing::Test {
  protected:
@@ -43,7 +43,7 @@ class Reload : public ::testing::Test {
     options.files.board = (folder_ / "board.toml").string();
     config::Problems problems;
     ASSERT_TRUE(session_.load(options, problems).ok()) << problems.text();
-    ASSERT_OK(session_.open({&Reload::look, this}));
+    ASSERT_OK(session_.open({&Reload::observe, this}));
     reloader_.emplace(session_.files(), session_.configuration(), session_.devices().loop_devices().camera,
                       session_.live_update());
     run(30);  // until all robots have tracks
@@ -54,18 +54,18 @@ class Reload : public ::testing::Test {
   }
   /// Reloads during the game; returns the messages.
   std::string reload() {
-    std::string said;
+    std::string messages;
     std::atomic<bool> done{false};
-    const std::atomic<bool> given_up{false};
+    const std::atomic<bool> cancelled{false};
     std::thread thread([&] {
-      for (const std::string& line : reloader_->reload(given_up)) said += line + "\n";
+      for (const std::string& line : reloader_->reload(cancelled)) messages += line + "\n";
       done.store(true, std::memory_order_release);
     });
     const std::uint64_t before = latency::allocations_of_this_thread();
     while (!done.load(std::memory_order_acquire)) static_cast<void>(session_.loop().iterate());
     EXPECT_EQ(latency::allocations_of_this_thread() - before, 0U);
     thread.join();
-    return said;
+    return messages;
   }
 
   Session session_;
@@ -74,7 +74,7 @@ class Reload : public ::testing::Test {
   double longest_step_m_ = 0.0, brightness_ = 0.0;
 
  private:
-  static void look(void* context, const StepTrace& trace, const StepTiming&) {
+  static void observe(void* context, const StepTrace& trace, const StepTiming&) {
     Reload& reload = *static_cast<Reload*>(context);
     ++reload.frames_;
     reload.with_ball_ += trace.sightings.ball.seen ? 1 : 0;
@@ -103,14 +103,14 @@ class Reload : public ::testing::Test {
 };
 
 // Without a reload, no robot moves farther than 0.021 m from frame to frame (1.2 m/s is 0.02 m).
-TEST_F(Reload, ThresholdsChangeWithoutAFrameOrAPoseLost) {
-  replace("venue.toml", kBallBox, kNobodysBox);
+TEST_F(Reload, ThresholdsChangeWithoutLosingAFrameOrAPose) {
+  replace("venue.toml", kBallBox, kTooSmallBox);
   begin();
   run(10);
   EXPECT_EQ(with_ball_, 0);
-  replace("venue.toml", kNobodysBox, kBallBox);
-  const std::string said = reload();
-  EXPECT_NE(said.find(" on: color.orange\n"), std::string::npos) << said;
+  replace("venue.toml", kTooSmallBox, kBallBox);
+  const std::string messages = reload();
+  EXPECT_NE(messages.find(" on: color.orange\n"), std::string::npos) << messages;
   run(30);
   EXPECT_GE(with_ball_, 25);
   EXPECT_EQ(incomplete_, 0) << "frames that do not show all ten robots";
@@ -119,12 +119,12 @@ TEST_F(Reload, ThresholdsChangeWithoutAFrameOrAPoseLost) {
   EXPECT_EQ(session_.loop().statistics().frames, session_.loop().statistics().good_frames);
 }
 
-TEST_F(Reload, TheArenasCameraBecomesDarker) {
+TEST_F(Reload, AShorterExposureDarkensTheArenasCamera) {
   begin();
   const double before = brightness_;
   replace("board.toml", "rate_hz = 60.0", "rate_hz = 60.0\nexposure_us = 3500");
-  const std::string said = reload();
-  EXPECT_NE(said.find(" on: camera.exposure_us 5000 -> 3500\n"), std::string::npos) << said;
+  const std::string messages = reload();
+  EXPECT_NE(messages.find(" on: camera.exposure_us 5000 -> 3500\n"), std::string::npos) << messages;
   run(5);
   // With a gamma of 2.2, 0.7 of the light gives 0.85 of the value.
   EXPECT_NEAR(brightness_ / before, 0.85, 0.03);

@@ -97,7 +97,7 @@ TEST(RobotTelemetry, RateZeroSendsNothingAndTheBufferIsLimited) {
   RobotTelemetrySource unheard(parameters, 1);
   for (int ms = 0; ms < 60000; ++ms) unheard.advance(Instant(1s) + ms * 1ms);
   std::array<std::byte, 8192> bytes{};
-  EXPECT_EQ(unheard.read(bytes), 4096U) << "the size of a port's buffer";
+  EXPECT_EQ(unheard.read(bytes), 4096U) << "the size of the kernel's serial buffer";
   EXPECT_EQ(unheard.read(bytes), 0U);
 }
 

@@ -47,7 +47,7 @@ TEST(Scenes, ObjectsDoNotOverlap) {
   }
 }
 
-TEST(Scenes, PairsTouchAlmost) {
+TEST(Scenes, PairsAlmostTouch) {
   const ArenaParameters parameters;
   for (const SceneFrame& moment : make_scene(SceneKind::kTouching, parameters, 60.0, 20, 3)) {
     for (std::size_t i = 0; i + 1 < moment.begin.robots.size(); i += 2) {
@@ -73,21 +73,21 @@ TEST(Scenes, SeedDeterminesPoses) {
   EXPECT_NE(first[0].begin.ball.x_m, first[1].begin.ball.x_m);
 }
 
-TEST(Scenes, StaticOnesStandStillAndMatchesMove) {
+TEST(Scenes, StaticScenesDoNotMoveAndMatchesDo) {
   const ArenaParameters parameters;
-  const auto quiet = make_scene(SceneKind::kStatic, parameters, 60.0, 10, 1);
-  for (const SceneFrame& moment : quiet) EXPECT_EQ(moment.begin.robots[3].x_m, quiet[0].begin.robots[3].x_m);
+  const auto still = make_scene(SceneKind::kStatic, parameters, 60.0, 10, 1);
+  for (const SceneFrame& moment : still) EXPECT_EQ(moment.begin.robots[3].x_m, still[0].begin.robots[3].x_m);
   const auto match = make_scene(SceneKind::kMatch, parameters, 50.0, 100, 1);
-  double way = 0.0;
+  double path_m = 0.0;
   for (std::size_t i = 1; i < match.size(); ++i) {
     EXPECT_NEAR(match[i].t_s - match[i - 1].t_s, 0.02, 1e-9);
     const double step = length(position(match[i].begin.robots[0]) - position(match[i - 1].begin.robots[0]));
     EXPECT_LT(step, 2.0 * 0.02);
-    way += step;
+    path_m += step;
     // Motion during the exposure only.
     EXPECT_LE(length(position(match[i].end.robots[0]) - position(match[i].begin.robots[0])), 0.25 * step + 0.0005);
   }
-  EXPECT_GT(way, 0.1);
+  EXPECT_GT(path_m, 0.1);
 }
 
 TEST(Scenes, FieldWithoutRoomGivesNoFrames) {

@@ -8,10 +8,10 @@
 
 #include "hal/replay/picture.h"
 
-// Small pictures and videos, made while the tests run.
+// Small pictures and videos that tests make.
 namespace touchline::media {
 
-/// A folder of its own, gone with the object.
+/// A temporary folder, removed with the object.
 class Folder {
  public:
   Folder();
@@ -29,13 +29,13 @@ std::vector<std::uint8_t> read_bytes(const std::string& path);
 void write_bytes(const std::string& path, std::span<const std::uint8_t> bytes);
 void write_text(const std::string& path, const std::string& text);
 
-/// Every pixel different from its neighbors; `seed` tells pictures apart.
+/// A picture in which neighboring pixels differ. Different seeds give different pictures.
 hal::Picture colorful(std::uint32_t width_px, std::uint32_t height_px, std::uint32_t seed = 0);
 void write_png(const std::string& path, const hal::Picture& picture);
-/// 4:2:0, as cameras write it.
+/// Writes a JPEG with chroma subsampling 4:2:0, as from cameras.
 void write_jpeg(const std::string& path, const hal::Picture& picture);
 
-/// An uncompressed video (YUV4MPEG2); `frames` hold the planes Y, U, V one behind the other.
+/// Writes an uncompressed video (YUV4MPEG2). Each of `frames` contains the planes Y, U and V one after another.
 void write_y4m(const std::string& path, int width_px, int height_px, const std::string& header,
                const std::vector<std::vector<std::uint8_t>>& frames);
 

@@ -14,7 +14,8 @@ namespace {
 
 using hal::Picture;
 
-// Reads a file that must be refused; gives the reason, and checks that nothing was printed and nothing half returned.
+// Reads a file that must be refused, and returns the message. Nothing may be printed, and no part of the picture
+// returned.
 std::string refused(const std::string& path, ErrorCode expected) {
   Picture picture;
   std::string reason;
@@ -25,7 +26,7 @@ std::string refused(const std::string& path, ErrorCode expected) {
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
   EXPECT_EQ(status.code(), expected) << path << ": " << reason;
   EXPECT_TRUE(picture.rgb8.empty() && picture.rgb16.empty());
-  EXPECT_NE(reason.find(path), std::string::npos) << "the reason must name the file: " << reason;
+  EXPECT_NE(reason.find(path), std::string::npos) << "the message must name the file: " << reason;
   return reason;
 }
 
@@ -43,9 +44,9 @@ TEST(Picture, EightBitsSurvivePng) {
   const Picture picture = read(folder / "a.png");
   EXPECT_EQ(picture.width_px, 37u);
   EXPECT_EQ(picture.height_px, 23u);
-  EXPECT_FALSE(picture.deep());
+  EXPECT_FALSE(picture.is_16_bit());
   EXPECT_EQ(picture.rgb8, written.rgb8);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "no temporary file stays";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "no temporary file is left";
 }
 
 TEST(Picture, SixteenBitsSurvivePng) {
@@ -54,11 +55,11 @@ TEST(Picture, SixteenBitsSurvivePng) {
   for (std::uint32_t i = 0; i < 60; ++i) written.rgb16.push_back(static_cast<std::uint16_t>(i * 1109u + 7u));
   media::write_png(folder / "deep.png", written);
   const Picture picture = read(folder / "deep.png");
-  EXPECT_TRUE(picture.deep());
+  EXPECT_TRUE(picture.is_16_bit());
   EXPECT_EQ(picture.rgb16, written.rgb16);
 }
 
-TEST(Picture, PpmAndPgm) {
+TEST(Picture, PpmAndPgmAreRead) {
   const media::Folder folder;
   media::write_text(folder / "a.ppm", "P6\n# a comment\n2 1\n255\n\x01\x02\x03\xfd\xfe\xff");
   EXPECT_EQ(read(folder / "a.ppm").rgb8, (std::vector<std::uint8_t>{1, 2, 3, 253, 254, 255}));
@@ -69,7 +70,7 @@ TEST(Picture, PpmAndPgm) {
   EXPECT_EQ(read(folder / "deep.ppm").rgb16, (std::vector<std::uint16_t>{0x1234, 0x5678, 0x9abc}));
 }
 
-TEST(Picture, JpegHasTheColorsThatWentIn) {
+TEST(Picture, JpegKeepsTheColors) {
   const media::Folder folder;
   Picture flat{32, 32, {}, {}};
   for (int i = 0; i < 32 * 32; ++i) flat.rgb8.insert(flat.rgb8.end(), {200, 60, 30});
@@ -81,7 +82,7 @@ TEST(Picture, JpegHasTheColorsThatWentIn) {
   }
 }
 
-TEST(Picture, PngCutAnywhereIsRefused) {
+TEST(Picture, TruncatedPngIsRefused) {
   const media::Folder folder;
   media::write_png(folder / "whole.png", media::colorful(64, 48));
   const std::vector<std::uint8_t> whole = media::read_bytes(folder / "whole.png");
@@ -91,26 +92,26 @@ TEST(Picture, PngCutAnywhereIsRefused) {
                        std::span(whole).first(std::max<std::size_t>(8, whole.size() * percent / 100)));
     refused(folder / "cut.png", ErrorCode::kCorruptFrame);
   }
-  // The last chunk is 12 bytes long and holds no pixel: still the file is not whole.
+  // The last chunk has 12 bytes and contains no pixel, but without it the file is incomplete.
   for (std::size_t missing = 1; missing <= 16; ++missing) {
     media::write_bytes(folder / "cut.png", std::span(whole).first(whole.size() - missing));
     refused(folder / "cut.png", ErrorCode::kCorruptFrame);
   }
 }
 
-TEST(Picture, PngWithOneBitTurnedIsRefused) {
+TEST(Picture, PngWithOneWrongBitIsRefused) {
   const media::Folder folder;
   media::write_png(folder / "whole.png", media::colorful(64, 48));
   const std::vector<std::uint8_t> whole = media::read_bytes(folder / "whole.png");
-  for (std::size_t place = 60; place + 60 < whole.size(); place += 997) {
+  for (std::size_t position = 60; position + 60 < whole.size(); position += 997) {
     std::vector<std::uint8_t> bytes = whole;
-    bytes[place] ^= 0x10u;
+    bytes[position] ^= 0x10u;
     media::write_bytes(folder / "bent.png", bytes);
     refused(folder / "bent.png", ErrorCode::kCorruptFrame);
   }
 }
 
-// Chunks and checksums are right, but the rows end early: only the decoder can know.
+// Chunks and checksums are right, but rows are missing: only the decoder can detect that.
 TEST(Picture, PngWithTooFewRowsIsRefused) {
   const media::Folder folder;
   media::write_png(folder / "whole.png", media::colorful(64, 48));
@@ -122,7 +123,7 @@ TEST(Picture, PngWithTooFewRowsIsRefused) {
   refused(folder / "short.png", ErrorCode::kCorruptFrame);
 }
 
-TEST(Picture, CutJpegIsRefused) {
+TEST(Picture, TruncatedJpegIsRefused) {
   const media::Folder folder;
   media::write_jpeg(folder / "whole.jpg", media::colorful(64, 48));
   const std::vector<std::uint8_t> whole = media::read_bytes(folder / "whole.jpg");
@@ -134,7 +135,7 @@ TEST(Picture, CutJpegIsRefused) {
   refused(folder / "cut.jpg", ErrorCode::kCorruptFrame);
 }
 
-TEST(Picture, CutPpmIsRefused) {
+TEST(Picture, TruncatedPpmIsRefused) {
   const media::Folder folder;
   media::write_text(folder / "cut.ppm", "P6 2 2 255\n12345678901");
   refused(folder / "cut.ppm", ErrorCode::kCorruptFrame);
@@ -142,8 +143,8 @@ TEST(Picture, CutPpmIsRefused) {
   refused(folder / "head.ppm", ErrorCode::kCorruptFrame);
 }
 
-// Under a limit of memory (MemoryMax= of the service) the pixels of such a file could not even be allocated.
-TEST(Picture, TooManyPixelsAreRefusedBeforeMemoryIsTaken) {
+// Under a memory limit (LimitDATA= of the service), allocating the pixels of such a file could fail.
+TEST(Picture, TooManyPixelsAreRefusedBeforeMemoryIsAllocated) {
   const media::Folder folder;
   media::write_png(folder / "large.png", media::colorful(64, 48));
   std::vector<std::uint8_t> bytes = media::read_bytes(folder / "large.png");
@@ -156,7 +157,7 @@ TEST(Picture, TooManyPixelsAreRefusedBeforeMemoryIsTaken) {
   EXPECT_NE(reason.find("more than 20155392 pixels"), std::string::npos) << reason;
   media::write_text(folder / "large.ppm", "P6 12000 9000 65535\n");
   refused(folder / "large.ppm", ErrorCode::kOutOfRange);
-  // A JPEG's size stands in its SOF marker: FF C0, length, precision, height, width.
+  // The size of a JPEG is in its SOF segment: FF C0, length, precision, height, width.
   media::write_jpeg(folder / "large.jpg", media::colorful(64, 48));
   bytes = media::read_bytes(folder / "large.jpg");
   const std::array<std::uint8_t, 2> marker{0xff, 0xc0};
@@ -164,12 +165,12 @@ TEST(Picture, TooManyPixelsAreRefusedBeforeMemoryIsTaken) {
   ASSERT_NE(sof, bytes.end());
   const std::array<std::uint8_t, 4> height_and_width{0x23, 0x28, 0x2e, 0xe0};
   std::copy(height_and_width.begin(), height_and_width.end(), sof + 5);
-  bytes.resize(std::size_t{500} * 1024);  // fewer bytes than blocks are refused as damaged
+  bytes.resize(std::size_t{500} * 1024);  // a file with fewer bytes than blocks would be refused as damaged
   media::write_bytes(folder / "large.jpg", bytes);
   refused(folder / "large.jpg", ErrorCode::kOutOfRange);
 }
 
-TEST(Picture, FilesThatAreNoPictures) {
+TEST(Picture, FilesThatAreNotPicturesAreRefused) {
   const media::Folder folder;
   EXPECT_NE(refused(folder / "missing.png", ErrorCode::kNotFound).find("no such file"), std::string::npos);
   media::write_text(folder / "empty.png", "");
@@ -179,7 +180,7 @@ TEST(Picture, FilesThatAreNoPictures) {
   refused(folder.path(), ErrorCode::kUnsupported);
 }
 
-TEST(Picture, WhatCannotBeWritten) {
+TEST(Picture, WriteErrorsAreReported) {
   const media::Folder folder;
   std::string reason;
   EXPECT_EQ(hal::write_picture(folder / "a.png", {}, reason).code(), ErrorCode::kOutOfRange);

@@ -24,7 +24,7 @@ std::vector<std::uint8_t> pixels(const Frame& frame, std::size_t bytes_per_row) 
   return all;
 }
 
-// Opens an input that must be refused; gives the reason.
+// Opens an input that must be refused, and returns the message.
 std::string refused(const std::string& path, ErrorCode expected) {
   ReplayCamera camera({.path = path});
   testing::internal::CaptureStderr();
@@ -35,7 +35,7 @@ std::string refused(const std::string& path, ErrorCode expected) {
   return opened.text();
 }
 
-TEST(ReplayCamera, PicturesComeInNaturalOrderWithTheirStamps) {
+TEST(ReplayCamera, PicturesAreReadInNaturalOrderWithTheirTimeStamps) {
   const media::Folder folder;
   const std::vector<std::string> names{"shot2.png", "shot9.PNG", "shot10.png", "shot010b.png"};
   for (std::uint32_t i = 0; i < names.size(); ++i) media::write_png(folder / names[i], media::colorful(7, 5, i));
@@ -83,18 +83,18 @@ TEST(ReplayCamera, StartsOverAfterReopening) {
   }
 }
 
-TEST(ReplayCamera, BgrAndYuvOfAPicture) {
+TEST(ReplayCamera, APictureIsConvertedToEveryFormat) {
   const media::Folder folder;
-  hal::Picture picture{3, 2, {}, {}};  // odd: the last pair has one pixel
+  hal::Picture picture{3, 2, {}, {}};  // odd width: the last pair has one pixel
   for (int i = 0; i < 6; ++i) picture.rgb8.insert(picture.rgb8.end(), {255, 0, 0});
   media::write_png(folder / "red.png", picture);
-  const auto first_frame = [&folder](PixelFormat format, auto look) {
+  const auto first_frame = [&folder](PixelFormat format, auto check) {
     ReplayCamera camera({.path = folder / "red.png", .format = format});
     ASSERT_TRUE(camera.open().ok() && camera.start().ok());
     const Result<FrameLease> lease = camera.wait(kForever);
     ASSERT_TRUE(lease.ok()) << lease.text();
     EXPECT_EQ(lease.value().frame().format, format);
-    look(lease.value().frame());
+    check(lease.value().frame());
   };
   first_frame(PixelFormat::kBgr24, [](const Frame& frame) {
     EXPECT_EQ(pixels(frame, 6), (std::vector<std::uint8_t>{0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255}));
@@ -140,7 +140,7 @@ TEST(ReplayCamera, SixteenBitPicturesAreRoundedToEight) {
   EXPECT_EQ(pixels(lease.value().frame(), 6), (std::vector<std::uint8_t>{0, 0, 1, 128, 255, 1}));
 }
 
-TEST(ReplayCamera, InputsThatCannotBeOpened) {
+TEST(ReplayCamera, InputsThatCannotBeOpenedAreReported) {
   const media::Folder folder;
   refused(folder / "missing", ErrorCode::kNotFound);
   EXPECT_NE(refused(folder.path(), ErrorCode::kNotFound).find("no picture"), std::string::npos);
@@ -154,7 +154,7 @@ TEST(ReplayCamera, InputsThatCannotBeOpened) {
   EXPECT_NE(refused(folder / "huge.png", ErrorCode::kUnsupported).find("2600 x 2"), std::string::npos);
 }
 
-TEST(ReplayCamera, APictureOfAnotherSizeIsNamed) {
+TEST(ReplayCamera, APictureOfAnotherSizeIsAnError) {
   const media::Folder folder;
   media::write_png(folder / "1.png", media::colorful(8, 8));
   media::write_png(folder / "2.png", media::colorful(8, 6));
@@ -185,7 +185,7 @@ TEST(ReplayCamera, ADamagedPictureIsALostFrame) {
   EXPECT_EQ(next.value().frame().capture_time, Instant(from_seconds(0.2)));
 }
 
-TEST(ReplayCamera, LeasesHoldTheirBuffer) {
+TEST(ReplayCamera, ALeaseKeepsItsBuffer) {
   const media::Folder folder;
   for (std::uint32_t i = 0; i < 5; ++i) {
     media::write_png(folder / (std::to_string(i) + ".png"), media::colorful(8, 8, i));
@@ -201,19 +201,19 @@ TEST(ReplayCamera, LeasesHoldTheirBuffer) {
   EXPECT_EQ(pixels(c.value().frame(), 24), media::colorful(8, 8, 2).rgb8);
 }
 
-class HandClock final : public hal::Clock {
+class ManualClock final : public hal::Clock {
  public:
   [[nodiscard]] Instant now() const override { return now_; }
   void sleep_until(Instant instant) override { now_ = std::max(now_, instant); }
   Instant now_{from_seconds(100.0)};
 };
 
-TEST(ReplayCamera, PacedFramesComeWhenTheyAreDue) {
+TEST(ReplayCamera, WithAClockFramesArriveInRealTime) {
   const media::Folder folder;
   for (std::uint32_t i = 0; i < 2; ++i) {
     media::write_png(folder / (std::to_string(i) + ".png"), media::colorful(8, 8, i));
   }
-  HandClock clock;
+  ManualClock clock;
   ReplayCamera camera({.path = folder.path(), .format = PixelFormat::kRgb24, .rate_hz = 10.0}, &clock);
   ASSERT_TRUE(camera.open().ok() && camera.start().ok());
   ASSERT_TRUE(camera.wait(clock.now_).ok());

@@ -20,7 +20,7 @@ using hal::VideoWriter;
 
 constexpr Instant kForever = Instant::max();
 
-// Gray pictures whose brightness tells them apart: 20, 40, 60...
+// Writes gray pictures with the values 20, 40, 60, ...
 void write_video(const std::string& path, int frames, double rate_hz, std::uint32_t width = 64,
                  std::uint32_t height = 48) {
   VideoWriter writer;
@@ -32,10 +32,10 @@ void write_video(const std::string& path, int frames, double rate_hz, std::uint3
   ASSERT_TRUE(writer.finish().ok()) << writer.reason();
 }
 
-TEST(Video, WhatIsWrittenIsRead) {
+TEST(Video, AWrittenVideoIsReadBack) {
   const media::Folder folder;
   write_video(folder / "a.mp4", 10, 25.0);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "no temporary file stays";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "no temporary file is left";
   ReplayCamera camera({.path = folder / "a.mp4"});
   ASSERT_OK(camera.open());
   EXPECT_EQ(camera.info().width_px, 64);
@@ -53,7 +53,7 @@ TEST(Video, WhatIsWrittenIsRead) {
   EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kEndOfStream);
 }
 
-TEST(Video, UnevenStampsAreKept) {
+TEST(Video, UnevenTimeStampsAreKept) {
   const media::Folder folder;
   VideoWriter writer;
   ASSERT_TRUE(writer.open(folder / "a.mp4", 32, 32, 30.0).ok());
@@ -68,7 +68,7 @@ TEST(Video, UnevenStampsAreKept) {
     ASSERT_TRUE(lease.ok()) << lease.text();
     EXPECT_NEAR(seconds(lease.value().frame().capture_time.time_since_epoch()), stamp, 2e-5);
   }
-  // A rate that is asked for replaces them.
+  // A requested rate replaces the time stamps.
   ReplayCamera forced({.path = folder / "a.mp4", .format = PixelFormat::kRgb24, .rate_hz = 50.0});
   ASSERT_TRUE(forced.open().ok() && forced.start().ok());
   for (int i = 0; i < 4; ++i) {
@@ -78,7 +78,7 @@ TEST(Video, UnevenStampsAreKept) {
   }
 }
 
-// Planes Y 6 x 4, U and V 3 x 2 with values that tell their place.
+// Planes Y of 6 x 4, U and V of 3 x 2 pixels, with values that depend on the position.
 std::vector<std::uint8_t> planes_420() {
   std::vector<std::uint8_t> planes;
   for (std::uint8_t i = 0; i < 24; ++i) planes.push_back(static_cast<std::uint8_t>(16 + 9 * i));
@@ -87,7 +87,7 @@ std::vector<std::uint8_t> planes_420() {
   return planes;
 }
 
-TEST(Video, YuvGoesToYuvAsItIsStored) {
+TEST(Video, YuvIsReadAsItIsStored) {
   const media::Folder folder;
   const std::vector<std::uint8_t> planes = planes_420();
   for (const char* header : {"F25:1 C420mpeg2 XCOLORRANGE=LIMITED", "F25:1 C420jpeg XCOLORRANGE=FULL"}) {
@@ -122,7 +122,7 @@ TEST(Video, YuvGoesToYuvAsItIsStored) {
 }
 
 // ITU-R BT.601: gray of luma 126 is (126 - 16) * 255 / 219 = 128 in limited and 126 in full range.
-TEST(Video, RangeIsTheFiles) {
+TEST(Video, TheColorRangeOfTheFileIsUsed) {
   const media::Folder folder;
   std::vector<std::uint8_t> gray(16 * 16, 126);
   gray.resize(16 * 16 * 3 / 2, 128);
@@ -137,7 +137,7 @@ TEST(Video, RangeIsTheFiles) {
   EXPECT_EQ(value("F30:1 C420mpeg2 XCOLORRANGE=FULL"), 126);
 }
 
-// A step in chroma must stay where it is: the centroids of patches depend on it.
+// A step in chroma must not move: the centroids of patches depend on it.
 TEST(Video, ChromaIsInterpolatedInPlace) {
   const media::Folder folder;
   std::vector<std::uint8_t> planes(32 * 32, 126);
@@ -146,7 +146,7 @@ TEST(Video, ChromaIsInterpolatedInPlace) {
       for (int x = 0; x < 16; ++x) planes.push_back(plane == 1 && x >= 8 ? 200 : 128);
     }
   }
-  // Where red passes half way between both sides, in pixels: chroma sample 8 lies on pixel 16 (mpeg2) or 16.5 (jpeg).
+  // Position in pixels where red is halfway between both sides: chroma sample 8 is at pixel 16 (mpeg2) or 16.5 (jpeg).
   const auto step = [&](const std::string& header) {
     media::write_y4m(folder / "a.y4m", 32, 32, header, {planes});
     ReplayCamera camera({.path = folder / "a.y4m"});
@@ -163,11 +163,11 @@ TEST(Video, ChromaIsInterpolatedInPlace) {
   EXPECT_NEAR(step("F30:1 C420jpeg"), 15.5, 0.15);
 }
 
-TEST(Video, OneThatIsCutOffEndsWithAReason) {
+TEST(Video, ATruncatedVideoIsReported) {
   const media::Folder folder;
   write_video(folder / "whole.mp4", 10, 25.0);
   const std::vector<std::uint8_t> whole = media::read_bytes(folder / "whole.mp4");
-  // The index stands at the end: without it there is nothing to play.
+  // The index is at the end; without it nothing can be played.
   media::write_bytes(folder / "cut.mp4", std::span(whole).first(whole.size() / 2));
   ReplayCamera camera({.path = folder / "cut.mp4"});
   testing::internal::CaptureStderr();
@@ -175,7 +175,7 @@ TEST(Video, OneThatIsCutOffEndsWithAReason) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   EXPECT_NE(camera_error.find("cut.mp4"), std::string::npos) << camera_error;
 
-  // The third frame's header is damaged: what follows cannot be read, and that is not the end of the video.
+  // The third frame's header is damaged: the rest cannot be read, which must not look like the end of the video.
   const std::vector<std::uint8_t> gray(64 * 64 * 3 / 2, 128);
   media::write_y4m(folder / "b.y4m", 64, 64, "F30:1 C420mpeg2", {gray, gray, gray});
   std::vector<std::uint8_t> raw = media::read_bytes(folder / "b.y4m");
@@ -190,7 +190,7 @@ TEST(Video, OneThatIsCutOffEndsWithAReason) {
   EXPECT_NE(lost.text().find("b.y4m: ends early, after frame 2"), std::string::npos) << lost.text();
 }
 
-TEST(Video, WithoutAnyFrame) {
+TEST(Video, AVideoWithoutFramesIsAnError) {
   const media::Folder folder;
   write_video(folder / "none.mp4", 0, 25.0);
   ReplayCamera camera({.path = folder / "none.mp4"});
@@ -220,7 +220,7 @@ TEST(VideoWriter, AFifoGetsAVideoThatNeedsNoSeeking) {
   EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kEndOfStream);
 }
 
-TEST(VideoWriter, LeavesNothingHalfBehind) {
+TEST(VideoWriter, LeavesNoIncompleteFile) {
   const media::Folder folder;
   {
     VideoWriter writer;

@@ -23,6 +23,9 @@ struct GpioEdge {
   Instant at{};         // CLOCK_MONOTONIC
 };
 
+// Size of the kernel's event buffer of a line.
+inline constexpr std::size_t kMaxLineEvents = 16;
+
 /// One requested line of a GPIO chip, with consumer name "touchline". Only its implementation depends on the version of
 /// libgpiod: gpio_line_v1.cpp or gpio_line_v2.cpp, chosen by the installed library at build time.
 class GpioLine {
@@ -32,17 +35,17 @@ class GpioLine {
   GpioLine& operator=(const GpioLine&) = delete;
   ~GpioLine();
 
-  /// The line is low at first. The message of an error names chip, line and cause.
+  /// The line starts low. Error messages name chip, line and cause.
   Result<void> request_output(const std::string& chip, int line);
-  /// With edge events if the chip supports them, debounced if the kernel supports that.
+  /// Requests edge events if the chip supports them, and debouncing if the kernel supports it.
   Result<void> request_input(const std::string& chip, int line, const GpioInput& input);
   void release();
   [[nodiscard]] bool requested() const { return request_ != nullptr; }
-  /// Input with edge events; otherwise it must be polled.
-  [[nodiscard]] bool tells_edges() const { return tells_edges_; }
+  /// False for an input: it must be polled.
+  [[nodiscard]] bool has_edge_events() const { return has_edge_events_; }
   [[nodiscard]] bool debounced() const { return debounced_; }
 
-  // The calls below do not block and return 0 or an errno.
+  // The functions below do not block and return 0 or an errno.
   [[nodiscard]] int set(bool active) const;
   [[nodiscard]] int get(bool& active) const;
   /// Reads the oldest unread edges, as many as fit into `edges`.
@@ -51,7 +54,7 @@ class GpioLine {
  private:
   struct Request;
   std::unique_ptr<Request> request_;
-  bool tells_edges_ = false, debounced_ = false;
+  bool has_edge_events_ = false, debounced_ = false;
 };
 
 }  // namespace touchline::hal

@@ -10,7 +10,7 @@
 namespace touchline::hal {
 namespace {
 
-std::string chips_here() {
+std::string available_chips() {
   std::string list;
   for (const GpioChipNode& chip : list_gpio_chips()) {
     const std::string lines = std::to_string(chip.line_count) + " lines";
@@ -29,8 +29,8 @@ Result<std::string> find_chip(const std::string& named) {
     if (chip.error == EACCES) refused = chip.path;
     if (chip.error != 0 || chip.label != named) continue;
     if (!found.empty()) {
-      return failure(ErrorCode::kInconsistent, "%s: is both %s and %s; name one of them", named.c_str(), found.c_str(),
-                     chip.path.c_str());
+      return failure(ErrorCode::kInconsistent, "%s: is the label of both %s and %s; use one of these names",
+                     named.c_str(), found.c_str(), chip.path.c_str());
     }
     found = chip.path;
   }
@@ -42,11 +42,11 @@ Error chip_error(const std::string& chip, int error) {
   const ErrorCode code = open_error(error);
   if (code == ErrorCode::kPermission) return permission_denied(chip.c_str(), "gpio");
   if (code == ErrorCode::kNotFound) {
-    return failure(code, "%s: no such chip; GPIO chips here: %s", chip.c_str(), chips_here().c_str());
+    return failure(code, "%s: no such chip; available GPIO chips: %s", chip.c_str(), available_chips().c_str());
   }
   if (error == ENOTTY) {
-    return failure(ErrorCode::kUnsupported, "%s: not a GPIO chip; GPIO chips here: %s", chip.c_str(),
-                   chips_here().c_str());
+    return failure(ErrorCode::kUnsupported, "%s: not a GPIO chip; available GPIO chips: %s", chip.c_str(),
+                   available_chips().c_str());
   }
   return failure(code, "%s: cannot be opened: %s", chip.c_str(), system_text(error));
 }
@@ -58,13 +58,13 @@ Error no_such_line(const std::string& chip, int line, const char* label, std::si
 
 Error line_error(const std::string& chip, int line, int error, const char* holder, const GpioInput* input) {
   if (error == EBUSY) {
-    return failure(open_error(error), "%s line %d: held by \"%s\"; `gpioinfo` lists who holds what", chip.c_str(), line,
-                   holder != nullptr ? holder : "the kernel");
+    return failure(open_error(error), "%s line %d: in use by \"%s\"; `gpioinfo` lists the users of all lines",
+                   chip.c_str(), line, holder != nullptr ? holder : "the kernel");
   }
   if (input != nullptr && input->bias != GpioBias::kNone && (error == EINVAL || error == EOPNOTSUPP)) {
     return failure(ErrorCode::kUnsupported,
-                   "%s line %d: the kernel has no bias for it; set %s = \"none\" and fit a resistor", chip.c_str(),
-                   line, input->bias_key);
+                   "%s line %d: the kernel cannot set a bias for this line; set %s = \"none\" and add a resistor",
+                   chip.c_str(), line, input->bias_key);
   }
   return failure(open_error(error), "%s line %d: cannot be requested: %s", chip.c_str(), line, system_text(error));
 }

@@ -24,9 +24,6 @@ struct GpioLine::Request {
 namespace {
 
 constexpr const char* kConsumer = "touchline";
-// Size of the kernel's event buffer of a line.
-constexpr std::size_t kMostEvents = 16;
-
 int flags_of(const GpioInput& input) {
   const int polarity = input.active_low ? int{GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW} : 0;
   switch (input.bias) {
@@ -37,7 +34,7 @@ int flags_of(const GpioInput& input) {
     case GpioBias::kNone:
       break;
   }
-  return polarity;  // unchanged: kernels before 5.5 refuse all bias flags
+  return polarity;  // no bias flag: kernels before 5.5 refuse all of them
 }
 
 Result<void> find(const std::string& chip, int line, gpiod_chip*& found_chip, gpiod_line*& found_line) {
@@ -77,13 +74,13 @@ Result<void> GpioLine::request_input(const std::string& chip, int line, const Gp
   auto request = std::make_unique<Request>();
   TOUCHLINE_TRY(find(chip, line, request->chip, request->line));
   const int flags = flags_of(input);
-  tells_edges_ = gpiod_line_request_both_edges_events_flags(request->line, kConsumer, flags) == 0;
+  has_edge_events_ = gpiod_line_request_both_edges_events_flags(request->line, kConsumer, flags) == 0;
   // A chip without interrupts can still be polled.
-  if (!tells_edges_ && gpiod_line_request_input_flags(request->line, kConsumer, flags) != 0) {
+  if (!has_edge_events_ && gpiod_line_request_input_flags(request->line, kConsumer, flags) != 0) {
     const int error = errno;
     return line_error(chip, line, error, gpiod_line_consumer(request->line), &input);
   }
-  if (tells_edges_) {
+  if (has_edge_events_) {
     if (const int error = make_nonblocking(gpiod_line_event_get_fd(request->line)); error != 0) {
       return line_error(chip, line, error, nullptr, &input);
     }
@@ -94,7 +91,7 @@ Result<void> GpioLine::request_input(const std::string& chip, int line, const Gp
 
 void GpioLine::release() {
   request_.reset();
-  tells_edges_ = debounced_ = false;
+  has_edge_events_ = debounced_ = false;
 }
 
 int GpioLine::set(bool active) const { return gpiod_line_set_value(request_->line, active ? 1 : 0) == 0 ? 0 : errno; }
@@ -107,7 +104,7 @@ int GpioLine::get(bool& active) const {
 
 int GpioLine::read_edges(std::span<GpioEdge> edges, std::size_t& count) const {
   count = 0;
-  std::array<gpiod_line_event, kMostEvents> events{};
+  std::array<gpiod_line_event, kMaxLineEvents> events{};
   const auto most = static_cast<unsigned>(std::min(events.size(), edges.size()));
   const int read = gpiod_line_event_read_multiple(request_->line, events.data(), most);
   if (read < 0) return errno == EAGAIN ? 0 : errno;

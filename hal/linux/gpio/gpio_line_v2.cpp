@@ -25,9 +25,6 @@ template <class T>
 using Owned = std::unique_ptr<T, Closer>;
 
 constexpr const char* kConsumer = "touchline";
-// Size of the kernel's event buffer of a line.
-constexpr std::size_t kMostEvents = 16;
-
 gpiod_line_bias bias_of(GpioBias bias) {
   switch (bias) {
     case GpioBias::kPullUp:
@@ -128,7 +125,7 @@ Result<void> GpioLine::request_input(const std::string& chip, int line, const Gp
   const auto ask = [&](bool with_edges, bool with_debounce) {
     const Owned<gpiod_line_settings> settings = settings_of(input, with_edges, with_debounce);
     request->lines = request_line(opened.get(), request->offset, settings.get());
-    tells_edges_ = request->lines && with_edges;
+    has_edge_events_ = request->lines && with_edges;
     debounced_ = request->lines && with_debounce;
     return request->lines != nullptr;
   };
@@ -137,8 +134,8 @@ Result<void> GpioLine::request_input(const std::string& chip, int line, const Gp
   if (!(debounce && ask(true, true)) && !ask(true, false) && !ask(false, false)) {
     return refused(chip, opened.get(), line, errno, &input);
   }
-  if (tells_edges_) {
-    request->events.reset(gpiod_edge_event_buffer_new(kMostEvents));
+  if (has_edge_events_) {
+    request->events.reset(gpiod_edge_event_buffer_new(kMaxLineEvents));
     const int error = request->events ? make_nonblocking(gpiod_line_request_get_fd(request->lines.get())) : ENOMEM;
     if (error != 0) return refused(chip, opened.get(), line, error, &input);
   }
@@ -148,7 +145,7 @@ Result<void> GpioLine::request_input(const std::string& chip, int line, const Gp
 
 void GpioLine::release() {
   request_.reset();
-  tells_edges_ = debounced_ = false;
+  has_edge_events_ = debounced_ = false;
 }
 
 int GpioLine::set(bool active) const {
@@ -165,7 +162,7 @@ int GpioLine::get(bool& active) const {
 int GpioLine::read_edges(std::span<GpioEdge> edges, std::size_t& count) const {
   count = 0;
   gpiod_edge_event_buffer* const events = request_->events.get();
-  const std::size_t most = std::min(kMostEvents, edges.size());
+  const std::size_t most = std::min(kMaxLineEvents, edges.size());
   const int read = gpiod_line_request_read_edge_events(request_->lines.get(), events, most);
   if (read < 0) return errno == EAGAIN ? 0 : errno;
   for (; count < static_cast<std::size_t>(read); ++count) {

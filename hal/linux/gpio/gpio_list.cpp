@@ -16,7 +16,7 @@
 namespace touchline::hal {
 namespace {
 
-/// A text of the kernel, which may lack the terminating zero.
+/// Converts a string of the kernel, which may lack the terminating zero.
 template <std::size_t N>
 std::string text_of(const char (&text)[N]) {
   std::string copy(text, N);
@@ -30,7 +30,7 @@ const char* bias_of(std::uint64_t flags) {
   return (flags & GPIO_V2_LINE_FLAG_BIAS_DISABLED) != 0 ? "none" : "";
 }
 
-int ask(int file, GpioChipNode& chip) {
+int read_chip(int file, GpioChipNode& chip) {
   gpiochip_info info{};
   if (::ioctl(file, GPIO_GET_CHIPINFO_IOCTL, &info) != 0) return errno;
   chip.label = text_of(info.label);
@@ -52,11 +52,11 @@ std::vector<GpioChipNode> list_gpio_chips() {
   std::vector<GpioChipNode> chips;
   for (const std::string& path : numbered_files("/dev/gpiochip")) {
     // Skips links: Raspberry Pi OS links an old number to the new one.
-    if (leads_elsewhere(path)) continue;
+    if (is_link(path)) continue;
     GpioChipNode chip;
     chip.path = path;
     const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    chip.error = file < 0 ? errno : ask(file, chip);
+    chip.error = file < 0 ? errno : read_chip(file, chip);
     if (file >= 0) ::close(file);
     chips.push_back(std::move(chip));
   }

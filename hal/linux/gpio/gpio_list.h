@@ -8,8 +8,8 @@ namespace touchline::hal {
 struct GpioLineNode {
   unsigned number = 0;
   std::string name;      // "" if the device tree has none
-  std::string consumer;  // its user; "": none, or one without a name
-  bool used = false;     // cannot be requested
+  std::string consumer;  // "": free, or used without a name
+  bool used = false;     // by another consumer; it cannot be requested
   bool output = false, active_low = false;
   const char* bias = "";  // "pull_up", "pull_down", "none", "": not set
 };

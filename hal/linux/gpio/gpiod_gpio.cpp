@@ -7,13 +7,6 @@
 #include "hal/linux/system_error.h"
 
 namespace touchline::hal {
-namespace {
-
-// Size of the kernel's event buffer of a line.
-constexpr std::size_t kMostEdges = 16;
-
-}  // namespace
-
 Result<void> GpiodGpio::do_open() {
   do_close();
   description_.clear();
@@ -26,7 +19,7 @@ Result<void> GpiodGpio::do_open() {
 Result<void> GpiodGpio::open_lines() {
   TOUCHLINE_TRY(check_lines());
   TOUCHLINE_TRY_ASSIGN(chip_, find_chip(settings_.chip));
-  // Not debounced by the kernel, which reports no edge of a line that never settles.
+  // Not debounced by the kernel: it would report no edge of a line that never stops bouncing.
   TOUCHLINE_TRY(
       open_input(emergency_stop_, settings_.emergency_stop_line,
                  {settings_.emergency_stop_active_low, settings_.emergency_stop_bias, "emergency_stop_bias", {}}));
@@ -51,28 +44,28 @@ Result<void> GpiodGpio::check_lines() {
   for (std::size_t i = 0; i < uses.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       if (uses[i].line == kNoLine || uses[i].line != uses[k].line) continue;
-      return failure(ErrorCode::kInconsistent, "%s line %d: is both %s and %s", settings_.chip.c_str(), uses[i].line,
-                     uses[k].name, uses[i].name);
+      return failure(ErrorCode::kInconsistent, "%s line %d: is assigned to both %s and %s", settings_.chip.c_str(),
+                     uses[i].line, uses[k].name, uses[i].name);
     }
   }
   return {};
 }
 
-Result<void> GpiodGpio::open_input(Input& input, int line, const GpioInput& how) {
+Result<void> GpiodGpio::open_input(Input& input, int line, const GpioInput& options) {
   if (line == kNoLine) return {};
-  TOUCHLINE_TRY(input.line.request_input(chip_, line, how));
+  TOUCHLINE_TRY(input.line.request_input(chip_, line, options));
   bool active = false;
   if (const int error = input.line.get(active); error != 0) return fail(line, "reading", error);
   input.debouncer.begin(input.line.debounced() ? Duration::zero() : debounce_, active, MonotonicClock::read());
-  if (!input.line.tells_edges()) {
+  if (!input.line.has_edge_events()) {
     description_ += (description_.empty() ? "" : "; ") + settings_.chip + " line " + std::to_string(line) +
-                    ": tells no edges, a pulse between two frames goes unseen";
+                    ": no edge events; pulses between two frames are missed";
   }
   return {};
 }
 
 void GpiodGpio::do_close() {
-  // A light that stays on would mean that the program still runs.
+  // A light that stays on would suggest that the program still runs.
   if (status_led_.requested()) static_cast<void>(status_led_.set(false));
   if (strobe_.requested()) static_cast<void>(strobe_.set(false));
   status_led_.release();
@@ -102,14 +95,14 @@ Result<GpioInputs> GpiodGpio::do_inputs(Instant now) {
 Result<Debouncer::State> GpiodGpio::poll(Input& input, int line, Instant now) {
   if (line == kNoLine) return Debouncer::State{};
   if (!open_) return fail(line, "not open", 0);
-  if (input.line.tells_edges()) {
-    std::array<GpioEdge, kMostEdges> edges{};
+  if (input.line.has_edge_events()) {
+    std::array<GpioEdge, kMaxLineEvents> edges{};
     std::size_t count = 0;
     if (const int error = input.line.read_edges(edges, count); error != 0) return fail(line, "reading edges", error);
     // Kernels before 5.7 stamp edges with another clock; an edge in the future would never count.
     for (std::size_t i = 0; i < count; ++i) input.debouncer.edge(edges[i].active, std::min(edges[i].at, now));
   }
-  // Also with edge events: the kernel's buffer is limited, and a lost edge must not hide an active line.
+  // Also read with edge events: the kernel's buffer is limited, and a lost edge must not hide an active line.
   bool active = false;
   if (const int error = input.line.get(active); error != 0) return fail(line, "reading", error);
   input.debouncer.level(active, now);

@@ -38,7 +38,7 @@ class GpiodGpio final : public Gpio {
 
   Result<void> open_lines();
   Result<void> check_lines();
-  Result<void> open_input(Input& input, int line, const GpioInput& how);
+  Result<void> open_input(Input& input, int line, const GpioInput& options);
   Result<void> set(const GpioLine& output, int line, bool high);
   Result<Debouncer::State> poll(Input& input, int line, Instant now);
   Error fail(int line, const char* doing, int error);

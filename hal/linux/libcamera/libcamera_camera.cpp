@@ -9,11 +9,11 @@
 namespace touchline::hal {
 namespace {
 
-// Controls take effect after the frames that the sensor is already taking; cameras have at most four of these.
+// Controls take effect after the frames that the sensor is already exposing; these are at most four.
 constexpr std::size_t kFramesToSettle = 10;
-// Sensors start within half a second. A longer start means a loose cable, which the limits of the loop handle.
-constexpr Duration kLongestStart = std::chrono::seconds(2);
-// Added to two frame periods; a camera that stalls is reopened only later.
+// Sensors start within half a second. A longer start means a loose cable; the loop then reopens the camera.
+constexpr Duration kStartTimeout = std::chrono::seconds(2);
+// Longest delay of a frame in addition to two frame periods. The loop reopens a stalled camera only later.
 constexpr Duration kFrameDelay = std::chrono::milliseconds(500);
 
 }  // namespace
@@ -22,11 +22,11 @@ LibcameraCamera::LibcameraCamera(CameraSettings settings, int priority, std::uni
     : settings_(std::move(settings)), priority_(priority), link_(std::move(link)) {}
 
 // --- on the caller's thread
-// --------------------------------------------------------------------------------------------
+// -------------------------------------------------------------------------------------------
 
 Result<void> LibcameraCamera::do_open() {
   const std::scoped_lock alone(changing_);
-  shut();
+  close_camera();
   negotiated_.clear();
   info_ = {};
   if (link_ == nullptr) {
@@ -36,7 +36,7 @@ Result<void> LibcameraCamera::do_open() {
   }
   worker_ = std::thread([this] { work(); });
   if (Result<void> opened = ask(Task::kOpen); !opened.ok()) {
-    shut();
+    close_camera();
     return opened;
   }
   report_negotiated(controls_);
@@ -79,31 +79,33 @@ Result<void> LibcameraCamera::do_start() {
   last_duration_us_ = 0.0;
   lost_.reset();
   if (Result<void> started = ask(Task::kStart); !started.ok()) {
-    forget_completed();
+    drop_completed();
     return started;
   }
   streaming_ = true;
-  settle();
+  discard_settling_frames();
   return {};
 }
 
-/// Skips the frames that were taken before the controls took effect and reports the metadata of the next one.
-void LibcameraCamera::settle() {
+/// Skips the frames that were taken before the controls took effect, and reports the metadata of the first frame after
+/// them.
+void LibcameraCamera::discard_settling_frames() {
   negotiated_.truncate(negotiated_at_open_);
-  const Instant deadline = MonotonicClock::read() + kLongestStart;
+  const Instant deadline = MonotonicClock::read() + kStartTimeout;
   LibcameraNumbers reported;
-  bool came = false;
+  bool received = false;
   for (std::size_t i = 0; i < kFramesToSettle; ++i) {
     LibcameraFrame frame;
     if (!take(deadline, frame)) break;
     do_release(frame.buffer);
     if (frame.state != LibcameraFrame::State::kGood) continue;
     reported = frame.reported;
-    came = true;
-    if (is_taken_with(reported, controls_)) break;
+    received = true;
+    if (are_in_effect(reported, controls_)) break;
   }
-  hal::report_negotiated(settings_, limits_, controls_, came ? reported : controls_, negotiated_);
-  if (!came) negotiated_.append_format("%sno frame came yet to tell what is in force", negotiated_.separator());
+  hal::report_negotiated(settings_, limits_, controls_, received ? reported : controls_, negotiated_);
+  if (!received)
+    negotiated_.append_format("%sno frame arrived yet, so the actual values are unknown", negotiated_.separator());
   const std::optional<double>& duration_us = reported[LibcameraControl::kFrameDuration]
                                                  ? reported[LibcameraControl::kFrameDuration]
                                                  : controls_[LibcameraControl::kFrameDuration];
@@ -111,7 +113,7 @@ void LibcameraCamera::settle() {
   report_negotiated(reported);
 }
 
-/// May run on another thread during wait(): of the members that wait() uses, only the exposure time is written
+/// May run on another thread during wait(): of the members that wait() uses, it writes only the exposure time
 /// (atomic).
 Result<std::string> LibcameraCamera::do_adjust(const CameraSettings& settings) {
   const std::scoped_lock alone(changing_);
@@ -124,38 +126,40 @@ Result<std::string> LibcameraCamera::do_adjust(const CameraSettings& settings) {
     if (const std::optional<LibcameraNumbers> reported = await_controls()) {
       report_negotiated_controls(settings_, limits_, controls_, *reported, text);
     } else {
-      text.append_format("%sset, but no frame came to tell what is in force", text.separator());
+      text.append_format("%sset, but no frame arrived to confirm it", text.separator());
     }
     set_exposure(controls_);
   }
   return text.empty() ? std::string() : std::string(name()) + ": " + text.str();
 }
 
-/// Returns the metadata of the first frame that was taken with the new controls; if none of the next frames was, that
-/// of the last one. Nothing: no frame arrived.
+/// Returns the metadata of the first frame that was taken with the new controls, or of the last frame if none of them
+/// was. Nothing: no frame arrived.
 std::optional<LibcameraNumbers> LibcameraCamera::await_controls() {
-  // The controls go with the next request, after the requests for all other buffers.
+  // The controls are sent with the next request, after the requests of all other buffers.
   const std::size_t frames = stream_.buffers + kFramesToSettle;
   const double rate_hz = info_.rate_hz > 0.0 ? info_.rate_hz : settings_.rate_hz;
-  const Duration patience = kFrameDelay + from_seconds(2.0 / rate_hz);
+  const Duration timeout = kFrameDelay + from_seconds(2.0 / rate_hz);
   LibcameraNumbers next;
-  while (told_.pop(next) || telling_.wait_until(Instant{})) {  // metadata left over from the change before
+  while (metadata_.pop(next) ||
+         metadata_ready_.wait_until(Instant{})) {  // drops metadata left over from the previous change
   }
   std::optional<LibcameraNumbers> reported;
-  watched_.store(true, std::memory_order_release);
+  metadata_wanted_.store(true, std::memory_order_release);
   for (std::size_t i = 0; i < frames; ++i) {
     reported.reset();
-    if (telling_.wait_until(MonotonicClock::read() + patience) && told_.pop(next)) reported = next;
-    if (!reported || is_taken_with(*reported, controls_)) break;
+    if (metadata_ready_.wait_until(MonotonicClock::read() + timeout) && metadata_.pop(next)) reported = next;
+    if (!reported || are_in_effect(*reported, controls_)) break;
   }
-  watched_.store(false, std::memory_order_release);
+  metadata_wanted_.store(false, std::memory_order_release);
   return reported;
 }
 
-/// Takes the oldest completed frame; false: none arrived, or none can arrive.
+/// Takes the oldest completed frame; false: none arrived before the deadline, or none can arrive.
 bool LibcameraCamera::take(Instant deadline, LibcameraFrame& frame) {
   while (ready_.wait_until(deadline)) {
-    if (gone_.load(std::memory_order_acquire) || queue_error_.load(std::memory_order_acquire) != 0) return false;
+    if (disconnected_.load(std::memory_order_acquire) || queue_error_.load(std::memory_order_acquire) != 0)
+      return false;
     if (completed_.pop(frame)) return true;
   }
   return false;
@@ -168,8 +172,8 @@ Result<FrameLease> LibcameraCamera::do_wait(Instant deadline) {
   }
   LibcameraFrame frame;
   if (take(deadline, frame)) return deliver(frame);
-  if (gone_.load(std::memory_order_acquire)) {
-    return fail(device_lost(name(), "camera", ErrorCode::kDisconnected, "libcamera tells so", 0));
+  if (disconnected_.load(std::memory_order_acquire)) {
+    return fail(device_lost(name(), "camera", ErrorCode::kDisconnected, "reported by libcamera", 0));
   }
   if (const int error = queue_error_.load(std::memory_order_acquire); error != 0) {
     return fail(device_lost(name(), "camera", use_error(error), "queuing a request", error));
@@ -179,7 +183,7 @@ Result<FrameLease> LibcameraCamera::do_wait(Instant deadline) {
 
 Result<FrameLease> LibcameraCamera::deliver(const LibcameraFrame& completed) {
   if (completed.state == LibcameraFrame::State::kCancelled) {
-    return fail(failure(ErrorCode::kIo, "%s: libcamera gave up a frame that was under way", name()));
+    return fail(failure(ErrorCode::kIo, "%s: libcamera canceled a frame in progress", name()));
   }
   const Instant now = MonotonicClock::read();
   const Instant stamp =
@@ -212,15 +216,15 @@ Result<FrameLease> LibcameraCamera::deliver(const LibcameraFrame& completed) {
   return FrameLease(*this, frame, completed.buffer, mappings_[completed.buffer].files());
 }
 
-/// Sets the exposure time for the stamps: that of the frame, or the last one that was set.
+/// Sets the exposure time for the time stamps if it is known; otherwise the last one stays in use.
 void LibcameraCamera::set_exposure(const LibcameraNumbers& numbers) {
   if (const auto& exposure_us = numbers[LibcameraControl::kExposure]) {
     stamps_.set_exposure(from_seconds(*exposure_us * 1e-6));
   }
 }
 
-/// Returns the number of frame periods since the frame before, if both frames have stamps: some devices count processed
-/// frames instead of those that the sensor took.
+/// Returns the number of frame periods since the previous frame, 1 if unknown. Some devices number only the processed
+/// frames, so frames that the sensor took in between show only in the time stamps.
 std::uint32_t LibcameraCamera::periods_since_last(const LibcameraFrame& frame, Instant stamp, Instant now) {
   const double duration_us = frame.reported[LibcameraControl::kFrameDuration].value_or(0.0);
   const double duration_before_us = std::exchange(last_duration_us_, duration_us);
@@ -228,32 +232,32 @@ std::uint32_t LibcameraCamera::periods_since_last(const LibcameraFrame& frame, I
   if (!last_has_stamp_) return 1;
   const Instant before = std::exchange(last_stamp_, stamp);
   if (!follows || duration_us <= 0.0) return 1;
-  constexpr double kMost = 1000.0;  // during a longer pause the camera is reopened
-  // The time between two stamps is the period of one frame or of the other: a change of the rate is not a gap.
+  constexpr double kMaxPeriods = 1000.0;  // the loop reopens the camera before a longer pause
+  // After a change of the rate, the time between two stamps is the period of either frame; it must not count as a gap.
   const double periods = std::round(seconds(stamp - before) * 1e6 / std::max(duration_us, duration_before_us));
-  return periods >= 1.0 && periods <= kMost ? static_cast<std::uint32_t>(periods) : 1;
+  return periods >= 1.0 && periods <= kMaxPeriods ? static_cast<std::uint32_t>(periods) : 1;
 }
 
 void LibcameraCamera::do_release(std::uint32_t buffer) noexcept {
-  if (!flowing_.load(std::memory_order_relaxed)) return;
+  if (!accepts_frames_.load(std::memory_order_relaxed)) return;
   returned_.push(buffer);
   work_.post();
 }
 
 void LibcameraCamera::do_stop() {
   const std::scoped_lock alone(changing_);
-  halt();
+  stop_stream();
 }
 
-void LibcameraCamera::halt() {
+void LibcameraCamera::stop_stream() {
   if (!streaming_) return;
   streaming_ = false;
   static_cast<void>(ask(Task::kStop));
-  forget_completed();
+  drop_completed();
 }
 
-/// Drops frames completed before the stop; the next start queues their buffers.
-void LibcameraCamera::forget_completed() {
+/// Drops the frames that were completed before the stop; the next start queues their buffers.
+void LibcameraCamera::drop_completed() {
   LibcameraFrame frame;
   while (completed_.pop(frame) || ready_.wait_until(Instant{})) {
   }
@@ -261,12 +265,12 @@ void LibcameraCamera::forget_completed() {
 
 void LibcameraCamera::do_close() {
   const std::scoped_lock alone(changing_);
-  shut();
+  close_camera();
 }
 
-void LibcameraCamera::shut() {
+void LibcameraCamera::close_camera() {
   if (!worker_.joinable()) return;
-  halt();
+  stop_stream();
   static_cast<void>(ask(Task::kClose));
   worker_.join();
   id_.clear();
@@ -280,20 +284,20 @@ Error LibcameraCamera::fail(Error error) noexcept {
 // --- on a thread of libcamera ----------------------------------------------------------------------------------------
 
 void LibcameraCamera::frame_done(const LibcameraFrame& frame) noexcept {
-  if (!flowing_.load(std::memory_order_acquire)) return;
+  if (!accepts_frames_.load(std::memory_order_acquire)) return;
   LibcameraFrame done = frame;
   if (done.state == LibcameraFrame::State::kGood && mappings_[done.buffer].begin_read() != 0) {
-    done.state = LibcameraFrame::State::kDamaged;  // the caches may contain the picture before
+    done.state = LibcameraFrame::State::kDamaged;  // the caches may contain the previous picture
   }
-  if (done.state == LibcameraFrame::State::kGood && watched_.load(std::memory_order_acquire)) {
-    if (told_.push(done.reported)) telling_.post();
+  if (done.state == LibcameraFrame::State::kGood && metadata_wanted_.load(std::memory_order_acquire)) {
+    if (metadata_.push(done.reported)) metadata_ready_.post();
   }
   completed_.push(done);
   ready_.post();
 }
 
 void LibcameraCamera::camera_gone() noexcept {
-  gone_.store(true, std::memory_order_release);
+  disconnected_.store(true, std::memory_order_release);
   ready_.post();
 }
 

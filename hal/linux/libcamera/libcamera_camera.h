@@ -30,17 +30,18 @@ struct LibcameraCounters {
 
 /// A camera of libcamera. Its buffers are mapped once and lent to the caller.
 ///
-/// There are three threads. A thread of the driver makes all calls to libcamera. A thread of libcamera synchronizes the
-/// caches and puts completed frames into a ring. The caller takes frames from this ring and returns buffers through a
-/// second one. So neither wait() nor the end of a lease uses the heap or calls libcamera, which allocates for every
+/// There are three threads. A thread of this driver makes all calls to libcamera. A thread of libcamera synchronizes
+/// the caches and puts completed frames into a ring. The caller takes frames from this ring and returns buffers through
+/// a second one. Thus neither wait() nor the end of a lease uses the heap or calls libcamera, which allocates for every
 /// frame.
 ///
 /// wait() returns kTimeout, kShortFrame, kCorruptFrame (the next frame may be good), kDisconnected and kIo (reopen the
 /// camera).
 class LibcameraCamera final : public Camera, private LibcameraSink {
  public:
-  /// `priority`: of the loop under SCHED_FIFO; 0: none. The threads of libcamera get one less, since frames come
-  /// through them. `link` null: this build has no libcamera; open() fails with a message that says so.
+  /// `priority`: SCHED_FIFO priority of the loop; 0: none. The threads of libcamera get this priority minus one,
+  /// because they deliver the frames. `link` null: this build has no libcamera, and open() fails with a message about
+  /// that.
   LibcameraCamera(CameraSettings settings, int priority, std::unique_ptr<LibcameraLink> link);
   ~LibcameraCamera() override { LibcameraCamera::do_close(); }
   LibcameraCamera(const LibcameraCamera&) = delete;
@@ -53,7 +54,7 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
 
  private:
   // CameraSettings::buffers has at most 32.
-  static constexpr std::size_t kMostBuffers = 32;
+  static constexpr std::size_t kMaxBuffers = 32;
   enum class Task : std::uint8_t { kNone, kOpen, kStart, kAdjust, kStop, kClose };
 
   // On the caller's thread.
@@ -64,14 +65,14 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   void do_release(std::uint32_t buffer) noexcept override;
   void do_stop() override;
   void do_close() override;
-  void halt();
-  void shut();
+  void stop_stream();
+  void close_camera();
   Result<void> ask(Task task);
   bool take(Instant deadline, LibcameraFrame& frame);
-  void settle();
+  void discard_settling_frames();
   std::optional<LibcameraNumbers> await_controls();
   void set_exposure(const LibcameraNumbers& numbers);
-  void forget_completed();
+  void drop_completed();
   void report_negotiated(const LibcameraNumbers& reported);
   Result<FrameLease> deliver(const LibcameraFrame& frame);
   std::uint32_t periods_since_last(const LibcameraFrame& frame, Instant stamp, Instant now);
@@ -80,14 +81,14 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   // On the driver's thread.
   void work();
   Result<void> perform(Task task);
-  Result<void> open_here();
+  Result<void> open_on_worker();
   Result<void> choose_camera();
   Result<void> configure();
   Result<void> prepare_buffers();
   Result<void> allocate_buffers(std::vector<DmaBuffer>& buffers);
-  Result<void> start_here();
-  void stop_here();
-  void close_here();
+  Result<void> start_on_worker();
+  void stop_on_worker();
+  void close_on_worker();
   [[nodiscard]] int queue(std::uint32_t buffer);
   void queue_returned();
   Error refused(const char* doing, int error);
@@ -107,35 +108,35 @@ class LibcameraCamera final : public Camera, private LibcameraSink {
   std::uint32_t stamp_flags_ = 0;  // flags of v4l2_buffer
   CameraInfo info_;
   LibcameraStream stream_;
-  std::size_t needed_bytes_ = 0;  // with fewer it is a short frame
+  std::size_t needed_bytes_ = 0;  // a frame with fewer bytes is short
   LibcameraLimits limits_;
   LibcameraNumbers controls_;
   DmaHeap heap_;
   std::vector<int> files_;  // allocated from the heap
-  std::array<DmaMapping, kMostBuffers> mappings_;
-  ErrorText negotiated_;  // what differs from the settings
+  std::array<DmaMapping, kMaxBuffers> mappings_;
+  ErrorText negotiated_;  // differences from the settings
   std::size_t negotiated_at_open_ = 0;
 
   bool streaming_ = false;
   std::optional<Error> lost_;  // an error after which the camera must be reopened
   CaptureStamp stamps_;
   FrameCounter sequence_;
-  Instant last_stamp_{};         // the last plausible one
-  bool last_has_stamp_ = false;  // the last frame had a plausible stamp
+  Instant last_stamp_{};         // last plausible time stamp
+  bool last_has_stamp_ = false;  // the last frame had a plausible time stamp
   double last_duration_us_ = 0.0;
   LibcameraCounters counters_;
 
-  // Shared by the threads. A buffer is in one ring at most, so no ring can be full.
-  SpscRing<LibcameraFrame, kMostBuffers> completed_;
-  SpscRing<std::uint32_t, kMostBuffers> returned_;
+  // Shared by the threads. A buffer is in at most one ring, so no ring can be full.
+  SpscRing<LibcameraFrame, kMaxBuffers> completed_;
+  SpscRing<std::uint32_t, kMaxBuffers> returned_;
   Semaphore ready_, work_, done_;
-  std::atomic<bool> flowing_{false}, gone_{false};
+  std::atomic<bool> accepts_frames_{false}, disconnected_{false};
   std::atomic<int> queue_error_{0};
   // True while adjust() waits for the metadata of frames. No lock: adjust() runs with ordinary priority, and frames
   // must not wait for its thread.
-  std::atomic<bool> watched_{false};
-  SpscRing<LibcameraNumbers, 2 * kMostBuffers> told_;
-  Semaphore telling_;
+  std::atomic<bool> metadata_wanted_{false};
+  SpscRing<LibcameraNumbers, 2 * kMaxBuffers> metadata_;
+  Semaphore metadata_ready_;
   std::atomic<Task> task_{Task::kNone};
   Result<void> result_;  // result of the task; published by done_
   std::thread worker_;

@@ -8,7 +8,7 @@ namespace {
 
 using enum LibcameraControl;
 
-constexpr double kTolerance = 0.01;  // the time of a row, a step of the gain
+constexpr double kTolerance = 0.01;  // exposure is rounded to rows, gain to steps
 
 bool is_near(double a, double b) { return std::abs(a - b) <= kTolerance * std::max(std::abs(a), std::abs(b)); }
 
@@ -22,42 +22,42 @@ const char* word_of(PowerLine power_line) {
   return "";
 }
 
-/// A key of the board file and its control.
+/// A key of the board file and its controls.
 struct Key {
   const char* name;
-  double asked = 0.0;  // in the unit of the key
-  double unit = 1.0;   // libcamera's value for one unit of the key
+  double requested = 0.0;  // in units of the key
+  double unit = 1.0;       // libcamera's value of one unit of the key
   LibcameraControl value, manual;
 };
 
 constexpr std::size_t kKeys = 4;
-std::array<Key, kKeys> keys_of(const CameraSettings& asked) {
-  return {{{"exposure_us", static_cast<double>(asked.exposure_us), 1.0, kExposure, kExposureManual},
-           {"gain", static_cast<double>(asked.gain), 1.0 / kLibcameraSteps, kGain, kGainManual},
-           {"white_balance_k", static_cast<double>(asked.white_balance_k), 1.0, kTemperature, kWhiteBalanceManual},
-           {"focus", static_cast<double>(asked.focus), 1.0 / kLibcameraSteps, kLensPosition, kFocusManual}}};
+std::array<Key, kKeys> keys_of(const CameraSettings& requested) {
+  return {{{"exposure_us", static_cast<double>(requested.exposure_us), 1.0, kExposure, kExposureManual},
+           {"gain", static_cast<double>(requested.gain), 1.0 / kLibcameraSteps, kGain, kGainManual},
+           {"white_balance_k", static_cast<double>(requested.white_balance_k), 1.0, kTemperature, kWhiteBalanceManual},
+           {"focus", static_cast<double>(requested.focus), 1.0 / kLibcameraSteps, kLensPosition, kFocusManual}}};
 }
 
-bool is_asked(const Key& key) { return key.value == kLensPosition ? key.asked >= 0.0 : key.asked > 0.0; }
+bool is_requested(const Key& key) { return key.value == kLensPosition ? key.requested >= 0.0 : key.requested > 0.0; }
 
-void note(ErrorText& negotiated, const char* key, double asked) {
-  negotiated.append_format("%s%s = %.6g: ", negotiated.separator(), key, asked);
+void append_key(ErrorText& negotiated, const char* key, double requested) {
+  negotiated.append_format("%s%s = %.6g: ", negotiated.separator(), key, requested);
 }
 
-void note_power_line(ErrorText& negotiated, PowerLine power_line) {
+void append_power_line(ErrorText& negotiated, PowerLine power_line) {
   negotiated.append_format("%spower_line = %s: ", negotiated.separator(), word_of(power_line));
 }
 
-constexpr const char* kNotTold = "set, but the camera does not tell it back";
+constexpr const char* kNotReported = "set, but the camera does not report it";
 
-void lacking(ErrorText& negotiated) { negotiated.append_format("the camera has no such control"); }
+void append_missing(ErrorText& negotiated) { negotiated.append_format("the camera has no such control"); }
 
 double within(const LibcameraLimits& limits, LibcameraControl control, double value) {
   return std::min(std::max(value, *limits.low[control]), *limits.high[control]);
 }
 
-// For cameras without a color temperature: the gains that a common sensor needs (within 10 % of those of the IMX219
-// between 2500 and 5700 K). Other sensors show a tint, which is always the same and is learned with the colors.
+// For cameras without color temperature: gains of a common sensor (within 10 % of those of the IMX219 between 2500 and
+// 5700 K). Other sensors get a tint, which is always the same, so that color calibration compensates it.
 void set_gains(const LibcameraLimits& limits, double temperature_k, LibcameraNumbers& controls) {
   const double relative = temperature_k / 5600.0;
   controls[kWhiteBalanceManual] = 1.0;
@@ -66,56 +66,56 @@ void set_gains(const LibcameraLimits& limits, double temperature_k, LibcameraNum
 }
 
 /// The value of a control that the frame reports; otherwise the value that was set.
-double granted(const LibcameraNumbers& controls, const LibcameraNumbers& reported, LibcameraControl control) {
+double actual_value(const LibcameraNumbers& controls, const LibcameraNumbers& reported, LibcameraControl control) {
   return reported[control].value_or(*controls[control]);
 }
 
-void tell(const Key& key, const LibcameraLimits& limits, const LibcameraNumbers& controls,
-          const LibcameraNumbers& reported, ErrorText& negotiated) {
+void report_difference(const Key& key, const LibcameraLimits& limits, const LibcameraNumbers& controls,
+                       const LibcameraNumbers& reported, ErrorText& negotiated) {
   if (!controls[key.value]) return;
-  const double got = granted(controls, reported, key.value);
-  if (!is_near(got, key.asked * key.unit)) {
-    note(negotiated, key.name, key.asked);
+  const double got = actual_value(controls, reported, key.value);
+  if (!is_near(got, key.requested * key.unit)) {
+    append_key(negotiated, key.name, key.requested);
     negotiated.append_format("set to %.6g (range %.6g to %.6g)", got / key.unit, *limits.low[key.value] / key.unit,
                              *limits.high[key.value] / key.unit);
   } else if (!reported[key.value]) {
-    note(negotiated, key.name, key.asked);
-    negotiated.append_format("%s", kNotTold);
+    append_key(negotiated, key.name, key.requested);
+    negotiated.append_format("%s", kNotReported);
   }
 }
 
 }  // namespace
 
-LibcameraNumbers controls_for(const CameraSettings& asked, const LibcameraLimits& limits, ErrorText& negotiated) {
+LibcameraNumbers controls_for(const CameraSettings& requested, const LibcameraLimits& limits, ErrorText& negotiated) {
   LibcameraNumbers controls;
-  for (const Key& key : keys_of(asked)) {
-    if (!is_asked(key)) continue;
+  for (const Key& key : keys_of(requested)) {
+    if (!is_requested(key)) continue;
     if (limits.has(key.value)) {
       controls[key.manual] = 1.0;
-      controls[key.value] = within(limits, key.value, key.asked * key.unit);
+      controls[key.value] = within(limits, key.value, key.requested * key.unit);
     } else if (key.value == kTemperature && limits.has(kRedGain)) {
-      set_gains(limits, key.asked, controls);
+      set_gains(limits, key.requested, controls);
     } else {
-      note(negotiated, key.name, key.asked);
-      lacking(negotiated);
+      append_key(negotiated, key.name, key.requested);
+      append_missing(negotiated);
     }
   }
-  if (asked.exposure_steps != kExposureStepsLeave) {
-    note(negotiated, "exposure_steps", asked.exposure_steps);
-    lacking(negotiated);
+  if (requested.exposure_steps != kExposureStepsUnset) {
+    append_key(negotiated, "exposure_steps", requested.exposure_steps);
+    append_missing(negotiated);
   }
   if (limits.has(kFlickerPeriod)) {
-    if (asked.power_line == PowerLine::kOff) controls[kFlickerManual] = 0.0;
-    if (asked.power_line == PowerLine::k50Hz || asked.power_line == PowerLine::k60Hz) {
+    if (requested.power_line == PowerLine::kOff) controls[kFlickerManual] = 0.0;
+    if (requested.power_line == PowerLine::k50Hz || requested.power_line == PowerLine::k60Hz) {
       controls[kFlickerManual] = 1.0;
-      controls[kFlickerPeriod] = within(limits, kFlickerPeriod, flicker_period_us(asked.power_line));
+      controls[kFlickerPeriod] = within(limits, kFlickerPeriod, flicker_period_us(requested.power_line));
     }
-  } else if (asked.power_line == PowerLine::k50Hz || asked.power_line == PowerLine::k60Hz) {
-    note_power_line(negotiated, asked.power_line);
-    lacking(negotiated);
+  } else if (requested.power_line == PowerLine::k50Hz || requested.power_line == PowerLine::k60Hz) {
+    append_power_line(negotiated, requested.power_line);
+    append_missing(negotiated);
   }
-  if (asked.rate_hz > 0.0 && limits.has(kFrameDuration)) {
-    controls[kFrameDuration] = within(limits, kFrameDuration, 1e6 / asked.rate_hz);
+  if (requested.rate_hz > 0.0 && limits.has(kFrameDuration)) {
+    controls[kFrameDuration] = within(limits, kFrameDuration, 1e6 / requested.rate_hz);
   }
   return controls;
 }
@@ -129,7 +129,7 @@ void describe_controls(const LibcameraNumbers& reported, ErrorText& text) {
   if (reported[kLensPosition]) text.append_format(", focus %.0f", *reported[kLensPosition] * kLibcameraSteps);
 }
 
-bool is_taken_with(const LibcameraNumbers& reported, const LibcameraNumbers& controls) {
+bool are_in_effect(const LibcameraNumbers& reported, const LibcameraNumbers& controls) {
   for (const LibcameraControl control : {kExposure, kGain, kRedGain, kBlueGain, kFrameDuration, kLensPosition}) {
     if (controls[control] && reported[control] && !is_near(*controls[control], *reported[control])) return false;
   }
@@ -145,34 +145,34 @@ LibcameraNumbers adjusted(const LibcameraNumbers& before, const LibcameraNumbers
   return all;
 }
 
-void report_negotiated_controls(const CameraSettings& asked, const LibcameraLimits& limits,
+void report_negotiated_controls(const CameraSettings& requested, const LibcameraLimits& limits,
                                 const LibcameraNumbers& controls, const LibcameraNumbers& reported,
                                 ErrorText& negotiated) {
-  for (const Key& key : keys_of(asked)) {
-    if (is_asked(key)) tell(key, limits, controls, reported, negotiated);
+  for (const Key& key : keys_of(requested)) {
+    if (is_requested(key)) report_difference(key, limits, controls, reported, negotiated);
   }
-  if (asked.white_balance_k > 0 && controls[kRedGain]) {
-    note(negotiated, "white_balance_k", asked.white_balance_k);
-    negotiated.append_format("the camera takes gains only: red %.3g, blue %.3g", granted(controls, reported, kRedGain),
-                             granted(controls, reported, kBlueGain));
+  if (requested.white_balance_k > 0 && controls[kRedGain]) {
+    append_key(negotiated, "white_balance_k", requested.white_balance_k);
+    negotiated.append_format("the camera has no color temperature, only gains: red %.3g, blue %.3g",
+                             actual_value(controls, reported, kRedGain), actual_value(controls, reported, kBlueGain));
   }
 }
 
-void report_negotiated(const CameraSettings& asked, const LibcameraLimits& limits, const LibcameraNumbers& controls,
+void report_negotiated(const CameraSettings& requested, const LibcameraLimits& limits, const LibcameraNumbers& controls,
                        const LibcameraNumbers& reported, ErrorText& negotiated) {
   if (!controls[kFrameDuration]) {
-    note(negotiated, "rate_hz", asked.rate_hz);
-    negotiated.append_format("the camera does not tell its rate");
-  } else if (const double rate_hz = 1e6 / granted(controls, reported, kFrameDuration);
-             !is_near(rate_hz, asked.rate_hz)) {
-    note(negotiated, "rate_hz", asked.rate_hz);
+    append_key(negotiated, "rate_hz", requested.rate_hz);
+    negotiated.append_format("the camera does not report its frame rate");
+  } else if (const double rate_hz = 1e6 / actual_value(controls, reported, kFrameDuration);
+             !is_near(rate_hz, requested.rate_hz)) {
+    append_key(negotiated, "rate_hz", requested.rate_hz);
     negotiated.append_format("set to %.4g (range %.4g to %.4g)", rate_hz, 1e6 / *limits.high[kFrameDuration],
                              1e6 / *limits.low[kFrameDuration]);
   } else if (!reported[kFrameDuration]) {
-    note(negotiated, "rate_hz", asked.rate_hz);
-    negotiated.append_format("%s", kNotTold);
+    append_key(negotiated, "rate_hz", requested.rate_hz);
+    negotiated.append_format("%s", kNotReported);
   }
-  report_negotiated_controls(asked, limits, controls, reported, negotiated);
+  report_negotiated_controls(requested, limits, controls, reported, negotiated);
 }
 
 }  // namespace touchline::hal

@@ -107,27 +107,27 @@ class Link final : public LibcameraLink {
     return 0;
   }
 
-  int configure(LibcameraStream& wish, std::string& offers) override {
+  int configure(LibcameraStream& requested, std::string& offers) override {
     configuration_ = camera_->generateConfiguration({libcamera::StreamRole::VideoRecording});
     if (configuration_ == nullptr || configuration_->empty()) return ENOTSUP;
     libcamera::StreamConfiguration& stream = configuration_->at(0);
-    const libcamera::PixelFormat format = format_of(wish.format);
-    const libcamera::Size size(wish.width_px, wish.height_px);
+    const libcamera::PixelFormat format = format_of(requested.format);
+    const libcamera::Size size(requested.width_px, requested.height_px);
     stream.pixelFormat = format;
     stream.size = size;
-    stream.bufferCount = static_cast<unsigned>(wish.buffers);
+    stream.bufferCount = static_cast<unsigned>(requested.buffers);
     // Limited range as from USB cameras: luma from 16 to 235.
-    if (info_of(wish.format).range == ColorRange::kLimited) stream.colorSpace = libcamera::ColorSpace::Smpte170m;
+    if (info_of(requested.format).range == ColorRange::kLimited) stream.colorSpace = libcamera::ColorSpace::Smpte170m;
     const libcamera::CameraConfiguration::Status status = configuration_->validate();
     if (status == libcamera::CameraConfiguration::Invalid || stream.pixelFormat != format || stream.size != size) {
       offers = list_formats(stream.formats());
       return EINVAL;
     }
     if (const int error = camera_->configure(configuration_.get()); error != 0) return -error;
-    wish.stride_bytes = stream.stride;
-    wish.frame_bytes = stream.frameSize;
-    wish.buffers = stream.bufferCount;
-    wish.full_range = stream.colorSpace && stream.colorSpace->range == libcamera::ColorSpace::Range::Full;
+    requested.stride_bytes = stream.stride;
+    requested.frame_bytes = stream.frameSize;
+    requested.buffers = stream.bufferCount;
+    requested.full_range = stream.colorSpace && stream.colorSpace->range == libcamera::ColorSpace::Range::Full;
     return 0;
   }
 
@@ -230,7 +230,7 @@ class Link final : public LibcameraLink {
     for (const libcamera::FrameMetadata::Plane& plane : data.planes()) frame.bytes += plane.bytesused;
     const auto stamp = request->metadata().get(libcamera::controls::SensorTimestamp);
     frame.stamp_ns = stamp.value_or(static_cast<std::int64_t>(data.timestamp));
-    frame.reported = told_by(request->metadata());
+    frame.reported = reported_by(request->metadata());
     sink_->frame_done(frame);
   }
 

@@ -16,19 +16,19 @@
 namespace touchline::hal {
 
 struct LibcameraName {
-  std::string id;     // fixed for a socket
-  std::string model;  // of the sensor or of a USB camera
+  std::string id;     // does not change for the same socket
+  std::string model;  // of the sensor or the USB camera
   bool external = false;
 };
 
 /// "id (model), ..." or "none".
 std::string list_of(const std::vector<LibcameraName>& cameras);
 
-/// Returns the camera that `device` names. "auto": the first camera that is not at USB, else the first one. Otherwise
-/// an id, or a part that only one id contains. Null: none.
+/// Returns the camera that `device` names, null if there is none. "auto": the first camera that is not a USB camera,
+/// else the first one. Otherwise an id, or a part that only one id contains.
 const LibcameraName* choose(const std::vector<LibcameraName>& cameras, const std::string& device);
 
-/// Units: microseconds, gains as factors, Kelvin, dioptres; switches: 1 is manual.
+/// Units: microseconds, gains as factors, kelvins, diopters; switches: 1 is manual.
 enum class LibcameraControl : std::uint8_t {
   kExposureManual,
   kExposure,
@@ -69,7 +69,7 @@ struct LibcameraStream {
   PixelFormat format = PixelFormat::kNv12;
   std::uint16_t width_px = 0, height_px = 0;
   std::uint32_t stride_bytes = 0;  // of the first plane
-  std::size_t frame_bytes = 0;     // that the device needs a buffer
+  std::size_t frame_bytes = 0;     // size of a buffer that the device needs
   std::size_t buffers = 0;
   bool full_range = false;  // luma from 0 to 255 instead of 16 to 235
 };
@@ -80,9 +80,9 @@ struct LibcameraFrame {
   State state = State::kGood;
   std::uint32_t buffer = 0;
   std::uint32_t sequence = 0;
-  std::size_t bytes = 0;      // that were written
-  std::int64_t stamp_ns = 0;  // of CLOCK_MONOTONIC or CLOCK_BOOTTIME; 0: none
-  LibcameraNumbers reported;  // what the camera says that it did
+  std::size_t bytes = 0;      // bytes that were written
+  std::int64_t stamp_ns = 0;  // in CLOCK_MONOTONIC or CLOCK_BOOTTIME; 0: none
+  LibcameraNumbers reported;  // the metadata of the frame
 };
 
 /// Receives frames, on a thread of libcamera.
@@ -95,7 +95,7 @@ class LibcameraSink {
   ~LibcameraSink() = default;
 };
 
-/// One use of libcamera. All calls come from one thread; all may block and allocate. Errors are errnos, 0 is success.
+/// A connection to libcamera. All calls come from one thread; all may block and allocate. They return 0 or an errno.
 class LibcameraLink {
  public:
   virtual ~LibcameraLink() = default;
@@ -104,30 +104,30 @@ class LibcameraLink {
   virtual int cameras(std::vector<LibcameraName>& found) = 0;
   /// Acquires a camera for this process; `sink` must live until release().
   virtual int acquire(const std::string& id, LibcameraSink& sink) = 0;
-  /// Sets format, size and number of buffers, and writes the negotiated values to `wish`. EINVAL: not available;
+  /// Sets format, size and number of buffers, and writes the negotiated values to `requested`. EINVAL: not available;
   /// `offers` then lists the available ones.
-  virtual int configure(LibcameraStream& wish, std::string& offers) = 0;
+  virtual int configure(LibcameraStream& requested, std::string& offers) = 0;
   /// After configure().
   virtual LibcameraLimits limits() = 0;
-  /// Uses buffers of the caller, who keeps the ownership of their files.
+  /// Uses the caller's buffers; the caller keeps the ownership of their files.
   virtual int use_buffers(const std::vector<DmaBuffer>& buffers) = 0;
   /// Lets the driver allocate buffers; their files stay open until release().
   virtual int make_buffers(std::vector<DmaBuffer>& buffers) = 0;
   /// Starts the stream with these controls. Buffers are queued afterwards.
   virtual int start(const LibcameraNumbers& controls) = 0;
-  /// Sets these controls with the next queued buffer.
+  /// Sends these controls with the next queued buffer.
   virtual void adjust(const LibcameraNumbers& controls) = 0;
   virtual int queue(std::uint32_t buffer) = 0;
   /// Stops the stream; afterwards no frame is in progress.
   virtual void stop() = 0;
-  /// Releases the camera, and the library if nobody else uses it.
+  /// Releases the camera, and stops the library if it has no other user.
   virtual void release() = 0;
 };
 
 /// Null: this build has no libcamera.
 std::unique_ptr<LibcameraLink> make_libcamera_link();
 
-/// All cameras that libcamera finds now, for listings; nothing in a build without it. Blocks.
+/// Returns all cameras that libcamera finds; none in a build without it. Blocks.
 std::vector<LibcameraName> libcamera_cameras();
 
 }  // namespace touchline::hal

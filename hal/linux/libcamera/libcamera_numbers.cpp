@@ -86,7 +86,7 @@ void set_controls(libcamera::ControlList& list, const libcamera::ControlInfoMap&
   }
 }
 
-LibcameraNumbers told_by(const libcamera::ControlList& metadata) {
+LibcameraNumbers reported_by(const libcamera::ControlList& metadata) {
   LibcameraNumbers reported;
   const auto note = [&](LibcameraControl ours, const auto& value) {
     if (value) reported[ours] = static_cast<double>(*value);

@@ -14,6 +14,6 @@ void set_controls(libcamera::ControlList& list, const libcamera::ControlInfoMap&
                   const LibcameraNumbers& numbers, bool external);
 
 /// The values in the metadata of a completed request.
-LibcameraNumbers told_by(const libcamera::ControlList& metadata);
+LibcameraNumbers reported_by(const libcamera::ControlList& metadata);
 
 }  // namespace touchline::hal

@@ -14,11 +14,11 @@
 namespace touchline::hal {
 namespace {
 
-// On processors whose caches do not see writes of devices, the driver's own buffers are not cached.
+// Where DMA bypasses the processor's caches, the buffers that the driver allocates are not cached.
 #if defined(__x86_64__) || defined(__i386__)
-constexpr bool kCachesSeeDevices = true;
+constexpr bool kDmaIsCoherent = true;
 #else
-constexpr bool kCachesSeeDevices = false;
+constexpr bool kDmaIsCoherent = false;
 #endif
 
 std::array<std::uint32_t, kMaxPlanes> strides_of(const LibcameraStream& stream) {
@@ -54,8 +54,8 @@ void split(DmaBuffer& buffer, const LibcameraStream& stream) {
 }  // namespace
 
 void LibcameraCamera::work() {
-  // The threads of libcamera inherit the priority. If the system refuses it, it also refuses the loop's priority, which
-  // is reported.
+  // The threads of libcamera inherit the priority. Its refusal is not reported here: the system then also refuses the
+  // loop's priority, and the loop reports that.
   if (priority_ > 0) {
     const sched_param below{.sched_priority = std::max(priority_ - 1, 1)};
     static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &below));
@@ -67,7 +67,7 @@ void LibcameraCamera::work() {
     if (task == Task::kNone) continue;
     try {
       result_ = perform(task);
-    } catch (const std::exception& error) {  // memory is short, or the library failed: the camera may be reopened
+    } catch (const std::exception& error) {  // out of memory, or the library failed: the camera can be reopened
       result_ = failure(ErrorCode::kIo, "%s: libcamera failed: %s", name(), error.what());
     }
     done_.post();
@@ -78,17 +78,17 @@ void LibcameraCamera::work() {
 Result<void> LibcameraCamera::perform(Task task) {
   switch (task) {
     case Task::kOpen:
-      return open_here();
+      return open_on_worker();
     case Task::kStart:
-      return start_here();
+      return start_on_worker();
     case Task::kAdjust:
       link_->adjust(controls_);
       break;
     case Task::kStop:
-      stop_here();
+      stop_on_worker();
       break;
     case Task::kClose:
-      close_here();
+      close_on_worker();
       break;
     case Task::kNone:
       break;
@@ -96,8 +96,8 @@ Result<void> LibcameraCamera::perform(Task task) {
   return {};
 }
 
-Result<void> LibcameraCamera::open_here() {
-  gone_.store(false, std::memory_order_relaxed);
+Result<void> LibcameraCamera::open_on_worker() {
+  disconnected_.store(false, std::memory_order_relaxed);
   TOUCHLINE_TRY(choose_camera());
   TOUCHLINE_TRY(configure());
   TOUCHLINE_TRY(prepare_buffers());
@@ -110,29 +110,30 @@ Result<void> LibcameraCamera::open_here() {
 Result<void> LibcameraCamera::choose_camera() {
   std::vector<LibcameraName> cameras;
   if (const int error = link_->cameras(cameras); error != 0) {
-    return failure(open_error(error), "libcamera does not start: %s", system_text(error));
+    return failure(open_error(error), "libcamera cannot be started: %s", system_text(error));
   }
   const LibcameraName* const chosen = choose(cameras, settings_.device);
   if (chosen == nullptr) {
-    return failure(ErrorCode::kNotFound, "%s: no such camera; cameras here: %s%s", name(), list_of(cameras).c_str(),
+    return failure(ErrorCode::kNotFound, "%s: no such camera; available cameras: %s%s", name(),
+                   list_of(cameras).c_str(),
                    cameras.empty() ? " (is it plugged in, and the user in the group video?)" : "");
   }
   id_ = chosen->id;
   model_ = chosen->model;
-  // The stamp is of the arrival of the first row, when its exposure is over; the documentation of libcamera calls it
-  // the time when the row is exposed. The stamps of USB cameras are those of the kernel's driver.
+  // The time stamp marks the arrival of the first row, after the end of its exposure, although the documentation of
+  // libcamera calls it the time of its exposure. The time stamps of USB cameras come from the kernel's driver.
   const bool is_of_start = chosen->external && uvc_computes_stamps();
   stamp_flags_ =
       V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | (is_of_start ? V4L2_BUF_FLAG_TSTAMP_SRC_SOE : V4L2_BUF_FLAG_TSTAMP_SRC_EOF);
-  if (const int error = link_->acquire(id_, *this); error != 0) return refused("taking it", error);
+  if (const int error = link_->acquire(id_, *this); error != 0) return refused("acquiring the camera", error);
   return {};
 }
 
 Result<void> LibcameraCamera::configure() {
   const char* const format = kCameraFormats[static_cast<std::size_t>(settings_.format)].word.data();
   if (settings_.format == CameraFormat::kMjpg) {
-    return failure(ErrorCode::kUnsupported, "%s: no %s from libcamera; a USB camera gives it to backend v4l2", name(),
-                   format);
+    return failure(ErrorCode::kUnsupported, "%s: libcamera does not offer %s; for a USB camera use backend v4l2",
+                   name(), format);
   }
   stream_ = {};
   stream_.format = pixel_format(settings_.format);
@@ -142,7 +143,7 @@ Result<void> LibcameraCamera::configure() {
   std::string offers;
   const int error = link_->configure(stream_, offers);
   if (error == EINVAL) {
-    return failure(ErrorCode::kUnsupported, "%s: no %s %ux%u; it offers %s", name(), format,
+    return failure(ErrorCode::kUnsupported, "%s: %s %ux%u is not available; the camera offers %s", name(), format,
                    unsigned{settings_.width_px}, unsigned{settings_.height_px}, offers.c_str());
   }
   if (error != 0) return refused("setting a format", error);
@@ -152,7 +153,7 @@ Result<void> LibcameraCamera::configure() {
   const PictureLayout layout = picture_layout(stream_.format, stream_.height_px, strides_of(stream_));
   needed_bytes_ = layout.offset_bytes[last] + bytes[last];
   if (stream_.full_range && info_of(stream_.format).range == ColorRange::kLimited) {
-    negotiated_.append_format("YUV of full range: its darkest 16 levels are taken for black");
+    negotiated_.append_format("full-range YUV: the darkest 16 levels are treated as black");
   }
   return {};
 }
@@ -160,9 +161,9 @@ Result<void> LibcameraCamera::configure() {
 Result<void> LibcameraCamera::prepare_buffers() {
   std::vector<DmaBuffer> buffers;
   TOUCHLINE_TRY(allocate_buffers(buffers));
-  if (buffers.size() < kFewestBuffers || buffers.size() > kMostBuffers) {
+  if (buffers.size() < kMinBuffers || buffers.size() > kMaxBuffers) {
     return failure(ErrorCode::kUnsupported, "%s: the camera provides %zu buffers; %zu to %zu are needed", name(),
-                   buffers.size(), kFewestBuffers, kMostBuffers);
+                   buffers.size(), kMinBuffers, kMaxBuffers);
   }
   stream_.buffers = buffers.size();
   if (stream_.buffers != static_cast<std::size_t>(settings_.buffers)) {
@@ -196,38 +197,38 @@ Result<void> LibcameraCamera::allocate_buffers(std::vector<DmaBuffer>& buffers) 
   }
   if (error == 0) {
     error = link_->use_buffers(buffers);
-    return error == 0 ? Result<void>() : refused("taking buffers of a DMA heap", error);
+    return error == 0 ? Result<void>() : refused("using buffers of a DMA heap", error);
   }
-  if (!kCachesSeeDevices || error != ENOENT) {
-    negotiated_.append_format("%sno memory of a DMA heap (%s%s%s): the driver's own buffers may be slow to read",
+  if (!kDmaIsCoherent || error != ENOENT) {
+    negotiated_.append_format("%sno memory from a DMA heap (%s%s%s): the driver's own buffers may be slow to read",
                               negotiated_.separator(), heap_.name(), *heap_.name() != '\0' ? ": " : "",
                               system_text(error));
   }
   buffers.clear();
   error = link_->make_buffers(buffers);
-  return error == 0 ? Result<void>() : refused("making buffers", error);
+  return error == 0 ? Result<void>() : refused("allocating buffers", error);
 }
 
-Result<void> LibcameraCamera::start_here() {
-  if (gone_.load(std::memory_order_acquire)) {
+Result<void> LibcameraCamera::start_on_worker() {
+  if (disconnected_.load(std::memory_order_acquire)) {
     return device_lost(name(), "camera", ErrorCode::kDisconnected, "before the stream began", 0);
   }
   queue_error_.store(0, std::memory_order_relaxed);
-  flowing_.store(true, std::memory_order_release);
+  accepts_frames_.store(true, std::memory_order_release);
   int error = link_->start(controls_);
   for (std::uint32_t i = 0; error == 0 && i < stream_.buffers; ++i) error = queue(i);
   if (error == 0) return {};
-  stop_here();
+  stop_on_worker();
   return refused("starting the stream", error);
 }
 
-void LibcameraCamera::stop_here() {
-  flowing_.store(false, std::memory_order_release);
+void LibcameraCamera::stop_on_worker() {
+  accepts_frames_.store(false, std::memory_order_release);
   link_->stop();
   queue_returned();
 }
 
-void LibcameraCamera::close_here() {
+void LibcameraCamera::close_on_worker() {
   for (DmaMapping& mapping : mappings_) mapping.unmap();
   link_->release();
   for (const int file : files_) ::close(file);
@@ -243,8 +244,8 @@ int LibcameraCamera::queue(std::uint32_t buffer) {
 void LibcameraCamera::queue_returned() {
   std::uint32_t buffer = 0;
   while (returned_.pop(buffer)) {
-    if (!flowing_.load(std::memory_order_relaxed)) continue;
-    if (const int error = queue(buffer); error != 0 && !gone_.load(std::memory_order_acquire)) {
+    if (!accepts_frames_.load(std::memory_order_relaxed)) continue;
+    if (const int error = queue(buffer); error != 0 && !disconnected_.load(std::memory_order_acquire)) {
       queue_error_.store(error, std::memory_order_release);
       ready_.post();
     }
@@ -254,7 +255,7 @@ void LibcameraCamera::queue_returned() {
 Error LibcameraCamera::refused(const char* doing, int error) {
   const ErrorCode code = open_error(error);
   if (code == ErrorCode::kDeviceBusy) {
-    return failure(code, "%s: held by another process; `fuser -v /dev/media* /dev/video*` names it", name());
+    return failure(code, "%s: in use by another process; `fuser -v /dev/media* /dev/video*` shows it", name());
   }
   return failure(code, "%s: %s failed: %s", name(), doing, system_text(error));
 }

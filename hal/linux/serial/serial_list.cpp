@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "hal/linux/stable_name.h"
+#include "hal/linux/device_files.h"
 
 namespace touchline::hal {
 namespace {
@@ -48,7 +48,7 @@ bool list_serial_ports(std::vector<SerialPortNode>& ports) {
   return true;
 }
 
-std::string ports_here() {
+std::string available_ports() {
   std::vector<SerialPortNode> ports;
   if (!list_serial_ports(ports)) return "unknown";
   std::string list;

@@ -21,6 +21,6 @@ struct SerialPortNode {
 bool list_serial_ports(std::vector<SerialPortNode>& ports);
 
 /// "/dev/ttyUSB0 (description) = /dev/serial/by-id/..., ..." of list_serial_ports(), "none" or "unknown": for messages.
-std::string ports_here();
+std::string available_ports();
 
 }  // namespace touchline::hal

@@ -18,11 +18,11 @@ namespace touchline::hal {
 
 /// A radio at a serial port: 8 data bits, no parity, 1 stop bit, no flow control, opened exclusively.
 ///
-/// PacketSlot decides which packet is sent. The line counts as busy for as long as its bytes need at the baud rate, no
-/// matter how many bytes the driver and the adapter buffer. The port is set to low latency if the driver supports it:
-/// an FTDI adapter then delivers received bytes after 1 ms instead of 16 ms. If the port sends nothing for five
-/// seconds, it returns kIo and must be reopened. close() drops unsent bytes (call drain() first): a lost port must not
-/// delay the exit.
+/// PacketSlot decides which packet is sent. The line is busy for the time that the written bytes need at the baud rate,
+/// even if the driver or the adapter buffers them. The port is set to low latency if the driver supports it: an FTDI
+/// adapter then delivers received bytes after 1 ms instead of 16 ms. If the port sends nothing for five seconds, calls
+/// return kIo, and it must be reopened. close() drops unsent bytes, so that a lost port does not delay the exit; call
+/// drain() first to send them.
 class SerialRadio final : public Radio, private ByteLine {
  public:
   explicit SerialRadio(RadioSettings settings) : settings_(std::move(settings)) {}
@@ -34,7 +34,7 @@ class SerialRadio final : public Radio, private ByteLine {
 
   [[nodiscard]] int descriptor() const override { return file_; }
 
-  /// Packets that the port took in more than one piece.
+  /// Number of packets that the port accepted in several parts.
   [[nodiscard]] std::uint64_t split_packets() const { return slot_.split_packets(); }
 
  private:
@@ -51,8 +51,8 @@ class SerialRadio final : public Radio, private ByteLine {
   Result<void> configure_port();
   Result<void> check_usable();
   Result<void> check_baud();
-  bool ask_for_low_latency(int file);
-  Result<std::size_t> waiting() override;
+  bool request_low_latency(int file);
+  Result<std::size_t> unsent_bytes() override;
   Result<std::size_t> write(std::span<const std::byte> bytes) override;
   [[nodiscard]] Duration time_of(std::size_t bytes) const { return static_cast<Duration::rep>(bytes) * byte_time_; }
   Error fail(const char* doing, int error) noexcept;
@@ -61,13 +61,13 @@ class SerialRadio final : public Radio, private ByteLine {
   RadioSettings settings_;
   std::string description_;
   sp_port* port_ = nullptr;
-  int file_ = -1;              // of the port while it is ours
+  int file_ = -1;              // file descriptor while the port is open
   std::optional<Error> lost_;  // an error after which the port must be reopened
   PacketSlot slot_;
-  Duration byte_time_{1};  // of one byte at the baud rate
-  Instant free_at_{};      // when all written bytes will be sent
+  Duration byte_time_{1};   // of one byte at the baud rate
+  Instant line_free_at_{};  // time when all written bytes will be sent
   std::size_t in_driver_ = 0;
-  Instant moved_at_{};  // when the driver last took or sent a byte
+  Instant last_progress_{};  // time when the driver last accepted or sent a byte
 };
 
 }  // namespace touchline::hal

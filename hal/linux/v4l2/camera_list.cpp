@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "hal/linux/device_files.h"
-#include "hal/linux/stable_name.h"
 
 namespace touchline::hal {
 namespace {
@@ -20,7 +19,7 @@ std::vector<CameraNode> list_cameras() {
     node.path = path;
     V4l2Device device;
     node.error = device.open(path);
-    // Skips files that are not video devices, and devices that disappear at this moment.
+    // Skips files that are not video devices, and devices that have just disappeared.
     if (node.error == 0 && device.identify(node.identity) != 0) continue;
     if (node.error == 0 && !(node.identity.captures && node.identity.streams)) continue;
     node.by_path = stable_link(kCameraLinks, path);
@@ -30,7 +29,7 @@ std::vector<CameraNode> list_cameras() {
   return cameras;
 }
 
-std::string cameras_here() {
+std::string available_cameras() {
   std::string list;
   for (const CameraNode& node : list_cameras()) {
     if (node.error != 0 && node.error != EACCES) continue;

@@ -23,9 +23,9 @@ struct CameraNode {
 std::vector<CameraNode> list_cameras();
 
 /// "/dev/video0 (name, bus) = /dev/v4l/by-path/..., ..." of list_cameras(), or "none": for messages.
-std::string cameras_here();
+std::string available_cameras();
 
-/// Whether a board file names a camera by its number, which can change, instead of a link.
+/// True if a board file names a camera by its number, which can change, instead of a link.
 bool is_numbered_camera(const std::string& device);
 
 }  // namespace touchline::hal

@@ -8,8 +8,8 @@
 namespace touchline::hal {
 namespace {
 
-// The longest exposure that the board file can ask for. A longer or negative one is a driver's error.
-constexpr Duration kLongestExposure = std::chrono::seconds(1);
+// The longest exposure that the board file allows. A longer or negative value is an error of the driver.
+constexpr Duration kMaxExposure = std::chrono::seconds(1);
 
 bool is_of_start(std::uint32_t flags) {
   return (flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
@@ -28,13 +28,13 @@ bool CaptureStamp::is_monotonic(std::uint32_t flags) {
 }
 
 const char* CaptureStamp::name_of(std::uint32_t flags) {
-  if (!is_monotonic(flags)) return "fetching";
+  if (!is_monotonic(flags)) return "dequeuing";
   return is_of_start(flags) ? "start of exposure" : "end of frame";
 }
 
 Instant CaptureStamp::middle_of_exposure(std::uint32_t flags, Instant stamp, Instant now) {
   const Duration exposure(exposure_.load(std::memory_order_relaxed));
-  const Duration half_exposure = std::clamp(exposure, Duration::zero(), kLongestExposure) / 2;
+  const Duration half_exposure = std::clamp(exposure, Duration::zero(), kMaxExposure) / 2;
   const bool monotonic = is_monotonic(flags);
   const bool credible = monotonic && stamp > last_stamp_ && stamp <= now;
   Instant capture = now - half_exposure;
@@ -46,7 +46,7 @@ Instant CaptureStamp::middle_of_exposure(std::uint32_t flags, Instant stamp, Ins
   }
   // The filters need increasing times; a nanosecond is the smallest step.
   if (capture <= last_capture_) capture = last_capture_ + Duration(1);
-  // A frame that seems to be from the future would make old commands look fresh.
+  // A frame with a time in the future would disable the stop on stale frames.
   capture = std::min(capture, now);
   last_capture_ = capture;
   return capture;
@@ -54,8 +54,8 @@ Instant CaptureStamp::middle_of_exposure(std::uint32_t flags, Instant stamp, Ins
 
 bool uvc_computes_stamps(const std::string& parameter) {
   std::ifstream file(parameter);
-  const int said = file.get();
-  return said == 'Y' || said == '1';
+  const int value = file.get();
+  return value == 'Y' || value == '1';
 }
 
 Instant monotonic_stamp(Instant stamp, Instant monotonic_now, Instant boottime_now) {

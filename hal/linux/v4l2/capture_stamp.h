@@ -11,11 +11,11 @@ namespace touchline::hal {
 /// Converts the time stamp of a V4L2 buffer to the middle of its exposure.
 ///
 /// Stamps of the start of exposure are half an exposure early. Stamps of the end of a frame are late by half an
-/// exposure and by the sensor's read-out. V4L2 does not tell the read-out time, so it remains (at most half a frame for
-/// the middle row). Stamps of the arrival of the first row (uvcvideo, see below) count as end-of-frame stamps: the
-/// exposure of that row is over. A stamp is replaced by the time of dequeuing, as an end of frame, if it is not of the
-/// monotonic clock, not later than the one before, or in the future. The result is never later than the time of
-/// dequeuing.
+/// exposure and by the read-out time of the sensor. V4L2 does not report the read-out time, so that error remains (at
+/// most half a frame for the middle row). Stamps of the arrival of the first row (uvcvideo, see below) are treated as
+/// end-of-frame stamps, because the exposure of that row is over. The time of dequeuing replaces a stamp, as an end of
+/// frame, if the stamp is not from the monotonic clock, not later than the previous one, or in the future. The result
+/// is never later than the time of dequeuing.
 class CaptureStamp {
  public:
   /// `exposure` zero: unknown, no correction. Values outside 0 to 1 s are limited to this range.
@@ -25,10 +25,10 @@ class CaptureStamp {
   /// `flags`: of v4l2_buffer; `now`: the time of dequeuing.
   Instant middle_of_exposure(std::uint32_t flags, Instant stamp, Instant now);
 
-  /// Number of monotonic stamps since restart() that were replaced.
+  /// Number of stamps of the monotonic clock that were replaced since restart().
   [[nodiscard]] std::uint64_t replaced() const { return replaced_; }
   [[nodiscard]] static bool is_monotonic(std::uint32_t flags);
-  /// The event that is stamped: "start of exposure", "end of frame" or "fetching".
+  /// The event whose time is stamped: "start of exposure", "end of frame" or "dequeuing".
   [[nodiscard]] static const char* name_of(std::uint32_t flags);
 
  private:
@@ -43,7 +43,7 @@ class CaptureStamp {
 bool uvc_computes_stamps(const std::string& parameter = "/sys/module/uvcvideo/parameters/hwtimestamps");
 
 /// Converts a stamp of CLOCK_MONOTONIC or CLOCK_BOOTTIME, which also runs during suspend, to CLOCK_MONOTONIC. Drivers
-/// and the documentation of libcamera differ in the clock. A stamp after `monotonic_now` must be of CLOCK_BOOTTIME,
+/// differ from the documentation of libcamera in the clock. A stamp after `monotonic_now` must be from CLOCK_BOOTTIME,
 /// since no frame is from the future.
 Instant monotonic_stamp(Instant stamp, Instant monotonic_now, Instant boottime_now);
 

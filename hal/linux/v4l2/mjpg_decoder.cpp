@@ -8,7 +8,7 @@
 #include <iterator>
 #include <vector>
 
-// After <cstdio>: libjpeg's header needs FILE.
+// Included after <cstdio>, because libjpeg's header needs FILE.
 #include <jpeglib.h>
 
 #include <jerror.h>
@@ -16,9 +16,10 @@
 namespace touchline::hal {
 namespace {
 
-// Alignment of rows for the library's vector instructions, which may read this far beyond the end.
+// Alignment of rows for the library's vector instructions, which may read up to this many bytes beyond the end.
 constexpr std::size_t kAlignment = 64;
-// libjpeg-turbo 2.1 takes 20 KiB for tables and 40 bytes a column for the rows in work, with all samplings of cameras.
+// libjpeg-turbo 2.1 needs 20 KiB for tables and 40 bytes per column for its row buffers, with all chroma subsamplings
+// of cameras.
 constexpr std::size_t kTableBytes = std::size_t{64} * 1024;
 constexpr std::size_t kBytesPerColumn = 128;
 
@@ -26,7 +27,7 @@ constexpr std::size_t rounded_up(std::size_t bytes) { return (bytes + kAlignment
 
 }  // namespace
 
-/// libjpeg's object and its callbacks for errors, which leave the library by longjmp(), and for memory.
+/// libjpeg's object, with callbacks for memory and for errors. Errors leave the library by longjmp().
 struct MjpgDecoder::Library {
   Library(std::uint16_t width, std::uint16_t height);
   ~Library();
@@ -36,9 +37,9 @@ struct MjpgDecoder::Library {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
   jpeg_memory_mgr memory{};
-  jpeg_memory_mgr* own_memory = nullptr;  // the library's own, used by its constructor and destructor
+  jpeg_memory_mgr* own_memory = nullptr;  // the library's memory manager, used when jpeg is created and destroyed
   std::jmp_buf escape{};
-  std::array<char, JMSG_LENGTH_MAX> reason{};
+  std::array<char, JMSG_LENGTH_MAX> error_text{};
   const std::uint16_t width_px, height_px;
   // Permanent memory is allocated from the front, memory of one picture from the back.
   std::vector<std::byte> block;
@@ -51,15 +52,15 @@ struct MjpgDecoder::Library {
     return *static_cast<Library*>(jpeg->client_data);
   }
 
-  [[noreturn]] void give_up() { std::longjmp(escape, 1); }  // NOLINT(cert-err52-cpp): through a library in C
-  [[noreturn]] void give_up(const char* why) {
-    std::snprintf(reason.data(), reason.size(), "%s", why);
-    give_up();
+  [[noreturn]] void fail() { std::longjmp(escape, 1); }  // NOLINT(cert-err52-cpp): through a library in C
+  [[noreturn]] void fail(const char* why) {
+    std::snprintf(error_text.data(), error_text.size(), "%s", why);
+    fail();
   }
 
-  void* take(int pool, std::size_t bytes) {
+  void* allocate(int pool, std::size_t bytes) {
     const std::size_t wanted = rounded_up(bytes);
-    if (wanted > back - front) give_up("needs more memory than a picture of this size should");
+    if (wanted > back - front) fail("needs more memory than expected for this size");
     if (pool == JPOOL_PERMANENT) {
       front += wanted;
       return begin + front - wanted;
@@ -68,24 +69,24 @@ struct MjpgDecoder::Library {
     return begin + back;
   }
   template <class Element>
-  Element** take_rows(int pool, std::size_t per_row, std::size_t rows) {
+  Element** allocate_rows(int pool, std::size_t per_row, std::size_t rows) {
     const std::size_t row_bytes = rounded_up(per_row * sizeof(Element));
-    auto* const list = static_cast<Element**>(take(pool, rows * sizeof(Element*)));
-    auto* const elements = static_cast<std::byte*>(take(pool, rows * row_bytes));
+    auto* const list = static_cast<Element**>(allocate(pool, rows * sizeof(Element*)));
+    auto* const elements = static_cast<std::byte*>(allocate(pool, rows * row_bytes));
     for (std::size_t i = 0; i < rows; ++i) list[i] = reinterpret_cast<Element*>(elements + i * row_bytes);
     return list;
   }
 
-  /// A picture without tables uses the standard ones, not those of the picture before it.
-  void forget_tables() {
+  /// A picture without tables must use the standard ones, not those of the previous picture.
+  void reset_tables() {
     std::fill(std::begin(jpeg.quant_tbl_ptrs), std::end(jpeg.quant_tbl_ptrs), nullptr);
     std::fill(std::begin(jpeg.dc_huff_tbl_ptrs), std::end(jpeg.dc_huff_tbl_ptrs), nullptr);
     std::fill(std::begin(jpeg.ac_huff_tbl_ptrs), std::end(jpeg.ac_huff_tbl_ptrs), nullptr);
     jpeg.src = nullptr;
     front = 0;
   }
-  void answer_errors();
-  void serve_memory();
+  void install_error_handlers();
+  void install_memory_manager();
 };
 
 MjpgDecoder::Library::Library(std::uint16_t width, std::uint16_t height) : width_px(width), height_px(height) {
@@ -95,8 +96,8 @@ MjpgDecoder::Library::Library(std::uint16_t width, std::uint16_t height) : width
   jpeg.err = jpeg_std_error(&errors);
   jpeg.client_data = this;
   jpeg_create_decompress(&jpeg);
-  answer_errors();
-  serve_memory();
+  install_error_handlers();
+  install_memory_manager();
 }
 
 MjpgDecoder::Library::~Library() {
@@ -104,18 +105,18 @@ MjpgDecoder::Library::~Library() {
   jpeg_destroy_decompress(&jpeg);
 }
 
-void MjpgDecoder::Library::answer_errors() {
+void MjpgDecoder::Library::install_error_handlers() {
   errors.error_exit = [](j_common_ptr any) {
-    any->err->format_message(any, of(any).reason.data());
-    of(any).give_up();
+    any->err->format_message(any, of(any).error_text.data());
+    of(any).fail();
   };
   errors.emit_message = [](j_common_ptr any, int level) {
-    if (level >= 0) return;  // only information
+    if (level >= 0) return;  // information, not a warning
     const int code = any->err->msg_code;
     Library& library = of(any);
-    // These warnings lose nothing of the picture: another version of the header, a few bytes before a marker, no EOI
-    // marker. If more is missing, the decoder warns about missing bits. Bytes that are left over before an end without
-    // EOI mean that the picture was cut off and padded.
+    // These warnings do not affect the picture: another version of the header, a few bytes before a marker, no EOI
+    // marker. If more is missing, the decoder warns about missing bits. Surplus bytes before an end without EOI mean
+    // that the picture was cut off and padded.
     if (code == JWRN_JFIF_MAJOR || (code == JWRN_EXTRANEOUS_DATA && !library.has_ended)) return;
     if (code == JWRN_JPEG_EOF) {
       library.has_ended = true;
@@ -125,31 +126,27 @@ void MjpgDecoder::Library::answer_errors() {
   };
 }
 
-void MjpgDecoder::Library::serve_memory() {
+void MjpgDecoder::Library::install_memory_manager() {
   own_memory = jpeg.mem;
   memory = *own_memory;
   jpeg.mem = &memory;
-  memory.alloc_small = [](j_common_ptr any, int pool, std::size_t bytes) { return of(any).take(pool, bytes); };
+  memory.alloc_small = [](j_common_ptr any, int pool, std::size_t bytes) { return of(any).allocate(pool, bytes); };
   memory.alloc_large = memory.alloc_small;
   memory.alloc_sarray = [](j_common_ptr any, int pool, JDIMENSION samples, JDIMENSION rows) {
-    return of(any).take_rows<JSAMPLE>(pool, samples, rows);
+    return of(any).allocate_rows<JSAMPLE>(pool, samples, rows);
   };
   memory.alloc_barray = [](j_common_ptr any, int pool, JDIMENSION blocks, JDIMENSION rows) {
-    return of(any).take_rows<JBLOCK>(pool, blocks, rows);
+    return of(any).allocate_rows<JBLOCK>(pool, blocks, rows);
   };
   memory.free_pool = [](j_common_ptr any, int pool) {
     if (pool == JPOOL_IMAGE) of(any).back = of(any).size;
   };
-  // Arrays for a whole picture of coefficients; decode() refuses pictures that need them.
+  // Arrays for the coefficients of a whole picture; decode() refuses pictures that need them.
   memory.realize_virt_arrays = [](j_common_ptr) {};
   memory.request_virt_sarray = [](j_common_ptr any, int, boolean, JDIMENSION, JDIMENSION,
-                                  JDIMENSION) -> jvirt_sarray_ptr {
-    of(any).give_up("needs the whole picture at once");
-  };
+                                  JDIMENSION) -> jvirt_sarray_ptr { of(any).fail("needs the whole picture at once"); };
   memory.request_virt_barray = [](j_common_ptr any, int, boolean, JDIMENSION, JDIMENSION,
-                                  JDIMENSION) -> jvirt_barray_ptr {
-    of(any).give_up("needs the whole picture at once");
-  };
+                                  JDIMENSION) -> jvirt_barray_ptr { of(any).fail("needs the whole picture at once"); };
 }
 
 MjpgDecoder::MjpgDecoder() = default;
@@ -164,22 +161,23 @@ Result<void> MjpgDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8
   jpeg_decompress_struct& jpeg = library.jpeg;
   if (setjmp(library.escape) != 0) {  // NOLINT(cert-err52-cpp)
     jpeg_abort_decompress(&jpeg);
-    return failure(ErrorCode::kCorruptFrame, "%s", library.reason.data());
+    return failure(ErrorCode::kCorruptFrame, "%s", library.error_text.data());
   }
-  library.forget_tables();
+  library.reset_tables();
   library.has_ended = false;
   jpeg_mem_src(&jpeg, bytes.data(), bytes.size());
   jpeg_read_header(&jpeg, TRUE);
   if (jpeg.image_width != library.width_px || jpeg.image_height != library.height_px) {
-    std::snprintf(library.reason.data(), library.reason.size(), "it is %ux%u", jpeg.image_width, jpeg.image_height);
-    library.give_up();
+    std::snprintf(library.error_text.data(), library.error_text.size(), "its size is %ux%u", jpeg.image_width,
+                  jpeg.image_height);
+    library.fail();
   }
-  // Newer versions read samples of more than 8 bits too, with rows of another size.
+  // Newer versions of libjpeg also decode samples of more than 8 bits, whose rows have another size.
   if (jpeg.data_precision != 8 || jpeg.progressive_mode != FALSE || jpeg_has_multiple_scans(&jpeg) != FALSE) {
-    library.give_up("no baseline JPEG of one scan");
+    library.fail("not a baseline JPEG with one scan");
   }
   jpeg.out_color_space = JCS_RGB;
-  jpeg.dct_method = JDCT_ISLOW;  // the exact one, as fast as the others with vector instructions
+  jpeg.dct_method = JDCT_ISLOW;  // the exact DCT; as fast as the others with vector instructions
   jpeg.do_fancy_upsampling = FALSE;
   jpeg_start_decompress(&jpeg);
   const std::size_t stride = std::size_t{3} * library.width_px;

@@ -10,8 +10,8 @@ namespace touchline::hal {
 
 /// Decodes the JPEG pictures of a camera to RGB24 with libjpeg-turbo.
 ///
-/// JPEG has full-range YUV, which no format of the core has: RGB keeps all levels, and black is 0. Pixels that share
-/// chroma share it in RGB too, as in YUYV. open() allocates all memory, also that of the library while it decodes.
+/// JPEG has full-range YUV, for which the core has no format; RGB keeps all levels, and black is 0. Chroma is not
+/// interpolated, as in YUYV. open() allocates all memory, including that of the library during decoding.
 class MjpgDecoder {
  public:
   MjpgDecoder();

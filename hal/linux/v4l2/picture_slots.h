@@ -8,7 +8,7 @@
 
 namespace touchline::hal {
 
-/// Memory for decoded pictures, and which of them are lent out.
+/// Memory for decoded pictures, of which the caller borrows some at a time.
 class PictureSlots {
  public:
   /// Allocates all memory; all slots are free.
@@ -17,7 +17,8 @@ class PictureSlots {
     memory_.assign(count * picture_bytes, 0);
     lent_.assign(count, false);
   }
-  /// Takes the first free slot: a caller that holds one picture at a time always gets memory that is in the caches.
+  /// Takes the first free slot, so that a caller that holds one picture at a time always gets memory that is in the
+  /// caches.
   [[nodiscard]] std::optional<std::size_t> take() {
     const auto free = std::find(lent_.begin(), lent_.end(), false);
     if (free == lent_.end()) return std::nullopt;

@@ -8,12 +8,12 @@
 #include <algorithm>
 #include <cerrno>
 
-#include "hal/linux/dma_buf.h"
+#include "hal/linux/dma_buffer.h"
 
 namespace touchline::hal {
 
-/// Sets the fields that every request about a buffer needs; `planes` must outlive `buffer`.
-void V4l2Buffers::address(v4l2_buffer& buffer, Planes& planes, std::size_t index) const {
+/// Sets the fields that all requests for a buffer need; `planes` must outlive `buffer`.
+void V4l2Buffers::fill_request(v4l2_buffer& buffer, Planes& planes, std::size_t index) const {
   buffer = {};
   buffer.type = capture_type(multi_planar_);
   buffer.memory = V4L2_MEMORY_MMAP;
@@ -31,10 +31,10 @@ int V4l2Buffers::map(const V4l2Device& device, bool multi_planar, std::size_t pl
   request.count = static_cast<std::uint32_t>(std::min(count, kMax));
   request.type = capture_type(multi_planar_);
   request.memory = V4L2_MEMORY_MMAP;
-  request.flags = V4L2_MEMORY_FLAG_NON_COHERENT;  // ignored by drivers that have no choice
+  request.flags = V4L2_MEMORY_FLAG_NON_COHERENT;  // ignored by drivers without this option
   if (const int error = device.request(VIDIOC_REQBUFS, &request); error != 0) return error;
-  const std::size_t granted = std::min<std::size_t>(request.count, kMax);
-  while (count_ < granted) {
+  const std::size_t actual = std::min<std::size_t>(request.count, kMax);
+  while (count_ < actual) {
     // Counted before mapping, so that unmap() also unmaps a partly mapped buffer.
     if (const int error = map_slot(device, count_++); error != 0) return error;
   }
@@ -45,7 +45,7 @@ int V4l2Buffers::map(const V4l2Device& device, bool multi_planar, std::size_t pl
 int V4l2Buffers::map_slot(const V4l2Device& device, std::size_t index) {
   v4l2_buffer buffer;
   Planes planes;
-  address(buffer, planes, index);
+  fill_request(buffer, planes, index);
   if (const int error = device.request(VIDIOC_QUERYBUF, &buffer); error != 0) return error;
   if (multi_planar_ && buffer.length < planes_) return EPROTO;
   flags_ = buffer.flags;
@@ -53,7 +53,7 @@ int V4l2Buffers::map_slot(const V4l2Device& device, std::size_t index) {
   for (std::size_t i = 0; i < planes_; ++i) {
     const std::size_t size = multi_planar_ ? planes[i].length : buffer.length;
     const std::uint32_t offset = multi_planar_ ? planes[i].m.mem_offset : buffer.m.offset;
-    // Only the driver writes.
+    // Read only: only the driver writes.
     void* const memory = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, device.file(), offset);
     if (memory == MAP_FAILED) return errno;
     slot.memory[i] = static_cast<std::uint8_t*>(memory);
@@ -62,7 +62,7 @@ int V4l2Buffers::map_slot(const V4l2Device& device, std::size_t index) {
   return 0;
 }
 
-/// Exports all planes of all buffers or none: users of a picture need every plane.
+/// Exports all planes of all buffers, or none, because users of a picture need all of its planes.
 void V4l2Buffers::export_all(const V4l2Device& device) {
   exported_ = true;
   for (std::size_t i = 0; i < count_ * planes_ && exported_; ++i) {
@@ -100,7 +100,7 @@ void V4l2Buffers::unmap(const V4l2Device& device) noexcept {
   v4l2_requestbuffers request{};
   request.type = capture_type(multi_planar_);
   request.memory = V4L2_MEMORY_MMAP;
-  // Fails if the device is gone; then the kernel has freed the buffers.
+  // Fails if the device is gone; the kernel has then freed the buffers.
   static_cast<void>(device.request(VIDIOC_REQBUFS, &request));
 }
 
@@ -115,7 +115,7 @@ int V4l2Buffers::queue(const V4l2Device& device, std::size_t index) {
   if (index >= count_ || slots_[index].with_driver) return 0;
   v4l2_buffer buffer;
   Planes planes;
-  address(buffer, planes, index);
+  fill_request(buffer, planes, index);
   const int error = device.request(VIDIOC_QBUF, &buffer);
   slots_[index].with_driver = error == 0;
   return error;
@@ -124,7 +124,7 @@ int V4l2Buffers::queue(const V4l2Device& device, std::size_t index) {
 int V4l2Buffers::dequeue(const V4l2Device& device, Filled& filled) {
   v4l2_buffer buffer;
   Planes planes;
-  address(buffer, planes, 0);
+  fill_request(buffer, planes, 0);
   if (const int error = device.request(VIDIOC_DQBUF, &buffer); error != 0) return error;
   if (buffer.index >= count_) return EPROTO;
   Slot& slot = slots_[buffer.index];

@@ -13,11 +13,11 @@ struct v4l2_plane;
 
 namespace touchline::hal {
 
-/// The driver's buffers: mapped, exported as dma-bufs, and marked as owned by the driver or by the loop. Errors are
-/// errnos.
+/// The buffers of a V4L2 device: mapped, exported as dma-bufs, and owned by the driver or by the loop. Functions return
+/// 0 or an errno.
 ///
-/// Cached memory is requested if the driver has a choice. The kernel then synchronizes the caches whenever a buffer
-/// changes its owner; begin_read() and end_read() do so for users of the dma-buf.
+/// Requests cached memory if the driver offers it. The kernel then synchronizes the caches whenever a buffer changes
+/// its owner; begin_read() and end_read() synchronize them for users of the dma-buf.
 class V4l2Buffers {
  public:
   // The kernel's VIDEO_MAX_FRAME.
@@ -41,7 +41,7 @@ class V4l2Buffers {
 
   /// Queues all buffers.
   [[nodiscard]] int queue_all(const V4l2Device& device);
-  /// Queues one buffer; does nothing if it is queued already.
+  /// Queues one buffer; does nothing if it is already queued.
   [[nodiscard]] int queue(const V4l2Device& device, std::size_t index);
   /// Dequeues the oldest filled buffer. EAGAIN: none is filled.
   [[nodiscard]] int dequeue(const V4l2Device& device, Filled& filled);
@@ -57,7 +57,7 @@ class V4l2Buffers {
   /// One per memory plane; -1: not exported.
   [[nodiscard]] const DmaBufs& dma_bufs(std::size_t index) const { return slots_[index].dma_bufs; }
   [[nodiscard]] bool exported() const { return exported_; }
-  /// The flags of v4l2_buffer when it was mapped: they tell the kind of time stamp.
+  /// The flags of v4l2_buffer from the mapping: they contain the type of the time stamps.
   [[nodiscard]] std::uint32_t flags() const { return flags_; }
 
  private:
@@ -65,10 +65,10 @@ class V4l2Buffers {
   struct Slot {
     std::array<std::uint8_t*, kMaxPlanes> memory{};
     std::array<std::size_t, kMaxPlanes> size{};
-    DmaBufs dma_bufs = kNotShared;
+    DmaBufs dma_bufs = kNoDmaBufs;
     bool with_driver = false;
   };
-  void address(v4l2_buffer& buffer, Planes& planes, std::size_t index) const;
+  void fill_request(v4l2_buffer& buffer, Planes& planes, std::size_t index) const;
   int map_slot(const V4l2Device& device, std::size_t index);
   void export_all(const V4l2Device& device);
   void close_exports();

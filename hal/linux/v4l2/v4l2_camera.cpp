@@ -7,8 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "hal/linux/device_files.h"
 #include "hal/linux/monotonic_clock.h"
-#include "hal/linux/stable_name.h"
 #include "hal/linux/system_error.h"
 #include "hal/linux/v4l2/camera_list.h"
 #include "hal/linux/v4l2/v4l2_controls.h"
@@ -16,9 +16,8 @@
 namespace touchline::hal {
 namespace {
 
-// Pause after a driver woke the thread without a frame, so that a real-time thread does not spin: a thirtieth of a
-// frame at 60 Hz.
-constexpr Duration kAfterFalseAlarm = std::chrono::microseconds(500);
+// Pause after a wake-up without a frame, so that a real-time thread does not spin: a thirtieth of a frame at 60 Hz.
+constexpr Duration kSpuriousWakeupPause = std::chrono::microseconds(500);
 
 }  // namespace
 
@@ -49,57 +48,59 @@ Result<void> V4l2Camera::open_device() {
   TOUCHLINE_TRY(open_file());
   TOUCHLINE_TRY(identify());
   TOUCHLINE_TRY_ASSIGN(picture_, negotiate_format(device_, identity_.multi_planar, settings_));
-  note_device();
-  note_rate();
+  report_device_number();
+  report_rate();
   return map_buffers();
 }
 
 Result<void> V4l2Camera::open_file() {
   int error = ENOENT;
   if (!link_.empty()) error = device_.open(link_);
-  // In another socket the camera has another link; then the number in the settings counts.
-  by_number_ = open_error(error) == ErrorCode::kNotFound;
-  if (by_number_) error = device_.open(settings_.device);
+  // In another socket the camera has another link; the number in the settings then applies.
+  opened_by_number_ = open_error(error) == ErrorCode::kNotFound;
+  if (opened_by_number_) error = device_.open(settings_.device);
   if (error == 0) return {};
   const ErrorCode code = open_error(error);
   if (code == ErrorCode::kPermission) return permission_denied(name(), "video");
   if (code == ErrorCode::kDeviceBusy) return device_busy(name());
   if (code == ErrorCode::kNotFound) {
-    return failure(code, "%s: no such device; cameras here: %s", name(), cameras_here().c_str());
+    return failure(code, "%s: no such device; available cameras: %s", name(), available_cameras().c_str());
   }
   return failure(code, "%s: cannot be opened: %s", name(), system_text(error));
 }
 
 Result<void> V4l2Camera::identify() {
   if (const int error = device_.identify(identity_); error != 0) {
-    if (error == ENODEV) return fail("asking what it is", error);
-    return failure(ErrorCode::kUnsupported, "%s: not a video device; cameras here: %s", name(), cameras_here().c_str());
+    if (error == ENODEV) return fail("identifying", error);
+    return failure(ErrorCode::kUnsupported, "%s: not a video device; available cameras: %s", name(),
+                   available_cameras().c_str());
   }
   stamps_first_packet_ = identity_.driver == "uvcvideo" && !uvc_computes_stamps();
   if (identity_.captures && identity_.streams) return {};
-  return failure(ErrorCode::kUnsupported, "%s (%s): %s; cameras here: %s", name(), identity_.card.c_str(),
+  return failure(ErrorCode::kUnsupported, "%s (%s): %s; available cameras: %s", name(), identity_.card.c_str(),
                  identity_.captures ? "cannot stream into mapped buffers" : "does not capture video",
-                 cameras_here().c_str());
+                 available_cameras().c_str());
 }
 
-void V4l2Camera::note_device() {
+void V4l2Camera::report_device_number() {
   if (!is_numbered_camera(settings_.device)) return;
-  if (by_number_) {
-    // udev may not have created the link yet; then the former one stays.
+  if (opened_by_number_) {
+    // If udev has not created the link yet, the former one remains.
     if (std::string link = stable_link(kCameraLinks, settings_.device); !link.empty()) link_ = std::move(link);
   }
   if (link_.empty()) return;
-  negotiated_.append_format("device = \"%s\": a number, which the order of plugging in decides; %s is the same camera",
-                            name(), link_.c_str());
+  negotiated_.append_format(
+      "device = \"%s\": the number depends on the order of plugging in; %s always names this camera", name(),
+      link_.c_str());
 }
 
-void V4l2Camera::note_rate() {
+void V4l2Camera::report_rate() {
   info_.format = pixel_format(picture_.format);
   info_.width_px = picture_.width_px;
   info_.height_px = picture_.height_px;
   info_.rate_hz = negotiate_rate(device_, identity_.multi_planar, settings_.rate_hz);
   if (info_.rate_hz <= 0.0) {
-    negotiated_.append_format("%srate_hz = %g: the driver does not tell its rate", negotiated_.separator(),
+    negotiated_.append_format("%srate_hz = %g: the driver does not report its frame rate", negotiated_.separator(),
                               settings_.rate_hz);
   } else if (std::abs(info_.rate_hz - settings_.rate_hz) > 0.005 * settings_.rate_hz) {  // 29.97 Hz counts as 30 Hz
     negotiated_.append_format("%srate_hz = %g: set to %.4g", negotiated_.separator(), settings_.rate_hz, info_.rate_hz);
@@ -108,19 +109,18 @@ void V4l2Camera::note_rate() {
     negotiated_.append_format("%sinterlaced: odd and even rows are half a frame apart", negotiated_.separator());
   }
   if (picture_.full_range) {
-    negotiated_.append_format("%sYUV of full range: its darkest 16 levels are taken for black",
-                              negotiated_.separator());
+    negotiated_.append_format("%sfull-range YUV: the darkest 16 levels are treated as black", negotiated_.separator());
   }
 }
 
 Result<void> V4l2Camera::map_buffers() {
-  const std::size_t asked = static_cast<std::size_t>(settings_.buffers);
-  const int error = buffers_.map(device_, identity_.multi_planar, picture_.planes, asked);
+  const std::size_t requested = static_cast<std::size_t>(settings_.buffers);
+  const int error = buffers_.map(device_, identity_.multi_planar, picture_.planes, requested);
   if (error == EBUSY) return device_busy(name());
   if (error != 0) return fail("mapping buffers", error);
-  if (buffers_.count() < kFewestBuffers) {
+  if (buffers_.count() < kMinBuffers) {
     return failure(ErrorCode::kUnsupported, "%s: the camera provides %zu buffers; at least %zu are needed", name(),
-                   buffers_.count(), kFewestBuffers);
+                   buffers_.count(), kMinBuffers);
   }
   for (std::size_t i = 0; i < buffers_.count() * picture_.planes; ++i) {
     const std::size_t size = buffers_.size(i / picture_.planes, i % picture_.planes);
@@ -128,12 +128,12 @@ Result<void> V4l2Camera::map_buffers() {
     if (size >= needed) continue;
     return failure(ErrorCode::kUnsupported, "%s: a buffer has %zu bytes, a picture needs %u", name(), size, needed);
   }
-  if (buffers_.count() != asked) {
-    negotiated_.append_format("%sbuffers = %zu: set to %zu", negotiated_.separator(), asked, buffers_.count());
+  if (buffers_.count() != requested) {
+    negotiated_.append_format("%sbuffers = %zu: set to %zu", negotiated_.separator(), requested, buffers_.count());
   }
   if (!CaptureStamp::is_monotonic(buffers_.flags())) {
     negotiated_.append_format(
-        "%sthe driver's time stamps are of no monotonic clock: frames are stamped when they are fetched",
+        "%sthe driver's time stamps are not from the monotonic clock: frames are stamped when they are dequeued",
         negotiated_.separator());
   }
   return {};
@@ -147,8 +147,8 @@ std::uint32_t V4l2Camera::corrected_flags(std::uint32_t flags) const {
 /// Returns `exposure` unchanged; appends to `text` if it is longer than the frame period.
 Duration V4l2Camera::check_exposure(Duration exposure, ErrorText& text) const {
   if (info_.rate_hz > 0.0 && seconds(exposure) * info_.rate_hz > 1.0) {
-    text.append_format("%sexposure of %.0f us: longer than a frame at %.4g Hz, so fewer frames come", text.separator(),
-                       seconds(exposure) * 1e6, info_.rate_hz);
+    text.append_format("%sexposure of %.0f us: longer than a frame at %.4g Hz, so fewer frames arrive",
+                       text.separator(), seconds(exposure) * 1e6, info_.rate_hz);
   }
   return exposure;
 }
@@ -162,7 +162,7 @@ void V4l2Camera::report_negotiated() {
            kCameraFormats[static_cast<std::size_t>(picture_.format)].word.data(), unsigned{info_.width_px},
            unsigned{info_.height_px});
   if (info_.rate_hz > 0.0) text.append_format(" at %.4g Hz", info_.rate_hz);
-  text.append_format(", %zu buffers mapped%s%s, stamps of the %s", buffers_.count(),
+  text.append_format(", %zu buffers mapped%s%s, time stamps of the %s", buffers_.count(),
                      buffers_.exported() ? " and shared as dma-bufs" : "",
                      identity_.multi_planar ? " (multi-planar)" : "",
                      stamps_first_packet_ ? "first packet" : CaptureStamp::name_of(buffers_.flags()));
@@ -192,17 +192,17 @@ Result<void> V4l2Camera::do_start() {
           "%s: the USB bus has no bandwidth left for %ux%u at %.4g Hz; use another port or a smaller picture", name(),
           unsigned{info_.width_px}, unsigned{info_.height_px}, info_.rate_hz);
     }
-    const bool has_parts = !identity_.bus.starts_with("usb-");  // a media pipeline of sensor, receiver and scaler
+    const bool has_parts = !identity_.bus.starts_with("usb-");  // sensor, receiver and scaler are separate entities
     if (has_parts && (error == EPIPE || error == ENOLINK)) {
       return failure(
           ErrorCode::kIo,
-          "%s: no stream: the parts of the camera are not connected, or not all set to %ux%u (`media-ctl -p`)", name(),
-          unsigned{info_.width_px}, unsigned{info_.height_px});
+          "%s: no stream: the entities of the media pipeline are not linked, or not all set to %ux%u (`media-ctl -p`)",
+          name(), unsigned{info_.width_px}, unsigned{info_.height_px});
     }
     return fail("starting the stream", error);
   }
   streaming_ = true;
-  // Once more, because some cameras return to automatic control when the stream starts.
+  // Set again, because some cameras return to automatic control when the stream starts.
   negotiated_.truncate(negotiated_before_controls_);
   stamps_.restart(check_exposure(apply_controls(device_, settings_, negotiated_), negotiated_));
   report_negotiated();
@@ -226,10 +226,10 @@ Result<FrameLease> V4l2Camera::do_wait(Instant deadline) {
       if (behind_ > buffers_.count()) error = skip_to_newest(filled);
       if (error == 0) return deliver(filled);
     }
-    if (error != EAGAIN) return fail("fetching a frame", error);
+    if (error != EAGAIN) return fail("dequeuing a frame", error);
     const Instant now = MonotonicClock::read();
     if (now >= deadline) break;
-    if (woken) MonotonicClock::wait_for(std::min(deadline, now + kAfterFalseAlarm));
+    if (woken) MonotonicClock::wait_for(std::min(deadline, now + kSpuriousWakeupPause));
     error = device_.wait(deadline);
     if (error == ETIMEDOUT) break;
     if (error != 0) return fail("waiting for a frame", error);
@@ -237,8 +237,8 @@ Result<FrameLease> V4l2Camera::do_wait(Instant deadline) {
   return timed_out();
 }
 
-/// Requeues all waiting frames but the newest good one. Called when frames arrive faster than they are processed for
-/// longer than a moment; otherwise each frame would be late by as many frames as there are buffers.
+/// Requeues all waiting frames except the newest good one. Called if the caller is permanently slower than the camera:
+/// each frame would otherwise be late by as many frames as there are buffers.
 int V4l2Camera::skip_to_newest(V4l2Buffers::Filled& oldest) {
   V4l2Buffers::Filled newer;
   for (std::size_t i = 1; i < buffers_.count(); ++i) {
@@ -255,7 +255,7 @@ int V4l2Camera::skip_to_newest(V4l2Buffers::Filled& oldest) {
 
 Result<FrameLease> V4l2Camera::timed_out() {
   if (buffers_.queued() == 0 || (decodes() && decoded_.all_lent())) {
-    return failure(ErrorCode::kTimeout, "%s: no frame can come: all %zu buffers are lent out", name(),
+    return failure(ErrorCode::kTimeout, "%s: no frame can arrive: all %zu buffers are in use", name(),
                    buffers_.count());
   }
   return failure(ErrorCode::kTimeout, "%s: no frame before the deadline", name());
@@ -311,7 +311,7 @@ Result<FrameLease> V4l2Camera::decode(const V4l2Buffers::Filled& filled, Frame& 
   return lease;
 }
 
-/// Requeues the buffer of a lost frame. If that fails, the error is that of the device.
+/// Requeues the buffer of a lost frame. Returns `lost`, or the error of the device if requeuing fails.
 Result<FrameLease> V4l2Camera::give_back(std::size_t buffer, Error lost) {
   const int error = buffers_.queue(device_, buffer);
   return error == 0 ? lost : fail("queuing a buffer", error);
@@ -325,7 +325,7 @@ void V4l2Camera::do_release(std::uint32_t buffer) noexcept {
   if (error != 0) static_cast<void>(fail("queuing a buffer", error));  // the next wait() reports it
 }
 
-/// May run on another thread during wait(): of the members that wait() uses, only the exposure time is written
+/// May run on another thread during wait(): of the members that wait() uses, it writes only the exposure time
 /// (atomic).
 Result<std::string> V4l2Camera::do_adjust(const CameraSettings& settings) {
   const std::scoped_lock alone(changing_);
@@ -334,16 +334,16 @@ Result<std::string> V4l2Camera::do_adjust(const CameraSettings& settings) {
   if (!device_.is_open()) return std::string();
   ErrorText text;
   stamps_.set_exposure(check_exposure(change_controls(device_, before, settings_, text), text));
-  // If the camera went away, the messages about missing controls are wrong.
-  if (V4l2Identity same; device_.identify(same) == ENODEV) text.set("the camera went away; its next opening sets them");
+  // If the camera went away, messages about missing controls would be wrong.
+  if (V4l2Identity same; device_.identify(same) == ENODEV)
+    text.set("the camera went away; the values are set when it is reopened");
   return text.empty() ? std::string() : std::string(name()) + ": " + text.str();
 }
 
 void V4l2Camera::do_stop() {
   if (!streaming_) return;
   std::uint32_t type = capture_type(identity_.multi_planar);
-  static_cast<void>(
-      device_.request(VIDIOC_STREAMOFF, &type));  // fails if the device is gone; then it does not stream either
+  static_cast<void>(device_.request(VIDIOC_STREAMOFF, &type));  // fails only if the device is gone
   buffers_.forget_queue();
   streaming_ = false;
 }

@@ -24,11 +24,11 @@ struct V4l2Counters {
 };
 
 /// A V4L2 camera with single-planar or multi-planar capture. Its buffers are mapped, lent to the caller, and exported
-/// as dma-bufs if the driver can. wait() decodes MJPG into pictures in memory of the camera object, as many as there
-/// are buffers, and lends those.
+/// as dma-bufs if the driver supports that. For MJPG, wait() decodes into memory of this object, with as many pictures
+/// as there are buffers, and lends these.
 ///
 /// wait() returns kTimeout, kShortFrame, kCorruptFrame (the next frame may be good), kDisconnected and kIo (reopen the
-/// camera). If all buffers are lent out, no frame can arrive: wait() then times out with a message that says so. If the
+/// camera). If all buffers are lent, no frame can arrive, and wait() times out with a message about that. If the
 /// caller is too slow for longer than the buffers last (for example while a small board decodes large MJPG pictures),
 /// wait() returns the newest frame instead of the oldest.
 ///
@@ -64,8 +64,8 @@ class V4l2Camera final : public Camera {
   Result<void> open_file();
   Result<void> identify();
   Result<void> map_buffers();
-  void note_device();
-  void note_rate();
+  void report_device_number();
+  void report_rate();
   [[nodiscard]] std::uint32_t corrected_flags(std::uint32_t flags) const;
   Duration check_exposure(Duration exposure, ErrorText& text) const;
   void report_negotiated();
@@ -82,8 +82,8 @@ class V4l2Camera final : public Camera {
   std::mutex changing_;  // guards the controls in settings_ and opening and closing; not needed by wait()
   V4l2Device device_;
   V4l2Identity identity_;
-  std::string link_;        // to the device, if the settings name its number
-  bool by_number_ = false;  // opened by its number instead of its link
+  std::string link_;               // to the device, if the settings name it by its number
+  bool opened_by_number_ = false;  // the device was opened by its number, not by link_
   V4l2Buffers buffers_;
   V4l2Picture picture_;
   MjpgDecoder decoder_;
@@ -91,13 +91,13 @@ class V4l2Camera final : public Camera {
   CameraInfo info_;
   CaptureStamp stamps_;
   V4l2Counters counters_;
-  ErrorText negotiated_;  // what differs from the settings
+  ErrorText negotiated_;  // differences from the settings
   std::size_t negotiated_before_controls_ = 0;
   bool streaming_ = false;
   bool stamps_first_packet_ = false;  // overrides the flags of the buffers
   std::optional<Error> lost_;         // an error after which the camera must be reopened
   FrameCounter sequence_;
-  std::size_t behind_ = 0;  // consecutive frames that were already waiting when wait() was called
+  std::size_t behind_ = 0;  // number of consecutive calls of wait() for which a frame was already waiting
 };
 
 }  // namespace touchline::hal

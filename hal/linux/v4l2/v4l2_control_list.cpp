@@ -7,9 +7,9 @@
 namespace touchline::hal {
 namespace {
 
-// Limit for drivers whose lists never end; the kernel knows some hundred controls.
-constexpr int kMostControls = 512;
-constexpr std::int64_t kLongestMenu = 64;
+// Limit for drivers whose lists never end; the kernel defines a few hundred controls.
+constexpr int kMaxControls = 512;
+constexpr std::int64_t kMaxMenuItems = 64;
 
 const char* key_of(std::uint32_t id) {
   switch (id) {
@@ -48,7 +48,7 @@ bool is_number(const v4l2_queryctrl& query) {
 
 void list_menu(const V4l2Device& device, std::uint32_t type, V4l2ControlState& control) {
   if (type != V4L2_CTRL_TYPE_MENU && type != V4L2_CTRL_TYPE_INTEGER_MENU) return;
-  const std::int64_t last = std::min(control.high, control.low + kLongestMenu - 1);
+  const std::int64_t last = std::min(control.high, control.low + kMaxMenuItems - 1);
   for (std::int64_t i = std::max<std::int64_t>(control.low, 0); i <= last; ++i) {
     v4l2_querymenu item{};
     item.id = control.id;
@@ -66,7 +66,7 @@ bool read(const V4l2Device& device, V4l2ControlState& control) {
   return true;
 }
 
-/// Range and value of a 64-bit control, which needs the extended requests.
+/// Reads range and value of a 64-bit control, which needs the extended requests.
 bool read_wide(const V4l2Device& device, V4l2ControlState& control) {
   v4l2_query_ext_ctrl query{};
   query.id = control.id;
@@ -74,7 +74,7 @@ bool read_wide(const V4l2Device& device, V4l2ControlState& control) {
     control.low = query.minimum;
     control.high = query.maximum;
     control.step = static_cast<std::int64_t>(query.step);
-    control.normal = query.default_value;
+    control.default_value = query.default_value;
   }
   v4l2_ext_control current{};
   current.id = control.id;
@@ -92,7 +92,7 @@ bool read_wide(const V4l2Device& device, V4l2ControlState& control) {
 std::vector<V4l2ControlState> list_controls(const V4l2Device& device) {
   std::vector<V4l2ControlState> controls;
   v4l2_queryctrl query{};
-  for (int i = 0; i < kMostControls; ++i) {
+  for (int i = 0; i < kMaxControls; ++i) {
     query.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
     if (device.request(VIDIOC_QUERYCTRL, &query) != 0) break;
     if ((query.flags & V4L2_CTRL_FLAG_DISABLED) != 0 || !is_number(query)) continue;
@@ -103,7 +103,7 @@ std::vector<V4l2ControlState> list_controls(const V4l2Device& device) {
     control.low = query.minimum;
     control.high = query.maximum;
     control.step = query.step;
-    control.normal = query.default_value;
+    control.default_value = query.default_value;
     control.inactive = (query.flags & V4L2_CTRL_FLAG_INACTIVE) != 0;
     control.read_only = (query.flags & V4L2_CTRL_FLAG_READ_ONLY) != 0;
     const bool is_read = query.type == V4L2_CTRL_TYPE_INTEGER64 ? read_wide(device, control) : read(device, control);

@@ -14,14 +14,14 @@ struct V4l2ControlState {
   std::uint32_t id = 0;
   std::string name;
   std::string key;  // key of the board file that sets it, "": none
-  std::int64_t low = 0, high = 0, step = 1, normal = 0, value = 0;
-  bool readable = true;  // otherwise `value` is unknown
+  std::int64_t low = 0, high = 0, step = 1, default_value = 0, value = 0;
+  bool readable = true;  // false: `value` is unknown
   bool read_only = false;
-  bool inactive = false;  // has no effect because of another control, for example an automatic one
+  bool inactive = false;  // has no effect because of another control, such as automatic exposure
   std::vector<std::pair<std::int64_t, std::string>> menu;  // names of its values
 };
 
-/// All controls with integer values (also menus and switches), in the order of the driver.
+/// Returns all controls with integer values, including menus and switches, in the order of the driver.
 std::vector<V4l2ControlState> list_controls(const V4l2Device& device);
 
 }  // namespace touchline::hal

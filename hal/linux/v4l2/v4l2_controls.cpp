@@ -13,13 +13,13 @@
 namespace touchline::hal {
 namespace {
 
-// V4L2_CID_EXPOSURE_ABSOLUTE counts in steps of 100 us.
+// Unit of V4L2_CID_EXPOSURE_ABSOLUTE.
 constexpr int kExposureStepUs = 100;
 
 struct Control {
   std::uint32_t id = 0;
   std::int64_t low = 0, high = 0, step = 1;
-  int normal = 0;  // the driver's default
+  int default_value = 0;  // the driver's default
 };
 
 bool find(const V4l2Device& device, std::uint32_t id, Control& found) {
@@ -30,7 +30,7 @@ bool find(const V4l2Device& device, std::uint32_t id, Control& found) {
   return true;
 }
 
-/// The nearest valid value of the control: some drivers round, others refuse.
+/// Returns the nearest valid value of the control: some drivers round invalid values, others refuse them.
 int nearest(const Control& control, std::int64_t value) {
   const std::int64_t inside = std::clamp(value, control.low, control.high);
   const std::int64_t steps = (inside - control.low + control.step / 2) / control.step;
@@ -52,133 +52,136 @@ int get(const V4l2Device& device, std::uint32_t id, int& value) {
 }
 
 /// A key of the board file and its value: "exposure_us = 5000".
-struct Wish {
+struct Setting {
   const char* key;
   int value;
 };
 
 /// A camera, and the text to which differences from the settings are appended.
-struct Controlled {
+struct ControlledCamera {
   const V4l2Device& device;
   ErrorText& negotiated;
-  bool streams = false;  // then each write may cost frames; values that do not change are not written
+  bool streams = false;  // while streaming, each write may cost frames, so unchanged values are not written
 };
 
-void note(ErrorText& negotiated, const Wish& wish) {
-  negotiated.append_format("%s%s = %d: ", negotiated.separator(), wish.key, wish.value);
+void note(ErrorText& negotiated, const Setting& setting) {
+  negotiated.append_format("%s%s = %d: ", negotiated.separator(), setting.key, setting.value);
 }
 
-/// Turns off an automatic control that a camera may lack. `or_to`: an equally good value for cameras that refuse `to`.
-void switch_off(const Controlled& camera, std::uint32_t id, int to, int or_to, const char* name, const Wish& wish) {
+/// Turns off an automatic control if the camera has it. `to`: its value for "off"; `alternative`: an equivalent value
+/// for cameras that refuse `to`.
+void switch_off(const ControlledCamera& camera, std::uint32_t id, int to, int alternative, const char* name,
+                const Setting& setting) {
   Control control;
   if (!find(camera.device, id, control)) return;
   int value = to;
-  const auto is_off = [&] { return get(camera.device, id, value) == 0 && (value == to || value == or_to); };
+  const auto is_off = [&] { return get(camera.device, id, value) == 0 && (value == to || value == alternative); };
   if (camera.streams && is_off()) return;
   int error = set(camera.device, id, to);
-  if (error == EINVAL && or_to != to) error = set(camera.device, id, or_to);
+  if (error == EINVAL && alternative != to) error = set(camera.device, id, alternative);
   if (error == 0 && is_off()) return;
-  note(camera.negotiated, wish);
-  camera.negotiated.append_format("%s stays on (%s)", name, error != 0 ? system_text(error) : "the driver kept it");
+  note(camera.negotiated, setting);
+  camera.negotiated.append_format("%s stays on (%s)", name,
+                                  error != 0 ? system_text(error) : "the driver did not change it");
 }
 
-void switch_off(const Controlled& camera, std::uint32_t id, const char* name, const Wish& wish) {
-  switch_off(camera, id, 0, 0, name, wish);
+void switch_off(const ControlledCamera& camera, std::uint32_t id, const char* name, const Setting& setting) {
+  switch_off(camera, id, 0, 0, name, setting);
 }
 
-/// Sets `wish.value`, converted to steps of `unit`, and reads it back; false if the camera has no such control.
-bool set_value(const Controlled& camera, std::uint32_t id, int unit, const Wish& wish) {
+/// Sets `setting.value`, divided by `unit`, and reads it back; false if the camera has no such control.
+bool set_value(const ControlledCamera& camera, std::uint32_t id, int unit, const Setting& setting) {
   Control control;
   if (!find(camera.device, id, control)) return false;
-  const int error = set(camera.device, id, nearest(control, (wish.value + unit / 2) / unit));
+  const int error = set(camera.device, id, nearest(control, (setting.value + unit / 2) / unit));
   if (error != 0) {
-    note(camera.negotiated, wish);
+    note(camera.negotiated, setting);
     camera.negotiated.append_format("refused (%s)", system_text(error));
     return true;
   }
-  int granted = 0;
-  const int read_error = get(camera.device, id, granted);
+  int actual = 0;
+  const int read_error = get(camera.device, id, actual);
   if (read_error != 0) {
-    note(camera.negotiated, wish);
+    note(camera.negotiated, setting);
     camera.negotiated.append_format("set, but cannot be read back (%s)", system_text(read_error));
-  } else if (std::int64_t{granted} * unit != wish.value) {
-    note(camera.negotiated, wish);
+  } else if (std::int64_t{actual} * unit != setting.value) {
+    note(camera.negotiated, setting);
     camera.negotiated.append_format("set to %" PRId64 " (range %" PRId64 " to %" PRId64 ", step %" PRId64 ")",
-                                    std::int64_t{granted} * unit, control.low * unit, control.high * unit,
+                                    std::int64_t{actual} * unit, control.low * unit, control.high * unit,
                                     control.step * unit);
   }
   return true;
 }
 
-void lacking(const Controlled& camera, const Wish& wish) {
-  note(camera.negotiated, wish);
+void report_missing(const ControlledCamera& camera, const Setting& setting) {
+  note(camera.negotiated, setting);
   camera.negotiated.append_format("the camera has no such control");
 }
 
-/// Otherwise UVC cameras lower the frame rate in the dark, whatever rate was negotiated.
-void fix_rate(const Controlled& camera, double rate_hz) {
-  switch_off(camera, V4L2_CID_EXPOSURE_AUTO_PRIORITY, "exposure before frame rate",
+/// Turns off the dynamic frame rate, by which UVC cameras lower the negotiated frame rate in the dark.
+void fix_rate(const ControlledCamera& camera, double rate_hz) {
+  switch_off(camera, V4L2_CID_EXPOSURE_AUTO_PRIORITY, "dynamic frame rate",
              {"rate_hz", static_cast<int>(std::lround(rate_hz))});
 }
 
-void fix_exposure(const Controlled& camera, const CameraSettings& asked) {
-  const bool in_steps = asked.exposure_steps != kExposureStepsLeave;
-  const Wish wish = in_steps ? Wish{"exposure_steps", asked.exposure_steps} : Wish{"exposure_us", asked.exposure_us};
+void fix_exposure(const ControlledCamera& camera, const CameraSettings& requested) {
+  const bool in_steps = requested.exposure_steps != kExposureStepsUnset;
+  const Setting setting =
+      in_steps ? Setting{"exposure_steps", requested.exposure_steps} : Setting{"exposure_us", requested.exposure_us};
   const std::uint32_t id = in_steps ? V4L2_CID_EXPOSURE : V4L2_CID_EXPOSURE_ABSOLUTE;
   Control steps;
   if (!in_steps && !find(camera.device, id, steps) && find(camera.device, V4L2_CID_EXPOSURE, steps)) {
-    note(camera.negotiated, wish);
-    camera.negotiated.append_format("the camera counts exposure in steps of its own, %" PRId64 " to %" PRId64
-                                    ", and not in time: exposure_steps fixes it",
+    note(camera.negotiated, setting);
+    camera.negotiated.append_format("the camera has driver-specific exposure steps, %" PRId64 " to %" PRId64
+                                    ", instead of microseconds: set exposure_steps",
                                     steps.low, steps.high);
-    return;  // an arbitrary fixed exposure would be worse than an automatic one
+    return;  // automatic exposure is better than an arbitrary fixed one
   }
-  if (!find(camera.device, id, steps)) return lacking(camera, wish);
+  if (!find(camera.device, id, steps)) return report_missing(camera, setting);
   // With shutter priority the exposure time is fixed and the aperture is automatic.
   switch_off(camera, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL, V4L2_EXPOSURE_SHUTTER_PRIORITY, "automatic exposure",
-             wish);
-  set_value(camera, id, in_steps ? 1 : kExposureStepUs, wish);
+             setting);
+  set_value(camera, id, in_steps ? 1 : kExposureStepUs, setting);
 }
 
-void fix_gain(const Controlled& camera, int gain) {
-  const Wish wish{"gain", gain};
-  switch_off(camera, V4L2_CID_AUTOGAIN, "automatic gain", wish);
-  if (!set_value(camera, V4L2_CID_GAIN, 1, wish) && !set_value(camera, V4L2_CID_ANALOGUE_GAIN, 1, wish)) {
-    lacking(camera, wish);
+void fix_gain(const ControlledCamera& camera, int gain) {
+  const Setting setting{"gain", gain};
+  switch_off(camera, V4L2_CID_AUTOGAIN, "automatic gain", setting);
+  if (!set_value(camera, V4L2_CID_GAIN, 1, setting) && !set_value(camera, V4L2_CID_ANALOGUE_GAIN, 1, setting)) {
+    report_missing(camera, setting);
   }
 }
 
-/// Sets the gains of red and blue of a camera without a color temperature: to the defaults of the driver and not to
-/// what automatic white balance left behind, so that the tint is the same at each start. False: the camera has no such
-/// gains.
-bool set_gains(const Controlled& camera, const Wish& wish) {
+/// For a camera without color temperature: sets the red and blue gains to the driver's defaults, so that the tint does
+/// not depend on what automatic white balance left behind. False: the camera has no such gains.
+bool set_gains(const ControlledCamera& camera, const Setting& setting) {
   Control red, blue;
   if (!find(camera.device, V4L2_CID_RED_BALANCE, red) || !find(camera.device, V4L2_CID_BLUE_BALANCE, blue))
     return false;
-  int red_now = red.normal, blue_now = blue.normal;
-  int error = set(camera.device, red.id, red.normal);
-  if (error == 0) error = set(camera.device, blue.id, blue.normal);
+  int red_now = red.default_value, blue_now = blue.default_value;
+  int error = set(camera.device, red.id, red.default_value);
+  if (error == 0) error = set(camera.device, blue.id, blue.default_value);
   if (error == 0) error = get(camera.device, red.id, red_now);
   if (error == 0) error = get(camera.device, blue.id, blue_now);
-  note(camera.negotiated, wish);
-  camera.negotiated.append_format("the camera takes gains only: ");
+  note(camera.negotiated, setting);
+  camera.negotiated.append_format("the camera has no color temperature, only gains: ");
   if (error != 0) camera.negotiated.append_format("refused (%s)", system_text(error));
   if (error == 0) camera.negotiated.append_format("red %d, blue %d", red_now, blue_now);
   return true;
 }
 
-void fix_white_balance(const Controlled& camera, int white_balance_k) {
-  const Wish wish{"white_balance_k", white_balance_k};
-  switch_off(camera, V4L2_CID_AUTO_WHITE_BALANCE, "automatic white balance", wish);
-  if (!set_value(camera, V4L2_CID_WHITE_BALANCE_TEMPERATURE, 1, wish) && !set_gains(camera, wish)) {
-    lacking(camera, wish);
+void fix_white_balance(const ControlledCamera& camera, int white_balance_k) {
+  const Setting setting{"white_balance_k", white_balance_k};
+  switch_off(camera, V4L2_CID_AUTO_WHITE_BALANCE, "automatic white balance", setting);
+  if (!set_value(camera, V4L2_CID_WHITE_BALANCE_TEMPERATURE, 1, setting) && !set_gains(camera, setting)) {
+    report_missing(camera, setting);
   }
 }
 
-void fix_focus(const Controlled& camera, int focus) {
-  const Wish wish{"focus", focus};
-  switch_off(camera, V4L2_CID_FOCUS_AUTO, "automatic focus", wish);
-  if (!set_value(camera, V4L2_CID_FOCUS_ABSOLUTE, 1, wish)) lacking(camera, wish);
+void fix_focus(const ControlledCamera& camera, int focus) {
+  const Setting setting{"focus", focus};
+  switch_off(camera, V4L2_CID_FOCUS_AUTO, "automatic focus", setting);
+  if (!set_value(camera, V4L2_CID_FOCUS_ABSOLUTE, 1, setting)) report_missing(camera, setting);
 }
 
 void fix_power_line(const V4l2Device& device, PowerLine power_line, ErrorText& negotiated) {
@@ -187,18 +190,18 @@ void fix_power_line(const V4l2Device& device, PowerLine power_line, ErrorText& n
                     : hz == 60 ? V4L2_CID_POWER_LINE_FREQUENCY_60HZ
                                : V4L2_CID_POWER_LINE_FREQUENCY_DISABLED;
   Control control;
-  const bool there = find(device, V4L2_CID_POWER_LINE_FREQUENCY, control);
-  if (!there && hz == 0) return;  // without the control there is no filter, as asked
-  int granted = value;
-  const int error = there ? set(device, V4L2_CID_POWER_LINE_FREQUENCY, value) : EINVAL;
-  if (error == 0 && get(device, V4L2_CID_POWER_LINE_FREQUENCY, granted) == 0 && granted == value) return;
+  const bool has_control = find(device, V4L2_CID_POWER_LINE_FREQUENCY, control);
+  if (!has_control && hz == 0) return;  // no control means no filter, as requested
+  int actual = value;
+  const int error = has_control ? set(device, V4L2_CID_POWER_LINE_FREQUENCY, value) : EINVAL;
+  if (error == 0 && get(device, V4L2_CID_POWER_LINE_FREQUENCY, actual) == 0 && actual == value) return;
   negotiated.append_format("%spower_line = %s: %s", negotiated.separator(),
                            hz == 50   ? "50hz"
                            : hz == 60 ? "60hz"
                                       : "off",
-                           !there       ? "the camera has no such control"
+                           !has_control ? "the camera has no such control"
                            : error != 0 ? system_text(error)
-                                        : "the driver kept another");
+                                        : "the driver kept another value");
 }
 
 /// With shutter priority the exposure time is fixed and the aperture is automatic.
@@ -208,49 +211,50 @@ bool is_exposure_automatic(const V4l2Device& device) {
          mode != V4L2_EXPOSURE_SHUTTER_PRIORITY;
 }
 
-Duration exposure_in_force(const V4l2Device& device) {
+Duration current_exposure(const V4l2Device& device) {
   if (is_exposure_automatic(device)) return {};
   int steps = 0;
   if (get(device, V4L2_CID_EXPOSURE_ABSOLUTE, steps) != 0 || steps < 0) return {};
   return std::chrono::microseconds(std::int64_t{steps} * kExposureStepUs);
 }
 
-Duration apply(const Controlled& camera, const CameraSettings& asked) {
-  // First the flicker filter: it limits the exposures that some cameras accept.
-  if (asked.power_line != PowerLine::kLeave) fix_power_line(camera.device, asked.power_line, camera.negotiated);
-  if (asked.exposure_us > 0 || asked.exposure_steps != kExposureStepsLeave) fix_exposure(camera, asked);
-  if (asked.gain > 0) fix_gain(camera, asked.gain);
-  if (asked.white_balance_k > 0) fix_white_balance(camera, asked.white_balance_k);
-  if (asked.focus != kFocusLeave) fix_focus(camera, asked.focus);
-  return exposure_in_force(camera.device);
+Duration apply(const ControlledCamera& camera, const CameraSettings& requested) {
+  // The flicker filter comes first: it limits the exposure times that some cameras accept.
+  if (requested.power_line != PowerLine::kLeave) fix_power_line(camera.device, requested.power_line, camera.negotiated);
+  if (requested.exposure_us > 0 || requested.exposure_steps != kExposureStepsUnset) fix_exposure(camera, requested);
+  if (requested.gain > 0) fix_gain(camera, requested.gain);
+  if (requested.white_balance_k > 0) fix_white_balance(camera, requested.white_balance_k);
+  if (requested.focus != kFocusUnset) fix_focus(camera, requested.focus);
+  return current_exposure(camera.device);
 }
 
 }  // namespace
 
-Duration apply_controls(const V4l2Device& device, const CameraSettings& asked, ErrorText& negotiated) {
-  const Controlled camera{device, negotiated};
-  fix_rate(camera, asked.rate_hz);
-  return apply(camera, asked);
+Duration apply_controls(const V4l2Device& device, const CameraSettings& requested, ErrorText& negotiated) {
+  const ControlledCamera camera{device, negotiated};
+  fix_rate(camera, requested.rate_hz);
+  return apply(camera, requested);
 }
 
-Duration change_controls(const V4l2Device& device, const CameraSettings& before, const CameraSettings& asked,
+Duration change_controls(const V4l2Device& device, const CameraSettings& before, const CameraSettings& requested,
                          ErrorText& negotiated) {
-  CameraSettings changes = asked;
-  const bool other_flicker = asked.power_line != before.power_line;
+  CameraSettings changes = requested;
+  const bool other_flicker = requested.power_line != before.power_line;
   if (!other_flicker) changes.power_line = PowerLine::kLeave;
-  if (!other_flicker && asked.exposure_us == before.exposure_us && asked.exposure_steps == before.exposure_steps) {
+  if (!other_flicker && requested.exposure_us == before.exposure_us &&
+      requested.exposure_steps == before.exposure_steps) {
     changes.exposure_us = 0;
-    changes.exposure_steps = kExposureStepsLeave;
+    changes.exposure_steps = kExposureStepsUnset;
   }
-  if (asked.gain == before.gain) changes.gain = 0;
-  if (asked.white_balance_k == before.white_balance_k) changes.white_balance_k = 0;
-  if (asked.focus == before.focus) changes.focus = kFocusLeave;
+  if (requested.gain == before.gain) changes.gain = 0;
+  if (requested.white_balance_k == before.white_balance_k) changes.white_balance_k = 0;
+  if (requested.focus == before.focus) changes.focus = kFocusUnset;
   return apply({device, negotiated, true}, changes);
 }
 
 void describe_controls(const V4l2Device& device, ErrorText& text) {
   Control control;
-  const Duration exposure = exposure_in_force(device);
+  const Duration exposure = current_exposure(device);
   if (exposure > Duration::zero()) {
     text.append_format(", exposure %" PRId64 " us",
                        std::int64_t{std::chrono::duration_cast<std::chrono::microseconds>(exposure).count()});

@@ -11,7 +11,7 @@ namespace touchline::hal {
 struct V4l2Identity {
   std::string driver, card, bus;
   bool captures = false;      // video, single-planar or multi-planar
-  bool multi_planar = false;  // only through the multi-planar interface
+  bool multi_planar = false;  // only by the multi-planar interface
   bool streams = false;       // into mapped buffers
 };
 
@@ -30,7 +30,7 @@ class V4l2Device {
 
   /// ioctl(), repeated after EINTR. Any thread may call it while the device is open.
   [[nodiscard]] int request(unsigned long code, void* argument) const;
-  /// Waits for a frame or an error, which the next request returns. ETIMEDOUT at the deadline.
+  /// Waits for a frame or an error; the next request returns it. ETIMEDOUT: the deadline has passed.
   [[nodiscard]] int wait(Instant deadline) const;
   [[nodiscard]] int identify(V4l2Identity& identity) const;
 

@@ -19,16 +19,16 @@ struct V4l2Picture {
   bool multi_planar = false;
   std::uint8_t planes = 1;                               // memory planes
   std::array<std::uint32_t, kMaxPlanes> stride_bytes{};  // per color plane; 0 for JPEG
-  std::array<std::uint32_t, kMaxPlanes> needed_bytes{};  // per memory plane; with fewer bytes it is a short frame
-  bool interlaced = false;                               // its two fields were taken half a frame apart
-  bool full_range = false;                               // YUV whose black is at luma 0 instead of 16
+  std::array<std::uint32_t, kMaxPlanes> needed_bytes{};  // per memory plane; a frame with fewer bytes is short
+  bool interlaced = false;                               // the two fields are half a frame apart in time
+  bool full_range = false;                               // YUV with black at luma 0 instead of 16
 };
 
-/// Sets format and size as in `asked`; NV12 in one or two memory planes. kUnsupported: the driver set
-/// another one; the message lists the available ones. kDeviceBusy: another process streams.
-Result<V4l2Picture> negotiate_format(const V4l2Device& device, bool multi_planar, const CameraSettings& asked);
+/// Sets format and size; formats with several color planes may use one memory plane or several. kUnsupported: the
+/// driver set another format or size; the message lists the available ones. kDeviceBusy: another process streams.
+Result<V4l2Picture> negotiate_format(const V4l2Device& device, bool multi_planar, const CameraSettings& requested);
 
-/// Sets the frame rate. Returns the rate in Hz that the driver chose; 0 if it does not tell.
-double negotiate_rate(const V4l2Device& device, bool multi_planar, double asked_hz);
+/// Sets the frame rate. Returns the rate in Hz that the driver chose; 0 if the driver does not report it.
+double negotiate_rate(const V4l2Device& device, bool multi_planar, double requested_hz);
 
 }  // namespace touchline::hal

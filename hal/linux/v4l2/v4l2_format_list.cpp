@@ -21,8 +21,8 @@ double rate_of(const v4l2_fract& period) {
 void list_rates(const V4l2Device& device, std::uint32_t fourcc, V4l2FrameSize& size) {
   v4l2_frmivalenum interval{};
   interval.pixel_format = fourcc;
-  interval.width = size.most_width_px;
-  interval.height = size.most_height_px;
+  interval.width = size.max_width_px;
+  interval.height = size.max_height_px;
   for (; interval.index < kMaxListed && device.request(VIDIOC_ENUM_FRAMEINTERVALS, &interval) == 0; ++interval.index) {
     if (interval.type != V4L2_FRMIVAL_TYPE_DISCRETE) {
       size.rates_hz = {rate_of(interval.stepwise.min), rate_of(interval.stepwise.max)};
@@ -96,22 +96,22 @@ std::vector<V4l2FormatInfo> list_formats(const V4l2Device& device, bool multi_pl
 }
 
 std::string formats_text(const std::vector<V4l2FormatInfo>& offers) {
-  std::string readable, others;
+  std::string supported, unsupported;
   for (const V4l2FormatInfo& offer : offers) {
     if (offer.word.empty()) {
-      others += (others.empty() ? "" : ", ") + offer.code;
+      unsupported += (unsupported.empty() ? "" : ", ") + offer.code;
       continue;
     }
-    readable += (readable.empty() ? "" : "; ") + offer.word;
+    supported += (supported.empty() ? "" : "; ") + offer.word;
     for (const V4l2FrameSize& size : offer.sizes) {
-      readable += (&size == offer.sizes.data() ? " " : ", ") + size_text(size.width_px, size.height_px);
-      if (size.most_width_px != size.width_px || size.most_height_px != size.height_px) {
-        readable += " to " + size_text(size.most_width_px, size.most_height_px);
+      supported += (&size == offer.sizes.data() ? " " : ", ") + size_text(size.width_px, size.height_px);
+      if (size.max_width_px != size.width_px || size.max_height_px != size.height_px) {
+        supported += " to " + size_text(size.max_width_px, size.max_height_px);
       }
     }
   }
-  if (readable.empty()) readable = "nothing that can be read";
-  return others.empty() ? readable : readable + "; besides, " + others + ", which cannot be read";
+  if (supported.empty()) supported = "no format that Touchline supports";
+  return unsupported.empty() ? supported : supported + "; unsupported: " + unsupported;
 }
 
 }  // namespace touchline::hal

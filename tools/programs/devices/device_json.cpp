@@ -14,9 +14,9 @@ Json json_of(const hal::V4l2FormatInfo& format) {
   Json sizes = Json::array();
   for (const hal::V4l2FrameSize& size : format.sizes) {
     Json entry{{"width_px", size.width_px}, {"height_px", size.height_px}};
-    if (size.most_width_px != size.width_px || size.most_height_px != size.height_px) {
-      entry["most_width_px"] = size.most_width_px;
-      entry["most_height_px"] = size.most_height_px;
+    if (size.max_width_px != size.width_px || size.max_height_px != size.height_px) {
+      entry["max_width_px"] = size.max_width_px;
+      entry["max_height_px"] = size.max_height_px;
     }
     entry[size.rates_are_range ? "rate_range_hz" : "rates_hz"] = size.rates_hz;
     sizes.push_back(std::move(entry));
@@ -25,8 +25,13 @@ Json json_of(const hal::V4l2FormatInfo& format) {
 }
 
 Json json_of(const hal::V4l2ControlState& control) {
-  Json entry{{"id", control.id},     {"name", control.name}, {"key", control.key},       {"low", control.low},
-             {"high", control.high}, {"step", control.step}, {"default", control.normal}};
+  Json entry{{"id", control.id},
+             {"name", control.name},
+             {"key", control.key},
+             {"low", control.low},
+             {"high", control.high},
+             {"step", control.step},
+             {"default", control.default_value}};
   entry["value"] = control.readable ? Json(control.value) : Json();
   entry["read_only"] = control.read_only;
   entry["inactive"] = control.inactive;

@@ -37,8 +37,8 @@ void add_formats(std::string& text, const std::vector<hal::V4l2FormatInfo>& form
          format.word.empty() ? " (Touchline does not read it)" : "");
     for (const hal::V4l2FrameSize& size : format.sizes) {
       std::string words = hal::size_text(size.width_px, size.height_px);
-      if (size.most_width_px != size.width_px || size.most_height_px != size.height_px) {
-        words += " to " + hal::size_text(size.most_width_px, size.most_height_px);
+      if (size.max_width_px != size.width_px || size.max_height_px != size.height_px) {
+        words += " to " + hal::size_text(size.max_width_px, size.max_height_px);
       }
       line(text, "           %s%s", words.c_str(), rates_text(size).c_str());
     }
@@ -73,7 +73,7 @@ void add_controls(std::string& text, const std::vector<hal::V4l2ControlState>& c
     const std::string now = control.readable ? value_text(control, control.value) : "?";
     const std::string range = range_text(control);
     line(text, "    %-32s %-26s %-18s %6lld  %-26s %s%s%s", control.name.c_str(), now.c_str(), range.c_str(),
-         static_cast<long long>(control.step), value_text(control, control.normal).c_str(), control.key.c_str(),
+         static_cast<long long>(control.step), value_text(control, control.default_value).c_str(), control.key.c_str(),
          control.inactive ? " (without effect now)" : "", control.read_only ? " (read only)" : "");
   }
 }

@@ -129,7 +129,8 @@ Result<StaticPictures> read_pictures(const std::vector<FrameRecord>& results, co
     if (const Status status = hal::read_picture(path, picture, error); !status.ok()) {
       return failure(status.code(), "%s", error.c_str());
     }
-    if (picture.deep()) return failure(ErrorCode::kInconsistent, "%s: has more than 8 bits per channel", path.c_str());
+    if (picture.is_16_bit())
+      return failure(ErrorCode::kInconsistent, "%s: has more than 8 bits per channel", path.c_str());
     if (!pictures) {
       width = picture.width_px;
       height = picture.height_px;

@@ -18,7 +18,7 @@ constexpr double kLeastFloorShare = 0.3;
 constexpr float kLeastIllumination = 0.25f, kMostIllumination = 65535.0f / 32768.0f;
 
 double value_at(const hal::Picture& picture, std::size_t index) {
-  return picture.deep() ? picture.rgb16[index] / 257.0 : static_cast<double>(picture.rgb8[index]);
+  return picture.is_16_bit() ? picture.rgb16[index] / 257.0 : static_cast<double>(picture.rgb8[index]);
 }
 
 // The median of each pixel over all pictures: what is visible in most of them.

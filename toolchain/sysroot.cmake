@@ -15,8 +15,8 @@ set(CMAKE_CXX_COMPILER ${triplet}-g++)
 # The emulated Cortex-A72 has no instructions that a Raspberry Pi 4 lacks.
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64-static -cpu cortex-a72 -L ${CMAKE_SYSROOT})
 
-# The cross compiler has its own C and C++ libraries, which it searches first. Their headers may be older than the sysroot's libraries. The
-# libraries may not: those in the sysroot need the symbols of their own C++ library.
+# The cross compiler searches its own C and C++ libraries before the sysroot. Older headers are harmless, but the libraries in the sysroot
+# need symbols of the sysroot's C++ library, so the linker must search the sysroot first.
 file(GLOB runtime ${CMAKE_SYSROOT}/usr/lib/gcc/${triplet}/*)
 string(JOIN " " first -L${CMAKE_SYSROOT}/usr/lib/${triplet} -L${runtime} -Wl,-rpath-link,${CMAKE_SYSROOT}/usr/lib/${triplet})
 foreach(kind EXE SHARED MODULE)

@@ -51,8 +51,8 @@ endfunction()
 
 # touchline_test(NAME SOURCES... [LINK LIBS...] [EIGEN] [LABELS LABEL] [SLOW PATTERNS...]): a GoogleTest program.
 # EIGEN: its precompiled headers contain Eigen.
-# LABELS: CTest label of all its tests. arm64: tools/test runs them for that processor too; threads: with the thread sanitizer too.
-# SLOW: patterns (as of --gtest_filter) of tests that get the label slow. They run in the optimized build only: faster tests run the same
+# LABELS: CTest labels of all its tests. arm64: tools/test also runs them for that processor; threads: also with the thread sanitizer.
+# SLOW: patterns (as for --gtest_filter) of tests that get the label slow. They run in the optimized build only: faster tests run the same
 # code with the sanitizers.
 # CTest starts each test by itself. With sanitizers and under an emulator, where starting a program takes longest, it runs all
 # tests of a program in a few processes.

@@ -6,8 +6,8 @@
 //   drive N       the same; the packet must contain wheel speeds
 //   watch N       the same; packets may be missing
 //   blind N       N frames without pictures
-//   tear N        N frames whose pictures lose a part in transmission
-//   plug, unplug  the guest opens or closes the camera device
+//   tear N        N frames whose pictures are damaged in transmission
+//   plug, unplug  make the guest open or close the camera device
 //   listen S      receive packets until the line is silent for S seconds of the host's time
 #include <sys/socket.h>
 #include <sys/un.h>

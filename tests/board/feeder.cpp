@@ -92,7 +92,7 @@ int main(int argc, char** argv) {
   FrameHeader header;
   while (read_all(port, &header, sizeof header)) {
     if (header.magic != kWireMagic) {
-      std::fprintf(stderr, "board-feeder: %s: this is no message\n", argv[1]);
+      std::fprintf(stderr, "board-feeder: %s: received something that is not a message\n", argv[1]);
       return 1;
     }
     picture.resize(has_picture(header.kind) ? header.bytes : 0);

@@ -155,7 +155,7 @@ class Game:
         self.run("systemctl start --no-block touchline")
         self.wait_for_log("^camera\\|^board")
         begin = self.ask("play 10")
-        self.checks.expect(begin["stops"] == begin["packets"] == 10, f"robots stand until the start button: {begin['frames']}")
+        self.checks.expect(begin["stops"] == begin["packets"] == 10, f"robots do not move before the start button is pressed: {begin['frames']}")
         self.board.drive_pin(START, True)
         begin = self.ask("play 20")
         self.board.drive_pin(START, False)
@@ -238,7 +238,7 @@ class Game:
         result = self.ask("play 60")
         self.checks.expect(re.fullmatch("s{0,3}d+", result["frames"]) and result["shown"] == 60,
                            f"the camera is /dev/video7 now, and the game goes on: {result['frames']}")
-        self.compare(result)  # not the robots' paths: they may have nothing left to do
+        self.compare(result)  # not the robots' paths: they may already be at their targets
 
     def stop(self):
         self.run("systemctl stop --no-block touchline")

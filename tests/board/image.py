@@ -38,7 +38,7 @@ def run(*command, **more):
     return done.stdout
 
 
-def fresh(stamp, wanted):
+def is_up_to_date(stamp, wanted):
     return stamp.exists() and stamp.read_text() == wanted
 
 
@@ -53,7 +53,7 @@ def mmdebstrap(architectures, variant, include, hook, environment):
 
 
 class Cache:
-    """Files in build/board. They are made once, and again when their ingredients have changed."""
+    """Files in build/board. They are made once, and again when their inputs change."""
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
@@ -73,7 +73,7 @@ class Cache:
         """Makes Debian's kernel and its modules, with v4l2loopback. Returns False if they are up to date."""
         stamp = self.folder / "kernel.stamp"
         wanted = hashlib.sha256(pathlib.Path(__file__).read_bytes()).hexdigest()
-        if fresh(stamp, wanted):
+        if is_up_to_date(stamp, wanted):
             return False
         stamp.unlink(missing_ok=True)
         shutil.rmtree(self.kernel, ignore_errors=True)
@@ -103,7 +103,7 @@ class Cache:
         names = sorted({re.match(r"[a-z0-9.+-]+", entry.strip())[0] for entry in depends.split(",")})
         stamp = self.folder / "image.stamp"
         wanted = f"{SUITE} {IMAGE_SIZE} {' '.join(GUEST_PACKAGES + names)}\n{FILL_IMAGE}"
-        if fresh(stamp, wanted):
+        if is_up_to_date(stamp, wanted):
             return False
         stamp.unlink(missing_ok=True)
         self.image.unlink(missing_ok=True)
@@ -138,7 +138,7 @@ class Cache:
         (tree / "lib" / "modules").symlink_to("../payload/modules")
         run("depmod", "-b", tree, self.version)
         (tree / "bin").mkdir()
-        with open(tree / "bin" / "busybox", "wb") as busybox:  # the image's own, which is for the guest's processor
+        with open(tree / "bin" / "busybox", "wb") as busybox:  # from the image, hence for the guest's processor
             subprocess.run(["debugfs", "-R", "cat /bin/busybox", str(self.image)], stdout=busybox,
                            stderr=subprocess.DEVNULL, check=True)
         (tree / "bin" / "busybox").chmod(0o755)

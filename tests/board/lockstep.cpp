@@ -71,13 +71,13 @@ bool Lockstep::exchange(const FrameHeader& header, FrameAnswer& answer, std::str
   for (std::size_t got = 0; got < sizeof answer;) {
     const ssize_t more = readable(pictures_, frame_timeout_s_) ? ::read(pictures_, at + got, sizeof answer - got) : 0;
     if (more <= 0) {
-      error = "the guest does not answer to frame " + std::to_string(header.number);
+      error = "the guest does not answer frame " + std::to_string(header.number);
       return false;
     }
     got += static_cast<std::size_t>(more);
   }
   if (answer.magic == kWireMagic && answer.number == header.number) return true;
-  error = "the guest sent a wrong answer to frame " + std::to_string(header.number);
+  error = "the guest sent a wrong answer for frame " + std::to_string(header.number);
   return false;
 }
 
@@ -99,7 +99,8 @@ bool Lockstep::receive(double timeout_s, Expect expect, Received& received, std:
         last_sequence_ = sequence;
         ++(commands.stop ? received.stops : received.drives);
         Packet packet;
-        // The arena's time stands still between frames, the guest's does not. A packet is lost if the queue is full.
+        // Unlike the guest's time, the arena's time does not advance between frames. A packet is lost if the queue is
+        // full.
         const Status sent = encode(commands, sequence, packet).ok()
                                 ? arena_.channel().send({packet.data(), packet.size()}, arena_.now())
                                 : ErrorCode::kInconsistent;
@@ -110,13 +111,13 @@ bool Lockstep::receive(double timeout_s, Expect expect, Received& received, std:
       }
     }
     const bool enough = received.drives > 0 || (expect != Expect::kSpeeds && received.stops > 0);
-    // Then reads only what has already arrived.
+    // With enough packets, only reads those that have already arrived.
     timeout_s = enough ? 0.0 : std::max(0.0, std::chrono::duration<double>(end - Clock::now()).count());
   }
   return true;
 }
 
-bool Lockstep::one_frame(ToGuest kind, Expect expect, PlayResult& out, std::string& error) {
+bool Lockstep::play_frame(ToGuest kind, Expect expect, PlayResult& out, std::string& error) {
   const hal::mock::Snapshot before = arena_.world().snapshot();
   std::optional<hal::mock::Exposure> exposure;
   while (!(exposure = arena_.take_exposure())) arena_.advance_to(*arena_.next_frame_ready());
@@ -152,7 +153,7 @@ bool Lockstep::one_frame(ToGuest kind, Expect expect, PlayResult& out, std::stri
 
 bool Lockstep::play(std::uint64_t count, ToGuest kind, Expect expect, PlayResult& out, std::string& error) {
   for (std::uint64_t i = 0; i < count; ++i) {
-    if (!one_frame(kind, expect, out, error)) return false;
+    if (!play_frame(kind, expect, out, error)) return false;
   }
   return true;
 }

@@ -32,8 +32,8 @@ class Lockstep {
 
   enum class Expect : std::uint8_t { kSpeeds, kPacket, kNothing };
   /// Plays `count` frames. `kind`: kFrame, kNoFrame or kTornFrame. With kPacket each frame that is shown must be
-  /// followed by a packet, with kSpeeds by a packet with wheel speeds (the board sends stop packets also without
-  /// frames). Returns false with the reason in `error`; `out` then has the frames so far.
+  /// followed by a packet, with kSpeeds by a packet with wheel speeds (the board sends stop packets even without
+  /// frames). Returns false with the reason in `error`; `out` then contains the frames so far.
   bool play(std::uint64_t count, ToGuest kind, Expect expect, PlayResult& out, std::string& error);
   /// Makes the guest open or close the camera device.
   bool plug(bool in, std::string& error);
@@ -52,7 +52,7 @@ class Lockstep {
   [[nodiscard]] FrameHeader next_header(ToGuest kind);
   bool exchange(const FrameHeader& header, FrameAnswer& answer, std::string& error);
   bool receive(double timeout_s, Expect expect, Received& received, std::string& error);
-  bool one_frame(ToGuest kind, Expect expect, PlayResult& out, std::string& error);
+  bool play_frame(ToGuest kind, Expect expect, PlayResult& out, std::string& error);
 
   hal::mock::Arena arena_;
   std::uint32_t fourcc_, period_us_;

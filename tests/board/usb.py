@@ -7,17 +7,17 @@ import time
 import guest
 
 HERE = pathlib.Path(__file__).resolve().parent
-CAMERA = "/dev/touchline/camera"  # as the package's udev rules name it
+CAMERA = "/dev/touchline/camera"  # the name from the package's udev rules
 LOG = "usb.log"
 BOARD = "/etc/touchline/usb.toml"
 CONTROLS = ("camera.gain=40", "camera.white_balance_k=4000", "camera.focus=35", "camera.power_line=50hz")
-# A long timeout, because the guest waits for a slow host: only the test itself ends a stream.
+# A long timeout, because the guest waits for a slow host: only the test may end a stream.
 SETTINGS = (f"camera.device={CAMERA}", "camera.rate_hz=15", "gpio.backend=none", "gpio.start_line=-1",
             "faults.camera_timeout_s=30", *CONTROLS)
 
 
 class UsbCamera:
-    """Steps after those of the game, with another arena, whose camera is at the USB port."""
+    """Steps after those of the game, with another arena, whose camera is a USB camera."""
 
     def __init__(self, board, game, checks, folder, programs):
         self.game, self.checks, self.folder = game, checks, folder / "usb"
@@ -30,7 +30,7 @@ class UsbCamera:
     def open_arena(self, pixels):
         """Starts arena and camera. `pixels`: yuyv, or mjpg, for which the arena renders RGB and the camera compresses."""
         self.folder.mkdir(exist_ok=True)
-        for name in ("radio.sock", "usb.sock"):  # qemu's
+        for name in ("radio.sock", "usb.sock"):  # the sockets of qemu
             (self.folder / name).unlink(missing_ok=True)
             (self.folder / name).symlink_to(f"../{name}")
         pictures = self.folder / "pictures.sock"
@@ -88,21 +88,21 @@ class UsbCamera:
         node, metadata = self.run(f"readlink -f {CAMERA}; readlink -f /dev/v4l/by-path/*-video-index1").split()
         self.checks.expect(f"{node}  Camera of a test (driver uvcvideo" in output,
                            f"udev loads uvcvideo and names the camera; touchline-devices has it: {node}")
-        self.checks.expect(metadata not in output, f"its node for metadata, {metadata}, is not offered as a camera")
+        self.checks.expect(metadata not in output, f"its metadata node, {metadata}, is not listed as a camera")
         for what, pattern in (
                 ("YUYV, MJPG, sizes and rates", r"yuyv .*\n +640x480 at 15, 10 Hz\n +320x240.*\n +mjpg .*\n +640x480 at 15, 10 Hz"),
                 ("a menu with holes", r"Auto Exposure +3 \(Aperture Priority Mode\) 1, 3 "),
-                ("a control that is inactive while an automatic is on", r"Exposure Time, Absolute .*without effect now")):
+                ("a control that is inactive while automatic exposure is on", r"Exposure Time, Absolute .*without effect now")):
             self.checks.expect(re.search(pattern, output), f"touchline-devices has {what}")
         output = self.run(self.command(1, "venue.toml", f"camera.device={metadata}") + " 2>&1", may_fail=True)
-        self.checks.expect(re.search(rf"does not capture video; cameras here: .*{node} \(Camera of a test", output),
+        self.checks.expect(re.search(rf"does not capture video; available cameras: .*{node} \(Camera of a test", output),
                            "with the metadata node, touchline reports the node and the camera that exists")
         self.new_requests()
 
     def play_yuyv(self, frames=30):
         self.start(frames, "venue-yuv.toml", "camera.format=yuyv")
         first = self.arena.ask(f"drive {frames // 2}")
-        self.fixed_controls(50, "power line: 1", "exposure mode: 1", "exposure before rate: 0", "exposure: 50", "gain: 40",
+        self.fixed_controls(50, "power line: 1", "exposure mode: 1", "auto-exposure priority: 0", "exposure: 50", "gain: 40",
                             "automatic white balance: 0", "white balance: 4000", "automatic focus: 0", "focus: 35")
         self.tear_a_picture()
         self.set_exposure(8000)
@@ -126,7 +126,7 @@ class UsbCamera:
                            f"{what}: {frames} pictures, a packet with speeds for each, the incomplete one counted as lost: {letters}")
 
     def fixed_controls(self, exposure, *expected):
-        """Checks the controls. The camera refuses those whose automatic is on, so no refusal means that the order was right."""
+        """Checks the controls. The camera refuses a control whose automatic mode is on, so no refusal means that the order was right."""
         result = {line for line in self.new_requests() if not line.startswith("format")}
         self.checks.expect(result == set(expected), f"the camera got these controls and refused none: {', '.join(sorted(result))}")
         values = {"auto_exposure": 1, "exposure_time_absolute": exposure, "gain": 40, "white_balance_temperature": 4000,
@@ -150,7 +150,7 @@ class UsbCamera:
         stopped = self.arena.ask("blind 1")
         self.checks.expect(stopped["frames"] == "S", f"unplugged: {stopped['stops']} packets, all of them stop the robots")
         self.checks.expect(self.run("ls /dev/video* /dev/touchline/camera 2>&1 | grep -c 'No such'", may_fail=True) != "0",
-                           "its nodes are gone")
+                           "its device nodes are gone")
         self.arena.ask("plug")
         self.wait_for_log("camera: reopened")
         after = self.run(f"exec 9<&-; readlink -f {CAMERA}")

@@ -12,16 +12,18 @@ namespace touchline::board {
 namespace {
 
 constexpr std::uint8_t kControlInterface = 0, kStreamingInterface = 1;
-constexpr std::uint8_t kCamera = 1, kProcessing = 2, kOutput = 3;  // entities
+constexpr std::uint8_t kCamera = 1, kProcessing = 2, kOutput = 3;  // entity ids
 constexpr std::uint8_t kEndpoint = USB_DIR_IN | 1;
-constexpr std::uint16_t kPacketBytes = 3 * 1024;  // the most that high speed carries in an eighth of a millisecond
+constexpr std::uint16_t kPacketBytes = 3 * 1024;  // the limit of USB high speed per microframe (125 us)
 constexpr std::uint32_t kClockHz = 48000000;
-constexpr std::uint8_t kWrongState = 2, kOutOfRange = 4, kInvalidControl = 6;  // 4.2.1.2 of the standard
+constexpr std::uint8_t kWrongState = 2, kOutOfRange = 4,
+                       kInvalidControl = 6;  // error codes, USB Video Class 1.0, 4.2.1.2
 
 struct Size {
   std::uint16_t width, height;
 };
 constexpr std::uint8_t kYuyv = 1, kMjpg = 2;  // bFormatIndex
+// GUID of the format YUY2.
 constexpr std::array<std::uint8_t, 16> kYuy2 = {'Y',  'U', 'Y', '2',  0, 0,    0x10, 0,
                                                 0x80, 0,   0,   0xaa, 0, 0x38, 0x9b, 0x71};
 constexpr std::array<std::uint32_t, 2> kIntervals = {666666, 1000000};  // 100 ns: 15 Hz, 10 Hz
@@ -31,7 +33,7 @@ std::vector<Size> sizes_of(std::uint8_t format) {
   return {{640, 480}, {320, 240}};
 }
 
-/// Descriptors, one after the other; each begins with its length.
+/// A sequence of USB descriptors, each of which begins with its length.
 class Descriptors {
  public:
   Descriptors& begin(std::initializer_list<unsigned> type) {
@@ -48,7 +50,7 @@ class Descriptors {
     return *this;
   }
   void add(const Descriptors& others) { bytes.insert(bytes.end(), others.bytes.begin(), others.bytes.end()); }
-  /// Into the first of them, of how many bytes they are together.
+  /// Writes the total number of bytes into the field at `at` of the first descriptor.
   void total(std::size_t at) {
     bytes[at] = static_cast<std::uint8_t>(bytes.size());
     bytes[at + 1] = static_cast<std::uint8_t>(bytes.size() >> 8U);
@@ -63,10 +65,10 @@ class Descriptors {
 Descriptors video_control() {
   Descriptors d;
   d.begin({USB_DT_CS_INTERFACE, UVC_VC_HEADER}).add<2>({0x0100, 0}).add<4>({kClockHz}).add<1>({1, kStreamingInterface});
-  // Exposure mode, before rate, time; focus; automatic focus.
+  // Bits of the controls: exposure mode, auto-exposure priority, exposure time; focus; automatic focus.
   d.begin({USB_DT_CS_INTERFACE, UVC_VC_INPUT_TERMINAL, kCamera}).add<2>({UVC_ITT_CAMERA}).add<1>({0, 0});
   d.add<2>({0, 0, 0}).add<1>({3, 0x2e, 0x00, 0x02});
-  // Brightness, white balance, gain, power line, automatic white balance.
+  // Bits of the controls: brightness, white balance, gain, power line, automatic white balance.
   d.begin({USB_DT_CS_INTERFACE, UVC_VC_PROCESSING_UNIT, kProcessing, kCamera}).add<2>({0}).add<1>({2, 0x41, 0x16, 0});
   d.begin({USB_DT_CS_INTERFACE, UVC_VC_OUTPUT_TERMINAL, kOutput})
       .add<2>({UVC_TT_STREAMING})
@@ -111,15 +113,17 @@ Bytes configuration() {
   d.add(video_streaming());
   d.begin({USB_DT_INTERFACE, kStreamingInterface, 1, 1, USB_CLASS_VIDEO, UVC_SC_VIDEOSTREAMING, 0, 0});
   d.begin({USB_DT_ENDPOINT, kEndpoint, USB_ENDPOINT_XFER_ISOC | USB_ENDPOINT_SYNC_ASYNC});
-  d.add<2>({2U << 11U | 1024U}).add<1>({1});  // three packets of 1024 bytes at a time
+  d.add<2>({2U << 11U | 1024U}).add<1>({1});  // three transactions of 1024 bytes per microframe
   d.total(2);
   return d.bytes;
 }
 
-Bytes device(const UsbIdentity& is) {
+Bytes device(const UsbIdentity& identity) {
   Descriptors d;
-  d.begin({USB_DT_DEVICE}).add<2>({0x0200}).add<1>({is.device_class, is.device_subclass, is.device_protocol, 64});
-  d.add<2>({is.vendor, is.product, 0x0100}).add<1>({1, 2, 3, 1});
+  d.begin({USB_DT_DEVICE})
+      .add<2>({0x0200})
+      .add<1>({identity.device_class, identity.device_subclass, identity.device_protocol, 64});
+  d.add<2>({identity.vendor, identity.product, 0x0100}).add<1>({1, 2, 3, 1});
   return d.bytes;
 }
 
@@ -154,22 +158,22 @@ Bytes jpeg_of(const FrameHeader& header, std::span<const std::uint8_t> rgb, bool
   return testing::encode_jpeg(header.width_px, header.height_px, set_up, fill_row, false);
 }
 
-/// What is asked for, as far as the camera can.
-uvc_streaming_control negotiated(const uvc_streaming_control& asked) {
-  uvc_streaming_control granted{};
-  granted.bmHint = asked.bmHint;
-  granted.bFormatIndex = std::clamp(asked.bFormatIndex, kYuyv, kMjpg);
-  const std::vector<Size> sizes = sizes_of(granted.bFormatIndex);
-  granted.bFrameIndex = std::clamp<std::uint8_t>(asked.bFrameIndex, 1, static_cast<std::uint8_t>(sizes.size()));
-  const Size size = sizes[granted.bFrameIndex - 1U];
-  const bool slow = std::uint32_t{asked.dwFrameInterval} > (kIntervals[0] + kIntervals[1]) / 2;
-  granted.dwFrameInterval = kIntervals[slow ? 1 : 0];
-  granted.dwMaxVideoFrameSize = 2U * size.width * size.height;
-  granted.dwMaxPayloadTransferSize = kPacketBytes;
-  return granted;
+/// Returns the supported values that are nearest to the requested ones.
+uvc_streaming_control negotiated(const uvc_streaming_control& requested) {
+  uvc_streaming_control supported{};
+  supported.bmHint = requested.bmHint;
+  supported.bFormatIndex = std::clamp(requested.bFormatIndex, kYuyv, kMjpg);
+  const std::vector<Size> sizes = sizes_of(supported.bFormatIndex);
+  supported.bFrameIndex = std::clamp<std::uint8_t>(requested.bFrameIndex, 1, static_cast<std::uint8_t>(sizes.size()));
+  const Size size = sizes[supported.bFrameIndex - 1U];
+  const bool slow = std::uint32_t{requested.dwFrameInterval} > (kIntervals[0] + kIntervals[1]) / 2;
+  supported.dwFrameInterval = kIntervals[slow ? 1 : 0];
+  supported.dwMaxVideoFrameSize = 2U * size.width * size.height;
+  supported.dwMaxPayloadTransferSize = kPacketBytes;
+  return supported;
 }
 
-// Of version 1.0: without the clock's rate and what follows.
+// Size of uvc_streaming_control in UVC 1.0, which ends before dwClockFrequency.
 constexpr std::size_t kStreamingBytes = 26;
 
 }  // namespace
@@ -178,7 +182,7 @@ UsbCamera::UsbCamera()
     : configuration_(configuration()),
       controls_{
           {"exposure mode", kCamera, UVC_CT_AE_MODE_CONTROL, 1, 1, 8, 1 | 8, 8},  // bits: manual, aperture priority
-          {"exposure before rate", kCamera, UVC_CT_AE_PRIORITY_CONTROL, 1, 0, 1, 1, 1},
+          {"auto-exposure priority", kCamera, UVC_CT_AE_PRIORITY_CONTROL, 1, 0, 1, 1, 1},
           {"exposure", kCamera, UVC_CT_EXPOSURE_TIME_ABSOLUTE_CONTROL, 4, 3, 2047, 1, 250, "exposure mode", 1},
           {"focus", kCamera, UVC_CT_FOCUS_ABSOLUTE_CONTROL, 2, 0, 250, 5, 0, "automatic focus", 0},
           {"automatic focus", kCamera, UVC_CT_FOCUS_AUTO_CONTROL, 1, 0, 1, 1, 1},
@@ -227,14 +231,14 @@ std::optional<Bytes> UsbCamera::answer_streaming(const ControlRequest& request) 
   if (request.request == UVC_GET_INFO) return Bytes{UVC_CONTROL_CAP_GET | UVC_CONTROL_CAP_SET};
   if (request.request == UVC_GET_LEN) return number(kStreamingBytes, 2);
   if (request.request == UVC_SET_CUR) {
-    uvc_streaming_control asked{};
-    std::memcpy(&asked, request.data.data(), std::min(request.data.size(), kStreamingBytes));
-    (commits ? committed_ : probed_) = negotiated(asked);
+    uvc_streaming_control requested{};
+    std::memcpy(&requested, request.data.data(), std::min(request.data.size(), kStreamingBytes));
+    (commits ? committed_ : probed_) = negotiated(requested);
     if (commits) std::printf("format: %s\n", committed_.bFormatIndex == kMjpg ? "mjpg" : "yuyv");
     return Bytes{};
   }
-  const uvc_streaming_control& told = commits ? committed_ : probed_;
-  const auto* const begin = reinterpret_cast<const std::uint8_t*>(&told);
+  const uvc_streaming_control& state = commits ? committed_ : probed_;
+  const auto* const begin = reinterpret_cast<const std::uint8_t*>(&state);
   return Bytes(begin, begin + kStreamingBytes);
 }
 
@@ -261,7 +265,7 @@ std::optional<Bytes> UsbCamera::answer_controls(const ControlRequest& request) {
     case UVC_GET_RES:
       return number(found->step, found->bytes);
     case UVC_GET_DEF:
-      return number(found->normal, found->bytes);
+      return number(found->default_value, found->bytes);
     case UVC_GET_LEN:
       return number(static_cast<std::int64_t>(found->bytes), 2);
     case UVC_GET_INFO:
@@ -271,12 +275,12 @@ std::optional<Bytes> UsbCamera::answer_controls(const ControlRequest& request) {
   }
 }
 
-UsbCamera::Control* UsbCamera::named(const std::string& name) {
+UsbCamera::Control* UsbCamera::find_control(const std::string& name) {
   return &*std::find_if(controls_.begin(), controls_.end(), [&](const Control& c) { return name == c.name; });
 }
 
 bool UsbCamera::set(Control& control, std::int32_t value) {
-  if (control.automatic != nullptr && named(control.automatic)->now != control.manual) {
+  if (control.automatic != nullptr && find_control(control.automatic)->now != control.manual) {
     error_ = kWrongState;
   } else if (value < control.low || value > control.high) {
     error_ = kOutOfRange;

@@ -1,5 +1,5 @@
-// Runs on the host: a USB camera at a port of the guest (tests/board/usb_camera.h). Its pictures come from the arena
-// (tests/board/wire.h).
+// Runs on the host: a USB camera (tests/board/usb_camera.h) at a USB port of the guest. Its pictures come from the
+// arena (tests/board/wire.h).
 //   board-usb-camera PICTURES.sock USB.sock
 // The arena connects to the first socket. The second one is qemu's; the camera is plugged in when the arena requests
 // it.
@@ -26,14 +26,14 @@ int accept_at(const std::string& path) {
   address.sun_family = AF_UNIX;
   if (unfinished.size() >= sizeof address.sun_path) return -1;
   std::memcpy(address.sun_path, unfinished.c_str(), unfinished.size());
-  const int door = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const int listener = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   ::unlink(unfinished.c_str());
-  if (::bind(door, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 || ::listen(door, 1) != 0 ||
-      ::rename(unfinished.c_str(), path.c_str()) != 0) {
+  if (::bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+      ::listen(listener, 1) != 0 || ::rename(unfinished.c_str(), path.c_str()) != 0) {
     return -1;
   }
-  const int arena = ::accept4(door, nullptr, nullptr, SOCK_CLOEXEC);
-  ::close(door);
+  const int arena = ::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
+  ::close(listener);
   return arena;
 }
 
@@ -41,9 +41,9 @@ bool read_all(int file, void* out, std::size_t bytes) {
   return bytes == 0 || ::recv(file, out, bytes, MSG_WAITALL) == static_cast<ssize_t>(bytes);
 }
 
-/// Returns whether the message is done; if not, the guest has to be served first.
-bool obey(UsbLink& link, UsbCamera& camera, const std::string& port, const FrameHeader& header, const Bytes& picture,
-          FrameAnswer& answer) {
+/// Handles a message of the arena. Returns false if the guest must be served first.
+bool handle(UsbLink& link, UsbCamera& camera, const std::string& port, const FrameHeader& header, const Bytes& picture,
+            FrameAnswer& answer) {
   switch (header.kind) {
     case ToGuest::kPlug:
       answer.error = link.is_plugged() ? 0 : link.plug(port);
@@ -101,7 +101,7 @@ int main(int argc, char** argv) {
     }
     FrameAnswer answer;
     answer.number = header.number;
-    if (!pending || !obey(link, camera, argv[2], header, picture, answer)) continue;
+    if (!pending || !handle(link, camera, argv[2], header, picture, answer)) continue;
     pending = false;
     if (::send(arena, &answer, sizeof answer, MSG_NOSIGNAL) != static_cast<ssize_t>(sizeof answer)) return 0;
   }

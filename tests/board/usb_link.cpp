@@ -33,16 +33,16 @@ enum Message : std::uint32_t {
 constexpr std::uint8_t kGood = 0, kStall = 4;
 constexpr std::uint8_t kHighSpeed = 2;
 constexpr std::uint8_t kTypeControl = 0, kTypeIsochronous = 1, kTypeNone = 255;
-// Versions of devices, sizes of packets, ids of 64 bits and lengths of 32: without them qemu takes no device at an
-// xHCI.
+// Capabilities: device version, packet sizes of endpoints, 64-bit ids, 32-bit lengths. Without them qemu refuses the
+// device at an xHCI controller.
 constexpr std::uint32_t kCapabilities = 1U << 1U | 1U << 4U | 1U << 5U | 1U << 6U;
-constexpr std::size_t kMostEndpoints = 32, kMostInterfaces = 32, kVersionBytes = 64;
-constexpr std::size_t kShortHeader = 12, kLongHeader = 16;  // before and after the other end's hello
+constexpr std::size_t kMaxEndpoints = 32, kMaxInterfaces = 32, kVersionBytes = 64;
+constexpr std::size_t kShortHeader = 12, kLongHeader = 16;  // before and after the hello of qemu
 constexpr std::size_t kControlHeader = 10;
 constexpr std::uint8_t kIn = 0x80;
-// A packet each eighth of a millisecond. qemu hands none over before 60 ms of them have come, nor after a gap, and
-// begins to drop them at twice that.
-constexpr std::size_t kPacketsInStock = 480;
+// Each packet is for a microframe of 125 us. At the beginning and after a gap, qemu buffers packets for 60 ms before it
+// delivers the first one. It drops packets if more than twice as many are buffered.
+constexpr std::size_t kBufferedPackets = 480;
 
 void put(Bytes& out, std::uint64_t value, std::size_t bytes) {
   for (std::size_t i = 0; i < bytes; ++i) out.push_back(static_cast<std::uint8_t>(value >> 8 * i));
@@ -64,7 +64,7 @@ bool read_all(int file, Bytes& out) {
   return true;
 }
 
-/// IN endpoints come after the sixteen OUT ones.
+/// Index of an endpoint in the tables: 16 OUT endpoints, then 16 IN endpoints.
 std::size_t slot_of(std::uint8_t endpoint) { return (endpoint & 0xfU) + ((endpoint & kIn) != 0 ? 16 : 0); }
 
 }  // namespace
@@ -88,7 +88,7 @@ int UsbLink::plug(const std::string& path) {
 void UsbLink::unplug() {
   if (file_ >= 0) ::close(file_);
   file_ = -1;
-  greeted_ = streaming_ = false;
+  has_hello_ = streaming_ = false;
   configuration_ = setting_ = 0;
 }
 
@@ -97,7 +97,7 @@ bool UsbLink::send(std::uint32_t type, std::uint64_t id, const Bytes& body) {
   message.reserve(kLongHeader + body.size());
   put(message, type, 4);
   put(message, body.size(), 4);
-  put(message, id, greeted_ ? 8 : 4);
+  put(message, id, has_hello_ ? 8 : 4);
   message.insert(message.end(), body.begin(), body.end());
   for (std::size_t sent = 0; sent < message.size();) {
     const ssize_t more = ::send(file_, message.data() + sent, message.size() - sent, MSG_NOSIGNAL);
@@ -109,46 +109,46 @@ bool UsbLink::send(std::uint32_t type, std::uint64_t id, const Bytes& body) {
 }
 
 void UsbLink::serve() {
-  Bytes header(greeted_ ? kLongHeader : kShortHeader);
+  Bytes header(has_hello_ ? kLongHeader : kShortHeader);
   if (!read_all(file_, header)) return unplug();
   Bytes body(get(header, 4, 4));
   const auto type = static_cast<std::uint32_t>(get(header, 0, 4));
   if (!read_all(file_, body) || !answer(type, get(header, 8, header.size() - 8), body)) unplug();
 }
 
-/// What the device is, then that it is there.
+/// Describes the device to qemu, then connects it.
 bool UsbLink::announce() {
-  const UsbIdentity is = device_.identity();
-  Bytes interfaces, numbers(kMostInterfaces), classes(kMostInterfaces), subclasses(kMostInterfaces);
-  for (std::size_t i = 0; i < is.interfaces.size(); ++i) {
+  const UsbIdentity identity = device_.identity();
+  Bytes interfaces, numbers(kMaxInterfaces), classes(kMaxInterfaces), subclasses(kMaxInterfaces);
+  for (std::size_t i = 0; i < identity.interfaces.size(); ++i) {
     numbers[i] = static_cast<std::uint8_t>(i);
-    classes[i] = is.interfaces[i].interface_class;
-    subclasses[i] = is.interfaces[i].subclass;
+    classes[i] = identity.interfaces[i].interface_class;
+    subclasses[i] = identity.interfaces[i].subclass;
   }
-  put(interfaces, is.interfaces.size(), 4);
-  for (const Bytes& part : {numbers, classes, subclasses, Bytes(kMostInterfaces)}) {
+  put(interfaces, identity.interfaces.size(), 4);
+  for (const Bytes& part : {numbers, classes, subclasses, Bytes(kMaxInterfaces)}) {
     interfaces.insert(interfaces.end(), part.begin(), part.end());
   }
-  Bytes endpoints(kMostEndpoints, kTypeNone);
-  endpoints.resize(5 * kMostEndpoints);  // types, intervals, interfaces, sizes of packets in two bytes each
+  Bytes endpoints(kMaxEndpoints, kTypeNone);
+  endpoints.resize(5 * kMaxEndpoints);  // types, intervals, interfaces, and packet sizes of two bytes
   endpoints[slot_of(0)] = endpoints[slot_of(kIn)] = kTypeControl;
-  const std::size_t slot = slot_of(is.stream_endpoint);
+  const std::size_t slot = slot_of(identity.stream_endpoint);
   endpoints[slot] = kTypeIsochronous;
-  endpoints[kMostEndpoints + slot] = 1;
-  endpoints[2 * kMostEndpoints + slot] = is.stream_interface;
-  endpoints[3 * kMostEndpoints + 2 * slot] = static_cast<std::uint8_t>(is.packet_bytes);
-  endpoints[3 * kMostEndpoints + 2 * slot + 1] = static_cast<std::uint8_t>(is.packet_bytes >> 8U);
-  Bytes device{kHighSpeed, is.device_class, is.device_subclass, is.device_protocol};
-  put(device, is.vendor, 2);
-  put(device, is.product, 2);
-  put(device, 0x0100, 2);  // its version
+  endpoints[kMaxEndpoints + slot] = 1;
+  endpoints[2 * kMaxEndpoints + slot] = identity.stream_interface;
+  endpoints[3 * kMaxEndpoints + 2 * slot] = static_cast<std::uint8_t>(identity.packet_bytes);
+  endpoints[3 * kMaxEndpoints + 2 * slot + 1] = static_cast<std::uint8_t>(identity.packet_bytes >> 8U);
+  Bytes device{kHighSpeed, identity.device_class, identity.device_subclass, identity.device_protocol};
+  put(device, identity.vendor, 2);
+  put(device, identity.product, 2);
+  put(device, 0x0100, 2);  // version of the device
   return send(kInterfaces, 0, interfaces) && send(kEndpoints, 0, endpoints) && send(kConnect, 0, device);
 }
 
 bool UsbLink::answer(std::uint32_t type, std::uint64_t id, const Bytes& body) {
   switch (type) {
     case kHello:
-      greeted_ = true;
+      has_hello_ = true;
       return announce();
     case kReset:
       streaming_ = false;
@@ -173,7 +173,7 @@ bool UsbLink::answer(std::uint32_t type, std::uint64_t id, const Bytes& body) {
     case kControl:
       return answer_control(id, body);
     default:
-      return true;  // of what this device does not have
+      return true;  // messages about features that this device lacks
   }
 }
 
@@ -185,20 +185,20 @@ bool UsbLink::answer_control(std::uint64_t id, const Bytes& body) {
   request.index = static_cast<std::uint16_t>(get(body, 6, 2));
   request.length = static_cast<std::uint16_t>(get(body, 8, 2));
   request.data.assign(body.begin() + kControlHeader, body.end());
-  const std::optional<Bytes> said = device_.answer(request);
-  Bytes data = said.value_or(Bytes{});
+  const std::optional<Bytes> reply = device_.answer(request);
+  Bytes data = reply.value_or(Bytes{});
   if (data.size() > request.length) data.resize(request.length);
   Bytes back(body.begin(), body.begin() + kControlHeader - 2);
-  back[3] = said ? kGood : kStall;
+  back[3] = reply ? kGood : kStall;
   const bool in = (request.type & kIn) != 0;
-  put(back, !said ? 0 : in ? data.size() : request.length, 2);
+  put(back, !reply ? 0 : in ? data.size() : request.length, 2);
   if (in) back.insert(back.end(), data.begin(), data.end());
   return send(kControl, id, back);
 }
 
 void UsbLink::stream(const std::vector<Bytes>& packets) {
   const std::uint8_t endpoint = device_.identity().stream_endpoint;
-  for (std::size_t i = 0; i < std::max(packets.size(), kPacketsInStock); ++i) {
+  for (std::size_t i = 0; i < std::max(packets.size(), kBufferedPackets); ++i) {
     Bytes body{endpoint, kGood};
     const Bytes data = i < packets.size() ? packets[i] : Bytes{};
     put(body, data.size(), 2);

@@ -13,7 +13,7 @@ using Bytes = std::vector<std::uint8_t>;
 struct ControlRequest {
   std::uint8_t type = 0, request = 0;              // bmRequestType, bRequest
   std::uint16_t value = 0, index = 0, length = 0;  // wValue, wIndex, wLength
-  Bytes data;                                      // what the host sends with it
+  Bytes data;                                      // sent by the host
 };
 
 /// Identity of a device, and the isochronous endpoint on which it streams.
@@ -35,7 +35,8 @@ class UsbDevice {
   UsbDevice& operator=(const UsbDevice&) = delete;
   virtual ~UsbDevice() = default;
   [[nodiscard]] virtual UsbIdentity identity() const = 0;
-  /// Any but those of addresses, configurations and interfaces. What the host gets of it, nothing: a stall.
+  /// Answers any request except those for addresses, configurations and interfaces. Returns the data for the host;
+  /// nothing: the endpoint stalls.
   virtual std::optional<Bytes> answer(const ControlRequest& request) = 0;
 };
 
@@ -47,7 +48,7 @@ class UsbLink {
   UsbLink& operator=(const UsbLink&) = delete;
   ~UsbLink() { unplug(); }
 
-  /// `path`: qemu's socket. The guest sees the device soon after. Errors are errnos.
+  /// Plugs the device in. `path`: qemu's socket. The guest detects the device a little later. Returns 0 or an errno.
   [[nodiscard]] int plug(const std::string& path);
   /// Unplugs the device.
   void unplug();
@@ -69,7 +70,7 @@ class UsbLink {
 
   UsbDevice& device_;
   int file_ = -1;
-  bool greeted_ = false, streaming_ = false;
+  bool has_hello_ = false, streaming_ = false;
   std::uint8_t configuration_ = 0, setting_ = 0;
 };
 

@@ -9,9 +9,9 @@ namespace touchline::board {
 constexpr std::uint32_t kWireMagic = 0x31464C54;  // "TLF1"
 
 enum class ToGuest : std::uint32_t {
-  kFrame,      // followed by `bytes` of picture, to be shown at its time
-  kNoFrame,    // no picture: the camera delivers nothing, but time advances
-  kTornFrame,  // followed by `bytes` of picture, part of which must be lost in transmission
+  kFrame,      // followed by a picture of `bytes`, to be shown when it is due
+  kNoFrame,    // no picture: the camera delivers nothing, but the period passes
+  kTornFrame,  // followed by a picture of `bytes`, a part of which must be lost in transmission
   kPlug,       // open the camera device with this format; answered when it is open
   kUnplug,     // close the camera device; answered when it is closed
 };

@@ -71,14 +71,14 @@ class Documentation : public ::testing::Test {
   fs::path folder_;
 };
 
-TEST_F(Documentation, LinksLeadSomewhere) {
+TEST_F(Documentation, LinksAreValid) {
   const Links links = links_of(
       {repository_ / "README.md", repository_ / "CONTRIBUTING.md", repository_ / "docs", repository_ / "boards"});
   EXPECT_EQ(links.broken, std::vector<std::string>());
   EXPECT_GT(links.count, 30U);
 }
 
-TEST_F(Documentation, LinksLeadSomewhereOnABoardToo) {
+TEST_F(Documentation, LinksAreValidOnABoard) {
   const fs::path script = repository_ / "toolchain/package/install-documentation";
   ASSERT_EQ(std::system(("'" + script.string() + "' '" + (folder_ / "share").string() + "'").c_str()), 0);
   const Links links = links_of({folder_ / "share"});

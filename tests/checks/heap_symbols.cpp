@@ -18,9 +18,9 @@ constexpr std::array<std::string_view, 22> kRefused{
     "memalign",      "valloc",       "strdup",  "mmap",           "mmap64",         "sbrk",
     "clock_gettime", "gettimeofday", "time",    "__dynamic_cast", "_Unwind_Resume", "__cxa_atexit",
     "printf",        "puts",         "fopen",   "write"};
-// operator new, new[], delete, delete[] of any signature; exceptions and guards; functions by which the standard
-// library throws; chrono's clocks; std::string.
-constexpr std::array<std::string_view, 13> kRefusedBeginnings{
+// operator new, new[], delete, delete[] of any signature; exceptions and guards of static variables; clocks of
+// std::chrono; std::string.
+constexpr std::array<std::string_view, 13> kRefusedPrefixes{
     "_Znw",      "_Zna",        "_Zdl",          "_Zda",         "__cxa_throw",   "__cxa_allocate", "__cxa_begin",
     "__cxa_end", "__cxa_guard", "__cxa_rethrow", "_ZNSt6chrono", "_ZNSt7__cxx11", "_ZNSs"};
 
@@ -35,10 +35,10 @@ std::string demangled(const std::string& symbol) {
 
 bool is_refused_symbol(const std::string& symbol) {
   if (std::find(kRefused.begin(), kRefused.end(), symbol) != kRefused.end()) return true;
-  // std::__throw_length_error and its kin: _ZSt, the length of the name, the name.
+  // std::__throw_length_error and similar functions: _ZSt, the length of the name, the name.
   if (symbol.starts_with("_ZSt") && symbol.find("__throw_") != std::string::npos) return true;
-  return std::any_of(kRefusedBeginnings.begin(), kRefusedBeginnings.end(),
-                     [&](std::string_view beginning) { return symbol.starts_with(beginning); });
+  return std::any_of(kRefusedPrefixes.begin(), kRefusedPrefixes.end(),
+                     [&](std::string_view prefix) { return symbol.starts_with(prefix); });
 }
 
 SymbolFindings check_heap_symbols(const std::string& nm, const std::string& archive) {

@@ -15,17 +15,17 @@ std::vector<std::string> split(const std::string& list) {
   return parts;
 }
 
-TEST(HeapSymbols, CoreHasNone) {
+TEST(HeapSymbols, TheCoreHasNone) {
   const std::vector<std::string> archives = split(TOUCHLINE_CORE_ARCHIVES);
-  ASSERT_GE(archives.size(), 10U) << "one a stage, the values between them, and the pipeline";
+  ASSERT_GE(archives.size(), 10U) << "one per stage, the shared types, and the pipeline";
   std::size_t undefined = 0;
   for (const std::string& archive : archives) {
     const SymbolFindings findings = check_heap_symbols(TOUCHLINE_NM, archive);
-    EXPECT_GT(findings.objects, 0U) << archive << " could not be looked at";
+    EXPECT_GT(findings.objects, 0U) << archive << " could not be read";
     for (const std::string& refused : findings.refused) ADD_FAILURE() << archive << "\n" << refused;
     undefined += findings.undefined;
   }
-  EXPECT_GT(undefined, 50U) << "stages ask each other for something: nothing was looked at";
+  EXPECT_GT(undefined, 50U) << "stages use each other's functions, so there must be undefined symbols";
 }
 
 TEST(HeapSymbols, FindsThePlantedFault) {

@@ -1,4 +1,4 @@
-// Planted fault: a library with everything that the core must not do. The check of symbols must find it.
+// Planted fault: a library with everything that the core must not do. heap_symbols_test.cpp must find it.
 #include <chrono>
 #include <cstdlib>
 #include <stdexcept>

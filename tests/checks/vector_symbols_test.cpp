@@ -16,8 +16,8 @@ struct VectorFindings {
   std::vector<std::string> refused;  // mangled names
 };
 
-// Names that only such objects define.
-bool is_named_for_it(const std::string& symbol) {
+// True for a function that only objects for AVX2 or AVX-512 define.
+bool names_its_instruction_set(const std::string& symbol) {
   return symbol.find("avx2") != std::string::npos || symbol.find("512") != std::string::npos;
 }
 
@@ -27,7 +27,7 @@ std::unordered_set<std::string> weak_functions(const std::string& archive) {
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
     std::string name, type;
-    if (words >> name >> type && type == "W" && !is_named_for_it(name)) weak.insert(name);
+    if (words >> name >> type && type == "W" && !names_its_instruction_set(name)) weak.insert(name);
   }
   return weak;
 }
@@ -53,11 +53,11 @@ VectorFindings check_vector_symbols(const std::string& archive) {
   return findings;
 }
 
-TEST(VectorSymbols, NoPortableFunctionNeedsThem) {
+TEST(VectorSymbols, NoPortableFunctionUsesVectorInstructions) {
   std::istringstream archives(TOUCHLINE_CORE_ARCHIVES);
   for (std::string archive; std::getline(archives, archive, ':');) {
     const VectorFindings findings = check_vector_symbols(archive);
-    EXPECT_GT(findings.instructions, 0U) << archive << " could not be looked at";
+    EXPECT_GT(findings.instructions, 0U) << archive << " could not be read";
     for (const std::string& refused : findings.refused) ADD_FAILURE() << archive << "\n" << refused;
   }
 }

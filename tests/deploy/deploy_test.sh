@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Tests tools/deploy with a folder as board: fakes on the PATH replace apt-get, systemctl, sudo and, except in
-# OverARealConnection, ssh. deploy_test.sh CASE [SSHD]
+# WorksOverARealSshConnection, ssh. deploy_test.sh CASE [SSHD]
 set -euo pipefail
 source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 work=$(mktemp -d)
@@ -28,7 +28,7 @@ fake dpkg <<'END'
 #!/bin/sh
 cat "$TOUCHLINE_ROOT/arch"
 END
-# The user is not root on the board, whoever runs the test.
+# The user is not root on the board, even if root runs the test.
 fake id <<'END'
 #!/bin/sh
 echo 1000
@@ -42,7 +42,7 @@ if [ "$1" = -n ]; then
   [ ! -f "$password" ] || { echo "sudo: a password is required" >&2; exit 1; }
 elif [ "$1 $2 $3" = "-S -p " ]; then
   shift 3
-  IFS= read -r said && [ "$said" = "$(cat "$password")" ] || exit 1
+  IFS= read -r line && [ "$line" = "$(cat "$password")" ] || exit 1
 fi
 exec "$@"
 END
@@ -70,7 +70,7 @@ case "$version $*" in
 esac
 echo "$version" >"$TOUCHLINE_ROOT/version"
 END
-# Versions that begin with 7 start but get no frame, with 6 fail, with 4 fail after their first frame. Without a camera all fail.
+# Versions that begin with 7 start but get no frame; with 6 fail; with 4 fail after their first frame. Without a camera all fail.
 fake systemctl <<'END'
 #!/bin/sh
 state=$TOUCHLINE_ROOT/state
@@ -100,19 +100,19 @@ package() {
   dpkg-deb --build -Znone "$tree" "$deb" >/dev/null
   echo "$deb"
 }
-# deploy CODE ARGUMENTS...: runs tools/deploy and fails unless it exits with CODE. The output is in $work/said.
+# deploy CODE ARGUMENTS...: runs tools/deploy and fails unless it exits with CODE. The output is in $work/output.
 deploy() {
   local wanted=$1 code=0
   shift
-  "$source_dir/tools/deploy" "$@" >"$work/said" 2>&1 || code=$?
+  "$source_dir/tools/deploy" "$@" >"$work/output" 2>&1 || code=$?
   [ "$code" = "$wanted" ] || fail "exit code $code instead of $wanted"
 }
 fail() {
-  echo "$*; it said:"
-  cat "$work/said"
+  echo "$*; output:"
+  cat "$work/output"
   exit 1
 }
-says() { grep -qF -- "$1" "$work/said" || fail "does not say '$1'"; }
+says() { grep -qF -- "$1" "$work/output" || fail "does not say '$1'"; }
 runs() {
   [ "$(cat "$board/version") $(cat "$board/state")" = "$1 active" ] || fail "version $(cat "$board/version") is $(cat "$board/state") instead of $1"
 }
@@ -122,22 +122,22 @@ echo VERSION_CODENAME=bookworm >"$board/etc/os-release"
 echo "the hall's own" >"$board/etc/touchline/venue.toml"
 echo "the old one's" >"$board/etc/touchline/board.toml"
 case $1 in
-  FirstFrameComes)
+  AFirstFrameCompletesTheDeployment)
     deploy 0 robot@board --port 2222 --deb "$(package 1.0)"
     runs 1.0
     says "first frame within"
     says "keep /etc/touchline"
     [ -f "$board/enabled" ] || fail "not enabled"
-    [ "$(cat "$board/port")" = 2222 ] || fail "another port"
+    [ "$(cat "$board/port")" = 2222 ] || fail "ssh used another port"
     [ ! -e "$board/updated" ] || fail "apt's lists were fetched without need"
     deploy 0 robot@board --deb "$(package 5.0)"
     runs 5.0
     deploy 0 robot@board --deb "$(package 1.1)"
     runs 1.1
     [ "$(cat "$board/etc/touchline/venue.toml")" = "the hall's own" ] || fail "the venue file has changed"
-    [ -z "$(ls -A "$board/tmp")" ] || fail "something is left in the board's temporary folder"
+    [ -z "$(ls -A "$board/tmp")" ] || fail "files are left in the board's temporary folder"
     ;;
-  WithoutAFrameTheFormerPackageComesBack)
+  WithoutAFrameTheFormerPackageIsRestored)
     deploy 0 robot@board --deb "$(package 1.0)"
     mkdir "$work/config"
     echo "the new one's" >"$work/config/board.toml"
@@ -146,7 +146,7 @@ case $1 in
     for bad in 6.0 8.0; do
       deploy 3 robot@board --deb "$(package $bad)" --config "$work/config"
       runs 1.0
-      says "going back to 1.0"
+      says "restoring version 1.0"
       [ "$(cat "$board/etc/touchline/board.toml")" = "the old one's" ] || fail "the new configuration is left behind"
     done
     deploy 0 robot@board --deb "$(package 1.1)" --config "$work/config"
@@ -154,7 +154,7 @@ case $1 in
     [ "$(stat -c %a "$board/etc/touchline/team.toml")" = 644 ] || fail "the service's user cannot read the new configuration"
     [ "$(cat "$board/etc/touchline/venue.toml")" = "the hall's own" ] || fail "the venue file has changed"
     ;;
-  WithoutAFrameAndAWayBackItSaysSo)
+  WithoutAFrameAndAFormerPackageTheErrorIsReported)
     deploy 2 robot@board --wait 1 --deb "$(package 7.0)"
     says "camera: no such device"
     says "no earlier package"
@@ -163,7 +163,7 @@ case $1 in
     deploy 4 robot@board --deb "$(package 1.1)"
     [ "$(cat "$board/version")" = 1.0 ] || fail "the former package is not back"
     ;;
-  WhatCannotBeInstalledChangesNothing)
+  AFailedInstallationChangesNothing)
     deploy 0 robot@board --deb "$(package 1.0)"
     deploy 1 robot@board --deb "$(package 9.0)"
     runs 1.0
@@ -179,7 +179,7 @@ case $1 in
     deploy 64 robot@board --deb
     runs 1.0
     ;;
-  ABrokenConnectionLeavesNothingHalfway)
+  ABrokenConnectionLeavesNoPartialState)
     deploy 0 robot@board --deb "$(package 1.0)"
     code=0
     sh "$source_dir/toolchain/deploy-on-board" "$(package 6.0)" 1 none >/dev/full 2>&1 || code=$?
@@ -189,7 +189,7 @@ case $1 in
     mkdir -p "$work/config" "$board/etc/touchline/hall.toml"
     touch "$work/config/hall.toml"
     code=0
-    sh "$source_dir/toolchain/deploy-on-board" "$(package 1.1)" 1 "$work/config" >"$work/said" 2>&1 || code=$?
+    sh "$source_dir/toolchain/deploy-on-board" "$(package 1.1)" 1 "$work/config" >"$work/output" 2>&1 || code=$?
     [ "$code" = 3 ] || fail "exit code $code instead of 3 when the files cannot be replaced"
     runs 1.0
     [ -d "$board/etc/touchline/hall.toml" ] || fail "the former files are not back"
@@ -198,13 +198,13 @@ case $1 in
     deploy 0 robot@board --dry-run --deb "$(package 1.0)"
     says "install 1.0"
     says "dry run"
-    [ ! -e "$board/version" ] && [ ! -e "$board/state" ] && [ ! -e "$board/var" ] || fail "something was done"
+    [ ! -e "$board/version" ] && [ ! -e "$board/state" ] && [ ! -e "$board/var" ] || fail "a dry run changed something"
     ;;
-  FilesMayBeCalledAnything)
+  FileNamesMayContainSpecialCharacters)
     mkdir "$work/-con fig"
     echo "the new one's" >"$work/elsewhere"
     ln -s ../elsewhere "$work/-con fig/board.toml"
-    echo "is a link no more" >"$work/-con fig/-what's this.toml"
+    echo "is a file" >"$work/-con fig/-what's this.toml"
     package 1.0 >/dev/null
     cd "$work"
     mv -- touchline_1.0.deb "-it's 1.0.deb"
@@ -213,18 +213,18 @@ case $1 in
     [ "$(cat "$board/etc/touchline/board.toml")" = "the new one's" ] || fail "a linked file did not arrive"
     [ -f "$board/etc/touchline/-what's this.toml" ] || fail "a file did not arrive"
     ;;
-  AFrameIsNotEnough)
+  TheServiceMustKeepRunningAfterItsFirstFrame)
     export TOUCHLINE_STEADY_S=1
     deploy 2 robot@board --deb "$(package 4.0)"
-    says "ended soon after its first frame"
+    says "the service ended soon after its first frame"
     says "camera: no such device"
     ;;
-  WhatWasNotReplacedRunsAgain)
+  AServiceThatWasNotReplacedIsRestarted)
     # Installed by hand: the board has no package file of this version.
     echo 1.0 >"$board/version"
     deploy 3 robot@board --deb "$(package 8.0)"
     runs 1.0
-    says "way back is none"
+    says "a failed deployment restores nothing"
     # Neither the new nor the former package can be installed.
     deploy 0 robot@board --deb "$(package 1.1)"
     mv "$fakes/apt-get" "$fakes/no-lock"
@@ -249,15 +249,15 @@ END
     kill -9 $!
     wait $! 2>/dev/null || true
     flock "$board/var/cache/touchline/lock" true  # its child processes hold the lock for a moment
-    [ "$(cat "$board/version" "$board/etc/touchline/board.toml")" = "$(printf "7.0\nthe new one's")" ] || fail "it was not cut off halfway"
+    [ "$(cat "$board/version" "$board/etc/touchline/board.toml")" = "$(printf "7.0\nthe new one's")" ] || fail "the deployment was not interrupted"
     echo "an hour's work" >"$board/etc/touchline/team.toml"
     deploy 3 robot@board --deb "$(package 6.0)"
-    says "way back is to 1.0"
+    says "a failed deployment restores 1.0"
     runs 1.0
     [ "$(cat "$board/etc/touchline/board.toml")" = "the old one's" ] || fail "the former files are not back"
-    [ "$(cat "$board/var/cache/touchline/aside/team.toml")" = "an hour's work" ] || fail "what somebody wrote meanwhile is lost"
+    [ "$(cat "$board/var/cache/touchline/aside/team.toml")" = "an hour's work" ] || fail "a file that was written in the meantime is lost"
     ;;
-  AFolderBehindALinkComesBack)
+  AConfigurationFolderBehindALinkIsRestored)
     mv "$board/etc/touchline" "$board/data"
     ln -s ../data "$board/etc/touchline"
     deploy 0 robot@board --deb "$(package 1.0)"
@@ -267,7 +267,7 @@ END
     [ -L "$board/etc/touchline" ] || fail "the link is gone"
     [ "$(cat "$board/data/board.toml")" = "the old one's" ] || fail "the former files are not back"
     ;;
-  ABusThatIsAwayIsNoFrame)
+  AnUnreachableBusIsNotTakenForAFrame)
     mv "$fakes/systemctl" "$fakes/systemd"
     fake systemctl <<'END'
 #!/bin/sh
@@ -280,7 +280,7 @@ END
     deploy 2 robot@board --wait 1 --deb "$(package 7.0)"
     says "no frame in"
     ;;
-  OneAtATime)
+  OnlyOneDeploymentRunsAtATime)
     mkdir -p "$board/var/cache/touchline"
     exec 8>"$board/var/cache/touchline/lock"
     flock 8
@@ -290,7 +290,7 @@ END
     exec 8>&-
     deploy 0 robot@board --deb "$(package 1.0)"
     ;;
-  SudoMayWantAPassword)
+  SudoMayRequireAPassword)
     echo "open sesame" >"$board/password"
     deploy 0 robot@board --dry-run --deb "$(package 1.0)"
     says "sudo will ask for a password"
@@ -301,9 +301,9 @@ END
     [ ! -e "$board/version" ] || fail "something was installed"
     deploy 0 robot@board --deb "$(package 1.0)" <<<"open sesame"
     runs 1.0
-    ! grep -rq sesame "$work/said" "$board/tmp" || fail "the password has been left behind"
+    ! grep -rq sesame "$work/output" "$board/tmp" || fail "the password has been left behind"
     ;;
-  ItSaysWhereAPackageComesFrom)
+  AMissingPackageIsReportedWithTheWayToMakeIt)
     echo VERSION_CODENAME=noble >"$board/etc/os-release"
     echo amd64 >"$board/arch"
     deploy 1 robot@board
@@ -317,9 +317,9 @@ END
     deploy 1 robot@board
     says "does not answer"
     ;;
-  ItWarnsOfAnotherLibcamera)
+  AnotherLibcameraCausesAWarning)
     deploy 0 robot@board --dry-run --deb "$(package 1.0 "" "libc6, libcamera0.4 (>= 0.4.0)")"
-    ! grep -q "CSI camera" "$work/said" || fail "warns a board without Raspberry Pi's libcamera"
+    ! grep -q "CSI camera" "$work/output" || fail "warns a board without Raspberry Pi's libcamera"
     echo "fact libcamera-installed libcamera0.6 0.6.0+rpt20251202-1" >"$board/libcamera"
     deploy 0 robot@board --dry-run --deb "$(package 1.0 "" "libc6, libcamera0.4 (>= 0.4.0)")"
     says "built for libcamera0.4"
@@ -327,7 +327,7 @@ END
     deploy 0 robot@board --dry-run --deb "$(package 1.0 "" "libc6, libcamera0.6 (>= 0.6.0)")"
     ! grep -q "CSI camera" "$work/said" || fail "warns without need"
     ;;
-  OverARealConnection)
+  WorksOverARealSshConnection)
     # The real ssh and sshd at the ends of a pipe: quoting, exit codes, one connection for all commands.
     ssh-keygen -q -t ed25519 -N "" -f "$work/host"
     ssh-keygen -q -t ed25519 -N "" -f "$work/user"
@@ -358,7 +358,7 @@ END
     runs 1.0
     deploy 3 "$user@board" --deb "$(package 6.0)"
     runs 1.0
-    [ "$(grep -c "^Accepted publickey" "$work/sshd_log")" = 2 ] || fail "more than one connection each"
+    [ "$(grep -c "^Accepted publickey" "$work/sshd_log")" = 2 ] || fail "more than one connection per deployment"
     ;;
   *) echo "no such case: $1"; exit 1 ;;
 esac

@@ -17,17 +17,17 @@ for program in getent addgroup adduser udevadm systemctl deb-systemd-invoke; do
 done
 printf '#!/bin/sh\necho touchline video\n' >"$work/fakes/id"
 chmod +x "$work"/fakes/*
-script() { sh "$package/$1" "${@:2}" >"$work/said"; }
+script() { sh "$package/$1" "${@:2}" >"$work/output"; }
 called() { grep -qxF -- "$1" "$work/called"; }
 
 case $1 in
-  FilesComeOnceAndAreKept)
+  FilesAreCopiedOnceAndKept)
     script postinst configure ""
     for file in board.toml venue.toml team.toml venue-light.png; do cmp "$boards/mock/$file" "$etc/$file"; done
-    [ "$(find "$etc" -type f | wc -l)" = 4 ] || fail "more files than it should"
-    grep -q "built-in arena" "$work/said" || fail "does not say what it did"
+    [ "$(find "$etc" -type f | wc -l)" = 4 ] || fail "other files than these were copied"
+    grep -q "built-in arena" "$work/output" || fail "does not report what it copied"
     called "adduser --quiet touchline gpio" || fail "not in the group gpio"
-    ! called "adduser --quiet touchline video" || fail "twice in a group"
+    ! called "adduser --quiet touchline video" || fail "added to a group again"
     called "deb-systemd-invoke try-restart touchline.service" || fail "the new program does not run"
     echo "the hall's own" >"$etc/venue.toml"
     rm "$etc/team.toml"
@@ -38,23 +38,23 @@ case $1 in
     script prerm remove
     script postrm remove
     [ "$(cat "$etc/venue.toml")" = "the hall's own" ] || fail "the venue file has changed"
-    [ ! -e "$etc/team.toml" ] || fail "a file came back that the team has taken away"
+    [ ! -e "$etc/team.toml" ] || fail "a file that the team removed was copied again"
     ;;
-  AnInterruptedFirstInstallationIsMadeWhole)
+  AnInterruptedFirstInstallationIsCompleted)
     printf '#!/bin/sh\ncase $1 in *team.toml) echo half >"$2"; exit 1 ;; esac\nexec %s "$@"\n' "$(command -v cp)" >"$work/fakes/cp"
     chmod +x "$work/fakes/cp"
     if script postinst configure ""; then fail "a failure is not reported"; fi
     rm "$work/fakes/cp"
     script postinst configure ""
     for file in board.toml venue.toml team.toml venue-light.png; do cmp "$boards/mock/$file" "$etc/$file"; done
-    [ "$(find "$etc" -type f | wc -l)" = 4 ] || fail "something half is left"
+    [ "$(find "$etc" -type f | wc -l)" = 4 ] || fail "a partial file is left"
     ;;
-  AFailedRemovalStartsItAgain)
+  AFailedRemovalRestartsTheService)
     script prerm remove
     called "deb-systemd-invoke stop touchline.service" || fail "not stopped"
     script postinst abort-remove
     called "deb-systemd-invoke start touchline.service" || fail "not started again"
-    [ ! -e "$etc" ] || fail "more was done than that"
+    [ ! -e "$etc" ] || fail "files were copied"
     # A service that is not enabled was not running.
     rm "$work/called"
     touch "$work/no---quiet"
@@ -67,9 +67,9 @@ case $1 in
     ln -s nowhere "$DPKG_ROOT/etc/systemd/system/multi-user.target.wants/touchline.service"
     script postrm purge
     script postrm purge
-    [ -z "$(find "$DPKG_ROOT" -path "$DPKG_ROOT/usr" -prune -o -name '*touchline*' -print)" ] || fail "something is left"
+    [ -z "$(find "$DPKG_ROOT" -path "$DPKG_ROOT/usr" -prune -o -name '*touchline*' -print)" ] || fail "files are left"
     ;;
-  RulesHoldForWhatIsPluggedInAlready)
+  RulesApplyToDevicesThatArePluggedInAlready)
     script postinst configure ""
     called "udevadm control --reload" || fail "the rules are not read"
     mapfile -t subsystems < <(grep -o 'SUBSYSTEM=="[^"]*"' "$package/touchline.rules" | cut -d '"' -f 2 | sort -u)
@@ -78,23 +78,23 @@ case $1 in
       grep "^udevadm trigger" "$work/called" | grep -qE -- "--subsystem-match=$subsystem( |\$)" || fail "$subsystem is not triggered"
     done
     # udevadm trigger sends the action "change".
-    ! grep -q 'ACTION=="add"' "$package/touchline.rules" || fail "a rule is for what is plugged in later only"
+    ! grep -q 'ACTION=="add"' "$package/touchline.rules" || fail "a rule applies only to devices that are plugged in later"
     ;;
   OnlyATaggedAdapterIsTheRadio)
     # Other serial adapters keep their names, and ModemManager may use them.
     mapfile -t rules < <(grep -E '^[^#].*(touchline/radio|ID_MM_)' "$package/touchline.rules")
     [ ${#rules[@]} -ge 1 ] || fail "no rule names the radio"
     for rule in "${rules[@]}"; do
-      [[ $rule == *'SUBSYSTEM=="tty"'*'ENV{TOUCHLINE_RADIO}=="1"'* ]] || fail "holds for every adapter: $rule"
+      [[ $rule == *'SUBSYSTEM=="tty"'*'ENV{TOUCHLINE_RADIO}=="1"'* ]] || fail "applies to every adapter: $rule"
     done
     grep -q 'ENV{TOUCHLINE_RADIO}="1"' "$package/../../docs/deploy.md" || fail "docs/deploy.md does not say how to tag an adapter"
     ;;
-  TheServiceIsSound)
-    # $2: systemd-analyze. The program is another; the rest is as delivered.
+  TheServiceUnitIsValid)
+    # $2: systemd-analyze. Another program replaces Touchline; the rest is the delivered unit.
     sed 's|^ExecStart=.*|ExecStart=/bin/true|; /^Documentation=/d' "$package/touchline.service" >"$work/touchline.service"
-    said=$("$2" verify "$work/touchline.service" 2>&1) && [ -z "$said" ] || fail "$said"
+    output=$("$2" verify "$work/touchline.service" 2>&1) && [ -z "$output" ] || fail "$output"
     # The exposure that systemd-analyze computes must be 1.5 of 10 at most.
-    "$2" security --offline=true --threshold=15 --no-pager "$work/touchline.service" >"$work/said" || fail "$(tail -n 1 "$work/said")"
+    "$2" security --offline=true --threshold=15 --no-pager "$work/touchline.service" >"$work/output" || fail "$(tail -n 1 "$work/output")"
     for line in WatchdogSec=5 Type=notify LimitRTPRIO=99 LimitMEMLOCK=infinity User=touchline ProtectSystem=strict DevicePolicy=closed \
       'RestartPreventExitStatus=1 64' StartLimitIntervalSec=0 StateDirectory=touchline RuntimeDirectory=touchline \
       RuntimeDirectoryPreserve=restart LimitDATA=512M MemoryMax=768M TasksMax=64; do

@@ -2,14 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/rectify/bent_field.h"
+#include "tests/rectify/distorted_field.h"
 #include "tools/programs/rectify/straightness.h"
 
 namespace touchline::rectify {
 namespace {
 
 CameraParameters of_kind(CameraModelKind kind) {
-  CameraParameters camera = bent_camera();
+  CameraParameters camera = distorted_camera();
   camera.kind = kind;
   return camera;
 }
@@ -20,14 +20,14 @@ CameraModel model_of(const CameraParameters& parameters) {
   return model;
 }
 
-TEST(LensMap, IsEquationTwelveForThePapersModel) {
+TEST(LensMap, ImplementsEquationTwelveForThePapersModel) {
   const LensMap lens(of_kind(CameraModelKind::kPaper));
   // Klancar eq. (12): R = H sinh(r / H), here with H = 250 and r = 100 along the row.
   EXPECT_NEAR(lens.straightened({259.5, 119.5})[0], 159.5 + 250 * std::sinh(0.4), 1e-4);
   EXPECT_NEAR(lens.straightened({259.5, 119.5})[1], 119.5, 1e-9);
 }
 
-TEST(LensMap, ThereAndBack) {
+TEST(LensMap, BendingIsTheInverseOfStraightening) {
   for (const auto kind : {CameraModelKind::kFull, CameraModelKind::kPaper}) {
     const LensMap lens(of_kind(kind));
     for (const Point& p : {Point{3, 5}, Point{310, 7}, Point{160, 230}, Point{159.5, 119.5}}) {
@@ -38,11 +38,11 @@ TEST(LensMap, ThereAndBack) {
   }
 }
 
-TEST(Rectification, TheFloorIsToScale) {
-  const hal::Picture seen = photograph(bent_camera(), small_field());
+TEST(Rectification, TheRectifiedFloorIsToScale) {
+  const hal::Picture seen = photograph(distorted_camera(), small_field());
   hal::Picture floor;
   Raster raster;
-  ASSERT_TRUE(rectify_floor(seen, model_of(bent_camera()), small_field(), 0.1, 200, floor, raster).ok());
+  ASSERT_TRUE(rectify_floor(seen, model_of(distorted_camera()), small_field(), 0.1, 200, floor, raster).ok());
   EXPECT_EQ(floor.width_px, 380u);  // (1.5 + 2 * (0.1 + 0.1)) * 200
   EXPECT_EQ(floor.height_px, 300u);
   const auto value = [&](double x_m, double y_m) {
@@ -58,14 +58,14 @@ TEST(Rectification, TheFloorIsToScale) {
       EXPECT_GT(value(along, side * 0.675), 200) << "border";
     }
   }
-  EXPECT_EQ(rectify_floor(seen, model_of(bent_camera()), small_field(), 0.1, 10000, floor, raster).code(),
+  EXPECT_EQ(rectify_floor(seen, model_of(distorted_camera()), small_field(), 0.1, 10000, floor, raster).code(),
             ErrorCode::kFull);
 }
 
-TEST(Rectification, TheStraightPictureHoldsTheWholeOneUpToTwice) {
-  const hal::Picture seen = photograph(bent_camera(), small_field());
+TEST(Rectification, TheStraightenedPictureContainsTheWholeUpToTwiceTheSize) {
+  const hal::Picture seen = photograph(distorted_camera(), small_field());
   Raster raster;
-  hal::Picture straight = straighten(seen, LensMap(bent_camera()), raster);
+  hal::Picture straight = straighten(seen, LensMap(distorted_camera()), raster);
   EXPECT_GT(straight.width_px, kWidth);
   EXPECT_LT(straight.width_px, 2 * kWidth);
   CameraParameters fisheye = of_kind(CameraModelKind::kPaper);
@@ -75,22 +75,22 @@ TEST(Rectification, TheStraightPictureHoldsTheWholeOneUpToTwice) {
   EXPECT_LE(straight.height_px, 2 * kHeight);
 }
 
-TEST(Straightness, FallsWithTheRightModelAndStaysWithAWrongOne) {
-  const hal::Picture seen = photograph(bent_camera(), small_field());
-  const CameraModel camera = model_of(bent_camera());
+TEST(Straightness, DeviationsFallWithTheRightModelOnly) {
+  const hal::Picture seen = photograph(distorted_camera(), small_field());
+  const CameraModel camera = model_of(distorted_camera());
   std::array<std::size_t, 4> left_out{};
   const auto points = border_points(seen, camera, small_field(), left_out);
-  for (const SideStraightness& side : straightness(points, left_out, camera, LensMap(bent_camera()), 150)) {
+  for (const SideStraightness& side : straightness(points, left_out, camera, LensMap(distorted_camera()), 150)) {
     EXPECT_GT(side.points, 40u);
     EXPECT_EQ(side.left_out, 0u);
     EXPECT_GT(side.distorted.rms_px, 0.7);
     EXPECT_LT(side.straightened.rms_px, 0.12);
     EXPECT_LT(side.rectified.rms_mm, 0.8);
-    // The same deviation in two units, because the camera is nearly vertical.
+    // Both are the same deviation in millimeters, because the camera is nearly vertical.
     EXPECT_NEAR(side.straightened.rms_mm, side.rectified.rms_mm, 0.05);
     EXPECT_NEAR(side.rectified.rms_px, side.rectified.rms_mm * 0.15, 1e-6);
   }
-  CameraParameters straight_lens = bent_camera();
+  CameraParameters straight_lens = distorted_camera();
   straight_lens.full.k1 = 0;
   straight_lens.full.k2 = 0;
   for (const SideStraightness& side :
@@ -99,9 +99,9 @@ TEST(Straightness, FallsWithTheRightModelAndStaysWithAWrongOne) {
   }
 }
 
-TEST(Straightness, LeavesOutWhatStandsBeforeTheBorder) {
-  hal::Picture seen = photograph(bent_camera(), small_field());
-  const CameraModel camera = model_of(bent_camera());
+TEST(Straightness, IgnoresObjectsInFrontOfTheBorder) {
+  hal::Picture seen = photograph(distorted_camera(), small_field());
+  const CameraModel camera = model_of(distorted_camera());
   // A bright object of 12 x 8 pixels that extends 4 pixels from the lower border into the field.
   const PixelPoint at = camera.to_pixel({0.2f, -0.65f}, 0.0f);
   for (int dv = -4; dv < 4; ++dv) {
@@ -112,7 +112,7 @@ TEST(Straightness, LeavesOutWhatStandsBeforeTheBorder) {
   std::array<std::size_t, 4> left_out{};
   const auto points = border_points(seen, camera, small_field(), left_out);
   EXPECT_GE(left_out[0], 2u);
-  const auto sides = straightness(points, left_out, camera, LensMap(bent_camera()), 150);
+  const auto sides = straightness(points, left_out, camera, LensMap(distorted_camera()), 150);
   EXPECT_LT(sides[0].rectified.rms_mm, 1.0);
 }
 

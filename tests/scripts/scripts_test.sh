@@ -62,7 +62,7 @@ cat >"$2" <<'LOG'
 3: [  FAILED  ] Pipeline.KeepsItsOrder (3 ms)
 The following tests FAILED:
 	  3 - pipeline_test.1 (Failed)
-	  9 - Deploy.FirstFrameComes (Timeout)
+	  9 - Deploy.AFirstFrameCompletesTheDeployment (Timeout)
 LOG
 exit 8
 FAKE
@@ -75,7 +75,7 @@ ASummaryNamesFailedTests() {
   local code=0 output
   output=$("$work/tools/test" 2>&1) || code=$?
   [ "$code" -eq 1 ] || fail "exit code $code instead of 1: $output"
-  for expected in 'FAILED .* tests except slow ones' 'Pipeline.KeepsItsOrder$' 'pipeline_test.1$' 'Deploy.FirstFrameComes$' \
+  for expected in 'FAILED .* tests except slow ones' 'Pipeline.KeepsItsOrder$' 'pipeline_test.1$' 'Deploy.AFirstFrameCompletesTheDeployment$' \
                   'passed .* clang-tidy' 'passed .* tests that start threads'; do
     grep -qE "$expected" <<<"${output#*== summary}" || fail "the summary lacks $expected: $output"
   done
@@ -105,7 +105,7 @@ FAKE
   [ "$mirror" = http://mirror.invalid/debian/ ] || fail "the mirror is '$mirror'"
 }
 
-# mmdebstrap refuses a foreign system that the kernel cannot run, also when it only downloads packages.
+# mmdebstrap refuses a foreign system that the kernel cannot run, even if it only downloads packages.
 EmulationIsSetUpBeforeAForeignSystem() {
   cd "$root"
   local file first

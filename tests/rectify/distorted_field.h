@@ -13,7 +13,7 @@ namespace touchline::rectify {
 inline constexpr std::uint32_t kWidth = 320, kHeight = 240;
 
 /// A tilted camera with lens distortion above a field of 1.5 x 1.3 m, and Klancar's model of nearly the same view.
-inline CameraParameters bent_camera() {
+inline CameraParameters distorted_camera() {
   CameraParameters camera;
   camera.full = {270, 270, 160, 118, -0.35f, 0.09f, 0, 0.001f, -0.001f, {3.0f, 0.05f, 0.1f}, {0.05f, -0.2f, 1.9f}};
   camera.paper = {159.5f, 119.5f, 250, -1e-4f, 2e-4f, {0.007f, 0, 0.05f, 0, -0.007f, -0.2f}, {0.05f, -0.2f, 1.9f}};
@@ -38,11 +38,11 @@ inline hal::Picture photograph(const CameraParameters& parameters, const FieldPa
   picture.height_px = kHeight;
   for (std::uint32_t v = 0; v < kHeight; ++v) {
     for (std::uint32_t u = 0; u < kWidth; ++u) {
-      const auto place = [&](float du, float dv) {
+      const auto point_at = [&](float du, float dv) {
         return camera.to_field({static_cast<float>(u) + du, static_cast<float>(v) + dv}, 0.0f);
       };
       // The projection is linear within a pixel.
-      const FieldPoint at = place(0, 0), right = place(1, 0), below = place(0, 1);
+      const FieldPoint at = point_at(0, 0), right = point_at(1, 0), below = point_at(0, 1);
       double light = 0;
       for (int ray = 0; ray < 16; ++ray) {
         const float du = (static_cast<float>(ray % 4) + 0.5f) / 4 - 0.5f;

@@ -1,5 +1,6 @@
 #include "hal/mailbox.h"
 
+#include <array>
 #include <atomic>
 #include <thread>
 

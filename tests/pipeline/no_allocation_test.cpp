@@ -1,5 +1,6 @@
 // Second of three checks for heap allocations: an allocator counts while the loop runs, with every possible device
 // fault.
+#include "hal/linux/monotonic_clock.h"
 #include "tests/firmware/loop_fixture.h"
 #include "tools/programs/latency/allocation_counter.h"
 
@@ -54,6 +55,35 @@ TEST_F(NoAllocation, LoopNeverAllocatesWithAnyDeviceFault) {
   EXPECT_GE(now_s(), end_s) << "the loop ended before the last fault";
   for (std::size_t device = 0; device < kDeviceCount; ++device) EXPECT_GE(loop->statistics().reopened[device], 5U);
   EXPECT_GT(ring->dropped(), 0U) << "a full ring is one of the faults";
+}
+
+TEST_F(NoAllocation, OtherProgramsAndTheRefereeCauseNone) {
+  Mailbox<ExternalCommands> commands;
+  Mailbox<RefereeState> referee;
+  settings.external = {&commands, &referee, false};
+  camera.show_robot();
+  start();
+  run_until(0.5);
+  const std::uint64_t before = allocations_of_this_thread();
+  for (int i = 0; i < 500; ++i) {
+    ExternalCommand command;
+    command.id = static_cast<RobotId>(i % 3);
+    command.kind = static_cast<ExternalCommand::Kind>(i % 4);
+    command.received = hal::MonotonicClock::read();
+    ExternalCommands table;
+    table.push_back(command);
+    commands.put(table);
+    RefereeState state;
+    state.phase = i % 50 < 40 ? GamePhase::kRunning : GamePhase::kHalt;
+    state.own_is_yellow = i % 100 > 80;
+    state.own_on_positive_half = i % 20 < 10;
+    state.own_height_m = 0.001f * static_cast<float>(i % 100);
+    referee.put(state);
+    static_cast<void>(loop->iterate());
+  }
+  EXPECT_EQ(allocations_of_this_thread() - before, 0U);
+  EXPECT_GT(loop->statistics().external.commands, 400U);
+  EXPECT_GT(loop->statistics().external.referee_messages, 400U);
 }
 
 TEST_F(NoAllocation, PlantedAllocationIsFound) {

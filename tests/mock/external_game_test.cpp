@@ -1,0 +1,160 @@
+// Other programs and a referee in games of the board boards/mock.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+
+#include "core/geometry/vector2.h"
+#include "firmware/session.h"
+#include "hal/linux/monotonic_clock.h"
+#include "tests/results.h"
+
+namespace touchline {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A time of reception in the future counts as that at which the loop takes the value.
+Instant when_taken() { return hal::MonotonicClock::read() + 1h; }
+
+class ExternalGame : public ::testing::Test {
+ protected:
+  void begin(std::vector<std::string> overrides) {
+    SessionOptions options;
+    options.files.board = TOUCHLINE_BOARDS "/mock/board.toml";
+    options.files.overrides = std::move(overrides);
+    config::Problems problems;
+    ASSERT_TRUE(session_.load(options, problems).ok()) << problems.text();
+    session_.set_external_input({&commands_, &referee_, false});
+    ASSERT_OK(session_.open({&ExternalGame::look, this}));
+  }
+  void run(int frames) {
+    for (const int end = frames_ + frames; frames_ < end;) ASSERT_FALSE(session_.loop().iterate().has_value());
+  }
+  void put(const RefereeState& state) {
+    RefereeState stamped = state;
+    stamped.received = when_taken();
+    referee_.put(stamped);
+  }
+  [[nodiscard]] std::size_t identified(Team team) const {
+    return static_cast<std::size_t>(
+        std::count_if(tracks_.robots.begin(), tracks_.robots.end(), [team](const RobotTrack& robot) {
+          return robot.team == team && robot.id != kUnknownId && robot.state == TrackState::kSeen;
+        }));
+  }
+  /// Largest distance of an own robot from its place at the start, for robots that have not moved.
+  [[nodiscard]] double worst_error_m() const {
+    double worst = 0.0;
+    for (const RobotTrack& robot : tracks_.robots) {
+      for (const auto& placed : session_.configuration().board.arena.robot) {
+        if (robot.team != Team::kOwn || placed.team != hal::mock::Side::kOwn || placed.id != robot.id) continue;
+        worst = std::max(worst, distance(position(robot.pose), {placed.x_m, placed.y_m}));
+      }
+    }
+    return worst;
+  }
+
+  Session session_;
+  Mailbox<ExternalCommands> commands_;
+  Mailbox<RefereeState> referee_;
+  Tracks tracks_;
+  Commands sent_;
+  std::array<double, 16> way_m_{};  // of the own robots, by id
+  int frames_ = 0;
+
+ private:
+  static void look(void* context, const StepTrace& trace, const StepTiming&) {
+    ExternalGame& game = *static_cast<ExternalGame*>(context);
+    ++game.frames_;
+    for (const RobotTrack& robot : trace.tracks.robots) {
+      if (robot.team != Team::kOwn || robot.id < 0 || robot.id >= 16) continue;
+      game.way_m_[static_cast<std::size_t>(robot.id)] += std::abs(static_cast<double>(robot.twist.v_mps)) / 60.0;
+    }
+    game.tracks_ = trace.tracks;
+    game.sent_ = trace.commands;
+  }
+};
+
+TEST_F(ExternalGame, WhenAStrategyEndsItsRobotStopsAndTheOthersPlayOn) {
+  begin({});
+  run(30);
+  for (int i = 0; i < 60; ++i) {
+    ExternalCommand command;
+    command.id = 2;
+    command.twist = {0.2f, 4.0f};  // in circles
+    command.received = when_taken();
+    ExternalCommands table;
+    table.push_back(command);
+    commands_.put(table);
+    run(1);
+  }
+  EXPECT_GT(way_m_[2], 0.1);
+  // The age limit is 12 frames. After as many more, the robot has stopped.
+  run(25);
+  way_m_ = {};
+  run(180);
+  EXPECT_LT(way_m_[2], 0.1) << "but for pushes";
+  for (const RobotCommand& robot : sent_.robots) {
+    EXPECT_EQ(robot.source, robot.id == 2 ? CommandSource::kExpired : CommandSource::kPlay);
+  }
+  EXPECT_GT(way_m_[0] + way_m_[1] + way_m_[3] + way_m_[4], 0.5);
+  EXPECT_EQ(session_.loop().statistics().external.commands_expired, 1U);
+}
+
+TEST_F(ExternalGame, TeamColorsAreExchangedDuringAGame) {
+  // In the arena the own team is yellow, in the team file it is blue.
+  begin({"arena.own_color=yellow", "arena.opponent_color=blue"});
+  run(30);
+  EXPECT_LT(identified(Team::kOwn), 5U);
+  RefereeState state;
+  state.phase = GamePhase::kRunning;
+  state.own_is_yellow = true;
+  put(state);
+  run(30);
+  EXPECT_EQ(identified(Team::kOwn), 5U);
+  EXPECT_EQ(identified(Team::kOpponent), 5U);
+  run(120);
+  EXPECT_GT(way_m_[0] + way_m_[1] + way_m_[2] + way_m_[3] + way_m_[4], 0.5) << "they play";
+  state.own_is_yellow = false;
+  put(state);
+  run(30);
+  EXPECT_LT(identified(Team::kOwn), 5U);
+}
+
+TEST_F(ExternalGame, HeightsOfTheRefereeReplaceThoseOfTheTeamFile) {
+  begin({"arena.robot_height_m=0.14", "arena.opponents=stand"});
+  RefereeState state;
+  state.phase = GamePhase::kHalt;
+  put(state);
+  run(30);
+  EXPECT_GT(worst_error_m(), 0.01);
+  state.own_height_m = 0.14f;
+  put(state);
+  run(30);
+  EXPECT_EQ(identified(Team::kOwn), 5U) << "the tracks go on";
+  EXPECT_LT(worst_error_m(), 0.003);
+  state.own_height_m = 0.0f;
+  put(state);
+  run(30);
+  EXPECT_GT(worst_error_m(), 0.01);
+}
+
+// The ball starts near the center, and nobody defends the other half.
+TEST_F(ExternalGame, SidesAreExchanged) {
+  begin({"arena.opponents=stand"});
+  RefereeState state;
+  state.phase = GamePhase::kRunning;
+  state.own_on_positive_half = true;
+  put(state);
+  double least_x = 0.0, largest_x = 0.0;
+  for (int i = 0; i < 60 * 15; ++i) {
+    run(1);
+    least_x = std::min(least_x, static_cast<double>(tracks_.ball.position.x_m));
+    largest_x = std::max(largest_x, static_cast<double>(tracks_.ball.position.x_m));
+  }
+  EXPECT_LT(least_x, -0.5);
+  EXPECT_LT(largest_x, 0.5);
+}
+
+}  // namespace
+}  // namespace touchline

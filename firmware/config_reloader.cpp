@@ -36,22 +36,17 @@ ConfigReloader::~ConfigReloader() = default;
 
 std::vector<std::string> ConfigReloader::reload(const std::atomic<bool>& cancelled) {
   std::vector<std::string> messages;
-  const auto refused = [&](const config::Problems& problems) {
-    messages = problems.lines();
-    messages.emplace_back("reload: nothing was changed");
-    return messages;
+  const auto refused = [](const std::string& text) {
+    return std::vector<std::string>{text, "reload: nothing was changed"};
   };
-  config::Problems problems;
   const auto files = std::make_unique<config::Configuration>();
-  if (!config::load(paths_, *files, problems).ok()) return refused(problems);
+  if (const Result<void> loaded = config::load(paths_, *files); !loaded.ok()) return refused(loaded.text());
   auto next = std::make_unique<config::Configuration>(*running_);
-  config::ReloadChanges changes;
-  if (!config::apply_reloadable(*files, *next, changes, problems).ok()) return refused(problems);
+  Result<config::ReloadChanges> applied = config::apply_reloadable(*files, *next);
+  if (!applied.ok()) return refused(applied.text());
+  config::ReloadChanges& changes = applied.value();
   if (changes.empty()) return {"reload: nothing has changed"};
-  if (const Status s = prepare(*next, changes); !s.ok()) {
-    problems.add(files->venue_where.file(), "", std::string("it cannot be used: ") + describe(s.code()));
-    return refused(problems);
-  }
+  if (const Result<void> prepared = prepare(*next, changes); !prepared.ok()) return refused(prepared.text());
   if (changes.concern(Reload::kCamera)) adjust_camera(*next, changes, messages);
   live_update_.offer(*live_settings_);
   while (live_update_.is_pending()) {
@@ -70,7 +65,7 @@ std::vector<std::string> ConfigReloader::reload(const std::atomic<bool>& cancell
   return messages;
 }
 
-Status ConfigReloader::prepare(const config::Configuration& next, const config::ReloadChanges& changes) {
+Result<void> ConfigReloader::prepare(const config::Configuration& next, const config::ReloadChanges& changes) {
   live_settings_->tables = nullptr;
   live_settings_->control = next.pipeline.control;
   live_settings_->faults = next.board.faults;
@@ -81,12 +76,19 @@ Status ConfigReloader::prepare(const config::Configuration& next, const config::
     unused_ = second_.get();
   }
   const PipelineParameters& parameters = next.pipeline;
-  if (const Status s = unused_->configure(parameters.scan); !s.ok()) return s;
+  const auto unusable = [&next](Status status) {
+    return failure(status.code(), "%s: it cannot be used: %s", next.venue_where.file().c_str(),
+                   describe(status.code()));
+  };
+  if (const Status s = unused_->configure(parameters.scan); !s.ok()) return unusable(s);
   live_settings_->tables = unused_;
   live_settings_->keep_adaptation_mode = std::none_of(
       changes.applied.begin(), changes.applied.end(),
       [](const auto& change) { return change.file == config::FileKind::kVenue && change.key == "adaptation.mode"; });
-  return live_settings_->adaptation.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color);
+  const Status configured =
+      live_settings_->adaptation.configure(parameters.adaptation, parameters.scan, parameters.marker.ball.color);
+  if (!configured.ok()) return unusable(configured);
+  return {};
 }
 
 void ConfigReloader::adjust_camera(config::Configuration& next, config::ReloadChanges& changes,

@@ -39,7 +39,7 @@ class ConfigReloader {
 
  private:
   void adjust_camera(config::Configuration& next, config::ReloadChanges& changes, std::vector<std::string>& messages);
-  Status prepare(const config::Configuration& next, const config::ReloadChanges& changes);
+  Result<void> prepare(const config::Configuration& next, const config::ReloadChanges& changes);
 
   const config::FilePaths paths_;
   hal::Camera& camera_;

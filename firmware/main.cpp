@@ -22,14 +22,15 @@ int print(const std::string& text) {
 }
 
 int check_command(const CommandLine& command_line) {
-  config::Problems problems;
   Session session;
-  const Status status = session.load(command_line.session, problems);
+  const Result<void> loaded = session.load(command_line.session);
   // The other values are useful even if one is wrong.
   int code = kExitOk;
-  if (command_line.dump && status.code() != ErrorCode::kNotFound) code = print(config::dump(session.configuration()));
-  std::fputs(problems.text().c_str(), stderr);
-  if (!status.ok()) return kExitBadFile;
+  if (command_line.dump && loaded.code() != ErrorCode::kNotFound) code = print(config::dump(session.configuration()));
+  if (!loaded.ok()) {
+    std::fprintf(stderr, "%s\n", loaded.error().text.c_str());
+    return kExitBadFile;
+  }
   if (command_line.dump) return code;
   const config::Configuration& configuration = session.configuration();
   return print(configuration.board_where.file() + ", " + configuration.venue_where.file() + " and " +
@@ -41,10 +42,9 @@ int keys_command(const std::string& page_to_update) {
   if (page_to_update.empty()) return print(config::key_reference_text());
   Result<std::string> page = hal::read_file(page_to_update, hal::kMaxTextFileBytes);
   if (!page.ok()) return fail(page.text());
-  if (!config::update_key_reference(page.value()).ok()) {
-    return fail(page_to_update + ": the lines that begin and end the reference are missing");
-  }
-  const Result<void> written = hal::write_file(page_to_update, page.value());
+  const Result<std::string> updated = config::updated_key_reference(std::move(page).value());
+  if (!updated.ok()) return fail(page_to_update + ": " + updated.text());
+  const Result<void> written = hal::write_file(page_to_update, updated.value());
   return written.ok() ? kExitOk : fail(written.text());
 }
 

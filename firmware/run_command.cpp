@@ -62,10 +62,9 @@ void print_hold(const hal::GpioSettings& gpio) {
 }  // namespace
 
 int run_command(const CommandLine& command_line) {
-  config::Problems problems;
   Session session;
-  if (!session.load(command_line.session, problems).ok()) {
-    std::fputs(problems.text().c_str(), stderr);
+  if (const Result<void> loaded = session.load(command_line.session); !loaded.ok()) {
+    std::fprintf(stderr, "%s\n", loaded.error().text.c_str());
     return kExitBadFile;
   }
   const config::RealtimeSettings& realtime = session.configuration().board.realtime;

@@ -6,14 +6,13 @@
 
 namespace touchline {
 
-Status Session::load(const SessionOptions& options, config::Problems& problems) {
+Result<void> Session::load(const SessionOptions& options) {
   options_ = options;
-  if (const Status s = config::load(options.files, *configuration_, problems); !s.ok()) return s;
+  TOUCHLINE_TRY(config::load(options.files, *configuration_));
   if (const Status s = pipeline_->configure(configuration_->pipeline, hal::MonotonicClock::read); !s.ok()) {
     // The checks of the files have passed, so only the error code of the stage is known.
-    problems.add(configuration_->venue_where.file(), "",
-                 "together with " + configuration_->team_where.file() + " it cannot be used: " + describe(s.code()));
-    return s;
+    return failure(s.code(), "%s: together with %s it cannot be used: %s", configuration_->venue_where.file().c_str(),
+                   configuration_->team_where.file().c_str(), describe(s.code()));
   }
   return {};
 }

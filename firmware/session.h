@@ -25,8 +25,8 @@ struct SessionOptions {
 /// touchline-latency.
 class Session {
  public:
-  /// Reads the files and configures the pipeline. Touches no device. kNotFound, kInconsistent: see `problems`.
-  Status load(const SessionOptions& options, config::Problems& problems);
+  /// Reads the files and configures the pipeline. Touches no device. Errors of config::load().
+  Result<void> load(const SessionOptions& options);
   /// Replaces the limits of the options; call it before open().
   void limit(std::uint64_t frames, Duration duration) {
     options_.frames = frames;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -19,6 +20,16 @@
     const auto touchline_result = (expression);                    \
     ASSERT_TRUE(touchline_result.ok()) << touchline_result.text(); \
   } while (false)
+
+/// Also gives `target` the value: ASSERT_OK_AND_ASSIGN(const hal::Picture picture, hal::read_picture(path));
+#define ASSERT_OK_AND_ASSIGN(target, expression) \
+  ASSERT_OK_AND_ASSIGN_AS(TOUCHLINE_JOINED(touchline_result_, __LINE__), target, expression)
+// NOLINTBEGIN(bugprone-macro-parentheses): `result` and `target` are declared here.
+#define ASSERT_OK_AND_ASSIGN_AS(result, target, expression) \
+  auto result = (expression);                               \
+  ASSERT_TRUE(result.ok()) << result.text();                \
+  target = std::move(result).value()
+// NOLINTEND(bugprone-macro-parentheses)
 
 namespace touchline {
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "core/color/span_kernel.h"
+#include "firmware/config/error_list.h"
 #include "firmware/config/key_list.h"
 #include "firmware/config/toml_writer.h"
 
@@ -33,47 +34,44 @@ std::string beside(const std::string& file, const std::string& path) {
 
 // Returns the path from the command line, or the one from the board file.
 std::string path_of(const std::string& given, const std::string& named, const char* key, const Locations& board,
-                    Problems& problems) {
+                    ErrorList& errors) {
   if (!given.empty()) return given;
   if (!named.empty()) return beside(board.file(), named);
-  problems.add(board.file(), key, "no file is given; write " + std::string(key) + " = \"FILE\" or use --" + key);
+  errors.add(board.file(), key, "no file is given; write " + std::string(key) + " = \"FILE\" or use --" + key);
   return {};
 }
 
 template <class File>
 void read_if_named(const std::string& path, std::string_view remedy, const std::vector<Override>& overrides, File& out,
-                   Locations& where, Problems& problems) {
-  if (path.empty()) return;
-  // The caller looks at `problems`.
-  static_cast<void>(read_toml(path, remedy, overrides, out, where, problems));
+                   Locations& where, ErrorList& errors) {
+  if (!path.empty()) errors.add(read_toml(path, remedy, overrides, out, where));
 }
 
 // A recording has its own frame rate, which the default must not replace. A camera needs a requested rate.
-void check_rate(Configuration& configuration, Problems& problems) {
+void check_rate(Configuration& configuration, ErrorList& errors) {
   hal::CameraSettings& camera = configuration.board.camera;
   const Locations& where = configuration.board_where;
   const char* const key = "camera.rate_hz";
   if (camera.backend == hal::CameraBackend::kReplay) {
     if (!where.has(key)) camera.rate_hz = 0.0;
   } else if (camera.rate_hz < 1.0) {
-    problems.add(where.of(key), key, "must be at least 1 Hz; only the backend \"replay\" accepts 0");
+    errors.add(where.of(key), key, "must be at least 1 Hz; only the backend \"replay\" accepts 0");
   }
 }
 
-}  // namespace
+// Overrides by file.
+struct SortedOverrides {
+  std::vector<Override> board, venue, team;
+};
 
-std::string_view kernel_word(const BoardFile& board) {
-  KernelChoice kernel = board.scan.kernel;
-  if (find_span_kernel(hal::pixel_format(board.camera.format), kernel) == nullptr) return {};
-  return kKernelChoices[static_cast<std::size_t>(kernel)].word;
-}
-
-Status sort_overrides(const std::vector<std::string>& texts, SortedOverrides& out, Problems& problems) {
-  const std::size_t before = problems.size();
+// The first part of a key tells its file ("camera": board), or names it ("venue.light.map"). A key that belongs to no
+// file is an error.
+SortedOverrides sort_overrides(const std::vector<std::string>& texts, ErrorList& errors) {
+  SortedOverrides out;
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0) {
-      problems.add("--set " + text, "", "expected key=value");
+      errors.add("--set " + text, "", "expected key=value");
       continue;
     }
     Override override{text.substr(0, equals), text.substr(equals + 1)};
@@ -92,84 +90,96 @@ Status sort_overrides(const std::vector<std::string>& texts, SortedOverrides& ou
       file = &out.team;
     }
     if (first == "version") {
-      problems.add("--set " + text, "", "the version cannot be overridden");
+      errors.add("--set " + text, "", "the version cannot be overridden");
     } else if (file == nullptr) {
       std::vector<std::string> words;
       append_top_level<BoardFile>(words);
       append_top_level<VenueFile>(words);
       append_top_level<TeamFile>(words);
       const std::vector<std::string_view> views(words.begin(), words.end());
-      problems.add("--set " + text, override.key, "unknown key" + suggestion(first, views, "sections"));
+      errors.add("--set " + text, override.key, "unknown key" + suggestion(first, views, "sections"));
     } else {
       file->push_back(std::move(override));
     }
   }
-  return problems.size() == before ? Status() : ErrorCode::kInconsistent;
+  return out;
 }
 
-Status load_venue_and_team(const FilePaths& paths, Configuration& out, Problems& problems) {
-  const std::size_t before = problems.size();
-  SortedOverrides overrides;
-  static_cast<void>(sort_overrides(paths.overrides, overrides, problems));
-  for (const Override& override : overrides.board) {
-    problems.add("--set " + override.key + "=" + override.value, "",
-                 "is a key of the board file, which this program does not read");
-  }
-  if (paths.venue.empty()) problems.add("", "", "no venue file is given; use --venue FILE");
-  if (paths.team.empty()) problems.add("", "", "no team file is given; use --team FILE");
-  read_if_named(paths.venue, kVenueRemedy, overrides.venue, out.venue, out.venue_where, problems);
-  read_if_named(paths.team, kTeamRemedy, overrides.team, out.team, out.team_where, problems);
-  return problems.size() == before ? Status() : ErrorCode::kInconsistent;
+void refuse_others(const std::vector<Override>& overrides, std::string_view message, ErrorList& errors) {
+  for (const Override& other : overrides) errors.add("--set " + other.key + "=" + other.value, "", message);
 }
 
-Status resolve(const InputFormat& input, Configuration& configuration, Problems& problems) {
-  const std::size_t before = problems.size();
-  resolve_venue(configuration.venue, configuration.venue_where, input, configuration.pipeline, problems);
-  resolve_team(configuration.team, configuration.team_where, configuration.venue, configuration.venue_where,
-               configuration.pipeline, problems);
-  return problems.size() == before ? Status() : ErrorCode::kInconsistent;
-}
-
-Status load_board(const std::string& path, const std::vector<Override>& overrides, Configuration& out,
-                  Problems& problems) {
-  if (const Status status = read_toml(path, kBoardRemedy, overrides, out.board, out.board_where, problems);
-      !status.ok()) {
-    return status;
-  }
-  const std::size_t before = problems.size();
-  check_rate(out, problems);
-  std::string key, reason;
+Result<void> read_board(const std::string& path, const std::vector<Override>& overrides, Configuration& out) {
+  const Result<void> read = read_toml(path, kBoardRemedy, overrides, out.board, out.board_where);
+  if (!read.ok()) return read;
+  ErrorList errors;
+  check_rate(out, errors);
   out.pipeline.scan.kernel = out.board.scan.kernel;
   out.pipeline.low_battery_v = static_cast<float>(out.board.radio.low_battery_v);
-  if (kernel_word(out.board).empty()) {
-    problems.add(out.board_where.of("scan.kernel"), "scan.kernel",
-                 "this processor does not support it; use \"fastest\"");
+  const auto add = [&](const std::string& key, std::string_view message) {
+    errors.add(out.board_where.of(key), key, message);
+  };
+  if (kernel_word(out.board).empty()) add("scan.kernel", "this processor does not support it; use \"fastest\"");
+  if (const auto violation = hal::mock::find_violation(out.board.arena)) {
+    add("arena." + violation->key, violation->message);
   }
-  if (!hal::mock::validate(out.board.arena, key, reason).ok()) {
-    key = "arena." + key;
-    problems.add(out.board_where.of(key), key, reason);
-  }
-  return problems.size() == before ? Status() : ErrorCode::kInconsistent;
+  return errors.result();
 }
 
-Status load(const FilePaths& paths, Configuration& out, Problems& problems) {
-  const std::size_t before = problems.size();
-  SortedOverrides overrides;
-  static_cast<void>(sort_overrides(paths.overrides, overrides, problems));
-  if (const Status status = load_board(paths.board, overrides.board, out, problems);
-      status.code() == ErrorCode::kNotFound) {
-    return status;
+}  // namespace
+
+std::string_view kernel_word(const BoardFile& board) {
+  KernelChoice kernel = board.scan.kernel;
+  if (find_span_kernel(hal::pixel_format(board.camera.format), kernel) == nullptr) return {};
+  return kKernelChoices[static_cast<std::size_t>(kernel)].word;
+}
+
+Result<void> load_venue_and_team(const FilePaths& paths, Configuration& out) {
+  ErrorList errors;
+  const SortedOverrides overrides = sort_overrides(paths.overrides, errors);
+  refuse_others(overrides.board, "is a key of the board file, which this program does not read", errors);
+  if (paths.venue.empty()) errors.add("", "", "no venue file is given; use --venue FILE");
+  if (paths.team.empty()) errors.add("", "", "no team file is given; use --team FILE");
+  read_if_named(paths.venue, kVenueRemedy, overrides.venue, out.venue, out.venue_where, errors);
+  read_if_named(paths.team, kTeamRemedy, overrides.team, out.team, out.team_where, errors);
+  return errors.result();
+}
+
+Result<void> resolve(const InputFormat& input, Configuration& configuration) {
+  ErrorList errors;
+  errors.add(resolve_venue(configuration.venue, configuration.venue_where, input, configuration.pipeline));
+  errors.add(resolve_team(configuration.team, configuration.team_where, configuration.venue, configuration.venue_where,
+                          configuration.pipeline));
+  return errors.result();
+}
+
+Result<void> load_board(const std::string& path, const std::vector<std::string>& overrides, Configuration& out) {
+  ErrorList errors;
+  const SortedOverrides sorted = sort_overrides(overrides, errors);
+  for (const auto* others : {&sorted.venue, &sorted.team}) {
+    refuse_others(*others, "is not a key of the board file, which is the only file that this command reads", errors);
   }
-  const std::string venue = path_of(paths.venue, out.board.venue, "venue", out.board_where, problems);
-  const std::string team = path_of(paths.team, out.board.team, "team", out.board_where, problems);
-  read_if_named(venue, kVenueRemedy, overrides.venue, out.venue, out.venue_where, problems);
-  read_if_named(team, kTeamRemedy, overrides.team, out.team, out.team_where, problems);
+  const Result<void> read = read_board(path, sorted.board, out);
+  errors.add(read);
+  return errors.result(read.ok() ? ErrorCode::kInconsistent : read.code());
+}
+
+Result<void> load(const FilePaths& paths, Configuration& out) {
+  ErrorList errors;
+  const SortedOverrides overrides = sort_overrides(paths.overrides, errors);
+  const Result<void> board = read_board(paths.board, overrides.board, out);
+  errors.add(board);
+  if (board.code() == ErrorCode::kNotFound) return errors.result(ErrorCode::kNotFound);
+  const std::string venue = path_of(paths.venue, out.board.venue, "venue", out.board_where, errors);
+  const std::string team = path_of(paths.team, out.board.team, "team", out.board_where, errors);
+  read_if_named(venue, kVenueRemedy, overrides.venue, out.venue, out.venue_where, errors);
+  read_if_named(team, kTeamRemedy, overrides.team, out.team, out.team_where, errors);
   // Invalid values are not checked against each other, because follow-up errors would hide the first ones.
-  if (problems.size() != before) return ErrorCode::kInconsistent;
+  TOUCHLINE_TRY(errors.result());
   const hal::CameraSettings& camera = out.board.camera;
-  const InputFormat input{hal::pixel_format(camera.format), camera.width_px, camera.height_px,
-                          "the camera of " + out.board_where.file()};
-  return resolve(input, out, problems);
+  return resolve(
+      {hal::pixel_format(camera.format), camera.width_px, camera.height_px, "the camera of " + out.board_where.file()},
+      out);
 }
 
 std::string dump(const Configuration& configuration) {

@@ -5,7 +5,7 @@
 
 #include "core/pipeline.h"
 #include "firmware/config/board_file.h"
-#include "firmware/config/problems.h"
+#include "firmware/config/locations.h"
 #include "firmware/config/resolve.h"
 #include "firmware/config/team_file.h"
 #include "firmware/config/toml_file.h"
@@ -29,30 +29,22 @@ struct Configuration {
 };
 
 /// Loads the three files. Format and size of the pictures are those of the board file. Opens no device.
-/// kNotFound: the board file cannot be read; kInconsistent: errors in the files. `problems` has a line for each error.
-Status load(const FilePaths& paths, Configuration& out, Problems& problems);
+/// kNotFound: the board file cannot be read; kInconsistent: errors in the files. The message has a line for each error.
+/// After kInconsistent, `out` has the values that were read.
+Result<void> load(const FilePaths& paths, Configuration& out);
 
 /// Loads the board file alone, for tools that need no venue yet. Errors as for load().
-Status load_board(const std::string& path, const std::vector<Override>& overrides, Configuration& out,
-                  Problems& problems);
+Result<void> load_board(const std::string& path, const std::vector<std::string>& overrides, Configuration& out);
 
 /// Returns the name of the instruction set that classifies the board's pixels, for example "avx2", never "fastest".
 /// Empty if the processor does not support it.
 std::string_view kernel_word(const BoardFile& board);
 
 /// Loads venue and team alone, for tools that read pictures. Call resolve() when the format of the pictures is known.
-Status load_venue_and_team(const FilePaths& paths, Configuration& out, Problems& problems);
-/// Checks venue and team for these pictures and fills `configuration.pipeline`.
-Status resolve(const InputFormat& input, Configuration& configuration, Problems& problems);
-
-/// One of the three files. The first part of a key determines it ("camera": board) or names it ("venue.light.map").
-enum class FileKind : std::uint8_t { kBoard, kVenue, kTeam };
-
-/// Splits overrides by file. A key that belongs to no file is an error.
-struct SortedOverrides {
-  std::vector<Override> board, venue, team;
-};
-Status sort_overrides(const std::vector<std::string>& texts, SortedOverrides& out, Problems& problems);
+Result<void> load_venue_and_team(const FilePaths& paths, Configuration& out);
+/// Checks venue and team for these pictures and fills `configuration.pipeline`. Errors of resolve_venue() and
+/// resolve_team().
+Result<void> resolve(const InputFormat& input, Configuration& configuration);
 
 /// Returns the three files as TOML with the values of all keys, including the defaults.
 std::string dump(const Configuration& configuration);

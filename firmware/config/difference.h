@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,9 @@
 #include "firmware/config/configuration.h"
 
 namespace touchline::config {
+
+/// One of the three files.
+enum class FileKind : std::uint8_t { kBoard, kVenue, kTeam };
 
 /// A key whose value has changed.
 struct Change {

@@ -103,13 +103,15 @@ std::string key_reference_markdown() {
   return page;
 }
 
-Status update_key_reference(std::string& page) {
+Result<std::string> updated_key_reference(std::string page) {
   const std::size_t begin = page.find(kReferenceBegin);
   const std::size_t from = begin + std::strlen(kReferenceBegin);
   const std::size_t end = begin == std::string::npos ? begin : page.find(kReferenceEnd, from);
-  if (end == std::string::npos) return ErrorCode::kNotFound;
+  if (end == std::string::npos) {
+    return failure(ErrorCode::kNotFound, "the lines that begin and end the reference are missing");
+  }
   page.replace(from, end - from, key_reference_markdown() + "\n");
-  return {};
+  return page;
 }
 
 }  // namespace touchline::config

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "core/status.h"
+#include "hal/result.h"
 
 // The reference of all keys, generated from their declarations.
 namespace touchline::config {
@@ -13,9 +13,9 @@ std::string key_reference_text();
 /// For docs/files.md: a table for each section of the three files.
 std::string key_reference_markdown();
 
-/// Replaces the part of a page between the lines kReferenceBegin and kReferenceEnd by key_reference_markdown().
+/// The page with key_reference_markdown() between the lines kReferenceBegin and kReferenceEnd.
 /// kNotFound: the page does not have both lines.
-Status update_key_reference(std::string& page);
+Result<std::string> updated_key_reference(std::string page);
 
 inline constexpr const char* kReferenceBegin =
     "<!-- Begin of the reference. Do not edit it: `touchline keys --update docs/files.md` writes it. -->\n";

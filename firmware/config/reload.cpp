@@ -27,8 +27,8 @@ bool ReloadChanges::concern(Reload by) const {
   return std::any_of(applied.begin(), applied.end(), [by](const Change& change) { return change.reload == by; });
 }
 
-Status apply_reloadable(const Configuration& next, Configuration& running, ReloadChanges& changes, Problems& problems) {
-  changes = {};
+Result<ReloadChanges> apply_reloadable(const Configuration& next, Configuration& running) {
+  ReloadChanges changes;
   const bool thresholds_fit = same_pictures_and_colors(running, next);
   const auto can_change = [thresholds_fit](Reload reload) {
     return reload != Reload::kRestart && (reload != Reload::kThresholds || thresholds_fit);
@@ -41,11 +41,12 @@ Status apply_reloadable(const Configuration& next, Configuration& running, Reloa
     if (can_change(which)) copy(next, running, which);
   }
   running.pipeline.control = running.team.control;
-  if (!changes.concern(Reload::kThresholds)) return {};
+  if (!changes.concern(Reload::kThresholds)) return changes;
   running.venue_where = next.venue_where;  // the path of the light map is relative to the venue file
   const ScanParameters& scan = running.pipeline.scan;
   const InputFormat input{scan.format, scan.width_px, scan.height_px, "the running camera"};
-  return resolve(input, running, problems);
+  TOUCHLINE_TRY(resolve(input, running));
+  return changes;
 }
 
 }  // namespace touchline::config

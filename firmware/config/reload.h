@@ -5,6 +5,7 @@
 
 #include "core/parameter.h"
 #include "firmware/config/difference.h"
+#include "hal/result.h"
 
 // Reloading of the files while robots play. The declaration of a key says whether it can change (Reload in
 // core/parameter.h).
@@ -23,7 +24,7 @@ struct ReloadChanges {
 /// Copies the values that can change while robots play from `next` to `running` and keeps the others. Both must have
 /// been loaded without errors. Thresholds, light map and region of interest also need a restart if the new files are
 /// for pictures of another size or format or have another list of colors. kInconsistent: the combination of old and new
-/// values is contradictory, see `problems`; `running` must not be used.
-Status apply_reloadable(const Configuration& next, Configuration& running, ReloadChanges& changes, Problems& problems);
+/// values is contradictory; `running` must not be used.
+Result<ReloadChanges> apply_reloadable(const Configuration& next, Configuration& running);
 
 }  // namespace touchline::config

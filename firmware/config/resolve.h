@@ -4,9 +4,10 @@
 #include <string_view>
 
 #include "core/pipeline.h"
-#include "firmware/config/problems.h"
+#include "firmware/config/locations.h"
 #include "firmware/config/team_file.h"
 #include "firmware/config/venue_file.h"
+#include "hal/result.h"
 
 namespace touchline::config {
 
@@ -18,14 +19,14 @@ struct InputFormat {
 };
 
 /// Fills the parameters that the venue defines: scan, camera, field. Reads the light map. Color ids count from 1 in the
-/// order of the file. Contradictions are added to `problems`.
-void resolve_venue(const VenueFile& venue, const Locations& where, const InputFormat& input, PipelineParameters& out,
-                   Problems& problems);
+/// order of the file. kInconsistent: values contradict each other; the message has a line for each contradiction.
+Result<void> resolve_venue(const VenueFile& venue, const Locations& where, const InputFormat& input,
+                           PipelineParameters& out);
 
 /// Fills the parameters that the team file defines: markers, ball, tracking, control. Colors are found in the venue by
-/// name.
-void resolve_team(const TeamFile& team, const Locations& where, const VenueFile& venue, const Locations& venue_where,
-                  PipelineParameters& out, Problems& problems);
+/// name. Errors as of resolve_venue().
+Result<void> resolve_team(const TeamFile& team, const Locations& where, const VenueFile& venue,
+                          const Locations& venue_where, PipelineParameters& out);
 
 /// Returns the id of a color, or kBackground (0) if the venue has no such color.
 ColorId color_id(const VenueFile& venue, std::string_view name);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "firmware/config/error_list.h"
 #include "firmware/config/resolve.h"
 #include "firmware/config/wording.h"
 
@@ -8,9 +9,8 @@ namespace {
 
 class TeamResolver {
  public:
-  TeamResolver(const TeamFile& file, const Locations& where, const VenueFile& venue, const Locations& venue_where,
-               Problems& problems)
-      : file_(file), where_(where), venue_(venue), venue_where_(venue_where), problems_(problems) {}
+  TeamResolver(const TeamFile& file, const Locations& where, const VenueFile& venue, const Locations& venue_where)
+      : file_(file), where_(where), venue_(venue), venue_where_(venue_where) {}
 
   ColorId color(const std::string& name, const std::string& key) {
     if (name.empty()) return kBackground;
@@ -40,7 +40,8 @@ class TeamResolver {
     }
   }
 
-  void add(const std::string& key, const std::string& message) { problems_.add(where_.of(key), key, message); }
+  void add(const std::string& key, const std::string& message) { errors_.add(where_.of(key), key, message); }
+  [[nodiscard]] Result<void> result() const { return errors_.result(); }
 
  private:
   bool layout(const std::string& name, const std::string& key, MarkerLayout& out) {
@@ -61,7 +62,7 @@ class TeamResolver {
     out.robot_side_m = entry.robot_side_m;
     out.height_m = entry.height_m;
     out.patches.clear();
-    const std::size_t before = problems_.size();
+    const std::size_t before = errors_.size();
     if (entry.patch.empty()) add(key, "\"" + entry.name + "\" has no [[layout.patch]]");
     if (entry.patch.size() > kMaxPatches) {
       add(key + ".patch",
@@ -83,7 +84,7 @@ class TeamResolver {
       out.patches.push_back(
           {patch.role, patch.outline, patch.x_m, patch.y_m, patch.length_m, patch.width_m, patch.turn_rad});
     }
-    return problems_.size() == before;
+    return errors_.size() == before;
   }
 
   void robot(const TeamEntry& team, std::size_t index, const std::string& key, std::size_t identification,
@@ -120,7 +121,7 @@ class TeamResolver {
   const Locations& where_;
   const VenueFile& venue_;
   const Locations& venue_where_;
-  Problems& problems_;
+  ErrorList errors_;
 };
 
 // The team colors and the ball's color must differ.
@@ -137,9 +138,9 @@ void check_distinct(TeamResolver& resolver, const TeamFile& team) {
 
 }  // namespace
 
-void resolve_team(const TeamFile& team, const Locations& where, const VenueFile& venue, const Locations& venue_where,
-                  PipelineParameters& out, Problems& problems) {
-  TeamResolver resolver(team, where, venue, venue_where, problems);
+Result<void> resolve_team(const TeamFile& team, const Locations& where, const VenueFile& venue,
+                          const Locations& venue_where, PipelineParameters& out) {
+  TeamResolver resolver(team, where, venue, venue_where);
   resolver.team(team.own, "own", out.marker.teams[static_cast<std::size_t>(Team::kOwn)]);
   resolver.team(team.opponent, "opponent", out.marker.teams[static_cast<std::size_t>(Team::kOpponent)]);
   if (team.own.robot.empty() && where.has("own")) {
@@ -150,6 +151,7 @@ void resolve_team(const TeamFile& team, const Locations& where, const VenueFile&
   check_distinct(resolver, team);
   out.track = team.tracking;
   out.control = team.control;
+  return resolver.result();
 }
 
 }  // namespace touchline::config

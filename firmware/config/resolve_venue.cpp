@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include "core/color/color_tables.h"
+#include "firmware/config/error_list.h"
 #include "firmware/config/light_map_file.h"
 #include "firmware/config/resolve.h"
 #include "firmware/config/wording.h"
@@ -32,7 +33,7 @@ std::string box_text(const ColorBoxEntry& box) {
 }
 
 void check_overlap(const VenueFile& venue, const Locations& where, const std::vector<BoxSource>& sources,
-                   Problems& problems) {
+                   ErrorList& errors) {
   const auto box_of = [&](const BoxSource& source) -> const ColorBoxEntry& {
     return venue.color[source.color].box[source.box];
   };
@@ -50,21 +51,21 @@ void check_overlap(const VenueFile& venue, const Locations& where, const std::ve
       if (!meet) continue;
       const std::string key = element(element("color", sources[i].color) + ".box", sources[i].box);
       const std::string other = element(element("color", sources[j].color) + ".box", sources[j].box);
-      problems.add(where.of(key), key,
-                   "box of \"" + venue.color[sources[i].color].name + "\" overlaps the box of \"" +
-                       venue.color[sources[j].color].name + "\" at " + where.of(other) + " in " + box_text(common));
+      errors.add(where.of(key), key,
+                 "box of \"" + venue.color[sources[i].color].name + "\" overlaps the box of \"" +
+                     venue.color[sources[j].color].name + "\" at " + where.of(other) + " in " + box_text(common));
     }
   }
 }
 
-void resolve_colors(const VenueFile& venue, const Locations& where, ColorBoxes& boxes, Problems& problems) {
+void resolve_colors(const VenueFile& venue, const Locations& where, ColorBoxes& boxes, ErrorList& errors) {
   boxes.clear();
   std::vector<BoxSource> sources;
   if (venue.color.empty()) {
-    problems.add(where.file(), "color", "no [[color]]; run touchline-calibrate colors");
+    errors.add(where.file(), "color", "no [[color]]; run touchline-calibrate colors");
   }
   if (venue.color.size() > kMaxColors) {
-    problems.add(
+    errors.add(
         where.of("color"), "color",
         std::to_string(venue.color.size()) + " colors; at most " + std::to_string(kMaxColors) + " are supported");
     return;
@@ -75,12 +76,12 @@ void resolve_colors(const VenueFile& venue, const Locations& where, ColorBoxes& 
     const std::string path = element("color", i);
     for (std::size_t j = 0; j < i; ++j) {
       if (venue.color[j].name == color.name) {
-        problems.add(where.of(path + ".name"), path + ".name",
-                     "\"" + color.name + "\" is already defined at " + where.of(element("color", j) + ".name") +
-                         "; give the color several [[color.box]] instead");
+        errors.add(where.of(path + ".name"), path + ".name",
+                   "\"" + color.name + "\" is already defined at " + where.of(element("color", j) + ".name") +
+                       "; give the color several [[color.box]] instead");
       }
     }
-    if (color.box.empty()) problems.add(where.of(path), path, "\"" + color.name + "\" has no [[color.box]]");
+    if (color.box.empty()) errors.add(where.of(path), path, "\"" + color.name + "\" has no [[color.box]]");
     for (std::size_t j = 0; j < color.box.size(); ++j) {
       const ColorBoxEntry& box = color.box[j];
       const std::string key = element(path + ".box", j);
@@ -88,46 +89,46 @@ void resolve_colors(const VenueFile& venue, const Locations& where, ColorBoxes& 
       bool valid = true;
       for (std::size_t c = 0; c < 3; ++c) {
         if (box.low[c] <= box.high[c]) continue;
-        problems.add(where.of(key), key,
-                     "low " + std::to_string(box.low[c]) + " is above high " + std::to_string(box.high[c]) +
-                         " in channel " + std::to_string(c));
+        errors.add(where.of(key), key,
+                   "low " + std::to_string(box.low[c]) + " is above high " + std::to_string(box.high[c]) +
+                       " in channel " + std::to_string(c));
         valid = false;
       }
       if (valid && boxes.push_back({static_cast<ColorId>(i + 1), box.low, box.high})) sources.push_back({i, j});
     }
   }
   if (count > kMaxColorBoxes) {
-    problems.add(where.of("color"), "color",
-                 std::to_string(count) + " boxes; at most " + std::to_string(kMaxColorBoxes) + " are supported");
+    errors.add(where.of("color"), "color",
+               std::to_string(count) + " boxes; at most " + std::to_string(kMaxColorBoxes) + " are supported");
   }
-  check_overlap(venue, where, sources, problems);
+  check_overlap(venue, where, sources, errors);
 }
 
 void resolve_background(const VenueFile& venue, const Locations& where, TypicalBackground& background,
-                        Problems& problems) {
+                        ErrorList& errors) {
   const std::vector<std::uint8_t>& value = venue.colors.background;
   background.reset();
   if (value.empty()) return;
   if (value.size() != 3) {
-    problems.add(where.of("colors.background"), "colors.background",
-                 "needs three values, one per channel; has " + std::to_string(value.size()));
+    errors.add(where.of("colors.background"), "colors.background",
+               "needs three values, one per channel; has " + std::to_string(value.size()));
     return;
   }
   background = {value[0], value[1], value[2]};
 }
 
-void resolve_region_of_interest(const VenueFile& venue, const Locations& where, Polygon& polygon, Problems& problems) {
+void resolve_region_of_interest(const VenueFile& venue, const Locations& where, Polygon& polygon, ErrorList& errors) {
   polygon.clear();
   const RegionOfInterestEntry& region = venue.region_of_interest;
   const std::string key = "region_of_interest";
   if (region.u_px.size() != region.v_px.size()) {
-    problems.add(
+    errors.add(
         where.of(key), key,
         "u_px has " + std::to_string(region.u_px.size()) + " corners, v_px " + std::to_string(region.v_px.size()));
     return;
   }
   if (region.u_px.size() == 1 || region.u_px.size() == 2 || region.u_px.size() > kMaxPolygonPoints) {
-    problems.add(
+    errors.add(
         where.of(key), key,
         "needs 3 to " + std::to_string(kMaxPolygonPoints) + " corners; has " + std::to_string(region.u_px.size()));
     return;
@@ -137,14 +138,14 @@ void resolve_region_of_interest(const VenueFile& venue, const Locations& where, 
 
 // Fills the limits of the adaptation and the typical values of the colors. The adaptation changes the light map;
 // without a map in the venue file it starts with a uniform one.
-void resolve_adaptation(const VenueFile& venue, const Locations& where, PipelineParameters& out, Problems& problems) {
+void resolve_adaptation(const VenueFile& venue, const Locations& where, PipelineParameters& out, ErrorList& errors) {
   out.adaptation = venue.adaptation;
   for (std::size_t i = 0; i < venue.color.size() && i < kMaxColors; ++i) {
     const ColorEntry& color = venue.color[i];
     const std::string key = element("color", i) + ".typical";
     if (!color.typical.empty() && color.typical.size() != 3) {
-      problems.add(where.of(key), key,
-                   "needs three values, one per channel; has " + std::to_string(color.typical.size()));
+      errors.add(where.of(key), key,
+                 "needs three values, one per channel; has " + std::to_string(color.typical.size()));
       continue;
     }
     for (std::size_t c = 0; c < 3 && !color.box.empty(); ++c) {
@@ -170,44 +171,44 @@ ColorId color_id(const VenueFile& venue, std::string_view name) {
   return kBackground;
 }
 
-void resolve_venue(const VenueFile& venue, const Locations& where, const InputFormat& input, PipelineParameters& out,
-                   Problems& problems) {
+Result<void> resolve_venue(const VenueFile& venue, const Locations& where, const InputFormat& input,
+                           PipelineParameters& out) {
+  ErrorList errors;
   out.scan.format = input.format;
   out.scan.width_px = input.width_px;
   out.scan.height_px = input.height_px;
   out.scan.min_area_px = venue.picture.min_area_px;
   if (venue.picture.width_px != input.width_px || venue.picture.height_px != input.height_px) {
-    problems.add(where.of("picture.width_px"), "picture",
-                 "the calibration is for pictures of " + size_text(venue.picture.width_px, venue.picture.height_px) +
-                     " pixels, but " + input.source + " delivers " + size_text(input.width_px, input.height_px));
+    errors.add(where.of("picture.width_px"), "picture",
+               "the calibration is for pictures of " + size_text(venue.picture.width_px, venue.picture.height_px) +
+                   " pixels, but " + input.source + " delivers " + size_text(input.width_px, input.height_px));
   }
   if (venue.colors.space != color_space(input.format)) {
-    problems.add(where.of("colors.space"), "colors.space",
-                 "the boxes are in " + std::string(word_of(venue.colors.space)) + ", but " + input.source +
-                     " delivers " + std::string(word_of(input.format)) + ", which is " +
-                     std::string(word_of(color_space(input.format))));
+    errors.add(where.of("colors.space"), "colors.space",
+               "the boxes are in " + std::string(word_of(venue.colors.space)) + ", but " + input.source + " delivers " +
+                   std::string(word_of(input.format)) + ", which is " +
+                   std::string(word_of(color_space(input.format))));
   }
-  resolve_colors(venue, where, out.scan.boxes, problems);
-  resolve_background(venue, where, out.scan.background, problems);
-  resolve_region_of_interest(venue, where, out.scan.region_of_interest, problems);
+  resolve_colors(venue, where, out.scan.boxes, errors);
+  resolve_background(venue, where, out.scan.background, errors);
+  resolve_region_of_interest(venue, where, out.scan.region_of_interest, errors);
 
   out.scan.light.columns = out.scan.light.rows = 0;
   if (!venue.light.map.empty()) {
     const auto path = std::filesystem::path(where.file()).parent_path() / venue.light.map;
-    std::string reason;
-    if (!read_light_map(path.string(), out.scan.light, reason).ok()) {
-      problems.add(where.of("light.map"), "light.map", reason);
-    }
+    const Result<void> read = read_light_map(path.string(), out.scan.light);
+    if (!read.ok()) errors.add(where.of("light.map"), "light.map", read.text());
   }
 
-  resolve_adaptation(venue, where, out, problems);
+  resolve_adaptation(venue, where, out, errors);
 
   out.camera = venue.camera_model;
   const std::string kind = venue.camera_model.kind == CameraModelKind::kFull ? "full" : "paper";
   if (where.has("camera_model.kind") && !where.has("camera_model." + kind)) {
-    problems.add(where.of("camera_model.kind"), "camera_model." + kind, "is missing; run touchline-calibrate field");
+    errors.add(where.of("camera_model.kind"), "camera_model." + kind, "is missing; run touchline-calibrate field");
   }
   out.marker.field = venue.field;
+  return errors.result();
 }
 
 }  // namespace touchline::config

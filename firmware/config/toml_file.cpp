@@ -1,6 +1,7 @@
 #include "firmware/config/toml_file.h"
 
 #include <charconv>
+#include <optional>
 
 #include "firmware/config/board_file.h"
 #include "hal/files/input_file.h"
@@ -51,56 +52,59 @@ bool parse_steps(std::string_view path, std::vector<Step>& steps) {
   }
 }
 
-}  // namespace
-
-std::optional<toml::table> parse_file(const std::string& path, std::string_view remedy, Problems& problems) {
-  const Result<std::string> content = hal::read_file(path, hal::kMaxTextFileBytes);
-  if (!content.ok()) {
-    const bool show_remedy = content.code() == ErrorCode::kNotFound && !remedy.empty();
-    problems.add("", "", content.text() + (show_remedy ? "; " + std::string(remedy) : ""));
-    return std::nullopt;
-  }
-  try {
-    return toml::parse(content.value(), path);
-  } catch (const toml::parse_error& fault) {
-    problems.add(path + ":" + std::to_string(fault.source().begin.line), "", fault.description());
-    return std::nullopt;
-  }
+// The file as a whole cannot be used.
+Error unusable(std::string_view where, std::string_view key, std::string_view message) {
+  return {ErrorCode::kNotFound, error_line(where, key, message)};
 }
 
-bool check_version(const toml::table& root, const std::string& path, Problems& problems) {
+Result<void> check_version(const toml::table& root, const std::string& path) {
   const toml::node* node = root.get("version");
   const std::string known = std::to_string(kFileVersion);
   if (node == nullptr) {
-    problems.add(path, "version", "is missing; the first line must be: version = " + known);
-    return false;
+    return unusable(path, "version", "is missing; the first line must be: version = " + known);
   }
   const std::string where = path + ":" + std::to_string(node->source().begin.line);
   const auto* version = node->as_integer();
   if (version == nullptr || version->get() < 1) {
-    problems.add(where, "version", "must be an integer from 1; this Touchline reads version " + known);
-    return false;
+    return unusable(where, "version", "must be an integer from 1; this Touchline reads version " + known);
   }
   if (version->get() > kFileVersion) {
-    problems.add(
+    return unusable(
         where, "version",
         "made by a later Touchline (version " + std::to_string(version->get()) + "); this one reads version " + known);
-    return false;
   }
-  return true;
+  return {};
 }
 
-void apply(const Override& override, toml::table& root, Problems& problems) {
+}  // namespace
+
+Result<toml::table> parse_file(const std::string& path, std::string_view remedy) {
+  const Result<std::string> content = hal::read_file(path, hal::kMaxTextFileBytes);
+  if (!content.ok()) {
+    const bool show_remedy = content.code() == ErrorCode::kNotFound && !remedy.empty();
+    return unusable("", "", content.text() + (show_remedy ? "; " + std::string(remedy) : ""));
+  }
+  try {
+    toml::table root = toml::parse(content.value(), path);
+    TOUCHLINE_TRY(check_version(root, path));
+    return root;
+  } catch (const toml::parse_error& fault) {
+    return unusable(path + ":" + std::to_string(fault.source().begin.line), "", fault.description());
+  }
+}
+
+Result<void> apply(const Override& override, toml::table& root) {
+  const auto wrong = [&](std::string_view key, std::string_view message) {
+    return Error{ErrorCode::kInconsistent, error_line(option_text(override), key, message)};
+  };
   std::vector<Step> steps;
   if (!parse_steps(override.key, steps)) {
-    problems.add(option_text(override), "", "a key looks like camera.exposure_us or color[0].name");
-    return;
+    return wrong("", "a key looks like camera.exposure_us or color[0].name");
   }
   std::optional<toml::table> parsed = parse_value(override);
   toml::node* value = parsed ? parsed->get("value") : nullptr;
   if (value == nullptr) {
-    problems.add(option_text(override), "", "the value cannot be read");
-    return;
+    return wrong("", "the value cannot be read");
   }
   const toml::source_region source = value->source();
   toml::table* table = &root;
@@ -112,37 +116,31 @@ void apply(const Override& override, toml::table& root, Problems& problems) {
     if (!step.index) {
       if (last) {
         value->visit([&](auto& node) { table->insert_or_assign(toml::key(step.key, source), std::move(node)); });
-        return;
+        return {};
       }
       toml::node* inner = table->get(step.key);
       if (inner == nullptr) inner = &table->insert(toml::key(step.key, source), toml::table{}).first->second;
       table = inner->as_table();
       if (table == nullptr) {
-        problems.add(option_text(override), path,
-                     inner->is_array() ? "is a list; name an element: " + path + "[0]" : "is not a section");
-        return;
+        return wrong(path, inner->is_array() ? "is a list; name an element: " + path + "[0]" : "is not a section");
       }
       continue;
     }
     toml::array* array = table->get_as<toml::array>(step.key);
     path += "[" + std::to_string(*step.index) + "]";
     if (array == nullptr || *step.index >= array->size()) {
-      problems.add(option_text(override), path,
-                   "the list has " + std::to_string(array == nullptr ? 0 : array->size()) + " elements");
-      return;
+      return wrong(path, "the list has " + std::to_string(array == nullptr ? 0 : array->size()) + " elements");
     }
     if (last) {
       value->visit([&](auto& node) {
         array->replace(array->cbegin() + static_cast<std::ptrdiff_t>(*step.index), std::move(node));
       });
-      return;
+      return {};
     }
     table = array->get(*step.index)->as_table();
-    if (table == nullptr) {
-      problems.add(option_text(override), path, "is not a section");
-      return;
-    }
+    if (table == nullptr) return wrong(path, "is not a section");
   }
+  return {};
 }
 
 }  // namespace touchline::config

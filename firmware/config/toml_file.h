@@ -1,14 +1,13 @@
 #pragma once
 
 #include <toml++/toml.h>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "core/status.h"
-#include "firmware/config/problems.h"
+#include "firmware/config/error_list.h"
+#include "firmware/config/locations.h"
 #include "firmware/config/toml_reader.h"
 
 namespace touchline::config {
@@ -19,30 +18,26 @@ struct Override {
   std::string value;  // TOML; anything else is read as a string
 };
 
-/// Parses a file. On error, adds a problem and returns nothing. `remedy` is added to the message if there is no file.
-std::optional<toml::table> parse_file(const std::string& path, std::string_view remedy, Problems& problems);
-
-/// Checks the version. On error, adds a problem and returns false.
-bool check_version(const toml::table& root, const std::string& path, Problems& problems);
+/// Parses a file and checks its version. kNotFound: see read_toml(). `remedy` is added to the message if there is no
+/// file.
+Result<toml::table> parse_file(const std::string& path, std::string_view remedy);
 
 /// Stores the value in the table. The reader checks it later like a value from the file.
-void apply(const Override& override, toml::table& root, Problems& problems);
+Result<void> apply(const Override& override, toml::table& root);
 
 /// Reads a file and checks all keys. Keys with a wrong value keep their default.
-/// kNotFound: the file does not exist or has another version; nothing was read. kInconsistent: values are wrong. Both
-/// add problems.
+/// kNotFound: the file does not exist, is not TOML or has another version; nothing was read. kInconsistent: values are
+/// wrong; the message has a line for each.
 template <class File>
-Status read_toml(const std::string& path, std::string_view remedy, std::span<const Override> overrides, File& out,
-                 Locations& locations, Problems& problems) {
-  const std::size_t before = problems.size();
+Result<void> read_toml(const std::string& path, std::string_view remedy, std::span<const Override> overrides, File& out,
+                       Locations& locations) {
   locations = Locations(path);
-  std::optional<toml::table> root = parse_file(path, remedy, problems);
-  if (!root) return ErrorCode::kNotFound;
-  if (!check_version(*root, path, problems)) return ErrorCode::kNotFound;
-  for (const Override& override : overrides) apply(override, *root, problems);
-  TomlReader reader(*root, File::kRequired, locations, problems);
+  TOUCHLINE_TRY_ASSIGN(toml::table root, parse_file(path, remedy));
+  ErrorList errors;
+  for (const Override& override : overrides) errors.add(apply(override, root));
+  TomlReader reader(root, File::kRequired, locations, errors);
   reader.read(out);
-  return problems.size() == before ? Status() : ErrorCode::kInconsistent;
+  return errors.result();
 }
 
 }  // namespace touchline::config

@@ -31,8 +31,8 @@ std::string dotted(const std::string& parent, std::string_view key) {
 }  // namespace
 
 TomlReader::TomlReader(const toml::table& root, std::span<const std::string_view> required, Locations& locations,
-                       Problems& problems)
-    : root_(&root), required_(required), locations_(locations), problems_(problems) {}
+                       ErrorList& errors)
+    : root_(&root), required_(required), locations_(locations), errors_(errors) {}
 
 std::string TomlReader::path_of(std::string_view key) const { return dotted(level_.path, key); }
 std::string TomlReader::pattern_of(std::string_view key) const { return dotted(level_.pattern, key); }
@@ -123,8 +123,7 @@ bool TomlReader::take_number(const toml::node& node, const std::string& path, bo
   }
   if (value >= range.low && value <= range.high) return true;  // a NaN fails
   const std::string limits = range_text(range, unit);
-  problems_.add(where(node), path,
-                shown + (limits.empty() ? " is not a finite number" : " is out of range: " + limits));
+  errors_.add(where(node), path, shown + (limits.empty() ? " is not a finite number" : " is out of range: " + limits));
   return false;
 }
 
@@ -133,26 +132,26 @@ void TomlReader::refuse_word(std::string_view key, std::string_view word, std::s
   if (const std::string_view near = nearest_word(word, known); !near.empty()) {
     message.append("; did you mean \"").append(near).append("\"?");
   }
-  problems_.add(where(*level_.table->get(key)), path_of(key), message);
+  errors_.add(where(*level_.table->get(key)), path_of(key), message);
 }
 
 void TomlReader::refuse_type(const toml::node& node, const std::string& path, std::string_view expected) {
-  problems_.add(where(node), path, "expected " + std::string(expected) + ", found " + std::string(type_name(node)));
+  errors_.add(where(node), path, "expected " + std::string(expected) + ", found " + std::string(type_name(node)));
 }
 
 bool TomlReader::refuse_size(const toml::array& array, const std::string& path, std::string_view relation,
                              std::size_t size) {
-  problems_.add(where(array), path,
-                "expected " + std::string(relation) + " " + std::to_string(size) + " entries, found " +
-                    std::to_string(array.size()));
+  errors_.add(where(array), path,
+              "expected " + std::string(relation) + " " + std::to_string(size) + " entries, found " +
+                  std::to_string(array.size()));
   return false;
 }
 
 void TomlReader::finish_table() {
   for (const auto& [key, node] : *level_.table) {
     if (std::find(level_.known.begin(), level_.known.end(), key.str()) != level_.known.end()) continue;
-    problems_.add(where(key.source()), path_of(key.str()),
-                  "unknown key" + suggestion(key.str(), level_.known, "keys here"));
+    errors_.add(where(key.source()), path_of(key.str()),
+                "unknown key" + suggestion(key.str(), level_.known, "keys here"));
   }
   const std::string here = locations_.of(level_.path);
   for (const std::string_view pattern : required_) {
@@ -160,7 +159,7 @@ void TomlReader::finish_table() {
     const std::string_view parent = cut == std::string_view::npos ? "" : pattern.substr(0, cut);
     const std::string_view key = cut == std::string_view::npos ? pattern : pattern.substr(cut + 1);
     if (parent != level_.pattern || level_.table->contains(key)) continue;
-    problems_.add(here, path_of(key), "is missing");
+    errors_.add(here, path_of(key), "is missing");
   }
 }
 

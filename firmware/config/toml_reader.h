@@ -9,19 +9,20 @@
 #include <vector>
 
 #include "core/parameter.h"
-#include "firmware/config/problems.h"
+#include "firmware/config/error_list.h"
+#include "firmware/config/locations.h"
 #include "firmware/config/wording.h"
 
 namespace touchline::config {
 
 /// Visitor of core/parameter.h that fills a struct from a TOML table. Absent keys keep their value. Each error is added
-/// to Problems with its line, and reading continues, so that all errors of a file are reported together.
+/// to the list with its line, and reading continues, so that all errors of a file are reported together.
 class TomlReader {
  public:
   /// `required`: paths of keys that must be present if the table around them is, without list indices
   /// ("color.box.low").
   TomlReader(const toml::table& root, std::span<const std::string_view> required, Locations& locations,
-             Problems& problems);
+             ErrorList& errors);
 
   template <class Struct>
   void read(Struct& out) {
@@ -147,7 +148,7 @@ class TomlReader {
   const toml::table* root_;
   std::span<const std::string_view> required_;
   Locations& locations_;
-  Problems& problems_;
+  ErrorList& errors_;
   Level level_;
 };
 

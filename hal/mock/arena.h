@@ -36,7 +36,7 @@ class Arena {
   static constexpr Instant kBegin{std::chrono::seconds(1)};
 
   /// `camera`: format, size, rate and number of buffers; `radio`: baud rate; `begin`: the instant of arena time 0.
-  /// The parameters must pass hal::mock::validate().
+  /// The parameters must have no violation (hal::mock::find_violation()).
   Arena(const ArenaParameters& parameters, const CameraSettings& camera, const RadioSettings& radio, std::uint64_t seed,
         Instant begin = kBegin);
   Arena(const Arena&) = delete;

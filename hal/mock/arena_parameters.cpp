@@ -18,23 +18,19 @@ Body body_of(const ArenaRobot& robot) {
   return body;
 }
 
-Status check_room(const ArenaParameters& parameters, std::string& key, std::string& reason) {
+std::optional<Violation> check_room(const ArenaParameters& parameters) {
   const FieldParameters& field = parameters.field;
   if (field.goal_width_m + 2.0 * field.corner_m > field.width_m || 2.0 * field.corner_m > field.length_m) {
-    key = "field";
-    reason = "goal and corner pieces do not fit into the field's sides";
-    return ErrorCode::kInconsistent;
+    return Violation{"field", "goal and corner pieces do not fit into the field's sides"};
   }
   const double height = std::max(parameters.robot_height_m, 2.0 * parameters.ball_radius_m);
   if (parameters.camera.position_m[2] <= height) {
-    key = "camera.position_m";
-    reason = "the camera must be above robots and ball";
-    return ErrorCode::kOutOfRange;
+    return Violation{"camera.position_m", "the camera must be above robots and ball"};
   }
   return {};
 }
 
-Status check_start(const ArenaParameters& parameters, std::size_t index, std::string& key, std::string& reason) {
+std::optional<Violation> check_start(const ArenaParameters& parameters, std::size_t index) {
   Body body = body_of(parameters.robot[index]);
   const Square square{&body, 0.5 * parameters.robot_side_m};
   const FieldParameters& field = parameters.field;
@@ -45,45 +41,36 @@ Status check_start(const ArenaParameters& parameters, std::size_t index, std::st
   };
   const auto at_start = corners(square);
   if (std::any_of(at_start.begin(), at_start.end(), is_outside)) {
-    key = path_of(index);
-    reason = "is outside of the field";
-    return ErrorCode::kOutOfRange;
+    return Violation{path_of(index), "is outside of the field"};
   }
   Contacts contacts;
   for (std::size_t other = 0; other < index; ++other) {
     Body body_of_other = body_of(parameters.robot[other]);
     collide(square, Square{&body_of_other, square.half_side_m}, {}, contacts);
     if (contacts.empty()) continue;
-    key = path_of(index);
-    reason = "overlaps " + path_of(other);
-    return ErrorCode::kInconsistent;
+    return Violation{path_of(index), "overlaps " + path_of(other)};
   }
   return {};
 }
 
-Status check_names(const ArenaParameters& parameters, std::size_t index, std::string& key, std::string& reason) {
+std::optional<Violation> check_names(const ArenaParameters& parameters, std::size_t index) {
   const ArenaRobot& robot = parameters.robot[index];
   const std::string path = path_of(index);
   const std::size_t needed = parameters.patch.size() - 1;
   if (robot.colors.size() != needed) {
-    key = path + ".colors";
-    reason = "has " + std::to_string(robot.colors.size()) + " colors; must have one for each of the " +
-             std::to_string(needed) + " patches after the team's";
-    return ErrorCode::kInconsistent;
+    return Violation{path + ".colors", "has " + std::to_string(robot.colors.size()) +
+                                           " colors; must have one for each of the " + std::to_string(needed) +
+                                           " patches after the team's"};
   }
   for (const std::string& color : robot.colors) {
     if (find_paint(parameters, color) != nullptr) continue;
-    key = path + ".colors";
-    reason = "\"" + color + "\" is not in [[arena.paint]]";
-    return ErrorCode::kNotFound;
+    return Violation{path + ".colors", "\"" + color + "\" is not in [[arena.paint]]"};
   }
   const auto same = [&](const ArenaRobot& other) { return other.team == robot.team && other.id == robot.id; };
   const auto begin = parameters.robot.begin(), end = begin + static_cast<std::ptrdiff_t>(index);
   if (const auto twin = std::find_if(begin, end, same); twin != end) {
-    key = path + ".id";
-    reason = std::to_string(robot.id) + " is already used by " + path_of(static_cast<std::size_t>(twin - begin)) +
-             " of the same team";
-    return ErrorCode::kInconsistent;
+    return Violation{path + ".id", std::to_string(robot.id) + " is already used by " +
+                                       path_of(static_cast<std::size_t>(twin - begin)) + " of the same team"};
   }
   return {};
 }
@@ -96,41 +83,34 @@ const Paint* find_paint(const ArenaParameters& parameters, std::string_view name
   return found == parameters.paint.end() ? nullptr : &*found;
 }
 
-Status validate(const ArenaParameters& parameters, std::string& key, std::string& reason) {
+std::optional<Violation> find_violation(const ArenaParameters& parameters) {
   if (parameters.patch.empty() || parameters.patch.size() > kMaxPatches) {
-    key = "patch";
-    reason = "there are " + std::to_string(parameters.patch.size()) + " patches; a robot has 1 to " +
-             std::to_string(kMaxPatches);
-    return ErrorCode::kOutOfRange;
+    return Violation{"patch", "there are " + std::to_string(parameters.patch.size()) + " patches; a robot has 1 to " +
+                                  std::to_string(kMaxPatches)};
   }
-  if (const Status status = check_room(parameters, key, reason); !status.ok()) return status;
+  if (auto found = check_room(parameters)) return found;
   for (const Side side : {Side::kOwn, Side::kOpponent}) {
     const auto count = std::count_if(parameters.robot.begin(), parameters.robot.end(),
                                      [&](const ArenaRobot& robot) { return robot.team == side; });
     if (count <= static_cast<std::ptrdiff_t>(kMaxRobotsPerTeam)) continue;
-    key = "robot";
-    reason = "one team has " + std::to_string(count) + " robots; at most " + std::to_string(kMaxRobotsPerTeam) +
-             " are allowed";
-    return ErrorCode::kFull;
+    return Violation{"robot", "one team has " + std::to_string(count) + " robots; at most " +
+                                  std::to_string(kMaxRobotsPerTeam) + " are allowed"};
   }
   for (std::size_t i = 0; i < parameters.paint.size(); ++i) {
     if (find_paint(parameters, parameters.paint[i].name) == &parameters.paint[i]) continue;
-    key = "paint[" + std::to_string(i) + "].name";
-    reason = "\"" + parameters.paint[i].name + "\" is already the name of another paint";
-    return ErrorCode::kInconsistent;
+    return Violation{"paint[" + std::to_string(i) + "].name",
+                     "\"" + parameters.paint[i].name + "\" is already the name of another paint"};
   }
   const std::array<std::pair<const char*, const std::string*>, 3> named{{{"own_color", &parameters.own_color},
                                                                          {"opponent_color", &parameters.opponent_color},
                                                                          {"ball_color", &parameters.ball_color}}};
   for (const auto& [name, color] : named) {
     if (find_paint(parameters, *color) != nullptr) continue;
-    key = name;
-    reason = "\"" + *color + "\" is not in [[arena.paint]]";
-    return ErrorCode::kNotFound;
+    return Violation{name, "\"" + *color + "\" is not in [[arena.paint]]"};
   }
   for (std::size_t i = 0; i < parameters.robot.size(); ++i) {
-    if (const Status status = check_names(parameters, i, key, reason); !status.ok()) return status;
-    if (const Status status = check_start(parameters, i, key, reason); !status.ok()) return status;
+    if (auto found = check_names(parameters, i)) return found;
+    if (auto found = check_start(parameters, i)) return found;
   }
   return {};
 }

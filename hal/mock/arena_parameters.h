@@ -2,13 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/parameter.h"
-#include "core/status.h"
 
 // Section [arena] of the board file: parameters of the simulation behind backend "mock". The pipeline does not know
 // them.
@@ -416,10 +416,15 @@ struct ArenaParameters {
 /// Returns null if there is no such paint.
 const Paint* find_paint(const ArenaParameters& parameters, std::string_view name);
 
-/// Checks the constraints between keys. kOutOfRange: number of patches, a robot outside of the field, or a camera that
-/// is not above it. kFull: too many robots in a team. kNotFound: an unknown paint. kInconsistent: a robot id or paint
-/// name occurs twice, robots overlap, a robot has the wrong number of colors, or the walls do not fit. `key` (below
-/// [arena]) and `reason` describe the first violation.
-Status validate(const ArenaParameters& parameters, std::string& key, std::string& reason);
+/// A value that contradicts others.
+struct Violation {
+  std::string key;  // below [arena]: "robot[1].colors"
+  std::string message;
+};
+
+/// Checks the constraints between keys and returns the first violation: number of patches, robots and colors, names
+/// that are unknown or occur twice, robots that overlap or stand outside of the field, walls that do not fit, a camera
+/// that is not above the robots.
+std::optional<Violation> find_violation(const ArenaParameters& parameters);
 
 }  // namespace touchline::hal::mock

@@ -84,10 +84,10 @@ bool stored_as_rgb(const AVFrame& source) {
 }
 
 template <class Sample>
-Status read_rgb(const AVFrame& source, std::vector<std::uint16_t>& line, Sample* samples, std::size_t stride_samples) {
+bool read_rgb(const AVFrame& source, std::vector<std::uint16_t>& line, Sample* samples, std::size_t stride_samples) {
   const AVPixFmtDescriptor* layout = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(source.format));
-  if (layout == nullptr || !stored_as_rgb(source)) return ErrorCode::kUnsupported;
-  if ((layout->flags & (AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BAYER)) != 0) return ErrorCode::kUnsupported;
+  if (layout == nullptr || !stored_as_rgb(source)) return false;
+  if ((layout->flags & (AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BAYER)) != 0) return false;
   const auto width = static_cast<std::size_t>(source.width);
   const auto height = static_cast<std::size_t>(source.height);
   constexpr std::uint32_t kMaxValue = sizeof(Sample) == 1 ? 255 : 65535;
@@ -97,7 +97,7 @@ Status read_rgb(const AVFrame& source, std::vector<std::uint16_t>& line, Sample*
       const std::uint8_t* row = source.data[0] + static_cast<std::ptrdiff_t>(y) * source.linesize[0];
       std::copy_n(row, 3 * width, samples + y * stride_samples);
     }
-    return {};
+    return true;
   }
   line.resize(width);
   const std::uint8_t* data[4] = {source.data[0], source.data[1], source.data[2], source.data[3]};
@@ -113,15 +113,18 @@ Status read_rgb(const AVFrame& source, std::vector<std::uint16_t>& line, Sample*
       }
     }
   }
-  return {};
+  return true;
 }
-template Status read_rgb(const AVFrame&, std::vector<std::uint16_t>&, std::uint8_t*, std::size_t);
-template Status read_rgb(const AVFrame&, std::vector<std::uint16_t>&, std::uint16_t*, std::size_t);
+template bool read_rgb(const AVFrame&, std::vector<std::uint16_t>&, std::uint8_t*, std::size_t);
+template bool read_rgb(const AVFrame&, std::vector<std::uint16_t>&, std::uint16_t*, std::size_t);
 
-Status FrameConverter::convert(const AVFrame& source, ConvertedFrame& out) {
+Result<void> FrameConverter::convert(const AVFrame& source, ConvertedFrame& out) {
+  const auto unsupported = [] {
+    return failure(ErrorCode::kUnsupported, "cannot be converted to the requested format");
+  };
   if (source.width < 1 || source.height < 1 || source.width > static_cast<int>(kMaxFrameWidth) ||
       source.height > static_cast<int>(kMaxFrameHeight)) {
-    return ErrorCode::kUnsupported;
+    return unsupported();
   }
   out.view.format = format_;
   out.view.width_px = static_cast<std::uint16_t>(source.width);
@@ -132,19 +135,21 @@ Status FrameConverter::convert(const AVFrame& source, ConvertedFrame& out) {
   out.view.stride_bytes = layout.stride_bytes;
   for (std::size_t i = 0; i < info_of(format_).planes; ++i)
     out.view.plane[i] = out.bytes.data() + layout.offset_bytes[i];
-  return color_space(format_) == ColorSpace::kRgb ? to_rgb(source, out) : to_yuv(source, out);
+  const bool converted = color_space(format_) == ColorSpace::kRgb ? to_rgb(source, out) : to_yuv(source, out);
+  if (!converted) return unsupported();
+  return {};
 }
 
-Status FrameConverter::scale(const AVFrame& source, AVPixelFormat target, std::uint8_t* const data[],
-                             const int stride[]) {
+bool FrameConverter::scale(const AVFrame& source, AVPixelFormat target, std::uint8_t* const data[],
+                           const int stride[]) {
   const auto format = static_cast<AVPixelFormat>(source.format);
   const AVPixFmtDescriptor* layout = av_pix_fmt_desc_get(format);
-  if (layout == nullptr || sws_isSupportedInput(format) == 0) return ErrorCode::kUnsupported;
+  if (layout == nullptr || sws_isSupportedInput(format) == 0) return false;
   if (scaler_ == nullptr || scaler_source_ != format || scaler_target_ != target || scaler_width_ != source.width ||
       scaler_height_ != source.height) {
     scaler_.reset(sws_alloc_context());
     SwsContext* s = scaler_.get();
-    if (s == nullptr) return ErrorCode::kUnsupported;
+    if (s == nullptr) return false;
     av_opt_set_int(s, "srcw", source.width, 0);
     av_opt_set_int(s, "srch", source.height, 0);
     av_opt_set_int(s, "dstw", source.width, 0);
@@ -162,7 +167,7 @@ Status FrameConverter::scale(const AVFrame& source, AVPixelFormat target, std::u
                              1 << 16);
     if (sws_init_context(s, nullptr, nullptr) < 0) {
       scaler_.reset();
-      return ErrorCode::kUnsupported;
+      return false;
     }
     scaler_source_ = format;
     scaler_target_ = target;
@@ -170,33 +175,33 @@ Status FrameConverter::scale(const AVFrame& source, AVPixelFormat target, std::u
     scaler_height_ = source.height;
   }
   const int rows = sws_scale(scaler_.get(), source.data, source.linesize, 0, source.height, data, stride);
-  return rows == source.height ? Status{} : Status{ErrorCode::kUnsupported};
+  return rows == source.height;
 }
 
-Status FrameConverter::read_as_rgb(const AVFrame& source, std::size_t stride_bytes) {
+bool FrameConverter::read_as_rgb(const AVFrame& source, std::size_t stride_bytes) {
   rgb_.resize(stride_bytes * static_cast<std::size_t>(source.height) + AV_INPUT_BUFFER_PADDING_SIZE);
   return read_rgb(source, line_, rgb_.data(), stride_bytes);
 }
 
-Status FrameConverter::to_rgb(const AVFrame& source, ConvertedFrame& out) {
+bool FrameConverter::to_rgb(const AVFrame& source, ConvertedFrame& out) {
   const std::size_t width = out.view.width_px, height = out.view.height_px, stride = aligned(3 * width);
   if (stored_as_rgb(source)) {
-    if (Status s = read_as_rgb(source, stride); !s.ok()) return s;
+    if (!read_as_rgb(source, stride)) return false;
   } else {
     rgb_.resize(stride * height + AV_INPUT_BUFFER_PADDING_SIZE);
     std::uint8_t* const data[4] = {rgb_.data(), nullptr, nullptr, nullptr};
     const int strides[4] = {static_cast<int>(stride), 0, 0, 0};
-    if (Status s = scale(source, AV_PIX_FMT_RGB24, data, strides); !s.ok()) return s;
+    if (!scale(source, AV_PIX_FMT_RGB24, data, strides)) return false;
   }
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t y = 0; y < height; ++y) {
       write_channel(out, c, y, width, [row = rgb_.data() + y * stride + c](std::size_t x) { return row[3 * x]; });
     }
   }
-  return {};
+  return true;
 }
 
-Status FrameConverter::to_yuv(const AVFrame& source, ConvertedFrame& out) {
+bool FrameConverter::to_yuv(const AVFrame& source, ConvertedFrame& out) {
   const std::size_t width = out.view.width_px, height = out.view.height_px, half = (width + 1) / 2;
   const bool has_420 = info_of(format_).channel[1].shift_v == 1;
   const auto layout = static_cast<AVPixelFormat>(source.format);
@@ -214,7 +219,7 @@ Status FrameConverter::to_yuv(const AVFrame& source, ConvertedFrame& out) {
     const AVFrame* input = &source;
     AVFrame rgb{};
     if (stored_as_rgb(source)) {
-      if (Status s = read_as_rgb(source, 3 * width); !s.ok()) return s;
+      if (!read_as_rgb(source, 3 * width)) return false;
       rgb.format = AV_PIX_FMT_RGB24;
       rgb.width = source.width;
       rgb.height = source.height;
@@ -227,7 +232,7 @@ Status FrameConverter::to_yuv(const AVFrame& source, ConvertedFrame& out) {
     std::uint8_t* const data[4] = {planar_.data(), planar_.data() + width * height,
                                    planar_.data() + width * height + half * chroma_rows, nullptr};
     const int strides[4] = {static_cast<int>(width), static_cast<int>(half), static_cast<int>(half), 0};
-    if (Status s = scale(*input, has_420 ? AV_PIX_FMT_YUV420P : AV_PIX_FMT_YUV422P, data, strides); !s.ok()) return s;
+    if (!scale(*input, has_420 ? AV_PIX_FMT_YUV420P : AV_PIX_FMT_YUV422P, data, strides)) return false;
     for (std::size_t i = 0; i < 3; ++i) {
       planes.data[i] = data[i];
       planes.stride[i] = strides[i];
@@ -248,7 +253,7 @@ Status FrameConverter::to_yuv(const AVFrame& source, ConvertedFrame& out) {
       write_channel(out, c, y, half, [row = row_of(c, y >> planes.chroma_shift)](std::size_t x) { return row[x]; });
     }
   }
-  return {};
+  return true;
 }
 
 }  // namespace touchline::hal::ffmpeg

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/status.h"
 #include "core/types.h"
 #include "hal/replay/ffmpeg.h"
+#include "hal/result.h"
 
 namespace touchline::hal::ffmpeg {
 
@@ -26,7 +26,7 @@ class FrameConverter {
  public:
   explicit FrameConverter(PixelFormat format) : format_(format) {}
   /// kUnsupported: larger than kMaxFrameWidth x kMaxFrameHeight, or a layout that FFmpeg cannot convert.
-  Status convert(const AVFrame& source, ConvertedFrame& out);
+  Result<void> convert(const AVFrame& source, ConvertedFrame& out);
 
  private:
   struct Planes {
@@ -34,11 +34,12 @@ class FrameConverter {
     int stride[3];
     int chroma_shift;  // log2 of the number of picture rows per row of chroma
   };
+  // These return false if FFmpeg cannot convert the layout.
   /// Reads a frame that is stored_as_rgb() into rgb_.
-  Status read_as_rgb(const AVFrame& source, std::size_t stride_bytes);
-  Status to_rgb(const AVFrame& source, ConvertedFrame& out);
-  Status to_yuv(const AVFrame& source, ConvertedFrame& out);
-  Status scale(const AVFrame& source, AVPixelFormat target, std::uint8_t* const data[], const int stride[]);
+  [[nodiscard]] bool read_as_rgb(const AVFrame& source, std::size_t stride_bytes);
+  [[nodiscard]] bool to_rgb(const AVFrame& source, ConvertedFrame& out);
+  [[nodiscard]] bool to_yuv(const AVFrame& source, ConvertedFrame& out);
+  [[nodiscard]] bool scale(const AVFrame& source, AVPixelFormat target, std::uint8_t* const data[], const int stride[]);
 
   PixelFormat format_;
   ScalerPtr scaler_;
@@ -49,9 +50,10 @@ class FrameConverter {
 };
 
 /// Reads a frame that is stored_as_rgb(), exactly, with 8 or 16 bits per channel, into the 3 * width * height
-/// `samples`. kUnsupported: a YUV layout.
+/// `samples`. Returns false for a YUV layout.
 template <class Sample>
-Status read_rgb(const AVFrame& source, std::vector<std::uint16_t>& line, Sample* samples, std::size_t stride_samples);
+[[nodiscard]] bool read_rgb(const AVFrame& source, std::vector<std::uint16_t>& line, Sample* samples,
+                            std::size_t stride_samples);
 
 /// True for RGB, gray and palette layouts.
 bool stored_as_rgb(const AVFrame& source);

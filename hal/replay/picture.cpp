@@ -79,59 +79,46 @@ Result<FramePtr> decode_picture(const std::string& path, std::int64_t max_pixels
 
 }  // namespace ffmpeg
 
-Status read_picture(const std::string& path, Picture& out, std::string& reason, std::int64_t max_pixels) {
-  Result<FramePtr> decoded = decode_picture(path, max_pixels);
-  if (!decoded.ok()) {
-    reason = decoded.text();
-    return decoded.code();
-  }
-  const FramePtr frame = std::move(decoded).value();
+Result<Picture> read_picture(const std::string& path, std::int64_t max_pixels) {
+  TOUCHLINE_TRY_ASSIGN(const FramePtr frame, decode_picture(path, max_pixels));
   const auto width = static_cast<std::size_t>(frame->width), height = static_cast<std::size_t>(frame->height);
-  out = {};
+  Picture out;
   out.width_px = static_cast<std::uint32_t>(width);
   out.height_px = static_cast<std::uint32_t>(height);
   const AVPixFmtDescriptor* layout = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame->format));
   std::vector<std::uint16_t> line;
-  Status status;
+  bool converted = false;
   if (stored_as_rgb(*frame) && layout->comp[0].depth > 8) {
     out.rgb16.resize(3 * width * height);
-    status = read_rgb(*frame, line, out.rgb16.data(), 3 * width);
+    converted = read_rgb(*frame, line, out.rgb16.data(), 3 * width);
   } else if (stored_as_rgb(*frame)) {
     out.rgb8.resize(3 * width * height);
-    status = read_rgb(*frame, line, out.rgb8.data(), 3 * width);
+    converted = read_rgb(*frame, line, out.rgb8.data(), 3 * width);
   } else {
     FrameConverter converter(PixelFormat::kRgb24);
-    ConvertedFrame converted;
-    status = converter.convert(*frame, converted);
+    ConvertedFrame rgb;
+    converted = converter.convert(*frame, rgb).ok();
     out.rgb8.resize(3 * width * height);
-    for (std::size_t y = 0; status.ok() && y < height; ++y) {
-      std::copy_n(converted.bytes.data() + y * converted.view.stride_bytes[0], 3 * width,
-                  out.rgb8.data() + 3 * width * y);
+    for (std::size_t y = 0; converted && y < height; ++y) {
+      std::copy_n(rgb.bytes.data() + y * rgb.view.stride_bytes[0], 3 * width, out.rgb8.data() + 3 * width * y);
     }
   }
-  if (!status.ok()) {
-    out = {};
-    const char* name = layout == nullptr ? "unknown" : layout->name;
-    reason = path + ": layout " + name + " or size cannot be converted to RGB";
-  }
-  return status;
+  if (converted) return out;
+  return failure(ErrorCode::kUnsupported, "%s: layout %s or size cannot be converted to RGB", path.c_str(),
+                 layout == nullptr ? "unknown" : layout->name);
 }
 
-Status encode_png(const Picture& picture, std::string& png, std::string& reason) {
+Result<std::string> encode_png(const Picture& picture) {
   const std::size_t values = std::size_t{3} * picture.width_px * picture.height_px;
   const bool is_16_bit = picture.is_16_bit();
   if (values == 0 || (is_16_bit ? picture.rgb16.size() : picture.rgb8.size()) != values ||
       (is_16_bit && !picture.rgb8.empty())) {
-    reason = "the number of values does not match the picture's size";
-    return ErrorCode::kOutOfRange;
+    return failure(ErrorCode::kOutOfRange, "the number of values does not match the picture's size");
   }
   const LogCapture log;
   const AVCodec* encoder = avcodec_find_encoder(AV_CODEC_ID_PNG);
   CodecPtr codec(encoder == nullptr ? nullptr : avcodec_alloc_context3(encoder));
-  if (codec == nullptr) {
-    reason = "this FFmpeg has no PNG encoder";
-    return ErrorCode::kUnsupported;
-  }
+  if (codec == nullptr) return failure(ErrorCode::kUnsupported, "this FFmpeg has no PNG encoder");
   FramePtr frame(av_frame_alloc());
   PacketPtr packet(av_packet_alloc());
   codec->width = frame->width = static_cast<int>(picture.width_px);
@@ -159,24 +146,14 @@ Status encode_png(const Picture& picture, std::string& png, std::string& reason)
     result = avcodec_send_frame(codec.get(), frame.get());
   }
   if (result >= 0) result = avcodec_receive_packet(codec.get(), packet.get());
-  if (result < 0) {
-    reason = log.first_error().empty() ? error_text(result) : log.first_error();
-    return ErrorCode::kIo;
-  }
-  png.assign(reinterpret_cast<const char*>(packet->data), static_cast<std::size_t>(packet->size));
-  return {};
+  if (result < 0) return Error{ErrorCode::kIo, log.first_error().empty() ? error_text(result) : log.first_error()};
+  return std::string(reinterpret_cast<const char*>(packet->data), static_cast<std::size_t>(packet->size));
 }
 
-Status write_picture(const std::string& path, const Picture& picture, std::string& reason,
-                     const OutputOptions& options) {
-  std::string png;
-  if (const Status status = encode_png(picture, png, reason); !status.ok()) {
-    reason.insert(0, path + ": ");
-    return status;
-  }
-  const Result<void> written = write_file(path, png, options);
-  reason = written.text();
-  return written.code();
+Result<void> write_picture(const std::string& path, const Picture& picture, const OutputOptions& options) {
+  Result<std::string> png = encode_png(picture);
+  if (!png.ok()) return prefixed(path, std::move(png).error());
+  return write_file(path, png.value(), options);
 }
 
 }  // namespace touchline::hal

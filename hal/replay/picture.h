@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "core/status.h"
 #include "core/types.h"
 #include "hal/files/output_file.h"
+#include "hal/result.h"
 
 namespace touchline::hal {
 
@@ -27,17 +27,16 @@ inline constexpr std::int64_t kMaxPicturePixels = std::int64_t{4} * kMaxFrameWid
 /// channel become rgb16, all others rgb8; alpha is dropped, gray is copied to the three channels. Pictures of more than
 /// `max_pixels` are refused before memory for their pixels is allocated.
 /// kNotFound, kPermission, kIo: the file; kUnsupported: not such a picture; kOutOfRange: too many pixels;
-/// kCorruptFrame: truncated or damaged, even if the decoder returns the undamaged part. `reason` then names the
+/// kCorruptFrame: truncated or damaged, even if the decoder returns the undamaged part. The message names the
 /// file and the cause.
-Status read_picture(const std::string& path, Picture& out, std::string& reason,
-                    std::int64_t max_pixels = kMaxPicturePixels);
+Result<Picture> read_picture(const std::string& path, std::int64_t max_pixels = kMaxPicturePixels);
 
 /// Encodes a PNG file with 8 or 16 bits per channel in memory. kOutOfRange: the number of values does not match the
-/// size; kUnsupported: no encoder. `reason` is then the cause.
-Status encode_png(const Picture& picture, std::string& png, std::string& reason);
+/// size; kUnsupported: no encoder.
+Result<std::string> encode_png(const Picture& picture);
 
-/// Writes a PNG file as OutputFile does. Errors of encode_png() and OutputFile; `reason` names the file and the cause.
-Status write_picture(const std::string& path, const Picture& picture, std::string& reason,
-                     const OutputOptions& options = {});
+/// Writes a PNG file as OutputFile does. Errors of encode_png() and OutputFile; the message names the file and the
+/// cause.
+Result<void> write_picture(const std::string& path, const Picture& picture, const OutputOptions& options = {});
 
 }  // namespace touchline::hal

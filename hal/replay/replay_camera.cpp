@@ -117,8 +117,8 @@ Result<FrameLease> ReplayCamera::do_wait(Instant deadline) {
   }
   input_->pending = false;
   ffmpeg::ConvertedFrame& converted = input_->buffer[slot];
-  if (Status s = input_->converter.convert(*input_->decoded.picture, converted); !s.ok()) {
-    return failed(s.code(), file_ + " cannot be converted to the requested format");
+  if (const Result<void> done = input_->converter.convert(*input_->decoded.picture, converted); !done.ok()) {
+    return failed(done.code(), file_ + " " + done.text());
   }
   input_->leased[slot] = true;
   latest_ = stamp;

@@ -30,7 +30,7 @@ struct StreamDeleter {
 // The file, and the error of a callback, of which FFmpeg passes on only a number.
 struct Stream {
   OutputFile file;
-  std::string error;
+  Result<void> result;
 };
 
 // FFmpeg's callbacks. `Byte` is const since FFmpeg 7.
@@ -38,18 +38,18 @@ template <class Byte>
 int write_bytes(void* opaque, Byte* bytes, int size) {
   auto& stream = *static_cast<Stream*>(opaque);
   const std::string_view view(reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size));
-  const Result<void> written = stream.file.write(view);
+  Result<void> written = stream.file.write(view);
   if (written.ok()) return size;
-  stream.error = written.text();
+  stream.result = std::move(written);
   return AVERROR(EIO);
 }
 
 int64_t seek_to(void* opaque, int64_t position, int whence) {
   if ((whence & ~AVSEEK_FORCE) != SEEK_SET) return AVERROR(ENOSYS);
   auto& stream = *static_cast<Stream*>(opaque);
-  const Result<void> done = stream.file.seek(static_cast<std::uint64_t>(position));
+  Result<void> done = stream.file.seek(static_cast<std::uint64_t>(position));
   if (done.ok()) return position;
-  stream.error = done.text();
+  stream.result = std::move(done);
   return AVERROR(EIO);
 }
 
@@ -71,19 +71,16 @@ struct VideoWriter::Output {
 VideoWriter::VideoWriter() = default;
 VideoWriter::~VideoWriter() = default;
 
-Status VideoWriter::fail(ErrorCode code, const std::string& cause) {
-  reason_ = path_ + ": " + cause;
-  return code;
-}
+Error VideoWriter::fail(ErrorCode code, const std::string& cause) const { return prefixed(path_, {code, cause}); }
 
 // The error of the file contains more information than the muxer's.
-Status VideoWriter::fail_writing(int result) {
-  if (output_->bytes.error.empty()) return fail(ErrorCode::kIo, error_text(result));
-  reason_ = output_->bytes.error;
-  return ErrorCode::kIo;
+Error VideoWriter::fail_writing(int result) const {
+  const Result<void>& file = output_->bytes.result;
+  return file.ok() ? fail(ErrorCode::kIo, error_text(result)) : file.error();
 }
 
-Status VideoWriter::open(const std::string& path, std::uint32_t width_px, std::uint32_t height_px, double rate_hz) {
+Result<void> VideoWriter::open(const std::string& path, std::uint32_t width_px, std::uint32_t height_px,
+                               double rate_hz) {
   const LogCapture log;
   path_ = path;
   if (width_px == 0 || height_px == 0 || width_px % 2 != 0 || height_px % 2 != 0 || !(rate_hz > 0.0)) {
@@ -125,10 +122,7 @@ Status VideoWriter::open(const std::string& path, std::uint32_t width_px, std::u
   output->stream->time_base = kTick;
   output->stream->avg_frame_rate = codec.framerate;
   OutputFile& target = output->bytes.file;
-  if (const Result<void> opened = target.open(path); !opened.ok()) {
-    reason_ = opened.text();
-    return opened.code();
-  }
+  TOUCHLINE_TRY(target.open(path));
   auto* buffer = static_cast<unsigned char*>(av_malloc(kStreamBytes));
   output->stream_out.reset(avio_alloc_context(buffer, kStreamBytes, 1, &output->bytes, nullptr, write_bytes,
                                               target.replaces_file() ? seek_to : nullptr));
@@ -155,7 +149,7 @@ Status VideoWriter::open(const std::string& path, std::uint32_t width_px, std::u
   return {};
 }
 
-Status VideoWriter::drain() {
+Result<void> VideoWriter::drain() {
   for (;;) {
     int result = avcodec_receive_packet(output_->codec.get(), output_->packet.get());
     if (result == AVERROR(EAGAIN) || result == AVERROR_EOF) return {};
@@ -167,7 +161,7 @@ Status VideoWriter::drain() {
   }
 }
 
-Status VideoWriter::write(std::span<const std::uint8_t> bgrx, std::size_t stride_bytes, Duration stamp) {
+Result<void> VideoWriter::write(std::span<const std::uint8_t> bgrx, std::size_t stride_bytes, Duration stamp) {
   const LogCapture log;
   if (output_ == nullptr) return fail(ErrorCode::kIo, "is not open");
   AVFrame& frame = *output_->frame;
@@ -185,20 +179,19 @@ Status VideoWriter::write(std::span<const std::uint8_t> bgrx, std::size_t stride
   return drain();
 }
 
-Status VideoWriter::finish() {
+Result<void> VideoWriter::finish() {
   const LogCapture log;
   if (output_ == nullptr) return fail(ErrorCode::kIo, "is not open");
   int result = avcodec_send_frame(output_->codec.get(), nullptr);
   if (result < 0) return fail(ErrorCode::kIo, error_text(result));
-  if (Status s = drain(); !s.ok()) return s;
+  TOUCHLINE_TRY(drain());
   result = av_write_trailer(output_->file.get());
   avio_flush(output_->file->pb);
   if (result >= 0) result = output_->file->pb->error;
   if (result < 0) return fail_writing(result);
-  const Result<void> committed = output_->bytes.file.commit();
+  Result<void> committed = output_->bytes.file.commit();
   output_.reset();
-  reason_ = committed.text();
-  return committed.code();
+  return committed;
 }
 
 }  // namespace touchline::hal

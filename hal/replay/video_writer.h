@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 
-#include "core/status.h"
 #include "core/time.h"
+#include "hal/result.h"
 
 namespace touchline::hal {
 
@@ -21,21 +21,20 @@ class VideoWriter {
 
   /// Width and height must be even (4:2:0), else kOutOfRange. kUnsupported: no encoder. Otherwise the errors of
   /// OutputFile.
-  Status open(const std::string& path, std::uint32_t width_px, std::uint32_t height_px, double rate_hz);
+  Result<void> open(const std::string& path, std::uint32_t width_px, std::uint32_t height_px, double rate_hz);
   /// `bgrx`: rows of `stride_bytes` (Cairo's RGB24 on little-endian machines). `stamp` must increase from frame to
   /// frame.
-  Status write(std::span<const std::uint8_t> bgrx, std::size_t stride_bytes, Duration stamp);
-  Status finish();
-  [[nodiscard]] const std::string& reason() const { return reason_; }
+  Result<void> write(std::span<const std::uint8_t> bgrx, std::size_t stride_bytes, Duration stamp);
+  Result<void> finish();
 
  private:
   struct Output;
-  Status fail(ErrorCode code, const std::string& cause);
-  Status fail_writing(int result);
-  Status drain();
+  [[nodiscard]] Error fail(ErrorCode code, const std::string& cause) const;
+  [[nodiscard]] Error fail_writing(int result) const;
+  Result<void> drain();
 
   std::unique_ptr<Output> output_;
-  std::string path_, reason_;
+  std::string path_;
 };
 
 }  // namespace touchline::hal

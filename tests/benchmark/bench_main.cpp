@@ -43,7 +43,8 @@ int call_once(const Options& options) {
   const std::string frame = options.once.substr(0, slash);
   for (const auto& benchmark : make_cases(frame)) {
     if (benchmark->name != frame || slash == std::string::npos) continue;
-    if (const std::string error = add_methods(*benchmark); !error.empty()) return fail(kProgram, frame + ": " + error);
+    const Result<void> added = add_methods(*benchmark);
+    if (!added.ok()) return fail(kProgram, frame + ": " + added.text());
     for (const Method& method : benchmark->methods) {
       if (options.once.substr(slash + 1) != method.name) continue;
       method.work();  // lets the method allocate its memory
@@ -55,11 +56,11 @@ int call_once(const Options& options) {
 }
 
 // Adds the whole pipeline step and, for comparison, its first stage alone.
-std::string add_step(BenchmarkCases& cases, StepBenchmark& step, const std::string& filter) {
+Result<void> add_step(BenchmarkCases& cases, StepBenchmark& step, const std::string& filter) {
   auto benchmark = std::make_unique<BenchmarkCase>(BenchmarkCase{
       .name = "step, ten robots and ball", .picture = OwnedPicture(PixelFormat::kRgb24, 1, 1, 0), .parameters = {}});
   if (benchmark->name.find(filter) == std::string::npos) return {};
-  if (std::string error = step.prepare(TOUCHLINE_BOARDS "/mock/board.toml"); !error.empty()) return error;
+  TOUCHLINE_TRY(step.prepare(TOUCHLINE_BOARDS "/mock/board.toml"));
   benchmark->methods.push_back({"scan", [&step] { step.scan_only(); }, {}});
   benchmark->methods.push_back({"step", [&step] { static_cast<void>(step.step()); }, {}});
   cases.push_back(std::move(benchmark));
@@ -83,8 +84,8 @@ int run(int argc, char** argv) {
 
   BenchmarkCases cases = make_cases(options.filter);
   for (const auto& benchmark : cases) {
-    if (const std::string error = add_methods(*benchmark); !error.empty()) {
-      return fail(kProgram, benchmark->name + ": " + error);
+    if (const Result<void> added = add_methods(*benchmark); !added.ok()) {
+      return fail(kProgram, benchmark->name + ": " + added.text());
     }
     for (const Method& method : benchmark->methods) {
       if (options.list) std::printf("%s/%s\n", benchmark->name.c_str(), method.name.c_str());
@@ -96,8 +97,8 @@ int run(int argc, char** argv) {
     return kExitOk;
   }
   static StepBenchmark step;
-  if (const std::string error = add_step(cases, step, options.filter); !error.empty()) {
-    return fail(kProgram, "step: " + error);
+  if (const Result<void> added = add_step(cases, step, options.filter); !added.ok()) {
+    return fail(kProgram, "step: " + added.text());
   }
   if (cases.empty()) return fail(kProgram, "no frame's name contains \"" + options.filter + "\"", kExitBadCommandLine);
   measure(cases, options.repetitions);
@@ -105,11 +106,9 @@ int run(int argc, char** argv) {
   print_table(cases);
   print_goals(goals);
   print_memory();
-  std::string error;
-  if (!options.json.empty() && !write_json(options.json, cases, goals, options.repetitions, error)) {
-    return fail(kProgram, error);
-  }
-  return kExitOk;
+  if (options.json.empty()) return kExitOk;
+  const Result<void> written = write_json(options.json, cases, goals, options.repetitions);
+  return written.ok() ? kExitOk : fail(kProgram, written.text());
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/region/region_scanner.h"
+#include "hal/result.h"
 #include "tests/color/owned_picture.h"
 #include "tests/region/literal_labeling.h"
 
@@ -45,10 +46,10 @@ BenchmarkCase many_colors_case(const ColorGrid& grid, std::uint32_t min_area_px)
 /// Reads every byte of the picture, in blocks of 128; returns their XOR.
 std::uint64_t read_frame(const Frame& frame);
 
-/// Adds all methods that apply to the case and checks their results. Returns an error, or an empty text.
-std::string add_methods(BenchmarkCase& benchmark);
+/// Adds all methods that apply to the case and checks their results. kInconsistent: a result is wrong.
+Result<void> add_methods(BenchmarkCase& benchmark);
 
-/// Adds the methods of OpenCV; only with TOUCHLINE_HAS_OPENCV. Returns an error, or an empty text.
-std::string add_opencv(BenchmarkCase& benchmark, const ColorGrid& colors);
+/// Adds the methods of OpenCV; only with TOUCHLINE_HAS_OPENCV. Errors as of add_methods().
+Result<void> add_opencv(BenchmarkCase& benchmark, const ColorGrid& colors);
 
 }  // namespace touchline::testing

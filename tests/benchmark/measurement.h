@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/result.h"
 #include "tests/benchmark/benchmark_case.h"
 
 namespace touchline::testing {
@@ -35,9 +36,9 @@ std::vector<Goal> goals_of(const BenchmarkCases& cases);
 void print_table(const BenchmarkCases& cases);
 void print_goals(const std::vector<Goal>& goals);
 void print_memory();
-/// Returns false, with the reason in `error`, if the file cannot be written.
-bool write_json(const std::string& path, const BenchmarkCases& cases, const std::vector<Goal>& goals,
-                std::size_t repetitions, std::string& error);
+/// Errors of hal::write_file().
+Result<void> write_json(const std::string& path, const BenchmarkCases& cases, const std::vector<Goal>& goals,
+                        std::size_t repetitions);
 
 /// Searches for the slowest picture for `seconds` by random changes of tile recipes, and prints its recipe.
 void search_slowest_picture(double seconds, unsigned seed);

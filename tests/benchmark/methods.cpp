@@ -23,24 +23,27 @@ void optimization_barrier(const T& value) {
   asm volatile("" : : "g"(&value) : "memory");
 }
 
-std::string check_field(const Regions& regions) {
+Result<void> check_field(const Regions& regions) {
   const auto patches = std::count_if(regions.begin(), regions.end(), [](const Region& r) { return r.area_px >= 30; });
-  return patches < 18 || patches > 30 ? std::to_string(patches) + " regions as large as a patch on the field" : "";
+  if (patches >= 18 && patches <= 30) return {};
+  return failure(ErrorCode::kInconsistent, "%td regions as large as a patch on the field", patches);
 }
 
-std::string add_kernel(BenchmarkCase& benchmark, KernelChoice kernel, const char* name, const ExpectedScan& expected) {
+Result<void> add_kernel(BenchmarkCase& benchmark, KernelChoice kernel, const char* name, const ExpectedScan& expected) {
   auto scanner = std::make_shared<RegionScanner>();
   ScanParameters parameters = benchmark.parameters;
   parameters.kernel = kernel;
   const Status configured = scanner->configure(parameters);
   if (configured.code() == ErrorCode::kUnsupported) return {};
-  if (!configured.ok()) return describe(configured.code());
+  if (!configured.ok()) return Error{configured.code(), describe(configured.code())};
 
   auto& [runs, regions] = outputs();
   const Status status = scanner->scan(benchmark.picture.frame(), runs, regions);
-  if (!status.ok() && status.code() != ErrorCode::kFull) return describe(status.code());
-  std::string error = difference(expected, runs, regions);
-  if (error.empty() && benchmark.name.starts_with("field")) error = check_field(regions);
+  if (!status.ok() && status.code() != ErrorCode::kFull) return Error{status.code(), describe(status.code())};
+  if (const std::string found = difference(expected, runs, regions); !found.empty()) {
+    return Error{ErrorCode::kInconsistent, found};
+  }
+  if (benchmark.name.starts_with("field")) TOUCHLINE_TRY(check_field(regions));
   benchmark.found = std::to_string(runs.size()) + " runs, " + std::to_string(regions.size()) + " regions";
   if (!status.ok()) benchmark.found += ", truncated";
   benchmark.methods.push_back({name,
@@ -49,10 +52,10 @@ std::string add_kernel(BenchmarkCase& benchmark, KernelChoice kernel, const char
                                      scanner->scan(benchmark.next_frame(), outputs().runs, outputs().regions));
                                },
                                {}});
-  return error;
+  return {};
 }
 
-std::string add_paper(BenchmarkCase& benchmark, const ColorGrid& colors) {
+Result<void> add_paper(BenchmarkCase& benchmark, const ColorGrid& colors) {
   auto paper = std::make_shared<PaperScan>();
   // The paper's scan has no light map and no minimum area.
   if (!paper->configure(benchmark.parameters).ok() || benchmark.name.ends_with(kSpecksLeftOut)) return {};
@@ -63,12 +66,13 @@ std::string add_paper(BenchmarkCase& benchmark, const ColorGrid& colors) {
   for (const ExpectedRegion& region : expected) expected_area += region.pixels.size();
   benchmark.methods.push_back(
       {"paper", [&benchmark, paper] { optimization_barrier(paper->scan(benchmark.next_frame())); }, {}});
-  return found.size() == expected.size() && area == expected_area ? "" : "finds other regions than the definition";
+  if (found.size() == expected.size() && area == expected_area) return {};
+  return Error{ErrorCode::kInconsistent, "finds other regions than the definition"};
 }
 
 }  // namespace
 
-std::string add_methods(BenchmarkCase& benchmark) {
+Result<void> add_methods(BenchmarkCase& benchmark) {
   if (benchmark.colors.color.empty())
     benchmark.colors = defined_colors(benchmark.picture.frame(), benchmark.parameters);
   const ColorGrid& colors = benchmark.colors;
@@ -77,11 +81,10 @@ std::string add_methods(BenchmarkCase& benchmark) {
   for (const Choice<KernelChoice>& choice : kKernelChoices) {
     if (choice.value == KernelChoice::kFastest) continue;
     const std::string name(choice.word);
-    if (const std::string error = add_kernel(benchmark, choice.value, name.c_str(), expected); !error.empty()) {
-      return name + ": " + error;
-    }
+    Result<void> added = add_kernel(benchmark, choice.value, name.c_str(), expected);
+    if (!added.ok()) return prefixed(name, std::move(added).error());
   }
-  if (std::string error = add_paper(benchmark, colors); !error.empty()) return error;
+  TOUCHLINE_TRY(add_paper(benchmark, colors));
 #ifdef TOUCHLINE_HAS_OPENCV
   const bool rgb_field =
       benchmark.name.starts_with("field") && color_space(benchmark.parameters.format) == ColorSpace::kRgb;

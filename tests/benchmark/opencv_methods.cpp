@@ -67,31 +67,28 @@ struct Tables {
 };
 
 template <class Candidate>
-std::string add(BenchmarkCase& benchmark, const char* name, std::shared_ptr<Candidate> candidate, std::size_t regions,
-                std::size_t area) {
+Result<void> add(BenchmarkCase& benchmark, const char* name, std::shared_ptr<Candidate> candidate, std::size_t regions,
+                 std::size_t area) {
   candidate->scan(benchmark.picture.frame());
   benchmark.methods.push_back({name, [&benchmark, candidate] { candidate->scan(benchmark.next_frame()); }, {}});
   if (candidate->regions == regions && candidate->area == area) return {};
-  return std::string(name) + " finds " + std::to_string(candidate->regions) + " regions of " +
-         std::to_string(candidate->area) + " pixels instead of " + std::to_string(regions) + " of " +
-         std::to_string(area);
+  return failure(ErrorCode::kInconsistent, "%s finds %zu regions of %zu pixels instead of %zu of %zu", name,
+                 candidate->regions, candidate->area, regions, area);
 }
 
 }  // namespace
 
-std::string add_opencv(BenchmarkCase& benchmark, const ColorGrid& colors) {
+Result<void> add_opencv(BenchmarkCase& benchmark, const ColorGrid& colors) {
   cv::setNumThreads(1);
   const auto area = static_cast<std::size_t>(
       std::count_if(colors.color.begin(), colors.color.end(), [](ColorId color) { return color != kBackground; }));
   ColorGrid joined = colors;
   for (ColorId& color : joined.color) color = std::min<ColorId>(color, 1);
-  std::string error = add(benchmark, "OpenCV table", std::make_shared<Tables>(benchmark.parameters.boxes),
-                          expected_regions(joined).size(), area);
-  if (error.empty() && benchmark.slow_methods) {
-    error = add(benchmark, "OpenCV inRange", std::make_shared<PerColor>(PerColor{benchmark.parameters.boxes}),
-                expected_regions(colors).size(), area);
-  }
-  return error;
+  TOUCHLINE_TRY(add(benchmark, "OpenCV table", std::make_shared<Tables>(benchmark.parameters.boxes),
+                    expected_regions(joined).size(), area));
+  if (!benchmark.slow_methods) return {};
+  return add(benchmark, "OpenCV inRange", std::make_shared<PerColor>(PerColor{benchmark.parameters.boxes}),
+             expected_regions(colors).size(), area);
 }
 
 }  // namespace touchline::testing

@@ -19,8 +19,8 @@ namespace {
 
 int run(int argc, char** argv) {
   static StepBenchmark benchmark;
-  if (const std::string error = benchmark.prepare(TOUCHLINE_BOARDS "/mock/board.toml"); !error.empty()) {
-    std::fprintf(stderr, "profile_step: %s\n", error.c_str());
+  if (const Result<void> prepared = benchmark.prepare(TOUCHLINE_BOARDS "/mock/board.toml"); !prepared.ok()) {
+    std::fprintf(stderr, "profile_step: %s\n", prepared.text().c_str());
     return 1;
   }
   const bool scan = argc > 1 && std::strcmp(argv[1], "scan") == 0;

@@ -122,8 +122,8 @@ void print_memory() {
   line("second tables, after the first reload", sizeof(ScanTables));
 }
 
-bool write_json(const std::string& path, const BenchmarkCases& cases, const std::vector<Goal>& goals,
-                std::size_t repetitions, std::string& error) {
+Result<void> write_json(const std::string& path, const BenchmarkCases& cases, const std::vector<Goal>& goals,
+                        std::size_t repetitions) {
   using nlohmann::ordered_json;
   ordered_json frames = ordered_json::array();
   for (const auto& benchmark : cases) {
@@ -147,9 +147,7 @@ bool write_json(const std::string& path, const BenchmarkCases& cases, const std:
   }
   const ordered_json report{{"format", 1},      {"unit", "microseconds of CPU"}, {"repetitions", repetitions},
                             {"frames", frames}, {"goals", measured_goals},       {"memory_bytes", sizeof(Pipeline)}};
-  const Result<void> written = hal::write_file(path, report.dump(1) + "\n");
-  error = written.text();
-  return written.ok();
+  return hal::write_file(path, report.dump(1) + "\n");
 }
 
 }  // namespace touchline::testing

@@ -26,39 +26,44 @@ StepBenchmark::Picture StepBenchmark::copy_of(const Frame& frame) {
   return copy;
 }
 
-std::string StepBenchmark::play(std::size_t frames) {
+Result<void> StepBenchmark::play(std::size_t frames) {
   Devices devices;
   devices.make(*configuration_, 1);
   const LoopDevices loop = devices.loop_devices();
-  if (const Result<void> r = loop.camera.open(); !r.ok()) return r.text();
-  if (const Result<void> r = loop.camera.start(); !r.ok()) return r.text();
-  if (const Result<void> r = loop.radio.open(); !r.ok()) return r.text();
+  TOUCHLINE_TRY(loop.camera.open());
+  TOUCHLINE_TRY(loop.camera.start());
+  TOUCHLINE_TRY(loop.radio.open());
   pipeline_->set_action_delay(from_seconds(configuration_->board.radio.delay_s));
   for (std::size_t i = 0; i < kFramesBefore + frames; ++i) {
     const Result<hal::FrameLease> lease = loop.camera.wait(loop.clock.now() + std::chrono::seconds(1));
-    if (!lease.ok()) return lease.text();
+    if (!lease.ok()) return lease.error();
     const Frame& frame = lease.value().frame();
     const StepTrace& trace = pipeline_->step(frame);
-    if (const Result<void> r = loop.radio.send(trace.packet); !r.ok()) return r.text();
+    TOUCHLINE_TRY(loop.radio.send(trace.packet));
     pipeline_->adapt();
     if (i < kFramesBefore) continue;
-    if (!trace.status.ok()) return describe(trace.status.code());
-    if (trace.sightings.robots.size() != configuration_->board.arena.robot.size())
-      return "a frame does not show all robots";
+    if (!trace.status.ok()) return Error{trace.status.code(), describe(trace.status.code())};
+    if (trace.sightings.robots.size() != configuration_->board.arena.robot.size()) {
+      return Error{ErrorCode::kInconsistent, "a frame does not show all robots"};
+    }
     pictures_.push_back(copy_of(frame));
   }
   loop.camera.stop();
   return {};
 }
 
-std::string StepBenchmark::prepare(const std::string& board_file, std::size_t frames) {
-  config::Problems problems;
-  if (!config::load({board_file, "", "", {}}, *configuration_, problems).ok()) return problems.text();
-  if (!pipeline_->configure(configuration_->pipeline).ok()) return "the pipeline refuses its configuration";
-  if (!scanner_->configure(configuration_->pipeline.scan).ok()) return "the scanner refuses its configuration";
-  if (std::string error = play(frames); !error.empty()) return error;
+Result<void> StepBenchmark::prepare(const std::string& board_file, std::size_t frames) {
+  TOUCHLINE_TRY(config::load({board_file, "", "", {}}, *configuration_));
+  if (const Status s = pipeline_->configure(configuration_->pipeline); !s.ok()) {
+    return Error{s.code(), "the pipeline refuses its configuration"};
+  }
+  if (const Status s = scanner_->configure(configuration_->pipeline.scan); !s.ok()) {
+    return Error{s.code(), "the scanner refuses its configuration"};
+  }
+  TOUCHLINE_TRY(play(frames));
   stepped_ = pictures_.size();
-  return pictures_.empty() ? "no frames were rendered" : "";
+  if (pictures_.empty()) return Error{ErrorCode::kInconsistent, "no frames were rendered"};
+  return {};
 }
 
 void StepBenchmark::scan_only() {

@@ -7,6 +7,7 @@
 
 #include "core/pipeline.h"
 #include "firmware/config/configuration.h"
+#include "hal/result.h"
 
 namespace touchline::testing {
 
@@ -15,9 +16,9 @@ namespace touchline::testing {
 class StepBenchmark {
  public:
   /// Plays the board's arena and stores `frames` pictures. Their number must be odd: each measured call follows an
-  /// unmeasured one, and an even number would measure only every second frame. Returns an error, or an empty text if
-  /// all frames showed all robots.
-  std::string prepare(const std::string& board_file, std::size_t frames = 49);
+  /// unmeasured one, and an even number would measure only every second frame. An error if a frame does
+  /// not show all robots.
+  Result<void> prepare(const std::string& board_file, std::size_t frames = 49);
 
   /// Classifies and labels the next frame. Both methods cycle through the frames independently.
   void scan_only();
@@ -30,7 +31,7 @@ class StepBenchmark {
     std::vector<std::uint8_t> bytes;
   };
   [[nodiscard]] static Picture copy_of(const Frame& frame);
-  std::string play(std::size_t frames);
+  Result<void> play(std::size_t frames);
 
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
   std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();

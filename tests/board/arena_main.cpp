@@ -73,11 +73,12 @@ int serve(Lockstep& game) {
   std::string line;
   while (std::getline(std::cin, line)) {
     std::istringstream words(line);
-    std::string verb, error;
+    std::string verb;
     double number = 0.0;
     words >> verb >> number;
     const auto count = static_cast<std::uint64_t>(number);
     board::PlayResult played;
+    Result<void> done;
     if (verb == "play" || verb == "drive" || verb == "watch" || verb == "blind" || verb == "tear") {
       const auto expect = verb == "play"    ? Lockstep::Expect::kPacket
                           : verb == "drive" ? Lockstep::Expect::kSpeeds
@@ -85,15 +86,15 @@ int serve(Lockstep& game) {
       const auto kind = verb == "blind"  ? board::ToGuest::kNoFrame
                         : verb == "tear" ? board::ToGuest::kTornFrame
                                          : board::ToGuest::kFrame;
-      static_cast<void>(game.play(count, kind, expect, played, error));
+      done = game.play(count, kind, expect, played);
     } else if (verb == "plug" || verb == "unplug") {
-      static_cast<void>(game.plug(verb == "plug", error));
+      done = game.plug(verb == "plug");
     } else if (verb == "listen") {
-      static_cast<void>(game.listen(number, played, error));
+      done = game.listen(number, played);
     } else {
-      error = "unknown command " + verb;
+      done = failure(ErrorCode::kUnsupported, "unknown command %s", verb.c_str());
     }
-    answer(game, played, error);
+    answer(game, played, done.text());
   }
   return 0;
 }
@@ -106,12 +107,9 @@ int main(int argc, char** argv) {
     return kExitBadCommandLine;
   }
   const auto configuration = std::make_unique<config::Configuration>();
-  config::Problems problems;
-  config::SortedOverrides overrides;
-  static_cast<void>(config::sort_overrides({argv + 4, argv + argc}, overrides, problems));
-  static_cast<void>(config::load_board(argv[1], overrides.board, *configuration, problems));
-  if (!problems.empty()) {
-    std::fputs(problems.text().c_str(), stderr);
+  const Result<void> loaded = config::load_board(argv[1], {argv + 4, argv + argc}, *configuration);
+  if (!loaded.ok()) {
+    std::fprintf(stderr, "%s\n", loaded.error().text.c_str());
     return kExitBadFile;
   }
   const int pictures = connect_to(argv[2]), radio = connect_to(argv[3]);

@@ -61,35 +61,29 @@ FrameHeader Lockstep::next_header(ToGuest kind) {
   return header;
 }
 
-bool Lockstep::exchange(const FrameHeader& header, FrameAnswer& answer, std::string& error) {
+Result<FrameAnswer> Lockstep::exchange(const FrameHeader& header) {
   const std::size_t bytes = has_picture(header.kind) ? picture_.size() : 0;
   if (!send_all(pictures_, &header, sizeof header) || !send_all(pictures_, picture_.data(), bytes)) {
-    error = std::string("the guest does not accept the picture: ") + std::strerror(errno);
-    return false;
+    return failure(ErrorCode::kIo, "the guest does not accept the picture: %s", std::strerror(errno));
   }
+  FrameAnswer answer;
   auto* const at = reinterpret_cast<char*>(&answer);
   for (std::size_t got = 0; got < sizeof answer;) {
     const ssize_t more = readable(pictures_, frame_timeout_s_) ? ::read(pictures_, at + got, sizeof answer - got) : 0;
-    if (more <= 0) {
-      error = "the guest does not answer frame " + std::to_string(header.number);
-      return false;
-    }
+    if (more <= 0) return failure(ErrorCode::kTimeout, "the guest does not answer frame %u", header.number);
     got += static_cast<std::size_t>(more);
   }
-  if (answer.magic == kWireMagic && answer.number == header.number) return true;
-  error = "the guest sent a wrong answer for frame " + std::to_string(header.number);
-  return false;
+  if (answer.magic == kWireMagic && answer.number == header.number) return answer;
+  return failure(ErrorCode::kInconsistent, "the guest sent a wrong answer for frame %u", header.number);
 }
 
-bool Lockstep::receive(double timeout_s, Expect expect, Received& received, std::string& error) {
+Result<Lockstep::Received> Lockstep::receive(double timeout_s, Expect expect) {
+  Received received;
   const auto end = Clock::now() + std::chrono::duration<double>(timeout_s);
   while (readable(radio_, timeout_s)) {
     std::array<std::byte, 256> bytes;
     const ssize_t got = ::read(radio_, bytes.data(), bytes.size());
-    if (got <= 0) {
-      error = "the radio socket was closed";
-      return false;
-    }
+    if (got <= 0) return failure(ErrorCode::kIo, "the radio socket was closed");
     for (ssize_t i = 0; i < got; ++i) {
       stream_.push(bytes[static_cast<std::size_t>(i)]);
       Commands commands;
@@ -105,8 +99,7 @@ bool Lockstep::receive(double timeout_s, Expect expect, Received& received, std:
                                 ? arena_.channel().send({packet.data(), packet.size()}, arena_.now())
                                 : ErrorCode::kInconsistent;
         if (!sent.ok() && sent.code() != ErrorCode::kBusy) {
-          error = "the arena's radio channel refuses packet " + std::to_string(sequence);
-          return false;
+          return failure(sent.code(), "the arena's radio channel refuses packet %u", sequence);
         }
       }
     }
@@ -114,10 +107,10 @@ bool Lockstep::receive(double timeout_s, Expect expect, Received& received, std:
     // With enough packets, only reads those that have already arrived.
     timeout_s = enough ? 0.0 : std::max(0.0, std::chrono::duration<double>(end - Clock::now()).count());
   }
-  return true;
+  return received;
 }
 
-bool Lockstep::play_frame(ToGuest kind, Expect expect, PlayResult& out, std::string& error) {
+Result<void> Lockstep::play_frame(ToGuest kind, Expect expect, PlayResult& out) {
   const hal::mock::Snapshot before = arena_.world().snapshot();
   std::optional<hal::mock::Exposure> exposure;
   while (!(exposure = arena_.take_exposure())) arena_.advance_to(*arena_.next_frame_ready());
@@ -130,46 +123,39 @@ bool Lockstep::play_frame(ToGuest kind, Expect expect, PlayResult& out, std::str
   }
   const FrameHeader header = next_header(kind);
   if (has_picture(kind)) arena_.render(*exposure, picture_);
-  FrameAnswer answer;
-  if (!exchange(header, answer, error)) return false;
+  TOUCHLINE_TRY_ASSIGN(const FrameAnswer answer, exchange(header));
   const bool shown = kind == ToGuest::kFrame && answer.error == 0;
   if (answer.error != 0) out.last_error = answer.error;
   out.shown += shown ? 1 : 0;
   out.late += answer.late_us > 0 ? 1 : 0;
   out.latest_us = std::max(out.latest_us, answer.late_us);
-  Received received;
   const bool wait = shown && expect != Expect::kNothing;
-  if (!receive(wait ? frame_timeout_s_ : 0.0, expect, received, error)) return false;
+  TOUCHLINE_TRY_ASSIGN(const Received received, receive(wait ? frame_timeout_s_ : 0.0, expect));
   out.packets += received.drives + received.stops;
   out.stops += received.stops;
   const char letter = received.drives > 0 ? (received.stops > 0 ? 'm' : 'd') : (received.stops > 0 ? 's' : '.');
   out.frames += shown || letter == '.' ? letter : static_cast<char>(letter - 'a' + 'A');
   if (wait && (letter == '.' || (expect == Expect::kSpeeds && received.drives == 0))) {
-    error = "no packet followed frame " + std::to_string(header.number);
-    return false;
+    return failure(ErrorCode::kTimeout, "no packet followed frame %u", header.number);
   }
-  return true;
+  return {};
 }
 
-bool Lockstep::play(std::uint64_t count, ToGuest kind, Expect expect, PlayResult& out, std::string& error) {
-  for (std::uint64_t i = 0; i < count; ++i) {
-    if (!play_frame(kind, expect, out, error)) return false;
-  }
-  return true;
+Result<void> Lockstep::play(std::uint64_t count, ToGuest kind, Expect expect, PlayResult& out) {
+  for (std::uint64_t i = 0; i < count; ++i) TOUCHLINE_TRY(play_frame(kind, expect, out));
+  return {};
 }
 
-bool Lockstep::plug(bool in, std::string& error) {
-  FrameAnswer answer;
-  if (!exchange(next_header(in ? ToGuest::kPlug : ToGuest::kUnplug), answer, error)) return false;
-  if (answer.error != 0) error = std::string("the guest's camera cannot be opened: ") + std::strerror(answer.error);
-  return answer.error == 0;
+Result<void> Lockstep::plug(bool in) {
+  TOUCHLINE_TRY_ASSIGN(const FrameAnswer answer, exchange(next_header(in ? ToGuest::kPlug : ToGuest::kUnplug)));
+  if (answer.error == 0) return {};
+  return failure(ErrorCode::kIo, "the guest's camera cannot be opened: %s", std::strerror(answer.error));
 }
 
-bool Lockstep::listen(double quiet_s, PlayResult& out, std::string& error) {
+Result<void> Lockstep::listen(double quiet_s, PlayResult& out) {
   for (;;) {
-    Received received;
-    if (!receive(quiet_s, Expect::kNothing, received, error)) return false;
-    if (received.drives + received.stops == 0) return true;
+    TOUCHLINE_TRY_ASSIGN(const Received received, receive(quiet_s, Expect::kNothing));
+    if (received.drives + received.stops == 0) return {};
     out.packets += received.drives + received.stops;
     out.stops += received.stops;
     out.frames += received.drives > 0 ? (received.stops > 0 ? 'm' : 'd') : 's';

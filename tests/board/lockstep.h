@@ -7,6 +7,7 @@
 #include "core/radio/packet_stream.h"
 #include "firmware/config/board_file.h"
 #include "hal/mock/arena.h"
+#include "hal/result.h"
 #include "tests/board/wire.h"
 
 namespace touchline::board {
@@ -33,12 +34,12 @@ class Lockstep {
   enum class Expect : std::uint8_t { kSpeeds, kPacket, kNothing };
   /// Plays `count` frames. `kind`: kFrame, kNoFrame or kTornFrame. With kPacket each frame that is shown must be
   /// followed by a packet, with kSpeeds by a packet with wheel speeds (the board sends stop packets even without
-  /// frames). Returns false with the reason in `error`; `out` then contains the frames so far.
-  bool play(std::uint64_t count, ToGuest kind, Expect expect, PlayResult& out, std::string& error);
+  /// frames). On an error, `out` has the frames so far.
+  Result<void> play(std::uint64_t count, ToGuest kind, Expect expect, PlayResult& out);
   /// Makes the guest open or close the camera device.
-  bool plug(bool in, std::string& error);
+  Result<void> plug(bool in);
   /// Receives packets until none arrives for `quiet_s` seconds of the host's time.
-  bool listen(double quiet_s, PlayResult& out, std::string& error);
+  Result<void> listen(double quiet_s, PlayResult& out);
 
   [[nodiscard]] const hal::mock::Arena& arena() const { return arena_; }
   /// Bytes on the serial line that belong to no valid packet. Does not count losses of the simulated radio.
@@ -50,9 +51,9 @@ class Lockstep {
     std::uint64_t drives = 0, stops = 0;
   };
   [[nodiscard]] FrameHeader next_header(ToGuest kind);
-  bool exchange(const FrameHeader& header, FrameAnswer& answer, std::string& error);
-  bool receive(double timeout_s, Expect expect, Received& received, std::string& error);
-  bool play_frame(ToGuest kind, Expect expect, PlayResult& out, std::string& error);
+  Result<FrameAnswer> exchange(const FrameHeader& header);
+  Result<Received> receive(double timeout_s, Expect expect);
+  Result<void> play_frame(ToGuest kind, Expect expect, PlayResult& out);
 
   hal::mock::Arena arena_;
   std::uint32_t fourcc_, period_us_;

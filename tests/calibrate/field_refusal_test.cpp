@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "tests/calibrate/arena_photograph.h"
+#include "tests/results.h"
 #include "tests/tools/program_folder.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 
@@ -19,7 +20,7 @@ class FieldWithoutAClick : public touchline::testing::ProgramFolder {
   void SetUp() override { write("venue.toml", kVenue); }
   void write_field(const hal::Picture& picture) {
     std::string reason;
-    ASSERT_TRUE(hal::write_picture(path("field.png"), picture, reason).ok()) << reason;
+    ASSERT_OK(hal::write_picture(path("field.png"), picture));
   }
   hal::Picture render(hal::mock::Floor floor = hal::mock::Floor::kField) const { return photograph(arena_, floor, 3); }
   bool run(const std::string& options) const {

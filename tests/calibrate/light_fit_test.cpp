@@ -9,6 +9,7 @@
 
 #include "firmware/config/light_map_file.h"
 #include "tests/calibrate/result_code.h"
+#include "tests/results.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -131,11 +132,10 @@ TEST(LightFit, UsesOnlyTheRegionOfInterest) {
 TEST(LightFit, MapIsReadBackFromItsFile) {
   auto map = std::make_unique<LightMap>(), back = std::make_unique<LightMap>();
   LightReport report;
-  std::string reason;
   ASSERT_EQ(fit_light(of({grey_picture(200, 9)}), *map, report).text(), "");
   const std::string path = testing::TempDir() + "/touchline_light_map.png";
-  ASSERT_TRUE(hal::write_picture(path, map_picture(*map), reason).ok()) << reason;
-  ASSERT_TRUE(config::read_light_map(path, *back, reason).ok()) << reason;
+  ASSERT_OK(hal::write_picture(path, map_picture(*map)));
+  ASSERT_OK(config::read_light_map(path, *back));
   ASSERT_EQ(back->columns, map->columns);
   ASSERT_EQ(back->rows, map->rows);
   for (std::size_t i = 0; i < 64 * 48; ++i) {

@@ -7,6 +7,7 @@
 
 #include "hal/replay/picture.h"
 #include "tests/calibrate/painted_field.h"
+#include "tests/results.h"
 #include "tests/tools/program_folder.h"
 #include "tools/programs/calibrate/colors/clicks.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
@@ -32,8 +33,7 @@ class Program : public touchline::testing::ProgramFolder {
     out.width_px = frame.width_px;
     out.height_px = frame.height_px;
     out.rgb8.assign(frame.plane[0], frame.plane[0] + std::size_t{3} * frame.width_px * frame.height_px);
-    std::string reason;
-    ASSERT_TRUE(hal::write_picture(path(name), out, reason).ok()) << reason;
+    ASSERT_OK(hal::write_picture(path(name), out));
   }
   bool run(const std::string& arguments) const {
     return run_program(touchline::testing::kKeepsFonts + TOUCHLINE_CALIBRATE, arguments);
@@ -71,10 +71,8 @@ TEST_F(Program, TakesPicturesWithTheBoardsCamera) {
   EXPECT_NE(read("out").find("yuv-2.png"), std::string::npos) << read("out");
   EXPECT_NE(read("out").find("--format yuyv"), std::string::npos) << read("out");
   EXPECT_FALSE(fs::exists(path("yuv-3.png")));
-  hal::Picture rgb, yuv;
-  std::string reason;
-  ASSERT_TRUE(hal::read_picture(path("rgb.png"), rgb, reason).ok()) << reason;
-  ASSERT_TRUE(hal::read_picture(path("yuv-1.png"), yuv, reason).ok()) << reason;
+  ASSERT_OK_AND_ASSIGN(const hal::Picture rgb, hal::read_picture(path("rgb.png")));
+  ASSERT_OK_AND_ASSIGN(const hal::Picture yuv, hal::read_picture(path("yuv-1.png")));
   ASSERT_EQ(rgb.width_px, 640U);
   ASSERT_EQ(rgb.rgb8.size(), yuv.rgb8.size());
   // The floor outside the field at the same pixel, some frames apart.
@@ -107,8 +105,7 @@ TEST(PictureOfAFrame, IsReadBackUnchanged) {
   frame.plane[0] = bytes.data();
   frame.stride_bytes[0] = 64;
   const std::string path = ::testing::TempDir() + "touchline_picture_" + std::to_string(::getpid()) + ".png";
-  std::string reason;
-  ASSERT_TRUE(hal::write_picture(path, picture_of(frame), reason).ok()) << reason;
+  ASSERT_OK(hal::write_picture(path, picture_of(frame)));
   const Result<CameraPicture> loaded = CameraPicture::load(path, PixelFormat::kYuyv);
   ASSERT_TRUE(loaded.ok()) << loaded.text();
   const CameraPicture& read = loaded.value();
@@ -132,20 +129,18 @@ TEST_F(Program, KeepsTheColorsAfterAChangeOfTheLamps) {
   const Result<VenueDraft> read_before = read_draft(path("venue.toml"));
   ASSERT_TRUE(read_before.ok()) << read_before.text();
   const VenueDraft& before = read_before.value();
-  std::string reason;
   EXPECT_EQ(before.file.light.surface, "grey");
   ASSERT_EQ(before.file.light.normal.size(), 3U);
 
   EXPECT_FALSE(run("light --surface field" + keep));
   EXPECT_NE(read("out").find("surface"), std::string::npos) << read("out");
 
-  hal::Picture dim;
-  ASSERT_TRUE(hal::read_picture(path("grey.png"), dim, reason).ok()) << reason;
+  ASSERT_OK_AND_ASSIGN(hal::Picture dim, hal::read_picture(path("grey.png")));
   const std::array<double, 3> left = {0.7, 0.6, 0.4};
   for (std::size_t i = 0; i < dim.rgb8.size(); ++i) {
     dim.rgb8[i] = static_cast<std::uint8_t>(std::lround(dim.rgb8[i] * left[i % 3]));
   }
-  ASSERT_TRUE(hal::write_picture(path("grey.png"), dim, reason).ok()) << reason;
+  ASSERT_OK(hal::write_picture(path("grey.png"), dim));
   ASSERT_TRUE(run("light" + keep)) << read("out");
   const Result<VenueDraft> read_after = read_draft(path("venue.toml"));
   ASSERT_TRUE(read_after.ok()) << read_after.text();

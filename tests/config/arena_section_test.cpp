@@ -11,7 +11,7 @@ class ArenaSection : public ConfigFiles {
 };
 
 TEST_F(ArenaSection, DefaultsAreValid) {
-  ASSERT_TRUE(load().ok()) << problems();
+  ASSERT_TRUE(load().ok()) << errors();
   EXPECT_EQ(configuration_->board.arena.robot.size(), 10U);
 }
 
@@ -48,7 +48,7 @@ TEST_F(ArenaSection, RobotIdsAreUnique) {
   EXPECT_EQ(refusal(), "board.toml:20: arena.robot[1].id: 3 is already used by robot[0] of the same team\n");
   // The other team has its own ids.
   replace("board.toml", "x_m = 0.5", "x_m = 0.5\nteam = \"opponent\"");
-  EXPECT_TRUE(load().ok()) << problems();
+  EXPECT_TRUE(load().ok()) << errors();
 }
 
 TEST_F(ArenaSection, RobotsAreOnTheFieldAndDoNotOverlap) {
@@ -60,7 +60,7 @@ TEST_F(ArenaSection, RobotsAreOnTheFieldAndDoNotOverlap) {
   replace("board.toml", "x_m = 1.03\ny_m = 0.83", "x_m = 0.43");
   EXPECT_EQ(refusal(), "board.toml:19: arena.robot[1]: overlaps robot[0]\n");
   replace("board.toml", "x_m = 0.43", "x_m = 0.42");
-  EXPECT_TRUE(load().ok()) << problems();
+  EXPECT_TRUE(load().ok()) << errors();
 }
 
 TEST_F(ArenaSection, ATeamHasNoMoreRobotsThanAPacket) {
@@ -96,7 +96,7 @@ TEST_F(ArenaSection, CameraIsAboveTheRobots) {
 TEST_F(ArenaSection, IsCheckedAfterOverrides) {
   EXPECT_EQ(refusal({"arena.ball_color=purple"}),
             "--set arena.ball_color=purple: arena.ball_color: \"purple\" is not in [[arena.paint]]\n");
-  EXPECT_TRUE(load({"arena.ball_color=red"}).ok()) << problems();
+  EXPECT_TRUE(load({"arena.ball_color=red"}).ok()) << errors();
 }
 
 }  // namespace

@@ -122,14 +122,15 @@ void ConfigFiles::replace(const std::string& name, const std::string& from, cons
   write(name, text.replace(at, from.size(), to));
 }
 
-Status ConfigFiles::load(std::vector<std::string> overrides) {
-  problems_ = {};
+Result<void> ConfigFiles::load(std::vector<std::string> overrides) {
   configuration_ = std::make_unique<Configuration>();
-  return config::load({path("board.toml"), "", "", std::move(overrides)}, *configuration_, problems_);
+  result_ = config::load({path("board.toml"), "", "", std::move(overrides)}, *configuration_);
+  return result_;
 }
 
-std::string ConfigFiles::problems() const {
-  std::string text = problems_.text();
+std::string ConfigFiles::errors() const {
+  std::string text = result_.text();
+  if (!text.empty()) text += "\n";
   const std::string prefix = folder_.string() + "/";
   for (std::size_t at = text.find(prefix); at != std::string::npos; at = text.find(prefix, at)) {
     text.erase(at, prefix.size());
@@ -139,7 +140,7 @@ std::string ConfigFiles::problems() const {
 
 std::string ConfigFiles::refusal(std::vector<std::string> overrides) {
   EXPECT_FALSE(load(std::move(overrides)).ok());
-  return problems();
+  return errors();
 }
 
 }  // namespace touchline::config

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/config/configuration.h"
+#include "hal/result.h"
 
 namespace touchline::config {
 
@@ -22,15 +23,15 @@ class ConfigFiles : public ::testing::Test {
   void replace(const std::string& name, const std::string& from, const std::string& to) const;
   [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  Status load(std::vector<std::string> overrides = {});
-  /// All messages, without the name of the folder.
-  [[nodiscard]] std::string problems() const;
+  Result<void> load(std::vector<std::string> overrides = {});
+  /// The message of result_, each line ended by a newline, without the name of the folder.
+  [[nodiscard]] std::string errors() const;
   /// Loads the files, expects errors, and returns the messages.
   std::string refusal(std::vector<std::string> overrides = {});
 
   std::filesystem::path folder_;
   std::unique_ptr<Configuration> configuration_ = std::make_unique<Configuration>();
-  Problems problems_;
+  Result<void> result_;  // of the last load()
 };
 
 }  // namespace touchline::config

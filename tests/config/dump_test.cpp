@@ -8,14 +8,14 @@ namespace {
 
 TEST_F(ConfigFiles, DumpReadsBackAsTheSameFiles) {
   ASSERT_TRUE(load({"camera.device=a \"quoted\"\\ name", "field.margin_m=0.123", "radio.delay_s=1e-05"}).ok())
-      << problems();
+      << errors();
   const std::string board = TomlWriter::text_of(configuration_->board);
   const std::string venue = TomlWriter::text_of(configuration_->venue);
   const std::string team = TomlWriter::text_of(configuration_->team);
   write("board.toml", board);
   write("venue.toml", venue);
   write("team.toml", team);
-  ASSERT_TRUE(load().ok()) << problems();
+  ASSERT_TRUE(load().ok()) << errors();
   EXPECT_EQ(configuration_->board.camera.device, "a \"quoted\"\\ name");
   EXPECT_EQ(TomlWriter::text_of(configuration_->board), board);
   EXPECT_EQ(TomlWriter::text_of(configuration_->venue), venue);
@@ -23,7 +23,7 @@ TEST_F(ConfigFiles, DumpReadsBackAsTheSameFiles) {
 }
 
 TEST_F(ConfigFiles, DumpContainsUnitRangeAndMeaning) {
-  ASSERT_TRUE(load().ok()) << problems();
+  ASSERT_TRUE(load().ok()) << errors();
   const std::string text = dump(*configuration_);
   EXPECT_NE(text.find("\n[camera]\n"), std::string::npos);
   EXPECT_NE(text.find("exposure_us = 5000                  # Exposure time; 0: not set (0 to 1000000 us)\n"),

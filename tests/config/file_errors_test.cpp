@@ -5,8 +5,8 @@ namespace touchline::config {
 namespace {
 
 TEST_F(ConfigFiles, ReadsAllValuesOfValidFiles) {
-  ASSERT_TRUE(load().ok()) << problems();
-  EXPECT_EQ(problems(), "");
+  ASSERT_TRUE(load().ok()) << errors();
+  EXPECT_EQ(errors(), "");
   EXPECT_EQ(configuration_->board.camera.device, "/dev/video7");
   EXPECT_EQ(configuration_->board.camera.rate_hz, 60.0);  // not in the file: the default
   EXPECT_EQ(configuration_->venue.color.size(), 4U);
@@ -114,7 +114,7 @@ TEST_F(ConfigFiles, VersionIsRequired) {
 TEST_F(ConfigFiles, BoardOfALaterVersionIsTheOnlyError) {
   replace("board.toml", "version = 1", "version = 2");
   EXPECT_EQ(load().code(), ErrorCode::kNotFound);
-  EXPECT_EQ(problems(), "board.toml:1: version: made by a later Touchline (version 2); this one reads version 1\n");
+  EXPECT_EQ(errors(), "board.toml:1: version: made by a later Touchline (version 2); this one reads version 1\n");
 }
 
 TEST_F(ConfigFiles, LaterVersionIsRejectedWhateverItsKeys) {
@@ -138,7 +138,7 @@ TEST_F(ConfigFiles, MissingFilesSayHowToMakeThem) {
 TEST_F(ConfigFiles, MissingBoardIsTheOnlyError) {
   std::filesystem::remove(path("board.toml"));
   EXPECT_EQ(load().code(), ErrorCode::kNotFound);
-  EXPECT_EQ(problems(), "board.toml: no such file; copy one of the folders in boards/\n");
+  EXPECT_EQ(errors(), "board.toml: no such file; copy one of the folders in boards/\n");
 }
 
 TEST_F(ConfigFiles, FolderInsteadOfAFile) {

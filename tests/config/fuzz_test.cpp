@@ -45,7 +45,7 @@ TEST_F(ConfigFiles, DamagedFilesAreAcceptedOrRejectedWithAMessage) {
     const std::string sound = read(path(name));
     write(name, damaged(sound, random));
     const bool ok = load().ok();
-    EXPECT_EQ(ok, problems_.empty()) << read(path(name));
+    EXPECT_EQ(ok, errors().empty()) << read(path(name));
     refused += ok ? 0 : 1;
     write(name, sound);
   }

@@ -12,18 +12,18 @@ namespace {
 TEST(KeyReference, DocsFilesIsUpToDate) {
   std::ostringstream read;
   read << std::ifstream(TOUCHLINE_SOURCE_DIR "/docs/files.md").rdbuf();
-  std::string page = read.str();
-  ASSERT_TRUE(update_key_reference(page).ok()) << "the lines around the reference are missing";
-  EXPECT_TRUE(page == read.str()) << "a declaration has changed: run `touchline keys --update docs/files.md`";
+  const Result<std::string> page = updated_key_reference(read.str());
+  ASSERT_TRUE(page.ok()) << page.text();
+  EXPECT_TRUE(page.value() == read.str()) << "a declaration has changed: run `touchline keys --update docs/files.md`";
 }
 
 TEST(KeyReference, ReplacesThePartBetweenItsLines) {
-  std::string page = std::string("above\n") + kReferenceBegin + "old\n" + kReferenceEnd + "below\n";
-  ASSERT_TRUE(update_key_reference(page).ok());
-  EXPECT_EQ(page,
+  const std::string old = std::string("above\n") + kReferenceBegin + "old\n" + kReferenceEnd + "below\n";
+  const Result<std::string> page = updated_key_reference(old);
+  ASSERT_TRUE(page.ok()) << page.text();
+  EXPECT_EQ(page.value(),
             std::string("above\n") + kReferenceBegin + key_reference_markdown() + "\n" + kReferenceEnd + "below\n");
-  std::string without = "above\n";
-  EXPECT_EQ(update_key_reference(without).code(), ErrorCode::kNotFound);
+  EXPECT_EQ(updated_key_reference("above\n").code(), ErrorCode::kNotFound);
 }
 
 TEST(KeyReference, HasARowForEachKeyInTheTableOfItsSection) {

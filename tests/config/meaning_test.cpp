@@ -1,13 +1,14 @@
 // Values that are valid alone but contradict each other.
 #include "hal/replay/picture.h"
 #include "tests/config/config_files.h"
+#include "tests/results.h"
 
 namespace touchline::config {
 namespace {
 
 TEST_F(ConfigFiles, KernelMustBeSupportedByTheProcessor) {
   replace("board.toml", "[radio]\n", "[scan]\nkernel = \"portable\"\n[radio]\n");
-  ASSERT_TRUE(load().ok()) << problems();
+  ASSERT_TRUE(load().ok()) << errors();
   EXPECT_EQ(configuration_->pipeline.scan.kernel, KernelChoice::kPortable);
 #if defined(__aarch64__)
   replace("board.toml", "portable", "avx2");
@@ -18,7 +19,7 @@ TEST_F(ConfigFiles, KernelMustBeSupportedByTheProcessor) {
 }
 
 TEST_F(ConfigFiles, ColorIdsFollowTheVenueFile) {
-  ASSERT_TRUE(load().ok()) << problems();
+  ASSERT_TRUE(load().ok()) << errors();
   const PipelineParameters& p = configuration_->pipeline;
   ASSERT_EQ(p.scan.boxes.size(), 4U);
   EXPECT_EQ(p.scan.boxes[0].color, 1);
@@ -102,7 +103,7 @@ y_m = -0.02
 length_m = 0.08
 width_m = 0.04
 )");
-  ASSERT_TRUE(load().ok()) << problems();
+  ASSERT_TRUE(load().ok()) << errors();
   const MarkerLayout& layout = configuration_->pipeline.marker.teams[0].layout;
   EXPECT_EQ(layout.robot_side_m, 0.08f);
   EXPECT_EQ(layout.height_m, 0.06f);
@@ -129,7 +130,7 @@ TEST_F(ConfigFiles, OverlappingBoxesAreReportedWithTheirOverlap) {
 TEST_F(ConfigFiles, BoxesOfOneColorMayOverlap) {
   replace("venue.toml", "low = [0, 150, 0]\nhigh = [80, 255, 80]\n",
           "low = [0, 150, 0]\nhigh = [80, 255, 80]\n[[color.box]]\nlow = [0, 160, 0]\nhigh = [90, 255, 80]\n");
-  EXPECT_TRUE(load().ok()) << problems();
+  EXPECT_TRUE(load().ok()) << errors();
   EXPECT_EQ(configuration_->pipeline.scan.boxes.size(), 5U);
 }
 
@@ -167,13 +168,13 @@ TEST_F(ConfigFiles, OnlyARecordingCanHaveItsOwnRate) {
   replace("board.toml", "format = \"rgb24\"", "format = \"rgb24\"\nrate_hz = 0.0");
   EXPECT_EQ(refusal(), "board.toml:10: camera.rate_hz: must be at least 1 Hz; only the backend \"replay\" accepts 0\n");
   replace("board.toml", "backend = \"v4l2\"", "backend = \"replay\"");
-  ASSERT_TRUE(load().ok()) << problems();
+  ASSERT_TRUE(load().ok()) << errors();
   EXPECT_EQ(configuration_->board.camera.rate_hz, 0.0);
   replace("board.toml", "rate_hz = 0.0", "rate_hz = 25.0");
-  ASSERT_TRUE(load().ok()) << problems();
+  ASSERT_TRUE(load().ok()) << errors();
   EXPECT_EQ(configuration_->board.camera.rate_hz, 25.0);
   replace("board.toml", "\nrate_hz = 25.0", "");
-  ASSERT_TRUE(load().ok()) << problems();
+  ASSERT_TRUE(load().ok()) << errors();
   EXPECT_EQ(configuration_->board.camera.rate_hz, 0.0) << "the default applies only to cameras";
 }
 
@@ -185,10 +186,10 @@ TEST_F(ConfigFiles, VenueForAnotherColorSpace) {
 }
 
 TEST_F(ConfigFiles, TypicalBackground) {
-  ASSERT_TRUE(load().ok()) << problems();
+  ASSERT_TRUE(load().ok()) << errors();
   EXPECT_FALSE(configuration_->pipeline.scan.background.has_value());
   replace("venue.toml", "[colors]", "[colors]\nbackground = [58, 61, 59]");
-  ASSERT_TRUE(load().ok()) << problems();
+  ASSERT_TRUE(load().ok()) << errors();
   EXPECT_EQ(configuration_->pipeline.scan.background, (TypicalBackground{{58, 61, 59}}));
   replace("venue.toml", "[58, 61, 59]", "[58, 61]");
   EXPECT_EQ(refusal(), "venue.toml:22: colors.background: needs three values, one per channel; has 2\n");
@@ -201,7 +202,7 @@ TEST_F(ConfigFiles, MissingCameraModel) {
 
 TEST_F(ConfigFiles, RegionOfInterest) {
   replace("venue.toml", "[colors]", "[region_of_interest]\nu_px = [10, 630, 320]\nv_px = [5, 5, 470]\n[colors]");
-  ASSERT_TRUE(load().ok()) << problems();
+  ASSERT_TRUE(load().ok()) << errors();
   ASSERT_EQ(configuration_->pipeline.scan.region_of_interest.size(), 3U);
   EXPECT_EQ(configuration_->pipeline.scan.region_of_interest[2].v_px, 470.0f);
   replace("venue.toml", "v_px = [5, 5, 470]", "v_px = [5, 5]");
@@ -212,12 +213,11 @@ TEST_F(ConfigFiles, RegionOfInterest) {
 
 TEST_F(ConfigFiles, LightMap) {
   replace("venue.toml", "[colors]", "[light]\nmap = \"light.png\"\n[colors]");
-  EXPECT_NE(refusal().find("venue.toml:22: light.map: "), std::string::npos) << problems();
+  EXPECT_NE(refusal().find("venue.toml:22: light.map: "), std::string::npos) << errors();
 
   hal::Picture picture{2, 1, {}, {32768, 16384, 65535, 8192, 32768, 32768}};
-  std::string reason;
-  ASSERT_TRUE(hal::write_picture(path("light.png"), picture, reason).ok()) << reason;
-  ASSERT_TRUE(load().ok()) << problems();
+  ASSERT_OK(hal::write_picture(path("light.png"), picture));
+  ASSERT_TRUE(load().ok()) << errors();
   const LightMap& map = configuration_->pipeline.scan.light;
   EXPECT_EQ(map.columns, 2);
   EXPECT_EQ(map.rows, 1);
@@ -226,17 +226,17 @@ TEST_F(ConfigFiles, LightMap) {
   EXPECT_EQ(map.illumination[0][1], 0.25f);
 
   picture.rgb16[4] = 0;
-  ASSERT_TRUE(hal::write_picture(path("light.png"), picture, reason).ok()) << reason;
+  ASSERT_OK(hal::write_picture(path("light.png"), picture));
   EXPECT_EQ(refusal(),
             "venue.toml:22: light.map: light.png: the cell in column 1, row 0 has no light; make the map again\n");
 
   const hal::Picture shallow{1, 1, {1, 2, 3}, {}};
-  ASSERT_TRUE(hal::write_picture(path("light.png"), shallow, reason).ok()) << reason;
+  ASSERT_OK(hal::write_picture(path("light.png"), shallow));
   EXPECT_EQ(refusal(),
             "venue.toml:22: light.map: light.png: an illumination map has 16 bits a channel, this picture has 8\n");
 
   const hal::Picture large{65, 48, {}, std::vector<std::uint16_t>(std::size_t{3} * 65 * 48, 32768)};
-  ASSERT_TRUE(hal::write_picture(path("light.png"), large, reason).ok()) << reason;
+  ASSERT_OK(hal::write_picture(path("light.png"), large));
   EXPECT_EQ(refusal(),
             "venue.toml:22: light.map: light.png: 65 x 48 cells are more than the 3072 that an illumination map can "
             "have\n");
@@ -244,18 +244,18 @@ TEST_F(ConfigFiles, LightMap) {
 
 TEST_F(ConfigFiles, ToolsHaveTheirOwnPictures) {
   const FilePaths paths{"", path("venue.toml"), path("team.toml"), {}};
-  ASSERT_TRUE(load_venue_and_team(paths, *configuration_, problems_).ok()) << problems();
-  EXPECT_TRUE(resolve({PixelFormat::kBgr24, 640, 480, "clip.mp4"}, *configuration_, problems_).ok()) << problems();
+  ASSERT_OK(load_venue_and_team(paths, *configuration_));
+  EXPECT_OK(resolve({PixelFormat::kBgr24, 640, 480, "clip.mp4"}, *configuration_));
   EXPECT_EQ(configuration_->pipeline.scan.format, PixelFormat::kBgr24);
-  EXPECT_FALSE(resolve({PixelFormat::kBgr24, 320, 240, "clip.mp4"}, *configuration_, problems_).ok());
+  result_ = resolve({PixelFormat::kBgr24, 320, 240, "clip.mp4"}, *configuration_);
   EXPECT_EQ(
-      problems(),
+      errors(),
       "venue.toml:4: picture: the calibration is for pictures of 640 x 480 pixels, but clip.mp4 delivers 320 x 240\n");
 }
 
 TEST_F(ConfigFiles, ToolsNeedBothFiles) {
-  EXPECT_FALSE(load_venue_and_team({"", path("venue.toml"), "", {}}, *configuration_, problems_).ok());
-  EXPECT_EQ(problems(), "no team file is given; use --team FILE\n");
+  result_ = load_venue_and_team({"", path("venue.toml"), "", {}}, *configuration_);
+  EXPECT_EQ(errors(), "no team file is given; use --team FILE\n");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "firmware/config/key_list.h"
 #include "hal/replay/picture.h"
 #include "tests/config/config_files.h"
+#include "tests/results.h"
 
 namespace touchline::config {
 namespace {
@@ -13,13 +14,14 @@ namespace {
 class ReloadFiles : public ConfigFiles {
  protected:
   void SetUp() override {
-    ASSERT_TRUE(load().ok()) << problems();
+    ASSERT_TRUE(load().ok()) << errors();
     *running_ = *configuration_;
   }
   /// Loads the files again and applies them.
-  Status reload() {
-    EXPECT_TRUE(load().ok()) << problems();
-    return apply_reloadable(*configuration_, *running_, changes_, problems_);
+  Result<void> reload() {
+    EXPECT_OK(load());
+    TOUCHLINE_TRY_ASSIGN(changes_, apply_reloadable(*configuration_, *running_));
+    return {};
   }
   static std::string text(const std::vector<Change>& changes) {
     std::string list;
@@ -28,7 +30,7 @@ class ReloadFiles : public ConfigFiles {
   }
   /// Expects these applied changes, changes that need a restart, and parts of the program that apply them.
   void expect(const std::string& applied, const std::string& need_restart, const std::set<Reload>& by) {
-    EXPECT_TRUE(reload().ok()) << problems();
+    EXPECT_OK(reload());
     EXPECT_EQ(text(changes_.applied), applied);
     EXPECT_EQ(text(changes_.need_restart), need_restart);
     for (const Reload kind : {Reload::kCamera, Reload::kThresholds, Reload::kControl, Reload::kLoop}) {
@@ -104,8 +106,7 @@ TEST_F(ReloadFiles, AChangedColorSpaceNeedsARestart) {
 TEST_F(ReloadFiles, ANewLightMapUnderTheSameNameIsAChange) {
   const auto write_map = [&](std::uint16_t light) {
     const hal::Picture picture{2, 2, {}, std::vector<std::uint16_t>(12, light)};
-    std::string reason;
-    ASSERT_TRUE(hal::write_picture(path("light.png"), picture, reason).ok()) << reason;
+    ASSERT_OK(hal::write_picture(path("light.png"), picture));
   };
   write_map(32768);
   replace("venue.toml", "[colors]", "[light]\nmap = \"light.png\"\n[colors]");

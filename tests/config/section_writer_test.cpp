@@ -98,7 +98,7 @@ TEST_F(ConfigFiles, SectionWriterKeepsABackup) {
   struct stat status {};
   ASSERT_EQ(::stat(path("venue.toml").c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0640U);
-  ASSERT_TRUE(load().ok()) << problems();
+  ASSERT_TRUE(load().ok()) << errors();
   EXPECT_EQ(configuration_->venue.field.length_m, 1.5f);
 }
 

@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "tests/firmware/loop_fixture.h"
+#include "tests/results.h"
 #include "tools/programs/latency/allocation_counter.h"
 
 namespace touchline::testing {
@@ -54,9 +55,8 @@ class ConfigReloaderTest : public LoopTest {
   /// Starts the loop with the files.
   void begin() {
     const config::FilePaths paths{(folder_ / "board.toml").string(), "", "", {}};
-    config::Problems problems;
     const auto configuration = std::make_unique<config::Configuration>();
-    ASSERT_TRUE(config::load(paths, *configuration, problems).ok()) << problems.text();
+    ASSERT_OK(config::load(paths, *configuration));
     start({&ConfigReloaderTest::look, this});
     ASSERT_TRUE(pipeline->configure(configuration->pipeline).ok());
     reloader_.emplace(paths, *configuration, camera, live_update_);

@@ -9,6 +9,7 @@
 #include "firmware/config/board_file.h"
 #include "firmware/config/configuration.h"
 #include "firmware/config/toml_file.h"
+#include "tests/results.h"
 
 namespace touchline::config {
 namespace {
@@ -25,9 +26,7 @@ class BoardFiles : public ::testing::TestWithParam<std::string> {
 TEST_P(BoardFiles, AreReadWithoutErrors) {
   BoardFile board;
   Locations where;
-  Problems problems;
-  EXPECT_TRUE(read_toml(folder() + "/board.toml", "", {}, board, where, problems).ok());
-  EXPECT_EQ(problems.text(), "");
+  EXPECT_OK(read_toml(folder() + "/board.toml", "", {}, board, where));
   EXPECT_EQ(board.name, GetParam());
   const bool is_module = board.camera.backend == hal::CameraBackend::kLibcamera;
   EXPECT_TRUE(is_module || board.camera.backend == hal::CameraBackend::kV4l2);
@@ -47,9 +46,7 @@ TEST_P(BoardFiles, AMissingVenueIsReportedWithTheProgramThatMakesIt) {
   ASSERT_TRUE(std::filesystem::exists(folder() + "/README.md"));
   ASSERT_FALSE(std::filesystem::exists(folder() + "/venue.toml")) << "the venue file belongs to a hall, not to a board";
   static Configuration configuration;  // large
-  Problems problems;
-  EXPECT_FALSE(load({folder() + "/board.toml", "", "", {}}, configuration, problems).ok());
-  const std::string text = problems.text();
+  const std::string text = load({folder() + "/board.toml", "", "", {}}, configuration).text();
   EXPECT_NE(text.find(folder() + "/venue.toml: no such file; make it with touchline-calibrate"), std::string::npos)
       << text;
 }
@@ -73,8 +70,7 @@ INSTANTIATE_TEST_SUITE_P(AllBoards, BoardFiles, ::testing::ValuesIn(real_boards(
 TEST(MockBoard, IsValidAndHasAReadme) {
   const std::string folder = TOUCHLINE_BOARDS "/mock";
   static Configuration configuration;  // large
-  Problems problems;
-  EXPECT_TRUE(load({folder + "/board.toml", "", "", {}}, configuration, problems).ok()) << problems.text();
+  EXPECT_OK(load({folder + "/board.toml", "", "", {}}, configuration));
   EXPECT_TRUE(std::filesystem::exists(folder + "/README.md"));
 }
 

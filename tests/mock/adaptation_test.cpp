@@ -10,6 +10,7 @@
 #include "firmware/config/configuration.h"
 #include "hal/replay/picture.h"
 #include "tests/replay/media.h"
+#include "tests/results.h"
 
 namespace touchline {
 namespace {
@@ -36,11 +37,9 @@ class AdaptationTest : public ::testing::Test {
                                 " --board '" TOUCHLINE_BOARDS "/mock/board.toml' --out '" + folder / "scene" + "'";
     ASSERT_EQ(std::system(command.c_str()), 0);  // NOLINT(cert-env33-c,concurrency-mt-unsafe)
     for (int i = 0; i < kPictures; ++i) {
-      std::string reason;
-      pictures.emplace_back();
-      ASSERT_TRUE(
-          hal::read_picture(folder / ("scene/00000" + std::to_string(i) + ".png"), pictures.back(), reason).ok())
-          << reason;
+      ASSERT_OK_AND_ASSIGN(hal::Picture picture,
+                           hal::read_picture(folder / ("scene/00000" + std::to_string(i) + ".png")));
+      pictures.push_back(std::move(picture));
     }
   }
   static void TearDownTestSuite() { pictures.clear(); }
@@ -48,13 +47,12 @@ class AdaptationTest : public ::testing::Test {
   void start(const std::vector<std::string>& overrides) {
     configuration = std::make_unique<config::Configuration>();
     count = 0;
-    config::Problems problems;
     const config::FilePaths paths{
         {}, TOUCHLINE_BOARDS "/mock/venue.toml", TOUCHLINE_BOARDS "/mock/team.toml", overrides};
-    ASSERT_TRUE(config::load_venue_and_team(paths, *configuration, problems).ok()) << problems.text();
+    ASSERT_OK(config::load_venue_and_team(paths, *configuration));
     const config::InputFormat input{PixelFormat::kRgb24, static_cast<std::uint16_t>(pictures[0].width_px),
                                     static_cast<std::uint16_t>(pictures[0].height_px), "test"};
-    ASSERT_TRUE(config::resolve(input, *configuration, problems).ok()) << problems.text();
+    ASSERT_OK(config::resolve(input, *configuration));
     pipeline = std::make_unique<Pipeline>();
     ASSERT_TRUE(pipeline->configure(configuration->pipeline).ok());
     pipeline->set_observing(true);

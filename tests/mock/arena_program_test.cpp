@@ -10,6 +10,7 @@
 
 #include "hal/replay/picture.h"
 #include "tests/replay/media.h"
+#include "tests/results.h"
 #include "tools/programs/arena/scenes.h"
 #include "tools/programs/evaluate/records.h"
 
@@ -76,9 +77,7 @@ TEST_F(ArenaProgram, TheTruthMatchesThePicture) {
   ASSERT_EQ(touchline_arena("layouts " + kBoard + out("layouts") + "--count 1 --quiet").code, 0);
   std::ifstream file(folder_ / "layouts/truth.jsonl");
   const auto line = nlohmann::json::parse(file);
-  hal::Picture picture;
-  std::string reason;
-  ASSERT_TRUE(hal::read_picture(folder_ / "layouts/000000.png", picture, reason).ok()) << reason;
+  ASSERT_OK_AND_ASSIGN(const hal::Picture picture, hal::read_picture(folder_ / "layouts/000000.png"));
   // Compares the hue of the pixel with that of the paint, independent of brightness.
   const auto hue_of = [](double r, double g, double b) {
     return std::atan2(std::sqrt(3.0) * (g - b), 2.0 * r - g - b);

@@ -87,8 +87,7 @@ class Game {
  public:
   explicit Game(std::uint64_t seed, std::vector<hal::mock::ArenaFault> faults = {},
                 std::vector<std::string> overrides = {}) {
-    config::Problems problems;
-    EXPECT_TRUE(config::load({kBoard, "", "", std::move(overrides)}, *configuration, problems).ok()) << problems.text();
+    EXPECT_OK(config::load({kBoard, "", "", std::move(overrides)}, *configuration));
     config::BoardFile& board = configuration->board;
     board.arena.fault = std::move(faults);
     EXPECT_TRUE(pipeline->configure(configuration->pipeline).ok());
@@ -169,9 +168,7 @@ TEST(MockBoard, PlaysTheSameGameInEveryRgbFormat) {
 
 TEST(MockBoard, FilesAreValid) {
   config::Configuration configuration;
-  config::Problems problems;
-  EXPECT_TRUE(config::load({kBoard, "", "", {}}, configuration, problems).ok());
-  EXPECT_EQ(problems.text(), "");
+  EXPECT_OK(config::load({kBoard, "", "", {}}, configuration));
   EXPECT_EQ(configuration.board.camera.backend, hal::CameraBackend::kMock);
   EXPECT_EQ(configuration.board.radio.backend, hal::RadioBackend::kMock);
   // The team file must describe the robots of the arena.
@@ -248,8 +245,7 @@ std::string run_session(std::uint64_t seed) {
   options.files.board = kBoard;
   options.seed = seed;
   options.duration = 3s;
-  config::Problems problems;
-  EXPECT_TRUE(session.load(options, problems).ok()) << problems.text();
+  EXPECT_OK(session.load(options));
   EXPECT_OK(session.open({}));
   const std::atomic<bool> stop = false;
   EXPECT_EQ(session.loop().run(stop), LoopEnd::kLimit);

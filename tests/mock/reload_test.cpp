@@ -41,8 +41,7 @@ class Reload : public ::testing::Test {
   void begin() {
     SessionOptions options;
     options.files.board = (folder_ / "board.toml").string();
-    config::Problems problems;
-    ASSERT_TRUE(session_.load(options, problems).ok()) << problems.text();
+    ASSERT_OK(session_.load(options));
     ASSERT_OK(session_.open({&Reload::observe, this}));
     reloader_.emplace(session_.files(), session_.configuration(), session_.devices().loop_devices().camera,
                       session_.live_update());

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "tests/rectify/distorted_field.h"
+#include "tests/results.h"
 #include "tests/tools/program_folder.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 
@@ -16,9 +17,7 @@ namespace fs = std::filesystem;
 class Program : public touchline::testing::ProgramFolder {
  protected:
   void SetUp() override {
-    std::string reason;
-    ASSERT_TRUE(hal::write_picture(path("field.png"), photograph(distorted_camera(), small_field()), reason).ok())
-        << reason;
+    ASSERT_OK(hal::write_picture(path("field.png"), photograph(distorted_camera(), small_field())));
     config::PictureEntry entry;
     entry.width_px = kWidth;
     entry.height_px = kHeight;
@@ -54,8 +53,7 @@ TEST_F(Program, ReportsMissingInputs) {
   hal::Picture small;
   small.width_px = small.height_px = 32;
   small.rgb8.resize(std::size_t{3} * 32 * 32);
-  std::string reason;
-  ASSERT_TRUE(hal::write_picture(path("small.png"), small, reason).ok());
+  ASSERT_OK(hal::write_picture(path("small.png"), small));
   EXPECT_FALSE(run(path("small.png") + " --venue " + path("venue.toml") + rest));
   EXPECT_NE(output().find("is 32 x 32, but"), std::string::npos) << output();
   std::ofstream(path("bare.toml")) << "version = 1\n[picture]\nwidth_px = 320\nheight_px = 240\n";

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "hal/replay/ffmpeg.h"
+#include "tests/results.h"
 
 namespace touchline::media {
 
@@ -42,10 +43,7 @@ hal::Picture colorful(std::uint32_t width_px, std::uint32_t height_px, std::uint
   return picture;
 }
 
-void write_png(const std::string& path, const hal::Picture& picture) {
-  std::string reason;
-  ASSERT_TRUE(hal::write_picture(path, picture, reason).ok()) << reason;
-}
+void write_png(const std::string& path, const hal::Picture& picture) { ASSERT_OK(hal::write_picture(path, picture)); }
 
 void write_jpeg(const std::string& path, const hal::Picture& picture) {
   using namespace hal::ffmpeg;

@@ -14,27 +14,22 @@ namespace {
 
 using hal::Picture;
 
-// Reads a file that must be refused, and returns the message. Nothing may be printed, and no part of the picture
-// returned.
+// Reads a file that must be refused; returns the message, and checks that nothing was printed.
 std::string refused(const std::string& path, ErrorCode expected) {
-  Picture picture;
-  std::string reason;
   testing::internal::CaptureStderr();
   testing::internal::CaptureStdout();
-  const Status status = hal::read_picture(path, picture, reason);
+  const Result<Picture> read = hal::read_picture(path);
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
-  EXPECT_EQ(status.code(), expected) << path << ": " << reason;
-  EXPECT_TRUE(picture.rgb8.empty() && picture.rgb16.empty());
-  EXPECT_NE(reason.find(path), std::string::npos) << "the message must name the file: " << reason;
-  return reason;
+  EXPECT_EQ(read.code(), expected) << path << ": " << read.text();
+  EXPECT_NE(read.text().find(path), std::string::npos) << "the message must name the file: " << read.text();
+  return read.text();
 }
 
 Picture read(const std::string& path) {
-  Picture picture;
-  std::string reason;
-  EXPECT_TRUE(hal::read_picture(path, picture, reason).ok()) << reason;
-  return picture;
+  Result<Picture> picture = hal::read_picture(path);
+  EXPECT_TRUE(picture.ok()) << picture.text();
+  return picture.ok() ? std::move(picture).value() : Picture();
 }
 
 TEST(Picture, EightBitsSurvivePng) {
@@ -182,13 +177,13 @@ TEST(Picture, FilesThatAreNotPicturesAreRefused) {
 
 TEST(Picture, WriteErrorsAreReported) {
   const media::Folder folder;
-  std::string reason;
-  EXPECT_EQ(hal::write_picture(folder / "a.png", {}, reason).code(), ErrorCode::kOutOfRange);
+  EXPECT_EQ(hal::write_picture(folder / "a.png", {}).code(), ErrorCode::kOutOfRange);
   Picture short_one = media::colorful(4, 4);
   short_one.rgb8.pop_back();
-  EXPECT_EQ(hal::write_picture(folder / "a.png", short_one, reason).code(), ErrorCode::kOutOfRange);
-  EXPECT_EQ(hal::write_picture(folder / "none/a.png", media::colorful(4, 4), reason).code(), ErrorCode::kNotFound);
-  EXPECT_NE(reason.find("none/a.png"), std::string::npos) << reason;
+  EXPECT_EQ(hal::write_picture(folder / "a.png", short_one).code(), ErrorCode::kOutOfRange);
+  const Result<void> written = hal::write_picture(folder / "none/a.png", media::colorful(4, 4));
+  EXPECT_EQ(written.code(), ErrorCode::kNotFound);
+  EXPECT_NE(written.text().find("none/a.png"), std::string::npos) << written.text();
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 

@@ -24,12 +24,12 @@ constexpr Instant kForever = Instant::max();
 void write_video(const std::string& path, int frames, double rate_hz, std::uint32_t width = 64,
                  std::uint32_t height = 48) {
   VideoWriter writer;
-  ASSERT_TRUE(writer.open(path, width, height, rate_hz).ok()) << writer.reason();
+  ASSERT_OK(writer.open(path, width, height, rate_hz));
   for (int i = 0; i < frames; ++i) {
     const std::vector<std::uint8_t> gray(std::size_t{4} * width * height, static_cast<std::uint8_t>(20 * (i + 1)));
-    ASSERT_TRUE(writer.write(gray, std::size_t{4} * width, from_seconds(i / rate_hz)).ok()) << writer.reason();
+    ASSERT_OK(writer.write(gray, std::size_t{4} * width, from_seconds(i / rate_hz)));
   }
-  ASSERT_TRUE(writer.finish().ok()) << writer.reason();
+  ASSERT_OK(writer.finish());
 }
 
 TEST(Video, AWrittenVideoIsReadBack) {
@@ -232,8 +232,9 @@ TEST(VideoWriter, LeavesNoIncompleteFile) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   VideoWriter writer;
   EXPECT_EQ(writer.open(folder / "odd.mp4", 33, 32, 30.0).code(), ErrorCode::kOutOfRange);
-  EXPECT_EQ(writer.open(folder / "none/a.mp4", 32, 32, 30.0).code(), ErrorCode::kNotFound);
-  EXPECT_NE(writer.reason().find("none/a.mp4"), std::string::npos) << writer.reason();
+  const Result<void> opened = writer.open(folder / "none/a.mp4", 32, 32, 30.0);
+  EXPECT_EQ(opened.code(), ErrorCode::kNotFound);
+  EXPECT_NE(opened.text().find("none/a.mp4"), std::string::npos) << opened.text();
   EXPECT_EQ(writer.finish().code(), ErrorCode::kIo);
 }
 

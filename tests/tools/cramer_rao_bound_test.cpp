@@ -9,6 +9,7 @@
 #include <random>
 
 #include "hal/replay/picture.h"
+#include "tests/results.h"
 
 namespace touchline::evaluate {
 namespace {
@@ -86,8 +87,7 @@ class CramerRaoBound : public ::testing::Test {
       }
       record.sightings.robots.push_back(robot);
       hal::Picture picture{kWidth, kHeight, noisy(random, [this](double u, double v) { return patches(u, v); }), {}};
-      std::string reason;
-      ASSERT_TRUE(hal::write_picture(folder_ + record.file, picture, reason).ok()) << reason;
+      ASSERT_OK(hal::write_picture(folder_ + record.file, picture));
       results_.push_back(record);
     }
   }

@@ -222,8 +222,7 @@ TEST_F(Replay, AnnotatesIntoFolderAndVideo) {
   write_flat("b.png");
   options.annotate = folder / "seen/pictures";
   ASSERT_TRUE(run()) << error;
-  hal::Picture picture;
-  ASSERT_TRUE(hal::read_picture(folder / "seen/pictures/000001_b.png", picture, error).ok()) << error;
+  ASSERT_OK_AND_ASSIGN(const hal::Picture picture, hal::read_picture(folder / "seen/pictures/000001_b.png"));
   EXPECT_EQ(picture.width_px, 640u);
   EXPECT_GT(picture.height_px, 480u);
 

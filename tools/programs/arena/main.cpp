@@ -45,14 +45,15 @@ int write_scene(const config::BoardFile& board, const arena::SceneType& scene,
   picture.height_px = height;
   picture.rgb8.resize(std::size_t{3} * width * height);
   std::vector<std::string> files;
-  std::string truth, reason;
+  std::string truth;
   const std::string prefix = options.out + "/";
   const bool progress = !options.quiet && ::isatty(STDERR_FILENO) != 0;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     files.push_back(number_of(i));
     const arena::SceneFrame& frame = frames[i];
     sensor.expose(frame.objects ? renderer.render(frame.begin, frame.end) : renderer.render_floor(), picture.rgb8);
-    if (!hal::write_picture(prefix + files[i], picture, reason, {.sync = false}).ok()) return fail(reason);
+    const Result<void> written = hal::write_picture(prefix + files[i], picture, {.sync = false});
+    if (!written.ok()) return fail(written.text());
     truth += arena::truth_line(frame, files[i], parameters, renderer.lens()) + "\n";
     if (progress) std::fprintf(stderr, "\r%zu of %zu pictures", i + 1, frames.size());
   }
@@ -99,12 +100,9 @@ int main(int argc, char** argv) {
     return fail("unknown scene \"" + options.scene + "\"; scenes:" + scenes);
   }
   const auto configuration = std::make_unique<config::Configuration>();
-  config::Problems problems;
-  config::SortedOverrides overrides;
-  static_cast<void>(config::sort_overrides(options.overrides, overrides, problems));
-  static_cast<void>(config::load_board(options.board, overrides.board, *configuration, problems));
-  if (!problems.empty()) {
-    std::cerr << problems.text();
+  const Result<void> loaded = config::load_board(options.board, options.overrides, *configuration);
+  if (!loaded.ok()) {
+    std::cerr << loaded.error().text << '\n';
     return touchline::kExitBadFile;
   }
   const config::BoardFile& board = configuration->board;

@@ -54,18 +54,10 @@ Result<std::vector<FrameRecord>> read_results(const std::vector<std::string>& pa
 
 Result<BoundInputs> bound_inputs(const Options& options) {
   const auto files = std::make_unique<config::Configuration>();
-  config::Problems problems;
-  const auto usable = [&] {
-    if (!config::load_venue_and_team({{}, options.venue, options.team, {}}, *files, problems).ok()) return false;
-    const auto format = files->venue.colors.space == ColorSpace::kRgb ? PixelFormat::kRgb24 : PixelFormat::kYuyv;
-    const auto& picture = files->venue.picture;
-    return config::resolve({format, picture.width_px, picture.height_px, options.pictures}, *files, problems).ok();
-  };
-  if (!usable()) {
-    std::string error = problems.text();
-    while (!error.empty() && error.back() == '\n') error.pop_back();
-    return failure(ErrorCode::kInconsistent, "%s", error.c_str());
-  }
+  TOUCHLINE_TRY(config::load_venue_and_team({{}, options.venue, options.team, {}}, *files));
+  const auto format = files->venue.colors.space == ColorSpace::kRgb ? PixelFormat::kRgb24 : PixelFormat::kYuyv;
+  const auto& picture = files->venue.picture;
+  TOUCHLINE_TRY(config::resolve({format, picture.width_px, picture.height_px, options.pictures}, *files));
   BoundInputs inputs;
   if (!inputs.camera.configure(files->pipeline.camera).ok()) {
     return failure(ErrorCode::kInconsistent, "%s: the camera model has invalid values", options.venue.c_str());

@@ -16,8 +16,8 @@ using nlohmann::json;
 // Reads the values below one place of a JSON document. It keeps the first error and continues with default values.
 class JsonReader {
  public:
-  JsonReader(const json& value, std::string path, std::string& error)
-      : value_(&value), path_(std::move(path)), error_(&error) {}
+  JsonReader(const json& value, std::string path, Result<void>& result)
+      : value_(&value), path_(std::move(path)), result_(&result) {}
 
   [[nodiscard]] bool null() const { return value_->is_null(); }
   [[nodiscard]] bool has(const char* key) const { return value_->is_object() && value_->contains(key); }
@@ -29,9 +29,9 @@ class JsonReader {
     } else if (!value_->contains(key)) {
       complain(path + " is missing");
     } else {
-      return {(*value_)[key], path, *error_};
+      return {(*value_)[key], path, *result_};
     }
-    return {nothing, path, *error_};
+    return {nothing, path, *result_};
   }
   [[nodiscard]] std::vector<JsonReader> list(const char* key) const {
     const JsonReader node = at(key);
@@ -41,7 +41,7 @@ class JsonReader {
       return nodes;
     }
     for (const json& entry : *node.value_) {
-      nodes.push_back({entry, node.path_ + "[" + std::to_string(nodes.size()) + "]", *error_});
+      nodes.push_back({entry, node.path_ + "[" + std::to_string(nodes.size()) + "]", *result_});
     }
     return nodes;
   }
@@ -69,7 +69,7 @@ class JsonReader {
     return {};
   }
   void complain(const std::string& what) const {
-    if (error_->empty()) *error_ = what;
+    if (result_->ok()) *result_ = failure(ErrorCode::kInconsistent, "%s", what.c_str());
   }
 
  private:
@@ -80,7 +80,7 @@ class JsonReader {
   }
   const json* value_;
   std::string path_;
-  std::string* error_;
+  Result<void>* result_;
 };
 
 const std::string& renamed(const NameMap& names, const std::string& name) {
@@ -104,16 +104,13 @@ Result<std::vector<FrameRecord>> read_lines(const std::string& path,
   for (std::size_t number = 1; std::getline(file, line); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     const json value = json::parse(line, nullptr, false);
-    std::string problem;
+    Result<void> result;
     if (value.is_discarded()) {
-      problem = "is not JSON";
+      result = failure(ErrorCode::kInconsistent, "is not JSON");
     } else {
-      FrameRecord record = read(JsonReader(value, "", problem));
-      records.push_back(std::move(record));
+      records.push_back(read(JsonReader(value, "", result)));
     }
-    if (!problem.empty()) {
-      return failure(ErrorCode::kInconsistent, "%s:%zu: %s", path.c_str(), number, problem.c_str());
-    }
+    if (!result.ok()) return prefixed(path + ":" + std::to_string(number), std::move(result).error());
   }
   if (records.empty()) return failure(ErrorCode::kInconsistent, "%s: contains no frames", path.c_str());
   return records;
@@ -180,8 +177,8 @@ Result<AnnotatedPicture> read_annotated(const std::string& path) {
   TOUCHLINE_TRY_ASSIGN(std::ifstream file, open_file(path));
   const json value = json::parse(file, nullptr, false);
   if (value.is_discarded()) return failure(ErrorCode::kInconsistent, "%s: is not JSON", path.c_str());
-  std::string problem;
-  const JsonReader root(value, "", problem);
+  Result<void> result;
+  const JsonReader root(value, "", result);
   AnnotatedPicture out;
   out.name = std::filesystem::path(path).stem().string();
   // "../folder/picture.png" or "../video.mp4 frame 270"
@@ -215,7 +212,7 @@ Result<AnnotatedPicture> read_annotated(const std::string& path) {
       object.complain("type \"" + type + "\" is neither ball nor robot");
     }
   }
-  if (!problem.empty()) return failure(ErrorCode::kInconsistent, "%s: %s", path.c_str(), problem.c_str());
+  if (!result.ok()) return prefixed(path, std::move(result).error());
   return out;
 }
 

@@ -33,8 +33,8 @@ int fail(const std::string& message, int exit_code = kExitBadFile) {
   return touchline::fail("touchline-latency", message, exit_code);
 }
 
-int refuse(const config::Problems& problems) {
-  std::cerr << problems.text();
+int refuse(const Error& error) {
+  std::cerr << error.text << '\n';
   return kExitBadFile;
 }
 
@@ -163,8 +163,7 @@ std::string picture_text(const hal::CameraInfo& info) {
 
 int measure_board(const MeasureOptions& options) {
   Session session;
-  config::Problems problems;
-  if (!session.load(options.session, problems).ok()) return refuse(problems);
+  if (const Result<void> loaded = session.load(options.session); !loaded.ok()) return refuse(loaded.error());
   const config::BoardFile& board = session.configuration().board;
   // The rate of a video is not known yet.
   Run run(options, board, board.camera.rate_hz > 0.0 ? board.camera.rate_hz : 240.0);
@@ -181,8 +180,8 @@ int measure_board(const MeasureOptions& options) {
 // Does not use the board's radio: random pictures must not drive robots.
 int measure_worst_frames(const MeasureOptions& options) {
   const auto configuration = std::make_unique<config::Configuration>();
-  config::Problems problems;
-  if (!config::load(options.session.files, *configuration, problems).ok()) return refuse(problems);
+  const Result<void> loaded = config::load(options.session.files, *configuration);
+  if (!loaded.ok()) return refuse(loaded.error());
   const auto pipeline = std::make_unique<Pipeline>();
   const Status status = pipeline->configure(configuration->pipeline, hal::MonotonicClock::read);
   if (!status.ok()) return fail(std::string("the pipeline rejects these files: ") + describe(status.code()));

@@ -93,22 +93,24 @@ class Writer {
 class Reader {
  public:
   // Keeps the first error and skips all later values.
-  Reader(const ordered_json& json, std::string path, std::string& error)
-      : json_(json), path_(std::move(path)), error_(error) {}
+  Reader(const ordered_json& json, std::string path, Result<void>& result)
+      : json_(json), path_(std::move(path)), result_(result) {}
 
   template <class T>
   void operator()(const char* key, T&& value) {
-    if (!error_.empty()) return;
+    if (!result_.ok()) return;
     const std::string path = path_ + key;
     if (!json_.is_object() || !json_.contains(key)) {
-      error_ = path + ": is missing";
+      result_ = failure(ErrorCode::kInconsistent, "%s: is missing", path.c_str());
     } else {
       read(json_[key], path, value);
     }
   }
 
  private:
-  void refuse(const std::string& path, const char* expected) { error_ = path + ": must be " + expected; }
+  void refuse(const std::string& path, const char* expected) {
+    result_ = failure(ErrorCode::kInconsistent, "%s: must be %s", path.c_str(), expected);
+  }
 
   void read(const ordered_json& json, const std::string& path, std::uint64_t& value) {
     json.is_number_unsigned() ? static_cast<void>(value = json.get<std::uint64_t>()) : refuse(path, "a count");
@@ -144,24 +146,24 @@ class Reader {
   template <class T>
   void read(const ordered_json& json, const std::string& path, std::vector<T>& values) {
     if (!json.is_array()) return refuse(path, "a list");
-    for (std::size_t i = 0; i < json.size() && error_.empty(); ++i) {
+    for (std::size_t i = 0; i < json.size() && result_.ok(); ++i) {
       read(json[i], path + "[" + std::to_string(i) + "]", values.emplace_back());
     }
   }
   void read(const ordered_json& json, const std::string& path, WorstFrame& frame) {
-    Reader reader(json, path + ".", error_);
+    Reader reader(json, path + ".", result_);
     describe_frame(frame, reader);
   }
   template <class T>
   requires requires(T& value, Reader& visit) { T::describe(value, visit); }
   void read(const ordered_json& json, const std::string& path, T& value) {
-    Reader reader(json, path + ".", error_);
+    Reader reader(json, path + ".", result_);
     T::describe(value, reader);
   }
 
   const ordered_json& json_;
   const std::string path_;
-  std::string& error_;
+  Result<void>& result_;
 };
 
 }  // namespace
@@ -177,17 +179,17 @@ std::string to_json(const LatencyReport& report) {
 Result<LatencyReport> from_json(const std::string& text) {
   const ordered_json json = ordered_json::parse(text, nullptr, false);
   if (json.is_discarded()) return failure(ErrorCode::kInconsistent, "is not JSON");
-  std::string error;
-  Reader reader(json, "", error);
+  Result<void> result;
+  Reader reader(json, "", result);
   std::int64_t format = 0;
   reader("format", format);
-  if (error.empty() && format != LatencyReport::kFormat) {
+  if (result.ok() && format != LatencyReport::kFormat) {
     return failure(ErrorCode::kInconsistent, "format: %lld is not supported; this program reads format %lld",
                    static_cast<long long>(format), static_cast<long long>(LatencyReport::kFormat));
   }
   LatencyReport report;
   describe_report(report, reader);
-  if (!error.empty()) return failure(ErrorCode::kInconsistent, "%s", error.c_str());
+  TOUCHLINE_TRY(result);
   return report;
 }
 

@@ -70,9 +70,7 @@ Result<void> run(const Options& options) {
   std::vector<std::string> written;
   const auto write = [&](const std::string& name, const hal::Picture& figure) -> Result<void> {
     written.push_back(name + " (" + std::to_string(figure.width_px) + " x " + std::to_string(figure.height_px) + ")");
-    std::string reason;
-    if (const Status s = hal::write_picture(name, figure, reason); !s.ok()) return Error{s.code(), reason};
-    return {};
+    return hal::write_picture(name, figure);
   };
   TOUCHLINE_TRY(write(stem + "-distorted.png", picture));
 

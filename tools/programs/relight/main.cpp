@@ -30,11 +30,11 @@ class Figures {
         height_(static_cast<std::size_t>(picture.height_px)),
         stem_(std::move(stem)) {}
 
-  bool write(const replay::SurfacePtr& surface, const std::string& name, std::string& reason) const {
+  [[nodiscard]] Result<void> write(const replay::SurfacePtr& surface, const std::string& name) const {
     const std::string path = stem_ + "-" + name + ".png";
-    if (!replay::write_png(*surface, path, reason).ok()) return false;
+    TOUCHLINE_TRY(replay::write_png(*surface, path));
     std::printf("%s written\n", path.c_str());
-    return true;
+    return {};
   }
 
   [[nodiscard]] replay::SurfacePtr picture(const ChannelImage& image, bool contours) const {
@@ -89,7 +89,6 @@ class Figures {
 
 Result<void> run(const Options& options) {
   namespace fs = std::filesystem;
-  std::string reason;
   TOUCHLINE_TRY_ASSIGN(const calibrate::VenueDraft draft, calibrate::read_draft(options.venue));
   if (draft.light.columns == 0)
     return Error{ErrorCode::kInconsistent,
@@ -121,13 +120,11 @@ Result<void> run(const Options& options) {
   const calibrate::FoundPatch& sample = color.patches[color.representative];
   const auto before = classify(acquired, thresholds_of(acquired, sample, options.margin));
   const auto after = classify(corrected, thresholds_of(corrected, sample, options.margin));
-  if (!figures.write(draw_component(draft.light, channel, frame.width_px, frame.height_px), "figure8", reason) ||
-      !figures.write(figures.picture(acquired, true), "figure13", reason) ||
-      !figures.write(figures.classified(before, color), "figure14", reason) ||
-      !figures.write(figures.classified(after, color), "figure15", reason) ||
-      !figures.write(figures.picture(corrected, false), "corrected", reason)) {
-    return Error{ErrorCode::kInconsistent, reason};
-  }
+  TOUCHLINE_TRY(figures.write(draw_component(draft.light, channel, frame.width_px, frame.height_px), "figure8"));
+  TOUCHLINE_TRY(figures.write(figures.picture(acquired, true), "figure13"));
+  TOUCHLINE_TRY(figures.write(figures.classified(before, color), "figure14"));
+  TOUCHLINE_TRY(figures.write(figures.classified(after, color), "figure15"));
+  TOUCHLINE_TRY(figures.write(figures.picture(corrected, false), "corrected"));
   std::printf(
       "%zu patches of the color at %.0f,%.0f, thresholds from that one and %d levels more: %zu recognized in the "
       "picture as it came, "

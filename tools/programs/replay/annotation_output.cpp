@@ -28,30 +28,19 @@ Result<void> AnnotationOutput::write(cairo_surface_t& surface, std::uint64_t fra
                                      Duration stamp) {
   if (video_ != nullptr) {
     const Pixels pixels = pixels_of(surface);
-    Status status;
-    if (!video_open_) status = video_->open(path_, pixels.width, pixels.height, rate_hz_);
-    video_open_ = status.ok();
-    if (status.ok()) status = video_->write(pixels.bgrx, pixels.stride_bytes, stamp);
-    if (!status.ok()) return failure(status.code(), "%s", video_->reason().c_str());
-    return {};
+    if (!video_open_) TOUCHLINE_TRY(video_->open(path_, pixels.width, pixels.height, rate_hz_));
+    video_open_ = true;
+    return video_->write(pixels.bgrx, pixels.stride_bytes, stamp);
   }
   char number[32];
   std::snprintf(number, sizeof number, "%06llu_", static_cast<unsigned long long>(frame));
   const std::string name =
       (std::filesystem::path(path_) / (number + std::filesystem::path(file).stem().string() + ".png")).string();
-  std::string reason;
-  if (const Status status = write_png(surface, name, reason, {.sync = false}); !status.ok()) {
-    return failure(status.code(), "%s", reason.c_str());
-  }
-  return {};
+  return write_png(surface, name, {.sync = false});
 }
 
 Result<void> AnnotationOutput::finish() {
-  if (video_ == nullptr || !video_open_) return {};
-  if (const Status status = video_->finish(); !status.ok()) {
-    return failure(status.code(), "%s", video_->reason().c_str());
-  }
-  return {};
+  return video_ == nullptr || !video_open_ ? Result<void>() : video_->finish();
 }
 
 bool would_overwrite(const std::string& input, const std::string& output) {

@@ -77,8 +77,7 @@ double text_width(cairo_t& context, const std::string& text, double size) {
   return extents.x_advance;
 }
 
-Status write_png(cairo_surface_t& surface, const std::string& path, std::string& reason,
-                 const hal::OutputOptions& options) {
+Result<void> write_png(cairo_surface_t& surface, const std::string& path, const hal::OutputOptions& options) {
   std::string png;
   const auto append = [](void* out, const unsigned char* bytes, unsigned int size) {
     static_cast<std::string*>(out)->append(reinterpret_cast<const char*>(bytes), size);
@@ -87,12 +86,9 @@ Status write_png(cairo_surface_t& surface, const std::string& path, std::string&
   cairo_surface_flush(&surface);
   if (const cairo_status_t status = cairo_surface_write_to_png_stream(&surface, append, &png);
       status != CAIRO_STATUS_SUCCESS) {
-    reason = path + ": " + cairo_status_to_string(status);
-    return ErrorCode::kIo;
+    return failure(ErrorCode::kIo, "%s: %s", path.c_str(), cairo_status_to_string(status));
   }
-  const Result<void> written = hal::write_file(path, png, options);
-  reason = written.text();
-  return written.code();
+  return hal::write_file(path, png, options);
 }
 
 }  // namespace touchline::replay

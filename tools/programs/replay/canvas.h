@@ -9,6 +9,7 @@
 
 #include "core/types.h"
 #include "hal/files/output_file.h"
+#include "hal/result.h"
 
 namespace touchline::replay {
 
@@ -40,9 +41,8 @@ SurfacePtr to_surface(const Frame& frame);
 void draw_text(cairo_t& context, double x, double y, const std::string& text, const Rgb& color, double size);
 double text_width(cairo_t& context, const std::string& text, double size);
 
-/// Writes a PNG file with hal::OutputFile. On error, `reason` names the file and the cause.
-Status write_png(cairo_surface_t& surface, const std::string& path, std::string& reason,
-                 const hal::OutputOptions& options = {});
+/// Writes a PNG file with hal::OutputFile. The message of an error names the file and the cause.
+Result<void> write_png(cairo_surface_t& surface, const std::string& path, const hal::OutputOptions& options = {});
 
 void set_color(cairo_t& context, const Rgb& color, double alpha = 1.0);
 

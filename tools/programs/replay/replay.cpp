@@ -25,12 +25,6 @@ AnnotationStyle annotation_style(const config::Configuration& configuration) {
   return style;
 }
 
-Error from_problems(const config::Problems& problems) {
-  std::string text = problems.text();
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  return failure(ErrorCode::kInconsistent, "%s", text.c_str());
-}
-
 Result<void> check_outputs(const ReplayOptions& options) {
   for (const std::string& output : {options.out, options.annotate}) {
     if (output.empty()) continue;
@@ -59,9 +53,8 @@ void count(const StepTrace& trace, ReplaySummary& summary) {
 Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progress, const std::atomic<bool>& stop) {
   TOUCHLINE_TRY(check_outputs(options));
   const auto configuration = std::make_unique<config::Configuration>();
-  config::Problems problems;
   const config::FilePaths paths{{}, options.venue, options.team, options.overrides};
-  if (!config::load_venue_and_team(paths, *configuration, problems).ok()) return from_problems(problems);
+  TOUCHLINE_TRY(config::load_venue_and_team(paths, *configuration));
 
   // YUYV keeps the values of 4:2:0 and 4:2:2 files exactly.
   const PixelFormat format =
@@ -70,9 +63,7 @@ Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progr
   TOUCHLINE_TRY(camera.open());
   TOUCHLINE_TRY(camera.start());
   const hal::CameraInfo& info = camera.info();
-  if (!config::resolve({format, info.width_px, info.height_px, options.input}, *configuration, problems).ok()) {
-    return from_problems(problems);
-  }
+  TOUCHLINE_TRY(config::resolve({format, info.width_px, info.height_px, options.input}, *configuration));
   const auto pipeline = std::make_unique<Pipeline>();
   if (const Status status = pipeline->configure(configuration->pipeline); !status.ok()) {
     return failure(status.code(), "%s, %s: the pipeline refuses these values (%s)", options.venue.c_str(),

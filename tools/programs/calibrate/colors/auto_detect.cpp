@@ -266,10 +266,7 @@ Result<void> write_detection_picture(const std::string& path, const DetectedColo
                         {patch.rgb[0] / 255, patch.rgb[1] / 255, patch.rgb[2] / 255}, 11);
     }
   }
-  std::string reason;
-  const Status written = replay::write_png(*surface, path, reason);
-  if (!written.ok()) return Error{written.code(), reason};
-  return {};
+  return replay::write_png(*surface, path);
 }
 
 }  // namespace touchline::calibrate

@@ -215,7 +215,6 @@ Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput
 }
 
 Result<void> ColorsCommand::run() const {
-  std::string reason;
   TOUCHLINE_TRY_ASSIGN(const VenueDraft draft, read_draft(venue));
   ColorFitInput input;
   TOUCHLINE_TRY(read_input(input));
@@ -254,7 +253,7 @@ Result<void> ColorsCommand::run() const {
     drawn.height_px = picture.frame().height_px;
     drawn.rgb8 = preview_rgb(input, fit, picture);
     const std::string path = (fs::path(preview) / (fs::path(image).stem().string() + ".png")).string();
-    if (!hal::write_picture(path, drawn, reason).ok()) return Error{ErrorCode::kInconsistent, reason};
+    TOUCHLINE_TRY(hal::write_picture(path, drawn));
   }
   return {};
 }

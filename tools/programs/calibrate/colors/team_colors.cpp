@@ -13,31 +13,22 @@ Result<TeamColors> read_team_colors(const std::string& path) {
   TeamColors out;
   config::TeamFile team;
   config::Locations where;
-  config::Problems problems;
-  Status status = config::read_toml(path, "", {}, team, where, problems);
-  if (status.ok()) {
-    std::vector<std::string> names = {team.own.color, team.opponent.color, team.ball.color};
-    for (const auto* side : {&team.own, &team.opponent}) {
-      for (const auto& robot : side->robot) names.insert(names.end(), robot.colors.begin(), robot.colors.end());
-    }
-    // With a venue that has all colors, the remaining errors are those of the team file.
-    config::VenueFile venue;
-    for (const std::string& name : names) {
-      if (name.empty() || std::find(out.names.begin(), out.names.end(), name) != out.names.end()) continue;
-      out.names.push_back(name);
-      venue.color.emplace_back();
-      venue.color.back().name = name;
-    }
-    const auto parameters = std::make_unique<PipelineParameters>();
-    config::resolve_team(team, where, venue, config::Locations(), *parameters, problems);
-    out.marker = parameters->marker;
-    if (!problems.empty()) status = ErrorCode::kInconsistent;
+  TOUCHLINE_TRY(config::read_toml(path, "", {}, team, where));
+  std::vector<std::string> names = {team.own.color, team.opponent.color, team.ball.color};
+  for (const auto* side : {&team.own, &team.opponent}) {
+    for (const auto& robot : side->robot) names.insert(names.end(), robot.colors.begin(), robot.colors.end());
   }
-  if (!status.ok()) {
-    std::string text = problems.text();
-    while (!text.empty() && text.back() == '\n') text.pop_back();
-    return Error{status.code(), text};
+  // With a venue that has all colors, the remaining errors are those of the team file.
+  config::VenueFile venue;
+  for (const std::string& name : names) {
+    if (name.empty() || std::find(out.names.begin(), out.names.end(), name) != out.names.end()) continue;
+    out.names.push_back(name);
+    venue.color.emplace_back();
+    venue.color.back().name = name;
   }
+  const auto parameters = std::make_unique<PipelineParameters>();
+  TOUCHLINE_TRY(config::resolve_team(team, where, venue, config::Locations(), *parameters));
+  out.marker = parameters->marker;
   return out;
 }
 

@@ -14,8 +14,7 @@ struct TeamColors {
   MarkerParameters marker;         // with these ColorIds
 };
 
-/// Reads and checks a team file without a venue. Errors: see config::read_toml() and resolve_team(); the
-/// message has one line per error.
+/// Reads and checks a team file without a venue. Errors of config::read_toml() and resolve_team().
 Result<TeamColors> read_team_colors(const std::string& path);
 
 }  // namespace touchline::calibrate

@@ -235,14 +235,11 @@ Result<void> FieldCommand::write_previews(const hal::Picture& photograph, const 
   hal::Picture drawn = photograph;
   const bool refined = found.refinement.points > 0;
   draw_field(camera, field, found.marks, refined ? points_of(found.refinement) : given, drawn);
-  std::string reason;
-  if (const Status s = hal::write_picture(preview, drawn, reason); !s.ok()) return Error{s.code(), reason};
+  TOUCHLINE_TRY(hal::write_picture(preview, drawn));
   if (!refined) return {};
   const std::filesystem::path path(preview);
   const std::string errors = (path.parent_path() / (path.stem().string() + "-errors.png")).string();
-  const Status written = hal::write_picture(errors, draw_residuals(photograph, camera, found.refinement), reason);
-  if (!written.ok()) return Error{written.code(), reason};
-  return {};
+  return hal::write_picture(errors, draw_residuals(photograph, camera, found.refinement));
 }
 
 Result<void> FieldCommand::find_camera(const std::vector<hal::Picture>& photographs, const FieldDrawing& drawn,

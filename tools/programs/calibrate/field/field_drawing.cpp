@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "firmware/config/error_list.h"
 #include "firmware/config/toml_file.h"
 #include "tools/programs/command_line/formatted.h"
 
@@ -73,30 +74,31 @@ FieldDrawing painted(const FieldParameters& field, double area_depth_m, double a
   return drawing;
 }
 
-void check(const FieldDrawing& drawing, const config::Locations& where, config::Problems& problems) {
+Result<void> check(const FieldDrawing& drawing, const config::Locations& where) {
+  config::ErrorList errors;
   const double length = static_cast<double>(drawing.field.length_m), width = static_cast<double>(drawing.field.width_m);
   const auto outside = [&](double x, double y) {
     return std::abs(x) > length / 2 + kBeyondField_m || std::abs(y) > width / 2 + kBeyondField_m;
   };
   if (drawing.field.goal_width_m >= drawing.field.width_m) {
-    problems.add(where.of("field.goal_width_m"), "field.goal_width_m", "must be less than the width of the field");
+    errors.add(where.of("field.goal_width_m"), "field.goal_width_m", "must be less than the width of the field");
   }
   if (2 * drawing.border.corner_m >= std::min(length, width) - static_cast<double>(drawing.field.goal_width_m)) {
-    problems.add(where.of("border.corner_m"), "border.corner_m", "must leave a part of each side of the border");
+    errors.add(where.of("border.corner_m"), "border.corner_m", "must leave a part of each side of the border");
   }
   if (drawing.line.size() + drawing.arc.size() > kMostMarkings) {
-    problems.add(where.file(), "",
-                 formatted("there are %zu lines and arcs; at most %zu are possible",
-                           drawing.line.size() + drawing.arc.size(), kMostMarkings));
+    errors.add(where.file(), "",
+               formatted("there are %zu lines and arcs; at most %zu are possible",
+                         drawing.line.size() + drawing.arc.size(), kMostMarkings));
   }
   for (std::size_t i = 0; i < drawing.line.size(); ++i) {
     const DrawnLine& line = drawing.line[i];
     const std::string key = formatted("line[%zu]", i);
     if (std::hypot(line.x2_m - line.x1_m, line.y2_m - line.y1_m) < kShortestLine_m) {
-      problems.add(where.of(key), key, formatted("the ends must be at least %g m apart", kShortestLine_m));
+      errors.add(where.of(key), key, formatted("the ends must be at least %g m apart", kShortestLine_m));
     }
     if (outside(line.x1_m, line.y1_m) || outside(line.x2_m, line.y2_m)) {
-      problems.add(where.of(key), key, formatted("an end is more than %g m outside the field", kBeyondField_m));
+      errors.add(where.of(key), key, formatted("an end is more than %g m outside the field", kBeyondField_m));
     }
   }
   for (std::size_t i = 0; i < drawing.arc.size(); ++i) {
@@ -104,16 +106,17 @@ void check(const FieldDrawing& drawing, const config::Locations& where, config::
     const std::string key = formatted("arc[%zu]", i);
     const double turn = arc.to_rad - arc.from_rad;
     if (turn * arc.radius_m < kShortestLine_m || turn > kCircle_rad + 1e-3) {
-      problems.add(
+      errors.add(
           where.of(key + ".to_rad"), key + ".to_rad",
           formatted(
               "the arc must run counter-clockwise from from_rad to to_rad, at most one turn, and be at least %g m long",
               kShortestLine_m));
     }
     if (outside(arc.x_m, arc.y_m)) {
-      problems.add(where.of(key), key, formatted("the center is more than %g m outside the field", kBeyondField_m));
+      errors.add(where.of(key), key, formatted("the center is more than %g m outside the field", kBeyondField_m));
     }
   }
+  return errors.result();
 }
 
 void add_straight(std::vector<Mark>& marks, MarkKind kind, int side, const std::array<double, 4>& ends) {
@@ -161,17 +164,8 @@ void add_border(const FieldDrawing& drawing, std::vector<Mark>& marks) {
 Result<FieldDrawing> read_drawing(const std::string& path) {
   FieldDrawing drawing;
   config::Locations where;
-  config::Problems problems;
-  Status status = config::read_toml(path, "", {}, drawing, where, problems);
-  if (status.ok()) {
-    check(drawing, where, problems);
-    if (!problems.empty()) status = ErrorCode::kInconsistent;
-  }
-  if (!status.ok()) {
-    std::string text = problems.text();
-    while (!text.empty() && text.back() == '\n') text.pop_back();
-    return Error{status.code(), text};
-  }
+  TOUCHLINE_TRY(config::read_toml(path, "", {}, drawing, where));
+  TOUCHLINE_TRY(check(drawing, where));
   return drawing;
 }
 

@@ -82,7 +82,6 @@ void LightCommand::add_options(CLI::App& app) {
 }
 
 Result<void> LightCommand::run() const {
-  std::string reason;
   TOUCHLINE_TRY_ASSIGN(const VenueDraft draft, read_draft(venue));
   LightFitInput input;
   const bool many = surface.empty() && pictures.size() >= kManyPictures;
@@ -97,8 +96,8 @@ Result<void> LightCommand::run() const {
   }
   Progress progress("pictures", pictures.size());
   for (const std::string& path : pictures) {
-    input.pictures.emplace_back();
-    if (!hal::read_picture(path, input.pictures.back(), reason).ok()) return Error{ErrorCode::kInconsistent, reason};
+    TOUCHLINE_TRY_ASSIGN(hal::Picture picture, hal::read_picture(path));
+    input.pictures.push_back(std::move(picture));
     progress.step();
   }
   input.region_of_interest = draft.region_of_interest;
@@ -118,11 +117,9 @@ Result<void> LightCommand::run() const {
   config::LightEntry entry;
   entry.surface = measured_on;
   for (const double value : report.normal) entry.normal.push_back(static_cast<float>(value));
-  std::string png;
-  if (const Status s = hal::encode_png(map_picture(map), png, reason); !s.ok()) {
-    return prefixed(venue, Error{s.code(), reason});
-  }
-  TOUCHLINE_TRY_ASSIGN(const std::string map_path, config::write_light(venue, png, entry));
+  Result<std::string> png = hal::encode_png(map_picture(map));
+  if (!png.ok()) return prefixed(venue, std::move(png).error());
+  TOUCHLINE_TRY_ASSIGN(const std::string map_path, config::write_light(venue, png.value(), entry));
 
   constexpr const char* kNames[] = {"red", "green", "blue"};
   for (std::size_t c = 0; c < 3; ++c) {

@@ -70,19 +70,9 @@ void PictureCommand::add_options(CLI::App& app) {
 int PictureCommand::run() const {
   if (!out.ends_with(".png")) return fail("touchline-calibrate", out + " does not end in .png");
   const auto configuration = std::make_unique<config::Configuration>();
-  config::Problems problems;
-  config::SortedOverrides sorted;
-  static_cast<void>(config::sort_overrides(overrides, sorted, problems));
-  static_cast<void>(config::load_board(board, sorted.board, *configuration, problems));
-  for (const auto* others : {&sorted.venue, &sorted.team}) {
-    for (const config::Override& other : *others) {
-      problems.add("--set " + other.key + "=" + other.value, "",
-                   "is not a key of the board file, which is the only file that this command reads");
-    }
-  }
-  if (!problems.empty()) {
-    std::fputs(problems.text().c_str(), stderr);
-    return 1;
+  if (const Result<void> loaded = config::load_board(board, overrides, *configuration); !loaded.ok()) {
+    std::fprintf(stderr, "%s\n", loaded.error().text.c_str());
+    return kExitBadFile;
   }
 
   Devices devices;
@@ -105,9 +95,8 @@ int PictureCommand::run() const {
     if (now < due) continue;
     due = now + from_seconds(every_s);
     const std::string name = name_of(out, ++written, count);
-    std::string reason;
-    if (!hal::write_picture(name, picture_of(lease.value().frame()), reason).ok())
-      return fail("touchline-calibrate", reason);
+    const Result<void> saved = hal::write_picture(name, picture_of(lease.value().frame()));
+    if (!saved.ok()) return fail("touchline-calibrate", saved.text());
     std::printf("%s\n", name.c_str());
     std::fflush(stdout);
   }

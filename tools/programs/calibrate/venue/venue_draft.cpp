@@ -24,13 +24,7 @@ Result<VenueDraft> read_draft(const std::string& path) {
   if (!out.exists) return out;
   DraftFile file;
   config::Locations where;
-  config::Problems problems;
-  const Status status = config::read_toml(path, "", {}, file, where, problems);
-  if (!status.ok()) {
-    std::string text = problems.text();
-    while (!text.empty() && text.back() == '\n') text.pop_back();
-    return Error{status.code(), text};
-  }
+  TOUCHLINE_TRY(config::read_toml(path, "", {}, file, where));
   out.file = file;
   const auto& roi = file.region_of_interest;
   if (roi.u_px.size() != roi.v_px.size() || roi.u_px.size() > kMaxPolygonPoints) {
@@ -41,9 +35,8 @@ Result<VenueDraft> read_draft(const std::string& path) {
   for (std::size_t i = 0; i < roi.u_px.size(); ++i) out.region_of_interest.push_back({roi.u_px[i], roi.v_px[i]});
   if (file.light.map.empty()) return out;
   const std::string map = (std::filesystem::path(path).parent_path() / file.light.map).string();
-  std::string reason;
-  const Status light = config::read_light_map(map, out.light, reason);
-  if (!light.ok()) return prefixed(where.of("light.map") + ": light.map", Error{light.code(), reason});
+  Result<void> light = config::read_light_map(map, out.light);
+  if (!light.ok()) return prefixed(where.of("light.map") + ": light.map", std::move(light).error());
   return out;
 }
 

@@ -4,26 +4,8 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 namespace touchline::config {
-
-/// Collects all errors of the configuration files, so that a person can correct them together.
-class Problems {
- public:
-  /// `where`: "file:line" or "file"; `key`: path of the key, may be empty.
-  void add(std::string_view where, std::string_view key, std::string_view message);
-
-  [[nodiscard]] bool empty() const { return lines_.empty(); }
-  [[nodiscard]] std::size_t size() const { return lines_.size(); }
-  /// One line each: "file:line: key: message".
-  [[nodiscard]] const std::vector<std::string>& lines() const { return lines_; }
-  /// All lines, each ended by a newline.
-  [[nodiscard]] std::string text() const;
-
- private:
-  std::vector<std::string> lines_;
-};
 
 /// File and line of each key, for the messages of checks after reading.
 class Locations {

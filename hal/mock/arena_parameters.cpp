@@ -19,7 +19,7 @@ Body body_of(const ArenaRobot& robot) {
 }
 
 std::optional<Violation> check_room(const ArenaParameters& parameters) {
-  const FieldParameters& field = parameters.field;
+  const ArenaField& field = parameters.field;
   if (field.goal_width_m + 2.0 * field.corner_m > field.width_m || 2.0 * field.corner_m > field.length_m) {
     return Violation{"field", "goal and corner pieces do not fit into the field's sides"};
   }
@@ -33,7 +33,7 @@ std::optional<Violation> check_room(const ArenaParameters& parameters) {
 std::optional<Violation> check_start(const ArenaParameters& parameters, std::size_t index) {
   Body body = body_of(parameters.robot[index]);
   const Square square{&body, 0.5 * parameters.robot_side_m};
-  const FieldParameters& field = parameters.field;
+  const ArenaField& field = parameters.field;
   const double half_length = 0.5 * field.length_m, half_width = 0.5 * field.width_m;
   const auto is_outside = [&](Vector2 corner) {
     const double x = std::abs(corner.x), y = std::abs(corner.y);

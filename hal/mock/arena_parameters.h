@@ -14,17 +14,18 @@
 // them.
 namespace touchline::hal::mock {
 
-using Rgb = std::array<int, 3>;  // sRGB, 0 to 255
+using Srgb = std::array<std::uint8_t, 3>;  // red, green, blue with the sRGB transfer function
 inline constexpr Range kRgbRange{0, 255};
 
-struct FieldParameters {
+/// The field as it is built and painted. What the pipeline knows of it is FieldParameters in core/geometry.
+struct ArenaField {
   double length_m = 2.2, width_m = 1.8;
   double goal_width_m = 0.4, goal_depth_m = 0.15;
   double corner_m = 0.07;
   double line_m = 0.01;
   double border_m = 0.025;
   double circle_radius_m = 0.25;
-  Rgb floor_rgb{58, 62, 60}, line_rgb{225, 225, 220}, outside_rgb{118, 114, 106};
+  Srgb floor_rgb{58, 62, 60}, line_rgb{225, 225, 220}, outside_rgb{118, 114, 106};
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -255,7 +256,7 @@ struct ChannelParameters {
 /// A named color. Robots, ball, clicks and truth files refer to the name.
 struct Paint {
   std::string name;
-  Rgb rgb{};
+  Srgb rgb{};
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -352,7 +353,7 @@ inline constexpr std::array<Choice<Opponents>, 2> kOpponentModes{
     {{"stand", Opponents::kStand}, {"play", Opponents::kPlay}}};
 
 struct ArenaParameters {
-  FieldParameters field;
+  ArenaField field;
   PhysicsParameters physics;
   LensParameters camera;
   SensorParameters sensor;
@@ -362,7 +363,7 @@ struct ArenaParameters {
   double opponent_speed_mps = 0.35;
   double robot_side_m = 0.075, robot_height_m = 0.075, ball_radius_m = 0.02135;
   std::string own_color = "blue", opponent_color = "yellow", ball_color = "orange";
-  Rgb body_rgb{28, 28, 30};
+  Srgb body_rgb{28, 28, 30};
   std::vector<Paint> paint{{"orange", {255, 115, 10}}, {"blue", {25, 70, 205}},     {"yellow", {250, 205, 20}},
                            {"red", {205, 25, 35}},     {"green", {20, 165, 60}},    {"magenta", {225, 25, 150}},
                            {"cyan", {35, 190, 225}},   {"violet", {120, 50, 175}},  {"pink", {255, 150, 170}},

@@ -13,11 +13,11 @@ float srgb_to_linear(int value) {
 
 }  // namespace
 
-LinearRgb reflectance(const Rgb& srgb) {
+LinearRgb reflectance(const Srgb& srgb) {
   return {srgb_to_linear(srgb[0]), srgb_to_linear(srgb[1]), srgb_to_linear(srgb[2])};
 }
 
-Lighting::Lighting(const LightParameters& light, const FieldParameters& field) {
+Lighting::Lighting(const LightParameters& light, const ArenaField& field) {
   for (const LampParameters& lamp : light.lamp) {
     lamps_.push_back({static_cast<float>(lamp.x_m), static_cast<float>(lamp.y_m), static_cast<float>(lamp.z_m),
                       static_cast<float>(lamp.power)});

@@ -11,12 +11,12 @@ namespace touchline::hal::mock {
 using LinearRgb = std::array<float, 3>;
 
 /// Converts an sRGB color (0 to 255 per channel) to linear reflectance.
-LinearRgb reflectance(const Rgb& srgb);
+LinearRgb reflectance(const Srgb& srgb);
 
 /// Point lamps with inverse-square falloff plus ambient light, scaled to a mean irradiance of 1 on the field.
 class Lighting {
  public:
-  Lighting(const LightParameters& light, const FieldParameters& field);
+  Lighting(const LightParameters& light, const ArenaField& field);
 
   /// Irradiance of a horizontal surface at this point.
   [[nodiscard]] float irradiance(float x_m, float y_m, float z_m) const;

@@ -87,7 +87,7 @@ Renderer::Renderer(const ArenaParameters& parameters, std::uint16_t width_px, st
 
 LinearRgb Renderer::floor_color(float x_m, float y_m, Floor floor) const {
   if (floor == Floor::kGreyPaper) return {kGreyPaper, kGreyPaper, kGreyPaper};
-  const FieldParameters& field = parameters_.field;
+  const ArenaField& field = parameters_.field;
   const float x = std::abs(x_m), y = std::abs(y_m);
   const auto half_length = static_cast<float>(0.5 * field.length_m),
              half_width = static_cast<float>(0.5 * field.width_m);

@@ -15,7 +15,7 @@ constexpr double kGravity = 9.81;
 constexpr double kSlipTimeS = 0.05;
 constexpr std::uint64_t kPhysicsStream = 1;
 
-Outline outline(const FieldParameters& field) {
+Outline outline(const ArenaField& field) {
   const double x = 0.5 * field.length_m, y = 0.5 * field.width_m, g = 0.5 * field.goal_width_m, d = field.goal_depth_m;
   const double c = field.corner_m;
   // Counter-clockwise from the opponent's goal.

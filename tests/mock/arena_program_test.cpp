@@ -94,12 +94,12 @@ TEST_F(ArenaProgram, TheTruthMatchesThePicture) {
     const auto& robot = line["robots"][i];
     for (const auto& [at, name] : {std::pair{robot["team_px"], robot["team"].get<std::string>()},
                                    {robot["ident_px"][0], parameters.robot[i].colors[0]}}) {
-      const hal::mock::Rgb& rgb = hal::mock::find_paint(parameters, name)->rgb;
+      const hal::mock::Srgb& rgb = hal::mock::find_paint(parameters, name)->rgb;
       const double difference = std::remainder(hue_at(at) - hue_of(rgb[0], rgb[1], rgb[2]), 2.0 * 3.14159265);
       EXPECT_NEAR(difference, 0.0, 0.25) << "robot " << i << ' ' << name;
     }
   }
-  const hal::mock::Rgb& ball = hal::mock::find_paint(parameters, "orange")->rgb;
+  const hal::mock::Srgb& ball = hal::mock::find_paint(parameters, "orange")->rgb;
   EXPECT_NEAR(hue_at({line["ball"]["u"], line["ball"]["v"]}), hue_of(ball[0], ball[1], ball[2]), 0.25);
 }
 

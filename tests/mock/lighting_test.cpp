@@ -7,7 +7,7 @@
 namespace touchline::hal::mock {
 namespace {
 
-double mean_on_floor(const Lighting& lighting, const FieldParameters& field) {
+double mean_on_floor(const Lighting& lighting, const ArenaField& field) {
   constexpr int kGrid = 50;
   double sum = 0.0;
   for (int i = 0; i < kGrid * kGrid; ++i) {
@@ -19,7 +19,7 @@ double mean_on_floor(const Lighting& lighting, const FieldParameters& field) {
 }
 
 TEST(Lighting, MeanIrradianceOfTheFieldIsOne) {
-  const FieldParameters field;
+  const ArenaField field;
   LightParameters light;
   for (const double ambient : {0.0, 0.35, 1.0}) {
     light.ambient = ambient;

@@ -42,7 +42,7 @@ inline void run(World& world, double seconds) {
 inline Vector2 position(const Placement& placement) { return {placement.x_m, placement.y_m}; }
 
 /// Distance of a point from the field including its goals, computed independently of the simulation. 0 inside.
-inline double distance_outside(const FieldParameters& field, Vector2 p) {
+inline double distance_outside(const ArenaField& field, Vector2 p) {
   const double x = std::abs(p.x) - 0.5 * field.length_m, y = std::abs(p.y) - 0.5 * field.width_m;
   const double in_corner = (x + y + field.corner_m) / std::sqrt(2.0);
   const double field_distance = std::max({0.0, x, y, in_corner});

@@ -128,7 +128,7 @@ class FloorPicture : public ::testing::Test {
   }
 
   // For a pixel on a single surface, within the 3 % of the floor texture.
-  void expect(double x, double y, const Rgb& rgb) {
+  void expect(double x, double y, const Srgb& rgb) {
     const auto [u, v] = renderer().lens().project({x, y, 0.0});
     const auto index = static_cast<std::size_t>(std::lround(v)) * kWidth + static_cast<std::size_t>(std::lround(u));
     const auto expected = static_cast<double>(reflectance(rgb)[0]);
@@ -146,7 +146,7 @@ class FloorPicture : public ::testing::Test {
 TEST_F(FloorPicture, LinesAreWhereTheyShouldBe) {
   parameters_.field.line_m = 0.04;  // 10 pixels wide, so that some pixels are entirely on the line
   parameters_.field.border_m = 0.05;
-  const Rgb line = parameters_.field.line_rgb, floor = parameters_.field.floor_rgb,
+  const Srgb line = parameters_.field.line_rgb, floor = parameters_.field.floor_rgb,
             outside = parameters_.field.outside_rgb;
   expect(0.0, 0.5, line);
   expect(0.03, 0.5, floor);

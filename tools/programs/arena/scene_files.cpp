@@ -44,7 +44,7 @@ struct NamedPoint {
   const char* what;
   double x_m, y_m;
 };
-std::vector<NamedPoint> named_field_points(const hal::mock::FieldParameters& field) {
+std::vector<NamedPoint> named_field_points(const hal::mock::ArenaField& field) {
   const double x = 0.5 * field.length_m, y = 0.5 * field.width_m;
   const double goal = 0.5 * field.goal_width_m, corner = field.corner_m;
   std::vector<NamedPoint> marks;

@@ -12,26 +12,27 @@
 namespace touchline::latency {
 namespace {
 
-using replay::Rgb;
+using replay::CanvasColor;
 using replay::set_color;
 
 constexpr int kWidth = 960, kPanelHeight = 300;
 constexpr double kLeft = 66.0, kRight = 16.0, kTop = 30.0, kBottom = 50.0, kGap = 38.0;
 constexpr double kTextSize = 13.0;
-constexpr Rgb kInk{0.13, 0.13, 0.13}, kMinor{0.93, 0.93, 0.93}, kMajor{0.82, 0.82, 0.82}, kDeadline{0.70, 0.0, 0.10};
+constexpr CanvasColor kInk{0.13, 0.13, 0.13}, kMinor{0.93, 0.93, 0.93}, kMajor{0.82, 0.82, 0.82},
+    kDeadline{0.70, 0.0, 0.10};
 // The color-blind-safe palette of Okabe and Ito (2008) without its yellow, which is invisible on white.
-constexpr std::array<Rgb, kPartCount> kColors{{{0.00, 0.45, 0.70},
-                                               {0.90, 0.62, 0.00},
-                                               {0.00, 0.62, 0.45},
-                                               {0.84, 0.37, 0.00},
-                                               {0.80, 0.47, 0.65},
-                                               {0.34, 0.71, 0.91},
-                                               {0.40, 0.40, 0.40}}};
+constexpr std::array<CanvasColor, kPartCount> kColors{{{0.00, 0.45, 0.70},
+                                                       {0.90, 0.62, 0.00},
+                                                       {0.00, 0.62, 0.45},
+                                                       {0.84, 0.37, 0.00},
+                                                       {0.80, 0.47, 0.65},
+                                                       {0.34, 0.71, 0.91},
+                                                       {0.40, 0.40, 0.40}}};
 
 struct Series {
   std::string name;
   const LogHistogram* histogram;
-  Rgb color;
+  CanvasColor color;
 };
 
 struct Panel {
@@ -61,7 +62,7 @@ void use_font(cairo_t& context) {
   cairo_set_font_size(&context, kTextSize);
 }
 
-void text_at(cairo_t& context, double x, double y, const std::string& text, const Rgb& color) {
+void text_at(cairo_t& context, double x, double y, const std::string& text, const CanvasColor& color) {
   set_color(context, color);
   cairo_move_to(&context, x, y);
   cairo_show_text(&context, text.c_str());
@@ -73,7 +74,7 @@ double width_of(cairo_t& context, const std::string& text) {
   return extents.x_advance;
 }
 
-void line(cairo_t& context, double x0, double y0, double x1, double y1, const Rgb& color, double width = 1.0) {
+void line(cairo_t& context, double x0, double y0, double x1, double y1, const CanvasColor& color, double width = 1.0) {
   cairo_move_to(&context, x0, y0);
   cairo_line_to(&context, x1, y1);
   set_color(context, color);
@@ -197,7 +198,7 @@ std::vector<Panel> panels_of(std::span<const NamedReport> reports) {
   // Upper panel: frame to packet. Lower panel: capture to packet.
   panels.push_back({kTop + kPanelHeight + kGap, kPanelHeight, {}});
   for (std::size_t i = 0; i < reports.size(); ++i) {
-    const Rgb& color = kColors[i % kColors.size()];
+    const CanvasColor& color = kColors[i % kColors.size()];
     const std::string name = ", " + reports[i].name;
     panels[0].series.push_back(
         {describe(Span::kProcessing) + name, histogram(reports[i].report, Span::kProcessing), color});

@@ -5,6 +5,8 @@
 #include <functional>
 #include <limits>
 
+#include "tools/programs/calibrate/imaging/camera_picture.h"
+
 namespace touchline::rectify {
 namespace {
 
@@ -47,14 +49,6 @@ hal::Picture resample(const hal::Picture& picture, const Raster& raster,
   return out;
 }
 
-void put(hal::Picture& picture, const Point& at, const std::array<std::uint8_t, 3>& color) {
-  // Before rounding, because positions far outside do not fit into an integer.
-  if (!(at[0] > -0.5 && at[1] > -0.5 && at[0] < picture.width_px - 0.5 && at[1] < picture.height_px - 0.5)) return;
-  const auto column = static_cast<std::size_t>(std::lround(at[0])), row = static_cast<std::size_t>(std::lround(at[1]));
-  std::copy(color.begin(), color.end(),
-            picture.rgb8.begin() + static_cast<std::ptrdiff_t>(3 * (row * picture.width_px + column)));
-}
-
 using FloorToPixel = std::function<Point(double, double)>;
 
 void draw_line(hal::Picture& picture, const FloorToPixel& place, const Point& from_m, const Point& to_m,
@@ -62,7 +56,8 @@ void draw_line(hal::Picture& picture, const FloorToPixel& place, const Point& fr
   const std::uint32_t steps = 2 * std::max(picture.width_px, picture.height_px);
   for (std::uint32_t i = 0; i <= steps; ++i) {
     const double t = static_cast<double>(i) / steps;
-    put(picture, place(from_m[0] + t * (to_m[0] - from_m[0]), from_m[1] + t * (to_m[1] - from_m[1])), color);
+    const Point at = place(from_m[0] + t * (to_m[0] - from_m[0]), from_m[1] + t * (to_m[1] - from_m[1]));
+    calibrate::set_pixel(picture, at[0], at[1], color);
   }
 }
 

@@ -5,25 +5,22 @@
 #include <cmath>
 #include <vector>
 
+#include "core/geometry/vector2.h"
 #include "tools/programs/command_line/formatted.h"
 
 namespace touchline::relight {
 namespace {
 
-using replay::Rgb;
+using replay::CanvasColor;
 
 constexpr double kWidth = 900, kHeight = 640;
-constexpr Rgb kPaper{0.11, 0.12, 0.14}, kInk{0.85, 0.87, 0.9}, kFrame{0.45, 0.47, 0.5};
+constexpr CanvasColor kPaper{0.11, 0.12, 0.14}, kInk{0.85, 0.87, 0.9}, kFrame{0.45, 0.47, 0.5};
 
 // Color scale from dark blue over green to yellow with increasing lightness, which is readable in grey as well.
-Rgb shade(double t) {
-  constexpr std::array<Rgb, 5> kStops{
+CanvasColor shade(double t) {
+  constexpr std::array<CanvasColor, 5> kStops{
       {{0.27, 0.0, 0.33}, {0.23, 0.32, 0.55}, {0.13, 0.57, 0.55}, {0.37, 0.79, 0.38}, {0.99, 0.91, 0.14}}};
-  const double at = std::clamp(t, 0.0, 1.0) * (kStops.size() - 1);
-  const std::size_t i = std::min<std::size_t>(static_cast<std::size_t>(at), kStops.size() - 2);
-  const double part = at - static_cast<double>(i);
-  const auto mix = [&](double a, double b) { return a + part * (b - a); };
-  return {mix(kStops[i].r, kStops[i + 1].r), mix(kStops[i].g, kStops[i + 1].g), mix(kStops[i].b, kStops[i + 1].b)};
+  return replay::color_on_scale(kStops, t);
 }
 
 // Returns a step of 1, 2 or 5 times a power of ten that gives about five ticks.
@@ -35,12 +32,8 @@ double step_of(double range) {
   return 10 * power;
 }
 
-struct Point {
-  double x, y;
-};
-
 // Projects the unit cube, rotated and seen from above, without perspective.
-Point project(double x, double y, double z) {
+Vector2 project(double x, double y, double z) {
   constexpr double kTurn = 0.62, kRise = 0.56, kScale = 400, kTall = 0.62;
   const double a = x - 0.5, b = 0.75 * (y - 0.5);
   const double across = a * std::cos(kTurn) - b * std::sin(kTurn), away = a * std::sin(kTurn) + b * std::cos(kTurn);
@@ -48,7 +41,7 @@ Point project(double x, double y, double z) {
           kHeight * 0.60 - kScale * (1.25 * away * std::sin(kRise) + kTall * (z - 0.25) * std::cos(kRise))};
 }
 
-void stroke_line(cairo_t& context, Point a, Point b, const Rgb& color, double width) {
+void stroke_line(cairo_t& context, Vector2 a, Vector2 b, const CanvasColor& color, double width) {
   cairo_move_to(&context, a.x, a.y);
   cairo_line_to(&context, b.x, b.y);
   replay::set_color(context, color);
@@ -56,7 +49,7 @@ void stroke_line(cairo_t& context, Point a, Point b, const Rgb& color, double wi
   cairo_stroke(&context);
 }
 
-void centered_text(cairo_t& context, Point at, const std::string& text, double size) {
+void centered_text(cairo_t& context, Vector2 at, const std::string& text, double size) {
   replay::draw_text(context, at.x - replay::text_width(context, text, size) / 2, at.y, text, kInk, size);
 }
 
@@ -86,7 +79,7 @@ class Component {
         for (const auto& [c, r] : corners) {
           const double value = values_[r * columns_ + c];
           mean += value / 4;
-          const Point p = project(place(c, columns_), 1 - place(r, rows_), height(value));
+          const Vector2 p = project(place(c, columns_), 1 - place(r, rows_), height(value));
           cairo_line_to(&context, p.x, p.y);
         }
         cairo_close_path(&context);
@@ -120,12 +113,12 @@ void draw_box(cairo_t& context, const Component& component, std::size_t width_px
     const double z = component.height(value);
     stroke_line(context, project(0, 1, z), project(1, 1, z), {0.27, 0.29, 0.32}, 1);
     stroke_line(context, project(0, 0, z), project(0, 1, z), {0.27, 0.29, 0.32}, 1);
-    const Point p = project(0, 0, z);
+    const Vector2 p = project(0, 0, z);
     const std::string label = formatted("%.2f", value);
     replay::draw_text(context, p.x - 10 - replay::text_width(context, label, kSize), p.y + 5, label, kInk, kSize);
   }
   for (int i = 0; i <= 4; ++i) {
-    const Point u = project(i / 4.0, 0, 0), v = project(1, i / 4.0, 0);
+    const Vector2 u = project(i / 4.0, 0, 0), v = project(1, i / 4.0, 0);
     centered_text(context, {u.x - 4, u.y + 20}, formatted("%.0f", i / 4.0 * static_cast<double>(width_px)), kSize);
     replay::draw_text(context, v.x + 10, v.y + 12, formatted("%.0f", (1 - i / 4.0) * static_cast<double>(height_px)),
                       kInk, kSize);
@@ -166,7 +159,7 @@ class Luminance {
   [[nodiscard]] std::size_t rows() const { return rows_; }
   [[nodiscard]] const std::vector<double>& values() const { return values_; }
   [[nodiscard]] double at(std::size_t column, std::size_t row) const { return values_[row * columns_ + column]; }
-  [[nodiscard]] Point center(double column, double row) const {
+  [[nodiscard]] Vector2 center(double column, double row) const {
     return {(column + 0.5) * cell_width_, (row + 0.5) * cell_height_};
   }
 
@@ -177,15 +170,15 @@ class Luminance {
 };
 
 // Marching squares: the segments of one contour.
-std::vector<std::pair<Point, Point>> contour(const Luminance& field, double level) {
-  std::vector<std::pair<Point, Point>> out;
+std::vector<std::pair<Vector2, Vector2>> contour(const Luminance& field, double level) {
+  std::vector<std::pair<Vector2, Vector2>> out;
   for (std::size_t row = 0; row + 1 < field.rows(); ++row) {
     for (std::size_t column = 0; column + 1 < field.columns(); ++column) {
       const auto x = static_cast<double>(column), y = static_cast<double>(row);
       const std::array<double, 4> v{field.at(column, row), field.at(column + 1, row), field.at(column + 1, row + 1),
                                     field.at(column, row + 1)};
-      constexpr std::array<Point, 4> kCorners{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
-      std::vector<Point> crossings;
+      constexpr std::array<Vector2, 4> kCorners{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+      std::vector<Vector2> crossings;
       for (std::size_t i = 0; i < 4; ++i) {
         const std::size_t j = (i + 1) % 4;
         if ((v[i] < level) == (v[j] < level)) continue;
@@ -223,7 +216,7 @@ void draw_contours(cairo_t& context, const LightMap& map, std::size_t width_px, 
   const Luminance field(map, width_px, height_px);
   const auto [least, most] = std::minmax_element(field.values().begin(), field.values().end());
   const double step = *most - *least < 0.3 ? 0.05 : 0.1;
-  const Rgb ink = dark_background ? Rgb{1.0, 0.95, 0.6} : Rgb{0.25, 0.45, 0.8};
+  const CanvasColor ink = dark_background ? CanvasColor{1.0, 0.95, 0.6} : CanvasColor{0.25, 0.45, 0.8};
   const auto first = static_cast<int>(std::ceil(*least / step)), last = static_cast<int>(std::floor(*most / step));
   for (int i = first; i <= last; ++i) {
     const double level = i * step;
@@ -236,10 +229,10 @@ void draw_contours(cairo_t& context, const LightMap& map, std::size_t width_px, 
     replay::set_color(context, ink, 0.75);
     cairo_set_line_width(&context, 1.0);
     cairo_stroke(&context);
-    const Point& at = pieces[pieces.size() / 2].first;
+    const Vector2& at = pieces[pieces.size() / 2].first;
     replay::draw_text(context, std::clamp(at.x - 10, 2.0, static_cast<double>(width_px) - 28),
                       std::clamp(at.y + 4, 12.0, static_cast<double>(height_px) - 4), formatted("%.2f", level),
-                      dark_background ? ink : Rgb{0.75, 0.87, 1.0}, 10);
+                      dark_background ? ink : CanvasColor{0.75, 0.87, 1.0}, 10);
   }
 }
 

@@ -58,7 +58,8 @@ class Figures {
       cairo_new_sub_path(context.get());
       cairo_arc(context.get(), static_cast<double>(patch.center.u_px) + 0.5,
                 static_cast<double>(patch.center.v_px) + 0.5, radius, 0, 6.2832);
-      replay::set_color(*context, i == color.representative ? replay::Rgb{0.85, 0.1, 0.1} : replay::Rgb{0.6, 0.6, 0.6});
+      replay::set_color(*context, i == color.representative ? replay::CanvasColor{0.85, 0.1, 0.1}
+                                                            : replay::CanvasColor{0.6, 0.6, 0.6});
       cairo_set_line_width(context.get(), 1.2);
       cairo_stroke(context.get());
     }
@@ -68,19 +69,15 @@ class Figures {
  private:
   template <class Color>
   [[nodiscard]] replay::SurfacePtr paint(Color&& color) const {
-    std::vector<std::uint8_t> rgb;
-    rgb.reserve(3 * width_ * height_);
+    hal::Picture picture;
+    picture.width_px = static_cast<std::uint32_t>(width_);
+    picture.height_px = static_cast<std::uint32_t>(height_);
+    picture.rgb8.reserve(3 * width_ * height_);
     for (std::size_t i = 0; i < width_ * height_; ++i) {
       const calibrate::Channels value = color(i);
-      rgb.insert(rgb.end(), value.begin(), value.end());
+      picture.rgb8.insert(picture.rgb8.end(), value.begin(), value.end());
     }
-    Frame frame;
-    frame.format = PixelFormat::kRgb24;
-    frame.width_px = static_cast<std::uint16_t>(width_);
-    frame.height_px = static_cast<std::uint16_t>(height_);
-    frame.stride_bytes[0] = static_cast<std::uint32_t>(3 * width_);
-    frame.plane[0] = rgb.data();
-    return replay::to_surface(frame);
+    return replay::to_surface(calibrate::frame_of(picture));
   }
   const LightMap& map_;
   std::size_t width_, height_;

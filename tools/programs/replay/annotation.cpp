@@ -11,7 +11,7 @@
 namespace touchline::replay {
 namespace {
 
-constexpr Rgb kWhite{1.0, 1.0, 1.0}, kGrey{0.75, 0.75, 0.75}, kAlarm{1.0, 0.35, 0.3}, kTrack{0.35, 1.0, 0.9};
+constexpr CanvasColor kWhite{1.0, 1.0, 1.0}, kGrey{0.75, 0.75, 0.75}, kAlarm{1.0, 0.35, 0.3}, kTrack{0.35, 1.0, 0.9};
 constexpr double kHeaderHeight = 30.0, kLegendHeight = 26.0;
 constexpr double kTextSize = 15.0, kSmallText = 10.0, kIdLabelRadius = 10.0;
 constexpr float kAheadSeconds = 0.25f;  // length of velocity vectors
@@ -26,7 +26,9 @@ constexpr int kDoubledBelow = 1200;
 double scale_of(const Frame& frame) { return frame.width_px < kDoubledBelow ? 2.0 : 1.0; }
 
 // A lighter shade of the color for text with a dark outline.
-Rgb lightened(const Rgb& color) { return {0.5 + color.r / 2.0, 0.5 + color.g / 2.0, 0.5 + color.b / 2.0}; }
+CanvasColor lightened(const CanvasColor& color) {
+  return {0.5 + color.r / 2.0, 0.5 + color.g / 2.0, 0.5 + color.b / 2.0};
+}
 
 bool refused(Verdict verdict) {
   switch (verdict) {
@@ -48,8 +50,10 @@ Annotator::Annotator(const PipelineParameters& parameters, AnnotationStyle style
   has_camera_ = camera_.configure(parameters_.camera).ok();
 }
 
-Rgb Annotator::color_of(ColorId color) const { return color < style_.colors.size() ? style_.colors[color] : kGrey; }
-Rgb Annotator::team_color(Team team) const {
+CanvasColor Annotator::color_of(ColorId color) const {
+  return color < style_.colors.size() ? style_.colors[color] : kGrey;
+}
+CanvasColor Annotator::team_color(Team team) const {
   return color_of(parameters_.marker.teams[static_cast<std::size_t>(team)].team_color);
 }
 

@@ -14,7 +14,7 @@ namespace touchline::replay {
 /// Names and colors for the annotation.
 struct AnnotationStyle {
   report::TraceNames names;
-  std::vector<Rgb> colors;  // indexed by ColorId
+  std::vector<CanvasColor> colors;  // indexed by ColorId
 };
 
 /// Draws the results of the pipeline over the picture: outlines of regions in their color, with the reason for rejected
@@ -41,8 +41,8 @@ class Annotator {
                    double width) const;
   void draw_legend(cairo_t& context, const StepTrace& trace, double top, double width) const;
 
-  [[nodiscard]] Rgb team_color(Team team) const;
-  [[nodiscard]] Rgb color_of(ColorId color) const;
+  [[nodiscard]] CanvasColor team_color(Team team) const;
+  [[nodiscard]] CanvasColor color_of(ColorId color) const;
 
   PipelineParameters parameters_;
   AnnotationStyle style_;

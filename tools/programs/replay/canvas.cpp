@@ -28,6 +28,14 @@ void use_font(cairo_t& context, double size) {
 
 }  // namespace
 
+CanvasColor color_on_scale(std::span<const CanvasColor> scale, double place) {
+  const double at = std::clamp(place, 0.0, 1.0) * static_cast<double>(scale.size() - 1);
+  const auto i = std::min(static_cast<std::size_t>(at), scale.size() - 2);
+  const double t = at - static_cast<double>(i);
+  const CanvasColor &a = scale[i], &b = scale[i + 1];
+  return {a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b)};
+}
+
 Pixels pixels_of(cairo_surface_t& surface) {
   cairo_surface_flush(&surface);
   const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(&surface));
@@ -54,11 +62,11 @@ SurfacePtr to_surface(const Frame& frame) {
   return surface;
 }
 
-void set_color(cairo_t& context, const Rgb& color, double alpha) {
+void set_color(cairo_t& context, const CanvasColor& color, double alpha) {
   cairo_set_source_rgba(&context, color.r, color.g, color.b, alpha);
 }
 
-void draw_text(cairo_t& context, double x, double y, const std::string& text, const Rgb& color, double size) {
+void draw_text(cairo_t& context, double x, double y, const std::string& text, const CanvasColor& color, double size) {
   use_font(context, size);
   cairo_move_to(&context, x, y);
   cairo_text_path(&context, text.c_str());

@@ -13,9 +13,17 @@
 
 namespace touchline::replay {
 
-struct Rgb {
+/// A color to draw with, 0 to 1 per channel as Cairo takes it.
+struct CanvasColor {
   double r = 1.0, g = 1.0, b = 1.0;
 };
+/// From red, green and blue of 0 to 255.
+template <class Rgb>
+CanvasColor canvas_color(const Rgb& rgb) {
+  return {rgb[0] / 255.0, rgb[1] / 255.0, rgb[2] / 255.0};
+}
+/// The color at `place`, 0 to 1, on a scale with these colors at equal distances.
+CanvasColor color_on_scale(std::span<const CanvasColor> scale, double place);
 
 struct SurfaceDeleter {
   void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
@@ -38,12 +46,12 @@ Pixels pixels_of(cairo_surface_t& surface);
 SurfacePtr to_surface(const Frame& frame);
 
 /// Draws text with a dark outline, which is legible on any background. `x`, `y`: left end of the baseline.
-void draw_text(cairo_t& context, double x, double y, const std::string& text, const Rgb& color, double size);
+void draw_text(cairo_t& context, double x, double y, const std::string& text, const CanvasColor& color, double size);
 double text_width(cairo_t& context, const std::string& text, double size);
 
 /// Writes a PNG file with hal::OutputFile. The message of an error names the file and the cause.
 Result<void> write_png(cairo_surface_t& surface, const std::string& path, const hal::OutputOptions& options = {});
 
-void set_color(cairo_t& context, const Rgb& color, double alpha = 1.0);
+void set_color(cairo_t& context, const CanvasColor& color, double alpha = 1.0);
 
 }  // namespace touchline::replay

@@ -16,10 +16,10 @@ namespace {
 AnnotationStyle annotation_style(const config::Configuration& configuration) {
   AnnotationStyle style;
   style.names.colors = {"background"};
-  style.colors = {Rgb{0.0, 0.0, 0.0}};
+  style.colors = {CanvasColor{0.0, 0.0, 0.0}};
   for (const config::ColorEntry& color : configuration.venue.color) {
     style.names.colors.push_back(color.name);
-    style.colors.push_back({color.shown_rgb[0] / 255.0, color.shown_rgb[1] / 255.0, color.shown_rgb[2] / 255.0});
+    style.colors.push_back(canvas_color(color.shown_rgb));
   }
   style.names.teams = {configuration.team.own.color, configuration.team.opponent.color};
   return style;

@@ -258,12 +258,12 @@ Result<void> write_detection_picture(const std::string& path, const DetectedColo
     }
     const bool named = color_of[p] < found.input.colors.size();
     cairo_set_line_width(context.get(), named ? 1.5 : 0.75);
-    replay::set_color(*context, named ? replay::Rgb{1, 1, 1} : replay::Rgb{0.6, 0.6, 0.6});
+    replay::set_color(*context, named ? replay::CanvasColor{1, 1, 1} : replay::CanvasColor{0.6, 0.6, 0.6});
     cairo_rectangle(context.get(), left - 1, top - 1, right - left + 2, bottom - top + 2);
     cairo_stroke(context.get());
     if (named) {
       replay::draw_text(*context, right + 3, bottom, found.input.colors[color_of[p]].name,
-                        {patch.rgb[0] / 255, patch.rgb[1] / 255, patch.rgb[2] / 255}, 11);
+                        replay::canvas_color(patch.rgb), 11);
     }
   }
   return replay::write_png(*surface, path);

@@ -5,6 +5,7 @@
 
 #include "tools/programs/calibrate/colors/color_names.h"
 #include "tools/programs/calibrate/colors/initial_boxes.h"
+#include "tools/programs/statistics/statistics.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -27,9 +28,7 @@ class Adviser {
       cores_.push_back(core_of(input.colors[i].pixels, static_cast<ColorId>(i + 1), rules.core_tail));
       for (std::size_t c = 0; c < 3; ++c) spreads.push_back((cores_[i].high[c] - cores_[i].low[c]) / 2);
     }
-    const auto middle = spreads.begin() + static_cast<std::ptrdiff_t>(spreads.size() / 2);
-    std::nth_element(spreads.begin(), middle, spreads.end());
-    spread_ = *middle;
+    spread_ = statistics::median(spreads);
     fit_gains(shown_rgb);
     const double least = rules.background_share * total(input.background);
     for (const ColorCount& count : input.background) {

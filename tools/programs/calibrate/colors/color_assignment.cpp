@@ -8,6 +8,7 @@
 
 #include "tools/programs/calibrate/colors/color_clusters.h"
 #include "tools/programs/calibrate/colors/linear_assignment.h"
+#include "tools/programs/statistics/statistics.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -70,9 +71,7 @@ class Solver {
         for (std::size_t c = 0; c < 3; ++c) {
           std::vector<double> values;
           for (const std::size_t p : l.patches) values.push_back(input.patches[p].rgb[c]);
-          const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-          std::nth_element(values.begin(), middle, values.end());
-          l.rgb[c] = *middle;
+          l.rgb[c] = statistics::median(values);
         }
         l.lab = lab_of(l.rgb);
       }

@@ -6,6 +6,7 @@
 
 #include "tools/programs/calibrate/colors/initial_boxes.h"
 #include "tools/programs/calibrate/colors/patch_selection.h"
+#include "tools/programs/statistics/statistics.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -77,17 +78,7 @@ void each_pixel(const Runs& runs, const Region& region, Visit&& visit) {
 
 // Median of each channel.
 Channels median(const std::vector<ColorCount>& pixels) {
-  Channels middle{};
-  for (std::size_t channel = 0; channel < middle.size(); ++channel) {
-    std::array<std::uint64_t, 256> counts{};
-    std::uint64_t all = 0, below = 0;
-    for (const ColorCount& color : pixels) {
-      counts[color.value[channel]] += color.count;
-      all += color.count;
-    }
-    while (below + counts[middle[channel]] <= all / 2 && middle[channel] < 255) below += counts[middle[channel]++];
-  }
-  return middle;
+  return {quantile(pixels, 0, 0.5), quantile(pixels, 1, 0.5), quantile(pixels, 2, 0.5)};
 }
 
 bool touches_click(const Scene& scene, const Runs& runs, const Region& region) {
@@ -185,9 +176,7 @@ class Fitter {
       for (const Grown& g : patches_) {
         if (g.color == c && !g.patch.pixels.empty()) areas.push_back(g.patch.pixels.size());
       }
-      const auto middle = areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 2);
-      std::nth_element(areas.begin(), middle, areas.end());
-      if (!areas.empty()) patch_area_[c] = *middle;
+      if (!areas.empty()) patch_area_[c] = statistics::median(areas);
     }
     for (std::size_t c = 0; c < patch_area_.size(); ++c) {
       if (patch_area_[c] == 0) {

@@ -15,22 +15,6 @@ struct Cluster {
   double conflict = 0;
 };
 
-// Quantile of one channel: the value below which the given share of the pixels lies.
-std::uint8_t quantile(const std::vector<ColorCount>& pixels, std::size_t channel, double share) {
-  std::array<double, 256> histogram{};
-  double all = 0;
-  for (const ColorCount& p : pixels) {
-    histogram[p.value[channel]] += p.count;
-    all += p.count;
-  }
-  double sum = 0;
-  for (std::size_t v = 0; v < 256; ++v) {
-    sum += histogram[v];
-    if (sum > share * all) return static_cast<std::uint8_t>(v);
-  }
-  return 255;
-}
-
 // Cost of a box: shares of the other colors that it contains, and the share of the background relative to the allowed
 // one.
 double conflict_of(const LearningInput& input, const LearningRules& rules, const ColorBox& box, double background) {
@@ -93,6 +77,21 @@ bool contains(const ColorBox& box, const Channels& value) {
     if (value[c] < box.low[c] || value[c] > box.high[c]) return false;
   }
   return true;
+}
+
+std::uint8_t quantile(const std::vector<ColorCount>& pixels, std::size_t channel, double share) {
+  std::array<double, 256> histogram{};
+  double all = 0;
+  for (const ColorCount& p : pixels) {
+    histogram[p.value[channel]] += p.count;
+    all += p.count;
+  }
+  double sum = 0;
+  for (std::size_t v = 0; v < 256; ++v) {
+    sum += histogram[v];
+    if (sum > share * all) return static_cast<std::uint8_t>(v);
+  }
+  return 255;
 }
 
 double count_in(const std::vector<ColorCount>& pixels, const ColorBox& box) {

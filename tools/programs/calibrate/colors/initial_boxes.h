@@ -11,6 +11,8 @@ double total(const std::vector<ColorCount>& pixels);
 double count_in(const std::vector<ColorCount>& pixels, const ColorBox& box);
 bool contains(const ColorBox& box, const Channels& value);
 bool boxes_overlap(const ColorBox& a, const ColorBox& b);
+/// Quantile of one channel: the value below which the given share of the pixels lies; 255 without pixels.
+std::uint8_t quantile(const std::vector<ColorCount>& pixels, std::size_t channel, double share);
 /// The box between the quantiles `tail` and 1 - `tail` of each channel.
 ColorBox core_of(const std::vector<ColorCount>& pixels, ColorId color, double tail);
 

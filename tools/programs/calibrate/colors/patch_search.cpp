@@ -6,6 +6,7 @@
 
 #include "tools/programs/calibrate/colors/region_growing.h"
 #include "tools/programs/calibrate/imaging/local_background.h"
+#include "tools/programs/statistics/statistics.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -19,13 +20,6 @@ constexpr double kMostElongation = 3.0;
 constexpr int kRim_px = 1;
 // A region with a clearer edge is final; no better one grows inside it.
 constexpr double kClear = 0.25;
-
-template <class Values>
-std::uint8_t median(Values& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Largest difference to the eight neighbors; small inside a patch.
 int unevenness(const ChannelImage& image, int u, int v) {
@@ -69,7 +63,7 @@ FoundPatch patch_of(const ChannelImage& image, PixelPoint from, const GrowthLimi
   const double middle = (a + b) / 2, spread = std::sqrt((a - b) * (a - b) / 4 + c * c);
   patch.elongation = std::sqrt((middle + spread) / std::max(1e-9, middle - spread));
   patch.center = {static_cast<float>(u), static_cast<float>(v)};
-  for (std::size_t channel = 0; channel < 3; ++channel) patch.rgb[channel] = median(values[channel]);
+  for (std::size_t channel = 0; channel < 3; ++channel) patch.rgb[channel] = statistics::median(values[channel]);
   patch.lab = lab_of(patch.rgb);
   return patch;
 }

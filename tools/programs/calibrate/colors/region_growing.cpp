@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tools/programs/statistics/statistics.h"
+
 namespace touchline::calibrate {
 namespace {
 
@@ -21,8 +23,7 @@ Channels seed_color(const ChannelImage& image, int u, int v) {
         if (image.contains(u + du, v + dv)) values.push_back(image.at(u + du, v + dv)[c]);
       }
     }
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    seed[c] = values[values.size() / 2];
+    seed[c] = statistics::median(values);
   }
   return seed;
 }

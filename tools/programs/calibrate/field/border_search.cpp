@@ -6,6 +6,8 @@
 #include <numbers>
 #include <optional>
 
+#include "tools/programs/statistics/statistics.h"
+
 namespace touchline::calibrate {
 namespace {
 
@@ -302,12 +304,13 @@ double h_of_three_points(const std::vector<OutlinePixel>& outline, const HoughLi
   if (near.size() < kLeastVotes) return kLargestH_px;
   std::sort(near.begin(), near.end());
   const auto place = [&](double from, double to) {
-    std::vector<std::pair<double, double>> part(near.begin() + std::lround(from * static_cast<double>(near.size() - 1)),
-                                                near.begin() + std::lround(to * static_cast<double>(near.size() - 1)));
-    const double a = part[part.size() / 2].first;
-    std::nth_element(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2), part.end(),
-                     [](const auto& x, const auto& y) { return x.second < y.second; });
-    const double o = part[part.size() / 2].second;
+    const auto index = [&near](double share) {
+      return static_cast<std::size_t>(std::lround(share * static_cast<double>(near.size() - 1)));
+    };
+    const std::size_t begin = index(from), end = index(to);
+    std::vector<double> offsets;
+    for (std::size_t i = begin; i < end; ++i) offsets.push_back(near[i].second);
+    const double a = near[(begin + end) / 2].first, o = statistics::median(offsets);
     const Eigen::Vector2d normal(std::cos(side.angle_rad), std::sin(side.angle_rad));
     return Eigen::Vector2d((side.distance_px + o) * normal + a * along);
   };

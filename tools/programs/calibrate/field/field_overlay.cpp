@@ -1,25 +1,10 @@
 #include "tools/programs/calibrate/field/field_overlay.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
+
+#include "tools/programs/calibrate/imaging/camera_picture.h"
 
 namespace touchline::calibrate {
-namespace {
-
-using Rgb8 = std::array<std::uint8_t, 3>;
-
-void put(hal::Picture& picture, double u, double v, const Rgb8& color) {
-  const long column = std::lround(u), row = std::lround(v);
-  if (column < 0 || row < 0 || column >= static_cast<long>(picture.width_px) ||
-      row >= static_cast<long>(picture.height_px)) {
-    return;
-  }
-  const std::size_t at = 3 * (static_cast<std::size_t>(row) * picture.width_px + static_cast<std::size_t>(column));
-  for (std::size_t c = 0; c < 3; ++c) picture.rgb8[at + c] = color[c];
-}
-
-}  // namespace
 
 void draw_field(const CameraModel& camera, const FieldParameters& field, const std::vector<Mark>& marks,
                 const std::vector<FloorPoint>& points, hal::Picture& picture) {
@@ -29,7 +14,7 @@ void draw_field(const CameraModel& camera, const FieldParameters& field, const s
     for (int i = 0; i <= kSteps; ++i) {
       const MarkPlace at = place_on(mark, length * i / kSteps);
       const PixelPoint p = camera.to_pixel({static_cast<float>(at.x_m), static_cast<float>(at.y_m)}, 0.0f);
-      put(picture, static_cast<double>(p.u_px), static_cast<double>(p.v_px), {255, 0, 0});
+      set_pixel(picture, static_cast<double>(p.u_px), static_cast<double>(p.v_px), {255, 0, 0});
     }
   };
   std::for_each(marks.begin(), marks.end(), draw);
@@ -44,8 +29,8 @@ void draw_field(const CameraModel& camera, const FieldParameters& field, const s
   }
   for (const FloorPoint& p : points) {
     for (int i = -4; i <= 4; ++i) {
-      put(picture, p.u_px + i, p.v_px, {0, 255, 0});
-      put(picture, p.u_px, p.v_px + i, {0, 255, 0});
+      set_pixel(picture, p.u_px + i, p.v_px, {0, 255, 0});
+      set_pixel(picture, p.u_px, p.v_px + i, {0, 255, 0});
     }
   }
 }

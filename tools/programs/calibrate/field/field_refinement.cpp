@@ -7,6 +7,7 @@
 
 #include "tools/programs/calibrate/field/fit_checks.h"
 #include "tools/programs/calibrate/field/paper_fit.h"
+#include "tools/programs/statistics/statistics.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -38,18 +39,6 @@ constexpr double kOutlier_px = 1.0;
 constexpr double kClean_px = 0.17;
 // Least share of points found along a marking that counts as present.
 constexpr double kLeastSeen = 0.5;
-
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
-
-double rms(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value * value;
-  return values.empty() ? 0 : std::sqrt(sum / static_cast<double>(values.size()));
-}
 
 // Signed distance from the model to the point found, perpendicular to its mark.
 double off_px(const CameraModel& camera, const MarkPoint& p) {
@@ -132,12 +121,14 @@ void add_residuals(const CameraModel& camera, RefinementReport& report) {
   }
   report.found = std::move(kept);
   report.points = pixels.size();
-  report.rms_px = rms(pixels);
-  report.p95_px = percentile(pixels, 0.95);
-  report.max_px = percentile(pixels, 1.0);
-  report.rms_mm = rms(millimeters);
-  report.p95_mm = percentile(millimeters, 0.95);
-  report.max_mm = percentile(millimeters, 1.0);
+  const statistics::ErrorSummary px = statistics::summarize(std::move(pixels));
+  const statistics::ErrorSummary mm = statistics::summarize(std::move(millimeters));
+  report.rms_px = px.rms;
+  report.p95_px = px.p95;
+  report.max_px = px.max;
+  report.rms_mm = mm.rms;
+  report.p95_mm = mm.p95;
+  report.max_mm = mm.max;
 }
 
 Result<void> refine(const LightPicture& picture, const FieldParameters& field, const std::vector<Mark>& marks,

@@ -11,7 +11,7 @@
 namespace touchline::calibrate {
 namespace {
 
-using replay::Rgb;
+using replay::CanvasColor;
 
 // Drawn length of the 95th percentile.
 constexpr double kStroke_px = 16;
@@ -28,23 +28,14 @@ double round_up(double value) {
 }
 
 // Color scale from blue over green and yellow to red for 0 to 1.
-Rgb color_of(double share) {
-  constexpr std::array<Rgb, 4> kStops{{{0.25, 0.45, 1.0}, {0.2, 0.85, 0.3}, {1.0, 0.9, 0.1}, {1.0, 0.15, 0.1}}};
-  const double at = std::clamp(share, 0.0, 1.0) * (kStops.size() - 1);
-  const auto i = std::min(static_cast<std::size_t>(at), kStops.size() - 2);
-  const double t = at - static_cast<double>(i);
-  const Rgb &a = kStops[i], &b = kStops[i + 1];
-  return {a.r + t * (b.r - a.r), a.g + t * (b.g - a.g), a.b + t * (b.b - a.b)};
+CanvasColor color_of(double share) {
+  constexpr std::array<CanvasColor, 4> kStops{{{0.25, 0.45, 1.0}, {0.2, 0.85, 0.3}, {1.0, 0.9, 0.1}, {1.0, 0.15, 0.1}}};
+  return replay::color_on_scale(kStops, share);
 }
 
 // The photograph with room for the legend below.
 replay::SurfacePtr darkened(const hal::Picture& photograph) {
-  Frame frame;
-  frame.format = PixelFormat::kRgb24;
-  frame.width_px = static_cast<std::uint16_t>(photograph.width_px);
-  frame.height_px = static_cast<std::uint16_t>(photograph.height_px);
-  frame.plane[0] = photograph.rgb8.data();
-  frame.stride_bytes[0] = 3 * photograph.width_px;
+  const Frame frame = frame_of(photograph);
   const replay::SurfacePtr shown = replay::to_surface(frame);
   replay::SurfacePtr surface(
       cairo_image_surface_create(CAIRO_FORMAT_RGB24, frame.width_px, frame.height_px + kLegend_px));
@@ -58,7 +49,7 @@ replay::SurfacePtr darkened(const hal::Picture& photograph) {
 
 void draw_legend(cairo_t& context, const RefinementReport& report, double full_scale_mm, double enlargement,
                  double top_px) {
-  const Rgb white;
+  const CanvasColor white;
   const double left = kMargin_px, top = top_px + 18;
   replay::draw_text(context, left, top,
                     formatted("%zu points: %.2f px RMS, %.2f mm RMS, p95 %.2f, max %.2f mm", report.points,

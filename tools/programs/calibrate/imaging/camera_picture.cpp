@@ -1,5 +1,8 @@
 #include "tools/programs/calibrate/imaging/camera_picture.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "hal/device_parameters.h"
 #include "hal/replay/replay_camera.h"
 #include "tools/programs/replay/canvas.h"
@@ -59,6 +62,24 @@ hal::Picture picture_of(cairo_surface_t& surface) {
 }
 
 hal::Picture picture_of(const Frame& frame) { return picture_of(*replay::to_surface(frame)); }
+
+Frame frame_of(const hal::Picture& picture) {
+  Frame frame;
+  frame.format = PixelFormat::kRgb24;
+  frame.width_px = static_cast<std::uint16_t>(picture.width_px);
+  frame.height_px = static_cast<std::uint16_t>(picture.height_px);
+  frame.plane[0] = picture.rgb8.data();
+  frame.stride_bytes[0] = 3 * picture.width_px;
+  return frame;
+}
+
+void set_pixel(hal::Picture& picture, double u_px, double v_px, const std::array<std::uint8_t, 3>& rgb) {
+  // Before rounding, because positions far outside do not fit into an integer.
+  if (!(u_px > -0.5 && v_px > -0.5 && u_px < picture.width_px - 0.5 && v_px < picture.height_px - 0.5)) return;
+  const auto column = static_cast<std::size_t>(std::lround(u_px)), row = static_cast<std::size_t>(std::lround(v_px));
+  std::copy(rgb.begin(), rgb.end(),
+            picture.rgb8.begin() + static_cast<std::ptrdiff_t>(3 * (row * picture.width_px + column)));
+}
 
 std::optional<PixelFormat> format_of(std::string_view word) {
   for (const PixelFormatInfo& info : kPixelFormatTable) {

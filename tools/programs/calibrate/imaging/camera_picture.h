@@ -40,6 +40,12 @@ hal::Picture picture_of(cairo_surface_t& surface);
 /// Converts a frame to 8-bit RGB (YUV: ITU-R BT.601, limited range, as load() reads it).
 hal::Picture picture_of(const Frame& frame);
 
+/// A view of an 8-bit RGB picture, which must outlive it.
+Frame frame_of(const hal::Picture& picture);
+
+/// Colors the pixel at this position of an 8-bit picture. Positions outside of the picture are ignored.
+void set_pixel(hal::Picture& picture, double u_px, double v_px, const std::array<std::uint8_t, 3>& rgb);
+
 /// The pixel format for its name in the board file, e.g. "yuyv". Unknown names give none.
 std::optional<PixelFormat> format_of(std::string_view word);
 

@@ -50,7 +50,7 @@ void add_files(CLI::App& app, config::FilePaths& files) {
 
 }  // namespace
 
-bool parse_command_line(int argc, char** argv, CommandLine& out, int& exit_code) {
+std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
   CLI::App app(kDescription, "touchline");
   app.set_version_flag("--version", "touchline " TOUCHLINE_VERSION);
   app.footer(kFooter);
@@ -87,14 +87,12 @@ bool parse_command_line(int argc, char** argv, CommandLine& out, int& exit_code)
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     // Help and version are "errors" of code 0.
-    exit_code = app.exit(error) == 0 ? kExitOk : kExitBadCommandLine;
-    return false;
+    return app.exit(error) == 0 ? kExitOk : kExitBadCommandLine;
   }
   out.command = check->parsed() ? Command::kCheck : keys->parsed() ? Command::kKeys : Command::kRun;
   out.session.duration = from_seconds(duration_s);
   out.session.status_interval = from_seconds(interval_s);
-  exit_code = kExitOk;
-  return true;
+  return std::nullopt;
 }
 
 }  // namespace touchline

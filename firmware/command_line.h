@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
 
 #include "firmware/exit_codes.h"
 #include "firmware/session.h"
@@ -17,7 +19,7 @@ struct CommandLine {
   std::string page_to_update;  // keys --update
 };
 
-/// Returns true with the result in `out`, or false if help, version or an error was printed: end with `exit_code`.
-bool parse_command_line(int argc, char** argv, CommandLine& out, int& exit_code);
+/// Empty: continue with `out`. Otherwise help, version or an error has been printed, and the value is the exit code.
+std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out);
 
 }  // namespace touchline

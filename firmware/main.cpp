@@ -54,8 +54,7 @@ int keys_command(const std::string& page_to_update) {
 int main(int argc, char** argv) {
   touchline::hal::reserve_standard_descriptors();
   touchline::CommandLine command_line;
-  int exit_code = 0;
-  if (!touchline::parse_command_line(argc, argv, command_line, exit_code)) return exit_code;
+  if (const auto exit_code = touchline::parse_command_line(argc, argv, command_line)) return *exit_code;
   try {
     switch (command_line.command) {
       case touchline::Command::kRun:
@@ -69,5 +68,5 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "touchline: internal error: %s\n", error.what());
     return touchline::kExitInternalError;
   }
-  return exit_code;
+  return touchline::kExitOk;
 }

@@ -26,12 +26,15 @@ RadioChannel::RadioChannel(const ArenaParameters& parameters, int baud, std::uin
   }
 }
 
-Status RadioChannel::send(std::span<const std::byte> bytes, Instant now) {
+Result<void> RadioChannel::send(std::span<const std::byte> bytes, Instant now) {
   PacketInFlight in_flight;
-  if (bytes.empty() || bytes.size() > in_flight.packet.capacity()) return ErrorCode::kOutOfRange;
+  if (bytes.empty() || bytes.size() > in_flight.packet.capacity()) {
+    return failure(ErrorCode::kOutOfRange, "a packet has 1 to %zu bytes, not %zu", in_flight.packet.capacity(),
+                   bytes.size());
+  }
   const Instant begin = std::max(now, line_free_);
   if (queued_bytes(now) + bytes.size() > static_cast<std::size_t>(parameters_.queue_bytes) || in_flight_.full()) {
-    return ErrorCode::kBusy;
+    return failure(ErrorCode::kBusy, "the queue is full");
   }
   for (const std::byte byte : bytes) in_flight.packet.push_back(byte);
   line_free_ = begin + byte_time_ * static_cast<int>(bytes.size());

@@ -6,12 +6,12 @@
 #include <span>
 
 #include "core/radio/packet_stream.h"
-#include "core/status.h"
 #include "core/time.h"
 #include "core/types.h"
 #include "hal/mock/arena_parameters.h"
 #include "hal/mock/random.h"
 #include "hal/mock/robot_telemetry.h"
+#include "hal/result.h"
 
 namespace touchline::hal::mock {
 
@@ -38,7 +38,7 @@ class RadioChannel {
 
   /// Queues one packet. kBusy: the queue is full, and nothing was queued. kOutOfRange: `bytes` is empty or larger than
   /// a packet.
-  Status send(std::span<const std::byte> bytes, Instant now);
+  Result<void> send(std::span<const std::byte> bytes, Instant now);
   /// The time at which the last queued byte will be sent.
   [[nodiscard]] Instant drained() const { return line_free_; }
   /// Number of queued bytes that are not sent yet.

@@ -95,11 +95,13 @@ Result<Lockstep::Received> Lockstep::receive(double timeout_s, Expect expect) {
         Packet packet;
         // Unlike the guest's time, the arena's time does not advance between frames. A packet is lost if the queue is
         // full.
-        const Status sent = encode(commands, sequence, packet).ok()
-                                ? arena_.channel().send({packet.data(), packet.size()}, arena_.now())
-                                : ErrorCode::kInconsistent;
+        if (const Status encoded = encode(commands, sequence, packet); !encoded.ok()) {
+          return failure(encoded.code(), "packet %u cannot be encoded: %s", sequence, describe(encoded.code()));
+        }
+        const Result<void> sent = arena_.channel().send({packet.data(), packet.size()}, arena_.now());
         if (!sent.ok() && sent.code() != ErrorCode::kBusy) {
-          return failure(sent.code(), "the arena's radio channel refuses packet %u", sequence);
+          return failure(sent.code(), "the arena's radio channel refuses packet %u: %s", sequence,
+                         sent.error().text.c_str());
         }
       }
     }

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "tests/calibrate/arena_photograph.h"
-#include "tests/calibrate/result_code.h"
 
 namespace touchline::calibrate {
 namespace {
@@ -86,17 +85,17 @@ TEST(BorderSearch, FindsHOfTheLens) {
 TEST(BorderSearch, RejectsPicturesWithoutABorder) {
   const hal::mock::ArenaParameters arena;
   BorderSearch border;
-  std::string reason;
-  EXPECT_EQ(code_of(find_border(photograph(arena, hal::mock::Floor::kGreyPaper, kSeed), border), reason),
+  Result<void> result;
+  EXPECT_EQ((result = find_border(photograph(arena, hal::mock::Floor::kGreyPaper, kSeed), border)).code(),
             ErrorCode::kNotFound);
-  EXPECT_NE(reason.find("no bright border surrounds"), std::string::npos) << reason;
+  EXPECT_NE(result.text().find("no bright border surrounds"), std::string::npos) << result.text();
 }
 
 TEST(BorderSearch, RejectsHalfAField) {
   hal::mock::ArenaParameters arena;
   arena.camera.aim_m = {0.6, 0.0};
   BorderSearch border;
-  std::string reason;
+  Result<void> result;
   // In the remaining picture, border and center line surround one half of the field.
   ASSERT_EQ(find_border(photograph(arena, kField, kSeed), border).text(), "");
   const Corners turned = {border.corners[1], border.corners[2], border.corners[3], border.corners[0]};
@@ -106,8 +105,8 @@ TEST(BorderSearch, RejectsHalfAField) {
   input.start_only = true;
   input.points = corner_points(turned, arena.field.length_m, arena.field.width_m);
   FieldFit fit;
-  EXPECT_EQ(code_of(fit_field(input, fit), reason), ErrorCode::kInconsistent);
-  EXPECT_NE(reason.find("are length and width exchanged?"), std::string::npos) << reason;
+  EXPECT_EQ((result = fit_field(input, fit)).code(), ErrorCode::kInconsistent);
+  EXPECT_NE(result.text().find("are length and width exchanged?"), std::string::npos) << result.text();
 }
 
 }  // namespace

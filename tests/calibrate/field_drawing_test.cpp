@@ -1,4 +1,5 @@
 #include "tools/programs/calibrate/field/field_drawing.h"
+#include "tests/results.h"
 
 #include <gtest/gtest.h>
 
@@ -12,17 +13,14 @@ namespace {
 class Drawing : public testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove(path_); }
-  Status read(const std::string& toml) {
+  Result<void> read(const std::string& toml) {
     std::ofstream(path_) << toml;
-    const Result<FieldDrawing> result = read_drawing(path_);
-    if (result.ok()) drawing_ = result.value();
-    reason_ = result.text();
-    return result.code();
+    TOUCHLINE_TRY_ASSIGN(drawing_, read_drawing(path_));
+    return {};
   }
   const std::string path_ =
       testing::TempDir() + "drawing_" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".toml";
   FieldDrawing drawing_;
-  std::string reason_;
 };
 
 constexpr const char* kWhole = R"(version = 1
@@ -50,7 +48,7 @@ radius_m = 0.2
 )";
 
 TEST_F(Drawing, IsConvertedToMarks) {
-  ASSERT_TRUE(read(kWhole).ok()) << reason_;
+  ASSERT_OK(read(kWhole));
   const std::vector<Mark> marks = marks_of(drawing_);
   // Two long sides, four halves of the short ones, four corners; two lines, a circle.
   ASSERT_EQ(marks.size(), 13u);
@@ -76,9 +74,7 @@ TEST_F(Drawing, IsConvertedToMarks) {
 }
 
 TEST_F(Drawing, APaintedBorderBelongsToTheField) {
-  ASSERT_TRUE(
-      read("version = 1\n[field]\nlength_m = 9.0\nwidth_m = 6.0\n[border]\nkind = \"line\"\nwidth_m = 0.02\n").ok())
-      << reason_;
+  ASSERT_OK(read("version = 1\n[field]\nlength_m = 9.0\nwidth_m = 6.0\n[border]\nkind = \"line\"\nwidth_m = 0.02\n"));
   for (const Mark& mark : marks_of(drawing_)) {
     EXPECT_EQ(mark.kind, MarkKind::kLine);
     if (mark.side == 0) {
@@ -103,9 +99,9 @@ TEST_F(Drawing, NamesFileLineAndKeyOfErrors) {
         Case{"[[arc]]", "[[arc]", ":19: "}}) {
     std::string toml = kWhole;
     toml.replace(toml.find(c.from), std::string(c.from).size(), c.to);
-    EXPECT_FALSE(read(toml).ok()) << c.to;
-    EXPECT_NE(reason_.find(c.message), std::string::npos) << c.message << " is not in: " << reason_;
-    EXPECT_EQ(reason_.rfind(path_, 0), 0u) << reason_;
+    const std::string text = read(toml).text();
+    EXPECT_NE(text.find(c.message), std::string::npos) << c.message << " is not in: " << text;
+    EXPECT_EQ(text.rfind(path_, 0), 0u) << text;
   }
 }
 

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <random>
 
-#include "tests/calibrate/result_code.h"
-
 namespace touchline::calibrate {
 namespace {
 
@@ -119,9 +117,9 @@ TEST(FieldFit, AVerticalCameraNeedsItsHeight) {
   const CameraParameters truth = camera_at(0.05, -0.04, 1.9, 0.01, 400);
   FieldFitInput input = input_of(seen_by(truth, corners_of_field()));
   FieldFit fit;
-  std::string reason;
-  EXPECT_EQ(code_of(fit_field(input, fit), reason), ErrorCode::kInconsistent);
-  EXPECT_NE(reason.find("--camera-height"), std::string::npos) << reason;
+  Result<void> result;
+  EXPECT_EQ((result = fit_field(input, fit)).code(), ErrorCode::kInconsistent);
+  EXPECT_NE(result.text().find("--camera-height"), std::string::npos) << result.text();
   input.camera_height_m = 1.9;
   ASSERT_EQ(fit_field(input, fit).text(), "");
   EXPECT_NEAR(fit.height_m, 1.9, 0.005);
@@ -171,11 +169,11 @@ TEST(FieldFit, RejectsPointsThatNoCameraCanSee) {
   const CameraParameters truth = camera_at(0.15, -0.5, 2.1, 0.22, 430);
   const std::vector<FloorPoint> good = seen_by(truth, corners_of_field());
   FieldFit fit;
-  std::string reason;
+  Result<void> result;
   std::vector<FloorPoint> mirrored = good;
   for (FloorPoint& p : mirrored) p.u_px = 639 - p.u_px;
-  EXPECT_EQ(code_of(fit_field(input_of(mirrored), fit), reason), ErrorCode::kInconsistent);
-  EXPECT_NE(reason.find("mirrored"), std::string::npos) << reason;
+  EXPECT_EQ((result = fit_field(input_of(mirrored), fit)).code(), ErrorCode::kInconsistent);
+  EXPECT_NE(result.text().find("mirrored"), std::string::npos) << result.text();
 
   // Rotated by 90 degrees: length and width exchanged.
   std::vector<FloorPoint> turned = good;
@@ -183,32 +181,32 @@ TEST(FieldFit, RejectsPointsThatNoCameraCanSee) {
     turned[i].u_px = good[(i + 1) % 4].u_px;
     turned[i].v_px = good[(i + 1) % 4].v_px;
   }
-  EXPECT_EQ(code_of(fit_field(input_of(turned), fit), reason), ErrorCode::kInconsistent);
-  EXPECT_NE(reason.find("exchanged"), std::string::npos) << reason;
+  EXPECT_EQ((result = fit_field(input_of(turned), fit)).code(), ErrorCode::kInconsistent);
+  EXPECT_NE(result.text().find("exchanged"), std::string::npos) << result.text();
 
   std::vector<FloorPoint> three(good.begin(), good.begin() + 3);
-  EXPECT_EQ(code_of(fit_field(input_of(three), fit), reason), ErrorCode::kOutOfRange);
+  EXPECT_EQ((result = fit_field(input_of(three), fit)).code(), ErrorCode::kOutOfRange);
   std::vector<FloorPoint> doubled = good;
   doubled[3] = doubled[2];
-  EXPECT_EQ(code_of(fit_field(input_of(doubled), fit), reason), ErrorCode::kInconsistent);
+  EXPECT_EQ((result = fit_field(input_of(doubled), fit)).code(), ErrorCode::kInconsistent);
 }
 
 TEST(Corners, AreCheckedForPlausibility) {
   const Corners good = {{{60, 440}, {580, 460}, {570, 40}, {80, 35}}};
-  std::string reason;
+  Result<void> result;
   EXPECT_EQ(check_corners(good).text(), "");
   // All cameras above the field keep the order, whatever their rotation.
   EXPECT_EQ(check_corners({good[2], good[3], good[0], good[1]}).text(), "");
-  EXPECT_EQ(code_of(check_corners({good[3], good[2], good[1], good[0]}), reason), ErrorCode::kInconsistent);
-  EXPECT_NE(reason.find("clockwise"), std::string::npos) << reason;
-  EXPECT_EQ(code_of(check_corners({good[0], good[2], good[1], good[3]}), reason), ErrorCode::kInconsistent);
-  EXPECT_NE(reason.find("cross"), std::string::npos) << reason;
-  EXPECT_EQ(code_of(check_corners({{{60, 440}, {320, 450.3f}, {580, 460}, {80, 35}}}), reason),
+  EXPECT_EQ((result = check_corners({good[3], good[2], good[1], good[0]})).code(), ErrorCode::kInconsistent);
+  EXPECT_NE(result.text().find("clockwise"), std::string::npos) << result.text();
+  EXPECT_EQ((result = check_corners({good[0], good[2], good[1], good[3]})).code(), ErrorCode::kInconsistent);
+  EXPECT_NE(result.text().find("cross"), std::string::npos) << result.text();
+  EXPECT_EQ((result = check_corners({{{60, 440}, {320, 450.3f}, {580, 460}, {80, 35}}})).code(),
             ErrorCode::kInconsistent);
-  EXPECT_NE(reason.find("one line"), std::string::npos) << reason;
-  EXPECT_EQ(code_of(check_corners({{{60, 440}, {580, 460}, {250, 300}, {80, 35}}}), reason), ErrorCode::kInconsistent);
-  EXPECT_NE(reason.find("inside"), std::string::npos) << reason;
-  EXPECT_EQ(code_of(check_corners({good[0], good[1], good[1], good[3]}), reason), ErrorCode::kInconsistent);
+  EXPECT_NE(result.text().find("one line"), std::string::npos) << result.text();
+  EXPECT_EQ((result = check_corners({{{60, 440}, {580, 460}, {250, 300}, {80, 35}}})).code(), ErrorCode::kInconsistent);
+  EXPECT_NE(result.text().find("inside"), std::string::npos) << result.text();
+  EXPECT_EQ((result = check_corners({good[0], good[1], good[1], good[3]})).code(), ErrorCode::kInconsistent);
 }
 
 TEST(Corners, HaveThePositionsOfTheFieldsCorners) {

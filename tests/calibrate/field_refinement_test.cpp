@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/calibrate/arena_photograph.h"
+#include "tests/results.h"
 #include "tools/programs/calibrate/field/field_drawing.h"
 #include "tools/programs/calibrate/field/residual_map.h"
 
@@ -56,25 +57,22 @@ class FieldRefinement : public ::testing::Test {
     return worst;
   }
 
-  Status refine(const hal::Picture& picture, FieldFit& fit) {
+  Result<void> refine(const hal::Picture& picture, FieldFit& fit) {
     FieldParameters field;
     field.length_m = static_cast<float>(arena_.field.length_m);
     field.width_m = static_cast<float>(arena_.field.width_m);
-    const Result<void> result = refine_field(LightPicture({picture}), field, marks_of(bare_drawing(field)),
-                                             HeightPrior{arena_.camera.position_m[2], kHeightSigma_m}, fit, report_);
-    reason_ = result.text();
-    return result.code();
+    return refine_field(LightPicture({picture}), field, marks_of(bare_drawing(field)),
+                        HeightPrior{arena_.camera.position_m[2], kHeightSigma_m}, fit, report_);
   }
 
   hal::mock::ArenaParameters arena_;
   RefinementReport report_;
-  std::string reason_;
 };
 
 TEST_F(FieldRefinement, FindsTheLensAlongTheBorder) {
   FieldFit fit = rough_fit();
   EXPECT_GT(worst_px(fit.camera, 0.0), 5.0) << "otherwise there is nothing to refine";
-  ASSERT_TRUE(refine(photograph(hal::mock::Floor::kField), fit).ok()) << reason_;
+  ASSERT_OK(refine(photograph(hal::mock::Floor::kField), fit));
   EXPECT_LT(worst_px(fit.camera, 0.0), 0.35);
   EXPECT_LT(worst_px(fit.camera, arena_.robot_height_m), 0.45);
   EXPECT_GT(report_.points, 500u);
@@ -107,7 +105,7 @@ TEST_F(FieldRefinement, EstimatesTheUncertaintyOfTheHeight) {
 TEST_F(FieldRefinement, DrawsItsResiduals) {
   FieldFit fit = rough_fit();
   const hal::Picture picture = photograph(hal::mock::Floor::kField);
-  ASSERT_TRUE(refine(picture, fit).ok()) << reason_;
+  ASSERT_OK(refine(picture, fit));
   CameraModel camera;
   ASSERT_TRUE(camera.configure(fit.camera).ok());
   const hal::Picture drawn = draw_residuals(picture, camera, report_);
@@ -132,15 +130,15 @@ TEST_F(FieldRefinement, ObjectsOnTheBorderHaveLittleInfluence) {
     things.robots.push_back({-0.9 + 0.2 * static_cast<double>(i), i % 2 == 0 ? 0.86 : -0.86, 0.3});
   }
   FieldFit fit = rough_fit();
-  ASSERT_TRUE(refine(photograph(hal::mock::Floor::kField, &things), fit).ok()) << reason_;
+  ASSERT_OK(refine(photograph(hal::mock::Floor::kField, &things), fit));
   EXPECT_LT(worst_px(fit.camera, 0.0), 0.5);
 }
 
 TEST_F(FieldRefinement, WithoutABorderTheFitIsUnchanged) {
   FieldFit fit = rough_fit();
   const FullModelParameters before = fit.camera.full;
-  EXPECT_EQ(refine(photograph(hal::mock::Floor::kGreyPaper), fit).code(), ErrorCode::kNotFound);
-  EXPECT_EQ(reason_, "only 0 of the four sides of the border were found");
+  expect_error(refine(photograph(hal::mock::Floor::kGreyPaper), fit), ErrorCode::kNotFound,
+               "only 0 of the four sides of the border were found");
   EXPECT_EQ(fit.camera.full.fx_px, before.fx_px);
   EXPECT_EQ(fit.camera.full.rotation_rad, before.rotation_rad);
   EXPECT_EQ(fit.camera.full.position_m, before.position_m);

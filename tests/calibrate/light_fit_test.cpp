@@ -8,7 +8,6 @@
 #include <random>
 
 #include "firmware/config/light_map_file.h"
-#include "tests/calibrate/result_code.h"
 #include "tests/results.h"
 
 namespace touchline::calibrate {
@@ -97,21 +96,21 @@ TEST(LightFit, LimitsTheBrightestCellToTheRangeOfTheFile) {
 TEST(LightFit, RejectsPicturesThatCannotBeMeasured) {
   auto map = std::make_unique<LightMap>();
   LightReport report;
-  std::string reason;
+  Result<void> result;
   ASSERT_EQ(fit_light(of({grey_picture(330, 4)}), *map, report).text(), "");
   EXPECT_GT(report.saturated_cells, 300U);
   EXPECT_LT(report.saturated_cells, 1536U);
-  EXPECT_EQ(code_of(fit_light(of({grey_picture(2000, 5)}), *map, report), reason), ErrorCode::kOutOfRange);
-  EXPECT_EQ(code_of(fit_light(of({grey_picture(8, 6)}), *map, report), reason), ErrorCode::kOutOfRange);
-  EXPECT_EQ(code_of(fit_light(of({}), *map, report), reason), ErrorCode::kOutOfRange);
+  EXPECT_EQ((result = fit_light(of({grey_picture(2000, 5)}), *map, report)).code(), ErrorCode::kOutOfRange);
+  EXPECT_EQ((result = fit_light(of({grey_picture(8, 6)}), *map, report)).code(), ErrorCode::kOutOfRange);
+  EXPECT_EQ((result = fit_light(of({}), *map, report)).code(), ErrorCode::kOutOfRange);
   LightFitInput other = of({grey_picture(200, 7)});
   other.normal = {20, 20, 20};
-  EXPECT_EQ(code_of(fit_light(other, *map, report), reason), ErrorCode::kOutOfRange);
-  EXPECT_NE(reason.find("learn the colors again"), std::string::npos) << reason;
+  EXPECT_EQ((result = fit_light(other, *map, report)).code(), ErrorCode::kOutOfRange);
+  EXPECT_NE(result.text().find("learn the colors again"), std::string::npos) << result.text();
   hal::Picture small = grey_picture(200, 7);
   small.height_px = kHeight / 2;
   small.rgb8.resize(small.rgb8.size() / 2);
-  EXPECT_EQ(code_of(fit_light(of({grey_picture(200, 7), small}), *map, report), reason), ErrorCode::kInconsistent);
+  EXPECT_EQ((result = fit_light(of({grey_picture(200, 7), small}), *map, report)).code(), ErrorCode::kInconsistent);
 }
 
 TEST(LightFit, UsesOnlyTheRegionOfInterest) {

@@ -6,7 +6,6 @@
 
 #include "hal/mock/lens.h"
 #include "tests/calibrate/arena_photograph.h"
-#include "tests/calibrate/result_code.h"
 #include "tools/programs/calibrate/field/field_fit.h"
 #include "tools/programs/calibrate/light/light_fit.h"
 
@@ -57,7 +56,7 @@ class LightSurfaceOf : public testing::Test {
   hal::mock::ArenaParameters arena_;
   Polygon field_;
   LightReport report_;
-  std::string reason_;
+  Result<void> result_;
 };
 
 TEST_F(LightSurfaceOf, FieldAndPaperGiveTheSameMap) {
@@ -85,7 +84,7 @@ TEST_F(LightSurfaceOf, IgnoresMovingObjects) {
   LightFitInput input;
   input.pictures = {pictures[0], pictures[1]};
   input.surface = LightSurface::kMoving;
-  EXPECT_EQ(code_of(fit_light(input, *moving, report_), reason_), ErrorCode::kNotFound);
+  EXPECT_EQ((result_ = fit_light(input, *moving, report_)).code(), ErrorCode::kNotFound);
 }
 
 TEST_F(LightSurfaceOf, BorderGivesTintAndGradient) {
@@ -138,8 +137,8 @@ TEST_F(LightSurfaceOf, BorderGivesTintAndGradient) {
   }
 
   input.border.resize(30);
-  EXPECT_EQ(code_of(fit_light(input, dimmer, report_), reason_), ErrorCode::kNotFound);
-  EXPECT_NE(reason_.find("border"), std::string::npos) << reason_;
+  EXPECT_EQ((result_ = fit_light(input, dimmer, report_)).code(), ErrorCode::kNotFound);
+  EXPECT_NE(result_.text().find("border"), std::string::npos) << result_.text();
 }
 
 TEST(LightReport, ListsSaturatedAndDarkSpots) {

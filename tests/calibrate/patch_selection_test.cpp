@@ -19,7 +19,7 @@ class Rectangle : public testing::Test {
   std::pair<std::size_t, std::size_t> selected(const std::array<double, 4>& box) {
     Click click{"a", "red", 0, 0, 0, box};
     const Result<GrownPatch> result = select_patch(image_, inside_, click, {});
-    reason_ = result.text();
+    message_ = result.text();
     if (!result.ok()) return {0, 0};
     const GrownPatch& patch = result.value();
     const auto in_square = std::count_if(patch.pixels.begin(), patch.pixels.end(), [&](std::size_t pixel) {
@@ -33,20 +33,20 @@ class Rectangle : public testing::Test {
                                                PixelFormat::kRgb24, 1, [](int, int) { return 1.0; });
   const ChannelImage image_ = corrected_channels(picture_.frame(), Shading{});
   std::vector<std::uint8_t> inside_;
-  std::string reason_;
+  std::string message_;
 };
 
 TEST_F(Rectangle, SelectsThePatchIfSmallerOrLarger) {
   for (const std::array<double, 4>& box : {std::array<double, 4>{76, 56, 83, 63}, {73, 53, 86, 66}, {70, 50, 89, 70}}) {
     const auto [all, right] = selected(box);
-    EXPECT_EQ(all, right) << box[0] << ": " << reason_;
+    EXPECT_EQ(all, right) << box[0] << ": " << message_;
     EXPECT_GE(right, box[0] > 75 ? 60U : 115U) << box[0];
   }
 }
 
 TEST_F(Rectangle, IgnoresTheAreaOutsideThePicture) {
   EXPECT_EQ(selected({-20, -20, -5, -5}).first, 0U);
-  EXPECT_NE(reason_.find("0 pixels"), std::string::npos) << reason_;
+  EXPECT_NE(message_.find("0 pixels"), std::string::npos) << message_;
   std::fill(inside_.begin(), inside_.end(), std::uint8_t{0});
   EXPECT_EQ(selected({76, 56, 83, 63}).first, 0U);
 }

@@ -23,8 +23,8 @@ struct Air {
       channel.deliver(now, world);
     }
   }
-  Status send(const Packet& packet) { return channel.send(bytes_of(packet), now); }
-  Status drive(double left_mps, double right_mps, std::uint8_t sequence, bool stop = false) {
+  Result<void> send(const Packet& packet) { return channel.send(bytes_of(packet), now); }
+  Result<void> drive(double left_mps, double right_mps, std::uint8_t sequence, bool stop = false) {
     const std::array<Drive, 1> drives{{{0, left_mps, right_mps}}};
     return send(packet_of(drives, sequence, stop));
   }
@@ -78,7 +78,7 @@ TEST(Channel, RefusesAPacketThatDoesNotFitIntoTheQueue) {
   std::uint8_t sequence = 0;
   while (air.drive(0.1, 0.1, ++sequence).ok()) ASSERT_LT(sequence, 20);
   EXPECT_EQ(sequence, 10) << "nine packets of 13 bytes fit into 128";
-  EXPECT_EQ(air.drive(0.1, 0.1, sequence), Status(ErrorCode::kBusy));
+  EXPECT_EQ(air.drive(0.1, 0.1, sequence).code(), ErrorCode::kBusy);
   const Instant drained = air.channel.drained();
   EXPECT_EQ(air.channel.statistics().sent, 9U);
   air.advance(15ms);  // a packet has left: 13.5 ms
@@ -101,15 +101,15 @@ TEST(Channel, RefusesAPacketIfTooManyAreInFlight) {
   }
   EXPECT_EQ(taken, 256);
   const Instant drained = air.channel.drained();
-  EXPECT_EQ(air.drive(0.1, 0.1, sequence), Status(ErrorCode::kBusy));
+  EXPECT_EQ(air.drive(0.1, 0.1, sequence).code(), ErrorCode::kBusy);
   EXPECT_EQ(air.channel.drained(), drained);
 }
 
 TEST(Channel, RefusesEmptyAndOversizedPackets) {
   Air air(noise_free_arena());
-  EXPECT_EQ(air.channel.send({}, air.now), Status(ErrorCode::kOutOfRange));
+  EXPECT_EQ(air.channel.send({}, air.now).code(), ErrorCode::kOutOfRange);
   const std::array<std::byte, kMaxPacketBytes + 1> bytes{};
-  EXPECT_EQ(air.channel.send(bytes, air.now), Status(ErrorCode::kOutOfRange));
+  EXPECT_EQ(air.channel.send(bytes, air.now).code(), ErrorCode::kOutOfRange);
   air.advance(100ms);
   EXPECT_EQ(air.channel.statistics().due, 0U);
 }

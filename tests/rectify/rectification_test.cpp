@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/rectify/distorted_field.h"
+#include "tests/results.h"
 #include "tools/programs/rectify/straightness.h"
 
 namespace touchline::rectify {
@@ -40,9 +41,9 @@ TEST(LensMap, BendingIsTheInverseOfStraightening) {
 
 TEST(Rectification, TheRectifiedFloorIsToScale) {
   const hal::Picture seen = photograph(distorted_camera(), small_field());
-  hal::Picture floor;
   Raster raster;
-  ASSERT_TRUE(rectify_floor(seen, model_of(distorted_camera()), small_field(), 0.1, 200, floor, raster).ok());
+  ASSERT_OK_AND_ASSIGN(const hal::Picture floor,
+                       rectify_floor(seen, model_of(distorted_camera()), small_field(), 0.1, 200, raster));
   EXPECT_EQ(floor.width_px, 380u);  // (1.5 + 2 * (0.1 + 0.1)) * 200
   EXPECT_EQ(floor.height_px, 300u);
   const auto value = [&](double x_m, double y_m) {
@@ -58,7 +59,7 @@ TEST(Rectification, TheRectifiedFloorIsToScale) {
       EXPECT_GT(value(along, side * 0.675), 200) << "border";
     }
   }
-  EXPECT_EQ(rectify_floor(seen, model_of(distorted_camera()), small_field(), 0.1, 10000, floor, raster).code(),
+  EXPECT_EQ(rectify_floor(seen, model_of(distorted_camera()), small_field(), 0.1, 10000, raster).code(),
             ErrorCode::kFull);
 }
 

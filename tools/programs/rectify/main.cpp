@@ -96,12 +96,12 @@ Result<void> run(const Options& options) {
     hal::Picture figure = straighten(picture, lens, raster);
     if (options.grid_m > 0) draw_grid(camera, lens, draft.file.field, options.grid_m, raster, figure);
     TOUCHLINE_TRY(write(stem + "-" + kind + "-radial.png", figure));
-    if (!rectify_floor(picture, camera, draft.file.field, options.margin_m, scale, figure, raster).ok()) {
-      return Error{ErrorCode::kInconsistent, "the floor would need more than " + std::to_string(kLargestSide_px) +
-                                                 " px; give a smaller --scale or --margin"};
+    Result<hal::Picture> floor = rectify_floor(picture, camera, draft.file.field, options.margin_m, scale, raster);
+    if (!floor.ok()) {
+      return failure(floor.code(), "%s; give a smaller --scale or --margin", floor.error().text.c_str());
     }
-    if (options.grid_m > 0) draw_grid(draft.file.field, options.grid_m, raster, figure);
-    TOUCHLINE_TRY(write(stem + "-" + kind + "-both.png", figure));
+    if (options.grid_m > 0) draw_grid(draft.file.field, options.grid_m, raster, floor.value());
+    TOUCHLINE_TRY(write(stem + "-" + kind + "-both.png", floor.value()));
     print_table(kind, straightness(points, left_out, camera, lens, scale));
   }
   for (const std::string& name : written) std::printf("%s written\n", name.c_str());

@@ -139,23 +139,24 @@ hal::Picture straighten(const hal::Picture& picture, const LensMap& lens, Raster
   });
 }
 
-Status rectify_floor(const hal::Picture& picture, const CameraModel& camera, const FieldParameters& field,
-                     double margin_m, double scale_px_per_m, hal::Picture& out, Raster& raster) {
+Result<hal::Picture> rectify_floor(const hal::Picture& picture, const CameraModel& camera, const FieldParameters& field,
+                                   double margin_m, double scale_px_per_m, Raster& raster) {
   const double x = static_cast<double>(field.length_m) / 2 + static_cast<double>(field.goal_depth_m) + margin_m;
   const double y = static_cast<double>(field.width_m) / 2 + margin_m;
   // Sizes in floats are only approximately whole pixels.
   const double width = std::ceil(2 * x * scale_px_per_m - 0.01), height = std::ceil(2 * y * scale_px_per_m - 0.01);
-  if (!(width >= 1 && height >= 1 && width <= kLargestSide_px && height <= kLargestSide_px)) return ErrorCode::kFull;
+  if (!(width >= 1 && height >= 1 && width <= kLargestSide_px && height <= kLargestSide_px)) {
+    return failure(ErrorCode::kFull, "the floor would need more than %u px", kLargestSide_px);
+  }
   // Pixel centers are half a pixel inside the edge.
   raster = {-x + 0.5 / scale_px_per_m, y - 0.5 / scale_px_per_m, scale_px_per_m, static_cast<std::uint32_t>(width),
             static_cast<std::uint32_t>(height)};
-  out = resample(picture, raster, [&](double column, double row) {
+  return resample(picture, raster, [&](double column, double row) {
     const PixelPoint p = camera.to_pixel(
         {static_cast<float>(raster.left + column / raster.scale), static_cast<float>(raster.top - row / raster.scale)},
         0.0f);
     return Point{static_cast<double>(p.u_px), static_cast<double>(p.v_px)};
   });
-  return {};
 }
 
 void draw_grid(const CameraModel& camera, const LensMap& lens, const FieldParameters& field, double spacing_m,

@@ -6,8 +6,8 @@
 #include "core/geometry/brown_distortion.h"
 #include "core/geometry/camera_model.h"
 #include "core/marker/matcher.h"
-#include "core/status.h"
 #include "hal/replay/picture.h"
+#include "hal/result.h"
 
 // Pictures like figures 11 and 12 of Klancar's paper, for people. The pipeline never rectifies a picture.
 namespace touchline::rectify {
@@ -50,8 +50,8 @@ inline constexpr double kLargestStretch = 2.0;
 /// Figure 12 (b): corrects lens distortion and perspective. Shows the floor to scale, x to the right and y up, with
 /// `margin_m` around the field and its goals. The raster is in meters; its rows run against y. kFull: the picture would
 /// be larger than kLargestSide_px.
-Status rectify_floor(const hal::Picture& picture, const CameraModel& camera, const FieldParameters& field,
-                     double margin_m, double scale_px_per_m, hal::Picture& out, Raster& raster);
+Result<hal::Picture> rectify_floor(const hal::Picture& picture, const CameraModel& camera, const FieldParameters& field,
+                                   double margin_m, double scale_px_per_m, Raster& raster);
 inline constexpr std::uint32_t kLargestSide_px = 8192;
 
 /// Draws grid lines through the center of the field, `spacing_m` apart, and the outline of the field into the pictures

@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -23,38 +23,41 @@
 #include "tools/programs/command_line/formatted.h"
 #include "tools/programs/command_line/progress.h"
 
-namespace touchline::calibrate {
+namespace touchline {
 namespace {
 
-// Parses "1.5,-2" to {1.5, -2}. Empty unless there are exactly `count` finite numbers.
-std::optional<std::vector<double>> numbers_of(const std::string& text, std::size_t count) {
-  std::vector<double> numbers;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  while (numbers.size() < count) {
-    double value = 0;
-    const auto [rest, error] = std::from_chars(at, end, value);
-    if (error != std::errc() || !std::isfinite(value)) return std::nullopt;
-    numbers.push_back(value);
-    at = rest;
-    if (numbers.size() < count) {
-      if (at == end || *at != ',') return std::nullopt;
-      ++at;
-    }
+// Parses numbers that are separated by commas.
+template <std::size_t N>
+bool parse_numbers(const std::string& text, std::array<double, N>& out) {
+  const std::vector<std::string> words = CLI::detail::split(text, ',');
+  if (words.size() != N) return false;
+  for (std::size_t i = 0; i < N; ++i) {
+    if (!CLI::detail::lexical_cast(words[i], out[i]) || !std::isfinite(out[i])) return false;
   }
-  if (at != end) return std::nullopt;
-  return numbers;
+  return true;
 }
 
-Result<std::vector<PixelPoint>> read_pixels(const std::vector<std::string>& words, const char* option) {
-  std::vector<PixelPoint> out;
-  for (const std::string& word : words) {
-    const auto numbers = numbers_of(word, 2);
-    if (!numbers) return failure(ErrorCode::kOutOfRange, "%s: \"%s\" is not a pixel u,v", option, word.c_str());
-    out.push_back({static_cast<float>((*numbers)[0]), static_cast<float>((*numbers)[1])});
-  }
-  return out;
+}  // namespace
+
+// CLI11 finds these functions by the type of an option's variable, hence in the namespaces of the types. "u,v":
+static bool lexical_cast(const std::string& text, PixelPoint& out) {
+  std::array<double, 2> n{};
+  if (!parse_numbers(text, n)) return false;
+  out = {static_cast<float>(n[0]), static_cast<float>(n[1])};
+  return true;
 }
+
+namespace calibrate {
+
+// "x,y,u,v"
+static bool lexical_cast(const std::string& text, FloorPoint& out) {
+  std::array<double, 4> n{};
+  if (!parse_numbers(text, n)) return false;
+  out = {n[0], n[1], n[2], n[3]};
+  return true;
+}
+
+namespace {
 
 Result<std::vector<hal::Picture>> load_photographs(const std::vector<std::string>& paths) {
   std::vector<hal::Picture> out;
@@ -309,23 +312,17 @@ Result<void> FieldCommand::run() const {
   input.height_px = static_cast<int>(photograph.height_px);
   if (camera_height_m > 0) input.camera_height_m = camera_height_m;
   if (!corners.empty()) {
-    TOUCHLINE_TRY_ASSIGN(const std::vector<PixelPoint> pixels, read_pixels(corners, "--corners"));
-    const Corners four = {pixels[0], pixels[1], pixels[2], pixels[3]};
+    const Corners four = {corners[0], corners[1], corners[2], corners[3]};
     if (const Result<void> checked = check_corners(four); !checked.ok()) return prefixed("--corners", checked.error());
     input.points = corner_points(four, static_cast<double>(field.length_m), static_cast<double>(field.width_m));
   }
-  for (const std::string& word : points) {
-    const auto n = numbers_of(word, 4);
-    if (!n) return Error{ErrorCode::kInconsistent, "--point: \"" + word + "\" is not x,y,u,v"};
-    input.points.push_back({(*n)[0], (*n)[1], (*n)[2], (*n)[3]});
-  }
+  input.points.insert(input.points.end(), points.begin(), points.end());
   const bool clicked = !input.points.empty();
   if (clicked && input.points.size() < 4)
     return Error{ErrorCode::kInconsistent, "at least four corners and points are needed, or none"};
-  TOUCHLINE_TRY_ASSIGN(const std::vector<PixelPoint> polygon, read_pixels(region, "--roi"));
-  if (!polygon.empty() && (polygon.size() < 3 || polygon.size() > kMaxPolygonPoints)) {
+  if (!region.empty() && (region.size() < 3 || region.size() > kMaxPolygonPoints)) {
     return Error{ErrorCode::kInconsistent,
-                 formatted("--roi: there are %zu corners; 3 to %zu are possible", polygon.size(), kMaxPolygonPoints)};
+                 formatted("--roi: there are %zu corners; 3 to %zu are possible", region.size(), kMaxPolygonPoints)};
   }
 
   TOUCHLINE_TRY(find_camera(photographs, drawn, height, input, found));
@@ -338,9 +335,9 @@ Result<void> FieldCommand::run() const {
   entry.height_px = static_cast<std::uint16_t>(photograph.height_px);
   std::vector<Section> sections = {section_of("picture", entry, ""), section_of("field", field, ""),
                                    section_of("camera_model", fit.camera, residual_text(found))};
-  if (!polygon.empty()) {
+  if (!region.empty()) {
     config::RegionOfInterestEntry roi;
-    for (const PixelPoint& p : polygon) {
+    for (const PixelPoint& p : region) {
       roi.u_px.push_back(p.u_px);
       roi.v_px.push_back(p.v_px);
     }
@@ -352,8 +349,9 @@ Result<void> FieldCommand::run() const {
 
   std::printf("%s%.1f s\n", text_of(found).c_str(), found.seconds);
   std::printf("%s: [picture], [field], [camera_model]%s written\n", venue.c_str(),
-              polygon.empty() ? "" : ", [region_of_interest]");
+              region.empty() ? "" : ", [region_of_interest]");
   return {};
 }
 
-}  // namespace touchline::calibrate
+}  // namespace calibrate
+}  // namespace touchline

@@ -19,7 +19,8 @@ struct FieldCommand {
   std::string venue, preset, drawing, kind = "full", preview, report;
   std::vector<std::string> pictures;
   bool refine = true;
-  std::vector<std::string> corners, points, region;
+  std::vector<PixelPoint> corners, region;
+  std::vector<FloorPoint> points;
   double length_m = 0, width_m = 0, camera_height_m = 0;
   void add_options(CLI::App& app);
   /// Prints a report to standard output. On error the venue file is unchanged.

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "tests/checks/command_output.h"
+#include "tests/command_output.h"
 
 namespace touchline::checks {
 namespace {
@@ -43,7 +43,8 @@ bool is_refused_symbol(const std::string& symbol) {
 
 SymbolFindings check_heap_symbols(const std::string& nm, const std::string& archive) {
   SymbolFindings findings;
-  std::istringstream lines(output_of("'" + nm + "' --undefined-only --format=posix '" + archive + "' 2>/dev/null"));
+  std::istringstream lines(
+      testing::output_of("'" + nm + "' --undefined-only --format=posix '" + archive + "' 2>/dev/null"));
   std::string object;
   for (std::string line; std::getline(lines, line);) {
     if (line.ends_with(":")) {  // "libx.a[y.cpp.o]:"

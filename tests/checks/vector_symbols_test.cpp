@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/checks/command_output.h"
+#include "tests/command_output.h"
 
 namespace touchline::checks {
 namespace {
@@ -23,7 +23,7 @@ bool names_its_instruction_set(const std::string& symbol) {
 
 std::unordered_set<std::string> weak_functions(const std::string& archive) {
   std::unordered_set<std::string> weak;
-  std::istringstream lines(output_of("'" TOUCHLINE_NM "' --defined-only --format=posix '" + archive + "'"));
+  std::istringstream lines(testing::output_of("'" TOUCHLINE_NM "' --defined-only --format=posix '" + archive + "'"));
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
     std::string name, type;
@@ -35,7 +35,7 @@ std::unordered_set<std::string> weak_functions(const std::string& archive) {
 VectorFindings check_vector_symbols(const std::string& archive) {
   VectorFindings findings;
   const std::unordered_set<std::string> weak = weak_functions(archive);
-  std::istringstream lines(output_of("'" TOUCHLINE_OBJDUMP "' -d --no-show-raw-insn '" + archive + "'"));
+  std::istringstream lines(testing::output_of("'" TOUCHLINE_OBJDUMP "' -d --no-show-raw-insn '" + archive + "'"));
   std::string function;
   for (std::string line; std::getline(lines, line);) {
     const std::size_t name = line.find(" <"), address = line.find(':');

@@ -1,36 +1,24 @@
 // The program touchline as a person or a script calls it: exit codes and output.
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "tests/command_output.h"
+
 namespace touchline {
 namespace {
 
-struct Outcome {
-  int code = -1;
-  std::string text;  // standard output and error
-};
+using testing::CommandOutput;
+using testing::run_command;
 
-Outcome outcome_of(const std::string& command) {
-  Outcome outcome;
-  std::FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) return outcome;
-  std::array<char, 4096> block{};
-  while (const std::size_t size = std::fread(block.data(), 1, block.size(), pipe))
-    outcome.text.append(block.data(), size);
-  const int status = ::pclose(pipe);
-  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
+// The text has standard output and error.
+CommandOutput touchline(const std::string& arguments) {
+  return run_command("'" TOUCHLINE_PROGRAM "' " + arguments + " 2>&1");
 }
-
-Outcome touchline(const std::string& arguments) { return outcome_of("'" TOUCHLINE_PROGRAM "' " + arguments); }
 
 class Program : public ::testing::Test {
  protected:
@@ -74,7 +62,7 @@ TEST_F(Program, HelpAndVersionSucceed) {
 
 TEST_F(Program, OutputThatCannotBeWrittenIsAnError) {
   for (const std::string& command : {std::string("keys"), "check --dump " + board(), "check " + board()}) {
-    const Outcome outcome = outcome_of("{ '" TOUCHLINE_PROGRAM "' " + command + " >/dev/full; }");
+    const CommandOutput outcome = run_command("{ '" TOUCHLINE_PROGRAM "' " + command + " >/dev/full; } 2>&1");
     EXPECT_EQ(outcome.code, 1) << command;
     EXPECT_EQ(outcome.text, "touchline: standard output: cannot be written: No space left on device\n") << command;
   }
@@ -82,7 +70,7 @@ TEST_F(Program, OutputThatCannotBeWrittenIsAnError) {
 
 TEST_F(Program, RejectsFilesThatAreNotRegularFiles) {
   const auto refused = [&](const std::string& path, const std::string& message) {
-    const Outcome outcome = outcome_of("timeout 10 '" TOUCHLINE_PROGRAM "' check --board '" + path + "'");
+    const CommandOutput outcome = run_command("timeout 10 '" TOUCHLINE_PROGRAM "' check --board '" + path + "' 2>&1");
     EXPECT_EQ(outcome.code, 1) << path;
     EXPECT_EQ(outcome.text, path + ": " + message + "\n");
   };
@@ -106,20 +94,20 @@ TEST_F(Program, AWrongCommandLineGivesExitCode64) {
   EXPECT_EQ(touchline("run " + board() + "--sed 1").code, 64);
   EXPECT_EQ(touchline("run " + board() + "--duration nan").code, 64);
   EXPECT_EQ(touchline("run " + board() + "--seed -1").code, 64);
-  const Outcome endless = touchline("run " + board() + "--duration 1e300");
+  const CommandOutput endless = touchline("run " + board() + "--duration 1e300");
   EXPECT_EQ(endless.code, 64);
   EXPECT_NE(endless.text.find("--duration: 1e300 is out of range: 0.001 to 1e+08\n"), std::string::npos)
       << endless.text;
 }
 
 TEST_F(Program, CheckReportsWhetherFilesAreValid) {
-  const Outcome sound = touchline("check " + board());
+  const CommandOutput sound = touchline("check " + board());
   EXPECT_EQ(sound.code, 0) << sound.text;
   EXPECT_NE(sound.text.find("are valid\n"), std::string::npos);
   EXPECT_EQ(sound.text.find("fastest kernel"), std::string::npos) << "the actual kernel must be named";
-  const Outcome portable = touchline("check " + board() + "--set scan.kernel=portable");
+  const CommandOutput portable = touchline("check " + board() + "--set scan.kernel=portable");
   EXPECT_NE(portable.text.find("colors: portable kernel\n"), std::string::npos) << portable.text;
-  const Outcome wrong = touchline("check " + board() + "--set camera.gain=-1 --set ball.radius_m=9");
+  const CommandOutput wrong = touchline("check " + board() + "--set camera.gain=-1 --set ball.radius_m=9");
   EXPECT_EQ(wrong.code, 1);
   EXPECT_NE(wrong.text.find("--set camera.gain=-1: camera.gain: -1 is out of range: 0 to 65535\n"), std::string::npos)
       << wrong.text;
@@ -132,20 +120,20 @@ TEST_F(Program, CheckOpensNoDevice) {
 }
 
 TEST_F(Program, CheckConfiguresTheStages) {
-  const Outcome refused = touchline("check " + board() + "--set camera_model.full.fx_px=0.0");
+  const CommandOutput refused = touchline("check " + board() + "--set camera_model.full.fx_px=0.0");
   EXPECT_EQ(refused.code, 1);
   EXPECT_NE(refused.text.find("it cannot be used: "), std::string::npos) << refused.text;
 }
 
 TEST_F(Program, DumpShowsAllValuesInUse) {
-  const Outcome dump = touchline("check --dump " + board() + "--set faults.stop_after_s=0.35");
+  const CommandOutput dump = touchline("check --dump " + board() + "--set faults.stop_after_s=0.35");
   EXPECT_EQ(dump.code, 0);
   EXPECT_NE(dump.text.find("stop_after_s = 0.35 "), std::string::npos);
   EXPECT_NE(dump.text.find("baud = 115200 "), std::string::npos);
 }
 
 TEST_F(Program, KeysCommandListsKeys) {
-  const Outcome keys = touchline("keys");
+  const CommandOutput keys = touchline("keys");
   EXPECT_EQ(keys.code, 0);
   EXPECT_NE(keys.text.find("  camera.exposure_us: integer, 0 to 1000000 us, default 5000, reload: camera\n"),
             std::string::npos);
@@ -156,21 +144,21 @@ TEST_F(Program, KeysCommandListsKeys) {
 
 TEST_F(Program, InvalidFilesEndARunBeforeDevicesAreOpened) {
   write_board("v4l2", "there-is-no-such-camera");
-  const Outcome outcome = touchline("run " + board() + "--set own.color=mauve");
+  const CommandOutput outcome = touchline("run " + board() + "--set own.color=mauve");
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.text.find("there-is-no-such-camera"), std::string::npos) << outcome.text;
 }
 
 TEST_F(Program, AMissingDeviceGivesExitCode2) {
   write_board("v4l2", "there-is-no-such-camera");
-  const Outcome outcome = touchline("run " + board());
+  const CommandOutput outcome = touchline("run " + board());
   EXPECT_EQ(outcome.code, 2);
   EXPECT_NE(outcome.text.find("camera: "), std::string::npos) << outcome.text;
   EXPECT_NE(outcome.text.find("there-is-no-such-camera"), std::string::npos) << outcome.text;
 }
 
 TEST_F(Program, PlaysAWholeRecording) {
-  const Outcome outcome = touchline("run --headless --status-interval 0.25 " + board());
+  const CommandOutput outcome = touchline("run --headless --status-interval 0.25 " + board());
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("own 0/1  opp 0/0  ball lost  latency p50"), std::string::npos) << outcome.text;
   EXPECT_NE(outcome.text.find("end       end of the input\nframes    30 in "), std::string::npos) << outcome.text;
@@ -179,7 +167,7 @@ TEST_F(Program, PlaysAWholeRecording) {
 TEST_F(Program, PlaysARecordingAtTheBoardsRate) {
   // 30 pictures, 29 periods. A loaded machine may take longer, but never less.
   const auto duration_s = [this](const std::string& rate_hz) {
-    const Outcome outcome = touchline("run --headless --set camera.rate_hz=" + rate_hz + " " + board());
+    const CommandOutput outcome = touchline("run --headless --set camera.rate_hz=" + rate_hz + " " + board());
     const std::string before = "frames    30 in ";
     const std::size_t at = outcome.text.find(before);
     EXPECT_NE(at, std::string::npos) << outcome.text;
@@ -196,7 +184,7 @@ TEST_F(Program, TerminationStopsTheRobotsAndSucceeds) {
   write("end.sh", "'" TOUCHLINE_PROGRAM "' " + arguments + board() + " >" + output + " 2>&1 & p=$!\n" +
                       "until grep -q latency " + output + " || ! kill -0 $p; do sleep 0.02; done\n" +
                       "kill -TERM $p; kill -TERM $p\nwait $p; code=$?\ncat " + output + "\nexit $code\n");
-  const Outcome outcome = outcome_of("sh '" + (folder_ / "end.sh").string() + "'");
+  const CommandOutput outcome = run_command("sh '" + (folder_ / "end.sh").string() + "' 2>&1");
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("end       stopped on request\n"), std::string::npos) << outcome.text;
   const std::size_t stops = outcome.text.find(" of them stop packets");
@@ -213,9 +201,9 @@ TEST_F(Program, AfterAnUnexpectedEndRobotsWaitForAStart) {
   write("crash.sh", service + "--status-interval 0.1 --set camera.rate_hz=1.0 " + board() +
                         " >/dev/null 2>&1 & p=$!\n" + "for i in $(seq 500); do test -e " + marker +
                         " && break; sleep 0.02; done\nkill -KILL $p\nwait $p\n");
-  static_cast<void>(outcome_of("sh '" + (folder_ / "crash.sh").string() + "'"));
+  static_cast<void>(run_command("sh '" + (folder_ / "crash.sh").string() + "' 2>&1"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "run/driving-robots"));
-  const Outcome restarted = outcome_of(service + "--frames 7 " + board());
+  const CommandOutput restarted = run_command(service + "--frames 7 " + board() + " 2>&1");
   EXPECT_EQ(restarted.code, 0) << restarted.text;
   EXPECT_NE(
       restarted.text.find("the previous run ended unexpectedly: robots are stopped until the service is restarted"),
@@ -223,7 +211,7 @@ TEST_F(Program, AfterAnUnexpectedEndRobotsWaitForAStart) {
       << restarted.text;
   EXPECT_NE(restarted.text.find("packets   12 sent, 12 of them stop packets"), std::string::npos) << restarted.text;
   // That run ended properly, so robots move after the next start.
-  const Outcome started = outcome_of(service + "--frames 7 " + board());
+  const CommandOutput started = run_command(service + "--frames 7 " + board() + " 2>&1");
   EXPECT_NE(started.text.find("packets   12 sent, 5 of them stop packets"), std::string::npos) << started.text;
 }
 
@@ -231,11 +219,11 @@ TEST_F(Program, AfterALostDeviceRobotsWaitForAStart) {
   std::filesystem::create_directories(folder_ / "run");
   const std::string service =
       "RUNTIME_DIRECTORY='" + (folder_ / "run").string() + "' '" TOUCHLINE_PROGRAM "' run --headless ";
-  EXPECT_EQ(outcome_of(service + board() + "--frames 3").code, 0);
+  EXPECT_EQ(run_command(service + board() + "--frames 3 2>&1").code, 0);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "run/driving-robots"));
   // A picture of another size is a fault.
   write("frames/15.ppm", "P6\n32 24\n255\n" + std::string(std::size_t{32} * 24 * 3, '\0'));
-  EXPECT_EQ(outcome_of(service + board()).code, 2);
+  EXPECT_EQ(run_command(service + board() + " 2>&1").code, 2);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "run/driving-robots"));
 }
 
@@ -245,7 +233,8 @@ TEST_F(Program, ClosedStandardDescriptorsAreOpenedAsDevNull) {
         "'" TOUCHLINE_PROGRAM "' " + arguments + board() + " <&- >&- 2>&- & p=$!\n" +
             "for i in $(seq 250); do test \"$(readlink /proc/$p/fd/2)\" = /dev/null && break; sleep 0.02; done\n" +
             "readlink /proc/$p/fd/0 /proc/$p/fd/1 /proc/$p/fd/2\nexec 2>/dev/null\nkill -TERM $p\nwait $p\n");
-  EXPECT_EQ(outcome_of("sh '" + (folder_ / "closed.sh").string() + "'").text, "/dev/null\n/dev/null\n/dev/null\n");
+  EXPECT_EQ(run_command("sh '" + (folder_ / "closed.sh").string() + "' 2>&1").text,
+            "/dev/null\n/dev/null\n/dev/null\n");
 }
 
 // Sanitizers do not work with a memory limit.
@@ -260,14 +249,14 @@ TEST_F(Program, AReloadWithoutMemoryDoesNotEndTheGame) {
                          "prlimit --pid $p --as=$((size * 1024)):unlimited\nkill -HUP $p\nsleep 1\n" +
                          "prlimit --pid $p --as=unlimited\nkill -TERM $p\nwait $p; code=$?\ntail -n 25 " + output +
                          "\nexit $code\n");
-  const Outcome outcome = outcome_of("sh '" + (folder_ / "reload.sh").string() + "'");
+  const CommandOutput outcome = run_command("sh '" + (folder_ / "reload.sh").string() + "' 2>&1");
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("end       stopped on request\n"), std::string::npos) << outcome.text;
 }
 #endif
 
 TEST_F(Program, FrameLimit) {
-  const Outcome outcome = touchline("run --frames 7 " + board());
+  const CommandOutput outcome = touchline("run --frames 7 " + board());
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("frames    7 in "), std::string::npos) << outcome.text;
 }

@@ -2,13 +2,12 @@
 #include "tools/programs/devices/device_list.h"
 
 #include <linux/gpio.h>
-#include <sys/wait.h>
 
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 
+#include "tests/command_output.h"
 #include "tests/linux/fake_serial.h"
 #include "tests/linux/v4l2_fixture.h"
 
@@ -265,14 +264,9 @@ TEST_F(DeviceListTest, InvalidUtf8InNamesIsReplacedInTheJson) {
             std::string::npos);
 }
 
-/// Returns exit code and output, including standard error.
-std::pair<int, std::string> run(const std::string& arguments) {
-  std::FILE* const pipe = ::popen(("'" TOUCHLINE_DEVICES "' " + arguments + " 2>&1").c_str(), "r");
-  std::string text;
-  std::array<char, 256> part{};
-  while (std::fgets(part.data(), part.size(), pipe) != nullptr) text += part.data();
-  const int status = ::pclose(pipe);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text};
+/// The text has standard output and error.
+CommandOutput run(const std::string& arguments) {
+  return run_command("'" TOUCHLINE_DEVICES "' " + arguments + " 2>&1");
 }
 
 TEST(DeviceTexts, CamerasOfLibcameraAreListedAsTheBoardFileNamesThem) {
@@ -295,15 +289,15 @@ TEST(DevicesProgram, ListsThisMachine) {
   for (const char* const title : {"cameras\n", "serial ports\n", "GPIO chips\n"}) {
     EXPECT_NE(text.find(title), std::string::npos) << text;
   }
-  EXPECT_EQ(run("--serial --json").second.find("{\n  \"serial_ports\": ["), 0u);
+  EXPECT_EQ(run("--serial --json").text.find("{\n  \"serial_ports\": ["), 0u);
 }
 
 TEST(DevicesProgram, ExitCodes) {
   const auto [code, text] = run("--camera /dev/video77 --gpio");
   EXPECT_EQ(code, 2);
   EXPECT_NE(text.find("touchline-devices: /dev/video77: no such camera; here: "), std::string::npos) << text;
-  EXPECT_EQ(run("--cameras").first, 64);
-  EXPECT_EQ(run("--help").first, 0);
+  EXPECT_EQ(run("--cameras").code, 64);
+  EXPECT_EQ(run("--help").code, 0);
 }
 
 }  // namespace

@@ -1,7 +1,5 @@
 // The program touchline-arena: the files of every scene, and error messages.
-#include <sys/wait.h>
 #include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -9,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/replay/picture.h"
+#include "tests/command_output.h"
 #include "tests/replay/media.h"
 #include "tests/results.h"
 #include "tools/programs/arena/scenes.h"
@@ -17,21 +16,11 @@
 namespace touchline::arena {
 namespace {
 
-struct Outcome {
-  int code = -1;
-  std::string text;  // standard output and error
-};
+using testing::CommandOutput;
 
-Outcome touchline_arena(const std::string& arguments) {
-  Outcome outcome;
-  std::FILE* pipe = ::popen(("'" TOUCHLINE_ARENA "' " + arguments + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) return outcome;
-  std::array<char, 4096> block{};
-  while (const std::size_t size = std::fread(block.data(), 1, block.size(), pipe))
-    outcome.text.append(block.data(), size);
-  const int status = ::pclose(pipe);
-  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
+// The text has standard output and error.
+CommandOutput touchline_arena(const std::string& arguments) {
+  return testing::run_command("'" TOUCHLINE_ARENA "' " + arguments + " 2>&1");
 }
 
 const std::string kBoard = "--board '" TOUCHLINE_BOARDS "/mock/board.toml' ";
@@ -54,7 +43,7 @@ class ArenaProgram : public ::testing::Test {
 TEST_F(ArenaProgram, WritesEverySceneWithItsTruth) {
   for (const SceneType& scene : scene_types()) {
     const std::string word(scene.name);
-    const Outcome outcome = touchline_arena(word + " " + kSmall + out(word) + "--count 3");
+    const CommandOutput outcome = touchline_arena(word + " " + kSmall + out(word) + "--count 3");
     ASSERT_EQ(outcome.code, 0) << outcome.text;
     EXPECT_EQ(outcome.text, "3 pictures of scene " + word + " in " + folder_ / word + "\n");
     const auto truth = evaluate::read_truth(folder_ / word + "/truth.jsonl");
@@ -151,7 +140,7 @@ TEST_F(ArenaProgram, TheSameSeedRepeatsThePictures) {
 
 TEST_F(ArenaProgram, RefusesBadArgumentsWithAMessage) {
   const auto refused = [&](const std::string& arguments, const std::string& part) {
-    const Outcome outcome = touchline_arena(arguments);
+    const CommandOutput outcome = touchline_arena(arguments);
     EXPECT_NE(outcome.code, 0) << arguments;
     EXPECT_NE(outcome.text.find(part), std::string::npos) << outcome.text;
   };

@@ -5,6 +5,8 @@
 #include <random>
 #include <vector>
 
+#include "tests/radio/noisy_line.h"
+
 namespace touchline {
 namespace {
 
@@ -119,27 +121,18 @@ TEST(PacketStream, DropsTheOldestBytesIfNextIsNotCalled) {
 // immediately.
 TEST(PacketStream, ReportsOnlySentPacketsOnANoisyLine) {
   std::mt19937 random(3);
-  std::uniform_int_distribution<int> byte(0, 255), fault(0, 99);
-  std::vector<std::byte> bytes;
+  testing::NoisyLine line(random);
   int whole = 0;
   constexpr int kSent = 5000;
   for (int i = 0; i < kSent; ++i) {
     const Packet packet = packet_of(static_cast<std::size_t>(i % 12), static_cast<std::uint8_t>(i));
-    bool intact = true;
-    for (const std::byte b : packet) {
-      const int f = fault(random);
-      intact = intact && f > 2;
-      if (f == 0) continue;
-      bytes.push_back(f == 1 ? b ^ static_cast<std::byte>(1 + byte(random) % 255) : b);
-      if (f == 2) bytes.push_back(static_cast<std::byte>(byte(random)));
-    }
-    whole += intact ? 1 : 0;
+    whole += line.send({packet.data(), packet.size()}) ? 1 : 0;
   }
   PacketStream stream;
   Commands commands;
   std::uint8_t sequence = 0;
   int found = 0, wrong = 0;
-  for (const std::byte b : bytes) {
+  for (const std::byte b : line.received()) {
     stream.push(b);
     while (stream.next(commands, sequence)) {
       ++found;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/radio/packet.h"
+#include "tests/radio/noisy_line.h"
 
 namespace touchline {
 namespace {
@@ -124,20 +125,13 @@ TEST(TelemetryStream, IgnoresOurOwnPackets) {
 // intact packets after intact ones are found.
 TEST(TelemetryStream, ReportsOnlySentPacketsOnANoisyLine) {
   std::mt19937 random(5);
-  std::uniform_int_distribution<int> byte(0, 255), fault(0, 99), kind(0, 3), size(0, 40);
-  std::vector<std::byte> bytes;
+  std::uniform_int_distribution<int> byte(0, 255), kind(0, 3), size(0, 40);
+  testing::NoisyLine line(random);
+  std::vector<std::byte>& bytes = line.received();
   int whole = 0;
   constexpr int kSent = 20000;
   for (int i = 0; i < kSent; ++i) {
-    bool intact = true;
-    for (const std::byte b : encode_telemetry(telemetry_of(i % 11, i, 7.4f, 42))) {
-      const int f = fault(random);
-      intact = intact && f > 2;
-      if (f == 0) continue;
-      bytes.push_back(f == 1 ? b ^ static_cast<std::byte>(1 + byte(random) % 255) : b);
-      if (f == 2) bytes.push_back(static_cast<std::byte>(byte(random)));
-    }
-    whole += intact ? 1 : 0;
+    whole += line.send(encode_telemetry(telemetry_of(i % 11, i, 7.4f, 42))) ? 1 : 0;
     if (kind(random) == 0) {
       for (int k = size(random); k > 0; --k) bytes.push_back(static_cast<std::byte>(byte(random)));
     }

@@ -147,7 +147,7 @@ TEST_F(FloorPicture, LinesAreWhereTheyShouldBe) {
   parameters_.field.line_m = 0.04;  // 10 pixels wide, so that some pixels are entirely on the line
   parameters_.field.border_m = 0.05;
   const Srgb line = parameters_.field.line_rgb, floor = parameters_.field.floor_rgb,
-            outside = parameters_.field.outside_rgb;
+             outside = parameters_.field.outside_rgb;
   expect(0.0, 0.5, line);
   expect(0.03, 0.5, floor);
   expect(-0.03, 0.5, floor);

@@ -23,8 +23,7 @@ class ExternalGame : public ::testing::Test {
     SessionOptions options;
     options.files.board = TOUCHLINE_BOARDS "/mock/board.toml";
     options.files.overrides = std::move(overrides);
-    config::Problems problems;
-    ASSERT_TRUE(session_.load(options, problems).ok()) << problems.text();
+    ASSERT_OK(session_.load(options));
     session_.set_external_input({&commands_, &referee_, false});
     ASSERT_OK(session_.open({&ExternalGame::look, this}));
   }

@@ -125,7 +125,8 @@ Result<StaticPictures> read_pictures(const std::vector<FrameRecord>& results, co
   for (const FrameRecord& record : results) {
     const std::string path = folder + "/" + record.file;
     TOUCHLINE_TRY_ASSIGN(const hal::Picture picture, hal::read_picture(path));
-    if (picture.is_16_bit()) return failure(ErrorCode::kInconsistent, "%s: has more than 8 bits per channel", path.c_str());
+    if (picture.is_16_bit())
+      return failure(ErrorCode::kInconsistent, "%s: has more than 8 bits per channel", path.c_str());
     if (!pictures) {
       width = picture.width_px;
       height = picture.height_px;

@@ -19,7 +19,7 @@ constexpr auto kMaxId = static_cast<std::uint32_t>(std::numeric_limits<RobotId>:
 fira_message_Robot message_of(const RobotTrack& robot) {
   const auto v = static_cast<double>(robot.twist.v_mps), theta = static_cast<double>(robot.pose.theta_rad);
   fira_message_Robot out = fira_message_Robot_init_zero;
-  out.robot_id = static_cast<std::uint32_t>(robot.id);
+  out.robot_id = static_cast<std::uint32_t>(int{robot.id});
   out.x = static_cast<double>(robot.pose.position.x_m);
   out.y = static_cast<double>(robot.pose.position.y_m);
   out.orientation = theta;

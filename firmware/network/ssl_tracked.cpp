@@ -25,7 +25,7 @@ float visibility(TrackState state) { return state == TrackState::kCoasting ? 0.0
 
 ssl_TrackedRobot message_of(const RobotTrack& robot, TeamColor color) {
   ssl_TrackedRobot out = ssl_TrackedRobot_init_zero;
-  out.robot_id.id = static_cast<std::uint32_t>(robot.id);
+  out.robot_id.id = static_cast<std::uint32_t>(int{robot.id});
   out.robot_id.team_color =
       color == TeamColor::kYellow ? ssl_TeamColor_TEAM_COLOR_YELLOW : ssl_TeamColor_TEAM_COLOR_BLUE;
   out.pos = {robot.pose.position.x_m, robot.pose.position.y_m};

@@ -34,7 +34,7 @@ SSL_DetectionRobot detection_of(const RobotSighting& robot, float confidence, fl
   SSL_DetectionRobot out = SSL_DetectionRobot_init_zero;
   out.confidence = confidence;
   out.has_robot_id = robot.id != kUnknownId;
-  if (out.has_robot_id) out.robot_id = static_cast<std::uint32_t>(robot.id);
+  if (out.has_robot_id) out.robot_id = static_cast<std::uint32_t>(int{robot.id});
   out.x = robot.pose.position.x_m * kMmPerM;
   out.y = robot.pose.position.y_m * kMmPerM;
   out.has_orientation = robot.has_heading;

@@ -113,7 +113,7 @@ void JsonWriter::quote(std::string_view text) {
       constexpr std::string_view kControls = "\b\t\n\f\r", kLetters = "btnfr";
       constexpr std::string_view kDigits = "0123456789abcdef";
       const std::size_t known = kControls.find(c);
-      const auto code = static_cast<std::size_t>(c);
+      const auto code = static_cast<std::size_t>(static_cast<unsigned char>(c));
       append("\\");
       if (known != std::string_view::npos) {
         append(kLetters.substr(known, 1));

@@ -123,15 +123,14 @@ std::size_t encode(SSL_WrapperPacket& packet, std::span<std::byte> out) {
 
 Status SslVisionEncoder::configure(const VenueGeometry& geometry) {
   const float height_m = std::max(geometry.robot_height_m[0], geometry.robot_height_m[1]);
+  CameraModel camera;
+  if (const Status status = camera.configure(geometry.camera); !status.ok()) return status;
   SslCalibration calibration;
-  if (const Status status = fit_ssl_calibration(geometry.camera, geometry.field, geometry.width_px, geometry.height_px,
-                                                height_m, calibration);
-      !status.ok()) {
-    return status;
-  }
-  if (const Status status = camera_.configure(geometry.camera); !status.ok()) return status;
+  const Status fitted = fit_ssl_calibration(geometry.camera, geometry.field, geometry.width_px, geometry.height_px,
+                                            height_m, calibration);
   geometry_ = geometry;
-  calibration_ = calibration;
+  camera_ = camera;
+  calibration_ = fitted.ok() ? std::optional(calibration) : std::nullopt;
   return {};
 }
 
@@ -201,7 +200,9 @@ std::size_t SslVisionEncoder::encode_geometry(std::uint32_t camera_id, std::span
   field.ball_radius = geometry_.ball_radius_m * kMmPerM;
   add_lines(field, parameters);
   add_center_circle(field, parameters);
-  packet.geometry.calib[packet.geometry.calib_count++] = calibration_message(calibration_, geometry_, camera_id);
+  if (calibration_) {
+    packet.geometry.calib[packet.geometry.calib_count++] = calibration_message(*calibration_, geometry_, camera_id);
+  }
   return encode(packet, out);
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "core/geometry/camera_model.h"
@@ -30,7 +31,7 @@ struct VenueGeometry {
 ///   matcher accepts, times 0.5 if the id is unknown
 class SslVisionEncoder {
  public:
-  /// Errors of fit_ssl_calibration().
+  /// Errors of CameraModel::configure().
   Status configure(const VenueGeometry& geometry);
 
   /// A packet with the frame's detections. Returns its bytes; 0: `out` is too small.
@@ -38,14 +39,15 @@ class SslVisionEncoder {
   /// A packet with field and calibration.
   std::size_t encode_geometry(std::uint32_t camera_id, std::span<std::byte> out) const;
 
-  [[nodiscard]] const SslCalibration& calibration() const { return calibration_; }
+  /// nullopt: the camera sees too little of the field. Then the geometry has no calibration.
+  [[nodiscard]] const std::optional<SslCalibration>& calibration() const { return calibration_; }
   [[nodiscard]] float confidence(const BallSighting& ball) const;
   [[nodiscard]] float confidence(const RobotSighting& robot) const;
 
  private:
   VenueGeometry geometry_;
   CameraModel camera_;
-  SslCalibration calibration_;
+  std::optional<SslCalibration> calibration_;
 };
 
 }  // namespace touchline::network

@@ -200,11 +200,17 @@ TEST_F(SslVision, TooSmallAMemoryGivesNothing) {
   EXPECT_EQ(encoder_.encode_detection(example_output(snapshot), memory), 0u);
 }
 
-TEST_F(SslVision, RejectsACameraThatSeesNoField) {
+TEST_F(SslVision, ACameraThatSeesTooLittleHasNoCalibration) {
   VenueGeometry other = example_geometry();
   other.width_px = other.height_px = 4;
-  EXPECT_EQ(encoder_.configure(other).code(), ErrorCode::kInconsistent);
-  other = example_geometry();
+  ASSERT_TRUE(encoder_.configure(other).ok());
+  EXPECT_FALSE(encoder_.calibration().has_value());
+  EXPECT_EQ(geometry(0).geometry().calib_size(), 0);
+  EXPECT_EQ(geometry(0).geometry().field().field_length(), 2200);
+}
+
+TEST_F(SslVision, RejectsAnUnusableCamera) {
+  VenueGeometry other = example_geometry();
   other.camera.full.fx_px = 0.0f;
   EXPECT_EQ(encoder_.configure(other).code(), ErrorCode::kOutOfRange);
 }

@@ -116,8 +116,14 @@ TEST_F(ExternalControlTest, NoCommandExceedsTheLimits) {
   std::mt19937 random(1);
   const auto value = [&]() -> float {
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    constexpr std::array kSpecial{0.0f,       -0.0f,     1e-40f,       1e30f, std::numeric_limits<float>::max(),
-                                  -kInfinity, kInfinity, std::nanf("")};
+    constexpr std::array kSpecial{0.0f,
+                                  -0.0f,
+                                  1e-40f,
+                                  1e30f,
+                                  std::numeric_limits<float>::max(),
+                                  -kInfinity,
+                                  kInfinity,
+                                  std::numeric_limits<float>::quiet_NaN()};
     const auto choice = random() % 16;
     if (choice < kSpecial.size()) return kSpecial[choice];
     return std::uniform_real_distribution<float>(-3.0f, 3.0f)(random) * (choice == 15 ? 100.0f : 1.0f);

@@ -233,7 +233,7 @@ TEST_F(ConfigFiles, LightMap) {
   const hal::Picture shallow{1, 1, {1, 2, 3}, {}};
   ASSERT_OK(hal::write_picture(path("light.png"), shallow));
   EXPECT_EQ(refusal(),
-            "venue.toml:22: light.map: light.png: an illumination map has 16 bits a channel, this picture has 8\n");
+            "venue.toml:22: light.map: light.png: an illumination map has 16 bits per channel, this picture has 8\n");
 
   const hal::Picture large{65, 48, {}, std::vector<std::uint16_t>(std::size_t{3} * 65 * 48, 32768)};
   ASSERT_OK(hal::write_picture(path("light.png"), large));

@@ -325,7 +325,7 @@ END
     says "built for libcamera0.4"
     says "Raspberry Pi's libcamera0.6"
     deploy 0 robot@board --dry-run --deb "$(package 1.0 "" "libc6, libcamera0.6 (>= 0.6.0)")"
-    ! grep -q "CSI camera" "$work/said" || fail "warns without need"
+    ! grep -q "CSI camera" "$work/output" || fail "warns without need"
     ;;
   WorksOverARealSshConnection)
     # The real ssh and sshd at the ends of a pipe: quoting, exit codes, one connection for all commands.

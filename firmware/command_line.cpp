@@ -48,6 +48,19 @@ void add_files(CLI::App& app, config::FilePaths& files) {
       ->take_all();
 }
 
+void add_network(CLI::App& app, network::NetworkOptions& network) {
+  const auto add = [&app](const char* name, std::vector<std::string>& texts, const char* type, const char* help) {
+    app.add_option(name, texts, help)->type_name(type)->expected(1)->take_all();
+  };
+  add("--publish", network.publish, "NAME[=ADDRESS]",
+      "Send what is seen to other programs: ssl-vision, ssl-tracked, firasim or json, several times if needed.\n"
+      "ADDRESS: udp://ADDRESS:PORT[%INTERFACE]; for json also unix:///PATH. Default: the protocol's usual address");
+  add("--accept", network.accept, "NAME[=ADDRESS]",
+      "Let programs on this computer drive robots: firasim or json. For other computers see [network] in "
+      "docs/files.md");
+  add("--referee", network.referee, "NAME[=ADDRESS]", "Obey a referee: ssl or vsss");
+}
+
 }  // namespace
 
 std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
@@ -67,15 +80,24 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
       ->check(between(0.0, 1.8446744073709552e19))
       ->capture_default_str();
   run->add_flag("--headless", out.headless,
-                "Print status lines instead of a map of the field, and run the mock arena as fast as possible\n"
-                "instead of in real time");
+                "Print status lines instead of a map of the field. Without --pace and without connections to other\n"
+                "programs, the mock arena then runs as fast as possible");
+  add_network(*run, out.network);
+  std::string pace;
+  run->add_option("--pace", pace,
+                  "Speed of the mock arena: real (default if a map is shown or anything is published or accepted)\n"
+                  "or fast")
+      ->check(CLI::IsMember({"real", "fast"}));
   run->add_option("--status-interval", interval_s, "Seconds between two status lines")
       ->check(between(0.05, 3600.0))
       ->capture_default_str();
   run->footer(kFooter);
 
-  CLI::App* check = app.add_subcommand("check", "Read the three files, print all errors in them, and open no device");
+  CLI::App* check = app.add_subcommand("check",
+                                       "Read the three files, print all errors in them and what would be sent where,\n"
+                                       "and open no device");
   add_files(*check, out.session.files);
+  add_network(*check, out.network);
   check->add_flag("--dump", out.dump, "Print the values of all keys, defaults included, with their meaning");
   check->footer("Exit codes: 0 the files are valid, 1 they have errors, 64 the command line is wrong.");
 
@@ -90,6 +112,7 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
     return app.exit(error) == 0 ? kExitOk : kExitBadCommandLine;
   }
   out.command = check->parsed() ? Command::kCheck : keys->parsed() ? Command::kKeys : Command::kRun;
+  if (!pace.empty()) out.pace = pace == "real" ? Pace::kReal : Pace::kFast;
   out.session.duration = from_seconds(duration_s);
   out.session.status_interval = from_seconds(interval_s);
   return std::nullopt;

@@ -5,15 +5,20 @@
 #include <string>
 
 #include "firmware/exit_codes.h"
+#include "firmware/network/network_plan.h"
 #include "firmware/session.h"
 
 namespace touchline {
 
 enum class Command : std::uint8_t { kRun, kCheck, kKeys };
+/// How fast simulated time passes. kDefault: kReal if somebody watches or a program is connected, else kFast.
+enum class Pace : std::uint8_t { kDefault, kReal, kFast };
 
 struct CommandLine {
   Command command = Command::kRun;
   SessionOptions session;
+  network::NetworkOptions network;
+  Pace pace = Pace::kDefault;
   bool headless = false;
   bool dump = false;
   std::string page_to_update;  // keys --update

@@ -2,8 +2,10 @@
 
 #include <cinttypes>
 #include <cstdio>
+#include <utility>
 
 #include "firmware/null_devices.h"
+#include "firmware/paced_clock.h"
 #include "hal/linux/gpio/gpiod_gpio.h"
 #include "hal/linux/libcamera/libcamera_camera.h"
 #include "hal/linux/monotonic_clock.h"
@@ -18,7 +20,7 @@ namespace touchline {
 Devices::Devices() = default;
 Devices::~Devices() = default;
 
-void Devices::make(const config::Configuration& configuration, std::uint64_t seed) {
+void Devices::make(const config::Configuration& configuration, std::uint64_t seed, bool paced) {
   const config::BoardFile& board = configuration.board;
   const bool mock_camera = board.camera.backend == hal::CameraBackend::kMock;
   const bool mock_radio = board.radio.backend == hal::RadioBackend::kMock;
@@ -36,6 +38,10 @@ void Devices::make(const config::Configuration& configuration, std::uint64_t see
     clock_ = std::make_unique<hal::mock::ArenaClock>(*arena_);
   } else {
     clock_ = std::make_unique<hal::MonotonicClock>();
+  }
+  if (simulated_time_ && paced) {
+    simulated_clock_ = std::move(clock_);
+    clock_ = std::make_unique<PacedClock>(*simulated_clock_);
   }
   switch (board.camera.backend) {
     case hal::CameraBackend::kMock:

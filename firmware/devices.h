@@ -27,7 +27,8 @@ class Devices {
 
   /// `seed`: seed of all random numbers of a simulation. Backends can be combined freely: a simulated arena with a real
   /// device beside it runs in real time.
-  void make(const config::Configuration& configuration, std::uint64_t seed);
+  /// `paced`: simulated time passes as fast as real time, not as fast as possible.
+  void make(const config::Configuration& configuration, std::uint64_t seed, bool paced = false);
 
   /// After make().
   [[nodiscard]] LoopDevices loop_devices();
@@ -37,7 +38,8 @@ class Devices {
   [[nodiscard]] std::string summary() const;
 
  private:
-  std::unique_ptr<hal::mock::Arena> arena_;  // first: the devices refer to it
+  std::unique_ptr<hal::mock::Arena> arena_;      // first: the devices refer to it
+  std::unique_ptr<hal::Clock> simulated_clock_;  // of a paced simulation
   std::unique_ptr<hal::Clock> clock_;
   std::unique_ptr<hal::Camera> camera_;
   std::unique_ptr<hal::Radio> radio_;

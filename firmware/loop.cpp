@@ -141,7 +141,8 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   if (!rules_.may_move() && !trace.commands.stop) pipeline_.revoke();
   send(trace.packet, trace.commands.stop, timing.received);
   timing.sent = devices_.clock.now();
-  timing.processing = hal::MonotonicClock::read() - machine_received;
+  const Instant machine_sent = hal::MonotonicClock::read();
+  timing.processing = machine_sent - machine_received;
   set_strobe(false, timing.sent);
   timing.latency = timing.received - frame.capture_time + timing.processing;
 
@@ -162,6 +163,18 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   } else {
     on_fault(Device::kCamera, {trace.status.code(), "the pipeline rejected the frame"}, timing.sent);
   }
+  if (settings_.snapshots != nullptr) write_snapshot(trace, timing, machine_sent);
+}
+
+void Loop::write_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent) {
+  copy_trace(trace, snapshot_);
+  snapshot_.number = statistics_.frames - 1;
+  snapshot_.received = timing.received;
+  snapshot_.sent = timing.sent;
+  snapshot_.machine_sent = machine_sent;
+  snapshot_.halt = rules_.halt();
+  snapshot_.referee = external_.referee();
+  settings_.snapshots->write(snapshot_);
 }
 
 void Loop::count_lost_frames(std::uint32_t sequence) {

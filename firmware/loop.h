@@ -16,6 +16,7 @@
 #include "firmware/reconnecting_devices.h"
 #include "firmware/report_writer.h"
 #include "firmware/signals.h"
+#include "firmware/snapshot_ring.h"
 #include "firmware/stop_rules.h"
 
 namespace touchline {
@@ -33,6 +34,7 @@ struct LoopSettings {
   bool hold_after_crash = false;                   // the previous run ended unexpectedly: robots wait for a start
   LiveUpdate* live_update = nullptr;               // new settings while the loop runs; null: none
   ExternalInputSettings external;
+  SnapshotRing* snapshots = nullptr;  // gets a snapshot of every frame; null: nobody reads them
 };
 
 /// Times of one frame.
@@ -114,6 +116,7 @@ class Loop {
   void count_lost_frames(std::uint32_t sequence);
   void measure_latency(const Frame& frame, const StepTiming& timing);
   void adapt_to_light();
+  void write_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent);
 
   void read_inputs(Instant now);
   void send(const Packet& packet, bool is_stop, Instant now);
@@ -151,6 +154,7 @@ class Loop {
   std::uint32_t freezes_served_ = 0, resets_served_ = 0;
   std::optional<bool> led_;
   bool outputs_failed_ = false;            // status light or strobe, since the chip was opened
+  Snapshot snapshot_;                      // too large for the stack
   std::array<std::byte, 512> received_{};  // at 30 frames per second more than 115200 baud can deliver
 };
 

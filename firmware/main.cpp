@@ -3,6 +3,7 @@
 
 #include "firmware/command_line.h"
 #include "firmware/config/key_reference.h"
+#include "firmware/network/connections.h"
 #include "firmware/run_command.h"
 #include "hal/files/input_file.h"
 #include "hal/files/output_file.h"
@@ -24,18 +25,20 @@ int print(const std::string& text) {
 int check_command(const CommandLine& command_line) {
   Session session;
   const Result<void> loaded = session.load(command_line.session);
+  const config::Configuration& configuration = session.configuration();
   // The other values are useful even if one is wrong.
   int code = kExitOk;
-  if (command_line.dump && loaded.code() != ErrorCode::kNotFound) code = print(config::dump(session.configuration()));
-  if (!loaded.ok()) {
-    std::fprintf(stderr, "%s\n", loaded.error().text.c_str());
+  if (command_line.dump && loaded.code() != ErrorCode::kNotFound) code = print(config::dump(configuration));
+  const Result<network::NetworkPlan> plan =
+      loaded.ok() ? network::plan_network(configuration, command_line.network) : loaded.error();
+  if (!plan.ok()) {
+    std::fprintf(stderr, "%s\n", plan.error().text.c_str());
     return kExitBadFile;
   }
   if (command_line.dump) return code;
-  const config::Configuration& configuration = session.configuration();
   return print(configuration.board_where.file() + ", " + configuration.venue_where.file() + " and " +
-               configuration.team_where.file() +
-               " are valid\ncolors: " + std::string(config::kernel_word(configuration.board)) + " kernel\n");
+               configuration.team_where.file() + " are valid\ncolors: " +
+               std::string(config::kernel_word(configuration.board)) + " kernel\n" + describe(plan.value()));
 }
 
 int keys_command(const std::string& page_to_update) {

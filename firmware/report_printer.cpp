@@ -55,14 +55,18 @@ void ReportPrinter::print_waiting() {
   while (ring_.pop(report_)) print(report_);
 }
 
+std::string ReportPrinter::line_of(const StatusReport& status) const {
+  return status_line(status, settings_.expected) + (settings_.network ? settings_.network() : std::string());
+}
+
 void ReportPrinter::print(const Report& report) {
   switch (report.kind) {
     case Report::Kind::kStatus:
-      if (settings_.service != nullptr) settings_.service->status(status_line(report.status, settings_.expected));
+      if (settings_.service != nullptr) settings_.service->status(line_of(report.status));
       if (settings_.map_columns > 0) {
         print_map(report.status);
       } else if (settings_.status_lines) {
-        std::fprintf(out_, "%s\n", status_line(report.status, settings_.expected).c_str());
+        std::fprintf(out_, "%s\n", line_of(report.status).c_str());
       }
       std::fflush(out_);
       return;
@@ -81,9 +85,9 @@ void ReportPrinter::print(const Report& report) {
 
 void ReportPrinter::print_map(const StatusReport& status) {
   std::string text = field_map(status, settings_.expected.field, settings_.map_columns, true);
-  std::string line = status_line(status, settings_.expected);
+  std::string line = line_of(status);
   // In several lines, because a line that the terminal wraps would move the map down.
-  for (const char* const piece : {"  latency", "  robots"}) {
+  for (const char* const piece : {"  latency", "  robots", "  network", "  Unix time"}) {
     if (const std::size_t cut = line.find(piece); cut != std::string::npos) line.replace(cut, 2, "\x1b[K\n");
   }
   text += line;

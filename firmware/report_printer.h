@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdio>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -17,6 +18,7 @@ struct ReportPrinterSettings {
   bool status_lines = true;                  // false: only faults, halts and low batteries
   int map_columns = 0;                       // width of the field map; 0: none
   const ServiceNotifier* service = nullptr;  // gets the status as well; null: none
+  std::function<std::string()> network;      // end of the status line; called on the printer's thread
 };
 
 /// Takes the loop's reports from the ring on its own thread and prints them: the status to `out`, events to `err`.
@@ -36,6 +38,7 @@ class ReportPrinter {
   void print_all();
   void print_waiting();
   void print(const Report& report);
+  [[nodiscard]] std::string line_of(const StatusReport& status) const;
   void print_map(const StatusReport& status);
 
   ReportRing& ring_;

@@ -2,16 +2,16 @@
 
 #include <unistd.h>
 #include <cstdio>
-#include <optional>
+#include <utility>
 
 #include "firmware/config_reloader.h"
 #include "firmware/crash_stop.h"
+#include "firmware/network/connections.h"
 #include "firmware/realtime.h"
 #include "firmware/report_printer.h"
 #include "firmware/run_marker.h"
 #include "firmware/service_notifier.h"
 #include "firmware/signals.h"
-#include "hal/linux/monotonic_clock.h"
 
 namespace touchline {
 namespace {
@@ -19,23 +19,13 @@ namespace {
 // With the usual shape of a field, map and status line fit into a terminal of 80 columns and 24 rows.
 constexpr int kMapColumns = 52;
 
-// Slows a simulation down to real time, so that a person can watch it.
-class RealTimePace {
- public:
-  [[nodiscard]] LoopObserver observer() { return {&RealTimePace::on_step, this}; }
+bool is_paced(const CommandLine& command_line, const network::NetworkPlan& plan) {
+  if (command_line.pace != Pace::kDefault) return command_line.pace == Pace::kReal;
+  return !command_line.headless || !plan.empty();
+}
 
- private:
-  static void on_step(void* context, const StepTrace& /*trace*/, const StepTiming& timing) {
-    RealTimePace& pace = *static_cast<RealTimePace*>(context);
-    if (!pace.offset_) pace.offset_ = hal::MonotonicClock::read() - timing.sent;
-    hal::MonotonicClock::wait_for(timing.sent + *pace.offset_);
-  }
-  std::optional<Duration> offset_;  // real time minus simulated time
-};
-
-bool is_simulated(const config::BoardFile& board) { return board.camera.backend == hal::CameraBackend::kMock; }
-
-void print_start(const Session& session, const std::vector<std::string>& refused) {
+void print_start(const Session& session, const network::Connections& connections,
+                 const std::vector<std::string>& refused) {
   const config::Configuration& configuration = session.configuration();
   std::printf("board %s, venue %s, team %s\n", configuration.board_where.file().c_str(),
               configuration.venue_where.file().c_str(), configuration.team_where.file().c_str());
@@ -47,6 +37,7 @@ void print_start(const Session& session, const std::vector<std::string>& refused
   print_device("camera", session.camera_info().negotiated);
   print_device("radio", session.radio_description());
   print_device("gpio", session.gpio_description());
+  std::fputs(connections.start_text().c_str(), stdout);
   std::fflush(stdout);
   for (const std::string& refusal : refused) std::fprintf(stderr, "real time: %s\n", refusal.c_str());
 }
@@ -63,11 +54,16 @@ void print_hold(const hal::GpioSettings& gpio) {
 
 int run_command(const CommandLine& command_line) {
   Session session;
-  if (const Result<void> loaded = session.load(command_line.session); !loaded.ok()) {
-    std::fprintf(stderr, "%s\n", loaded.error().text.c_str());
+  const Result<void> loaded = session.load(command_line.session);
+  Result<network::NetworkPlan> plan =
+      loaded.ok() ? network::plan_network(session.configuration(), command_line.network) : loaded.error();
+  if (!plan.ok()) {
+    std::fprintf(stderr, "%s\n", plan.error().text.c_str());
     return kExitBadFile;
   }
-  const config::RealtimeSettings& realtime = session.configuration().board.realtime;
+  network::Connections connections(std::move(plan).value());
+  const config::BoardFile& board = session.configuration().board;
+  const config::RealtimeSettings& realtime = board.realtime;
   std::vector<std::string> refused = lock_memory(realtime);
   crash_stop::install_handlers();
   const std::atomic<bool>& stop = handle_stop_signals();
@@ -75,13 +71,13 @@ int run_command(const CommandLine& command_line) {
   const std::atomic<std::uint32_t>& reload_requests = handle_reload_signal();
   const RunMarker marker = RunMarker::of_service();
   session.hold_after_crash(marker.exists());
-  RealTimePace pace;
-  const bool paced = is_simulated(session.configuration().board) && !command_line.headless;
-  if (const Result<void> opened = session.open(paced ? pace.observer() : LoopObserver{}); !opened.ok()) {
+  session.set_paced(is_paced(command_line, connections.plan()));
+  connections.attach(session);
+  if (const Result<void> opened = session.open(LoopObserver{}); !opened.ok()) {
     std::fprintf(stderr, "%s\n", opened.error().text.c_str());
     return kExitDeviceFailure;
   }
-  if (marker.exists()) print_hold(session.configuration().board.gpio);
+  if (marker.exists()) print_hold(board.gpio);
   if (const Result<void> marked = marker.create(); !marked.ok()) {
     std::fprintf(stderr, "%s\n", marked.error().text.c_str());
   }
@@ -92,6 +88,7 @@ int run_command(const CommandLine& command_line) {
   // The service manager shows the last status; its journal should contain events only.
   reporting.status_lines = !service.is_enabled();
   reporting.map_columns = !command_line.headless && ::isatty(STDOUT_FILENO) != 0 ? kMapColumns : 0;
+  if (!connections.plan().empty()) reporting.network = [&connections] { return connections.status_text(); };
   LoopEnd end = LoopEnd::kRequested;
   const CpuLatencyRequest cpu_latency_request(realtime);
   refused.insert(refused.end(), cpu_latency_request.refused().begin(), cpu_latency_request.refused().end());
@@ -100,16 +97,19 @@ int run_command(const CommandLine& command_line) {
   {
     // These threads are started before this thread gets its real-time priority, which they would inherit.
     ReportPrinter printer(session.reports(), reporting, stdout, stderr);
+    const auto print_line = [&printer](const std::string& line) { printer.print_line(line); };
     const ReloadThread reload([&](const std::atomic<bool>& cancelled) { return reloader.reload(cancelled); },
-                              reload_requests, [&](const std::string& line) { printer.print_line(line); });
+                              reload_requests, print_line);
+    const network::ConnectionThreads threads(connections, session.configuration(), print_line);
     for (std::string& refusal : become_realtime(realtime)) refused.push_back(std::move(refusal));
     for (std::string& hint : realtime_hints(realtime, is_realtime())) refused.push_back(std::move(hint));
-    print_start(session, refused);
+    print_start(session, connections, refused);
     end = run(session.loop(), service, stop);
   }
   session.loop().close();
   if (!is_failure(end)) marker.remove();
-  std::printf("\n%s%s", summary(session.loop().statistics(), end).c_str(), session.devices().summary().c_str());
+  std::printf("\n%s%s%s", summary(session.loop().statistics(), end).c_str(), connections.summary().c_str(),
+              session.devices().summary().c_str());
   if (!is_failure(end)) return kExitOk;
   std::fprintf(stderr, "%s\n", fault_line(session.loop().last_fault()).c_str());
   return kExitDeviceFailure;

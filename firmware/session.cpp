@@ -18,7 +18,7 @@ Result<void> Session::load(const SessionOptions& options) {
 }
 
 Result<void> Session::open(LoopObserver observer) {
-  devices_.make(*configuration_, options_.seed);
+  devices_.make(*configuration_, options_.seed, options_.paced);
   const LoopDevices devices = devices_.loop_devices();
   LoopSettings settings;
   settings.faults = configuration_->board.faults;
@@ -33,6 +33,7 @@ Result<void> Session::open(LoopObserver observer) {
   settings.hold_after_crash = hold_after_crash_;
   settings.live_update = &live_update_;
   settings.external = external_;
+  settings.snapshots = snapshots_;
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
   TOUCHLINE_TRY(loop_->open());
   camera_info_ = devices.camera.info();

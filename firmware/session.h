@@ -19,6 +19,7 @@ struct SessionOptions {
   std::uint64_t frames = 0;  // 0: no limit
   Duration duration{};       // 0: no limit
   Duration status_interval = std::chrono::seconds(1);
+  bool paced = false;  // a simulation runs as fast as real time, not as fast as possible
 };
 
 /// Everything that one run needs, created in this order: configuration, pipeline, devices. Used by touchline and
@@ -38,6 +39,10 @@ class Session {
   void hold_after_crash(bool hold) { hold_after_crash_ = hold; }
   /// Commands of other programs and messages of a referee; call it before open().
   void set_external_input(const ExternalInputSettings& settings) { external_ = settings; }
+  /// A simulation runs as fast as real time; call it before open().
+  void set_paced(bool paced) { options_.paced = paced; }
+  /// Gets a snapshot of every frame; null: none. Call it before open().
+  void set_snapshots(SnapshotRing* snapshots) { snapshots_ = snapshots; }
   /// Passes new settings to the running loop (firmware/config_reloader.h).
   [[nodiscard]] LiveUpdate& live_update() { return live_update_; }
   /// Builds and opens the devices, after load().
@@ -59,6 +64,7 @@ class Session {
   const AdaptationRequests* adaptation_ = nullptr;
   bool hold_after_crash_ = false;
   ExternalInputSettings external_;
+  SnapshotRing* snapshots_ = nullptr;
   LiveUpdate live_update_;
   // On the heap because they take megabytes.
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();

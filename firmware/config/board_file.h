@@ -7,6 +7,7 @@
 
 #include "core/cpu.h"
 #include "core/parameter.h"
+#include "firmware/config/network_settings.h"
 #include "hal/device_parameters.h"
 #include "hal/mock/arena_parameters.h"
 
@@ -102,9 +103,11 @@ struct BoardFile {
   ScanSettings scan;
   RealtimeSettings realtime;
   FaultSettings faults;
+  NetworkSettings network;
   hal::mock::ArenaParameters arena;
 
-  static constexpr std::array<std::string_view, 4> kRequired{"camera", "radio", "camera.backend", "radio.backend"};
+  static constexpr std::array<std::string_view, 6> kRequired{
+      "camera", "radio", "camera.backend", "radio.backend", "network.output.protocol", "network.input.protocol"};
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -124,6 +127,7 @@ struct BoardFile {
                   {.name = "realtime",
                    .help = "Real-time settings of the loop; settings that the system refuses are reported once"});
     visit.section(self.faults, {.name = "faults", .reload = Reload::kLoop, .help = "Time limits after a fault"});
+    visit.section(self.network, {.name = "network", .help = "Connections to other programs (docs/network.md)"});
     visit.section(self.arena, {.name = "arena", .help = "Simulation of the backend \"mock\" (docs/arena.md)"});
   }
 };

@@ -38,6 +38,13 @@ int main(int argc, char** argv) {
   app.add_flag("--worst-frames", options.worst_frames,
                "Measure synthetic pictures that are most expensive to process, instead of the camera; no radio");
   app.add_flag("--load", options.load, "Run stress-ng at the same time: processors, caches, memory, files");
+  app.add_option("--publish", options.network.publish,
+                 "Publish during the measurement, as touchline run does: NAME[=ADDRESS], several times if needed")
+      ->type_name("NAME[=ADDRESS]")
+      ->expected(1)
+      ->take_all();
+  app.add_flag("--real-time-pace", options.session.paced,
+               "Run the mock arena in real time, not as fast as possible: the loop sleeps between frames");
   app.add_option("--out", outputs.json, "Write all numbers into this JSON file");
   app.add_option("--histogram", outputs.histogram, "Write the histogram into this file, .svg or .png")
       ->check([](const std::string& path) {

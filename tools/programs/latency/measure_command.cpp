@@ -9,8 +9,10 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <utility>
 
 #include "firmware/crash_stop.h"
+#include "firmware/network/connections.h"
 #include "firmware/null_devices.h"
 #include "firmware/realtime.h"
 #include "firmware/signals.h"
@@ -164,7 +166,12 @@ std::string picture_text(const hal::CameraInfo& info) {
 int measure_board(const MeasureOptions& options) {
   Session session;
   if (const Result<void> loaded = session.load(options.session); !loaded.ok()) return refuse(loaded.error());
-  const config::BoardFile& board = session.configuration().board;
+  const config::Configuration& configuration = session.configuration();
+  const config::BoardFile& board = configuration.board;
+  Result<network::NetworkPlan> plan = network::plan_network(configuration, options.network);
+  if (!plan.ok()) return refuse(plan.error());
+  network::Connections connections(std::move(plan).value());
+  connections.attach(session);
   // The rate of a video is not known yet.
   Run run(options, board, board.camera.rate_hz > 0.0 ? board.camera.rate_hz : 240.0);
   if (const Result<void> prepared = run.prepare(); !prepared.ok()) return fail(prepared.text());
@@ -172,6 +179,9 @@ int measure_board(const MeasureOptions& options) {
   if (const Result<void> opened = session.open(run.observer()); !opened.ok()) {
     return fail(opened.text(), kExitDeviceFailure);
   }
+  // Before this thread gets its real-time priority, which theirs would inherit.
+  const network::ConnectionThreads threads(connections, configuration,
+                                           [](const std::string& line) { std::cerr << line + "\n"; });
   const hal::CameraInfo& info = session.devices().loop_devices().camera.info();
   const double rate_hz = info.rate_hz > 0.0 ? info.rate_hz : board.camera.rate_hz;
   return run.measure(session.loop(), "board " + board.name + ", " + picture_text(info), rate_hz);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware/network/network_plan.h"
 #include "firmware/session.h"
 
 namespace touchline::latency {
@@ -20,6 +21,7 @@ struct MeasureOptions {
   double deadline_ms = 0.0;  // 0: the frame period
   std::size_t listed = 5;    // number of worst frames in the report
   bool worst_frames = false, load = false;
+  network::NetworkOptions network;  // outputs that run during the measurement
   Outputs outputs;
 };
 

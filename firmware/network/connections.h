@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "firmware/network/publisher.h"
+#include "firmware/network/receiver.h"
+#include "firmware/session.h"
+
+namespace touchline::network {
+
+/// All connections of one run to other programs: the ring and mailboxes that the loop uses, and the threads beside it.
+class Connections {
+ public:
+  explicit Connections(NetworkPlan plan) : plan_(std::move(plan)) {}
+
+  /// Passes ring and mailboxes to the session; call it before Session::open().
+  void attach(Session& session);
+  [[nodiscard]] const NetworkPlan& plan() const { return plan_; }
+
+  /// Starts the threads. `print` is called on them, and on this one for what cannot be opened.
+  void start(const config::Configuration& configuration, const Print& print);
+  /// Ends the threads; their counts stay.
+  void stop();
+
+  // After start(), for any thread.
+  /// What is sent and received, one line each, and Unix time; for the start.
+  [[nodiscard]] std::string start_text() const;
+  /// Part of the status line: "  network sent 1200, received 300, refused 3". Empty: no connection.
+  [[nodiscard]] std::string status_text() const;
+  /// Lines of the summary.
+  [[nodiscard]] std::string summary() const;
+
+ private:
+  [[nodiscard]] bool has_input(bool of_referee) const;
+
+  NetworkPlan plan_;
+  // On the heap because it takes 300 KB.
+  std::unique_ptr<SnapshotRing> snapshots_ = plan_.outputs.empty() ? nullptr : std::make_unique<SnapshotRing>();
+  std::unique_ptr<Mailbox<ExternalCommands>> commands_ = std::make_unique<Mailbox<ExternalCommands>>();
+  std::unique_ptr<Mailbox<RefereeState>> referee_ = std::make_unique<Mailbox<RefereeState>>();
+  std::unique_ptr<Publisher> publisher_;
+  std::unique_ptr<Receiver> receiver_;
+};
+
+/// Runs the threads of Connections while it exists.
+class ConnectionThreads {
+ public:
+  ConnectionThreads(Connections& connections, const config::Configuration& configuration, const Print& print)
+      : connections_(connections) {
+    connections_.start(configuration, print);
+  }
+  ~ConnectionThreads() { connections_.stop(); }
+  ConnectionThreads(const ConnectionThreads&) = delete;
+  ConnectionThreads& operator=(const ConnectionThreads&) = delete;
+
+ private:
+  Connections& connections_;
+};
+
+/// The plan of a run as text, one line per connection; "" if it is empty.
+std::string describe(const NetworkPlan& plan);
+
+}  // namespace touchline::network

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "core/control/referee_state.h"
+#include "firmware/config/configuration.h"
+#include "firmware/network/messages.h"
+#include "hal/result.h"
+
+namespace touchline::network {
+
+/// What one message says. `received` is not set.
+struct DecodedMessage {
+  CommandBatch batch;
+  std::optional<RefereeState> referee;
+};
+
+/// Reads the messages of one protocol, in fixed memory and bounded time. Messages may have any content.
+class Decoder {
+ public:
+  virtual ~Decoder() = default;
+  /// `own`: color of our team at present. On error the message is malformed and is ignored as a whole.
+  virtual Result<DecodedMessage> decode(std::span<const std::byte> message, TeamColor own) = 0;
+};
+
+/// The decoder of a protocol. `configuration` is copied as far as it is needed.
+std::unique_ptr<Decoder> make_decoder(config::InputProtocol protocol, const config::Configuration& configuration);
+
+}  // namespace touchline::network

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "firmware/config/configuration.h"
+#include "firmware/network/messages.h"
+#include "hal/result.h"
+
+namespace touchline::network {
+
+// One camera sees the whole field.
+inline constexpr std::uint32_t kCameraId = 0;
+
+/// Turns frames into messages of one protocol, in fixed memory.
+class Encoder {
+ public:
+  virtual ~Encoder() = default;
+  /// Message of a frame; returns its size. `out` has kMaxDatagramBytes.
+  virtual std::size_t encode_frame(const OutputFrame& frame, std::span<std::byte> out) = 0;
+  /// Message that describes field and cameras, sent once a second and when it changes. 0: the protocol has none.
+  virtual std::size_t encode_geometry(std::span<std::byte> /*out*/) { return 0; }
+};
+
+/// The encoder of a protocol. `configuration` is copied as far as it is needed. kInconsistent, kOutOfRange: the
+/// protocol cannot describe this camera.
+Result<std::unique_ptr<Encoder>> make_encoder(config::OutputProtocol protocol,
+                                              const config::Configuration& configuration);
+
+}  // namespace touchline::network

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "firmware/config/configuration.h"
+#include "firmware/config/locations.h"
+#include "firmware/config/network_settings.h"
+#include "hal/linux/network/network_address.h"
+#include "hal/result.h"
+
+// What is sent where and what is received from whom: the board file's [network] and the command line together.
+namespace touchline::network {
+
+/// Options of the command line, each "NAME" or "NAME=ADDRESS".
+struct NetworkOptions {
+  std::vector<std::string> publish;  // --publish: ssl-vision, ssl-tracked, firasim, json
+  std::vector<std::string> accept;   // --accept: firasim, json
+  std::vector<std::string> referee;  // --referee: ssl, vsss; at most one
+};
+
+struct PlannedOutput {
+  config::OutputProtocol protocol = config::OutputProtocol::kJson;
+  hal::NetworkAddress address;
+  double rate_hz = 0.0;  // 0: every frame
+};
+
+struct PlannedInput {
+  config::InputProtocol protocol = config::InputProtocol::kJson;
+  hal::NetworkAddress address;
+  std::vector<hal::NetworkRange> senders;  // obeyed beside this computer
+  std::vector<std::string> sender_names;   // the same, as in the file
+  double rate_hz = 0.0;
+};
+
+struct NetworkPlan {
+  std::vector<PlannedOutput> outputs;
+  std::vector<PlannedInput> inputs;
+
+  [[nodiscard]] bool empty() const { return outputs.empty() && inputs.empty(); }
+};
+
+/// "ssl-vision to udp://224.5.23.2:10006%eth0".
+std::string name_of(const PlannedOutput& output);
+/// "firasim from udp://0.0.0.0:20011".
+std::string name_of(const PlannedInput& input);
+/// "ssl-vision to udp://224.5.23.2:10006%eth0, every frame".
+std::string describe(const PlannedOutput& output);
+/// "firasim from udp://0.0.0.0:20011, of this computer and 192.168.1.20, at most 1000 messages a second".
+std::string describe(const PlannedInput& input);
+
+/// Adds the command line's entries to the board file's. An entry of the command line without an address changes nothing
+/// if the board file has one of that protocol. kInconsistent: the message has a line for each error.
+Result<NetworkPlan> plan_network(const config::NetworkSettings& board, const config::Locations& where,
+                                 const NetworkOptions& options);
+Result<NetworkPlan> plan_network(const config::Configuration& configuration, const NetworkOptions& options);
+
+}  // namespace touchline::network

@@ -1,0 +1,167 @@
+// The encoder of each output protocol and the decoder of each input protocol. A protocol's word and usual address are
+// in firmware/config/network_settings.h.
+#include <string>
+#include <utility>
+
+#include "firmware/network/decoder.h"
+#include "firmware/network/encoder.h"
+#include "firmware/network/firasim.h"
+#include "firmware/network/json_commands.h"
+#include "firmware/network/json_line.h"
+#include "firmware/network/referee.h"
+#include "firmware/network/ssl_tracked.h"
+#include "firmware/network/ssl_vision.h"
+
+namespace touchline::network {
+namespace {
+
+// For all protocols: encode_frame() calls a function that has copied what it needs.
+template <class Function>
+class FunctionEncoder final : public Encoder {
+ public:
+  explicit FunctionEncoder(Function function) : function_(std::move(function)) {}
+  std::size_t encode_frame(const OutputFrame& frame, std::span<std::byte> out) override {
+    return function_(frame, out);
+  }
+
+ private:
+  Function function_;
+};
+
+template <class Function>
+std::unique_ptr<Encoder> encoder_of(Function function) {
+  return std::make_unique<FunctionEncoder<Function>>(std::move(function));
+}
+
+class SslVisionOutput final : public Encoder {
+ public:
+  Status configure(const VenueGeometry& geometry) { return encoder_.configure(geometry); }
+  std::size_t encode_frame(const OutputFrame& frame, std::span<std::byte> out) override {
+    return encoder_.encode_detection(frame, out);
+  }
+  std::size_t encode_geometry(std::span<std::byte> out) override { return encoder_.encode_geometry(kCameraId, out); }
+
+ private:
+  SslVisionEncoder encoder_;
+};
+
+Result<std::unique_ptr<Encoder>> make_ssl_vision(const VenueGeometry& geometry) {
+  auto output = std::make_unique<SslVisionOutput>();
+  if (const Status status = output->configure(geometry); !status.ok()) {
+    return failure(status.code(), "SSL-Vision's camera model cannot describe this camera: %s", describe(status.code()));
+  }
+  return std::unique_ptr<Encoder>(std::move(output));
+}
+
+template <class Function>
+class FunctionDecoder final : public Decoder {
+ public:
+  explicit FunctionDecoder(Function function) : function_(std::move(function)) {}
+  Result<DecodedMessage> decode(std::span<const std::byte> message, TeamColor own) override {
+    return function_(message, own);
+  }
+
+ private:
+  Function function_;
+};
+
+template <class Function>
+std::unique_ptr<Decoder> decoder_of(Function function) {
+  return std::make_unique<FunctionDecoder<Function>>(std::move(function));
+}
+
+Result<DecodedMessage> of_commands(Result<CommandBatch> batch) {
+  if (!batch.ok()) return std::move(batch).error();
+  return DecodedMessage{std::move(batch).value(), std::nullopt};
+}
+
+Result<DecodedMessage> of_referee(Result<RefereeState> state) {
+  if (!state.ok()) return std::move(state).error();
+  return DecodedMessage{{}, std::move(state).value()};
+}
+
+report::TraceNames names_of(const config::Configuration& configuration) {
+  report::TraceNames names;
+  names.colors = {"background"};
+  for (const config::ColorEntry& color : configuration.venue.color) names.colors.push_back(color.name);
+  names.teams = {configuration.team.own.color, configuration.team.opponent.color};
+  return names;
+}
+
+std::string device_of(const hal::CameraSettings& camera) {
+  return camera.backend == hal::CameraBackend::kMock ? "mock" : camera.device;
+}
+
+VenueGeometry geometry_of(const config::Configuration& configuration) {
+  const MarkerParameters& marker = configuration.pipeline.marker;
+  VenueGeometry geometry;
+  geometry.field = marker.field;
+  geometry.camera = configuration.pipeline.camera;
+  geometry.width_px = configuration.board.camera.width_px;
+  geometry.height_px = configuration.board.camera.height_px;
+  geometry.ball_radius_m = marker.ball.radius_m;
+  for (std::size_t team = 0; team < 2; ++team) {
+    geometry.robot_height_m[team] = marker.teams[team].layout.height_m;
+    geometry.patches_of[team] = marker.teams[team].layout.patches.size();
+  }
+  return geometry;
+}
+
+RefereeSettings referee_settings(const config::Configuration& configuration) {
+  RefereeSettings settings;
+  settings.own_team = configuration.board.network.own_team;
+  for (const config::NamedTeam& team : configuration.board.network.team) {
+    settings.heights.push_back({team.name, team.height_m});
+  }
+  return settings;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Encoder>> make_encoder(config::OutputProtocol protocol,
+                                              const config::Configuration& configuration) {
+  switch (protocol) {
+    case config::OutputProtocol::kSslVision:
+      return make_ssl_vision(geometry_of(configuration));
+    case config::OutputProtocol::kSslTracked:
+      return encoder_of([uuid = random_uuid()](const OutputFrame& frame, std::span<std::byte> out) {
+        return encode_ssl_tracked(frame, uuid, out);
+      });
+    case config::OutputProtocol::kFirasim:
+      return encoder_of(
+          [field = configuration.pipeline.marker.field](const OutputFrame& frame, std::span<std::byte> out) {
+            return encode_firasim_environment(frame, field, out);
+          });
+    case config::OutputProtocol::kJson:
+      return encoder_of([names = names_of(configuration), device = device_of(configuration.board.camera)](
+                            const OutputFrame& frame, std::span<std::byte> out) {
+        return write_json_line(frame, names, device, out);
+      });
+  }
+  return failure(ErrorCode::kUnsupported, "no such protocol");
+}
+
+std::unique_ptr<Decoder> make_decoder(config::InputProtocol protocol, const config::Configuration& configuration) {
+  switch (protocol) {
+    case config::InputProtocol::kFirasim:
+      return decoder_of([](std::span<const std::byte> message, TeamColor own) {
+        return of_commands(decode_firasim_packet(message, own, kFirasimWheelRadius_m));
+      });
+    case config::InputProtocol::kJson:
+      return decoder_of([](std::span<const std::byte> message, TeamColor /*own*/) {
+        return of_commands(decode_json_commands(message));
+      });
+    case config::InputProtocol::kSslReferee:
+      return decoder_of(
+          [settings = referee_settings(configuration)](std::span<const std::byte> message, TeamColor /*own*/) {
+            return of_referee(decode_ssl_referee(message, settings));
+          });
+    case config::InputProtocol::kVsssReferee:
+      return decoder_of([](std::span<const std::byte> message, TeamColor /*own*/) {
+        return of_referee(decode_vss_referee(message));
+      });
+  }
+  return nullptr;
+}
+
+}  // namespace touchline::network

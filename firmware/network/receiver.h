@@ -1,0 +1,108 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/control/external_command.h"
+#include "core/control/referee_state.h"
+#include "firmware/network/decoder.h"
+#include "firmware/network/message_limit.h"
+#include "firmware/network/network_plan.h"
+#include "firmware/network/reopening.h"
+#include "hal/linux/network/network_input.h"
+#include "hal/mailbox.h"
+
+namespace touchline::network {
+
+/// Counts of an input since the start; written by the receiver's thread.
+struct InputCounts {
+  std::atomic<std::uint64_t> accepted{0};
+  std::atomic<std::uint64_t> refused{0};     // from computers that are not on the list
+  std::atomic<std::uint64_t> malformed{0};   // not of the protocol, too long, or with impossible values
+  std::atomic<std::uint64_t> over_rate{0};   // faster than the limit
+  std::atomic<std::uint64_t> other_team{0};  // commands for robots of the other color
+};
+
+/// One source: protocol, socket, permitted senders and rate.
+class ReceiverInput {
+ public:
+  /// `name` for messages: "firasim from udp://0.0.0.0:20011".
+  ReceiverInput(std::string name, std::unique_ptr<Decoder> decoder, std::unique_ptr<hal::NetworkInput> socket,
+                std::vector<hal::NetworkRange> senders, double rate_hz);
+
+  /// Opens the socket if it is closed and an attempt is due; about once a second checks that the network has not
+  /// changed.
+  void serve(Instant now, const Print& print);
+  /// Descriptor for poll(); -1: closed.
+  [[nodiscard]] int descriptor() const { return socket_->descriptor(); }
+  /// Receives one message. False: none is waiting. `out` is set if the message is accepted.
+  bool receive(Instant now, TeamColor own, std::span<std::byte> buffer, std::optional<DecodedMessage>& out,
+               const Print& print);
+
+  // For any thread.
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const InputCounts& counts() const { return counts_; }
+
+ private:
+  void fail(const Error& error, Instant now, const Print& print);
+  [[nodiscard]] bool is_permitted(const hal::ReceivedMessage& message) const;
+
+  const std::string name_;
+  std::unique_ptr<Decoder> decoder_;
+  std::unique_ptr<hal::NetworkInput> socket_;
+  const std::vector<hal::NetworkRange> senders_;
+  MessageLimit limit_;
+  Reopening reopening_;
+  Instant next_check_{};
+  bool is_open_ = false;
+  bool malformed_reported_ = false;
+  InputCounts counts_;
+};
+
+using ReceiverInputs = std::vector<std::unique_ptr<ReceiverInput>>;
+ReceiverInputs make_inputs(const NetworkPlan& plan, const config::Configuration& configuration);
+
+/// Receives commands and referee messages on a thread of its own, checks them, and puts them into mailboxes for the
+/// loop. Nothing that goes wrong here reaches the loop. Start it before the loop's thread gets its real-time priority,
+/// which it would inherit.
+class Receiver {
+ public:
+  /// Both mailboxes must outlive the receiver. `own`: color of our team until a referee assigns it. `print` is called
+  /// on the receiver's thread.
+  Receiver(ReceiverInputs inputs, TeamColor own, Mailbox<ExternalCommands>& commands, Mailbox<RefereeState>& referee,
+           Print print);
+  ~Receiver() { end(); }
+  Receiver(const Receiver&) = delete;
+  Receiver& operator=(const Receiver&) = delete;
+
+  /// Ends the thread; the counts stay.
+  void end();
+  /// For any thread.
+  [[nodiscard]] const ReceiverInputs& inputs() const { return inputs_; }
+
+ private:
+  void work();
+  void receive_all();
+  void drain(ReceiverInput& input);
+  void apply(DecodedMessage& message, Instant now);
+
+  const ReceiverInputs inputs_;
+  Mailbox<ExternalCommands>& commands_;
+  Mailbox<RefereeState>& referee_;
+  const Print print_;
+  TeamColor own_;
+  ExternalCommands table_;  // the last command of each robot
+  bool table_changed_ = false;
+  bool messages_wait_ = false;  // the last turn left some, so that no input keeps the others waiting
+  bool reported_ = false;       // an exception
+  std::vector<std::byte> buffer_;
+  std::atomic<bool> end_{false};
+  std::thread thread_;
+};
+
+}  // namespace touchline::network

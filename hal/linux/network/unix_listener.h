@@ -13,7 +13,10 @@ namespace touchline::hal {
 /// `for line in socket.makefile()`.
 class UnixListener {
  public:
+  UnixListener() = default;
   ~UnixListener() { close(); }
+  UnixListener(const UnixListener&) = delete;
+  UnixListener& operator=(const UnixListener&) = delete;
   /// Makes the socket file. A socket of this user to which nobody listens is left from a dead process and is replaced;
   /// any other file stays and is an error.
   Result<void> open(const std::string& path);

@@ -16,7 +16,7 @@
 namespace touchline::calibrate {
 namespace {
 
-class AutoDetect : public testing::Test {
+class AutoDetect : public ::testing::Test {
  protected:
   AutoDetect() {
     FieldFitInput input;

@@ -77,7 +77,7 @@ Found recognize(const ColorFitInput& input, const ColorFit& fit, const std::vect
   return found;
 }
 
-class ColorFitOf : public testing::TestWithParam<PixelFormat> {};
+class ColorFitOf : public ::testing::TestWithParam<PixelFormat> {};
 
 TEST_P(ColorFitOf, ColorsFromOnePictureAreFoundInAnother) {
   ColorFitInput input;
@@ -107,8 +107,8 @@ TEST_P(ColorFitOf, ColorsFromOnePictureAreFoundInAnother) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, ColorFitOf,
-                         testing::Values(PixelFormat::kRgb24, PixelFormat::kYuyv, PixelFormat::kI420,
-                                         PixelFormat::kXrgb8888));
+                         ::testing::Values(PixelFormat::kRgb24, PixelFormat::kYuyv, PixelFormat::kI420,
+                                           PixelFormat::kXrgb8888));
 
 TEST(ColorFit, ColorsFromOneCornerSufficeWithALightMap) {
   // Colors learned in bright light only must be found in a third of the light.

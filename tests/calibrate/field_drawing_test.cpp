@@ -10,7 +10,7 @@
 namespace touchline::calibrate {
 namespace {
 
-class Drawing : public testing::Test {
+class Drawing : public ::testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove(path_); }
   Result<void> read(const std::string& toml) {
@@ -19,7 +19,7 @@ class Drawing : public testing::Test {
     return {};
   }
   const std::string path_ =
-      testing::TempDir() + "drawing_" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".toml";
+      ::testing::TempDir() + "drawing_" + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".toml";
   FieldDrawing drawing_;
 };
 

@@ -31,7 +31,7 @@ void PrintTo(const Case& c, std::ostream* out) { *out << c.venue; }
 constexpr double kNear_px = 2.0;
 constexpr std::uint32_t kLeastArea_px = 6;
 
-class Footage : public testing::TestWithParam<Case> {};
+class Footage : public ::testing::TestWithParam<Case> {};
 
 std::string venue_color(const std::string& annotated) {
   static const std::map<std::string, std::string> names = {
@@ -160,10 +160,10 @@ TEST(FootageVideo, StationaryPatchesKeepTheirRegions) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sets, Footage,
-                         testing::Values(Case{"vsss-bar-normal", "danhega_outputs_24.json", 6, 11, 6, 12},
-                                         Case{"vsss-bar-dark", "danhega_outputs3_8.json", 6, 12, 6, 12},
-                                         Case{"vsss-halves", "rinobot_2736.json", 6, 6, 6, 6},
-                                         Case{"mirosot-triangles", "agh_b_white1.json", 10, 17, 10, 20}));
+                         ::testing::Values(Case{"vsss-bar-normal", "danhega_outputs_24.json", 6, 11, 6, 12},
+                                           Case{"vsss-bar-dark", "danhega_outputs3_8.json", 6, 12, 6, 12},
+                                           Case{"vsss-halves", "rinobot_2736.json", 6, 6, 6, 6},
+                                           Case{"mirosot-triangles", "agh_b_white1.json", 10, 17, 10, 20}));
 
 }  // namespace
 }  // namespace touchline::calibrate

@@ -13,7 +13,7 @@
 namespace touchline::calibrate {
 namespace {
 
-constexpr std::uint32_t kWidth = 320, kHeight = 240;
+constexpr std::uint32_t kPictureWidth = 320, kPictureHeight = 240;
 
 // One lamp above the middle.
 double lamp(double u, double v) {
@@ -25,10 +25,10 @@ hal::Picture grey_picture(double brightness, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, 3.0);
   hal::Picture picture;
-  picture.width_px = kWidth;
-  picture.height_px = kHeight;
-  for (std::uint32_t v = 0; v < kHeight; ++v) {
-    for (std::uint32_t u = 0; u < kWidth; ++u) {
+  picture.width_px = kPictureWidth;
+  picture.height_px = kPictureHeight;
+  for (std::uint32_t v = 0; v < kPictureHeight; ++v) {
+    for (std::uint32_t u = 0; u < kPictureWidth; ++u) {
       for (int c = 0; c < 3; ++c) {
         const double value = brightness * (1.0 - 0.1 * c) * lamp(u, v) + noise(random);
         picture.rgb8.push_back(static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0))));
@@ -46,8 +46,8 @@ LightFitInput of(std::vector<hal::Picture> pictures, const Polygon& region = {})
 }
 
 float cell(const LightMap& map, std::size_t channel, double u, double v) {
-  const auto column = static_cast<std::size_t>(u * map.columns / kWidth);
-  const auto row = static_cast<std::size_t>(v * map.rows / kHeight);
+  const auto column = static_cast<std::size_t>(u * map.columns / kPictureWidth);
+  const auto row = static_cast<std::size_t>(v * map.rows / kPictureHeight);
   return map.illumination[channel][row * map.columns + column];
 }
 
@@ -55,10 +55,10 @@ TEST(LightFit, MeasuresTheLampAndIgnoresStainsAndTint) {
   std::vector<hal::Picture> pictures = {grey_picture(220, 1), grey_picture(220, 2)};
   // A dark line that is narrower than half a cell, and a white mark.
   for (hal::Picture& p : pictures) {
-    for (std::uint32_t v = 0; v < kHeight; ++v) {
-      for (std::uint32_t c = 0; c < 3; ++c) p.rgb8[3 * (v * kWidth + 101) + c] = 0;
+    for (std::uint32_t v = 0; v < kPictureHeight; ++v) {
+      for (std::uint32_t c = 0; c < 3; ++c) p.rgb8[3 * (v * kPictureWidth + 101) + c] = 0;
     }
-    for (std::uint32_t c = 0; c < 3; ++c) p.rgb8[3 * (60 * kWidth + 60) + c] = 255;
+    for (std::uint32_t c = 0; c < 3; ++c) p.rgb8[3 * (60 * kPictureWidth + 60) + c] = 255;
   }
   auto map = std::make_unique<LightMap>();
   LightReport report;
@@ -83,7 +83,7 @@ TEST(LightFit, LimitsTheBrightestCellToTheRangeOfTheFile) {
   // Half of the picture is four times as bright as the other: the ratio to the median does not fit into 16 bits.
   hal::Picture picture = grey_picture(0, 3);
   for (std::size_t i = 0; i < picture.rgb8.size(); ++i) {
-    picture.rgb8[i] = (i / 3) % kWidth < 3 * kWidth / 4 ? std::uint8_t{50} : std::uint8_t{200};
+    picture.rgb8[i] = (i / 3) % kPictureWidth < 3 * kPictureWidth / 4 ? std::uint8_t{50} : std::uint8_t{200};
   }
   auto map = std::make_unique<LightMap>();
   LightReport report;
@@ -108,7 +108,7 @@ TEST(LightFit, RejectsPicturesThatCannotBeMeasured) {
   EXPECT_EQ((result = fit_light(other, *map, report)).code(), ErrorCode::kOutOfRange);
   EXPECT_NE(result.text().find("learn the colors again"), std::string::npos) << result.text();
   hal::Picture small = grey_picture(200, 7);
-  small.height_px = kHeight / 2;
+  small.height_px = kPictureHeight / 2;
   small.rgb8.resize(small.rgb8.size() / 2);
   EXPECT_EQ((result = fit_light(of({grey_picture(200, 7), small}), *map, report)).code(), ErrorCode::kInconsistent);
 }
@@ -116,8 +116,8 @@ TEST(LightFit, RejectsPicturesThatCannotBeMeasured) {
 TEST(LightFit, UsesOnlyTheRegionOfInterest) {
   hal::Picture picture = grey_picture(200, 8);
   // A white window beside the field.
-  for (std::uint32_t v = 0; v < kHeight; ++v) {
-    for (std::uint32_t i = 0; i < 3 * 80; ++i) picture.rgb8[3 * v * kWidth + i] = 255;
+  for (std::uint32_t v = 0; v < kPictureHeight; ++v) {
+    for (std::uint32_t i = 0; i < 3 * 80; ++i) picture.rgb8[3 * v * kPictureWidth + i] = 255;
   }
   Polygon region;
   for (const PixelPoint p : {PixelPoint{80, 0}, {319, 0}, {319, 239}, {80, 239}}) region.push_back(p);
@@ -132,7 +132,7 @@ TEST(LightFit, MapIsReadBackFromItsFile) {
   auto map = std::make_unique<LightMap>(), back = std::make_unique<LightMap>();
   LightReport report;
   ASSERT_EQ(fit_light(of({grey_picture(200, 9)}), *map, report).text(), "");
-  const std::string path = testing::TempDir() + "/touchline_light_map.png";
+  const std::string path = ::testing::TempDir() + "/touchline_light_map.png";
   ASSERT_OK(hal::write_picture(path, map_picture(*map)));
   ASSERT_OK(config::read_light_map(path, *back));
   ASSERT_EQ(back->columns, map->columns);

@@ -13,7 +13,7 @@
 namespace touchline::calibrate {
 namespace {
 
-class LightSurfaceOf : public testing::Test {
+class LightSurfaceOf : public ::testing::Test {
  protected:
   LightSurfaceOf() {
     // A lamp above one half: at least 2 : 1.

@@ -11,7 +11,7 @@ namespace touchline::calibrate {
 namespace {
 
 // Squares of 12 pixels around (80, 60) and (96, 60) on dark robot tops of 22 pixels.
-class Rectangle : public testing::Test {
+class Rectangle : public ::testing::Test {
  protected:
   Rectangle() : inside_(image_.pixels.size(), 1) {}
 

@@ -12,7 +12,7 @@ namespace {
 
 double lamp(int u, int) { return u < 160 ? 1.2 : 0.6; }
 
-class Relight : public testing::Test {
+class Relight : public ::testing::Test {
  protected:
   Relight() {
     for (int i = 0; i < 8; ++i) patches_.push_back({"blue", {50, 90, 190}, 40 + 70 * (i % 4), 60 + 100 * (i / 4)});

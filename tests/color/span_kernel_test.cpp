@@ -17,7 +17,7 @@
 namespace touchline::testing {
 namespace {
 
-constexpr ColorId kUntouched = 0xee;
+constexpr ColorId kUnwritten = 0xee;
 
 TEST(NibbleTables, GiveTheClassesOfTheColorTablesForEveryValue) {
   std::mt19937 random(17);
@@ -162,8 +162,8 @@ class SpanKernelTest : public ::testing::TestWithParam<std::tuple<PixelFormat, K
   }
 
   void expect_equal(const SpanTables& tables, const RowPixels& row, std::uint32_t begin, std::uint32_t end) {
-    expected_.fill(kUntouched);
-    found_.fill(kUntouched);
+    expected_.fill(kUnwritten);
+    found_.fill(kUnwritten);
     const OccupiedWords least = portable_span_kernel(format())(tables, row, begin, end, expected_.data());
     const OccupiedWords occupied = kernel_(tables, row, begin, end, found_.data());
     ASSERT_EQ(std::memcmp(found_.data(), expected_.data(), found_.size()), 0)

@@ -11,7 +11,7 @@ namespace touchline {
 namespace {
 
 // Three robots and a ball, so that the controller has a task for each.
-class ControllerTest : public testing::Test {
+class ControllerTest : public ::testing::Test {
  protected:
   void SetUp() override {
     for (int i = 0; i < 3; ++i) {

@@ -18,8 +18,6 @@ namespace {
 
 using Kind = ExternalCommand::Kind;
 
-constexpr double kFrame = 0.016;
-
 ExternalCommand twist_command(RobotId id, float v_mps, float w_radps) {
   ExternalCommand command;
   command.id = id;
@@ -36,7 +34,7 @@ ExternalCommand pose_command(RobotId id, Vector2 place) {
 }
 
 // Robots 1, 3 and 5 and a ball.
-class ExternalControlTest : public testing::Test {
+class ExternalControlTest : public ::testing::Test {
  protected:
   void SetUp() override {
     for (int i = 0; i < 3; ++i) {

@@ -10,8 +10,6 @@
 namespace touchline {
 namespace {
 
-constexpr double kFrame = 0.016;
-
 SmallWorld kick_off(unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> along(-1.0, 1.0);

@@ -15,7 +15,7 @@ namespace touchline {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kFrame = 0.016;
+constexpr double kCycle_s = 0.016;
 constexpr MotionParameters kGains;
 
 // A robot that follows limited commands with a lag of 60 ms.
@@ -26,17 +26,17 @@ struct Plant {
   [[nodiscard]] Pose pose() const { return {to_field_point({x, y}), wrap_to_float(theta)}; }
   [[nodiscard]] Twist twist() const { return {static_cast<float>(v), static_cast<float>(w)}; }
   void drive(const Twist& wanted, const DriveParameters& limits = {}) {
-    command = within_acceleration_limit(within_speed_limits(wanted, limits), command, kFrame, limits);
+    command = within_acceleration_limit(within_speed_limits(wanted, limits), command, kCycle_s, limits);
     constexpr int kSteps = 8;
     for (int i = 0; i < kSteps; ++i) {
-      const double dt = kFrame / kSteps;
+      const double dt = kCycle_s / kSteps;
       v += dt / 0.06 * (static_cast<double>(command.v_mps) - v);
       w += dt / 0.06 * (static_cast<double>(command.w_radps) - w);
       x += dt * v * std::cos(theta + 0.5 * dt * w);
       y += dt * v * std::sin(theta + 0.5 * dt * w);
       theta = wrap_angle(theta + dt * w);
     }
-    time_s += kFrame;
+    time_s += kCycle_s;
   }
 };
 
@@ -71,7 +71,7 @@ TEST(GoToPose, ArrivesFromAnywhereWithTheRequestedHeading) {
     double arrived = -1.0;
     while (robot.time_s < 8.0) {
       robot.drive(go_to_pose(robot.pose(), robot.twist(), target.pose(), facing, 1.2, kGains));
-      if (robot.v < -0.2) backward += kFrame;
+      if (robot.v < -0.2) backward += kCycle_s;
       double off = std::abs(wrap_angle(robot.theta - target.theta));
       if (facing == Facing::kEither) off = std::min(off, kPi - off);
       const bool there = std::hypot(robot.x - target.x, robot.y - target.y) < 0.02 && off < 0.1;

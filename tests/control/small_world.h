@@ -9,6 +9,8 @@
 
 namespace touchline {
 
+inline constexpr double kFrame = 0.016;  // s between two frames
+
 inline Instant at(double time_s) { return Instant{} + from_seconds(time_s); }
 
 /// A minimal simulation for closed-loop tests of the controller. Robots follow their commands with a lag, do not pass

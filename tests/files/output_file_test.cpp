@@ -22,7 +22,7 @@ Result<void> write(const std::string& path, const std::string& text, const Outpu
   return written;
 }
 
-std::string refusal(const std::string& path, ErrorCode code) {
+std::string write_refusal(const std::string& path, ErrorCode code) {
   const Result<void> written = write_file(path, "text");
   EXPECT_EQ(written.code(), code) << written.text();
   return written.text();
@@ -128,7 +128,8 @@ TEST(OutputFile, ALoopOfLinksIsReported) {
   const TemporaryFolder folder;
   std::filesystem::create_symlink("b", folder / "a");
   std::filesystem::create_symlink("a", folder / "b");
-  EXPECT_EQ(refusal(folder / "a", ErrorCode::kIo), folder / "a: cannot be written: Too many levels of symbolic links");
+  EXPECT_EQ(write_refusal(folder / "a", ErrorCode::kIo),
+            folder / "a: cannot be written: Too many levels of symbolic links");
 }
 
 TEST(OutputFile, AFifoIsWrittenInPlace) {
@@ -156,7 +157,7 @@ TEST(OutputFile, ACharacterDeviceStaysOne) {
 }
 
 TEST(OutputFile, AFullDeviceIsAnError) {
-  EXPECT_EQ(refusal("/dev/full", ErrorCode::kIo), "/dev/full: cannot be written: No space left on device");
+  EXPECT_EQ(write_refusal("/dev/full", ErrorCode::kIo), "/dev/full: cannot be written: No space left on device");
 }
 
 TEST(OutputFile, AFullDiskLeavesTheFormerFile) {
@@ -193,12 +194,14 @@ TEST(OutputFile, OtherFilesInTheFolderAreNotChanged) {
 
 TEST(OutputFile, FoldersAndMissingFoldersAreReported) {
   const TemporaryFolder folder;
-  EXPECT_EQ(refusal(folder.path(), ErrorCode::kIo), folder.path().string() + ": is a folder, not a file to write");
-  EXPECT_EQ(refusal(folder / "a/", ErrorCode::kIo), folder / "a/: is a folder, not a file to write");
-  EXPECT_EQ(refusal(folder / "none/a", ErrorCode::kNotFound),
+  EXPECT_EQ(write_refusal(folder.path(), ErrorCode::kIo),
+            folder.path().string() + ": is a folder, not a file to write");
+  EXPECT_EQ(write_refusal(folder / "a/", ErrorCode::kIo), folder / "a/: is a folder, not a file to write");
+  EXPECT_EQ(write_refusal(folder / "none/a", ErrorCode::kNotFound),
             folder / "none/a: cannot be created: No such file or directory");
   folder.write("file", "");
-  EXPECT_EQ(refusal(folder / "file/a", ErrorCode::kNotFound), folder / "file/a: cannot be written: Not a directory");
+  EXPECT_EQ(write_refusal(folder / "file/a", ErrorCode::kNotFound),
+            folder / "file/a: cannot be written: Not a directory");
 }
 
 TEST(OutputFile, AWriteProtectedFileIsNotReplaced) {
@@ -206,7 +209,7 @@ TEST(OutputFile, AWriteProtectedFileIsNotReplaced) {
   folder.write("a", "former");
   ::chmod((folder / "a").c_str(), 0444);
   if (::geteuid() == 0) GTEST_SKIP() << "root may write everything";
-  EXPECT_EQ(refusal(folder / "a", ErrorCode::kPermission), folder / "a: cannot be written: Permission denied");
+  EXPECT_EQ(write_refusal(folder / "a", ErrorCode::kPermission), folder / "a: cannot be written: Permission denied");
   EXPECT_EQ(folder.read("a"), "former");
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kRelease = 0.1;
+constexpr double kReleaseTime = 0.1;
 
 /// Longest time without a change of the light in the interval [from_s, to_s).
 double longest_rest(const std::vector<std::pair<double, bool>>& light, double from_s, double to_s) {
@@ -179,8 +179,8 @@ TEST_F(LoopTest, StartButtonEndsAnEmergencyOnlyAfterTheRelease) {
   EXPECT_FALSE(all_stop(0.0, 1.0));
   EXPECT_TRUE(all_stop(1.001, 3.0)) << "pressed while it was pulled";
   EXPECT_FALSE(all_stop(3.04, 5.0));
-  EXPECT_TRUE(all_stop(5.001, 6.0 + kRelease - 0.03));
-  EXPECT_FALSE(all_stop(6.0 + kRelease + 0.04, 8.0));
+  EXPECT_TRUE(all_stop(5.001, 6.0 + kReleaseTime - 0.03));
+  EXPECT_FALSE(all_stop(6.0 + kReleaseTime + 0.04, 8.0));
   EXPECT_TRUE(all_stop(8.001, 12.0)) << "each emergency needs its own press";
 }
 

@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-Instant at(double s) { return Instant(from_seconds(1000.0 + s)); }
+Instant after_start(double s) { return Instant(from_seconds(1000.0 + s)); }
 
 constexpr hal::GpioInputs kAtRest{};
 constexpr hal::GpioInputs kPulled{true, false, Duration::max()};
@@ -22,59 +22,59 @@ StopRuleSettings settings() {
 /// Rules with a good frame captured at 0 s, inputs at rest.
 StopRules playing(const StopRuleSettings& settings = touchline::settings()) {
   StopRules rules(settings);
-  rules.apply_inputs(kAtRest, at(0.0));
-  rules.accept_frame(at(0.0), at(0.0));
-  rules.check_last_frame(at(0.0));
+  rules.apply_inputs(kAtRest, after_start(0.0));
+  rules.accept_frame(after_start(0.0), after_start(0.0));
+  rules.check_last_frame(after_start(0.0));
   return rules;
 }
 
 TEST(StopRules, RobotsAreStoppedUntilTheFirstGoodFrame) {
   StopRules rules(settings());
   EXPECT_EQ(rules.halt(), kHaltNoFrames);
-  rules.apply_inputs(kAtRest, at(0.0));
-  rules.check_last_frame(at(0.0));
+  rules.apply_inputs(kAtRest, after_start(0.0));
+  rules.check_last_frame(after_start(0.0));
   EXPECT_EQ(rules.halt(), kHaltNoFrames);
-  rules.accept_frame(at(0.0), at(0.01));
-  rules.check_last_frame(at(0.01));
+  rules.accept_frame(after_start(0.0), after_start(0.01));
+  rules.check_last_frame(after_start(0.01));
   EXPECT_TRUE(rules.may_move());
 }
 
 TEST(StopRules, AnOldFrameStopsRobots) {
   StopRules rules = playing();
-  rules.check_last_frame(at(0.2));
+  rules.check_last_frame(after_start(0.2));
   EXPECT_TRUE(rules.may_move()) << "its age is exactly the limit";
-  rules.check_last_frame(at(0.2001));
+  rules.check_last_frame(after_start(0.2001));
   EXPECT_EQ(rules.halt(), kHaltNoFrames);
   rules.set_limits(300ms, true);
-  rules.check_last_frame(at(0.3));
+  rules.check_last_frame(after_start(0.3));
   EXPECT_TRUE(rules.may_move());
-  rules.check_frame(at(0.0), at(0.31));
+  rules.check_frame(after_start(0.0), after_start(0.31));
   EXPECT_EQ(rules.halt(), kHaltNoFrames) << "a frame that arrived too late";
 }
 
 TEST(StopRules, AnOlderFrameDoesNotReplaceANewerOne) {
   StopRules rules = playing();
-  rules.accept_frame(at(-0.5), at(0.1));
-  rules.check_last_frame(at(0.15));
+  rules.accept_frame(after_start(-0.5), after_start(0.1));
+  rules.check_last_frame(after_start(0.15));
   EXPECT_TRUE(rules.may_move());
 }
 
 TEST(StopRules, AStampInTheFutureCountsAsNow) {
   StopRules rules = playing();
-  rules.accept_frame(at(3600.0), at(0.1));
-  rules.check_last_frame(at(0.3));
+  rules.accept_frame(after_start(3600.0), after_start(0.1));
+  rules.check_last_frame(after_start(0.3));
   EXPECT_TRUE(rules.may_move());
-  rules.check_last_frame(at(0.31));
+  rules.check_last_frame(after_start(0.31));
   EXPECT_EQ(rules.halt(), kHaltNoFrames);
 }
 
 TEST(StopRules, AnEmergencyEndsATenthOfASecondAfterItsRelease) {
   StopRules rules = playing();
-  rules.apply_inputs(kPulled, at(0.0));
+  rules.apply_inputs(kPulled, after_start(0.0));
   EXPECT_EQ(rules.halt(), kHaltEmergency);
-  rules.apply_inputs(kAtRest, at(0.099));
+  rules.apply_inputs(kAtRest, after_start(0.099));
   EXPECT_EQ(rules.halt(), kHaltEmergency);
-  rules.apply_inputs(kAtRest, at(0.1));
+  rules.apply_inputs(kAtRest, after_start(0.1));
   EXPECT_TRUE(rules.may_move());
 }
 
@@ -82,24 +82,24 @@ TEST(StopRules, AnEmergencyMayNeedAStart) {
   StopRuleSettings latched = settings();
   latched.resume_after_emergency = false;
   StopRules rules = playing(latched);
-  rules.apply_inputs(kPulled, at(0.0));
-  rules.apply_inputs(hal::GpioInputs{true, true, Duration::max()}, at(0.01));
-  rules.apply_inputs(kAtRest, at(10.0));
+  rules.apply_inputs(kPulled, after_start(0.0));
+  rules.apply_inputs(hal::GpioInputs{true, true, Duration::max()}, after_start(0.01));
+  rules.apply_inputs(kAtRest, after_start(10.0));
   EXPECT_EQ(rules.halt() & kHaltEmergency, kHaltEmergency) << "a press while the stop is pulled has no effect";
-  rules.apply_inputs(kPressed, at(11.0));
+  rules.apply_inputs(kPressed, after_start(11.0));
   EXPECT_EQ(rules.halt() & kHaltEmergency, 0);
 }
 
 TEST(StopRules, AnEmergencyStopThatCannotBeReadCountsAsPulled) {
   StopRules rules = playing();
-  rules.apply_inputs(std::nullopt, at(0.0));
+  rules.apply_inputs(std::nullopt, after_start(0.0));
   EXPECT_EQ(rules.halt(), kHaltUnreadableLine);
-  rules.apply_inputs(kAtRest, at(0.05));
+  rules.apply_inputs(kAtRest, after_start(0.05));
   EXPECT_EQ(rules.halt(), kHaltEmergency) << "readable again, but not yet inactive for long enough";
   StopRuleSettings without = settings();
   without.has_emergency_stop = false;
   StopRules other = playing(without);
-  other.apply_inputs(std::nullopt, at(0.0));
+  other.apply_inputs(std::nullopt, after_start(0.0));
   EXPECT_TRUE(other.may_move());
 }
 
@@ -110,9 +110,9 @@ TEST(StopRules, RobotsWaitForTheStartButton) {
   EXPECT_EQ(rules.halt(), kHaltStart);
   EXPECT_TRUE(rules.only_waits_for_start());
   EXPECT_FALSE(rules.is_started());
-  rules.check_last_frame(at(1.0));
+  rules.check_last_frame(after_start(1.0));
   EXPECT_FALSE(rules.only_waits_for_start());
-  rules.apply_inputs(kPressed, at(1.0));
+  rules.apply_inputs(kPressed, after_start(1.0));
   EXPECT_EQ(rules.halt(), kHaltNoFrames) << "each reason stops robots by itself";
   EXPECT_TRUE(rules.is_started());
 }
@@ -122,16 +122,16 @@ TEST(StopRules, AfterACrashRobotsWaitForAStart) {
   crashed.hold_after_crash = true;
   StopRules rules = playing(crashed);
   EXPECT_EQ(rules.halt(), kHaltCrash);
-  rules.accept_frame(at(100.0), at(100.0));
-  rules.check_last_frame(at(100.0));
-  rules.apply_inputs(kPulled, at(100.0));
-  rules.apply_inputs(kAtRest, at(101.0));
+  rules.accept_frame(after_start(100.0), after_start(100.0));
+  rules.check_last_frame(after_start(100.0));
+  rules.apply_inputs(kPulled, after_start(100.0));
+  rules.apply_inputs(kAtRest, after_start(101.0));
   EXPECT_EQ(rules.halt() & ~kHaltNoFrames, kHaltCrash) << "neither frames nor a release of the emergency stop end it";
   crashed.has_start_button = true;
   StopRules with_button = playing(crashed);
   EXPECT_EQ(with_button.halt(), kHaltStart | kHaltCrash);
   EXPECT_TRUE(with_button.only_waits_for_start());
-  with_button.apply_inputs(kPressed, at(0.1));
+  with_button.apply_inputs(kPressed, after_start(0.1));
   EXPECT_TRUE(with_button.may_move());
 }
 
@@ -139,16 +139,16 @@ TEST(StopRules, RefereeStopsRobotsWhateverTheInputsAre) {
   StopRules rules = playing();
   rules.apply_referee(true, false);
   EXPECT_EQ(rules.halt(), kHaltReferee);
-  rules.apply_inputs(kAtRest, at(0.1));
-  rules.check_last_frame(at(0.1));
+  rules.apply_inputs(kAtRest, after_start(0.1));
+  rules.check_last_frame(after_start(0.1));
   EXPECT_EQ(rules.halt(), kHaltReferee);
-  rules.apply_inputs(kPulled, at(0.1));
+  rules.apply_inputs(kPulled, after_start(0.1));
   rules.apply_referee(false, true);
   EXPECT_EQ(rules.halt(), kHaltTeams | kHaltEmergency);
-  rules.apply_inputs(kAtRest, at(0.19));
-  rules.apply_inputs(kAtRest, at(0.21));
+  rules.apply_inputs(kAtRest, after_start(0.19));
+  rules.apply_inputs(kAtRest, after_start(0.21));
   rules.apply_referee(false, false);
-  rules.check_last_frame(at(0.2));
+  rules.check_last_frame(after_start(0.2));
   EXPECT_TRUE(rules.may_move());
 }
 

@@ -5,7 +5,7 @@ namespace touchline::testing {
 namespace {
 
 // Vertical; rotated; tilted about one axis, about the other, about both; wide-angle and beside the field.
-std::vector<PaperCamera> cameras() {
+std::vector<PaperCamera> paper_cameras() {
   return {{{0, 0, 0, {0, 0, 2}}},
           {{0.8, 0, 0, {0.1, -0.1, 2.1}}, 520, {322, 238}},
           {{0, 0.15, 0, {0, -0.3, 2}}},
@@ -17,7 +17,7 @@ std::vector<PaperCamera> cameras() {
 double value(float v) { return static_cast<double>(v); }
 
 TEST(PaperModel, FollowsTheEquationsOverTheWholePicture) {
-  for (const PaperCamera& camera : cameras()) {
+  for (const PaperCamera& camera : paper_cameras()) {
     const PaperModelParameters p = camera.parameters().paper;
     const CameraModel model = model_of(camera.parameters());
     for (const PixelPoint pixel : whole_picture()) {
@@ -48,7 +48,7 @@ TEST(PaperModel, BothFormsOfEquation12AreEqual) {
 }
 
 TEST(PaperModel, FindsPointsAtEachHeight) {
-  for (const PaperCamera& camera : cameras()) {
+  for (const PaperCamera& camera : paper_cameras()) {
     const CameraModel model = model_of(camera.parameters());
     int seen = 0;
     for (const Point2 at : whole_field()) {
@@ -65,7 +65,7 @@ TEST(PaperModel, FindsPointsAtEachHeight) {
 }
 
 TEST(PaperModel, PixelToFieldToPixelOverTheWholePicture) {
-  for (const auto& camera : cameras()) expect_round_trips(model_of(camera.parameters()));
+  for (const auto& camera : paper_cameras()) expect_round_trips(model_of(camera.parameters()));
 }
 
 TEST(PaperModel, Equation15GivesTheTilt) {

@@ -16,7 +16,7 @@ SerialPorts* machine = nullptr;
 
 SerialPort& port_of(const sp_port* port) { return *reinterpret_cast<SerialPort*>(const_cast<sp_port*>(port)); }
 
-sp_return to_c_result(int result) {
+sp_return to_sp_return(int result) {
   if (result >= 0) return static_cast<sp_return>(result);
   machine->last_error = -result;
   return SP_ERR_FAIL;
@@ -159,7 +159,7 @@ sp_return __wrap_sp_get_port_usb_vid_pid(const sp_port* port, int* vendor, int* 
   return *vendor < 0 ? SP_ERR_ARG : SP_OK;
 }
 
-sp_return __wrap_sp_open(sp_port* port, sp_mode) { return touchline::fake::to_c_result(port_of(port).open_port()); }
+sp_return __wrap_sp_open(sp_port* port, sp_mode) { return touchline::fake::to_sp_return(port_of(port).open_port()); }
 sp_return __wrap_sp_close(sp_port* port) {
   port_of(port).close_port();
   return SP_OK;
@@ -172,13 +172,13 @@ int __wrap_sp_last_error_code() { return machine->last_error; }
 
 sp_return __wrap_sp_set_baudrate(sp_port* port, int baud) {
   auto& own = port_of(port);
-  if (own.baud_error != 0) return touchline::fake::to_c_result(-own.baud_error);
+  if (own.baud_error != 0) return touchline::fake::to_sp_return(-own.baud_error);
   own.baud = own.actual_baud != 0 ? own.actual_baud : baud;
   return SP_OK;
 }
 sp_return __wrap_sp_set_bits(sp_port* port, int bits) {
   auto& own = port_of(port);
-  if (own.bits_error != 0) return touchline::fake::to_c_result(-own.bits_error);
+  if (own.bits_error != 0) return touchline::fake::to_sp_return(-own.bits_error);
   own.bits = bits;
   return SP_OK;
 }
@@ -214,19 +214,19 @@ sp_return __wrap_sp_get_config_baudrate(const sp_port_config* config, int* baud)
 
 sp_return __wrap_sp_nonblocking_write(sp_port* port, const void* bytes, std::size_t count) {
   const UncountedAllocations uncounted;
-  return touchline::fake::to_c_result(port_of(port).write(static_cast<const std::byte*>(bytes), count));
+  return touchline::fake::to_sp_return(port_of(port).write(static_cast<const std::byte*>(bytes), count));
 }
 sp_return __wrap_sp_nonblocking_read(sp_port* port, void* bytes, std::size_t count) {
   const UncountedAllocations uncounted;
-  return touchline::fake::to_c_result(port_of(port).read(static_cast<std::byte*>(bytes), count));
+  return touchline::fake::to_sp_return(port_of(port).read(static_cast<std::byte*>(bytes), count));
 }
 sp_return __wrap_sp_output_waiting(sp_port* port) {
   const UncountedAllocations uncounted;
-  return touchline::fake::to_c_result(port_of(port).output_waiting());
+  return touchline::fake::to_sp_return(port_of(port).output_waiting());
 }
 sp_return __wrap_sp_flush(sp_port* port, sp_buffer) {
   const UncountedAllocations uncounted;
-  return touchline::fake::to_c_result(port_of(port).flush());
+  return touchline::fake::to_sp_return(port_of(port).flush());
 }
 
 }  // extern "C"

@@ -9,8 +9,6 @@
 namespace touchline::testing {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
-
 const RobotSighting* of_team(const Sightings& seen, Team team) {
   for (const RobotSighting& robot : seen.robots) {
     if (robot.team == team) return &robot;

@@ -10,8 +10,6 @@
 namespace touchline::testing {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
-
 class HiddenPatch : public ::testing::Test {
  protected:
   // Paints the robot with its team patch covered except for a part, from a random direction.

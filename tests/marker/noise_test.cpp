@@ -9,18 +9,16 @@
 namespace touchline::testing {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
-
-struct Case {
+struct NoiseCase {
   const char* name;
   MarkerParameters (*teams)();
   std::size_t robots;
   float least_right;  // of all robots, over all pictures
 };
 
-void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+void PrintTo(const NoiseCase& c, std::ostream* out) { *out << c.name; }
 
-class Noise : public ::testing::TestWithParam<Case> {
+class Noise : public ::testing::TestWithParam<NoiseCase> {
  protected:
   // Pixels that change to the color of a neighbor or to any color.
   void sprinkle(PaintedField& field, float part) {
@@ -107,13 +105,14 @@ TEST(CrumbledPatches, AreMergedFromTheirPieces) {
 
 // In all layouts but the first, both teams have the same identification colors.
 INSTANTIATE_TEST_SUITE_P(Marker, Noise,
-                         ::testing::Values(Case{"own_colors", paper_teams, 5, 0.7f},
-                                           Case{"paper", [] { return teams_with(paper_layout(), 3); }, 3, 0.7f},
-                                           Case{"bar", [] { return teams_with(bar_layout(), 5); }, 5, 0.7f},
-                                           Case{"halves", [] { return teams_with(halves_layout(), 3); }, 3, 0.7f},
-                                           Case{"single", [] { return teams_with(single_layout(), 3); }, 3, 0.7f},
-                                           Case{"triangles", [] { return teams_with(triangles_layout(), 5); }, 5, 0.7f},
-                                           Case{"disks", [] { return teams_with(disks_layout(), 6); }, 6, 0.7f}),
+                         ::testing::Values(NoiseCase{"own_colors", paper_teams, 5, 0.7f},
+                                           NoiseCase{"paper", [] { return teams_with(paper_layout(), 3); }, 3, 0.7f},
+                                           NoiseCase{"bar", [] { return teams_with(bar_layout(), 5); }, 5, 0.7f},
+                                           NoiseCase{"halves", [] { return teams_with(halves_layout(), 3); }, 3, 0.7f},
+                                           NoiseCase{"single", [] { return teams_with(single_layout(), 3); }, 3, 0.7f},
+                                           NoiseCase{"triangles", [] { return teams_with(triangles_layout(), 5); }, 5,
+                                                     0.7f},
+                                           NoiseCase{"disks", [] { return teams_with(disks_layout(), 6); }, 6, 0.7f}),
                          ::testing::PrintToStringParamName());
 
 }  // namespace

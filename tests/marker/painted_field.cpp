@@ -9,11 +9,7 @@
 #include "core/geometry/angle.h"
 
 namespace touchline::testing {
-namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
-
-}  // namespace
+namespace {}  // namespace
 
 bool covers(const PatchPlace& place, FieldPoint p) {
   const float dx = p.x_m - place.x_m, dy = p.y_m - place.y_m;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include "core/marker/matcher.h"
@@ -10,6 +11,8 @@
 
 // Paints robots and ball into a picture of colors, as a camera sees them, and runs the matcher on it.
 namespace touchline::testing {
+
+inline constexpr float kPi = std::numbers::pi_v<float>;
 
 enum TestColor : ColorId {
   kBlue = 1,

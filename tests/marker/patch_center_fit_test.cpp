@@ -19,7 +19,6 @@ namespace {
 
 using namespace portable;
 
-constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kDegree = kPi / 180.0f;
 constexpr Light kTop{0.01, 0.01, 0.012}, kFloor{0.03, 0.03, 0.03}, kLine{0.9, 0.9, 0.88};
 constexpr std::array<Light, 5> kPatchLight{

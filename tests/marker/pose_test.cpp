@@ -12,8 +12,6 @@
 namespace touchline::testing {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
-
 TEST(Pose, TheRigidFitOfThePapersTwoPatchesIsEquation3) {
   PortableRandom random(21);
   const MarkerLayout layout = paper_layout();

@@ -37,7 +37,7 @@ MarkerLayout single_layout() {
 }
 
 MarkerLayout triangles_layout() {
-  constexpr float kDiagonal = 0.099f, kSide = 0.07f, kPi = std::numbers::pi_v<float>;
+  constexpr float kDiagonal = 0.099f, kSide = 0.07f;
   return layout_of(
       {{kTeamPatch, PatchOutline::kTriangle, -kDiagonal / 6, 0, kDiagonal / 2, kDiagonal, kPi},
        {kIdentification, PatchOutline::kTriangle, kDiagonal / 6, kDiagonal / 6, kSide / 2, kSide, -3 * kPi / 4},

@@ -10,7 +10,6 @@
 namespace touchline::testing {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kSide = 0.075f;
 
 struct Sum {

@@ -11,8 +11,8 @@
 namespace touchline::hal::mock {
 namespace {
 
-constexpr std::uint16_t kWidth = 640, kHeight = 480;
-constexpr std::size_t kRed = 0, kGreen = 1;
+constexpr std::uint16_t kSceneWidth = 640, kSceneHeight = 480;
+constexpr std::size_t kSceneRed = 0, kSceneGreen = 1;
 
 // The camera looks along x from a low position beside the field, so that closer objects hide much.
 ArenaParameters low_camera() {
@@ -22,12 +22,12 @@ ArenaParameters low_camera() {
 }
 
 double green_of(Renderer& renderer, const Snapshot& all) {
-  return intensity_moments(renderer.render(all, all), kWidth, kGreen).sum;
+  return intensity_moments(renderer.render(all, all), kSceneWidth, kSceneGreen).sum;
 }
 
 TEST(Occlusion, RobotHidesOnlyABallBehindIt) {
   const ArenaParameters parameters = low_camera();
-  Renderer renderer(parameters, kWidth, kHeight);
+  Renderer renderer(parameters, kSceneWidth, kSceneHeight);
   const Placement robot{0.0, 0.0, 0.0}, away{9.0, 9.0, 0.0};
   const double patch = green_of(renderer, stationary(robot));  // white also contains green
   const double behind = green_of(renderer, stationary(robot, {0.075, 0.0, 0.0}));
@@ -42,7 +42,7 @@ TEST(Occlusion, OrderInTheListDoesNotMatter) {
   parameters.body_rgb = {200, 100, 50};
   parameters.robot.push_back(parameters.robot[0]);
   parameters.robot[1].id = 1;
-  Renderer renderer(parameters, kWidth, kHeight);
+  Renderer renderer(parameters, kSceneWidth, kSceneHeight);
   const Placement near{0.0, 0.0, 0.3}, far{0.09, 0.02, 0.1};  // its side is partly hidden by the closer robot's top
   const auto draw = [&](const Placement& first, const Placement& second) {
     Snapshot all = stationary(first);
@@ -52,7 +52,7 @@ TEST(Occlusion, OrderInTheListDoesNotMatter) {
   };
   EXPECT_EQ(draw(near, far), draw(far, near));
   const auto light = [](const std::vector<std::uint16_t>& picture) {
-    return intensity_moments(picture, kWidth, kRed).sum;
+    return intensity_moments(picture, kSceneWidth, kSceneRed).sum;
   };
   const Placement away{9.0, 9.0, 0.0};
   const double apart = light(draw(near, away)) + light(draw(away, far));
@@ -62,10 +62,10 @@ TEST(Occlusion, OrderInTheListDoesNotMatter) {
 TEST(Occlusion, LargeBallHidesOnlyObjectsBehindIt) {
   ArenaParameters parameters = low_camera();
   parameters.ball_radius_m = 0.2;
-  Renderer renderer(parameters, kWidth, kHeight);
+  Renderer renderer(parameters, kSceneWidth, kSceneHeight);
   const auto patch = [&](double ball_x) {
     const Snapshot all = stationary({0.5, 0.0, 0.0}, {ball_x, 0.0, 0.0});
-    return intensity_moments(renderer.render(all, all), kWidth, kRed).sum;
+    return intensity_moments(renderer.render(all, all), kSceneWidth, kSceneRed).sum;
   };
   const double alone = patch(9.0);
   ASSERT_GT(alone, 50.0);
@@ -77,12 +77,13 @@ TEST(Occlusion, SidesOfARobotAreDarkerThanItsTop) {
   ArenaParameters parameters = low_camera();
   parameters.body_rgb = {255, 255, 255};
   parameters.patch[0] = {PatchShape::kSquare, 0.0, 0.0, 0.001, 0.001};
-  Renderer renderer(parameters, kWidth, kHeight);
+  Renderer renderer(parameters, kSceneWidth, kSceneHeight);
   const Snapshot all = stationary({});
   const auto picture = renderer.render(all, all);
   const auto light_at = [&](double x, double z) {
     const auto [u, v] = renderer.lens().project({x, 0.0, z});
-    return picture[3 * (static_cast<std::size_t>(std::lround(v)) * kWidth + static_cast<std::size_t>(std::lround(u)))] /
+    return picture[3 * (static_cast<std::size_t>(std::lround(v)) * kSceneWidth +
+                        static_cast<std::size_t>(std::lround(u)))] /
            kWhite;
   };
   EXPECT_NEAR(light_at(0.0, 0.075), 1.0, 1e-3);
@@ -130,12 +131,13 @@ class FloorPicture : public ::testing::Test {
   // For a pixel on a single surface, within the 3 % of the floor texture.
   void expect(double x, double y, const Srgb& rgb) {
     const auto [u, v] = renderer().lens().project({x, y, 0.0});
-    const auto index = static_cast<std::size_t>(std::lround(v)) * kWidth + static_cast<std::size_t>(std::lround(u));
+    const auto index =
+        static_cast<std::size_t>(std::lround(v)) * kSceneWidth + static_cast<std::size_t>(std::lround(u));
     const auto expected = static_cast<double>(reflectance(rgb)[0]);
     EXPECT_NEAR(renderer().render_floor()[3 * index] / kWhite, expected, 0.035 * expected) << x << ' ' << y;
   }
   Renderer& renderer() {
-    if (!renderer_) renderer_.emplace(parameters_, kWidth, kHeight);
+    if (!renderer_) renderer_.emplace(parameters_, kSceneWidth, kSceneHeight);
     return *renderer_;
   }
 
@@ -182,7 +184,7 @@ TEST_F(FloorPicture, CenterLineIsStraightUnderTheLens) {
     double sum = 0.0, moment = 0.0;
     for (auto column = static_cast<std::size_t>(std::lround(u)) - 4;
          column < static_cast<std::size_t>(std::lround(u)) + 5; ++column) {
-      const double above = std::max(0.0, floor[3 * (row * kWidth + column)] - 1.05 * dark);
+      const double above = std::max(0.0, floor[3 * (row * kSceneWidth + column)] - 1.05 * dark);
       sum += above;
       moment += above * static_cast<double>(column);
     }
@@ -224,18 +226,19 @@ TEST(Light, LampsIlluminateTopsWithinFullScale) {
   ArenaParameters parameters = black_field();
   parameters.light.lamp = {{0.8, 0.0, 1.5, 1.0}};
   parameters.light.ambient = 0.1;
-  Renderer renderer(parameters, kWidth, kHeight);
+  Renderer renderer(parameters, kSceneWidth, kSceneHeight);
   const Lighting lighting(parameters.light, parameters.field);
   const auto height = static_cast<float>(parameters.robot_height_m);
   for (const double x : {-0.8, 0.0, 0.4}) {
     const Snapshot all = stationary({x, 0.0, 0.0});
     const auto [u, v] = renderer.lens().project({x, 0.0, parameters.robot_height_m});
-    const auto index = static_cast<std::size_t>(std::lround(v)) * kWidth + static_cast<std::size_t>(std::lround(u));
+    const auto index =
+        static_cast<std::size_t>(std::lround(v)) * kSceneWidth + static_cast<std::size_t>(std::lround(u));
     const double expected = static_cast<double>(lighting.irradiance(static_cast<float>(x), 0.0f, height));
     EXPECT_NEAR(renderer.render(all, all)[3 * index] / kWhite, std::min(expected, 1.0 / 0.9), 0.01 * expected) << x;
   }
   parameters.light.exposure = 20.0;
-  Renderer bright(parameters, kWidth, kHeight);
+  Renderer bright(parameters, kSceneWidth, kSceneHeight);
   const Snapshot all = stationary({0.7, 0.0, 0.0});
   const auto picture = bright.render(all, all);
   EXPECT_EQ(*std::max_element(picture.begin(), picture.end()), kLinearScale);

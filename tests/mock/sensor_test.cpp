@@ -11,7 +11,7 @@
 namespace touchline::hal::mock {
 namespace {
 
-constexpr std::uint16_t kWidth = 320, kHeight = 240;
+constexpr std::uint16_t kSensorWidth = 320, kSensorHeight = 240;
 
 // A linear gamma curve, so that the noise of the picture is that of the sensor.
 SensorParameters linear_sensor() {
@@ -20,16 +20,16 @@ SensorParameters linear_sensor() {
   return parameters;
 }
 
-struct Moments {
+struct PixelMoments {
   double mean = 0.0, variance = 0.0;
 };
 
 // Mean and variance of a uniform picture with this much light, 0 to 1, in 8-bit steps.
-Moments exposed(const SensorParameters& parameters, double light, std::uint64_t seed = 1) {
-  const std::vector<std::uint16_t> linear(std::size_t{3} * kWidth * kHeight,
+PixelMoments exposed(const SensorParameters& parameters, double light, std::uint64_t seed = 1) {
+  const std::vector<std::uint16_t> linear(std::size_t{3} * kSensorWidth * kSensorHeight,
                                           static_cast<std::uint16_t>(std::lround(light * kLinearScale)));
-  std::vector<std::uint8_t> out(picture_layout(PixelFormat::kRgb24, kWidth, kHeight).bytes);
-  Sensor(parameters, PixelFormat::kRgb24, kWidth, kHeight, seed).expose(linear, out);
+  std::vector<std::uint8_t> out(picture_layout(PixelFormat::kRgb24, kSensorWidth, kSensorHeight).bytes);
+  Sensor(parameters, PixelFormat::kRgb24, kSensorWidth, kSensorHeight, seed).expose(linear, out);
   double sum = 0.0, squares = 0.0;
   for (const std::uint8_t value : out) {
     sum += value;
@@ -40,9 +40,9 @@ Moments exposed(const SensorParameters& parameters, double light, std::uint64_t 
 }
 
 TEST(Brightness, ScalesTheLightAndItsNoise) {
-  const std::vector<std::uint16_t> half(std::size_t{3} * kWidth * kHeight, kLinearScale / 2);
+  const std::vector<std::uint16_t> half(std::size_t{3} * kSensorWidth * kSensorHeight, kLinearScale / 2);
   std::vector<std::uint8_t> as_darker(half.size());
-  Sensor sensor(linear_sensor(), PixelFormat::kRgb24, kWidth, kHeight, 1);
+  Sensor sensor(linear_sensor(), PixelFormat::kRgb24, kSensorWidth, kSensorHeight, 1);
   sensor.set_brightness(0.5);
   sensor.expose(half, as_darker);
   double sum = 0.0;
@@ -62,13 +62,13 @@ TEST(Noise, HasTheStatedVarianceAtEachLevel) {
       parameters.read_noise_electrons = read_noise;
       const double electrons_per_step = full_well / 255.0;
       for (const double light : {0.3, 0.5, 0.7}) {
-        const Moments seen = exposed(parameters, light);
+        const PixelMoments seen = exposed(parameters, light);
         const double electrons = light * full_well;
         const double expected =
             (electrons + read_noise * read_noise) / (electrons_per_step * electrons_per_step) + 1.0 / 12.0;
         // Four standard deviations of the estimate. Noise must not change the mean.
         const double exact = std::round(light * kLinearScale) / kLinearScale;
-        EXPECT_NEAR(seen.mean, 255.0 * exact, 0.005 + 4.0 * std::sqrt(expected / (3.0 * kWidth * kHeight)));
+        EXPECT_NEAR(seen.mean, 255.0 * exact, 0.005 + 4.0 * std::sqrt(expected / (3.0 * kSensorWidth * kSensorHeight)));
         EXPECT_NEAR(seen.variance, expected, 0.03 * expected) << full_well << ' ' << read_noise << ' ' << light;
       }
     }
@@ -76,9 +76,10 @@ TEST(Noise, HasTheStatedVarianceAtEachLevel) {
 }
 
 TEST(Noise, IsWhiteFromPixelToPixelAndFrameToFrame) {
-  const std::vector<std::uint16_t> linear(std::size_t{3} * kWidth * kHeight, kLinearScale / 2);
-  std::vector<std::uint8_t> first(picture_layout(PixelFormat::kRgb24, kWidth, kHeight).bytes), second(first);
-  Sensor sensor(linear_sensor(), PixelFormat::kRgb24, kWidth, kHeight, 1);
+  const std::vector<std::uint16_t> linear(std::size_t{3} * kSensorWidth * kSensorHeight, kLinearScale / 2);
+  std::vector<std::uint8_t> first(picture_layout(PixelFormat::kRgb24, kSensorWidth, kSensorHeight).bytes),
+      second(first);
+  Sensor sensor(linear_sensor(), PixelFormat::kRgb24, kSensorWidth, kSensorHeight, 1);
   sensor.expose(linear, first);
   sensor.expose(linear, second);
   const auto correlation = [&](const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b,
@@ -92,7 +93,7 @@ TEST(Noise, IsWhiteFromPixelToPixelAndFrameToFrame) {
     return sum / squares;
   };
   // Five standard deviations of the estimate from 230,400 values.
-  for (const std::size_t shift : {std::size_t{1}, std::size_t{3}, std::size_t{4}, std::size_t{3} * kWidth}) {
+  for (const std::size_t shift : {std::size_t{1}, std::size_t{3}, std::size_t{4}, std::size_t{3} * kSensorWidth}) {
     EXPECT_NEAR(correlation(first, first, shift), 0.0, 0.0105) << shift;
   }
   EXPECT_NEAR(correlation(first, second, 0), 0.0, 0.0105);

@@ -13,8 +13,6 @@ namespace {
 using hal::FrameLease;
 using hal::ReplayCamera;
 
-constexpr Instant kForever = Instant::max();
-
 std::vector<std::uint8_t> pixels(const Frame& frame, std::size_t bytes_per_row) {
   std::vector<std::uint8_t> all;
   for (std::size_t y = 0; y < frame.height_px; ++y) {
@@ -25,7 +23,7 @@ std::vector<std::uint8_t> pixels(const Frame& frame, std::size_t bytes_per_row) 
 }
 
 // Opens an input that must be refused, and returns the message.
-std::string refused(const std::string& path, ErrorCode expected) {
+std::string camera_refusal(const std::string& path, ErrorCode expected) {
   ReplayCamera camera({.path = path});
   testing::internal::CaptureStderr();
   const Result<void> opened = camera.open();
@@ -50,7 +48,7 @@ TEST(ReplayCamera, PicturesAreReadInNaturalOrderWithTheirTimeStamps) {
   EXPECT_EQ(camera.frame_count(), 4u);
   ASSERT_TRUE(camera.start().ok());
   for (std::uint32_t i = 0; i < names.size(); ++i) {
-    const Result<FrameLease> lease = camera.wait(kForever);
+    const Result<FrameLease> lease = camera.wait(Instant::max());
     ASSERT_TRUE(lease.ok()) << lease.text();
     const Frame& frame = lease.value().frame();
     EXPECT_EQ(camera.file(), names[i]);
@@ -59,8 +57,8 @@ TEST(ReplayCamera, PicturesAreReadInNaturalOrderWithTheirTimeStamps) {
     EXPECT_EQ(pixels(frame, 21), media::colorful(7, 5, i).rgb8);
     EXPECT_EQ(hal::ReplayClock(camera).now(), frame.capture_time);
   }
-  EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kEndOfStream);
-  EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kEndOfStream);
+  EXPECT_EQ(camera.wait(Instant::max()).code(), ErrorCode::kEndOfStream);
+  EXPECT_EQ(camera.wait(Instant::max()).code(), ErrorCode::kEndOfStream);
 }
 
 TEST(ReplayCamera, StartsOverAfterReopening) {
@@ -73,11 +71,11 @@ TEST(ReplayCamera, StartsOverAfterReopening) {
     ASSERT_TRUE(camera.open().ok());
     ASSERT_TRUE(camera.start().ok());
     for (std::uint32_t i = 0; i < 2; ++i) {
-      const Result<FrameLease> lease = camera.wait(kForever);
+      const Result<FrameLease> lease = camera.wait(Instant::max());
       ASSERT_TRUE(lease.ok());
       EXPECT_EQ(lease.value().frame().sequence, i);
     }
-    EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kEndOfStream);
+    EXPECT_EQ(camera.wait(Instant::max()).code(), ErrorCode::kEndOfStream);
     camera.stop();
     camera.close();
   }
@@ -91,7 +89,7 @@ TEST(ReplayCamera, APictureIsConvertedToEveryFormat) {
   const auto first_frame = [&folder](PixelFormat format, auto check) {
     ReplayCamera camera({.path = folder / "red.png", .format = format});
     ASSERT_TRUE(camera.open().ok() && camera.start().ok());
-    const Result<FrameLease> lease = camera.wait(kForever);
+    const Result<FrameLease> lease = camera.wait(Instant::max());
     ASSERT_TRUE(lease.ok()) << lease.text();
     EXPECT_EQ(lease.value().frame().format, format);
     check(lease.value().frame());
@@ -135,23 +133,23 @@ TEST(ReplayCamera, SixteenBitPicturesAreRoundedToEight) {
   media::write_png(folder / "deep.png", {2, 1, {}, {0, 128, 129, 32896, 65535, 257}});
   ReplayCamera camera({.path = folder.path()});
   ASSERT_TRUE(camera.open().ok() && camera.start().ok());
-  const Result<FrameLease> lease = camera.wait(kForever);
+  const Result<FrameLease> lease = camera.wait(Instant::max());
   ASSERT_TRUE(lease.ok());
   EXPECT_EQ(pixels(lease.value().frame(), 6), (std::vector<std::uint8_t>{0, 0, 1, 128, 255, 1}));
 }
 
 TEST(ReplayCamera, InputsThatCannotBeOpenedAreReported) {
   const media::Folder folder;
-  refused(folder / "missing", ErrorCode::kNotFound);
-  EXPECT_NE(refused(folder.path(), ErrorCode::kNotFound).find("no picture"), std::string::npos);
+  camera_refusal(folder / "missing", ErrorCode::kNotFound);
+  EXPECT_NE(camera_refusal(folder.path(), ErrorCode::kNotFound).find("no picture"), std::string::npos);
   media::write_text(folder / "empty.mp4", "");
-  refused(folder / "empty.mp4", ErrorCode::kUnsupported);
+  camera_refusal(folder / "empty.mp4", ErrorCode::kUnsupported);
   media::write_text(folder / "notes.txt", "not a video\n");
-  refused(folder / "notes.txt", ErrorCode::kUnsupported);
+  camera_refusal(folder / "notes.txt", ErrorCode::kUnsupported);
   media::write_text(folder / "http:x.mp4", "");
-  refused(folder / "http:x.mp4", ErrorCode::kUnsupported);
+  camera_refusal(folder / "http:x.mp4", ErrorCode::kUnsupported);
   media::write_png(folder / "huge.png", media::colorful(2600, 2));
-  EXPECT_NE(refused(folder / "huge.png", ErrorCode::kUnsupported).find("2600 x 2"), std::string::npos);
+  EXPECT_NE(camera_refusal(folder / "huge.png", ErrorCode::kUnsupported).find("2600 x 2"), std::string::npos);
 }
 
 TEST(ReplayCamera, APictureOfAnotherSizeIsAnError) {
@@ -160,8 +158,8 @@ TEST(ReplayCamera, APictureOfAnotherSizeIsAnError) {
   media::write_png(folder / "2.png", media::colorful(8, 6));
   ReplayCamera camera({.path = folder.path()});
   ASSERT_TRUE(camera.open().ok() && camera.start().ok());
-  ASSERT_TRUE(camera.wait(kForever).ok());
-  const Result<FrameLease> lost = camera.wait(kForever);
+  ASSERT_TRUE(camera.wait(Instant::max()).ok());
+  const Result<FrameLease> lost = camera.wait(Instant::max());
   EXPECT_EQ(lost.code(), ErrorCode::kInconsistent);
   EXPECT_NE(lost.text().find("2.png is 8 x 6, but 1.png is 8 x 8"), std::string::npos) << lost.text();
 }
@@ -174,11 +172,11 @@ TEST(ReplayCamera, ADamagedPictureIsALostFrame) {
   media::write_bytes(folder / "2.png", std::span(whole).first(whole.size() / 2));
   ReplayCamera camera({.path = folder.path(), .format = PixelFormat::kRgb24, .rate_hz = 10.0});
   ASSERT_TRUE(camera.open().ok() && camera.start().ok());
-  ASSERT_TRUE(camera.wait(kForever).ok());
-  const Result<FrameLease> lost = camera.wait(kForever);
+  ASSERT_TRUE(camera.wait(Instant::max()).ok());
+  const Result<FrameLease> lost = camera.wait(Instant::max());
   EXPECT_EQ(lost.code(), ErrorCode::kCorruptFrame);
   EXPECT_NE(lost.text().find("2.png"), std::string::npos) << lost.text();
-  const Result<FrameLease> next = camera.wait(kForever);
+  const Result<FrameLease> next = camera.wait(Instant::max());
   ASSERT_TRUE(next.ok());
   EXPECT_EQ(camera.file(), "3.png");
   EXPECT_EQ(next.value().frame().sequence, 2u);
@@ -192,11 +190,11 @@ TEST(ReplayCamera, ALeaseKeepsItsBuffer) {
   }
   ReplayCamera camera({.path = folder.path()});
   ASSERT_TRUE(camera.open().ok() && camera.start().ok());
-  Result<FrameLease> a = camera.wait(kForever), b = camera.wait(kForever), c = camera.wait(kForever);
+  Result<FrameLease> a = camera.wait(Instant::max()), b = camera.wait(Instant::max()), c = camera.wait(Instant::max());
   ASSERT_TRUE(a.ok() && b.ok() && c.ok());
-  EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kBusy);
+  EXPECT_EQ(camera.wait(Instant::max()).code(), ErrorCode::kBusy);
   b.value() = FrameLease();
-  EXPECT_TRUE(camera.wait(kForever).ok());
+  EXPECT_TRUE(camera.wait(Instant::max()).ok());
   EXPECT_EQ(pixels(a.value().frame(), 24), media::colorful(8, 8, 0).rgb8);
   EXPECT_EQ(pixels(c.value().frame(), 24), media::colorful(8, 8, 2).rgb8);
 }

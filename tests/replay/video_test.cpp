@@ -18,8 +18,6 @@ using hal::FrameLease;
 using hal::ReplayCamera;
 using hal::VideoWriter;
 
-constexpr Instant kForever = Instant::max();
-
 // Writes gray pictures with the values 20, 40, 60, ...
 void write_video(const std::string& path, int frames, double rate_hz, std::uint32_t width = 64,
                  std::uint32_t height = 48) {
@@ -43,14 +41,14 @@ TEST(Video, AWrittenVideoIsReadBack) {
   EXPECT_NEAR(camera.info().rate_hz, 25.0, 0.01);
   ASSERT_TRUE(camera.start().ok());
   for (int i = 0; i < 10; ++i) {
-    const Result<FrameLease> lease = camera.wait(kForever);
+    const Result<FrameLease> lease = camera.wait(Instant::max());
     ASSERT_TRUE(lease.ok()) << lease.text();
     const Frame& frame = lease.value().frame();
     EXPECT_EQ(camera.file(), "a.mp4");
     EXPECT_NEAR(seconds(frame.capture_time.time_since_epoch()), i * 0.04, 1e-6);
     EXPECT_NEAR(frame.plane[0][frame.stride_bytes[0] * 24 + 96], 20 * (i + 1), 3) << "frame " << i;
   }
-  EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kEndOfStream);
+  EXPECT_EQ(camera.wait(Instant::max()).code(), ErrorCode::kEndOfStream);
 }
 
 TEST(Video, UnevenTimeStampsAreKept) {
@@ -64,7 +62,7 @@ TEST(Video, UnevenTimeStampsAreKept) {
   ReplayCamera camera({.path = folder / "a.mp4"});
   ASSERT_TRUE(camera.open().ok() && camera.start().ok());
   for (const double stamp : stamps) {
-    const Result<FrameLease> lease = camera.wait(kForever);
+    const Result<FrameLease> lease = camera.wait(Instant::max());
     ASSERT_TRUE(lease.ok()) << lease.text();
     EXPECT_NEAR(seconds(lease.value().frame().capture_time.time_since_epoch()), stamp, 2e-5);
   }
@@ -72,7 +70,7 @@ TEST(Video, UnevenTimeStampsAreKept) {
   ReplayCamera forced({.path = folder / "a.mp4", .format = PixelFormat::kRgb24, .rate_hz = 50.0});
   ASSERT_TRUE(forced.open().ok() && forced.start().ok());
   for (int i = 0; i < 4; ++i) {
-    const Result<FrameLease> lease = forced.wait(kForever);
+    const Result<FrameLease> lease = forced.wait(Instant::max());
     ASSERT_TRUE(lease.ok());
     EXPECT_EQ(lease.value().frame().capture_time, Instant(from_seconds(i * 0.02)));
   }
@@ -95,7 +93,7 @@ TEST(Video, YuvIsReadAsItIsStored) {
     for (const PixelFormat format : {PixelFormat::kNv12, PixelFormat::kI420, PixelFormat::kYuyv, PixelFormat::kUyvy}) {
       ReplayCamera camera({.path = folder / "a.y4m", .format = format});
       ASSERT_TRUE(camera.open().ok() && camera.start().ok());
-      const Result<FrameLease> lease = camera.wait(kForever);
+      const Result<FrameLease> lease = camera.wait(Instant::max());
       ASSERT_TRUE(lease.ok()) << lease.text();
       const Frame& frame = lease.value().frame();
       for (std::size_t y = 0; y < 4; ++y) {
@@ -130,7 +128,7 @@ TEST(Video, TheColorRangeOfTheFileIsUsed) {
     media::write_y4m(folder / "a.y4m", 16, 16, header, {gray});
     ReplayCamera camera({.path = folder / "a.y4m"});
     EXPECT_TRUE(camera.open().ok() && camera.start().ok());
-    const Result<FrameLease> lease = camera.wait(kForever);
+    const Result<FrameLease> lease = camera.wait(Instant::max());
     return lease.ok() ? static_cast<int>(lease.value().frame().plane[0][0]) : -1;
   };
   EXPECT_EQ(value("F30:1 C420mpeg2"), 128);
@@ -151,7 +149,7 @@ TEST(Video, ChromaIsInterpolatedInPlace) {
     media::write_y4m(folder / "a.y4m", 32, 32, header, {planes});
     ReplayCamera camera({.path = folder / "a.y4m"});
     EXPECT_TRUE(camera.open().ok() && camera.start().ok());
-    const Result<FrameLease> lease = camera.wait(kForever);
+    const Result<FrameLease> lease = camera.wait(Instant::max());
     if (!lease.ok()) return -1.0;
     const std::uint8_t* row = lease.value().frame().plane[0] + 16 * lease.value().frame().stride_bytes[0];
     const double half = (row[0] + row[31 * 3]) / 2.0;
@@ -183,9 +181,9 @@ TEST(Video, ATruncatedVideoIsReported) {
   media::write_bytes(folder / "b.y4m", raw);
   ReplayCamera damaged({.path = folder / "b.y4m"});
   ASSERT_TRUE(damaged.open().ok() && damaged.start().ok());
-  EXPECT_TRUE(damaged.wait(kForever).ok());
-  EXPECT_TRUE(damaged.wait(kForever).ok());
-  const Result<FrameLease> lost = damaged.wait(kForever);
+  EXPECT_TRUE(damaged.wait(Instant::max()).ok());
+  EXPECT_TRUE(damaged.wait(Instant::max()).ok());
+  const Result<FrameLease> lost = damaged.wait(Instant::max());
   EXPECT_EQ(lost.code(), ErrorCode::kIo);
   EXPECT_NE(lost.text().find("b.y4m: ends early, after frame 2"), std::string::npos) << lost.text();
 }
@@ -216,8 +214,8 @@ TEST(VideoWriter, AFifoGetsAVideoThatNeedsNoSeeking) {
   media::write_bytes(folder / "received.mp4", received);
   ReplayCamera camera({.path = folder / "received.mp4"});
   ASSERT_TRUE(camera.open().ok() && camera.start().ok());
-  for (int i = 0; i < 10; ++i) EXPECT_OK(camera.wait(kForever));
-  EXPECT_EQ(camera.wait(kForever).code(), ErrorCode::kEndOfStream);
+  for (int i = 0; i < 10; ++i) EXPECT_OK(camera.wait(Instant::max()));
+  EXPECT_EQ(camera.wait(Instant::max()).code(), ErrorCode::kEndOfStream);
 }
 
 TEST(VideoWriter, LeavesNoIncompleteFile) {

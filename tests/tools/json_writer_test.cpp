@@ -102,7 +102,7 @@ TEST(JsonWriter, EscapesStringsLikeNlohmann) {
   for (int i = 0; i < 100000; ++i) {
     std::string text;
     for (std::size_t k = random() % 8; k > 0; --k) text += kBytes[random() % kBytes.size()];
-    ASSERT_EQ(written_string(text), expected_string(text)) << testing::PrintToString(text);
+    ASSERT_EQ(written_string(text), expected_string(text)) << ::testing::PrintToString(text);
   }
 }
 

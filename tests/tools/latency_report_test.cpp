@@ -148,9 +148,9 @@ TEST(LatencyComparison, AZeroTimeCanGetWorse) {
 }
 
 // A folder with copies of the kernel's files.
-class SystemTree : public testing::Test {
+class SystemTree : public ::testing::Test {
  protected:
-  SystemTree() : root_(testing::TempDir() + "touchline_system_tree_" + std::to_string(::getpid())) {}
+  SystemTree() : root_(::testing::TempDir() + "touchline_system_tree_" + std::to_string(::getpid())) {}
   ~SystemTree() override { std::filesystem::remove_all(root_); }
   void write(const std::string& name, const std::string& text) const {
     std::filesystem::create_directories(std::filesystem::path(root_ + name).parent_path());

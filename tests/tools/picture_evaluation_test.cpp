@@ -128,7 +128,7 @@ TEST(PictureEvaluation, FramesOfAVideoAreIdentifiedByNumber) {
 }
 
 TEST(Annotation, ReadsAnAnnotation) {
-  const std::string path = testing::TempDir() + "touchline_annotation.json";
+  const std::string path = ::testing::TempDir() + "touchline_annotation.json";
   std::ofstream(path) << R"({"image": "../vss-overhead.mp4 frame 270", "objects": [
     {"type": "ball", "centre": [461.0, 335.25], "radius": 6.7},
     {"type": "robot", "team": "yellow", "team_patch": [457.5, 38.8], "id_patches": [{"colour": "red", "centre": [469.0, 50.5]}]},

@@ -15,7 +15,7 @@ constexpr double kWithin = 0.02;
 
 std::string in_temporary_file(const std::string& text) {
   const std::string path =
-      testing::TempDir() + "touchline_" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".jsonl";
+      ::testing::TempDir() + "touchline_" + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".jsonl";
   std::ofstream(path) << text;
   return path;
 }
@@ -211,12 +211,12 @@ struct BadLine {
   const char* text;
   const char* complaint;
 };
-class BadTruth : public testing::TestWithParam<BadLine> {};
+class BadTruth : public ::testing::TestWithParam<BadLine> {};
 
 TEST_P(BadTruth, IsRefusedWithItsLineAndKey) {
   const std::string good = R"({"file":"a.png","t":0,"ball":null,"robots":[]})";
   // Tests run in parallel.
-  const std::string path = testing::TempDir() + "touchline_bad_" + std::to_string(::getpid()) + ".jsonl";
+  const std::string path = ::testing::TempDir() + "touchline_bad_" + std::to_string(::getpid()) + ".jsonl";
   std::ofstream(path) << good << '\n' << GetParam().text << '\n';
   const std::string error = read_truth(path).text();
   EXPECT_NE(error.find(path + ":2: "), std::string::npos) << error;
@@ -224,21 +224,22 @@ TEST_P(BadTruth, IsRefusedWithItsLineAndKey) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Records, BadTruth,
-    testing::Values(BadLine{R"({"file":"b.png","ball":nu)", "not JSON"}, BadLine{"[1,2]", "not an object"},
-                    BadLine{R"({"ball":null,"robots":[]})", "file is missing"},
-                    BadLine{R"({"file":7,"ball":null,"robots":[]})", "file is not a text"},
-                    BadLine{R"({"file":"b.png","robots":[]})", "ball is missing"},
-                    BadLine{R"({"file":"b.png","ball":{"x":1},"robots":[]})", "ball.y is missing"},
-                    BadLine{R"({"file":"b.png","ball":null,"robots":{}})", "robots is not a list"},
-                    BadLine{R"({"file":"b.png","ball":null,"robots":[{"team":"blue","id":1,"x":0,"y":"0","theta":0}]})",
-                            "robots[0].y is not a number"},
-                    BadLine{R"({"file":"b.png","ball":null,"robots":[{"team":"blue","id":1.5,"x":0,"y":0,"theta":0}]})",
-                            "robots[0].id is not an integer"}));
+    ::testing::Values(
+        BadLine{R"({"file":"b.png","ball":nu)", "not JSON"}, BadLine{"[1,2]", "not an object"},
+        BadLine{R"({"ball":null,"robots":[]})", "file is missing"},
+        BadLine{R"({"file":7,"ball":null,"robots":[]})", "file is not a text"},
+        BadLine{R"({"file":"b.png","robots":[]})", "ball is missing"},
+        BadLine{R"({"file":"b.png","ball":{"x":1},"robots":[]})", "ball.y is missing"},
+        BadLine{R"({"file":"b.png","ball":null,"robots":{}})", "robots is not a list"},
+        BadLine{R"({"file":"b.png","ball":null,"robots":[{"team":"blue","id":1,"x":0,"y":"0","theta":0}]})",
+                "robots[0].y is not a number"},
+        BadLine{R"({"file":"b.png","ball":null,"robots":[{"team":"blue","id":1.5,"x":0,"y":0,"theta":0}]})",
+                "robots[0].id is not an integer"}));
 
 TEST(Records, FilesThatCannotBeRead) {
-  const std::string missing = read_truth(testing::TempDir() + "touchline_none.jsonl").text();
+  const std::string missing = read_truth(::testing::TempDir() + "touchline_none.jsonl").text();
   EXPECT_NE(missing.find("No such file"), std::string::npos) << missing;
-  EXPECT_FALSE(read_truth(testing::TempDir()).ok());
+  EXPECT_FALSE(read_truth(::testing::TempDir()).ok());
   const std::string empty = read_truth(in_temporary_file("\n")).text();
   EXPECT_NE(empty.find("contains no frames"), std::string::npos) << empty;
 }

@@ -131,7 +131,7 @@ class Scene {
   CameraModel camera_;
 };
 
-class Replay : public testing::Test {
+class Replay : public ::testing::Test {
  protected:
   Replay() {
     media::write_text(folder / "venue.toml", kVenue);

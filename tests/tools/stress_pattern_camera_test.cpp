@@ -31,7 +31,7 @@ PipelineParameters parameters_for(PixelFormat format, std::uint16_t width, std::
   return parameters;
 }
 
-class StressPatterns : public testing::TestWithParam<PixelFormat> {};
+class StressPatterns : public ::testing::TestWithParam<PixelFormat> {};
 
 // Each pattern must cause the work that it claims; otherwise the latency report is too optimistic.
 TEST_P(StressPatterns, PatternsCauseTheWorkThatTheyClaim) {
@@ -92,9 +92,9 @@ TEST_P(StressPatterns, PatternsCauseTheWorkThatTheyClaim) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Formats, StressPatterns,
-                         testing::Values(PixelFormat::kRgb24, PixelFormat::kBgr24, PixelFormat::kYuyv,
-                                         PixelFormat::kUyvy, PixelFormat::kNv12, PixelFormat::kI420,
-                                         PixelFormat::kXrgb8888));
+                         ::testing::Values(PixelFormat::kRgb24, PixelFormat::kBgr24, PixelFormat::kYuyv,
+                                           PixelFormat::kUyvy, PixelFormat::kNv12, PixelFormat::kI420,
+                                           PixelFormat::kXrgb8888));
 
 TEST(StressPatternCamera, NeedsColors) {
   PipelineParameters parameters = parameters_for(PixelFormat::kRgb24, 16, 16);

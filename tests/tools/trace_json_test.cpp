@@ -63,7 +63,7 @@ TEST(TraceJson, BallTrackAndOverload) {
 }
 
 TEST(TraceJson, IsReadableByTheEvaluation) {
-  const std::string path = testing::TempDir() + "touchline_trace.jsonl";
+  const std::string path = ::testing::TempDir() + "touchline_trace.jsonl";
   std::ofstream(path) << report::trace_line(*trace_of_two_robots(), kNames, 7, "000007.png") << '\n';
   const auto read = evaluate::read_result(path, {});
   ASSERT_TRUE(read.ok()) << read.text();

@@ -20,10 +20,6 @@ RobotFilterParameters without_noise() {
   return p;
 }
 
-Pose pose(double x, double y, double theta) {
-  return {{static_cast<float>(x), static_cast<float>(y)}, static_cast<float>(theta)};
-}
-
 TEST(DriveFilter, PredictsADriveWithLag) {
   const RobotFilterParameters parameters;
   for (const double dt : {1.0 / 120.0, 1.0 / 30.0, 0.1}) {

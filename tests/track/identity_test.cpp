@@ -9,19 +9,15 @@
 namespace touchline {
 namespace {
 
-constexpr double kDt = 1.0 / 60.0;
+constexpr double kFramePeriod_s = 1.0 / 60.0;
 
-Pose pose(double x, double y, double theta = 0.0) {
-  return {{static_cast<float>(x), static_cast<float>(y)}, static_cast<float>(theta)};
-}
-
-class IdentityTest : public testing::Test {
+class IdentityTest : public ::testing::Test {
  protected:
   void SetUp() override { ASSERT_TRUE(tracker_.configure({}).ok()); }
   const Tracks& frame(std::initializer_list<RobotSighting> robots) {
     Sightings sightings;
     for (const RobotSighting& robot : robots) sightings.robots.push_back(robot);
-    now_ += kDt;
+    now_ += kFramePeriod_s;
     tracker_.update(sightings, at(now_), at(now_), tracks_);
     return tracks_;
   }
@@ -104,14 +100,14 @@ TEST_F(IdentityTest, UnidentifiedOpponentsKeepTheirTracks) {
     return std::array<double, 2>{0.4 * std::cos(phase + t), 0.4 * std::sin(phase + t) * std::cos(0.5 * t)};
   };
   for (int k = 0; k < 300; ++k) {
-    const double t = k * kDt;
+    const double t = k * kFramePeriod_s;
     Sightings sightings;
     for (int i = 0; i < 5; ++i) {
       const int robot = (i * 3 + k) % 5;  // in a different order each frame
       const auto [x, y] = place(robot, t);
       sightings.robots.push_back(patch_alone(Team::kOpponent, x, y));
     }
-    now_ += kDt;
+    now_ += kFramePeriod_s;
     tracker_.update(sightings, at(now_), at(now_), tracks_);
     ASSERT_EQ(tracks_.robots.size(), 5u) << k;
     // The order of the list is that of their first frame: (i * 3) % 5.
@@ -125,7 +121,7 @@ TEST_F(IdentityTest, UnidentifiedOpponentsKeepTheirTracks) {
 }
 
 TEST_F(IdentityTest, ARobotWithoutHeadingReportsItsMotionAndAnUnknownHeading) {
-  for (int k = 0; k < 60; ++k) frame({patch_alone(Team::kOpponent, 0.0, 0.5 * k * kDt)});
+  for (int k = 0; k < 60; ++k) frame({patch_alone(Team::kOpponent, 0.0, 0.5 * k * kFramePeriod_s)});
   EXPECT_NEAR(tracks_.robots[0].pose.theta_rad, 0.5 * std::numbers::pi, 0.1);
   EXPECT_NEAR(tracks_.robots[0].twist.v_mps, 0.5, 0.03);
   EXPECT_NEAR(tracks_.robots[0].sigma[2], 1.81, 0.01);

@@ -47,7 +47,7 @@ struct Case {
   double rate_hz;
   unsigned seed;
 };
-class PaperFilterTest : public testing::TestWithParam<Case> {};
+class PaperFilterTest : public ::testing::TestWithParam<Case> {};
 
 TEST_P(PaperFilterTest, EqualsOurFilterWithoutLag) {
   const double ts = 1.0 / GetParam().rate_hz;
@@ -94,7 +94,7 @@ TEST_P(PaperFilterTest, EqualsOurFilterWithoutLag) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Rates, PaperFilterTest, testing::Values(Case{30.0, 1}, Case{60.0, 2}, Case{125.0, 3}));
+INSTANTIATE_TEST_SUITE_P(Rates, PaperFilterTest, ::testing::Values(Case{30.0, 1}, Case{60.0, 2}, Case{125.0, 3}));
 
 }  // namespace
 }  // namespace touchline

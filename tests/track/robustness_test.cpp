@@ -113,7 +113,7 @@ std::uint64_t run_chaos(unsigned seed, int frames) {
     }
     tracker.update(chaos.sightings(), at(t), at(t + 0.05 * (chaos.dice(40) - 4)), tracks);
     expect_sound(tracks);
-    if (testing::Test::HasFatalFailure()) return 0;
+    if (::testing::Test::HasFatalFailure()) return 0;
     tracker.add_commands(chaos.commands(), at(t + 0.02 * chaos.dice(5)));
     for (const RobotTrack& r : tracks.robots) {
       for (const float value :

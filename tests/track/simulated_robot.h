@@ -8,6 +8,10 @@
 
 namespace touchline {
 
+inline Pose pose(double x_m, double y_m, double theta_rad = 0.0) {
+  return {{static_cast<float>(x_m), static_cast<float>(y_m)}, static_cast<float>(theta_rad)};
+}
+
 inline Instant at(double time_s) { return Instant{} + from_seconds(time_s); }
 
 /// Simulated truth for filter tests: a differential drive with wheel lag and slip, integrated in small steps. Its

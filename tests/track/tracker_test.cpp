@@ -11,10 +11,6 @@ namespace {
 
 constexpr double kDt = 0.0165;
 
-Pose pose(double x, double y, double theta = 0.0) {
-  return {{static_cast<float>(x), static_cast<float>(y)}, static_cast<float>(theta)};
-}
-
 Sightings ball_at(double x, double y) {
   Sightings sightings;
   sightings.ball.seen = true;
@@ -23,7 +19,7 @@ Sightings ball_at(double x, double y) {
 }
 
 // The tracker with a clock that advances with the frames.
-class TrackerTest : public testing::Test {
+class TrackerTest : public ::testing::Test {
  protected:
   void SetUp() override { configure({}); }
   void configure(const TrackParameters& parameters) { ASSERT_TRUE(tracker_.configure(parameters).ok()); }

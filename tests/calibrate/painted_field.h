@@ -22,11 +22,11 @@ struct PaintedPatch {
 /// Draws a dark floor with patches, a lamp, blurred edges and noise in one of the camera's pixel formats.
 inline CameraPicture painted_field(const std::vector<PaintedPatch>& patches, PixelFormat format, unsigned seed,
                                    const std::function<double(int, int)>& lamp) {
-  constexpr int kWidth = 320, kHeight = 240, kPatch = 6, kRobot = 11;
-  std::vector<std::array<double, 3>> image(kWidth * kHeight, {45, 48, 50});
+  constexpr int kFieldWidth = 320, kFieldHeight = 240, kPatch = 6, kRobot = 11;
+  std::vector<std::array<double, 3>> image(kFieldWidth * kFieldHeight, {45, 48, 50});
   const auto fill = [&](int cu, int cv, int half, const std::array<double, 3>& rgb) {
     for (int v = cv - half; v < cv + half; ++v) {
-      for (int u = cu - half; u < cu + half; ++u) image[static_cast<std::size_t>(v * kWidth + u)] = rgb;
+      for (int u = cu - half; u < cu + half; ++u) image[static_cast<std::size_t>(v * kFieldWidth + u)] = rgb;
     }
   };
   for (const PaintedPatch& p : patches) fill(p.u_px, p.v_px, kRobot, {15, 15, 15});
@@ -34,24 +34,24 @@ inline CameraPicture painted_field(const std::vector<PaintedPatch>& patches, Pix
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, 4.0);
   std::vector<std::array<std::uint8_t, 3>> pixels(image.size());
-  for (int v = 0; v < kHeight; ++v) {
-    for (int u = 0; u < kWidth; ++u) {
+  for (int v = 0; v < kFieldHeight; ++v) {
+    for (int u = 0; u < kFieldWidth; ++u) {
       for (std::size_t c = 0; c < 3; ++c) {
         double sum = 0;
         for (int k = -1; k <= 1; ++k) {
-          const int column = std::min(std::max(u + k, 0), kWidth - 1);
-          sum += (k == 0 ? 0.5 : 0.25) * image[static_cast<std::size_t>(v * kWidth + column)][c];
+          const int column = std::min(std::max(u + k, 0), kFieldWidth - 1);
+          sum += (k == 0 ? 0.5 : 0.25) * image[static_cast<std::size_t>(v * kFieldWidth + column)][c];
         }
         const double value = sum * lamp(u, v) + noise(random);
-        pixels[static_cast<std::size_t>(v * kWidth + u)][c] =
+        pixels[static_cast<std::size_t>(v * kFieldWidth + u)][c] =
             static_cast<std::uint8_t>(std::min(255.0, std::max(0.0, value + 0.5)));
       }
     }
   }
   Frame frame;
   frame.format = format;
-  frame.width_px = kWidth;
-  frame.height_px = kHeight;
+  frame.width_px = kFieldWidth;
+  frame.height_px = kFieldHeight;
   // YUV: ITU-R BT.601 in limited range; a chroma sample is the mean of its pixels.
   const auto value_of = [&](const std::array<std::uint8_t, 3>& pixel, std::size_t c) {
     const double r = pixel[0], g = pixel[1], b = pixel[2];
@@ -59,16 +59,16 @@ inline CameraPicture painted_field(const std::vector<PaintedPatch>& patches, Pix
     if (c == 0) return 16 + 0.257 * r + 0.504 * g + 0.098 * b;
     return c == 1 ? 128 - 0.148 * r - 0.291 * g + 0.439 * b : 128 + 0.439 * r - 0.368 * g - 0.071 * b;
   };
-  const PictureLayout layout = picture_layout(format, kWidth, kHeight);
+  const PictureLayout layout = picture_layout(format, kFieldWidth, kFieldHeight);
   std::vector<std::uint8_t> bytes(layout.bytes);
   for (std::size_t c = 0; c < 3; ++c) {
     const ChannelLayout& channel = info_of(format).channel[c];
     const std::size_t across = std::size_t{1} << channel.shift_u, down = std::size_t{1} << channel.shift_v;
-    for (std::size_t v = 0; v < kHeight; v += down) {
-      for (std::size_t u = 0; u < kWidth; u += across) {
+    for (std::size_t v = 0; v < kFieldHeight; v += down) {
+      for (std::size_t u = 0; u < kFieldWidth; u += across) {
         double sum = 0;
         for (std::size_t i = 0; i < across * down; ++i) {
-          sum += value_of(pixels[(v + i / across) * kWidth + u + i % across], c);
+          sum += value_of(pixels[(v + i / across) * kFieldWidth + u + i % across], c);
         }
         const std::size_t row = layout.offset_bytes[channel.plane] + (v / down) * layout.stride_bytes[channel.plane];
         bytes[row + channel.byte(u)] = static_cast<std::uint8_t>(sum / static_cast<double>(across * down) + 0.5);

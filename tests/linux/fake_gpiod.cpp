@@ -11,21 +11,21 @@
 namespace touchline::fake {
 namespace {
 
-GpioChips* machine = nullptr;
+GpioChips* gpio_machine = nullptr;
 // Size of the kernel's event buffer of a line; further events are lost.
 constexpr std::size_t kMaxEvents = 16;
 
 }  // namespace
 
 GpioChips::GpioChips(std::vector<GpioChip*> chips) : chips_(std::move(chips)) {
-  machine = this;
+  gpio_machine = this;
   for (GpioChip* const chip : chips_) kernel()->add("/dev/" + chip->name, *chip);
 }
 GpioChips::~GpioChips() {
-  machine = nullptr;
+  gpio_machine = nullptr;
   for (const GpioChip* const chip : chips_) kernel()->remove("/dev/" + chip->name);
 }
-GpioChips& gpio_chips() { return *machine; }
+GpioChips& gpio_chips() { return *gpio_machine; }
 
 GpioChip* GpioChips::find(const std::string& path) const {
   const auto found =

@@ -58,7 +58,7 @@ TEST_F(Program, ReportsMissingInputs) {
   EXPECT_NE(output().find("is 32 x 32, but"), std::string::npos) << output();
   std::ofstream(path("bare.toml")) << "version = 1\n[picture]\nwidth_px = 320\nheight_px = 240\n";
   EXPECT_FALSE(run(path("field.png") + " --venue " + path("bare.toml") + rest));
-  EXPECT_NE(output().find("[camera_model] holds no camera"), std::string::npos) << output();
+  EXPECT_NE(output().find("[camera_model] has no camera model"), std::string::npos) << output();
   EXPECT_FALSE(fs::exists(path("figures"))) << "nothing may be written on error";
 }
 

@@ -110,6 +110,7 @@ struct NamedTeam {
 /// [network] of the board file.
 struct NetworkSettings {
   std::string own_team;
+  float wheel_radius_m = 0.02f;
   std::vector<NamedTeam> team;
   std::vector<OutputSettings> output;
   std::vector<InputSettings> input;
@@ -119,6 +120,11 @@ struct NetworkSettings {
     visit.text(self.own_team, {.name = "own_team",
                                .help = "Name of our team as the referee writes it; empty: the referee does not decide "
                                        "on color and side"});
+    visit.number(self.wheel_radius_m,
+                 {.name = "wheel_radius_m",
+                  .range = {0.001, 0.5},
+                  .unit = "m",
+                  .help = "Radius of the wheels that FIRASim's clients assume; turns their rad/s into m/s"});
     visit.list(self.team, {.name = "team", .help = "A team whose markers have another height than the team file says"});
     visit.list(self.output, {.name = "output", .help = "An output; without one, nothing is sent"});
     visit.list(self.input,

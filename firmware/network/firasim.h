@@ -14,8 +14,6 @@ namespace touchline::network {
 std::size_t encode_firasim_environment(const OutputFrame& frame, const FieldParameters& field,
                                        std::span<std::byte> out);
 
-// Radius of the wheels of FIRASim's robots, which its clients assume.
-inline constexpr float kFirasimWheelRadius_m = 0.02f;
 // Faster rims are limited to this speed. No robot of the leagues reaches it.
 inline constexpr float kMaxRimSpeed_mps = 10.0f;
 

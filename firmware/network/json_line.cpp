@@ -11,6 +11,22 @@ using report::write_number;
 
 constexpr double kVoltStep = 1e-3;
 
+const char* word_of(GamePhase phase) {
+  switch (phase) {
+    case GamePhase::kNoReferee:
+      return "no referee";
+    case GamePhase::kHalt:
+      return "halt";
+    case GamePhase::kStop:
+      return "stop";
+    case GamePhase::kPrepare:
+      return "prepare";
+    case GamePhase::kRunning:
+      return "running";
+  }
+  return "";
+}
+
 void write_id_key(JsonWriter& json, RobotId id) {
   std::array<char, 4> text{};
   const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), int{id});
@@ -100,6 +116,8 @@ std::size_t write_json_line(const OutputFrame& frame, const report::TraceNames& 
   json.boolean(snapshot.commands.stop);
   json.key("halt");
   json.integer(snapshot.halt);
+  json.key("phase");
+  json.string(word_of(snapshot.referee.phase));
   json.key("commands");
   write_commands(json, snapshot.commands);
   json.key("telemetry");

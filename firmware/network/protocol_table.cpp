@@ -1,5 +1,6 @@
 // The encoder of each output protocol and the decoder of each input protocol. A protocol's word and usual address are
 // in firmware/config/network_settings.h.
+#include <array>
 #include <string>
 #include <utility>
 
@@ -8,6 +9,7 @@
 #include "firmware/network/firasim.h"
 #include "firmware/network/json_commands.h"
 #include "firmware/network/json_line.h"
+#include "firmware/network/publisher.h"
 #include "firmware/network/referee.h"
 #include "firmware/network/ssl_tracked.h"
 #include "firmware/network/ssl_vision.h"
@@ -80,12 +82,19 @@ Result<DecodedMessage> of_referee(Result<RefereeState> state) {
   return DecodedMessage{{}, std::move(state).value()};
 }
 
-report::TraceNames names_of(const config::Configuration& configuration) {
+/// Names for each color that our team may have, by TeamColor: a referee may exchange the colors.
+std::array<report::TraceNames, 2> names_of(const config::Configuration& configuration) {
   report::TraceNames names;
   names.colors = {"background"};
   for (const config::ColorEntry& color : configuration.venue.color) names.colors.push_back(color.name);
   names.teams = {configuration.team.own.color, configuration.team.opponent.color};
-  return names;
+  report::TraceNames exchanged = names;
+  std::swap(exchanged.teams[0], exchanged.teams[1]);
+  const TeamColor own = published_scene(configuration).own;
+  std::array<report::TraceNames, 2> by_color;
+  by_color[static_cast<std::size_t>(own)] = std::move(names);
+  by_color[static_cast<std::size_t>(other(own))] = std::move(exchanged);
+  return by_color;
 }
 
 std::string device_of(const hal::CameraSettings& camera) {
@@ -135,7 +144,7 @@ Result<std::unique_ptr<Encoder>> make_encoder(config::OutputProtocol protocol,
     case config::OutputProtocol::kJson:
       return encoder_of([names = names_of(configuration), device = device_of(configuration.board.camera)](
                             const OutputFrame& frame, std::span<std::byte> out) {
-        return write_json_line(frame, names, device, out);
+        return write_json_line(frame, names[static_cast<std::size_t>(frame.own)], device, out);
       });
   }
   return failure(ErrorCode::kUnsupported, "no such protocol");
@@ -144,9 +153,10 @@ Result<std::unique_ptr<Encoder>> make_encoder(config::OutputProtocol protocol,
 std::unique_ptr<Decoder> make_decoder(config::InputProtocol protocol, const config::Configuration& configuration) {
   switch (protocol) {
     case config::InputProtocol::kFirasim:
-      return decoder_of([](std::span<const std::byte> message, TeamColor own) {
-        return of_commands(decode_firasim_packet(message, own, kFirasimWheelRadius_m));
-      });
+      return decoder_of(
+          [radius_m = configuration.board.network.wheel_radius_m](std::span<const std::byte> message, TeamColor own) {
+            return of_commands(decode_firasim_packet(message, own, radius_m));
+          });
     case config::InputProtocol::kJson:
       return decoder_of([](std::span<const std::byte> message, TeamColor /*own*/) {
         return of_commands(decode_json_commands(message));

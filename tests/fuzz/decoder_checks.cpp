@@ -66,7 +66,7 @@ void require_state(const Result<RefereeState>& state) {
 }
 
 void check_firasim_packet(std::span<const std::byte> bytes) {
-  const Result<CommandBatch> blue = decode_firasim_packet(bytes, TeamColor::kBlue, network::kFirasimWheelRadius_m);
+  const Result<CommandBatch> blue = decode_firasim_packet(bytes, TeamColor::kBlue, 0.02f);
   require_commands(blue);
   const Result<CommandBatch> yellow = decode_firasim_packet(bytes, TeamColor::kYellow, 1.0f);
   require_commands(yellow);

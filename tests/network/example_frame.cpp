@@ -53,6 +53,7 @@ Snapshot example_snapshot() {
   snapshot.tracks.robots.push_back(
       track(Team::kOpponent, 0, TrackState::kSeen, {{1.0005f, -0.7505f}, 3.12f}, {0.0f, -3.5f}));
   snapshot.commands.stop = false;
+  snapshot.referee.phase = GamePhase::kRunning;
   snapshot.commands.robots.push_back({3, {0.4f, 1.0f}, {0.365f, 0.435f}});
   RobotReport report;
   report.last = {3, 17, 7.412f, 98};

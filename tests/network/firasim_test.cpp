@@ -72,7 +72,7 @@ void add(pb::Packet& packet, std::uint32_t id, bool yellow, double left, double 
 
 Result<CommandBatch> decoded(const pb::Packet& packet, TeamColor own = TeamColor::kBlue) {
   const std::string bytes = packet.SerializeAsString();
-  return decode_firasim_packet(bytes_of(bytes), own, kFirasimWheelRadius_m);
+  return decode_firasim_packet(bytes_of(bytes), own, 0.02f);
 }
 
 TEST(FirasimPacket, WheelSpeedsBecomeRimSpeeds) {

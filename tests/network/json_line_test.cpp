@@ -38,7 +38,7 @@ TEST(JsonLine, HasTheDocumentedFormat) {
       R"("robots":{"blue":{"3":{"x":0.6615,"y":0.5005,"theta":-2.02,"v":0.5,"w":1.25,"seen":true},)"
       R"("1":{"x":-0.3,"y":0.1,"theta":0.5,"v":-0.25,"w":0.0,"seen":false}},)"
       R"("yellow":{"0":{"x":1.0005,"y":-0.7505,"theta":3.12,"v":0.0,"w":-3.5,"seen":true}}},)"
-      R"("stop":false,"halt":0,"commands":{"3":{"v":0.4,"w":1.0,"left":0.365,"right":0.435}},)"
+      R"("stop":false,"halt":0,"phase":"running","commands":{"3":{"v":0.4,"w":1.0,"left":0.365,"right":0.435}},)"
       R"("telemetry":{"3":{"battery":7.412,"link":98,"age":0.25},"1":{"battery":null,"link":null,"age":0.25}}})"
       "\n");
 }

@@ -57,8 +57,12 @@ void ExternalInput::count_expired(const Commands& commands) {
   expired_ = expired;
 }
 
-bool ExternalInput::referee_stops(Instant now, Duration timeout) const {
-  return !may_move_in(referee_.phase) || (referee_.repeats && now - referee_.received > timeout);
+std::uint8_t ExternalInput::halt(Instant now, Duration timeout) const {
+  std::uint8_t reasons = kHaltNone;
+  if (!may_move_in(referee_.phase)) reasons |= kHaltReferee;
+  if (referee_.repeats && now - referee_.received > timeout) reasons |= kHaltSilence;
+  if (!is_assigned_) reasons |= kHaltTeams;
+  return reasons;
 }
 
 TeamAssignment ExternalInput::wanted_assignment() const {
@@ -70,12 +74,11 @@ TeamAssignment ExternalInput::wanted_assignment() const {
   return assignment;
 }
 
-bool ExternalInput::assign_teams(Pipeline& pipeline) {
-  if (const TeamAssignment wanted = wanted_assignment(); wanted != assignment_) {
-    assignment_ = wanted;
-    is_assigned_ = pipeline.assign_teams(wanted).ok();
-  }
-  return is_assigned_;
+void ExternalInput::assign_teams(Pipeline& pipeline) {
+  const TeamAssignment wanted = wanted_assignment();
+  if (wanted == assignment_) return;
+  assignment_ = wanted;
+  is_assigned_ = pipeline.assign_teams(wanted).ok();
 }
 
 }  // namespace touchline

@@ -8,6 +8,7 @@
 #include "core/control/referee_state.h"
 #include "core/pipeline.h"
 #include "firmware/loop_statistics.h"
+#include "firmware/stop_rules.h"
 #include "hal/mailbox.h"
 
 namespace touchline {
@@ -28,17 +29,16 @@ class ExternalInput {
 
   /// `now`: of the loop's clock; `machine_now`: CLOCK_MONOTONIC.
   void take(Instant now, Instant machine_now);
-  /// Passes team colors, sides and heights of the referee on. False: the last ones cannot be used.
-  bool assign_teams(Pipeline& pipeline);
+  /// Passes team colors, sides and heights of the referee on.
+  void assign_teams(Pipeline& pipeline);
   /// Counts the robots whose command has become too old since the last frame.
   void count_expired(const Commands& commands);
 
   /// `received` is of the loop's clock, here and in referee().
   [[nodiscard]] const ExternalCommands& commands() const { return commands_; }
   [[nodiscard]] const RefereeState& referee() const { return referee_; }
-  /// Whether robots must stand: the game does not run, or a referee that repeats its messages is silent for longer than
-  /// `timeout`.
-  [[nodiscard]] bool referee_stops(Instant now, Duration timeout) const;
+  /// The bits of kRefereeHalts that hold. `timeout`: for a referee that repeats its messages.
+  [[nodiscard]] std::uint8_t halt(Instant now, Duration timeout) const;
   [[nodiscard]] const ExternalCounts& counts() const { return counts_; }
 
  private:
@@ -52,7 +52,7 @@ class ExternalInput {
   FixedVector<RobotId, kMaxRobotsPerTeam> expired_;
   RefereeState referee_;
   TeamAssignment assignment_;  // the last wanted one
-  bool is_assigned_ = true;
+  bool is_assigned_ = true;    // false: the pipeline refused it
   ExternalCounts counts_;
 };
 

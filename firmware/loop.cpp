@@ -220,8 +220,8 @@ void Loop::take_live_settings() {
 
 void Loop::take_external_input(Instant now) {
   external_.take(now, hal::MonotonicClock::read());
-  const bool assigned = external_.assign_teams(pipeline_);
-  rules_.apply_referee(external_.referee_stops(now, from_seconds(settings_.faults.referee_timeout_s)), !assigned);
+  external_.assign_teams(pipeline_);
+  rules_.apply_referee(external_.halt(now, from_seconds(settings_.faults.referee_timeout_s)));
 }
 
 void Loop::update_end(Instant now) {

@@ -35,6 +35,7 @@ std::string halt_reasons(std::uint8_t halt) {
   add(kHaltUnreadableLine, "emergency stop cannot be read");
   add(kHaltStart, "waiting for the start button");
   add(kHaltReferee, "the referee stopped the game");
+  add(kHaltSilence, "no message of the referee");
   add(kHaltTeams, "the referee's team colors or heights do not fit the team file");
   add(kHaltCrash, (halt & kHaltStart) != 0
                       ? "the previous run ended unexpectedly"

@@ -16,9 +16,12 @@ enum Halt : std::uint8_t {
   kHaltUnreadableLine = 4,  // the emergency stop cannot be read, which counts as pulled
   kHaltStart = 8,           // the start button has not been pressed yet
   kHaltCrash = 16,          // the previous run ended unexpectedly while robots were driven
-  kHaltReferee = 32,        // the referee stopped the game, or is silent
+  kHaltReferee = 32,        // the referee stopped the game
   kHaltTeams = 64,          // the referee demands team colors or heights that cannot be used
+  kHaltSilence = 128,       // a referee that repeats its messages is silent
 };
+
+constexpr std::uint8_t kRefereeHalts = kHaltReferee | kHaltTeams | kHaltSilence;
 
 struct StopRuleSettings {
   Duration stop_after{};               // robots stop when the last good frame is older
@@ -45,15 +48,15 @@ class StopRules {
   /// Applies the input lines as read at `now`. nullopt: they cannot be read, which counts as a pulled emergency stop if
   /// there is one.
   void apply_inputs(const std::optional<hal::GpioInputs>& inputs, Instant now);
-  /// `stops`: the referee stopped the game or is silent; `teams_unusable`: see kHaltTeams.
-  void apply_referee(bool stops, bool teams_unusable);
+  /// `reasons`: the bits of kRefereeHalts that hold.
+  void apply_referee(std::uint8_t reasons);
   /// Call it before a frame is processed: commands computed from an old frame must not drive robots.
-  void check_frame(Instant capture_time, Instant now) { set(kHaltNoFrames, is_stale(capture_time, now)); }
+  void check_frame(Instant capture_time, Instant now) { set_stale(is_stale(capture_time, now)); }
   /// Call it after a frame was processed successfully. A capture time later than `now` counts as `now`, because a wrong
   /// stamp must not keep robots moving.
   void accept_frame(Instant capture_time, Instant now);
   /// Checks the age of the last good frame.
-  void check_last_frame(Instant now) { set(kHaltNoFrames, !last_good_ || is_stale(*last_good_, now)); }
+  void check_last_frame(Instant now) { set_stale(!last_good_ || is_stale(*last_good_, now)); }
 
   /// Bits of Halt.
   [[nodiscard]] std::uint8_t halt() const { return halt_; }
@@ -67,7 +70,7 @@ class StopRules {
   [[nodiscard]] bool is_stale(Instant capture_time, Instant now) const {
     return now - capture_time > settings_.stop_after;
   }
-  void set(Halt reason, bool holds);
+  void set_stale(bool stale);
   void update_emergency(const hal::GpioInputs& inputs, Instant now);
 
   StopRuleSettings settings_;

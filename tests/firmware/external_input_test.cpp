@@ -75,23 +75,23 @@ TEST(ExternalInput, CountsHowOftenACommandBecameTooOld) {
 TEST(ExternalInput, OnlyARefereeThatRepeatsItsMessagesStopsRobotsBySilence) {
   Mailbox<RefereeState> mailbox;
   ExternalInput input({nullptr, &mailbox, {}});
-  EXPECT_FALSE(input.referee_stops(at(0.0), 1s)) << "no referee";
+  EXPECT_EQ(input.halt(at(0.0), 1s), kHaltNone) << "no referee";
   RefereeState state;
   state.phase = GamePhase::kRunning;
   state.received = machine(0.9);
   mailbox.put(state);
   input.take(at(1.0), machine(1.0));
-  EXPECT_FALSE(input.referee_stops(at(1000.0), 1s));
+  EXPECT_EQ(input.halt(at(1000.0), 1s), kHaltNone);
   state.repeats = true;
   mailbox.put(state);
   input.take(at(1.0), machine(1.0));
-  EXPECT_FALSE(input.referee_stops(at(1.9), 1s));
-  EXPECT_TRUE(input.referee_stops(at(1.9) + 1us, 1s));
+  EXPECT_EQ(input.halt(at(1.9), 1s), kHaltNone);
+  EXPECT_EQ(input.halt(at(1.9) + 1us, 1s), kHaltSilence);
   for (const GamePhase phase : {GamePhase::kHalt, GamePhase::kStop, GamePhase::kPrepare}) {
     state.phase = phase;
     mailbox.put(state);
     input.take(at(2.0), machine(1.0));
-    EXPECT_TRUE(input.referee_stops(at(2.0), 1s));
+    EXPECT_EQ(input.halt(at(2.0), 1s), kHaltReferee);
   }
   EXPECT_EQ(input.counts().referee_messages, 5U);
 }

@@ -10,7 +10,7 @@
 namespace touchline::network {
 namespace {
 
-std::optional<GamePhase> phase_of(std::int32_t command) {
+std::optional<GamePhase> phase_of_command(std::int32_t command) {
   switch (command) {
     case ssl_Command_HALT:
     case ssl_Command_TIMEOUT_YELLOW:  // people are on the field
@@ -81,7 +81,7 @@ Result<RefereeState> decode_ssl_referee(std::span<const std::byte> bytes, const 
   TOUCHLINE_TRY(decode_message(ssl_Referee_fields, bytes, &message));
   const std::optional<bool> in_break = is_break(message.stage);
   if (!in_break) return failure(ErrorCode::kOutOfRange, "unknown stage %d", int{message.stage});
-  const std::optional<GamePhase> phase = phase_of(message.command);
+  const std::optional<GamePhase> phase = phase_of_command(message.command);
   if (!phase) return failure(ErrorCode::kOutOfRange, "unknown command %d", int{message.command});
 
   RefereeState state;

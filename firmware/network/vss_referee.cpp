@@ -8,7 +8,7 @@
 namespace touchline::network {
 namespace {
 
-std::optional<GamePhase> phase_of(std::int32_t foul) {
+std::optional<GamePhase> phase_of_foul(std::int32_t foul) {
   switch (foul) {
     case VSSRef_Foul_FREE_KICK:
     case VSSRef_Foul_PENALTY_KICK:
@@ -33,7 +33,7 @@ Result<RefereeState> decode_vss_referee(std::span<const std::byte> bytes) {
   if (bytes.empty()) return failure(ErrorCode::kCorruptFrame, "the datagram is empty");
   VSSRef_VSSRef_Command message = VSSRef_VSSRef_Command_init_zero;
   TOUCHLINE_TRY(decode_message(VSSRef_VSSRef_Command_fields, bytes, &message));
-  const std::optional<GamePhase> phase = phase_of(message.foul);
+  const std::optional<GamePhase> phase = phase_of_foul(message.foul);
   if (!phase) return failure(ErrorCode::kOutOfRange, "unknown foul %d", int{message.foul});
   RefereeState state;
   state.phase = *phase;

@@ -60,7 +60,9 @@ void ExternalInput::count_expired(const Commands& commands) {
 std::uint8_t ExternalInput::halt(Instant now, Duration timeout) const {
   std::uint8_t reasons = kHaltNone;
   if (!may_move_in(referee_.phase)) reasons |= kHaltReferee;
-  if (referee_.repeats && now - referee_.received > timeout) reasons |= kHaltSilence;
+  const bool is_silent = referee_.repeats && now - referee_.received > timeout;
+  const bool is_awaited = settings_.awaits_referee && counts_.referee_messages == 0;
+  if (is_silent || is_awaited) reasons |= kHaltSilence;
   if (!is_assigned_) reasons |= kHaltTeams;
   return reasons;
 }

@@ -18,6 +18,8 @@ struct ExternalInputSettings {
   Mailbox<RefereeState>* referee = nullptr;       // null: there is no referee
   // Color of the own team in the team file; nullopt: the referee's team colors are ignored.
   std::optional<bool> own_is_yellow;
+  // Robots stand until the first message of the referee.
+  bool awaits_referee = false;
 };
 
 /// Takes the commands of other programs and the messages of a referee from their mailboxes. They are stamped with

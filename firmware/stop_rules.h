@@ -18,7 +18,7 @@ enum Halt : std::uint8_t {
   kHaltCrash = 16,          // the previous run ended unexpectedly while robots were driven
   kHaltReferee = 32,        // the referee stopped the game
   kHaltTeams = 64,          // the referee demands team colors or heights that cannot be used
-  kHaltSilence = 128,       // a referee that repeats its messages is silent
+  kHaltSilence = 128,       // a requested referee was never heard, or one that repeats its messages is silent
 };
 
 constexpr std::uint8_t kRefereeHalts = kHaltReferee | kHaltTeams | kHaltSilence;

@@ -63,7 +63,10 @@ void Connections::attach(Session& session) {
   session.set_snapshots(snapshots_.get());
   ExternalInputSettings external;
   if (has_input(false)) external.commands = commands_.get();
-  if (has_input(true)) external.referee = referee_.get();
+  if (has_input(true)) {
+    external.referee = referee_.get();
+    external.awaits_referee = true;
+  }
   if (const std::optional<TeamColor> own = own_color(session.configuration().team)) {
     external.own_is_yellow = *own == TeamColor::kYellow;
   }

@@ -96,6 +96,21 @@ TEST(ExternalInput, OnlyARefereeThatRepeatsItsMessagesStopsRobotsBySilence) {
   EXPECT_EQ(input.counts().referee_messages, 5U);
 }
 
+TEST(ExternalInput, RobotsWaitForTheFirstMessageOfARequestedReferee) {
+  Mailbox<RefereeState> mailbox;
+  ExternalInputSettings settings{nullptr, &mailbox, {}};
+  settings.awaits_referee = true;
+  ExternalInput input(settings);
+  input.take(at(1.0), machine(1.0));
+  EXPECT_EQ(input.halt(at(1.0), 1s), kHaltSilence);
+  RefereeState state;
+  state.phase = GamePhase::kRunning;
+  state.received = machine(2.0);
+  mailbox.put(state);
+  input.take(at(2.0), machine(2.0));
+  EXPECT_EQ(input.halt(at(100.0), 1s), kHaltNone) << "this referee sends changes only";
+}
+
 TEST(ExternalInput, WhatTheRefereeDoesNotSayRemains) {
   Mailbox<RefereeState> mailbox;
   ExternalInput input({nullptr, &mailbox, {}});

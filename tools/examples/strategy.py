@@ -16,15 +16,15 @@ frames.bind(("127.0.0.1", 9870))
 
 
 def attack(robot, ball):
-    """Place, relative to the field, to which the robot drives: behind the ball, or through it to the goal."""
-    aim = math.atan2(-ball["y"], GOAL_X - ball["x"])
+    """Where the robot drives: around the ball, then behind it, then through it into a half of the goal."""
+    aim = math.atan2(math.copysign(0.12, ball["y"]) - ball["y"], GOAL_X - ball["x"]) if abs(ball["y"]) < 0.8 else 0.0
+    cos, sin = math.cos(aim), math.sin(aim)
     dx, dy = robot["x"] - ball["x"], robot["y"] - ball["y"]
-    along, across = dx * math.cos(aim) + dy * math.sin(aim), dy * math.cos(aim) - dx * math.sin(aim)
-    if -0.25 < along < -0.03 and abs(across) < 0.03:
-        return {"x": GOAL_X, "y": 0.0}
-    beside = 0.0 if along < -0.05 else math.copysign(0.12, across)  # not through the ball
-    return {"x": ball["x"] - 0.12 * math.cos(aim) - beside * math.sin(aim),
-            "y": ball["y"] - 0.12 * math.sin(aim) + beside * math.cos(aim), **({} if beside else {"theta": aim})}
+    along, across = dx * cos + dy * sin, dy * cos - dx * sin
+    if along < -0.02 and abs(across) < 0.02 - 0.2 * along:
+        return {"x": ball["x"] + 0.4 * cos, "y": ball["y"] + 0.4 * sin}
+    beside = 0.0 if along < -0.06 else math.copysign(0.12, across)
+    return {"x": ball["x"] - 0.13 * cos - beside * sin, "y": max(-0.84, min(0.84, ball["y"] - 0.13 * sin + beside * cos))}
 
 
 while True:

@@ -9,7 +9,7 @@
 namespace touchline::network {
 namespace {
 
-constexpr double kMmPerM = 1000.0;
+constexpr double kMillimetersPerMeter = 1000.0;
 
 /// A pixel and the point of the field that our model gives for it.
 struct Sample {
@@ -147,8 +147,8 @@ Model fitted(Model model, const std::vector<Sample>& samples, bool with_distorti
 SslCalibration calibration_of(const Model& model) {
   SslCalibration out;
   const Eigen::Quaterniond q(model.rotation);
-  const Eigen::Vector3d t_mm = -kMmPerM * (model.rotation * model.position_m);
-  const Eigen::Vector3d position_mm = kMmPerM * model.position_m;
+  const Eigen::Vector3d t_mm = -kMillimetersPerMeter * (model.rotation * model.position_m);
+  const Eigen::Vector3d position_mm = kMillimetersPerMeter * model.position_m;
   out.focal_length_px = model.focal_px;
   out.principal_point_px = {model.principal_px.x(), model.principal_px.y()};
   out.distortion = model.distortion;
@@ -178,8 +178,8 @@ Status fit_ssl_calibration(const CameraParameters& parameters, const FieldParame
   out = calibration_of(model);
   double max_m = 0.0;
   for (const Sample& sample : samples) max_m = std::max(max_m, model.error(sample).norm());
-  out.rms_mm = kMmPerM * std::sqrt(squared_error(model, samples) / static_cast<double>(samples.size()));
-  out.max_mm = kMmPerM * max_m;
+  out.rms_mm = kMillimetersPerMeter * std::sqrt(squared_error(model, samples) / static_cast<double>(samples.size()));
+  out.max_mm = kMillimetersPerMeter * max_m;
   return {};
 }
 
@@ -188,7 +188,7 @@ FieldPoint to_field(const SslCalibration& calibration, PixelPoint pixel, float h
   const std::array<double, 4>& q = calibration.q;
   model.rotation = Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized().toRotationMatrix();
   const Eigen::Vector3d t_mm(calibration.t_mm[0], calibration.t_mm[1], calibration.t_mm[2]);
-  model.position_m = -(model.rotation.transpose() * t_mm) / kMmPerM;
+  model.position_m = -(model.rotation.transpose() * t_mm) / kMillimetersPerMeter;
   model.focal_px = calibration.focal_length_px;
   model.principal_px = {calibration.principal_point_px[0], calibration.principal_point_px[1]};
   model.distortion = calibration.distortion;

@@ -110,7 +110,7 @@ void refuse_others(const std::vector<Override>& overrides, std::string_view mess
 }
 
 Result<void> read_board(const std::string& path, const std::vector<Override>& overrides, Configuration& out) {
-  const Result<void> read = read_toml(path, kBoardRemedy, overrides, out.board, out.board_where);
+  Result<void> read = read_toml(path, kBoardRemedy, overrides, out.board, out.board_where);
   if (!read.ok()) return read;
   ErrorList errors;
   check_rate(out, errors);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <utility>
+#include <vector>
 
 namespace touchline::network {
 namespace {
@@ -30,13 +31,14 @@ std::array<NamedCount, 2> counts_of(const PublisherOutput& output) {
   return {{{"sent", output.sent()}, {"not sent", output.not_sent()}}};
 }
 
-std::array<NamedCount, 5> counts_of(const ReceiverInput& input) {
+std::array<NamedCount, 6> counts_of(const ReceiverInput& input) {
   const InputCounts& counts = input.counts();
   return {{{"received", value(counts.accepted)},
            {"of refused senders", value(counts.refused)},
            {"malformed", value(counts.malformed)},
            {"over the rate", value(counts.over_rate)},
-           {"for the other team", value(counts.other_team)}}};
+           {"for the other team", value(counts.other_team)},
+           {"for unknown robots", value(counts.unknown_robot)}}};
 }
 
 // Adds up the counts of several outputs or inputs. Empty if there are none.
@@ -79,7 +81,10 @@ void Connections::start(const config::Configuration& configuration, const Print&
     publisher_ = std::make_unique<Publisher>(*snapshots_, make_outputs(plan_, configuration, print), scene, print);
   }
   if (!plan_.inputs.empty()) {
-    receiver_ = std::make_unique<Receiver>(make_inputs(plan_, configuration), scene.own, *commands_, *referee_, print);
+    std::vector<RobotId> robots;
+    for (const RobotMarking& robot : configuration.pipeline.marker.teams[0].robots) robots.push_back(robot.id);
+    receiver_ = std::make_unique<Receiver>(make_inputs(plan_, configuration), scene.own, std::move(robots), *commands_,
+                                           *referee_, print);
   }
 }
 

@@ -100,13 +100,14 @@ ReceiverInputs make_inputs(const NetworkPlan& plan, const config::Configuration&
   return out;
 }
 
-Receiver::Receiver(ReceiverInputs inputs, TeamColor own, Mailbox<ExternalCommands>& commands,
-                   Mailbox<RefereeState>& referee, Print print)
+Receiver::Receiver(ReceiverInputs inputs, TeamColor own, std::vector<RobotId> robots,
+                   Mailbox<ExternalCommands>& commands, Mailbox<RefereeState>& referee, Print print)
     : inputs_(std::move(inputs)),
       commands_(commands),
       referee_(referee),
       print_(std::move(print)),
       own_(own),
+      robots_(std::move(robots)),
       buffer_(kMaxMessageBytes) {
   // Here, so that a wrong address is reported at once.
   for (const auto& input : inputs_) input->serve(hal::MonotonicClock::read(), print_);
@@ -147,13 +148,19 @@ void Receiver::drain(ReceiverInput& input) {
   for (int i = 0; i < kMessagesPerTurn; ++i) {
     const Instant now = hal::MonotonicClock::read();
     if (!input.receive(now, own_, buffer_, message, print_)) return;
-    if (message) apply(*message, now);
+    if (message) input.count_unknown_robots(apply(*message, now));
   }
   messages_wait_ = true;
 }
 
-void Receiver::apply(DecodedMessage& message, Instant now) {
+std::uint64_t Receiver::apply(DecodedMessage& message, Instant now) {
+  std::uint64_t unknown = 0;
   for (ExternalCommand& command : message.batch.commands) {
+    // The table holds as many robots as a team has: others must not take their places.
+    if (std::find(robots_.begin(), robots_.end(), command.id) == robots_.end()) {
+      ++unknown;
+      continue;
+    }
     command.received = now;
     const auto known = std::find_if(table_.begin(), table_.end(),
                                     [&](const ExternalCommand& other) { return other.id == command.id; });
@@ -164,10 +171,11 @@ void Receiver::apply(DecodedMessage& message, Instant now) {
     }
     table_changed_ = true;
   }
-  if (!message.referee) return;
+  if (!message.referee) return unknown;
   message.referee->received = now;
   if (message.referee->own_is_yellow) own_ = *message.referee->own_is_yellow ? TeamColor::kYellow : TeamColor::kBlue;
   referee_.put(*message.referee);
+  return unknown;
 }
 
 }  // namespace touchline::network

@@ -22,10 +22,11 @@ namespace touchline::network {
 /// Counts of an input since the start; written by the receiver's thread.
 struct InputCounts {
   std::atomic<std::uint64_t> accepted{0};
-  std::atomic<std::uint64_t> refused{0};     // from computers that are not on the list
-  std::atomic<std::uint64_t> malformed{0};   // not of the protocol, too long, or with impossible values
-  std::atomic<std::uint64_t> over_rate{0};   // faster than the limit
-  std::atomic<std::uint64_t> other_team{0};  // commands for robots of the other color
+  std::atomic<std::uint64_t> refused{0};        // from computers that are not on the list
+  std::atomic<std::uint64_t> malformed{0};      // not of the protocol, too long, or with impossible values
+  std::atomic<std::uint64_t> over_rate{0};      // faster than the limit
+  std::atomic<std::uint64_t> other_team{0};     // commands for robots of the other color
+  std::atomic<std::uint64_t> unknown_robot{0};  // commands for robots of our color that we do not have
 };
 
 /// One source: protocol, socket, permitted senders and rate.
@@ -43,6 +44,8 @@ class ReceiverInput {
   /// Receives one message. False: none is waiting. `out` is set if the message is accepted.
   bool receive(Instant now, TeamColor own, std::span<std::byte> buffer, std::optional<DecodedMessage>& out,
                const Print& print);
+
+  void count_unknown_robots(std::uint64_t count) { counts_.unknown_robot.fetch_add(count, std::memory_order_relaxed); }
 
   // For any thread.
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -73,9 +76,9 @@ ReceiverInputs make_inputs(const NetworkPlan& plan, const config::Configuration&
 class Receiver {
  public:
   /// Both mailboxes must outlive the receiver. `own`: color of our team until a referee assigns it. `print` is called
-  /// on the receiver's thread.
-  Receiver(ReceiverInputs inputs, TeamColor own, Mailbox<ExternalCommands>& commands, Mailbox<RefereeState>& referee,
-           Print print);
+  /// on the receiver's thread. `robots`: ids of our robots; commands for others are ignored and counted.
+  Receiver(ReceiverInputs inputs, TeamColor own, std::vector<RobotId> robots, Mailbox<ExternalCommands>& commands,
+           Mailbox<RefereeState>& referee, Print print);
   ~Receiver() { end(); }
   Receiver(const Receiver&) = delete;
   Receiver& operator=(const Receiver&) = delete;
@@ -89,13 +92,15 @@ class Receiver {
   void work();
   void receive_all();
   void drain(ReceiverInput& input);
-  void apply(DecodedMessage& message, Instant now);
+  /// Returns the number of commands for robots that we do not have.
+  std::uint64_t apply(DecodedMessage& message, Instant now);
 
   const ReceiverInputs inputs_;
   Mailbox<ExternalCommands>& commands_;
   Mailbox<RefereeState>& referee_;
   const Print print_;
   TeamColor own_;
+  const std::vector<RobotId> robots_;
   ExternalCommands table_;  // the last command of each robot
   bool table_changed_ = false;
   bool messages_wait_ = false;  // the last turn left some, so that no input keeps the others waiting

@@ -84,8 +84,8 @@ class ThreadsReceiver : public ::testing::Test {
     inputs.push_back(std::make_unique<ReceiverInput>("fake", std::make_unique<LetterDecoder>(),
                                                      std::make_unique<FakeInput>(line_),
                                                      std::vector<hal::NetworkRange>{{kFieldPc, 32}}, rate_hz));
-    receiver_ = std::make_unique<Receiver>(std::move(inputs), TeamColor::kBlue, *commands_, *referee_,
-                                           [this](const std::string& line) {
+    receiver_ = std::make_unique<Receiver>(std::move(inputs), TeamColor::kBlue, std::vector<RobotId>{1, 2, 3, 4},
+                                           *commands_, *referee_, [this](const std::string& line) {
                                              const std::scoped_lock lock(line_.mutex);
                                              printed_.push_back(line);
                                            });
@@ -130,6 +130,17 @@ TEST_F(ThreadsReceiver, TableHasTheLastCommandOfEachRobot) {
   EXPECT_GE(referee.received, begin);
   EXPECT_EQ(counts().accepted, 5U);
   EXPECT_EQ(counts().other_team, 1U);
+}
+
+TEST_F(ThreadsReceiver, RobotsThatWeDoNotHaveTakeNoPlaceInTheTable) {
+  for (const char* const text : {"0", "5", "9", "2"}) line_.add(text, 0);
+  start();
+  finish();
+  ExternalCommands commands;
+  ASSERT_TRUE(commands_->take(commands));
+  ASSERT_EQ(commands.size(), 1U);
+  EXPECT_EQ(commands[0].id, 2);
+  EXPECT_EQ(counts().unknown_robot, 3U);
 }
 
 TEST_F(ThreadsReceiver, ForeignAndMalformedMessagesChangeNothing) {

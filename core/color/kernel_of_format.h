@@ -37,7 +37,6 @@ OccupiedWords classify_any_span(const SpanTables& tables, const RowPixels& row, 
 /// pairs share chroma, consist of whole pairs.
 template <class Family, bool kTakesAnySpan = false>
 SpanKernel kernel_of_format(PixelFormat format) {
-  // NOLINTNEXTLINE(bugprone-dynamic-static-initializers): it is a constant
   static constexpr auto kKernels = []<std::size_t... kIndex>(std::index_sequence<kIndex...>) {
     const auto kernel_of = []<std::size_t kFormat>() -> SpanKernel {
       constexpr PixelFormat kThis = kPixelFormatTable[kFormat].format;

@@ -225,7 +225,6 @@ struct Packed32 : PeriodOfFour {
 // One byte per pixel and two per pair, in one plane or in two.
 template <PixelFormat kFormat>
 struct Planar {
-  // NOLINTNEXTLINE(bugprone-dynamic-static-initializers): it is a constant
   static constexpr bool kSeparateUv = info_of(kFormat).packing == Packing::kPlanar;
 
   // U and V interleaved, of a tile and of a block.

@@ -79,6 +79,7 @@ void find_ball(const ColorPatches& patches, const PatchFinder& finder, const std
   out.ball.position = best->at[0];
   out.ball.center = best->center;
   out.ball.area_px = static_cast<std::uint32_t>(best->area_px);
+  out.ball.confidence = best_score;
 }
 
 }  // namespace touchline

@@ -11,6 +11,9 @@ namespace {
 // Minimum area ratio of a team patch without identification patches that is reported as a robot.
 constexpr float kMinUnpairedRatio = 0.5f;
 
+// Confidences by kind of sighting: all patches with a certain id, all patches, a team patch alone.
+constexpr float kSureId = 0.99f, kSurePose = 0.95f, kTeamPatchOnly = 0.8f;
+
 constexpr std::array<Team, 2> kTeams{Team::kOwn, Team::kOpponent};
 constexpr std::size_t index_of(Team team) { return static_cast<std::size_t>(team); }
 
@@ -188,8 +191,10 @@ void Matcher::report_pair(const Chosen& choice, Sightings& out) {
     robot.pose = {team_patch.at[index_of(h.team)], 0.0f};
     robot.residual_m = 0.0f;
   }
+  robot.confidence = known_pose ? kSurePose : kTeamPatchOnly;
   if (known_pose && choice.id_is_sure && h.precise) {
     robot.id = marking.robots[static_cast<std::size_t>(h.robot)].id;
+    robot.confidence = kSureId;
   }
   reported_[h.team_patch] = true;
   out.robots.push_back(robot);
@@ -232,6 +237,7 @@ void Matcher::report_unpaired(Sightings& out) {
       RobotSighting robot;
       robot.team = candidate.team;
       robot.pose.position = candidate.patch.at[index_of(candidate.team)];
+      robot.confidence = kTeamPatchOnly;
       robot.patches.push_back({PatchRole::kTeam, 0, candidate.patch.color, candidate.patch.center});
       reported_[i] = true;
       out.robots.push_back(robot);

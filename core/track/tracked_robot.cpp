@@ -37,6 +37,7 @@ void TrackedRobot::start(const RobotSighting& sighting, Instant now, std::uint32
     point_.start(sighting.pose.position, {0.0, 0.0, p.start_speed_sigma_mps}, p.position_sigma_m);
   }
   last_position_ = sighting.pose.position;
+  confidence_ = sighting.confidence;
   life_.start(now, limits_of(parameters));
 }
 
@@ -107,6 +108,7 @@ bool TrackedRobot::fuse(const RobotSighting& sighting, Instant now, const TrackP
   }
   outliers_.clear();
   last_position_ = sighting.pose.position;
+  confidence_ = sighting.confidence;
   life_.seen(now, limits_of(parameters));
   return true;
 }
@@ -167,6 +169,7 @@ RobotTrack TrackedRobot::report(const TrackParameters& parameters) const {
   track.pose = pose();
   track.twist = twist();
   track.last_seen = life_.last_seen();
+  track.confidence = confidence_;
   if (heading_known_) {
     for (std::size_t i = 0; i < track.sigma.size(); ++i) track.sigma[i] = static_cast<float>(drive_.sigma(i));
   } else {

@@ -53,6 +53,7 @@ class TrackedRobot {
   LifeCycle life_;
   ConsecutiveOutliers outliers_;
   FieldPoint last_position_;  // at the last sighting
+  float confidence_ = 0.0f;   // of the last sighting
 };
 
 }  // namespace touchline

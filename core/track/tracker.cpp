@@ -95,6 +95,7 @@ bool Tracker::fuse_ball(const BallSighting& sighting, Instant now) {
     ball_.start(sighting.position, {0.0, 0.0, p.start_speed_sigma_mps}, p.position_sigma_m);
     ball_outliers_.clear();
     ball_last_position_ = sighting.position;
+    ball_confidence_ = sighting.confidence;
     ball_life_.start(now, ball_limits(parameters_));
     return true;
   }
@@ -120,6 +121,7 @@ bool Tracker::fuse_ball(const BallSighting& sighting, Instant now) {
   }
   ball_outliers_.clear();
   ball_last_position_ = sighting.position;
+  ball_confidence_ = sighting.confidence;
   ball_life_.seen(now, ball_limits(parameters_));
   return true;
 }
@@ -132,6 +134,7 @@ void Tracker::report_ball(Instant now, Instant action, BallTrack& out) const {
   out.velocity = ball_.velocity();
   out.sigma_m = static_cast<float>(std::sqrt(ball_.position_variance()));
   out.last_seen = ball_life_.last_seen();
+  out.confidence = ball_confidence_;
   PointFilter later = ball_;
   later.predict(seconds(action - now), noise_of(parameters_.ball));
   out.position_at_action = later.position();

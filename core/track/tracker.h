@@ -44,6 +44,7 @@ class Tracker {
   LifeCycle ball_life_;
   ConsecutiveOutliers ball_outliers_;
   FieldPoint ball_last_position_;
+  float ball_confidence_ = 0.0f;  // of the last sighting
   bool started_ = false;
   Instant last_time_{};
 };

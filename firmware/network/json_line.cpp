@@ -51,6 +51,7 @@ void write_robots(JsonWriter& json, const Snapshot& snapshot, const report::Trac
       write_number(json, "theta", robot.pose.theta_rad, report::kRadianStep);
       write_number(json, "v", robot.twist.v_mps, report::kSpeedStep);
       write_number(json, "w", robot.twist.w_radps, report::kSpeedStep);
+      write_number(json, "confidence", robot.confidence, report::kConfidenceStep);
       json.key("seen");
       json.boolean(robot.state != TrackState::kCoasting);
       json.end_object();

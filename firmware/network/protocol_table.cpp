@@ -111,7 +111,6 @@ VenueGeometry geometry_of(const config::Configuration& configuration) {
   geometry.ball_radius_m = marker.ball.radius_m;
   for (std::size_t team = 0; team < 2; ++team) {
     geometry.robot_height_m[team] = marker.teams[team].layout.height_m;
-    geometry.patches_of[team] = marker.teams[team].layout.patches.size();
   }
   return geometry;
 }

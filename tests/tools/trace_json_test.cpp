@@ -16,12 +16,13 @@ const report::TraceNames kNames{{"background", "orange", "blue", "red"}, {"blue"
 std::unique_ptr<StepTrace> trace_of_two_robots() {
   auto trace = std::make_unique<StepTrace>();
   trace->frame.capture_time = Instant(from_seconds(1.25));
-  trace->sightings.ball = {true, {-0.7039341f, -0.000001f}, {141.5953f, 361.7f}, 40};
+  trace->sightings.ball = {true, {-0.7039341f, -0.000001f}, {141.5953f, 361.7f}, 40, 0.87654f};
   RobotSighting robot;
   robot.team = Team::kOwn;
   robot.id = 3;
   robot.has_heading = true;
   robot.pose = {{0.661068f, 0.5f}, -2.02268f};
+  robot.confidence = 0.99f;
   robot.patches.push_back({PatchRole::kTeam, 0, 2, {494.7691f, 210.65f}});
   robot.patches.push_back({PatchRole::kIdentification, 1, 3, {490.0f, 197.5f}});
   trace->sightings.robots.push_back(robot);
@@ -34,6 +35,7 @@ std::unique_ptr<StepTrace> trace_of_two_robots() {
   track.state = TrackState::kSeen;
   track.pose = {{0.661f, 0.5f}, -2.0f};
   track.twist = {0.12345f, -3.0f};
+  track.confidence = 0.99996f;
   trace->tracks.robots.push_back(track);
   return trace;
 }
@@ -42,12 +44,13 @@ TEST(TraceJson, HasTheDocumentedFormat) {
   const auto trace = trace_of_two_robots();
   EXPECT_EQ(
       report::trace_line(*trace, kNames, 7, "000007.png"),
-      R"({"frame":7,"file":"000007.png","t":1.25,"sightings":{"ball":{"x":-0.70393,"y":0.0,"u":141.595,"v":361.7},)"
-      R"("robots":[{"team":"blue","id":3,"x":0.66107,"y":0.5,"theta":-2.02268,"patches":[)"
+      R"({"frame":7,"file":"000007.png","t":1.25,"sightings":{"ball":{"x":-0.70393,"y":0.0,"u":141.595,"v":361.7,"confidence":0.8765},)"
+      R"("robots":[{"team":"blue","id":3,"x":0.66107,"y":0.5,"theta":-2.02268,"confidence":0.99,"patches":[)"
       R"({"role":"team","color":"blue","u":494.769,"v":210.65},)"
       R"({"role":"identification","color":"red","u":490.0,"v":197.5}]},)"
-      R"({"team":"yellow","id":null,"x":0.0,"y":0.0,"theta":null,"patches":[]}]},)"
-      R"("tracks":{"ball":null,"robots":[{"team":"blue","id":3,"x":0.661,"y":0.5,"theta":-2.0,"v":0.1235,"w":-3.0}]},)"
+      R"({"team":"yellow","id":null,"x":0.0,"y":0.0,"theta":null,"confidence":0.0,"patches":[]}]},)"
+      R"("tracks":{"ball":null,"robots":[{"team":"blue","id":3,"x":0.661,"y":0.5,"theta":-2.0,"v":0.1235,"w":-3.0,)"
+      R"("confidence":1.0}]},)"
       R"("overload":false})");
 }
 
@@ -57,9 +60,10 @@ TEST(TraceJson, BallTrackAndOverload) {
   trace->tracks.ball.state = TrackState::kCoasting;
   trace->tracks.ball.position = {0.1f, 0.2f};
   trace->tracks.ball.velocity = {-1.5f, 0.00002f};
+  trace->tracks.ball.confidence = 0.5f;
   EXPECT_EQ(report::trace_line(*trace, kNames, 0, "a"),
             R"({"frame":0,"file":"a","t":0.0,"sightings":{"ball":null,"robots":[]},)"
-            R"("tracks":{"ball":{"x":0.1,"y":0.2,"vx":-1.5,"vy":0.0},"robots":[]},"overload":true})");
+            R"("tracks":{"ball":{"x":0.1,"y":0.2,"vx":-1.5,"vy":0.0,"confidence":0.5},"robots":[]},"overload":true})");
 }
 
 TEST(TraceJson, IsReadableByTheEvaluation) {

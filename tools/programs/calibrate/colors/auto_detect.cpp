@@ -4,7 +4,6 @@
 #include <cmath>
 #include <memory>
 
-#include "tools/programs/calibrate/colors/patch_selection.h"
 #include "tools/programs/command_line/formatted.h"
 #include "tools/programs/command_line/progress.h"
 #include "tools/programs/replay/canvas.h"
@@ -30,31 +29,9 @@ std::vector<PatchSize> sizes_of(const MarkerParameters& marker) {
   return sizes;
 }
 
-// Returns the median color of the patches that were clicked on for a color.
-std::optional<Rgb> clicked_rgb(const std::string& color, const std::vector<Click>& clicks,
-                               const std::map<std::string, ChannelImage>& images,
-                               const std::vector<std::uint8_t>& inside) {
-  std::array<std::vector<std::uint8_t>, 3> values;
-  for (const Click& click : clicks) {
-    const auto image = images.find(click.image);
-    if (click.color != color || image == images.end()) continue;
-    const Result<GrownPatch> patch = select_patch(image->second, inside, click, {});
-    if (!patch.ok()) continue;
-    for (const std::size_t pixel : patch.value().pixels) {
-      const Channels rgb = shown_rgb(image->second.pixels[pixel], image->second.space);
-      for (std::size_t c = 0; c < 3; ++c) values[c].push_back(rgb[c]);
-    }
-  }
-  if (values[0].empty()) return std::nullopt;
-  Rgb look{};
-  for (std::size_t c = 0; c < 3; ++c) {
-    look[c] = statistics::median(values[c]);
-  }
-  return look;
-}
-
 // Selects the patches to learn from: those with the usual area, evenness and appearance for their color. A region that
-// grew into a neighbor or beyond its edge would give a wrong color.
+// grew into a neighbor or beyond its edge would give a wrong color. The appearance of a patch that was clicked on is
+// right whatever the others look like.
 std::vector<std::size_t> cleanest(const AssignmentInput& input, const AssignedColor& color,
                                   const std::vector<const ChannelImage*>& images) {
   struct Measure {
@@ -91,11 +68,16 @@ std::vector<std::size_t> cleanest(const AssignmentInput& input, const AssignedCo
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < measures.size(); ++i) {
     const Measure& m = measures[i];
-    if (m.uneven <= kMoreUneven * uneven && m.area <= kLarger * area && m.unlike <= 2 * unlike + kUnlike) {
+    const bool alike = input.named[color.patches[i]] != kNone || m.unlike <= 2 * unlike + kUnlike;
+    if (m.uneven <= kMoreUneven * uneven && m.area <= kLarger * area && alike) {
       out.push_back(color.patches[i]);
     }
   }
-  return out;
+  if (!out.empty()) return out;
+  // No patch is usual in everything: the most even one has the fewest pixels of others.
+  const auto most_even = std::min_element(measures.begin(), measures.end(),
+                                          [](const Measure& a, const Measure& b) { return a.uneven < b.uneven; });
+  return {color.patches[static_cast<std::size_t>(most_even - measures.begin())]};
 }
 
 // Adds all pixels that the robot with this team patch can cover.
@@ -109,6 +91,76 @@ void add_robot(const FoundPatch& patch, const ChannelImage& image, const CameraM
       if (du * du + dv * dv <= radius * radius && image.contains(u + du, v + dv))
         out.push_back(image.index(u + du, v + dv));
     }
+  }
+}
+
+// The patch that a click marks.
+struct Marked {
+  std::size_t patch = kNone;
+  std::optional<std::array<double, 4>> box = {};  // the patch was selected by this rectangle
+};
+
+// Gives the patches that are marked the names of their clicks, without those in `left_out`.
+void name_patches(const std::vector<Click>& clicks, const std::vector<Marked>& marked,
+                  const std::vector<bool>& left_out, DetectedColors& out) {
+  AssignmentInput& input = out.input;
+  input.named.assign(input.patches.size(), kNone);
+  for (WantedColor& color : input.colors) color.clicked = false;
+  for (std::size_t i = 0; i < clicks.size(); ++i) {
+    out.uses[i].used = false;
+    if (marked[i].patch == kNone || left_out[i]) continue;
+    const auto color = std::find_if(input.colors.begin(), input.colors.end(),
+                                    [&](const WantedColor& w) { return w.name == clicks[i].color; });
+    std::size_t& name = input.named[marked[i].patch];
+    if (color == input.colors.end()) {
+      out.uses[i].reason = "the team file has no color " + clicks[i].color;
+    } else if (const auto number = static_cast<std::size_t>(color - input.colors.begin());
+               name != kNone && name != number) {
+      out.uses[i].reason = "an earlier click names the same patch " + input.colors[name].name;
+    } else {
+      name = number;
+      color->clicked = true;
+      out.uses[i] = {true, ""};
+    }
+  }
+}
+
+// Assigns colors with the clicks. A click without which more robots are recognized is left out, as long as fewer are
+// recognized than without any click.
+void assign_with_clicks(const std::vector<Click>& clicks, const std::vector<Marked>& marked, DetectedColors& out) {
+  std::vector<bool> left_out(clicks.size(), true);
+  name_patches(clicks, marked, left_out, out);
+  const Assignment without_clicks = assign_colors(out.input);
+  left_out.assign(clicks.size(), false);
+  name_patches(clicks, marked, left_out, out);
+  out.assignment = assign_colors(out.input);
+  while (out.assignment.robots < without_clicks.robots) {
+    std::size_t worst = clicks.size();
+    Assignment best = out.assignment;
+    for (std::size_t i = 0; i < clicks.size(); ++i) {
+      if (!out.uses[i].used) continue;
+      left_out[i] = true;
+      name_patches(clicks, marked, left_out, out);
+      Assignment tried = assign_colors(out.input);
+      left_out[i] = false;
+      name_patches(clicks, marked, left_out, out);
+      if (tried.robots <= best.robots) continue;
+      best = std::move(tried);
+      worst = i;
+    }
+    if (worst == clicks.size()) break;
+    out.uses[worst].reason = formatted("with it %zu robots are recognized, without it %zu; is its color right?",
+                                       out.assignment.robots, best.robots);
+    left_out[worst] = true;
+    name_patches(clicks, marked, left_out, out);
+    out.assignment = std::move(best);
+  }
+  // A color that was certain without the clicks remains so.
+  for (std::size_t c = 0; c < out.assignment.colors.size(); ++c) {
+    AssignedColor& color = out.assignment.colors[c];
+    const AssignedColor& before = without_clicks.colors[c];
+    if (!color.patches.empty() && !before.patches.empty() && difference(lab_of(color.rgb), lab_of(before.rgb)) < kSame)
+      color.margin = std::max(color.margin, before.margin);
   }
 }
 
@@ -142,12 +194,11 @@ void add_doubts(DetectedColors& out) {
 Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamColors& team,
                                           const std::vector<Click>& clicks,
                                           const std::map<std::string, CameraPicture>& pictures) {
-  const CameraParameters& model = venue.file.camera_model;
-  if ((model.kind == CameraModelKind::kFull ? model.full.fx_px : model.paper.focal_px) <= 0) {
+  if (!has_camera_model(venue)) {
     return Error{ErrorCode::kNotFound, "without clicks, the camera model is needed: calibrate the field first"};
   }
   CameraModel camera;
-  if (Status s = camera.configure(model); !s.ok()) {
+  if (Status s = camera.configure(venue.file.camera_model); !s.ok()) {
     return failure(s.code(), "the camera model is invalid: %s", describe(s.code()));
   }
   const Frame first = pictures.begin()->second.frame();
@@ -174,18 +225,33 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
   AssignmentInput& input = out.input;
   input.teams = team.marker.teams;
   input.ball = team.marker.ball.color;
-  for (const std::string& name : team.names) {
-    WantedColor wanted{name, clicked_rgb(name, clicks, images, inside), false};
-    wanted.clicked = wanted.look.has_value();
-    if (!wanted.look) wanted.look = usual_rgb(name);
-    input.colors.push_back(wanted);
-  }
+  for (const std::string& name : team.names) input.colors.push_back({name, usual_rgb(name), false});
   const std::vector<PatchSize> sizes = sizes_of(team.marker);
   std::vector<const ChannelImage*> searched;
+  std::vector<Marked> marked(clicks.size());
+  out.uses.resize(clicks.size());
   Progress progress("searching for patches in pictures", images.size());
   for (const auto& [image, channels] : images) {
+    std::vector<FoundPatch> patches = find_patches(channels, inside, camera, venue.file.field, sizes);
+    for (std::size_t i = 0; i < clicks.size(); ++i) {
+      if (clicks[i].image != image) continue;
+      const std::size_t under = patch_under(clicks[i], channels, patches);
+      marked[i].patch = input.patches.size() + under;
+      if (under < patches.size()) continue;
+      Result<FoundPatch> grown = patch_from(clicks[i], channels, inside, camera, sizes);
+      if (grown.ok()) {
+        patches.push_back(std::move(grown).value());
+        marked[i].box = clicks[i].box;
+      } else {
+        marked[i].patch = kNone;
+        out.uses[i].reason = grown.text();
+        const int u = static_cast<int>(clicks[i].u_px), v = static_cast<int>(clicks[i].v_px);
+        // An object is there although its outline is unclear.
+        if (channels.contains(u, v)) out.unclear[image].push_back(channels.index(u, v));
+      }
+    }
     std::vector<std::size_t> numbers;
-    for (FoundPatch& patch : find_patches(channels, inside, camera, venue.file.field, sizes)) {
+    for (FoundPatch& patch : patches) {
       if (input.ball != kBackground && patch.elongation < kBallElongation) {
         const double relative = relative_area(patch, camera, size_of(team.marker.ball));
         if (relative >= kLeastRelativeArea && relative <= kMostRelativeArea)
@@ -207,7 +273,7 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
     searched.push_back(&channels);
     progress.step();
   }
-  out.assignment = assign_colors(input);
+  assign_with_clicks(clicks, marked, out);
   add_doubts(out);
   for (std::size_t c = 0; c < input.colors.size(); ++c) {
     const AssignedColor& color = out.assignment.colors[c];
@@ -224,11 +290,12 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
                   out.unclear[out.images[input.picture[p]]]);
       }
     }
-    if (input.colors[c].clicked) continue;
     for (const std::size_t p : cleanest(input, color, searched)) {
+      const auto marking =
+          std::find_if(marked.begin(), marked.end(), [&](const Marked& m) { return m.patch == p && m.box; });
       const FoundPatch& patch = input.patches[p];
-      out.clicks.push_back(
-          {out.images[input.picture[p]], input.colors[c].name, patch.u_px, patch.v_px, patch.radius_px, {}});
+      out.clicks.push_back({out.images[input.picture[p]], input.colors[c].name, patch.u_px, patch.v_px, patch.radius_px,
+                            marking == marked.end() ? std::nullopt : marking->box});
     }
   }
   return out;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hal/result.h"
+#include "tools/programs/calibrate/colors/click_matching.h"
 #include "tools/programs/calibrate/colors/clicks.h"
 #include "tools/programs/calibrate/colors/color_assignment.h"
 #include "tools/programs/calibrate/colors/team_colors.h"
@@ -18,7 +19,8 @@ struct DetectedColors {
   AssignmentInput input;
   Assignment assignment;
   std::vector<std::string> images;  // AssignmentInput::picture is an index into these
-  std::vector<Click> clicks;        // a click on each patch to learn from, without the colors that were clicked
+  std::vector<Click> clicks;        // a click on each patch to learn from
+  std::vector<ClickUse> uses;       // per click of a person
   // Per picture, pixels that are neither sample nor background: patches that are not learned from, and the areas where
   // other patches of an incompletely detected robot must be.
   std::map<std::string, std::vector<std::size_t>> unclear;
@@ -26,9 +28,11 @@ struct DetectedColors {
 };
 
 /// Detects which patches have which color: finds patches (find_patches) and markers among them (find_markers), then
-/// assigns colors (assign_colors). Colors in `clicks` keep the appearance that was clicked on. Needs camera model and
-/// field of the venue; uses its light map and region of interest. kNotFound: the venue has no camera model.
-/// kInconsistent: pictures have different sizes. Also errors of Shading::build() and CameraModel::configure().
+/// assigns colors (assign_colors). A click names the patch under it, and thereby the cluster of this patch; it adds to
+/// what is found without it. If fewer robots are recognized with the clicks than without, the clicks that cause this
+/// are left out. Needs camera model and field of the venue; uses its light map and region of interest. kNotFound: the
+/// venue has no camera model. kInconsistent: pictures have different sizes. Also errors of Shading::build() and
+/// CameraModel::configure().
 Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamColors& team,
                                           const std::vector<Click>& clicks,
                                           const std::map<std::string, CameraPicture>& pictures);

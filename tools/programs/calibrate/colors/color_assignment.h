@@ -8,14 +8,15 @@
 #include "core/marker/marker_layout.h"
 #include "core/marker/matcher.h"
 #include "tools/programs/calibrate/colors/marker_search.h"
+#include "tools/programs/calibrate/colors/patch_labels.h"
 
 namespace touchline::calibrate {
 
 /// A color of the team file and its expected appearance.
 struct WantedColor {
   std::string name;
-  std::optional<Rgb> look;  // as clicked on, or usual_rgb(); empty if unknown
-  bool clicked = false;     // `look` was measured with this camera
+  std::optional<Rgb> look;  // usual_rgb(); empty if unknown
+  bool clicked = false;     // a click names a patch of it
 };
 
 struct AssignmentInput {
@@ -24,6 +25,7 @@ struct AssignmentInput {
   ColorId ball = kBackground;
   std::vector<FoundPatch> patches;   // of all pictures
   std::vector<std::size_t> picture;  // per patch: index of its picture
+  std::vector<std::size_t> named;    // per patch: the color that a click gives to it, or kNone
   std::vector<MarkerCandidate> markers;
   std::vector<std::size_t> balls;  // patches with size and shape of the ball
 };
@@ -48,8 +50,9 @@ struct Assignment {
 /// Clusters the patches by color and assigns the clusters to colors. The cost is a negative log-likelihood: the
 /// dissimilarity of each cluster to the color of its name (after one gain per channel, which is estimated as well),
 /// recognized robots (a team patch and a combination of identification patches of that team, each robot at most once
-/// per picture), and single balls (at most one per picture). All cuts of the dendrogram and all pairs of team colors
-/// are tried; the lowest cost wins. The margin of a color is the cost increase if it must take another cluster.
+/// per picture), and single balls (at most one per picture). A patch that a click names has that color, and so has its
+/// cluster. All cuts of the dendrogram and all pairs of team colors are tried; the lowest cost wins. The margin of a
+/// color is the cost increase if it must take another cluster.
 Assignment assign_colors(const AssignmentInput& input);
 
 }  // namespace touchline::calibrate

@@ -48,6 +48,15 @@ void print_detected(const DetectedColors& found) {
   }
 }
 
+void print_unused(const std::vector<Click>& clicks, const std::vector<ClickUse>& uses) {
+  const auto used = std::count_if(uses.begin(), uses.end(), [](const ClickUse& use) { return use.used; });
+  if (!uses.empty()) std::printf("%td of %zu clicks used\n", used, uses.size());
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    if (uses[i].used) continue;
+    std::printf("click %s is not used: %s\n", describe_click(i, clicks[i]).c_str(), uses[i].reason.c_str());
+  }
+}
+
 bool confirmed() {
   std::printf("are these colors right? [y/n] ");
   std::fflush(stdout);
@@ -60,12 +69,10 @@ void print_report(const ColorFitInput& input, const ColorFit& fit) {
     const Click& click = input.clicks[i];
     const ClickResult& result = fit.clicks[i];
     if (result.area_px == 0) {
-      std::printf("click %zu (%s, %s at %.0f,%.0f) selected no patch: %s\n", i, click.image.c_str(),
-                  click.color.c_str(), click.u_px, click.v_px, result.reason.c_str());
+      std::printf("click %s is not used: %s\n", describe_click(i, click).c_str(), result.reason.c_str());
     } else if (result.recognized < 0.5) {
-      std::printf("click %zu (%s, %s at %.0f,%.0f): only %.0f %% of its %zu pixels are recognized\n", i,
-                  click.image.c_str(), click.color.c_str(), click.u_px, click.v_px, 100 * result.recognized,
-                  result.area_px);
+      std::printf("%s, the %s patch at %.0f,%.0f: only %.0f %% of its %zu pixels are recognized\n", click.image.c_str(),
+                  click.color.c_str(), click.u_px, click.v_px, 100 * result.recognized, result.area_px);
     }
   }
   std::size_t width = 10;
@@ -185,12 +192,13 @@ Result<void> ColorsCommand::read_input(ColorFitInput& input) const {
   return {};
 }
 
-// Adds the detected patches to the clicks after a person has confirmed them.
+// Replaces the clicks by the patches that were detected with their help, after a person has confirmed them.
 Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput& input) const {
   if (team.empty()) return failure(ErrorCode::kNotFound, "--picture needs --team, which names the colors to detect");
   TOUCHLINE_TRY_ASSIGN(const TeamColors wanted, read_team_colors(team));
   TOUCHLINE_TRY_ASSIGN(DetectedColors found, auto_detect_colors(draft, wanted, input.clicks, input.pictures));
   print_detected(found);
+  print_unused(input.clicks, found.uses);
   const std::string folder = preview_folder();
   std::error_code error;
   fs::create_directories(folder, error);
@@ -204,12 +212,14 @@ Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput
     for (const std::string& doubt : found.doubts) text += "\n  " + doubt;
     return Error{ErrorCode::kInconsistent, text};
   }
-  if (!yes && (isatty(STDIN_FILENO) == 0 || !confirmed())) {
+  const bool all_clicked = std::all_of(found.input.colors.begin(), found.input.colors.end(),
+                                       [](const WantedColor& color) { return color.clicked; });
+  if (!all_clicked && !yes && (isatty(STDIN_FILENO) == 0 || !confirmed())) {
     return failure(ErrorCode::kInconsistent,
                    "not confirmed, nothing was written: check the pictures in %s, then run this again with --yes",
                    folder.c_str());
   }
-  input.clicks.insert(input.clicks.end(), found.clicks.begin(), found.clicks.end());
+  input.clicks = std::move(found.clicks);
   input.unclear = std::move(found.unclear);
   return {};
 }
@@ -221,7 +231,9 @@ Result<void> ColorsCommand::run() const {
   input.light = draft.light;
   input.region_of_interest = draft.region_of_interest;
   input.growth.radius_px = patch_radius_px;
-  if (!pictures.empty()) TOUCHLINE_TRY(detect_colors(draft, input));
+  // Without a camera model or a team file, clicks are all there is to learn from.
+  const bool can_detect = !team.empty() && has_camera_model(draft);
+  if (can_detect || !pictures.empty()) TOUCHLINE_TRY(detect_colors(draft, input));
   if (!team.empty()) {
     TOUCHLINE_TRY_ASSIGN(const TeamColors wanted, read_team_colors(team));
     TOUCHLINE_TRY(check_all_colors(team, wanted, input.clicks));

@@ -35,39 +35,6 @@ int unevenness(const ChannelImage& image, int u, int v) {
   return largest;
 }
 
-FoundPatch patch_of(const ChannelImage& image, PixelPoint from, const GrowthLimits& limits, GrownPatch grown) {
-  FoundPatch patch;
-  patch.u_px = static_cast<double>(from.u_px);
-  patch.v_px = static_cast<double>(from.v_px);
-  patch.radius_px = limits.radius_px;
-  patch.instability = grown.instability;
-  patch.pixels = std::move(grown.pixels);
-  const auto width = static_cast<std::size_t>(image.width_px);
-  const auto count = static_cast<double>(patch.pixels.size());
-  double u = 0, v = 0, uu = 0, vv = 0, uv = 0;
-  std::array<std::vector<std::uint8_t>, 3> values;
-  for (const std::size_t pixel : patch.pixels) {
-    const std::size_t column = pixel % width, row = pixel / width;
-    const auto x = static_cast<double>(column), y = static_cast<double>(row);
-    u += x;
-    v += y;
-    uu += x * x;
-    vv += y * y;
-    uv += x * y;
-    const Channels rgb = shown_rgb(image.pixels[pixel], image.space);
-    for (std::size_t c = 0; c < 3; ++c) values[c].push_back(rgb[c]);
-  }
-  u /= count;
-  v /= count;
-  const double a = uu / count - u * u, b = vv / count - v * v, c = uv / count - u * v;
-  const double middle = (a + b) / 2, spread = std::sqrt((a - b) * (a - b) / 4 + c * c);
-  patch.elongation = std::sqrt((middle + spread) / std::max(1e-9, middle - spread));
-  patch.center = {static_cast<float>(u), static_cast<float>(v)};
-  for (std::size_t channel = 0; channel < 3; ++channel) patch.rgb[channel] = statistics::median(values[channel]);
-  patch.lab = lab_of(patch.rgb);
-  return patch;
-}
-
 // Body of a robot or shadow: darker than the floor in every channel and not more saturated.
 bool is_shadow(const Rgb& rgb, const Channels& floor) {
   bool darker = true;
@@ -115,15 +82,63 @@ double relative_area(const FoundPatch& patch, const CameraModel& camera, const P
   return static_cast<double>(patch.pixels.size()) / std::max(1e-9, expected_area_px(patch.center, camera, size));
 }
 
-std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vector<std::uint8_t>& inside,
-                                     const CameraModel& camera, const FieldParameters& field,
-                                     const std::vector<PatchSize>& sizes) {
-  const LocalBackground floor(image, inside);
+FoundPatch patch_of(const ChannelImage& image, PixelPoint from, int radius_px, GrownPatch grown) {
+  FoundPatch patch;
+  patch.u_px = static_cast<double>(from.u_px);
+  patch.v_px = static_cast<double>(from.v_px);
+  patch.radius_px = radius_px;
+  patch.instability = grown.instability;
+  patch.pixels = std::move(grown.pixels);
+  const auto width = static_cast<std::size_t>(image.width_px);
+  const auto count = static_cast<double>(patch.pixels.size());
+  double u = 0, v = 0, uu = 0, vv = 0, uv = 0;
+  std::array<std::vector<std::uint8_t>, 3> values;
+  for (const std::size_t pixel : patch.pixels) {
+    const std::size_t column = pixel % width, row = pixel / width;
+    const auto x = static_cast<double>(column), y = static_cast<double>(row);
+    u += x;
+    v += y;
+    uu += x * x;
+    vv += y * y;
+    uv += x * y;
+    const Channels rgb = shown_rgb(image.pixels[pixel], image.space);
+    for (std::size_t c = 0; c < 3; ++c) values[c].push_back(rgb[c]);
+  }
+  u /= count;
+  v /= count;
+  const double a = uu / count - u * u, b = vv / count - v * v, c = uv / count - u * v;
+  const double middle = (a + b) / 2, spread = std::sqrt((a - b) * (a - b) / 4 + c * c);
+  patch.elongation = std::sqrt((middle + spread) / std::max(1e-9, middle - spread));
+  patch.center = {static_cast<float>(u), static_cast<float>(v)};
+  for (std::size_t channel = 0; channel < 3; ++channel) patch.rgb[channel] = statistics::median(values[channel]);
+  patch.lab = lab_of(patch.rgb);
+  return patch;
+}
+
+int growth_radius_px(PixelPoint at, const CameraModel& camera, const std::vector<PatchSize>& sizes) {
   double height = 0, extent = 0;
   for (const PatchSize& size : sizes) {
     height = std::max(height, size.height_m);
     extent = std::max(extent, size.extent_m);
   }
+  const auto plane = static_cast<float>(height);
+  const double scale = static_cast<double>(camera.scale_px_per_m(camera.to_field(at, plane), plane));
+  return std::clamp(static_cast<int>(std::ceil(extent * scale)) + 3, 5, 120);
+}
+
+bool has_size_of_a_patch(const FoundPatch& patch, const CameraModel& camera, const std::vector<PatchSize>& sizes) {
+  return std::any_of(sizes.begin(), sizes.end(), [&](const PatchSize& size) {
+    const double relative = relative_area(patch, camera, size);
+    return relative >= kLeastRelativeArea && relative <= kMostRelativeArea;
+  });
+}
+
+std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vector<std::uint8_t>& inside,
+                                     const CameraModel& camera, const FieldParameters& field,
+                                     const std::vector<PatchSize>& sizes) {
+  const LocalBackground floor(image, inside);
+  double height = 0;
+  for (const PatchSize& size : sizes) height = std::max(height, size.height_m);
   // The most even seeds come first, so that growth begins in the middle of patches.
   std::vector<std::vector<std::pair<int, int>>> seeds(256);
   for (int v = 1; v + 1 < image.height_px; ++v) {
@@ -152,21 +167,17 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
       const FieldPoint place = camera.to_field(at, static_cast<float>(height));
       if (!inside_field(field, place)) continue;
       GrowthLimits limits;
-      const double scale = static_cast<double>(camera.scale_px_per_m(place, static_cast<float>(height)));
-      limits.radius_px = std::clamp(static_cast<int>(std::ceil(extent * scale)) + 3, 5, 120);
+      limits.radius_px = growth_radius_px(at, camera, sizes);
       Result<GrownPatch> grown = grow_region(image, inside, u, v, limits);
       if (!grown.ok()) continue;
-      FoundPatch patch = patch_of(image, at, limits, std::move(grown).value());
+      FoundPatch patch = patch_of(image, at, limits.radius_px, std::move(grown).value());
       // Grows again from the center, like a click of a person: a region that grew from an edge is the edge and
       // everything inside it.
       const PixelPoint middle{std::round(patch.center.u_px), std::round(patch.center.v_px)};
       grown = grow_region(image, inside, static_cast<double>(middle.u_px), static_cast<double>(middle.v_px), limits);
-      if (grown.ok()) patch = patch_of(image, middle, limits, std::move(grown).value());
-      const bool fits = std::any_of(sizes.begin(), sizes.end(), [&](const PatchSize& size) {
-        const double relative = relative_area(patch, camera, size);
-        return relative >= kLeastRelativeArea && relative <= kMostRelativeArea;
-      });
-      if (!fits || patch.elongation > kMostElongation || is_shadow(patch.rgb, shown_rgb(floor.at(u, v), image.space))) {
+      if (grown.ok()) patch = patch_of(image, middle, limits.radius_px, std::move(grown).value());
+      if (!has_size_of_a_patch(patch, camera, sizes) || patch.elongation > kMostElongation ||
+          is_shadow(patch.rgb, shown_rgb(floor.at(u, v), image.space))) {
         continue;
       }
       if (patch.instability < kClear) {

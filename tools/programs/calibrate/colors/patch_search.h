@@ -7,6 +7,7 @@
 #include "core/marker/marker_layout.h"
 #include "core/marker/matcher.h"
 #include "tools/programs/calibrate/colors/color_names.h"
+#include "tools/programs/calibrate/colors/region_growing.h"
 #include "tools/programs/calibrate/imaging/channel_image.h"
 
 namespace touchline::calibrate {
@@ -37,6 +38,15 @@ struct FoundPatch {
 std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vector<std::uint8_t>& inside,
                                      const CameraModel& camera, const FieldParameters& field,
                                      const std::vector<PatchSize>& sizes);
+
+/// The patch that a region is, grown from `from` with this limit of growth.
+FoundPatch patch_of(const ChannelImage& image, PixelPoint from, int radius_px, GrownPatch grown);
+
+/// Limit of growth at this pixel, which is a little more than the largest of the sizes.
+int growth_radius_px(PixelPoint at, const CameraModel& camera, const std::vector<PatchSize>& sizes);
+
+/// Whether the area fits one of the sizes.
+bool has_size_of_a_patch(const FoundPatch& patch, const CameraModel& camera, const std::vector<PatchSize>& sizes);
 
 /// Ratio of the area of the patch to the projected area of the size.
 double relative_area(const FoundPatch& patch, const CameraModel& camera, const PatchSize& size);

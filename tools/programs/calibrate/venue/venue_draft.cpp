@@ -17,6 +17,11 @@ struct DraftFile : config::VenueFile {
 
 }  // namespace
 
+bool has_camera_model(const VenueDraft& draft) {
+  const CameraParameters& model = draft.file.camera_model;
+  return (model.kind == CameraModelKind::kFull ? model.full.fx_px : model.paper.focal_px) > 0;
+}
+
 Result<VenueDraft> read_draft(const std::string& path) {
   VenueDraft out;
   std::error_code error;

@@ -19,6 +19,9 @@ struct VenueDraft {
   bool exists = false;
 };
 
+/// Whether the field was calibrated.
+bool has_camera_model(const VenueDraft& draft);
+
 /// Reads a venue file. A file that does not exist gives an empty draft. kInconsistent and the errors of the light map:
 /// the message names file, line and key.
 Result<VenueDraft> read_draft(const std::string& path);

@@ -1,0 +1,333 @@
+#include "tools/programs/calibrate/colors/assignment_solver.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "tools/programs/calibrate/colors/linear_assignment.h"
+
+namespace touchline::calibrate {
+namespace {
+
+// Costs in nats: a recognized robot or ball, a robot in colors that no robot has, a missing color.
+constexpr double kExplained = 4.0, kStranger = 6.0, kMissing = 8.0, kForbidden = 1e4;
+// Standard deviation of paints of one name, and the greatest cost of a paint.
+constexpr double kPaint = 12.0, kLeastLikely = 14.0;
+
+class Solver {
+ public:
+  Solver(const AssignmentInput& input, const std::vector<PatchLabels>& cuts) : input_(input), cuts_(cuts) {}
+
+  Solution solve(const Exclusion& exclusion) const {
+    Solution best;
+    for (const PatchLabels& cut : cuts_) {
+      const auto own = team_labels(cut, 0), other = team_labels(cut, 1);
+      for (const std::size_t a : own) {
+        for (const std::size_t b : other) {
+          if (a == b && a != kNone) continue;
+          Solution s = with_teams(cut, {a, b}, exclusion);
+          if (s.cost < best.cost) best = std::move(s);
+        }
+      }
+    }
+    return best;
+  }
+
+ private:
+  using Teams = std::array<std::size_t, 2>;
+
+  // Labels of the most frequent team patches; only kNone if the team is not searched or there is no marker.
+  std::vector<std::size_t> team_labels(const PatchLabels& cut, std::size_t team) const {
+    if (input_.teams[team].team_color == kBackground) return {kNone};
+    std::vector<std::size_t> count(cut.labels.size(), 0), order;
+    for (const MarkerCandidate& m : input_.markers) {
+      if (m.team == team) ++count[cut.label_of[m.patches[0]]];
+    }
+    for (std::size_t l = 0; l < count.size(); ++l) {
+      if (count[l] > 0 && cut.labels[l].named == kNone) order.push_back(l);
+    }
+    constexpr std::size_t kTried = 7;
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return count[a] > count[b]; });
+    if (order.size() > kTried) order.resize(kTried);
+    order.push_back(kNone);
+    return order;
+  }
+
+  bool has_team_color(const PatchLabels& cut, const Teams& teams, std::size_t team, std::size_t label) const {
+    return label == teams[team] ||
+           (cut.labels[label].named != kNone && cut.labels[label].named + 1 == input_.teams[team].team_color);
+  }
+
+  // Selects markers whose team patch has the team color and whose other patches do not, best fits first, without using
+  // a patch twice.
+  std::vector<const MarkerCandidate*> choose(const PatchLabels& cut, const Teams& teams) const {
+    std::vector<const MarkerCandidate*> fitting;
+    for (const MarkerCandidate& m : input_.markers) {
+      if (!has_team_color(cut, teams, m.team, cut.label_of[m.patches[0]])) continue;
+      const bool others = std::none_of(m.patches.begin() + 1, m.patches.end(), [&](std::size_t p) {
+        return has_team_color(cut, teams, 0, cut.label_of[p]) || has_team_color(cut, teams, 1, cut.label_of[p]);
+      });
+      if (others) fitting.push_back(&m);
+    }
+    std::sort(fitting.begin(), fitting.end(),
+              [](const auto* a, const auto* b) { return a->residual_m < b->residual_m; });
+    std::vector<bool> taken(input_.patches.size(), false);
+    std::vector<const MarkerCandidate*> out;
+    for (const MarkerCandidate* m : fitting) {
+      if (std::any_of(m->patches.begin(), m->patches.end(), [&](std::size_t p) { return taken[p]; })) continue;
+      for (const std::size_t p : m->patches) taken[p] = true;
+      out.push_back(m);
+    }
+    return out;
+  }
+
+  double unlikely(std::size_t color, const Label& label, const std::vector<std::optional<Lab>>& expected,
+                  const Exclusion& exclusion) const {
+    if (label.named != kNone) return kForbidden;  // it has its color
+    if (exclusion.color == color && difference(label.lab, exclusion.lab) < kSame) return kForbidden;
+    if (!expected[color]) return kLeastLikely / 2;
+    const double d = dissimilarity(label.lab, *expected[color]) / kPaint;
+    return std::min(kLeastLikely, d * d / 2);
+  }
+
+  // Ball candidates of a label are patches that no marker uses. A single one in a picture counts as a recognized ball.
+  double ball_cost(const std::set<std::size_t>& in_markers, const Label& label) const {
+    std::map<std::size_t, int> alone;
+    double cost = 0;
+    for (const std::size_t p : label.patches) {
+      if (in_markers.count(p) > 0) {
+        cost += kStranger;
+      } else if (std::find(input_.balls.begin(), input_.balls.end(), p) != input_.balls.end()) {
+        ++alone[input_.picture[p]];
+      }
+    }
+    for (const auto& [picture, count] : alone) cost += count == 1 ? -kExplained : kExplained * (count - 2);
+    return alone.empty() ? cost + kMissing : cost;
+  }
+
+  // Index of the robot that a marker shows with this assignment; kNone: unknown robot.
+  std::size_t robot(const MarkerCandidate& m, const PatchLabels& cut, const std::vector<std::size_t>& color_of) const {
+    const TeamMarking& team = input_.teams[m.team];
+    for (std::size_t r = 0; r < team.robots.size(); ++r) {
+      bool same = true;
+      for (std::size_t k = 1; same && k < m.patches.size(); ++k) {
+        same = color_of[cut.label_of[m.patches[k]]] + 1 == team.robots[r].colors[k - 1];
+      }
+      if (same) return r;
+    }
+    return kNone;
+  }
+
+  // Cost of all markers; `color_of` gives the color of a label, or kNone.
+  double marker_cost(const PatchLabels& cut, const std::vector<std::size_t>& color_of, Solution& out) const {
+    double cost = 0;
+    out.robots = out.unknown_robots = 0;
+    std::set<std::array<std::size_t, 3>> seen;
+    for (const MarkerCandidate* m : out.markers) {
+      if (input_.teams[m->team].robots.empty()) {
+        cost -= kExplained;
+        ++out.robots;
+        continue;
+      }
+      if (std::any_of(m->patches.begin() + 1, m->patches.end(),
+                      [&](std::size_t p) { return color_of[cut.label_of[p]] == kNone; })) {
+        cost += 1.0;
+        continue;
+      }
+      const std::size_t r = robot(*m, cut, color_of);
+      const bool explained = r != kNone && seen.insert({m->picture, m->team, r}).second;
+      cost += explained ? -kExplained : kStranger;
+      ++(explained ? out.robots : out.unknown_robots);
+    }
+    return cost;
+  }
+
+  std::vector<std::size_t> colors_of(const PatchLabels& cut, const std::vector<std::size_t>& label_of) const {
+    std::vector<std::size_t> out(cut.labels.size(), kNone);
+    for (std::size_t c = 0; c < label_of.size(); ++c) {
+      if (label_of[c] != kNone) out[label_of[c]] = c;
+    }
+    for (std::size_t l = 0; l < out.size(); ++l) {
+      if (cut.labels[l].named != kNone) out[l] = cut.labels[l].named;
+    }
+    return out;
+  }
+
+  // Cost of a label as identification color without its appearance: each patch contributes its part of a marker.
+  std::vector<std::vector<double>> roles(const PatchLabels& cut,
+                                         const std::vector<const MarkerCandidate*>& markers) const {
+    std::vector<std::vector<double>> cost(input_.colors.size(), std::vector<double>(cut.labels.size(), 0.0));
+    std::map<std::array<std::size_t, 4>, int> seen;  // picture, team, position, label
+    for (const MarkerCandidate* m : markers) {
+      const TeamMarking& team = input_.teams[m->team];
+      for (std::size_t k = 1; k < m->patches.size(); ++k) {
+        const std::size_t label = cut.label_of[m->patches[k]];
+        const auto part = static_cast<double>(m->patches.size() - 1);
+        const int before = seen[{m->picture, m->team, k, label}]++;
+        for (std::size_t c = 0; c < cost.size(); ++c) {
+          if (cut.labels[label].named != kNone) continue;
+          const auto robots = std::count_if(team.robots.begin(), team.robots.end(),
+                                            [&](const RobotMarking& r) { return r.colors[k - 1] == c + 1; });
+          cost[c][label] += (before < robots ? -kExplained : kStranger) / part;
+        }
+      }
+    }
+    return cost;
+  }
+
+  Solution with_teams(const PatchLabels& cut, const Teams& teams, const Exclusion& exclusion) const {
+    const std::size_t colors = input_.colors.size(), labels = cut.labels.size();
+    Solution out;
+    out.labels = cut.labels;
+    out.markers = choose(cut, teams);
+    std::set<std::size_t> in_markers;
+    for (const MarkerCandidate* m : out.markers) in_markers.insert(m->patches.begin(), m->patches.end());
+    const auto role = roles(cut, out.markers);
+    std::vector<std::size_t> wanted;  // colors other than team colors
+    std::vector<std::size_t> label_of(colors, kNone);
+    for (std::size_t c = 0; c < colors; ++c) {
+      bool is_team = false;
+      for (std::size_t team = 0; team < 2; ++team) {
+        if (input_.teams[team].team_color != c + 1) continue;
+        is_team = true;
+        label_of[c] = teams[team];
+      }
+      if (!is_team) wanted.push_back(c);
+    }
+    std::vector<double> ball(labels, 0.0);
+    for (std::size_t l = 0; l < labels && input_.ball != kBackground; ++l)
+      ball[l] = ball_cost(in_markers, cut.labels[l]);
+
+    Rgb gain{1, 1, 1};
+    constexpr int kRounds = 3;
+    for (int round = 0; round < kRounds; ++round) {
+      out.expected = expected_looks(cut, gain);
+      std::vector<std::vector<double>> cost;
+      for (const std::size_t c : wanted) {
+        std::vector<double> row(labels + wanted.size(), missing(cut, c));  // the last columns mean "not found"
+        const bool is_id = is_identification(c);
+        for (std::size_t l = 0; l < labels; ++l) {
+          if (l == teams[0] || l == teams[1]) {
+            row[l] = kForbidden;
+            continue;
+          }
+          row[l] = unlikely(c, cut.labels[l], out.expected, exclusion);
+          if (is_id) row[l] += role[c][l] >= 0 ? kMissing : role[c][l];
+          if (c + 1 == input_.ball) row[l] += ball[l];
+        }
+        cost.push_back(std::move(row));
+      }
+      const std::vector<std::size_t> column = assign(cost);
+      for (std::size_t i = 0; i < wanted.size(); ++i) label_of[wanted[i]] = column[i] < labels ? column[i] : kNone;
+      improve(cut, wanted, teams, exclusion, ball, out, label_of);
+      if (round + 1 < kRounds) gain = fitted_gain(cut, label_of);
+    }
+    out.cost = total(cut, label_of, exclusion, ball, out);
+    for (const double g : gain) out.cost += std::pow(std::log(g) / 0.35, 2) / 2;
+    out.label_of = label_of;
+    return out;
+  }
+
+  // A color with a click is not missing if nothing else has it.
+  static double missing(const PatchLabels& cut, std::size_t color) {
+    return cut.named(color) == kNone ? kMissing : 0.0;
+  }
+
+  bool is_identification(std::size_t color) const {
+    for (const TeamMarking& team : input_.teams) {
+      for (const RobotMarking& robot : team.robots) {
+        if (std::find(robot.colors.begin(), robot.colors.end(), color + 1) != robot.colors.end()) return true;
+      }
+    }
+    return false;
+  }
+
+  double total(const PatchLabels& cut, const std::vector<std::size_t>& label_of, const Exclusion& exclusion,
+               const std::vector<double>& ball, Solution& out) const {
+    double cost = marker_cost(cut, colors_of(cut, label_of), out);
+    for (std::size_t c = 0; c < label_of.size(); ++c) {
+      if (label_of[c] == kNone) {
+        cost += missing(cut, c);
+        continue;
+      }
+      cost += unlikely(c, cut.labels[label_of[c]], out.expected, exclusion);
+      if (c + 1 == input_.ball) cost += ball[label_of[c]];
+    }
+    return cost;
+  }
+
+  // If robots have several identification patches, the colors depend on each other: swaps pairs as long as the cost
+  // decreases.
+  void improve(const PatchLabels& cut, const std::vector<std::size_t>& wanted, const Teams& teams,
+               const Exclusion& exclusion, const std::vector<double>& ball, Solution& out,
+               std::vector<std::size_t>& label_of) const {
+    if (std::none_of(out.markers.begin(), out.markers.end(), [](const auto* m) { return m->patches.size() > 2; }))
+      return;
+    double best = total(cut, label_of, exclusion, ball, out);
+    for (bool better = true; better;) {
+      better = false;
+      for (const std::size_t c : wanted) {
+        for (std::size_t l = 0; l < cut.labels.size(); ++l) {
+          if (l == teams[0] || l == teams[1] || l == label_of[c]) continue;
+          std::vector<std::size_t> tried = label_of;
+          for (const std::size_t other : wanted) {
+            if (tried[other] == l) tried[other] = label_of[c];
+          }
+          tried[c] = l;
+          const double cost = total(cut, tried, exclusion, ball, out);
+          if (cost < best - 1e-9) {
+            best = cost;
+            label_of = std::move(tried);
+            better = true;
+          }
+        }
+      }
+    }
+  }
+
+  // A color looks like the patch that was clicked on, or like its name in this light.
+  std::vector<std::optional<Lab>> expected_looks(const PatchLabels& cut, const Rgb& gain) const {
+    std::vector<std::optional<Lab>> out(input_.colors.size());
+    for (std::size_t color = 0; color < out.size(); ++color) {
+      if (const std::size_t clicked = cut.named(color); clicked != kNone) {
+        out[color] = cut.labels[clicked].lab;
+      } else if (std::optional<Rgb> rgb = input_.colors[color].look) {
+        for (std::size_t c = 0; c < 3; ++c) (*rgb)[c] = std::min(255.0, (*rgb)[c] * gain[c]);
+        out[color] = lab_of(*rgb);
+      }
+    }
+    return out;
+  }
+
+  // Exposure and white balance relative to the table: one gain per channel with a prior of 1.
+  Rgb fitted_gain(const PatchLabels& cut, const std::vector<std::size_t>& label_of) const {
+    constexpr double kPriorWeight = 4.0;
+    Rgb sum{};
+    double count = kPriorWeight;
+    for (std::size_t c = 0; c < label_of.size(); ++c) {
+      const std::size_t clicked = cut.named(c), label = clicked == kNone ? label_of[c] : clicked;
+      if (label == kNone || !input_.colors[c].look) continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        sum[k] += std::log((cut.labels[label].rgb[k] + kRatioOffset) / ((*input_.colors[c].look)[k] + kRatioOffset));
+      }
+      count += 1;
+    }
+    Rgb gain{};
+    for (std::size_t k = 0; k < 3; ++k) gain[k] = std::clamp(std::exp(sum[k] / count), 0.4, 1.6);
+    return gain;
+  }
+
+  const AssignmentInput& input_;
+  const std::vector<PatchLabels>& cuts_;
+};
+
+}  // namespace
+
+Solution solve_assignment(const AssignmentInput& input, const std::vector<PatchLabels>& cuts,
+                          const Exclusion& exclusion) {
+  return Solver(input, cuts).solve(exclusion);
+}
+
+}  // namespace touchline::calibrate

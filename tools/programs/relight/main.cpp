@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -7,6 +8,7 @@
 
 #include "tools/programs/calibrate/imaging/camera_picture.h"
 #include "tools/programs/command_line/command_line.h"
+#include "tools/programs/relight/changed_series.h"
 #include "tools/programs/relight/illumination_plots.h"
 #include "tools/programs/relight/same_color.h"
 
@@ -19,6 +21,9 @@ struct Options {
   std::string picture, venue, out, channel = "red";
   std::vector<double> patch;
   int margin = 25;
+  PictureChange change;
+  std::vector<double> values;
+  std::uint64_t every = 0;
 };
 
 // Draws the figures of one picture and writes their files.
@@ -84,8 +89,18 @@ class Figures {
   std::string stem_;
 };
 
-Result<void> run(const Options& options) {
+Result<void> change_pictures(const Options& options) {
+  PictureChange change = options.change;
+  if (!options.values.empty()) std::copy(options.values.begin(), options.values.end(), change.values.begin());
+  const std::uint64_t every = options.every == 0 ? 1 : options.every;
+  TOUCHLINE_TRY_ASSIGN(const std::uint64_t written, change_series(options.picture, options.out, change, every));
+  std::printf("%llu pictures written to %s\n", static_cast<unsigned long long>(written), options.out.c_str());
+  return {};
+}
+
+Result<void> draw_figures(const Options& options) {
   namespace fs = std::filesystem;
+  if (options.venue.empty()) return Error{ErrorCode::kOutOfRange, "needs --venue, or a change such as --light 0.5"};
   TOUCHLINE_TRY_ASSIGN(const calibrate::VenueDraft draft, calibrate::read_draft(options.venue));
   if (draft.light.columns == 0)
     return Error{ErrorCode::kInconsistent,
@@ -140,10 +155,14 @@ int main(int argc, char** argv) {
       "Figures 8 and 13 to 15 of Klancar et al. for any picture with patches of one color all over the field:\n"
       "NAME-figure8.png the illumination map as a surface, NAME-figure13.png the picture with contours of the\n"
       "illumination, NAME-figure14.png and NAME-figure15.png the pixels between thresholds from one patch, before and\n"
-      "after the correction, NAME-corrected.png. Prints how many of the patches are recognized in each",
+      "after the correction, NAME-corrected.png. Prints how many of the patches are recognized in each.\n"
+      "With a change (--light to --every) it writes the changed pictures instead, NAME.png: with them, a calibration "
+      "can\n"
+      "be tested under light that it was not made for",
       "touchline-relight");
-  app.add_option("picture", options.picture, "A picture, or a video (its first frame)")->required();
-  app.add_option("--venue", options.venue, "Venue file with light map and camera model")->required();
+  app.add_option("picture", options.picture, "A picture, or a video (its first frame); for a change, also a folder")
+      ->required();
+  app.add_option("--venue", options.venue, "Venue file with light map and camera model, for the figures");
   app.add_option("--out", options.out, "Folder for the pictures; created if it does not exist")->required();
   app.add_option("--patch", options.patch,
                  "Pixel U,V of the patch that defines the thresholds (default: of the most frequent color, the patch "
@@ -156,7 +175,25 @@ int main(int argc, char** argv) {
   app.add_option("--margin", options.margin, "Levels added to the range of the patch's pixels on each side")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
+  std::vector<CLI::Option*> changes;
+  const auto add_change = [&](const char* name, auto& value, const char* text, CLI::Validator range) {
+    changes.push_back(app.add_option(name, value, text)->check(std::move(range))->group("Changes"));
+    return changes.back();
+  };
+  add_change("--light", options.change.light, "Factor of the light, for a camera with a gamma of 2.2",
+             touchline::number_range(0.01, 100));
+  add_change("--shadow", options.change.shadow, "Factor of the light in the left half of the picture",
+             touchline::number_range(0.01, 100));
+  add_change("--blur", options.change.blur_px, "Standard deviation of a Gaussian, px", touchline::number_range(0, 50));
+  add_change("--values", options.values, "Factors R,G,B of the pixel values", touchline::number_range(0.01, 100))
+      ->delimiter(',')
+      ->expected(3);
+  add_change("--jpeg", options.change.jpeg_quality, "What JPEG compression with this quality leaves of the picture",
+             CLI::Range(1, 100));
+  add_change("--every", options.every, "Only every n-th picture or frame", CLI::Range(1, 1000000));
   if (const auto exit_code = touchline::parse_arguments(app, argc, argv)) return *exit_code;
-  const touchline::Result<void> done = touchline::relight::run(options);
+  const bool change = std::any_of(changes.begin(), changes.end(), [](const CLI::Option* o) { return o->count() > 0; });
+  const touchline::Result<void> done =
+      change ? touchline::relight::change_pictures(options) : touchline::relight::draw_figures(options);
   return done.ok() ? touchline::kExitOk : touchline::fail("touchline-relight", done.text());
 }

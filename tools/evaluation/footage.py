@@ -91,19 +91,7 @@ def seen_in(tools, picture, venue, team, name, adapt):
         _, lines = tools.replay(picture, venue, team, name, "--set", "adaptation.mode=off")
     ids, doubled = ids_of(lines[-1])
     return {"ids": ids, "doubled": doubled, "robots": len(lines[-1]["sightings"]["robots"]),
-            "ball": lines[-1]["sightings"]["ball"] is not None, "annotated": annotated(tools, picture, lines[-1])}
-
-
-def annotated(tools, picture, line):
-    """Returns the numbers of right, unknown and wrong ids by the picture's annotation; None without an annotation."""
-    for truth in (picture.parent.parent / "annotated").glob("*.json"):
-        if json.loads(truth.read_text())["image"].endswith(f"{picture.parent.name}/{picture.name}"):
-            # Repeated pictures have other file names.
-            result = tools.out / "annotated.jsonl"
-            result.write_text(json.dumps({**line, "file": picture.name, "frame": 0}) + "\n")
-            numbers = tools.evaluate("--annotated", truth, result)["pictures"][0]
-            return [numbers[f"ids_{kind}"] for kind in ("right", "unknown", "wrong")]
-    return None
+            "ball": lines[-1]["sightings"]["ball"] is not None}
 
 
 def mirosot_fields(tools, pictures):
@@ -127,22 +115,29 @@ def mirosot_fields(tools, pictures):
     return out
 
 
+def learn_from_clicks(tools, venue, team, recipes, images, recipe, picture, radius):
+    """Learns colors from the recipe's clicks in one picture."""
+    clicks = tools.out / f"{recipe}-one-picture-clicks.json"
+    all_clicks = json.loads((recipes / f"{recipe}-clicks.json").read_text())["samples"]
+    clicks.write_text(json.dumps({"samples": [c for c in all_clicks if c["image"].endswith(picture)]}))
+    tools.run("calibrate", "colors", "--venue", venue, "--samples", clicks, "--images", images, "--team", team,
+              "--patch-radius", radius)
+
+
+def light_from_border(tools, venue, picture, *options):
+    """Measures the light on the border; returns whether that is possible."""
+    return tools.run("calibrate", "light", "--venue", venue, "--surface", "border", "--picture", picture,
+                     *options, may_fail=True) is not None
+
+
 def mirosot_lamps(tools, pictures, recipes):
     """Uses colors learned under one lamp for all: without light map, with one from the picture's border, and adapted."""
     team = recipes / "mirosot-triangles-team.toml"
     learned = next(p for p in pictures if p.stem == MIROSOT_LEARNED)
-    clicks = tools.out / "mirosot-one-lamp-clicks.json"
-    all_clicks = json.loads((recipes / "mirosot-triangles-clicks.json").read_text())["samples"]
-    clicks.write_text(json.dumps({"samples": [c for c in all_clicks if c["image"].endswith(learned.name)]}))
     images = learned.parent.parent
 
     def colors(venue):
-        tools.run("calibrate", "colors", "--venue", venue, "--samples", clicks, "--images", images, "--team", team,
-                  "--patch-radius", 12)
-
-    def light(venue, picture, *options):
-        return tools.run("calibrate", "light", "--venue", venue, "--surface", "border", "--picture", picture,
-                         *options, may_fail=True) is not None
+        learn_from_clicks(tools, venue, team, recipes, images, "mirosot-triangles", learned.name, 12)
 
     made = tools.out / "mirosot-triangles-venue.toml"
     # In RGB, because a lamp's tint is a factor per channel.
@@ -150,12 +145,12 @@ def mirosot_lamps(tools, pictures, recipes):
     even.write_text(scenes.without_section(even.read_text(), "light").replace('space = "yuv"', 'space = "rgb"'))
     colors(even)
     mapped = copy_venue(even, tools.out / "mirosot-mapped-venue.toml")
-    light(mapped, learned)
+    light_from_border(tools, mapped, learned)
     colors(mapped)
     out = {}
     for picture in pictures:
         venue = copy_venue(mapped, tools.out / "mirosot-lamp-venue.toml")
-        measured = picture == learned or light(venue, picture, "--keep-normal")
+        measured = picture == learned or light_from_border(tools, venue, picture, "--keep-normal")
         cases = {"none": (even, False), "adapted": (even, True), "map": (venue, False), "map_adapted": (venue, True)}
         out[picture.stem] = {case: seen_in(tools, picture, file, team, f"mirosot-{case}", adapt)
                              for case, (file, adapt) in cases.items()}
@@ -179,24 +174,18 @@ def bars(tools, folder, recipes):
     return out
 
 
-def evaluate(tools, folder, recipes):
-    programs.progress("footage: venues")
-    make_venues(tools, recipes, folder.resolve().parent)
-    out = {}
-    programs.progress("footage vss-overhead")
-    out["overhead"] = stationary_spread(tools, folder / "vss-overhead.mp4", tools.out / "vss-overhead-venue.toml",
-                               recipes / "vss-overhead-team.toml", "vss-overhead", moving=("blue 0",))
-    programs.progress("footage vsss-halves")
-    out["halves"] = stationary_spread(tools, folder / "vsss-halves", tools.out / "vsss-halves-venue.toml",
-                             recipes / "vsss-halves-team.toml", "vsss-halves")
+def parts(tools, folder, recipes):
+    """Returns the measurements by name: functions without arguments."""
     pictures = scenes.pictures_of(folder / "mirosot-triangles")
-    programs.progress("footage mirosot-triangles: fields")
-    out["mirosot_fields"] = mirosot_fields(tools, pictures)
-    programs.progress("footage mirosot-triangles: lamps")
-    out["mirosot_lamps"] = mirosot_lamps(tools, pictures, recipes)
-    programs.progress("footage vsss-bar")
-    out["bars"] = bars(tools, folder / "vsss-bar", recipes)
-    return out
+    return {
+        "overhead": lambda: stationary_spread(tools, folder / "vss-overhead.mp4", tools.out / "vss-overhead-venue.toml",
+                                              recipes / "vss-overhead-team.toml", "vss-overhead", moving=("blue 0",)),
+        "halves": lambda: stationary_spread(tools, folder / "vsss-halves", tools.out / "vsss-halves-venue.toml",
+                                            recipes / "vsss-halves-team.toml", "vsss-halves"),
+        "mirosot_fields": lambda: mirosot_fields(tools, pictures),
+        "mirosot_lamps": lambda: mirosot_lamps(tools, pictures, recipes),
+        "bars": lambda: bars(tools, folder / "vsss-bar", recipes),
+    }
 
 
 def print_stationary(title, rows):
@@ -207,38 +196,43 @@ def print_stationary(title, rows):
         print(f"  {row['name']:<12} {row['frames']:>4} of {row['of']}: {pixels}{row['mm']:.3f} mm{turn}")
 
 
-def print_tables(results):
-    if not results:
-        return
-    print_stationary("vss-overhead.mp4, stationary robots and balls", results["overhead"])
-    print_stationary("vsss-halves, one stationary scene", results["halves"])
+def print_fields(rows):
     print("\nmirosot-triangles: field found without clicks; deviation of the border from straight lines")
-    for name, row in results["mirosot_fields"].items():
+    for name, row in rows.items():
         print(f"  {name:<10} " + ("refused" if row is None else (
             f"residual {row['residual_px']:.2f} px; border {row['distorted_px']:.2f} px in the picture, rectified "
             f"{row['straight_px']:.2f} px, {row['straight_mm']:.2f} mm")))
+
+
+def print_lamps(rows):
     print(f"\nmirosot-triangles: colors learned only in {MIROSOT_LEARNED}; ids of {MIROSOT_ROBOTS} (reported twice), robots "
           "seen, ball")
-    cases = [case for case in next(iter(results["mirosot_lamps"].values())) if case != "map_measured"]
+    cases = [case for case in next(iter(rows.values())) if case != "map_measured"]
     print(f"  {'':<10}" + "".join(f"{case:>22}" for case in cases))
 
     def text(one):
         return f"{one['ids']} ({one['doubled']}), {one['robots']}, {'ball' if one['ball'] else 'no ball'}"
-    for name, row in results["mirosot_lamps"].items():
+    for name, row in rows.items():
         print(f"  {name:<10}" + "".join(f"{text(row[case]):>22}" for case in cases) + (
             "" if row["map_measured"] else "   without its own map: uses the map of the learned picture"))
-    for name, row in results["mirosot_lamps"].items():
-        if row[cases[0]]["annotated"]:
-            print(f"  {name}, ids right/unknown/wrong by its annotation: " + ", ".join(
-                f"{case} {'/'.join(map(str, row[case]['annotated']))}" for case in cases))
-    totals = {case: sum(r[case]["ids"] for r in results["mirosot_lamps"].values()) for case in cases}
-    whole = MIROSOT_ROBOTS * len(results["mirosot_lamps"])
+    totals = {case: sum(r[case]["ids"] for r in rows.values()) for case in cases}
+    whole = MIROSOT_ROBOTS * len(rows)
     print(f"  {'ids':<10}" + "".join(f"{100 * totals[case] / whole:>20.1f} %" for case in cases))
+
+
+def print_bars(rows):
     print("\nvsss-bar: colors of one exposure used in the other; ids (reported twice), robots, balls")
-    for name, row in results["bars"].items():
+    for name, row in rows.items():
         for case, seen in row.items():
             robots, balls = BAR_COUNTS[name.split()[-1]]
             print(f"  {name:<16} {case:<18} {sum(s['ids'] for s in seen)} ({sum(s['doubled'] for s in seen)}), "
-                  f"{sum(s['robots'] for s in seen)} of {robots}, {sum(s['ball'] for s in seen)} of {balls}" + "".join(
-                      f"; annotated right/unknown/wrong {'/'.join(map(str, s['annotated']))}" for s in seen
-                      if s["annotated"]))
+                  f"{sum(s['robots'] for s in seen)} of {robots}, {sum(s['ball'] for s in seen)} of {balls}")
+
+
+def print_tables(results):
+    """Prints what was measured."""
+    printers = {"overhead": lambda rows: print_stationary("vss-overhead.mp4, stationary robots and balls", rows),
+                "halves": lambda rows: print_stationary("vsss-halves, one stationary scene", rows),
+                "mirosot_fields": print_fields, "mirosot_lamps": print_lamps, "bars": print_bars}
+    for name, rows in results.items():
+        printers[name](rows)

@@ -1,8 +1,12 @@
 """Runs Touchline's programs for tools/evaluate-all."""
 import json
 import pathlib
+import shutil
 import subprocess
 import sys
+
+# Number of frames of a picture that stands still for one second.
+ONE_SECOND = 60
 
 
 class Failed(Exception):
@@ -15,6 +19,10 @@ def progress(text):
         print(f"\r\033[K{text}", end="", file=sys.stderr, flush=True)
     elif text:
         print(text, file=sys.stderr, flush=True)
+
+
+def read_lines(path):
+    return [json.loads(line) for line in path.read_text().splitlines()]
 
 
 class Programs:
@@ -43,7 +51,18 @@ class Programs:
         """Returns the path of the result and its parsed lines."""
         result = self.out / f"{name}.jsonl"
         self.run("replay", pictures, "--venue", venue, "--team", team, "--out", result, "--quiet", *options)
-        return result, [json.loads(line) for line in result.read_text().splitlines()]
+        return result, read_lines(result)
+
+    def replay_standing(self, picture, venue, team, name, *options, frames=ONE_SECOND):
+        """Replays a picture as a camera at 60 Hz that sees nothing else; returns the parsed lines."""
+        folder = self.out / f"{name}-repeated"
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+        for i in range(frames):
+            (folder / f"{i:04d}{picture.suffix}").symlink_to(picture.resolve())
+        _, lines = self.replay(folder, venue, team, name, "--rate", 60, *options)
+        shutil.rmtree(folder)
+        return lines
 
     def evaluate(self, *arguments):
         """Returns the numbers that touchline-evaluate --json writes."""

@@ -17,6 +17,10 @@ def half(value):
     return round(2 * value) / 2
 
 
+def scene_of(folder):
+    return json.loads((folder / "empty" / "scene.json").read_text())
+
+
 def truth_of(folder):
     return [json.loads(line) for line in (folder / "truth.jsonl").read_text().splitlines()]
 
@@ -62,7 +66,7 @@ def pictures_of(folder):
 def calibrate(tools, folder, team, clicks, venue, no_height):
     """Writes the venue file; returns how the field was found."""
     venue.unlink(missing_ok=True)
-    scene = json.loads((folder / "empty" / "scene.json").read_text())
+    scene = scene_of(folder)
     empty = [option for p in pictures_of(folder / "empty") for option in ("--picture", p)]
     field = ["field", "--venue", venue, *empty, "--length", scene["field"][0], "--width", scene["field"][1]]
     if not no_height:
@@ -130,6 +134,13 @@ def recognize(tools, folder, venue, team, name, *options):
     return total.numbers(), each, results
 
 
+def row_of(results):
+    """Returns the counts of all folders."""
+    names = {"wrong": "swapped"}
+    keys = ("robots", "right", "unknown", "wrong", "missed", "ghosts", "balls", "balls_seen", "ball_ghosts")
+    return {key: sum(numbers["sightings"][names.get(key, key)] for _, numbers in results.values()) for key in keys}
+
+
 def mean_angle(angles):
     return math.atan2(sum(map(math.sin, angles)), sum(map(math.cos, angles)))
 
@@ -163,15 +174,23 @@ def times_bound(tools, folder, result, venue, team):
     return times("position_rms_m", "position_m"), times("angle_rms_rad", "angle_rad")
 
 
-def evaluate(tools, folder, no_height):
+def calibrated(tools, folder, no_height):
+    """Returns venue and team file of a set, and how its field was found."""
     name = folder.name
-    scene = json.loads((folder / "empty" / "scene.json").read_text())
+    scene = scene_of(folder)
     samples = truth_of(folder / "samples")
     team, clicks = tools.out / f"{name}-team.toml", tools.out / f"{name}-clicks.json"
     write_team(scene, samples[0]["robots"], team)
     write_clicks(samples, clicks)
     venue = tools.out / f"{name}-venue.toml"
-    out = {"field": calibrate(tools, folder, team, clicks, venue, no_height)}
+    return venue, team, calibrate(tools, folder, team, clicks, venue, no_height)
+
+
+def evaluate(tools, folder, venue, team, field):
+    """Returns the numbers of the clean pictures, and the results by folder: lines and numbers."""
+    name = folder.name
+    clicks = tools.out / f"{name}-clicks.json"
+    out = {"field": field}
     out["all"], out["folders"], results = recognize(tools, folder, venue, team, name)
     if "static" in results:
         lines, _ = results["static"]
@@ -185,7 +204,7 @@ def evaluate(tools, folder, no_height):
     learn_colors(tools, folder, team, clicks, without)
     out["without_light"], _, _ = recognize(tools, folder, without, team, f"{name}-without-light", "--set",
                                       "adaptation.mode=off")
-    return out
+    return out, results
 
 
 def print_table(sets):
@@ -239,7 +258,7 @@ def print_table(sets):
         good = part["swapped"] == 0 and (wanted is None or part["seen"] >= wanted)
         return f"{part['seen']:.2f} %, {part['swapped']}" + mark(good)
 
-    print("robots and balls in single pictures, without tracking; RMS / max; !: goal not reached")
+    print("\nscenes: robots and balls in single pictures, without tracking; RMS / max; !: goal not reached")
     row("", lambda n: n)
     row("field found by", lambda n: sets[n]["field"])
     row("robots", lambda n: str(sets[n]["all"]["robots"]))

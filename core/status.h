@@ -15,7 +15,7 @@ enum class ErrorCode : std::uint8_t {
   kUnsupported,   // format, size or feature that cannot be served
   kNotFound,      // no such device, file or port
   kPermission,    // the operating system denies access
-  kDeviceBusy,    // held by another process
+  kDeviceBusy,    // another process uses the device
   kDisconnected,  // the device went away
   kIo,            // any other failure of the device
   kOutOfRange,    // a value outside its documented range

@@ -24,15 +24,15 @@ CameraModel model_of(const CameraParameters& parameters) {
 TEST(LensMap, ImplementsEquationTwelveForThePapersModel) {
   const LensMap lens(of_kind(CameraModelKind::kPaper));
   // Klancar eq. (12): R = H sinh(r / H), here with H = 250 and r = 100 along the row.
-  EXPECT_NEAR(lens.straightened({259.5, 119.5})[0], 159.5 + 250 * std::sinh(0.4), 1e-4);
-  EXPECT_NEAR(lens.straightened({259.5, 119.5})[1], 119.5, 1e-9);
+  EXPECT_NEAR(lens.undistorted({259.5, 119.5})[0], 159.5 + 250 * std::sinh(0.4), 1e-4);
+  EXPECT_NEAR(lens.undistorted({259.5, 119.5})[1], 119.5, 1e-9);
 }
 
 TEST(LensMap, BendingIsTheInverseOfStraightening) {
   for (const auto kind : {CameraModelKind::kFull, CameraModelKind::kPaper}) {
     const LensMap lens(of_kind(kind));
     for (const Point& p : {Point{3, 5}, Point{310, 7}, Point{160, 230}, Point{159.5, 119.5}}) {
-      const Point back = lens.bent(lens.straightened(p));
+      const Point back = lens.distorted(lens.undistorted(p));
       EXPECT_NEAR(back[0], p[0], 1e-4);
       EXPECT_NEAR(back[1], p[1], 1e-4);
     }

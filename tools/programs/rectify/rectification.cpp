@@ -82,13 +82,13 @@ LensMap::LensMap(const CameraParameters& camera)
                   static_cast<double>(camera.full.k3), static_cast<double>(camera.full.p1),
                   static_cast<double>(camera.full.p2)) {}
 
-Point LensMap::straightened(const Point& pixel) const {
+Point LensMap::undistorted(const Point& pixel) const {
   return mapped(
       pixel, [](double r, double h) { return h * std::sinh(r / h); },
       [this](const Point& seen) { return distortion_.undistort(seen); });
 }
 
-Point LensMap::bent(const Point& straight) const {
+Point LensMap::distorted(const Point& straight) const {
   return mapped(
       straight, [](double r, double h) { return h * std::asinh(r / h); },
       [this](const Point& ideal) { return distortion_.distort(ideal); });
@@ -114,7 +114,7 @@ hal::Picture straighten(const hal::Picture& picture, const LensMap& lens, Raster
   Point least{std::numeric_limits<double>::max(), std::numeric_limits<double>::max()};
   Point most{std::numeric_limits<double>::lowest(), std::numeric_limits<double>::lowest()};
   const auto include = [&](double u, double v) {
-    const Point p = lens.straightened({u, v});
+    const Point p = lens.undistorted({u, v});
     for (std::size_t i = 0; i < 2; ++i) {
       least[i] = std::min(least[i], p[i]);
       most[i] = std::max(most[i], p[i]);
@@ -135,7 +135,7 @@ hal::Picture straighten(const hal::Picture& picture, const LensMap& lens, Raster
   raster.width_px = static_cast<std::uint32_t>(std::max(1.0, std::ceil(most[0]) - raster.left + 1));
   raster.height_px = static_cast<std::uint32_t>(std::max(1.0, std::ceil(most[1]) - raster.top + 1));
   return resample(picture, raster, [&](double column, double row) {
-    return lens.bent({raster.left + column, raster.top + row});
+    return lens.distorted({raster.left + column, raster.top + row});
   });
 }
 
@@ -163,7 +163,7 @@ void draw_grid(const CameraModel& camera, const LensMap& lens, const FieldParame
                const Raster& raster, hal::Picture& straight) {
   draw_floor_grid(straight, field, spacing_m, [&](double x, double y) {
     const PixelPoint p = camera.to_pixel({static_cast<float>(x), static_cast<float>(y)}, 0.0f);
-    const Point at = lens.straightened({static_cast<double>(p.u_px), static_cast<double>(p.v_px)});
+    const Point at = lens.undistorted({static_cast<double>(p.u_px), static_cast<double>(p.v_px)});
     return Point{at[0] - raster.left, at[1] - raster.top};
   });
 }

@@ -24,8 +24,8 @@ class LensMap {
   explicit LensMap(const CameraParameters& camera);
 
   /// Removes and applies the distortion: eq. (12) and (13), or Brown's model.
-  [[nodiscard]] Point straightened(const Point& pixel) const;
-  [[nodiscard]] Point bent(const Point& straight) const;
+  [[nodiscard]] Point undistorted(const Point& pixel) const;
+  [[nodiscard]] Point distorted(const Point& straight) const;
 
  private:
   // `radius`: maps a radius with the paper's model; `brown`: maps a point with Brown's.

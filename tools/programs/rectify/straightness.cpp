@@ -103,12 +103,12 @@ std::array<SideStraightness, 4> straightness(const std::vector<BorderPoint>& poi
     for (const BorderPoint& p : points) {
       if (p.side != side) continue;
       pixels.push_back(p.pixel);
-      straight.push_back(lens.straightened(p.pixel));
+      straight.push_back(lens.undistorted(p.pixel));
       floor.push_back(floor_m(camera, p.pixel));
       seen_scale.push_back(scale_at(camera, p.pixel));
       // The lens stretches the neighborhood of a point by the square root of the determinant of the Jacobian.
-      const Point right = lens.straightened({p.pixel[0] + 1, p.pixel[1]});
-      const Point below = lens.straightened({p.pixel[0], p.pixel[1] + 1});
+      const Point right = lens.undistorted({p.pixel[0] + 1, p.pixel[1]});
+      const Point below = lens.undistorted({p.pixel[0], p.pixel[1] + 1});
       const Point& at = straight.back();
       const double area = (right[0] - at[0]) * (below[1] - at[1]) - (right[1] - at[1]) * (below[0] - at[0]);
       straight_scale.push_back(seen_scale.back() * std::sqrt(std::abs(area)));

@@ -125,7 +125,7 @@ Eigen::Vector2d rectified(const Eigen::Vector2d& pixel, const Eigen::Vector2d& c
   return r < 1e-9 ? pixel : Eigen::Vector2d(center + away * (std::sinh(r) / r));
 }
 
-Eigen::Vector2d bent(const Eigen::Vector2d& point, const Eigen::Vector2d& center, double h_px) {
+Eigen::Vector2d distorted(const Eigen::Vector2d& point, const Eigen::Vector2d& center, double h_px) {
   const Eigen::Vector2d away = point - center;
   const double r = away.norm() / h_px;
   return r < 1e-9 ? point : Eigen::Vector2d(center + away * (std::asinh(r) / r));
@@ -389,7 +389,7 @@ Result<void> find_border(const hal::Picture& picture, BorderSearch& out) {
       return Error{ErrorCode::kNotFound, "two adjacent sides of the border are parallel"};
     }
     out.straight_corners[i] = {static_cast<float>(corner->x()), static_cast<float>(corner->y())};
-    const Eigen::Vector2d pixel = bent(*corner, center, out.h_px);
+    const Eigen::Vector2d pixel = distorted(*corner, center, out.h_px);
     out.corners[i] = {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
   }
   Result<void> checked = check_corners(out.corners);

@@ -63,9 +63,9 @@ class Solver {
   double refine(CameraUnknowns& x) const {
     const double straight = minimize(x, false);
     if (!has_distortion() || !std::isfinite(straight)) return straight;
-    CameraUnknowns bent = x;
-    const double cost = minimize(bent, true);
-    if (cost < straight) x = bent;
+    CameraUnknowns curved = x;
+    const double cost = minimize(curved, true);
+    if (cost < straight) x = curved;
     return std::min(cost, straight);
   }
 

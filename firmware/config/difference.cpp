@@ -70,9 +70,10 @@ class ValueLister {
   std::vector<KeyValue> values_;
 };
 
-Change change_of(FileKind file, const std::string& key, const KeyValue* before, const KeyValue* after) {
-  Change change{file, key, {}, {}, (before != nullptr ? before : after)->reload};
-  if ((before != nullptr ? before : after)->is_element) return change;
+// `present`: the value before or after, whichever exists.
+Change change_of(FileKind file, const KeyValue& present, const KeyValue* before, const KeyValue* after) {
+  Change change{file, present.key, {}, {}, present.reload};
+  if (present.is_element) return change;
   if (before != nullptr) change.before = before->value;
   if (after != nullptr) change.after = after->value;
   return change;
@@ -86,12 +87,12 @@ void compare(FileKind file, const File& before, const File& after, std::vector<C
   for (const KeyValue& value : new_values) {
     const auto found = old_by_key.find(value.key);
     const KeyValue* old = found == old_by_key.end() ? nullptr : found->second;
-    if (old == nullptr || old->value != value.value) out.push_back(change_of(file, value.key, old, &value));
+    if (old == nullptr || old->value != value.value) out.push_back(change_of(file, value, old, &value));
     if (old != nullptr) old_by_key.erase(found);
   }
   for (const KeyValue& value : old_values) {
     const auto left = old_by_key.find(value.key);
-    if (left != old_by_key.end() && left->second == &value) out.push_back(change_of(file, value.key, &value, nullptr));
+    if (left != old_by_key.end() && left->second == &value) out.push_back(change_of(file, value, &value, nullptr));
   }
 }
 

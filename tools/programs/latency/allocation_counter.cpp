@@ -20,7 +20,7 @@ thread_local constinit std::uint64_t allocations = 0;
 }
 
 #ifdef TOUCHLINE_COUNTS_ALLOCATIONS
-// NOLINTBEGIN(bugprone-reserved-identifier): glibc's names.
+// NOLINTBEGIN(readability-identifier-naming): glibc's names.
 extern "C" {
 void* __libc_malloc(std::size_t bytes);
 void* __libc_calloc(std::size_t count, std::size_t bytes);
@@ -57,7 +57,7 @@ int posix_memalign(void** block, std::size_t alignment, std::size_t bytes) noexc
 }
 void free(void* block) noexcept { __libc_free(block); }
 }
-// NOLINTEND(bugprone-reserved-identifier)
+// NOLINTEND(readability-identifier-naming)
 #endif
 
 namespace touchline::latency {

@@ -147,6 +147,7 @@ void ColorsCommand::add_options(CLI::App& app) {
   app.add_option("--images", images, "Folder of the pictures in the JSON file (default: the folder of the JSON file)");
   app.add_option("--team", team, "Team file: each of its colors must have a click or be detected");
   std::vector<std::string> formats;
+  formats.reserve(kPixelFormatTable.size());
   for (const PixelFormatInfo& info : kPixelFormatTable) formats.emplace_back(info.word);
   app.add_option("--format", format, "Pixel format of the camera, as camera.format in board.toml")
       ->check(CLI::IsMember(formats));

@@ -4,4 +4,6 @@ if [ -n "${CI:-}" ] || [ "$(ccache --print-stats 2>/dev/null | sed -n 's/^files_
   export CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_C_COMPILER_LAUNCHER=ccache
   # Without this setting, ccache does not cache compilations that use a precompiled header.
   export CCACHE_SLOPPINESS=pch_defines,time_macros
+  # Several clones of the project share their results.
+  export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
 fi

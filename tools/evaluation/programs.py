@@ -47,6 +47,17 @@ class Programs:
             return None
         raise Failed(f"{' '.join(command)}\n{done.stderr.strip()}")
 
+    def colors(self, *arguments):
+        """Calibrates colors; returns False if the program's self-check does not accept them."""
+        try:
+            self.run("calibrate", "colors", *arguments)
+        except Failed as failure:
+            if "--accept" not in str(failure):
+                raise
+            self.run("calibrate", "colors", *arguments, "--accept")
+            return False
+        return True
+
     def replay(self, pictures, venue, team, name, *options):
         """Returns the path of the result and its parsed lines."""
         result = self.out / f"{name}.jsonl"

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/color/box_shift.h"
+#include "core/color/typical_colors.h"
 #include "core/light/light_change.h"
 #include "core/parameter.h"
 #include "core/region/region_scanner.h"
@@ -25,9 +26,8 @@ struct AdaptationParameters {
   double time_constant_s = 10.0;
   double most_light = 2.0;
   double most_shift = 10.0;
-  // Mean pixel value of a color's patches after correction by the light map, by color id. Not a key of the venue file's
-  // section.
-  std::array<std::array<std::uint8_t, 3>, kMaxColors + 1> typical{};
+  // Not a key of the venue file's section. The matcher uses them, too.
+  TypicalColors typical;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -58,6 +58,7 @@ class Adaptation {
   /// kOff restores the calibrated values within a few hundred frames.
   void set_mode(AdaptationMode mode);
   [[nodiscard]] AdaptationMode mode() const { return mode_; }
+  [[nodiscard]] const TypicalColors& typical_colors() const { return typical_; }
 
   /// Learns from a frame whose pixels are still valid, and updates a part of the scanner's tables. The time is bounded:
   /// nine pixels per patch, some rows of tiles, two tables. Writes trace.light.
@@ -78,7 +79,7 @@ class Adaptation {
 
   AdaptationMode mode_ = AdaptationMode::kOff;
   float time_constant_s_ = 0;
-  std::array<std::array<std::uint8_t, 3>, kMaxColors + 1> typical_{};
+  TypicalColors typical_;
   ColorId ball_color_ = kBackground;
   LightChange light_;
   BoxShift shift_;

@@ -70,6 +70,7 @@ class Pipeline {
   /// value see RegionScanner::exchange. Copies a few hundred bytes.
   ScanTables& exchange(ScanTables& tables, const Adaptation& adaptation) {
     adaptation_ = adaptation;
+    matcher_.set_typical_colors(adaptation.typical_colors());
     return scanner_.exchange(tables);
   }
   /// Changes control parameters between two frames. Errors as Controller::set_parameters.

@@ -148,6 +148,7 @@ void resolve_adaptation(const VenueFile& venue, const Locations& where, Pipeline
                  "needs three values, one per channel; has " + std::to_string(color.typical.size()));
       continue;
     }
+    out.adaptation.typical.measured[i + 1] = !color.typical.empty();
     for (std::size_t c = 0; c < 3 && !color.box.empty(); ++c) {
       const ColorBoxEntry& box = color.box[0];
       out.adaptation.typical[i + 1][c] =

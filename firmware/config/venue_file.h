@@ -95,7 +95,8 @@ struct ColorEntry {
     visit.numbers(self.typical, {.name = "typical",
                                  .range = {0, 255},
                                  .help = "Mean value of its patches after correction by the light map, each channel, "
-                                         "for [adaptation]; absent: the middle of the first box"});
+                                         "for [adaptation] and for ids from pixels; absent: the middle of the first "
+                                         "box, and ids from boxes only"});
     visit.list(self.box, {.name = "box", .help = "A box in color space: R, G, B or Y, U, V, see colors.space"});
   }
 };

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "core/color/box_shift.h"
-#include "core/light/field_light.h"
+#include "core/color/typical_colors.h"
 #include "core/light/light_change.h"
 #include "core/parameter.h"
 #include "core/region/region_scanner.h"
@@ -26,10 +26,8 @@ struct AdaptationParameters {
   double time_constant_s = 10.0;
   double most_light = 2.0;
   double most_shift = 10.0;
-  // Mean pixel value of a color's patches after correction by the light map, by color id. Not a key of the venue file's
-  // section.
-  std::array<std::array<std::uint8_t, 3>, kMaxColors + 1> typical{};
-  LightReference reference;  // light.reference; columns 0: none
+  // Not a key of the venue file's section. The matcher uses them, too.
+  TypicalColors typical;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -48,23 +46,20 @@ struct AdaptationParameters {
   }
 };
 
-/// Adapts to changes of the light (future work in Klancar's section 8), in two ways. FieldLight measures steps, tints
-/// and shadows from the field itself, before the frame is classified. What remains is learned slowly, and only from
-/// certain sightings: the patches of robots whose team and id were seen in this frame and agree with their track, and a
-/// ball that agrees with its track. A change that is common to all patches in a neighborhood corrects the light map. A
-/// remaining change of a single color moves its boxes, four times more slowly. Both are bounded. The object is large
-/// (fixed memory); do not put it on the stack.
+/// Adapts to slow changes of the light (future work in Klancar's section 8). It learns only from certain sightings: the
+/// patches of robots whose team and id were seen in this frame and agree with their track, and a ball that agrees with
+/// its track. A change that is common to all patches in a neighborhood corrects the light map. A remaining change of a
+/// single color moves its boxes, four times more slowly. Both are bounded. The object is large (fixed memory); do not
+/// put it on the stack.
 class Adaptation {
  public:
-  /// kOutOfRange: as LightChange and BoxShift. kInconsistent: as FieldLight.
+  /// kOutOfRange: as LightChange and BoxShift.
   Status configure(const AdaptationParameters& parameters, const ScanParameters& scan, ColorId ball_color);
   /// kOff restores the calibrated values within a few hundred frames.
   void set_mode(AdaptationMode mode);
   [[nodiscard]] AdaptationMode mode() const { return mode_; }
+  [[nodiscard]] const TypicalColors& typical_colors() const { return typical_; }
 
-  /// Measures the light of a frame and updates the scanner's tables before it scans the frame. A frame that the scanner
-  /// does not accept has no effect.
-  void measure(const Frame& frame, RegionScanner& scanner);
   /// Learns from a frame whose pixels are still valid, and updates a part of the scanner's tables. The time is bounded:
   /// nine pixels per patch, some rows of tiles, two tables. Writes trace.light.
   void update(RegionScanner& scanner, StepTrace& trace);
@@ -84,9 +79,8 @@ class Adaptation {
 
   AdaptationMode mode_ = AdaptationMode::kOff;
   float time_constant_s_ = 0;
-  std::array<std::array<std::uint8_t, 3>, kMaxColors + 1> typical_{};
+  TypicalColors typical_;
   ColorId ball_color_ = kBackground;
-  FieldLight field_;
   LightChange light_;
   BoxShift shift_;
   Instant last_{};

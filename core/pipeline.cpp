@@ -36,6 +36,7 @@ Status Pipeline::configure(const PipelineParameters& parameters, StageClock cloc
   if (Status s = scanner_.configure(parameters.scan); !s.ok()) return s;
   if (Status s = camera_.configure(parameters.camera); !s.ok()) return s;
   if (Status s = matcher_.configure(parameters.marker, camera_); !s.ok()) return s;
+  matcher_.set_typical_colors(parameters.adaptation.typical);
   teams_ = parameters.marker.teams;
   assignment_ = {};
   controller_.set_turned(false);
@@ -76,14 +77,13 @@ const StepTrace& Pipeline::step(const Frame& frame) {
   };
   {
     const StageTimer t = timer(Stage::kRegion);
-    adaptation_.measure(frame, scanner_);
     trace_.status = scanner_.scan(frame, trace_.runs, trace_.regions);
     trace_.runs_dropped = static_cast<std::uint32_t>(trace_.runs.overflow());
     trace_.regions_dropped = static_cast<std::uint32_t>(trace_.regions.overflow());
   }
   {
     const StageTimer t = timer(Stage::kMarker);
-    matcher_.match(trace_.runs, trace_.regions, trace_.sightings);
+    matcher_.match(&frame, trace_.runs, trace_.regions, trace_.sightings);
     // A frame that the scan rejected has no regions and no sightings.
     patch_center_fit_.refine(frame, trace_.sightings);
     ball_center_fit_.refine(frame, trace_.sightings);

@@ -67,9 +67,10 @@ class Pipeline {
 
   /// Replaces thresholds, light map and region of interest by those of `tables`, and restarts the adaptation with the
   /// configuration of `adaptation`. Tracks and game continue. Call it between two frames. For `tables` and the return
-  /// value see RegionScanner::exchange. Copies about 100 kB.
+  /// value see RegionScanner::exchange. Copies a few hundred bytes.
   ScanTables& exchange(ScanTables& tables, const Adaptation& adaptation) {
     adaptation_ = adaptation;
+    matcher_.set_typical_colors(adaptation.typical_colors());
     return scanner_.exchange(tables);
   }
   /// Changes control parameters between two frames. Errors as Controller::set_parameters.

@@ -85,6 +85,8 @@ Status Matcher::configure(const MarkerParameters& parameters, const CameraModel&
     return s;
   }
   finder_.configure(camera, parameters.field);
+  identifier_.configure(camera);
+  identifier_.set_teams(parameters.teams);
   return {};
 }
 
@@ -95,7 +97,10 @@ Status Matcher::set_teams(const TeamMarkings& teams) {
   const TeamMarkings former = parameters_.teams;
   parameters_.teams = teams;
   const Status status = collect_kinds();
-  if (status.ok()) return {};
+  if (status.ok()) {
+    identifier_.set_teams(teams);
+    return {};
+  }
   parameters_.teams = former;
   static_cast<void>(collect_kinds());  // was successful with these teams
   return status;
@@ -198,6 +203,8 @@ void Matcher::report_pair(const Chosen& choice, Sightings& out) {
   }
   reported_[h.team_patch] = true;
   out.robots.push_back(robot);
+  const bool complete = h.seen + 1u == marking.layout.patches.size();
+  box_sightings_.push_back({h.team_patch, choice.hypothesis, known_pose && h.has_heading && h.precise && complete});
 }
 
 void Matcher::report_pairs(Sightings& out) {
@@ -241,6 +248,7 @@ void Matcher::report_unpaired(Sightings& out) {
       robot.patches.push_back({PatchRole::kTeam, 0, candidate.patch.color, candidate.patch.center});
       reported_[i] = true;
       out.robots.push_back(robot);
+      box_sightings_.push_back({static_cast<std::uint16_t>(i), kMissing, false});
     }
   }
 }
@@ -266,7 +274,7 @@ void Matcher::write_verdicts(Sightings& out) {
   }
 }
 
-void Matcher::match(const Runs& runs, const Regions& regions, Sightings& out) {
+void Matcher::match(const Frame* frame, const Runs& runs, const Regions& regions, Sightings& out) {
   out.ball = {};
   out.robots.clear();
   out.verdicts.clear();
@@ -274,6 +282,7 @@ void Matcher::match(const Runs& runs, const Regions& regions, Sightings& out) {
   std::fill(out.verdicts.begin(), out.verdicts.end(), Verdict::kNotExamined);
   reported_.fill(false);
   used_.fill(false);
+  box_sightings_.clear();
 
   sort_by_color(regions, out);
   find_patches(runs, regions, out);
@@ -291,6 +300,10 @@ void Matcher::match(const Runs& runs, const Regions& regions, Sightings& out) {
   report_pairs(out);
   report_unpaired(out);
   write_verdicts(out);
+  if (frame != nullptr) {
+    identifier_.identify(*frame, lists, {hypotheses_.data(), hypotheses_.size()},
+                         {box_sightings_.data(), box_sightings_.size()}, out);
+  }
   find_ball(ball_patches_, finder_, parameters_.teams, regions, out);
   out.cut_short = !complete;
 }

@@ -6,6 +6,7 @@
 #include "core/geometry/field_area.h"
 #include "core/marker/ball_finder.h"
 #include "core/marker/hypothesis.h"
+#include "core/marker/identifier.h"
 #include "core/marker/marker_layout.h"
 #include "core/marker/patch_finder.h"
 #include "core/marker/selection.h"
@@ -39,8 +40,14 @@ class Matcher {
   /// then.
   Status set_teams(const TeamMarkings& teams);
 
-  /// Uses only this frame. `out.verdicts` gets one entry per region.
-  void match(const Runs& runs, const Regions& regions, Sightings& out);
+  /// Takes over the typical values of the colors, with which match() reads pixels. Without them, or if those of a team
+  /// were not measured, the color boxes alone decide.
+  void set_typical_colors(const TypicalColors& typical) { identifier_.set_typical(typical); }
+
+  /// Uses only this frame: `runs` and `regions` are those of `frame`, which is null if ids follow from the color boxes
+  /// alone. `out.verdicts` gets one entry per region.
+  void match(const Frame* frame, const Runs& runs, const Regions& regions, Sightings& out);
+  void match(const Runs& runs, const Regions& regions, Sightings& out) { match(nullptr, runs, regions, out); }
 
  private:
   // 22 robots with two identification patches have 44. The rest is for fragments, noise and layouts with more patches.
@@ -62,6 +69,7 @@ class Matcher {
   MarkerParameters parameters_;
   PatchFinder finder_;
   Selector selector_;
+  Identifier identifier_;
   // Indexed by color.
   std::array<PatchKind, kMaxColors + 1> kinds_{};
   std::array<bool, kMaxColors + 1> wanted_{};
@@ -73,6 +81,7 @@ class Matcher {
   FixedVector<PatchCandidate, kMaxIdentification> identification_;
   Hypotheses hypotheses_;
   Selection selection_;
+  BoxSightings box_sightings_;  // of the reported robots
   std::array<bool, kMaxTeamPatches> reported_{};
   std::array<bool, kMaxIdentification> used_{};
 };

@@ -172,8 +172,9 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
       split_touching(kind, runs, region, shape, patch, of_largest, out);
       return;
     }
-    patch.has_axis = long_patch && !foreign && shape.major_px2 > kElongated * shape.minor_px2;
-    if (patch.has_axis) patch.axis_rad = field_axis(kind, patch, shape);
+    patch.has_rough_axis = long_patch && shape.major_px2 > kElongated * shape.minor_px2;
+    patch.has_axis = patch.has_rough_axis && !foreign;
+    if (patch.has_rough_axis) patch.axis_rad = field_axis(kind, patch, shape);
   }
   out.push_back(patch);
 }
@@ -204,7 +205,7 @@ bool PatchFinder::merge(const PatchKind& kind, const PatchCandidate& from, Patch
   into.center.u_px += (from.center.u_px - into.center.u_px) * from.area_px / area;
   into.center.v_px += (from.center.v_px - into.center.v_px) * from.area_px / area;
   // With a large fragment, the axis of the larger part is not that of the patch.
-  if (from.area_px > 0.2f * area) into.has_axis = false;
+  if (from.area_px > 0.2f * area) into.has_axis = into.has_rough_axis = false;
   into.area_px = area;
   into.ratio = std::max(area / (kind.largest_area_m2 * square), std::min(1.0f, area / (kind.least_area_m2 * square)));
   place(kind, into);

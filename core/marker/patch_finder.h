@@ -34,8 +34,9 @@ struct PatchCandidate {
   float area_px = 0;
   float ratio = 0;  // area / expected area
   float scale_px_per_m = 0;
-  float axis_rad = 0;  // direction of the longer side on the field, modulo pi
-  bool has_axis = false;
+  float axis_rad = 0;           // direction of the longer side on the field, modulo pi
+  bool has_axis = false;        // the shape is that of one complete patch
+  bool has_rough_axis = false;  // axis_rad is valid, but the patch may be partly hidden
   bool is_split_part = false;
   bool is_partly_visible = false;  // too small for a complete patch, but possibly the visible part of one
   std::uint16_t region = 0;

@@ -53,7 +53,7 @@ struct RegionOfInterestEntry {
 };
 
 struct LightEntry {
-  std::string map, surface, reference;
+  std::string map, surface;
   std::vector<float> normal;
 
   template <class Self, class Visitor>
@@ -67,11 +67,6 @@ struct LightEntry {
                   {.name = "normal",
                    .range = {1, 255},
                    .help = "R, G, B of that surface where the map is 1, for touchline-calibrate light --keep-normal"});
-    visit.text(self.reference,
-               {.name = "reference",
-                .help = "The field in the light in which the colors were learned, in the folder of this file: PNG with "
-                        "16 bits per channel, one pixel per cell. The adaptation measures the present light by it; "
-                        "empty: only from recognized robots"});
   }
 };
 
@@ -100,7 +95,8 @@ struct ColorEntry {
     visit.numbers(self.typical, {.name = "typical",
                                  .range = {0, 255},
                                  .help = "Mean value of its patches after correction by the light map, each channel, "
-                                         "for [adaptation]; absent: the middle of the first box"});
+                                         "for [adaptation] and for ids from pixels; absent: the middle of the first "
+                                         "box, and ids from boxes only"});
     visit.list(self.box, {.name = "box", .help = "A box in color space: R, G, B or Y, U, V, see colors.space"});
   }
 };

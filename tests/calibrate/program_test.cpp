@@ -226,7 +226,8 @@ TEST_F(Program, AsksBeforeItWritesDetectedColors) {
         "[[own.robot]]\nid = 1\ncolors = [\"blue\"]\n[ball]\ncolor = \"orange\"\n");
   // A camera 2 m above the floor: a patch of 34.5 mm on a robot of 75 mm is 12 pixels wide.
   const std::string before =
-      "version = 1\n[picture]\nwidth_px = 320\nheight_px = 240\n[camera_model]\nkind = \"full\"\n[camera_model.full]\n"
+      "version = 1\n[picture]\nwidth_px = 320\nheight_px = 240\n[field]\nlength_m = 0.9\nwidth_m = "
+      "0.7\n[camera_model]\nkind = \"full\"\n[camera_model.full]\n"
       "fx_px = 669.6\nfy_px = 669.6\ncx_px = 159.5\ncy_px = 119.5\nrotation_rad = [3.14159265, 0.0, 0.0]\n"
       "position_m = [0.0, 0.0, 2.0]\n";
   write("venue.toml", before);
@@ -239,6 +240,9 @@ TEST_F(Program, AsksBeforeItWritesDetectedColors) {
   EXPECT_EQ(read("venue.toml"), before);
   EXPECT_TRUE(fs::exists(path("seen/robots-found.png")));
   ASSERT_TRUE(run(with_team + " --yes")) << read("out");
+  EXPECT_NE(read("out").find("2 of 2 robots explained"), std::string::npos) << read("out");
+  EXPECT_TRUE(fs::exists(path("seen/robots-check.png")));
+  EXPECT_FALSE(fs::exists(path("venue-unaccepted.toml")));
   const Result<VenueDraft> venue_read = read_draft(path("venue.toml"));
   ASSERT_TRUE(venue_read.ok()) << venue_read.text();
   const VenueDraft& draft = venue_read.value();
@@ -249,9 +253,36 @@ TEST_F(Program, AsksBeforeItWritesDetectedColors) {
         *std::find_if(patches.begin(), patches.end(), [&](const auto& p) { return p.color == color.name; });
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(color.shown_rgb[c], truth.rgb[c], 8) << color.name;
   }
+  // A robot that is not in every picture is missing: the working file stays unless the person accepts it.
+  const std::string working = read("venue.toml");
+  write_png("without.png",
+            painted_field({patches[0], patches[1], patches[4]}, PixelFormat::kRgb24, 4, [](int, int) { return 1.0; }));
+  const std::string with_two = with_team + " --picture " + path("without.png") + " --yes";
+  EXPECT_FALSE(run(with_two));
+  EXPECT_NE(read("out").find("without.png: 1 of 2 robots explained; missing: own 1"), std::string::npos) << read("out");
+  EXPECT_NE(read("out").find("self-check: 3 of 4 robots explained"), std::string::npos) << read("out");
+  EXPECT_NE(read("out").find("venue-unaccepted.toml"), std::string::npos) << read("out");
+  EXPECT_EQ(read("venue.toml"), working);
+  EXPECT_TRUE(fs::exists(path("venue-unaccepted.toml")));
+  EXPECT_TRUE(run(with_two + " --accept")) << read("out");
+  EXPECT_FALSE(fs::exists(path("venue-unaccepted.toml")));
   write("venue.toml", "version = 1\n");
   EXPECT_FALSE(run(with_team + " --yes"));
   EXPECT_NE(read("out").find("calibrate the field first"), std::string::npos) << read("out");
+}
+
+TEST_F(Program, ConfirmsAColorThatDoesNotLookLikeItsName) {
+  const std::vector<PaintedPatch> patches = {{"blue", {225, 228, 224}, 80, 60}, {"red", {200, 30, 30}, 93, 73}};
+  write_png("robots.png", painted_field(patches, PixelFormat::kRgb24, 3, [](int, int) { return 1.0; }));
+  write("clicks.json",
+        R"({"samples": [{"image": "robots.png", "color": "blue", "u": 80, "v": 60},
+                        {"image": "robots.png", "color": "red", "u": 93, "v": 73}]})");
+  write("venue.toml", "version = 1\n");
+  const std::string colors = "colors --samples " + path("clicks.json") + venue();
+  EXPECT_FALSE(run(colors));
+  EXPECT_NE(read("out").find("blue: the patches found look white"), std::string::npos) << read("out");
+  EXPECT_EQ(read("venue.toml"), "version = 1\n");
+  EXPECT_TRUE(run(colors + " --odd-color blue")) << read("out");
 }
 
 TEST_F(Program, RejectsAnInvalidVenue) {

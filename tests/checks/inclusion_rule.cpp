@@ -34,7 +34,7 @@ const std::vector<FolderRule>& stage_rules() {
       {"geometry", {}},
       {"color", {"light"}},
       {"region", {"light", "color"}},
-      {"marker", {"geometry", "color", "region"}},
+      {"marker", {"light", "geometry", "color", "region"}},
       {"subpixel", {"geometry", "color", "marker"}},
       {"track", {"geometry"}},
       {"control", {"geometry"}},

@@ -10,7 +10,7 @@
 namespace touchline::testing {
 namespace {
 
-constexpr float kSide = 0.075f;
+constexpr float kRobotSide = 0.075f;
 
 struct Sum {
   int robots = 0, right = 0;
@@ -47,7 +47,7 @@ void pairs(const CameraParameters& camera, Team other, int& robots, int& right) 
         const Pose base{{-0.5f + 0.06f * static_cast<float>(direction), 0.3f - 0.04f * static_cast<float>(quarter)},
                         static_cast<float>(direction) * kPi / 8};
         const Pose first = beside(base, 0, 0, static_cast<float>(quarter % 4) * kPi / 2);
-        const Pose second = beside(base, kSide, shift * kSide, static_cast<float>(quarter / 4) * kPi / 2);
+        const Pose second = beside(base, kRobotSide, shift * kRobotSide, static_cast<float>(quarter / 4) * kPi / 2);
         const std::string what = "direction " + std::to_string(direction) + " quarter " + std::to_string(quarter) +
                                  " shift " + std::to_string(shift);
         match_and_compare(field, parameters, {{Team::kOwn, 0, first}, {other, 1, second}}, sum, what);
@@ -85,7 +85,7 @@ TEST(Touching, PairsAtAnyAngle) {
     Pose second = first;
     const float direction = random.real(-kPi, kPi), turn = random.real(-kPi, kPi);
     float distance = 0.0f;
-    while (overlap(first, second, kSide)) {
+    while (overlap(first, second, kRobotSide)) {
       distance += 0.0005f;
       second = beside(first, distance * std::cos(direction), distance * std::sin(direction), turn);
     }
@@ -109,7 +109,7 @@ TEST(Touching, Rows) {
     for (std::size_t r = 0; r < 5; ++r) {
       const float turn = n % 4 < 2 ? 0.0f : static_cast<float>(random.whole(0, 3)) * kPi / 2;
       placed.push_back({both_teams && r % 2 == 1 ? Team::kOpponent : Team::kOwn, r,
-                        beside(base, (static_cast<float>(r) - 2) * kSide, 0, turn)});
+                        beside(base, (static_cast<float>(r) - 2) * kRobotSide, 0, turn)});
     }
     match_and_compare(field, parameters, placed, both_teams ? mixed : alike, "row " + std::to_string(n));
   }
@@ -130,9 +130,10 @@ TEST(Touching, Clusters) {
     for (int i = 0; i < 10; ++i) {
       std::size_t team = static_cast<std::size_t>(random.whole(0, 1));
       if (used[team] == 5) team = 1 - team;
-      placed.push_back({static_cast<Team>(team), used[team]++,
-                        beside(base, static_cast<float>(i % 4 - 1) * kSide, static_cast<float>(i / 4 - 1) * kSide,
-                               static_cast<float>(random.whole(0, 3)) * kPi / 2)});
+      placed.push_back(
+          {static_cast<Team>(team), used[team]++,
+           beside(base, static_cast<float>(i % 4 - 1) * kRobotSide, static_cast<float>(i / 4 - 1) * kRobotSide,
+                  static_cast<float>(random.whole(0, 3)) * kPi / 2)});
     }
     match_and_compare(field, parameters, placed, sum, "cluster " + std::to_string(n));
   }

@@ -65,6 +65,21 @@ TEST(PictureEvaluation, PerfectResult) {
   EXPECT_EQ(r.balls_good, 1u);
 }
 
+TEST(PictureEvaluation, ReliabilityCountsWrongColorsAndGhosts) {
+  std::vector<FrameRecord> results = perfect();
+  std::vector<RobotRecord>& robots = results[0].sightings.robots;
+  robots[0].confidence = 0.8;
+  robots[1].confidence = 0.8;
+  robots[1].patches[1].color = "blue";
+  robots.push_back(robot("blue", std::nullopt, {patch("blue", 400.0, 400.0, false)}));
+  robots.back().confidence = 0.8;
+  results[0].sightings.ball->confidence = 0.8;
+  const PictureReport r = evaluate(results);
+  EXPECT_NEAR(r.reliability.named.calibration_error(), 0.3, 1e-9) << "one of two is right";
+  EXPECT_NEAR(r.reliability.unnamed.calibration_error(), 0.8, 1e-9) << "a ghost";
+  EXPECT_NEAR(r.reliability.ball.calibration_error(), 0.2, 1e-9);
+}
+
 TEST(PictureEvaluation, WrongColorIsAWrongIdOnlyWithAnId) {
   std::vector<FrameRecord> results = perfect();
   results[0].sightings.robots[0].patches[1].color = "red";

@@ -65,6 +65,40 @@ TEST(PoseEvaluation, PerfectResult) {
   EXPECT_EQ(report.frames_without_result, 0u);
 }
 
+TEST(PoseEvaluation, ReliabilityCountsWhatIsRightForEachConfidence) {
+  std::vector<FrameRecord> result{truth_frame(0)};
+  std::vector<RobotRecord>& robots = result[0].sightings.robots;
+  robots[0].confidence = 0.97;  // right
+  robots[1].id = 2;             // another robot's id
+  robots[1].confidence = 0.92;
+  robots[2].id.reset();  // a robot of this team
+  robots[2].confidence = 0.9;
+  robots[3].theta_rad.reset();  // only its team patch, beside its center
+  robots[3].id.reset();
+  robots[3].position_m.x += 0.03;
+  robots[3].confidence = 0.9;
+  robots[4].position_m.x += 0.03;  // a ghost
+  robots[4].confidence = 1.0;
+  result[0].sightings.ball->confidence = 0.3;
+  result[0].sightings.ball->position_m.x += 0.03;
+  const ReliabilityOfScene& r = evaluate({truth_frame(0)}, result).sightings.reliability;
+  EXPECT_EQ(r.all().count(), 6u);
+  const auto bin = [](const Reliability& reliability, double low) {
+    for (const Reliability::Bin& b : reliability.bins()) {
+      if (b.low == low) return std::pair(b.right, b.count);
+    }
+    return std::pair<std::size_t, std::size_t>(99, 99);
+  };
+  using Counts = std::pair<std::size_t, std::size_t>;
+  EXPECT_EQ(bin(r.named, 0.95), Counts(1, 1));
+  EXPECT_EQ(bin(r.named, 0.9), Counts(0, 1));
+  EXPECT_EQ(bin(r.named, 0.99), Counts(0, 1));
+  EXPECT_EQ(bin(r.unnamed, 0.9), Counts(2, 2));
+  EXPECT_EQ(bin(r.ball, 0.0), Counts(0, 1));
+  EXPECT_NEAR(r.named.calibration_error(), (0.03 + 0.92 + 1.0) / 3.0, 1e-9);
+  EXPECT_EQ(evaluate({truth_frame(0)}, result).tracks.reliability.all().count(), 0u) << "no confidences";
+}
+
 TEST(PoseEvaluation, SwappedIdsAreCountedEach) {
   std::vector<FrameRecord> result{truth_frame(0)};
   std::swap(result[0].sightings.robots[0].id, result[0].sightings.robots[1].id);

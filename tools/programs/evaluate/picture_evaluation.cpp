@@ -29,11 +29,13 @@ void compare_identification(const AnnotatedPicture::Robot& truth, const RobotRec
     if (match.distance <= tolerance.good_px) ++out.identification_good;
     if (truth.identification[match.first].color == patches[match.second].color) ++colors_right;
   }
+  const bool id_is_right = colors_right == truth.identification.size();
   if (!found.id.has_value()) {
     ++out.ids_unknown;
   } else {
-    ++(colors_right == truth.identification.size() ? out.ids_right : out.ids_wrong);
+    ++(id_is_right ? out.ids_right : out.ids_wrong);
   }
+  out.reliability.add_robot(found, id_is_right || !found.id.has_value());
 }
 
 }  // namespace
@@ -76,6 +78,7 @@ Result<PictureReport> evaluate_picture(const AnnotatedPicture& truth, const std:
     if (expected.identification.empty()) continue;
     if (expected.team != reported.team) {
       ++out.wrong_team;
+      out.reliability.add_robot(reported, false);
       continue;
     }
     ++out.found;
@@ -86,12 +89,17 @@ Result<PictureReport> evaluate_picture(const AnnotatedPicture& truth, const std:
   // Sightings of robots that are not judged do not count as ghosts.
   std::vector<bool> explained(seen.robots.size());
   for (const Match& match : matches) explained[match.second] = true;
-  out.ghosts = static_cast<std::size_t>(std::count(explained.begin(), explained.end(), false));
+  for (std::size_t i = 0; i < seen.robots.size(); ++i) {
+    if (explained[i]) continue;
+    ++out.ghosts;
+    out.reliability.add_robot(seen.robots[i], false);
+  }
 
   out.balls = truth.balls_px.size();
   if (seen.ball.has_value()) {
     double nearest = tolerance.same_robot_px + 1.0;
     for (const Vector2& ball : truth.balls_px) nearest = std::min(nearest, distance(ball, *seen.ball->center_px));
+    out.reliability.ball.add(seen.ball->confidence, nearest <= tolerance.same_robot_px);
     if (nearest <= tolerance.same_robot_px) {
       ++out.balls_found;
       if (nearest <= tolerance.good_px) ++out.balls_good;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tools/programs/evaluate/records.h"
+#include "tools/programs/evaluate/reliability.h"
 #include "tools/programs/statistics/statistics.h"
 
 namespace touchline::evaluate {
@@ -25,6 +26,7 @@ struct PictureReport {
   std::size_t wrong_team = 0, ghosts = 0;
   std::size_t balls = 0, balls_found = 0, balls_good = 0, ball_ghosts = 0;
   statistics::ErrorSummary team_px, identification_px, ball_px;
+  ReliabilityOfScene reliability;
 };
 
 /// Compares the picture with the result of the same file and frame. kNotFound: there is no such result.

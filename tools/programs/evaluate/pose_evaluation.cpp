@@ -15,6 +15,30 @@ struct Errors {
   std::vector<double> position, angle, ball;
 };
 
+// Largest distance of a robot's center from a report without heading, which is that of its team patch.
+constexpr double kPatchOffset_m = 0.05;
+
+// True if the report says nothing wrong. `partner`: the robot of the truth that it was paired with, or null.
+bool is_right(const RobotRecord& reported, const RobotRecord* partner, const SceneRecord& truth) {
+  if (partner != nullptr) {
+    return partner->team == reported.team && (!reported.id.has_value() || reported.id == partner->id);
+  }
+  return !reported.theta_rad.has_value() && !reported.id.has_value() &&
+         std::any_of(truth.robots.begin(), truth.robots.end(), [&](const RobotRecord& robot) {
+           return robot.team == reported.team && distance(robot.position_m, reported.position_m) <= kPatchOffset_m;
+         });
+}
+
+void compare_reliability(const SceneRecord& truth, const SceneRecord& found, const std::vector<Match>& matches,
+                         bool ball_is_near, ReliabilityOfScene& out) {
+  std::vector<const RobotRecord*> partners(found.robots.size());
+  for (const Match& match : matches) partners[match.second] = &truth.robots[match.first];
+  for (std::size_t i = 0; i < found.robots.size(); ++i) {
+    out.add_robot(found.robots[i], is_right(found.robots[i], partners[i], truth));
+  }
+  if (found.ball.has_value()) out.ball.add(found.ball->confidence, ball_is_near);
+}
+
 void compare(const SceneRecord& truth, const SceneRecord& found, double within, PoseSummary& sum, Errors& errors) {
   const std::vector<Match> matches = match_greedily(
       truth.robots.size(), found.robots.size(), within,
@@ -40,6 +64,7 @@ void compare(const SceneRecord& truth, const SceneRecord& found, double within, 
   if (truth.ball.has_value()) ++(near ? sum.balls_seen : sum.balls_missed);
   if (found.ball.has_value() && !near) ++sum.ball_ghosts;
   if (near) errors.ball.push_back(distance(truth.ball->position_m, found.ball->position_m));
+  compare_reliability(truth, found, matches, near, sum.reliability);
 }
 
 void finish(PoseSummary& sum, Errors& errors) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tools/programs/evaluate/records.h"
+#include "tools/programs/evaluate/reliability.h"
 #include "tools/programs/statistics/statistics.h"
 
 namespace touchline::evaluate {
@@ -20,6 +21,7 @@ struct PoseSummary {
   std::size_t balls = 0, balls_seen = 0, balls_missed = 0, ball_ghosts = 0;
   statistics::ErrorSummary position, angle;  // of robots that count as right or unknown
   statistics::ErrorSummary ball;
+  ReliabilityOfScene reliability;
 };
 
 /// Deviations of a stationary robot's or ball's reported poses from their mean.

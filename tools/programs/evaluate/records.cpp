@@ -68,6 +68,13 @@ class JsonReader {
     at(key).complain(at(key).path_ + " is not a pair of numbers");
     return {};
   }
+  /// nullopt if there is no such key.
+  [[nodiscard]] std::optional<double> probability(const char* key) const {
+    if (!has(key)) return std::nullopt;
+    const double value = number(key);
+    if (!(value >= 0.0 && value <= 1.0)) at(key).complain(at(key).path_ + " is not within 0 to 1");
+    return value;
+  }
   void complain(const std::string& what) const {
     if (result_->ok()) *result_ = failure(ErrorCode::kInconsistent, "%s", what.c_str());
   }
@@ -121,6 +128,7 @@ std::optional<BallRecord> ball_of(const JsonReader& node, bool with_pixels) {
   BallRecord ball;
   ball.position_m = {node.number("x"), node.number("y")};
   if (with_pixels) ball.center_px = Vector2{node.number("u"), node.number("v")};
+  ball.confidence = node.probability("confidence");
   return ball;
 }
 
@@ -133,6 +141,7 @@ SceneRecord scene_of(const JsonReader& node, bool is_result, bool with_pixels, c
     if (!entry.at("id").null()) robot.id = static_cast<int>(entry.integer("id"));
     robot.position_m = {entry.number("x"), entry.number("y")};
     robot.theta_rad = entry.number_or_null("theta");
+    robot.confidence = entry.probability("confidence");
     if (is_result && with_pixels) {
       for (const JsonReader& patch : entry.list("patches")) {
         robot.patches.push_back({patch.text("role") == "identification",

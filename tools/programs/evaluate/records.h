@@ -26,11 +26,13 @@ struct RobotRecord {
   Vector2 position_m;
   std::optional<double> theta_rad;
   std::vector<PatchRecord> patches;
+  std::optional<double> confidence = std::nullopt;  // of results that have one
 };
 
 struct BallRecord {
   Vector2 position_m;
   std::optional<Vector2> center_px;
+  std::optional<double> confidence = std::nullopt;  // of results that have one
 };
 
 struct SceneRecord {

@@ -1,5 +1,6 @@
 #include "tools/programs/evaluate/report.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -45,6 +46,64 @@ ordered_json json_of(const statistics::ErrorSummary& e) {
   return {{"count", e.count}, {"rms", e.rms}, {"p95", e.p95}, {"max", e.max}};
 }
 
+ordered_json json_of(const Reliability& reliability) {
+  ordered_json bins = ordered_json::array();
+  for (const Reliability::Bin& bin : reliability.bins()) {
+    if (bin.count == 0) continue;
+    bins.push_back({{"low", bin.low},
+                    {"high", bin.high},
+                    {"count", bin.count},
+                    {"right", bin.right},
+                    {"mean_confidence", bin.confidence_sum / static_cast<double>(bin.count)}});
+  }
+  return {{"count", reliability.count()}, {"calibration_error", reliability.calibration_error()}, {"bins", bins}};
+}
+
+ordered_json json_of(const ReliabilityOfScene& reliability) {
+  return {{"calibration_error", reliability.all().calibration_error()},
+          {"robots_with_id", json_of(reliability.named)},
+          {"robots_without_id", json_of(reliability.unnamed)},
+          {"ball", json_of(reliability.ball)}};
+}
+
+struct ReliabilitySource {
+  const char* name;  // sightings, tracks
+  const ReliabilityOfScene& reliability;
+};
+
+std::string right_aligned(const std::string& text) {
+  constexpr std::size_t kWidth = 18;
+  return std::string(kWidth - std::min(text.size(), kWidth), ' ') + text;
+}
+
+// One row for each confidence, with the share of its reports that are right.
+void print_reliability(const std::vector<ReliabilitySource>& sources, std::ostream& out) {
+  std::string title, errors;
+  std::vector<const Reliability*> columns;
+  for (const auto& [name, reliability] : sources) {
+    const Reliability all = reliability.all();
+    if (all.count() == 0) continue;  // results without confidences
+    for (const char* kind : {"id", "no id", "ball"}) title += right_aligned(name + std::string(", ") + kind);
+    columns.insert(columns.end(), {&reliability.named, &reliability.unnamed, &reliability.ball});
+    char text[64];
+    std::snprintf(text, sizeof text, "%s%s %.4f", errors.empty() ? "" : ", ", name, all.calibration_error());
+    errors += text;
+  }
+  if (columns.empty()) return;
+  out << "\nright, of all with this confidence\n" << right_aligned("") << title << '\n';
+  for (std::size_t i = 0; i < columns.front()->bins().size(); ++i) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%.2f to %.2f", columns.front()->bins()[i].low, columns.front()->bins()[i].high);
+    std::string row = right_aligned(text);
+    for (const Reliability* column : columns) {
+      const Reliability::Bin& bin = column->bins()[i];
+      row += right_aligned(bin.count == 0 ? "-" : share(bin.right, bin.count));
+    }
+    out << row << '\n';
+  }
+  out << "expected calibration error: " << errors << '\n';
+}
+
 ordered_json json_of(const PoseSummary& s) {
   return {{"robots", s.robots},
           {"right", s.right},
@@ -58,7 +117,8 @@ ordered_json json_of(const PoseSummary& s) {
           {"ball_ghosts", s.ball_ghosts},
           {"position_m", json_of(s.position)},
           {"angle_rad", json_of(s.angle)},
-          {"ball_m", json_of(s.ball)}};
+          {"ball_m", json_of(s.ball)},
+          {"reliability", json_of(s.reliability)}};
 }
 
 ordered_json json_of(const std::vector<PoseSpread>& spreads) {
@@ -103,6 +163,7 @@ void print(const PoseReport& report, double seen_within_m, std::ostream& out) {
   print_errors(out, "robot position", s.position, t.position, kMillimeters, "mm");
   print_errors(out, "robot angle", s.angle, t.angle, kDegrees, "deg");
   print_errors(out, "ball position", s.ball, t.ball, kMillimeters, "mm");
+  print_reliability({{"sightings", s.reliability}, {"tracks", t.reliability}}, out);
   if (!report.spread.empty()) {
     out << "\nNothing moves in the truth: deviations of the sightings from their mean\n";
     print(report.spread, report.frames, out);
@@ -136,7 +197,12 @@ void print(const std::vector<PictureReport>& pictures, const PictureTolerance& t
          p.identification_px.max, of(p.balls_good, p.balls).c_str(), p.ball_px.max,
          p.ghosts + p.ball_ghosts + p.wrong_team, p.not_judged);
   };
-  for (const PictureReport& p : pictures) row(p);
+  ReliabilityOfScene reliability;
+  for (const PictureReport& p : pictures) {
+    row(p);
+    reliability.add(p.reliability);
+  }
+  print_reliability({{"sightings", reliability}}, out);
 }
 
 std::string to_json(const PoseReport& report, double seen_within_m) {
@@ -157,7 +223,9 @@ std::string to_json(const std::vector<PoseSpread>& spread, std::size_t frames) {
 
 std::string to_json(const std::vector<PictureReport>& pictures, const PictureTolerance& tolerance) {
   ordered_json list = ordered_json::array();
+  ReliabilityOfScene reliability;
   for (const PictureReport& p : pictures) {
+    reliability.add(p.reliability);
     list.push_back({{"name", p.name},
                     {"robots", p.robots},
                     {"found", p.found},
@@ -178,7 +246,10 @@ std::string to_json(const std::vector<PictureReport>& pictures, const PictureTol
                     {"identification_px", json_of(p.identification_px)},
                     {"ball_px", json_of(p.ball_px)}});
   }
-  return ordered_json{{"good_px", tolerance.good_px}, {"same_robot_px", tolerance.same_robot_px}, {"pictures", list}}
+  return ordered_json{{"good_px", tolerance.good_px},
+                      {"same_robot_px", tolerance.same_robot_px},
+                      {"pictures", list},
+                      {"reliability", json_of(reliability)}}
              .dump(2) +
          "\n";
 }

@@ -124,6 +124,7 @@ class Solver {
   double marker_cost(const PatchLabels& cut, const std::vector<std::size_t>& color_of, Solution& out) const {
     double cost = 0;
     out.robots = out.unknown_robots = 0;
+    out.named.clear();
     std::set<std::array<std::size_t, 3>> seen;
     for (const MarkerCandidate* m : out.markers) {
       if (input_.teams[m->team].robots.empty()) {
@@ -139,6 +140,7 @@ class Solver {
       const std::size_t r = robot(*m, cut, color_of);
       const bool explained = r != kNone && seen.insert({m->picture, m->team, r}).second;
       cost += explained ? -kExplained : kStranger;
+      if (explained) out.named.push_back({m->picture, m->team, r, m->patches[0]});
       ++(explained ? out.robots : out.unknown_robots);
     }
     return cost;

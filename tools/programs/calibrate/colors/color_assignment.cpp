@@ -34,6 +34,7 @@ Assignment assign_colors(const AssignmentInput& input) {
   if (best.label_of.empty()) return out;
   out.robots = best.robots;
   out.unknown_robots = best.unknown_robots;
+  out.named = best.named;
   std::set<std::size_t> in_markers;
   for (const MarkerCandidate* m : best.markers) in_markers.insert(m->patches.begin(), m->patches.end());
   for (std::size_t c = 0; c < input.colors.size(); ++c) {

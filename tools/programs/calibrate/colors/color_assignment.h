@@ -41,9 +41,16 @@ struct AssignedColor {
   [[nodiscard]] double confidence() const;
 };
 
+/// A robot of the team file that was recognized.
+struct AssignedRobot {
+  std::size_t picture = 0, team = 0, robot = 0;  // indices of the picture, of the team and in TeamMarking::robots
+  std::size_t team_patch = 0;                    // index of its patch
+};
+
 struct Assignment {
   std::vector<AssignedColor> colors;  // in the order of the input
   std::size_t robots = 0;             // markers recognized as robots of the team file
+  std::vector<AssignedRobot> named;   // those of them that the team file lists
   std::size_t unknown_robots = 0;     // markers with known colors that match no robot
 };
 

@@ -27,6 +27,23 @@ std::optional<Rgb> paint(std::string_view word) {
   return found->second;
 }
 
+// Range of the channels relative to the largest one; noise near black does not count.
+double saturation(const Rgb& rgb) {
+  const auto [least, most] = std::minmax_element(rgb.begin(), rgb.end());
+  return (*most - *least) / (*most + kRatioOffset);
+}
+
+// Angle in the plane of equal brightness.
+double hue_difference_deg(const Rgb& a, const Rgb& b) {
+  constexpr double kHalfTurn_deg = 180.0;
+  const auto hue = [](const Rgb& rgb) {
+    return std::atan2(std::sqrt(3.0) * (rgb[1] - rgb[2]), 2 * rgb[0] - rgb[1] - rgb[2]) * kHalfTurn_deg /
+           std::acos(-1.0);
+  };
+  const double difference = std::abs(hue(a) - hue(b));
+  return std::min(difference, 2 * kHalfTurn_deg - difference);
+}
+
 }  // namespace
 
 std::span<const std::pair<std::string_view, Rgb>> usual_paints() { return kPaints; }
@@ -57,6 +74,25 @@ double dissimilarity(const Lab& color, const Lab& expected) {
   const double chroma = std::hypot(color.a, color.b) - std::hypot(expected.a, expected.b);
   const double hue = std::max(0.0, a * a + b * b - chroma * chroma);  // squared, as in CIE 1976
   return std::sqrt(kLightness * l * l + kChroma * chroma * chroma + kHue * hue);
+}
+
+bool is_plausible(const std::string& name, const Rgb& seen) {
+  const std::optional<Rgb> usual = usual_rgb(name);
+  if (!usual) return true;
+  // Tinted lamps give a grey paint some saturation, and shade takes some from a colored one.
+  constexpr double kGrey = 0.12, kSaturated = 0.6, kColored = 0.3, kFarHue = 90.0;
+  const double is = saturation(seen), should_be = saturation(*usual);
+  if (should_be >= kColored && is < kGrey) return false;
+  if (should_be < kGrey) return is < kSaturated;
+  return is < kColored || hue_difference_deg(seen, *usual) <= kFarHue;
+}
+
+std::string_view most_similar_name(const Rgb& seen) {
+  const Lab lab = lab_of(seen);
+  const auto* const best = std::min_element(std::begin(kPaints), std::end(kPaints), [&](const auto& a, const auto& b) {
+    return difference(lab_of(a.second), lab) < difference(lab_of(b.second), lab);
+  });
+  return best->first;
 }
 
 std::optional<Rgb> usual_rgb(const std::string& name) {

@@ -28,6 +28,14 @@ double difference(const Lab& a, const Lab& b);
 /// because paints of one name differ more in paleness.
 double dissimilarity(const Lab& color, const Lab& expected);
 
+/// Whether a patch of this color cannot be what the name says in any usual light: nearly grey although the name is a
+/// saturated color, saturated although the name is a grey, or a hue more than a quarter of the circle away. Unknown
+/// names are always plausible.
+bool is_plausible(const std::string& name, const Rgb& seen);
+
+/// The name in usual_paints() that is most similar to the color.
+std::string_view most_similar_name(const Rgb& seen);
+
 /// All names that usual_rgb() knows and their colors.
 std::span<const std::pair<std::string_view, Rgb>> usual_paints();
 

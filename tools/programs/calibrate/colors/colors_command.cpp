@@ -14,7 +14,8 @@
 #include "hal/replay/picture.h"
 #include "tools/programs/calibrate/colors/auto_detect.h"
 #include "tools/programs/calibrate/colors/color_fit.h"
-#include "tools/programs/calibrate/colors/field_reference.h"
+#include "tools/programs/calibrate/colors/color_names.h"
+#include "tools/programs/calibrate/colors/colors_report.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 #include "tools/programs/command_line/formatted.h"
 
@@ -34,104 +35,11 @@ Result<void> check_all_colors(const std::string& path, const TeamColors& team, c
   return failure(ErrorCode::kNotFound, "%s: these colors have no click:%s", path.c_str(), missing.c_str());
 }
 
-// Prints the result for the person who confirms it.
-void print_detected(const DetectedColors& found) {
-  std::printf("%zu patches, %zu robots in %zu pictures\n%-12s %-15s %7s %-12s %s\n", found.input.patches.size(),
-              found.assignment.robots, found.images.size(), "color", "R G B", "patches", "next best", "confidence");
-  for (std::size_t c = 0; c < found.input.colors.size(); ++c) {
-    const WantedColor& wanted = found.input.colors[c];
-    const AssignedColor& color = found.assignment.colors[c];
-    const std::string rgb =
-        color.patches.empty() ? "-" : formatted("%3.0f %3.0f %3.0f", color.rgb[0], color.rgb[1], color.rgb[2]);
-    std::printf("%-12s %-15s %7zu %-12s %s\n", wanted.name.c_str(), rgb.c_str(), color.patches.size(),
-                color.alternative.empty() ? "-" : color.alternative.c_str(),
-                wanted.clicked ? "clicked" : formatted("%.1f %%", 100 * color.confidence()).c_str());
-  }
-}
-
-void print_unused(const std::vector<Click>& clicks, const std::vector<ClickUse>& uses) {
-  const auto used = std::count_if(uses.begin(), uses.end(), [](const ClickUse& use) { return use.used; });
-  if (!uses.empty()) std::printf("%td of %zu clicks used\n", used, uses.size());
-  for (std::size_t i = 0; i < uses.size(); ++i) {
-    if (uses[i].used) continue;
-    std::printf("click %s is not used: %s\n", describe_click(i, clicks[i]).c_str(), uses[i].reason.c_str());
-  }
-}
-
 bool confirmed() {
   std::printf("are these colors right? [y/n] ");
   std::fflush(stdout);
   std::string answer;
   return std::getline(std::cin, answer) && (answer == "y" || answer == "yes");
-}
-
-void print_report(const ColorFitInput& input, const ColorFit& fit) {
-  for (std::size_t i = 0; i < fit.clicks.size(); ++i) {
-    const Click& click = input.clicks[i];
-    const ClickResult& result = fit.clicks[i];
-    if (result.area_px == 0) {
-      std::printf("click %s is not used: %s\n", describe_click(i, click).c_str(), result.reason.c_str());
-    } else if (result.recognized < 0.5) {
-      std::printf("%s, the %s patch at %.0f,%.0f: only %.0f %% of its %zu pixels are recognized\n", click.image.c_str(),
-                  click.color.c_str(), click.u_px, click.v_px, 100 * result.recognized, result.area_px);
-    }
-  }
-  std::size_t width = 10;
-  for (const std::string& name : fit.names) width = std::max(width, name.size() + 1);
-  const auto column = static_cast<int>(width);
-  std::printf("classification of the patches, %% of pixels (row: clicked on, column: classified as)\n%*s%*s", column,
-              "", column, "none");
-  for (const std::string& name : fit.names) std::printf("%*s", column, name.c_str());
-  std::printf("%*s\n", column, "boxes");
-  for (std::size_t c = 0; c < fit.names.size(); ++c) {
-    std::printf("%-*s", column, fit.names[c].c_str());
-    for (const double share : fit.confusion[c]) std::printf("%*.1f", column, 100 * share);
-    const auto boxes = std::count_if(fit.learned.boxes.begin(), fit.learned.boxes.end(),
-                                     [&](const ColorBox& b) { return b.color == c + 1; });
-    std::printf("%*td\n", column, boxes);
-  }
-  std::printf("background classified as a color, %%:");
-  for (std::size_t c = 0; c < fit.names.size(); ++c) {
-    std::printf(" %s %.4f", fit.names[c].c_str(), 100 * fit.background_share[c]);
-  }
-  std::printf(
-      "\nmargin of each pair: levels between their cores in the channel that separates them best (negative: "
-      "overlap)\n");
-  std::vector<std::vector<int>> margin(fit.names.size(), std::vector<int>(fit.names.size(), 0));
-  for (const PairMargin& m : fit.learned.margins)
-    margin[std::max(m.first, m.second)][std::min(m.first, m.second)] = m.levels;
-  for (std::size_t c = 1; c < fit.names.size(); ++c) {
-    std::printf("%-*s", column, fit.names[c].c_str());
-    for (std::size_t other = 0; other < c; ++other) std::printf("%*d", column, margin[c][other]);
-    std::printf("\n");
-  }
-  std::printf("%*s", column, "");
-  for (std::size_t c = 0; c + 1 < fit.names.size(); ++c) std::printf("%*s", column, fit.names[c].c_str());
-  std::printf("\n");
-  for (std::size_t c = 0; c < fit.names.size(); ++c) {
-    if (fit.learned.cut_share[c] > 0.05) {
-      std::printf("%s: lost %.0f %% of its pixels to other colors; replace it if possible\n", fit.names[c].c_str(),
-                  100 * fit.learned.cut_share[c]);
-    }
-  }
-  for (const ColorReplacement& e : fit.advice.replacements) {
-    std::printf("%s and %s are only %d levels apart: replace %s if possible; %s would be %d levels from all others\n",
-                fit.names[e.first].c_str(), fit.names[e.second].c_str(), e.levels, fit.names[e.replaced].c_str(),
-                e.suggestion.name.c_str(), e.suggestion.levels);
-  }
-  std::printf("best additional color: %s, %d levels from all others and from the background\n",
-              fit.advice.additional.name.c_str(), fit.advice.additional.levels);
-  std::vector<StrayRegion> strays = fit.strays;
-  std::sort(strays.begin(), strays.end(),
-            [](const StrayRegion& a, const StrayRegion& b) { return a.area_px > b.area_px; });
-  constexpr std::size_t kShown = 8;
-  for (std::size_t i = 0; i < std::min(kShown, strays.size()); ++i) {
-    const StrayRegion& stray = strays[i];
-    std::printf("%s: %u pixels of %s at %.0f,%.0f without a click: a patch or clutter\n", stray.image.c_str(),
-                stray.area_px, fit.names[stray.color].c_str(), static_cast<double>(stray.center.u_px),
-                static_cast<double>(stray.center.v_px));
-  }
-  if (strays.size() > kShown) std::printf("and %zu smaller ones\n", strays.size() - kShown);
 }
 
 }  // namespace
@@ -156,6 +64,11 @@ void ColorsCommand::add_options(CLI::App& app) {
       ->check(CLI::Range(3, 200));
   app.add_option("--preview", preview, "Folder for pictures of the detected patches and of classified pixels");
   app.add_flag("--yes", yes, "Accept colors that were detected without clicks, without asking");
+  app.add_flag("--accept", accept,
+               "Write the colors although the self-check missed robots or the ball in the pictures");
+  app.add_option("--odd-color", odd_colors, "Color whose patches do not look like its name; repeatable")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
 // The default is a folder next to the venue file.
@@ -195,7 +108,7 @@ Result<void> ColorsCommand::read_input(ColorFitInput& input) const {
 }
 
 // Replaces the clicks by the patches that were detected with their help, after a person has confirmed them.
-Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput& input) const {
+Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput& input, NamedRobots& robots) const {
   if (team.empty()) return failure(ErrorCode::kNotFound, "--picture needs --team, which names the colors to detect");
   TOUCHLINE_TRY_ASSIGN(const TeamColors wanted, read_team_colors(team));
   TOUCHLINE_TRY_ASSIGN(DetectedColors found, auto_detect_colors(draft, wanted, input.clicks, input.pictures));
@@ -223,6 +136,53 @@ Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput
   }
   input.clicks = std::move(found.clicks);
   input.unclear = std::move(found.unclear);
+  for (const AssignedRobot& robot : found.assignment.named) {
+    const RobotMarking& marking = found.input.teams[robot.team].robots[robot.robot];
+    robots[found.images[robot.picture]].push_back(
+        {static_cast<Team>(robot.team), marking.id, found.input.patches[robot.team_patch].center});
+  }
+  return {};
+}
+
+// A white line that is called blue passes every other check.
+Result<void> ColorsCommand::check_names(const ColorFit& fit) const {
+  std::string text;
+  for (std::size_t c = 0; c < fit.names.size(); ++c) {
+    const Rgb seen{static_cast<double>(fit.shown_rgb[c][0]), static_cast<double>(fit.shown_rgb[c][1]),
+                   static_cast<double>(fit.shown_rgb[c][2])};
+    const std::string& name = fit.names[c];
+    if (is_plausible(name, seen) || std::find(odd_colors.begin(), odd_colors.end(), name) != odd_colors.end()) continue;
+    text +=
+        formatted("\n  %s: the patches found look %s (%.0f %.0f %.0f); if they are right, add --odd-color %s",
+                  name.c_str(), std::string(most_similar_name(seen)).c_str(), seen[0], seen[1], seen[2], name.c_str());
+  }
+  if (text.empty()) return {};
+  return Error{ErrorCode::kInconsistent, "nothing was written, because colors do not look like their names:" + text};
+}
+
+// Runs the pipeline with the new colors on the pictures that they were learned from. The venue file is only replaced if
+// everything was recognized, or if the person accepts it.
+Result<void> ColorsCommand::check_result(const ColorFitInput& input, const std::vector<Section>& sections,
+                                         const NamedRobots& robots) const {
+  const fs::path file(venue);
+  const std::string unaccepted =
+      (file.parent_path() / (file.stem().string() + "-unaccepted" + file.extension().string())).string();
+  std::error_code error;
+  fs::copy_file(file, unaccepted, fs::copy_options::overwrite_existing, error);
+  if (error) return failure(ErrorCode::kIo, "%s: %s", unaccepted.c_str(), error.message().c_str());
+  TOUCHLINE_TRY(write_sections(unaccepted, sections));
+  fs::remove(unaccepted + ".bak", error);
+  const std::string folder = preview_folder();
+  TOUCHLINE_TRY_ASSIGN(const SelfCheck check, self_check(unaccepted, team, input.pictures, robots, folder));
+  std::printf("%spictures of the self-check are in %s\n", check.text().c_str(), folder.c_str());
+  if (!check.passed() && !accept) {
+    return failure(
+        ErrorCode::kInconsistent,
+        "not everything was recognized: %s is unchanged, the new colors are in %s. Click on patches that were "
+        "missed (--samples), or write the colors as they are with --accept",
+        venue.c_str(), unaccepted.c_str());
+  }
+  fs::remove(unaccepted, error);
   return {};
 }
 
@@ -234,14 +194,16 @@ Result<void> ColorsCommand::run() const {
   input.region_of_interest = draft.region_of_interest;
   input.growth.radius_px = patch_radius_px;
   // Without a camera model or a team file, clicks are all there is to learn from.
+  NamedRobots robots;
   const bool can_detect = !team.empty() && has_camera_model(draft);
-  if (can_detect || !pictures.empty()) TOUCHLINE_TRY(detect_colors(draft, input));
+  if (can_detect || !pictures.empty()) TOUCHLINE_TRY(detect_colors(draft, input, robots));
   if (!team.empty()) {
     TOUCHLINE_TRY_ASSIGN(const TeamColors wanted, read_team_colors(team));
     TOUCHLINE_TRY(check_all_colors(team, wanted, input.clicks));
   }
   TOUCHLINE_TRY_ASSIGN(const ColorFit fit, fit_colors(input));
   print_report(input, fit);
+  TOUCHLINE_TRY(check_names(fit));
 
   std::vector<config::ColorEntry> entries;
   for (std::size_t c = 0; c < fit.names.size(); ++c) {
@@ -256,8 +218,9 @@ Result<void> ColorsCommand::run() const {
   }
   config::ColorsEntry colors{fit.space, {}};
   if (fit.background) colors.background.assign(fit.background->begin(), fit.background->end());
-  TOUCHLINE_TRY_ASSIGN(const Section light, write_field_reference(venue, draft, input, fit));
-  TOUCHLINE_TRY(write_sections(venue, {light, section_of("colors", colors, ""), section_of("color", entries)}));
+  const std::vector<Section> sections = {section_of("colors", colors, ""), section_of("color", entries)};
+  if (can_detect) TOUCHLINE_TRY(check_result(input, sections, robots));
+  TOUCHLINE_TRY(write_sections(venue, sections));
   std::printf("%s: %zu colors in %zu boxes written\n", venue.c_str(), entries.size(), fit.learned.boxes.size());
   if (preview.empty()) return {};
   std::error_code error;

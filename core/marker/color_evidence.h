@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+
+#include "core/color/typical_colors.h"
+#include "core/types.h"
+
+namespace touchline {
+
+/// Color of a surface as R, G, B above black, from nine pixels.
+struct SurfaceColor {
+  std::array<float, 3> rgb{};
+  float spread = 0;  // error of the mean if the surface is not uniform, in levels
+  std::array<bool, 3> saturated{};
+};
+
+/// Light on a robot relative to that at calibration, as a factor of pixel values per channel.
+struct LocalLight {
+  std::array<float, 3> gain{};
+  std::array<float, 3> variance{};  // of its logarithm
+};
+
+/// Compares the pixels of a robot's identification patches with the colors that they may have. All patches of a robot
+/// are under the same light, so its team patch tells how the other colors look there: the ratio of two colors hardly
+/// depends on lamps, exposure and light map. In YUV, pixel values are converted to RGB first (ITU-R BT.601).
+class ColorEvidence {
+ public:
+  /// Log likelihood of a surface that has none of the venue's colors: a robot's top, the floor, a hand.
+  static constexpr float kNoColor = -3.0f;
+  /// A color never gets less than this: even a robot's own patch may be covered or reflect a lamp.
+  static constexpr float kFloor = kNoColor - 4.0f;
+
+  void configure(const TypicalColors& typical);
+
+  /// True if the typical value of the color was measured.
+  [[nodiscard]] bool knows(ColorId color) const { return typical_.measured[color]; }
+
+  /// Color around a point: 3 x 3 pixels at a distance of `step_px` (at least 1), without the darkest and the brightest
+  /// one. False if they are not all in the picture.
+  static bool sample(const Frame& frame, PixelPoint center, int step_px, SurfaceColor& out);
+
+  /// Light on a team patch of this color. A channel that says little (too dark, saturated) follows the others.
+  [[nodiscard]] LocalLight light_on(const SurfaceColor& team_patch, ColorId team_color, ColorSpace space) const;
+
+  /// Log likelihood of the surface's color, if it is `color` in this light.
+  [[nodiscard]] float log_likelihood(const SurfaceColor& surface, const LocalLight& light, ColorId color,
+                                     ColorSpace space) const;
+
+ private:
+  [[nodiscard]] const std::array<float, 3>& rgb_of(ColorId color, ColorSpace space) const {
+    return rgb_[static_cast<std::size_t>(space)][color];
+  }
+
+  TypicalColors typical_;
+  std::array<std::array<std::array<float, 3>, kMaxColors + 1>, 2> rgb_{};  // of the typical values, by color space
+};
+
+}  // namespace touchline

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/types.h"
+
+namespace touchline {
+
+constexpr std::int8_t kNoRobot = -1;
+
+/// Log likelihoods of the robots of one team that one frame shows.
+struct IdEvidence {
+  std::array<float, kMaxRobotsPerTeam> value{};  // by index in TeamMarking::robots
+  float unknown = 0;                             // that it is none of them
+};
+
+/// The name of a robot in the best assignment.
+struct AssignedId {
+  std::int8_t robot = kNoRobot;  // index in TeamMarking::robots
+  float margin = 0;              // log likelihood that the best assignment loses in which this robot has another name
+};
+
+using IdEvidences = FixedVector<IdEvidence, kMaxRobotsPerTeam>;
+using AssignedIds = FixedVector<AssignedId, kMaxRobotsPerTeam>;
+
+/// Names all robots of a team together, so that the sum of log likelihoods is largest and no name occurs twice; any
+/// number of robots may have none (Hungarian method with potentials, Kuhn 1955, Munkres 1957). `known`: number of
+/// names. A margin of at least `clear_margin` may be reported smaller than it is, which saves most of the work. `out`
+/// has the order of `evidence`.
+void assign_ids(const IdEvidences& evidence, std::size_t known, float clear_margin, AssignedIds& out);
+
+}  // namespace touchline

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "core/geometry/camera_model.h"
+#include "core/marker/color_evidence.h"
+#include "core/marker/hypothesis.h"
+#include "core/marker/id_assignment.h"
+#include "core/marker/marker_layout.h"
+#include "core/types.h"
+
+namespace touchline {
+
+/// How the color boxes found a reported robot.
+struct BoxSighting {
+  std::uint16_t team_patch = 0;         // index in the list of team patches
+  std::uint16_t hypothesis = kMissing;  // index in the list of hypotheses; kMissing: only its team patch was found
+  bool pose_is_sure = false;
+};
+using BoxSightings = FixedVector<BoxSighting, kMaxRobots>;
+
+/// Decides which robot is which by the pixels of its identification patches, not only by the boxes that they fell into:
+/// samples them where the pose predicts them, compares their colors with that of the robot's own team patch
+/// (color_evidence.h), and names all robots of a team together (id_assignment.h). A robot whose identification regions
+/// are missing gets its pose from the axis of a long team patch, if the colors beside it leave no doubt.
+///
+/// A team keeps the result of the boxes if the typical value of one of its colors was not measured. The work is
+/// bounded: nine pixels per patch, at most kMaxPoses poses per robot, two assignments of at most 11 robots per name.
+class Identifier {
+ public:
+  void configure(const CameraModel& camera) { camera_ = camera; }
+  /// Teams as validated by the matcher.
+  void set_teams(const std::array<TeamMarking, 2>& teams);
+  void set_typical(const TypicalColors& typical);
+
+  /// Updates id, pose and patches of the robots. `boxes` has the order of `out.robots`.
+  void identify(const Frame& frame, const PatchLists& patches, std::span<const Hypothesis> hypotheses,
+                std::span<const BoxSighting> boxes, Sightings& out);
+
+ private:
+  // The hypotheses of a team patch have at most a few different poses; a long team patch adds two.
+  static constexpr std::size_t kMaxPoses = 8;
+
+  // A possible pose of a robot, its identification regions, and the log likelihood of each name.
+  struct PoseEvidence {
+    Pose pose;
+    float residual_m = 0;
+    std::array<std::uint16_t, kMaxPatches - 1> identification{};  // by slot: index in the list of patches, or kMissing
+    float prior = 0;                                              // log likelihood of its patches' places
+    std::array<float, kMaxRobotsPerTeam> value{};                 // by index in TeamMarking::robots
+    float best = 0;                                               // of all values
+  };
+  struct Candidate {
+    std::size_t robot = 0;  // index in Sightings::robots
+    bool pose_is_sure = false;
+    bool has_evidence = false;
+    float unknown = 0;  // log likelihood that it has none of the names
+    FixedVector<PoseEvidence, kMaxPoses> poses;
+  };
+  // Colors that a slot may have.
+  struct SlotColors {
+    FixedVector<ColorId, kMaxRobotsPerTeam> colors;
+    std::array<std::uint8_t, kMaxRobotsPerTeam> of_robot{};  // index in `colors`, by index in TeamMarking::robots
+  };
+  struct TeamColors {
+    bool usable = false;
+    std::array<SlotColors, kMaxPatches - 1> slots;
+    std::array<float, kMaxPatches> radius_m{};  // of the circle inside each patch
+  };
+  struct Scene;  // what is known about one team in one frame
+
+  void collect_poses(const Scene& now, Candidate& candidate) const;
+  void add_pose(const Scene& now, PoseEvidence pose, Candidate& candidate) const;
+  [[nodiscard]] float prior_of(const Scene& now, const PatchCandidate& patch, const PoseEvidence& pose) const;
+  [[nodiscard]] bool is_free(const Scene& now, std::size_t robot, const Pose& pose) const;
+  bool evaluate(const Scene& now, Candidate& candidate) const;
+  [[nodiscard]] IdEvidence evidence_of(const Scene& now, const Candidate& candidate) const;
+  void apply(const Scene& now, const Candidate& candidate, const AssignedId& assigned, Sightings& out) const;
+  [[nodiscard]] int step_px(const TeamColors& colors, std::size_t patch, float scale_px_per_m) const;
+
+  ColorEvidence colors_;
+  CameraModel camera_;
+  std::array<TeamMarking, 2> teams_;
+  std::array<TeamColors, 2> team_colors_;
+  FixedVector<Candidate, kMaxRobotsPerTeam> candidates_;
+};
+
+}  // namespace touchline

@@ -1,0 +1,208 @@
+#include "tools/programs/calibrate/colors/self_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <set>
+
+#include "core/pipeline.h"
+#include "firmware/config/configuration.h"
+#include "tools/programs/command_line/formatted.h"
+#include "tools/programs/replay/canvas.h"
+#include "tools/programs/replay/field_shapes.h"
+
+namespace touchline::calibrate {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Team patches of the pipeline and of the calibration this close belong to one robot.
+constexpr float kSamePatch_px = 6.0F;
+
+constexpr replay::CanvasColor kRight{0.2, 1.0, 0.3}, kUnknown{1.0, 0.65, 0.1}, kWrong{1.0, 0.15, 0.15};
+
+std::string name_of(Team team, RobotId id) {
+  return formatted("%s %d", team == Team::kOwn ? "own" : "opponent", static_cast<int>(id));
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+// Names of robots with the team only where it changes: "own 1, 2, opponent 0".
+std::string joined_robots(const std::vector<std::string>& names) {
+  std::string text, before;
+  for (const std::string& name : names) {
+    const std::size_t space = name.find(' ');
+    const std::string team = name.substr(0, space);
+    text += (text.empty() ? "" : ", ") + (team == before ? name.substr(space + 1) : name);
+    before = team;
+  }
+  return text;
+}
+
+// The robot that the calibration recognized where the pipeline sees this one; nullptr: none.
+const NamedRobot* robot_at(const std::vector<NamedRobot>& robots, const RobotSighting& sighting) {
+  for (const PatchSighting& patch : sighting.patches) {
+    if (patch.role != PatchRole::kTeam) continue;
+    for (const NamedRobot& robot : robots) {
+      if (std::hypot(robot.team_patch.u_px - patch.center.u_px, robot.team_patch.v_px - patch.center.v_px) <
+          kSamePatch_px)
+        return &robot;
+    }
+  }
+  return nullptr;
+}
+
+class Checker {
+ public:
+  Checker(const std::string& folder, const config::Configuration& configuration)
+      : folder_(folder), configuration_(configuration) {
+    (void)camera_.configure(configuration.pipeline.camera);  // the pipeline has accepted it
+    for (const std::size_t team : {std::size_t{0}, std::size_t{1}}) {
+      if (marker().teams[team].team_color == kBackground) continue;
+      for (const RobotMarking& robot : marker().teams[team].robots)
+        expected_.emplace_back(static_cast<Team>(team), robot.id);
+    }
+  }
+
+  [[nodiscard]] std::size_t robots() const { return expected_.size(); }
+
+  CheckedPicture check(const std::string& image, const Sightings& sightings,
+                       const std::vector<NamedRobot>& robots) const {
+    CheckedPicture out;
+    out.image = image;
+    out.ball = sightings.ball.seen;
+    std::set<std::pair<Team, RobotId>> seen;
+    for (const RobotSighting& sighting : sightings.robots) {
+      const NamedRobot* const there = robot_at(robots, sighting);
+      if (sighting.id == kUnknownId) {
+        ++out.unknown;
+      } else if (there != nullptr && (there->id != sighting.id || there->team != sighting.team)) {
+        out.wrong.push_back(name_of(sighting.team, sighting.id) + " where " + name_of(there->team, there->id) + " is");
+      } else {
+        seen.insert({sighting.team, sighting.id});
+      }
+    }
+    for (const auto& [team, id] : expected_) {
+      if (seen.count({team, id}) == 0) out.missing.push_back(name_of(team, id));
+    }
+    out.explained = seen.size();
+    return out;
+  }
+
+  Result<void> draw(const CheckedPicture& result, const Frame& frame, const Sightings& sightings,
+                    const std::vector<NamedRobot>& robots, const std::string& summary) const {
+    const replay::SurfacePtr surface = replay::to_surface(frame);
+    const replay::ContextPtr context(cairo_create(surface.get()));
+    for (const RobotSighting& sighting : sightings.robots) {
+      const NamedRobot* const there = robot_at(robots, sighting);
+      const bool wrong =
+          sighting.id != kUnknownId && there != nullptr && (there->id != sighting.id || there->team != sighting.team);
+      const replay::CanvasColor color = sighting.id == kUnknownId ? kUnknown : wrong ? kWrong : kRight;
+      const MarkerLayout& layout = marker().teams[static_cast<std::size_t>(sighting.team)].layout;
+      if (sighting.has_heading) {
+        replay::square_on_field(*context, camera_, sighting.pose, layout.robot_side_m, layout.height_m);
+      } else {
+        replay::circle_on_field(*context, camera_, sighting.pose.position, layout.robot_side_m / 2,
+                                layout.robot_side_m / 2, layout.height_m);
+      }
+      replay::set_color(*context, color);
+      cairo_set_line_width(context.get(), 2.0);
+      cairo_stroke(context.get());
+      const PixelPoint at = camera_.to_pixel(sighting.pose.position, layout.height_m);
+      const std::string name = sighting.id == kUnknownId
+                                   ? std::string(sighting.team == Team::kOwn ? "own ?" : "opponent ?")
+                                   : name_of(sighting.team, sighting.id);
+      replay::draw_text(*context, static_cast<double>(at.u_px) + 12, static_cast<double>(at.v_px) - 12, name, color,
+                        12);
+    }
+    if (sightings.ball.seen) {
+      cairo_arc(context.get(), static_cast<double>(sightings.ball.center.u_px) + 0.5,
+                static_cast<double>(sightings.ball.center.v_px) + 0.5, 9, 0, 6.2832);
+      replay::set_color(*context, kRight);
+      cairo_stroke(context.get());
+    }
+    replay::draw_text(*context, 6, 18, summary, {1, 1, 1}, 13);
+    const std::string path = (fs::path(folder_) / (fs::path(result.image).stem().string() + "-check.png")).string();
+    return replay::write_png(*surface, path);
+  }
+
+ private:
+  [[nodiscard]] const MarkerParameters& marker() const { return configuration_.pipeline.marker; }
+
+  std::string folder_;
+  const config::Configuration& configuration_;
+  CameraModel camera_;
+  std::vector<std::pair<Team, RobotId>> expected_;
+};
+
+std::string line_of(const CheckedPicture& picture, std::size_t robots, bool wants_ball) {
+  std::string text = formatted("%s: %zu of %zu robots explained", fs::path(picture.image).filename().c_str(),
+                               picture.explained, robots);
+  if (!picture.missing.empty()) text += "; missing: " + joined_robots(picture.missing);
+  if (!picture.wrong.empty()) text += "; wrong: " + joined(picture.wrong);
+  if (picture.unknown > 0) text += formatted("; without id: %zu", picture.unknown);
+  if (wants_ball && !picture.ball) text += "; no ball";
+  return text;
+}
+
+}  // namespace
+
+bool SelfCheck::passed() const {
+  return std::all_of(pictures.begin(), pictures.end(), [&](const CheckedPicture& p) {
+    return p.missing.empty() && p.wrong.empty() && p.unknown == 0 && (p.ball || !wants_ball);
+  });
+}
+
+std::string SelfCheck::text() const {
+  std::string text;
+  std::size_t explained = 0, balls = 0;
+  for (const CheckedPicture& picture : pictures) {
+    text += line_of(picture, robots, wants_ball) + "\n";
+    explained += picture.explained;
+    balls += picture.ball ? 1U : 0U;
+  }
+  text += formatted("self-check: %zu of %zu robots explained", explained, robots * pictures.size());
+  if (wants_ball) text += formatted(", ball in %zu of %zu pictures", balls, pictures.size());
+  return text + "\n";
+}
+
+Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
+                             const std::map<std::string, CameraPicture>& pictures, const NamedRobots& robots,
+                             const std::string& folder) {
+  const auto configuration = std::make_unique<config::Configuration>();
+  TOUCHLINE_TRY(config::load_venue_and_team({{}, venue, team, {}}, *configuration));
+  const Frame first = pictures.begin()->second.frame();
+  TOUCHLINE_TRY(
+      config::resolve({first.format, first.width_px, first.height_px, pictures.begin()->first}, *configuration));
+  const auto pipeline = std::make_unique<Pipeline>();
+  SelfCheck out;
+  out.wants_ball = configuration->pipeline.marker.ball.color != kBackground;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  static const std::vector<NamedRobot> kNoRobots;
+  for (const auto& [image, picture] : pictures) {
+    // Configured anew for each picture, so that none profits from the one before.
+    if (const Status status = pipeline->configure(configuration->pipeline); !status.ok()) {
+      return failure(status.code(), "%s, %s: the pipeline refuses these values (%s)", venue.c_str(), team.c_str(),
+                     describe(status.code()));
+    }
+    pipeline->set_observing(true);
+    const Checker checker(folder, *configuration);
+    const auto named = robots.find(image);
+    const std::vector<NamedRobot>& known = named == robots.end() ? kNoRobots : named->second;
+    const Frame frame = picture.frame();
+    const Sightings& sightings = pipeline->step(frame).sightings;
+    out.robots = checker.robots();
+    out.pictures.push_back(checker.check(image, sightings, known));
+    TOUCHLINE_TRY(checker.draw(out.pictures.back(), frame, sightings, known,
+                               line_of(out.pictures.back(), out.robots, out.wants_ball)));
+  }
+  return out;
+}
+
+}  // namespace touchline::calibrate

@@ -87,7 +87,7 @@ void ReportPrinter::print_map(const StatusReport& status) {
   std::string text = field_map(status, settings_.expected.field, settings_.map_columns, true);
   std::string line = line_of(status);
   // In several lines, because a line that the terminal wraps would move the map down.
-  for (const char* const piece : {"  latency", "  robots", "  network", "  Unix time"}) {
+  for (const char* const piece : {"  latency", "  robots", "  network"}) {
     if (const std::size_t cut = line.find(piece); cut != std::string::npos) line.replace(cut, 2, "\x1b[K\n");
   }
   text += line;

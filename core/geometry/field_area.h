@@ -11,6 +11,7 @@ struct FieldParameters {
   float goal_width_m = 0.4f, goal_depth_m = 0.15f;
   float margin_m = 0.1f;  // sightings farther outside the border and the goals are rejected
   float line_width_m = 0.01f, center_circle_m = 0.0f;
+  float penalty_area_depth_m = 0.0f, penalty_area_width_m = 0.0f;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -36,6 +37,17 @@ struct FieldParameters {
                   .range = {0.0, 10.0},
                   .unit = "m",
                   .help = "Radius of the center circle, 0: none; only published to other programs"});
+    visit.number(self.penalty_area_depth_m,
+                 {.name = "penalty_area_depth_m",
+                  .range = {0.0, 10.0},
+                  .unit = "m",
+                  .help = "Depth of the penalty areas (goal areas) in front of the goal lines, 0: none; only published "
+                          "to other programs"});
+    visit.number(self.penalty_area_width_m,
+                 {.name = "penalty_area_width_m",
+                  .range = {0.0, 30.0},
+                  .unit = "m",
+                  .help = "Width of the penalty areas, 0: none; only published to other programs"});
   }
 };
 

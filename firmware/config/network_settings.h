@@ -85,10 +85,11 @@ struct InputSettings {
     visit.texts(self.senders, {.name = "senders",
                                .help = "Computers that are obeyed beside this one: addresses or networks, such as "
                                        "192.168.1.20 or 192.168.1.0/24"});
-    visit.number(self.rate_hz, {.name = "rate_hz",
-                                .range = {1.0, 10000.0},
-                                .unit = "Hz",
-                                .help = "Highest rate of messages; those that are too many are ignored"});
+    visit.number(self.rate_hz,
+                 {.name = "rate_hz",
+                  .range = {1.0, 10000.0},
+                  .unit = "Hz",
+                  .help = "Highest rate of messages of each program; those that are too many are ignored"});
   }
 };
 
@@ -110,6 +111,7 @@ struct NamedTeam {
 /// [network] of the board file.
 struct NetworkSettings {
   std::string own_team;
+  std::uint32_t camera_id = 0;
   float wheel_radius_m = 0.02f;
   std::vector<NamedTeam> team;
   std::vector<OutputSettings> output;
@@ -120,6 +122,10 @@ struct NetworkSettings {
     visit.text(self.own_team, {.name = "own_team",
                                .help = "Name of our team as the referee writes it; empty: the referee does not decide "
                                        "on color and side"});
+    visit.number(self.camera_id,
+                 {.name = "camera_id",
+                  .range = {0, 15},
+                  .help = "Number of this camera in SSL-Vision packets, if several cameras publish to one group"});
     visit.number(self.wheel_radius_m,
                  {.name = "wheel_radius_m",
                   .range = {0.001, 0.5},

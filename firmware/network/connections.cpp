@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -106,13 +105,6 @@ std::string Connections::status_text() const {
     if (publisher_->lost() > 0) text += ", snapshots lost " + std::to_string(publisher_->lost());
   }
   if (receiver_) text += (text.empty() ? "  network: " : ", ") + total_text(receiver_->inputs());
-  if (publisher_) {
-    const hal::UnixTimeOffset time = publisher_->unix_time();
-    std::array<char, 80> offset{};
-    std::snprintf(offset.data(), offset.size(), "  Unix time offset %.6f s +- %.2f us", seconds(time.offset),
-                  seconds(time.uncertainty) * 1e6);
-    text += offset.data();
-  }
   return text;
 }
 

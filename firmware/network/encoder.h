@@ -11,9 +11,6 @@
 
 namespace touchline::network {
 
-// One camera sees the whole field.
-inline constexpr std::uint32_t kCameraId = 0;
-
 /// Turns frames into messages of one protocol, in fixed memory.
 class Encoder {
  public:

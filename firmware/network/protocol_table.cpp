@@ -37,18 +37,20 @@ std::unique_ptr<Encoder> encoder_of(Function function) {
 
 class SslVisionOutput final : public Encoder {
  public:
+  explicit SslVisionOutput(std::uint32_t camera_id) : camera_id_(camera_id) {}
   Status configure(const VenueGeometry& geometry) { return encoder_.configure(geometry); }
   std::size_t encode_frame(const OutputFrame& frame, std::span<std::byte> out) override {
     return encoder_.encode_detection(frame, out);
   }
-  std::size_t encode_geometry(std::span<std::byte> out) override { return encoder_.encode_geometry(kCameraId, out); }
+  std::size_t encode_geometry(std::span<std::byte> out) override { return encoder_.encode_geometry(camera_id_, out); }
 
  private:
+  const std::uint32_t camera_id_;
   SslVisionEncoder encoder_;
 };
 
-Result<std::unique_ptr<Encoder>> make_ssl_vision(const VenueGeometry& geometry) {
-  auto output = std::make_unique<SslVisionOutput>();
+Result<std::unique_ptr<Encoder>> make_ssl_vision(const VenueGeometry& geometry, std::uint32_t camera_id) {
+  auto output = std::make_unique<SslVisionOutput>(camera_id);
   if (const Status status = output->configure(geometry); !status.ok()) {
     return failure(status.code(), "SSL-Vision's camera model cannot describe this camera: %s", describe(status.code()));
   }
@@ -130,7 +132,7 @@ Result<std::unique_ptr<Encoder>> make_encoder(config::OutputProtocol protocol,
                                               const config::Configuration& configuration) {
   switch (protocol) {
     case config::OutputProtocol::kSslVision:
-      return make_ssl_vision(geometry_of(configuration));
+      return make_ssl_vision(geometry_of(configuration), configuration.board.network.camera_id);
     case config::OutputProtocol::kSslTracked:
       return encoder_of([uuid = random_uuid()](const OutputFrame& frame, std::span<std::byte> out) {
         return encode_ssl_tracked(frame, uuid, out);

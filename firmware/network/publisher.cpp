@@ -105,6 +105,7 @@ std::optional<TeamColor> own_color(const config::TeamFile& team) {
 PublishedScene published_scene(const config::Configuration& configuration) {
   PublishedScene scene;
   scene.own = own_color(configuration.team).value_or(TeamColor::kBlue);
+  scene.camera_id = configuration.board.network.camera_id;
   for (std::size_t i = 0; i < scene.robot_height_m.size(); ++i) {
     scene.robot_height_m[i] = configuration.pipeline.marker.teams[i].layout.height_m;
   }
@@ -155,7 +156,7 @@ void Publisher::publish(const Snapshot& snapshot, Instant now) {
   const auto unix_s = [this](Instant monotonic) { return seconds(time_.to_unix(monotonic)); };
   // In simulated time, the capture has an instant of the machine's clock too: as long before the packet.
   const Instant captured = snapshot.machine_sent - (snapshot.sent - snapshot.captured);
-  OutputFrame frame{snapshot, unix_s(captured), unix_s(now), scene_.own, kCameraId, scene_.robot_height_m};
+  OutputFrame frame{snapshot, unix_s(captured), unix_s(now), scene_.own, scene_.camera_id, scene_.robot_height_m};
   const RefereeState& referee = snapshot.referee;
   if (referee.own_is_yellow) frame.own = *referee.own_is_yellow ? TeamColor::kYellow : TeamColor::kBlue;
   if (referee.own_height_m > 0.0f) frame.robot_height_m[0] = referee.own_height_m;
@@ -167,8 +168,13 @@ void Publisher::measure_time(Instant now) {
   if (now < next_time_) return;
   next_time_ = now + kTimePeriod;
   const hal::UnixTimeOffset measured = hal::measure_unix_time_offset();
-  const std::scoped_lock lock(time_mutex_);
-  time_ = measured;
+  const bool is_new = is_time_known_ && hal::differ(time_, measured);
+  {
+    const std::scoped_lock lock(time_mutex_);
+    time_ = measured;
+  }
+  is_time_known_ = true;
+  if (is_new) print_("time: " + hal::describe(measured));
 }
 
 hal::UnixTimeOffset Publisher::unix_time() const {

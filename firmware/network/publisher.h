@@ -61,7 +61,8 @@ PublisherOutputs make_outputs(const NetworkPlan& plan, const config::Configurati
 
 /// What the outputs need beside the frames.
 struct PublishedScene {
-  TeamColor own = TeamColor::kBlue;       // until a referee assigns the colors
+  TeamColor own = TeamColor::kBlue;  // until a referee assigns the colors
+  std::uint32_t camera_id = 0;
   std::array<float, 2> robot_height_m{};  // by Team, unless a referee names the teams
 };
 /// Our color as the leagues name it, of the team file; nullopt: its names of colors are others.
@@ -102,6 +103,7 @@ class Publisher {
   std::vector<std::byte> buffer_;
   Instant next_time_{};
   bool reported_ = false;  // an exception
+  bool is_time_known_ = false;
   mutable std::mutex time_mutex_;
   hal::UnixTimeOffset time_;
   std::atomic<std::uint64_t> lost_{0};

@@ -70,6 +70,28 @@ void add_lines(SSL_GeometryFieldSize& field, const FieldParameters& parameters) 
   add("CenterLine", SSL_FieldShapeType_CenterLine, {-x, 0}, {x, 0});
 }
 
+/// Both areas, if the field has any: the side along the goal line is the goal line itself.
+void add_penalty_areas(SSL_GeometryFieldSize& field, const FieldParameters& parameters) {
+  if (parameters.penalty_area_depth_m <= 0.0f || parameters.penalty_area_width_m <= 0.0f) return;
+  field.has_penalty_area_depth = field.has_penalty_area_width = true;
+  field.penalty_area_depth = millimeters(parameters.penalty_area_depth_m);
+  field.penalty_area_width = millimeters(parameters.penalty_area_width_m);
+  const float goal = 0.5f * parameters.length_m * kMmPerM;
+  const float front = goal - parameters.penalty_area_depth_m * kMmPerM;
+  const float y = 0.5f * parameters.penalty_area_width_m * kMmPerM;
+  const float thickness = parameters.line_width_m * kMmPerM;
+  const auto add = [&](const char* name, SSL_FieldShapeType type, Vector2f from, Vector2f to) {
+    add_line(field, name, type, from, to, thickness);
+  };
+  add("LeftPenaltyStretch", SSL_FieldShapeType_LeftPenaltyStretch, {-front, -y}, {-front, y});
+  add("RightPenaltyStretch", SSL_FieldShapeType_RightPenaltyStretch, {front, -y}, {front, y});
+  // Left and right as the goalkeeper sees them.
+  add("LeftFieldLeftPenaltyStretch", SSL_FieldShapeType_LeftFieldLeftPenaltyStretch, {-goal, y}, {-front, y});
+  add("LeftFieldRightPenaltyStretch", SSL_FieldShapeType_LeftFieldRightPenaltyStretch, {-goal, -y}, {-front, -y});
+  add("RightFieldLeftPenaltyStretch", SSL_FieldShapeType_RightFieldLeftPenaltyStretch, {goal, -y}, {front, -y});
+  add("RightFieldRightPenaltyStretch", SSL_FieldShapeType_RightFieldRightPenaltyStretch, {goal, y}, {front, y});
+}
+
 void add_center_circle(SSL_GeometryFieldSize& field, const FieldParameters& parameters) {
   if (parameters.center_circle_m <= 0.0f) return;
   SSL_FieldCircularArc& arc = field.field_arcs[field.field_arcs_count++];
@@ -178,6 +200,7 @@ std::size_t SslVisionEncoder::encode_geometry(std::uint32_t camera_id, std::span
   field.has_ball_radius = true;
   field.ball_radius = geometry_.ball_radius_m * kMmPerM;
   add_lines(field, parameters);
+  add_penalty_areas(field, parameters);
   add_center_circle(field, parameters);
   if (calibration_) {
     packet.geometry.calib[packet.geometry.calib_count++] = calibration_message(*calibration_, geometry_, camera_id);

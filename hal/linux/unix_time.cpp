@@ -38,6 +38,10 @@ UnixTimeOffset measure_unix_time_offset() {
   return best;
 }
 
+bool differ(const UnixTimeOffset& before, const UnixTimeOffset& now) {
+  return std::chrono::abs(now.offset - before.offset) > before.uncertainty + now.uncertainty;
+}
+
 std::string describe(const UnixTimeOffset& offset) {
   std::array<char, 160> text{};
   const int size = std::snprintf(text.data(), text.size(), "Unix time = monotonic time + %.6f s, +- %.2f us; ",

@@ -7,6 +7,7 @@
 
 #include "firmware/network/decoder.h"
 #include "firmware/network/encoder.h"
+#include "firmware/network/publisher.h"
 
 namespace touchline::network {
 namespace {
@@ -53,6 +54,12 @@ TEST_F(ProtocolTable, FirasimUsesTheConfiguredWheelRadius) {
   ASSERT_TRUE(message.ok()) << message.text();
   ASSERT_EQ(message.value().batch.commands.size(), 1u);
   EXPECT_FLOAT_EQ(message.value().batch.commands[0].wheels.left_mps, 0.3f);
+}
+
+// Each of several cameras has a number of its own, in detection and geometry.
+TEST_F(ProtocolTable, SslVisionNamesTheConfiguredCamera) {
+  configuration_->board.network.camera_id = 3;
+  EXPECT_EQ(published_scene(*configuration_).camera_id, 3U);
 }
 
 }  // namespace

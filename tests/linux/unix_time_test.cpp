@@ -30,5 +30,12 @@ TEST(UnixTime, TextNamesUncertaintyAndSynchronization) {
             "(docs/network.md)");
 }
 
+TEST(UnixTime, ClockThatWasSetDiffers) {
+  const UnixTimeOffset before{std::chrono::seconds(1700000000), 40ns};
+  const auto after = [&](Duration step) { return UnixTimeOffset{before.offset + step, 60ns}; };
+  for (const Duration step : {0ns, 100ns, -100ns}) EXPECT_FALSE(differ(before, after(step))) << step.count();
+  for (const Duration step : {101ns, -101ns}) EXPECT_TRUE(differ(before, after(step))) << step.count();
+}
+
 }  // namespace
 }  // namespace touchline::hal

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 #include <tests/network/ssl_vision.pb.h>
 
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 #include <string>
@@ -139,6 +141,42 @@ TEST_F(SslVision, GeometryHasTheCalibration) {
   const float norm =
       std::hypot(std::hypot(calibration.q0(), calibration.q1()), std::hypot(calibration.q2(), calibration.q3()));
   EXPECT_NEAR(norm, 1.0f, 1e-5f);
+}
+
+TEST_F(SslVision, GeometryHasThePenaltyAreas) {
+  VenueGeometry other = example_geometry();
+  other.field.penalty_area_depth_m = 0.15f;
+  other.field.penalty_area_width_m = 0.7f;
+  ASSERT_TRUE(encoder_.configure(other).ok());
+  const SSL_WrapperPacket packet = geometry(2);
+  const SSL_GeometryFieldSize& field = packet.geometry().field();
+  EXPECT_EQ(field.penalty_area_depth(), 150);
+  EXPECT_EQ(field.penalty_area_width(), 700);
+  ASSERT_EQ(field.field_lines_size(), 12);
+  // Ends of the lines, in millimeters.
+  const std::map<std::string, std::array<float, 4>> expected{
+      {"LeftPenaltyStretch", {-950, -350, -950, 350}},
+      {"RightPenaltyStretch", {950, -350, 950, 350}},
+      {"LeftFieldLeftPenaltyStretch", {-1100, 350, -950, 350}},
+      {"LeftFieldRightPenaltyStretch", {-1100, -350, -950, -350}},
+      {"RightFieldLeftPenaltyStretch", {1100, -350, 950, -350}},
+      {"RightFieldRightPenaltyStretch", {1100, 350, 950, 350}}};
+  std::size_t found = 0;
+  for (const SSL_FieldLineSegment& line : field.field_lines()) {
+    EXPECT_EQ(SSL_FieldShapeType_Name(line.type()), line.name());
+    const auto ends = expected.find(line.name());
+    if (ends == expected.end()) continue;
+    ++found;
+    const std::array<float, 4> actual{line.p1().x(), line.p1().y(), line.p2().x(), line.p2().y()};
+    for (std::size_t i = 0; i < actual.size(); ++i) EXPECT_NEAR(actual[i], ends->second[i], 1e-3f) << line.name();
+  }
+  EXPECT_EQ(found, expected.size());
+}
+
+TEST_F(SslVision, WithoutPenaltyAreasNoneAreSent) {
+  const SSL_WrapperPacket packet = geometry(2);
+  EXPECT_FALSE(packet.geometry().field().has_penalty_area_depth());
+  EXPECT_FALSE(packet.geometry().field().has_penalty_area_width());
 }
 
 TEST_F(SslVision, WithoutCenterCircleThereIsNoArc) {

@@ -1,8 +1,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
 
 #include "core/time.h"
+#include "hal/linux/network/network_input.h"
 
 namespace touchline::network {
 
@@ -28,6 +32,44 @@ class MessageLimit {
 
   double rate_hz_, burst_, left_;
   Instant last_{};
+};
+
+/// Limits the rate of each sender, so that one that floods does not keep the others' messages away. A sender is an
+/// address with a port, or a connection.
+class SenderLimits {
+ public:
+  explicit SenderLimits(double rate_hz) : rate_hz_(rate_hz), others_(rate_hz) {}
+
+  /// Whether a message that arrives at `now` may pass.
+  [[nodiscard]] bool pass(const hal::ReceivedMessage& message, Instant now) {
+    Sender* free = nullptr;
+    for (Sender& sender : senders_) {
+      if (sender.limit && sender.address == message.sender && sender.port == message.port) {
+        sender.last = now;
+        return sender.limit->pass(now);
+      }
+      if (free == nullptr && (!sender.limit || now - sender.last > kForgetAfter)) free = &sender;
+    }
+    if (free == nullptr) return others_.pass(now);
+    *free = {message.sender, message.port, now, MessageLimit(rate_hz_)};
+    return free->limit->pass(now);
+  }
+
+ private:
+  // A strategy, a joystick, a referee and its substitute. Senders beyond these share one limit.
+  static constexpr std::size_t kMaxSenders = 16;
+  static constexpr Duration kForgetAfter = std::chrono::seconds(1);
+
+  struct Sender {
+    std::uint32_t address = 0;
+    std::uint16_t port = 0;
+    Instant last{};
+    std::optional<MessageLimit> limit;  // empty: the entry is free
+  };
+
+  double rate_hz_;
+  MessageLimit others_;
+  std::array<Sender, kMaxSenders> senders_;
 };
 
 }  // namespace touchline::network

@@ -154,15 +154,16 @@ void add_options(const NetworkOptions& options, Planner& planner, config::ErrorL
       {{"firasim", InputProtocol::kFirasim}, {"json", InputProtocol::kJson}}};
   static constexpr std::array<Choice<InputProtocol>, 2> kReferees{
       {{"ssl", InputProtocol::kSslReferee}, {"vsss", InputProtocol::kVsssReferee}}};
+  const NetworkPlan board = planner.plan();
   for (const std::string& text : options.publish) {
     const auto found = parse_option<OutputProtocol>("--publish", text, config::kOutputProtocols, errors);
-    if (!found || is_planned(planner.plan().outputs, found->first, found->second)) continue;
+    if (!found || is_planned(board.outputs, found->first, found->second)) continue;
     planner.add(found->second, found->first, config::OutputSettings{}.rate_hz);
   }
   const auto add_inputs = [&](const char* option, const std::vector<std::string>& texts, const auto& names) {
     for (const std::string& text : texts) {
       const auto found = parse_option<InputProtocol>(option, text, names, errors);
-      if (!found || is_planned(planner.plan().inputs, found->first, found->second)) continue;
+      if (!found || is_planned(board.inputs, found->first, found->second)) continue;
       planner.add(found->second, found->first, {}, config::InputSettings{}.rate_hz);
     }
   };
@@ -190,7 +191,7 @@ std::string describe(const PlannedOutput& output) {
 std::string describe(const PlannedInput& input) {
   std::string text = name_of(input) + ", of this computer";
   for (const std::string& name : input.sender_names) text += " and " + name;
-  return text + ", at most " + number_text(input.rate_hz) + " messages a second";
+  return text + ", at most " + number_text(input.rate_hz) + " messages a second from each";
 }
 
 Result<NetworkPlan> plan_network(const config::NetworkSettings& board, const config::Locations& where,

@@ -46,7 +46,7 @@ std::string name_of(const PlannedOutput& output);
 std::string name_of(const PlannedInput& input);
 /// "ssl-vision to udp://224.5.23.2:10006%eth0, every frame".
 std::string describe(const PlannedOutput& output);
-/// "firasim from udp://0.0.0.0:20011, of this computer and 192.168.1.20, at most 1000 messages a second".
+/// "firasim from udp://0.0.0.0:20011, of this computer and 192.168.1.20, at most 1000 messages a second from each".
 std::string describe(const PlannedInput& input);
 
 /// Adds the command line's entries to the board file's. An entry of the command line without an address changes nothing

@@ -33,7 +33,7 @@ ReceiverInput::ReceiverInput(std::string name, std::unique_ptr<Decoder> decoder,
       decoder_(std::move(decoder)),
       socket_(std::move(socket)),
       senders_(std::move(senders)),
-      limit_(rate_hz),
+      limits_(rate_hz),
       reopening_(name_) {}
 
 void ReceiverInput::fail(const Error& error, Instant now, const Print& print) {
@@ -73,7 +73,7 @@ bool ReceiverInput::receive(Instant now, TeamColor own, std::span<std::byte> buf
   const hal::ReceivedMessage& message = *received.value();
   if (!is_permitted(message)) {
     count(counts_.refused);
-  } else if (!limit_.pass(now)) {
+  } else if (!limits_.pass(message, now)) {
     count(counts_.over_rate);
   } else if (!message.is_complete) {
     count(counts_.malformed);

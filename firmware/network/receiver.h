@@ -29,7 +29,7 @@ struct InputCounts {
   std::atomic<std::uint64_t> unknown_robot{0};  // commands for robots of our color that we do not have
 };
 
-/// One source: protocol, socket, permitted senders and rate.
+/// One source: protocol, socket, permitted senders and their rate.
 class ReceiverInput {
  public:
   /// `name` for messages: "firasim from udp://0.0.0.0:20011".
@@ -59,7 +59,7 @@ class ReceiverInput {
   std::unique_ptr<Decoder> decoder_;
   std::unique_ptr<hal::NetworkInput> socket_;
   const std::vector<hal::NetworkRange> senders_;
-  MessageLimit limit_;
+  SenderLimits limits_;
   Reopening reopening_;
   Instant next_check_{};
   bool is_open_ = false;

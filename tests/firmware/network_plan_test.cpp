@@ -36,7 +36,7 @@ TEST_F(NetworkPlanTest, UsualAddresses) {
   EXPECT_EQ(describe(planned.outputs[3]), "json to udp://127.0.0.1:9870, every frame");
   ASSERT_EQ(planned.inputs.size(), 3U);
   EXPECT_EQ(describe(planned.inputs[0]),
-            "firasim from udp://0.0.0.0:20011, of this computer, at most 1000 messages a second");
+            "firasim from udp://0.0.0.0:20011, of this computer, at most 1000 messages a second from each");
   EXPECT_EQ(name_of(planned.inputs[1]), "json from udp://0.0.0.0:20012");
   EXPECT_EQ(name_of(planned.inputs[2]), "ssl-referee from udp://224.5.23.1:10003");
   options_.referee = {"vsss"};
@@ -53,17 +53,18 @@ TEST_F(NetworkPlanTest, FileAndCommandLineAddUp) {
   input.protocol = InputProtocol::kFirasim;
   input.senders = {"192.168.1.20", "10.0.0.0/8"};
   board_.input = {input};
-  options_.publish = {"ssl-vision", "json=unix:///run/t.sock", "json=udp://10.1.1.1:5%wlan0"};
+  options_.publish = {"ssl-vision", "json=unix:///run/t.sock", "json", "json=udp://10.1.1.1:5%wlan0"};
   options_.accept = {"firasim"};
   const NetworkPlan planned = plan();
-  ASSERT_EQ(planned.outputs.size(), 3U);
+  ASSERT_EQ(planned.outputs.size(), 4U);
   EXPECT_EQ(describe(planned.outputs[0]), "ssl-vision to udp://224.5.23.2:10006%eth0, at most 30 Hz");
   EXPECT_EQ(name_of(planned.outputs[1]), "json to unix:///run/t.sock");
-  EXPECT_EQ(name_of(planned.outputs[2]), "json to udp://10.1.1.1:5%wlan0");
+  EXPECT_EQ(name_of(planned.outputs[2]), "json to udp://127.0.0.1:9870") << "the usual address beside another one";
+  EXPECT_EQ(name_of(planned.outputs[3]), "json to udp://10.1.1.1:5%wlan0");
   ASSERT_EQ(planned.inputs.size(), 1U);
   EXPECT_EQ(describe(planned.inputs[0]),
             "firasim from udp://0.0.0.0:20011, of this computer and 192.168.1.20 and 10.0.0.0/8, at most 1000 messages "
-            "a second");
+            "a second from each");
   EXPECT_TRUE(planned.inputs[0].senders[1].contains(0x0a010203));
 }
 

@@ -46,9 +46,9 @@ struct Line {
   std::atomic<bool> broken{false};
   std::atomic<int> opened{0};
 
-  void add(const std::string& text, std::uint32_t sender, bool is_complete = true) {
+  void add(const std::string& text, std::uint32_t sender, bool is_complete = true, std::uint16_t port = 1) {
     const std::scoped_lock lock(mutex);
-    messages.push_back({text, {text.size(), is_complete, sender == 0, sender}});
+    messages.push_back({text, {text.size(), is_complete, sender == 0, sender, port}});
   }
 };
 
@@ -177,6 +177,40 @@ TEST_F(ThreadsReceiver, FloodIsLimited) {
   EXPECT_GE(counts().accepted, 10U);
   EXPECT_LE(static_cast<double>(counts().accepted), 10.0 + 100.0 * elapsed_s + 1.0);
   EXPECT_EQ(counts().refused, kFlood);
+}
+
+TEST_F(ThreadsReceiver, FloodOfOneProgramDoesNotKeepAnotherAway) {
+  constexpr std::uint64_t kFlood = 20000;
+  for (std::uint64_t i = 0; i < kFlood; ++i) {
+    line_.add("x", kFieldPc);
+    // Ten messages are always permitted.
+    if (i % (kFlood / 10) == kFlood / 20) line_.add("1", kFieldPc, true, 2);
+  }
+  start(10.0);
+  finish();
+  EXPECT_EQ(counts().accepted, 10U);
+  EXPECT_GE(counts().over_rate, kFlood / 2);
+}
+
+TEST(SenderLimits, ManySendersShareOneLimitAndDoNotDriveOutTheFirst) {
+  SenderLimits limits(10.0);
+  const Instant begin{std::chrono::seconds(100)};
+  hal::ReceivedMessage first;
+  first.port = 1;
+  EXPECT_TRUE(limits.pass(first, begin));
+  std::uint64_t passed = 0;
+  for (std::uint16_t port = 2; port < 60002; ++port) {
+    hal::ReceivedMessage other;
+    other.port = port;
+    passed += limits.pass(other, begin) ? 1U : 0U;
+  }
+  EXPECT_EQ(passed, 15U + 10U);
+  for (int i = 0; i < 9; ++i) EXPECT_TRUE(limits.pass(first, begin));
+  EXPECT_FALSE(limits.pass(first, begin));
+  // Those that are silent for a second are forgotten.
+  hal::ReceivedMessage late;
+  late.port = 60003;
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(limits.pass(late, begin + 2s));
 }
 
 TEST_F(ThreadsReceiver, LostNetworkIsReportedOnceAndUsedAgain) {

@@ -80,6 +80,7 @@ TEST(UdpSocket, LoopbackCarriesMessages) {
   EXPECT_TRUE(details.is_local);
   EXPECT_TRUE(details.is_complete);
   EXPECT_EQ(details.sender, 0x7f000001U);
+  EXPECT_NE(details.port, 0);
   EXPECT_TRUE(output->send(bytes_of(std::string(101, 'x'))).ok());
   EXPECT_EQ(receive(*input, &details).size(), 100U);
   EXPECT_FALSE(details.is_complete);

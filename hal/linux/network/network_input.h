@@ -18,6 +18,7 @@ struct ReceivedMessage {
   bool is_complete = true;   // false: it was longer than the buffer
   bool is_local = false;     // sent by this computer
   std::uint32_t sender = 0;  // IPv4 address; 0: unix socket
+  std::uint16_t port = 0;    // of the sender; unix socket: number of the connection
 };
 
 /// A source of messages. No call blocks.

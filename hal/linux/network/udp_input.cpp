@@ -79,6 +79,7 @@ Result<std::optional<ReceivedMessage>> UdpInput::receive(std::span<std::byte> in
   message.size = static_cast<std::size_t>(size);
   message.is_complete = (header.msg_flags & MSG_TRUNC) == 0;
   message.sender = ntohl(from.sin_addr.s_addr);
+  message.port = ntohs(from.sin_port);
   message.is_local = is_local(message.sender);
   return std::optional(message);
 }

@@ -46,11 +46,15 @@ void UnixInput::accept_clients() {
 Result<std::optional<ReceivedMessage>> UnixInput::receive(std::span<std::byte> into) {
   accept_clients();
   for (std::size_t i = 0; i < kMaxClients; ++i) {
+    const auto number = static_cast<std::uint16_t>(next_client_);
     Client& client = clients_[next_client_];
     next_client_ = (next_client_ + 1) % kMaxClients;
     if (!client.socket.is_open()) continue;
     read_from(client);
-    if (std::optional<ReceivedMessage> message = take_line(client, into)) return message;
+    if (std::optional<ReceivedMessage> message = take_line(client, into)) {
+      message->port = number;
+      return message;
+    }
   }
   return std::optional<ReceivedMessage>();
 }

@@ -7,7 +7,7 @@ trap 'rm -rf "$work"' EXIT
 fail() { echo "$*" >&2; exit 1; }
 
 # tools/run and tools/bench pass --help to the program that they build.
-scripts=(tools/{deploy,estimate-arm,lint,package,setup,sysroot,test,test-arm,test-board,test-package}
+scripts=(tools/{deploy,estimate-arm,lint,package,publishing-cost,setup,sysroot,test,test-arm,test-board,test-package}
          toolchain/{debian-mirror,emulate-arm64})
 
 EveryScriptHasHelp() {
@@ -36,7 +36,7 @@ without_setup() {
 EveryScriptInstallsItsPackages() {
   cd "$root"
   local found
-  found=$(without_setup tools/{bench,estimate-arm,lint,package,run,test,test-arm,test-board,test-package})
+  found=$(without_setup tools/{bench,estimate-arm,lint,package,publishing-cost,run,test,test-arm,test-board,test-package})
   [ -z "$found" ] || fail "no call of tools/setup in $found"
   printf '#!/bin/sh\ncmake --preset release\n' >"$work/planted"
   [ "$(without_setup "$work/planted")" = "$work/planted" ] || fail "a script without tools/setup was not found"
@@ -44,10 +44,12 @@ EveryScriptInstallsItsPackages() {
 
 # Copies tools/test to a folder where its commands are replaced. CMake fails for the preset $broken, CTest for the preset asan.
 fake_repository() {
-  mkdir -p "$work/tools" "$work/toolchain" "$work/bin"
+  mkdir -p "$work/tools" "$work/toolchain" "$work/bin" "$work/tests/network/javascript"
   cp "$root/tools/test" "$work/tools/"
   cp "$root/toolchain/use-ccache.sh" "$work/toolchain/"
-  for script in tools/setup tools/test-arm tools/lint bin/git bin/clang-format bin/ccache; do printf '#!/bin/sh\n' >"$work/$script"; done
+  for script in tools/setup tools/test-arm tools/lint tests/network/javascript/run bin/git bin/clang-format bin/ccache; do
+    printf '#!/bin/sh\n' >"$work/$script"
+  done
   cat >"$work/bin/cmake" <<'FAKE'
 #!/bin/sh
 [ "$1" != --build ] || [ "$3" != "$broken" ]
@@ -57,6 +59,14 @@ FAKE
 echo "$2" >>"$work/ctest-calls"
 while [ "$1" != --output-log ]; do preset=${preset-$2}; shift; done
 mkdir -p "$(dirname "$2")"
+if [ "$preset" = release ]; then
+  cat >"$2" <<'LOG'
+100% tests passed, 0 tests failed out of 900
+The following tests did not run:
+	 41 - Network.ProtobufjsReadsThePackets (Skipped)
+	 42 - Arena.NeedsPictures (Skipped)
+LOG
+fi
 [ "$preset" = asan ] || exit 0
 cat >"$2" <<'LOG'
 3: [  FAILED  ] Pipeline.KeepsItsOrder (3 ms)
@@ -66,7 +76,7 @@ The following tests FAILED:
 LOG
 exit 8
 FAKE
-  chmod +x "$work"/bin/* "$work"/tools/*
+  chmod +x "$work"/bin/* "$work"/tools/* "$work/tests/network/javascript/run"
   export work broken=${1:-none} PATH=$work/bin:$PATH
 }
 
@@ -77,6 +87,17 @@ ASummaryNamesFailedTests() {
   [ "$code" -eq 1 ] || fail "exit code $code instead of 1: $output"
   for expected in 'FAILED .* tests except slow ones' 'Pipeline.KeepsItsOrder$' 'pipeline_test.1$' 'Deploy.AFirstFrameCompletesTheDeployment$' \
                   'passed .* clang-tidy' 'passed .* tests that start threads'; do
+    grep -qE "$expected" <<<"${output#*== summary}" || fail "the summary lacks $expected: $output"
+  done
+}
+
+ASummaryNamesSkippedTests() {
+  fake_repository
+  local output
+  printf '#!/bin/sh\nexit 1\n' >"$work/tests/network/javascript/run"
+  output=$("$work/tools/test" --quick 2>&1) || fail "a skipped test is a failure: $output"
+  grep -q 'protobufjs could not be installed' <<<"$output" || fail "protobufjs is missing without a word: $output"
+  for expected in 'skipped: 2,' 'Network.ProtobufjsReadsThePackets$' 'Arena.NeedsPictures$'; do
     grep -qE "$expected" <<<"${output#*== summary}" || fail "the summary lacks $expected: $output"
   done
 }

@@ -24,14 +24,17 @@ class LatencyProgram : public ProgramFolder {
 };
 
 TEST_F(LatencyProgram, MeasuresWritesAndCompares) {
-  ASSERT_EQ(measure("--frames 12 --list 2 --deadline-ms 500 --out " + path("a.json") + " --histogram " + path("a.svg") +
-                    " --html " + path("a.html")),
+  ASSERT_EQ(measure("--frames 12 --list 2 --deadline-ms 500 --out " + path("a.json") + " --csv " + path("a.csv") +
+                    " --histogram " + path("a.svg") + " --html " + path("a.html")),
             0)
       << read("out");
   EXPECT_TRUE(output_contains("the deadline of 0.5 s was missed by 0 of 12 frames.") ||
               output_contains("the deadline of 500 ms was missed by 0 of 12 frames."))
       << read("out");
   EXPECT_NE(read("a.json").find("\"frames\": 12"), std::string::npos);
+  const std::string csv = read("a.csv");
+  EXPECT_TRUE(csv.starts_with("capture to frame,color and region,")) << csv;
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 13) << "a head and 12 frames";
   EXPECT_NE(read("a.svg").find("</svg>"), std::string::npos);
   EXPECT_NE(read("a.html").find("</html>"), std::string::npos);
   ASSERT_EQ(latency("--compare " + path("a.json") + " " + path("a.json") + " --html " + path("c.html")), 0);
@@ -60,7 +63,7 @@ TEST_F(LatencyProgram, AWrongCommandLineGivesExitCode64) {
 
 TEST_F(LatencyProgram, UnwritableFilesAreRejectedBeforeTheStart) {
   // The invalid board file would be the next error.
-  for (const char* option : {"--out", "--histogram", "--html"}) {
+  for (const char* option : {"--out", "--csv", "--histogram", "--html"}) {
     const std::string file = path("none/a.svg");
     EXPECT_EQ(latency(std::string("--board none.toml ") + option + " " + file), 1);
     EXPECT_EQ(read("out"), "touchline-latency: " + file + ": cannot be written: No such file or directory\n");

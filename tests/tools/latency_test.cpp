@@ -47,6 +47,15 @@ TEST(LatencySamples, IgnoresSamplesBeyondTheCapacity) {
   EXPECT_EQ(LatencySamples(0).summarize().max, Duration::zero());
 }
 
+TEST(Measurement, CsvHasTheTimesOfEveryFrame) {
+  Measurement measurement(4, 1);
+  for (int i = 0; i < 3; ++i) measurement.add(stages_of(i), timing_of(100 + i, 40), false);
+  EXPECT_EQ(measurement.to_csv(),
+            "capture to frame,color and region,marker,track,control,encode,send,frame to packet,capture to packet\n"
+            "40000,1000,2000,3000,4000,5000,86000,101000,141000\n"
+            "40000,2000,3000,4000,5000,6000,82000,102000,142000\n");
+}
+
 TEST(Measurement, IgnoresTheWarmUp) {
   Measurement measurement(4, 3);
   for (int i = 0; i < 10; ++i) {

@@ -43,9 +43,15 @@ int main(int argc, char** argv) {
       ->type_name("NAME[=ADDRESS]")
       ->expected(1)
       ->take_all();
+  app.add_option("--accept", options.network.accept,
+                 "Let programs on this computer drive robots, as touchline run does, several times if needed")
+      ->type_name("NAME[=ADDRESS]")
+      ->expected(1)
+      ->take_all();
   app.add_flag("--real-time-pace", options.session.paced,
                "Run the mock arena in real time, not as fast as possible: the loop sleeps between frames");
   app.add_option("--out", outputs.json, "Write all numbers into this JSON file");
+  app.add_option("--csv", outputs.csv, "Write the times of every frame in nanoseconds into this CSV file");
   app.add_option("--histogram", outputs.histogram, "Write the histogram into this file, .svg or .png")
       ->check([](const std::string& path) {
         return path.ends_with(".svg") || path.ends_with(".png") ? "" : path + ": the name must end in .svg or .png";

@@ -136,11 +136,12 @@ class Run {
     const Document document = document_of(report);
     const Outputs& outputs = options_.outputs;
     // With "-" as file name, only that file is written to standard output.
-    const bool taken = outputs.json == "-" || outputs.histogram == "-" || outputs.html == "-";
+    const bool taken = outputs.json == "-" || outputs.csv == "-" || outputs.histogram == "-" || outputs.html == "-";
     (taken ? std::cerr : std::cout) << to_text(document) << std::flush;
     const NamedReport named{report.source, report};
     const auto svg = [&] { return histogram_svg({&named, 1}); };
     bool good = outputs.json.empty() || write_file(outputs.json, to_json(report));
+    if (!outputs.csv.empty()) good = write_file(outputs.csv, measurement_.to_csv()) && good;
     if (!outputs.histogram.empty()) {
       const bool png = outputs.histogram.ends_with(".png");
       good = write_file(outputs.histogram, png ? histogram_png({&named, 1}) : svg()) && good;
@@ -184,7 +185,10 @@ int measure_board(const MeasureOptions& options) {
                                            [](const std::string& line) { std::cerr << line + "\n"; });
   const hal::CameraInfo& info = session.devices().loop_devices().camera.info();
   const double rate_hz = info.rate_hz > 0.0 ? info.rate_hz : board.camera.rate_hz;
-  return run.measure(session.loop(), "board " + board.name + ", " + picture_text(info), rate_hz);
+  const int code = run.measure(session.loop(), "board " + board.name + ", " + picture_text(info), rate_hz);
+  connections.stop();
+  std::cerr << connections.summary();
+  return code;
 }
 
 // Does not use the board's radio: random pictures must not drive robots.
@@ -225,7 +229,7 @@ Result<LatencyReport> read_report(const std::string& path) {
 
 int measure(const MeasureOptions& options) {
   const Outputs& outputs = options.outputs;
-  for (const std::string& path : {outputs.json, outputs.histogram, outputs.html}) {
+  for (const std::string& path : {outputs.json, outputs.csv, outputs.histogram, outputs.html}) {
     if (const Result<void> writable = check_writable(path); !writable.ok()) return fail(writable.text());
   }
   crash_stop::install_handlers();

@@ -11,7 +11,7 @@ namespace touchline::latency {
 
 /// Paths of the output files; empty: not written.
 struct Outputs {
-  std::string json, histogram, html;
+  std::string json, csv, histogram, html;
 };
 
 struct MeasureOptions {
@@ -21,7 +21,7 @@ struct MeasureOptions {
   double deadline_ms = 0.0;  // 0: the frame period
   std::size_t listed = 5;    // number of worst frames in the report
   bool worst_frames = false, load = false;
-  network::NetworkOptions network;  // outputs that run during the measurement
+  network::NetworkOptions network;  // connections that work during the measurement
   Outputs outputs;
 };
 

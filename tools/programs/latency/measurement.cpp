@@ -94,4 +94,17 @@ LatencyReport Measurement::report(const std::string& source, const ReportSetting
   return report;
 }
 
+std::string Measurement::to_csv() const {
+  std::string text;
+  const auto add_line = [&text](const auto& value_of) {
+    for (std::size_t i = 0; i < kSpanCount; ++i) text += (i > 0 ? "," : "") + value_of(static_cast<Span>(i));
+    text += '\n';
+  };
+  add_line([](Span span) { return std::string(describe(span)); });
+  for (std::size_t k = 0; k < samples(Span::kLatency).count(); ++k) {
+    add_line([this, k](Span span) { return std::to_string(samples(span)[k].count()); });
+  }
+  return text;
+}
+
 }  // namespace touchline::latency

@@ -39,6 +39,8 @@ class Measurement {
   [[nodiscard]] std::size_t seen() const { return seen_.load(std::memory_order_relaxed); }
   /// Makes the report. Call it on the measured thread.
   [[nodiscard]] LatencyReport report(const std::string& source, const ReportSettings& expected) const;
+  /// A head with the names of the spans, then a line per frame in nanoseconds.
+  [[nodiscard]] std::string to_csv() const;
 
  private:
   static void on_step(void* context, const StepTrace& trace, const StepTiming& timing);

@@ -1,30 +1,46 @@
 """Reference scenes under light that they were not calibrated for, made by touchline-relight."""
 import concurrent.futures
 import math
+import typing
 
 import judging
 import scenes
 
 LIGHT = {"right": 99.0, "wrong": 0}
 BALL = {"wrong": 0, "ball": 99.9}
-# Name, options of touchline-relight, goals.
+
+
+class Case(typing.NamedTuple):
+    name: str
+    options: tuple  # of touchline-relight
+    goal: dict
+    seconds: int = 1
+    before: int = 0  # frames before the change
+    limit: int | None = None  # pictures of each folder
+
+
 CASES = (
-    ("light x 0.5", ("--light", 0.5), LIGHT),
-    ("light x 0.75", ("--light", 0.75), {**LIGHT, **BALL}),
-    ("light x 1.5", ("--light", 1.5), LIGHT),
-    ("light x 2", ("--light", 2), LIGHT),
-    ("pixel values x 0.5", ("--values", "0.5,0.5,0.5"), LIGHT),
-    ("red +15 %, blue -15 %", ("--values", "1.15,1,0.85"), LIGHT),
-    ("red -15 %, blue +15 %", ("--values", "0.85,1,1.15"), LIGHT),
-    ("shadow x 0.35 on half", ("--shadow", 0.35), {"right": 95.0, "wrong": 0}),
-    ("JPEG quality 60", ("--jpeg", 60), BALL),
-    ("blur 1.5 px", ("--blur", 1.5), BALL),
+    Case("light x 0.5", ("--light", 0.5), LIGHT),
+    Case("light x 0.75", ("--light", 0.75), {**LIGHT, **BALL}),
+    Case("light x 1.5", ("--light", 1.5), LIGHT),
+    Case("light x 2", ("--light", 2), LIGHT),
+    Case("pixel values x 0.5", ("--values", "0.5,0.5,0.5"), LIGHT),
+    Case("red +15 %, blue -15 %", ("--values", "1.15,1,0.85"), LIGHT),
+    Case("red -15 %, blue +15 %", ("--values", "0.85,1,1.15"), LIGHT),
+    Case("shadow x 0.35 on half", ("--shadow", 0.35), {"right": 95.0, "wrong": 0}),
+    Case("JPEG quality 60", ("--jpeg", 60), BALL),
+    Case("blur 1.5 px", ("--blur", 1.5), BALL),
+    # A change while the game runs, and a long one, in which an adaptation could confirm its own mistakes.
+    Case("step to light x 0.5", ("--light", 0.5), LIGHT, before=15, limit=4),
+    Case("step to light x 2", ("--light", 2), LIGHT, before=15, limit=4),
+    Case("light x 2", ("--light", 2), LIGHT, seconds=25, limit=2),
 )
 QUICK = ("light x 0.5", "light x 2", "shadow x 0.35 on half")
 # Folders of a set that are changed. The others are sequences.
 PARTS = ("layouts", "touching")
-# In m: as touchline-evaluate.
-REACH = 0.02
+# In m: half a robot. The place of a robot of which only one patch is seen is that of the patch.
+REACH = 0.0375
+BALL_REACH = 0.02
 WORKERS = 2
 
 
@@ -37,7 +53,7 @@ def truth_of(picture):
 
 
 def judge(truth, part):
-    return judging.judge(truth, part, judging.field_place, REACH, REACH)
+    return judging.judge(truth, part, judging.field_place, REACH, BALL_REACH)
 
 
 def outline_px(scene):
@@ -47,24 +63,27 @@ def outline_px(scene):
 
 
 def pictures_of(tools, folder, name, options, limit):
-    """Changes the pictures of a set; returns pairs of picture and truth."""
-    out = []
+    """Changes the pictures of a set; returns pairs of picture and truth, and the unchanged pictures."""
+    out, originals = [], []
     for part in PARTS:
         if not (folder / part).is_dir():
             continue
         target = tools.out / "changed" / f"{folder.name}-{name}-{part}"
         tools.run("relight", folder / part, *options, "--out", target)
-        pairs = [(target / f"{one['file'].rsplit('.', 1)[0]}.png", truth_of(one)) for one in scenes.truth_of(folder / part)]
-        out += pairs[:limit]
-    return out
+        for one in scenes.truth_of(folder / part)[:limit]:
+            out.append((target / f"{one['file'].rsplit('.', 1)[0]}.png", truth_of(one)))
+            originals.append(folder / part / one["file"])
+    return out, originals
 
 
-def after_a_second(tools, pictures, venue, team, name):
-    """Returns what is judged in the last frame, and the number of wrong reports in the frames before."""
+def after_a_while(tools, pictures, originals, venue, team, name, case):
+    """Returns what is judged in the last frame, and the number of wrong reports since the change."""
     def one(number_and_pair):
         number, (picture, truth) = number_and_pair
-        lines = tools.replay_standing(picture, venue, team, f"{name}-{number}")
-        judged = [judge(truth, line["sightings"]) for line in lines]
+        before = originals[number] if case.before else None
+        lines = tools.replay_standing(picture, venue, team, f"{name}-{number}", frames=60 * case.seconds,
+                                      before=(before, case.before))
+        judged = [judge(truth, line["sightings"]) for line in lines[case.before:]]
         (tools.out / f"{name}-{number}.jsonl").unlink()
         return judged[-1], judging.add_up(judged[:-1])["wrong"]
     with concurrent.futures.ThreadPoolExecutor(WORKERS) as pool:
@@ -85,23 +104,24 @@ def in_single_pictures(tools, pictures, venue, team, name):
 
 
 def evaluate(tools, report, folder, venue, team, quick):
-    """Adds the rows of all cases, with adaptation after one second and without it."""
+    """Adds the rows of all cases: with adaptation after one second, and without it."""
     radius = outline_px(scenes.scene_of(folder))
-    for case, options, goal in CASES:
-        if quick and case not in QUICK:
+    for case in CASES:
+        if quick and (case.name not in QUICK or case.seconds > 1):
             continue
+        title = f"{case.name}, after {case.seconds} s"
 
-        def measure(case=case, options=options, goal=goal):
-            name = case.replace(" ", "-").replace("%", "").replace(",", "")
-            pictures = pictures_of(tools, folder, name, options, 2 if quick else None)
-            off = in_single_pictures(tools, pictures, venue, team, f"{folder.name}-{name}-off")
-            judged, earlier = after_a_second(tools, pictures, venue, team, f"{folder.name}-{name}")
+        def measure(case=case, title=title):
+            name = f"{folder.name}-{case.name}".replace(" ", "-").replace("%", "").replace(",", "")
+            pictures, originals = pictures_of(tools, folder, name, case.options, 2 if quick else case.limit)
+            off = judging.add_up(in_single_pictures(tools, pictures, venue, team, f"{name}-off"))
+            judged, earlier = after_a_while(tools, pictures, originals, venue, team, name, case)
             report.reliability.add_judged(judged)
-            row, row_off = judging.add_up(judged), judging.add_up(off)
-            worse = (row["right"] < row_off["right"] or row["wrong"] > row_off["wrong"]
-                     or row["balls_seen"] < row_off["balls_seen"])
-            report.add(folder.name, f"{case}, after 1 s", row | {"wrong_earlier": earlier, "worse_than_off": worse}, goal)
-            report.add(folder.name, f"{case}, adaptation off", row_off, {})
-            picture, truth = pictures[0]
-            report.picture(folder.name, case, picture, judged[0], radius, truth)
-        report.attempt(folder.name, case, goal, measure)
+            row = judging.add_up(judged)
+            worse = row["right"] < off["right"] or row["wrong"] > off["wrong"] or row["balls_seen"] < off["balls_seen"]
+            report.add(folder.name, title, row | {"wrong_earlier": earlier, "worse_than_off": worse}, case.goal)
+            if case.limit is None:
+                report.add(folder.name, f"{case.name}, adaptation off", off, {})
+                picture, truth = pictures[0]
+                report.picture(folder.name, title, picture, judged[0], radius, truth)
+        report.attempt(folder.name, title, case.goal, measure)

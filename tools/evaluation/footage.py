@@ -120,8 +120,7 @@ def learn_from_clicks(tools, venue, team, recipes, images, recipe, picture, radi
     clicks = tools.out / f"{recipe}-one-picture-clicks.json"
     all_clicks = json.loads((recipes / f"{recipe}-clicks.json").read_text())["samples"]
     clicks.write_text(json.dumps({"samples": [c for c in all_clicks if c["image"].endswith(picture)]}))
-    tools.run("calibrate", "colors", "--venue", venue, "--samples", clicks, "--images", images, "--team", team,
-              "--patch-radius", radius)
+    return tools.colors("--venue", venue, "--samples", clicks, "--images", images, "--team", team, "--patch-radius", radius)
 
 
 def light_from_border(tools, venue, picture, *options):

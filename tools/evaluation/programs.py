@@ -47,19 +47,35 @@ class Programs:
             return None
         raise Failed(f"{' '.join(command)}\n{done.stderr.strip()}")
 
+    def colors(self, *arguments):
+        """Calibrates colors; returns False if the program's self-check does not accept them."""
+        try:
+            self.run("calibrate", "colors", *arguments)
+        except Failed as failure:
+            if "--accept" not in str(failure):
+                raise
+            self.run("calibrate", "colors", *arguments, "--accept")
+            return False
+        return True
+
     def replay(self, pictures, venue, team, name, *options):
         """Returns the path of the result and its parsed lines."""
         result = self.out / f"{name}.jsonl"
         self.run("replay", pictures, "--venue", venue, "--team", team, "--out", result, "--quiet", *options)
         return result, read_lines(result)
 
-    def replay_standing(self, picture, venue, team, name, *options, frames=ONE_SECOND):
-        """Replays a picture as a camera at 60 Hz that sees nothing else; returns the parsed lines."""
+    def replay_standing(self, picture, venue, team, name, *options, frames=ONE_SECOND, before=(None, 0)):
+        """Replays a picture as a camera at 60 Hz that sees nothing else; returns the parsed lines.
+
+        `before`: another picture, and for how many frames it is seen first.
+        """
         folder = self.out / f"{name}-repeated"
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
-        for i in range(frames):
-            (folder / f"{i:04d}{picture.suffix}").symlink_to(picture.resolve())
+        first, count = before
+        for i in range(count + frames):
+            shown = first if i < count else picture
+            (folder / f"{i:04d}{shown.suffix}").symlink_to(shown.resolve())
         _, lines = self.replay(folder, venue, team, name, "--rate", 60, *options)
         shutil.rmtree(folder)
         return lines

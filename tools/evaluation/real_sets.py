@@ -27,6 +27,7 @@ VIDEOS = {
     "pushed-robots": (25, 17, (0, 48)),
 }
 BALL_REACH = 8
+REFUSED = "self-check refuses the colors"
 
 
 def field_only(made, venue):
@@ -43,9 +44,9 @@ def fullest(truths):
 
 
 def learn(tools, venue, team, pictures):
-    """Colors without a click."""
+    """Colors without a click; returns whether the self-check accepts them."""
     options = [option for p in pictures for option in ("--picture", p)]
-    tools.run("calibrate", "colors", "--venue", venue, "--team", team, *options, "--yes")
+    return tools.colors("--venue", venue, "--team", team, *options, "--yes")
 
 
 def with_halves(parts, goal):
@@ -93,9 +94,11 @@ class PictureSet:
         self.report.reliability.add_judged([one for part in parts for one in part])
         self.report.add(self.name, case, row | {"wrong_earlier": earlier}, goal or {})
 
-    def both(self, case, venue, left_out, goal, shown):
+    def both(self, case, venue, left_out, goal, shown, accepted=True):
         """Single pictures, and the same after one second."""
         self.measure(case, lambda _: venue, left_out, goal=goal)
+        if not accepted:
+            self.report.note(REFUSED)
         self.measure(f"{case}, after 1 s", lambda _: venue, left_out, second=True, goal=goal, shown=shown)
 
     def unclicked(self, count):
@@ -103,8 +106,8 @@ class PictureSet:
         def run():
             venue = field_only(self.made, self.tools.out / f"{self.name}-unclicked-{count}-venue.toml")
             names = self.learned[:count]
-            learn(self.tools, venue, self.team, [p for p in self.pictures if p.name in names])
-            self.both(case, venue, names, IDS, count == 1)
+            accepted = learn(self.tools, venue, self.team, [p for p in self.pictures if p.name in names])
+            self.both(case, venue, names, IDS, count == 1, accepted)
         case = f"no clicks, {' and '.join(n.split('.')[0] for n in self.learned[:count])}"
         self.report.attempt(self.name, case, IDS, run)
 
@@ -243,8 +246,10 @@ class Video:
     def unclicked(self, count):
         def run():
             venue = field_only(self.made, self.tools.out / f"{self.name}-unclicked-{count}-venue.toml")
-            learn(self.tools, venue, self.team, [self.frame(n) for n in self.learned[:count]])
+            accepted = learn(self.tools, venue, self.team, [self.frame(n) for n in self.learned[:count]])
             self.measure(case, venue, IDS, count == 1)
+            if not accepted:
+                self.report.note(REFUSED)
         case = f"no clicks, frame {' and '.join(map(str, self.learned[:count]))}"
         self.report.attempt(self.name, case, IDS, run)
 

@@ -24,6 +24,11 @@ class Report:
         self.rows.append(row)
         programs.progress(table.text_of(row, self.base))
 
+    def note(self, words):
+        """Adds words to the last row."""
+        self.rows[-1]["note"] = words
+        programs.progress(f"  {words}")
+
     def attempt(self, name, case, goal, measure):
         """Runs a measurement. If it fails, its reason is a row."""
         programs.progress(f"{name}: {case}")

@@ -82,7 +82,7 @@ def calibrate(tools, folder, team, clicks, venue, no_height):
 
 
 def learn_colors(tools, folder, team, clicks, venue):
-    tools.run("calibrate", "colors", "--venue", venue, "--samples", clicks, "--images", folder / "samples", "--team", team)
+    return tools.colors("--venue", venue, "--samples", clicks, "--images", folder / "samples", "--team", team)
 
 
 def without_section(text, section):

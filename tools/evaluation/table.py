@@ -60,7 +60,8 @@ def cells(row, base):
     return [row["set"], row["case"], str(row["robots"]), number(share(row, "right", "robots")) + mark("right"),
             str(row["unknown"]), f"{row['wrong']}{earlier}" + mark("wrong"), str(row["missed"]),
             str(row["ghosts"] + row["ball_ghosts"]), number(share(row, "balls_seen", "balls")) + mark("ball"), halves,
-            before + ("  adaptation is worse than off !" if row.get("worse_than_off") else "")]
+            "  ".join(filter(None, [before, "adaptation is worse than off !" if row.get("worse_than_off") else "",
+                                    row.get("note", "")]))]
 
 
 def text_of(row, base):

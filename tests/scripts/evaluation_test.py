@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+"""Tests how tools/evaluate-all judges, and what it keeps when a set fails. Runs none of Touchline's programs."""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "tools" / "evaluation"))
+import judging  # noqa: E402
+import table  # noqa: E402
+import truth  # noqa: E402
+
+REACH = 10
+
+
+def robot(team, number, at):
+    return {"team": team, "id": number, "at": at}
+
+
+def report(team, number, at, confidence=0.9):
+    return {"team": team, "id": number, "x": at[0], "y": at[1], "confidence": confidence}
+
+
+def judge(robots, reports, ball=None, seen_ball=None):
+    return judging.judge({"robots": robots, "ball": ball}, {"robots": reports, "ball": seen_ball}, judging.field_place,
+                         REACH, REACH)
+
+
+def counts(*args, **named):
+    return {k: v for k, v in judging.add_up([judge(*args, **named)]).items() if v}
+
+
+class Judging(unittest.TestCase):
+    def test_each_verdict(self):
+        robots = [robot("blue", i, (100 * i, 0)) for i in range(5)]
+        reports = [report("blue", 0, (3, 0)), report("blue", None, (103, 0)), report("blue", 1, (203, 0)),
+                   report("yellow", 3, (303, 0)), report("blue", 7, (0, 500))]
+        self.assertEqual(counts(robots, reports),
+                         {"robots": 5, "right": 1, "unknown": 1, "wrong": 2, "missed": 1, "ghosts": 1})
+
+    def test_an_id_that_is_reported_twice_is_right_once(self):
+        robots = [robot("blue", 0, (0, 0)), robot("blue", 1, (100, 0))]
+        self.assertEqual(counts(robots, [report("blue", 0, (1, 0)), report("blue", 0, (99, 0))]),
+                         {"robots": 2, "right": 1, "wrong": 1})
+
+    def test_a_report_belongs_to_the_nearest_robot(self):
+        robots = [robot("blue", 0, (0, 0)), robot("blue", 1, (12, 0))]
+        self.assertEqual(counts(robots, [report("blue", 1, (7, 0)), report("blue", 0, (1, 0))]), {"robots": 2, "right": 2})
+
+    def test_robots_that_do_not_count_are_neither_missed_nor_ghosts(self):
+        hidden = robot("blue", 0, (0, 0)) | {"counted": False}
+        self.assertEqual(counts([hidden], []), {})
+        self.assertEqual(counts([hidden], [report("blue", 0, (1, 0))]), {})
+
+    def test_an_unknown_id_is_right_for_a_robot_that_is_not_in_the_team_file(self):
+        stranger = robot("blue", None, (0, 0))
+        self.assertEqual(counts([stranger], [report("blue", None, (0, 0))])["right"], 1)
+        self.assertEqual(counts([stranger], [report("blue", 2, (0, 0))])["wrong"], 1)
+
+    def test_balls(self):
+        self.assertEqual(counts([], [], ball=(0, 0), seen_ball={"x": 1, "y": 1}), {"balls": 1, "balls_seen": 1})
+        self.assertEqual(counts([], [], ball=(0, 0), seen_ball={"x": 50, "y": 1}), {"balls": 1, "ball_ghosts": 1})
+        self.assertEqual(counts([], [], seen_ball={"x": 50, "y": 1}), {"ball_ghosts": 1})
+
+    def test_reliability(self):
+        all_reports = judging.Reliability()
+        for i in range(10):
+            all_reports.add_judged([judge([robot("blue", 0, (0, 0))], [report("blue", 0 if i else 1, (0, 0), 0.85)])])
+        self.assertEqual([(r["from"], r["reports"], round(r["right"], 3)) for r in all_reports.rows()], [(0.8, 10, 0.9)])
+        without_id = judging.Reliability()
+        without_id.add_judged([judge([robot("blue", 0, (0, 0))], [report("blue", None, (0, 0), 1.0)])])
+        self.assertEqual([(r["kind"], r["from"], r["right"]) for r in without_id.rows()], [("sightings without id", 0.9, 1.0)])
+
+
+class Truth(unittest.TestCase):
+    def test_a_robot_moves_on_a_line_between_its_keys(self):
+        keys = [[0, 10, 20], [10, 20, 40]]
+        self.assertEqual(truth.place_at(keys, 5), (15, 30))
+        self.assertEqual(truth.place_at(keys, 20), (20, 40))
+
+    def test_all_files_agree_with_their_team_files(self):
+        footage = ROOT / "tests" / "footage"
+        for name, team in (("mirosot-triangles", "mirosot-triangles"), ("vsss-halves", "vsss-halves")):
+            for picture in truth.pictures(footage / f"{name}-truth.json", footage / f"{team}-team.toml").values():
+                self.assertEqual(len({(r["team"], r["id"]) for r in picture["robots"]}), len(picture["robots"]))
+                self.assertNotIn(None, [r["id"] for r in picture["robots"]])
+        for name in ("vss-overhead", "pushed-robots"):
+            frames = truth.frames(footage / f"{name}-truth.json", footage / f"{name}-team.toml")
+            self.assertNotIn(None, [r["id"] for r in frames[0]["robots"]])
+        hidden = truth.frames(footage / "pushed-robots-truth.json", footage / "pushed-robots-team.toml")[190]
+        self.assertEqual([r["counted"] for r in hidden["robots"]], [False, True])
+
+
+class Table(unittest.TestCase):
+    ROW = {"set": "a", "case": "b", "robots": 10, "right": 9, "unknown": 1, "wrong": 0, "missed": 0, "ghosts": 0, "balls": 2,
+           "balls_seen": 1, "ball_ghosts": 0, "goal": {"right": 95.0, "wrong": 0, "ball": 98.0}}
+
+    def test_marks_what_is_not_reached(self):
+        self.assertEqual(table.missed_goals(self.ROW), ["right", "ball"])
+        self.assertEqual(table.missed_goals(self.ROW | {"wrong_earlier": 1, "right": 10, "balls_seen": 2}), ["wrong"])
+        self.assertEqual(table.text_of(self.ROW, {}).count("!"), 2)
+        self.assertIn("80.0, 3, -", table.text_of(self.ROW, {"a: b": {"right": 80.0, "wrong": 3, "ball": None}}))
+
+    def test_a_failure_is_a_line_with_its_reason(self):
+        failed = {"set": "a", "case": "b", "failed": "program --options\ntouchline-program: no patch:\n  click", "goal": {}}
+        self.assertIn("failed: no patch; click", table.text_of(failed, {}))
+        self.assertEqual(table.summary([failed]), {"a: b": {"failed": "failed"}})
+
+
+class Program(unittest.TestCase):
+    def test_keeps_its_results_when_every_set_fails(self):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            for name in ("first", "second"):
+                for part in ("empty", "grey", "samples"):
+                    (folder / name / part).mkdir(parents=True)
+            environment = {k: v for k, v in os.environ.items() if k != "TOUCHLINE_SHARED"}
+            done = subprocess.run([ROOT / "tools" / "evaluate-all", "--scenes", folder / "first", folder / "second", "--footage",
+                                   "none", "--out", folder / "out", "--build", folder], env=environment, capture_output=True,
+                                  text=True, check=False)
+            self.assertEqual(done.returncode, 1, done.stderr)
+            rows = json.loads((folder / "out" / "evaluation.json").read_text())["rows"]
+            self.assertEqual([r["set"] for r in rows if "failed" in r], ["first", "second"])
+            self.assertIn("second", (folder / "out" / "evaluation.html").read_text())
+            self.assertIn("failed", done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -5,9 +5,9 @@
 #include <span>
 
 #include "core/geometry/camera_model.h"
+#include "core/id_assignment.h"
 #include "core/marker/color_evidence.h"
 #include "core/marker/hypothesis.h"
-#include "core/marker/id_assignment.h"
 #include "core/marker/marker_layout.h"
 #include "core/types.h"
 

@@ -156,6 +156,11 @@ void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterPara
   x_[4] = r.end_now * x_[4] + r.end_input * u.w;
 }
 
+void DriveFilter::shift_to(FieldPoint position) {
+  x_[0] = static_cast<double>(position.x_m);
+  x_[1] = static_cast<double>(position.y_m);
+}
+
 double DriveFilter::distance2(const Pose& sighted, const RobotFilterParameters& parameters) const {
   const Eigen::Vector3d innovation = pose_innovation(sighted, x_);
   const Eigen::Matrix3d s = ConstMatrixMap(p_.data()).topLeftCorner<3, 3>() + pose_noise(parameters);

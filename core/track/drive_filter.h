@@ -30,6 +30,9 @@ class DriveFilter {
   /// Predicts only the state; the covariance is unchanged.
   void predict_state(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
 
+  /// Changes only the position.
+  void shift_to(FieldPoint position);
+
   /// Squared Mahalanobis distance of a sighted pose from the prediction (chi-square with 3 degrees of freedom).
   [[nodiscard]] double distance2(const Pose& sighted, const RobotFilterParameters& parameters) const;
   /// Eq. (6); the heading's innovation is wrapped.

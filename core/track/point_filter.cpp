@@ -30,6 +30,11 @@ void PointFilter::predict(double dt_s, const Noise& noise) {
   q_ += density * dt_s;
 }
 
+void PointFilter::shift_to(FieldPoint position) {
+  x_ = static_cast<double>(position.x_m);
+  y_ = static_cast<double>(position.y_m);
+}
+
 double PointFilter::distance2(FieldPoint sighted, const Noise& noise) const {
   const double dx = static_cast<double>(sighted.x_m) - x_, dy = static_cast<double>(sighted.y_m) - y_;
   return (dx * dx + dy * dy) / (p_ + noise.position_sigma_m * noise.position_sigma_m);

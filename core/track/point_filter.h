@@ -22,6 +22,8 @@ class PointFilter {
   void predict(double dt_s, const Noise& noise);
   /// Squared Mahalanobis distance of a sighting from the prediction (chi-square with 2 degrees of freedom).
   [[nodiscard]] double distance2(FieldPoint sighted, const Noise& noise) const;
+  /// Changes only the position.
+  void shift_to(FieldPoint position);
   /// Eq. (6).
   void update(FieldPoint sighted, const Noise& noise);
 

@@ -5,29 +5,19 @@
 #include <limits>
 #include <utility>
 
+#include "core/geometry/vector2.h"
+
 namespace touchline {
 namespace {
 
-double distance(FieldPoint a, FieldPoint b) {
-  return std::hypot(static_cast<double>(a.x_m - b.x_m), static_cast<double>(a.y_m - b.y_m));
-}
-
-// No field of any league is larger. A larger value is an error of the previous stage.
-bool credible(const RobotSighting& sighting) {
-  constexpr float kFar = 100.0f;
-  const FieldPoint p = sighting.pose.position;
-  return std::abs(p.x_m) < kFar && std::abs(p.y_m) < kFar &&
-         (!sighting.has_heading || std::abs(sighting.pose.theta_rad) < kFar);
-}
-
-double gate_m(const TrackedRobot& robot, const TrackParameters& parameters) {
-  return parameters.association_m + 3.0 * robot.position_sigma_m();
-}
+// A robot that is not seen for a shorter time is surely the same afterwards.
+constexpr double kSurelySame_s = 0.1;
 
 }  // namespace
 
 void RobotSet::clear() {
   robots_.clear();
+  for (TeamIds& ids : ids_) ids.clear();
   births_ = 0;
   dropped_ = 0;
 }
@@ -37,14 +27,15 @@ void RobotSet::update(const Sightings& sightings, Instant from, Instant now, con
   predict_all(from, now, commands, parameters);
   served_.fill(false);
   fused_.fill(false);
-  resolve_duplicate_ids(sightings);
-  associate_by_id(sightings, now, parameters);
-  associate_nearest(sightings, now, parameters);
-  start_unidentified(sightings, now, parameters);
+  association_.associate(sightings, robots_, parameters);
+  fuse_associated(sightings, now, parameters);
+  start_remaining(sightings, now, parameters);
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (!fused_[i]) robots_[i].missed(now, parameters);
   }
-  remove_duplicates(parameters);
+  for (const Team team : {Team::kOwn, Team::kOpponent})
+    ids_[static_cast<std::size_t>(team)].assign(team, served_, robots_);
+  separate(parameters);
   remove_lost();
 }
 
@@ -58,91 +49,72 @@ void RobotSet::predict_all(Instant from, Instant now, const CommandHistory& comm
   for (TrackedRobot& robot : robots_) {
     const bool driven = robot.team() == Team::kOwn;
     robot.predict(from, now, driven ? &commands : nullptr, parameters);
+    const Instant doubtful = robot.life().last_seen() + from_seconds(kSurelySame_s);
+    if (now > doubtful) robot.identity().fade(seconds(now - std::max(from, doubtful)));
   }
 }
 
-void RobotSet::resolve_duplicate_ids(const Sightings& sightings) {
+void RobotSet::fuse_associated(const Sightings& sightings, Instant now, const TrackParameters& parameters) {
   for (std::size_t i = 0; i < sightings.size(); ++i) {
-    used_[i] = !credible(sightings[i]);
-    shown_id_[i] = used_[i] ? kUnknownId : std::max(sightings[i].id, kUnknownId);
-  }
-  // Smaller is better.
-  const auto doubt = [&](std::size_t i) {
-    const std::size_t robot = find(sightings[i].team, sightings[i].id);
-    return robot == kNone ? static_cast<double>(sightings[i].residual_m)
-                          : distance(robots_[robot].position(), sightings[i].pose.position);
-  };
-  for (std::size_t i = 0; i < sightings.size(); ++i) {
-    for (std::size_t k = i + 1; k < sightings.size() && shown_id_[i] != kUnknownId; ++k) {
-      if (shown_id_[k] != shown_id_[i] || sightings[k].team != sightings[i].team) continue;
-      shown_id_[doubt(k) < doubt(i) ? i : k] = kUnknownId;
-    }
+    const std::size_t robot = association_.robot_of(i);
+    if (robot == Association::kNone) continue;
+    served_[robot] = true;
+    fused_[robot] = robots_[robot].fuse(sightings[i], now, parameters);
+    if (!fused_[robot]) continue;
+    // After a jump, only what is seen at the new place counts.
+    if (association_.is_jump(i)) robots_[robot].identity().clear();
+    add_evidence(robot, association_.id_of(i), sightings[i].confidence, now);
   }
 }
 
-void RobotSet::associate_by_id(const Sightings& sightings, Instant now, const TrackParameters& parameters) {
+void RobotSet::start_remaining(const Sightings& sightings, Instant now, const TrackParameters& parameters) {
   for (std::size_t i = 0; i < sightings.size(); ++i) {
-    if (shown_id_[i] == kUnknownId) continue;
-    used_[i] = true;
-    std::size_t robot = find(sightings[i].team, shown_id_[i]);
-    if (robot == kNone) {
-      robot = nearest_unidentified(sightings[i], parameters);
-      if (robot != kNone) robots_[robot].set_id(shown_id_[i]);
-    }
-    if (robot == kNone) {
-      begin(sightings[i], now, parameters);
-    } else {
-      fuse(robot, sightings[i], now, parameters);
-    }
-  }
-}
-
-void RobotSet::associate_nearest(const Sightings& sightings, Instant now, const TrackParameters& parameters) {
-  // At most one pair per round: bounded by robots x sightings x robots.
-  for (;;) {
-    std::size_t best_robot = kNone, best_sighting = 0;
-    double best = std::numeric_limits<double>::max();
-    for (std::size_t i = 0; i < sightings.size(); ++i) {
-      if (used_[i]) continue;
-      for (std::size_t r = 0; r < robots_.size(); ++r) {
-        if (served_[r] || robots_[r].team() != sightings[i].team) continue;
-        const double d = distance(robots_[r].position(), sightings[i].pose.position);
-        if (d >= best || d > gate_m(robots_[r], parameters)) continue;
-        best = d;
-        best_robot = r;
-        best_sighting = i;
-      }
-    }
-    if (best_robot == kNone) return;
-    used_[best_sighting] = true;
-    fuse(best_robot, sightings[best_sighting], now, parameters);
-  }
-}
-
-void RobotSet::start_unidentified(const Sightings& sightings, Instant now, const TrackParameters& parameters) {
-  for (std::size_t i = 0; i < sightings.size(); ++i) {
-    if (used_[i]) continue;
+    if (!association_.is_usable(i) || association_.robot_of(i) != Association::kNone) continue;
     bool taken = false;
     for (std::size_t r = 0; r < robots_.size() && !taken; ++r) {
       taken = served_[r] && robots_[r].team() == sightings[i].team &&
-              distance(robots_[r].position(), sightings[i].pose.position) < parameters.separation_m;
+              distance(to_vector(robots_[r].position()), position(sightings[i].pose)) < parameters.separation_m;
     }
     if (taken) continue;
-    RobotSighting nameless = sightings[i];
-    nameless.id = kUnknownId;
-    begin(nameless, now, parameters);
+    const std::size_t robot = begin(sightings[i], now, parameters);
+    if (robot != Association::kNone) add_evidence(robot, association_.id_of(i), sightings[i].confidence, now);
   }
 }
 
-// Removes an unidentified track that has no sighting and is at the place of a robot of its team that was seen: the
-// track followed that robot.
-void RobotSet::remove_duplicates(const TrackParameters& parameters) {
-  for (std::size_t i = 0; i < robots_.size(); ++i) {
-    if (fused_[i] || robots_[i].id() != kUnknownId) continue;
-    for (std::size_t k = 0; k < robots_.size(); ++k) {
-      if (fused_[k] && robots_[k].team() == robots_[i].team() &&
-          distance(robots_[k].position(), robots_[i].position()) < parameters.separation_m) {
-        robots_[i].lose();
+void RobotSet::add_evidence(std::size_t robot, RobotId id, float confidence, Instant now) {
+  if (id == kUnknownId) return;
+  const Team team = robots_[robot].team();
+  const std::size_t slot = ids_[static_cast<std::size_t>(team)].slot_of(id, team, robots_);
+  if (slot != TrackIdentity::kNoSlot) robots_[robot].identity().add(slot, confidence, now);
+}
+
+// True if of two tracks at one place this one, which has no sighting, is wrong: its last one is older.
+bool RobotSet::gives_way(std::size_t robot, std::size_t other) const {
+  if (robots_[robot].life().lost() || robots_[other].life().lost()) return false;
+  const Instant seen = robots_[robot].life().last_seen(), other_seen = robots_[other].life().last_seen();
+  return seen != other_seen ? seen < other_seen : robot > other;
+}
+
+// Robots cannot be at one place. Of two tracks, the one without a sighting ends if its robot is unknown: it followed
+// the other robot. Otherwise the robot is beside the other one, if it is there at all.
+void RobotSet::separate(const TrackParameters& parameters) {
+  const double least = parameters.separation_m;
+  for (const bool is_last : {false, true}) {
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      if (fused_[i]) continue;
+      for (std::size_t k = 0; k < robots_.size(); ++k) {
+        if (k == i || robots_[k].team() != robots_[i].team() || !gives_way(i, k)) continue;
+        const Vector2 other = to_vector(robots_[k].position());
+        const Vector2 offset = to_vector(robots_[i].position()) - other;
+        const double apart = norm(offset);
+        if (apart >= least) continue;
+        if (robots_[i].id() == kUnknownId || is_last) {
+          robots_[i].lose();
+        } else {
+          const Vector2 direction = apart > 0.0 ? (1.0 / apart) * offset : Vector2{1.0, 0.0};
+          // A little farther, so that rounding does not matter.
+          robots_[i].shift_to(to_field_point(other + (1.001 * least) * direction));
+        }
       }
     }
   }
@@ -158,48 +130,24 @@ void RobotSet::remove_lost() {
   robots_.resize(kept);
 }
 
-std::size_t RobotSet::find(Team team, RobotId id) const {
-  for (std::size_t i = 0; i < robots_.size(); ++i) {
-    if (robots_[i].team() == team && robots_[i].id() == id) return i;
-  }
-  return kNone;
-}
-
-std::size_t RobotSet::nearest_unidentified(const RobotSighting& sighting, const TrackParameters& parameters) const {
-  std::size_t nearest = kNone;
-  double best = std::numeric_limits<double>::max();
-  for (std::size_t i = 0; i < robots_.size(); ++i) {
-    if (robots_[i].team() != sighting.team || robots_[i].id() != kUnknownId || served_[i]) continue;
-    const double d = distance(robots_[i].position(), sighting.pose.position);
-    if (d > gate_m(robots_[i], parameters) || d >= best) continue;
-    best = d;
-    nearest = i;
-  }
-  return nearest;
-}
-
-void RobotSet::fuse(std::size_t robot, const RobotSighting& sighting, Instant now, const TrackParameters& parameters) {
-  served_[robot] = true;
-  fused_[robot] = robots_[robot].fuse(sighting, now, parameters);
-}
-
-void RobotSet::begin(const RobotSighting& sighting, Instant now, const TrackParameters& parameters) {
+std::size_t RobotSet::begin(const RobotSighting& sighting, Instant now, const TrackParameters& parameters) {
   std::size_t place = robots_.size();
   if (robots_.full()) {
     // Replaces the track without a sighting whose last sighting is the oldest, if there is one.
-    place = kNone;
+    place = Association::kNone;
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       if (served_[i] || robots_[i].life().last_seen() >= now) continue;
-      if (place == kNone || robots_[i].life().last_seen() < robots_[place].life().last_seen()) place = i;
+      if (place == Association::kNone || robots_[i].life().last_seen() < robots_[place].life().last_seen()) place = i;
     }
     ++dropped_;
-    if (place == kNone) return;
+    if (place == Association::kNone) return place;
   } else {
     robots_.push_back({});
   }
   robots_[place] = TrackedRobot();
   robots_[place].start(sighting, now, births_++, parameters);
   served_[place] = fused_[place] = true;
+  return place;
 }
 
 void RobotSet::report(Instant now, Instant action, const CommandHistory& commands, const TrackParameters& parameters,

@@ -12,6 +12,9 @@ namespace {
 // Standard deviation of an unknown angle (uniform distribution over the circle).
 constexpr double kUnknownHeadingSigma = std::numbers::pi / std::numbers::sqrt3;
 
+// Probability of the id from which on the commands to this id are used in the prediction.
+constexpr float kSureOfCommands = 0.9f;
+
 LifeCycle::Limits limits_of(const TrackParameters& p) {
   return {p.confirm_sightings, p.forget_new_after_s, p.lost_after_s};
 }
@@ -25,7 +28,8 @@ PointFilter::Noise point_noise(const RobotFilterParameters& p) {
 void TrackedRobot::start(const RobotSighting& sighting, Instant now, std::uint32_t birth,
                          const TrackParameters& parameters) {
   team_ = sighting.team;
-  id_ = sighting.id;
+  id_ = kUnknownId;
+  identity_.clear();
   birth_ = birth;
   outliers_.clear();
   heading_known_ = sighting.has_heading;
@@ -39,6 +43,10 @@ void TrackedRobot::start(const RobotSighting& sighting, Instant now, std::uint32
   last_position_ = sighting.pose.position;
   confidence_ = sighting.confidence;
   life_.start(now, limits_of(parameters));
+}
+
+const CommandHistory* TrackedRobot::own_commands(const CommandHistory* commands) const {
+  return id_ != kUnknownId && identity_.confidence() >= kSureOfCommands ? commands : nullptr;
 }
 
 // Calls predict(time, input) for every interval with a constant command.
@@ -57,7 +65,7 @@ void TrackedRobot::predict(Instant from, Instant to, const CommandHistory* comma
     point_.predict(seconds(to - from), point_noise(parameters.robot));
     return;
   }
-  follow_commands(from, to, commands,
+  follow_commands(from, to, own_commands(commands),
                   [&](double dt_s, const DriveInput& input) { drive_.predict(dt_s, input, parameters.robot); });
 }
 
@@ -67,7 +75,7 @@ void TrackedRobot::look_ahead(Instant from, Instant to, const CommandHistory* co
     point_.predict(seconds(to - from), point_noise(parameters.robot));
     return;
   }
-  follow_commands(from, to, commands,
+  follow_commands(from, to, own_commands(commands),
                   [&](double dt_s, const DriveInput& input) { drive_.predict_state(dt_s, input, parameters.robot); });
 }
 
@@ -143,6 +151,11 @@ void TrackedRobot::restart(const RobotSighting& sighting, Instant now, const Tra
   heading_known_ = true;
 }
 
+void TrackedRobot::shift_to(FieldPoint position) {
+  drive_.shift_to(position);
+  point_.shift_to(position);
+}
+
 void TrackedRobot::missed(Instant now, const TrackParameters& parameters) { life_.missed(now, limits_of(parameters)); }
 
 FieldPoint TrackedRobot::position() const { return heading_known_ ? drive_.pose().position : point_.position(); }
@@ -169,7 +182,7 @@ RobotTrack TrackedRobot::report(const TrackParameters& parameters) const {
   track.pose = pose();
   track.twist = twist();
   track.last_seen = life_.last_seen();
-  track.confidence = confidence_;
+  track.confidence = id_ == kUnknownId ? confidence_ : identity_.confidence();
   if (heading_known_) {
     for (std::size_t i = 0; i < track.sigma.size(); ++i) track.sigma[i] = static_cast<float>(drive_.sigma(i));
   } else {

@@ -7,6 +7,7 @@
 #include "core/track/drive_filter.h"
 #include "core/track/life_cycle.h"
 #include "core/track/point_filter.h"
+#include "core/track/track_identity.h"
 
 namespace touchline {
 
@@ -24,7 +25,11 @@ class TrackedRobot {
   bool fuse(const RobotSighting& sighting, Instant now, const TrackParameters& parameters);
   void missed(Instant now, const TrackParameters& parameters);
   void lose() { life_.lose(); }
-  /// Sets the id of a robot without one.
+  /// Moves the track without a sighting.
+  void shift_to(FieldPoint position);
+  TrackIdentity& identity() { return identity_; }
+  [[nodiscard]] const TrackIdentity& identity() const { return identity_; }
+  /// The id that the evidence leads to.
   void set_id(RobotId id) { id_ = id; }
 
   [[nodiscard]] Team team() const { return team_; }
@@ -40,6 +45,8 @@ class TrackedRobot {
   [[nodiscard]] Twist twist() const;
 
  private:
+  /// The commands if it is certain that they are those of this robot, else null.
+  [[nodiscard]] const CommandHistory* own_commands(const CommandHistory* commands) const;
   template <class Predict>
   void follow_commands(Instant from, Instant to, const CommandHistory* commands, Predict predict);
   void restart(const RobotSighting& sighting, Instant now, const TrackParameters& parameters);
@@ -54,6 +61,7 @@ class TrackedRobot {
   ConsecutiveOutliers outliers_;
   FieldPoint last_position_;  // at the last sighting
   float confidence_ = 0.0f;   // of the last sighting
+  TrackIdentity identity_;
 };
 
 }  // namespace touchline

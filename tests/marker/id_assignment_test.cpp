@@ -1,4 +1,4 @@
-#include "core/marker/id_assignment.h"
+#include "core/id_assignment.h"
 
 #include <gtest/gtest.h>
 

@@ -148,6 +148,14 @@ TEST_F(IdentityTest, ADuplicateTrackIsRemovedWhenTheRobotIsRecognizedAgain) {
   EXPECT_NEAR(tracks_.robots[0].pose.position.x_m, 0.3, 1e-3);
 }
 
+TEST_F(IdentityTest, CommandsDoNotPredictAnUnidentifiedRobot) {
+  for (int k = 0; k < 60; ++k) {
+    tracker_.add_commands({}, at(now_));  // stop
+    frame({sighting_of(Team::kOwn, kUnknownId, pose(0.4 * k * kFramePeriod_s, 0.0))});
+  }
+  EXPECT_NEAR(tracks_.robots[0].twist.v_mps, 0.4, 0.01);
+}
+
 TEST_F(IdentityTest, OccasionalWrongIdsMoveNoTrack) {
   const Pose pa = pose(0.0, 0.0), pb = pose(0.09, 0.0, 2.0);  // touching
   for (int k = 0; k < 10; ++k) frame({sighting_of(Team::kOwn, 1, pa), sighting_of(Team::kOwn, 2, pb)});

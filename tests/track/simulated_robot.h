@@ -78,6 +78,7 @@ inline RobotSighting sighting_of(Team team, RobotId id, const Pose& pose) {
   RobotSighting sighting;
   sighting.team = team;
   sighting.id = id;
+  sighting.confidence = 0.99f;
   sighting.has_heading = true;
   sighting.pose = pose;
   return sighting;
@@ -86,6 +87,7 @@ inline RobotSighting sighting_of(Team team, RobotId id, const Pose& pose) {
 inline RobotSighting patch_alone(Team team, double x, double y) {
   RobotSighting sighting;
   sighting.team = team;
+  sighting.confidence = 0.8f;
   sighting.pose.position = {static_cast<float>(x), static_cast<float>(y)};
   return sighting;
 }

@@ -9,15 +9,15 @@ namespace touchline {
 
 constexpr std::int8_t kNoRobot = -1;
 
-/// Log likelihoods of the robots of one team that one frame shows.
+/// Log likelihoods of the robots of one team that a frame or a track shows.
 struct IdEvidence {
-  std::array<float, kMaxRobotsPerTeam> value{};  // by index in TeamMarking::robots
+  std::array<float, kMaxRobotsPerTeam> value{};  // by index in the list of names
   float unknown = 0;                             // that it is none of them
 };
 
 /// The name of a robot in the best assignment.
 struct AssignedId {
-  std::int8_t robot = kNoRobot;  // index in TeamMarking::robots
+  std::int8_t robot = kNoRobot;  // index in the list of names; kNoRobot: unknown
   float margin = 0;              // log likelihood that the best assignment loses in which this robot has another name
 };
 

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+
+#include "core/track/tracked_robot.h"
+
+namespace touchline {
+
+using RobotSightings = FixedVector<RobotSighting, kMaxRobots>;
+using TrackedRobots = FixedVector<TrackedRobot, kMaxRobots>;
+
+/// Which sighting belongs to which track. Positions decide; ids only where positions leave a choice:
+///  - A sighting near the predicted positions of tracks of its team belongs to the most likely one of them. Robots are
+///    farther apart than they move in a frame, so it is enough to take the most likely pairs first. A sighting that
+///    shows another id than the track must be nearer.
+///  - A sighting with an id that is near no free track belongs to the track with this id if that has no sighting: the
+///    robot was moved by hand.
+class Association {
+ public:
+  static constexpr std::size_t kNone = kMaxRobots;
+
+  void associate(const RobotSightings& sightings, const TrackedRobots& robots, const TrackParameters& parameters);
+
+  /// By sighting: index of the track, or kNone.
+  [[nodiscard]] std::size_t robot_of(std::size_t sighting) const { return robot_of_[sighting]; }
+  /// True if only the id connects the sighting with its track.
+  [[nodiscard]] bool is_jump(std::size_t sighting) const { return is_jump_[sighting]; }
+  /// Id of the sighting; kUnknownId if another sighting with the same id has the better claim.
+  [[nodiscard]] RobotId id_of(std::size_t sighting) const { return id_of_[sighting]; }
+  /// False if no real field contains the sighting.
+  [[nodiscard]] bool is_usable(std::size_t sighting) const { return is_usable_[sighting]; }
+
+ private:
+  struct Pair {
+    float cost = 0.0f;
+    std::uint8_t sighting = 0, robot = 0;
+  };
+
+  void collect_pairs(const RobotSightings& sightings, const TrackedRobots& robots, const TrackParameters& parameters);
+  void take_pairs();
+  void resolve_duplicate_ids(const RobotSightings& sightings, const TrackedRobots& robots);
+  void follow_ids(const RobotSightings& sightings, const TrackedRobots& robots, const TrackParameters& parameters);
+  [[nodiscard]] bool is_occupied(std::size_t sighting, const RobotSightings& sightings,
+                                 const TrackParameters& parameters) const;
+
+  std::array<std::size_t, kMaxRobots> robot_of_{};
+  std::array<RobotId, kMaxRobots> id_of_{};
+  std::array<bool, kMaxRobots> is_jump_{}, is_usable_{};
+  std::array<bool, kMaxRobots> served_{};             // by robot: has a sighting
+  FixedVector<Pair, kMaxRobots * kMaxRobots> pairs_;  // every sighting with every track
+};
+
+}  // namespace touchline

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/id_assignment.h"
+#include "core/types.h"
+
+namespace touchline {
+
+/// Who the robot of a track is: log odds of each id, gathered over frames.
+///
+/// A wrong sighting is followed by similar ones, because light and neighbors stay the same. Evidence therefore grows
+/// with the time during which an id is seen, not with the number of frames, and it is bounded: old evidence fades while
+/// another id is seen, or while the robot is not seen. Against its own id, a track needs more evidence than for its
+/// first one, because robots are rarely exchanged.
+class TrackIdentity {
+ public:
+  static constexpr std::size_t kNoSlot = kMaxRobotsPerTeam;
+
+  /// Forgets all evidence.
+  void clear() { *this = {}; }
+  /// Adds a sighting at `now` of the id in `slot`. Confidence: 0 to 1; not above 0.5: no evidence.
+  void add(std::size_t slot, float confidence, Instant now);
+  /// Fades for `unseen_s` during which the robot was not seen.
+  void fade(double unseen_s);
+  /// Sets the slot's evidence to zero: it stands for another id from now on.
+  void forget(std::size_t slot);
+
+  /// Log odds of an id, including the preference for the present one.
+  [[nodiscard]] float log_odds(std::size_t slot) const {
+    return evidence_[slot] + (slot == slot_ ? continuity_ : 0.0f);
+  }
+  [[nodiscard]] bool has_evidence() const;
+  /// Takes the id of the best assignment of all tracks of a team.
+  void decide(const AssignedId& assigned);
+
+  /// kNoSlot if the id is unknown or too doubtful.
+  [[nodiscard]] std::size_t slot() const { return is_sure_ ? slot_ : kNoSlot; }
+  /// Probability that the id is right.
+  [[nodiscard]] float confidence() const { return confidence_; }
+
+ private:
+  [[nodiscard]] float probability(float margin) const;
+
+  std::array<float, kMaxRobotsPerTeam> evidence_{};
+  std::size_t slot_ = kNoSlot;  // in the last assignment
+  bool is_sure_ = false;
+  float confidence_ = 0.0f;
+  float continuity_ = 0.0f;   // log odds in favor of the present id
+  float reliability_ = 0.0f;  // mean confidence of the sightings with the present id
+  // Of the last sighting with an id.
+  float last_confidence_ = 0.0f;
+  Instant last_{};
+};
+
+}  // namespace touchline

@@ -3,7 +3,7 @@ import json
 import re
 
 # Columns: heading, width.
-COLUMNS = (("set", 19), ("case", 43), ("robots", 7), ("right %", 9), ("unknown", 8), ("wrong", 10), ("missed", 7),
+COLUMNS = (("set", 19), ("case", 43), ("robots", 7), ("right %", 9), ("unknown", 8), ("wrong", 12), ("missed", 7),
            ("ghosts", 7), ("ball %", 8), ("halves %", 14), ("before: right, wrong, ball", 0))
 # Longest reason of a failure in the table, in characters; evaluation.json has it complete.
 REASON = 150

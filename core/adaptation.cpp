@@ -25,11 +25,12 @@ constexpr int kTileRowsPerFrame = 8;
 constexpr std::uint32_t kTables = 3 * kLightLevels;
 constexpr std::uint32_t kTablesPerFrame = 2;
 
-// Gain of the light map at a point.
-float map_gain_levels(const Shading& shading, std::size_t channel, const PixelPoint& at) {
+// Gain of the light map and the measured change at a point.
+float gain_levels_at(const Shading& shading, const FieldLight& field, std::size_t channel, const PixelPoint& at) {
   const auto column = static_cast<std::uint16_t>(at.u_px / static_cast<float>(kTileWidth));
   const auto row = static_cast<std::uint16_t>(at.v_px / static_cast<float>(kTileHeight));
-  return static_cast<float>(int{shading.level(channel, column, row)} - int{kNeutralLevel});
+  return static_cast<float>(int{shading.level(channel, column, row)} - int{kNeutralLevel}) -
+         field.at(channel, column, row);
 }
 
 // True if the robot has been seen for some time and agrees with its track.
@@ -57,6 +58,7 @@ bool same(const ColorBoxes& a, const ColorBoxes& b) {
 
 Status Adaptation::configure(const AdaptationParameters& parameters, const ScanParameters& scan, ColorId ball_color) {
   const float max_levels = kLevelsPerOctave * std::log2(static_cast<float>(parameters.most_light));
+  if (Status s = field_.configure(parameters.reference, scan.format, scan.width_px, scan.height_px); !s.ok()) return s;
   if (Status s = light_.configure(scan.width_px, scan.height_px, max_levels); !s.ok()) return s;
   const float most_shift =
       std::min(static_cast<float>(parameters.most_shift), static_cast<float>(scan.box_shift_limit));
@@ -77,9 +79,19 @@ Status Adaptation::configure(const AdaptationParameters& parameters, const ScanP
 void Adaptation::set_mode(AdaptationMode mode) {
   mode_ = mode;
   if (mode != AdaptationMode::kOff) return;
+  field_.reset();
   light_.reset();
   shift_.reset();
   changed_ = true;
+}
+
+void Adaptation::measure(const Frame& frame, RegionScanner& scanner) {
+  const Shading& shading = scanner.shading();
+  if (mode_ != AdaptationMode::kFollow || !shading.active() || !scanner.accepts(frame).ok()) return;
+  if (!field_.measure(frame)) return;
+  for (std::uint16_t row = 0; row < shading.rows(); ++row) {
+    if (field_.changed(row)) scanner.apply_light_change(light_, field_, row);
+  }
 }
 
 void Adaptation::update(RegionScanner& scanner, StepTrace& trace) {
@@ -91,7 +103,7 @@ void Adaptation::update(RegionScanner& scanner, StepTrace& trace) {
     learn(scanner.shading(), trace, std::min(elapsed_s, kMaxStep_s) / time_constant_s_);
   }
   apply(scanner);
-  trace.light.brightness = std::exp2(light_.mean() / kLevelsPerOctave);
+  trace.light.brightness = std::exp2((light_.mean() + field_.mean()) / kLevelsPerOctave);
 }
 
 void Adaptation::learn(const Shading& shading, StepTrace& trace, float step) {
@@ -145,7 +157,7 @@ bool Adaptation::learn_patch(const Shading& shading, const Frame& frame, const P
     const float expected = static_cast<float>(typical[c]) - black, measured = sample.mean[c] - black;
     if (expected <= 0.0f || measured <= 0.0f || sample.saturated[c]) continue;
     const float reliability = std::min(1.0f, expected / kFullWeight_levels);
-    brighter[c] = kLevelsPerOctave * std::log2(measured / expected) + map_gain_levels(shading, c, patch.center);
+    brighter[c] = kLevelsPerOctave * std::log2(measured / expected) + gain_levels_at(shading, field_, c, patch.center);
     weight[c] = reliability * reliability;
   }
   if (space == ColorSpace::kYuv) {
@@ -165,7 +177,7 @@ void Adaptation::learn_color(const Shading& shading, ColorSpace space, ColorId c
   std::array<float, 3> deviation{};
   for (std::size_t c = 0; c < 3; ++c) {
     const auto black = static_cast<float>(black_value(space, c));
-    const float gain_levels = map_gain_levels(shading, c, center) - light_.at(c, center);
+    const float gain_levels = gain_levels_at(shading, field_, c, center) - light_.at(c, center);
     const float corrected = black + (sample.mean[c] - black) * std::exp2(gain_levels / kLevelsPerOctave);
     deviation[c] = corrected - static_cast<float>(typical_[color][c]);
   }
@@ -177,7 +189,7 @@ void Adaptation::apply(RegionScanner& scanner) {
   const Shading& shading = scanner.shading();
   if (changed_ && shading.active()) rows_due_ = shading.rows();
   for (int i = 0; i < kTileRowsPerFrame && rows_due_ > 0; ++i, --rows_due_) {
-    scanner.apply_light_change(light_, next_row_);
+    scanner.apply_light_change(light_, field_, next_row_);
     next_row_ = static_cast<std::uint16_t>((next_row_ + 1) % shading.rows());
   }
   if (next_table_ == kTables) {

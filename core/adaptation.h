@@ -6,6 +6,7 @@
 
 #include "core/color/box_shift.h"
 #include "core/color/typical_colors.h"
+#include "core/light/field_light.h"
 #include "core/light/light_change.h"
 #include "core/parameter.h"
 #include "core/region/region_scanner.h"
@@ -28,6 +29,7 @@ struct AdaptationParameters {
   double most_shift = 10.0;
   // Not a key of the venue file's section. The matcher uses them, too.
   TypicalColors typical;
+  LightReference reference;  // light.reference; columns 0: none
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -46,20 +48,24 @@ struct AdaptationParameters {
   }
 };
 
-/// Adapts to slow changes of the light (future work in Klancar's section 8). It learns only from certain sightings: the
-/// patches of robots whose team and id were seen in this frame and agree with their track, and a ball that agrees with
-/// its track. A change that is common to all patches in a neighborhood corrects the light map. A remaining change of a
-/// single color moves its boxes, four times more slowly. Both are bounded. The object is large (fixed memory); do not
-/// put it on the stack.
+/// Adapts to changes of the light (future work in Klancar's section 8), in two ways. FieldLight measures steps, tints
+/// and shadows from the field itself, before the frame is classified. What remains is learned slowly, and only from
+/// certain sightings: the patches of robots whose team and id were seen in this frame and agree with their track, and a
+/// ball that agrees with its track. A change that is common to all patches in a neighborhood corrects the light map. A
+/// remaining change of a single color moves its boxes, four times more slowly. Both are bounded. The object is large
+/// (fixed memory); do not put it on the stack.
 class Adaptation {
  public:
-  /// kOutOfRange: as LightChange and BoxShift.
+  /// kOutOfRange: as LightChange and BoxShift. kInconsistent: as FieldLight.
   Status configure(const AdaptationParameters& parameters, const ScanParameters& scan, ColorId ball_color);
   /// kOff restores the calibrated values within a few hundred frames.
   void set_mode(AdaptationMode mode);
   [[nodiscard]] AdaptationMode mode() const { return mode_; }
   [[nodiscard]] const TypicalColors& typical_colors() const { return typical_; }
 
+  /// Measures the light of a frame and updates the scanner's tables before it scans the frame. A frame that the scanner
+  /// does not accept has no effect.
+  void measure(const Frame& frame, RegionScanner& scanner);
   /// Learns from a frame whose pixels are still valid, and updates a part of the scanner's tables. The time is bounded:
   /// nine pixels per patch, some rows of tiles, two tables. Writes trace.light.
   void update(RegionScanner& scanner, StepTrace& trace);
@@ -81,6 +87,7 @@ class Adaptation {
   float time_constant_s_ = 0;
   TypicalColors typical_;
   ColorId ball_color_ = kBackground;
+  FieldLight field_;
   LightChange light_;
   BoxShift shift_;
   Instant last_{};

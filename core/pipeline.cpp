@@ -77,6 +77,7 @@ const StepTrace& Pipeline::step(const Frame& frame) {
   };
   {
     const StageTimer t = timer(Stage::kRegion);
+    adaptation_.measure(frame, scanner_);
     trace_.status = scanner_.scan(frame, trace_.runs, trace_.regions);
     trace_.runs_dropped = static_cast<std::uint32_t>(trace_.runs.overflow());
     trace_.regions_dropped = static_cast<std::uint32_t>(trace_.regions.overflow());

@@ -67,7 +67,7 @@ class Pipeline {
 
   /// Replaces thresholds, light map and region of interest by those of `tables`, and restarts the adaptation with the
   /// configuration of `adaptation`. Tracks and game continue. Call it between two frames. For `tables` and the return
-  /// value see RegionScanner::exchange. Copies a few hundred bytes.
+  /// value see RegionScanner::exchange. Copies about 100 kB.
   ScanTables& exchange(ScanTables& tables, const Adaptation& adaptation) {
     adaptation_ = adaptation;
     matcher_.set_typical_colors(adaptation.typical_colors());

@@ -13,27 +13,28 @@ Status RowClassifier::configure(PixelFormat format, std::uint16_t width_px, std:
   height_px_ = height_px;
   background_.build(format, boxes, box_shift_limit, background);
   tiles_[0] = background_.of({kNeutralLevel, kNeutralLevel, kNeutralLevel});
-  for (std::uint16_t row = 0; shading_.active() && row < shading_.rows(); ++row) update_tiles(row, nullptr);
+  for (std::uint16_t row = 0; shading_.active() && row < shading_.rows(); ++row) update_tiles(row, nullptr, nullptr);
   nibbles_.build(tables_, boxes.size());
   choice_ = kernel;
   kernel_ = find_span_kernel(format, choice_);
   return kernel_ == nullptr ? ErrorCode::kUnsupported : Status();
 }
 
-void RowClassifier::update_tiles(std::uint16_t tile_row, const LightChange* change) {
+void RowClassifier::update_tiles(std::uint16_t tile_row, const LightChange* change, const FieldLight* field) {
   TileParameters* tiles = &tiles_[std::size_t{tile_row} * shading_.columns()];
   for (std::uint16_t column = 0; column < shading_.columns(); ++column) {
     std::array<std::uint8_t, 3> level{};
     for (std::size_t c = 0; c < 3; ++c) {
-      level[c] = change != nullptr ? shading_.level(*change, c, column, tile_row) : shading_.level(c, column, tile_row);
+      level[c] = change != nullptr ? shading_.level(*change, c, column, tile_row, field->at(c, column, tile_row))
+                                   : shading_.level(c, column, tile_row);
     }
     tiles[column] = background_.of(level);
   }
 }
 
-void RowClassifier::apply_light_change(const LightChange& change, std::uint16_t tile_row) {
+void RowClassifier::apply_light_change(const LightChange& change, const FieldLight& field, std::uint16_t tile_row) {
   if (!shading_.active()) return;
-  update_tiles(tile_row, &change);
+  update_tiles(tile_row, &change, &field);
 }
 
 void RowClassifier::rebuild_tables(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {

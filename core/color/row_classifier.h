@@ -7,6 +7,7 @@
 #include "core/color/color_tables.h"
 #include "core/color/nibble_tables.h"
 #include "core/color/span_kernel.h"
+#include "core/light/field_light.h"
 #include "core/light/shading.h"
 #include "core/types.h"
 
@@ -22,10 +23,10 @@ class RowClassifier {
                    const LightMap& light, KernelChoice kernel = KernelChoice::kFastest,
                    std::uint8_t box_shift_limit = 0, const TypicalBackground& background = {});
 
-  /// Update the light of one row of tiles (Shading::level; no effect without a light map), and the tables of one
-  /// channel and light level (ColorTables::rebuild). Call them between two frames, one part at a time to bound the
-  /// time.
-  void apply_light_change(const LightChange& change, std::uint16_t tile_row);
+  /// Update the light of one row of tiles to the sum of both changes (Shading::level; no effect without a light map),
+  /// and the tables of one channel and light level (ColorTables::rebuild). Call them between two frames, one part at a
+  /// time to bound the time.
+  void apply_light_change(const LightChange& change, const FieldLight& field, std::uint16_t tile_row);
   void rebuild_tables(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level);
 
   /// kUnsupported: the format or size differs from the configured one, or nothing is configured. kShortFrame: a plane
@@ -43,7 +44,8 @@ class RowClassifier {
   [[nodiscard]] const Shading& shading() const { return shading_; }
 
  private:
-  void update_tiles(std::uint16_t tile_row, const LightChange* change);  // null: no change since the light map was made
+  // Null: no change since the light map was made.
+  void update_tiles(std::uint16_t tile_row, const LightChange* change, const FieldLight* field);
 
   SpanKernel kernel_ = nullptr;
   KernelChoice choice_ = KernelChoice::kFastest;

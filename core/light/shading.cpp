@@ -117,11 +117,11 @@ Status Shading::build(const LightMap& map, std::uint16_t width_px, std::uint16_t
   return {};
 }
 
-std::uint8_t Shading::level(const LightChange& change, std::size_t channel, std::uint16_t column,
-                            std::uint16_t row) const {
+std::uint8_t Shading::level(const LightChange& change, std::size_t channel, std::uint16_t column, std::uint16_t row,
+                            float brighter) const {
   const PixelPoint center = {(static_cast<float>(column) + 0.5f) * static_cast<float>(kTileWidth),
                              (static_cast<float>(row) + 0.5f) * static_cast<float>(kTileHeight)};
-  const float brighter = change.at(space_ == ColorSpace::kYuv ? 0 : channel, center);
+  brighter += change.at(space_ == ColorSpace::kYuv ? 0 : channel, center);
   const int changed = static_cast<int>(level(channel, column, row)) - static_cast<int>(std::lround(brighter));
   return static_cast<std::uint8_t>(std::clamp(changed, 0, int{kLightLevels} - 1));
 }

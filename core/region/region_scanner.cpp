@@ -33,8 +33,7 @@ Status RegionScanner::configure(const ScanParameters& parameters) {
 Status RegionScanner::scan(const Frame& frame, Runs& runs, Regions& regions) {
   runs.clear();
   regions.clear();
-  if (!tables_->configured_) return ErrorCode::kUnsupported;
-  if (Status s = tables_->classifier_.accepts(frame); !s.ok()) return s;
+  if (Status s = accepts(frame); !s.ok()) return s;
 
   labeling_.begin(tables_->min_area_px_);
   run_limiter_.begin(frame.height_px);

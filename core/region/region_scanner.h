@@ -67,11 +67,15 @@ class RegionScanner {
   ScanTables& exchange(ScanTables& tables) { return *std::exchange(tables_, &tables); }
 
   /// See RowClassifier. Call them between two scans, one part at a time.
-  void apply_light_change(const LightChange& change, std::uint16_t tile_row) {
-    tables_->classifier_.apply_light_change(change, tile_row);
+  void apply_light_change(const LightChange& change, const FieldLight& field, std::uint16_t tile_row) {
+    tables_->classifier_.apply_light_change(change, field, tile_row);
   }
   void rebuild_tables(const ColorBoxes& boxes, std::size_t channel, std::uint8_t level) {
     tables_->classifier_.rebuild_tables(boxes, channel, level);
+  }
+  /// Status of scan() for this frame before anything is scanned.
+  [[nodiscard]] Status accepts(const Frame& frame) const {
+    return tables_->configured_ ? tables_->classifier_.accepts(frame) : Status(ErrorCode::kUnsupported);
   }
   [[nodiscard]] const Shading& shading() const { return tables_->classifier_.shading(); }
 

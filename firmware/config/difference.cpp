@@ -103,20 +103,26 @@ bool same(const LightMap& a, const LightMap& b) {
                     [&](const auto& x, const auto& y) { return std::equal(x.begin(), x.begin() + cells, y.begin()); });
 }
 
+bool same(const LightReference& a, const LightReference& b) {
+  return a.columns == b.columns && a.rows == b.rows && a.colors.sum == b.colors.sum;
+}
+
 }  // namespace
 
 std::vector<Change> difference(const Configuration& before, const Configuration& after) {
   std::vector<Change> changes;
   compare(FileKind::kBoard, before.board, after.board, changes);
   compare(FileKind::kVenue, before.venue, after.venue, changes);
-  const bool map_is_listed = std::any_of(changes.begin(), changes.end(), [](const Change& change) {
-    return change.file == FileKind::kVenue && change.key == "light.map";
-  });
-  // The file may have another picture under the same name.
-  const bool both_have_one = !before.venue.light.map.empty() && !after.venue.light.map.empty();
-  if (!map_is_listed && both_have_one && !same(before.pipeline.scan.light, after.pipeline.scan.light)) {
-    changes.push_back({FileKind::kVenue, "light.map", {}, {}, Reload::kThresholds});
-  }
+  // The folder may have another picture under the same name.
+  const auto add_picture = [&changes](const char* key, const std::string& old_name, const std::string& new_name,
+                                      const auto& old_picture, const auto& new_picture) {
+    if (old_name.empty() || old_name != new_name || same(old_picture, new_picture)) return;
+    changes.push_back({FileKind::kVenue, key, {}, {}, Reload::kThresholds});
+  };
+  const LightEntry &old_light = before.venue.light, &new_light = after.venue.light;
+  add_picture("light.map", old_light.map, new_light.map, before.pipeline.scan.light, after.pipeline.scan.light);
+  add_picture("light.reference", old_light.reference, new_light.reference, before.pipeline.adaptation.reference,
+              after.pipeline.adaptation.reference);
   compare(FileKind::kTeam, before.team, after.team, changes);
   return changes;
 }

@@ -3,6 +3,12 @@
 #include "hal/replay/picture.h"
 
 namespace touchline::config {
+namespace {
+
+// Of a sum of four pixels to the value in the file.
+constexpr std::uint16_t kReferenceScale = 64;
+
+}  // namespace
 
 Result<void> read_light_map(const std::string& path, LightMap& out) {
   // Larger files are refused before memory is allocated for their pixels, smaller ones below with their size.
@@ -30,6 +36,40 @@ Result<void> read_light_map(const std::string& path, LightMap& out) {
   out.columns = static_cast<std::uint16_t>(picture.width_px);
   out.rows = static_cast<std::uint16_t>(picture.height_px);
   return {};
+}
+
+Result<void> read_light_reference(const std::string& path, std::uint16_t width_px, std::uint16_t height_px,
+                                  LightReference& out) {
+  TOUCHLINE_TRY_ASSIGN(const hal::Picture picture, hal::read_picture(path, std::int64_t{kMaxReferenceCells}));
+  if (!picture.is_16_bit()) {
+    return failure(ErrorCode::kUnsupported, "%s: a reference of the field has 16 bits per channel, this picture has 8",
+                   path.c_str());
+  }
+  const ReferenceGrid grid = ReferenceGrid::of(width_px, height_px);
+  if (picture.width_px != grid.columns || picture.height_px != grid.rows) {
+    return failure(ErrorCode::kInconsistent,
+                   "%s: has %u x %u cells, but pictures of %u x %u pixels have %u x %u; learn the colors again",
+                   path.c_str(), picture.width_px, picture.height_px, unsigned{width_px}, unsigned{height_px},
+                   unsigned{grid.columns}, unsigned{grid.rows});
+  }
+  for (std::size_t i = 0; i < picture.rgb16.size(); ++i) {
+    out.colors.sum[i % 3][i / 3] =
+        static_cast<std::uint16_t>((picture.rgb16[i] + kReferenceScale / 2) / kReferenceScale);
+  }
+  out.columns = grid.columns;
+  out.rows = grid.rows;
+  return {};
+}
+
+Result<std::string> encode_light_reference(const LightReference& reference) {
+  hal::Picture picture;
+  picture.width_px = reference.columns;
+  picture.height_px = reference.rows;
+  picture.rgb16.resize(3 * std::size_t{reference.columns} * reference.rows);
+  for (std::size_t i = 0; i < picture.rgb16.size(); ++i) {
+    picture.rgb16[i] = static_cast<std::uint16_t>(kReferenceScale * reference.colors.sum[i % 3][i / 3]);
+  }
+  return hal::encode_png(picture);
 }
 
 }  // namespace touchline::config

@@ -22,6 +22,12 @@ bool same_file(const fs::path& a, const fs::path& b) {
   return a.lexically_normal() == b.lexically_normal() || fs::equivalent(a, b, error);
 }
 
+std::string free_name(const fs::path& venue, const std::string& kind, const std::string& in_use) {
+  const fs::path folder = venue.parent_path();
+  const std::string first = venue.stem().string() + "-" + kind + ".png";
+  return same_file(folder / in_use, folder / first) ? venue.stem().string() + "-" + kind + "-2.png" : first;
+}
+
 }  // namespace
 
 Result<std::string> write_light(const std::string& venue, std::string_view png, LightEntry entry) {
@@ -31,19 +37,22 @@ Result<std::string> write_light(const std::string& venue, std::string_view png, 
   const auto changed_file = [&] {
     return replace_section(former, "light", "[light]\n" + TomlWriter::text_of(entry, false));
   };
-  entry.map = fs::path(venue).stem().string() + "-light.png";
+  // An invalid file is reported before anything is written.
   Result<std::string> changed = changed_file();
   if (!changed.ok()) return prefixed(venue, std::move(changed).error());
-  if (same_file(folder / map_of(former), folder / entry.map)) {
-    entry.map = fs::path(venue).stem().string() + "-light-2.png";
-    changed = changed_file();
-  }
-  const std::string map = (folder / entry.map).string();
-  // The previous backup may name the map that is about to be replaced.
-  TOUCHLINE_TRY(back_up(venue));
-  TOUCHLINE_TRY(hal::write_file(map, png));
+  TOUCHLINE_TRY_ASSIGN(entry.map, write_venue_picture(venue, "light", map_of(former), png));
+  changed = changed_file();
   TOUCHLINE_TRY(replace_file(venue, changed.value()));
-  return map;
+  return (folder / entry.map).string();
+}
+
+Result<std::string> write_venue_picture(const std::string& venue, const std::string& kind, const std::string& in_use,
+                                        std::string_view png) {
+  const std::string name = free_name(venue, kind, in_use);
+  // The previous backup may name the picture that is about to be replaced.
+  TOUCHLINE_TRY(back_up(venue));
+  TOUCHLINE_TRY(hal::write_file((fs::path(venue).parent_path() / name).string(), png));
+  return name;
 }
 
 }  // namespace touchline::config

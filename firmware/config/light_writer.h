@@ -20,4 +20,10 @@ namespace touchline::config {
 /// venue file is replaced.
 Result<std::string> write_light(const std::string& venue, std::string_view png, LightEntry entry);
 
+/// Writes a picture beside the venue file, for a section that will name it, and returns its file name: VENUE-KIND.png,
+/// or VENUE-KIND-2.png if the venue file names that one now (`in_use`, empty if none). Keeps the venue file as
+/// VENUE.bak first, because a former backup may name the picture that is replaced. Errors of hal::OutputFile.
+Result<std::string> write_venue_picture(const std::string& venue, const std::string& kind, const std::string& in_use,
+                                        std::string_view png);
+
 }  // namespace touchline::config

@@ -202,6 +202,14 @@ Result<void> resolve_venue(const VenueFile& venue, const Locations& where, const
   }
 
   resolve_adaptation(venue, where, out, errors);
+  // Pictures of another size were reported above.
+  const bool same_size = venue.picture.width_px == input.width_px && venue.picture.height_px == input.height_px;
+  if (!venue.light.reference.empty() && same_size) {
+    const auto path = std::filesystem::path(where.file()).parent_path() / venue.light.reference;
+    const Result<void> read =
+        read_light_reference(path.string(), input.width_px, input.height_px, out.adaptation.reference);
+    if (!read.ok()) errors.add(where.of("light.reference"), "light.reference", read.text());
+  }
 
   out.camera = venue.camera_model;
   const std::string kind = venue.camera_model.kind == CameraModelKind::kFull ? "full" : "paper";

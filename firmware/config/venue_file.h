@@ -53,7 +53,7 @@ struct RegionOfInterestEntry {
 };
 
 struct LightEntry {
-  std::string map, surface;
+  std::string map, surface, reference;
   std::vector<float> normal;
 
   template <class Self, class Visitor>
@@ -67,6 +67,11 @@ struct LightEntry {
                   {.name = "normal",
                    .range = {1, 255},
                    .help = "R, G, B of that surface where the map is 1, for touchline-calibrate light --keep-normal"});
+    visit.text(self.reference,
+               {.name = "reference",
+                .help = "The field in the light in which the colors were learned, in the folder of this file: PNG with "
+                        "16 bits per channel, one pixel per cell. The adaptation measures the present light by it; "
+                        "empty: only from recognized robots"});
   }
 };
 

@@ -57,11 +57,10 @@ def make_venues(tools, recipes, shared):
 
 
 def copy_venue(source, target):
-    """Copies a venue file with its light map, whose name contains that of the venue."""
-    target.write_text(source.read_text().replace(f"{source.stem}-light.png", f"{target.stem}-light.png"))
-    light = source.with_name(f"{source.stem}-light.png")
-    if light.exists():
-        shutil.copy(light, target.with_name(f"{target.stem}-light.png"))
+    """Copies a venue file with its light map and reference of the field, whose names contain that of the venue."""
+    target.write_text(source.read_text().replace(f"{source.stem}-", f"{target.stem}-"))
+    for picture in source.parent.glob(f"{source.stem}-*.png"):
+        shutil.copy(picture, target.with_name(picture.name.replace(source.stem, target.stem, 1)))
     return target
 
 

@@ -16,6 +16,7 @@
 #include "tools/programs/calibrate/colors/color_fit.h"
 #include "tools/programs/calibrate/colors/color_names.h"
 #include "tools/programs/calibrate/colors/colors_report.h"
+#include "tools/programs/calibrate/colors/field_reference.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 #include "tools/programs/command_line/formatted.h"
 
@@ -218,8 +219,10 @@ Result<void> ColorsCommand::run() const {
   }
   config::ColorsEntry colors{fit.space, {}};
   if (fit.background) colors.background.assign(fit.background->begin(), fit.background->end());
-  const std::vector<Section> sections = {section_of("colors", colors, ""), section_of("color", entries)};
+  std::vector<Section> sections = {section_of("colors", colors, ""), section_of("color", entries)};
   if (can_detect) TOUCHLINE_TRY(check_result(input, sections, robots));
+  TOUCHLINE_TRY_ASSIGN(Section light, write_field_reference(venue, draft, input, fit));
+  sections.push_back(std::move(light));
   TOUCHLINE_TRY(write_sections(venue, sections));
   std::printf("%s: %zu colors in %zu boxes written\n", venue.c_str(), entries.size(), fit.learned.boxes.size());
   if (preview.empty()) return {};

@@ -1,0 +1,383 @@
+#include "core/light/field_light.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace touchline {
+namespace {
+
+constexpr int kStepsPerLevel = 8;
+constexpr int kStepsPerOctave = kStepsPerLevel * static_cast<int>(kLevelsPerOctave);
+// Changes beyond these are no light: a factor of 4.
+constexpr int kMaxChange = 2 * kStepsPerOctave;
+
+// Sums of four pixels. Below the first, a reference's step is more than 10 %; below the second, the present one's.
+constexpr std::uint16_t kLeastReference = 40, kLeastNow = 10;
+
+// A row is measured in every eighth frame.
+constexpr std::size_t kRowStep = 8;
+// Largest difference between the change of a cell and of its place, which noise and the texture of a floor cause.
+constexpr int kFit = 6 * kStepsPerLevel;
+// A step of the light: this mean difference, or so much fewer fitting cells than usual.
+constexpr int kStep = 5 * kStepsPerLevel / 2;
+constexpr std::int32_t kFewer_percent = 75;
+constexpr std::int32_t kLeastCells = 20;
+
+// Largest difference of a cell's tint from that of most cells. Lamps of different colors differ less.
+constexpr int kMaxTint = 10 * kStepsPerLevel;
+// Changes up to this one count as none.
+constexpr int kNoChange = 3 * kStepsPerLevel / 2;
+
+// Cells on each side. A robot covers 2 x 2 cells.
+constexpr std::size_t kWindow = 3;
+// Share of the window's weight that must have the most frequent level, and at which the known level is kept.
+constexpr std::int32_t kFrequent_percent = 40, kKeep_percent = 80;
+constexpr std::int32_t kLeastWeight = 20;
+
+constexpr std::size_t kBins = 64;
+constexpr int kStepsPerBin = 2 * kMaxChange / static_cast<int>(kBins);
+
+// Returns log2(value) in steps, for values from 1. Only integers, because libraries differ in the last bit of log2.
+constexpr std::int16_t log_steps(std::uint32_t value) {
+  std::uint64_t x = std::uint64_t{value} << 32u;
+  int whole = 0;
+  while (x >= std::uint64_t{2} << 32u) {
+    x >>= 1u;
+    ++whole;
+  }
+  std::uint32_t mantissa = static_cast<std::uint32_t>(x >> 2u);  // 30 bits after the point
+  std::uint32_t fraction = 0;
+  for (int bit = 0; bit < 12; ++bit) {
+    const std::uint64_t square = std::uint64_t{mantissa} * mantissa >> 30u;
+    fraction = 2 * fraction + (square >> 31u != 0 ? 1u : 0u);
+    mantissa = static_cast<std::uint32_t>(square >> 31u != 0 ? square >> 1u : square);
+  }
+  const std::uint32_t steps = (fraction * kStepsPerOctave + 2048) >> 12u;
+  return static_cast<std::int16_t>(whole * kStepsPerOctave + static_cast<int>(steps));
+}
+
+constexpr auto kLog = [] {
+  std::array<std::int16_t, 1021> table{};
+  for (std::uint32_t i = 1; i < table.size(); ++i) table[i] = log_steps(i);
+  return table;
+}();
+
+std::size_t bin_of(int steps) {
+  return static_cast<std::size_t>(std::clamp((steps + kMaxChange) / kStepsPerBin, 0, int{kBins} - 1));
+}
+
+}  // namespace
+
+// Histogram of the brightness in a window that moves along a row of cells.
+struct FieldLight::Window {
+  std::array<Bin, kBins> bins{};
+  std::int32_t whole = 0;  // also of cells that do not count
+
+  void add(const FieldLight& of, std::size_t row, std::size_t column, std::int32_t sign) {
+    const std::size_t top = row - std::min(row, kWindow);
+    const std::size_t bottom = std::min<std::size_t>(row + kWindow, of.grid_.rows - 1u);
+    for (std::size_t at = top; at <= bottom; ++at) {
+      const std::size_t cell = at * of.grid_.columns + column;
+      if (of.measured_[cell] == 0) continue;
+      const std::int32_t weight = sign * of.weight_[cell];
+      whole += weight;
+      if (of.brightness_[cell] == INT16_MIN) continue;
+      Bin& bin = bins[bin_of(of.brightness_[cell])];
+      bin.weight += weight;
+      for (std::size_t c = 0; c < 3; ++c) bin.sum[c] += weight * of.ratio_[c][cell];
+    }
+  }
+  [[nodiscard]] std::int32_t around(std::size_t bin) const {
+    const std::int32_t before = bin > 0 ? bins[bin - 1].weight : 0;
+    const std::int32_t after = bin + 1 < kBins ? bins[bin + 1].weight : 0;
+    return before + bins[bin].weight + after;
+  }
+  [[nodiscard]] std::size_t most_frequent() const {
+    std::size_t best = 0;
+    std::int32_t most = -1;
+    for (std::size_t bin = 0; bin < kBins; ++bin) {
+      const std::int32_t weight = around(bin) + bins[bin].weight;
+      if (weight <= most) continue;
+      most = weight;
+      best = bin;
+    }
+    return best;
+  }
+};
+
+Status FieldLight::configure(const LightReference& reference, PixelFormat format, std::uint16_t width_px,
+                             std::uint16_t height_px) {
+  grid_ = {};
+  reset();
+  if (width_px == 0 || width_px > kMaxFrameWidth || height_px == 0 || height_px > kMaxFrameHeight) {
+    return ErrorCode::kOutOfRange;
+  }
+  if (reference.columns == 0) return {};
+  const ReferenceGrid grid = ReferenceGrid::of(width_px, height_px);
+  if (reference.columns != grid.columns || reference.rows != grid.rows) return ErrorCode::kInconsistent;
+  space_ = color_space(format);
+  std::array<std::size_t, 3> usable_cells{};
+  for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
+    usable_[cell] = weight_[cell] = 0;
+    unsigned whole = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint16_t sum = std::min<std::uint16_t>(reference.colors.sum[c][cell], kLog.size() - 1);
+      whole += sum;
+      if (sum < kLeastReference) continue;
+      usable_[cell] = static_cast<std::uint8_t>(usable_[cell] | 1u << c);
+      reference_[c][cell] = kLog[sum];
+      ++usable_cells[c];
+    }
+    // Bright cells are measured more accurately. The largest weight is 16.
+    if (usable_[cell] != 0) weight_[cell] = static_cast<std::uint8_t>(1 + whole / 205);
+  }
+  base_channel_ = 1;
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (usable_cells[c] > usable_cells[base_channel_]) base_channel_ = c;
+  }
+  grid_ = grid;
+  return {};
+}
+
+void FieldLight::reset() {
+  tint_.fill(0);
+  for (std::size_t c = 0; c < 3; ++c) change_[c].fill(0);
+  known_.fill(false);
+  measured_.fill(0);
+  row_changed_.fill(false);
+  next_ = 0;
+  mean_ = 0;
+  started_ = false;
+  usual_fit_ = 0;
+}
+
+bool FieldLight::measure(const Frame& frame) {
+  if (!active()) return false;
+  row_changed_.fill(false);
+  bool changed = false;
+  if (started_) {
+    for (std::size_t row = next_; row < grid_.rows; row += kRowStep) compare(frame, row);
+    const Agreement now = agreement(next_, kRowStep);
+    const auto differs = [&now](std::int32_t sum) { return std::abs(sum) > kStep * now.fitting; };
+    const bool step = now.cells >= kLeastCells && (100 * now.fitting < kFewer_percent * usual_fit_ * now.cells / 1024 ||
+                                                   std::any_of(now.deviation.begin(), now.deviation.end(), differs));
+    if (!step) {
+      if (now.cells > 0) usual_fit_ += (1024 * now.fitting / now.cells - usual_fit_) / 16;
+      if (next_ == 0) find_tint();
+      for (std::size_t row = next_; row < grid_.rows; row += kRowStep) find_brightness(row);
+      for (std::size_t row = next_; row < grid_.rows; row += kRowStep) changed = find_change(row) || changed;
+      next_ = (next_ + 1) % kRowStep;
+      return changed && interpolate();
+    }
+  }
+  started_ = true;
+  for (std::size_t row = 0; row < grid_.rows; ++row) compare(frame, row);
+  find_tint();
+  for (std::size_t row = 0; row < grid_.rows; ++row) find_brightness(row);
+  for (std::size_t row = 0; row < grid_.rows; ++row) changed = find_change(row) || changed;
+  changed = changed && interpolate();
+  const Agreement all = agreement(0, 1);
+  usual_fit_ = 1024 * all.fitting / std::max(1, all.cells);
+  return changed;
+}
+
+// Measures the ratio of a row of cells to the reference.
+void FieldLight::compare(const Frame& frame, std::size_t row) {
+  sample_cells(frame, grid_, row, now_);
+  for (std::size_t cell = row * grid_.columns; cell < (row + 1) * grid_.columns; ++cell) {
+    unsigned measured = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if ((usable_[cell] >> c & 1u) == 0 || now_.sum[c][cell] < kLeastNow) continue;
+      ratio_[c][cell] = static_cast<Steps>(kLog[now_.sum[c][cell]] - reference_[c][cell]);
+      measured |= 1u << c;
+    }
+    measured_[cell] = static_cast<std::uint8_t>(measured);
+  }
+}
+
+// Finds the median tint, with the weights of the cells.
+void FieldLight::find_tint() {
+  constexpr int kStepsPerTintBin = 4;
+  constexpr std::size_t kTintBins = 2 * kMaxChange / kStepsPerTintBin;
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::array<std::int32_t, kTintBins> bins{};
+    std::int32_t whole = 0;
+    const unsigned needed = 1u << c | 1u << base_channel_;
+    for (std::size_t cell = 0; cell < grid_.cells(); ++cell) {
+      if ((measured_[cell] & needed) != needed) continue;
+      const int tint = ratio_[c][cell] - ratio_[base_channel_][cell];
+      if (tint < -kMaxChange || tint >= kMaxChange) continue;
+      bins[static_cast<std::size_t>((tint + kMaxChange) / kStepsPerTintBin)] += weight_[cell];
+      whole += weight_[cell];
+    }
+    tint_[c] = 0;
+    std::int32_t sum = 0;
+    for (std::size_t bin = 0; bin < kTintBins && whole > 0; ++bin) {
+      sum += bins[bin];
+      if (2 * sum < whole) continue;
+      tint_[c] = static_cast<Steps>(kStepsPerTintBin * static_cast<int>(bin) + kStepsPerTintBin / 2 - kMaxChange);
+      break;
+    }
+  }
+  tint_[base_channel_] = 0;
+}
+
+// Finds the brightness of a row's cells, and fills the channels that could not be measured.
+void FieldLight::find_brightness(std::size_t row) {
+  for (std::size_t cell = row * grid_.columns; cell < (row + 1) * grid_.columns; ++cell) {
+    brightness_[cell] = INT16_MIN;
+    int sum = 0, count = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if ((measured_[cell] >> c & 1u) == 0) continue;
+      sum += ratio_[c][cell] - tint_[c];
+      ++count;
+    }
+    if (count == 0) continue;
+    const int brightness = sum / count;
+    bool plausible = brightness >= -kMaxChange && brightness < kMaxChange;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const int expected = brightness + tint_[c];
+      if ((measured_[cell] >> c & 1u) == 0) {
+        ratio_[c][cell] = static_cast<Steps>(expected);
+      } else {
+        plausible = plausible && std::abs(ratio_[c][cell] - expected) <= kMaxTint;
+      }
+    }
+    if (plausible) brightness_[cell] = static_cast<Steps>(brightness);
+  }
+}
+
+FieldLight::Agreement FieldLight::agreement(std::size_t first_row, std::size_t row_step) const {
+  Agreement out;
+  for (std::size_t row = first_row; row < grid_.rows; row += row_step) {
+    for (std::size_t cell = row * grid_.columns; cell < (row + 1) * grid_.columns; ++cell) {
+      if (measured_[cell] == 0) continue;
+      std::array<int, 3> deviation{};
+      for (std::size_t c = 0; c < 3; ++c) {
+        if ((measured_[cell] >> c & 1u) != 0) deviation[c] = ratio_[c][cell] - change_[c][cell];
+      }
+      ++out.cells;
+      if (std::any_of(deviation.begin(), deviation.end(), [](int d) { return std::abs(d) > kFit; })) continue;
+      ++out.fitting;
+      for (std::size_t c = 0; c < 3; ++c) out.deviation[c] += deviation[c];
+    }
+  }
+  return out;
+}
+
+// Finds the change at each cell of a row. Returns true if it differs from the known one.
+bool FieldLight::find_change(std::size_t row) {
+  Window window;
+  bool changed = false;
+  for (std::size_t column = 0; column < std::min<std::size_t>(kWindow, grid_.columns); ++column) {
+    window.add(*this, row, column, 1);
+  }
+  for (std::size_t column = 0; column < grid_.columns; ++column) {
+    if (column + kWindow < grid_.columns) window.add(*this, row, column + kWindow, 1);
+    if (column > kWindow) window.add(*this, row, column - kWindow - 1, -1);
+    const std::size_t cell = row * grid_.columns + column;
+    std::size_t bin = window.most_frequent();
+    const std::size_t known = bin_of(change_[base_channel_][cell]);
+    if (100 * window.around(known) >= kKeep_percent * window.around(bin)) bin = known;
+    const std::int32_t weight = window.around(bin);
+    const bool is_known = window.whole >= kLeastWeight && 100 * weight >= kFrequent_percent * window.whole;
+    bool differs = is_known != known_[cell];
+    known_[cell] = is_known;
+    if (is_known) {
+      std::array<Steps, 3> found{};
+      bool same = true;
+      for (std::size_t c = 0; c < 3; ++c) {
+        std::int32_t sum = window.bins[bin].sum[c];
+        if (bin > 0) sum += window.bins[bin - 1].sum[c];
+        if (bin + 1 < kBins) sum += window.bins[bin + 1].sum[c];
+        found[c] = static_cast<Steps>(std::clamp(sum / weight, -kMaxChange, kMaxChange));
+        same = same && std::abs(found[c] - change_[c][cell]) <= kNoChange;
+      }
+      for (std::size_t c = 0; c < 3; ++c) found_[c][cell] = same ? change_[c][cell] : found[c];
+      differs = differs || !same;
+    }
+    changed = changed || differs;
+  }
+  return changed;
+}
+
+// Fills change_ from found_. Cells without a known change take it from coarser and coarser grids.
+bool FieldLight::interpolate() {
+  struct Level {
+    std::size_t first = 0, columns = 0, rows = 0;
+  };
+  constexpr std::size_t kMaxLevels = 12;
+  auto& cells = pyramid_;
+  FixedVector<Level, kMaxLevels> levels;
+  levels.push_back({0, grid_.columns, grid_.rows});
+  for (std::size_t i = 0; i < grid_.cells(); ++i) {
+    cells[i].known = known_[i];
+    for (std::size_t c = 0; c < 3; ++c) cells[i].value[c] = found_[c][i];
+  }
+  while (levels[levels.size() - 1].columns * levels[levels.size() - 1].rows > 1) {
+    const Level fine = levels[levels.size() - 1];
+    const Level coarse{fine.first + fine.columns * fine.rows, (fine.columns + 1) / 2, (fine.rows + 1) / 2};
+    for (std::size_t i = 0; i < coarse.columns * coarse.rows; ++i) {
+      std::array<int, 3> sum{};
+      int count = 0;
+      for (std::size_t child = 0; child < 4; ++child) {
+        const std::size_t column = 2 * (i % coarse.columns) + child % 2, row = 2 * (i / coarse.columns) + child / 2;
+        if (column >= fine.columns || row >= fine.rows) continue;
+        const GridCell& cell = cells[fine.first + row * fine.columns + column];
+        if (!cell.known) continue;
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += cell.value[c];
+        ++count;
+      }
+      GridCell& cell = cells[coarse.first + i];
+      cell.known = count > 0;
+      for (std::size_t c = 0; c < 3 && count > 0; ++c) cell.value[c] = static_cast<Steps>(sum[c] / count);
+    }
+    levels.push_back(coarse);
+  }
+  if (!cells[levels[levels.size() - 1].first].known) return false;
+  for (std::size_t l = levels.size() - 1; l > 0; --l) {
+    const Level coarse = levels[l], fine = levels[l - 1];
+    for (std::size_t i = 0; i < fine.columns * fine.rows; ++i) {
+      GridCell& cell = cells[fine.first + i];
+      if (cell.known) continue;
+      const std::size_t column = i % fine.columns, row = i / fine.columns;
+      // Bilinear: 3/4 of the cell above this one, 1/4 of the neighbor on its side.
+      const auto neighbor = [](std::size_t at, std::size_t count) {
+        return at % 2 == 0 ? at / 2 - (at > 0 ? 1u : 0u) : std::min(at / 2 + 1, count - 1);
+      };
+      const std::array<std::size_t, 2> columns{column / 2, neighbor(column, coarse.columns)};
+      const std::array<std::size_t, 2> rows{row / 2, neighbor(row, coarse.rows)};
+      std::array<int, 3> sum{};
+      for (std::size_t corner = 0; corner < 4; ++corner) {
+        const int weight = (corner % 2 == 0 ? 3 : 1) * (corner / 2 == 0 ? 3 : 1);
+        const GridCell& from = cells[coarse.first + rows[corner / 2] * coarse.columns + columns[corner % 2]];
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * from.value[c];
+      }
+      for (std::size_t c = 0; c < 3; ++c) cell.value[c] = static_cast<Steps>(sum[c] / 16);
+      cell.known = true;
+    }
+  }
+  bool changed = false;
+  std::int64_t sum = 0;
+  for (std::size_t i = 0; i < grid_.cells(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      sum += cells[i].value[c];
+      if (change_[c][i] == cells[i].value[c]) continue;
+      change_[c][i] = cells[i].value[c];
+      row_changed_[i / grid_.columns] = changed = true;
+    }
+  }
+  mean_ = static_cast<float>(sum) / static_cast<float>(3 * kStepsPerLevel * grid_.cells());
+  return changed;
+}
+
+float FieldLight::at(std::size_t channel, std::uint16_t tile_column, std::uint16_t tile_row) const {
+  if (!active()) return 0.0f;
+  const std::size_t cell = grid_.cell_of_tile(tile_column, tile_row);
+  if (space_ == ColorSpace::kRgb) return static_cast<float>(change_[channel][cell]) / float{kStepsPerLevel};
+  // BT.601 weights.
+  const int luma = 77 * change_[0][cell] + 150 * change_[1][cell] + 29 * change_[2][cell];
+  return static_cast<float>(luma) / (256.0f * kStepsPerLevel);
+}
+
+}  // namespace touchline

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/light/light_reference.h"
+#include "core/types.h"
+
+namespace touchline {
+
+/// Measures the change of light (exposure, lamps, tint, shadows) from the field itself, without any recognized robot:
+/// compares a few pixels of each cell with a reference of the field in the light in which the colors were learned.
+///
+/// The logarithm of the ratio is a level per cell and channel. The change of light at a cell is the most frequent level
+/// in a window around it. Cells that robots or people cover have other levels than the floor beside them, and do not
+/// count unless they are the majority of the window; cells of another tint than most of the field do not count at all.
+/// Where no level is frequent enough, the change is interpolated (Gortler et al. 1996, pull-push).
+///
+/// Every frame, an eighth of the rows is measured. If many of their cells disagree with the known change, the whole
+/// field is measured at once, so that a step of the light is known before the colors of the same frame are classified.
+/// A change smaller than 1.5 levels (3 %) counts as none. The work is bounded, and its result does not depend on
+/// floating point. The object is large (fixed memory).
+class FieldLight {
+ public:
+  /// Starts without a change. A reference without columns turns it off. kOutOfRange: an empty or too large picture.
+  /// kInconsistent: the reference was made for another picture size. It is off then, too.
+  Status configure(const LightReference& reference, PixelFormat format, std::uint16_t width_px,
+                   std::uint16_t height_px);
+  /// Forgets the change.
+  void reset();
+  [[nodiscard]] bool active() const { return grid_.columns > 0; }
+
+  /// Measures. The frame must have the configured format and size and all planes. Returns true if at() has changed;
+  /// changed() tells where.
+  bool measure(const Frame& frame);
+  [[nodiscard]] bool changed(std::uint16_t tile_row) const {
+    return active() && row_changed_[tile_row / grid_.tile_rows()];
+  }
+
+  /// Change of light in a tile, in levels (32 per octave); positive: brighter than in the reference. 0 when off. In YUV
+  /// it is the change of a gray surface's luma, for all channels.
+  [[nodiscard]] float at(std::size_t channel, std::uint16_t tile_column, std::uint16_t tile_row) const;
+  /// Mean over all cells and channels.
+  [[nodiscard]] float mean() const { return mean_; }
+
+ private:
+  // Fixed point: 1/8 level.
+  using Steps = std::int16_t;
+  using Plane = std::array<Steps, kMaxReferenceCells>;
+  struct Agreement {
+    std::int32_t cells = 0, fitting = 0;
+    std::array<std::int32_t, 3> deviation{};  // sum over the fitting ones
+  };
+  struct Bin {
+    std::int32_t weight = 0;
+    std::array<std::int32_t, 3> sum{};
+  };
+  struct Window;
+
+  void compare(const Frame& frame, std::size_t row);
+  void find_tint();
+  void find_brightness(std::size_t row);
+  [[nodiscard]] Agreement agreement(std::size_t first_row, std::size_t row_step) const;
+  [[nodiscard]] bool find_change(std::size_t row);
+  bool interpolate();
+
+  ReferenceGrid grid_;
+  ColorSpace space_ = ColorSpace::kRgb;
+  // Of the reference: logarithm, usable channels as bits, weight of the cell.
+  std::array<Plane, 3> reference_{};
+  std::array<std::uint8_t, kMaxReferenceCells> usable_{}, weight_{};
+  std::size_t base_channel_ = 1;  // the channel with the most usable cells
+  // Of the present field. Rows that were not measured in this frame are older.
+  CellColors now_;
+  std::array<Plane, 3> ratio_{};
+  std::array<std::uint8_t, kMaxReferenceCells> measured_{};  // channels as bits
+  Plane brightness_{};                                       // of the base channel, from all measured ones
+  std::array<Steps, 3> tint_{};                              // of most cells, relative to the base channel
+  std::array<Plane, 3> found_{};                             // valid if known_
+  std::array<bool, kMaxReferenceCells> known_{};
+  std::array<Plane, 3> change_{};
+  std::array<bool, kMaxReferenceRows> row_changed_{};
+  // The cells and the coarser grids of interpolate(); each has at most about a quarter of the cells of the one before.
+  struct GridCell {
+    std::array<Steps, 3> value{};
+    bool known = false;
+  };
+  std::array<GridCell, kMaxReferenceCells * 3 / 2> pyramid_{};
+  float mean_ = 0;
+  std::size_t next_ = 0;
+  bool started_ = false;
+  std::int32_t usual_fit_ = 0;
+};
+
+}  // namespace touchline

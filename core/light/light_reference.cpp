@@ -1,0 +1,75 @@
+#include "core/light/light_reference.h"
+
+#include <algorithm>
+
+namespace touchline {
+namespace {
+
+// Values of a channel from this one upwards count as saturated. In YUV the luma of such a value.
+constexpr std::uint8_t kSaturated = 250, kSaturatedLuma = 231;
+constexpr int kPixels = 4;
+
+// BT.601 in 1/1024, for sums of kPixels samples.
+void to_rgb(std::array<int, 3>& sum) {
+  const int luma = 1192 * (sum[0] - 16 * kPixels), u = sum[1] - 128 * kPixels, v = sum[2] - 128 * kPixels;
+  const std::array<int, 3> rgb{luma + 1634 * v, luma - 401 * u - 832 * v, luma + 2066 * u};
+  for (std::size_t c = 0; c < 3; ++c) sum[c] = std::clamp((rgb[c] + 512) / 1024, 0, 255 * kPixels);
+}
+
+}  // namespace
+
+ReferenceGrid ReferenceGrid::of(std::uint16_t width_px, std::uint16_t height_px) {
+  static_assert(kTileWidth == 2 * kTileHeight);
+  const auto cells_along = [](unsigned size_px, unsigned side_px) { return (size_px + side_px - 1) / side_px; };
+  ReferenceGrid grid;
+  unsigned side_px = 0;
+  do {
+    side_px += kTileWidth;
+    grid = {static_cast<std::uint16_t>(cells_along(width_px, side_px)),
+            static_cast<std::uint16_t>(cells_along(height_px, side_px)), static_cast<std::uint16_t>(side_px)};
+  } while (grid.cells() > kMaxReferenceCells);
+  return grid;
+}
+
+void sample_cells(const Frame& frame, const ReferenceGrid& grid, std::size_t row, CellColors& out) {
+  const PixelFormatInfo& info = info_of(frame.format);
+  const bool is_yuv = info.space == ColorSpace::kYuv;
+  const std::uint8_t limit = is_yuv ? kSaturatedLuma : kSaturated;
+  const std::size_t side = grid.side_px;
+  // Pixels of a cell that the picture's edge cuts off are read at the edge.
+  const auto place = [side](std::size_t cell, std::size_t i, std::size_t size_px) {
+    return std::min(cell * side + side / 4 + i * side / 2, size_px - 1);
+  };
+  std::array<std::array<const std::uint8_t*, 3>, 2> lines{};
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::size_t v = place(row, i, frame.height_px);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const ChannelLayout& channel = info.channel[c];
+      lines[i][c] = frame.plane[channel.plane] + (v >> channel.shift_v) * frame.stride_bytes[channel.plane];
+    }
+  }
+  for (std::size_t column = 0; column < grid.columns; ++column) {
+    const std::array<std::size_t, 2> u{place(column, 0, frame.width_px), place(column, 1, frame.width_px)};
+    std::array<int, 3> sum{};
+    std::array<std::uint8_t, 3> most{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const ChannelLayout& channel = info.channel[c];
+      for (const auto& line : lines) {
+        for (const std::size_t at : u) {
+          const std::uint8_t value = line[c][channel.byte(at)];
+          sum[c] += value;
+          most[c] = std::max(most[c], value);
+        }
+      }
+    }
+    if (is_yuv) {
+      to_rgb(sum);
+      most.fill(most[0]);
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      out.sum[c][row * grid.columns + column] = most[c] < limit ? static_cast<std::uint16_t>(sum[c]) : std::uint16_t{0};
+    }
+  }
+}
+
+}  // namespace touchline

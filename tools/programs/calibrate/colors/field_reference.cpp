@@ -1,0 +1,162 @@
+#include "tools/programs/calibrate/colors/field_reference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "core/geometry/camera_model.h"
+#include "core/region/region_of_interest.h"
+#include "firmware/config/light_map_file.h"
+#include "firmware/config/light_writer.h"
+
+namespace touchline::calibrate {
+namespace {
+
+// From the edge of a patch to the edge of its robot; the largest robots (SSL) have a radius of 9 cm.
+constexpr float kRobot_m = 0.1f;
+constexpr float kRobotWithoutModel_px = 24.0f;
+constexpr float kOutside_m = 0.25f;
+// Smaller regions are noise, larger ones (a share of the picture's width or height) are floor or furniture.
+constexpr std::uint32_t kLeastArea_px = 8;
+constexpr unsigned kLargest_share = 4;
+
+class Coverage {
+ public:
+  Coverage(const VenueDraft& draft, const Frame& frame) : grid_(ReferenceGrid::of(frame.width_px, frame.height_px)) {
+    const CameraParameters& model = draft.file.camera_model;
+    const bool exists = (model.kind == CameraModelKind::kFull ? model.full.fx_px : model.paper.focal_px) > 0;
+    if (CameraModel camera; exists && camera.configure(model).ok()) camera_ = camera;
+    const auto roi = std::make_unique<RegionOfInterest>();
+    const bool has_roi = roi->build(draft.region_of_interest, frame.width_px, frame.height_px).ok();
+    const float x = draft.file.field.length_m / 2 + kOutside_m, y = draft.file.field.width_m / 2 + kOutside_m;
+    for (std::size_t cell = 0; cell < grid_.cells(); ++cell) {
+      const PixelPoint center = center_of(cell);
+      if (camera_) {
+        const FieldPoint at = camera_->to_field(center, 0.0f);
+        near_field_.push_back(std::abs(at.x_m) < x && std::abs(at.y_m) < y);
+      } else {
+        near_field_.push_back(!has_roi || in_region(*roi, center, frame));
+      }
+    }
+  }
+
+  void begin() { covered_.assign(grid_.cells(), false); }
+  void cover(PixelPoint low, PixelPoint high) {
+    const float margin =
+        robot_px({(low.u_px + high.u_px) / 2, (low.v_px + high.v_px) / 2}) + static_cast<float>(grid_.side_px) / 2;
+    for (std::size_t cell = 0; cell < grid_.cells(); ++cell) {
+      const PixelPoint at = center_of(cell);
+      if (at.u_px > low.u_px - margin && at.u_px < high.u_px + margin && at.v_px > low.v_px - margin &&
+          at.v_px < high.v_px + margin) {
+        covered_[cell] = true;
+      }
+    }
+  }
+  [[nodiscard]] bool usable(std::size_t cell) const { return near_field_[cell] && !covered_[cell]; }
+  [[nodiscard]] const ReferenceGrid& grid() const { return grid_; }
+
+ private:
+  [[nodiscard]] PixelPoint center_of(std::size_t cell) const {
+    const float side = grid_.side_px;
+    return {(static_cast<float>(cell % grid_.columns) + 0.5f) * side,
+            (static_cast<float>(cell / grid_.columns) + 0.5f) * side};
+  }
+  static bool in_region(const RegionOfInterest& region, PixelPoint center, const Frame& frame) {
+    const auto v = static_cast<std::uint16_t>(std::min(center.v_px, static_cast<float>(frame.height_px - 1)));
+    const auto spans = region.row(v);
+    return std::any_of(spans.begin(), spans.end(), [&](const ColumnSpan& span) {
+      return center.u_px >= static_cast<float>(span.begin) && center.u_px < static_cast<float>(span.end);
+    });
+  }
+  [[nodiscard]] float robot_px(PixelPoint at) const {
+    if (!camera_) return kRobotWithoutModel_px;
+    const FieldPoint here = camera_->to_field(at, 0.0f);
+    const PixelPoint beside = camera_->to_pixel({here.x_m + kRobot_m, here.y_m}, 0.0f);
+    return std::hypot(beside.u_px - at.u_px, beside.v_px - at.v_px);
+  }
+
+  ReferenceGrid grid_;
+  std::optional<CameraModel> camera_;
+  std::vector<bool> near_field_, covered_;
+};
+
+struct Scan {
+  RegionScanner scanner;
+  Runs runs;
+  Regions regions;
+};
+
+// Covers everything that has a color of a robot or of the ball.
+void cover_colors(const ColorFitInput& input, const ColorFit& fit, const Frame& frame, Scan& scan, Coverage& coverage) {
+  ScanParameters parameters;
+  parameters.format = frame.format;
+  parameters.width_px = frame.width_px;
+  parameters.height_px = frame.height_px;
+  parameters.boxes = fit.learned.boxes;
+  parameters.light = input.light;
+  parameters.region_of_interest = input.region_of_interest;
+  if (!scan.scanner.configure(parameters).ok()) return;
+  (void)scan.scanner.scan(frame, scan.runs, scan.regions);  // regions that do not fit are small noise
+  for (const Region& region : scan.regions) {
+    const PixelBox& box = region.box;
+    if (region.area_px < kLeastArea_px || kLargest_share * (box.right - box.left) > frame.width_px ||
+        kLargest_share * (box.bottom - box.top) > frame.height_px) {
+      continue;
+    }
+    coverage.cover({static_cast<float>(box.left), static_cast<float>(box.top)},
+                   {static_cast<float>(box.right), static_cast<float>(box.bottom)});
+  }
+}
+
+}  // namespace
+
+LightReference field_reference(const VenueDraft& draft, const ColorFitInput& input, const ColorFit& fit) {
+  LightReference out;
+  if (input.pictures.empty()) return out;
+  const Frame first = input.pictures.begin()->second.frame();
+  Coverage coverage(draft, first);
+  const ReferenceGrid grid = coverage.grid();
+  std::vector<std::array<std::vector<std::uint16_t>, 3>> sums(grid.cells());
+  const auto scan = std::make_unique<Scan>();
+  const auto colors = std::make_unique<CellColors>();
+  for (const auto& [name, picture] : input.pictures) {
+    const Frame frame = picture.frame();
+    coverage.begin();
+    cover_colors(input, fit, frame, *scan, coverage);
+    for (const Click& click : input.clicks) {
+      const PixelPoint at{static_cast<float>(click.u_px), static_cast<float>(click.v_px)};
+      if (click.image == name) coverage.cover(at, at);
+    }
+    for (std::size_t row = 0; row < grid.rows; ++row) sample_cells(frame, grid, row, *colors);
+    for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
+      if (!coverage.usable(cell)) continue;
+      for (std::size_t c = 0; c < 3; ++c) sums[cell][c].push_back(colors->sum[c][cell]);
+    }
+  }
+  out.columns = grid.columns;
+  out.rows = grid.rows;
+  for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::vector<std::uint16_t>& all = sums[cell][c];
+      if (all.empty()) continue;
+      const auto middle = all.begin() + static_cast<std::ptrdiff_t>((all.size() - 1) / 2);
+      std::nth_element(all.begin(), middle, all.end());
+      out.colors.sum[c][cell] = *middle;
+    }
+  }
+  return out;
+}
+
+Result<Section> write_field_reference(const std::string& venue, const VenueDraft& draft, const ColorFitInput& input,
+                                      const ColorFit& fit) {
+  const auto reference = std::make_unique<LightReference>(field_reference(draft, input, fit));
+  Result<std::string> png = config::encode_light_reference(*reference);
+  if (!png.ok()) return prefixed(venue, std::move(png).error());
+  config::LightEntry light = draft.file.light;
+  TOUCHLINE_TRY_ASSIGN(light.reference,
+                       config::write_venue_picture(venue, "field", draft.file.light.reference, png.value()));
+  return section_of("light", light, "");
+}
+
+}  // namespace touchline::calibrate

@@ -5,14 +5,14 @@
 namespace touchline::config {
 namespace {
 
+// Larger files are refused before memory is allocated for their pixels, smaller ones later with their size.
+constexpr std::int64_t kMaxPixels = 1 << 20;
 // Of a sum of four pixels to the value in the file.
 constexpr std::uint16_t kReferenceScale = 64;
 
 }  // namespace
 
 Result<void> read_light_map(const std::string& path, LightMap& out) {
-  // Larger files are refused before memory is allocated for their pixels, smaller ones below with their size.
-  constexpr std::int64_t kMaxPixels = 1 << 20;
   TOUCHLINE_TRY_ASSIGN(const hal::Picture picture, hal::read_picture(path, kMaxPixels));
   if (!picture.is_16_bit()) {
     return failure(ErrorCode::kUnsupported, "%s: an illumination map has 16 bits per channel, this picture has 8",
@@ -40,7 +40,7 @@ Result<void> read_light_map(const std::string& path, LightMap& out) {
 
 Result<void> read_light_reference(const std::string& path, std::uint16_t width_px, std::uint16_t height_px,
                                   LightReference& out) {
-  TOUCHLINE_TRY_ASSIGN(const hal::Picture picture, hal::read_picture(path, std::int64_t{kMaxReferenceCells}));
+  TOUCHLINE_TRY_ASSIGN(const hal::Picture picture, hal::read_picture(path, kMaxPixels));
   if (!picture.is_16_bit()) {
     return failure(ErrorCode::kUnsupported, "%s: a reference of the field has 16 bits per channel, this picture has 8",
                    path.c_str());

@@ -16,7 +16,7 @@ LOG = "journalctl -u touchline -o cat --no-pager"
 def payload():
     """Returns the files that are copied to /run/board in the guest."""
     return [HERE / "board.toml", HERE / "board.rules", HERE / "board-shell.service",
-            *(MOCK / name for name in ("venue.toml", "venue-light.png", "team.toml"))]
+            *(MOCK / name for name in ("venue.toml", "venue-light.png", "venue-field.png", "team.toml"))]
 
 
 class Checks:
@@ -73,7 +73,7 @@ class Game:
         print(self.run(f"dpkg -i ./{package}"))
         self.checks.expect(self.run("dpkg-query -W -f '${db:Status-Status}' touchline") == "installed",
                            f"{package} is installed by dpkg, in the guest")
-        self.run("mkdir -p /etc/touchline && cp board.toml venue.toml venue-light.png team.toml /etc/touchline/ &&"
+        self.run("mkdir -p /etc/touchline && cp board.toml venue.toml venue-light.png venue-field.png team.toml /etc/touchline/ &&"
                  " sed 's/^space = .*/space = \"yuv\"/' venue.toml >venue-yuv.toml")
         output = self.run("touchline check --board /etc/touchline/board.toml")
         self.checks.expect("are valid" in output and "neon" in output, "touchline check: files are valid, NEON kernel")

@@ -1,4 +1,6 @@
 // Values that are valid alone but contradict each other.
+#include "firmware/config/light_map_file.h"
+#include "hal/files/output_file.h"
 #include "hal/replay/picture.h"
 #include "tests/config/config_files.h"
 #include "tests/results.h"
@@ -209,6 +211,38 @@ TEST_F(ConfigFiles, RegionOfInterest) {
   EXPECT_EQ(refusal(), "venue.toml:21: region_of_interest: u_px has 3 corners, v_px 2\n");
   replace("venue.toml", "u_px = [10, 630, 320]", "u_px = [10, 630]");
   EXPECT_EQ(refusal(), "venue.toml:21: region_of_interest: needs 3 to 32 corners; has 2\n");
+}
+
+TEST_F(ConfigFiles, LightReference) {
+  replace("venue.toml", "[colors]", "[light]\nreference = \"field.png\"\n[colors]");
+  EXPECT_NE(refusal().find("venue.toml:22: light.reference: "), std::string::npos) << errors();
+
+  LightReference reference;
+  reference.columns = 40;
+  reference.rows = 30;
+  reference.colors.sum[0][0] = 1020;
+  reference.colors.sum[2][1199] = 123;
+  const auto write = [&] {
+    ASSERT_OK_AND_ASSIGN(const std::string png, encode_light_reference(reference));
+    ASSERT_OK(hal::write_file(path("field.png"), png));
+  };
+  write();
+  ASSERT_TRUE(load().ok()) << errors();
+  const LightReference& read = configuration_->pipeline.adaptation.reference;
+  EXPECT_EQ(read.columns, 40);
+  EXPECT_EQ(read.rows, 30);
+  EXPECT_EQ(read.colors.sum, reference.colors.sum);
+
+  reference.rows = 29;
+  write();
+  EXPECT_EQ(refusal(),
+            "venue.toml:22: light.reference: field.png: has 40 x 29 cells, but pictures of 640 x 480 pixels have 40 x "
+            "30; learn the colors again\n");
+  const hal::Picture shallow{1, 1, {1, 2, 3}, {}};
+  ASSERT_OK(hal::write_picture(path("field.png"), shallow));
+  EXPECT_EQ(refusal(),
+            "venue.toml:22: light.reference: field.png: a reference of the field has 16 bits per channel, this picture "
+            "has 8\n");
 }
 
 TEST_F(ConfigFiles, LightMap) {

@@ -4,6 +4,8 @@
 #include <set>
 
 #include "firmware/config/key_list.h"
+#include "firmware/config/light_map_file.h"
+#include "hal/files/output_file.h"
 #include "hal/replay/picture.h"
 #include "tests/config/config_files.h"
 #include "tests/results.h"
@@ -115,6 +117,24 @@ TEST_F(ReloadFiles, ANewLightMapUnderTheSameNameIsAChange) {
   write_map(40960);
   expect("light.map\n", "", {Reload::kThresholds});
   EXPECT_NEAR(running_->pipeline.scan.light.illumination[0][0], 1.25f, 1e-3f);
+}
+
+TEST_F(ReloadFiles, ANewReferenceUnderTheSameNameIsAChange) {
+  LightReference reference;
+  reference.columns = 40;
+  reference.rows = 30;
+  const auto write = [&](std::uint16_t value) {
+    reference.colors.sum[0][0] = value;
+    ASSERT_OK_AND_ASSIGN(const std::string png, encode_light_reference(reference));
+    ASSERT_OK(hal::write_file(path("field.png"), png));
+  };
+  write(100);
+  replace("venue.toml", "[colors]", "[light]\nreference = \"field.png\"\n[colors]");
+  expect("light.reference \"\" -> \"field.png\"\n", "", {Reload::kThresholds});
+  expect("", "", {});
+  write(200);
+  expect("light.reference\n", "", {Reload::kThresholds});
+  EXPECT_EQ(running_->pipeline.adaptation.reference.colors.sum[0][0], 200);
 }
 
 // The keys that can change while robots play, as docs/files.md lists them.

@@ -23,8 +23,8 @@ called() { grep -qxF -- "$1" "$work/called"; }
 case $1 in
   FilesAreCopiedOnceAndKept)
     script postinst configure ""
-    for file in board.toml venue.toml team.toml venue-light.png; do cmp "$boards/mock/$file" "$etc/$file"; done
-    [ "$(find "$etc" -type f | wc -l)" = 4 ] || fail "other files than these were copied"
+    for file in board.toml venue.toml team.toml venue-light.png venue-field.png; do cmp "$boards/mock/$file" "$etc/$file"; done
+    [ "$(find "$etc" -type f | wc -l)" = 5 ] || fail "other files than these were copied"
     grep -q "built-in arena" "$work/output" || fail "does not report what it copied"
     called "adduser --quiet touchline gpio" || fail "not in the group gpio"
     ! called "adduser --quiet touchline video" || fail "added to a group again"
@@ -46,8 +46,8 @@ case $1 in
     if script postinst configure ""; then fail "a failure is not reported"; fi
     rm "$work/fakes/cp"
     script postinst configure ""
-    for file in board.toml venue.toml team.toml venue-light.png; do cmp "$boards/mock/$file" "$etc/$file"; done
-    [ "$(find "$etc" -type f | wc -l)" = 4 ] || fail "a partial file is left"
+    for file in board.toml venue.toml team.toml venue-light.png venue-field.png; do cmp "$boards/mock/$file" "$etc/$file"; done
+    [ "$(find "$etc" -type f | wc -l)" = 5 ] || fail "a partial file is left"
     ;;
   AFailedRemovalRestartsTheService)
     script prerm remove

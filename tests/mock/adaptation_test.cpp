@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <memory>
+#include <utility>
 
 #include "core/pipeline.h"
 #include "firmware/config/configuration.h"
@@ -33,13 +35,18 @@ class AdaptationTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     const media::Folder folder;
+    ASSERT_NO_FATAL_FAILURE(render(folder / "scene", ""));
+    ASSERT_NO_FATAL_FAILURE(read(folder / "scene", pictures));
+  }
+  static void render(const std::string& folder, const std::string& options) {
     const std::string command = "'" TOUCHLINE_ARENA "' static --quiet --seed 3 --count " + std::to_string(kPictures) +
-                                " --board '" TOUCHLINE_BOARDS "/mock/board.toml' --out '" + folder / "scene" + "'";
+                                " --board '" TOUCHLINE_BOARDS "/mock/board.toml' --out '" + folder + "'" + options;
     ASSERT_EQ(std::system(command.c_str()), 0);  // NOLINT(cert-env33-c,concurrency-mt-unsafe)
+  }
+  static void read(const std::string& folder, std::vector<hal::Picture>& out) {
     for (int i = 0; i < kPictures; ++i) {
-      ASSERT_OK_AND_ASSIGN(hal::Picture picture,
-                           hal::read_picture(folder / ("scene/00000" + std::to_string(i) + ".png")));
-      pictures.push_back(std::move(picture));
+      ASSERT_OK_AND_ASSIGN(hal::Picture picture, hal::read_picture(folder + "/00000" + std::to_string(i) + ".png"));
+      out.push_back(std::move(picture));
     }
   }
   static void TearDownTestSuite() { pictures.clear(); }
@@ -65,18 +72,21 @@ class AdaptationTest : public ::testing::Test {
     return seen;
   }
 
-  int step(const Light& light, double share) {
-    const hal::Picture& picture = pictures[count % pictures.size()];
+  int step(const Light& light, double share) { return step(light, share, pictures[count % pictures.size()]); }
+
+  int step(const Light& light, double share, const hal::Picture& picture) {
     shown.resize(picture.rgb8.size());
     const std::size_t width = picture.width_px;
     std::vector<std::array<double, 3>> factors(width);
     for (std::size_t u = 0; u < width; ++u) {
       for (std::size_t c = 0; c < 3; ++c) {
         factors[u][c] = light.at(c, static_cast<double>(u) / static_cast<double>(width - 1), share);
+        if (u < width / 2) factors[u][c] *= shadow;
       }
     }
     for (std::size_t i = 0; i < shown.size(); ++i) {
-      shown[i] = static_cast<std::uint8_t>(std::lround(picture.rgb8[i] * factors[i / 3 % width][i % 3]));
+      const long value = std::lround(picture.rgb8[i] * factors[i / 3 % width][i % 3]);
+      shown[i] = static_cast<std::uint8_t>(std::min(value, 255L));
     }
     Frame frame;
     frame.format = PixelFormat::kRgb24;
@@ -99,9 +109,12 @@ class AdaptationTest : public ::testing::Test {
   std::vector<std::uint8_t> shown;
   const StepTrace* trace = nullptr;
   std::size_t count = 0;
+  double shadow = 1.0;  // remaining light on the left half of the picture
 };
 
-const std::vector<std::string> kFast = {"adaptation.time_constant_s=1", "adaptation.most_light=3"};
+// Learns only from recognized robots, and quickly.
+const std::vector<std::string> kFast = {"adaptation.time_constant_s=1", "adaptation.most_light=3",
+                                        "light.reference=\"\""};
 std::vector<std::string> with(std::vector<std::string> overrides, const std::string& one) {
   overrides.push_back(one);
   return overrides;
@@ -127,6 +140,99 @@ TEST_F(AdaptationTest, FollowsAChangeOfLightThatWouldPreventRecognition) {
   EXPECT_EQ(run(120, kCloud, 1, 0), kRobots);
   run(100, kCloud, 0, 0);
   EXPECT_NEAR(static_cast<double>(trace->light.brightness), 1.0, 0.05);
+}
+
+// Robots by team and id.
+using Positions = std::map<std::pair<Team, RobotId>, FieldPoint>;
+
+Positions positions_of(const Sightings& sightings) {
+  Positions out;
+  for (const RobotSighting& robot : sightings.robots) {
+    if (robot.id != kUnknownId) out[{robot.team, robot.id}] = robot.pose.position;
+  }
+  return out;
+}
+
+struct Score {
+  int right = 0, wrong = 0;
+};
+Score compare(const Positions& truth, const Positions& seen) {
+  Score score;
+  for (const auto& [robot, position] : seen) {
+    const auto found = truth.find(robot);
+    const bool right =
+        found != truth.end() && std::hypot(position.x_m - found->second.x_m, position.y_m - found->second.y_m) < 0.01f;
+    ++(right ? score.right : score.wrong);
+  }
+  return score;
+}
+
+class ChangedLight : public AdaptationTest {
+ protected:
+  // Changes the light after two seconds. Returns the sum over the frames of the following two seconds.
+  Score after_step(const std::vector<hal::Picture>& changed, const Light& light, const std::string& mode) {
+    start({"adaptation.mode=" + mode, "adaptation.time_constant_s=1"});
+    shadow = 1.0;
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(step({}, 0), kRobots);
+    const Positions truth = positions_of(trace->sightings);
+    shadow = step_shadow;
+    Score sum;
+    for (int i = 0; i < 20; ++i) {
+      step(light, 1, changed[count % changed.size()]);
+      const Score score = compare(truth, positions_of(trace->sightings));
+      sum.right += score.right;
+      sum.wrong += score.wrong;
+    }
+    return sum;
+  }
+
+  // From the first frame on, at least this percentage of the robots must be right and none wrong, and never fewer than
+  // without adaptation.
+  void expect(const char* what, double percent, const std::vector<hal::Picture>& changed, const Light& light) {
+    const Score off = after_step(changed, light, "off"), on = after_step(changed, light, "follow");
+    EXPECT_GE(on.right, percent * 20 * kRobots / 100) << what;
+    EXPECT_EQ(on.wrong, 0) << what;
+    EXPECT_GE(on.right, off.right) << what;
+  }
+  static Light even(double r, double g, double b) { return {{r, g, b}, {r, g, b}}; }
+
+  double step_shadow = 1.0;
+};
+
+TEST_F(ChangedLight, ExposureOfTheSameScene) {
+  for (const char* exposure : {"0.5", "0.75", "1.5", "2"}) {
+    const media::Folder folder;
+    ASSERT_NO_FATAL_FAILURE(render(folder / "scene", std::string(" --set arena.light.exposure=") + exposure));
+    std::vector<hal::Picture> changed;
+    ASSERT_NO_FATAL_FAILURE(read(folder / "scene", changed));
+    expect(exposure, 99, changed, {});
+  }
+}
+
+TEST_F(ChangedLight, FactorsOfThePixelValues) {
+  expect("0.5", 99, pictures, even(0.5, 0.5, 0.5));
+  expect("warm", 99, pictures, even(1.15, 1, 0.85));
+  expect("cold", 99, pictures, even(0.85, 1, 1.15));
+}
+
+TEST_F(ChangedLight, ShadowOverHalfOfTheField) {
+  step_shadow = 0.35;
+  expect("shadow", 95, pictures, {});
+}
+
+TEST_F(ChangedLight, IsOffWithoutAdaptation) {
+  start({"adaptation.mode=off"});
+  step({}, 0);
+  step(even(0.5, 0.5, 0.5), 1);
+  EXPECT_EQ(trace->light.brightness, 1.0f);
+  start({});
+  step({}, 0);
+  EXPECT_EQ(trace->light.brightness, 1.0f);
+  step(even(0.5, 0.5, 0.5), 1);
+  EXPECT_NEAR(trace->light.brightness, 0.5f, 0.02f);
+  pipeline->set_adaptation(AdaptationMode::kFrozen);
+  step({}, 0);
+  EXPECT_NEAR(trace->light.brightness, 0.5f, 0.02f);
 }
 
 TEST_F(AdaptationTest, ConstantLightChangesLittle) {
@@ -161,7 +267,7 @@ TEST_F(AdaptationTest, FrozenKeepsAndOffResetsTheAdaptation) {
 }
 
 TEST_F(AdaptationTest, TheAdaptationIsBounded) {
-  start({"adaptation.time_constant_s=1", "adaptation.most_light=1.25"});
+  start({"adaptation.time_constant_s=1", "adaptation.most_light=1.25", "light.reference=\"\""});
   run(5, kCloud, 0, 0);
   run(120, kCloud, 0, 0.5);
   EXPECT_GE(trace->light.brightness, 1 / 1.2501f);

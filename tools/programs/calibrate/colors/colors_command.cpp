@@ -219,10 +219,13 @@ Result<void> ColorsCommand::run() const {
   }
   config::ColorsEntry colors{fit.space, {}};
   if (fit.background) colors.background.assign(fit.background->begin(), fit.background->end());
-  std::vector<Section> sections = {section_of("colors", colors, ""), section_of("color", entries)};
+  // The check needs no reference of the field, and that of former colors is not valid.
+  config::LightEntry light = draft.file.light;
+  light.reference.clear();
+  std::vector<Section> sections = {section_of("light", light, ""), section_of("colors", colors, ""),
+                                   section_of("color", entries)};
   if (can_detect) TOUCHLINE_TRY(check_result(input, sections, robots));
-  TOUCHLINE_TRY_ASSIGN(Section light, write_field_reference(venue, draft, input, fit));
-  sections.push_back(std::move(light));
+  TOUCHLINE_TRY_ASSIGN(sections[0], write_field_reference(venue, draft, input, fit));
   TOUCHLINE_TRY(write_sections(venue, sections));
   std::printf("%s: %zu colors in %zu boxes written\n", venue.c_str(), entries.size(), fit.learned.boxes.size());
   if (preview.empty()) return {};

@@ -24,9 +24,8 @@ constexpr unsigned kLargest_share = 4;
 class Coverage {
  public:
   Coverage(const VenueDraft& draft, const Frame& frame) : grid_(ReferenceGrid::of(frame.width_px, frame.height_px)) {
-    const CameraParameters& model = draft.file.camera_model;
-    const bool exists = (model.kind == CameraModelKind::kFull ? model.full.fx_px : model.paper.focal_px) > 0;
-    if (CameraModel camera; exists && camera.configure(model).ok()) camera_ = camera;
+    CameraModel camera;
+    if (has_camera_model(draft) && camera.configure(draft.file.camera_model).ok()) camera_ = camera;
     const auto roi = std::make_unique<RegionOfInterest>();
     const bool has_roi = roi->build(draft.region_of_interest, frame.width_px, frame.height_px).ok();
     const float x = draft.file.field.length_m / 2 + kOutside_m, y = draft.file.field.width_m / 2 + kOutside_m;
@@ -81,14 +80,15 @@ class Coverage {
   std::vector<bool> near_field_, covered_;
 };
 
-struct Scan {
+struct ColoredRegions {
   RegionScanner scanner;
   Runs runs;
   Regions regions;
 };
 
 // Covers everything that has a color of a robot or of the ball.
-void cover_colors(const ColorFitInput& input, const ColorFit& fit, const Frame& frame, Scan& scan, Coverage& coverage) {
+void cover_colors(const ColorFitInput& input, const ColorFit& fit, const Frame& frame, ColoredRegions& scan,
+                  Coverage& coverage) {
   ScanParameters parameters;
   parameters.format = frame.format;
   parameters.width_px = frame.width_px;
@@ -118,7 +118,7 @@ LightReference field_reference(const VenueDraft& draft, const ColorFitInput& inp
   Coverage coverage(draft, first);
   const ReferenceGrid grid = coverage.grid();
   std::vector<std::array<std::vector<std::uint16_t>, 3>> sums(grid.cells());
-  const auto scan = std::make_unique<Scan>();
+  const auto scan = std::make_unique<ColoredRegions>();
   const auto colors = std::make_unique<CellColors>();
   for (const auto& [name, picture] : input.pictures) {
     const Frame frame = picture.frame();

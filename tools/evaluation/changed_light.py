@@ -86,8 +86,12 @@ def after_a_while(tools, pictures, originals, venue, team, name, case):
         judged = [judge(truth, line["sightings"]) for line in lines[case.before:]]
         (tools.out / f"{name}-{number}.jsonl").unlink()
         return judged[-1], judging.add_up(judged[:-1])["wrong"]
-    with concurrent.futures.ThreadPoolExecutor(WORKERS) as pool:
+    pool = concurrent.futures.ThreadPoolExecutor(WORKERS)
+    try:
         results = list(pool.map(one, enumerate(pictures)))
+    finally:
+        # After Ctrl-C, without the pictures that are left.
+        pool.shutdown(cancel_futures=True)
     return [last for last, _ in results], sum(wrong for _, wrong in results)
 
 

@@ -15,7 +15,7 @@ struct Errors {
   std::vector<double> position, angle, ball;
 };
 
-// Largest distance of a robot's center from a report without heading, which is that of its team patch.
+// Largest distance of a robot's center from a report without id, which may be that of its team patch.
 constexpr double kPatchOffset_m = 0.05;
 
 // True if the report says nothing wrong. `partner`: the robot of the truth that it was paired with, or null.
@@ -23,7 +23,7 @@ bool is_right(const RobotRecord& reported, const RobotRecord* partner, const Sce
   if (partner != nullptr) {
     return partner->team == reported.team && (!reported.id.has_value() || reported.id == partner->id);
   }
-  return !reported.theta_rad.has_value() && !reported.id.has_value() &&
+  return !reported.id.has_value() &&
          std::any_of(truth.robots.begin(), truth.robots.end(), [&](const RobotRecord& robot) {
            return robot.team == reported.team && distance(robot.position_m, reported.position_m) <= kPatchOffset_m;
          });

@@ -31,7 +31,7 @@ constexpr int kNoChange = 3 * kStepsPerLevel / 2;
 // Cells on each side. A robot covers 2 x 2 cells.
 constexpr std::size_t kWindow = 3;
 // Share of the window's weight that must have the most frequent level, and at which the known level is kept.
-constexpr std::int32_t kFrequent_percent = 40, kKeep_percent = 80;
+constexpr std::int32_t kFrequent_percent = 40, kKeep_percent = 97;
 constexpr std::int32_t kLeastWeight = 20;
 
 constexpr std::size_t kBins = 64;

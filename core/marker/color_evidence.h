@@ -3,16 +3,10 @@
 #include <array>
 
 #include "core/color/typical_colors.h"
+#include "core/marker/surface_color.h"
 #include "core/types.h"
 
 namespace touchline {
-
-/// Color of a surface as R, G, B above black, from nine pixels.
-struct SurfaceColor {
-  std::array<float, 3> rgb{};
-  float spread = 0;  // error of the mean if the surface is not uniform, in levels
-  std::array<bool, 3> saturated{};
-};
 
 /// Light on a robot relative to that at calibration, as a factor of pixel values per channel.
 struct LocalLight {
@@ -35,12 +29,11 @@ class ColorEvidence {
   /// True if the typical value of the color was measured.
   [[nodiscard]] bool knows(ColorId color) const { return typical_.measured[color]; }
 
-  /// Color around a point: 3 x 3 pixels at a distance of `step_px` (at least 1), without the darkest and the brightest
-  /// one. False if they are not all in the picture.
-  static bool sample(const Frame& frame, PixelPoint center, int step_px, SurfaceColor& out);
-
   /// Light on a team patch of this color. A channel that says little (too dark, saturated) follows the others.
   [[nodiscard]] LocalLight light_on(const SurfaceColor& team_patch, ColorId team_color, ColorSpace space) const;
+
+  /// Log likelihood of the surface's color, if it is the same surface as `other`, a few centimeters away.
+  static float log_likelihood_of_same(const SurfaceColor& surface, const SurfaceColor& other);
 
   /// Log likelihood of the surface's color, if it is `color` in this light.
   [[nodiscard]] float log_likelihood(const SurfaceColor& surface, const LocalLight& light, ColorId color,

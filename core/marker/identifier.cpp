@@ -23,6 +23,20 @@ constexpr float kClearMargin = 5.0f;
 // Margins are divided by this value before they become a probability, because the errors of a robot's patches are not
 // independent.
 constexpr float kTemperature = 1.5f;
+// Log likelihood that a small region of a team color is no robot's team patch.
+constexpr float kTentativeDoubt = 3.0f;
+// Area of a team patch that is grown from its pixels, relative to the layout's. Halos of sharpening and shared chroma
+// leave half of a small patch.
+constexpr float kMinGrownArea = 0.35f, kMaxGrownArea = 1.5f;
+// A region of the right shape with this part of the area shows the whole patch.
+constexpr float kWholeRegion = 0.75f;
+// The window for growing contains the patch if its seed is in the middle third.
+constexpr float kReachMargin = 1.3f, kBlur_px = 2.0f;
+// Samples of the floor lie on a circle of this radius, relative to the robot's side, around its team patch.
+constexpr std::size_t kFloorSamples = 8;
+constexpr float kFloorRadius = 1.1f;
+// Ratio of variances of patches whose axis is visible: in the layout, and in the picture.
+constexpr float kLong = 2.0f, kElongated = 1.5f;
 // Smaller differences of pose show the same pixels.
 constexpr float kSamePlace = 0.006f, kSameHeading = 0.2f;
 constexpr float kSimilarPlace = 0.02f, kSimilarHeading = 0.5f;
@@ -106,7 +120,7 @@ int Identifier::step_px(const TeamColors& colors, std::size_t patch, float scale
 bool Identifier::is_free(const Scene& now, std::size_t robot, const Pose& pose) const {
   const MarkerLayout& layout = teams_[now.team].layout;
   for (std::size_t i = 0; i < now.seen.robots.size(); ++i) {
-    if (i == robot) continue;
+    if (i == robot || now.boxes[i].is_tentative) continue;
     const RobotSighting& other = now.seen.robots[i];
     if (other.has_heading) {
       const float side = 0.5f * (layout.robot_side_m + teams_[index_of(other.team)].layout.robot_side_m);
@@ -118,12 +132,71 @@ bool Identifier::is_free(const Scene& now, std::size_t robot, const Pose& pose) 
   return true;
 }
 
-float Identifier::prior_of(const Scene& now, const PatchCandidate& patch, const PoseEvidence& pose) const {
+// A region holds only the part of a patch that fell into its box. The whole patch has a better center and axis.
+void Identifier::look_at_team_patch(const Scene& now, Candidate& candidate) const {
+  const PatchCandidate& region = now.patches.team[now.boxes[candidate.robot].team_patch].patch;
+  candidate.center = region.center;
+  candidate.at = region.at[now.team];
+  candidate.axis_rad = region.axis_rad;
+  candidate.has_axis = region.has_rough_axis;
+  candidate.is_complete = true;
+  if (candidate.pose_is_sure || (region.has_axis && region.ratio > kWholeRegion)) return;
+  const MarkerLayout& layout = teams_[now.team].layout;
+  const PatchPlace& place = layout.patches[0];
+  const float scale = region.scale_px_per_m, expected_px = area_m2(place) * scale * scale;
+  const float reach_px = kReachMargin * 0.5f * std::hypot(place.length_m, place.width_m) * scale + kBlur_px;
+  GrownPatch patch;
+  const bool is_grown = grow_patch(now.frame, region.center, reach_px, patch) &&
+                        patch.area_px > kMinGrownArea * expected_px && patch.area_px < kMaxGrownArea * expected_px;
+  candidate.is_complete = is_grown || !region.is_partly_visible;
+  if (!is_grown) return;
+  const auto field = [&](PixelPoint pixel) { return camera_.to_field(pixel, layout.height_m); };
+  candidate.center = patch.center;
+  candidate.at = field(patch.center);
+  const PrincipalVariances variances = principal_variances(place);
+  candidate.has_axis =
+      variances.major_m2 > kLong * variances.minor_m2 && patch.major_px2 > kElongated * patch.minor_px2;
+  if (!candidate.has_axis) return;
+  const float du = std::sqrt(patch.major_px2) * std::cos(patch.axis_rad);
+  const float dv = std::sqrt(patch.major_px2) * std::sin(patch.axis_rad);
+  const FieldPoint a = field({patch.center.u_px + du, patch.center.v_px + dv});
+  const FieldPoint b = field({patch.center.u_px - du, patch.center.v_px - dv});
+  candidate.axis_rad = std::atan2(a.y_m - b.y_m, a.x_m - b.x_m);
+}
+
+// Finds the color of the floor: the median of samples on a circle around the robot.
+void Identifier::look_at_floor(const Scene& now, Candidate& candidate) const {
+  candidate.has_floor = false;
+  if (candidate.pose_is_sure) return;
+  const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
+  const float radius_px = kFloorRadius * teams_[now.team].layout.robot_side_m * scale;
+  std::array<FixedVector<float, kFloorSamples>, 3> values;
+  for (std::size_t i = 0; i < kFloorSamples; ++i) {
+    const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(kFloorSamples);
+    SurfaceColor surface;
+    if (!sample_surface(
+            now.frame,
+            {candidate.center.u_px + radius_px * std::cos(angle), candidate.center.v_px + radius_px * std::sin(angle)},
+            1, surface)) {
+      continue;
+    }
+    for (std::size_t c = 0; c < 3; ++c) values[c].push_back(surface.rgb[c]);
+  }
+  if (values[0].size() < kFloorSamples / 2) return;
+  candidate.has_floor = true;
+  for (std::size_t c = 0; c < 3; ++c) {
+    float* const middle = values[c].begin() + values[c].size() / 2;
+    std::nth_element(values[c].begin(), middle, values[c].end());
+    candidate.floor.rgb[c] = *middle;
+  }
+}
+
+float Identifier::prior_of(const Scene& now, const Candidate& candidate, const PoseEvidence& pose) const {
   float prior = 0;
   for (const std::uint16_t number : pose.identification) prior += number == kMissing ? 0.0f : kRegionReward;
-  if (patch.has_rough_axis) {
+  if (candidate.has_axis) {
     const float error = std::remainder(
-        patch.axis_rad - pose.pose.theta_rad - principal_variances(teams_[now.team].layout.patches[0]).axis_rad,
+        candidate.axis_rad - pose.pose.theta_rad - principal_variances(teams_[now.team].layout.patches[0]).axis_rad,
         std::numbers::pi_v<float>);
     prior -= 0.5f * error * error / (kAxisSigma * kAxisSigma);
   }
@@ -136,13 +209,15 @@ void Identifier::add_pose(const Scene& now, PoseEvidence pose, Candidate& candid
                   [&](const PoseEvidence& other) { return same_pose(other.pose, pose.pose); })) {
     return;
   }
-  pose.prior = prior_of(now, now.patches.team[now.boxes[candidate.robot].team_patch].patch, pose);
+  pose.prior = prior_of(now, candidate, pose);
   candidate.poses.push_back(pose);
 }
 
 void Identifier::collect_poses(const Scene& now, Candidate& candidate) const {
   const BoxSighting& box = now.boxes[candidate.robot];
   candidate.pose_is_sure = box.pose_is_sure;
+  look_at_team_patch(now, candidate);
+  look_at_floor(now, candidate);
   candidate.poses.clear();
   if (candidate.pose_is_sure) {
     const Hypothesis& h = now.hypotheses[box.hypothesis];
@@ -153,15 +228,14 @@ void Identifier::collect_poses(const Scene& now, Candidate& candidate) const {
     if (h.team_patch != box.team_patch || !h.has_heading) continue;
     add_pose(now, {h.fit.pose, h.fit.residual_m, h.identification, 0, {}, 0}, candidate);
   }
-  const PatchCandidate& patch = now.patches.team[box.team_patch].patch;
-  if (!patch.has_rough_axis) return;
+  if (!candidate.has_axis) return;
   const PatchPlace& place = teams_[now.team].layout.patches[0];
   PoseEvidence upright;
   upright.identification.fill(kMissing);
   for (const float turn : {0.0f, std::numbers::pi_v<float>}) {
-    upright.pose.theta_rad = wrap_angle(patch.axis_rad - principal_variances(place).axis_rad + turn);
+    upright.pose.theta_rad = wrap_angle(candidate.axis_rad - principal_variances(place).axis_rad + turn);
     const FieldPoint offset = on_field({{}, upright.pose.theta_rad}, place);
-    upright.pose.position = {patch.at[now.team].x_m - offset.x_m, patch.at[now.team].y_m - offset.y_m};
+    upright.pose.position = {candidate.at.x_m - offset.x_m, candidate.at.y_m - offset.y_m};
     add_pose(now, upright, candidate);
   }
 }
@@ -170,15 +244,14 @@ void Identifier::collect_poses(const Scene& now, Candidate& candidate) const {
 bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
   const TeamMarking& team = teams_[now.team];
   const TeamColors& colors = team_colors_[now.team];
-  const PatchCandidate& team_patch = now.patches.team[now.boxes[candidate.robot].team_patch].patch;
+  const BoxSighting& box = now.boxes[candidate.robot];
   const ColorSpace space = color_space(now.frame.format);
-  const float scale = team_patch.scale_px_per_m;
+  const float scale = now.patches.team[box.team_patch].patch.scale_px_per_m;
   SurfaceColor surface;
-  if (!ColorEvidence::sample(now.frame, team_patch.center, step_px(colors, 0, scale), surface)) return false;
+  if (!sample_surface(now.frame, candidate.center, step_px(colors, 0, scale), surface)) return false;
   const LocalLight light = colors_.light_on(surface, team.team_color, space);
-  float best_prior = -std::numeric_limits<float>::max();
   for (PoseEvidence& pose : candidate.poses) {
-    best_prior = std::max(best_prior, pose.prior);
+    pose.floor = 0;
     pose.value.fill(pose.prior);
     for (std::size_t s = 0; s + 1 < team.layout.patches.size(); ++s) {
       const SlotColors& slot = colors.slots[s];
@@ -188,24 +261,37 @@ bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
           region != nullptr ? region->center
                             : camera_.to_pixel(on_field(pose.pose, team.layout.patches[s + 1]), team.layout.height_m);
       std::array<float, kMaxRobotsPerTeam> likelihood{};
-      if (ColorEvidence::sample(now.frame, center, step_px(colors, s + 1, scale), surface)) {
+      if (sample_surface(now.frame, center, step_px(colors, s + 1, scale), surface)) {
         for (std::size_t i = 0; i < slot.colors.size(); ++i) {
           likelihood[i] = colors_.log_likelihood(surface, light, slot.colors[i], space);
           if (region != nullptr && region->color == slot.colors[i]) likelihood[i] += kBoxVote;
+        }
+        if (candidate.has_floor) {
+          pose.floor += ColorEvidence::log_likelihood_of_same(surface, candidate.floor) - ColorEvidence::kNoColor;
         }
       } else {
         likelihood.fill(ColorEvidence::kNoColor);
       }
       for (std::size_t r = 0; r < team.robots.size(); ++r) pose.value[r] += likelihood[slot.of_robot[r]];
     }
-    pose.best =
-        *std::max_element(pose.value.begin(), pose.value.begin() + static_cast<std::ptrdiff_t>(team.robots.size()));
+  }
+  // In the right pose, the least of what should be patches looks like floor.
+  float least_floor = std::numeric_limits<float>::max(), best_prior = -least_floor;
+  for (const PoseEvidence& pose : candidate.poses) least_floor = std::min(least_floor, pose.floor);
+  for (PoseEvidence& pose : candidate.poses) {
+    for (std::size_t r = 0; r < team.robots.size(); ++r) {
+      pose.value[r] -= pose.floor - least_floor;
+      pose.best = r == 0 ? pose.value[r] : std::max(pose.best, pose.value[r]);
+    }
+    best_prior = std::max(best_prior, pose.prior - (pose.floor - least_floor));
   }
   candidate.unknown = best_prior + static_cast<float>(team.layout.patches.size() - 1) * ColorEvidence::kNoColor;
-  return !candidate.poses.empty();
+  if (box.is_tentative) candidate.unknown += kTentativeDoubt;
+  return !candidate.poses.empty() && (candidate.is_complete || !box.is_tentative);
 }
 
-void Identifier::apply(const Scene& now, const Candidate& candidate, const AssignedId& assigned, Sightings& out) const {
+void Identifier::apply(const Scene& now, const Candidate& candidate, const AssignedId& assigned, std::span<bool> used,
+                       Sightings& out) const {
   const TeamMarking& team = teams_[now.team];
   RobotSighting& robot = out.robots[candidate.robot];
   robot.id = kUnknownId;
@@ -232,10 +318,10 @@ void Identifier::apply(const Scene& now, const Candidate& candidate, const Assig
   robot.patches.push_back({PatchRole::kTeam, 0, team_patch.color, team_patch.center});
   for (std::size_t s = 0; s + 1 < team.layout.patches.size(); ++s) {
     if (best.identification[s] == kMissing) continue;
+    used[best.identification[s]] = true;
     const PatchCandidate& patch = now.patches.identification[best.identification[s]];
     // The adaptation must not learn from a region of the wrong color.
     if (name != nullptr && patch.color != name->colors[s]) continue;
-    out.verdicts[patch.region] = Verdict::kIdentification;
     robot.patches.push_back({PatchRole::kIdentification, static_cast<std::uint8_t>(s + 1), patch.color, patch.center});
   }
   if (name == nullptr || assigned.margin < kDoubtfulMargin) return;
@@ -263,7 +349,7 @@ IdEvidence Identifier::evidence_of(const Scene& now, const Candidate& candidate)
 }
 
 void Identifier::identify(const Frame& frame, const PatchLists& patches, std::span<const Hypothesis> hypotheses,
-                          std::span<const BoxSighting> boxes, Sightings& out) {
+                          std::span<const BoxSighting> boxes, std::span<bool> used, Sightings& out) {
   for (std::size_t t = 0; t < teams_.size(); ++t) {
     if (!team_colors_[t].usable) continue;
     const Scene now{frame, patches, hypotheses, boxes, out, t};
@@ -281,7 +367,7 @@ void Identifier::identify(const Frame& frame, const PatchLists& patches, std::sp
     AssignedIds assigned;
     assign_ids(evidence, teams_[t].robots.size(), kClearMargin, assigned);
     for (std::size_t k = 0; k < candidates_.size(); ++k) {
-      if (candidates_[k].has_evidence) apply(now, candidates_[k], assigned[k], out);
+      if (candidates_[k].has_evidence) apply(now, candidates_[k], assigned[k], used, out);
     }
   }
 }

@@ -18,6 +18,7 @@ struct BoxSighting {
   std::uint16_t team_patch = 0;         // index in the list of team patches
   std::uint16_t hypothesis = kMissing;  // index in the list of hypotheses; kMissing: only its team patch was found
   bool pose_is_sure = false;
+  bool is_tentative = false;  // too small for a robot, unless its colors say so
 };
 using BoxSightings = FixedVector<BoxSighting, kMaxRobots>;
 
@@ -35,9 +36,10 @@ class Identifier {
   void set_teams(const std::array<TeamMarking, 2>& teams);
   void set_typical(const TypicalColors& typical);
 
-  /// Updates id, pose and patches of the robots. `boxes` has the order of `out.robots`.
+  /// Updates id, pose and patches of the robots. `boxes` has the order of `out.robots`. Sets `used` for identification
+  /// patches that belong to robots.
   void identify(const Frame& frame, const PatchLists& patches, std::span<const Hypothesis> hypotheses,
-                std::span<const BoxSighting> boxes, Sightings& out);
+                std::span<const BoxSighting> boxes, std::span<bool> used, Sightings& out);
 
  private:
   // The hypotheses of a team patch have at most a few different poses; a long team patch adds two.
@@ -51,10 +53,18 @@ class Identifier {
     float prior = 0;                                              // log likelihood of its patches' places
     std::array<float, kMaxRobotsPerTeam> value{};                 // by index in TeamMarking::robots
     float best = 0;                                               // of all values
+    float floor = 0;  // log likelihood ratio that its missing patches are floor
   };
   struct Candidate {
     std::size_t robot = 0;  // index in Sightings::robots
     bool pose_is_sure = false;
+    PixelPoint center;   // of its team patch
+    FieldPoint at;       // the same on the field
+    float axis_rad = 0;  // direction of the team patch's longer side on the field, modulo pi
+    bool has_axis = false;
+    bool is_complete = true;  // the team patch has the expected area
+    bool has_floor = false;
+    SurfaceColor floor;  // around the robot
     bool has_evidence = false;
     float unknown = 0;  // log likelihood that it has none of the names
     FixedVector<PoseEvidence, kMaxPoses> poses;
@@ -73,11 +83,14 @@ class Identifier {
 
   void collect_poses(const Scene& now, Candidate& candidate) const;
   void add_pose(const Scene& now, PoseEvidence pose, Candidate& candidate) const;
-  [[nodiscard]] float prior_of(const Scene& now, const PatchCandidate& patch, const PoseEvidence& pose) const;
+  void look_at_team_patch(const Scene& now, Candidate& candidate) const;
+  void look_at_floor(const Scene& now, Candidate& candidate) const;
+  [[nodiscard]] float prior_of(const Scene& now, const Candidate& candidate, const PoseEvidence& pose) const;
   [[nodiscard]] bool is_free(const Scene& now, std::size_t robot, const Pose& pose) const;
   bool evaluate(const Scene& now, Candidate& candidate) const;
   [[nodiscard]] IdEvidence evidence_of(const Scene& now, const Candidate& candidate) const;
-  void apply(const Scene& now, const Candidate& candidate, const AssignedId& assigned, Sightings& out) const;
+  void apply(const Scene& now, const Candidate& candidate, const AssignedId& assigned, std::span<bool> used,
+             Sightings& out) const;
   [[nodiscard]] int step_px(const TeamColors& colors, std::size_t patch, float scale_px_per_m) const;
 
   ColorEvidence colors_;

@@ -226,31 +226,49 @@ bool Matcher::is_on_robot(const TeamPatch& patch, const Sightings& out) const {
   });
 }
 
-void Matcher::report_unpaired(Sightings& out) {
+// Reports team patches without identification patches. Those that are too small for a robot are tentative: they remain
+// only if their pixels give them a name.
+void Matcher::report_unpaired(bool with_pixels, Sightings& out) {
   // The list is sorted by area within a team, the largest first.
   for (std::size_t i = 0; i < team_patches_.size(); ++i) {
     if (reported_[i]) continue;
     const TeamPatch& candidate = team_patches_[i];
     Verdict& verdict = out.verdicts[candidate.patch.region];
+    const bool too_small = candidate.patch.is_partly_visible || candidate.patch.ratio < kMinUnpairedRatio;
     if (candidate.patch.is_partly_visible) {
       verdict = Verdict::kTooSmall;
     } else if (is_on_robot(candidate, out)) {
       verdict = Verdict::kTooClose;
-    } else if (candidate.patch.ratio < kMinUnpairedRatio) {
+    } else if (too_small) {
       verdict = Verdict::kNoPartner;
-    } else if (free_places(candidate.team, out) == 0) {
-      verdict = Verdict::kSurplus;
+    }
+    if (is_on_robot(candidate, out) || (too_small && !with_pixels)) continue;
+    if (free_places(candidate.team, out) == 0) {
+      if (!too_small) verdict = Verdict::kSurplus;
+      continue;
+    }
+    RobotSighting robot;
+    robot.team = candidate.team;
+    robot.pose.position = candidate.patch.at[index_of(candidate.team)];
+    robot.confidence = kTeamPatchOnly;
+    robot.patches.push_back({PatchRole::kTeam, 0, candidate.patch.color, candidate.patch.center});
+    reported_[i] = true;
+    out.robots.push_back(robot);
+    box_sightings_.push_back({static_cast<std::uint16_t>(i), kMissing, false, too_small});
+  }
+}
+
+void Matcher::drop_tentative(Sightings& out) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < out.robots.size(); ++i) {
+    const BoxSighting& box = box_sightings_[i];
+    if (box.is_tentative && out.robots[i].id == kUnknownId) {
+      reported_[box.team_patch] = false;
     } else {
-      RobotSighting robot;
-      robot.team = candidate.team;
-      robot.pose.position = candidate.patch.at[index_of(candidate.team)];
-      robot.confidence = kTeamPatchOnly;
-      robot.patches.push_back({PatchRole::kTeam, 0, candidate.patch.color, candidate.patch.center});
-      reported_[i] = true;
-      out.robots.push_back(robot);
-      box_sightings_.push_back({static_cast<std::uint16_t>(i), kMissing, false});
+      out.robots[kept++] = out.robots[i];
     }
   }
+  out.robots.resize(kept);
 }
 
 void Matcher::write_verdicts(Sightings& out) {
@@ -298,12 +316,13 @@ void Matcher::match(const Frame* frame, const Runs& runs, const Regions& regions
   complete =
       selector_.select({hypotheses_.data(), hypotheses_.size()}, team_patches_.size(), sides, selection_) && complete;
   report_pairs(out);
-  report_unpaired(out);
-  write_verdicts(out);
+  report_unpaired(frame != nullptr, out);
   if (frame != nullptr) {
     identifier_.identify(*frame, lists, {hypotheses_.data(), hypotheses_.size()},
-                         {box_sightings_.data(), box_sightings_.size()}, out);
+                         {box_sightings_.data(), box_sightings_.size()}, used_, out);
+    drop_tentative(out);
   }
+  write_verdicts(out);
   find_ball(ball_patches_, finder_, parameters_.teams, regions, out);
   out.cut_short = !complete;
 }

@@ -61,7 +61,8 @@ class Matcher {
   void add_team_patches(Team team, Sightings& out);
   void report_pairs(Sightings& out);
   void report_pair(const Chosen& choice, Sightings& out);
-  void report_unpaired(Sightings& out);
+  void report_unpaired(bool with_pixels, Sightings& out);
+  void drop_tentative(Sightings& out);
   [[nodiscard]] bool is_on_robot(const TeamPatch& patch, const Sightings& out) const;
   [[nodiscard]] std::size_t free_places(Team team, const Sightings& out) const;
   void write_verdicts(Sightings& out);

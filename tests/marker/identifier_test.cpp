@@ -141,6 +141,40 @@ INSTANTIATE_TEST_SUITE_P(Marker, LongTeamPatch,
 const Placed kLeft{Team::kOwn, 0, {{-0.3f, 0.1f}, 0.4f}}, kMiddle{Team::kOwn, 1, {{0.0f, 0.1f}, -1.9f}},
     kRight{Team::kOwn, 2, {{0.3f, 0.1f}, 2.6f}};
 
+// Under another lamp, a quarter of the team patch is in its box.
+TEST_F(IdsFromPixels, FindARobotByAPartOfItsTeamPatch) {
+  for (const auto& layout : {bar_layout(), halves_layout(), triangles_layout()}) {
+    use(teams_with(layout, 3));
+    for (const Placed& robot : {kLeft, kMiddle, kRight}) {
+      shown->paint(robot);
+      const PatchPlace& patch = layout.patches[0];
+      boxes->paint_part(robot, {patch.x_m - 0.009f, patch.y_m - 0.012f}, {patch.x_m + 0.009f, patch.y_m + 0.008f},
+                        kBlue);
+    }
+    const Comparison result = compare({kLeft, kMiddle, kRight}, look(kLampLight), parameters);
+    EXPECT_EQ(result.right, 3u);
+    EXPECT_LT(result.position_m, 0.005f);
+    EXPECT_LT(result.heading_rad, 0.2f);
+    EXPECT_EQ(boxes->match().robots.size(), 0u);
+  }
+}
+
+TEST_F(IdsFromPixels, ReportNoRobotWhereASpeckHasTheTeamColor) {
+  use(teams_with(bar_layout(), 3));
+  paint(kLeft);
+  // One beside a robot, one alone, one as large as a team patch that is half hidden.
+  const Placed beside{Team::kOwn, 0, {{-0.3f, 0.16f}, 0.3f}}, alone{Team::kOwn, 0, {{0.2f, -0.2f}, 0.3f}},
+      large{Team::kOwn, 0, {{0.4f, 0.3f}, 1.3f}};
+  for (PaintedField* field : {boxes.get(), shown.get()}) {
+    field->paint_part(beside, {-0.007f, -0.007f}, {0.007f, 0.007f}, kBlue);
+    field->paint_part(alone, {-0.01f, -0.01f}, {0.01f, 0.01f}, kBlue);
+    field->paint_part(large, {-0.012f, -0.02f}, {0.012f, 0.02f}, kBlue);
+  }
+  const Comparison result = compare({kLeft}, look(), parameters);
+  EXPECT_EQ(result.right, 1u);
+  EXPECT_EQ(result.ghosts, 0u);
+}
+
 TEST_F(IdsFromPixels, CorrectAWrongBox) {
   use(teams_with(halves_layout(), 3));  // red, green, magenta
   paint(kLeft);

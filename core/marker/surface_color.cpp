@@ -1,0 +1,150 @@
+#include "core/marker/surface_color.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "core/light/shading.h"
+
+namespace touchline {
+namespace {
+
+// Part of the range of nine samples that counts as error of their mean. (Nine values with the standard deviation 1 have
+// a range of 3, and their mean has an error of 1/3.)
+constexpr float kRangeError = 0.25f;
+// Samples on each side of the seed: every pixel of the longest patches at 200 pixels per meter.
+constexpr int kGridReach = 23;
+constexpr std::size_t kGridSize = 2 * kGridReach + 1;
+// Largest distance from the seed's color, relative to its length: noise and uneven light within a patch are below a
+// tenth, other patches of real robots begin at a quarter.
+constexpr float kSameColor = 0.2f;
+constexpr int kMinSamples = 9;
+
+using Grid = std::array<std::uint64_t, kGridSize>;  // one bit per sample
+
+// Keeps only the samples that are connected with the one in the middle.
+Grid connected(const Grid& mask) {
+  Grid out{};
+  out[kGridReach] = std::uint64_t{1} << static_cast<unsigned>(kGridReach);
+  // Every pass reaches at least one sample farther; a spiral would need more passes, but is no patch.
+  for (std::size_t pass = 0; pass < kGridSize; ++pass) {
+    const Grid before = out;
+    for (std::size_t row = 0; row < kGridSize; ++row) {
+      std::uint64_t near = out[row] | out[row] << 1u | out[row] >> 1u;
+      if (row > 0) near |= out[row - 1];
+      if (row + 1 < kGridSize) near |= out[row + 1];
+      out[row] = near & mask[row];
+    }
+    if (out == before) break;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::array<float, 3> to_rgb(const std::array<float, 3>& value, ColorSpace space) {
+  if (space == ColorSpace::kRgb) return value;
+  const float y = 1.164f * (value[0] - static_cast<float>(black_value(space, 0)));
+  const float u = value[1] - static_cast<float>(black_value(space, 1));
+  const float v = value[2] - static_cast<float>(black_value(space, 2));
+  return {std::max(0.0f, y + 1.596f * v), std::max(0.0f, y - 0.392f * u - 0.813f * v), std::max(0.0f, y + 2.017f * u)};
+}
+
+bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceColor& out) {
+  // Also false for NaN.
+  if (!(center.u_px >= 0.0f && center.v_px >= 0.0f && center.u_px < 65536.0f && center.v_px < 65536.0f)) return false;
+  const int u = static_cast<int>(center.u_px + 0.5f), v = static_cast<int>(center.v_px + 0.5f);
+  if (u < step_px || v < step_px || u + step_px >= frame.width_px || v + step_px >= frame.height_px) return false;
+  const PixelFormatInfo& info = info_of(frame.format);
+  std::array<float, 3> mean{};
+  std::array<int, 3> most{};
+  int range = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const ChannelLayout& channel = info.channel[c];
+    const auto offset = [&](int column) { return channel.byte(static_cast<std::size_t>(column)); };
+    const std::array<std::size_t, 3> offsets{offset(u - step_px), offset(u), offset(u + step_px)};
+    int sum = 0, low = 255, high = 0;
+    for (const int row : {v - step_px, v, v + step_px}) {
+      const std::size_t plane_row = static_cast<std::size_t>(row) >> channel.shift_v;
+      const std::uint8_t* const pixels = frame.plane[channel.plane] + plane_row * frame.stride_bytes[channel.plane];
+      const int a = pixels[offsets[0]], b = pixels[offsets[1]], d = pixels[offsets[2]];
+      sum += a + b + d;
+      low = std::min({low, a, b, d});
+      high = std::max({high, a, b, d});
+    }
+    mean[c] = static_cast<float>(sum - low - high) / 7.0f;
+    most[c] = high;
+    range = std::max(range, high - low);
+  }
+  out.spread = kRangeError * static_cast<float>(range);
+  out.rgb = to_rgb(mean, info.space);
+  for (std::size_t c = 0; c < 3; ++c) {
+    out.saturated[c] = info.space == ColorSpace::kRgb ? most[c] >= kSaturatedValue : out.rgb[c] >= kSaturatedValue;
+  }
+  return true;
+}
+
+bool grow_patch(const Frame& frame, PixelPoint seed, float reach_px, GrownPatch& out) {
+  SurfaceColor surface;
+  if (!sample_surface(frame, seed, 1, surface)) return false;
+  const ColorSpace space = color_space(frame.format);
+  const int step = std::max(1, static_cast<int>(std::ceil(reach_px / static_cast<float>(kGridReach))));
+  const int reach = std::min(kGridReach, static_cast<int>(reach_px) / step);
+  const int seed_u = static_cast<int>(seed.u_px + 0.5f), seed_v = static_cast<int>(seed.v_px + 0.5f);
+  float length = 0;
+  for (const float value : surface.rgb) length += value * value;
+  const float allowed = kSameColor * kSameColor * length;
+  Grid mask{};
+  int outside = 0;
+  for (int row = -reach; row <= reach; ++row) {
+    for (int column = -reach; column <= reach; ++column) {
+      const int u = seed_u + column * step, v = seed_v + row * step;
+      if (u < 0 || v < 0 || u >= frame.width_px || v >= frame.height_px) {
+        ++outside;
+        continue;
+      }
+      const auto pixel = pixel_at(frame, static_cast<std::size_t>(u), static_cast<std::size_t>(v));
+      const std::array<float, 3> rgb =
+          to_rgb({static_cast<float>(pixel[0]), static_cast<float>(pixel[1]), static_cast<float>(pixel[2])}, space);
+      float distance = 0;
+      for (std::size_t c = 0; c < 3; ++c) distance += (rgb[c] - surface.rgb[c]) * (rgb[c] - surface.rgb[c]);
+      if (distance > allowed) continue;
+      mask[static_cast<std::size_t>(row + kGridReach)] |= std::uint64_t{1}
+                                                          << static_cast<unsigned>(column + kGridReach);
+    }
+  }
+  if (5 * outside > (2 * reach + 1) * (2 * reach + 1)) return false;
+  // The pixel in the middle may be noise; the mean around it is the color.
+  mask[kGridReach] |= std::uint64_t{1} << static_cast<unsigned>(kGridReach);
+  const Grid grown = connected(mask);
+  float n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+  for (std::size_t row = 0; row < kGridSize; ++row) {
+    const float dy = static_cast<float>(row) - static_cast<float>(kGridReach);
+    for (std::uint64_t bits = grown[row]; bits != 0; bits &= bits - 1) {
+      const float dx = static_cast<float>(std::countr_zero(bits) - kGridReach);
+      n += 1;
+      x += dx;
+      y += dy;
+      xx += dx * dx;
+      xy += dx * dy;
+      yy += dy * dy;
+    }
+  }
+  if (n < static_cast<float>(kMinSamples)) return false;
+  const float scale = static_cast<float>(step), square = scale * scale;
+  x /= n;
+  y /= n;
+  xx = xx / n - x * x;
+  xy = xy / n - x * y;
+  yy = yy / n - y * y;
+  const float middle = 0.5f * (xx + yy), half = std::hypot(0.5f * (xx - yy), xy);
+  out.center = {static_cast<float>(seed_u) + scale * x, static_cast<float>(seed_v) + scale * y};
+  out.area_px = square * n;
+  // Pixels are squares, not points.
+  out.major_px2 = square * (middle + half + 1.0f / 12.0f);
+  out.minor_px2 = square * (std::max(0.0f, middle - half) + 1.0f / 12.0f);
+  out.axis_rad = 0.5f * std::atan2(2.0f * xy, xx - yy);
+  return true;
+}
+
+}  // namespace touchline

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+
+#include "core/types.h"
+
+namespace touchline {
+
+/// Color of a surface as R, G, B above black, from nine pixels. YUV is converted (ITU-R BT.601, limited range).
+struct SurfaceColor {
+  std::array<float, 3> rgb{};
+  float spread = 0;  // error of the mean if the surface is not uniform, in levels
+  std::array<bool, 3> saturated{};
+};
+
+/// Values from this one upwards count as saturated.
+constexpr int kSaturatedValue = 250;
+
+/// Converts a pixel value of the color space to R, G, B above black.
+std::array<float, 3> to_rgb(const std::array<float, 3>& value, ColorSpace space);
+
+/// Samples the surface around a point: 3 x 3 pixels at a distance of `step_px` (at least 1), without the lowest and the
+/// highest value of each channel. False if they are not all in the picture.
+bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceColor& out);
+
+/// A patch as its pixels show it, independent of color boxes.
+struct GrownPatch {
+  PixelPoint center;
+  float area_px = 0;
+  float major_px2 = 0, minor_px2 = 0;  // variances along the principal axes
+  float axis_rad = 0;                  // direction of the major axis, from u towards v
+};
+
+/// Grows a patch from a point of it: all pixels that are connected with the point and hardly differ from its color, at
+/// most `reach_px` away along rows and columns. The work is bounded: large patches are sampled on a grid of 47 x 47
+/// points. False if the point or a fifth of the area is outside of the picture, or if there are fewer than nine such
+/// samples.
+bool grow_patch(const Frame& frame, PixelPoint seed, float reach_px, GrownPatch& out);
+
+}  // namespace touchline

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <string>
 
+#include "firmware/config/standard_layouts.h"
+
 namespace touchline {
 namespace {
 
@@ -101,6 +103,22 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
   check->add_flag("--dump", out.dump, "Print the values of all keys, defaults included, with their meaning");
   check->footer("Exit codes: 0 the files are valid, 1 they have errors, 64 the command line is wrong.");
 
+  check->add_option("--draw", out.drawing, "Draw the robots' tops as the team file describes them, into this PNG file")
+      ->type_name("FILE");
+
+  CLI::App* init =
+      app.add_subcommand("init", "Write board, venue and team files to start from, and print the next steps");
+  init->add_option("--league", out.init.league, "League whose field, robots and colors the files describe")
+      ->required()
+      ->check(CLI::IsMember(init_leagues()));
+  init->add_option("--out", out.init.folder, "Folder of the files")->type_name("DIR")->capture_default_str();
+  init->add_flag("--force", out.init.force, "Replace files that exist already");
+  std::string layouts = "Layouts that team files can name (own ones are declared with [[layout]]):\n";
+  for (const config::StandardLayout& layout : config::standard_layouts()) {
+    layouts += "  " + std::string(layout.name) + ": " + std::string(layout.help) + "\n";
+  }
+  init->footer(layouts);
+
   CLI::App* keys = app.add_subcommand("keys", "List all keys of the three files: type, range, default, meaning");
   keys->add_option("--update", out.page_to_update, "Write the reference into this page (docs/files.md) instead")
       ->type_name("FILE");
@@ -111,7 +129,10 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
     // Help and version are "errors" of code 0.
     return app.exit(error) == 0 ? kExitOk : kExitBadCommandLine;
   }
-  out.command = check->parsed() ? Command::kCheck : keys->parsed() ? Command::kKeys : Command::kRun;
+  out.command = init->parsed()    ? Command::kInit
+                : check->parsed() ? Command::kCheck
+                : keys->parsed()  ? Command::kKeys
+                                  : Command::kRun;
   if (!pace.empty()) out.pace = pace == "real" ? Pace::kReal : Pace::kFast;
   out.session.duration = from_seconds(duration_s);
   out.session.status_interval = from_seconds(interval_s);

@@ -5,12 +5,13 @@
 #include <string>
 
 #include "firmware/exit_codes.h"
+#include "firmware/init_command.h"
 #include "firmware/network/network_plan.h"
 #include "firmware/session.h"
 
 namespace touchline {
 
-enum class Command : std::uint8_t { kRun, kCheck, kKeys };
+enum class Command : std::uint8_t { kRun, kCheck, kKeys, kInit };
 /// How fast simulated time passes. kDefault: kReal if somebody watches or a program is connected, else kFast.
 enum class Pace : std::uint8_t { kDefault, kReal, kFast };
 
@@ -21,7 +22,9 @@ struct CommandLine {
   Pace pace = Pace::kDefault;
   bool headless = false;
   bool dump = false;
+  std::string drawing;         // check --draw
   std::string page_to_update;  // keys --update
+  InitOptions init;
 };
 
 /// Empty: continue with `out`. Otherwise help, version or an error has been printed, and the value is the exit code.

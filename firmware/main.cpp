@@ -3,6 +3,8 @@
 
 #include "firmware/command_line.h"
 #include "firmware/config/key_reference.h"
+#include "firmware/init_command.h"
+#include "firmware/layout_drawing.h"
 #include "firmware/network/connections.h"
 #include "firmware/run_command.h"
 #include "hal/files/input_file.h"
@@ -22,6 +24,11 @@ int print(const std::string& text) {
   return written.ok() ? kExitOk : fail(written.text());
 }
 
+int init_command(const InitOptions& options) {
+  const Result<std::string> steps = write_initial_files(options);
+  return steps.ok() ? print(steps.value()) : fail(steps.text());
+}
+
 int check_command(const CommandLine& command_line) {
   Session session;
   const Result<void> loaded = session.load(command_line.session);
@@ -29,10 +36,22 @@ int check_command(const CommandLine& command_line) {
   // The other values are useful even if one is wrong.
   int code = kExitOk;
   if (command_line.dump && loaded.code() != ErrorCode::kNotFound) code = print(config::dump(configuration));
+  // So are the tops of the robots, before the colors are calibrated.
+  if (!command_line.drawing.empty() && loaded.code() != ErrorCode::kNotFound) {
+    const Result<void> drawn = draw_layouts(configuration, command_line.drawing);
+    if (!drawn.ok()) return fail(drawn.text());
+  }
   const Result<network::NetworkPlan> plan =
       loaded.ok() ? network::plan_network(configuration, command_line.network) : loaded.error();
   if (!plan.ok()) {
     std::fprintf(stderr, "%s\n", plan.error().text.c_str());
+    if (!configuration.venue_where.file().empty() && configuration.venue.color.empty()) {
+      std::fprintf(stderr,
+                   "%s is not calibrated yet. Next steps: touchline-calibrate field --venue %s ..., then "
+                   "touchline-calibrate colors --venue %s --team %s ...\n",
+                   configuration.venue_where.file().c_str(), configuration.venue_where.file().c_str(),
+                   configuration.venue_where.file().c_str(), configuration.team_where.file().c_str());
+    }
     return kExitBadFile;
   }
   if (command_line.dump) return code;
@@ -62,6 +81,8 @@ int main(int argc, char** argv) {
     switch (command_line.command) {
       case touchline::Command::kRun:
         return touchline::run_command(command_line);
+      case touchline::Command::kInit:
+        return touchline::init_command(command_line.init);
       case touchline::Command::kCheck:
         return touchline::check_command(command_line);
       case touchline::Command::kKeys:

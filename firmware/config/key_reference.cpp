@@ -4,8 +4,10 @@
 
 #include "firmware/config/board_file.h"
 #include "firmware/config/key_list.h"
+#include "firmware/config/standard_layouts.h"
 #include "firmware/config/team_file.h"
 #include "firmware/config/venue_file.h"
+#include "firmware/config/wording.h"
 
 namespace touchline::config {
 namespace {
@@ -86,6 +88,10 @@ std::string key_reference_text() {
       text.append("\n      ").append(key.help).append("\n");
     }
   }
+  text.append("standard layouts\n");
+  for (const StandardLayout& layout : standard_layouts()) {
+    text.append("  ").append(layout.name).append(": ").append(layout.help).append("\n");
+  }
   return text;
 }
 
@@ -99,6 +105,14 @@ std::string key_reference_markdown() {
       page.append("\n#### ").append(header_of(key)).append("\n\n").append(key.help).append(".\n");
       append_table(keys, key.path + (key.type == "section" ? "." : "[]."), page);
     }
+  }
+  page.append(
+      "\n### Standard layouts\n\nNames for `own.layout` and `opponent.layout`. Colors of robots are listed in the "
+      "order of the");
+  page.append(" identification patches.\n\n| name | robot's top | height |\n|---|---|---|\n");
+  for (const StandardLayout& layout : standard_layouts()) {
+    page.append("| `").append(layout.name).append("` | ").append(layout.help).append(" | ");
+    page.append(number_text(layout.layout.height_m)).append(" m |\n");
   }
   return page;
 }

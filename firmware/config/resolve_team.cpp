@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <utility>
 
 #include "firmware/config/error_list.h"
+#include "firmware/config/layout_choice.h"
 #include "firmware/config/resolve.h"
+#include "firmware/config/standard_layouts.h"
 #include "firmware/config/wording.h"
 
 namespace touchline::config {
@@ -15,7 +18,13 @@ class TeamResolver {
   ColorId color(const std::string& name, const std::string& key) {
     if (name.empty()) return kBackground;
     const ColorId id = color_id(venue_, name);
-    if (id == kBackground) {
+    if (venue_.color.empty()) {
+      // One message instead of one for each color.
+      if (!std::exchange(told_of_no_colors_, true)) {
+        add(key, venue_where_.file() + " has no colors yet; calibrate them with touchline-calibrate colors --venue " +
+                     venue_where_.file() + " --team " + where_.file() + " --picture ...");
+      }
+    } else if (id == kBackground) {
       std::vector<std::string_view> names;
       for (const ColorEntry& entry : venue_.color) names.push_back(entry.name);
       add(key, "no color \"" + name + "\" in " + venue_where_.file() + suggestion(name, names, "colors"));
@@ -27,7 +36,7 @@ class TeamResolver {
     out.max_robots = static_cast<std::uint8_t>(entry.max_robots);
     out.robots.clear();
     out.team_color = color(entry.color, name + ".color");
-    if (!layout(entry.layout, name + ".layout", out.layout)) return;
+    if (!layout(entry, name + ".layout", out.layout)) return;
     const auto identification = std::count_if(out.layout.patches.begin(), out.layout.patches.end(),
                                               [](const auto& p) { return p.role == PatchRole::kIdentification; });
     if (entry.robot.size() > kMaxRobotsPerTeam) {
@@ -44,24 +53,23 @@ class TeamResolver {
   [[nodiscard]] Result<void> result() const { return errors_.result(); }
 
  private:
-  bool layout(const std::string& name, const std::string& key, MarkerLayout& out) {
+  bool layout(const TeamEntry& team, const std::string& key, MarkerLayout& out) {
+    const std::optional<MarkerLayout> chosen = chosen_layout(file_, team);
+    if (!chosen) {
+      std::vector<std::string_view> names;
+      for (const StandardLayout& standard : standard_layouts()) names.push_back(standard.name);
+      for (const LayoutEntry& entry : file_.layout) names.push_back(entry.name);
+      add(key, "no [[layout]] is named \"" + team.layout + "\"" + suggestion(team.layout, names, "layouts"));
+      return false;
+    }
+    out = *chosen;
     for (std::size_t i = 0; i < file_.layout.size(); ++i) {
-      if (file_.layout[i].name == name) return patches(file_.layout[i], element("layout", i), out);
+      if (file_.layout[i].name == team.layout) return patches(file_.layout[i], element("layout", i));
     }
-    if (name == "paper") {
-      out = paper_layout();
-      return true;
-    }
-    std::vector<std::string_view> names{"paper"};
-    for (const LayoutEntry& entry : file_.layout) names.push_back(entry.name);
-    add(key, "no [[layout]] is named \"" + name + "\"" + suggestion(name, names, "layouts"));
-    return false;
+    return true;
   }
 
-  bool patches(const LayoutEntry& entry, const std::string& key, MarkerLayout& out) {
-    out.robot_side_m = entry.robot_side_m;
-    out.height_m = entry.height_m;
-    out.patches.clear();
+  bool patches(const LayoutEntry& entry, const std::string& key) {
     const std::size_t before = errors_.size();
     if (entry.patch.empty()) add(key, "\"" + entry.name + "\" has no [[layout.patch]]");
     if (entry.patch.size() > kMaxPatches) {
@@ -81,8 +89,6 @@ class TeamResolver {
         add(patch_key,
             "the patch's center lies outside of the robot, whose side is " + number_text(entry.robot_side_m) + " m");
       }
-      out.patches.push_back(
-          {patch.role, patch.outline, patch.x_m, patch.y_m, patch.length_m, patch.width_m, patch.turn_rad});
     }
     return errors_.size() == before;
   }
@@ -122,6 +128,7 @@ class TeamResolver {
   const VenueFile& venue_;
   const Locations& venue_where_;
   ErrorList errors_;
+  bool told_of_no_colors_ = false;
 };
 
 // The team colors and the ball's color must differ.

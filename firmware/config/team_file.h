@@ -59,7 +59,7 @@ struct PatchEntry {
   }
 };
 
-/// [[layout]]: positions of the patches on a robot. The layout "paper" is built in.
+/// [[layout]]: positions of the patches on a robot. Those of standard_layouts() are built in.
 struct LayoutEntry {
   std::string name;
   float robot_side_m = MarkerLayout{}.robot_side_m;
@@ -93,15 +93,20 @@ struct RobotEntry {
 
 /// [own], [opponent]
 struct TeamEntry {
-  std::string layout = "paper";
+  std::string layout = "two-squares";
   std::string color;
+  float height_m = -1.0f;
   int max_robots = TeamMarking{}.max_robots;
   std::vector<RobotEntry> robot;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.text(self.layout, {.name = "layout", .help = "Name of a [[layout]] of this file, or \"paper\""});
+    visit.text(self.layout, {.name = "layout", .help = "Name of a [[layout]] of this file, or of a standard layout"});
     visit.text(self.color, {.name = "color", .help = "Color of the team patches; empty: the team is not detected"});
+    visit.number(self.height_m, {.name = "height_m",
+                                 .range = {-1.0, 0.5},
+                                 .unit = "m",
+                                 .help = "Height of the patches above the floor; -1: as the layout says"});
     visit.number(
         self.max_robots,
         {.name = "max_robots", .range = {1, kMaxRobotsPerTeam}, .help = "Maximum number of robots on the field"});

@@ -81,7 +81,9 @@ TEST_F(ConfigFiles, OneColorForTwoKindsOfObjects) {
 
 TEST_F(ConfigFiles, UnknownLayout) {
   replace("team.toml", "layout = \"paper\"", "layout = \"halves\"");
-  EXPECT_EQ(refusal(), "team.toml:4: own.layout: no [[layout]] is named \"halves\"; known layouts: paper\n");
+  EXPECT_EQ(refusal(),
+            "team.toml:4: own.layout: no [[layout]] is named \"halves\"; known layouts: two-squares, "
+            "vsss-bar, vsss-halves, mirosot-triangles, ssl-butterfly\n");
 }
 
 TEST_F(ConfigFiles, LayoutFromTheTeamFile) {

@@ -125,6 +125,54 @@ TEST_F(Program, CheckConfiguresTheStages) {
   EXPECT_NE(refused.text.find("it cannot be used: "), std::string::npos) << refused.text;
 }
 
+TEST_F(Program, InitWritesFilesThatOnlyLackTheCalibration) {
+  for (const std::string league : {"vsss", "mirosot", "ssl"}) {
+    const std::string folder = (folder_ / league).string(), board = folder + "/board.toml",
+                      picture = folder + "/layout.png";
+    const CommandOutput made = touchline("init --league " + league + " --out '" + folder + "'");
+    ASSERT_EQ(made.code, 0) << made.text;
+    EXPECT_NE(made.text.find("touchline-calibrate field --venue " + folder + "/venue.toml"), std::string::npos)
+        << made.text;
+    // The only errors are those that the calibration mends.
+    const CommandOutput checked = touchline("check --board '" + board + "' --draw '" + picture + "'");
+    EXPECT_EQ(checked.code, 1);
+    const std::string where = folder + "/venue.toml";
+    EXPECT_EQ(checked.text.find(where + ": picture: is missing\n" + where + ": camera_model: is missing\n" + where +
+                                ": colors: is missing\n" + where + " is not calibrated yet. Next steps: "),
+              0U)
+        << checked.text;
+    EXPECT_GT(std::filesystem::file_size(picture), 1000U);
+
+    std::ofstream(board, std::ios::app) << "# edited\n";
+    const CommandOutput refused = touchline("init --league " + league + " --out '" + folder + "'");
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_NE(refused.text.find("exists already; --force replaces it"), std::string::npos) << refused.text;
+    const auto is_edited = [&] {
+      std::ifstream file(board);
+      return std::string(std::istreambuf_iterator<char>(file), {}).find("# edited") != std::string::npos;
+    };
+    EXPECT_TRUE(is_edited());
+    EXPECT_EQ(touchline("init --force --league " + league + " --out '" + folder + "'").code, 0);
+    EXPECT_FALSE(is_edited());
+  }
+  EXPECT_EQ(touchline("init --league chess").code, 64);
+  EXPECT_NE(touchline("init --help").text.find("mirosot-triangles: "), std::string::npos);
+}
+
+TEST_F(Program, TeamsNameStandardLayouts) {
+  for (const auto& [layout, colors] :
+       {std::pair{"vsss-halves", R"("red")"}, std::pair{"vsss-bar", R"("red", "orange")"},
+        std::pair{"ssl-butterfly", R"("red", "red", "orange", "red")"}}) {
+    write("team.toml", std::string("version = 1\n[own]\nlayout = \"") + layout +
+                           "\"\nheight_m = 0.05\ncolor = \"blue\"\n[[own.robot]]\nid = 0\ncolors = [" + colors + "]\n");
+    const CommandOutput sound = touchline("check " + board());
+    EXPECT_EQ(sound.code, 0) << layout << ": " << sound.text;
+  }
+  write("team.toml",
+        "version = 1\n[own]\nlayout = \"vsss-bars\"\ncolor = \"blue\"\n[[own.robot]]\nid = 0\ncolors = [\"red\"]\n");
+  EXPECT_NE(touchline("check " + board()).text.find("vsss-bar"), std::string::npos);
+}
+
 TEST_F(Program, DumpShowsAllValuesInUse) {
   const CommandOutput dump = touchline("check --dump " + board() + "--set faults.stop_after_s=0.35");
   EXPECT_EQ(dump.code, 0);

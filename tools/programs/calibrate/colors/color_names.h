@@ -1,16 +1,15 @@
 #pragma once
 
-#include <array>
-#include <optional>
-#include <span>
 #include <string>
 #include <string_view>
-#include <utility>
+
+#include "firmware/config/paint_names.h"
 
 namespace touchline::calibrate {
 
-/// Red, green and blue as cameras deliver them (sRGB), 0 to 255.
-using Rgb = std::array<double, 3>;
+using config::Rgb;
+using config::usual_paints;
+using config::usual_rgb;
 
 /// Added to both sides of a ratio of channel values, which is noise near black.
 inline constexpr double kRatioOffset = 12.0;
@@ -35,12 +34,5 @@ bool is_plausible(const std::string& name, const Rgb& seen);
 
 /// The name in usual_paints() that is most similar to the color.
 std::string_view most_similar_name(const Rgb& seen);
-
-/// All names that usual_rgb() knows and their colors.
-std::span<const std::pair<std::string_view, Rgb>> usual_paints();
-
-/// Returns the usual color of paint of that name in a well exposed picture. Case, blanks, hyphens and underscores are
-/// ignored; "light" and "dark" may precede any color. Empty for unknown names.
-std::optional<Rgb> usual_rgb(const std::string& name);
 
 }  // namespace touchline::calibrate

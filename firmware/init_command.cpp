@@ -1,0 +1,162 @@
+#include "firmware/init_command.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <string_view>
+
+#include "firmware/config/standard_layouts.h"
+#include "hal/files/output_file.h"
+
+namespace touchline {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Two teams that differ only in their color, so that the same robots serve for both.
+struct League {
+  std::string_view name, field, preset, layout, ball;
+  std::string_view height;  // of the patches above the floor
+  std::size_t robots;
+  std::array<std::string_view, 6> colors;  // of robot 0, 1, ...
+};
+
+constexpr std::array<League, 3> kLeagues{
+    {{"vsss",
+      "length_m = 1.5\nwidth_m = 1.3\ngoal_width_m = 0.4\ngoal_depth_m = 0.1\n",
+      "vsss",
+      "vsss-bar",
+      "0.02135",
+      "0.06",
+      3,
+      {R"("red", "green")", R"("green", "red")", R"("red", "magenta")"}},
+     {"mirosot",
+      "length_m = 2.2\nwidth_m = 1.8\ngoal_width_m = 0.4\ngoal_depth_m = 0.15\n",
+      "mirosot-middle",
+      "mirosot-triangles",
+      "0.02135",
+      "0.075",
+      5,
+      {R"("red", "green")", R"("green", "red")", R"("red", "purple")", R"("purple", "red")", R"("green", "purple")"}},
+     {"ssl",
+      "length_m = 9.0\nwidth_m = 6.0\ngoal_width_m = 1.0\ngoal_depth_m = 0.18\n",
+      "ssl-b",
+      "ssl-butterfly",
+      "0.02135",
+      "0.15",
+      6,
+      {R"("pink", "green", "pink", "pink")", R"("pink", "pink", "green", "pink")", R"("pink", "pink", "pink", "green")",
+       R"("green", "pink", "pink", "pink")", R"("green", "green", "pink", "pink")",
+       R"("pink", "green", "green", "pink")"}}}};
+
+constexpr std::string_view kBoard =
+    R"(# The board and its devices. `touchline-devices` lists the names of cameras, serial ports and GPIO lines to enter here;
+# docs/files.md explains all keys. The folders raspberry-pi-4, raspberry-pi-5 and others of boards/ have more examples.
+version = 1
+name = "LEAGUE"
+venue = "venue.toml"
+team = "team.toml"
+
+[camera]
+backend = "v4l2"
+device = "/dev/video0"
+format = "yuyv"
+width_px = 640
+height_px = 480
+rate_hz = 30.0
+exposure_us = 5000              # short: moving robots stay sharp
+gain = 0
+white_balance_k = 4600          # fixed: an automatic balance changes the colors during the game
+
+[radio]
+backend = "none"                # "serial" with device and baud, as soon as robots are to be driven
+
+[gpio]
+backend = "none"
+)";
+
+constexpr std::string_view kVenue =
+    R"(# The hall: field, camera model, light and colors. touchline-calibrate writes the sections that are missing here.
+version = 1
+
+[field]
+FIELD)";
+
+constexpr std::string_view kTeam =
+    R"(# The robots. `touchline check --board board.toml --draw layout.png` draws their tops as this file describes them:
+# compare them with your robots before you calibrate the colors. Layouts that can be named:
+LAYOUTS# Own arrangements are declared with [[layout]] and [[layout.patch]] (docs/files.md).
+version = 1
+
+[ball]
+color = "orange"
+radius_m = BALL
+)";
+
+std::string replaced(std::string text, std::string_view what, std::string_view by) {
+  const std::size_t at = text.find(what);
+  return at == std::string::npos ? text : text.replace(at, what.size(), by);
+}
+
+std::string team_text(const League& league) {
+  std::string layouts;
+  for (const config::StandardLayout& layout : config::standard_layouts()) {
+    layouts += "#   " + std::string(layout.name) + ": " + std::string(layout.help) + "\n";
+  }
+  std::string text = replaced(replaced(std::string(kTeam), "LAYOUTS", layouts), "BALL", league.ball);
+  for (const auto& [section, color] : {std::pair{"own", "blue"}, std::pair{"opponent", "yellow"}}) {
+    text += std::string("\n[") + section + "]\nlayout = \"" + std::string(league.layout) + "\"\ncolor = \"" + color +
+            "\"\nheight_m = " + std::string(league.height) + "    # of the patches above the floor: measure it\n";
+    for (std::size_t id = 0; id < league.robots; ++id) {
+      text += std::string("[[") + section + ".robot]]\nid = " + std::to_string(id) + "\ncolors = [" +
+              std::string(league.colors[id]) + "]\n";
+    }
+  }
+  return text;
+}
+
+std::string next_steps(const League& league, const std::string& folder) {
+  const auto in = [&](const char* name) { return (fs::path(folder) / name).string(); };
+  const std::string board = in("board.toml"), venue = in("venue.toml"), team = in("team.toml"), empty = in("empty.png"),
+                    robots = in("robots.png");
+  return "wrote " + board + ", " + venue + " and " + team + "\nnext steps:\n" + "1. enter your camera in " + board +
+         " (touchline-devices lists the names), your robots in " + team + "\n" + "2. touchline check --board " + board +
+         " --draw " + in("layout.png") + "\n" + "3. touchline-calibrate picture --board " + board + " --out " + empty +
+         "     # the empty field\n" + "4. touchline-calibrate field --venue " + venue + " --picture " + empty +
+         " --field-preset " + std::string(league.preset) + " --camera-height HEIGHT_IN_METERS\n" +
+         "5. touchline-calibrate picture --board " + board + " --out " + robots + "    # all robots and the ball\n" +
+         "6. touchline-calibrate colors --venue " + venue + " --team " + team + " --picture " + robots +
+         " --format yuyv    # camera.format\n" + "7. touchline check --board " + board +
+         ", then touchline run --board " + board + "\n";
+}
+
+}  // namespace
+
+std::vector<std::string> init_leagues() {
+  std::vector<std::string> names;
+  for (const League& league : kLeagues) names.emplace_back(league.name);
+  return names;
+}
+
+Result<std::string> write_initial_files(const InitOptions& options) {
+  const auto* const league =
+      std::find_if(kLeagues.begin(), kLeagues.end(), [&](const League& l) { return l.name == options.league; });
+  if (league == kLeagues.end()) return failure(ErrorCode::kNotFound, "no league %s", options.league.c_str());
+  const std::array<std::pair<const char*, std::string>, 3> files{
+      {{"board.toml", replaced(std::string(kBoard), "LEAGUE", league->name)},
+       {"venue.toml", replaced(std::string(kVenue), "FIELD", league->field)},
+       {"team.toml", team_text(*league)}}};
+  const fs::path folder(options.folder);
+  for (const auto& [name, text] : files) {
+    std::error_code error;
+    if (options.force || !fs::exists(folder / name, error)) continue;
+    return failure(ErrorCode::kInconsistent, "%s exists already; --force replaces it, --out names another folder",
+                   (folder / name).c_str());
+  }
+  std::error_code error;
+  fs::create_directories(folder, error);
+  for (const auto& [name, text] : files) TOUCHLINE_TRY(hal::write_file((folder / name).string(), text));
+  return next_steps(*league, options.folder);
+}
+
+}  // namespace touchline

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hal/result.h"
+
+namespace touchline {
+
+/// Options of `touchline init`.
+struct InitOptions {
+  std::string league, folder = ".";
+  bool force = false;  // replace existing files
+};
+
+/// Names of the leagues.
+std::vector<std::string> init_leagues();
+
+/// Writes board.toml, venue.toml and team.toml to start from into the folder, which is created if necessary, and
+/// returns the next steps for the terminal. kInconsistent: a file exists and `force` is false; nothing is written.
+/// Other errors as of hal::write_file().
+Result<std::string> write_initial_files(const InitOptions& options);
+
+}  // namespace touchline

@@ -46,8 +46,8 @@ Result<SameColor> find_same_color(const ChannelImage& corrected, const calibrate
   }
   const MarkerLayout layout = paper_layout();
   const auto inside = calibrate::inside_mask(venue.region_of_interest, corrected.width_px, corrected.height_px);
-  std::vector<FoundPatch> found =
-      find_patches(corrected, inside, camera, venue.file.field, {calibrate::size_of(layout.patches[0], layout)});
+  std::vector<FoundPatch> found = find_patches(corrected, inside, calibrate::LocalBackground(corrected, inside), camera,
+                                               venue.file.field, {calibrate::size_of(layout.patches[0], layout)});
   if (found.empty()) {
     return Error{ErrorCode::kNotFound, "no patch was found"};
   }

@@ -60,25 +60,32 @@ class Solver {
            (cut.labels[label].named != kNone && cut.labels[label].named + 1 == input_.teams[team].team_color);
   }
 
-  // Selects markers whose team patch has the team color and whose other patches do not, best fits first, without using
-  // a patch twice.
-  std::vector<const MarkerCandidate*> choose(const PatchLabels& cut, const Teams& teams) const {
-    std::vector<const MarkerCandidate*> fitting;
+  // Selects markers whose team patch has the team color and whose other patches do not, without using a patch twice:
+  // robots of the team file first (`color_of`, if known), then the best fits.
+  std::vector<const MarkerCandidate*> choose(const PatchLabels& cut, const Teams& teams,
+                                             const std::vector<std::size_t>* color_of) const {
+    struct Fitting {
+      const MarkerCandidate* marker;
+      bool known;
+    };
+    std::vector<Fitting> fitting;
     for (const MarkerCandidate& m : input_.markers) {
       if (!has_team_color(cut, teams, m.team, cut.label_of[m.patches[0]])) continue;
       const bool others = std::none_of(m.patches.begin() + 1, m.patches.end(), [&](std::size_t p) {
         return has_team_color(cut, teams, 0, cut.label_of[p]) || has_team_color(cut, teams, 1, cut.label_of[p]);
       });
-      if (others) fitting.push_back(&m);
+      if (others) fitting.push_back({&m, color_of != nullptr && robot(m, cut, *color_of) != kNone});
     }
-    std::sort(fitting.begin(), fitting.end(),
-              [](const auto* a, const auto* b) { return a->residual_m < b->residual_m; });
+    std::sort(fitting.begin(), fitting.end(), [](const Fitting& a, const Fitting& b) {
+      return a.known != b.known ? a.known : a.marker->residual_m < b.marker->residual_m;
+    });
     std::vector<bool> taken(input_.patches.size(), false);
     std::vector<const MarkerCandidate*> out;
-    for (const MarkerCandidate* m : fitting) {
-      if (std::any_of(m->patches.begin(), m->patches.end(), [&](std::size_t p) { return taken[p]; })) continue;
-      for (const std::size_t p : m->patches) taken[p] = true;
-      out.push_back(m);
+    for (const Fitting& f : fitting) {
+      const std::vector<std::size_t>& patches = f.marker->patches;
+      if (std::any_of(patches.begin(), patches.end(), [&](std::size_t p) { return taken[p]; })) continue;
+      for (const std::size_t p : patches) taken[p] = true;
+      out.push_back(f.marker);
     }
     return out;
   }
@@ -183,10 +190,7 @@ class Solver {
     const std::size_t colors = input_.colors.size(), labels = cut.labels.size();
     Solution out;
     out.labels = cut.labels;
-    out.markers = choose(cut, teams);
-    std::set<std::size_t> in_markers;
-    for (const MarkerCandidate* m : out.markers) in_markers.insert(m->patches.begin(), m->patches.end());
-    const auto role = roles(cut, out.markers);
+    out.markers = choose(cut, teams, nullptr);
     std::vector<std::size_t> wanted;  // colors other than team colors
     std::vector<std::size_t> label_of(colors, kNone);
     for (std::size_t c = 0; c < colors; ++c) {
@@ -199,12 +203,19 @@ class Solver {
       if (!is_team) wanted.push_back(c);
     }
     std::vector<double> ball(labels, 0.0);
-    for (std::size_t l = 0; l < labels && input_.ball != kBackground; ++l)
-      ball[l] = ball_cost(in_markers, cut.labels[l]);
 
     Rgb gain{1, 1, 1};
     constexpr int kRounds = 3;
     for (int round = 0; round < kRounds; ++round) {
+      if (round > 0) {
+        const std::vector<std::size_t> color_of = colors_of(cut, label_of);
+        out.markers = choose(cut, teams, &color_of);
+      }
+      std::set<std::size_t> in_markers;
+      for (const MarkerCandidate* m : out.markers) in_markers.insert(m->patches.begin(), m->patches.end());
+      const auto role = roles(cut, out.markers);
+      for (std::size_t l = 0; l < labels && input_.ball != kBackground; ++l)
+        ball[l] = ball_cost(in_markers, cut.labels[l]);
       out.expected = expected_looks(cut, gain);
       std::vector<std::vector<double>> cost;
       for (const std::size_t c : wanted) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "tools/programs/calibrate/colors/marker_completion.h"
 #include "tools/programs/command_line/formatted.h"
 #include "tools/programs/command_line/progress.h"
 #include "tools/programs/replay/canvas.h"
@@ -232,7 +233,8 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
   out.uses.resize(clicks.size());
   Progress progress("searching for patches in pictures", images.size());
   for (const auto& [image, channels] : images) {
-    std::vector<FoundPatch> patches = find_patches(channels, inside, camera, venue.file.field, sizes);
+    const LocalBackground floor(channels, inside);
+    std::vector<FoundPatch> patches = find_patches(channels, inside, floor, camera, venue.file.field, sizes);
     for (std::size_t i = 0; i < clicks.size(); ++i) {
       if (clicks[i].image != image) continue;
       const std::size_t under = patch_under(clicks[i], channels, patches);
@@ -263,12 +265,18 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
     }
     for (std::size_t t = 0; t < 2; ++t) {
       if (input.teams[t].team_color == kBackground) continue;
-      for (MarkerCandidate& marker : find_markers(input.patches, numbers, input.teams[t].layout, camera)) {
+      const MarkerLayout& layout = input.teams[t].layout;
+      std::vector<MarkerCandidate> markers = find_markers(input.patches, numbers, layout, camera);
+      for (MarkerCandidate& marker :
+           complete_markers(input.patches, numbers, layout, camera, {channels, inside, floor}))
+        markers.push_back(std::move(marker));
+      for (MarkerCandidate& marker : markers) {
         marker.team = t;
         marker.picture = out.images.size();
         input.markers.push_back(std::move(marker));
       }
     }
+    input.picture.resize(input.patches.size(), out.images.size());  // of the patches that were sampled
     out.images.push_back(image);
     searched.push_back(&channels);
     progress.step();

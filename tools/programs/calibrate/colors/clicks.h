@@ -16,6 +16,7 @@ struct Click {
   double u_px = 0, v_px = 0;                      // for a rectangle: its center
   int radius_px = 0;                              // 0: GrowthLimits::radius_px
   std::optional<std::array<double, 4>> box = {};  // u0, v0, u1, v1; u0 < u1, v0 < v1
+  std::vector<std::size_t> pixels = {};           // of the patch, if they are known already
 };
 
 /// Reads {"samples": [{"image", "color", "u", "v"}, ...]}, where "box": [u0, v0, u1, v1] (any two opposite corners) can

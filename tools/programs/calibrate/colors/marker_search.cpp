@@ -9,10 +9,6 @@ namespace {
 
 using Point = std::complex<double>;
 
-// Position tolerance: centers of grown patches are a pixel off where the colors of neighbors mix, and layouts are
-// measured to 2 mm.
-constexpr double kCenterError_px = 1.5, kLayoutError_m = 0.004;
-
 class Search {
  public:
   Search(const std::vector<FoundPatch>& patches, const std::vector<std::size_t>& numbers, const MarkerLayout& layout,

@@ -7,6 +7,10 @@
 
 namespace touchline::calibrate {
 
+// Position tolerance: centers of grown patches are a pixel off where the colors of neighbors mix, and layouts are
+// measured to 2 mm.
+inline constexpr double kCenterError_px = 1.5, kLayoutError_m = 0.004;
+
 /// Patches in the arrangement of a robot's marker, whatever their colors.
 struct MarkerCandidate {
   std::size_t team = 0;  // team whose layout fits, indexed by Team

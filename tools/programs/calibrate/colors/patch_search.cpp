@@ -82,6 +82,13 @@ double relative_area(const FoundPatch& patch, const CameraModel& camera, const P
   return static_cast<double>(patch.pixels.size()) / std::max(1e-9, expected_area_px(patch.center, camera, size));
 }
 
+bool differs_from_floor(const Channels& color, const Channels& floor, ColorSpace space) {
+  const Channels rgb = shown_rgb(color, space);
+  return color_distance(color, floor, space) >= kDiffersFromFloor &&
+         !is_shadow({static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])},
+                    shown_rgb(floor, space));
+}
+
 FoundPatch patch_of(const ChannelImage& image, PixelPoint from, int radius_px, GrownPatch grown) {
   FoundPatch patch;
   patch.u_px = static_cast<double>(from.u_px);
@@ -134,9 +141,8 @@ bool has_size_of_a_patch(const FoundPatch& patch, const CameraModel& camera, con
 }
 
 std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vector<std::uint8_t>& inside,
-                                     const CameraModel& camera, const FieldParameters& field,
-                                     const std::vector<PatchSize>& sizes) {
-  const LocalBackground floor(image, inside);
+                                     const LocalBackground& floor, const CameraModel& camera,
+                                     const FieldParameters& field, const std::vector<PatchSize>& sizes) {
   double height = 0;
   for (const PatchSize& size : sizes) height = std::max(height, size.height_m);
   // The most even seeds come first, so that growth begins in the middle of patches.

@@ -9,6 +9,7 @@
 #include "tools/programs/calibrate/colors/color_names.h"
 #include "tools/programs/calibrate/colors/region_growing.h"
 #include "tools/programs/calibrate/imaging/channel_image.h"
+#include "tools/programs/calibrate/imaging/local_background.h"
 
 namespace touchline::calibrate {
 
@@ -28,6 +29,7 @@ struct FoundPatch {
   Rgb rgb{};                        // median
   Lab lab;
   double instability = 0;  // see GrownPatch
+  bool sampled = false;    // at a place that a layout predicts (complete_markers), not grown
   double elongation = 1;   // ratio of the standard deviations along the principal axes; 1 for a square and a disk
 };
 
@@ -36,8 +38,11 @@ struct FoundPatch {
 /// blur and the dark side of a ball). `inside`: see inside_mask(); pixels outside the field and its margin are ignored.
 /// Other objects of this size (white dots, logos) are found as well; color and arrangement have to exclude them.
 std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vector<std::uint8_t>& inside,
-                                     const CameraModel& camera, const FieldParameters& field,
-                                     const std::vector<PatchSize>& sizes);
+                                     const LocalBackground& floor, const CameraModel& camera,
+                                     const FieldParameters& field, const std::vector<PatchSize>& sizes);
+
+/// Whether a color is neither that of the floor nor of a shadow or a robot's dark body on it.
+bool differs_from_floor(const Channels& color, const Channels& floor, ColorSpace space);
 
 /// The patch that a region is, grown from `from` with this limit of growth.
 FoundPatch patch_of(const ChannelImage& image, PixelPoint from, int radius_px, GrownPatch grown);

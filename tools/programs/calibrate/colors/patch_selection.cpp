@@ -83,6 +83,7 @@ Result<GrownPatch> select_in_box(const ChannelImage& image, const std::vector<st
 
 Result<GrownPatch> select_patch(const ChannelImage& image, const std::vector<std::uint8_t>& inside, const Click& click,
                                 GrowthLimits limits) {
+  if (!click.pixels.empty()) return GrownPatch{click.pixels, 0, 0};
   if (click.box) return select_in_box(image, inside, *click.box, limits.min_area_px);
   if (click.radius_px > 0) limits.radius_px = click.radius_px;
   return grow_region(image, inside, click.u_px, click.v_px, limits);

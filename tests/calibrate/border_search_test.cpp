@@ -53,6 +53,22 @@ TEST(BorderSearch, WorksWithOtherCameraPositionsLensesAndLamps) {
   }
 }
 
+// A fisheye lens low above the field: the sides bulge by a tenth of the picture, and no line lies along them.
+TEST(BorderSearch, FindsTheCornersUnderAWideLens) {
+  struct View {
+    double height_m, focal_px;
+  };
+  for (const View& view : {View{1.3, 324.8}, View{1.2, 283.7}}) {
+    hal::mock::ArenaParameters arena;
+    arena.camera.position_m = {0.05, -0.04, view.height_m};
+    arena.camera.focal_px = view.focal_px;
+    BorderSearch border;
+    ASSERT_EQ(find_border(photograph(arena, kField, kSeed), border).text(), "") << view.height_m;
+    EXPECT_LT(worst_corner_px(arena, border.corners), 10.0) << view.height_m;
+    EXPECT_LT(border.h_px, 300) << view.height_m;
+  }
+}
+
 TEST(BorderSearch, IgnoresHundredsOfSpecks) {
   const hal::mock::ArenaParameters arena;
   hal::Picture picture = photograph(arena, kField, kSeed);

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -24,100 +25,7 @@ constexpr std::array<double, 3> kCollect_px{14.0, 6.0, 3.0};
 // are closer.
 constexpr double kLeastDeviations = 0.8;
 constexpr std::array<double, 6> kThresholds{0.7, 1.0, 1.3, 1.7, 2.2, 2.8};
-constexpr double kLeastEnclosed = 0.1;
-// The regions between the lines of the field are larger; specks and letters are smaller.
-constexpr double kLeastArea = 0.001;
 constexpr std::size_t kLeastVotes = 60;
-
-std::vector<std::uint8_t> brightness(const hal::Picture& picture) {
-  std::vector<std::uint8_t> luma(std::size_t{picture.width_px} * picture.height_px);
-  for (std::size_t i = 0; i < luma.size(); ++i) {
-    const std::uint8_t* rgb = &picture.rgb8[3 * i];
-    // White is bright in all channels, colored objects are not.
-    luma[i] = std::min({rgb[0], rgb[1], rgb[2]});
-  }
-  return luma;
-}
-
-int otsu(const std::vector<std::uint8_t>& values) {
-  std::array<double, 256> histogram{};
-  for (const std::uint8_t value : values) ++histogram[value];
-  double total = 0, sum = 0;
-  for (std::size_t i = 0; i < histogram.size(); ++i) {
-    total += histogram[i];
-    sum += static_cast<double>(i) * histogram[i];
-  }
-  double below = 0, sum_below = 0, best = -1;
-  int threshold = 128;
-  for (std::size_t i = 0; i + 1 < histogram.size(); ++i) {
-    below += histogram[i];
-    sum_below += static_cast<double>(i) * histogram[i];
-    if (below <= 0 || below >= total) continue;
-    const double apart = sum_below / below - (sum - sum_below) / (total - below);
-    const double between = below * (total - below) * apart * apart;
-    if (between > best) {
-      best = between;
-      threshold = static_cast<int>(i) + 1;
-    }
-  }
-  return threshold;
-}
-
-// Pixel indices of a picture of given size and their neighbors.
-class Grid {
- public:
-  Grid(int width, int height) : width_(width), height_(height) {}
-  [[nodiscard]] std::size_t size() const {
-    return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
-  }
-  [[nodiscard]] int u(std::size_t i) const { return static_cast<int>(i % static_cast<std::size_t>(width_)); }
-  [[nodiscard]] int v(std::size_t i) const { return static_cast<int>(i / static_cast<std::size_t>(width_)); }
-  [[nodiscard]] bool at_edge(std::size_t i) const {
-    return u(i) == 0 || v(i) == 0 || u(i) == width_ - 1 || v(i) == height_ - 1;
-  }
-  template <class Visit>
-  void neighbors(std::size_t i, bool diagonal, Visit visit) const {
-    for (int dv = -1; dv <= 1; ++dv) {
-      for (int du = -1; du <= 1; ++du) {
-        const int nu = u(i) + du, nv = v(i) + dv;
-        if ((du == 0 && dv == 0) || (!diagonal && du != 0 && dv != 0)) continue;
-        if (nu < 0 || nv < 0 || nu >= width_ || nv >= height_) continue;
-        visit(static_cast<std::size_t>(nv) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(nu));
-      }
-    }
-  }
-
- private:
-  int width_, height_;
-};
-
-// Flood fill: marks `seeds` and all pixels connected to them for which `may` holds in `reached`. Pixels that are
-// already marked are not entered.
-template <class May>
-std::vector<std::size_t> flood(const Grid& grid, std::vector<std::size_t> seeds, bool diagonal, May may,
-                               std::vector<std::uint8_t>& reached) {
-  for (const std::size_t seed : seeds) reached[seed] = 1;
-  for (std::size_t next = 0; next < seeds.size(); ++next) {
-    grid.neighbors(seeds[next], diagonal, [&](std::size_t n) {
-      if (reached[n] != 0 || !may(n)) return;
-      reached[n] = 1;
-      seeds.push_back(n);
-    });
-  }
-  return seeds;
-}
-
-// Size of the bounding box of the pixels.
-std::size_t box_area(const Grid& grid, const std::vector<std::size_t>& pixels) {
-  int left = grid.u(pixels[0]), right = left, top = grid.v(pixels[0]), bottom = top;
-  for (const std::size_t i : pixels) {
-    left = std::min(left, grid.u(i));
-    right = std::max(right, grid.u(i));
-    top = std::min(top, grid.v(i));
-    bottom = std::max(bottom, grid.v(i));
-  }
-  return static_cast<std::size_t>(right - left + 1) * static_cast<std::size_t>(bottom - top + 1);
-}
 
 Eigen::Vector2d rectified(const Eigen::Vector2d& pixel, const Eigen::Vector2d& center, double h_px) {
   const Eigen::Vector2d away = pixel - center;
@@ -163,15 +71,37 @@ std::optional<Eigen::Vector2d> crossing(const HoughLine& a, const HoughLine& b) 
 // above. Sides in the order of hough_sides().
 constexpr std::array<std::array<std::size_t, 2>, 4> kCornerSides{{{3, 0}, {0, 1}, {1, 2}, {2, 3}}};
 
-// Area of the quadrilateral; 0 if sides do not intersect or intersect far outside the picture.
-double area_of(const std::array<HoughLine, 4>& sides, int width_px, int height_px) {
+// A lens with H of eq. (12), and the scale by which its straightened picture keeps its size.
+struct WideLens {
+  double h_px = 0;  // 0: the sides are almost straight in the picture itself
+  double scale = 1;
+};
+
+WideLens wide_lens(double h_px, int width_px, int height_px) {
+  const double r = 0.5 * std::hypot(width_px, height_px) / h_px;
+  return {h_px, r / std::sinh(r)};
+}
+
+Eigen::Vector2d straightened(const Eigen::Vector2d& pixel, const Eigen::Vector2d& center, const WideLens& lens) {
+  return center + lens.scale * (rectified(pixel, center, lens.h_px) - center);
+}
+
+Eigen::Vector2d bent(const Eigen::Vector2d& point, const Eigen::Vector2d& center, const WideLens& lens) {
+  if (lens.h_px <= 0) return point;
+  return distorted(center + (point - center) / lens.scale, center, lens.h_px);
+}
+
+// Area of the quadrilateral in the picture; 0 if sides do not intersect or intersect far outside the picture.
+double area_of(const std::array<HoughLine, 4>& sides, const WideLens& lens, int width_px, int height_px) {
   constexpr double kBeyond = 0.1;
+  const Eigen::Vector2d center(0.5 * (width_px - 1), 0.5 * (height_px - 1));
   std::array<Eigen::Vector2d, 4> corners;
   for (std::size_t i = 0; i < 4; ++i) {
     const auto corner = crossing(sides[kCornerSides[i][0]], sides[kCornerSides[i][1]]);
     const auto outside = [](double at, double size) { return at < -kBeyond * size || at > (1 + kBeyond) * size; };
-    if (!corner || outside(corner->x(), width_px) || outside(corner->y(), height_px)) return 0;
-    corners[i] = *corner;
+    if (!corner) return 0;
+    corners[i] = bent(*corner, center, lens);
+    if (outside(corners[i].x(), width_px) || outside(corners[i].y(), height_px)) return 0;
   }
   double twice = 0;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -181,57 +111,96 @@ double area_of(const std::array<HoughLine, 4>& sides, int width_px, int height_p
   return std::abs(twice) / 2;
 }
 
-// Pixels inside that touch the region, except specks: a noisy floor as bright as the border is full of them.
-std::vector<OutlinePixel> outline_of(const Grid& grid, const std::vector<std::uint8_t>& in_piece,
-                                     const std::vector<std::uint8_t>& outside) {
-  const auto inside = [&](std::size_t k) { return in_piece[k] == 0 && outside[k] == 0; };
-  std::vector<std::uint8_t> visited(grid.size());
-  std::vector<OutlinePixel> outline;
-  for (std::size_t i = 0; i < grid.size(); ++i) {
-    if (visited[i] != 0 || !inside(i)) continue;
-    const std::vector<std::size_t> area = flood(grid, {i}, false, inside, visited);
-    if (static_cast<double>(area.size()) < kLeastArea * static_cast<double>(grid.size())) continue;
-    for (const std::size_t k : area) {
-      bool at_border = false;
-      grid.neighbors(k, false, [&](std::size_t n) { at_border = at_border || in_piece[n] != 0; });
-      if (at_border) outline.push_back({static_cast<double>(grid.u(k)), static_cast<double>(grid.v(k))});
+// The four sides of an outline and the share of its pixels that lie on them.
+struct SideSearch {
+  std::array<HoughLine, 4> sides;
+  WideLens lens;
+  double share = 0;
+};
+
+// Finds the sides in the picture, and in pictures straightened for wide lenses: the lens with which most pixels lie on
+// straight sides is the right one (the plumb-line method, Brown 1971). A wide lens has to be clearly better.
+SideSearch find_sides(const std::vector<OutlinePixel>& outline, int width_px, int height_px) {
+  constexpr std::array<double, 7> kWideH_widths{1.1, 0.9, 0.75, 0.63, 0.53, 0.45, 0.38};
+  constexpr double kClearlyBetter = 1.15;
+  const Eigen::Vector2d center(0.5 * (width_px - 1), 0.5 * (height_px - 1));
+  const auto share_of = [&](const std::array<HoughLine, 4>& sides) {
+    std::size_t votes = 0;
+    for (const HoughLine& side : sides) votes += side.votes;
+    return static_cast<double>(votes) / static_cast<double>(outline.size());
+  };
+  SideSearch best;
+  if (hough_sides(outline, width_px, height_px, best.sides)) best.share = share_of(best.sides);
+  double to_beat = kClearlyBetter * best.share;
+  for (const double widths : kWideH_widths) {
+    const WideLens lens = wide_lens(widths * width_px, width_px, height_px);
+    std::vector<OutlinePixel> straight;
+    for (const OutlinePixel& p : outline) {
+      const Eigen::Vector2d at = straightened({p.u_px, p.v_px}, center, lens);
+      straight.push_back({at.x(), at.y()});
     }
-  }
-  return outline;
-}
-
-}  // namespace
-
-int brightness_threshold(const hal::Picture& picture) { return otsu(brightness(picture)); }
-
-std::vector<OutlinePixel> border_outline(const hal::Picture& picture, int threshold) {
-  const Grid grid(static_cast<int>(picture.width_px), static_cast<int>(picture.height_px));
-  const std::vector<std::uint8_t> luma = brightness(picture);
-  const auto bright = [&](std::size_t i) { return luma[i] >= threshold; };
-  std::vector<std::size_t> rim;
-  for (std::size_t i = 0; i < grid.size(); ++i) {
-    if (grid.at_edge(i)) rim.push_back(i);
-  }
-  std::vector<std::uint8_t> seen(grid.size());
-  std::vector<OutlinePixel> best;
-  std::size_t most = static_cast<std::size_t>(kLeastEnclosed * static_cast<double>(grid.size()));
-  for (std::size_t i = 0; i < grid.size(); ++i) {
-    if (seen[i] != 0 || !bright(i)) continue;
-    const std::vector<std::size_t> piece = flood(grid, {i}, true, bright, seen);
-    // Skips specks: a region that encloses less than this cannot be the border.
-    if (box_area(grid, piece) <= most) continue;
-    std::vector<std::uint8_t> in_piece(grid.size()), outside(grid.size());
-    for (const std::size_t k : piece) in_piece[k] = 1;
-    const auto is_free = [&](std::size_t k) { return in_piece[k] == 0; };
-    std::vector<std::size_t> seeds;
-    std::copy_if(rim.begin(), rim.end(), std::back_inserter(seeds), is_free);
-    const std::size_t enclosed = grid.size() - piece.size() - flood(grid, seeds, false, is_free, outside).size();
-    if (enclosed <= most) continue;
-    most = enclosed;
-    best = outline_of(grid, in_piece, outside);
+    std::array<HoughLine, 4> sides;
+    if (!hough_sides(straight, width_px, height_px, sides) || share_of(sides) <= to_beat) continue;
+    best = {sides, lens, share_of(sides)};
+    to_beat = best.share;
   }
   return best;
 }
+
+// Fits lines to the pixels of each side, straightened with this H; returns the mean square distance in pixels of the
+// scaled picture.
+double fit_sides(const std::array<std::vector<Eigen::Vector2d>, 4>& pixels, const WideLens& lens,
+                 const Eigen::Vector2d& center, std::array<HoughLine, 4>& lines) {
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    std::vector<Eigen::Vector2d> straight;
+    for (const Eigen::Vector2d& p : pixels[i]) straight.push_back(straightened(p, center, lens));
+    lines[i] = refitted(straight, lines[i], std::numeric_limits<double>::infinity());
+    for (const double within : kCollect_px) lines[i] = refitted(straight, lines[i], within);
+    for (const Eigen::Vector2d& p : straight) {
+      // Pixels of goals and markings must not bend the side.
+      const double distance = std::min(kCollect_px.back(), std::abs(off(lines[i], p.x(), p.y())));
+      sum += distance * distance;
+      count += 1;
+    }
+  }
+  return count > 0 ? sum / count : std::numeric_limits<double>::infinity();
+}
+
+// Refines H of a wide lens and the straightened sides by a golden-section search for the straightest sides.
+WideLens refine_wide_lens(const std::vector<OutlinePixel>& outline, const SideSearch& start, int width_px,
+                          int height_px, std::array<HoughLine, 4>& lines) {
+  const Eigen::Vector2d center(0.5 * (width_px - 1), 0.5 * (height_px - 1));
+  std::array<std::vector<Eigen::Vector2d>, 4> pixels;
+  for (const OutlinePixel& p : outline) {
+    const Eigen::Vector2d at = straightened({p.u_px, p.v_px}, center, start.lens);
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (std::abs(off(start.sides[i], at.x(), at.y())) < kCollect_px[0]) pixels[i].emplace_back(p.u_px, p.v_px);
+    }
+  }
+  const auto cost = [&](double h_px) {
+    std::array<HoughLine, 4> tried = start.sides;
+    return fit_sides(pixels, wide_lens(h_px, width_px, height_px), center, tried);
+  };
+  double low = 0.8 * start.lens.h_px, high = 1.25 * start.lens.h_px;
+  const double golden = 1 / std::numbers::phi;
+  for (int i = 0; i < 25; ++i) {
+    const double a = high - golden * (high - low), b = low + golden * (high - low);
+    if (cost(a) < cost(b)) {
+      high = b;
+    } else {
+      low = a;
+    }
+  }
+  const WideLens lens = wide_lens(0.5 * (low + high), width_px, height_px);
+  lines = start.sides;
+  (void)fit_sides(pixels, lens, center, lines);
+  // The distances from the center without the scale of the straightened picture.
+  for (HoughLine& line : lines) line.distance_px -= off(line, center.x(), center.y()) * (1 / lens.scale - 1);
+  return lens;
+}
+
+}  // namespace
 
 bool hough_sides(const std::vector<OutlinePixel>& outline, int width_px, int height_px,
                  std::array<HoughLine, 4>& sides) {
@@ -333,6 +302,28 @@ double h_of_three_points(const std::vector<OutlinePixel>& outline, const HoughLi
   return 2.0 / (low + high);
 }
 
+// Finds H from the bend of the sides, and the straightened sides.
+static void straighten_sides(const Eigen::Vector2d& center, int width, int height, BorderSearch& out) {
+  // Klancar uses the longest side only, but a goal or a marking at its ends can spoil it. The curvature of eq. (12) is
+  // proportional to 1 / H^2 to first order; the second largest is used.
+  std::array<double, 4> bend{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    bend[i] = std::pow(h_of_three_points(out.outline, out.sides[i], width, height), -2);
+  }
+  std::sort(bend.begin(), bend.end());
+  out.h_px = std::sqrt(1 / bend[2]);
+  std::vector<Eigen::Vector2d> straight;
+  for (const OutlinePixel& p : out.outline) straight.push_back(rectified({p.u_px, p.v_px}, center, out.h_px));
+  for (std::size_t i = 0; i < 4; ++i) {
+    // The middle of the side gives the position of the straightened line; its ends have moved.
+    const HoughLine& side = out.sides[i];
+    const Eigen::Vector2d normal(std::cos(side.angle_rad), std::sin(side.angle_rad));
+    const Eigen::Vector2d nearest = center + (side.distance_px - normal.dot(center)) * normal;
+    out.straight_sides[i] = {side.angle_rad, normal.dot(rectified(nearest, center, out.h_px)), side.votes};
+    for (const double within : kCollect_px) out.straight_sides[i] = refitted(straight, out.straight_sides[i], within);
+  }
+}
+
 Result<void> find_border(const hal::Picture& picture, BorderSearch& out) {
   out = {};
   const int width = static_cast<int>(picture.width_px), height = static_cast<int>(picture.height_px);
@@ -344,44 +335,35 @@ Result<void> find_border(const hal::Picture& picture, BorderSearch& out) {
   // threshold leaves most border pixels on the four sides and has not lost the half of the field behind the center
   // line.
   double best = 0;
+  SideSearch found;
   for (const double factor : kThresholds) {
     BorderSearch attempt;
     attempt.threshold = std::clamp(static_cast<int>(std::lround(factor * otsus)), 1, 250);
     attempt.outline = border_outline(picture, attempt.threshold);
     if (attempt.outline.empty()) continue;
-    if (!hough_sides(attempt.outline, width, height, attempt.sides)) {
-      if (best <= 0) error.text = "the bright region around the field does not have four straight sides";
+    const SideSearch sides = find_sides(attempt.outline, width, height);
+    if (sides.share <= 0) {
+      if (best <= 0) {
+        error.text =
+            "the bright region around the field does not have four sides that are straight, with or without a wide "
+            "lens";
+      }
       continue;
     }
-    std::size_t votes = 0;
-    for (const HoughLine& side : attempt.sides) votes += side.votes;
-    const double share = static_cast<double>(votes) / static_cast<double>(attempt.outline.size());
-    const double merit = share * area_of(attempt.sides, width, height);
+    const double merit = sides.share * area_of(sides.sides, sides.lens, width, height);
     if (merit <= best) continue;
     best = merit;
+    attempt.sides = sides.sides;
+    found = sides;
     out = std::move(attempt);
   }
   if (best <= 0) return error;
-  // Klancar uses the longest side only, but a goal or a marking at its ends can spoil it. The curvature of eq. (12) is
-  // proportional to 1 / H^2 to first order; the second largest is used.
-  std::array<double, 4> bend{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    bend[i] = std::pow(h_of_three_points(out.outline, out.sides[i], width, height), -2);
-  }
-  std::sort(bend.begin(), bend.end());
-  out.h_px = std::sqrt(1 / bend[2]);
-
   const Eigen::Vector2d center(0.5 * (width - 1), 0.5 * (height - 1));
-  std::vector<Eigen::Vector2d> straight;
-  for (const OutlinePixel& p : out.outline) straight.push_back(rectified({p.u_px, p.v_px}, center, out.h_px));
   std::array<HoughLine, 4>& lines = out.straight_sides;
-  for (std::size_t i = 0; i < 4; ++i) {
-    // The middle of the side gives the position of the straightened line; its ends have moved.
-    const HoughLine& side = out.sides[i];
-    const Eigen::Vector2d normal(std::cos(side.angle_rad), std::sin(side.angle_rad));
-    const Eigen::Vector2d nearest = center + (side.distance_px - normal.dot(center)) * normal;
-    lines[i] = {side.angle_rad, normal.dot(rectified(nearest, center, out.h_px)), side.votes};
-    for (const double within : kCollect_px) lines[i] = refitted(straight, lines[i], within);
+  if (found.lens.h_px > 0) {
+    out.h_px = refine_wide_lens(out.outline, found, width, height, lines).h_px;
+  } else {
+    straighten_sides(center, width, height, out);
   }
   for (std::size_t i = 0; i < 4; ++i) {
     const auto corner = crossing(lines[kCornerSides[i][0]], lines[kCornerSides[i][1]]);

@@ -7,14 +7,10 @@
 
 #include "hal/replay/picture.h"
 #include "hal/result.h"
+#include "tools/programs/calibrate/field/border_outline.h"
 #include "tools/programs/calibrate/field/field_fit.h"
 
 namespace touchline::calibrate {
-
-/// A pixel of the field next to its border.
-struct OutlinePixel {
-  double u_px = 0, v_px = 0;
-};
 
 /// The line u cos(angle) + v sin(angle) = distance.
 struct HoughLine {
@@ -22,16 +18,8 @@ struct HoughLine {
   std::size_t votes = 0;
 };
 
-/// Finds the corners of the field's border in a picture with the steps of Klancar section 6.2.
-
-/// Step 1: finds a bright region that surrounds most of the picture, the border, and returns the pixels inside that
-/// touch it: one-pixel lines along the border and along the markings that are connected to it. Empty if no bright
-/// region surrounds at least a tenth of the picture. Brightness is the smallest of the three channels, because white is
-/// bright in all of them.
-std::vector<OutlinePixel> border_outline(const hal::Picture& picture, int threshold);
-/// Returns the threshold between the two classes of brightness with the largest variance between them (Otsu, "A
-/// threshold selection method from gray-level histograms", 1979).
-int brightness_threshold(const hal::Picture& picture);
+/// Finds the corners of the field's border in a picture with the steps of Klancar section 6.2; step 1 is in
+/// border_outline.h.
 
 /// Step 2: Hough transform (Duda and Hart 1972). Finds the four sides of the border: the line with most votes, the
 /// opposite line and the two lines across, in the order bottom, right, top, left. Returns false if there are no four

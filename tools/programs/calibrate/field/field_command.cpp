@@ -118,9 +118,17 @@ Result<void> fit_border(const LightPicture& picture, const FieldDrawing& drawing
     if (!result.ok()) {
       result = prefixed("the bright region is not the border, or the picture cuts the field off", result.error());
     } else {
-      // Third order of eq. (12) and of Brown's model.
+      // Brown's model instead of eq. (12), as far as the corners of the field.
       FullModelParameters& full = attempt.fit.camera.full;
-      full.k1 = static_cast<float>(-std::pow(static_cast<double>(full.fx_px) / border.h_px, 2) / 6);
+      double radius = 0;
+      for (const PixelPoint& corner : border.corners) {
+        radius = std::max(radius, std::hypot(static_cast<double>(corner.u_px) - 0.5 * (picture.width_px() - 1),
+                                             static_cast<double>(corner.v_px) - 0.5 * (picture.height_px() - 1)));
+      }
+      const auto k = brown_of_eq12(border.h_px, static_cast<double>(full.fx_px), radius);
+      full.k1 = static_cast<float>(k[0]);
+      full.k2 = static_cast<float>(k[1]);
+      full.k3 = static_cast<float>(k[2]);
       result = refine_field(picture, drawing.field, report.marks, height, attempt.fit, attempt.refinement);
       if (result.ok()) {
         good.push_back(std::move(attempt));
@@ -326,7 +334,7 @@ Result<void> FieldCommand::run() const {
   }
 
   TOUCHLINE_TRY(find_camera(photographs, drawn, height, input, found));
-  found.points_given = input.points.size();
+  found.points = input.points;
   FieldFit& fit = found.fit;
   fit.camera.kind = kind == "paper" ? CameraModelKind::kPaper : CameraModelKind::kFull;
   found.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

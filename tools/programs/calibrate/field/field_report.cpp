@@ -1,5 +1,7 @@
 #include "tools/programs/calibrate/field/field_report.h"
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -117,14 +119,74 @@ nlohmann::json json_of(const RefinementReport& r) {
 std::string residual_text(const FieldReport& report) {
   const RefinementReport& r = report.refinement;
   const FieldFit& fit = report.fit;
+  if (r.points == 0 && !fit.has_distortion) {
+    return formatted("%zu points: too few to measure the accuracy (at the points %.2f px RMS, %.2f mm RMS)",
+                     report.points.size(), fit.residual_px.rms, fit.residual_mm.rms);
+  }
   if (r.points == 0) {
-    return formatted("%zu points: %.2f px RMS, %.2f px max; %.2f mm RMS, %.2f mm max", report.points_given,
+    return formatted("%zu points: %.2f px RMS, %.2f px max; %.2f mm RMS, %.2f mm max", report.points.size(),
                      fit.residual_px.rms, fit.residual_px.max, fit.residual_mm.rms, fit.residual_mm.max);
   }
   return formatted(
       "%zu points of border and markings: %.2f px RMS, p95 %.2f, max %.2f; %.2f mm RMS, p95 %.2f, max %.2f (%zu left "
       "out)",
       r.points, r.rms_px, r.p95_px, r.max_px, r.rms_mm, r.p95_mm, r.max_mm, r.outliers);
+}
+
+namespace {
+
+// What a few points leave open, and what to do about it.
+std::string describe_unknowns(const FieldReport& report) {
+  const FieldFit& fit = report.fit;
+  if (report.refinement.points > 0 || fit.has_distortion) return "";
+  std::string out = formatted(
+      "unknown: the lens distortion is taken as none; if the lens has k1 = %.1f, as many wide ones have, the field is "
+      "up "
+      "to %.0f mm off between the points\n",
+      kWideLensK1, 1e3 * distortion_effect_m(fit.camera, report.points));
+  if (report.height == HeightSource::kMeasured) {
+    out += formatted(
+        "unknown: height %.3f m is as given, and the tilt follows from it; errors of the clicks tilt the "
+        "camera instead of showing up\n",
+        fit.height_m);
+  } else {
+    out += formatted(
+        "unknown: height and tilt follow from the perspective alone; a click that is off by %.1f px changes "
+        "the height by %.2f m, and a robot's position by as many percent; measure it (--camera-height)\n",
+        kClickSigma_px, fit.height_sigma_m);
+  }
+  return out + formatted(
+                   "to measure them: let the program find the border (no --corners), or give at least %zu points, "
+                   "some in the middle of the sides (--point)\n",
+                   kPointsForDistortion);
+}
+
+}  // namespace
+
+double distortion_effect_m(const CameraParameters& camera, const std::vector<FloorPoint>& points) {
+  const FullModelParameters& full = camera.full;
+  const double focal = static_cast<double>(full.fx_px);
+  const auto radius = [&](double u_px, double v_px) {
+    return std::hypot(u_px - static_cast<double>(full.cx_px), v_px - static_cast<double>(full.cy_px)) / focal;
+  };
+  // The points keep their places on average; in between, the third order of Brown's model remains.
+  double square = 0, mid_u = 0, mid_v = 0;
+  for (const FloorPoint& p : points) {
+    square += std::pow(radius(p.u_px, p.v_px), 2) / static_cast<double>(points.size());
+    mid_u += p.u_px / static_cast<double>(points.size());
+    mid_v += p.v_px / static_cast<double>(points.size());
+  }
+  const double height = static_cast<double>(full.position_m[2]);
+  double most = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const FloorPoint &a = points[i], &b = points[(i + 1) % points.size()];
+    for (const auto& [u, v] : {std::pair{(a.u_px + b.u_px) / 2, (a.v_px + b.v_px) / 2},
+                               std::pair{(a.u_px + mid_u) / 2, (a.v_px + mid_v) / 2}}) {
+      const double r = radius(u, v);
+      most = std::max(most, std::abs(kWideLensK1) * r * std::abs(r * r - square) * height);
+    }
+  }
+  return most;
 }
 
 std::string text_of(const FieldReport& report) {
@@ -145,6 +207,7 @@ std::string text_of(const FieldReport& report) {
         sigma.center_v_px, sigma.floor_center_mm, sigma.floor_corner_mm, sigma.top_corner_mm);
     out += describe_markings(report);
   }
+  out += describe_unknowns(report);
   if (!report.unrefined.empty()) out += "the camera model was not refined along the border: " + report.unrefined + "\n";
   out +=
       fit.has_distortion
@@ -157,9 +220,12 @@ std::string text_of(const FieldReport& report) {
     out += formatted("paper's model without refinement: %.2f mm RMS, %.2f mm max\n", report.steps_mm.rms,
                      report.steps_mm.max);
   }
-  out += formatted("paper's model, eq. (12)-(15)%s: H %.0f px, p %.3g, q %.3g per px; %.2f mm RMS, %.2f mm max\n",
-                   refined ? ", refined" : "", value(fit.camera.paper.focal_px), value(fit.camera.paper.p_per_px),
-                   value(fit.camera.paper.q_per_px), fit.paper_residual_mm.rms, fit.paper_residual_mm.max);
+  out +=
+      formatted("paper's model, eq. (12)-(15)%s: H %.0f px, p %.3g, q %.3g per px", refined ? ", refined" : "",
+                value(fit.camera.paper.focal_px), value(fit.camera.paper.p_per_px), value(fit.camera.paper.q_per_px));
+  out += refined || fit.has_distortion
+             ? formatted("; %.2f mm RMS, %.2f mm max\n", fit.paper_residual_mm.rms, fit.paper_residual_mm.max)
+             : std::string("\n");
   if (refined) {
     out += formatted("full model, refined: %.2f mm RMS, %.2f mm max\n", report.refinement.rms_mm,
                      report.refinement.max_mm);
@@ -196,7 +262,7 @@ Result<void> write_json(const FieldReport& report, const std::string& path) {
     }
   } else {
     out["points"] = {
-        {"count", report.points_given}, {"px", json_of(fit.residual_px)}, {"mm", json_of(fit.residual_mm)}};
+        {"count", report.points.size()}, {"px", json_of(fit.residual_px)}, {"mm", json_of(fit.residual_mm)}};
     out["not_refined"] = report.unrefined;
   }
   if (report.border) {

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hal/result.h"
 #include "tools/programs/calibrate/field/border_search.h"
@@ -19,13 +20,20 @@ struct FieldReport {
   std::optional<VanishingPointModel> steps;
   ResidualSummary steps_mm;  // of the paper's model without refinement, at the points found
   FieldFit fit;
-  std::size_t points_given = 0;
-  RefinementReport refinement;  // points is 0 if the fit was not refined
-  std::string unrefined;        // why it was not refined
+  std::vector<FloorPoint> points;  // that were given, corners included
+  RefinementReport refinement;     // points is 0 if the fit was not refined
+  std::string unrefined;           // why it was not refined
   std::vector<Mark> marks;
   HeightSource height = HeightSource::kSeen;
   double seconds = 0;
 };
+
+/// k1 of a wide lens, for estimates of what an unknown distortion would do.
+inline constexpr double kWideLensK1 = -0.2;
+
+/// Distance in meters by which floor points between these points are off if the camera model has no distortion, but the
+/// lens has kWideLensK1.
+double distortion_effect_m(const CameraParameters& camera, const std::vector<FloorPoint>& points);
 
 /// Formats the residual of the model in use: one line.
 std::string residual_text(const FieldReport& report);

@@ -97,6 +97,20 @@ Result<void> fit_paper_model(const FieldFitInput& input, FieldFit& fit) {
   return {};
 }
 
+std::array<double, 3> brown_of_eq12(double h_px, double focal_px, double radius_px) {
+  constexpr Eigen::Index kSteps = 40;
+  Eigen::Matrix<double, kSteps, 3> powers;
+  Eigen::Matrix<double, kSteps, 1> values;
+  for (Eigen::Index i = 0; i < kSteps; ++i) {
+    const double seen_px = radius_px * static_cast<double>(i + 1) / kSteps;
+    const double r = h_px * std::sinh(seen_px / h_px) / focal_px, r2 = r * r;
+    powers.row(i) << r * r2, r * r2 * r2, r * r2 * r2 * r2;
+    values(i) = seen_px / focal_px - r;
+  }
+  const Eigen::Vector3d k = (powers.transpose() * powers).ldlt().solve(powers.transpose() * values);
+  return {k.x(), k.y(), k.z()};
+}
+
 ResidualSummary paper_residual(const PaperModelParameters& model, const std::vector<FloorPoint>& points) {
   const double h = static_cast<double>(model.focal_px), curvature = 1.0 / (h * h);
   const double tilt[2] = {static_cast<double>(model.p_per_px), static_cast<double>(model.q_per_px)};

@@ -15,28 +15,68 @@ namespace {
 constexpr double kExplained = 4.0, kStranger = 6.0, kMissing = 8.0, kForbidden = 1e4;
 // Standard deviation of paints of one name, and the greatest cost of a paint.
 constexpr double kPaint = 12.0, kLeastLikely = 14.0;
+// Standard deviation of the shades of one color under uneven light, the cost of a further shade, and the least decrease
+// of the whole cost by it.
+constexpr double kShade = 14.0, kFurtherShade = 0.5, kWorthAShade = 1.0;
 
 class Solver {
  public:
   Solver(const AssignmentInput& input, const std::vector<PatchLabels>& cuts) : input_(input), cuts_(cuts) {}
 
-  Solution solve(const Exclusion& exclusion) const {
+  Solution solve(const Exclusion& exclusion, bool with_shades) const {
     Solution best;
     for (const PatchLabels& cut : cuts_) {
+      Solution best_of_cut;
+      Teams teams{kNone, kNone};
       const auto own = team_labels(cut, 0), other = team_labels(cut, 1);
       for (const std::size_t a : own) {
         for (const std::size_t b : other) {
           if (a == b && a != kNone) continue;
           Solution s = with_teams(cut, {a, b}, exclusion);
-          if (s.cost < best.cost) best = std::move(s);
+          if (s.cost >= best_of_cut.cost) continue;
+          best_of_cut = std::move(s);
+          teams = {a, b};
         }
       }
+      if (with_shades) add_shades(cut, teams, exclusion, best_of_cut);
+      if (best_of_cut.cost < best.cost) best = std::move(best_of_cut);
     }
     return best;
   }
 
  private:
   using Teams = std::array<std::size_t, 2>;
+
+  // Under uneven light the patches of a color form several clusters, and no single distance separates all colors: adds
+  // clusters to colors as further shades as long as this explains more robots.
+  void add_shades(PatchLabels cut, const Teams& teams, const Exclusion& exclusion, Solution& best) const {
+    constexpr std::size_t kMostShades = 8;
+    for (std::size_t round = 0; round < kMostShades; ++round) {
+      std::size_t best_label = kNone, best_color = kNone;
+      const double before = best.cost;
+      std::set<std::size_t> assigned(best.label_of.begin(), best.label_of.end());
+      const std::vector<std::size_t> label_of = best.label_of;
+      for (std::size_t l = 0; l < cut.labels.size(); ++l) {
+        Label& label = cut.labels[l];
+        if (fixed(label) != kNone || assigned.count(l) > 0) continue;
+        for (std::size_t c = 0; c < label_of.size(); ++c) {
+          const std::size_t main = label_of[c] != kNone ? label_of[c] : cut.named(c);
+          if (main == kNone || c + 1 == input_.ball || !is_plausible(input_.colors[c].name, label.rgb) ||
+              difference(label.lab, cut.labels[main].lab) > 3 * kShade)
+            continue;
+          label.shade = c;
+          Solution tried = with_teams(cut, teams, exclusion);
+          label.shade = kNone;
+          if (tried.cost >= std::min(best.cost, before - kWorthAShade)) continue;
+          best = std::move(tried);
+          best_label = l;
+          best_color = c;
+        }
+      }
+      if (best_label == kNone) return;
+      cut.labels[best_label].shade = best_color;
+    }
+  }
 
   // Labels of the most frequent team patches; only kNone if the team is not searched or there is no marker.
   std::vector<std::size_t> team_labels(const PatchLabels& cut, std::size_t team) const {
@@ -46,7 +86,7 @@ class Solver {
       if (m.team == team) ++count[cut.label_of[m.patches[0]]];
     }
     for (std::size_t l = 0; l < count.size(); ++l) {
-      if (count[l] > 0 && cut.labels[l].named == kNone) order.push_back(l);
+      if (count[l] > 0 && fixed(cut.labels[l]) == kNone) order.push_back(l);
     }
     constexpr std::size_t kTried = 7;
     std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return count[a] > count[b]; });
@@ -55,9 +95,12 @@ class Solver {
     return order;
   }
 
+  // The color that a label has whatever is assigned.
+  static std::size_t fixed(const Label& label) { return label.named != kNone ? label.named : label.shade; }
+
   bool has_team_color(const PatchLabels& cut, const Teams& teams, std::size_t team, std::size_t label) const {
     return label == teams[team] ||
-           (cut.labels[label].named != kNone && cut.labels[label].named + 1 == input_.teams[team].team_color);
+           (fixed(cut.labels[label]) != kNone && fixed(cut.labels[label]) + 1 == input_.teams[team].team_color);
   }
 
   // Selects markers whose team patch has the team color and whose other patches do not, without using a patch twice:
@@ -92,9 +135,10 @@ class Solver {
 
   double unlikely(std::size_t color, const Label& label, const std::vector<std::optional<Lab>>& expected,
                   const Exclusion& exclusion) const {
-    if (label.named != kNone) return kForbidden;  // it has its color
+    if (fixed(label) != kNone) return kForbidden;  // it has its color
     if (exclusion.color == color && difference(label.lab, exclusion.lab) < kSame) return kForbidden;
     if (!expected[color]) return kLeastLikely / 2;
+    if (!is_plausible(input_.colors[color].name, label.rgb)) return kLeastLikely;
     const double d = dissimilarity(label.lab, *expected[color]) / kPaint;
     return std::min(kLeastLikely, d * d / 2);
   }
@@ -159,7 +203,7 @@ class Solver {
       if (label_of[c] != kNone) out[label_of[c]] = c;
     }
     for (std::size_t l = 0; l < out.size(); ++l) {
-      if (cut.labels[l].named != kNone) out[l] = cut.labels[l].named;
+      if (fixed(cut.labels[l]) != kNone) out[l] = fixed(cut.labels[l]);
     }
     return out;
   }
@@ -176,7 +220,7 @@ class Solver {
         const auto part = static_cast<double>(m->patches.size() - 1);
         const int before = seen[{m->picture, m->team, k, label}]++;
         for (std::size_t c = 0; c < cost.size(); ++c) {
-          if (cut.labels[label].named != kNone) continue;
+          if (fixed(cut.labels[label]) != kNone) continue;
           const auto robots = std::count_if(team.robots.begin(), team.robots.end(),
                                             [&](const RobotMarking& r) { return r.colors[k - 1] == c + 1; });
           cost[c][label] += (before < robots ? -kExplained : kStranger) / part;
@@ -268,6 +312,12 @@ class Solver {
       cost += unlikely(c, cut.labels[label_of[c]], out.expected, exclusion);
       if (c + 1 == input_.ball) cost += ball[label_of[c]];
     }
+    for (const Label& label : cut.labels) {
+      if (label.shade == kNone) continue;
+      const std::size_t main = label_of[label.shade] != kNone ? label_of[label.shade] : cut.named(label.shade);
+      const double d = main == kNone ? 0.0 : difference(label.lab, cut.labels[main].lab) / kShade;
+      cost += main == kNone ? kForbidden : kFurtherShade + std::min(kLeastLikely, d * d / 2);
+    }
     return cost;
   }
 
@@ -339,8 +389,8 @@ class Solver {
 }  // namespace
 
 Solution solve_assignment(const AssignmentInput& input, const std::vector<PatchLabels>& cuts,
-                          const Exclusion& exclusion) {
-  return Solver(input, cuts).solve(exclusion);
+                          const Exclusion& exclusion, bool with_shades) {
+  return Solver(input, cuts).solve(exclusion, with_shades);
 }
 
 }  // namespace touchline::calibrate

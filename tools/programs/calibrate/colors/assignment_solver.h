@@ -27,8 +27,8 @@ struct Exclusion {
 };
 
 /// Finds the assignment with the lowest cost over all divisions into clusters and all pairs of team colors; see
-/// assign_colors(). `cuts`: as label_patches() returns them.
+/// assign_colors(). `cuts`: as label_patches() returns them. `with_shades`: a color may have several clusters.
 Solution solve_assignment(const AssignmentInput& input, const std::vector<PatchLabels>& cuts,
-                          const Exclusion& exclusion);
+                          const Exclusion& exclusion, bool with_shades);
 
 }  // namespace touchline::calibrate

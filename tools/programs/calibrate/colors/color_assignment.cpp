@@ -28,7 +28,9 @@ double AssignedColor::confidence() const { return patches.empty() ? 0.0 : 1.0 / 
 
 Assignment assign_colors(const AssignmentInput& input) {
   const std::vector<PatchLabels> cuts = label_patches(input);
-  const Solution best = solve_assignment(input, cuts, {});
+  const Solution best = solve_assignment(input, cuts, {}, true);
+  // Margins compare solutions with one cluster per color.
+  const double cost = solve_assignment(input, cuts, {}, false).cost;
   Assignment out;
   out.colors.resize(input.colors.size());
   if (best.label_of.empty()) return out;
@@ -41,7 +43,7 @@ Assignment assign_colors(const AssignmentInput& input) {
     AssignedColor& color = out.colors[c];
     std::vector<std::size_t> all;
     for (std::size_t l = 0; l < best.labels.size(); ++l) {
-      if (best.labels[l].named != c && best.label_of[c] != l) continue;
+      if (best.labels[l].named != c && best.labels[l].shade != c && best.label_of[c] != l) continue;
       all.insert(all.end(), best.labels[l].patches.begin(), best.labels[l].patches.end());
     }
     if (all.empty()) continue;
@@ -61,8 +63,8 @@ Assignment assign_colors(const AssignmentInput& input) {
       color.margin = kCertain;
       continue;
     }
-    const Solution other = solve_assignment(input, cuts, {c, lab});
-    color.margin = std::min(kCertain, other.cost - best.cost);
+    const Solution other = solve_assignment(input, cuts, {c, lab}, false);
+    color.margin = std::min(kCertain, other.cost - cost);
     if (!other.label_of.empty()) color.alternative = alternative_of(input, other, c, lab);
   }
   return out;

@@ -6,12 +6,6 @@
 namespace touchline::calibrate {
 namespace {
 
-// Range of the channels relative to the largest one; noise near black does not count.
-double saturation(const Rgb& rgb) {
-  const auto [least, most] = std::minmax_element(rgb.begin(), rgb.end());
-  return (*most - *least) / (*most + kRatioOffset);
-}
-
 // Angle in the plane of equal brightness.
 double hue_difference_deg(const Rgb& a, const Rgb& b) {
   constexpr double kHalfTurn_deg = 180.0;
@@ -51,6 +45,11 @@ double dissimilarity(const Lab& color, const Lab& expected) {
   const double chroma = std::hypot(color.a, color.b) - std::hypot(expected.a, expected.b);
   const double hue = std::max(0.0, a * a + b * b - chroma * chroma);  // squared, as in CIE 1976
   return std::sqrt(kLightness * l * l + kChroma * chroma * chroma + kHue * hue);
+}
+
+double saturation(const Rgb& rgb) {
+  const auto [least, most] = std::minmax_element(rgb.begin(), rgb.end());
+  return (*most - *least) / (*most + kRatioOffset);
 }
 
 bool is_plausible(const std::string& name, const Rgb& seen) {

@@ -27,8 +27,12 @@ double difference(const Lab& a, const Lab& b);
 /// because paints of one name differ more in paleness.
 double dissimilarity(const Lab& color, const Lab& expected);
 
-/// Whether a patch of this color cannot be what the name says in any usual light: nearly grey although the name is a
-/// saturated color, saturated although the name is a grey, or a hue more than a quarter of the circle away. Unknown
+/// Range of the channels relative to the largest one, 0 to 1; noise near black does not count.
+double saturation(const Rgb& rgb);
+
+/// Whether a patch of this color can be what the name says in any usual light. It cannot if it is nearly grey although
+/// the name is a saturated color, saturated although the name is a grey, or if its hue is more than a quarter of the
+/// circle away. Unknown
 /// names are always plausible.
 bool is_plausible(const std::string& name, const Rgb& seen);
 

@@ -21,6 +21,8 @@ constexpr double kInnerPart = 0.6;
 constexpr std::size_t kLeastPixels = 4;
 // Least share of the pixels within kSameColor levels of their median.
 constexpr double kEven = 0.7, kSameColor = 30.0;
+// A dark patch is not a shadow if it is at least this different and saturated.
+constexpr double kLeastContrast = 8.0, kLeastSaturation = 0.25;
 // Color difference to the floor at which a patch is certainly one.
 constexpr double kClearlyDifferent = 100.0;
 
@@ -166,7 +168,11 @@ class Completion {
     if (static_cast<double>(even) < kEven * static_cast<double>(region.pixels.size())) return kNoPatch;
     const Channels& floor = picture_.floor.at(u0, v0);
     contrast = color_distance(color, floor, image.space);
-    if (!differs_from_floor(color, floor, image.space)) return kNoPatch;
+    const Channels shown = shown_rgb(color, image.space);
+    const bool colored =
+        contrast >= kLeastContrast && saturation({static_cast<double>(shown[0]), static_cast<double>(shown[1]),
+                                                  static_cast<double>(shown[2])}) >= kLeastSaturation;
+    if (!colored && !differs_from_floor(color, floor, image.space)) return kNoPatch;
     const auto [entry, is_new] = sampled_.try_emplace({u0, v0, static_cast<int>(place)}, patches_.size());
     if (is_new) {
       patches_.push_back(patch_of(image, middle, radius, std::move(region)));

@@ -20,6 +20,7 @@ struct Label {
   Rgb rgb{};  // median
   Lab lab;
   std::size_t named = kNone;  // the color that clicks give to it
+  std::size_t shade = kNone;  // the color of which it is a further shade, besides the label that is assigned to it
 };
 
 /// The patches divided into clusters at one distance.

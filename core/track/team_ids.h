@@ -15,6 +15,7 @@ class TeamIds {
   std::size_t slot_of(RobotId id, Team team, TrackedRobots& robots);
   /// Names the team's robots so that the sum of their log odds is largest and no id occurs twice. A track that lost its
   /// id to another one and is not in `served` ends: its robot is elsewhere.
+  /// The work is bounded: one assignment of at most 11 tracks for each of them.
   void assign(Team team, const std::array<bool, kMaxRobots>& served, TrackedRobots& robots);
 
  private:

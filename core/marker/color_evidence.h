@@ -21,8 +21,9 @@ class ColorEvidence {
  public:
   /// Log likelihood of a surface that has none of the venue's colors: a robot's top, the floor, a hand.
   static constexpr float kNoColor = -3.0f;
-  /// A color never gets less than this: even a robot's own patch may be covered or reflect a lamp.
-  static constexpr float kFloor = kNoColor - 4.0f;
+  /// A color never gets less than this: even a robot's own patch may be covered or reflect a lamp. One such patch costs
+  /// more than another one of the right color gains, so a robot that is not in the team file gets no name.
+  static constexpr float kFloor = kNoColor - 8.0f;
 
   void configure(const TypicalColors& typical);
 

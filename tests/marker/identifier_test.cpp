@@ -227,6 +227,19 @@ TEST_F(IdsFromPixels, IsNeverWrongIfThePatchIsCovered) {
   }
 }
 
+// One of its two colors fits a robot of the team.
+TEST_F(IdsFromPixels, AreUnknownForARobotThatIsNotInTheTeamFile) {
+  use(teams_with(bar_layout(), 2));  // red and green, green and green
+  paint(kLeft);
+  paint(kMiddle);
+  for (PaintedField* field : {boxes.get(), shown.get()}) field->paint_patch(kMiddle, 1, kMagenta);
+  const Sightings& seen = look();
+  ASSERT_EQ(seen.robots.size(), 2u);
+  for (const RobotSighting& robot : seen.robots) {
+    EXPECT_EQ(robot.id, robot.pose.position.x_m < -0.1f ? 0 : kUnknownId);
+  }
+}
+
 TEST_F(IdsFromPixels, NamesNoTwoRobotsAlike) {
   use(teams_with(halves_layout(), 3));
   const Placed twin{Team::kOwn, 0, kRight.pose};

@@ -17,6 +17,8 @@ namespace {
 constexpr double kLeastCostMargin = 3.0;
 // Greatest difference from the expected appearance of a color name; the names themselves are 30 to 100 apart.
 constexpr double kMostUnlike = 55.0;
+// With less difference, another patch that might have the color does not matter: the self-check shows a wrong choice.
+constexpr double kLooksRight = 30.0;
 // Greatest elongation of a ball. Shadow and motion elongate a ball; the end of a line is longer.
 constexpr double kBallElongation = 1.6;
 
@@ -177,7 +179,8 @@ void add_doubts(DetectedColors& out) {
       out.doubts.push_back(
           formatted("%s: the remaining patches do not look like it (difference %.0f); click on one of its patches",
                     name, color.dissimilarity));
-    } else if (color.margin < kLeastCostMargin) {
+    } else if (color.margin < kLeastCostMargin &&
+               (!color.alternative.empty() || !wanted.look || color.dissimilarity > kLooksRight)) {
       out.doubts.push_back(formatted("%s: could also be %s; click on one patch of %s", name,
                                      color.alternative.empty() ? "another patch" : color.alternative.c_str(),
                                      color.alternative.empty() ? "it" : "each"));

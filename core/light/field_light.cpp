@@ -276,9 +276,12 @@ bool FieldLight::find_change(std::size_t row) {
     if (column + kWindow < grid_.columns) window.add(*this, row, column + kWindow, 1);
     if (column > kWindow) window.add(*this, row, column - kWindow - 1, -1);
     const std::size_t cell = row * grid_.columns + column;
-    std::size_t bin = window.most_frequent();
-    const std::size_t known = bin_of(change_[base_channel_][cell]);
-    if (100 * window.around(known) >= kKeep_percent * window.around(bin)) bin = known;
+    std::size_t bin = bin_of(change_[base_channel_][cell]);
+    // The level of a majority needs no search.
+    if (2 * window.around(bin) <= window.whole) {
+      const std::size_t best = window.most_frequent();
+      if (100 * window.around(bin) < kKeep_percent * window.around(best)) bin = best;
+    }
     const std::int32_t weight = window.around(bin);
     const bool is_known = window.whole >= kLeastWeight && 100 * weight >= kFrequent_percent * window.whole;
     bool differs = is_known != known_[cell];

@@ -20,13 +20,13 @@ void to_rgb(std::array<int, 3>& sum) {
 
 ReferenceGrid ReferenceGrid::of(std::uint16_t width_px, std::uint16_t height_px) {
   static_assert(kTileWidth == 2 * kTileHeight);
-  const auto cells_along = [](unsigned size_px, unsigned side_px) { return (size_px + side_px - 1) / side_px; };
+  const auto cells_along = [](unsigned picture_px, unsigned cell_px) { return (picture_px + cell_px - 1) / cell_px; };
   ReferenceGrid grid;
-  unsigned side_px = 0;
+  unsigned cell_px = 0;
   do {
-    side_px += kTileWidth;
-    grid = {static_cast<std::uint16_t>(cells_along(width_px, side_px)),
-            static_cast<std::uint16_t>(cells_along(height_px, side_px)), static_cast<std::uint16_t>(side_px)};
+    cell_px += kTileWidth;
+    grid = {static_cast<std::uint16_t>(cells_along(width_px, cell_px)),
+            static_cast<std::uint16_t>(cells_along(height_px, cell_px)), static_cast<std::uint16_t>(cell_px)};
   } while (grid.cells() > kMaxReferenceCells);
   return grid;
 }

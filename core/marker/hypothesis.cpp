@@ -14,7 +14,6 @@ constexpr float kPatchReward = 60.0f;
 constexpr float kIdentityReward = 10.0f;
 // Cost of another team patch on the robot's top, which is impossible unless it is noise.
 constexpr float kForeignPatchPenalty = 30.0f;
-constexpr float kForeignPatchInset = 0.005f;
 // Factor for a partly visible patch. An explanation with a complete patch always has a higher value.
 constexpr float kPartlyVisibleReward = 0.5f;
 // If the team patch is partly visible, a single identification patch must be complete, because its center gives the
@@ -273,7 +272,7 @@ class Search {
     int count = 0;
     for (std::size_t i = 0; i < patches_.team.size(); ++i) {
       if (i == index_ || patches_.team[i].patch.ratio < 0.5f) continue;
-      count += on_robot(layout_, to_robot_frame(pose, patches_.team[i].patch.at[team_]), kForeignPatchInset) ? 1 : 0;
+      count += on_robot(layout_, to_robot_frame(pose, patches_.team[i].patch.at[team_]), kForeignPatchInset_m) ? 1 : 0;
     }
     return count;
   }

@@ -60,6 +60,12 @@ constexpr float kDoubtfulMargin = 3.0f;
 constexpr float residual_gate_m(float scale_px_per_m) { return 0.010f + 0.5f / scale_px_per_m; }
 constexpr float precise_gate_m(float scale_px_per_m) { return 0.005f + 0.5f / scale_px_per_m; }
 
+/// Least distance of two robots' centers relative to their side: touching squares are at least one side apart; the rest
+/// allows for errors of the pose.
+constexpr float kMinRobotDistance = 0.8f;
+/// A team patch this far inside a robot's border is not its neighbor's.
+constexpr float kForeignPatchInset_m = 0.005f;
+
 /// True if the point (in the robot's frame) is on the robot, at least `inset_m` from its border.
 bool on_robot(const MarkerLayout& layout, FieldPoint point, float inset_m);
 

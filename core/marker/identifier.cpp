@@ -17,7 +17,7 @@ constexpr float kBoxVote = 2.0f;
 // Log likelihood that a region where a pose predicts a patch is that patch.
 constexpr float kRegionReward = 3.0f;
 // Error of the axis of a long team patch, which may be partly hidden or have only a part of its pixels in its box.
-constexpr float kAxisSigma = 0.25f;
+constexpr float kRoughAxisSigma = 0.25f;
 // A margin above this one needs no exact value: the probability of an error is below the rate of other errors.
 constexpr float kClearMargin = 5.0f;
 // Margins are divided by this value before they become a probability, because the errors of a robot's patches are not
@@ -31,22 +31,17 @@ constexpr float kMinGrownArea = 0.35f, kMaxGrownArea = 1.5f;
 // A region of the right shape with this part of the area shows the whole patch.
 constexpr float kWholeRegion = 0.75f;
 // The window for growing contains the patch if its seed is in the middle third.
-constexpr float kReachMargin = 1.3f, kBlur_px = 2.0f;
+constexpr float kWindowMargin = 1.3f, kBlur_px = 2.0f;
 // Samples of the floor lie on a circle of this radius, relative to the robot's side, around its team patch.
 constexpr std::size_t kFloorSamples = 8;
 constexpr float kFloorRadius = 1.1f;
 // Ratio of variances of patches whose axis is visible: in the layout, and in the picture.
-constexpr float kLong = 2.0f, kElongated = 1.5f;
+constexpr float kLong = 2.0f, kVisiblyLong = 1.5f;
 // Smaller differences of pose show the same pixels.
 constexpr float kSamePlace = 0.006f, kSameHeading = 0.2f;
 constexpr float kSimilarPlace = 0.02f, kSimilarHeading = 0.5f;
-// Centers of touching squares are at least one side apart; the rest allows for errors of the pose.
-constexpr float kMinDistance = 0.8f;
-constexpr float kForeignPatchInset = 0.005f;
 // Samples of a patch are taken within this part of its inner circle.
 constexpr float kSampledRadius = 0.5f;
-
-constexpr std::size_t index_of(Team team) { return static_cast<std::size_t>(team); }
 
 float inner_radius_m(const PatchPlace& place) {
   const float half = 0.5f * std::min(place.length_m, place.width_m);
@@ -124,10 +119,10 @@ bool Identifier::is_free(const Scene& now, std::size_t robot, const Pose& pose) 
     const RobotSighting& other = now.seen.robots[i];
     if (other.has_heading) {
       const float side = 0.5f * (layout.robot_side_m + teams_[index_of(other.team)].layout.robot_side_m);
-      if (distance_m(pose.position, other.pose.position) < kMinDistance * side) return false;
+      if (distance_m(pose.position, other.pose.position) < kMinRobotDistance * side) return false;
     }
     const FieldPoint patch = now.patches.team[now.boxes[i].team_patch].patch.at[now.team];
-    if (on_robot(layout, to_robot_frame(pose, patch), kForeignPatchInset)) return false;
+    if (on_robot(layout, to_robot_frame(pose, patch), kForeignPatchInset_m)) return false;
   }
   return true;
 }
@@ -144,7 +139,7 @@ void Identifier::look_at_team_patch(const Scene& now, Candidate& candidate) cons
   const MarkerLayout& layout = teams_[now.team].layout;
   const PatchPlace& place = layout.patches[0];
   const float scale = region.scale_px_per_m, expected_px = area_m2(place) * scale * scale;
-  const float reach_px = kReachMargin * 0.5f * std::hypot(place.length_m, place.width_m) * scale + kBlur_px;
+  const float reach_px = kWindowMargin * 0.5f * std::hypot(place.length_m, place.width_m) * scale + kBlur_px;
   GrownPatch patch;
   const bool is_grown = grow_patch(now.frame, region.center, reach_px, patch) &&
                         patch.area_px > kMinGrownArea * expected_px && patch.area_px < kMaxGrownArea * expected_px;
@@ -155,7 +150,7 @@ void Identifier::look_at_team_patch(const Scene& now, Candidate& candidate) cons
   candidate.at = field(patch.center);
   const PrincipalVariances variances = principal_variances(place);
   candidate.has_axis =
-      variances.major_m2 > kLong * variances.minor_m2 && patch.major_px2 > kElongated * patch.minor_px2;
+      variances.major_m2 > kLong * variances.minor_m2 && patch.major_px2 > kVisiblyLong * patch.minor_px2;
   if (!candidate.has_axis) return;
   const float du = std::sqrt(patch.major_px2) * std::cos(patch.axis_rad);
   const float dv = std::sqrt(patch.major_px2) * std::sin(patch.axis_rad);
@@ -198,7 +193,7 @@ float Identifier::prior_of(const Scene& now, const Candidate& candidate, const P
     const float error = std::remainder(
         candidate.axis_rad - pose.pose.theta_rad - principal_variances(teams_[now.team].layout.patches[0]).axis_rad,
         std::numbers::pi_v<float>);
-    prior -= 0.5f * error * error / (kAxisSigma * kAxisSigma);
+    prior -= 0.5f * error * error / (kRoughAxisSigma * kRoughAxisSigma);
   }
   return prior;
 }

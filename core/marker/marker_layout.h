@@ -5,6 +5,8 @@
 
 namespace touchline {
 
+constexpr std::size_t index_of(Team team) { return static_cast<std::size_t>(team); }
+
 enum class PatchOutline : std::uint8_t { kSquare, kBar, kTriangle, kCircle };
 
 /// A patch on a robot's top, in the robot's frame (origin: center of the footprint, x forward, y left).

@@ -15,7 +15,6 @@ constexpr float kMinUnpairedRatio = 0.5f;
 constexpr float kSureId = 0.99f, kSurePose = 0.95f, kTeamPatchOnly = 0.8f;
 
 constexpr std::array<Team, 2> kTeams{Team::kOwn, Team::kOpponent};
-constexpr std::size_t index_of(Team team) { return static_cast<std::size_t>(team); }
 
 // Orders regions by area; among equal ones the first in the picture comes first.
 struct Larger {

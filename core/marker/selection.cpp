@@ -13,10 +13,8 @@ constexpr std::uint16_t kNone = 0xffff;
 // Ten robots in one cluster need a few hundred nodes. The limits keep the worst picture below a few milliseconds.
 constexpr int kNodesPerGroup = 5000;
 constexpr int kNodesForAlternatives = 40000;
-// Centers of touching squares are at least one side apart; the rest allows for errors of the pose.
-constexpr float kMinDistance = 0.8f;
 // Smaller differences of pose do not matter to the controller.
-constexpr float kSamePlace = 0.01f, kSameHeading = 0.2f;
+constexpr float kNegligibleDistance_m = 0.01f, kNegligibleTurn_rad = 0.2f;
 
 bool share_a_patch(const Hypothesis& a, const Hypothesis& b) {
   for (const std::uint16_t i : a.identification) {
@@ -30,9 +28,9 @@ bool same_identity(const Hypothesis& a, const Hypothesis& b) {
   return a.team_patch == b.team_patch && a.robot == b.robot;
 }
 
-bool same_pose(const Hypothesis& a, const Hypothesis& b) {
-  return a.team_patch == b.team_patch && distance_m(a.fit.pose.position, b.fit.pose.position) < kSamePlace &&
-         std::abs(wrap_angle(a.fit.pose.theta_rad - b.fit.pose.theta_rad)) < kSameHeading;
+bool has_same_pose(const Hypothesis& a, const Hypothesis& b) {
+  return a.team_patch == b.team_patch && distance_m(a.fit.pose.position, b.fit.pose.position) < kNegligibleDistance_m &&
+         std::abs(wrap_angle(a.fit.pose.theta_rad - b.fit.pose.theta_rad)) < kNegligibleTurn_rad;
 }
 
 }  // namespace
@@ -42,7 +40,7 @@ bool Selector::conflict(const Hypothesis& a, const Hypothesis& b) const {
   if (a.team == b.team && a.robot >= 0 && a.robot == b.robot) return true;
   const float side =
       0.5f * (robot_side_m_[static_cast<std::size_t>(a.team)] + robot_side_m_[static_cast<std::size_t>(b.team)]);
-  return distance_m(a.fit.pose.position, b.fit.pose.position) < kMinDistance * side;
+  return distance_m(a.fit.pose.position, b.fit.pose.position) < kMinRobotDistance * side;
 }
 
 void Selector::find_conflicts() {
@@ -123,7 +121,7 @@ void Selector::choose_within(const Group& group, Selection& out) {
     Set same_name, same_place;
     for (std::uint16_t h = options_[group[d]].begin; h < options_[group[d]].end; ++h) {
       same_name[h] = same_identity(mine, hypotheses_[h]);
-      same_place[h] = same_pose(mine, hypotheses_[h]);
+      same_place[h] = has_same_pose(mine, hypotheses_[h]);
     }
     Chosen choice{chosen[d], false, false};
     choice.id_is_sure = exact && mine.robot >= 0 && !alternative(group, same_name, floor);

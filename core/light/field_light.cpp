@@ -1,7 +1,7 @@
 #include "core/light/field_light.h"
 
 #include <algorithm>
-#include <cstdlib>
+#include <cmath>
 
 namespace touchline {
 namespace {

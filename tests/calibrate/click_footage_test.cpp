@@ -18,25 +18,34 @@ struct ClickedPicture {
 
 void PrintTo(const ClickedPicture& c, std::ostream* out) { *out << c.picture; }
 
-class ClicksOnFootage : public ::testing::TestWithParam<ClickedPicture> {};
+class ClicksOnFootage : public ::testing::TestWithParam<ClickedPicture> {
+ protected:
+  void load(const ClickedPicture& clicked) {
+    const char* shared = std::getenv("TOUCHLINE_SHARED");  // NOLINT(concurrency-mt-unsafe): one thread
+    if (shared == nullptr) GTEST_SKIP() << "TOUCHLINE_SHARED does not name the folder with footage/";
+    const std::string files = std::string(TOUCHLINE_FOOTAGE_TESTS) + "/" + clicked.set, image = clicked.picture;
+    venue = read_draft(files + "-venue.toml");
+    team = read_team_colors(files + "-team.toml");
+    Result<std::vector<Click>> read = read_clicks(files + "-clicks.json");
+    ASSERT_TRUE(venue.ok() && team.ok() && read.ok()) << venue.text() << team.text() << read.text();
+    for (const Click& click : read.value()) {
+      if (click.image == image) clicks.push_back(click);
+    }
+    ASSERT_FALSE(clicks.empty());
+    Result<CameraPicture> loaded = CameraPicture::load(std::string(shared) + "/footage/" + image, clicked.format);
+    ASSERT_TRUE(loaded.ok()) << loaded.text();
+    pictures[image] = std::move(loaded).value();
+  }
+
+  Result<VenueDraft> venue = Error{};
+  Result<TeamColors> team = Error{};
+  std::vector<Click> clicks;
+  std::map<std::string, CameraPicture> pictures;
+};
 
 TEST_P(ClicksOnFootage, NeverReduceTheRobots) {
-  const char* shared = std::getenv("TOUCHLINE_SHARED");  // NOLINT(concurrency-mt-unsafe): one thread
-  if (shared == nullptr) GTEST_SKIP() << "TOUCHLINE_SHARED does not name the folder with footage/";
-  const std::string files = std::string(TOUCHLINE_FOOTAGE_TESTS) + "/" + GetParam().set, image = GetParam().picture;
-  const Result<VenueDraft> venue = read_draft(files + "-venue.toml");
-  const Result<TeamColors> team = read_team_colors(files + "-team.toml");
-  Result<std::vector<Click>> read = read_clicks(files + "-clicks.json");
-  ASSERT_TRUE(venue.ok() && team.ok() && read.ok()) << venue.text() << team.text() << read.text();
-  std::vector<Click> clicks;
-  for (const Click& click : read.value()) {
-    if (click.image == image) clicks.push_back(click);
-  }
-  ASSERT_FALSE(clicks.empty());
-  std::map<std::string, CameraPicture> pictures;
-  Result<CameraPicture> loaded = CameraPicture::load(std::string(shared) + "/footage/" + image, GetParam().format);
-  ASSERT_TRUE(loaded.ok()) << loaded.text();
-  pictures[image] = std::move(loaded).value();
+  load(GetParam());
+  if (IsSkipped() || HasFatalFailure()) return;
 
   const auto found_with = [&](const std::vector<Click>& some) {
     Result<DetectedColors> found = auto_detect_colors(venue.value(), team.value(), some, pictures);
@@ -58,6 +67,20 @@ TEST_P(ClicksOnFootage, NeverReduceTheRobots) {
     std::shuffle(clicks.begin(), clicks.end(), random);
     check({clicks.begin(), clicks.begin() + static_cast<std::ptrdiff_t>(count)});
   }
+}
+
+// The search meets this ball at its shaded rim, whose color is that of the red patches.
+TEST_F(ClicksOnFootage, ABallIsLearnedWhereAPersonPoints) {
+  load({"vsss-bar-dark", "vsss-bar/dark_04.png", PixelFormat::kRgb24});
+  if (IsSkipped() || HasFatalFailure()) return;
+  const Result<DetectedColors> found = auto_detect_colors(venue.value(), team.value(), clicks, pictures);
+  ASSERT_TRUE(found.ok()) << found.text();
+  const auto is_orange = [](const Click& click) { return click.color == "orange"; };
+  const auto clicked = std::find_if(clicks.begin(), clicks.end(), is_orange);
+  const auto learned = std::find_if(found.value().clicks.begin(), found.value().clicks.end(), is_orange);
+  ASSERT_TRUE(clicked != clicks.end() && learned != found.value().clicks.end());
+  EXPECT_NEAR(learned->u_px, clicked->u_px, 1.0);
+  EXPECT_NEAR(learned->v_px, clicked->v_px, 1.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(

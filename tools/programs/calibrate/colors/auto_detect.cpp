@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "tools/programs/calibrate/colors/marker_completion.h"
+#include "tools/programs/calibrate/colors/patch_selection.h"
 #include "tools/programs/command_line/formatted.h"
 #include "tools/programs/command_line/progress.h"
 #include "tools/programs/replay/canvas.h"
@@ -101,7 +102,20 @@ void add_robot(const FoundPatch& patch, const ChannelImage& image, const CameraM
 struct Marked {
   std::size_t patch = kNone;
   std::optional<std::array<double, 4>> box = {};  // the patch was selected by this rectangle
+  bool by_click = false;                          // learn from the click's place instead of the patch's seed
 };
+
+// True if a region can be grown from the click, and that of the patch does not contain it: in the middle of a ball, for
+// example, which the search met at its shaded rim.
+bool is_on_another_shade(const Click& click, const FoundPatch& patch, const ChannelImage& image,
+                         const std::vector<std::uint8_t>& inside) {
+  const auto u = static_cast<int>(std::lround(click.u_px)), v = static_cast<int>(std::lround(click.v_px));
+  if (click.box || !image.contains(u, v)) return false;
+  if (std::find(patch.pixels.begin(), patch.pixels.end(), image.index(u, v)) != patch.pixels.end()) return false;
+  GrowthLimits limits;
+  limits.radius_px = patch.radius_px;
+  return select_patch(image, inside, click, limits).ok();
+}
 
 // Gives the patches that are marked the names of their clicks, without those in `left_out`.
 void name_patches(const std::vector<Click>& clicks, const std::vector<Marked>& marked,
@@ -242,7 +256,10 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
       if (clicks[i].image != image) continue;
       const std::size_t under = patch_under(clicks[i], channels, patches);
       marked[i].patch = input.patches.size() + under;
-      if (under < patches.size()) continue;
+      if (under < patches.size()) {
+        marked[i].by_click = is_on_another_shade(clicks[i], patches[under], channels, inside);
+        continue;
+      }
       Result<FoundPatch> grown = patch_from(clicks[i], channels, inside, camera, sizes);
       if (grown.ok()) {
         patches.push_back(std::move(grown).value());
@@ -302,11 +319,16 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
       }
     }
     for (const std::size_t p : cleanest(input, color, searched)) {
-      const auto marking =
-          std::find_if(marked.begin(), marked.end(), [&](const Marked& m) { return m.patch == p && m.box; });
       const FoundPatch& patch = input.patches[p];
-      out.clicks.push_back({out.images[input.picture[p]], input.colors[c].name, patch.u_px, patch.v_px, patch.radius_px,
-                            marking == marked.end() ? std::nullopt : marking->box});
+      Click click{out.images[input.picture[p]], input.colors[c].name, patch.u_px, patch.v_px, patch.radius_px, {}};
+      for (std::size_t i = 0; i < marked.size(); ++i) {
+        if (marked[i].patch != p || !out.uses[i].used) continue;
+        click.box = marked[i].box;
+        if (!marked[i].by_click) continue;
+        click.u_px = clicks[i].u_px;
+        click.v_px = clicks[i].v_px;
+      }
+      out.clicks.push_back(click);
     }
   }
   return out;

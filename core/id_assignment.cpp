@@ -46,9 +46,7 @@ class Assignment {
   }
 
   [[nodiscard]] std::size_t column_of(std::size_t row) const { return column_of_[row]; }
-  [[nodiscard]] std::int8_t robot_of(std::size_t column) const {
-    return column < known_ ? static_cast<std::int8_t>(column) : kNoRobot;
-  }
+  [[nodiscard]] int robot_of(std::size_t column) const { return column < known_ ? static_cast<int>(column) : kNoRobot; }
 
  private:
   // Adds a row along the shortest augmenting path.
@@ -104,7 +102,7 @@ AssignedId best_of(const IdEvidence& evidence, std::size_t known) {
   for (std::size_t j = 0; j < known; ++j) {
     const float gain = evidence.value[j] - value;
     if (gain > 0.0f) {
-      best = {static_cast<std::int8_t>(j), gain};
+      best = {static_cast<int>(j), gain};
       value = evidence.value[j];
     } else {
       best.margin = std::min(best.margin, -gain);

@@ -7,7 +7,7 @@
 
 namespace touchline {
 
-constexpr std::int8_t kNoRobot = -1;
+constexpr int kNoRobot = -1;
 
 /// Log likelihoods of the robots of one team that a frame or a track shows.
 struct IdEvidence {
@@ -17,8 +17,8 @@ struct IdEvidence {
 
 /// The name of a robot in the best assignment.
 struct AssignedId {
-  std::int8_t robot = kNoRobot;  // index in the list of names; kNoRobot: unknown
-  float margin = 0;              // log likelihood that the best assignment loses in which this robot has another name
+  int robot = kNoRobot;  // index in the list of names; kNoRobot: unknown
+  float margin = 0;      // log likelihood that the best assignment loses in which this robot has another name
 };
 
 using IdEvidences = FixedVector<IdEvidence, kMaxRobotsPerTeam>;

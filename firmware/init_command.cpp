@@ -134,6 +134,7 @@ std::string next_steps(const League& league, const std::string& folder) {
 
 std::vector<std::string> init_leagues() {
   std::vector<std::string> names;
+  names.reserve(kLeagues.size());
   for (const League& league : kLeagues) names.emplace_back(league.name);
   return names;
 }

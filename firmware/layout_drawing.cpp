@@ -151,8 +151,9 @@ Result<void> draw_layouts(const config::Configuration& configuration, const std:
   cairo_set_source_rgb(context.get(), 0.35, 0.38, 0.35);
   cairo_paint(context.get());
   for (std::size_t i = 0; i < tops.size(); ++i) {
-    draw_top(context.get(), static_cast<double>(i % kColumns) * kCell_px, static_cast<double>(i / kColumns) * kCell_px,
-             tops[i], configuration.venue);
+    const std::size_t row = i / kColumns, column = i % kColumns;
+    draw_top(context.get(), static_cast<double>(column) * kCell_px, static_cast<double>(row) * kCell_px, tops[i],
+             configuration.venue);
   }
   std::string png;
   if (cairo_surface_write_to_png_stream(surface.get(), append, &png) != CAIRO_STATUS_SUCCESS) {

@@ -370,7 +370,7 @@ bool FieldLight::interpolate() {
       row_changed_[i / grid_.columns] = changed = true;
     }
   }
-  mean_ = static_cast<float>(sum) / static_cast<float>(3 * kStepsPerLevel * grid_.cells());
+  mean_ = static_cast<float>(sum) / static_cast<float>(std::size_t{3} * kStepsPerLevel * grid_.cells());
   return changed;
 }
 

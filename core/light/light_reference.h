@@ -10,7 +10,7 @@ namespace touchline {
 
 // 640 x 480 pixels have 40 x 30 cells; the smallest shadow that matters covers several of them.
 constexpr std::size_t kMaxReferenceCells = 2000;
-constexpr std::size_t kMaxReferenceRows = kMaxFrameHeight / (2 * kTileHeight) + 1;
+constexpr std::size_t kMaxReferenceRows = kMaxFrameHeight / (std::size_t{2} * kTileHeight) + 1;
 
 /// Cells of whole tiles (see shading.h), for pictures of any size at most kMaxReferenceCells. A cell is one tile wide
 /// and two tiles high (16 x 16 pixels), or a multiple of that. Cells at the right and lower edge may be cut off.

@@ -53,7 +53,7 @@ std::array<float, 3> to_rgb(const std::array<float, 3>& value, ColorSpace space)
 bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceColor& out) {
   // Also false for NaN.
   if (!(center.u_px >= 0.0f && center.v_px >= 0.0f && center.u_px < 65536.0f && center.v_px < 65536.0f)) return false;
-  const int u = static_cast<int>(center.u_px + 0.5f), v = static_cast<int>(center.v_px + 0.5f);
+  const int u = static_cast<int>(std::lround(center.u_px)), v = static_cast<int>(std::lround(center.v_px));
   if (u < step_px || v < step_px || u + step_px >= frame.width_px || v + step_px >= frame.height_px) return false;
   const PixelFormatInfo& info = info_of(frame.format);
   std::array<float, 3> mean{};
@@ -90,7 +90,7 @@ bool grow_patch(const Frame& frame, PixelPoint seed, float reach_px, GrownPatch&
   const ColorSpace space = color_space(frame.format);
   const int step = std::max(1, static_cast<int>(std::ceil(reach_px / static_cast<float>(kGridReach))));
   const int reach = std::min(kGridReach, static_cast<int>(reach_px) / step);
-  const int seed_u = static_cast<int>(seed.u_px + 0.5f), seed_v = static_cast<int>(seed.v_px + 0.5f);
+  const int seed_u = static_cast<int>(std::lround(seed.u_px)), seed_v = static_cast<int>(std::lround(seed.v_px));
   float length = 0;
   for (const float value : surface.rgb) length += value * value;
   const float allowed = kSameColor * kSameColor * length;
@@ -109,8 +109,8 @@ bool grow_patch(const Frame& frame, PixelPoint seed, float reach_px, GrownPatch&
       float distance = 0;
       for (std::size_t c = 0; c < 3; ++c) distance += (rgb[c] - surface.rgb[c]) * (rgb[c] - surface.rgb[c]);
       if (distance > allowed) continue;
-      mask[static_cast<std::size_t>(row + kGridReach)] |= std::uint64_t{1}
-                                                          << static_cast<unsigned>(column + kGridReach);
+      const int grid_row = row + kGridReach, grid_column = column + kGridReach;
+      mask[static_cast<std::size_t>(grid_row)] |= std::uint64_t{1} << static_cast<unsigned>(grid_column);
     }
   }
   if (5 * outside > (2 * reach + 1) * (2 * reach + 1)) return false;

@@ -10,11 +10,11 @@ namespace touchline {
 namespace {
 
 // Best sum of log likelihoods by trying everything. `forbidden`: a robot (row) that may not have the given name.
-float best_sum(const IdEvidences& evidence, std::size_t known, std::size_t row, std::set<std::int8_t>& taken,
-               std::size_t forbidden_row, std::int8_t forbidden) {
+float best_sum(const IdEvidences& evidence, std::size_t known, std::size_t row, std::set<int>& taken,
+               std::size_t forbidden_row, int forbidden) {
   if (row == evidence.size()) return 0;
   float best = -std::numeric_limits<float>::infinity();
-  for (std::int8_t name = kNoRobot; name < static_cast<std::int8_t>(known); ++name) {
+  for (int name = kNoRobot; name < static_cast<int>(known); ++name) {
     if (row == forbidden_row && name == forbidden) continue;
     if (name != kNoRobot && !taken.insert(name).second) continue;
     const float value = name == kNoRobot ? evidence[row].unknown : evidence[row].value[static_cast<std::size_t>(name)];
@@ -25,8 +25,8 @@ float best_sum(const IdEvidences& evidence, std::size_t known, std::size_t row, 
 }
 
 float best_sum(const IdEvidences& evidence, std::size_t known, std::size_t forbidden_row = 99,
-               std::int8_t forbidden = kNoRobot) {
-  std::set<std::int8_t> taken;
+               int forbidden = kNoRobot) {
+  std::set<int> taken;
   return best_sum(evidence, known, 0, taken, forbidden_row, forbidden);
 }
 
@@ -48,9 +48,9 @@ TEST(IdAssignment, IsTheBestOfAllAndItsMarginsAreExact) {
     assign_ids(evidence, known, kClear, out);
     ASSERT_EQ(out.size(), robots);
     float sum = 0;
-    std::set<std::int8_t> names;
+    std::set<int> names;
     for (std::size_t i = 0; i < robots; ++i) {
-      const std::int8_t name = out[i].robot;
+      const int name = out[i].robot;
       sum += name == kNoRobot ? evidence[i].unknown : evidence[i].value[static_cast<std::size_t>(name)];
       if (name != kNoRobot) {
         EXPECT_TRUE(names.insert(name).second) << "a name twice";
@@ -86,7 +86,7 @@ TEST(IdAssignment, NamesTheLargestTeam) {
   AssignedIds out;
   assign_ids(evidence, kMaxRobotsPerTeam, 100.0f, out);
   for (std::size_t i = 0; i < kMaxRobotsPerTeam; ++i) {
-    EXPECT_EQ(out[i].robot, static_cast<std::int8_t>(i));
+    EXPECT_EQ(out[i].robot, static_cast<int>(i));
     EXPECT_NEAR(out[i].margin, 9.0f, 1.0f);
   }
 }

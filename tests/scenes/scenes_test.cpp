@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "tests/replay/media.h"
+#include "tests/tools/program_folder.h"
 #include "tools/programs/evaluate/pose_evaluation.h"
 #include "tools/programs/replay/replay.h"
 
@@ -21,8 +22,8 @@ class Scenes : public ::testing::Test {
     if (shared == nullptr) return;
     scenes = std::string(shared) + "/scenes/plain/";
     folder = new media::Folder;
-    const std::string command = std::string(TOUCHLINE_SCENES_TESTS) + "/make-venue plain " + TOUCHLINE_CALIBRATE + " " +
-                                *folder / "" + " >" + *folder / "log" + " 2>&1";
+    const std::string command = testing::kKeepsFonts + TOUCHLINE_SCENES_TESTS + "/make-venue plain " +
+                                TOUCHLINE_CALIBRATE + " " + *folder / "" + " >" + *folder / "log" + " 2>&1";
     calibrated = std::system(command.c_str()) == 0;  // NOLINT(cert-env33-c,concurrency-mt-unsafe)
   }
   static void TearDownTestSuite() {

@@ -22,7 +22,8 @@ std::size_t patch_under(const Click& click, const ChannelImage& image, const std
   for (std::size_t p = 0; p < patches.size(); ++p) {
     std::size_t in_box = 0;
     for (const std::size_t pixel : patches[p].pixels) {
-      const auto u = static_cast<double>(pixel % width), v = static_cast<double>(pixel / width);
+      const std::size_t row = pixel / width, column = pixel % width;
+      const auto u = static_cast<double>(column), v = static_cast<double>(row);
       if (click.box) {
         const std::array<double, 4>& box = *click.box;
         in_box += u >= box[0] && v >= box[1] && u <= box[2] && v <= box[3] ? 1U : 0U;

@@ -58,8 +58,8 @@ class Coverage {
  private:
   [[nodiscard]] PixelPoint center_of(std::size_t cell) const {
     const float side = grid_.side_px;
-    return {(static_cast<float>(cell % grid_.columns) + 0.5f) * side,
-            (static_cast<float>(cell / grid_.columns) + 0.5f) * side};
+    const std::size_t row = cell / grid_.columns, column = cell % grid_.columns;
+    return {(static_cast<float>(column) + 0.5f) * side, (static_cast<float>(row) + 0.5f) * side};
   }
   static bool in_region(const RegionOfInterest& region, PixelPoint center, const Frame& frame) {
     const auto v = static_cast<std::uint16_t>(std::min(center.v_px, static_cast<float>(frame.height_px - 1)));

@@ -84,7 +84,8 @@ class Completion {
       Point sum = 0;  // twice the angle of the long axis
       const auto width = static_cast<std::size_t>(picture_.image.width_px);
       for (const std::size_t pixel : patches_[team].pixels) {
-        const Point arm = on_field({static_cast<float>(pixel % width), static_cast<float>(pixel / width)}) - center;
+        const std::size_t row = pixel / width, column = pixel % width;
+        const Point arm = on_field({static_cast<float>(column), static_cast<float>(row)}) - center;
         sum += arm * arm;
       }
       const double heading = std::arg(sum) / 2 - static_cast<double>(expected.axis_rad);

@@ -69,6 +69,7 @@ Rgb median_rgb(const AssignmentInput& input, const std::vector<std::size_t>& pat
   Rgb rgb{};
   for (std::size_t c = 0; c < 3; ++c) {
     std::vector<double> values;
+    values.reserve(patches.size());
     for (const std::size_t p : patches) values.push_back(input.patches[p].rgb[c]);
     rgb[c] = statistics::median(values);
   }
@@ -83,6 +84,7 @@ std::vector<PatchLabels> label_patches(const AssignmentInput& input) {
   }
   const std::vector<std::size_t> used(in_use.begin(), in_use.end());
   std::vector<Lab> colors;
+  colors.reserve(used.size());
   for (const std::size_t p : used) colors.push_back(input.patches[p].lab);
   const ColorClusters clusters(colors);
   std::vector<PatchLabels> out;

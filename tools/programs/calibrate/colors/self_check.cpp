@@ -184,7 +184,7 @@ Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
   out.wants_ball = configuration->pipeline.marker.ball.color != kBackground;
   std::error_code error;
   fs::create_directories(folder, error);
-  static const std::vector<NamedRobot> kNoRobots;
+  static const std::vector<NamedRobot> no_robots;
   for (const auto& [image, picture] : pictures) {
     // Configured anew for each picture, so that none profits from the one before.
     if (const Status status = pipeline->configure(configuration->pipeline); !status.ok()) {
@@ -194,7 +194,7 @@ Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
     pipeline->set_observing(true);
     const Checker checker(folder, *configuration);
     const auto named = robots.find(image);
-    const std::vector<NamedRobot>& known = named == robots.end() ? kNoRobots : named->second;
+    const std::vector<NamedRobot>& known = named == robots.end() ? no_robots : named->second;
     const Frame frame = picture.frame();
     const Sightings& sightings = pipeline->step(frame).sightings;
     out.robots = checker.robots();

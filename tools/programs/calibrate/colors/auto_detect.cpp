@@ -105,16 +105,28 @@ struct Marked {
   bool by_click = false;                          // learn from the click's place instead of the patch's seed
 };
 
-// True if a region can be grown from the click, and that of the patch does not contain it: in the middle of a ball, for
-// example, which the search met at its shaded rim.
-bool is_on_another_shade(const Click& click, const FoundPatch& patch, const ChannelImage& image,
-                         const std::vector<std::uint8_t>& inside) {
+// True if the region around the patch's seed does not contain the click, and the one around the click looks more like
+// the color's name: in the middle of a ball that the search met at its shaded rim, for example, but not on a highlight.
+bool has_better_shade(const Click& click, const FoundPatch& patch, const ChannelImage& image,
+                      const std::vector<std::uint8_t>& inside) {
+  const std::optional<Rgb> look = usual_rgb(click.color);
   const auto u = static_cast<int>(std::lround(click.u_px)), v = static_cast<int>(std::lround(click.v_px));
-  if (click.box || !image.contains(u, v)) return false;
-  if (std::find(patch.pixels.begin(), patch.pixels.end(), image.index(u, v)) != patch.pixels.end()) return false;
+  if (click.box || !look || !image.contains(u, v)) return false;
   GrowthLimits limits;
   limits.radius_px = patch.radius_px;
-  return select_patch(image, inside, click, limits).ok();
+  const auto grown_from = [&](double u_px, double v_px) -> Result<FoundPatch> {
+    Click at = click;
+    at.u_px = u_px;
+    at.v_px = v_px;
+    TOUCHLINE_TRY_ASSIGN(GrownPatch grown, select_patch(image, inside, at, limits));
+    return patch_of(image, {static_cast<float>(u_px), static_cast<float>(v_px)}, limits.radius_px, std::move(grown));
+  };
+  const Result<FoundPatch> by_click = grown_from(click.u_px, click.v_px), by_seed = grown_from(patch.u_px, patch.v_px);
+  if (!by_click.ok() || !by_seed.ok()) return false;
+  const std::vector<std::size_t>& pixels = by_seed.value().pixels;
+  if (std::find(pixels.begin(), pixels.end(), image.index(u, v)) != pixels.end()) return false;
+  const Lab wanted = lab_of(*look);
+  return difference(by_click.value().lab, wanted) < difference(by_seed.value().lab, wanted);
 }
 
 // Gives the patches that are marked the names of their clicks, without those in `left_out`.
@@ -257,7 +269,7 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
       const std::size_t under = patch_under(clicks[i], channels, patches);
       marked[i].patch = input.patches.size() + under;
       if (under < patches.size()) {
-        marked[i].by_click = is_on_another_shade(clicks[i], patches[under], channels, inside);
+        marked[i].by_click = has_better_shade(clicks[i], patches[under], channels, inside);
         continue;
       }
       Result<FoundPatch> grown = patch_from(clicks[i], channels, inside, camera, sizes);

@@ -1,6 +1,6 @@
 # A library of hal, firmware or tools compiles several sources at a time: reading the headers takes longer than compiling a source.
 # Their unnamed namespaces share their names. The core's sources are compiled one by one.
-set(TOUCHLINE_SOURCES_AT_A_TIME 6)
+set(TOUCHLINE_SOURCES_AT_A_TIME 6 CACHE STRING "Sources of a library outside the core that are compiled together; 1: each by itself")
 
 # touchline_library(NAME SOURCES... [LINK LIBS...]): a static library with the project's options.
 function(touchline_library name)
@@ -8,7 +8,7 @@ function(touchline_library name)
   if(ARG_SOURCES)
     add_library(${name} STATIC ${ARG_SOURCES})
     target_link_libraries(${name} PUBLIC touchline_options ${ARG_LINK})
-    if(NOT CMAKE_UNITY_BUILD)
+    if(NOT CMAKE_UNITY_BUILD AND TOUCHLINE_SOURCES_AT_A_TIME GREATER 1)
       set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${TOUCHLINE_SOURCES_AT_A_TIME})
     endif()
   else()

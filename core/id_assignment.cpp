@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/linear_assignment.h"
+
 namespace touchline {
 namespace {
 
@@ -11,7 +13,7 @@ constexpr std::size_t kMaxColumns = 2 * kMaxRobotsPerTeam;
 // Cost of a pair that is not allowed; above any sum of real costs, and small enough for the precision of float.
 constexpr float kForbidden = 1e5f;
 
-// Minimum-cost assignment of rows to columns. Row and column 0 stand for "none".
+// Minimum-cost assignment of robots (rows) to names (columns).
 class Assignment {
  public:
   Assignment(const IdEvidences& evidence, std::size_t known)
@@ -24,10 +26,14 @@ class Assignment {
 
   // Returns the least cost.
   float solve() {
-    row_potential_.fill(0);
-    column_potential_.fill(0);
-    row_of_.fill(0);
-    for (std::size_t row = 1; row <= rows_; ++row) augment(row);
+    const std::size_t columns = columns_ + 1;
+    solve_assignment<float>(rows_, columns_, [this](std::size_t row, std::size_t column) { return cost_[row][column]; },
+                            {{row_potential_.data(), rows_ + 1},
+                             {column_potential_.data(), columns},
+                             {slack_.data(), columns},
+                             {row_of_.data(), columns},
+                             {before_.data(), columns},
+                             {visited_.data(), columns}});
     float cost = 0;
     for (std::size_t j = 1; j <= columns_; ++j) {
       if (row_of_[j] == 0) continue;
@@ -49,49 +55,12 @@ class Assignment {
   [[nodiscard]] int robot_of(std::size_t column) const { return column < known_ ? static_cast<int>(column) : kNoRobot; }
 
  private:
-  // Adds a row along the shortest augmenting path.
-  void augment(std::size_t row) {
-    std::array<float, kMaxColumns + 1> slack{};
-    std::array<std::size_t, kMaxColumns + 1> before{};
-    std::array<bool, kMaxColumns + 1> visited{};
-    slack.fill(std::numeric_limits<float>::max());
-    row_of_[0] = row;
-    std::size_t column = 0;
-    while (row_of_[column] != 0) {
-      visited[column] = true;
-      float delta = std::numeric_limits<float>::max();
-      std::size_t nearest = 0;
-      for (std::size_t j = 1; j <= columns_; ++j) {
-        if (visited[j]) continue;
-        const std::size_t i = row_of_[column];
-        const float reduced = cost_[i - 1][j - 1] - row_potential_[i] - column_potential_[j];
-        if (reduced < slack[j]) {
-          slack[j] = reduced;
-          before[j] = column;
-        }
-        if (slack[j] < delta) {
-          delta = slack[j];
-          nearest = j;
-        }
-      }
-      for (std::size_t j = 0; j <= columns_; ++j) {
-        if (visited[j]) {
-          row_potential_[row_of_[j]] += delta;
-          column_potential_[j] -= delta;
-        } else {
-          slack[j] -= delta;
-        }
-      }
-      column = nearest;
-    }
-    for (; column != 0; column = before[column]) row_of_[column] = row_of_[before[column]];
-  }
-
   std::size_t rows_, known_, columns_;
   std::array<std::array<float, kMaxColumns>, kMaxRobotsPerTeam> cost_{};
   std::array<float, kMaxRobotsPerTeam + 1> row_potential_{};
-  std::array<float, kMaxColumns + 1> column_potential_{};
-  std::array<std::size_t, kMaxColumns + 1> row_of_{};
+  std::array<float, kMaxColumns + 1> column_potential_{}, slack_{};
+  std::array<std::size_t, kMaxColumns + 1> row_of_{}, before_{};
+  std::array<bool, kMaxColumns + 1> visited_{};
   std::array<std::size_t, kMaxRobotsPerTeam> column_of_{};
 };
 

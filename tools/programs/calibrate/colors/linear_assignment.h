@@ -4,8 +4,8 @@
 
 namespace touchline::calibrate {
 
-/// Assigns each row to a different column with the least sum of costs (Hungarian method with potentials, Kuhn 1955,
-/// Munkres 1957). `cost[row][column]` must be finite, with no more rows than columns.
+/// The column of each row, all different, with the least sum of costs: solve_assignment() of core/linear_assignment.h.
+/// `cost[row][column]` must be finite, with no more rows than columns.
 std::vector<std::size_t> assign(const std::vector<std::vector<double>>& cost);
 
 }  // namespace touchline::calibrate

@@ -84,7 +84,8 @@ FIELD)";
 
 constexpr std::string_view kTeam =
     R"(# The robots. `touchline check --board board.toml --draw layout.png` draws their tops as this file describes them:
-# compare them with your robots before you calibrate the colors. Layouts that can be named:
+# compare them with your robots before you calibrate the colors. The robots' colors are examples, not a league's table:
+# replace them by yours. Layouts that can be named:
 LAYOUTS# Own arrangements are declared with [[layout]] and [[layout.patch]] (docs/files.md).
 version = 1
 

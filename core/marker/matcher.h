@@ -9,7 +9,7 @@
 #include "core/marker/identifier.h"
 #include "core/marker/marker_layout.h"
 #include "core/marker/patch_finder.h"
-#include "core/marker/selection.h"
+#include "core/marker/hypothesis_selection.h"
 #include "core/types.h"
 
 namespace touchline {

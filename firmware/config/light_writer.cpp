@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "firmware/config/file_replacement.h"
+#include "firmware/config/file_backup.h"
 #include "firmware/config/section_writer.h"
 #include "firmware/config/toml_writer.h"
 #include "hal/files/output_file.h"

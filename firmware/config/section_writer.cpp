@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "firmware/config/board_file.h"
-#include "firmware/config/file_replacement.h"
+#include "firmware/config/file_backup.h"
 
 namespace touchline::config {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "firmware/config/file_replacement.h"
+#include "firmware/config/file_backup.h"
 #include "tools/programs/command_line/formatted.h"
 
 namespace touchline::calibrate {

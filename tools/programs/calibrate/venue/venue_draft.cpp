@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "firmware/config/file_replacement.h"
+#include "firmware/config/file_backup.h"
 #include "firmware/config/light_map_file.h"
 #include "firmware/config/section_writer.h"
 #include "firmware/config/toml_file.h"

@@ -1,4 +1,4 @@
-#include "firmware/config/file_replacement.h"
+#include "firmware/config/file_backup.h"
 
 #include <sys/stat.h>
 

@@ -1,4 +1,4 @@
-#include "core/marker/selection.h"
+#include "core/marker/hypothesis_selection.h"
 
 #include <gtest/gtest.h>
 

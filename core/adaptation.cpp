@@ -13,6 +13,9 @@ constexpr float kMaxStep_s = 0.1f;
 constexpr float kBoxSlowdown = 4.0f;
 // Largest distance of a certain sighting from its track.
 constexpr float kMaxDistance_m = 0.02f;
+// Least probability of a certain id, in this frame and over time: a track has it after half a second of sightings with
+// 0.99, and after two seconds with 0.97.
+constexpr float kCertainSighting = 0.9f, kCertainTrack = 0.998f;
 // Largest range of values among 3 x 3 uniform pixels; a larger one is an edge, or an object on the patch.
 constexpr int kMaxRange_levels = 48;
 // Values from this one upwards count as saturated.
@@ -33,11 +36,18 @@ float gain_levels_at(const Shading& shading, const FieldLight& field, std::size_
          field.at(channel, column, row);
 }
 
-// True if the robot has been seen for some time and agrees with its track.
+// True if the robot has been seen with this id for some time, agrees with its track, and shows its id now. An id that
+// was inferred, from the other robots' ids or from pixels that fell into no box, teaches nothing: the adaptation would
+// confirm its own mistakes.
 bool is_certain(const RobotSighting& robot, const Tracks& tracks) {
-  if (robot.id == kUnknownId || !robot.has_heading) return false;
+  if (robot.id == kUnknownId || !robot.has_heading || robot.confidence < kCertainSighting) return false;
+  if (std::none_of(robot.patches.begin(), robot.patches.end(),
+                   [](const PatchSighting& patch) { return patch.role == PatchRole::kIdentification; })) {
+    return false;
+  }
   return std::any_of(tracks.robots.begin(), tracks.robots.end(), [&](const RobotTrack& track) {
     return track.team == robot.team && track.id == robot.id && track.state == TrackState::kSeen &&
+           track.confidence >= kCertainTrack &&
            std::hypot(track.pose.position.x_m - robot.pose.position.x_m,
                       track.pose.position.y_m - robot.pose.position.y_m) < kMaxDistance_m;
   });

@@ -170,8 +170,9 @@ Score compare(const Positions& truth, const Positions& seen) {
 class ChangedLight : public AdaptationTest {
  protected:
   // Changes the light after two seconds. Returns the sum over the frames of the following two seconds.
-  Score after_step(const std::vector<hal::Picture>& changed, const Light& light, const std::string& mode) {
-    start({"adaptation.mode=" + mode, "adaptation.time_constant_s=1"});
+  Score after_step(const std::vector<hal::Picture>& changed, const Light& light,
+                   const std::vector<std::string>& overrides) {
+    start(with(overrides, "adaptation.time_constant_s=1"));
     shadow = 1.0;
     for (int i = 0; i < 20; ++i) EXPECT_EQ(step({}, 0), kRobots);
     const Positions truth = positions_of(trace->sightings);
@@ -189,10 +190,15 @@ class ChangedLight : public AdaptationTest {
   // From the first frame on, at least this percentage of the robots must be right and none wrong, and never fewer than
   // without adaptation.
   void expect(const char* what, double percent, const std::vector<hal::Picture>& changed, const Light& light) {
-    const Score off = after_step(changed, light, "off"), on = after_step(changed, light, "follow");
+    const Score off = after_step(changed, light, {"adaptation.mode=off"});
+    const Score on = after_step(changed, light, {});
     EXPECT_GE(on.right, percent * 20 * kRobots / 100) << what;
     EXPECT_EQ(on.wrong, 0) << what;
     EXPECT_GE(on.right, off.right) << what;
+    // Also if the light is not measured, so that robots are all that it learns from.
+    const Score learned = after_step(changed, light, {"light.reference=\"\""});
+    EXPECT_GE(learned.right, off.right) << what;
+    EXPECT_LE(learned.wrong, off.wrong) << what;
   }
   static Light even(double r, double g, double b) { return {{r, g, b}, {r, g, b}}; }
 

@@ -34,6 +34,7 @@ CASES = (
     Case("step to light x 0.5", ("--light", 0.5), LIGHT, before=15, limit=4),
     Case("step to light x 2", ("--light", 2), LIGHT, before=15, limit=4),
     Case("light x 2", ("--light", 2), LIGHT, seconds=25, limit=2),
+    Case("red +15 %, blue -15 %", ("--values", "1.15,1,0.85"), LIGHT, seconds=25, limit=2),
 )
 QUICK = ("light x 0.5", "light x 2", "shadow x 0.35 on half")
 # Folders of a set that are changed. The others are sequences.

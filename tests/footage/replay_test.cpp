@@ -59,8 +59,13 @@ TEST_F(Footage, FindsFourRobotsAndTheBallIn99PercentOfTheFrames) {
   for (const evaluate::FrameRecord& frame : frames) {
     std::set<std::string> names;
     for (const evaluate::RobotRecord& robot : frame.sightings.robots) {
-      unknown += robot.id ? 0u : 1u;
-      if (!robot.id) continue;
+      if (!robot.id) {
+        // Of the fifth, little more than the team patch is in the picture.
+        EXPECT_EQ(robot.team, "blue");
+        EXPECT_LT(distance(robot.position_m, {-0.69, -0.07}), 0.03) << "frame " << frame.frame;
+        ++unknown;
+        continue;
+      }
       const std::string name = robot.team + " " + std::to_string(*robot.id);
       EXPECT_TRUE(names.insert(name).second) << name << " twice in frame " << frame.frame;
       ++found[name];
@@ -68,9 +73,10 @@ TEST_F(Footage, FindsFourRobotsAndTheBallIn99PercentOfTheFrames) {
     found["ball"] += frame.sightings.ball ? 1u : 0u;
   }
   for (const char* name : {"blue 0", "blue 1", "yellow 0", "yellow 1", "ball"}) EXPECT_GE(found[name], 497u) << name;
-  // No others except the fifth, and none without an id.
-  EXPECT_EQ(found.size(), found.count("blue 2") + 5);
-  EXPECT_EQ(unknown, 0u);
+  // No others except the fifth, in every frame, often without its id.
+  EXPECT_EQ(found.size(), 6u);
+  EXPECT_EQ(found["blue 2"] + unknown, frames.size());
+  EXPECT_GE(found["blue 2"], 200u);
 
   // A swapped id would be a jump of decimeters. The pushed robot moves.
   for (const evaluate::PoseSpread& spread : evaluate::pose_spreads(frames)) {
@@ -94,7 +100,8 @@ struct Picture {
   const char* venue;
   const char* file;
   const char* annotation;
-  std::size_t robots, least_right;  // minimum number of right ids; the others are unknown
+  std::size_t robots;
+  double center_px;  // RMS distance of the team patches from the annotation, which has an error of 0.5 px itself
 };
 
 void PrintTo(const Picture& picture, std::ostream* out) { *out << picture.venue; }
@@ -102,7 +109,7 @@ void PrintTo(const Picture& picture, std::ostream* out) { *out << picture.venue;
 class AnnotatedFootage : public Footage, public ::testing::WithParamInterface<Picture> {};
 
 // Four marker layouts; the colors were learned from other pictures of the same set.
-TEST_P(AnnotatedFootage, FindsEveryTeamPatchAndNoWrongId) {
+TEST_P(AnnotatedFootage, FindsEveryRobotAndItsId) {
   const Picture& picture = GetParam();
   see(picture.file, picture.venue, {{"mint", "cyan-green"}, {"brown", "red-brown"}, {"grey", "grey-purple"}});
   const evaluate::PictureReport report = evaluated_against(picture.annotation);
@@ -111,16 +118,17 @@ TEST_P(AnnotatedFootage, FindsEveryTeamPatchAndNoWrongId) {
   EXPECT_EQ(report.balls_good, 1u);
   EXPECT_EQ(report.ghosts + report.ball_ghosts + report.wrong_team, 0u);
   EXPECT_EQ(report.ids_wrong, 0u);
-  EXPECT_GE(report.ids_right, picture.least_right);
-  EXPECT_LT(report.team_px.rms, 1.0);
+  EXPECT_EQ(report.ids_right, picture.robots);
+  EXPECT_GT(report.team_px.rms, 0.75 * picture.center_px);
+  EXPECT_LT(report.team_px.rms, 1.25 * picture.center_px);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Layouts, AnnotatedFootage,
-    ::testing::Values(Picture{"vsss-bar-normal", "vsss-bar/normal_24.png", "danhega_outputs_24.json", 6, 5},
-                      Picture{"vsss-bar-dark", "vsss-bar/dark_08.png", "danhega_outputs3_8.json", 6, 6},
-                      Picture{"vsss-halves", "vsss-halves/2736.jpg", "rinobot_2736.json", 6, 6},
-                      Picture{"mirosot-triangles", "mirosot-triangles/white1.png", "agh_b_white1.json", 10, 6}),
+    ::testing::Values(Picture{"vsss-bar-normal", "vsss-bar/normal_24.png", "danhega_outputs_24.json", 6, 0.36},
+                      Picture{"vsss-bar-dark", "vsss-bar/dark_08.png", "danhega_outputs3_8.json", 6, 0.32},
+                      Picture{"vsss-halves", "vsss-halves/2736.jpg", "rinobot_2736.json", 6, 0.47},
+                      Picture{"mirosot-triangles", "mirosot-triangles/white1.png", "agh_b_white1.json", 10, 0.66}),
     [](const auto& parameter) {
       std::string name = parameter.param.venue;
       std::replace(name.begin(), name.end(), '-', '_');

@@ -43,6 +43,12 @@ class Program : public touchline::testing::ProgramFolder {
 
   const std::string corners_ = "--corners 36,225 288,229 280,14 43,12";
   const std::string clockwise_ = "--corners 43,12 280,14 288,229 36,225";
+  // A camera 2 m above the floor: a patch of 34.5 mm on a robot of 75 mm is 12 pixels wide.
+  const std::string venue_from_above_ =
+      "version = 1\n[picture]\nwidth_px = 320\nheight_px = 240\n[field]\nlength_m = 0.9\nwidth_m = "
+      "0.7\n[camera_model]\nkind = \"full\"\n[camera_model.full]\n"
+      "fx_px = 669.6\nfy_px = 669.6\ncx_px = 159.5\ncy_px = 119.5\nrotation_rad = [3.14159265, 0.0, 0.0]\n"
+      "position_m = [0.0, 0.0, 2.0]\n";
 };
 
 TEST_F(Program, CreatesAVenueFile) {
@@ -226,12 +232,7 @@ TEST_F(Program, AsksBeforeItWritesDetectedColors) {
   write("team.toml",
         "version = 1\n[own]\ncolor = \"red\"\n[[own.robot]]\nid = 0\ncolors = [\"green\"]\n"
         "[[own.robot]]\nid = 1\ncolors = [\"blue\"]\n[ball]\ncolor = \"orange\"\n");
-  // A camera 2 m above the floor: a patch of 34.5 mm on a robot of 75 mm is 12 pixels wide.
-  const std::string before =
-      "version = 1\n[picture]\nwidth_px = 320\nheight_px = 240\n[field]\nlength_m = 0.9\nwidth_m = "
-      "0.7\n[camera_model]\nkind = \"full\"\n[camera_model.full]\n"
-      "fx_px = 669.6\nfy_px = 669.6\ncx_px = 159.5\ncy_px = 119.5\nrotation_rad = [3.14159265, 0.0, 0.0]\n"
-      "position_m = [0.0, 0.0, 2.0]\n";
+  const std::string& before = venue_from_above_;
   write("venue.toml", before);
   const std::string colors = "colors --picture " + path("robots.png") + venue();
   EXPECT_FALSE(run(colors));
@@ -255,22 +256,44 @@ TEST_F(Program, AsksBeforeItWritesDetectedColors) {
         *std::find_if(patches.begin(), patches.end(), [&](const auto& p) { return p.color == color.name; });
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(color.shown_rgb[c], truth.rgb[c], 8) << color.name;
   }
-  // A robot that is not in every picture is missing: the working file stays unless the person accepts it.
-  const std::string working = read("venue.toml");
+  // A robot need not be in every picture.
   write_png("without.png",
             painted_field({patches[0], patches[1], patches[4]}, PixelFormat::kRgb24, 4, [](int, int) { return 1.0; }));
-  const std::string with_two = with_team + " --picture " + path("without.png") + " --yes";
-  EXPECT_FALSE(run(with_two));
-  EXPECT_NE(read("out").find("without.png: 1 of 2 robots explained; missing: own 1"), std::string::npos) << read("out");
-  EXPECT_NE(read("out").find("self-check: 3 of 4 robots explained"), std::string::npos) << read("out");
-  EXPECT_NE(read("out").find("venue-unaccepted.toml"), std::string::npos) << read("out");
-  EXPECT_EQ(read("venue.toml"), working);
-  EXPECT_TRUE(fs::exists(path("venue-unaccepted.toml")));
-  EXPECT_TRUE(run(with_two + " --accept")) << read("out");
-  EXPECT_FALSE(fs::exists(path("venue-unaccepted.toml")));
+  ASSERT_TRUE(run(with_team + " --picture " + path("without.png") + " --yes")) << read("out");
+  EXPECT_NE(read("out").find("without.png: 1 of 1 visible robots explained\n"), std::string::npos) << read("out");
+  EXPECT_NE(read("out").find("self-check: 2 of 2 robots explained; ball in 2 of 2 pictures"), std::string::npos)
+      << read("out");
   write("venue.toml", "version = 1\n");
   EXPECT_FALSE(run(with_team + " --yes"));
   EXPECT_NE(read("out").find("calibrate the field first"), std::string::npos) << read("out");
+}
+
+// The working file stays unless the person accepts that the fourth robot is in no picture.
+TEST_F(Program, NamesARobotThatIsInNoPicture) {
+  std::vector<PaintedPatch> patches = {{"red", {200, 30, 30}, 80, 60},      {"green", {30, 180, 60}, 93, 73},
+                                       {"red", {200, 30, 30}, 200, 150},    {"blue", {40, 80, 200}, 187, 163},
+                                       {"yellow", {220, 200, 40}, 80, 150}, {"green", {30, 180, 60}, 93, 163}};
+  write_png("robots.png", painted_field(patches, PixelFormat::kRgb24, 3, [](int, int) { return 1.0; }));
+  std::string teams = "version = 1\n";
+  for (const auto& [team, color] : {std::pair{"own", "red"}, std::pair{"opponent", "yellow"}}) {
+    teams += "[" + std::string(team) + "]\ncolor = \"" + color + "\"\n";
+    for (const char* robot : {"id = 0\ncolors = [\"green\"]\n", "id = 1\ncolors = [\"blue\"]\n"}) {
+      teams += "[[" + std::string(team) + ".robot]]\n" + robot;
+    }
+  }
+  write("team.toml", teams);
+  write("venue.toml", venue_from_above_);
+  const std::string colors =
+      "colors --picture " + path("robots.png") + venue() + " --team " + path("team.toml") + " --yes";
+  EXPECT_FALSE(run(colors));
+  EXPECT_NE(read("out").find("robots.png: 3 of 3 visible robots explained\n"), std::string::npos) << read("out");
+  EXPECT_NE(read("out").find("self-check: 3 of 4 robots explained; missing: opponent 1\n"), std::string::npos)
+      << read("out");
+  EXPECT_NE(read("out").find("venue-unaccepted.toml"), std::string::npos) << read("out");
+  EXPECT_EQ(read("venue.toml"), venue_from_above_);
+  EXPECT_TRUE(fs::exists(path("venue-unaccepted.toml")));
+  EXPECT_TRUE(run(colors + " --accept")) << read("out");
+  EXPECT_FALSE(fs::exists(path("venue-unaccepted.toml")));
 }
 
 TEST_F(Program, ConfirmsAColorThatDoesNotLookLikeItsName) {

@@ -109,7 +109,7 @@ Result<void> ColorsCommand::read_input(ColorFitInput& input) const {
 }
 
 // Replaces the clicks by the patches that were detected with their help, after a person has confirmed them.
-Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput& input, NamedRobots& robots) const {
+Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput& input, VisibleRobots& robots) const {
   if (team.empty()) return failure(ErrorCode::kNotFound, "--picture needs --team, which names the colors to detect");
   TOUCHLINE_TRY_ASSIGN(const TeamColors wanted, read_team_colors(team));
   TOUCHLINE_TRY_ASSIGN(DetectedColors found, auto_detect_colors(draft, wanted, input.clicks, input.pictures));
@@ -137,10 +137,17 @@ Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput
   }
   input.clicks = std::move(found.clicks);
   input.unclear = std::move(found.unclear);
-  for (const AssignedRobot& robot : found.assignment.named) {
-    const RobotMarking& marking = found.input.teams[robot.team].robots[robot.robot];
-    robots[found.images[robot.picture]].push_back(
-        {static_cast<Team>(robot.team), marking.id, found.input.patches[robot.team_patch].center});
+  for (std::size_t t = 0; t < found.input.teams.size(); ++t) {
+    const TeamMarking& marking = found.input.teams[t];
+    if (marking.team_color == kBackground) continue;
+    for (const std::size_t patch : found.assignment.colors[marking.team_color - 1U].patches) {
+      const auto& named = found.assignment.named;
+      const auto robot = std::find_if(named.begin(), named.end(),
+                                      [patch](const AssignedRobot& one) { return one.team_patch == patch; });
+      robots[found.images[found.input.picture[patch]]].push_back(
+          {static_cast<Team>(t), robot == named.end() ? kUnknownId : marking.robots[robot->robot].id,
+           found.input.patches[patch].center});
+    }
   }
   return {};
 }
@@ -164,7 +171,7 @@ Result<void> ColorsCommand::check_names(const ColorFit& fit) const {
 // Runs the pipeline with the new colors on the pictures that they were learned from. The venue file is only replaced if
 // everything was recognized, or if the person accepts it.
 Result<void> ColorsCommand::check_result(const ColorFitInput& input, const std::vector<Section>& sections,
-                                         const NamedRobots& robots) const {
+                                         const VisibleRobots& robots) const {
   const fs::path file(venue);
   const std::string unaccepted =
       (file.parent_path() / (file.stem().string() + "-unaccepted" + file.extension().string())).string();
@@ -195,7 +202,7 @@ Result<void> ColorsCommand::run() const {
   input.region_of_interest = draft.region_of_interest;
   input.growth.radius_px = patch_radius_px;
   // Without a camera model or a team file, clicks are all there is to learn from.
-  NamedRobots robots;
+  VisibleRobots robots;
   const bool can_detect = !team.empty() && has_camera_model(draft);
   if (can_detect || !pictures.empty()) TOUCHLINE_TRY(detect_colors(draft, input, robots));
   if (!team.empty()) {

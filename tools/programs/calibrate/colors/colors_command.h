@@ -33,10 +33,10 @@ struct ColorsCommand {
  private:
   [[nodiscard]] std::string preview_folder() const;
   Result<void> read_input(ColorFitInput& input) const;
-  Result<void> detect_colors(const VenueDraft& draft, ColorFitInput& input, NamedRobots& robots) const;
+  Result<void> detect_colors(const VenueDraft& draft, ColorFitInput& input, VisibleRobots& robots) const;
   [[nodiscard]] Result<void> check_names(const ColorFit& fit) const;
   Result<void> check_result(const ColorFitInput& input, const std::vector<Section>& sections,
-                            const NamedRobots& robots) const;
+                            const VisibleRobots& robots) const;
 };
 
 }  // namespace touchline::calibrate

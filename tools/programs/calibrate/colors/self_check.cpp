@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <set>
 
@@ -17,8 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Team patches of the pipeline and of the calibration this close belong to one robot.
-constexpr float kSamePatch_px = 6.0F;
+// Team patches of the pipeline and of the calibration this close, relative to a robot's side, belong to one robot:
+// those of touching robots are farther apart.
+constexpr float kSameRobot = 0.5F;
 
 constexpr replay::CanvasColor kRight{0.2, 1.0, 0.3}, kUnknown{1.0, 0.65, 0.1}, kWrong{1.0, 0.15, 0.15};
 
@@ -44,17 +46,10 @@ std::string joined_robots(const std::vector<std::string>& names) {
   return text;
 }
 
-// The robot that the calibration recognized where the pipeline sees this one; nullptr: none.
-const NamedRobot* robot_at(const std::vector<NamedRobot>& robots, const RobotSighting& sighting) {
-  for (const PatchSighting& patch : sighting.patches) {
-    if (patch.role != PatchRole::kTeam) continue;
-    for (const NamedRobot& robot : robots) {
-      if (std::hypot(robot.team_patch.u_px - patch.center.u_px, robot.team_patch.v_px - patch.center.v_px) <
-          kSamePatch_px)
-        return &robot;
-    }
-  }
-  return nullptr;
+// True if the pipeline gives an id to a robot that the calibration recognized as another one.
+bool contradicts(const RobotSighting& sighting, const VisibleRobot* there) {
+  return sighting.id != kUnknownId && there != nullptr && there->id != kUnknownId &&
+         (there->id != sighting.id || there->team != sighting.team);
 }
 
 class Checker {
@@ -65,43 +60,51 @@ class Checker {
     for (const std::size_t team : {std::size_t{0}, std::size_t{1}}) {
       if (marker().teams[team].team_color == kBackground) continue;
       for (const RobotMarking& robot : marker().teams[team].robots)
-        expected_.emplace_back(static_cast<Team>(team), robot.id);
+        robots_.push_back(name_of(static_cast<Team>(team), robot.id));
     }
   }
 
-  [[nodiscard]] std::size_t robots() const { return expected_.size(); }
+  /// Names of the team file's robots.
+  [[nodiscard]] const std::vector<std::string>& robots() const { return robots_; }
 
   CheckedPicture check(const std::string& image, const Sightings& sightings,
-                       const std::vector<NamedRobot>& robots) const {
+                       const std::vector<VisibleRobot>& robots) const {
     CheckedPicture out;
     out.image = image;
     out.ball = sightings.ball.seen;
-    std::set<std::pair<Team, RobotId>> seen;
     for (const RobotSighting& sighting : sightings.robots) {
-      const NamedRobot* const there = robot_at(robots, sighting);
+      if (!has_robots(sighting.team)) continue;
+      ++out.visible;
+      const VisibleRobot* const there = robot_at(robots, sighting);
       if (sighting.id == kUnknownId) {
         ++out.unknown;
-      } else if (there != nullptr && (there->id != sighting.id || there->team != sighting.team)) {
+      } else if (contradicts(sighting, there)) {
         out.wrong.push_back(name_of(sighting.team, sighting.id) + " where " + name_of(there->team, there->id) + " is");
       } else {
-        seen.insert({sighting.team, sighting.id});
+        out.explained.insert(name_of(sighting.team, sighting.id));
       }
     }
-    for (const auto& [team, id] : expected_) {
-      if (seen.count({team, id}) == 0) out.missing.push_back(name_of(team, id));
+    for (const VisibleRobot& robot : robots) {
+      if (!has_robots(robot.team)) continue;
+      const std::string name = robot.id == kUnknownId ? "" : name_of(robot.team, robot.id);
+      if (out.explained.count(name) > 0) continue;
+      if (!name.empty()) out.missing.push_back(name);
+      // A patch of which the calibration found two parts counts once.
+      const bool is_seen = std::any_of(sightings.robots.begin(), sightings.robots.end(),
+                                       [&](const RobotSighting& one) { return distance_of(robot, one) < kSameRobot; });
+      if (is_seen) continue;
+      ++out.visible;
+      ++out.unseen;
     }
-    out.explained = seen.size();
     return out;
   }
 
   Result<void> draw(const CheckedPicture& result, const Frame& frame, const Sightings& sightings,
-                    const std::vector<NamedRobot>& robots, const std::string& summary) const {
+                    const std::vector<VisibleRobot>& robots, const std::string& summary) const {
     const replay::SurfacePtr surface = replay::to_surface(frame);
     const replay::ContextPtr context(cairo_create(surface.get()));
     for (const RobotSighting& sighting : sightings.robots) {
-      const NamedRobot* const there = robot_at(robots, sighting);
-      const bool wrong =
-          sighting.id != kUnknownId && there != nullptr && (there->id != sighting.id || there->team != sighting.team);
+      const bool wrong = contradicts(sighting, robot_at(robots, sighting));
       const replay::CanvasColor color = sighting.id == kUnknownId ? kUnknown : wrong ? kWrong : kRight;
       const MarkerLayout& layout = marker().teams[static_cast<std::size_t>(sighting.team)].layout;
       if (sighting.has_heading) {
@@ -132,47 +135,82 @@ class Checker {
   }
 
  private:
+  // Distance of the team patches, relative to a robot's side.
+  [[nodiscard]] float distance_of(const VisibleRobot& robot, const RobotSighting& sighting) const {
+    const MarkerLayout& layout = marker().teams[static_cast<std::size_t>(sighting.team)].layout;
+    const FieldPoint there = camera_.to_field(robot.team_patch, layout.height_m);
+    float least = 2 * kSameRobot;
+    for (const PatchSighting& patch : sighting.patches) {
+      if (patch.role != PatchRole::kTeam) continue;
+      const FieldPoint at = camera_.to_field(patch.center, layout.height_m);
+      least = std::min(least, std::hypot(there.x_m - at.x_m, there.y_m - at.y_m) / layout.robot_side_m);
+    }
+    return least;
+  }
+  // The robot that the calibration found where the pipeline sees this one; nullptr: none.
+  [[nodiscard]] const VisibleRobot* robot_at(const std::vector<VisibleRobot>& robots,
+                                             const RobotSighting& sighting) const {
+    const auto nearest = std::min_element(robots.begin(), robots.end(), [&](const auto& a, const auto& b) {
+      return distance_of(a, sighting) < distance_of(b, sighting);
+    });
+    return nearest != robots.end() && distance_of(*nearest, sighting) < kSameRobot ? &*nearest : nullptr;
+  }
+  // Robots of a team of which the team file knows only the color have no id.
+  [[nodiscard]] bool has_robots(Team team) const {
+    return !marker().teams[static_cast<std::size_t>(team)].robots.empty();
+  }
   [[nodiscard]] const MarkerParameters& marker() const { return configuration_.pipeline.marker; }
 
   std::string folder_;
   const config::Configuration& configuration_;
   CameraModel camera_;
-  std::vector<std::pair<Team, RobotId>> expected_;
+  std::vector<std::string> robots_;
 };
 
-std::string line_of(const CheckedPicture& picture, std::size_t robots, bool wants_ball) {
-  std::string text = formatted("%s: %zu of %zu robots explained", fs::path(picture.image).filename().c_str(),
-                               picture.explained, robots);
+std::string line_of(const CheckedPicture& picture, bool wants_ball) {
+  std::string text = formatted("%s: %zu of %zu visible robots explained", fs::path(picture.image).filename().c_str(),
+                               picture.explained.size(), picture.visible);
   if (!picture.missing.empty()) text += "; missing: " + joined_robots(picture.missing);
   if (!picture.wrong.empty()) text += "; wrong: " + joined(picture.wrong);
   if (picture.unknown > 0) text += formatted("; without id: %zu", picture.unknown);
+  if (picture.unseen > 0) text += formatted("; not seen: %zu", picture.unseen);
   if (wants_ball && !picture.ball) text += "; no ball";
   return text;
 }
 
 }  // namespace
 
-bool SelfCheck::passed() const {
-  return std::all_of(pictures.begin(), pictures.end(), [&](const CheckedPicture& p) {
-    return p.missing.empty() && p.wrong.empty() && p.unknown == 0 && (p.ball || !wants_ball);
+std::vector<std::string> SelfCheck::missing() const {
+  std::vector<std::string> out;
+  std::copy_if(robots.begin(), robots.end(), std::back_inserter(out), [this](const std::string& robot) {
+    return std::none_of(pictures.begin(), pictures.end(),
+                        [&](const CheckedPicture& p) { return p.explained.count(robot) > 0; });
   });
+  return out;
+}
+
+bool SelfCheck::passed() const {
+  return missing().empty() && std::all_of(pictures.begin(), pictures.end(), [&](const CheckedPicture& p) {
+           return p.explained.size() == p.visible && p.missing.empty() && (p.ball || !wants_ball);
+         });
 }
 
 std::string SelfCheck::text() const {
   std::string text;
-  std::size_t explained = 0, balls = 0;
+  std::size_t balls = 0;
   for (const CheckedPicture& picture : pictures) {
-    text += line_of(picture, robots, wants_ball) + "\n";
-    explained += picture.explained;
+    text += line_of(picture, wants_ball) + "\n";
     balls += picture.ball ? 1U : 0U;
   }
-  text += formatted("self-check: %zu of %zu robots explained", explained, robots * pictures.size());
-  if (wants_ball) text += formatted(", ball in %zu of %zu pictures", balls, pictures.size());
+  const std::vector<std::string> never = missing();
+  text += formatted("self-check: %zu of %zu robots explained", robots.size() - never.size(), robots.size());
+  if (!never.empty()) text += "; missing: " + joined_robots(never);
+  if (wants_ball) text += formatted("; ball in %zu of %zu pictures", balls, pictures.size());
   return text + "\n";
 }
 
 Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
-                             const std::map<std::string, CameraPicture>& pictures, const NamedRobots& robots,
+                             const std::map<std::string, CameraPicture>& pictures, const VisibleRobots& robots,
                              const std::string& folder) {
   const auto configuration = std::make_unique<config::Configuration>();
   TOUCHLINE_TRY(config::load_venue_and_team({{}, venue, team, {}}, *configuration));
@@ -184,7 +222,7 @@ Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
   out.wants_ball = configuration->pipeline.marker.ball.color != kBackground;
   std::error_code error;
   fs::create_directories(folder, error);
-  static const std::vector<NamedRobot> no_robots;
+  static const std::vector<VisibleRobot> no_robots;
   for (const auto& [image, picture] : pictures) {
     // Configured anew for each picture, so that none profits from the one before.
     if (const Status status = pipeline->configure(configuration->pipeline); !status.ok()) {
@@ -193,14 +231,14 @@ Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
     }
     pipeline->set_observing(true);
     const Checker checker(folder, *configuration);
-    const auto named = robots.find(image);
-    const std::vector<NamedRobot>& known = named == robots.end() ? no_robots : named->second;
+    const auto found = robots.find(image);
+    const std::vector<VisibleRobot>& known = found == robots.end() ? no_robots : found->second;
     const Frame frame = picture.frame();
     const Sightings& sightings = pipeline->step(frame).sightings;
     out.robots = checker.robots();
     out.pictures.push_back(checker.check(image, sightings, known));
-    TOUCHLINE_TRY(checker.draw(out.pictures.back(), frame, sightings, known,
-                               line_of(out.pictures.back(), out.robots, out.wants_ball)));
+    TOUCHLINE_TRY(
+        checker.draw(out.pictures.back(), frame, sightings, known, line_of(out.pictures.back(), out.wants_ball)));
   }
   return out;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -10,42 +11,48 @@
 
 namespace touchline::calibrate {
 
-/// A robot that the calibration recognized in a picture.
-struct NamedRobot {
+/// A team patch that the calibration found in a picture, and whose it is.
+struct VisibleRobot {
   Team team = Team::kOwn;
-  RobotId id = kUnknownId;
+  RobotId id = kUnknownId;  // kUnknownId: no robot of the team file was recognized there
   PixelPoint team_patch;
 };
 
 /// By picture.
-using NamedRobots = std::map<std::string, std::vector<NamedRobot>>;
+using VisibleRobots = std::map<std::string, std::vector<VisibleRobot>>;
 
-/// What the pipeline sees in one of the pictures that the colors were learned from.
+/// What the pipeline sees in one of the pictures that the colors were learned from. Robots have names such as
+/// "opponent 1".
 struct CheckedPicture {
   std::string image;
-  std::size_t explained = 0;         // robots of the team file with their id
-  std::vector<std::string> missing;  // robots of the team file without, such as "opponent 1"
+  std::size_t visible = 0;           // team patches that the calibration found, or that the pipeline sees
+  std::set<std::string> explained;   // robots of the team file with their id
+  std::vector<std::string> missing;  // robots that the calibration recognized here, and the pipeline did not
   std::vector<std::string> wrong;    // contradictions to the calibration, such as "own 2 where own 1 is"
   std::size_t unknown = 0;           // sightings without id
+  std::size_t unseen = 0;            // team patches of the calibration without a sighting
   bool ball = false;
 };
 
 struct SelfCheck {
-  std::size_t robots = 0;  // in the team file
+  std::vector<std::string> robots;  // of the team file
   bool wants_ball = false;
   std::vector<CheckedPicture> pictures;
 
-  /// Whether every robot of the team file and the ball were recognized in every picture.
+  /// Robots of the team file that were explained in no picture.
+  [[nodiscard]] std::vector<std::string> missing() const;
+  /// Whether every visible robot was explained, every robot of the team file in at least one picture, and the ball was
+  /// seen in every picture.
   [[nodiscard]] bool passed() const;
   /// One line per picture and one for all of them.
   [[nodiscard]] std::string text() const;
 };
 
 /// Runs the pipeline with these files on each picture by itself, and draws what it sees into `folder` as
-/// NAME-check.png: robots with id green, robots without orange, contradictions to `robots` (per picture) red. Errors of
+/// NAME-check.png: robots with id green, robots without orange, contradictions to `robots` red. Errors of
 /// load_venue_and_team(), resolve(), Pipeline::configure() and write_png().
 Result<SelfCheck> self_check(const std::string& venue, const std::string& team,
-                             const std::map<std::string, CameraPicture>& pictures, const NamedRobots& robots,
+                             const std::map<std::string, CameraPicture>& pictures, const VisibleRobots& robots,
                              const std::string& folder);
 
 }  // namespace touchline::calibrate

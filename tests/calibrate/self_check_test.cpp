@@ -1,0 +1,77 @@
+#include "tools/programs/calibrate/colors/self_check.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace touchline::calibrate {
+namespace {
+
+CheckedPicture seen_in(const std::string& image, const std::set<std::string>& explained) {
+  CheckedPicture picture;
+  picture.image = image;
+  picture.visible = explained.size();
+  picture.explained = explained;
+  picture.ball = true;
+  return picture;
+}
+
+SelfCheck check_of(const std::vector<CheckedPicture>& pictures) {
+  return {{"own 0", "own 1", "opponent 0", "opponent 1"}, true, pictures};
+}
+
+TEST(SelfCheck, PassesIfEveryRobotIsInSomePicture) {
+  const SelfCheck check =
+      check_of({seen_in("a.png", {"own 0", "own 1", "opponent 0"}), seen_in("b.png", {"own 0", "opponent 1"})});
+  EXPECT_TRUE(check.passed());
+  EXPECT_EQ(check.text(),
+            "a.png: 3 of 3 visible robots explained\n"
+            "b.png: 2 of 2 visible robots explained\n"
+            "self-check: 4 of 4 robots explained; ball in 2 of 2 pictures\n");
+}
+
+TEST(SelfCheck, NamesRobotsThatAreInNoPicture) {
+  const SelfCheck check = check_of({seen_in("a.png", {"own 0"}), seen_in("b.png", {"own 1"})});
+  EXPECT_FALSE(check.passed());
+  EXPECT_EQ(check.missing(), (std::vector<std::string>{"opponent 0", "opponent 1"}));
+  EXPECT_NE(check.text().find("self-check: 2 of 4 robots explained; missing: opponent 0, 1; ball in 2 of 2 pictures"),
+            std::string::npos)
+      << check.text();
+}
+
+// Each defect of one picture fails by itself, though all robots are explained in another one.
+TEST(SelfCheck, FailsForEachVisibleRobotThatIsNotExplained) {
+  const CheckedPicture all = seen_in("a.png", {"own 0", "own 1", "opponent 0", "opponent 1"});
+  ASSERT_TRUE(check_of({all}).passed());
+  const auto expect = [&](const char* text, const std::function<void(CheckedPicture&)>& change) {
+    CheckedPicture other = seen_in("b.png", {"own 0"});
+    change(other);
+    const SelfCheck check = check_of({all, other});
+    EXPECT_FALSE(check.passed()) << text;
+    EXPECT_NE(check.text().find(std::string("b.png: ") + text + "\n"), std::string::npos) << check.text();
+    EXPECT_NE(check.text().find("4 of 4 robots explained"), std::string::npos) << check.text();
+  };
+  expect("1 of 2 visible robots explained; without id: 1", [](CheckedPicture& p) {
+    p.visible = 2;
+    p.unknown = 1;
+  });
+  expect("1 of 2 visible robots explained; missing: own 1", [](CheckedPicture& p) {
+    p.visible = 2;
+    p.missing = {"own 1"};
+  });
+  expect("1 of 2 visible robots explained; wrong: own 1 where opponent 0 is", [](CheckedPicture& p) {
+    p.visible = 2;
+    p.wrong = {"own 1 where opponent 0 is"};
+  });
+  expect("1 of 3 visible robots explained; not seen: 2", [](CheckedPicture& p) {
+    p.visible = 3;
+    p.unseen = 2;
+  });
+  expect("1 of 1 visible robots explained; no ball", [](CheckedPicture& p) { p.ball = false; });
+}
+
+}  // namespace
+}  // namespace touchline::calibrate

@@ -141,6 +141,26 @@ INSTANTIATE_TEST_SUITE_P(Marker, LongTeamPatch,
 const Placed kLeft{Team::kOwn, 0, {{-0.3f, 0.1f}, 0.4f}}, kMiddle{Team::kOwn, 1, {{0.0f, 0.1f}, -1.9f}},
     kRight{Team::kOwn, 2, {{0.3f, 0.1f}, 2.6f}};
 
+// A square or a disk has no axis from which a heading could follow. Its place is reported.
+TEST_F(IdsFromPixels, ReportThePlaceOfASquareOrDiskWithoutIdentificationRegions) {
+  for (const MarkerLayout& layout : {paper_teams().teams[0].layout, disks_layout()}) {
+    use(teams_with(layout, 3));
+    const std::vector<Placed> placed{kLeft, kMiddle, kRight};
+    for (const Placed& robot : placed) paint_without_regions(robot);
+    const Sightings& seen = look(kLampLight);
+    ASSERT_EQ(seen.robots.size(), placed.size());
+    for (const RobotSighting& robot : seen.robots) {
+      EXPECT_EQ(robot.id, kUnknownId);
+      EXPECT_FALSE(robot.has_heading);
+      EXPECT_GT(robot.confidence, 0.5f);
+      EXPECT_TRUE(std::any_of(placed.begin(), placed.end(), [&](const Placed& one) {
+        const PatchPlace& patch = layout.patches[0];
+        return distance_m(robot.pose.position, on_field(one.pose, patch.x_m, patch.y_m)) < 0.003f;
+      })) << "the place of a team patch";
+    }
+  }
+}
+
 // Under another lamp, a quarter of the team patch is in its box.
 TEST_F(IdsFromPixels, FindARobotByAPartOfItsTeamPatch) {
   for (const auto& layout : {bar_layout(), halves_layout(), triangles_layout()}) {

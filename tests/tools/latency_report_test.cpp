@@ -200,6 +200,41 @@ TEST_F(SystemTree, ReadsFactsAndLeavesMissingOnesEmpty) {
   EXPECT_EQ(read_system_facts(root_).preemption, "no PREEMPT");
 }
 
+TEST_F(SystemTree, MeasuresTheLoadOfOtherPrograms) {
+  EXPECT_FALSE(read_processor_times(root_).has_value());
+  write("/proc/stat", "cpu  1000 200 300 5000 600 10 20 70 0 0\ncpu0 1 2 3\n");
+  const std::optional<ProcessorTimes> times = read_processor_times(root_);
+  ASSERT_TRUE(times.has_value());
+  const double tick_s = 1.0 / static_cast<double>(sysconf(_SC_CLK_TCK));
+  EXPECT_NEAR(times->busy_s, 1530 * tick_s, 1e-9);
+  EXPECT_NEAR(times->stolen_s, 70 * tick_s, 1e-9);
+  EXPECT_GT(times->own_s, 0.0);
+  write("/proc/stat", "intr 1 2\n");
+  EXPECT_FALSE(read_processor_times(root_).has_value());
+
+  LatencyReport report = report_of(1);
+  add_load(report.system, {10.0, 1.0, 2.0, 100.0}, {31.0, 1.0, 8.0, 110.0});
+  EXPECT_DOUBLE_EQ(report.system.others_busy.value_or(-1), 1.5);
+  EXPECT_NE(to_text(document_of(report)).find("kept 1.50 of 4 processors busy\n"), std::string::npos)
+      << to_text(document_of(report));
+  add_load(report.system, {10.0, 1.0, 2.0, 100.0}, {13.0, 3.5, 8.0, 110.0});
+  EXPECT_EQ(report.system.others_busy, 0.0) << "rounding must not give less than none";
+  EXPECT_NE(to_text(document_of(report)).find("the hypervisor withheld 0.25 of 4 processors\n"), std::string::npos);
+  SystemFacts brief;
+  add_load(brief, {10.0, 1.0, 2.0, 100.0}, {10.0, 1.0, 2.0, 100.05});
+  EXPECT_FALSE(brief.others_busy.has_value());
+}
+
+TEST(LatencyJson, AMissingLoadIsUnknown) {
+  std::string json = to_json(report_of(1));
+  const std::size_t begin = json.find("\"others_busy\"");
+  ASSERT_NE(begin, std::string::npos);
+  json.erase(begin, json.find('\n', begin) - begin);
+  const Result<LatencyReport> report = from_json(json);
+  ASSERT_TRUE(report.ok()) << report.text();
+  EXPECT_FALSE(report.value().system.others_busy.has_value());
+}
+
 class Load : public SystemTree {
  protected:
   // A replacement for stress-ng that writes its process id and runs for `seconds`.

@@ -55,8 +55,11 @@ struct SystemFacts {
   std::string governor;  // of the loop's processor, like the frequencies
   std::optional<double> min_mhz, max_mhz, begin_mhz, end_mhz;
   std::optional<double> begin_celsius, end_celsius;  // of the hottest thermal zone
-  std::string load;                                  // command line of the background load
-  std::vector<std::string> refused;                  // refused real-time requests and hints, with advice
+  std::string load;                                  // command line of the background load that was requested
+  // Mean number of processors, from the warm-up to the end, that other programs and interrupts kept busy, and that the
+  // hypervisor gave to other machines.
+  std::optional<double> others_busy, stolen;
+  std::vector<std::string> refused;  // refused real-time requests and hints, with advice
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -78,6 +81,8 @@ struct SystemFacts {
     visit("begin_celsius", self.begin_celsius);
     visit("end_celsius", self.end_celsius);
     visit("load", self.load);
+    visit("others_busy", self.others_busy);
+    visit("stolen", self.stolen);
     visit("refused", self.refused);
   }
 };

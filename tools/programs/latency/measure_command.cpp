@@ -101,9 +101,12 @@ class Run {
       report_refused(become_realtime(board_.realtime));
       report_refused(realtime_hints(board_.realtime, is_realtime()));
       facts = read_system_facts();
+      const std::optional<ProcessorTimes> begin = read_processor_times();
       measurement_.begin();
       end = loop.run(handle_stop_signals());
       measurement_.end();
+      const std::optional<ProcessorTimes> finish = read_processor_times();
+      if (begin && finish) add_load(facts, *begin, *finish);
       read_final_facts(facts);
     }
     const ReportSettings expected{rate_hz, from_seconds(options_.deadline_ms * 1e-3), options_.listed};

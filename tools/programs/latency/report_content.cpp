@@ -26,6 +26,21 @@ std::string begin_and_end(const std::optional<double>& begin, const std::optiona
   return (begin ? number(*begin) : "?") + unit + " at the start, " + (end ? number(*end) : "?") + unit + " at the end";
 }
 
+// The load that was really there, whether requested or not.
+std::string measured_load(const SystemFacts& system) {
+  if (!system.others_busy) return "";
+  const auto of_all = [&](double processors) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%.2f of %s processors", processors, count(system.processors).c_str());
+    return std::string(text);
+  };
+  std::string text = "kept " + of_all(*system.others_busy) + " busy";
+  // Less is the resolution of the kernel's counts.
+  constexpr double kNoticeable = 0.005;
+  if (system.stolen.value_or(0.0) > kNoticeable) text += "; the hypervisor withheld " + of_all(*system.stolen);
+  return text;
+}
+
 Table span_table(const LatencyReport& report) {
   Table table{"Milliseconds, " + count(report.frames) + " frames", {"", "p50", "p90", "p99", "p99.9", "max"}, {}};
   for (std::size_t i = 0; i < kSpanCount; ++i) {
@@ -76,7 +91,7 @@ Facts conditions_of(const LatencyReport& report) {
     add(facts, "frequency range", number(*system.min_mhz) + " to " + number(*system.max_mhz) + " MHz");
   }
   add(facts, "kernel", system.kernel + ", " + system.preemption);
-  add(facts, "background load", system.load.empty() ? "none" : system.load);
+  add(facts, "background load", system.load.empty() ? "none requested" : system.load);
   return facts;
 }
 
@@ -130,6 +145,7 @@ Document document_of(const LatencyReport& report) {
   Facts& facts = document.facts;
   for (const Counted& counted : counts_of(report)) add(facts, counted.name, text_of_count(counted));
   for (auto& condition : conditions_of(report)) facts.push_back(std::move(condition));
+  add(facts, "other programs", measured_load(report.system));
   add(facts, "frequency", begin_and_end(report.system.begin_mhz, report.system.end_mhz, " MHz"));
   add(facts, "temperature", begin_and_end(report.system.begin_celsius, report.system.end_celsius, " °C"));
   for (const std::string& refused : report.system.refused) add(facts, "real time", refused);
@@ -204,6 +220,9 @@ Document comparison_of(const NamedReport& a, const NamedReport& b) {
   for (const auto& [name, value] : of_b) {
     if (value_in(of_a, name) == "unknown") differs(name, "unknown", value);
   }
+  const std::string load_a = measured_load(a.report.system), load_b = measured_load(b.report.system);
+  add(document.facts, "other programs in A", load_a);
+  add(document.facts, "other programs in B", load_b);
   document.summary = worse.empty() ? "No time got worse from A to B" : "Worse in B: " + listed(worse);
   if (!more.empty()) document.summary += "; more often in B: " + listed(more);
   if (!better.empty()) document.summary += "; better in B: " + listed(better);

@@ -100,7 +100,9 @@ class Reader {
   void operator()(const char* key, T&& value) {
     if (!result_.ok()) return;
     const std::string path = path_ + key;
-    if (!json_.is_object() || !json_.contains(key)) {
+    if (json_.is_object() && !json_.contains(key) && is_optional(value)) {
+      // Written by a version that did not measure it.
+    } else if (!json_.is_object() || !json_.contains(key)) {
       result_ = failure(ErrorCode::kInconsistent, "%s: is missing", path.c_str());
     } else {
       read(json_[key], path, value);
@@ -108,6 +110,14 @@ class Reader {
   }
 
  private:
+  template <class T>
+  static constexpr bool is_optional(const std::optional<T>&) {
+    return true;
+  }
+  template <class T>
+  static constexpr bool is_optional(const T&) {
+    return false;
+  }
   void refuse(const std::string& path, const char* expected) {
     result_ = failure(ErrorCode::kInconsistent, "%s: must be %s", path.c_str(), expected);
   }

@@ -2,8 +2,12 @@
 
 #include <sched.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 
@@ -121,6 +125,36 @@ SystemFacts read_system_facts(const std::string& root) {
 void read_final_facts(SystemFacts& facts, const std::string& root) {
   facts.end_mhz = scaled_number(frequency_path(root) + "scaling_cur_freq", 1e-3);
   facts.end_celsius = hottest_celsius(root);
+}
+
+std::optional<ProcessorTimes> read_processor_times(const std::string& root) {
+  enum { kUser, kNice, kSystem, kIdle, kIoWait, kInterrupts, kSoftInterrupts, kStolen, kColumns };
+  std::array<double, kColumns> ticks{};
+  std::ifstream file(root + "/proc/stat");
+  std::string name;
+  if (!(file >> name) || name != "cpu") return std::nullopt;
+  for (double& column : ticks) {
+    if (!(file >> column)) return std::nullopt;
+  }
+  const double tick_s = 1.0 / static_cast<double>(sysconf(_SC_CLK_TCK));
+  rusage own{};
+  getrusage(RUSAGE_SELF, &own);
+  const auto seconds_of = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  using Seconds = std::chrono::duration<double>;
+  return ProcessorTimes{
+      (ticks[kUser] + ticks[kNice] + ticks[kSystem] + ticks[kInterrupts] + ticks[kSoftInterrupts]) * tick_s,
+      ticks[kStolen] * tick_s, seconds_of(own.ru_utime) + seconds_of(own.ru_stime),
+      Seconds(std::chrono::steady_clock::now().time_since_epoch()).count()};
+}
+
+void add_load(SystemFacts& facts, const ProcessorTimes& begin, const ProcessorTimes& end) {
+  constexpr double kShortest_s = 0.1;
+  const double elapsed_s = end.elapsed_s - begin.elapsed_s;
+  if (elapsed_s < kShortest_s) return;
+  facts.others_busy = std::max(0.0, end.busy_s - begin.busy_s - (end.own_s - begin.own_s)) / elapsed_s;
+  facts.stolen = (end.stolen_s - begin.stolen_s) / elapsed_s;
 }
 
 }  // namespace touchline::latency

@@ -28,14 +28,6 @@ constexpr int kTileRowsPerFrame = 8;
 constexpr std::uint32_t kTables = 3 * kLightLevels;
 constexpr std::uint32_t kTablesPerFrame = 2;
 
-// Gain of the light map and the measured change at a point.
-float gain_levels_at(const Shading& shading, const FieldLight& field, std::size_t channel, const PixelPoint& at) {
-  const auto column = static_cast<std::uint16_t>(at.u_px / static_cast<float>(kTileWidth));
-  const auto row = static_cast<std::uint16_t>(at.v_px / static_cast<float>(kTileHeight));
-  return static_cast<float>(int{shading.level(channel, column, row)} - int{kNeutralLevel}) -
-         field.at(channel, column, row);
-}
-
 // True if the robot has been seen with this id for some time, agrees with its track, and shows its id now. An id that
 // was inferred, from the other robots' ids or from pixels that fell into no box, teaches nothing: the adaptation would
 // confirm its own mistakes.
@@ -104,6 +96,10 @@ void Adaptation::measure(const Frame& frame, RegionScanner& scanner) {
   }
 }
 
+ExpectedGain Adaptation::expected_gain(const RegionScanner& scanner) const {
+  return mode_ == AdaptationMode::kFollow ? ExpectedGain(scanner.shading(), field_) : ExpectedGain();
+}
+
 void Adaptation::update(RegionScanner& scanner, StepTrace& trace) {
   const Instant now = trace.frame.capture_time;
   const auto elapsed_s = static_cast<float>(seconds(now - last_));
@@ -161,13 +157,14 @@ bool Adaptation::learn_patch(const Shading& shading, const Frame& frame, const P
   if (!sample_at(frame, patch.center, sample)) return false;
   const ColorSpace space = color_space(frame.format);
   const std::array<std::uint8_t, 3>& typical = typical_[patch.color];
+  const ExpectedGain gain(shading, field_);
   std::array<float, 3> brighter{}, weight{};
   for (std::size_t c = 0; c < 3; ++c) {
     const auto black = static_cast<float>(black_value(space, c));
     const float expected = static_cast<float>(typical[c]) - black, measured = sample.mean[c] - black;
     if (expected <= 0.0f || measured <= 0.0f || sample.saturated[c]) continue;
     const float reliability = std::min(1.0f, expected / kFullWeight_levels);
-    brighter[c] = kLevelsPerOctave * std::log2(measured / expected) + gain_levels_at(shading, field_, c, patch.center);
+    brighter[c] = kLevelsPerOctave * std::log2(measured / expected) - gain.levels_at(c, patch.center);
     weight[c] = reliability * reliability;
   }
   if (space == ColorSpace::kYuv) {
@@ -184,11 +181,12 @@ bool Adaptation::learn_patch(const Shading& shading, const Frame& frame, const P
 void Adaptation::learn_color(const Shading& shading, ColorSpace space, ColorId color, const PixelPoint& center,
                              const Sample& sample, float step) {
   if (sample.saturated[0] || sample.saturated[1] || sample.saturated[2]) return;
+  const ExpectedGain gain(shading, field_);
   std::array<float, 3> deviation{};
   for (std::size_t c = 0; c < 3; ++c) {
     const auto black = static_cast<float>(black_value(space, c));
-    const float gain_levels = gain_levels_at(shading, field_, c, center) - light_.at(c, center);
-    const float corrected = black + (sample.mean[c] - black) * std::exp2(gain_levels / kLevelsPerOctave);
+    const float levels = gain.levels_at(c, center) + light_.at(c, center);
+    const float corrected = black + (sample.mean[c] - black) * std::exp2(-levels / kLevelsPerOctave);
     deviation[c] = corrected - static_cast<float>(typical_[color][c]);
   }
   shift_.observe(color, deviation, step / kBoxSlowdown);

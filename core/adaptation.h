@@ -6,6 +6,7 @@
 
 #include "core/color/box_shift.h"
 #include "core/color/typical_colors.h"
+#include "core/light/expected_gain.h"
 #include "core/light/field_light.h"
 #include "core/light/light_change.h"
 #include "core/parameter.h"
@@ -66,6 +67,9 @@ class Adaptation {
   /// Measures the light of a frame and updates the scanner's tables before it scans the frame. A frame that the scanner
   /// does not accept has no effect.
   void measure(const Frame& frame, RegionScanner& scanner);
+  /// Light that measure() found, for the same scanner; unknown unless it follows the light. Valid until the next call
+  /// of a function that is not const.
+  [[nodiscard]] ExpectedGain expected_gain(const RegionScanner& scanner) const;
   /// Learns from a frame whose pixels are still valid, and updates a part of the scanner's tables. The time is bounded:
   /// nine pixels per patch, some rows of tiles, two tables. Writes trace.light.
   void update(RegionScanner& scanner, StepTrace& trace);

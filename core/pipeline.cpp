@@ -84,7 +84,7 @@ const StepTrace& Pipeline::step(const Frame& frame) {
   }
   {
     const StageTimer t = timer(Stage::kMarker);
-    matcher_.match(&frame, trace_.runs, trace_.regions, trace_.sightings);
+    matcher_.match(&frame, adaptation_.expected_gain(scanner_), trace_.runs, trace_.regions, trace_.sightings);
     // A frame that the scan rejected has no regions and no sightings.
     patch_center_fit_.refine(frame, trace_.sightings);
     ball_center_fit_.refine(frame, trace_.sightings);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace touchline {
 namespace {
@@ -9,41 +10,73 @@ namespace {
 // Black level and stray light: added to both sides of a ratio, so that ratios of dark values mean less.
 constexpr float kStrayLight_levels = 6.0f;
 constexpr float kNoise_levels = 5.0f;
-// Standard deviations of log ratios: between the same two colors under different lamps, per channel and common to all
-// channels (patches of different gloss and height); between the gains of two channels (tint of a lamp).
-constexpr float kRatioSigma = 0.15f, kCommonSigma = 0.2f, kTintSigma = 0.3f;
+// Standard deviations of log ratios between the same two colors: per channel, under the lamps of calibration and under
+// lamps of any other spectrum (metamerism), and common to all channels (patches of different gloss and height).
+constexpr float kRatioSigma = 0.08f, kOtherLampsSigma = 0.15f, kCommonSigma = 0.15f;
+// Part of a tint of the light by which the ratios of paints may change.
+constexpr float kTintEffect = 0.5f;
+// Value of a white surface, and the share of the lamps' light that any patch mirrors.
+constexpr float kWhite = 255.0f, kHaze = 0.01f, kHazeOfTeamPatch = 0.02f;
+// One patch in five mirrors a lamp, a tenth of its light on average (exponential distribution). As log likelihood.
+constexpr float kGlareIsRare = 1.6f, kMeanGlare = 0.1f;
 // Of a channel's gain, if its value is saturated.
 constexpr float kSaturatedSigma = 0.5f;
 
 // Between two places of the floor, per channel.
 constexpr float kFloorSigma = 0.12f;
 
+// A gain far from the expected one widens the prior as a Student distribution of these degrees of freedom does: a
+// robot may stand in a shadow that the field around it does not show.
+constexpr float kDegreesOfFreedom = 3.0f;
+// Log likelihood ratio of a saturated channel that a color predicts with certainty: about one surface of no color in
+// seven saturates a channel, and a channel's part of kNoColor is included.
+constexpr float kSaturatedEvidence = 1.9f + ColorEvidence::kNoColor / 3.0f;
+
 constexpr float square(float x) { return x * x; }
+
+// Variance of the logarithm of a channel's value (Gamma 2) if the patch mirrors some of the lamps' light, which is more
+// for dark values.
+float haze_variance(float value, float white, float share) {
+  return square(0.5f * share * square(white) / square(value + kStrayLight_levels));
+}
 
 struct Expectation {
   std::array<float, 3> rgb{};
-  std::array<float, 3> variance{};  // relative
+  // Relative: independent variances, and standard deviations of what is common to all channels.
+  std::array<float, 3> variance{}, common_sigma{};
 };
 
-// Errors are relative: 2 (a - b) / (a + b), which is nearly log(a / b). Their covariance is diagonal plus a term that
-// is common to all channels; it is inverted with the formula of Sherman and Morrison.
+// Logarithm of the probability that a standard normal variable exceeds z.
+float log_upper_tail(float z) {
+  constexpr float kFarthest = 6.0f;
+  return std::log(0.5f * std::erfc(std::min(z, kFarthest) / std::numbers::sqrt2_v<float>));
+}
+
+// Errors are relative: 2 (a - b) / (a + b), which is nearly log(a / b). Their covariance is diagonal plus that of a
+// factor that is common to all channels; it is inverted with the formula of Sherman and Morrison. A saturated value is
+// a lower bound: its likelihood is the probability of larger values, given the other channels.
 float log_density(const SurfaceColor& surface, const Expectation& expected) {
-  float weights = 0, sum = 0, squares = 0, determinant = 1;
+  std::array<float, 3> error{}, variance{};
+  float precision = 1, sum = 0, squares = 0, determinant = 1;  // of the common factor, in standard deviations
   for (std::size_t c = 0; c < 3; ++c) {
     const float middle = 0.5f * (surface.rgb[c] + expected.rgb[c]) + kStrayLight_levels;
-    float error = (surface.rgb[c] - expected.rgb[c]) / middle;
-    // A saturated value is a lower bound.
-    if (surface.saturated[c]) error = std::min(error, 0.0f);
-    const float variance = expected.variance[c] + (square(kNoise_levels) + square(surface.spread)) / square(middle);
-    const float weight = 1.0f / variance;
-    weights += weight;
-    sum += weight * error;
-    squares += weight * error * error;
-    determinant *= variance;
+    error[c] = (surface.rgb[c] - expected.rgb[c]) / middle;
+    variance[c] = expected.variance[c] + (square(kNoise_levels) + square(surface.spread)) / square(middle);
+    if (surface.saturated[c]) continue;
+    const float weight = 1.0f / variance[c];
+    precision += weight * square(expected.common_sigma[c]);
+    sum += weight * expected.common_sigma[c] * error[c];
+    squares += weight * square(error[c]);
+    determinant *= variance[c];
   }
-  constexpr float kCommon = square(kCommonSigma);
-  const float distance = squares - sum * sum / (1.0f / kCommon + weights);
-  return -0.5f * (distance + std::log(determinant * (1.0f + kCommon * weights)));
+  const float common = sum / precision;
+  float density = -0.5f * (squares - sum * common + std::log(determinant * precision));
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (!surface.saturated[c]) continue;
+    const float sigma = std::sqrt(variance[c] + square(expected.common_sigma[c]) / precision);
+    density += kSaturatedEvidence + log_upper_tail((error[c] - common * expected.common_sigma[c]) / sigma);
+  }
+  return density;
 }
 
 }  // namespace
@@ -59,41 +92,83 @@ void ColorEvidence::configure(const TypicalColors& typical) {
   }
 }
 
-LocalLight ColorEvidence::light_on(const SurfaceColor& team_patch, ColorId team_color, ColorSpace space) const {
+LocalLight ColorEvidence::light_on(const SurfaceColor& team_patch, ColorId team_color, ColorSpace space,
+                                   const LightPrior& prior) const {
   const std::array<float, 3>& typical = rgb_of(team_color, space);
   LocalLight light;
-  std::array<float, 3> ratio{};
+  std::array<float, 3> deviation{}, weight{};  // of the logarithm of the gain from the prior's
+  std::array<bool, 3> counts{};
   float sum = 0, weights = 0;
+  const auto add = [&](std::size_t c) {
+    counts[c] = true;
+    sum += weight[c] * deviation[c];
+    weights += weight[c];
+  };
   for (std::size_t c = 0; c < 3; ++c) {
-    const float seen = team_patch.rgb[c] + kStrayLight_levels, expected = typical[c] + kStrayLight_levels;
-    ratio[c] = seen / expected;
+    const float seen = team_patch.rgb[c] + kStrayLight_levels;
+    const float expected = prior.gain[c] * typical[c] + kStrayLight_levels;
+    deviation[c] = std::log(seen / expected);
     light.variance[c] = (square(kNoise_levels) + square(kStrayLight_levels)) / square(expected) +
-                        (square(kNoise_levels) + square(team_patch.spread)) / square(seen);
-    if (team_patch.saturated[c] || typical[c] >= static_cast<float>(kSaturatedValue)) {
-      light.variance[c] += square(kSaturatedSigma);
-    }
-    const float weight = 1.0f / (light.variance[c] + square(kTintSigma));
-    sum += weight * ratio[c];
-    weights += weight;
+                        (square(kNoise_levels) + square(team_patch.spread)) / square(seen) +
+                        haze_variance(expected, prior.gain[c] * kWhite, kHazeOfTeamPatch);
+    const bool is_typically_saturated = typical[c] >= static_cast<float>(kSaturatedValue);
+    if (is_typically_saturated) light.variance[c] += square(kSaturatedSigma);
+    weight[c] = 1.0f / (light.variance[c] + square(prior.tint_sigma));
+    if (!team_patch.saturated[c] || is_typically_saturated) add(c);
   }
-  const float common = sum / weights;
+  // Precision of the common part before the patch is seen.
+  const float surprise = weights > 0.0f ? square(sum / weights) / (square(prior.common_sigma) + 1.0f / weights) : 0.0f;
+  const float widened = (kDegreesOfFreedom + surprise) / (kDegreesOfFreedom + 1.0f);
+  const float precision = 1.0f / (square(prior.common_sigma) * std::max(1.0f, widened));
+  // A saturated channel is a lower bound: it counts if the light would otherwise be darker.
+  const float known = sum / (precision + weights);
   for (std::size_t c = 0; c < 3; ++c) {
-    const float trust = square(kTintSigma) / (light.variance[c] + square(kTintSigma));
-    light.gain[c] = common + trust * (ratio[c] - common);
-    light.variance[c] *= trust;
+    if (!counts[c] && deviation[c] > known) add(c);
   }
+  const float common = sum / (precision + weights);
+  std::array<float, 3> tint{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float trust = counts[c] ? square(prior.tint_sigma) * weight[c] : 0.0f;
+    light.gain[c] = prior.gain[c] * std::exp(common + trust * (deviation[c] - common));
+    tint[c] = std::log(light.gain[c]);
+    light.variance[c] = (1.0f - trust) * square(prior.tint_sigma);
+    light.common_variance[c] = square(1.0f - trust) / (precision + weights);
+  }
+  const float mean = (tint[0] + tint[1] + tint[2]) / 3.0f;
+  const float change = (square(tint[0] - mean) + square(tint[1] - mean) + square(tint[2] - mean)) / 3.0f;
+  light.ratio_variance = std::min(square(kRatioSigma) + square(kTintEffect) * change, square(kOtherLampsSigma));
   return light;
 }
 
 float ColorEvidence::log_likelihood(const SurfaceColor& surface, const LocalLight& light, ColorId color,
-                                    ColorSpace space) const {
+                                    ColorSpace space, bool in_box) const {
   const std::array<float, 3>& typical = rgb_of(color, space);
   Expectation expected;
   for (std::size_t c = 0; c < 3; ++c) {
     expected.rgb[c] = light.gain[c] * typical[c];
-    expected.variance[c] = square(kRatioSigma) + light.variance[c];
+    expected.variance[c] =
+        light.ratio_variance + light.variance[c] + haze_variance(expected.rgb[c], light.gain[c] * kWhite, kHaze);
+    expected.common_sigma[c] = std::sqrt(square(kCommonSigma) + light.common_variance[c]);
   }
-  return std::max(log_density(surface, expected), kFloor);
+  float density = log_density(surface, expected);
+  if (in_box) {
+    // A share of the lamps' light that brings the patch nearest to what is seen (least squares in linear light).
+    float sum = 0, weights = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float white = square(light.gain[c] * kWhite);
+      const float middle = square(0.5f * (surface.rgb[c] + expected.rgb[c]) + kStrayLight_levels);
+      const float weight = white / (square(middle) * (expected.variance[c] + square(kNoise_levels) / middle));
+      sum += weight * (square(surface.rgb[c]) - square(expected.rgb[c]));
+      weights += weight * white;
+    }
+    if (const float glare = sum / weights; glare > 0.0f) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        expected.rgb[c] = std::sqrt(square(expected.rgb[c]) + glare * square(light.gain[c] * kWhite));
+      }
+      density = std::max(density, log_density(surface, expected) - kGlareIsRare - glare / kMeanGlare);
+    }
+  }
+  return std::max(density, kFloor);
 }
 
 float ColorEvidence::log_likelihood_of_same(const SurfaceColor& surface, const SurfaceColor& other) {
@@ -101,6 +176,7 @@ float ColorEvidence::log_likelihood_of_same(const SurfaceColor& surface, const S
   for (std::size_t c = 0; c < 3; ++c) {
     expected.rgb[c] = other.rgb[c];
     expected.variance[c] = square(kFloorSigma);
+    expected.common_sigma[c] = kCommonSigma;
   }
   return std::max(log_density(surface, expected), kNoColor);
 }

@@ -11,7 +11,15 @@ namespace touchline {
 /// Light on a robot relative to that at calibration, as a factor of pixel values per channel.
 struct LocalLight {
   std::array<float, 3> gain{};
-  std::array<float, 3> variance{};  // of its logarithm
+  std::array<float, 3> variance{}, common_variance{};  // of its logarithm: independent, and common to all channels
+  float ratio_variance = 0;  // of the logarithm of ratios of two paints, relative to that at calibration
+};
+
+/// What is known about the light on a robot before its team patch is looked at.
+struct LightPrior {
+  std::array<float, 3> gain{1, 1, 1};
+  // Standard deviations of the gain's logarithm: common to all channels, and of each channel.
+  float common_sigma = 1.0f, tint_sigma = 0.3f;
 };
 
 /// Compares the pixels of a robot's identification patches with the colors that they may have. All patches of a robot
@@ -30,15 +38,18 @@ class ColorEvidence {
   /// True if the typical value of the color was measured.
   [[nodiscard]] bool knows(ColorId color) const { return typical_.measured[color]; }
 
-  /// Light on a team patch of this color. A channel that says little (too dark, saturated) follows the others.
-  [[nodiscard]] LocalLight light_on(const SurfaceColor& team_patch, ColorId team_color, ColorSpace space) const;
+  /// Light on a team patch of this color. A channel that says little (too dark, saturated) follows the others and what
+  /// is known before.
+  [[nodiscard]] LocalLight light_on(const SurfaceColor& team_patch, ColorId team_color, ColorSpace space,
+                                    const LightPrior& prior) const;
 
   /// Log likelihood of the surface's color, if it is the same surface as `other`, a few centimeters away.
   static float log_likelihood_of_same(const SurfaceColor& surface, const SurfaceColor& other);
 
-  /// Log likelihood of the surface's color, if it is `color` in this light.
+  /// Log likelihood of the surface's color, if it is `color` in this light. `in_box`: its region has the color's class;
+  /// then it may be whiter, because it mirrors a lamp. (Without that, any gray surface might be a dark paint.)
   [[nodiscard]] float log_likelihood(const SurfaceColor& surface, const LocalLight& light, ColorId color,
-                                     ColorSpace space) const;
+                                     ColorSpace space, bool in_box) const;
 
  private:
   [[nodiscard]] const std::array<float, 3>& rgb_of(ColorId color, ColorSpace space) const {

@@ -40,6 +40,9 @@ constexpr float kLong = 2.0f, kVisiblyLong = 1.5f;
 // Smaller differences of pose show the same pixels.
 constexpr float kSamePlace = 0.006f, kSameHeading = 0.2f;
 constexpr float kSimilarPlace = 0.02f, kSimilarHeading = 0.5f;
+// Standard deviations of the logarithm of a robot's light from that of the field around it: robots are higher than the
+// floor, and their gloss differs from that of calibration.
+constexpr float kFieldSigma = 0.12f, kFieldTintSigma = 0.06f;
 // Samples of a patch are taken within this part of its inner circle.
 constexpr float kSampledRadius = 0.5f;
 
@@ -71,6 +74,7 @@ bool same_pose(const Pose& a, const Pose& b) {
 
 struct Identifier::Scene {
   const Frame& frame;
+  const ExpectedGain& light;
   const PatchLists& patches;
   std::span<const Hypothesis> hypotheses;
   std::span<const BoxSighting> boxes;
@@ -235,6 +239,15 @@ void Identifier::collect_poses(const Scene& now, Candidate& candidate) const {
   }
 }
 
+LightPrior Identifier::prior_light(const Scene& now, PixelPoint at) {
+  LightPrior prior;
+  if (!now.light.is_known()) return prior;
+  prior.gain = now.light.at(at);
+  prior.common_sigma = kFieldSigma;
+  if (color_space(now.frame.format) == ColorSpace::kRgb) prior.tint_sigma = kFieldTintSigma;
+  return prior;
+}
+
 // False if the team patch cannot be sampled.
 bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
   const TeamMarking& team = teams_[now.team];
@@ -244,7 +257,7 @@ bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
   const float scale = now.patches.team[box.team_patch].patch.scale_px_per_m;
   SurfaceColor surface;
   if (!sample_surface(now.frame, candidate.center, step_px(colors, 0, scale), surface)) return false;
-  const LocalLight light = colors_.light_on(surface, team.team_color, space);
+  const LocalLight light = colors_.light_on(surface, team.team_color, space, prior_light(now, candidate.center));
   for (PoseEvidence& pose : candidate.poses) {
     pose.floor = 0;
     pose.value.fill(pose.prior);
@@ -258,8 +271,9 @@ bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
       std::array<float, kMaxRobotsPerTeam> likelihood{};
       if (sample_surface(now.frame, center, step_px(colors, s + 1, scale), surface)) {
         for (std::size_t i = 0; i < slot.colors.size(); ++i) {
-          likelihood[i] = colors_.log_likelihood(surface, light, slot.colors[i], space);
-          if (region != nullptr && region->color == slot.colors[i]) likelihood[i] += kBoxVote;
+          const bool in_box = region != nullptr && region->color == slot.colors[i];
+          likelihood[i] = colors_.log_likelihood(surface, light, slot.colors[i], space, in_box);
+          if (in_box) likelihood[i] += kBoxVote;
         }
         if (candidate.has_floor) {
           pose.floor += ColorEvidence::log_likelihood_of_same(surface, candidate.floor) - ColorEvidence::kNoColor;
@@ -343,11 +357,12 @@ IdEvidence Identifier::evidence_of(const Scene& now, const Candidate& candidate)
   return out;
 }
 
-void Identifier::identify(const Frame& frame, const PatchLists& patches, std::span<const Hypothesis> hypotheses,
-                          std::span<const BoxSighting> boxes, std::span<bool> used, Sightings& out) {
+void Identifier::identify(const Frame& frame, const ExpectedGain& light, const PatchLists& patches,
+                          std::span<const Hypothesis> hypotheses, std::span<const BoxSighting> boxes,
+                          std::span<bool> used, Sightings& out) {
   for (std::size_t t = 0; t < teams_.size(); ++t) {
     if (!team_colors_[t].usable) continue;
-    const Scene now{frame, patches, hypotheses, boxes, out, t};
+    const Scene now{frame, light, patches, hypotheses, boxes, out, t};
     candidates_.clear();
     IdEvidences evidence;
     for (std::size_t i = 0; i < out.robots.size(); ++i) {

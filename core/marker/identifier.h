@@ -6,6 +6,7 @@
 
 #include "core/geometry/camera_model.h"
 #include "core/id_assignment.h"
+#include "core/light/expected_gain.h"
 #include "core/marker/color_evidence.h"
 #include "core/marker/hypothesis.h"
 #include "core/marker/marker_layout.h"
@@ -38,8 +39,9 @@ class Identifier {
 
   /// Updates id, pose and patches of the robots. `boxes` has the order of `out.robots`. Sets `used` for identification
   /// patches that belong to robots.
-  void identify(const Frame& frame, const PatchLists& patches, std::span<const Hypothesis> hypotheses,
-                std::span<const BoxSighting> boxes, std::span<bool> used, Sightings& out);
+  void identify(const Frame& frame, const ExpectedGain& light, const PatchLists& patches,
+                std::span<const Hypothesis> hypotheses, std::span<const BoxSighting> boxes, std::span<bool> used,
+                Sightings& out);
 
  private:
   // The hypotheses of a team patch have at most a few different poses; a long team patch adds two.
@@ -85,6 +87,7 @@ class Identifier {
   void add_pose(const Scene& now, PoseEvidence pose, Candidate& candidate) const;
   void look_at_team_patch(const Scene& now, Candidate& candidate) const;
   void look_at_floor(const Scene& now, Candidate& candidate) const;
+  [[nodiscard]] static LightPrior prior_light(const Scene& now, PixelPoint at);
   [[nodiscard]] float prior_of(const Scene& now, const Candidate& candidate, const PoseEvidence& pose) const;
   [[nodiscard]] bool is_free(const Scene& now, std::size_t robot, const Pose& pose) const;
   bool evaluate(const Scene& now, Candidate& candidate) const;

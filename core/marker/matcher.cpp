@@ -291,7 +291,8 @@ void Matcher::write_verdicts(Sightings& out) {
   }
 }
 
-void Matcher::match(const Frame* frame, const Runs& runs, const Regions& regions, Sightings& out) {
+void Matcher::match(const Frame* frame, const ExpectedGain& light, const Runs& runs, const Regions& regions,
+                    Sightings& out) {
   out.ball = {};
   out.robots.clear();
   out.verdicts.clear();
@@ -317,7 +318,7 @@ void Matcher::match(const Frame* frame, const Runs& runs, const Regions& regions
   report_pairs(out);
   report_unpaired(frame != nullptr, out);
   if (frame != nullptr) {
-    identifier_.identify(*frame, lists, {hypotheses_.data(), hypotheses_.size()},
+    identifier_.identify(*frame, light, lists, {hypotheses_.data(), hypotheses_.size()},
                          {box_sightings_.data(), box_sightings_.size()}, used_, out);
     drop_tentative(out);
   }

@@ -6,10 +6,10 @@
 #include "core/geometry/field_area.h"
 #include "core/marker/ball_finder.h"
 #include "core/marker/hypothesis.h"
+#include "core/marker/hypothesis_selection.h"
 #include "core/marker/identifier.h"
 #include "core/marker/marker_layout.h"
 #include "core/marker/patch_finder.h"
-#include "core/marker/hypothesis_selection.h"
 #include "core/types.h"
 
 namespace touchline {
@@ -45,9 +45,9 @@ class Matcher {
   void set_typical_colors(const TypicalColors& typical) { identifier_.set_typical(typical); }
 
   /// Uses only this frame: `runs` and `regions` are those of `frame`, which is null if ids follow from the color boxes
-  /// alone. `out.verdicts` gets one entry per region.
-  void match(const Frame* frame, const Runs& runs, const Regions& regions, Sightings& out);
-  void match(const Runs& runs, const Regions& regions, Sightings& out) { match(nullptr, runs, regions, out); }
+  /// alone. `light` is what is known about its light. `out.verdicts` gets one entry per region.
+  void match(const Frame* frame, const ExpectedGain& light, const Runs& runs, const Regions& regions, Sightings& out);
+  void match(const Runs& runs, const Regions& regions, Sightings& out) { match(nullptr, {}, runs, regions, out); }
 
  private:
   // 22 robots with two identification patches have 44. The rest is for fragments, noise and layouts with more patches.

@@ -33,6 +33,8 @@ Rgb rgb_of(ColorId color) {
       return {150, 60, 140};
     case kCyan:
       return {70, 150, 160};
+    case kViolet:
+      return {110, 5, 190};
     case kPink:
       return {165, 52, 48};  // hardly different from red
     case kLime:
@@ -209,6 +211,26 @@ TEST_F(IdsFromPixels, CorrectAWrongBox) {
   // The region of the wrong color is not reported as a patch of this robot.
   for (const RobotSighting& robot : seen.robots) EXPECT_EQ(robot.patches.size(), robot.id == 2 ? 1u : 2u);
   EXPECT_LT(compare({kLeft, kMiddle, kRight}, boxes->match(), parameters).right, 3u);
+}
+
+// A lamp's reflection brightens the dark channels of a patch, and the camera saturates at 218.
+TEST_F(IdsFromPixels, AreKnownOfPatchesThatMirrorALamp) {
+  for (const auto& layout : {bar_layout(), halves_layout()}) {
+    MarkerParameters teams = teams_with(layout, 3);
+    teams.teams[0].robots[1].colors[0] = kViolet;
+    use(teams);
+    for (const double glare : {0.05, 0.1, 0.15}) {
+      boxes->clear();
+      shown->clear();
+      for (const Placed& robot : {kLeft, kMiddle, kRight}) paint(robot);
+      shown->paint_patch(kMiddle, 1, kGrey);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double value = rgb_of(kViolet)[c];
+        covered[c] = std::min(218.0, std::sqrt(value * value + glare * 255.0 * 255.0));
+      }
+      EXPECT_EQ(compare({kLeft, kMiddle, kRight}, look(), parameters).right, 3u) << glare;
+    }
+  }
 }
 
 TEST_F(IdsFromPixels, IsUnknownIfTheRatioFitsTwoRobots) {

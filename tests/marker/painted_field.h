@@ -74,8 +74,9 @@ class PaintedField {
   void paint_ball(FieldPoint at);
   ColorGrid& grid() { return grid_; }
 
-  /// Labels and matches the picture. With a frame, ids also follow from its pixels and the typical colors.
-  const Sightings& match(const Frame* frame = nullptr);
+  /// Labels and matches the picture. With a frame, ids also follow from its pixels, the typical colors and what is
+  /// known about the light.
+  const Sightings& match(const Frame* frame = nullptr, const ExpectedGain& light = {});
   void set_typical_colors(const TypicalColors& typical) { matcher_->set_typical_colors(typical); }
 
   [[nodiscard]] const Regions& regions() const { return *regions_; }

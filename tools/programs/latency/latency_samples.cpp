@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "tools/programs/statistics/block_bootstrap.h"
 #include "tools/programs/statistics/statistics.h"
 
 namespace touchline::latency {
@@ -17,6 +18,18 @@ LatencySummary LatencySamples::summarize() const {
   summary.p99 = statistics::percentile(all, 99.0);
   summary.p99_9 = statistics::percentile(all, 99.9);
   summary.max = sorted.back();
+  std::vector<std::int64_t> in_order;
+  in_order.reserve(count_);
+  for (std::size_t i = 0; i < count_; ++i) in_order.push_back(samples_[i].count());
+  const statistics::BlockBootstrap bootstrap(in_order);
+  const auto interval = [&bootstrap](double percent) -> std::optional<TimeInterval> {
+    const std::optional<statistics::Interval> found = bootstrap.interval(percent);
+    if (!found) return std::nullopt;
+    return TimeInterval{Duration(found->low), Duration(found->high)};
+  };
+  summary.p50_interval = interval(50.0);
+  summary.p99_interval = interval(99.0);
+  summary.p99_9_interval = interval(99.9);
   return summary;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,8 +9,20 @@
 
 namespace touchline::latency {
 
+struct TimeInterval {
+  Duration low{}, high{};
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit("low", self.low);
+    visit("high", self.high);
+  }
+};
+
 struct LatencySummary {
   Duration p50{}, p90{}, p99{}, p99_9{}, max{};
+  // 95 % intervals (statistics::BlockBootstrap); empty with too few frames.
+  std::optional<TimeInterval> p50_interval, p99_interval, p99_9_interval;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -18,6 +31,9 @@ struct LatencySummary {
     visit("p99", self.p99);
     visit("p99.9", self.p99_9);
     visit("max", self.max);
+    visit("p50_interval", self.p50_interval);
+    visit("p99_interval", self.p99_interval);
+    visit("p99.9_interval", self.p99_9_interval);
   }
 };
 
@@ -31,7 +47,7 @@ class LatencySamples {
   }
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] Duration operator[](std::size_t i) const { return samples_[i]; }
-  /// Computes nearest-rank percentiles; all zero without samples.
+  /// Computes nearest-rank percentiles and their intervals; all zero without samples.
   [[nodiscard]] LatencySummary summarize() const;
   /// Number of samples longer than `limit`.
   [[nodiscard]] std::uint64_t longer_than(Duration limit) const;

@@ -10,9 +10,9 @@ namespace touchline::latency {
 /// must not be empty.
 Document document_of(const LatencyReport& report);
 
-/// Compares measurement `b` with `a`. A value counts as worse, and is marked, if a median or p99 grew by more than a
-/// tenth, a maximum (noisy, because it is a single frame) by more than a quarter, in each case by more than 2 us, or if
-/// a count grew relative to the number of frames.
+/// Compares measurement `b` with `a`. A percentile counts as worse, and is marked, if its ratio is above 1 by more
+/// than chance (5 % risk for all of them together); a count, if it grew by more than independent events vary. Maxima
+/// are listed and not judged.
 Document comparison_of(const NamedReport& a, const NamedReport& b);
 
 }  // namespace touchline::latency

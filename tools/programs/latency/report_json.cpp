@@ -75,7 +75,7 @@ class Writer {
   }
   template <class T>
   static void write(ordered_json& json, const std::optional<T>& value) {
-    if (value) json = *value;
+    if (value) write(json, *value);
   }
   template <class T>
   static void write(ordered_json& json, const T& value) {

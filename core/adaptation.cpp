@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
+
+#include "core/marker/surface_color.h"
 
 namespace touchline {
 namespace {
@@ -27,6 +30,9 @@ constexpr float kFullWeight_levels = 100.0f;
 constexpr int kTileRowsPerFrame = 8;
 constexpr std::uint32_t kTables = 3 * kLightLevels;
 constexpr std::uint32_t kTablesPerFrame = 2;
+// A step of the tint that moves a box this far is corrected in the same frame, with the light levels that the tiles
+// have, and this many more on each side. The other tables follow with time.
+constexpr int kUrgentShift_levels = 3, kSpareLevels = 4;
 
 // True if the robot has been seen with this id for some time, agrees with its track, and shows its id now. An id that
 // was inferred, from the other robots' ids or from pixels that fell into no box, teaches nothing: the adaptation would
@@ -50,6 +56,32 @@ bool is_certain(const BallSighting& ball, const BallTrack& track) {
          std::hypot(track.position.x_m - ball.position.x_m, track.position.y_m - ball.position.y_m) < kMaxDistance_m;
 }
 
+// By how much a color in YUV differs from its typical value, if R, G and B change by these levels and the change of
+// luma is corrected (BT.601, limited range). A channel that is saturated changes less.
+std::array<float, 3> effect_of_tint(const std::array<std::uint8_t, 3>& yuv, const std::array<float, 3>& levels) {
+  const float luma = 0.299f * levels[0] + 0.587f * levels[1] + 0.114f * levels[2];
+  const float limit = 255.0f * std::exp2(-luma / kLevelsPerOctave);
+  std::array<float, 3> rgb =
+      to_rgb({static_cast<float>(yuv[0]), static_cast<float>(yuv[1]), static_cast<float>(yuv[2])}, ColorSpace::kYuv);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float changed = rgb[c] * std::exp2((levels[c] - luma) / kLevelsPerOctave);
+    rgb[c] = std::min(changed, std::max(limit, rgb[c])) - rgb[c];
+  }
+  return {0.257f * rgb[0] + 0.504f * rgb[1] + 0.098f * rgb[2], -0.148f * rgb[0] - 0.291f * rgb[1] + 0.439f * rgb[2],
+          0.439f * rgb[0] - 0.368f * rgb[1] - 0.071f * rgb[2]};
+}
+
+// The largest distance between the sides of the same box.
+int largest_shift(const ColorBoxes& a, const ColorBoxes& b) {
+  int most = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      most = std::max({most, std::abs(a[i].low[c] - b[i].low[c]), std::abs(a[i].high[c] - b[i].high[c])});
+    }
+  }
+  return most;
+}
+
 bool same(const ColorBoxes& a, const ColorBoxes& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const ColorBox& one, const ColorBox& other) {
     return one.low == other.low && one.high == other.high;
@@ -66,6 +98,7 @@ Status Adaptation::configure(const AdaptationParameters& parameters, const ScanP
       std::min(static_cast<float>(parameters.most_shift), static_cast<float>(scan.box_shift_limit));
   if (Status s = shift_.configure(scan.boxes, most_shift); !s.ok()) return s;
   mode_ = parameters.mode;
+  space_ = color_space(scan.format);
   time_constant_s_ = static_cast<float>(parameters.time_constant_s);
   typical_ = parameters.typical;
   ball_color_ = ball_color;
@@ -93,6 +126,36 @@ void Adaptation::measure(const Frame& frame, RegionScanner& scanner) {
   if (!field_.measure(frame)) return;
   for (std::uint16_t row = 0; row < shading.rows(); ++row) {
     if (field_.changed(row)) scanner.apply_light_change(light_, field_, row);
+  }
+  if (space_ == ColorSpace::kYuv) follow_tint(scanner);
+}
+
+// Y, U and V of a tile have one level, which a tint does not change. What it does to each color is known.
+void Adaptation::follow_tint(RegionScanner& scanner) {
+  for (std::size_t color = 1; color <= kMaxColors; ++color) {
+    if (!typical_.measured[color]) continue;
+    shift_.set_known(static_cast<ColorId>(color), effect_of_tint(typical_[color], field_.channel_means()));
+  }
+  changed_ = true;
+  const ColorBoxes wanted = shift_.moved();
+  if (largest_shift(wanted, target_) < kUrgentShift_levels) return;
+  target_ = wanted;
+  next_table_ = 0;
+  const Shading& shading = scanner.shading();
+  int lowest = kLightLevels, highest = 0;
+  for (std::uint16_t row = 0; row < shading.rows(); ++row) {
+    for (std::uint16_t column = 0; column < shading.columns(); ++column) {
+      const int level = shading.level(light_, 0, column, row, field_.at(0, column, row));
+      lowest = std::min(lowest, level);
+      highest = std::max(highest, level);
+    }
+  }
+  lowest = std::max(lowest - kSpareLevels, 0);
+  highest = std::min(highest + kSpareLevels, kLightLevels - 1);
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    for (int level = lowest; level <= highest; ++level) {
+      scanner.rebuild_tables(target_, channel, static_cast<std::uint8_t>(level));
+    }
   }
 }
 

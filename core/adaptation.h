@@ -50,7 +50,8 @@ struct AdaptationParameters {
 };
 
 /// Adapts to changes of the light (future work in Klancar's section 8), in two ways. FieldLight measures steps, tints
-/// and shadows from the field itself, before the frame is classified. What remains is learned slowly, and only from
+/// and shadows from the field itself, before the frame is classified. (In YUV, a tint of the whole field moves the
+/// boxes.) What remains is learned slowly, and only from
 /// certain sightings: the patches of robots whose id is shown by their own patches in this frame (confidence 0.9) and
 /// has been for some time (their track's, 0.998), and a ball that agrees with its track. A change that is common to all
 /// patches in a neighborhood corrects the light map. A remaining change of a single color moves its boxes, four times
@@ -64,8 +65,8 @@ class Adaptation {
   [[nodiscard]] AdaptationMode mode() const { return mode_; }
   [[nodiscard]] const TypicalColors& typical_colors() const { return typical_; }
 
-  /// Measures the light of a frame and updates the scanner's tables before it scans the frame. A frame that the scanner
-  /// does not accept has no effect.
+  /// Measures the light of a frame and updates the scanner's tables before it scans the frame: tiles, and in YUV after
+  /// a step of the tint up to 384 tables (1 ms). A frame that the scanner does not accept has no effect.
   void measure(const Frame& frame, RegionScanner& scanner);
   /// Light that measure() found, for the same scanner; unknown unless it follows the light. Valid until the next call
   /// of a function that is not const.
@@ -85,10 +86,12 @@ class Adaptation {
   bool learn_patch(const Shading& shading, const Frame& frame, const PatchSighting& patch, float step);
   void learn_color(const Shading& shading, ColorSpace space, ColorId color, const PixelPoint& center,
                    const Sample& sample, float step);
+  void follow_tint(RegionScanner& scanner);
   void apply(RegionScanner& scanner);
 
   AdaptationMode mode_ = AdaptationMode::kOff;
   float time_constant_s_ = 0;
+  ColorSpace space_ = ColorSpace::kRgb;
   TypicalColors typical_;
   ColorId ball_color_ = kBackground;
   FieldLight field_;

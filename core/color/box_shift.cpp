@@ -39,12 +39,24 @@ Status BoxShift::configure(const ColorBoxes& boxes, float max_levels) {
   return {};
 }
 
-void BoxShift::reset() { shift_.fill({}); }
+void BoxShift::reset() {
+  shift_.fill({});
+  known_.fill({});
+}
+
+std::array<float, 3> BoxShift::of(ColorId color) const {
+  std::array<float, 3> sum{};
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    sum[channel] = std::clamp(known_[color][channel] + shift_[color][channel], -max_levels_, max_levels_);
+  }
+  return sum;
+}
 
 void BoxShift::observe(ColorId color, const std::array<float, 3>& deviation, float step) {
+  const std::array<float, 3> whole = of(color);
   for (std::size_t channel = 0; channel < 3; ++channel) {
     float& shift = shift_[color][channel];
-    const float limited = std::clamp(deviation[channel] - shift, -kMaxStep_levels, kMaxStep_levels);
+    const float limited = std::clamp(deviation[channel] - whole[channel], -kMaxStep_levels, kMaxStep_levels);
     shift = std::clamp(shift + step * limited, -max_levels_, max_levels_);
   }
 }
@@ -52,8 +64,9 @@ void BoxShift::observe(ColorId color, const std::array<float, 3>& deviation, flo
 ColorBoxes BoxShift::moved() const {
   ColorBoxes moved = boxes_;
   for (ColorBox& box : moved) {
+    const std::array<float, 3> shift = of(box.color);
     for (std::size_t channel = 0; channel < 3; ++channel) {
-      const int by = static_cast<int>(std::lround(shift_[box.color][channel]));
+      const int by = static_cast<int>(std::lround(shift[channel]));
       // A side at the end of the scale stays there, so that saturated pixels keep their class.
       if (box.low[channel] > 0) {
         box.low[channel] = static_cast<std::uint8_t>(std::clamp(box.low[channel] + by, 1, 255));

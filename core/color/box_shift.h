@@ -22,7 +22,11 @@ class BoxShift {
   /// kMaxStep_levels * step.
   void observe(ColorId color, const std::array<float, 3>& deviation, float step);
 
-  [[nodiscard]] const std::array<float, 3>& of(ColorId color) const { return shift_[color]; }
+  /// Sets a shift that is known without observations of the color. Observations correct the rest.
+  void set_known(ColorId color, const std::array<float, 3>& levels) { known_[color] = levels; }
+
+  /// The whole shift, within the limit.
+  [[nodiscard]] std::array<float, 3> of(ColorId color) const;
   /// Returns the boxes, moved by whole levels. Boxes of two colors that would overlap both end halfway. If a box would
   /// become empty, no box is moved.
   [[nodiscard]] ColorBoxes moved() const;
@@ -32,7 +36,7 @@ class BoxShift {
  private:
   ColorBoxes boxes_;
   float max_levels_ = 0;
-  std::array<std::array<float, 3>, kMaxColors + 1> shift_{};
+  std::array<std::array<float, 3>, kMaxColors + 1> shift_{}, known_{};
 };
 
 }  // namespace touchline

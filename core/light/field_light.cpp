@@ -147,6 +147,7 @@ void FieldLight::reset() {
   row_changed_.fill(false);
   next_ = 0;
   mean_ = 0;
+  channel_means_.fill(0);
   started_ = false;
   usual_fit_ = 0;
 }
@@ -361,16 +362,20 @@ bool FieldLight::interpolate() {
     }
   }
   bool changed = false;
-  std::int64_t sum = 0;
+  std::array<std::int64_t, 3> sum{};
   for (std::size_t i = 0; i < grid_.cells(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
-      sum += cells[i].value[c];
+      sum[c] += cells[i].value[c];
       if (change_[c][i] == cells[i].value[c]) continue;
       change_[c][i] = cells[i].value[c];
       row_changed_[i / grid_.columns] = changed = true;
     }
   }
-  mean_ = static_cast<float>(sum) / static_cast<float>(std::size_t{3} * kStepsPerLevel * grid_.cells());
+  mean_ = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    channel_means_[c] = static_cast<float>(sum[c]) / static_cast<float>(std::size_t{kStepsPerLevel} * grid_.cells());
+    mean_ += channel_means_[c] / 3.0f;
+  }
   return changed;
 }
 

@@ -42,6 +42,8 @@ class FieldLight {
   [[nodiscard]] float at(std::size_t channel, std::uint16_t tile_column, std::uint16_t tile_row) const;
   /// Mean over all cells and channels.
   [[nodiscard]] float mean() const { return mean_; }
+  /// Mean over all cells of R, G and B, also in YUV.
+  [[nodiscard]] const std::array<float, 3>& channel_means() const { return channel_means_; }
 
  private:
   // Fixed point: 1/8 level.
@@ -87,6 +89,7 @@ class FieldLight {
   };
   std::array<GridCell, kMaxReferenceCells * 3 / 2> pyramid_{};
   float mean_ = 0;
+  std::array<float, 3> channel_means_{};
   std::size_t next_ = 0;
   bool started_ = false;
   std::int32_t usual_fit_ = 0;

@@ -46,6 +46,20 @@ TEST(BoxShift, FollowsObservationsInBoundedStepsUpToTheLimit) {
   EXPECT_FLOAT_EQ(shift.of(1)[2], 0.0f);
 }
 
+TEST(BoxShift, ObservationsCorrectAKnownShift) {
+  BoxShift shift = shift_of(two_neighbors(), 6);
+  shift.set_known(1, {4, -20, 0});
+  EXPECT_EQ(shift.of(1), (std::array<float, 3>{4, -6, 0}));
+  EXPECT_EQ(shift.moved()[0].low, (Channels{104, 44, 50}));
+  EXPECT_EQ(shift.of(2), (std::array<float, 3>{0, 0, 0}));
+  for (int i = 0; i < 1000; ++i) shift.observe(1, {3, -6, 2}, 0.25f);
+  EXPECT_NEAR(shift.of(1)[0], 3.0f, 1e-3f);
+  EXPECT_NEAR(shift.of(1)[1], -6.0f, 1e-3f);
+  EXPECT_NEAR(shift.of(1)[2], 2.0f, 1e-3f);
+  shift.reset();
+  EXPECT_EQ(shift.of(1), (std::array<float, 3>{0, 0, 0}));
+}
+
 TEST(BoxShift, DoesNotMoveSidesAtTheEndOfTheScale) {
   BoxShift shift = shift_of(two_neighbors());
   for (int i = 0; i < 200; ++i) shift.observe(2, {0, -7.4f, 9.6f}, 0.5f);

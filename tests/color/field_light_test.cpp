@@ -122,6 +122,11 @@ TEST_F(FieldLightTest, AChangeOfTintIsMeasuredPerChannel) {
   const Light light = uniform(1.15, 1, 0.85);
   EXPECT_TRUE(field_->measure(show(light)));
   EXPECT_LT(error(light), kAccuracy_levels);
+  EXPECT_NEAR(field_->channel_means()[0], 6.5f, kAccuracy_levels);
+  EXPECT_NEAR(field_->channel_means()[1], 0.0f, kAccuracy_levels);
+  EXPECT_NEAR(field_->channel_means()[2], -7.5f, kAccuracy_levels);
+  field_->reset();
+  EXPECT_EQ(field_->channel_means()[0], 0.0f);
 }
 
 TEST_F(FieldLightTest, AShadowHasASharpEdge) {

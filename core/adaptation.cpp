@@ -230,7 +230,7 @@ bool Adaptation::learn_patch(const Shading& shading, const Frame& frame, const P
     brighter[c] = kLevelsPerOctave * std::log2(measured / expected) - gain.levels_at(c, patch.center);
     weight[c] = reliability * reliability;
   }
-  if (space == ColorSpace::kYuv) {
+  if (is_yuv(space)) {
     // Chroma does not measure light, so luma is used for all channels.
     brighter.fill(brighter[0]);
     weight.fill(weight[0]);

@@ -6,12 +6,15 @@
 #include <cstdint>
 #include <string_view>
 
+#include "core/color_space.h"
+
 // The pixel formats that cameras deliver: one table, from which everything else follows. A new format is an enumerator
 // and a row of the table; a color kernel is needed only for a new Packing (docs/cameras.md).
 namespace touchline {
 
 #define TOUCHLINE_PIXEL_FORMATS(FORMAT) \
-  FORMAT(kRgb24) FORMAT(kBgr24) FORMAT(kYuyv) FORMAT(kUyvy) FORMAT(kNv12) FORMAT(kI420) FORMAT(kXrgb8888)
+  FORMAT(kRgb24)                        \
+  FORMAT(kBgr24) FORMAT(kYuyv) FORMAT(kUyvy) FORMAT(kNv12) FORMAT(kI420) FORMAT(kXrgb8888) FORMAT(kYuvj422p)
 
 enum class PixelFormat : std::uint8_t {
 #define TOUCHLINE_FORMAT(name) name,
@@ -19,19 +22,13 @@ enum class PixelFormat : std::uint8_t {
 #undef TOUCHLINE_FORMAT
 };
 
-/// The three channels that a format delivers. Color boxes are in the same space.
-enum class ColorSpace : std::uint8_t { kRgb, kYuv };
-
-/// Limited: luma from 16 to 235 and chroma from 16 to 240 (ITU-R BT.601), as cameras deliver YUV.
-enum class ColorRange : std::uint8_t { kFull, kLimited };
-
 /// How samples are arranged in memory. Each packing needs its own color kernel.
 enum class Packing : std::uint8_t {
   kPacked24,    // three bytes per pixel
   kPacked32,    // four bytes per pixel, the last of them unused
   kPacked422,   // four bytes for two pixels that share chroma
   kSemiPlanar,  // luma, and a plane of interleaved U and V for 2 x 2 pixels
-  kPlanar,      // luma, and one plane each of U and V for 2 x 2 pixels
+  kPlanar,      // luma, and one plane each of U and V for 2 x 1 or 2 x 2 pixels
 };
 
 constexpr std::size_t kMaxPlanes = 3;
@@ -50,7 +47,6 @@ struct PixelFormatInfo {
   std::string_view word;  // camera.format in board.toml
   Packing packing;
   ColorSpace space;
-  ColorRange range;
   std::uint8_t planes;
   std::array<ChannelLayout, 3> channel;  // R, G, B or Y, U, V
   std::uint32_t v4l2;                    // V4L2's code, all planes in one buffer
@@ -67,27 +63,30 @@ constexpr std::uint32_t fourcc(const char (&letters)[5]) {
 
 // clang-format off
 inline constexpr std::array kPixelFormatTable{
-    PixelFormatInfo{PixelFormat::kRgb24, "rgb24", Packing::kPacked24, ColorSpace::kRgb, ColorRange::kFull, 1,
+    PixelFormatInfo{PixelFormat::kRgb24, "rgb24", Packing::kPacked24, ColorSpace::kRgb, 1,
                     {{{0, 0, 3}, {0, 1, 3}, {0, 2, 3}}},
                     fourcc("RGB3"), 0, fourcc("BG24")},
-    PixelFormatInfo{PixelFormat::kBgr24, "bgr24", Packing::kPacked24, ColorSpace::kRgb, ColorRange::kFull, 1,
+    PixelFormatInfo{PixelFormat::kBgr24, "bgr24", Packing::kPacked24, ColorSpace::kRgb, 1,
                     {{{0, 2, 3}, {0, 1, 3}, {0, 0, 3}}},
                     fourcc("BGR3"), 0, fourcc("RG24")},
-    PixelFormatInfo{PixelFormat::kYuyv, "yuyv", Packing::kPacked422, ColorSpace::kYuv, ColorRange::kLimited, 1,
+    PixelFormatInfo{PixelFormat::kYuyv, "yuyv", Packing::kPacked422, ColorSpace::kYuv, 1,
                     {{{0, 0, 2}, {0, 1, 4, 1, 0}, {0, 3, 4, 1, 0}}},
                     fourcc("YUYV"), 0, fourcc("YUYV")},
-    PixelFormatInfo{PixelFormat::kUyvy, "uyvy", Packing::kPacked422, ColorSpace::kYuv, ColorRange::kLimited, 1,
+    PixelFormatInfo{PixelFormat::kUyvy, "uyvy", Packing::kPacked422, ColorSpace::kYuv, 1,
                     {{{0, 1, 2}, {0, 0, 4, 1, 0}, {0, 2, 4, 1, 0}}},
                     fourcc("UYVY"), 0, fourcc("UYVY")},
-    PixelFormatInfo{PixelFormat::kNv12, "nv12", Packing::kSemiPlanar, ColorSpace::kYuv, ColorRange::kLimited, 2,
+    PixelFormatInfo{PixelFormat::kNv12, "nv12", Packing::kSemiPlanar, ColorSpace::kYuv, 2,
                     {{{0, 0, 1}, {1, 0, 2, 1, 1}, {1, 1, 2, 1, 1}}},
                     fourcc("NV12"), fourcc("NM12"), fourcc("NV12")},
-    PixelFormatInfo{PixelFormat::kI420, "i420", Packing::kPlanar, ColorSpace::kYuv, ColorRange::kLimited, 3,
+    PixelFormatInfo{PixelFormat::kI420, "i420", Packing::kPlanar, ColorSpace::kYuv, 3,
                     {{{0, 0, 1}, {1, 0, 1, 1, 1}, {2, 0, 1, 1, 1}}},
                     fourcc("YU12"), fourcc("YM12"), fourcc("YU12")},
-    PixelFormatInfo{PixelFormat::kXrgb8888, "xrgb8888", Packing::kPacked32, ColorSpace::kRgb, ColorRange::kFull, 1,
+    PixelFormatInfo{PixelFormat::kXrgb8888, "xrgb8888", Packing::kPacked32, ColorSpace::kRgb, 1,
                     {{{0, 2, 4}, {0, 1, 4}, {0, 0, 4}}},
                     fourcc("XR24"), 0, fourcc("XR24")},
+    PixelFormatInfo{PixelFormat::kYuvj422p, "yuvj422p", Packing::kPlanar, ColorSpace::kYuvFullRange, 3,
+                    {{{0, 0, 1}, {1, 0, 1, 1, 0}, {2, 0, 1, 1, 0}}},
+                    fourcc("422P"), fourcc("YM16"), fourcc("YU16")},
 };
 // clang-format on
 

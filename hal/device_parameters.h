@@ -35,9 +35,25 @@ inline constexpr auto kCameraFormats = [] {
   return choices;
 }();
 
-/// The format of the camera's frames. JPEG is full-range YUV, for which the core has no format: RGB keeps every level.
+/// The format of the camera's frames. It must be known before the first JPEG arrives: 4:2:2 of full range keeps all
+/// samples of the JPEGs that cameras send (4:2:2 and 4:2:0).
 constexpr PixelFormat pixel_format(CameraFormat format) {
-  return format == CameraFormat::kMjpg ? PixelFormat::kRgb24 : static_cast<PixelFormat>(format);
+  return format == CameraFormat::kMjpg ? PixelFormat::kYuvj422p : static_cast<PixelFormat>(format);
+}
+
+/// What to report about a camera that delivers YUV of limited or full range; null: nothing, it is that of the format.
+constexpr const char* note_on_range(PixelFormat format, bool full_range) {
+  switch (color_space(format)) {
+    case ColorSpace::kRgb:
+      break;
+    case ColorSpace::kYuv:
+      if (full_range) return "full-range YUV: the darkest 16 levels are treated as black";
+      break;
+    case ColorSpace::kYuvFullRange:
+      if (!full_range) return "limited-range YUV: black appears 16 levels too bright";
+      break;
+  }
+  return nullptr;
 }
 
 /// Mains frequency of the lamps whose flicker the camera filters out.
@@ -75,7 +91,7 @@ struct CameraSettings {
                              .help = "v4l2: a device, preferably a link in /dev/v4l; libcamera: \"auto\", an id or a "
                                      "part of one; replay: a folder of pictures or a video"});
     visit.choice(self.format, kCameraFormats,
-                 {.name = "format", .help = "Requested pixel format (docs/cameras.md); mjpg is decoded to rgb24"});
+                 {.name = "format", .help = "Requested pixel format (docs/cameras.md); mjpg is decoded to yuvj422p"});
     visit.number(self.width_px,
                  {.name = "width_px", .range = {16, kMaxFrameWidth}, .unit = "px", .help = "Requested width"});
     visit.number(self.height_px,

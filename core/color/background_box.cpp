@@ -27,7 +27,7 @@ Expectations expected_of(ColorSpace space, const TypicalBackground& background) 
   constexpr int kUnevenness = 32;  // levels by which light and noise change a floor
   Expectations expected{};
   for (std::size_t c = 0; c < 3; ++c) {
-    const bool is_chroma = space == ColorSpace::kYuv && c > 0;
+    const bool is_chroma = is_yuv(space) && c > 0;
     expected[c] = background ? Expectation{(*background)[c], kUnevenness}
                              : Expectation{black_value(space, c), is_chroma ? kMaxChroma : 0};
   }

@@ -5,15 +5,17 @@
 namespace touchline {
 namespace {
 
-// Values of a channel from this one upwards count as saturated. In YUV the luma of such a value.
-constexpr std::uint8_t kSaturated = 250, kSaturatedLuma = 231;
+// Values of a channel from this one upwards count as saturated. In YUV of limited range the luma of such a value.
+constexpr std::uint8_t kSaturated = 250, kSaturatedLimitedLuma = 231;
 constexpr int kPixels = 4;
 
-// BT.601 in 1/1024, for sums of kPixels samples.
-void to_rgb(std::array<int, 3>& sum) {
-  const int luma = 1192 * (sum[0] - 16 * kPixels), u = sum[1] - 128 * kPixels, v = sum[2] - 128 * kPixels;
-  const std::array<int, 3> rgb{luma + 1634 * v, luma - 401 * u - 832 * v, luma + 2066 * u};
-  for (std::size_t c = 0; c < 3; ++c) sum[c] = std::clamp((rgb[c] + 512) / 1024, 0, 255 * kPixels);
+// For sums of kPixels samples.
+void to_rgb(std::array<int, 3>& sum, ColorSpace yuv) {
+  for (std::size_t c = 0; c < 3; ++c) sum[c] -= black_value(yuv, c) * kPixels;
+  const std::array<int, 3> rgb = yuv_to_rgb(yuv).of(sum[0], sum[1], sum[2]);
+  for (std::size_t c = 0; c < 3; ++c) {
+    sum[c] = std::clamp((rgb[c] + YuvToRgb::kOne / 2) / YuvToRgb::kOne, 0, 255 * kPixels);
+  }
 }
 
 }  // namespace
@@ -33,8 +35,7 @@ ReferenceGrid ReferenceGrid::of(std::uint16_t width_px, std::uint16_t height_px)
 
 void sample_cells(const Frame& frame, const ReferenceGrid& grid, std::size_t row, CellColors& out) {
   const PixelFormatInfo& info = info_of(frame.format);
-  const bool is_yuv = info.space == ColorSpace::kYuv;
-  const std::uint8_t limit = is_yuv ? kSaturatedLuma : kSaturated;
+  const std::uint8_t limit = info.space == ColorSpace::kYuv ? kSaturatedLimitedLuma : kSaturated;
   const std::size_t side = grid.side_px;
   // Pixels of a cell that the picture's edge cuts off are read at the edge.
   const auto place = [side](std::size_t cell, std::size_t i, std::size_t size_px) {
@@ -62,8 +63,8 @@ void sample_cells(const Frame& frame, const ReferenceGrid& grid, std::size_t row
         }
       }
     }
-    if (is_yuv) {
-      to_rgb(sum);
+    if (is_yuv(info.space)) {
+      to_rgb(sum, info.space);
       most.fill(most[0]);
     }
     for (std::size_t c = 0; c < 3; ++c) {

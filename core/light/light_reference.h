@@ -39,8 +39,8 @@ struct LightReference {
   CellColors colors;
 };
 
-/// Reads four pixels of each cell in a row of cells. YUV is converted to RGB (ITU-R BT.601, limited range). The grid is
-/// that of the frame's size.
+/// Reads four pixels of each cell in a row of cells. YUV is converted to RGB (ITU-R BT.601). The grid is that of the
+/// frame's size.
 void sample_cells(const Frame& frame, const ReferenceGrid& grid, std::size_t row, CellColors& out);
 
 }  // namespace touchline

@@ -107,7 +107,7 @@ Status Shading::build(const LightMap& map, std::uint16_t width_px, std::uint16_t
         const float low = along_u(v.low);
         light[channel] = low + (along_u(v.high) - low) * v.weight_of_high;
       }
-      if (space == ColorSpace::kYuv) light.fill(0.299f * light[0] + 0.587f * light[1] + 0.114f * light[2]);
+      if (is_yuv(space)) light.fill(0.299f * light[0] + 0.587f * light[1] + 0.114f * light[2]);
       for (std::size_t channel = 0; channel < 3; ++channel) {
         level_[channel][tile] = level_of_gain(1.0f / light[channel]);
       }
@@ -121,7 +121,7 @@ std::uint8_t Shading::level(const LightChange& change, std::size_t channel, std:
                             float brighter) const {
   const PixelPoint center = {(static_cast<float>(column) + 0.5f) * static_cast<float>(kTileWidth),
                              (static_cast<float>(row) + 0.5f) * static_cast<float>(kTileHeight)};
-  brighter += change.at(space_ == ColorSpace::kYuv ? 0 : channel, center);
+  brighter += change.at(is_yuv(space_) ? 0 : channel, center);
   const int changed = static_cast<int>(level(channel, column, row)) - static_cast<int>(std::lround(brighter));
   return static_cast<std::uint8_t>(std::clamp(changed, 0, int{kLightLevels} - 1));
 }

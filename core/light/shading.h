@@ -26,13 +26,6 @@ float gain_of_level(std::uint8_t level);
 /// Range of gain: above 0.
 std::uint8_t level_of_gain(float gain);
 
-/// Value of black in a channel, about which light scales the values: 0 for R, G and B, 16 for luma and 128 for chroma
-/// (ITU-R BT.601, limited range, as cameras deliver it).
-constexpr std::uint8_t black_value(ColorSpace space, std::size_t channel) {
-  if (space == ColorSpace::kRgb) return 0;
-  return channel == 0 ? 16 : 128;
-}
-
 /// The largest value that a camera delivers. Brighter light gives the same value.
 constexpr std::uint8_t kFullScale = 255;
 

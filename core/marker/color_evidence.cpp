@@ -83,7 +83,7 @@ float log_density(const SurfaceColor& surface, const Expectation& expected) {
 
 void ColorEvidence::configure(const TypicalColors& typical) {
   typical_ = typical;
-  for (const ColorSpace space : {ColorSpace::kRgb, ColorSpace::kYuv}) {
+  for (const ColorSpace space : kColorSpaces) {
     for (std::size_t color = 0; color < typical.value.size(); ++color) {
       std::array<float, 3> value{};
       std::copy(typical[color].begin(), typical[color].end(), value.begin());

@@ -57,7 +57,8 @@ class ColorEvidence {
   }
 
   TypicalColors typical_;
-  std::array<std::array<std::array<float, 3>, kMaxColors + 1>, 2> rgb_{};  // of the typical values, by color space
+  // Of the typical values, by color space.
+  std::array<std::array<std::array<float, 3>, kMaxColors + 1>, kColorSpaces.size()> rgb_{};
 };
 
 }  // namespace touchline

@@ -44,10 +44,10 @@ Grid connected(const Grid& mask) {
 
 std::array<float, 3> to_rgb(const std::array<float, 3>& value, ColorSpace space) {
   if (space == ColorSpace::kRgb) return value;
-  const float y = 1.164f * (value[0] - static_cast<float>(black_value(space, 0)));
-  const float u = value[1] - static_cast<float>(black_value(space, 1));
-  const float v = value[2] - static_cast<float>(black_value(space, 2));
-  return {std::max(0.0f, y + 1.596f * v), std::max(0.0f, y - 0.392f * u - 0.813f * v), std::max(0.0f, y + 2.017f * u)};
+  const auto above_black = [&](std::size_t c) { return value[c] - static_cast<float>(black_value(space, c)); };
+  std::array<float, 3> rgb = yuv_to_rgb(space).of(above_black(0), above_black(1), above_black(2));
+  for (float& channel : rgb) channel = std::max(0.0f, channel / float{YuvToRgb::kOne});
+  return rgb;
 }
 
 bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceColor& out) {

@@ -6,7 +6,7 @@
 
 namespace touchline {
 
-/// Color of a surface as R, G, B above black, from nine pixels. YUV is converted (ITU-R BT.601, limited range).
+/// Color of a surface as R, G, B above black, from nine pixels. YUV is converted (ITU-R BT.601).
 struct SurfaceColor {
   std::array<float, 3> rgb{};
   float spread = 0;  // error of the mean if the surface is not uniform, in levels

@@ -178,7 +178,8 @@ Result<void> load(const FilePaths& paths, Configuration& out) {
   TOUCHLINE_TRY(errors.result());
   const hal::CameraSettings& camera = out.board.camera;
   return resolve(
-      {hal::pixel_format(camera.format), camera.width_px, camera.height_px, "the camera of " + out.board_where.file()},
+      {hal::pixel_format(camera.format), camera.width_px, camera.height_px, "the camera of " + out.board_where.file(),
+       hal::kCameraFormats[static_cast<std::size_t>(camera.format)].word},
       out);
 }
 

@@ -11,7 +11,7 @@ namespace touchline::config {
 namespace {
 
 std::string_view word_of(PixelFormat format) { return info_of(format).word; }
-std::string_view word_of(ColorSpace space) { return kColorSpaces[space == ColorSpace::kRgb ? 0 : 1].word; }
+std::string_view word_of(ColorSpace space) { return kColorSpaceWords[static_cast<std::size_t>(space)].word; }
 
 std::string size_text(unsigned width, unsigned height) {
   return std::to_string(width) + " x " + std::to_string(height);
@@ -185,10 +185,11 @@ Result<void> resolve_venue(const VenueFile& venue, const Locations& where, const
                    " pixels, but " + input.source + " delivers " + size_text(input.width_px, input.height_px));
   }
   if (venue.colors.space != color_space(input.format)) {
+    const std::string format(input.word.empty() ? word_of(input.format) : input.word);
     errors.add(where.of("colors.space"), "colors.space",
                "the boxes are in " + std::string(word_of(venue.colors.space)) + ", but " + input.source + " delivers " +
-                   std::string(word_of(input.format)) + ", which is " +
-                   std::string(word_of(color_space(input.format))));
+                   format + ", which is " + std::string(word_of(color_space(input.format))) +
+                   "; calibrate the colors again: touchline-calibrate colors --format " + format);
   }
   resolve_colors(venue, where, out.scan.boxes, errors);
   resolve_background(venue, where, out.scan.background, errors);

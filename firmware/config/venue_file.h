@@ -106,7 +106,8 @@ struct ColorEntry {
   }
 };
 
-inline constexpr std::array<Choice<ColorSpace>, 2> kColorSpaces{{{"rgb", ColorSpace::kRgb}, {"yuv", ColorSpace::kYuv}}};
+inline constexpr std::array<Choice<ColorSpace>, 3> kColorSpaceWords{
+    {{"rgb", ColorSpace::kRgb}, {"yuv", ColorSpace::kYuv}, {"yuv_full_range", ColorSpace::kYuvFullRange}}};
 
 struct ColorsEntry {
   ColorSpace space = ColorSpace::kRgb;
@@ -114,8 +115,9 @@ struct ColorsEntry {
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
-    visit.choice(self.space, kColorSpaces,
-                 {.name = "space", .help = "Color space of the boxes; must match camera.format"});
+    visit.choice(self.space, kColorSpaceWords,
+                 {.name = "space",
+                  .help = "Color space of the boxes; must match camera.format: yuv_full_range for mjpg and yuvj422p"});
     visit.numbers(self.background,
                   {.name = "background",
                    .range = {0, 255},

@@ -10,16 +10,21 @@ namespace {
 
 constexpr std::uint64_t kSensorStream = 3;
 
-// ITU-R BT.601, limited range, in 16-bit fixed point.
+// Conversion from RGB by ITU-R BT.601, in 16-bit fixed point.
+using RgbToYuv = std::array<std::array<int, 3>, 3>;
+constexpr RgbToYuv kLimitedRange{{{16829, 33039, 6416}, {-9714, -19070, 28784}, {28784, -24103, -4681}}};
+constexpr RgbToYuv kFullRange{{{19595, 38470, 7471}, {-11058, -21710, 32768}, {32768, -27439, -5329}}};
+
 struct Yuv {
   int y, u, v;
 };
-Yuv to_yuv(const std::uint8_t* rgb) {
-  const int r = rgb[0], g = rgb[1], b = rgb[2];
-  constexpr int kHalf = 1 << 15;
-  return {((16829 * r + 33039 * g + 6416 * b + kHalf) >> 16) + 16,
-          ((-9714 * r - 19070 * g + 28784 * b + kHalf) >> 16) + 128,
-          ((28784 * r - 24103 * g - 4681 * b + kHalf) >> 16) + 128};
+Yuv to_yuv(const std::uint8_t* rgb, ColorSpace space) {
+  const RgbToYuv& factors = space == ColorSpace::kYuv ? kLimitedRange : kFullRange;
+  const auto channel = [&](std::size_t c) {
+    const int sum = factors[c][0] * rgb[0] + factors[c][1] * rgb[1] + factors[c][2] * rgb[2];
+    return std::min(255, ((sum + (1 << 15)) >> 16) + black_value(space, c));  // pure blue and red: 255.5 in full range
+  };
+  return {channel(0), channel(1), channel(2)};
 }
 
 }  // namespace
@@ -103,11 +108,12 @@ void Sensor::write_yuv_row(std::size_t row, std::span<std::uint8_t> out) {
   const std::size_t rows_of_sample = std::size_t{1} << channel[1].shift_v;
   const bool begins_block = row % rows_of_sample == 0;
   const bool ends_block = (row + 1) % rows_of_sample == 0 || row + 1 == height_;
+  const ColorSpace space = color_space(format_);
   std::uint8_t* const luma = channel_row(0, row, out);
   if (begins_block) std::fill(chroma_.begin(), chroma_.end(), std::uint16_t{0});
   for (std::size_t column = 0; column < width_; column += 2) {
-    const Yuv a = to_yuv(&row_[3 * column]);
-    const Yuv b = column + 1 < width_ ? to_yuv(&row_[3 * column + 3]) : a;
+    const Yuv a = to_yuv(&row_[3 * column], space);
+    const Yuv b = column + 1 < width_ ? to_yuv(&row_[3 * column + 3], space) : a;
     luma[column * channel[0].step] = static_cast<std::uint8_t>(a.y);
     if (column + 1 < luma_samples) luma[(column + 1) * channel[0].step] = static_cast<std::uint8_t>(b.y);
     chroma_[column] = static_cast<std::uint16_t>(chroma_[column] + a.u + b.u);

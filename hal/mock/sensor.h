@@ -12,8 +12,8 @@
 
 namespace touchline::hal::mock {
 
-/// Converts linear light to the camera's pixel values: shot noise, read noise, gamma curve, 8 bits, RGB or YUV (BT.601,
-/// limited range).
+/// Converts linear light to the camera's pixel values: shot noise, read noise, gamma curve, 8 bits, RGB or YUV
+/// (BT.601).
 class Sensor {
  public:
   Sensor(const SensorParameters& parameters, PixelFormat format, std::uint16_t width_px, std::uint16_t height_px,

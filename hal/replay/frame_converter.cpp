@@ -162,9 +162,10 @@ bool FrameConverter::scale(const AVFrame& source, AVPixelFormat target, std::uin
     const int* matrix = from_rgb ? sws_getCoefficients(SWS_CS_ITU601) : matrix_of(source);
     const bool to_rgb = (av_pix_fmt_desc_get(target)->flags & AV_PIX_FMT_FLAG_RGB) != 0;
     const int range = full_range(source) ? 1 : 0;
-    // From YUV to YUV the file's range is kept; RGB is full-range by definition.
-    sws_setColorspaceDetails(s, matrix, from_rgb ? 1 : range, matrix, to_rgb ? 1 : (from_rgb ? 0 : range), 0, 1 << 16,
-                             1 << 16);
+    // RGB is full-range by definition. From YUV to YUV limited range can become full range, but not the reverse.
+    const bool to_full_range = to_rgb || color_space(format_) == ColorSpace::kYuvFullRange;
+    sws_setColorspaceDetails(s, matrix, from_rgb ? 1 : range, matrix, to_full_range ? 1 : (from_rgb ? 0 : range), 0,
+                             1 << 16, 1 << 16);
     if (sws_init_context(s, nullptr, nullptr) < 0) {
       scaler_.reset();
       return false;
@@ -207,9 +208,10 @@ bool FrameConverter::to_yuv(const AVFrame& source, ConvertedFrame& out) {
   const auto layout = static_cast<AVPixelFormat>(source.format);
   const bool stored_420 = layout == AV_PIX_FMT_YUV420P || layout == AV_PIX_FMT_YUVJ420P;
   const bool stored_422 = layout == AV_PIX_FMT_YUV422P || layout == AV_PIX_FMT_YUVJ422P;
+  const bool keeps_range = color_space(format_) != ColorSpace::kYuvFullRange || full_range(source);
 
   Planes planes{};
-  if (stored_420 || (stored_422 && !has_420)) {
+  if (keeps_range && (stored_420 || (stored_422 && !has_420))) {
     for (std::size_t i = 0; i < 3; ++i) {
       planes.data[i] = source.data[i];
       planes.stride[i] = source.linesize[i];

@@ -17,11 +17,12 @@ struct ConvertedFrame {
 
 /// Converts decoded frames:
 /// - RGB file to RGB format: no change, except that more than 8 bits are rounded and alpha is dropped.
-/// - YUV file to YUV format: matrix and range of the file are kept. Chroma is averaged if the file has more chroma
-///   samples than the format, and repeated if it has fewer.
+/// - YUV file to YUV format: matrix and range of the file are kept, except that limited range becomes full range in a
+///   format of full range. Chroma is averaged if the file has more chroma samples than the format, and repeated (with
+///   another range, interpolated) if it has fewer.
 /// - YUV file to RGB format: matrix and range of the file. If the file does not name them: ITU-R BT.601 below 720 rows,
 ///   else BT.709, in limited range (JPEG: full range). Chroma is interpolated at its position in the file.
-/// - RGB file to YUV format: ITU-R BT.601, limited range, as cameras deliver it.
+/// - RGB file to YUV format: ITU-R BT.601, in the range of the format.
 class FrameConverter {
  public:
   explicit FrameConverter(PixelFormat format) : format_(format) {}

@@ -16,6 +16,20 @@ struct ReplayParameters {
   double rate_hz = 0.0;                      // 0: the time stamps of a video; 30 Hz for pictures
 };
 
+/// The format in which files are replayed for colors of this space. The YUV formats keep the samples of 4:2:2 files of
+/// their range exactly, and of 4:2:0 files in pairs of rows.
+constexpr PixelFormat replay_format(ColorSpace space) {
+  switch (space) {
+    case ColorSpace::kYuv:
+      return PixelFormat::kYuyv;
+    case ColorSpace::kYuvFullRange:
+      return PixelFormat::kYuvj422p;
+    case ColorSpace::kRgb:
+      break;
+  }
+  return PixelFormat::kRgb24;
+}
+
 /// Plays pictures and videos as a camera. Time stamps begin at 0 and depend only on the input, so replays are identical
 /// bit by bit. wait() returns kCorruptFrame for a picture that cannot be decoded, and kInconsistent if its size differs
 /// from the first one. Decoding allocates: for tools and tests, not for a real-time loop.

@@ -7,6 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "tests/color/rgb_to_yuv.h"
+
 namespace touchline::testing {
 namespace {
 
@@ -96,14 +98,6 @@ class Field {
   double ball_x_ = 0.0, ball_y_ = 0.0;
 };
 
-// ITU-R BT.601, limited range.
-Rgb in_space(ColorSpace space, const Rgb& rgb) {
-  if (space == ColorSpace::kRgb) return rgb;
-  const double luma = 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2];
-  return {16.0 + luma * 219.0 / 255.0, 128.0 + (rgb[2] - luma) / 1.772 * 224.0 / 255.0,
-          128.0 + (rgb[0] - luma) / 1.402 * 224.0 / 255.0};
-}
-
 std::uint8_t in_byte(double value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0))); }
 
 // Approximately normal with unit standard deviation: the sum of four uniform bytes.
@@ -155,7 +149,7 @@ ScanParameters field_parameters(const FieldScene& scene) {
     ColorBox box;
     box.color = static_cast<ColorId>(i + 1);
     for (std::size_t c = 0; c < 3; ++c) {
-      const int reach = space == ColorSpace::kYuv && c > 0 ? kChromaHalfWidth : kBoxHalfWidth;
+      const int reach = is_yuv(space) && c > 0 ? kChromaHalfWidth : kBoxHalfWidth;
       box.low[c] = in_byte(middle[c] - reach);
       box.high[c] = in_byte(middle[c] + reach);
     }

@@ -16,7 +16,8 @@ LOG = "journalctl -u touchline -o cat --no-pager"
 def payload():
     """Returns the files that are copied to /run/board in the guest."""
     return [HERE / "board.toml", HERE / "board.rules", HERE / "board-shell.service",
-            *(MOCK / name for name in ("venue.toml", "venue-light.png", "venue-field.png", "team.toml"))]
+            *(MOCK / name for name in ("venue.toml", "venue-light.png", "venue-field.png", "venue-mjpg.toml", "venue-mjpg-field.png",
+                                   "team.toml"))]
 
 
 class Checks:

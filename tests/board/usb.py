@@ -28,7 +28,7 @@ class UsbCamera:
     # Parts of the steps.
 
     def open_arena(self, pixels):
-        """Starts arena and camera. `pixels`: yuyv, or mjpg, for which the arena renders RGB and the camera compresses."""
+        """Starts arena and camera. `pixels`: yuyv, or rgb24, which the camera compresses."""
         self.folder.mkdir(exist_ok=True)
         for name in ("radio.sock", "usb.sock"):  # the sockets of qemu
             (self.folder / name).unlink(missing_ok=True)
@@ -138,8 +138,8 @@ class UsbCamera:
     def play_mjpg(self, frames=30):
         """Streams MJPG. The camera is unplugged in between and plugged in again while its old number is in use."""
         self.close_arena()
-        self.open_arena("mjpg")
-        self.start(2 * frames, "venue.toml", "camera.format=mjpg")
+        self.open_arena("rgb24")
+        self.start(2 * frames, "venue-mjpg.toml", "camera.format=mjpg")
         result = self.arena.ask(f"drive {frames}")
         self.checks.expect("format: mjpg" in self.new_requests() and result["shown"] == frames,
                            f"MJPG, every other picture without Huffman tables: {result['frames']}")

@@ -68,7 +68,7 @@ TEST_P(Footage, HasARegionAtEveryPatch) {
   ASSERT_TRUE(draft.ok()) << draft.text();
   const VenueDraft& venue = draft.value();
   ASSERT_TRUE(venue.exists) << venue_path;
-  const PixelFormat format = venue.file.colors.space == ColorSpace::kRgb ? PixelFormat::kRgb24 : PixelFormat::kYuyv;
+  const PixelFormat format = hal::replay_format(venue.file.colors.space);
   const Result<CameraPicture> loaded = CameraPicture::load(folder + annotation["image"].get<std::string>(), format);
   ASSERT_TRUE(loaded.ok()) << loaded.text();
   const CameraPicture& picture = loaded.value();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "core/types.h"
+#include "tests/color/rgb_to_yuv.h"
 #include "tools/programs/calibrate/imaging/camera_picture.h"
 
 namespace touchline::calibrate {
@@ -52,12 +54,11 @@ inline CameraPicture painted_field(const std::vector<PaintedPatch>& patches, Pix
   frame.format = format;
   frame.width_px = kFieldWidth;
   frame.height_px = kFieldHeight;
-  // YUV: ITU-R BT.601 in limited range; a chroma sample is the mean of its pixels.
+  // A chroma sample is the mean of its pixels.
   const auto value_of = [&](const std::array<std::uint8_t, 3>& pixel, std::size_t c) {
-    const double r = pixel[0], g = pixel[1], b = pixel[2];
-    if (color_space(format) == ColorSpace::kRgb) return static_cast<double>(pixel[c]);
-    if (c == 0) return 16 + 0.257 * r + 0.504 * g + 0.098 * b;
-    return c == 1 ? 128 - 0.148 * r - 0.291 * g + 0.439 * b : 128 + 0.439 * r - 0.368 * g - 0.071 * b;
+    std::array<double, 3> rgb{};
+    std::copy(pixel.begin(), pixel.end(), rgb.begin());
+    return std::min(255.0, testing::in_space(color_space(format), rgb)[c]);
   };
   const PictureLayout layout = picture_layout(format, kFieldWidth, kFieldHeight);
   std::vector<std::uint8_t> bytes(layout.bytes);

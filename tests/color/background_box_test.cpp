@@ -66,7 +66,7 @@ TEST(BackgroundBox, OverlapsNoColorBox) {
   std::mt19937 random(3);
   std::size_t existing = 0;
   for (int round = 0; round < 300; ++round) {
-    const ColorSpace space = round % 2 == 0 ? ColorSpace::kRgb : ColorSpace::kYuv;
+    const ColorSpace space = kColorSpaces[static_cast<std::size_t>(round) % kColorSpaces.size()];
     ColorBoxes boxes;
     for (const ColorBox& box : random_boxes(random, static_cast<std::size_t>(pick(random, 0, kMaxColorBoxes)))) {
       const bool is_black = box.low[0] <= black_value(space, 0) && box.low[1] <= black_value(space, 1) &&
@@ -78,7 +78,7 @@ TEST(BackgroundBox, OverlapsNoColorBox) {
     ++existing;
     EXPECT_TRUE(contains(background, {black_value(space, 0), black_value(space, 1), black_value(space, 2)}));
     for (const ColorBox& box : boxes) EXPECT_FALSE(overlaps(background, box));
-    if (space == ColorSpace::kYuv) continue;
+    if (is_yuv(space)) continue;
     std::uint32_t gray = 256, volume = 1;  // the simplest choice: one bound for all channels
     for (const ColorBox& box : boxes)
       gray = std::min<std::uint32_t>(gray, *std::max_element(box.low.begin(), box.low.end()));

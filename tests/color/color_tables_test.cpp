@@ -38,7 +38,7 @@ TEST_F(ColorTablesTest, EncodesThePapersYellowInTheHighestBit) {
 }
 
 TEST_F(ColorTablesTest, AgreeWithTheBoxesForEveryValueAndLevel) {
-  for (const ColorSpace space : {ColorSpace::kRgb, ColorSpace::kYuv}) {
+  for (const ColorSpace space : kColorSpaces) {
     for (const std::size_t count : {0u, 1u, 13u, 32u}) {
       const ColorBoxes boxes = random_boxes(random_, count);
       ASSERT_TRUE(tables_->build(boxes, space).ok());

@@ -204,7 +204,8 @@ TEST_F(FieldLightTest, ResetForgetsAndOffMeasuresNothing) {
 
 TEST_F(FieldLightTest, InYuvAllChannelsHaveTheChangeOfLuma) {
   for (const PixelFormat format : kAllFormats) {
-    if (color_space(format) != ColorSpace::kYuv) continue;
+    const ColorSpace space = color_space(format);
+    if (!is_yuv(space)) continue;
     OwnedPicture picture(format, kPictureWidth, kPictureHeight, 5);
     const auto fill = [&](double factor) {
       for (int v = 0; v < kPictureHeight; ++v) {
@@ -212,7 +213,7 @@ TEST_F(FieldLightTest, InYuvAllChannelsHaveTheChangeOfLuma) {
           const auto scaled = [&](double black, double value) {
             return static_cast<std::uint8_t>(std::lround(black + (value - black) * factor));
           };
-          picture.set(u, v, {scaled(16, 90 + u % 5), scaled(128, 120), scaled(128, 133)});
+          picture.set(u, v, {scaled(black_value(space, 0), 90 + u % 5), scaled(128, 120), scaled(128, 133)});
         }
       }
     };

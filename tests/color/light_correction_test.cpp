@@ -6,6 +6,7 @@
 
 #include "core/color/row_classifier.h"
 #include "tests/color/owned_picture.h"
+#include "tests/color/rgb_to_yuv.h"
 
 // Compares the classification under uneven light with a literal implementation of eq. (17): every pixel is divided by
 // its own illumination in double precision, without tiles and without levels.
@@ -32,9 +33,7 @@ double light_of(const LightMap& map, ColorSpace space, std::size_t channel, doub
   return space == ColorSpace::kRgb ? of(channel) : 0.299 * of(0) + 0.587 * of(1) + 0.114 * of(2);
 }
 
-double dark_value(ColorSpace space, std::size_t channel) {
-  return space == ColorSpace::kRgb ? 0.0 : channel == 0 ? 16.0 : 128.0;
-}
+double dark_value(ColorSpace space, std::size_t channel) { return in_space(space, {0.0, 0.0, 0.0})[channel]; }
 
 struct Interval {
   double low = 255.0, high = 0.0;
@@ -137,12 +136,7 @@ TEST_P(LightCorrectionTest, AgreesWithEquation17WhereQuantizationDoesNotMatter) 
 using Rgb = std::array<double, 3>;
 
 Channels in_format(ColorSpace space, const Rgb& rgb) {
-  Rgb value = rgb;
-  if (space == ColorSpace::kYuv) {  // ITU-R BT.601, limited range
-    const double luma = 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2];
-    value = {16.0 + luma * 219.0 / 255.0, 128.0 + (rgb[2] - luma) / 1.772 * 224.0 / 255.0,
-             128.0 + (rgb[0] - luma) / 1.402 * 224.0 / 255.0};
-  }
+  const Rgb value = in_space(space, rgb);
   Channels out{};
   for (std::size_t c = 0; c < 3; ++c) out[c] = static_cast<std::uint8_t>(std::lround(std::clamp(value[c], 0.0, 255.0)));
   return out;
@@ -159,7 +153,7 @@ TEST_P(LightCorrectionTest, RecognizesColorsInLightFromTwoFifthsToFourThirds) {
     ColorBox box;
     box.color = static_cast<ColorId>(i + 1);
     for (std::size_t c = 0; c < 3; ++c) {
-      const int extent = space == ColorSpace::kYuv && c > 0 ? 8 : 12;
+      const int extent = is_yuv(space) && c > 0 ? 8 : 12;
       box.low[c] = static_cast<std::uint8_t>(std::max(0, middle[c] - extent));
       box.high[c] = static_cast<std::uint8_t>(middle[c] + extent);
     }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/color/rgb_to_yuv.h"
+
 namespace touchline::testing {
 namespace {
 
@@ -28,6 +30,8 @@ std::array<Place, 3> places(PixelFormat format, const std::array<std::size_t, kM
       return {{{0, row + 4 * x + 2}, {0, row + 4 * x + 1}, {0, row + 4 * x}}};
     case PixelFormat::kI420:
       return {{{0, row + x}, {1, y / 2 * stride[1] + pair}, {2, y / 2 * stride[2] + pair}}};
+    case PixelFormat::kYuvj422p:
+      return {{{0, row + x}, {1, y * stride[1] + pair}, {2, y * stride[2] + pair}}};
   }
   return {};
 }
@@ -58,6 +62,10 @@ OwnedPicture::OwnedPicture(PixelFormat format, int width, int height, int paddin
       break;
     case PixelFormat::kXrgb8888:
       row = {4 * w};
+      break;
+    case PixelFormat::kYuvj422p:
+      row = {w, even / 2, even / 2};
+      rows = {h, h, h};
       break;
   }
   for (std::size_t plane = 0; plane < kMaxPlanes; ++plane) {
@@ -95,7 +103,7 @@ ColorId color_by_boxes(const ColorBoxes& boxes, ColorSpace space, Channels value
   for (const ColorBox& box : boxes) {
     bool inside = true;
     for (std::size_t c = 0; c < 3; ++c) {
-      const double origin = space == ColorSpace::kRgb ? 0.0 : c == 0 ? 16.0 : 128.0;  // black
+      const double origin = in_space(space, {0.0, 0.0, 0.0})[c];  // black
       const double gain = static_cast<double>(gain_of_level(level[c]));
       const double seen = std::clamp(origin + std::round((value[c] - origin) * gain), 0.0, 255.0);
       const bool is_bright_enough = box.low[c] <= seen || value[c] == 255;  // 255 also stands for all brighter light

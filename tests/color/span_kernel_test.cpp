@@ -24,7 +24,7 @@ TEST(NibbleTables, GiveTheClassesOfTheColorTablesForEveryValue) {
   const auto tables = std::make_unique<ColorTables>();
   const auto nibbles = std::make_unique<NibbleTables>();
   for (const std::size_t count : {0u, 1u, 8u, 9u, 13u, 32u}) {
-    for (const ColorSpace space : {ColorSpace::kRgb, ColorSpace::kYuv}) {
+    for (const ColorSpace space : kColorSpaces) {
       const ColorBoxes boxes = random_boxes(random, count);
       ASSERT_TRUE(tables->build(boxes, space).ok());
       nibbles->build(*tables, boxes.size());

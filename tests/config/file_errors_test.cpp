@@ -64,11 +64,11 @@ TEST_F(ConfigFiles, NaNIsOutOfRange) {
 
 TEST_F(ConfigFiles, UnknownChoiceListsAllChoices) {
   replace("board.toml", "format = \"rgb24\"", "format = \"rbg24\"");
-  EXPECT_EQ(
-      refusal(),
-      "board.toml:9: camera.format: \"rbg24\" is not one of rgb24, bgr24, yuyv, uyvy, nv12, i420, xrgb8888, mjpg; "
-      "did you mean "
-      "\"rgb24\"?\n");
+  EXPECT_EQ(refusal(),
+            "board.toml:9: camera.format: \"rbg24\" is not one of rgb24, bgr24, yuyv, uyvy, nv12, i420, xrgb8888, "
+            "yuvj422p, mjpg; "
+            "did you mean "
+            "\"rgb24\"?\n");
 }
 
 TEST_F(ConfigFiles, WrongListLength) {

@@ -186,7 +186,18 @@ TEST_F(ConfigFiles, VenueForAnotherColorSpace) {
   replace("board.toml", "format = \"rgb24\"", "format = \"nv12\"");
   EXPECT_EQ(refusal(),
             "venue.toml:22: colors.space: the boxes are in rgb, but the camera of board.toml delivers nv12, which is "
-            "yuv\n");
+            "yuv; calibrate the colors again: touchline-calibrate colors --format nv12\n");
+  // JPEG pictures were RGB in earlier versions.
+  replace("board.toml", "format = \"nv12\"", "format = \"mjpg\"");
+  EXPECT_EQ(refusal(),
+            "venue.toml:22: colors.space: the boxes are in rgb, but the camera of board.toml delivers mjpg, which is "
+            "yuv_full_range; calibrate the colors again: touchline-calibrate colors --format mjpg\n");
+  replace("venue.toml", "space = \"rgb\"", "space = \"yuv\"");
+  EXPECT_EQ(refusal(),
+            "venue.toml:22: colors.space: the boxes are in yuv, but the camera of board.toml delivers mjpg, which is "
+            "yuv_full_range; calibrate the colors again: touchline-calibrate colors --format mjpg\n");
+  replace("venue.toml", "space = \"yuv\"", "space = \"yuv_full_range\"");
+  EXPECT_OK(load());
 }
 
 TEST_F(ConfigFiles, TypicalBackground) {

@@ -89,9 +89,15 @@ int FakeLibcamera::configure(hal::LibcameraStream& requested, std::string& offer
     offers = world_.offers;
     return error;
   }
-  const bool has_planes = info_of(requested.format).planes > 1;
+  // Chroma has half as many bytes as luma in 4:2:0, as many in 4:2:2.
+  const bool has_planes = info_of(requested.format).planes > 1,
+             has_420 = info_of(requested.format).channel[1].shift_v > 0;
   requested.stride_bytes = requested.width_px * info_of(requested.format).channel[0].step + world_.padding_bytes;
-  world_.frame_bytes_ = std::size_t{requested.stride_bytes} * requested.height_px * (has_planes ? 3 : 2) / 2;
+  world_.frame_bytes_ = std::size_t{requested.stride_bytes} * requested.height_px *
+                        (!has_planes ? 2
+                         : has_420   ? 3
+                                     : 4) /
+                        2;
   requested.frame_bytes = world_.frame_bytes_ + world_.spare_bytes;
   requested.full_range = world_.full_range;
   if (world_.actual_buffers != 0) requested.buffers = world_.actual_buffers;

@@ -19,16 +19,18 @@ std::uint32_t bytes_per_pixel(std::uint32_t fourcc) {
     case V4L2_PIX_FMT_NV12M:
     case V4L2_PIX_FMT_YUV420:
     case V4L2_PIX_FMT_YUV420M:
+    case V4L2_PIX_FMT_YUV422P:
       return 1;
     default:
       return 2;
   }
 }
 
-/// Planes of chroma, each of half as many rows as luma.
+/// Planes of chroma.
 struct ChromaPlanes {
   std::uint32_t count = 0, stride_divisor = 1;
   bool has_own_memory = false;
+  std::uint32_t row_divisor = 2;
 };
 ChromaPlanes chroma_planes(std::uint32_t fourcc) {
   switch (fourcc) {
@@ -40,6 +42,8 @@ ChromaPlanes chroma_planes(std::uint32_t fourcc) {
       return {2, 2, false};
     case V4L2_PIX_FMT_YUV420M:
       return {2, 2, true};
+    case V4L2_PIX_FMT_YUV422P:
+      return {2, 2, false, 1};
     default:
       return {};
   }
@@ -233,7 +237,8 @@ void VideoDevice::choose(std::uint32_t fourcc, std::uint32_t width, std::uint32_
   const ChromaPlanes chroma = chroma_planes(chosen->fourcc);
   for (std::uint32_t i = 1; i <= chroma.count; ++i) {
     const std::uint32_t chroma_stride = stride / chroma.stride_divisor;
-    picture_.bytes[chroma.has_own_memory ? i : 0] += chroma_stride * ((height + 1) / 2);
+    picture_.bytes[chroma.has_own_memory ? i : 0] +=
+        chroma_stride * ((height + chroma.row_divisor - 1) / chroma.row_divisor);
     if (!chroma.has_own_memory) continue;
     ++picture_.planes;
     picture_.stride_bytes[i] = chroma_stride;

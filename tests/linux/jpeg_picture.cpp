@@ -15,6 +15,7 @@ std::array<int, 3> color_at(const JpegStyle& style, unsigned u, unsigned v) {
 std::vector<std::uint8_t> jpeg_of(const JpegStyle& style) {
   const auto set_up = [&style](jpeg_compress_struct& jpeg) {
     if (style.gray) jpeg_set_colorspace(&jpeg, JCS_GRAYSCALE);
+    if (style.rgb) jpeg_set_colorspace(&jpeg, JCS_RGB);
     jpeg_set_quality(&jpeg, 95, TRUE);
     if (!style.gray) {
       jpeg.comp_info[0].h_samp_factor = style.horizontal;

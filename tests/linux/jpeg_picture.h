@@ -10,7 +10,7 @@ namespace touchline::testing {
 struct JpegStyle {
   unsigned width = 320, height = 240;
   int horizontal = 2, vertical = 1;  // pixels that share a chroma sample
-  bool gray = false, progressive = false;
+  bool gray = false, rgb = false, progressive = false;
   bool own_huffman_tables = false;  // computed for this picture
   bool with_huffman_tables = true;  // many cameras leave out the standard tables
   bool with_restarts = false;       // a marker after each row of blocks

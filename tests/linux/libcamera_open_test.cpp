@@ -85,13 +85,14 @@ TEST_F(LibcameraOpenTest, PlanesAndStridesAreSetForAllFormats) {
     hal::CameraFormat format;
     std::uint32_t pixel_bytes;
   };
-  constexpr std::array<Case, 7> kCases{{{hal::CameraFormat::kRgb24, 3},
+  constexpr std::array<Case, 8> kCases{{{hal::CameraFormat::kRgb24, 3},
                                         {hal::CameraFormat::kBgr24, 3},
                                         {hal::CameraFormat::kYuyv, 2},
                                         {hal::CameraFormat::kUyvy, 2},
                                         {hal::CameraFormat::kNv12, 1},
                                         {hal::CameraFormat::kI420, 1},
-                                        {hal::CameraFormat::kXrgb8888, 4}}};
+                                        {hal::CameraFormat::kXrgb8888, 4},
+                                        {hal::CameraFormat::kYuvj422p, 1}}};
   world_.padding_bytes = 32;
   world_.spare_bytes = 4096;
   for (const Case& example : kCases) {
@@ -118,6 +119,10 @@ TEST_F(LibcameraOpenTest, PlanesAndStridesAreSetForAllFormats) {
       EXPECT_EQ(frame.plane[1], frame.plane[0] + stride * 480);
       EXPECT_EQ(frame.plane[2], frame.plane[1] + stride / 2 * 240);
       EXPECT_EQ(frame.plane[2][stride / 2 * 239], 7);
+    } else if (frame.format == PixelFormat::kYuvj422p) {
+      EXPECT_EQ(frame.stride_bytes[2], stride / 2);
+      EXPECT_EQ(frame.plane[2], frame.plane[1] + stride / 2 * 480);
+      EXPECT_EQ(frame.plane[2][stride / 2 * 479], 7);
     } else {
       EXPECT_EQ(frame.plane[1], nullptr);
     }
@@ -137,11 +142,13 @@ TEST_F(LibcameraOpenTest, FullRangeAndAnotherNumberOfBuffersAreReported) {
             std::string(kId) +
                 ": full-range YUV: the darkest 16 levels are treated as black; "
                 "buffers = 4: set to 6; rate_hz = 60: the camera does not report its frame rate");
-  CameraSettings rgb = settings();
-  rgb.format = hal::CameraFormat::kRgb24;
-  begin(rgb);
-  EXPECT_EQ(camera_->info().negotiated,
-            std::string(kId) + ": buffers = 4: set to 6; rate_hz = 60: the camera does not report its frame rate");
+  for (const hal::CameraFormat format : {hal::CameraFormat::kRgb24, hal::CameraFormat::kYuvj422p}) {
+    CameraSettings requested = settings();
+    requested.format = format;
+    begin(requested);
+    EXPECT_EQ(camera_->info().negotiated,
+              std::string(kId) + ": buffers = 4: set to 6; rate_hz = 60: the camera does not report its frame rate");
+  }
   world_.actual_buffers = 1;
   expect_refusal(settings(), ErrorCode::kUnsupported,
                  std::string(kId) + ": the camera provides 1 buffers; 2 to 32 are needed");

@@ -1,8 +1,12 @@
 #include <algorithm>
 #include <array>
+#include <random>
 
+#include "core/types.h"
 #include "hal/linux/v4l2/mjpg_decoder.h"
+#include "tests/color/owned_picture.h"
 #include "tests/linux/driver_allocations.h"
+#include "tests/linux/jpeg_encoder.h"
 #include "tests/linux/jpeg_picture.h"
 #include "tests/linux/v4l2_fixture.h"
 #include "tests/results.h"
@@ -16,31 +20,77 @@ using hal::MjpgDecoder;
 
 constexpr const char* kCutOff = "Corrupt JPEG data: premature end of data segment";
 
+// Random blocks, so that neighboring samples differ.
+std::vector<std::uint8_t> noise_jpeg(const JpegStyle& style) {
+  std::mt19937 random(5);
+  const auto set_up = [&style](jpeg_compress_struct& jpeg) {
+    jpeg_set_quality(&jpeg, 90, TRUE);
+    jpeg.comp_info[0].h_samp_factor = style.horizontal;
+    jpeg.comp_info[0].v_samp_factor = style.vertical;
+  };
+  return encode_jpeg(style.width, style.height, set_up, [&random](unsigned, std::span<std::uint8_t> row) {
+    for (std::uint8_t& byte : row) byte = static_cast<std::uint8_t>(random());
+  });
+}
+
+// Y, U, V of each pixel, without interpolation.
+std::vector<Channels> yuv_of_jpeg(const std::vector<std::uint8_t>& bytes) {
+  jpeg_decompress_struct jpeg{};
+  jpeg_error_mgr errors{};
+  jpeg.err = jpeg_std_error(&errors);
+  jpeg_create_decompress(&jpeg);
+  jpeg_mem_src(&jpeg, bytes.data(), bytes.size());
+  jpeg_read_header(&jpeg, TRUE);
+  jpeg.out_color_space = JCS_YCbCr;
+  jpeg.dct_method = JDCT_ISLOW;
+  jpeg.do_fancy_upsampling = FALSE;
+  jpeg_start_decompress(&jpeg);
+  std::vector<Channels> pixels(std::size_t{jpeg.output_width} * jpeg.output_height);
+  while (jpeg.output_scanline < jpeg.output_height) {
+    JSAMPROW row = pixels[std::size_t{jpeg.output_scanline} * jpeg.output_width].data();
+    jpeg_read_scanlines(&jpeg, &row, 1);
+  }
+  jpeg_finish_decompress(&jpeg);
+  jpeg_destroy_decompress(&jpeg);
+  return pixels;
+}
+
 class MjpgDecoderTest : public ::testing::Test {
  protected:
   void begin(const JpegStyle& style = {}) {
     decoder_.open(static_cast<std::uint16_t>(style.width), static_cast<std::uint16_t>(style.height));
-    rgb_.assign(std::size_t{3} * style.width * style.height + kGuard, 77);
+    picture_.assign(decoder_.layout().bytes + kGuard, 77);
+    frame_ = {};
+    frame_.format = PixelFormat::kYuvj422p;
+    frame_.width_px = static_cast<std::uint16_t>(style.width);
+    frame_.height_px = static_cast<std::uint16_t>(style.height);
+    frame_.stride_bytes = decoder_.layout().stride_bytes;
+    for (std::size_t i = 0; i < kMaxPlanes; ++i) frame_.plane[i] = picture_.data() + decoder_.layout().offset_bytes[i];
+  }
+  [[nodiscard]] Channels rgb_at(unsigned u, unsigned v) const {
+    return to_rgb8(pixel_at(frame_, u, v), ColorSpace::kYuvFullRange);
+  }
+  void expect_nothing_beyond_the_picture() {
+    for (std::size_t i = picture_.size() - kGuard; i < picture_.size(); ++i) ASSERT_EQ(picture_[i], 77) << i;
   }
   void expect_picture(const JpegStyle& style, const std::vector<std::uint8_t>& jpeg) {
-    ASSERT_OK(decoder_.decode(jpeg, rgb_.data()));
+    ASSERT_OK(decoder_.decode(jpeg, picture_.data()));
     for (const unsigned u : {3u, style.width / 4, style.width - 4}) {
       for (const unsigned v : {3u, style.height / 4, style.height - 4}) {
         const std::array<int, 3> color = color_at(style, u, v);
-        for (std::size_t c = 0; c < 3; ++c) {
-          EXPECT_NEAR(rgb_[3 * (v * style.width + u) + c], color[c], 6) << u << ", " << v << ", " << c;
-        }
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(rgb_at(u, v)[c], color[c], 6) << u << ", " << v << ", " << c;
       }
     }
-    for (std::size_t i = rgb_.size() - kGuard; i < rgb_.size(); ++i) ASSERT_EQ(rgb_[i], 77) << "beyond the picture";
+    expect_nothing_beyond_the_picture();
   }
   void expect_damage(const std::vector<std::uint8_t>& jpeg, const std::string& reason) {
-    expect_error(decoder_.decode(jpeg, rgb_.data()), ErrorCode::kCorruptFrame, reason);
+    expect_error(decoder_.decode(jpeg, picture_.data()), ErrorCode::kCorruptFrame, reason);
   }
 
   static constexpr std::size_t kGuard = 64;
   MjpgDecoder decoder_;
-  std::vector<std::uint8_t> rgb_;
+  std::vector<std::uint8_t> picture_;
+  Frame frame_;
 };
 
 TEST_F(MjpgDecoderTest, DecodesTheFormatsOfCamerasInFullRange) {
@@ -57,6 +107,39 @@ TEST_F(MjpgDecoderTest, DecodesTheFormatsOfCamerasInFullRange) {
     expect_picture(style, jpeg_of(style));
     expect_picture(style, jpeg_of(style));
   }
+}
+
+// Compares every sample with those that the library itself repeats for each pixel.
+TEST_F(MjpgDecoderTest, SamplesAreThoseOfTheFile) {
+  for (const auto& [width, height] : {std::pair{157u, 101u}, {160u, 96u}, {16u, 16u}, {33u, 17u}, {1000u, 50u}}) {
+    for (const auto& [horizontal, vertical] : {std::pair{2, 1}, {2, 2}, {1, 1}, {1, 2}, {4, 1}, {4, 2}, {2, 4}}) {
+      const JpegStyle style{.width = width, .height = height, .horizontal = horizontal, .vertical = vertical};
+      begin(style);
+      const std::vector<std::uint8_t> jpeg = noise_jpeg(style);
+      ASSERT_OK(decoder_.decode(jpeg, picture_.data()));
+      const std::vector<Channels> expected = yuv_of_jpeg(jpeg);
+      ASSERT_EQ(expected.size(), std::size_t{width} * height);
+      for (unsigned v = 0; v < height; ++v) {
+        for (unsigned u = 0; u < width; ++u) {
+          const Channels first = expected[v * width + u / 2 * 2],
+                         second = expected[v * width + std::min(width - 1, u / 2 * 2 + 1)];
+          const Channels found = pixel_at(frame_, u, v);
+          ASSERT_EQ(found[0], expected[v * width + u][0]) << u << ", " << v;
+          for (std::size_t c = 1; c < 3; ++c) {
+            ASSERT_EQ(found[c], (first[c] + second[c] + 1) / 2) << u << ", " << v << ", " << horizontal << vertical;
+          }
+        }
+      }
+      expect_nothing_beyond_the_picture();
+    }
+  }
+}
+
+TEST_F(MjpgDecoderTest, ColorsAndSamplesThatNoCameraSendsAreRefused) {
+  begin();
+  expect_damage(jpeg_of({.rgb = true}), "its colors are not YUV");
+  expect_damage(jpeg_of({.horizontal = 3}), "its numbers of luma and chroma samples are unusual");
+  expect_picture({}, jpeg_of());
 }
 
 TEST_F(MjpgDecoderTest, APictureWithoutHuffmanTablesUsesTheStandardOnes) {
@@ -80,7 +163,7 @@ TEST_F(MjpgDecoderTest, DamageIsReportedAndTheNextPictureIsGood) {
   expect_picture(style, good);
   std::vector<std::uint8_t> bad = good;
   for (std::size_t i = good.size() / 2; i < good.size() / 2 + 40; ++i) bad[i] = 0xff;  // markers in the middle
-  EXPECT_EQ(decoder_.decode(bad, rgb_.data()).code(), ErrorCode::kCorruptFrame);
+  EXPECT_EQ(decoder_.decode(bad, picture_.data()).code(), ErrorCode::kCorruptFrame);
   expect_picture(style, good);
   expect_damage({}, "Empty input file");
   expect_damage(std::vector<std::uint8_t>(1000, 0), "Not a JPEG file: starts with 0x00 0x00");
@@ -116,13 +199,13 @@ TEST_F(MjpgDecoderTest, AMissingEndMarkerIsAcceptedUnlessMoreIsMissing) {
     expect_picture(style, jpeg);
     while (!jpeg.empty()) {
       jpeg.pop_back();
-      ASSERT_EQ(decoder_.decode(jpeg, rgb_.data()).code(), ErrorCode::kCorruptFrame) << jpeg.size() << " bytes";
+      ASSERT_EQ(decoder_.decode(jpeg, picture_.data()).code(), ErrorCode::kCorruptFrame) << jpeg.size() << " bytes";
     }
     // Zeros instead of the end can be decoded.
     jpeg = jpeg_of(style);
     std::fill(jpeg.end() - 100, jpeg.end(), std::uint8_t{0});
     jpeg.insert(jpeg.end(), 1000, 0x00);
-    EXPECT_EQ(decoder_.decode(jpeg, rgb_.data()).code(), ErrorCode::kCorruptFrame);
+    EXPECT_EQ(decoder_.decode(jpeg, picture_.data()).code(), ErrorCode::kCorruptFrame);
   }
 }
 
@@ -136,7 +219,7 @@ TEST_F(MjpgDecoderTest, AnySingleWrongByteIsHandled) {
     for (const unsigned change : {0xffu, 0x10u}) {
       std::vector<std::uint8_t> bad = good;
       bad[i] = static_cast<std::uint8_t>(bad[i] ^ change);
-      damaged += decoder_.decode(bad, rgb_.data()).ok() ? 0 : 1;
+      damaged += decoder_.decode(bad, picture_.data()).ok() ? 0 : 1;
     }
   }
   EXPECT_GT(damaged, 200);
@@ -158,20 +241,21 @@ class MjpgCameraTest : public V4l2RunningTest {
   }
 };
 
-TEST_F(MjpgCameraTest, FramesAreRgbAndTheBufferIsRequeuedAtOnce) {
+TEST_F(MjpgCameraTest, FramesArePlanarYuvAndTheBufferIsRequeuedAtOnce) {
   for (const unsigned interface : {V4L2_CAP_VIDEO_CAPTURE + 0u, V4L2_CAP_VIDEO_CAPTURE_MPLANE + 0u}) {
     device_.capabilities = interface | V4L2_CAP_STREAMING;
     begin(requested());
-    EXPECT_EQ(camera_->info().format, PixelFormat::kRgb24);
+    EXPECT_EQ(camera_->info().format, PixelFormat::kYuvj422p);
     const Result<FrameLease> result = camera_->wait(soon());
     ASSERT_TRUE(result.ok()) << result.text();
     EXPECT_EQ(device_.queued(), 4u);
     EXPECT_EQ(device_.readable(), 0u);
     const Frame& frame = result.value().frame();
-    EXPECT_EQ(frame.format, PixelFormat::kRgb24);
-    EXPECT_EQ(frame.stride_bytes[0], 960u);
-    EXPECT_NEAR(frame.plane[0][960 * 100 + 3 * 100], 255, 4);  // red
-    EXPECT_NEAR(frame.plane[0][960 * 100 + 3 * 100 + 1], 0, 4);
+    EXPECT_EQ(frame.format, PixelFormat::kYuvj422p);
+    const Channels red = pixel_at(frame, 100, 100);
+    EXPECT_NEAR(red[0], 76, 2);
+    EXPECT_NEAR(red[1], 85, 2);
+    EXPECT_NEAR(red[2], 255, 2);
     EXPECT_EQ(result.value().dma_bufs(), hal::kNoDmaBufs) << "memory of the camera object";
   }
 }

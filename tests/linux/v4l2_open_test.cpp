@@ -102,6 +102,18 @@ TEST_F(V4l2OpenTest, DifferencesFromTheSettingsAreReported) {
             "end of frame, exposure automatic, gain 64, white balance automatic, focus automatic, power line 60 Hz");
 }
 
+TEST_F(V4l2OpenTest, LimitedRangeIsReportedForAFormatOfFullRange) {
+  device_.formats = {{V4L2_PIX_FMT_YUV422P, {{640, 480}}, false}, {V4L2_PIX_FMT_MJPEG, {{640, 480}}, false}};
+  CameraSettings requested = settings();
+  requested.format = CameraFormat::kYuvj422p;
+  expect_negotiated(requested, "/dev/video0: limited-range YUV: black appears 16 levels too bright");
+  requested.format = CameraFormat::kMjpg;
+  expect_negotiated(requested, "");
+  device_.quantization = V4L2_QUANTIZATION_FULL_RANGE;
+  requested.format = CameraFormat::kYuvj422p;
+  expect_negotiated(requested, "");
+}
+
 TEST_F(V4l2OpenTest, PermissionErrorsSayWhatToDo) {
   kernel_.refuse_open("/dev/video0", EACCES);
   expect_refusal(settings(), ErrorCode::kPermission,

@@ -57,13 +57,14 @@ TEST_F(V4l2StreamTest, PlanesAndStridesAreSetForAllFormats) {
     CameraFormat format;
     std::uint32_t fourcc, bytes_per_pixel;
   };
-  constexpr std::array<Case, 7> kCases{{{CameraFormat::kRgb24, V4L2_PIX_FMT_RGB24, 3},
+  constexpr std::array<Case, 8> kCases{{{CameraFormat::kRgb24, V4L2_PIX_FMT_RGB24, 3},
                                         {CameraFormat::kBgr24, V4L2_PIX_FMT_BGR24, 3},
                                         {CameraFormat::kYuyv, V4L2_PIX_FMT_YUYV, 2},
                                         {CameraFormat::kUyvy, V4L2_PIX_FMT_UYVY, 2},
                                         {CameraFormat::kNv12, V4L2_PIX_FMT_NV12, 1},
                                         {CameraFormat::kI420, V4L2_PIX_FMT_YUV420, 1},
-                                        {CameraFormat::kXrgb8888, V4L2_PIX_FMT_XBGR32, 4}}};
+                                        {CameraFormat::kXrgb8888, V4L2_PIX_FMT_XBGR32, 4},
+                                        {CameraFormat::kYuvj422p, V4L2_PIX_FMT_YUV422P, 1}}};
   device_.padding_bytes = 24;
   for (const unsigned interface : {V4L2_CAP_VIDEO_CAPTURE + 0u, V4L2_CAP_VIDEO_CAPTURE_MPLANE + 0u}) {
     device_.capabilities = interface | V4L2_CAP_STREAMING;
@@ -83,6 +84,9 @@ TEST_F(V4l2StreamTest, PlanesAndStridesAreSetForAllFormats) {
         EXPECT_EQ(frame.plane[1], frame.plane[0] + std::size_t{344} * 240);
         EXPECT_EQ(frame.plane[2], frame.plane[1] + std::size_t{172} * 120);
         EXPECT_EQ(frame.stride_bytes[1], 172u);
+        EXPECT_EQ(frame.stride_bytes[2], 172u);
+      } else if (c.format == CameraFormat::kYuvj422p) {
+        EXPECT_EQ(frame.plane[2], frame.plane[1] + std::size_t{172} * 240);
         EXPECT_EQ(frame.stride_bytes[2], 172u);
       } else {
         EXPECT_EQ(frame.plane[1], nullptr);

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "tests/color/owned_picture.h"
+#include "tests/color/rgb_to_yuv.h"
 #include "tests/marker/real_layouts.h"
 
 // Ids from the pixels of a frame. The color boxes see one picture (`boxes`), the camera another one (`shown`): a patch
@@ -44,13 +45,10 @@ Rgb rgb_of(ColorId color) {
   }
 }
 
-// BT.601, limited range.
 Channels encoded(const Rgb& rgb, ColorSpace space) {
   const auto byte = [](double x) { return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 255.0))); };
-  if (space == ColorSpace::kRgb) return {byte(rgb[0]), byte(rgb[1]), byte(rgb[2])};
-  const double luma = 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2];
-  return {byte(16 + luma * 219 / 255), byte(128 + (rgb[2] - luma) / 1.772 * 224 / 255),
-          byte(128 + (rgb[0] - luma) / 1.402 * 224 / 255)};
+  const std::array<double, 3> value = in_space(space, rgb);
+  return {byte(value[0]), byte(value[1]), byte(value[2])};
 }
 
 TypicalColors typical_colors(ColorSpace space) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/color/owned_picture.h"
+#include "tests/color/rgb_to_yuv.h"
 
 // Renders pictures as a camera does: averages the light over a pixel and the lens blur, applies the camera's gamma,
 // rounds, and shares chroma between neighbors if the format does.
@@ -31,7 +32,7 @@ class Photograph {
     for (int v = top; v < bottom; ++v) {
       for (int u = left; u < right; ++u) values.push_back(encode(blurred(u, v, light)));
     }
-    if (color_space(format_) == ColorSpace::kYuv) share_chroma(values, static_cast<std::size_t>(across));
+    if (is_yuv(color_space(format_))) share_chroma(values, static_cast<std::size_t>(across));
     std::size_t i = 0;
     for (int v = top; v < bottom; ++v) {
       for (int u = left; u < right; ++u, ++i) picture_.set(u, v, rounded(values[i]));
@@ -58,10 +59,7 @@ class Photograph {
   [[nodiscard]] std::array<double, 3> encode(const Light& light) const {
     std::array<double, 3> rgb{};
     for (std::size_t c = 0; c < 3; ++c) rgb[c] = 255.0 * std::pow(std::clamp(light[c], 0.0, 1.0), 1.0 / 2.2);
-    if (color_space(format_) == ColorSpace::kRgb) return rgb;
-    const double luma = 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2];
-    return {16.0 + luma * 219.0 / 255.0, 128.0 + (rgb[2] - luma) / 1.772 * 224.0 / 255.0,
-            128.0 + (rgb[0] - luma) / 1.402 * 224.0 / 255.0};
+    return in_space(color_space(format_), rgb);
   }
 
   void share_chroma(std::vector<std::array<double, 3>>& values, std::size_t across) const {

@@ -88,8 +88,9 @@ TEST_F(FrameTimes, CaptureTimeIsTheMiddleOfTheExposure) {
 }
 
 TEST_F(FrameTimes, InfoAndFrameMatchTheSettings) {
-  for (const CameraFormat requested : {CameraFormat::kRgb24, CameraFormat::kYuyv, CameraFormat::kNv12,
-                                       CameraFormat::kI420, CameraFormat::kXrgb8888, CameraFormat::kMjpg}) {
+  for (const CameraFormat requested :
+       {CameraFormat::kRgb24, CameraFormat::kYuyv, CameraFormat::kNv12, CameraFormat::kI420, CameraFormat::kXrgb8888,
+        CameraFormat::kYuvj422p, CameraFormat::kMjpg}) {
     settings.format = requested;
     const PixelFormat format = pixel_format(requested);
     start();

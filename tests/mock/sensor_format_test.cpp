@@ -1,8 +1,9 @@
-// All formats compared pixel by pixel with an independent floating-point conversion: ITU-R BT.601, limited range.
+// All formats compared pixel by pixel with an independent floating-point conversion: ITU-R BT.601.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <vector>
 
 #include "hal/mock/random.h"
@@ -43,10 +44,12 @@ std::vector<std::uint8_t> expose(PixelFormat format, Size size, const std::vecto
 struct Yuv {
   double y, u, v;
 };
-// By definition: luma weights 0.299, 0.587, 0.114; 219 luma steps from 16, 224 chroma steps around 128.
-Yuv bt601(const std::uint8_t* rgb) {
+// By definition: luma weights 0.299, 0.587, 0.114; 219 luma steps from 16, 224 chroma steps around 128. Full range: 255
+// steps each, luma from 0.
+Yuv bt601(const std::uint8_t* rgb, bool full_range = false) {
   const double r = rgb[0] / 255.0, g = rgb[1] / 255.0, b = rgb[2] / 255.0;
   const double y = 0.299 * r + 0.587 * g + 0.114 * b;
+  if (full_range) return {255.0 * y, 128.0 + 255.0 * (b - y) / 1.772, 128.0 + 255.0 * (r - y) / 1.402};
   return {16.0 + 219.0 * y, 128.0 + 224.0 * (b - y) / (2.0 * (1.0 - 0.114)),
           128.0 + 224.0 * (r - y) / (2.0 * (1.0 - 0.299))};
 }
@@ -57,12 +60,12 @@ class Formats : public ::testing::TestWithParam<Size> {
     return &rgb_[3 * (row * size_.width + column)];
   }
   // Mean over those pixels of a block that lie inside the picture.
-  [[nodiscard]] Yuv block(std::size_t column, std::size_t row, std::size_t rows) const {
+  [[nodiscard]] Yuv block(std::size_t column, std::size_t row, std::size_t rows, bool full_range = false) const {
     Yuv sum{0.0, 0.0, 0.0};
     int count = 0;
     for (std::size_t r = row; r < std::min<std::size_t>(row + rows, size_.height); ++r) {
       for (std::size_t c = column; c < std::min<std::size_t>(column + 2, size_.width); ++c) {
-        const Yuv one = bt601(pixel(c, r));
+        const Yuv one = bt601(pixel(c, r), full_range);
         sum = {sum.y + one.y, sum.u + one.u, sum.v + one.v};
         ++count;
       }
@@ -150,15 +153,35 @@ TEST_P(Formats, I420HasTheSamplesOfNv12) {
   }
 }
 
+TEST_P(Formats, Yuvj422pHasFullRangeAndSharesChromaByPairs) {
+  const auto yuv = expose(PixelFormat::kYuvj422p, size_, linear_);
+  const std::size_t luma = std::size_t{size_.width} * size_.height, pairs = (size_.width + 1U) / 2U;
+  ASSERT_EQ(yuv.size(), luma + 2 * pairs * size_.height);
+  for (std::size_t row = 0; row < size_.height; ++row) {
+    for (std::size_t column = 0; column < size_.width; ++column) {
+      expect_luma(yuv[row * size_.width + column], bt601(pixel(column, row), true).y);
+      if (column % 2 != 0) continue;
+      const std::size_t at = luma + row * pairs + column / 2;
+      const Yuv pair = block(column, row, 1, true);
+      expect_chroma(yuv[at], pair.u);
+      expect_chroma(yuv[at + pairs * size_.height], pair.v);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Sizes, Formats, ::testing::Values(Size{64, 48}, Size{33, 18}, Size{18, 33}, Size{17, 17}),
                          [](const auto& size) {
                            return std::to_string(size.param.width) + "x" + std::to_string(size.param.height);
                          });
 
-TEST(Range, IsLimited) {
+TEST(Range, IsThatOfTheFormat) {
   const Size size{16, 16};
-  for (const auto& [light, luma] : {std::pair{0, 16}, {kLinearScale, 235}}) {
+  for (const auto& [light, luma, full_luma] : {std::tuple{0, 16, 0}, {kLinearScale, 235, 255}}) {
     const std::vector<std::uint16_t> linear(std::size_t{3} * 16 * 16, static_cast<std::uint16_t>(light));
+    const auto yuvj = expose(PixelFormat::kYuvj422p, size, linear);
+    EXPECT_NEAR(yuvj[0], full_luma, 1);
+    EXPECT_EQ(yuvj[256], 128);
+    EXPECT_EQ(yuvj[384], 128);
     const auto yuyv = expose(PixelFormat::kYuyv, size, linear);
     // White can be one step lower, because noise is clipped at full scale.
     EXPECT_NEAR(yuyv[0], luma, 1);

@@ -126,6 +126,16 @@ TEST(ReplayCamera, APictureIsConvertedToEveryFormat) {
     near({frame.plane[1], frame.plane[1] + 2}, {90, 90});
     near({frame.plane[2], frame.plane[2] + 2}, {240, 240});
   });
+  // Full range: Y 76, U 85, V 255.
+  first_frame(PixelFormat::kYuvj422p, [&near](const Frame& frame) {
+    near(pixels(frame, 3), {76, 76, 76, 76, 76, 76});
+    for (std::size_t row = 0; row < 2; ++row) {
+      const std::uint8_t* const u = frame.plane[1] + row * frame.stride_bytes[1];
+      const std::uint8_t* const v = frame.plane[2] + row * frame.stride_bytes[2];
+      near({u, u + 2}, {85, 85});
+      near({v, v + 2}, {255, 255});
+    }
+  });
 }
 
 TEST(ReplayCamera, SixteenBitPicturesAreRoundedToEight) {

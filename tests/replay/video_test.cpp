@@ -135,6 +135,25 @@ TEST(Video, TheColorRangeOfTheFileIsUsed) {
   EXPECT_EQ(value("F30:1 C420mpeg2 XCOLORRANGE=FULL"), 126);
 }
 
+// Limited luma 126 is 128 in full range, and chroma 152 is 128 + 24 * 255 / 224.
+TEST(Video, AFormatOfFullRangeGetsFullRangeFromEveryFile) {
+  const media::Folder folder;
+  std::vector<std::uint8_t> gray(16 * 16, 126);
+  gray.resize(16 * 16 * 3 / 2, 152);
+  for (const auto& [header, luma, chroma] :
+       {std::tuple{"F30:1 C420mpeg2", 128, 155}, {"F30:1 C420mpeg2 XCOLORRANGE=FULL", 126, 152}}) {
+    media::write_y4m(folder / "a.y4m", 16, 16, header, {gray});
+    ReplayCamera camera({.path = folder / "a.y4m", .format = PixelFormat::kYuvj422p});
+    ASSERT_TRUE(camera.open().ok() && camera.start().ok());
+    const Result<FrameLease> lease = camera.wait(Instant::max());
+    ASSERT_TRUE(lease.ok()) << lease.text();
+    const Frame& frame = lease.value().frame();
+    EXPECT_NEAR(frame.plane[0][0], luma, 1) << header;
+    EXPECT_NEAR(frame.plane[1][15 * frame.stride_bytes[1]], chroma, 1) << header;
+    EXPECT_NEAR(frame.plane[2][15 * frame.stride_bytes[2] + 7], chroma, 1) << header;
+  }
+}
+
 // A step in chroma must not move: the centroids of patches depend on it.
 TEST(Video, ChromaIsInterpolatedInPlace) {
   const media::Folder folder;

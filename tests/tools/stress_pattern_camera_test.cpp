@@ -94,7 +94,7 @@ TEST_P(StressPatterns, PatternsCauseTheWorkThatTheyClaim) {
 INSTANTIATE_TEST_SUITE_P(Formats, StressPatterns,
                          ::testing::Values(PixelFormat::kRgb24, PixelFormat::kBgr24, PixelFormat::kYuyv,
                                            PixelFormat::kUyvy, PixelFormat::kNv12, PixelFormat::kI420,
-                                           PixelFormat::kXrgb8888));
+                                           PixelFormat::kXrgb8888, PixelFormat::kYuvj422p));
 
 TEST(StressPatternCamera, NeedsColors) {
   PipelineParameters parameters = parameters_for(PixelFormat::kRgb24, 16, 16);

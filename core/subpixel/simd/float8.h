@@ -38,6 +38,8 @@ struct Integer8 {
   friend Integer8 operator^(Integer8 a, Integer8 b) { return {a.low ^ b.low, a.high ^ b.high}; }
   friend Integer8 operator~(Integer8 a) { return {~a.low, ~a.high}; }
   friend Integer8 operator+(Integer8 a, Integer8 b) { return {a.low + b.low, a.high + b.high}; }
+  friend Integer8 operator-(Integer8 a, Integer8 b) { return {a.low - b.low, a.high - b.high}; }
+  friend Integer8 operator>>(Integer8 a, std::int32_t bits) { return {a.low >> bits, a.high >> bits}; }
   friend Integer8 operator*(Integer8 a, Integer8 b) { return {a.low * b.low, a.high * b.high}; }
   friend Integer8 operator<(Integer8 a, Integer8 b) { return {a.low < b.low, a.high < b.high}; }
 };

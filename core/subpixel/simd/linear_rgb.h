@@ -15,15 +15,26 @@ inline Float8 linear_light(Integer8 value) {
 
 /// Reads a frame's pixels as linear light. A pixel that two surfaces share shows the mean of their light, but the
 /// camera delivers this mean after gamma encoding (2.2 here, within 0.1 of ITU-R BT.709, BT.601 and sRGB). With gamma,
-/// a pixel that a bright patch covers by half looks three quarters covered. YUV is BT.601 with limited range, as
-/// cameras deliver it.
+/// a pixel that a bright patch covers by half looks three quarters covered. YUV is BT.601.
 class LinearRgbImage {
  public:
   /// `frame` must be one that the scan accepted, wider than one pixel, and must outlive this object.
   explicit LinearRgbImage(const Frame& frame)
       : frame_(frame),
         step_(info_of(frame.format).channel[0].step),
-        first_is_blue_(info_of(frame.format).channel[0].offset == 2) {}
+        first_is_blue_(info_of(frame.format).channel[0].offset == 2) {
+    if (!is_yuv(color_space(frame.format))) return;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const ChannelLayout& layout = info_of(frame.format).channel[c];
+      channel_[c] = {frame.plane[layout.plane],
+                     static_cast<std::int32_t>(frame.stride_bytes[layout.plane]),
+                     layout.offset,
+                     layout.step,
+                     layout.shift_u,
+                     layout.shift_v,
+                     static_cast<std::int32_t>(plane_bytes(frame, layout.plane)) - 4};
+    }
+  }
 
   /// Light of eight pixels inside the picture.
   [[nodiscard, gnu::always_inline]] LinearRgb8 at(Integer8 u, Integer8 v) const {
@@ -77,25 +88,58 @@ class LinearRgbImage {
 #endif
   }
 
-  [[nodiscard]] std::array<Integer8, 3> from_yuv(Integer8 u, Integer8 v) const {
-    StoredInteger8 column, row;
-    store(u, column);
-    store(v, row);
-    std::array<StoredInteger8, 3> out;
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      const std::array<std::uint8_t, 3> yuv =
-          pixel_at(frame_, static_cast<std::size_t>(column.value[i]), static_cast<std::size_t>(row.value[i]));
-      const int luma = 298 * (yuv[0] - 16) + 128, blue = yuv[1] - 128, red = yuv[2] - 128;
-      out[0].value[i] = std::clamp((luma + 409 * red) >> 8, 0, 255);
-      out[1].value[i] = std::clamp((luma - 100 * blue - 208 * red) >> 8, 0, 255);
-      out[2].value[i] = std::clamp((luma + 516 * blue) >> 8, 0, 255);
+  // A channel of a frame in YUV.
+  struct Channel {
+    const std::uint8_t* plane = nullptr;
+    std::int32_t stride = 0, offset = 0, step = 1, shift_u = 0, shift_v = 0;
+    std::int32_t last_word = 0;  // where the last four bytes of the plane begin; negative: it has fewer
+  };
+
+  [[nodiscard, gnu::always_inline]] static Integer8 samples(const Channel& channel, Integer8 u, Integer8 v) {
+    const Integer8 at = (v >> channel.shift_v) * broadcast_integer(channel.stride) +
+                        (u >> channel.shift_u) * broadcast_integer(channel.step) + broadcast_integer(channel.offset);
+#if defined(TOUCHLINE_SIMD_AVX2)
+    // Reads four bytes per sample, but none beyond the plane.
+    if (channel.last_word >= 0) {
+      const Integer8 end = broadcast_integer(channel.last_word), early = at < end;
+      const Integer8 from = (early & at) | (~early & end);
+      const auto* const words = reinterpret_cast<const int*>(channel.plane);
+      const __m256i four = _mm256_i32gather_epi32(words, __builtin_bit_cast(__m256i, from), 1);
+      return (__builtin_bit_cast(Integer8, four) >> ((at - from) << 3)) & broadcast_integer(255);
     }
-    return {load(out[0]), load(out[1]), load(out[2])};
+#endif
+    StoredInteger8 place, value;
+    store(at, place);
+    for (std::size_t i = 0; i < kLanes; ++i) value.value[i] = channel.plane[place.value[i]];
+    return load(value);
+  }
+
+  [[nodiscard, gnu::always_inline]] static Integer8 limited_to_byte(Integer8 value) {
+    const Integer8 positive = value & ~(value < broadcast_integer(0)), most = broadcast_integer(255);
+    const Integer8 is_byte = positive < most;
+    return (is_byte & positive) | (~is_byte & most);
+  }
+
+  // As to_rgb8().
+  [[nodiscard, gnu::always_inline]] std::array<Integer8, 3> from_yuv(Integer8 u, Integer8 v) const {
+    const ColorSpace space = color_space(frame_.format);
+    const YuvToRgb factors = yuv_to_rgb(space);
+    std::array<Integer8, 3> yuv;
+    TOUCHLINE_UNROLL for (std::size_t c = 0; c < 3; ++c) {
+      yuv[c] = samples(channel_[c], u, v) - broadcast_integer(black_value(space, c));
+    }
+    const Integer8 luma = broadcast_integer(factors.luma) * yuv[0] + broadcast_integer(YuvToRgb::kOne / 2);
+    return {
+        limited_to_byte((luma + broadcast_integer(factors.red_v) * yuv[2]) >> 10),
+        limited_to_byte(
+            (luma - broadcast_integer(factors.green_u) * yuv[1] - broadcast_integer(factors.green_v) * yuv[2]) >> 10),
+        limited_to_byte((luma + broadcast_integer(factors.blue_u) * yuv[1]) >> 10)};
   }
 
   Frame frame_;
   std::int32_t step_;  // bytes of a pixel, in RGB
   bool first_is_blue_;
+  std::array<Channel, 3> channel_;  // in YUV
 };
 
 }  // namespace TOUCHLINE_SIMD

@@ -116,8 +116,9 @@ class Link final : public LibcameraLink {
     stream.pixelFormat = format;
     stream.size = size;
     stream.bufferCount = static_cast<unsigned>(requested.buffers);
-    // Limited range as from USB cameras: luma from 16 to 235.
-    if (info_of(requested.format).range == ColorRange::kLimited) stream.colorSpace = libcamera::ColorSpace::Smpte170m;
+    const ColorSpace space = color_space(requested.format);
+    if (space == ColorSpace::kYuv) stream.colorSpace = libcamera::ColorSpace::Smpte170m;
+    if (space == ColorSpace::kYuvFullRange) stream.colorSpace = libcamera::ColorSpace::Sycc;
     const libcamera::CameraConfiguration::Status status = configuration_->validate();
     if (status == libcamera::CameraConfiguration::Invalid || stream.pixelFormat != format || stream.size != size) {
       offers = list_formats(stream.formats());

@@ -152,8 +152,8 @@ Result<void> LibcameraCamera::configure() {
   const std::size_t last = info_of(stream_.format).planes - std::size_t{1};
   const PictureLayout layout = picture_layout(stream_.format, stream_.height_px, strides_of(stream_));
   needed_bytes_ = layout.offset_bytes[last] + bytes[last];
-  if (stream_.full_range && info_of(stream_.format).range == ColorRange::kLimited) {
-    negotiated_.append_format("full-range YUV: the darkest 16 levels are treated as black");
+  if (const char* const note = note_on_range(stream_.format, stream_.full_range)) {
+    negotiated_.append_format("%s", note);
   }
   return {};
 }

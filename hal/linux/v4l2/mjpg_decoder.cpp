@@ -5,6 +5,7 @@
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>
+#include <cstring>
 #include <iterator>
 #include <vector>
 
@@ -18,12 +19,15 @@ namespace {
 
 // Alignment of rows for the library's vector instructions, which may read up to this many bytes beyond the end.
 constexpr std::size_t kAlignment = 64;
-// libjpeg-turbo 2.1 needs 20 KiB for tables and 40 bytes per column for its row buffers, with all chroma subsamplings
-// of cameras.
-constexpr std::size_t kTableBytes = std::size_t{64} * 1024;
-constexpr std::size_t kBytesPerColumn = 128;
+// libjpeg-turbo 2.1 needs 13 KiB for pictures of any size: it writes the samples into the planes.
+constexpr std::size_t kLibraryBytes = std::size_t{64} * 1024;
 
 constexpr std::size_t rounded_up(std::size_t bytes) { return (bytes + kAlignment - 1) / kAlignment * kAlignment; }
+
+// Rows of a component that the library decodes at a time: blocks of eight rows, of which JPEG allows four.
+constexpr std::size_t kMaxRowsAtOnce = std::size_t{MAX_SAMP_FACTOR} * DCTSIZE;
+constexpr std::uint8_t kNoChroma = 128;
+constexpr PixelFormat kDecodedFormat = PixelFormat::kYuvj422p;
 
 }  // namespace
 
@@ -33,6 +37,29 @@ struct MjpgDecoder::Library {
   ~Library();
   Library(const Library&) = delete;
   Library& operator=(const Library&) = delete;
+
+  /// A component of the picture (Y, U or V) and the plane for its samples.
+  struct Component {
+    std::uint8_t* plane = nullptr;
+    std::size_t stride_bytes = 0;
+    std::size_t samples = 0;                                 // of a row of the plane
+    std::size_t pixels_per_sample = 1, rows_per_sample = 1;  // in the JPEG
+    std::size_t rows = DCTSIZE;                              // that the library decodes at a time
+    bool is_resampled = false;  // the plane has more or fewer samples in a row than the JPEG
+
+    [[nodiscard]] std::uint8_t* row(std::size_t v) const { return plane + v * stride_bytes; }
+    /// Writes a row of the plane from a row of the JPEG, whose samples belong to one pixel or to four.
+    void resample(const std::uint8_t* from, std::size_t v, std::size_t width_px) const {
+      std::uint8_t* const to = row(v);
+      if (pixels_per_sample == 4) {
+        for (std::size_t i = 0; i < samples; ++i) to[i] = from[i / 2];
+        return;
+      }
+      for (std::size_t i = 0; i < width_px / 2; ++i)
+        to[i] = static_cast<std::uint8_t>((from[2 * i] + from[2 * i + 1] + 1) / 2);
+      if (width_px % 2 == 1) to[samples - 1] = from[width_px - 1];
+    }
+  };
 
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -46,6 +73,9 @@ struct MjpgDecoder::Library {
   std::byte* begin = nullptr;
   std::size_t size = 0, front = 0, back = 0;
   bool has_ended = false;  // the data ended before the EOI marker
+  std::array<Component, kMaxPlanes> component;
+  // Rows of U and V that are resampled, and one for what is decoded below the last row of the picture.
+  std::vector<std::uint8_t> spare_rows;
 
   template <class Any>
   static Library& of(Any* jpeg) {
@@ -60,7 +90,7 @@ struct MjpgDecoder::Library {
 
   void* allocate(int pool, std::size_t bytes) {
     const std::size_t wanted = rounded_up(bytes);
-    if (wanted > back - front) fail("needs more memory than expected for this size");
+    if (wanted > back - front) fail("needs more memory than expected");
     if (pool == JPOOL_PERMANENT) {
       front += wanted;
       return begin + front - wanted;
@@ -87,12 +117,22 @@ struct MjpgDecoder::Library {
   }
   void install_error_handlers();
   void install_memory_manager();
+
+  [[nodiscard]] std::size_t row_bytes_of_library() const { return rounded_up(width_px); }
+  [[nodiscard]] std::uint8_t* unused_row() { return spare_rows.data(); }
+  [[nodiscard]] std::uint8_t* chroma_row(std::size_t c, std::size_t row) {
+    return spare_rows.data() + (1 + (c - 1) * kMaxRowsAtOnce + row) * row_bytes_of_library();
+  }
+  void read_header(std::span<const std::uint8_t> bytes);
+  void describe_components(const PictureLayout& layout, std::uint8_t* picture);
+  void decode_rows(std::size_t components);
 };
 
 MjpgDecoder::Library::Library(std::uint16_t width, std::uint16_t height) : width_px(width), height_px(height) {
-  size = back = kTableBytes + kBytesPerColumn * rounded_up(width);
+  size = back = kLibraryBytes;
   block.resize(size + kAlignment);
   begin = block.data() + kAlignment - reinterpret_cast<std::uintptr_t>(block.data()) % kAlignment;
+  spare_rows.resize((1 + 2 * kMaxRowsAtOnce) * row_bytes_of_library());
   jpeg.err = jpeg_std_error(&errors);
   jpeg.client_data = this;
   jpeg_create_decompress(&jpeg);
@@ -149,42 +189,99 @@ void MjpgDecoder::Library::install_memory_manager() {
                                   JDIMENSION) -> jvirt_barray_ptr { of(any).fail("needs the whole picture at once"); };
 }
 
+void MjpgDecoder::Library::read_header(std::span<const std::uint8_t> bytes) {
+  reset_tables();
+  has_ended = false;
+  jpeg_mem_src(&jpeg, bytes.data(), bytes.size());
+  jpeg_read_header(&jpeg, TRUE);
+  if (jpeg.image_width != width_px || jpeg.image_height != height_px) {
+    std::snprintf(error_text.data(), error_text.size(), "its size is %ux%u", jpeg.image_width, jpeg.image_height);
+    fail();
+  }
+  // Newer versions of libjpeg also decode samples of more than 8 bits, whose rows have another size.
+  if (jpeg.data_precision != 8 || jpeg.progressive_mode != FALSE || jpeg_has_multiple_scans(&jpeg) != FALSE) {
+    fail("not a baseline JPEG with one scan");
+  }
+  const bool is_gray = jpeg.jpeg_color_space == JCS_GRAYSCALE && jpeg.num_components == 1;
+  if (!is_gray && (jpeg.jpeg_color_space != JCS_YCbCr || jpeg.num_components != 3)) fail("its colors are not YUV");
+}
+
+/// Fails if the JPEG has fewer luma samples than pixels, or if three pixels share a chroma sample. No camera sends
+/// that.
+void MjpgDecoder::Library::describe_components(const PictureLayout& layout, std::uint8_t* picture) {
+  for (std::size_t c = 0; c < component.size(); ++c) {
+    Component& out = component[c];
+    out = {.plane = picture + layout.offset_bytes[c], .stride_bytes = layout.stride_bytes[c]};
+    out.samples = row_bytes(kDecodedFormat, c, width_px);
+    if (c >= static_cast<std::size_t>(jpeg.num_components)) continue;
+    const jpeg_component_info& info = jpeg.comp_info[c];
+    const std::size_t across = static_cast<std::size_t>(jpeg.max_h_samp_factor),
+                      down = static_cast<std::size_t>(jpeg.max_v_samp_factor),
+                      h = static_cast<std::size_t>(info.h_samp_factor),
+                      v = static_cast<std::size_t>(info.v_samp_factor);
+    out.pixels_per_sample = across / h;
+    out.rows_per_sample = down / v;
+    out.rows = v * DCTSIZE;
+    const bool is_whole = across % h == 0 && down % v == 0 && out.pixels_per_sample != 3;
+    if (!is_whole || (c == 0 && (h != across || v != down))) fail("its numbers of luma and chroma samples are unusual");
+    out.is_resampled = c > 0 && out.pixels_per_sample != 2;
+  }
+}
+
+void MjpgDecoder::Library::decode_rows(std::size_t components) {
+  std::array<std::array<JSAMPROW, kMaxRowsAtOnce>, kMaxPlanes> pointers{};
+  std::array<JSAMPARRAY, kMaxPlanes> of_component{};
+  for (std::size_t c = 0; c < components; ++c) of_component[c] = pointers[c].data();
+  while (jpeg.output_scanline < jpeg.output_height) {
+    const std::size_t first = jpeg.output_scanline;
+    for (std::size_t c = 0; c < components; ++c) {
+      const Component& out = component[c];
+      for (std::size_t i = 0; i < out.rows; ++i) {
+        const std::size_t v = first + i * out.rows_per_sample;
+        pointers[c][i] = v >= height_px ? unused_row() : out.is_resampled ? chroma_row(c, i) : out.row(v);
+      }
+    }
+    jpeg_read_raw_data(&jpeg, of_component.data(), static_cast<JDIMENSION>(component[0].rows));
+    for (std::size_t c = 1; c < components; ++c) {
+      const Component& out = component[c];
+      for (std::size_t i = 0; i < out.rows; ++i) {
+        const std::size_t v = first + i * out.rows_per_sample;
+        if (v >= height_px) break;
+        if (out.is_resampled) out.resample(chroma_row(c, i), v, width_px);
+        const std::size_t end = std::min<std::size_t>(v + out.rows_per_sample, height_px);
+        for (std::size_t copy = v + 1; copy < end; ++copy) std::memcpy(out.row(copy), out.row(v), out.samples);
+      }
+    }
+  }
+  for (std::size_t c = components; c < component.size(); ++c) {
+    std::memset(component[c].plane, kNoChroma, height_px * component[c].stride_bytes);
+  }
+}
+
 MjpgDecoder::MjpgDecoder() = default;
 MjpgDecoder::~MjpgDecoder() = default;
 
 void MjpgDecoder::open(std::uint16_t width_px, std::uint16_t height_px) {
   library_ = std::make_unique<Library>(width_px, height_px);
+  // The library writes whole blocks of eight columns.
+  layout_ = picture_layout(kDecodedFormat, width_px, height_px, kAlignment);
 }
 
-Result<void> MjpgDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8_t* rgb) {
+Result<void> MjpgDecoder::decode(std::span<const std::uint8_t> bytes, std::uint8_t* picture) {
   Library& library = *library_;
   jpeg_decompress_struct& jpeg = library.jpeg;
   if (setjmp(library.escape) != 0) {  // NOLINT(cert-err52-cpp)
     jpeg_abort_decompress(&jpeg);
     return failure(ErrorCode::kCorruptFrame, "%s", library.error_text.data());
   }
-  library.reset_tables();
-  library.has_ended = false;
-  jpeg_mem_src(&jpeg, bytes.data(), bytes.size());
-  jpeg_read_header(&jpeg, TRUE);
-  if (jpeg.image_width != library.width_px || jpeg.image_height != library.height_px) {
-    std::snprintf(library.error_text.data(), library.error_text.size(), "its size is %ux%u", jpeg.image_width,
-                  jpeg.image_height);
-    library.fail();
-  }
-  // Newer versions of libjpeg also decode samples of more than 8 bits, whose rows have another size.
-  if (jpeg.data_precision != 8 || jpeg.progressive_mode != FALSE || jpeg_has_multiple_scans(&jpeg) != FALSE) {
-    library.fail("not a baseline JPEG with one scan");
-  }
-  jpeg.out_color_space = JCS_RGB;
+  library.read_header(bytes);
+  library.describe_components(layout_, picture);
+  jpeg.raw_data_out = TRUE;
+  jpeg.out_color_space = jpeg.jpeg_color_space;
   jpeg.dct_method = JDCT_ISLOW;  // the exact DCT; as fast as the others with vector instructions
   jpeg.do_fancy_upsampling = FALSE;
   jpeg_start_decompress(&jpeg);
-  const std::size_t stride = std::size_t{3} * library.width_px;
-  while (jpeg.output_scanline < jpeg.output_height) {
-    JSAMPROW row = rgb + jpeg.output_scanline * stride;
-    jpeg_read_scanlines(&jpeg, &row, 1);
-  }
+  library.decode_rows(static_cast<std::size_t>(jpeg.num_components));
   jpeg_finish_decompress(&jpeg);
   return {};
 }

@@ -36,7 +36,7 @@ Result<void> V4l2Camera::reopen() {
   }
   if (decodes()) {
     decoder_.open(picture_.width_px, picture_.height_px);
-    decoded_.allocate(buffers_.count(), std::size_t{3} * picture_.width_px * picture_.height_px);
+    decoded_.allocate(buffers_.count(), decoder_.layout().bytes);
   }
   negotiated_before_controls_ = negotiated_.size();
   check_exposure(apply_controls(device_, settings_, negotiated_), negotiated_);
@@ -108,8 +108,8 @@ void V4l2Camera::report_rate() {
   if (picture_.interlaced) {
     negotiated_.append_format("%sinterlaced: odd and even rows are half a frame apart", negotiated_.separator());
   }
-  if (picture_.full_range) {
-    negotiated_.append_format("%sfull-range YUV: the darkest 16 levels are treated as black", negotiated_.separator());
+  if (const char* const note = note_on_range(info_.format, picture_.full_range)) {
+    negotiated_.append_format("%s%s", negotiated_.separator(), note);
   }
 }
 
@@ -295,8 +295,10 @@ Result<FrameLease> V4l2Camera::deliver(const V4l2Buffers::Filled& filled) {
 /// Decodes a JPEG frame. The driver gets its buffer back before the picture is returned.
 Result<FrameLease> V4l2Camera::decode(const V4l2Buffers::Filled& filled, Frame& frame) {
   const std::size_t slot = decoded_.take().value_or(0);  // wait() has checked that one is free
-  frame.plane[0] = decoded_.bytes(slot);
-  frame.stride_bytes[0] = 3u * frame.width_px;
+  frame.stride_bytes = decoder_.layout().stride_bytes;
+  for (std::size_t i = 0; i < info_of(frame.format).planes; ++i) {
+    frame.plane[i] = decoded_.bytes(slot) + decoder_.layout().offset_bytes[i];
+  }
   FrameLease lease(*this, frame, static_cast<std::uint32_t>(slot));
   const Result<void> decoded = decoder_.decode({filled.begin[0], filled.bytes[0]}, decoded_.bytes(slot));
   int error = buffers_.end_read(filled.index);

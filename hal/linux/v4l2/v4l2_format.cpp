@@ -76,10 +76,9 @@ V4l2Picture picture_of(const NegotiatedFormat& actual, CameraFormat format, bool
   picture.multi_planar = multi_planar;
   picture.planes = actual.planes;
   picture.interlaced = actual.field != V4L2_FIELD_NONE && actual.field != V4L2_FIELD_ANY;
-  picture.full_range =
-      info_of(pixel_format(format)).range == ColorRange::kLimited &&
-      (actual.quantization == V4L2_QUANTIZATION_FULL_RANGE ||
-       (actual.quantization == V4L2_QUANTIZATION_DEFAULT && actual.colorspace == V4L2_COLORSPACE_JPEG));
+  // JPEG has full range, whatever the driver reports.
+  picture.full_range = format == CameraFormat::kMjpg || actual.quantization == V4L2_QUANTIZATION_FULL_RANGE ||
+                       (actual.quantization == V4L2_QUANTIZATION_DEFAULT && actual.colorspace == V4L2_COLORSPACE_JPEG);
   if (format == CameraFormat::kMjpg) {
     picture.needed_bytes[0] = 1;
     return picture;

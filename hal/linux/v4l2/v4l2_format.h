@@ -21,7 +21,7 @@ struct V4l2Picture {
   std::array<std::uint32_t, kMaxPlanes> stride_bytes{};  // per color plane; 0 for JPEG
   std::array<std::uint32_t, kMaxPlanes> needed_bytes{};  // per memory plane; a frame with fewer bytes is short
   bool interlaced = false;                               // the two fields are half a frame apart in time
-  bool full_range = false;                               // YUV with black at luma 0 instead of 16
+  bool full_range = false;                               // of YUV: black is luma 0 instead of 16
 };
 
 /// Sets format and size; formats with several color planes may use one memory plane or several. kUnsupported: the

@@ -6,6 +6,7 @@
 
 #include "firmware/config/configuration.h"
 #include "hal/files/output_file.h"
+#include "hal/replay/replay_camera.h"
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/evaluate/cramer_rao_bound.h"
 #include "tools/programs/evaluate/report.h"
@@ -55,7 +56,7 @@ Result<std::vector<FrameRecord>> read_results(const std::vector<std::string>& pa
 Result<BoundInputs> bound_inputs(const Options& options) {
   const auto files = std::make_unique<config::Configuration>();
   TOUCHLINE_TRY(config::load_venue_and_team({{}, options.venue, options.team, {}}, *files));
-  const auto format = files->venue.colors.space == ColorSpace::kRgb ? PixelFormat::kRgb24 : PixelFormat::kYuyv;
+  const PixelFormat format = hal::replay_format(files->venue.colors.space);
   const auto& picture = files->venue.picture;
   TOUCHLINE_TRY(config::resolve({format, picture.width_px, picture.height_px, options.pictures}, *files));
   BoundInputs inputs;

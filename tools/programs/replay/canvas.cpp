@@ -7,20 +7,6 @@
 namespace touchline::replay {
 namespace {
 
-std::uint8_t clipped(double value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0))); }
-
-// ITU-R BT.601, limited range.
-std::array<std::uint8_t, 3> rgb_of_yuv(int y, int u, int v) {
-  const double l = 1.164 * (y - 16);
-  return {clipped(l + 1.596 * (v - 128)), clipped(l - 0.392 * (u - 128) - 0.813 * (v - 128)),
-          clipped(l + 2.017 * (u - 128))};
-}
-
-std::array<std::uint8_t, 3> rgb_at(const Frame& frame, std::size_t x, std::size_t y) {
-  const std::array<std::uint8_t, 3> value = pixel_at(frame, x, y);
-  return color_space(frame.format) == ColorSpace::kRgb ? value : rgb_of_yuv(value[0], value[1], value[2]);
-}
-
 void use_font(cairo_t& context, double size) {
   cairo_select_font_face(&context, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_BOLD);
   cairo_set_font_size(&context, size);
@@ -53,7 +39,7 @@ SurfacePtr to_surface(const Frame& frame) {
   const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface.get()));
   for (std::size_t y = 0; y < frame.height_px; ++y) {
     for (std::size_t x = 0; x < frame.width_px; ++x) {
-      const std::array<std::uint8_t, 3> rgb = rgb_at(frame, x, y);
+      const std::array<std::uint8_t, 3> rgb = to_rgb8(pixel_at(frame, x, y), color_space(frame.format));
       std::uint8_t* pixel = data + y * stride + 4 * x;
       pixel[0] = rgb[2], pixel[1] = rgb[1], pixel[2] = rgb[0], pixel[3] = 255;
     }

@@ -42,7 +42,7 @@ struct Pixels {
 };
 Pixels pixels_of(cairo_surface_t& surface);
 
-/// Converts a frame of any format to an RGB surface (YUV: ITU-R BT.601, limited range).
+/// Converts a frame of any format to an RGB surface (YUV: ITU-R BT.601).
 SurfacePtr to_surface(const Frame& frame);
 
 /// Draws text with a dark outline, which is legible on any background. `x`, `y`: left end of the baseline.

@@ -56,9 +56,7 @@ Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progr
   const config::FilePaths paths{{}, options.venue, options.team, options.overrides};
   TOUCHLINE_TRY(config::load_venue_and_team(paths, *configuration));
 
-  // YUYV keeps the values of 4:2:0 and 4:2:2 files exactly.
-  const PixelFormat format =
-      configuration->venue.colors.space == ColorSpace::kRgb ? PixelFormat::kRgb24 : PixelFormat::kYuyv;
+  const PixelFormat format = hal::replay_format(configuration->venue.colors.space);
   hal::ReplayCamera camera({options.input, format, options.rate_hz});
   TOUCHLINE_TRY(camera.open());
   TOUCHLINE_TRY(camera.start());

@@ -206,7 +206,7 @@ class Fitter {
     for (std::size_t c = 0; c < pixels.size(); ++c) {
       learning.colors.push_back({out_.names[c], count_colors(pixels[c])});
       out_.typical.push_back(median(learning.colors.back().pixels));
-      out_.shown_rgb.push_back(shown_rgb(out_.typical.back(), out_.space));
+      out_.shown_rgb.push_back(to_rgb8(out_.typical.back(), out_.space));
     }
     return learning;
   }
@@ -311,7 +311,7 @@ std::vector<std::uint8_t> preview_rgb(const ColorFitInput& input, const ColorFit
   std::vector<std::uint8_t> out(3 * channels.pixels.size());
   for (std::size_t i = 0; i < channels.pixels.size(); ++i) {
     const Channels& p = channels.pixels[i];
-    const int grey = fit.space == ColorSpace::kYuv ? p[0] : (p[0] + 2 * p[1] + p[2]) / 4;
+    const int grey = is_yuv(fit.space) ? p[0] : (p[0] + 2 * p[1] + p[2]) / 4;
     for (std::size_t c = 0; c < 3; ++c) out[3 * i + c] = static_cast<std::uint8_t>(grey / 3);
   }
   const auto scanned = std::make_unique<Scan>();

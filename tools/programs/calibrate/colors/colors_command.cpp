@@ -11,6 +11,7 @@
 
 #include <unistd.h>
 
+#include "hal/device_parameters.h"
 #include "hal/replay/picture.h"
 #include "tools/programs/calibrate/colors/auto_detect.h"
 #include "tools/programs/calibrate/colors/color_fit.h"
@@ -57,9 +58,9 @@ void ColorsCommand::add_options(CLI::App& app) {
   app.add_option("--images", images, "Folder of the pictures in the JSON file (default: the folder of the JSON file)");
   app.add_option("--team", team, "Team file: each of its colors must have a click or be detected");
   std::vector<std::string> formats;
-  formats.reserve(kPixelFormatTable.size());
-  for (const PixelFormatInfo& info : kPixelFormatTable) formats.emplace_back(info.word);
-  app.add_option("--format", format, "Pixel format of the camera, as camera.format in board.toml")
+  formats.reserve(hal::kCameraFormats.size());
+  for (const Choice<hal::CameraFormat>& choice : hal::kCameraFormats) formats.emplace_back(choice.word);
+  app.add_option("--format", format, "Format of the camera, as camera.format in board.toml")
       ->check(CLI::IsMember(formats));
   app.add_option("--patch-radius", patch_radius_px, "Greatest distance of a patch's pixels from the click, px")
       ->check(CLI::Range(3, 200));

@@ -169,7 +169,7 @@ class Completion {
     if (static_cast<double>(even) < kEven * static_cast<double>(region.pixels.size())) return kNoPatch;
     const Channels& floor = picture_.floor.at(u0, v0);
     contrast = color_distance(color, floor, image.space);
-    const Channels shown = shown_rgb(color, image.space);
+    const Channels shown = to_rgb8(color, image.space);
     const bool colored =
         contrast >= kLeastContrast && saturation({static_cast<double>(shown[0]), static_cast<double>(shown[1]),
                                                   static_cast<double>(shown[2])}) >= kLeastSaturation;

@@ -83,10 +83,10 @@ double relative_area(const FoundPatch& patch, const CameraModel& camera, const P
 }
 
 bool differs_from_floor(const Channels& color, const Channels& floor, ColorSpace space) {
-  const Channels rgb = shown_rgb(color, space);
+  const Channels rgb = to_rgb8(color, space);
   return color_distance(color, floor, space) >= kDiffersFromFloor &&
          !is_shadow({static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])},
-                    shown_rgb(floor, space));
+                    to_rgb8(floor, space));
 }
 
 FoundPatch patch_of(const ChannelImage& image, PixelPoint from, int radius_px, GrownPatch grown) {
@@ -108,7 +108,7 @@ FoundPatch patch_of(const ChannelImage& image, PixelPoint from, int radius_px, G
     uu += x * x;
     vv += y * y;
     uv += x * y;
-    const Channels rgb = shown_rgb(image.pixels[pixel], image.space);
+    const Channels rgb = to_rgb8(image.pixels[pixel], image.space);
     for (std::size_t c = 0; c < 3; ++c) values[c].push_back(rgb[c]);
   }
   u /= count;
@@ -183,7 +183,7 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
       grown = grow_region(image, inside, static_cast<double>(middle.u_px), static_cast<double>(middle.v_px), limits);
       if (grown.ok()) patch = patch_of(image, middle, limits.radius_px, std::move(grown).value());
       if (!has_size_of_a_patch(patch, camera, sizes) || patch.elongation > kMostElongation ||
-          is_shadow(patch.rgb, shown_rgb(floor.at(u, v), image.space))) {
+          is_shadow(patch.rgb, to_rgb8(floor.at(u, v), image.space))) {
         continue;
       }
       if (patch.instability < kClear) {

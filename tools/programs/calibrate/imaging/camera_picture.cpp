@@ -82,8 +82,8 @@ void set_pixel(hal::Picture& picture, double u_px, double v_px, const std::array
 }
 
 std::optional<PixelFormat> format_of(std::string_view word) {
-  for (const PixelFormatInfo& info : kPixelFormatTable) {
-    if (info.word == word) return info.format;
+  for (const Choice<hal::CameraFormat>& choice : hal::kCameraFormats) {
+    if (choice.word == word) return hal::pixel_format(choice.value);
   }
   return std::nullopt;
 }

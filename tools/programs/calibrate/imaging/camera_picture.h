@@ -37,7 +37,7 @@ Result<hal::Picture> load_rgb(const std::string& path);
 
 /// Copies a Cairo surface to 8-bit RGB.
 hal::Picture picture_of(cairo_surface_t& surface);
-/// Converts a frame to 8-bit RGB (YUV: ITU-R BT.601, limited range, as load() reads it).
+/// Converts a frame to 8-bit RGB (YUV: ITU-R BT.601, in the range of its format, as load() reads it).
 hal::Picture picture_of(const Frame& frame);
 
 /// A view of an 8-bit RGB picture, which must outlive it.
@@ -46,7 +46,7 @@ Frame frame_of(const hal::Picture& picture);
 /// Colors the pixel at this position of an 8-bit picture. Positions outside of the picture are ignored.
 void set_pixel(hal::Picture& picture, double u_px, double v_px, const std::array<std::uint8_t, 3>& rgb);
 
-/// The pixel format for its name in the board file, e.g. "yuyv". Unknown names give none.
+/// The format of the frames for its name in the board file, e.g. "yuyv" or "mjpg". Unknown names give none.
 std::optional<PixelFormat> format_of(std::string_view word);
 
 }  // namespace touchline::calibrate

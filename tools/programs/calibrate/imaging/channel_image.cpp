@@ -25,20 +25,13 @@ ChannelImage corrected_channels(const Frame& frame, const Shading& shading) {
 
 double color_distance(const Channels& a, const Channels& b, ColorSpace space) {
   const std::array<double, 3> weight =
-      space == ColorSpace::kYuv ? std::array<double, 3>{0.25, 4.0, 4.0} : std::array<double, 3>{1.0, 1.0, 1.0};
+      is_yuv(space) ? std::array<double, 3>{0.25, 4.0, 4.0} : std::array<double, 3>{1.0, 1.0, 1.0};
   double sum = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     const double d = static_cast<double>(a[c]) - static_cast<double>(b[c]);
     sum += weight[c] * d * d;
   }
   return std::sqrt(sum);
-}
-
-Channels shown_rgb(const Channels& value, ColorSpace space) {
-  if (space == ColorSpace::kRgb) return value;
-  const double y = 1.164 * (value[0] - 16.0), u = value[1] - 128.0, v = value[2] - 128.0;
-  const auto byte = [](double x) { return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 255.0))); };
-  return {byte(y + 1.596 * v), byte(y - 0.392 * u - 0.813 * v), byte(y + 2.017 * u)};
 }
 
 std::vector<std::uint8_t> inside_mask(const Polygon& polygon, int width_px, int height_px) {

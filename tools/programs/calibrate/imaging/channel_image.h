@@ -34,9 +34,6 @@ ChannelImage corrected_channels(const Frame& frame, const Shading& shading);
 /// spans half the range of luma and carries most of the difference between a patch and its neighbor.
 double color_distance(const Channels& a, const Channels& b, ColorSpace space);
 
-/// Converts a color of the camera's color space to RGB for display (YUV: ITU-R BT.601, limited range).
-Channels shown_rgb(const Channels& value, ColorSpace space);
-
 /// Marks the pixels whose center lies in the polygon: one byte per pixel, 1 inside. With fewer than three corners, all
 /// pixels are inside.
 std::vector<std::uint8_t> inside_mask(const Polygon& polygon, int width_px, int height_px);

@@ -101,7 +101,7 @@ int PictureCommand::run() const {
     std::fflush(stdout);
   }
   const PixelFormat format = parts.camera.info().format;
-  if (color_space(format) == ColorSpace::kYuv) {
+  if (is_yuv(color_space(format))) {
     std::printf("the camera delivers YUV: use touchline-calibrate colors --format %s with these pictures\n",
                 info_of(format).word.data());
   }

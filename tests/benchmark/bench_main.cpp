@@ -3,6 +3,7 @@
 #include <string>
 
 #include "tests/benchmark/measurement.h"
+#include "tests/benchmark/mjpg_benchmark.h"
 #include "tests/benchmark/step_benchmark.h"
 #include "tools/programs/command_line/command_line.h"
 
@@ -38,13 +39,24 @@ void add_options(CLI::App& app, Options& options) {
 
 [[gnu::noinline]] void counted_call(const std::function<void()>& work) { work(); }
 
+// Adds the cases whose names contain `filter`, with their methods.
+Result<void> add_cases(BenchmarkCases& cases, const std::string& filter) {
+  cases = make_cases(filter);
+  for (const auto& benchmark : cases) {
+    if (Result<void> added = add_methods(*benchmark); !added.ok()) {
+      return prefixed(benchmark->name, std::move(added).error());
+    }
+  }
+  return add_mjpg_cases(cases, filter);
+}
+
 int call_once(const Options& options) {
   const std::size_t slash = options.once.find('/');
   const std::string frame = options.once.substr(0, slash);
-  for (const auto& benchmark : make_cases(frame)) {
+  BenchmarkCases cases;
+  if (const Result<void> added = add_cases(cases, frame); !added.ok()) return fail(kProgram, added.text());
+  for (const auto& benchmark : cases) {
     if (benchmark->name != frame || slash == std::string::npos) continue;
-    const Result<void> added = add_methods(*benchmark);
-    if (!added.ok()) return fail(kProgram, frame + ": " + added.text());
     for (const Method& method : benchmark->methods) {
       if (options.once.substr(slash + 1) != method.name) continue;
       method.work();  // lets the method allocate its memory
@@ -82,11 +94,9 @@ int run(int argc, char** argv) {
     return kExitOk;
   }
 
-  BenchmarkCases cases = make_cases(options.filter);
+  BenchmarkCases cases;
+  if (const Result<void> added = add_cases(cases, options.filter); !added.ok()) return fail(kProgram, added.text());
   for (const auto& benchmark : cases) {
-    if (const Result<void> added = add_methods(*benchmark); !added.ok()) {
-      return fail(kProgram, benchmark->name + ": " + added.text());
-    }
     for (const Method& method : benchmark->methods) {
       if (options.list) std::printf("%s/%s\n", benchmark->name.c_str(), method.name.c_str());
     }

@@ -76,6 +76,14 @@ std::vector<Goal> goals_of(const BenchmarkCases& cases) {
   for (const std::string size : {"field 1280x1024 rgb24", "field 1920x1080 rgb24"}) {
     add("avx2 / read, " + size, time(size, "avx2") / time(size, "read"), 2.5);
   }
+  for (const auto& [sampling, limit] : {std::pair{"mjpg 4:2:0", 0.7}, {"mjpg 4:2:2", 0.8}}) {
+    for (const auto& [picture, method] :
+         {std::pair{" step", "step"}, {" field 640x480", "regions"}, {" vsss-bar", "regions"}}) {
+      const std::string name = std::string(sampling) + picture;
+      add(name + ", " + method + ": planar YUV / RGB",
+          time(name, std::string(method) + ", YUV") / time(name, std::string(method) + ", RGB"), limit);
+    }
+  }
   add("whole step / classification and regions", time(kStep, "step") / time(kStep, "scan"), 1.4);
   add("memory of the core with the tables of a reload, MiB",
       static_cast<double>(sizeof(Pipeline) + sizeof(ScanTables)) / 1048576.0, 4.0);

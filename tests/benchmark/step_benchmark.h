@@ -25,6 +25,9 @@ class StepBenchmark {
   /// Runs the whole step on the next frame. After the last frame the tracks are reset.
   const StepTrace& step();
 
+  [[nodiscard]] std::size_t frames() const { return pictures_.size(); }
+  [[nodiscard]] const Frame& frame(std::size_t number) const { return pictures_[number].frame; }
+
  private:
   struct Picture {
     Frame frame;

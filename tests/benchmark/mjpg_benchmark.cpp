@@ -1,0 +1,264 @@
+#include "tests/benchmark/mjpg_benchmark.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+#include <vector>
+
+#include "core/pipeline.h"
+#include "firmware/config/configuration.h"
+#include "hal/linux/v4l2/mjpg_decoder.h"
+#include "hal/replay/picture.h"
+#include "tests/benchmark/field_picture.h"
+#include "tests/benchmark/step_benchmark.h"
+#include "tests/linux/jpeg_encoder.h"
+
+namespace touchline::testing {
+namespace {
+
+using Jpeg = std::vector<std::uint8_t>;
+
+constexpr int kQuality = 80;  // that of common webcams
+constexpr std::array kSpaces{ColorSpace::kRgb, ColorSpace::kYuvFullRange};
+
+struct Sampling {
+  std::string name;
+  int rows;  // that share a chroma sample
+};
+
+Jpeg encode(const Frame& frame, int rows_of_chroma) {
+  const auto set_up = [rows_of_chroma](jpeg_compress_struct& jpeg) {
+    jpeg_set_quality(&jpeg, kQuality, TRUE);
+    jpeg.comp_info[0].h_samp_factor = 2;
+    jpeg.comp_info[0].v_samp_factor = rows_of_chroma;
+  };
+  return encode_jpeg(frame.width_px, frame.height_px, set_up, [&frame](unsigned v, std::span<std::uint8_t> row) {
+    std::copy_n(frame.plane[0] + std::size_t{v} * frame.stride_bytes[0], row.size(), row.begin());
+  });
+}
+
+/// Decodes JPEGs to planar YUV as the driver does, or to RGB.
+class Decoder {
+ public:
+  Decoder(ColorSpace space, const Frame& like) {
+    frame_.width_px = like.width_px;
+    frame_.height_px = like.height_px;
+    if (space == ColorSpace::kRgb) {
+      frame_.stride_bytes[0] = 3u * like.width_px;
+      bytes_.resize(std::size_t{frame_.stride_bytes[0]} * like.height_px);
+      frame_.plane[0] = bytes_.data();
+      jpeg_.err = jpeg_std_error(&errors_);
+      jpeg_create_decompress(&jpeg_);
+      return;
+    }
+    yuv_.open(like.width_px, like.height_px);
+    frame_.format = PixelFormat::kYuvj422p;
+    frame_.stride_bytes = yuv_.layout().stride_bytes;
+    bytes_.resize(yuv_.layout().bytes);
+    for (std::size_t i = 0; i < kMaxPlanes; ++i) frame_.plane[i] = bytes_.data() + yuv_.layout().offset_bytes[i];
+  }
+  ~Decoder() { jpeg_destroy_decompress(&jpeg_); }
+  Decoder(const Decoder&) = delete;
+  Decoder& operator=(const Decoder&) = delete;
+
+  const Frame& decode(const Jpeg& bytes) {
+    if (frame_.format == PixelFormat::kYuvj422p) {
+      if (!yuv_.decode(bytes, bytes_.data()).ok()) std::abort();  // the benchmark has made the picture itself
+      return frame_;
+    }
+    jpeg_mem_src(&jpeg_, bytes.data(), bytes.size());
+    jpeg_read_header(&jpeg_, TRUE);
+    jpeg_.out_color_space = JCS_RGB;
+    jpeg_.dct_method = JDCT_ISLOW;
+    jpeg_.do_fancy_upsampling = FALSE;
+    jpeg_start_decompress(&jpeg_);
+    while (jpeg_.output_scanline < jpeg_.output_height) {
+      JSAMPROW row = bytes_.data() + std::size_t{jpeg_.output_scanline} * frame_.stride_bytes[0];
+      jpeg_read_scanlines(&jpeg_, &row, 1);
+    }
+    jpeg_finish_decompress(&jpeg_);
+    return frame_;
+  }
+
+ private:
+  Frame frame_;
+  std::vector<std::uint8_t> bytes_;
+  hal::MjpgDecoder yuv_;
+  jpeg_decompress_struct jpeg_{};
+  jpeg_error_mgr errors_{};
+};
+
+/// Color boxes in YUV around the pixels of each color of the frame in RGB, without the outermost twentieth on each
+/// side.
+ColorBoxes boxes_in_yuv(const ScanParameters& rgb, const Frame& in_rgb, const Frame& in_yuv) {
+  const ColorGrid grid = defined_colors(in_rgb, rgb);
+  ColorBoxes boxes;
+  for (ColorId color = 1; color <= kMaxColors; ++color) {
+    std::array<std::vector<std::uint8_t>, 3> values;
+    for (int v = 0; v < in_rgb.height_px; ++v) {
+      for (int u = 0; u < in_rgb.width_px; ++u) {
+        if (grid.at(u, v) != color) continue;
+        for (std::size_t c = 0; c < 3; ++c) values[c].push_back(channels_at(in_yuv, u, v)[c]);
+      }
+    }
+    if (values[0].empty()) continue;
+    ColorBox box{color, {}, {}};
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::sort(values[c].begin(), values[c].end());
+      box.low[c] = values[c][values[c].size() / 50];
+      box.high[c] = values[c][values[c].size() - 1 - values[c].size() / 50];
+    }
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
+std::unique_ptr<BenchmarkCase> empty_case(const std::string& name) {
+  return std::make_unique<BenchmarkCase>(
+      BenchmarkCase{.name = name, .picture = OwnedPicture(PixelFormat::kRgb24, 1, 1, 0), .parameters = {}});
+}
+
+std::string suffix(ColorSpace space) { return space == ColorSpace::kRgb ? ", RGB" : ", YUV"; }
+
+/// Decoding, and decoding with the scan. `parameters(space, decoded)` makes the scan's parameters.
+template <class Parameters>
+Result<void> add_scans(BenchmarkCase& benchmark, const std::shared_ptr<Jpeg>& jpeg, const Frame& like,
+                       Parameters parameters) {
+  struct Scan {
+    Runs runs;
+    Regions regions;
+  };
+  const auto outputs = std::make_shared<Scan>();
+  for (const ColorSpace space : kSpaces) {
+    const auto decoder = std::make_shared<Decoder>(space, like);
+    const auto scanner = std::make_shared<RegionScanner>();
+    const ScanParameters wanted = parameters(space, decoder->decode(*jpeg));
+    if (const Status s = scanner->configure(wanted); !s.ok()) return Error{s.code(), "the scanner refuses the boxes"};
+    const auto scan = [decoder, scanner, outputs, jpeg] {
+      static_cast<void>(scanner->scan(decoder->decode(*jpeg), outputs->runs, outputs->regions));
+    };
+    scan();
+    const auto patches = std::count_if(outputs->regions.begin(), outputs->regions.end(),
+                                       [](const Region& region) { return region.area_px >= 30; });
+    benchmark.found += std::to_string(patches) + " regions as large as a patch" + suffix(space) + "; ";
+    if (patches < 12) return failure(ErrorCode::kInconsistent, "only %s", benchmark.found.c_str());
+    benchmark.methods.push_back({"decode" + suffix(space), [decoder, jpeg] { decoder->decode(*jpeg); }, {}});
+    benchmark.methods.push_back({"regions" + suffix(space), scan, {}});
+  }
+  benchmark.found += std::to_string(jpeg->size()) + " bytes";
+  return {};
+}
+
+Result<void> add_picture(BenchmarkCase& benchmark, const Sampling& sampling, const Frame& frame,
+                         const ScanParameters& rgb) {
+  const auto jpeg = std::make_shared<Jpeg>(encode(frame, sampling.rows));
+  return add_scans(benchmark, jpeg, frame, [&](ColorSpace space, const Frame& decoded) {
+    ScanParameters parameters = rgb;
+    if (space == ColorSpace::kRgb) return parameters;
+    parameters.format = decoded.format;
+    parameters.boxes = boxes_in_yuv(rgb, frame, decoded);
+    return parameters;
+  });
+}
+
+Result<void> add_field(BenchmarkCase& benchmark, const Sampling& sampling) {
+  const FieldScene scene;
+  ScanParameters parameters = field_parameters(scene);
+  parameters.min_area_px = 2;
+  return add_picture(benchmark, sampling, paint_field(scene).frame(), parameters);
+}
+
+Result<void> add_real_picture(BenchmarkCase& benchmark, const Sampling& sampling, const std::string& shared) {
+  TOUCHLINE_TRY_ASSIGN(const hal::Picture picture, hal::read_picture(shared + "/footage/vsss-bar/normal_06.png"));
+  Frame frame;
+  frame.width_px = static_cast<std::uint16_t>(picture.width_px);
+  frame.height_px = static_cast<std::uint16_t>(picture.height_px);
+  frame.plane[0] = picture.rgb8.data();
+  frame.stride_bytes[0] = 3 * picture.width_px;
+  const auto venue = std::make_unique<config::Configuration>();
+  const std::string footage = TOUCHLINE_FOOTAGE;
+  TOUCHLINE_TRY(config::load_venue_and_team(
+      {{}, footage + "/vsss-bar-normal-venue.toml", footage + "/vsss-bar-normal-team.toml", {}}, *venue));
+  TOUCHLINE_TRY(config::resolve({PixelFormat::kRgb24, frame.width_px, frame.height_px, "a picture"}, *venue));
+  venue->pipeline.scan.background.reset();
+  return add_picture(benchmark, sampling, frame, venue->pipeline.scan);
+}
+
+/// The whole step on the pictures of a game, from JPEG to packet.
+class JpegGame {
+ public:
+  Result<void> prepare(ColorSpace space, const StepBenchmark& game, const Sampling& sampling) {
+    const std::string mock = TOUCHLINE_BOARDS "/mock";
+    const bool is_rgb = space == ColorSpace::kRgb;
+    TOUCHLINE_TRY(config::load({mock + "/board.toml",
+                                is_rgb ? "" : mock + "/venue-mjpg.toml",
+                                "",
+                                {is_rgb ? "camera.format=rgb24" : "camera.format=mjpg"}},
+                               *configuration_));
+    if (const Status s = pipeline_->configure(configuration_->pipeline); !s.ok()) {
+      return Error{s.code(), "the pipeline refuses its configuration"};
+    }
+    for (std::size_t i = 0; i < game.frames(); ++i) {
+      stamps_.push_back(game.frame(i).capture_time);
+      jpegs_.push_back(encode(game.frame(i), sampling.rows));
+    }
+    decoder_ = std::make_unique<Decoder>(space, game.frame(0));
+    for (std::size_t i = 0; i < game.frames(); ++i) {
+      if (step().sightings.robots.size() == configuration_->board.arena.robot.size()) continue;
+      return Error{ErrorCode::kInconsistent, "a frame does not show all robots"};
+    }
+    return {};
+  }
+  const StepTrace& step() {
+    if (next_ == jpegs_.size()) {
+      pipeline_->reset();
+      next_ = 0;
+    }
+    Frame frame = decoder_->decode(jpegs_[next_]);
+    frame.capture_time = stamps_[next_];
+    frame.sequence = static_cast<std::uint32_t>(next_++);
+    return pipeline_->step(frame);
+  }
+
+ private:
+  std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
+  std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();
+  std::unique_ptr<Decoder> decoder_;
+  std::vector<Jpeg> jpegs_;
+  std::vector<Instant> stamps_;
+  std::size_t next_ = 0;
+};
+
+Result<void> add_steps(BenchmarkCase& benchmark, const Sampling& sampling) {
+  StepBenchmark game;
+  TOUCHLINE_TRY(game.prepare(TOUCHLINE_BOARDS "/mock/board.toml"));
+  for (const ColorSpace space : kSpaces) {
+    const auto of_space = std::make_shared<JpegGame>();
+    TOUCHLINE_TRY(of_space->prepare(space, game, sampling));
+    benchmark.methods.push_back({"step" + suffix(space), [of_space] { static_cast<void>(of_space->step()); }, {}});
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> add_mjpg_cases(BenchmarkCases& cases, const std::string& filter) {
+  const auto add = [&](const std::string& name, const auto& fill) -> Result<void> {
+    if (name.find(filter) == std::string::npos) return {};
+    cases.push_back(empty_case(name));
+    Result<void> filled = fill(*cases.back());
+    if (!filled.ok()) return prefixed(name, std::move(filled).error());
+    return {};
+  };
+  for (const Sampling& sampling : {Sampling{"mjpg 4:2:0", 2}, Sampling{"mjpg 4:2:2", 1}}) {
+    TOUCHLINE_TRY(add(sampling.name + " field 640x480", [&](BenchmarkCase& c) { return add_field(c, sampling); }));
+    TOUCHLINE_TRY(add(sampling.name + " step", [&](BenchmarkCase& c) { return add_steps(c, sampling); }));
+    if (const char* const shared = std::getenv("TOUCHLINE_SHARED"); shared != nullptr) {
+      TOUCHLINE_TRY(
+          add(sampling.name + " vsss-bar", [&](BenchmarkCase& c) { return add_real_picture(c, sampling, shared); }));
+    }
+  }
+  return {};
+}
+
+}  // namespace touchline::testing

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "hal/result.h"
+#include "tests/benchmark/measurement.h"
+
+namespace touchline::testing {
+
+/// Adds cases whose names contain `filter` and that process pictures of a USB camera (JPEG of quality 80, 4:2:2 and
+/// 4:2:0), decoded to planar YUV as the driver does, and for comparison to RGB:
+/// - "mjpg ... field 640x480": JPEG to regions of a drawn field;
+/// - "mjpg ... vsss-bar": the same of a real picture, if the environment variable TOUCHLINE_SHARED names its folder;
+/// - "mjpg ... step": JPEG to packet, in the game of StepBenchmark.
+/// kInconsistent: too few patches or robots are found. Other errors: of files.
+Result<void> add_mjpg_cases(BenchmarkCases& cases, const std::string& filter);
+
+}  // namespace touchline::testing

@@ -57,18 +57,18 @@ bool is_certain(const BallSighting& ball, const BallTrack& track) {
 }
 
 // By how much a color in YUV differs from its typical value, if R, G and B change by these levels and the change of
-// luma is corrected (BT.601, limited range). A channel that is saturated changes less.
-std::array<float, 3> effect_of_tint(const std::array<std::uint8_t, 3>& yuv, const std::array<float, 3>& levels) {
+// luma is corrected. A channel that is saturated changes less.
+std::array<float, 3> effect_of_tint(const std::array<std::uint8_t, 3>& yuv, ColorSpace space,
+                                    const std::array<float, 3>& levels) {
   const float luma = 0.299f * levels[0] + 0.587f * levels[1] + 0.114f * levels[2];
   const float limit = 255.0f * std::exp2(-luma / kLevelsPerOctave);
   std::array<float, 3> rgb =
-      to_rgb({static_cast<float>(yuv[0]), static_cast<float>(yuv[1]), static_cast<float>(yuv[2])}, ColorSpace::kYuv);
+      to_rgb({static_cast<float>(yuv[0]), static_cast<float>(yuv[1]), static_cast<float>(yuv[2])}, space);
   for (std::size_t c = 0; c < 3; ++c) {
     const float changed = rgb[c] * std::exp2((levels[c] - luma) / kLevelsPerOctave);
     rgb[c] = std::min(changed, std::max(limit, rgb[c])) - rgb[c];
   }
-  return {0.257f * rgb[0] + 0.504f * rgb[1] + 0.098f * rgb[2], -0.148f * rgb[0] - 0.291f * rgb[1] + 0.439f * rgb[2],
-          0.439f * rgb[0] - 0.368f * rgb[1] - 0.071f * rgb[2]};
+  return rgb_to_yuv(rgb, space);
 }
 
 // The largest distance between the sides of the same box.
@@ -127,14 +127,14 @@ void Adaptation::measure(const Frame& frame, RegionScanner& scanner) {
   for (std::uint16_t row = 0; row < shading.rows(); ++row) {
     if (field_.changed(row)) scanner.apply_light_change(light_, field_, row);
   }
-  if (space_ == ColorSpace::kYuv) follow_tint(scanner);
+  if (is_yuv(space_)) follow_tint(scanner);
 }
 
 // Y, U and V of a tile have one level, which a tint does not change. What it does to each color is known.
 void Adaptation::follow_tint(RegionScanner& scanner) {
   for (std::size_t color = 1; color <= kMaxColors; ++color) {
     if (!typical_.measured[color]) continue;
-    shift_.set_known(static_cast<ColorId>(color), effect_of_tint(typical_[color], field_.channel_means()));
+    shift_.set_known(static_cast<ColorId>(color), effect_of_tint(typical_[color], space_, field_.channel_means()));
   }
   changed_ = true;
   const ColorBoxes wanted = shift_.moved();

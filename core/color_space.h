@@ -43,6 +43,14 @@ constexpr YuvToRgb yuv_to_rgb(ColorSpace space) {
   return space == ColorSpace::kYuv ? YuvToRgb{1192, 1634, 401, 832, 2066} : YuvToRgb{1024, 1436, 352, 731, 1815};
 }
 
+/// Y, U, V as differences from black, of R, G, B from 0 to 255 (ITU-R BT.601). `space` must be YUV.
+constexpr std::array<float, 3> rgb_to_yuv(const std::array<float, 3>& rgb, ColorSpace space) {
+  const bool is_limited = space == ColorSpace::kYuv;
+  const float of_luma = is_limited ? 219.0f / 255.0f : 1.0f, of_chroma = is_limited ? 224.0f / 255.0f : 1.0f;
+  const float luma = 0.299f * rgb[0] + 0.587f * rgb[1] + 0.114f * rgb[2];
+  return {of_luma * luma, of_chroma * (rgb[2] - luma) / 1.772f, of_chroma * (rgb[0] - luma) / 1.402f};
+}
+
 /// Converts a pixel to R, G, B, rounded and limited to 0..255.
 constexpr std::array<std::uint8_t, 3> to_rgb8(const std::array<std::uint8_t, 3>& value, ColorSpace space) {
   if (space == ColorSpace::kRgb) return value;

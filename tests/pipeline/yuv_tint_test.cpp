@@ -7,6 +7,7 @@
 
 #include "core/adaptation.h"
 #include "tests/color/owned_picture.h"
+#include "tests/color/rgb_to_yuv.h"
 
 namespace touchline::testing {
 namespace {
@@ -16,14 +17,12 @@ using LinearRgb = std::array<double, 3>;
 constexpr ColorId kRedPatch = 1, kBluePatch = 2, kYellowPatch = 3;
 constexpr LinearRgb kFloorRgb{62, 60, 58};
 constexpr std::array<LinearRgb, 4> kPatchRgb{{kFloorRgb, {190, 40, 45}, {40, 90, 195}, {185, 170, 35}}};
-constexpr int kWide = 320, kHigh = 240, kPatchSide = 12, kTolerance = 6;
+constexpr int kWide = 320, kHigh = 240, kPatchSide = 12;
 
-// BT.601, limited range.
-Channels yuv_of(const LinearRgb& rgb) {
+Channels yuv_of(const LinearRgb& rgb, ColorSpace space) {
   const auto byte = [](double x) { return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 255.0))); };
-  const double r = std::min(rgb[0], 255.0), g = std::min(rgb[1], 255.0), b = std::min(rgb[2], 255.0);
-  return {byte(16 + 0.257 * r + 0.504 * g + 0.098 * b), byte(128 - 0.148 * r - 0.291 * g + 0.439 * b),
-          byte(128 + 0.439 * r - 0.368 * g - 0.071 * b)};
+  const auto value = in_space(space, {std::min(rgb[0], 255.0), std::min(rgb[1], 255.0), std::min(rgb[2], 255.0)});
+  return {byte(value[0]), byte(value[1]), byte(value[2])};
 }
 
 class YuvTint : public ::testing::TestWithParam<PixelFormat> {
@@ -32,20 +31,20 @@ class YuvTint : public ::testing::TestWithParam<PixelFormat> {
     scan_.format = GetParam();
     scan_.width_px = kWide;
     scan_.height_px = kHigh;
-    scan_.box_shift_limit = 15;
+    scan_.box_shift_limit = static_cast<std::uint8_t>(most_shift_);
     scan_.light.columns = scan_.light.rows = 1;
     for (auto& plane : scan_.light.illumination) plane[0] = 1.0f;
-    parameters_.most_shift = 15.0;
+    parameters_.most_shift = most_shift_;
     for (ColorId color = kRedPatch; color <= kYellowPatch; ++color) {
-      const Channels value = yuv_of(kPatchRgb[color]);
+      const Channels value = yuv_of(kPatchRgb[color], color_space(GetParam()));
       ColorBox box{color, {}, {}};
       for (std::size_t c = 0; c < 3; ++c) {
-        box.low[c] = static_cast<std::uint8_t>(value[c] - kTolerance);
-        box.high[c] = static_cast<std::uint8_t>(value[c] + kTolerance);
+        box.low[c] = static_cast<std::uint8_t>(value[c] - tolerance_);
+        box.high[c] = static_cast<std::uint8_t>(value[c] + tolerance_);
       }
       // Brightness differs more than tint.
-      box.low[0] = static_cast<std::uint8_t>(value[0] - 3 * kTolerance);
-      box.high[0] = static_cast<std::uint8_t>(value[0] + 3 * kTolerance);
+      box.low[0] = static_cast<std::uint8_t>(value[0] - 3 * tolerance_);
+      box.high[0] = static_cast<std::uint8_t>(value[0] + 3 * tolerance_);
       scan_.boxes.push_back(box);
       parameters_.typical[color] = value;
       parameters_.typical.measured[color] = true;
@@ -73,7 +72,7 @@ class YuvTint : public ::testing::TestWithParam<PixelFormat> {
         }
         LinearRgb rgb = kPatchRgb[color];
         for (std::size_t c = 0; c < 3; ++c) rgb[c] *= light[c];
-        picture_.set(u, v, yuv_of(rgb));
+        picture_.set(u, v, yuv_of(rgb, color_space(GetParam())));
       }
     }
     return picture_.frame();
@@ -89,6 +88,9 @@ class YuvTint : public ::testing::TestWithParam<PixelFormat> {
     }));
   }
 
+  // Full range has 255 steps of chroma, limited range 224.
+  const bool is_full_range_ = color_space(GetParam()) == ColorSpace::kYuvFullRange;
+  const int tolerance_ = is_full_range_ ? 7 : 6, most_shift_ = is_full_range_ ? 17 : 15;
   ScanParameters scan_;
   AdaptationParameters parameters_;
   OwnedPicture picture_{GetParam(), kWide, kHigh, 0};
@@ -125,7 +127,7 @@ TEST_P(YuvTint, IsForgottenWhenTheAdaptationIsTurnedOff) {
 
 INSTANTIATE_TEST_SUITE_P(Formats, YuvTint,
                          ::testing::Values(PixelFormat::kYuyv, PixelFormat::kUyvy, PixelFormat::kNv12,
-                                           PixelFormat::kI420),
+                                           PixelFormat::kI420, PixelFormat::kYuvj422p),
                          [](const auto& format) { return name_of(format.param); });
 
 }  // namespace

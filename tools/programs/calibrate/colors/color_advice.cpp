@@ -72,16 +72,13 @@ class Adviser {
   }
 
   [[nodiscard]] std::array<int, 3> in_this_light(const Rgb& paint) const {
-    std::array<double, 3> rgb{};
-    for (std::size_t c = 0; c < 3; ++c) rgb[c] = std::min(255.0, gain_[c] * paint[c]);
-    if (is_yuv(input_.space)) {  // ITU-R BT.601
-      const bool is_limited = input_.space == ColorSpace::kYuv;
-      const double of_luma = is_limited ? 219.0 / 255.0 : 1.0, of_chroma = is_limited ? 224.0 / 255.0 : 1.0;
-      const double luma = 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2];
-      rgb = {black_value(input_.space, 0) + of_luma * luma, 128 + of_chroma * (rgb[2] - luma) / 1.772,
-             128 + of_chroma * (rgb[0] - luma) / 1.402};
+    std::array<float, 3> value{};
+    for (std::size_t c = 0; c < 3; ++c) value[c] = static_cast<float>(std::min(255.0, gain_[c] * paint[c]));
+    if (is_yuv(input_.space)) {
+      value = rgb_to_yuv(value, input_.space);
+      for (std::size_t c = 0; c < 3; ++c) value[c] += static_cast<float>(black_value(input_.space, c));
     }
-    return {static_cast<int>(rgb[0]), static_cast<int>(rgb[1]), static_cast<int>(rgb[2])};
+    return {static_cast<int>(value[0]), static_cast<int>(value[1]), static_cast<int>(value[2])};
   }
 
   const LearningInput& input_;

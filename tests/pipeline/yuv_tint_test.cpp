@@ -14,7 +14,8 @@ namespace {
 
 using LinearRgb = std::array<double, 3>;
 
-constexpr ColorId kRedPatch = 1, kBluePatch = 2, kYellowPatch = 3;
+// Red, blue and yellow.
+constexpr ColorId kFirstPatch = 1, kLastPatch = 3;
 constexpr LinearRgb kFloorRgb{62, 60, 58};
 constexpr std::array<LinearRgb, 4> kPatchRgb{{kFloorRgb, {190, 40, 45}, {40, 90, 195}, {185, 170, 35}}};
 constexpr int kWide = 320, kHigh = 240, kPatchSide = 12;
@@ -35,7 +36,7 @@ class YuvTint : public ::testing::TestWithParam<PixelFormat> {
     scan_.light.columns = scan_.light.rows = 1;
     for (auto& plane : scan_.light.illumination) plane[0] = 1.0f;
     parameters_.most_shift = most_shift_;
-    for (ColorId color = kRedPatch; color <= kYellowPatch; ++color) {
+    for (ColorId color = kFirstPatch; color <= kLastPatch; ++color) {
       const Channels value = yuv_of(kPatchRgb[color], color_space(GetParam()));
       ColorBox box{color, {}, {}};
       for (std::size_t c = 0; c < 3; ++c) {

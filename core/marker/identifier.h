@@ -26,7 +26,8 @@ using BoxSightings = FixedVector<BoxSighting, kMaxRobots>;
 /// Decides which robot is which by the pixels of its identification patches, not only by the boxes that they fell into:
 /// samples them where the pose predicts them, compares their colors with that of the robot's own team patch
 /// (color_evidence.h), and names all robots of a team together (id_assignment.h). A robot whose identification regions
-/// are missing gets its pose from the axis of a long team patch, if the colors beside it leave no doubt.
+/// are missing gets its pose from the axis of a long team patch, or from the patches that pixels show around a team
+/// patch without an axis, if their colors leave no doubt.
 ///
 /// A team keeps the result of the boxes if the typical value of one of its colors was not measured. The work is
 /// bounded: nine pixels per patch, at most kMaxPoses poses per robot, two assignments of at most 11 robots per name.
@@ -55,7 +56,8 @@ class Identifier {
     float prior = 0;                                              // log likelihood of its patches' places
     std::array<float, kMaxRobotsPerTeam> value{};                 // by index in TeamMarking::robots
     float best = 0;                                               // of all values
-    float floor = 0;  // log likelihood ratio that its missing patches are floor
+    float floor = 0;         // log likelihood ratio that its missing patches are floor
+    float search_doubt = 0;  // contained in prior: it is one of many directions in which patches were looked for
   };
   struct Candidate {
     std::size_t robot = 0;  // index in Sightings::robots
@@ -65,6 +67,8 @@ class Identifier {
     float axis_rad = 0;  // direction of the team patch's longer side on the field, modulo pi
     bool has_axis = false;
     bool is_complete = true;  // the team patch has the expected area
+    bool has_light = false;
+    LocalLight light;  // on its team patch
     bool has_floor = false;
     SurfaceColor floor;  // around the robot
     bool has_evidence = false;
@@ -88,6 +92,11 @@ class Identifier {
   void look_at_team_patch(const Scene& now, Candidate& candidate) const;
   void look_at_floor(const Scene& now, Candidate& candidate) const;
   [[nodiscard]] static LightPrior prior_light(const Scene& now, PixelPoint at);
+  void look_at_light(const Scene& now, Candidate& candidate) const;
+  [[nodiscard]] float best_likelihood(const Scene& now, const Candidate& candidate, const Pose& pose,
+                                      std::size_t slot) const;
+  void search_poses(const Scene& now, Candidate& candidate) const;
+  bool align(const Scene& now, const Candidate& candidate, PoseEvidence& pose) const;
   [[nodiscard]] float prior_of(const Scene& now, const Candidate& candidate, const PoseEvidence& pose) const;
   [[nodiscard]] bool is_free(const Scene& now, std::size_t robot, const Pose& pose) const;
   bool evaluate(const Scene& now, Candidate& candidate) const;

@@ -22,14 +22,15 @@ constexpr int kMinSamples = 9;
 
 using Grid = std::array<std::uint64_t, kGridSize>;  // one bit per sample
 
-// Keeps only the samples that are connected with the one in the middle.
-Grid connected(const Grid& mask) {
+// Keeps only the samples that are connected with the one in the middle. `mask` is empty beyond `reach` rows from it.
+Grid connected(const Grid& mask, int reach) {
+  const auto first = static_cast<std::size_t>(kGridReach - reach), last = static_cast<std::size_t>(kGridReach + reach);
   Grid out{};
   out[kGridReach] = std::uint64_t{1} << static_cast<unsigned>(kGridReach);
   // Every pass reaches at least one sample farther; a spiral would need more passes, but is no patch.
   for (std::size_t pass = 0; pass < kGridSize; ++pass) {
     const Grid before = out;
-    for (std::size_t row = 0; row < kGridSize; ++row) {
+    for (std::size_t row = first; row <= last; ++row) {
       std::uint64_t near = out[row] | out[row] << 1u | out[row] >> 1u;
       if (row > 0) near |= out[row - 1];
       if (row + 1 < kGridSize) near |= out[row + 1];
@@ -116,7 +117,7 @@ bool grow_patch(const Frame& frame, PixelPoint seed, float reach_px, GrownPatch&
   if (5 * outside > (2 * reach + 1) * (2 * reach + 1)) return false;
   // The pixel in the middle may be noise; the mean around it is the color.
   mask[kGridReach] |= std::uint64_t{1} << static_cast<unsigned>(kGridReach);
-  const Grid grown = connected(mask);
+  const Grid grown = connected(mask, reach);
   float n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
   for (std::size_t row = 0; row < kGridSize; ++row) {
     const float dy = static_cast<float>(row) - static_cast<float>(kGridReach);

@@ -141,12 +141,35 @@ INSTANTIATE_TEST_SUITE_P(Marker, LongTeamPatch,
 const Placed kLeft{Team::kOwn, 0, {{-0.3f, 0.1f}, 0.4f}}, kMiddle{Team::kOwn, 1, {{0.0f, 0.1f}, -1.9f}},
     kRight{Team::kOwn, 2, {{0.3f, 0.1f}, 2.6f}};
 
-// A square or a disk has no axis from which a heading could follow. Its place is reported.
-TEST_F(IdsFromPixels, ReportThePlaceOfASquareOrDiskWithoutIdentificationRegions) {
+// A square has no axis, but around it the pixels show its identification patch.
+TEST_F(IdsFromPixels, FindThePatchBesideASquareThatFellIntoNoBox) {
+  for (const PixelFormat f : {PixelFormat::kRgb24, PixelFormat::kYuyv, PixelFormat::kNv12}) {
+    use(teams_with(paper_teams().teams[0].layout, 3), f);
+    std::size_t right = 0, robots = 0;
+    for (int n = 0; n < 5; ++n) {
+      boxes->clear();
+      shown->clear();
+      const std::vector<Placed> placed = scattered(random, parameters, 3, 1.4f, 1.2f);
+      for (const Placed& robot : placed) paint_without_regions(robot);
+      const Comparison result = compare(placed, look(kLampLight), parameters, 0.05f);
+      EXPECT_EQ(result.wrong + result.ghosts + result.missed, 0u) << name_of(f) << ", picture " << n;
+      // Only those with a heading count.
+      EXPECT_LT(result.heading_rad, 0.1f);
+      right += result.right;
+      robots += placed.size();
+    }
+    EXPECT_GE(right, robots * 9 / 10) << name_of(f) << " of " << robots;
+  }
+}
+
+// Its place is reported if the pixels around it show nothing.
+TEST_F(IdsFromPixels, ReportThePlaceOfASquareOrDiskWithoutIdentification) {
   for (const MarkerLayout& layout : {paper_teams().teams[0].layout, disks_layout()}) {
     use(teams_with(layout, 3));
     const std::vector<Placed> placed{kLeft, kMiddle, kRight};
-    for (const Placed& robot : placed) paint_without_regions(robot);
+    for (const Placed& robot : placed) {
+      for (PaintedField* field : {boxes.get(), shown.get()}) field->paint_patch(robot, 0, kBlue);
+    }
     const Sightings& seen = look(kLampLight);
     ASSERT_EQ(seen.robots.size(), placed.size());
     for (const RobotSighting& robot : seen.robots) {
@@ -244,7 +267,8 @@ TEST_F(IdsFromPixels, IsUnknownIfTheRatioFitsTwoRobots) {
 }
 
 TEST_F(IdsFromPixels, IsNeverWrongIfThePatchIsCovered) {
-  for (const auto& layout : {bar_layout(), halves_layout(), triangles_layout()}) {
+  for (const auto& layout :
+       {bar_layout(), halves_layout(), triangles_layout(), paper_teams().teams[0].layout, disks_layout()}) {
     use(teams_with(layout, 3));
     // A robot's dark top, a hand, paper, and a color of no robot.
     for (const Rgb cover : {Rgb{20, 20, 22}, Rgb{190, 140, 110}, Rgb{230, 230, 225}, Rgb{70, 150, 160}}) {

@@ -1,0 +1,233 @@
+// Possible poses of a robot: Identifier::collect_poses() and what it needs.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/geometry/angle.h"
+#include "core/marker/identifier_scene.h"
+#include "core/marker/rigid_fit.h"
+
+namespace touchline {
+namespace {
+
+// Log likelihood that a region where a pose predicts a patch is that patch.
+constexpr float kRegionReward = 3.0f;
+// Error of the axis of a long team patch, which may be partly hidden or have only a part of its pixels in its box.
+constexpr float kRoughAxisSigma = 0.25f;
+// Area of a team patch that is grown from its pixels, relative to the layout's. Halos of sharpening and shared chroma
+// leave half of a small patch.
+constexpr float kMinGrownArea = 0.35f, kMaxGrownArea = 1.5f;
+// A region of the right shape with this part of the area shows the whole patch.
+constexpr float kWholeRegion = 0.75f;
+// The window for growing contains the patch if its seed is in the middle third.
+constexpr float kWindowMargin = 1.3f, kBlur_px = 2.0f;
+// Samples of the floor lie on a circle of this radius, relative to the robot's side, around its team patch.
+constexpr std::size_t kFloorSamples = 8;
+constexpr float kFloorRadius = 1.1f;
+// Directions in which patches are looked for around a team patch; adjacent ones overlap by most of a patch. Their
+// number, as log likelihood: any of them may show a known color by chance.
+constexpr std::size_t kDirections = 16;
+constexpr float kManyDirections = 2.8f;
+// Ratio of variances of patches whose axis is visible: in the layout, and in the picture.
+constexpr float kLong = 2.0f, kVisiblyLong = 1.5f;
+// Smaller differences of pose show the same pixels.
+constexpr float kSamePlace = 0.006f, kSameHeading = 0.2f;
+
+bool same_pose(const Pose& a, const Pose& b) {
+  return distance_m(a.position, b.position) < kSamePlace &&
+         std::abs(wrap_angle(a.theta_rad - b.theta_rad)) < kSameHeading;
+}
+
+}  // namespace
+
+// False if another robot is there.
+bool Identifier::is_free(const Scene& now, std::size_t robot, const Pose& pose) const {
+  const MarkerLayout& layout = teams_[now.team].layout;
+  for (std::size_t i = 0; i < now.seen.robots.size(); ++i) {
+    if (i == robot || now.boxes[i].is_tentative) continue;
+    const RobotSighting& other = now.seen.robots[i];
+    if (other.has_heading) {
+      const float side = 0.5f * (layout.robot_side_m + teams_[index_of(other.team)].layout.robot_side_m);
+      if (distance_m(pose.position, other.pose.position) < kMinRobotDistance * side) return false;
+    }
+    const FieldPoint patch = now.patches.team[now.boxes[i].team_patch].patch.at[now.team];
+    if (on_robot(layout, to_robot_frame(pose, patch), kForeignPatchInset_m)) return false;
+  }
+  return true;
+}
+
+// A region holds only the part of a patch that fell into its box. The whole patch has a better center and axis.
+void Identifier::look_at_team_patch(const Scene& now, Candidate& candidate) const {
+  const PatchCandidate& region = now.patches.team[now.boxes[candidate.robot].team_patch].patch;
+  candidate.center = region.center;
+  candidate.at = region.at[now.team];
+  candidate.axis_rad = region.axis_rad;
+  candidate.has_axis = region.has_rough_axis;
+  candidate.is_complete = true;
+  if (candidate.pose_is_sure || (region.has_axis && region.ratio > kWholeRegion)) return;
+  const MarkerLayout& layout = teams_[now.team].layout;
+  const PatchPlace& place = layout.patches[0];
+  const float scale = region.scale_px_per_m, expected_px = area_m2(place) * scale * scale;
+  const float reach_px = kWindowMargin * 0.5f * std::hypot(place.length_m, place.width_m) * scale + kBlur_px;
+  GrownPatch patch;
+  const bool is_grown = grow_patch(now.frame, region.center, reach_px, patch) &&
+                        patch.area_px > kMinGrownArea * expected_px && patch.area_px < kMaxGrownArea * expected_px;
+  candidate.is_complete = is_grown || !region.is_partly_visible;
+  if (!is_grown) return;
+  const auto field = [&](PixelPoint pixel) { return camera_.to_field(pixel, layout.height_m); };
+  candidate.center = patch.center;
+  candidate.at = field(patch.center);
+  const PrincipalVariances variances = principal_variances(place);
+  candidate.has_axis =
+      variances.major_m2 > kLong * variances.minor_m2 && patch.major_px2 > kVisiblyLong * patch.minor_px2;
+  if (!candidate.has_axis) return;
+  const float du = std::sqrt(patch.major_px2) * std::cos(patch.axis_rad);
+  const float dv = std::sqrt(patch.major_px2) * std::sin(patch.axis_rad);
+  const FieldPoint a = field({patch.center.u_px + du, patch.center.v_px + dv});
+  const FieldPoint b = field({patch.center.u_px - du, patch.center.v_px - dv});
+  candidate.axis_rad = std::atan2(a.y_m - b.y_m, a.x_m - b.x_m);
+}
+
+// Finds the color of the floor: the median of samples on a circle around the robot.
+void Identifier::look_at_floor(const Scene& now, Candidate& candidate) const {
+  candidate.has_floor = false;
+  if (candidate.pose_is_sure) return;
+  const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
+  const float radius_px = kFloorRadius * teams_[now.team].layout.robot_side_m * scale;
+  std::array<FixedVector<float, kFloorSamples>, 3> values;
+  for (std::size_t i = 0; i < kFloorSamples; ++i) {
+    const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(kFloorSamples);
+    SurfaceColor surface;
+    if (!sample_surface(
+            now.frame,
+            {candidate.center.u_px + radius_px * std::cos(angle), candidate.center.v_px + radius_px * std::sin(angle)},
+            1, surface)) {
+      continue;
+    }
+    for (std::size_t c = 0; c < 3; ++c) values[c].push_back(surface.rgb[c]);
+  }
+  if (values[0].size() < kFloorSamples / 2) return;
+  candidate.has_floor = true;
+  for (std::size_t c = 0; c < 3; ++c) {
+    float* const middle = values[c].begin() + values[c].size() / 2;
+    std::nth_element(values[c].begin(), middle, values[c].end());
+    candidate.floor.rgb[c] = *middle;
+  }
+}
+
+float Identifier::prior_of(const Scene& now, const Candidate& candidate, const PoseEvidence& pose) const {
+  float prior = 0;
+  for (const std::uint16_t number : pose.identification) prior += number == kMissing ? 0.0f : kRegionReward;
+  if (candidate.has_axis) {
+    const float error = std::remainder(
+        candidate.axis_rad - pose.pose.theta_rad - principal_variances(teams_[now.team].layout.patches[0]).axis_rad,
+        std::numbers::pi_v<float>);
+    prior -= 0.5f * error * error / (kRoughAxisSigma * kRoughAxisSigma);
+  }
+  return prior - pose.search_doubt;
+}
+
+void Identifier::add_pose(const Scene& now, PoseEvidence pose, Candidate& candidate) const {
+  if (candidate.poses.full() || !is_free(now, candidate.robot, pose.pose)) return;
+  if (std::any_of(candidate.poses.begin(), candidate.poses.end(),
+                  [&](const PoseEvidence& other) { return same_pose(other.pose, pose.pose); })) {
+    return;
+  }
+  pose.prior = prior_of(now, candidate, pose);
+  candidate.poses.push_back(pose);
+}
+
+void Identifier::collect_poses(const Scene& now, Candidate& candidate) const {
+  const BoxSighting& box = now.boxes[candidate.robot];
+  candidate.pose_is_sure = box.pose_is_sure;
+  look_at_team_patch(now, candidate);
+  look_at_light(now, candidate);
+  look_at_floor(now, candidate);
+  candidate.poses.clear();
+  if (candidate.pose_is_sure) {
+    const Hypothesis& h = now.hypotheses[box.hypothesis];
+    candidate.poses.push_back({h.fit.pose, h.fit.residual_m, h.identification, 0, {}, 0});
+    return;
+  }
+  for (const Hypothesis& h : now.hypotheses) {
+    if (h.team_patch != box.team_patch || !h.has_heading) continue;
+    add_pose(now, {h.fit.pose, h.fit.residual_m, h.identification, 0, {}, 0}, candidate);
+  }
+  if (!candidate.has_axis) {
+    if (candidate.poses.empty() && candidate.is_complete) search_poses(now, candidate);
+    return;
+  }
+  const PatchPlace& place = teams_[now.team].layout.patches[0];
+  PoseEvidence upright;
+  upright.identification.fill(kMissing);
+  for (const float turn : {0.0f, std::numbers::pi_v<float>}) {
+    upright.pose.theta_rad = wrap_angle(candidate.axis_rad - principal_variances(place).axis_rad + turn);
+    const FieldPoint offset = on_field({{}, upright.pose.theta_rad}, place);
+    upright.pose.position = {candidate.at.x_m - offset.x_m, candidate.at.y_m - offset.y_m};
+    add_pose(now, upright, candidate);
+  }
+}
+
+// Turns and moves the pose so that it agrees with the first identification patch as its pixels show it. False if there
+// is no such patch at the right distance.
+bool Identifier::align(const Scene& now, const Candidate& candidate, PoseEvidence& pose) const {
+  const MarkerLayout& layout = teams_[now.team].layout;
+  const PatchPlace &team_place = layout.patches[0], &place = layout.patches[1];
+  const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
+  const float reach_px = kWindowMargin * 0.5f * std::hypot(place.length_m, place.width_m) * scale + kBlur_px;
+  const float expected_px = area_m2(place) * scale * scale;
+  // The pose has its patch within half a patch.
+  GrownPatch patch;
+  if (!grow_patch(now.frame, camera_.to_pixel(on_field(pose.pose, place), layout.height_m), reach_px, patch) ||
+      patch.area_px < kMinGrownArea * expected_px || patch.area_px > kMaxGrownArea * expected_px) {
+    return false;
+  }
+  const FieldPoint at = camera_.to_field(patch.center, layout.height_m);
+  const FieldPoint layout_offset{place.x_m - team_place.x_m, place.y_m - team_place.y_m};
+  const FieldPoint offset{at.x_m - candidate.at.x_m, at.y_m - candidate.at.y_m};
+  pose.residual_m =
+      0.5f * std::abs(std::hypot(offset.x_m, offset.y_m) - std::hypot(layout_offset.x_m, layout_offset.y_m));
+  if (pose.residual_m > precise_gate_m(scale)) return false;
+  pose.pose.theta_rad =
+      wrap_angle(std::atan2(offset.y_m, offset.x_m) - std::atan2(layout_offset.y_m, layout_offset.x_m));
+  const FieldPoint from_middle = on_field({{}, pose.pose.theta_rad}, {.x_m = 0.5f * (team_place.x_m + place.x_m),
+                                                                      .y_m = 0.5f * (team_place.y_m + place.y_m)});
+  pose.pose.position = {0.5f * (candidate.at.x_m + at.x_m) - from_middle.x_m,
+                        0.5f * (candidate.at.y_m + at.y_m) - from_middle.y_m};
+  return true;
+}
+
+// Looks for identification patches that fell into no box in all directions around the team patch. Adds the two
+// likeliest poses.
+void Identifier::search_poses(const Scene& now, Candidate& candidate) const {
+  const MarkerLayout& layout = teams_[now.team].layout;
+  if (!candidate.has_light) return;
+  std::array<float, kDirections> value{};
+  std::array<Pose, kDirections> poses{};
+  for (std::size_t i = 0; i < kDirections; ++i) {
+    poses[i].theta_rad = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(kDirections);
+    const FieldPoint offset = on_field(poses[i], layout.patches[0]);
+    poses[i].position = {candidate.at.x_m - offset.x_m, candidate.at.y_m - offset.y_m};
+    for (std::size_t s = 0; s + 1 < layout.patches.size(); ++s) {
+      value[i] += best_likelihood(now, candidate, poses[i], s);
+    }
+  }
+  // A direction that is much less likely than another one is no alternative to it.
+  float least = ColorEvidence::kNoColor * static_cast<float>(layout.patches.size() - 1);
+  for (int tried = 0; tried < 2; ++tried) {
+    const auto best = static_cast<std::size_t>(std::max_element(value.begin(), value.end()) - value.begin());
+    if (value[best] < least) return;
+    least = std::max(least, value[best] - 2.0f * kDoubtfulMargin);
+    PoseEvidence pose;
+    pose.pose = poses[best];
+    pose.identification.fill(kMissing);
+    pose.search_doubt = kManyDirections;
+    if (align(now, candidate, pose)) add_pose(now, pose, candidate);
+    for (const std::size_t near : {best + kDirections - 1, best, best + 1}) {
+      value[near % kDirections] = std::numeric_limits<float>::lowest();
+    }
+  }
+}
+
+}  // namespace touchline

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "core/light/field_light.h"
 #include "core/light/shading.h"
@@ -17,13 +18,20 @@ class ExpectedGain {
   ExpectedGain(const Shading& shading, const FieldLight& field) : shading_(&shading), field_(&field) {}
 
   [[nodiscard]] bool is_known() const { return field_ != nullptr && field_->active() && shading_->active(); }
-  /// In levels (32 per octave); positive: brighter. The point must be in the picture, the light map active. In YUV all
-  /// channels have the gain of luma.
+  /// In levels (32 per octave); positive: brighter. The point must be in the picture, the light map active. In YUV the
+  /// change of luma, for all channels.
   [[nodiscard]] float levels_at(std::size_t channel, const PixelPoint& at) const;
-  /// Factor of each channel's values above black. Only valid if is_known(). The point must be in the picture.
+  /// Factors of R, G and B, also in YUV. Only valid if is_known(). The point must be in the picture.
   [[nodiscard]] std::array<float, 3> at(const PixelPoint& at) const;
 
  private:
+  struct Tile {
+    std::uint16_t column = 0, row = 0;
+  };
+  static Tile tile_of(const PixelPoint& at);
+  // Of the light map alone.
+  [[nodiscard]] float map_levels_at(std::size_t channel, const Tile& tile) const;
+
   const Shading* shading_ = nullptr;
   const FieldLight* field_ = nullptr;
 };

@@ -382,10 +382,15 @@ bool FieldLight::interpolate() {
 float FieldLight::at(std::size_t channel, std::uint16_t tile_column, std::uint16_t tile_row) const {
   if (!active()) return 0.0f;
   const std::size_t cell = grid_.cell_of_tile(tile_column, tile_row);
-  if (space_ == ColorSpace::kRgb) return static_cast<float>(change_[channel][cell]) / float{kStepsPerLevel};
+  if (space_ == ColorSpace::kRgb) return rgb_at(channel, tile_column, tile_row);
   // BT.601 weights.
   const int luma = 77 * change_[0][cell] + 150 * change_[1][cell] + 29 * change_[2][cell];
   return static_cast<float>(luma) / (256.0f * kStepsPerLevel);
+}
+
+float FieldLight::rgb_at(std::size_t channel, std::uint16_t tile_column, std::uint16_t tile_row) const {
+  if (!active()) return 0.0f;
+  return static_cast<float>(change_[channel][grid_.cell_of_tile(tile_column, tile_row)]) / float{kStepsPerLevel};
 }
 
 }  // namespace touchline

@@ -40,6 +40,8 @@ class FieldLight {
   /// Change of light in a tile, in levels (32 per octave); positive: brighter than in the reference. 0 when off. In YUV
   /// it is the change of a gray surface's luma, for all channels.
   [[nodiscard]] float at(std::size_t channel, std::uint16_t tile_column, std::uint16_t tile_row) const;
+  /// The same of R, G and B, also in YUV.
+  [[nodiscard]] float rgb_at(std::size_t channel, std::uint16_t tile_column, std::uint16_t tile_row) const;
   /// Mean over all cells and channels.
   [[nodiscard]] float mean() const { return mean_; }
   /// Mean over all cells of R, G and B, also in YUV.

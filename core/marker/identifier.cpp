@@ -82,7 +82,7 @@ LightPrior Identifier::prior_light(const Scene& now, PixelPoint at) {
   if (!now.light.is_known()) return prior;
   prior.gain = now.light.at(at);
   prior.common_sigma = kFieldSigma;
-  if (color_space(now.frame.format) == ColorSpace::kRgb) prior.tint_sigma = kFieldTintSigma;
+  prior.tint_sigma = kFieldTintSigma;
   return prior;
 }
 

@@ -24,7 +24,8 @@ using Grid = std::array<std::uint64_t, kGridSize>;  // one bit per sample
 
 // Keeps only the samples that are connected with the one in the middle. `mask` is empty beyond `reach` rows from it.
 Grid connected(const Grid& mask, int reach) {
-  const auto first = static_cast<std::size_t>(kGridReach - reach), last = static_cast<std::size_t>(kGridReach + reach);
+  const auto rows = static_cast<std::size_t>(reach);
+  const std::size_t first = kGridReach - rows, last = kGridReach + rows;
   Grid out{};
   out[kGridReach] = std::uint64_t{1} << static_cast<unsigned>(kGridReach);
   // Every pass reaches at least one sample farther; a spiral would need more passes, but is no patch.

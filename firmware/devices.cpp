@@ -84,7 +84,7 @@ void Devices::make(const config::Configuration& configuration, std::uint64_t see
   }
 }
 
-LoopDevices Devices::loop_devices() { return {*camera_, *radio_, *gpio_, *clock_, simulated_time_}; }
+HalDevices Devices::hal_devices() { return {*camera_, *radio_, *gpio_, *clock_, simulated_time_}; }
 
 std::string Devices::summary() const {
   if (!arena_) return {};

@@ -31,7 +31,7 @@ class Devices {
   void make(const config::Configuration& configuration, std::uint64_t seed, bool paced = false);
 
   /// After make().
-  [[nodiscard]] LoopDevices loop_devices();
+  [[nodiscard]] HalDevices hal_devices();
   /// In simulated time the clock stands still while the processor works.
   [[nodiscard]] bool simulated_time() const { return simulated_time_; }
   /// Result of a simulation, several lines; empty for real devices.

@@ -33,13 +33,12 @@ bool take_request(const std::atomic<std::uint32_t>& count, std::uint32_t& served
 
 }  // namespace
 
-Loop::Loop(const LoopDevices& devices, Pipeline& pipeline, const LoopSettings& settings, ReportRing& reports,
+Loop::Loop(const HalDevices& devices, Pipeline& pipeline, const LoopSettings& settings, ReportRing& reports,
            LoopObserver observer)
-    : devices_(devices),
-      pipeline_(pipeline),
+    : pipeline_(pipeline),
       settings_(settings),
       observer_(observer),
-      connections_(devices),
+      devices_(devices),
       rules_(stop_rule_settings(settings)),
       external_(settings.external),
       reports_(reports, settings.status_interval) {
@@ -52,15 +51,15 @@ void Loop::set_faults(const config::FaultSettings& faults) {
   settings_.faults = faults;
   const Duration stop_after = from_seconds(faults.stop_after_s);
   rules_.set_limits(stop_after, faults.resume_after_emergency);
-  connections_.set_first_pause(from_seconds(faults.reopen_after_s));
+  devices_.set_first_pause(from_seconds(faults.reopen_after_s));
   // Short enough for stop packets and the emergency stop, long enough to leave the processor idle.
   poll_period_ = std::clamp<Duration>(stop_after / 4, 5ms, 50ms);
 }
 
 Result<void> Loop::open() {
-  TOUCHLINE_TRY(connections_.open(from_seconds(settings_.faults.reopen_after_s)));
-  crash_stop::set_radio(devices_.radio.descriptor());
-  const Instant now = devices_.clock.now();
+  TOUCHLINE_TRY(devices_.open(from_seconds(settings_.faults.reopen_after_s)));
+  crash_stop::set_radio(devices_.radio().descriptor());
+  const Instant now = devices_.clock().now();
   statistics_.begin = last_frame_ = last_packet_ = now;
   reports_.begin(now);
   return {};
@@ -79,11 +78,11 @@ LoopEnd Loop::run(const std::atomic<bool>& stop) {
 }
 
 std::optional<LoopEnd> Loop::iterate() {
-  const Instant before = devices_.clock.now();
+  const Instant before = devices_.clock().now();
   check_inputs(before);
   serve_radio(before);
   wait_for_frame(before + std::min({poll_period_, input_due_, radio_due_}));
-  const Instant now = devices_.clock.now();
+  const Instant now = devices_.clock().now();
   stop_if_due(now);
   receive_telemetry(now);
   reopen_lost_devices(now);
@@ -96,29 +95,29 @@ std::optional<LoopEnd> Loop::iterate() {
 }
 
 void Loop::wait_for_frame(Instant deadline) {
-  if (!connections_.is_open(Device::kCamera)) {
-    devices_.clock.sleep_until(deadline);
+  if (!devices_.is_open(Device::kCamera)) {
+    devices_.clock().sleep_until(deadline);
     return;
   }
-  const Result<hal::FrameLease> lease = devices_.camera.wait(deadline);
+  const Result<hal::FrameLease> lease = devices_.camera().wait(deadline);
   if (lease.ok()) {
     process_frame(lease.value());
   } else if (lease.code() != ErrorCode::kTimeout) {
-    on_fault(Device::kCamera, lease.error(), devices_.clock.now());
+    on_fault(Device::kCamera, lease.error(), devices_.clock().now());
   }
   // A hanging camera reports no error.
-  const Instant now = devices_.clock.now();
+  const Instant now = devices_.clock().now();
   const bool is_silent = now - last_frame_ > from_seconds(settings_.faults.camera_timeout_s);
-  if (is_silent && connections_.is_open(Device::kCamera)) {
+  if (is_silent && devices_.is_open(Device::kCamera)) {
     report_fault(Device::kCamera, {ErrorCode::kTimeout, {}}, FaultAction::kReopen, now);
-    connections_.mark_lost(Device::kCamera, now);
+    devices_.mark_lost(Device::kCamera, now);
   }
 }
 
 void Loop::process_frame(const hal::FrameLease& lease) {
   Frame frame = lease.frame();
   StepTiming timing;
-  timing.received = devices_.clock.now();
+  timing.received = devices_.clock().now();
   set_strobe(true, timing.received);
   const Instant machine_received = hal::MonotonicClock::read();
   last_frame_ = timing.received;
@@ -137,10 +136,10 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   pipeline_.set_halted(!rules_.may_move());
   const StepTrace& trace = pipeline_.step(frame);
   // The emergency stop may have been pulled meanwhile.
-  read_inputs(devices_.clock.now());
+  read_inputs(devices_.clock().now());
   if (!rules_.may_move() && !trace.commands.stop) pipeline_.revoke();
   send(trace.packet, trace.commands.stop, timing.received);
-  timing.sent = devices_.clock.now();
+  timing.sent = devices_.clock().now();
   const Instant machine_sent = hal::MonotonicClock::read();
   timing.processing = machine_sent - machine_received;
   set_strobe(false, timing.sent);
@@ -244,8 +243,8 @@ void Loop::check_inputs(Instant now) {
 
 void Loop::read_inputs(Instant now) {
   std::optional<hal::GpioInputs> inputs;
-  if (connections_.is_open(Device::kGpio)) {
-    const Result<hal::GpioInputs> read = devices_.gpio.inputs(now);
+  if (devices_.is_open(Device::kGpio)) {
+    const Result<hal::GpioInputs> read = devices_.gpio().inputs(now);
     if (read.ok()) {
       inputs = read.value();
     } else {
@@ -267,11 +266,11 @@ void Loop::send(const Packet& packet, bool is_stop, Instant now) {
   if (crash_stop::is_stopping()) return;  // another thread has crashed; its stop packets must be the last ones
   last_packet_ = now;
   needs_final_stops_ = true;
-  if (!connections_.is_open(Device::kRadio)) {
+  if (!devices_.is_open(Device::kRadio)) {
     ++statistics_.packets_refused;
     return;
   }
-  const Result<void> sent = devices_.radio.send(packet);
+  const Result<void> sent = devices_.radio().send(packet);
   crash_stop::record_sent(packet);
   const bool drops = sent.code() == ErrorCode::kBusy;
   if (sent.ok() || drops) {
@@ -286,8 +285,8 @@ void Loop::send(const Packet& packet, bool is_stop, Instant now) {
 
 void Loop::serve_radio(Instant now) {
   radio_due_ = poll_period_;
-  if (!connections_.is_open(Device::kRadio)) return;
-  const Result<Duration> due = devices_.radio.serve();
+  if (!devices_.is_open(Device::kRadio)) return;
+  const Result<Duration> due = devices_.radio().serve();
   if (due.ok()) {
     radio_due_ = due.value();
   } else {
@@ -296,8 +295,8 @@ void Loop::serve_radio(Instant now) {
 }
 
 void Loop::receive_telemetry(Instant now) {
-  if (!settings_.telemetry || !connections_.is_open(Device::kRadio)) return;
-  const Result<std::size_t> count = devices_.radio.receive(received_);
+  if (!settings_.telemetry || !devices_.is_open(Device::kRadio)) return;
+  const Result<std::size_t> count = devices_.radio().receive(received_);
   if (!count.ok()) {
     on_fault(Device::kRadio, count.error(), now);
   } else if (count.value() > 0) {
@@ -309,36 +308,36 @@ void Loop::receive_telemetry(Instant now) {
 
 void Loop::send_final_stops() {
   for (int i = 0; i < kFinalStops; ++i) {
-    Instant now = devices_.clock.now();
+    Instant now = devices_.clock().now();
     const Instant next = now + kFinalStopPause;
     send_stop(now);
     // serve_radio() sends a packet that waits for the line.
-    for (; now < next; now = devices_.clock.now()) {
+    for (; now < next; now = devices_.clock().now()) {
       serve_radio(now);
-      devices_.clock.sleep_until(now + std::min(next - now, radio_due_));
+      devices_.clock().sleep_until(now + std::min(next - now, radio_due_));
     }
   }
   needs_final_stops_ = false;
-  if (!connections_.is_open(Device::kRadio)) return;
-  const Instant now = devices_.clock.now();
-  if (const Result<void> drained = devices_.radio.drain(now + kDrainTime); !drained.ok()) {
+  if (!devices_.is_open(Device::kRadio)) return;
+  const Instant now = devices_.clock().now();
+  if (const Result<void> drained = devices_.radio().drain(now + kDrainTime); !drained.ok()) {
     report_fault(Device::kRadio, drained.error(), action_for(drained.code()), now);
   }
 }
 
 void Loop::close() {
-  if (!connections_.are_open()) return;
+  if (!devices_.are_open()) return;
   if (needs_final_stops_) send_final_stops();
-  if (led_.value_or(false) && connections_.is_open(Device::kGpio)) {
-    static_cast<void>(devices_.gpio.set_status_led(false));
+  if (led_.value_or(false) && devices_.is_open(Device::kGpio)) {
+    static_cast<void>(devices_.gpio().set_status_led(false));
   }
   crash_stop::set_radio(-1);
-  connections_.close();
+  devices_.close();
 }
 
 void Loop::set_strobe(bool high, Instant now) {
   if (!outputs_work()) return;
-  if (const Result<void> r = devices_.gpio.set_strobe(high); !r.ok()) on_output_fault(r.error(), now);
+  if (const Result<void> r = devices_.gpio().set_strobe(high); !r.ok()) on_output_fault(r.error(), now);
 }
 
 void Loop::update_status_light(Instant now) {
@@ -347,7 +346,7 @@ void Loop::update_status_light(Instant now) {
   const bool on = rules_.only_waits_for_start() || (now - statistics_.begin) / half % 2 == 0;
   if (led_ == on) return;
   led_ = on;
-  if (const Result<void> r = devices_.gpio.set_status_led(on); !r.ok()) on_output_fault(r.error(), now);
+  if (const Result<void> r = devices_.gpio().set_status_led(on); !r.ok()) on_output_fault(r.error(), now);
 }
 
 void Loop::on_fault(Device device, const Error& error, Instant now) {
@@ -360,7 +359,7 @@ void Loop::on_fault(Device device, const Error& error, Instant now) {
   report_fault(device, error, action, now);
   if (action == FaultAction::kReopen || action == FaultAction::kContinueWithout) {
     if (device == Device::kRadio) crash_stop::set_radio(-1);  // its descriptor will be closed
-    connections_.mark_lost(device, now);
+    devices_.mark_lost(device, now);
   }
   if (action == FaultAction::kLeave) end_ = LoopEnd::kFault;
 }
@@ -375,8 +374,8 @@ void Loop::on_output_fault(const Error& error, Instant now) {
 
 void Loop::reopen_lost_devices(Instant now) {
   for (const Device device : kDevices) {
-    if (connections_.is_open(device)) continue;
-    const std::optional<Result<void>> attempt = connections_.poll(device, now);
+    if (devices_.is_open(device)) continue;
+    const std::optional<Result<void>> attempt = devices_.poll(device, now);
     if (attempt && attempt->ok()) {
       on_reopened(device, now);
     } else if (attempt) {
@@ -386,7 +385,7 @@ void Loop::reopen_lost_devices(Instant now) {
       report_fault(device, attempt->error(), action, now);
     }
     const Duration limit = from_seconds(settings_.faults.leave_after_s);
-    if (is_required(device) && limit > 0s && connections_.time_lost(device, now) > limit) end_ = LoopEnd::kDeviceLost;
+    if (is_required(device) && limit > 0s && devices_.time_lost(device, now) > limit) end_ = LoopEnd::kDeviceLost;
   }
 }
 
@@ -405,7 +404,7 @@ void Loop::on_reopened(Device device, Instant now) {
       outputs_failed_ = false;
       break;
     case Device::kRadio:
-      crash_stop::set_radio(devices_.radio.descriptor());
+      crash_stop::set_radio(devices_.radio().descriptor());
       break;
   }
 }

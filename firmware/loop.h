@@ -10,10 +10,10 @@
 #include "firmware/config/board_file.h"
 #include "firmware/external_input.h"
 #include "firmware/live_update.h"
+#include "firmware/loop_devices.h"
 #include "firmware/loop_heartbeat.h"
 #include "firmware/loop_report.h"
 #include "firmware/loop_statistics.h"
-#include "firmware/reconnecting_devices.h"
 #include "firmware/report_writer.h"
 #include "firmware/signals.h"
 #include "firmware/snapshot_ring.h"
@@ -73,7 +73,7 @@ enum class LoopEnd : std::uint8_t {
 class Loop {
  public:
   /// All references must outlive the loop.
-  Loop(const LoopDevices& devices, Pipeline& pipeline, const LoopSettings& settings, ReportRing& reports,
+  Loop(const HalDevices& devices, Pipeline& pipeline, const LoopSettings& settings, ReportRing& reports,
        LoopObserver observer = {});
   /// Calls close().
   ~Loop();
@@ -130,13 +130,12 @@ class Loop {
   [[nodiscard]] bool is_required(Device device) const { return device != Device::kGpio || settings_.emergency_stop; }
   // Until the start button is pressed, robots wait for its chip as well.
   [[nodiscard]] bool is_awaited(Device device) const { return is_required(device) || !rules_.is_started(); }
-  [[nodiscard]] bool outputs_work() const { return connections_.is_open(Device::kGpio) && !outputs_failed_; }
+  [[nodiscard]] bool outputs_work() const { return devices_.is_open(Device::kGpio) && !outputs_failed_; }
 
-  const LoopDevices devices_;
   Pipeline& pipeline_;
   LoopSettings settings_;
   LoopObserver observer_;
-  ReconnectingDevices connections_;
+  LoopDevices devices_;
   StopRules rules_;
   ExternalInput external_;
   ReportWriter reports_;

@@ -92,7 +92,7 @@ int run_command(const CommandLine& command_line) {
   LoopEnd end = LoopEnd::kRequested;
   const CpuLatencyRequest cpu_latency_request(realtime);
   refused.insert(refused.end(), cpu_latency_request.refused().begin(), cpu_latency_request.refused().end());
-  ConfigReloader reloader(session.files(), session.configuration(), session.devices().loop_devices().camera,
+  ConfigReloader reloader(session.files(), session.configuration(), session.devices().hal_devices().camera,
                           session.live_update());
   {
     // These threads are started before this thread gets its real-time priority, which they would inherit.

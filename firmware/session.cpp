@@ -19,7 +19,7 @@ Result<void> Session::load(const SessionOptions& options) {
 
 Result<void> Session::open(LoopObserver observer) {
   devices_.make(*configuration_, options_.seed, options_.paced);
-  const LoopDevices devices = devices_.loop_devices();
+  const HalDevices devices = devices_.hal_devices();
   LoopSettings settings;
   settings.faults = configuration_->board.faults;
   settings.radio_delay = from_seconds(configuration_->board.radio.delay_s);

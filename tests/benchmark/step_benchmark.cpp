@@ -29,7 +29,7 @@ StepBenchmark::Picture StepBenchmark::copy_of(const Frame& frame) {
 Result<void> StepBenchmark::play(std::size_t frames) {
   Devices devices;
   devices.make(*configuration_, 1);
-  const LoopDevices loop = devices.loop_devices();
+  const HalDevices loop = devices.hal_devices();
   TOUCHLINE_TRY(loop.camera.open());
   TOUCHLINE_TRY(loop.camera.start());
   TOUCHLINE_TRY(loop.radio.open());

@@ -46,7 +46,7 @@ LoopTest::~LoopTest() {
 
 Loop& LoopTest::start(LoopObserver observer) {
   EXPECT_TRUE(pipeline->configure(fake_camera_parameters()).ok());
-  loop = std::make_unique<Loop>(LoopDevices{camera, radio, gpio, clock, true}, *pipeline, settings, *ring, observer);
+  loop = std::make_unique<Loop>(HalDevices{camera, radio, gpio, clock, true}, *pipeline, settings, *ring, observer);
   EXPECT_OK(loop->open());
   return *loop;
 }

@@ -197,7 +197,7 @@ TEST_F(LoopTest, EndsAtAFrameOfAnotherSize) {
 TEST_F(LoopTest, NamesADeviceThatCannotBeOpenedAtTheStart) {
   camera.add({0.0, 1.0, ErrorCode::kNotFound});
   ASSERT_TRUE(pipeline->configure(fake_camera_parameters()).ok());
-  loop = std::make_unique<Loop>(LoopDevices{camera, radio, gpio, clock, true}, *pipeline, settings, *ring);
+  loop = std::make_unique<Loop>(HalDevices{camera, radio, gpio, clock, true}, *pipeline, settings, *ring);
   expect_error(loop->open(), ErrorCode::kNotFound, "camera: /dev/fake0: scripted fault");
   EXPECT_FALSE(radio.is_open);
   EXPECT_TRUE(radio.sent.empty());

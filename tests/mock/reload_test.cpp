@@ -43,7 +43,7 @@ class Reload : public ::testing::Test {
     options.files.board = (folder_ / "board.toml").string();
     ASSERT_OK(session_.load(options));
     ASSERT_OK(session_.open({&Reload::observe, this}));
-    reloader_.emplace(session_.files(), session_.configuration(), session_.devices().loop_devices().camera,
+    reloader_.emplace(session_.files(), session_.configuration(), session_.devices().hal_devices().camera,
                       session_.live_update());
     run(30);  // until all robots have tracks
     watching_ = true;

@@ -186,7 +186,7 @@ int measure_board(const MeasureOptions& options) {
   // Before this thread gets its real-time priority, which theirs would inherit.
   const network::ConnectionThreads threads(connections, configuration,
                                            [](const std::string& line) { std::cerr << line + "\n"; });
-  const hal::CameraInfo& info = session.devices().loop_devices().camera.info();
+  const hal::CameraInfo& info = session.devices().hal_devices().camera.info();
   const double rate_hz = info.rate_hz > 0.0 ? info.rate_hz : board.camera.rate_hz;
   const int code = run.measure(session.loop(), "board " + board.name + ", " + picture_text(info), rate_hz);
   connections.stop();
@@ -214,7 +214,7 @@ int measure_worst_frames(const MeasureOptions& options) {
   settings.duration = run.duration();
   const auto reports = std::make_unique<ReportRing>();
   const auto loop =
-      std::make_unique<Loop>(LoopDevices{camera, radio, gpio, clock}, *pipeline, settings, *reports, run.observer());
+      std::make_unique<Loop>(HalDevices{camera, radio, gpio, clock}, *pipeline, settings, *reports, run.observer());
   if (const Result<void> prepared = run.prepare(); !prepared.ok()) return fail(prepared.text());
   if (const Result<void> opened = loop->open(); !opened.ok()) return fail(opened.text());
   return run.measure(*loop, "worst frames, " + picture_text(camera.info()), board.camera.rate_hz);

@@ -77,7 +77,7 @@ int PictureCommand::run() const {
 
   Devices devices;
   devices.make(*configuration, 1);
-  const LoopDevices parts = devices.loop_devices();
+  const HalDevices parts = devices.hal_devices();
   const Streaming streaming(parts.camera);
   if (!streaming.started.ok()) return camera_failed(streaming.started.error());
   if (!parts.camera.info().description.empty()) std::printf("camera: %s\n", parts.camera.info().description.c_str());

@@ -13,7 +13,8 @@
 
 namespace touchline {
 
-struct LoopDevices {
+/// The devices of a board, whatever implements them.
+struct HalDevices {
   hal::Camera& camera;
   hal::Radio& radio;
   hal::Gpio& gpio;
@@ -21,18 +22,24 @@ struct LoopDevices {
   bool simulated_time = false;  // the clock stands still while the processor works
 };
 
-/// Opens and closes the loop's camera, radio and GPIO, and reopens those that are lost, each on its own thread.
-class ReconnectingDevices {
+/// The loop's camera, radio and GPIO: opens and closes them, and reopens those that are lost, each on the thread of its
+/// own DeviceReconnector.
+class LoopDevices {
  public:
-  explicit ReconnectingDevices(const LoopDevices& devices) : devices_(devices) {}
-  ~ReconnectingDevices() { close(); }
-  ReconnectingDevices(const ReconnectingDevices&) = delete;
-  ReconnectingDevices& operator=(const ReconnectingDevices&) = delete;
+  explicit LoopDevices(const HalDevices& devices) : hal_(devices) {}
+  ~LoopDevices() { close(); }
+  LoopDevices(const LoopDevices&) = delete;
+  LoopDevices& operator=(const LoopDevices&) = delete;
 
   /// Opens radio, GPIO and camera, in this order, and starts the camera. On error nothing is open.
   Result<void> open(Duration first_pause);
   /// Waits for attempts in progress, then closes all.
   void close();
+  [[nodiscard]] hal::Camera& camera() const { return hal_.camera; }
+  [[nodiscard]] hal::Radio& radio() const { return hal_.radio; }
+  [[nodiscard]] hal::Gpio& gpio() const { return hal_.gpio; }
+  [[nodiscard]] hal::Clock& clock() const { return hal_.clock; }
+
   /// Between open() and close().
   [[nodiscard]] bool are_open() const { return are_open_; }
 
@@ -50,7 +57,7 @@ class ReconnectingDevices {
   }
   DeviceReconnector& at(Device device) { return *reconnectors_[static_cast<std::size_t>(device)]; }
 
-  LoopDevices devices_;
+  HalDevices hal_;
   std::array<std::optional<DeviceReconnector>, kDeviceCount> reconnectors_;
   bool are_open_ = false;
 };

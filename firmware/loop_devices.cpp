@@ -1,4 +1,4 @@
-#include "firmware/reconnecting_devices.h"
+#include "firmware/loop_devices.h"
 
 #include <utility>
 
@@ -25,39 +25,39 @@ Result<void> reopen(void* device) {
 
 }  // namespace
 
-Result<void> ReconnectingDevices::open(Duration first_pause) {
+Result<void> LoopDevices::open(Duration first_pause) {
   const auto close_all = [&](Device device, Result<void>&& failed) {
-    devices_.camera.close();
-    devices_.radio.close();
-    devices_.gpio.close();
+    hal_.camera.close();
+    hal_.radio.close();
+    hal_.gpio.close();
     return prefixed(describe(device), std::move(failed).error());
   };
   // The radio is first, so that robots that are still moving can be stopped.
-  if (Result<void> r = devices_.radio.open(); !r.ok()) return close_all(Device::kRadio, std::move(r));
-  if (Result<void> r = devices_.gpio.open(); !r.ok()) return close_all(Device::kGpio, std::move(r));
-  if (Result<void> r = devices_.camera.open(); !r.ok()) return close_all(Device::kCamera, std::move(r));
-  if (Result<void> r = devices_.camera.start(); !r.ok()) return close_all(Device::kCamera, std::move(r));
+  if (Result<void> r = hal_.radio.open(); !r.ok()) return close_all(Device::kRadio, std::move(r));
+  if (Result<void> r = hal_.gpio.open(); !r.ok()) return close_all(Device::kGpio, std::move(r));
+  if (Result<void> r = hal_.camera.open(); !r.ok()) return close_all(Device::kCamera, std::move(r));
+  if (Result<void> r = hal_.camera.start(); !r.ok()) return close_all(Device::kCamera, std::move(r));
   const auto watch = [&](Device device, DeviceReconnector::Reopen how, void* which) {
-    reconnectors_[static_cast<std::size_t>(device)].emplace(how, which, first_pause, devices_.simulated_time);
+    reconnectors_[static_cast<std::size_t>(device)].emplace(how, which, first_pause, hal_.simulated_time);
   };
-  watch(Device::kCamera, reopen_camera, &devices_.camera);
-  watch(Device::kRadio, reopen<hal::Radio>, &devices_.radio);
-  watch(Device::kGpio, reopen<hal::Gpio>, &devices_.gpio);
+  watch(Device::kCamera, reopen_camera, &hal_.camera);
+  watch(Device::kRadio, reopen<hal::Radio>, &hal_.radio);
+  watch(Device::kGpio, reopen<hal::Gpio>, &hal_.gpio);
   are_open_ = true;
   return {};
 }
 
-void ReconnectingDevices::close() {
+void LoopDevices::close() {
   if (!are_open_) return;
   are_open_ = false;
   for (auto& reconnector : reconnectors_) reconnector->stop();
-  devices_.camera.stop();
-  devices_.camera.close();
-  devices_.radio.close();
-  devices_.gpio.close();
+  hal_.camera.stop();
+  hal_.camera.close();
+  hal_.radio.close();
+  hal_.gpio.close();
 }
 
-void ReconnectingDevices::set_first_pause(Duration pause) {
+void LoopDevices::set_first_pause(Duration pause) {
   for (auto& reconnector : reconnectors_) {
     if (reconnector) reconnector->set_first_pause(pause);
   }

@@ -105,6 +105,7 @@ std::string Connections::status_text() const {
     if (publisher_->lost() > 0) text += ", snapshots lost " + std::to_string(publisher_->lost());
   }
   if (receiver_) text += (text.empty() ? "  network: " : ", ") + total_text(receiver_->inputs());
+  if (publisher_) text += ", " + hal::short_text(publisher_->unix_time());
   return text;
 }
 

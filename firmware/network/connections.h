@@ -26,7 +26,8 @@ class Connections {
   // After start(), for any thread.
   /// What is sent and received, one line each, and Unix time; for the start.
   [[nodiscard]] std::string start_text() const;
-  /// Part of the status line: "  network sent 1200, received 300, refused 3". Empty: no connection.
+  /// Part of the status line: "  network: sent 1200, received 300, refused 3", and the offset to Unix time if something
+  /// is published. Empty: no connection.
   [[nodiscard]] std::string status_text() const;
   /// Lines of the summary.
   [[nodiscard]] std::string summary() const;

@@ -53,4 +53,11 @@ std::string describe(const UnixTimeOffset& offset) {
   return out + text.data();
 }
 
+std::string short_text(const UnixTimeOffset& offset) {
+  std::array<char, 80> text{};
+  const int size = std::snprintf(text.data(), text.size(), "Unix time +%.6f s +-%.2f us", seconds(offset.offset),
+                                 seconds(offset.uncertainty) * 1e6);
+  return {text.data(), static_cast<std::size_t>(size)};
+}
+
 }  // namespace touchline::hal

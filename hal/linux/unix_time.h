@@ -24,5 +24,7 @@ bool differ(const UnixTimeOffset& before, const UnixTimeOffset& now);
 
 /// "Unix time = monotonic time + 1763850000.123456 s, +- 0.04 us; the clock is synchronized within 1.2 ms".
 std::string describe(const UnixTimeOffset& offset);
+/// "Unix time +1763850000.123456 s +-0.04 us", for a status line.
+std::string short_text(const UnixTimeOffset& offset);
 
 }  // namespace touchline::hal

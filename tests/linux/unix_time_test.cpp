@@ -28,6 +28,7 @@ TEST(UnixTime, TextNamesUncertaintyAndSynchronization) {
   EXPECT_EQ(describe(offset),
             "Unix time = monotonic time + 1700000000.123456 s, +- 0.04 us; the clock is not synchronized "
             "(docs/network.md)");
+  EXPECT_EQ(short_text(offset), "Unix time +1700000000.123456 s +-0.04 us");
 }
 
 TEST(UnixTime, ClockThatWasSetDiffers) {

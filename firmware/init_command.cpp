@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <string_view>
 
+#include "firmware/config/league_fields.h"
 #include "firmware/config/standard_layouts.h"
+#include "firmware/config/toml_writer.h"
 #include "hal/files/output_file.h"
 
 namespace touchline {
@@ -15,7 +17,7 @@ namespace fs = std::filesystem;
 
 // Two teams that differ only in their color, so that the same robots serve for both.
 struct League {
-  std::string_view name, field, preset, layout, ball;
+  std::string_view name, preset, layout, ball;
   std::string_view height;  // of the patches above the floor
   std::size_t robots;
   std::array<std::string_view, 6> colors;  // of robot 0, 1, ...
@@ -23,7 +25,6 @@ struct League {
 
 constexpr std::array<League, 3> kLeagues{
     {{"vsss",
-      "length_m = 1.5\nwidth_m = 1.3\ngoal_width_m = 0.4\ngoal_depth_m = 0.1\n",
       "vsss",
       "vsss-bar",
       "0.02135",
@@ -31,7 +32,6 @@ constexpr std::array<League, 3> kLeagues{
       3,
       {R"("red", "green")", R"("green", "red")", R"("red", "magenta")"}},
      {"mirosot",
-      "length_m = 2.2\nwidth_m = 1.8\ngoal_width_m = 0.4\ngoal_depth_m = 0.15\n",
       "mirosot-middle",
       "mirosot-triangles",
       "0.02135",
@@ -39,7 +39,6 @@ constexpr std::array<League, 3> kLeagues{
       5,
       {R"("red", "green")", R"("green", "red")", R"("red", "purple")", R"("purple", "red")", R"("green", "purple")"}},
      {"ssl",
-      "length_m = 9.0\nwidth_m = 6.0\ngoal_width_m = 1.0\ngoal_depth_m = 0.18\n",
       "ssl-b",
       "ssl-butterfly",
       "0.02135",
@@ -99,6 +98,10 @@ std::string replaced(std::string text, std::string_view what, std::string_view b
   return at == std::string::npos ? text : text.replace(at, what.size(), by);
 }
 
+std::string field_text(const League& league) {
+  return config::TomlWriter::text_of(config::league_field(league.preset), false);
+}
+
 std::string team_text(const League& league) {
   std::string layouts;
   for (const config::StandardLayout& layout : config::standard_layouts()) {
@@ -146,7 +149,7 @@ Result<std::string> write_initial_files(const InitOptions& options) {
   if (league == kLeagues.end()) return failure(ErrorCode::kNotFound, "no league %s", options.league.c_str());
   const std::array<std::pair<const char*, std::string>, 3> files{
       {{"board.toml", replaced(std::string(kBoard), "LEAGUE", league->name)},
-       {"venue.toml", replaced(std::string(kVenue), "FIELD", league->field)},
+       {"venue.toml", replaced(std::string(kVenue), "FIELD", field_text(*league))},
        {"team.toml", team_text(*league)}}};
   const fs::path folder(options.folder);
   for (const auto& [name, text] : files) {

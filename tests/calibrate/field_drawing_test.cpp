@@ -105,6 +105,39 @@ TEST_F(Drawing, NamesFileLineAndKeyOfErrors) {
   }
 }
 
+// SSL-Vision's geometry publishes these measures, so they must be those of the lines that the calibration searches.
+TEST(Presets, MeasuresOfTheMarkingsAreThoseOfTheLines) {
+  for (const FieldPreset& preset : field_presets()) {
+    const FieldParameters& field = preset.drawing.field;
+    const double depth = static_cast<double>(field.penalty_area_depth_m),
+                 width = static_cast<double>(field.penalty_area_width_m),
+                 goal_line = static_cast<double>(field.length_m) / 2,
+                 thickness = static_cast<double>(field.line_width_m);
+    // Lines that belong to the area reach to its measures with their outer edge.
+    const double outside = preset.drawing.border.kind == BorderKind::kLine ? thickness / 2 : 0.0;
+    ASSERT_EQ(preset.drawing.arc.size(), 1u) << preset.name;
+    EXPECT_NEAR(preset.drawing.arc[0].radius_m + outside, static_cast<double>(field.center_circle_m), 1e-6);
+    int fronts = 0;
+    for (const DrawnLine& line : preset.drawing.line) {
+      EXPECT_NEAR(line.width_m, thickness, 1e-6) << preset.name;
+      if (line.x1_m != line.x2_m || line.x1_m == 0) continue;
+      ++fronts;
+      EXPECT_NEAR(goal_line - std::abs(line.x1_m) + outside, depth, 1e-6) << preset.name;
+      EXPECT_NEAR(std::abs(line.y2_m - line.y1_m) + 2 * outside, width, 1e-6) << preset.name;
+    }
+    EXPECT_EQ(fronts, 2) << preset.name;
+  }
+  const FieldParameters& vsss = find_preset("vsss")->drawing.field;
+  EXPECT_FLOAT_EQ(vsss.penalty_area_depth_m, 0.15f);
+  EXPECT_FLOAT_EQ(vsss.penalty_area_width_m, 0.7f);
+  const FieldParameters& middle = find_preset("mirosot-middle")->drawing.field;
+  EXPECT_FLOAT_EQ(middle.penalty_area_depth_m, 0.35f);
+  EXPECT_FLOAT_EQ(middle.penalty_area_width_m, 0.8f);
+  const FieldParameters& a = find_preset("ssl-a")->drawing.field;
+  EXPECT_FLOAT_EQ(a.penalty_area_depth_m, 1.8f);
+  EXPECT_FLOAT_EQ(a.penalty_area_width_m, 3.6f);
+}
+
 TEST(Presets, HaveTheLinesOfTheirLeague) {
   for (const FieldPreset& preset : field_presets()) {
     const double x = static_cast<double>(preset.drawing.field.length_m) / 2;

@@ -63,6 +63,9 @@ TEST_F(Program, CreatesAVenueFile) {
   EXPECT_EQ(draft.file.picture.width_px, 320);
   EXPECT_FLOAT_EQ(draft.file.field.length_m, 1.5f);
   EXPECT_FLOAT_EQ(draft.file.field.width_m, 1.3f);
+  EXPECT_FLOAT_EQ(draft.file.field.penalty_area_depth_m, 0.15f);
+  EXPECT_FLOAT_EQ(draft.file.field.penalty_area_width_m, 0.7f);
+  EXPECT_FLOAT_EQ(draft.file.field.center_circle_m, 0.2f);
   EXPECT_NEAR(static_cast<double>(draft.file.camera_model.full.position_m[2]), 1.8, 0.05);
   EXPECT_EQ(draft.region_of_interest.size(), 4U);
   EXPECT_EQ(draft.light.columns, 64);

@@ -1,8 +1,10 @@
 // The program touchline as a person or a script calls it: exit codes and output.
 #include <sys/stat.h>
 #include <unistd.h>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -18,6 +20,11 @@ using testing::run_command;
 // The text has standard output and error.
 CommandOutput touchline(const std::string& arguments) {
   return run_command("'" TOUCHLINE_PROGRAM "' " + arguments + " 2>&1");
+}
+
+std::string read(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 class Program : public ::testing::Test {
@@ -126,7 +133,8 @@ TEST_F(Program, CheckConfiguresTheStages) {
 }
 
 TEST_F(Program, InitWritesFilesThatOnlyLackTheCalibration) {
-  for (const std::string league : {"vsss", "mirosot", "ssl"}) {
+  for (const auto& [league, area_depth] :
+       {std::pair<std::string, std::string>{"vsss", "0.15"}, {"mirosot", "0.35"}, {"ssl", "1.0"}}) {
     const std::string folder = (folder_ / league).string(), board = folder + "/board.toml",
                       picture = folder + "/layout.png";
     const CommandOutput made = touchline("init --league " + league + " --out '" + folder + "'");
@@ -142,15 +150,13 @@ TEST_F(Program, InitWritesFilesThatOnlyLackTheCalibration) {
               0U)
         << checked.text;
     EXPECT_GT(std::filesystem::file_size(picture), 1000U);
+    EXPECT_NE(read(folder + "/venue.toml").find("\npenalty_area_depth_m = " + area_depth + "\n"), std::string::npos);
 
     std::ofstream(board, std::ios::app) << "# edited\n";
     const CommandOutput refused = touchline("init --league " + league + " --out '" + folder + "'");
     EXPECT_EQ(refused.code, 1);
     EXPECT_NE(refused.text.find("exists already; --force replaces it"), std::string::npos) << refused.text;
-    const auto is_edited = [&] {
-      std::ifstream file(board);
-      return std::string(std::istreambuf_iterator<char>(file), {}).find("# edited") != std::string::npos;
-    };
+    const auto is_edited = [&] { return read(board).find("# edited") != std::string::npos; };
     EXPECT_TRUE(is_edited());
     EXPECT_EQ(touchline("init --force --league " + league + " --out '" + folder + "'").code, 0);
     EXPECT_FALSE(is_edited());
@@ -210,6 +216,21 @@ TEST_F(Program, PlaysAWholeRecording) {
   EXPECT_EQ(outcome.code, 0) << outcome.text;
   EXPECT_NE(outcome.text.find("own 0/1  opp 0/0  ball lost  latency p50"), std::string::npos) << outcome.text;
   EXPECT_NE(outcome.text.find("end       end of the input\nframes    30 in "), std::string::npos) << outcome.text;
+}
+
+TEST_F(Program, TheStatusLineStatesTheOffsetToUnixTimeWhileSomethingIsPublished) {
+  const std::string command = "run --headless --status-interval 0.25 " + board();
+  const CommandOutput outcome =
+      touchline(command + "--publish 'json=unix://" + (folder_ / "frames").string() + "-socket'");
+  EXPECT_EQ(outcome.code, 0) << outcome.text;
+  // steady_clock is CLOCK_MONOTONIC.
+  const std::chrono::duration<double> offset =
+      std::chrono::system_clock::now().time_since_epoch() - std::chrono::steady_clock::now().time_since_epoch();
+  std::smatch found;
+  const std::regex field(R"(  network: sent \d+.*, Unix time \+(\d+\.\d{6}) s \+-\d+\.\d\d us\n)");
+  ASSERT_TRUE(std::regex_search(outcome.text, found, field)) << outcome.text;
+  EXPECT_NEAR(std::stod(found[1]), offset.count(), 0.1);
+  EXPECT_EQ(touchline(command).text.find("Unix time"), std::string::npos);
 }
 
 TEST_F(Program, PlaysARecordingAtTheBoardsRate) {

@@ -72,6 +72,14 @@ Result<std::vector<hal::Picture>> load_photographs(const std::vector<std::string
   return out;
 }
 
+// The measures that are only published to other programs.
+void copy_markings(const FieldParameters& from, FieldParameters& to) {
+  to.line_width_m = from.line_width_m;
+  to.center_circle_m = from.center_circle_m;
+  to.penalty_area_depth_m = from.penalty_area_depth_m;
+  to.penalty_area_width_m = from.penalty_area_width_m;
+}
+
 Corners turned(const Corners& c) { return {c[1], c[2], c[3], c[0]}; }
 
 // Every tenth point, so that the photograph remains visible.
@@ -232,6 +240,10 @@ Result<void> FieldCommand::choose_drawing(const VenueDraft& draft, FieldDrawing&
     const FieldPreset* league = find_preset(field.length_m, field.width_m);
     out = league != nullptr ? league->drawing : bare_drawing(field);
     height = league != nullptr ? league->height : std::nullopt;
+    // A venue file without a preset keeps what somebody wrote into it.
+    if (!preset.empty() || !draft.exists) {
+      copy_markings(league != nullptr ? league->drawing.field : FieldParameters{}, field);
+    }
   }
   out.field = field;
   return {};

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "firmware/config/error_list.h"
+#include "firmware/config/league_fields.h"
 #include "firmware/config/toml_file.h"
 #include "tools/programs/command_line/formatted.h"
 
@@ -21,56 +22,50 @@ constexpr double kShortestLine_m = 0.05;
 // Share of the field that a line must cross to be found before the camera is known well.
 constexpr double kLongLine = 0.8;
 
-FieldParameters field_of(float length_m, float width_m, float goal_width_m, float goal_depth_m) {
-  FieldParameters field;
-  field.length_m = length_m;
-  field.width_m = width_m;
-  field.goal_width_m = goal_width_m;
-  field.goal_depth_m = goal_depth_m;
-  return field;
+// The markings inside the border. The measures of the field are those of the lines' centers if `inset_m` is zero, else
+// the lines' centers are farther inside.
+void add_middle(FieldDrawing& drawing, double inset_m) {
+  const FieldParameters& field = drawing.field;
+  const double y = static_cast<double>(field.width_m) / 2, line = static_cast<double>(field.line_width_m);
+  drawing.line.push_back({0, -y, 0, y, line});
+  drawing.arc.push_back({0, 0, static_cast<double>(field.center_circle_m) - inset_m, 0, kCircle_rad, line});
 }
 
-// Adds a rectangle of lines in front of both goals, `depth_m` into the field and `width_m` along the goal line, both to
-// the center of the lines.
-void add_areas(FieldDrawing& drawing, double depth_m, double width_m, double line_m) {
-  const double goal_line = static_cast<double>(drawing.field.length_m) / 2;
+void add_penalty_areas(FieldDrawing& drawing, double inset_m) {
+  const FieldParameters& field = drawing.field;
+  const double line = static_cast<double>(field.line_width_m), goal_line = static_cast<double>(field.length_m) / 2;
+  const double front = goal_line - static_cast<double>(field.penalty_area_depth_m) + inset_m;
+  const double y = static_cast<double>(field.penalty_area_width_m) / 2 - inset_m;
   for (const double side : {-1.0, 1.0}) {
-    const double x = side * (goal_line - depth_m), y = width_m / 2, end = side * goal_line;
-    drawing.line.push_back({x, -y, x, y, line_m});
-    drawing.line.push_back({end, -y, x, -y, line_m});
-    drawing.line.push_back({end, y, x, y, line_m});
+    const double x = side * front, end = side * goal_line;
+    drawing.line.push_back({x, -y, x, y, line});
+    drawing.line.push_back({end, -y, x, -y, line});
+    drawing.line.push_back({end, y, x, y, line});
   }
 }
 
-void add_middle(FieldDrawing& drawing, double circle_m, double line_m) {
-  const double y = static_cast<double>(drawing.field.width_m) / 2;
-  drawing.line.push_back({0, -y, 0, y, line_m});
-  drawing.arc.push_back({0, 0, circle_m, 0, kCircle_rad, line_m});
-}
-
-// Rules of FIRA MiroSot middle league and IEEE very small size: walls, lines of 3 mm, triangles of 7 cm in the corners.
-FieldDrawing walled(const FieldParameters& field, double circle_m, double area_depth_m, double area_width_m) {
-  constexpr double kLine_m = 0.003, kCorner_m = 0.07;
+// MiroSot and very small size: walls, and triangles of 7 cm in the corners.
+FieldDrawing walled(const FieldParameters& field) {
+  constexpr double kCorner_m = 0.07;
   FieldDrawing drawing;
   drawing.field = field;
   drawing.border.corner_m = kCorner_m;
   drawing.border.open_goals = true;
-  add_middle(drawing, circle_m, kLine_m);
-  add_areas(drawing, area_depth_m, area_width_m, kLine_m);
+  add_middle(drawing, 0);
+  add_penalty_areas(drawing, 0);
   return drawing;
 }
 
-// Rules of RoboCup small size: white lines of 10 mm, which belong to the area that they bound.
-FieldDrawing painted(const FieldParameters& field, double area_depth_m, double area_width_m) {
-  constexpr double kLine_m = 0.01, kCircle_m = 0.5;
+// RoboCup small size: the lines belong to the area that they bound.
+FieldDrawing painted(const FieldParameters& field) {
   FieldDrawing drawing;
   drawing.field = field;
   drawing.border.kind = BorderKind::kLine;
-  drawing.border.width_m = kLine_m;
-  add_middle(drawing, kCircle_m - kLine_m / 2, kLine_m);
-  const double x = static_cast<double>(field.length_m) / 2;
-  drawing.line.push_back({-x, 0, x, 0, kLine_m});
-  add_areas(drawing, area_depth_m - kLine_m / 2, area_width_m - kLine_m, kLine_m);
+  drawing.border.width_m = static_cast<double>(field.line_width_m);
+  const double x = static_cast<double>(field.length_m) / 2, inset = drawing.border.width_m / 2;
+  add_middle(drawing, inset);
+  drawing.line.push_back({-x, 0, x, 0, drawing.border.width_m});
+  add_penalty_areas(drawing, inset);
   return drawing;
 }
 
@@ -172,11 +167,16 @@ Result<FieldDrawing> read_drawing(const std::string& path) {
 const std::vector<FieldPreset>& field_presets() {
   // The rules require two meters or more; halls and tripods limit the height.
   constexpr HeightPrior kTwoMeters{2.2, 0.4};
-  static const std::vector<FieldPreset> presets = {
-      {"mirosot-middle", walled(field_of(2.2f, 1.8f, 0.4f, 0.15f), 0.25, 0.35, 0.8), kTwoMeters},
-      {"vsss", walled(field_of(1.5f, 1.3f, 0.4f, 0.1f), 0.2, 0.15, 0.7), kTwoMeters},
-      {"ssl-a", painted(field_of(12.0f, 9.0f, 1.8f, 0.18f), 1.8, 3.6), std::nullopt},
-      {"ssl-b", painted(field_of(9.0f, 6.0f, 1.0f, 0.18f), 1.0, 2.0), std::nullopt}};
+  static const std::vector<FieldPreset> presets = [&] {
+    std::vector<FieldPreset> made;
+    made.reserve(config::kLeagueFields.size());
+    for (const config::LeagueField& league : config::kLeagueFields) {
+      const bool has_walls = !league.name.starts_with("ssl");
+      made.push_back({league.name, has_walls ? walled(league.field) : painted(league.field),
+                      has_walls ? std::optional(kTwoMeters) : std::nullopt});
+    }
+    return made;
+  }();
   return presets;
 }
 

@@ -61,7 +61,7 @@ class Solver {
         if (fixed(label) != kNone || assigned.count(l) > 0) continue;
         for (std::size_t c = 0; c < label_of.size(); ++c) {
           const std::size_t main = label_of[c] != kNone ? label_of[c] : cut.named(c);
-          if (main == kNone || c + 1 == input_.ball || !is_plausible(input_.colors[c].name, label.rgb) ||
+          if (main == kNone || c + 1 == input_.ball || !is_plausible(input_.colors[c].look, label.rgb) ||
               difference(label.lab, cut.labels[main].lab) > 3 * kShade)
             continue;
           label.shade = c;
@@ -138,7 +138,7 @@ class Solver {
     if (fixed(label) != kNone) return kForbidden;  // it has its color
     if (exclusion.color == color && difference(label.lab, exclusion.lab) < kSame) return kForbidden;
     if (!expected[color]) return kLeastLikely / 2;
-    if (!is_plausible(input_.colors[color].name, label.rgb)) return kLeastLikely;
+    if (!is_plausible(input_.colors[color].look, label.rgb)) return kLeastLikely;
     const double d = dissimilarity(label.lab, *expected[color]) / kPaint;
     return std::min(kLeastLikely, d * d / 2);
   }

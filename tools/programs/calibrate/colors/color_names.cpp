@@ -52,8 +52,7 @@ double saturation(const Rgb& rgb) {
   return (*most - *least) / (*most + kRatioOffset);
 }
 
-bool is_plausible(const std::string& name, const Rgb& seen) {
-  const std::optional<Rgb> usual = usual_rgb(name);
+bool is_plausible(const std::optional<Rgb>& usual, const Rgb& seen) {
   if (!usual) return true;
   // Tinted lamps give a grey paint some saturation, and shade takes some from a colored one.
   constexpr double kGrey = 0.12, kSaturated = 0.6, kColored = 0.3, kFarHue = 90.0;

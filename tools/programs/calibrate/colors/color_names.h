@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -30,11 +31,10 @@ double dissimilarity(const Lab& color, const Lab& expected);
 /// Range of the channels relative to the largest one, 0 to 1; noise near black does not count.
 double saturation(const Rgb& rgb);
 
-/// Whether a patch of this color can be what the name says in any usual light. It cannot if it is nearly grey although
-/// the name is a saturated color, saturated although the name is a grey, or if its hue is more than a quarter of the
-/// circle away. Unknown
-/// names are always plausible.
-bool is_plausible(const std::string& name, const Rgb& seen);
+/// Whether a patch of this color can be what its name says in any usual light. `usual`: usual_rgb() of the name. It
+/// cannot if it is nearly grey although the name is a saturated color, saturated although the name is a grey, or if its
+/// hue is more than a quarter of the circle away. Unknown names are always plausible.
+bool is_plausible(const std::optional<Rgb>& usual, const Rgb& seen);
 
 /// The name in usual_paints() that is most similar to the color.
 std::string_view most_similar_name(const Rgb& seen);

@@ -160,7 +160,9 @@ Result<void> ColorsCommand::check_names(const ColorFit& fit) const {
     const Rgb seen{static_cast<double>(fit.shown_rgb[c][0]), static_cast<double>(fit.shown_rgb[c][1]),
                    static_cast<double>(fit.shown_rgb[c][2])};
     const std::string& name = fit.names[c];
-    if (is_plausible(name, seen) || std::find(odd_colors.begin(), odd_colors.end(), name) != odd_colors.end()) continue;
+    if (is_plausible(usual_rgb(name), seen) ||
+        std::find(odd_colors.begin(), odd_colors.end(), name) != odd_colors.end())
+      continue;
     text +=
         formatted("\n  %s: the patches found look %s (%.0f %.0f %.0f); if they are right, add --odd-color %s",
                   name.c_str(), std::string(most_similar_name(seen)).c_str(), seen[0], seen[1], seen[2], name.c_str());

@@ -43,6 +43,16 @@ function(touchline_program name)
   install(TARGETS ${name} RUNTIME)
 endfunction()
 
+# touchline_inline_with_sanitizers(LIBRARY...): for libraries in which tests with sanitizers spend most of their time on single pixels
+# and elements of vectors. Clang calls a function for each of them with -O1, and with the checks even with -O2.
+function(touchline_inline_with_sanitizers)
+  if(TOUCHLINE_SANITIZE AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    foreach(library ${ARGN})
+      target_compile_options(${library} PRIVATE -O2 "SHELL:-mllvm -inline-threshold=400")
+    endforeach()
+  endif()
+endfunction()
+
 # touchline_command_line(SOURCES...): for sources of this folder that include CLI11. Without optimization its templates compile in half
 # the time, and gcc 12 does not warn about null pointers that do not exist.
 function(touchline_command_line)
@@ -60,15 +70,16 @@ endfunction()
 # LLVM's linker takes a third of the time of GNU's for a test program. Installed programs are linked by the compiler's default.
 find_program(TOUCHLINE_LLD ld.lld)
 
-# touchline_test(NAME SOURCES... [LINK LIBS...] [EIGEN] [LABELS LABEL] [SLOW PATTERNS...]): a GoogleTest program.
+# touchline_test(NAME SOURCES... [LINK LIBS...] [EIGEN] [LONG] [LABELS LABEL] [SLOW PATTERNS...]): a GoogleTest program.
 # EIGEN: its precompiled headers contain Eigen.
+# LONG: with sanitizers CTest starts its tests first, so that no processor waits for them at the end.
 # LABELS: CTest labels of all its tests. arm64: tools/test also runs them for that processor; threads: also with the thread sanitizer.
 # SLOW: patterns (as for --gtest_filter) of tests that get the label slow. They run in the optimized build only: faster tests run the same
 # code with the sanitizers.
 # CTest starts each test by itself. With sanitizers and under an emulator, where starting a program takes longest, it runs all
 # tests of a program in a few processes.
 function(touchline_test name)
-  cmake_parse_arguments(ARG "EIGEN" "" "SOURCES;LINK;LABELS;SLOW" ${ARGN})
+  cmake_parse_arguments(ARG "EIGEN;LONG" "" "SOURCES;LINK;LABELS;SLOW" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE touchline_options ${ARG_LINK} touchline_test_main GTest::gtest)
   touchline_test_options(${name})
@@ -89,16 +100,24 @@ function(touchline_test name)
   endforeach()
 
   string(JOIN ":" slow ${ARG_SLOW})
-  if(CMAKE_CROSSCOMPILING)
-    add_test(NAME ${name} COMMAND ${name})
-    set_tests_properties(${name} PROPERTIES TIMEOUT 7200 SKIP_REGULAR_EXPRESSION "\\[  SKIPPED|DISABLED TEST" LABELS "${ARG_LABELS}")
-  elseif(TOUCHLINE_SANITIZE)
+  if(CMAKE_CROSSCOMPILING OR TOUCHLINE_SANITIZE)
+    set(arguments "")
+    set(properties "")
+    if(CMAKE_CROSSCOMPILING)
+      list(APPEND properties TIMEOUT 7200 SKIP_REGULAR_EXPRESSION "\\[  SKIPPED|DISABLED TEST")
+    else()
+      set(arguments --gtest_brief=1 --gtest_filter=-${slow})
+    endif()
+    if(ARG_LONG)
+      list(APPEND properties COST 100)
+    endif()
     foreach(part RANGE 1 4)
       math(EXPR index "${part} - 1")
-      add_test(NAME ${name}.${part} COMMAND ${name} --gtest_brief=1 --gtest_filter=-${slow})
-      set_tests_properties(${name}.${part} PROPERTIES ENVIRONMENT "GTEST_TOTAL_SHARDS=4;GTEST_SHARD_INDEX=${index}" LABELS "${ARG_LABELS}")
+      add_test(NAME ${name}.${part} COMMAND ${name} ${arguments})
+      set_tests_properties(${name}.${part} PROPERTIES LABELS "${ARG_LABELS}" ENVIRONMENT "GTEST_TOTAL_SHARDS=4;GTEST_SHARD_INDEX=${index}"
+                           ${properties})
     endforeach()
-    if(slow)
+    if(slow AND NOT CMAKE_CROSSCOMPILING)
       add_test(NAME ${name}.slow COMMAND ${name} --gtest_brief=1 --gtest_filter=${slow})
       set_tests_properties(${name}.slow PROPERTIES LABELS "${ARG_LABELS};slow")
     endif()

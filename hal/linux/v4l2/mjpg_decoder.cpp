@@ -49,15 +49,15 @@ struct MjpgDecoder::Library {
 
     [[nodiscard]] std::uint8_t* row(std::size_t v) const { return plane + v * stride_bytes; }
     /// Writes a row of the plane from a row of the JPEG, whose samples belong to one pixel or to four.
-    void resample(const std::uint8_t* from, std::size_t v, std::size_t width_px) const {
+    void resample(const std::uint8_t* from, std::size_t v, std::size_t pixels) const {
       std::uint8_t* const to = row(v);
       if (pixels_per_sample == 4) {
         for (std::size_t i = 0; i < samples; ++i) to[i] = from[i / 2];
         return;
       }
-      for (std::size_t i = 0; i < width_px / 2; ++i)
+      for (std::size_t i = 0; i < pixels / 2; ++i)
         to[i] = static_cast<std::uint8_t>((from[2 * i] + from[2 * i + 1] + 1) / 2);
-      if (width_px % 2 == 1) to[samples - 1] = from[width_px - 1];
+      if (pixels % 2 == 1) to[samples - 1] = from[pixels - 1];
     }
   };
 

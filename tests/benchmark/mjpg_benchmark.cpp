@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/pipeline.h"
@@ -88,29 +89,48 @@ class Decoder {
   jpeg_error_mgr errors_{};
 };
 
-/// Color boxes in YUV around the pixels of each color of the frame in RGB, without the outermost twentieth on each
-/// side.
-ColorBoxes boxes_in_yuv(const ScanParameters& rgb, const Frame& in_rgb, const Frame& in_yuv) {
-  const ColorGrid grid = defined_colors(in_rgb, rgb);
-  ColorBoxes boxes;
-  for (ColorId color = 1; color <= kMaxColors; ++color) {
-    std::array<std::vector<std::uint8_t>, 3> values;
-    for (int v = 0; v < in_rgb.height_px; ++v) {
-      for (int u = 0; u < in_rgb.width_px; ++u) {
-        if (grid.at(u, v) != color) continue;
-        for (std::size_t c = 0; c < 3; ++c) values[c].push_back(channels_at(in_yuv, u, v)[c]);
-      }
+/// The median of the pixels of each color, by the classification of `grid`; none for a color without pixels.
+std::array<std::optional<Channels>, kMaxColors + 1> medians(const ColorGrid& grid, const Frame& frame) {
+  std::array<std::array<std::vector<std::uint8_t>, 3>, kMaxColors + 1> values;
+  for (int v = 0; v < frame.height_px; ++v) {
+    for (int u = 0; u < frame.width_px; ++u) {
+      const Channels pixel = channels_at(frame, u, v);
+      for (std::size_t c = 0; c < 3; ++c) values[grid.at(u, v)][c].push_back(pixel[c]);
     }
-    if (values[0].empty()) continue;
+  }
+  std::array<std::optional<Channels>, kMaxColors + 1> found;
+  for (std::size_t color = 0; color < found.size(); ++color) {
+    if (values[color][0].empty()) continue;
+    Channels median{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto middle = values[color][c].begin() + static_cast<std::ptrdiff_t>(values[color][c].size() / 2);
+      std::nth_element(values[color][c].begin(), middle, values[color][c].end());
+      median[c] = *middle;
+    }
+    found[color] = median;
+  }
+  return found;
+}
+
+/// The same colors in the color space of another frame of the same picture.
+ScanParameters in_space_of(const Frame& frame, const ColorGrid& grid, const ScanParameters& rgb) {
+  ScanParameters parameters = rgb;
+  const auto typical = medians(grid, frame);
+  parameters.format = frame.format;
+  parameters.background = typical[kBackground];
+  if (color_space(frame.format) == ColorSpace::kRgb) return parameters;
+  constexpr std::array<int, 3> kReach{32, 13, 13};  // about what touchline-calibrate allows
+  parameters.boxes.clear();
+  for (ColorId color = 1; color <= kMaxColors; ++color) {
+    if (!typical[color]) continue;
     ColorBox box{color, {}, {}};
     for (std::size_t c = 0; c < 3; ++c) {
-      std::sort(values[c].begin(), values[c].end());
-      box.low[c] = values[c][values[c].size() / 50];
-      box.high[c] = values[c][values[c].size() - 1 - values[c].size() / 50];
+      box.low[c] = static_cast<std::uint8_t>(std::max((*typical[color])[c] - kReach[c], 0));
+      box.high[c] = static_cast<std::uint8_t>(std::min((*typical[color])[c] + kReach[c], 255));
     }
-    boxes.push_back(box);
+    parameters.boxes.push_back(box);
   }
-  return boxes;
+  return parameters;
 }
 
 std::unique_ptr<BenchmarkCase> empty_case(const std::string& name) {
@@ -120,7 +140,7 @@ std::unique_ptr<BenchmarkCase> empty_case(const std::string& name) {
 
 std::string suffix(ColorSpace space) { return space == ColorSpace::kRgb ? ", RGB" : ", YUV"; }
 
-/// Decoding, and decoding with the scan. `parameters(space, decoded)` makes the scan's parameters.
+/// Decoding, and decoding with the scan. `parameters(decoded)` makes the scan's parameters.
 template <class Parameters>
 Result<void> add_scans(BenchmarkCase& benchmark, const std::shared_ptr<Jpeg>& jpeg, const Frame& like,
                        Parameters parameters) {
@@ -132,7 +152,7 @@ Result<void> add_scans(BenchmarkCase& benchmark, const std::shared_ptr<Jpeg>& jp
   for (const ColorSpace space : kSpaces) {
     const auto decoder = std::make_shared<Decoder>(space, like);
     const auto scanner = std::make_shared<RegionScanner>();
-    const ScanParameters wanted = parameters(space, decoder->decode(*jpeg));
+    const ScanParameters wanted = parameters(decoder->decode(*jpeg));
     if (const Status s = scanner->configure(wanted); !s.ok()) return Error{s.code(), "the scanner refuses the boxes"};
     const auto scan = [decoder, scanner, outputs, jpeg] {
       static_cast<void>(scanner->scan(decoder->decode(*jpeg), outputs->runs, outputs->regions));
@@ -152,13 +172,8 @@ Result<void> add_scans(BenchmarkCase& benchmark, const std::shared_ptr<Jpeg>& jp
 Result<void> add_picture(BenchmarkCase& benchmark, const Sampling& sampling, const Frame& frame,
                          const ScanParameters& rgb) {
   const auto jpeg = std::make_shared<Jpeg>(encode(frame, sampling.rows));
-  return add_scans(benchmark, jpeg, frame, [&](ColorSpace space, const Frame& decoded) {
-    ScanParameters parameters = rgb;
-    if (space == ColorSpace::kRgb) return parameters;
-    parameters.format = decoded.format;
-    parameters.boxes = boxes_in_yuv(rgb, frame, decoded);
-    return parameters;
-  });
+  const ColorGrid grid = defined_colors(frame, rgb);
+  return add_scans(benchmark, jpeg, frame, [&](const Frame& decoded) { return in_space_of(decoded, grid, rgb); });
 }
 
 Result<void> add_field(BenchmarkCase& benchmark, const Sampling& sampling) {
@@ -180,7 +195,6 @@ Result<void> add_real_picture(BenchmarkCase& benchmark, const Sampling& sampling
   TOUCHLINE_TRY(config::load_venue_and_team(
       {{}, footage + "/vsss-bar-normal-venue.toml", footage + "/vsss-bar-normal-team.toml", {}}, *venue));
   TOUCHLINE_TRY(config::resolve({PixelFormat::kRgb24, frame.width_px, frame.height_px, "a picture"}, *venue));
-  venue->pipeline.scan.background.reset();
   return add_picture(benchmark, sampling, frame, venue->pipeline.scan);
 }
 

@@ -9,13 +9,49 @@
 namespace touchline {
 namespace {
 
-// A ball that is half covered by a robot is still accepted. The center of a smaller part would be wrong.
+// --- Regions alone: a ball that is half covered by a robot is still accepted. The center of a smaller part would be
+// wrong.
 constexpr float kMinBallRatio = 0.35f;
 // A disk fills 0.79 of its bounding box. Partly covered disks and small ones on the pixel grid fill at least half.
 constexpr float kMinFill = 0.45f;
 constexpr float kMaxAspectRatio = 2.6f;
 // Ratio of scores above which two candidates are equally likely.
 constexpr float kClearlyBetter = 0.85f;
+// Probability that a region of the right size and shape is the ball: of the best one, and with the smallest area.
+constexpr float kBestRegion = 0.98f, kSmallestRegion = 0.9f;
+
+// --- Pixels: log odds, from the real pictures of even number in tests/footage and the rendered scenes.
+// A region in the ball's boxes, before its pixels are examined; a place where only the track expects it.
+constexpr float kRegionOdds = 0.5f, kExpectedOdds = -1.0f;
+// Of a disk that is filled completely; the share that says nothing; the least and the largest value.
+constexpr float kFilledOdds = 12.0f, kNeutralFilled = 0.6f, kLeastFilledOdds = -4.0f, kMostFilledOdds = 3.5f;
+// Of a ring without the ball's color; the share that says nothing.
+constexpr float kOverflowOdds = 2.0f, kNeutralOverflow = 0.3f, kLeastOverflowOdds = -5.0f;
+// Of a ring that is full of other colors, above a share that a robot beside the ball reaches.
+constexpr float kColorfulOdds = -8.0f, kNeutralColorful = 0.25f;
+// Of a patch of another color, whose robot was not found, against the ball: alone, and by the share of other colors.
+constexpr float kPatchOdds = -6.0f, kPatchBesideOdds = 80.0f, kMostPatchOdds = 2.0f;
+// Least visible share of the ball.
+constexpr float kMinVisible = 0.35f;
+// Standard deviations of the color's logarithm: of its brightness, and of a channel against the others.
+constexpr float kBrightnessSigma = 0.5f, kChannelSigma = 0.22f;
+constexpr float kColorNoise_levels = 12.0f, kLeastColorOdds = -10.0f;
+// A seed whose color is less likely than this shows a reflection or the ball's rim.
+constexpr float kCredibleSeed = -3.0f;
+// Share of the seed's tint that is the lamp's. The rest is that of another color.
+constexpr float kTintShare = 0.5f;
+// A candidate on the top of a robot whose heading is unknown.
+constexpr float kOnRobotOdds = -5.0f;
+// The track's expectation: at its place, and far from it. Errors of the prediction beyond those that the track knows.
+constexpr float kExpectedPlaceOdds = 1.5f, kOtherPlaceOdds = -1.0f, kPredictionSigma_m = 0.02f;
+// A region of this part of the ball's size has a better center than the disk, which lies on whole pixels.
+constexpr float kWholeRegion = 0.5f, kSameCenter = 0.35f;
+// A robot this far from the ball cannot hide it.
+constexpr float kFarRobot_m = 0.1f;
+// No detection is more certain: some errors are not in this model.
+constexpr float kMaxConfidence = 0.998f;
+
+constexpr float square(float x) { return x * x; }
 
 bool looks_like_a_disk(const Region& region) {
   const float width = static_cast<float>(region.box.right - region.box.left + 1);
@@ -24,18 +60,53 @@ bool looks_like_a_disk(const Region& region) {
          std::max(width, height) <= kMaxAspectRatio * std::min(width, height);
 }
 
-bool on_a_robot(PixelPoint center, const PatchFinder& finder, const std::array<TeamMarking, 2>& teams,
-                const Sightings& sightings) {
+bool on_a_robot(PixelPoint center, const BallFinder::Scene& now, const Sightings& sightings) {
   return std::any_of(sightings.robots.begin(), sightings.robots.end(), [&](const RobotSighting& robot) {
     if (!robot.has_heading) return false;
-    const MarkerLayout& layout = teams[static_cast<std::size_t>(robot.team)].layout;
-    const FieldPoint at = finder.camera().to_field(center, layout.height_m);
+    const MarkerLayout& layout = now.teams[index_of(robot.team)].layout;
+    const FieldPoint at = now.finder.camera().to_field(center, layout.height_m);
     return on_robot(layout, to_robot_frame(robot.pose, at), 0.0f);
   });
 }
 
 // 1 for the expected area, less for smaller and larger ones.
 float score(const PatchCandidate& patch) { return patch.ratio <= 1.0f ? patch.ratio : 1.0f / patch.ratio; }
+
+void report(const PatchCandidate& patch, float confidence, Sightings& out) {
+  out.ball.seen = true;
+  out.ball.position = patch.at[0];
+  out.ball.center = patch.center;
+  out.ball.area_px = static_cast<std::uint32_t>(patch.area_px);
+  out.ball.confidence = confidence;
+}
+
+// Tops of the robots that may hide a ball here.
+FixedVector<RobotTop, kMaxRobots> tops_near(FieldPoint ball, const BallFinder::Scene& now, const Sightings& seen) {
+  FixedVector<RobotTop, kMaxRobots> tops;
+  const CameraModel& camera = now.finder.camera();
+  for (const RobotSighting& robot : seen.robots) {
+    const MarkerLayout& layout = now.teams[index_of(robot.team)].layout;
+    if (!robot.has_heading || distance_m(robot.pose.position, ball) > layout.robot_side_m + kFarRobot_m) continue;
+    const float half = 0.5f * layout.robot_side_m;
+    const float c = half * std::cos(robot.pose.theta_rad), s = half * std::sin(robot.pose.theta_rad);
+    const FieldPoint at = robot.pose.position;
+    const PixelPoint center = camera.to_pixel(at, layout.height_m);
+    const PixelPoint ahead = camera.to_pixel({at.x_m + c, at.y_m + s}, layout.height_m);
+    const PixelPoint left = camera.to_pixel({at.x_m - s, at.y_m + c}, layout.height_m);
+    tops.push_back(
+        {center,
+         {{{ahead.u_px - center.u_px, ahead.v_px - center.v_px}, {left.u_px - center.u_px, left.v_px - center.v_px}}}});
+  }
+  return tops;
+}
+
+float appearance_log_odds(const BallAppearance& shown) {
+  const float filled = std::clamp(kFilledOdds * (shown.filled - kNeutralFilled), kLeastFilledOdds, kMostFilledOdds);
+  const float overflow = std::max(kOverflowOdds * (1.0f - shown.overflow / kNeutralOverflow), kLeastOverflowOdds);
+  const float colorful = kColorfulOdds * std::max(0.0f, shown.colorful - kNeutralColorful);
+  // What is hidden is no evidence.
+  return shown.visible * (filled + overflow) + colorful;
+}
 
 }  // namespace
 
@@ -46,25 +117,33 @@ PatchPlace outline_of(const BallParameters& ball) {
   return disk;
 }
 
-void find_ball(const ColorPatches& patches, const PatchFinder& finder, const std::array<TeamMarking, 2>& teams,
-               const Regions& regions, Sightings& out) {
+void BallFinder::find(const Scene& now, Sightings& out) const {
+  if (ball_.color == kBackground) return;
+  if (now.frame != nullptr) {
+    find_by_pixels(now, out);
+  } else {
+    find_by_regions(now, out);
+  }
+}
+
+void BallFinder::find_by_regions(const Scene& now, Sightings& out) const {
   const PatchCandidate* best = nullptr;
   float best_score = 0, second_score = 0;
-  for (const PatchCandidate& patch : patches) {
+  for (const PatchCandidate& patch : now.patches) {
     Verdict& verdict = out.verdicts[patch.region];
     if (patch.ratio < kMinBallRatio) {
       verdict = Verdict::kTooSmall;
       continue;
     }
     // The shape test needs a single region; a candidate merged from fragments has no bounding box.
-    if (patch.area_px <= static_cast<float>(regions[patch.region].area_px) &&
-        !looks_like_a_disk(regions[patch.region])) {
+    if (patch.area_px <= static_cast<float>(now.regions[patch.region].area_px) &&
+        !looks_like_a_disk(now.regions[patch.region])) {
       verdict = Verdict::kWrongShape;
       continue;
     }
     verdict = Verdict::kSurplus;
     // A candidate on top of a robot is accepted only if there is no other.
-    const float m = score(patch) * (on_a_robot(patch.center, finder, teams, out) ? 0.1f : 1.0f);
+    const float m = score(patch) * (on_a_robot(patch.center, now, out) ? 0.1f : 1.0f);
     if (m > best_score) {
       second_score = best_score;
       best_score = m;
@@ -75,11 +154,153 @@ void find_ball(const ColorPatches& patches, const PatchFinder& finder, const std
   }
   if (best == nullptr || second_score > kClearlyBetter * best_score) return;
   out.verdicts[best->region] = Verdict::kBall;
-  out.ball.seen = true;
-  out.ball.position = best->at[0];
-  out.ball.center = best->center;
-  out.ball.area_px = static_cast<std::uint32_t>(best->area_px);
-  out.ball.confidence = best_score;
+  report(*best, kSmallestRegion + (kBestRegion - kSmallestRegion) * best_score, out);
+}
+
+float BallFinder::log_likelihood(const std::array<float, 3>& rgb, ColorId color, ColorSpace space) const {
+  const std::array<float, 3>& typical = colors_.typical_rgb(color, space);
+  std::array<float, 3> ratio{}, weight{};
+  float sum = 0, weights = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float expected = typical[c] + kColorNoise_levels;
+    ratio[c] = std::log((rgb[c] + kColorNoise_levels) / expected);
+    weight[c] = 1.0f / (square(kChannelSigma) + square(kColorNoise_levels / expected));
+    sum += weight[c] * ratio[c];
+    weights += weight[c];
+  }
+  const float brightness = sum / weights;
+  float distance = square(brightness / kBrightnessSigma);
+  for (std::size_t c = 0; c < 3; ++c) distance += weight[c] * square(ratio[c] - brightness);
+  return std::max(-0.5f * distance, kLeastColorOdds);
+}
+
+float BallFinder::log_odds_of(const BallAppearance& shown, float prior, ColorSpace space) const {
+  const float disk = prior + appearance_log_odds(shown);
+  if (!colors_.knows(ball_.color)) return disk;
+  const float patch = std::min(kPatchOdds + kPatchBesideOdds * shown.colorful, kMostPatchOdds);
+  float others = 1.0f;
+  for (std::size_t color = 1; color <= kMaxColors; ++color) {
+    const auto other = static_cast<ColorId>(color);
+    if (other == ball_.color || !colors_.knows(other)) continue;
+    others += std::exp(disk + patch + log_likelihood(shown.rgb, other, space));
+  }
+  return disk + log_likelihood(shown.rgb, ball_.color, space) - std::log(others);
+}
+
+float BallFinder::expectation_log_odds(const Scene& now, PixelPoint center) const {
+  if (!now.expected.known) return 0.0f;
+  const FieldPoint at = now.finder.camera().to_field(center, ball_.radius_m);
+  const float variance = square(now.expected.sigma_m) + square(kPredictionSigma_m);
+  const float distance = square(distance_m(at, now.expected.position)) / variance;
+  return std::max(kExpectedPlaceOdds - 0.5f * distance, kOtherPlaceOdds);
+}
+
+// Robots whose heading is unknown have no outline. Their position is that of the team patch.
+float BallFinder::place_log_odds(const Scene& now, PixelPoint center, const Sightings& seen) const {
+  const bool is_on_robot = std::any_of(seen.robots.begin(), seen.robots.end(), [&](const RobotSighting& robot) {
+    if (robot.has_heading) return false;
+    const MarkerLayout& layout = now.teams[index_of(robot.team)].layout;
+    const FieldPoint at = now.finder.camera().to_field(center, layout.height_m);
+    return distance_m(at, robot.pose.position) < 0.5f * layout.robot_side_m;
+  });
+  return is_on_robot ? kOnRobotOdds : 0.0f;
+}
+
+void BallFinder::examine(const Scene& now, const PatchCandidate& patch, const Sightings& seen, Candidates& out) const {
+  Candidate candidate;
+  candidate.patch = &patch;
+  const ColorSpace space = color_space(now.frame->format);
+  SurfaceColor surface;
+  const bool is_sampled = sample_surface(*now.frame, patch.center, 1, surface);
+  const float radius_px = ball_.radius_m * patch.scale_px_per_m;
+  std::array<float, 3> rgb = surface.rgb;
+  if (is_sampled && colors_.knows(ball_.color)) {
+    // The typical color in the light of this place: a thin region has many mixed pixels.
+    rgb = colors_.typical_rgb(ball_.color, space);
+    if (log_likelihood(surface.rgb, ball_.color, space) > kCredibleSeed) {
+      std::array<float, 3> gain{};
+      for (std::size_t c = 0; c < 3; ++c) {
+        gain[c] = (surface.rgb[c] + kColorNoise_levels) / (rgb[c] + kColorNoise_levels);
+      }
+      const float common = (gain[0] + gain[1] + gain[2]) / 3.0f;
+      for (std::size_t c = 0; c < 3; ++c) rgb[c] *= common + kTintShare * (gain[c] - common);
+    }
+  }
+  const auto tops = tops_near(patch.at[0], now, seen);
+  if (!is_sampled ||
+      !look_at_ball(*now.frame, patch.center, radius_px, rgb, {tops.data(), tops.size()}, candidate.shown)) {
+    return;
+  }
+  if (candidate.shown.visible < kMinVisible) return;
+  const auto same = [&](const Candidate& other) {
+    return std::hypot(other.shown.center.u_px - candidate.shown.center.u_px,
+                      other.shown.center.v_px - candidate.shown.center.v_px) < radius_px;
+  };
+  if (std::any_of(out.begin(), out.end(), same)) return;
+  candidate.log_odds = log_odds_of(candidate.shown, kRegionOdds, space) +
+                       place_log_odds(now, candidate.shown.center, seen) +
+                       expectation_log_odds(now, candidate.shown.center);
+  out.push_back(candidate);
+}
+
+void BallFinder::examine_expected_place(const Scene& now, const Sightings& seen, Candidates& out) const {
+  if (!now.expected.known || !colors_.knows(ball_.color) || !inside_field(now.finder.field(), now.expected.position)) {
+    return;
+  }
+  const CameraModel& camera = now.finder.camera();
+  const ColorSpace space = color_space(now.frame->format);
+  const float radius_px = ball_.radius_m * camera.scale_px_per_m(now.expected.position, ball_.radius_m);
+  const PixelPoint seed = camera.to_pixel(now.expected.position, ball_.radius_m);
+  Candidate candidate;
+  const auto tops = tops_near(now.expected.position, now, seen);
+  if (!look_at_ball(*now.frame, seed, radius_px, colors_.typical_rgb(ball_.color, space), {tops.data(), tops.size()},
+                    candidate.shown) ||
+      candidate.shown.visible < kMinVisible) {
+    return;
+  }
+  candidate.log_odds = log_odds_of(candidate.shown, kExpectedOdds, space) +
+                       place_log_odds(now, candidate.shown.center, seen) +
+                       expectation_log_odds(now, candidate.shown.center);
+  out.push_back(candidate);
+}
+
+void BallFinder::find_by_pixels(const Scene& now, Sightings& out) const {
+  Candidates candidates;
+  for (const PatchCandidate& patch : now.patches) {
+    out.verdicts[patch.region] = patch.is_partly_visible ? Verdict::kTooSmall : Verdict::kSurplus;
+    if (candidates.size() < kMaxExamined) examine(now, patch, out, candidates);
+  }
+  const auto sum_of_odds = [&] {
+    float sum = 1.0f;  // no ball
+    for (const Candidate& candidate : candidates) sum += std::exp(candidate.log_odds);
+    return sum;
+  };
+  const auto better = [](const Candidate& a, const Candidate& b) { return a.log_odds < b.log_odds; };
+  const Candidate* best = std::max_element(candidates.begin(), candidates.end(), better);
+  if (best == candidates.end() || std::exp(best->log_odds) < kMinConfidence * sum_of_odds()) {
+    if (best != candidates.end() && best->log_odds > 0) return;  // two balls
+    examine_expected_place(now, out, candidates);
+    best = std::max_element(candidates.begin(), candidates.end(), better);
+    if (best == candidates.end()) return;
+  }
+  const float confidence = std::min(std::exp(best->log_odds) / sum_of_odds(), kMaxConfidence);
+  if (confidence < kMinConfidence) return;
+  const CameraModel& camera = now.finder.camera();
+  PatchCandidate found;
+  found.center = best->shown.center;
+  found.area_px = best->shown.area_px;
+  if (best->patch != nullptr) {
+    out.verdicts[best->patch->region] = Verdict::kBall;
+    const float moved =
+        std::hypot(found.center.u_px - best->patch->center.u_px, found.center.v_px - best->patch->center.v_px);
+    const float radius_px = ball_.radius_m * best->patch->scale_px_per_m;
+    if (best->patch->ratio > kWholeRegion && moved < kSameCenter * radius_px) {
+      report(*best->patch, confidence, out);
+      return;
+    }
+  }
+  found.at[0] = camera.to_field(found.center, ball_.radius_m);
+  report(found, confidence, out);
 }
 
 }  // namespace touchline

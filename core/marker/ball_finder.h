@@ -3,6 +3,8 @@
 #include <array>
 #include <span>
 
+#include "core/marker/ball_appearance.h"
+#include "core/marker/color_evidence.h"
 #include "core/marker/marker_layout.h"
 #include "core/marker/patch_finder.h"
 #include "core/types.h"
@@ -17,10 +19,68 @@ struct BallParameters {
 /// The ball as a circular patch at the height of its center.
 PatchPlace outline_of(const BallParameters& ball);
 
-/// Finds the ball: the candidate whose area fits best and whose region looks like a disk. Candidates on the top of a
-/// reported robot have a much lower rank. If two candidates are about equally likely, no ball is reported. `patches`:
-/// candidates of the ball's color inside the field. `out.robots` must be complete.
-void find_ball(const ColorPatches& patches, const PatchFinder& finder, const std::array<TeamMarking, 2>& teams,
-               const Regions& regions, Sightings& out);
+/// Where the track expects the ball in this frame.
+struct ExpectedBall {
+  bool known = false;
+  FieldPoint position;
+  float sigma_m = 0;  // standard deviation along one axis
+};
+
+/// Finds the ball.
+///
+/// Without a frame: the candidate whose area fits best and whose region looks like a disk. Candidates on the top of a
+/// reported robot have a much lower rank. If two candidates are about equally likely, no ball is reported.
+///
+/// With a frame, regions only tell where to look. Evidence are the pixels there (ball_appearance.h), whatever boxes
+/// they fell into: how well a disk of the ball's size is filled, whether its color ends where the disk ends, whether
+/// patches of a robot are beside it, and how much its color differs from the typical one. Pixels on the top of a robot
+/// do not count, because they hide the ball. A track adds its expectation; if no region is the ball, the place that it
+/// expects is examined, too. The confidence is the probability of a candidate against all others and no ball; a ball
+/// with less than kMinConfidence is not reported. The work is bounded: at most kMaxExamined places.
+class BallFinder {
+ public:
+  static constexpr float kMinConfidence = 0.6f;
+  // The ball, and clutter of its color that is as large.
+  static constexpr std::size_t kMaxExamined = 6;
+
+  /// What is known in one frame. `patches`: candidates of the ball's color inside the field.
+  struct Scene {
+    const Frame* frame = nullptr;  // may be null
+    const ColorPatches& patches;
+    const PatchFinder& finder;
+    const std::array<TeamMarking, 2>& teams;
+    const Regions& regions;
+    ExpectedBall expected;
+  };
+
+  void configure(const BallParameters& ball) { ball_ = ball; }
+  void set_typical(const TypicalColors& typical) { colors_.configure(typical); }
+
+  /// Sets `out.ball` and the verdicts of the examined regions. `out.robots` must be complete.
+  void find(const Scene& now, Sightings& out) const;
+
+ private:
+  // A place that may be the ball.
+  struct Candidate {
+    const PatchCandidate* patch = nullptr;  // null: the place that the track expects
+    BallAppearance shown;
+    float log_odds = 0;  // against no ball
+  };
+  using Candidates = FixedVector<Candidate, kMaxExamined + 1>;
+
+  void find_by_regions(const Scene& now, Sightings& out) const;
+  void find_by_pixels(const Scene& now, Sightings& out) const;
+  void examine(const Scene& now, const PatchCandidate& patch, const Sightings& seen, Candidates& out) const;
+  void examine_expected_place(const Scene& now, const Sightings& seen, Candidates& out) const;
+  // Log likelihood of a surface's mean color relative to that of the typical value, in a light of unknown brightness.
+  [[nodiscard]] float log_likelihood(const std::array<float, 3>& rgb, ColorId color, ColorSpace space) const;
+  // Log odds of the ball against a patch of another color, whose robot was not found, or anything else.
+  [[nodiscard]] float log_odds_of(const BallAppearance& shown, float prior, ColorSpace space) const;
+  [[nodiscard]] float place_log_odds(const Scene& now, PixelPoint center, const Sightings& seen) const;
+  [[nodiscard]] float expectation_log_odds(const Scene& now, PixelPoint center) const;
+
+  BallParameters ball_;
+  ColorEvidence colors_;
+};
 
 }  // namespace touchline

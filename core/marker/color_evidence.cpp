@@ -94,7 +94,7 @@ void ColorEvidence::configure(const TypicalColors& typical) {
 
 LocalLight ColorEvidence::light_on(const SurfaceColor& team_patch, ColorId team_color, ColorSpace space,
                                    const LightPrior& prior) const {
-  const std::array<float, 3>& typical = rgb_of(team_color, space);
+  const std::array<float, 3>& typical = typical_rgb(team_color, space);
   LocalLight light;
   std::array<float, 3> deviation{}, weight{};  // of the logarithm of the gain from the prior's
   std::array<bool, 3> counts{};
@@ -142,7 +142,7 @@ LocalLight ColorEvidence::light_on(const SurfaceColor& team_patch, ColorId team_
 
 float ColorEvidence::log_likelihood(const SurfaceColor& surface, const LocalLight& light, ColorId color,
                                     ColorSpace space, bool in_box) const {
-  const std::array<float, 3>& typical = rgb_of(color, space);
+  const std::array<float, 3>& typical = typical_rgb(color, space);
   Expectation expected;
   for (std::size_t c = 0; c < 3; ++c) {
     expected.rgb[c] = light.gain[c] * typical[c];

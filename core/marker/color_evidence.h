@@ -38,6 +38,11 @@ class ColorEvidence {
   /// True if the typical value of the color was measured.
   [[nodiscard]] bool knows(ColorId color) const { return typical_.measured[color]; }
 
+  /// Typical value of a color as R, G, B above black.
+  [[nodiscard]] const std::array<float, 3>& typical_rgb(ColorId color, ColorSpace space) const {
+    return rgb_[static_cast<std::size_t>(space)][color];
+  }
+
   /// Light on a team patch of this color. A channel that says little (too dark, saturated) follows the others and what
   /// is known before.
   [[nodiscard]] LocalLight light_on(const SurfaceColor& team_patch, ColorId team_color, ColorSpace space,
@@ -52,10 +57,6 @@ class ColorEvidence {
                                      ColorSpace space, bool in_box) const;
 
  private:
-  [[nodiscard]] const std::array<float, 3>& rgb_of(ColorId color, ColorSpace space) const {
-    return rgb_[static_cast<std::size_t>(space)][color];
-  }
-
   TypicalColors typical_;
   // Of the typical values, by color space.
   std::array<std::array<std::array<float, 3>, kMaxColors + 1>, kColorSpaces.size()> rgb_{};

@@ -69,6 +69,7 @@ Status Matcher::collect_kinds() {
   if (ball.color != kBackground) {
     kinds_[ball.color] = kind_of(outline_of(ball), ball.radius_m);
     kinds_[ball.color].may_touch = false;  // there is only one ball
+    kinds_[ball.color].may_be_partly_hidden = true;
     wanted_[ball.color] = true;
   }
   return {};
@@ -87,6 +88,7 @@ Status Matcher::configure(const MarkerParameters& parameters, const CameraModel&
   }
   finder_.configure(camera, parameters.field);
   identifier_.configure(camera);
+  ball_finder_.configure(parameters.ball);
   identifier_.set_teams(parameters.teams);
   return {};
 }
@@ -290,8 +292,8 @@ void Matcher::write_verdicts(Sightings& out) {
   }
 }
 
-void Matcher::match(const Frame* frame, const ExpectedGain& light, const Runs& runs, const Regions& regions,
-                    Sightings& out) {
+void Matcher::match(const Frame* frame, const ExpectedGain& light, const ExpectedBall& ball, const Runs& runs,
+                    const Regions& regions, Sightings& out) {
   out.ball = {};
   out.robots.clear();
   out.verdicts.clear();
@@ -322,7 +324,7 @@ void Matcher::match(const Frame* frame, const ExpectedGain& light, const Runs& r
     drop_tentative(out);
   }
   write_verdicts(out);
-  find_ball(ball_patches_, finder_, parameters_.teams, regions, out);
+  ball_finder_.find({frame, ball_patches_, finder_, parameters_.teams, regions, ball}, out);
   out.cut_short = !complete;
 }
 

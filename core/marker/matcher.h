@@ -42,12 +42,17 @@ class Matcher {
 
   /// Takes over the typical values of the colors, with which match() reads pixels. Without them, or if those of a team
   /// were not measured, the color boxes alone decide.
-  void set_typical_colors(const TypicalColors& typical) { identifier_.set_typical(typical); }
+  void set_typical_colors(const TypicalColors& typical) {
+    identifier_.set_typical(typical);
+    ball_finder_.set_typical(typical);
+  }
 
-  /// Uses only this frame: `runs` and `regions` are those of `frame`, which is null if ids follow from the color boxes
-  /// alone. `light` is what is known about its light. `out.verdicts` gets one entry per region.
-  void match(const Frame* frame, const ExpectedGain& light, const Runs& runs, const Regions& regions, Sightings& out);
-  void match(const Runs& runs, const Regions& regions, Sightings& out) { match(nullptr, {}, runs, regions, out); }
+  /// `runs` and `regions` are those of `frame`, which is null if ids and ball follow from the color boxes alone. Uses
+  /// only this frame, what is known about its light, and the place where the ball's track expects it. `out.verdicts`
+  /// gets one entry per region.
+  void match(const Frame* frame, const ExpectedGain& light, const ExpectedBall& ball, const Runs& runs,
+             const Regions& regions, Sightings& out);
+  void match(const Runs& runs, const Regions& regions, Sightings& out) { match(nullptr, {}, {}, runs, regions, out); }
 
  private:
   // 22 robots with two identification patches have 44. The rest is for fragments, noise and layouts with more patches.
@@ -71,6 +76,7 @@ class Matcher {
   PatchFinder finder_;
   Selector selector_;
   Identifier identifier_;
+  BallFinder ball_finder_;
   // Indexed by color.
   std::array<PatchKind, kMaxColors + 1> kinds_{};
   std::array<bool, kMaxColors + 1> wanted_{};

@@ -194,7 +194,7 @@ void PaintedField::paint_ball(FieldPoint at) {
        [&](FieldPoint p) { return distance_m(p, at) <= radius; });
 }
 
-const Sightings& PaintedField::match(const Frame* frame, const ExpectedGain& light) {
+const Sightings& PaintedField::match(const Frame* frame, const ExpectedGain& light, const ExpectedBall& ball) {
   runs_->clear();
   labeling_->begin(1);
   std::size_t above = 0;
@@ -222,7 +222,7 @@ const Sightings& PaintedField::match(const Frame* frame, const ExpectedGain& lig
     above = first;
   }
   labeling_->finish(*runs_, *regions_);
-  matcher_->match(frame, light, *runs_, *regions_, *sightings_);
+  matcher_->match(frame, light, ball, *runs_, *regions_, *sightings_);
   return *sightings_;
 }
 

@@ -74,9 +74,9 @@ class PaintedField {
   void paint_ball(FieldPoint at);
   ColorGrid& grid() { return grid_; }
 
-  /// Labels and matches the picture. With a frame, ids also follow from its pixels, the typical colors and what is
-  /// known about the light.
-  const Sightings& match(const Frame* frame = nullptr, const ExpectedGain& light = {});
+  /// Labels and matches the picture. With a frame, ids and ball also follow from its pixels, the typical colors, what
+  /// is known about the light, and the place where the ball is expected.
+  const Sightings& match(const Frame* frame = nullptr, const ExpectedGain& light = {}, const ExpectedBall& ball = {});
   void set_typical_colors(const TypicalColors& typical) { matcher_->set_typical_colors(typical); }
 
   [[nodiscard]] const Regions& regions() const { return *regions_; }

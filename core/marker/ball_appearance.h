@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "core/marker/surface_color.h"
+#include "core/types.h"
+
+namespace touchline {
+
+/// The square top of a robot near a possible ball, in pixels. It hides what is under it.
+struct RobotTop {
+  PixelPoint center;
+  std::array<PixelPoint, 2> half_side;  // from the center to the middle of two adjacent sides
+};
+
+/// What the pixels around a possible ball show. Areas are shares from 0 to 1.
+struct BallAppearance {
+  PixelPoint center;           // of the disk that fits best
+  float area_px = 0;           // of the ball's color in the disk
+  float visible = 0;           // share of the disk that is in the picture and on no robot
+  float filled = 0;            // share of the visible disk that has the ball's color
+  float overflow = 0;          // share of a ring around the disk that has it
+  float colorful = 0;          // share of the wider surroundings with another strong color, as the patches of a robot
+  std::array<float, 3> rgb{};  // mean of the ball's color in the middle of the disk
+};
+
+/// Smallest radius for look_at_ball(), in pixels. A smaller ball has no pixel without its surroundings.
+constexpr float kMinAppearanceRadius_px = 1.5f;
+
+/// Fits a disk of the ball's size to the pixels around `seed`, a point of the ball, whatever boxes they fell into. A
+/// pixel has the ball's color if its hue is that of `rgb` (R, G, B above black): neither the lamps' reflection on the
+/// ball nor its dark side changes the hue under white light. It must also differ from the floor around the ball. The
+/// work is bounded: at most 33 x 33 samples; on a large ball, only every second, third, ... pixel and row. False if the
+/// seed is outside of the picture, the radius is too small, or the floor has nearly the ball's color.
+bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const std::array<float, 3>& rgb,
+                  std::span<const RobotTop> robots, BallAppearance& out);
+
+}  // namespace touchline

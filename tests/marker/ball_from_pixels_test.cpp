@@ -1,0 +1,273 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
+
+#include "tests/color/owned_picture.h"
+#include "tests/marker/painted_field.h"
+
+// The ball from the pixels of a frame. The color boxes see the picture `boxes`, in which a ball may be cut, in several
+// boxes or missing. The camera sees the painted robots and a ball with its own colors.
+namespace touchline::testing {
+namespace {
+
+using Rgb = std::array<double, 3>;
+// Color of a point of the ball, from its distances to the center in radii.
+using Shade = std::function<Rgb(float right, float down)>;
+
+constexpr Rgb kFloorRgb{40, 42, 40}, kOrangeRgb{220, 100, 30};
+
+Rgb painted_rgb(ColorId color) {
+  switch (color) {
+    case kBlue:
+      return {50, 90, 200};
+    case kYellow:
+      return {200, 180, 30};
+    case kOrange:
+      return kOrangeRgb;
+    case kRed:
+      return {160, 50, 45};
+    case kGreen:
+      return {60, 130, 55};
+    case kMagenta:
+      return {150, 60, 140};
+    default:
+      return kFloorRgb;
+  }
+}
+
+Rgb darker(const Rgb& rgb, double factor) { return {factor * rgb[0], factor * rgb[1], factor * rgb[2]}; }
+
+// BT.601, limited range.
+Channels pixel_value(const Rgb& rgb, ColorSpace space) {
+  const auto byte = [](double x) { return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 255.0))); };
+  if (space == ColorSpace::kRgb) return {byte(rgb[0]), byte(rgb[1]), byte(rgb[2])};
+  const double luma = 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2];
+  return {byte(16 + luma * 219 / 255), byte(128 + (rgb[2] - luma) / 1.772 * 224 / 255),
+          byte(128 + (rgb[0] - luma) / 1.402 * 224 / 255)};
+}
+
+class BallFromPixels : public ::testing::TestWithParam<PixelFormat> {
+ protected:
+  BallFromPixels() {
+    TypicalColors typical;
+    for (ColorId color = kBlue; color <= kMagenta; ++color) {
+      typical[color] = pixel_value(painted_rgb(color), color_space(GetParam()));
+      typical.measured[color] = true;
+    }
+    boxes.set_typical_colors(typical);
+  }
+
+  // Shows a ball and gives the part of it that `in_box` selects to the color orange, and the rest to `other`.
+  void show_ball(FieldPoint at, const Shade& shade, const std::function<bool(float right, float down)>& in_box,
+                 ColorId other = kBackground) {
+    const PixelPoint center = boxes.camera().to_pixel(at, radius_m);
+    const float radius_px = radius_m * boxes.camera().scale_px_per_m(at, radius_m);
+    for (int v = 0; v < 480; ++v) {
+      for (int u = 0; u < 640; ++u) {
+        const float right = (static_cast<float>(u) - center.u_px) / radius_px;
+        const float down = (static_cast<float>(v) - center.v_px) / radius_px;
+        if (right * right + down * down > 1.0f) continue;
+        boxes.grid().at(u, v) = in_box(right, down) ? ColorId{kOrange} : other;
+        own_color.emplace_back(v * 640 + u, shade(right, down));
+      }
+    }
+  }
+
+  const Sightings& look(const ExpectedBall& expected = {}) {
+    OwnedPicture picture(GetParam(), 640, 480, 0);
+    const ColorSpace space = color_space(GetParam());
+    std::vector<Rgb> pixels;
+    for (int i = 0; i < 640 * 480; ++i) pixels.push_back(painted_rgb(shown.grid().at(i % 640, i / 640)));
+    for (const auto& [i, rgb] : own_color) pixels[static_cast<std::size_t>(i)] = rgb;
+    for (int i = 0; i < 640 * 480; ++i) {
+      Rgb rgb = pixels[static_cast<std::size_t>(i)];
+      for (double& value : rgb) value += random.whole(-3, 3);
+      picture.set(i % 640, i / 640, pixel_value(rgb, space));
+    }
+    const Frame frame = picture.frame();
+    return boxes.match(&frame, {}, expected);
+  }
+
+  void expect_ball(const Sightings& seen, FieldPoint at, float within_px, float least_confidence) {
+    ASSERT_TRUE(seen.ball.seen);
+    const PixelPoint truth = boxes.camera().to_pixel(at, radius_m);
+    EXPECT_LT(std::hypot(seen.ball.center.u_px - truth.u_px, seen.ball.center.v_px - truth.v_px), within_px);
+    EXPECT_GT(seen.ball.confidence, least_confidence);
+    EXPECT_LE(seen.ball.confidence, 1.0f);
+  }
+
+  static bool everywhere(float, float) { return true; }
+  static bool nowhere(float, float) { return false; }
+  static Rgb evenly_lit(float, float) { return kOrangeRgb; }
+
+  MarkerParameters parameters = paper_teams();
+  float radius_m = parameters.ball.radius_m;
+  PaintedField boxes{straight_camera(), parameters}, shown{straight_camera(), parameters};
+  std::vector<std::pair<int, Rgb>> own_color;
+  PortableRandom random{23};
+};
+
+TEST_P(BallFromPixels, IsTheWholeDiskIfItsShadedPartFellIntoAnotherBox) {
+  const auto lit = [](float right, float) { return right < -0.3f; };
+  show_ball(
+      {0.4f, 0.3f}, [&](float r, float d) { return darker(kOrangeRgb, lit(r, d) ? 1.0 : 0.5); }, lit, kRed);
+  expect_ball(look(), {0.4f, 0.3f}, 0.8f, 0.9f);
+}
+
+TEST_P(BallFromPixels, MayReflectALamp) {
+  const auto matt = [](float right, float down) { return std::hypot(right + 0.2f, down + 0.2f) > 0.45f; };
+  show_ball(
+      {-0.5f, 0.2f},
+      [&](float r, float d) {
+        return matt(r, d) ? kOrangeRgb : Rgb{252, 248, 245};
+      },
+      matt);
+  expect_ball(look(), {-0.5f, 0.2f}, 0.8f, 0.9f);
+}
+
+TEST_P(BallFromPixels, IsFoundByASliverOfIt) {
+  const auto sliver = [](float right, float) { return right > 0.5f; };
+  show_ball({0.1f, -0.6f}, evenly_lit, sliver);
+  const Sightings& seen = look();
+  expect_ball(seen, {0.1f, -0.6f}, 0.8f, 0.9f);
+  EXPECT_GT(seen.ball.area_px, 60u);
+}
+
+TEST_P(BallFromPixels, IsFoundUnderHalfOfTheLight) {
+  show_ball(
+      {0.1f, -0.6f}, [](float, float) { return darker(kOrangeRgb, 0.5); }, everywhere);
+  expect_ball(look(), {0.1f, -0.6f}, 0.8f, 0.9f);
+}
+
+TEST_P(BallFromPixels, OfAnotherHueIsNone) {
+  show_ball(
+      {0.1f, -0.6f},
+      [](float, float) {
+        return Rgb{40, 160, 60};
+      },
+      everywhere);
+  EXPECT_FALSE(look().ball.seen);
+}
+
+TEST_P(BallFromPixels, IsNoOrangePatchOfARobot) {
+  const Placed robot{Team::kOwn, 1, {{0.2f, 0.1f}, 0.6f}};
+  for (PaintedField* field : {&boxes, &shown}) {
+    field->paint(robot);
+    field->paint_part(robot, {0.002f, -0.036f}, {0.036f, -0.002f}, kOrange);
+  }
+  const Sightings& seen = look();
+  ASSERT_EQ(seen.robots.size(), 1u);
+  ASSERT_TRUE(seen.robots[0].has_heading);
+  EXPECT_FALSE(seen.ball.seen);
+}
+
+// The identification patch of a robot whose team patch fell into no box.
+TEST_P(BallFromPixels, IsNoPatchBesideOtherPatches) {
+  const Placed robot{Team::kOwn, 0, {{0.2f, 0.1f}, 0.6f}};
+  shown.paint(robot);
+  boxes.paint_patch(robot, 1, kOrange);
+  const Sightings& seen = look();
+  EXPECT_TRUE(seen.robots.empty());
+  EXPECT_FALSE(seen.ball.seen);
+}
+
+TEST_P(BallFromPixels, BesideARobotIsFound) {
+  for (const float side : {-1.0f, 1.0f}) {
+    own_color.clear();
+    const Placed robot{Team::kOwn, 1, {{0.2f, 0.1f}, 0.0f}};
+    for (PaintedField* field : {&boxes, &shown}) {
+      field->clear();
+      field->paint(robot);
+    }
+    const FieldPoint at{0.2f, 0.1f + side * (0.0375f + radius_m + 0.004f)};
+    show_ball(at, evenly_lit, everywhere);
+    expect_ball(look(), at, 1.0f, 0.8f);
+  }
+}
+
+// A hand of which a part as large as the ball fell into the ball's box.
+TEST_P(BallFromPixels, EndsWhereItsColorEnds) {
+  const Placed somewhere{Team::kOwn, 0, {{-0.4f, 0.1f}, 0.5f}};
+  shown.paint_part(somewhere, {-0.08f, -0.08f}, {0.08f, 0.08f}, kOrange);
+  boxes.paint_ball({-0.4f, 0.1f});
+  EXPECT_FALSE(look().ball.seen);
+}
+
+TEST_P(BallFromPixels, IsNoLine) {
+  const Placed somewhere{Team::kOwn, 0, {{-0.4f, 0.1f}, 0.5f}};
+  for (PaintedField* field : {&boxes, &shown}) {
+    field->paint_part(somewhere, {-0.08f, -0.005f}, {0.08f, 0.005f}, kOrange);
+  }
+  EXPECT_FALSE(look().ball.seen);
+}
+
+TEST_P(BallFromPixels, OfTwoTheExpectedOneIsReported) {
+  show_ball({0.3f, 0.3f}, evenly_lit, everywhere);
+  show_ball({-0.3f, 0.2f}, evenly_lit, everywhere);
+  EXPECT_FALSE(look().ball.seen);
+  expect_ball(look({true, {-0.31f, 0.2f}, 0.01f}), {-0.3f, 0.2f}, 0.8f, 0.6f);
+  expect_ball(look({true, {0.31f, 0.3f}, 0.01f}), {0.3f, 0.3f}, 0.8f, 0.6f);
+}
+
+TEST_P(BallFromPixels, IsFoundWithoutARegionWhereItIsExpected) {
+  show_ball({0.3f, 0.3f}, evenly_lit, nowhere);
+  EXPECT_FALSE(look().ball.seen);
+  expect_ball(look({true, {0.308f, 0.295f}, 0.01f}), {0.3f, 0.3f}, 1.2f, 0.8f);
+  EXPECT_FALSE(look({true, {0.5f, 0.3f}, 0.01f}).ball.seen);
+}
+
+TEST_P(BallFromPixels, IsNotInventedWhereItIsExpected) {
+  EXPECT_FALSE(look({true, {0.3f, 0.3f}, 0.01f}).ball.seen);
+  // Neither on a patch of a robot nor far outside of the picture.
+  const Placed robot{Team::kOpponent, 0, {{0.3f, 0.3f}, 0.4f}};
+  boxes.paint(robot);
+  shown.paint(robot);
+  EXPECT_FALSE(look({true, {0.31f, 0.31f}, 0.01f}).ball.seen);
+  EXPECT_FALSE(look({true, {1e6f, 0.3f}, 0.01f}).ball.seen);
+}
+
+TEST_P(BallFromPixels, AtThePicturesBorderReadsNothingOutside) {
+  OwnedPicture picture(GetParam(), 64, 48, 0);
+  const Channels orange = pixel_value(kOrangeRgb, color_space(GetParam()));
+  for (int v = 0; v < 48; ++v) {
+    for (int u = 0; u < 64; ++u) picture.set(u, v, orange);
+  }
+  const std::array<float, 3> rgb{220, 100, 30};
+  BallAppearance shown_there;
+  for (const float radius : {1.0f, 2.0f, 5.3f, 11.0f, 47.0f, 1e5f, std::numeric_limits<float>::quiet_NaN()}) {
+    for (const float u : {-1.0f, 0.0f, 1.0f, 63.0f, 64.0f, 1e9f, std::numeric_limits<float>::quiet_NaN()}) {
+      for (const float v : {0.0f, 24.0f, 47.0f, 1e9f}) {
+        // The floor has the ball's color.
+        EXPECT_FALSE(look_at_ball(picture.frame(), {u, v}, radius, rgb, {}, shown_there));
+      }
+    }
+  }
+}
+
+TEST_P(BallFromPixels, LargeOnesAreSampled) {
+  OwnedPicture picture(GetParam(), 320, 240, 0);
+  const ColorSpace space = color_space(GetParam());
+  for (int v = 0; v < 240; ++v) {
+    for (int u = 0; u < 320; ++u) {
+      picture.set(u, v, pixel_value(std::hypot(u - 150, v - 110) < 40 ? kOrangeRgb : kFloorRgb, space));
+    }
+  }
+  BallAppearance shown_there;
+  ASSERT_TRUE(look_at_ball(picture.frame(), {130.0f, 90.0f}, 40.0f, {220, 100, 30}, {}, shown_there));
+  EXPECT_NEAR(shown_there.center.u_px, 150.0f, 2.0f);
+  EXPECT_NEAR(shown_there.center.v_px, 110.0f, 2.0f);
+  EXPECT_GT(shown_there.filled, 0.95f);
+  EXPECT_LT(shown_there.overflow, 0.05f);
+  EXPECT_NEAR(shown_there.area_px, kPi * 40 * 40, 400.0f);
+  EXPECT_EQ(shown_there.visible, 1.0f);
+}
+
+INSTANTIATE_TEST_SUITE_P(Format, BallFromPixels,
+                         ::testing::Values(PixelFormat::kRgb24, PixelFormat::kYuyv, PixelFormat::kNv12),
+                         [](const auto& format) { return name_of(format.param); });
+
+}  // namespace
+}  // namespace touchline::testing

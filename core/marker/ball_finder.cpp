@@ -20,7 +20,8 @@ constexpr float kClearlyBetter = 0.85f;
 // Probability that a region of the right size and shape is the ball: of the best one, and with the smallest area.
 constexpr float kBestRegion = 0.98f, kSmallestRegion = 0.9f;
 
-// --- Pixels: log odds, from the real pictures of even number in tests/footage and the rendered scenes.
+// --- Pixels: log odds, set by hand while looking at the real pictures of tests/footage and at rendered scenes; they
+// were not fitted, and no picture was held back.
 // A region in the ball's boxes, before its pixels are examined; a place where only the track expects it.
 constexpr float kRegionOdds = 0.5f, kExpectedOdds = -1.0f;
 // Of a disk that is filled completely; the share that says nothing; the least and the largest value.

@@ -128,7 +128,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
     ++statistics_.future_stamps;
   }
 
-  const Duration to_wheels = smoothed_latency_.value_or(0s) + settings_.radio_delay;
+  const Duration to_wheels = smoothed_latency_.value_or(0s) + packet_time_ + settings_.radio_delay;
   pipeline_.set_action_delay(std::clamp<Duration>(to_wheels, 0s, 1s));
   rules_.check_frame(frame.capture_time, timing.received);
   take_external_input(timing.received);
@@ -265,6 +265,7 @@ void Loop::send_stop(Instant now) { send(pipeline_.stop(now), true, now); }
 void Loop::send(const Packet& packet, bool is_stop, Instant now) {
   if (crash_stop::is_stopping()) return;  // another thread has crashed; its stop packets must be the last ones
   last_packet_ = now;
+  packet_time_ = static_cast<Duration::rep>(packet.size()) * settings_.radio_byte_time;
   needs_final_stops_ = true;
   if (!devices_.is_open(Device::kRadio)) {
     ++statistics_.packets_refused;

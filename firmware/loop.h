@@ -23,7 +23,8 @@ namespace touchline {
 
 struct LoopSettings {
   config::FaultSettings faults;
-  Duration radio_delay{};  // from the last byte sent to the wheels
+  Duration radio_delay{};      // from the last byte sent to the wheels
+  Duration radio_byte_time{};  // time of a byte on the radio's line; zero without a line
   Duration status_interval = std::chrono::seconds(1);
   std::uint64_t frames = 0;                        // ends after this number of frames; 0: no limit
   Duration duration{};                             // ends after this time; 0: no limit
@@ -147,6 +148,7 @@ class Loop {
   Duration input_due_{}, radio_due_{};  // due times of an input line and the radio, before the next frame
   Instant last_frame_{};                // arrival of the last frame, good or not
   Instant last_packet_{};
+  Duration packet_time_{};          // of the last packet on the radio's line
   bool needs_final_stops_ = false;  // packets were sent since the last final stop packets
   std::optional<std::uint32_t> last_sequence_;
   std::optional<Duration> smoothed_latency_;

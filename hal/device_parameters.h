@@ -160,7 +160,8 @@ struct RadioSettings {
                   .range = {0.0, 1.0},
                   .unit = "s",
                   .reload = Reload::kLoop,
-                  .help = "Delay from the last byte sent to the wheels; it is added to the measured latency"});
+                  .help = "Delay from the last byte sent to the wheels. The measured latency and the packet's time on "
+                          "the line are added"});
     visit.flag(self.telemetry, {.name = "telemetry", .help = "Receive telemetry from the robots (docs/radio.md)"});
     // Most small robots have two lithium cells: 3.5 V per cell under load is low, 3.0 V destroys the cell.
     visit.number(self.low_battery_v, {.name = "low_battery_v",
@@ -169,6 +170,11 @@ struct RadioSettings {
                                       .help = "Battery voltage below which a robot is reported once; 0: never"});
   }
 };
+
+/// Time of a byte on the radio's line: 8 data bits, start and stop bit. Zero without a radio.
+inline Duration byte_time(const RadioSettings& radio) {
+  return radio.backend == RadioBackend::kNone ? Duration{} : from_seconds(10.0 / radio.baud);
+}
 
 enum class GpioBackend : std::uint8_t { kMock, kGpiod, kNone };
 inline constexpr std::array<Choice<GpioBackend>, 3> kGpioBackends{

@@ -99,6 +99,7 @@ class Game {
     LoopSettings settings;
     settings.faults = board.faults;
     settings.radio_delay = from_seconds(board.radio.delay_s);
+    settings.radio_byte_time = hal::byte_time(board.radio);
     loop.emplace(HalDevices{*camera, *radio, *gpio, *clock, true}, *pipeline, settings, *ring,
                  LoopObserver{&Game::observe, this});
     EXPECT_OK(loop->open());

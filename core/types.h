@@ -52,6 +52,11 @@ struct Twist {
   float v_mps = 0.0f, w_radps = 0.0f;
 };
 
+/// Covariance of a pose's errors: x and y in m, heading t in rad.
+struct PoseCovariance {
+  float xx = 0.0f, yy = 0.0f, tt = 0.0f, xy = 0.0f, xt = 0.0f, yt = 0.0f;
+};
+
 // --- camera -> color ------------------------------------------------------------------------------------------------
 
 /// A picture that this structure does not own. Where pixels share a chroma sample and the size is odd, the last
@@ -155,6 +160,7 @@ struct RobotSighting {
   bool has_heading = false;
   Pose pose;
   float residual_m = 0.0f;  // RMS distance of the patches from their layout
+  PoseCovariance noise;     // of the pose, as far as this picture tells; without a heading only xx and yy
   float confidence = 0.0f;  // see Confidence
   FixedVector<PatchSighting, kMaxPatches> patches;
 };
@@ -164,6 +170,7 @@ struct BallSighting {
   FieldPoint position;
   PixelPoint center;
   std::uint32_t area_px = 0;
+  float sigma_m = 0.0f;     // standard deviation of each coordinate, as far as this picture tells
   float confidence = 0.0f;  // see Confidence
 };
 
@@ -207,6 +214,10 @@ struct RobotTrack {
   // Standard deviations of x (m), y (m), theta (rad) at capture time. If the heading was never seen, that of theta is
   // 1.81 (uniform distribution), theta is the direction of motion, and position is that of the team patch.
   std::array<float, 3> sigma{};
+  float xy_covariance_m2 = 0.0f;  // of x and y
+  // Squared Mahalanobis distance of this frame's sighting from its prediction (chi-square with 3 degrees of freedom);
+  // -1 if no sighting with a heading was fused.
+  float innovation2 = -1.0f;
   Instant last_seen{};
   float confidence = 0.0f;  // see Confidence
 };
@@ -216,6 +227,7 @@ struct BallTrack {
   FieldPoint position, velocity;  // m and m/s at capture time
   FieldPoint position_at_action, velocity_at_action;
   float sigma_m = 0.0f;
+  float innovation2 = -1.0f;  // as for robots, with 2 degrees of freedom
   Instant last_seen{};
   float confidence = 0.0f;  // see Confidence
 };

@@ -48,4 +48,44 @@ RigidFit fit_rigidly(std::span<const Correspondence> points) {
   return fit;
 }
 
+PoseCovariance rigid_fit_noise(std::span<const FieldPoint> places, std::span<const PointCovariance> errors,
+                               float theta_rad) {
+  const float n = static_cast<float>(places.size());
+  FieldPoint mean{};
+  for (const FieldPoint& p : places) {
+    mean.x_m += p.x_m / n;
+    mean.y_m += p.y_m / n;
+  }
+  float squares = 0;
+  for (const FieldPoint& p : places) {
+    const float x = p.x_m - mean.x_m, y = p.y_m - mean.y_m;
+    squares += x * x + y * y;
+  }
+  // To first order, the heading's error is the sum of t . e over all points' errors e, where t is perpendicular to the
+  // lever arm. The position's error is the mean of e, less what the turn about the points' mean does at the center.
+  PoseCovariance own;  // in the robot's frame
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const float tx = (mean.y_m - places[k].y_m) / squares, ty = (places[k].x_m - mean.x_m) / squares;
+    const float ax = 1 / n + mean.y_m * tx, ay = mean.y_m * ty;
+    const float bx = -mean.x_m * tx, by = 1 / n - mean.x_m * ty;
+    const PointCovariance& e = errors[k];
+    const auto product = [&e](float px, float py, float qx, float qy) {
+      return px * qx * e.xx + (px * qy + py * qx) * e.xy + py * qy * e.yy;
+    };
+    own.xx += product(ax, ay, ax, ay);
+    own.yy += product(bx, by, bx, by);
+    own.tt += product(tx, ty, tx, ty);
+    own.xy += product(ax, ay, bx, by);
+    own.xt += product(ax, ay, tx, ty);
+    own.yt += product(bx, by, tx, ty);
+  }
+  const float c = std::cos(theta_rad), s = std::sin(theta_rad);
+  return {c * c * own.xx - 2 * c * s * own.xy + s * s * own.yy,
+          s * s * own.xx + 2 * c * s * own.xy + c * c * own.yy,
+          own.tt,
+          c * s * (own.xx - own.yy) + (c * c - s * s) * own.xy,
+          c * own.xt - s * own.yt,
+          s * own.xt + c * own.yt};
+}
+
 }  // namespace touchline

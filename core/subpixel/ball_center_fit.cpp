@@ -73,6 +73,8 @@ class BallCenterFit::Solver {
   }
 
   [[nodiscard]] PixelPoint center() const { return view_.center; }
+  // Standard deviation of the center along each axis, in radii.
+  [[nodiscard]] float sigma() const { return sigma_; }
 
  private:
   // Solves for b of every channel at the current center.
@@ -114,6 +116,9 @@ class BallCenterFit::Solver {
     }
     const float determinant = xx * yy - xy * xy;
     if (!(determinant > 1e-4f * scale * scale)) return false;
+    // Mean squared error of a channel's light, from the mean weight that it leaves.
+    const float variance = shading_.allowed * (1.0f / fitting_ - 1.0f) / static_cast<float>(kLightChannels);
+    sigma_ = std::sqrt(std::max(0.0f, 0.5f * variance * (xx + yy) / determinant));
     Step by{(yy * sums.edge.rx - xy * sums.edge.ry) / determinant,
             (xx * sums.edge.ry - xy * sums.edge.rx) / determinant};
     by = accelerated(by);
@@ -137,7 +142,7 @@ class BallCenterFit::Solver {
   const Frame& frame_;
   BallDisk& disk_;
   BallView view_;
-  float fitting_ = 0;
+  float fitting_ = 0, sigma_ = 0;
   Step last_ = Step::Zero();  // in radii; zero after an extrapolated step
   Normal inverse_normal_;
   BallShading shading_;  // of the previous iteration until shade() finds new ones
@@ -156,6 +161,7 @@ void BallCenterFit::refine(const Frame& frame, Sightings& sightings) {
   if (!fit.run()) return;
   ball.center = fit.center();
   ball.position = camera_.to_field(ball.center, ball_.radius_m);
+  ball.sigma_m = fit.sigma() * ball_.radius_m;
 }
 
 }  // namespace touchline

@@ -25,7 +25,7 @@ class BallCenterFit {
  public:
   void configure(const BallParameters& ball, const CameraModel& camera, KernelChoice kernel = KernelChoice::kFastest);
 
-  /// Improves center and position of the ball, if one was seen. The frame must be one that the scan accepted.
+  /// Improves center, position and sigma_m of the ball, if one was seen. The frame must be one that the scan accepted.
   void refine(const Frame& frame, Sightings& sightings);
 
  private:

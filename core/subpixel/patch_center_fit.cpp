@@ -24,6 +24,9 @@ constexpr float kMaxCorrectionPx = 2.0f;
 // (Sharp edges under the ramp, noise and shared chroma leave 0.1; a centroid that is wrong by a pixel leaves 0.25.)
 // In between, the result is a weighted mean, so a robot at the limit does not jump between two centers.
 constexpr float kGoodCoverage = 0.22f, kWorstCoverage = 0.32f;
+// Part of the variance of a pixel's covered fraction that moves the center: most of it is the blur's shape, whose
+// errors on opposite edges cancel. Measured in the arena (tests/tools/motion_evaluation_test.cpp).
+constexpr float kMovingPart = 0.1f;
 // The first iteration leaves at most a tenth of its step as error. After a short step the rest is below the noise.
 constexpr int kMaxPatchIterations = 2;
 constexpr float kShortStepPx = 0.05f;
@@ -32,6 +35,15 @@ constexpr float kSameEdgePx = 0.2f;
 
 float dot(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// Of the mean of two poses with the weights 1 - weight and weight. Their errors have the same causes, so standard
+// deviations add.
+PoseCovariance of_mean(const PoseCovariance& a, float weight, const PoseCovariance& b) {
+  const float ratio = std::sqrt(b.tt / a.tt), rest = 1 - weight;
+  const float by_a = rest * (rest + weight * ratio), by_b = weight * (weight + rest / ratio);
+  const auto sum = [by_a, by_b](float of_a, float of_b) { return by_a * of_a + by_b * of_b; };
+  return {sum(a.xx, b.xx), sum(a.yy, b.yy), sum(a.tt, b.tt), sum(a.xy, b.xy), sum(a.xt, b.xt), sum(a.yt, b.yt)};
 }
 
 }  // namespace
@@ -59,7 +71,7 @@ class PatchCenterFit::Solver {
     view_.scale_px_per_m = std::sqrt(std::abs(view_.u_by_x * view_.v_by_y - view_.u_by_y * view_.v_by_x));
     view_.ramp_m = kRampPx / view_.scale_px_per_m;
     view_.middle = {0.5f * (front.u_px + back.u_px), 0.5f * (front.v_px + back.v_px)};
-    for (const PatchPlace& place : layout_.patches) targets_.push_back({seen_at(place.x_m, place.y_m), {}, {}, 0});
+    for (const PatchPlace& place : layout_.patches) targets_.push_back({seen_at(place.x_m, place.y_m), {}, {}, 0, {}});
   }
 
   // Returns the weight of the fit, 0 to 1.
@@ -78,6 +90,14 @@ class PatchCenterFit::Solver {
     const FieldPoint by = moved(k);
     return {layout_.patches[k].x_m + by.x_m, layout_.patches[k].y_m + by.y_m};
   }
+  // Covariance of seen(k), from the error that the fit leaves in the covered fractions.
+  [[nodiscard]] PointCovariance noise(std::size_t k) const {
+    const PointCovariance& along = targets_[k].noise;
+    const float c = outlines_[k].cos(), s = outlines_[k].sin();
+    return {c * c * along.xx - 2 * c * s * along.xy + s * s * along.yy,
+            c * s * (along.xx - along.yy) + (c * c - s * s) * along.xy,
+            s * s * along.xx + 2 * c * s * along.xy + c * c * along.yy};
+  }
   [[nodiscard]] float scale_px_per_m() const { return view_.scale_px_per_m; }
 
  private:
@@ -86,6 +106,7 @@ class PatchCenterFit::Solver {
     FieldPoint at;                // offset from there along the outline's axes
     std::array<float, 3> excess;  // light of the patch minus light of the top
     float power;                  // squared norm of the excess
+    PointCovariance noise;        // of `at`
   };
   using Targets = FixedVector<Target, kMaxPatches>;
 
@@ -182,6 +203,8 @@ class PatchCenterFit::Solver {
     // After a short first step, the predicted remaining error equals the error of a second iteration.
     const float left = first ? std::max(0.0f, sums.squares - sums.rx * x - sums.ry * y) : sums.squares;
     worst_coverage_ = std::max(worst_coverage_, std::sqrt(left / sums.weights));
+    const float variance = kMovingPart * left / sums.weights / determinant;
+    target.noise = {variance * sums.yy, -variance * sums.xy, variance * sums.xx};
     target.at.x_m += x;
     target.at.y_m += y;
     return std::hypot(target.at.x_m, target.at.y_m) * view_.scale_px_per_m <= kMaxCorrectionPx;
@@ -223,8 +246,12 @@ void PatchCenterFit::refine(const Frame& frame, Sightings& sightings) {
     const float trust = fit.run();
     if (trust == 0.0f) continue;
     FixedVector<Correspondence, kMaxPatches> points;
+    FixedVector<FieldPoint, kMaxPatches> places;
+    FixedVector<PointCovariance, kMaxPatches> errors;
     for (std::size_t k = 0; k < patches; ++k) {
-      points.push_back({{marker.layout.patches[k].x_m, marker.layout.patches[k].y_m}, fit.seen(k)});
+      places.push_back({marker.layout.patches[k].x_m, marker.layout.patches[k].y_m});
+      points.push_back({places.back(), fit.seen(k)});
+      errors.push_back(fit.noise(k));
     }
     const RigidFit moved = fit_rigidly({points.data(), points.size()});
     if (moved.residual_m > residual_gate_m(fit.scale_px_per_m())) continue;
@@ -233,6 +260,9 @@ void PatchCenterFit::refine(const Frame& frame, Sightings& sightings) {
     robot.pose.position.y_m += trust * by.y_m;
     robot.pose.theta_rad = wrap_angle(robot.pose.theta_rad + trust * moved.pose.theta_rad);
     robot.residual_m += trust * (moved.residual_m - robot.residual_m);
+    const PoseCovariance noise =
+        rigid_fit_noise({places.data(), places.size()}, {errors.data(), errors.size()}, robot.pose.theta_rad);
+    robot.noise = robot.noise.tt > 0.0f && noise.tt > 0.0f ? of_mean(robot.noise, trust, noise) : noise;
     // robot.patches[i].patch is the index in the layout.
     for (PatchSighting& patch : robot.patches) {
       const PixelPoint center = fit.center(patch.patch);

@@ -36,8 +36,8 @@ class PatchCenterFit {
   /// Changes the heights of the markers, by Team, between two frames.
   void set_heights(const std::array<float, 2>& height_m);
 
-  /// Improves centers, pose and residual of the robots that have a heading and of which all patches were seen. The
-  /// frame must be one that the scan accepted.
+  /// Improves centers, pose, residual and noise of the robots that have a heading and of which all patches were seen.
+  /// The frame must be one that the scan accepted.
   void refine(const Frame& frame, Sightings& sightings);
 
  private:

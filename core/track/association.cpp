@@ -18,7 +18,10 @@ constexpr double kWrongIdCost = 4.0;
 bool credible(const RobotSighting& sighting) {
   constexpr float kFar = 100.0f;
   const FieldPoint p = sighting.pose.position;
-  return std::abs(p.x_m) < kFar && std::abs(p.y_m) < kFar &&
+  const PoseCovariance& n = sighting.noise;
+  const bool noise_is_credible = n.xx >= 0.0f && n.yy >= 0.0f && n.tt >= 0.0f &&
+                                 n.xx + n.yy + n.tt + std::abs(n.xy) + std::abs(n.xt) + std::abs(n.yt) < kFar;
+  return noise_is_credible && std::abs(p.x_m) < kFar && std::abs(p.y_m) < kFar &&
          (!sighting.has_heading || std::abs(sighting.pose.theta_rad) < kFar);
 }
 

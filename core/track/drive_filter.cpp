@@ -53,8 +53,9 @@ InputModel input_model(double dt, const DriveInput& input, const DriveFilter::St
   }
   const double v = static_cast<double>(input.twist.v_mps), w = static_cast<double>(input.twist.w_radps);
   const double speed = std::max(std::abs(v), std::abs(x[3])), turn = std::max(std::abs(w), std::abs(x[4]));
-  return {follow(dt, p.wheel_lag_s), v, w, (square(p.drive_noise_m_rts) + square(p.drive_error_rts * speed)) / dt,
-          (square(p.turn_noise_rad_rts) + square(p.turn_error_rts * turn)) / dt};
+  return {
+      follow(dt, p.wheel_lag_s), v, w, (square(p.drive_noise_m_rts) + square(p.drive_error_rts * speed)) / dt,
+      (square(p.turn_noise_rad_rts) + square(p.turn_error_rts * turn) + square(p.veer_error_rts_per_m * speed)) / dt};
 }
 
 void symmetrize(MatrixMap p) { p = (0.5 * (p + p.transpose())).eval(); }
@@ -73,9 +74,10 @@ void correct(VectorMap x, MatrixMap p, const Eigen::Matrix<double, Rows, 1>& inn
   symmetrize(p);
 }
 
-Eigen::Matrix3d pose_noise(const RobotFilterParameters& p) {
-  const double xy = p.position_sigma_m * p.position_sigma_m;
-  return Eigen::Vector3d(xy, xy, p.heading_sigma_rad * p.heading_sigma_rad).asDiagonal();
+Eigen::Matrix3d matrix_of(const PoseCovariance& noise) {
+  Eigen::Matrix3f m;
+  m << noise.xx, noise.xy, noise.xt, noise.xy, noise.yy, noise.yt, noise.xt, noise.yt, noise.tt;
+  return m.cast<double>();
 }
 
 Eigen::Vector3d pose_innovation(const Pose& sighted, const DriveFilter::State& x) {
@@ -156,19 +158,42 @@ void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterPara
   x_[4] = r.end_now * x_[4] + r.end_input * u.w;
 }
 
+// A velocity that changes by d at a time that is distributed uniformly over the step moves the state by d dt / 2 on
+// average; its variances are those of white noise acceleration with the density d^2 / dt.
+void DriveFilter::disturb(double dt, const RobotFilterParameters& parameters) {
+  const double push = parameters.impact_mps * parameters.impact_mps;
+  const double turn = parameters.impact_radps * parameters.impact_radps;
+  const double c = std::cos(x_[2]), s = std::sin(x_[2]);
+  MatrixMap p(p_.data());
+  p(0, 0) += push * dt * dt / 3.0;
+  p(1, 1) += push * dt * dt / 3.0;
+  p(2, 2) += turn * dt * dt / 3.0;
+  p(3, 3) += push;
+  p(4, 4) += turn;
+  const auto add_between = [&p](Eigen::Index i, Eigen::Index k, double covariance) {
+    p(i, k) += covariance;
+    p(k, i) += covariance;
+  };
+  add_between(0, 3, 0.5 * push * dt * c);
+  add_between(1, 3, 0.5 * push * dt * s);
+  add_between(2, 4, 0.5 * turn * dt);
+}
+
+void DriveFilter::scale_covariance(double factor) { MatrixMap(p_.data()) *= factor; }
+
 void DriveFilter::shift_to(FieldPoint position) {
   x_[0] = static_cast<double>(position.x_m);
   x_[1] = static_cast<double>(position.y_m);
 }
 
-double DriveFilter::distance2(const Pose& sighted, const RobotFilterParameters& parameters) const {
+double DriveFilter::distance2(const Pose& sighted, const PoseCovariance& noise) const {
   const Eigen::Vector3d innovation = pose_innovation(sighted, x_);
-  const Eigen::Matrix3d s = ConstMatrixMap(p_.data()).topLeftCorner<3, 3>() + pose_noise(parameters);
+  const Eigen::Matrix3d s = ConstMatrixMap(p_.data()).topLeftCorner<3, 3>() + matrix_of(noise);
   return innovation.dot(s.inverse() * innovation);
 }
 
-void DriveFilter::update(const Pose& sighted, const RobotFilterParameters& parameters) {
-  correct<3>(VectorMap(x_.data()), MatrixMap(p_.data()), pose_innovation(sighted, x_), pose_noise(parameters));
+void DriveFilter::update(const Pose& sighted, const PoseCovariance& noise) {
+  correct<3>(VectorMap(x_.data()), MatrixMap(p_.data()), pose_innovation(sighted, x_), matrix_of(noise));
 }
 
 double DriveFilter::distance2(FieldPoint patch, const RobotFilterParameters& parameters) const {

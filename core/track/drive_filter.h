@@ -30,13 +30,21 @@ class DriveFilter {
   /// Predicts only the state; the covariance is unchanged.
   void predict_state(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
 
+  /// Adds the uncertainty of an impact at an unknown instant during the last dt_s seconds, which changed the velocities
+  /// and pushed the robot in any direction.
+  void disturb(double dt_s, const RobotFilterParameters& parameters);
+
+  /// Multiplies the covariance by `factor` > 0.
+  void scale_covariance(double factor);
+
   /// Changes only the position.
   void shift_to(FieldPoint position);
 
   /// Squared Mahalanobis distance of a sighted pose from the prediction (chi-square with 3 degrees of freedom).
-  [[nodiscard]] double distance2(const Pose& sighted, const RobotFilterParameters& parameters) const;
+  /// `noise`: covariance of the sighting's errors; positive definite.
+  [[nodiscard]] double distance2(const Pose& sighted, const PoseCovariance& noise) const;
   /// Eq. (6); the heading's innovation is wrapped.
-  void update(const Pose& sighted, const RobotFilterParameters& parameters);
+  void update(const Pose& sighted, const PoseCovariance& noise);
 
   /// The same for the position of a team patch whose robot showed no heading (2 degrees of freedom).
   [[nodiscard]] double distance2(FieldPoint patch, const RobotFilterParameters& parameters) const;
@@ -51,6 +59,8 @@ class DriveFilter {
   [[nodiscard]] Twist twist() const { return {static_cast<float>(x_[3]), static_cast<float>(x_[4])}; }
   /// Standard deviation of state i.
   [[nodiscard]] double sigma(std::size_t i) const;
+  /// Covariance of x and y.
+  [[nodiscard]] double xy_covariance() const { return p_[1]; }
 
  private:
   enum class Extent { kState, kAll };

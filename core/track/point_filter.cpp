@@ -30,6 +30,14 @@ void PointFilter::predict(double dt_s, const Noise& noise) {
   q_ += density * dt_s;
 }
 
+// The change happens at a time that is distributed uniformly over the step, as in DriveFilter::disturb().
+void PointFilter::disturb(double dt_s, double change_mps) {
+  const double change = change_mps * change_mps;
+  p_ += change * dt_s * dt_s / 3.0;
+  c_ += change * dt_s / 2.0;
+  q_ += change;
+}
+
 void PointFilter::shift_to(FieldPoint position) {
   x_ = static_cast<double>(position.x_m);
   y_ = static_cast<double>(position.y_m);

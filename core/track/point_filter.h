@@ -22,6 +22,9 @@ class PointFilter {
   void predict(double dt_s, const Noise& noise);
   /// Squared Mahalanobis distance of a sighting from the prediction (chi-square with 2 degrees of freedom).
   [[nodiscard]] double distance2(FieldPoint sighted, const Noise& noise) const;
+  /// Adds the uncertainty of an impact at an unknown instant during the last dt_s seconds. `change_mps`: standard
+  /// deviation of the change of the velocity along each axis.
+  void disturb(double dt_s, double change_mps);
   /// Changes only the position.
   void shift_to(FieldPoint position);
   /// Eq. (6).

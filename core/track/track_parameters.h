@@ -10,20 +10,23 @@ namespace touchline {
 
 /// The filter of one robot, eq. (4)-(9).
 struct RobotFilterParameters {
-  double position_sigma_m = 0.0015;
-  double heading_sigma_rad = 0.02;
+  double position_sigma_m = 0.00008;
+  double heading_sigma_rad = 0.0015;
   double patch_sigma_m = 0.025;
   double wheel_lag_s = 0.08;
   double drive_noise_m_rts = 0.004;
   double turn_noise_rad_rts = 0.04;
   double drive_error_rts = 0.03;
   double turn_error_rts = 0.04;
+  double veer_error_rts_per_m = 0.2;
   double slip_m_rts = 0.0015;
   double spin_rad_rts = 0.01;
   double free_noise_mps_rts = 1.0;
   double free_noise_radps_rts = 10.0;
   double start_speed_sigma_mps = 0.5;
   double start_turn_sigma_radps = 5.0;
+  double impact_mps = 1.0;
+  double impact_radps = 10.0;
   double max_speed_mps = 3.0;
   double gate_pose = 16.27;
   double gate_position = 13.82;
@@ -34,11 +37,13 @@ struct RobotFilterParameters {
     visit.number(self.position_sigma_m, {.name = "position_sigma_m",
                                          .range = {1e-5, 0.1},
                                          .unit = "m",
-                                         .help = "Standard deviation of a sighted position, each axis"});
+                                         .help = "Standard deviation of a sighted position, each axis, beside the "
+                                                 "noise that its picture shows"});
     visit.number(self.heading_sigma_rad, {.name = "heading_sigma_rad",
                                           .range = {1e-4, 1.0},
                                           .unit = "rad",
-                                          .help = "Standard deviation of a sighted heading"});
+                                          .help = "Standard deviation of a sighted heading, beside the noise that its "
+                                                  "picture shows"});
     visit.number(self.patch_sigma_m,
                  {.name = "patch_sigma_m",
                   .range = {1e-4, 0.2},
@@ -67,6 +72,11 @@ struct RobotFilterParameters {
                                        .range = {0.0, 1.0},
                                        .unit = "sqrt(s)",
                                        .help = "Additional process noise of the angular velocity per rad/s"});
+    visit.number(self.veer_error_rts_per_m,
+                 {.name = "veer_error_rts_per_m",
+                  .range = {0.0, 10.0},
+                  .unit = "sqrt(s)/m",
+                  .help = "Additional process noise of the angular velocity per m/s: unequal wheels"});
     visit.number(self.slip_m_rts,
                  {.name = "slip_m_rts",
                   .range = {0.0, 1.0},
@@ -95,6 +105,16 @@ struct RobotFilterParameters {
                   .range = {1e-3, 100.0},
                   .unit = "rad/s",
                   .help = "Standard deviation of the angular velocity when a robot is first seen"});
+    visit.number(self.impact_mps,
+                 {.name = "impact_mps",
+                  .range = {1e-3, 20.0},
+                  .unit = "m/s",
+                  .help = "Standard deviation of the change of the velocity in a collision, each axis"});
+    visit.number(self.impact_radps,
+                 {.name = "impact_radps",
+                  .range = {1e-3, 200.0},
+                  .unit = "rad/s",
+                  .help = "Standard deviation of the change of the angular velocity in a collision"});
     visit.number(self.max_speed_mps,
                  {.name = "max_speed_mps",
                   .range = {0.1, 20.0},
@@ -120,10 +140,11 @@ struct RobotFilterParameters {
 
 /// The filter of the ball, eq. (10), (11).
 struct BallFilterParameters {
-  double position_sigma_m = 0.002;
+  double position_sigma_m = 0.0005;
   double damping_per_s = 0.4;
   double noise_mps_rts = 0.5;
   double start_speed_sigma_mps = 1.0;
+  double impact_mps = 1.5;
   double max_speed_mps = 8.0;
   double gate_position = 13.82;
   int restart_after = 2;
@@ -135,7 +156,8 @@ struct BallFilterParameters {
     visit.number(self.position_sigma_m, {.name = "position_sigma_m",
                                          .range = {1e-5, 0.1},
                                          .unit = "m",
-                                         .help = "Standard deviation of a sighted position, each axis"});
+                                         .help = "Standard deviation of a sighted position, each axis, beside the "
+                                                 "noise that its picture shows"});
     visit.number(self.damping_per_s, {.name = "damping_per_s",
                                       .range = {0.0, 10.0},
                                       .unit = "1/s",
@@ -148,6 +170,12 @@ struct BallFilterParameters {
                                               .range = {1e-3, 20.0},
                                               .unit = "m/s",
                                               .help = "Standard deviation of the speed when the ball is first seen"});
+    visit.number(
+        self.impact_mps,
+        {.name = "impact_mps",
+         .range = {1e-3, 50.0},
+         .unit = "m/s",
+         .help = "Standard deviation of the change of the velocity when the ball bounces or is hit, each axis"});
     visit.number(self.max_speed_mps,
                  {.name = "max_speed_mps",
                   .range = {0.1, 50.0},

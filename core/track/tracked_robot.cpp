@@ -29,13 +29,36 @@ float probability_within(double reach_m, double sigma_m) {
 // Probability of the id from which on the commands to this id are used in the prediction.
 constexpr float kSureOfCommands = 0.9f;
 
+// A sighting with a certain id is rejected only once: of two that agree, none is an error of the vision.
+constexpr float kCertainId = 0.9f;
+constexpr int kCertainOutliers = 2;
+
 LifeCycle::Limits limits_of(const TrackParameters& p) {
   return {p.confirm_sightings, p.forget_new_after_s, p.lost_after_s};
 }
 
-PointFilter::Noise point_noise(const RobotFilterParameters& p) {
-  return {p.position_sigma_m, p.free_noise_mps_rts, 0.0};
+// Weight of the newest squared innovation in their mean.
+constexpr double kNewestSurprise = 0.4;
+
+// A robot that was not seen for longer may be anywhere. Its next sightings must agree with each other.
+constexpr double kLongestImpact_s = 0.05;
+
+PointFilter::Noise point_motion(const RobotFilterParameters& p) { return {0.0, p.free_noise_mps_rts, 0.0}; }
+
+// Errors that the picture shows, and those beside them.
+PoseCovariance noise_of(const RobotSighting& sighting, const RobotFilterParameters& p) {
+  PoseCovariance noise = sighting.noise;
+  const auto position = static_cast<float>(p.position_sigma_m * p.position_sigma_m);
+  noise.xx += position;
+  noise.yy += position;
+  noise.tt += static_cast<float>(p.heading_sigma_rad * p.heading_sigma_rad);
+  return noise;
 }
+
+double position_sigma(const PoseCovariance& noise) {
+  return static_cast<double>(std::sqrt(std::max(noise.xx, noise.yy)));
+}
+double heading_sigma(const PoseCovariance& noise) { return static_cast<double>(std::sqrt(noise.tt)); }
 
 }  // namespace
 
@@ -49,14 +72,21 @@ void TrackedRobot::start(const RobotSighting& sighting, Instant now, std::uint32
   heading_known_ = sighting.has_heading;
   const RobotFilterParameters& p = parameters.robot;
   if (heading_known_) {
-    drive_.start(sighting.pose, {0.0, 0.0, p.start_speed_sigma_mps, p.start_turn_sigma_radps}, p.position_sigma_m,
-                 p.heading_sigma_rad);
+    start_drive(sighting, {0.0, 0.0, p.start_speed_sigma_mps, p.start_turn_sigma_radps}, p);
   } else {
-    point_.start(sighting.pose.position, {0.0, 0.0, p.start_speed_sigma_mps}, p.position_sigma_m);
+    point_.start(sighting.pose.position, {0.0, 0.0, p.start_speed_sigma_mps}, position_sigma(noise_of(sighting, p)));
   }
   last_position_ = sighting.pose.position;
   confidence_ = sighting.confidence;
   life_.start(now, limits_of(parameters));
+}
+
+void TrackedRobot::start_drive(const RobotSighting& sighting, const DriveFilter::Velocity& velocity,
+                               const RobotFilterParameters& parameters) {
+  const PoseCovariance noise = noise_of(sighting, parameters);
+  drive_.start(sighting.pose, velocity, position_sigma(noise), heading_sigma(noise));
+  heading_known_ = true;
+  surprise_ = 0.0;
 }
 
 const CommandHistory* TrackedRobot::own_commands(const CommandHistory* commands) const {
@@ -75,8 +105,9 @@ void TrackedRobot::follow_commands(Instant from, Instant to, const CommandHistor
 
 void TrackedRobot::predict(Instant from, Instant to, const CommandHistory* commands,
                            const TrackParameters& parameters) {
+  innovation2_ = -1.0f;
   if (!heading_known_) {
-    point_.predict(seconds(to - from), point_noise(parameters.robot));
+    point_.predict(seconds(to - from), point_motion(parameters.robot));
     return;
   }
   follow_commands(from, to, own_commands(commands),
@@ -86,46 +117,71 @@ void TrackedRobot::predict(Instant from, Instant to, const CommandHistory* comma
 void TrackedRobot::look_ahead(Instant from, Instant to, const CommandHistory* commands,
                               const TrackParameters& parameters) {
   if (!heading_known_) {
-    point_.predict(seconds(to - from), point_noise(parameters.robot));
+    point_.predict(seconds(to - from), point_motion(parameters.robot));
     return;
   }
   follow_commands(from, to, own_commands(commands),
                   [&](double dt_s, const DriveInput& input) { drive_.predict_state(dt_s, input, parameters.robot); });
 }
 
+// A sighting that free motion cannot explain may show that the robot collided since the last one. One that is pushed,
+// moves sideways, which the model excludes: if several sightings surprise, the prediction counts less (fading memory).
+bool TrackedRobot::fuse_pose(const RobotSighting& sighting, Instant now, const RobotFilterParameters& parameters) {
+  const PoseCovariance noise = noise_of(sighting, parameters);
+  DriveFilter drive = drive_;
+  double distance2 = drive.distance2(sighting.pose, noise);
+  const double newest = std::min(distance2, parameters.gate_pose) / 3.0;
+  const double surprise = surprise_ + kNewestSurprise * (newest - surprise_);
+  if (surprise > 1.0) {
+    drive.scale_covariance(surprise);
+    distance2 = drive.distance2(sighting.pose, noise);
+  }
+  if (distance2 > parameters.gate_pose) {
+    drive.disturb(std::min(seconds(now - life_.last_seen()), kLongestImpact_s), parameters);
+    distance2 = drive.distance2(sighting.pose, noise);
+    if (distance2 > parameters.gate_pose) return false;
+  }
+  drive.update(sighting.pose, noise);
+  drive_ = drive;
+  surprise_ = surprise;
+  innovation2_ = static_cast<float>(distance2);
+  return true;
+}
+
+bool TrackedRobot::fuse_without_heading(const RobotSighting& sighting, const RobotFilterParameters& p) {
+  if (heading_known_) {
+    if (drive_.distance2(sighting.pose.position, p) > p.gate_position) return false;
+    drive_.update(sighting.pose.position, p);
+    return true;
+  }
+  // With the first heading, the position moves from the team patch to the robot's center.
+  PointFilter::Noise noise = point_motion(p);
+  noise.position_sigma_m = position_sigma(noise_of(sighting, p)) + (sighting.has_heading ? p.patch_sigma_m : 0.0);
+  if (point_.distance2(sighting.pose.position, noise) > p.gate_position) return false;
+  if (sighting.has_heading) {
+    const double c = std::cos(static_cast<double>(sighting.pose.theta_rad));
+    const double s = std::sin(static_cast<double>(sighting.pose.theta_rad));
+    start_drive(sighting,
+                {c * point_.vx_mps() + s * point_.vy_mps(), 0.0, std::sqrt(point_.velocity_variance()),
+                 p.start_turn_sigma_radps},
+                p);
+  } else {
+    point_.update(sighting.pose.position, noise);
+  }
+  return true;
+}
+
 bool TrackedRobot::fuse(const RobotSighting& sighting, Instant now, const TrackParameters& parameters) {
   const RobotFilterParameters& p = parameters.robot;
-  bool accepted = false;
-  if (heading_known_ && sighting.has_heading) {
-    accepted = drive_.distance2(sighting.pose, p) <= p.gate_pose;
-    if (accepted) drive_.update(sighting.pose, p);
-  } else if (heading_known_) {
-    accepted = drive_.distance2(sighting.pose.position, p) <= p.gate_position;
-    if (accepted) drive_.update(sighting.pose.position, p);
-  } else {
-    // With the first heading, the position moves from the team patch to the robot's center.
-    PointFilter::Noise noise = point_noise(p);
-    if (sighting.has_heading) noise.position_sigma_m += p.patch_sigma_m;
-    accepted = point_.distance2(sighting.pose.position, noise) <= p.gate_position;
-    if (accepted && sighting.has_heading) {
-      const double c = std::cos(static_cast<double>(sighting.pose.theta_rad));
-      const double s = std::sin(static_cast<double>(sighting.pose.theta_rad));
-      drive_.start(sighting.pose,
-                   {c * point_.vx_mps() + s * point_.vy_mps(), 0.0, std::sqrt(point_.velocity_variance()),
-                    p.start_turn_sigma_radps},
-                   p.position_sigma_m, p.heading_sigma_rad);
-      heading_known_ = true;
-    } else if (accepted) {
-      point_.update(sighting.pose.position, noise);
-    }
-  }
-
-  if (!accepted) {
+  const bool both_have_heading = heading_known_ && sighting.has_heading;
+  if (!(both_have_heading ? fuse_pose(sighting, now, p) : fuse_without_heading(sighting, p))) {
     const ConsecutiveOutliers::Outlier outlier{sighting.pose, sighting.has_heading, now};
     outliers_.add(outlier, parameters.consistent_m, p.max_speed_mps);
     const bool reachable = ConsecutiveOutliers::within_reach(last_position_, life_.last_seen(), outlier,
                                                              parameters.consistent_m, p.max_speed_mps);
-    if (outliers_.count() < p.restart_after || !reachable) return false;
+    const bool certain = sighting.id != kUnknownId && sighting.id == id_ && sighting.confidence >= kCertainId;
+    const int needed = certain ? std::min(p.restart_after, kCertainOutliers) : p.restart_after;
+    if (outliers_.count() < needed || !reachable) return false;
     restart(sighting, now, parameters);
   }
   outliers_.clear();
@@ -140,15 +196,17 @@ void TrackedRobot::restart(const RobotSighting& sighting, Instant now, const Tra
   const RobotFilterParameters& p = parameters.robot;
   const ConsecutiveOutliers::Outlier& first = outliers_.first();
   const double dt = seconds(now - first.when);
+  const PoseCovariance noise = noise_of(sighting, p);
   double vx = 0.0, vy = 0.0, v_sigma = p.start_speed_sigma_mps;
   if (outliers_.count() >= 2 && dt > 0.0) {
     vx = static_cast<double>(sighting.pose.position.x_m - first.pose.position.x_m) / dt;
     vy = static_cast<double>(sighting.pose.position.y_m - first.pose.position.y_m) / dt;
-    v_sigma = std::min(v_sigma, std::numbers::sqrt2 * p.position_sigma_m / dt + p.free_noise_mps_rts * std::sqrt(dt));
+    v_sigma =
+        std::min(v_sigma, std::numbers::sqrt2 * position_sigma(noise) / dt + p.free_noise_mps_rts * std::sqrt(dt));
   }
   if (!sighting.has_heading) {
     heading_known_ = false;
-    point_.start(sighting.pose.position, {vx, vy, v_sigma}, p.position_sigma_m);
+    point_.start(sighting.pose.position, {vx, vy, v_sigma}, position_sigma(noise));
     return;
   }
   const double theta = static_cast<double>(sighting.pose.theta_rad);
@@ -159,10 +217,9 @@ void TrackedRobot::restart(const RobotSighting& sighting, Instant now, const Tra
     w = turned / dt;
     v = vx * std::cos(theta - 0.5 * turned) + vy * std::sin(theta - 0.5 * turned);
     w_sigma =
-        std::min(w_sigma, std::numbers::sqrt2 * p.heading_sigma_rad / dt + p.free_noise_radps_rts * std::sqrt(dt));
+        std::min(w_sigma, std::numbers::sqrt2 * heading_sigma(noise) / dt + p.free_noise_radps_rts * std::sqrt(dt));
   }
-  drive_.start(sighting.pose, {v, w, v_sigma, w_sigma}, p.position_sigma_m, p.heading_sigma_rad);
-  heading_known_ = true;
+  start_drive(sighting, {v, w, v_sigma, w_sigma}, p);
 }
 
 void TrackedRobot::shift_to(FieldPoint position) {
@@ -200,6 +257,8 @@ RobotTrack TrackedRobot::report(const TrackParameters& parameters) const {
                                        : identity_.confidence() * probability_within(kSamePlace_m, position_sigma_m());
   if (heading_known_) {
     for (std::size_t i = 0; i < track.sigma.size(); ++i) track.sigma[i] = static_cast<float>(drive_.sigma(i));
+    track.xy_covariance_m2 = static_cast<float>(drive_.xy_covariance());
+    track.innovation2 = innovation2_;
   } else {
     const auto sigma = static_cast<float>(std::hypot(position_sigma_m(), parameters.robot.patch_sigma_m));
     track.sigma = {sigma, sigma, static_cast<float>(kUnknownHeadingSigma)};

@@ -49,6 +49,10 @@ class TrackedRobot {
   [[nodiscard]] const CommandHistory* own_commands(const CommandHistory* commands) const;
   template <class Predict>
   void follow_commands(Instant from, Instant to, const CommandHistory* commands, Predict predict);
+  void start_drive(const RobotSighting& sighting, const DriveFilter::Velocity& velocity,
+                   const RobotFilterParameters& parameters);
+  bool fuse_pose(const RobotSighting& sighting, Instant now, const RobotFilterParameters& parameters);
+  bool fuse_without_heading(const RobotSighting& sighting, const RobotFilterParameters& parameters);
   void restart(const RobotSighting& sighting, Instant now, const TrackParameters& parameters);
 
   Team team_ = Team::kOwn;
@@ -59,8 +63,10 @@ class TrackedRobot {
   PointFilter point_;
   LifeCycle life_;
   ConsecutiveOutliers outliers_;
-  FieldPoint last_position_;  // at the last sighting
-  float confidence_ = 0.0f;   // of the last sighting
+  FieldPoint last_position_;   // at the last sighting
+  float confidence_ = 0.0f;    // of the last sighting
+  float innovation2_ = -1.0f;  // as in RobotTrack
+  double surprise_ = 0.0;      // mean of the last squared innovations per degree of freedom
   TrackIdentity identity_;
 };
 

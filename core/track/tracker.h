@@ -44,7 +44,8 @@ class Tracker {
   LifeCycle ball_life_;
   ConsecutiveOutliers ball_outliers_;
   FieldPoint ball_last_position_;
-  float ball_confidence_ = 0.0f;  // of the last sighting
+  float ball_confidence_ = 0.0f;    // of the last sighting
+  float ball_innovation2_ = -1.0f;  // as in BallTrack
   bool started_ = false;
   Instant last_time_{};
 };

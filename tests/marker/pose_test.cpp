@@ -40,6 +40,44 @@ TEST(Pose, TheRigidFitNeitherMirrorsNorScales) {
   EXPECT_NEAR(fit_rigidly(twice).residual_m, 0.01f, 1e-6f);
 }
 
+TEST(Pose, TheNoiseOfTheRigidFitFollowsFromThatOfThePoints) {
+  const std::array<FieldPoint, 3> places{{{0.03f, 0.01f}, {-0.02f, 0.025f}, {0.005f, -0.03f}}};
+  const std::array<PointCovariance, 3> errors{{{4e-8f, 1e-8f, 1e-8f}, {1e-8f, 0.0f, 9e-8f}, {2e-8f, -1e-8f, 2e-8f}}};
+  const Pose truth{{0.4f, -0.3f}, 2.1f};
+  const PoseCovariance expected = rigid_fit_noise(places, errors, truth.theta_rad);
+  std::mt19937 random(31);
+  std::normal_distribution<float> normal;
+  constexpr int kRuns = 20000;
+  std::array<double, 6> sums{};  // in the order of PoseCovariance
+  for (int run = 0; run < kRuns; ++run) {
+    std::array<Correspondence, 3> points;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      // Cholesky factors of the covariances.
+      const float a = std::sqrt(errors[k].xx), b = errors[k].xy / a, c = std::sqrt(errors[k].yy - b * b);
+      const float first = normal(random), second = normal(random);
+      const FieldPoint own{places[k].x_m + a * first, places[k].y_m + b * first + c * second};
+      points[k] = {places[k], on_field(truth, own.x_m, own.y_m)};
+    }
+    const Pose found = fit_rigidly(points).pose;
+    const auto x = static_cast<double>(found.position.x_m - truth.position.x_m);
+    const auto y = static_cast<double>(found.position.y_m - truth.position.y_m);
+    const auto t = static_cast<double>(wrap_angle(found.theta_rad - truth.theta_rad));
+    const std::array<double, 6> products{x * x, y * y, t * t, x * y, x * t, y * t};
+    for (std::size_t i = 0; i < products.size(); ++i) sums[i] += products[i] / kRuns;
+  }
+  const std::array<float, 6> stated{expected.xx, expected.yy, expected.tt, expected.xy, expected.xt, expected.yt};
+  const std::array<double, 6> scale{sums[0],
+                                    sums[1],
+                                    sums[2],
+                                    std::sqrt(sums[0] * sums[1]),
+                                    std::sqrt(sums[0] * sums[2]),
+                                    std::sqrt(sums[1] * sums[2])};
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    EXPECT_NEAR(static_cast<double>(stated[i]) / scale[i], sums[i] / scale[i], 0.05) << i;
+  }
+  EXPECT_GT(std::abs(sums[3]) / scale[3], 0.1) << "otherwise the test says little about the axes";
+}
+
 // Exact projections of patches must give exact poses, for any height of the patches.
 TEST(Pose, LensTiltAndHeightLeaveNoTrace) {
   for (const CameraParameters& camera : {straight_camera(), tilted_camera()}) {

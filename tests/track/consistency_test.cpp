@@ -37,8 +37,8 @@ Consistency monte_carlo(const SimulatedRobot::Faults& faults, double rate_hz, bo
       robot.advance(command, dt);
       filter.predict(dt, {commands_known, command}, parameters);
       const Pose seen = robot.sighted(0.0015, 0.02);
-      const double d2 = filter.distance2(seen, parameters);
-      filter.update(seen, parameters);
+      const double d2 = filter.distance2(seen, sighting_noise());
+      filter.update(seen, sighting_noise());
       if (k * dt < 0.5) continue;
       const Eigen::Vector3d error(filter.state()[0] - robot.x, filter.state()[1] - robot.y,
                                   wrap_angle(filter.state()[2] - robot.theta));

@@ -16,7 +16,8 @@ using Matrix5 = Eigen::Matrix<double, 5, 5, Eigen::RowMajor>;
 
 RobotFilterParameters without_noise() {
   RobotFilterParameters p;
-  p.drive_noise_m_rts = p.turn_noise_rad_rts = p.drive_error_rts = p.turn_error_rts = p.slip_m_rts = p.spin_rad_rts = 0;
+  p.drive_noise_m_rts = p.turn_noise_rad_rts = p.drive_error_rts = p.turn_error_rts = p.slip_m_rts = p.spin_rad_rts =
+      p.veer_error_rts_per_m = 0;
   return p;
 }
 
@@ -101,7 +102,7 @@ TEST(DriveFilter, SmoothsAStationaryRobot) {
   for (int k = 0; k < 6000; ++k) {
     filter.predict(1.0 / 60.0, {true, {}}, parameters);
     const Pose seen = robot.sighted(0.0015, 0.02);
-    filter.update(seen, parameters);
+    filter.update(seen, sighting_noise());
     if (k < 100) continue;
     raw2 += std::pow(static_cast<double>(seen.position.x_m), 2) + std::pow(static_cast<double>(seen.position.y_m), 2);
     filtered2 += std::pow(filter.state()[0], 2) + std::pow(filter.state()[1], 2);
@@ -128,7 +129,7 @@ TEST(DriveFilter, WrapsTheHeading) {
       robot.advance(command, 1.0 / 60.0);
       passages += std::abs(robot.theta - before) > 3.0 ? 1 : 0;
       filter.predict(0.0165, {true, command}, parameters);
-      filter.update(robot.sighted(0.0015, 0.02), parameters);
+      filter.update(robot.sighted(0.0015, 0.02), sighting_noise());
       ASSERT_LT(std::abs(wrap_angle(filter.state()[2] - robot.theta)), 0.1) << k;
       ASSERT_LE(filter.state()[2], std::numbers::pi);
       ASSERT_GT(filter.state()[2], -std::numbers::pi);
@@ -159,7 +160,7 @@ TEST(DriveFilter, KeepsAValidCovariance) {
   for (int run = 0; run < 40; ++run) {
     RobotFilterParameters parameters;
     parameters.wheel_lag_s = run % 2 == 0 ? 0.0 : 0.08;
-    if (run % 3 == 0) parameters.position_sigma_m = 1e-5;
+    const PoseCovariance noise = run % 3 == 0 ? sighting_noise(1e-5) : sighting_noise();
     if (run % 5 == 0) parameters = without_noise();
     DriveFilter filter;
     filter.start(pose(any(random), any(random), 3.0 * any(random)), {0.0, 0.0, 10.0, 100.0}, 0.1, 1.0);
@@ -170,7 +171,8 @@ TEST(DriveFilter, KeepsAValidCovariance) {
       if (k % 3 == 0) {
         filter.update(FieldPoint{static_cast<float>(any(random)), static_cast<float>(any(random))}, parameters);
       } else {
-        filter.update(pose(any(random), any(random), 3.0 * any(random)), parameters);
+        if (k % 30 == 1) filter.disturb(0.02, parameters);
+        filter.update(pose(any(random), any(random), 3.0 * any(random)), noise);
       }
       const Matrix5 p = Eigen::Map<const Matrix5>(filter.covariance().data());
       ASSERT_TRUE(p.allFinite());

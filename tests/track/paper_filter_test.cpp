@@ -53,7 +53,7 @@ TEST_P(PaperFilterTest, EqualsOurFilterWithoutLag) {
   const double ts = 1.0 / GetParam().rate_hz;
   RobotFilterParameters parameters;
   parameters.wheel_lag_s = 0.0;
-  parameters.drive_error_rts = parameters.turn_error_rts = 0.0;
+  parameters.drive_error_rts = parameters.turn_error_rts = parameters.veer_error_rts_per_m = 0.0;
   parameters.slip_m_rts = parameters.spin_rad_rts = 0.0;
   parameters.drive_noise_m_rts = 0.02;
   parameters.turn_noise_rad_rts = 0.2;
@@ -67,8 +67,9 @@ TEST_P(PaperFilterTest, EqualsOurFilterWithoutLag) {
   PaperFilter paper;
   paper.x << static_cast<double>(first.position.x_m), static_cast<double>(first.position.y_m),
       static_cast<double>(first.theta_rad);
-  paper.N = Eigen::Vector3d(0.0015 * 0.0015, 0.0015 * 0.0015, 0.02 * 0.02).asDiagonal();
-  paper.P = paper.N;
+  const PoseCovariance noise = sighting_noise();
+  paper.N = Eigen::Vector3f(noise.xx, noise.yy, noise.tt).cast<double>().asDiagonal();
+  paper.P = Eigen::Vector3d(0.0015 * 0.0015, 0.0015 * 0.0015, 0.02 * 0.02).asDiagonal();
   paper.V = Eigen::Vector2d(0.02 * 0.02 / ts, 0.2 * 0.2 / ts).asDiagonal();
 
   for (int k = 1; k <= 400; ++k) {
@@ -78,7 +79,7 @@ TEST_P(PaperFilterTest, EqualsOurFilterWithoutLag) {
     ours.predict(ts, {true, u}, parameters);
     paper.predict(ts, static_cast<double>(u.v_mps), static_cast<double>(u.w_radps));
     if (k % 7 != 0) {  // lost frames
-      ours.update(seen, parameters);
+      ours.update(seen, noise);
       paper.correct({static_cast<double>(seen.position.x_m), static_cast<double>(seen.position.y_m),
                      static_cast<double>(seen.theta_rad)});
     }

@@ -74,6 +74,12 @@ inline Twist changing_command(double time_s) {
   return {static_cast<float>(v), static_cast<float>(w)};
 }
 
+/// Noise of simulated sightings.
+inline PoseCovariance sighting_noise(double position_sigma_m = 0.0015, double heading_sigma_rad = 0.02) {
+  const auto xx = static_cast<float>(position_sigma_m * position_sigma_m);
+  return {xx, xx, static_cast<float>(heading_sigma_rad * heading_sigma_rad), 0.0f, 0.0f, 0.0f};
+}
+
 inline RobotSighting sighting_of(Team team, RobotId id, const Pose& pose) {
   RobotSighting sighting;
   sighting.team = team;
@@ -81,6 +87,7 @@ inline RobotSighting sighting_of(Team team, RobotId id, const Pose& pose) {
   sighting.confidence = 0.99f;
   sighting.has_heading = true;
   sighting.pose = pose;
+  sighting.noise = sighting_noise();
   return sighting;
 }
 
@@ -88,6 +95,7 @@ inline RobotSighting patch_alone(Team team, double x, double y) {
   RobotSighting sighting;
   sighting.team = team;
   sighting.confidence = 0.8f;
+  sighting.noise = sighting_noise();
   sighting.pose.position = {static_cast<float>(x), static_cast<float>(y)};
   return sighting;
 }

@@ -9,6 +9,7 @@
 #include "hal/replay/replay_camera.h"
 #include "tools/programs/command_line/command_line.h"
 #include "tools/programs/evaluate/cramer_rao_bound.h"
+#include "tools/programs/evaluate/motion_evaluation.h"
 #include "tools/programs/evaluate/report.h"
 
 namespace {
@@ -20,6 +21,10 @@ struct Options {
   std::vector<std::string> files;
   std::string annotated, json;
   std::string pictures, venue, team;
+  std::string board;
+  std::vector<std::string> overrides;
+  std::uint64_t seed = 1;
+  double duration_s = 30.0;
   bool spread = false;
   double seen_within_m = 0.02;
   PictureTolerance tolerance;
@@ -135,6 +140,21 @@ Result<void> compare_with_pictures(const Options& options, const NameMap& names)
   return write_json(options.json, to_json(reports, options.tolerance));
 }
 
+// Plays a game in the arena and compares tracks and sightings with its truth.
+Result<void> play_game(const Options& options) {
+  constexpr double kSettled_s = 0.5;  // tracks are confirmed, and robots drive
+  if (!options.files.empty()) {
+    return failure(ErrorCode::kOutOfRange, "--game plays a game of its own and reads no results");
+  }
+  const auto game = std::make_unique<RecordedGame>();
+  TOUCHLINE_TRY(game->load({options.board, {}, {}, options.overrides}, options.seed));
+  TOUCHLINE_TRY(game->skip(kSettled_s));
+  TOUCHLINE_TRY(game->play(options.duration_s - kSettled_s));
+  const MotionReport report = evaluate_motion(*game);
+  print(report, std::cout);
+  return write_json(options.json, to_json(report));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -143,9 +163,10 @@ int main(int argc, char** argv) {
       "Compares the results of touchline-replay with the truth.\n"
       "  touchline-evaluate TRUTH.jsonl RESULT.jsonl                     poses of rendered or measured scenes\n"
       "  touchline-evaluate --annotated TRUTH.json|DIR RESULT.jsonl...   pixels of pictures annotated by hand\n"
-      "  touchline-evaluate --spread RESULT.jsonl                        noise of stationary robots, without a truth",
+      "  touchline-evaluate --spread RESULT.jsonl                        noise of stationary robots, without a truth\n"
+      "  touchline-evaluate --game BOARD.toml                            tracks and sightings of a game in the arena",
       "touchline-evaluate"};
-  app.add_option("files", options.files, "TRUTH.jsonl and RESULT.jsonl, or only results")->required();
+  app.add_option("files", options.files, "TRUTH.jsonl and RESULT.jsonl, or only results");
   app.add_option("--annotated", options.annotated, "An annotated picture (json), or a folder of them");
   app.add_flag("--spread", options.spread, "RMS and largest deviation of each id from its mean");
   app.add_option("--seen-within", options.seen_within_m,
@@ -164,6 +185,12 @@ int main(int argc, char** argv) {
   CLI::Option* venue = app.add_option("--venue", options.venue, "Venue file with the camera model, for the bound");
   CLI::Option* team = app.add_option("--team", options.team, "Team file with the marker layouts, for the bound");
   pictures->needs(venue, team);
+  CLI::Option* game = app.add_option("--game", options.board, "Board file whose arena plays a game");
+  app.add_option("--duration", options.duration_s, "Duration of the game in s (30)")
+      ->check(number_range(1.0, 3600.0))
+      ->needs(game);
+  app.add_option("--seed", options.seed, "Seed of the game (1)")->needs(game);
+  add_overrides(app, options.overrides, "the board, venue and team files")->needs(game);
   app.add_option("--json", options.json, "Write the numbers into this file");
   if (const auto exit_code = parse_arguments(app, argc, argv)) return *exit_code;
 
@@ -173,7 +200,11 @@ int main(int argc, char** argv) {
   }
   const Result<NameMap> names = parse_names(options.names);
   if (!names.ok()) return fail(names.text());
-  const Result<void> done = options.spread              ? show_spread(options, names.value())
+  if (options.board.empty() && options.files.empty()) {
+    return touchline::fail("touchline-evaluate", "needs files, or --game (see --help)", kExitBadCommandLine);
+  }
+  const Result<void> done = !options.board.empty()      ? play_game(options)
+                            : options.spread            ? show_spread(options, names.value())
                             : options.annotated.empty() ? compare_with_truth(options, names.value())
                                                         : compare_with_pictures(options, names.value());
   return done.ok() ? kExitOk : fail(done.text());

@@ -1,0 +1,99 @@
+// Tracks and sightings of games in the arena, from pixels to poses, compared with the arena's truth.
+#include "tools/programs/evaluate/motion_evaluation.h"
+
+#include <gtest/gtest.h>
+
+#include <iostream>
+#include <memory>
+#include <numbers>
+
+#include "tests/results.h"
+
+namespace touchline::evaluate {
+namespace {
+
+const std::string kMockBoard = TOUCHLINE_BOARDS "/mock/board.toml";
+
+const MotionRow& row(const MotionReport& report, const std::string& name) {
+  for (const MotionRow& r : report.robots) {
+    if (r.name == name) return r;
+  }
+  ADD_FAILURE() << "no row " << name;
+  return report.robots.front();
+}
+
+// Squared errors are 0.7 to 1.5 times the stated variances: the filter knows its errors.
+constexpr double kLeast = 0.7, kMost = 1.5;
+
+// Games differ by some percent of the ratio, so a part of them ends just above 1.
+void expect_not_worse(const MotionRow& row) {
+  EXPECT_LE(row.tracked.rms, 1.08 * row.sighted.rms) << row.name;
+  EXPECT_LE(row.tracked_angle.rms, 1.08 * row.sighted_angle.rms) << row.name;
+}
+
+TEST(MotionEvaluation, TracksOfAGameAreNotWorseThanSightings) {
+  const auto game = std::make_unique<RecordedGame>();
+  ASSERT_OK(game->load({kMockBoard, "", "", {}}, 5));
+  ASSERT_OK(game->skip(0.5));
+  ASSERT_OK(game->play(12.0));
+  const MotionReport report = evaluate_motion(*game);
+  print(report, std::cout);
+  EXPECT_GT(report.frames, 700U);
+  for (const char* name : {"own robots", "opponents"}) {
+    const MotionRow& robots = row(report, name);
+    EXPECT_GT(robots.tracked.count, 3300U);
+    expect_not_worse(robots);
+    EXPECT_GT(robots.nees_position, kLeast) << name;
+    EXPECT_LT(robots.nees_position, 1.8) << name;
+    // Single sightings of robots that touch have constant errors of up to 2 degrees, which dominate this mean.
+    EXPECT_GT(robots.nees_angle, 0.35) << name;
+    EXPECT_LT(robots.nees_angle, 1.8) << name;
+    EXPECT_LT(robots.nis, 1.0) << name;
+  }
+  EXPECT_LT(row(report, "own robots").acted.rms, 0.003);
+  EXPECT_LT(row(report, "own robots").acted_angle.rms, 1.5 * std::numbers::pi / 180.0);
+  // One frame after an impact: 10 mm, 0.3 m/s.
+  for (const ImpactRow& impact : report.impacts) {
+    if (impact.name == "ball" || impact.position.count == 0) continue;
+    EXPECT_EQ(impact.lost, 0U) << impact.name;
+    EXPECT_LT(impact.position.max, 0.010) << impact.name << ", " << impact.frames_after;
+    if (impact.frames_after == 1) {
+      EXPECT_LT(impact.speed.rms, 0.3) << impact.name;
+    }
+  }
+}
+
+// Robots stand in several layouts: errors of their sightings are constant in each.
+TEST(MotionEvaluation, RobotsAtRest) {
+  const auto game = std::make_unique<RecordedGame>();
+  ASSERT_OK(game->load({kMockBoard, "", "", {"arena.opponents=stand"}}, 6));
+  ExternalCommands stand;
+  for (int id = 0; id < 5; ++id) {
+    ExternalCommand command;
+    command.id = static_cast<RobotId>(id);
+    stand.push_back(command);
+  }
+  game->drive(stand);
+  for (int layout = 0; layout < 10; ++layout) {
+    for (std::size_t i = 0; i < 10; ++i) {
+      const auto column = static_cast<double>(i % 5) - 2.0, line = static_cast<double>(i / 5) - 0.5;
+      const double angle = 0.7 * layout + 0.41 * static_cast<double>(i);
+      game->world().place(i, {0.36 * column + 0.0137 * layout, 0.6 * line - 0.0171 * layout, angle});
+    }
+    ASSERT_OK(game->skip(0.6));
+    ASSERT_OK(game->play(0.3));
+  }
+  const MotionReport report = evaluate_motion(*game);
+  print(report, std::cout);
+  const MotionRow& rest = row(report, "at rest");
+  EXPECT_GT(rest.tracked.count, 1500U);
+  expect_not_worse(rest);
+  EXPECT_GT(rest.nees_position, kLeast);
+  EXPECT_LT(rest.nees_position, kMost);
+  // Robots without neighbors have smaller errors of the heading than those in a game.
+  EXPECT_GT(rest.nees_angle, 0.3);
+  EXPECT_LT(rest.nees_angle, kMost);
+}
+
+}  // namespace
+}  // namespace touchline::evaluate

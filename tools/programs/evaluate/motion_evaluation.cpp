@@ -1,0 +1,258 @@
+#include "tools/programs/evaluate/motion_evaluation.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "core/geometry/angle.h"
+#include "core/geometry/vector2.h"
+
+namespace touchline::evaluate {
+namespace {
+
+using hal::mock::Placement;
+using hal::mock::Snapshot;
+
+constexpr Duration kStep = std::chrono::milliseconds(1);
+// Velocities are differences over 2 ms.
+constexpr Duration kMargin = 2 * kStep;
+// Slower than this stands; the arena's robots at about 1 m/s.
+constexpr double kRest_mps = 0.02, kFast_mps = 0.8, kFastest_mps = 1.3;
+// Change of velocity in a millisecond. Tires change it by 0.008 m/s at most.
+constexpr double kImpact_mps = 0.3;
+// Nothing moves faster. Beyond it, the referee placed the ball.
+constexpr double kJump_mps = 10.0;
+constexpr double kNearWall_m = 0.06;
+// The ball that the referee placed counts after this time.
+constexpr double kPlaced_s = 0.5;
+constexpr std::size_t kFramesAfterImpact = 3;
+// Names of the rows, in the order of MotionEvaluation's samples.
+constexpr std::array kRows{"own robots", "opponents", "at rest", "own at 1 m/s", "opponents at 1 m/s"};
+constexpr std::array kImpacts{"own robots", "opponents", "ball"};
+constexpr std::array kBalls{"ball", "ball within 60 mm of a wall"};
+
+Vector2 place(const Placement& p) { return {p.x_m, p.y_m}; }
+
+double speed_between(const Placement& a, const Placement& b, Duration time) {
+  return distance(place(a), place(b)) / seconds(time);
+}
+
+struct Samples {
+  std::vector<double> sighted, sighted_angle, tracked, tracked_angle, acted, acted_angle;
+  std::vector<double> nees_position, nees_angle, nis;
+
+  [[nodiscard]] MotionRow row(const char* name) && {
+    using statistics::mean;
+    return {name,
+            statistics::summarize(std::move(sighted)),
+            statistics::summarize(std::move(sighted_angle)),
+            statistics::summarize(std::move(tracked)),
+            statistics::summarize(std::move(tracked_angle)),
+            statistics::summarize(std::move(acted)),
+            statistics::summarize(std::move(acted_angle)),
+            mean(nees_position),
+            mean(nees_angle),
+            mean(nis)};
+  }
+};
+
+struct BallSamples {
+  std::vector<double> sighted, tracked, nees, nis;
+  std::size_t lost = 0;
+};
+
+struct ImpactSamples {
+  std::array<std::vector<double>, kFramesAfterImpact> position, speed;
+  std::array<std::size_t, kFramesAfterImpact> lost{};
+};
+
+// Squared errors of a position relative to its covariance, divided by two degrees of freedom.
+double normalized(Vector2 error, double xx, double xy, double yy) {
+  const double determinant = xx * yy - xy * xy;
+  return 0.5 * (yy * error.x * error.x - 2.0 * xy * error.x * error.y + xx * error.y * error.y) / determinant;
+}
+
+double square(float value) { return static_cast<double>(value) * static_cast<double>(value); }
+
+class MotionEvaluation {
+ public:
+  explicit MotionEvaluation(const RecordedGame& game) : game_(game), truth_(game.truth()) {
+    const std::vector<GameFrame>& frames = game.frames();
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      const GameFrame& frame = frames[k];
+      if (!truth_.covers(frame.capture_time, kMargin) || !truth_.covers(frame.tracks.action_time, {})) continue;
+      ++report_.frames;
+      before_ = truth_.at(frame.capture_time - kMargin);
+      now_ = truth_.at(frame.capture_time);
+      after_ = truth_.at(frame.capture_time + kMargin);
+      if (k > 0 && speed_between(truth_.at(frames[k - 1].capture_time).ball, now_.ball,
+                                 frame.capture_time - frames[k - 1].capture_time) > kJump_mps) {
+        ball_placed_ = frame.capture_time;
+      }
+      add_robots(frame);
+      if (!ball_placed_ || seconds(frame.capture_time - *ball_placed_) > kPlaced_s) add_ball(frame);
+      if (k > 0) add_impacts(k);
+    }
+  }
+
+  MotionReport finish() && {
+    for (std::size_t i = 0; i < rows_.size(); ++i) report_.robots.push_back(std::move(rows_[i]).row(kRows[i]));
+    for (std::size_t i = 0; i < impacts_.size(); ++i) {
+      ImpactSamples& impact = impacts_[i];
+      for (std::size_t after = 0; after < kFramesAfterImpact; ++after) {
+        report_.impacts.push_back({kImpacts[i], after, statistics::summarize(std::move(impact.position[after])),
+                                   statistics::summarize(std::move(impact.speed[after])), impact.lost[after]});
+      }
+    }
+    for (std::size_t i = 0; i < balls_.size(); ++i) {
+      BallSamples& ball = balls_[i];
+      report_.balls.push_back({kBalls[i], statistics::summarize(std::move(ball.sighted)),
+                               statistics::summarize(std::move(ball.tracked)), ball.lost, statistics::mean(ball.nees),
+                               statistics::mean(ball.nis)});
+    }
+    return std::move(report_);
+  }
+
+ private:
+  [[nodiscard]] const hal::mock::ArenaRobot& robot(std::size_t i) const {
+    return game_.configuration().board.arena.robot[i];
+  }
+  template <class Robots>
+  const auto* find(const Robots& robots, std::size_t i) const {
+    const Team team = robot(i).team == hal::mock::Side::kOwn ? Team::kOwn : Team::kOpponent;
+    const auto found = std::find_if(robots.begin(), robots.end(), [&](const auto& one) {
+      return one.team == team && static_cast<int>(one.id) == robot(i).id;
+    });
+    return found == robots.end() ? nullptr : &*found;
+  }
+
+  void add_robots(const GameFrame& frame) {
+    const Snapshot acting = truth_.at(frame.tracks.action_time);
+    for (std::size_t i = 0; i < now_.robots.size(); ++i) {
+      const auto* sighting = find(frame.sightings, i);
+      const auto* track = find(frame.tracks.robots, i);
+      if (sighting == nullptr || track == nullptr || !sighting->has_heading) continue;
+      const double speed = speed_between(before_.robots[i], after_.robots[i], 2 * kMargin);
+      const bool own = robot(i).team == hal::mock::Side::kOwn;
+      add_robot(rows_[own ? 0 : 1], *sighting, *track, now_.robots[i], acting.robots[i]);
+      if (speed < kRest_mps) add_robot(rows_[2], *sighting, *track, now_.robots[i], acting.robots[i]);
+      if (speed > kFast_mps && speed < kFastest_mps) {
+        add_robot(rows_[own ? 3 : 4], *sighting, *track, now_.robots[i], acting.robots[i]);
+      }
+    }
+  }
+
+  static void add_robot(Samples& row, const RobotSighting& sighting, const RobotTrack& track, const Placement& truth,
+                        const Placement& acting) {
+    const Vector2 error = position(track.pose) - place(truth);
+    const double angle = wrap_angle(heading(track.pose) - truth.theta_rad);
+    row.sighted.push_back(distance(position(sighting.pose), place(truth)));
+    row.sighted_angle.push_back(wrap_angle(heading(sighting.pose) - truth.theta_rad));
+    row.tracked.push_back(norm(error));
+    row.tracked_angle.push_back(angle);
+    row.acted.push_back(distance(position(track.pose_at_action), place(acting)));
+    row.acted_angle.push_back(wrap_angle(heading(track.pose_at_action) - acting.theta_rad));
+    row.nees_position.push_back(
+        normalized(error, square(track.sigma[0]), static_cast<double>(track.xy_covariance_m2), square(track.sigma[1])));
+    row.nees_angle.push_back(angle * angle / square(track.sigma[2]));
+    if (track.innovation2 >= 0.0f) row.nis.push_back(static_cast<double>(track.innovation2) / 3.0);
+  }
+
+  void add_ball(const GameFrame& frame) {
+    if (!frame.ball.seen) return;
+    add_ball(balls_[0], frame);
+    const hal::mock::ArenaField& field = game_.configuration().board.arena.field;
+    if (std::abs(now_.ball.x_m) > 0.5 * field.length_m - kNearWall_m ||
+        std::abs(now_.ball.y_m) > 0.5 * field.width_m - kNearWall_m) {
+      add_ball(balls_[1], frame);
+    }
+  }
+
+  void add_ball(BallSamples& row, const GameFrame& frame) const {
+    const BallTrack& track = frame.tracks.ball;
+    row.sighted.push_back(distance(to_vector(frame.ball.position), place(now_.ball)));
+    if (track.state == TrackState::kLost) {
+      ++row.lost;
+      return;
+    }
+    const double error = distance(to_vector(track.position), place(now_.ball));
+    row.tracked.push_back(error);
+    row.nees.push_back(0.5 * error * error / square(track.sigma_m));
+    if (track.innovation2 >= 0.0f) row.nis.push_back(0.5 * static_cast<double>(track.innovation2));
+  }
+
+  // True if the velocity of an object changes suddenly between two frames. `of`: its placement in a snapshot.
+  template <class Of>
+  bool has_impact(std::size_t frame, Of of) const {
+    const Instant end = game_.frames()[frame].capture_time;
+    Instant t = game_.frames()[frame - 1].capture_time;
+    if (!truth_.covers(t, kStep)) return false;
+    Placement a = of(truth_.at(t - kStep)), b = of(truth_.at(t));
+    bool changed = false;
+    for (; t < end; t += kStep) {
+      const Placement c = of(truth_.at(t + kStep));
+      const Vector2 change = (place(c) - place(b)) - (place(b) - place(a));
+      if (speed_between(b, c, kStep) > kJump_mps) return false;
+      changed = changed || norm(change) > kImpact_mps * seconds(kStep);
+      a = b;
+      b = c;
+    }
+    return changed;
+  }
+
+  // Follows every impact before frame k for some frames without another one.
+  void add_impacts(std::size_t k) {
+    for (std::size_t i = 0; i < now_.robots.size(); ++i) {
+      const auto of = [i](const Snapshot& s) { return s.robots[i]; };
+      if (!has_impact(k, of)) continue;
+      for (std::size_t after = 0; after < kFramesAfterImpact && k + after < game_.frames().size(); ++after) {
+        if (after > 0 && has_impact(k + after, of)) break;
+        const GameFrame& frame = game_.frames()[k + after];
+        if (!truth_.covers(frame.capture_time, kMargin)) break;
+        const Placement at = of(truth_.at(frame.capture_time)), then = of(truth_.at(frame.capture_time + kMargin));
+        const auto* track = find(frame.tracks.robots, i);
+        const bool own = robot(i).team == hal::mock::Side::kOwn;
+        add_impact(impacts_[own ? 0 : 1], after, at, then, track == nullptr ? nullptr : &track->pose.position,
+                   track == nullptr ? 0.0 : static_cast<double>(track->twist.v_mps));
+      }
+    }
+    const auto of = [](const Snapshot& s) { return s.ball; };
+    if (!has_impact(k, of)) return;
+    for (std::size_t after = 0; after < kFramesAfterImpact && k + after < game_.frames().size(); ++after) {
+      if (after > 0 && has_impact(k + after, of)) break;
+      const GameFrame& frame = game_.frames()[k + after];
+      if (!truth_.covers(frame.capture_time, kMargin)) break;
+      const BallTrack& track = frame.tracks.ball;
+      if (!frame.ball.seen && after == 0) break;
+      add_impact(impacts_[2], after, of(truth_.at(frame.capture_time)), of(truth_.at(frame.capture_time + kMargin)),
+                 track.state == TrackState::kLost ? nullptr : &track.position, norm(to_vector(track.velocity)));
+    }
+  }
+
+  static void add_impact(ImpactSamples& row, std::size_t after, const Placement& at, const Placement& then,
+                         const FieldPoint* tracked, double speed_mps) {
+    if (tracked == nullptr) {
+      ++row.lost[after];
+      return;
+    }
+    row.position[after].push_back(distance(to_vector(*tracked), place(at)));
+    row.speed[after].push_back(std::abs(speed_mps) - speed_between(at, then, kMargin));
+  }
+
+  const RecordedGame& game_;
+  const RecordingClock& truth_;
+  Snapshot before_, now_, after_;
+  std::optional<Instant> ball_placed_;
+  std::array<Samples, kRows.size()> rows_;
+  std::array<ImpactSamples, kImpacts.size()> impacts_;
+  std::array<BallSamples, kBalls.size()> balls_;
+  MotionReport report_;
+};
+
+}  // namespace
+
+MotionReport evaluate_motion(const RecordedGame& game) { return MotionEvaluation(game).finish(); }
+
+}  // namespace touchline::evaluate

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "tools/programs/evaluate/recorded_game.h"
+#include "tools/programs/statistics/statistics.h"
+
+// Tracks and sightings of a recorded game compared with its truth. Meters, radians, seconds.
+namespace touchline::evaluate {
+
+/// Errors of robots that have a sighting and a track with the right id in the same frame.
+struct MotionRow {
+  std::string name;
+  statistics::ErrorSummary sighted, sighted_angle;  // sightings
+  statistics::ErrorSummary tracked, tracked_angle;  // tracks at capture time
+  statistics::ErrorSummary acted, acted_angle;      // tracks at the time when the command acts
+  // Mean squared errors relative to the variances that the filter states, and of the innovations, each divided by its
+  // degrees of freedom: 1 for a filter that knows its errors (Bar-Shalom, Li, Kirubarajan 2001, section 5.4).
+  double nees_position = 0.0, nees_angle = 0.0, nis = 0.0;
+};
+
+/// Errors of tracks in the frames after an impact, which changes a velocity suddenly.
+struct ImpactRow {
+  std::string name;
+  std::size_t frames_after = 0;  // 0: the first frame that was captured after the impact
+  statistics::ErrorSummary position, speed;
+  std::size_t lost = 0;  // without a track
+};
+
+/// Errors of the ball's sightings and tracks.
+struct BallRow {
+  std::string name;
+  statistics::ErrorSummary sighted, tracked;
+  std::size_t lost = 0;  // seen, but without a track
+  double nees = 0.0, nis = 0.0;
+};
+
+struct MotionReport {
+  std::size_t frames = 0;
+  std::vector<MotionRow> robots;
+  std::vector<ImpactRow> impacts;
+  std::vector<BallRow> balls;
+};
+
+/// Compares the recorded frames with the truth.
+MotionReport evaluate_motion(const RecordedGame& game);
+
+/// Prints tables in millimeters, degrees and meters per second.
+void print(const MotionReport& report, std::ostream& out);
+/// The same numbers in meters, radians and meters per second.
+std::string to_json(const MotionReport& report);
+
+}  // namespace touchline::evaluate

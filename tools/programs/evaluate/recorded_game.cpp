@@ -1,0 +1,105 @@
+#include "tools/programs/evaluate/recorded_game.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "core/geometry/angle.h"
+#include "hal/linux/monotonic_clock.h"
+
+namespace touchline::evaluate {
+namespace {
+
+constexpr Duration kMillisecond = std::chrono::milliseconds(1);
+
+hal::mock::Placement between(const hal::mock::Placement& a, const hal::mock::Placement& b, double part) {
+  return {a.x_m + part * (b.x_m - a.x_m), a.y_m + part * (b.y_m - a.y_m),
+          wrap_angle(a.theta_rad + part * wrap_angle(b.theta_rad - a.theta_rad))};
+}
+
+}  // namespace
+
+void RecordingClock::sleep_until(Instant instant) {
+  for (;;) {
+    const Instant next = arena_.begin() + static_cast<Duration::rep>(truth_.size()) * kMillisecond;
+    if (next > instant) break;
+    arena_.advance_to(next);
+    truth_.push_back(arena_.world().snapshot());
+  }
+  arena_.advance_to(instant);
+}
+
+bool RecordingClock::covers(Instant instant, Duration margin) const {
+  const Instant last = arena_.begin() + static_cast<Duration::rep>(truth_.size() - 1) * kMillisecond;
+  return instant - margin >= arena_.begin() && instant + margin <= last;
+}
+
+hal::mock::Snapshot RecordingClock::at(Instant instant) const {
+  const Duration since = instant - arena_.begin();
+  const auto before = static_cast<std::size_t>(since / kMillisecond);
+  const double part = seconds(since % kMillisecond) / seconds(kMillisecond);
+  hal::mock::Snapshot out = truth_[before];
+  if (part == 0.0) return out;
+  const hal::mock::Snapshot& after = truth_[before + 1];
+  for (std::size_t i = 0; i < out.robots.size(); ++i) {
+    out.robots[i] = between(out.robots[i], after.robots[i], part);
+  }
+  out.ball = between(out.ball, after.ball, part);
+  return out;
+}
+
+Result<void> RecordedGame::load(const config::FilePaths& files, std::uint64_t seed) {
+  TOUCHLINE_TRY(config::load(files, *configuration_));
+  const config::BoardFile& board = configuration_->board;
+  if (board.camera.backend != hal::CameraBackend::kMock || board.radio.backend != hal::RadioBackend::kMock) {
+    return failure(ErrorCode::kInconsistent,
+                   "%s: camera.backend and radio.backend must be \"mock\", because only the "
+                   "arena knows the truth",
+                   files.board.c_str());
+  }
+  if (const Status status = pipeline_->configure(configuration_->pipeline); !status.ok()) {
+    return failure(status.code(), "%s: the pipeline refuses its values", files.board.c_str());
+  }
+  arena_.emplace(board.arena, board.camera, board.radio, seed);
+  clock_.emplace(*arena_);
+  camera_.emplace(*arena_, *clock_);
+  radio_.emplace(*arena_, *clock_);
+  gpio_.emplace(*arena_, *clock_);
+  LoopSettings settings;
+  settings.faults = board.faults;
+  settings.radio_delay = from_seconds(board.radio.delay_s);
+  settings.radio_byte_time = hal::byte_time(board.radio);
+  settings.external.commands = mailbox_.get();
+  loop_ = std::make_unique<Loop>(HalDevices{*camera_, *radio_, *gpio_, *clock_, true}, *pipeline_, settings, *reports_,
+                                 LoopObserver{&RecordedGame::observe, this});
+  return loop_->open();
+}
+
+Result<void> RecordedGame::play(double duration_s, bool record) {
+  records_ = record;
+  const Instant end = arena_->now() + from_seconds(duration_s);
+  while (arena_->now() < end) {
+    if (commands_) {
+      ExternalCommands stamped = *commands_;
+      // A time in the future counts as the one at which the loop takes the command.
+      for (ExternalCommand& command : stamped) command.received = hal::MonotonicClock::read() + std::chrono::hours(1);
+      mailbox_->put(stamped);
+    }
+    if (loop_->iterate()) {
+      return failure(loop_->last_fault().code, "the game ended early: %s", loop_->last_fault().reason.data());
+    }
+  }
+  return {};
+}
+
+void RecordedGame::observe(void* context, const StepTrace& trace, const StepTiming&) {
+  RecordedGame& game = *static_cast<RecordedGame*>(context);
+  if (!game.records_) return;
+  GameFrame frame;
+  frame.capture_time = trace.frame.capture_time;
+  frame.sightings = trace.sightings.robots;
+  frame.ball = trace.sightings.ball;
+  frame.tracks = trace.tracks;
+  game.frames_.push_back(frame);
+}
+
+}  // namespace touchline::evaluate

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware/config/configuration.h"
+#include "firmware/loop.h"
+#include "hal/mock/arena.h"
+#include "hal/mock/mock_devices.h"
+
+namespace touchline::evaluate {
+
+/// What the pipeline reported about one frame.
+struct GameFrame {
+  Instant capture_time{};
+  RobotSightings sightings;
+  BallSighting ball;
+  Tracks tracks;
+};
+
+/// The arena's clock. It records the poses of all objects in every millisecond.
+class RecordingClock : public hal::Clock {
+ public:
+  explicit RecordingClock(hal::mock::Arena& arena) : arena_(arena) { truth_.push_back(arena.world().snapshot()); }
+  [[nodiscard]] Instant now() const override { return arena_.now(); }
+  void sleep_until(Instant instant) override;
+
+  /// True if the poses between `instant` - margin and `instant` + margin were recorded.
+  [[nodiscard]] bool covers(Instant instant, Duration margin) const;
+  /// The poses at `instant`, interpolated linearly; covers(instant, 0) must be true.
+  [[nodiscard]] hal::mock::Snapshot at(Instant instant) const;
+
+ private:
+  hal::mock::Arena& arena_;
+  std::vector<hal::mock::Snapshot> truth_;  // [k]: k milliseconds after the arena's beginning
+};
+
+/// A game on a board's arena, played by the real loop, and the truth about it. Large: do not put it on the stack.
+class RecordedGame {
+ public:
+  /// Errors of config::load(). kInconsistent: the board's camera or radio is not the arena.
+  Result<void> load(const config::FilePaths& files, std::uint64_t seed);
+  /// Continues the game for `duration_s` and records its frames. Any error of the loop's devices.
+  Result<void> play(double duration_s) { return play(duration_s, true); }
+  /// The same without recording the frames: until tracks are confirmed and robots drive.
+  Result<void> skip(double duration_s) { return play(duration_s, false); }
+  /// Own robots that other programs drive, from now on until the next call; before the first call, and for robots that
+  /// `commands` does not list, the built-in play drives.
+  void drive(const ExternalCommands& commands) { commands_ = commands; }
+
+  [[nodiscard]] const config::Configuration& configuration() const { return *configuration_; }
+  [[nodiscard]] hal::mock::World& world() { return arena_->world(); }
+  [[nodiscard]] const RecordingClock& truth() const { return *clock_; }
+  [[nodiscard]] const std::vector<GameFrame>& frames() const { return frames_; }
+
+ private:
+  Result<void> play(double duration_s, bool record);
+  static void observe(void* context, const StepTrace& trace, const StepTiming& timing);
+
+  std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
+  std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();
+  std::unique_ptr<ReportRing> reports_ = std::make_unique<ReportRing>();
+  std::unique_ptr<Mailbox<ExternalCommands>> mailbox_ = std::make_unique<Mailbox<ExternalCommands>>();
+  std::optional<ExternalCommands> commands_;
+  std::optional<hal::mock::Arena> arena_;
+  std::optional<RecordingClock> clock_;
+  std::optional<hal::mock::MockCamera> camera_;
+  std::optional<hal::mock::MockRadio> radio_;
+  std::optional<hal::mock::MockGpio> gpio_;
+  std::unique_ptr<Loop> loop_;  // last, because it must be destroyed before the devices
+  std::vector<GameFrame> frames_;
+  bool records_ = false;
+};
+
+}  // namespace touchline::evaluate

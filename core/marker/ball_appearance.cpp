@@ -233,10 +233,14 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
   FixedVector<TopTest, kMaxRobots> tops;
   for (const RobotTop& robot : robots) tops.push_back(TopTest(robot));
 
+  // The surroundings are wide: every second pixel and row of them is enough.
+  const int dense = search + ring.reach;
   const ColorSpace space = color_space(frame.format);
-  Samples ball, visible, colorful;
+  Samples ball, visible, coarse, colorful;
   for (int row = -reach; row <= reach; ++row) {
     for (int column = -reach; column <= reach; ++column) {
+      const bool is_coarse = row % 2 == 0 && column % 2 == 0;
+      if (!is_coarse && row * row + column * column > dense * dense) continue;
       const int u = seed_u + column * step, v = seed_v + row * step;
       if (!is_in(frame, u, v)) continue;
       const bool hidden = std::any_of(tops.begin(), tops.end(), [&](const TopTest& top) {
@@ -244,10 +248,11 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
       });
       if (hidden) continue;
       visible.set(column, row);
+      if (is_coarse) coarse.set(column, row);
       const Rgb value = rgb_at(frame, u, v, space);
       if (color.is_ball(value)) {
         ball.set(column, row);
-      } else if (color.is_other_color(value)) {
+      } else if (is_coarse && color.is_other_color(value)) {
         colorful.set(column, row);
       }
     }
@@ -283,7 +288,7 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
   out.filled = std::min(1.0f, with_reflections / shown);
   out.overflow = static_cast<float>(ball.count(ring, at_u, at_v)) / around;
   out.colorful = static_cast<float>(colorful.count(surroundings, at_u, at_v)) /
-                 std::max(1.0f, static_cast<float>(visible.count(surroundings, at_u, at_v)));
+                 std::max(1.0f, static_cast<float>(coarse.count(surroundings, at_u, at_v)));
   out.area_px = with_reflections * static_cast<float>(step * step);
 
   float mean_u = 0, mean_v = 0;

@@ -259,6 +259,11 @@ TEST_F(Program, AsksBeforeItWritesDetectedColors) {
         *std::find_if(patches.begin(), patches.end(), [&](const auto& p) { return p.color == color.name; });
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(color.shown_rgb[c], truth.rgb[c], 8) << color.name;
   }
+  // A click on the command line, on a patch, on the floor, and without its place.
+  EXPECT_TRUE(run(with_team + " --yes --click green,93,73 --click red,160,20," + path("robots.png"))) << read("out");
+  EXPECT_NE(read("out").find("1 of 2 clicks used"), std::string::npos) << read("out");
+  EXPECT_FALSE(run(with_team + " --yes --click green,93"));
+  EXPECT_NE(read("out").find("COLOR,U,V"), std::string::npos) << read("out");
   // A robot need not be in every picture.
   write_png("without.png",
             painted_field({patches[0], patches[1], patches[4]}, PixelFormat::kRgb24, 4, [](int, int) { return 1.0; }));

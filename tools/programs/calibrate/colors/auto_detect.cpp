@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <memory>
 
+#include "tools/programs/calibrate/colors/ball_inference.h"
+#include "tools/programs/calibrate/colors/detection_doubts.h"
 #include "tools/programs/calibrate/colors/marker_completion.h"
 #include "tools/programs/calibrate/colors/patch_selection.h"
+#include "tools/programs/calibrate/colors/robot_inference.h"
 #include "tools/programs/command_line/formatted.h"
 #include "tools/programs/command_line/progress.h"
 #include "tools/programs/replay/canvas.h"
@@ -14,12 +18,6 @@
 namespace touchline::calibrate {
 namespace {
 
-// Least difference in negative log-likelihood to the next best assignment: a probability of 95 %.
-constexpr double kLeastCostMargin = 3.0;
-// Greatest difference from the expected appearance of a color name; the names themselves are 30 to 100 apart.
-constexpr double kMostUnlike = 55.0;
-// With less difference, another patch that might have the color does not matter: the self-check shows a wrong choice.
-constexpr double kLooksRight = 30.0;
 // Greatest elongation of a ball. Shadow and motion elongate a ball; the end of a line is longer.
 constexpr double kBallElongation = 1.6;
 
@@ -193,32 +191,6 @@ void assign_with_clicks(const std::vector<Click>& clicks, const std::vector<Mark
   }
 }
 
-void add_doubts(DetectedColors& out) {
-  for (std::size_t c = 0; c < out.input.colors.size(); ++c) {
-    const AssignedColor& color = out.assignment.colors[c];
-    const WantedColor& wanted = out.input.colors[c];
-    const char* const name = wanted.name.c_str();
-    if (wanted.clicked) continue;
-    if (color.patches.empty()) {
-      out.doubts.push_back(formatted("%s: no patch was found; add a picture that shows one, or click on one", name));
-    } else if (color.dissimilarity > kMostUnlike) {
-      out.doubts.push_back(
-          formatted("%s: the remaining patches do not look like it (difference %.0f); click on one of its patches",
-                    name, color.dissimilarity));
-    } else if (color.margin < kLeastCostMargin &&
-               (!color.alternative.empty() || !wanted.look || color.dissimilarity > kLooksRight)) {
-      out.doubts.push_back(formatted("%s: could also be %s; click on one patch of %s", name,
-                                     color.alternative.empty() ? "another patch" : color.alternative.c_str(),
-                                     color.alternative.empty() ? "it" : "each"));
-    }
-  }
-  if (out.assignment.unknown_robots * 4 > out.assignment.robots) {
-    out.doubts.push_back(
-        formatted("%zu robots match the team file, %zu have colors of no robot in it; is this the right team file?",
-                  out.assignment.robots, out.assignment.unknown_robots));
-  }
-}
-
 }  // namespace
 
 Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamColors& team,
@@ -258,11 +230,13 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
   for (const std::string& name : team.names) input.colors.push_back({name, usual_rgb(name), false});
   const std::vector<PatchSize> sizes = sizes_of(team.marker);
   std::vector<const ChannelImage*> searched;
+  std::deque<LocalBackground> floors;
+  std::vector<SearchedPicture> sampled;
   std::vector<Marked> marked(clicks.size());
   out.uses.resize(clicks.size());
   Progress progress("searching for patches in pictures", images.size());
   for (const auto& [image, channels] : images) {
-    const LocalBackground floor(channels, inside);
+    const LocalBackground& floor = floors.emplace_back(channels, inside);
     std::vector<FoundPatch> patches = find_patches(channels, inside, floor, camera, venue.file.field, sizes);
     for (std::size_t i = 0; i < clicks.size(); ++i) {
       if (clicks[i].image != image) continue;
@@ -300,7 +274,7 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
       const MarkerLayout& layout = input.teams[t].layout;
       std::vector<MarkerCandidate> markers = find_markers(input.patches, numbers, layout, camera);
       for (MarkerCandidate& marker :
-           complete_markers(input.patches, numbers, layout, camera, {channels, inside, floor}))
+           complete_markers(input.patches, numbers, {layout, camera, {channels, inside, floor}}))
         markers.push_back(std::move(marker));
       for (MarkerCandidate& marker : markers) {
         marker.team = t;
@@ -309,12 +283,15 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
       }
     }
     input.picture.resize(input.patches.size(), out.images.size());  // of the patches that were sampled
+    sampled.push_back({out.images.size(), {channels, inside, floor}});
     out.images.push_back(image);
     searched.push_back(&channels);
     progress.step();
   }
   assign_with_clicks(clicks, marked, out);
-  add_doubts(out);
+  infer_robots(input, camera, sampled, out.assignment);
+  infer_ball(input, camera, size_of(team.marker.ball), sampled, out.assignment);
+  out.doubts = detection_doubts(input, out.assignment, out.images);
   for (std::size_t c = 0; c < input.colors.size(); ++c) {
     const AssignedColor& color = out.assignment.colors[c];
     for (const auto* patches : {&color.patches, &color.others}) {
@@ -330,9 +307,11 @@ Result<DetectedColors> auto_detect_colors(const VenueDraft& venue, const TeamCol
                   out.unclear[out.images[input.picture[p]]]);
       }
     }
-    for (const std::size_t p : cleanest(input, color, searched)) {
+    // Robots show every shade of a paint under these lamps; the rim of a ball is not its color.
+    for (const std::size_t p : c + 1 == input.ball ? cleanest(input, color, searched) : color.patches) {
       const FoundPatch& patch = input.patches[p];
       Click click{out.images[input.picture[p]], input.colors[c].name, patch.u_px, patch.v_px, patch.radius_px, {}};
+      if (patch.sampled) click.pixels = patch.pixels;  // growth has not found it
       for (std::size_t i = 0; i < marked.size(); ++i) {
         if (marked[i].patch != p || !out.uses[i].used) continue;
         click.box = marked[i].box;

@@ -1,6 +1,8 @@
 #include "tools/programs/calibrate/colors/clicks.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -53,6 +55,29 @@ Result<std::vector<Click>> read_clicks(const std::string& path) {
     return Error{ErrorCode::kInconsistent, path + ": the list \"samples\" is empty"};
   }
   return out;
+}
+
+Result<Click> parse_click(const std::string& text, const std::string& image) {
+  // The picture may have commas in its name.
+  std::array<std::string, 4> word;
+  std::size_t begin = 0, words = 0;
+  for (; words < word.size() && begin <= text.size(); ++words) {
+    const std::size_t end = words + 1 < word.size() ? std::min(text.find(',', begin), text.size()) : text.size();
+    word[words] = text.substr(begin, end - begin);
+    begin = end + 1;
+  }
+  Click click{words > 3 ? word[3] : image, word[0], 0, 0};
+  const auto number = [](const std::string& from, double& out) {
+    const char* const end = from.data() + from.size();
+    const auto [stop, error] = std::from_chars(from.data(), end, out);
+    return error == std::errc{} && stop == end;
+  };
+  if (click.color.empty() || !number(word[1], click.u_px) || !number(word[2], click.v_px)) {
+    return failure(ErrorCode::kInconsistent,
+                   "--click %s: needs COLOR,U,V or COLOR,U,V,PICTURE (column and row of a pixel of the patch)",
+                   text.c_str());
+  }
+  return click;
 }
 
 }  // namespace touchline::calibrate

@@ -24,4 +24,8 @@ struct Click {
 /// message names the file and the sample (counted from 0).
 Result<std::vector<Click>> read_clicks(const std::string& path);
 
+/// Reads "COLOR,U,V" or "COLOR,U,V,PICTURE", an option of the command line. Without a picture it is `image`.
+/// kInconsistent: wrong content; the message quotes it.
+Result<Click> parse_click(const std::string& text, const std::string& image);
+
 }  // namespace touchline::calibrate

@@ -62,6 +62,12 @@ bool is_plausible(const std::optional<Rgb>& usual, const Rgb& seen) {
   return is < kColored || hue_difference_deg(seen, *usual) <= kFarHue;
 }
 
+bool has_hue_of(const std::optional<Rgb>& usual, const Rgb& seen) {
+  constexpr double kSaturated = 0.25, kNearHue_deg = 45.0;
+  return usual && saturation(*usual) >= kSaturated && saturation(seen) >= kSaturated &&
+         hue_difference_deg(seen, *usual) <= kNearHue_deg;
+}
+
 std::string_view most_similar_name(const Rgb& seen) {
   const Lab lab = lab_of(seen);
   const auto paints = usual_paints();

@@ -36,6 +36,11 @@ double saturation(const Rgb& rgb);
 /// hue is more than a quarter of the circle away. Unknown names are always plausible.
 bool is_plausible(const std::optional<Rgb>& usual, const Rgb& seen);
 
+/// Whether the color has the hue of the name (`usual`: usual_rgb() of it), within an eighth of the circle; false if one
+/// of both is nearly grey, or if the name is unknown. Exposure and glare change paleness and lightness much, hue
+/// little.
+bool has_hue_of(const std::optional<Rgb>& usual, const Rgb& seen);
+
 /// The name in usual_paints() that is most similar to the color.
 std::string_view most_similar_name(const Rgb& seen);
 

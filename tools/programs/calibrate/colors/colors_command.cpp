@@ -53,6 +53,10 @@ void ColorsCommand::add_options(CLI::App& app) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--samples", samples,
                  "JSON file of clicks: {\"samples\":[{\"image\",\"color\",\"u\",\"v\"}]}, or \"box\":[u0,v0,u1,v1]");
+  app.add_option("--click", clicked,
+                 "COLOR,U,V: pixel of a patch of this color in the first --picture, or COLOR,U,V,PICTURE; repeatable")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--venue", venue, "Venue file; its camera model, light map and region of interest are used")
       ->required();
   app.add_option("--images", images, "Folder of the pictures in the JSON file (default: the folder of the JSON file)");
@@ -90,6 +94,13 @@ Result<void> ColorsCommand::read_input(ColorFitInput& input) const {
   if (!samples.empty()) {
     TOUCHLINE_TRY_ASSIGN(input.clicks, read_clicks(samples));
   }
+  // Pictures of --click are named as in --picture, those of the JSON file relative to their folder.
+  const std::size_t from_file = input.clicks.size();
+  for (const std::string& text : clicked) {
+    TOUCHLINE_TRY_ASSIGN(Click click, parse_click(text, pictures.empty() ? "" : pictures.front()));
+    if (click.image.empty()) return failure(ErrorCode::kNotFound, "--click %s: --picture is missing", text.c_str());
+    input.clicks.push_back(std::move(click));
+  }
   const auto load = [&](const std::string& path, const std::string& name) -> Result<void> {
     if (input.pictures.count(name) > 0) return {};
     TOUCHLINE_TRY_ASSIGN(input.pictures[name], CameraPicture::load(path, *pixel_format));
@@ -98,10 +109,12 @@ Result<void> ColorsCommand::read_input(ColorFitInput& input) const {
   const fs::path root = images.empty() ? fs::path(samples).parent_path() : fs::path(images);
   std::map<std::string, std::string> name_of;  // loads each picture once, whatever its name
   std::error_code error;
-  for (const Click& click : input.clicks) {
-    const std::string path = (root / click.image).string();
-    TOUCHLINE_TRY(load(path, click.image));
-    name_of[fs::weakly_canonical(path, error).string()] = click.image;
+  for (std::size_t i = 0; i < input.clicks.size(); ++i) {
+    Click& click = input.clicks[i];
+    const std::string path = i < from_file ? (root / click.image).string() : click.image;
+    const auto [known, is_new] = name_of.try_emplace(fs::weakly_canonical(path, error).string(), click.image);
+    click.image = known->second;
+    if (is_new) TOUCHLINE_TRY(load(path, click.image));
   }
   for (const std::string& path : pictures) {
     if (name_of.count(fs::weakly_canonical(path, error).string()) == 0) TOUCHLINE_TRY(load(path, path));
@@ -187,11 +200,11 @@ Result<void> ColorsCommand::check_result(const ColorFitInput& input, const std::
   TOUCHLINE_TRY_ASSIGN(const SelfCheck check, self_check(unaccepted, team, input.pictures, robots, folder));
   std::printf("%spictures of the self-check are in %s\n", check.text().c_str(), folder.c_str());
   if (!check.passed() && !accept) {
-    return failure(
-        ErrorCode::kInconsistent,
-        "not everything was recognized: %s is unchanged, the new colors are in %s. Click on patches that were "
-        "missed (--samples), or write the colors as they are with --accept",
-        venue.c_str(), unaccepted.c_str());
+    return failure(ErrorCode::kInconsistent,
+                   "not everything was recognized: %s is unchanged, the new colors are in %s. Show a further picture "
+                   "(--picture) in which what is missing stands elsewhere, apart from all others; or click on its "
+                   "patches (--click COLOR,U,V); or write the colors as they are (--accept)",
+                   venue.c_str(), unaccepted.c_str());
   }
   fs::remove(unaccepted, error);
   return {};

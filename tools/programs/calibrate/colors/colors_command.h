@@ -22,6 +22,7 @@ struct VenueDraft;
 struct ColorsCommand {
   std::string samples, venue, team, images, format = "rgb24", preview;
   std::vector<std::string> pictures;
+  std::vector<std::string> clicked;     // "COLOR,U,V" or "COLOR,U,V,PICTURE"
   std::vector<std::string> odd_colors;  // that need not look like their names
   bool yes = false, accept = false;
   int patch_radius_px = 24;

@@ -2,17 +2,9 @@
 
 #include <vector>
 
-#include "tools/programs/calibrate/colors/marker_search.h"
-#include "tools/programs/calibrate/imaging/local_background.h"
+#include "tools/programs/calibrate/colors/layout_sampling.h"
 
 namespace touchline::calibrate {
-
-/// The picture that patches are sampled from.
-struct SampledPicture {
-  const ChannelImage& image;
-  const std::vector<std::uint8_t>& inside;  // see inside_mask()
-  const LocalBackground& floor;
-};
 
 /// Completes markers of which some identification patches were not found, because their edges are blurred or merge with
 /// neighbors. The heading follows from the long axis of the team patch (both directions are tried) or from one
@@ -21,7 +13,6 @@ struct SampledPicture {
 /// `patches`. The residual of a completed marker is above 1 m, so that complete ones come first, and smaller for clear
 /// patches.
 std::vector<MarkerCandidate> complete_markers(std::vector<FoundPatch>& patches, const std::vector<std::size_t>& numbers,
-                                              const MarkerLayout& layout, const CameraModel& camera,
-                                              const SampledPicture& picture);
+                                              const LayoutView& view);
 
 }  // namespace touchline::calibrate

@@ -1,0 +1,112 @@
+#include "tools/programs/calibrate/colors/detection_doubts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "tools/programs/command_line/formatted.h"
+
+namespace touchline::calibrate {
+namespace {
+
+// Least difference in negative log-likelihood to the next best assignment: a probability of 95 %.
+constexpr double kLeastCostMargin = 3.0;
+// Greatest difference from the expected appearance of a color name; the names themselves are 30 to 100 apart.
+constexpr double kMostUnlike = 55.0;
+// With less difference, another patch that might have the color does not matter: the self-check shows a wrong choice.
+constexpr double kLooksRight = 30.0;
+
+class Doubts {
+ public:
+  Doubts(const AssignmentInput& input, const Assignment& assignment, const std::vector<std::string>& images)
+      : input_(input), assignment_(assignment), images_(images) {}
+
+  std::vector<std::string> found() {
+    for (std::size_t c = 0; c < input_.colors.size(); ++c) {
+      if (!input_.colors[c].clicked) examine(c);
+    }
+    if (assignment_.unknown_robots * 4 > assignment_.robots) {
+      out_.push_back(
+          formatted("%zu robots match the team file, %zu have colors of no robot in it; is this the right team file?",
+                    assignment_.robots, assignment_.unknown_robots));
+    }
+    return std::move(out_);
+  }
+
+ private:
+  void examine(std::size_t c) {
+    const AssignedColor& color = assignment_.colors[c];
+    const WantedColor& wanted = input_.colors[c];
+    const char* const name = wanted.name.c_str();
+    if (color.patches.empty()) {
+      out_.push_back(formatted("%s: no patch was found; show a picture in which %s, or click on %s: --click %s,U,V",
+                               name, wish(c).c_str(), c + 1 == input_.ball ? "it" : "one of its patches", name));
+    } else if (color.dissimilarity > kMostUnlike && !has_hue_of(wanted.look, color.rgb)) {
+      out_.push_back(
+          formatted("%s: the remaining patches do not look like it (difference %.0f); click on one of its patches: "
+                    "--click %s,U,V",
+                    name, color.dissimilarity, name));
+    } else if (color.margin < kLeastCostMargin &&
+               (!color.alternative.empty() || !wanted.look || color.dissimilarity > kLooksRight)) {
+      out_.push_back(formatted(
+          "%s: could also be %s; %s is taken for %s: if that is right, add --click %s, otherwise click on one that is",
+          name, color.alternative.empty() ? "another patch" : color.alternative.c_str(), place(c).c_str(), name,
+          click(c).c_str()));
+    }
+  }
+
+  // What a picture must show to find this color.
+  [[nodiscard]] std::string wish(std::size_t c) const {
+    if (c + 1 == input_.ball) return "the ball lies alone on the field";
+    std::string robots;
+    std::size_t count = 0, all = 0;
+    for (std::size_t t = 0; t < 2; ++t) {
+      const TeamMarking& team = input_.teams[t];
+      if (team.team_color == kBackground) continue;
+      all += team.robots.size();
+      for (const RobotMarking& robot : team.robots) {
+        if (std::find(robot.colors.begin(), robot.colors.end(), c + 1) == robot.colors.end()) continue;
+        robots +=
+            formatted("%s%s %d", count == 0 ? "" : " or ", t == 0 ? "own" : "opponent", static_cast<int>(robot.id));
+        ++count;
+      }
+    }
+    if (count > 0) return "robot " + robots + " stands apart from all others";
+    if (all == 0) return "robots of this team stand apart from all others";
+    return formatted("all %zu robots stand apart", all);
+  }
+
+  // The first of the patches that are taken for this color.
+  [[nodiscard]] const FoundPatch& example(std::size_t c) const {
+    return input_.patches[assignment_.colors[c].patches.front()];
+  }
+  [[nodiscard]] std::string place(std::size_t c) const {
+    const FoundPatch& patch = example(c);
+    return formatted("the patch at %.0f,%.0f%s", static_cast<double>(patch.center.u_px),
+                     static_cast<double>(patch.center.v_px), of_picture(c, " of ").c_str());
+  }
+  [[nodiscard]] std::string click(std::size_t c) const {
+    const FoundPatch& patch = example(c);
+    return formatted("%s,%.0f,%.0f%s", input_.colors[c].name.c_str(), static_cast<double>(patch.center.u_px),
+                     static_cast<double>(patch.center.v_px), of_picture(c, ",").c_str());
+  }
+  // The picture's name, if there are several.
+  [[nodiscard]] std::string of_picture(std::size_t c, const std::string& before) const {
+    if (images_.size() < 2) return "";
+    return before + images_[input_.picture[assignment_.colors[c].patches.front()]];
+  }
+
+  const AssignmentInput& input_;
+  const Assignment& assignment_;
+  const std::vector<std::string>& images_;
+  std::vector<std::string> out_;
+};
+
+}  // namespace
+
+std::vector<std::string> detection_doubts(const AssignmentInput& input, const Assignment& assignment,
+                                          const std::vector<std::string>& images) {
+  return Doubts(input, assignment, images).found();
+}
+
+}  // namespace touchline::calibrate

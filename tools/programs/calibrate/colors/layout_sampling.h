@@ -1,0 +1,59 @@
+#pragma once
+
+#include <complex>
+#include <optional>
+#include <vector>
+
+#include "tools/programs/calibrate/colors/marker_search.h"
+#include "tools/programs/calibrate/imaging/local_background.h"
+
+namespace touchline::calibrate {
+
+/// The picture that patches are sampled from.
+struct SampledPicture {
+  const ChannelImage& image;
+  const std::vector<std::uint8_t>& inside;  // see inside_mask()
+  const LocalBackground& floor;
+};
+
+/// A layout and where it is seen.
+struct LayoutView {
+  const MarkerLayout& layout;
+  const CameraModel& camera;
+  const SampledPicture& picture;
+
+  /// A point in the plane of the patches, m.
+  [[nodiscard]] std::complex<double> on_field(PixelPoint pixel) const;
+  /// Position tolerance at this point, m: see kCenterError_px and kLayoutError_m.
+  [[nodiscard]] double tolerance_m(std::complex<double> at) const;
+  /// Whether the area of the patch fits this place of the layout.
+  [[nodiscard]] bool fits(const FoundPatch& patch, std::size_t place) const;
+  /// Headings that a robot with this team patch can have, rad: both directions of the long axis of the team patch, and
+  /// those in which one of the other patches is an identification patch.
+  [[nodiscard]] std::vector<double> headings(const std::vector<FoundPatch>& patches,
+                                             const std::vector<std::size_t>& numbers, std::size_t team) const;
+};
+
+/// The inner part of a patch's place.
+struct PlaceSample {
+  std::vector<std::size_t> pixels;
+  Channels median{};
+  PixelPoint middle;
+  int radius_px = 0;    // of a circle around the patch
+  double even = 0;      // share of the pixels that differ little from the median
+  double contrast = 0;  // color distance of the median to the floor
+  bool on_top = false;  // neither floor nor shadow
+};
+
+/// Position of a patch in the robot's frame, m.
+std::complex<double> place_of(const PatchPlace& place);
+
+/// Samples the place `place` of the layout, centered at `at`, of a robot whose heading is the angle of `turn`. Empty if
+/// it lies outside the picture or the region of interest, or has too few pixels.
+std::optional<PlaceSample> sample_place(const LayoutView& view, std::size_t place, std::complex<double> at,
+                                        std::complex<double> turn);
+
+/// The patch that a sample is (FoundPatch::sampled).
+FoundPatch sampled_patch(const ChannelImage& image, PlaceSample sample);
+
+}  // namespace touchline::calibrate

@@ -1,0 +1,257 @@
+#include "tools/programs/calibrate/colors/robot_inference.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace touchline::calibrate {
+namespace {
+
+using Linear = std::array<double, 3>;
+
+// Approximates the sRGB transfer function.
+constexpr double kGamma = 2.2;
+// Standard deviation of the logarithm of a channel, and the greatest contradiction of one channel in these.
+constexpr double kSeenSigma = 0.25, kMostResiduals = 4.0;
+// Sensor noise and black level in linear light, which hide the ratios of dark channels.
+constexpr double kNoiseFloor = 0.01;
+// Factors and glare that are tried. Robots in shade have a third of the light; glare is at most a third of white.
+constexpr double kGains[] = {0.25, 0.35, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.15, 1.35, 1.6, 2.0};
+constexpr double kGlares[] = {0, 0.01, 0.02, 0.04, 0.07, 0.1, 0.14, 0.18, 0.24, 0.3};
+constexpr double kGainSigma = 0.6, kGlareScale = 0.1;
+// Greatest mean square of the residuals, and least difference to another robot or color in nats.
+constexpr double kMostMeanSquare = 1.6, kLeastMargin = 3.0, kLeastColorMargin = 1.0;
+// Share of the pixels that are darker than white.
+constexpr double kBrightest = 0.999;
+// Least share of the pixels of a patch that have its color.
+constexpr double kLeastEven = 0.5;
+
+Linear linear(const Rgb& rgb) {
+  Linear out{};
+  for (std::size_t c = 0; c < 3; ++c) out[c] = std::pow(std::clamp(rgb[c], 0.0, 255.0) / 255, kGamma);
+  return out;
+}
+
+struct Look {
+  Linear color{};
+  double sigma = 0;  // 0: unknown
+};
+
+// Negative log-likelihood of a color in this light, with the glare that explains it best: glare differs from patch to
+// patch.
+double cost_of(const Look& look, const Linear& seen, double gain, double white) {
+  double least = 1e9;
+  for (const double glare : kGlares) {
+    double sum = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double expected = std::min(white, gain * look.color[c] + glare);
+      const double residual = std::log((seen[c] + kNoiseFloor) / (expected + kNoiseFloor)) / look.sigma;
+      sum += std::min(residual * residual, kMostResiduals * kMostResiduals);
+    }
+    least = std::min(least, sum / 2 + glare / kGlareScale);
+  }
+  return least;
+}
+
+// A robot at one place with its samples, the team patch first.
+struct Standing {
+  std::size_t team = 0, robot = 0, patch = 0;
+  std::vector<PlaceSample> samples;
+  double cost = 0, margin = 0;
+};
+
+class Inference {
+ public:
+  Inference(AssignmentInput& input, const CameraModel& camera, const SearchedPicture& picture, Assignment& assignment)
+      : input_(input), camera_(camera), picture_(picture), assignment_(assignment) {
+    learn_looks();
+    learn_white();
+    for (std::size_t p = 0; p < input_.patches.size(); ++p) {
+      if (input_.picture[p] == picture_.number && !input_.patches[p].sampled) numbers_.push_back(p);
+    }
+  }
+
+  void run() {
+    for (;;) {
+      std::vector<Standing> found;
+      for (std::size_t team = 0; team < 2; ++team) search(team, found);
+      const auto best = std::min_element(found.begin(), found.end(),
+                                         [](const Standing& a, const Standing& b) { return a.cost < b.cost; });
+      if (best == found.end()) return;
+      accept(*best);
+    }
+  }
+
+ private:
+  // A color of which only a patch in glare is known would be learned wrong, so its robots are not inferred.
+  void learn_looks() {
+    looks_.resize(input_.colors.size());
+    for (std::size_t c = 0; c < input_.colors.size(); ++c) {
+      if (!assignment_.colors[c].patches.empty()) looks_[c] = {linear(assignment_.colors[c].rgb), kSeenSigma};
+    }
+  }
+
+  // The value at which the camera clips.
+  void learn_white() {
+    std::vector<std::uint8_t> values;
+    values.reserve(picture_.picture.image.pixels.size());
+    for (std::size_t i = 0; i < picture_.picture.image.pixels.size(); ++i) {
+      if (picture_.picture.inside[i] == 0) continue;
+      const Channels rgb = to_rgb8(picture_.picture.image.pixels[i], picture_.picture.image.space);
+      values.push_back(*std::max_element(rgb.begin(), rgb.end()));
+    }
+    if (values.empty()) return;
+    const auto top = values.begin() + static_cast<std::ptrdiff_t>(kBrightest * static_cast<double>(values.size()));
+    std::nth_element(values.begin(), top, values.end());
+    const auto value = static_cast<double>(*top);
+    white_ = linear({value, value, value})[0];
+    for (const Look& look : looks_) white_ = std::max({white_, look.color[0], look.color[1], look.color[2]});
+    white_ = std::min(white_, 1.0);
+  }
+
+  // Adds the best missing robot of the team at each place.
+  void search(std::size_t team, std::vector<Standing>& found) const {
+    const TeamMarking& marking = input_.teams[team];
+    if (marking.team_color == kBackground || looks_[marking.team_color - 1U].sigma <= 0) return;
+    std::vector<std::size_t> missing;
+    for (std::size_t r = 0; r < marking.robots.size(); ++r) {
+      const bool known = std::any_of(assignment_.named.begin(), assignment_.named.end(), [&](const AssignedRobot& n) {
+        return n.picture == picture_.number && n.team == team && n.robot == r;
+      });
+      if (!known) missing.push_back(r);
+    }
+    if (missing.empty()) return;
+    const LayoutView view{marking.layout, camera_, picture_.picture};
+    for (const std::size_t patch : numbers_) {
+      if (!view.fits(input_.patches[patch], 0) || is_taken(view, patch)) continue;
+      std::vector<Standing> here;
+      for (const double heading : view.headings(input_.patches, numbers_, patch)) {
+        std::vector<PlaceSample> samples = samples_of(view, patch, heading);
+        if (samples.empty()) continue;
+        for (const std::size_t r : missing) {
+          Standing standing{team, r, patch, samples, 0, 0};
+          if (explains(marking, standing)) here.push_back(std::move(standing));
+        }
+      }
+      keep_certain(here, found);
+    }
+  }
+
+  // On a robot that is recognized.
+  [[nodiscard]] bool is_taken(const LayoutView& view, std::size_t patch) const {
+    const auto at = view.on_field(input_.patches[patch].center);
+    return std::any_of(assignment_.named.begin(), assignment_.named.end(), [&](const AssignedRobot& n) {
+      return n.picture == picture_.number && std::abs(view.on_field(input_.patches[n.team_patch].center) - at) <
+                                                 0.6 * static_cast<double>(view.layout.robot_side_m);
+    });
+  }
+
+  std::vector<PlaceSample> samples_of(const LayoutView& view, std::size_t patch, double heading) const {
+    const auto turn = std::polar(1.0, heading);
+    const auto center = view.on_field(input_.patches[patch].center) - turn * place_of(view.layout.patches[0]);
+    std::vector<PlaceSample> out;
+    for (std::size_t k = 0; k < view.layout.patches.size(); ++k) {
+      auto sample = sample_place(view, k, center + turn * place_of(view.layout.patches[k]), turn);
+      if (!sample || !sample->on_top || sample->even < kLeastEven) return {};
+      out.push_back(std::move(*sample));
+    }
+    return out;
+  }
+
+  [[nodiscard]] Linear seen(const PlaceSample& sample) const {
+    const Channels rgb = to_rgb8(sample.median, picture_.picture.image.space);
+    return linear({static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])});
+  }
+
+  // Fits the light of the robot; false if it does not explain the samples, or if another color explains one better.
+  bool explains(const TeamMarking& marking, Standing& standing) const {
+    std::vector<std::size_t> colors = {marking.team_color - std::size_t{1}};
+    for (const ColorId color : marking.robots[standing.robot].colors) colors.push_back(color - std::size_t{1});
+    if (std::any_of(colors.begin(), colors.end(), [&](std::size_t c) { return looks_[c].sigma <= 0; })) return false;
+    double best_gain = 1;
+    standing.cost = 1e9;
+    for (const double gain : kGains) {
+      double cost = std::pow(std::log(gain) / kGainSigma, 2) / 2;
+      for (std::size_t k = 0; k < colors.size(); ++k)
+        cost += cost_of(looks_[colors[k]], seen(standing.samples[k]), gain, white_);
+      if (cost >= standing.cost) continue;
+      standing.cost = cost;
+      best_gain = gain;
+    }
+    if (2 * standing.cost > kMostMeanSquare * 3 * static_cast<double>(colors.size())) return false;
+    for (std::size_t k = 0; k < colors.size(); ++k) {
+      const Linear color = seen(standing.samples[k]);
+      const double own = cost_of(looks_[colors[k]], color, best_gain, white_);
+      for (std::size_t c = 0; c < looks_.size(); ++c) {
+        if (c == colors[k] || looks_[c].sigma <= 0 || c + 1 == input_.ball) continue;
+        if (cost_of(looks_[c], color, best_gain, white_) < own + kLeastColorMargin) return false;
+      }
+    }
+    return true;
+  }
+
+  // Keeps the best robot of one place if no other one is nearly as good.
+  static void keep_certain(std::vector<Standing>& here, std::vector<Standing>& found) {
+    if (here.empty()) return;
+    std::sort(here.begin(), here.end(), [](const Standing& a, const Standing& b) { return a.cost < b.cost; });
+    Standing& best = here.front();
+    best.margin = 1e9;
+    for (const Standing& other : here) {
+      if (other.robot != best.robot) best.margin = std::min(best.margin, other.cost - best.cost);
+    }
+    if (best.margin >= kLeastMargin) found.push_back(std::move(best));
+  }
+
+  void accept(Standing& standing) {
+    const TeamMarking& marking = input_.teams[standing.team];
+    std::size_t team_patch = 0;
+    for (std::size_t k = 0; k < standing.samples.size(); ++k) {
+      const std::size_t color =
+          k == 0 ? marking.team_color - std::size_t{1} : marking.robots[standing.robot].colors[k - 1] - std::size_t{1};
+      const std::size_t number = input_.patches.size();
+      if (k == 0) team_patch = number;
+      input_.patches.push_back(sampled_patch(picture_.picture.image, std::move(standing.samples[k])));
+      input_.picture.push_back(picture_.number);
+      input_.named.push_back(kNone);
+      AssignedColor& assigned = assignment_.colors[color];
+      assigned.patches.push_back(number);
+    }
+    assignment_.named.push_back({picture_.number, standing.team, standing.robot, team_patch});
+    ++assignment_.robots;
+  }
+
+  AssignmentInput& input_;
+  const CameraModel& camera_;
+  const SearchedPicture& picture_;
+  Assignment& assignment_;
+  std::vector<Look> looks_;  // per color
+  double white_ = 1;
+  std::vector<std::size_t> numbers_;  // patches of the picture that were grown
+};
+
+}  // namespace
+
+Rgb light_gain(const AssignmentInput& input, const Assignment& assignment) {
+  constexpr double kBright = 100.0, kPrior = 1.0;
+  Rgb out{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    double sum = 0, count = kPrior;
+    for (std::size_t c = 0; c < input.colors.size(); ++c) {
+      if (assignment.colors[c].patches.empty() || !input.colors[c].look || (*input.colors[c].look)[k] < kBright)
+        continue;
+      sum += std::log((assignment.colors[c].rgb[k] + kRatioOffset) / ((*input.colors[c].look)[k] + kRatioOffset));
+      count += 1;
+    }
+    out[k] = std::exp(sum / count);
+  }
+  return out;
+}
+
+void infer_robots(AssignmentInput& input, const CameraModel& camera, const std::vector<SearchedPicture>& pictures,
+                  Assignment& assignment) {
+  // Without a single robot, nothing is known about the light.
+  if (assignment.robots == 0) return;
+  for (const SearchedPicture& picture : pictures) Inference(input, camera, picture, assignment).run();
+}
+
+}  // namespace touchline::calibrate

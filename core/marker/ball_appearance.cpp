@@ -29,7 +29,7 @@ constexpr float kFloorRadius = 2.4f;
 // Largest deviation of the hue: 20 degrees (orange and yellow are 35 apart); more towards the next primary color: up to
 // 8 degrees beyond it, but not more than 25 degrees. For a color without a hue, a relative deviation.
 constexpr float kHueTolerance_rad = 0.35f, kPastPrimary_rad = 0.14f, kMostMore_rad = 0.44f, kColorTolerance = 0.36f;
-constexpr float kNoise_levels = 5.0f;
+constexpr float kPixelNoise_levels = 5.0f;
 // A pixel with less of the ball's saturation, or less than this way from floor to ball, is not the ball.
 constexpr float kMinSaturation = 0.3f, kMinContrast = 0.3f;
 // Below this distance between ball and floor in levels, noise decides.
@@ -149,12 +149,12 @@ class BallColor {
     if (dot(minus(rgb, floor_), way_) < kMinContrast) return false;
     const Rgb color = has_hue_ ? chroma_of(rgb) : rgb;
     const float along = dot(color, hue_), across2 = std::max(0.0f, dot(color, color) - along * along);
-    const float allowed = kNoise_levels + tolerance_ * along;
+    const float allowed = kPixelNoise_levels + tolerance_ * along;
     return along > kMinSaturation * saturation_ && across2 < allowed * allowed;
   }
   [[nodiscard]] bool is_other_color(const Rgb& rgb) const {
     const Rgb chroma = chroma_of(rgb), of_floor = chroma_of(floor_), change = minus(chroma, of_floor);
-    const float least = kColorful * (has_hue_ ? saturation_ : kNoHue * saturation_) + kNoise_levels;
+    const float least = kColorful * (has_hue_ ? saturation_ : kNoHue * saturation_) + kPixelNoise_levels;
     return dot(chroma, chroma) > least * least && dot(change, change) > least * least;
   }
 

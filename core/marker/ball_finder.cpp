@@ -52,7 +52,7 @@ constexpr float kFarRobot_m = 0.1f;
 // No detection is more certain: some errors are not in this model.
 constexpr float kMaxConfidence = 0.998f;
 
-constexpr float square(float x) { return x * x; }
+constexpr float squared(float x) { return x * x; }
 
 bool looks_like_a_disk(const Region& region) {
   const float width = static_cast<float>(region.box.right - region.box.left + 1);
@@ -165,13 +165,13 @@ float BallFinder::log_likelihood(const std::array<float, 3>& rgb, ColorId color,
   for (std::size_t c = 0; c < 3; ++c) {
     const float expected = typical[c] + kColorNoise_levels;
     ratio[c] = std::log((rgb[c] + kColorNoise_levels) / expected);
-    weight[c] = 1.0f / (square(kChannelSigma) + square(kColorNoise_levels / expected));
+    weight[c] = 1.0f / (squared(kChannelSigma) + squared(kColorNoise_levels / expected));
     sum += weight[c] * ratio[c];
     weights += weight[c];
   }
   const float brightness = sum / weights;
-  float distance = square(brightness / kBrightnessSigma);
-  for (std::size_t c = 0; c < 3; ++c) distance += weight[c] * square(ratio[c] - brightness);
+  float distance = squared(brightness / kBrightnessSigma);
+  for (std::size_t c = 0; c < 3; ++c) distance += weight[c] * squared(ratio[c] - brightness);
   return std::max(-0.5f * distance, kLeastColorOdds);
 }
 
@@ -191,8 +191,8 @@ float BallFinder::log_odds_of(const BallAppearance& shown, float prior, ColorSpa
 float BallFinder::expectation_log_odds(const Scene& now, PixelPoint center) const {
   if (!now.expected.known) return 0.0f;
   const FieldPoint at = now.finder.camera().to_field(center, ball_.radius_m);
-  const float variance = square(now.expected.sigma_m) + square(kPredictionSigma_m);
-  const float distance = square(distance_m(at, now.expected.position)) / variance;
+  const float variance = squared(now.expected.sigma_m) + squared(kPredictionSigma_m);
+  const float distance = squared(distance_m(at, now.expected.position)) / variance;
   return std::max(kExpectedPlaceOdds - 0.5f * distance, kOtherPlaceOdds);
 }
 

@@ -19,12 +19,12 @@ constexpr float kRoughAxisSigma = 0.25f;
 // leave half of a small patch.
 constexpr float kMinGrownArea = 0.35f, kMaxGrownArea = 1.5f;
 // A region of the right shape with this part of the area shows the whole patch.
-constexpr float kWholeRegion = 0.75f;
+constexpr float kWholePatchRatio = 0.75f;
 // The window for growing contains the patch if its seed is in the middle third.
 constexpr float kWindowMargin = 1.3f, kBlur_px = 2.0f;
 // Samples of the floor lie on a circle of this radius, relative to the robot's side, around its team patch.
-constexpr std::size_t kFloorSamples = 8;
-constexpr float kFloorRadius = 1.1f;
+constexpr std::size_t kSamplesAround = 8;
+constexpr float kAroundRadius = 1.1f;
 // Directions in which patches are looked for around a team patch; adjacent ones overlap by most of a patch. Their
 // number, as log likelihood: any of them may show a known color by chance.
 constexpr std::size_t kDirections = 16;
@@ -65,7 +65,7 @@ void Identifier::look_at_team_patch(const Scene& now, Candidate& candidate) cons
   candidate.axis_rad = region.axis_rad;
   candidate.has_axis = region.has_rough_axis;
   candidate.is_complete = true;
-  if (candidate.pose_is_sure || (region.has_axis && region.ratio > kWholeRegion)) return;
+  if (candidate.pose_is_sure || (region.has_axis && region.ratio > kWholePatchRatio)) return;
   const MarkerLayout& layout = teams_[now.team].layout;
   const PatchPlace& place = layout.patches[0];
   const float scale = region.scale_px_per_m, expected_px = area_m2(place) * scale * scale;
@@ -94,10 +94,10 @@ void Identifier::look_at_floor(const Scene& now, Candidate& candidate) const {
   candidate.has_floor = false;
   if (candidate.pose_is_sure) return;
   const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
-  const float radius_px = kFloorRadius * teams_[now.team].layout.robot_side_m * scale;
-  std::array<FixedVector<float, kFloorSamples>, 3> values;
-  for (std::size_t i = 0; i < kFloorSamples; ++i) {
-    const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(kFloorSamples);
+  const float radius_px = kAroundRadius * teams_[now.team].layout.robot_side_m * scale;
+  std::array<FixedVector<float, kSamplesAround>, 3> values;
+  for (std::size_t i = 0; i < kSamplesAround; ++i) {
+    const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(kSamplesAround);
     SurfaceColor surface;
     if (!sample_surface(
             now.frame,
@@ -107,7 +107,7 @@ void Identifier::look_at_floor(const Scene& now, Candidate& candidate) const {
     }
     for (std::size_t c = 0; c < 3; ++c) values[c].push_back(surface.rgb[c]);
   }
-  if (values[0].size() < kFloorSamples / 2) return;
+  if (values[0].size() < kSamplesAround / 2) return;
   candidate.has_floor = true;
   for (std::size_t c = 0; c < 3; ++c) {
     float* const middle = values[c].begin() + values[c].size() / 2;

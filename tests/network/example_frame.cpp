@@ -39,7 +39,7 @@ Snapshot example_snapshot() {
   snapshot.captured = Instant(from_seconds(12.25));
   snapshot.received = Instant(from_seconds(12.26));
   snapshot.sent = Instant(from_seconds(12.263));
-  snapshot.ball = {true, {-0.5123f, 0.25f}, {123.5f, 321.25f}, 90, 0.8125f};
+  snapshot.ball = {true, {-0.5123f, 0.25f}, {123.5f, 321.25f}, 90, 0.0f, 0.8125f};
   snapshot.robots.push_back(sighting(Team::kOwn, 3, {{0.6612f, 0.5f}, -2.0227f}, true));
   snapshot.robots.push_back(sighting(Team::kOwn, kUnknownId, {{-0.1f, -0.2f}, 0.0f}, false));
   snapshot.robots.push_back(sighting(Team::kOpponent, 0, {{1.0f, -0.75f}, 3.125f}, true));
@@ -69,7 +69,7 @@ Snapshot example_snapshot() {
 Snapshot fullest_snapshot() {
   Snapshot snapshot = example_snapshot();
   snapshot.number = 123456789012;
-  snapshot.ball = {true, {-10.12345f, -10.12345f}, {-1234.567f, -1234.567f}, 4294967295u, 0.12345f};
+  snapshot.ball = {true, {-10.12345f, -10.12345f}, {-1234.567f, -1234.567f}, 4294967295u, 0.0f, 0.12345f};
   snapshot.tracks.ball.position = {-10.12345f, -10.12345f};
   snapshot.tracks.ball.velocity = {-10.12345f, -10.12345f};
   snapshot.robots.clear();

@@ -16,7 +16,7 @@ const report::TraceNames kNames{{"background", "orange", "blue", "red"}, {"blue"
 std::unique_ptr<StepTrace> trace_of_two_robots() {
   auto trace = std::make_unique<StepTrace>();
   trace->frame.capture_time = Instant(from_seconds(1.25));
-  trace->sightings.ball = {true, {-0.7039341f, -0.000001f}, {141.5953f, 361.7f}, 40, 0.87654f};
+  trace->sightings.ball = {true, {-0.7039341f, -0.000001f}, {141.5953f, 361.7f}, 40, 0.0f, 0.87654f};
   RobotSighting robot;
   robot.team = Team::kOwn;
   robot.id = 3;

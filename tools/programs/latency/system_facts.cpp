@@ -128,8 +128,18 @@ void read_final_facts(SystemFacts& facts, const std::string& root) {
 }
 
 std::optional<ProcessorTimes> read_processor_times(const std::string& root) {
-  enum { kUser, kNice, kSystem, kIdle, kIoWait, kInterrupts, kSoftInterrupts, kStolen, kColumns };
-  std::array<double, kColumns> ticks{};
+  enum {
+    kUserTicks,
+    kNiceTicks,
+    kSystemTicks,
+    kIdleTicks,
+    kIoWaitTicks,
+    kInterruptTicks,
+    kSoftInterruptTicks,
+    kStolenTicks,
+    kTickColumns
+  };
+  std::array<double, kTickColumns> ticks{};
   std::ifstream file(root + "/proc/stat");
   std::string name;
   if (!(file >> name) || name != "cpu") return std::nullopt;
@@ -143,10 +153,11 @@ std::optional<ProcessorTimes> read_processor_times(const std::string& root) {
     return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
   };
   using Seconds = std::chrono::duration<double>;
-  return ProcessorTimes{
-      (ticks[kUser] + ticks[kNice] + ticks[kSystem] + ticks[kInterrupts] + ticks[kSoftInterrupts]) * tick_s,
-      ticks[kStolen] * tick_s, seconds_of(own.ru_utime) + seconds_of(own.ru_stime),
-      Seconds(std::chrono::steady_clock::now().time_since_epoch()).count()};
+  return ProcessorTimes{(ticks[kUserTicks] + ticks[kNiceTicks] + ticks[kSystemTicks] + ticks[kInterruptTicks] +
+                         ticks[kSoftInterruptTicks]) *
+                            tick_s,
+                        ticks[kStolenTicks] * tick_s, seconds_of(own.ru_utime) + seconds_of(own.ru_stime),
+                        Seconds(std::chrono::steady_clock::now().time_since_epoch()).count()};
 }
 
 void add_load(SystemFacts& facts, const ProcessorTimes& begin, const ProcessorTimes& end) {

@@ -233,7 +233,7 @@ class Solver {
   Solution with_teams(const PatchLabels& cut, const Teams& teams, const Exclusion& exclusion) const {
     const std::size_t colors = input_.colors.size(), labels = cut.labels.size();
     Solution out;
-    out.labels = cut.labels;
+    out.labels.insert(out.labels.end(), cut.labels.begin(), cut.labels.end());
     out.markers = choose(cut, teams, nullptr);
     std::vector<std::size_t> wanted;  // colors other than team colors
     std::vector<std::size_t> label_of(colors, kNone);

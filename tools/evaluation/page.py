@@ -20,6 +20,7 @@ p { margin: .3rem 0; color: var(--soft); }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; font-size: 13px; font-variant-numeric: tabular-nums; }
 th, td { text-align: right; padding: .15rem .6rem; border-bottom: 1px solid var(--line); white-space: nowrap; }
+th:last-child, td:last-child { white-space: normal; }
 th { color: var(--soft); font-weight: 600; position: sticky; top: 0; background: var(--ground); }
 th:nth-child(-n+2), td:nth-child(-n+2) { text-align: left; }
 td.bad { color: var(--bad); font-weight: 600; }

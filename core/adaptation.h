@@ -51,11 +51,11 @@ struct AdaptationParameters {
 
 /// Adapts to changes of the light (future work in Klancar's section 8), in two ways. FieldLight measures steps, tints
 /// and shadows from the field itself, before the frame is classified. (In YUV, a tint of the whole field moves the
-/// boxes.) What remains is learned slowly, and only from
-/// certain sightings: the patches of robots whose id is shown by their own patches in this frame (confidence 0.9) and
-/// has been for some time (their track's, 0.998), and a ball that agrees with its track. A change that is common to all
-/// patches in a neighborhood corrects the light map. A remaining change of a single color moves its boxes, four times
-/// more slowly. Both are bounded. The object is large (fixed memory); do not put it on the stack.
+/// boxes.) What remains is learned slowly, and only from certain sightings: a ball that agrees with its track, and the
+/// patches of robots whose id is certain in this frame (confidence 0.9, shown by their own patches) and over time
+/// (confidence 0.998 of the track). A change that is common to all patches in a neighborhood corrects the light map. A
+/// remaining change of a single color moves its boxes, four times more slowly. Both are bounded. The object is large
+/// (fixed memory); do not put it on the stack.
 class Adaptation {
  public:
   /// kOutOfRange: as LightChange and BoxShift. kInconsistent: as FieldLight.

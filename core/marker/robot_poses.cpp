@@ -213,7 +213,7 @@ void Identifier::search_poses(const Scene& now, Candidate& candidate) const {
       value[i] += best_likelihood(now, candidate, poses[i], s);
     }
   }
-  // A direction that is much less likely than another one is no alternative to it.
+  // Drop directions that are much less likely than the best one.
   float least = ColorEvidence::kNoColor * static_cast<float>(layout.patches.size() - 1);
   for (int tried = 0; tried < 2; ++tried) {
     const auto best = static_cast<std::size_t>(std::max_element(value.begin(), value.end()) - value.begin());

@@ -61,12 +61,13 @@ bool looks_like_a_disk(const Region& region) {
          std::max(width, height) <= kMaxAspectRatio * std::min(width, height);
 }
 
-bool on_a_robot(PixelPoint center, const BallFinder::Scene& now, const Sightings& sightings) {
+// True if the point is on the top of a robot, farther than `inset_m` from its edge.
+bool on_a_robot(PixelPoint center, const BallFinder::Scene& now, const Sightings& sightings, float inset_m) {
   return std::any_of(sightings.robots.begin(), sightings.robots.end(), [&](const RobotSighting& robot) {
     if (!robot.has_heading) return false;
     const MarkerLayout& layout = now.teams[index_of(robot.team)].layout;
     const FieldPoint at = now.finder.camera().to_field(center, layout.height_m);
-    return on_robot(layout, to_robot_frame(robot.pose, at), 0.0f);
+    return on_robot(layout, to_robot_frame(robot.pose, at), inset_m);
   });
 }
 
@@ -144,7 +145,7 @@ void BallFinder::find_by_regions(const Scene& now, Sightings& out) const {
     }
     verdict = Verdict::kSurplus;
     // A candidate on top of a robot is accepted only if there is no other.
-    const float m = score(patch) * (on_a_robot(patch.center, now, out) ? 0.1f : 1.0f);
+    const float m = score(patch) * (on_a_robot(patch.center, now, out, 0.0f) ? 0.1f : 1.0f);
     if (m > best_score) {
       second_score = best_score;
       best_score = m;
@@ -269,6 +270,8 @@ void BallFinder::find_by_pixels(const Scene& now, Sightings& out) const {
   Candidates candidates;
   for (const PatchCandidate& patch : now.patches) {
     out.verdicts[patch.region] = patch.is_partly_visible ? Verdict::kTooSmall : Verdict::kSurplus;
+    // A patch of a robot, which hides any ball there. The center of a ball's region is beside the robot, or nearly.
+    if (on_a_robot(patch.center, now, out, 0.5f * ball_.radius_m)) continue;
     if (candidates.size() < kMaxExamined) examine(now, patch, out, candidates);
   }
   const auto sum_of_odds = [&] {

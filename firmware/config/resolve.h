@@ -24,8 +24,8 @@ struct InputFormat {
 Result<void> resolve_venue(const VenueFile& venue, const Locations& where, const InputFormat& input,
                            PipelineParameters& out);
 
-/// Fills the parameters that the team file defines: markers, ball, tracking, control. Colors are found in the venue by
-/// name. Errors as of resolve_venue().
+/// Fills the parameters that the team file defines: markers, ball, tracking (with the venue's noise added), control.
+/// Colors are found in the venue by name. Errors as of resolve_venue().
 Result<void> resolve_team(const TeamFile& team, const Locations& where, const VenueFile& venue,
                           const Locations& venue_where, PipelineParameters& out);
 

@@ -143,6 +143,13 @@ void check_distinct(TeamResolver& resolver, const TeamFile& team) {
   }
 }
 
+// Independent errors: the variances add.
+void add_noise(const NoiseEntry& noise, TrackParameters& track) {
+  track.robot.position_sigma_m = std::hypot(track.robot.position_sigma_m, noise.robot_position_m);
+  track.robot.heading_sigma_rad = std::hypot(track.robot.heading_sigma_rad, noise.robot_heading_rad);
+  track.ball.position_sigma_m = std::hypot(track.ball.position_sigma_m, noise.ball_position_m);
+}
+
 }  // namespace
 
 Result<void> resolve_team(const TeamFile& team, const Locations& where, const VenueFile& venue,
@@ -157,6 +164,7 @@ Result<void> resolve_team(const TeamFile& team, const Locations& where, const Ve
   out.marker.ball.radius_m = team.ball.radius_m;
   check_distinct(resolver, team);
   out.track = team.tracking;
+  add_noise(venue.noise, out.track);
   out.control = team.control;
   return resolver.result();
 }

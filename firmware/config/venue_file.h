@@ -127,6 +127,32 @@ struct ColorsEntry {
   }
 };
 
+/// [noise]: scatter of standing objects that their pictures do not show, for example because the camera shakes.
+struct NoiseEntry {
+  double robot_position_m = 0.0, robot_heading_rad = 0.0, ball_position_m = 0.0;
+
+  template <class Self, class Visitor>
+  static void describe(Self& self, Visitor& visit) {
+    visit.number(self.robot_position_m,
+                 {.name = "robot_position_m",
+                  .range = {0.0, 0.1},
+                  .unit = "m",
+                  .help = "Standard deviation of a sighted position, each axis, beside tracking.robot.position_sigma_m "
+                          "and the noise that its picture shows"});
+    visit.number(self.robot_heading_rad,
+                 {.name = "robot_heading_rad",
+                  .range = {0.0, 1.0},
+                  .unit = "rad",
+                  .help = "Standard deviation of a sighted heading, beside tracking.robot.heading_sigma_rad and the "
+                          "noise that its picture shows"});
+    visit.number(self.ball_position_m,
+                 {.name = "ball_position_m",
+                  .range = {0.0, 0.1},
+                  .unit = "m",
+                  .help = "The same for the ball, each axis, beside tracking.ball.position_sigma_m"});
+  }
+};
+
 /// venue.toml (docs/files.md): one hall, written by touchline-calibrate.
 struct VenueFile {
   int version = kFileVersion;
@@ -138,6 +164,7 @@ struct VenueFile {
   ColorsEntry colors;
   std::vector<ColorEntry> color;
   AdaptationParameters adaptation;
+  NoiseEntry noise;
 
   static constexpr std::array<std::string_view, 13> kRequired{
       "picture",        "field",         "camera_model",      "colors",       "picture.width_px", "picture.height_px",
@@ -163,6 +190,9 @@ struct VenueFile {
     visit.section(self.adaptation, {.name = "adaptation",
                                     .reload = Reload::kThresholds,
                                     .help = "Adaptation of light map and color boxes to the light while robots play"});
+    visit.section(
+        self.noise,
+        {.name = "noise", .help = "Noise of standing robots and of the ball, measured by touchline-calibrate noise"});
     visit.list(self.color, {.name = "color", .reload = Reload::kThresholds, .help = "A color of patches or ball"});
   }
 };

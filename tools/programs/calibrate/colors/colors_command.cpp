@@ -4,12 +4,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <iostream>
 #include <map>
 #include <string>
 #include <vector>
-
-#include <unistd.h>
 
 #include "hal/device_parameters.h"
 #include "hal/replay/picture.h"
@@ -18,6 +15,7 @@
 #include "tools/programs/calibrate/colors/color_names.h"
 #include "tools/programs/calibrate/colors/colors_report.h"
 #include "tools/programs/calibrate/colors/field_reference.h"
+#include "tools/programs/calibrate/venue/confirmation.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 #include "tools/programs/command_line/formatted.h"
 
@@ -35,13 +33,6 @@ Result<void> check_all_colors(const std::string& path, const TeamColors& team, c
   }
   if (missing.empty()) return {};
   return failure(ErrorCode::kNotFound, "%s: these colors have no click:%s", path.c_str(), missing.c_str());
-}
-
-bool confirmed() {
-  std::printf("are these colors right? [y/n] ");
-  std::fflush(stdout);
-  std::string answer;
-  return std::getline(std::cin, answer) && (answer == "y" || answer == "yes");
 }
 
 }  // namespace
@@ -144,7 +135,7 @@ Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput
   }
   const bool all_clicked = std::all_of(found.input.colors.begin(), found.input.colors.end(),
                                        [](const WantedColor& color) { return color.clicked; });
-  if (!all_clicked && !yes && (isatty(STDIN_FILENO) == 0 || !confirmed())) {
+  if (!all_clicked && !yes && !confirmed("are these colors right?")) {
     return failure(ErrorCode::kInconsistent,
                    "not confirmed, nothing was written: check the pictures in %s, then run this again with --yes",
                    folder.c_str());

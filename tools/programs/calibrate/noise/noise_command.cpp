@@ -1,0 +1,90 @@
+#include "tools/programs/calibrate/noise/noise_command.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <numbers>
+
+#include "core/pipeline.h"
+#include "firmware/config/configuration.h"
+#include "hal/replay/replay_camera.h"
+#include "tools/programs/calibrate/noise/noise_measurement.h"
+#include "tools/programs/calibrate/venue/confirmation.h"
+#include "tools/programs/calibrate/venue/venue_draft.h"
+#include "tools/programs/command_line/progress.h"
+
+namespace touchline::calibrate {
+namespace {
+
+constexpr double kMillimeter = 1e3, kDegree = 180.0 / std::numbers::pi;
+
+// Runs the pipeline on all pictures. The file's noise does not matter, because only sightings are measured.
+Result<void> measure(const std::string& input, config::Configuration& configuration, NoiseMeasurement& out) {
+  const PixelFormat format = hal::replay_format(configuration.venue.colors.space);
+  hal::ReplayCamera camera({input, format, 0.0});
+  TOUCHLINE_TRY(camera.open());
+  TOUCHLINE_TRY(camera.start());
+  TOUCHLINE_TRY(config::resolve({format, camera.info().width_px, camera.info().height_px, input}, configuration));
+  const auto pipeline = std::make_unique<Pipeline>();
+  if (const Status status = pipeline->configure(configuration.pipeline); !status.ok()) {
+    return failure(status.code(), "%s: the pipeline refuses the values of venue and team file (%s)", input.c_str(),
+                   describe(status.code()));
+  }
+  pipeline->set_observing(true);
+  Progress progress("frames", camera.frame_count());
+  for (;;) {
+    const Result<hal::FrameLease> lease = camera.wait(Instant::max());
+    if (lease.code() == ErrorCode::kEndOfStream) return {};
+    if (!lease.ok()) return lease.error();
+    out.add(pipeline->step(lease.value().frame()).sightings);
+    pipeline->adapt();
+    progress.step();
+  }
+}
+
+void print(const NoiseReport& report) {
+  std::printf("%-16s %9s   standard deviation (that the pictures show)\n", "", "sightings");
+  for (const ObjectNoise& one : report.objects) {
+    std::printf("%-16s %9zu   %.3f mm (%.3f)", one.name.c_str(), one.sightings, one.position_m * kMillimeter,
+                one.shown_position_m * kMillimeter);
+    if (one.heading_rad > 0.0) {
+      std::printf(", %.3f degrees (%.3f)", one.heading_rad * kDegree, one.shown_heading_rad * kDegree);
+    }
+    std::printf("\n");
+  }
+  for (const std::string& line : report.left_out) std::printf("left out: %s\n", line.c_str());
+  const config::NoiseEntry& e = report.entry;
+  std::printf("beside what the pictures show: robots %.3f mm, %.3f degrees; ball %.3f mm%s\n",
+              e.robot_position_m * kMillimeter, e.robot_heading_rad * kDegree, e.ball_position_m * kMillimeter,
+              report.has_ball ? "" : " (not measured)");
+}
+
+}  // namespace
+
+void NoiseCommand::add_options(CLI::App& app) {
+  app.add_option("input", input, "Folder of pictures, or video, of standing robots; 100 frames or more")->required();
+  app.add_option("--venue", venue, "Venue file; section [noise] is written")->required();
+  app.add_option("--team", team, "Team file")->required();
+  app.add_flag("--yes", yes, "Write the result without asking");
+}
+
+Result<void> NoiseCommand::run() const {
+  const auto configuration = std::make_unique<config::Configuration>();
+  TOUCHLINE_TRY(config::load_venue_and_team({{}, venue, team, {}}, *configuration));
+  NoiseMeasurement measurement;
+  TOUCHLINE_TRY(measure(input, *configuration, measurement));
+  const std::string &own = configuration->team.own.color, &opponent = configuration->team.opponent.color;
+  Result<NoiseReport> measured = measurement.report({own, opponent});
+  if (!measured.ok()) return prefixed(input, std::move(measured).error());
+  NoiseReport report = std::move(measured).value();
+  if (!report.has_ball) report.entry.ball_position_m = configuration->venue.noise.ball_position_m;
+  print(report);
+  if (!yes && !confirmed("write this to " + venue + "?")) {
+    return failure(ErrorCode::kInconsistent, "not confirmed, nothing was written; --yes writes without asking");
+  }
+  TOUCHLINE_TRY(write_sections(venue, {section_of("noise", report.entry, "")}));
+  std::printf("%s: [noise] written\n", venue.c_str());
+  return {};
+}
+
+}  // namespace touchline::calibrate

@@ -20,15 +20,16 @@ namespace touchline {
 Devices::Devices() = default;
 Devices::~Devices() = default;
 
-void Devices::make(const config::Configuration& configuration, std::uint64_t seed, bool paced) {
+void Devices::make(const config::Configuration& configuration, std::uint64_t seed, ArenaTime time) {
   const config::BoardFile& board = configuration.board;
   const bool mock_camera = board.camera.backend == hal::CameraBackend::kMock;
   const bool mock_radio = board.radio.backend == hal::RadioBackend::kMock;
   const bool mock_gpio = board.gpio.backend == hal::GpioBackend::kMock;
   const bool real_radio = board.radio.backend == hal::RadioBackend::kSerial;
   const bool real_gpio = board.gpio.backend == hal::GpioBackend::kGpiod;
-  // Time is simulated only without real devices; otherwise the arena follows the system clock.
-  simulated_time_ = mock_camera && !real_radio && !real_gpio;
+  // The arena is alone without real devices; otherwise it follows the system clock.
+  const bool alone = mock_camera && !real_radio && !real_gpio;
+  simulated_time_ = alone && time != ArenaTime::kMachine;
   if (mock_camera || mock_radio || mock_gpio) {
     arena_ =
         std::make_unique<hal::mock::Arena>(board.arena, board.camera, board.radio, seed,
@@ -39,13 +40,20 @@ void Devices::make(const config::Configuration& configuration, std::uint64_t see
   } else {
     clock_ = std::make_unique<hal::MonotonicClock>();
   }
-  if (simulated_time_ && paced) {
-    simulated_clock_ = std::move(clock_);
-    clock_ = std::make_unique<PacedClock>(*simulated_clock_);
+  if (simulated_time_ && time == ArenaTime::kPaced) {
+    slowed_clock_ = std::move(clock_);
+    clock_ = std::make_unique<PacedClock>(*slowed_clock_);
+  }
+  hal::mock::RenderingClock* rendering = nullptr;
+  if (alone && time == ArenaTime::kMachine) {
+    slowed_clock_ = std::move(clock_);
+    auto clock = std::make_unique<hal::mock::RenderingClock>(*slowed_clock_);
+    rendering = clock.get();
+    clock_ = std::move(clock);
   }
   switch (board.camera.backend) {
     case hal::CameraBackend::kMock:
-      camera_ = std::make_unique<hal::mock::MockCamera>(*arena_, *clock_);
+      camera_ = std::make_unique<hal::mock::MockCamera>(*arena_, *clock_, rendering);
       break;
     case hal::CameraBackend::kV4l2:
       camera_ = std::make_unique<hal::V4l2Camera>(board.camera);

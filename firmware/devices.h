@@ -17,6 +17,13 @@ namespace hal::mock {
 class Arena;
 }
 
+/// How the time of a simulated arena passes.
+enum class ArenaTime : std::uint8_t {
+  kFast,     // as fast as possible; it stands still while the processor works
+  kPaced,    // as kFast, but as slow as real time: the results are the same
+  kMachine,  // the machine's, except while a picture is rendered: a late loop gets late frames and loses some
+};
+
 /// The devices of one board, with the backends that the board file names. make() creates them without opening them.
 class Devices {
  public:
@@ -27,8 +34,7 @@ class Devices {
 
   /// `seed`: seed of all random numbers of a simulation. Backends can be combined freely: a simulated arena with a real
   /// device beside it runs in real time.
-  /// `paced`: simulated time passes as fast as real time, not as fast as possible.
-  void make(const config::Configuration& configuration, std::uint64_t seed, bool paced = false);
+  void make(const config::Configuration& configuration, std::uint64_t seed, ArenaTime time = ArenaTime::kFast);
 
   /// After make().
   [[nodiscard]] HalDevices hal_devices();
@@ -38,8 +44,8 @@ class Devices {
   [[nodiscard]] std::string summary() const;
 
  private:
-  std::unique_ptr<hal::mock::Arena> arena_;      // first: the devices refer to it
-  std::unique_ptr<hal::Clock> simulated_clock_;  // of a paced simulation
+  std::unique_ptr<hal::mock::Arena> arena_;   // first: the devices refer to it
+  std::unique_ptr<hal::Clock> slowed_clock_;  // that `clock_` slows or pauses
   std::unique_ptr<hal::Clock> clock_;
   std::unique_ptr<hal::Camera> camera_;
   std::unique_ptr<hal::Radio> radio_;

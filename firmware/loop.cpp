@@ -116,6 +116,7 @@ void Loop::wait_for_frame(Instant deadline) {
 
 void Loop::process_frame(const hal::FrameLease& lease) {
   Frame frame = lease.frame();
+  if (observer_.on_received != nullptr) observer_.on_received(observer_.context);
   StepTiming timing;
   timing.received = devices_.clock().now();
   set_strobe(true, timing.received);
@@ -142,6 +143,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   timing.sent = devices_.clock().now();
   const Instant machine_sent = hal::MonotonicClock::read();
   timing.processing = machine_sent - machine_received;
+  if (observer_.on_sent != nullptr) observer_.on_sent(observer_.context);
   set_strobe(false, timing.sent);
   timing.latency = timing.received - frame.capture_time + timing.processing;
 

@@ -45,10 +45,15 @@ struct StepTiming {
   Duration latency{};          // from capture to `sent`; in simulated time its part up to `received` is simulated
 };
 
-/// Called on the loop's thread after each step, while the frame's pixels are still valid. It delays the next frame.
+/// Called on the loop's thread; null: not called.
 struct LoopObserver {
+  // After each step, while the frame's pixels are still valid. It delays the next frame.
   void (*on_step)(void* context, const StepTrace& trace, const StepTiming& timing) = nullptr;
   void* context = nullptr;
+  // Immediately before StepTiming::received and after StepTiming::sent; they delay the frame's packet and the next
+  // frame.
+  void (*on_received)(void* context) = nullptr;
+  void (*on_sent)(void* context) = nullptr;
 };
 
 enum class LoopEnd : std::uint8_t {

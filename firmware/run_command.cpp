@@ -71,7 +71,7 @@ int run_command(const CommandLine& command_line) {
   const std::atomic<std::uint32_t>& reload_requests = handle_reload_signal();
   const RunMarker marker = RunMarker::of_service();
   session.hold_after_crash(marker.exists());
-  session.set_paced(is_paced(command_line, connections.plan()));
+  session.set_arena_time(is_paced(command_line, connections.plan()) ? ArenaTime::kPaced : ArenaTime::kFast);
   connections.attach(session);
   if (const Result<void> opened = session.open(LoopObserver{}); !opened.ok()) {
     std::fprintf(stderr, "%s\n", opened.error().text.c_str());

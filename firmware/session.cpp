@@ -2,14 +2,12 @@
 
 #include <algorithm>
 
-#include "hal/linux/monotonic_clock.h"
-
 namespace touchline {
 
 Result<void> Session::load(const SessionOptions& options) {
   options_ = options;
   TOUCHLINE_TRY(config::load(options.files, *configuration_));
-  if (const Status s = pipeline_->configure(configuration_->pipeline, hal::MonotonicClock::read); !s.ok()) {
+  if (const Status s = pipeline_->configure(configuration_->pipeline, stage_clock_); !s.ok()) {
     // The checks of the files have passed, so only the error code of the stage is known.
     return failure(s.code(), "%s: together with %s it cannot be used: %s", configuration_->venue_where.file().c_str(),
                    configuration_->team_where.file().c_str(), describe(s.code()));
@@ -18,7 +16,7 @@ Result<void> Session::load(const SessionOptions& options) {
 }
 
 Result<void> Session::open(LoopObserver observer) {
-  devices_.make(*configuration_, options_.seed, options_.paced);
+  devices_.make(*configuration_, options_.seed, options_.arena_time);
   const HalDevices devices = devices_.hal_devices();
   LoopSettings settings;
   settings.faults = configuration_->board.faults;

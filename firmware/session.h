@@ -10,6 +10,7 @@
 #include "firmware/devices.h"
 #include "firmware/loop.h"
 #include "firmware/status_text.h"
+#include "hal/linux/monotonic_clock.h"
 
 namespace touchline {
 
@@ -19,7 +20,7 @@ struct SessionOptions {
   std::uint64_t frames = 0;  // 0: no limit
   Duration duration{};       // 0: no limit
   Duration status_interval = std::chrono::seconds(1);
-  bool paced = false;  // a simulation runs as fast as real time, not as fast as possible
+  ArenaTime arena_time = ArenaTime::kFast;
 };
 
 /// Everything that one run needs, created in this order: configuration, pipeline, devices. Used by touchline and
@@ -39,8 +40,10 @@ class Session {
   void hold_after_crash(bool hold) { hold_after_crash_ = hold; }
   /// Commands of other programs and messages of a referee; call it before open().
   void set_external_input(const ExternalInputSettings& settings) { external_ = settings; }
-  /// A simulation runs as fast as real time; call it before open().
-  void set_paced(bool paced) { options_.paced = paced; }
+  /// How the time of a simulation passes; call it before open().
+  void set_arena_time(ArenaTime time) { options_.arena_time = time; }
+  /// Replaces the clock that measures the stages; call it before load().
+  void set_stage_clock(Pipeline::StageClock clock) { stage_clock_ = clock; }
   /// Gets a snapshot of every frame; null: none. Call it before open().
   void set_snapshots(SnapshotRing* snapshots) { snapshots_ = snapshots; }
   /// Passes new settings to the running loop (firmware/config_reloader.h).
@@ -64,6 +67,7 @@ class Session {
   const AdaptationRequests* adaptation_ = nullptr;
   bool hold_after_crash_ = false;
   ExternalInputSettings external_;
+  Pipeline::StageClock stage_clock_ = hal::MonotonicClock::read;
   SnapshotRing* snapshots_ = nullptr;
   LiveUpdate live_update_;
   // On the heap because they take megabytes.

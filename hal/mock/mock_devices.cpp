@@ -7,9 +7,10 @@
 
 namespace touchline::hal::mock {
 
-MockCamera::MockCamera(Arena& arena, Clock& clock)
+MockCamera::MockCamera(Arena& arena, Clock& clock, RenderingClock* rendering)
     : arena_(arena),
       clock_(clock),
+      rendering_(rendering),
       info_{pixel_format(arena.camera().format), arena.camera().width_px, arena.camera().height_px,
             arena.camera().rate_hz},
       layout_(picture_layout(info_.format, info_.width_px, info_.height_px)) {}
@@ -74,7 +75,9 @@ Result<FrameLease> MockCamera::hand_out(const Exposure& exposure) {
   *free = true;
   arena_.hold_buffer();
   std::vector<std::uint8_t>& bytes = buffers_[buffer];
+  const Instant begin = clock_.now();
   arena_.render(exposure, bytes);
+  if (rendering_ != nullptr) rendering_->set_back(begin);
   Frame frame;
   frame.format = info_.format;
   frame.width_px = info_.width_px;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -17,10 +18,28 @@
 // each call locks the arena.
 namespace touchline::hal::mock {
 
+/// A real clock for an arena that follows it. It stands still while a picture is rendered, which a real camera does
+/// without the processor. Any thread may call it.
+class RenderingClock : public Clock {
+ public:
+  explicit RenderingClock(Clock& real) : real_(real) {}
+  [[nodiscard]] Instant now() const override { return real_.now() - paused(); }
+  void sleep_until(Instant instant) override { real_.sleep_until(instant + paused()); }
+  /// Sets the clock back to an instant that has just passed.
+  void set_back(Instant instant) { paused_ns_ += (now() - instant).count(); }
+
+ private:
+  [[nodiscard]] Duration paused() const { return Duration(paused_ns_.load()); }
+
+  Clock& real_;
+  std::atomic<Duration::rep> paused_ns_ = 0;
+};
+
 /// Camera that delivers rendered frames of the arena. `clock`: an ArenaClock, or a real clock that the arena follows.
+/// `rendering`: the same clock if it stands still during rendering, else null.
 class MockCamera : public Camera {
  public:
-  MockCamera(Arena& arena, Clock& clock);
+  MockCamera(Arena& arena, Clock& clock, RenderingClock* rendering = nullptr);
 
   [[nodiscard]] const CameraInfo& info() const override { return info_; }
 
@@ -36,6 +55,7 @@ class MockCamera : public Camera {
 
   Arena& arena_;
   Clock& clock_;
+  RenderingClock* rendering_;
   CameraInfo info_;
   PictureLayout layout_;
   std::vector<std::vector<std::uint8_t>> buffers_;

@@ -2,6 +2,7 @@
 #include <sys/wait.h>
 
 #include "tests/tools/program_folder.h"
+#include "tools/programs/latency/report_json.h"
 
 namespace touchline::testing {
 namespace {
@@ -49,6 +50,51 @@ TEST_F(LatencyProgram, MeasuresForADurationAndTheWorstFrames) {
   EXPECT_TRUE(output_contains("Frame latency: worst frames, 640 x 480 rgb24")) << read("out");
 }
 
+// 24 frames are captured during the stall; the camera has four buffers.
+TEST_F(LatencyProgram, AStallIsReportedWithTheFramesThatItDelayedAndLost) {
+  ASSERT_EQ(measure("--pace --frames 40 --list 20 --plant stall=400 --out " + path("a.json")), 0) << read("out");
+  const Result<latency::LatencyReport> read_back = latency::from_json(read("a.json"));
+  ASSERT_TRUE(read_back.ok()) << read_back.text();
+  const latency::LatencyReport& report = read_back.value();
+  EXPECT_TRUE(output_contains("planted on purpose")) << read("out");
+  EXPECT_GE(report.lost, 15u);
+  EXPECT_GE(report.deadline_misses, 17u);
+  bool is_found = false;
+  for (const latency::Stall& stall : report.stalls) {
+    // On a busy machine, an earlier stall may still last.
+    const bool contains_it = stall.number <= 21 && stall.number + stall.delayed >= 21;
+    is_found = is_found || (contains_it && stall.delayed >= 2 && stall.lost >= 15);
+  }
+  EXPECT_TRUE(is_found) << read("out");
+  const latency::WorstFrame* planted = nullptr;
+  for (const latency::WorstFrame& frame : report.worst) planted = frame.number == 21 ? &frame : planted;
+  ASSERT_NE(planted, nullptr) << read("out");
+  EXPECT_EQ(most_delayed_span(report, planted->times), latency::Span::kWaiting);
+  EXPECT_EQ(longest_wait(planted->waits), latency::Span::kMarker);
+}
+
+// No stage is blamed for it, whatever else the machine does.
+TEST_F(LatencyProgram, PreemptionBlamesNoStage) {
+  const int code = measure("--frames 40 --list 20 --plant preemption=300 --out " + path("a.json"));
+  if (output_contains("this system forbids")) GTEST_SKIP() << read("out");
+  ASSERT_EQ(code, 0) << read("out");
+  const Result<latency::LatencyReport> report = latency::from_json(read("a.json"));
+  ASSERT_TRUE(report.ok()) << report.text();
+  const latency::WorstFrame* planted = nullptr;
+  for (const latency::WorstFrame& frame : report.value().worst) planted = frame.number == 21 ? &frame : planted;
+  ASSERT_NE(planted, nullptr) << read("out");
+  EXPECT_EQ(most_delayed_span(report.value(), planted->times), latency::Span::kWaiting);
+  EXPECT_GE(planted->waits.waited[static_cast<std::size_t>(Stage::kMarker)], std::chrono::milliseconds(270));
+}
+
+TEST_F(LatencyProgram, WorkIsChargedToItsStage) {
+  ASSERT_EQ(measure("--frames 40 --list 20 --plant work=100 --out " + path("a.json")), 0) << read("out");
+  const Result<latency::LatencyReport> report = latency::from_json(read("a.json"));
+  ASSERT_TRUE(report.ok()) << report.text();
+  const latency::SpanTimes& times = report.value().worst.at(0).times;
+  EXPECT_GE(times[static_cast<std::size_t>(latency::Span::kMarker)], std::chrono::milliseconds(100)) << read("out");
+}
+
 TEST_F(LatencyProgram, AWrongCommandLineGivesExitCode64) {
   EXPECT_EQ(latency("--help"), 0);
   EXPECT_EQ(latency(""), 64);
@@ -59,6 +105,10 @@ TEST_F(LatencyProgram, AWrongCommandLineGivesExitCode64) {
   EXPECT_EQ(measure("--histogram a.jpg"), 64);
   EXPECT_TRUE(output_contains("a.jpg: the name must end in .svg or .png")) << read("out");
   EXPECT_EQ(latency("--compare one.json"), 64);
+  for (const char* planted : {"stall", "stall=", "stall=x", "nap=5", "work=0", "work=5ms"}) {
+    EXPECT_EQ(measure(std::string("--plant ") + planted), 64) << planted;
+  }
+  EXPECT_TRUE(output_contains("work=5ms: must be stall=MS, preemption=MS or work=MS")) << read("out");
 }
 
 TEST_F(LatencyProgram, UnwritableFilesAreRejectedBeforeTheStart) {
@@ -78,7 +128,7 @@ TEST_F(LatencyProgram, InvalidFilesGiveExitCode1AndLostDevices2) {
   EXPECT_TRUE(output_contains("none.toml: no such file")) << read("out");
   EXPECT_EQ(measure("--set camera.backend=replay --set camera.device=" + path("none.mp4")), 2);
   EXPECT_TRUE(output_contains("none.mp4: No such file or directory")) << read("out");
-  write("broken.json", "{\"format\": 1, \"source\": 5}");
+  write("broken.json", "{\"format\": 2, \"source\": 5}");
   EXPECT_EQ(latency("--compare " + path("broken.json") + " " + path("none.json")), 1);
   EXPECT_EQ(read("out"), "touchline-latency: " + path("broken.json") + ": source: must be a text\n");
 }

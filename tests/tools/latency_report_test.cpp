@@ -48,9 +48,9 @@ LatencyReport report_of(int slow, bool is_shuffled = false) {
 TEST(LatencyDocument, TextEndsWithTheSummary) {
   const std::string text = to_text(document_of(report_of(1)));
   EXPECT_NE(text.find("frame to packet    3.000  5.400  5.940  5.994  6.000\n"), std::string::npos) << text;
-  EXPECT_NE(text.find("                   usually   #1000    #999\n"), std::string::npos) << text;
-  EXPECT_NE(text.find("marker               0.500   1.000   0.999\n"), std::string::npos) << text;
-  EXPECT_NE(text.find("color and region     0.500  *1.000  *0.999\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("                     usually   #1000    #999\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("marker                 0.500   1.000   0.999\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("color and region       0.500  *1.000  *0.999\n"), std::string::npos) << text;
   EXPECT_NE(text.find("frames overloaded                     10\n"), std::string::npos) << text;
   EXPECT_NE(text.find("48.5 °C at the start, 61 °C at the end\n"), std::string::npos) << text;
   EXPECT_TRUE(text.ends_with("the deadline of 8 ms was missed by 0 of 1000 frames.\n")) << text;
@@ -86,6 +86,8 @@ TEST(LatencyJson, RoundTrip) {
   report.usage = {1, 2, 3, 4};
   report.allocations.reset();
   report.lost = 7;
+  report.stalls = {{12, microseconds(20000), Span::kWaiting, 2, 1}};
+  report.worst[1].waits.waited[2] = microseconds(7);
   const std::string text = to_json(report);
   const Result<LatencyReport> parsed = from_json(text);
   ASSERT_TRUE(parsed.ok()) << parsed.text();
@@ -94,6 +96,9 @@ TEST(LatencyJson, RoundTrip) {
   EXPECT_EQ(read.spans[3].p99_9, report.spans[3].p99_9);
   EXPECT_EQ(read.histograms[8].counts, report.histograms[8].counts);
   EXPECT_EQ(read.worst[1].times, report.worst[1].times);
+  EXPECT_EQ(read.worst[1].waits.waited[2], microseconds(7));
+  ASSERT_EQ(read.stalls.size(), 1u);
+  EXPECT_EQ(read.stalls[0].part, Span::kWaiting);
   EXPECT_FALSE(read.allocations.has_value());
   EXPECT_EQ(read.usage.involuntary_switches, 4u);
   EXPECT_EQ(read.system.end_celsius, 61.0);
@@ -112,7 +117,7 @@ TEST(LatencyJson, NamesTheMalformedKey) {
     return report.text();
   };
   EXPECT_EQ(error_with("{", "["), "is not JSON");
-  EXPECT_EQ(error_with("\"format\": 1", "\"format\": 2"), "format: 2 is not supported; this program reads format 1");
+  EXPECT_EQ(error_with("\"format\": 2", "\"format\": 1"), "format: 1 is not supported; this program reads format 2");
   EXPECT_EQ(error_with("\"format\"", "\"fromat\""), "format: is missing");
   EXPECT_EQ(error_with("\"frames\": 1000", "\"frames\": -1"), "frames: must be a count");
   EXPECT_EQ(error_with("\"p99.9\"", "\"p99_9\""), "spans_ns.capture to frame.p99.9: is missing");

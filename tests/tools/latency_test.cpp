@@ -51,9 +51,10 @@ TEST(Measurement, CsvHasTheTimesOfEveryFrame) {
   Measurement measurement(4, 1);
   for (int i = 0; i < 3; ++i) measurement.add(stages_of(i), timing_of(100 + i, 40), false);
   EXPECT_EQ(measurement.to_csv(),
-            "capture to frame,color and region,marker,track,control,encode,send,frame to packet,capture to packet\n"
-            "40000,1000,2000,3000,4000,5000,86000,101000,141000\n"
-            "40000,2000,3000,4000,5000,6000,82000,102000,142000\n");
+            "capture to frame,color and region,marker,track,control,encode,send,waiting,frame to packet,capture to "
+            "packet,lost before\n"
+            "40000,1000,2000,3000,4000,5000,86000,0,101000,141000,0\n"
+            "40000,2000,3000,4000,5000,6000,82000,0,102000,142000,0\n");
 }
 
 TEST(Measurement, IgnoresTheWarmUp) {
@@ -108,6 +109,73 @@ TEST(Measurement, CountsGapsAfterTheWarmUp) {
   EXPECT_EQ(measurement.report("test", {}).lost, 2u);
 }
 
+// 100 frames a second; a stall of 35 ms loses frames 8 and 9, and frame 10 is late.
+TEST(Measurement, ALostFrameCountsUntilTheNextPacket) {
+  Measurement measurement(20, 0);
+  const auto trace = std::make_unique<StepTrace>();
+  for (const std::uint32_t sequence : {5u, 6u, 7u, 10u, 11u, 12u}) {
+    trace->frame.sequence = sequence;
+    trace->frame.capture_time = Instant(std::chrono::milliseconds(10 * sequence));
+    const int late_us = sequence == 7 ? 35000 : sequence == 10 ? 6000 : 0;
+    measurement.observer().on_step(measurement.observer().context, *trace, timing_of(500, 1500 + late_us));
+  }
+  const LatencyReport report = measurement.report("test", {.rate_hz = 100.0});
+  EXPECT_EQ(report.frames, 6u);
+  EXPECT_EQ(report.lost, 2u);
+  EXPECT_EQ(report.deadline_misses, 3u) << "frame 7 and the lost ones";
+  const auto latency = static_cast<std::size_t>(Span::kLatency);
+  // Frame 10 took 8 ms. Frame 9 was captured 10 ms before it, frame 8 20 ms.
+  const auto count_at = [&](int ms) {
+    return report.histograms[latency].counts[LogHistogram::bin_of(std::chrono::milliseconds(ms))];
+  };
+  EXPECT_EQ(count_at(28), 1u);
+  EXPECT_EQ(count_at(18), 1u);
+  EXPECT_EQ(count_at(8), 1u);
+  EXPECT_EQ(report.spans[latency].max, microseconds(37000));
+  EXPECT_EQ(report.spans[latency].p50, microseconds(2000));
+  ASSERT_EQ(report.stalls.size(), 1u);
+  EXPECT_EQ(report.stalls[0].number, 3u);
+  EXPECT_EQ(report.stalls[0].delayed, 1u);
+  EXPECT_EQ(report.stalls[0].lost, 2u);
+  EXPECT_NE(measurement.to_csv().find("8000000,2\n"), std::string::npos) << measurement.to_csv();
+}
+
+TEST(Measurement, WaitingIsNotChargedToTheStage) {
+  Measurement measurement(100, 0);
+  for (int i = 0; i < 100; ++i) {
+    auto stages = stages_of(100);
+    StepTiming timing = timing_of(600, 10000);
+    FrameExecution execution;
+    execution.stages = stages;
+    execution.others = timing.processing;  // more than elapsed: the clocks are read one after the other
+    const bool is_delayed = i == 50;
+    if (is_delayed) {
+      const Duration wait = microseconds(12000);
+      stages[static_cast<std::size_t>(Stage::kTrack)] += wait;
+      timing.processing += wait;
+      timing.latency += wait;
+      execution.ready_during = wait;
+      execution.usage.involuntary_switches = 1;
+    }
+    measurement.add(stages, timing, false, &execution);
+  }
+  const LatencyReport report = measurement.report("test", {.rate_hz = 60.0, .worst = 1});
+  const WorstFrame& worst = report.worst.at(0);
+  EXPECT_EQ(most_delayed_span(report, worst.times), Span::kWaiting);
+  EXPECT_EQ(worst.times[static_cast<std::size_t>(Span::kTrack)], microseconds(102));
+  EXPECT_EQ(worst.times[static_cast<std::size_t>(Span::kWaiting)], microseconds(12000));
+  EXPECT_EQ(longest_wait(worst.waits), Span::kTrack);
+  EXPECT_EQ(worst.waits.usage.involuntary_switches, 1u);
+  EXPECT_EQ(
+      summary_sentence(report),
+      "Worst frame: number 51 took 22.6 ms from capture to packet, 12 ms of it waiting (usually 0 µs): track "
+      "executed 0.102 ms and waited 12 ms; the loop was ready to run, but had no processor for 12 ms; the deadline of "
+      "16.7 ms was missed by 1 of 100 frames.");
+  Duration parts{};
+  for (std::size_t i = 0; i < kPartCount; ++i) parts += worst.times[i];
+  EXPECT_EQ(parts, worst.times[static_cast<std::size_t>(Span::kLatency)]);
+}
+
 TEST(Measurement, ListsTheWorstFramesWithTheirMostDelayedPart) {
   Measurement measurement(200, 10);
   for (int i = 0; i < 210; ++i) {
@@ -128,9 +196,10 @@ TEST(Measurement, ListsTheWorstFramesWithTheirMostDelayedPart) {
   EXPECT_EQ(report.worst[0].number, 48u) << "numbers start at 1 after the warm-up";
   EXPECT_EQ(report.worst[1].number, 49u);
   EXPECT_EQ(report.worst[2].number, 31u);
-  EXPECT_EQ(most_delayed_span(report, report.worst[0]), Span::kMarker) << "although the camera's part takes longest";
-  EXPECT_EQ(most_delayed_span(report, report.worst[1]), Span::kCamera);
-  EXPECT_EQ(most_delayed_span(report, report.worst[2]), Span::kTrack);
+  EXPECT_EQ(most_delayed_span(report, report.worst[0].times), Span::kMarker)
+      << "although the camera's part takes longest";
+  EXPECT_EQ(most_delayed_span(report, report.worst[1].times), Span::kCamera);
+  EXPECT_EQ(most_delayed_span(report, report.worst[2].times), Span::kTrack);
   EXPECT_EQ(
       summary_sentence(report),
       "Worst frame: number 48 took 17.6 ms from capture to packet, 7.1 ms of it in marker (usually 0.101 ms); the "

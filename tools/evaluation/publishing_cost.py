@@ -140,7 +140,7 @@ def listen(folder, number):
 def run(latency, options, folder, with_outputs):
     """Times of all frames in nanoseconds."""
     folder.mkdir()
-    command = [latency, "--board", options.board, "--real-time-pace", "--duration", str(options.seconds),
+    command = [latency, "--board", options.board, "--pace", "--duration", str(options.seconds),
                "--csv", str(folder / "times.csv"), "--out", str(folder / "report.json"), *options.options]
     listeners = []
     if with_outputs:

@@ -1,7 +1,5 @@
 #include "tools/programs/latency/latency_report.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -24,24 +22,14 @@ const char* describe(Span span) noexcept {
       return "encode";
     case Span::kSend:
       return "send";
+    case Span::kWaiting:
+      return "waiting";
     case Span::kProcessing:
       return "frame to packet";
     case Span::kLatency:
       return "capture to packet";
   }
   return "";
-}
-
-ThreadUsage ThreadUsage::of_this_thread() {
-  rusage usage{};
-  getrusage(RUSAGE_THREAD, &usage);
-  return {static_cast<std::uint64_t>(usage.ru_minflt), static_cast<std::uint64_t>(usage.ru_majflt),
-          static_cast<std::uint64_t>(usage.ru_nvcsw), static_cast<std::uint64_t>(usage.ru_nivcsw)};
-}
-
-ThreadUsage ThreadUsage::since(const ThreadUsage& before) const {
-  return {minor_faults - before.minor_faults, major_faults - before.major_faults,
-          voluntary_switches - before.voluntary_switches, involuntary_switches - before.involuntary_switches};
 }
 
 std::size_t LogHistogram::bin_of(Duration duration) {
@@ -54,13 +42,13 @@ double LogHistogram::lower_edge_s(std::size_t bin) {
   return std::pow(10.0, kFirstDecade + static_cast<double>(bin) / kBinsPerDecade);
 }
 
-Span most_delayed_span(const LatencyReport& report, const WorstFrame& frame) {
+Span most_delayed_span(const LatencyReport& report, const SpanTimes& times) {
   std::size_t found = 0;
-  const auto excess = [&](std::size_t i) { return frame.times[i] - report.spans[i].p50; };
+  const auto excess = [&](std::size_t i) { return times[i] - report.spans[i].p50; };
   for (std::size_t i = 1; i < kPartCount; ++i) {
     const bool more = excess(i) > excess(found);
     // With a single frame, all parts equal their medians; then the longest part wins.
-    if (more || (excess(i) == excess(found) && frame.times[i] > frame.times[found])) found = i;
+    if (more || (excess(i) == excess(found) && times[i] > times[found])) found = i;
   }
   return static_cast<Span>(found);
 }
@@ -74,17 +62,48 @@ std::string text_of(Duration duration) {
   return text;
 }
 
+Span longest_wait(const FrameWaits& waits) {
+  const auto longest = std::max_element(waits.waited.begin(), waits.waited.end());
+  return static_cast<Span>(kFirstExecuted + static_cast<std::size_t>(longest - waits.waited.begin()));
+}
+
+namespace {
+
+// What else is known about the most delayed part, such as "marker executed 0.2 ms and waited 12 ms".
+std::string explanation(const LatencyReport& report, const WorstFrame& frame, Span part) {
+  const auto index = static_cast<std::size_t>(part);
+  const Duration excess = frame.times[index] - report.spans[index].p50;
+  const auto without_processor = [](Duration time) {
+    return "the loop was ready to run, but had no processor for " + text_of(time);
+  };
+  if (part == Span::kCamera) {
+    return 2 * frame.waits.ready_before > excess && excess > Duration::zero()
+               ? ": " + without_processor(frame.waits.ready_before)
+               : "";
+  }
+  if (part != Span::kWaiting) return "";
+  const auto where = static_cast<std::size_t>(longest_wait(frame.waits));
+  std::string text = std::string(": ") + describe(static_cast<Span>(where)) + " executed " +
+                     text_of(frame.times[where]) + " and waited " + text_of(frame.waits.waited[where - kFirstExecuted]);
+  if (2 * frame.waits.ready_during > excess) return text + "; " + without_processor(frame.waits.ready_during);
+  if (frame.waits.usage.major_faults > 0) return text + "; it read pages from a disk";
+  return text + "; it was blocked or stopped";
+}
+
+}  // namespace
+
 std::string summary_sentence(const LatencyReport& report) {
   const WorstFrame& frame = report.worst.front();
-  const Span part = most_delayed_span(report, frame);
+  const Span part = most_delayed_span(report, frame.times);
   const auto index = static_cast<std::size_t>(part);
   std::string text = "Worst frame: number " + std::to_string(frame.number) + " took " +
                      text_of(frame.times[static_cast<std::size_t>(Span::kLatency)]) + " from capture to packet, " +
-                     text_of(frame.times[index]) + " of it in " + describe(part) + " (usually " +
-                     text_of(report.spans[index].p50) + ")";
+                     text_of(frame.times[index]) + " of it " + (part == Span::kWaiting ? "" : "in ") + describe(part) +
+                     " (usually " + text_of(report.spans[index].p50) + ")" + explanation(report, frame, part);
   if (report.deadline > Duration::zero()) {
     text += "; the deadline of " + text_of(report.deadline) + " was missed by " +
-            std::to_string(report.deadline_misses) + " of " + std::to_string(report.frames) + " frames";
+            std::to_string(report.deadline_misses) + " of " + std::to_string(report.frames + report.lost) + " frames";
+    if (report.lost > 0) text += ", " + std::to_string(report.lost) + " of them lost";
   }
   return text + ".";
 }

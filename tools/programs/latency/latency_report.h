@@ -9,10 +9,12 @@
 #include "core/time.h"
 #include "core/types.h"
 #include "tools/programs/latency/latency_samples.h"
+#include "tools/programs/latency/thread_usage.h"
 
 namespace touchline::latency {
 
-/// The time spans that are measured for each frame: the parts from capture to packet, and two sums.
+/// The time spans that are measured for each frame: the parts from capture to packet, and two sums. For kRegion to
+/// kSend, only the time in which the loop's thread executed counts; when it did not, it was waiting.
 enum class Span : std::uint8_t {
   kCamera,  // from the driver's time stamp until the loop has the frame
   kRegion,
@@ -21,30 +23,15 @@ enum class Span : std::uint8_t {
   kControl,
   kEncode,      // kRegion to kEncode: in the order of Stage
   kSend,        // the rest, until the radio has accepted the packet
+  kWaiting,     // between frame and packet, without a processor
   kProcessing,  // all parts except kCamera
   kLatency      // all parts
 };
-inline constexpr std::size_t kSpanCount = 9, kPartCount = 7;  // the first seven are parts; they add up to kLatency
+inline constexpr std::size_t kSpanCount = 10, kPartCount = 8;  // the first eight are parts; they add up to kLatency
 const char* describe(Span span) noexcept;
 
 /// The times of one frame, indexed by Span.
 using SpanTimes = std::array<Duration, kSpanCount>;
-
-/// Resource usage of a thread, as counted by the kernel.
-struct ThreadUsage {
-  std::uint64_t minor_faults = 0, major_faults = 0;
-  std::uint64_t voluntary_switches = 0, involuntary_switches = 0;  // context switches: it waited; it was preempted
-  static ThreadUsage of_this_thread();
-  ThreadUsage since(const ThreadUsage& before) const;
-
-  template <class Self, class Visitor>
-  static void describe(Self& self, Visitor& visit) {
-    visit("minor_faults", self.minor_faults);
-    visit("major_faults", self.major_faults);
-    visit("voluntary_switches", self.voluntary_switches);
-    visit("involuntary_switches", self.involuntary_switches);
-  }
-};
 
 /// The system on which the measurement ran. Empty texts and values: the system does not provide them.
 struct SystemFacts {
@@ -87,9 +74,32 @@ struct SystemFacts {
   }
 };
 
+/// The parts that execute: kRegion to kSend.
+inline constexpr std::size_t kExecutedParts = kPartCount - 2;
+inline constexpr std::size_t kFirstExecuted = static_cast<std::size_t>(Span::kRegion);
+
+/// What one frame did besides its times.
+struct FrameWaits {
+  std::array<Duration, kExecutedParts> waited{};  // in kRegion to kSend; together kWaiting
+  // Time in which the loop was ready to run but had no processor: between the previous packet and this frame, and
+  // between frame and packet.
+  Duration ready_before{}, ready_during{};
+  ThreadUsage usage;  // between frame and packet
+};
+
 struct WorstFrame {
   std::uint64_t number = 0;  // from 1, after the warm-up
   SpanTimes times{};
+  FrameWaits waits;
+};
+
+/// A frame that was more than half a period later than usual, and the frames that were late because of it.
+struct Stall {
+  std::uint64_t number = 0;   // of its first frame
+  Duration excess{};          // capture to packet of that frame, minus the median
+  Span part = Span::kCamera;  // where it was: the part of that frame that exceeds its median most
+  std::uint64_t delayed = 0;  // following frames that were later than usual by more than a tenth of a period
+  std::uint64_t lost = 0;     // frames lost before one of these frames
 };
 
 /// Histogram of durations with bins of a 20th of a decade. Durations beyond the range count in the outermost bins.
@@ -105,25 +115,32 @@ class LogHistogram {
 
 /// Result of a measurement: the content of the JSON file and of all reports.
 struct LatencyReport {
-  static constexpr std::int64_t kFormat = 1;
+  static constexpr std::int64_t kFormat = 2;
   std::string source, measured_at;  // ISO 8601, UTC
   std::uint64_t frames = 0, warm_up = 0;
-  double rate_hz = 0.0;  // 0: the input has no frame rate
-  Duration deadline{};   // from capture to packet; zero: none
-  std::uint64_t deadline_misses = 0;
+  double rate_hz = 0.0;               // 0: the input has no frame rate
+  Duration deadline{};                // from capture to packet; zero: none
+  std::string time;                   // of an arena: how it passed
+  std::string planted;                // delay that was planted on purpose; empty: none
+  std::uint64_t deadline_misses = 0;  // by delivered and by lost frames
   std::uint64_t period_overruns = 0;  // frames that took longer than a period from frame to packet
   std::uint64_t lost = 0;             // frames missing in the driver's sequence numbers
+  std::uint64_t stall_count = 0, stall_delayed = 0, stall_lost = 0;  // of all stalls together
   std::uint64_t overloads = 0;
   std::array<LatencySummary, kSpanCount> spans{};
   std::array<LogHistogram, kSpanCount> histograms{};
   std::vector<WorstFrame> worst;             // by kLatency, longest first
+  std::vector<Stall> stalls;                 // longest first
+  Duration reading_cost{};                   // of the processor time, kReadings per frame; zero: not measured
   ThreadUsage usage;                         // of the loop's thread after warm-up
   std::optional<std::uint64_t> allocations;  // likewise; empty in builds with a sanitizer
   SystemFacts system;
 };
 
-/// The part of `frame` that exceeds its median most.
-Span most_delayed_span(const LatencyReport& report, const WorstFrame& frame);
+/// The part of `times` that exceeds its median most.
+Span most_delayed_span(const LatencyReport& report, const SpanTimes& times);
+/// The executed part in which the frame waited longest.
+Span longest_wait(const FrameWaits& waits);
 /// Describes the worst frame, its most delayed part and the missed deadlines in one sentence. `report.worst` must not
 /// be empty.
 std::string summary_sentence(const LatencyReport& report);

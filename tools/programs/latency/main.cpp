@@ -38,6 +38,16 @@ int main(int argc, char** argv) {
   app.add_flag("--worst-frames", options.worst_frames,
                "Measure synthetic pictures that are most expensive to process, instead of the camera; no radio");
   app.add_flag("--load", options.load, "Run stress-ng at the same time: processors, caches, memory, files");
+  app.add_option_function<std::string>(
+         "--plant",
+         [&](const std::string& text) {
+           if (const std::string wrong = options.planted.parse(text); !wrong.empty()) {
+             throw CLI::ValidationError("--plant", wrong);
+           }
+         },
+         "Delay a frame in the middle on purpose, to see it in the report: stall=MS (the loop sleeps),\n"
+         "preemption=MS (the loop's thread is stopped from outside) or work=MS (the loop computes)")
+      ->type_name("WHAT=MS");
   app.add_option("--publish", options.network.publish,
                  "Publish during the measurement, as touchline run does: NAME[=ADDRESS], several times if needed")
       ->type_name("NAME[=ADDRESS]")
@@ -48,8 +58,8 @@ int main(int argc, char** argv) {
       ->type_name("NAME[=ADDRESS]")
       ->expected(1)
       ->take_all();
-  app.add_flag("--real-time-pace", options.session.paced,
-               "Run the mock arena in real time, not as fast as possible: the loop sleeps between frames");
+  app.add_flag("--pace", options.pace,
+               "The mock arena's time is the machine's: after a stall, frames are late or lost as with a real camera");
   app.add_option("--out", outputs.json, "Write all numbers into this JSON file");
   app.add_option("--csv", outputs.csv, "Write the times of every frame in nanoseconds into this CSV file");
   app.add_option("--histogram", outputs.histogram, "Write the histogram into this file, .svg or .png")

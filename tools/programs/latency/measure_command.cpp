@@ -70,7 +70,7 @@ std::string utc_now() {
 // One measurement: runs a loop that is open, and writes the report.
 class Run {
  public:
-  Run(const MeasureOptions& options, const config::BoardFile& board, double max_rate_hz)
+  Run(MeasureOptions& options, const config::BoardFile& board, double max_rate_hz)
       : options_(options),
         board_(board),
         warm_up_s_(static_cast<double>(options.warm_up) / max_rate_hz),
@@ -85,12 +85,15 @@ class Run {
 
   // Starts the load, which can fail, and locks the memory. Call it before the camera fills its first buffers.
   Result<void> prepare() {
+    // First, because it starts a process, which is easier before there are threads.
+    TOUCHLINE_TRY(options_.planted.prepare(options_.warm_up + frames_ / 2));
+    measurement_.meter().set_intrusion(options_.planted.intrusion());
     if (options_.load) TOUCHLINE_TRY(load_.start());
     report_refused(lock_memory(board_.realtime));
     return {};
   }
 
-  int measure(Loop& loop, const std::string& source, double rate_hz) {
+  int measure(Loop& loop, const std::string& source, double rate_hz, const std::string& time) {
     LoopEnd end = LoopEnd::kRequested;
     SystemFacts facts;
     {
@@ -112,6 +115,9 @@ class Run {
     const ReportSettings expected{rate_hz, from_seconds(options_.deadline_ms * 1e-3), options_.listed};
     LatencyReport report = measurement_.report(source, expected);
     report.measured_at = utc_now();
+    report.time = time;
+    report.planted = options_.planted.description();
+    report.reading_cost = ExecutionMeter::reading_cost();
     if (options_.load) facts.load = BackgroundLoad::description();
     if (!load_.stop()) facts.load += " (ended before the measurement did)";
     facts.refused = std::move(refused_);
@@ -153,7 +159,7 @@ class Run {
     return good ? kExitOk : kExitBadFile;
   }
 
-  const MeasureOptions& options_;
+  MeasureOptions& options_;
   const config::BoardFile& board_;
   double warm_up_s_;
   std::size_t frames_;
@@ -167,8 +173,18 @@ std::string picture_text(const hal::CameraInfo& info) {
          std::string(info_of(info.format).word);
 }
 
-int measure_board(const MeasureOptions& options) {
+std::string time_text(Session& session) {
+  if (session.configuration().board.camera.backend != hal::CameraBackend::kMock) return "";
+  return session.devices().simulated_time()
+             ? "simulated; it stands still during a frame, so stalls delay no later frame "
+               "(--pace)"
+             : "the machine's, without that of rendering; stalls delay later frames";
+}
+
+int measure_board(MeasureOptions& options) {
   Session session;
+  session.set_stage_clock(ExecutionMeter::read);
+  if (options.pace) options.session.arena_time = ArenaTime::kMachine;
   if (const Result<void> loaded = session.load(options.session); !loaded.ok()) return refuse(loaded.error());
   const config::Configuration& configuration = session.configuration();
   const config::BoardFile& board = configuration.board;
@@ -188,19 +204,20 @@ int measure_board(const MeasureOptions& options) {
                                            [](const std::string& line) { std::cerr << line + "\n"; });
   const hal::CameraInfo& info = session.devices().hal_devices().camera.info();
   const double rate_hz = info.rate_hz > 0.0 ? info.rate_hz : board.camera.rate_hz;
-  const int code = run.measure(session.loop(), "board " + board.name + ", " + picture_text(info), rate_hz);
+  const int code =
+      run.measure(session.loop(), "board " + board.name + ", " + picture_text(info), rate_hz, time_text(session));
   connections.stop();
   std::cerr << connections.summary();
   return code;
 }
 
 // Does not use the board's radio: random pictures must not drive robots.
-int measure_worst_frames(const MeasureOptions& options) {
+int measure_worst_frames(MeasureOptions& options) {
   const auto configuration = std::make_unique<config::Configuration>();
   const Result<void> loaded = config::load(options.session.files, *configuration);
   if (!loaded.ok()) return refuse(loaded.error());
   const auto pipeline = std::make_unique<Pipeline>();
-  const Status status = pipeline->configure(configuration->pipeline, hal::MonotonicClock::read);
+  const Status status = pipeline->configure(configuration->pipeline, ExecutionMeter::read);
   if (!status.ok()) return fail(std::string("the pipeline rejects these files: ") + describe(status.code()));
   hal::MonotonicClock clock;
   NullRadio radio;
@@ -217,7 +234,7 @@ int measure_worst_frames(const MeasureOptions& options) {
       std::make_unique<Loop>(HalDevices{camera, radio, gpio, clock}, *pipeline, settings, *reports, run.observer());
   if (const Result<void> prepared = run.prepare(); !prepared.ok()) return fail(prepared.text());
   if (const Result<void> opened = loop->open(); !opened.ok()) return fail(opened.text());
-  return run.measure(*loop, "worst frames, " + picture_text(camera.info()), board.camera.rate_hz);
+  return run.measure(*loop, "worst frames, " + picture_text(camera.info()), board.camera.rate_hz, "");
 }
 
 Result<LatencyReport> read_report(const std::string& path) {
@@ -230,7 +247,7 @@ Result<LatencyReport> read_report(const std::string& path) {
 
 }  // namespace
 
-int measure(const MeasureOptions& options) {
+int measure(MeasureOptions& options) {
   const Outputs& outputs = options.outputs;
   for (const std::string& path : {outputs.json, outputs.csv, outputs.histogram, outputs.html}) {
     if (const Result<void> writable = check_writable(path); !writable.ok()) return fail(writable.text());

@@ -6,6 +6,7 @@
 
 #include "firmware/network/network_plan.h"
 #include "firmware/session.h"
+#include "tools/programs/latency/planted_delay.h"
 
 namespace touchline::latency {
 
@@ -21,13 +22,15 @@ struct MeasureOptions {
   double deadline_ms = 0.0;  // 0: the frame period
   std::size_t listed = 5;    // number of worst frames in the report
   bool worst_frames = false, load = false;
+  bool pace = false;  // an arena follows the machine's clock
+  PlantedDelay planted;
   network::NetworkOptions network;  // connections that work during the measurement
   Outputs outputs;
 };
 
 /// Runs the loop, prints the report and writes the files; returns the exit code. All files are checked before the first
 /// robot can move. A signal ends the measurement early with a report of the frames so far.
-int measure(const MeasureOptions& options);
+int measure(MeasureOptions& options);
 
 /// Prints a comparison of measurement B with A; returns the exit code. `html`: path of an HTML page, or empty.
 int compare(const std::string& path_a, const std::string& path_b, const std::string& html);

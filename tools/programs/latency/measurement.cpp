@@ -4,11 +4,13 @@
 #include <numeric>
 
 #include "tools/programs/latency/allocation_counter.h"
+#include "tools/programs/latency/stall_detection.h"
 
 namespace touchline::latency {
 
 Measurement::Measurement(std::size_t frames, std::size_t warm_up)
-    : spans_(kSpanCount, LatencySamples(frames)), frames_(frames), warm_up_(warm_up) {
+    : spans_(kSpanCount, LatencySamples(frames)), waits_(frames), frames_(frames), warm_up_(warm_up) {
+  lost_frames_.reserve(frames);
   begin();
 }
 
@@ -24,17 +26,23 @@ void Measurement::end() {
   allocations_end_ = allocations_of_this_thread();
 }
 
+void Measurement::on_received(void* context) { static_cast<Measurement*>(context)->meter_.begin_frame(); }
+
+void Measurement::on_sent(void* context) { static_cast<Measurement*>(context)->meter_.end_frame(); }
+
 void Measurement::on_step(void* context, const StepTrace& trace, const StepTiming& timing) {
   Measurement& self = *static_cast<Measurement*>(context);
   const std::uint32_t sequence = trace.frame.sequence;
+  self.add(trace.stage_time, timing, trace.overload, &self.meter_.frame());
   // The sequence restarts when the camera is reopened.
   const bool gap = self.last_sequence_ && sequence > *self.last_sequence_ + 1;
-  if (gap && self.seen() >= self.warm_up_) self.lost_ += sequence - *self.last_sequence_ - 1;
+  if (gap) self.add_lost(sequence - *self.last_sequence_ - 1, trace.frame.capture_time - self.last_capture_);
   self.last_sequence_ = sequence;
-  self.add(trace.stage_time, timing, trace.overload);
+  self.last_capture_ = trace.frame.capture_time;
 }
 
-void Measurement::add(const std::array<Duration, kStageCount>& stages, const StepTiming& timing, bool overload) {
+void Measurement::add(const std::array<Duration, kStageCount>& stages, const StepTiming& timing, bool overload,
+                      const FrameExecution* execution) {
   const std::size_t seen = seen_.fetch_add(1, std::memory_order_relaxed) + 1;
   if (seen <= warm_up_) {
     if (seen == warm_up_) begin();
@@ -42,14 +50,77 @@ void Measurement::add(const std::array<Duration, kStageCount>& stages, const Ste
   }
   if (seen > warm_up_ + frames_) return;
   const auto add_to = [this](Span span, Duration time) { spans_[static_cast<std::size_t>(span)].add(time); };
-  static_assert(static_cast<std::size_t>(Span::kSend) == static_cast<std::size_t>(Span::kRegion) + kStageCount);
+  static_assert(static_cast<std::size_t>(Span::kSend) == kFirstExecuted + kStageCount);
+  FrameWaits& waits = waits_[seen - warm_up_ - 1];
+  Duration waiting{};
+  const auto add_executed = [&](std::size_t part, Duration elapsed, Duration executed) {
+    // The two clocks are read one after the other.
+    if (execution != nullptr) waits.waited[part] = elapsed - std::clamp(executed, Duration::zero(), elapsed);
+    waiting += waits.waited[part];
+    spans_[kFirstExecuted + part].add(elapsed - waits.waited[part]);
+  };
   add_to(Span::kCamera, timing.latency - timing.processing);
-  for (std::size_t i = 0; i < kStageCount; ++i) spans_[static_cast<std::size_t>(Span::kRegion) + i].add(stages[i]);
-  add_to(Span::kSend, timing.processing - std::accumulate(stages.begin(), stages.end(), Duration::zero()));
+  for (std::size_t i = 0; i < kStageCount; ++i) {
+    add_executed(i, stages[i], execution != nullptr ? execution->stages[i] : Duration::zero());
+  }
+  const Duration others = timing.processing - std::accumulate(stages.begin(), stages.end(), Duration::zero());
+  add_executed(kStageCount, others, execution != nullptr ? execution->others : Duration::zero());
+  add_to(Span::kWaiting, waiting);
   add_to(Span::kProcessing, timing.processing);
   add_to(Span::kLatency, timing.latency);
+  if (execution != nullptr) {
+    waits.ready_before = execution->ready_before;
+    waits.ready_during = execution->ready_during;
+    waits.usage = execution->usage;
+  }
   overloads_ += overload ? 1u : 0u;
   if (seen == warm_up_ + frames_) end();
+}
+
+void Measurement::add_lost(std::uint64_t count, Duration gap) {
+  const std::size_t recorded = samples(Span::kLatency).count();
+  if (seen() <= warm_up_ || seen() > warm_up_ + frames_) return;
+  lost_ += count;
+  const Duration latency = samples(Span::kLatency)[recorded - 1];
+  const Duration period = gap / static_cast<Duration::rep>(count + 1);
+  for (std::uint64_t left = count; left > 0 && lost_frames_.size() < lost_frames_.capacity(); --left) {
+    lost_frames_.push_back({recorded - 1, latency + static_cast<Duration::rep>(left) * period});
+  }
+}
+
+SpanTimes Measurement::times_of(std::size_t frame) const {
+  SpanTimes times{};
+  for (std::size_t span = 0; span < kSpanCount; ++span) times[span] = spans_[span][frame];
+  return times;
+}
+
+LatencySamples Measurement::with_lost_frames() const {
+  const LatencySamples& latency = samples(Span::kLatency);
+  LatencySamples all(latency.count() + lost_frames_.size());
+  auto lost = lost_frames_.begin();
+  for (std::size_t i = 0; i < latency.count(); ++i) {
+    for (; lost != lost_frames_.end() && lost->before <= i; ++lost) all.add(lost->latency);
+    all.add(latency[i]);
+  }
+  return all;
+}
+
+void Measurement::add_stalls(LatencyReport& report, std::size_t listed) const {
+  if (report.rate_hz <= 0.0) return;
+  std::vector<FrameLateness> frames(samples(Span::kLatency).count());
+  for (std::size_t i = 0; i < frames.size(); ++i) frames[i].latency = time(Span::kLatency, i);
+  for (const LostFrame& lost : lost_frames_) ++frames[lost.before].lost_before;
+  const Duration usual = report.spans[static_cast<std::size_t>(Span::kLatency)].p50;
+  for (const StallExtent& extent : find_stalls(frames, usual, from_seconds(1.0 / report.rate_hz))) {
+    ++report.stall_count;
+    report.stall_delayed += extent.delayed;
+    report.stall_lost += extent.lost;
+    report.stalls.push_back({extent.first + 1, time(Span::kLatency, extent.first) - usual,
+                             most_delayed_span(report, times_of(extent.first)), extent.delayed, extent.lost});
+  }
+  std::stable_sort(report.stalls.begin(), report.stalls.end(),
+                   [](const Stall& a, const Stall& b) { return a.excess > b.excess; });
+  report.stalls.resize(std::min(listed, report.stalls.size()));
 }
 
 std::vector<WorstFrame> Measurement::worst(std::size_t count) const {
@@ -64,7 +135,8 @@ std::vector<WorstFrame> Measurement::worst(std::size_t count) const {
   for (auto i = order.begin(); i != end; ++i) {
     WorstFrame& frame = frames.emplace_back();
     frame.number = *i + 1;
-    for (std::size_t span = 0; span < kSpanCount; ++span) frame.times[span] = spans_[span][*i];
+    frame.times = times_of(*i);
+    frame.waits = waits_[*i];
   }
   return frames;
 }
@@ -75,9 +147,11 @@ LatencyReport Measurement::report(const std::string& source, const ReportSetting
   report.warm_up = warm_up_;
   report.rate_hz = expected.rate_hz;
   report.frames = samples(Span::kLatency).count();
+  const LatencySamples latency = with_lost_frames();
   for (std::size_t i = 0; i < kSpanCount; ++i) {
-    report.spans[i] = spans_[i].summarize();
-    for (std::size_t k = 0; k < spans_[i].count(); ++k) report.histograms[i].add(spans_[i][k]);
+    const LatencySamples& all = static_cast<Span>(i) == Span::kLatency ? latency : spans_[i];
+    report.spans[i] = all.summarize();
+    for (std::size_t k = 0; k < all.count(); ++k) report.histograms[i].add(all[k]);
   }
   report.worst = worst(expected.worst);
   const Duration period = expected.rate_hz > 0.0 ? from_seconds(1.0 / expected.rate_hz) : Duration::zero();
@@ -85,10 +159,12 @@ LatencyReport Measurement::report(const std::string& source, const ReportSetting
   const auto longer = [this](Span span, Duration limit) {
     return limit > Duration::zero() ? samples(span).longer_than(limit) : 0;
   };
-  report.deadline_misses = longer(Span::kLatency, report.deadline);
+  // A lost frame misses every deadline.
+  if (report.deadline > Duration::zero()) report.deadline_misses = longer(Span::kLatency, report.deadline) + lost_;
   report.period_overruns = longer(Span::kProcessing, period);
   report.lost = lost_;
   report.overloads = overloads_;
+  add_stalls(report, expected.worst);
   if (allocations_are_counted()) report.allocations = allocations_end_ - allocations_begin_;
   report.usage = usage_end_.since(usage_begin_);
   return report;
@@ -96,13 +172,16 @@ LatencyReport Measurement::report(const std::string& source, const ReportSetting
 
 std::string Measurement::to_csv() const {
   std::string text;
-  const auto add_line = [&text](const auto& value_of) {
-    for (std::size_t i = 0; i < kSpanCount; ++i) text += (i > 0 ? "," : "") + value_of(static_cast<Span>(i));
-    text += '\n';
+  const auto add_line = [&text](const auto& value_of, const std::string& lost) {
+    for (std::size_t i = 0; i < kSpanCount; ++i) text += value_of(static_cast<Span>(i)) + ",";
+    text += lost + "\n";
   };
-  add_line([](Span span) { return std::string(describe(span)); });
+  add_line([](Span span) { return std::string(describe(span)); }, "lost before");
+  auto lost = lost_frames_.begin();
   for (std::size_t k = 0; k < samples(Span::kLatency).count(); ++k) {
-    add_line([this, k](Span span) { return std::to_string(samples(span)[k].count()); });
+    const auto first = lost;
+    while (lost != lost_frames_.end() && lost->before <= k) ++lost;
+    add_line([this, k](Span span) { return std::to_string(time(span, k).count()); }, std::to_string(lost - first));
   }
   return text;
 }

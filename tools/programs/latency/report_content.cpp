@@ -3,6 +3,9 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
+
+#include "tools/programs/latency/execution_meter.h"
 
 namespace touchline::latency {
 namespace {
@@ -60,8 +63,52 @@ Table worst_table(const LatencyReport& report) {
     row.push_back({describe(static_cast<Span>(i))});
     row.push_back({milliseconds(report.spans[i].p50)});
     for (const WorstFrame& frame : report.worst) {
-      row.push_back({milliseconds(frame.times[i]), most_delayed_span(report, frame) == static_cast<Span>(i)});
+      row.push_back({milliseconds(frame.times[i]), most_delayed_span(report, frame.times) == static_cast<Span>(i)});
     }
+  }
+  const auto add_row = [&](const char* name, const auto& value_of) {
+    auto& row = table.rows.emplace_back();
+    row.push_back({name});
+    row.push_back({""});
+    for (const WorstFrame& frame : report.worst) row.push_back({value_of(frame.waits)});
+  };
+  add_row("ready, no processor", [](const FrameWaits& w) { return milliseconds(w.ready_before + w.ready_during); });
+  add_row("waits + preemptions", [](const FrameWaits& w) {
+    return count(w.usage.voluntary_switches) + " + " + count(w.usage.involuntary_switches);
+  });
+  add_row("page faults", [](const FrameWaits& w) { return count(w.usage.minor_faults + w.usage.major_faults); });
+  return table;
+}
+
+// In which parts the worst frames waited; no rows if none of them waited noticeably.
+Table waiting_table(const LatencyReport& report) {
+  constexpr Duration kNoticeable = std::chrono::microseconds(50);
+  Table table{"Where worst frames executed + waited, milliseconds", {""}, {}};
+  for (std::size_t i = 0; i < kExecutedParts; ++i)
+    table.rows.push_back({{describe(static_cast<Span>(kFirstExecuted + i))}});
+  for (const WorstFrame& frame : report.worst) {
+    if (frame.times[static_cast<std::size_t>(Span::kWaiting)] < kNoticeable) continue;
+    table.head.push_back("#" + count(frame.number));
+    const auto longest = static_cast<std::size_t>(longest_wait(frame.waits)) - kFirstExecuted;
+    for (std::size_t i = 0; i < kExecutedParts; ++i) {
+      table.rows[i].push_back(
+          {milliseconds(frame.times[kFirstExecuted + i]) + " + " + milliseconds(frame.waits.waited[i]), i == longest});
+    }
+  }
+  if (table.head.size() == 1) table.rows.clear();
+  return table;
+}
+
+Table stall_table(const LatencyReport& report) {
+  Table table{"Stalls: frames more than half a period later than usual, and the frames that they delayed or lost",
+              {"", "later by, ms", "because of", "delayed", "lost"},
+              {}};
+  for (const Stall& stall : report.stalls) {
+    table.rows.push_back({{"#" + count(stall.number)},
+                          {milliseconds(stall.excess)},
+                          {describe(stall.part)},
+                          {count(stall.delayed)},
+                          {count(stall.lost)}});
   }
   return table;
 }
@@ -79,6 +126,8 @@ Facts conditions_of(const LatencyReport& report) {
   add(facts, "source", report.source);
   if (report.rate_hz > 0.0) add(facts, "frame rate", number(report.rate_hz) + " Hz");
   if (report.deadline > Duration::zero()) add(facts, "deadline", text_of(report.deadline));
+  add(facts, "time", report.time);
+  add(facts, "planted on purpose", report.planted);
   add(facts, "processors", count(system.processors) + " x " + system.processor);
   add(facts, "loop on",
       system.affinity + (system.isolated.empty() ? "; no isolated processors" : "; isolated " + system.isolated));
@@ -105,6 +154,9 @@ std::vector<Counted> counts_of(const LatencyReport& report) {
   return {{"deadline missed", report.deadline_misses},
           {"frame to packet longer than a period", report.period_overruns},
           {"lost frames", report.lost},
+          {"stalls", report.stall_count},
+          {"frames delayed by stalls", report.stall_delayed},
+          {"frames lost by stalls", report.stall_lost},
           {"frames overloaded", report.overloads},
           {"page faults (minor)", usage.minor_faults},
           {"page faults (major)", usage.major_faults},
@@ -141,16 +193,16 @@ struct Ratio {
   };
   std::optional<Distances> interval;
 
-  // Three percentiles of nine spans are judged at once. For a 5 % risk that any of 27 ratios counts as changed by
+  // Three percentiles of ten spans are judged at once. For a 5 % risk that any of 30 ratios counts as changed by
   // chance, each interval must have 99.8 % (Bonferroni), which is 3.1 instead of 1.96 standard deviations.
-  static constexpr double kWiden = 3.11 / 1.96;
+  static constexpr double kWiden = 3.14 / 1.96;
   [[nodiscard]] bool grew() const { return interval && logarithm > kWiden * interval->below; }
   [[nodiscard]] bool shrank() const { return interval && -logarithm > kWiden * interval->above; }
 };
 
 Ratio ratio_of(const LatencySummary& a, const LatencySummary& b, const Column& column) {
-  // Not below the clock's resolution.
-  const auto log_of = [](Duration time) { return std::log(std::max(1e-9, seconds(time))); };
+  // Not below a microsecond: the times of reading the clocks, which nobody would notice.
+  const auto log_of = [](Duration time) { return std::log(std::max(1e-6, seconds(time))); };
   const Duration from = a.*column.value, to = b.*column.value;
   Ratio ratio;
   ratio.value = from > Duration::zero() ? seconds(to) / seconds(from)
@@ -193,12 +245,20 @@ std::string listed(const std::vector<std::string>& items) {
 Document document_of(const LatencyReport& report) {
   Document document{
       "Frame latency: " + report.source, summary_sentence(report), {span_table(report), worst_table(report)}, {}};
+  for (Table table : {waiting_table(report), stall_table(report)}) {
+    if (!table.rows.empty()) document.tables.push_back(std::move(table));
+  }
   Facts& facts = document.facts;
   for (const Counted& counted : counts_of(report)) add(facts, counted.name, text_of_count(counted));
   for (auto& condition : conditions_of(report)) facts.push_back(std::move(condition));
   add(facts, "other programs", measured_load(report.system));
   add(facts, "frequency", begin_and_end(report.system.begin_mhz, report.system.end_mhz, " MHz"));
   add(facts, "temperature", begin_and_end(report.system.begin_celsius, report.system.end_celsius, " °C"));
+  if (report.reading_cost > Duration::zero()) {
+    add(facts, "cost of measuring",
+        count(ExecutionMeter::kReadings) + " readings of the processor time per frame, " +
+            text_of(report.reading_cost) + " each");
+  }
   for (const std::string& refused : report.system.refused) add(facts, "real time", refused);
   add(facts, "measured", report.measured_at + ", after " + count(report.warm_up) + " frames of warm-up");
   return document;

@@ -22,10 +22,37 @@ struct BySpan {
 template <class Array>
 BySpan(Array&) -> BySpan<Array>;
 
+template <class Array>
+struct ByExecutedPart {
+  Array& values;
+  template <class Visitor>
+  static void describe(const ByExecutedPart& self, Visitor& visit) {
+    for (std::size_t i = 0; i < kExecutedParts; ++i) {
+      visit(latency::describe(static_cast<Span>(kFirstExecuted + i)), self.values[i]);
+    }
+  }
+};
+
+template <class Array>
+ByExecutedPart(Array&) -> ByExecutedPart<Array>;
+
 template <class Self, class Visitor>
 void describe_frame(Self& frame, Visitor& visit) {
   visit("number", frame.number);
   visit("times_ns", BySpan{frame.times});
+  visit("waited_ns", ByExecutedPart{frame.waits.waited});
+  visit("ready_before_ns", frame.waits.ready_before);
+  visit("ready_during_ns", frame.waits.ready_during);
+  visit("usage", frame.waits.usage);
+}
+
+template <class Self, class Visitor>
+void describe_stall(Self& stall, Visitor& visit) {
+  visit("number", stall.number);
+  visit("excess_ns", stall.excess);
+  visit("part", stall.part);
+  visit("delayed", stall.delayed);
+  visit("lost", stall.lost);
 }
 
 template <class Self, class Visitor>
@@ -35,13 +62,20 @@ void describe_report(Self& report, Visitor& visit) {
   visit("frames", report.frames);
   visit("warm_up", report.warm_up);
   visit("rate_hz", report.rate_hz);
+  visit("time", report.time);
+  visit("planted", report.planted);
   visit("deadline_ns", report.deadline);
   visit("deadline_misses", report.deadline_misses);
   visit("period_overruns", report.period_overruns);
   visit("lost", report.lost);
+  visit("stall_count", report.stall_count);
+  visit("stall_delayed", report.stall_delayed);
+  visit("stall_lost", report.stall_lost);
+  visit("stalls", report.stalls);
   visit("overloads", report.overloads);
   visit("allocations", report.allocations);
   visit("usage", report.usage);
+  visit("reading_cost_ns", report.reading_cost);
   visit("spans_ns", BySpan{report.spans});
   visit("worst_frames", report.worst);
   visit("system", report.system);
@@ -66,12 +100,19 @@ class Writer {
       if (value.counts[i] > 0) json.push_back({i, value.counts[i]});
     }
   }
-  static void write(ordered_json& json, const std::vector<WorstFrame>& frames) {
+  static void write(ordered_json& json, const Span& value) { json = describe(value); }
+  static void write(ordered_json& json, const WorstFrame& frame) {
+    Writer writer(json);
+    describe_frame(frame, writer);
+  }
+  static void write(ordered_json& json, const Stall& stall) {
+    Writer writer(json);
+    describe_stall(stall, writer);
+  }
+  template <class T>
+  requires(!std::is_same_v<T, std::string>) static void write(ordered_json& json, const std::vector<T>& values) {
     json = ordered_json::array();
-    for (const WorstFrame& frame : frames) {
-      Writer writer(json.emplace_back());
-      describe_frame(frame, writer);
-    }
+    for (const T& value : values) write(json.emplace_back(), value);
   }
   template <class T>
   static void write(ordered_json& json, const std::optional<T>& value) {
@@ -160,9 +201,21 @@ class Reader {
       read(json[i], path + "[" + std::to_string(i) + "]", values.emplace_back());
     }
   }
+  void read(const ordered_json& json, const std::string& path, Span& span) {
+    for (std::size_t i = 0; i < kSpanCount; ++i) {
+      if (json != describe(static_cast<Span>(i))) continue;
+      span = static_cast<Span>(i);
+      return;
+    }
+    refuse(path, "the name of a span");
+  }
   void read(const ordered_json& json, const std::string& path, WorstFrame& frame) {
     Reader reader(json, path + ".", result_);
     describe_frame(frame, reader);
+  }
+  void read(const ordered_json& json, const std::string& path, Stall& stall) {
+    Reader reader(json, path + ".", result_);
+    describe_stall(stall, reader);
   }
   template <class T>
   requires requires(T& value, Reader& visit) { T::describe(value, visit); }

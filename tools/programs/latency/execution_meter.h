@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <utility>
+
+#include "core/time.h"
+#include "core/types.h"
+#include "tools/programs/latency/thread_usage.h"
+
+namespace touchline::latency {
+
+/// What the loop's thread did between a frame's arrival and its packet.
+struct FrameExecution {
+  // Processor time, measured with CLOCK_THREAD_CPUTIME_ID: the stages, and everything else.
+  std::array<Duration, kStageCount> stages{};
+  Duration others{};
+  ThreadUsage usage;
+  // Time in which the thread was ready to run but had no processor: since the previous packet, and during this frame.
+  // Zero if the kernel does not count it.
+  Duration ready_before{}, ready_during{};
+};
+
+/// Measures FrameExecution with the calls of a LoopObserver and of the pipeline's stage clock. Never allocates after
+/// construction. Each reading costs a system call (reading_cost()).
+class ExecutionMeter {
+ public:
+  ExecutionMeter() = default;
+  ~ExecutionMeter();
+  ExecutionMeter(const ExecutionMeter&) = delete;
+  ExecutionMeter& operator=(const ExecutionMeter&) = delete;
+
+  /// Stage clock for Pipeline::configure: CLOCK_MONOTONIC. Inside of a frame, it also notes the processor time for the
+  /// meter whose begin_frame() this thread called last.
+  static Instant read();
+  void begin_frame();
+  void end_frame();
+  [[nodiscard]] const FrameExecution& frame() const { return frame_; }
+
+  /// Called in the marker stage of each frame with the number of frames before it; tests and --plant delay it there.
+  void set_intrusion(std::function<void(std::uint64_t frame)> intrusion) { intrusion_ = std::move(intrusion); }
+
+  /// Processor time of this thread.
+  [[nodiscard]] static Duration processor_time();
+  /// Median time of a reading of the processor time; there are kReadings of them in a frame.
+  [[nodiscard]] static Duration reading_cost();
+  static constexpr std::size_t kReadings = kStageCount + 2;
+
+ private:
+  [[nodiscard]] Duration ready_time() const;
+
+  FrameExecution frame_;
+  ThreadUsage usage_begin_;
+  Duration begin_{}, last_{}, ready_begin_{}, ready_end_{};
+  std::size_t borders_ = 0;
+  std::uint64_t frames_ = 0;
+  std::function<void(std::uint64_t)> intrusion_;
+  int schedule_file_ = -1;
+};
+
+}  // namespace touchline::latency

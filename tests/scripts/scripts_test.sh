@@ -7,7 +7,7 @@ trap 'rm -rf "$work"' EXIT
 fail() { echo "$*" >&2; exit 1; }
 
 # tools/run and tools/bench pass --help to the program that they build.
-scripts=(tools/{deploy,estimate-arm,lint,package,publishing-cost,setup,sysroot,test,test-arm,test-board,test-package}
+scripts=(tools/{console/build,deploy,estimate-arm,lint,package,publishing-cost,setup,sysroot,test,test-arm,test-board,test-package}
          toolchain/{debian-mirror,emulate-arm64})
 
 EveryScriptHasHelp() {
@@ -44,10 +44,10 @@ EveryScriptInstallsItsPackages() {
 
 # Copies tools/test to a folder where its commands are replaced. CMake fails for the preset $broken, CTest for the preset asan.
 fake_repository() {
-  mkdir -p "$work/tools" "$work/toolchain" "$work/bin" "$work/tests/network/javascript"
+  mkdir -p "$work/tools/console" "$work/toolchain" "$work/bin" "$work/tests/network/javascript"
   cp "$root/tools/test" "$work/tools/"
   cp "$root/toolchain/use-ccache.sh" "$work/toolchain/"
-  for script in tools/setup tools/test-arm tools/lint tests/network/javascript/run bin/git bin/clang-format bin/ccache; do
+  for script in tools/setup tools/console/build tools/test-arm tools/lint tests/network/javascript/run bin/git bin/clang-format bin/ccache; do
     printf '#!/bin/sh\n' >"$work/$script"
   done
   cat >"$work/bin/cmake" <<'FAKE'
@@ -76,7 +76,7 @@ The following tests FAILED:
 LOG
 exit 8
 FAKE
-  chmod +x "$work"/bin/* "$work"/tools/* "$work/tests/network/javascript/run"
+  chmod +x "$work"/bin/* "$work"/tools/* "$work/tools/console/build" "$work/tests/network/javascript/run"
   export work broken=${1:-none} PATH=$work/bin:$PATH
 }
 
@@ -94,9 +94,10 @@ ASummaryNamesFailedTests() {
 ASummaryNamesSkippedTests() {
   fake_repository
   local output
-  printf '#!/bin/sh\nexit 1\n' >"$work/tests/network/javascript/run"
+  printf '#!/bin/sh\nexit 1\n' | tee "$work/tools/console/build" >"$work/tests/network/javascript/run"
   output=$("$work/tools/test" --quick 2>&1) || fail "a skipped test is a failure: $output"
   grep -q 'protobufjs could not be installed' <<<"$output" || fail "protobufjs is missing without a word: $output"
+  grep -q "console's page could not be built" <<<"$output" || fail "the page is missing without a word: $output"
   for expected in 'skipped: 2,' 'Network.ProtobufjsReadsThePackets$' 'Arena.NeedsPictures$'; do
     grep -qE "$expected" <<<"${output#*== summary}" || fail "the summary lacks $expected: $output"
   done

@@ -1,0 +1,96 @@
+// A server with a simulated game, to develop the page without a build of Touchline and to show what a real server shows
+// rarely: node dev/server.js [--port N] [--protocol N] [--field NAME=JSON of `hello`]. It serves dist/ and speaks
+// docs/console-protocol.md.
+import { createReadStream, existsSync } from 'node:fs';
+import { createServer } from 'node:http';
+import { extname, join, normalize } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { parseArgs } from 'node:util';
+import { WebSocketServer } from 'ws';
+import { Game } from './game.js';
+import { makePicture } from './picture.js';
+
+const { values } = parseArgs({
+  options: { port: { type: 'string', default: '8642' }, protocol: { type: 'string', default: '1' }, version: { type: 'string', default: 'rehearsal' }, hello: { type: 'string', default: '{}' } },
+});
+const dist = fileURLToPath(new URL('../dist/', import.meta.url));
+const game = new Game();
+const types = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
+
+const server = createServer((request, response) => {
+  const path = normalize(decodeURIComponent(new URL(request.url, 'http://localhost').pathname));
+  const file = join(dist, path === '/' ? 'index.html' : path);
+  if (!file.startsWith(dist) || !existsSync(file)) {
+    response.writeHead(404).end('not found');
+    return;
+  }
+  response.writeHead(200, {
+    'Content-Type': types[extname(file)] ?? 'application/octet-stream',
+    'Content-Security-Policy': "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; connect-src 'self'; frame-ancestors 'none'",
+  });
+  createReadStream(file).pipe(response);
+});
+
+const clients = new Map();
+let nextClient = 1;
+let driver = null;
+const tellDriver = () => {
+  for (const [socket, client] of clients) send(socket, { type: 'driver', driver, you: driver === client.number });
+};
+const send = (socket, message) => socket.send(JSON.stringify(message));
+const sockets = new WebSocketServer({ server, path: '/ws' });
+
+sockets.on('connection', (socket) => {
+  const client = { number: nextClient++, picture: null, state_hz: 15, waiting: 0, nextState: 0, nextPicture: 0 };
+  clients.set(socket, client);
+  send(socket, { ...game.hello(), protocol: Number(values.protocol), version: values.version, you: client.number, ...JSON.parse(values.hello) });
+  for (const event of game.events) send(socket, event);
+  tellDriver();
+  socket.on('close', () => {
+    clients.delete(socket);
+    if (driver === client.number) {
+      driver = null;
+      game.halt.add('console');
+      tellDriver();
+    }
+  });
+  socket.on('message', (data) => {
+    const message = JSON.parse(data.toString());
+    let error;
+    if (message.type === 'watch') Object.assign(client, { picture: message.picture, state_hz: message.state_hz });
+    else if (message.type === 'seen') client.waiting = Math.max(0, client.waiting - 1);
+    else if (message.type === 'stop') game.stop(client.number);
+    else if (message.type === 'take') driver = client.number;
+    else if (message.type === 'release' && driver === client.number) driver = null;
+    else if (message.type === 'start' || message.type === 'drive') {
+      if (driver !== client.number) error = 'another screen has control';
+      else if (message.type === 'start') game.start();
+      else game.drive(message.id, message.speed_mps, message.turn_radps);
+    }
+    if (message.request) send(socket, { type: 'answer', to: message.request, ok: !error, error });
+    if (message.type === 'take' || message.type === 'release') tellDriver();
+  });
+});
+
+let picture = { number: -1, jpeg: null };
+const frameMs = 1000 / 60;
+setInterval(() => {
+  game.step(frameMs / 1000);
+  const now = performance.now();
+  for (const [socket, client] of clients) {
+    const pictureDue = client.picture && client.waiting < 2 && now >= client.nextPicture;
+    if (now < client.nextState && !pictureDue) continue;
+    client.nextState = now + 1000 / client.state_hz;
+    send(socket, game.state());
+    if (!pictureDue) continue;
+    if (picture.number !== game.number) picture = { number: game.number, jpeg: makePicture(game) };
+    client.nextPicture = now + 1000 / client.picture.rate_hz;
+    client.waiting += 1;
+    socket.send(picture.jpeg);
+  }
+}, frameMs);
+setInterval(() => {
+  for (const socket of clients.keys()) send(socket, game.status(clients.size));
+}, 1000);
+
+server.listen(Number(values.port), '127.0.0.1', () => console.log(`console: http://127.0.0.1:${server.address().port}/`));

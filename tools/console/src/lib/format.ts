@@ -1,0 +1,33 @@
+const missing = '–';
+
+/** A number with fixed decimals, or a dash. */
+export function fixed(value: number | null | undefined, decimals: number): string {
+  return value === null || value === undefined || !Number.isFinite(value) ? missing : value.toFixed(decimals);
+}
+
+/** 1234567 -> "1 234 567", with narrow spaces. */
+export function count(value: number | null | undefined): string {
+  if (value === null || value === undefined) return missing;
+  return Math.round(value).toString().replace(/\B(?=(\d{3})+$)/g, '\u202f');
+}
+
+/** 75 -> "1 min 15 s" */
+export function duration(seconds: number): string {
+  const whole = Math.max(0, Math.floor(seconds));
+  const h = Math.floor(whole / 3600);
+  const min = Math.floor(whole / 60) % 60;
+  if (h > 0) return `${h} h ${min} min`;
+  return min > 0 ? `${min} min ${whole % 60} s` : `${whole} s`;
+}
+
+/** The server's Unix time as time of day, "14:03:12". */
+export function timeOfDay(unix_s: number): string {
+  const date = new Date(unix_s * 1000);
+  if (Number.isNaN(date.getTime())) return missing;
+  return [date.getHours(), date.getMinutes(), date.getSeconds()].map((part) => String(part).padStart(2, '0')).join(':');
+}
+
+export function cssColor(rgb: readonly number[] | undefined, fallback: string): string {
+  if (!rgb || rgb.length !== 3 || rgb.some((value) => !Number.isFinite(value))) return fallback;
+  return `rgb(${rgb.map((value) => Math.round(value)).join(' ')})`;
+}

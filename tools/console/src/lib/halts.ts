@@ -1,0 +1,26 @@
+export interface HaltText {
+  reason: string; // continues "Robots stopped: "
+  remedy: string;
+}
+
+const HALT_TEXTS: Record<string, HaltText> = {
+  console: { reason: 'Stop was pressed', remedy: 'The driver can press Start.' },
+  no_frames: { reason: 'no picture from the camera', remedy: 'Check the camera and its cable. Robots move again with the first good picture.' },
+  emergency: { reason: 'the emergency stop is pulled', remedy: 'Release the switch at the board. This page cannot release it.' },
+  unreadable_line: { reason: 'the emergency stop cannot be read', remedy: 'Check the wire of the emergency stop and the GPIO lines of the board file.' },
+  start: { reason: 'the start button was not pressed yet', remedy: 'Press the start button at the board.' },
+  crash: { reason: 'the last run ended unexpectedly', remedy: 'Look at the event log. Then press the start button or restart the service.' },
+  referee: { reason: 'the referee stopped the game', remedy: 'Robots move again when the referee continues the game.' },
+  teams: { reason: 'the referee asks for team colors or heights that the team file does not have', remedy: 'Correct the team file or the referee\'s settings.' },
+  silence: { reason: 'no message from the referee', remedy: 'Check the network to the referee\'s computer.' },
+};
+
+/** What a halt means and what to do; a word that this page does not know is shown as it is. */
+export function haltText(word: string): HaltText {
+  return Object.hasOwn(HALT_TEXTS, word) ? HALT_TEXTS[word]! : { reason: word, remedy: '' };
+}
+
+/** "the emergency stop is pulled, no picture from the camera" */
+export function haltReasons(halt: readonly string[]): string {
+  return halt.map((word) => haltText(word).reason).join(', ');
+}

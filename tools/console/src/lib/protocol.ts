@@ -1,0 +1,248 @@
+// The messages between server and page; docs/console-protocol.md describes them. Lengths are in meters, angles in radians
+// counter-clockwise from x, times in seconds of the server's Unix time, unless the name says otherwise. The server adds new
+// members at any time; a member that changes its meaning or disappears increases PROTOCOL.
+
+export const PROTOCOL = 1;
+
+export type TeamName = 'own' | 'opponent';
+export type Rgb = [number, number, number];
+
+export interface Field {
+  length_m: number;
+  width_m: number;
+  goal_width_m: number;
+  goal_depth_m: number;
+  margin_m?: number;
+  center_circle_m?: number; // radius; 0 or absent: not marked
+  penalty_area_depth_m?: number;
+  penalty_area_width_m?: number;
+}
+
+/** Pixels of a grid of field points, so that the page needs no camera model. Between them it interpolates. */
+export interface Projection {
+  x_min_m: number;
+  y_min_m: number;
+  step_m: number;
+  columns: number; // along x
+  rows: number; // along y
+  /** One plane per height: the floor, and the markers of each team. */
+  planes: { height_m: number; uv_px: (number | null)[] }[]; // u, v, u, v, ... row by row; null: not visible
+}
+
+export interface RobotDescription {
+  team: TeamName;
+  id: number;
+  name?: string;
+  color?: string; // name of the team's color
+  rgb?: Rgb;
+  length_m?: number; // of the outline, along the heading
+  width_m?: number;
+  height_m?: number; // of the marker above the floor
+  patches?: { color: string; rgb: Rgb; x_m: number; y_m: number; radius_m: number }[];
+}
+
+export interface Hello {
+  type: 'hello';
+  protocol: number;
+  version: string;
+  board: string;
+  venue: string;
+  team: string;
+  you: number;
+  time_s?: number;
+  field: Field;
+  camera: { width_px: number; height_px: number; rate_hz: number; description: string };
+  projection?: Projection | null;
+  robots: RobotDescription[];
+  classes: { name: string; rgb: Rgb }[];
+  ball?: { color: string; rgb: Rgb; radius_m: number };
+  stop_after_s: number;
+  max_speed_mps?: number; // of own robots
+  max_turn_radps?: number;
+}
+
+export interface BallSighting {
+  x_m: number;
+  y_m: number;
+  u_px: number;
+  v_px: number;
+  confidence: number;
+}
+
+export interface RobotSighting {
+  team: TeamName;
+  id: number | null;
+  x_m: number;
+  y_m: number;
+  heading_rad: number | null;
+  u_px: number;
+  v_px: number;
+  confidence: number;
+  outline_px: [number, number][];
+}
+
+export interface RobotTrack {
+  team: TeamName;
+  id: number | null;
+  seen: boolean; // false: predicted from earlier frames
+  x_m: number;
+  y_m: number;
+  heading_rad: number;
+  speed_mps: number;
+  turn_radps: number;
+  sigma_x_m: number;
+  sigma_y_m: number;
+  covariance_xy_m2: number;
+  sigma_heading_rad: number;
+  action: { x_m: number; y_m: number; heading_rad: number }; // predicted for the time at which the command acts
+  confidence: number;
+}
+
+export interface BallTrack {
+  seen: boolean;
+  x_m: number;
+  y_m: number;
+  vx_mps: number;
+  vy_mps: number;
+  sigma_m: number;
+  action: { x_m: number; y_m: number };
+  confidence: number;
+}
+
+export type CommandSource = 'play' | 'external' | 'expired' | 'console';
+
+export interface Command {
+  id: number;
+  left_mps: number;
+  right_mps: number;
+  source: CommandSource;
+}
+
+export interface State {
+  type: 'state';
+  number: number; // of processed frames; the picture with the same number belongs to this state
+  frame: number;
+  captured_s: number;
+  sent_s?: number;
+  latency_ms: number;
+  ball: BallSighting | null;
+  robots: RobotSighting[];
+  ball_track?: BallTrack | null;
+  tracks: RobotTrack[];
+  commands: Command[];
+  stop: boolean; // the packet tells all robots to stop
+  halt: string[]; // reasons: words of HALT_TEXTS
+  referee?: { phase: string };
+  roles?: { id: number; role: 'goalkeeper' | 'attacker' | 'supporter' }[];
+  score?: { own: number; opponent: number } | null;
+  brightness?: number; // of the light, relative to the calibration
+}
+
+export interface LatencySummary {
+  count: number;
+  p50_ms: number;
+  p99_ms: number;
+  p999_ms: number;
+  max_ms: number;
+  bins: [number, number, number][]; // from and to in milliseconds, count; without empty bins
+}
+
+export interface RobotRadio {
+  id: number;
+  battery_v: number | null;
+  battery_low?: boolean;
+  link_percent: number | null;
+  age_s: number;
+}
+
+export interface Status {
+  type: 'status';
+  time_s: number;
+  elapsed_s: number;
+  rate_hz: number;
+  latency: { start: LatencySummary; minute: LatencySummary };
+  deadline_ms?: number;
+  deadlines_missed?: number;
+  frames: number;
+  frames_lost: number;
+  overloads?: number;
+  faults?: number;
+  cpu_percent?: number | null; // of one processor
+  temperature_c?: number | null;
+  memory_mb?: number | null;
+  radio: { packets: number; dropped: number; refused?: number; stop_packets?: number };
+  telemetry?: RobotRadio[];
+  adaptation?: 'follow' | 'frozen' | 'off';
+  clients: number;
+}
+
+export interface EventLine {
+  type: 'event';
+  time_s: number;
+  level: 'info' | 'warning' | 'error';
+  text: string;
+}
+
+export interface Driver {
+  type: 'driver';
+  driver: number | null;
+  you: boolean;
+}
+
+export interface Answer {
+  type: 'answer';
+  to: number;
+  ok: boolean;
+  error?: string;
+}
+
+export type ServerMessage = Hello | State | Status | EventLine | Driver | Answer;
+
+export type ClientMessage =
+  | { type: 'watch'; picture: { rate_hz: number; max_width_px: number } | null; state_hz: number }
+  | { type: 'seen'; number: number }
+  | { type: 'stop' }
+  | { type: 'start' }
+  | { type: 'take' }
+  | { type: 'release' }
+  | { type: 'ping' }
+  | { type: 'drive'; team: 'own'; id: number; speed_mps: number; turn_radps: number }
+  | { type: 'adaptation'; action: 'freeze' | 'follow' | 'reset' };
+
+/** Header of a binary message: 32 bytes, little-endian; a JPEG follows. */
+export const PICTURE_HEADER_BYTES = 32;
+export const PICTURE_MAGIC = 0x43504c54;
+
+export interface PictureHeader {
+  width_px: number;
+  height_px: number;
+  full_width_px: number; // of the camera; overlays are in its pixels
+  number: number;
+  captured_s: number;
+}
+
+/** Returns null if the message is not a picture of a known version. */
+export function readPictureHeader(data: ArrayBuffer): PictureHeader | null {
+  if (data.byteLength <= PICTURE_HEADER_BYTES) return null;
+  const view = new DataView(data);
+  if (view.getUint32(0, true) !== PICTURE_MAGIC || view.getUint8(4) !== 1 || view.getUint8(5) !== 1) return null;
+  const header = {
+    width_px: view.getUint16(6, true),
+    height_px: view.getUint16(8, true),
+    full_width_px: view.getUint16(10, true),
+    number: Number(view.getBigUint64(16, true)),
+    captured_s: Number(view.getBigInt64(24, true)) / 1e6,
+  };
+  return header.width_px > 0 && header.height_px > 0 && header.full_width_px > 0 ? header : null;
+}
+
+/** Reads a text message. Returns null if it is not an object with a type. */
+export function readMessage(text: string): ServerMessage | null {
+  try {
+    const message: unknown = JSON.parse(text);
+    if (typeof message !== 'object' || message === null || !('type' in message)) return null;
+    return message as ServerMessage;
+  } catch {
+    return null;
+  }
+}

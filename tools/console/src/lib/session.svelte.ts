@@ -1,0 +1,280 @@
+import { Connection } from './connection';
+import { PixelMap } from './projection';
+import { PROTOCOL, type ClientMessage, type Driver, type EventLine, type Hello, type PictureHeader, type ServerMessage, type State, type Status } from './protocol';
+import { StopRequest } from './stop_request';
+import { Trails } from './trails';
+
+/** Values older than this are greyed. States arrive at least five times in this time. */
+export const STALE_MS = 1200;
+// The server sends its last 100 lines to every new client.
+const MAX_EVENTS = 200;
+const MAX_LATENCY_SAMPLES = 600;
+// States that wait for their picture, which follows at once on the same link.
+const MAX_WAITING_STATES = 30;
+
+export interface Picture {
+  image: ImageBitmap;
+  header: PictureHeader;
+  state: State | null; // of the same frame
+}
+
+export interface Notice {
+  time_s: number | null;
+  text: string;
+}
+
+/** Everything that the server said, for the pages to show. */
+class Session {
+  phase = $state<'connecting' | 'open' | 'lost'>('connecting');
+  hello = $state.raw<Hello | null>(null);
+  state = $state.raw<State | null>(null);
+  status = $state.raw<Status | null>(null);
+  picture = $state.raw<Picture | null>(null);
+  events = $state.raw<EventLine[]>([]);
+  driver = $state.raw<Driver>({ type: 'driver', driver: null, you: false });
+  stop = $state.raw<{ request: StopRequest } | null>(null);
+  problem = $state(''); // the server's answer to the last request that it refused
+  lostReason = $state('');
+  accessDenied = $state(false);
+  serverProtocol = $state<number | null>(null); // of a server that this page cannot talk to
+  newVersion = $state<string | null>(null); // the server was replaced since this page was loaded
+  returned = $state<string | null>(null); // what happened while there was no connection
+  clockDifference_s = $state<number | null>(null); // this device's clock minus the board's
+  now_ms = $state(performance.now());
+  lost_ms = $state(0);
+  retryAt_ms = $state(0);
+  private lastData_ms = $state(-Infinity);
+  private lastStatus_ms = $state(-Infinity);
+
+  stale = $derived(this.phase !== 'open' || this.now_ms - this.lastData_ms > STALE_MS);
+  /** Seconds since the last state arrived, by this device's steady clock. */
+  silence_s = $derived(Math.max(0, (this.now_ms - this.lastData_ms) / 1000));
+  statusStale = $derived(this.phase !== 'open' || this.now_ms - this.lastStatus_ms > 3000);
+  pixelMap = $derived(this.hello?.projection ? new PixelMap(this.hello.projection) : null);
+
+  readonly trails = new Trails();
+  /** p50 and p99 of the last minute, once per status. */
+  readonly latencySamples: { time_s: number; p50_ms: number; p99_ms: number; max_ms: number }[] = [];
+
+  private waiting = new Map<number, State>();
+  private requests = new Map<number, string>();
+  private decoding = false;
+  private next: { header: PictureHeader; jpeg: Blob } | null = null;
+  private wanted: Extract<ClientMessage, { type: 'watch' }> = { type: 'watch', picture: null, state_hz: 15 };
+  private bootVersion: string | null = null;
+  private readonly connection: Connection;
+
+  constructor() {
+    const url = new URL('ws', location.href);
+    url.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
+    url.hash = '';
+    this.connection = new Connection(url.href, {
+      opened: () => this.opened(),
+      lost: (reason, retryInMs) => this.lost(reason, retryInMs),
+      message: (message) => this.receive(message),
+      picture: (header, jpeg) => this.receivePicture(header, jpeg),
+    });
+  }
+
+  start(): void {
+    this.connection.open();
+    setInterval(() => (this.now_ms = performance.now()), 200);
+    // Robots stop when the driver is silent for a second.
+    setInterval(() => this.driver.you && this.connection.tell({ type: 'ping' }), 300);
+    addEventListener('online', () => this.phase !== 'open' && this.connection.open());
+    document.addEventListener('visibilitychange', () => {
+      if (!document.hidden && this.phase === 'lost') this.connection.open();
+      this.sendWatch();
+    });
+  }
+
+  retryNow(): void {
+    this.connection.open();
+  }
+
+  /** What this page shows: a picture of at most this width, or none. */
+  watch(picture: { rate_hz: number; max_width_px: number } | null): void {
+    const wanted = { type: 'watch', picture, state_hz: 15 } as const;
+    if (JSON.stringify(wanted) === JSON.stringify(this.wanted)) return;
+    this.wanted = wanted;
+    if (!picture) this.setPicture(null);
+    this.sendWatch();
+  }
+
+  requestStop(): void {
+    const request = new StopRequest(this.state?.number ?? -1, performance.now());
+    request.sent = this.connection.send({ type: 'stop' }) > 0;
+    this.stop = { request };
+  }
+
+  requestStart(): void {
+    this.stop = null;
+    this.ask({ type: 'start' }, 'Start');
+  }
+
+  takeControl(): void {
+    this.ask({ type: 'take' }, 'Take control');
+  }
+
+  releaseControl(): void {
+    this.ask({ type: 'release' }, 'Give up control');
+  }
+
+  tell(message: ClientMessage): void {
+    this.connection.tell(message);
+  }
+
+  private ask(message: ClientMessage, what: string): void {
+    this.problem = '';
+    const number = this.connection.send(message);
+    if (number > 0) this.requests.set(number, what);
+    else this.problem = `${what}: no connection.`;
+  }
+
+  private sendWatch(): void {
+    // A page in the background needs to know halts only.
+    this.connection.tell(document.hidden ? { type: 'watch', picture: null, state_hz: 2 } : this.wanted);
+  }
+
+  private opened(): void {
+    this.accessDenied = false;
+    this.sendWatch();
+  }
+
+  private lost(reason: string, retryInMs: number): void {
+    this.lostReason = reason;
+    this.retryAt_ms = performance.now() + retryInMs;
+    if (this.phase === 'open') this.lost_ms = performance.now();
+    if (this.phase !== 'lost') {
+      this.driver = { type: 'driver', driver: null, you: false };
+      this.requests.clear();
+      this.phase = this.hello ? 'lost' : 'connecting';
+    }
+    this.checkAccess();
+  }
+
+  /** The browser does not tell why a WebSocket was refused; a plain request does. */
+  private async checkAccess(): Promise<void> {
+    try {
+      const answer = await fetch('.', { method: 'HEAD', cache: 'no-store' });
+      this.accessDenied = answer.status === 401 || answer.status === 403;
+    } catch {
+      this.accessDenied = false;
+    }
+  }
+
+  private receive(message: ServerMessage): void {
+    if (message.type === 'hello') return this.receiveHello(message);
+    if (this.serverProtocol !== null) return;
+    switch (message.type) {
+      case 'state':
+        return this.receiveState(message);
+      case 'status':
+        this.status = message;
+        this.lastStatus_ms = this.now_ms = performance.now();
+        this.latencySamples.push({
+          time_s: message.time_s,
+          p50_ms: message.latency.minute.p50_ms,
+          p99_ms: message.latency.minute.p99_ms,
+          max_ms: message.latency.minute.max_ms,
+        });
+        if (this.latencySamples.length > MAX_LATENCY_SAMPLES) this.latencySamples.shift();
+        return;
+      case 'event':
+        this.events = [...this.events, message].slice(-MAX_EVENTS);
+        return;
+      case 'driver':
+        this.driver = message;
+        return;
+      case 'answer': {
+        const what = this.requests.get(message.to);
+        this.requests.delete(message.to);
+        if (!message.ok && what) this.problem = `${what}: ${message.error ?? 'refused'}`;
+        return;
+      }
+    }
+  }
+
+  private receiveHello(hello: Hello): void {
+    if (hello.protocol !== PROTOCOL) {
+      this.serverProtocol = hello.protocol;
+      this.forget();
+      this.hello = null;
+      this.phase = 'open';
+      return;
+    }
+    this.serverProtocol = null;
+    if (this.bootVersion !== null && this.bootVersion !== hello.version) this.newVersion = hello.version;
+    this.bootVersion ??= hello.version;
+    if (this.phase === 'lost') {
+      const gap_s = (performance.now() - this.lost_ms) / 1000;
+      this.returned = `The connection is back after ${gap_s < 1 ? 'less than a second' : `${Math.round(gap_s)} s`}.`;
+    }
+    if (hello.time_s !== undefined) this.clockDifference_s = Date.now() / 1000 - hello.time_s;
+    this.forget();
+    this.hello = hello;
+    this.phase = 'open';
+    // A stop that was not confirmed before the link broke is still wanted.
+    if (this.stop && !this.stop.request.confirmed) {
+      this.stop.request.restart();
+      this.stop.request.sent = this.connection.send({ type: 'stop' }) > 0;
+    }
+  }
+
+  private forget(): void {
+    this.waiting.clear();
+    this.trails.clear();
+    this.events = [];
+    this.state = null;
+    this.status = null;
+    this.latencySamples.length = 0;
+    this.next = null;
+    this.setPicture(null);
+  }
+
+  private receiveState(state: State): void {
+    this.state = state;
+    this.lastData_ms = this.now_ms = performance.now();
+    this.trails.add(state);
+    this.waiting.set(state.number, state);
+    if (this.waiting.size > MAX_WAITING_STATES) this.waiting.delete(this.waiting.keys().next().value!);
+    if (this.stop) {
+      const before = this.stop.request.confirmed;
+      this.stop.request.accept(state);
+      // Released by somebody else.
+      if (before && !state.halt.includes('console')) this.stop = null;
+      else if (before !== this.stop.request.confirmed) this.stop = { request: this.stop.request };
+    }
+  }
+
+  private receivePicture(header: PictureHeader, jpeg: Blob): void {
+    if (this.serverProtocol !== null) return;
+    if (this.next) this.connection.tell({ type: 'seen', number: this.next.header.number });
+    this.next = { header, jpeg };
+    if (!this.decoding) void this.decode();
+  }
+
+  private async decode(): Promise<void> {
+    this.decoding = true;
+    while (this.next) {
+      const { header, jpeg } = this.next;
+      this.next = null;
+      try {
+        const image = await createImageBitmap(jpeg);
+        if (this.wanted.picture && this.phase === 'open') this.setPicture({ image, header, state: this.waiting.get(header.number) ?? null });
+        else image.close();
+      } catch {
+        // A damaged picture; the next one replaces it.
+      }
+      this.connection.tell({ type: 'seen', number: header.number });
+    }
+    this.decoding = false;
+  }
+
+  private setPicture(picture: Picture | null): void {
+    this.picture?.image.close();
+    this.picture = picture;
+  }
+}
+
+export const session = new Session();

@@ -196,8 +196,19 @@ TEST_F(Replay, RecognizesThePaintedScene) {
     record.tracks = record.sightings;
     truth.push_back(record);
   }
+  options.plot = folder / "motion.svg";
+  options.plot_robot = "blue:4";
   ASSERT_TRUE(run()) << error;
   EXPECT_EQ(summary.frames, 3u);
+  EXPECT_TRUE(std::filesystem::exists(options.plot));
+  options.plot_robot = "blue:2";
+  EXPECT_FALSE(run());
+  EXPECT_NE(error.find("blue:2: it was never seen"), std::string::npos) << error;
+  options.plot_robot = "green:1";
+  EXPECT_FALSE(run());
+  EXPECT_NE(error.find("such as blue:0"), std::string::npos) << error;
+  options.plot_robot.clear();
+  ASSERT_TRUE(run()) << error;
   EXPECT_EQ(summary.robots, 6u);
   EXPECT_EQ(summary.robots_with_id, 6u);
   EXPECT_EQ(summary.frames_with_ball, 3u);

@@ -7,6 +7,7 @@
 
 #include "core/geometry/vector2.h"
 #include "tools/programs/command_line/formatted.h"
+#include "tools/programs/replay/chart.h"
 
 namespace touchline::relight {
 namespace {
@@ -21,15 +22,6 @@ CanvasColor shade(double t) {
   constexpr std::array<CanvasColor, 5> kStops{
       {{0.27, 0.0, 0.33}, {0.23, 0.32, 0.55}, {0.13, 0.57, 0.55}, {0.37, 0.79, 0.38}, {0.99, 0.91, 0.14}}};
   return replay::color_on_scale(kStops, t);
-}
-
-// Returns a step of 1, 2 or 5 times a power of ten that gives about five ticks.
-double step_of(double range) {
-  const double raw = range / 5, power = std::pow(10.0, std::floor(std::log10(raw)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (raw <= factor * power) return factor * power;
-  }
-  return 10 * power;
 }
 
 // Projects the unit cube, rotated and seen from above, without perspective.
@@ -60,7 +52,7 @@ class Component {
       values_.push_back(1.0 / static_cast<double>(map.illumination[channel][i]));
     }
     const auto [least, most] = std::minmax_element(values_.begin(), values_.end());
-    step_ = step_of(std::max(*most - *least, 0.05));
+    step_ = replay::tick_step(std::max(*most - *least, 0.05));
     low_ = std::floor(*least / step_) * step_;
     high_ = std::max(std::ceil(*most / step_), low_ / step_ + 1) * step_;
   }

@@ -1,6 +1,9 @@
 #include "tools/programs/replay/replay.h"
 
+#include <array>
+#include <limits>
 #include <memory>
+#include <utility>
 
 #include "core/pipeline.h"
 #include "firmware/config/configuration.h"
@@ -9,6 +12,7 @@
 #include "hal/replay/replay_camera.h"
 #include "tools/programs/replay/annotation.h"
 #include "tools/programs/replay/annotation_output.h"
+#include "tools/programs/replay/motion_plot.h"
 
 namespace touchline::replay {
 namespace {
@@ -26,7 +30,7 @@ AnnotationStyle annotation_style(const config::Configuration& configuration) {
 }
 
 Result<void> check_outputs(const ReplayOptions& options) {
-  for (const std::string& output : {options.out, options.annotate}) {
+  for (const std::string& output : {options.out, options.annotate, options.plot}) {
     if (output.empty()) continue;
     for (const std::string& input : {options.input, options.venue, options.team}) {
       if (!would_overwrite(input, output)) continue;
@@ -37,7 +41,35 @@ Result<void> check_outputs(const ReplayOptions& options) {
   if (would_overwrite(options.out, options.annotate)) {
     return failure(ErrorCode::kInconsistent, "%s: is also the result file", options.annotate.c_str());
   }
+  if (!options.plot.empty() &&
+      (would_overwrite(options.out, options.plot) || would_overwrite(options.annotate, options.plot))) {
+    return failure(ErrorCode::kInconsistent, "%s: is also another output", options.plot.c_str());
+  }
   return {};
+}
+
+// Finds the robot of --plot-robot. `names`: of the teams.
+Result<std::pair<Team, RobotId>> robot_to_plot(const std::string& wanted, const std::array<std::string, 2>& names,
+                                               const MotionPlot& plot) {
+  if (wanted.empty()) return plot.farthest();
+  for (const Team team : {Team::kOwn, Team::kOpponent}) {
+    const std::string prefix = names[static_cast<std::size_t>(team)] + ":";
+    for (int id = 0; id <= std::numeric_limits<RobotId>::max(); ++id) {
+      if (wanted != prefix + std::to_string(id)) continue;
+      if (plot.knows(team, static_cast<RobotId>(id))) return std::pair{team, static_cast<RobotId>(id)};
+      return failure(ErrorCode::kNotFound, "--plot-robot %s: it was never seen", wanted.c_str());
+    }
+  }
+  return failure(ErrorCode::kNotFound, "--plot-robot %s: not a robot of this game, such as %s:0", wanted.c_str(),
+                 names[0].c_str());
+}
+
+Result<void> write_plot(const ReplayOptions& options, const std::array<std::string, 2>& names, const MotionPlot& plot,
+                        hal::OutputFile& file) {
+  TOUCHLINE_TRY_ASSIGN(const auto robot, robot_to_plot(options.plot_robot, names, plot));
+  const auto& [team, id] = robot;
+  TOUCHLINE_TRY(file.write(plot.svg(team, id, names[static_cast<std::size_t>(team)] + " " + std::to_string(int{id}))));
+  return file.commit();
 }
 
 void count(const StepTrace& trace, ReplaySummary& summary) {
@@ -74,6 +106,9 @@ Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progr
   AnnotationOutput pictures;
   std::unique_ptr<Annotator> annotator;
   TOUCHLINE_TRY(lines.open(options.out));
+  hal::OutputFile plot_file;
+  MotionPlot plot;
+  if (!options.plot.empty()) TOUCHLINE_TRY(plot_file.open(options.plot));
   if (!options.annotate.empty()) {
     TOUCHLINE_TRY(pictures.open(options.annotate, info.rate_hz));
     annotator = std::make_unique<Annotator>(configuration->pipeline, style);
@@ -98,9 +133,11 @@ Result<ReplaySummary> replay(const ReplayOptions& options, const Progress& progr
       const Duration stamp = frame.capture_time.time_since_epoch();
       TOUCHLINE_TRY(pictures.write(*surface, frame.sequence, camera.file(), stamp));
     }
+    if (!options.plot.empty()) plot.add(trace);
     count(trace, summary);
     progress(summary.frames, camera.frame_count());
   }
+  if (!options.plot.empty()) TOUCHLINE_TRY(write_plot(options, style.names.teams, plot, plot_file));
   TOUCHLINE_TRY(pictures.finish());
   TOUCHLINE_TRY(lines.commit());
   return summary;

@@ -16,6 +16,8 @@ struct ReplayOptions {
   std::vector<std::string> overrides;  // "key=value" for keys of the two files
   std::string out;                     // JSON lines; appears when all frames are in it
   std::string annotate;                // empty, a folder, or a file NAME.mp4
+  std::string plot;                    // empty, or an SVG file (MotionPlot)
+  std::string plot_robot;              // TEAM:ID; empty: the robot that drives farthest
   double rate_hz = 0.0;                // 0: a video's own time stamps, pictures at 30 Hz
   bool skip_damaged = false;           // false: the first picture that cannot be decoded ends the replay
 };

@@ -134,8 +134,13 @@ void write_frame(JsonWriter& json, const FrameResults& results, const TraceNames
 }
 
 std::string trace_line(const StepTrace& trace, const TraceNames& names, std::uint64_t frame, std::string_view file) {
-  const FrameResults results{trace.frame.capture_time, trace.sightings.ball, trace.sightings.robots, trace.tracks,
-                             trace.overload};
+  return trace_line(
+      {trace.frame.capture_time, trace.sightings.ball, trace.sightings.robots, trace.tracks, trace.overload}, names,
+      frame, file);
+}
+
+std::string trace_line(const FrameResults& results, const TraceNames& names, std::uint64_t frame,
+                       std::string_view file) {
   // A usual frame needs 4 KB. Names of colors and files have any length.
   for (std::size_t capacity = 8192;; capacity *= 2) {
     std::string line(capacity, '\0');

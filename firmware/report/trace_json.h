@@ -42,5 +42,7 @@ void write_number(JsonWriter& json, std::string_view key, float value, double st
 
 /// The replay's line for a frame: an object with the members of write_frame(), without line end.
 std::string trace_line(const StepTrace& trace, const TraceNames& names, std::uint64_t frame, std::string_view file);
+std::string trace_line(const FrameResults& results, const TraceNames& names, std::uint64_t frame,
+                       std::string_view file);
 
 }  // namespace touchline::report

@@ -1,6 +1,8 @@
 // The program touchline-latency: exit codes, files, output.
 #include <sys/wait.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/tools/program_folder.h"
 #include "tools/programs/latency/report_json.h"
 
@@ -93,6 +95,40 @@ TEST_F(LatencyProgram, WorkIsChargedToItsStage) {
   ASSERT_TRUE(report.ok()) << report.text();
   const latency::SpanTimes& times = report.value().worst.at(0).times;
   EXPECT_GE(times[static_cast<std::size_t>(latency::Span::kMarker)], std::chrono::milliseconds(100)) << read("out");
+}
+
+// A replay of the saved pictures sees the same robots. Their ids may follow from earlier frames.
+TEST_F(LatencyProgram, SavedWorstFramesCanBeReplayed) {
+  ASSERT_EQ(measure("--frames 40 --list 3 --plant work=50 --save-worst " + path("worst")), 0) << read("out");
+  const std::string replayed = read("out");
+  const std::size_t command = replayed.find("touchline-replay " + path("worst"));
+  ASSERT_NE(command, std::string::npos) << replayed;
+  EXPECT_TRUE(std::filesystem::exists(path("worst/frame-000021.png")));
+  const std::string arguments = replayed.substr(command, replayed.find("--out -", command) - command)
+                                    .substr(std::string("touchline-replay ").size());
+  ASSERT_TRUE(run_program("'" TOUCHLINE_REPLAY "'", arguments + "--quiet --out " + path("again.jsonl"))) << read("out");
+  std::istringstream saved(read("worst/trace.jsonl")), again(read("again.jsonl"));
+  int lines = 0;
+  const auto robots = [](const std::string& line) {
+    const nlohmann::json parsed = nlohmann::json::parse(line);
+    std::vector<std::pair<double, double>> found;
+    for (const auto& robot : parsed["sightings"]["robots"]) found.emplace_back(robot["x"], robot["y"]);
+    std::sort(found.begin(), found.end());
+    return found;
+  };
+  for (std::string a, b; std::getline(saved, a); ++lines) {
+    ASSERT_TRUE(std::getline(again, b));
+    const auto in_a = robots(a), in_b = robots(b);
+    ASSERT_EQ(in_a.size(), in_b.size()) << a << "\n" << b;
+    EXPECT_EQ(in_a.size(), 10u);
+    for (std::size_t i = 0; i < in_a.size(); ++i) {
+      EXPECT_NEAR(in_a[i].first, in_b[i].first, 1e-3);
+      EXPECT_NEAR(in_a[i].second, in_b[i].second, 1e-3);
+    }
+  }
+  EXPECT_EQ(lines, 3);
+  EXPECT_EQ(measure("--frames 5 --save-worst " + path("worst")), 1);
+  EXPECT_TRUE(output_contains("must be a new or empty folder")) << read("out");
 }
 
 TEST_F(LatencyProgram, AWrongCommandLineGivesExitCode64) {

@@ -122,6 +122,7 @@ struct LatencyReport {
   Duration deadline{};                // from capture to packet; zero: none
   std::string time;                   // of an arena: how it passed
   std::string planted;                // delay that was planted on purpose; empty: none
+  std::string saved;                  // command that replays the saved worst frames; empty: none were saved
   std::uint64_t deadline_misses = 0;  // by delivered and by lost frames
   std::uint64_t period_overruns = 0;  // frames that took longer than a period from frame to packet
   std::uint64_t lost = 0;             // frames missing in the driver's sequence numbers

@@ -66,6 +66,9 @@ int main(int argc, char** argv) {
       ->check([](const std::string& path) {
         return path.ends_with(".svg") || path.ends_with(".png") ? "" : path + ": the name must end in .svg or .png";
       });
+  app.add_option("--save-worst", outputs.worst_folder,
+                 "Save pictures and results of the worst frames into this folder, for touchline-replay")
+      ->type_name("FOLDER");
   app.add_option("--html", outputs.html, "Write the whole report into this HTML file");
   app.add_option("--compare", compared, "Compare the second JSON file with the first, without measuring")
       ->expected(2)

@@ -67,15 +67,25 @@ std::string utc_now() {
   return text.data();
 }
 
+report::TraceNames names_of(const config::Configuration& configuration) {
+  report::TraceNames names{{"background"}, {configuration.team.own.color, configuration.team.opponent.color}};
+  for (const config::ColorEntry& color : configuration.venue.color) names.colors.push_back(color.name);
+  return names;
+}
+
 // One measurement: runs a loop that is open, and writes the report.
 class Run {
  public:
-  Run(MeasureOptions& options, const config::BoardFile& board, double max_rate_hz)
+  Run(MeasureOptions& options, const config::Configuration& configuration, double max_rate_hz)
       : options_(options),
-        board_(board),
+        configuration_(configuration),
+        board_(configuration.board),
         warm_up_s_(static_cast<double>(options.warm_up) / max_rate_hz),
         frames_(frames_for(options, max_rate_hz)),
-        measurement_(frames_, options.warm_up) {}
+        measurement_(frames_, options.warm_up),
+        recorder_(options.outputs.worst_folder, options.listed) {
+    if (recorder_.is_on()) measurement_.set_recorder(recorder_);
+  }
 
   [[nodiscard]] LoopObserver observer() { return measurement_.observer(); }
   [[nodiscard]] std::uint64_t steps() const { return frames_ + options_.warm_up; }
@@ -122,7 +132,9 @@ class Run {
     if (!load_.stop()) facts.load += " (ended before the measurement did)";
     facts.refused = std::move(refused_);
     report.system = std::move(facts);
-    const int code = output(report);
+    report.saved = recorder_.is_on() ? replay_command() : "";
+    int code = output(report);
+    if (const Result<void> saved = recorder_.write(names_of(configuration_)); !saved.ok()) code = fail(saved.text());
     if (end != LoopEnd::kFault && end != LoopEnd::kDeviceLost) return code;
     return fail(std::string("the loop ended because of a fault: ") + loop.last_fault().reason.data(),
                 kExitDeviceFailure);
@@ -138,6 +150,13 @@ class Run {
   void report_refused(const std::vector<std::string>& sentences) {
     for (const std::string& sentence : sentences) std::cerr << "real time: " << sentence << '\n';
     refused_.insert(refused_.end(), sentences.begin(), sentences.end());
+  }
+
+  // Replays what --save-worst saved.
+  [[nodiscard]] std::string replay_command() const {
+    const std::string& folder = options_.outputs.worst_folder;
+    return "touchline-replay " + folder + " --venue " + configuration_.venue_where.file() + " --team " +
+           configuration_.team_where.file() + " --out -";
   }
 
   [[nodiscard]] int output(const LatencyReport& report) const {
@@ -160,10 +179,12 @@ class Run {
   }
 
   MeasureOptions& options_;
+  const config::Configuration& configuration_;
   const config::BoardFile& board_;
   double warm_up_s_;
   std::size_t frames_;
   Measurement measurement_;
+  WorstFrameRecorder recorder_;
   BackgroundLoad load_;
   std::vector<std::string> refused_;
 };
@@ -193,7 +214,7 @@ int measure_board(MeasureOptions& options) {
   network::Connections connections(std::move(plan).value());
   connections.attach(session);
   // The rate of a video is not known yet.
-  Run run(options, board, board.camera.rate_hz > 0.0 ? board.camera.rate_hz : 240.0);
+  Run run(options, configuration, board.camera.rate_hz > 0.0 ? board.camera.rate_hz : 240.0);
   if (const Result<void> prepared = run.prepare(); !prepared.ok()) return fail(prepared.text());
   session.limit(run.steps(), run.duration());
   if (const Result<void> opened = session.open(run.observer()); !opened.ok()) {
@@ -224,7 +245,7 @@ int measure_worst_frames(MeasureOptions& options) {
   NullGpio gpio;
   StressPatternCamera camera(configuration->pipeline, clock);
   const config::BoardFile& board = configuration->board;
-  Run run(options, board, 5000.0);  // frames follow each other without a pause
+  Run run(options, *configuration, 5000.0);  // frames follow each other without a pause
   LoopSettings settings;
   settings.faults = board.faults;
   settings.frames = run.steps();
@@ -252,6 +273,8 @@ int measure(MeasureOptions& options) {
   for (const std::string& path : {outputs.json, outputs.csv, outputs.histogram, outputs.html}) {
     if (const Result<void> writable = check_writable(path); !writable.ok()) return fail(writable.text());
   }
+  const WorstFrameRecorder recorder(outputs.worst_folder, options.listed);
+  if (const Result<void> writable = recorder.check(); !writable.ok()) return fail(writable.text());
   crash_stop::install_handlers();
   handle_stop_signals();  // before devices are opened
   return options.worst_frames ? measure_worst_frames(options) : measure_board(options);

@@ -13,6 +13,7 @@ namespace touchline::latency {
 /// Paths of the output files; empty: not written.
 struct Outputs {
   std::string json, csv, histogram, html;
+  std::string worst_folder;  // of pictures and results of the worst frames
 };
 
 struct MeasureOptions {

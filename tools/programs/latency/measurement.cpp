@@ -33,6 +33,14 @@ void Measurement::on_sent(void* context) { static_cast<Measurement*>(context)->m
 void Measurement::on_step(void* context, const StepTrace& trace, const StepTiming& timing) {
   Measurement& self = *static_cast<Measurement*>(context);
   const std::uint32_t sequence = trace.frame.sequence;
+  if (self.recorder_ != nullptr) {
+    // With the first frame, whose allocations do not count if there is a warm-up.
+    if (self.seen() == 0) self.recorder_->prepare(trace.frame);
+    const std::size_t before = self.seen();
+    if (before >= self.warm_up_ && before < self.warm_up_ + self.frames_) {
+      self.recorder_->add(trace, before - self.warm_up_ + 1, timing.latency);
+    }
+  }
   self.add(trace.stage_time, timing, trace.overload, &self.meter_.frame());
   // The sequence restarts when the camera is reopened.
   const bool gap = self.last_sequence_ && sequence > *self.last_sequence_ + 1;

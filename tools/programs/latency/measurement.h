@@ -12,6 +12,7 @@
 #include "tools/programs/latency/execution_meter.h"
 #include "tools/programs/latency/latency_report.h"
 #include "tools/programs/latency/latency_samples.h"
+#include "tools/programs/latency/worst_frame_recorder.h"
 
 namespace touchline::latency {
 
@@ -35,6 +36,8 @@ class Measurement {
   [[nodiscard]] LoopObserver observer() {
     return {&Measurement::on_step, this, &Measurement::on_received, &Measurement::on_sent};
   }
+  /// Gets every frame after the warm-up; must outlive the loop.
+  void set_recorder(WorstFrameRecorder& recorder) { recorder_ = &recorder; }
   /// Measures what the loop's thread executes.
   [[nodiscard]] ExecutionMeter& meter() { return meter_; }
   /// Call these on the loop's thread immediately before and after the loop runs; page faults, context switches and
@@ -75,6 +78,7 @@ class Measurement {
   std::vector<FrameWaits> waits_;
   std::vector<LostFrame> lost_frames_;  // the first ones
   ExecutionMeter meter_;
+  WorstFrameRecorder* recorder_ = nullptr;
   std::size_t frames_, warm_up_;
   std::atomic<std::size_t> seen_ = 0;
   bool ended_ = false;

@@ -260,6 +260,7 @@ Document document_of(const LatencyReport& report) {
             text_of(report.reading_cost) + " each");
   }
   for (const std::string& refused : report.system.refused) add(facts, "real time", refused);
+  add(facts, "replay the worst", report.saved);
   add(facts, "measured", report.measured_at + ", after " + count(report.warm_up) + " frames of warm-up");
   return document;
 }

@@ -64,6 +64,7 @@ void describe_report(Self& report, Visitor& visit) {
   visit("rate_hz", report.rate_hz);
   visit("time", report.time);
   visit("planted", report.planted);
+  visit("saved", report.saved);
   visit("deadline_ns", report.deadline);
   visit("deadline_misses", report.deadline_misses);
   visit("period_overruns", report.period_overruns);

@@ -63,7 +63,11 @@ class NormalTable {
  public:
   static constexpr std::size_t kSize = 65536;
 
-  NormalTable() : values_(kSize) {
+  [[nodiscard]] float operator[](std::uint64_t sixteen_bits) const { return values_[sixteen_bits & 0xFFFFU]; }
+
+ private:
+  static std::vector<float> quantiles() {
+    std::vector<float> values(kSize);
     // Newton's method on the error function finds the quantile at the middle of each bin.
     double x = -4.4;
     for (std::size_t i = 0; i < kSize; ++i) {
@@ -75,13 +79,17 @@ class NormalTable {
         x -= change;
         if (std::abs(change) < 1e-9) break;
       }
-      values_[i] = static_cast<float>(x);
+      values[i] = static_cast<float>(x);
     }
+    return values;
   }
-  [[nodiscard]] float operator[](std::uint64_t sixteen_bits) const { return values_[sixteen_bits & 0xFFFFU]; }
+  // Computed once: tests make many sensors.
+  static const float* shared_quantiles() {
+    static const std::vector<float> values = quantiles();
+    return values.data();
+  }
 
- private:
-  std::vector<float> values_;
+  const float* values_ = shared_quantiles();
 };
 
 }  // namespace touchline::hal::mock

@@ -68,14 +68,20 @@ void Sensor::expose(std::span<const std::uint16_t> linear, std::span<std::uint8_
 }
 
 void Sensor::add_noise_and_gamma(const std::uint16_t* linear) {
+  // Pointers, because builds with sanitizers call functions for each element of a vector: a million per picture.
+  const float* const mean = mean_.data();
+  const float* const sigma = sigma_.data();
+  const std::uint8_t* const tone = tone_.data();
+  std::uint8_t* const out = row_.data();
+  const std::size_t count = row_.size();
   std::uint64_t bits = 0;
-  for (std::size_t i = 0; i < row_.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     if (i % 4 == 0) bits = random_.bits();
     const std::uint16_t value = linear[i];
     const float noisy =
-        mean_[value] + sigma_[value] * normal_[bits] + 0.5f;  // + 0.5: the conversion to an index truncates
+        mean[value] + sigma[value] * normal_[bits] + 0.5f;  // + 0.5: the conversion to an index truncates
     bits >>= 16U;
-    row_[i] = tone_[static_cast<std::size_t>(std::clamp(noisy, 0.0f, static_cast<float>(kLinearScale)))];
+    out[i] = tone[static_cast<std::size_t>(std::clamp(noisy, 0.0f, static_cast<float>(kLinearScale)))];
   }
 }
 
@@ -97,7 +103,8 @@ void Sensor::write_rgb_row(std::size_t row, std::span<std::uint8_t> out) {
   const std::size_t step = info_of(format_).channel[0].step;
   for (std::size_t channel = 0; channel < 3; ++channel) {
     std::uint8_t* const to = channel_row(channel, row, out);
-    for (std::size_t column = 0; column < width_; ++column) to[column * step] = row_[3 * column + channel];
+    const std::uint8_t* const from = row_.data() + channel;
+    for (std::size_t column = 0; column < width_; ++column) to[column * step] = from[3 * column];
   }
 }
 

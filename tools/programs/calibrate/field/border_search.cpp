@@ -12,20 +12,9 @@
 namespace touchline::calibrate {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr int kAngles = 360;  // steps of half a degree
-// Lens distortion bends the sides: tolerance of the line fit in a picture of width kUsualWidth_px; it grows in
-// proportion to the width.
-constexpr int kUsualBend_px = 3, kUsualWidth_px = 640;
-// Tolerance of right angles: perspective turns the rectangle into a general quadrilateral.
-constexpr double kSkew_rad = 0.45;
 // The points of each straightened side are collected and fitted again within these distances.
 constexpr std::array<double, 3> kCollect_px{14.0, 6.0, 3.0};
-// The sides of a rectangle are 1 to 1.7 standard deviations of its outline away from its center; the markings inside
-// are closer.
-constexpr double kLeastDeviations = 0.8;
 constexpr std::array<double, 6> kThresholds{0.7, 1.0, 1.3, 1.7, 2.2, 2.8};
-constexpr std::size_t kLeastVotes = 60;
 
 Eigen::Vector2d rectified(const Eigen::Vector2d& pixel, const Eigen::Vector2d& center, double h_px) {
   const Eigen::Vector2d away = pixel - center;
@@ -201,65 +190,6 @@ WideLens refine_wide_lens(const std::vector<OutlinePixel>& outline, const SideSe
 }
 
 }  // namespace
-
-bool hough_sides(const std::vector<OutlinePixel>& outline, int width_px, int height_px,
-                 std::array<HoughLine, 4>& sides) {
-  const int bend_px = std::max(kUsualBend_px, kUsualBend_px * width_px / kUsualWidth_px);
-  const auto diagonal = static_cast<int>(std::ceil(std::hypot(width_px, height_px)));
-  const std::size_t distances = std::size_t{2} * static_cast<std::size_t>(diagonal) + 1;
-  std::vector<std::uint32_t> votes(kAngles * distances);
-  for (int a = 0; a < kAngles; ++a) {
-    const double angle = kPi * a / kAngles, c = std::cos(angle), s = std::sin(angle);
-    for (const OutlinePixel& p : outline) {
-      const auto d = static_cast<std::size_t>(std::lround(p.u_px * c + p.v_px * s) + diagonal);
-      ++votes[static_cast<std::size_t>(a) * distances + d];
-    }
-  }
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  for (const OutlinePixel& p : outline) middle += Eigen::Vector2d(p.u_px, p.v_px) / static_cast<double>(outline.size());
-  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
-  for (const OutlinePixel& p : outline) {
-    const Eigen::Vector2d away = Eigen::Vector2d(p.u_px, p.v_px) - middle;
-    spread += away * away.transpose() / static_cast<double>(outline.size());
-  }
-  // Finds the best line whose normal is within kSkew_rad of `direction`, on that side of the center and at a distance
-  // from it: a center line is as long as a side.
-  const auto best = [&](double direction) {
-    HoughLine line;
-    for (int a = 0; a < kAngles; ++a) {
-      double angle = kPi * a / kAngles, turn = std::remainder(angle - direction, 2 * kPi);
-      double sign = 1;
-      if (std::abs(turn) > kPi / 2) {
-        sign = -1;
-        turn = std::remainder(angle + kPi - direction, 2 * kPi);
-      }
-      if (std::abs(turn) > kSkew_rad) continue;
-      const Eigen::Vector2d normal(std::cos(angle), std::sin(angle));
-      const double at_middle = middle.dot(normal), deviation = std::sqrt(normal.dot(spread * normal));
-      for (int d = bend_px; d + bend_px < static_cast<int>(distances); ++d) {
-        if (sign * (d - diagonal - at_middle) < kLeastDeviations * deviation) continue;
-        std::size_t sum = 0;
-        for (int k = -bend_px; k <= bend_px; ++k) {
-          sum += votes[static_cast<std::size_t>(a) * distances + static_cast<std::size_t>(d + k)];
-        }
-        if (sum > line.votes) line = {angle, static_cast<double>(d - diagonal), sum};
-      }
-    }
-    return line;
-  };
-  HoughLine first;
-  for (const double direction : {0.0, kPi / 2, kPi, -kPi / 2}) {
-    if (const HoughLine line = best(direction); line.votes > first.votes) first = line;
-  }
-  // Directions down, right, up and left in the picture, rotated like the field.
-  const double turn = std::remainder(first.angle_rad, kPi / 2);
-  const std::array<double, 4> directions{kPi / 2 + turn, turn, -kPi / 2 + turn, kPi + turn};
-  for (std::size_t i = 0; i < 4; ++i) {
-    sides[i] = best(directions[i]);
-    if (sides[i].votes < kLeastVotes) return false;
-  }
-  return true;
-}
 
 double h_of_three_points(const std::vector<OutlinePixel>& outline, const HoughLine& side, int width_px, int height_px) {
   const Eigen::Vector2d center(0.5 * (width_px - 1), 0.5 * (height_px - 1));

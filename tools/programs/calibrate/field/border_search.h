@@ -9,23 +9,12 @@
 #include "hal/result.h"
 #include "tools/programs/calibrate/field/border_outline.h"
 #include "tools/programs/calibrate/field/field_fit.h"
+#include "tools/programs/calibrate/field/hough_sides.h"
 
 namespace touchline::calibrate {
 
-/// The line u cos(angle) + v sin(angle) = distance.
-struct HoughLine {
-  double angle_rad = 0, distance_px = 0;
-  std::size_t votes = 0;
-};
-
 /// Finds the corners of the field's border in a picture with the steps of Klancar section 6.2; step 1 is in
-/// border_outline.h.
-
-/// Step 2: Hough transform (Duda and Hart 1972). Finds the four sides of the border: the line with most votes, the
-/// opposite line and the two lines across, in the order bottom, right, top, left. Returns false if there are no four
-/// such lines.
-bool hough_sides(const std::vector<OutlinePixel>& outline, int width_px, int height_px,
-                 std::array<HoughLine, 4>& sides);
+/// border_outline.h, step 2 in hough_sides.h.
 
 /// Step 3: returns H of eq. (12) for which three points of a side (near both ends and in the middle) lie on one line. A
 /// lens without distortion, or with pincushion distortion, gives kLargestH_px.

@@ -27,7 +27,8 @@ constexpr std::array<CanvasColor, kPartCount> kColors{{{0.00, 0.45, 0.70},
                                                        {0.84, 0.37, 0.00},
                                                        {0.80, 0.47, 0.65},
                                                        {0.34, 0.71, 0.91},
-                                                       {0.40, 0.40, 0.40}}};
+                                                       {0.40, 0.40, 0.40},
+                                                       {0.55, 0.0, 0.45}}};
 
 struct Series {
   std::string name;

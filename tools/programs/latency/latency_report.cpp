@@ -83,11 +83,15 @@ std::string explanation(const LatencyReport& report, const WorstFrame& frame, Sp
   }
   if (part != Span::kWaiting) return "";
   const auto where = static_cast<std::size_t>(longest_wait(frame.waits));
+  const bool machine = 2 * frame.waits.timer_late > excess;
   std::string text = std::string(": ") + describe(static_cast<Span>(where)) + " executed " +
                      text_of(frame.times[where]) + " and waited " + text_of(frame.waits.waited[where - kFirstExecuted]);
+  if (machine) {
+    text += "; a timer beside the loop was late by " + text_of(frame.waits.timer_late) + ", so it was the machine";
+  }
   if (2 * frame.waits.ready_during > excess) return text + "; " + without_processor(frame.waits.ready_during);
   if (frame.waits.usage.major_faults > 0) return text + "; it read pages from a disk";
-  return text + "; it was blocked or stopped";
+  return text + (machine ? "" : "; it was blocked or stopped");
 }
 
 }  // namespace

@@ -8,8 +8,10 @@
 
 #include "core/time.h"
 #include "core/types.h"
+#include "tools/programs/latency/interrupts.h"
 #include "tools/programs/latency/latency_samples.h"
 #include "tools/programs/latency/thread_usage.h"
+#include "tools/programs/latency/timer_noise.h"
 
 namespace touchline::latency {
 
@@ -46,6 +48,10 @@ struct SystemFacts {
   // Mean number of processors, from the warm-up to the end, that other programs and interrupts kept busy, and that the
   // hypervisor gave to other machines.
   std::optional<double> others_busy, stolen;
+  // On the loop's processors in the same time. Empty numbers: not readable here.
+  std::vector<InterruptCount> interrupts;
+  std::optional<std::uint64_t> non_maskable, system_management;
+  std::string trace;                 // when the kernel's tracing was stopped; empty: it was not
   std::vector<std::string> refused;  // refused real-time requests and hints, with advice
 
   template <class Self, class Visitor>
@@ -70,6 +76,10 @@ struct SystemFacts {
     visit("load", self.load);
     visit("others_busy", self.others_busy);
     visit("stolen", self.stolen);
+    visit("interrupts", self.interrupts);
+    visit("non_maskable", self.non_maskable);
+    visit("system_management", self.system_management);
+    visit("trace", self.trace);
     visit("refused", self.refused);
   }
 };
@@ -84,7 +94,8 @@ struct FrameWaits {
   // Time in which the loop was ready to run but had no processor: between the previous packet and this frame, and
   // between frame and packet.
   Duration ready_before{}, ready_during{};
-  ThreadUsage usage;  // between frame and packet
+  ThreadUsage usage;      // between frame and packet
+  Duration timer_late{};  // longest delay of TimerNoise since the previous frame
 };
 
 struct WorstFrame {
@@ -135,6 +146,7 @@ struct LatencyReport {
   Duration reading_cost{};                   // of the processor time, kReadings per frame; zero: not measured
   ThreadUsage usage;                         // of the loop's thread after warm-up
   std::optional<std::uint64_t> allocations;  // likewise; empty in builds with a sanitizer
+  std::optional<NoiseReport> noise;          // of a thread beside the loop; empty: not measured
   SystemFacts system;
 };
 

@@ -38,6 +38,11 @@ int main(int argc, char** argv) {
   app.add_flag("--worst-frames", options.worst_frames,
                "Measure synthetic pictures that are most expensive to process, instead of the camera; no radio");
   app.add_flag("--load", options.load, "Run stress-ng at the same time: processors, caches, memory, files");
+  app.add_flag("--noise", options.noise,
+               "Measure how late the timers of a thread beside the loop are: the machine's share of the delays");
+  app.add_option("--stop-trace-ms", options.stop_trace_ms,
+                 "Stop the kernel's tracing when a frame takes longer than this from capture to packet")
+      ->check(number_range(0.001, 1e6));
   app.add_option_function<std::string>(
          "--plant",
          [&](const std::string& text) {

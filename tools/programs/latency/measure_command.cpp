@@ -98,6 +98,10 @@ class Run {
     // First, because it starts a process, which is easier before there are threads.
     TOUCHLINE_TRY(options_.planted.prepare(options_.warm_up + frames_ / 2));
     measurement_.meter().set_intrusion(options_.planted.intrusion());
+    if (options_.stop_trace_ms > 0.0) {
+      TOUCHLINE_TRY(trace_.open(from_seconds(options_.stop_trace_ms * 1e-3)));
+      measurement_.set_trace(trace_);
+    }
     if (options_.load) TOUCHLINE_TRY(load_.start());
     report_refused(lock_memory(board_.realtime));
     return {};
@@ -109,23 +113,31 @@ class Run {
     {
       // Its thread starts before this one gets real-time priority and does not inherit it.
       const Progress progress(measurement_, options_.duration_s > 0.0 ? 0 : steps());
+      start_noise();
       const CpuLatencyRequest cpu_latency_request(board_.realtime);
       report_refused(cpu_latency_request.refused());
       report_refused(become_realtime(board_.realtime));
       report_refused(realtime_hints(board_.realtime, is_realtime()));
       facts = read_system_facts();
       const std::optional<ProcessorTimes> begin = read_processor_times();
+      const InterruptCounts interrupts_begin = read_interrupts();
       measurement_.begin();
       end = loop.run(handle_stop_signals());
       measurement_.end();
       const std::optional<ProcessorTimes> finish = read_processor_times();
       if (begin && finish) add_load(facts, *begin, *finish);
+      add_interrupts(facts, interrupts_begin, read_interrupts());
       read_final_facts(facts);
     }
     const ReportSettings expected{rate_hz, from_seconds(options_.deadline_ms * 1e-3), options_.listed};
     LatencyReport report = measurement_.report(source, expected);
     report.measured_at = utc_now();
     report.time = time;
+    if (noise_) {
+      noise_->stop();
+      report.noise = noise_->report();
+    }
+    if (trace_.stopped_at() > 0) facts.trace = "stopped at frame " + std::to_string(trace_.stopped_at());
     report.planted = options_.planted.description();
     report.reading_cost = ExecutionMeter::reading_cost();
     if (options_.load) facts.load = BackgroundLoad::description();
@@ -145,6 +157,23 @@ class Run {
     if (options.duration_s <= 0.0) return options.frames;
     // A tenth more than expected, and at most a gigabyte of samples.
     return static_cast<std::size_t>(std::min(1e7, 100.0 + 1.1 * max_rate_hz * options.duration_s));
+  }
+
+  // Above the loop's priority, so that the loop does not delay it. Before this thread gets its own priority.
+  void start_noise() {
+    if (!options_.noise) return;
+    const config::RealtimeSettings& realtime = board_.realtime;
+    noise_.emplace(realtime.cpu, realtime.priority > 0 ? realtime.priority + 1 : 0);
+    measurement_.set_noise(*noise_);
+  }
+
+  static void add_interrupts(SystemFacts& facts, const InterruptCounts& begin, const InterruptCounts& end) {
+    const auto since = [](const std::optional<std::uint64_t>& a, const std::optional<std::uint64_t>& b) {
+      return a && b ? std::optional(*b - *a) : std::nullopt;
+    };
+    facts.interrupts = interrupts_between(begin, end);
+    facts.non_maskable = since(begin.non_maskable, end.non_maskable);
+    facts.system_management = since(begin.system_management, end.system_management);
   }
 
   void report_refused(const std::vector<std::string>& sentences) {
@@ -185,6 +214,8 @@ class Run {
   std::size_t frames_;
   Measurement measurement_;
   WorstFrameRecorder recorder_;
+  std::optional<TimerNoise> noise_;
+  KernelTrace trace_;
   BackgroundLoad load_;
   std::vector<std::string> refused_;
 };

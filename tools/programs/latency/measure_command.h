@@ -23,7 +23,9 @@ struct MeasureOptions {
   double deadline_ms = 0.0;  // 0: the frame period
   std::size_t listed = 5;    // number of worst frames in the report
   bool worst_frames = false, load = false;
-  bool pace = false;  // an arena follows the machine's clock
+  bool noise = false;          // measure timers beside the loop
+  double stop_trace_ms = 0.0;  // stop the kernel's tracing at a frame that takes longer; 0: never
+  bool pace = false;           // an arena follows the machine's clock
   PlantedDelay planted;
   network::NetworkOptions network;  // connections that work during the measurement
   Outputs outputs;

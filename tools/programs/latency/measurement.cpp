@@ -33,15 +33,16 @@ void Measurement::on_sent(void* context) { static_cast<Measurement*>(context)->m
 void Measurement::on_step(void* context, const StepTrace& trace, const StepTiming& timing) {
   Measurement& self = *static_cast<Measurement*>(context);
   const std::uint32_t sequence = trace.frame.sequence;
-  if (self.recorder_ != nullptr) {
-    // With the first frame, whose allocations do not count if there is a warm-up.
-    if (self.seen() == 0) self.recorder_->prepare(trace.frame);
-    const std::size_t before = self.seen();
-    if (before >= self.warm_up_ && before < self.warm_up_ + self.frames_) {
-      self.recorder_->add(trace, before - self.warm_up_ + 1, timing.latency);
-    }
-  }
+  // With the first frame, whose allocations do not count if there is a warm-up.
+  if (self.recorder_ != nullptr && self.seen() == 0) self.recorder_->prepare(trace.frame);
   self.add(trace.stage_time, timing, trace.overload, &self.meter_.frame());
+  const Duration timer_late = self.noise_ != nullptr ? self.noise_->take_longest() : Duration::zero();
+  if (self.is_recording()) {
+    const std::size_t number = self.seen() - self.warm_up_;
+    self.waits_[number - 1].timer_late = timer_late;
+    if (self.recorder_ != nullptr) self.recorder_->add(trace, number, timing.latency);
+    if (self.trace_ != nullptr) self.trace_->check(number, timing.latency);
+  }
   // The sequence restarts when the camera is reopened.
   const bool gap = self.last_sequence_ && sequence > *self.last_sequence_ + 1;
   if (gap) self.add_lost(sequence - *self.last_sequence_ - 1, trace.frame.capture_time - self.last_capture_);
@@ -87,7 +88,7 @@ void Measurement::add(const std::array<Duration, kStageCount>& stages, const Ste
 
 void Measurement::add_lost(std::uint64_t count, Duration gap) {
   const std::size_t recorded = samples(Span::kLatency).count();
-  if (seen() <= warm_up_ || seen() > warm_up_ + frames_) return;
+  if (!is_recording()) return;
   lost_ += count;
   const Duration latency = samples(Span::kLatency)[recorded - 1];
   const Duration period = gap / static_cast<Duration::rep>(count + 1);

@@ -10,6 +10,7 @@
 #include "core/types.h"
 #include "firmware/loop.h"
 #include "tools/programs/latency/execution_meter.h"
+#include "tools/programs/latency/kernel_trace.h"
 #include "tools/programs/latency/latency_report.h"
 #include "tools/programs/latency/latency_samples.h"
 #include "tools/programs/latency/worst_frame_recorder.h"
@@ -38,6 +39,10 @@ class Measurement {
   }
   /// Gets every frame after the warm-up; must outlive the loop.
   void set_recorder(WorstFrameRecorder& recorder) { recorder_ = &recorder; }
+  /// Its delays are recorded for each frame; must outlive the loop.
+  void set_noise(TimerNoise& noise) { noise_ = &noise; }
+  /// Gets every frame after the warm-up; must outlive the loop.
+  void set_trace(KernelTrace& trace) { trace_ = &trace; }
   /// Measures what the loop's thread executes.
   [[nodiscard]] ExecutionMeter& meter() { return meter_; }
   /// Call these on the loop's thread immediately before and after the loop runs; page faults, context switches and
@@ -64,6 +69,8 @@ class Measurement {
   static void on_sent(void* context);
   static void on_step(void* context, const StepTrace& trace, const StepTiming& timing);
   [[nodiscard]] const LatencySamples& samples(Span span) const { return spans_[static_cast<std::size_t>(span)]; }
+  // Whether the last frame was recorded.
+  [[nodiscard]] bool is_recording() const { return seen() > warm_up_ && seen() <= warm_up_ + frames_; }
   [[nodiscard]] Duration time(Span span, std::size_t frame) const { return samples(span)[frame]; }
   [[nodiscard]] SpanTimes times_of(std::size_t frame) const;
   [[nodiscard]] LatencySamples with_lost_frames() const;
@@ -79,6 +86,8 @@ class Measurement {
   std::vector<LostFrame> lost_frames_;  // the first ones
   ExecutionMeter meter_;
   WorstFrameRecorder* recorder_ = nullptr;
+  TimerNoise* noise_ = nullptr;
+  KernelTrace* trace_ = nullptr;
   std::size_t frames_, warm_up_;
   std::atomic<std::size_t> seen_ = 0;
   bool ended_ = false;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "tools/programs/latency/execution_meter.h"
@@ -44,6 +45,23 @@ std::string measured_load(const SystemFacts& system) {
   return text;
 }
 
+std::string interrupt_text(const SystemFacts& system) {
+  constexpr std::size_t kListed = 5;
+  std::uint64_t sum = 0;
+  std::string text;
+  for (std::size_t i = 0; i < system.interrupts.size(); ++i) {
+    sum += system.interrupts[i].count;
+    if (i < kListed) text += ", " + count(system.interrupts[i].count) + " x " + system.interrupts[i].name;
+  }
+  return system.interrupts.empty() ? "" : count(sum) + " on the loop's processors:" + text.substr(1);
+}
+
+std::string noise_text(const NoiseReport& noise) {
+  return "late by p50 " + text_of(noise.p50) + ", p99 " + text_of(noise.p99) + ", p99.9 " + text_of(noise.p99_9) +
+         ", max " + text_of(noise.max) + " (" + count(noise.count) + " periods of " + text_of(TimerNoise::kPeriod) +
+         ", " + noise.thread + ")";
+}
+
 Table span_table(const LatencyReport& report) {
   Table table{"Milliseconds, " + count(report.frames) + " frames", {"", "p50", "p90", "p99", "p99.9", "max"}, {}};
   for (std::size_t i = 0; i < kSpanCount; ++i) {
@@ -76,6 +94,7 @@ Table worst_table(const LatencyReport& report) {
   add_row("waits + preemptions", [](const FrameWaits& w) {
     return count(w.usage.voluntary_switches) + " + " + count(w.usage.involuntary_switches);
   });
+  if (report.noise) add_row("a timer was late by", [](const FrameWaits& w) { return milliseconds(w.timer_late); });
   add_row("page faults", [](const FrameWaits& w) { return count(w.usage.minor_faults + w.usage.major_faults); });
   return table;
 }
@@ -252,6 +271,15 @@ Document document_of(const LatencyReport& report) {
   for (const Counted& counted : counts_of(report)) add(facts, counted.name, text_of_count(counted));
   for (auto& condition : conditions_of(report)) facts.push_back(std::move(condition));
   add(facts, "other programs", measured_load(report.system));
+  add(facts, "interrupts", interrupt_text(report.system));
+  if (!report.system.interrupts.empty()) {
+    const auto& [nmi, smi] = std::tie(report.system.non_maskable, report.system.system_management);
+    add(facts, "non-maskable", nmi ? count(*nmi) + " interrupts" : "not counted here");
+    add(facts, "system management",
+        smi ? count(*smi) + " interrupts" : "not readable here (Intel only, as root with the module msr)");
+  }
+  if (report.noise) add(facts, "timer beside the loop", noise_text(*report.noise));
+  add(facts, "kernel's trace", report.system.trace);
   add(facts, "frequency", begin_and_end(report.system.begin_mhz, report.system.end_mhz, " MHz"));
   add(facts, "temperature", begin_and_end(report.system.begin_celsius, report.system.end_celsius, " °C"));
   if (report.reading_cost > Duration::zero()) {

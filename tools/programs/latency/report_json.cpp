@@ -44,6 +44,7 @@ void describe_frame(Self& frame, Visitor& visit) {
   visit("ready_before_ns", frame.waits.ready_before);
   visit("ready_during_ns", frame.waits.ready_during);
   visit("usage", frame.waits.usage);
+  visit("timer_late_ns", frame.waits.timer_late);
 }
 
 template <class Self, class Visitor>
@@ -79,6 +80,7 @@ void describe_report(Self& report, Visitor& visit) {
   visit("reading_cost_ns", report.reading_cost);
   visit("spans_ns", BySpan{report.spans});
   visit("worst_frames", report.worst);
+  visit("noise", report.noise);
   visit("system", report.system);
   // Pairs of bin and count; bin i begins at 100 ns * 10^(i / 20).
   visit("histograms", BySpan{report.histograms});

@@ -3,18 +3,20 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
+#include <cstring>
 
 #include "core/fixed_vector.h"
+#include "core/marker/ball_color.h"
+#include "core/marker/ball_samples.h"
 
 namespace touchline {
 namespace {
 
-// Radius of the largest disk in samples, and half the size of the window: the seed is somewhere on the ball, and the
-// ring is around it.
+using Rgb = BallColor::Rgb;
+
+// Radius of the largest disk in samples. The seed is somewhere on the ball, and the ring is around it: both fit into
+// the square of samples.
 constexpr float kMostSamples = 6.0f;
-constexpr int kReach = 16;
-constexpr std::size_t kSide = 2 * kReach + 1;
 // The ring leaves out the pixels that ball and floor share (blur, shared chroma).
 constexpr float kRingGap_px = 1.2f, kRingWidth = 0.35f, kMinRingWidth = 1.5f;
 // The patches of a robot are within this radius around another one of its patches.
@@ -24,166 +26,124 @@ constexpr float kCore = 0.6f;
 // Weight of a pixel of the ball's color in the ring against one in the disk.
 constexpr float kRingWeight = 0.7f;
 // Samples of the floor lie on a circle of this radius, relative to the ball's, around the seed.
-constexpr std::size_t kFloorSamples = 8;
 constexpr float kFloorRadius = 2.4f;
-// Largest deviation of the hue: 20 degrees (orange and yellow are 35 apart); more towards the next primary color: up to
-// 8 degrees beyond it, but not more than 25 degrees. For a color without a hue, a relative deviation.
-constexpr float kHueTolerance_rad = 0.35f, kPastPrimary_rad = 0.14f, kMostMore_rad = 0.44f, kColorTolerance = 0.36f;
-constexpr float kPixelNoise_levels = 5.0f;
-// A pixel with less of the ball's saturation, or less than this way from floor to ball, is not the ball.
-constexpr float kMinSaturation = 0.3f, kMinContrast = 0.3f;
-// Below this distance between ball and floor in levels, noise decides.
-constexpr float kMinFloorDistance = 15.0f;
-// Relative saturation below which a color has no hue: white, grey, black.
-constexpr float kNoHue = 0.12f;
-// Saturation of a robot's patch, relative to that of the ball.
-constexpr float kColorful = 0.5f;
+constexpr float kDiagonal = 0.70710677f;
+constexpr std::array<std::array<float, 2>, 8> kFloorDirections{{{1, 0},
+                                                                {kDiagonal, kDiagonal},
+                                                                {0, 1},
+                                                                {-kDiagonal, kDiagonal},
+                                                                {-1, 0},
+                                                                {-kDiagonal, -kDiagonal},
+                                                                {0, -1},
+                                                                {kDiagonal, -kDiagonal}}};
 
-using Rgb = std::array<float, 3>;
+// The surroundings are wide: every second row and column is enough. These are two groups per row.
+constexpr std::uint64_t kCoarseColumns = 0x55555555u;
+static_assert(kSampleReach == 2 * kGroupSize);
+// From this radius in samples on, no ball is between the coarse samples.
+constexpr float kLeastCoarseRadius = 4.0f;
+// A disk of which less than this share has the ball's color and is visible is none.
+constexpr float kLeastShare = 0.09f;
 
-// Axes of the plane of colors without their white part: towards red, and perpendicular to it.
-constexpr Rgb kRed{0.8164966f, -0.4082483f, -0.4082483f}, kGreenToBlue{0.0f, 0.7071068f, -0.7071068f};
-
-float dot(const Rgb& a, const Rgb& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Rgb minus(const Rgb& a, const Rgb& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-// The part of a color that white light does not have.
-Rgb chroma_of(const Rgb& rgb) {
-  const float mean = (rgb[0] + rgb[1] + rgb[2]) / 3.0f;
-  return {rgb[0] - mean, rgb[1] - mean, rgb[2] - mean};
-}
-
-// Index of a row or column, which is relative to the middle.
-std::size_t index(int i) {
-  const int from_first = i + kReach;
-  return static_cast<std::size_t>(from_first);
-}
-
-// One bit per sample.
-class Samples {
+// Reads a row of the grid of samples. Outside of the picture are the pixels of its edge.
+class SampledPixels {
  public:
-  void set(int column, int row) { rows_[index(row)] |= std::uint64_t{1} << index(column); }
-  // Number of samples at most `reach` rows from the middle whose columns are in a row's mask, about (column, row).
-  template <class Masks>
-  [[nodiscard]] int count(const Masks& masks, int column, int row) const {
-    int sum = 0;
-    for (int dv = -masks.reach; dv <= masks.reach; ++dv) {
-      if (row + dv < -kReach || row + dv > kReach) continue;
-      sum += std::popcount(rows_[index(row + dv)] & masks.at(dv, column));
+  SampledPixels(const Frame& frame, int seed_u, int seed_v, int step)
+      : frame_(frame), info_(info_of(frame.format)), seed_u_(seed_u), seed_v_(seed_v), step_(step) {
+    for (std::size_t i = 0; i < kOffsets; ++i) {
+      const int u = seed_u + (static_cast<int>(i) - kSampleReach) * step;
+      if (i < kSampleSide && u >= 0 && u < frame.width_px) columns_ |= std::uint64_t{1} << i;
+      const auto nearest = static_cast<std::size_t>(std::clamp(u, 0, frame.width_px - 1));
+      for (std::size_t c = 0; c < 3; ++c) offset_[c][i] = static_cast<std::uint32_t>(info_.channel[c].byte(nearest));
     }
-    return sum;
   }
-  // The samples in a mask about (column, row), and those between them both in their row and in their column.
-  template <class Masks>
-  [[nodiscard]] Samples without_holes(const Masks& masks, int column, int row) const {
-    Samples out;
-    std::array<std::uint64_t, kSide> below{};  // or in it
-    const int first = std::max(-kReach, row - masks.reach), last = std::min(kReach, row + masks.reach);
-    std::uint64_t seen = 0;
-    for (int r = last; r >= first; --r) below[index(r)] = seen |= rows_[index(r)] & masks.at(r - row, column);
-    seen = 0;
-    for (int r = first; r <= last; ++r) {
-      const std::uint64_t bits = rows_[index(r)] & masks.at(r - row, column);
-      seen |= bits;
-      const std::uint64_t within = bits == 0 ? 0 : (std::bit_floor(bits) << 1u) - (bits & (~bits + 1));
-      out.rows_[index(r)] = bits | (within & seen & below[index(r)] & masks.at(r - row, column));
-    }
-    return out;
+  // The columns that are in the picture.
+  [[nodiscard]] std::uint64_t columns() const { return columns_; }
+  // Where a column or row is in the picture, and the reverse.
+  [[nodiscard]] int u_px(int column) const { return seed_u_ + column * step_; }
+  [[nodiscard]] int v_px(int row) const { return seed_v_ + row * step_; }
+  [[nodiscard]] float column_at(float u_px) const {
+    return (u_px - static_cast<float>(seed_u_)) / static_cast<float>(step_);
   }
-  [[nodiscard]] std::uint64_t row(int number) const { return rows_[index(number)]; }
 
- private:
-  std::array<std::uint64_t, kSide> rows_{};
-};
-
-// Samples whose distance from a point is in [inner, outer).
-struct Ring {
-  Ring(float inner, float outer) : reach(std::min(kReach, static_cast<int>(std::ceil(outer)) - 1)) {
-    for (int dv = -reach; dv <= reach; ++dv) {
-      for (int du = -reach; du <= reach; ++du) {
-        const float square = static_cast<float>(du * du + dv * dv);
-        if (square < inner * inner || square >= outer * outer) continue;
-        rows[index(dv)] |= std::uint64_t{1} << index(du);
-        ++count;
-      }
-    }
-  }
-  [[nodiscard]] std::uint64_t at(int dv, int column) const {
-    const std::uint64_t mask = rows[index(dv)];
-    return column >= 0 ? mask << static_cast<unsigned>(column) : mask >> static_cast<unsigned>(-column);
-  }
-  int reach = 0, count = 0;
-  std::array<std::uint64_t, kSide> rows{};
-};
-
-// Tells the ball's color from others.
-class BallColor {
- public:
-  BallColor(const Rgb& ball, const Rgb& floor) : ball_(ball), floor_(floor), way_(minus(ball, floor)) {
-    way_ = {way_[0] / dot(minus(ball, floor), minus(ball, floor)),
-            way_[1] / dot(minus(ball, floor), minus(ball, floor)),
-            way_[2] / dot(minus(ball, floor), minus(ball, floor))};
-    const Rgb chroma = chroma_of(ball);
-    saturation_ = std::sqrt(dot(chroma, chroma));
-    has_hue_ = saturation_ > kNoHue * std::sqrt(dot(ball, ball));
-    if (!has_hue_) {
-      // The color itself takes the place of the hue.
-      saturation_ = std::sqrt(dot(ball, ball));
-      for (std::size_t c = 0; c < 3; ++c) hue_[c] = ball[c] / saturation_;
-      return;
-    }
-    // Cameras that increase contrast clip weak channels of the dark side to zero, which moves its hue to a primary.
-    const float hue = std::atan2(dot(chroma, kGreenToBlue), dot(chroma, kRed));
-    const float beyond_primary = std::remainder(hue, 2.0f * std::numbers::pi_v<float> / 3.0f);
-    const float more = std::clamp(std::abs(beyond_primary) + kPastPrimary_rad - kHueTolerance_rad, 0.0f, kMostMore_rad);
-    const float middle = hue - std::copysign(0.5f * more, beyond_primary);
+  // The row must be in the picture.
+  void select(int row) {
+    const auto v = static_cast<std::size_t>(v_px(row));
     for (std::size_t c = 0; c < 3; ++c) {
-      hue_[c] = std::cos(middle) * kRed[c] + std::sin(middle) * kGreenToBlue[c];
+      const ChannelLayout& channel = info_.channel[c];
+      row_[c] = frame_.plane[channel.plane] + (v >> channel.shift_v) * frame_.stride_bytes[channel.plane];
     }
-    tolerance_ = std::tan(kHueTolerance_rad + 0.5f * more);
   }
-  [[nodiscard]] bool differs_from_floor() const {
-    const Rgb way = minus(ball_, floor_);
-    return dot(way, way) > kMinFloorDistance * kMinFloorDistance;
-  }
-  [[nodiscard]] bool is_ball(const Rgb& rgb) const {
-    if (dot(minus(rgb, floor_), way_) < kMinContrast) return false;
-    const Rgb color = has_hue_ ? chroma_of(rgb) : rgb;
-    const float along = dot(color, hue_), across2 = std::max(0.0f, dot(color, color) - along * along);
-    const float allowed = kPixelNoise_levels + tolerance_ * along;
-    return along > kMinSaturation * saturation_ && across2 < allowed * allowed;
-  }
-  [[nodiscard]] bool is_other_color(const Rgb& rgb) const {
-    const Rgb chroma = chroma_of(rgb), of_floor = chroma_of(floor_), change = minus(chroma, of_floor);
-    const float least = kColorful * (has_hue_ ? saturation_ : kNoHue * saturation_) + kPixelNoise_levels;
-    return dot(chroma, chroma) > least * least && dot(change, change) > least * least;
+  // Reads every `kEvery`-th column from `first` on.
+  template <std::size_t kEvery>
+  void read(int first, PixelGroup& out) const {
+    std::array<std::array<std::int32_t, kGroupSize>, 3> value;
+    const std::size_t begin = sample_index(first);
+    // gcc 12 unrolls no loops at -O2.
+    _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint8_t* const pixels = row_[c];
+      const std::uint32_t* const offset = &offset_[c][begin];
+      _Pragma("GCC unroll 8") for (std::size_t i = 0; i < kGroupSize; ++i) value[c][i] = pixels[offset[kEvery * i]];
+    }
+    _Pragma("GCC unroll 2") for (std::size_t half = 0; half < 2; ++half) {
+      std::array<Lanes<float>, 3> above_black;
+      _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
+        Lanes<std::int32_t> four;
+        std::memcpy(&four, &value[c][4 * half], sizeof four);
+        above_black[c] = __builtin_convertvector(four, Lanes<float>);
+      }
+      if (info_.space != ColorSpace::kRgb) above_black = rgb_of(above_black);
+      _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) out[c][half] = above_black[c];
+    }
   }
 
  private:
-  Rgb ball_, floor_, way_, hue_{};
-  float saturation_ = 0, tolerance_ = kColorTolerance;
-  bool has_hue_ = false;
-};
+  // As to_rgb().
+  [[nodiscard]] std::array<Lanes<float>, 3> rgb_of(const std::array<Lanes<float>, 3>& value) const {
+    const auto number = [](int integer) { return static_cast<float>(integer); };
+    const auto black = [&](std::size_t c) { return number(black_value(info_.space, c)); };
+    const YuvToRgb yuv = yuv_to_rgb(info_.space);
+    const Lanes<float> u = value[1] - black(1), v = value[2] - black(2);
+    const Lanes<float> bright = number(yuv.luma) * (value[0] - black(0));
+    std::array<Lanes<float>, 3> rgb{bright + number(yuv.red_v) * v,
+                                    bright - number(yuv.green_u) * u - number(yuv.green_v) * v,
+                                    bright + number(yuv.blue_u) * u};
+    for (Lanes<float>& channel : rgb) {
+      channel /= float{YuvToRgb::kOne};
+      channel = channel > 0.0f ? channel : Lanes<float>{};
+    }
+    return rgb;
+  }
 
-Rgb rgb_at(const Frame& frame, int u, int v, ColorSpace space) {
-  const auto pixel = pixel_at(frame, static_cast<std::size_t>(u), static_cast<std::size_t>(v));
-  return to_rgb({static_cast<float>(pixel[0]), static_cast<float>(pixel[1]), static_cast<float>(pixel[2])}, space);
-}
+  // A group may begin at any column, or be every second one up to the last.
+  static constexpr std::size_t kOffsets = kSampleSide + kGroupSize - 1;
+
+  const Frame& frame_;
+  const PixelFormatInfo& info_;
+  int seed_u_, seed_v_, step_;
+  std::uint64_t columns_ = 0;
+  std::array<const std::uint8_t*, 3> row_{};
+  // Bytes from the begin of a row to a column, by channel.
+  std::array<std::array<std::uint32_t, kOffsets>, 3> offset_;
+};
 
 bool is_in(const Frame& frame, int u, int v) { return u >= 0 && v >= 0 && u < frame.width_px && v < frame.height_px; }
 
 // Finds the median color of the floor around the ball.
 bool look_at_floor(const Frame& frame, int u, int v, float radius_px, Rgb& out) {
-  std::array<FixedVector<float, kFloorSamples>, 3> values;
+  std::array<FixedVector<float, kFloorDirections.size()>, 3> values;
   const ColorSpace space = color_space(frame.format);
-  for (std::size_t i = 0; i < kFloorSamples; ++i) {
-    const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(kFloorSamples);
-    const int column = u + static_cast<int>(std::lround((kFloorRadius * radius_px + 1.0f) * std::cos(angle)));
-    const int row = v + static_cast<int>(std::lround((kFloorRadius * radius_px + 1.0f) * std::sin(angle)));
+  const float reach = kFloorRadius * radius_px + 1.0f;
+  for (const auto& [right, down] : kFloorDirections) {
+    const int column = u + static_cast<int>(std::lround(reach * right));
+    const int row = v + static_cast<int>(std::lround(reach * down));
     if (!is_in(frame, column, row)) continue;
-    const Rgb rgb = rgb_at(frame, column, row, space);
+    const auto pixel = pixel_at(frame, static_cast<std::size_t>(column), static_cast<std::size_t>(row));
+    const Rgb rgb =
+        to_rgb({static_cast<float>(pixel[0]), static_cast<float>(pixel[1]), static_cast<float>(pixel[2])}, space);
     for (std::size_t c = 0; c < 3; ++c) values[c].push_back(rgb[c]);
   }
-  if (values[0].size() < kFloorSamples / 2) return false;
+  if (values[0].size() < kFloorDirections.size() / 2) return false;
   for (std::size_t c = 0; c < 3; ++c) {
     float* const middle = values[c].begin() + values[c].size() / 2;
     std::nth_element(values[c].begin(), middle, values[c].end());
@@ -192,21 +152,132 @@ bool look_at_floor(const Frame& frame, int u, int v, float radius_px, Rgb& out) 
   return true;
 }
 
-// Pixel to coordinates in half sides of a robot's top.
-struct TopTest {
-  TopTest() = default;
-  explicit TopTest(const RobotTop& top) : center(top.center) {
+// The parallelogram that a robot's top is in the picture.
+class TopOutline {
+ public:
+  TopOutline() = default;
+  explicit TopOutline(const RobotTop& top) : center_(top.center) {
     const PixelPoint &x = top.half_side[0], &y = top.half_side[1];
+    reach_v_px_ = std::abs(x.v_px) + std::abs(y.v_px);
     const float determinant = x.u_px * y.v_px - y.u_px * x.v_px;
-    if (std::abs(determinant) < 1e-6f) return;
-    inverse = {y.v_px / determinant, -y.u_px / determinant, -x.v_px / determinant, x.u_px / determinant};
+    if (std::abs(determinant) < 1e-6f) {
+      reach_v_px_ = -1.0f;
+      return;
+    }
+    inverse_ = {{{y.v_px / determinant, -y.u_px / determinant}, {-x.v_px / determinant, x.u_px / determinant}}};
   }
-  [[nodiscard]] bool covers(float u, float v) const {
-    const float du = u - center.u_px, dv = v - center.v_px;
-    return std::abs(inverse[0] * du + inverse[1] * dv) < 1.0f && std::abs(inverse[2] * du + inverse[3] * dv) < 1.0f;
+  // The columns whose samples are on the top.
+  [[nodiscard]] std::uint64_t covers(const SampledPixels& pixels, int row) const {
+    const float dv = static_cast<float>(pixels.v_px(row)) - center_.v_px;
+    if (std::abs(dv) > reach_v_px_) return 0;
+    // Between two sides, u is the middle plus at most a distance, where a coordinate is -1 and 1.
+    float first = -1e6f, last = 1e6f;
+    for (const auto& [per_u, per_v] : inverse_) {
+      if (std::abs(per_u) < 1e-6f) {
+        if (std::abs(per_v * dv) >= 1.0f) return 0;
+        continue;
+      }
+      const float middle = center_.u_px - per_v / per_u * dv, distance = 1.0f / std::abs(per_u);
+      first = std::max(first, pixels.column_at(middle - distance));
+      last = std::min(last, pixels.column_at(middle + distance));
+    }
+    first = std::max(first, static_cast<float>(-kSampleReach - 1));
+    last = std::min(last, static_cast<float>(kSampleReach + 1));
+    if (!(last > first)) return 0;
+    // The sides themselves do not count.
+    const int from = static_cast<int>(std::floor(first)) + 1, to = static_cast<int>(std::ceil(last)) - 1;
+    return from <= to ? 2 * sample_bit(to) - sample_bit(from) : 0;
   }
-  PixelPoint center;
-  std::array<float, 4> inverse{1e9f, 1e9f, 1e9f, 1e9f};
+
+ private:
+  PixelPoint center_;
+  float reach_v_px_ = 0;
+  // Pixels to coordinates in half sides.
+  std::array<std::array<float, 2>, 2> inverse_{};
+};
+
+// What the samples around a seed show.
+class BallSamples {
+ public:
+  // `reach`: that of the surroundings; `dense`: radius within which all samples count.
+  BallSamples(const Frame& frame, SampledPixels& pixels, std::span<const TopOutline> tops, int reach, int dense)
+      : pixels_(pixels), reach_(reach), dense_(0.0f, static_cast<float>(dense) + 0.01f) {
+    for (int row = -reach; row <= reach; ++row) {
+      if (pixels.v_px(row) < 0 || pixels.v_px(row) >= frame.height_px) continue;
+      std::uint64_t columns = std::abs(row) <= dense ? middle_sample_bits(dense_.last[distance(row)]) : 0;
+      if (row % 2 == 0) columns |= kCoarseColumns & middle_sample_bits(reach);
+      columns &= pixels.columns();
+      for (const TopOutline& top : tops) columns &= ~top.covers(pixels, row);
+      visible.row(row) = columns;
+    }
+  }
+
+  // Reads every second row and column. Returns how many have the ball's color.
+  int read_coarse(const BallColor& color) {
+    PixelGroup group;
+    int count = 0;
+    for (int row = -(reach_ - reach_ % 2); row <= reach_; row += 2) {
+      const std::uint64_t columns = visible.row(row) & kCoarseColumns;
+      if (columns == 0) continue;
+      pixels_.select(row);
+      std::uint64_t is_ball = 0, is_colorful = 0;
+      for (const int first : {-kSampleReach, 0}) {
+        pixels_.read<2>(first, group);
+        is_ball |= spread(color.is_ball(group)) << sample_index(first);
+        is_colorful |= spread(color.is_colorful(group)) << sample_index(first);
+      }
+      coarse.row(row) = columns;
+      ball.row(row) = is_ball & columns;
+      colorful.row(row) = is_colorful & ~is_ball & columns;
+      count += count_sample_bits(is_ball & columns);
+    }
+    return count;
+  }
+
+  // Reads all samples between those of the ball's color that are known, and those next to them; or simply all.
+  void read_dense(const BallColor& color, bool all) {
+    std::uint64_t any = 0;
+    int top = kSampleReach, bottom = -kSampleReach;
+    for (int row = -reach_; row <= reach_; ++row) {
+      any |= ball.row(row);
+      if (ball.row(row) == 0) continue;
+      top = std::min(top, row);
+      bottom = row;
+    }
+    if (any == 0 && !all) return;
+    const int left = all ? -kSampleReach : std::countr_zero(any) - kSampleReach - 1;
+    const int right = all ? kSampleReach : static_cast<int>(std::bit_width(any)) - kSampleReach;
+    const int first_row = std::max(all ? -kSampleReach : top - 1, -dense_.reach);
+    const int last_row = std::min(all ? kSampleReach : bottom + 1, dense_.reach);
+    PixelGroup group;
+    for (int row = first_row; row <= last_row; ++row) {
+      if (visible.row(row) == 0) continue;
+      const int last = dense_.last[distance(row)];
+      pixels_.select(row);
+      std::uint64_t is_ball = 0;
+      for (int first = std::max(-last, left); first <= std::min(last, right); first += kGroupSize) {
+        pixels_.read<1>(first, group);
+        is_ball |= std::uint64_t{color.is_ball(group)} << sample_index(first);
+      }
+      ball.row(row) |= is_ball & visible.row(row);
+    }
+  }
+
+  Samples visible, ball;
+  Samples coarse, colorful;  // every second row and column
+
+ private:
+  static std::size_t distance(int row) { return static_cast<std::size_t>(std::abs(row)); }
+  // Moves bit i to bit 2 i.
+  static std::uint64_t spread(std::uint32_t byte) {
+    byte = (byte | byte << 4u) & 0x0f0fu;
+    byte = (byte | byte << 2u) & 0x3333u;
+    return (byte | byte << 1u) & 0x5555u;
+  }
+
+  SampledPixels& pixels_;
+  int reach_;
+  SampleRing dense_;
 };
 
 }  // namespace
@@ -227,45 +298,36 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
   const float radius = radius_px / static_cast<float>(step);
   const float inner = radius + std::max(1.0f, kRingGap_px / static_cast<float>(step));
   const float outer = std::max(kSurroundings * radius, inner + kMinRingWidth);
-  const Ring disk(0.0f, radius), surroundings(inner, outer),
+  const SampleRing disk(0.0f, radius), surroundings(inner, outer),
       ring(inner, inner + std::max(kMinRingWidth, kRingWidth * radius));
-  const int search = static_cast<int>(radius), reach = std::min(kReach, search + surroundings.reach);
-  FixedVector<TopTest, kMaxRobots> tops;
-  for (const RobotTop& robot : robots) tops.push_back(TopTest(robot));
-
-  // The surroundings are wide: every second pixel and row of them is enough.
-  const int dense = search + ring.reach;
-  const ColorSpace space = color_space(frame.format);
-  Samples ball, visible, coarse, colorful;
-  for (int row = -reach; row <= reach; ++row) {
-    for (int column = -reach; column <= reach; ++column) {
-      const bool is_coarse = row % 2 == 0 && column % 2 == 0;
-      if (!is_coarse && row * row + column * column > dense * dense) continue;
-      const int u = seed_u + column * step, v = seed_v + row * step;
-      if (!is_in(frame, u, v)) continue;
-      const bool hidden = std::any_of(tops.begin(), tops.end(), [&](const TopTest& top) {
-        return top.covers(static_cast<float>(u), static_cast<float>(v));
-      });
-      if (hidden) continue;
-      visible.set(column, row);
-      if (is_coarse) coarse.set(column, row);
-      const Rgb value = rgb_at(frame, u, v, space);
-      if (color.is_ball(value)) {
-        ball.set(column, row);
-      } else if (is_coarse && color.is_other_color(value)) {
-        colorful.set(column, row);
-      }
-    }
-  }
+  const int search = static_cast<int>(radius), dense = search + ring.reach;
+  // Centers of the disk that are examined.
+  const SampleRing places(0.0f, static_cast<float>(search) + 0.01f);
+  FixedVector<TopOutline, kMaxRobots> tops;
+  for (const RobotTop& robot : robots) tops.push_back(TopOutline(robot));
+  SampledPixels pixels(frame, seed_u, seed_v, step);
+  BallSamples samples(frame, pixels, {tops.data(), tops.size()}, std::min(kSampleReach, search + surroundings.reach),
+                      dense);
+  const bool is_coarse_enough = radius >= kLeastCoarseRadius;
+  const int found = samples.read_coarse(color);
+  if (is_coarse_enough && 4.0f * static_cast<float>(found) < kLeastShare * static_cast<float>(disk.count)) return false;
+  samples.read_dense(color, !is_coarse_enough);
+  const Samples& ball = samples.ball;
 
   // The best disk; of equally good ones, their mean.
+  const SampleSums sums(ball, dense);
   float best = -1e9f, sum_u = 0, sum_v = 0, equal = 0;
-  for (int row = -search; row <= search; ++row) {
-    for (int column = -search; column <= search; ++column) {
-      if (column * column + row * row > search * search) continue;
-      const int inside = ball.count(disk, column, row);
-      if (static_cast<float>(inside) < best) continue;
-      const float value = static_cast<float>(inside) - kRingWeight * static_cast<float>(ball.count(ring, column, row));
+  const auto add_row = [&](int row, int reach) {
+    const SampleSums::Counts inside = sums.count(disk, -reach, row);
+    SampleSums::Counts around{};
+    bool is_counted = false;
+    for (int column = -reach; column <= reach; ++column) {
+      const int lane = column + reach;
+      const auto i = static_cast<std::size_t>(lane);
+      if (static_cast<float>(inside[i]) < best) continue;
+      if (!is_counted) around = sums.count(ring, -reach, row);
+      is_counted = true;
+      const float value = static_cast<float>(inside[i]) - kRingWeight * static_cast<float>(around[i]);
       if (value > best) {
         best = value;
         sum_u = sum_v = equal = 0;
@@ -276,40 +338,50 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
         equal += 1;
       }
     }
-  }
+  };
+  for (int row = -search; row <= search; ++row) add_row(row, places.last[static_cast<std::size_t>(std::abs(row))]);
   const int at_u = static_cast<int>(std::lround(sum_u / equal)), at_v = static_cast<int>(std::lround(sum_v / equal));
   const auto inside = static_cast<float>(ball.count(disk, at_u, at_v));
   // A lamp's reflection has no color, but the ball's color around it.
   const auto with_reflections = static_cast<float>(ball.without_holes(disk, at_u, at_v).count(disk, at_u, at_v));
-  const auto shown = static_cast<float>(visible.count(disk, at_u, at_v));
-  const auto around = std::max(1.0f, static_cast<float>(visible.count(ring, at_u, at_v)));
+  const auto shown = static_cast<float>(samples.visible.count(disk, at_u, at_v));
+  const auto around = std::max(1.0f, static_cast<float>(samples.visible.count(ring, at_u, at_v)));
   if (inside < 1.0f) return false;
   out.visible = shown / static_cast<float>(disk.count);
   out.filled = std::min(1.0f, with_reflections / shown);
   out.overflow = static_cast<float>(ball.count(ring, at_u, at_v)) / around;
-  out.colorful = static_cast<float>(colorful.count(surroundings, at_u, at_v)) /
-                 std::max(1.0f, static_cast<float>(coarse.count(surroundings, at_u, at_v)));
+  out.colorful = static_cast<float>(samples.colorful.count(surroundings, at_u, at_v)) /
+                 std::max(1.0f, static_cast<float>(samples.coarse.count(surroundings, at_u, at_v)));
   out.area_px = with_reflections * static_cast<float>(step * step);
 
   float mean_u = 0, mean_v = 0;
-  for (int row = std::max(-kReach, at_v - disk.reach); row <= std::min(kReach, at_v + disk.reach); ++row) {
+  for (int row = std::max(-kSampleReach, at_v - disk.reach); row <= std::min(kSampleReach, at_v + disk.reach); ++row) {
     for (std::uint64_t bits = ball.row(row) & disk.at(row - at_v, at_u); bits != 0; bits &= bits - 1) {
-      mean_u += static_cast<float>(std::countr_zero(bits) - kReach) / inside;
+      mean_u += static_cast<float>(std::countr_zero(bits) - kSampleReach) / inside;
       mean_v += static_cast<float>(row) / inside;
     }
   }
   out.center = {static_cast<float>(seed_u) + static_cast<float>(step) * mean_u,
                 static_cast<float>(seed_v) + static_cast<float>(step) * mean_v};
   // The rim is darker than the patch that the typical value is from.
-  const Ring core(0.0f, std::max(1.0f, kCore * radius));
-  const Ring& middle = ball.count(core, at_u, at_v) > 0 ? core : disk;
-  const auto samples = static_cast<float>(ball.count(middle, at_u, at_v));
+  const SampleRing core(0.0f, std::max(1.0f, kCore * radius));
+  const SampleRing& middle = ball.count(core, at_u, at_v) > 0 ? core : disk;
+  const auto samples_in_middle = static_cast<float>(ball.count(middle, at_u, at_v));
   out.rgb = {};
-  for (int row = std::max(-kReach, at_v - middle.reach); row <= std::min(kReach, at_v + middle.reach); ++row) {
-    for (std::uint64_t bits = ball.row(row) & middle.at(row - at_v, at_u); bits != 0; bits &= bits - 1) {
-      const int column = std::countr_zero(bits) - kReach;
-      const Rgb value = rgb_at(frame, seed_u + column * step, seed_v + row * step, space);
-      for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += value[c] / samples;
+  for (int row = std::max(-kSampleReach, at_v - middle.reach); row <= std::min(kSampleReach, at_v + middle.reach);
+       ++row) {
+    std::uint64_t columns = ball.row(row) & middle.at(row - at_v, at_u);
+    if (columns != 0) pixels.select(row);
+    while (columns != 0) {
+      const int first = std::countr_zero(columns);
+      PixelGroup group;
+      pixels.read<1>(first - kSampleReach, group);
+      for (std::size_t i = 0; i < kGroupSize; ++i) {
+        const std::uint64_t bit = std::uint64_t{1} << (static_cast<unsigned>(first) + i);
+        if ((columns & bit) == 0) continue;
+        columns &= ~bit;
+        for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += group[c][i / 4][i % 4] / samples_in_middle;
+      }
     }
   }
   return true;

@@ -31,8 +31,9 @@ constexpr float kMinAppearanceRadius_px = 1.5f;
 /// Fits a disk of the ball's size to the pixels around `seed`, a point of the ball, whatever boxes they fell into. A
 /// pixel has the ball's color if its hue is that of `rgb` (R, G, B above black): neither the lamps' reflection on the
 /// ball nor its dark side changes the hue under white light. It must also differ from the floor around the ball. The
-/// work is bounded: at most 33 x 33 samples; on a large ball, only every second, third, ... pixel and row. False if the
-/// seed is outside of the picture, the radius is too small, or the floor has nearly the ball's color.
+/// work is bounded: at most 33 x 33 samples; on a large ball, only every second, third, ... pixel and row. Every second
+/// sample is read first; the rest only where they show the ball's color. False if the seed is outside of the picture,
+/// the radius is too small, the floor has nearly the ball's color, or hardly any sample has it.
 bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const std::array<float, 3>& rgb,
                   std::span<const RobotTop> robots, BallAppearance& out);
 

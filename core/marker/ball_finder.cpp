@@ -268,11 +268,14 @@ void BallFinder::examine_expected_place(const Scene& now, const Sightings& seen,
 
 void BallFinder::find_by_pixels(const Scene& now, Sightings& out) const {
   Candidates candidates;
+  std::size_t looks = 0;
   for (const PatchCandidate& patch : now.patches) {
     out.verdicts[patch.region] = patch.is_partly_visible ? Verdict::kTooSmall : Verdict::kSurplus;
     // A patch of a robot, which hides any ball there. The center of a ball's region is beside the robot, or nearly.
     if (on_a_robot(patch.center, now, out, 0.5f * ball_.radius_m)) continue;
-    if (candidates.size() < kMaxExamined) examine(now, patch, out, candidates);
+    if (candidates.size() == kMaxExamined || looks == kMaxLooks) continue;
+    ++looks;
+    examine(now, patch, out, candidates);
   }
   const auto sum_of_odds = [&] {
     float sum = 1.0f;  // no ball

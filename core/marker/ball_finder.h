@@ -36,12 +36,13 @@ struct ExpectedBall {
 /// patches of a robot are beside it, and how much its color differs from the typical one. Pixels on the top of a robot
 /// do not count, because they hide the ball. A track adds its expectation; if no region is the ball, the place that it
 /// expects is examined, too. The confidence is the probability of a candidate against all others and no ball; a ball
-/// with less than kMinConfidence is not reported. The work is bounded: at most kMaxExamined places.
+/// with less than kMinConfidence is not reported. The work is bounded: at most kMaxLooks patches and the expected
+/// place.
 class BallFinder {
  public:
   static constexpr float kMinConfidence = 0.6f;
-  // The ball, and clutter of its color that is as large.
-  static constexpr std::size_t kMaxExamined = 6;
+  // The ball, and clutter of its color that is as large; patches that turn out to be none of both.
+  static constexpr std::size_t kMaxExamined = 6, kMaxLooks = 8;
 
   /// What is known in one frame. `patches`: candidates of the ball's color inside the field.
   struct Scene {

@@ -1,0 +1,127 @@
+#include "core/marker/ball_color.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace touchline {
+namespace {
+
+using Rgb = BallColor::Rgb;
+
+// Largest deviation of the hue: 20 degrees (orange and yellow are 35 apart); more towards the next primary color: up to
+// 8 degrees beyond it, but not more than 25 degrees. For a color without a hue, a relative deviation.
+constexpr float kHueTolerance_rad = 0.35f, kPastPrimary_rad = 0.14f, kMostMore_rad = 0.44f, kColorTolerance = 0.36f;
+constexpr float kPixelNoise_levels = 5.0f;
+// A pixel with less of the ball's saturation, or less than this way from floor to ball, is not the ball.
+constexpr float kMinSaturation = 0.3f, kMinContrast = 0.3f;
+// Below this distance between ball and floor in levels, noise decides.
+constexpr float kMinFloorDistance = 15.0f;
+// Relative saturation below which a color has no hue: white, grey, black.
+constexpr float kNoHue = 0.12f;
+// Saturation of a robot's patch, relative to that of the ball.
+constexpr float kColorful = 0.5f;
+
+// Axes of the plane of colors without their white part: towards red, and perpendicular to it.
+constexpr Rgb kRed{0.8164966f, -0.4082483f, -0.4082483f}, kGreenToBlue{0.0f, 0.7071068f, -0.7071068f};
+
+float dot(const Rgb& a, const Rgb& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Rgb minus(const Rgb& a, const Rgb& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+// The part of a color that white light does not have.
+Rgb chroma_of(const Rgb& rgb) {
+  const float mean = (rgb[0] + rgb[1] + rgb[2]) / 3.0f;
+  return {rgb[0] - mean, rgb[1] - mean, rgb[2] - mean};
+}
+
+Lanes<float> in_all_lanes(float value) { return Lanes<float>{value, value, value, value}; }
+
+bool any(Lanes<std::int32_t> mask) {
+  const auto halves = __builtin_bit_cast(std::array<std::uint64_t, 2>, mask);
+  return (halves[0] | halves[1]) != 0;
+}
+
+// Bit i: lane i of the comparison is true.
+std::uint32_t bits_of(const std::array<Lanes<std::int32_t>, 2>& is_true) {
+  using Four = Lanes<std::int32_t>;
+  const Four bits = (is_true[0] & Four{1, 2, 4, 8}) | (is_true[1] & Four{16, 32, 64, 128});
+  const auto halves = __builtin_bit_cast(std::array<std::uint64_t, 2>, bits);
+  const std::uint64_t both = halves[0] | halves[1];
+  return static_cast<std::uint32_t>(both | both >> 32u);
+}
+
+}  // namespace
+
+BallColor::BallColor(const Rgb& ball, const Rgb& floor) : ball_(ball), floor_(floor) {
+  const Rgb chroma = chroma_of(ball), of_floor = chroma_of(floor), way = minus(ball, floor);
+  Rgb axis{};
+  float saturation = std::sqrt(dot(chroma, chroma)), tolerance = kColorTolerance;
+  has_hue_ = saturation > kNoHue * std::sqrt(dot(ball, ball));
+  if (!has_hue_) {
+    // The color itself takes the place of the hue.
+    saturation = std::sqrt(dot(ball, ball));
+    for (std::size_t c = 0; c < 3; ++c) axis[c] = ball[c] / saturation;
+  } else {
+    // Cameras that increase contrast clip weak channels of the dark side to zero, which moves its hue to a primary.
+    const float hue = std::atan2(dot(chroma, kGreenToBlue), dot(chroma, kRed));
+    const float beyond_primary = std::remainder(hue, 2.0f * std::numbers::pi_v<float> / 3.0f);
+    const float more = std::clamp(std::abs(beyond_primary) + kPastPrimary_rad - kHueTolerance_rad, 0.0f, kMostMore_rad);
+    const float middle = hue - std::copysign(0.5f * more, beyond_primary);
+    for (std::size_t c = 0; c < 3; ++c) axis[c] = std::cos(middle) * kRed[c] + std::sin(middle) * kGreenToBlue[c];
+    tolerance = std::tan(kHueTolerance_rad + 0.5f * more);
+  }
+  const float least_chroma = kColorful * (has_hue_ ? saturation : kNoHue * saturation) + kPixelNoise_levels;
+  for (std::size_t c = 0; c < 3; ++c) {
+    floor_lanes_[c] = in_all_lanes(floor[c]);
+    floor_chroma_[c] = in_all_lanes(of_floor[c]);
+    way_[c] = in_all_lanes(way[c] / dot(way, way));
+    hue_[c] = in_all_lanes(axis[c]);
+  }
+  least_along_ = in_all_lanes(kMinSaturation * saturation);
+  tolerance_ = in_all_lanes(tolerance);
+  least_chroma2_ = in_all_lanes(least_chroma * least_chroma);
+}
+
+bool BallColor::differs_from_floor() const {
+  const Rgb way = minus(ball_, floor_);
+  return dot(way, way) > kMinFloorDistance * kMinFloorDistance;
+}
+
+std::uint32_t BallColor::is_ball(const PixelGroup& rgb) const {
+  std::array<Lanes<std::int32_t>, 2> is_like;
+  for (std::size_t half = 0; half < 2; ++half) {
+    const Lanes<float> r = rgb[0][half], g = rgb[1][half], b = rgb[2][half];
+    is_like[half] =
+        (r - floor_lanes_[0]) * way_[0] + (g - floor_lanes_[1]) * way_[1] + (b - floor_lanes_[2]) * way_[2] >=
+        in_all_lanes(kMinContrast);
+  }
+  if (!any(is_like[0] | is_like[1])) return 0;
+  for (std::size_t half = 0; half < 2; ++half) {
+    Lanes<float> x = rgb[0][half], y = rgb[1][half], z = rgb[2][half];
+    if (has_hue_) {
+      const Lanes<float> white = (x + y + z) / 3.0f;
+      x -= white;
+      y -= white;
+      z -= white;
+    }
+    const Lanes<float> along = x * hue_[0] + y * hue_[1] + z * hue_[2];
+    // Rounding may make it negative; `allowed` is not 0.
+    const Lanes<float> across2 = x * x + y * y + z * z - along * along;
+    const Lanes<float> allowed = kPixelNoise_levels + tolerance_ * along;
+    is_like[half] &= (along > least_along_) & (across2 < allowed * allowed);
+  }
+  return bits_of(is_like);
+}
+
+std::uint32_t BallColor::is_colorful(const PixelGroup& rgb) const {
+  std::array<Lanes<std::int32_t>, 2> is_strong;
+  for (std::size_t half = 0; half < 2; ++half) {
+    const Lanes<float> r = rgb[0][half], g = rgb[1][half], b = rgb[2][half];
+    const Lanes<float> white = (r + g + b) / 3.0f;
+    const Lanes<float> x = r - white, y = g - white, z = b - white;
+    const Lanes<float> dx = x - floor_chroma_[0], dy = y - floor_chroma_[1], dz = z - floor_chroma_[2];
+    is_strong[half] = (x * x + y * y + z * z > least_chroma2_) & (dx * dx + dy * dy + dz * dz > least_chroma2_);
+  }
+  return bits_of(is_strong);
+}
+
+}  // namespace touchline

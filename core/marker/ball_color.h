@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace touchline {
+
+/// Four values in a register: all supported processors have such registers.
+template <class T>
+using Lanes [[gnu::vector_size(16)]] = T;
+/// R, G, B above black of eight pixels.
+constexpr int kGroupSize = 8;
+using PixelGroup = std::array<std::array<Lanes<float>, 2>, 3>;
+
+/// Tells the ball's color from others by its hue, which neither the lamps' reflection on the ball nor its dark side
+/// changes under white light, and by its difference from the floor.
+class BallColor {
+ public:
+  using Rgb = std::array<float, 3>;
+
+  /// R, G, B above black: of the ball, and of the floor around it.
+  BallColor(const Rgb& ball, const Rgb& floor);
+
+  [[nodiscard]] bool differs_from_floor() const;
+
+  /// Bit i of the result: pixel i has the ball's color.
+  [[nodiscard]] std::uint32_t is_ball(const PixelGroup& rgb) const;
+  /// Bit i: pixel i has a strong color that differs from that of the floor. It may be the ball's.
+  [[nodiscard]] std::uint32_t is_colorful(const PixelGroup& rgb) const;
+
+ private:
+  using ChannelLanes = std::array<Lanes<float>, 3>;
+
+  Rgb ball_, floor_;
+  // The same value in all lanes.
+  ChannelLanes floor_lanes_, floor_chroma_, way_, hue_;
+  Lanes<float> least_along_, tolerance_, least_chroma2_;
+  bool has_hue_ = false;
+};
+
+}  // namespace touchline

@@ -85,10 +85,18 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
                 "Print status lines instead of a map of the field. Without --pace and without connections to other\n"
                 "programs, the mock arena then runs as fast as possible");
   add_network(*run, out.network);
+  CLI::Option* const console =
+      run->add_option(
+             "--console", out.console.address,
+             "Serve the console, the page in a browser, at this address. Default: [console] of the board file,\n"
+             "127.0.0.1:8642. Port 0: a free one, which is printed")
+          ->type_name("ADDRESS:PORT")
+          ->expected(0, 1);
   std::string pace;
-  run->add_option("--pace", pace,
-                  "Speed of the mock arena: real (default if a map is shown or anything is published or accepted)\n"
-                  "or fast")
+  run->add_option(
+         "--pace", pace,
+         "Speed of the mock arena: real (default if a map is shown, anything is published or accepted, or with\n"
+         "--console) or fast. The console of the board file is not served while the arena runs fast")
       ->check(CLI::IsMember({"real", "fast"}));
   run->add_option("--status-interval", interval_s, "Seconds between two status lines")
       ->check(between(0.05, 3600.0))
@@ -123,16 +131,23 @@ std::optional<int> parse_command_line(int argc, char** argv, CommandLine& out) {
   keys->add_option("--update", out.page_to_update, "Write the reference into this page (docs/files.md) instead")
       ->type_name("FILE");
 
+  CLI::App* console_command = app.add_subcommand("console", "Show what a browser on another computer needs");
+  add_files(*console_command, out.session.files);
+  bool prints_token = false;  // the only thing that it does so far
+  console_command->add_flag("--token", prints_token, "Print the token, and make it if there is none")->required();
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     // Help and version are "errors" of code 0.
     return app.exit(error) == 0 ? kExitOk : kExitBadCommandLine;
   }
-  out.command = init->parsed()    ? Command::kInit
-                : check->parsed() ? Command::kCheck
-                : keys->parsed()  ? Command::kKeys
-                                  : Command::kRun;
+  out.command = init->parsed()              ? Command::kInit
+                : check->parsed()           ? Command::kCheck
+                : keys->parsed()            ? Command::kKeys
+                : console_command->parsed() ? Command::kConsole
+                                            : Command::kRun;
+  out.console.is_requested = console->count() > 0;
   if (!pace.empty()) out.pace = pace == "real" ? Pace::kReal : Pace::kFast;
   out.session.duration = from_seconds(duration_s);
   out.session.status_interval = from_seconds(interval_s);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "firmware/console/console_plan.h"
 #include "firmware/exit_codes.h"
 #include "firmware/init_command.h"
 #include "firmware/network/network_plan.h"
@@ -11,7 +12,7 @@
 
 namespace touchline {
 
-enum class Command : std::uint8_t { kRun, kCheck, kKeys, kInit };
+enum class Command : std::uint8_t { kRun, kCheck, kKeys, kInit, kConsole };
 /// How fast simulated time passes. kDefault: kReal if somebody watches or a program is connected, else kFast.
 enum class Pace : std::uint8_t { kDefault, kReal, kFast };
 
@@ -19,6 +20,7 @@ struct CommandLine {
   Command command = Command::kRun;
   SessionOptions session;
   network::NetworkOptions network;
+  console::ConsoleOptions console;
   Pace pace = Pace::kDefault;
   bool headless = false;
   bool dump = false;

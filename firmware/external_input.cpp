@@ -15,6 +15,7 @@ Instant on_loop_clock(Instant received, Instant now, Instant machine_now) {
 void ExternalInput::take(Instant now, Instant machine_now) {
   take_commands(now, machine_now);
   take_referee(now, machine_now);
+  if (settings_.console != nullptr) take_console(now, machine_now);
 }
 
 void ExternalInput::take_commands(Instant now, Instant machine_now) {
@@ -47,6 +48,22 @@ void ExternalInput::take_referee(Instant now, Instant machine_now) {
   ++counts_.referee_messages;
 }
 
+void ExternalInput::take_console(Instant now, Instant machine_now) {
+  static_cast<void>(settings_.console->take(console_));
+  merged_.clear();
+  for (ExternalCommand command : console_.commands) {
+    // The age that other programs' commands may have is another one.
+    const bool is_recent = machine_now - command.received <= kConsoleCommandAge;
+    command.received = is_recent ? now : Instant{};
+    merged_.push_back(command);
+  }
+  for (const ExternalCommand& command : commands_) {
+    const bool is_replaced = std::any_of(merged_.begin(), merged_.end(),
+                                         [&](const ExternalCommand& other) { return other.id == command.id; });
+    if (!is_replaced) merged_.push_back(command);
+  }
+}
+
 void ExternalInput::count_expired(const Commands& commands) {
   FixedVector<RobotId, kMaxRobotsPerTeam> expired;
   for (const RobotCommand& robot : commands.robots) {
@@ -57,13 +74,14 @@ void ExternalInput::count_expired(const Commands& commands) {
   expired_ = expired;
 }
 
-std::uint8_t ExternalInput::halt(Instant now, Duration timeout) const {
-  std::uint8_t reasons = kHaltNone;
+std::uint16_t ExternalInput::halt(Instant now, Duration timeout) const {
+  std::uint16_t reasons = kHaltNone;
   if (!may_move_in(referee_.phase)) reasons |= kHaltReferee;
   const bool is_silent = referee_.repeats && now - referee_.received > timeout;
   const bool is_awaited = settings_.awaits_referee && counts_.referee_messages == 0;
   if (is_silent || is_awaited) reasons |= kHaltSilence;
   if (!is_assigned_) reasons |= kHaltTeams;
+  if (console_.stop) reasons |= kHaltConsole;
   return reasons;
 }
 

@@ -7,6 +7,7 @@
 #include "core/control/external_command.h"
 #include "core/control/referee_state.h"
 #include "core/pipeline.h"
+#include "firmware/console_input.h"
 #include "firmware/loop_statistics.h"
 #include "firmware/stop_rules.h"
 #include "hal/mailbox.h"
@@ -20,11 +21,12 @@ struct ExternalInputSettings {
   std::optional<bool> own_is_yellow;
   // Robots stand until the first message of the referee.
   bool awaits_referee = false;
+  Mailbox<ConsoleInput>* console = nullptr;  // null: there is no console
 };
 
-/// Takes the commands of other programs and the messages of a referee from their mailboxes. They are stamped with
-/// CLOCK_MONOTONIC. The loop's clock differs from it in a simulation; on both clocks a value has the same age when it
-/// is taken.
+/// Takes the commands of other programs, the messages of a referee and the console's input from their mailboxes. They
+/// are stamped with CLOCK_MONOTONIC. The loop's clock differs from it in a simulation; on both clocks a value has the
+/// same age when it is taken.
 class ExternalInput {
  public:
   explicit ExternalInput(const ExternalInputSettings& settings) : settings_(settings) {}
@@ -36,20 +38,24 @@ class ExternalInput {
   /// Counts the robots whose command has become too old since the last frame.
   void count_expired(const Commands& commands);
 
-  /// `received` is of the loop's clock, here and in referee().
-  [[nodiscard]] const ExternalCommands& commands() const { return commands_; }
+  /// Of other programs and of the console, whose commands have precedence. `received` is of the loop's clock, here and
+  /// in referee().
+  [[nodiscard]] const ExternalCommands& commands() const { return settings_.console != nullptr ? merged_ : commands_; }
   [[nodiscard]] const RefereeState& referee() const { return referee_; }
-  /// The bits of kRefereeHalts that hold. `timeout`: for a referee that repeats its messages.
-  [[nodiscard]] std::uint8_t halt(Instant now, Duration timeout) const;
+  /// The bits of kExternalHalts that hold. `timeout`: for a referee that repeats its messages.
+  [[nodiscard]] std::uint16_t halt(Instant now, Duration timeout) const;
   [[nodiscard]] const ExternalCounts& counts() const { return counts_; }
 
  private:
   void take_commands(Instant now, Instant machine_now);
   void take_referee(Instant now, Instant machine_now);
+  void take_console(Instant now, Instant machine_now);
   [[nodiscard]] TeamAssignment wanted_assignment() const;
 
   const ExternalInputSettings settings_;
   ExternalCommands arrived_, commands_;
+  ConsoleInput console_;
+  ExternalCommands merged_;  // those of the console, and commands_ of the other robots
   std::array<Instant, kMaxRobotsPerTeam> machine_received_{};  // of commands_, in their order
   FixedVector<RobotId, kMaxRobotsPerTeam> expired_;
   RefereeState referee_;

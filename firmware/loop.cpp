@@ -165,6 +165,10 @@ void Loop::process_frame(const hal::FrameLease& lease) {
     on_fault(Device::kCamera, {trace.status.code(), "the pipeline rejected the frame"}, timing.sent);
   }
   if (settings_.snapshots != nullptr) write_snapshot(trace, timing, machine_sent);
+  // After the snapshot: whoever gets the picture also finds the results.
+  if (settings_.pictures != nullptr && settings_.pictures->is_wanted()) {
+    settings_.pictures->put(frame, statistics_.frames - 1);
+  }
 }
 
 void Loop::write_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent) {
@@ -173,6 +177,7 @@ void Loop::write_snapshot(const StepTrace& trace, const StepTiming& timing, Inst
   snapshot_.received = timing.received;
   snapshot_.sent = timing.sent;
   snapshot_.machine_sent = machine_sent;
+  snapshot_.latency = timing.latency;
   snapshot_.halt = rules_.halt();
   snapshot_.referee = external_.referee();
   settings_.snapshots->write(snapshot_);
@@ -222,7 +227,7 @@ void Loop::take_live_settings() {
 void Loop::take_external_input(Instant now) {
   external_.take(now, hal::MonotonicClock::read());
   external_.assign_teams(pipeline_);
-  rules_.apply_referee(external_.halt(now, from_seconds(settings_.faults.referee_timeout_s)));
+  rules_.apply_external(external_.halt(now, from_seconds(settings_.faults.referee_timeout_s)));
 }
 
 void Loop::update_end(Instant now) {

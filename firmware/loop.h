@@ -14,6 +14,7 @@
 #include "firmware/loop_heartbeat.h"
 #include "firmware/loop_report.h"
 #include "firmware/loop_statistics.h"
+#include "firmware/picture_exchange.h"
 #include "firmware/report_writer.h"
 #include "firmware/signals.h"
 #include "firmware/snapshot_ring.h"
@@ -35,7 +36,8 @@ struct LoopSettings {
   bool hold_after_crash = false;                   // the previous run ended unexpectedly: robots wait for a start
   LiveUpdate* live_update = nullptr;               // new settings while the loop runs; null: none
   ExternalInputSettings external;
-  SnapshotRing* snapshots = nullptr;  // gets a snapshot of every frame; null: nobody reads them
+  SnapshotRing* snapshots = nullptr;    // gets a snapshot of every frame; null: nobody reads them
+  PictureExchange* pictures = nullptr;  // gets a picture when it asks for one; null: nobody asks
 };
 
 /// Times of one frame.

@@ -49,7 +49,7 @@ struct StatusReport {
   std::uint64_t packets = 0;     // since the start, like all counts below
   std::uint64_t packets_dropped = 0, frames_lost = 0, future_stamps = 0, overloads = 0, faults = 0;
   std::uint64_t commands_expired = 0;  // times that a robot stopped because its external command was too old
-  std::uint8_t halt = kHaltNone;
+  std::uint16_t halt = kHaltNone;
   AdaptationMode adaptation = AdaptationMode::kFollow;
   float brightness = 1.0f;  // of the light, relative to the calibration
   FixedVector<SeenRobot, kMaxRobots> robots;
@@ -73,7 +73,7 @@ struct FaultReport {
 /// Robots were stopped, or may move again.
 struct HaltReport {
   double elapsed_s = 0.0;
-  std::uint8_t halt = kHaltNone, before = kHaltNone;
+  std::uint16_t halt = kHaltNone, before = kHaltNone;
 };
 
 /// A robot's battery has become low.

@@ -3,6 +3,7 @@
 
 #include "firmware/command_line.h"
 #include "firmware/config/key_reference.h"
+#include "firmware/console_command.h"
 #include "firmware/init_command.h"
 #include "firmware/layout_drawing.h"
 #include "firmware/network/connections.h"
@@ -85,6 +86,8 @@ int main(int argc, char** argv) {
         return touchline::init_command(command_line.init);
       case touchline::Command::kCheck:
         return touchline::check_command(command_line);
+      case touchline::Command::kConsole:
+        return touchline::console_command(command_line);
       case touchline::Command::kKeys:
         return touchline::keys_command(command_line.page_to_update);
     }

@@ -49,8 +49,9 @@ void ReportPrinter::print_waiting() {
     lines.swap(lines_);
   }
   if (!lines.empty()) {
-    std::fputs(lines.c_str(), err_);
-    map_lines_ = 0;
+    for (std::size_t begin = 0, end = 0; (end = lines.find('\n', begin)) != std::string::npos; begin = end + 1) {
+      print_event("info", lines.substr(begin, end - begin));
+    }
   }
   while (ring_.pop(report_)) print(report_);
 }
@@ -62,6 +63,7 @@ std::string ReportPrinter::line_of(const StatusReport& status) const {
 void ReportPrinter::print(const Report& report) {
   switch (report.kind) {
     case Report::Kind::kStatus:
+      if (settings_.on_status) settings_.on_status(report.status);
       if (settings_.service != nullptr) settings_.service->status(line_of(report.status));
       if (settings_.map_columns > 0) {
         print_map(report.status);
@@ -71,15 +73,17 @@ void ReportPrinter::print(const Report& report) {
       std::fflush(out_);
       return;
     case Report::Kind::kFault:
-      std::fprintf(err_, "%s\n", fault_line(report.fault).c_str());
-      break;
+      return print_event("error", fault_line(report.fault));
     case Report::Kind::kHalt:
-      std::fprintf(err_, "%s\n", halt_line(report.halt).c_str());
-      break;
+      return print_event(report.halt.halt == kHaltNone ? "info" : "warning", halt_line(report.halt));
     case Report::Kind::kBattery:
-      std::fprintf(err_, "%s\n", battery_line(report.battery).c_str());
-      break;
+      return print_event("warning", battery_line(report.battery));
   }
+}
+
+void ReportPrinter::print_event(const char* level, const std::string& line) {
+  std::fprintf(err_, "%s\n", line.c_str());
+  if (settings_.on_event) settings_.on_event(level, line);
   map_lines_ = 0;  // the next map is drawn below this line
 }
 

@@ -19,6 +19,9 @@ struct ReportPrinterSettings {
   int map_columns = 0;                       // width of the field map; 0: none
   const ServiceNotifier* service = nullptr;  // gets the status as well; null: none
   std::function<std::string()> network;      // end of the status line; called on the printer's thread
+  // Gets every line but the status, with its level: info, warning or error; on the printer's thread. Empty: nobody.
+  std::function<void(const char* level, const std::string& line)> on_event;
+  std::function<void(const StatusReport&)> on_status;  // the same for the status
 };
 
 /// Takes the loop's reports from the ring on its own thread and prints them: the status to `out`, events to `err`.
@@ -38,6 +41,7 @@ class ReportPrinter {
   void print_all();
   void print_waiting();
   void print(const Report& report);
+  void print_event(const char* level, const std::string& line);
   [[nodiscard]] std::string line_of(const StatusReport& status) const;
   void print_map(const StatusReport& status);
 

@@ -14,7 +14,7 @@ void ReportWriter::add_step(const StepTrace& trace, Duration latency) {
   latency_.add(latency);
 }
 
-void ReportWriter::report_halt(std::uint8_t halt, Instant now) {
+void ReportWriter::report_halt(std::uint16_t halt, Instant now) {
   if (halt == halt_reported_) return;
   report_.kind = Report::Kind::kHalt;
   report_.halt = {elapsed_s(now), halt, halt_reported_};
@@ -22,7 +22,7 @@ void ReportWriter::report_halt(std::uint8_t halt, Instant now) {
   halt_reported_ = halt;
 }
 
-void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::uint8_t halt, AdaptationMode adaptation,
+void ReportWriter::report_status_if_due(const LoopStatistics& statistics, std::uint16_t halt, AdaptationMode adaptation,
                                         Instant now) {
   if (now < next_status_) return;
   next_status_ += interval_;

@@ -2,9 +2,11 @@
 
 #include <unistd.h>
 #include <cstdio>
+#include <optional>
 #include <utility>
 
 #include "firmware/config_reloader.h"
+#include "firmware/console/console.h"
 #include "firmware/crash_stop.h"
 #include "firmware/network/connections.h"
 #include "firmware/realtime.h"
@@ -21,10 +23,15 @@ constexpr int kMapColumns = 52;
 
 bool is_paced(const CommandLine& command_line, const network::NetworkPlan& plan) {
   if (command_line.pace != Pace::kDefault) return command_line.pace == Pace::kReal;
-  return !command_line.headless || !plan.empty();
+  return !command_line.headless || !plan.empty() || command_line.console.is_requested;
 }
 
-void print_start(const Session& session, const network::Connections& connections,
+// While a simulation runs as fast as possible, there is nothing that a person could watch.
+bool is_served(const console::ConsolePlan& plan, const config::BoardFile& board, bool is_paced) {
+  return plan.is_enabled && (is_paced || board.camera.backend != hal::CameraBackend::kMock);
+}
+
+void print_start(const Session& session, const network::Connections& connections, const console::Console& console,
                  const std::vector<std::string>& refused) {
   const config::Configuration& configuration = session.configuration();
   std::printf("board %s, venue %s, team %s\n", configuration.board_where.file().c_str(),
@@ -38,6 +45,7 @@ void print_start(const Session& session, const network::Connections& connections
   print_device("radio", session.radio_description());
   print_device("gpio", session.gpio_description());
   std::fputs(connections.start_text().c_str(), stdout);
+  std::fputs(console.start_text().c_str(), stdout);
   std::fflush(stdout);
   for (const std::string& refusal : refused) std::fprintf(stderr, "real time: %s\n", refusal.c_str());
 }
@@ -61,17 +69,28 @@ int run_command(const CommandLine& command_line) {
     std::fprintf(stderr, "%s\n", plan.error().text.c_str());
     return kExitBadFile;
   }
-  network::Connections connections(std::move(plan).value());
   const config::BoardFile& board = session.configuration().board;
+  Result<console::ConsolePlan> console_plan =
+      console::plan_console(board.console, session.configuration().board_where, command_line.console);
+  if (!console_plan.ok()) {
+    std::fprintf(stderr, "%s\n", console_plan.error().text.c_str());
+    return kExitBadFile;
+  }
+  network::Connections connections(std::move(plan).value());
+  const auto console = std::make_unique<console::Console>(std::move(console_plan).value());
   const config::RealtimeSettings& realtime = board.realtime;
   std::vector<std::string> refused = lock_memory(realtime);
   crash_stop::install_handlers();
   const std::atomic<bool>& stop = handle_stop_signals();
-  session.set_adaptation_requests(handle_adaptation_signals());
+  AdaptationRequests& adaptation = handle_adaptation_signals();
+  session.set_adaptation_requests(adaptation);
   const std::atomic<std::uint32_t>& reload_requests = handle_reload_signal();
   const RunMarker marker = RunMarker::of_service();
   session.hold_after_crash(marker.exists());
-  session.set_arena_time(is_paced(command_line, connections.plan()) ? ArenaTime::kPaced : ArenaTime::kFast);
+  const bool paced = is_paced(command_line, connections.plan());
+  session.set_arena_time(paced ? ArenaTime::kPaced : ArenaTime::kFast);
+  const bool serves_console = is_served(console->plan(), board, paced);
+  if (serves_console) console->attach(session, connections.snapshots());
   connections.attach(session);
   if (const Result<void> opened = session.open(LoopObserver{}); !opened.ok()) {
     std::fprintf(stderr, "%s\n", opened.error().text.c_str());
@@ -89,6 +108,12 @@ int run_command(const CommandLine& command_line) {
   reporting.status_lines = !service.is_enabled();
   reporting.map_columns = !command_line.headless && ::isatty(STDOUT_FILENO) != 0 ? kMapColumns : 0;
   if (!connections.plan().empty()) reporting.network = [&connections] { return connections.status_text(); };
+  if (serves_console) {
+    reporting.on_status = [&console](const StatusReport& status) { console->reports().set(status); };
+    reporting.on_event = [&console](const char* level, const std::string& line) {
+      console->reports().events.add(level, line);
+    };
+  }
   LoopEnd end = LoopEnd::kRequested;
   const CpuLatencyRequest cpu_latency_request(realtime);
   refused.insert(refused.end(), cpu_latency_request.refused().begin(), cpu_latency_request.refused().end());
@@ -101,9 +126,11 @@ int run_command(const CommandLine& command_line) {
     const ReloadThread reload([&](const std::atomic<bool>& cancelled) { return reloader.reload(cancelled); },
                               reload_requests, print_line);
     const network::ConnectionThreads threads(connections, session.configuration(), print_line);
+    std::optional<console::ConsoleThread> console_thread;
+    if (serves_console) console_thread.emplace(*console, session, &adaptation, TOUCHLINE_VERSION, print_line);
     for (std::string& refusal : become_realtime(realtime)) refused.push_back(std::move(refusal));
     for (std::string& hint : realtime_hints(realtime, is_realtime())) refused.push_back(std::move(hint));
-    print_start(session, connections, refused);
+    print_start(session, connections, *console, refused);
     end = run(session.loop(), service, stop);
   }
   session.loop().close();

@@ -32,7 +32,9 @@ Result<void> Session::open(LoopObserver observer) {
   settings.hold_after_crash = hold_after_crash_;
   settings.live_update = &live_update_;
   settings.external = external_;
+  settings.external.console = console_;
   settings.snapshots = snapshots_;
+  settings.pictures = pictures_;
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);
   TOUCHLINE_TRY(loop_->open());
   camera_info_ = devices.camera.info();

@@ -46,6 +46,11 @@ class Session {
   void set_stage_clock(Pipeline::StageClock clock) { stage_clock_ = clock; }
   /// Gets a snapshot of every frame; null: none. Call it before open().
   void set_snapshots(SnapshotRing* snapshots) { snapshots_ = snapshots; }
+  /// Input of the console, and the pictures that it asks for; call it before open().
+  void set_console(Mailbox<ConsoleInput>* input, PictureExchange* pictures) {
+    console_ = input;
+    pictures_ = pictures;
+  }
   /// Passes new settings to the running loop (firmware/config_reloader.h).
   [[nodiscard]] LiveUpdate& live_update() { return live_update_; }
   /// Builds and opens the devices, after load().
@@ -69,6 +74,8 @@ class Session {
   ExternalInputSettings external_;
   Pipeline::StageClock stage_clock_ = hal::MonotonicClock::read;
   SnapshotRing* snapshots_ = nullptr;
+  Mailbox<ConsoleInput>* console_ = nullptr;
+  PictureExchange* pictures_ = nullptr;
   LiveUpdate live_update_;
   // On the heap because they take megabytes.
   std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();

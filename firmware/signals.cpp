@@ -81,7 +81,7 @@ const std::atomic<std::uint32_t>& handle_reload_signal() {
   return reload_requests;
 }
 
-const AdaptationRequests& handle_adaptation_signals() {
+AdaptationRequests& handle_adaptation_signals() {
   for (const int signal : {SIGUSR1, SIGUSR2}) install(signal, on_adaptation_signal);
   return adaptation_requests;
 }

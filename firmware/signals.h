@@ -30,6 +30,6 @@ struct AdaptationRequests {
 };
 
 /// SIGUSR1 toggles AdaptationRequests::freeze, SIGUSR2 AdaptationRequests::reset.
-const AdaptationRequests& handle_adaptation_signals();
+AdaptationRequests& handle_adaptation_signals();
 
 }  // namespace touchline

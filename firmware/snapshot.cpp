@@ -7,6 +7,7 @@ void copy_trace(const StepTrace& trace, Snapshot& out) {
   out.width_px = trace.frame.width_px;
   out.height_px = trace.frame.height_px;
   out.captured = trace.frame.capture_time;
+  out.stage_time = trace.stage_time;
   out.ball = trace.sightings.ball;
   out.robots = trace.sightings.robots;
   out.tracks = trace.tracks;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <type_traits>
 
@@ -18,16 +19,18 @@ struct Snapshot {
   // Capture is the middle of the exposure; `sent`: the radio accepted the packet. Of the loop's clock.
   Instant captured{}, received{}, sent{};
   Instant machine_sent{};  // CLOCK_MONOTONIC at `sent`; differs from it in simulated time
+  Duration latency{};      // from capture to `sent`, with the time that the machine took (StepTiming::latency)
+  std::array<Duration, kStageCount> stage_time{};
   BallSighting ball;
   FixedVector<RobotSighting, kMaxRobots> robots;
   Tracks tracks;
   Commands commands;
   LightTrace light;
   RobotReports reports;
-  Status status;                  // of the scan: kUnsupported (no sightings), kFull (see overload)
-  bool overload = false;          // a capacity was reached
-  std::uint8_t halt = kHaltNone;  // bits of Halt, after the frame
-  RefereeState referee;           // in effect
+  Status status;                   // of the scan: kUnsupported (no sightings), kFull (see overload)
+  bool overload = false;           // a capacity was reached
+  std::uint16_t halt = kHaltNone;  // bits of Halt, after the frame
+  RefereeState referee;            // in effect
 };
 static_assert(std::is_trivially_copyable_v<Snapshot>, "SnapshotRing copies it word by word");
 

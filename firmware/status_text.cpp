@@ -23,7 +23,7 @@ constexpr double kStaleRobotStatusS = 2.0;
 
 double milliseconds(Duration d) { return seconds(d) * 1e3; }
 
-std::string halt_reasons(std::uint8_t halt) {
+std::string halt_reasons(std::uint16_t halt) {
   std::string reasons;
   const auto add = [&](Halt bit, const char* text) {
     if ((halt & bit) == 0) return;
@@ -36,6 +36,7 @@ std::string halt_reasons(std::uint8_t halt) {
   add(kHaltStart, "waiting for the start button");
   add(kHaltReferee, "the referee stopped the game");
   add(kHaltSilence, "no message of the referee");
+  add(kHaltConsole, "stopped from the console");
   add(kHaltTeams, "the referee's team colors or heights do not fit the team file");
   add(kHaltCrash, (halt & kHaltStart) != 0
                       ? "the previous run ended unexpectedly"

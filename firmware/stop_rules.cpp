@@ -13,7 +13,7 @@ void StopRules::apply_inputs(const std::optional<hal::GpioInputs>& inputs, Insta
   hal::GpioInputs unreadable;
   unreadable.emergency_stop = settings_.has_emergency_stop;
   update_emergency(inputs.value_or(unreadable), now);
-  std::uint8_t halt = halt_ & (kHaltNoFrames | kRefereeHalts);
+  std::uint16_t halt = halt_ & (kHaltNoFrames | kExternalHalts);
   if (emergency_) halt |= inputs ? kHaltEmergency : kHaltUnreadableLine;
   if (!started_) halt |= kHaltStart;
   if (settings_.hold_after_crash) halt |= kHaltCrash;
@@ -40,12 +40,12 @@ void StopRules::accept_frame(Instant capture_time, Instant now) {
   last_good_ = last_good_ ? std::max(*last_good_, captured) : captured;
 }
 
-void StopRules::apply_referee(std::uint8_t reasons) {
-  halt_ = static_cast<std::uint8_t>((halt_ & ~kRefereeHalts) | (reasons & kRefereeHalts));
+void StopRules::apply_external(std::uint16_t reasons) {
+  halt_ = static_cast<std::uint16_t>((halt_ & ~kExternalHalts) | (reasons & kExternalHalts));
 }
 
 void StopRules::set_stale(bool stale) {
-  halt_ = static_cast<std::uint8_t>((halt_ & ~kHaltNoFrames) | (stale ? kHaltNoFrames : kHaltNone));
+  halt_ = static_cast<std::uint16_t>((halt_ & ~kHaltNoFrames) | (stale ? kHaltNoFrames : kHaltNone));
 }
 
 }  // namespace touchline

@@ -9,7 +9,7 @@
 namespace touchline {
 
 /// Reasons for which robots are stopped; bits.
-enum Halt : std::uint8_t {
+enum Halt : std::uint16_t {
   kHaltNone = 0,
   kHaltNoFrames = 1,        // the last good frame is older than faults.stop_after_s
   kHaltEmergency = 2,       // the emergency stop is pulled, or was pulled and has not been reset
@@ -19,9 +19,10 @@ enum Halt : std::uint8_t {
   kHaltReferee = 32,        // the referee stopped the game
   kHaltTeams = 64,          // the referee demands team colors or heights that cannot be used
   kHaltSilence = 128,       // a requested referee was never heard, or one that repeats its messages is silent
+  kHaltConsole = 256,       // a client of the console stopped the robots
 };
 
-constexpr std::uint8_t kRefereeHalts = kHaltReferee | kHaltTeams | kHaltSilence;
+constexpr std::uint16_t kExternalHalts = kHaltReferee | kHaltTeams | kHaltSilence | kHaltConsole;
 
 struct StopRuleSettings {
   Duration stop_after{};               // robots stop when the last good frame is older
@@ -48,8 +49,8 @@ class StopRules {
   /// Applies the input lines as read at `now`. nullopt: they cannot be read, which counts as a pulled emergency stop if
   /// there is one.
   void apply_inputs(const std::optional<hal::GpioInputs>& inputs, Instant now);
-  /// `reasons`: the bits of kRefereeHalts that hold.
-  void apply_referee(std::uint8_t reasons);
+  /// `reasons`: the bits of kExternalHalts that hold.
+  void apply_external(std::uint16_t reasons);
   /// Call it before a frame is processed: commands computed from an old frame must not drive robots.
   void check_frame(Instant capture_time, Instant now) { set_stale(is_stale(capture_time, now)); }
   /// Call it after a frame was processed successfully. A capture time later than `now` counts as `now`, because a wrong
@@ -59,7 +60,7 @@ class StopRules {
   void check_last_frame(Instant now) { set_stale(!last_good_ || is_stale(*last_good_, now)); }
 
   /// Bits of Halt.
-  [[nodiscard]] std::uint8_t halt() const { return halt_; }
+  [[nodiscard]] std::uint16_t halt() const { return halt_; }
   [[nodiscard]] bool may_move() const { return halt_ == kHaltNone; }
   /// Whether only the start (button or restart) is missing.
   [[nodiscard]] bool only_waits_for_start() const { return !started_ && (halt_ & ~(kHaltStart | kHaltCrash)) == 0; }
@@ -74,7 +75,7 @@ class StopRules {
   void update_emergency(const hal::GpioInputs& inputs, Instant now);
 
   StopRuleSettings settings_;
-  std::uint8_t halt_ = kHaltNoFrames;
+  std::uint16_t halt_ = kHaltNoFrames;
   std::optional<Instant> last_good_;  // capture time; none: there has been no good frame
   bool emergency_ = false;
   Instant emergency_seen_{};

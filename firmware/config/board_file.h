@@ -7,6 +7,7 @@
 
 #include "core/cpu.h"
 #include "core/parameter.h"
+#include "firmware/config/console_settings.h"
 #include "firmware/config/network_settings.h"
 #include "hal/device_parameters.h"
 #include "hal/mock/arena_parameters.h"
@@ -104,6 +105,7 @@ struct BoardFile {
   RealtimeSettings realtime;
   FaultSettings faults;
   NetworkSettings network;
+  ConsoleSettings console;
   hal::mock::ArenaParameters arena;
 
   static constexpr std::array<std::string_view, 6> kRequired{
@@ -128,6 +130,7 @@ struct BoardFile {
                    .help = "Real-time settings of the loop; settings that the system refuses are reported once"});
     visit.section(self.faults, {.name = "faults", .reload = Reload::kLoop, .help = "Time limits after a fault"});
     visit.section(self.network, {.name = "network", .help = "Connections to other programs (docs/network.md)"});
+    visit.section(self.console, {.name = "console", .help = "The page in a browser (docs/console-protocol.md)"});
     visit.section(self.arena, {.name = "arena", .help = "Simulation of the backend \"mock\" (docs/arena.md)"});
   }
 };

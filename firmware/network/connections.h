@@ -17,6 +17,11 @@ class Connections {
   /// Passes ring and mailboxes to the session; call it before Session::open().
   void attach(Session& session);
   [[nodiscard]] const NetworkPlan& plan() const { return plan_; }
+  /// The ring of snapshots, also if nothing is published, for other readers; call it before attach().
+  [[nodiscard]] SnapshotRing& snapshots() {
+    if (!snapshots_) snapshots_ = std::make_unique<SnapshotRing>();
+    return *snapshots_;
+  }
 
   /// Starts the threads. `print` is called on them, and on this one for what cannot be opened.
   void start(const config::Configuration& configuration, const Print& print);
@@ -36,7 +41,7 @@ class Connections {
   [[nodiscard]] bool has_input(bool of_referee) const;
 
   NetworkPlan plan_;
-  // On the heap because it takes 300 KB.
+  // On the heap because it takes 370 KB.
   std::unique_ptr<SnapshotRing> snapshots_ = plan_.outputs.empty() ? nullptr : std::make_unique<SnapshotRing>();
   std::unique_ptr<Mailbox<ExternalCommands>> commands_ = std::make_unique<Mailbox<ExternalCommands>>();
   std::unique_ptr<Mailbox<RefereeState>> referee_ = std::make_unique<Mailbox<RefereeState>>();

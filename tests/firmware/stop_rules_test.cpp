@@ -137,17 +137,17 @@ TEST(StopRules, AfterACrashRobotsWaitForAStart) {
 
 TEST(StopRules, RefereeStopsRobotsWhateverTheInputsAre) {
   StopRules rules = playing();
-  rules.apply_referee(kHaltReferee);
+  rules.apply_external(kHaltReferee);
   EXPECT_EQ(rules.halt(), kHaltReferee);
   rules.apply_inputs(kAtRest, after_start(0.1));
   rules.check_last_frame(after_start(0.1));
   EXPECT_EQ(rules.halt(), kHaltReferee);
   rules.apply_inputs(kPulled, after_start(0.1));
-  rules.apply_referee(kHaltTeams | kHaltSilence);
+  rules.apply_external(kHaltTeams | kHaltSilence);
   EXPECT_EQ(rules.halt(), kHaltTeams | kHaltSilence | kHaltEmergency);
   rules.apply_inputs(kAtRest, after_start(0.19));
   rules.apply_inputs(kAtRest, after_start(0.21));
-  rules.apply_referee(kHaltNone);
+  rules.apply_external(kHaltNone);
   rules.check_last_frame(after_start(0.2));
   EXPECT_TRUE(rules.may_move());
 }

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/result.h"
+
+// Who may use the console. The page can stop and drive robots, so that no other web site and no other computer may
+// reach it unasked.
+namespace touchline::console {
+
+/// What a browser says about a request. Empty: it says nothing.
+struct RequestOrigin {
+  std::string_view host;        // header Host: what stands in the browser's address line
+  std::string_view origin;      // header Origin: the site whose page sent the request
+  std::string_view fetch_site;  // header Sec-Fetch-Site
+  std::string_view cookie;      // header Cookie
+  std::string_view peer;        // address of the other side of the connection
+};
+
+struct AccessRules {
+  std::vector<std::string> hosts;  // permitted names beside localhost and addresses in numbers
+  std::string token;               // of clients on other computers; empty: they are refused
+};
+
+inline constexpr std::string_view kTokenCookie = "touchline_token";
+
+/// Whether the address, such as 127.0.0.1 or ::1, belongs to this computer's loopback.
+bool is_loopback(std::string_view address);
+
+/// Whether a browser may have sent this request on behalf of this console's page. A name that is not listed may belong
+/// to a site that made its name point to this computer (DNS rebinding); an address in numbers cannot.
+bool is_host_permitted(std::string_view host, const std::vector<std::string>& hosts);
+/// Whether the request comes from the console's own page, or from no page at all. `is_navigation`: a request for the
+/// page itself, to which other sites may link.
+bool is_origin_permitted(const RequestOrigin& request, bool is_navigation);
+/// Whether the two texts are equal. Takes equally long for all texts of `expected`'s length.
+bool equal_in_constant_time(std::string_view given, std::string_view expected);
+/// The token in a Cookie header; "" if there is none.
+std::string_view token_of_cookie(std::string_view cookie);
+/// Whether the client is on this computer or has the token.
+bool has_access(const RequestOrigin& request, const AccessRules& rules);
+
+/// The token in the file, 64 hexadecimal digits. kNotFound, kCorruptFrame.
+Result<std::string> read_token(const std::string& path);
+/// The token in the file; makes the file, readable by its owner only, if it does not exist. Errors of read_token() and
+/// of writing.
+Result<std::string> make_token(const std::string& path);
+
+}  // namespace touchline::console

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+
+#include "core/time.h"
+#include "firmware/console/driving.h"
+#include "firmware/console/link_control.h"
+#include "firmware/console/messages.h"
+#include "firmware/network/message_limit.h"
+
+namespace touchline::console {
+
+// A page drives at 20 Hz, acknowledges 15 pictures a second and pings. Several keys change at once.
+inline constexpr double kMaxMessagesPerSecond = 100.0;
+// A client that sends requests without reading the answers is dropped.
+inline constexpr std::size_t kMaxWaitingAnswers = 64;
+
+/// What a client watches, and what it has been sent.
+struct Client {
+  explicit Client(ClientNumber its_number) : number(its_number) {}
+
+  const ClientNumber number;
+  network::MessageLimit limit{kMaxMessagesPerSecond};
+  LinkControl link;
+  Duration round_trip{};  // the shortest of the connection
+
+  // From the last `watch`; zero: nothing.
+  Duration state_period{}, picture_period{};
+  std::uint16_t picture_width_px = 0;
+  Instant next_state{}, next_picture{};
+
+  bool wants_hello = true, wants_driver = true, wants_status = true;
+  std::deque<Answer> answers;
+  std::uint64_t last_event = 0;
+  std::uint64_t states_until = 0;    // number of the newest snapshot that was sent, plus 1
+  std::uint64_t pictures_until = 0;  // the same for pictures
+  bool picture_follows = false;      // the state of the current picture was sent; the picture is next
+};
+
+}  // namespace touchline::console

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "core/adaptation.h"
+#include "core/types.h"
+#include "hal/result.h"
+
+namespace touchline::console {
+
+// The longest message of a client has about 200 bytes.
+inline constexpr std::size_t kMaxClientMessageBytes = 4096;
+inline constexpr double kMaxStateRateHz = 60.0, kMaxPictureRateHz = 60.0;
+// Limits of a driven robot's speed; larger values are errors. The limits of the drive are applied later.
+inline constexpr double kMaxDriveSpeed_mps = 10.0, kMaxDriveTurn_radps = 100.0;
+
+/// A message of a client (docs/console-protocol.md).
+struct ClientMessage {
+  enum class Kind : std::uint8_t { kWatch, kSeen, kStop, kStart, kTake, kRelease, kDrive, kPing, kAdaptation };
+  Kind kind = Kind::kPing;
+  std::optional<std::int64_t> request;  // number that the answer repeats
+
+  // kWatch. A rate of 0: none.
+  double state_hz = 0.0, picture_hz = 0.0;
+  std::uint16_t picture_width_px = 0;  // the widest picture; 0: as wide as the camera's
+
+  std::uint64_t number = 0;  // of kSeen: the picture
+
+  // kDrive
+  RobotId id = kUnknownId;
+  Twist twist;
+  bool gives_back = false;  // the client drives this robot no longer
+
+  AdaptationMode adaptation = AdaptationMode::kFollow;  // of kAdaptation
+};
+
+/// kCorruptFrame: not a JSON object; kInconsistent: type or member that is unknown, absent or of another kind;
+/// kOutOfRange: a value. `text` of any length and content.
+Result<ClientMessage> parse_client_message(std::string_view text);
+
+}  // namespace touchline::console

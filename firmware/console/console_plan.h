@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "firmware/config/console_settings.h"
+#include "firmware/config/locations.h"
+#include "hal/result.h"
+
+namespace touchline::console {
+
+/// Options of the command line.
+struct ConsoleOptions {
+  bool is_requested = false;  // --console
+  std::string address;        // of --console; "": the board file's
+};
+
+/// Whether and where the console is served: the board file's [console] and the command line together.
+struct ConsolePlan {
+  bool is_enabled = false;
+  std::string address;  // IPv4 address in numbers
+  std::uint16_t port = 0;
+  std::string token_file;
+  std::vector<std::string> hosts;
+  double picture_rate_hz = 0.0;
+};
+
+/// kOutOfRange: the address is not ADDRESS:PORT; the message names the place.
+Result<ConsolePlan> plan_console(const config::ConsoleSettings& board, const config::Locations& where,
+                                 const ConsoleOptions& options);
+
+}  // namespace touchline::console

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace touchline::console {
+
+/// A line that the terminal shows as well.
+struct Event {
+  std::uint64_t number = 0;  // 1, 2, ...
+  double time_s = 0.0;       // Unix time
+  std::string_view level;    // "info", "warning" or "error"; a literal
+  std::string text;
+};
+
+/// The last lines of the log, for clients that connect later. For any thread but the loop's, because it locks.
+class EventLog {
+ public:
+  void add(std::string_view level, std::string text) {
+    const double time_s = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+    const std::scoped_lock lock(mutex_);
+    events_.push_back({++last_, time_s, level, std::move(text)});
+    if (events_.size() > kMaxEvents) events_.pop_front();
+  }
+  /// The oldest event after `number` that is still there.
+  [[nodiscard]] std::optional<Event> after(std::uint64_t number) const {
+    const std::scoped_lock lock(mutex_);
+    for (const Event& event : events_) {
+      if (event.number > number) return event;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  // A screen or two.
+  static constexpr std::size_t kMaxEvents = 100;
+
+  mutable std::mutex mutex_;
+  std::deque<Event> events_;
+  std::uint64_t last_ = 0;
+};
+
+}  // namespace touchline::console

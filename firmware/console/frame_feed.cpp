@@ -1,0 +1,39 @@
+#include "firmware/console/frame_feed.h"
+
+namespace touchline::console {
+
+void FrameFeed::read() {
+  while (reader_.read((*kept_)[count_ % kKept])) {
+    count(slot(count_));
+    ++count_;
+  }
+}
+
+const Snapshot* FrameFeed::find(std::uint64_t number) const {
+  // The slot of the next snapshot may have been begun.
+  for (std::uint64_t back = 1; back < kKept && back <= count_; ++back) {
+    const Snapshot& snapshot = slot(count_ - back);
+    if (snapshot.number == number) return &snapshot;
+    if (snapshot.number < number) break;
+  }
+  return nullptr;
+}
+
+void FrameFeed::count(const Snapshot& snapshot) {
+  latency_.add(snapshot.latency);
+  const Duration processing = snapshot.latency - (snapshot.received - snapshot.captured);
+  if (frame_period_ > Duration::zero() && processing > frame_period_) ++missed_deadlines_;
+  const Snapshot* const before = newest();
+  if (before == nullptr || snapshot.number != before->number + 1) return;
+  // Signed: a camera that was reopened counts from the beginning.
+  const auto step = static_cast<std::int32_t>(snapshot.frame_sequence - before->frame_sequence);
+  if (step > 1) lost_frames_ += static_cast<std::uint64_t>(step - 1);
+}
+
+void FrameFeed::next_second() {
+  latency_.next_second();
+  rate_hz_ = count_ - counted_before_;
+  counted_before_ = count_;
+}
+
+}  // namespace touchline::console

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "firmware/console/latency_window.h"
+#include "firmware/snapshot_ring.h"
+
+namespace touchline::console {
+
+/// Reads the loop's snapshots, keeps the newest ones and counts what the status tells about all of them.
+class FrameFeed {
+ public:
+  /// `frame_period`: a frame whose processing takes longer has missed its deadline; zero: not known.
+  FrameFeed(SnapshotRing& ring, Duration frame_period) : reader_(ring), frame_period_(frame_period) {}
+
+  /// Reads all waiting snapshots.
+  void read();
+  /// Null: there has been none.
+  [[nodiscard]] const Snapshot* newest() const { return count_ == 0 ? nullptr : &slot(count_ - 1); }
+  /// Null: it is not kept.
+  [[nodiscard]] const Snapshot* find(std::uint64_t number) const;
+
+  /// Call it once a second.
+  void next_second();
+  [[nodiscard]] const LatencyWindow& latency() const { return latency_; }
+  [[nodiscard]] std::uint64_t frames() const { return count_; }
+  [[nodiscard]] std::uint64_t missed_deadlines() const { return missed_deadlines_; }
+  /// Gaps in the driver's numbers.
+  [[nodiscard]] std::uint64_t lost_frames() const { return lost_frames_; }
+  /// Snapshots that this thread was too late for.
+  [[nodiscard]] std::uint64_t lost_snapshots() const { return reader_.lost(); }
+  /// Frames of the last whole second.
+  [[nodiscard]] std::uint64_t rate_hz() const { return rate_hz_; }
+
+ private:
+  // A picture is at most some frames older than the newest snapshot.
+  static constexpr std::size_t kKept = 16;
+
+  [[nodiscard]] const Snapshot& slot(std::uint64_t index) const { return (*kept_)[index % kKept]; }
+  void count(const Snapshot& snapshot);
+
+  SnapshotReader reader_;
+  const Duration frame_period_;
+  std::unique_ptr<std::array<Snapshot, kKept>> kept_ = std::make_unique<std::array<Snapshot, kKept>>();
+  std::uint64_t count_ = 0;
+  LatencyWindow latency_;
+  std::uint64_t missed_deadlines_ = 0, lost_frames_ = 0;
+  std::uint64_t counted_before_ = 0, rate_hz_ = 0;
+};
+
+}  // namespace touchline::console

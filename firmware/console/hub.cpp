@@ -1,0 +1,301 @@
+#include "firmware/console/hub.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "firmware/console/picture_scaler.h"
+
+namespace touchline::console {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A state of 22 robots has 12 KB, a projection of the largest field 60 KB.
+constexpr std::size_t kFirstTextBytes = std::size_t{64} * 1024;
+constexpr double kDefaultStateHz = 15.0;
+
+std::vector<RobotId> own_robots(const Scene& scene) {
+  std::vector<RobotId> ids;
+  for (const RobotMarking& robot : scene.configuration.pipeline.marker.teams[0].robots) ids.push_back(robot.id);
+  return ids;
+}
+
+Duration period_of_rate(double rate_hz) { return rate_hz > 0.0 ? from_seconds(1.0 / rate_hz) : Duration::zero(); }
+
+// Keeps the rate although frames do not come exactly on time.
+void advance(Instant& next, Duration period, Instant now) { next = std::max(next + period, now - period / 2); }
+
+template <class Integer>
+void put_little_endian(std::byte*& to, Integer value) {
+  for (std::size_t i = 0; i < sizeof(value); ++i) *to++ = static_cast<std::byte>(value >> (8 * i));
+}
+
+}  // namespace
+
+Hub::Hub(const HubLinks& links, Scene scene, double picture_rate_hz)
+    : links_(links),
+      scene_(std::move(scene)),
+      picture_period_(period_of_rate(picture_rate_hz)),
+      feed_(links.snapshots, period_of_rate(scene_.camera.rate_hz)),
+      pictures_(links.pictures, picture_period_),
+      driving_(own_robots(scene_)),
+      text_(kMessagePrefix + kFirstTextBytes) {}
+
+void Hub::tick(Instant now) {
+  pictures_.poll();
+  feed_.read();
+  if (driving_.check_silence(now)) {
+    links_.print("console: robots are stopped, because the driver (client " + std::to_string(*driving_.driver()) +
+                 ") was silent for a second");
+  }
+  pass_on();
+  if (now >= next_second_) {
+    next_second_ = std::max(next_second_ + 1s, now);
+    unix_time_ = hal::measure_unix_time_offset();
+    feed_.next_second();
+    monitor_.measure(now);
+    report_ = links_.reports.get();
+    for (Client& client : clients_) client.wants_status = true;
+  }
+  if (!pictures_.error().empty() && !std::exchange(is_picture_failure_reported_, true)) {
+    links_.print("console: no pictures: " + pictures_.error());
+  }
+  const bool is_wanted = std::any_of(clients_.begin(), clients_.end(), [&](const Client& client) {
+    return is_picture_due(client, now) && !has_fresh_picture(client);
+  });
+  if (is_wanted) pictures_.request(now);
+}
+
+void Hub::pass_on() {
+  if (driving_.take_change()) links_.input.put(driving_.input());
+}
+
+void Hub::announce_driver() {
+  for (Client& client : clients_) client.wants_driver = true;
+}
+
+Client* Hub::connect(Instant now) {
+  if (clients_.size() >= kMaxClients) return nullptr;
+  Client& client = clients_.emplace_back(++last_number_);
+  client.state_period = period_of_rate(kDefaultStateHz);
+  client.next_state = now;
+  return &client;
+}
+
+void Hub::disconnect(Client& client) {
+  const ClientNumber number = client.number;
+  const bool was_driver = driving_.driver() == number;
+  clients_.remove_if([number](const Client& other) { return other.number == number; });
+  if (driving_.leave(number)) {
+    links_.print("console: robots are stopped, because the driver (client " + std::to_string(number) + ") has left");
+  }
+  if (was_driver) announce_driver();
+  pass_on();
+}
+
+bool Hub::receive(Client& client, std::string_view text, Instant now) {
+  if (!client.limit.pass(now)) return false;
+  driving_.hear(client.number, now);
+  const Result<ClientMessage> message = parse_client_message(text);
+  // Without a number of the request, an error is answered too, because nobody would ever know otherwise.
+  Answer answer;
+  bool is_answered = true;
+  if (message.ok()) {
+    const Result<void> obeyed = obey(client, message.value(), now);
+    is_answered = message.value().request.has_value() || !obeyed.ok();
+    answer.to = message.value().request.value_or(0);
+    if (!obeyed.ok()) answer.error = obeyed.text();
+  } else {
+    answer.error = message.text();
+  }
+  pass_on();
+  if (!is_answered) return true;
+  client.answers.push_back(std::move(answer));
+  return client.answers.size() <= kMaxWaitingAnswers;
+}
+
+Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant now) {
+  using Kind = ClientMessage::Kind;
+  const std::string who = "client " + std::to_string(client.number);
+  switch (message.kind) {
+    case Kind::kWatch:
+      watch(client, message, now);
+      return {};
+    case Kind::kSeen:
+      client.link.seen(message.number, now, client.round_trip);
+      return {};
+    case Kind::kPing:
+      return {};
+    case Kind::kStop:
+      if (!driving_.is_stopped()) links_.print("console: " + who + " stopped the robots");
+      driving_.stop();
+      return {};
+    case Kind::kStart: {
+      const bool was_stopped = driving_.is_stopped();
+      TOUCHLINE_TRY(driving_.start(client.number));
+      if (was_stopped) links_.print("console: " + who + " started the robots");
+      return {};
+    }
+    case Kind::kTake:
+      if (driving_.driver() != client.number) links_.print("console: " + who + " drives");
+      driving_.take(client.number, now);
+      announce_driver();
+      return {};
+    case Kind::kRelease:
+      TOUCHLINE_TRY(driving_.release(client.number));
+      announce_driver();
+      return {};
+    case Kind::kDrive:
+      if (message.gives_back) return driving_.give_back(client.number, message.id);
+      return driving_.drive(client.number, message.id, message.twist, now);
+    case Kind::kAdaptation:
+      return change_adaptation(client, message.adaptation);
+  }
+  return {};
+}
+
+void Hub::watch(Client& client, const ClientMessage& message, Instant now) {
+  client.state_period = period_of_rate(message.state_hz);
+  client.picture_period =
+      std::max(period_of_rate(message.picture_hz), message.picture_hz > 0.0 ? picture_period_ : Duration::zero());
+  client.picture_width_px = message.picture_width_px;
+  client.next_state = client.next_picture = now;
+  client.picture_follows = false;
+  const int wanted = client.picture_width_px > 0 ? client.picture_width_px : scene_.camera.width_px;
+  const int full = scene_.camera.width_px;
+  client.link.set(wanted > 0 ? (full + wanted - 1) / wanted : 1, client.picture_period);
+}
+
+// The loop's requests exchange two modes each.
+Result<void> Hub::change_adaptation(const Client& client, AdaptationMode wanted) {
+  TOUCHLINE_TRY(driving_.require_driver(client.number));
+  if (links_.adaptation == nullptr) return failure(ErrorCode::kUnsupported, "this program has no adaptation");
+  const AdaptationMode mode = report_.adaptation;
+  if (mode == wanted) return {};
+  const AdaptationMode exchanged = wanted == AdaptationMode::kFollow ? mode : wanted;
+  std::atomic<std::uint32_t>& request =
+      exchanged == AdaptationMode::kFrozen ? links_.adaptation->freeze : links_.adaptation->reset;
+  request.fetch_add(1, std::memory_order_relaxed);
+  report_.adaptation = wanted;
+  return {};
+}
+
+bool Hub::is_watched() const {
+  return std::any_of(clients_.begin(), clients_.end(), [](const Client& client) {
+    return client.state_period > Duration::zero() || client.picture_period > Duration::zero();
+  });
+}
+
+bool Hub::is_picture_due(const Client& client, Instant now) const {
+  return client.picture_period > Duration::zero() && now >= client.next_picture && client.link.may_send();
+}
+
+// A picture that is older than the last state would make the overlays jump back.
+bool Hub::has_fresh_picture(const Client& client) const {
+  return pictures_.frame() != nullptr && pictures_.number() >= client.pictures_until &&
+         pictures_.number() + 1 >= client.states_until && feed_.find(pictures_.number()) != nullptr;
+}
+
+bool Hub::is_state_due(const Client& client, Instant now) const {
+  const Snapshot* const newest = feed_.newest();
+  return client.state_period > Duration::zero() && newest != nullptr && newest->number >= client.states_until &&
+         now >= client.next_state;
+}
+
+bool Hub::has_message(const Client& client, Instant now) const {
+  return client.wants_hello || client.wants_driver || client.wants_status || !client.answers.empty() ||
+         links_.reports.events.after(client.last_event).has_value() || is_state_due(client, now) ||
+         (is_picture_due(client, now) && has_fresh_picture(client));
+}
+
+template <class Write>
+Outgoing Hub::text_message(const Write& write) {
+  for (;;) {
+    const auto room = std::span<std::byte>(text_).subspan(kMessagePrefix);
+    report::JsonWriter json({reinterpret_cast<char*>(room.data()), room.size()});
+    write(json);
+    if (json.fits()) return {room.first(json.size()), false};
+    text_.resize(2 * text_.size());
+  }
+}
+
+Outgoing Hub::next_message(Client& client, Instant now) {
+  if (std::exchange(client.wants_hello, false)) {
+    return text_message([&](auto& json) { write_hello(json, scene_, client.number, unix_s(now)); });
+  }
+  if (!client.answers.empty()) {
+    const Answer answer = std::move(client.answers.front());
+    client.answers.pop_front();
+    return text_message([&](auto& json) { write_answer(json, answer); });
+  }
+  if (std::exchange(client.wants_driver, false)) {
+    return text_message([&](auto& json) { write_driver(json, driving_.driver(), client.number); });
+  }
+  if (const std::optional<Event> event = links_.reports.events.after(client.last_event)) {
+    client.last_event = event->number;
+    return text_message([&](auto& json) { write_event(json, *event); });
+  }
+  if (std::exchange(client.wants_status, false)) {
+    return text_message([&](auto& json) {
+      write_status(json, scene_, feed_, report_, monitor_.status(), clients_.size(), unix_s(now));
+    });
+  }
+  const bool is_picture_next = is_picture_due(client, now) && has_fresh_picture(client);
+  if (is_picture_next && client.picture_follows) return picture_message(client, now);
+  if (is_picture_next) {
+    client.picture_follows = true;
+    advance(client.next_state, client.state_period, now);
+    return state_message(client, *feed_.find(pictures_.number()));
+  }
+  client.picture_follows = false;
+  if (!is_state_due(client, now)) return {};
+  advance(client.next_state, client.state_period, now);
+  return state_message(client, *feed_.newest());
+}
+
+Outgoing Hub::state_message(Client& client, const Snapshot& snapshot) {
+  client.states_until = snapshot.number + 1;
+  return text_message([&](auto& json) { write_state(json, scene_, snapshot, driving_.input(), unix_time_); });
+}
+
+Outgoing Hub::picture_message(Client& client, Instant now) {
+  client.picture_follows = false;
+  advance(client.next_picture, client.picture_period, now);
+  client.pictures_until = pictures_.number() + 1;
+  const PictureLevel level = client.link.level();
+  const std::span<std::byte> jpeg = pictures_.jpeg(level);
+  const Snapshot* const snapshot = feed_.find(pictures_.number());
+  const Frame* const picture = pictures_.frame();
+  if (jpeg.empty() || snapshot == nullptr || picture == nullptr) return {};
+  const Frame& frame = *picture;
+  std::byte* to = jpeg.data() - kPictureHeaderBytes;
+  put_little_endian(to, kPictureMagic);
+  put_little_endian(to, std::uint8_t{1});  // version of the header
+  put_little_endian(to, std::uint8_t{1});  // a picture
+  put_little_endian(to, scaled(frame.width_px, level.divisor));
+  put_little_endian(to, scaled(frame.height_px, level.divisor));
+  put_little_endian(to, frame.width_px);
+  put_little_endian(to, std::uint32_t{0});
+  put_little_endian(to, pictures_.number());
+  put_little_endian(to, static_cast<std::uint64_t>(captured_unix_s(*snapshot, unix_time_) * 1e6));
+  client.link.sent(pictures_.number(), jpeg.size(), now);
+  return {{jpeg.data() - kPictureHeaderBytes, jpeg.size() + kPictureHeaderBytes}, true};
+}
+
+std::span<std::byte> Hub::current_jpeg(std::uint64_t from) {
+  if (!has_picture(from)) return {};
+  return pictures_.jpeg({});
+}
+
+std::uint64_t Hub::next_picture_number() const {
+  const Snapshot* const newest = feed_.newest();
+  return newest != nullptr ? newest->number : 0;
+}
+
+std::string Hub::metrics() {
+  feed_.read();
+  return metrics_text(feed_, report_, monitor_.status(), clients_.size(), pictures_.compressed());
+}
+
+}  // namespace touchline::console

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <atomic>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/console/client.h"
+#include "firmware/console/client_message.h"
+#include "firmware/console/event_log.h"
+#include "firmware/console/frame_feed.h"
+#include "firmware/console/machine_monitor.h"
+#include "firmware/console/messages.h"
+#include "firmware/console/picture_source.h"
+#include "firmware/network/reopening.h"
+#include "firmware/signals.h"
+#include "hal/linux/monotonic_clock.h"
+#include "hal/mailbox.h"
+
+namespace touchline::console {
+
+// A team at the field, and some who watch.
+inline constexpr std::size_t kMaxClients = 16;
+
+/// What the printer's thread knows and the console shows.
+class SharedReports {
+ public:
+  void set(const StatusReport& report) {
+    const std::scoped_lock lock(mutex_);
+    report_ = report;
+  }
+  [[nodiscard]] StatusReport get() const {
+    const std::scoped_lock lock(mutex_);
+    return report_;
+  }
+  EventLog events;
+
+ private:
+  mutable std::mutex mutex_;
+  StatusReport report_;
+};
+
+/// A message for a client. `bytes` has room for kMessagePrefix bytes in front of it and is valid until the next call of
+/// the hub.
+struct Outgoing {
+  std::span<std::byte> bytes;
+  bool is_binary = false;
+};
+
+using network::Print;
+
+/// What the hub works with; all outlive it.
+struct HubLinks {
+  SnapshotRing& snapshots;
+  PictureExchange& pictures;
+  Mailbox<ConsoleInput>& input;
+  SharedReports& reports;
+  AdaptationRequests* adaptation;  // null: none
+  Print print;                     // for a line of the log
+};
+
+/// The console without its sockets: decides which client gets which message, and passes on what clients want. For one
+/// thread.
+class Hub {
+ public:
+  Hub(const HubLinks& links, Scene scene, double picture_rate_hz);
+
+  /// Call it every few milliseconds while somebody watches, else a few times a second.
+  void tick(Instant now);
+  /// Null: there are too many.
+  Client* connect(Instant now);
+  void disconnect(Client& client);
+  /// False: the client breaks the rules so far that it has to be disconnected.
+  bool receive(Client& client, std::string_view text, Instant now);
+  /// Whether there is a message for the client.
+  [[nodiscard]] bool has_message(const Client& client, Instant now) const;
+  /// The next message, the most urgent one first. Empty: there is none.
+  Outgoing next_message(Client& client, Instant now);
+
+  /// Whether somebody watches states or pictures, so that tick() has to be called often.
+  [[nodiscard]] bool is_watched() const;
+  /// For requests without WebSocket.
+  void request_picture(Instant now) { pictures_.request(now); }
+  /// The number that the next picture has at least.
+  [[nodiscard]] std::uint64_t next_picture_number() const;
+  /// Whether the current picture's number is at least `from`.
+  [[nodiscard]] bool has_picture(std::uint64_t from) const {
+    return pictures_.frame() != nullptr && pictures_.number() >= from;
+  }
+  /// JPEG of the current picture, if has_picture(); else empty. kMessagePrefix + kPictureHeaderBytes in front of it may
+  /// be written to. Valid until the next call.
+  std::span<std::byte> current_jpeg(std::uint64_t from);
+  [[nodiscard]] std::uint64_t picture_number() const { return pictures_.number(); }
+  std::string metrics();
+
+  [[nodiscard]] std::size_t clients() const { return clients_.size(); }
+  [[nodiscard]] const Driving& driving() const { return driving_; }
+
+ private:
+  Result<void> obey(Client& client, const ClientMessage& message, Instant now);
+  void watch(Client& client, const ClientMessage& message, Instant now);
+  Result<void> change_adaptation(const Client& client, AdaptationMode wanted);
+  void pass_on();
+  void announce_driver();
+  [[nodiscard]] bool is_picture_due(const Client& client, Instant now) const;
+  [[nodiscard]] bool has_fresh_picture(const Client& client) const;
+  [[nodiscard]] bool is_state_due(const Client& client, Instant now) const;
+  template <class Write>
+  Outgoing text_message(const Write& write);
+  Outgoing state_message(Client& client, const Snapshot& snapshot);
+  Outgoing picture_message(Client& client, Instant now);
+  [[nodiscard]] double unix_s(Instant now) const { return seconds(unix_time_.to_unix(now)); }
+
+  HubLinks links_;
+  Scene scene_;
+  Duration picture_period_;
+  FrameFeed feed_;
+  PictureSource pictures_;
+  Driving driving_;
+  MachineMonitor monitor_;
+  hal::UnixTimeOffset unix_time_ = hal::measure_unix_time_offset();
+  Instant next_second_{};
+  std::list<Client> clients_;
+  ClientNumber last_number_ = 0;
+  StatusReport report_;  // the newest
+  bool is_picture_failure_reported_ = false;
+  std::vector<std::byte> text_;
+};
+
+}  // namespace touchline::console

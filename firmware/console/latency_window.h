@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/time.h"
+
+namespace touchline::console {
+
+/// Counts of latencies in bins of 1/16 octave from 1/16 ms to 4 s, coarse enough to be sent every second.
+class LatencyBins {
+ public:
+  static constexpr std::size_t kBinsOfOctave = 16, kBins = 16 * kBinsOfOctave;
+
+  void add(Duration latency);
+  void add(const LatencyBins& other);
+  void clear() { *this = {}; }
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+  [[nodiscard]] std::uint32_t of(std::size_t bin) const { return bins_[bin]; }
+  [[nodiscard]] Duration max() const { return max_; }
+  /// Upper edge of the bin with the latency that `fraction` of all do not exceed, at most max().
+  [[nodiscard]] Duration percentile(double fraction) const;
+  static double upper_edge_ms(std::size_t bin);
+
+ private:
+  std::array<std::uint32_t, kBins> bins_{};
+  std::uint64_t count_ = 0;
+  Duration max_{};
+};
+
+/// Latencies since the start, and of the last minute in steps of a second.
+class LatencyWindow {
+ public:
+  static constexpr std::size_t kSeconds = 60;
+
+  void add(Duration latency) {
+    total_.add(latency);
+    seconds_[second_ % kSeconds].add(latency);
+  }
+  /// A second has passed.
+  void next_second() { seconds_[++second_ % kSeconds].clear(); }
+  [[nodiscard]] const LatencyBins& total() const { return total_; }
+  [[nodiscard]] LatencyBins last_minute() const;
+
+ private:
+  LatencyBins total_;
+  std::array<LatencyBins, kSeconds> seconds_{};
+  std::size_t second_ = 0;
+};
+
+}  // namespace touchline::console

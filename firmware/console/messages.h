@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/geometry/camera_model.h"
+#include "firmware/config/configuration.h"
+#include "firmware/console/event_log.h"
+#include "firmware/console/frame_feed.h"
+#include "firmware/console_input.h"
+#include "firmware/loop_report.h"
+#include "firmware/report/json_writer.h"
+#include "firmware/snapshot.h"
+#include "hal/camera.h"
+#include "hal/linux/unix_time.h"
+
+// The messages of the server in JSON (docs/console-protocol.md).
+namespace touchline::console {
+
+/// What does not change while the program runs.
+struct Scene {
+  const config::Configuration& configuration;
+  hal::CameraInfo camera;
+  std::string version;  // of the program
+  CameraModel model;    // of the configuration
+};
+Scene scene_of(const config::Configuration& configuration, const hal::CameraInfo& camera, std::string version);
+
+/// Result of a message of a client.
+struct Answer {
+  std::int64_t to = 0;
+  std::string error;  // "": done
+};
+
+/// The figures of the machine.
+struct MachineStatus {
+  double cpu_percent = 0.0;  // of one processor
+  std::optional<double> temperature_c;
+  double memory_mb = 0.0;
+};
+
+// Each writes one object.
+void write_hello(report::JsonWriter& json, const Scene& scene, std::uint32_t you, double now_unix_s);
+/// `console`: whose commands the console gives.
+void write_state(report::JsonWriter& json, const Scene& scene, const Snapshot& snapshot, const ConsoleInput& console,
+                 const hal::UnixTimeOffset& unix_time);
+void write_status(report::JsonWriter& json, const Scene& scene, const FrameFeed& feed, const StatusReport& report,
+                  const MachineStatus& machine, std::size_t clients, double now_unix_s);
+/// Unix time of the capture.
+double captured_unix_s(const Snapshot& snapshot, const hal::UnixTimeOffset& unix_time);
+void write_event(report::JsonWriter& json, const Event& event);
+void write_driver(report::JsonWriter& json, std::optional<std::uint32_t> driver, std::uint32_t you);
+void write_answer(report::JsonWriter& json, const Answer& answer);
+
+/// The same figures as the status in the text format of Prometheus.
+std::string metrics_text(const FrameFeed& feed, const StatusReport& report, const MachineStatus& machine,
+                         std::size_t clients, std::uint64_t pictures);
+
+}  // namespace touchline::console

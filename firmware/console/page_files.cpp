@@ -1,0 +1,85 @@
+#include "firmware/console/page_files.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <system_error>
+
+namespace touchline::console {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The built page has some 10 files.
+constexpr std::size_t kMaxPageFiles = 500;
+// From build/PRESET/firmware up to the sources.
+constexpr int kFoldersAbove = 5;
+
+std::string content_type(const fs::path& path) {
+  struct Type {
+    std::string_view extension, type;
+  };
+  constexpr std::array<Type, 10> kTypes{{{".html", "text/html; charset=utf-8"},
+                                         {".js", "text/javascript; charset=utf-8"},
+                                         {".css", "text/css; charset=utf-8"},
+                                         {".json", "application/json"},
+                                         {".webmanifest", "application/manifest+json"},
+                                         {".svg", "image/svg+xml"},
+                                         {".png", "image/png"},
+                                         {".ico", "image/x-icon"},
+                                         {".woff2", "font/woff2"},
+                                         {".wasm", "application/wasm"}}};
+  const std::string extension = path.extension().string();
+  const auto* const found =
+      std::find_if(kTypes.begin(), kTypes.end(), [&](const Type& type) { return type.extension == extension; });
+  return std::string(found != kTypes.end() ? found->type : "application/octet-stream");
+}
+
+}  // namespace
+
+void PageFiles::scan() {
+  files_.clear();
+  if (folder_.empty()) return;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
+    // A link could lead out of the folder.
+    if (entry->is_symlink(error) || !entry->is_regular_file(error)) continue;
+    const fs::path& path = entry->path();
+    files_["/" + path.lexically_relative(folder_).generic_string()] = {path.string(), content_type(path)};
+    if (files_.size() >= kMaxPageFiles) break;
+  }
+  if (const auto index = files_.find("/index.html"); index != files_.end()) files_["/"] = index->second;
+}
+
+const PageFile* PageFiles::find(std::string_view address) const {
+  const auto found = files_.find(address);
+  return found == files_.end() ? nullptr : &found->second;
+}
+
+std::string find_page_folder() {
+  std::error_code error;
+  fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+  if (error) return {};
+  const auto has_page = [&](const fs::path& candidate) { return fs::exists(candidate / "index.html", error); };
+  const fs::path installed = folder.parent_path() / "share/touchline/console";
+  if (has_page(installed)) return installed.string();
+  for (int i = 0; i < kFoldersAbove && folder.has_relative_path(); ++i, folder = folder.parent_path()) {
+    // Also if the page is not built yet: it may be built while the program runs.
+    const fs::path sources = folder / "tools/console";
+    if (fs::is_directory(sources, error)) return (sources / "dist").string();
+  }
+  return {};
+}
+
+std::string_view missing_page() {
+  return R"(<!doctype html><html lang="en"><meta charset="utf-8"><title>Touchline</title>
+<style>body{font:16px/1.5 sans-serif;max-width:40em;margin:3em auto;padding:0 1em}code{background:#8883;padding:.1em .3em}</style>
+<h1>The page is not built</h1>
+<p>Touchline runs, but the console's page is missing. To build it, in the folder of the sources:</p>
+<p><code>cd tools/console &amp;&amp; npm ci &amp;&amp; npm run build</code></p>
+<p>Then load this page again. It needs node 18 or later (<code>apt install nodejs npm</code>). The picture alone:
+<a href="/snapshot.jpg">snapshot</a>, <a href="/stream.mjpg">stream</a>.</p></html>
+)";
+}
+
+}  // namespace touchline::console

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/types.h"
+
+namespace touchline::console {
+
+/// Size of a picture whose pixels are means of divisor x divisor pixels of the camera; what remains at the right and
+/// lower border is left out.
+constexpr std::uint16_t scaled(std::uint16_t size_px, int divisor) {
+  return static_cast<std::uint16_t>(size_px / divisor);
+}
+
+/// Computes rows of a smaller picture with all values from 0 to 255 (as in JPEG).
+///
+/// R, G, B: packed. YUV: a row of luma, or of chroma, which always has half the width and half the height.
+class PictureScaler {
+ public:
+  /// `frame` must outlive the scaler's use; `divisor` is 1 to 8.
+  PictureScaler(const Frame& frame, int divisor) : frame_(frame), divisor_(divisor) {}
+
+  [[nodiscard]] std::uint16_t width_px() const { return scaled(frame_.width_px, divisor_); }
+  [[nodiscard]] std::uint16_t height_px() const { return scaled(frame_.height_px, divisor_); }
+
+  /// Row v of the smaller picture as R, G, B. `out`: 3 * width_px() bytes.
+  void rgb_row(std::size_t v, std::span<std::uint8_t> out) const;
+  /// Row of luma. `out`: at least width_px() bytes; the rest repeats the last one.
+  void luma_row(std::size_t v, std::span<std::uint8_t> out) const;
+  /// Row of U (channel 1) or V (channel 2). `out` as for luma, with half the width rounded up.
+  void chroma_row(std::size_t v, std::size_t channel, std::span<std::uint8_t> out) const;
+
+ private:
+  void mean_row(std::size_t channel, std::size_t v, std::size_t side, std::size_t count, std::uint8_t* out,
+                std::size_t step) const;
+
+  const Frame& frame_;
+  const int divisor_;
+};
+
+}  // namespace touchline::console

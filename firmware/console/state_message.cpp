@@ -1,0 +1,225 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "firmware/console/messages.h"
+#include "firmware/console/protocol.h"
+#include "firmware/report/trace_json.h"
+
+namespace touchline::console {
+namespace {
+
+using report::JsonWriter;
+using report::kMeterStep;
+using report::kRadianStep;
+using report::kSpeedStep;
+using report::write_number;
+
+constexpr double kVarianceStep = 1e-9;
+constexpr double kOutlineStep = 0.1;
+constexpr double kMillisecondStep = 1e-3;
+
+struct HaltWord {
+  Halt bit;
+  std::string_view word;
+};
+constexpr std::array<HaltWord, 9> kHaltWords{{{kHaltNoFrames, "no_frames"},
+                                              {kHaltEmergency, "emergency"},
+                                              {kHaltUnreadableLine, "unreadable_line"},
+                                              {kHaltStart, "start"},
+                                              {kHaltCrash, "crash"},
+                                              {kHaltReferee, "referee"},
+                                              {kHaltTeams, "teams"},
+                                              {kHaltSilence, "silence"},
+                                              {kHaltConsole, "console"}}};
+
+std::string_view word_of_phase(GamePhase phase) {
+  constexpr std::array<std::string_view, 5> kWords{"no referee", "halt", "stop", "prepare", "running"};
+  return kWords[static_cast<std::size_t>(phase)];
+}
+
+void write_identity(JsonWriter& json, Team team, RobotId id) {
+  json.key("team");
+  json.string(word_of(team));
+  json.key("id");
+  if (id == kUnknownId) {
+    json.null();
+  } else {
+    json.integer(id);
+  }
+}
+
+void write_place(JsonWriter& json, FieldPoint place) {
+  write_number(json, "x_m", place.x_m, kMeterStep);
+  write_number(json, "y_m", place.y_m, kMeterStep);
+}
+
+void write_pixel(JsonWriter& json, PixelPoint pixel) {
+  write_number(json, "u_px", pixel.u_px, kOutlineStep);
+  write_number(json, "v_px", pixel.v_px, kOutlineStep);
+}
+
+void write_ball(JsonWriter& json, const BallSighting& ball) {
+  if (!ball.seen) return json.null();
+  json.begin_object();
+  write_place(json, ball.position);
+  write_pixel(json, ball.center);
+  write_number(json, "confidence", ball.confidence, report::kConfidenceStep);
+  json.end_object();
+}
+
+// The corners of the robot's square at the height of its marker.
+void write_outline(JsonWriter& json, const Scene& scene, const RobotSighting& robot) {
+  const MarkerLayout& layout = scene.configuration.pipeline.marker.teams[index_of(robot.team)].layout;
+  const float half = layout.robot_side_m / 2;
+  constexpr std::array<std::array<float, 2>, 4> kCorners{{{1, 1}, {-1, 1}, {-1, -1}, {1, -1}}};
+  const float cosine = std::cos(robot.pose.theta_rad), sine = std::sin(robot.pose.theta_rad);
+  json.begin_array();
+  for (const std::array<float, 2>& corner : kCorners) {
+    if (!robot.has_heading) break;
+    const float forward = half * corner[0], left = half * corner[1];
+    const FieldPoint point{robot.pose.position.x_m + cosine * forward - sine * left,
+                           robot.pose.position.y_m + sine * forward + cosine * left};
+    const PixelPoint pixel = scene.model.to_pixel(point, layout.height_m);
+    json.begin_array();
+    json.number(report::rounded(static_cast<double>(pixel.u_px), kOutlineStep));
+    json.number(report::rounded(static_cast<double>(pixel.v_px), kOutlineStep));
+    json.end_array();
+  }
+  json.end_array();
+}
+
+void write_sighting(JsonWriter& json, const Scene& scene, const RobotSighting& robot) {
+  const MarkerLayout& layout = scene.configuration.pipeline.marker.teams[index_of(robot.team)].layout;
+  json.begin_object();
+  write_identity(json, robot.team, robot.id);
+  write_place(json, robot.pose.position);
+  json.key("heading_rad");
+  if (robot.has_heading) {
+    json.number(report::rounded(static_cast<double>(robot.pose.theta_rad), kRadianStep));
+  } else {
+    json.null();
+  }
+  write_pixel(json, scene.model.to_pixel(robot.pose.position, layout.height_m));
+  write_number(json, "confidence", robot.confidence, report::kConfidenceStep);
+  json.key("outline_px");
+  write_outline(json, scene, robot);
+  json.end_object();
+}
+
+void write_ball_track(JsonWriter& json, const BallTrack& ball) {
+  if (ball.state == TrackState::kLost) return json.null();
+  json.begin_object();
+  json.key("seen");
+  json.boolean(ball.state != TrackState::kCoasting);
+  write_place(json, ball.position);
+  write_number(json, "vx_mps", ball.velocity.x_m, kSpeedStep);
+  write_number(json, "vy_mps", ball.velocity.y_m, kSpeedStep);
+  write_number(json, "sigma_m", ball.sigma_m, kMeterStep);
+  json.key("action");
+  json.begin_object();
+  write_place(json, ball.position_at_action);
+  json.end_object();
+  write_number(json, "confidence", ball.confidence, report::kConfidenceStep);
+  json.end_object();
+}
+
+void write_track(JsonWriter& json, const RobotTrack& robot) {
+  json.begin_object();
+  write_identity(json, robot.team, robot.id);
+  json.key("seen");
+  json.boolean(robot.state != TrackState::kCoasting);
+  write_place(json, robot.pose.position);
+  write_number(json, "heading_rad", robot.pose.theta_rad, kRadianStep);
+  write_number(json, "speed_mps", robot.twist.v_mps, kSpeedStep);
+  write_number(json, "turn_radps", robot.twist.w_radps, kSpeedStep);
+  write_number(json, "sigma_x_m", robot.sigma[0], kMeterStep);
+  write_number(json, "sigma_y_m", robot.sigma[1], kMeterStep);
+  write_number(json, "covariance_xy_m2", robot.xy_covariance_m2, kVarianceStep);
+  write_number(json, "sigma_heading_rad", robot.sigma[2], kRadianStep);
+  json.key("action");
+  json.begin_object();
+  write_place(json, robot.pose_at_action.position);
+  write_number(json, "heading_rad", robot.pose_at_action.theta_rad, kRadianStep);
+  json.end_object();
+  write_number(json, "confidence", robot.confidence, report::kConfidenceStep);
+  json.end_object();
+}
+
+std::string_view word_of_source(const RobotCommand& command, const ConsoleInput& console) {
+  switch (command.source) {
+    case CommandSource::kPlay:
+      return "play";
+    case CommandSource::kExpired:
+      return "expired";
+    case CommandSource::kExternal:
+      break;
+  }
+  const bool is_console = std::any_of(console.commands.begin(), console.commands.end(),
+                                      [&](const ExternalCommand& own) { return own.id == command.id; });
+  return is_console ? "console" : "external";
+}
+
+void write_command(JsonWriter& json, const RobotCommand& command, const ConsoleInput& console) {
+  json.begin_object();
+  json.key("id");
+  json.integer(command.id);
+  write_number(json, "left_mps", command.wheels.left_mps, kSpeedStep);
+  write_number(json, "right_mps", command.wheels.right_mps, kSpeedStep);
+  json.key("source");
+  json.string(word_of_source(command, console));
+  json.end_object();
+}
+
+template <class List, class Write>
+void write_list(JsonWriter& json, std::string_view key, const List& list, const Write& write) {
+  json.key(key);
+  json.begin_array();
+  for (const auto& element : list) write(element);
+  json.end_array();
+}
+
+}  // namespace
+
+void write_state(JsonWriter& json, const Scene& scene, const Snapshot& snapshot, const ConsoleInput& console,
+                 const hal::UnixTimeOffset& unix_time) {
+  json.begin_object();
+  json.key("type");
+  json.string("state");
+  json.key("number");
+  json.integer(static_cast<std::int64_t>(snapshot.number));
+  json.key("frame");
+  json.integer(snapshot.frame_sequence);
+  write_number(json, "captured_s", captured_unix_s(snapshot, unix_time), report::kSecondStep);
+  write_number(json, "sent_s", seconds(unix_time.to_unix(snapshot.machine_sent)), report::kSecondStep);
+  write_number(json, "latency_ms", seconds(snapshot.latency) * 1e3, kMillisecondStep);
+  json.key("ball");
+  write_ball(json, snapshot.ball);
+  write_list(json, "robots", snapshot.robots, [&](const RobotSighting& robot) { write_sighting(json, scene, robot); });
+  json.key("ball_track");
+  write_ball_track(json, snapshot.tracks.ball);
+  write_list(json, "tracks", snapshot.tracks.robots, [&](const RobotTrack& robot) { write_track(json, robot); });
+  write_list(json, "commands", snapshot.commands.robots,
+             [&](const RobotCommand& command) { write_command(json, command, console); });
+  json.key("stop");
+  json.boolean(snapshot.commands.stop);
+  write_list(json, "halt", kHaltWords, [&](const HaltWord& halt) {
+    if ((snapshot.halt & halt.bit) != 0) json.string(halt.word);
+  });
+  json.key("referee");
+  json.begin_object();
+  json.key("phase");
+  json.string(word_of_phase(snapshot.referee.phase));
+  json.end_object();
+  write_number(json, "brightness", snapshot.light.brightness, 1e-3);
+  write_list(json, "stages_ms", snapshot.stage_time,
+             [&](Duration time) { json.number(report::rounded(seconds(time) * 1e3, kMillisecondStep)); });
+  json.end_object();
+}
+
+double captured_unix_s(const Snapshot& snapshot, const hal::UnixTimeOffset& unix_time) {
+  // In simulated time, the capture has an instant of the machine's clock too: as long before the packet.
+  return seconds(unix_time.to_unix(snapshot.machine_sent - (snapshot.sent - snapshot.captured)));
+}
+
+}  // namespace touchline::console

@@ -1,0 +1,62 @@
+#include <array>
+
+#include "firmware/console/web_server_parts.h"
+
+namespace touchline::console {
+namespace {
+
+std::string peer_of(lws* connection) {
+  std::array<char, 64> text{};
+  lws_get_peer_simple(connection, text.data(), text.size());
+  return text.data();
+}
+
+std::string fetch_site_of(lws* connection) {
+  constexpr std::string_view kName = "sec-fetch-site:";
+  std::array<char, 32> text{};
+  const int size = lws_hdr_custom_copy(connection, text.data(), static_cast<int>(text.size()), kName.data(),
+                                       static_cast<int>(kName.size()));
+  return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : std::string();
+}
+
+}  // namespace
+
+std::optional<WebServer::Implementation::Refusal> WebServer::Implementation::check(lws* connection,
+                                                                                   bool is_navigation) const {
+  const std::string host = header_of(connection, WSI_TOKEN_HOST), origin = header_of(connection, WSI_TOKEN_ORIGIN),
+                    cookie = header_of(connection, WSI_TOKEN_HTTP_COOKIE), site = fetch_site_of(connection),
+                    peer = peer_of(connection);
+  // An Origin that was not copied because it is too long must not count as absent.
+  const bool has_unread_origin = origin.empty() && lws_hdr_total_length(connection, WSI_TOKEN_ORIGIN) > 0;
+  const RequestOrigin request{host, origin, site, cookie, peer};
+  if (!is_host_permitted(host, settings_.access.hosts)) {
+    return Refusal{HTTP_STATUS_FORBIDDEN,
+                   "This name of the computer is not known. Use its address in numbers, or add the name to "
+                   "console.hosts in board.toml.\n"};
+  }
+  if (has_unread_origin || !is_origin_permitted(request, is_navigation)) {
+    return Refusal{HTTP_STATUS_FORBIDDEN, "Requests from other sites are refused.\n"};
+  }
+  if (!has_access(request, settings_.access)) {
+    return Refusal{HTTP_STATUS_UNAUTHORIZED,
+                   "This computer needs the token. On the board, `touchline console --token` shows it; then open "
+                   "/login?token=TOKEN here.\n"};
+  }
+  return std::nullopt;
+}
+
+int WebServer::Implementation::login(lws* connection) {
+  std::array<char, 256> token{};
+  const char* const given = lws_get_urlarg_by_name(connection, "token=", token.data(), static_cast<int>(token.size()));
+  if (settings_.access.token.empty() || given == nullptr || !equal_in_constant_time(given, settings_.access.token)) {
+    return answer(connection, HTTP_STATUS_FORBIDDEN, "text/plain; charset=utf-8", "The token is wrong.\n");
+  }
+  const std::string cookie = std::string(kTokenCookie) + "=" + settings_.access.token +
+                             "; Path=/; Max-Age=31536000; HttpOnly; SameSite=Strict";
+  // A page, because a redirect after a link from elsewhere would not carry the cookie.
+  constexpr std::string_view kPage =
+      R"(<!doctype html><html lang="en"><meta charset="utf-8"><meta http-equiv="refresh" content="0; url=/"><a href="/">Console</a></html>)";
+  return answer(connection, HTTP_STATUS_OK, "text/html; charset=utf-8", kPage, "set-cookie:", cookie);
+}
+
+}  // namespace touchline::console

@@ -1,0 +1,180 @@
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstring>
+
+#include "firmware/console/web_server_parts.h"
+
+namespace touchline::console {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr const char* kPlainText = "text/plain; charset=utf-8";
+constexpr const char* kHtml = "text/html; charset=utf-8";
+// Without a frame for so long, there is none to show.
+constexpr Duration kPictureWait = 3s;
+// Streams cost as much as WebSockets with pictures.
+constexpr std::ptrdiff_t kMaxStreams = 4;
+constexpr std::size_t kHeaderRoom = 2048;
+
+// Memory for the headers of an answer, as libwebsockets fills it.
+struct HeaderBuffer {
+  std::array<unsigned char, LWS_PRE + kHeaderRoom> bytes{};
+  unsigned char* begin = bytes.data() + LWS_PRE;
+  unsigned char* next = begin;
+  unsigned char* end = bytes.data() + bytes.size();
+};
+
+}  // namespace
+
+int WebServer::Implementation::on_http(lws* connection, lws_callback_reasons reason, void* in) {
+  switch (reason) {
+    case LWS_CALLBACK_HTTP:
+      return begin_request(connection, static_cast<const char*>(in));
+    case LWS_CALLBACK_HTTP_WRITEABLE:
+      waiting_.erase(connection);
+      return write_request(connection);
+    case LWS_CALLBACK_HTTP_FILE_COMPLETION:
+      return complete(connection);
+    case LWS_CALLBACK_CLOSED_HTTP:
+    case LWS_CALLBACK_WSI_DESTROY:
+      forget(connection);
+      return 0;
+    case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:  // a WebSocket without our subprotocol
+      return -1;
+    default:
+      return 0;
+  }
+}
+
+int WebServer::Implementation::begin_request(lws* connection, std::string_view path) {
+  // With HEAD a page finds out why its connection was refused.
+  const bool is_head = lws_hdr_total_length(connection, WSI_TOKEN_HEAD_URI) > 0;
+  if (!is_head && lws_hdr_total_length(connection, WSI_TOKEN_GET_URI) == 0) {
+    return answer(connection, HTTP_STATUS_METHOD_NOT_ALLOWED, kPlainText, "Only GET and HEAD are possible.\n");
+  }
+  const bool is_page = path == "/", is_login = path == "/login";
+  const std::optional<Refusal> refusal = check(connection, is_page || is_login);
+  const bool may_login = is_login && refusal && refusal->status == HTTP_STATUS_UNAUTHORIZED;
+  const bool is_refused = refusal && !may_login;
+  if (is_head) return answer(connection, is_refused ? refusal->status : unsigned{HTTP_STATUS_OK}, kPlainText, {});
+  if (is_refused) return answer(connection, refusal->status, kPlainText, refusal->text);
+  if (is_login) return login(connection);
+  if (path == "/snapshot.jpg") return begin_pictures(connection, HttpRequest::Kind::kSnapshot);
+  if (path == "/stream.mjpg") return begin_pictures(connection, HttpRequest::Kind::kStream);
+  if (path == "/metrics") return answer(connection, HTTP_STATUS_OK, "text/plain; version=0.0.4", hub_.metrics());
+  if (is_page) files_.scan();
+  const PageFile* const file = files_.find(path);
+  if (file != nullptr) return serve_page(connection, *file, path.starts_with("/assets/"));
+  if (is_page) return answer(connection, HTTP_STATUS_OK, kHtml, missing_page());
+  return answer(connection, HTTP_STATUS_NOT_FOUND, kPlainText, "There is no such page.\n");
+}
+
+int WebServer::Implementation::serve_page(lws* connection, const PageFile& file, bool is_asset) {
+  // Names of assets contain a hash of their content.
+  const std::string header =
+      is_asset ? "cache-control: public, max-age=31536000, immutable\r\n" : "cache-control: no-cache\r\n";
+  const int begun = lws_serve_http_file(connection, file.path.c_str(), file.content_type.c_str(), header.c_str(),
+                                        static_cast<int>(header.size()));
+  if (begun < 0) return -1;
+  return begun > 0 ? complete(connection) : 0;
+}
+
+int WebServer::Implementation::complete(lws* connection) {
+  return lws_http_transaction_completed(connection) != 0 ? -1 : 0;
+}
+
+int WebServer::Implementation::answer(lws* connection, unsigned status, const char* type, std::string_view body,
+                                      const char* header, std::string_view value) {
+  HeaderBuffer headers;
+  const auto add = [&](const char* name, std::string_view text) {
+    return lws_add_http_header_by_name(connection, reinterpret_cast<const unsigned char*>(name),
+                                       reinterpret_cast<const unsigned char*>(text.data()),
+                                       static_cast<int>(text.size()), &headers.next, headers.end) != 0;
+  };
+  if (lws_add_http_common_headers(connection, status, type, body.size(), &headers.next, headers.end) != 0 ||
+      add("cache-control:", "no-store") || (header != nullptr && add(header, value)) ||
+      lws_finalize_write_http_header(connection, headers.begin, &headers.next, headers.end) != 0) {
+    return -1;
+  }
+  HttpRequest& request = requests_[connection];
+  request = {};
+  request.body.assign(LWS_PRE, '\0');
+  request.body.append(body);
+  ask_to_write(connection);
+  return 0;
+}
+
+int WebServer::Implementation::begin_pictures(lws* connection, HttpRequest::Kind kind) {
+  const Instant now = hal::MonotonicClock::read();
+  const bool is_stream = kind == HttpRequest::Kind::kStream;
+  const auto pictures = std::count_if(requests_.begin(), requests_.end(),
+                                      [](const auto& entry) { return entry.second.kind != HttpRequest::Kind::kText; });
+  if (pictures >= kMaxStreams) {
+    return answer(connection, HTTP_STATUS_SERVICE_UNAVAILABLE, kPlainText, "Too many streams are open.\n");
+  }
+  if (is_stream) {
+    HeaderBuffer headers;
+    if (lws_add_http_common_headers(connection, HTTP_STATUS_OK, "multipart/x-mixed-replace; boundary=frame",
+                                    LWS_ILLEGAL_HTTP_CONTENT_LEN, &headers.next, headers.end) != 0 ||
+        lws_finalize_write_http_header(connection, headers.begin, &headers.next, headers.end) != 0) {
+      return -1;
+    }
+  }
+  lws_set_timeout(connection, NO_PENDING_TIMEOUT, 0);  // it takes as long as it takes
+  HttpRequest& request = requests_[connection];
+  request = {};
+  request.kind = kind;
+  request.picture = hub_.next_picture_number();
+  request.begin = now;
+  hub_.request_picture(now);
+  schedule(Duration::zero());
+  return 0;
+}
+
+bool WebServer::Implementation::is_ready(const HttpRequest& request, Instant now) {
+  const bool is_late = request.kind == HttpRequest::Kind::kSnapshot && now - request.begin > kPictureWait;
+  return is_late || hub_.has_picture(request.picture);
+}
+
+int WebServer::Implementation::write_request(lws* connection) {
+  const auto found = requests_.find(connection);
+  if (found == requests_.end()) return 0;
+  HttpRequest& request = found->second;
+  if (request.kind == HttpRequest::Kind::kStream) return write_stream_part(connection, request);
+  if (request.kind == HttpRequest::Kind::kSnapshot)
+    return write_snapshot(connection, request, hal::MonotonicClock::read());
+  const std::size_t size = request.body.size() - LWS_PRE;
+  auto* const body = reinterpret_cast<unsigned char*>(request.body.data()) + LWS_PRE;
+  // libwebsockets keeps what the socket does not take at once.
+  const int written = lws_write(connection, body, size, LWS_WRITE_HTTP_FINAL);
+  requests_.erase(found);
+  return written < 0 ? -1 : complete(connection);
+}
+
+int WebServer::Implementation::write_snapshot(lws* connection, HttpRequest& request, Instant now) {
+  if (!is_ready(request, now)) return 0;
+  const std::span<std::byte> jpeg = hub_.current_jpeg(request.picture);
+  if (jpeg.empty()) {
+    return answer(connection, HTTP_STATUS_SERVICE_UNAVAILABLE, kPlainText, "The camera delivers no pictures.\n");
+  }
+  return answer(connection, HTTP_STATUS_OK, "image/jpeg", {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+}
+
+int WebServer::Implementation::write_stream_part(lws* connection, HttpRequest& request) {
+  const std::span<std::byte> jpeg = hub_.current_jpeg(request.picture);
+  if (jpeg.empty()) return 0;
+  request.picture = hub_.picture_number() + 1;
+  std::array<char, kMessagePrefix + kPictureHeaderBytes - LWS_PRE> header{};
+  const int size = std::snprintf(header.data(), header.size(),
+                                 "--frame\r\ncontent-type: image/jpeg\r\ncontent-length: %zu\r\n\r\n", jpeg.size());
+  if (size < 0 || static_cast<std::size_t>(size) >= header.size()) return -1;
+  // In the room in front of the picture. The line end after it belongs to the boundary, and readers go by the length.
+  auto* const begin = reinterpret_cast<unsigned char*>(jpeg.data()) - size;
+  std::memcpy(begin, header.data(), static_cast<std::size_t>(size));
+  const int written = lws_write(connection, begin, jpeg.size() + static_cast<std::size_t>(size), LWS_WRITE_HTTP);
+  return written < 0 ? -1 : 0;
+}
+
+}  // namespace touchline::console

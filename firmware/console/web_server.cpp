@@ -1,0 +1,201 @@
+#include "firmware/console/web_server.h"
+
+#include <array>
+#include <exception>
+#include <utility>
+#include <vector>
+
+#include "firmware/console/protocol.h"
+#include "firmware/console/web_server_parts.h"
+
+namespace touchline::console {
+namespace {
+
+using namespace std::chrono_literals;
+
+// While somebody watches: a small part of a frame's period. While a driver may fall silent: in time for that.
+constexpr Duration kWatchedPeriod = 8ms, kIdlePeriod = 200ms;
+// Sockets and requests of a page, four streams, and those of libwebsockets itself.
+constexpr unsigned kMaxDescriptors = 56;
+constexpr unsigned kHeaderBytes = 4096, kHeaderPool = 16;
+constexpr unsigned kHandshakeTimeS = 5;
+constexpr int kKeepAliveS = 5;
+constexpr std::size_t kReceiveBytes = 4096;
+// A connection that says nothing is asked, and closed if it does not answer: its other side may be gone.
+constexpr unsigned kAskAfterS = 5, kCloseAfterS = 15;
+
+// The text of libwebsockets' last error, for the message about an address that cannot be used.
+std::string& last_error() {
+  static std::string text;
+  return text;
+}
+
+// What libwebsockets adds to every answer; it keeps the addresses. The page needs no other site, and nobody may frame
+// it.
+const lws_protocol_vhost_options* safety_headers() {
+  static const lws_protocol_vhost_options kFrame{nullptr, nullptr, "x-frame-options:", "DENY"};
+  static const lws_protocol_vhost_options kReferrer{&kFrame, nullptr, "referrer-policy:", "no-referrer"};
+  static const lws_protocol_vhost_options kType{&kReferrer, nullptr, "x-content-type-options:", "nosniff"};
+  static const lws_protocol_vhost_options kResource{&kType, nullptr, "cross-origin-resource-policy:", "same-origin"};
+  static const lws_protocol_vhost_options kContent{
+      &kResource, nullptr, "content-security-policy:",
+      "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
+      "frame-ancestors 'none'; base-uri 'none'; form-action 'none'; object-src 'none'"};
+  return &kContent;
+}
+
+template <class Handle>
+int guarded(lws* connection, const Handle& handle) {
+  // Some calls come without a connection of ours, before the context knows its user.
+  lws_context* const context = connection != nullptr ? lws_get_context(connection) : nullptr;
+  void* const user = context != nullptr ? lws_context_user(context) : nullptr;
+  if (user == nullptr) return 0;
+  try {
+    return handle(user);
+  } catch (const std::exception&) {  // memory is short: this connection ends
+    return -1;
+  }
+}
+
+}  // namespace
+
+std::string header_of(lws* connection, lws_token_indexes token) {
+  std::array<char, 1024> text{};
+  const int size = lws_hdr_copy(connection, text.data(), static_cast<int>(text.size()), token);
+  return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : std::string();
+}
+
+WebServer::Implementation::Implementation(Hub& hub, WebServerSettings settings)
+    : hub_(hub), settings_(std::move(settings)), files_(settings_.page_folder) {
+  timer_.owner = this;
+}
+
+WebServer::Implementation::~Implementation() {
+  if (context_ != nullptr) lws_context_destroy(context_);
+}
+
+Result<void> WebServer::Implementation::open() {
+  static const std::array<lws_protocols, 3> kProtocols{
+      {{"http",
+        [](lws* connection, lws_callback_reasons reason, void*, void* in, std::size_t) {
+          return guarded(connection, [&](void* user) {
+            return static_cast<Implementation*>(user)->on_http(connection, reason, in);
+          });
+        },
+        0, kReceiveBytes, 0, nullptr, 0},
+       {kSubprotocol,
+        [](lws* connection, lws_callback_reasons reason, void*, void* in, std::size_t size) {
+          return guarded(connection, [&](void* user) {
+            return static_cast<Implementation*>(user)->on_socket(connection, reason, in, size);
+          });
+        },
+        0, kReceiveBytes, 0, nullptr, 0},
+       {nullptr, nullptr, 0, 0, 0, nullptr, 0}}};
+  static const lws_retry_bo_t kPolicy{nullptr, 0, 0, kAskAfterS, kCloseAfterS, 0};
+  lws_set_log_level(LLL_ERR, [](int, const char* line) { last_error() = line; });
+  last_error().clear();
+  lws_context_creation_info info{};
+  info.port = CONTEXT_PORT_NO_LISTEN_SERVER;
+  info.user = this;
+  info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_DISABLE_IPV6;
+  info.fd_limit_per_thread = kMaxDescriptors;
+  info.max_http_header_data = kHeaderBytes;
+  info.max_http_header_pool = kHeaderPool;
+  info.timeout_secs = kHandshakeTimeS;
+  info.pt_serv_buf_size = kReceiveBytes;
+  info.retry_and_idle_policy = &kPolicy;
+  context_ = lws_create_context(&info);
+  if (context_ == nullptr)
+    return failure(ErrorCode::kIo, "libwebsockets could not be started: %s", last_error().c_str());
+  info.port = settings_.port;
+  info.iface = settings_.address.c_str();
+  info.protocols = kProtocols.data();
+  info.headers = safety_headers();
+  info.keepalive_timeout = kKeepAliveS;
+  info.server_string = "touchline";
+  info.vhost_name = "touchline";
+  info.options = LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND | LWS_SERVER_OPTION_DISABLE_IPV6;
+  host_ = lws_create_vhost(context_, &info);
+  if (host_ == nullptr) {
+    return failure(ErrorCode::kIo,
+                   "%s:%d cannot be used: another program may have the port, or the address is not one "
+                   "of this computer's",
+                   settings_.address.c_str(), int{settings_.port});
+  }
+  schedule(Duration::zero());
+  return {};
+}
+
+std::uint16_t WebServer::Implementation::port() const {
+  return static_cast<std::uint16_t>(lws_get_vhost_listen_port(host_));
+}
+
+void WebServer::Implementation::schedule(Duration in) {
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(in).count();
+  lws_sul_schedule(
+      context_, 0, &timer_.list,
+      [](lws_sorted_usec_list_t* list) {
+        Implementation* const owner = reinterpret_cast<Timer*>(list)->owner;
+        try {
+          owner->tick();
+        } catch (const std::exception&) {  // memory is short: this turn's messages are late
+          owner->schedule(kIdlePeriod);
+        }
+      },
+      us + 1);
+}
+
+void WebServer::Implementation::tick() {
+  const Instant now = hal::MonotonicClock::read();
+  hub_.tick(now);
+  for (auto& [connection, socket] : sockets_) {
+    if (hub_.has_message(*socket.client, now)) ask_to_write(connection);
+  }
+  bool waits_for_picture = false;
+  for (auto& [connection, request] : requests_) {
+    if (request.kind == HttpRequest::Kind::kText) continue;
+    waits_for_picture = true;
+    if (is_ready(request, now)) {
+      ask_to_write(connection);
+    } else {
+      hub_.request_picture(now);
+    }
+  }
+  close_unread(now);
+  schedule(hub_.is_watched() || waits_for_picture ? kWatchedPeriod : kIdlePeriod);
+}
+
+void WebServer::Implementation::ask_to_write(lws* connection) {
+  waiting_.try_emplace(connection, hal::MonotonicClock::read());
+  lws_callback_on_writable(connection);
+}
+
+void WebServer::Implementation::close_unread(Instant now) {
+  std::vector<lws*> unread;
+  for (const auto& [connection, since] : waiting_) {
+    if (now - since > kUnreadLimit) unread.push_back(connection);
+  }
+  for (lws* const connection : unread) {
+    waiting_.erase(connection);
+    lws_set_timeout(connection, PENDING_TIMEOUT_USER_OK, LWS_TO_KILL_ASYNC);
+  }
+}
+
+void WebServer::Implementation::forget(lws* connection) {
+  waiting_.erase(connection);
+  requests_.erase(connection);
+  const auto socket = sockets_.find(connection);
+  if (socket == sockets_.end()) return;
+  if (socket->second.client != nullptr) hub_.disconnect(*socket->second.client);
+  sockets_.erase(socket);
+}
+
+WebServer::WebServer(Hub& hub, WebServerSettings settings)
+    : implementation_(std::make_unique<Implementation>(hub, std::move(settings))) {}
+WebServer::~WebServer() = default;
+Result<void> WebServer::open() { return implementation_->open(); }
+std::uint16_t WebServer::port() const { return implementation_->port(); }
+void WebServer::serve() { lws_service(implementation_->context(), 0); }
+void WebServer::wake() { lws_cancel_service(implementation_->context()); }
+
+}  // namespace touchline::console

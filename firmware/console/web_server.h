@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "firmware/console/access.h"
+#include "firmware/console/hub.h"
+#include "hal/result.h"
+
+namespace touchline::console {
+
+struct WebServerSettings {
+  std::string address;     // in numbers
+  std::uint16_t port = 0;  // 0: a free one
+  std::string page_folder;
+  AccessRules access;
+};
+
+/// HTTP and WebSocket (docs/console-protocol.md) with libwebsockets. For one thread, but for wake().
+class WebServer {
+ public:
+  /// `hub` must outlive the server.
+  WebServer(Hub& hub, WebServerSettings settings);
+  ~WebServer();
+  WebServer(const WebServer&) = delete;
+  WebServer& operator=(const WebServer&) = delete;
+
+  /// kIo: the address cannot be used; the message names it.
+  Result<void> open();
+  /// After open().
+  [[nodiscard]] std::uint16_t port() const;
+  /// Waits until something happens or has to be done, and does it.
+  void serve();
+  /// Ends the wait in serve(); for any thread, after open().
+  void wake();
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace touchline::console

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <libwebsockets.h>
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "firmware/console/page_files.h"
+#include "firmware/console/web_server.h"
+
+// The parts of the server: the sources web_*.cpp share them.
+namespace touchline::console {
+
+static_assert(kMessagePrefix >= LWS_PRE, "libwebsockets writes its header in front of a message");
+
+/// A connection whose other side does not read for so long is closed.
+inline constexpr Duration kUnreadLimit = std::chrono::seconds(10);
+
+/// A request that is being answered.
+struct HttpRequest {
+  enum class Kind : std::uint8_t { kText, kSnapshot, kStream };
+  Kind kind = Kind::kText;
+  std::string body;           // of kText, with LWS_PRE bytes in front
+  std::uint64_t picture = 0;  // lowest number of the next picture
+  Instant begin{};            // of the wait for a picture
+};
+
+/// A WebSocket.
+struct Socket {
+  Client* client = nullptr;
+  std::string received;  // beginning of a message that has not arrived completely
+};
+
+/// What libwebsockets calls. Connections are found by their handle.
+class WebServer::Implementation {
+ public:
+  Implementation(Hub& hub, WebServerSettings settings);
+  ~Implementation();
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
+
+  Result<void> open();
+  [[nodiscard]] std::uint16_t port() const;
+  [[nodiscard]] lws_context* context() const { return context_; }
+
+  int on_http(lws* connection, lws_callback_reasons reason, void* in);
+  int on_socket(lws* connection, lws_callback_reasons reason, void* in, std::size_t size);
+
+ private:
+  // web_server.cpp
+  void tick();
+  void schedule(Duration in);
+  void close_unread(Instant now);
+  void ask_to_write(lws* connection);
+  void forget(lws* connection);
+
+  // web_access.cpp
+  /// Nothing if the request is permitted, else the status and the text of the answer.
+  struct Refusal {
+    unsigned status;
+    std::string text;
+  };
+  [[nodiscard]] std::optional<Refusal> check(lws* connection, bool is_navigation) const;
+  int login(lws* connection);
+
+  // web_http.cpp
+  int begin_request(lws* connection, std::string_view path);
+  int serve_page(lws* connection, const PageFile& file, bool is_asset);
+  int answer(lws* connection, unsigned status, const char* type, std::string_view body, const char* header = nullptr,
+             std::string_view value = {});
+  int begin_pictures(lws* connection, HttpRequest::Kind kind);
+  int write_request(lws* connection);
+  int write_stream_part(lws* connection, HttpRequest& request);
+  int write_snapshot(lws* connection, HttpRequest& request, Instant now);
+  [[nodiscard]] bool is_ready(const HttpRequest& request, Instant now);
+  [[nodiscard]] static int complete(lws* connection);
+
+  // web_socket.cpp
+  int accept_socket(lws* connection);
+  int receive(lws* connection, std::string_view part);
+  int write_socket(lws* connection);
+  int end_socket(lws* connection, lws_close_status status, std::string_view reason);
+
+  struct Timer {
+    lws_sorted_usec_list_t list;  // first: libwebsockets passes its address
+    Implementation* owner;
+  };
+
+  Hub& hub_;
+  const WebServerSettings settings_;
+  PageFiles files_;
+  lws_context* context_ = nullptr;
+  lws_vhost* host_ = nullptr;
+  Timer timer_{};
+  std::map<lws*, HttpRequest> requests_;
+  std::map<lws*, Socket> sockets_;
+  std::map<lws*, Instant> waiting_;  // to be written to, since when
+};
+
+/// A header of the request; "" if it is absent or longer than a kilobyte.
+std::string header_of(lws* connection, lws_token_indexes token);
+
+}  // namespace touchline::console

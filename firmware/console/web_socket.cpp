@@ -1,0 +1,104 @@
+#include <linux/tcp.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include "firmware/console/web_server_parts.h"
+
+namespace touchline::console {
+namespace {
+
+// The shortest time to the other side and back, as the kernel measured it.
+Duration round_trip_of(lws* connection) {
+  tcp_info information{};
+  socklen_t size = sizeof(information);
+  if (::getsockopt(lws_get_socket_fd(connection), IPPROTO_TCP, TCP_INFO, &information, &size) != 0) return {};
+  return std::chrono::microseconds(information.tcpi_min_rtt);
+}
+
+}  // namespace
+
+int WebServer::Implementation::on_socket(lws* connection, lws_callback_reasons reason, void* in, std::size_t size) {
+  switch (reason) {
+    case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION: {
+      if (header_of(connection, WSI_TOKEN_GET_URI) != "/ws") return -1;
+      const std::optional<Refusal> refusal = check(connection, false);
+      if (!refusal) return 0;
+      lws_return_http_status(connection, refusal->status, refusal->text.c_str());
+      return -1;
+    }
+    case LWS_CALLBACK_ESTABLISHED:
+      return accept_socket(connection);
+    case LWS_CALLBACK_RECEIVE:
+      return receive(connection, {static_cast<const char*>(in), size});
+    case LWS_CALLBACK_SERVER_WRITEABLE:
+      waiting_.erase(connection);
+      return write_socket(connection);
+    case LWS_CALLBACK_CLOSED:
+    case LWS_CALLBACK_WSI_DESTROY:
+      forget(connection);
+      return 0;
+    default:
+      return 0;
+  }
+}
+
+int WebServer::Implementation::accept_socket(lws* connection) {
+  Client* const client = hub_.connect(hal::MonotonicClock::read());
+  if (client == nullptr) {
+    // "Try again later" (RFC 6455, registered as 1013).
+    return end_socket(connection, static_cast<lws_close_status>(1013), "too many clients");
+  }
+  sockets_[connection].client = client;
+  schedule(Duration::zero());
+  return 0;
+}
+
+int WebServer::Implementation::end_socket(lws* connection, lws_close_status status, std::string_view reason) {
+  std::array<unsigned char, 64> text{};
+  const std::size_t size = std::min(reason.size(), text.size());
+  std::copy_n(reason.begin(), size, text.begin());
+  lws_close_reason(connection, status, text.data(), size);
+  return -1;
+}
+
+int WebServer::Implementation::receive(lws* connection, std::string_view part) {
+  const auto found = sockets_.find(connection);
+  if (found == sockets_.end()) return -1;
+  Socket& socket = found->second;
+  if (lws_frame_is_binary(connection) != 0) {
+    return end_socket(connection, LWS_CLOSE_STATUS_UNACCEPTABLE_OPCODE, "only texts are understood");
+  }
+  if (socket.received.size() + part.size() > kMaxClientMessageBytes) {
+    return end_socket(connection, LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE, "the message is too large");
+  }
+  socket.received.append(part);
+  if (lws_remaining_packet_payload(connection) > 0 || lws_is_final_fragment(connection) == 0) return 0;
+  const std::string text = std::move(socket.received);
+  socket.received.clear();
+  const Instant now = hal::MonotonicClock::read();
+  socket.client->round_trip = round_trip_of(connection);
+  if (!hub_.receive(*socket.client, text, now)) {
+    return end_socket(connection, LWS_CLOSE_STATUS_POLICY_VIOLATION, "too many messages");
+  }
+  // What the message asks for, and what it changes for the others.
+  schedule(Duration::zero());
+  return 0;
+}
+
+int WebServer::Implementation::write_socket(lws* connection) {
+  const auto found = sockets_.find(connection);
+  if (found == sockets_.end()) return 0;
+  Client& client = *found->second.client;
+  const Instant now = hal::MonotonicClock::read();
+  const Outgoing message = hub_.next_message(client, now);
+  if (!message.bytes.empty()) {
+    auto* const bytes = reinterpret_cast<unsigned char*>(message.bytes.data());
+    if (lws_write(connection, bytes, message.bytes.size(), message.is_binary ? LWS_WRITE_BINARY : LWS_WRITE_TEXT) < 0) {
+      return -1;
+    }
+  }
+  if (hub_.has_message(client, now)) ask_to_write(connection);
+  return 0;
+}
+
+}  // namespace touchline::console

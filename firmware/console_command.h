@@ -1,0 +1,10 @@
+#pragma once
+
+#include "firmware/command_line.h"
+
+namespace touchline {
+
+/// touchline console: prints the token that browsers on other computers need. Returns the exit code.
+int console_command(const CommandLine& command_line);
+
+}  // namespace touchline

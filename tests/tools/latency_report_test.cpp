@@ -172,6 +172,31 @@ TEST(LatencyComparison, NoiseIsNoChangeAndASmallChangeIsFound) {
   EXPECT_TRUE(summary.starts_with("Worse in B: capture to packet (p50 x 1.04, p99 x 1.0")) << summary;
 }
 
+TEST(LatencyDocument, RareFramesAreEstimatedOrRefused) {
+  const LatencyReport report = noisy_report(1, 1.0);
+  ASSERT_EQ(report.rare_frames.size(), 2u);
+  EXPECT_EQ(report.rare_frames[0].refusal, "");
+  ASSERT_EQ(report.rare_frames[0].times.size(), 2u) << "100 times 6000 frames";
+  EXPECT_EQ(report.rare_frames[0].times[0].one_in, 10000u);
+  EXPECT_GT(report.rare_frames[0].times[0].time, report.rare_frames[0].threshold);
+  EXPECT_GT(report.rare_frames[0].times[1].time, report.rare_frames[0].times[0].time);
+  const std::string text = to_text(document_of(report));
+  EXPECT_NE(text.find("capture to packet, 1 in 10000 "), std::string::npos) << text;
+  EXPECT_NE(text.find("deadline of 16.7 ms missed "), std::string::npos) << text;
+  EXPECT_NE(text.find("rare frames, capture to packet        from the slowest 300 (above "), std::string::npos) << text;
+  EXPECT_NE(to_text(document_of(report_of(1))).find("no estimate: it needs 2000 frames"), std::string::npos);
+  Measurement measurement(3000, 0);
+  for (int i = 0; i < 3000; ++i) {
+    StepTiming timing;
+    timing.processing = microseconds(1000 + i);
+    timing.latency = timing.processing;
+    measurement.add({}, timing, false);
+  }
+  EXPECT_NE(to_text(document_of(measurement.report("rising", {.rate_hz = 60.0})))
+                .find("no estimate: the largest values are not independent"),
+            std::string::npos);
+}
+
 TEST(LatencyComparison, FewFramesAreNotJudged) {
   Measurement measurement(199, 0);
   for (int i = 0; i < 199; ++i) measurement.add({}, {}, false);

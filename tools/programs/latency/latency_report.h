@@ -10,6 +10,7 @@
 #include "core/types.h"
 #include "tools/programs/latency/interrupts.h"
 #include "tools/programs/latency/latency_samples.h"
+#include "tools/programs/latency/rare_frames.h"
 #include "tools/programs/latency/thread_usage.h"
 #include "tools/programs/latency/timer_noise.h"
 
@@ -143,6 +144,7 @@ struct LatencyReport {
   std::array<LogHistogram, kSpanCount> histograms{};
   std::vector<WorstFrame> worst;             // by kLatency, longest first
   std::vector<Stall> stalls;                 // longest first
+  std::vector<RareFrames> rare_frames;       // for kLatency and kProcessing
   Duration reading_cost{};                   // of the processor time, kReadings per frame; zero: not measured
   ThreadUsage usage;                         // of the loop's thread after warm-up
   std::optional<std::uint64_t> allocations;  // likewise; empty in builds with a sanitizer

@@ -170,6 +170,9 @@ LatencyReport Measurement::report(const std::string& source, const ReportSetting
   };
   // A lost frame misses every deadline.
   if (report.deadline > Duration::zero()) report.deadline_misses = longer(Span::kLatency, report.deadline) + lost_;
+  report.rare_frames = {
+      estimate_rare_frames(describe(Span::kLatency), latency, report.deadline),
+      estimate_rare_frames(describe(Span::kProcessing), samples(Span::kProcessing), Duration::zero())};
   report.period_overruns = longer(Span::kProcessing, period);
   report.lost = lost_;
   report.overloads = overloads_;

@@ -118,6 +118,41 @@ Table waiting_table(const LatencyReport& report) {
   return table;
 }
 
+// "1 in 2300000 frames"
+std::string one_in_text(double share) {
+  constexpr double kNever = 1e-12;
+  if (share < kNever) return "never";
+  char text[48];
+  std::snprintf(text, sizeof text, "1 in %.3g frames", 1.0 / share);
+  return text;
+}
+
+Table rare_table(const LatencyReport& report) {
+  Table table{"Rare frames, estimated from the slowest ones", {"", "slower than", "95 % interval"}, {}};
+  for (const RareFrames& rare : report.rare_frames) {
+    for (const RareTime& time : rare.times) {
+      table.rows.push_back({{rare.span + ", 1 in " + count(time.one_in)},
+                            {text_of(time.time)},
+                            {text_of(time.low) + " to " + (time.high ? text_of(*time.high) : "no limit")}});
+    }
+    if (!rare.misses || !rare.refusal.empty()) continue;
+    table.rows.push_back({{"deadline of " + text_of(report.deadline) + " missed"},
+                          {one_in_text(rare.misses->share)},
+                          {one_in_text(rare.misses->high) + " to " + one_in_text(rare.misses->low)}});
+  }
+  return table;
+}
+
+std::string rare_text(const RareFrames& rare) {
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "from the slowest %llu (above %s), shape %.2f; independence p %.3f, stationarity p %.3f, fit p %.3f",
+                static_cast<unsigned long long>(rare.peaks), text_of(rare.threshold).c_str(), rare.shape,
+                rare.independence, rare.stationarity, rare.fit);
+  if (rare.refusal.empty()) return text;
+  return "no estimate: " + rare.refusal + (rare.peaks > 0 ? "; " + std::string(text) : "");
+}
+
 Table stall_table(const LatencyReport& report) {
   Table table{"Stalls: frames more than half a period later than usual, and the frames that they delayed or lost",
               {"", "later by, ms", "because of", "delayed", "lost"},
@@ -264,13 +299,16 @@ std::string listed(const std::vector<std::string>& items) {
 Document document_of(const LatencyReport& report) {
   Document document{
       "Frame latency: " + report.source, summary_sentence(report), {span_table(report), worst_table(report)}, {}};
-  for (Table table : {waiting_table(report), stall_table(report)}) {
+  for (Table table : {waiting_table(report), stall_table(report), rare_table(report)}) {
     if (!table.rows.empty()) document.tables.push_back(std::move(table));
   }
   Facts& facts = document.facts;
   for (const Counted& counted : counts_of(report)) add(facts, counted.name, text_of_count(counted));
   for (auto& condition : conditions_of(report)) facts.push_back(std::move(condition));
   add(facts, "other programs", measured_load(report.system));
+  for (const RareFrames& rare : report.rare_frames) {
+    facts.emplace_back("rare frames, " + rare.span, rare_text(rare));
+  }
   add(facts, "interrupts", interrupt_text(report.system));
   if (!report.system.interrupts.empty()) {
     const auto& [nmi, smi] = std::tie(report.system.non_maskable, report.system.system_management);

@@ -80,6 +80,7 @@ void describe_report(Self& report, Visitor& visit) {
   visit("reading_cost_ns", report.reading_cost);
   visit("spans_ns", BySpan{report.spans});
   visit("worst_frames", report.worst);
+  visit("rare_frames", report.rare_frames);
   visit("noise", report.noise);
   visit("system", report.system);
   // Pairs of bin and count; bin i begins at 100 ns * 10^(i / 20).

@@ -112,7 +112,7 @@ export class Game {
         action: { x_m: robot.x + 0.05 * robot.v * Math.cos(robot.heading), y_m: robot.y + 0.05 * robot.v * Math.sin(robot.heading), heading_rad: robot.heading + 0.05 * robot.w },
       })),
       commands: this.robots.filter((robot) => robot.team === 'own').map((robot) => ({ id: robot.id, left_mps: robot.v - robot.w * 0.0375, right_mps: robot.v + robot.w * 0.0375, source: this.driven?.id === robot.id ? 'console' : 'play' })),
-      stop: this.halt.size > 0, halt: [...this.halt], referee: { phase: 'no referee' }, score: this.score, brightness: 1.02,
+      stop: this.halt.size > 0, halt: [...this.halt], referee: { phase: 'no referee' }, score: this.score, brightness: 1.02, stages_ms: [0.31, 0.12, 0.08, 0.05, 0.01],
       roles: [{ id: 0, role: 'goalkeeper' }, { id: 2, role: 'attacker' }, { id: 1, role: 'supporter' }, { id: 3, role: 'supporter' }, { id: 4, role: 'supporter' }],
     };
   }

@@ -65,6 +65,7 @@ sockets.on('connection', (socket) => {
     else if (message.type === 'start' || message.type === 'drive') {
       if (driver !== client.number) error = 'another screen has control';
       else if (message.type === 'start') game.start();
+      else if (message.give_back) game.driven = null;
       else game.drive(message.id, message.speed_mps, message.turn_radps);
     }
     if (message.request) send(socket, { type: 'answer', to: message.request, ok: !error, error });

@@ -136,6 +136,7 @@ export interface State {
   roles?: { id: number; role: 'goalkeeper' | 'attacker' | 'supporter' }[];
   score?: { own: number; opponent: number } | null;
   brightness?: number; // of the light, relative to the calibration
+  stages_ms?: number[]; // region, marker, track, control, radio
 }
 
 export interface LatencySummary {
@@ -206,7 +207,8 @@ export type ClientMessage =
   | { type: 'take' }
   | { type: 'release' }
   | { type: 'ping' }
-  | { type: 'drive'; team: 'own'; id: number; speed_mps: number; turn_radps: number }
+  | { type: 'drive'; id: number; speed_mps: number; turn_radps: number }
+  | { type: 'drive'; id: number; give_back: true }
   | { type: 'adaptation'; action: 'freeze' | 'follow' | 'reset' };
 
 /** Header of a binary message: 32 bytes, little-endian; a JPEG follows. */

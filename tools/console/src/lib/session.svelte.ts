@@ -11,6 +11,8 @@ const MAX_EVENTS = 200;
 const MAX_LATENCY_SAMPLES = 600;
 // States that wait for their picture, which follows at once on the same link.
 const MAX_WAITING_STATES = 30;
+// Of a new frame in the mean of the stages' times: about two seconds at 15 Hz.
+const STAGE_WEIGHT = 1 / 30;
 
 export interface Picture {
   image: ImageBitmap;
@@ -40,6 +42,7 @@ class Session {
   newVersion = $state<string | null>(null); // the server was replaced since this page was loaded
   returned = $state<string | null>(null); // what happened while there was no connection
   clockDifference_s = $state<number | null>(null); // this device's clock minus the board's
+  stages_ms = $state.raw<number[]>([]); // means of the last seconds
   now_ms = $state(performance.now());
   lost_ms = $state(0);
   retryAt_ms = $state(0);
@@ -228,6 +231,7 @@ class Session {
     this.state = null;
     this.status = null;
     this.latencySamples.length = 0;
+    this.stages_ms = [];
     this.next = null;
     this.setPicture(null);
   }
@@ -236,6 +240,10 @@ class Session {
     this.state = state;
     this.lastData_ms = this.now_ms = performance.now();
     this.trails.add(state);
+    this.stages_ms = (state.stages_ms ?? []).map((value, i) => {
+      const mean = this.stages_ms[i] ?? value;
+      return mean + STAGE_WEIGHT * (value - mean);
+    });
     this.waiting.set(state.number, state);
     if (this.waiting.size > MAX_WAITING_STATES) this.waiting.delete(this.waiting.keys().next().value!);
     if (this.stop) {

@@ -1,0 +1,160 @@
+// The page with the real program, TOUCHLINE_PROGRAM, and its arena, TOUCHLINE_BOARD.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { launch, open, PAGES, show, waitForHalt, waitForLink, waitForPicture } from './browser.mjs';
+import { startProgram } from './console_server.mjs';
+
+const program = process.env.TOUCHLINE_PROGRAM;
+const board = process.env.TOUCHLINE_BOARD;
+
+let browser;
+let server;
+before(async () => {
+  browser = await launch();
+  server = await startProgram(program, board);
+});
+after(async () => {
+  await browser?.close();
+  await server?.end();
+});
+
+const takeControl = async (page) => {
+  await show(page, 'play');
+  await page.click('button:text-matches("^Take (control|over)$")');
+  await page.waitForSelector('text=You have control.');
+};
+const start = async (page) => {
+  await page.click('[data-start]:not([disabled])');
+  await waitForHalt(page, false);
+};
+
+test('the picture appears, and the overlay belongs to it', async () => {
+  const { page, problems, close } = await open(browser, server.url);
+  await waitForLink(page, 'Connected');
+  await waitForPicture(page);
+  const numbers = new Set();
+  for (let i = 0; numbers.size < 10; i += 1) {
+    const { picture, overlay } = await page.evaluate(() => ({ ...document.querySelector('canvas[data-picture]').dataset }));
+    assert.equal(overlay, picture);
+    numbers.add(picture);
+    await page.waitForFunction((last) => document.querySelector('canvas[data-picture]').dataset.picture !== last, picture);
+  }
+  const brightest = await page.evaluate(() => {
+    const canvas = document.querySelector('canvas[data-picture]');
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    return data.reduce((most, value, i) => (i % 4 === 3 ? most : Math.max(most, value)), 0);
+  });
+  assert.ok(brightest > 100, `brightest channel: ${brightest}`);
+  assert.deepEqual(problems, []);
+  await close();
+});
+
+test('pointing at the picture shows pixel, color and place', async () => {
+  const { page, close } = await open(browser, server.url);
+  await waitForPicture(page);
+  const box = await page.locator('canvas[data-picture]').boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.waitForFunction(() => document.querySelector('[data-pixel]').textContent !== '–');
+  const [u, v] = (await page.textContent('[data-pixel]')).split(',').map(Number);
+  assert.ok(u > 310 && u < 330 && v > 230 && v < 250, `${u}, ${v}`);
+  assert.match(await page.textContent('[data-color]'), /\d+ \d+ \d+ +#[0-9a-f]{6}/);
+  const place = (await page.textContent('[data-place]')).replace(' mm', '').split(',').map(Number);
+  // The arena's camera is a hand's breadth off the center of the field.
+  assert.ok(place.every((mm) => Math.abs(mm) < 250), String(place));
+  await page.mouse.wheel(0, -600);
+  await page.waitForFunction(() => Number(document.querySelector('canvas[data-picture]').dataset.zoom) > 2);
+  await page.dblclick('canvas[data-picture]');
+  await page.waitForFunction(() => document.querySelector('canvas[data-picture]').dataset.zoom === '1');
+  await close();
+});
+
+test('Stop works from every page, by button and by space bar, without control', async () => {
+  const driver = await open(browser, server.url);
+  await takeControl(driver.page);
+  const { page, problems, close } = await open(browser, server.url);
+  for (const name of PAGES) {
+    await show(page, name);
+    for (const press of [() => page.click('header [data-stop]'), () => page.keyboard.press('Space')]) {
+      await waitForHalt(page, false);
+      await press();
+      await page.waitForSelector('header [data-stop="confirmed"]');
+      await waitForHalt(page, true);
+      await waitForHalt(driver.page, true);
+      await start(driver.page);
+    }
+  }
+  assert.deepEqual(problems, []);
+  await close();
+  await driver.close();
+});
+
+test('one screen has control, and another one takes over', async () => {
+  const first = await open(browser, server.url);
+  const second = await open(browser, server.url);
+  await takeControl(first.page);
+  await show(second.page, 'play');
+  await second.page.waitForSelector('[data-driver]:has-text("has control")');
+  await second.page.click('button:text-is("Take over")');
+  await second.page.waitForSelector('text=You have control.');
+  await first.page.waitForSelector('button:text-is("Take over")');
+  await first.close();
+  await second.page.click('button:text-is("Give up control")');
+  await second.page.waitForSelector('text=Nobody has control.');
+  await second.close();
+});
+
+test('a robot is driven while a key is held', async () => {
+  const { page, close } = await open(browser, server.url);
+  await takeControl(page);
+  if (await page.locator('[data-start]:not([disabled])').count()) await start(page);
+  await page.click('[data-robot="2"]');
+  await page.keyboard.down('KeyW');
+  await page.waitForSelector('tr[data-own="2"] >> text=this console');
+  await page.keyboard.up('KeyW');
+  await page.waitForSelector('[data-driving]:has-text("0.00 m/s")');
+  await page.click('button:text-is("Give up control")');
+  await page.waitForSelector('tr[data-own="2"] >> text=built-in play');
+  await close();
+});
+
+test('robots stop when the driver disappears', async () => {
+  const watcher = await open(browser, server.url);
+  const driver = await open(browser, server.url);
+  await takeControl(driver.page);
+  if (await driver.page.locator('[data-start]:not([disabled])').count()) await start(driver.page);
+  await driver.close();
+  await waitForHalt(watcher.page, true);
+  await takeControl(watcher.page);
+  await start(watcher.page);
+  await watcher.page.click('button:text-is("Give up control")');
+  await watcher.close();
+});
+
+test('the timing page has figures, and the report can be downloaded', async () => {
+  const { page, problems, close } = await open(browser, server.url);
+  await show(page, 'timing');
+  await page.waitForFunction(() => Number(document.querySelector('tbody tr td:nth-child(2)')?.textContent) > 0);
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('text=Download the report')]);
+  const chunks = [];
+  for await (const chunk of await download.createReadStream()) chunks.push(chunk);
+  const report = JSON.parse(Buffer.concat(chunks).toString());
+  assert.ok(report.status.latency.start.count > 0 && report.hello.board.length > 0);
+  assert.deepEqual(problems, []);
+  await close();
+});
+
+test('a lost link is shown, nothing old looks live, and the page recovers', async () => {
+  const { page, close } = await open(browser, server.url);
+  await waitForPicture(page);
+  await server.end('SIGKILL');
+  await waitForLink(page, 'No connection');
+  await page.waitForSelector('[data-notice="lost"]');
+  await page.waitForSelector('canvas[data-picture].stale');
+  assert.match(await page.textContent('.halt'), /State unknown/);
+  server = await startProgram(program, board, server.port);
+  await waitForLink(page, 'Connected');
+  await page.waitForSelector('[data-notice="returned"]');
+  await waitForPicture(page);
+  assert.equal(await page.locator('canvas.stale').count(), 0);
+  await close();
+});

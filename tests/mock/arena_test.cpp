@@ -142,7 +142,9 @@ TEST_F(ArenaTest, FollowsTheSystemClock) {
     EXPECT_NEAR(frame.sequence, seconds(frame.capture_time - begin) * settings.rate_hz, 1.0);
     last = frame.sequence;
     ++frames;
-    ASSERT_TRUE(radio->send(packet_of(std::array<Drive, 1>{{{0, 0.1, 0.1}}}, static_cast<std::uint8_t>(frames))).ok());
+    const auto sent = radio->send(packet_of(std::array<Drive, 1>{{{0, 0.1, 0.1}}}, static_cast<std::uint8_t>(frames)));
+    // After the machine was busy, late frames follow each other faster than the line sends packets.
+    ASSERT_TRUE(sent.ok() || sent.code() == ErrorCode::kBusy) << sent.text();
   }
   EXPECT_GT(arena->world().energy(), 0.0) << "the packets had no effect";
 }

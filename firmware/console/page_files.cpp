@@ -75,8 +75,8 @@ std::string_view missing_page() {
   return R"(<!doctype html><html lang="en"><meta charset="utf-8"><title>Touchline</title>
 <style>body{font:16px/1.5 sans-serif;max-width:40em;margin:3em auto;padding:0 1em}code{background:#8883;padding:.1em .3em}</style>
 <h1>The page is not built</h1>
-<p>Touchline runs, but the console's page is missing. To build it, in the folder of the sources:</p>
-<p><code>cd tools/console &amp;&amp; npm ci &amp;&amp; npm run build</code></p>
+<p>Touchline runs, but the console's page is missing. To build it, in the folder of the sources, run</p>
+<p><code>tools/console/build</code></p>
 <p>Then load this page again. It needs node 18 or later (<code>apt install nodejs npm</code>). The picture alone:
 <a href="/snapshot.jpg">snapshot</a>, <a href="/stream.mjpg">stream</a>.</p></html>
 )";

@@ -40,6 +40,7 @@ class Session {
   accessDenied = $state(false);
   serverProtocol = $state<number | null>(null); // of a server that this page cannot talk to
   newVersion = $state<string | null>(null); // the server was replaced since this page was loaded
+  lostControl = $state(false); // this page had control when the link broke
   returned = $state<string | null>(null); // what happened while there was no connection
   clockDifference_s = $state<number | null>(null); // this device's clock minus the board's
   stages_ms = $state.raw<number[]>([]); // means of the last seconds
@@ -149,6 +150,7 @@ class Session {
     this.retryAt_ms = performance.now() + retryInMs;
     if (this.phase === 'open') this.lost_ms = performance.now();
     if (this.phase !== 'lost') {
+      this.lostControl = this.driver.you;
       this.driver = { type: 'driver', driver: null, you: false };
       this.requests.clear();
       this.phase = this.hello ? 'lost' : 'connecting';
@@ -211,7 +213,7 @@ class Session {
     this.bootVersion ??= hello.version;
     if (this.phase === 'lost') {
       const gap_s = (performance.now() - this.lost_ms) / 1000;
-      this.returned = `The connection is back after ${gap_s < 1 ? 'less than a second' : `${Math.round(gap_s)} s`}.`;
+      this.returned = `The connection is back after ${gap_s < 1 ? 'less than a second' : `${Math.round(gap_s)} s`}.${this.lostControl ? ' The robots were stopped, because this page had control. Take control again to start them.' : ''}`;
     }
     if (hello.time_s !== undefined) this.clockDifference_s = Date.now() / 1000 - hello.time_s;
     this.forget();
@@ -257,7 +259,8 @@ class Session {
 
   private receivePicture(header: PictureHeader, jpeg: Blob): void {
     if (this.serverProtocol !== null) return;
-    if (this.next) this.connection.tell({ type: 'seen', number: this.next.header.number });
+    // At once: the server measures the link with it, not how busy this device is. Of pictures that wait, the newest is shown.
+    this.connection.tell({ type: 'seen', number: header.number });
     this.next = { header, jpeg };
     if (!this.decoding) void this.decode();
   }
@@ -274,7 +277,6 @@ class Session {
       } catch {
         // A damaged picture; the next one replaces it.
       }
-      this.connection.tell({ type: 'seen', number: header.number });
     }
     this.decoding = false;
   }

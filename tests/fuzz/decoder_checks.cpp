@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "firmware/console/client_message.h"
 #include "firmware/network/firasim.h"
 #include "firmware/network/json_commands.h"
 #include "firmware/network/protobuf.h"
@@ -84,6 +85,19 @@ void check_ssl_referee(std::span<const std::byte> bytes) {
 
 void check_vss_referee(std::span<const std::byte> bytes) { require_state(network::decode_vss_referee(bytes)); }
 
+void check_client_message(std::span<const std::byte> bytes) {
+  const Result<console::ClientMessage> message =
+      console::parse_client_message({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  require_result(message);
+  if (!message.ok()) return;
+  const console::ClientMessage& value = message.value();
+  require(is_within(value.twist.v_mps, 10.0) && is_within(value.twist.w_radps, 100.0), "the twist is limited");
+  require(value.state_hz >= 0.0 && value.state_hz <= 60.0, "the rate of states is limited");
+  require(value.picture_hz >= 0.0 && value.picture_hz <= 60.0, "the rate of pictures is limited");
+  require(value.kind != console::ClientMessage::Kind::kDrive || value.id >= 0, "an id is 0 to 127");
+  require(value.request.value_or(0) >= 0, "a request has a number");
+}
+
 template <class Message>
 std::string encoded(const pb_msgdesc_t* fields, const Message& message) {
   std::array<std::byte, 2048> memory{};
@@ -122,10 +136,20 @@ std::vector<std::string> vss_referee_seeds() {
   return {std::string("\x08\x06\x10\x01\x18\x02\x21\x00\x00\x00\x00\x00\x00\x29\x40", 15)};
 }
 
-constexpr std::array<DecoderCheck, 4> kChecks{{{"firasim_packet", check_firasim_packet, firasim_seeds},
+std::vector<std::string> client_message_seeds() {
+  return {R"({"type":"watch","state_hz":15,"picture":{"rate_hz":15,"max_width_px":640},"request":1})",
+          R"({"type":"drive","team":"own","id":3,"speed_mps":-0.5,"turn_radps":2.5})",
+          R"({"type":"drive","id":3,"give_back":true})",
+          R"({"type":"seen","number":123456789})",
+          R"({"type":"adaptation","action":"freeze","request":7})",
+          R"({"type":"stop"})"};
+}
+
+constexpr std::array<DecoderCheck, 5> kChecks{{{"firasim_packet", check_firasim_packet, firasim_seeds},
                                                {"json_commands", check_json_commands, json_seeds},
                                                {"ssl_referee", check_ssl_referee, ssl_referee_seeds},
-                                               {"vss_referee", check_vss_referee, vss_referee_seeds}}};
+                                               {"vss_referee", check_vss_referee, vss_referee_seeds},
+                                               {"client_message", check_client_message, client_message_seeds}}};
 
 }  // namespace
 

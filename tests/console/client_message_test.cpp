@@ -1,0 +1,69 @@
+#include "firmware/console/client_message.h"
+
+#include <gtest/gtest.h>
+
+namespace touchline::console {
+namespace {
+
+using Kind = ClientMessage::Kind;
+
+TEST(ClientMessageParser, ReadsEachType) {
+  const auto parsed = [](std::string_view text) {
+    const Result<ClientMessage> message = parse_client_message(text);
+    EXPECT_TRUE(message.ok()) << text << ": " << message.text();
+    return message.ok() ? message.value() : ClientMessage{};
+  };
+  ClientMessage message = parsed(R"({"type":"watch","state_hz":20,"picture":{"rate_hz":10,"max_width_px":320}})");
+  EXPECT_EQ(message.kind, Kind::kWatch);
+  EXPECT_EQ(message.state_hz, 20.0);
+  EXPECT_EQ(message.picture_hz, 10.0);
+  EXPECT_EQ(message.picture_width_px, 320);
+  EXPECT_FALSE(message.request.has_value());
+  EXPECT_EQ(parsed(R"({"type":"watch","state_hz":0,"picture":null})").picture_hz, 0.0);
+  EXPECT_EQ(parsed(R"({"type":"seen","number":12345678901})").number, 12345678901U);
+  EXPECT_EQ(parsed(R"({"type":"stop","request":7})").request, 7);
+  message = parsed(R"({"type":"drive","team":"own","id":3,"speed_mps":-0.5,"turn_radps":2,"new_member":[1]})");
+  EXPECT_EQ(message.kind, Kind::kDrive);
+  EXPECT_EQ(message.id, 3);
+  EXPECT_EQ(message.twist.v_mps, -0.5f);
+  EXPECT_EQ(message.twist.w_radps, 2.0f);
+  EXPECT_TRUE(parsed(R"({"type":"drive","id":3,"give_back":true})").gives_back);
+  EXPECT_EQ(parsed(R"({"type":"adaptation","action":"freeze"})").adaptation, AdaptationMode::kFrozen);
+  EXPECT_EQ(parsed(R"({"type":"adaptation","action":"reset"})").adaptation, AdaptationMode::kOff);
+  EXPECT_EQ(parsed(R"({"type":"take"})").kind, Kind::kTake);
+  EXPECT_EQ(parsed(R"({"type":"release"})").kind, Kind::kRelease);
+  EXPECT_EQ(parsed(R"({"type":"start"})").kind, Kind::kStart);
+  EXPECT_EQ(parsed(R"({"type":"ping"})").kind, Kind::kPing);
+}
+
+TEST(ClientMessageParser, RefusesEverythingElseAndNamesTheMember) {
+  const auto error = [](std::string_view text) {
+    const Result<ClientMessage> message = parse_client_message(text);
+    EXPECT_FALSE(message.ok()) << text;
+    return message.ok() ? std::string() : message.text();
+  };
+  for (const char* const text :
+       {"", "{", "[]", "null", "\"stop\"", "{\"type\":\"stop\"} x", "\xff", "{\"type\":\"\xff\"}"}) {
+    EXPECT_EQ(error(text), "the message is not a JSON object") << text;
+  }
+  EXPECT_EQ(error("{}"), "\"type\" is missing");
+  EXPECT_EQ(error(R"({"type":5})"), "\"type\" must be a text");
+  EXPECT_EQ(error(R"({"type":"Stop"})"), "\"type\" is unknown");
+  EXPECT_EQ(error(R"({"type":"stop","request":-1})"), "\"request\" is out of range");
+  EXPECT_EQ(error(R"({"type":"stop","request":1.5})"), "\"request\" must be an integer");
+  EXPECT_EQ(error(R"({"type":"seen","number":18446744073709551615})"), "\"number\" is out of range");
+  EXPECT_EQ(error(R"({"type":"watch","picture":null})"), "\"state_hz\" is missing");
+  EXPECT_EQ(error(R"({"type":"watch","state_hz":61})"), "\"state_hz\" is not within 0 to 60");
+  EXPECT_EQ(error(R"({"type":"watch","state_hz":5,"picture":7})"), "\"picture\" must be an object or null");
+  EXPECT_EQ(error(R"({"type":"watch","state_hz":5,"picture":{"rate_hz":1,"max_width_px":4}})"),
+            "picture: \"max_width_px\" is out of range");
+  EXPECT_EQ(error(R"({"type":"drive","id":128,"speed_mps":0,"turn_radps":0})"), "\"id\" is out of range");
+  EXPECT_EQ(error(R"({"type":"drive","id":1,"speed_mps":11,"turn_radps":0})"), "\"speed_mps\" is not within -10 to 10");
+  EXPECT_FALSE(parse_client_message(R"({"type":"drive","id":1,"speed_mps":1e999,"turn_radps":0})").ok());
+  EXPECT_EQ(error(R"({"type":"drive","team":"opponent","id":1,"speed_mps":1,"turn_radps":0})"),
+            "only robots of the own team can be driven");
+  EXPECT_FALSE(parse_client_message(std::string(4096, '[')).ok());
+}
+
+}  // namespace
+}  // namespace touchline::console

@@ -1,0 +1,38 @@
+#include "firmware/console/page_files.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+#include <filesystem>
+#include <fstream>
+
+namespace touchline::console {
+namespace {
+
+TEST(PageFiles, OnlyFilesOfTheFolderAreFound) {
+  const std::filesystem::path above = ::testing::TempDir() + "page-" + std::to_string(::getpid());
+  const std::filesystem::path folder = above / "dist";
+  std::filesystem::create_directories(folder / "assets");
+  std::ofstream(above / "secret.txt") << "secret";
+  PageFiles files(folder.string());
+  EXPECT_TRUE(files.empty());
+  std::ofstream(folder / "index.html") << "page";
+  std::ofstream(folder / "assets/main-1a2b.js") << "code";
+  std::filesystem::create_symlink(above / "secret.txt", folder / "link.txt");
+  std::filesystem::create_symlink(above, folder / "above");
+  EXPECT_TRUE(files.empty()) << "before the scan";
+  files.scan();
+  EXPECT_FALSE(files.empty());
+  ASSERT_NE(files.find("/"), nullptr);
+  EXPECT_EQ(files.find("/")->content_type, "text/html; charset=utf-8");
+  ASSERT_NE(files.find("/assets/main-1a2b.js"), nullptr);
+  EXPECT_EQ(files.find("/assets/main-1a2b.js")->content_type, "text/javascript; charset=utf-8");
+  for (const char* const address : {"", "/assets", "/assets/", "/../secret.txt", "/assets/../../secret.txt",
+                                    "/link.txt", "/above/secret.txt", "//index.html", "/index.html/"}) {
+    EXPECT_EQ(files.find(address), nullptr) << address;
+  }
+  std::filesystem::remove_all(above);
+  EXPECT_TRUE(PageFiles("").empty());
+}
+
+}  // namespace
+}  // namespace touchline::console

@@ -1,0 +1,83 @@
+#include "tests/console/server_fixture.h"
+
+namespace touchline::console {
+namespace {
+
+constexpr std::uint16_t kWidth = 320, kHeight = 240;
+constexpr Duration kFramePeriod = std::chrono::milliseconds(10);
+
+}  // namespace
+
+std::string text_of(std::string_view type, std::string_view members) {
+  return "{\"type\":\"" + std::string(type) + "\"" + (members.empty() ? "" : ",") + std::string(members) + "}";
+}
+
+ConsoleServer::ConsoleServer() {
+  config::FilePaths files;
+  files.board = std::string(TOUCHLINE_SOURCE_DIR) + "/boards/mock/board.toml";
+  const Result<void> loaded = config::load(files, *configuration_);
+  EXPECT_TRUE(loaded.ok()) << loaded.text();
+}
+
+void ConsoleServer::start() {
+  hal::CameraInfo camera;
+  camera.width_px = kWidth;
+  camera.height_px = kHeight;
+  camera.rate_hz = 100.0;
+  pictures_.allocate(std::size_t{3} * kWidth * kHeight);
+  const Print print = [this](const std::string& line) { reports.events.add("info", line); };
+  hub_ = std::make_unique<Hub>(HubLinks{*snapshots_, pictures_, mailbox_, reports, &adaptation, print},
+                               scene_of(*configuration_, camera, "1.2.3"), picture_rate_hz);
+  server_ = std::make_unique<WebServer>(*hub_, settings);
+  const Result<void> opened = server_->open();
+  ASSERT_TRUE(opened.ok()) << opened.text();
+  loop_ = std::thread([this] { run_loop(); });
+  console_ = std::thread([this] {
+    while (!end_) server_->serve();
+  });
+}
+
+void ConsoleServer::end() {
+  end_ = true;
+  if (console_.joinable()) {
+    server_->wake();
+    console_.join();
+  }
+  if (loop_.joinable()) loop_.join();
+  server_.reset();
+}
+
+void ConsoleServer::run_loop() {
+  std::vector<std::uint8_t> pixels(std::size_t{3} * kWidth * kHeight);
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i / 7);
+  Frame frame;
+  frame.width_px = kWidth;
+  frame.height_px = kHeight;
+  frame.plane[0] = pixels.data();
+  frame.stride_bytes[0] = 3U * kWidth;
+  const auto snapshot = std::make_unique<Snapshot>();
+  while (!end_) {
+    std::this_thread::sleep_for(kFramePeriod);
+    if (!camera_delivers) continue;
+    ConsoleInput taken;
+    if (mailbox_.take(taken)) {
+      const std::scoped_lock lock(mutex_);
+      input_ = taken;
+    }
+    const Instant now = hal::MonotonicClock::read();
+    snapshot->number = frames;
+    snapshot->frame_sequence = static_cast<std::uint32_t>(snapshot->number);
+    snapshot->captured = snapshot->received = now - std::chrono::milliseconds(5);
+    snapshot->sent = snapshot->machine_sent = now;
+    snapshot->latency = std::chrono::milliseconds(5);
+    snapshot->halt = input().stop ? std::uint16_t{kHaltConsole} : std::uint16_t{kHaltNone};
+    snapshots_->write(*snapshot);
+    if (pictures_.is_wanted()) {
+      pictures_.put(frame, snapshot->number);
+      ++pictures_copied;
+    }
+    ++frames;
+  }
+}
+
+}  // namespace touchline::console

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <mutex>
+#include <thread>
+
+#include "firmware/console/hub.h"
+#include "firmware/console/web_server.h"
+#include "tests/console/socket_client.h"
+
+namespace touchline::console {
+
+/// A console on a free port, and a thread that behaves like the loop: it takes the console's input before each frame,
+/// and writes a snapshot and, if one is wanted, a picture after it.
+class ConsoleServer : public ::testing::Test {
+ protected:
+  ConsoleServer();
+  ~ConsoleServer() override { end(); }
+
+  /// Call it once; the settings may be changed before.
+  void start();
+  void end();
+  [[nodiscard]] std::uint16_t port() const { return server_->port(); }
+  [[nodiscard]] ConsoleInput input() const {
+    const std::scoped_lock lock(mutex_);
+    return input_;
+  }
+  /// Waits until the loop has got this, for at most half a minute.
+  template <class Condition>
+  [[nodiscard]] bool eventually(const Condition& condition) const {
+    for (int i = 0; i < 6000; ++i) {
+      if (condition()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return false;
+  }
+
+  WebServerSettings settings{"127.0.0.1", 0, "", {}};
+  double picture_rate_hz = 30.0;
+  std::atomic<bool> camera_delivers{true};
+  std::atomic<std::uint64_t> pictures_copied{0}, frames{0};
+  SharedReports reports;
+  AdaptationRequests adaptation;
+
+ private:
+  void run_loop();
+
+  std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
+  std::unique_ptr<SnapshotRing> snapshots_ = std::make_unique<SnapshotRing>();
+  PictureExchange pictures_;
+  Mailbox<ConsoleInput> mailbox_;
+  mutable std::mutex mutex_;
+  ConsoleInput input_;  // as the loop has taken it
+  std::unique_ptr<Hub> hub_;
+  std::unique_ptr<WebServer> server_;
+  std::atomic<bool> end_{false};
+  std::thread loop_, console_;
+};
+
+/// "stop" as a message, or with further members: text_of("drive", "\"id\":1").
+std::string text_of(std::string_view type, std::string_view members = {});
+
+}  // namespace touchline::console

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace touchline::console {
+
+/// A client that shares no code with the server: HTTP/1.1 and WebSocket (RFC 6455) on a blocking socket. A wait ends
+/// after half a minute, which no working test reaches.
+class SocketClient {
+ public:
+  explicit SocketClient(std::uint16_t port);
+  ~SocketClient();
+  SocketClient(const SocketClient&) = delete;
+  SocketClient& operator=(const SocketClient&) = delete;
+
+  void send(std::string_view bytes) const;
+  /// Everything until the other side closes the connection, or until `end` has arrived.
+  std::string read_until(std::string_view end = {});
+  /// Reads that many bytes; fewer if the connection ends.
+  std::string read(std::size_t size);
+
+ private:
+  bool receive_more();
+
+  int socket_ = -1;
+  std::string received_;
+};
+
+struct HttpAnswer {
+  int status = 0;
+  std::string head, body;
+};
+/// `headers`: further lines, each with its line end; a Host line replaces the usual one.
+HttpAnswer get(std::uint16_t port, std::string_view path, std::string_view headers = {},
+               std::string_view method = "GET");
+
+/// A frame of the protocol.
+struct SocketMessage {
+  int opcode = 0;  // 1: text, 2: binary, 8: close; 0: the connection has ended
+  std::string payload;
+
+  /// Of a close frame; 0: there is none.
+  [[nodiscard]] int close_code() const;
+};
+
+class SocketPage {
+ public:
+  /// Opens the WebSocket. `headers` as for get().
+  explicit SocketPage(std::uint16_t port, std::string_view headers = {}, std::string_view path = "/ws",
+                      std::string_view subprotocol = "touchline.1");
+  /// Of the handshake; 101: the WebSocket is open.
+  [[nodiscard]] int status() const { return status_; }
+  void send_text(std::string_view text) { send_frame(1, text); }
+  /// `is_final`: false for a message that goes on in the next frame (opcode 0).
+  void send_frame(int opcode, std::string_view payload, bool is_final = true);
+  /// The next message. Pings are answered.
+  SocketMessage read();
+  /// The next text whose type is this one; others are skipped, and pictures too. nullopt: the connection has ended.
+  std::optional<std::string> read_type(std::string_view type);
+  SocketClient& socket() { return client_; }
+
+ private:
+  SocketClient client_;
+  int status_ = 0;
+};
+
+}  // namespace touchline::console

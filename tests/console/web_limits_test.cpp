@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+
+#include "tests/console/server_fixture.h"
+
+namespace touchline::console {
+namespace {
+
+class WebLimits : public ConsoleServer {
+ protected:
+  /// Reads until the connection ends and returns the code of its close frame.
+  static int close_code_of(SocketPage& page) {
+    for (;;) {
+      const SocketMessage message = page.read();
+      if (message.opcode == 8 || message.opcode == 0) return message.close_code();
+    }
+  }
+  /// Whether the server still serves.
+  void expect_alive() {
+    SocketPage page(port());
+    EXPECT_EQ(page.status(), 101);
+    EXPECT_TRUE(page.read_type("state").has_value());
+  }
+};
+
+TEST_F(WebLimits, ALargeMessageEndsTheConnection) {
+  start();
+  SocketPage page(port());
+  page.send_frame(1, std::string(4097, ' '));
+  EXPECT_EQ(close_code_of(page), 1009);
+  SocketPage huge(port());
+  // The length alone decides: the content never comes.
+  huge.socket().send(std::string("\x81\xff\x7f\xff\xff\xff\xff\xff\xff\xff\x01\x02\x03\x04", 14) +
+                     std::string(8192, 'x'));
+  close_code_of(huge);
+  SocketPage pieces(port());
+  pieces.send_frame(1, std::string(2000, ' '), false);
+  pieces.send_frame(0, std::string(2000, ' '), false);
+  pieces.send_frame(0, std::string(2000, ' '), true);
+  const int code = close_code_of(pieces);
+  EXPECT_TRUE(code == 1009 || code == 0) << code;
+  expect_alive();
+}
+
+TEST_F(WebLimits, AMessageInPiecesIsUnderstood) {
+  start();
+  SocketPage page(port());
+  page.send_frame(1, R"({"type":"st)", false);
+  page.send_frame(0, R"(op"})", true);
+  EXPECT_TRUE(eventually([&] { return input().stop; }));
+}
+
+TEST_F(WebLimits, MalformedMessagesGetAnErrorAndChangeNothing) {
+  start();
+  SocketPage page(port());
+  for (const char* const text : {"", "x", "{\"type\":\"stop\"", "[]", "{\"type\":\"fly\"}"}) {
+    page.send_text(text);
+    const std::optional<std::string> answer = page.read_type("answer");
+    ASSERT_TRUE(answer.has_value());
+    EXPECT_NE(answer->find("\"ok\":false"), std::string::npos) << text;
+  }
+  EXPECT_FALSE(input().stop);
+  page.send_frame(2, "binary");
+  EXPECT_EQ(close_code_of(page), 1003);
+  expect_alive();
+}
+
+TEST_F(WebLimits, AFloodOfMessagesEndsTheConnection) {
+  start();
+  SocketPage page(port());
+  for (int i = 0; i < 2000; ++i) page.send_text(text_of("ping"));
+  const int code = close_code_of(page);
+  // The server may close before it has read all, which resets the connection.
+  EXPECT_TRUE(code == 1008 || code == 0) << code;
+  expect_alive();
+}
+
+TEST_F(WebLimits, ThereAreSixteenClients) {
+  start();
+  std::vector<std::unique_ptr<SocketPage>> pages;
+  for (std::size_t i = 0; i < kMaxClients; ++i) {
+    pages.push_back(std::make_unique<SocketPage>(port()));
+    ASSERT_EQ(pages.back()->read().opcode, 1) << i;
+  }
+  SocketPage surplus(port());
+  EXPECT_EQ(close_code_of(surplus), 1013);
+  pages.pop_back();
+  EXPECT_TRUE(eventually([&] { return SocketPage(port()).read().opcode == 1; })) << "a place is free again";
+}
+
+TEST_F(WebLimits, AClientThatNeverReadsIsDroppedAndOthersNoticeNothing) {
+  start();
+  SocketPage silent(port());
+  silent.send_text(text_of("watch", R"("state_hz":60,"picture":{"rate_hz":60})"));
+  // Without acknowledgments, at most two pictures are under way, and states fill the socket's memory.
+  SocketPage reader(port());
+  const std::uint64_t before = frames;
+  while (frames < before + 300) ASSERT_TRUE(reader.read_type("state").has_value());
+  EXPECT_LE(pictures_copied, 4U) << "pictures that nobody can take are not even copied";
+}
+
+TEST_F(WebLimits, DamagedRequestsEndTheirConnectionOnly) {
+  start();
+  for (const std::string& bytes : {std::string("\r\n\r\n"), std::string("GET\r\n\r\n"), std::string(8192, 'a'),
+                                   "GET / HTTP/1.1\r\nHost: " + std::string(8192, 'a') + "\r\n\r\n",
+                                   std::string("\0\xff\x16\x03\x01", 5), std::string("GET / HTTP/9.9\r\n\r\n")}) {
+    SocketClient client(port());
+    client.send(bytes);
+  }
+  // Half a request, left open.
+  const SocketClient half(port());
+  half.send("GET / HTTP/1.1\r\nHos");
+  expect_alive();
+}
+
+}  // namespace
+}  // namespace touchline::console

@@ -23,7 +23,7 @@ struct Client {
   const ClientNumber number;
   network::MessageLimit limit{kMaxMessagesPerSecond};
   LinkControl link;
-  Duration round_trip{};  // the shortest of the connection
+  std::uint64_t written = 0;  // bytes that it was sent
 
   // From the last `watch`; zero: nothing.
   Duration state_period{}, picture_period{};

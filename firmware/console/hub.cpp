@@ -123,7 +123,7 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant now
       watch(client, message, now);
       return {};
     case Kind::kSeen:
-      client.link.seen(message.number, now, client.round_trip);
+      client.link.seen(message.number);
       return {};
     case Kind::kPing:
       return {};
@@ -279,7 +279,8 @@ Outgoing Hub::picture_message(Client& client, Instant now) {
   put_little_endian(to, std::uint32_t{0});
   put_little_endian(to, pictures_.number());
   put_little_endian(to, static_cast<std::uint64_t>(captured_unix_s(*snapshot, unix_time_) * 1e6));
-  client.link.sent(pictures_.number(), jpeg.size(), now);
+  const std::uint64_t end = client.written + kPictureHeaderBytes + jpeg.size();
+  client.link.sent(pictures_.number(), jpeg.size(), end, now);
   return {{jpeg.data() - kPictureHeaderBytes, jpeg.size() + kPictureHeaderBytes}, true};
 }
 

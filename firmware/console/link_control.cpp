@@ -11,8 +11,8 @@ struct LadderStep {
 };
 constexpr std::array<LadderStep, 7> kLadder{{{1, 80}, {1, 60}, {1, 40}, {2, 60}, {2, 40}, {4, 50}, {4, 30}}};
 constexpr int kMaxDivisor = 8;
-// A larger picture is tried after one or two seconds without delay.
-constexpr int kGoodBeforeLarger = 20;
+// A larger picture is tried after half a second without delay.
+constexpr int kGoodBeforeLarger = 8;
 
 }  // namespace
 
@@ -25,25 +25,36 @@ PictureLevel LinkControl::level() const {
   return {std::min(divisor_ * kLadder[step_].factor, kMaxDivisor), kLadder[step_].quality};
 }
 
-void LinkControl::sent(std::uint64_t number, std::size_t bytes, Instant now) {
-  if (waiting_ < kMaxUnacknowledged) pictures_[waiting_++] = {number, bytes, now};
+void LinkControl::sent(std::uint64_t number, std::size_t bytes, std::uint64_t end, Instant now) {
+  if (waiting_ < kMaxUnacknowledged) numbers_[waiting_++] = number;
+  if (measured_ < on_the_way_.size()) on_the_way_[measured_++] = {bytes, end, now};
 }
 
-void LinkControl::seen(std::uint64_t number, Instant now, Duration round_trip) {
+void LinkControl::seen(std::uint64_t number) {
   std::size_t done = 0;
-  while (done < waiting_ && pictures_[done].number <= number) ++done;
-  if (done == 0) return;
-  measure(pictures_[done - 1], now - pictures_[done - 1].time, round_trip);
-  std::rotate(pictures_.begin(), pictures_.begin() + static_cast<std::ptrdiff_t>(done), pictures_.end());
+  while (done < waiting_ && numbers_[done] <= number) ++done;
+  std::rotate(numbers_.begin(), numbers_.begin() + static_cast<std::ptrdiff_t>(done), numbers_.end());
   waiting_ -= done;
 }
 
-void LinkControl::measure(const SentPicture& picture, Duration delay, Duration round_trip) {
-  delay_ = delay;
-  const Duration transfer = std::max<Duration>(delay - round_trip, std::chrono::microseconds(100));
-  const double rate = static_cast<double>(picture.bytes) / seconds(transfer);
+void LinkControl::delivered(std::uint64_t position, Instant now, Duration round_trip) {
+  std::size_t done = 0;
+  for (; done < measured_ && on_the_way_[done].end <= position; ++done) {
+    const OnTheWay& picture = on_the_way_[done];
+    // A picture that waited for the one before it took the link only afterwards.
+    const bool has_waited = picture.sent + round_trip < last_delivered_;
+    judge(has_waited ? now - last_delivered_ : now - picture.sent - round_trip, picture.bytes);
+    last_delivered_ = now;
+  }
+  std::rotate(on_the_way_.begin(), on_the_way_.begin() + static_cast<std::ptrdiff_t>(done), on_the_way_.end());
+  measured_ -= done;
+}
+
+void LinkControl::judge(Duration transfer, std::size_t bytes) {
+  const double rate =
+      static_cast<double>(bytes) / seconds(std::max<Duration>(transfer, std::chrono::microseconds(100)));
   throughput_ = throughput_ == 0.0 ? rate : 0.8 * throughput_ + 0.2 * rate;
-  // What does not arrive within a period queues up before the next picture.
+  // What takes longer than a period queues up before the next picture.
   if (transfer > period_) {
     good_in_sequence_ = 0;
     if (step_ + 1 < kLadder.size()) ++step_;

@@ -16,8 +16,9 @@ struct PictureLevel {
   friend bool operator==(const PictureLevel&, const PictureLevel&) = default;
 };
 
-/// Decides how large a client's pictures are, by the time that its acknowledgments take. At most two pictures are on
-/// their way: what waits in the buffers of a slow link would delay everything after it. No clock.
+/// Decides how large a client's pictures are and when the next one may be sent. At most two pictures are on their way:
+/// what waits in the buffers of a slow link would delay everything after it. A client that is slow to show them gets
+/// fewer pictures; a link that is slow to carry them gets smaller ones. No clock.
 class LinkControl {
  public:
   static constexpr std::size_t kMaxUnacknowledged = 2;
@@ -25,32 +26,38 @@ class LinkControl {
   /// `divisor`: of the largest picture that the client wants; `period`: between its pictures.
   void set(int divisor, Duration period);
   [[nodiscard]] bool may_send() const { return waiting_ < kMaxUnacknowledged; }
-  void sent(std::uint64_t number, std::size_t bytes, Instant now);
-  /// The client has received this picture, and with it all earlier ones. `round_trip`: time that the smallest message
-  /// and its answer take.
-  void seen(std::uint64_t number, Instant now, Duration round_trip);
+  /// `end`: position of the picture's last byte in everything that the client was sent.
+  void sent(std::uint64_t number, std::size_t bytes, std::uint64_t end, Instant now);
+  /// The client says that it has received this picture, and with it all earlier ones.
+  void seen(std::uint64_t number);
+  /// Whether pictures are on their way whose arrival nobody has reported with delivered().
+  [[nodiscard]] bool is_measuring() const { return measured_ > 0; }
+  /// The other computer has everything up to this position. `round_trip`: time that a small message and its answer
+  /// take.
+  void delivered(std::uint64_t position, Instant now, Duration round_trip);
   [[nodiscard]] PictureLevel level() const;
   /// Bytes per second of the last pictures; 0: not known.
   [[nodiscard]] double throughput() const { return throughput_; }
-  /// Time between a picture's sending and its acknowledgment, of the last one.
-  [[nodiscard]] Duration delay() const { return delay_; }
   [[nodiscard]] std::size_t unacknowledged() const { return waiting_; }
 
  private:
-  struct SentPicture {
-    std::uint64_t number = 0;
-    std::size_t bytes = 0;
-    Instant time{};
-  };
-  void measure(const SentPicture& picture, Duration delay, Duration round_trip);
+  void judge(Duration transfer, std::size_t bytes);
 
-  std::array<SentPicture, kMaxUnacknowledged> pictures_{};  // oldest first
+  std::array<std::uint64_t, kMaxUnacknowledged> numbers_{};  // of unacknowledged pictures, oldest first
   std::size_t waiting_ = 0;
   int divisor_ = 1;
   Duration period_ = std::chrono::milliseconds(67);
   std::size_t step_ = 0;      // of the ladder
-  int good_in_sequence_ = 0;  // pictures that arrived early
-  Duration delay_{};
+  int good_in_sequence_ = 0;  // deliveries that were fast
+  // On their way, oldest first. The client may say that it has seen them before their arrival is reported.
+  struct OnTheWay {
+    std::size_t bytes = 0;
+    std::uint64_t end = 0;
+    Instant sent{};
+  };
+  std::array<OnTheWay, 2 * kMaxUnacknowledged> on_the_way_{};
+  std::size_t measured_ = 0;
+  Instant last_delivered_{};
   double throughput_ = 0.0;
 };
 

@@ -147,6 +147,7 @@ void WebServer::Implementation::schedule(Duration in) {
 
 void WebServer::Implementation::tick() {
   const Instant now = hal::MonotonicClock::read();
+  measure_links(now);
   hub_.tick(now);
   for (auto& [connection, socket] : sockets_) {
     if (hub_.has_message(*socket.client, now)) ask_to_write(connection);

@@ -29,7 +29,8 @@ struct HttpRequest {
 /// A WebSocket.
 struct Socket {
   Client* client = nullptr;
-  std::string received;  // beginning of a message that has not arrived completely
+  std::uint64_t confirmed_before = 0;  // bytes that the other computer had confirmed before the first message
+  std::string received;                // beginning of a message that has not arrived completely
 };
 
 /// What libwebsockets calls. Connections are found by their handle.
@@ -80,6 +81,7 @@ class WebServer::Implementation {
   int accept_socket(lws* connection);
   int receive(lws* connection, std::string_view part);
   int write_socket(lws* connection);
+  void measure_links(Instant now);
   int end_socket(lws* connection, lws_close_status status, std::string_view reason);
 
   struct Timer {

@@ -1,5 +1,7 @@
+#include <linux/sockios.h>
 #include <linux/tcp.h>
 #include <netinet/in.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 #include "firmware/console/web_server_parts.h"
@@ -7,13 +9,20 @@
 namespace touchline::console {
 namespace {
 
-// The shortest time to the other side and back, as the kernel measured it.
-Duration round_trip_of(lws* connection) {
+// What the kernel knows about the link.
+struct Link {
+  Duration round_trip{};        // the shortest
+  std::uint64_t confirmed = 0;  // bytes that the other computer has; what the page does with them is another matter
+};
+Link link_of(lws* connection) {
   tcp_info information{};
   socklen_t size = sizeof(information);
   if (::getsockopt(lws_get_socket_fd(connection), IPPROTO_TCP, TCP_INFO, &information, &size) != 0) return {};
-  return std::chrono::microseconds(information.tcpi_min_rtt);
+  return {std::chrono::microseconds(information.tcpi_min_rtt), information.tcpi_bytes_acked};
 }
+
+// Of a message from the server (RFC 6455, section 5.2).
+std::size_t frame_header_bytes(std::size_t size) { return size < 126 ? 2 : size < 65536 ? 4 : 10; }
 
 }  // namespace
 
@@ -48,7 +57,10 @@ int WebServer::Implementation::accept_socket(lws* connection) {
     // "Try again later" (RFC 6455, registered as 1013).
     return end_socket(connection, static_cast<lws_close_status>(1013), "too many clients");
   }
-  sockets_[connection].client = client;
+  int waiting = 0;  // the answer of the handshake
+  ::ioctl(lws_get_socket_fd(connection), SIOCOUTQ, &waiting);
+  const std::uint64_t confirmed = link_of(connection).confirmed + static_cast<std::uint64_t>(waiting);
+  sockets_[connection] = {client, confirmed, {}};
   schedule(Duration::zero());
   return 0;
 }
@@ -76,13 +88,21 @@ int WebServer::Implementation::receive(lws* connection, std::string_view part) {
   const std::string text = std::move(socket.received);
   socket.received.clear();
   const Instant now = hal::MonotonicClock::read();
-  socket.client->round_trip = round_trip_of(connection);
   if (!hub_.receive(*socket.client, text, now)) {
     return end_socket(connection, LWS_CLOSE_STATUS_POLICY_VIOLATION, "too many messages");
   }
   // What the message asks for, and what it changes for the others.
   schedule(Duration::zero());
   return 0;
+}
+
+void WebServer::Implementation::measure_links(Instant now) {
+  for (const auto& [connection, socket] : sockets_) {
+    if (!socket.client->link.is_measuring()) continue;
+    const Link link = link_of(connection);
+    socket.client->link.delivered(link.confirmed - std::min(link.confirmed, socket.confirmed_before), now,
+                                  link.round_trip);
+  }
 }
 
 int WebServer::Implementation::write_socket(lws* connection) {
@@ -93,6 +113,7 @@ int WebServer::Implementation::write_socket(lws* connection) {
   const Outgoing message = hub_.next_message(client, now);
   if (!message.bytes.empty()) {
     auto* const bytes = reinterpret_cast<unsigned char*>(message.bytes.data());
+    client.written += message.bytes.size() + frame_header_bytes(message.bytes.size());
     if (lws_write(connection, bytes, message.bytes.size(), message.is_binary ? LWS_WRITE_BINARY : LWS_WRITE_TEXT) < 0) {
       return -1;
     }

@@ -16,28 +16,30 @@ struct Line {
     int arrived = 0;
     for (int i = 0; i < milliseconds; ++i, now += 1ms) {
       while (!on_the_way.empty() && on_the_way.front().seen <= now) {
-        link.seen(on_the_way.front().number, now, round_trip);
+        link.delivered(on_the_way.front().end, now, round_trip);
+        link.seen(on_the_way.front().number);
         on_the_way.erase(on_the_way.begin());
         ++arrived;
       }
+      if (!on_the_way.empty()) link.delivered(on_the_way.front().end - 1, now, round_trip);
       if (i % 66 != 0 || !link.may_send()) continue;
       const PictureLevel level = link.level();
       // Of the arena: 20 KB at a quality of 80.
       const auto bytes = static_cast<std::size_t>(20000.0 * (level.quality / 80.0) / (level.divisor * level.divisor));
-      link.sent(++number, bytes, now);
+      link.sent(++number, bytes, end += bytes, now);
       free = std::max(free, now) + from_seconds(static_cast<double>(bytes) / bytes_per_s);
-      on_the_way.push_back({number, free + round_trip});
+      on_the_way.push_back({number, end, free + round_trip});
     }
     return arrived;
   }
 
   struct OnTheWay {
-    std::uint64_t number;
+    std::uint64_t number, end;
     Instant seen;
   };
   Instant now = kStart, free = kStart;
   std::vector<OnTheWay> on_the_way;
-  std::uint64_t number = 0;
+  std::uint64_t number = 0, end = 0;
 };
 
 TEST(LinkControl, AFastLinkGetsTheBestPicture) {
@@ -72,20 +74,33 @@ TEST(LinkControl, ASlowLinkGetsSmallerPicturesUntilTheyArriveInTimeAndLargerOnes
   EXPECT_EQ(link.level(), (PictureLevel{1, 80}));
 }
 
+TEST(LinkControl, APageThatIsSlowToShowPicturesGetsFewerButNotSmallerOnes) {
+  LinkControl link;
+  link.set(1, 66ms);
+  for (std::uint64_t number = 1; number < 40; ++number) {
+    const Instant now = kStart + 1s * number;
+    link.sent(number, 20000, 20000 * number, now);
+    link.delivered(20000 * number, now + 2ms, 1ms);
+    if (number > 1) link.seen(number - 1);
+    link.seen(number);
+  }
+  EXPECT_EQ(link.level(), (PictureLevel{1, 80}));
+}
+
 TEST(LinkControl, AtMostTwoPicturesAreOnTheirWay) {
   LinkControl link;
-  link.sent(1, 1000, kStart);
+  link.sent(1, 1000, 1000, kStart);
   EXPECT_TRUE(link.may_send());
-  link.sent(5, 1000, kStart);
+  link.sent(5, 1000, 2000, kStart);
   EXPECT_FALSE(link.may_send());
-  link.seen(0, kStart, {});
+  link.seen(0);
   EXPECT_FALSE(link.may_send()) << "an older one";
-  link.seen(1, kStart + 1ms, {});
+  link.seen(1);
   EXPECT_TRUE(link.may_send());
-  link.sent(7, 1000, kStart);
-  link.seen(7, kStart + 2ms, {});
+  link.sent(7, 1000, 3000, kStart);
+  link.seen(7);
   EXPECT_EQ(link.unacknowledged(), 0U) << "the later one includes the earlier one";
-  link.seen(99, kStart + 3ms, {});
+  link.seen(99);
   EXPECT_EQ(link.unacknowledged(), 0U);
 }
 

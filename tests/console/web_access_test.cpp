@@ -83,7 +83,7 @@ TEST_F(WebAccess, WithoutAPageTheServerSaysHowToBuildIt) {
   start();
   const HttpAnswer answer = get(port(), "/");
   EXPECT_EQ(answer.status, 200);
-  EXPECT_NE(answer.body.find("npm run build"), std::string::npos);
+  EXPECT_NE(answer.body.find("tools/console"), std::string::npos);
 }
 
 TEST_F(WebAccess, FilesOfThePageAreServedAndNothingElse) {

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <string>
 
+#include "tests/benchmark/clutter_step.h"
 #include "tests/benchmark/measurement.h"
 #include "tests/benchmark/mjpg_benchmark.h"
 #include "tests/benchmark/step_benchmark.h"
@@ -13,7 +14,7 @@ namespace {
 constexpr char kProgram[] = "touchline-bench";
 
 struct Options {
-  std::string filter, json, once;
+  std::string filter, json, once, search_of = "all";
   std::size_t repetitions = 500;
   double search_s = 0.0;
   unsigned seed = 1;
@@ -29,8 +30,13 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--filter", options.filter, "Measure only the frames whose names contain this text");
   app.add_option("--json", options.json, "Write all times into this file");
   app.add_flag("--check", options.check, "Check the results without measuring");
-  app.add_option("--search", options.search_s, "Search for the slowest picture for this many seconds and print it")
+  app.add_option("--search", options.search_s,
+                 "Search for the slowest pictures and print them, each of --of for this many seconds")
       ->check(number_range(1.0, 100000.0));
+  app.add_option("--of", options.search_of,
+                 "What --search makes slow: the scan, the whole step, the step with more robots")
+      ->check(CLI::IsMember({"all", "scan", "step", "large-step"}))
+      ->capture_default_str();
   app.add_option("--seed", options.seed, "Random seed of the search")->check(CLI::Range(1, 100000));
   app.add_flag("--list", options.list, "List the names that --once accepts");
   app.add_option("--once", options.once, "Call one method once, for a profiler that counts in `counted_call`")
@@ -47,7 +53,19 @@ Result<void> add_cases(BenchmarkCases& cases, const std::string& filter) {
       return prefixed(benchmark->name, std::move(added).error());
     }
   }
+  TOUCHLINE_TRY(add_clutter_cases(cases, filter));
   return add_mjpg_cases(cases, filter);
+}
+
+int search(const Options& options) {
+  const auto wanted = [&](const char* what) { return options.search_of == "all" || options.search_of == what; };
+  if (wanted("scan")) search_slowest_picture(options.search_s, options.seed);
+  for (const auto& [what, teams] : {std::pair{"step", ClutterTeams::kMock}, {"large-step", ClutterTeams::kLargest}}) {
+    if (!wanted(what)) continue;
+    const Result<void> searched = search_slowest_step(options.search_s, options.seed, teams);
+    if (!searched.ok()) return fail(kProgram, searched.text());
+  }
+  return kExitOk;
 }
 
 int call_once(const Options& options) {
@@ -89,10 +107,7 @@ int run(int argc, char** argv) {
   if (const auto exit_code = parse_arguments(app, argc, argv)) return *exit_code;
   if (options.quick) options.repetitions = 50;
   if (!options.once.empty()) return call_once(options);
-  if (options.search_s > 0.0) {
-    search_slowest_picture(options.search_s, options.seed);
-    return kExitOk;
-  }
+  if (options.search_s > 0.0) return search(options);
 
   BenchmarkCases cases;
   if (const Result<void> added = add_cases(cases, options.filter); !added.ok()) return fail(kProgram, added.text());

@@ -1,9 +1,8 @@
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <random>
 
+#include "tests/benchmark/hill_climb.h"
 #include "tests/benchmark/measurement.h"
 #include "tests/region/patterns.h"
 #include "tests/region/tile_recipe.h"
@@ -12,8 +11,6 @@ namespace touchline::testing {
 namespace {
 
 constexpr int kLargestTile = 24;
-// After this many pictures without an improvement, the search restarts from a random picture.
-constexpr int kRestartAfter = 150;
 
 std::string random_cells(std::mt19937& random, int count) {
   std::string cells;
@@ -146,27 +143,10 @@ class Stopwatch {
 void search_slowest_picture(double seconds, unsigned seed) {
   std::mt19937 random(seed);
   Stopwatch stopwatch;
-  const bool is_terminal = isatty(STDERR_FILENO) != 0;
-  const double begin = cpu_time_us();
-  Found best;
   std::size_t pictures = 0;
-  while (cpu_time_us() - begin < seconds * 1e6) {
-    Found here = stopwatch.evaluate(random_recipe(random), 7);
-    for (int since = 0; since < kRestartAfter && cpu_time_us() - begin < seconds * 1e6; ++since, ++pictures) {
-      Found next = stopwatch.evaluate(changed(here.recipe, random), 7);
-      // Measures a new maximum again with more calls, so that a single disturbance cannot win.
-      if (next.times_a_field > here.times_a_field) next = stopwatch.evaluate(next.recipe, 25);
-      if (next.times_a_field <= here.times_a_field) continue;
-      if (next.times_a_field > here.times_a_field * 1.01) since = 0;
-      here = next;
-    }
-    if (here.times_a_field > best.times_a_field) best = here;
-    if (is_terminal) {
-      std::fprintf(stderr, "\r%4.0f of %.0f s, %zu pictures, slowest %.2f times a field ",
-                   (cpu_time_us() - begin) * 1e-6, seconds, pictures, best.times_a_field);
-    }
-  }
-  if (is_terminal) std::fprintf(stderr, "\r%60s\r", "");
+  const Found best = climb<Found>(
+      seconds, [&] { return random_recipe(random); }, [&](const TileRecipe& recipe) { return changed(recipe, random); },
+      [&](const TileRecipe& recipe, int calls) { return stopwatch.evaluate(recipe, calls); }, pictures);
   std::printf("slowest of %zu pictures: %.2f times a field, %.1f microseconds of CPU, %s, minimum area %u\n%s\n",
               pictures, best.times_a_field, best.time_us, best.kernel, best.min_area_px, text_of(best.recipe).c_str());
 }

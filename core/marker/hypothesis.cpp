@@ -57,6 +57,8 @@ class Search {
 
   bool run(Hypotheses& out) {
     find_neighbors();
+    if (neighbors_.empty()) return true;
+    find_rivals();
     for (std::size_t r = 0; r < marking_.robots.size(); ++r) {
       robot_ = static_cast<std::int8_t>(r);
       fill_slot(0);
@@ -176,7 +178,7 @@ class Search {
       return;
     }
     h.fit = fit_rigidly({points.data(), points.size()});
-    if (h.fit.residual_m > gate_m_ || is_contradicted(h.fit.pose)) return;
+    if (h.fit.residual_m > gate_m_ || is_contradicted(RobotFrame(h.fit.pose))) return;
     h.precise = h.fit.residual_m <= precise_gate_m(patch_.scale_px_per_m);
     const float sigma = sigma_m(patch_.scale_px_per_m);
     const float n = static_cast<float>(points.size());
@@ -201,7 +203,7 @@ class Search {
   }
 
   // True if another color has nearly the same area at the place of a dull patch.
-  bool is_contradicted(const Pose& pose) const {
+  bool is_contradicted(const RobotFrame& to_robot) const {
     for (std::size_t s = 0; s < slots_; ++s) {
       if (set_[s] == kMissing || !patches_.identification[set_[s]].is_partly_visible) continue;
       const PatchCandidate& dull = patches_.identification[set_[s]];
@@ -211,7 +213,7 @@ class Search {
         const PatchCandidate& other = patches_.identification[i];
         if (other.color == dull.color || other.area_px < kRivalArea * dull.area_px) continue;
         if (std::find(set_.begin(), set_.end(), i) != set_.end()) continue;
-        if (distance_m(to_robot_frame(pose, other.at[team_]), place) < reach) return true;
+        if (distance_m(to_robot(other.at[team_]), place) < reach) return true;
       }
     }
     return false;
@@ -268,13 +270,23 @@ class Search {
                           std::numbers::pi_v<float>);
   }
 
-  int foreign_team_patches(const Pose& pose) const {
-    int count = 0;
+  // Team patches that may be on the top of a robot with this team patch: no farther than its diagonal and the errors of
+  // its patches.
+  void find_rivals() {
+    const float reach = 2 * layout_.robot_side_m + 4 * gate_m_;
     for (std::size_t i = 0; i < patches_.team.size(); ++i) {
-      if (i == index_ || patches_.team[i].patch.ratio < 0.5f) continue;
-      count += on_robot(layout_, to_robot_frame(pose, patches_.team[i].patch.at[team_]), kForeignPatchInset_m) ? 1 : 0;
+      const PatchCandidate& other = patches_.team[i].patch;
+      if (i == index_ || other.ratio < 0.5f || distance_m(other.at[team_], patch_.at[team_]) > reach) continue;
+      rivals_.push_back(other.at[team_]);
     }
-    return count;
+  }
+
+  int foreign_team_patches(const Pose& pose) const {
+    if (rivals_.empty()) return 0;
+    const RobotFrame to_robot(pose);
+    return static_cast<int>(std::count_if(rivals_.begin(), rivals_.end(), [&](FieldPoint rival) {
+      return on_robot(layout_, to_robot(rival), kForeignPatchInset_m);
+    }));
   }
 
   const PatchLists& patches_;
@@ -287,6 +299,7 @@ class Search {
   float gate_m_;
   std::array<DistanceWindow, kMaxPatches> window_{};
   FixedVector<Neighbor, kMaxNeighbors> neighbors_;
+  FixedVector<FieldPoint, kMaxTeamPatches> rivals_;
   std::array<std::uint16_t, kMaxPatches - 1> set_{};
   std::int8_t robot_ = -1;
   int sets_ = 0, steps_ = 0;

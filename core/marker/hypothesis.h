@@ -10,6 +10,10 @@
 
 namespace touchline {
 
+constexpr std::size_t kMaxTeamPatches = 64;
+// 22 robots with two identification patches have 44. The rest is for fragments, noise and layouts with more patches.
+constexpr std::size_t kMaxIdentification = 256;
+
 /// A team patch and its team.
 struct TeamPatch {
   PatchCandidate patch;

@@ -16,14 +16,6 @@ constexpr int kNodesForAlternatives = 40000;
 // Smaller differences of pose do not matter to the controller.
 constexpr float kNegligibleDistance_m = 0.01f, kNegligibleTurn_rad = 0.2f;
 
-bool share_a_patch(const Hypothesis& a, const Hypothesis& b) {
-  for (const std::uint16_t i : a.identification) {
-    if (i == kMissing) continue;
-    if (std::find(b.identification.begin(), b.identification.end(), i) != b.identification.end()) return true;
-  }
-  return false;
-}
-
 bool same_identity(const Hypothesis& a, const Hypothesis& b) {
   return a.team_patch == b.team_patch && a.robot == b.robot;
 }
@@ -35,36 +27,51 @@ bool has_same_pose(const Hypothesis& a, const Hypothesis& b) {
 
 }  // namespace
 
-bool Selector::conflict(const Hypothesis& a, const Hypothesis& b) const {
-  if (a.team_patch == b.team_patch || share_a_patch(a, b)) return true;
-  if (a.team == b.team && a.robot >= 0 && a.robot == b.robot) return true;
-  const float side =
-      0.5f * (robot_side_m_[static_cast<std::size_t>(a.team)] + robot_side_m_[static_cast<std::size_t>(b.team)]);
-  return distance_m(a.fit.pose.position, b.fit.pose.position) < kMinRobotDistance * side;
-}
-
+// Two hypotheses conflict if they have the same team patch, share another patch, have the same name, or overlap.
 void Selector::find_conflicts() {
-  for (std::size_t i = 0; i < hypotheses_.size(); ++i) conflicts_[i].reset();
+  with_patch_.fill({});
+  with_name_.fill({});
+  float largest_side = 0;
+  for (const float side : robot_side_m_) largest_side = std::max(largest_side, side);
+  // Slightly larger than needed, so that rounding decides nothing.
+  const float far = 1.01f * kMinRobotDistance * largest_side;
   for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      if (!conflict(hypotheses_[i], hypotheses_[j])) continue;
-      conflicts_[i][j] = true;
-      conflicts_[j][i] = true;
+    const Hypothesis& h = hypotheses_[i];
+    Set& conflicts = conflicts_[i];
+    conflicts = {};
+    for (std::size_t j = options_[h.team_patch].begin; j < i; ++j) conflicts.insert(j);
+    for (const std::uint16_t patch : h.identification) {
+      if (patch == kMissing) continue;
+      conflicts.insert(with_patch_[patch]);
+      with_patch_[patch].insert(i);
     }
+    const std::size_t team = index_of(h.team);
+    if (h.robot >= 0) {
+      Set& with_name = with_name_[team][static_cast<std::size_t>(h.robot)];
+      conflicts.insert(with_name);
+      with_name.insert(i);
+    }
+    const FieldPoint at = h.fit.pose.position;
+    for (std::size_t j = 0; j < options_[h.team_patch].begin; ++j) {
+      const FieldPoint other = hypotheses_[j].fit.pose.position;
+      if (std::abs(at.x_m - other.x_m) > far || std::abs(at.y_m - other.y_m) > far) continue;
+      const float side = 0.5f * (robot_side_m_[team] + robot_side_m_[index_of(hypotheses_[j].team)]);
+      if (distance_m(at, other) < kMinRobotDistance * side) conflicts.insert(j);
+    }
+    conflicts.for_each_below(i, [&](std::size_t j) { conflicts_[j].insert(i); });
   }
 }
 
 void Selector::form_groups(std::size_t team_patches) {
   std::iota(group_of_.begin(), group_of_.end(), std::uint16_t{0});
   for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      if (!conflicts_[i][j]) continue;
+    conflicts_[i].for_each_below(options_[hypotheses_[i].team_patch].begin, [&](std::size_t j) {
       const std::uint16_t a = group_of_[hypotheses_[i].team_patch], b = group_of_[hypotheses_[j].team_patch];
-      if (a == b) continue;
+      if (a == b) return;
       for (std::size_t p = 0; p < team_patches; ++p) {
         if (group_of_[p] == b) group_of_[p] = a;
       }
-    }
+    });
   }
 }
 
@@ -80,9 +87,9 @@ void Selector::search(const Group& group, std::size_t depth, const Set& excluded
   }
   const Options& options = options_[group[depth]];
   for (std::uint16_t h = options.begin; h < options.end; ++h) {
-    if (excluded[h]) continue;
+    if (excluded.contains(h)) continue;
     path_[depth] = h;
-    search(group, depth + 1, excluded | conflicts_[h], value + hypotheses_[h].value);
+    search(group, depth + 1, excluded.with(conflicts_[h]), value + hypotheses_[h].value);
   }
   path_[depth] = kNone;
   search(group, depth + 1, excluded, value);
@@ -120,8 +127,8 @@ void Selector::choose_within(const Group& group, Selection& out) {
     const Hypothesis& mine = hypotheses_[chosen[d]];
     Set same_name, same_place;
     for (std::uint16_t h = options_[group[d]].begin; h < options_[group[d]].end; ++h) {
-      same_name[h] = same_identity(mine, hypotheses_[h]);
-      same_place[h] = has_same_pose(mine, hypotheses_[h]);
+      if (same_identity(mine, hypotheses_[h])) same_name.insert(h);
+      if (has_same_pose(mine, hypotheses_[h])) same_place.insert(h);
     }
     Chosen choice{chosen[d], false, false};
     choice.id_is_sure = exact && mine.robot >= 0 && !alternative(group, same_name, floor);

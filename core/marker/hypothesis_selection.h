@@ -1,7 +1,8 @@
 #pragma once
 
 #include <array>
-#include <bitset>
+#include <bit>
+#include <cstdint>
 #include <span>
 
 #include "core/marker/hypothesis.h"
@@ -15,8 +16,36 @@ struct Chosen {
   bool pose_is_sure = false;  // all explanations with another pose are far less likely
 };
 
-constexpr std::size_t kMaxTeamPatches = 64;
 using Selection = FixedVector<Chosen, kMaxTeamPatches>;
+
+/// A set of hypotheses by their numbers.
+class HypothesisSet {
+ public:
+  [[nodiscard]] bool contains(std::size_t number) const { return (words_[number / 64] >> (number % 64) & 1u) != 0; }
+  void insert(std::size_t number) { words_[number / 64] |= std::uint64_t{1} << (number % 64); }
+  void insert(const HypothesisSet& other) {
+    for (std::size_t i = 0; i < words_.size(); ++i) words_[i] |= other.words_[i];
+  }
+  [[nodiscard]] HypothesisSet with(const HypothesisSet& other) const {
+    HypothesisSet both = *this;
+    both.insert(other);
+    return both;
+  }
+  /// Calls `visit` with each number below `end`, in ascending order.
+  template <class Visit>
+  void for_each_below(std::size_t end, Visit visit) const {
+    for (std::size_t i = 0; 64 * i < end; ++i) {
+      for (std::uint64_t word = words_[i]; word != 0; word &= word - 1) {
+        const std::size_t number = 64 * i + static_cast<std::size_t>(std::countr_zero(word));
+        if (number >= end) return;
+        visit(number);
+      }
+    }
+  }
+
+ private:
+  std::array<std::uint64_t, kMaxHypotheses / 64> words_{};
+};
 
 /// Selects the most likely set of hypotheses in which no patch is used twice, no robot occurs twice, and no two robots
 /// overlap.
@@ -33,14 +62,13 @@ class Selector {
               Selection& out);
 
  private:
-  using Set = std::bitset<kMaxHypotheses>;
+  using Set = HypothesisSet;
   struct Options {
     std::uint16_t begin = 0, end = 0;  // range of the hypotheses of a team patch, best first
   };
   using Group = FixedVector<std::uint16_t, kMaxTeamPatches>;  // team patches
 
   void find_conflicts();
-  [[nodiscard]] bool conflict(const Hypothesis& a, const Hypothesis& b) const;
   void form_groups(std::size_t team_patches);
   void choose_within(const Group& group, Selection& out);
   void search(const Group& group, std::size_t depth, const Set& excluded, float value);
@@ -49,6 +77,9 @@ class Selector {
   std::span<const Hypothesis> hypotheses_;
   std::array<float, 2> robot_side_m_{};
   std::array<Set, kMaxHypotheses> conflicts_;
+  // Hypotheses that use a patch or have the name of a robot; state of find_conflicts().
+  std::array<Set, kMaxIdentification> with_patch_;
+  std::array<std::array<Set, kMaxRobotsPerTeam>, 2> with_name_;
   std::array<Options, kMaxTeamPatches> options_{};
   std::array<std::uint16_t, kMaxTeamPatches> group_of_{};
   // State of the search.

@@ -55,8 +55,6 @@ class Matcher {
   void match(const Runs& runs, const Regions& regions, Sightings& out) { match(nullptr, {}, {}, runs, regions, out); }
 
  private:
-  // 22 robots with two identification patches have 44. The rest is for fragments, noise and layouts with more patches.
-  static constexpr std::size_t kMaxIdentification = 256;
   using Numbers = FixedVector<std::uint16_t, kMaxPatchesPerColor>;
 
   Status collect_kinds();

@@ -29,6 +29,34 @@ std::size_t nearest(const RegionParts& parts, float u, float v) {
   return best;
 }
 
+// Assigns `count` pixels of a row, `step` apart from `u` on, to their nearest parts. The pixels of a row that are
+// nearest to the same part are adjacent, so pixels between two of the same part need no look.
+void assign_row(const RegionParts& parts, std::uint32_t u, std::uint32_t row, std::uint32_t step, std::uint32_t count,
+                std::array<Cluster, kMaxParts>& clusters) {
+  const auto part_of = [&](std::uint32_t i) {
+    return nearest(parts, static_cast<float>(u + i * step), static_cast<float>(row));
+  };
+  const std::size_t last_part = part_of(count - 1);
+  for (std::uint32_t i = 0; i < count;) {
+    const std::size_t part = part_of(i);
+    std::uint32_t end = count;
+    if (part != last_part) {
+      std::uint32_t same = i, other = count - 1;
+      while (other - same > 1) {
+        const std::uint32_t middle = (same + other) / 2;
+        (part_of(middle) == part ? same : other) = middle;
+      }
+      end = other;
+    }
+    const double n = end - i;
+    Cluster& cluster = clusters[part];
+    cluster.sum_u += n * (u + 0.5 * step * (i + end - 1));
+    cluster.sum_v += n * row;
+    cluster.count += n;
+    i = end;
+  }
+}
+
 // Assigns every step-th pixel of the region to its nearest part.
 std::array<Cluster, kMaxParts> assign(const Runs& runs, const Region& region, const RegionParts& parts,
                                       std::uint32_t step) {
@@ -36,14 +64,10 @@ std::array<Cluster, kMaxParts> assign(const Runs& runs, const Region& region, co
   std::uint32_t skip = step / 2;
   for (std::uint32_t r = region.first_run; r < runs.size(); r = runs[r].next) {
     const Run& run = runs[r];
-    std::uint32_t u = run.begin + skip;
-    for (; u < run.end; u += step) {
-      Cluster& cluster = clusters[nearest(parts, static_cast<float>(u), static_cast<float>(run.row))];
-      cluster.sum_u += u;
-      cluster.sum_v += run.row;
-      cluster.count += 1;
-    }
-    skip = u - run.end;
+    const std::uint32_t length = run.end - run.begin;
+    const std::uint32_t count = length > skip ? (length - skip + step - 1) / step : 0;
+    if (count > 0) assign_row(parts, run.begin + skip, run.row, step, count, clusters);
+    skip = skip + count * step - length;
   }
   return clusters;
 }

@@ -11,11 +11,8 @@ float distance_m(FieldPoint a, FieldPoint b) {
   return std::sqrt(x * x + y * y);
 }
 
-FieldPoint to_robot_frame(const Pose& pose, FieldPoint point) {
-  const float c = std::cos(pose.theta_rad), s = std::sin(pose.theta_rad);
-  const float x = point.x_m - pose.position.x_m, y = point.y_m - pose.position.y_m;
-  return {c * x + s * y, c * y - s * x};
-}
+RobotFrame::RobotFrame(const Pose& pose)
+    : origin_(pose.position), c_(std::cos(pose.theta_rad)), s_(std::sin(pose.theta_rad)) {}
 
 RigidFit fit_rigidly(std::span<const Correspondence> points) {
   const float n = static_cast<float>(points.size());
@@ -40,8 +37,8 @@ RigidFit fit_rigidly(std::span<const Correspondence> points) {
   fit.pose.position = {seen.x_m - (c * place.x_m - s * place.y_m), seen.y_m - (s * place.x_m + c * place.y_m)};
   float squares = 0;
   for (const Correspondence& p : points) {
-    const FieldPoint back = to_robot_frame(fit.pose, p.seen);
-    const float ex = back.x_m - p.place.x_m, ey = back.y_m - p.place.y_m;
+    const float x = p.seen.x_m - fit.pose.position.x_m, y = p.seen.y_m - fit.pose.position.y_m;
+    const float ex = c * x + s * y - p.place.x_m, ey = c * y - s * x - p.place.y_m;
     squares += ex * ex + ey * ey;
   }
   fit.residual_m = std::sqrt(squares / n);

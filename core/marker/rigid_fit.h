@@ -30,8 +30,20 @@ struct PointCovariance {
 PoseCovariance rigid_fit_noise(std::span<const FieldPoint> places, std::span<const PointCovariance> errors,
                                float theta_rad);
 
-/// Transforms a point of the field to the robot's frame.
-FieldPoint to_robot_frame(const Pose& pose, FieldPoint point);
+/// Transforms points of the field to a robot's frame.
+class RobotFrame {
+ public:
+  explicit RobotFrame(const Pose& pose);
+  FieldPoint operator()(FieldPoint point) const {
+    const float x = point.x_m - origin_.x_m, y = point.y_m - origin_.y_m;
+    return {c_ * x + s_ * y, c_ * y - s_ * x};
+  }
+
+ private:
+  FieldPoint origin_;
+  float c_, s_;
+};
+inline FieldPoint to_robot_frame(const Pose& pose, FieldPoint point) { return RobotFrame(pose)(point); }
 
 float distance_m(FieldPoint a, FieldPoint b);
 

@@ -27,10 +27,10 @@ constexpr float kMinDullRatio = 0.16f, kRivalArea = 0.5f;
 constexpr float kAxisSigma = 0.1f, kAxisGate = 0.7f;
 // Within the window of a team patch there are at most the identification patches of four robots, two each, and noise.
 constexpr std::size_t kMaxNeighbors = 16;
-// Two slots with 8 neighbors have 81 sets, including all subsets. More sets occur only if nothing can be distinguished.
-constexpr int kMaxSets = 400;
-// This bound includes incomplete sets: five slots and 16 neighbors could have a million.
-constexpr int kMaxSteps = 2000;
+// A bound is this much weaker than computed, for rounding.
+constexpr float kRounding = 1.01f;
+// Work in units of one test of a neighbor: the evaluation of a set of patches.
+constexpr int kEvaluationWork = 30;
 // Only the best hypotheses of a team patch can be selected.
 constexpr std::size_t kMaxPerTeamPatch = 16;
 
@@ -41,7 +41,7 @@ FieldPoint place_of(const PatchPlace& place) { return {place.x_m, place.y_m}; }
 // Searches the hypotheses of one team patch: depth-first over the slots of identification patches.
 class Search {
  public:
-  Search(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index)
+  Search(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index, int work)
       : patches_(patches),
         index_(index),
         patch_(patches.team[index].patch),
@@ -50,11 +50,13 @@ class Search {
         others_(teams[1 - team_]),
         layout_(marking_.layout),
         slots_(layout_.patches.size() - 1),
-        gate_m_(residual_gate_m(patch_.scale_px_per_m)) {
+        gate_m_(residual_gate_m(patch_.scale_px_per_m)),
+        work_left_(work) {
     for (std::size_t s = 0; s < slots_; ++s) window_[s] = window_of(layout_, s);
     set_.fill(kMissing);
   }
 
+  [[nodiscard]] int work_left() const { return work_left_; }
   bool run(Hypotheses& out) {
     find_neighbors();
     if (neighbors_.empty()) return true;
@@ -65,9 +67,14 @@ class Search {
     }
     robot_ = -1;
     // A partly visible team patch with an incomplete set is too little evidence.
-    if (!patch_.is_partly_visible) fill_slot(0);
-    std::sort(found_.begin(), found_.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.value > b.value; });
-    for (std::size_t i = 0; i < found_.size() && i < kMaxPerTeamPatch; ++i) out.push_back(found_[i]);
+    for (std::size_t missing = 0; missing < slots_ && !patch_.is_partly_visible; ++missing) {
+      // More patches are always better.
+      const float most = kPatchReward * static_cast<float>(slots_ - missing);
+      if (found_.full() && most <= found_.back().value) break;
+      missing_ = missing_left_ = missing;
+      fill_slot(0);
+    }
+    for (const Hypothesis& h : found_) out.push_back(h);
     return complete_ && !exhausted_;
   }
 
@@ -105,23 +112,33 @@ class Search {
     return slots_ > 1 && !patch_.is_partly_visible && patch.ratio >= kMinDullRatio;
   }
 
-  // Fills the slots one after the other with every possible neighbor. For a known robot (robot_ >= 0), all patches must
-  // be present. Incomplete sets, and sets whose colors belong to no robot, are searched with robot_ < 0.
+  // Fills the slots one after the other with every possible neighbor, but leaves `missing_left_` of them empty. For a
+  // known robot (robot_ >= 0), all patches must be present. Incomplete sets, and sets whose colors belong to no robot,
+  // are searched with robot_ < 0.
   void fill_slot(std::size_t slot) {
-    if (steps_++ >= kMaxSteps) exhausted_ = true;
+    if (work_left_ <= 0) exhausted_ = true;
     if (exhausted_) return;
     if (slot == slots_) {
       evaluate();
       return;
     }
-    for (const Neighbor& neighbor : neighbors_) {
+    const std::size_t candidates = slot + missing_left_ < slots_ ? neighbors_.size() : 0;
+    work_left_ -= static_cast<int>(candidates);
+    for (std::size_t i = 0; i < candidates; ++i) {
+      const Neighbor& neighbor = neighbors_[i];
       if (!is_possible(slot, neighbor)) continue;
+      spread_m2_[slot + 1] = spread_m2_[slot] + added_spread_m2(slot, neighbor);
+      if (cannot_be_kept(spread_m2_[slot + 1])) continue;
       set_[slot] = neighbor.number;
       fill_slot(slot + 1);
       if (exhausted_) return;
     }
     set_[slot] = kMissing;
-    if (robot_ < 0 && slots_ > 1) fill_slot(slot + 1);
+    spread_m2_[slot + 1] = spread_m2_[slot];
+    if (missing_left_ == 0) return;
+    --missing_left_;
+    fill_slot(slot + 1);
+    ++missing_left_;
   }
 
   bool is_possible(std::size_t slot, const Neighbor& neighbor) const {
@@ -156,10 +173,7 @@ class Search {
 
   void evaluate() {
     if (robot_ < 0 && is_of_a_known_robot()) return;
-    if (found_.full() || sets_++ >= kMaxSets) {
-      exhausted_ = true;
-      return;
-    }
+    work_left_ -= kEvaluationWork;
     Hypothesis h;
     FixedVector<Correspondence, kMaxPatches> points;
     points.push_back({place_of(layout_.patches[0]), patch_.at[team_]});
@@ -190,7 +204,45 @@ class Search {
       if (std::abs(error) > kAxisGate) return;
       h.value -= 0.5f * error * error / (kAxisSigma * kAxisSigma);
     }
-    if (h.value > 0.0f) found_.push_back(h);
+    if (h.value > 0.0f) keep(h);
+  }
+
+  // Squared differences between the distances of the neighbor from the patches before it, and those of the layout.
+  float added_spread_m2(std::size_t slot, const Neighbor& neighbor) const {
+    const auto squared = [](float x) { return x * x; };
+    const FieldPoint place = place_of(layout_.patches[slot + 1]),
+                     at = patches_.identification[neighbor.number].at[team_];
+    float sum = squared(neighbor.distance_m - distance_m(place_of(layout_.patches[0]), place));
+    for (std::size_t s = 0; s < slot; ++s) {
+      if (set_[s] == kMissing) continue;
+      const float seen = distance_m(patches_.identification[set_[s]].at[team_], at);
+      sum += squared(seen - distance_m(place_of(layout_.patches[s + 1]), place));
+    }
+    return sum;
+  }
+
+  // True if no set with this spread or more can fit well enough, or be among the best ones. The difference of two
+  // distances is at most that of the two points' errors in the fit, and the squared differences of all pairs of n
+  // errors have the sum n times that of their squares. So the residual is at least sqrt(spread) / n.
+  bool cannot_be_kept(float spread_m2) const {
+    if (patch_.is_partly_visible) return false;
+    const float n = static_cast<float>(slots_ + 1 - missing_);
+    if (spread_m2 > kRounding * n * n * gate_m_ * gate_m_) return true;
+    const float sigma = sigma_m(patch_.scale_px_per_m);
+    const float most = kPatchReward * (n - 1) + (robot_ >= 0 ? kIdentityReward : 0.0f);
+    const float value = most - 0.5f * spread_m2 / (kRounding * n * sigma * sigma);
+    return value < 0 || (found_.full() && value < found_.back().value);
+  }
+
+  // Keeps the best ones, best first; of equal ones those that were found first.
+  void keep(const Hypothesis& h) {
+    if (found_.full()) {
+      if (h.value <= found_.back().value) return;
+      found_.pop_back();
+    }
+    found_.push_back(h);
+    const auto better = [](const Hypothesis& a, const Hypothesis& b) { return a.value > b.value; };
+    std::rotate(std::upper_bound(found_.begin(), found_.end() - 1, h, better), found_.end() - 1, found_.end());
   }
 
   float reward() const {
@@ -242,7 +294,7 @@ class Search {
     h.precise = true;
     h.value = kPartlyVisibleReward * kPatchReward * static_cast<float>(h.seen) -
               kForeignPatchPenalty * static_cast<float>(foreign_team_patches(h.fit.pose));
-    if (h.value > 0.0f) found_.push_back(h);
+    if (h.value > 0.0f) keep(h);
   }
 
   // True if no robot of the other team has the same colors.
@@ -302,10 +354,13 @@ class Search {
   FixedVector<FieldPoint, kMaxTeamPatches> rivals_;
   std::array<std::uint16_t, kMaxPatches - 1> set_{};
   std::int8_t robot_ = -1;
-  int sets_ = 0, steps_ = 0;
+  std::size_t missing_ = 0, missing_left_ = 0;  // empty slots: in the whole set, and from the next slot on
+  // By slot: squared differences of distances between the patches of the slots before it and in the layout, summed.
+  std::array<float, kMaxPatches> spread_m2_{};
+  int work_left_ = 0;
   bool complete_ = true;    // all neighbors fit into the list
-  bool exhausted_ = false;  // the search reached the limit of sets, steps or hypotheses
-  FixedVector<Hypothesis, 64> found_;
+  bool exhausted_ = false;  // the search reached its share of the work
+  FixedVector<Hypothesis, kMaxPerTeamPatch> found_;
 };
 
 }  // namespace
@@ -318,9 +373,14 @@ DistanceWindow window_of(const MarkerLayout& layout, std::size_t slot) {
   return {std::min(k1, 0.5f * expected), std::max(layout.robot_side_m, 1.4f * expected)};
 }
 
-bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index,
+bool add_hypotheses(const std::array<TeamMarking, 2>& teams, const PatchLists& patches, std::size_t index, int& work,
                     Hypotheses& out) {
-  return Search(teams, patches, index).run(out);
+  // Team patches without many neighbors leave their share to the others.
+  const int share = work / static_cast<int>(patches.team.size() - index);
+  Search search(teams, patches, index, share);
+  const bool complete = search.run(out);
+  work -= share - search.work_left();
+  return complete;
 }
 
 bool on_robot(const MarkerLayout& layout, FieldPoint point, float inset_m) {

@@ -10,9 +10,9 @@ namespace touchline {
 namespace {
 
 constexpr std::uint16_t kNone = 0xffff;
-// Ten robots in one cluster need a few hundred nodes. The limits keep the worst picture below a few milliseconds.
-constexpr int kNodesPerGroup = 5000;
-constexpr int kNodesForAlternatives = 40000;
+// Nodes of a frame: for the best sets of all groups, and for alternatives to them. 22 robots with six patches in a
+// crowd need 400 and 500. Each group has an equal share of what the groups before it left.
+constexpr int kNodesForBest = 6000, kNodesForAlternatives = 10000;
 // Smaller differences of pose do not matter to the controller.
 constexpr float kNegligibleDistance_m = 0.01f, kNegligibleTurn_rad = 0.2f;
 
@@ -108,7 +108,7 @@ bool Selector::alternative(const Group& group, const Set& excluded, float value)
   return found_ || nodes_left_ <= 0;
 }
 
-void Selector::choose_within(const Group& group, Selection& out) {
+void Selector::choose_within(const Group& group, Nodes& share, Selection& out) {
   bound_[group.size()] = 0;
   for (std::size_t d = group.size(); d-- > 0;) {
     const Options& options = options_[group[d]];
@@ -116,12 +116,14 @@ void Selector::choose_within(const Group& group, Selection& out) {
   }
   best_value_ = -1.0f;
   best_.fill(kNone);
-  nodes_left_ = kNodesPerGroup;
+  nodes_left_ = share.best;
   search(group, 0, Set(), 0.0f);
+  share.best = std::max(nodes_left_, 0);
   const bool exact = nodes_left_ > 0;
   complete_ = complete_ && exact;
   const std::array<std::uint16_t, kMaxTeamPatches> chosen = best_;
   const float floor = best_value_ - kDoubtfulMargin;
+  alternative_nodes_left_ = share.alternatives;
   for (std::size_t d = 0; d < group.size(); ++d) {
     if (chosen[d] == kNone) continue;
     const Hypothesis& mine = hypotheses_[chosen[d]];
@@ -135,6 +137,7 @@ void Selector::choose_within(const Group& group, Selection& out) {
     choice.pose_is_sure = exact && !alternative(group, same_place, floor);
     out.push_back(choice);
   }
+  share.alternatives = std::max(alternative_nodes_left_, 0);
 }
 
 bool Selector::select(std::span<const Hypothesis> hypotheses, std::size_t team_patches,
@@ -142,7 +145,6 @@ bool Selector::select(std::span<const Hypothesis> hypotheses, std::size_t team_p
   out.clear();
   hypotheses_ = hypotheses;
   robot_side_m_ = robot_side_m;
-  alternative_nodes_left_ = kNodesForAlternatives;
   complete_ = true;
   options_.fill({});
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
@@ -152,12 +154,22 @@ bool Selector::select(std::span<const Hypothesis> hypotheses, std::size_t team_p
   }
   find_conflicts();
   form_groups(team_patches);
+  FixedVector<Group, kMaxTeamPatches> groups;
   for (std::size_t root = 0; root < team_patches; ++root) {
     Group group;
     for (std::size_t p = 0; p < team_patches; ++p) {
       if (group_of_[p] == root && options_[p].begin < options_[p].end) group.push_back(static_cast<std::uint16_t>(p));
     }
-    if (!group.empty()) choose_within(group, out);
+    if (!group.empty()) groups.push_back(group);
+  }
+  Nodes left{kNodesForBest, kNodesForAlternatives};
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const int groups_left = static_cast<int>(groups.size() - i);
+    const Nodes share{left.best / groups_left, left.alternatives / groups_left};
+    Nodes rest = share;
+    choose_within(groups[i], rest, out);
+    left.best -= share.best - rest.best;
+    left.alternatives -= share.alternatives - rest.alternatives;
   }
   return complete_;
 }

@@ -70,7 +70,13 @@ class Selector {
 
   void find_conflicts();
   void form_groups(std::size_t team_patches);
-  void choose_within(const Group& group, Selection& out);
+  // Nodes of the search trees that may still be visited.
+  struct Nodes {
+    int best = 0, alternatives = 0;
+  };
+
+  // Reduces `share` to what it leaves.
+  void choose_within(const Group& group, Nodes& share, Selection& out);
   void search(const Group& group, std::size_t depth, const Set& excluded, float value);
   bool alternative(const Group& group, const Set& excluded, float value);
 

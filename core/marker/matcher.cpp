@@ -151,19 +151,26 @@ void Matcher::add_team_patches(Team team, Sightings& out) {
   }
 }
 
-void Matcher::find_patches(const Runs& runs, const Regions& regions, Sightings& out) {
+bool Matcher::find_patches(const Runs& runs, const Regions& regions, Sightings& out) {
   team_patches_.clear();
   identification_.clear();
   ball_patches_.clear();
+  auto colors_left = std::count_if(numbers_.begin(), numbers_.end(), [](const Numbers& n) { return !n.empty(); });
+  float pairs_left = kTouchingPairs;
+  bool complete = true;
   for (std::size_t color = 1; color <= kMaxColors; ++color) {
     const Numbers& numbers = numbers_[color];
     if (!wanted_[color] || numbers.empty()) continue;
+    const float share = pairs_left / static_cast<float>(colors_left--);
+    SplitBudget budget{share};
     const std::span<const std::uint16_t> candidates(numbers.data(), numbers.size());
     if (color == parameters_.ball.color) {
-      finder_.find(kinds_[color], runs, regions, candidates, out, ball_patches_);
+      finder_.find(kinds_[color], runs, regions, candidates, out, budget, ball_patches_);
       continue;
     }
-    finder_.find(kinds_[color], runs, regions, candidates, out, of_color_);
+    finder_.find(kinds_[color], runs, regions, candidates, out, budget, of_color_);
+    pairs_left -= share - budget.pairs;
+    complete = complete && !budget.exceeded;
     if (identifies_[color]) {
       for (const PatchCandidate& patch : of_color_) {
         if (!identification_.push_back(patch)) out.verdicts[patch.region] = Verdict::kSurplus;
@@ -172,6 +179,7 @@ void Matcher::find_patches(const Runs& runs, const Regions& regions, Sightings& 
       add_team_patches(color == parameters_.teams[0].team_color ? Team::kOwn : Team::kOpponent, out);
     }
   }
+  return complete;
 }
 
 std::size_t Matcher::free_places(Team team, const Sightings& out) const {
@@ -342,13 +350,13 @@ void Matcher::match(const Frame* frame, const ExpectedGain& light, const Expecte
   box_sightings_.clear();
 
   sort_by_color(regions, out);
-  find_patches(runs, regions, out);
+  bool complete = find_patches(runs, regions, out);
   hypotheses_.clear();
   const PatchLists lists{{team_patches_.data(), team_patches_.size()},
                          {identification_.data(), identification_.size()}};
-  bool complete = true;
+  int work = kHypothesisWork;
   for (std::size_t i = 0; i < team_patches_.size(); ++i) {
-    if (!add_hypotheses(parameters_.teams, lists, i, hypotheses_)) complete = false;
+    if (!add_hypotheses(parameters_.teams, lists, i, work, hypotheses_)) complete = false;
   }
   complete = complete && hypotheses_.overflow() == 0 && identification_.overflow() == 0;
   const std::array<float, 2> sides{parameters_.teams[0].layout.robot_side_m, parameters_.teams[1].layout.robot_side_m};

@@ -28,7 +28,9 @@ struct MarkerParameters {
 /// build the table of pairs by eq. (2), where an entry is a robot's complete set of patches; solve the table for both
 /// teams together, so that no patch is used twice; compute poses by a rigid fit, which for two patches is eq. (3). A
 /// robot whose identification is missing, imprecise or ambiguous is reported without an id, and without a heading if
-/// that is ambiguous. The work is bounded for every picture. The object is large (fixed memory); do not put it on the
+/// that is ambiguous. The work is bounded for
+/// every picture: touching patches to split, sets of patches to try, and nodes of the search for the best ones. What is
+/// searched first keeps a share for the rest. The object is large (fixed memory); do not put it on the
 /// stack.
 class Matcher {
  public:
@@ -60,7 +62,8 @@ class Matcher {
   Status collect_kinds();
   void add_kind(ColorId color, const PatchPlace& place, Team team);
   void sort_by_color(const Regions& regions, Sightings& out);
-  void find_patches(const Runs& runs, const Regions& regions, Sightings& out);
+  // False if not all touching patches were split.
+  bool find_patches(const Runs& runs, const Regions& regions, Sightings& out);
   void add_team_patches(Team team, Sightings& out);
   void report_pairs(Sightings& out);
   void report_pair(const Chosen& choice, Sightings& out);

@@ -31,6 +31,16 @@ constexpr float kReachMargin = 1.5f;
 // Ratio of variances at which noise on the border does not change the axis.
 constexpr float kElongated = 2.0f;
 
+// Runs of two touching patches, times two parts, relative to the length of a patch in pixels: they are at most two
+// patches high, and every other row has two runs.
+constexpr float kPairWork = 6.0f;
+
+std::size_t runs_of(const Runs& runs, const Region& region) {
+  std::size_t count = 0;
+  for (std::uint32_t r = region.first_run; r < runs.size(); r = runs[r].next) ++count;
+  return count;
+}
+
 float shape_error(const RegionShape& shape, const PrincipalVariances& expected, float ratio, float scale) {
   const float factor = ratio * scale * scale;
   return std::abs(std::log(shape.major_px2 / (factor * expected.major_m2))) +
@@ -134,7 +144,7 @@ float PatchFinder::field_axis(const PatchKind& kind, const PatchCandidate& patch
 
 void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions& regions,
                           std::span<const std::uint16_t> candidates, std::uint16_t number, Sightings& verdicts,
-                          ColorPatches& out) const {
+                          SplitBudget& budget, ColorPatches& out) const {
   const Region& region = regions[number];
   if (is_isolated_noise(kind, regions, number, candidates, out)) {
     verdicts.verdicts[number] = Verdict::kTooSmall;
@@ -169,7 +179,9 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
       return;
     }
     if (several) {
-      split_touching(kind, runs, region, shape, patch, of_largest, out);
+      if (!split_touching(kind, runs, region, shape, patch, of_largest, budget, out)) {
+        verdicts.verdicts[number] = Verdict::kSurplus;
+      }
       return;
     }
     patch.has_rough_axis = long_patch && shape.major_px2 > kElongated * shape.minor_px2;
@@ -180,11 +192,18 @@ void PatchFinder::examine(const PatchKind& kind, const Runs& runs, const Regions
 }
 
 // Splits the region `whole` of several touching patches and adds its parts.
-void PatchFinder::split_touching(const PatchKind& kind, const Runs& runs, const Region& region,
+bool PatchFinder::split_touching(const PatchKind& kind, const Runs& runs, const Region& region,
                                  const RegionShape& shape, const PatchCandidate& whole, float ratio_to_largest,
-                                 ColorPatches& out) const {
+                                 SplitBudget& budget, ColorPatches& out) const {
   const float square = whole.scale_px_per_m * whole.scale_px_per_m;
   const auto count = static_cast<std::size_t>(std::max(2.0f, std::round(ratio_to_largest)));
+  const float work =
+      static_cast<float>(runs_of(runs, region) * count) / (kPairWork * kind.length_m * whole.scale_px_per_m);
+  if (work > budget.pairs) {
+    budget.exceeded = true;
+    return false;
+  }
+  budget.pairs -= work;
   for (const RegionPart& part : split(runs, region, shape, count)) {
     PatchCandidate patch = whole;
     patch.center = part.center;
@@ -192,8 +211,9 @@ void PatchFinder::split_touching(const PatchKind& kind, const Runs& runs, const 
     patch.ratio = std::min(1.0f, part.area_px / (kind.least_area_m2 * square));
     patch.is_split_part = true;
     place(kind, patch);
-    if (!out.push_back(patch)) return;
+    if (!out.push_back(patch)) break;
   }
+  return true;
 }
 
 // Weighted refinement (section 5, before eq. (3)): the mean of both centers, weighted by their areas.
@@ -213,9 +233,10 @@ bool PatchFinder::merge(const PatchKind& kind, const PatchCandidate& from, Patch
 }
 
 void PatchFinder::find(const PatchKind& kind, const Runs& runs, const Regions& regions,
-                       std::span<const std::uint16_t> candidates, Sightings& verdicts, ColorPatches& out) const {
+                       std::span<const std::uint16_t> candidates, Sightings& verdicts, SplitBudget& budget,
+                       ColorPatches& out) const {
   out.clear();
-  for (const std::uint16_t number : candidates) examine(kind, runs, regions, candidates, number, verdicts, out);
+  for (const std::uint16_t number : candidates) examine(kind, runs, regions, candidates, number, verdicts, budget, out);
   std::sort(out.begin(), out.end(), is_larger);
   merge_close(kind, verdicts, out);
   merge_small(kind, verdicts, out);

@@ -48,6 +48,14 @@ struct PatchCandidate {
 constexpr std::size_t kMaxPatchesPerColor = 64;
 using ColorPatches = FixedVector<PatchCandidate, kMaxPatchesPerColor>;
 
+/// Work for splitting touching patches, in pairs of them. If all 132 patches of 22 robots touch another one of their
+/// color, there are 66.
+constexpr float kTouchingPairs = 66.0f;
+struct SplitBudget {
+  float pairs = 0;        // that may still be split
+  bool exceeded = false;  // a region was not split
+};
+
 /// Finds the patch candidates among the regions of one color: compares their areas with the expected one at that place,
 /// splits touching patches, and applies eq. (1) and the weighted refinement of the paper.
 class PatchFinder {
@@ -62,9 +70,9 @@ class PatchFinder {
 
   /// `candidates`: numbers of the regions of this color. `out` is sorted by area, the largest first, with partly
   /// visible ones last. Writes the verdicts of regions that are not in `out`, that were merged, or that are partly
-  /// visible.
+  /// visible. Splits touching patches, the largest first, as long as `budget` lasts.
   void find(const PatchKind& kind, const Runs& runs, const Regions& regions, std::span<const std::uint16_t> candidates,
-            Sightings& verdicts, ColorPatches& out) const;
+            Sightings& verdicts, SplitBudget& budget, ColorPatches& out) const;
 
   [[nodiscard]] const CameraModel& camera() const { return camera_; }
   [[nodiscard]] const FieldParameters& field() const { return field_; }
@@ -72,9 +80,11 @@ class PatchFinder {
  private:
   void examine(const PatchKind& kind, const Runs& runs, const Regions& regions,
                std::span<const std::uint16_t> candidates, std::uint16_t number, Sightings& verdicts,
-               ColorPatches& out) const;
-  void split_touching(const PatchKind& kind, const Runs& runs, const Region& region, const RegionShape& shape,
-                      const PatchCandidate& whole, float ratio_to_largest, ColorPatches& out) const;
+               SplitBudget& budget, ColorPatches& out) const;
+  // False if the budget does not suffice.
+  bool split_touching(const PatchKind& kind, const Runs& runs, const Region& region, const RegionShape& shape,
+                      const PatchCandidate& whole, float ratio_to_largest, SplitBudget& budget,
+                      ColorPatches& out) const;
   void place(const PatchKind& kind, PatchCandidate& patch) const;
   [[nodiscard]] bool is_isolated_noise(const PatchKind& kind, const Regions& regions, std::uint16_t number,
                                        std::span<const std::uint16_t> candidates, const ColorPatches& larger) const;

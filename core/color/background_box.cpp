@@ -113,6 +113,21 @@ BackgroundBox find_background_box(const ColorBoxes& boxes, ColorSpace space, con
   return best;
 }
 
+// Returns the first value below `end` for which a monotonic condition holds, or `end`.
+template <class Condition>
+static std::uint32_t first_value(std::uint32_t end, Condition holds) {
+  std::uint32_t begin = 0;
+  while (begin < end) {
+    const std::uint32_t middle = (begin + end) / 2;
+    if (holds(middle)) {
+      end = middle;
+    } else {
+      begin = middle + 1;
+    }
+  }
+  return end;
+}
+
 ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std::uint8_t black) {
   // Both conditions are monotonic in the value.
   const auto reaches_low = [&](std::uint32_t value) {
@@ -122,9 +137,7 @@ ValueRange before_correction(ValueRange corrected_range, std::uint8_t level, std
     const std::uint8_t seen = corrected(static_cast<std::uint8_t>(value), level, black);
     return (value == kFullScale ? kFullScale : seen) > corrected_range.high;
   };
-  std::uint32_t low = 0, end = 0;
-  while (low < kFullScale && !reaches_low(low)) ++low;
-  while (end <= kFullScale && !passes_high(end)) ++end;
+  const std::uint32_t low = first_value(kFullScale, reaches_low), end = first_value(kFullScale + 1u, passes_high);
   if (end <= low || !reaches_low(low)) return {1, 0};
   return {static_cast<std::uint8_t>(low), static_cast<std::uint8_t>(end - 1)};
 }

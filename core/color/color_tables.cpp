@@ -60,14 +60,10 @@ void ColorTables::rebuild(const ColorBoxes& boxes, std::size_t channel, std::uin
 }
 
 void ColorTables::fill(const Table& masks, std::size_t channel, std::uint8_t level) {
-  const std::uint8_t black = black_value(space_, channel);
+  const std::array<std::uint8_t, 256> seen = corrected_values(level, black_value(space_, channel));
   Table& table = table_[channel][level];
-  for (std::size_t value = 0; value < table.size(); ++value) {
-    table[value] = masks[corrected(static_cast<std::uint8_t>(value), level, black)];
-  }
-  for (std::size_t value = corrected(kFullScale, level, black); value < masks.size(); ++value) {
-    table[kFullScale] |= masks[value];
-  }
+  for (std::size_t value = 0; value < table.size(); ++value) table[value] = masks[seen[value]];
+  for (std::size_t value = seen[kFullScale]; value < masks.size(); ++value) table[kFullScale] |= masks[value];
 }
 
 }  // namespace touchline

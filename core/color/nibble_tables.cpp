@@ -5,14 +5,8 @@
 namespace touchline {
 namespace {
 
-// Adds one class. Its values are all those from the first to the last, because light correction never decreases when
-// the value grows.
-void add_class(const ColorTables::Table& table, std::size_t bit, ChannelNibbles& nibbles) {
-  const std::uint32_t mask = std::uint32_t{1} << bit;
-  std::size_t first = 0, last = table.size() - 1;
-  while (first < table.size() && (table[first] & mask) == 0) ++first;
-  if (first == table.size()) return;  // no value is corrected into the box
-  while ((table[last] & mask) == 0) --last;
+// Adds one class, whose values are all those from `first` to `last`.
+void add_class(std::size_t bit, std::size_t first, std::size_t last, ChannelNibbles& nibbles) {
   const std::size_t group = bit / kClassesOfGroup;
   const auto set = [bit](std::uint8_t& byte, bool is) {
     if (is) byte = static_cast<std::uint8_t>(byte | 1u << bit % kClassesOfGroup);
@@ -43,8 +37,25 @@ void NibbleTables::build(const ColorTables& tables, std::size_t boxes) {
 }
 
 void NibbleTables::rebuild(const ColorTables& tables, std::size_t boxes, std::size_t channel, std::uint8_t level) {
-  nibbles_[channel][level] = {};
-  for (std::size_t bit = 0; bit < boxes; ++bit) add_class(tables.table(channel, level), bit, nibbles_[channel][level]);
+  const ColorTables::Table& table = tables.table(channel, level);
+  ChannelNibbles& nibbles = nibbles_[channel][level];
+  nibbles = {};
+  // The values of a class have no gaps, because light correction never decreases when the value grows. A class without
+  // values is one into which no value is corrected.
+  std::array<std::size_t, kMaxColorBoxes> first{};
+  std::uint32_t open = 0;
+  for (std::size_t value = 0; value <= table.size(); ++value) {
+    const std::uint32_t classes = value < table.size() ? table[value] : 0;
+    for (std::uint32_t changed = classes ^ open; changed != 0; changed &= changed - 1) {
+      const auto bit = static_cast<std::size_t>(std::countr_zero(changed));
+      if ((classes >> bit & 1u) != 0) {
+        first[bit] = value;
+      } else if (bit < boxes) {
+        add_class(bit, first[bit], value - 1, nibbles);
+      }
+    }
+    open = classes;
+  }
 }
 
 }  // namespace touchline

@@ -39,6 +39,12 @@ constexpr auto kBorders = [] {
   return borders;
 }();
 
+std::uint8_t scaled_about(int black, int value, float gain) {
+  const float scaled = static_cast<float>(value - black) * gain;
+  const int rounded = static_cast<int>(scaled + (scaled < 0.0f ? -0.5f : 0.5f));
+  return static_cast<std::uint8_t>(std::clamp(black + rounded, 0, 255));
+}
+
 // Position of a tile's center between the cells of one axis of the map.
 struct Blend {
   std::size_t low = 0, high = 0;
@@ -76,9 +82,14 @@ std::uint8_t level_of_gain(float gain) {
 }
 
 std::uint8_t corrected(std::uint8_t value, std::uint8_t level, std::uint8_t black) {
-  const float scaled = static_cast<float>(value - black) * gain_of_level(level);
-  const int rounded = static_cast<int>(scaled + (scaled < 0.0f ? -0.5f : 0.5f));
-  return static_cast<std::uint8_t>(std::clamp(black + rounded, 0, 255));
+  return scaled_about(black, value, gain_of_level(level));
+}
+
+std::array<std::uint8_t, 256> corrected_values(std::uint8_t level, std::uint8_t black) {
+  const float gain = gain_of_level(level);
+  std::array<std::uint8_t, 256> values{};
+  for (int value = 0; value < 256; ++value) values[static_cast<std::size_t>(value)] = scaled_about(black, value, gain);
+  return values;
 }
 
 Status Shading::build(const LightMap& map, std::uint16_t width_px, std::uint16_t height_px, ColorSpace space) {

@@ -32,6 +32,8 @@ constexpr std::uint8_t kFullScale = 255;
 /// Corrects a channel's value: round(black + (value - black) * gain), clamped to 0..255. It never decreases when the
 /// value grows.
 std::uint8_t corrected(std::uint8_t value, std::uint8_t level, std::uint8_t black);
+/// Returns corrected() of every value.
+std::array<std::uint8_t, 256> corrected_values(std::uint8_t level, std::uint8_t black);
 
 /// Eq. (17) as one level per tile: 1 / illumination at the center of the tile. It is interpolated bilinearly between
 /// the cells of the map and constant outside the outermost cell centers.

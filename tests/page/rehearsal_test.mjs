@@ -150,6 +150,48 @@ test('the clock of this device does not matter, and its difference is said', () 
     assert.match(await page.textContent('[data-clock]'), /differ by (1 h 59|2 h 0) min/);
   }));
 
+test('a robot is driven while the pad is held, and stands when the window loses the focus', () =>
+  withServer({}, async (page) => {
+    await show(page, 'play');
+    await page.click('button:text-is("Take control")');
+    await page.click('[data-robot="1"]:not([disabled])');
+    const driving = (text) => page.waitForFunction((wanted) => document.querySelector('[data-driving]').textContent.includes(wanted), text);
+    const pad = page.locator('.pad');
+    await pad.scrollIntoViewIfNeeded();
+    const box = await pad.boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + 1);
+    await page.mouse.down();
+    await driving('0.20 m/s, 0.0 rad/s');
+    await page.waitForSelector('tr[data-own="1"] >> text=this console');
+    await page.mouse.up();
+    await driving('0.00 m/s');
+    await page.keyboard.down('ArrowUp');
+    await driving('0.20 m/s');
+    await page.evaluate(() => window.dispatchEvent(new Event('blur')));
+    await driving('0.00 m/s');
+  }));
+
+test('a board that refuses access says how to get it', () =>
+  withServer({}, async (page, _, other) => {
+    await waitForLink(page, 'Connected');
+    await page.route(other.url, (route) => (route.request().method() === 'HEAD' ? route.fulfill({ status: 401 }) : route.continue()));
+    await other.end();
+    await page.waitForSelector('[data-notice="lost"] >> text=The board refuses access.');
+  }));
+
+test('axe has no serious findings without a connection', () =>
+  withServer({}, async (page, _, other) => {
+    await waitForLink(page, 'Connected');
+    await show(page, 'timing');
+    await page.waitForSelector('.chart canvas');
+    await other.end();
+    await waitForLink(page, 'No connection');
+    for (const name of PAGES) {
+      await show(page, name);
+      assert.deepEqual(await axe(page), [], name);
+    }
+  }));
+
 test('a stop without a connection is not shown as done, and is sent when the link is back', () =>
   withServer({}, async (page, _, other) => {
     await waitForLink(page, 'Connected');

@@ -63,22 +63,27 @@ LightMap hilly_light(std::mt19937& random) {
 
 class LightCorrectionTest : public ::testing::TestWithParam<PixelFormat> {
  protected:
-  // All results of eq. (17) in the pixel's tile, in which the gain is constant, within half a level and rounding.
-  Interval corrected_values(const LightMap& map, const OwnedPicture& picture, std::size_t channel, int u, int v,
-                            std::uint8_t value) {
-    const ColorSpace space = color_space(GetParam());
-    const int tile_u = u / kTileWidth * kTileWidth, tile_v = v / kTileHeight * kTileHeight;
-    const double half_step = std::exp2(1.0 / 64.0), dark = dark_value(space, channel);
-    Interval interval;
+  // The illumination of a tile, in which the gain is constant.
+  Interval light_of_tile(const LightMap& map, const OwnedPicture& picture, std::size_t channel, int column, int row) {
+    Interval light;
     for (int y = 0; y <= 2 * kTileHeight; y += 2) {
       for (int x = 0; x <= 2 * kTileWidth; x += 2) {
-        const double light =
-            light_of(map, space, channel, tile_u + 0.5 * x, tile_v + 0.5 * y, picture.width(), picture.height());
-        for (const double step : {1.0 / half_step, half_step}) {
-          const double corrected = dark + (value - dark) / light * step;
-          interval.include(std::clamp(corrected - 0.5, 0.0, 255.0));
-          interval.include(std::clamp(corrected + 0.5, 0.0, 255.0));
-        }
+        light.include(light_of(map, color_space(GetParam()), channel, column * kTileWidth + 0.5 * x,
+                               row * kTileHeight + 0.5 * y, picture.width(), picture.height()));
+      }
+    }
+    return light;
+  }
+
+  // All results of eq. (17) in this light, within half a level and rounding.
+  Interval corrected_values(const Interval& light, std::size_t channel, std::uint8_t value) {
+    const double half_step = std::exp2(1.0 / 64.0), dark = dark_value(color_space(GetParam()), channel);
+    Interval interval;
+    for (const double bound : {light.low, light.high}) {
+      for (const double step : {1.0 / half_step, half_step}) {
+        const double corrected = dark + (value - dark) / bound * step;
+        interval.include(std::clamp(corrected - 0.5, 0.0, 255.0));
+        interval.include(std::clamp(corrected + 0.5, 0.0, 255.0));
       }
     }
     // A channel at full scale stands for this light and all brighter light.
@@ -102,10 +107,15 @@ TEST_P(LightCorrectionTest, AgreesWithEquation17WhereQuantizationDoesNotMatter) 
     std::vector<ColorId> colors(frame.width_px);
     for (int v = 0; v < picture.height(); v += 3) {
       classifier_->classify(frame, static_cast<std::uint16_t>(v), 0, frame.width_px, colors.data());
+      int tile = -1;
+      std::array<Interval, 3> light, seen;
       for (int u = v % 2; u < picture.width(); u += 2) {
         const Channels value = channels_at(frame, u, v);
-        std::array<Interval, 3> seen;
-        for (std::size_t c = 0; c < 3; ++c) seen[c] = corrected_values(*map, picture, c, u, v, value[c]);
+        if (tile != u / kTileWidth) {
+          tile = u / kTileWidth;
+          for (std::size_t c = 0; c < 3; ++c) light[c] = light_of_tile(*map, picture, c, tile, v / kTileHeight);
+        }
+        for (std::size_t c = 0; c < 3; ++c) seen[c] = corrected_values(light[c], c, value[c]);
         ColorId expected = kBackground;
         bool is_certain = true;
         for (const ColorBox& box : boxes) {

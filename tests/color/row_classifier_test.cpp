@@ -41,7 +41,9 @@ class RowClassifierTest : public ::testing::TestWithParam<std::tuple<PixelFormat
     light.columns = static_cast<std::uint16_t>(pick(random, 1, 9));
     light.rows = static_cast<std::uint16_t>(pick(random, 1, 9));
     for (auto& plane : light.illumination) {
-      for (float& value : plane) value = static_cast<float>(pick(random, 20, 500)) / 100.0f;
+      for (int i = 0; i < light.columns * light.rows; ++i) {
+        plane[static_cast<std::size_t>(i)] = static_cast<float>(pick(random, 20, 500)) / 100.0f;
+      }
     }
     return light;
   }

@@ -29,7 +29,7 @@ TEST_P(Ball, IsSeenWhereItIs) {
 
 // The ball touches a robot. Its top hides a part of the ball from a camera beside it.
 TEST_P(Ball, IsSeenWhileHalfOfItIsVisible) {
-  const auto orange = [this] { return std::count(field.grid().color.begin(), field.grid().color.end(), kOrange); };
+  const auto orange = [this] { return field.pixels_of(kOrange); };
   int half_hidden = 0;
   for (int n = 0; n < 100; ++n) {
     const Placed robot{Team::kOwn,

@@ -15,9 +15,7 @@ class HiddenPatch : public ::testing::Test {
   // Paints the robot with its team patch covered except for a part, from a random direction.
   void paint(PaintedField& field, const Placed& robot, float visible) {
     const PatchPlace& place = field.marking(robot.team).layout.patches[0];
-    const auto pixels = [&] {
-      return std::count(field.grid().color.begin(), field.grid().color.end(), field.marking(robot.team).team_color);
-    };
+    const auto pixels = [&] { return field.pixels_of(field.marking(robot.team).team_color); };
     field.clear();
     field.paint_patch(robot, 0, field.marking(robot.team).team_color);
     const auto whole = static_cast<float>(pixels());

@@ -134,6 +134,10 @@ PaintedField::PaintedField(const CameraParameters& camera, const MarkerParameter
 
 void PaintedField::clear() { std::fill(grid_.color.begin(), grid_.color.end(), kBackground); }
 
+std::ptrdiff_t PaintedField::pixels_of(ColorId color) const {
+  return std::count(grid_.color.begin(), grid_.color.end(), color);
+}
+
 template <class Inside>
 void PaintedField::fill(const std::array<FieldPoint, 4>& corners, float height_m, ColorId color, Inside inside) {
   // Over a robot's width, the distortion of straight edges is below one pixel.

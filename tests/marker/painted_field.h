@@ -73,6 +73,8 @@ class PaintedField {
   void paint_part(const Placed& robot, FieldPoint low, FieldPoint high, ColorId color);
   void paint_ball(FieldPoint at);
   ColorGrid& grid() { return grid_; }
+  /// The picture's pixels of a color.
+  [[nodiscard]] std::ptrdiff_t pixels_of(ColorId color) const;
 
   /// Labels and matches the picture. With a frame, ids and ball also follow from its pixels, the typical colors, what
   /// is known about the light, and the place where the ball is expected.

@@ -34,41 +34,42 @@ class MemberReader {
   double number(const char* name, double low, double high) {
     const Json* const value = find(name);
     if (value == nullptr) return low;
-    if (!value->is_number()) return fail(ErrorCode::kInconsistent, "\"%s\" must be a number", name), low;
+    if (!value->is_number()) return fail(failure(ErrorCode::kInconsistent, "\"%s\" must be a number", name)), low;
     const double number = value->get<double>();
     if (!(number >= low && number <= high)) {
-      return fail(ErrorCode::kOutOfRange, "\"%s\" is not within %g to %g", name, low, high), low;
+      return fail(failure(ErrorCode::kOutOfRange, "\"%s\" is not within %g to %g", name, low, high)), low;
     }
     return number;
   }
   std::int64_t integer(const char* name, std::int64_t low, std::int64_t high) {
     const Json* const value = find(name);
     if (value == nullptr) return low;
-    if (!value->is_number_integer()) return fail(ErrorCode::kInconsistent, "\"%s\" must be an integer", name), low;
+    if (!value->is_number_integer())
+      return fail(failure(ErrorCode::kInconsistent, "\"%s\" must be an integer", name)), low;
     const bool too_large = value->is_number_unsigned() &&
                            value->get<std::uint64_t>() > std::uint64_t{std::numeric_limits<std::int64_t>::max()};
     if (too_large || value->get<std::int64_t>() < low || value->get<std::int64_t>() > high) {
-      return fail(ErrorCode::kOutOfRange, "\"%s\" is out of range", name), low;
+      return fail(failure(ErrorCode::kOutOfRange, "\"%s\" is out of range", name)), low;
     }
     return value->get<std::int64_t>();
   }
   std::string text(const char* name) {
     const Json* const value = find(name);
     if (value == nullptr) return {};
-    if (!value->is_string()) return fail(ErrorCode::kInconsistent, "\"%s\" must be a text", name), std::string();
+    if (!value->is_string())
+      return fail(failure(ErrorCode::kInconsistent, "\"%s\" must be a text", name)), std::string();
     return value->get<std::string>();
   }
   bool flag(const char* name) {
     const Json* const value = find(name);
     if (value == nullptr) return false;
-    if (!value->is_boolean()) fail(ErrorCode::kInconsistent, "\"%s\" must be true or false", name);
+    if (!value->is_boolean()) fail(failure(ErrorCode::kInconsistent, "\"%s\" must be true or false", name));
     return value->is_boolean() && value->get<bool>();
   }
   [[nodiscard]] bool has(const char* name) const { return object_.contains(name) && !object_.at(name).is_null(); }
 
-  template <class... Arguments>
-  void fail(ErrorCode code, const char* format, Arguments... arguments) {
-    if (!error_) error_ = failure(code, format, arguments...);  // NOLINT(cppcoreguidelines-pro-type-vararg)
+  void fail(Error error) {
+    if (!error_) error_ = std::move(error);
   }
   [[nodiscard]] const std::optional<Error>& error() const { return error_; }
 
@@ -76,7 +77,7 @@ class MemberReader {
   const Json* find(const char* name) {
     const auto found = object_.find(name);
     if (found != object_.end()) return &*found;
-    fail(ErrorCode::kInconsistent, "\"%s\" is missing", name);
+    fail(failure(ErrorCode::kInconsistent, "\"%s\" is missing", name));
     return nullptr;
   }
 
@@ -88,18 +89,19 @@ void read_watch(MemberReader& reader, const Json& object, ClientMessage& out) {
   out.state_hz = reader.number("state_hz", 0.0, kMaxStateRateHz);
   if (!reader.has("picture")) return;
   const Json& picture = object.at("picture");
-  if (!picture.is_object()) return reader.fail(ErrorCode::kInconsistent, "\"picture\" must be an object or null");
+  if (!picture.is_object())
+    return reader.fail(failure(ErrorCode::kInconsistent, "\"picture\" must be an object or null"));
   MemberReader inner(picture);
   out.picture_hz = inner.number("rate_hz", 0.0, kMaxPictureRateHz);
   if (inner.has("max_width_px")) {
     out.picture_width_px = static_cast<std::uint16_t>(inner.integer("max_width_px", 16, kMaxFrameWidth));
   }
-  if (inner.error()) reader.fail(inner.error()->code, "picture: %s", inner.error()->text.c_str());
+  if (inner.error()) reader.fail(prefixed("picture", *inner.error()));
 }
 
 void read_drive(MemberReader& reader, ClientMessage& out) {
   if (reader.has("team") && reader.text("team") != "own") {
-    reader.fail(ErrorCode::kOutOfRange, "only robots of the own team can be driven");
+    reader.fail(failure(ErrorCode::kOutOfRange, "only robots of the own team can be driven"));
   }
   out.id = static_cast<RobotId>(reader.integer("id", 0, std::numeric_limits<RobotId>::max()));
   out.gives_back = reader.has("give_back") && reader.flag("give_back");
@@ -115,7 +117,7 @@ void read_adaptation(MemberReader& reader, ClientMessage& out) {
   } else if (action == "reset") {
     out.adaptation = AdaptationMode::kOff;
   } else if (action != "follow") {
-    reader.fail(ErrorCode::kOutOfRange, "\"action\" must be \"freeze\", \"follow\" or \"reset\"");
+    reader.fail(failure(ErrorCode::kOutOfRange, "\"action\" must be \"freeze\", \"follow\" or \"reset\""));
   }
 }
 
@@ -130,7 +132,7 @@ Result<ClientMessage> parse_client_message(std::string_view text) {
   const std::string word = reader.text("type");
   const auto* const found = std::find_if(kMessageWords.begin(), kMessageWords.end(),
                                          [&](const MessageWord& known) { return known.word == word; });
-  if (found == kMessageWords.end()) reader.fail(ErrorCode::kInconsistent, "\"type\" is unknown");
+  if (found == kMessageWords.end()) reader.fail(failure(ErrorCode::kInconsistent, "\"type\" is unknown"));
   if (reader.error()) return *reader.error();
   out.kind = found->kind;
   if (out.kind == MessageKind::kWatch) read_watch(reader, object, out);

@@ -16,7 +16,7 @@ namespace touchline::console {
 namespace {
 
 // Rows and columns of a block of samples with 2 x 2 pixels of chroma.
-constexpr std::size_t kBlockRows = 2 * DCTSIZE;
+constexpr std::size_t kBlockRows = std::size_t{2} * DCTSIZE;
 
 constexpr std::size_t padded(std::size_t samples, std::size_t multiple) {
   return (samples + multiple - 1) / multiple * multiple;

@@ -18,9 +18,9 @@ std::array<std::uint8_t, 256> to_full_range(std::size_t channel) {
 }
 
 void expand_range(ColorSpace space, std::size_t channel, std::span<std::uint8_t> row) {
-  static const std::array<std::uint8_t, 256> kLuma = to_full_range(0), kChroma = to_full_range(1);
+  static const std::array<std::uint8_t, 256> luma = to_full_range(0), chroma = to_full_range(1);
   if (space != ColorSpace::kYuv) return;
-  const std::array<std::uint8_t, 256>& table = channel == 0 ? kLuma : kChroma;
+  const std::array<std::uint8_t, 256>& table = channel == 0 ? luma : chroma;
   for (std::uint8_t& value : row) value = table[value];
 }
 

@@ -33,15 +33,15 @@ std::string& last_error() {
 // What libwebsockets adds to every answer; it keeps the addresses. The page needs no other site, and nobody may frame
 // it.
 const lws_protocol_vhost_options* safety_headers() {
-  static const lws_protocol_vhost_options kFrame{nullptr, nullptr, "x-frame-options:", "DENY"};
-  static const lws_protocol_vhost_options kReferrer{&kFrame, nullptr, "referrer-policy:", "no-referrer"};
-  static const lws_protocol_vhost_options kType{&kReferrer, nullptr, "x-content-type-options:", "nosniff"};
-  static const lws_protocol_vhost_options kResource{&kType, nullptr, "cross-origin-resource-policy:", "same-origin"};
-  static const lws_protocol_vhost_options kContent{
-      &kResource, nullptr, "content-security-policy:",
+  static const lws_protocol_vhost_options frame{nullptr, nullptr, "x-frame-options:", "DENY"};
+  static const lws_protocol_vhost_options referrer{&frame, nullptr, "referrer-policy:", "no-referrer"};
+  static const lws_protocol_vhost_options type{&referrer, nullptr, "x-content-type-options:", "nosniff"};
+  static const lws_protocol_vhost_options resource{&type, nullptr, "cross-origin-resource-policy:", "same-origin"};
+  static const lws_protocol_vhost_options content{
+      &resource, nullptr, "content-security-policy:",
       "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
       "frame-ancestors 'none'; base-uri 'none'; form-action 'none'; object-src 'none'"};
-  return &kContent;
+  return &content;
 }
 
 template <class Handle>
@@ -75,7 +75,7 @@ WebServer::Implementation::~Implementation() {
 }
 
 Result<void> WebServer::Implementation::open() {
-  static const std::array<lws_protocols, 3> kProtocols{
+  static const std::array<lws_protocols, 3> protocols{
       {{"http",
         [](lws* connection, lws_callback_reasons reason, void*, void* in, std::size_t) {
           return guarded(connection, [&](void* user) {
@@ -91,7 +91,7 @@ Result<void> WebServer::Implementation::open() {
         },
         0, kReceiveBytes, 0, nullptr, 0},
        {nullptr, nullptr, 0, 0, 0, nullptr, 0}}};
-  static const lws_retry_bo_t kPolicy{nullptr, 0, 0, kAskAfterS, kCloseAfterS, 0};
+  static const lws_retry_bo_t policy{nullptr, 0, 0, kAskAfterS, kCloseAfterS, 0};
   lws_set_log_level(LLL_ERR, [](int, const char* line) { last_error() = line; });
   last_error().clear();
   lws_context_creation_info info{};
@@ -103,13 +103,13 @@ Result<void> WebServer::Implementation::open() {
   info.max_http_header_pool = kHeaderPool;
   info.timeout_secs = kHandshakeTimeS;
   info.pt_serv_buf_size = kReceiveBytes;
-  info.retry_and_idle_policy = &kPolicy;
+  info.retry_and_idle_policy = &policy;
   context_ = lws_create_context(&info);
   if (context_ == nullptr)
     return failure(ErrorCode::kIo, "libwebsockets could not be started: %s", last_error().c_str());
   info.port = settings_.port;
   info.iface = settings_.address.c_str();
-  info.protocols = kProtocols.data();
+  info.protocols = protocols.data();
   info.headers = safety_headers();
   info.keepalive_timeout = kKeepAliveS;
   info.server_string = "touchline";

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "core/fixed_vector.h"
 #include "core/marker/ball_color.h"
 #include "core/marker/ball_samples.h"
+#include "core/marker/sampled_pixels.h"
 
 namespace touchline {
 namespace {
@@ -23,6 +23,8 @@ constexpr float kRingGap_px = 1.2f, kRingWidth = 0.35f, kMinRingWidth = 1.5f;
 constexpr float kSurroundings = 2.4f;
 // Part of the disk's radius that its color is from.
 constexpr float kCore = 0.6f;
+// Radius around the disk's center in which the shape is measured.
+constexpr float kShapeRadius = 1.5f;
 // Weight of a pixel of the ball's color in the ring against one in the disk.
 constexpr float kRingWeight = 0.7f;
 // Samples of the floor lie on a circle of this radius, relative to the ball's, around the seed.
@@ -37,95 +39,10 @@ constexpr std::array<std::array<float, 2>, 8> kFloorDirections{{{1, 0},
                                                                 {0, -1},
                                                                 {kDiagonal, -kDiagonal}}};
 
-// The surroundings are wide: every second row and column is enough. These are two groups per row.
-constexpr std::uint64_t kCoarseColumns = 0x55555555u;
-static_assert(kSampleReach == 2 * kGroupSize);
 // From this radius in samples on, no ball is between the coarse samples.
 constexpr float kLeastCoarseRadius = 4.0f;
 // A disk of which less than this share has the ball's color and is visible is none.
 constexpr float kLeastShare = 0.09f;
-
-// Reads a row of the grid of samples. Outside of the picture are the pixels of its edge.
-class SampledPixels {
- public:
-  SampledPixels(const Frame& frame, int seed_u, int seed_v, int step)
-      : frame_(frame), info_(info_of(frame.format)), seed_u_(seed_u), seed_v_(seed_v), step_(step) {
-    for (std::size_t i = 0; i < kOffsets; ++i) {
-      const int u = seed_u + (static_cast<int>(i) - kSampleReach) * step;
-      if (i < kSampleSide && u >= 0 && u < frame.width_px) columns_ |= std::uint64_t{1} << i;
-      const auto nearest = static_cast<std::size_t>(std::clamp(u, 0, frame.width_px - 1));
-      for (std::size_t c = 0; c < 3; ++c) offset_[c][i] = static_cast<std::uint32_t>(info_.channel[c].byte(nearest));
-    }
-  }
-  // The columns that are in the picture.
-  [[nodiscard]] std::uint64_t columns() const { return columns_; }
-  // Where a column or row is in the picture, and the reverse.
-  [[nodiscard]] int u_px(int column) const { return seed_u_ + column * step_; }
-  [[nodiscard]] int v_px(int row) const { return seed_v_ + row * step_; }
-  [[nodiscard]] float column_at(float u_px) const {
-    return (u_px - static_cast<float>(seed_u_)) / static_cast<float>(step_);
-  }
-
-  // The row must be in the picture.
-  void select(int row) {
-    const auto v = static_cast<std::size_t>(v_px(row));
-    for (std::size_t c = 0; c < 3; ++c) {
-      const ChannelLayout& channel = info_.channel[c];
-      row_[c] = frame_.plane[channel.plane] + (v >> channel.shift_v) * frame_.stride_bytes[channel.plane];
-    }
-  }
-  // Reads every `kEvery`-th column from `first` on.
-  template <std::size_t kEvery>
-  void read(int first, PixelGroup& out) const {
-    std::array<std::array<std::int32_t, kGroupSize>, 3> value;
-    const std::size_t begin = sample_index(first);
-    // gcc 12 unrolls no loops at -O2.
-    _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
-      const std::uint8_t* const pixels = row_[c];
-      const std::uint32_t* const offset = &offset_[c][begin];
-      _Pragma("GCC unroll 8") for (std::size_t i = 0; i < kGroupSize; ++i) value[c][i] = pixels[offset[kEvery * i]];
-    }
-    _Pragma("GCC unroll 2") for (std::size_t half = 0; half < 2; ++half) {
-      std::array<Lanes<float>, 3> above_black;
-      _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
-        Lanes<std::int32_t> four;
-        std::memcpy(&four, &value[c][4 * half], sizeof four);
-        above_black[c] = __builtin_convertvector(four, Lanes<float>);
-      }
-      if (info_.space != ColorSpace::kRgb) above_black = rgb_of(above_black);
-      _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) out[c][half] = above_black[c];
-    }
-  }
-
- private:
-  // As to_rgb().
-  [[nodiscard]] std::array<Lanes<float>, 3> rgb_of(const std::array<Lanes<float>, 3>& value) const {
-    const auto number = [](int integer) { return static_cast<float>(integer); };
-    const auto black = [&](std::size_t c) { return number(black_value(info_.space, c)); };
-    const YuvToRgb yuv = yuv_to_rgb(info_.space);
-    const Lanes<float> u = value[1] - black(1), v = value[2] - black(2);
-    const Lanes<float> bright = number(yuv.luma) * (value[0] - black(0));
-    std::array<Lanes<float>, 3> rgb{bright + number(yuv.red_v) * v,
-                                    bright - number(yuv.green_u) * u - number(yuv.green_v) * v,
-                                    bright + number(yuv.blue_u) * u};
-    for (Lanes<float>& channel : rgb) {
-      channel /= float{YuvToRgb::kOne};
-      channel = channel > 0.0f ? channel : Lanes<float>{};
-    }
-    return rgb;
-  }
-
-  // A group may begin at any column, or be every second one up to the last.
-  static constexpr std::size_t kOffsets = kSampleSide + kGroupSize - 1;
-
-  const Frame& frame_;
-  const PixelFormatInfo& info_;
-  int seed_u_, seed_v_, step_;
-  std::uint64_t columns_ = 0;
-  std::array<const std::uint8_t*, 3> row_{};
-  // Bytes from the begin of a row to a column, by channel.
-  std::array<std::array<std::uint32_t, kOffsets>, 3> offset_;
-};
 
 bool is_in(const Frame& frame, int u, int v) { return u >= 0 && v >= 0 && u < frame.width_px && v < frame.height_px; }
 
@@ -152,133 +69,49 @@ bool look_at_floor(const Frame& frame, int u, int v, float radius_px, Rgb& out) 
   return true;
 }
 
-// The parallelogram that a robot's top is in the picture.
-class TopOutline {
- public:
-  TopOutline() = default;
-  explicit TopOutline(const RobotTop& top) : center_(top.center) {
-    const PixelPoint &x = top.half_side[0], &y = top.half_side[1];
-    reach_v_px_ = std::abs(x.v_px) + std::abs(y.v_px);
-    const float determinant = x.u_px * y.v_px - y.u_px * x.v_px;
-    if (std::abs(determinant) < 1e-6f) {
-      reach_v_px_ = -1.0f;
-      return;
-    }
-    inverse_ = {{{y.v_px / determinant, -y.u_px / determinant}, {-x.v_px / determinant, x.u_px / determinant}}};
-  }
-  // The columns whose samples are on the top.
-  [[nodiscard]] std::uint64_t covers(const SampledPixels& pixels, int row) const {
-    const float dv = static_cast<float>(pixels.v_px(row)) - center_.v_px;
-    if (std::abs(dv) > reach_v_px_) return 0;
-    // Between two sides, u is the middle plus at most a distance, where a coordinate is -1 and 1.
-    float first = -1e6f, last = 1e6f;
-    for (const auto& [per_u, per_v] : inverse_) {
-      if (std::abs(per_u) < 1e-6f) {
-        if (std::abs(per_v * dv) >= 1.0f) return 0;
-        continue;
+// Second and fourth angular moments of the pixels of the ball's color around a disk, relative to the largest possible
+// values. On a finer grid than the search: shapes differ by few pixels.
+void measure_shape(const Frame& frame, const BallColor& color, std::span<const TopOutline> tops, int center_u,
+                   int center_v, float radius_px, BallAppearance& out) {
+  const int step = static_cast<int>(std::ceil(kShapeRadius * radius_px / static_cast<float>(kSampleReach)));
+  const float radius = kShapeRadius * radius_px / static_cast<float>(step);
+  SampledPixels pixels(frame, center_u, center_v, step);
+  const SampleRing disk(0.0f, radius);
+  BallSamples samples(frame, pixels, tops, disk.reach, disk.reach);
+  samples.read_dense(color, true);
+  const Samples shape = samples.ball.without_holes(disk, 0, 0);
+  float n = 0, mean_x = 0, mean_y = 0;
+  const auto for_each = [&](const auto& add) {
+    for (int row = -disk.reach; row <= disk.reach; ++row) {
+      for (std::uint64_t bits = shape.row(row); bits != 0; bits &= bits - 1) {
+        add(static_cast<float>(std::countr_zero(bits) - kSampleReach), static_cast<float>(row));
       }
-      const float middle = center_.u_px - per_v / per_u * dv, distance = 1.0f / std::abs(per_u);
-      first = std::max(first, pixels.column_at(middle - distance));
-      last = std::min(last, pixels.column_at(middle + distance));
     }
-    first = std::max(first, static_cast<float>(-kSampleReach - 1));
-    last = std::min(last, static_cast<float>(kSampleReach + 1));
-    if (!(last > first)) return 0;
-    // The sides themselves do not count.
-    const int from = static_cast<int>(std::floor(first)) + 1, to = static_cast<int>(std::ceil(last)) - 1;
-    return from <= to ? 2 * sample_bit(to) - sample_bit(from) : 0;
-  }
-
- private:
-  PixelPoint center_;
-  float reach_v_px_ = 0;
-  // Pixels to coordinates in half sides.
-  std::array<std::array<float, 2>, 2> inverse_{};
-};
-
-// What the samples around a seed show.
-class BallSamples {
- public:
-  // `reach`: that of the surroundings; `dense`: radius within which all samples count.
-  BallSamples(const Frame& frame, SampledPixels& pixels, std::span<const TopOutline> tops, int reach, int dense)
-      : pixels_(pixels), reach_(reach), dense_(0.0f, static_cast<float>(dense) + 0.01f) {
-    for (int row = -reach; row <= reach; ++row) {
-      if (pixels.v_px(row) < 0 || pixels.v_px(row) >= frame.height_px) continue;
-      std::uint64_t columns = std::abs(row) <= dense ? middle_sample_bits(dense_.last[distance(row)]) : 0;
-      if (row % 2 == 0) columns |= kCoarseColumns & middle_sample_bits(reach);
-      columns &= pixels.columns();
-      for (const TopOutline& top : tops) columns &= ~top.covers(pixels, row);
-      visible.row(row) = columns;
-    }
-  }
-
-  // Reads every second row and column. Returns how many have the ball's color.
-  int read_coarse(const BallColor& color) {
-    PixelGroup group;
-    int count = 0;
-    for (int row = -(reach_ - reach_ % 2); row <= reach_; row += 2) {
-      const std::uint64_t columns = visible.row(row) & kCoarseColumns;
-      if (columns == 0) continue;
-      pixels_.select(row);
-      std::uint64_t is_ball = 0, is_colorful = 0;
-      for (const int first : {-kSampleReach, 0}) {
-        pixels_.read<2>(first, group);
-        is_ball |= spread(color.is_ball(group)) << sample_index(first);
-        is_colorful |= spread(color.is_colorful(group)) << sample_index(first);
-      }
-      coarse.row(row) = columns;
-      ball.row(row) = is_ball & columns;
-      colorful.row(row) = is_colorful & ~is_ball & columns;
-      count += count_sample_bits(is_ball & columns);
-    }
-    return count;
-  }
-
-  // Reads all samples between those of the ball's color that are known, and those next to them; or simply all.
-  void read_dense(const BallColor& color, bool all) {
-    std::uint64_t any = 0;
-    int top = kSampleReach, bottom = -kSampleReach;
-    for (int row = -reach_; row <= reach_; ++row) {
-      any |= ball.row(row);
-      if (ball.row(row) == 0) continue;
-      top = std::min(top, row);
-      bottom = row;
-    }
-    if (any == 0 && !all) return;
-    const int left = all ? -kSampleReach : std::countr_zero(any) - kSampleReach - 1;
-    const int right = all ? kSampleReach : static_cast<int>(std::bit_width(any)) - kSampleReach;
-    const int first_row = std::max(all ? -kSampleReach : top - 1, -dense_.reach);
-    const int last_row = std::min(all ? kSampleReach : bottom + 1, dense_.reach);
-    PixelGroup group;
-    for (int row = first_row; row <= last_row; ++row) {
-      if (visible.row(row) == 0) continue;
-      const int last = dense_.last[distance(row)];
-      pixels_.select(row);
-      std::uint64_t is_ball = 0;
-      for (int first = std::max(-last, left); first <= std::min(last, right); first += kGroupSize) {
-        pixels_.read<1>(first, group);
-        is_ball |= std::uint64_t{color.is_ball(group)} << sample_index(first);
-      }
-      ball.row(row) |= is_ball & visible.row(row);
-    }
-  }
-
-  Samples visible, ball;
-  Samples coarse, colorful;  // every second row and column
-
- private:
-  static std::size_t distance(int row) { return static_cast<std::size_t>(std::abs(row)); }
-  // Moves bit i to bit 2 i.
-  static std::uint64_t spread(std::uint32_t byte) {
-    byte = (byte | byte << 4u) & 0x0f0fu;
-    byte = (byte | byte << 2u) & 0x3333u;
-    return (byte | byte << 1u) & 0x5555u;
-  }
-
-  SampledPixels& pixels_;
-  int reach_;
-  SampleRing dense_;
-};
+  };
+  for_each([&](float x, float y) {
+    n += 1;
+    mean_x += x;
+    mean_y += y;
+  });
+  if (n == 0.0f) return;
+  mean_x /= n;
+  mean_y /= n;
+  // z^2 and z^4 of z = x + i y.
+  float re2 = 0, im2 = 0, size2 = 0, re4 = 0, im4 = 0, size4 = 0;
+  for_each([&](float x, float y) {
+    const float dx = x - mean_x, dy = y - mean_y;
+    const float re = dx * dx - dy * dy, im = 2 * dx * dy, size = dx * dx + dy * dy;
+    re2 += re;
+    im2 += im;
+    size2 += size;
+    re4 += re * re - im * im;
+    im4 += 2 * re * im;
+    size4 += size * size;
+  });
+  if (size2 <= 0.0f) return;
+  out.elongation = std::sqrt(re2 * re2 + im2 * im2) / size2;
+  out.squareness = std::sqrt(re4 * re4 + im4 * im4) / size4;
+}
 
 }  // namespace
 
@@ -347,6 +180,9 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
   const auto shown = static_cast<float>(samples.visible.count(disk, at_u, at_v));
   const auto around = std::max(1.0f, static_cast<float>(samples.visible.count(ring, at_u, at_v)));
   if (inside < 1.0f) return false;
+  // The outline is less sharp along each axis in which pixels share their chroma.
+  const ChannelLayout& chroma = info_of(frame.format).channel[2];
+  out.radius = radius_px / (1.0f + 0.25f * static_cast<float>(chroma.shift_u + chroma.shift_v));
   out.visible = shown / static_cast<float>(disk.count);
   out.filled = std::min(1.0f, with_reflections / shown);
   out.overflow = static_cast<float>(ball.count(ring, at_u, at_v)) / around;
@@ -363,6 +199,7 @@ bool look_at_ball(const Frame& frame, PixelPoint seed, float radius_px, const st
   }
   out.center = {static_cast<float>(seed_u) + static_cast<float>(step) * mean_u,
                 static_cast<float>(seed_v) + static_cast<float>(step) * mean_v};
+  measure_shape(frame, color, {tops.data(), tops.size()}, seed_u + step * at_u, seed_v + step * at_v, radius_px, out);
   // The rim is darker than the patch that the typical value is from.
   const SampleRing core(0.0f, std::max(1.0f, kCore * radius));
   const SampleRing& middle = ball.count(core, at_u, at_v) > 0 ? core : disk;

@@ -20,14 +20,22 @@ constexpr float kClearlyBetter = 0.85f;
 // Probability that a region of the right size and shape is the ball: of the best one, and with the smallest area.
 constexpr float kBestRegion = 0.98f, kSmallestRegion = 0.9f;
 
-// --- Pixels: log odds, set by hand while looking at the real pictures of tests/footage and at rendered scenes; they
-// were not fitted, and no picture was held back.
+// --- Pixels: log odds. Those of fill, overflow, shape and color were fitted (logistic regression, then rounded) to
+// balls and to painted distractors of other shapes and colors in every second real picture.
 // A region in the ball's boxes, before its pixels are examined; a place where only the track expects it.
 constexpr float kRegionOdds = 0.5f, kExpectedOdds = -1.0f;
 // Of a disk that is filled completely; the share that says nothing; the least and the largest value.
-constexpr float kFilledOdds = 12.0f, kNeutralFilled = 0.6f, kLeastFilledOdds = -4.0f, kMostFilledOdds = 3.5f;
-// Of a ring without the ball's color; the share that says nothing.
-constexpr float kOverflowOdds = 2.0f, kNeutralOverflow = 0.3f, kLeastOverflowOdds = -5.0f;
+constexpr float kFilledOdds = 10.0f, kNeutralFilled = 0.6f, kLeastFilledOdds = -4.0f, kMostFilledOdds = 3.5f;
+// Of a ring that is full of the ball's color, above a share that a ball reaches; the largest share that counts.
+constexpr float kOverflowOdds = -20.0f, kNeutralOverflow = 0.05f, kMostOverflow = 0.4f;
+// Of a square; the squareness that says nothing; the least and the largest value. Of a bar, above the elongation that a
+// ball reaches.
+constexpr float kSquareOdds = -29.0f, kNeutralSquareness = 0.14f, kLeastSquareOdds = -9.0f, kMostSquareOdds = 1.0f;
+constexpr float kElongatedOdds = -20.0f, kNeutralElongation = 0.25f;
+// Below the first radius the shape says nothing, from the second one on everything; likewise with the visible share.
+constexpr std::array<float, 2> kShapeRadius{2.5f, 5.5f}, kShapeVisible{0.6f, 1.0f};
+// Of a shape that says nothing: that most things of this color and size are the ball.
+constexpr float kUnclearShapeOdds = 0.1f;
 // Of a ring that is full of other colors, above a share that a robot beside the ball reaches.
 constexpr float kColorfulOdds = -8.0f, kNeutralColorful = 0.25f;
 // Of a patch of another color, whose robot was not found, against the ball: alone, and by the share of other colors.
@@ -37,6 +45,8 @@ constexpr float kMinVisible = 0.35f;
 // Standard deviations of the color's logarithm: of its brightness, and of a channel against the others.
 constexpr float kBrightnessSigma = 0.5f, kChannelSigma = 0.22f;
 constexpr float kColorNoise_levels = 12.0f, kLeastColorOdds = -10.0f;
+// Weight of the color's log likelihood: its errors are correlated with those of the other evidence.
+constexpr float kColorWeight = 0.9f;
 // A seed whose color is less likely than this shows a reflection or the ball's rim.
 constexpr float kCredibleSeed = -3.0f;
 // Share of the seed's tint that is the lamp's. The rest is that of another color.
@@ -102,12 +112,22 @@ FixedVector<RobotTop, kMaxRobots> tops_near(FieldPoint ball, const BallFinder::S
   return tops;
 }
 
+// 0 up to the first limit, 1 from the second one on.
+float ramp(float value, const std::array<float, 2>& limits) {
+  return std::clamp((value - limits[0]) / (limits[1] - limits[0]), 0.0f, 1.0f);
+}
+
 float appearance_log_odds(const BallAppearance& shown) {
   const float filled = std::clamp(kFilledOdds * (shown.filled - kNeutralFilled), kLeastFilledOdds, kMostFilledOdds);
-  const float overflow = std::max(kOverflowOdds * (1.0f - shown.overflow / kNeutralOverflow), kLeastOverflowOdds);
+  const float overflow =
+      kOverflowOdds * std::clamp(shown.overflow - kNeutralOverflow, 0.0f, kMostOverflow - kNeutralOverflow);
+  const float square =
+      std::clamp(kSquareOdds * (shown.squareness - kNeutralSquareness), kLeastSquareOdds, kMostSquareOdds);
+  const float shape = square + kElongatedOdds * std::max(0.0f, shown.elongation - kNeutralElongation);
   const float colorful = kColorfulOdds * std::max(0.0f, shown.colorful - kNeutralColorful);
+  const float clarity = ramp(shown.radius, kShapeRadius) * ramp(shown.visible, kShapeVisible);
   // What is hidden is no evidence.
-  return shown.visible * (filled + overflow) + colorful;
+  return shown.visible * (filled + overflow + (1.0f - clarity) * kUnclearShapeOdds) + clarity * shape + colorful;
 }
 
 }  // namespace
@@ -186,7 +206,7 @@ float BallFinder::log_odds_of(const BallAppearance& shown, float prior, ColorSpa
     if (other == ball_.color || !colors_.knows(other)) continue;
     others += std::exp(disk + patch + log_likelihood(shown.rgb, other, space));
   }
-  return disk + log_likelihood(shown.rgb, ball_.color, space) - std::log(others);
+  return disk + kColorWeight * log_likelihood(shown.rgb, ball_.color, space) - std::log(others);
 }
 
 float BallFinder::expectation_log_odds(const Scene& now, PixelPoint center) const {

@@ -76,6 +76,21 @@ class BallFromPixels : public ::testing::TestWithParam<PixelFormat> {
     }
   }
 
+  // Shows a part of the floor, up to a distance in radii, in the ball's color and boxes.
+  void show_area(FieldPoint at, float reach, const std::function<bool(float right, float down)>& is_part) {
+    const PixelPoint center = boxes.camera().to_pixel(at, radius_m);
+    const float radius_px = radius_m * boxes.camera().scale_px_per_m(at, radius_m);
+    for (int v = 0; v < 480; ++v) {
+      for (int u = 0; u < 640; ++u) {
+        const float right = (static_cast<float>(u) - center.u_px) / radius_px;
+        const float down = (static_cast<float>(v) - center.v_px) / radius_px;
+        if (std::max(std::abs(right), std::abs(down)) > reach || !is_part(right, down)) continue;
+        boxes.grid().at(u, v) = kOrange;
+        own_color.emplace_back(v * 640 + u, kOrangeRgb);
+      }
+    }
+  }
+
   const Sightings& look(const ExpectedBall& expected = {}) {
     OwnedPicture picture(GetParam(), 640, 480, 0);
     const ColorSpace space = color_space(GetParam());
@@ -162,6 +177,13 @@ TEST_P(BallFromPixels, IsNoOrangePatchOfARobot) {
   ASSERT_EQ(seen.robots.size(), 1u);
   ASSERT_TRUE(seen.robots[0].has_heading);
   EXPECT_FALSE(seen.ball.seen);
+}
+
+// A square that a disk of the ball's size fills as well as a ball with its reflections does.
+TEST_P(BallFromPixels, IsNoSquare) {
+  const auto is_in_square = [](float right, float down) { return std::max(std::abs(right), std::abs(down)) < 0.95f; };
+  show_area({0.3f, 0.2f}, 1.5f, is_in_square);
+  EXPECT_FALSE(look().ball.seen);
 }
 
 // The identification patch of a robot whose team patch fell into no box.

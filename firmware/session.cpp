@@ -17,7 +17,10 @@ Result<void> Session::load(const SessionOptions& options) {
 
 Result<void> Session::open(LoopObserver observer) {
   devices_.make(*configuration_, options_.seed, options_.arena_time);
-  const HalDevices devices = devices_.hal_devices();
+  const HalDevices made = devices_.hal_devices();
+  if (gpio_proxy_ != nullptr) gpio_proxy_->attach(made.gpio, made.clock);
+  hal::Gpio& gpio = gpio_proxy_ != nullptr ? *gpio_proxy_ : made.gpio;
+  const HalDevices devices{made.camera, made.radio, gpio, made.clock, made.simulated_time};
   LoopSettings settings;
   settings.faults = configuration_->board.faults;
   settings.radio_delay = from_seconds(configuration_->board.radio.delay_s);

@@ -23,6 +23,13 @@ struct SessionOptions {
   ArenaTime arena_time = ArenaTime::kFast;
 };
 
+/// A GPIO in front of another one.
+class GpioProxy : public hal::Gpio {
+ public:
+  /// `gpio` and `clock`, which stamps its edges, outlive this object's use.
+  virtual void attach(hal::Gpio& gpio, hal::Clock& clock) = 0;
+};
+
 /// Everything that one run needs, created in this order: configuration, pipeline, devices. Used by touchline and
 /// touchline-latency.
 class Session {
@@ -44,6 +51,10 @@ class Session {
   void set_arena_time(ArenaTime time) { options_.arena_time = time; }
   /// Replaces the clock that measures the stages; call it before load().
   void set_stage_clock(Pipeline::StageClock clock) { stage_clock_ = clock; }
+  /// Puts a device between the loop and the board's GPIO; it must outlive the loop. Call it before open().
+  void set_gpio_proxy(GpioProxy& proxy) { gpio_proxy_ = &proxy; }
+  /// Puts an LED into an arena's picture; call it after load() and before open().
+  void set_arena_led(const hal::mock::ArenaLed& led) { configuration_->board.arena.led = led; }
   /// Gets a snapshot of every frame; null: none. Call it before open().
   void set_snapshots(SnapshotRing* snapshots) { snapshots_ = snapshots; }
   /// Input of the console, and the pictures that it asks for; call it before open().
@@ -74,6 +85,7 @@ class Session {
   ExternalInputSettings external_;
   Pipeline::StageClock stage_clock_ = hal::MonotonicClock::read;
   SnapshotRing* snapshots_ = nullptr;
+  GpioProxy* gpio_proxy_ = nullptr;
   Mailbox<ConsoleInput>* console_ = nullptr;
   PictureExchange* pictures_ = nullptr;
   LiveUpdate live_update_;

@@ -1,6 +1,7 @@
 #include "hal/mock/arena.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace touchline::hal::mock {
 namespace {
@@ -20,7 +21,8 @@ Arena::Arena(const ArenaParameters& parameters, const CameraSettings& camera, co
       sensor_(parameters.sensor, pixel_format(camera.format), camera.width_px, camera.height_px, seed),
       begin_(begin),
       now_(begin),
-      stepped_(begin) {}
+      stepped_(begin),
+      led_picture_(parameters.led.radius_px > 0.0 ? std::size_t{3} * camera.width_px * camera.height_px : 0) {}
 
 bool Arena::fault_active(FaultKind kind, Instant at) const {
   const double t = seconds(at - begin_);
@@ -63,10 +65,15 @@ void Arena::update_shutter() {
     exposure.sequence = sequence;
     exposing_ = exposure;
     exposing_since_ = stepped_;
+    led_on_at_exposure_ = led_on_until(stepped_);
   }
   if (exposing_ && stepped_ >= exposing_since_ + from_seconds(parameters_.sensor.exposure_s)) {
     exposing_->end = world_.snapshot();
     exposing_->capture_time = exposing_since_ + (stepped_ - exposing_since_) / 2;
+    const Duration open = stepped_ - exposing_since_;
+    if (open > Duration::zero()) {
+      exposing_->led = seconds(led_on_until(stepped_) - led_on_at_exposure_) / seconds(open);
+    }
     exposing_->ready = stepped_ + from_seconds(parameters_.sensor.transfer_s);
     waiting_.push_back(*exposing_);
     exposing_.reset();
@@ -96,9 +103,34 @@ void Arena::adjust_camera(const CameraSettings& settings) {
   sensor_.set_brightness(ratio(settings.exposure_us, camera_.exposure_us) * ratio(settings.gain, camera_.gain));
 }
 
+void Arena::set_led(bool on) {
+  led_on_time_ = led_on_until(now_);
+  led_changed_ = now_;
+  led_on_ = on;
+}
+
+std::span<const std::uint16_t> Arena::with_led(std::span<const std::uint16_t> picture, double share) {
+  if (led_picture_.empty()) return picture;
+  std::copy(picture.begin(), picture.end(), led_picture_.begin());
+  const ArenaLed& led = parameters_.led;
+  // Below the sensor's full scale, as a lamp behind paper.
+  constexpr double kLight = 0.8 * kLinearScale;
+  for (std::size_t v = 0; v < camera_.height_px; ++v) {
+    for (std::size_t u = 0; u < camera_.width_px; ++u) {
+      if (std::hypot(static_cast<double>(u) - led.u_px, static_cast<double>(v) - led.v_px) > led.radius_px) continue;
+      for (std::size_t c = 0; c < 3; ++c) {
+        std::uint16_t& value = led_picture_[3 * (v * camera_.width_px + u) + c];
+        value = static_cast<std::uint16_t>(std::min<double>(kLinearScale, 0.1 * value + kLight * share));
+      }
+    }
+  }
+  return led_picture_;
+}
+
 void Arena::render(const Exposure& exposure, std::span<std::uint8_t> out) {
-  sensor_.expose(
-      fault_active(FaultKind::kDark) ? renderer_.render_dark() : renderer_.render(exposure.begin, exposure.end), out);
+  const std::span<const std::uint16_t> light =
+      fault_active(FaultKind::kDark) ? renderer_.render_dark() : renderer_.render(exposure.begin, exposure.end);
+  sensor_.expose(with_led(light, exposure.led), out);
 }
 
 }  // namespace touchline::hal::mock

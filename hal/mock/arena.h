@@ -24,6 +24,7 @@ struct Exposure {
   Snapshot begin, end;
   Instant capture_time{}, ready{};
   std::uint32_t sequence = 0;
+  double led = 0.0;  // share of the exposure in which the LED was on
 };
 
 /// Runs world, radio and camera on one time line. Time advances only by advance_to(), in steps of the world. Packets,
@@ -63,6 +64,9 @@ class Arena {
   /// Renders the frame into `out`, which holds the bytes of picture_layout().
   void render(const Exposure& exposure, std::span<std::uint8_t> out);
 
+  /// Switches ArenaParameters::led at now().
+  void set_led(bool on);
+
   /// Scales the brightness by exposure time and gain relative to the settings at construction. A value that is 0 (not
   /// set) in either of them is ignored.
   void adjust_camera(const CameraSettings& settings);
@@ -78,6 +82,11 @@ class Arena {
  private:
   void update_shutter();
   [[nodiscard]] Instant exposure_begin(std::uint64_t frame) const;
+  // How long the LED was on until `instant`, which is not before its last change.
+  [[nodiscard]] Duration led_on_until(Instant instant) const {
+    return led_on_time_ + (led_on_ ? instant - led_changed_ : Duration::zero());
+  }
+  std::span<const std::uint16_t> with_led(std::span<const std::uint16_t> picture, double share);
 
   const ArenaParameters parameters_;
   const CameraSettings camera_;
@@ -92,6 +101,10 @@ class Arena {
   std::uint64_t next_frame_ = 0;
   std::optional<Exposure> exposing_;
   Instant exposing_since_{};
+  bool led_on_ = false;
+  Instant led_changed_{};
+  Duration led_on_time_{}, led_on_at_exposure_{};
+  std::vector<std::uint16_t> led_picture_;
   FixedVector<Exposure, 32> waiting_;  // the largest number of buffers that the board file allows
   int held_ = 0;
   std::mutex mutex_;

@@ -352,7 +352,14 @@ enum class Opponents : std::uint8_t { kStand, kPlay };
 inline constexpr std::array<Choice<Opponents>, 2> kOpponentModes{
     {{"stand", Opponents::kStand}, {"play", Opponents::kPlay}}};
 
+/// A lamp in the picture that the status light's line switches (touchline-latency --led); no key of the board file.
+struct ArenaLed {
+  double u_px = 0.0, v_px = 0.0;
+  double radius_px = 0.0;  // 0: there is none
+};
+
 struct ArenaParameters {
+  ArenaLed led;
   ArenaField field;
   PhysicsParameters physics;
   LensParameters camera;

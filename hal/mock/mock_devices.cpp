@@ -7,6 +7,29 @@
 
 namespace touchline::hal::mock {
 
+Instant RenderingClock::now() const {
+  const std::scoped_lock lock(mutex_);
+  return paused_since_.value_or(real_.now()) - paused_;
+}
+
+void RenderingClock::sleep_until(Instant instant) {
+  std::unique_lock lock(mutex_);
+  const Duration paused = paused_;
+  lock.unlock();
+  real_.sleep_until(instant + paused);
+}
+
+void RenderingClock::pause() {
+  const std::scoped_lock lock(mutex_);
+  paused_since_ = real_.now();
+}
+
+void RenderingClock::resume() {
+  const std::scoped_lock lock(mutex_);
+  paused_ += real_.now() - paused_since_.value_or(real_.now());
+  paused_since_.reset();
+}
+
 MockCamera::MockCamera(Arena& arena, Clock& clock, RenderingClock* rendering)
     : arena_(arena),
       clock_(clock),
@@ -75,9 +98,9 @@ Result<FrameLease> MockCamera::hand_out(const Exposure& exposure) {
   *free = true;
   arena_.hold_buffer();
   std::vector<std::uint8_t>& bytes = buffers_[buffer];
-  const Instant begin = clock_.now();
+  if (rendering_ != nullptr) rendering_->pause();
   arena_.render(exposure, bytes);
-  if (rendering_ != nullptr) rendering_->set_back(begin);
+  if (rendering_ != nullptr) rendering_->resume();
   Frame frame;
   frame.format = info_.format;
   frame.width_px = info_.width_px;
@@ -209,6 +232,14 @@ Result<void> MockGpio::set(bool& output, bool high) {
     return failure(ErrorCode::kIo, "mock gpio: used before it was opened");
   }
   output = high;
+  return {};
+}
+
+Result<void> MockGpio::do_set_status_led(bool on) {
+  TOUCHLINE_TRY(set(led_, on));
+  const std::scoped_lock lock(arena_.mutex());
+  arena_.advance_to(clock_.now());
+  arena_.set_led(on);
   return {};
 }
 

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,16 +24,17 @@ namespace touchline::hal::mock {
 class RenderingClock : public Clock {
  public:
   explicit RenderingClock(Clock& real) : real_(real) {}
-  [[nodiscard]] Instant now() const override { return real_.now() - paused(); }
-  void sleep_until(Instant instant) override { real_.sleep_until(instant + paused()); }
-  /// Sets the clock back to an instant that has just passed.
-  void set_back(Instant instant) { paused_ns_ += (now() - instant).count(); }
+  [[nodiscard]] Instant now() const override;
+  void sleep_until(Instant instant) override;
+  /// Stops the clock, and lets it go on.
+  void pause();
+  void resume();
 
  private:
-  [[nodiscard]] Duration paused() const { return Duration(paused_ns_.load()); }
-
   Clock& real_;
-  std::atomic<Duration::rep> paused_ns_ = 0;
+  mutable std::mutex mutex_;
+  Duration paused_{};                    // in all pauses that have ended
+  std::optional<Instant> paused_since_;  // on the real clock
 };
 
 /// Camera that delivers rendered frames of the arena. `clock`: an ArenaClock, or a real clock that the arena follows.
@@ -97,7 +99,7 @@ class MockGpio : public Gpio {
  private:
   Result<void> do_open() override;
   void do_close() override { open_ = false; }
-  Result<void> do_set_status_led(bool on) override { return set(led_, on); }
+  Result<void> do_set_status_led(bool on) override;
   Result<void> do_set_strobe(bool high) override { return set(strobe_, high); }
   Result<GpioInputs> do_inputs(Instant now) override;
   Result<void> set(bool& output, bool high);

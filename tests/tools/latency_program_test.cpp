@@ -131,6 +131,27 @@ TEST_F(LatencyProgram, SavedWorstFramesCanBeReplayed) {
   EXPECT_TRUE(output_contains("must be a new or empty folder")) << read("out");
 }
 
+// In the arena, the status light's line drives an LED in the picture.
+TEST_F(LatencyProgram, ComparesAnLedWithItsLine) {
+  // On a busy machine, the times of some edges are uncertain.
+  latency::LedReport led;
+  for (int attempt = 0; attempt < 4 && led.edges < 5; ++attempt) {
+    ASSERT_EQ(measure("--frames 240 --led 600,30,6 --out " + path("a.json")), 0) << read("out");
+    const Result<latency::LatencyReport> report = latency::from_json(read("a.json"));
+    ASSERT_TRUE(report.ok()) << report.text();
+    ASSERT_TRUE(report.value().led.has_value());
+    led = *report.value().led;
+  }
+  EXPECT_EQ(led.refusal, "") << read("out");
+  EXPECT_GE(led.on_level - led.off_level, 50.0);
+  EXPECT_GE(led.edges, 5u) << read("out");
+  EXPECT_GE(led.light_to_packet.p50, std::chrono::milliseconds(8)) << "half of the exposure, and transfer";
+  EXPECT_TRUE(output_contains("than the middle of the exposure, +- ")) << read("out");
+  EXPECT_EQ(measure("--led 600"), 64);
+  EXPECT_EQ(measure("--frames 5 --led 600,30 --set gpio.backend=none"), 1);
+  EXPECT_TRUE(output_contains("--led needs gpio.status_led_line")) << read("out");
+}
+
 TEST_F(LatencyProgram, AWrongCommandLineGivesExitCode64) {
   EXPECT_EQ(latency("--help"), 0);
   EXPECT_EQ(latency(""), 64);

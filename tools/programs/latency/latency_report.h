@@ -10,6 +10,7 @@
 #include "core/types.h"
 #include "tools/programs/latency/interrupts.h"
 #include "tools/programs/latency/latency_samples.h"
+#include "tools/programs/latency/led_analysis.h"
 #include "tools/programs/latency/rare_frames.h"
 #include "tools/programs/latency/thread_usage.h"
 #include "tools/programs/latency/timer_noise.h"
@@ -149,6 +150,7 @@ struct LatencyReport {
   ThreadUsage usage;                         // of the loop's thread after warm-up
   std::optional<std::uint64_t> allocations;  // likewise; empty in builds with a sanitizer
   std::optional<NoiseReport> noise;          // of a thread beside the loop; empty: not measured
+  std::optional<LedReport> led;              // empty: no LED was watched
   SystemFacts system;
 };
 

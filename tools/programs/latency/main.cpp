@@ -38,6 +38,16 @@ int main(int argc, char** argv) {
   app.add_flag("--worst-frames", options.worst_frames,
                "Measure synthetic pictures that are most expensive to process, instead of the camera; no radio");
   app.add_flag("--load", options.load, "Run stress-ng at the same time: processors, caches, memory, files");
+  app.add_option_function<std::string>(
+         "--led",
+         [&](const std::string& text) {
+           if (const std::string wrong = latency::parse_led_place(text, options.led.emplace()); !wrong.empty()) {
+             throw CLI::ValidationError("--led", wrong);
+           }
+         },
+         "Blink the status light, whose LED is seen at this pixel, and measure from its light to the packet;\n"
+         "in the mock arena with --pace")
+      ->type_name("U,V[,RADIUS]");
   app.add_flag("--noise", options.noise,
                "Measure how late the timers of a thread beside the loop are: the machine's share of the delays");
   app.add_option("--stop-trace-ms", options.stop_trace_ms,

@@ -107,6 +107,13 @@ class Run {
     return {};
   }
 
+  // Blinks while the loop runs.
+  void watch_led(const LedPlace& place, LedBlinker& blinker) {
+    blinker_ = &blinker;
+    watch_.emplace(place, frames_ + options_.warm_up);
+    measurement_.set_led(*watch_);
+  }
+
   int measure(Loop& loop, const std::string& source, double rate_hz, const std::string& time) {
     LoopEnd end = LoopEnd::kRequested;
     SystemFacts facts;
@@ -114,6 +121,7 @@ class Run {
       // Its thread starts before this one gets real-time priority and does not inherit it.
       const Progress progress(measurement_, options_.duration_s > 0.0 ? 0 : steps());
       start_noise();
+      if (blinker_ != nullptr) blinker_->start(rate_hz);
       const CpuLatencyRequest cpu_latency_request(board_.realtime);
       report_refused(cpu_latency_request.refused());
       report_refused(become_realtime(board_.realtime));
@@ -124,6 +132,7 @@ class Run {
       measurement_.begin();
       end = loop.run(handle_stop_signals());
       measurement_.end();
+      if (blinker_ != nullptr) blinker_->stop();
       const std::optional<ProcessorTimes> finish = read_processor_times();
       if (begin && finish) add_load(facts, *begin, *finish);
       add_interrupts(facts, interrupts_begin, read_interrupts());
@@ -133,6 +142,10 @@ class Run {
     LatencyReport report = measurement_.report(source, expected);
     report.measured_at = utc_now();
     report.time = time;
+    if (blinker_ != nullptr) {
+      report.led = analyze_led(watch_->frames(), blinker_->edges(), from_seconds(1.0 / rate_hz));
+      if (!blinker_->error().empty()) report.led->refusal = blinker_->error();
+    }
     if (noise_) {
       noise_->stop();
       report.noise = noise_->report();
@@ -216,6 +229,8 @@ class Run {
   WorstFrameRecorder recorder_;
   std::optional<TimerNoise> noise_;
   KernelTrace trace_;
+  LedBlinker* blinker_ = nullptr;
+  std::optional<LedWatch> watch_;
   BackgroundLoad load_;
   std::vector<std::string> refused_;
 };
@@ -233,19 +248,35 @@ std::string time_text(Session& session) {
              : "the machine's, without that of rendering; stalls delay later frames";
 }
 
+Result<void> check_led(const config::BoardFile& board) {
+  const bool is_wired = board.gpio.backend == hal::GpioBackend::kMock ||
+                        (board.gpio.backend == hal::GpioBackend::kGpiod && board.gpio.status_led_line != hal::kNoLine);
+  if (!is_wired) return failure(ErrorCode::kUnsupported, "--led needs gpio.status_led_line in the board file");
+  if (board.camera.rate_hz <= 0.0)
+    return failure(ErrorCode::kUnsupported, "--led needs camera.rate_hz in the board file");
+  return {};
+}
+
 int measure_board(MeasureOptions& options) {
+  LedBlinker blinker;  // before the session, which uses it until its end
   Session session;
   session.set_stage_clock(ExecutionMeter::read);
-  if (options.pace) options.session.arena_time = ArenaTime::kMachine;
+  if (options.pace || options.led) options.session.arena_time = ArenaTime::kMachine;
+  if (options.led) session.set_gpio_proxy(blinker);
   if (const Result<void> loaded = session.load(options.session); !loaded.ok()) return refuse(loaded.error());
   const config::Configuration& configuration = session.configuration();
   const config::BoardFile& board = configuration.board;
+  if (options.led) {
+    if (const Result<void> wired = check_led(board); !wired.ok()) return fail(wired.text());
+    session.set_arena_led({options.led->u_px, options.led->v_px, options.led->radius_px});
+  }
   Result<network::NetworkPlan> plan = network::plan_network(configuration, options.network);
   if (!plan.ok()) return refuse(plan.error());
   network::Connections connections(std::move(plan).value());
   connections.attach(session);
   // The rate of a video is not known yet.
   Run run(options, configuration, board.camera.rate_hz > 0.0 ? board.camera.rate_hz : 240.0);
+  if (options.led) run.watch_led(*options.led, blinker);
   if (const Result<void> prepared = run.prepare(); !prepared.ok()) return fail(prepared.text());
   session.limit(run.steps(), run.duration());
   if (const Result<void> opened = session.open(run.observer()); !opened.ok()) {

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "firmware/network/network_plan.h"
 #include "firmware/session.h"
+#include "tools/programs/latency/led_analysis.h"
 #include "tools/programs/latency/planted_delay.h"
 
 namespace touchline::latency {
@@ -23,9 +25,10 @@ struct MeasureOptions {
   double deadline_ms = 0.0;  // 0: the frame period
   std::size_t listed = 5;    // number of worst frames in the report
   bool worst_frames = false, load = false;
-  bool noise = false;          // measure timers beside the loop
-  double stop_trace_ms = 0.0;  // stop the kernel's tracing at a frame that takes longer; 0: never
-  bool pace = false;           // an arena follows the machine's clock
+  std::optional<LedPlace> led;  // compare an LED in the picture with its line
+  bool noise = false;           // measure timers beside the loop
+  double stop_trace_ms = 0.0;   // stop the kernel's tracing at a frame that takes longer; 0: never
+  bool pace = false;            // an arena follows the machine's clock
   PlantedDelay planted;
   network::NetworkOptions network;  // connections that work during the measurement
   Outputs outputs;

@@ -37,6 +37,7 @@ void Measurement::on_step(void* context, const StepTrace& trace, const StepTimin
   if (self.recorder_ != nullptr && self.seen() == 0) self.recorder_->prepare(trace.frame);
   self.add(trace.stage_time, timing, trace.overload, &self.meter_.frame());
   const Duration timer_late = self.noise_ != nullptr ? self.noise_->take_longest() : Duration::zero();
+  if (self.led_ != nullptr) self.led_->add(trace.frame, timing.sent);
   if (self.is_recording()) {
     const std::size_t number = self.seen() - self.warm_up_;
     self.waits_[number - 1].timer_late = timer_late;

@@ -13,6 +13,7 @@
 #include "tools/programs/latency/kernel_trace.h"
 #include "tools/programs/latency/latency_report.h"
 #include "tools/programs/latency/latency_samples.h"
+#include "tools/programs/latency/led_watch.h"
 #include "tools/programs/latency/worst_frame_recorder.h"
 
 namespace touchline::latency {
@@ -43,6 +44,8 @@ class Measurement {
   void set_noise(TimerNoise& noise) { noise_ = &noise; }
   /// Gets every frame after the warm-up; must outlive the loop.
   void set_trace(KernelTrace& trace) { trace_ = &trace; }
+  /// Gets every frame; must outlive the loop.
+  void set_led(LedWatch& led) { led_ = &led; }
   /// Measures what the loop's thread executes.
   [[nodiscard]] ExecutionMeter& meter() { return meter_; }
   /// Call these on the loop's thread immediately before and after the loop runs; page faults, context switches and
@@ -88,6 +91,7 @@ class Measurement {
   WorstFrameRecorder* recorder_ = nullptr;
   TimerNoise* noise_ = nullptr;
   KernelTrace* trace_ = nullptr;
+  LedWatch* led_ = nullptr;
   std::size_t frames_, warm_up_;
   std::atomic<std::size_t> seen_ = 0;
   bool ended_ = false;

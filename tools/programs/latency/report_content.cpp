@@ -153,6 +153,33 @@ std::string rare_text(const RareFrames& rare) {
   return "no estimate: " + rare.refusal + (rare.peaks > 0 ? "; " + std::string(text) : "");
 }
 
+Table led_table(const LedReport& led) {
+  Table table{
+      "Light to packet, milliseconds, " + count(led.edges) + " edges of the LED", {"", "p50", "p90", "p99", "max"}, {}};
+  const auto add_row = [&table](const char* name, const LatencySummary& s) {
+    auto& row = table.rows.emplace_back();
+    row.push_back({name});
+    for (const Duration d : {s.p50, s.p90, s.p99, s.max}) row.push_back({milliseconds(d)});
+  };
+  add_row("LED to packet", led.light_to_packet);
+  add_row("capture to packet", led.capture_to_packet);
+  return table;
+}
+
+std::string led_text(const LedReport& led) {
+  std::string text = "brightness " + number(led.off_level) + " when off, " + number(led.on_level) + " when on; " +
+                     count(led.partial) + " edges within an exposure";
+  if (led.uncertain > 0) text += "; " + count(led.uncertain) + " edges not used, because their time is uncertain";
+  return text;
+}
+
+std::string stamp_text(const LedReport& led) {
+  if (!led.stamp_error) return "";
+  const bool late = *led.stamp_error >= Duration::zero();
+  return text_of(late ? *led.stamp_error : -*led.stamp_error) + (late ? " later" : " earlier") +
+         " than the middle of the exposure, +- " + text_of(led.stamp_resolution);
+}
+
 Table stall_table(const LatencyReport& report) {
   Table table{"Stalls: frames more than half a period later than usual, and the frames that they delayed or lost",
               {"", "later by, ms", "because of", "delayed", "lost"},
@@ -302,7 +329,12 @@ Document document_of(const LatencyReport& report) {
   for (Table table : {waiting_table(report), stall_table(report), rare_table(report)}) {
     if (!table.rows.empty()) document.tables.push_back(std::move(table));
   }
+  if (report.led && report.led->refusal.empty()) document.tables.push_back(led_table(*report.led));
   Facts& facts = document.facts;
+  if (report.led) {
+    add(facts, "LED", report.led->refusal.empty() ? led_text(*report.led) : "no result: " + report.led->refusal);
+    add(facts, "driver's time stamp", stamp_text(*report.led));
+  }
   for (const Counted& counted : counts_of(report)) add(facts, counted.name, text_of_count(counted));
   for (auto& condition : conditions_of(report)) facts.push_back(std::move(condition));
   add(facts, "other programs", measured_load(report.system));

@@ -6,9 +6,16 @@ import { fileURLToPath } from 'node:url';
 
 const rehearsal = fileURLToPath(new URL('../../tools/console/dev/server.js', import.meta.url));
 
+// Whatever ends this process, its servers end, too.
+const children = new Set();
+process.on('exit', () => children.forEach((child) => child.kill('SIGKILL')));
+for (const signal of ['SIGINT', 'SIGTERM', 'SIGHUP']) process.on(signal, () => process.exit(1));
+
 /** Returns {url, end()}. `port` 0: any. Fails with the program's output if it ends before it prints the address. */
 async function start(command, options) {
   const child = spawn(command, options, { stdio: ['ignore', 'pipe', 'pipe'] });
+  children.add(child);
+  child.on('exit', () => children.delete(child));
   const lines = [];
   const url = await new Promise((resolve, reject) => {
     for (const stream of [child.stdout, child.stderr]) {

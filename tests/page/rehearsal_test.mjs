@@ -18,11 +18,11 @@ after(async () => {
 /** With another server than the common one. */
 async function withServer(options, run) {
   const other = await startRehearsal(options);
-  const opened = await open(browser, other.url);
   try {
+    const opened = await open(browser, other.url);
     await run(opened.page, opened.problems, other);
-  } finally {
     await opened.close();
+  } finally {
     await other.end();
   }
 }

@@ -55,6 +55,9 @@ int check_command(const CommandLine& command_line) {
     }
     return kExitBadFile;
   }
+  const Result<console::ConsolePlan> console =
+      console::plan_console(configuration.board.console, configuration.board_where, command_line.console);
+  if (!console.ok()) return fail(console.text());
   if (command_line.dump) return code;
   return print(configuration.board_where.file() + ", " + configuration.venue_where.file() + " and " +
                configuration.team_where.file() + " are valid\ncolors: " +

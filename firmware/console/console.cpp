@@ -30,7 +30,12 @@ Result<void> Console::open(Session& session, AdaptationRequests* adaptation, con
   pictures_.allocate(picture_layout(camera.format, camera.width_px, camera.height_px).bytes);
   WebServerSettings settings{plan_.address, plan_.port, find_page_folder(), {plan_.hosts, {}}};
   if (!is_loopback(plan_.address)) {
-    TOUCHLINE_TRY_ASSIGN(settings.access.token, read_token(plan_.token_file));
+    Result<std::string> token = read_token(plan_.token_file);
+    if (!token.ok()) {
+      return failure(token.code(), "other computers need a token, which `touchline console --token` makes: %s",
+                     token.error().text.c_str());
+    }
+    settings.access.token = std::move(token).value();
   }
   hub_ = std::make_unique<Hub>(HubLinks{*snapshots_, pictures_, input_, reports_, adaptation, print},
                                scene_of(session.configuration(), camera, version), plan_.picture_rate_hz);

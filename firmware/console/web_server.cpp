@@ -117,10 +117,11 @@ Result<void> WebServer::Implementation::open() {
   info.options = LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND | LWS_SERVER_OPTION_DISABLE_IPV6;
   host_ = lws_create_vhost(context_, &info);
   if (host_ == nullptr) {
-    return failure(ErrorCode::kIo,
-                   "%s:%d cannot be used: another program may have the port, or the address is not one "
-                   "of this computer's",
-                   settings_.address.c_str(), int{settings_.port});
+    return failure(
+        ErrorCode::kIo,
+        "%s:%d cannot be used: another program may have the port, the address is not one of this computer's, or "
+        "the service may not use the network (docs/deploy.md)",
+        settings_.address.c_str(), int{settings_.port});
   }
   schedule(Duration::zero());
   return {};

@@ -78,7 +78,8 @@ std::string explanation(const LatencyReport& report, const WorstFrame& frame, Sp
   };
   if (part == Span::kCamera) {
     return 2 * frame.waits.ready_before > excess && excess > Duration::zero()
-               ? ": " + without_processor(frame.waits.ready_before)
+               // In the arena, rendering waits too, which no span contains.
+               ? ": " + without_processor(std::min(frame.waits.ready_before, frame.times[index]))
                : "";
   }
   if (part != Span::kWaiting) return "";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace touchline {
 namespace {
@@ -28,9 +29,18 @@ constexpr float kFloorSigma = 0.12f;
 // A gain far from the expected one widens the prior as a Student distribution of these degrees of freedom does: a
 // robot may stand in a shadow that the field around it does not show.
 constexpr float kDegreesOfFreedom = 3.0f;
-// Log likelihood ratio of a saturated channel that a color predicts with certainty: about one surface of no color in
-// seven saturates a channel, and a channel's part of kNoColor is included.
-constexpr float kSaturatedEvidence = 1.9f + ColorEvidence::kNoColor / 3.0f;
+// Log likelihood ratio of the first and of each further saturated channel that a color predicts with certainty: about
+// one surface of no color in seven saturates a channel, but white lines saturate all. A channel's part of kNoColor is
+// included.
+constexpr float kFirstSaturated = 1.9f + ColorEvidence::kNoColor / 3.0f;
+constexpr float kNextSaturated = 0.7f + ColorEvidence::kNoColor / 3.0f;
+
+// Of a patch's color from its border, beyond the error that its pixels show, and how often something else is beside it.
+constexpr float kBorderSigma = 0.06f, kForeignBorder = 0.05f;
+// kNoColor for the two ratios of channels alone.
+constexpr float kNoBorderColor = ColorEvidence::kNoColor * 2.0f / 3.0f;
+// Of a color whose channel is as dark as what surrounds the patch, relative to its linear light.
+constexpr float kLeastExcess = 0.3f;
 
 constexpr float square(float x) { return x * x; }
 
@@ -71,10 +81,12 @@ float log_density(const SurfaceColor& surface, const Expectation& expected) {
   }
   const float common = sum / precision;
   float density = -0.5f * (squares - sum * common + std::log(determinant * precision));
+  float evidence = kFirstSaturated;
   for (std::size_t c = 0; c < 3; ++c) {
     if (!surface.saturated[c]) continue;
     const float sigma = std::sqrt(variance[c] + square(expected.common_sigma[c]) / precision);
-    density += kSaturatedEvidence + log_upper_tail((error[c] - common * expected.common_sigma[c]) / sigma);
+    density += std::exchange(evidence, kNextSaturated) +
+               log_upper_tail((error[c] - common * expected.common_sigma[c]) / sigma);
   }
   return density;
 }
@@ -169,6 +181,30 @@ float ColorEvidence::log_likelihood(const SurfaceColor& surface, const LocalLigh
     }
   }
   return std::max(density, kFloor);
+}
+
+float ColorEvidence::log_likelihood_of_border(const BorderColor& border, const LocalLight& light, ColorId color,
+                                              ColorSpace space) const {
+  const std::array<float, 3>& typical = typical_rgb(color, space);
+  std::array<float, 3> deviation{}, variance{};
+  float sum = 0, weights = 0, determinant = 1;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float value = light.gain[c] * typical[c], linear = square(value + kStrayLight_levels);
+    // Of the logarithm of linear light: twice that of the value. A dark channel hardly differs from its surroundings.
+    const float excess = std::max(linear - border.background[c], kLeastExcess * linear);
+    const float slope = linear / excess;
+    deviation[c] = 0.5f * std::log(border.excess[c] / excess);
+    variance[c] = square(slope) *
+                      (light.ratio_variance + light.variance[c] + haze_variance(value, light.gain[c] * kWhite, kHaze)) +
+                  square(0.5f * border.error[c]) + square(kBorderSigma);
+    sum += deviation[c] / variance[c];
+    weights += 1.0f / variance[c];
+    determinant *= variance[c];
+  }
+  float squares = 0;
+  for (std::size_t c = 0; c < 3; ++c) squares += square(deviation[c] - sum / weights) / variance[c];
+  const float density = -0.5f * (squares + std::log(determinant * weights)) - kNoBorderColor;
+  return std::log((1.0f - kForeignBorder) * std::exp(density) + kForeignBorder);
 }
 
 float ColorEvidence::log_likelihood_of_same(const SurfaceColor& surface, const SurfaceColor& other) {

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/color/typical_colors.h"
+#include "core/marker/border_color.h"
 #include "core/marker/surface_color.h"
 #include "core/types.h"
 
@@ -55,6 +56,11 @@ class ColorEvidence {
   /// then it may be whiter, because it mirrors a lamp. (Without that, any gray surface might be a dark paint.)
   [[nodiscard]] float log_likelihood(const SurfaceColor& surface, const LocalLight& light, ColorId color,
                                      ColorSpace space, bool in_box) const;
+
+  /// Log likelihood ratio of the border of a patch with saturated pixels: the patch has `color` in this light, or none
+  /// of the venue's colors. Only the ratios of channels count.
+  [[nodiscard]] float log_likelihood_of_border(const BorderColor& border, const LocalLight& light, ColorId color,
+                                               ColorSpace space) const;
 
  private:
   TypicalColors typical_;

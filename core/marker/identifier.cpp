@@ -6,13 +6,14 @@
 #include <numbers>
 
 #include "core/geometry/angle.h"
+#include "core/marker/border_color.h"
 #include "core/marker/identifier_scene.h"
 
 namespace touchline {
 namespace {
 
 // Log likelihood that a patch region has the color of its box: 2 is 7 to 1. (The same pixels count a second time as
-// evidence, therefore not more.)
+// evidence, therefore not more.) White pixels are in several boxes, of which only the first one is known.
 constexpr float kBoxVote = 2.0f;
 // A margin above this one needs no exact value: the probability of an error is below the rate of other errors.
 constexpr float kClearMargin = 5.0f;
@@ -27,6 +28,8 @@ constexpr float kSimilarPlace = 0.02f, kSimilarHeading = 0.5f;
 constexpr float kFieldSigma = 0.12f, kFieldTintSigma = 0.06f;
 // Samples of a patch are taken within this part of its inner circle.
 constexpr float kSampledRadius = 0.5f;
+// The border of a saturated patch is looked for from this part of its inner circle to beyond its blurred corners.
+constexpr float kBorderFrom = 0.4f, kBorderBlur_px = 3.0f;
 
 float inner_radius_m(const PatchPlace& place) {
   const float half = 0.5f * std::min(place.length_m, place.width_m);
@@ -34,6 +37,16 @@ float inner_radius_m(const PatchPlace& place) {
   // Radius about the centroid, which is a third of the height above the base.
   const float side = std::hypot(place.length_m, 0.5f * place.width_m);
   return std::min(place.length_m / 3.0f, place.length_m * place.width_m / 3.0f / side);
+}
+
+// Whether another color, or none, is nearly as likely as the likeliest one.
+bool is_doubtful(std::span<const float> likelihood) {
+  float best = ColorEvidence::kFloor, second = ColorEvidence::kNoColor;
+  for (const float value : likelihood) {
+    second = std::max(second, std::min(best, value));
+    best = std::max(best, value);
+  }
+  return best - second < kClearMargin;
 }
 
 // Not an alternative to each other: the difference is an error of the region's centroid or axis.
@@ -75,6 +88,16 @@ void Identifier::set_teams(const std::array<TeamMarking, 2>& teams) {
 
 int Identifier::step_px(const TeamColors& colors, std::size_t patch, float scale_px_per_m) const {
   return std::max(1, static_cast<int>(kSampledRadius * colors.radius_m[patch] * scale_px_per_m));
+}
+
+// Looks at the border of a patch with a saturated channel.
+bool Identifier::look_at_border(const Scene& now, PixelPoint center, const SurfaceColor& surface, std::size_t patch,
+                                float scale_px_per_m, BorderColor& out) const {
+  if (surface.saturated_channels() == 0) return false;
+  const PatchPlace& place = teams_[now.team].layout.patches[patch];
+  const float inner_px = kBorderFrom * team_colors_[now.team].radius_m[patch] * scale_px_per_m;
+  const float reach_px = 0.5f * std::hypot(place.length_m, place.width_m) * scale_px_per_m + kBorderBlur_px;
+  return sample_border(now.frame, center, surface.saturated, inner_px, reach_px, out);
 }
 
 LightPrior Identifier::prior_light(const Scene& now, PixelPoint at) {
@@ -135,7 +158,14 @@ bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
         for (std::size_t i = 0; i < slot.colors.size(); ++i) {
           const bool in_box = region != nullptr && region->color == slot.colors[i];
           likelihood[i] = colors_.log_likelihood(surface, candidate.light, slot.colors[i], space, in_box);
-          if (in_box) likelihood[i] += kBoxVote;
+          if (in_box && surface.saturated_channels() < 3) likelihood[i] += kBoxVote;
+        }
+        BorderColor border;
+        if ((pose.partner != kMissing || is_doubtful({likelihood.data(), slot.colors.size()})) &&
+            look_at_border(now, center, surface, s + 1, scale, border)) {
+          for (std::size_t i = 0; i < slot.colors.size(); ++i) {
+            likelihood[i] += colors_.log_likelihood_of_border(border, candidate.light, slot.colors[i], space);
+          }
         }
         if (candidate.has_floor) {
           pose.floor += ColorEvidence::log_likelihood_of_same(surface, candidate.floor) - ColorEvidence::kNoColor;
@@ -161,9 +191,30 @@ bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
   return !candidate.poses.empty() && (candidate.is_complete || !box.is_tentative);
 }
 
-void Identifier::apply(const Scene& now, const Candidate& candidate, const AssignedId& assigned, std::span<bool> used,
+// Log likelihood of the best explanation of a candidate by another pose. A name that another robot has costs that robot
+// its margin.
+float Identifier::other_explanation(const Scene& now, std::size_t number, const Pose& pose,
+                                    const AssignedIds& assigned) const {
+  const Candidate& candidate = candidates_[number];
+  std::array<float, kMaxRobotsPerTeam> cost{};
+  for (std::size_t k = 0; k < assigned.size(); ++k) {
+    if (k != number && assigned[k].robot != kNoRobot) {
+      cost[static_cast<std::size_t>(assigned[k].robot)] = assigned[k].margin;
+    }
+  }
+  float best = candidate.unknown;
+  for (const PoseEvidence& other : candidate.poses) {
+    if (similar(other.pose, pose)) continue;
+    for (std::size_t r = 0; r < teams_[now.team].robots.size(); ++r) best = std::max(best, other.value[r] - cost[r]);
+  }
+  return best;
+}
+
+void Identifier::apply(const Scene& now, std::size_t number, const AssignedIds& all, std::span<bool> used,
                        Sightings& out) const {
   const TeamMarking& team = teams_[now.team];
+  const Candidate& candidate = candidates_[number];
+  const AssignedId& assigned = all[number];
   RobotSighting& robot = out.robots[candidate.robot];
   robot.id = kUnknownId;
   const RobotMarking* const name =
@@ -175,11 +226,7 @@ void Identifier::apply(const Scene& now, const Candidate& candidate, const Assig
       *std::max_element(candidate.poses.begin(), candidate.poses.end(),
                         [&](const PoseEvidence& a, const PoseEvidence& b) { return value(a) < value(b); });
   if (!candidate.pose_is_sure) {
-    float other = candidate.unknown;
-    for (const PoseEvidence& pose : candidate.poses) {
-      if (!similar(pose.pose, best.pose)) other = std::max(other, pose.best);
-    }
-    if (value(best) < other + kDoubtfulMargin) return;
+    if (value(best) < other_explanation(now, number, best.pose, all) + kDoubtfulMargin) return;
     robot.has_heading = true;
     robot.pose = best.pose;
     robot.residual_m = best.residual_m;
@@ -239,7 +286,7 @@ void Identifier::identify(const Frame& frame, const ExpectedGain& light, const P
     AssignedIds assigned;
     assign_ids(evidence, teams_[t].robots.size(), kClearMargin, assigned);
     for (std::size_t k = 0; k < candidates_.size(); ++k) {
-      if (candidates_[k].has_evidence) apply(now, candidates_[k], assigned[k], used, out);
+      if (candidates_[k].has_evidence) apply(now, k, assigned, used, out);
     }
   }
 }

@@ -58,6 +58,7 @@ class Identifier {
     float best = 0;                                               // of all values
     float floor = 0;         // log likelihood ratio that its missing patches are floor
     float search_doubt = 0;  // contained in prior: it is one of many directions in which patches were looked for
+    std::uint16_t partner = kMissing;  // team patch that is its saturated identification patch
   };
   struct Candidate {
     std::size_t robot = 0;  // index in Sightings::robots
@@ -97,12 +98,20 @@ class Identifier {
                                       std::size_t slot) const;
   void search_poses(const Scene& now, Candidate& candidate) const;
   bool align(const Scene& now, const Candidate& candidate, PoseEvidence& pose) const;
+  bool place_through(const Scene& now, const Candidate& candidate, std::size_t slot, FieldPoint at,
+                     PoseEvidence& pose) const;
+  void add_saturated_patches(const Scene& now, Candidate& candidate) const;
+  [[nodiscard]] float doubt_of_team_patch(const Scene& now, const Candidate& candidate, std::size_t slot) const;
   [[nodiscard]] float prior_of(const Scene& now, const Candidate& candidate, const PoseEvidence& pose) const;
-  [[nodiscard]] bool is_free(const Scene& now, std::size_t robot, const Pose& pose) const;
+  [[nodiscard]] bool is_free(const Scene& now, std::size_t robot, const PoseEvidence& pose) const;
   bool evaluate(const Scene& now, Candidate& candidate) const;
   [[nodiscard]] IdEvidence evidence_of(const Scene& now, const Candidate& candidate) const;
-  void apply(const Scene& now, const Candidate& candidate, const AssignedId& assigned, std::span<bool> used,
+  void apply(const Scene& now, std::size_t number, const AssignedIds& assigned, std::span<bool> used,
              Sightings& out) const;
+  [[nodiscard]] float other_explanation(const Scene& now, std::size_t number, const Pose& pose,
+                                        const AssignedIds& assigned) const;
+  bool look_at_border(const Scene& now, PixelPoint center, const SurfaceColor& surface, std::size_t patch,
+                      float scale_px_per_m, BorderColor& out) const;
   [[nodiscard]] int step_px(const TeamColors& colors, std::size_t patch, float scale_px_per_m) const;
 
   ColorEvidence colors_;

@@ -10,6 +10,8 @@ namespace {
 
 // Minimum area ratio of a team patch without identification patches that is reported as a robot.
 constexpr float kMinUnpairedRatio = 0.5f;
+// Team patches beyond the number of robots of a team that are looked at, for each team.
+constexpr std::size_t kSurplusPlaces = 2;
 
 // Confidence of what the boxes found: an id, or without one the team at this place. In scenes under changed light,
 // blurred and compressed, 777 of 778 robots without an id were right, a team patch alone as often as several patches.
@@ -244,6 +246,7 @@ bool Matcher::is_on_robot(const TeamPatch& patch, const Sightings& out) const {
 // Reports team patches without identification patches. Those that are too small for a robot are tentative: they remain
 // only if their pixels give them a name.
 void Matcher::report_unpaired(bool with_pixels, Sightings& out) {
+  std::array<std::size_t, 2> surplus_places{kSurplusPlaces, kSurplusPlaces};
   // The list is sorted by area within a team, the largest first.
   for (std::size_t i = 0; i < team_patches_.size(); ++i) {
     if (reported_[i]) continue;
@@ -258,9 +261,13 @@ void Matcher::report_unpaired(bool with_pixels, Sightings& out) {
       verdict = Verdict::kNoPartner;
     }
     if (is_on_robot(candidate, out) || (too_small && !with_pixels)) continue;
-    if (free_places(candidate.team, out) == 0) {
+    const bool is_surplus = free_places(candidate.team, out) == 0;
+    if (is_surplus) {
       if (!too_small) verdict = Verdict::kSurplus;
-      continue;
+      // A saturated identification patch in the box of the team color may have taken its place.
+      std::size_t& places = surplus_places[index_of(candidate.team)];
+      if (too_small || !with_pixels || places == 0) continue;
+      --places;
     }
     RobotSighting robot;
     robot.team = candidate.team;
@@ -269,7 +276,7 @@ void Matcher::report_unpaired(bool with_pixels, Sightings& out) {
     robot.patches.push_back({PatchRole::kTeam, 0, candidate.patch.color, candidate.patch.center});
     reported_[i] = true;
     out.robots.push_back(robot);
-    box_sightings_.push_back({static_cast<std::uint16_t>(i), kMissing, false, too_small});
+    box_sightings_.push_back({static_cast<std::uint16_t>(i), kMissing, false, too_small || is_surplus});
   }
 }
 
@@ -277,13 +284,34 @@ void Matcher::drop_tentative(Sightings& out) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < out.robots.size(); ++i) {
     const BoxSighting& box = box_sightings_[i];
-    if (box.is_tentative && out.robots[i].id == kUnknownId) {
+    // A patch in the box of the team color may be the saturated identification patch of a robot that has its id now.
+    const bool is_absorbed =
+        !out.robots[i].has_heading && out.robots[i].id == kUnknownId && is_on_robot(team_patches_[box.team_patch], out);
+    if ((box.is_tentative && out.robots[i].id == kUnknownId) || is_absorbed) {
       reported_[box.team_patch] = false;
     } else {
+      box_sightings_[kept] = box;
       out.robots[kept++] = out.robots[i];
     }
   }
   out.robots.resize(kept);
+  box_sightings_.resize(kept);
+}
+
+// Removes robots of a team that has more than there are: those without an id, the smallest patches first.
+void Matcher::drop_surplus(Sightings& out) {
+  for (std::size_t i = out.robots.size(); i-- > 0;) {
+    const Team team = out.robots[i].team;
+    const auto there = std::count_if(out.robots.begin(), out.robots.end(),
+                                     [team](const RobotSighting& robot) { return robot.team == team; });
+    const bool fits = static_cast<std::size_t>(there) <= parameters_.teams[index_of(team)].max_robots;
+    if (fits || out.robots[i].id != kUnknownId) continue;
+    reported_[box_sightings_[i].team_patch] = false;
+    std::copy(out.robots.begin() + i + 1, out.robots.end(), out.robots.begin() + i);
+    std::copy(box_sightings_.begin() + i + 1, box_sightings_.end(), box_sightings_.begin() + i);
+    out.robots.pop_back();
+    box_sightings_.pop_back();
+  }
 }
 
 void Matcher::write_verdicts(Sightings& out) {
@@ -368,6 +396,7 @@ void Matcher::match(const Frame* frame, const ExpectedGain& light, const Expecte
     identifier_.identify(*frame, light, lists, {hypotheses_.data(), hypotheses_.size()},
                          {box_sightings_.data(), box_sightings_.size()}, used_, out);
     drop_tentative(out);
+    drop_surplus(out);
   }
   write_verdicts(out);
   ball_finder_.find({frame, ball_patches_, finder_, parameters_.teams, regions, ball}, out);

@@ -69,6 +69,7 @@ class Matcher {
   void report_pair(const Chosen& choice, Sightings& out);
   void report_unpaired(bool with_pixels, Sightings& out);
   void drop_tentative(Sightings& out);
+  void drop_surplus(Sightings& out);
   [[nodiscard]] bool is_on_robot(const TeamPatch& patch, const Sightings& out) const;
   [[nodiscard]] std::size_t free_places(Team team, const Sightings& out) const;
   void write_verdicts(Sightings& out);

@@ -42,10 +42,12 @@ bool same_pose(const Pose& a, const Pose& b) {
 }  // namespace
 
 // False if another robot is there.
-bool Identifier::is_free(const Scene& now, std::size_t robot, const Pose& pose) const {
+bool Identifier::is_free(const Scene& now, std::size_t robot, const PoseEvidence& evidence) const {
   const MarkerLayout& layout = teams_[now.team].layout;
+  const Pose& pose = evidence.pose;
   for (std::size_t i = 0; i < now.seen.robots.size(); ++i) {
     if (i == robot || now.boxes[i].is_tentative) continue;
+    if (now.boxes[i].team_patch == evidence.partner && !now.boxes[i].pose_is_sure) continue;
     const RobotSighting& other = now.seen.robots[i];
     if (other.has_heading) {
       const float side = 0.5f * (layout.robot_side_m + teams_[index_of(other.team)].layout.robot_side_m);
@@ -125,11 +127,12 @@ float Identifier::prior_of(const Scene& now, const Candidate& candidate, const P
         std::numbers::pi_v<float>);
     prior -= 0.5f * error * error / (kRoughAxisSigma * kRoughAxisSigma);
   }
+  if (pose.partner != kMissing) prior += kRegionReward;
   return prior - pose.search_doubt;
 }
 
 void Identifier::add_pose(const Scene& now, PoseEvidence pose, Candidate& candidate) const {
-  if (candidate.poses.full() || !is_free(now, candidate.robot, pose.pose)) return;
+  if (candidate.poses.full() || !is_free(now, candidate.robot, pose)) return;
   if (std::any_of(candidate.poses.begin(), candidate.poses.end(),
                   [&](const PoseEvidence& other) { return same_pose(other.pose, pose.pose); })) {
     return;
@@ -154,6 +157,7 @@ void Identifier::collect_poses(const Scene& now, Candidate& candidate) const {
     if (h.team_patch != box.team_patch || !h.has_heading) continue;
     add_pose(now, {h.fit.pose, h.fit.residual_m, h.identification, 0, {}, 0}, candidate);
   }
+  add_saturated_patches(now, candidate);
   if (!candidate.has_axis) {
     if (candidate.poses.empty() && candidate.is_complete) search_poses(now, candidate);
     return;
@@ -173,7 +177,7 @@ void Identifier::collect_poses(const Scene& now, Candidate& candidate) const {
 // is no such patch at the right distance.
 bool Identifier::align(const Scene& now, const Candidate& candidate, PoseEvidence& pose) const {
   const MarkerLayout& layout = teams_[now.team].layout;
-  const PatchPlace &team_place = layout.patches[0], &place = layout.patches[1];
+  const PatchPlace& place = layout.patches[1];
   const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
   const float reach_px = kWindowMargin * 0.5f * std::hypot(place.length_m, place.width_m) * scale + kBlur_px;
   const float expected_px = area_m2(place) * scale * scale;
@@ -184,6 +188,16 @@ bool Identifier::align(const Scene& now, const Candidate& candidate, PoseEvidenc
     return false;
   }
   const FieldPoint at = camera_.to_field(patch.center, layout.height_m);
+  return place_through(now, candidate, 0, at, pose);
+}
+
+// Places the pose so that its team patch and an identification patch are where they are seen. False if their distance
+// is not that of the layout.
+bool Identifier::place_through(const Scene& now, const Candidate& candidate, std::size_t slot, FieldPoint at,
+                               PoseEvidence& pose) const {
+  const MarkerLayout& layout = teams_[now.team].layout;
+  const PatchPlace &team_place = layout.patches[0], &place = layout.patches[slot + 1];
+  const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
   const FieldPoint layout_offset{place.x_m - team_place.x_m, place.y_m - team_place.y_m};
   const FieldPoint offset{at.x_m - candidate.at.x_m, at.y_m - candidate.at.y_m};
   pose.residual_m =
@@ -196,6 +210,49 @@ bool Identifier::align(const Scene& now, const Candidate& candidate, PoseEvidenc
   pose.pose.position = {0.5f * (candidate.at.x_m + at.x_m) - from_middle.x_m,
                         0.5f * (candidate.at.y_m + at.y_m) - from_middle.y_m};
   return true;
+}
+
+// By how much the team patch looks less like the team color than like a color of the slot, as log likelihood.
+float Identifier::doubt_of_team_patch(const Scene& now, const Candidate& candidate, std::size_t slot) const {
+  const float scale = now.patches.team[now.boxes[candidate.robot].team_patch].patch.scale_px_per_m;
+  SurfaceColor surface;
+  BorderColor border;
+  if (!sample_surface(now.frame, candidate.center, step_px(team_colors_[now.team], 0, scale), surface) ||
+      !look_at_border(now, candidate.center, surface, 0, scale, border)) {
+    return 0.0f;
+  }
+  const auto likelihood = [&](ColorId color) {
+    return colors_.log_likelihood_of_border(border, candidate.light, color, color_space(now.frame.format));
+  };
+  const float team = likelihood(teams_[now.team].team_color);
+  float best = team;
+  for (const ColorId color : team_colors_[now.team].slots[slot].colors) best = std::max(best, likelihood(color));
+  return best - team;
+}
+
+// Light that saturates an identification patch may move it into the box of the team color.
+void Identifier::add_saturated_patches(const Scene& now, Candidate& candidate) const {
+  if (!candidate.has_light) return;
+  const MarkerLayout& layout = teams_[now.team].layout;
+  const std::uint16_t own = now.boxes[candidate.robot].team_patch;
+  for (std::size_t i = 0; i < now.patches.team.size(); ++i) {
+    const TeamPatch& other = now.patches.team[i];
+    if (i == own || index_of(other.team) != now.team) continue;
+    for (std::size_t s = 0; s + 1 < layout.patches.size(); ++s) {
+      PoseEvidence pose;
+      pose.identification.fill(kMissing);
+      pose.partner = static_cast<std::uint16_t>(i);
+      if (!place_through(now, candidate, s, other.patch.at[now.team], pose)) continue;
+      SurfaceColor surface;
+      if (!sample_surface(now.frame, other.patch.center,
+                          step_px(team_colors_[now.team], s + 1, other.patch.scale_px_per_m), surface) ||
+          surface.saturated_channels() < 2) {
+        continue;
+      }
+      pose.search_doubt = doubt_of_team_patch(now, candidate, s);
+      add_pose(now, pose, candidate);
+    }
+  }
 }
 
 // Looks for identification patches that fell into no box in all directions around the team patch. Adds the two

@@ -59,7 +59,6 @@ bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceC
   if (u < step_px || v < step_px || u + step_px >= frame.width_px || v + step_px >= frame.height_px) return false;
   const PixelFormatInfo& info = info_of(frame.format);
   std::array<float, 3> mean{};
-  std::array<int, 3> most{};
   int range = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     const ChannelLayout& channel = info.channel[c];
@@ -75,13 +74,12 @@ bool sample_surface(const Frame& frame, PixelPoint center, int step_px, SurfaceC
       high = std::max({high, a, b, d});
     }
     mean[c] = static_cast<float>(sum - low - high) / 7.0f;
-    most[c] = high;
     range = std::max(range, high - low);
   }
   out.spread = kRangeError * static_cast<float>(range);
   out.rgb = to_rgb(mean, info.space);
   for (std::size_t c = 0; c < 3; ++c) {
-    out.saturated[c] = info.space == ColorSpace::kRgb ? most[c] >= kSaturatedValue : out.rgb[c] >= kSaturatedValue;
+    out.saturated[c] = out.rgb[c] >= kSaturatedValue;
   }
   return true;
 }

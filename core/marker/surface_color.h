@@ -11,6 +11,8 @@ struct SurfaceColor {
   std::array<float, 3> rgb{};
   float spread = 0;  // error of the mean if the surface is not uniform, in levels
   std::array<bool, 3> saturated{};
+
+  [[nodiscard]] int saturated_channels() const { return int{saturated[0]} + int{saturated[1]} + int{saturated[2]}; }
 };
 
 /// Values from this one upwards count as saturated.

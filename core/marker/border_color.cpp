@@ -1,0 +1,161 @@
+#include "core/marker/border_color.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "core/marker/surface_color.h"
+
+namespace touchline {
+namespace {
+
+// Directions of the first half of the rays. The others are opposite to them: where channels are sampled at different
+// places (Bayer mosaic, shared chroma), the errors at opposite borders cancel.
+constexpr std::size_t kPairs = 8;
+constexpr std::array<PixelPoint, kPairs> kDirections = {{{1.0f, 0.0f},
+                                                         {0.9239f, 0.3827f},
+                                                         {0.7071f, 0.7071f},
+                                                         {0.3827f, 0.9239f},
+                                                         {0.0f, 1.0f},
+                                                         {-0.3827f, 0.9239f},
+                                                         {-0.7071f, 0.7071f},
+                                                         {-0.9239f, 0.3827f}}};
+// Least number of rays with mixed pixels.
+constexpr std::size_t kLeastRays = kPairs;
+// Mixed pixels of a ray at most: the blur of an edge is narrower.
+constexpr std::size_t kMaxMixed = 12;
+// A patch that is hardly saturated has noise below the value at which it saturates.
+constexpr float kPlateau = static_cast<float>(kSaturatedValue) - 12.0f;
+// The end of a border: the sum of channels falls by less than this from one pixel to the next.
+constexpr float kEndOfFall_levels = 6.0f;
+// Brightest surroundings, relative to a saturated pixel. The top of a robot is black; neighbors may be brighter.
+constexpr float kDarkSurroundings = 0.5f;
+// Iterations of the fit; its color changes by less than a percent after them.
+constexpr int kIterations = 6;
+
+using Rgb = std::array<float, 3>;
+
+float sum_of(const Rgb& rgb) { return rgb[0] + rgb[1] + rgb[2]; }
+
+bool is_saturated(float value) { return value >= static_cast<float>(kSaturatedValue); }
+
+// A pixel that is a mixture of the patch and what is behind its border.
+struct MixedPixel {
+  Rgb excess{};  // linear light
+  std::array<bool, 3> saturated{};
+  std::size_t pair = 0;  // of the ray
+};
+using MixedPixels = FixedVector<MixedPixel, 2 * kPairs * kMaxMixed>;
+
+struct Ray {
+  PixelPoint center, direction;
+  float inner_px = 0, reach_px = 0;
+  std::size_t pair = 0;
+};
+
+// Adds the mixed pixels of a ray, and the linear light behind them. False if it has none in front of dark surroundings.
+bool follow_ray(const Frame& frame, const Ray& ray, const std::array<bool, 3>& saturated, MixedPixels& out,
+                Rgb& background) {
+  const ColorSpace space = color_space(frame.format);
+  FixedVector<Rgb, kMaxMixed> mixed;
+  for (float at = 1.0f; at <= ray.reach_px; at += 1.0f) {
+    const long u = std::lround(ray.center.u_px + at * ray.direction.u_px);
+    const long v = std::lround(ray.center.v_px + at * ray.direction.v_px);
+    if (u < 0 || v < 0 || u >= frame.width_px || v >= frame.height_px) return false;
+    const auto pixel = pixel_at(frame, static_cast<std::size_t>(u), static_cast<std::size_t>(v));
+    const Rgb rgb =
+        to_rgb({static_cast<float>(pixel[0]), static_cast<float>(pixel[1]), static_cast<float>(pixel[2])}, space);
+    bool whole = true;
+    for (std::size_t c = 0; c < 3; ++c) whole = whole && (!saturated[c] || rgb[c] >= kPlateau);
+    if (whole) {
+      mixed.clear();
+      continue;
+    }
+    if (at < ray.inner_px) return false;
+    if (!mixed.empty() && sum_of(rgb) > sum_of(mixed.back()) - kEndOfFall_levels) break;
+    if (!mixed.push_back(rgb)) return false;
+  }
+  constexpr float kDark = kDarkSurroundings * 3.0f * static_cast<float>(kSaturatedValue);
+  if (mixed.size() < 2 || sum_of(mixed.back()) > kDark) return false;
+  const Rgb behind = mixed.back();
+  for (std::size_t c = 0; c < 3; ++c) background[c] += behind[c] * behind[c];
+  mixed.pop_back();
+  for (const Rgb& rgb : mixed) {
+    MixedPixel one;
+    one.pair = ray.pair;
+    for (std::size_t c = 0; c < 3; ++c) {
+      one.excess[c] = std::max(0.0f, rgb[c] * rgb[c] - behind[c] * behind[c]);
+      one.saturated[c] = is_saturated(rgb[c]);
+    }
+    out.push_back(one);
+  }
+  return true;
+}
+
+// Fits the patch's color: a pixel's share of the patch follows from its channels that are not saturated; the others
+// have at least the value at which they saturate, and more if color and share say so (expectation maximization).
+// `of_pair`: sums over the pixels of a pair of rays.
+Rgb fit_color(const MixedPixels& pixels, std::array<Rgb, kPairs>& of_pair) {
+  Rgb color{1.0f, 1.0f, 1.0f};
+  for (int i = 0; i < kIterations; ++i) {
+    for (Rgb& sum : of_pair) sum = {};
+    Rgb seen{}, expected{};
+    for (const MixedPixel& pixel : pixels) {
+      float unsaturated = 0, whole = 0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (pixel.saturated[c]) continue;
+        unsaturated += pixel.excess[c];
+        whole += color[c];
+      }
+      if (whole <= 0.0f) continue;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float predicted = color[c] * unsaturated / whole;
+        const float value = pixel.saturated[c] ? std::max(pixel.excess[c], predicted) : pixel.excess[c];
+        of_pair[pixel.pair][c] += value;
+        seen[c] += value;
+        expected[c] += predicted;
+      }
+    }
+    for (std::size_t c = 0; c < 3; ++c) color[c] *= seen[c] / std::max(expected[c], 1.0f);
+    const float mean = sum_of(color) / 3.0f;
+    if (mean <= 0.0f) return {};
+    for (float& channel : color) channel /= mean;
+  }
+  return color;
+}
+
+}  // namespace
+
+bool sample_border(const Frame& frame, PixelPoint center, const std::array<bool, 3>& saturated, float inner_px,
+                   float reach_px, BorderColor& out) {
+  MixedPixels pixels;
+  Rgb background{};
+  std::size_t rays = 0;
+  for (std::size_t k = 0; k < 2 * kPairs; ++k) {
+    const PixelPoint& half = kDirections[k % kPairs];
+    const float sign = k < kPairs ? 1.0f : -1.0f;
+    const Ray ray{center, {sign * half.u_px, sign * half.v_px}, inner_px, reach_px, k % kPairs};
+    if (follow_ray(frame, ray, saturated, pixels, background)) ++rays;
+  }
+  if (rays < kLeastRays) return false;
+  std::array<Rgb, kPairs> of_pair{};
+  out.excess = fit_color(pixels, of_pair);
+  if (std::min({out.excess[0], out.excess[1], out.excess[2]}) <= 0.0f) return false;
+  Rgb sum{}, squares{};
+  for (const Rgb& pair : of_pair) {
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += pair[c];
+  }
+  for (const Rgb& pair : of_pair) {
+    // A pair's share of the sums is the same in all channels if the pairs agree on the color.
+    const Rgb share{pair[0] / sum[0], pair[1] / sum[1], pair[2] / sum[2]};
+    const float common = sum_of(share) / 3.0f;
+    for (std::size_t c = 0; c < 3; ++c) squares[c] += (share[c] - common) * (share[c] - common);
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    out.error[c] = std::sqrt(squares[c]);
+    out.background[c] = background[c] / static_cast<float>(rays);
+  }
+  return true;
+}
+
+}  // namespace touchline

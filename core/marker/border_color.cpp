@@ -58,7 +58,9 @@ bool follow_ray(const Frame& frame, const Ray& ray, const std::array<bool, 3>& s
                 Rgb& background) {
   const ColorSpace space = color_space(frame.format);
   FixedVector<Rgb, kMaxMixed> mixed;
-  for (float at = 1.0f; at <= ray.reach_px; at += 1.0f) {
+  const int steps = static_cast<int>(ray.reach_px);
+  for (int step = 1; step <= steps; ++step) {
+    const auto at = static_cast<float>(step);
     const long u = std::lround(ray.center.u_px + at * ray.direction.u_px);
     const long v = std::lround(ray.center.v_px + at * ray.direction.v_px);
     if (u < 0 || v < 0 || u >= frame.width_px || v >= frame.height_px) return false;

@@ -30,6 +30,8 @@ constexpr float kFieldSigma = 0.12f, kFieldTintSigma = 0.06f;
 constexpr float kSampledRadius = 0.5f;
 // The border of a saturated patch is looked for from this part of its inner circle to beyond its blurred corners.
 constexpr float kBorderFrom = 0.4f, kBorderBlur_px = 3.0f;
+// Borders looked at in a frame: two patches of 22 robots, and some poses that turn out to be wrong.
+constexpr int kMaxBorders = 64;
 
 float inner_radius_m(const PatchPlace& place) {
   const float half = 0.5f * std::min(place.length_m, place.width_m);
@@ -93,7 +95,8 @@ int Identifier::step_px(const TeamColors& colors, std::size_t patch, float scale
 // Looks at the border of a patch with a saturated channel.
 bool Identifier::look_at_border(const Scene& now, PixelPoint center, const SurfaceColor& surface, std::size_t patch,
                                 float scale_px_per_m, BorderColor& out) const {
-  if (surface.saturated_channels() == 0) return false;
+  if (surface.saturated_channels() == 0 || now.borders_left == 0) return false;
+  --now.borders_left;
   const PatchPlace& place = teams_[now.team].layout.patches[patch];
   const float inner_px = kBorderFrom * team_colors_[now.team].radius_m[patch] * scale_px_per_m;
   const float reach_px = 0.5f * std::hypot(place.length_m, place.width_m) * scale_px_per_m + kBorderBlur_px;
@@ -269,9 +272,10 @@ IdEvidence Identifier::evidence_of(const Scene& now, const Candidate& candidate)
 void Identifier::identify(const Frame& frame, const ExpectedGain& light, const PatchLists& patches,
                           std::span<const Hypothesis> hypotheses, std::span<const BoxSighting> boxes,
                           std::span<bool> used, Sightings& out) {
+  int borders_left = kMaxBorders;
   for (std::size_t t = 0; t < teams_.size(); ++t) {
     if (!team_colors_[t].usable) continue;
-    const Scene now{frame, light, patches, hypotheses, boxes, out, t};
+    const Scene now{frame, light, patches, hypotheses, boxes, out, t, borders_left};
     candidates_.clear();
     IdEvidences evidence;
     for (std::size_t i = 0; i < out.robots.size(); ++i) {

@@ -16,6 +16,7 @@ struct Identifier::Scene {
   std::span<const BoxSighting> boxes;
   const Sightings& seen;
   std::size_t team;
+  int& borders_left;  // saturated patches whose border may still be looked at in this frame
 };
 
 /// Center of a patch of a robot with this pose.

@@ -33,7 +33,8 @@ struct ExpectedBall {
 ///
 /// With a frame, regions only tell where to look. Evidence are the pixels there (ball_appearance.h), whatever boxes
 /// they fell into: how well a disk of the ball's size is filled, whether its color ends where the disk ends, whether
-/// patches of a robot are beside it, and how much its color differs from the typical one. Pixels on the top of a robot
+/// its outline is that of a disk, whether patches of a robot are beside it, and how much its color differs from the
+/// typical one. Pixels on the top of a robot
 /// do not count, because they hide the ball. A track adds its expectation; if no region is the ball, the place that it
 /// expects is examined, too. The confidence is the probability of a candidate against all others and no ball; a ball
 /// with less than kMinConfidence is not reported. The work is bounded: at most kMaxLooks patches and the expected

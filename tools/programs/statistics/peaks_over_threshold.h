@@ -18,7 +18,7 @@ struct TailTests {
 };
 
 /// Estimates how often values occur that were too rare to be observed, from the largest ones (peaks over threshold;
-/// Davison and Smith 1990). The estimate means something only if is_refused() is false.
+/// Davison and Smith 1990). The estimate means something only if refusal() is empty.
 class PeaksOverThreshold {
  public:
   static constexpr std::size_t kLeastValues = 2000, kLeastPeaks = 100, kMostPeaks = 500;
@@ -28,6 +28,7 @@ class PeaksOverThreshold {
 
   /// `values` in the order of time.
   explicit PeaksOverThreshold(std::span<const double> values);
+  ~PeaksOverThreshold() = default;
   PeaksOverThreshold(const PeaksOverThreshold&) = delete;
   PeaksOverThreshold& operator=(const PeaksOverThreshold&) = delete;
 

@@ -17,8 +17,8 @@ std::string request_text(std::string_view method, std::string_view path, std::st
 }
 
 int status_of(const std::string& head) {
-  constexpr std::size_t kBegin = std::string_view("HTTP/1.1 ").size();
-  return head.size() < kBegin + 3 ? 0 : std::atoi(head.substr(kBegin, 3).c_str());
+  constexpr std::size_t kStatusAt = std::string_view("HTTP/1.1 ").size();
+  return head.size() < kStatusAt + 3 ? 0 : std::atoi(head.substr(kStatusAt, 3).c_str());
 }
 
 }  // namespace

@@ -15,10 +15,16 @@ using Vector = Eigen::Matrix<double, kN, 1>;
 using Matrix = Eigen::Matrix<double, kN, kN, Eigen::RowMajor>;
 using VectorMap = Eigen::Map<Vector>;
 using MatrixMap = Eigen::Map<Matrix>;
+using ConstVectorMap = Eigen::Map<const Vector>;
 using ConstMatrixMap = Eigen::Map<const Matrix>;
 
 // One frame at 25 Hz. For longer times (lost frames) one midpoint of a fast turn is too inaccurate.
 constexpr double kMaxStep = 0.04;
+
+// Friction turns quickly when a sliding robot comes to a stop.
+constexpr double kSlideStep = 0.0025;
+// Slower than this to the side, the tires grip within a slide step.
+constexpr double kLeastSlide_mps = 0.02;
 
 // Response of a velocity v to its input u over a step: mean = mean_now * v + mean_input * u. `half_*` is the mean over
 // the first half of the step, `end_*` the velocity at its end.
@@ -58,6 +64,13 @@ InputModel input_model(double dt, const DriveInput& input, const DriveFilter::St
       (square(p.turn_noise_rad_rts) + square(p.turn_error_rts * turn) + square(p.veer_error_rts_per_m * speed)) / dt};
 }
 
+void add_motion_without_wheels(MatrixMap p, double dt, const RobotFilterParameters& parameters) {
+  const double slip = parameters.slip_m_rts * parameters.slip_m_rts * dt;
+  p(0, 0) += slip;
+  p(1, 1) += slip;
+  p(2, 2) += parameters.spin_rad_rts * parameters.spin_rad_rts * dt;
+}
+
 void symmetrize(MatrixMap p) { p = (0.5 * (p + p.transpose())).eval(); }
 
 // Eq. (6) in Joseph form, which keeps the covariance positive despite rounding. The first Rows states are measured.
@@ -92,10 +105,16 @@ Eigen::Vector2d position_innovation(FieldPoint sighted, const DriveFilter::State
 }  // namespace
 
 void DriveFilter::start(const Pose& pose, const Velocity& velocity, double position_sigma_m, double heading_sigma_rad) {
-  x_ = {static_cast<double>(pose.position.x_m), static_cast<double>(pose.position.y_m),
-        wrap_angle(static_cast<double>(pose.theta_rad)), velocity.v_mps, velocity.w_radps};
-  const State sigma = {position_sigma_m, position_sigma_m, heading_sigma_rad, velocity.v_sigma_mps,
-                       velocity.w_sigma_radps};
+  x_ = {static_cast<double>(pose.position.x_m),
+        static_cast<double>(pose.position.y_m),
+        wrap_angle(static_cast<double>(pose.theta_rad)),
+        velocity.v_mps,
+        velocity.w_radps,
+        0.0};
+  const State sigma = {position_sigma_m,     position_sigma_m,       heading_sigma_rad,
+                       velocity.v_sigma_mps, velocity.w_sigma_radps, 0.0};
+  slides_ = false;
+  wheel_mps_ = velocity.v_mps;
   p_.fill(0.0);
   for (std::size_t i = 0; i < kStates; ++i) p_[i * kStates + i] = sigma[i] * sigma[i];
 }
@@ -112,7 +131,114 @@ void DriveFilter::predict(double dt_s, const DriveInput& input, const RobotFilte
                           Extent extent) {
   if (!(dt_s > 0.0)) return;
   const int steps = static_cast<int>(std::ceil(dt_s / kMaxStep));
-  for (int i = 0; i < steps; ++i) step(dt_s / steps, input, parameters, extent);
+  for (int i = 0; i < steps; ++i) {
+    const double dt = dt_s / steps;
+    const bool can_slide = parameters.tire_grip_mps2 > 0.0;
+    if (!can_slide || (!slides_ && !exceeds_grip(dt, input, parameters))) {
+      step(dt, input, parameters, extent);
+      continue;
+    }
+    const int slide_steps = static_cast<int>(std::ceil(dt / kSlideStep));
+    for (int k = 0; k < slide_steps; ++k) {
+      slide(dt / slide_steps, input, {parameters.tire_grip_mps2, parameters.slide_noise_mps_rts}, parameters, extent);
+    }
+  }
+}
+
+void DriveFilter::predict_contact(double dt_s, const RobotFilterParameters& parameters) {
+  if (dt_s > 0.0) slide(dt_s, {}, {0.0, parameters.contact_noise_mps_rts}, parameters, Extent::kAll);
+}
+
+void DriveFilter::predict_contact_state(double dt_s, const RobotFilterParameters& parameters) {
+  if (dt_s > 0.0) slide(dt_s, {}, {0.0, parameters.contact_noise_mps_rts}, parameters, Extent::kState);
+}
+
+DriveFilter DriveFilter::mixed(const DriveFilter& other, double weight) const {
+  DriveFilter out = *this;
+  Vector between = ConstVectorMap(other.x_.data()) - ConstVectorMap(x_.data());
+  between(2) = wrap_angle(between(2));
+  VectorMap(out.x_.data()) += weight * between;
+  out.x_[2] = wrap_angle(out.x_[2]);
+  MatrixMap(out.p_.data()) = (1.0 - weight) * ConstMatrixMap(p_.data()) + weight * ConstMatrixMap(other.p_.data()) +
+                             weight * (1.0 - weight) * between * between.transpose();
+  out.slides_ = out.slides_ || std::abs(out.x_[5]) > kLeastSlide_mps;
+  return out;
+}
+
+// True if the tires would need more than their friction at the beginning or the end of a step.
+bool DriveFilter::exceeds_grip(double dt, const DriveInput& input, const RobotFilterParameters& parameters) const {
+  const InputModel u = input_model(dt, input, x_, parameters);
+  const Response& r = u.response;
+  const double v = r.end_now * x_[3] + r.end_input * u.v, w = r.end_now * x_[4] + r.end_input * u.w;
+  const double along = (v - x_[3]) / dt;
+  return std::max(std::hypot(x_[3] * x_[4], along), std::hypot(v * w, along)) > parameters.tire_grip_mps2;
+}
+
+// Coulomb friction between tires and floor: its deceleration has a constant size and the direction from the robot's
+// velocity to that of its wheels, unless it can make both equal within the step.
+void DriveFilter::slide(double dt, const DriveInput& input, const Sliding& sliding,
+                        const RobotFilterParameters& parameters, Extent extent) {
+  // Friction stops an absurd velocity, from a wrong sighting, too slowly.
+  if (const double speed = std::hypot(x_[3], x_[5]); speed > parameters.max_speed_mps) {
+    x_[3] *= parameters.max_speed_mps / speed;
+    x_[5] *= parameters.max_speed_mps / speed;
+  }
+  const InputModel in = input_model(dt, input, x_, parameters);
+  const Response& r = in.response;
+  const double turned = dt * (r.mean_now * x_[4] + r.mean_input * in.w);
+  const double c = std::cos(turned), s = std::sin(turned);
+  // The velocity in the frame of the robot at the end of the step.
+  const double v = c * x_[3] + s * x_[5], u = c * x_[5] - s * x_[3];
+  wheel_mps_ = input.known ? r.end_now * wheel_mps_ + r.end_input * in.v : wheel_mps_;
+  const double missing_v = wheel_mps_ - v, missing_u = -u, missing = std::hypot(missing_v, missing_u);
+  const double friction = sliding.grip_mps2 * dt;
+  slides_ = missing > friction || friction == 0.0;
+  const double share = !slides_ ? 1.0 : friction > 0.0 ? friction / missing : 0.0;
+  const double v_end = v + share * missing_v, u_end = slides_ ? u + share * missing_u : 0.0;
+
+  const double theta = x_[2], theta_end = theta + turned;
+  const double dx =
+      0.5 * dt *
+      (x_[3] * std::cos(theta) - x_[5] * std::sin(theta) + v_end * std::cos(theta_end) - u_end * std::sin(theta_end));
+  const double dy =
+      0.5 * dt *
+      (x_[3] * std::sin(theta) + x_[5] * std::cos(theta) + v_end * std::sin(theta_end) + u_end * std::cos(theta_end));
+  if (extent == Extent::kAll) {
+    Matrix a = Matrix::Identity();
+    const double middle = theta + 0.5 * turned, by_w = dt * r.mean_now;
+    a(0, 2) = -dy;
+    a(0, 3) = a(1, 5) = dt * std::cos(middle);
+    a(1, 2) = dx;
+    a(1, 3) = dt * std::sin(middle);
+    a(0, 5) = -a(1, 3);
+    a(2, 4) = by_w;
+    a(4, 4) = r.end_now;
+    // The turn, then friction, which changes its direction with the velocity.
+    Eigen::Matrix<double, 2, 3> by_velocity;  // of v and u by v, u and w
+    by_velocity << c, s, by_w * u, -s, c, -by_w * v;
+    if (slides_ && share > 0.0) {
+      const Eigen::Vector2d direction(missing_v / missing, missing_u / missing);
+      const Eigen::Matrix2d across = Eigen::Matrix2d::Identity() - direction * direction.transpose();
+      by_velocity = ((Eigen::Matrix2d::Identity() - share * across) * by_velocity).eval();
+    } else if (!slides_) {
+      by_velocity.row(1).setZero();
+    }
+    a(3, 3) = by_velocity(0, 0);
+    a(3, 5) = by_velocity(0, 1);
+    a(3, 4) = by_velocity(0, 2);
+    a(5, 3) = by_velocity(1, 0);
+    a(5, 5) = by_velocity(1, 1);
+    a(5, 4) = by_velocity(1, 2);
+    MatrixMap p(p_.data());
+    p = (a * p * a.transpose()).eval();
+    const double slide = sliding.noise_mps_rts * sliding.noise_mps_rts * dt;
+    p(3, 3) += slide;
+    if (slides_) p(5, 5) += slide;
+    p(4, 4) += in.w_var * r.end_input * r.end_input;
+    add_motion_without_wheels(p, dt, parameters);
+    symmetrize(p);
+  }
+  x_ = {x_[0] + dx, x_[1] + dy, wrap_angle(theta_end), v_end, r.end_now * x_[4] + r.end_input * in.w, u_end};
 }
 
 void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterParameters& parameters, Extent extent) {
@@ -140,14 +266,13 @@ void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterPara
     times_a(m);
     m.transposeInPlace();
     times_a(m);
-    const Vector by_v(dt * r.mean_input * c, dt * r.mean_input * s, 0.0, r.end_input, 0.0);
-    const Vector by_w(-turn_input * s, turn_input * c, dt * r.mean_input, 0.0, r.end_input);
+    const Vector by_v(dt * r.mean_input * c, dt * r.mean_input * s, 0.0, r.end_input, 0.0, 0.0);
+    const Vector by_w(-turn_input * s, turn_input * c, dt * r.mean_input, 0.0, r.end_input, 0.0);
     m += u.v_var * by_v * by_v.transpose() + u.w_var * by_w * by_w.transpose();
-    const double slip = parameters.slip_m_rts * parameters.slip_m_rts * dt;
-    m(0, 0) += slip;
-    m(1, 1) += slip;
-    m(2, 2) += parameters.spin_rad_rts * parameters.spin_rad_rts * dt;
+    m.row(5).setZero();
+    m.col(5).setZero();
     p = m;
+    add_motion_without_wheels(p, dt, parameters);
     symmetrize(p);
   }
 
@@ -156,6 +281,9 @@ void DriveFilter::step(double dt, const DriveInput& input, const RobotFilterPara
   x_[2] = wrap_angle(x_[2] + dt * w);
   x_[3] = r.end_now * x_[3] + r.end_input * u.v;
   x_[4] = r.end_now * x_[4] + r.end_input * u.w;
+  x_[5] = 0.0;
+  slides_ = false;
+  wheel_mps_ = x_[3];
 }
 
 // A velocity that changes by d at a time that is distributed uniformly over the step moves the state by d dt / 2 on
@@ -170,6 +298,7 @@ void DriveFilter::disturb(double dt, const RobotFilterParameters& parameters) {
   p(2, 2) += turn * dt * dt / 3.0;
   p(3, 3) += push;
   p(4, 4) += turn;
+  p(5, 5) += push;
   const auto add_between = [&p](Eigen::Index i, Eigen::Index k, double covariance) {
     p(i, k) += covariance;
     p(k, i) += covariance;
@@ -177,6 +306,8 @@ void DriveFilter::disturb(double dt, const RobotFilterParameters& parameters) {
   add_between(0, 3, 0.5 * push * dt * c);
   add_between(1, 3, 0.5 * push * dt * s);
   add_between(2, 4, 0.5 * turn * dt);
+  add_between(0, 5, -0.5 * push * dt * s);
+  add_between(1, 5, 0.5 * push * dt * c);
 }
 
 void DriveFilter::scale_covariance(double factor) { MatrixMap(p_.data()) *= factor; }
@@ -192,8 +323,16 @@ double DriveFilter::distance2(const Pose& sighted, const PoseCovariance& noise) 
   return innovation.dot(s.inverse() * innovation);
 }
 
+double DriveFilter::log_likelihood(const Pose& sighted, const PoseCovariance& noise) const {
+  const Eigen::Vector3d innovation = pose_innovation(sighted, x_);
+  const Eigen::Matrix3d s = ConstMatrixMap(p_.data()).topLeftCorner<3, 3>() + matrix_of(noise);
+  return -0.5 * (innovation.dot(s.inverse() * innovation) + std::log(s.determinant()));
+}
+
 void DriveFilter::update(const Pose& sighted, const PoseCovariance& noise) {
   correct<3>(VectorMap(x_.data()), MatrixMap(p_.data()), pose_innovation(sighted, x_), matrix_of(noise));
+  slides_ = slides_ || std::abs(x_[5]) > kLeastSlide_mps;
+  if (!slides_) wheel_mps_ = x_[3];
 }
 
 double DriveFilter::distance2(FieldPoint patch, const RobotFilterParameters& parameters) const {

@@ -12,10 +12,13 @@ namespace touchline {
 /// heading) is extended by the linear and the angular velocity, which follow the commanded ones with the time constant
 /// of the wheels. With a time constant of zero it is the paper's filter. Without known commands, the velocities are
 /// constant except for noise.
+///
+/// A robot that turns faster than its tires can follow, or that was pushed, slides: friction of constant size acts
+/// against the motion of the tires over the floor until they grip. Only then is there a velocity to the side.
 class DriveFilter {
  public:
-  // x (m), y (m), heading (rad, in (-pi, pi]), v (m/s), w (rad/s).
-  static constexpr std::size_t kStates = 5;
+  // x (m), y (m), heading (rad, in (-pi, pi]), v (m/s), w (rad/s), velocity to the left (m/s; 0 while the tires grip).
+  static constexpr std::size_t kStates = 6;
   using State = std::array<double, kStates>;
   using Covariance = std::array<double, kStates * kStates>;  // row-major
 
@@ -30,8 +33,16 @@ class DriveFilter {
   /// Predicts only the state; the covariance is unchanged.
   void predict_state(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
 
+  /// The same for a robot in contact with a wall or another robot: it moves on as before, in any direction, except for
+  /// noise.
+  void predict_contact(double dt_s, const RobotFilterParameters& parameters);
+  void predict_contact_state(double dt_s, const RobotFilterParameters& parameters);
+
+  /// Mean and covariance of this distribution and `other`, which has the probability `weight`.
+  [[nodiscard]] DriveFilter mixed(const DriveFilter& other, double weight) const;
+
   /// Adds the uncertainty of an impact at an unknown instant during the last dt_s seconds, which changed the velocities
-  /// and pushed the robot in any direction.
+  /// in any direction.
   void disturb(double dt_s, const RobotFilterParameters& parameters);
 
   /// Multiplies the covariance by `factor` > 0.
@@ -43,6 +54,8 @@ class DriveFilter {
   /// Squared Mahalanobis distance of a sighted pose from the prediction (chi-square with 3 degrees of freedom).
   /// `noise`: covariance of the sighting's errors; positive definite.
   [[nodiscard]] double distance2(const Pose& sighted, const PoseCovariance& noise) const;
+  /// Logarithm of the probability density of a sighted pose, without the constant term.
+  [[nodiscard]] double log_likelihood(const Pose& sighted, const PoseCovariance& noise) const;
   /// Eq. (6); the heading's innovation is wrapped.
   void update(const Pose& sighted, const PoseCovariance& noise);
 
@@ -56,6 +69,7 @@ class DriveFilter {
   [[nodiscard]] const State& state() const { return x_; }
   [[nodiscard]] const Covariance& covariance() const { return p_; }
   [[nodiscard]] Pose pose() const;
+  [[nodiscard]] bool slides() const { return slides_; }
   [[nodiscard]] Twist twist() const { return {static_cast<float>(x_[3]), static_cast<float>(x_[4])}; }
   /// Standard deviation of state i.
   [[nodiscard]] double sigma(std::size_t i) const;
@@ -66,7 +80,16 @@ class DriveFilter {
   enum class Extent { kState, kAll };
   void predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters, Extent extent);
   void step(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters, Extent extent);
+  // Friction between tires and floor, and noise of the velocity, each axis.
+  struct Sliding {
+    double grip_mps2, noise_mps_rts;
+  };
+  void slide(double dt_s, const DriveInput& input, const Sliding& sliding, const RobotFilterParameters& parameters,
+             Extent extent);
+  [[nodiscard]] bool exceeds_grip(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters) const;
 
+  bool slides_ = false;
+  double wheel_mps_ = 0.0;  // mean speed of the rims; it follows the command also while the robot slides
   State x_{};
   Covariance p_{};
 };

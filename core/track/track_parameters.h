@@ -14,6 +14,11 @@ struct RobotFilterParameters {
   double heading_sigma_rad = 0.0015;
   double patch_sigma_m = 0.025;
   double wheel_lag_s = 0.08;
+  double tire_grip_mps2 = 7.8;
+  double slide_noise_mps_rts = 0.3;
+  double contact_noise_mps_rts = 0.5;
+  double contacts_per_s = 0.5;
+  double contact_lasts_s = 0.2;
   double drive_noise_m_rts = 0.004;
   double turn_noise_rad_rts = 0.04;
   double drive_error_rts = 0.03;
@@ -54,6 +59,29 @@ struct RobotFilterParameters {
                   .range = {0.0, 1.0},
                   .unit = "s",
                   .help = "Time constant of the robot's velocities after a command; measure it on your robots"});
+    visit.number(self.tire_grip_mps2,
+                 {.name = "tire_grip_mps2",
+                  .range = {0.0, 100.0},
+                  .unit = "m/s^2",
+                  .help = "Acceleration in any direction at which the tires begin to slide: their coefficient of "
+                          "friction times 9.81 m/s^2; 0: they never slide"});
+    visit.number(self.slide_noise_mps_rts, {.name = "slide_noise_mps_rts",
+                                            .range = {0.0, 100.0},
+                                            .unit = "m/s/sqrt(s)",
+                                            .help = "Process noise of the velocity of a sliding robot, each axis"});
+    visit.number(
+        self.contact_noise_mps_rts,
+        {.name = "contact_noise_mps_rts",
+         .range = {0.0, 100.0},
+         .unit = "m/s/sqrt(s)",
+         .help = "Process noise of the velocity of a robot in contact with a wall or another robot, each axis"});
+    visit.number(self.contacts_per_s, {.name = "contacts_per_s",
+                                       .range = {1e-6, 100.0},
+                                       .unit = "1/s",
+                                       .help = "Rate at which a robot touches a wall or another robot"});
+    visit.number(
+        self.contact_lasts_s,
+        {.name = "contact_lasts_s", .range = {1e-3, 100.0}, .unit = "s", .help = "Mean duration of such a contact"});
     visit.number(self.drive_noise_m_rts,
                  {.name = "drive_noise_m_rts",
                   .range = {0.0, 1.0},

@@ -128,7 +128,7 @@ void TrackedRobot::look_ahead(Instant from, Instant to, const CommandHistory* co
 // moves sideways, which the model excludes: if several sightings surprise, the prediction counts less (fading memory).
 bool TrackedRobot::fuse_pose(const RobotSighting& sighting, Instant now, const RobotFilterParameters& parameters) {
   const PoseCovariance noise = noise_of(sighting, parameters);
-  DriveFilter drive = drive_;
+  RobotMotion drive = drive_;
   double distance2 = drive.distance2(sighting.pose, noise);
   const double newest = std::min(distance2, parameters.gate_pose) / 3.0;
   const double surprise = surprise_ + kNewestSurprise * (newest - surprise_);
@@ -141,7 +141,7 @@ bool TrackedRobot::fuse_pose(const RobotSighting& sighting, Instant now, const R
     distance2 = drive.distance2(sighting.pose, noise);
     if (distance2 > parameters.gate_pose) return false;
   }
-  drive.update(sighting.pose, noise);
+  drive.update(sighting.pose, noise, parameters);
   drive_ = drive;
   surprise_ = surprise;
   innovation2_ = static_cast<float>(distance2);

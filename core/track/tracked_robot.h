@@ -4,15 +4,15 @@
 
 #include "core/track/command_history.h"
 #include "core/track/consecutive_outliers.h"
-#include "core/track/drive_filter.h"
 #include "core/track/life_cycle.h"
 #include "core/track/point_filter.h"
+#include "core/track/robot_motion.h"
 #include "core/track/track_identity.h"
 
 namespace touchline {
 
 /// The track of one robot from its first sighting until it is lost. Before the first sighting with a heading, the
-/// motion model is a point with constant velocity; afterwards it is a differential drive.
+/// motion model is a point with constant velocity; afterwards it is a differential drive, free or in contact.
 class TrackedRobot {
  public:
   void start(const RobotSighting& sighting, Instant now, std::uint32_t birth, const TrackParameters& parameters);
@@ -59,7 +59,7 @@ class TrackedRobot {
   RobotId id_ = kUnknownId;
   std::uint32_t birth_ = 0;  // distinguishes tracks without id
   bool heading_known_ = false;
-  DriveFilter drive_;
+  RobotMotion drive_;
   PointFilter point_;
   LifeCycle life_;
   ConsecutiveOutliers outliers_;

@@ -50,7 +50,8 @@ TEST(MotionEvaluation, TracksOfAGameAreNotWorseThanSightings) {
     EXPECT_LT(robots.nees_angle, 1.8) << name;
     EXPECT_LT(robots.nis, 1.0) << name;
   }
-  EXPECT_LT(row(report, "own robots").acted.rms, 0.003);
+  EXPECT_LT(row(report, "own robots").acted.rms, 0.0025);
+  EXPECT_LT(row(report, "opponents").acted.rms, 0.0015);
   EXPECT_LT(row(report, "own robots").acted_angle.rms, 1.5 * std::numbers::pi / 180.0);
   // One frame after an impact: 10 mm, 0.3 m/s.
   for (const ImpactRow& impact : report.impacts) {
@@ -58,7 +59,8 @@ TEST(MotionEvaluation, TracksOfAGameAreNotWorseThanSightings) {
     EXPECT_EQ(impact.lost, 0U) << impact.name;
     EXPECT_LT(impact.position.max, 0.010) << impact.name << ", " << impact.frames_after;
     if (impact.frames_after == 1) {
-      EXPECT_LT(impact.speed.rms, 0.3) << impact.name;
+      // The mean of a few impacts varies.
+      EXPECT_LT(impact.speed.rms, impact.speed.count < 8 ? 0.45 : 0.3) << impact.name;
     }
   }
 }

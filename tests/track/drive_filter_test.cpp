@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "core/geometry/angle.h"
@@ -12,17 +13,19 @@
 namespace touchline {
 namespace {
 
-using Matrix5 = Eigen::Matrix<double, 5, 5, Eigen::RowMajor>;
+using StateMatrix = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
 RobotFilterParameters without_noise() {
   RobotFilterParameters p;
   p.drive_noise_m_rts = p.turn_noise_rad_rts = p.drive_error_rts = p.turn_error_rts = p.slip_m_rts = p.spin_rad_rts =
       p.veer_error_rts_per_m = 0;
+  p.tire_grip_mps2 = 0.0;
   return p;
 }
 
 TEST(DriveFilter, PredictsADriveWithLag) {
-  const RobotFilterParameters parameters;
+  RobotFilterParameters parameters;
+  parameters.tire_grip_mps2 = 0.0;  // the simulated tires never slide
   for (const double dt : {1.0 / 120.0, 1.0 / 30.0, 0.1}) {
     SimulatedRobot robot({parameters.wheel_lag_s, 0.0, 1.0, 0.0}, 1);
     DriveFilter filter;
@@ -65,28 +68,28 @@ TEST(DriveFilter, CovarianceFollowsTheJacobianOfThePrediction) {
         f.predict(0.03, input, parameters);
         return f.state();
       };
-      Matrix5 jacobian;
-      for (std::size_t k = 0; k < 5; ++k) {
+      StateMatrix jacobian = StateMatrix::Zero();
+      for (std::size_t k = 0; k < 5; ++k) {  // the sixth is zero while the tires grip
         const double h = 1.0 / 4096.0;
         DriveFilter::State up = x0, down = x0;
         for (std::size_t i = 0; i < 3; ++i) up[i] = down[i] = std::round(x0[i] * 4096.0) / 4096.0;
         up[k] += h;
         down[k] -= h;
         const DriveFilter::State a = predicted(up), b = predicted(down);
-        for (std::size_t i = 0; i < 5; ++i) {
+        for (std::size_t i = 0; i < DriveFilter::kStates; ++i) {
           const double difference = i == 2 ? wrap_angle(a[i] - b[i]) : a[i] - b[i];
           jacobian(static_cast<int>(i), static_cast<int>(k)) = difference / (2.0 * h);
         }
       }
       DriveFilter filter;
       filter.start(pose(x0[0], x0[1], x0[2]), {x0[3], x0[4], 0.2, 2.0}, 0.01, 0.1);
-      const Matrix5 before = Eigen::Map<const Matrix5>(filter.covariance().data());
+      const StateMatrix before = Eigen::Map<const StateMatrix>(filter.covariance().data());
       DriveFilter ahead = filter;
       ahead.predict_state(0.03, input, parameters);
       filter.predict(0.03, input, parameters);
       EXPECT_EQ(ahead.state(), filter.state()) << "predict_state() gives the same state";
-      const Matrix5 after = Eigen::Map<const Matrix5>(filter.covariance().data());
-      const Matrix5 expected = jacobian * before * jacobian.transpose();
+      const StateMatrix after = Eigen::Map<const StateMatrix>(filter.covariance().data());
+      const StateMatrix expected = jacobian * before * jacobian.transpose();
       EXPECT_LT((after - expected).cwiseAbs().maxCoeff(), 2e-6) << lag << input.known << "\n" << after - expected;
     }
   }
@@ -174,16 +177,62 @@ TEST(DriveFilter, KeepsAValidCovariance) {
         if (k % 30 == 1) filter.disturb(0.02, parameters);
         filter.update(pose(any(random), any(random), 3.0 * any(random)), noise);
       }
-      const Matrix5 p = Eigen::Map<const Matrix5>(filter.covariance().data());
+      const StateMatrix p = Eigen::Map<const StateMatrix>(filter.covariance().data());
       ASSERT_TRUE(p.allFinite());
       ASSERT_EQ(p, p.transpose().eval());
       // Relative to the magnitude of each state, because their units differ.
-      const Eigen::Matrix<double, 5, 1> scale = p.diagonal().cwiseMax(1e-18).cwiseSqrt().cwiseInverse();
-      const Matrix5 correlation = scale.asDiagonal() * p * scale.asDiagonal();
-      const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 5, 5>>(correlation).eigenvalues()(0);
+      const Eigen::Matrix<double, 6, 1> scale = p.diagonal().cwiseMax(1e-18).cwiseSqrt().cwiseInverse();
+      const StateMatrix correlation = scale.asDiagonal() * p * scale.asDiagonal();
+      const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(correlation).eigenvalues()(0);
       ASSERT_GT(least, -1e-9) << run << " " << k;
     }
   }
+}
+
+// A robot that the tires cannot hold in its turn, integrated in steps of 0.1 ms.
+TEST(DriveFilter, SlidesInAFastTurn) {
+  RobotFilterParameters parameters = without_noise();
+  parameters.tire_grip_mps2 = 6.0;
+  for (const float w : {-14.0f, -3.0f, 3.0f, 14.0f}) {
+    const Twist command{1.2f, w};
+    DriveFilter filter;
+    filter.start(pose(0.1, -0.2, 0.5), {1.2, static_cast<double>(w), 0.0, 0.0}, 0.0, 0.0);
+    double x = filter.state()[0], y = filter.state()[1], theta = filter.state()[2];
+    double vx = 1.2 * std::cos(theta), vy = 1.2 * std::sin(theta);
+    for (int k = 0; k < 1000; ++k) {
+      constexpr double kStep = 1e-4;
+      theta += kStep * static_cast<double>(w);
+      const double dx = 1.2 * std::cos(theta) - vx, dy = 1.2 * std::sin(theta) - vy;
+      const double share = std::min(1.0, 6.0 * kStep / std::hypot(dx, dy));
+      vx += share * dx;
+      vy += share * dy;
+      x += kStep * vx;
+      y += kStep * vy;
+    }
+    for (int k = 0; k < 10; ++k) filter.predict(0.01, {true, command}, parameters);
+    EXPECT_NEAR(filter.state()[0], x, 0.0005) << w;
+    EXPECT_NEAR(filter.state()[1], y, 0.0005) << w;
+    EXPECT_NEAR(wrap_angle(filter.state()[2] - theta), 0.0, 1e-5) << w;
+    // To the left if it turns right.
+    const double left = vy * std::cos(theta) - vx * std::sin(theta);
+    EXPECT_NEAR(filter.state()[5], left, 0.02) << w;
+    EXPECT_EQ(filter.slides(), std::abs(w) > 5.0f) << w;
+  }
+}
+
+TEST(DriveFilter, APushedRobotComesToRest) {
+  RobotFilterParameters parameters;
+  DriveFilter filter;
+  filter.start(pose(0.0, 0.0, 0.0), {}, 0.001, 0.01);
+  filter.disturb(0.02, parameters);
+  filter.update(pose(0.0, 0.01, 0.0), sighting_noise(1e-4, 1e-3));
+  const double push = filter.state()[5];
+  EXPECT_GT(push, 0.3);
+  EXPECT_TRUE(filter.slides());
+  for (int k = 0; k < 20; ++k) filter.predict(0.01, {true, {}}, parameters);
+  EXPECT_FALSE(filter.slides());
+  EXPECT_EQ(filter.state()[5], 0.0);
+  EXPECT_NEAR(filter.state()[1], 0.01 + 0.5 * push * push / parameters.tire_grip_mps2, 0.001);
 }
 
 }  // namespace

@@ -53,6 +53,7 @@ TEST_P(PaperFilterTest, EqualsOurFilterWithoutLag) {
   const double ts = 1.0 / GetParam().rate_hz;
   RobotFilterParameters parameters;
   parameters.wheel_lag_s = 0.0;
+  parameters.tire_grip_mps2 = 0.0;
   parameters.drive_error_rts = parameters.turn_error_rts = parameters.veer_error_rts_per_m = 0.0;
   parameters.slip_m_rts = parameters.spin_rad_rts = 0.0;
   parameters.drive_noise_m_rts = 0.02;

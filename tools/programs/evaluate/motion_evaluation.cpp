@@ -214,8 +214,11 @@ class MotionEvaluation {
         const Placement at = of(truth_.at(frame.capture_time)), then = of(truth_.at(frame.capture_time + kMargin));
         const auto* track = find(frame.tracks.robots, i);
         const bool own = robot(i).team == hal::mock::Side::kOwn;
-        add_impact(impacts_[own ? 0 : 1], after, at, then, track == nullptr ? nullptr : &track->pose.position,
-                   track == nullptr ? 0.0 : static_cast<double>(track->twist.v_mps));
+        // A robot's track states the velocity along its heading.
+        const Vector2 velocity = (1.0 / seconds(kMargin)) * (place(then) - place(at));
+        const double along = velocity.x * std::cos(at.theta_rad) + velocity.y * std::sin(at.theta_rad);
+        add_impact(impacts_[own ? 0 : 1], after, at, track == nullptr ? nullptr : &track->pose.position,
+                   track == nullptr ? 0.0 : static_cast<double>(track->twist.v_mps) - along);
       }
     }
     const auto of = [](const Snapshot& s) { return s.ball; };
@@ -226,19 +229,20 @@ class MotionEvaluation {
       if (!truth_.covers(frame.capture_time, kMargin)) break;
       const BallTrack& track = frame.tracks.ball;
       if (!frame.ball.seen && after == 0) break;
-      add_impact(impacts_[2], after, of(truth_.at(frame.capture_time)), of(truth_.at(frame.capture_time + kMargin)),
-                 track.state == TrackState::kLost ? nullptr : &track.position, norm(to_vector(track.velocity)));
+      const Placement at = of(truth_.at(frame.capture_time)), then = of(truth_.at(frame.capture_time + kMargin));
+      add_impact(impacts_[2], after, at, track.state == TrackState::kLost ? nullptr : &track.position,
+                 norm(to_vector(track.velocity)) - speed_between(at, then, kMargin));
     }
   }
 
-  static void add_impact(ImpactSamples& row, std::size_t after, const Placement& at, const Placement& then,
-                         const FieldPoint* tracked, double speed_mps) {
+  static void add_impact(ImpactSamples& row, std::size_t after, const Placement& at, const FieldPoint* tracked,
+                         double speed_error_mps) {
     if (tracked == nullptr) {
       ++row.lost[after];
       return;
     }
     row.position[after].push_back(distance(to_vector(*tracked), place(at)));
-    row.speed[after].push_back(std::abs(speed_mps) - speed_between(at, then, kMargin));
+    row.speed[after].push_back(speed_error_mps);
   }
 
   const RecordedGame& game_;

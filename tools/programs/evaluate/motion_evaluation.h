@@ -21,7 +21,8 @@ struct MotionRow {
   double nees_position = 0.0, nees_angle = 0.0, nis = 0.0;
 };
 
-/// Errors of tracks in the frames after an impact, which changes a velocity suddenly.
+/// Errors of tracks in the frames after an impact, which changes a velocity suddenly. Speed: of robots along their
+/// heading.
 struct ImpactRow {
   std::string name;
   std::size_t frames_after = 0;  // 0: the first frame that was captured after the impact

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "core/track/drive_filter.h"
+
+namespace touchline {
+
+/// Two models of the motion of one robot: it follows its commands, or it is in contact with a wall or another robot and
+/// moves on as before, in any direction. Each has a filter and a probability (interacting multiple models: Blom and
+/// Bar-Shalom 1988). Units and parameters as in DriveFilter.
+class RobotMotion {
+ public:
+  void start(const Pose& pose, const DriveFilter::Velocity& velocity, double position_sigma_m,
+             double heading_sigma_rad);
+  void predict(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
+  /// Predicts only the state; the covariance is unchanged. A contact becomes less probable with time.
+  void predict_state(double dt_s, const DriveInput& input, const RobotFilterParameters& parameters);
+  void disturb(double dt_s, const RobotFilterParameters& parameters);
+  void scale_covariance(double factor);
+  void shift_to(FieldPoint position);
+
+  [[nodiscard]] double distance2(const Pose& sighted, const PoseCovariance& noise) const;
+  /// Also changes the probabilities of the models, and mixes them for the next prediction.
+  void update(const Pose& sighted, const PoseCovariance& noise, const RobotFilterParameters& parameters);
+  [[nodiscard]] double distance2(FieldPoint patch, const RobotFilterParameters& parameters) const;
+  void update(FieldPoint patch, const RobotFilterParameters& parameters);
+
+  /// Probability that the robot is in contact.
+  [[nodiscard]] double contact() const { return contact_probability_; }
+  /// Mean and covariance of both models.
+  [[nodiscard]] DriveFilter both() const { return free_.mixed(contact_, contact_probability_); }
+  [[nodiscard]] Pose pose() const { return both().pose(); }
+  [[nodiscard]] Twist twist() const { return both().twist(); }
+  [[nodiscard]] double sigma(std::size_t i) const { return both().sigma(i); }
+  [[nodiscard]] double xy_covariance() const { return both().xy_covariance(); }
+
+ private:
+  DriveFilter free_, contact_;
+  double contact_probability_ = 0.0;
+  double unmixed_s_ = 0.0;  // time predicted since the last update
+};
+
+}  // namespace touchline

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <numbers>
 
 #include "core/region/region_scanner.h"
 #include "tests/results.h"
@@ -27,6 +28,15 @@ PipelineParameters parameters_for(PixelFormat format, std::uint16_t width, std::
     const auto low = static_cast<std::uint8_t>(40 * i);
     parameters.scan.boxes.push_back(
         {static_cast<ColorId>(i + 1), {low, 100, 100}, {static_cast<std::uint8_t>(low + 30), 160, 160}});
+  }
+  FullModelParameters& lens = parameters.camera.full;
+  lens.fx_px = lens.fy_px = 0.8f * static_cast<float>(width);
+  lens.cx_px = 0.5f * static_cast<float>(width), lens.cy_px = 0.5f * static_cast<float>(height);
+  lens.rotation_rad = {std::numbers::pi_v<float>, 0.0f, 0.0f};
+  lens.position_m = {0.0f, 0.0f, 0.5f};
+  for (std::size_t team = 0; team < 2; ++team) {
+    parameters.marker.teams[team].layout = paper_layout();
+    parameters.marker.teams[team].team_color = static_cast<ColorId>(team + 1);
   }
   return parameters;
 }
@@ -89,6 +99,11 @@ TEST_P(StressPatterns, PatternsCauseTheWorkThatTheyClaim) {
       default:
         EXPECT_GE(regions->size(), std::size_t{kWidth / 12} * (kHeight / 12));
     }
+  }
+  for (const NamedClutter& clutter : worst_clutter()) {
+    const Result<hal::FrameLease> lease = camera.wait(Instant::max());
+    ASSERT_TRUE(lease.ok() && scanner->scan(lease.value().frame(), *runs, *regions).ok()) << clutter.name;
+    EXPECT_GT(regions->size(), 5u) << clutter.name;
   }
 }
 INSTANTIATE_TEST_SUITE_P(Formats, StressPatterns,

@@ -40,7 +40,7 @@ class ClutterPainter {
         width_(parameters.scan.width_px),
         height_(parameters.scan.height_px),
         random_(static_cast<std::uint32_t>(recipe.seed)),
-        picture_(static_cast<std::size_t>(width_ * height_), background) {
+        picture_(std::size_t{parameters.scan.width_px} * parameters.scan.height_px, background) {
     const bool is_rgb = color_space(parameters.scan.format) == ColorSpace::kRgb;
     black_ = is_rgb ? PixelValue{20, 20, 20} : kBlackValue;
     for (const ColorBox& box : parameters.scan.boxes) {
@@ -138,8 +138,8 @@ class ClutterPainter {
     const float pitch = marking.layout.robot_side_m * static_cast<float>(recipe_.spacing_percent) / 100.0f;
     const int columns = std::max(1, static_cast<int>(std::ceil(std::sqrt(recipe_.robots))));
     const float middle = 0.5f * static_cast<float>(columns - 1);
-    const Pose pose{{(static_cast<float>(number % columns) - middle) * pitch,
-                     (static_cast<float>(number / columns) - middle) * pitch},
+    const int row = number / columns, column = number % columns;
+    const Pose pose{{(static_cast<float>(column) - middle) * pitch, (static_cast<float>(row) - middle) * pitch},
                     between(-std::numbers::pi_v<float>, std::numbers::pi_v<float>)};
     const float half = 0.5f * marking.layout.robot_side_m;
     paint_on_robot(pose, marking, {.length_m = 2 * half, .width_m = 2 * half}, black_);

@@ -1,6 +1,7 @@
 #include "tools/programs/latency/stress_pattern_camera.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace touchline::latency {
 namespace {
@@ -84,24 +85,35 @@ std::size_t StressPatternCamera::value_at(std::size_t pattern, std::size_t u, st
   }
 }
 
-void StressPatternCamera::paint(std::size_t pattern) {
+template <class ValueAt>
+void StressPatternCamera::fill(std::size_t pattern, ValueAt value_at) {
   const std::size_t width = info_.width_px, height = info_.height_px;
-  std::vector<std::uint8_t>& picture = pictures_[pattern];
-  const Frame frame = frame_of(pattern);
-  std::uint8_t* const first = picture.data();
-  const PictureLayout layout = picture_layout(frame.format, width, height);
-  std::uint32_t random = 7;
+  const PictureLayout layout = picture_layout(info_.format, width, height);
+  pictures_[pattern].assign(layout.bytes, 0);
+  std::uint8_t* const first = pictures_[pattern].data();
   for (std::size_t v = 0; v < height; ++v) {
     for (std::size_t u = 0; u < width; ++u) {
-      const Value& value = values_[value_at(pattern, u, v, random)];
+      const PixelValue value = value_at(u, v);
       for (std::size_t c = 0; c < value.size(); ++c) {
-        const ChannelLayout& channel = info_of(frame.format).channel[c];
+        const ChannelLayout& channel = info_of(info_.format).channel[c];
         const std::size_t row =
             layout.offset_bytes[channel.plane] + (v >> channel.shift_v) * layout.stride_bytes[channel.plane];
         first[row + channel.byte(u)] = value[c];
       }
     }
   }
+}
+
+void StressPatternCamera::paint(std::size_t pattern) {
+  std::uint32_t random = 7;
+  fill(pattern, [&](std::size_t u, std::size_t v) { return values_[value_at(pattern, u, v, random)]; });
+}
+
+void StressPatternCamera::paint_clutter_picture(std::size_t number, const CameraModel& camera) {
+  const std::optional<ClutterRecipe> recipe = clutter_recipe_of(worst_clutter()[number].recipe);
+  const std::vector<PixelValue> picture =
+      paint_clutter(recipe.value_or(ClutterRecipe{}), parameters_, camera, values_[0]);
+  fill(kPatterns + number, [&](std::size_t u, std::size_t v) { return picture[v * info_.width_px + u]; });
 }
 
 Frame StressPatternCamera::frame_of(std::size_t pattern) const {
@@ -123,16 +135,17 @@ Result<void> StressPatternCamera::do_open() {
   }
   info_ = {scan.format, scan.width_px, scan.height_px, 0.0};
   choose_values();
-  for (std::size_t pattern = 0; pattern < kPatterns; ++pattern) {
-    pictures_[pattern].assign(picture_layout(scan.format, scan.width_px, scan.height_px).bytes, 0);
-    paint(pattern);
-  }
+  pictures_.resize(kPatterns + worst_clutter().size());
+  for (std::size_t pattern = 0; pattern < kPatterns; ++pattern) paint(pattern);
+  CameraModel camera;
+  if (const Status s = camera.configure(parameters_.camera); !s.ok()) return Error{s.code(), describe(s.code())};
+  for (std::size_t i = 0; i < worst_clutter().size(); ++i) paint_clutter_picture(i, camera);
   sequence_ = 0;
   return {};
 }
 
 Result<hal::FrameLease> StressPatternCamera::do_wait(Instant) {
-  Frame frame = frame_of(sequence_ % kPatterns);
+  Frame frame = frame_of(sequence_ % pictures_.size());
   frame.capture_time = clock_.now();
   frame.sequence = sequence_++;
   return hal::FrameLease(*this, frame, 0);

@@ -5,6 +5,7 @@
 #include "tests/benchmark/clutter_step.h"
 #include "tests/benchmark/measurement.h"
 #include "tests/benchmark/mjpg_benchmark.h"
+#include "tests/benchmark/real_pictures.h"
 #include "tests/benchmark/step_benchmark.h"
 #include "tools/programs/command_line/command_line.h"
 
@@ -54,6 +55,7 @@ Result<void> add_cases(BenchmarkCases& cases, const std::string& filter) {
     }
   }
   TOUCHLINE_TRY(add_clutter_cases(cases, filter));
+  TOUCHLINE_TRY(add_real_pictures(cases, filter));
   return add_mjpg_cases(cases, filter);
 }
 

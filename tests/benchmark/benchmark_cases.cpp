@@ -35,6 +35,9 @@ TOUCHLINE_AVX2 std::uint64_t read_avx2(const std::uint8_t* bytes, std::size_t co
 std::uint64_t read_avx2(const std::uint8_t* bytes, std::size_t count) { return sum_of(bytes, count); }
 #endif
 
+// In levels; assumed.
+constexpr double kFloorTexture = 7.0;
+
 BenchmarkCase case_of(OwnedPicture picture, const ScanParameters& parameters) {
   return {.name = {}, .picture = std::move(picture), .parameters = parameters};
 }
@@ -119,17 +122,19 @@ std::vector<std::unique_ptr<BenchmarkCase>> make_cases(std::string_view part) {
     cases.back()->name = name;
   };
   const FieldScene vga;
-  FieldScene yuyv = vga, nv12 = vga, noisy = vga, large = vga, full_hd = vga;
+  FieldScene yuyv = vga, nv12 = vga, noisy = vga, textured = vga, large = vga, full_hd = vga;
   yuyv.format = PixelFormat::kYuyv;
   nv12.format = PixelFormat::kNv12;
   noisy.noise = 8.0;
   noisy.specks_per_megapixel = 3000 / (640 * 480e-6);
+  textured.texture = kFloorTexture;
   large.width_px = 1280, large.height_px = 1024;
   full_hd.width_px = 1920, full_hd.height_px = 1080;
   add("field 640x480 rgb24", [&] { return with_slow_methods(field(vga)); });
   add("field 640x480 rgb24, cold", [&] { return uncached(field(vga)); });
   add("field 640x480 rgb24, light map", [&] { return shaded(field(vga)); });
   add("field 640x480 rgb24, noisy", [&] { return field(noisy); });
+  add("field 640x480 rgb24, textured", [&] { return field(textured); });
   add("field 640x480 yuyv", [&] { return field(yuyv); });
   add("field 640x480 nv12", [&] { return field(nv12); });
   add("field 1280x1024 rgb24", [&] { return field(large); });

@@ -116,7 +116,7 @@ Result<void> add_clutter_cases(BenchmarkCases& cases, const std::string& filter)
   for (const latency::NamedClutter& clutter : latency::worst_clutter()) {
     for (const ClutterTeams teams : {ClutterTeams::kMock, ClutterTeams::kLargest}) {
       const std::string name =
-          std::string("step, ") + clutter.name + (teams == ClutterTeams::kMock ? "" : ", 22 robots of six patches");
+          std::string("step, ") + clutter.name + (teams == ClutterTeams::kMock ? "" : kLargestTeams);
       if (name.find(filter) == std::string::npos) continue;
       const auto recipe = latency::clutter_recipe_of(clutter.recipe);
       if (!recipe) return failure(ErrorCode::kInconsistent, "%s: not a recipe", clutter.name);
@@ -158,7 +158,7 @@ Result<void> search_slowest_step(double seconds, unsigned seed, ClutterTeams tea
       seconds, [&] { return random_clutter(random); },
       [&](const ClutterRecipe& recipe) { return changed_clutter(recipe, random); }, evaluate, pictures);
   std::printf("slowest step of %zu pictures: %.2f times a field's, %.1f microseconds of CPU%s\n%s\n", pictures,
-              best.times_a_field, best.time_us, teams == ClutterTeams::kMock ? "" : ", 22 robots of six patches",
+              best.times_a_field, best.time_us, teams == ClutterTeams::kMock ? "" : kLargestTeams,
               latency::text_of(best.recipe).c_str());
   return {};
 }

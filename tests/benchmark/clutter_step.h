@@ -15,6 +15,9 @@ namespace touchline::testing {
 /// The teams that look for robots in clutter: those of the mock board, or two of eleven robots with six patches each.
 enum class ClutterTeams { kMock, kLargest };
 
+// Suffix of the name of cases with ClutterTeams::kLargest.
+inline constexpr char kLargestTeams[] = ", 22 robots of six patches";
+
 /// Runs the whole pipeline step on one cluttered picture again and again, with the venue of the mock board.
 class ClutterStep {
  public:

@@ -107,6 +107,38 @@ double unit_noise(std::mt19937& random) {
   return (sum - 510.0) / 147.8;
 }
 
+// Brightness of a floor: the sum of three layers of noise, each interpolated between points at random values.
+class FloorTexture {
+ public:
+  FloorTexture(double deviation, std::uint32_t seed) : deviation_(deviation) {
+    std::mt19937 random(seed);
+    for (double& value : values_) value = unit_noise(random);
+  }
+  [[nodiscard]] double at(int u, int v) const {
+    if (deviation_ <= 0.0) return 0.0;
+    double sum = 0.0;
+    for (std::size_t layer = 0; layer < 3; ++layer) {
+      const int scale = 4 << (2 * layer), column = u / scale, row = v / scale;
+      const double x = u % scale / static_cast<double>(scale), y = v % scale / static_cast<double>(scale);
+      const double above = (1 - x) * value(layer, column, row) + x * value(layer, column + 1, row);
+      const double below = (1 - x) * value(layer, column, row + 1) + x * value(layer, column + 1, row + 1);
+      sum += (1 - y) * above + y * below;
+    }
+    // The mean of interpolated values has two thirds of their deviation in each direction.
+    return deviation_ * 1.5 / std::sqrt(3.0) * sum;
+  }
+
+ private:
+  static constexpr std::size_t kSide = 64;
+  [[nodiscard]] double value(std::size_t layer, int column, int row) const {
+    const auto u = static_cast<std::size_t>(column) % kSide, v = static_cast<std::size_t>(row) % kSide;
+    return values_[(layer * kSide + v) * kSide + u];
+  }
+
+  double deviation_;
+  std::vector<double> values_ = std::vector<double>(3 * kSide * kSide);
+};
+
 }  // namespace
 
 OwnedPicture paint_field(const FieldScene& scene) {
@@ -115,6 +147,7 @@ OwnedPicture paint_field(const FieldScene& scene) {
   const ColorSpace space = color_space(scene.format);
   const double meters = (kFieldWidth_m + 2 * kMargin_m + 0.1) / scene.height_px;
   const auto speck_below = static_cast<std::uint32_t>(scene.specks_per_megapixel / 1e6 * 4294967295.0);
+  const FloorTexture texture(scene.texture, scene.seed);
   OwnedPicture picture(scene.format, scene.width_px, scene.height_px, 0);
   for (int v = 0; v < scene.height_px; ++v) {
     for (int u = 0; u < scene.width_px; ++u) {
@@ -129,6 +162,8 @@ OwnedPicture paint_field(const FieldScene& scene) {
       if (random() < speck_below) {
         for (double& channel : color) channel = static_cast<double>(random() % 256u);
       }
+      const double brighter = texture.at(u, v);
+      for (double& channel : color) channel += brighter;
       const Rgb value = in_space(space, color);
       Channels bytes{};
       for (std::size_t c = 0; c < 3; ++c) bytes[c] = in_byte(value[c] + scene.noise * unit_noise(random));

@@ -12,6 +12,8 @@ struct FieldScene {
   int width_px = 640, height_px = 480;
   double noise = 3.0;                   // standard deviation of each channel, in 8-bit steps
   double specks_per_megapixel = 600.0;  // single pixels of any color: reflections, dust, hot pixels
+  // A real floor: standard deviation of its brightness in 8-bit steps, in patches of about 4, 16 and 64 pixels.
+  double texture = 0.0;
   std::uint32_t seed = 1;
 };
 

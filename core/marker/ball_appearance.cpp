@@ -24,7 +24,7 @@ constexpr float kSurroundings = 2.4f;
 // Part of the disk's radius that its color is from.
 constexpr float kCore = 0.6f;
 // Radius around the disk's center in which the shape is measured.
-constexpr float kShapeRadius = 1.5f;
+constexpr float kShapeSampleRadius = 1.5f;
 // Weight of a pixel of the ball's color in the ring against one in the disk.
 constexpr float kRingWeight = 0.7f;
 // Samples of the floor lie on a circle of this radius, relative to the ball's, around the seed.
@@ -73,8 +73,8 @@ bool look_at_floor(const Frame& frame, int u, int v, float radius_px, Rgb& out) 
 // values. On a finer grid than the search: shapes differ by few pixels.
 void measure_shape(const Frame& frame, const BallColor& color, std::span<const TopOutline> tops, int center_u,
                    int center_v, float radius_px, BallAppearance& out) {
-  const int step = static_cast<int>(std::ceil(kShapeRadius * radius_px / static_cast<float>(kSampleReach)));
-  const float radius = kShapeRadius * radius_px / static_cast<float>(step);
+  const int step = static_cast<int>(std::ceil(kShapeSampleRadius * radius_px / static_cast<float>(kSampleReach)));
+  const float radius = kShapeSampleRadius * radius_px / static_cast<float>(step);
   SampledPixels pixels(frame, center_u, center_v, step);
   const SampleRing disk(0.0f, radius);
   BallSamples samples(frame, pixels, tops, disk.reach, disk.reach);

@@ -12,14 +12,14 @@ namespace {
 // Directions of the first half of the rays. The others are opposite to them: where channels are sampled at different
 // places (Bayer mosaic, shared chroma), the errors at opposite borders cancel.
 constexpr std::size_t kPairs = 8;
-constexpr std::array<PixelPoint, kPairs> kDirections = {{{1.0f, 0.0f},
-                                                         {0.9239f, 0.3827f},
-                                                         {0.7071f, 0.7071f},
-                                                         {0.3827f, 0.9239f},
-                                                         {0.0f, 1.0f},
-                                                         {-0.3827f, 0.9239f},
-                                                         {-0.7071f, 0.7071f},
-                                                         {-0.9239f, 0.3827f}}};
+constexpr std::array<PixelPoint, kPairs> kRayDirections = {{{1.0f, 0.0f},
+                                                            {0.9239f, 0.3827f},
+                                                            {0.7071f, 0.7071f},
+                                                            {0.3827f, 0.9239f},
+                                                            {0.0f, 1.0f},
+                                                            {-0.3827f, 0.9239f},
+                                                            {-0.7071f, 0.7071f},
+                                                            {-0.9239f, 0.3827f}}};
 // Least number of rays with mixed pixels.
 constexpr std::size_t kLeastRays = kPairs;
 // Mixed pixels of a ray at most: the blur of an edge is narrower.
@@ -47,14 +47,14 @@ struct MixedPixel {
 };
 using MixedPixels = FixedVector<MixedPixel, 2 * kPairs * kMaxMixed>;
 
-struct Ray {
+struct BorderRay {
   PixelPoint center, direction;
   float inner_px = 0, reach_px = 0;
   std::size_t pair = 0;
 };
 
 // Adds the mixed pixels of a ray, and the linear light behind them. False if it has none in front of dark surroundings.
-bool follow_ray(const Frame& frame, const Ray& ray, const std::array<bool, 3>& saturated, MixedPixels& out,
+bool follow_ray(const Frame& frame, const BorderRay& ray, const std::array<bool, 3>& saturated, MixedPixels& out,
                 Rgb& background) {
   const ColorSpace space = color_space(frame.format);
   FixedVector<Rgb, kMaxMixed> mixed;
@@ -134,9 +134,9 @@ bool sample_border(const Frame& frame, PixelPoint center, const std::array<bool,
   Rgb background{};
   std::size_t rays = 0;
   for (std::size_t k = 0; k < 2 * kPairs; ++k) {
-    const PixelPoint& half = kDirections[k % kPairs];
+    const PixelPoint& half = kRayDirections[k % kPairs];
     const float sign = k < kPairs ? 1.0f : -1.0f;
-    const Ray ray{center, {sign * half.u_px, sign * half.v_px}, inner_px, reach_px, k % kPairs};
+    const BorderRay ray{center, {sign * half.u_px, sign * half.v_px}, inner_px, reach_px, k % kPairs};
     if (follow_ray(frame, ray, saturated, pixels, background)) ++rays;
   }
   if (rays < kLeastRays) return false;

@@ -14,11 +14,12 @@
 
 namespace touchline::calibrate {
 
-/// A patch of 12 x 12 pixels on a dark robot top.
+/// A patch of 12 x 12 pixels on a dark robot top, or a ball of 12 pixels on the floor.
 struct PaintedPatch {
   std::string color;
   std::array<double, 3> rgb{};
   int u_px = 0, v_px = 0;  // of its center
+  bool is_ball = false;
 };
 
 /// Draws a dark floor with patches, a lamp, blurred edges and noise in one of the camera's pixel formats.
@@ -31,8 +32,20 @@ inline CameraPicture painted_field(const std::vector<PaintedPatch>& patches, Pix
       for (int u = cu - half; u < cu + half; ++u) image[static_cast<std::size_t>(v * kFieldWidth + u)] = rgb;
     }
   };
-  for (const PaintedPatch& p : patches) fill(p.u_px, p.v_px, kRobot, {15, 15, 15});
-  for (const PaintedPatch& p : patches) fill(p.u_px, p.v_px, kPatch, p.rgb);
+  const auto fill_disk = [&](const PaintedPatch& ball) {
+    for (int v = -kPatch; v <= kPatch; ++v) {
+      for (int u = -kPatch; u <= kPatch; ++u) {
+        if (u * u + v * v > kPatch * kPatch) continue;
+        image[static_cast<std::size_t>((ball.v_px + v) * kFieldWidth + ball.u_px + u)] = ball.rgb;
+      }
+    }
+  };
+  for (const PaintedPatch& p : patches) {
+    if (!p.is_ball) fill(p.u_px, p.v_px, kRobot, {15, 15, 15});
+  }
+  for (const PaintedPatch& p : patches) {
+    p.is_ball ? fill_disk(p) : fill(p.u_px, p.v_px, kPatch, p.rgb);
+  }
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, 4.0);
   std::vector<std::array<std::uint8_t, 3>> pixels(image.size());

@@ -230,7 +230,7 @@ TEST_F(Program, AsksBeforeItWritesDetectedColors) {
                                              {"green", {30, 180, 60}, 93, 73},
                                              {"red", {200, 30, 30}, 200, 150},
                                              {"blue", {40, 80, 200}, 187, 163},
-                                             {"orange", {240, 120, 40}, 250, 60}};
+                                             {"orange", {240, 120, 40}, 250, 60, true}};
   write_png("robots.png", painted_field(patches, PixelFormat::kRgb24, 3, [](int, int) { return 1.0; }));
   write("team.toml",
         "version = 1\n[own]\ncolor = \"red\"\n[[own.robot]]\nid = 0\ncolors = [\"green\"]\n"

@@ -147,7 +147,7 @@ OneVersionNumber() {
   local version found
   version=$(sed -n 's/^project(touchline VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
   [ -n "$version" ] || fail "CMakeLists.txt has no version"
-  found=$(grep -rlF --exclude-dir=build --exclude-dir=.git -e "$version" CMakeLists.txt core hal firmware tools toolchain docs README.md || true)
+  found=$(grep -rlF --exclude-dir={build,dist,node_modules,.git} -e "$version" CMakeLists.txt core hal firmware tools toolchain docs README.md || true)
   [ "$found" = CMakeLists.txt ] || fail "the version $version is also in: $found"
 }
 

@@ -80,7 +80,8 @@ class ClutterPainter {
   }
 
   void set(int u, int v, const PixelValue& value) {
-    if (u >= 0 && v >= 0 && u < width_ && v < height_) picture_[static_cast<std::size_t>(v * width_ + u)] = value;
+    if (u >= 0 && v >= 0 && u < width_ && v < height_)
+      picture_[static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u)] = value;
   }
 
   void paint_noise() {

@@ -47,3 +47,18 @@ export async function axe(page) {
     .filter(({ impact }) => impact === 'serious' || impact === 'critical')
     .map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.target.join(' ')).join(', ')}`);
 }
+
+/**
+ * Presses something that drives until `shown` is visible. A page that gets no processor for a second loses the robot, and
+ * rightly so; it is then pressed anew.
+ */
+export async function hold(page, press, release, shown) {
+  for (let attempt = 1; ; ++attempt) {
+    await press();
+    const found = await page.waitForSelector(shown, { timeout: 5000 }).catch((error) => {
+      if (attempt === 8) throw error;
+    });
+    if (found) return;
+    await release();
+  }
+}

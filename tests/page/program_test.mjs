@@ -1,7 +1,7 @@
 // The page with the real program, TOUCHLINE_PROGRAM, and its arena, TOUCHLINE_BOARD.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { launch, open, PAGES, show, waitForHalt, waitForLink, waitForPicture } from './browser.mjs';
+import { PAGES, hold, launch, open, show, waitForHalt, waitForLink, waitForPicture } from './browser.mjs';
 import { startProgram } from './console_server.mjs';
 
 const program = process.env.TOUCHLINE_PROGRAM;
@@ -108,8 +108,7 @@ test('a robot is driven while a key is held', async () => {
   await takeControl(page);
   if (await page.locator('[data-start]:not([disabled])').count()) await start(page);
   await page.click('[data-robot="2"]');
-  await page.keyboard.down('KeyW');
-  await page.waitForSelector('tr[data-own="2"] >> text=this console');
+  await hold(page, () => page.keyboard.down('KeyW'), () => page.keyboard.up('KeyW'), 'tr[data-own="2"] >> text=this console');
   await page.keyboard.up('KeyW');
   await page.waitForSelector('[data-driving]:has-text("0.00 m/s")');
   await page.click('button:text-is("Give up control")');

@@ -1,7 +1,7 @@
 // The page with the rehearsal server: looks, access, and what the real program shows rarely.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { axe, launch, open, PAGES, show, waitForHalt, waitForLink, waitForPicture } from './browser.mjs';
+import { axe, hold, launch, open, PAGES, show, waitForHalt, waitForLink, waitForPicture } from './browser.mjs';
 import { startRehearsal } from './console_server.mjs';
 
 let browser;
@@ -160,9 +160,8 @@ test('a robot is driven while the pad is held, and stands when the window loses 
     await pad.scrollIntoViewIfNeeded();
     const box = await pad.boundingBox();
     await page.mouse.move(box.x + box.width / 2, box.y + 1);
-    await page.mouse.down();
+    await hold(page, () => page.mouse.down(), () => page.mouse.up(), 'tr[data-own="1"] >> text=this console');
     await driving('0.20 m/s, 0.0 rad/s');
-    await page.waitForSelector('tr[data-own="1"] >> text=this console');
     await page.mouse.up();
     await driving('0.00 m/s');
     await page.keyboard.down('ArrowUp');

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/marker/centroid_noise.h"
 #include "core/parameter.h"
 
 namespace touchline {
@@ -17,13 +18,6 @@ constexpr std::size_t kSurplusPlaces = 2;
 // blurred and compressed, 777 of 778 robots without an id were right, a team patch alone as often as several patches.
 // Other things of a team's color may stand on a real field; the identifier replaces the confidence of an id.
 constexpr float kFound = 0.99f;
-
-// Standard deviations of a pose that a long team patch gives alone: half its width, and the error of its axis.
-constexpr float kUprightPosition_m = 0.005f, kUprightHeading = 0.1f;
-// Error of a region's centroid, along each axis.
-constexpr float kCentroidSigmaPx = 0.2f;
-// Error of a ball's centroid: light and shade move it by this part of the radius.
-constexpr float kBallShading = 0.15f;
 
 constexpr std::array<Team, 2> kTeams{Team::kOwn, Team::kOpponent};
 
@@ -335,37 +329,6 @@ void Matcher::write_verdicts(Sightings& out) {
   }
 }
 
-// The errors of centroids. The sub-pixel fits replace them by smaller ones.
-void Matcher::write_noise(Sightings& out) const {
-  const auto variance_at = [this](FieldPoint place, float height_m) {
-    const float sigma = kCentroidSigmaPx / finder_.camera().scale_px_per_m(place, height_m);
-    return sigma * sigma;
-  };
-  for (RobotSighting& robot : out.robots) {
-    const MarkerLayout& layout = parameters_.teams[index_of(robot.team)].layout;
-    const float variance = variance_at(robot.pose.position, layout.height_m);
-    if (!robot.has_heading) {
-      robot.noise.xx = robot.noise.yy = variance;
-      continue;
-    }
-    FixedVector<FieldPoint, kMaxPatches> places;
-    FixedVector<PointCovariance, kMaxPatches> errors;
-    for (const PatchSighting& patch : robot.patches) {
-      places.push_back({layout.patches[patch.patch].x_m, layout.patches[patch.patch].y_m});
-      errors.push_back({variance, 0.0f, variance});
-    }
-    if (places.size() < 2) {
-      constexpr float kXx = kUprightPosition_m * kUprightPosition_m;
-      robot.noise = {kXx, kXx, kUprightHeading * kUprightHeading, 0.0f, 0.0f, 0.0f};
-      continue;
-    }
-    robot.noise = rigid_fit_noise({places.data(), places.size()}, {errors.data(), errors.size()}, robot.pose.theta_rad);
-  }
-  if (!out.ball.seen) return;
-  const float radius = parameters_.ball.radius_m;
-  out.ball.sigma_m = std::sqrt(variance_at(out.ball.position, radius)) + kBallShading * radius;
-}
-
 void Matcher::match(const Frame* frame, const ExpectedGain& light, const ExpectedBall& ball, const Runs& runs,
                     const Regions& regions, Sightings& out) {
   out.ball = {};
@@ -400,7 +363,7 @@ void Matcher::match(const Frame* frame, const ExpectedGain& light, const Expecte
   }
   write_verdicts(out);
   ball_finder_.find({frame, ball_patches_, finder_, parameters_.teams, regions, ball}, out);
-  write_noise(out);
+  write_centroid_noise(finder_.camera(), parameters_.teams, parameters_.ball.radius_m, out);
   out.cut_short = !complete;
 }
 

@@ -73,7 +73,6 @@ class Matcher {
   [[nodiscard]] bool is_on_robot(const TeamPatch& patch, const Sightings& out) const;
   [[nodiscard]] std::size_t free_places(Team team, const Sightings& out) const;
   void write_verdicts(Sightings& out);
-  void write_noise(Sightings& out) const;
 
   MarkerParameters parameters_;
   PatchFinder finder_;

@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <optional>
 
 #include "tests/color/owned_picture.h"
+#include "tests/marker/painted_colors.h"
 #include "tests/marker/painted_field.h"
 
 // The ball from the pixels of a frame. The color boxes see the picture `boxes`, in which a ball may be cut, in several
@@ -13,41 +15,10 @@
 namespace touchline::testing {
 namespace {
 
-using Rgb = std::array<double, 3>;
 // Color of a point of the ball, from its distances to the center in radii.
 using Shade = std::function<Rgb(float right, float down)>;
 
-constexpr Rgb kFloorRgb{40, 42, 40}, kOrangeRgb{220, 100, 30};
-
-Rgb painted_rgb(ColorId color) {
-  switch (color) {
-    case kBlue:
-      return {50, 90, 200};
-    case kYellow:
-      return {200, 180, 30};
-    case kOrange:
-      return kOrangeRgb;
-    case kRed:
-      return {160, 50, 45};
-    case kGreen:
-      return {60, 130, 55};
-    case kMagenta:
-      return {150, 60, 140};
-    default:
-      return kFloorRgb;
-  }
-}
-
 Rgb darker(const Rgb& rgb, double factor) { return {factor * rgb[0], factor * rgb[1], factor * rgb[2]}; }
-
-// BT.601, limited range.
-Channels pixel_value(const Rgb& rgb, ColorSpace space) {
-  const auto byte = [](double x) { return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 255.0))); };
-  if (space == ColorSpace::kRgb) return {byte(rgb[0]), byte(rgb[1]), byte(rgb[2])};
-  const double luma = 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2];
-  return {byte(16 + luma * 219 / 255), byte(128 + (rgb[2] - luma) / 1.772 * 224 / 255),
-          byte(128 + (rgb[0] - luma) / 1.402 * 224 / 255)};
-}
 
 class BallFromPixels : public ::testing::TestWithParam<PixelFormat> {
  protected:
@@ -60,35 +31,41 @@ class BallFromPixels : public ::testing::TestWithParam<PixelFormat> {
     boxes.set_typical_colors(typical);
   }
 
-  // Shows a ball and gives the part of it that `in_box` selects to the color orange, and the rest to `other`.
-  void show_ball(FieldPoint at, const Shade& shade, const std::function<bool(float right, float down)>& in_box,
-                 ColorId other = kBackground) {
+  // A place in the picture, relative to the ball's center in radii.
+  struct BallPixel {
+    int u, v;
+    float right, down;
+  };
+  // Calls `visit` with every pixel of the picture.
+  template <class Visit>
+  void for_each_pixel(FieldPoint at, const Visit& visit) {
     const PixelPoint center = boxes.camera().to_pixel(at, radius_m);
     const float radius_px = radius_m * boxes.camera().scale_px_per_m(at, radius_m);
     for (int v = 0; v < 480; ++v) {
       for (int u = 0; u < 640; ++u) {
-        const float right = (static_cast<float>(u) - center.u_px) / radius_px;
-        const float down = (static_cast<float>(v) - center.v_px) / radius_px;
-        if (right * right + down * down > 1.0f) continue;
-        boxes.grid().at(u, v) = in_box(right, down) ? ColorId{kOrange} : other;
-        own_color.emplace_back(v * 640 + u, shade(right, down));
+        visit(BallPixel{u, v, (static_cast<float>(u) - center.u_px) / radius_px,
+                        (static_cast<float>(v) - center.v_px) / radius_px});
       }
     }
   }
 
+  // Shows a ball and gives the part of it that `in_box` selects to the color orange, and the rest to `other`.
+  void show_ball(FieldPoint at, const Shade& shade, const std::function<bool(float right, float down)>& in_box,
+                 ColorId other = kBackground) {
+    for_each_pixel(at, [&](const BallPixel& p) {
+      if (p.right * p.right + p.down * p.down > 1.0f) return;
+      boxes.grid().at(p.u, p.v) = in_box(p.right, p.down) ? ColorId{kOrange} : other;
+      own_color.emplace_back(p.v * 640 + p.u, shade(p.right, p.down));
+    });
+  }
+
   // Shows a part of the floor, up to a distance in radii, in the ball's color and boxes.
   void show_area(FieldPoint at, float reach, const std::function<bool(float right, float down)>& is_part) {
-    const PixelPoint center = boxes.camera().to_pixel(at, radius_m);
-    const float radius_px = radius_m * boxes.camera().scale_px_per_m(at, radius_m);
-    for (int v = 0; v < 480; ++v) {
-      for (int u = 0; u < 640; ++u) {
-        const float right = (static_cast<float>(u) - center.u_px) / radius_px;
-        const float down = (static_cast<float>(v) - center.v_px) / radius_px;
-        if (std::max(std::abs(right), std::abs(down)) > reach || !is_part(right, down)) continue;
-        boxes.grid().at(u, v) = kOrange;
-        own_color.emplace_back(v * 640 + u, kOrangeRgb);
-      }
-    }
+    for_each_pixel(at, [&](const BallPixel& p) {
+      if (std::max(std::abs(p.right), std::abs(p.down)) > reach || !is_part(p.right, p.down)) return;
+      boxes.grid().at(p.u, p.v) = kOrange;
+      own_color.emplace_back(p.v * 640 + p.u, kOrangeRgb);
+    });
   }
 
   const Sightings& look(const ExpectedBall& expected = {}) {

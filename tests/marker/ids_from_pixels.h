@@ -1,0 +1,71 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <memory>
+
+#include "tests/color/owned_picture.h"
+#include "tests/marker/painted_colors.h"
+#include "tests/marker/painted_field.h"
+#include "tests/marker/portable_random.h"
+#include "tests/marker/real_layouts.h"
+
+// Ids from the pixels of a frame. The color boxes see one picture (`boxes`), the camera another one (`shown`): a patch
+// that fell into no box is missing only in the first.
+namespace touchline::testing {
+
+inline TypicalColors typical_colors(ColorSpace space) {
+  TypicalColors typical;
+  for (ColorId color = kBlue; color <= kLime; ++color) {
+    typical[color] = pixel_value(painted_rgb(color), space);
+    typical.measured[color] = true;
+  }
+  return typical;
+}
+
+class IdsFromPixels : public ::testing::Test {
+ protected:
+  static constexpr Rgb kLampLight{0.75, 0.6, 0.45};
+  static constexpr Placed kLeft{Team::kOwn, 0, {{-0.3f, 0.1f}, 0.4f}}, kMiddle{Team::kOwn, 1, {{0.0f, 0.1f}, -1.9f}},
+      kRight{Team::kOwn, 2, {{0.3f, 0.1f}, 2.6f}};
+
+  void use(const MarkerParameters& teams, PixelFormat pixel_format = PixelFormat::kRgb24) {
+    parameters = teams;
+    format = pixel_format;
+    boxes = std::make_unique<PaintedField>(straight_camera(), teams);
+    shown = std::make_unique<PaintedField>(straight_camera(), teams);
+    boxes->set_typical_colors(typical_colors(color_space(format)));
+  }
+  void paint(const Placed& robot) {
+    boxes->paint(robot);
+    shown->paint(robot);
+  }
+  // A robot whose team patch alone falls into its box.
+  void paint_without_regions(const Placed& robot) {
+    shown->paint(robot);
+    boxes->paint_patch(robot, 0, parameters.teams[static_cast<std::size_t>(robot.team)].team_color);
+  }
+  // Patches painted grey have the color `covered`.
+  const Sightings& look(const Rgb& light = {1, 1, 1}, int noise = 3) {
+    OwnedPicture picture(format, 640, 480, 0);
+    for (int v = 0; v < 480; ++v) {
+      for (int u = 0; u < 640; ++u) {
+        const ColorId color = shown->grid().at(u, v);
+        Rgb rgb = color == kGrey ? covered : painted_rgb(color);
+        for (std::size_t c = 0; c < 3; ++c) rgb[c] = light[c] * rgb[c] + random.whole(-noise, noise);
+        picture.set(u, v, pixel_value(rgb, color_space(format)));
+      }
+    }
+    const Frame frame = picture.frame();
+    return boxes->match(&frame);
+  }
+
+  MarkerParameters parameters;
+  PixelFormat format = PixelFormat::kRgb24;
+  Rgb covered{};
+  std::unique_ptr<PaintedField> boxes, shown;
+  PortableRandom random{17};
+};
+
+}  // namespace touchline::testing

@@ -13,6 +13,7 @@ using report::JsonWriter;
 using report::kMeterStep;
 using report::kRadianStep;
 using report::kSpeedStep;
+using report::write_identity;
 using report::write_number;
 
 constexpr double kVarianceStep = 1e-9;
@@ -36,17 +37,6 @@ constexpr std::array<HaltWord, 9> kHaltWords{{{kHaltNoFrames, "no_frames"},
 std::string_view word_of_phase(GamePhase phase) {
   constexpr std::array<std::string_view, 5> kWords{"no referee", "halt", "stop", "prepare", "running"};
   return kWords[static_cast<std::size_t>(phase)];
-}
-
-void write_identity(JsonWriter& json, Team team, RobotId id) {
-  json.key("team");
-  json.string(word_of(team));
-  json.key("id");
-  if (id == kUnknownId) {
-    json.null();
-  } else {
-    json.integer(id);
-  }
 }
 
 void write_place(JsonWriter& json, FieldPoint place) {
@@ -92,7 +82,7 @@ void write_outline(JsonWriter& json, const Scene& scene, const RobotSighting& ro
 void write_sighting(JsonWriter& json, const Scene& scene, const RobotSighting& robot) {
   const MarkerLayout& layout = scene.configuration.pipeline.marker.teams[index_of(robot.team)].layout;
   json.begin_object();
-  write_identity(json, robot.team, robot.id);
+  write_identity(json, word_of(robot.team), robot.id);
   write_place(json, robot.pose.position);
   json.key("heading_rad");
   if (robot.has_heading) {
@@ -126,7 +116,7 @@ void write_ball_track(JsonWriter& json, const BallTrack& ball) {
 
 void write_track(JsonWriter& json, const RobotTrack& robot) {
   json.begin_object();
-  write_identity(json, robot.team, robot.id);
+  write_identity(json, word_of(robot.team), robot.id);
   json.key("seen");
   json.boolean(robot.state != TrackState::kCoasting);
   write_place(json, robot.pose.position);

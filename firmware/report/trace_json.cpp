@@ -15,16 +15,7 @@ void write_pixel(JsonWriter& json, PixelPoint pixel) {
   write_number(json, "v", pixel.v_px, kPixelStep);
 }
 
-void write_identity(JsonWriter& json, Team team, RobotId id, const TraceNames& names) {
-  json.key("team");
-  json.string(names.teams[static_cast<std::size_t>(team)]);
-  json.key("id");
-  if (id == kUnknownId) {
-    json.null();
-  } else {
-    json.integer(id);
-  }
-}
+std::string_view name_of(Team team, const TraceNames& names) { return names.teams[static_cast<std::size_t>(team)]; }
 
 void write_color(JsonWriter& json, ColorId color, const TraceNames& names) {
   json.key("color");
@@ -36,7 +27,7 @@ void write_color(JsonWriter& json, ColorId color, const TraceNames& names) {
 
 void write_robot(JsonWriter& json, const RobotSighting& robot, const TraceNames& names) {
   json.begin_object();
-  write_identity(json, robot.team, robot.id, names);
+  write_identity(json, name_of(robot.team, names), robot.id);
   write_point(json, robot.pose.position);
   json.key("theta");
   if (robot.has_heading) {
@@ -95,7 +86,7 @@ void write_tracks(JsonWriter& json, const Tracks& tracks, const TraceNames& name
   json.begin_array();
   for (const RobotTrack& robot : tracks.robots) {
     json.begin_object();
-    write_identity(json, robot.team, robot.id, names);
+    write_identity(json, name_of(robot.team, names), robot.id);
     write_point(json, robot.pose.position);
     write_number(json, "theta", robot.pose.theta_rad, kRadianStep);
     write_number(json, "v", robot.twist.v_mps, kSpeedStep);
@@ -108,6 +99,17 @@ void write_tracks(JsonWriter& json, const Tracks& tracks, const TraceNames& name
 }
 
 }  // namespace
+
+void write_identity(JsonWriter& json, std::string_view team, RobotId id) {
+  json.key("team");
+  json.string(team);
+  json.key("id");
+  if (id == kUnknownId) {
+    json.null();
+  } else {
+    json.integer(id);
+  }
+}
 
 void write_number(JsonWriter& json, std::string_view key, double value, double step) {
   json.key(key);

@@ -39,6 +39,8 @@ void write_frame(JsonWriter& json, const FrameResults& results, const TraceNames
 /// Writes a pair of key and rounded number.
 void write_number(JsonWriter& json, std::string_view key, double value, double step);
 void write_number(JsonWriter& json, std::string_view key, float value, double step);
+/// Writes the members `team` and `id`; an unknown id is null.
+void write_identity(JsonWriter& json, std::string_view team, RobotId id);
 
 /// The replay's line for a frame: an object with the members of write_frame(), without line end.
 std::string trace_line(const StepTrace& trace, const TraceNames& names, std::uint64_t frame, std::string_view file);

@@ -1,7 +1,6 @@
 #include "firmware/loop.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "firmware/crash_stop.h"
 #include "hal/linux/monotonic_clock.h"
@@ -16,19 +15,10 @@ constexpr int kFinalStops = 5;
 constexpr Duration kFinalStopPause = 20ms;
 // A packet of 63 bytes takes 0.53 s at 1200 baud, the slowest port.
 constexpr Duration kDrainTime = 1s;
-// Periods of the status light.
-constexpr Duration kBlinkPeriod = 1s, kAlarmBlinkPeriod = 200ms;
-// Latency changes slowly; a single late frame must not move the prediction of the next ones.
-constexpr int kLatencySmoothing = 16;
 
 StopRuleSettings stop_rule_settings(const LoopSettings& settings) {
   return {from_seconds(settings.faults.stop_after_s), settings.faults.resume_after_emergency, settings.emergency_stop,
           settings.start_button, settings.hold_after_crash};
-}
-
-bool take_request(const std::atomic<std::uint32_t>& count, std::uint32_t& served) {
-  const std::uint32_t now = count.load(std::memory_order_relaxed);
-  return std::exchange(served, now) != now;
 }
 
 }  // namespace
@@ -39,6 +29,7 @@ Loop::Loop(const HalDevices& devices, Pipeline& pipeline, const LoopSettings& se
       settings_(settings),
       observer_(observer),
       devices_(devices),
+      outputs_(devices_),
       rules_(stop_rule_settings(settings)),
       external_(settings.external),
       reports_(reports, settings.status_interval) {
@@ -119,7 +110,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   if (observer_.on_received != nullptr) observer_.on_received(observer_.context);
   StepTiming timing;
   timing.received = devices_.clock().now();
-  set_strobe(true, timing.received);
+  check_output(outputs_.set_strobe(true), timing.received);
   const Instant machine_received = hal::MonotonicClock::read();
   last_frame_ = timing.received;
   count_lost_frames(frame.sequence);
@@ -129,7 +120,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
     ++statistics_.future_stamps;
   }
 
-  const Duration to_wheels = smoothed_latency_.value_or(0s) + packet_time_ + settings_.radio_delay;
+  const Duration to_wheels = latency_.value() + packet_time_ + settings_.radio_delay;
   pipeline_.set_action_delay(std::clamp<Duration>(to_wheels, 0s, 1s));
   rules_.check_frame(frame.capture_time, timing.received);
   take_external_input(timing.received);
@@ -144,7 +135,7 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   const Instant machine_sent = hal::MonotonicClock::read();
   timing.processing = machine_sent - machine_received;
   if (observer_.on_sent != nullptr) observer_.on_sent(observer_.context);
-  set_strobe(false, timing.sent);
+  check_output(outputs_.set_strobe(false), timing.sent);
   timing.latency = timing.received - frame.capture_time + timing.processing;
 
   external_.count_expired(trace.commands);
@@ -194,18 +185,14 @@ void Loop::measure_latency(const Frame& frame, const StepTiming& timing) {
   // Only the loop's clock counts: in simulated time, the processing takes no time.
   const Duration measured = std::max<Duration>(timing.sent - frame.capture_time, 0s);
   // An older frame stops the robots anyway, and a single wrong stamp must not affect the prediction.
-  if (measured > from_seconds(settings_.faults.stop_after_s)) return;
-  const Duration smoothed = smoothed_latency_.value_or(measured);
-  smoothed_latency_ = smoothed + (measured - smoothed) / kLatencySmoothing;
+  if (measured <= from_seconds(settings_.faults.stop_after_s)) latency_.add(measured);
 }
 
 void Loop::adapt_to_light() {
   if (settings_.adaptation != nullptr) {
-    const auto toggle = [this](AdaptationMode mode) {
-      pipeline_.set_adaptation(pipeline_.adaptation() == mode ? AdaptationMode::kFollow : mode);
-    };
-    if (take_request(settings_.adaptation->freeze, freezes_served_)) toggle(AdaptationMode::kFrozen);
-    if (take_request(settings_.adaptation->reset, resets_served_)) toggle(AdaptationMode::kOff);
+    const AdaptationMode mode = pipeline_.adaptation();
+    const AdaptationMode requested = adaptation_requests_.serve(*settings_.adaptation, mode);
+    if (requested != mode) pipeline_.set_adaptation(requested);
   }
   pipeline_.adapt();
 }
@@ -336,25 +323,13 @@ void Loop::send_final_stops() {
 void Loop::close() {
   if (!devices_.are_open()) return;
   if (needs_final_stops_) send_final_stops();
-  if (led_.value_or(false) && devices_.is_open(Device::kGpio)) {
-    static_cast<void>(devices_.gpio().set_status_led(false));
-  }
+  outputs_.switch_light_off();
   crash_stop::set_radio(-1);
   devices_.close();
 }
 
-void Loop::set_strobe(bool high, Instant now) {
-  if (!outputs_work()) return;
-  if (const Result<void> r = devices_.gpio().set_strobe(high); !r.ok()) on_output_fault(r.error(), now);
-}
-
 void Loop::update_status_light(Instant now) {
-  if (!outputs_work()) return;
-  const Duration half = (rules_.may_move() ? kBlinkPeriod : kAlarmBlinkPeriod) / 2;
-  const bool on = rules_.only_waits_for_start() || (now - statistics_.begin) / half % 2 == 0;
-  if (led_ == on) return;
-  led_ = on;
-  if (const Result<void> r = devices_.gpio().set_status_led(on); !r.ok()) on_output_fault(r.error(), now);
+  check_output(outputs_.update_light(now - statistics_.begin, !rules_.may_move(), rules_.only_waits_for_start()), now);
 }
 
 void Loop::on_fault(Device device, const Error& error, Instant now) {
@@ -372,12 +347,13 @@ void Loop::on_fault(Device device, const Error& error, Instant now) {
   if (action == FaultAction::kLeave) end_ = LoopEnd::kFault;
 }
 
-void Loop::on_output_fault(const Error& error, Instant now) {
-  if (!is_awaited(Device::kGpio)) return on_fault(Device::kGpio, error, now);
+void Loop::check_output(const Result<void>& result, Instant now) {
+  if (result.ok()) return;
+  if (!is_awaited(Device::kGpio)) return on_fault(Device::kGpio, result.error(), now);
   // Reopening the chip would interrupt the emergency stop and the start button, which still work or report their own
   // errors.
-  outputs_failed_ = true;
-  report_fault(Device::kGpio, error, FaultAction::kContinueWithout, now);
+  outputs_.give_up();
+  report_fault(Device::kGpio, result.error(), FaultAction::kContinueWithout, now);
 }
 
 void Loop::reopen_lost_devices(Instant now) {
@@ -408,8 +384,7 @@ void Loop::on_reopened(Device device, Instant now) {
       last_frame_ = now;
       break;
     case Device::kGpio:
-      led_.reset();
-      outputs_failed_ = false;
+      outputs_.on_reopened();
       break;
     case Device::kRadio:
       crash_stop::set_radio(devices_.radio().descriptor());

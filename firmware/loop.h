@@ -7,8 +7,11 @@
 #include <string>
 
 #include "core/pipeline.h"
+#include "firmware/adaptation_requests.h"
+#include "firmware/board_outputs.h"
 #include "firmware/config/board_file.h"
 #include "firmware/external_input.h"
+#include "firmware/latency_estimate.h"
 #include "firmware/live_update.h"
 #include "firmware/loop_devices.h"
 #include "firmware/loop_heartbeat.h"
@@ -16,7 +19,6 @@
 #include "firmware/loop_statistics.h"
 #include "firmware/picture_exchange.h"
 #include "firmware/report_writer.h"
-#include "firmware/signals.h"
 #include "firmware/snapshot_ring.h"
 #include "firmware/stop_rules.h"
 
@@ -129,21 +131,21 @@ class Loop {
   void read_inputs(Instant now);
   void send(const Packet& packet, bool is_stop, Instant now);
   void send_stop(Instant now);
-  void set_strobe(bool high, Instant now);
   void on_reopened(Device device, Instant now);
   void on_fault(Device device, const Error& error, Instant now);
-  void on_output_fault(const Error& error, Instant now);
+  // `result` of the strobe or the status light.
+  void check_output(const Result<void>& result, Instant now);
   void report_fault(Device device, const Error& error, FaultAction action, Instant now);
   void set_faults(const config::FaultSettings& faults);
   [[nodiscard]] bool is_required(Device device) const { return device != Device::kGpio || settings_.emergency_stop; }
   // Until the start button is pressed, robots wait for its chip as well.
   [[nodiscard]] bool is_awaited(Device device) const { return is_required(device) || !rules_.is_started(); }
-  [[nodiscard]] bool outputs_work() const { return devices_.is_open(Device::kGpio) && !outputs_failed_; }
 
   Pipeline& pipeline_;
   LoopSettings settings_;
   LoopObserver observer_;
   LoopDevices devices_;
+  BoardOutputs outputs_;
   StopRules rules_;
   ExternalInput external_;
   ReportWriter reports_;
@@ -158,10 +160,8 @@ class Loop {
   Duration packet_time_{};          // of the last packet on the radio's line
   bool needs_final_stops_ = false;  // packets were sent since the last final stop packets
   std::optional<std::uint32_t> last_sequence_;
-  std::optional<Duration> smoothed_latency_;
-  std::uint32_t freezes_served_ = 0, resets_served_ = 0;
-  std::optional<bool> led_;
-  bool outputs_failed_ = false;            // status light or strobe, since the chip was opened
+  LatencyEstimate latency_;
+  AdaptationRequestReader adaptation_requests_;
   Snapshot snapshot_;                      // too large for the stack
   std::array<std::byte, 512> received_{};  // at 30 frames per second more than 115200 baud can deliver
 };

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <initializer_list>
 
+#include "firmware/adaptation_requests.h"
 #include "firmware/crash_stop.h"
 #include "hal/linux/monotonic_clock.h"
 

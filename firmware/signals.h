@@ -4,10 +4,13 @@
 #include <cstdint>
 
 #include "core/time.h"
+#include "firmware/adaptation_requests.h"
 
 // What the process does on signals. Each function installs its handlers and returns what they set; call each one once,
 // before any thread is started.
 namespace touchline {
+
+struct AdaptationRequests;
 
 // Some programs send a signal twice, to the process and to its process group (for example timeout of GNU coreutils). A
 // second signal that comes later than this is a new request.
@@ -22,12 +25,6 @@ const std::atomic<bool>& handle_stop_signals();
 /// terminal that has been closed, SIGHUP counts as SIGTERM instead, because robots must not play unattended (nohup,
 /// which ignores the signal, allows it). Call it after handle_stop_signals().
 const std::atomic<std::uint32_t>& handle_reload_signal();
-
-/// Requests to the adaptation to the light; each counter is incremented by a request.
-struct AdaptationRequests {
-  std::atomic<std::uint32_t> freeze{0};  // toggles between frozen and following the light
-  std::atomic<std::uint32_t> reset{0};   // toggles between the calibrated state and following the light
-};
 
 /// SIGUSR1 toggles AdaptationRequests::freeze, SIGUSR2 AdaptationRequests::reset.
 AdaptationRequests& handle_adaptation_signals();

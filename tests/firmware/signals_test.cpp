@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <thread>
 
+#include "firmware/adaptation_requests.h"
+
 namespace touchline {
 namespace {
 

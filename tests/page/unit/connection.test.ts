@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { Connection, RETRY_DELAYS_MS, SILENCE_MS } from '../../../tools/console/src/lib/connection';
-import { PICTURE_MAGIC, readMessage, readPictureHeader, type ServerMessage } from '../../../tools/console/src/lib/protocol';
+import { BINARY_MAGIC, readMessage, readPictureHeader, type ServerMessage } from '../../../tools/console/src/lib/protocol';
 
 class FakeSocket {
   readyState = 0;
@@ -139,7 +139,7 @@ test('damaged messages are ignored', () => {
 function picture(change: (view: DataView) => void = () => undefined): ArrayBuffer {
   const data = new ArrayBuffer(40);
   const view = new DataView(data);
-  view.setUint32(0, PICTURE_MAGIC, true);
+  view.setUint32(0, BINARY_MAGIC, true);
   view.setUint8(4, 1);
   view.setUint8(5, 1);
   view.setUint16(6, 320, true);

@@ -1,10 +1,10 @@
 // Robots that follow curves, instead of a game: enough to look at every part of the page.
 const FIELD = { length_m: 2.2, width_m: 1.8, goal_width_m: 0.4, goal_depth_m: 0.15, margin_m: 0.1, center_circle_m: 0.25 };
 const CAMERA = { width_px: 640, height_px: 480, rate_hz: 60, description: 'simulated camera, RGB24 640 x 480' };
-const BLUE = [40, 90, 220];
-const YELLOW = [240, 200, 40];
+export const BLUE = [40, 90, 220];
+export const YELLOW = [240, 200, 40];
 export const ORANGE = [240, 120, 30];
-const PATCHES = [[220, 40, 40], [40, 180, 70], [210, 60, 190], [40, 190, 210], [130, 70, 200]];
+export const PATCHES = [[220, 40, 40], [40, 180, 70], [210, 60, 190], [40, 190, 210], [130, 70, 200]];
 const SCALE = 240; // pixels per meter
 
 /** A camera that looks straight down, with barrel distortion. */
@@ -58,7 +58,8 @@ export class Game {
     const t = this.moved;
     for (const robot of this.robots) {
       if (robot.team === 'own' && this.driven?.id === robot.id) {
-        const active = moving && this.time < this.driven.until;
+        // In the setup, only the robot that is driven moves.
+        const active = [...this.halt].every((word) => word === 'setup') && this.time < this.driven.until;
         robot.v = active ? this.driven.speed : 0;
         robot.w = active ? this.driven.turn : 0;
         robot.heading += robot.w * dt;

@@ -1,5 +1,5 @@
 // A server with a simulated game, to develop the page without a build of Touchline and to show what a real server shows
-// rarely: node dev/server.js [--port N] [--protocol N] [--field NAME=JSON of `hello`]. It serves dist/ and speaks
+// rarely: node dev/server.js [--port N] [--protocol N] [--hello JSON of `hello`] [--setup false]. It serves dist/ and speaks
 // docs/console-protocol.md.
 import { createReadStream, existsSync } from 'node:fs';
 import { createServer } from 'node:http';
@@ -9,9 +9,10 @@ import { parseArgs } from 'node:util';
 import { WebSocketServer } from 'ws';
 import { Game } from './game.js';
 import { makePicture } from './picture.js';
+import { Setup } from './setup.js';
 
 const { values } = parseArgs({
-  options: { port: { type: 'string', default: '8642' }, protocol: { type: 'string', default: '1' }, version: { type: 'string', default: 'rehearsal' }, hello: { type: 'string', default: '{}' } },
+  options: { port: { type: 'string', default: '8642' }, protocol: { type: 'string', default: '1' }, version: { type: 'string', default: 'rehearsal' }, hello: { type: 'string', default: '{}' }, setup: { type: 'string', default: 'true' } },
 });
 const dist = fileURLToPath(new URL('../dist/', import.meta.url));
 const game = new Game();
@@ -38,12 +39,39 @@ const tellDriver = () => {
   for (const [socket, client] of clients) send(socket, { type: 'driver', driver, you: driver === client.number });
 };
 const send = (socket, message) => socket.send(JSON.stringify(message));
+const setupRuns = values.setup === 'true';
+const watchers = () => [...clients].filter(([, client]) => client.setup).map(([socket]) => socket);
+const setup = new Setup(
+  game,
+  (message) => watchers().forEach((socket) => send(socket, message)),
+  (id, content) => watchers().forEach((socket) => socket.send(setupPicture(id, content))),
+);
+
+function setupPicture(id, content) {
+  const header = Buffer.alloc(32);
+  header.writeUInt32LE(0x43504c54, 0);
+  header.writeUInt8(1, 4);
+  header.writeUInt8(2, 5);
+  header.writeUInt32LE(id, 12);
+  return Buffer.concat([header, content]);
+}
+
+async function runSetup(socket, client, message) {
+  const answer = { type: 'answer', to: message.request };
+  try {
+    if (!setupRuns) throw new Error('the setup program is not running: systemctl start touchline-setup');
+    if (driver !== client.number) throw new Error('another screen has control');
+    send(socket, { ...answer, ok: true, result: await setup.run(message) });
+  } catch (error) {
+    send(socket, { ...answer, ok: false, error: error.message });
+  }
+}
 const sockets = new WebSocketServer({ server, path: '/ws' });
 
 sockets.on('connection', (socket) => {
   const client = { number: nextClient++, picture: null, state_hz: 15, waiting: 0, nextState: 0, nextPicture: 0 };
   clients.set(socket, client);
-  send(socket, { ...game.hello(), protocol: Number(values.protocol), version: values.version, you: client.number, ...JSON.parse(values.hello) });
+  send(socket, { ...game.hello(), protocol: Number(values.protocol), version: values.version, you: client.number, setup: setupRuns, ...JSON.parse(values.hello) });
   for (const event of game.events) send(socket, event);
   tellDriver();
   socket.on('close', () => {
@@ -57,7 +85,17 @@ sockets.on('connection', (socket) => {
   socket.on('message', (data) => {
     const message = JSON.parse(data.toString());
     let error;
-    if (message.type === 'watch') Object.assign(client, { picture: message.picture, state_hz: message.state_hz });
+    if (message.type === 'setup') {
+      void runSetup(socket, client, message);
+      return;
+    }
+    if (message.type === 'watch') {
+      if (message.setup && !client.setup && setupRuns) {
+        for (const [id, content] of setup.pictures) socket.send(setupPicture(id, content));
+        send(socket, setup.state());
+      }
+      Object.assign(client, { picture: message.picture, state_hz: message.state_hz, setup: message.setup });
+    }
     else if (message.type === 'seen') client.waiting = Math.max(0, client.waiting - 1);
     else if (message.type === 'stop') game.stop(client.number);
     else if (message.type === 'take') driver = client.number;

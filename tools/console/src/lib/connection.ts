@@ -1,4 +1,5 @@
-import { readMessage, readPictureHeader, type ClientMessage, type PictureHeader, type ServerMessage } from './protocol';
+import { BINARY_HEADER_BYTES, readMessage, readPictureHeader, readSetupPicture, type ClientMessage, type PictureHeader, type ServerMessage } from './protocol';
+import type { SetupPicture } from './setup_protocol';
 
 /** Delays between two attempts to connect; the last one repeats. */
 export const RETRY_DELAYS_MS = [250, 500, 1000, 2000, 4000];
@@ -11,6 +12,7 @@ export interface Handlers {
   lost(reason: string, retryInMs: number): void;
   message(message: ServerMessage): void;
   picture(header: PictureHeader, jpeg: Blob): void;
+  setupPicture(picture: SetupPicture): void;
 }
 
 /** A socket that connects again by itself until close(). */
@@ -46,8 +48,11 @@ export class Connection {
         if (message.type === 'hello') this.attempts = 0;
         this.handlers.message(message);
       } else {
-        const header = readPictureHeader(event.data as ArrayBuffer);
-        if (header) this.handlers.picture(header, new Blob([(event.data as ArrayBuffer).slice(32)], { type: 'image/jpeg' }));
+        const data = event.data as ArrayBuffer;
+        const header = readPictureHeader(data);
+        if (header) return this.handlers.picture(header, new Blob([data.slice(BINARY_HEADER_BYTES)], { type: 'image/jpeg' }));
+        const setupPicture = readSetupPicture(data);
+        if (setupPicture) this.handlers.setupPicture(setupPicture);
       }
     };
     socket.onclose = (event: CloseEvent) => this.retry(event.reason);

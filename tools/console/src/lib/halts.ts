@@ -12,6 +12,7 @@ const HALT_TEXTS: Record<string, HaltText> = {
   crash: { reason: 'the last run ended unexpectedly', remedy: 'Look at the event log. Then press the start button or restart the service.' },
   referee: { reason: 'the referee stopped the game', remedy: 'Robots move again when the referee continues the game.' },
   teams: { reason: 'the referee asks for team colors or heights that the team file does not have', remedy: 'Correct the team file or the referee\'s settings.' },
+  setup: { reason: 'the board is being set up', remedy: 'Save or discard the setup on the page Set up.' },
   silence: { reason: 'no message from the referee', remedy: 'Check the network to the referee\'s computer.' },
 };
 

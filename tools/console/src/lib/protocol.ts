@@ -2,6 +2,8 @@
 // counter-clockwise from x, times in seconds of the server's Unix time, unless the name says otherwise. The server adds new
 // members at any time; a member that changes its meaning or disappears increases PROTOCOL.
 
+import type { SetupCommand, SetupPicture, SetupMessage } from './setup_protocol';
+
 export const PROTOCOL = 1;
 
 export type TeamName = 'own' | 'opponent';
@@ -59,6 +61,14 @@ export interface Hello {
   stop_after_s: number;
   max_speed_mps?: number; // of own robots
   max_turn_radps?: number;
+  calibrated?: boolean; // false: camera, console and stop packets only
+  setup?: boolean; // the program touchline-setup runs beside the firmware
+}
+
+/** touchline-setup was started or has ended. */
+export interface SetupProgram {
+  type: 'setup_program';
+  running: boolean;
 }
 
 export interface BallSighting {
@@ -195,12 +205,14 @@ export interface Answer {
   to: number;
   ok: boolean;
   error?: string;
+  result?: unknown; // of a setup command
 }
 
-export type ServerMessage = Hello | State | Status | EventLine | Driver | Answer;
+export type ServerMessage = Hello | State | Status | EventLine | Driver | Answer | SetupProgram | SetupMessage;
 
 export type ClientMessage =
-  | { type: 'watch'; picture: { rate_hz: number; max_width_px: number } | null; state_hz: number }
+  | { type: 'watch'; picture: { rate_hz: number; max_width_px: number } | null; state_hz: number; setup?: boolean }
+  | ({ type: 'setup' } & SetupCommand)
   | { type: 'seen'; number: number }
   | { type: 'stop' }
   | { type: 'start' }
@@ -211,9 +223,11 @@ export type ClientMessage =
   | { type: 'drive'; id: number; give_back: true }
   | { type: 'adaptation'; action: 'freeze' | 'follow' | 'reset' };
 
-/** Header of a binary message: 32 bytes, little-endian; a JPEG follows. */
-export const PICTURE_HEADER_BYTES = 32;
-export const PICTURE_MAGIC = 0x43504c54;
+/** Header of a binary message: 32 bytes, little-endian; the content follows: a JPEG of the camera, or a picture of the setup. */
+export const BINARY_HEADER_BYTES = 32;
+export const BINARY_MAGIC = 0x43504c54;
+const KIND_CAMERA = 1;
+const KIND_SETUP = 2;
 
 export interface PictureHeader {
   width_px: number;
@@ -223,11 +237,18 @@ export interface PictureHeader {
   captured_s: number;
 }
 
+/** Returns null if the message is of another version. */
+function readKind(data: ArrayBuffer): { view: DataView; kind: number } | null {
+  if (data.byteLength <= BINARY_HEADER_BYTES) return null;
+  const view = new DataView(data);
+  return view.getUint32(0, true) === BINARY_MAGIC && view.getUint8(4) === 1 ? { view, kind: view.getUint8(5) } : null;
+}
+
 /** Returns null if the message is not a picture of a known version. */
 export function readPictureHeader(data: ArrayBuffer): PictureHeader | null {
-  if (data.byteLength <= PICTURE_HEADER_BYTES) return null;
-  const view = new DataView(data);
-  if (view.getUint32(0, true) !== PICTURE_MAGIC || view.getUint8(4) !== 1 || view.getUint8(5) !== 1) return null;
+  const message = readKind(data);
+  if (message?.kind !== KIND_CAMERA) return null;
+  const { view } = message;
   const header = {
     width_px: view.getUint16(6, true),
     height_px: view.getUint16(8, true),
@@ -236,6 +257,15 @@ export function readPictureHeader(data: ArrayBuffer): PictureHeader | null {
     captured_s: Number(view.getBigInt64(24, true)) / 1e6,
   };
   return header.width_px > 0 && header.height_px > 0 && header.full_width_px > 0 ? header : null;
+}
+
+/** Returns null if the message is not a picture of the setup. */
+export function readSetupPicture(data: ArrayBuffer): SetupPicture | null {
+  const message = readKind(data);
+  if (message?.kind !== KIND_SETUP) return null;
+  const content = data.slice(BINARY_HEADER_BYTES);
+  const type = new DataView(content).getUint8(0) === 0x89 ? 'image/png' : 'image/jpeg';
+  return { id: message.view.getUint32(12, true), content: new Blob([content], { type }) };
 }
 
 /** Reads a text message. Returns null if it is not an object with a type. */

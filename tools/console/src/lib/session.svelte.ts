@@ -1,6 +1,7 @@
 import { Connection } from './connection';
 import { PixelMap } from './projection';
 import { PROTOCOL, type ClientMessage, type Driver, type EventLine, type Hello, type PictureHeader, type ServerMessage, type State, type Status } from './protocol';
+import { Setup } from './setup.svelte';
 import { StopRequest } from './stop_request';
 import { Trails } from './trails';
 
@@ -56,6 +57,7 @@ class Session {
   statusStale = $derived(this.phase !== 'open' || this.now_ms - this.lastStatus_ms > 3000);
   pixelMap = $derived(this.hello?.projection ? new PixelMap(this.hello.projection) : null);
 
+  readonly setup = new Setup((command) => this.connection.send(command));
   readonly trails = new Trails();
   /** p50 and p99 of the last minute, once per status. */
   readonly latencySamples: { time_s: number; p50_ms: number; p99_ms: number; max_ms: number }[] = [];
@@ -64,7 +66,7 @@ class Session {
   private requests = new Map<number, string>();
   private decoding = false;
   private next: { header: PictureHeader; jpeg: Blob } | null = null;
-  private wanted: Extract<ClientMessage, { type: 'watch' }> = { type: 'watch', picture: null, state_hz: 15 };
+  private wanted: Extract<ClientMessage, { type: 'watch' }> = { type: 'watch', picture: null, state_hz: 15, setup: false };
   private bootVersion: string | null = null;
   private readonly connection: Connection;
 
@@ -77,6 +79,7 @@ class Session {
       lost: (reason, retryInMs) => this.lost(reason, retryInMs),
       message: (message) => this.receive(message),
       picture: (header, jpeg) => this.receivePicture(header, jpeg),
+      setupPicture: (received) => void this.setup.receivePicture(received),
     });
   }
 
@@ -98,10 +101,18 @@ class Session {
 
   /** What this page shows: a picture of at most this width, or none. */
   watch(picture: { rate_hz: number; max_width_px: number } | null): void {
-    const wanted = { type: 'watch', picture, state_hz: 15 } as const;
+    if (!picture) this.setPicture(null);
+    this.want({ ...this.wanted, picture });
+  }
+
+  /** Whether this page shows the setup. */
+  watchSetup(setup: boolean): void {
+    this.want({ ...this.wanted, setup });
+  }
+
+  private want(wanted: Extract<ClientMessage, { type: 'watch' }>): void {
     if (JSON.stringify(wanted) === JSON.stringify(this.wanted)) return;
     this.wanted = wanted;
-    if (!picture) this.setPicture(null);
     this.sendWatch();
   }
 
@@ -118,6 +129,13 @@ class Session {
 
   takeControl(): void {
     this.ask({ type: 'take' }, 'Take control');
+  }
+
+  /** Returns whether this page has control, after the server has said so. */
+  async takeControlNow(): Promise<boolean> {
+    this.takeControl();
+    for (let waited_ms = 0; !this.driver.you && waited_ms < 5000 && !this.problem; waited_ms += 50) await new Promise((resolve) => setTimeout(resolve, 50));
+    return this.driver.you;
   }
 
   releaseControl(): void {
@@ -153,6 +171,7 @@ class Session {
       this.lostControl = this.driver.you;
       this.driver = { type: 'driver', driver: null, you: false };
       this.requests.clear();
+      this.setup.forget();
       this.phase = this.hello ? 'lost' : 'connecting';
     }
     this.checkAccess();
@@ -191,7 +210,15 @@ class Session {
       case 'driver':
         this.driver = message;
         return;
+      case 'setup_program':
+        this.setup.running = message.running;
+        if (!message.running) this.setup.forget();
+        return;
+      case 'setup':
+        this.setup.receive(message);
+        return;
       case 'answer': {
+        if (this.setup.accept(message)) return;
         const what = this.requests.get(message.to);
         this.requests.delete(message.to);
         if (!message.ok && what) this.problem = `${what}: ${message.error ?? 'refused'}`;
@@ -218,6 +245,7 @@ class Session {
     if (hello.time_s !== undefined) this.clockDifference_s = Date.now() / 1000 - hello.time_s;
     this.forget();
     this.hello = hello;
+    this.setup.running = hello.setup ?? false;
     this.phase = 'open';
     // A stop that was not confirmed before the link broke is still wanted.
     if (this.stop && !this.stop.request.confirmed) {

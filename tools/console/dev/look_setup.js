@@ -1,0 +1,78 @@
+// Screenshots of every step of the setup, with a rehearsal server that nobody has used yet: node dev/look_setup.js URL FOLDER [light,dark] [360,768,1920]
+import { mkdirSync } from 'node:fs';
+import { chromium } from 'playwright-core';
+
+const [url, folder, themes = 'light,dark', widths = '360,768,1920'] = process.argv.slice(2);
+const heights = { 360: 740, 768: 1024, 1920: 1080 };
+mkdirSync(folder, { recursive: true });
+const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] });
+for (const theme of themes.split(',')) {
+  for (const width of widths.split(',').map(Number)) {
+    const context = await browser.newContext({ viewport: { width, height: heights[width] ?? 900 }, colorScheme: theme, hasTouch: width < 1000 });
+    const page = await context.newPage();
+    page.setDefaultTimeout(20000);
+    page.on('pageerror', (error) => console.log('error', error.message));
+    page.on('console', (message) => message.type() === 'error' && console.log('console', message.text()));
+    const shot = async (name) => {
+      await page.waitForTimeout(700);
+      await page.screenshot({ path: `${folder}/${name}-${theme}-${width}.png`, fullPage: width < 1000 });
+    };
+    const act = async (step) => {
+      await page.click(`[data-action="${step}"]:not([disabled])`);
+      await page.waitForSelector(`[data-goto="${step}"].done`);
+    };
+    await page.goto(`${url}#setup`);
+    await page.waitForSelector('[data-begin]');
+    await shot('0-welcome');
+    await page.click('[data-begin]');
+    await page.waitForSelector('[data-step="camera"]');
+    await page.waitForSelector('svg');
+    await shot('1-camera');
+    await act('camera');
+    await page.click('[data-next]');
+    await shot('2-field-before');
+    await act('field');
+    await shot('2-field');
+    await page.click('[data-by-hand]');
+    await page.click('[aria-label^="Corner 2"]');
+    await shot('2-field-corners');
+    await page.click('[data-next]');
+    await act('light');
+    await shot('3-light');
+    await page.click('[data-next]');
+    await page.click('[data-action="colors"]');
+    await page.waitForTimeout(500);
+    await shot('4-colors-busy');
+    await page.waitForSelector('[data-goto="colors"].done');
+    await page.click('[data-color-chip="yellow"]:not([disabled])');
+    const box = await page.locator('canvas[data-picture]').boundingBox();
+    await page.mouse.click(box.x + box.width / 3, box.y + box.height / 3);
+    await page.waitForSelector('[data-catch]');
+    await shot('4-colors');
+    await page.click('[data-next]');
+    await shot('5-robots');
+    await page.click('[data-action="robots"]');
+    await page.waitForSelector('[data-setup-error]');
+    await shot('5-robots-error');
+    await page.selectOption('[data-top="opponent-3"] select', 'cyan');
+    await page.waitForSelector('[data-quality="warning"]');
+    await act('robots');
+    await page.click('[data-next]');
+    await page.click('[data-robot="1"]:not([disabled])');
+    await shot('6-radio');
+    await act('radio');
+    await page.click('[data-next]');
+    await page.waitForSelector('[data-confirm-save]:not([disabled])');
+    await shot('7-save');
+    await page.click('.menu summary');
+    await shot('8-menu');
+    await page.click('.menu summary');
+    await page.click('[data-confirm-save]');
+    await page.waitForSelector('[data-message]');
+    await shot('9-saved');
+    await page.evaluate(() => (location.hash = 'live'));
+    await context.close();
+    // The next walk begins as this one did.
+  }
+}
+await browser.close();

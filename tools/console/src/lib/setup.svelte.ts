@@ -1,0 +1,82 @@
+import type { CameraMeasure, SetupCommand, SetupMessage, SetupPicture, SetupState } from './setup_protocol';
+
+// Every step has a few pictures, and clicks replace each other's.
+const MAX_PICTURES = 48;
+
+/** Sends a message; returns the number that the answer repeats, or 0 if there is no connection. */
+type Send = (command: { type: 'setup' } & SetupCommand) => number;
+interface Result {
+  ok: boolean;
+  error?: string;
+  result?: unknown;
+}
+
+/** What the setup program said, and the commands to it. */
+export class Setup {
+  state = $state.raw<SetupState | null>(null);
+  live = $state.raw<CameraMeasure | null>(null); // of the camera, while it is asked for
+  running = $state(false);
+  pictures = $state.raw<ReadonlyMap<number, { url: string; image: ImageBitmap }>>(new Map());
+  error = $state(''); // the answer to the last command, if it was refused
+  waiting = $state(0); // commands without an answer
+
+  private answers = new Map<number, (answer: Result) => void>();
+
+  constructor(private readonly send: Send) {}
+
+  /** The result of a command, or null if it was refused; then `error` says why, unless it is `silent`. */
+  async ask<T = unknown>(command: SetupCommand, silent = false): Promise<T | null> {
+    if (!silent) this.error = '';
+    const number = this.send({ type: 'setup', ...command });
+    if (number === 0) {
+      if (!silent) this.error = 'There is no connection to the board.';
+      return null;
+    }
+    if (!silent) this.waiting += 1;
+    const answer = await new Promise<Result>((resolve) => this.answers.set(number, resolve));
+    if (!silent) this.waiting -= 1;
+    if (!answer.ok && !silent) this.error = answer.error ?? 'The setup program refused this without a reason.';
+    return answer.ok ? ((answer.result ?? {}) as T) : null;
+  }
+
+  /** Returns whether the answer was to a command of the setup. */
+  accept(answer: { to: number } & Result): boolean {
+    const resolve = this.answers.get(answer.to);
+    this.answers.delete(answer.to);
+    resolve?.(answer);
+    return resolve !== undefined;
+  }
+
+  receive(message: SetupMessage): void {
+    if (message.state) this.state = message.state;
+    if (message.live?.camera) this.live = message.live.camera;
+  }
+
+  async receivePicture({ id, content }: SetupPicture): Promise<void> {
+    try {
+      const image = await createImageBitmap(content);
+      const next = new Map(this.pictures);
+      this.release(next, id);
+      next.set(id, { url: URL.createObjectURL(content), image });
+      while (next.size > MAX_PICTURES) this.release(next, next.keys().next().value!);
+      this.pictures = next;
+    } catch {
+      // A damaged picture is not shown.
+    }
+  }
+
+  /** The connection is lost, or there is another setup program. */
+  forget(): void {
+    for (const resolve of this.answers.values()) resolve({ ok: false, error: 'The connection was lost before the answer came.' });
+    this.answers.clear();
+    this.live = null;
+  }
+
+  private release(pictures: Map<number, { url: string; image: ImageBitmap }>, id: number): void {
+    const old = pictures.get(id);
+    if (!old) return;
+    URL.revokeObjectURL(old.url);
+    old.image.close();
+    pictures.delete(id);
+  }
+}

@@ -1,0 +1,195 @@
+// The messages of the guided setup; docs/console-protocol.md describes them. The program touchline-setup sends state and pictures, the
+// firmware relays them. Pixels are those of the camera's full picture; (0, 0) is the center of the top-left one. Members that an older
+// program does not send are optional.
+
+import type { Rgb, TeamName } from './protocol';
+
+export const SETUP_STEPS = ['camera', 'field', 'light', 'colors', 'robots', 'radio'] as const;
+export type StepName = (typeof SETUP_STEPS)[number];
+
+export type Level = 'none' | 'ok' | 'warning' | 'bad'; // none: nothing was measured yet
+export type KeyValue = number | string | boolean | null;
+
+export interface Quality {
+  level: Level;
+  text: string;
+  number?: number | null;
+  unit?: string;
+}
+
+/** Id of a picture that came as a binary message; 0 or null: none. */
+export type PictureId = number | null;
+
+export interface Step {
+  done: boolean;
+  quality: Quality;
+  notes?: { level: Level; text: string }[];
+}
+
+export interface CameraMeasure {
+  histogram?: number[][]; // red, green, blue: shares of the pixels, from black to white
+  clipped?: number[]; // share of each channel
+  black?: number[];
+  mean?: number[];
+  focus?: number | null; // contrast of the finest details, 0 to 1
+  blur_px?: number | null; // of the fastest robot during the exposure
+  exposure_limit_us?: number | null; // blurs it by one pixel
+  quality?: Quality;
+}
+
+export interface CameraStep extends Step, Omit<CameraMeasure, 'quality'> {
+  values: Record<string, KeyValue>;
+}
+
+export interface FieldPreset {
+  name: string;
+  title?: string;
+  length_m?: number;
+  width_m?: number;
+}
+
+export interface FieldStep extends Step {
+  values: Record<string, KeyValue>;
+  presets: (FieldPreset | string)[];
+  camera_height_m?: number | null;
+  camera_height_sigma_m?: number | null;
+  tilt_rad?: number | null;
+  rms_mm?: number | null;
+  p95_mm?: number | null;
+  max_mm?: number | null;
+  rms_px?: number | null;
+  top_sigma_mm?: number | null; // of a robot's top in the worst corner
+  corners_px?: [number, number][] | null; // -x-y, +x-y, +x+y, -x+y
+  overlay?: [number, number][][]; // the model's lines, as the picture must show them
+  report?: string;
+  error_map?: PictureId;
+}
+
+export type LightSurface = 'grey' | 'field' | 'moving' | 'border';
+
+export interface LightStep extends Step {
+  surface?: LightSurface | null;
+  least?: number[] | number; // of each channel, relative to the middle
+  most?: number[] | number;
+  saturated_cells?: number;
+  dark_cells?: number;
+  spots?: number;
+  before?: PictureId;
+  after?: PictureId;
+}
+
+export interface ColorsStep extends Step {
+  names: { name: string; shown_rgb?: Rgb; boxes?: unknown[] }[];
+  wanted: string[]; // of the team file, without a box
+  pictures: number[]; // that clicks refer to
+  clicks: { name: string; u_px: number; v_px: number; picture?: number; used?: boolean; reason?: string }[];
+  confusion?: { names?: string[]; rows: number[][] } | number[][] | null; // rows: colors; columns: background, then the colors
+  margins?: { a: string; b: string; levels: number }[];
+  self_check?: string;
+  advice?: string[];
+  found?: number[];
+  checks?: number[];
+  mask?: PictureId; // every pixel that the last change caught or lost
+}
+
+export interface LayoutPatch {
+  role?: string; // 'team' or 'identification'; the first patch is the team's
+  outline: string; // square, bar, triangle, circle
+  x_m: number;
+  y_m: number;
+  length_m: number;
+  width_m: number;
+  turn_rad?: number;
+}
+
+export interface TeamTable {
+  layout: string;
+  color: string;
+  robots: { id: number; colors: string[]; name?: string }[];
+}
+
+export interface RobotRef {
+  team: TeamName;
+  id: number;
+}
+
+export interface RobotsStep extends Step {
+  layouts: { name: string; robot_side_m?: number; patches: LayoutPatch[] }[];
+  own: TeamTable;
+  opponent: TeamTable;
+  ball?: string;
+  problems?: (string | { text: string; robots?: RobotRef[] })[];
+  similar?: { a: RobotRef; b: RobotRef; levels: number }[];
+}
+
+export interface RadioStep extends Step {
+  values: Record<string, KeyValue>;
+  devices: (string | { name: string; description?: string })[];
+}
+
+export interface SetupSteps {
+  camera: CameraStep;
+  field: FieldStep;
+  light: LightStep;
+  colors: ColorsStep;
+  robots: RobotsStep;
+  radio: RadioStep;
+}
+
+export interface SetupState {
+  open: boolean; // a draft exists
+  board?: string;
+  busy: { command: string; text: string; progress: number | null } | null;
+  error: string | null;
+  preview?: { source: 'draft' | 'saved'; ok?: boolean; error?: string }; // what the firmware runs with
+  trying?: boolean; // robots play with the draft
+  changed_files: string[];
+  undo: string[]; // the last one is next
+  redo: string[];
+  steps: SetupSteps;
+}
+
+export interface SetupMessage {
+  type: 'setup';
+  state?: SetupState;
+  live?: { camera?: CameraMeasure };
+}
+
+type FieldSize = { camera_height_m: number } & ({ preset: string } | { length_m: number; width_m: number });
+
+/** The page's commands: {type: 'setup', request, ...}. Only the driver's are carried out. The answer comes when the work is done. */
+export type SetupCommand =
+  | { command: 'begin' | 'discard' | 'undo' | 'redo' | 'cancel' | 'colors.picture' | 'colors.reset' }
+  | { command: 'differences' } // result: Differences
+  | { command: 'save'; overwrite?: boolean }
+  | { command: 'export' } // result: {name, text}
+  | { command: 'import'; part: number; parts: number; text: string }
+  | { command: 'picture'; id: number }
+  | { command: 'use'; source: 'draft' | 'saved' }
+  | { command: 'try' | 'drive'; on: boolean }
+  | { command: 'confirm'; step: StepName }
+  | { command: 'set'; key: string; value: KeyValue }
+  | { command: 'camera.quality' } // into steps.camera
+  | { command: 'camera.live'; on: boolean }
+  | ({ command: 'field.find' } & FieldSize)
+  | ({ command: 'field.corners'; corners_px: [number, number][] } & FieldSize)
+  | { command: 'light.measure'; surface: LightSurface }
+  | { command: 'colors.find'; accept?: boolean }
+  | { command: 'colors.click'; name: string; u_px: number; v_px: number; picture?: number }
+  | { command: 'colors.preview'; name: string; u_px: number; v_px: number; picture?: number } // result: {picture}
+  | { command: 'colors.remove'; name: string }
+  | { command: 'colors.remove'; click: number }
+  | { command: 'robots.set'; own?: TeamTable; opponent?: TeamTable }
+  | { command: 'radio.set'; backend?: string; device?: string; baud?: number };
+
+export interface Differences {
+  files: { name: string; diff: string }[]; // unified; '': a picture that differs
+  conflicts?: string[]; // saved files that somebody else has changed
+  problems?: string;
+}
+
+/** A binary message of kind 2. */
+export interface SetupPicture {
+  id: number;
+  content: Blob;
+}

@@ -12,7 +12,7 @@ struct ConsoleSettings {
   bool enabled = false;
   std::string address = "127.0.0.1:8642";
   std::string token_file = "/var/lib/touchline/console-token";
-  std::vector<std::string> hosts;
+  std::vector<std::string> hosts, origins;
   double picture_rate_hz = 15.0;
 
   template <class Self, class Visitor>
@@ -28,6 +28,10 @@ struct ConsoleSettings {
     visit.texts(self.hosts, {.name = "hosts",
                              .help = "Names of this computer in the browser's address line, such as touchline.local, "
                                      "beside localhost and addresses in numbers"});
+    visit.texts(self.origins,
+                {.name = "origins",
+                 .help = "Origins of other programs' pages that may look with Foxglove's protocol, such as \"file://\" "
+                         "or \"https://app.foxglove.dev\""});
     visit.number(self.picture_rate_hz, {.name = "picture_rate_hz",
                                         .range = {0.1, 60.0},
                                         .unit = "Hz",

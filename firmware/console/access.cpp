@@ -64,6 +64,10 @@ bool is_origin_permitted(const RequestOrigin& request, bool is_navigation) {
          request.fetch_site == "none";
 }
 
+bool is_viewer_permitted(std::string_view origin, const std::vector<std::string>& origins) {
+  return !origin.empty() && std::find(origins.begin(), origins.end(), origin) != origins.end();
+}
+
 bool equal_in_constant_time(std::string_view given, std::string_view expected) {
   unsigned difference = given.size() == expected.size() ? 0 : 1;
   for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -87,9 +91,12 @@ std::string_view token_of_cookie(std::string_view cookie) {
   return {};
 }
 
+bool is_token(std::string_view given, const AccessRules& rules) {
+  return !rules.token.empty() && equal_in_constant_time(given, rules.token);
+}
+
 bool has_access(const RequestOrigin& request, const AccessRules& rules) {
-  if (is_loopback(request.peer)) return true;
-  return !rules.token.empty() && equal_in_constant_time(token_of_cookie(request.cookie), rules.token);
+  return is_loopback(request.peer) || is_token(token_of_cookie(request.cookie), rules);
 }
 
 Result<std::string> read_token(const std::string& path) {

@@ -20,8 +20,9 @@ struct RequestOrigin {
 };
 
 struct AccessRules {
-  std::vector<std::string> hosts;  // permitted names beside localhost and addresses in numbers
-  std::string token;               // of clients on other computers; empty: they are refused
+  std::vector<std::string> hosts;      // permitted names beside localhost and addresses in numbers
+  std::string token;                   // of clients on other computers; empty: they are refused
+  std::vector<std::string> origins{};  // of other programs' pages that may look with Foxglove's protocol
 };
 
 inline constexpr std::string_view kTokenCookie = "touchline_token";
@@ -35,10 +36,14 @@ bool is_host_permitted(std::string_view host, const std::vector<std::string>& ho
 /// Whether the request comes from the console's own page, or from no page at all. `is_navigation`: a request for the
 /// page itself, to which other sites may link.
 bool is_origin_permitted(const RequestOrigin& request, bool is_navigation);
+/// Whether a page of this origin may look, although it is not the console's.
+bool is_viewer_permitted(std::string_view origin, const std::vector<std::string>& origins);
 /// Whether the two texts are equal. Takes equally long for all texts of `expected`'s length.
 bool equal_in_constant_time(std::string_view given, std::string_view expected);
 /// The token in a Cookie header; "" if there is none.
 std::string_view token_of_cookie(std::string_view cookie);
+/// Whether this is the token.
+bool is_token(std::string_view given, const AccessRules& rules);
 /// Whether the client is on this computer or has the token.
 bool has_access(const RequestOrigin& request, const AccessRules& rules);
 

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <memory>
 
 #include "core/time.h"
 #include "firmware/console/driving.h"
+#include "firmware/console/foxglove_client.h"
 #include "firmware/console/link_control.h"
 #include "firmware/console/messages.h"
 #include "firmware/network/message_limit.h"
@@ -13,6 +16,8 @@ namespace touchline::console {
 
 // A page drives at 20 Hz, acknowledges 15 pictures a second and pings. Several keys change at once.
 inline constexpr double kMaxMessagesPerSecond = 100.0;
+// A link that stood still delivers everything at once.
+inline constexpr double kMessageBurstS = 2.0;
 // A client that sends requests without reading the answers is dropped.
 inline constexpr std::size_t kMaxWaitingAnswers = 64;
 
@@ -21,7 +26,7 @@ struct Client {
   explicit Client(ClientNumber its_number) : number(its_number) {}
 
   const ClientNumber number;
-  network::MessageLimit limit{kMaxMessagesPerSecond};
+  network::MessageLimit limit{kMaxMessagesPerSecond, kMessageBurstS};
   LinkControl link;
   std::uint64_t written = 0;  // bytes that it was sent
 
@@ -36,6 +41,11 @@ struct Client {
   std::uint64_t states_until = 0;    // number of the newest snapshot that was sent, plus 1
   std::uint64_t pictures_until = 0;  // the same for pictures
   bool picture_follows = false;      // the state of the current picture was sent; the picture is next
+
+  std::unique_ptr<FoxgloveClient> foxglove;  // null: the client speaks our own protocol
 };
+
+/// Keeps the rate although frames do not come exactly on time.
+inline void advance(Instant& next, Duration period, Instant now) { next = std::max(next + period, now - period / 2); }
 
 }  // namespace touchline::console

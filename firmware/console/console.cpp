@@ -28,7 +28,7 @@ Result<void> Console::open(Session& session, AdaptationRequests* adaptation, con
                            const Print& print) {
   const hal::CameraInfo& camera = session.camera_info();
   pictures_.allocate(picture_layout(camera.format, camera.width_px, camera.height_px).bytes);
-  WebServerSettings settings{plan_.address, plan_.port, find_page_folder(), {plan_.hosts, {}}};
+  WebServerSettings settings{plan_.address, plan_.port, find_page_folder(), {plan_.hosts, {}, plan_.origins}};
   if (!is_loopback(plan_.address)) {
     Result<std::string> token = read_token(plan_.token_file);
     if (!token.ok()) {

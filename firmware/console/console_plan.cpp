@@ -12,6 +12,7 @@ Result<ConsolePlan> plan_console(const config::ConsoleSettings& board, const con
   plan.is_enabled = board.enabled || options.is_requested;
   plan.token_file = board.token_file;
   plan.hosts = board.hosts;
+  plan.origins = board.origins;
   plan.picture_rate_hz = board.picture_rate_hz;
   const bool is_of_board = options.address.empty();
   const std::string& text = is_of_board ? board.address : options.address;

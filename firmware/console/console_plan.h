@@ -22,7 +22,7 @@ struct ConsolePlan {
   std::string address;  // IPv4 address in numbers
   std::uint16_t port = 0;
   std::string token_file;
-  std::vector<std::string> hosts;
+  std::vector<std::string> hosts, origins;
   double picture_rate_hz = 0.0;
 };
 

@@ -98,12 +98,6 @@ void write_projection(JsonWriter& json, const Scene& scene) {
   json.end_object();
 }
 
-std::array<std::uint8_t, 3> rgb_of(const Scene& scene, ColorId color) {
-  const auto& colors = scene.configuration.venue.color;
-  return color == kBackground || color > colors.size() ? std::array<std::uint8_t, 3>{128, 128, 128}
-                                                       : colors[color - 1U].shown_rgb;
-}
-
 std::string_view name_of(const Scene& scene, ColorId color) {
   const auto& colors = scene.configuration.venue.color;
   return color == kBackground || color > colors.size() ? std::string_view() : colors[color - 1U].name;
@@ -167,6 +161,12 @@ void write_classes(JsonWriter& json, const Scene& scene) {
 }
 
 }  // namespace
+
+std::array<std::uint8_t, 3> rgb_of(const Scene& scene, ColorId color) {
+  const auto& colors = scene.configuration.venue.color;
+  return color == kBackground || color > colors.size() ? std::array<std::uint8_t, 3>{128, 128, 128}
+                                                       : colors[color - 1U].shown_rgb;
+}
 
 Scene scene_of(const config::Configuration& configuration, const hal::CameraInfo& camera, std::string version) {
   Scene scene{configuration, camera, std::move(version), {}};

@@ -23,14 +23,6 @@ std::vector<RobotId> own_robots(const Scene& scene) {
 
 Duration period_of_rate(double rate_hz) { return rate_hz > 0.0 ? from_seconds(1.0 / rate_hz) : Duration::zero(); }
 
-// Keeps the rate although frames do not come exactly on time.
-void advance(Instant& next, Duration period, Instant now) { next = std::max(next + period, now - period / 2); }
-
-template <class Integer>
-void put_little_endian(std::byte*& to, Integer value) {
-  for (std::size_t i = 0; i < sizeof(value); ++i) *to++ = static_cast<std::byte>(value >> (8 * i));
-}
-
 }  // namespace
 
 Hub::Hub(const HubLinks& links, Scene scene, double picture_rate_hz)
@@ -40,6 +32,7 @@ Hub::Hub(const HubLinks& links, Scene scene, double picture_rate_hz)
       feed_(links.snapshots, period_of_rate(scene_.camera.rate_hz)),
       pictures_(links.pictures, picture_period_),
       driving_(own_robots(scene_)),
+      session_name_(std::to_string(unix_time_.to_unix(hal::MonotonicClock::read()).count())),
       text_(kMessagePrefix + kFirstTextBytes) {}
 
 void Hub::tick(Instant now) {
@@ -75,9 +68,13 @@ void Hub::announce_driver() {
   for (Client& client : clients_) client.wants_driver = true;
 }
 
-Client* Hub::connect(Instant now) {
+Client* Hub::connect(Instant now, ClientProtocol protocol) {
   if (clients_.size() >= kMaxClients) return nullptr;
   Client& client = clients_.emplace_back(++last_number_);
+  if (protocol == ClientProtocol::kFoxglove) {
+    client.foxglove = std::make_unique<FoxgloveClient>();
+    return &client;
+  }
   client.state_period = period_of_rate(kDefaultStateHz);
   client.next_state = now;
   return &client;
@@ -96,6 +93,7 @@ void Hub::disconnect(Client& client) {
 
 bool Hub::receive(Client& client, std::string_view text, Instant now) {
   if (!client.limit.pass(now)) return false;
+  if (client.foxglove != nullptr) return receive_foxglove(client, text, now);
   driving_.hear(client.number, now);
   const Result<ClientMessage> message = parse_client_message(text);
   // Without a number of the request, an error is answered too, because nobody would ever know otherwise.
@@ -188,7 +186,10 @@ bool Hub::is_watched() const {
 }
 
 bool Hub::is_picture_due(const Client& client, Instant now) const {
-  return client.picture_period > Duration::zero() && now >= client.next_picture && client.link.may_send();
+  // Only our own clients say which pictures they have seen.
+  const bool may_send =
+      client.foxglove != nullptr ? client.link.on_the_way() < LinkControl::kMaxUnacknowledged : client.link.may_send();
+  return client.picture_period > Duration::zero() && now >= client.next_picture && may_send;
 }
 
 // A picture that is older than the last state would make the overlays jump back.
@@ -204,23 +205,14 @@ bool Hub::is_state_due(const Client& client, Instant now) const {
 }
 
 bool Hub::has_message(const Client& client, Instant now) const {
+  if (client.foxglove != nullptr) return has_foxglove_message(client, now);
   return client.wants_hello || client.wants_driver || client.wants_status || !client.answers.empty() ||
          links_.reports.events.after(client.last_event).has_value() || is_state_due(client, now) ||
          (is_picture_due(client, now) && has_fresh_picture(client));
 }
 
-template <class Write>
-Outgoing Hub::text_message(const Write& write) {
-  for (;;) {
-    const auto room = std::span<std::byte>(text_).subspan(kMessagePrefix);
-    report::JsonWriter json({reinterpret_cast<char*>(room.data()), room.size()});
-    write(json);
-    if (json.fits()) return {room.first(json.size()), false};
-    text_.resize(2 * text_.size());
-  }
-}
-
 Outgoing Hub::next_message(Client& client, Instant now) {
+  if (client.foxglove != nullptr) return next_foxglove_message(client, now);
   if (std::exchange(client.wants_hello, false)) {
     return text_message([&](auto& json) { write_hello(json, scene_, client.number, unix_s(now)); });
   }

@@ -12,6 +12,7 @@
 #include "firmware/console/client.h"
 #include "firmware/console/client_message.h"
 #include "firmware/console/event_log.h"
+#include "firmware/console/foxglove_messages.h"
 #include "firmware/console/frame_feed.h"
 #include "firmware/console/machine_monitor.h"
 #include "firmware/console/messages.h"
@@ -51,6 +52,14 @@ struct Outgoing {
   bool is_binary = false;
 };
 
+template <class Integer>
+void put_little_endian(std::byte*& to, Integer value) {
+  for (std::size_t i = 0; i < sizeof(value); ++i) *to++ = static_cast<std::byte>(value >> (8 * i));
+}
+
+/// What a client speaks: our own protocol, with which it may drive, or Foxglove's, with which it looks.
+enum class ClientProtocol : std::uint8_t { kTouchline, kFoxglove };
+
 using network::Print;
 
 /// What the hub works with; all outlive it.
@@ -72,7 +81,7 @@ class Hub {
   /// Call it every few milliseconds while somebody watches, else a few times a second.
   void tick(Instant now);
   /// Null: there are too many.
-  Client* connect(Instant now);
+  Client* connect(Instant now, ClientProtocol protocol);
   void disconnect(Client& client);
   /// False: the client breaks the rules so far that it has to be disconnected.
   bool receive(Client& client, std::string_view text, Instant now);
@@ -109,10 +118,30 @@ class Hub {
   [[nodiscard]] bool is_picture_due(const Client& client, Instant now) const;
   [[nodiscard]] bool has_fresh_picture(const Client& client) const;
   [[nodiscard]] bool is_state_due(const Client& client, Instant now) const;
+  /// Writes JSON; `header` bytes of the message in front of it are the caller's.
   template <class Write>
-  Outgoing text_message(const Write& write);
+  Outgoing text_message(const Write& write, std::size_t header = 0) {
+    for (;;) {
+      const auto room = std::span<std::byte>(text_).subspan(kMessagePrefix);
+      report::JsonWriter json({reinterpret_cast<char*>(room.data()) + header, room.size() - header});
+      write(json);
+      if (json.fits()) return {room.first(header + json.size()), false};
+      text_.resize(2 * text_.size());
+    }
+  }
   Outgoing state_message(Client& client, const Snapshot& snapshot);
   Outgoing picture_message(Client& client, Instant now);
+
+  // hub_foxglove.cpp
+  bool receive_foxglove(Client& client, std::string_view text, Instant now);
+  [[nodiscard]] bool has_foxglove_picture(const Client& client, Instant now) const;
+  [[nodiscard]] bool has_foxglove_message(const Client& client, Instant now) const;
+  void begin_foxglove_frame(Client& client, Instant now);
+  Outgoing next_foxglove_message(Client& client, Instant now);
+  Outgoing foxglove_data(Client& client, FoxgloveChannel channel, const Snapshot& snapshot, Instant now);
+  template <class Write>
+  Outgoing data_message(const Client& client, FoxgloveChannel channel, const FoxgloveFrame& frame, const Write& write);
+
   [[nodiscard]] double unix_s(Instant now) const { return seconds(unix_time_.to_unix(now)); }
 
   HubLinks links_;
@@ -123,6 +152,7 @@ class Hub {
   Driving driving_;
   MachineMonitor monitor_;
   hal::UnixTimeOffset unix_time_ = hal::measure_unix_time_offset();
+  const std::string session_name_;  // for Foxglove: another one after a restart
   Instant next_second_{};
   std::list<Client> clients_;
   ClientNumber last_number_ = 0;

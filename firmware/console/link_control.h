@@ -31,10 +31,12 @@ class LinkControl {
   /// The client says that it has received this picture, and with it all earlier ones.
   void seen(std::uint64_t number);
   /// Whether pictures are on their way whose arrival nobody has reported with delivered().
-  [[nodiscard]] bool is_measuring() const { return measured_ > 0; }
+  [[nodiscard]] bool is_measuring() const { return on_the_way() > 0; }
   /// The other computer has everything up to this position. `round_trip`: time that a small message and its answer
   /// take.
   void delivered(std::uint64_t position, Instant now, Duration round_trip);
+  /// Pictures whose arrival nobody has reported with delivered().
+  [[nodiscard]] std::size_t on_the_way() const { return measured_; }
   [[nodiscard]] PictureLevel level() const;
   /// Bytes per second of the last pictures; 0: not known.
   [[nodiscard]] double throughput() const { return throughput_; }

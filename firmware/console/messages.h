@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -26,6 +27,11 @@ struct Scene {
   CameraModel model;    // of the configuration
 };
 Scene scene_of(const config::Configuration& configuration, const hal::CameraInfo& camera, std::string version);
+
+/// R, G and B of a color of the venue file; gray for the background.
+std::array<std::uint8_t, 3> rgb_of(const Scene& scene, ColorId color);
+/// The corners of the robot's square at the height of its marker. Meaningless without heading.
+std::array<PixelPoint, 4> outline_px(const Scene& scene, const RobotSighting& robot);
 
 /// Result of a message of a client.
 struct Answer {

@@ -58,19 +58,10 @@ void write_ball(JsonWriter& json, const BallSighting& ball) {
   json.end_object();
 }
 
-// The corners of the robot's square at the height of its marker.
 void write_outline(JsonWriter& json, const Scene& scene, const RobotSighting& robot) {
-  const MarkerLayout& layout = scene.configuration.pipeline.marker.teams[index_of(robot.team)].layout;
-  const float half = layout.robot_side_m / 2;
-  constexpr std::array<std::array<float, 2>, 4> kCorners{{{1, 1}, {-1, 1}, {-1, -1}, {1, -1}}};
-  const float cosine = std::cos(robot.pose.theta_rad), sine = std::sin(robot.pose.theta_rad);
   json.begin_array();
-  for (const std::array<float, 2>& corner : kCorners) {
+  for (const PixelPoint pixel : outline_px(scene, robot)) {
     if (!robot.has_heading) break;
-    const float forward = half * corner[0], left = half * corner[1];
-    const FieldPoint point{robot.pose.position.x_m + cosine * forward - sine * left,
-                           robot.pose.position.y_m + sine * forward + cosine * left};
-    const PixelPoint pixel = scene.model.to_pixel(point, layout.height_m);
     json.begin_array();
     json.number(report::rounded(static_cast<double>(pixel.u_px), kOutlineStep));
     json.number(report::rounded(static_cast<double>(pixel.v_px), kOutlineStep));
@@ -205,6 +196,21 @@ void write_state(JsonWriter& json, const Scene& scene, const Snapshot& snapshot,
   write_list(json, "stages_ms", snapshot.stage_time,
              [&](Duration time) { json.number(report::rounded(seconds(time) * 1e3, kMillisecondStep)); });
   json.end_object();
+}
+
+std::array<PixelPoint, 4> outline_px(const Scene& scene, const RobotSighting& robot) {
+  const MarkerLayout& layout = scene.configuration.pipeline.marker.teams[index_of(robot.team)].layout;
+  const float half = layout.robot_side_m / 2;
+  constexpr std::array<std::array<float, 2>, 4> kCorners{{{1, 1}, {-1, 1}, {-1, -1}, {1, -1}}};
+  const float cosine = std::cos(robot.pose.theta_rad), sine = std::sin(robot.pose.theta_rad);
+  std::array<PixelPoint, 4> corners{};
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const float forward = half * kCorners[i][0], left = half * kCorners[i][1];
+    const FieldPoint point{robot.pose.position.x_m + cosine * forward - sine * left,
+                           robot.pose.position.y_m + sine * forward + cosine * left};
+    corners[i] = scene.model.to_pixel(point, layout.height_m);
+  }
+  return corners;
 }
 
 double captured_unix_s(const Snapshot& snapshot, const hal::UnixTimeOffset& unix_time) {

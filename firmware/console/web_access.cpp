@@ -19,10 +19,17 @@ std::string fetch_site_of(lws* connection) {
   return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : std::string();
 }
 
+// Of the address, "?token=..."; "" if there is none.
+std::string token_argument_of(lws* connection) {
+  std::array<char, 256> text{};
+  const char* const token = lws_get_urlarg_by_name(connection, "token=", text.data(), static_cast<int>(text.size()));
+  return token != nullptr ? std::string(token) : std::string();
+}
+
 }  // namespace
 
 std::optional<WebServer::Implementation::Refusal> WebServer::Implementation::check(lws* connection,
-                                                                                   bool is_navigation) const {
+                                                                                   Purpose purpose) const {
   const std::string host = header_of(connection, WSI_TOKEN_HOST), origin = header_of(connection, WSI_TOKEN_ORIGIN),
                     cookie = header_of(connection, WSI_TOKEN_HTTP_COOKIE), site = fetch_site_of(connection),
                     peer = peer_of(connection);
@@ -34,10 +41,14 @@ std::optional<WebServer::Implementation::Refusal> WebServer::Implementation::che
                    "This name of the computer is not known. Use its address in numbers, or add the name to "
                    "console.hosts in board.toml.\n"};
   }
-  if (has_unread_origin || !is_origin_permitted(request, is_navigation)) {
+  // Foxglove is a page of another origin. Its protocol only looks.
+  const bool is_viewer = purpose == Purpose::kFoxglove && is_viewer_permitted(origin, settings_.access.origins);
+  if (has_unread_origin || !(is_viewer || is_origin_permitted(request, purpose == Purpose::kNavigation))) {
     return Refusal{HTTP_STATUS_FORBIDDEN, "Requests from other sites are refused.\n"};
   }
-  if (!has_access(request, settings_.access)) {
+  // Foxglove has no cookie of ours.
+  const bool has_token = purpose == Purpose::kFoxglove && is_token(token_argument_of(connection), settings_.access);
+  if (!has_token && !has_access(request, settings_.access)) {
     return Refusal{HTTP_STATUS_UNAUTHORIZED,
                    "This computer needs the token. On the board, `touchline console --token` shows it; then open "
                    "/login?token=TOKEN here.\n"};
@@ -46,9 +57,7 @@ std::optional<WebServer::Implementation::Refusal> WebServer::Implementation::che
 }
 
 int WebServer::Implementation::login(lws* connection) {
-  std::array<char, 256> token{};
-  const char* const given = lws_get_urlarg_by_name(connection, "token=", token.data(), static_cast<int>(token.size()));
-  if (settings_.access.token.empty() || given == nullptr || !equal_in_constant_time(given, settings_.access.token)) {
+  if (!is_token(token_argument_of(connection), settings_.access)) {
     return answer(connection, HTTP_STATUS_FORBIDDEN, "text/plain; charset=utf-8", "The token is wrong.\n");
   }
   const std::string cookie = std::string(kTokenCookie) + "=" + settings_.access.token +

@@ -55,7 +55,8 @@ int WebServer::Implementation::begin_request(lws* connection, std::string_view p
     return answer(connection, HTTP_STATUS_METHOD_NOT_ALLOWED, kPlainText, "Only GET and HEAD are possible.\n");
   }
   const bool is_page = path == "/", is_login = path == "/login";
-  const std::optional<Refusal> refusal = check(connection, is_page || is_login);
+  const std::optional<Refusal> refusal =
+      check(connection, is_page || is_login ? Purpose::kNavigation : Purpose::kConsole);
   const bool may_login = is_login && refusal && refusal->status == HTTP_STATUS_UNAUTHORIZED;
   const bool is_refused = refusal && !may_login;
   if (is_head) return answer(connection, is_refused ? refusal->status : unsigned{HTTP_STATUS_OK}, kPlainText, {});

@@ -75,21 +75,22 @@ WebServer::Implementation::~Implementation() {
 }
 
 Result<void> WebServer::Implementation::open() {
-  static const std::array<lws_protocols, 3> protocols{
-      {{"http",
-        [](lws* connection, lws_callback_reasons reason, void*, void* in, std::size_t) {
-          return guarded(connection, [&](void* user) {
-            return static_cast<Implementation*>(user)->on_http(connection, reason, in);
-          });
-        },
-        0, kReceiveBytes, 0, nullptr, 0},
-       {kSubprotocol,
-        [](lws* connection, lws_callback_reasons reason, void*, void* in, std::size_t size) {
-          return guarded(connection, [&](void* user) {
-            return static_cast<Implementation*>(user)->on_socket(connection, reason, in, size);
-          });
-        },
-        0, kReceiveBytes, 0, nullptr, 0},
+  constexpr lws_callback_function* kOnHttp = [](lws* connection, lws_callback_reasons reason, void*, void* in,
+                                                std::size_t) {
+    return guarded(connection,
+                   [&](void* user) { return static_cast<Implementation*>(user)->on_http(connection, reason, in); });
+  };
+  constexpr lws_callback_function* kOnSocket = [](lws* connection, lws_callback_reasons reason, void*, void* in,
+                                                  std::size_t size) {
+    return guarded(connection, [&](void* user) {
+      return static_cast<Implementation*>(user)->on_socket(connection, reason, in, size);
+    });
+  };
+  static const std::array<lws_protocols, 5> protocols{
+      {{"http", kOnHttp, 0, kReceiveBytes, 0, nullptr, 0},
+       {kSubprotocol, kOnSocket, 0, kReceiveBytes, 0, nullptr, 0},
+       {kFoxgloveSubprotocols[0], kOnSocket, 0, kReceiveBytes, 0, nullptr, 0},
+       {kFoxgloveSubprotocols[1], kOnSocket, 0, kReceiveBytes, 0, nullptr, 0},
        {nullptr, nullptr, 0, 0, 0, nullptr, 0}}};
   static const lws_retry_bo_t policy{nullptr, 0, 0, kAskAfterS, kCloseAfterS, 0};
   lws_set_log_level(LLL_ERR, [](int, const char* line) { last_error() = line; });

@@ -62,7 +62,8 @@ class WebServer::Implementation {
     unsigned status;
     std::string text;
   };
-  [[nodiscard]] std::optional<Refusal> check(lws* connection, bool is_navigation) const;
+  enum class Purpose : std::uint8_t { kConsole, kNavigation, kFoxglove };
+  [[nodiscard]] std::optional<Refusal> check(lws* connection, Purpose purpose) const;
   int login(lws* connection);
 
   // web_http.cpp

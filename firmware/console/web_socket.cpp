@@ -4,6 +4,7 @@
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
+#include "firmware/console/protocol.h"
 #include "firmware/console/web_server_parts.h"
 
 namespace touchline::console {
@@ -24,13 +25,19 @@ Link link_of(lws* connection) {
 // Of a message from the server (RFC 6455, section 5.2).
 std::size_t frame_header_bytes(std::size_t size) { return size < 126 ? 2 : size < 65536 ? 4 : 10; }
 
+ClientProtocol protocol_of(lws* connection) {
+  return std::string_view(kSubprotocol) == lws_get_protocol(connection)->name ? ClientProtocol::kTouchline
+                                                                              : ClientProtocol::kFoxglove;
+}
+
 }  // namespace
 
 int WebServer::Implementation::on_socket(lws* connection, lws_callback_reasons reason, void* in, std::size_t size) {
   switch (reason) {
     case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION: {
-      if (header_of(connection, WSI_TOKEN_GET_URI) != "/ws") return -1;
-      const std::optional<Refusal> refusal = check(connection, false);
+      const bool is_foxglove = protocol_of(connection) == ClientProtocol::kFoxglove;
+      if (header_of(connection, WSI_TOKEN_GET_URI) != (is_foxglove ? "/foxglove" : "/ws")) return -1;
+      const std::optional<Refusal> refusal = check(connection, is_foxglove ? Purpose::kFoxglove : Purpose::kConsole);
       if (!refusal) return 0;
       lws_return_http_status(connection, refusal->status, refusal->text.c_str());
       return -1;
@@ -52,7 +59,7 @@ int WebServer::Implementation::on_socket(lws* connection, lws_callback_reasons r
 }
 
 int WebServer::Implementation::accept_socket(lws* connection) {
-  Client* const client = hub_.connect(hal::MonotonicClock::read());
+  Client* const client = hub_.connect(hal::MonotonicClock::read(), protocol_of(connection));
   if (client == nullptr) {
     // "Try again later" (RFC 6455, registered as 1013).
     return end_socket(connection, static_cast<lws_close_status>(1013), "too many clients");

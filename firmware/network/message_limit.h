@@ -13,7 +13,12 @@ namespace touchline::network {
 /// Limits the rate of messages (token bucket): short bursts pass, a flood does not.
 class MessageLimit {
  public:
-  explicit MessageLimit(double rate_hz) : rate_hz_(rate_hz), burst_(std::max(10.0, rate_hz * kBurstS)), left_(burst_) {}
+  /// A team sends the commands of its robots at once, and a receiver that was late finds several frames of them.
+  static constexpr double kBurstS = 0.1;
+
+  /// `burst_s`: what arrives within this time at this rate may arrive at once.
+  explicit MessageLimit(double rate_hz, double burst_s = kBurstS)
+      : rate_hz_(rate_hz), burst_(std::max(10.0, rate_hz * burst_s)), left_(burst_) {}
 
   /// Whether a message that arrives at `now` may pass.
   [[nodiscard]] bool pass(Instant now) {
@@ -27,9 +32,6 @@ class MessageLimit {
   }
 
  private:
-  // A team sends the commands of its robots at once, and a receiver that was late finds several frames of them.
-  static constexpr double kBurstS = 0.1;
-
   double rate_hz_, burst_, left_;
   Instant last_{};
 };

@@ -43,6 +43,11 @@ void SocketClient::send(std::string_view bytes) const {
   }
 }
 
+void SocketClient::shrink_window() const {
+  const int bytes = 1;  // the kernel takes its least
+  ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof(bytes));
+}
+
 bool SocketClient::receive_more() {
   std::array<char, 65536> buffer{};
   const ssize_t size = ::recv(socket_, buffer.data(), buffer.size(), 0);

@@ -17,6 +17,8 @@ class SocketClient {
   SocketClient& operator=(const SocketClient&) = delete;
 
   void send(std::string_view bytes) const;
+  /// The kernel keeps as little as possible of what is not read: the TCP window closes soon.
+  void shrink_window() const;
   /// Everything until the other side closes the connection, or until `end` has arrived.
   std::string read_until(std::string_view end = {});
   /// Reads that many bytes; fewer if the connection ends.

@@ -4,6 +4,7 @@
 #include <firmware/network/proto/ssl_referee.pb.h>
 #include <firmware/network/proto/vss_referee.pb.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +12,7 @@
 #include <cstring>
 
 #include "firmware/console/client_message.h"
+#include "firmware/console/foxglove_client.h"
 #include "firmware/network/firasim.h"
 #include "firmware/network/json_commands.h"
 #include "firmware/network/protobuf.h"
@@ -98,6 +100,19 @@ void check_client_message(std::span<const std::byte> bytes) {
   require(value.request.value_or(0) >= 0, "a request has a number");
 }
 
+void check_foxglove_client(std::span<const std::byte> bytes) {
+  console::FoxgloveClient client;
+  const Result<void> result = client.receive({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  require(result.ok() || !result.text().empty(), "an error has a text");
+  std::vector<std::uint32_t> ids;
+  for (std::size_t i = 0; i < console::kFoxgloveChannels; ++i) {
+    const auto channel = static_cast<console::FoxgloveChannel>(i);
+    if (client.has(channel)) ids.push_back(client.subscription(channel));
+  }
+  std::sort(ids.begin(), ids.end());
+  require(std::adjacent_find(ids.begin(), ids.end()) == ids.end(), "each subscription has another number");
+}
+
 template <class Message>
 std::string encoded(const pb_msgdesc_t* fields, const Message& message) {
   std::array<std::byte, 2048> memory{};
@@ -145,11 +160,17 @@ std::vector<std::string> client_message_seeds() {
           R"({"type":"stop"})"};
 }
 
-constexpr std::array<DecoderCheck, 5> kChecks{{{"firasim_packet", check_firasim_packet, firasim_seeds},
+std::vector<std::string> foxglove_seeds() {
+  return {R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":3},{"id":1,"channelId":4}]})",
+          R"({"op":"unsubscribe","subscriptionIds":[0,1]})"};
+}
+
+constexpr std::array<DecoderCheck, 6> kChecks{{{"firasim_packet", check_firasim_packet, firasim_seeds},
                                                {"json_commands", check_json_commands, json_seeds},
                                                {"ssl_referee", check_ssl_referee, ssl_referee_seeds},
                                                {"vss_referee", check_vss_referee, vss_referee_seeds},
-                                               {"client_message", check_client_message, client_message_seeds}}};
+                                               {"client_message", check_client_message, client_message_seeds},
+                                               {"foxglove_client", check_foxglove_client, foxglove_seeds}}};
 
 }  // namespace
 

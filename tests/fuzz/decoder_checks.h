@@ -16,7 +16,7 @@ struct DecoderCheck {
   std::vector<std::string> (*seeds)();
 };
 
-/// firasim_packet, json_commands, ssl_referee, vss_referee, client_message.
+/// firasim_packet, json_commands, ssl_referee, vss_referee, client_message, foxglove_client.
 std::span<const DecoderCheck> decoder_checks();
 
 }  // namespace touchline::fuzz

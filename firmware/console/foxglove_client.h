@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "firmware/console/link_control.h"
+#include "hal/result.h"
+
+namespace touchline::console {
+
+/// Subprotocols of Foxglove's WebSocket protocol, version 1, under its old and its new name. What this server uses of
+/// it is the same in both.
+inline constexpr std::array kFoxgloveSubprotocols{"foxglove.websocket.v1", "foxglove.sdk.v1"};
+/// Errors that wait for a client that does not read; further ones are lost.
+inline constexpr std::size_t kMaxFoxgloveErrors = 16;
+
+/// What a client can subscribe to. The number of the channel is this plus 1.
+enum class FoxgloveChannel : std::uint8_t { kState, kScene, kAnnotations, kPicture };
+inline constexpr std::size_t kFoxgloveChannels = 4;
+constexpr std::size_t index_of(FoxgloveChannel channel) { return static_cast<std::size_t>(channel); }
+
+/// The other side of Foxglove's protocol: what it is subscribed to, and what it is sent next.
+class FoxgloveClient {
+ public:
+  /// Carries out a message: subscribe or unsubscribe. kCorruptFrame: not a JSON object; kInconsistent: a member that is
+  /// absent or of another kind; kNotFound: no such channel; kUnsupported: anything else, because clients may only look.
+  Result<void> receive(std::string_view text);
+
+  [[nodiscard]] bool has(FoxgloveChannel channel) const { return subscriptions_[index_of(channel)].has_value(); }
+  /// The client's number for its subscription, if has().
+  [[nodiscard]] std::uint32_t subscription(FoxgloveChannel channel) const {
+    return subscriptions_[index_of(channel)].value_or(0);
+  }
+
+  bool wants_server_info = true, wants_channels = true;
+  bool wants_field = true;  // lines of the field, which are sent once after each subscription
+  std::deque<std::string> errors;
+
+  // Messages that belong to one frame are sent one after the other.
+  std::uint64_t frame = 0;
+  std::array<bool, kFoxgloveChannels> due{};
+  PictureLevel level;  // of the frame's picture, and with it of the annotations
+
+ private:
+  Result<void> subscribe(std::uint32_t id, std::uint32_t channel);
+  void unsubscribe(std::uint32_t id);
+
+  std::array<std::optional<std::uint32_t>, kFoxgloveChannels> subscriptions_;
+};
+
+}  // namespace touchline::console

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "tools/programs/calibrate/colors/assignment_solver.h"
@@ -20,6 +21,18 @@ std::string alternative_of(const AssignmentInput& input, const Solution& other, 
     if (difference(other.labels[other.label_of[c]].lab, lab) < kSame) return input.colors[c].name;
   }
   return "";
+}
+
+// Whether the center of a patch is in one of these: the same patch with a part of what is around it.
+bool is_within(const AssignmentInput& input, std::size_t patch, const std::vector<std::size_t>& others) {
+  const PixelPoint& at = input.patches[patch].center;
+  return std::any_of(others.begin(), others.end(), [&](std::size_t p) {
+    const FoundPatch& other = input.patches[p];
+    const double distance =
+        std::hypot(static_cast<double>(other.center.u_px - at.u_px), static_cast<double>(other.center.v_px - at.v_px));
+    return input.picture[p] == input.picture[patch] &&
+           distance * distance * std::numbers::pi < static_cast<double>(other.pixels.size());
+  });
 }
 
 }  // namespace
@@ -65,7 +78,11 @@ Assignment assign_colors(const AssignmentInput& input) {
     }
     const Solution other = solve_assignment(input, cuts, {c, lab}, false);
     color.margin = std::min(kCertain, other.cost - cost);
-    if (!other.label_of.empty()) color.alternative = alternative_of(input, other, c, lab);
+    if (other.label_of.empty()) continue;
+    color.alternative = alternative_of(input, other, c, lab);
+    const std::size_t label = other.label_of[c];
+    color.alone = label == kNone || std::all_of(other.labels[label].patches.begin(), other.labels[label].patches.end(),
+                                                [&](std::size_t p) { return is_within(input, p, color.patches); });
   }
   return out;
 }

@@ -38,6 +38,7 @@ struct AssignedColor {
   double dissimilarity = 0;          // dissimilarity() to the expected color, corrected for exposure and white balance
   double margin = 0;                 // cost difference to the best other assignment of this color, nats
   std::string alternative;           // the color of its patches in that assignment, or ""
+  bool alone = false;                // it has no patch at another place in that assignment
   [[nodiscard]] double confidence() const;
 };
 

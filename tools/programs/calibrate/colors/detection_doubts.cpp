@@ -46,7 +46,8 @@ class Doubts {
           formatted("%s: the remaining patches do not look like it (difference %.0f); click on one of its patches: "
                     "--click %s,U,V",
                     name, color.dissimilarity, name));
-    } else if (color.margin < kLeastCostMargin &&
+      // An unusual paint of the right hue for which there is no other patch is no doubt.
+    } else if (color.margin < kLeastCostMargin && !(color.alone && has_hue_of(wanted.look, color.rgb)) &&
                (!color.alternative.empty() || !wanted.look || color.dissimilarity > kLooksRight)) {
       out_.push_back(formatted(
           "%s: could also be %s; %s is taken for %s: if that is right, add --click %s, otherwise click on one that is",

@@ -66,6 +66,15 @@ double expected_area_px(PixelPoint at, const CameraModel& camera, const PatchSiz
   return size.area_m2 * scale * scale;
 }
 
+// Smaller regions are no patch of the team file.
+double least_area_px(PixelPoint at, const CameraModel& camera, const std::vector<PatchSize>& sizes) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const PatchSize& size : sizes) {
+    least = std::min(least, kLeastRelativeArea * expected_area_px(at, camera, size));
+  }
+  return least;
+}
+
 }  // namespace
 
 PatchSize size_of(const PatchPlace& place, const MarkerLayout& layout) {
@@ -182,6 +191,12 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
       const PixelPoint middle{std::round(patch.center.u_px), std::round(patch.center.v_px)};
       grown = grow_region(image, inside, static_cast<double>(middle.u_px), static_cast<double>(middle.v_px), limits);
       if (grown.ok()) patch = patch_of(image, middle, limits.radius_px, std::move(grown).value());
+      // A shaded ball has a part that is more stable than the whole.
+      limits.min_area_px = static_cast<std::size_t>(std::ceil(least_area_px(middle, camera, sizes)));
+      if (patch.pixels.size() < limits.min_area_px) {
+        grown = grow_region(image, inside, static_cast<double>(middle.u_px), static_cast<double>(middle.v_px), limits);
+        if (grown.ok()) patch = patch_of(image, middle, limits.radius_px, std::move(grown).value());
+      }
       if (!has_size_of_a_patch(patch, camera, sizes) || patch.elongation > kMostElongation ||
           is_shadow(patch.rgb, to_rgb8(floor.at(u, v), image.space))) {
         continue;

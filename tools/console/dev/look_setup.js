@@ -1,13 +1,23 @@
-// Screenshots of every step of the setup, with a rehearsal server that nobody has used yet: node dev/look_setup.js URL FOLDER [light,dark] [360,768,1920]
+// Screenshots of every step of the setup, with rehearsal servers: node dev/look_setup.js FOLDER [light,dark] [360,768,1920]
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
 import { mkdirSync } from 'node:fs';
+import { fileURLToPath } from 'node:url';
 import { chromium } from 'playwright-core';
 
-const [url, folder, themes = 'light,dark', widths = '360,768,1920'] = process.argv.slice(2);
+const [folder, themes = 'light,dark', widths = '360,768,1920'] = process.argv.slice(2);
 const heights = { 360: 740, 768: 1024, 1920: 1080 };
 mkdirSync(folder, { recursive: true });
+/** A server that nobody has set up yet. */
+async function serve() {
+  const child = spawn(process.execPath, [fileURLToPath(new URL('server.js', import.meta.url)), '--port', '0'], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const [line] = await once(child.stdout, 'data');
+  return { url: /http:\S+/.exec(line.toString())[0], end: () => child.kill() };
+}
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] });
 for (const theme of themes.split(',')) {
   for (const width of widths.split(',').map(Number)) {
+    const { url, end } = await serve();
     const context = await browser.newContext({ viewport: { width, height: heights[width] ?? 900 }, colorScheme: theme, hasTouch: width < 1000 });
     const page = await context.newPage();
     page.setDefaultTimeout(20000);
@@ -45,8 +55,7 @@ for (const theme of themes.split(',')) {
     await shot('4-colors-busy');
     await page.waitForSelector('[data-goto="colors"].done');
     await page.click('[data-color-chip="yellow"]:not([disabled])');
-    const box = await page.locator('canvas[data-picture]').boundingBox();
-    await page.mouse.click(box.x + box.width / 3, box.y + box.height / 3);
+    await page.locator('canvas[data-picture]').click({ position: { x: 100, y: 80 } });
     await page.waitForSelector('[data-catch]');
     await shot('4-colors');
     await page.click('[data-next]');
@@ -70,9 +79,8 @@ for (const theme of themes.split(',')) {
     await page.click('[data-confirm-save]');
     await page.waitForSelector('[data-message]');
     await shot('9-saved');
-    await page.evaluate(() => (location.hash = 'live'));
     await context.close();
-    // The next walk begins as this one did.
+    end();
   }
 }
 await browser.close();

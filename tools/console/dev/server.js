@@ -10,9 +10,10 @@ import { WebSocketServer } from 'ws';
 import { Game } from './game.js';
 import { makePicture } from './picture.js';
 import { Setup } from './setup.js';
+import { version } from './version.js';
 
 const { values } = parseArgs({
-  options: { port: { type: 'string', default: '8642' }, protocol: { type: 'string', default: '1' }, version: { type: 'string', default: 'rehearsal' }, hello: { type: 'string', default: '{}' }, setup: { type: 'string', default: 'true' } },
+  options: { port: { type: 'string', default: '8642' }, protocol: { type: 'string', default: '1' }, version: { type: 'string', default: version }, hello: { type: 'string', default: '{}' }, setup: { type: 'string', default: 'true' } },
 });
 const dist = fileURLToPath(new URL('../dist/', import.meta.url));
 const game = new Game();
@@ -100,8 +101,9 @@ sockets.on('connection', (socket) => {
     else if (message.type === 'stop') game.stop(client.number);
     else if (message.type === 'take') driver = client.number;
     else if (message.type === 'release' && driver === client.number) driver = null;
-    else if (message.type === 'start' || message.type === 'drive') {
+    else if (['start', 'drive', 'adaptation'].includes(message.type)) {
       if (driver !== client.number) error = 'another screen has control';
+      else if (message.type === 'adaptation') game.adaptation = { freeze: 'frozen', follow: 'follow', reset: 'off' }[message.action];
       else if (message.type === 'start') game.start();
       else if (message.give_back) game.driven = null;
       else game.drive(message.id, message.speed_mps, message.turn_radps);

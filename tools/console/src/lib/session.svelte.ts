@@ -1,4 +1,5 @@
 import { Connection } from './connection';
+import { pageVersion } from './page_version';
 import { PixelMap } from './projection';
 import { PROTOCOL, type ClientMessage, type Driver, type EventLine, type Hello, type PictureHeader, type ServerMessage, type State, type Status } from './protocol';
 import { Setup } from './setup.svelte';
@@ -41,6 +42,7 @@ class Session {
   accessDenied = $state(false);
   serverProtocol = $state<number | null>(null); // of a server that this page cannot talk to
   newVersion = $state<string | null>(null); // the server was replaced since this page was loaded
+  otherVersion = $state(false); // of the server, although page and server understand each other
   lostControl = $state(false); // this page had control when the link broke
   returned = $state<string | null>(null); // what happened while there was no connection
   clockDifference_s = $state<number | null>(null); // this device's clock minus the board's
@@ -140,6 +142,10 @@ class Session {
 
   releaseControl(): void {
     this.ask({ type: 'release' }, 'Give up control');
+  }
+
+  adapt(action: 'freeze' | 'follow' | 'reset'): void {
+    this.ask({ type: 'adaptation', action }, 'Adaptation to the light');
   }
 
   tell(message: ClientMessage): void {
@@ -243,9 +249,11 @@ class Session {
       this.returned = `The connection is back after ${gap_s < 1 ? 'less than a second' : `${Math.round(gap_s)} s`}.${this.lostControl ? ' The robots were stopped, because this page had control. Take control again to start them.' : ''}`;
     }
     if (hello.time_s !== undefined) this.clockDifference_s = Date.now() / 1000 - hello.time_s;
-    this.forget();
+    // On the same connection: the firmware runs with other files now, and does not repeat its events.
+    this.forget(this.phase === 'open');
     this.hello = hello;
     this.setup.running = hello.setup ?? false;
+    this.otherVersion = hello.version !== pageVersion;
     this.phase = 'open';
     // A stop that was not confirmed before the link broke is still wanted.
     if (this.stop && !this.stop.request.confirmed) {
@@ -254,10 +262,10 @@ class Session {
     }
   }
 
-  private forget(): void {
+  private forget(keepEvents = false): void {
     this.waiting.clear();
     this.trails.clear();
-    this.events = [];
+    if (!keepEvents) this.events = [];
     this.state = null;
     this.status = null;
     this.latencySamples.length = 0;

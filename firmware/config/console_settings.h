@@ -14,6 +14,7 @@ struct ConsoleSettings {
   std::string token_file = "/var/lib/touchline/console-token";
   std::vector<std::string> hosts, origins;
   double picture_rate_hz = 15.0;
+  std::string setup_socket = "/run/touchline/setup.sock";
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {
@@ -36,6 +37,10 @@ struct ConsoleSettings {
                                         .range = {0.1, 60.0},
                                         .unit = "Hz",
                                         .help = "Highest rate of pictures; each is copied after its frame's packet"});
+    visit.text(self.setup_socket,
+               {.name = "setup_socket",
+                .help = "Unix socket of the setup program (touchline-setup), which calibrates for the page; empty: "
+                        "there is none"});
   }
 };
 

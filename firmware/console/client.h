@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <vector>
 
 #include "core/time.h"
 #include "firmware/console/driving.h"
@@ -20,6 +21,15 @@ inline constexpr double kMaxMessagesPerSecond = 100.0;
 inline constexpr double kMessageBurstS = 2.0;
 // A client that sends requests without reading the answers is dropped.
 inline constexpr std::size_t kMaxWaitingAnswers = 64;
+
+/// A message of the setup program for one or several clients.
+struct Parcel {
+  std::vector<std::byte> bytes;  // kMessagePrefix bytes of room, then the message
+  bool is_binary = false;
+  bool is_answer = false;  // to a request; must not be lost
+};
+// Pictures of a click come one by one; a client that is slower than that misses some.
+inline constexpr std::size_t kMaxWaitingParcels = 16;
 
 /// What a client watches, and what it has been sent.
 struct Client {
@@ -43,6 +53,10 @@ struct Client {
   bool picture_follows = false;      // the state of the current picture was sent; the picture is next
 
   std::unique_ptr<FoxgloveClient> foxglove;  // null: the client speaks our own protocol
+  bool watches_setup = false;
+  bool wants_setup_program = false;             // whether it is there
+  std::shared_ptr<Parcel> setup_state;          // the newest, until it is sent
+  std::deque<std::shared_ptr<Parcel>> parcels;  // other messages of the setup program
 };
 
 /// Keeps the rate although frames do not come exactly on time.

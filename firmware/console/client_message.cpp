@@ -15,15 +15,16 @@ struct MessageWord {
   std::string_view word;
   MessageKind kind;
 };
-constexpr std::array<MessageWord, 9> kMessageWords{{{"watch", MessageKind::kWatch},
-                                                    {"seen", MessageKind::kSeen},
-                                                    {"stop", MessageKind::kStop},
-                                                    {"start", MessageKind::kStart},
-                                                    {"take", MessageKind::kTake},
-                                                    {"release", MessageKind::kRelease},
-                                                    {"drive", MessageKind::kDrive},
-                                                    {"ping", MessageKind::kPing},
-                                                    {"adaptation", MessageKind::kAdaptation}}};
+constexpr std::array<MessageWord, 10> kMessageWords{{{"watch", MessageKind::kWatch},
+                                                     {"seen", MessageKind::kSeen},
+                                                     {"stop", MessageKind::kStop},
+                                                     {"start", MessageKind::kStart},
+                                                     {"take", MessageKind::kTake},
+                                                     {"release", MessageKind::kRelease},
+                                                     {"drive", MessageKind::kDrive},
+                                                     {"ping", MessageKind::kPing},
+                                                     {"adaptation", MessageKind::kAdaptation},
+                                                     {"setup", MessageKind::kSetup}}};
 
 // Reads members of an object and keeps the first error. Members that nobody asks for are ignored, so that a newer page
 // may send more.
@@ -87,6 +88,7 @@ class MemberReader {
 
 void read_watch(MemberReader& reader, const Json& object, ClientMessage& out) {
   out.state_hz = reader.number("state_hz", 0.0, kMaxStateRateHz);
+  out.watches_setup = reader.has("setup") && reader.flag("setup");
   if (!reader.has("picture")) return;
   const Json& picture = object.at("picture");
   if (!picture.is_object())
@@ -124,7 +126,13 @@ void read_adaptation(MemberReader& reader, ClientMessage& out) {
 }  // namespace
 
 Result<ClientMessage> parse_client_message(std::string_view text) {
-  const Json object = Json::parse(text.begin(), text.end(), nullptr, false);
+  bool is_too_deep = false;
+  const auto check_depth = [&](int depth, Json::parse_event_t /*event*/, const Json& /*value*/) {
+    is_too_deep = is_too_deep || depth > kMaxMessageDepth;
+    return !is_too_deep;
+  };
+  const Json object = Json::parse(text.begin(), text.end(), check_depth, false);
+  if (is_too_deep) return failure(ErrorCode::kOutOfRange, "the message is nested too deeply");
   if (!object.is_object()) return failure(ErrorCode::kCorruptFrame, "the message is not a JSON object");
   MemberReader reader(object);
   ClientMessage out;
@@ -141,6 +149,10 @@ Result<ClientMessage> parse_client_message(std::string_view text) {
   }
   if (out.kind == MessageKind::kDrive) read_drive(reader, out);
   if (out.kind == MessageKind::kAdaptation) read_adaptation(reader, out);
+  // The server inserts it, and a second one would replace it.
+  if (out.kind == MessageKind::kSetup && object.contains("client")) {
+    reader.fail(failure(ErrorCode::kInconsistent, "\"client\" is not yours to say"));
+  }
   if (reader.error()) return *reader.error();
   return out;
 }

@@ -11,19 +11,22 @@
 
 namespace touchline::console {
 
-// The longest message of a client has about 200 bytes.
-inline constexpr std::size_t kMaxClientMessageBytes = 4096;
+// The longest message of a client has about 200 bytes, but for the parts of a setup that the driver imports.
+inline constexpr std::size_t kMaxClientMessageBytes = 4096, kMaxDriverMessageBytes = 65536;
+// Deeper messages could exhaust the stack of whoever reads them recursively.
+inline constexpr int kMaxMessageDepth = 32;
 inline constexpr double kMaxStateRateHz = 60.0, kMaxPictureRateHz = 60.0;
 // Limits of a driven robot's speed; larger values are errors. The limits of the drive are applied later.
 inline constexpr double kMaxDriveSpeed_mps = 10.0, kMaxDriveTurn_radps = 100.0;
 
 /// A message of a client (docs/console-protocol.md).
 struct ClientMessage {
-  enum class Kind : std::uint8_t { kWatch, kSeen, kStop, kStart, kTake, kRelease, kDrive, kPing, kAdaptation };
+  enum class Kind : std::uint8_t { kWatch, kSeen, kStop, kStart, kTake, kRelease, kDrive, kPing, kAdaptation, kSetup };
   Kind kind = Kind::kPing;
   std::optional<std::int64_t> request;  // number that the answer repeats
 
   // kWatch. A rate of 0: none.
+  bool watches_setup = false;
   double state_hz = 0.0, picture_hz = 0.0;
   std::uint16_t picture_width_px = 0;  // the widest picture; 0: as wide as the camera's
 
@@ -38,7 +41,8 @@ struct ClientMessage {
 };
 
 /// kCorruptFrame: not a JSON object; kInconsistent: type or member that is unknown, absent or of another kind;
-/// kOutOfRange: a value. `text` of any length and content.
+/// kOutOfRange: a value, or objects within more than kMaxMessageDepth objects. `text` of any length and content.
+/// Members of kSetup are not checked: they are for the setup program.
 Result<ClientMessage> parse_client_message(std::string_view text);
 
 }  // namespace touchline::console

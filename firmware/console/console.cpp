@@ -38,7 +38,8 @@ Result<void> Console::open(Session& session, AdaptationRequests* adaptation, con
     settings.access.token = std::move(token).value();
   }
   hub_ = std::make_unique<Hub>(HubLinks{*snapshots_, pictures_, input_, reports_, adaptation, print},
-                               scene_of(session.configuration(), camera, version), plan_.picture_rate_hz);
+                               scene_of(session.configuration(), camera, version),
+                               HubSettings{plan_.picture_rate_hz, plan_.setup_socket});
   server_ = std::make_unique<WebServer>(*hub_, std::move(settings));
   return server_->open();
 }

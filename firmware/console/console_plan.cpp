@@ -14,6 +14,7 @@ Result<ConsolePlan> plan_console(const config::ConsoleSettings& board, const con
   plan.hosts = board.hosts;
   plan.origins = board.origins;
   plan.picture_rate_hz = board.picture_rate_hz;
+  plan.setup_socket = board.setup_socket;
   const bool is_of_board = options.address.empty();
   const std::string& text = is_of_board ? board.address : options.address;
   const std::string place = is_of_board ? where.of("console.address") + ": console.address" : std::string("--console");

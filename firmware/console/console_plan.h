@@ -24,6 +24,7 @@ struct ConsolePlan {
   std::string token_file;
   std::vector<std::string> hosts, origins;
   double picture_rate_hz = 0.0;
+  std::string setup_socket;
 };
 
 /// kOutOfRange: the address is not ADDRESS:PORT; the message names the place.

@@ -175,7 +175,7 @@ Scene scene_of(const config::Configuration& configuration, const hal::CameraInfo
   return scene;
 }
 
-void write_hello(JsonWriter& json, const Scene& scene, std::uint32_t you, double now_unix_s) {
+void write_hello(JsonWriter& json, const Scene& scene, bool has_setup, std::uint32_t you, double now_unix_s) {
   const config::Configuration& configuration = scene.configuration;
   json.begin_object();
   write_text(json, "type", "hello");
@@ -188,6 +188,8 @@ void write_hello(JsonWriter& json, const Scene& scene, std::uint32_t you, double
   json.key("you");
   json.integer(you);
   write_number(json, "time_s", now_unix_s, report::kSecondStep);
+  json.key("setup");
+  json.boolean(has_setup);
   json.key("field");
   write_field(json, configuration.pipeline.marker.field);
   json.key("camera");

@@ -25,15 +25,18 @@ Duration period_of_rate(double rate_hz) { return rate_hz > 0.0 ? from_seconds(1.
 
 }  // namespace
 
-Hub::Hub(const HubLinks& links, Scene scene, double picture_rate_hz)
+Hub::Hub(const HubLinks& links, Scene scene, const HubSettings& settings)
     : links_(links),
       scene_(std::move(scene)),
-      picture_period_(period_of_rate(picture_rate_hz)),
+      picture_period_(period_of_rate(settings.picture_rate_hz)),
       feed_(links.snapshots, period_of_rate(scene_.camera.rate_hz)),
       pictures_(links.pictures, picture_period_),
       driving_(own_robots(scene_)),
       session_name_(std::to_string(unix_time_.to_unix(hal::MonotonicClock::read()).count())),
-      text_(kMessagePrefix + kFirstTextBytes) {}
+      setup_(settings.setup_socket, clients_, links.print),
+      text_(kMessagePrefix + kFirstTextBytes) {
+  setup_.set_hello(setup_hello_text(scene_));
+}
 
 void Hub::tick(Instant now) {
   pictures_.poll();
@@ -58,6 +61,7 @@ void Hub::tick(Instant now) {
     return is_picture_due(client, now) && !has_fresh_picture(client);
   });
   if (is_wanted) pictures_.request(now);
+  serve_setup(now);
 }
 
 void Hub::pass_on() {
@@ -66,6 +70,7 @@ void Hub::pass_on() {
 
 void Hub::announce_driver() {
   for (Client& client : clients_) client.wants_driver = true;
+  setup_.tell_driver(driving_.driver());
 }
 
 Client* Hub::connect(Instant now, ClientProtocol protocol) {
@@ -83,6 +88,7 @@ Client* Hub::connect(Instant now, ClientProtocol protocol) {
 void Hub::disconnect(Client& client) {
   const ClientNumber number = client.number;
   const bool was_driver = driving_.driver() == number;
+  setup_.forget(number);
   clients_.remove_if([number](const Client& other) { return other.number == number; });
   if (driving_.leave(number)) {
     links_.print("console: robots are stopped, because the driver (client " + std::to_string(number) + ") has left");
@@ -99,7 +105,9 @@ bool Hub::receive(Client& client, std::string_view text, Instant now) {
   // Without a number of the request, an error is answered too, because nobody would ever know otherwise.
   Answer answer;
   bool is_answered = true;
-  if (message.ok()) {
+  if (message.ok() && message.value().kind == ClientMessage::Kind::kSetup) {
+    is_answered = !pass_to_setup(client, text, message.value(), answer);
+  } else if (message.ok()) {
     const Result<void> obeyed = obey(client, message.value(), now);
     is_answered = message.value().request.has_value() || !obeyed.ok();
     answer.to = message.value().request.value_or(0);
@@ -147,6 +155,8 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant now
     case Kind::kDrive:
       if (message.gives_back) return driving_.give_back(client.number, message.id);
       return driving_.drive(client.number, message.id, message.twist, now);
+    case Kind::kSetup:  // see pass_to_setup()
+      return {};
     case Kind::kAdaptation:
       return change_adaptation(client, message.adaptation);
   }
@@ -154,6 +164,7 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant now
 }
 
 void Hub::watch(Client& client, const ClientMessage& message, Instant now) {
+  setup_.watch(client, message.watches_setup);
   client.state_period = period_of_rate(message.state_hz);
   client.picture_period =
       std::max(period_of_rate(message.picture_hz), message.picture_hz > 0.0 ? picture_period_ : Duration::zero());
@@ -180,9 +191,9 @@ Result<void> Hub::change_adaptation(const Client& client, AdaptationMode wanted)
 }
 
 bool Hub::is_watched() const {
-  return std::any_of(clients_.begin(), clients_.end(), [](const Client& client) {
-    return client.state_period > Duration::zero() || client.picture_period > Duration::zero();
-  });
+  return setup_.is_busy() || std::any_of(clients_.begin(), clients_.end(), [](const Client& client) {
+           return client.state_period > Duration::zero() || client.picture_period > Duration::zero();
+         });
 }
 
 bool Hub::is_picture_due(const Client& client, Instant now) const {
@@ -207,6 +218,7 @@ bool Hub::is_state_due(const Client& client, Instant now) const {
 bool Hub::has_message(const Client& client, Instant now) const {
   if (client.foxglove != nullptr) return has_foxglove_message(client, now);
   return client.wants_hello || client.wants_driver || client.wants_status || !client.answers.empty() ||
+         client.wants_setup_program || client.setup_state != nullptr || !client.parcels.empty() ||
          links_.reports.events.after(client.last_event).has_value() || is_state_due(client, now) ||
          (is_picture_due(client, now) && has_fresh_picture(client));
 }
@@ -214,7 +226,8 @@ bool Hub::has_message(const Client& client, Instant now) const {
 Outgoing Hub::next_message(Client& client, Instant now) {
   if (client.foxglove != nullptr) return next_foxglove_message(client, now);
   if (std::exchange(client.wants_hello, false)) {
-    return text_message([&](auto& json) { write_hello(json, scene_, client.number, unix_s(now)); });
+    return text_message(
+        [&](auto& json) { write_hello(json, scene_, setup_.is_running(), client.number, unix_s(now)); });
   }
   if (!client.answers.empty()) {
     const Answer answer = std::move(client.answers.front());
@@ -224,6 +237,7 @@ Outgoing Hub::next_message(Client& client, Instant now) {
   if (std::exchange(client.wants_driver, false)) {
     return text_message([&](auto& json) { write_driver(json, driving_.driver(), client.number); });
   }
+  if (const Outgoing message = setup_message(client); !message.bytes.empty()) return message;
   if (const std::optional<Event> event = links_.reports.events.after(client.last_event)) {
     client.last_event = event->number;
     return text_message([&](auto& json) { write_event(json, *event); });

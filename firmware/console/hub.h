@@ -17,6 +17,7 @@
 #include "firmware/console/machine_monitor.h"
 #include "firmware/console/messages.h"
 #include "firmware/console/picture_source.h"
+#include "firmware/console/setup_relay.h"
 #include "firmware/network/reopening.h"
 #include "firmware/signals.h"
 #include "hal/linux/monotonic_clock.h"
@@ -72,11 +73,16 @@ struct HubLinks {
   Print print;                     // for a line of the log
 };
 
+struct HubSettings {
+  double picture_rate_hz = 15.0;  // the highest
+  std::string setup_socket;       // of the setup program; "": there is none
+};
+
 /// The console without its sockets: decides which client gets which message, and passes on what clients want. For one
 /// thread.
 class Hub {
  public:
-  Hub(const HubLinks& links, Scene scene, double picture_rate_hz);
+  Hub(const HubLinks& links, Scene scene, const HubSettings& settings);
 
   /// Call it every few milliseconds while somebody watches, else a few times a second.
   void tick(Instant now);
@@ -90,6 +96,10 @@ class Hub {
   /// The next message, the most urgent one first. Empty: there is none.
   Outgoing next_message(Client& client, Instant now);
 
+  /// How long a message of the client may be.
+  [[nodiscard]] std::size_t max_message_bytes(const Client& client) const {
+    return driving_.driver() == client.number ? kMaxDriverMessageBytes : kMaxClientMessageBytes;
+  }
   /// Whether somebody watches states or pictures, so that tick() has to be called often.
   [[nodiscard]] bool is_watched() const;
   /// For requests without WebSocket.
@@ -114,6 +124,10 @@ class Hub {
   void watch(Client& client, const ClientMessage& message, Instant now);
   Result<void> change_adaptation(const Client& client, AdaptationMode wanted);
   void pass_on();
+  void serve_setup(Instant now);
+  /// Whether the setup program will answer; else `answer` has the error.
+  bool pass_to_setup(const Client& client, std::string_view text, const ClientMessage& message, Answer& answer);
+  Outgoing setup_message(Client& client);
   void announce_driver();
   [[nodiscard]] bool is_picture_due(const Client& client, Instant now) const;
   [[nodiscard]] bool has_fresh_picture(const Client& client) const;
@@ -155,10 +169,12 @@ class Hub {
   const std::string session_name_;  // for Foxglove: another one after a restart
   Instant next_second_{};
   std::list<Client> clients_;
+  SetupRelay setup_;
   ClientNumber last_number_ = 0;
   StatusReport report_;  // the newest
   bool is_picture_failure_reported_ = false;
   std::vector<std::byte> text_;
+  std::shared_ptr<Parcel> parcel_;  // that is being sent
 };
 
 }  // namespace touchline::console

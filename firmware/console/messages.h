@@ -47,7 +47,8 @@ struct MachineStatus {
 };
 
 // Each writes one object.
-void write_hello(report::JsonWriter& json, const Scene& scene, std::uint32_t you, double now_unix_s);
+/// `has_setup`: the setup program is running.
+void write_hello(report::JsonWriter& json, const Scene& scene, bool has_setup, std::uint32_t you, double now_unix_s);
 /// `console`: whose commands the console gives.
 void write_state(report::JsonWriter& json, const Scene& scene, const Snapshot& snapshot, const ConsoleInput& console,
                  const hal::UnixTimeOffset& unix_time);
@@ -58,6 +59,10 @@ double captured_unix_s(const Snapshot& snapshot, const hal::UnixTimeOffset& unix
 void write_event(report::JsonWriter& json, const Event& event);
 void write_driver(report::JsonWriter& json, std::optional<std::uint32_t> driver, std::uint32_t you);
 void write_answer(report::JsonWriter& json, const Answer& answer);
+
+void write_setup_program(report::JsonWriter& json, bool is_running);
+/// The first message to the setup program.
+std::string setup_hello_text(const Scene& scene);
 
 /// The same figures as the status in the text format of Prometheus.
 std::string metrics_text(const FrameFeed& feed, const StatusReport& report, const MachineStatus& machine,

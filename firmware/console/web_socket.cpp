@@ -87,7 +87,7 @@ int WebServer::Implementation::receive(lws* connection, std::string_view part) {
   if (lws_frame_is_binary(connection) != 0) {
     return end_socket(connection, LWS_CLOSE_STATUS_UNACCEPTABLE_OPCODE, "only texts are understood");
   }
-  if (socket.received.size() + part.size() > kMaxClientMessageBytes) {
+  if (socket.received.size() + part.size() > hub_.max_message_bytes(*socket.client)) {
     return end_socket(connection, LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE, "the message is too large");
   }
   socket.received.append(part);

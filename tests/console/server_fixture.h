@@ -39,6 +39,7 @@ class ConsoleServer : public ::testing::Test {
 
   WebServerSettings settings{"127.0.0.1", 0, "", {}};
   double picture_rate_hz = 30.0;
+  std::string setup_socket;
   std::atomic<bool> camera_delivers{true};
   std::atomic<std::uint64_t> pictures_copied{0}, frames{0};
   SharedReports reports;

@@ -157,6 +157,7 @@ std::vector<std::string> client_message_seeds() {
           R"({"type":"drive","id":3,"give_back":true})",
           R"({"type":"seen","number":123456789})",
           R"({"type":"adaptation","action":"freeze","request":7})",
+          R"({"type":"setup","command":"colors.click","u":3,"v":4,"request":8})",
           R"({"type":"stop"})"};
 }
 

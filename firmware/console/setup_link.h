@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/time.h"
+#include "hal/linux/network/descriptor.h"
+#include "hal/result.h"
+
+namespace touchline::console {
+
+// The state of a setup with the differences of the files has some 20 KiB.
+inline constexpr std::size_t kMaxSetupTextBytes = std::size_t{256} * 1024;
+// An exported setup, or a lossless picture of the largest camera.
+inline constexpr std::size_t kMaxSetupBinaryBytes = std::size_t{8} * 1024 * 1024;
+
+/// A message of the setup program: a text in JSON, and bytes that may follow it.
+struct SetupMessage {
+  std::string text;
+  std::vector<std::byte> binary;
+};
+
+/// The connection to the setup program, a Unix stream socket on which each message has the length of its text (u32,
+/// little-endian), the length of its bytes, the text, and the bytes. It connects by itself, and again after every
+/// failure. No call blocks.
+class SetupLink {
+ public:
+  /// "": there is no setup program.
+  explicit SetupLink(std::string path) : path_(std::move(path)) {}
+
+  /// Connects, writes and reads, as far as possible at the moment. Call it every few milliseconds while something is
+  /// exchanged. An error says why the connection has just ended; a program that is not there is none.
+  Result<void> serve(Instant now);
+  /// The next message that has arrived.
+  std::optional<SetupMessage> receive();
+  /// False: the program does not read, or is not connected.
+  bool send(std::string_view text, std::span<const std::byte> binary = {});
+  /// Ends the connection; serve() opens a new one after a pause.
+  void close(Instant now);
+
+  [[nodiscard]] bool is_connected() const { return socket_.is_open(); }
+  /// Whether the program has sent a message since it was connected.
+  [[nodiscard]] bool is_running() const { return is_connected() && has_answered_; }
+  [[nodiscard]] bool is_sending() const { return !output_.empty(); }
+  /// Increases with every connection.
+  [[nodiscard]] std::uint64_t connections() const { return connections_; }
+
+ private:
+  void connect(Instant now);
+  Result<void> write(Instant now);
+  Result<void> read();
+  Result<void> split();
+
+  const std::string path_;
+  hal::Descriptor socket_;
+  Instant next_attempt_{}, progress_{};  // since `progress_` the program has neither read nor answered
+  bool has_answered_ = false;
+  std::uint64_t connections_ = 0;
+  std::vector<std::byte> input_;
+  std::deque<SetupMessage> received_;
+  std::deque<std::vector<std::byte>> output_;
+  std::size_t written_ = 0;  // of the first one
+};
+
+}  // namespace touchline::console

@@ -1,0 +1,282 @@
+#include <unistd.h>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+
+#include "firmware/console/setup_link.h"
+#include "tests/console/server_fixture.h"
+#include "tests/console/setup_peer.h"
+
+namespace touchline::console {
+namespace {
+
+class SetupRelayTest : public ConsoleServer {
+ protected:
+  using json = nlohmann::json;
+
+  SetupRelayTest() {
+    std::string pattern = std::filesystem::temp_directory_path() / "touchline-setup-XXXXXX";
+    folder_ = ::mkdtemp(pattern.data());
+    setup_socket = folder_ + "/setup.sock";
+  }
+  ~SetupRelayTest() override {
+    end();
+    std::filesystem::remove_all(folder_);
+  }
+  /// A server, and a setup program that has said its state.
+  void start_both() {
+    peer = std::make_unique<SetupPeer>(setup_socket);
+    start();
+    ASSERT_TRUE(peer->accept());
+    EXPECT_EQ(peer->read().text["type"], "hello");
+    peer->send(R"({"type":"setup","state":{"open":false}})");
+  }
+  static json read_json(SocketPage& page, std::string_view type) {
+    const std::optional<std::string> text = page.read_type(type);
+    EXPECT_TRUE(text.has_value()) << "the connection ended before " << type;
+    return text ? json::parse(*text) : json();
+  }
+  static json read_answer(SocketPage& page, int request) {
+    for (;;) {
+      json answer = read_json(page, "answer");
+      if (answer.is_null() || answer["to"] == request) return answer;
+    }
+  }
+  static json ask(SocketPage& page, std::string_view type, std::string_view members, int request) {
+    page.send_text(text_of(type, "\"request\":" + std::to_string(request) +
+                                     (members.empty() ? std::string() : "," + std::string(members))));
+    return read_answer(page, request);
+  }
+  /// Waits until the page is told so, by its first message or later.
+  static void wait_for_program(SocketPage& page, bool is_running) {
+    for (;;) {
+      const SocketMessage message = page.read();
+      ASSERT_NE(message.opcode, 0) << "the connection ended";
+      if (message.opcode != 1) continue;
+      const json told = json::parse(message.payload);
+      if (told["type"] == "hello" && told["setup"] == is_running) return;
+      if (told["type"] == "setup_program" && told["running"] == is_running) return;
+    }
+  }
+  static void become_driver(SocketPage& page) { EXPECT_EQ(ask(page, "take", {}, 1)["ok"], true); }
+  static void watch_setup(SocketPage& page) {
+    EXPECT_EQ(ask(page, "watch", R"("state_hz":0,"setup":true)", 2)["ok"], true);
+  }
+  [[nodiscard]] bool is_in_log(std::string_view part) const {
+    for (std::optional<Event> event = reports.events.after(0); event; event = reports.events.after(event->number)) {
+      if (event->text.find(part) != std::string::npos) return true;
+    }
+    return false;
+  }
+
+  std::unique_ptr<SetupPeer> peer;
+
+ private:
+  std::string folder_;
+};
+
+TEST_F(SetupRelayTest, WithoutTheProgramThePageIsToldHowToStartIt) {
+  start();
+  SocketPage page(port());
+  EXPECT_EQ(json::parse(page.read().payload)["setup"], false);
+  become_driver(page);
+  const json answer = ask(page, "setup", R"("command":"begin")", 3);
+  EXPECT_EQ(answer["ok"], false);
+  EXPECT_NE(answer["error"].get<std::string>().find("systemctl start touchline-setup"), std::string::npos);
+}
+
+TEST_F(SetupRelayTest, AProgramThatComesLaterIsFoundAndThatItHasLeftIsSaid) {
+  start();
+  SocketPage page(port());
+  peer = std::make_unique<SetupPeer>(setup_socket);
+  ASSERT_TRUE(peer->accept());
+  const json hello = peer->read().text;
+  EXPECT_EQ(hello["camera"]["width_px"], 320);
+  EXPECT_EQ(hello["camera"]["format"], "rgb24");
+  EXPECT_TRUE(std::filesystem::path(hello["venue"].get<std::string>()).is_absolute());
+  EXPECT_EQ(json::parse(SocketPage(port()).read().payload)["setup"], false) << "it has not said anything yet";
+  peer->send(R"({"type":"setup","state":{}})");
+  wait_for_program(page, true);
+  EXPECT_EQ(json::parse(SocketPage(port()).read().payload)["setup"], true);
+  peer->leave();
+  wait_for_program(page, false);
+  peer = std::make_unique<SetupPeer>(setup_socket);
+  ASSERT_TRUE(peer->accept());
+  peer->send(R"({"type":"setup","state":{}})");
+  wait_for_program(page, true);
+}
+
+TEST_F(SetupRelayTest, OnlyTheDriverGivesCommandsAndGetsTheAnswer) {
+  start_both();
+  SocketPage driver(port()), watcher(port());
+  wait_for_program(driver, true);
+  become_driver(driver);
+  watch_setup(watcher);
+  const json refused = ask(watcher, "setup", R"("command":"save")", 7);
+  EXPECT_EQ(refused["ok"], false);
+  EXPECT_NE(refused["error"].get<std::string>().find("take over"), std::string::npos);
+  driver.send_text(R"({"type":"setup","request":8,"command":"begin","name":"<script>"})");
+  const json passed = peer->read_type("setup").text;
+  EXPECT_EQ(passed["client"], 1);
+  EXPECT_EQ(passed["request"], 8);
+  EXPECT_EQ(passed["command"], "begin");
+  EXPECT_EQ(passed["name"], "<script>");
+  peer->send(R"({"type":"answer","client":1,"to":8,"ok":true,"result":{"rms_mm":1.5}})");
+  EXPECT_EQ(read_answer(driver, 8)["result"]["rms_mm"], 1.5);
+  // The watcher sees the state, and no answer to somebody else before it.
+  peer->send(R"({"type":"setup","state":{"open":true}})");
+  for (;;) {
+    const json state = json::parse(watcher.read().payload);
+    ASSERT_FALSE(state["type"] == "answer" && state["to"] == 8);
+    if (state["type"] == "setup" && state["state"]["open"] == true) break;
+  }
+}
+
+TEST_F(SetupRelayTest, AClientCannotSpeakInTheNameOfAnother) {
+  start_both();
+  SocketPage driver(port());
+  wait_for_program(driver, true);
+  become_driver(driver);
+  driver.send_text(R"({"type":"setup","client":5,"command":"save"})");
+  EXPECT_EQ(read_answer(driver, 0)["ok"], false);
+}
+
+TEST_F(SetupRelayTest, WhoWatchesLaterGetsTheLastStateAtOnce) {
+  start_both();
+  SocketPage page(port());
+  wait_for_program(page, true);
+  watch_setup(page);
+  EXPECT_EQ(read_json(page, "setup")["state"]["open"], false);
+  EXPECT_EQ(peer->read_type("watch").text["client"], 1);
+}
+
+TEST_F(SetupRelayTest, PicturesOfTheProgramArePassedOnAndNothingElseInBinary) {
+  start_both();
+  SocketPage page(port());
+  wait_for_program(page, true);
+  watch_setup(page);
+  std::string picture("TLPC\x01\x02\x00\x00\x00\x00\x00\x00\x2a\x00\x00\x00", 16);
+  picture.resize(32, '\0');
+  picture += "PNG";
+  picture += std::string(300000, 'x');
+  peer->send(R"({"type":"binary"})", picture);
+  for (;;) {
+    const SocketMessage message = page.read();
+    ASSERT_NE(message.opcode, 0);
+    if (message.opcode == 2) {
+      EXPECT_EQ(message.payload, picture);
+      break;
+    }
+  }
+  picture[5] = 1;  // what the camera sees comes from the camera only
+  peer->send(R"({"type":"binary"})", picture);
+  wait_for_program(page, false);
+  EXPECT_TRUE(eventually([&] { return is_in_log("wrong header"); }));
+}
+
+TEST_F(SetupRelayTest, ARequestWhoseProgramDiesIsAnswered) {
+  start_both();
+  SocketPage page(port());
+  wait_for_program(page, true);
+  become_driver(page);
+  page.send_text(R"({"type":"setup","request":9,"command":"colors.find"})");
+  EXPECT_EQ(peer->read_type("setup").text["request"], 9);
+  peer->send_bytes(length_bytes(500) + length_bytes(0) + "{\"type\":");
+  peer->hang_up();
+  const json answer = read_answer(page, 9);
+  EXPECT_EQ(answer["ok"], false);
+  EXPECT_NE(answer["error"].get<std::string>().find("within a message"), std::string::npos);
+}
+
+TEST_F(SetupRelayTest, MalformedMessagesEndTheConnectionAndTheNextOneWorks) {
+  start_both();
+  SocketPage page(port());
+  const std::string too_long = length_bytes(kMaxSetupTextBytes + 1) + length_bytes(0);
+  const std::string too_much = length_bytes(2) + length_bytes(kMaxSetupBinaryBytes + 1);
+  const auto framed = [](std::string_view text) {
+    return length_bytes(static_cast<std::uint32_t>(text.size())) + length_bytes(0) + std::string(text);
+  };
+  for (const std::string& bytes : {too_long, too_much, framed("{"), framed("[1]"), framed(R"({"type":5})"),
+                                   framed("{\"type\":\"a\xff\"}"), framed("")}) {
+    wait_for_program(page, true);
+    peer->send_bytes(bytes);
+    EXPECT_TRUE(peer->read_type("nothing").text.is_null()) << "the firmware ends the connection";
+    wait_for_program(page, false);
+    ASSERT_TRUE(peer->accept());
+    peer->send(R"({"type":"setup","state":{}})");
+  }
+  wait_for_program(page, true);
+}
+
+TEST_F(SetupRelayTest, AHalfOpenConnectionIsEnded) {
+  start_both();
+  SocketPage page(port());
+  wait_for_program(page, true);
+  peer->end_sending();
+  wait_for_program(page, false);
+}
+
+TEST_F(SetupRelayTest, AProgramThatSaysNothingIsNotRunning) {
+  peer = std::make_unique<SetupPeer>(setup_socket);
+  start();
+  ASSERT_TRUE(peer->accept());
+  EXPECT_TRUE(eventually([&] { return is_in_log("it does not answer"); }));
+}
+
+TEST_F(SetupRelayTest, CameraPicturesComeAsManyAsAskedForAndNotTooFast) {
+  start_both();
+  peer->send(R"({"type":"frames","count":3})");
+  std::uint64_t last = 0;
+  for (int i = 0; i < 3; ++i) {
+    const SetupPeer::Message frame = peer->read_type("frame");
+    ASSERT_FALSE(frame.text.is_null());
+    EXPECT_EQ(frame.text["width_px"], 320);
+    EXPECT_EQ(frame.text["height_px"], 240);
+    EXPECT_EQ(frame.text["format"], "rgb24");
+    EXPECT_EQ(frame.text["planes"][0]["stride_bytes"], 960);
+    EXPECT_EQ(frame.text["planes"][0]["rows"], 240);
+    ASSERT_EQ(frame.binary.size(), 3U * 320 * 240);
+    EXPECT_EQ(static_cast<unsigned char>(frame.binary[700]), 100) << "the fixture's pixels";
+    const auto number = frame.text["number"].get<std::uint64_t>();
+    // 100 frames a second, less 2 for the inaccuracy of both clocks. A busy machine makes the distance larger.
+    EXPECT_GE(number, i > 0 ? last + 18 : 0);
+    last = number;
+  }
+  EXPECT_EQ(pictures_copied, 3U);
+}
+
+TEST_F(SetupRelayTest, OnlyTheDriverMaySendLongMessages) {
+  start_both();
+  SocketPage driver(port()), watcher(port());
+  wait_for_program(driver, true);
+  become_driver(driver);
+  const std::string part(60000, 'p');
+  driver.send_text(R"({"type":"setup","command":"import","part":")" + part + "\"}");
+  EXPECT_EQ(peer->read_type("setup").text["part"].get<std::string>(), part);
+  watcher.send_text(R"({"type":"setup","command":"import","part":")" + part + "\"}");
+  for (SocketMessage message = watcher.read(); message.opcode != 0; message = watcher.read()) {
+    if (message.opcode != 8) continue;
+    EXPECT_EQ(message.close_code(), 1009);
+    return;
+  }
+  FAIL() << "the connection ended without a reason";
+}
+
+TEST_F(SetupRelayTest, AProgramThatDoesNotReadIsLostAndTheConsoleGoesOn) {
+  start_both();
+  SocketPage page(port());
+  wait_for_program(page, true);
+  become_driver(page);
+  const std::string part(60000, 'p');
+  // More than the kernel keeps.
+  for (int i = 0; i < 60; ++i) {
+    page.send_text(R"({"type":"setup","command":"import","part":")" + part + "\"}");
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the server's limit is 100 a second
+  }
+  wait_for_program(page, false);
+  EXPECT_TRUE(is_in_log("it does not read its messages"));
+  EXPECT_EQ(ask(page, "stop", {}, 99)["ok"], true);
+}
+
+}  // namespace
+}  // namespace touchline::console

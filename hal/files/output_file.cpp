@@ -174,10 +174,15 @@ Result<void> OutputFile::seek(std::uint64_t position) {
   return {};
 }
 
-Result<void> OutputFile::commit() {
+Result<void> OutputFile::sync() {
   TOUCHLINE_TRY(flush());
+  if (replaces_file() && sync_ && ::fsync(file_) != 0) return error_of("cannot be written to the disk", errno);
+  return {};
+}
+
+Result<void> OutputFile::commit() {
+  TOUCHLINE_TRY(sync());
   if (replaces_file()) {
-    if (sync_ && ::fsync(file_) != 0) return error_of("cannot be written to the disk", errno);
     if (::renameat(folder_, temporary_.c_str(), folder_, name_.c_str()) != 0) {
       return error_of("cannot be replaced", errno);
     }

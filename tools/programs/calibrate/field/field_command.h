@@ -1,12 +1,11 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "hal/replay/picture.h"
 #include "hal/result.h"
 #include "tools/programs/calibrate/field/field_report.h"
-#include "tools/programs/calibrate/venue/venue_draft.h"
 
 namespace CLI {
 class App;
@@ -27,11 +26,8 @@ struct FieldCommand {
   Result<void> run() const;
 
  private:
-  Result<void> choose_drawing(const VenueDraft& draft, FieldDrawing& out, std::optional<HeightPrior>& height) const;
-  Result<void> find_camera(const std::vector<hal::Picture>& photographs, const FieldDrawing& drawn,
-                           const std::optional<HeightPrior>& height, FieldFitInput& input, FieldReport& found) const;
-  Result<void> write_previews(const hal::Picture& photograph, const FieldReport& found, const FieldParameters& field,
-                              const std::vector<FloorPoint>& given) const;
+  Result<void> write_previews(const hal::Picture& photograph, const FieldReport& found,
+                              const FieldParameters& field) const;
 };
 
 }  // namespace touchline::calibrate

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <sys/types.h>
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "hal/mock/arena_parameters.h"
+#include "hal/mock/renderer.h"
+#include "hal/replay/picture.h"
+#include "tests/tools/program_folder.h"
+#include "tools/programs/arena/scenes.h"
+#include "tools/programs/setup/message_link.h"
+
+namespace touchline::setup {
+
+/// Renders pictures of the arena as its camera delivers them (RGB, 640 x 480).
+hal::Picture arena_picture(hal::mock::Floor floor, std::uint64_t seed);
+/// The first pictures of a scene.
+std::vector<hal::Picture> scene_pictures(arena::SceneKind kind, unsigned count, std::uint64_t seed);
+
+/// touchline-setup in a folder with a copy of the mock board, and this test in the place of the firmware and its page.
+class ScriptedFirmware : public touchline::testing::ProgramFolder {
+ protected:
+  void SetUp() override;
+  void TearDown() override;
+
+  /// Copies a file of the mock board to the saved files.
+  void copy(const std::string& name) const;
+  void start_program();
+  void stop_program(int signal);
+  void connect();
+  void disconnect() {
+    socket_.reset();
+    reader_ = {};
+  }
+
+  /// Sends a command and waits for its answer, serving frames and the use of files meanwhile.
+  nlohmann::json run(const std::string& command, nlohmann::json members = nlohmann::json::object());
+  /// The same; the command must succeed. Returns the result.
+  nlohmann::json expect_ok(const std::string& command, nlohmann::json members = nlohmann::json::object());
+  /// The same; the command must fail with a message that has this text.
+  void expect_error(const std::string& command, nlohmann::json members, const std::string& text);
+  /// Sends a command without waiting; returns its request.
+  int send(const std::string& command, nlohmann::json members = nlohmann::json::object());
+  nlohmann::json answer_to(int request);
+  /// Handles messages until `is_enough`.
+  void serve_until(const std::function<bool()>& is_enough);
+  Message receive();
+  void send_bytes(const std::string& bytes) const;
+
+  [[nodiscard]] std::string saved(const std::string& name) const { return path("etc/" + name); }
+  /// The picture of the state's step; a failure if it did not arrive.
+  const Message& picture(const nlohmann::json& id);
+
+  nlohmann::json state_, live_;       // the newest
+  std::vector<Message> pictures_;     // for the page
+  std::vector<nlohmann::json> used_;  // "use" messages
+  std::vector<hal::Picture> camera_;  // pictures that the camera delivers in turn
+  std::string camera_error_;          // instead of a picture
+  bool delivers_ = true;              // false: never answers "frames"
+  std::size_t delivered_ = 0;
+
+ private:
+  void handle(const Message& message);
+  void deliver();
+
+  hal::Descriptor socket_;
+  MessageReader reader_;
+  std::vector<nlohmann::json> answers_;
+  pid_t process_ = 0;
+  int next_request_ = 1;
+};
+
+}  // namespace touchline::setup

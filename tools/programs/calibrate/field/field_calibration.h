@@ -1,0 +1,53 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/replay/picture.h"
+#include "hal/result.h"
+#include "tools/programs/calibrate/field/field_report.h"
+#include "tools/programs/calibrate/venue/venue_draft.h"
+
+// The whole way from pictures to the sections of the venue file, for touchline-calibrate field and for touchline-setup.
+namespace touchline::calibrate {
+
+/// What a person says about the field.
+struct FieldChoice {
+  std::string preset, drawing;       // name of a preset, or path of a drawing; at most one of them
+  double length_m = 0, width_m = 0;  // 0: as the preset, drawing or venue file says
+  double camera_height_m = 0;        // of the lens above the floor; 0: not measured
+};
+
+/// The field to look for.
+struct ChosenField {
+  FieldDrawing drawing;
+  std::optional<HeightPrior> height;
+  HeightSource height_source = HeightSource::kSeen;
+};
+
+/// Combines the choice with the venue file. kNotFound: an unknown preset. kInconsistent: the size is missing, or both
+/// preset and drawing are given. Errors of read_drawing().
+Result<ChosenField> choose_field(const VenueDraft& venue, const FieldChoice& choice);
+
+struct FieldPictures {
+  std::vector<hal::Picture> pictures;  // of the same view, at least one; averaged
+  std::vector<FloorPoint> points;      // known points, corners included; empty: the border is searched
+  bool refine = true;                  // false: only the points are used
+};
+
+/// Finds the camera model from the border of the field or from known points. kInconsistent: pictures of different
+/// sizes, or fewer than four points. Errors of find_border(), fit_field() and refine_field(); the message says what was
+/// found before.
+Result<FieldReport> calibrate_field(const FieldPictures& input, const ChosenField& field, double camera_height_m);
+
+/// [picture], [field] and [camera_model] of the venue file.
+std::vector<Section> field_sections(const VenueDraft& venue, const hal::Picture& picture, const FieldParameters& field,
+                                    const FieldReport& report);
+
+/// Draws border and markings according to the model found over the picture. kInconsistent: the model is invalid.
+Result<hal::Picture> draw_result(const hal::Picture& picture, const FieldParameters& field, const FieldReport& report);
+/// Draws the enlarged residuals; only if report.refinement.points > 0. kInconsistent: the model is invalid.
+Result<hal::Picture> draw_errors(const hal::Picture& picture, const FieldReport& report);
+
+}  // namespace touchline::calibrate

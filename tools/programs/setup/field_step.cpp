@@ -1,0 +1,129 @@
+#include "tools/programs/setup/field_step.h"
+
+#include <cmath>
+
+#include "core/geometry/camera_model.h"
+#include "tools/programs/command_line/formatted.h"
+#include "tools/programs/setup/page_state.h"
+
+namespace touchline::setup {
+namespace {
+
+// Straight on the field, curved in the picture.
+constexpr std::size_t kPointsOfALine = 33;
+// Above these values a robot that is somewhere in the field gets a place that play would notice: a tenth of its size,
+// and a quarter of the limits at which calibrate_field() refuses.
+constexpr double kGoodTop_mm = 4.0, kGoodRms_mm = 1.5;
+
+nlohmann::json polyline(const CameraModel& camera, const FieldPoint& from, const FieldPoint& to) {
+  nlohmann::json out = nlohmann::json::array();
+  for (std::size_t i = 0; i < kPointsOfALine; ++i) {
+    const float t = static_cast<float>(i) / static_cast<float>(kPointsOfALine - 1);
+    const PixelPoint pixel =
+        camera.to_pixel({from.x_m + t * (to.x_m - from.x_m), from.y_m + t * (to.y_m - from.y_m)}, 0.0f);
+    out.push_back({pixel.u_px, pixel.v_px});
+  }
+  return out;
+}
+
+nlohmann::json overlay_of(const CameraModel& camera, const FieldParameters& field) {
+  const float x = field.length_m / 2, y = field.width_m / 2, goal = field.goal_width_m / 2;
+  nlohmann::json out = nlohmann::json::array();
+  const auto add = [&](const FieldPoint& from, const FieldPoint& to) { out.push_back(polyline(camera, from, to)); };
+  add({-x, -y}, {x, -y});
+  add({x, -y}, {x, y});
+  add({x, y}, {-x, y});
+  add({-x, y}, {-x, -y});
+  add({0, -y}, {0, y});
+  for (const float side : {-1.0f, 1.0f}) {
+    const float back = side * (x + field.goal_depth_m);
+    add({side * x, -goal}, {back, -goal});
+    add({back, -goal}, {back, goal});
+    add({back, goal}, {side * x, goal});
+  }
+  return out;
+}
+
+nlohmann::json notes_of(const calibrate::FieldReport& report) {
+  nlohmann::json notes = nlohmann::json::array();
+  const auto note = [&](const char* level, const std::string& text) {
+    notes.push_back({{"level", level}, {"text", text}});
+  };
+  if (!report.unrefined.empty()) note("warning", "only the corners were used: " + report.unrefined);
+  if (report.height != calibrate::HeightSource::kMeasured) {
+    note("warning", "the height of the lens was not measured: measure it with a tape and enter it");
+  }
+  std::size_t used = 0;
+  for (const calibrate::MarkReport& mark : report.refinement.marks) used += mark.used ? 1u : 0u;
+  if (!report.refinement.marks.empty()) {
+    note("ok",
+         formatted("%zu of %zu markings agree with the drawing of the field", used, report.refinement.marks.size()));
+  }
+  return notes;
+}
+
+nlohmann::json measured_field(const calibrate::FieldReport& report, const FieldParameters& field,
+                              const CameraModel& camera) {
+  const calibrate::RefinementReport& refined = report.refinement;
+  nlohmann::json out = {{"camera_height_m", report.fit.height_m},
+                        {"tilt_rad", report.fit.tilt_rad},
+                        {"camera_height_sigma_m", report.fit.height_sigma_m},
+                        {"overlay", overlay_of(camera, field)},
+                        {"notes", notes_of(report)},
+                        {"report", calibrate::text_of(report)}};
+  const float x = field.length_m / 2, y = field.width_m / 2;
+  for (const FieldPoint& corner : {FieldPoint{-x, -y}, FieldPoint{x, -y}, FieldPoint{x, y}, FieldPoint{-x, y}}) {
+    const PixelPoint pixel = camera.to_pixel(corner, 0.0f);
+    out["corners_px"].push_back({pixel.u_px, pixel.v_px});
+  }
+  if (refined.points == 0) {
+    out["rms_mm"] = report.fit.residual_mm.rms;
+    out["max_mm"] = report.fit.residual_mm.max;
+    out["quality"] = quality("warning", "four points show no accuracy: it is unknown between them");
+    return out;
+  }
+  out["rms_mm"] = refined.rms_mm;
+  out["p95_mm"] = refined.p95_mm;
+  out["max_mm"] = refined.max_mm;
+  out["rms_px"] = refined.rms_px;
+  out["top_sigma_mm"] = refined.sigma.top_corner_mm;
+  const bool is_good = refined.sigma.top_corner_mm <= kGoodTop_mm && refined.rms_mm <= kGoodRms_mm;
+  out["quality"] = quality(is_good ? "ok" : "warning",
+                           formatted("border and markings within %.2f mm (95 %% within %.2f mm); a robot's top in a "
+                                     "corner is known to %.1f mm",
+                                     refined.rms_mm, refined.p95_mm, refined.sigma.top_corner_mm),
+                           refined.rms_mm, "mm");
+  return out;
+}
+
+}  // namespace
+
+Result<void> find_field(const FieldRequest& request, const JobInput& input, const JobOutput& output) {
+  const std::string venue = input.path(input.state.files.venue);
+  TOUCHLINE_TRY_ASSIGN(const calibrate::VenueDraft draft, calibrate::read_draft(venue));
+  TOUCHLINE_TRY_ASSIGN(const calibrate::ChosenField chosen, calibrate::choose_field(draft, request.choice));
+  const FieldParameters& field = chosen.drawing.field;
+  calibrate::FieldPictures pictures;
+  for (const CameraFrame& frame : input.frames) pictures.pictures.push_back(calibrate::picture_of(frame->frame()));
+  if (request.corners) {
+    TOUCHLINE_TRY(calibrate::check_corners(*request.corners));
+    pictures.points = calibrate::corner_points(*request.corners, static_cast<double>(field.length_m),
+                                               static_cast<double>(field.width_m));
+  }
+  output.progress("the camera model is being fitted");
+  TOUCHLINE_TRY_ASSIGN(const calibrate::FieldReport report,
+                       calibrate::calibrate_field(pictures, chosen, request.choice.camera_height_m));
+  const hal::Picture& picture = pictures.pictures.front();
+  TOUCHLINE_TRY(calibrate::write_sections(venue, calibrate::field_sections(draft, picture, field, report)));
+  CameraModel camera;
+  if (!camera.configure(report.fit.camera).ok()) {
+    return Error{ErrorCode::kInconsistent, "the camera model found is invalid"};
+  }
+  output.measured(measured_field(report, field, camera));
+  if (report.refinement.points == 0) return {};
+  output.progress("the error map is being drawn");
+  TOUCHLINE_TRY_ASSIGN(const hal::Picture errors, calibrate::draw_errors(picture, report));
+  return output.picture("error_map", errors);
+}
+
+}  // namespace touchline::setup

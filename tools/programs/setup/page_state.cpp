@@ -1,0 +1,100 @@
+#include "tools/programs/setup/page_state.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "firmware/config/configuration.h"
+#include "hal/linux/serial/serial_list.h"
+#include "tools/programs/calibrate/colors/team_colors.h"
+#include "tools/programs/calibrate/field/field_drawing.h"
+#include "tools/programs/calibrate/venue/venue_draft.h"
+#include "tools/programs/setup/described_keys.h"
+
+namespace touchline::setup {
+namespace {
+
+// Adds what follows from the files to what was measured.
+nlohmann::json with_measured(const DraftState& draft, const char* step, nlohmann::json values) {
+  const auto measured = draft.measured.find(step);
+  if (measured != draft.measured.end()) values.update(*measured);
+  if (!values.contains("quality")) values["quality"] = quality("none", "not measured in this draft");
+  if (!values.contains("notes")) values["notes"] = nlohmann::json::array();
+  return values;
+}
+
+nlohmann::json field_values(const calibrate::VenueDraft& venue) {
+  nlohmann::json presets = nlohmann::json::array();
+  for (const calibrate::FieldPreset& preset : calibrate::field_presets()) presets.push_back(std::string(preset.name));
+  const DescribedKeys field = DescribedKeys::of(venue.file.field);
+  return {{"done", calibrate::has_camera_model(venue)},
+          {"values", field.values()},
+          {"keys", field.keys()},
+          {"presets", presets}};
+}
+
+nlohmann::json color_values(const calibrate::VenueDraft& venue, const Result<calibrate::TeamColors>& team) {
+  nlohmann::json names = nlohmann::json::array(), wanted = nlohmann::json::array();
+  for (const config::ColorEntry& color : venue.file.color) {
+    names.push_back({{"name", color.name}, {"shown_rgb", color.shown_rgb}, {"boxes", color.box.size()}});
+  }
+  if (team.ok()) {
+    for (const std::string& name : team.value().names) {
+      const auto has_name = [&](const config::ColorEntry& color) { return color.name == name && !color.box.empty(); };
+      if (std::none_of(venue.file.color.begin(), venue.file.color.end(), has_name)) wanted.push_back(name);
+    }
+  }
+  return {{"done", !names.empty() && wanted.empty()}, {"names", names}, {"wanted", wanted}};
+}
+
+nlohmann::json radio_values(const config::BoardFile& board) {
+  const DescribedKeys radio = DescribedKeys::of(board.radio);
+  nlohmann::json devices = nlohmann::json::array();
+  std::vector<hal::SerialPortNode> ports;
+  hal::list_serial_ports(ports);
+  for (const hal::SerialPortNode& port : ports) devices.push_back(port.path);
+  return {{"done", board.radio.backend != hal::RadioBackend::kNone},
+          {"values", radio.values()},
+          {"keys", radio.keys()},
+          {"devices", devices}};
+}
+
+}  // namespace
+
+nlohmann::json quality(const char* level, const std::string& text) {
+  return {{"level", level}, {"text", text}, {"number", nullptr}, {"unit", ""}};
+}
+
+nlohmann::json quality(const char* level, const std::string& text, double number, const char* unit) {
+  return {{"level", level}, {"text", text}, {"number", number}, {"unit", unit}};
+}
+
+nlohmann::json steps_of(const DraftState& draft, const std::string& folder) {
+  const auto path = [&](const std::string& name) { return folder + "/" + name; };
+  // Values that are wrong keep their defaults; `problems` of the differences says so.
+  const auto configuration = std::make_unique<config::Configuration>();
+  static_cast<void>(config::load_board(path(draft.files.board), {}, *configuration).ok());
+  const Result<calibrate::VenueDraft> read = calibrate::read_draft(path(draft.files.venue));
+  const calibrate::VenueDraft venue = read.ok() ? read.value() : calibrate::VenueDraft{};
+  const Result<calibrate::TeamColors> team = calibrate::read_team_colors(path(draft.files.team));
+
+  const DescribedKeys camera = DescribedKeys::of(configuration->board.camera);
+  nlohmann::json steps;
+  steps["camera"] = with_measured(
+      draft, "camera",
+      {{"done", draft.measured.contains("camera")}, {"values", camera.values()}, {"keys", camera.keys()}});
+  steps["field"] = with_measured(draft, "field", field_values(venue));
+  steps["light"] =
+      with_measured(draft, "light", {{"done", !venue.file.light.map.empty()}, {"surface", venue.file.light.surface}});
+  steps["colors"] = with_measured(draft, "colors", color_values(venue, team));
+  steps["robots"] =
+      with_measured(draft, "robots", {{"done", team.ok()}, {"problems", nlohmann::json::array({team.text()})}});
+  steps["radio"] = with_measured(draft, "radio", radio_values(configuration->board));
+  return steps;
+}
+
+std::string problems_of(const SetupFiles& files, const std::string& folder) {
+  const auto configuration = std::make_unique<config::Configuration>();
+  return config::load({folder + "/" + files.board, "", "", {}}, *configuration).text();
+}
+
+}  // namespace touchline::setup

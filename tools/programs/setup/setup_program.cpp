@@ -1,0 +1,213 @@
+#include "tools/programs/setup/setup_program.h"
+
+#include <poll.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+
+#include "tools/programs/setup/camera_frame.h"
+#include "tools/programs/setup/page_state.h"
+#include "tools/programs/setup/saving.h"
+
+namespace touchline::setup {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string type_of(const nlohmann::json& message) {
+  return message.contains("type") && message.at("type").is_string() ? message.at("type").get_ref<const std::string&>() : std::string();
+}
+
+}  // namespace
+
+SetupProgram::SetupProgram(SetupOptions options) : options_(std::move(options)), draft_(options_.folder) {}
+
+Result<void> SetupProgram::open() {
+  std::error_code error;
+  fs::create_directories(options_.folder, error);
+  if (error) {
+    return failure(ErrorCode::kPermission, "%s: cannot be made: %s", options_.folder.c_str(), error.message().c_str());
+  }
+  const Result<void> finished =
+      finish_saving(fs::path(options_.board).parent_path().string(), options_.folder + "/saving.json");
+  if (!finished.ok()) std::fprintf(stderr, "touchline-setup: %s\n", finished.text().c_str());
+  TOUCHLINE_TRY(listener_.open(options_.socket));
+  // Whoever may connect may change the files of the board.
+  if (::chmod(options_.socket.c_str(), S_IRUSR | S_IWUSR) == 0) return {};
+  return failure(ErrorCode::kPermission, "%s: its permissions cannot be set", options_.socket.c_str());
+}
+
+void SetupProgram::run(int signals) {
+  for (;;) {
+    std::array<pollfd, 4> files{{{signals, POLLIN, 0},
+                                 {listener_.descriptor(), POLLIN, 0},
+                                 {firmware_.descriptor(), POLLIN, 0},
+                                 {worker_.is_running() ? worker_.link().descriptor() : -1, POLLIN, 0}}};
+    if (firmware_.has_output()) files[2].events |= POLLOUT;
+    if (::poll(files.data(), files.size(), wait_ms()) < 0) continue;
+    if (files[0].revents != 0) return;
+    if (files[3].revents != 0) receive_from_worker();
+    if ((files[2].revents & POLLOUT) != 0) static_cast<void>(firmware_.flush().ok());
+    if ((files[2].revents & ~POLLOUT) != 0 && firmware_.is_open()) receive_from_firmware();
+    if (files[1].revents != 0) accept();
+    check_time();
+  }
+}
+
+void SetupProgram::accept() {
+  hal::Descriptor descriptor = listener_.accept();
+  if (!descriptor.is_open()) return;
+  firmware_.close();
+  firmware_ = MessageLink(std::move(descriptor));
+  // A restarted firmware runs with the saved files and knows nothing of a frame that was asked for.
+  if (running_ && running_->waits_for_frame) request_frames();
+  if (draft_.is_open() && uses_draft_) use(true);
+  send_state();
+}
+
+void SetupProgram::receive_from_firmware() {
+  const Result<void> received = firmware_.receive();
+  for (;;) {
+    Result<std::optional<Message>> message = firmware_.next();
+    if (!message.ok()) std::fprintf(stderr, "touchline-setup: the firmware's message: %s\n", message.text().c_str());
+    if (!message.ok() || !message.value()) break;
+    handle(*message.value());
+  }
+  if (!received.ok()) firmware_.close();
+}
+
+void SetupProgram::receive_from_worker() {
+  const Result<void> received = worker_.link().receive();
+  while (worker_.is_running()) {
+    Result<std::optional<Message>> message = worker_.link().next();
+    if (!message.ok() || !message.value()) break;
+    handle_work(std::move(*message.value()));
+  }
+  if (!received.ok() && worker_.is_running()) end_job(worker_.finish());
+}
+
+void SetupProgram::handle(const Message& message) {
+  const std::string type = type_of(message.content);
+  if (type == "setup") handle_command(message.content);
+  if (type == "frame") handle_frame(message);
+  if (type == "used") {
+    const Arguments used(message.content);
+    const std::string source = used.text("source", "").ok() ? used.text("source", "").value() : "";
+    const std::string error = used.text("error", "").ok() ? used.text("error", "").value() : "";
+    preview_ = {{"source", source}, {"ok", error.empty()}, {"error", error}};
+    send_state();
+  }
+}
+
+void SetupProgram::handle_command(const nlohmann::json& message) {
+  asker_ = {message.contains("client") ? message.at("client") : nlohmann::json(), message.contains("request") ? message.at("request") : nlohmann::json(0)};
+  answered_ = false;
+  const Arguments arguments(message);
+  Result<nlohmann::json> result = nlohmann::json(nullptr);
+  const Result<std::string> name = arguments.text("command");
+  const auto& known = commands();
+  const auto command = std::find_if(known.begin(), known.end(),
+                                    [&](const Command& one) { return name.ok() && name.value() == one.name; });
+  if (!name.ok()) {
+    result = name.error();
+  } else if (command == known.end()) {
+    result = failure(ErrorCode::kNotFound, "the command %.40s is unknown", name.value().c_str());
+  } else if (command->needs_draft && !draft_.is_open()) {
+    result = Error{ErrorCode::kNotFound, "there is no draft: begin first"};
+  } else if (running_ && !command->while_busy) {
+    result = failure(ErrorCode::kDeviceBusy, "%s is still running: wait, or cancel it", running_->job.command.c_str());
+  } else {
+    result = (this->*command->handler)(arguments);
+  }
+  if (!answered_) answer(asker_, result);
+}
+
+void SetupProgram::answer(const Asker& asker, const Result<nlohmann::json>& result) {
+  if (asker.request == 0) return;
+  nlohmann::json content = {{"type", "answer"},
+                            {"client", asker.client},
+                            {"to", asker.request},
+                            {"ok", result.ok()},
+                            {"error", result.text()}};
+  if (result.ok() && !result.value().is_null()) content["result"] = result.value();
+  send(content);
+}
+
+void SetupProgram::send(const nlohmann::json& content, std::string_view bytes) {
+  if (!firmware_.is_open()) return;
+  const Result<void> sent = firmware_.send(content, bytes);
+  if (!sent.ok()) std::fprintf(stderr, "touchline-setup: the firmware: %s\n", sent.text().c_str());
+}
+
+void SetupProgram::send_state() {
+  nlohmann::json busy;
+  if (running_) {
+    busy = {{"command", running_->job.command}, {"text", running_->text}, {"progress", running_->progress}};
+  }
+  nlohmann::json state = {{"open", draft_.is_open()},
+                          {"board", options_.board},
+                          {"busy", busy},
+                          {"error", error_},
+                          {"preview", preview_},
+                          {"changed_files", nlohmann::json::array()},
+                          {"undo", draft_.undo_names()},
+                          {"redo", draft_.redo_names()},
+                          {"steps", nlohmann::json::object()}};
+  if (draft_.is_open()) {
+    state["changed_files"] = changed_files(draft_.saved(), draft_.now().files);
+    state["steps"] = steps_of(draft_.now(), draft_.files_folder());
+  }
+  send({{"type", "setup"}, {"state", state}});
+}
+
+void SetupProgram::send_picture(std::uint32_t id, const ShownPicture& picture, const nlohmann::json& client) {
+  nlohmann::json content = {
+      {"type", "picture"}, {"id", id}, {"width_px", picture.width_px}, {"height_px", picture.height_px}};
+  if (!client.is_null()) content["client"] = client;
+  send(content, *picture.bytes);
+}
+
+void SetupProgram::use(bool draft) {
+  uses_draft_ = draft;
+  // Relative to the firmware's folder, which may be another one.
+  const auto absolute = [](const fs::path& path) {
+    std::error_code error;
+    return fs::absolute(path, error).string();
+  };
+  const fs::path folder = draft ? fs::path(draft_.files_folder()) : fs::path(options_.board).parent_path();
+  const auto named = [&](const std::string& name) { return absolute(folder / name); };
+  nlohmann::json content = {{"type", "use"}, {"source", draft ? "draft" : "saved"}};
+  content["board"] = draft ? named(draft_.now().files.board) : absolute(options_.board);
+  if (draft) {
+    content["venue"] = named(draft_.now().files.venue);
+    content["team"] = named(draft_.now().files.team);
+  }
+  send(content);
+}
+
+void SetupProgram::handle_frame(const Message& message) {
+  if (!running_ || !running_->waits_for_frame) return;
+  const Result<CameraFrame> frame = camera_frame_of(message);
+  if (!frame.ok()) {
+    end_job("the camera's picture: " + frame.text());
+    return;
+  }
+  running_->waits_for_frame = false;
+  running_->frames.push_back(frame.value());
+  const Job& job = running_->job;
+  if (running_->frames.size() >= job.frame_count) {
+    begin_work();
+  } else if (job.frame_interval_s > 0) {
+    running_->next_frame =
+        Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(job.frame_interval_s));
+    running_->progress = static_cast<double>(running_->frames.size()) / static_cast<double>(job.frame_count);
+    send_state();
+  } else {
+    request_frames();
+  }
+}
+
+}  // namespace touchline::setup

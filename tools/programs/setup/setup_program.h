@@ -1,0 +1,120 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/linux/network/unix_listener.h"
+#include "hal/result.h"
+#include "tools/programs/setup/arguments.h"
+#include "tools/programs/setup/draft.h"
+#include "tools/programs/setup/job.h"
+#include "tools/programs/setup/message_link.h"
+#include "tools/programs/setup/worker.h"
+
+namespace touchline::setup {
+
+struct SetupOptions {
+  std::string board;   // the saved board file; venue and team file lie beside it
+  std::string folder;  // for the draft
+  std::string socket;
+};
+
+/// The program behind "Set up" of the console (docs/console-protocol.md, Guided setup). One thread; long work runs in a
+/// process of its own. Serves one connection, that of the firmware; a new one replaces it.
+class SetupProgram {
+ public:
+  explicit SetupProgram(SetupOptions options);
+  /// Finishes an interrupted save and listens. Errors of finish_saving() and hal::UnixListener.
+  Result<void> open();
+  /// Serves until `signals` (of signalfd) can be read.
+  void run(int signals);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  // Who asked; request 0 wants no answer.
+  struct Asker {
+    nlohmann::json client, request = 0;
+  };
+  using Handler = Result<nlohmann::json> (SetupProgram::*)(const Arguments&);
+  struct Command {
+    const char* name;
+    Handler handler;
+    bool needs_draft, while_busy;
+  };
+  static const std::vector<Command>& commands();
+
+  // Connection (setup_program.cpp).
+  void accept();
+  void receive_from_firmware();
+  void receive_from_worker();
+  void handle(const Message& message);
+  void handle_command(const nlohmann::json& message);
+  void handle_frame(const Message& message);
+  void answer(const Asker& asker, const Result<nlohmann::json>& result);
+  void send(const nlohmann::json& content, std::string_view bytes = {});
+  void send_state();
+  void send_picture(std::uint32_t id, const ShownPicture& picture, const nlohmann::json& client);
+  void use(bool draft);
+  [[nodiscard]] int wait_ms() const;
+
+  // Jobs (setup_jobs.cpp).
+  Result<nlohmann::json> start(Job job);
+  void request_frames();
+  void begin_work();
+  void handle_work(Message message);
+  void end_job(const std::string& error);
+  void check_time();
+
+  // Commands of the draft as a whole (draft_commands.cpp).
+  Result<nlohmann::json> state(const Arguments&);
+  Result<nlohmann::json> begin(const Arguments&);
+  Result<nlohmann::json> discard(const Arguments&);
+  Result<nlohmann::json> undo(const Arguments&);
+  Result<nlohmann::json> redo(const Arguments&);
+  Result<nlohmann::json> cancel(const Arguments&);
+  Result<nlohmann::json> differences(const Arguments&);
+  Result<nlohmann::json> save(const Arguments&);
+  Result<nlohmann::json> export_setup(const Arguments&);
+  Result<nlohmann::json> import_setup(const Arguments&);
+  Result<nlohmann::json> picture(const Arguments&);
+  Result<nlohmann::json> use_files(const Arguments&);
+  Result<nlohmann::json> drive(const Arguments&);
+  Result<nlohmann::json> change(DraftState state);
+
+  // Commands of the steps (step_commands.cpp).
+  Result<nlohmann::json> field_find(const Arguments&);
+  Result<nlohmann::json> field_corners(const Arguments&);
+
+  SetupOptions options_;
+  Draft draft_;
+  hal::UnixListener listener_;
+  MessageLink firmware_;
+  Worker worker_;
+
+  bool uses_draft_ = false;
+  nlohmann::json preview_ = {{"source", "saved"}, {"ok", true}, {"error", ""}};
+  std::string error_;
+  std::uint32_t next_picture_ = 1;
+  std::vector<std::string> import_;
+
+  // The job that runs, from its first frame to the end of its work.
+  struct Running {
+    Job job;
+    Asker asker;
+    std::vector<std::shared_ptr<const calibrate::CameraPicture>> frames;
+    Clock::time_point next_frame, give_up;
+    bool waits_for_frame = false;
+    std::string text;
+    nlohmann::json progress = nullptr, result = nullptr;
+    DraftState state;  // what it will become
+  };
+  std::optional<Running> running_;
+  Asker asker_;            // of the command that is handled
+  bool answered_ = false;  // its job answers later
+};
+
+}  // namespace touchline::setup

@@ -1,0 +1,93 @@
+#include "tools/programs/setup/worker.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <exception>
+
+#include "hal/linux/system_error.h"
+#include "tools/programs/command_line/formatted.h"
+
+namespace touchline::setup {
+namespace {
+
+// Runs in the new process, and never returns.
+[[noreturn]] void run(const Worker::Work& work, int descriptor) {
+  // The work must not outlive the program, and its signals are those of any other process.
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  sigset_t none;
+  ::sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  const Worker::Reporter reporter(descriptor);
+  std::string error;
+  try {
+    error = work(reporter).text();
+  } catch (const std::exception& fault) {
+    error = formatted("this work failed: %s", fault.what());
+  }
+  reporter.send({{"type", "done"}, {"error", error}});
+  // Destructors and exit handlers belong to the program that was copied.
+  ::_exit(EXIT_SUCCESS);
+}
+
+}  // namespace
+
+void Worker::Reporter::progress(std::string_view text, double share) const {
+  nlohmann::json content = {{"type", "progress"}, {"text", text}, {"progress", nullptr}};
+  if (share >= 0) content["progress"] = share;
+  send(content);
+}
+
+void Worker::Reporter::send(const nlohmann::json& content, std::string_view bytes) const {
+  const std::string message = framed(content, bytes);
+  for (std::size_t sent = 0; sent < message.size();) {
+    const ssize_t count = ::send(descriptor_, message.data() + sent, message.size() - sent, MSG_NOSIGNAL);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return;  // the program is gone, and this process with it
+    sent += static_cast<std::size_t>(count);
+  }
+}
+
+Result<void> Worker::start(const Work& work) {
+  int ends[2];
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
+    return failure(ErrorCode::kIo, "the work cannot be started: %s", hal::system_text(errno));
+  }
+  hal::Descriptor here(ends[0]), there(ends[1]);
+  if (::fcntl(here.get(), F_SETFL, O_NONBLOCK) != 0) {
+    return failure(ErrorCode::kIo, "the work cannot be started: %s", hal::system_text(errno));
+  }
+  const pid_t process = ::fork();
+  if (process < 0) return failure(ErrorCode::kIo, "the work cannot be started: %s", hal::system_text(errno));
+  if (process == 0) {
+    here.reset();
+    run(work, there.get());
+  }
+  process_ = process;
+  link_ = MessageLink(std::move(here));
+  return {};
+}
+
+std::string Worker::finish() {
+  int status = 0;
+  while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+  }
+  process_ = 0;
+  link_.close();
+  if (WIFSIGNALED(status)) return formatted("this work ended unexpectedly (%s)", ::strsignal(WTERMSIG(status)));
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? "" : "this work ended unexpectedly";
+}
+
+void Worker::cancel() {
+  if (process_ <= 0) return;
+  ::kill(process_, SIGKILL);
+  finish();
+}
+
+}  // namespace touchline::setup

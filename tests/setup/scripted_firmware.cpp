@@ -140,7 +140,14 @@ void ScriptedFirmware::deliver() {
 void ScriptedFirmware::handle(const Message& message) {
   const std::string type = message.content.value("type", "");
   if (type == "answer") answers_.push_back(message.content);
-  if (type == "picture") pictures_.push_back(message);
+  if (type == "binary") {
+    // The header of the console's pictures: the id at byte 12, the PNG from byte 32 on.
+    ASSERT_GE(message.bytes.size(), 32u);
+    EXPECT_EQ(message.bytes.substr(0, 6), std::string("TLPC\x01\x02", 6));
+    std::uint32_t id = 0;
+    std::memcpy(&id, message.bytes.data() + 12, sizeof(id));
+    pictures_.push_back({{{"id", id}}, message.bytes.substr(32)});
+  }
   if (type == "setup" && message.content.contains("state")) state_ = message.content["state"];
   if (type == "setup" && message.content.contains("live")) live_ = message.content["live"];
   if (type == "frames" && delivers_) {
@@ -148,7 +155,7 @@ void ScriptedFirmware::handle(const Message& message) {
   }
   if (type == "use") {
     used_.push_back(message.content);
-    send_bytes(framed({{"type", "used"}, {"source", message.content["source"]}, {"ok", true}, {"error", ""}}));
+    send_bytes(framed({{"type", "used"}, {"to", message.content["request"]}, {"ok", true}}));
   }
 }
 

@@ -74,7 +74,8 @@ void SetupProgram::handle_work(Message message) {
   } else if (type == "picture") {
     const std::uint32_t id = next_picture_++;
     const std::string member = content.at("member").get_ref<const std::string&>();
-    const ShownPicture picture{content.at("width_px").get<std::uint32_t>(), content.at("height_px").get<std::uint32_t>(),
+    const ShownPicture picture{content.at("width_px").get<std::uint32_t>(),
+                               content.at("height_px").get<std::uint32_t>(),
                                std::make_shared<const std::string>(std::move(message.bytes)),
                                // The pictures of robots and ball stay when the colors are learned again.
                                running_->job.keeps_frames && member == "pictures" ? step + ".pictures" : step};

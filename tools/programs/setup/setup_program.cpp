@@ -18,7 +18,25 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string type_of(const nlohmann::json& message) {
-  return message.contains("type") && message.at("type").is_string() ? message.at("type").get_ref<const std::string&>() : std::string();
+  return message.contains("type") && message.at("type").is_string() ? message.at("type").get_ref<const std::string&>()
+                                                                    : std::string();
+}
+
+// The header of a binary message of the console, for a picture with an id (docs/console-protocol.md).
+std::string picture_header(std::uint32_t id, std::uint32_t width_px, std::uint32_t height_px) {
+  constexpr std::size_t kHeaderBytes = 32;
+  std::string out = "TLPC";
+  const auto append = [&out](std::uint32_t value, unsigned bytes) {
+    for (unsigned shift = 0; shift < 8 * bytes; shift += 8) out += static_cast<char>(value >> shift & 0xffu);
+  };
+  append(1, 1);  // version
+  append(2, 1);  // kind
+  append(width_px, 2);
+  append(height_px, 2);
+  append(0, 2);
+  append(id, 4);
+  out.resize(kHeaderBytes, '\0');
+  return out;
 }
 
 }  // namespace
@@ -94,16 +112,19 @@ void SetupProgram::handle(const Message& message) {
   if (type == "setup") handle_command(message.content);
   if (type == "frame") handle_frame(message);
   if (type == "used") {
-    const Arguments used(message.content);
-    const std::string source = used.text("source", "").ok() ? used.text("source", "").value() : "";
-    const std::string error = used.text("error", "").ok() ? used.text("error", "").value() : "";
-    preview_ = {{"source", source}, {"ok", error.empty()}, {"error", error}};
+    const Result<std::string> error = Arguments(message.content).text("error", "");
+    preview_ = {{"source", uses_draft_ ? "draft" : "saved"}, {"ok", error.ok() && error.value().empty()}};
+    preview_["error"] = error.ok() ? error.value() : "";
     send_state();
+  }
+  if (type == "watch" && draft_.is_open() && message.content.contains("client")) {
+    for (const auto& [id, picture] : draft_.now().pictures) send_picture(id, picture, message.content.at("client"));
   }
 }
 
 void SetupProgram::handle_command(const nlohmann::json& message) {
-  asker_ = {message.contains("client") ? message.at("client") : nlohmann::json(), message.contains("request") ? message.at("request") : nlohmann::json(0)};
+  asker_ = {message.contains("client") ? message.at("client") : nlohmann::json(),
+            message.contains("request") ? message.at("request") : nlohmann::json(0)};
   answered_ = false;
   const Arguments arguments(message);
   Result<nlohmann::json> result = nlohmann::json(nullptr);
@@ -164,10 +185,9 @@ void SetupProgram::send_state() {
 }
 
 void SetupProgram::send_picture(std::uint32_t id, const ShownPicture& picture, const nlohmann::json& client) {
-  nlohmann::json content = {
-      {"type", "picture"}, {"id", id}, {"width_px", picture.width_px}, {"height_px", picture.height_px}};
+  nlohmann::json content = {{"type", "binary"}};
   if (!client.is_null()) content["client"] = client;
-  send(content, *picture.bytes);
+  send(content, picture_header(id, picture.width_px, picture.height_px) + *picture.bytes);
 }
 
 void SetupProgram::use(bool draft) {
@@ -179,7 +199,7 @@ void SetupProgram::use(bool draft) {
   };
   const fs::path folder = draft ? fs::path(draft_.files_folder()) : fs::path(options_.board).parent_path();
   const auto named = [&](const std::string& name) { return absolute(folder / name); };
-  nlohmann::json content = {{"type", "use"}, {"source", draft ? "draft" : "saved"}};
+  nlohmann::json content = {{"type", "use"}, {"request", ++use_request_}, {"source", draft ? "draft" : "saved"}};
   content["board"] = draft ? named(draft_.now().files.board) : absolute(options_.board);
   if (draft) {
     content["venue"] = named(draft_.now().files.venue);

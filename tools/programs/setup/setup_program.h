@@ -96,6 +96,7 @@ class SetupProgram {
   Worker worker_;
 
   bool uses_draft_ = false;
+  std::uint32_t use_request_ = 0;
   nlohmann::json preview_ = {{"source", "saved"}, {"ok", true}, {"error", ""}};
   std::string error_;
   std::uint32_t next_picture_ = 1;

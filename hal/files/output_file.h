@@ -44,7 +44,8 @@ class OutputFile {
   [[nodiscard]] bool replaces_file() const { return !temporary_.empty(); }
   /// Position in bytes from the file's beginning for the next write(). kUnsupported unless replaces_file().
   Result<void> seek(std::uint64_t position);
-  /// Writes everything to the disk, still under the temporary name: a full disk shows here, before any file is replaced.
+  /// Writes everything to the disk, still under the temporary name: a full disk shows here, before any file is
+  /// replaced.
   Result<void> sync();
   /// Syncs the file, gives it its name, and syncs the folder. If only the last step fails, the error says that the file
   /// is replaced.

@@ -17,12 +17,11 @@ using namespace std::chrono_literals;
 constexpr Duration kWatchedPeriod = 8ms, kIdlePeriod = 200ms;
 // Sockets and requests of a page, four streams, and those of libwebsockets itself.
 constexpr unsigned kMaxDescriptors = 56;
-constexpr unsigned kHeaderBytes = 4096, kHeaderPool = 16;
+// As many requests as connections, so that connections that say nothing keep nobody waiting.
+constexpr unsigned kHeaderBytes = 4096, kHeaderPool = kMaxDescriptors;
 constexpr unsigned kHandshakeTimeS = 5;
 constexpr int kKeepAliveS = 5;
 constexpr std::size_t kReceiveBytes = 4096;
-// A connection that says nothing is asked, and closed if it does not answer: its other side may be gone.
-constexpr unsigned kAskAfterS = 5, kCloseAfterS = 15;
 
 // The text of libwebsockets' last error, for the message about an address that cannot be used.
 std::string& last_error() {
@@ -66,7 +65,10 @@ std::string header_of(lws* connection, lws_token_indexes token) {
 }
 
 WebServer::Implementation::Implementation(Hub& hub, WebServerSettings settings)
-    : hub_(hub), settings_(std::move(settings)), files_(settings_.page_folder) {
+    : hub_(hub),
+      settings_(std::move(settings)),
+      files_(settings_.page_folder),
+      idle_policy_{nullptr, 0, 0, settings_.patience.ask_after_s, settings_.patience.close_after_s, 0} {
   timer_.owner = this;
 }
 
@@ -92,7 +94,6 @@ Result<void> WebServer::Implementation::open() {
        {kFoxgloveSubprotocols[0], kOnSocket, 0, kReceiveBytes, 0, nullptr, 0},
        {kFoxgloveSubprotocols[1], kOnSocket, 0, kReceiveBytes, 0, nullptr, 0},
        {nullptr, nullptr, 0, 0, 0, nullptr, 0}}};
-  static const lws_retry_bo_t policy{nullptr, 0, 0, kAskAfterS, kCloseAfterS, 0};
   lws_set_log_level(LLL_ERR, [](int, const char* line) { last_error() = line; });
   last_error().clear();
   lws_context_creation_info info{};
@@ -104,7 +105,7 @@ Result<void> WebServer::Implementation::open() {
   info.max_http_header_pool = kHeaderPool;
   info.timeout_secs = kHandshakeTimeS;
   info.pt_serv_buf_size = kReceiveBytes;
-  info.retry_and_idle_policy = &policy;
+  info.retry_and_idle_policy = &idle_policy_;
   context_ = lws_create_context(&info);
   if (context_ == nullptr)
     return failure(ErrorCode::kIo, "libwebsockets could not be started: %s", last_error().c_str());
@@ -176,7 +177,7 @@ void WebServer::Implementation::ask_to_write(lws* connection) {
 void WebServer::Implementation::close_unread(Instant now) {
   std::vector<lws*> unread;
   for (const auto& [connection, since] : waiting_) {
-    if (now - since > kUnreadLimit) unread.push_back(connection);
+    if (now - since > settings_.patience.unread) unread.push_back(connection);
   }
   for (lws* const connection : unread) {
     waiting_.erase(connection);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -10,11 +11,19 @@
 
 namespace touchline::console {
 
+/// When a connection is given up.
+struct Patience {
+  Duration unread = std::chrono::seconds(10);  // its other side does not read what waits for it
+  // It says nothing: it is asked, and closed if it does not answer, because its other side may be gone.
+  std::uint16_t ask_after_s = 5, close_after_s = 15;
+};
+
 struct WebServerSettings {
   std::string address;     // in numbers
   std::uint16_t port = 0;  // 0: a free one
   std::string page_folder;
   AccessRules access;
+  Patience patience{};
 };
 
 /// HTTP and WebSocket (docs/console-protocol.md) with libwebsockets. For one thread, but for wake().

@@ -14,9 +14,6 @@ namespace touchline::console {
 
 static_assert(kMessagePrefix >= LWS_PRE, "libwebsockets writes its header in front of a message");
 
-/// A connection whose other side does not read for so long is closed.
-inline constexpr Duration kUnreadLimit = std::chrono::seconds(10);
-
 /// A request that is being answered.
 struct HttpRequest {
   enum class Kind : std::uint8_t { kText, kSnapshot, kStream };
@@ -93,6 +90,7 @@ class WebServer::Implementation {
   Hub& hub_;
   const WebServerSettings settings_;
   PageFiles files_;
+  const lws_retry_bo_t idle_policy_;
   lws_context* context_ = nullptr;
   lws_vhost* host_ = nullptr;
   Timer timer_{};

@@ -10,6 +10,9 @@
 namespace touchline::console {
 namespace {
 
+// What the kernel keeps for a link that is busy. More would be old when it is sent, and an answer would wait behind it.
+constexpr int kMaxUnsentBytes = 16 * 1024;
+
 // What the kernel knows about the link.
 struct Link {
   Duration round_trip{};        // the shortest
@@ -64,6 +67,8 @@ int WebServer::Implementation::accept_socket(lws* connection) {
     // "Try again later" (RFC 6455, registered as 1013).
     return end_socket(connection, static_cast<lws_close_status>(1013), "too many clients");
   }
+  ::setsockopt(lws_get_socket_fd(connection), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kMaxUnsentBytes,
+               sizeof(kMaxUnsentBytes));
   int waiting = 0;  // the answer of the handshake
   ::ioctl(lws_get_socket_fd(connection), SIOCOUTQ, &waiting);
   const std::uint64_t confirmed = link_of(connection).confirmed + static_cast<std::uint64_t>(waiting);

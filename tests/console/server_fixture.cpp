@@ -1,5 +1,7 @@
 #include "tests/console/server_fixture.h"
 
+#include <random>
+
 namespace touchline::console {
 namespace {
 
@@ -50,12 +52,19 @@ void ConsoleServer::end() {
 void ConsoleServer::run_loop() {
   std::vector<std::uint8_t> pixels(std::size_t{3} * kWidth * kHeight);
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i / 7);
+  std::minstd_rand random(1);
+  if (is_crowded) std::generate(pixels.begin(), pixels.end(), [&] { return random() >> 8 & 255U; });
   Frame frame;
   frame.width_px = kWidth;
   frame.height_px = kHeight;
   frame.plane[0] = pixels.data();
   frame.stride_bytes[0] = 3U * kWidth;
   const auto snapshot = std::make_unique<Snapshot>();
+  for (int id = 0; is_crowded && id < 22; ++id) {
+    RobotTrack track;
+    track.id = static_cast<RobotId>(id);
+    static_cast<void>(snapshot->tracks.robots.push_back(track));
+  }
   while (!end_) {
     std::this_thread::sleep_for(kFramePeriod);
     if (!camera_delivers) continue;

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <thread>
+
+#include "core/time.h"
+
+namespace touchline::console {
+
+/// A slow link in front of a server on this computer: what a client sends to port() arrives `delay` later, and so does
+/// what the server sends, of which `bytes_per_s` pass. For one client. The kernel here cannot delay packets (netem), so
+/// losses are not simulated; for programs they are delays.
+class SlowLink {
+ public:
+  SlowLink(std::uint16_t server, double bytes_per_s, Duration delay);
+  ~SlowLink();
+  SlowLink(const SlowLink&) = delete;
+  SlowLink& operator=(const SlowLink&) = delete;
+
+  [[nodiscard]] std::uint16_t port() const { return port_; }
+  /// Bytes of the server that have passed.
+  [[nodiscard]] std::uint64_t passed() const { return passed_; }
+  /// Nothing passes any more, and neither side is told: the cable is pulled.
+  void freeze() { is_frozen_ = true; }
+  /// What was sent meanwhile arrives, too.
+  void thaw() { is_frozen_ = false; }
+
+ private:
+  void run();
+
+  const double bytes_per_s_;
+  const Duration delay_;
+  int listener_ = -1, server_ = -1;
+  std::uint16_t port_ = 0;
+  std::atomic<std::uint64_t> passed_{0};
+  std::atomic<bool> end_{false}, is_frozen_{false};
+  std::thread thread_;
+};
+
+}  // namespace touchline::console

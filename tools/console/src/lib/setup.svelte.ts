@@ -1,3 +1,4 @@
+import { completeState } from './setup_defaults';
 import type { CameraMeasure, SetupCommand, SetupMessage, SetupPicture, SetupState } from './setup_protocol';
 
 // Every step has a few pictures, and clicks replace each other's.
@@ -48,7 +49,7 @@ export class Setup {
   }
 
   receive(message: SetupMessage): void {
-    if (message.state) this.state = message.state;
+    if (message.state) this.state = completeState(message.state);
     if (message.live?.camera) this.live = message.live.camera;
   }
 

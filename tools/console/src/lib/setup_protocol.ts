@@ -151,7 +151,7 @@ export interface SetupState {
 
 export interface SetupMessage {
   type: 'setup';
-  state?: SetupState;
+  state?: Partial<SetupState>;
   live?: { camera?: CameraMeasure };
 }
 

@@ -11,18 +11,18 @@ const children = new Set();
 process.on('exit', () => children.forEach((child) => child.kill('SIGKILL')));
 for (const signal of ['SIGINT', 'SIGTERM', 'SIGHUP']) process.on(signal, () => process.exit(1));
 
-/** Returns {url, end()}. `port` 0: any. Fails with the program's output if it ends before it prints the address. */
-async function start(command, options) {
+/** Returns {found, end()}; `found` is what `ready` matches in the program's output. Fails with the program's output if it ends before. */
+async function start(command, options, ready) {
   const child = spawn(command, options, { stdio: ['ignore', 'pipe', 'pipe'] });
   children.add(child);
   child.on('exit', () => children.delete(child));
   const lines = [];
-  const url = await new Promise((resolve, reject) => {
+  const found = await new Promise((resolve, reject) => {
     for (const stream of [child.stdout, child.stderr]) {
       createInterface(stream).on('line', (line) => {
         lines.push(line);
-        const address = /http:\/\/127\.0\.0\.1:\d+/.exec(line);
-        if (address) resolve(`${address[0]}/`);
+        const match = ready.exec(line);
+        if (match) resolve(match[0]);
       });
     }
     child.on('error', reject);
@@ -34,11 +34,19 @@ async function start(command, options) {
     child.kill(signal);
     await ended;
   };
-  return { url, port: Number(new URL(url).port), end };
+  return { found, end };
 }
 
-export const startProgram = (program, board, port = 0) =>
-  start(program, ['run', '--board', board, '--headless', '--pace', 'real', '--seed', '1', '--console', `127.0.0.1:${port}`]);
+/** Returns {url, port, end()}. `port` 0 of a server's options: any. */
+async function startServer(command, options) {
+  const { found, end } = await start(command, options, /http:\/\/127\.0\.0\.1:\d+/);
+  return { url: `${found}/`, port: Number(new URL(found).port), end };
+}
+
+export const startProgram = (program, board, port = 0, options = []) =>
+  startServer(program, ['run', '--board', board, '--headless', '--pace', 'real', '--seed', '1', '--console', `127.0.0.1:${port}`, ...options]);
+
+export const startSetup = (program, board, state, socket) => start(program, ['--board', board, '--state', state, '--socket', socket], /serves /);
 
 export const startRehearsal = (options = {}, port = 0) =>
-  start(process.execPath, [rehearsal, '--port', String(port), ...Object.entries(options).flatMap(([name, value]) => [`--${name}`, typeof value === 'string' ? value : JSON.stringify(value)])]);
+  startServer(process.execPath, [rehearsal, '--port', String(port), ...Object.entries(options).flatMap(([name, value]) => [`--${name}`, typeof value === 'string' ? value : JSON.stringify(value)])]);

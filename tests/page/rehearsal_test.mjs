@@ -128,6 +128,28 @@ test('a server that was replaced: the page offers to load again', () =>
     await next.end();
   }));
 
+test('page and server of different versions: the page says so, and goes on', () =>
+  withServer({ version: '9.9.9' }, async (page) => {
+    await waitForLink(page, 'Connected');
+    await page.waitForSelector('[data-notice="other-version"]:has-text("9.9.9")');
+    await waitForPicture(page);
+  }));
+
+test('the adaptation to the light is frozen, followed and reset by who has control', () =>
+  withServer({}, async (page) => {
+    await page.waitForSelector('[data-adaptation="follow"]');
+    assert.ok(await page.isDisabled('button:text-is("Freeze")'));
+    await show(page, 'play');
+    await page.click('button:text-is("Take control")');
+    await show(page, 'live');
+    await page.click('button:text-is("Freeze"):not([disabled])');
+    await page.waitForSelector('[data-adaptation="frozen"]');
+    await page.click('button:text-is("Follow"):not([disabled])');
+    await page.waitForSelector('[data-adaptation="follow"]');
+    await page.click('button:text-is("Reset"):not([disabled])');
+    await page.waitForSelector('[data-adaptation="off"]');
+  }));
+
 test('text of files is text', () => {
   const text = '<script>window.hacked = 1</script><img src=x onerror="window.hacked = 1">';
   const robots = [{ team: 'own', id: 0, name: text, color: text, rgb: [1, 2, 3] }];

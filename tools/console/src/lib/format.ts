@@ -31,3 +31,8 @@ export function cssColor(rgb: readonly number[] | undefined, fallback: string): 
   if (!rgb || rgb.length !== 3 || rgb.some((value) => !Number.isFinite(value))) return fallback;
   return `rgb(${rgb.map((value) => Math.round(value)).join(' ')})`;
 }
+
+/** Without the digits that a number of 32 bits does not have: 2.200000047683716 -> 2.2 */
+export function rounded(value: number): number {
+  return Number(value.toPrecision(6));
+}

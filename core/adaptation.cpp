@@ -144,7 +144,7 @@ void Adaptation::follow_tint(RegionScanner& scanner) {
   int lowest = kLightLevels, highest = 0;
   for (std::uint16_t row = 0; row < shading.rows(); ++row) {
     for (std::uint16_t column = 0; column < shading.columns(); ++column) {
-      const int level = shading.level(light_, 0, column, row, field_.at(0, column, row));
+      const int level = shading.levels(light_, column, row, field_.at(column, row))[0];
       lowest = std::min(lowest, level);
       highest = std::max(highest, level);
     }

@@ -24,9 +24,10 @@ void RowClassifier::update_tiles(std::uint16_t tile_row, const LightChange* chan
   TileParameters* tiles = &tiles_[std::size_t{tile_row} * shading_.columns()];
   for (std::uint16_t column = 0; column < shading_.columns(); ++column) {
     std::array<std::uint8_t, 3> level{};
-    for (std::size_t c = 0; c < 3; ++c) {
-      level[c] = change != nullptr ? shading_.level(*change, c, column, tile_row, field->at(c, column, tile_row))
-                                   : shading_.level(c, column, tile_row);
+    if (change != nullptr) {
+      level = shading_.levels(*change, column, tile_row, field->at(column, tile_row));
+    } else {
+      for (std::size_t c = 0; c < 3; ++c) level[c] = shading_.level(c, column, tile_row);
     }
     tiles[column] = background_.of(level);
   }

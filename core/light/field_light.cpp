@@ -62,47 +62,69 @@ constexpr auto kLog = [] {
   return table;
 }();
 
-std::size_t bin_of(int steps) {
-  return static_cast<std::size_t>(std::clamp((steps + kMaxChange) / kStepsPerBin, 0, int{kBins} - 1));
+// Bins are counted from 1; see FieldLight::Window.
+constexpr std::size_t kNoBin = kBins + 2;
+std::uint8_t bin_of(int steps) {
+  return static_cast<std::uint8_t>(1 + std::clamp((steps + kMaxChange) / kStepsPerBin, 0, int{kBins} - 1));
 }
 
 }  // namespace
 
-// Histogram of the brightness in a window that moves along a row of cells.
-struct FieldLight::Window {
-  std::array<Bin, kBins> bins{};
-  std::int32_t whole = 0;  // also of cells that do not count
+// Histogram of the brightness in a window that moves along a row of cells. Bins are counted from 1. Their neighbors 0
+// and kBins + 1 stay empty, and kNoBin has the cells that do not count.
+class FieldLight::Window {
+ public:
+  /// Of the window around a row.
+  Window(const FieldLight& of, std::size_t row)
+      : of_(of),
+        top_(row - std::min(row, kWindow)),
+        bottom_(std::min<std::size_t>(row + kWindow, of.grid_.rows - 1u)) {}
 
-  void add(const FieldLight& of, std::size_t row, std::size_t column, std::int32_t sign) {
-    const std::size_t top = row - std::min(row, kWindow);
-    const std::size_t bottom = std::min<std::size_t>(row + kWindow, of.grid_.rows - 1u);
-    for (std::size_t at = top; at <= bottom; ++at) {
-      const std::size_t cell = at * of.grid_.columns + column;
-      if (of.measured_[cell] == 0) continue;
-      const std::int32_t weight = sign * of.weight_[cell];
-      whole += weight;
-      if (of.brightness_[cell] == INT16_MIN) continue;
-      Bin& bin = bins[bin_of(of.brightness_[cell])];
-      bin.weight += weight;
-      for (std::size_t c = 0; c < 3; ++c) bin.sum[c] += weight * of.ratio_[c][cell];
+  void add(std::size_t column) {
+    for (std::size_t row = top_, cell = row * of_.grid_.columns + column; row <= bottom_;
+         ++row, cell += of_.grid_.columns) {
+      const Sums sums = of_.sums_[cell];
+      const std::size_t bin = of_.bin_[cell];
+      whole_ += sums;
+      sums_[bin] += sums;
+      weight_[bin] += sums[0];
     }
   }
+  void remove(std::size_t column) {
+    for (std::size_t row = top_, cell = row * of_.grid_.columns + column; row <= bottom_;
+         ++row, cell += of_.grid_.columns) {
+      const Sums sums = of_.sums_[cell];
+      const std::size_t bin = of_.bin_[cell];
+      whole_ -= sums;
+      sums_[bin] -= sums;
+      weight_[bin] -= sums[0];
+    }
+  }
+  // Weight of all cells, also of those that do not count.
+  [[nodiscard]] std::int32_t whole() const { return whole_[0]; }
   [[nodiscard]] std::int32_t around(std::size_t bin) const {
-    const std::int32_t before = bin > 0 ? bins[bin - 1].weight : 0;
-    const std::int32_t after = bin + 1 < kBins ? bins[bin + 1].weight : 0;
-    return before + bins[bin].weight + after;
+    return weight_[bin - 1] + weight_[bin] + weight_[bin + 1];
   }
+  [[nodiscard]] Sums sums_around(std::size_t bin) const { return sums_[bin - 1] + sums_[bin] + sums_[bin + 1]; }
+  // The first of the bins with the largest weight around them, where the bin itself counts twice.
   [[nodiscard]] std::size_t most_frequent() const {
-    std::size_t best = 0;
-    std::int32_t most = -1;
-    for (std::size_t bin = 0; bin < kBins; ++bin) {
-      const std::int32_t weight = around(bin) + bins[bin].weight;
-      if (weight <= most) continue;
-      most = weight;
-      best = bin;
+    std::array<std::int32_t, kBins> weight{};
+    std::int32_t most = 0;
+    for (std::size_t i = 0; i < kBins; ++i) {
+      weight[i] = weight_[i] + 2 * weight_[i + 1] + weight_[i + 2];
+      most = std::max(most, weight[i]);
     }
-    return best;
+    std::size_t first = 0;
+    while (weight[first] != most) ++first;
+    return first + 1;
   }
+
+ private:
+  const FieldLight& of_;
+  std::size_t top_, bottom_;
+  Sums whole_{};
+  std::array<Sums, kNoBin + 1> sums_{};
+  std::array<std::int32_t, kNoBin + 1> weight_{};  // the same as in sums_
 };
 
 Status FieldLight::configure(const LightReference& reference, PixelFormat format, std::uint16_t width_px,
@@ -226,7 +248,8 @@ void FieldLight::find_tint() {
 // Finds the brightness of a row's cells, and fills the channels that could not be measured.
 void FieldLight::find_brightness(std::size_t row) {
   for (std::size_t cell = row * grid_.columns; cell < (row + 1) * grid_.columns; ++cell) {
-    brightness_[cell] = INT16_MIN;
+    bin_[cell] = kNoBin;
+    sums_[cell] = Sums{};
     int sum = 0, count = 0;
     for (std::size_t c = 0; c < 3; ++c) {
       if ((measured_[cell] >> c & 1u) == 0) continue;
@@ -244,7 +267,9 @@ void FieldLight::find_brightness(std::size_t row) {
         plausible = plausible && std::abs(ratio_[c][cell] - expected) <= kMaxTint;
       }
     }
-    if (plausible) brightness_[cell] = static_cast<Steps>(brightness);
+    if (plausible) bin_[cell] = bin_of(brightness);
+    const std::int32_t weight = weight_[cell];
+    sums_[cell] = Sums{weight, weight * ratio_[0][cell], weight * ratio_[1][cell], weight * ratio_[2][cell]};
   }
 }
 
@@ -268,33 +293,29 @@ FieldLight::Agreement FieldLight::agreement(std::size_t first_row, std::size_t r
 
 // Finds the change at each cell of a row. Returns true if it differs from the known one.
 bool FieldLight::find_change(std::size_t row) {
-  Window window;
+  Window window(*this, row);
   bool changed = false;
-  for (std::size_t column = 0; column < std::min<std::size_t>(kWindow, grid_.columns); ++column) {
-    window.add(*this, row, column, 1);
-  }
+  for (std::size_t column = 0; column < std::min<std::size_t>(kWindow, grid_.columns); ++column) window.add(column);
   for (std::size_t column = 0; column < grid_.columns; ++column) {
-    if (column + kWindow < grid_.columns) window.add(*this, row, column + kWindow, 1);
-    if (column > kWindow) window.add(*this, row, column - kWindow - 1, -1);
+    if (column + kWindow < grid_.columns) window.add(column + kWindow);
+    if (column > kWindow) window.remove(column - kWindow - 1);
     const std::size_t cell = row * grid_.columns + column;
     std::size_t bin = bin_of(change_[base_channel_][cell]);
     // The level of a majority needs no search.
-    if (2 * window.around(bin) <= window.whole) {
+    if (2 * window.around(bin) <= window.whole()) {
       const std::size_t best = window.most_frequent();
       if (100 * window.around(bin) < kKeep_percent * window.around(best)) bin = best;
     }
     const std::int32_t weight = window.around(bin);
-    const bool is_known = window.whole >= kLeastWeight && 100 * weight >= kFrequent_percent * window.whole;
+    const bool is_known = window.whole() >= kLeastWeight && 100 * weight >= kFrequent_percent * window.whole();
     bool differs = is_known != known_[cell];
     known_[cell] = is_known;
     if (is_known) {
       std::array<Steps, 3> found{};
       bool same = true;
+      const Sums sums = window.sums_around(bin);
       for (std::size_t c = 0; c < 3; ++c) {
-        std::int32_t sum = window.bins[bin].sum[c];
-        if (bin > 0) sum += window.bins[bin - 1].sum[c];
-        if (bin + 1 < kBins) sum += window.bins[bin + 1].sum[c];
-        found[c] = static_cast<Steps>(std::clamp(sum / weight, -kMaxChange, kMaxChange));
+        found[c] = static_cast<Steps>(std::clamp(sums[c + 1] / weight, -kMaxChange, kMaxChange));
         same = same && std::abs(found[c] - change_[c][cell]) <= kNoChange;
       }
       for (std::size_t c = 0; c < 3; ++c) found_[c][cell] = same ? change_[c][cell] : found[c];
@@ -380,12 +401,21 @@ bool FieldLight::interpolate() {
 }
 
 float FieldLight::at(std::size_t channel, std::uint16_t tile_column, std::uint16_t tile_row) const {
-  if (!active()) return 0.0f;
+  return at(tile_column, tile_row)[channel];
+}
+
+std::array<float, 3> FieldLight::at(std::uint16_t tile_column, std::uint16_t tile_row) const {
+  std::array<float, 3> out{};
+  if (!active()) return out;
   const std::size_t cell = grid_.cell_of_tile(tile_column, tile_row);
-  if (space_ == ColorSpace::kRgb) return rgb_at(channel, tile_column, tile_row);
+  if (space_ == ColorSpace::kRgb) {
+    for (std::size_t c = 0; c < 3; ++c) out[c] = static_cast<float>(change_[c][cell]) / float{kStepsPerLevel};
+    return out;
+  }
   // BT.601 weights.
   const int luma = 77 * change_[0][cell] + 150 * change_[1][cell] + 29 * change_[2][cell];
-  return static_cast<float>(luma) / (256.0f * kStepsPerLevel);
+  out.fill(static_cast<float>(luma) / (256.0f * kStepsPerLevel));
+  return out;
 }
 
 float FieldLight::rgb_at(std::size_t channel, std::uint16_t tile_column, std::uint16_t tile_row) const {

@@ -40,6 +40,7 @@ class FieldLight {
   /// Change of light in a tile, in levels (32 per octave); positive: brighter than in the reference. 0 when off. In YUV
   /// it is the change of a gray surface's luma, for all channels.
   [[nodiscard]] float at(std::size_t channel, std::uint16_t tile_column, std::uint16_t tile_row) const;
+  [[nodiscard]] std::array<float, 3> at(std::uint16_t tile_column, std::uint16_t tile_row) const;
   /// The same of R, G and B, also in YUV.
   [[nodiscard]] float rgb_at(std::size_t channel, std::uint16_t tile_column, std::uint16_t tile_row) const;
   /// Mean over all cells and channels.
@@ -55,11 +56,9 @@ class FieldLight {
     std::int32_t cells = 0, fitting = 0;
     std::array<std::int32_t, 3> deviation{};  // sum over the fitting ones
   };
-  struct Bin {
-    std::int32_t weight = 0;
-    std::array<std::int32_t, 3> sum{};
-  };
-  struct Window;
+  // Weight, and the sums of weight * ratio of each channel.
+  using Sums [[gnu::vector_size(16)]] = std::int32_t;
+  class Window;
 
   void compare(const Frame& frame, std::size_t row);
   void find_tint();
@@ -78,9 +77,11 @@ class FieldLight {
   CellColors now_;
   std::array<Plane, 3> ratio_{};
   std::array<std::uint8_t, kMaxReferenceCells> measured_{};  // channels as bits
-  Plane brightness_{};                                       // of the base channel, from all measured ones
-  std::array<Steps, 3> tint_{};                              // of most cells, relative to the base channel
-  std::array<Plane, 3> found_{};                             // valid if known_
+  // Of the brightness of the base channel, which follows from all measured ones.
+  std::array<std::uint8_t, kMaxReferenceCells> bin_{};
+  std::array<Sums, kMaxReferenceCells> sums_{};
+  std::array<Steps, 3> tint_{};   // of most cells, relative to the base channel
+  std::array<Plane, 3> found_{};  // valid if known_
   std::array<bool, kMaxReferenceCells> known_{};
   std::array<Plane, 3> change_{};
   std::array<bool, kMaxReferenceRows> row_changed_{};

@@ -60,6 +60,11 @@ float LightChange::at(std::size_t channel, const PixelPoint& where) const {
   return value_at(levels_[channel], around(where));
 }
 
+std::array<float, 3> LightChange::at(const PixelPoint& where) const {
+  const std::array<Corner, 4> corners = around(where);
+  return {value_at(levels_[0], corners), value_at(levels_[1], corners), value_at(levels_[2], corners)};
+}
+
 float LightChange::mean() const {
   float sum = 0;
   for (const Plane& plane : levels_) sum = std::accumulate(plane.begin(), plane.end(), sum);

@@ -32,6 +32,8 @@ class LightChange {
 
   /// Change at a point, in levels; positive: brighter than in the light map.
   [[nodiscard]] float at(std::size_t channel, const PixelPoint& where) const;
+  /// The same of all channels.
+  [[nodiscard]] std::array<float, 3> at(const PixelPoint& where) const;
   /// Mean of all nodes and channels, in levels.
   [[nodiscard]] float mean() const;
 

@@ -128,13 +128,18 @@ Status Shading::build(const LightMap& map, std::uint16_t width_px, std::uint16_t
   return {};
 }
 
-std::uint8_t Shading::level(const LightChange& change, std::size_t channel, std::uint16_t column, std::uint16_t row,
-                            float brighter) const {
+std::array<std::uint8_t, 3> Shading::levels(const LightChange& change, std::uint16_t column, std::uint16_t row,
+                                            const std::array<float, 3>& brighter) const {
   const PixelPoint center = {(static_cast<float>(column) + 0.5f) * static_cast<float>(kTileWidth),
                              (static_cast<float>(row) + 0.5f) * static_cast<float>(kTileHeight)};
-  brighter += change.at(is_yuv(space_) ? 0 : channel, center);
-  const int changed = static_cast<int>(level(channel, column, row)) - static_cast<int>(std::lround(brighter));
-  return static_cast<std::uint8_t>(std::clamp(changed, 0, int{kLightLevels} - 1));
+  const std::array<float, 3> since_map = change.at(center);
+  std::array<std::uint8_t, 3> out{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float all = brighter[c] + since_map[is_yuv(space_) ? 0 : c];
+    const int changed = static_cast<int>(level(c, column, row)) - static_cast<int>(std::lround(all));
+    out[c] = static_cast<std::uint8_t>(std::clamp(changed, 0, int{kLightLevels} - 1));
+  }
+  return out;
 }
 
 }  // namespace touchline

@@ -50,10 +50,10 @@ class Shading {
   [[nodiscard]] std::uint8_t level(std::size_t channel, std::uint16_t column, std::uint16_t row) const {
     return level_[channel][row * columns_ + column];
   }
-  /// The same, with the change of light since the map was made, and another `brighter` levels. In YUV the change of the
-  /// first channel applies to all three.
-  [[nodiscard]] std::uint8_t level(const LightChange& change, std::size_t channel, std::uint16_t column,
-                                   std::uint16_t row, float brighter = 0.0f) const;
+  /// The levels of all channels, with the change of light since the map was made, and another `brighter` levels. In YUV
+  /// the change of the first channel applies to all three.
+  [[nodiscard]] std::array<std::uint8_t, 3> levels(const LightChange& change, std::uint16_t column, std::uint16_t row,
+                                                   const std::array<float, 3>& brighter = {}) const;
   [[nodiscard]] std::uint16_t columns() const { return static_cast<std::uint16_t>(columns_); }
   [[nodiscard]] std::uint16_t rows() const { return static_cast<std::uint16_t>(rows_); }
 

@@ -99,11 +99,12 @@ TEST(ShadingWithLightChange, ChangesEachTileByTheLocalChange) {
   }
   for (std::uint16_t column = 0; column < shading.columns(); ++column) {
     const PixelPoint center{(static_cast<float>(column) + 0.5f) * kTileWidth, 12.5f * kTileHeight};
-    EXPECT_NEAR(shading.level(change, 0, column, 12), float{kNeutralLevel} - change.at(0, center), 0.51f);
-    EXPECT_EQ(shading.level(change, 1, column, 12), kNeutralLevel);
+    EXPECT_NEAR(shading.levels(change, column, 12)[0], float{kNeutralLevel} - change.at(0, center), 0.51f);
+    EXPECT_EQ(shading.levels(change, column, 12)[1], kNeutralLevel);
     EXPECT_EQ(shading.level(0, column, 12), kNeutralLevel);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(change.at(center)[c], change.at(c, center));
   }
-  EXPECT_NE(shading.level(change, 0, 0, 12), shading.level(change, 0, 39, 12));
+  EXPECT_NE(shading.levels(change, 0, 12)[0], shading.levels(change, 39, 12)[0]);
 }
 
 TEST(ShadingWithLightChange, UsesLumaForAllYuvChannelsAndStaysInRange) {
@@ -115,8 +116,8 @@ TEST(ShadingWithLightChange, UsesLumaForAllYuvChannelsAndStaysInRange) {
   LightChange change = change_of(64);
   for (int i = 0; i < 500; ++i) change.observe({0, 0}, {-30, 5, 5}, kAll, 0.2f);
   for (std::size_t channel = 0; channel < 3; ++channel) {
-    EXPECT_EQ(shading.level(change, channel, 0, 0), kLightLevels - 1) << "the largest gain is 4";
-    EXPECT_EQ(shading.level(change, channel, 39, 0), shading.level(0, 39, 0));
+    EXPECT_EQ(shading.levels(change, 0, 0)[channel], kLightLevels - 1) << "the largest gain is 4";
+    EXPECT_EQ(shading.levels(change, 39, 0)[channel], shading.level(0, 39, 0));
   }
 }
 

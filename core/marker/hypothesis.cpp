@@ -1,8 +1,11 @@
 #include "core/marker/hypothesis.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
+
+#include "core/marker/neighbor_table.h"
 
 namespace touchline {
 namespace {
@@ -25,8 +28,6 @@ constexpr float kMinDullRatio = 0.16f, kRivalArea = 0.5f;
 // Error of a long team patch's axis: standard deviation 5 degrees if it is complete. Beyond 40 degrees the patch
 // belongs to another robot.
 constexpr float kAxisSigma = 0.1f, kAxisGate = 0.7f;
-// Within the window of a team patch there are at most the identification patches of four robots, two each, and noise.
-constexpr std::size_t kMaxNeighbors = 16;
 // A bound is this much weaker than computed, for rounding.
 constexpr float kRounding = 1.01f;
 // Work in units of one test of a neighbor: the evaluation of a set of patches.
@@ -51,8 +52,8 @@ class Search {
         layout_(marking_.layout),
         slots_(layout_.patches.size() - 1),
         gate_m_(residual_gate_m(patch_.scale_px_per_m)),
+        table_(marking_),
         work_left_(work) {
-    for (std::size_t s = 0; s < slots_; ++s) window_[s] = window_of(layout_, s);
     set_.fill(kMissing);
   }
 
@@ -60,6 +61,7 @@ class Search {
   bool run(Hypotheses& out) {
     find_neighbors();
     if (neighbors_.empty()) return true;
+    table_.compare({neighbors_.data(), neighbors_.size()}, patches_, team_);
     find_rivals();
     for (std::size_t r = 0; r < marking_.robots.size(); ++r) {
       robot_ = static_cast<std::int8_t>(r);
@@ -79,18 +81,12 @@ class Search {
   }
 
  private:
-  struct Neighbor {
-    std::uint16_t number = 0;
-    float distance_m = 0;
-    bool is_partly_visible = false;
-  };
   static bool better(const Neighbor& a, const Neighbor& b) {
     return a.is_partly_visible != b.is_partly_visible ? b.is_partly_visible : a.distance_m < b.distance_m;
   }
 
   void find_neighbors() {
-    float reach = 0;
-    for (std::size_t s = 0; s < slots_; ++s) reach = std::max(reach, window_[s].high_m);
+    const float reach = table_.reach_m();
     for (std::size_t i = 0; i < patches_.identification.size(); ++i) {
       const float distance = distance_m(patch_.at[team_], patches_.identification[i].at[team_]);
       if (distance >= reach) continue;
@@ -122,44 +118,29 @@ class Search {
       evaluate();
       return;
     }
-    const std::size_t candidates = slot + missing_left_ < slots_ ? neighbors_.size() : 0;
-    work_left_ -= static_cast<int>(candidates);
-    for (std::size_t i = 0; i < candidates; ++i) {
-      const Neighbor& neighbor = neighbors_[i];
-      if (!is_possible(slot, neighbor)) continue;
-      spread_m2_[slot + 1] = spread_m2_[slot] + added_spread_m2(slot, neighbor);
+    const bool may_be_filled = slot + missing_left_ < slots_;
+    if (may_be_filled) work_left_ -= static_cast<int>(neighbors_.size());
+    for (unsigned left = may_be_filled ? table_.candidates(slot, robot_) & ~unsigned{used_} : 0u; left != 0;
+         left &= left - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(left));
+      float added_m2 = 0;
+      if (!table_.fits(slot, i, {of_slot_.data(), slot}, 2 * gate_m_, added_m2)) continue;
+      spread_m2_[slot + 1] = spread_m2_[slot] + added_m2;
       if (cannot_be_kept(spread_m2_[slot + 1])) continue;
-      set_[slot] = neighbor.number;
+      set_[slot] = neighbors_[i].number;
+      of_slot_[slot] = static_cast<std::uint8_t>(i);
+      used_ ^= static_cast<NeighborSet>(1u << i);
       fill_slot(slot + 1);
+      used_ ^= static_cast<NeighborSet>(1u << i);
       if (exhausted_) return;
     }
     set_[slot] = kMissing;
+    of_slot_[slot] = NeighborTable::kNone;
     spread_m2_[slot + 1] = spread_m2_[slot];
     if (missing_left_ == 0) return;
     --missing_left_;
     fill_slot(slot + 1);
     ++missing_left_;
-  }
-
-  bool is_possible(std::size_t slot, const Neighbor& neighbor) const {
-    const PatchCandidate& patch = patches_.identification[neighbor.number];
-    if (robot_ >= 0 && marking_.robots[static_cast<std::size_t>(robot_)].colors[slot] != patch.color) return false;
-    if (robot_ < 0 && (patch.is_partly_visible || !is_used_in_slot(slot, patch.color))) return false;
-    if (neighbor.distance_m <= window_[slot].low_m || neighbor.distance_m >= window_[slot].high_m) return false;
-    for (std::size_t s = 0; s < slot; ++s) {
-      if (set_[s] == kMissing) continue;
-      if (set_[s] == neighbor.number) return false;
-      const float seen = distance_m(patches_.identification[set_[s]].at[team_], patch.at[team_]);
-      const float expected = distance_m(place_of(layout_.patches[s + 1]), place_of(layout_.patches[slot + 1]));
-      if (std::abs(seen - expected) > 2 * gate_m_) return false;
-    }
-    return true;
-  }
-
-  bool is_used_in_slot(std::size_t slot, ColorId color) const {
-    if (marking_.robots.empty()) return true;
-    return std::any_of(marking_.robots.begin(), marking_.robots.end(),
-                       [&](const RobotMarking& robot) { return robot.colors[slot] == color; });
   }
 
   bool is_of_a_known_robot() const {
@@ -205,20 +186,6 @@ class Search {
       h.value -= 0.5f * error * error / (kAxisSigma * kAxisSigma);
     }
     if (h.value > 0.0f) keep(h);
-  }
-
-  // Squared differences between the distances of the neighbor from the patches before it, and those of the layout.
-  float added_spread_m2(std::size_t slot, const Neighbor& neighbor) const {
-    const auto squared = [](float x) { return x * x; };
-    const FieldPoint place = place_of(layout_.patches[slot + 1]),
-                     at = patches_.identification[neighbor.number].at[team_];
-    float sum = squared(neighbor.distance_m - distance_m(place_of(layout_.patches[0]), place));
-    for (std::size_t s = 0; s < slot; ++s) {
-      if (set_[s] == kMissing) continue;
-      const float seen = distance_m(patches_.identification[set_[s]].at[team_], at);
-      sum += squared(seen - distance_m(place_of(layout_.patches[s + 1]), place));
-    }
-    return sum;
   }
 
   // True if no set with this spread or more can fit well enough, or be among the best ones. The difference of two
@@ -311,7 +278,7 @@ class Search {
       if (other.patch.is_partly_visible) continue;
       for (std::size_t s = 0; s < slots_; ++s) {
         const FieldPoint at = patches_.identification[set_[s]].at[team_];
-        if (distance_m(other.patch.at[team_], at) < window_[s].high_m) return true;
+        if (distance_m(other.patch.at[team_], at) < table_.window(s).high_m) return true;
       }
     }
     return false;
@@ -349,10 +316,12 @@ class Search {
   const MarkerLayout& layout_;
   std::size_t slots_;
   float gate_m_;
-  std::array<DistanceWindow, kMaxPatches> window_{};
+  NeighborTable table_;
   FixedVector<Neighbor, kMaxNeighbors> neighbors_;
   FixedVector<FieldPoint, kMaxTeamPatches> rivals_;
   std::array<std::uint16_t, kMaxPatches - 1> set_{};
+  std::array<std::uint8_t, kMaxPatches - 1> of_slot_{};  // the same patches as neighbors
+  NeighborSet used_ = 0;
   std::int8_t robot_ = -1;
   std::size_t missing_ = 0, missing_left_ = 0;  // empty slots: in the whole set, and from the next slot on
   // By slot: squared differences of distances between the patches of the slots before it and in the layout, summed.

@@ -15,37 +15,74 @@ struct Cluster {
   double sum_u = 0, sum_v = 0, count = 0;
 };
 
-std::size_t nearest(const RegionParts& parts, float u, float v) {
-  std::size_t best = 0;
-  float best_distance = 0;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const float du = u - parts[i].center.u_px, dv = v - parts[i].center.v_px;
-    const float distance = du * du + dv * dv;
-    if (i == 0 || distance < best_distance) {
-      best = i;
-      best_distance = distance;
+// The pixels of a row, `step` apart from `u` on, and the parts that are nearest to them.
+class RowOfPixels {
+ public:
+  RowOfPixels(const RegionParts& parts, std::uint32_t u, std::uint32_t row, std::uint32_t step)
+      : parts_(parts), u_(u), step_(step), v_(static_cast<float>(row)) {
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      const float dv = v_ - parts[k].center.v_px;
+      dv_squared_[k] = dv * dv;
     }
   }
-  return best;
-}
+  [[nodiscard]] std::size_t part_of(std::uint32_t i) const {
+    const auto u = static_cast<float>(u_ + i * step_);
+    std::size_t best = 0;
+    float best_distance = 0;
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      const float du = u - parts_[k].center.u_px, distance = du * du + dv_squared_[k];
+      if (k == 0 || distance < best_distance) {
+        best = k;
+        best_distance = distance;
+      }
+    }
+    return best;
+  }
+  // About where the pixels of `left` end and those of `right` begin, between two pixels.
+  [[nodiscard]] std::uint32_t border_between(std::size_t left, std::size_t right, std::uint32_t low,
+                                             std::uint32_t high) const {
+    const PixelPoint a = parts_[left].center, b = parts_[right].center;
+    const float du = b.u_px - a.u_px, middle_u = 0.5f * (a.u_px + b.u_px), middle_v = 0.5f * (a.v_px + b.v_px);
+    const float border = middle_u - (v_ - middle_v) * (b.v_px - a.v_px) / du;
+    const float place = (border - static_cast<float>(u_)) / static_cast<float>(step_);
+    // False for NaN.
+    if (!(place > static_cast<float>(low))) return low;
+    return place < static_cast<float>(high) ? static_cast<std::uint32_t>(place) : high;
+  }
+
+ private:
+  const RegionParts& parts_;
+  std::uint32_t u_, step_;
+  float v_;
+  std::array<float, kMaxParts> dv_squared_{};
+};
 
 // Assigns `count` pixels of a row, `step` apart from `u` on, to their nearest parts. The pixels of a row that are
-// nearest to the same part are adjacent, so pixels between two of the same part need no look.
+// nearest to the same part are adjacent, so only the ends of their sequences are looked for.
 void assign_row(const RegionParts& parts, std::uint32_t u, std::uint32_t row, std::uint32_t step, std::uint32_t count,
                 std::array<Cluster, kMaxParts>& clusters) {
-  const auto part_of = [&](std::uint32_t i) {
-    return nearest(parts, static_cast<float>(u + i * step), static_cast<float>(row));
-  };
-  const std::size_t last_part = part_of(count - 1);
+  const RowOfPixels pixels(parts, u, row, step);
+  const std::size_t last_part = pixels.part_of(count - 1);
+  std::size_t part = count > 1 ? pixels.part_of(0) : last_part;
   for (std::uint32_t i = 0; i < count;) {
-    const std::size_t part = part_of(i);
     std::uint32_t end = count;
+    std::size_t next_part = last_part;
     if (part != last_part) {
       std::uint32_t same = i, other = count - 1;
-      while (other - same > 1) {
-        const std::uint32_t middle = (same + other) / 2;
-        (part_of(middle) == part ? same : other) = middle;
-      }
+      const auto probe = [&](std::uint32_t at) {
+        if (at <= same || at >= other) return;
+        const std::size_t found = pixels.part_of(at);
+        if (found == part) {
+          same = at;
+        } else {
+          other = at;
+          next_part = found;
+        }
+      };
+      const std::uint32_t border = pixels.border_between(part, last_part, same, other);
+      probe(border);
+      probe(border + 1);
+      while (other - same > 1) probe((same + other) / 2);
       end = other;
     }
     const double n = end - i;
@@ -54,6 +91,7 @@ void assign_row(const RegionParts& parts, std::uint32_t u, std::uint32_t row, st
     cluster.sum_v += n * row;
     cluster.count += n;
     i = end;
+    part = next_part;
   }
 }
 

@@ -6,11 +6,6 @@
 
 namespace touchline {
 
-float distance_m(FieldPoint a, FieldPoint b) {
-  const float x = a.x_m - b.x_m, y = a.y_m - b.y_m;
-  return std::sqrt(x * x + y * y);
-}
-
 RobotFrame::RobotFrame(const Pose& pose)
     : origin_(pose.position), c_(std::cos(pose.theta_rad)), s_(std::sin(pose.theta_rad)) {}
 

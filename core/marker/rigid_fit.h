@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <span>
 
 #include "core/types.h"
@@ -45,6 +46,9 @@ class RobotFrame {
 };
 inline FieldPoint to_robot_frame(const Pose& pose, FieldPoint point) { return RobotFrame(pose)(point); }
 
-float distance_m(FieldPoint a, FieldPoint b);
+inline float distance_m(FieldPoint a, FieldPoint b) {
+  const float x = a.x_m - b.x_m, y = a.y_m - b.y_m;
+  return std::sqrt(x * x + y * y);
+}
 
 }  // namespace touchline

@@ -22,6 +22,49 @@ constexpr int kMinSamples = 9;
 
 using Grid = std::array<std::uint64_t, kGridSize>;  // one bit per sample
 
+// Samples along one axis: seed + i * step for i from `first` to `last`, all in the picture.
+struct Samples {
+  int seed, first, last;
+  [[nodiscard]] int place(int i, int step) const { return seed + i * step; }
+};
+// Place of sample i in a grid.
+constexpr int in_grid(int i) { return i + kGridReach; }
+
+// Finds the samples whose color has at most this squared distance from that of the surface.
+template <bool kIsRgb>
+Grid similar_samples(const Frame& frame, const Samples& columns, const Samples& rows, int step,
+                     const SurfaceColor& surface, float allowed) {
+  const PixelFormatInfo& info = info_of(frame.format);
+  std::array<std::array<std::size_t, 3>, kGridSize> offset{};
+  for (int column = columns.first; column <= columns.last; ++column) {
+    const auto u = static_cast<std::size_t>(columns.place(column, step));
+    for (std::size_t c = 0; c < 3; ++c) {
+      offset[static_cast<std::size_t>(in_grid(column))][c] = info.channel[c].byte(u);
+    }
+  }
+  Grid mask{};
+  for (int row = rows.first; row <= rows.last; ++row) {
+    const auto v = static_cast<std::size_t>(rows.place(row, step));
+    std::array<const std::uint8_t*, 3> line{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const ChannelLayout& channel = info.channel[c];
+      line[c] = frame.plane[channel.plane] + (v >> channel.shift_v) * frame.stride_bytes[channel.plane];
+    }
+    std::uint64_t similar = 0;
+    for (int column = columns.first; column <= columns.last; ++column) {
+      const auto i = static_cast<std::size_t>(in_grid(column));
+      std::array<float, 3> rgb{};
+      for (std::size_t c = 0; c < 3; ++c) rgb[c] = static_cast<float>(line[c][offset[i][c]]);
+      if constexpr (!kIsRgb) rgb = to_rgb(rgb, info.space);
+      float distance = 0;
+      for (std::size_t c = 0; c < 3; ++c) distance += (rgb[c] - surface.rgb[c]) * (rgb[c] - surface.rgb[c]);
+      similar |= std::uint64_t{!(distance > allowed)} << i;
+    }
+    mask[static_cast<std::size_t>(in_grid(row))] = similar;
+  }
+  return mask;
+}
+
 // Keeps only the samples that are connected with the one in the middle. `mask` is empty beyond `reach` rows from it.
 Grid connected(const Grid& mask, int reach) {
   const auto rows = static_cast<std::size_t>(reach);
@@ -94,26 +137,16 @@ bool grow_patch(const Frame& frame, PixelPoint seed, float reach_px, GrownPatch&
   float length = 0;
   for (const float value : surface.rgb) length += value * value;
   const float allowed = kSameColor * kSameColor * length;
-  Grid mask{};
-  int outside = 0;
-  for (int row = -reach; row <= reach; ++row) {
-    for (int column = -reach; column <= reach; ++column) {
-      const int u = seed_u + column * step, v = seed_v + row * step;
-      if (u < 0 || v < 0 || u >= frame.width_px || v >= frame.height_px) {
-        ++outside;
-        continue;
-      }
-      const auto pixel = pixel_at(frame, static_cast<std::size_t>(u), static_cast<std::size_t>(v));
-      const std::array<float, 3> rgb =
-          to_rgb({static_cast<float>(pixel[0]), static_cast<float>(pixel[1]), static_cast<float>(pixel[2])}, space);
-      float distance = 0;
-      for (std::size_t c = 0; c < 3; ++c) distance += (rgb[c] - surface.rgb[c]) * (rgb[c] - surface.rgb[c]);
-      if (distance > allowed) continue;
-      const int grid_row = row + kGridReach, grid_column = column + kGridReach;
-      mask[static_cast<std::size_t>(grid_row)] |= std::uint64_t{1} << static_cast<unsigned>(grid_column);
-    }
-  }
-  if (5 * outside > (2 * reach + 1) * (2 * reach + 1)) return false;
+  // The samples that are in the picture.
+  const auto first = [&](int at) { return std::max(-reach, -(at / step)); };
+  const auto last = [&](int at, int size) { return std::min(reach, (size - 1 - at) / step); };
+  const int left = first(seed_u), right = last(seed_u, frame.width_px);
+  const int top = first(seed_v), bottom = last(seed_v, frame.height_px);
+  const int inside = (right - left + 1) * (bottom - top + 1), all = (2 * reach + 1) * (2 * reach + 1);
+  if (5 * (all - inside) > all) return false;
+  Grid mask = space == ColorSpace::kRgb
+                  ? similar_samples<true>(frame, {seed_u, left, right}, {seed_v, top, bottom}, step, surface, allowed)
+                  : similar_samples<false>(frame, {seed_u, left, right}, {seed_v, top, bottom}, step, surface, allowed);
   // The pixel in the middle may be noise; the mean around it is the color.
   mask[kGridReach] |= std::uint64_t{1} << static_cast<unsigned>(kGridReach);
   const Grid grown = connected(mask, reach);

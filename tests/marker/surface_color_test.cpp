@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "tests/color/owned_picture.h"
 
@@ -60,6 +61,34 @@ TEST(GrownPatch, EndsWhereAnotherPatchOfTheColorIsSeparate) {
   GrownPatch patch;
   ASSERT_TRUE(grow_patch(picture.frame(), {80.0f, 50.0f}, 22.0f, patch));
   EXPECT_NEAR(patch.center.v_px, 50.0f, 0.6f);
+}
+
+// Every pixel, or every second one, of a window that goes an eighth beyond one of the picture's edges.
+TEST(GrownPatch, IsWholeAtTheEdgesOfThePicture) {
+  for (const float reach : {16.0f, 40.0f}) {
+    const auto half = static_cast<int>(0.75f * reach);
+    for (const int from_edge : {half, half + 1}) {
+      for (const auto& [u, v] : {std::pair{from_edge, kPictureHeight / 2},
+                                 {kPictureWidth - 1 - from_edge, kPictureHeight / 2},
+                                 {kPictureWidth / 2, from_edge},
+                                 {kPictureWidth / 2, kPictureHeight - 1 - from_edge}}) {
+        OwnedPicture picture(PixelFormat::kRgb24, kPictureWidth, kPictureHeight, 3);
+        for (int row = 0; row < kPictureHeight; ++row) {
+          for (int column = 0; column < kPictureWidth; ++column) {
+            const bool red = std::abs(column - u) <= half && std::abs(row - v) <= half;
+            picture.set(column, row, surface_value(ColorSpace::kRgb, red));
+          }
+        }
+        GrownPatch patch;
+        const PixelPoint seed{static_cast<float>(u), static_cast<float>(v)};
+        ASSERT_TRUE(grow_patch(picture.frame(), seed, reach, patch)) << u << ", " << v;
+        const auto side = static_cast<float>(2 * half + 1);
+        EXPECT_NEAR(patch.area_px, side * side, reach > 23.0f ? 2.5f * side : 0.0f) << u << ", " << v;
+        EXPECT_NEAR(patch.center.u_px, seed.u_px, 1.0f) << u << ", " << v;
+        EXPECT_NEAR(patch.center.v_px, seed.v_px, 1.0f) << u << ", " << v;
+      }
+    }
+  }
 }
 
 TEST(GrownPatch, NeedsAPointInThePictureAndSomePixels) {

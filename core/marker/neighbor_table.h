@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "core/marker/hypothesis.h"
+
+namespace touchline {
+
+// Within the window of a team patch there are at most the identification patches of four robots, two each, and noise.
+constexpr std::size_t kMaxNeighbors = 16;
+
+/// An identification patch near a team patch.
+struct Neighbor {
+  std::uint16_t number = 0;  // in PatchLists::identification
+  float distance_m = 0;      // from the team patch
+  bool is_partly_visible = false;
+};
+
+/// One bit per neighbor.
+using NeighborSet = std::uint16_t;
+static_assert(kMaxNeighbors <= 16);
+
+/// What the search for hypotheses asks again and again about the neighbors of a team patch: which slots each may fill,
+/// and how well the distances between them agree with the layout.
+class NeighborTable {
+ public:
+  /// In place of the neighbor of an empty slot.
+  static constexpr std::uint8_t kNone = 255;
+
+  /// For a team with at least one identification patch. The marking must outlive the table.
+  explicit NeighborTable(const TeamMarking& marking);
+
+  /// Distances from the team patch that the patch of a slot may have, and the largest of all slots.
+  [[nodiscard]] const DistanceWindow& window(std::size_t slot) const { return window_[slot]; }
+  [[nodiscard]] float reach_m() const;
+
+  /// Takes the neighbors, at most kMaxNeighbors, in the order of their bits. To be called once.
+  void compare(std::span<const Neighbor> neighbors, const PatchLists& patches, std::size_t team);
+
+  /// The neighbors that are at the right distance for a slot and have its color: that of robot `robot`, or that of any
+  /// robot if it is negative; then they must be completely visible, too.
+  [[nodiscard]] NeighborSet candidates(std::size_t slot, int robot) const;
+
+  /// False if the distance of neighbor i from a patch before it, `set` by slot, differs by more than `gate_m` from that
+  /// of the layout. `added_m2`: the squared differences of all its distances, summed.
+  bool fits(std::size_t slot, std::size_t i, std::span<const std::uint8_t> set, float gate_m, float& added_m2) const;
+
+ private:
+  [[nodiscard]] bool is_used_in_slot(std::size_t slot, ColorId color) const;
+
+  const TeamMarking& marking_;
+  std::array<DistanceWindow, kMaxPatches> window_{};
+  std::array<std::array<float, kMaxPatches>, kMaxPatches> expected_m_{};  // between patches of the layout
+  std::array<std::array<float, kMaxNeighbors>, kMaxNeighbors> seen_m_;    // between neighbors
+  std::array<float, kMaxNeighbors> from_team_patch_m_;
+  std::array<NeighborSet, kMaxColors + 1> with_color_{};
+  std::array<NeighborSet, kMaxPatches - 1> in_window_{}, of_any_robot_{};  // by slot
+};
+
+}  // namespace touchline

@@ -197,20 +197,9 @@ CameraUncertainty Adjustment::uncertainty(const std::vector<MarkPoint>& points, 
   build(problem, points, weights, camera);
   add_lens_knowledge(problem, camera, width_px_, {center_u_, center_v_}, aspect_);
   add_height_knowledge(problem, camera, height_);
-  ceres::CRSMatrix sparse;
-  if (!problem.Evaluate({}, nullptr, nullptr, nullptr, &sparse) || sparse.num_cols != kUnknowns) return out;
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(sparse.num_rows, sparse.num_cols);
-  for (int row = 0; row < sparse.num_rows; ++row) {
-    for (int i = sparse.rows[static_cast<std::size_t>(row)]; i < sparse.rows[static_cast<std::size_t>(row) + 1]; ++i) {
-      jacobian(row, sparse.cols[static_cast<std::size_t>(i)]) = sparse.values[static_cast<std::size_t>(i)];
-    }
-  }
-  const Eigen::VectorXd scale = jacobian.colwise().norm().cwiseMax(1e-12).cwiseInverse();
-  const Eigen::MatrixXd scaled = jacobian * scale.asDiagonal();
-  const Eigen::LDLT<Eigen::MatrixXd> normal(scaled.transpose() * scaled);
-  if (normal.info() != Eigen::Success || !normal.isPositive()) return out;
-  const Eigen::MatrixXd covariance =
-      scale.asDiagonal() * normal.solve(Eigen::MatrixXd::Identity(kUnknowns, kUnknowns)) * scale.asDiagonal();
+  const std::optional<Eigen::MatrixXd> inverse = covariance_of(problem);
+  if (!inverse || inverse->rows() != kUnknowns) return out;
+  const Eigen::MatrixXd& covariance = *inverse;
   const UnknownsVector x = unknowns_of(camera);
   const auto sigma = [&](std::size_t index) {
     const auto i = static_cast<Eigen::Index>(index);

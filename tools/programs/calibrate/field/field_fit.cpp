@@ -75,25 +75,10 @@ class Solver {
   double height_sigma_m(CameraUnknowns& x) const {
     ceres::Problem problem;
     build(problem, x, has_distortion());
-    ceres::CRSMatrix sparse;
-    if (!problem.Evaluate({}, nullptr, nullptr, nullptr, &sparse)) return std::numeric_limits<double>::infinity();
-    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(sparse.num_rows, sparse.num_cols);
-    for (int row = 0; row < sparse.num_rows; ++row) {
-      for (int i = sparse.rows[static_cast<std::size_t>(row)]; i < sparse.rows[static_cast<std::size_t>(row) + 1];
-           ++i) {
-        jacobian(row, sparse.cols[static_cast<std::size_t>(i)]) = sparse.values[static_cast<std::size_t>(i)];
-      }
-    }
-    // Columns: focal length, rotation, position, and k1 and aspect ratio if they are free.
+    // Order: focal length, rotation, position, and k1 and aspect ratio if they are free.
     constexpr Eigen::Index kHeight = 6;
-    const Eigen::VectorXd scale = jacobian.colwise().norm().cwiseMax(1e-12);
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(jacobian * scale.cwiseInverse().asDiagonal(), Eigen::ComputeThinV);
-    double variance = 0;
-    for (Eigen::Index i = 0; i < svd.singularValues().size(); ++i) {
-      const double part = svd.matrixV()(kHeight, i) / std::max(svd.singularValues()(i), 1e-12);
-      variance += part * part;
-    }
-    return std::sqrt(variance) / scale(kHeight);
+    const std::optional<Eigen::MatrixXd> covariance = covariance_of(problem);
+    return covariance ? std::sqrt((*covariance)(kHeight, kHeight)) : std::numeric_limits<double>::infinity();
   }
 
  private:

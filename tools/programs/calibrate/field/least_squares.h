@@ -2,8 +2,10 @@
 
 #include <ceres/ceres.h>
 
+#include <Eigen/Core>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 namespace touchline::calibrate {
 
@@ -35,5 +37,9 @@ struct LogPrior {
 /// Minimizes a small, dense problem without output. Stops when the relative change of the cost is below
 /// `function_tolerance` or that of the parameters below `parameter_tolerance`.
 ceres::Solver::Summary minimize(ceres::Problem& problem, double function_tolerance, double parameter_tolerance = 1e-8);
+
+/// Covariance of the parameters in the order of their blocks: inverse of J^T J at the current values. Constant
+/// parameters have zeros. Empty if the residuals cannot be evaluated or do not determine the parameters.
+std::optional<Eigen::MatrixXd> covariance_of(ceres::Problem& problem);
 
 }  // namespace touchline::calibrate

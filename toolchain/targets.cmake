@@ -31,11 +31,21 @@ function(touchline_core_library name)
   endif()
 endfunction()
 
-# touchline_program(NAME SOURCES... [LINK LIBS...]): an installed program.
+# touchline_program(NAME SOURCES... [COMMANDS...] [LINK LIBS...]): an installed program. COMMANDS: several sources that include CLI11,
+# which are compiled together; see touchline_command_line.
 function(touchline_program name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;COMMANDS;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE touchline_options ${ARG_LINK})
+  if(ARG_COMMANDS)
+    add_library(${name}_commands OBJECT ${ARG_COMMANDS})
+    target_link_libraries(${name}_commands PRIVATE touchline_options ${ARG_LINK})
+    target_compile_options(${name}_commands PRIVATE -O0)
+    if(TOUCHLINE_SOURCES_AT_A_TIME GREATER 1)
+      set_target_properties(${name}_commands PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${TOUCHLINE_SOURCES_AT_A_TIME})
+    endif()
+    target_link_libraries(${name} PRIVATE ${name}_commands)
+  endif()
   # Resolves all library functions at start instead of at their first call in the loop.
   target_link_options(${name} PRIVATE -Wl,-z,now)
   add_dependencies(programs ${name})

@@ -60,5 +60,184 @@ TEST_F(ScriptedFirmware, UndoesAndRedoesOneStep) {
   expect_error("redo", {}, "nothing to redo");
 }
 
+// From no venue file to robots that the pipeline recognizes.
+TEST_F(ScriptedFirmware, CalibratesFromNothingAndSavesAllFiles) {
+  start_program();
+  camera_ = {arena_picture(hal::mock::Floor::kField, 1)};
+  expect_ok("begin");
+  expect_error("colors.find", {}, "calibrate the field first");
+  expect_ok("field.find", kMiroSot);
+  expect_ok("light.measure", {{"surface", "field"}});
+  EXPECT_TRUE(state_["steps"]["light"]["done"]);
+  EXPECT_GT(state_["steps"]["light"]["most"][0].get<double>(), state_["steps"]["light"]["least"][0].get<double>());
+  picture(state_["steps"]["light"]["before"]);
+  picture(state_["steps"]["light"]["after"]);
+
+  camera_ = scene_pictures(arena::SceneKind::kStatic, 1, 3);
+  expect_ok("colors.find");
+  const nlohmann::json colors = state_["steps"]["colors"];
+  EXPECT_TRUE(colors["done"]) << colors.dump();
+  EXPECT_EQ(colors["wanted"], nlohmann::json::array());
+  EXPECT_NE(colors["self_check"].get<std::string>().find("10 of 10 robots explained"), std::string::npos)
+      << colors.dump();
+  EXPECT_NE(colors["quality"]["level"], "bad") << colors["quality"];
+  EXPECT_EQ(colors["confusion"]["rows"].size(), colors["names"].size());
+  ASSERT_EQ(colors["pictures"].size(), 1u);
+  picture(colors["pictures"][0]);
+  picture(colors["found"][0]);
+  picture(colors["checks"][0]);
+  EXPECT_FALSE(state_["steps"]["robots"]["similar"].empty());
+  EXPECT_EQ(expect_ok("differences")["problems"], "");
+
+  // A wrong color, as a click, takes no pixel away: it is not used.
+  expect_ok("colors.click", {{"name", "orange"}, {"u_px", 5}, {"v_px", 5}});
+  ASSERT_EQ(state_["steps"]["colors"]["clicks"].size(), 1u);
+  EXPECT_FALSE(state_["steps"]["colors"]["clicks"][0]["used"]);
+  picture(state_["steps"]["colors"]["mask"]);
+  expect_ok("undo");
+  EXPECT_EQ(state_["steps"]["colors"], colors);
+
+  const nlohmann::json exported = expect_ok("export");
+  const nlohmann::json written = expect_ok("save");
+  EXPECT_EQ(written["files"].size(), 3u) << written.dump();
+  EXPECT_NE(read("etc/venue.toml").find("name = \"orange\""), std::string::npos);
+  // The export of the calibrated setup makes the same draft again.
+  fs::remove(saved("venue.toml"));
+  expect_ok("begin");
+  const std::string text = exported["text"];
+  constexpr std::size_t kPiece = 3000;
+  const std::size_t parts = (text.size() + kPiece - 1) / kPiece;
+  for (std::size_t part = 0; part < parts; ++part) {
+    expect_ok("import", {{"part", part}, {"parts", parts}, {"text", text.substr(part * kPiece, kPiece)}});
+  }
+  EXPECT_TRUE(state_["steps"]["colors"]["done"]);
+}
+
+TEST_F(ScriptedFirmware, SetsKeysAsStepsOfUndo) {
+  start_program();
+  expect_ok("begin");
+  expect_ok("set", {{"key", "camera.exposure_us"}, {"value", 2000}});
+  EXPECT_EQ(state_["steps"]["camera"]["values"]["exposure_us"], 2000);
+  EXPECT_EQ(state_["undo"], nlohmann::json({"camera.exposure_us 2000"}));
+  expect_error("set", {{"key", "camera.exposure_us"}, {"value", -1}}, "exposure_us");
+  expect_error("set", {{"key", "camera.speed"}, {"value", 1}}, "speed");
+  expect_error("set", {{"key", "warp.speed"}, {"value", 1}}, "unknown");
+  expect_error("set", {{"key", "camera.device"}, {"value", nlohmann::json::object()}}, "a value is");
+  expect_ok("radio.set", {{"backend", "serial"}, {"device", "/dev/ttyUSB7"}});
+  EXPECT_EQ(state_["steps"]["radio"]["values"]["device"], "/dev/ttyUSB7");
+  expect_ok("robots.set", {{"own", {{"color", "yellow"}, {"robots", {{{"id", 3}, {"colors", {"red"}}}}}}}});
+  EXPECT_EQ(state_["steps"]["robots"]["own"]["robots"].size(), 1u);
+  // Both teams are yellow now.
+  EXPECT_FALSE(state_["steps"]["robots"]["problems"].empty());
+  EXPECT_FALSE(state_["steps"]["robots"]["done"]);
+  expect_ok("undo");
+  EXPECT_EQ(state_["steps"]["robots"]["problems"], nlohmann::json::array());
+  expect_ok("confirm", {{"step", "camera"}});
+  EXPECT_TRUE(state_["steps"]["camera"]["done"]);
+}
+
+TEST_F(ScriptedFirmware, MeasuresTheCameraWithoutAStep) {
+  start_program();
+  expect_ok("begin");
+  camera_ = {arena_picture(hal::mock::Floor::kField, 1)};
+  const nlohmann::json sharp = expect_ok("camera.quality");
+  EXPECT_EQ(sharp["histogram"].size(), 3u);
+  ASSERT_TRUE(sharp["focus"].is_number()) << sharp.dump();
+  hal::Picture& blurred = camera_[0];
+  const std::vector<std::uint8_t> original = blurred.rgb8;
+  constexpr std::size_t kReach = 4;
+  for (std::size_t i = 3 * kReach; i + 3 * kReach < original.size(); ++i) {
+    unsigned sum = 0;
+    for (std::size_t k = 0; k <= 2 * kReach; ++k) sum += original[i - 3 * kReach + 3 * k];
+    blurred.rgb8[i] = static_cast<std::uint8_t>(sum / (2 * kReach + 1));
+  }
+  const nlohmann::json soft = expect_ok("camera.quality");
+  EXPECT_LT(soft["focus"].get<double>(), 0.6 * sharp["focus"].get<double>());
+  EXPECT_NE(soft["quality"]["level"], "ok") << soft["quality"];
+  EXPECT_EQ(state_["undo"], nlohmann::json::array());
+}
+
+TEST_F(ScriptedFirmware, RefusesBadInputAndLives) {
+  copy("venue.toml");
+  copy("venue-light.png");
+  copy("venue-field.png");
+  start_program();
+  expect_error("undo", {}, "begin first");
+  expect_error("warp", {}, "unknown");
+  expect_ok("begin");
+  camera_ = {hal::Picture{640, 480, std::vector<std::uint8_t>(std::size_t{3} * 640 * 480, 0), {}}};
+  expect_error("field.find", {{"preset", 5}}, "\"preset\" must be a text");
+  expect_error("field.find", {{"preset", "chess"}}, "chess is unknown");
+  expect_error("field.corners", {{"corners_px", {{1, 2}, {3, 4}}}}, "4 pixels");
+  expect_error("field.corners", {{"corners_px", {{1, 2}, {3, 4}, {5, 1e9}, {7, 8}}}}, "4 pixels");
+  expect_error("import", {{"part", 1}, {"parts", 2}, {"text", ""}}, "in order");
+  expect_error("import", {{"part", 0}, {"parts", 1}, {"text", "{}"}}, "no exported setup");
+  const std::string evil =
+      R"({"format":"touchline-setup","version":1,"board":"board.toml","files":{"../x.toml":{"text":""}}})";
+  expect_error("import", {{"part", 0}, {"parts", 1}, {"text", evil}}, "forbidden name");
+  expect_error("picture", {{"id", 99}}, "no picture");
+  camera_error_ = "the camera is gone";
+  expect_error("light.measure", {{"surface", "grey"}}, "the camera is gone");
+  camera_error_.clear();
+  expect_error("field.find", kMiroSot, "border");
+  expect_error("light.measure", {{"surface", "moon"}}, "moon is unknown");
+  EXPECT_EQ(state_["undo"], nlohmann::json::array());
+  // Not a message at all: the connection ends, the program and its draft stay.
+  for (const std::string& bytes : {std::string("GET / HTTP/1.1\r\n\r\n"), std::string(8, '\xff'),
+                                   std::string("\x02\0\0\0\0\0\0\0[]", 10), std::string("\x02\0\0\0\0\0\0\0{]", 10)}) {
+    send_bytes(bytes);
+    connect();
+    EXPECT_TRUE(run("state").value("ok", false));
+    EXPECT_TRUE(state_["open"]);
+  }
+}
+
+TEST_F(ScriptedFirmware, CancelsWork) {
+  start_program();
+  expect_ok("begin");
+  delivers_ = false;
+  const int request = send("light.measure", {{"surface", "moving"}});
+  serve_until([&] { return state_["busy"].is_object(); });
+  expect_error("field.find", kMiroSot, "still running");
+  expect_ok("cancel");
+  EXPECT_EQ(answer_to(request)["ok"], false);
+  EXPECT_TRUE(state_["busy"].is_null());
+}
+
+TEST_F(ScriptedFirmware, ContinuesADraftAfterARestart) {
+  start_program();
+  expect_ok("begin");
+  expect_ok("set", {{"key", "camera.exposure_us"}, {"value", 2000}});
+  stop_program(SIGKILL);
+  start_program();
+  expect_ok("begin");
+  EXPECT_EQ(state_["steps"]["camera"]["values"]["exposure_us"], 2000);
+  EXPECT_EQ(state_["changed_files"], nlohmann::json({"board.toml"}));
+  expect_ok("discard");
+  EXPECT_EQ(read("etc/board.toml").find("2000"), std::string::npos);
+}
+
+TEST_F(ScriptedFirmware, SavesAllFilesOrNone) {
+  start_program();
+  expect_ok("begin");
+  expect_ok("set", {{"key", "camera.exposure_us"}, {"value", 2000}});
+  expect_ok("set", {{"key", "ball.radius_m"}, {"value", 0.022}});
+  const std::string board = read("etc/board.toml"), team = read("etc/team.toml");
+  // A folder in the place of a backup: the save fails after the files were prepared.
+  fs::create_directories(saved("team.toml.bak/x"));
+  expect_error("save", {}, "nothing was saved");
+  EXPECT_EQ(read("etc/board.toml"), board);
+  EXPECT_EQ(read("etc/team.toml"), team);
+  EXPECT_TRUE(state_["open"]);
+  fs::remove_all(saved("team.toml.bak"));
+  // Somebody edits a file meanwhile.
+  write("etc/team.toml", team + "# by hand\n");
+  expect_error("save", {}, "team.toml");
+  expect_ok("save", {{"overwrite", true}});
+  EXPECT_NE(read("etc/board.toml").find("2000"), std::string::npos);
+  EXPECT_EQ(read("etc/board.toml.bak"), board);
+  EXPECT_EQ(read("etc/team.toml.bak"), team + "# by hand\n");
+}
+
 }  // namespace
 }  // namespace touchline::setup

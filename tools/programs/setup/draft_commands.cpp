@@ -168,6 +168,41 @@ Answer SetupProgram::use_files(const Arguments& arguments) {
   return nlohmann::json(nullptr);
 }
 
+Answer SetupProgram::try_draft(const Arguments& arguments) {
+  TOUCHLINE_TRY_ASSIGN(trying_, arguments.flag("on", false));
+  send({{"type", "try"}, {"request", ++use_request_}, {"on", trying_}});
+  send_state();
+  return nlohmann::json(nullptr);
+}
+
+Answer SetupProgram::confirm(const Arguments& arguments) {
+  TOUCHLINE_TRY_ASSIGN(const std::string step, arguments.text("step"));
+  if (step != "camera" && step != "robots" && step != "radio") {
+    return Error{ErrorCode::kInconsistent, "\"step\" must be camera, robots or radio"};
+  }
+  DraftState next = draft_.now();
+  next.name = step + " confirmed";
+  next.measured[step]["done"] = true;
+  Answer changed = change(std::move(next));
+  send_state();
+  return changed;
+}
+
+// One file of the draft with another text, as a step.
+Answer SetupProgram::change_text(const std::string& step, const std::string& file, Result<std::string> text) {
+  if (!text.ok()) return prefixed(file, std::move(text).error());
+  DraftState next = draft_.now();
+  next.name = step;
+  next.files.content[file] = std::make_shared<const std::string>(std::move(text).value());
+  TOUCHLINE_TRY_ASSIGN(next.files, setup_of(next.files.board, next.files.content));
+  const std::string check = options_.folder + "/check";
+  TOUCHLINE_TRY(write_folder(next.files, check));
+  TOUCHLINE_TRY(check_file(next.files, file, check));
+  Answer changed = change(std::move(next));
+  send_state();
+  return changed;
+}
+
 Answer SetupProgram::drive(const Arguments& arguments) {
   TOUCHLINE_TRY_ASSIGN(const bool on, arguments.flag("on", false));
   send({{"type", "drive"}, {"on", on}});

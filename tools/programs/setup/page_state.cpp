@@ -9,6 +9,7 @@
 #include "tools/programs/calibrate/field/field_drawing.h"
 #include "tools/programs/calibrate/venue/venue_draft.h"
 #include "tools/programs/setup/described_keys.h"
+#include "tools/programs/setup/robots_state.h"
 
 namespace touchline::setup {
 namespace {
@@ -24,7 +25,11 @@ nlohmann::json with_measured(const DraftState& draft, const char* step, nlohmann
 
 nlohmann::json field_values(const calibrate::VenueDraft& venue) {
   nlohmann::json presets = nlohmann::json::array();
-  for (const calibrate::FieldPreset& preset : calibrate::field_presets()) presets.push_back(std::string(preset.name));
+  for (const calibrate::FieldPreset& preset : calibrate::field_presets()) {
+    presets.push_back({{"name", std::string(preset.name)},
+                       {"length_m", preset.drawing.field.length_m},
+                       {"width_m", preset.drawing.field.width_m}});
+  }
   const DescribedKeys field = DescribedKeys::of(venue.file.field);
   return {{"done", calibrate::has_camera_model(venue)},
           {"values", field.values()},
@@ -35,7 +40,9 @@ nlohmann::json field_values(const calibrate::VenueDraft& venue) {
 nlohmann::json color_values(const calibrate::VenueDraft& venue, const Result<calibrate::TeamColors>& team) {
   nlohmann::json names = nlohmann::json::array(), wanted = nlohmann::json::array();
   for (const config::ColorEntry& color : venue.file.color) {
-    names.push_back({{"name", color.name}, {"shown_rgb", color.shown_rgb}, {"boxes", color.box.size()}});
+    nlohmann::json boxes = nlohmann::json::array();
+    for (const config::ColorBoxEntry& box : color.box) boxes.push_back({{"low", box.low}, {"high", box.high}});
+    names.push_back({{"name", color.name}, {"shown_rgb", color.shown_rgb}, {"boxes", boxes}});
   }
   if (team.ok()) {
     for (const std::string& name : team.value().names) {
@@ -79,17 +86,30 @@ nlohmann::json steps_of(const DraftState& draft, const std::string& folder) {
 
   const DescribedKeys camera = DescribedKeys::of(configuration->board.camera);
   nlohmann::json steps;
-  steps["camera"] = with_measured(
-      draft, "camera",
-      {{"done", draft.measured.contains("camera")}, {"values", camera.values()}, {"keys", camera.keys()}});
+  steps["camera"] =
+      with_measured(draft, "camera", {{"done", false}, {"values", camera.values()}, {"keys", camera.keys()}});
   steps["field"] = with_measured(draft, "field", field_values(venue));
   steps["light"] =
       with_measured(draft, "light", {{"done", !venue.file.light.map.empty()}, {"surface", venue.file.light.surface}});
   steps["colors"] = with_measured(draft, "colors", color_values(venue, team));
-  steps["robots"] =
-      with_measured(draft, "robots", {{"done", team.ok()}, {"problems", nlohmann::json::array({team.text()})}});
+  steps["robots"] = with_measured(draft, "robots", robots_state(path(draft.files.team), venue));
   steps["radio"] = with_measured(draft, "radio", radio_values(configuration->board));
   return steps;
+}
+
+Result<void> check_file(const SetupFiles& files, const std::string& name, const std::string& folder) {
+  const std::string path = folder + "/" + name;
+  if (name == files.board) {
+    const auto configuration = std::make_unique<config::Configuration>();
+    return config::load_board(path, {}, *configuration);
+  }
+  if (name == files.team) {
+    config::TeamFile team;
+    config::Locations where;
+    return config::read_toml(path, "", {}, team, where);
+  }
+  const Result<calibrate::VenueDraft> venue = calibrate::read_draft(path);
+  return venue.ok() ? Result<void>() : Result<void>(venue.error());
 }
 
 std::string problems_of(const SetupFiles& files, const std::string& folder) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "tools/programs/setup/camera_frame.h"
+#include "tools/programs/setup/camera_quality.h"
 #include "tools/programs/setup/page_state.h"
 #include "tools/programs/setup/saving.h"
 
@@ -111,6 +112,10 @@ void SetupProgram::handle(const Message& message) {
   const std::string type = type_of(message.content);
   if (type == "setup") handle_command(message.content);
   if (type == "frame") handle_frame(message);
+  if (type == "tried") {
+    trying_ = message.content.contains("ok") && message.content.at("ok") == true && trying_;
+    send_state();
+  }
   if (type == "used") {
     const Result<std::string> error = Arguments(message.content).text("error", "");
     preview_ = {{"source", uses_draft_ ? "draft" : "saved"}, {"ok", error.ok() && error.value().empty()}};
@@ -173,6 +178,7 @@ void SetupProgram::send_state() {
                           {"busy", busy},
                           {"error", error_},
                           {"preview", preview_},
+                          {"trying", trying_},
                           {"changed_files", nlohmann::json::array()},
                           {"undo", draft_.undo_names()},
                           {"redo", draft_.redo_names()},
@@ -180,6 +186,7 @@ void SetupProgram::send_state() {
   if (draft_.is_open()) {
     state["changed_files"] = changed_files(draft_.saved(), draft_.now().files);
     state["steps"] = steps_of(draft_.now(), draft_.files_folder());
+    if (camera_.is_object()) state["steps"]["camera"].update(camera_);
   }
   send({{"type", "setup"}, {"state", state}});
 }
@@ -208,7 +215,18 @@ void SetupProgram::use(bool draft) {
   send(content);
 }
 
+void SetupProgram::answer_camera(const Result<CameraFrame>& frame) {
+  if (frame.ok() && draft_.is_open()) {
+    camera_ = touchline::setup::camera_quality(frame.value()->frame(), draft_.now().files, draft_.files_folder());
+  }
+  for (const Asker& asker : std::exchange(measure_camera_, {})) {
+    answer(asker, frame.ok() ? Result<nlohmann::json>(camera_) : Result<nlohmann::json>(frame.error()));
+  }
+  send_state();
+}
+
 void SetupProgram::handle_frame(const Message& message) {
+  if (!measure_camera_.empty()) answer_camera(camera_frame_of(message));
   if (!running_ || !running_->waits_for_frame) return;
   const Result<CameraFrame> frame = camera_frame_of(message);
   if (!frame.ok()) {

@@ -54,6 +54,7 @@ class SetupProgram {
   void handle(const Message& message);
   void handle_command(const nlohmann::json& message);
   void handle_frame(const Message& message);
+  void answer_camera(const Result<CameraFrame>& frame);
   void answer(const Asker& asker, const Result<nlohmann::json>& result);
   void send(const nlohmann::json& content, std::string_view bytes = {});
   void send_state();
@@ -88,6 +89,19 @@ class SetupProgram {
   // Commands of the steps (step_commands.cpp).
   Result<nlohmann::json> field_find(const Arguments&);
   Result<nlohmann::json> field_corners(const Arguments&);
+  Result<nlohmann::json> light_measure(const Arguments&);
+  Result<nlohmann::json> colors_picture(const Arguments&);
+  Result<nlohmann::json> colors_find(const Arguments&);
+  Result<nlohmann::json> colors_click(const Arguments&);
+  Result<nlohmann::json> colors_remove(const Arguments&);
+  Result<nlohmann::json> colors_reset(const Arguments&);
+  Result<nlohmann::json> camera_quality(const Arguments&);
+  Result<nlohmann::json> set(const Arguments&);
+  Result<nlohmann::json> robots_set(const Arguments&);
+  Result<nlohmann::json> radio_set(const Arguments&);
+  Result<nlohmann::json> confirm(const Arguments&);
+  Result<nlohmann::json> try_draft(const Arguments&);
+  Result<nlohmann::json> change_text(const std::string& step, const std::string& file, Result<std::string> text);
 
   SetupOptions options_;
   Draft draft_;
@@ -101,6 +115,10 @@ class SetupProgram {
   std::string error_;
   std::uint32_t next_picture_ = 1;
   std::vector<std::string> import_;
+  bool trying_ = false;
+  // Who waits for the camera's measures, and the newest ones: not part of the draft, because they change all the time.
+  std::vector<Asker> measure_camera_;
+  nlohmann::json camera_;
 
   // The job that runs, from its first frame to the end of its work.
   struct Running {

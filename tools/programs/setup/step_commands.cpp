@@ -1,4 +1,10 @@
+#include <algorithm>
+
+#include "tools/programs/setup/color_step.h"
 #include "tools/programs/setup/field_step.h"
+#include "tools/programs/setup/key_writer.h"
+#include "tools/programs/setup/light_step.h"
+#include "tools/programs/setup/robots_state.h"
 #include "tools/programs/setup/setup_program.h"
 
 // The commands of the six steps.
@@ -9,6 +15,36 @@ using Answer = Result<nlohmann::json>;
 
 // Averaging halves the noise.
 constexpr std::size_t kFieldFrames = 4;
+
+// The noise of one picture does not matter beside the cells' medians; a game needs many pictures.
+constexpr std::size_t kLightFrames = 3, kMovingFrames = 16;
+constexpr double kMovingInterval_s = 0.5;
+// Each takes up to 15 MB.
+constexpr std::size_t kMaxColorPictures = 8;
+
+Job color_job(const std::string& command, const std::string& undo_name, const ColorRequest& request,
+              const DraftState& draft) {
+  Job job;
+  job.command = command;
+  job.text = "the colors are being learned";
+  job.step = "colors";
+  job.undo_name = undo_name;
+  // Only the first time; further pictures are taken by colors.picture.
+  job.frame_count = draft.color_frames.empty() ? 1 : 0;
+  job.keeps_frames = job.frame_count > 0;
+  job.work = [request, is_new = job.keeps_frames](const JobInput& input, const JobOutput& output) -> Result<void> {
+    TOUCHLINE_TRY(learn_colors(request, input, output));
+    return is_new ? show_color_picture(input, output) : Result<void>();
+  };
+  return job;
+}
+
+// The ids of the pictures that the colors were learned from.
+nlohmann::json color_pictures(const DraftState& draft) {
+  const auto colors = draft.measured.find("colors");
+  if (colors == draft.measured.end() || !colors->contains("pictures")) return nlohmann::json::array();
+  return colors->at("pictures");
+}
 
 // Ranges as the options of touchline-calibrate field.
 Result<FieldRequest> field_request(const Arguments& arguments) {
@@ -52,6 +88,18 @@ const std::vector<SetupProgram::Command>& SetupProgram::commands() {
       {"drive", &P::drive, true, false},
       {"field.find", &P::field_find, true, false},
       {"field.corners", &P::field_corners, true, false},
+      {"try", &P::try_draft, true, false},
+      {"confirm", &P::confirm, true, false},
+      {"set", &P::set, true, false},
+      {"camera.quality", &P::camera_quality, true, true},
+      {"light.measure", &P::light_measure, true, false},
+      {"colors.picture", &P::colors_picture, true, false},
+      {"colors.find", &P::colors_find, true, false},
+      {"colors.click", &P::colors_click, true, false},
+      {"colors.remove", &P::colors_remove, true, false},
+      {"colors.reset", &P::colors_reset, true, false},
+      {"robots.set", &P::robots_set, true, false},
+      {"radio.set", &P::radio_set, true, false},
   };
   return kCommands;
 }
@@ -66,6 +114,130 @@ Answer SetupProgram::field_corners(const Arguments& arguments) {
   TOUCHLINE_TRY_ASSIGN(const std::vector<PixelPoint> corners, arguments.pixels("corners_px", 4));
   request.corners = {corners[0], corners[1], corners[2], corners[3]};
   return start(field_job("field.corners", "corners of the field", request));
+}
+
+Answer SetupProgram::light_measure(const Arguments& arguments) {
+  TOUCHLINE_TRY_ASSIGN(const std::string surface, arguments.text("surface"));
+  TOUCHLINE_TRY_ASSIGN(const bool keep_normal, arguments.flag("keep_normal", false));
+  const bool moves = surface == "moving";
+  Job job;
+  job.command = "light.measure";
+  job.text = "pictures of the light are being taken";
+  job.step = "light";
+  job.undo_name = "light measured";
+  job.frame_count = moves ? kMovingFrames : kLightFrames;
+  job.frame_interval_s = moves ? kMovingInterval_s : 0;
+  job.work = [surface, keep_normal](const JobInput& input, const JobOutput& output) {
+    return measure_light(surface, keep_normal, input, output);
+  };
+  return start(std::move(job));
+}
+
+Answer SetupProgram::colors_picture(const Arguments&) {
+  if (draft_.now().color_frames.size() >= kMaxColorPictures) {
+    return failure(ErrorCode::kOutOfRange, "there are %zu pictures already: reset them first", kMaxColorPictures);
+  }
+  Job job;
+  job.command = "colors.picture";
+  job.text = "a picture of robots and ball is being taken";
+  job.step = "colors";
+  job.undo_name = "picture of robots and ball";
+  job.frame_count = 1;
+  job.keeps_frames = true;
+  job.work = show_color_picture;
+  return start(std::move(job));
+}
+
+Answer SetupProgram::colors_find(const Arguments& arguments) {
+  ColorRequest request;
+  TOUCHLINE_TRY_ASSIGN(request.odd_colors, arguments.texts("odd_colors"));
+  return start(color_job("colors.find", "colors found", request, draft_.now()));
+}
+
+Answer SetupProgram::colors_click(const Arguments& arguments) {
+  const DraftState& draft = draft_.now();
+  calibrate::Click click;
+  TOUCHLINE_TRY_ASSIGN(click.color, arguments.text("name"));
+  TOUCHLINE_TRY_ASSIGN(click.u_px, arguments.number("u_px", 0, kMaxFrameWidth));
+  TOUCHLINE_TRY_ASSIGN(click.v_px, arguments.number("v_px", 0, kMaxFrameHeight));
+  TOUCHLINE_TRY_ASSIGN(const double id, arguments.number("picture", 0, 4294967295.0, 0));
+  std::size_t number = std::max<std::size_t>(draft.color_frames.size(), 1) - 1;
+  if (id > 0) {
+    const nlohmann::json ids = color_pictures(draft);
+    const auto found = std::find(ids.begin(), ids.end(), nlohmann::json(static_cast<std::uint32_t>(id)));
+    if (found == ids.end()) return failure(ErrorCode::kNotFound, "there is no picture %.0f of robots and ball", id);
+    number = static_cast<std::size_t>(found - ids.begin());
+  }
+  click.image = color_image(number);
+  ColorRequest request;
+  request.click = click;
+  return start(color_job("colors.click", click.color + ": click", request, draft));
+}
+
+Answer SetupProgram::colors_remove(const Arguments& arguments) {
+  const DraftState& draft = draft_.now();
+  const auto colors = draft.measured.find("colors");
+  const std::size_t clicks =
+      colors != draft.measured.end() && colors->contains("clicks") ? colors->at("clicks").size() : 0;
+  if (clicks == 0) return Error{ErrorCode::kNotFound, "there is no click to remove"};
+  TOUCHLINE_TRY_ASSIGN(const double number, arguments.number("click", 0, static_cast<double>(clicks - 1)));
+  ColorRequest request;
+  request.removed_click = static_cast<std::size_t>(number);
+  return start(color_job("colors.remove", "click removed", request, draft));
+}
+
+Answer SetupProgram::colors_reset(const Arguments&) {
+  DraftState next = draft_.now();
+  next.name = "pictures of the colors removed";
+  next.measured.erase("colors");
+  next.color_frames.clear();
+  Answer changed = change(std::move(next));
+  send_state();
+  return changed;
+}
+
+Answer SetupProgram::camera_quality(const Arguments&) {
+  constexpr std::size_t kMaxWaiting = 16;
+  if (measure_camera_.size() >= kMaxWaiting) {
+    return Error{ErrorCode::kDeviceBusy, "too many measurements wait for a picture"};
+  }
+  measure_camera_.push_back(asker_);
+  answered_ = true;
+  if (!running_ || !running_->waits_for_frame) send({{"type", "frames"}, {"count", 1}});
+  return nlohmann::json(nullptr);
+}
+
+Answer SetupProgram::set(const Arguments& arguments) {
+  TOUCHLINE_TRY_ASSIGN(std::string key, arguments.text("key"));
+  std::string value;
+  if (arguments.has("value")) {
+    TOUCHLINE_TRY_ASSIGN(value, toml_of(arguments["value"]));
+  }
+  const SetupFiles& files = draft_.now().files;
+  TOUCHLINE_TRY_ASSIGN(const std::string file, file_of_key(files, key));
+  return change_text(key + " " + (value.empty() ? "removed" : value), file, replace_key(files.text(file), key, value));
+}
+
+Answer SetupProgram::robots_set(const Arguments& arguments) {
+  const SetupFiles& files = draft_.now().files;
+  Result<std::string> text = files.text(files.team);
+  for (const char* name : {"own", "opponent"}) {
+    if (text.ok() && arguments.has(name)) text = replace_team(text.value(), name, arguments[name]);
+  }
+  return change_text("robots", files.team, std::move(text));
+}
+
+Answer SetupProgram::radio_set(const Arguments& arguments) {
+  const SetupFiles& files = draft_.now().files;
+  Result<std::string> text = files.text(files.board);
+  std::string name = "radio";
+  for (const char* key : {"backend", "device", "baud"}) {
+    if (!text.ok() || !arguments.has(key)) continue;
+    TOUCHLINE_TRY_ASSIGN(const std::string value, toml_of(arguments[key]));
+    text = replace_key(text.value(), std::string("radio.") + key, value);
+    name += " " + value;
+  }
+  return change_text(name, files.board, std::move(text));
 }
 
 }  // namespace touchline::setup

@@ -11,8 +11,8 @@
 #include "hal/device_parameters.h"
 #include "hal/replay/picture.h"
 #include "tools/programs/calibrate/colors/auto_detect.h"
+#include "tools/programs/calibrate/colors/color_calibration.h"
 #include "tools/programs/calibrate/colors/color_fit.h"
-#include "tools/programs/calibrate/colors/color_names.h"
 #include "tools/programs/calibrate/colors/colors_report.h"
 #include "tools/programs/calibrate/colors/field_reference.h"
 #include "tools/programs/calibrate/venue/confirmation.h"
@@ -23,17 +23,6 @@ namespace touchline::calibrate {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Checks that each color of the team file has a click.
-Result<void> check_all_colors(const std::string& path, const TeamColors& team, const std::vector<Click>& clicks) {
-  std::string missing;
-  for (const std::string& name : team.names) {
-    if (std::none_of(clicks.begin(), clicks.end(), [&](const Click& c) { return c.color == name; }))
-      missing += " " + name;
-  }
-  if (missing.empty()) return {};
-  return failure(ErrorCode::kNotFound, "%s: these colors have no click:%s", path.c_str(), missing.c_str());
-}
 
 }  // namespace
 
@@ -128,11 +117,7 @@ Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput
     TOUCHLINE_TRY(write_detection_picture(path, found, image, picture));
   }
   std::printf("pictures of the result are in %s\n", folder.c_str());
-  if (!found.doubts.empty()) {
-    std::string text = "the colors are not certain:";
-    for (const std::string& doubt : found.doubts) text += "\n  " + doubt;
-    return Error{ErrorCode::kInconsistent, text};
-  }
+  TOUCHLINE_TRY_ASSIGN(robots, take_detected(found, input));
   const bool all_clicked = std::all_of(found.input.colors.begin(), found.input.colors.end(),
                                        [](const WantedColor& color) { return color.clicked; });
   if (!all_clicked && !yes && !confirmed("are these colors right?")) {
@@ -140,36 +125,14 @@ Result<void> ColorsCommand::detect_colors(const VenueDraft& draft, ColorFitInput
                    "not confirmed, nothing was written: check the pictures in %s, then run this again with --yes",
                    folder.c_str());
   }
-  input.clicks = std::move(found.clicks);
-  input.unclear = std::move(found.unclear);
-  for (std::size_t t = 0; t < found.input.teams.size(); ++t) {
-    const TeamMarking& marking = found.input.teams[t];
-    if (marking.team_color == kBackground) continue;
-    for (const std::size_t patch : found.assignment.colors[marking.team_color - 1U].patches) {
-      const auto& named = found.assignment.named;
-      const auto robot = std::find_if(named.begin(), named.end(),
-                                      [patch](const AssignedRobot& one) { return one.team_patch == patch; });
-      robots[found.images[found.input.picture[patch]]].push_back(
-          {static_cast<Team>(t), robot == named.end() ? kUnknownId : marking.robots[robot->robot].id,
-           found.input.patches[patch].center});
-    }
-  }
   return {};
 }
 
-// A white line that is called blue passes every other check.
 Result<void> ColorsCommand::check_names(const ColorFit& fit) const {
   std::string text;
-  for (std::size_t c = 0; c < fit.names.size(); ++c) {
-    const Rgb seen{static_cast<double>(fit.shown_rgb[c][0]), static_cast<double>(fit.shown_rgb[c][1]),
-                   static_cast<double>(fit.shown_rgb[c][2])};
-    const std::string& name = fit.names[c];
-    if (is_plausible(usual_rgb(name), seen) ||
-        std::find(odd_colors.begin(), odd_colors.end(), name) != odd_colors.end())
-      continue;
-    text +=
-        formatted("\n  %s: the patches found look %s (%.0f %.0f %.0f); if they are right, add --odd-color %s",
-                  name.c_str(), std::string(most_similar_name(seen)).c_str(), seen[0], seen[1], seen[2], name.c_str());
+  for (const OddColor& odd : find_odd_colors(fit, odd_colors)) {
+    text += formatted("\n  %s: the patches found look %s (%.0f %.0f %.0f); if they are right, add --odd-color %s",
+                      odd.name.c_str(), odd.looks.c_str(), odd.rgb[0], odd.rgb[1], odd.rgb[2], odd.name.c_str());
   }
   if (text.empty()) return {};
   return Error{ErrorCode::kInconsistent, "nothing was written, because colors do not look like their names:" + text};
@@ -220,28 +183,12 @@ Result<void> ColorsCommand::run() const {
   print_report(input, fit);
   TOUCHLINE_TRY(check_names(fit));
 
-  std::vector<config::ColorEntry> entries;
-  for (std::size_t c = 0; c < fit.names.size(); ++c) {
-    config::ColorEntry entry;
-    entry.name = fit.names[c];
-    entry.shown_rgb = fit.shown_rgb[c];
-    entry.typical.assign(fit.typical[c].begin(), fit.typical[c].end());
-    for (const ColorBox& box : fit.learned.boxes) {
-      if (box.color == c + 1) entry.box.push_back({box.low, box.high});
-    }
-    entries.push_back(std::move(entry));
-  }
-  config::ColorsEntry colors{fit.space, {}};
-  if (fit.background) colors.background.assign(fit.background->begin(), fit.background->end());
-  // The check needs no reference of the field, and that of former colors is not valid.
-  config::LightEntry light = draft.file.light;
-  light.reference.clear();
-  std::vector<Section> sections = {section_of("light", light, ""), section_of("colors", colors, ""),
-                                   section_of("color", entries)};
+  // The check needs no reference of the field.
+  std::vector<Section> sections = color_sections(draft, fit);
   if (can_detect) TOUCHLINE_TRY(check_result(input, sections, robots));
   TOUCHLINE_TRY_ASSIGN(sections[0], write_field_reference(venue, draft, input, fit));
   TOUCHLINE_TRY(write_sections(venue, sections));
-  std::printf("%s: %zu colors in %zu boxes written\n", venue.c_str(), entries.size(), fit.learned.boxes.size());
+  std::printf("%s: %zu colors in %zu boxes written\n", venue.c_str(), fit.names.size(), fit.learned.boxes.size());
   if (preview.empty()) return {};
   std::error_code error;
   fs::create_directories(preview, error);

@@ -1,0 +1,119 @@
+#include "tools/programs/setup/camera_quality.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/camera_model.h"
+#include "firmware/config/configuration.h"
+#include "tools/programs/calibrate/imaging/camera_picture.h"
+#include "tools/programs/calibrate/venue/venue_draft.h"
+#include "tools/programs/command_line/formatted.h"
+#include "tools/programs/setup/page_state.h"
+
+namespace touchline::setup {
+namespace {
+
+constexpr std::size_t kBins = 32;
+constexpr std::uint8_t kClipped = 254, kBlack = 1;
+// Lamps that mirror in the floor clip some pixels; more of them hides patches.
+constexpr double kMostClipped = 0.02;
+// Greatest step between neighbors in a blurred edge: 0.38 of its height with a Gaussian of 1 px, 0.2 with 2 px.
+constexpr double kSharp = 0.3, kBlurred = 0.2;
+constexpr double kMostBlur_px = 1.0;
+
+// Median over the clear horizontal edges of the largest step between neighbors, relative to the whole edge.
+std::optional<double> focus_of(const hal::Picture& picture) {
+  constexpr int kReach = 3, kClearEdge = 40;
+  constexpr std::size_t kEnough = 100;
+  const auto luma = [&](std::size_t u, std::size_t v) {
+    const std::uint8_t* rgb = &picture.rgb8[3 * (v * picture.width_px + u)];
+    return (rgb[0] + 2 * rgb[1] + rgb[2]) / 4;
+  };
+  std::vector<double> steps;
+  for (std::size_t v = 0; v < picture.height_px; ++v) {
+    for (std::size_t u = kReach; u + kReach < picture.width_px; ++u) {
+      const int height = std::abs(luma(u + kReach, v) - luma(u - kReach, v));
+      if (height < kClearEdge) continue;
+      int largest = 0;
+      for (std::size_t i = u - kReach; i < u + kReach; ++i)
+        largest = std::max(largest, std::abs(luma(i + 1, v) - luma(i, v)));
+      // Texture and thin lines have steps larger than the whole.
+      if (largest <= height) steps.push_back(static_cast<double>(largest) / height);
+    }
+  }
+  if (steps.size() < kEnough) return std::nullopt;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+// Meters on the floor per pixel in the middle of the picture.
+double scale_m(const calibrate::VenueDraft& venue, const Frame& frame) {
+  CameraModel camera;
+  if (calibrate::has_camera_model(venue) && camera.configure(venue.file.camera_model).ok()) {
+    const float u = static_cast<float>(frame.width_px) / 2, v = static_cast<float>(frame.height_px) / 2;
+    const FieldPoint a = camera.to_field({u, v}, 0.0f), b = camera.to_field({u + 1, v}, 0.0f);
+    return static_cast<double>(std::hypot(b.x_m - a.x_m, b.y_m - a.y_m));
+  }
+  return static_cast<double>(venue.file.field.length_m) / frame.width_px;
+}
+
+}  // namespace
+
+nlohmann::json camera_quality(const Frame& frame, const SetupFiles& files, const std::string& folder) {
+  const hal::Picture picture = calibrate::picture_of(frame);
+  std::array<std::array<double, kBins>, 3> histogram{};
+  std::array<double, 3> clipped{}, black{}, mean{};
+  const std::size_t pixels = std::size_t{picture.width_px} * picture.height_px;
+  const double share = 1.0 / static_cast<double>(pixels);
+  for (std::size_t i = 0; i < 3 * pixels; ++i) {
+    const std::uint8_t value = picture.rgb8[i];
+    histogram[i % 3][value * kBins / 256] += share;
+    clipped[i % 3] += value >= kClipped ? share : 0.0;
+    black[i % 3] += value <= kBlack ? share : 0.0;
+    mean[i % 3] += value * share;
+  }
+  nlohmann::json out = {
+      {"histogram", histogram}, {"clipped", clipped}, {"black", black}, {"mean", mean}, {"focus", nullptr}};
+  const char* level = "ok";
+  nlohmann::json notes = nlohmann::json::array();
+  const auto note = [&](const char* text_level, const std::string& text) {
+    notes.push_back({{"level", text_level}, {"text", text}});
+    if (std::string_view(level) != "bad") level = text_level;
+  };
+  const std::optional<double> focus = focus_of(picture);
+  if (focus) out["focus"] = *focus;
+  if (!focus) note("warning", "the picture has no clear edge: is it dark, or is the lens covered?");
+  if (focus && *focus < kSharp) note(*focus < kBlurred ? "bad" : "warning", "the picture is blurred: turn the lens");
+  if (*std::max_element(clipped.begin(), clipped.end()) > kMostClipped) {
+    note("warning", "bright parts are clipped: use a shorter exposure or less gain");
+  }
+
+  const auto configuration = std::make_unique<config::Configuration>();
+  static_cast<void>(config::load_board(folder + "/" + files.board, {}, *configuration).ok());
+  const Result<calibrate::VenueDraft> venue = calibrate::read_draft(folder + "/" + files.venue);
+  const double scale = scale_m(venue.ok() ? venue.value() : calibrate::VenueDraft{}, frame);
+  static_cast<void>(
+      config::read_toml(folder + "/" + files.team, "", {}, configuration->team, configuration->team_where).ok());
+  const auto speed = static_cast<double>(configuration->team.control.drive.max_speed_mps);
+  const double limit_us = speed > 0 ? 1e6 * kMostBlur_px * scale / speed : 1e6;
+  const double exposure_us = configuration->board.camera.exposure_us;
+  out["exposure_limit_us"] = limit_us;
+  out["blur_px"] = exposure_us * kMostBlur_px / limit_us;
+  if (exposure_us > limit_us) {
+    note(exposure_us > 2 * limit_us ? "bad" : "warning",
+         formatted("robots at %.1f m/s are blurred by %.1f pixels: expose at most %.0f us", speed,
+                   exposure_us * kMostBlur_px / limit_us, limit_us));
+  }
+  out["notes"] = notes;
+  out["quality"] =
+      quality(level, notes.empty() ? "exposure and focus are good" : notes[0]["text"].get_ref<const std::string&>(),
+              100 * focus.value_or(0), "% sharp");
+  return out;
+}
+
+}  // namespace touchline::setup

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/types.h"
+#include "firmware/config/venue_file.h"
+#include "hal/result.h"
+#include "tools/programs/calibrate/imaging/channel_image.h"
+
+namespace touchline::setup {
+
+/// A PNG with alpha as large as the picture: pixels that have a color with `after` and had another class with `before`
+/// in that color, pixels that lost their color in black, all others transparent. kIo: the encoder failed.
+Result<std::string> color_change_mask(const calibrate::ChannelImage& picture,
+                                      const std::vector<config::ColorEntry>& before,
+                                      const std::vector<config::ColorEntry>& after);
+
+}  // namespace touchline::setup

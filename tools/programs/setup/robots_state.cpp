@@ -1,0 +1,170 @@
+#include "tools/programs/setup/robots_state.h"
+
+#include <toml++/toml.h>
+#include <algorithm>
+#include <optional>
+#include <sstream>
+
+#include "firmware/config/section_writer.h"
+#include "firmware/config/standard_layouts.h"
+#include "firmware/config/team_file.h"
+#include "firmware/config/toml_file.h"
+#include "tools/programs/calibrate/colors/team_colors.h"
+#include "tools/programs/calibrate/imaging/channel_image.h"
+#include "tools/programs/setup/arguments.h"
+#include "tools/programs/setup/page_state.h"
+
+namespace touchline::setup {
+namespace {
+
+// As the advice of touchline-calibrate colors.
+constexpr double kLookAlike_levels = 20;
+constexpr std::size_t kMostPairs = 12;
+
+const char* word_of_outline(PatchOutline outline) {
+  switch (outline) {
+    case PatchOutline::kSquare:
+      return "square";
+    case PatchOutline::kBar:
+      return "bar";
+    case PatchOutline::kTriangle:
+      return "triangle";
+    case PatchOutline::kCircle:
+      return "circle";
+  }
+  return "square";
+}
+
+nlohmann::json layouts_json() {
+  nlohmann::json out = nlohmann::json::array();
+  for (const config::StandardLayout& standard : config::standard_layouts()) {
+    nlohmann::json patches = nlohmann::json::array();
+    for (const PatchPlace& patch : standard.layout.patches) {
+      patches.push_back({{"role", patch.role == PatchRole::kTeam ? "team" : "identification"},
+                         {"outline", word_of_outline(patch.outline)},
+                         {"x_m", patch.x_m},
+                         {"y_m", patch.y_m},
+                         {"length_m", patch.length_m},
+                         {"width_m", patch.width_m},
+                         {"turn_rad", patch.turn_rad}});
+    }
+    out.push_back({{"name", std::string(standard.name)},
+                   {"help", std::string(standard.help)},
+                   {"robot_side_m", standard.layout.robot_side_m},
+                   {"patches", patches}});
+  }
+  return out;
+}
+
+nlohmann::json team_json(const config::TeamEntry& team) {
+  nlohmann::json robots = nlohmann::json::array();
+  for (const config::RobotEntry& robot : team.robot) robots.push_back({{"id", robot.id}, {"colors", robot.colors}});
+  return {{"layout", team.layout}, {"color", team.color}, {"robots", robots}};
+}
+
+// Distance of the patch that tells both robots apart best; empty if a color is unknown to the venue.
+std::optional<double> distance_of(const config::RobotEntry& a, const config::RobotEntry& b,
+                                  const config::VenueFile& venue) {
+  const auto typical = [&](const std::string& name) -> std::optional<calibrate::Channels> {
+    const auto color =
+        std::find_if(venue.color.begin(), venue.color.end(), [&](const auto& one) { return one.name == name; });
+    if (color == venue.color.end() || color->typical.size() != 3) return std::nullopt;
+    return calibrate::Channels{color->typical[0], color->typical[1], color->typical[2]};
+  };
+  double best = 0;
+  for (std::size_t i = 0; i < std::min(a.colors.size(), b.colors.size()); ++i) {
+    const auto x = typical(a.colors[i]), y = typical(b.colors[i]);
+    if (!x || !y) return std::nullopt;
+    best = std::max(best, calibrate::color_distance(*x, *y, venue.colors.space));
+  }
+  return best;
+}
+
+nlohmann::json similar_json(const config::TeamFile& file, const config::VenueFile& venue) {
+  nlohmann::json pairs = nlohmann::json::array();
+  const std::pair<const char*, const config::TeamEntry*> teams[] = {{"own", &file.own}, {"opponent", &file.opponent}};
+  for (const auto& [name, team] : teams) {
+    for (std::size_t i = 0; i < team->robot.size(); ++i) {
+      for (std::size_t j = i + 1; j < team->robot.size(); ++j) {
+        const auto levels = distance_of(team->robot[i], team->robot[j], venue);
+        if (!levels) continue;
+        pairs.push_back({{"a", {{"team", name}, {"id", team->robot[i].id}}},
+                         {"b", {{"team", name}, {"id", team->robot[j].id}}},
+                         {"levels", *levels}});
+      }
+    }
+  }
+  std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
+    return a.at("levels").template get<double>() < b.at("levels").template get<double>();
+  });
+  if (pairs.size() > kMostPairs) pairs.erase(pairs.begin() + kMostPairs, pairs.end());
+  return pairs;
+}
+
+}  // namespace
+
+nlohmann::json robots_state(const std::string& team_path, const calibrate::VenueDraft& venue) {
+  config::TeamFile file;
+  config::Locations where;
+  static_cast<void>(config::read_toml(team_path, "", {}, file, where).ok());
+  nlohmann::json problems = nlohmann::json::array();
+  std::istringstream lines(calibrate::read_team_colors(team_path).text());
+  for (std::string line; std::getline(lines, line);) {
+    // The draft's folder means nothing to a person.
+    const std::size_t folder = line.rfind('/', line.find(": "));
+    problems.push_back(folder == std::string::npos ? line : line.substr(folder + 1));
+  }
+  nlohmann::json out = {{"done", problems.empty()},   {"layouts", layouts_json()},
+                        {"own", team_json(file.own)}, {"opponent", team_json(file.opponent)},
+                        {"ball", file.ball.color},    {"similar", similar_json(file, venue.file)}};
+  if (!problems.empty()) {
+    out["quality"] = quality("bad", problems[0].get_ref<const std::string&>());
+  } else if (out["similar"].empty()) {
+    out["quality"] = quality("none", "the colors are not learned yet");
+  } else {
+    const double levels = out["similar"][0]["levels"].get<double>();
+    out["quality"] = quality(levels < kLookAlike_levels ? "warning" : "ok",
+                             levels < kLookAlike_levels ? "two robots look alike" : "all robots can be told apart",
+                             levels, "levels");
+  }
+  out["problems"] = problems;
+  return out;
+}
+
+Result<std::string> replace_team(const std::string& text, const std::string& name, const nlohmann::json& table) {
+  if (!table.is_object()) return failure(ErrorCode::kInconsistent, "\"%s\" must be an object", name.c_str());
+  const Arguments members(table);
+  toml::table file;
+  try {
+    file = toml::parse(text.empty() ? config::kNewFile : text);
+  } catch (const toml::parse_error& fault) {
+    return failure(ErrorCode::kInconsistent, "line %u: %s", fault.source().begin.line,
+                   std::string(fault.description()).c_str());
+  }
+  toml::table team;
+  if (const toml::table* former = file[name].as_table()) team = *former;
+  for (const char* key : {"layout", "color"}) {
+    if (!members.has(key)) continue;
+    TOUCHLINE_TRY_ASSIGN(const std::string value, members.text(key));
+    team.insert_or_assign(key, value);
+  }
+  if (members.has("robots")) {
+    if (!members["robots"].is_array()) return Error{ErrorCode::kInconsistent, "\"robots\" must be a list"};
+    toml::array robots;
+    for (const nlohmann::json& one : members["robots"]) {
+      if (!one.is_object()) return Error{ErrorCode::kInconsistent, "a robot must be an object"};
+      const Arguments robot(one);
+      TOUCHLINE_TRY_ASSIGN(const double id, robot.number("id", 0, 127));
+      TOUCHLINE_TRY_ASSIGN(const std::vector<std::string> colors, robot.texts("colors"));
+      toml::array names;
+      for (const std::string& color : colors) names.push_back(color);
+      robots.push_back(toml::table{{"id", static_cast<std::int64_t>(id)}, {"colors", std::move(names)}});
+    }
+    team.insert_or_assign("robot", std::move(robots));
+  }
+  std::ostringstream section;
+  section << toml::table{{name, std::move(team)}} << "\n";
+  return config::replace_section(text.empty() ? config::kNewFile : text, name, section.str());
+}
+
+}  // namespace touchline::setup

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "hal/result.h"
+#include "tools/programs/calibrate/venue/venue_draft.h"
+
+namespace touchline::setup {
+
+/// `steps.robots` of the page's state: layouts, both teams, what is wrong with the team file, and the pairs of robots
+/// of a team whose identification colors are closest in this venue.
+nlohmann::json robots_state(const std::string& team_path, const calibrate::VenueDraft& venue);
+
+/// Returns the text of the team file with [own] or [opponent] as the page has it: {layout, color, robots: [{id,
+/// colors}]}. Other keys of the table stay. kInconsistent: the table has another form.
+Result<std::string> replace_team(const std::string& text, const std::string& name, const nlohmann::json& table);
+
+}  // namespace touchline::setup

@@ -1,6 +1,7 @@
 # The files of a .deb besides the programs, and CPack's settings for it (tools/package).
 install(FILES toolchain/package/touchline.service DESTINATION lib/systemd/system)
 install(FILES toolchain/package/touchline.rules DESTINATION lib/udev/rules.d RENAME 70-touchline.rules)
+install(FILES toolchain/package/touchline.avahi DESTINATION share/touchline/avahi RENAME touchline.service)
 # The console's page, if tools/console/build has built it.
 install(DIRECTORY tools/console/dist/ DESTINATION share/touchline/console OPTIONAL)
 install(CODE "execute_process(COMMAND \"${CMAKE_SOURCE_DIR}/toolchain/package/install-documentation\"

@@ -82,7 +82,20 @@ std::uint16_t ExternalInput::halt(Instant now, Duration timeout) const {
   if (is_silent || is_awaited) reasons |= kHaltSilence;
   if (!is_assigned_) reasons |= kHaltTeams;
   if (console_.stop) reasons |= kHaltConsole;
+  if (is_held_by_setup()) reasons |= kHaltSetup;
   return reasons;
+}
+
+bool ExternalInput::is_held_by_setup() const {
+  switch (settings_.setup) {
+    case SetupMode::kCalibrated:
+      return console_.setup == SetupWish::kStand;
+    case SetupMode::kDraft:
+      return console_.setup != SetupWish::kPermit;
+    case SetupMode::kUncalibrated:
+      break;
+  }
+  return true;
 }
 
 TeamAssignment ExternalInput::wanted_assignment() const {

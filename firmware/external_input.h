@@ -14,6 +14,13 @@
 
 namespace touchline {
 
+/// Which files are in use.
+enum class SetupMode : std::uint8_t {
+  kCalibrated,    // the saved ones
+  kDraft,         // those of a guided setup: robots stand unless the console permits
+  kUncalibrated,  // saved ones or a draft that lack the calibration: robots stand
+};
+
 struct ExternalInputSettings {
   Mailbox<ExternalCommands>* commands = nullptr;  // null: no other program may drive robots
   Mailbox<RefereeState>* referee = nullptr;       // null: there is no referee
@@ -22,6 +29,7 @@ struct ExternalInputSettings {
   // Robots stand until the first message of the referee.
   bool awaits_referee = false;
   Mailbox<ConsoleInput>* console = nullptr;  // null: there is no console
+  SetupMode setup = SetupMode::kCalibrated;
 };
 
 /// Takes the commands of other programs, the messages of a referee and the console's input from their mailboxes. They
@@ -50,6 +58,7 @@ class ExternalInput {
   void take_commands(Instant now, Instant machine_now);
   void take_referee(Instant now, Instant machine_now);
   void take_console(Instant now, Instant machine_now);
+  [[nodiscard]] bool is_held_by_setup() const;
   [[nodiscard]] TeamAssignment wanted_assignment() const;
 
   const ExternalInputSettings settings_;

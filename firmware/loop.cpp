@@ -158,13 +158,13 @@ void Loop::process_frame(const hal::FrameLease& lease) {
   if (settings_.snapshots != nullptr) write_snapshot(trace, timing, machine_sent);
   // After the snapshot: whoever gets the picture also finds the results.
   if (settings_.pictures != nullptr && settings_.pictures->is_wanted()) {
-    settings_.pictures->put(frame, statistics_.frames - 1);
+    settings_.pictures->put(frame, settings_.first_number + statistics_.frames - 1);
   }
 }
 
 void Loop::write_snapshot(const StepTrace& trace, const StepTiming& timing, Instant machine_sent) {
   copy_trace(trace, snapshot_);
-  snapshot_.number = statistics_.frames - 1;
+  snapshot_.number = settings_.first_number + statistics_.frames - 1;
   snapshot_.received = timing.received;
   snapshot_.sent = timing.sent;
   snapshot_.machine_sent = machine_sent;
@@ -225,6 +225,9 @@ void Loop::update_end(Instant now) {
   const bool enough_frames = settings_.frames != 0 && statistics_.frames >= settings_.frames;
   const bool enough_time = settings_.duration != Duration::zero() && now - statistics_.begin >= settings_.duration;
   if (!end_ && (enough_frames || enough_time)) end_ = LoopEnd::kLimit;
+  if (!end_ && settings_.restart != nullptr && settings_.restart->load(std::memory_order_relaxed)) {
+    end_ = LoopEnd::kRestart;
+  }
 }
 
 void Loop::check_inputs(Instant now) {

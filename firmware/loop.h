@@ -36,6 +36,8 @@ struct LoopSettings {
   bool start_button = false;                       // robots are stopped until it is pressed
   bool emergency_stop = true;                      // the board has one; robots are stopped while it cannot be read
   bool hold_after_crash = false;                   // the previous run ended unexpectedly: robots wait for a start
+  const std::atomic<bool>* restart = nullptr;      // ends the loop with kRestart when it is set; null: never
+  std::uint64_t first_number = 0;                  // of the first frame's snapshot
   LiveUpdate* live_update = nullptr;               // new settings while the loop runs; null: none
   ExternalInputSettings external;
   SnapshotRing* snapshots = nullptr;    // gets a snapshot of every frame; null: nobody reads them
@@ -62,6 +64,7 @@ struct LoopObserver {
 
 enum class LoopEnd : std::uint8_t {
   kRequested,    // the stop flag was set
+  kRestart,      // LoopSettings::restart was set
   kLimit,        // frames or duration reached
   kEndOfStream,  // a replayed input has ended
   kDeviceLost,   // a device was lost for longer than faults.leave_after_s
@@ -105,6 +108,8 @@ class Loop {
   [[nodiscard]] const LoopStatistics& statistics() const { return statistics_; }
   /// For a watchdog; callable from any thread.
   [[nodiscard]] const LoopHeartbeat& heartbeat() const { return heartbeat_; }
+  /// Bits of Halt.
+  [[nodiscard]] std::uint16_t halt() const { return rules_.halt(); }
   /// The error that led to kFault or kDeviceLost.
   [[nodiscard]] const FaultReport& last_fault() const { return reports_.last_fault(); }
 

@@ -16,6 +16,11 @@ class PictureExchange {
  public:
   /// For the asking thread, before the first request(). `bytes`: of the largest picture without padding of rows.
   void allocate(std::size_t bytes) { memory_.assign(bytes, 0); }
+  /// As allocate(), while no loop runs; an open request is forgotten.
+  void reallocate(std::size_t bytes) {
+    state_.store(State::kIdle, std::memory_order_release);
+    if (bytes > memory_.size()) allocate(bytes);
+  }
   /// For the asking thread: asks for the next picture, and gives the last one back.
   void request() noexcept { state_.store(State::kWanted, std::memory_order_release); }
   /// For the asking thread: whether a picture has arrived since request().

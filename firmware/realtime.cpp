@@ -66,6 +66,17 @@ std::vector<std::string> become_realtime(const config::RealtimeSettings& setting
   return refused;
 }
 
+NormalScheduling::NormalScheduling() {
+  static_cast<void>(pthread_getaffinity_np(pthread_self(), sizeof processors_, &processors_));
+  static_cast<void>(pthread_getschedparam(pthread_self(), &policy_, &parameters_));
+}
+
+void NormalScheduling::restore() const {
+  // The kernel permits a thread to give up its priority.
+  static_cast<void>(pthread_setschedparam(pthread_self(), policy_, &parameters_));
+  static_cast<void>(pthread_setaffinity_np(pthread_self(), sizeof processors_, &processors_));
+}
+
 CpuLatencyRequest::CpuLatencyRequest(const config::RealtimeSettings& settings, const std::string& root) {
   if (settings.wake_within_us < 0) return;
   const std::string path = root + "/dev/cpu_dma_latency";

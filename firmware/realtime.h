@@ -1,5 +1,6 @@
 #pragma once
 
+#include <sched.h>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -18,6 +19,19 @@ std::vector<std::string> lock_memory(const config::RealtimeSettings& settings);
 /// Pins the calling thread, touches the stack that the loop will use, minimizes the timer slack and sets SCHED_FIFO.
 /// Threads that it starts later inherit these settings.
 std::vector<std::string> become_realtime(const config::RealtimeSettings& settings);
+
+/// Remembers the processors and the priority of the calling thread, and restores them, so that threads that it starts
+/// later do not inherit those of the loop.
+class NormalScheduling {
+ public:
+  NormalScheduling();
+  void restore() const;
+
+ private:
+  cpu_set_t processors_{};
+  sched_param parameters_{};
+  int policy_ = SCHED_OTHER;
+};
 
 /// Limits the wake-up latency of all processors (PM QoS) until it is destroyed.
 class CpuLatencyRequest {

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 #include <cstdio>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "firmware/report_printer.h"
 #include "firmware/run_marker.h"
 #include "firmware/service_notifier.h"
+#include "firmware/session_switch.h"
 #include "firmware/signals.h"
 
 namespace touchline {
@@ -58,41 +60,196 @@ void print_hold(const hal::GpioSettings& gpio) {
                                                : "the service is restarted (systemctl restart touchline)");
 }
 
+/// What all sessions of a run share.
+struct RunContext {
+  const CommandLine& command_line;
+  network::Connections& connections;
+  console::Console& console;
+  bool serves_console;
+  bool is_paced;
+  AdaptationRequests& adaptation;
+  const std::atomic<std::uint32_t>& reload_requests;
+  const std::atomic<bool>& stop;
+  std::vector<std::string>& refused;  // by the system, of the real-time settings
+
+  SessionSwitch next{};
+  LinePrinter lines{};
+  std::optional<ServiceNotifier> service{};
+  std::optional<console::ConsoleThread> console_thread{};
+};
+
+/// Loads a draft, or the saved files if `draft` names none. With `may_lack_calibration` a session without recognition
+/// takes the place of one whose venue is not calibrated yet.
+Result<std::unique_ptr<Session>> load_session(const SessionOptions& saved, const config::FilePaths& draft,
+                                              bool may_lack_calibration) {
+  SessionOptions options = saved;
+  const bool is_draft = !draft.board.empty();
+  if (is_draft) {
+    options.files.board = draft.board;
+    options.files.venue = draft.venue;
+    options.files.team = draft.team;
+  }
+  auto session = std::make_unique<Session>();
+  Result<void> loaded = session->load(options);
+  if (!loaded.ok() && may_lack_calibration) {
+    session = std::make_unique<Session>();
+    if (session->load_uncalibrated(options).ok()) {
+      std::fprintf(stderr, "%s\nnot calibrated: robots stay stopped; set the board up in the console\n",
+                   loaded.text().c_str());
+      loaded = {};
+    }
+  }
+  if (!loaded.ok()) return loaded.error();
+  if (is_draft) session->set_draft();
+  return session;
+}
+
+Result<void> open_session(Session& session, RunContext& run) {
+  session.set_adaptation_requests(run.adaptation);
+  session.set_arena_time(run.is_paced ? ArenaTime::kPaced : ArenaTime::kFast);
+  session.set_restart(&run.next.is_waiting());
+  if (run.serves_console) run.console.attach(session, run.connections.snapshots());
+  run.connections.attach(session);
+  return session.open(LoopObserver{});
+}
+
+ReportPrinterSettings reporting_of(const Session& session, RunContext& run) {
+  ReportPrinterSettings reporting;
+  reporting.expected = session.expectation();
+  reporting.service = &*run.service;
+  // The service manager shows the last status; its journal should contain events only.
+  reporting.status_lines = !run.service->is_enabled();
+  reporting.map_columns = !run.command_line.headless && ::isatty(STDOUT_FILENO) != 0 ? kMapColumns : 0;
+  if (!run.connections.plan().empty()) reporting.network = [&run] { return run.connections.status_text(); };
+  if (run.serves_console) {
+    reporting.on_status = [&run](const StatusReport& status) { run.console.reports().set(status); };
+    reporting.on_event = [&run](const char* level, const std::string& line) {
+      run.console.reports().events.add(level, line);
+    };
+  }
+  return reporting;
+}
+
+/// Runs the loop of an open session. `error`: why it is not the session that was wanted, or "".
+LoopEnd run_session(Session& session, RunContext& run, const std::string& error) {
+  const config::RealtimeSettings& realtime = session.configuration().board.realtime;
+  const bool is_first = !run.service.has_value();
+  if (is_first) {
+    run.service.emplace(session.loop().heartbeat());
+  } else {
+    run.service->watch(&session.loop().heartbeat());
+  }
+  ConfigReloader reloader(session.files(), session.configuration(), session.devices().hal_devices().camera,
+                          session.live_update());
+  LoopEnd end = LoopEnd::kRequested;
+  {
+    // These threads are started before this thread gets its real-time priority, which they would inherit.
+    ReportPrinter printer(session.reports(), reporting_of(session, run), stdout, stderr);
+    run.lines.set(&printer);
+    const auto print_line = [&run](const std::string& line) { run.lines.print(line); };
+    const ReloadThread reload([&](const std::atomic<bool>& cancelled) { return reloader.reload(cancelled); },
+                              run.reload_requests, print_line);
+    const network::ConnectionThreads threads(run.connections, session.configuration(), print_line);
+    if (run.serves_console && is_first) {
+      run.console_thread.emplace(run.console, session, &run.adaptation, TOUCHLINE_VERSION, print_line);
+    } else if (run.serves_console) {
+      run.console.begin_session(session, error);
+    }
+    const NormalScheduling normal;
+    std::vector<std::string> refused = become_realtime(realtime);
+    for (std::string& hint : realtime_hints(realtime, is_realtime())) refused.push_back(std::move(hint));
+    if (is_first) {
+      run.refused.insert(run.refused.end(), refused.begin(), refused.end());
+      print_start(session, run.connections, run.console, run.refused);
+    }
+    end = touchline::run(session.loop(), *run.service, run.stop);
+    normal.restore();
+    if (end != LoopEnd::kRestart) run.console_thread.reset();
+    run.lines.set(nullptr);
+  }
+  session.loop().close();
+  return end;
+}
+
+/// Robots that were to stand until somebody acts stand in the next session too.
+bool must_wait_for_start(std::uint16_t halt) {
+  return (halt & (kHaltCrash | kHaltEmergency | kHaltUnreadableLine)) != 0;
+}
+
+/// Opens the session that waits or, if its devices cannot be opened, one with the saved files; `error` says why.
+Result<std::unique_ptr<Session>> begin_next(std::unique_ptr<Session> former, RunContext& run, std::string& error) {
+  std::unique_ptr<Session> next = run.next.take();
+  const bool holds = must_wait_for_start(former->loop().halt());
+  const std::uint64_t number = former->next_number();
+  former.reset();  // its devices are needed
+  // The next loop counts the requests from the beginning.
+  run.adaptation.freeze = run.adaptation.reset = 0;
+  const auto open = [&](Session& session) {
+    session.hold_after_crash(holds);
+    session.set_first_number(number);
+    return open_session(session, run);
+  };
+  const Result<void> opened = open(*next);
+  if (opened.ok()) return next;
+  error = opened.text();
+  next.reset();
+  Result<std::unique_ptr<Session>> saved = load_session(run.command_line.session, {}, true);
+  if (!saved.ok()) return saved;
+  TOUCHLINE_TRY(open(*saved.value()));
+  return saved;
+}
+
+/// Whether the console will be served, as far as command line and board file say so.
+bool wants_console(const CommandLine& command_line) {
+  if (command_line.console.is_requested) return true;
+  const auto files = std::make_unique<config::Configuration>();
+  static_cast<void>(config::load(command_line.session.files, *files));  // the session reports what is wrong
+  return files->board.console.enabled;
+}
+
 }  // namespace
 
 int run_command(const CommandLine& command_line) {
-  Session session;
-  const Result<void> loaded = session.load(command_line.session);
+  Result<std::unique_ptr<Session>> loaded = load_session(command_line.session, {}, wants_console(command_line));
   Result<network::NetworkPlan> plan =
-      loaded.ok() ? network::plan_network(session.configuration(), command_line.network) : loaded.error();
+      loaded.ok() ? network::plan_network(loaded.value()->configuration(), command_line.network) : loaded.error();
   if (!plan.ok()) {
     std::fprintf(stderr, "%s\n", plan.error().text.c_str());
     return kExitBadFile;
   }
-  const config::BoardFile& board = session.configuration().board;
+  std::unique_ptr<Session> session = std::move(loaded).value();
+  const std::shared_ptr<const config::Configuration> configuration = session->shared_configuration();
+  const config::BoardFile& board = configuration->board;
   Result<console::ConsolePlan> console_plan =
-      console::plan_console(board.console, session.configuration().board_where, command_line.console);
+      console::plan_console(board.console, configuration->board_where, command_line.console);
   if (!console_plan.ok()) {
     std::fprintf(stderr, "%s\n", console_plan.error().text.c_str());
     return kExitBadFile;
   }
   network::Connections connections(std::move(plan).value());
   const auto console = std::make_unique<console::Console>(std::move(console_plan).value());
-  const config::RealtimeSettings& realtime = board.realtime;
-  std::vector<std::string> refused = lock_memory(realtime);
+  const bool paced = is_paced(command_line, connections.plan());
+  const bool serves_console = is_served(console->plan(), board, paced);
+  if (!session->is_calibrated() && !serves_console) {
+    std::fprintf(stderr, "without the console nothing can be set up: --pace real, or --console\n");
+    return kExitBadFile;
+  }
+  std::vector<std::string> refused = lock_memory(board.realtime);
   crash_stop::install_handlers();
   const std::atomic<bool>& stop = handle_stop_signals();
   AdaptationRequests& adaptation = handle_adaptation_signals();
-  session.set_adaptation_requests(adaptation);
   const std::atomic<std::uint32_t>& reload_requests = handle_reload_signal();
   const RunMarker marker = RunMarker::of_service();
-  session.hold_after_crash(marker.exists());
-  const bool paced = is_paced(command_line, connections.plan());
-  session.set_arena_time(paced ? ArenaTime::kPaced : ArenaTime::kFast);
-  const bool serves_console = is_served(console->plan(), board, paced);
-  if (serves_console) console->attach(session, connections.snapshots());
-  connections.attach(session);
-  if (const Result<void> opened = session.open(LoopObserver{}); !opened.ok()) {
+  session->hold_after_crash(marker.exists());
+  RunContext run{command_line, connections,     *console, serves_console, paced,
+                 adaptation,   reload_requests, stop,     refused};
+  console->set_use_files([&run](const config::FilePaths& draft) -> Result<void> {
+    Result<std::unique_ptr<Session>> next = load_session(run.command_line.session, draft, true);
+    if (!next.ok()) return next.error();
+    run.next.offer(std::move(next).value());
+    return {};
+  });
+  if (const Result<void> opened = open_session(*session, run); !opened.ok()) {
     std::fprintf(stderr, "%s\n", opened.error().text.c_str());
     return kExitDeviceFailure;
   }
@@ -100,45 +257,24 @@ int run_command(const CommandLine& command_line) {
   if (const Result<void> marked = marker.create(); !marked.ok()) {
     std::fprintf(stderr, "%s\n", marked.error().text.c_str());
   }
-  ReportPrinterSettings reporting;
-  reporting.expected = session.expectation();
-  ServiceNotifier service(session.loop().heartbeat());
-  reporting.service = &service;
-  // The service manager shows the last status; its journal should contain events only.
-  reporting.status_lines = !service.is_enabled();
-  reporting.map_columns = !command_line.headless && ::isatty(STDOUT_FILENO) != 0 ? kMapColumns : 0;
-  if (!connections.plan().empty()) reporting.network = [&connections] { return connections.status_text(); };
-  if (serves_console) {
-    reporting.on_status = [&console](const StatusReport& status) { console->reports().set(status); };
-    reporting.on_event = [&console](const char* level, const std::string& line) {
-      console->reports().events.add(level, line);
-    };
-  }
-  LoopEnd end = LoopEnd::kRequested;
-  const CpuLatencyRequest cpu_latency_request(realtime);
+  const CpuLatencyRequest cpu_latency_request(board.realtime);
   refused.insert(refused.end(), cpu_latency_request.refused().begin(), cpu_latency_request.refused().end());
-  ConfigReloader reloader(session.files(), session.configuration(), session.devices().hal_devices().camera,
-                          session.live_update());
-  {
-    // These threads are started before this thread gets its real-time priority, which they would inherit.
-    ReportPrinter printer(session.reports(), reporting, stdout, stderr);
-    const auto print_line = [&printer](const std::string& line) { printer.print_line(line); };
-    const ReloadThread reload([&](const std::atomic<bool>& cancelled) { return reloader.reload(cancelled); },
-                              reload_requests, print_line);
-    const network::ConnectionThreads threads(connections, session.configuration(), print_line);
-    std::optional<console::ConsoleThread> console_thread;
-    if (serves_console) console_thread.emplace(*console, session, &adaptation, TOUCHLINE_VERSION, print_line);
-    for (std::string& refusal : become_realtime(realtime)) refused.push_back(std::move(refusal));
-    for (std::string& hint : realtime_hints(realtime, is_realtime())) refused.push_back(std::move(hint));
-    print_start(session, connections, *console, refused);
-    end = run(session.loop(), service, stop);
+  LoopEnd end = run_session(*session, run, {});
+  while (end == LoopEnd::kRestart) {
+    std::string error;
+    Result<std::unique_ptr<Session>> next = begin_next(std::move(session), run, error);
+    if (!next.ok()) {
+      std::fprintf(stderr, "%s\n%s\n", error.c_str(), next.error().text.c_str());
+      return kExitDeviceFailure;
+    }
+    session = std::move(next).value();
+    end = run_session(*session, run, error);
   }
-  session.loop().close();
   if (!is_failure(end)) marker.remove();
-  std::printf("\n%s%s%s", summary(session.loop().statistics(), end).c_str(), connections.summary().c_str(),
-              session.devices().summary().c_str());
+  std::printf("\n%s%s%s", summary(session->loop().statistics(), end).c_str(), connections.summary().c_str(),
+              session->devices().summary().c_str());
   if (!is_failure(end)) return kExitOk;
-  std::fprintf(stderr, "%s\n", fault_line(session.loop().last_fault()).c_str());
+  std::fprintf(stderr, "%s\n", fault_line(session->loop().last_fault()).c_str());
   return kExitDeviceFailure;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <utility>
 
 namespace touchline {
 namespace {
@@ -18,7 +19,7 @@ constexpr std::uint64_t kPingsPerWatchdogTime = 4;
 }  // namespace
 
 ServiceNotifier::ServiceNotifier(const LoopHeartbeat& heartbeat)
-    : heartbeat_(heartbeat), enabled_(std::getenv("NOTIFY_SOCKET") != nullptr) {
+    : heartbeat_(&heartbeat), enabled_(std::getenv("NOTIFY_SOCKET") != nullptr) {
   if (enabled_) thread_ = std::thread([this] { work(); });  // calls nothing that throws
 }
 
@@ -35,8 +36,17 @@ void ServiceNotifier::status(const std::string& line) const {
 
 LoopEnd run(Loop& loop, ServiceNotifier& service, const std::atomic<bool>& stop) {
   const LoopEnd end = loop.run(stop);
-  service.end();
+  if (end == LoopEnd::kRestart) {
+    service.watch(nullptr);
+  } else {
+    service.end();
+  }
   return end;
+}
+
+void ServiceNotifier::watch(const LoopHeartbeat* heartbeat) {
+  const std::scoped_lock lock(mutex_);
+  heartbeat_ = heartbeat;
 }
 
 void ServiceNotifier::work() {
@@ -47,14 +57,21 @@ void ServiceNotifier::work() {
                                   : kLongestNotifyPeriod;
   bool is_ready = false;
   std::uint64_t iterations = 0;
+  auto started = std::chrono::steady_clock::now();
   while (!end_.load(std::memory_order_acquire)) {
-    if (!is_ready && heartbeat_.good_frames.load(std::memory_order_relaxed) > 0) {
-      is_ready = true;
-      static_cast<void>(sd_notify(0, "READY=1"));
+    const std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now();
+    bool has_frame = false, is_alive = now - started < kLongestStart;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (heartbeat_ != nullptr) {
+        started = now;
+        has_frame = heartbeat_->good_frames.load(std::memory_order_relaxed) > 0;
+        const std::uint64_t iterations_now = heartbeat_->iterations.load(std::memory_order_relaxed);
+        is_alive = std::exchange(iterations, iterations_now) != iterations_now;
+      }
     }
-    const std::uint64_t iterations_now = heartbeat_.iterations.load(std::memory_order_relaxed);
-    if (is_watched && iterations_now != iterations) static_cast<void>(sd_notify(0, "WATCHDOG=1"));
-    iterations = iterations_now;
+    if (has_frame && !std::exchange(is_ready, true)) static_cast<void>(sd_notify(0, "READY=1"));
+    if (is_watched && is_alive) static_cast<void>(sd_notify(0, "WATCHDOG=1"));
     std::this_thread::sleep_for(period);
   }
 }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <mutex>
 #include <string>
 #include <thread>
 
@@ -13,7 +15,7 @@ namespace touchline {
 /// and the loop makes no system calls for it. Does nothing without a service manager ($NOTIFY_SOCKET).
 class ServiceNotifier {
  public:
-  /// `heartbeat` must outlive the notifier.
+  /// `heartbeat` must outlive the notifier, or the next call of watch().
   explicit ServiceNotifier(const LoopHeartbeat& heartbeat);
   ~ServiceNotifier() { end(); }
   ServiceNotifier(const ServiceNotifier&) = delete;
@@ -23,20 +25,27 @@ class ServiceNotifier {
   [[nodiscard]] bool is_enabled() const { return enabled_; }
   /// Sends one line; `line` has no line end. Callable from any thread but the loop's, because it may block.
   void status(const std::string& line) const;
+  /// Watches another loop from now on; null: one is being started, which may take kLongestStart.
+  void watch(const LoopHeartbeat* heartbeat);
   /// Sends STOPPING=1, once, which ends the watchdog.
   void end();
 
  private:
   void work();
 
-  const LoopHeartbeat& heartbeat_;
+  // Opening a camera and setting its controls.
+  static constexpr std::chrono::seconds kLongestStart{15};
+
+  std::mutex mutex_;
+  const LoopHeartbeat* heartbeat_;
   const bool enabled_;
   std::atomic<bool> end_{false};
   std::thread thread_;
 };
 
-/// Calls Loop::run(), then ServiceNotifier::end(). The program may then still wait for a camera that is being
-/// configured or opened, which the watchdog must not mistake for a hanging loop. The robots have already been stopped.
+/// Calls Loop::run(), then ServiceNotifier::end() unless another loop follows (LoopEnd::kRestart). The program may then
+/// still wait for a camera that is being configured or opened, which the watchdog must not mistake for a hanging loop.
+/// The robots have already been stopped.
 LoopEnd run(Loop& loop, ServiceNotifier& service, const std::atomic<bool>& stop);
 
 }  // namespace touchline

@@ -2,11 +2,26 @@
 
 #include <algorithm>
 
+#include "firmware/config/uncalibrated.h"
+
 namespace touchline {
 
 Result<void> Session::load(const SessionOptions& options) {
   options_ = options;
   TOUCHLINE_TRY(config::load(options.files, *configuration_));
+  return configure_pipeline();
+}
+
+Result<void> Session::load_uncalibrated(const SessionOptions& options) {
+  options_ = options;
+  setup_ = SetupMode::kUncalibrated;
+  Result<void> loaded = config::load(options.files, *configuration_);
+  if (!loaded.ok() && !config::lacks_calibration(*configuration_)) return loaded;
+  config::do_without_calibration(*configuration_);
+  return configure_pipeline();
+}
+
+Result<void> Session::configure_pipeline() {
   if (const Status s = pipeline_->configure(configuration_->pipeline, stage_clock_); !s.ok()) {
     // The checks of the files have passed, so only the error code of the stage is known.
     return failure(s.code(), "%s: together with %s it cannot be used: %s", configuration_->venue_where.file().c_str(),
@@ -36,6 +51,9 @@ Result<void> Session::open(LoopObserver observer) {
   settings.live_update = &live_update_;
   settings.external = external_;
   settings.external.console = console_;
+  settings.external.setup = setup_;
+  settings.restart = restart_;
+  settings.first_number = first_number_;
   settings.snapshots = snapshots_;
   settings.pictures = pictures_;
   loop_ = std::make_unique<Loop>(devices, *pipeline_, settings, *reports_, observer);

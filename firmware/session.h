@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -36,6 +37,21 @@ class Session {
  public:
   /// Reads the files and configures the pipeline. Touches no device. Errors of config::load().
   Result<void> load(const SessionOptions& options);
+  /// As load(), for a venue without camera model or colors: pictures are taken and stop packets sent, nothing is
+  /// recognized, and robots never move. Any other error of the files is one here too.
+  Result<void> load_uncalibrated(const SessionOptions& options);
+  /// After load(): a draft is in use, see SetupMode. Call it before open().
+  void set_draft() {
+    is_draft_ = true;
+    if (setup_ == SetupMode::kCalibrated) setup_ = SetupMode::kDraft;
+  }
+  [[nodiscard]] bool is_calibrated() const { return setup_ != SetupMode::kUncalibrated; }
+  /// Ends the loop with LoopEnd::kRestart when it is set; call it before open().
+  void set_restart(const std::atomic<bool>* restart) { restart_ = restart; }
+  /// The number of the first snapshot, so that the numbers of a run go on in its next session; call it before open().
+  void set_first_number(std::uint64_t number) { first_number_ = number; }
+  [[nodiscard]] std::uint64_t next_number() const { return first_number_ + loop_->statistics().frames; }
+  [[nodiscard]] bool is_draft() const { return is_draft_; }
   /// Replaces the limits of the options; call it before open().
   void limit(std::uint64_t frames, Duration duration) {
     options_.frames = frames;
@@ -69,6 +85,9 @@ class Session {
 
   [[nodiscard]] const config::FilePaths& files() const { return options_.files; }
   [[nodiscard]] const config::Configuration& configuration() const { return *configuration_; }
+  /// The same for those that may use it longer than this object.
+  [[nodiscard]] std::shared_ptr<const config::Configuration> shared_configuration() const { return configuration_; }
+  [[nodiscard]] const SessionOptions& options() const { return options_; }
   [[nodiscard]] Devices& devices() { return devices_; }
   [[nodiscard]] Loop& loop() { return *loop_; }
   [[nodiscard]] ReportRing& reports() { return *reports_; }
@@ -79,6 +98,8 @@ class Session {
   [[nodiscard]] const std::string& gpio_description() const { return gpio_description_; }
 
  private:
+  Result<void> configure_pipeline();
+
   SessionOptions options_;
   const AdaptationRequests* adaptation_ = nullptr;
   bool hold_after_crash_ = false;
@@ -88,9 +109,13 @@ class Session {
   GpioProxy* gpio_proxy_ = nullptr;
   Mailbox<ConsoleInput>* console_ = nullptr;
   PictureExchange* pictures_ = nullptr;
+  const std::atomic<bool>* restart_ = nullptr;
+  std::uint64_t first_number_ = 0;
+  bool is_draft_ = false;
+  SetupMode setup_ = SetupMode::kCalibrated;
   LiveUpdate live_update_;
   // On the heap because they take megabytes.
-  std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
+  std::shared_ptr<config::Configuration> configuration_ = std::make_shared<config::Configuration>();
   std::unique_ptr<Pipeline> pipeline_ = std::make_unique<Pipeline>();
   std::unique_ptr<ReportRing> reports_ = std::make_unique<ReportRing>();
   Devices devices_;

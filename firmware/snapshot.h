@@ -13,7 +13,7 @@ namespace touchline {
 /// What one frame led to, for the threads beside the loop: its StepTrace without pixels, runs and regions. Fixed size,
 /// so that it passes through a SnapshotRing.
 struct Snapshot {
-  std::uint64_t number = 0;          // of processed frames: 0, 1, 2, ... without gaps
+  std::uint64_t number = 0;          // of processed frames: 0, 1, 2, ... without gaps, also across sessions
   std::uint32_t frame_sequence = 0;  // number from the driver; gaps are lost frames
   std::uint16_t width_px = 0, height_px = 0;
   // Capture is the middle of the exposure; `sent`: the radio accepted the packet. Of the loop's clock.

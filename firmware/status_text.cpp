@@ -37,6 +37,7 @@ std::string halt_reasons(std::uint16_t halt) {
   add(kHaltReferee, "the referee stopped the game");
   add(kHaltSilence, "no message of the referee");
   add(kHaltConsole, "stopped from the console");
+  add(kHaltSetup, "the board is being set up (page Set up of the console)");
   add(kHaltTeams, "the referee's team colors or heights do not fit the team file");
   add(kHaltCrash, (halt & kHaltStart) != 0
                       ? "the previous run ended unexpectedly"
@@ -76,6 +77,8 @@ const char* describe_end(LoopEnd end) {
       return "end of the input";
     case LoopEnd::kDeviceLost:
       return "a device was lost for too long";
+    case LoopEnd::kRestart:
+      return "other files are used";
     case LoopEnd::kFault:
       return "a fault that reopening the device cannot fix";
   }

@@ -20,9 +20,10 @@ enum Halt : std::uint16_t {
   kHaltTeams = 64,          // the referee demands team colors or heights that cannot be used
   kHaltSilence = 128,       // a requested referee was never heard, or one that repeats its messages is silent
   kHaltConsole = 256,       // a client of the console stopped the robots
+  kHaltSetup = 512,         // the board is being set up: it is not calibrated, or a draft of its files is in use
 };
 
-constexpr std::uint16_t kExternalHalts = kHaltReferee | kHaltTeams | kHaltSilence | kHaltConsole;
+constexpr std::uint16_t kExternalHalts = kHaltReferee | kHaltTeams | kHaltSilence | kHaltConsole | kHaltSetup;
 
 struct StopRuleSettings {
   Duration stop_after{};               // robots stop when the last good frame is older

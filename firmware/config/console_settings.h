@@ -14,7 +14,7 @@ struct ConsoleSettings {
   std::string token_file = "/var/lib/touchline/console-token";
   std::vector<std::string> hosts, origins;
   double picture_rate_hz = 15.0;
-  std::string setup_socket = "/run/touchline/setup.sock";
+  std::string setup_socket = "/run/touchline-setup/setup.sock";
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor& visit) {

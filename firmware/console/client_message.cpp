@@ -15,7 +15,7 @@ struct MessageWord {
   std::string_view word;
   MessageKind kind;
 };
-constexpr std::array<MessageWord, 10> kMessageWords{{{"watch", MessageKind::kWatch},
+constexpr std::array<MessageWord, 11> kMessageWords{{{"watch", MessageKind::kWatch},
                                                      {"seen", MessageKind::kSeen},
                                                      {"stop", MessageKind::kStop},
                                                      {"start", MessageKind::kStart},
@@ -24,7 +24,8 @@ constexpr std::array<MessageWord, 10> kMessageWords{{{"watch", MessageKind::kWat
                                                      {"drive", MessageKind::kDrive},
                                                      {"ping", MessageKind::kPing},
                                                      {"adaptation", MessageKind::kAdaptation},
-                                                     {"setup", MessageKind::kSetup}}};
+                                                     {"setup", MessageKind::kSetup},
+                                                     {"use_saved", MessageKind::kUseSaved}}};
 
 // Reads members of an object and keeps the first error. Members that nobody asks for are ignored, so that a newer page
 // may send more.

@@ -21,7 +21,19 @@ inline constexpr double kMaxDriveSpeed_mps = 10.0, kMaxDriveTurn_radps = 100.0;
 
 /// A message of a client (docs/console-protocol.md).
 struct ClientMessage {
-  enum class Kind : std::uint8_t { kWatch, kSeen, kStop, kStart, kTake, kRelease, kDrive, kPing, kAdaptation, kSetup };
+  enum class Kind : std::uint8_t {
+    kWatch,
+    kSeen,
+    kStop,
+    kStart,
+    kTake,
+    kRelease,
+    kDrive,
+    kPing,
+    kAdaptation,
+    kSetup,
+    kUseSaved
+  };
   Kind kind = Kind::kPing;
   std::optional<std::int64_t> request;  // number that the answer repeats
 

@@ -6,6 +6,17 @@
 
 namespace touchline::console {
 
+namespace {
+
+Scene scene_of(const Session& session, const std::string& version) {
+  Scene scene = console::scene_of(session.shared_configuration(), session.camera_info(), version);
+  scene.is_draft = session.is_draft();
+  scene.is_calibrated = session.is_calibrated();
+  return scene;
+}
+
+}  // namespace
+
 void Console::attach(Session& session, SnapshotRing& snapshots) {
   snapshots_ = &snapshots;
   session.set_snapshots(&snapshots);
@@ -37,9 +48,9 @@ Result<void> Console::open(Session& session, AdaptationRequests* adaptation, con
     }
     settings.access.token = std::move(token).value();
   }
-  hub_ = std::make_unique<Hub>(HubLinks{*snapshots_, pictures_, input_, reports_, adaptation, print},
-                               scene_of(session.configuration(), camera, version),
-                               HubSettings{plan_.picture_rate_hz, plan_.setup_socket});
+  version_ = version;
+  hub_ = std::make_unique<Hub>(HubLinks{*snapshots_, pictures_, input_, reports_, adaptation, print, use_files_},
+                               scene_of(session, version), HubSettings{plan_.picture_rate_hz, plan_.setup_socket});
   server_ = std::make_unique<WebServer>(*hub_, std::move(settings));
   return server_->open();
 }
@@ -49,10 +60,31 @@ void Console::work(const Print& print) {
   while (!end_.load(std::memory_order_acquire)) {
     try {
       server_->serve();
+      run_task();
     } catch (const std::exception& error) {  // memory is short: the game goes on
       if (!std::exchange(is_reported, true)) print("console: failed: " + std::string(error.what()));
     }
   }
+}
+
+void Console::begin_session(const Session& session, const std::string& error) {
+  if (!thread_.joinable()) return;
+  std::unique_lock lock(task_mutex_);
+  task_ = [&] {
+    const hal::CameraInfo& camera = session.camera_info();
+    pictures_.reallocate(picture_layout(camera.format, camera.width_px, camera.height_px).bytes);
+    hub_->begin_session(scene_of(session, version_), error);
+  };
+  server_->wake();
+  task_done_.wait(lock, [this] { return !task_; });
+}
+
+void Console::run_task() {
+  const std::scoped_lock lock(task_mutex_);
+  if (!task_) return;
+  const std::function<void()> task = std::exchange(task_, nullptr);
+  task_done_.notify_all();  // whoever waits goes on when the lock is free
+  task();
 }
 
 void Console::stop() {

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 
@@ -28,6 +31,11 @@ class Console {
   /// real-time priority, which the thread would inherit. `print` is called on this and on the console's thread. What
   /// fails is printed. `adaptation`: may be null.
   void start(Session& session, AdaptationRequests* adaptation, const std::string& version, const Print& print);
+  /// Replaces the session that it shows; call it after the next one's Session::open() and before its loop runs.
+  /// `error`: why it is not the one that was wanted, or "".
+  void begin_session(const Session& session, const std::string& error);
+  /// Loads files for the next session; called on the console's thread. Call it before start().
+  void set_use_files(std::function<Result<void>(const config::FilePaths& draft)> use) { use_files_ = std::move(use); }
   /// Ends the thread.
   void stop();
 
@@ -40,6 +48,7 @@ class Console {
  private:
   Result<void> open(Session& session, AdaptationRequests* adaptation, const std::string& version, const Print& print);
   void work(const Print& print);
+  void run_task();
 
   const ConsolePlan plan_;
   PictureExchange pictures_;
@@ -48,6 +57,11 @@ class Console {
   SnapshotRing* snapshots_ = nullptr;
   std::unique_ptr<Hub> hub_;
   std::unique_ptr<WebServer> server_;
+  std::function<Result<void>(const config::FilePaths&)> use_files_;
+  std::string version_;
+  std::mutex task_mutex_;
+  std::condition_variable task_done_;
+  std::function<void()> task_;  // for the console's thread
   std::uint16_t port_ = 0;
   std::atomic<bool> end_{false};
   std::thread thread_;

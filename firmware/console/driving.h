@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -25,6 +26,17 @@ class Driving {
   explicit Driving(std::vector<RobotId> robots) : robots_(std::move(robots)) {}
 
   void stop() { set_stopped(true); }
+  /// Other files describe other robots: nobody is driven any more.
+  void set_robots(std::vector<RobotId> robots) {
+    robots_ = std::move(robots);
+    clear_commands();
+  }
+  [[nodiscard]] const std::vector<RobotId>& robots() const { return robots_; }
+  /// Whether the driver drives a robot at the moment.
+  [[nodiscard]] bool is_driving(Instant now) const {
+    return std::any_of(input_.commands.begin(), input_.commands.end(),
+                       [now](const ExternalCommand& command) { return now - command.received <= kConsoleCommandAge; });
+  }
   /// kPermission: the client is not the driver. Robots that were driven stay with the console.
   Result<void> start(ClientNumber client);
   /// The client becomes the driver, also if there is one.
@@ -55,7 +67,7 @@ class Driving {
   void set_stopped(bool stopped);
   void clear_commands();
 
-  const std::vector<RobotId> robots_;
+  std::vector<RobotId> robots_;
   ConsoleInput input_;
   bool changed_ = false;
   std::optional<ClientNumber> driver_;

@@ -88,11 +88,11 @@ std::string name_of_robot(Team team, RobotId id) {
 }
 
 Rgb color_of_team(const Scene& scene, Team team) {
-  return rgb_of(scene, scene.configuration.pipeline.marker.teams[index_of(team)].team_color);
+  return rgb_of(scene, scene.configuration->pipeline.marker.teams[index_of(team)].team_color);
 }
 
 void write_ball_circle(JsonWriter& json, const FoxgloveFrame& frame, int divisor) {
-  const BallParameters& parameters = frame.scene.configuration.pipeline.marker.ball;
+  const BallParameters& parameters = frame.scene.configuration->pipeline.marker.ball;
   const BallSighting& ball = frame.snapshot.ball;
   // As wide as the ball appears where it is.
   const PixelPoint beside =
@@ -126,7 +126,7 @@ void write_robot_outline(JsonWriter& json, const FoxgloveFrame& frame, const Rob
 }
 
 void write_robot_label(JsonWriter& json, const FoxgloveFrame& frame, const RobotSighting& robot, int divisor) {
-  const MarkerLayout& layout = frame.scene.configuration.pipeline.marker.teams[index_of(robot.team)].layout;
+  const MarkerLayout& layout = frame.scene.configuration->pipeline.marker.teams[index_of(robot.team)].layout;
   json.begin_object();
   write_time(json, "timestamp", frame.captured_s);
   json.key("position");
@@ -166,7 +166,7 @@ void write_line(JsonWriter& json, const std::vector<FieldPoint>& points) {
 }
 
 void write_field_entity(JsonWriter& json, const FoxgloveFrame& frame) {
-  const FieldParameters& field = frame.scene.configuration.pipeline.marker.field;
+  const FieldParameters& field = frame.scene.configuration->pipeline.marker.field;
   const float x = field.length_m / 2, y = field.width_m / 2, goal_y = field.goal_width_m / 2;
   begin_entity(json, "lines", frame.captured_s);
   json.key("lines");
@@ -193,7 +193,7 @@ void write_field_entity(JsonWriter& json, const FoxgloveFrame& frame) {
 }
 
 void write_game_entity(JsonWriter& json, const FoxgloveFrame& frame) {
-  const MarkerParameters& marker = frame.scene.configuration.pipeline.marker;
+  const MarkerParameters& marker = frame.scene.configuration->pipeline.marker;
   const Tracks& tracks = frame.snapshot.tracks;
   begin_entity(json, "game", frame.captured_s);
   json.key("cubes");
@@ -261,7 +261,7 @@ std::string base64_of(std::span<const std::byte> bytes) {
 void write_foxglove_server_info(JsonWriter& json, const Scene& scene, std::string_view session) {
   json.begin_object();
   write_word(json, "op", "serverInfo");
-  write_word(json, "name", "touchline " + scene.version + ", board " + scene.configuration.board.name);
+  write_word(json, "name", "touchline " + scene.version + ", board " + scene.configuration->board.name);
   json.key("capabilities");
   json.begin_array();
   json.end_array();

@@ -15,6 +15,8 @@ class FrameFeed {
   /// `frame_period`: a frame whose processing takes longer has missed its deadline; zero: not known.
   FrameFeed(SnapshotRing& ring, Duration frame_period) : reader_(ring), frame_period_(frame_period) {}
 
+  /// Another camera's.
+  void set_frame_period(Duration period) { frame_period_ = period; }
   /// Reads all waiting snapshots.
   void read();
   /// Null: there has been none.
@@ -42,7 +44,7 @@ class FrameFeed {
   void count(const Snapshot& snapshot);
 
   SnapshotReader reader_;
-  const Duration frame_period_;
+  Duration frame_period_;
   std::unique_ptr<std::array<Snapshot, kKept>> kept_ = std::make_unique<std::array<Snapshot, kKept>>();
   std::uint64_t count_ = 0;
   LatencyWindow latency_;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/config/uncalibrated.h"
 #include "firmware/console/messages.h"
 #include "firmware/console/protocol.h"
 #include "firmware/report/trace_json.h"
@@ -54,7 +55,7 @@ void write_camera(JsonWriter& json, const hal::CameraInfo& camera) {
 
 /// Pixels of a grid of points on the field at the heights of floor and markers, so that the page needs no camera model.
 void write_projection(JsonWriter& json, const Scene& scene) {
-  const MarkerParameters& marker = scene.configuration.pipeline.marker;
+  const MarkerParameters& marker = scene.configuration->pipeline.marker;
   const FieldParameters& field = marker.field;
   const double half_x = static_cast<double>(field.length_m / 2 + field.goal_depth_m + field.margin_m);
   const double half_y = static_cast<double>(field.width_m / 2 + field.margin_m);
@@ -99,7 +100,7 @@ void write_projection(JsonWriter& json, const Scene& scene) {
 }
 
 std::string_view name_of(const Scene& scene, ColorId color) {
-  const auto& colors = scene.configuration.venue.color;
+  const auto& colors = scene.configuration->venue.color;
   return color == kBackground || color > colors.size() ? std::string_view() : colors[color - 1U].name;
 }
 
@@ -142,7 +143,7 @@ void write_robot(JsonWriter& json, const Scene& scene, Team team, const TeamMark
 void write_robots(JsonWriter& json, const Scene& scene) {
   json.begin_array();
   for (const Team team : {Team::kOwn, Team::kOpponent}) {
-    const TeamMarking& marking = scene.configuration.pipeline.marker.teams[index_of(team)];
+    const TeamMarking& marking = scene.configuration->pipeline.marker.teams[index_of(team)];
     for (const RobotMarking& robot : marking.robots) write_robot(json, scene, team, marking, robot);
   }
   json.end_array();
@@ -150,7 +151,7 @@ void write_robots(JsonWriter& json, const Scene& scene) {
 
 void write_classes(JsonWriter& json, const Scene& scene) {
   json.begin_array();
-  for (const config::ColorEntry& color : scene.configuration.venue.color) {
+  for (const config::ColorEntry& color : scene.configuration->venue.color) {
     json.begin_object();
     write_text(json, "name", color.name);
     json.key("rgb");
@@ -163,20 +164,24 @@ void write_classes(JsonWriter& json, const Scene& scene) {
 }  // namespace
 
 std::array<std::uint8_t, 3> rgb_of(const Scene& scene, ColorId color) {
-  const auto& colors = scene.configuration.venue.color;
+  const auto& colors = scene.configuration->venue.color;
   return color == kBackground || color > colors.size() ? std::array<std::uint8_t, 3>{128, 128, 128}
                                                        : colors[color - 1U].shown_rgb;
 }
 
-Scene scene_of(const config::Configuration& configuration, const hal::CameraInfo& camera, std::string version) {
-  Scene scene{configuration, camera, std::move(version), {}};
+Scene scene_of(std::shared_ptr<const config::Configuration> configuration, const hal::CameraInfo& camera,
+               std::string version) {
+  Scene scene;
+  scene.configuration = std::move(configuration);
+  scene.camera = camera;
+  scene.version = std::move(version);
   // Checked when the files were read.
-  static_cast<void>(scene.model.configure(configuration.pipeline.camera));
+  static_cast<void>(scene.model.configure(scene.configuration->pipeline.camera));
   return scene;
 }
 
 void write_hello(JsonWriter& json, const Scene& scene, bool has_setup, std::uint32_t you, double now_unix_s) {
-  const config::Configuration& configuration = scene.configuration;
+  const config::Configuration& configuration = *scene.configuration;
   json.begin_object();
   write_text(json, "type", "hello");
   json.key("protocol");
@@ -194,8 +199,15 @@ void write_hello(JsonWriter& json, const Scene& scene, bool has_setup, std::uint
   write_field(json, configuration.pipeline.marker.field);
   json.key("camera");
   write_camera(json, scene.camera);
+  json.key("calibrated");
+  json.boolean(scene.is_calibrated);
+  write_text(json, "using", word_of_files(scene));
   json.key("projection");
-  write_projection(json, scene);
+  if (scene.is_calibrated || config::has_camera_model(configuration)) {
+    write_projection(json, scene);
+  } else {
+    json.null();
+  }
   json.key("robots");
   write_robots(json, scene);
   json.key("classes");

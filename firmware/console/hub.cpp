@@ -15,15 +15,15 @@ using namespace std::chrono_literals;
 constexpr std::size_t kFirstTextBytes = std::size_t{64} * 1024;
 constexpr double kDefaultStateHz = 15.0;
 
+}  // namespace
+
 std::vector<RobotId> own_robots(const Scene& scene) {
   std::vector<RobotId> ids;
-  for (const RobotMarking& robot : scene.configuration.pipeline.marker.teams[0].robots) ids.push_back(robot.id);
+  for (const RobotMarking& robot : scene.configuration->pipeline.marker.teams[0].robots) ids.push_back(robot.id);
   return ids;
 }
 
 Duration period_of_rate(double rate_hz) { return rate_hz > 0.0 ? from_seconds(1.0 / rate_hz) : Duration::zero(); }
-
-}  // namespace
 
 Hub::Hub(const HubLinks& links, Scene scene, const HubSettings& settings)
     : links_(links),
@@ -36,6 +36,7 @@ Hub::Hub(const HubLinks& links, Scene scene, const HubSettings& settings)
       setup_(settings.setup_socket, clients_, links.print),
       text_(kMessagePrefix + kFirstTextBytes) {
   setup_.set_hello(setup_hello_text(scene_));
+  is_held_ = scene_.is_draft || !scene_.is_calibrated;
 }
 
 void Hub::tick(Instant now) {
@@ -45,6 +46,7 @@ void Hub::tick(Instant now) {
     links_.print("console: robots are stopped, because the driver (client " + std::to_string(*driving_.driver()) +
                  ") was silent for a second");
   }
+  update_setup_wish(now);
   pass_on();
   if (now >= next_second_) {
     next_second_ = std::max(next_second_ + 1s, now);
@@ -65,7 +67,7 @@ void Hub::tick(Instant now) {
 }
 
 void Hub::pass_on() {
-  if (driving_.take_change()) links_.input.put(driving_.input());
+  if (driving_.take_change()) links_.input.put(input_now());
 }
 
 void Hub::announce_driver() {
@@ -115,6 +117,7 @@ bool Hub::receive(Client& client, std::string_view text, Instant now) {
   } else {
     answer.error = message.text();
   }
+  update_setup_wish(now);
   pass_on();
   if (!is_answered) return true;
   client.answers.push_back(std::move(answer));
@@ -157,6 +160,8 @@ Result<void> Hub::obey(Client& client, const ClientMessage& message, Instant now
       return driving_.drive(client.number, message.id, message.twist, now);
     case Kind::kSetup:  // see pass_to_setup()
       return {};
+    case Kind::kUseSaved:
+      return leave_setup(client);
     case Kind::kAdaptation:
       return change_adaptation(client, message.adaptation);
   }

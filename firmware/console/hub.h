@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -71,6 +72,8 @@ struct HubLinks {
   SharedReports& reports;
   AdaptationRequests* adaptation;  // null: none
   Print print;                     // for a line of the log
+  // Loads these files, or the saved ones if they are empty, for a session that follows this one. Empty: impossible.
+  std::function<Result<void>(const config::FilePaths& draft)> use_files{};
 };
 
 struct HubSettings {
@@ -78,12 +81,19 @@ struct HubSettings {
   std::string setup_socket;       // of the setup program; "": there is none
 };
 
+/// Ids of the robots of the own team.
+std::vector<RobotId> own_robots(const Scene& scene);
+/// Zero: the rate is zero.
+Duration period_of_rate(double rate_hz);
+
 /// The console without its sockets: decides which client gets which message, and passes on what clients want. For one
 /// thread.
 class Hub {
  public:
   Hub(const HubLinks& links, Scene scene, const HubSettings& settings);
 
+  /// Another session has begun. `error`: why it is not the one that was wanted, or "".
+  void begin_session(Scene scene, const std::string& error);
   /// Call it every few milliseconds while somebody watches, else a few times a second.
   void tick(Instant now);
   /// Null: there are too many.
@@ -125,6 +135,11 @@ class Hub {
   Result<void> change_adaptation(const Client& client, AdaptationMode wanted);
   void pass_on();
   void serve_setup(Instant now);
+  void obey(const SetupOrder& order);
+  Result<void> use(const SetupOrder& order);
+  void update_setup_wish(Instant now);
+  Result<void> leave_setup(const Client& client);
+  [[nodiscard]] ConsoleInput input_now() const;
   /// Whether the setup program will answer; else `answer` has the error.
   bool pass_to_setup(const Client& client, std::string_view text, const ClientMessage& message, Answer& answer);
   Outgoing setup_message(Client& client);
@@ -170,6 +185,10 @@ class Hub {
   Instant next_second_{};
   std::list<Client> clients_;
   SetupRelay setup_;
+  std::optional<SetupOrder> order_;  // a session for it is about to begin
+  bool is_held_ = false;             // a draft is or was in use, and the saved files are not in use again
+  bool is_trying_ = false;           // robots play with the draft
+  SetupWish wish_ = SetupWish::kNone;
   ClientNumber last_number_ = 0;
   StatusReport report_;  // the newest
   bool is_picture_failure_reported_ = false;

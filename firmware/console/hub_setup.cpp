@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -7,7 +8,7 @@
 namespace touchline::console {
 
 std::string setup_hello_text(const Scene& scene) {
-  const config::Configuration& configuration = scene.configuration;
+  const config::Configuration& configuration = *scene.configuration;
   const auto path = [](const config::Locations& where) {
     std::error_code unknown;
     const std::filesystem::path absolute = std::filesystem::absolute(where.file(), unknown);
@@ -19,8 +20,8 @@ std::string setup_hello_text(const Scene& scene) {
                              {"board", path(configuration.board_where)},
                              {"venue", path(configuration.venue_where)},
                              {"team", path(configuration.team_where)},
-                             {"using", "saved"},
-                             {"calibrated", true},
+                             {"using", word_of_files(scene)},
+                             {"calibrated", scene.is_calibrated},
                              {"camera",
                               {{"width_px", scene.camera.width_px},
                                {"height_px", scene.camera.height_px},
@@ -40,10 +41,90 @@ void write_setup_program(report::JsonWriter& json, bool is_running) {
 
 void Hub::serve_setup(Instant now) {
   setup_.serve(now);
+  while (const std::optional<SetupOrder> order = setup_.next_order()) obey(*order);
   if (!setup_.wants_frame(now)) return;
   const Snapshot* const snapshot = has_picture(setup_.next_frame()) ? feed_.find(pictures_.number()) : nullptr;
   if (snapshot == nullptr) return pictures_.request(now);
   setup_.send_frame(*pictures_.frame(), snapshot->number, captured_unix_s(*snapshot, unix_time_), now);
+}
+
+void Hub::begin_session(Scene scene, const std::string& error) {
+  scene_ = std::move(scene);
+  pictures_.restart();
+  feed_.set_frame_period(period_of_rate(scene_.camera.rate_hz));
+  driving_.set_robots(own_robots(scene_));
+  is_trying_ = false;
+  const bool is_saved = !scene_.is_draft && scene_.is_calibrated && error.empty();
+  // Robots that stood because of a draft start when a person says so.
+  if (is_saved && std::exchange(is_held_, false)) driving_.stop();
+  is_held_ = is_held_ || scene_.is_draft || !scene_.is_calibrated;
+  for (Client& client : clients_) client.wants_hello = true;
+  setup_.set_hello(setup_hello_text(scene_));
+  if (order_) setup_.answer(*order_, error, scene_.is_calibrated);
+  order_.reset();
+  if (!error.empty()) links_.print("console: setup: " + error);
+  wish_ = is_held_ ? SetupWish::kStand : SetupWish::kNone;
+  links_.input.put(input_now());
+}
+
+void Hub::obey(const SetupOrder& order) {
+  using Kind = SetupOrder::Kind;
+  if (order.kind == Kind::kUseDraft || order.kind == Kind::kUseSaved) {
+    const Result<void> used = use(order);
+    if (used.ok()) return;  // begin_session() answers
+    setup_.answer(order, used.text(), scene_.is_calibrated);
+    links_.print("console: setup: " + used.text());
+    return;
+  }
+  const bool is_possible = scene_.is_draft && scene_.is_calibrated;
+  is_trying_ = order.kind == Kind::kTry && is_possible && !driving_.is_stopped();
+  const bool is_refused = order.kind == Kind::kTry && !is_trying_;
+  const char* const reason = is_possible ? "robots are stopped: press Start first" : "no calibrated draft is in use";
+  setup_.answer(order, is_refused ? reason : "", scene_.is_calibrated);
+}
+
+Result<void> Hub::use(const SetupOrder& order) {
+  if (!links_.use_files) return failure(ErrorCode::kUnsupported, "this program cannot use other files");
+  if (order_) return failure(ErrorCode::kBusy, "other files are being loaded");
+  if (order.kind == SetupOrder::Kind::kUseDraft) is_held_ = true;
+  is_trying_ = false;
+  // Robots stand already while the files are being read.
+  update_setup_wish(hal::MonotonicClock::read());
+  pass_on();
+  TOUCHLINE_TRY(links_.use_files(order.files));
+  order_ = order;
+  return {};
+}
+
+Result<void> Hub::leave_setup(const Client& client) {
+  TOUCHLINE_TRY(driving_.require_driver(client.number));
+  if (!is_held_) return {};
+  return use({});
+}
+
+void Hub::update_setup_wish(Instant now) {
+  if (!setup_.is_running() || driving_.is_stopped()) is_trying_ = false;
+  const bool may_move = setup_.is_running() && scene_.is_draft && !order_ && (is_trying_ || driving_.is_driving(now));
+  const SetupWish wish = !is_held_ ? SetupWish::kNone : may_move ? SetupWish::kPermit : SetupWish::kStand;
+  if (std::exchange(wish_, wish) != wish) links_.input.put(input_now());
+}
+
+ConsoleInput Hub::input_now() const {
+  ConsoleInput input = driving_.input();
+  input.setup = wish_;
+  if (wish_ != SetupWish::kPermit || is_trying_) return input;
+  // One robot is driven with a draft: the others stand.
+  const Instant now = hal::MonotonicClock::read();
+  for (const RobotId id : driving_.robots()) {
+    const bool is_driven = std::any_of(input.commands.begin(), input.commands.end(),
+                                       [id](const ExternalCommand& command) { return command.id == id; });
+    ExternalCommand stand;
+    stand.id = id;
+    stand.received = now;
+    // There are no more robots than commands.
+    if (!is_driven) static_cast<void>(input.commands.push_back(stand));
+  }
+  return input;
 }
 
 bool Hub::pass_to_setup(const Client& client, std::string_view text, const ClientMessage& message, Answer& answer) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -19,19 +20,24 @@
 // The messages of the server in JSON (docs/console-protocol.md).
 namespace touchline::console {
 
-/// What does not change while the program runs.
+/// What does not change while the loop runs.
 struct Scene {
-  const config::Configuration& configuration;
+  std::shared_ptr<const config::Configuration> configuration;
   hal::CameraInfo camera;
   std::string version;  // of the program
   CameraModel model;    // of the configuration
+  bool is_draft = false, is_calibrated = true;
 };
-Scene scene_of(const config::Configuration& configuration, const hal::CameraInfo& camera, std::string version);
+Scene scene_of(std::shared_ptr<const config::Configuration> configuration, const hal::CameraInfo& camera,
+               std::string version);
 
 /// R, G and B of a color of the venue file; gray for the background.
 std::array<std::uint8_t, 3> rgb_of(const Scene& scene, ColorId color);
 /// The corners of the robot's square at the height of its marker. Meaningless without heading.
 std::array<PixelPoint, 4> outline_px(const Scene& scene, const RobotSighting& robot);
+
+/// "saved" or "draft".
+constexpr std::string_view word_of_files(const Scene& scene) { return scene.is_draft ? "draft" : "saved"; }
 
 /// Result of a message of a client.
 struct Answer {

@@ -28,6 +28,8 @@ class PictureSource {
   /// Asks for a picture, unless one is on its way or the last one was asked for too recently. The current picture is
   /// given back.
   void request(Instant now);
+  /// The exchange has forgotten its request and its picture.
+  void restart() { is_outstanding_ = is_current_ = false; }
   /// Whether a picture has come since the last call.
   bool poll();
   /// Null: there is no picture at the moment.

@@ -86,6 +86,7 @@ void SetupRelay::end(const Error& error) {
   if (std::exchange(reported_, text) != text) print_(text);
   state_.reset();
   frames_wanted_ = 0;
+  orders_.clear();
   for (const Request& request : std::exchange(requests_, {})) {
     Client* const client = find(request.client);
     if (client != nullptr) client->answers.push_back({request.number, error.text.str() + "; " + kNotRunning});
@@ -183,6 +184,7 @@ Result<void> SetupRelay::obey(SetupMessage&& message) {
     frames_wanted_ = static_cast<int>(std::min<std::int64_t>(integer_of(object, "count"), kMaxFrames));
     return {};
   }
+  if (*type == "use" || *type == "try") return take_order(object);
   const auto parcel = parcel_of(message.text);
   const bool is_state = *type == "setup";
   if (is_state) state_ = parcel;
@@ -195,6 +197,44 @@ Result<void> SetupRelay::obey(SetupMessage&& message) {
     }
   }
   return {};
+}
+
+Result<void> SetupRelay::take_order(const Json& object) {
+  const auto text = [&object](const char* name) {
+    const auto found = object.find(name);
+    return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
+  SetupOrder order;
+  order.request = integer_of(object, "request");
+  if (text("type") == "try") {
+    const auto on = object.find("on");
+    const bool begins = on != object.end() && on->is_boolean() && on->get<bool>();
+    order.kind = begins ? SetupOrder::Kind::kTry : SetupOrder::Kind::kEndTry;
+  } else if (text("source") == "draft") {
+    order.kind = SetupOrder::Kind::kUseDraft;
+    order.files.board = text("board");
+    order.files.venue = text("venue");
+    order.files.team = text("team");
+  } else if (text("source") != "saved") {
+    return failure(ErrorCode::kOutOfRange, "its \"source\" is neither \"draft\" nor \"saved\"");
+  }
+  orders_.push_back(std::move(order));
+  return {};
+}
+
+std::optional<SetupOrder> SetupRelay::next_order() {
+  if (orders_.empty()) return std::nullopt;
+  SetupOrder order = std::move(orders_.front());
+  orders_.pop_front();
+  return order;
+}
+
+void SetupRelay::answer(const SetupOrder& order, const std::string& error, bool is_calibrated) {
+  const bool is_use = order.kind == SetupOrder::Kind::kUseDraft || order.kind == SetupOrder::Kind::kUseSaved;
+  Json text{{"type", is_use ? "used" : "tried"}, {"to", order.request}, {"ok", error.empty()}};
+  if (is_use) text["calibrated"] = is_calibrated;
+  if (!error.empty()) text["error"] = error;
+  link_.send(text_of(text));
 }
 
 void SetupRelay::pass_answer(SetupMessage&& message, ClientNumber to, std::int64_t request) {

@@ -1,20 +1,30 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <list>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/types.h"
+#include "firmware/config/configuration.h"
 #include "firmware/console/client.h"
 #include "firmware/console/setup_link.h"
 #include "firmware/network/reopening.h"
 
 namespace touchline::console {
+
+/// What the setup program wants of the firmware itself.
+struct SetupOrder {
+  enum class Kind : std::uint8_t { kUseSaved, kUseDraft, kTry, kEndTry } kind = Kind::kUseSaved;
+  std::int64_t request = 0;
+  config::FilePaths files;  // of kUseDraft
+};
 
 /// Passes messages between the clients of the console and the setup program (docs/console-protocol.md), and answers
 /// those of the program that concern the firmware. For the console's thread.
@@ -32,6 +42,10 @@ class SetupRelay {
   Result<void> pass_command(const Client& client, std::string_view text, std::int64_t request);
   /// The client begins or ends to watch.
   void watch(Client& client, bool watches);
+  /// What the program has ordered since the last call.
+  std::optional<SetupOrder> next_order();
+  /// The answer to an order. `error`: "" if it was obeyed.
+  void answer(const SetupOrder& order, const std::string& error, bool is_calibrated);
   void tell_driver(std::optional<ClientNumber> driver);
   void forget(ClientNumber client);
 
@@ -56,6 +70,7 @@ class SetupRelay {
   void end(const Error& error);
   void announce();
   Result<void> obey(SetupMessage&& message);
+  Result<void> take_order(const nlohmann::json& object);
   Result<void> pass_binary(std::vector<std::byte> binary, ClientNumber only);
   void pass_answer(SetupMessage&& message, ClientNumber to, std::int64_t request);
   Client* find(ClientNumber number);
@@ -69,6 +84,7 @@ class SetupRelay {
   bool was_running_ = false;
   std::string reported_;  // the last error in the log
   std::shared_ptr<Parcel> state_;
+  std::deque<SetupOrder> orders_;
   std::vector<Request> requests_;  // that the program has not answered
   int frames_wanted_ = 0;
   Instant next_frame_time_{};

@@ -24,15 +24,16 @@ struct HaltWord {
   Halt bit;
   std::string_view word;
 };
-constexpr std::array<HaltWord, 9> kHaltWords{{{kHaltNoFrames, "no_frames"},
-                                              {kHaltEmergency, "emergency"},
-                                              {kHaltUnreadableLine, "unreadable_line"},
-                                              {kHaltStart, "start"},
-                                              {kHaltCrash, "crash"},
-                                              {kHaltReferee, "referee"},
-                                              {kHaltTeams, "teams"},
-                                              {kHaltSilence, "silence"},
-                                              {kHaltConsole, "console"}}};
+constexpr std::array<HaltWord, 10> kHaltWords{{{kHaltNoFrames, "no_frames"},
+                                               {kHaltEmergency, "emergency"},
+                                               {kHaltUnreadableLine, "unreadable_line"},
+                                               {kHaltStart, "start"},
+                                               {kHaltCrash, "crash"},
+                                               {kHaltReferee, "referee"},
+                                               {kHaltTeams, "teams"},
+                                               {kHaltSilence, "silence"},
+                                               {kHaltConsole, "console"},
+                                               {kHaltSetup, "setup"}}};
 
 std::string_view word_of_phase(GamePhase phase) {
   constexpr std::array<std::string_view, 5> kWords{"no referee", "halt", "stop", "prepare", "running"};
@@ -71,7 +72,7 @@ void write_outline(JsonWriter& json, const Scene& scene, const RobotSighting& ro
 }
 
 void write_sighting(JsonWriter& json, const Scene& scene, const RobotSighting& robot) {
-  const MarkerLayout& layout = scene.configuration.pipeline.marker.teams[index_of(robot.team)].layout;
+  const MarkerLayout& layout = scene.configuration->pipeline.marker.teams[index_of(robot.team)].layout;
   json.begin_object();
   write_identity(json, word_of(robot.team), robot.id);
   write_place(json, robot.pose.position);
@@ -199,7 +200,7 @@ void write_state(JsonWriter& json, const Scene& scene, const Snapshot& snapshot,
 }
 
 std::array<PixelPoint, 4> outline_px(const Scene& scene, const RobotSighting& robot) {
-  const MarkerLayout& layout = scene.configuration.pipeline.marker.teams[index_of(robot.team)].layout;
+  const MarkerLayout& layout = scene.configuration->pipeline.marker.teams[index_of(robot.team)].layout;
   const float half = layout.robot_side_m / 2;
   constexpr std::array<std::array<float, 2>, 4> kCorners{{{1, 1}, {-1, 1}, {-1, -1}, {1, -1}}};
   const float cosine = std::cos(robot.pose.theta_rad), sine = std::sin(robot.pose.theta_rad);

@@ -28,15 +28,30 @@ void ConsoleServer::start() {
   camera.rate_hz = 100.0;
   pictures_.allocate(std::size_t{3} * kWidth * kHeight);
   const Print print = [this](const std::string& line) { reports.events.add("info", line); };
-  hub_ = std::make_unique<Hub>(HubLinks{*snapshots_, pictures_, mailbox_, reports, &adaptation, print},
-                               scene_of(*configuration_, camera, "1.2.3"), HubSettings{picture_rate_hz, setup_socket});
+  hub_ = std::make_unique<Hub>(HubLinks{*snapshots_, pictures_, mailbox_, reports, &adaptation, print, use_files},
+                               scene_of(configuration_, camera, "1.2.3"), HubSettings{picture_rate_hz, setup_socket});
   server_ = std::make_unique<WebServer>(*hub_, settings);
   const Result<void> opened = server_->open();
   ASSERT_TRUE(opened.ok()) << opened.text();
   loop_ = std::thread([this] { run_loop(); });
   console_ = std::thread([this] {
-    while (!end_) server_->serve();
+    while (!end_) {
+      server_->serve();
+      if (task_) std::exchange(task_, nullptr)();
+    }
   });
+}
+
+void ConsoleServer::begin_session_later(bool is_draft, bool is_calibrated, std::string error) {
+  task_ = [this, is_draft, is_calibrated, error = std::move(error)] {
+    hal::CameraInfo camera;
+    camera.width_px = kWidth;
+    camera.height_px = kHeight;
+    Scene scene = scene_of(configuration_, camera, "1.2.3");
+    scene.is_draft = is_draft;
+    scene.is_calibrated = is_calibrated;
+    hub_->begin_session(std::move(scene), error);
+  };
 }
 
 void ConsoleServer::end() {

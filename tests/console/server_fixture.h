@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <functional>
 #include <mutex>
 #include <thread>
 
@@ -27,6 +28,9 @@ class ConsoleServer : public ::testing::Test {
     const std::scoped_lock lock(mutex_);
     return input_;
   }
+  /// Lets a session begin, as the main thread does. Call it in `use_files`, on the console's thread: the hub is told
+  /// with its next turn.
+  void begin_session_later(bool is_draft, bool is_calibrated, std::string error = {});
   /// Waits until the loop has got this, for at most half a minute.
   template <class Condition>
   [[nodiscard]] bool eventually(const Condition& condition) const {
@@ -40,6 +44,8 @@ class ConsoleServer : public ::testing::Test {
   WebServerSettings settings{"127.0.0.1", 0, "", {}};
   double picture_rate_hz = 30.0;
   std::string setup_socket;
+  /// What the hub asks for; empty: it may not.
+  std::function<Result<void>(const config::FilePaths&)> use_files;
   std::atomic<bool> camera_delivers{true};
   bool is_crowded = false;  // before start(): 22 robots, and pictures whose JPEG is large
   std::atomic<std::uint64_t> pictures_copied{0}, frames{0};
@@ -49,13 +55,14 @@ class ConsoleServer : public ::testing::Test {
  private:
   void run_loop();
 
-  std::unique_ptr<config::Configuration> configuration_ = std::make_unique<config::Configuration>();
+  std::shared_ptr<config::Configuration> configuration_ = std::make_shared<config::Configuration>();
   std::unique_ptr<SnapshotRing> snapshots_ = std::make_unique<SnapshotRing>();
   PictureExchange pictures_;
   Mailbox<ConsoleInput> mailbox_;
   mutable std::mutex mutex_;
   ConsoleInput input_;  // as the loop has taken it
   std::unique_ptr<Hub> hub_;
+  std::function<void()> task_;  // of the console's thread
   std::unique_ptr<WebServer> server_;
   std::atomic<bool> end_{false};
   std::thread loop_, console_;

@@ -278,5 +278,81 @@ TEST_F(SetupRelayTest, AProgramThatDoesNotReadIsLostAndTheConsoleGoesOn) {
   EXPECT_EQ(ask(page, "stop", {}, 99)["ok"], true);
 }
 
+TEST_F(SetupRelayTest, WithADraftRobotsStandExceptOneThatIsDrivenAndATry) {
+  std::atomic<int> drafts{0};
+  use_files = [this, &drafts](const config::FilePaths& files) -> Result<void> {
+    drafts += files.board == "/draft/board.toml" ? 1 : 0;
+    begin_session_later(!files.board.empty(), true);
+    return {};
+  };
+  start_both();
+  SocketPage driver(port());
+  wait_for_program(driver, true);
+  become_driver(driver);
+  EXPECT_EQ(input().setup, SetupWish::kNone);
+  peer->send(R"({"type":"use","request":4,"source":"draft","board":"/draft/board.toml"})");
+  const json used = peer->read_type("used").text;
+  EXPECT_EQ(used["to"], 4);
+  EXPECT_EQ(used["ok"], true);
+  EXPECT_EQ(drafts, 1);
+  EXPECT_EQ(read_json(driver, "hello")["using"], "draft");
+  EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kStand; }));
+
+  driver.send_text(text_of("drive", R"("id":1,"speed_mps":0.5,"turn_radps":0)"));
+  EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kPermit; }));
+  const ConsoleInput driven = input();
+  EXPECT_EQ(driven.commands.size(), 5U) << "every own robot has a command";
+  for (const ExternalCommand& command : driven.commands) {
+    EXPECT_EQ(command.twist.v_mps, command.id == 1 ? 0.5f : 0.0f);
+  }
+  EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kStand; })) << "0.3 s later";
+
+  peer->send(R"({"type":"try","request":5,"on":true})");
+  EXPECT_EQ(peer->read_type("tried").text["ok"], true);
+  EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kPermit; }));
+  EXPECT_EQ(ask(driver, "stop", {}, 6)["ok"], true);
+  EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kStand && input().stop; })) << "a stop ends a try";
+  EXPECT_EQ(ask(driver, "start", {}, 7)["ok"], true);
+  EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kStand && !input().stop; }));
+
+  peer->send(R"({"type":"try","request":8,"on":true})");
+  EXPECT_EQ(peer->read_type("tried").text["ok"], true);
+  EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kPermit; }));
+  peer->leave();
+  EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kStand; })) << "nobody watches over the draft";
+  EXPECT_EQ(ask(driver, "use_saved", {}, 9)["ok"], true);
+  EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kNone && input().stop; })) << "until Start";
+}
+
+TEST_F(SetupRelayTest, ADraftThatCannotBeUsedLeavesRobotsStopped) {
+  use_files = [](const config::FilePaths& /*files*/) { return failure(ErrorCode::kNotFound, "/draft: no such file"); };
+  start_both();
+  SocketPage page(port());
+  peer->send(R"({"type":"use","request":4,"source":"draft","board":"/draft/board.toml"})");
+  const json used = peer->read_type("used").text;
+  EXPECT_EQ(used["ok"], false);
+  EXPECT_EQ(used["error"], "/draft: no such file");
+  EXPECT_TRUE(eventually([&] { return input().setup == SetupWish::kStand; }));
+  EXPECT_TRUE(is_in_log("/draft: no such file"));
+  peer->send(R"({"type":"try","request":5,"on":true})");
+  EXPECT_EQ(peer->read_type("tried").text["ok"], false);
+}
+
+TEST_F(SetupRelayTest, WithoutCalibrationNothingMoves) {
+  use_files = [this](const config::FilePaths& files) -> Result<void> {
+    begin_session_later(!files.board.empty(), false);
+    return {};
+  };
+  start_both();
+  SocketPage page(port());
+  wait_for_program(page, true);
+  peer->send(R"({"type":"use","request":4,"source":"draft","board":"/draft/board.toml"})");
+  EXPECT_EQ(peer->read_type("used").text["calibrated"], false);
+  EXPECT_EQ(read_json(page, "hello")["calibrated"], false);
+  peer->send(R"({"type":"try","request":5,"on":true})");
+  EXPECT_EQ(peer->read_type("tried").text["ok"], false);
+  EXPECT_EQ(input().setup, SetupWish::kStand);
+}
+
 }  // namespace
 }  // namespace touchline::console

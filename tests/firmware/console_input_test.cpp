@@ -48,6 +48,27 @@ TEST_F(ConsoleInputTest, AStopIsAReasonToHaltUntilItIsTakenBack) {
   EXPECT_EQ(input->halt(kLoopTime + 1h, 1s), kHaltNone);
 }
 
+TEST_F(ConsoleInputTest, ADraftOfTheFilesMovesNothingUnlessTheConsolePermits) {
+  const auto halt_of = [this](SetupMode mode, SetupWish wish) {
+    ExternalInputSettings settings;
+    settings.console = &console;
+    settings.setup = mode;
+    input.emplace(settings);
+    EXPECT_EQ(input->halt(kLoopTime, 1s), mode == SetupMode::kCalibrated ? kHaltNone : kHaltSetup) << "at first";
+    ConsoleInput wanted;
+    wanted.setup = wish;
+    console.put(wanted);
+    input->take(kLoopTime, kMachineTime);
+    return input->halt(kLoopTime, 1s);
+  };
+  EXPECT_EQ(halt_of(SetupMode::kCalibrated, SetupWish::kNone), kHaltNone);
+  EXPECT_EQ(halt_of(SetupMode::kCalibrated, SetupWish::kStand), kHaltSetup);
+  EXPECT_EQ(halt_of(SetupMode::kDraft, SetupWish::kNone), kHaltSetup);
+  EXPECT_EQ(halt_of(SetupMode::kDraft, SetupWish::kStand), kHaltSetup);
+  EXPECT_EQ(halt_of(SetupMode::kDraft, SetupWish::kPermit), kHaltNone);
+  EXPECT_EQ(halt_of(SetupMode::kUncalibrated, SetupWish::kPermit), kHaltSetup);
+}
+
 TEST_F(ConsoleInputTest, TheConsoleComesBeforeOtherPrograms) {
   ExternalCommands table;
   table.push_back(turn(1, 1.0f, kMachineTime));

@@ -1,0 +1,62 @@
+#include "firmware/config/uncalibrated.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "core/geometry/camera_model.h"
+
+namespace touchline::config {
+namespace {
+
+// A table with its camera as most teams have it.
+constexpr float kUsualLengthM = 1.5f, kUsualWidthM = 1.3f, kUsualHeightM = 2.0f;
+// The field fills most of the picture.
+constexpr float kFocalOfWidth = 0.9f;
+constexpr float kPi = 3.14159265f;
+
+}  // namespace
+
+bool has_camera_model(const Configuration& configuration) {
+  const CameraParameters& camera = configuration.venue.camera_model;
+  const char* const model = camera.kind == CameraModelKind::kFull ? "camera_model.full" : "camera_model.paper";
+  return configuration.venue_where.has(model) && CameraModel().configure(camera).ok();
+}
+
+bool lacks_calibration(const Configuration& configuration) {
+  const Locations& where = configuration.venue_where;
+  const bool was_read = where.has("picture") || where.has("field") || where.has("version");
+  return was_read && (configuration.venue.color.empty() || !where.has("camera_model"));
+}
+
+void do_without_calibration(Configuration& configuration) {
+  const hal::CameraSettings& picture = configuration.board.camera;
+  PipelineParameters& out = configuration.pipeline;
+  const KernelChoice kernel = out.scan.kernel;
+  const float low_battery_v = out.low_battery_v;
+  out = *std::make_unique<PipelineParameters>();  // too large for the stack
+  out.scan.kernel = kernel;
+  out.low_battery_v = low_battery_v;
+  out.scan.format = hal::pixel_format(picture.format);
+  out.scan.width_px = picture.width_px;
+  out.scan.height_px = picture.height_px;
+  out.adaptation.mode = AdaptationMode::kOff;
+  FieldParameters& field = out.marker.field;
+  field = configuration.venue.field;
+  if (!(field.length_m > 0.0f)) field.length_m = kUsualLengthM;
+  if (!(field.width_m > 0.0f)) field.width_m = kUsualWidthM;
+  if (has_camera_model(configuration)) {
+    out.camera = configuration.venue.camera_model;
+    return;
+  }
+  FullModelParameters model;
+  model.fx_px = model.fy_px = kFocalOfWidth * static_cast<float>(picture.width_px);
+  model.cx_px = static_cast<float>(picture.width_px) / 2;
+  model.cy_px = static_cast<float>(picture.height_px) / 2;
+  model.rotation_rad = {kPi, 0.0f, 0.0f};  // looks down
+  model.position_m = {0.0f, 0.0f, std::max(kUsualHeightM, field.length_m)};
+  out.camera = {};
+  out.camera.kind = CameraModelKind::kFull;
+  out.camera.full = model;
+}
+
+}  // namespace touchline::config

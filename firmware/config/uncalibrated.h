@@ -1,0 +1,19 @@
+#pragma once
+
+#include "firmware/config/configuration.h"
+
+namespace touchline::config {
+
+/// Whether the venue file was read and lacks its camera model or its colors: all that a guided setup has to find. For a
+/// configuration that load() refused.
+bool lacks_calibration(const Configuration& configuration);
+
+/// Replaces `configuration.pipeline` by parameters with which nothing is recognized, for pictures as the board file
+/// describes them. The camera model remains if the venue has one; otherwise it is that of a camera above the middle of
+/// the field, so that all places are finite.
+void do_without_calibration(Configuration& configuration);
+
+/// Whether the venue file has a camera model that can be used.
+bool has_camera_model(const Configuration& configuration);
+
+}  // namespace touchline::config

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <atomic>
+#include <cstdio>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "firmware/report_printer.h"
+#include "firmware/session.h"
+
+namespace touchline {
+
+/// Hands a session that was loaded on another thread to the thread of the loop, which ends the present one for it.
+class SessionSwitch {
+ public:
+  /// For the loading thread. Replaces a session that was not taken.
+  void offer(std::unique_ptr<Session> next) {
+    const std::scoped_lock lock(mutex_);
+    next_ = std::move(next);
+    is_waiting_.store(true, std::memory_order_release);
+  }
+  /// For the loop, as LoopSettings::restart.
+  [[nodiscard]] const std::atomic<bool>& is_waiting() const { return is_waiting_; }
+  /// After the loop has ended.
+  std::unique_ptr<Session> take() {
+    const std::scoped_lock lock(mutex_);
+    is_waiting_.store(false, std::memory_order_relaxed);
+    return std::move(next_);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::unique_ptr<Session> next_;
+  std::atomic<bool> is_waiting_{false};
+};
+
+/// Prints the lines of threads that live longer than the printer of a session.
+class LinePrinter {
+ public:
+  /// Null: there is none at the moment.
+  void set(ReportPrinter* printer) {
+    const std::scoped_lock lock(mutex_);
+    printer_ = printer;
+  }
+  void print(const std::string& line) {
+    const std::scoped_lock lock(mutex_);
+    if (printer_ != nullptr) {
+      printer_->print_line(line);
+    } else {
+      std::fprintf(stderr, "%s\n", line.c_str());
+    }
+  }
+
+ private:
+  std::mutex mutex_;
+  ReportPrinter* printer_ = nullptr;
+};
+
+}  // namespace touchline

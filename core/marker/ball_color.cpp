@@ -33,16 +33,16 @@ Rgb chroma_of(const Rgb& rgb) {
   return {rgb[0] - mean, rgb[1] - mean, rgb[2] - mean};
 }
 
-Lanes<float> in_all_lanes(float value) { return Lanes<float>{value, value, value, value}; }
+Simd4<float> broadcast4(float value) { return Simd4<float>{value, value, value, value}; }
 
-bool any(Lanes<std::int32_t> mask) {
+bool any(Simd4<std::int32_t> mask) {
   const auto halves = __builtin_bit_cast(std::array<std::uint64_t, 2>, mask);
   return (halves[0] | halves[1]) != 0;
 }
 
 // Bit i: lane i of the comparison is true.
-std::uint32_t bits_of(const std::array<Lanes<std::int32_t>, 2>& is_true) {
-  using Four = Lanes<std::int32_t>;
+std::uint32_t bits_of(const std::array<Simd4<std::int32_t>, 2>& is_true) {
+  using Four = Simd4<std::int32_t>;
   const Four bits = (is_true[0] & Four{1, 2, 4, 8}) | (is_true[1] & Four{16, 32, 64, 128});
   const auto halves = __builtin_bit_cast(std::array<std::uint64_t, 2>, bits);
   const std::uint64_t both = halves[0] | halves[1];
@@ -71,14 +71,14 @@ BallColor::BallColor(const Rgb& ball, const Rgb& floor) : ball_(ball), floor_(fl
   }
   const float least_chroma = kColorful * (has_hue_ ? saturation : kNoHue * saturation) + kPixelNoise_levels;
   for (std::size_t c = 0; c < 3; ++c) {
-    floor_lanes_[c] = in_all_lanes(floor[c]);
-    floor_chroma_[c] = in_all_lanes(of_floor[c]);
-    way_[c] = in_all_lanes(way[c] / dot(way, way));
-    hue_[c] = in_all_lanes(axis[c]);
+    floor_vectors_[c] = broadcast4(floor[c]);
+    floor_chroma_[c] = broadcast4(of_floor[c]);
+    way_[c] = broadcast4(way[c] / dot(way, way));
+    hue_[c] = broadcast4(axis[c]);
   }
-  least_along_ = in_all_lanes(kMinSaturation * saturation);
-  tolerance_ = in_all_lanes(tolerance);
-  least_chroma2_ = in_all_lanes(least_chroma * least_chroma);
+  least_along_ = broadcast4(kMinSaturation * saturation);
+  tolerance_ = broadcast4(tolerance);
+  least_chroma2_ = broadcast4(least_chroma * least_chroma);
 }
 
 bool BallColor::differs_from_floor() const {
@@ -87,38 +87,38 @@ bool BallColor::differs_from_floor() const {
 }
 
 std::uint32_t BallColor::is_ball(const PixelGroup& rgb) const {
-  std::array<Lanes<std::int32_t>, 2> is_like;
+  std::array<Simd4<std::int32_t>, 2> is_like;
   for (std::size_t half = 0; half < 2; ++half) {
-    const Lanes<float> r = rgb[0][half], g = rgb[1][half], b = rgb[2][half];
+    const Simd4<float> r = rgb[0][half], g = rgb[1][half], b = rgb[2][half];
     is_like[half] =
-        (r - floor_lanes_[0]) * way_[0] + (g - floor_lanes_[1]) * way_[1] + (b - floor_lanes_[2]) * way_[2] >=
-        in_all_lanes(kMinContrast);
+        (r - floor_vectors_[0]) * way_[0] + (g - floor_vectors_[1]) * way_[1] + (b - floor_vectors_[2]) * way_[2] >=
+        broadcast4(kMinContrast);
   }
   if (!any(is_like[0] | is_like[1])) return 0;
   for (std::size_t half = 0; half < 2; ++half) {
-    Lanes<float> x = rgb[0][half], y = rgb[1][half], z = rgb[2][half];
+    Simd4<float> x = rgb[0][half], y = rgb[1][half], z = rgb[2][half];
     if (has_hue_) {
-      const Lanes<float> white = (x + y + z) / 3.0f;
+      const Simd4<float> white = (x + y + z) / 3.0f;
       x -= white;
       y -= white;
       z -= white;
     }
-    const Lanes<float> along = x * hue_[0] + y * hue_[1] + z * hue_[2];
+    const Simd4<float> along = x * hue_[0] + y * hue_[1] + z * hue_[2];
     // Rounding may make it negative; `allowed` is not 0.
-    const Lanes<float> across2 = x * x + y * y + z * z - along * along;
-    const Lanes<float> allowed = kPixelNoise_levels + tolerance_ * along;
+    const Simd4<float> across2 = x * x + y * y + z * z - along * along;
+    const Simd4<float> allowed = kPixelNoise_levels + tolerance_ * along;
     is_like[half] &= (along > least_along_) & (across2 < allowed * allowed);
   }
   return bits_of(is_like);
 }
 
 std::uint32_t BallColor::is_colorful(const PixelGroup& rgb) const {
-  std::array<Lanes<std::int32_t>, 2> is_strong;
+  std::array<Simd4<std::int32_t>, 2> is_strong;
   for (std::size_t half = 0; half < 2; ++half) {
-    const Lanes<float> r = rgb[0][half], g = rgb[1][half], b = rgb[2][half];
-    const Lanes<float> white = (r + g + b) / 3.0f;
-    const Lanes<float> x = r - white, y = g - white, z = b - white;
-    const Lanes<float> dx = x - floor_chroma_[0], dy = y - floor_chroma_[1], dz = z - floor_chroma_[2];
+    const Simd4<float> r = rgb[0][half], g = rgb[1][half], b = rgb[2][half];
+    const Simd4<float> white = (r + g + b) / 3.0f;
+    const Simd4<float> x = r - white, y = g - white, z = b - white;
+    const Simd4<float> dx = x - floor_chroma_[0], dy = y - floor_chroma_[1], dz = z - floor_chroma_[2];
     is_strong[half] = (x * x + y * y + z * z > least_chroma2_) & (dx * dx + dy * dy + dz * dz > least_chroma2_);
   }
   return bits_of(is_strong);

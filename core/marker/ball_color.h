@@ -8,10 +8,10 @@ namespace touchline {
 
 /// Four values in a register: all supported processors have such registers.
 template <class T>
-using Lanes [[gnu::vector_size(16)]] = T;
+using Simd4 [[gnu::vector_size(16)]] = T;
 /// R, G, B above black of eight pixels.
 constexpr int kGroupSize = 8;
-using PixelGroup = std::array<std::array<Lanes<float>, 2>, 3>;
+using PixelGroup = std::array<std::array<Simd4<float>, 2>, 3>;
 
 /// Tells the ball's color from others by its hue, which neither the lamps' reflection on the ball nor its dark side
 /// changes under white light, and by its difference from the floor.
@@ -30,12 +30,12 @@ class BallColor {
   [[nodiscard]] std::uint32_t is_colorful(const PixelGroup& rgb) const;
 
  private:
-  using ChannelLanes = std::array<Lanes<float>, 3>;
+  using ChannelVectors = std::array<Simd4<float>, 3>;
 
   Rgb ball_, floor_;
-  // The same value in all lanes.
-  ChannelLanes floor_lanes_, floor_chroma_, way_, hue_;
-  Lanes<float> least_along_, tolerance_, least_chroma2_;
+  // The same value in all four places.
+  ChannelVectors floor_vectors_, floor_chroma_, way_, hue_;
+  Simd4<float> least_along_, tolerance_, least_chroma2_;
   bool has_hue_ = false;
 };
 

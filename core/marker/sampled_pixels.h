@@ -60,11 +60,11 @@ class SampledPixels {
       _Pragma("GCC unroll 8") for (std::size_t i = 0; i < kGroupSize; ++i) value[c][i] = pixels[offset[kEvery * i]];
     }
     _Pragma("GCC unroll 2") for (std::size_t half = 0; half < 2; ++half) {
-      std::array<Lanes<float>, 3> above_black;
+      std::array<Simd4<float>, 3> above_black;
       _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) {
-        Lanes<std::int32_t> four;
+        Simd4<std::int32_t> four;
         std::memcpy(&four, &value[c][4 * half], sizeof four);
-        above_black[c] = __builtin_convertvector(four, Lanes<float>);
+        above_black[c] = __builtin_convertvector(four, Simd4<float>);
       }
       if (info_.space != ColorSpace::kRgb) above_black = rgb_of(above_black);
       _Pragma("GCC unroll 3") for (std::size_t c = 0; c < 3; ++c) out[c][half] = above_black[c];
@@ -73,18 +73,18 @@ class SampledPixels {
 
  private:
   // As to_rgb().
-  [[nodiscard]] std::array<Lanes<float>, 3> rgb_of(const std::array<Lanes<float>, 3>& value) const {
+  [[nodiscard]] std::array<Simd4<float>, 3> rgb_of(const std::array<Simd4<float>, 3>& value) const {
     const auto number = [](int integer) { return static_cast<float>(integer); };
     const auto black = [&](std::size_t c) { return number(black_value(info_.space, c)); };
     const YuvToRgb yuv = yuv_to_rgb(info_.space);
-    const Lanes<float> u = value[1] - black(1), v = value[2] - black(2);
-    const Lanes<float> bright = number(yuv.luma) * (value[0] - black(0));
-    std::array<Lanes<float>, 3> rgb{bright + number(yuv.red_v) * v,
+    const Simd4<float> u = value[1] - black(1), v = value[2] - black(2);
+    const Simd4<float> bright = number(yuv.luma) * (value[0] - black(0));
+    std::array<Simd4<float>, 3> rgb{bright + number(yuv.red_v) * v,
                                     bright - number(yuv.green_u) * u - number(yuv.green_v) * v,
                                     bright + number(yuv.blue_u) * u};
-    for (Lanes<float>& channel : rgb) {
+    for (Simd4<float>& channel : rgb) {
       channel /= float{YuvToRgb::kOne};
-      channel = channel > 0.0f ? channel : Lanes<float>{};
+      channel = channel > 0.0f ? channel : Simd4<float>{};
     }
     return rgb;
   }

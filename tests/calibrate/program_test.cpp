@@ -54,7 +54,8 @@ class Program : public touchline::testing::ProgramFolder {
 TEST_F(Program, CreatesAVenueFile) {
   ASSERT_TRUE(run(field() + corners_ + " --camera-height 1.8 --roi 5,5 315,5 315,235 5,235")) << read("out");
   EXPECT_NE(read("out").find("4 points: too few to measure the accuracy"), std::string::npos) << read("out");
-  EXPECT_NE(read("out").find("unknown: the lens distortion is taken as none"), std::string::npos) << read("out");
+  EXPECT_NE(read("out").find("unknown: lens distortion, which is assumed to be zero"), std::string::npos)
+      << read("out");
   ASSERT_TRUE(run("light --picture " + path("grey.png") + venue())) << read("out");
   ASSERT_TRUE(run("colors --samples " + path("clicks.json") + venue() + " --preview " + path("seen"))) << read("out");
   const Result<VenueDraft> venue_read = read_draft(path("venue.toml"));

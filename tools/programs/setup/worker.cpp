@@ -32,7 +32,7 @@ namespace {
     error = formatted("this work failed: %s", fault.what());
   }
   reporter.send({{"type", "done"}, {"error", error}});
-  // Destructors and exit handlers belong to the program that was copied.
+  // Without destructors and exit handlers: those are the parent's to run.
   ::_exit(EXIT_SUCCESS);
 }
 

@@ -135,14 +135,13 @@ std::string residual_text(const FieldReport& report) {
 
 namespace {
 
-// What a few points leave open, and what to do about it.
+// Names the parameters that a few points do not determine, and says how to measure them.
 std::string describe_unknowns(const FieldReport& report) {
   const FieldFit& fit = report.fit;
   if (report.refinement.points > 0 || fit.has_distortion) return "";
   std::string out = formatted(
-      "unknown: the lens distortion is taken as none; if the lens has k1 = %.1f, as many wide ones have, the field is "
-      "up "
-      "to %.0f mm off between the points\n",
+      "unknown: lens distortion, which is assumed to be zero; if the lens has k1 = %.1f, as many wide ones have, the "
+      "field is up to %.0f mm off between the points\n",
       kWideLensK1, 1e3 * distortion_effect_m(fit.camera, report.points));
   if (report.height == HeightSource::kMeasured) {
     out += formatted(

@@ -12,7 +12,7 @@
 namespace touchline::testing {
 namespace {
 
-constexpr int kWidth = 60, kHeight = 40;
+constexpr int kBlobWidth = 60, kBlobHeight = 40;
 
 // A region of overlapping discs, as runs.
 struct Blob {
@@ -32,12 +32,12 @@ Blob blob_of(std::mt19937& random, std::size_t discs) {
   }
   Blob blob;
   double sum_u = 0, sum_v = 0;
-  for (int v = 0; v < kHeight; ++v) {
+  for (int v = 0; v < kBlobHeight; ++v) {
     const auto is_inside = [&](int u) {
       return std::any_of(all.begin(), all.end(),
                          [&](const Disc& disc) { return std::hypot(u - disc.u, v - disc.v) < disc.radius; });
     };
-    for (int u = 0; u < kWidth; ++u) {
+    for (int u = 0; u < kBlobWidth; ++u) {
       if (!is_inside(u)) continue;
       const int begin = u;
       for (; is_inside(u); ++u) {

@@ -62,8 +62,20 @@ void BoxShift::observe(ColorId color, const std::array<float, 3>& deviation, flo
 }
 
 ColorBoxes BoxShift::moved() const {
+  HeldColors held{};
+  // Every further try holds at least one more color.
+  for (std::size_t tries = 0; tries <= kMaxColors; ++tries) {
+    ColorBoxes moved = moved_except(held);
+    if (separate_all(moved, held)) return moved;
+  }
+  return boxes_;
+}
+
+// The boxes moved by whole levels, except those of the held colors.
+ColorBoxes BoxShift::moved_except(const HeldColors& held) const {
   ColorBoxes moved = boxes_;
   for (ColorBox& box : moved) {
+    if (held[box.color]) continue;
     const std::array<float, 3> shift = of(box.color);
     for (std::size_t channel = 0; channel < 3; ++channel) {
       const int by = static_cast<int>(std::lround(shift[channel]));
@@ -81,6 +93,11 @@ ColorBoxes BoxShift::moved() const {
       }
     }
   }
+  return moved;
+}
+
+// Ends boxes of two colors that overlap halfway. False if one would become empty: both colors are to be held.
+bool BoxShift::separate_all(ColorBoxes& moved, HeldColors& held) const {
   for (std::size_t a = 0; a < boxes_.size(); ++a) {
     for (std::size_t b = a + 1; b < boxes_.size(); ++b) {
       const std::size_t channel = separating_channel(boxes_[a], boxes_[b]);
@@ -88,10 +105,12 @@ ColorBoxes BoxShift::moved() const {
       if (levels_between(moved[a], moved[b], separating_channel(moved[a], moved[b])) >= 0) continue;
       const bool a_below = boxes_[a].high[channel] < boxes_[b].low[channel];
       ColorBox &below = moved[a_below ? a : b], &above = moved[a_below ? b : a];
-      if (!separate(below, above, channel)) return boxes_;
+      if (separate(below, above, channel)) continue;
+      held[below.color] = held[above.color] = true;
+      return false;
     }
   }
-  return moved;
+  return true;
 }
 
 }  // namespace touchline

@@ -27,13 +27,17 @@ class BoxShift {
 
   /// The whole shift, within the limit.
   [[nodiscard]] std::array<float, 3> of(ColorId color) const;
-  /// Returns the boxes, moved by whole levels. Boxes of two colors that would overlap both end halfway. If a box would
-  /// become empty, no box is moved.
+  /// Returns the boxes, moved by whole levels. Boxes of two colors that would overlap both end halfway. If one of them
+  /// would become empty, both colors stay where they were calibrated, and the others move.
   [[nodiscard]] ColorBoxes moved() const;
 
   static constexpr float kMaxStep_levels = 8.0f;
 
  private:
+  using HeldColors = std::array<bool, kMaxColors + 1>;
+  [[nodiscard]] ColorBoxes moved_except(const HeldColors& held) const;
+  [[nodiscard]] bool separate_all(ColorBoxes& moved, HeldColors& held) const;
+
   ColorBoxes boxes_;
   float max_levels_ = 0;
   std::array<std::array<float, 3>, kMaxColors + 1> shift_{}, known_{};

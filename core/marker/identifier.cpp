@@ -14,7 +14,8 @@ namespace {
 
 // Log likelihood that a patch region has the color of its box: 2 is 7 to 1. (The same pixels count a second time as
 // evidence, therefore not more.) White pixels are in several boxes, of which only the first one is known.
-constexpr float kBoxVote = 2.0f;
+// The edge of something else may have pixels of any color.
+constexpr float kBoxVote = 2.0f, kUneven_levels = 25.0f;
 // A margin above this one needs no exact value: the probability of an error is below the rate of other errors.
 constexpr float kClearMargin = 5.0f;
 // Margins are divided by this value before they become a probability, because the errors of a robot's patches are not
@@ -22,6 +23,8 @@ constexpr float kClearMargin = 5.0f;
 constexpr float kTemperature = 1.5f;
 // Log likelihood that a small region of a team color is no robot's team patch.
 constexpr float kTentativeDoubt = 3.0f;
+// Greatest difference in log likelihood of two poses of which one needs another robot's patch.
+constexpr float kNearlyAsWell = 1.0f;
 constexpr float kSimilarPlace = 0.02f, kSimilarHeading = 0.5f;
 // Standard deviations of the logarithm of a robot's light from that of the field around it: robots are higher than the
 // floor, and their gloss differs from that of calibration.
@@ -137,6 +140,50 @@ float Identifier::best_likelihood(const Scene& now, const Candidate& candidate, 
   return best;
 }
 
+// A patch belongs to a single robot. One that is the only explanation of a robot costs other poses of its team that
+// need it: as identification patch, if another pose explains that robot as well without it, and as a doubtful team
+// patch.
+void Identifier::share_patches(const Scene& now) {
+  const MarkerLayout& layout = teams_[now.team].layout;
+  const auto slots = layout.patches.size() - 1;
+  const auto has_patch_at = [&](const PoseEvidence& pose, std::size_t slot, const FieldPoint& at) {
+    return distance_m(on_field(pose.pose, layout.patches[slot + 1]), at) < team_colors_[now.team].radius_m[slot + 1];
+  };
+  for (const Candidate& owner : candidates_) {
+    if (!owner.has_evidence || owner.poses.size() != 1 || now.boxes[owner.robot].is_tentative ||
+        owner.poses[0].best < owner.unknown + kDoubtfulMargin) {
+      continue;
+    }
+    for (std::size_t s = 0; s < slots; ++s) {
+      const FieldPoint at = on_field(owner.poses[0].pose, layout.patches[s + 1]);
+      for (Candidate& other : candidates_) {
+        if (&other == &owner || !other.has_evidence || other.pose_is_sure) continue;
+        if (now.boxes[other.robot].is_tentative && distance_m(other.at, at) < team_colors_[now.team].radius_m[s + 1]) {
+          for (PoseEvidence& pose : other.poses) pose.costs = kDoubtfulMargin;
+          continue;
+        }
+        FixedVector<bool, kMaxPoses> needs;
+        float best = std::numeric_limits<float>::lowest();  // of the poses without this patch
+        for (const PoseEvidence& pose : other.poses) {
+          bool any = false;
+          for (std::size_t k = 0; k < slots; ++k) any = any || has_patch_at(pose, k, at);
+          needs.push_back(any);
+          if (!any) best = std::max(best, pose.best);
+        }
+        for (std::size_t i = 0; i < other.poses.size(); ++i) {
+          if (needs[i] && other.poses[i].best <= best + kNearlyAsWell) other.poses[i].costs = kDoubtfulMargin;
+        }
+      }
+    }
+  }
+  for (Candidate& candidate : candidates_) {
+    for (PoseEvidence& pose : candidate.poses) {
+      for (float& value : pose.value) value -= pose.costs;
+      pose.best -= pose.costs;
+    }
+  }
+}
+
 // False if the team patch cannot be sampled.
 bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
   const TeamMarking& team = teams_[now.team];
@@ -147,7 +194,7 @@ bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
   if (!candidate.has_light) return false;
   SurfaceColor surface;
   for (PoseEvidence& pose : candidate.poses) {
-    pose.floor = 0;
+    pose.floor = pose.costs = 0;
     pose.value.fill(pose.prior);
     for (std::size_t s = 0; s + 1 < team.layout.patches.size(); ++s) {
       const SlotColors& slot = colors.slots[s];
@@ -161,7 +208,7 @@ bool Identifier::evaluate(const Scene& now, Candidate& candidate) const {
         for (std::size_t i = 0; i < slot.colors.size(); ++i) {
           const bool in_box = region != nullptr && region->color == slot.colors[i];
           likelihood[i] = colors_.log_likelihood(surface, candidate.light, slot.colors[i], space, in_box);
-          if (in_box && surface.saturated_channels() < 3) likelihood[i] += kBoxVote;
+          if (in_box && surface.saturated_channels() < 3 && surface.spread < kUneven_levels) likelihood[i] += kBoxVote;
         }
         BorderColor border;
         if ((pose.partner != kMissing || is_doubtful({likelihood.data(), slot.colors.size()})) &&
@@ -285,8 +332,9 @@ void Identifier::identify(const Frame& frame, const ExpectedGain& light, const P
       candidate.robot = i;
       collect_poses(now, candidate);
       candidate.has_evidence = evaluate(now, candidate);
-      evidence.push_back(evidence_of(now, candidate));
     }
+    share_patches(now);
+    for (const Candidate& candidate : candidates_) evidence.push_back(evidence_of(now, candidate));
     AssignedIds assigned;
     assign_ids(evidence, teams_[t].robots.size(), kClearMargin, assigned);
     for (std::size_t k = 0; k < candidates_.size(); ++k) {

@@ -57,6 +57,7 @@ class Identifier {
     float prior = 0;                                              // log likelihood of its patches' places
     std::array<float, kMaxRobotsPerTeam> value{};                 // by index in TeamMarking::robots
     float best = 0;                                               // of all values
+    float costs = 0;                                              // log likelihood that it takes from another robot
     float floor = 0;         // log likelihood ratio that its missing patches are floor
     float search_doubt = 0;  // contained in prior: it is one of many directions in which patches were looked for
     std::uint16_t partner = kMissing;  // team patch that is its saturated identification patch
@@ -106,6 +107,7 @@ class Identifier {
   [[nodiscard]] float prior_of(const Scene& now, const Candidate& candidate, const PoseEvidence& pose) const;
   [[nodiscard]] bool is_free(const Scene& now, std::size_t robot, const PoseEvidence& pose) const;
   bool evaluate(const Scene& now, Candidate& candidate) const;
+  void share_patches(const Scene& now);
   [[nodiscard]] IdEvidence evidence_of(const Scene& now, const Candidate& candidate) const;
   void apply(const Scene& now, std::size_t number, const AssignedIds& assigned, std::span<bool> used,
              Sightings& out) const;

@@ -84,6 +84,25 @@ TEST(BoxShift, BoxesThatWouldOverlapEndHalfway) {
   EXPECT_EQ(moved[1].high[0], 196);
 }
 
+TEST(BoxShift, TwoColorsThatCannotBothMoveDoNotHoldTheOthers) {
+  // The first two pass each other; nothing is left of the narrow one.
+  ColorBoxes boxes;
+  boxes.push_back({1, {100, 50, 50}, {103, 100, 100}});
+  boxes.push_back({2, {105, 50, 50}, {140, 100, 100}});
+  boxes.push_back({3, {200, 50, 50}, {220, 100, 100}});
+  BoxShift shift = shift_of(boxes);
+  shift.set_known(1, {20, 0, 0});
+  shift.set_known(2, {-20, 0, 0});
+  shift.set_known(3, {5, 0, 0});
+  const ColorBoxes moved = shift.moved();
+  for (const std::size_t held : {0U, 1U}) {
+    EXPECT_EQ(moved[held].low, boxes[held].low);
+    EXPECT_EQ(moved[held].high, boxes[held].high);
+  }
+  EXPECT_EQ(moved[2].low[0], 205);
+  EXPECT_EQ(moved[2].high[0], 225);
+}
+
 TEST(BoxShift, BoxesOfTwoColorsNeverOverlap) {
   std::mt19937 random(5);
   for (int round = 0; round < 300; ++round) {

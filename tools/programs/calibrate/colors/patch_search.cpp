@@ -20,6 +20,8 @@ constexpr double kMostElongation = 3.0;
 constexpr int kRim_px = 1;
 // A region with a clearer edge is final; no better one grows inside it.
 constexpr double kClear = 0.25;
+// A region that is smaller than a patch is a part of a round one with a clear edge and this color difference.
+constexpr double kRound = 1.3, kSameShade = 14.0;
 
 // Largest difference to the eight neighbors; small inside a patch.
 int unevenness(const ChannelImage& image, int u, int v) {
@@ -191,11 +193,14 @@ std::vector<FoundPatch> find_patches(const ChannelImage& image, const std::vecto
       const PixelPoint middle{std::round(patch.center.u_px), std::round(patch.center.v_px)};
       grown = grow_region(image, inside, static_cast<double>(middle.u_px), static_cast<double>(middle.v_px), limits);
       if (grown.ok()) patch = patch_of(image, middle, limits.radius_px, std::move(grown).value());
-      // A shaded ball has a part that is more stable than the whole.
+      // The bright part of a shaded ball can be more even than the whole.
       limits.min_area_px = static_cast<std::size_t>(std::ceil(least_area_px(middle, camera, sizes)));
       if (patch.pixels.size() < limits.min_area_px) {
         grown = grow_region(image, inside, static_cast<double>(middle.u_px), static_cast<double>(middle.v_px), limits);
-        if (grown.ok()) patch = patch_of(image, middle, limits.radius_px, std::move(grown).value());
+        if (!grown.ok() || grown.value().instability >= kClear) continue;
+        FoundPatch whole = patch_of(image, middle, limits.radius_px, std::move(grown).value());
+        if (whole.elongation > kRound || difference(whole.lab, patch.lab) > kSameShade) continue;
+        patch = std::move(whole);
       }
       if (!has_size_of_a_patch(patch, camera, sizes) || patch.elongation > kMostElongation ||
           is_shadow(patch.rgb, to_rgb8(floor.at(u, v), image.space))) {

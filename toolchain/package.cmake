@@ -1,5 +1,5 @@
 # The files of a .deb besides the programs, and CPack's settings for it (tools/package).
-install(FILES toolchain/package/touchline.service DESTINATION lib/systemd/system)
+install(FILES toolchain/package/touchline.service toolchain/package/touchline-setup.service DESTINATION lib/systemd/system)
 install(FILES toolchain/package/touchline.rules DESTINATION lib/udev/rules.d RENAME 70-touchline.rules)
 install(FILES toolchain/package/touchline.avahi DESTINATION share/touchline/avahi RENAME touchline.service)
 # The console's page, if tools/console/build has built it.

@@ -49,9 +49,10 @@ Result<SetupFiles> follow(const std::string& board, const std::string& path, con
   TOUCHLINE_TRY_ASSIGN(out.team, named_file(table, path, "team"));
   const auto read_if_present = [&](const std::string& name) -> Result<void> {
     Result<FileContent> content = read(name);
-    if (content.ok()) out.content[name] = std::move(content).value();
-    if (content.ok() || content.code() == ErrorCode::kNotFound) return {};
-    return std::move(content).error();
+    if (content.code() == ErrorCode::kNotFound) return {};
+    if (!content.ok()) return std::move(content).error();
+    out.content[name] = std::move(content).value();
+    return {};
   };
   TOUCHLINE_TRY(read_if_present(out.venue));
   TOUCHLINE_TRY(read_if_present(out.team));
@@ -67,9 +68,9 @@ Result<SetupFiles> follow(const std::string& board, const std::string& path, con
 }  // namespace
 
 const std::string& SetupFiles::text(const std::string& name) const {
-  static const std::string kNone;
+  static const std::string none;
   const auto file = content.find(name);
-  return file == content.end() ? kNone : *file->second;
+  return file == content.end() ? none : *file->second;
 }
 
 bool is_file_name(std::string_view name) {

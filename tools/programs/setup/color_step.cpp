@@ -94,7 +94,8 @@ void add_fit(const calibrate::ColorFit& fit, nlohmann::json& measured) {
 Result<void> show_files(const std::string& folder, const std::string& ending, const char* member, const JobInput& input,
                         const JobOutput& output) {
   for (std::size_t i = 0; i < input.state.color_frames.size(); ++i) {
-    const std::string path = folder + "/" + fs::path(color_image(i)).stem().string() + ending;
+    const std::string path =
+        formatted("%s/%s%s", folder.c_str(), fs::path(color_image(i)).stem().c_str(), ending.c_str());
     const Result<std::string> png = hal::read_file(path, hal::kMaxDataFileBytes);
     if (png.code() == ErrorCode::kNotFound) continue;
     if (!png.ok()) return png.error();

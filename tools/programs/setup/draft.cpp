@@ -40,7 +40,8 @@ Result<void> Draft::begin(const std::string& board_path) {
   }
   TOUCHLINE_TRY(store(state));
   saved_ = std::move(saved);
-  states_.assign(1, std::move(state));
+  states_.clear();
+  states_.push_back(std::move(state));
   current_ = 0;
   return {};
 }

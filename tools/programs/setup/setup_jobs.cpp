@@ -96,7 +96,7 @@ void SetupProgram::handle_work(Message message) {
 }
 
 void SetupProgram::end_job(const std::string& error) {
-  Running ended = std::move(*running_);
+  RunningJob ended = std::move(*running_);
   running_.reset();
   worker_.cancel();
   Result<nlohmann::json> result = ended.result;

@@ -23,6 +23,22 @@ struct SetupOptions {
   std::string socket;
 };
 
+/// Who asked; request 0 wants no answer.
+struct Asker {
+  nlohmann::json client, request = 0;
+};
+
+/// The job that runs, from its first frame to the end of its work.
+struct RunningJob {
+  Job job;
+  Asker asker;
+  std::vector<std::shared_ptr<const calibrate::CameraPicture>> frames;
+  std::chrono::steady_clock::time_point next_frame, give_up;
+  bool waits_for_frame = false;
+  std::string text;
+  nlohmann::json progress = nullptr, result = nullptr;
+  DraftState state;  // what it will become
+};
 /// The program behind "Set up" of the console (docs/console-protocol.md, Guided setup). One thread; long work runs in a
 /// process of its own. Serves one connection, that of the firmware; a new one replaces it.
 class SetupProgram {
@@ -35,10 +51,6 @@ class SetupProgram {
 
  private:
   using Clock = std::chrono::steady_clock;
-  // Who asked; request 0 wants no answer.
-  struct Asker {
-    nlohmann::json client, request = 0;
-  };
   using Handler = Result<nlohmann::json> (SetupProgram::*)(const Arguments&);
   struct Command {
     const char* name;
@@ -120,18 +132,7 @@ class SetupProgram {
   std::vector<Asker> measure_camera_;
   nlohmann::json camera_;
 
-  // The job that runs, from its first frame to the end of its work.
-  struct Running {
-    Job job;
-    Asker asker;
-    std::vector<std::shared_ptr<const calibrate::CameraPicture>> frames;
-    Clock::time_point next_frame, give_up;
-    bool waits_for_frame = false;
-    std::string text;
-    nlohmann::json progress = nullptr, result = nullptr;
-    DraftState state;  // what it will become
-  };
-  std::optional<Running> running_;
+  std::optional<RunningJob> running_;
   Asker asker_;            // of the command that is handled
   bool answered_ = false;  // its job answers later
 };

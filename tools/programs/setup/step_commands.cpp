@@ -71,7 +71,7 @@ Job field_job(const char* command, const char* undo_name, const FieldRequest& re
 
 const std::vector<SetupProgram::Command>& SetupProgram::commands() {
   using P = SetupProgram;
-  static const std::vector<Command> kCommands = {
+  static const std::vector<Command> all = {
       // Name, handler, whether it needs a draft, whether it is possible during long work.
       {"state", &P::state, false, true},
       {"begin", &P::begin, false, false},
@@ -101,7 +101,7 @@ const std::vector<SetupProgram::Command>& SetupProgram::commands() {
       {"robots.set", &P::robots_set, true, false},
       {"radio.set", &P::radio_set, true, false},
   };
-  return kCommands;
+  return all;
 }
 
 Answer SetupProgram::field_find(const Arguments& arguments) {
